@@ -1,0 +1,27 @@
+# make demo | test | bench | format: each installs what is missing, configures, builds and runs.
+.DEFAULT_GOAL := demo
+.PHONY: deps release programs demo test bench format
+
+deps:
+	@deploy/install-deps.sh
+
+release: deps
+	@test -f build/release/build.ninja || cmake --preset release
+
+programs: release
+	@cmake --build --preset release --target lucernad lucerna
+
+demo: programs
+	@deploy/demo.sh build/release
+
+test: release
+	@cmake --build --preset release
+	@ctest --preset release
+
+bench: release
+	@cmake --build --preset release --target bench
+	@build/release/tests/bench/bench
+
+format:
+	@command -v clang-format >/dev/null || deploy/install-deps.sh clang-format
+	@git ls-files '*.h' '*.cpp' | xargs clang-format -i

@@ -1,0 +1,32 @@
+// Probability densities that carry their measure in the type, and the one way between them.
+#pragma once
+
+#include <cmath>
+#include <concepts>
+
+namespace lucerna {
+
+/// Density with respect to solid angle at the receiver [1/sr].
+template <std::floating_point Real>
+struct SolidAnglePdf {
+  Real per_sr{};
+  bool operator==(const SolidAnglePdf&) const = default;
+};
+
+/// Density with respect to area on the light [1/m2].
+template <std::floating_point Real>
+struct AreaPdf {
+  Real per_m2{};
+  bool operator==(const AreaPdf&) const = default;
+};
+
+/// The solid angle that an area A at `distance` [m] subtends is A cos / distance^2, where `cos_light`
+/// is the absolute cosine between the light's normal and the direction to the receiver; so
+/// p_sr = p_area distance^2 / cos.  Infinite where `cos_light` is 0.  [Pharr23, 4.2.3]
+template <std::floating_point Real>
+SolidAnglePdf<Real> to_solid_angle(AreaPdf<Real> pdf, Real distance, Real cos_light) {
+  // One multiplication by distance at a time: distance^2 alone over- or underflows first.
+  return {pdf.per_m2 * distance / cos_light * distance};
+}
+
+}  // namespace lucerna

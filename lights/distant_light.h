@@ -1,0 +1,36 @@
+// The distant light: parallel rays from one direction.
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include "lights/light_sample.h"
+
+namespace lucerna {
+
+struct DistantLightParams {
+  Vec3<double> to_light{0, 0, 1};  ///< world, any length but 0: from the scene to the light
+  Rgb<double> illuminance_lx;      ///< on a surface that faces it, per channel, finite, not negative
+};
+
+template <std::floating_point Real>
+class DistantLight {
+ public:
+  using Params = DistantLightParams;
+  static constexpr bool kDelta = true;
+
+  static absl::StatusOr<DistantLight> create(const Params& params,
+                                             const Vec3<double>& origin_m = {});
+  LightSample<Real> sample_li(const Vec3<Real>& receiver, Vec2<Real> u) const;
+  SolidAnglePdf<Real> pdf_li(const Vec3<Real>& receiver, const Vec3<Real>& wi) const;
+  /// Flux through the scene's bounding disk, E pi R^2.
+  Power power(const SceneSphere& scene) const;
+  const Params& params() const { return params_; }
+
+ private:
+  explicit DistantLight(const Params& params);
+  Params params_;
+  Vec3<Real> to_light_;
+  Rgb<Real> illuminance_;
+};
+
+}  // namespace lucerna

@@ -1,0 +1,32 @@
+// The closed set of light models.  The one place that names them all; everything that depends on
+// which light it is visits the variant, and the compiler names whoever forgot one.
+#pragma once
+
+#include <variant>
+
+#include "lights/area_light.h"
+#include "lights/disk.h"
+#include "lights/distant_light.h"
+#include "lights/infinite_light.h"
+#include "lights/mesh.h"
+#include "lights/point_light.h"
+#include "lights/sphere.h"
+#include "lights/spot_light.h"
+
+namespace lucerna {
+
+template <std::floating_point Real>
+using TriangleMeshLight = AreaLight<Real, TriangleMesh>;
+template <std::floating_point Real>
+using PatchMeshLight = AreaLight<Real, PatchMesh>;
+template <std::floating_point Real>
+using SphereLight = AreaLight<Real, Sphere>;
+template <std::floating_point Real>
+using DiskLight = AreaLight<Real, Disk>;
+
+template <std::floating_point Real>
+using Light = std::variant<PointLight<Real>, SpotLight<Real>, DistantLight<Real>,
+                           UniformInfiniteLight<Real>, TriangleMeshLight<Real>,
+                           PatchMeshLight<Real>, SphereLight<Real>, DiskLight<Real>>;
+
+}  // namespace lucerna

@@ -1,0 +1,43 @@
+// The isotropic point light.
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include "lights/light_sample.h"
+
+namespace lucerna {
+
+struct PointLightParams {
+  Vec3<double> position_m;       ///< world
+  Rgb<double> intensity_cd;      ///< per channel, finite, not negative
+};
+
+template <std::floating_point Real>
+class PointLight {
+ public:
+  using Params = PointLightParams;
+  static constexpr bool kDelta = true;
+
+  /// Positions are kept relative to `origin_m`.  Errors: a field out of its domain.
+  static absl::StatusOr<PointLight> create(const Params& params, const Vec3<double>& origin_m = {});
+
+  /// Intensity over distance squared along `wi`.  kDegenerate where the receiver is the light's own
+  /// position, kOutOfRange where the quotient is no finite number.  [Pharr23, 12.2]
+  LightSample<Real> sample_li(const Vec3<Real>& receiver, Vec2<Real> u) const;
+
+  /// Delta: 0 everywhere.
+  SolidAnglePdf<Real> pdf_li(const Vec3<Real>& receiver, const Vec3<Real>& wi) const;
+
+  /// 4 pi I, exact.
+  Power power(const SceneSphere& scene) const;
+
+  const Params& params() const { return params_; }
+
+ private:
+  explicit PointLight(const Params& params, const Vec3<double>& origin_m);
+  Params params_;
+  Vec3<Real> position_;
+  Rgb<Real> intensity_;
+};
+
+}  // namespace lucerna

@@ -1,0 +1,48 @@
+// The spot light with pbrt-v4's edge: intensity I inside `falloff_start`, 0 outside
+// `cone_half_angle`, and between them smoothstep of the cosine.
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include "lights/light_sample.h"
+
+namespace lucerna {
+
+struct SpotLightParams {
+  Vec3<double> position_m;          ///< world
+  Vec3<double> axis{0, 0, 1};       ///< world, any length but 0: where the light points
+  Rgb<double> intensity_cd;         ///< on the axis, per channel, finite, not negative
+  double cone_half_angle_rad{};     ///< (0, pi]: no light beyond
+  double falloff_start_rad{};       ///< [0, cone_half_angle_rad]: full light within; equal: a hard edge
+};
+
+template <std::floating_point Real>
+class SpotLight {
+ public:
+  using Params = SpotLightParams;
+  static constexpr bool kDelta = true;
+
+  static absl::StatusOr<SpotLight> create(const Params& params, const Vec3<double>& origin_m = {});
+
+  /// Luminous intensity [cd] towards the unit vector `w` (world axes, from the light).  Zero outside
+  /// the cone, continuous at its edge unless the edge is hard.  [Pharr23, 12.2.1]
+  Rgb<Real> intensity(const Vec3<Real>& w) const;
+
+  LightSample<Real> sample_li(const Vec3<Real>& receiver, Vec2<Real> u) const;
+  SolidAnglePdf<Real> pdf_li(const Vec3<Real>& receiver, const Vec3<Real>& wi) const;
+
+  /// 2 pi I ((1 - cos s) + (cos s - cos c) / 2), the smoothstep's mean over the cosine being 1/2; exact.
+  Power power(const SceneSphere& scene) const;
+
+  const Params& params() const { return params_; }
+
+ private:
+  explicit SpotLight(const Params& params, const Vec3<double>& origin_m);
+  Params params_;
+  Vec3<Real> position_, axis_;
+  Rgb<Real> intensity_;
+  // The implementer's choice: 2 sin^2(theta / 2) of both angles, whose difference does not cancel.
+  Real one_minus_cos_start_{}, one_minus_cos_cone_{};
+};
+
+}  // namespace lucerna

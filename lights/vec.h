@@ -1,0 +1,102 @@
+// Vectors of three components, on any floating-point type.  A Vec3 is a point, a direction or a
+// normal by its name; frames are said in names too (`wi_world`, `n_light`).
+#pragma once
+
+#include <cmath>
+#include <concepts>
+
+namespace lucerna {
+
+/// A point of the unit square: two sample values in [0, 1), or surface coordinates.
+template <std::floating_point Real>
+struct Vec2 {
+  Real x{}, y{};
+  bool operator==(const Vec2&) const = default;
+};
+
+template <std::floating_point Real>
+struct Vec3 {
+  Real x{}, y{}, z{};
+
+  Vec3() = default;
+  constexpr Vec3(Real x, Real y, Real z) : x(x), y(y), z(z) {}
+  template <std::floating_point Other>
+  constexpr explicit Vec3(const Vec3<Other>& v)
+      : x(static_cast<Real>(v.x)), y(static_cast<Real>(v.y)), z(static_cast<Real>(v.z)) {}
+
+  bool operator==(const Vec3&) const = default;
+  Real operator[](int axis) const { return axis == 0 ? x : axis == 1 ? y : z; }
+
+  Vec3 operator-() const { return {-x, -y, -z}; }
+  Vec3 operator+(const Vec3& v) const { return {x + v.x, y + v.y, z + v.z}; }
+  Vec3 operator-(const Vec3& v) const { return {x - v.x, y - v.y, z - v.z}; }
+  Vec3 operator*(Real s) const { return {x * s, y * s, z * s}; }
+  Vec3 operator/(Real s) const { return {x / s, y / s, z / s}; }
+  Vec3& operator+=(const Vec3& v) { return *this = *this + v; }
+};
+
+template <std::floating_point Real>
+Vec3<Real> operator*(Real s, const Vec3<Real>& v) {
+  return v * s;
+}
+
+template <std::floating_point Real>
+Real dot(const Vec3<Real>& a, const Vec3<Real>& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+template <std::floating_point Real>
+Vec3<Real> cross(const Vec3<Real>& a, const Vec3<Real>& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+/// Largest absolute component.
+template <std::floating_point Real>
+Real max_abs(const Vec3<Real>& v) {
+  return std::fmax(std::fabs(v.x), std::fmax(std::fabs(v.y), std::fabs(v.z)));
+}
+
+/// Euclidean length.  Scaled by a power of two first, so that the squares of components between
+/// 1e-38 and 1e38 neither overflow nor vanish, and so that scaling by 2^k changes no bit.
+template <std::floating_point Real>
+Real length(const Vec3<Real>& v) {
+  const Real largest = max_abs(v);
+  if (!(largest > 0) || !std::isfinite(largest)) return largest;
+  const int exponent = std::ilogb(largest);
+  const Vec3<Real> s{std::scalbn(v.x, -exponent), std::scalbn(v.y, -exponent),
+                     std::scalbn(v.z, -exponent)};
+  return std::scalbn(std::sqrt(dot(s, s)), exponent);
+}
+
+/// `v` divided by its length; the zero vector where `v` is zero.
+template <std::floating_point Real>
+Vec3<Real> normalized(const Vec3<Real>& v) {
+  const Real l = length(v);
+  return l > 0 ? v / l : Vec3<Real>{};
+}
+
+template <std::floating_point Real>
+bool is_finite(const Vec3<Real>& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+/// An orthonormal right-handed frame (s, t, n).
+template <std::floating_point Real>
+struct Frame {
+  Vec3<Real> s, t, n;
+
+  /// Any frame about the unit vector `n`.  [Duff17]
+  static Frame around(const Vec3<Real>& n) {
+    const Real sign = std::copysign(Real(1), n.z);
+    const Real a = -1 / (sign + n.z);
+    const Real b = n.x * n.y * a;
+    return {{1 + sign * n.x * n.x * a, sign * b, -sign * n.x}, {b, sign + n.y * n.y * a, -n.y}, n};
+  }
+
+  Vec3<Real> world_from_local(const Vec3<Real>& v) const { return s * v.x + t * v.y + n * v.z; }
+  Vec3<Real> local_from_world(const Vec3<Real>& v) const {
+    return {dot(v, s), dot(v, t), dot(v, n)};
+  }
+};
+
+}  // namespace lucerna

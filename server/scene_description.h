@@ -1,0 +1,126 @@
+// What a scene file says, before anything is built from it: shapes, materials, lights and a camera in
+// world space, double precision.  Loaders fill it, the scene compiler consumes it.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "lights/disk.h"
+#include "lights/distant_light.h"
+#include "lights/infinite_light.h"
+#include "lights/point_light.h"
+#include "lights/sphere.h"
+#include "lights/spot_light.h"
+#include "lights/transform.h"
+
+namespace lucerna {
+
+/// Where a file says something.  `file` is relative to the scene root.
+struct SourceLocation {
+  std::string file;
+  int line = 0;    ///< from 1; 0: the file as a whole
+  int column = 0;  ///< from 1
+};
+
+/// Something that a file asks for and that is not modelled, and what was done instead.
+struct Remark {
+  SourceLocation where;
+  std::string what;     ///< "material \"conductor\" is not modelled"
+  std::string instead;  ///< "diffuse, reflectance 0.5"
+};
+
+struct DiffuseMaterial {
+  Rgb<double> reflectance{0.5};  ///< each channel in [0, 1]
+};
+
+/// A triangle mesh in world space (object space within an ObjectDefinition).  Winding is resolved:
+/// cross(p1 - p0, p2 - p0) is the outside, whatever ReverseOrientation, mirrors and vertex normals said.
+struct TriangleMeshData {
+  std::vector<Vec3<double>> positions;
+  std::vector<Vec3<float>> normals;  ///< shading normals, unit, per vertex; empty: flat
+  std::vector<std::uint32_t> indices;  ///< three a triangle, all < positions.size()
+};
+
+/// Bilinear patches, four corners each: (0,0), (1,0), (0,1), (1,1).  cross(dp/du, dp/dv) is the outside.
+struct PatchMeshData {
+  std::vector<Vec3<double>> positions;
+  std::vector<Vec3<float>> normals;  ///< shading normals, unit, per vertex; empty: geometric
+  std::vector<std::uint32_t> indices;  ///< four a patch
+};
+
+struct ShapeDescription {
+  std::variant<TriangleMeshData, PatchMeshData, SphereParams, DiskParams> geometry;
+  std::uint32_t material = 0;  ///< index into SceneDescription::materials
+  /// Set where the shape is an area light; exact level, `scale` and `power` already applied.
+  struct Emission {
+    Rgb<double> radiance_cd_m2;
+    bool two_sided = false;
+    SourceLocation where;
+  };
+  std::optional<Emission> emission;
+  SourceLocation where;
+};
+
+/// A named object; its shapes are in object space and carry no emission.
+struct ObjectDefinition {
+  std::string name;
+  std::vector<ShapeDescription> shapes;
+};
+
+struct InstanceDescription {
+  std::uint32_t object = 0;  ///< index into SceneDescription::objects
+  Transform world_from_object;
+};
+
+/// A light that is no shape.
+struct LightDescription {
+  std::variant<PointLightParams, SpotLightParams, DistantLightParams, UniformInfiniteLightParams>
+      params;
+  SourceLocation where;
+};
+
+/// A pinhole camera.  Camera space is left-handed: +x right, +y up, +z forward.
+struct PerspectiveCamera {
+  Transform world_from_camera;
+  /// The image plane at z = 1: x from screen_min.x (left) to screen_max.x, y from screen_min.y
+  /// (bottom) to screen_max.y, tangents of the half angles.
+  Vec2<double> screen_min{-1, -1}, screen_max{1, 1};
+};
+
+struct Film {
+  int width = 1280;   ///< pixels, after any crop is ignored
+  int height = 720;
+  double scale = 1;   ///< what pixel values are multiplied by (the film's sensor), 1: linear radiance
+};
+
+/// Read as hints: defaults for requests that do not say.
+struct RenderHints {
+  std::optional<int> max_depth;          ///< path length, 1 is direct light only (pbrt's maxdepth)
+  std::optional<int> samples_per_pixel;
+};
+
+/// One file that was read, for digests.
+struct Asset {
+  std::string name;     ///< relative to the scene root
+  std::string sha256;   ///< 32 bytes
+  std::uint64_t bytes = 0;
+};
+
+struct SceneDescription {
+  std::vector<DiffuseMaterial> materials;
+  std::vector<ShapeDescription> shapes;
+  std::vector<ObjectDefinition> objects;
+  std::vector<InstanceDescription> instances;
+  std::vector<LightDescription> lights;  ///< in file order; area lights are in `shapes`
+  PerspectiveCamera camera;
+  Film film;
+  RenderHints hints;
+  std::vector<Remark> remarks;
+  std::vector<Asset> assets;  ///< in the order in which they were first read
+};
+
+}  // namespace lucerna
