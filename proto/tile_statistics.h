@@ -1,0 +1,50 @@
+// The arithmetic of the Tile message (lucerna/v1/render.proto): part of the contract, since servers
+// and clients that merge tiles must get the same bits.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace lucerna {
+
+/// What is known of one channel of one pixel after `replicates` independent blocks of samples.
+/// A block's value is the mean of its samples.
+struct BlockStatistics {
+  double sum = 0;        ///< of the blocks' values
+  double deviation = 0;  ///< sum over blocks of (value - mean)^2
+};
+
+/// Statistics of the blocks of `a` and `b` together, which hold na and nb blocks.  Symmetric.
+/// [Chan83, eq. 2.1]
+BlockStatistics merge(const BlockStatistics& a, std::uint64_t na, const BlockStatistics& b,
+                      std::uint64_t nb);
+
+/// Merges runs of blocks so that the bits depend on which blocks were merged and not on how they were
+/// grouped: runs are joined as in a binary counter (aligned neighbours of equal power-of-two size
+/// first), and what is left at the end is joined from the lowest block up.
+///
+/// `channels` values are carried at once (3 a pixel, pixels in row order).  Runs arrive in order: each
+/// begins where the last ended, its size is a power of two, and its first block a multiple of its size.
+class BlockMerger {
+ public:
+  BlockMerger(std::uint64_t first_block, std::size_t channels);
+
+  /// False (and nothing changes) where the run does not follow the last one or is not aligned.
+  bool add(std::uint64_t first_block, std::uint64_t blocks, std::vector<BlockStatistics> run);
+
+  std::uint64_t blocks() const { return next_ - first_; }
+  /// All blocks so far.
+  std::vector<BlockStatistics> total() const;
+
+ private:
+  struct Run {
+    std::uint64_t first, blocks;
+    std::vector<BlockStatistics> channels;
+  };
+  std::uint64_t first_, next_;
+  std::size_t channels_;
+  std::vector<Run> runs_;
+};
+
+}  // namespace lucerna

@@ -1,0 +1,81 @@
+// Embree behind one small class; accelerator.cpp is the only file that includes it.
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "lights/bilinear_patch.h"
+#include "lights/disk.h"
+#include "lights/sphere.h"
+#include "lights/transform.h"
+#include "server/ray.h"
+
+namespace lucerna {
+
+/// Everything that rays can hit, in one space (the scene's, or an object's).  Each kind is numbered by
+/// itself, in order.
+struct GeometrySet {
+  std::vector<Vec3<float>> vertices;
+  std::vector<std::uint32_t> triangles;  ///< three vertex numbers a triangle
+  std::vector<BilinearPatch<double>> patches;
+  std::vector<Sphere<double>> spheres;
+  std::vector<Disk<double>> disks;
+};
+
+struct GeometryInstance {
+  std::uint32_t object;
+  Transform scene_from_object;
+};
+
+enum class HitKind : std::uint8_t { kTriangle, kPatch, kSphere, kDisk };
+
+struct RawHit {
+  float t{};
+  HitKind kind{};
+  std::uint32_t primitive{};     ///< within its kind, within its GeometrySet
+  std::int32_t instance = -1;    ///< which instance; -1: the scene's own geometry
+  Vec2<float> uv;                ///< triangle: barycentrics of vertices 1 and 2; patch: (u, v)
+};
+
+/// Immutable once built; all const members may be called from any thread.
+class Accelerator {
+ public:
+  /// Takes over `scene` and `objects`.  `isa` names the kernels ("" : the best the machine has;
+  /// "sse2", "sse4.2", "avx", "avx2", "avx512").  Errors: CANCELLED where `stop` was asked for,
+  /// RESOURCE_EXHAUSTED where Embree had no memory, INVALID_ARGUMENT for an isa the machine lacks.
+  static absl::StatusOr<std::unique_ptr<Accelerator>> build(GeometrySet scene,
+                                                            std::vector<GeometrySet> objects,
+                                                            std::vector<GeometryInstance> instances,
+                                                            const std::string& isa,
+                                                            std::stop_token stop);
+  ~Accelerator();
+
+  std::optional<RawHit> closest_hit(const Ray& ray) const;
+  /// True where anything lies at t in (t_min, t_max).
+  bool occluded(const Ray& ray) const;
+  /// Bit i % 8 of bits[i / 8] is set where ray i is occluded; bits.size() >= (rays.size() + 7) / 8.
+  void occluded(std::span<const Ray> rays, std::span<std::uint8_t> bits) const;
+
+  const GeometrySet& scene() const;
+  const GeometrySet& object(std::uint32_t i) const;
+  const GeometryInstance& instance(std::uint32_t i) const;
+  bool empty() const;
+  std::size_t bytes() const;  ///< Embree's own memory and the geometry it reads
+  /// Kernels in use, e.g. "avx2".
+  std::string isa() const;
+
+ private:
+  struct State;
+  explicit Accelerator(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace lucerna

@@ -1,0 +1,85 @@
+// Direct light and paths, tiles and irradiance.  Every pixel and every point is a function of
+// (scene, settings, seed, pixel or item, block) alone, whatever threads and tiles share the work.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <stop_token>
+#include <vector>
+
+#include "proto/tile_statistics.h"
+#include "server/scene.h"
+
+namespace lucerna {
+
+/// What was spent on an answer.
+struct WorkCounts {
+  std::uint64_t samples = 0;
+  std::uint64_t camera_rays = 0;
+  std::uint64_t indirect_rays = 0;  ///< rays that look for the next surface of a path
+  std::uint64_t shadow_rays = 0;
+  WorkCounts& operator+=(const WorkCounts& w);
+};
+
+struct PixelRect {
+  int x0, y0, x1, y1;  ///< half-open, within the film
+};
+
+struct TileSettings {
+  PixelRect rect{};
+  std::uint64_t seed = 0;
+  std::uint32_t samples_per_block = 1;  ///< a power of two
+  std::uint64_t first_block = 0;        ///< a multiple of block_count
+  std::uint64_t block_count = 1;        ///< a power of two
+  /// Reflections after the surface that the camera sees: 0 is direct light only; unset: until
+  /// Russian roulette ends the path.
+  std::optional<std::uint32_t> bounces;
+};
+
+struct TileResult {
+  /// Three channels (R, G, B) a pixel, rows from the top; radiance [cd/m2] times the film's scale.
+  std::vector<BlockStatistics> channels;
+  WorkCounts work;
+  bool stopped = false;  ///< `stop` was asked for; the rest is not to be used
+};
+
+/// Runs in the oneTBB arena of the caller.  `stop` is polled every few hundred rays.
+TileResult render_tile(const Scene& scene, const TileSettings& settings, std::stop_token stop);
+
+struct IrradiancePoint {
+  Vec3<float> position;        ///< about the scene's origin [m]
+  Vec3<float> position_error;  ///< [m]
+  Vec3<float> normal;          ///< unit
+};
+
+struct IrradianceSettings {
+  std::uint64_t seed = 0;
+  std::uint64_t first_item = 0;         ///< number of points[0] in the caller's set
+  std::uint32_t samples_per_block = 1;  ///< a power of two
+  std::uint32_t block_count = 1;        ///< independent replicates; 1: no standard error
+  std::optional<std::uint32_t> bounces; ///< 0: direct light only; unset: all
+  bool per_light = false;               ///< direct light by light beside the total
+};
+
+struct IrradianceEstimate {
+  Rgb<double> irradiance_lx;
+  Rgb<double> standard_error_lx;  ///< of each channel; infinite where block_count is 1 and the answer not exact
+  /// Upper bound on the illuminance where every sample was 0 but light may be missed (95%), else 0.
+  double zero_bound_lx = 0;
+  bool exact = false;             ///< standard error 0 because nothing was sampled
+};
+
+struct IrradianceResult {
+  std::vector<IrradianceEstimate> points;
+  /// Direct light of light l at point p, [p * lights + l]; empty unless asked for.
+  std::vector<IrradianceEstimate> per_light;
+  WorkCounts work;
+  bool stopped = false;
+};
+
+/// Irradiance on the side of `normal`.  Runs in the oneTBB arena of the caller.
+IrradianceResult estimate_irradiance(const Scene& scene, std::span<const IrradiancePoint> points,
+                                     const IrradianceSettings& settings, std::stop_token stop);
+
+}  // namespace lucerna

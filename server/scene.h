@@ -1,0 +1,99 @@
+// A scene as queries see it: immutable, compiled from a SceneDescription to the least that answers.
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "lights/light.h"
+#include "server/accelerator.h"
+#include "server/camera.h"
+#include "server/ray.h"
+#include "server/scene_description.h"
+
+namespace lucerna {
+
+/// One light as the scene holds it.
+struct SceneLight {
+  std::uint64_t id;         ///< stable, from 1, never reused
+  Light<float> light;       ///< about the scene's origin
+  SourceLocation where;
+};
+
+/// One thing that was built, for GetScene.
+struct ScenePart {
+  std::string name;         ///< "bvh", "vertices", "lights", ...
+  std::uint64_t bytes;
+  double build_ms;
+  std::string why;          ///< what of the scene asked for it
+};
+
+/// All const members may be called from any thread.
+class Scene {
+ public:
+  /// Errors: what of the description cannot be built, by file:line:column; CANCELLED.
+  static absl::StatusOr<std::shared_ptr<const Scene>> build(SceneDescription description,
+                                                            const std::string& isa = "",
+                                                            std::stop_token stop = {});
+
+  /// SHA-256 over names and digests of all files read, 64 hexadecimal digits.
+  const std::string& id() const { return id_; }
+  /// World position of scene coordinates' zero [m].  A multiple of a power of two not less than the scene's extent,
+  /// so that scenes near their own zero keep the coordinates they were written with.
+  const Vec3<double>& origin() const { return origin_; }
+  /// Around geometry and local lights; radius 0 where there are none.
+  const SceneSphere& sphere() const { return sphere_; }
+
+  std::span<const SceneLight> lights() const { return lights_; }
+  /// Index of a light id.
+  std::optional<std::uint32_t> find_light(std::uint64_t id) const;
+  /// Indices of lights that rays leaving the scene meet.
+  std::span<const std::uint32_t> infinite_lights() const { return infinite_lights_; }
+  std::span<const DiffuseMaterial> materials() const { return materials_; }
+  const Camera& camera() const { return camera_; }
+  const RenderHints& hints() const { return hints_; }
+  const std::vector<Remark>& remarks() const { return remarks_; }
+  const std::vector<Asset>& assets() const { return assets_; }
+  std::span<const ScenePart> parts() const { return parts_; }
+  std::uint64_t shape_count() const;      ///< shapes, each instance counting its object's once
+  std::uint64_t primitive_count() const;  ///< triangles, patches, spheres and disks held in memory
+  std::string isa() const;
+
+  std::optional<SurfaceHit> closest_hit(const Ray& ray) const;
+  bool occluded(const Ray& ray) const { return accelerator_->occluded(ray); }
+  void occluded(std::span<const Ray> rays, std::span<std::uint8_t> bits) const {
+    accelerator_->occluded(rays, bits);
+  }
+
+ private:
+  Scene() = default;
+  // Private members are the implementer's.
+  std::string id_;
+  Vec3<double> origin_;
+  SceneSphere sphere_;
+  std::vector<SceneLight> lights_;
+  std::vector<std::uint32_t> infinite_lights_;
+  std::vector<DiffuseMaterial> materials_;
+  std::unique_ptr<Accelerator> accelerator_;
+  Camera camera_;
+  RenderHints hints_;
+  std::vector<Remark> remarks_;
+  std::vector<Asset> assets_;
+  std::vector<ScenePart> parts_;
+};
+
+/// The probability of choosing each light, apart from any density: in this version the same for all.
+/// `u` in [0, 1).  Requires at least one light.
+struct LightChoice {
+  std::uint32_t light;
+  double probability;
+};
+LightChoice choose_light(const Scene& scene, double u);
+
+}  // namespace lucerna
