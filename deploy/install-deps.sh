@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Installs the Debian 12 packages that Lucerna is built, tested and run with, and nothing else.
-# Run as root or by someone who may use sudo.  Harmless to run twice: what is there is not asked for again.
+# Installs the Debian 12 packages that Lucerna is built, tested and run with, and nothing else; or, given
+# names, just those packages.  Run as root or by someone who may use sudo.  Harmless to run twice: what
+# is there is not asked for again.
 set -euo pipefail
 
 packages=(
@@ -11,6 +12,7 @@ packages=(
   libgtest-dev libgmock-dev libbenchmark-dev librapidcheck-dev
   python3 python3-numpy python3-grpcio python3-openimageio
 )
+[ $# -eq 0 ] || packages=("$@")
 
 missing=()
 for package in "${packages[@]}"; do
