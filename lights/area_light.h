@@ -6,7 +6,10 @@
 
 #include <cstddef>
 
+#include "lights/disk.h"
 #include "lights/light_sample.h"
+#include "lights/mesh.h"
+#include "lights/sphere.h"
 
 namespace lucerna {
 
@@ -15,44 +18,64 @@ struct DiffuseEmission {
   bool two_sided = false;
 };
 
-/// `Shape` owes: `area()`, `sample(receiver, u)`, `pdf(receiver, surface_point)`,
-/// `for_each_hit(receiver, wi, f)`, `bytes()`; see lights/sphere.h.
+/// `Shape` owes: `area()`, `emissive_error()`, `sample(receiver, u)`, `pdf(receiver,
+/// surface_point)`, `for_each_hit(receiver, wi, f)`; see lights/sphere.h and lights/mesh.h.
+/// Immutable, so safe to share between threads.
 template <std::floating_point Real, template <typename> typename Shape>
 class AreaLight {
  public:
   static constexpr bool kDelta = false;
 
-  /// Errors: radiance negative or not finite, area zero or not finite.
+  /// Errors: radiance negative, not finite or beyond what `Real` holds; a shape that cannot emit
+  /// (`emissive_error`); area zero or not finite.
   static absl::StatusOr<AreaLight> create(const DiffuseEmission& emission, Shape<Real> shape);
 
   /// A point of the shape as `receiver` sees it, density with respect to solid angle.
-  /// kBehind on the dark side of a one-sided light, kDegenerate where the receiver lies on the
-  /// sampled point, kBlack where L is 0.
+  ///
+  /// kBehind on the dark side of a one-sided light and in the plane of any, kDegenerate where the
+  /// receiver lies on the sampled point, kBlack where L is 0, kOutOfRange where the density or L is
+  /// not a positive `Real` or the receiver is not finite.  The parts of a closed mesh that are
+  /// turned away from the receiver are sampled like all others and answer kBehind: the mean over
+  /// all samples is exact.  Where no density exists, `pdf.per_sr` is 1, so that value / pdf is 0;
+  /// where no direction exists, `wi` is 0.
   LightSample<Real> sample_li(const Vec3<Real>& receiver, Vec2<Real> u) const;
 
   /// The density with which sample_li chooses directions: the sum over all points of the light that
   /// lie along `wi`, hidden behind each other or not, and turn an emitting side to the receiver.
+  /// Integrates to the probability of samples that are not kBehind.
   SolidAnglePdf<Real> pdf_li(const Vec3<Real>& receiver, const Vec3<Real>& wi) const;
 
   /// The density with which sample_li chooses this very point; 0 where its emitting side is turned
   /// away.  What a ray that found the point weighs itself with.
   SolidAnglePdf<Real> pdf_li(const Vec3<Real>& receiver, const SurfacePoint<Real>& point) const;
 
-  /// Radiance [cd/m2] leaving `point` towards the unit vector `w`; 0 on the dark side.
+  /// Radiance [cd/m2] leaving `point` towards the vector `w` of any length; 0 on the dark side and
+  /// along the surface.
   Rgb<Real> le(const SurfacePoint<Real>& point, const Vec3<Real>& w) const;
 
   /// pi L A, twice for a two-sided light; exact.
   Power power(const SceneSphere& scene) const;
 
-  double area_m2() const;
+  double area_m2() const { return shape_.area(); }
   const DiffuseEmission& emission() const { return emission_; }
   const Shape<Real>& shape() const { return shape_; }
 
  private:
   AreaLight(const DiffuseEmission& emission, Shape<Real> shape);
+  bool emits_towards(const SurfacePoint<Real>& point, const Vec3<double>& w) const;
+
   DiffuseEmission emission_;
   Rgb<Real> radiance_;
   Shape<Real> shape_;
 };
+
+extern template class AreaLight<float, TriangleMesh>;
+extern template class AreaLight<double, TriangleMesh>;
+extern template class AreaLight<float, PatchMesh>;
+extern template class AreaLight<double, PatchMesh>;
+extern template class AreaLight<float, Sphere>;
+extern template class AreaLight<double, Sphere>;
+extern template class AreaLight<float, Disk>;
+extern template class AreaLight<double, Disk>;
 
 }  // namespace lucerna

@@ -1,11 +1,12 @@
 // The bilinear patch p(u, v) through four corners, flat or not.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <utility>
 
 #include "lights/light_sample.h"
-#include "lights/sphere.h"
+#include "lights/shape.h"
 
 namespace lucerna {
 
@@ -15,17 +16,28 @@ template <typename Real>
 struct BilinearPatch {
   Vec3<Real> p00, p10, p01, p11;
 
-  /// Exact for flat patches; otherwise by quadrature to 1e-6.
-  Real area() const;
+  /// [m2].  Exact for flat convex patches; otherwise by quadrature to 1e-6.
+  double area() const;
   Vec3<Real> at(Vec2<Real> uv) const;
   /// Unit normal at (u, v); zero where the patch is degenerate.
   Vec3<Real> normal(Vec2<Real> uv) const;
+  /// By the share of area |dp/du x dp/dv|, bilinear between its values at the corners: uniform on
+  /// flat convex patches.  `u` in [0, 1]^2.  [Pharr23, 6.6.2]
   SurfacePoint<Real> sample_area(Vec2<Real> u) const;
-  AreaPdf<Real> pdf_area(const Vec3<Real>& position) const;
+  /// Density of sample_area at a point of the patch, all (u, v) that lead there taken together.
+  AreaPdf<double> pdf_area(const Vec3<Real>& position) const;
   /// Nearest hit in (t_min, t_max); `uv` of the hit, if asked for, goes to `*uv_hit`.  [Reshetov19]
   std::optional<ShapeHit<Real>> intersect(const Vec3<Real>& origin, const Vec3<Real>& direction,
-                                          Real t_min, Real t_max, Vec2<Real>* uv_hit = nullptr) const;
+                                          Real t_min, Real t_max,
+                                          Vec2<Real>* uv_hit = nullptr) const;
+  /// Both hits, where a ray meets the patch twice.
+  ShapeHits<Real> hits(const Vec3<Real>& origin, const Vec3<Real>& direction, Real t_min,
+                       Real t_max, std::array<Vec2<Real>, 2>* uv_hits = nullptr) const;
+  /// {lower, upper}
   std::pair<Vec3<Real>, Vec3<Real>> bounds() const;
 };
+
+extern template struct BilinearPatch<float>;
+extern template struct BilinearPatch<double>;
 
 }  // namespace lucerna

@@ -4,7 +4,14 @@
 
 #include <absl/status/statusor.h>
 
-#include "lights/sphere.h"
+#include <cstddef>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "lights/light_sample.h"
+#include "lights/shape.h"
+#include "lights/transform.h"
 
 namespace lucerna {
 
@@ -18,29 +25,51 @@ struct DiskParams {
   Transform world_from_object;
 };
 
+/// The normal stays on the side of object space's +z, through mirrors too, unless
+/// `reverse_orientation`.  Immutable, so safe to share between threads; no call allocates but for
+/// error messages.
 template <typename Real>
 class Disk {
  public:
+  /// Errors: a field out of its domain, or bounds that `Real` does not hold.
   static absl::StatusOr<Disk> create(const DiskParams& params, const Vec3<double>& origin_m = {});
-  double area() const;
-  absl::Status emissive_error() const;  ///< always OK
+
+  /// [m2]
+  double area() const { return area_m2_; }
+  /// Always OK.
+  absl::Status emissive_error() const { return absl::OkStatus(); }
+
   /// Uniform by area.  [Pharr23, 6.4.3]
   ShapeSample<Real> sample(const Vec3<Real>& receiver, Vec2<Real> u) const;
+  /// The density of `sample` at a point of the surface.
   SolidAnglePdf<Real> pdf(const Vec3<Real>& receiver, const SurfacePoint<Real>& point) const;
+
+  /// The hit, if its t is in (t_min, t_max); `direction` of any length.  The point is put back into
+  /// the plane.  A ray within the plane does not hit.
   std::optional<ShapeHit<Real>> intersect(const Vec3<Real>& origin, const Vec3<Real>& direction,
                                           Real t_min, Real t_max) const;
+  /// Calls `f(surface_point)` for every point of the surface along the unit vector `wi`.
   template <typename F>
   void for_each_hit(const Vec3<Real>& receiver, const Vec3<Real>& wi, F&& f) const {
     if (const auto hit = intersect(receiver, wi, 0, std::numeric_limits<Real>::infinity()))
       f(hit->point);
   }
+
+  /// World bounds about the origin, {lower, upper}; those of the whole disk for a sector.
   std::pair<Vec3<Real>, Vec3<Real>> bounds() const;
   std::size_t bytes() const { return sizeof(*this); }
   const DiskParams& params() const { return params_; }
 
  private:
-  explicit Disk(const DiskParams& params, const Vec3<double>& origin_m);
+  Disk(const DiskParams& params, const Vec3<double>& origin_m);
+
   DiskParams params_;
+  Transform world_from_object_, object_from_world_;  // about the scene's origin
+  Vec3<Real> normal_;
+  double area_m2_;
 };
+
+extern template class Disk<float>;
+extern template class Disk<double>;
 
 }  // namespace lucerna

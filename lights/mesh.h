@@ -4,36 +4,61 @@
 #include <absl/status/statusor.h>
 
 #include <cstddef>
+#include <limits>
+#include <utility>
 #include <vector>
 
 #include "lights/bilinear_patch.h"
 #include "lights/light_sample.h"
-#include "lights/sphere.h"
+#include "lights/shape.h"
 #include "lights/triangle.h"
 
 namespace lucerna {
 
 /// `Primitive<Real>` is Triangle or BilinearPatch.  Winding decides the emitting side: cross of the
 /// first two edges.  Primitives of zero area are kept (their numbers are the caller's) and never
-/// sampled.
+/// sampled.  Immutable, so safe to share between threads.
 template <typename Real, template <typename> typename Primitive>
 class Mesh {
  public:
   /// Primitives already about the scene's origin.  Errors: none, not finite, no area at all.
   static absl::StatusOr<Mesh> create(std::vector<Primitive<Real>> primitives);
 
+  /// [m2]
   double area() const { return cumulative_area_.back(); }
+  /// Always OK.
   absl::Status emissive_error() const { return absl::OkStatus(); }
+
+  /// A primitive by its share of the area, a point of it by area.  Both values of `u` choose the
+  /// primitive, so that more than 2^24 of them are all reachable from floats.
   ShapeSample<Real> sample(const Vec3<Real>& receiver, Vec2<Real> u) const;
+  /// The density of `sample` at a point of primitive `point.primitive`.
   SolidAnglePdf<Real> pdf(const Vec3<Real>& receiver, const SurfacePoint<Real>& point) const;
+
+  /// Calls `f(surface_point)` for every point of the mesh along the unit vector `wi`, in the order
+  /// of the primitives.  Looks at each primitive: it serves the rare question for the density of a
+  /// direction; rays have a BVH elsewhere.
   template <typename F>
-  void for_each_hit(const Vec3<Real>& receiver, const Vec3<Real>& wi, F&& f) const;
+  void for_each_hit(const Vec3<Real>& receiver, const Vec3<Real>& wi, F&& f) const {
+    for (std::size_t i = 0; i < primitives_.size(); ++i) {
+      auto found = primitives_[i].hits(receiver, wi, 0, std::numeric_limits<Real>::infinity());
+      for (int k = 0; k < found.count; ++k) {
+        found.hit[k].point.primitive = static_cast<std::uint32_t>(i);
+        f(found.hit[k].point);
+      }
+    }
+  }
+
+  /// {lower, upper}
   std::pair<Vec3<Real>, Vec3<Real>> bounds() const;
+  /// Memory held, with what the vectors hold [bytes].
   std::size_t bytes() const;
   std::size_t size() const { return primitives_.size(); }
+  const Primitive<Real>& primitive(std::size_t i) const { return primitives_[i]; }
 
  private:
-  explicit Mesh(std::vector<Primitive<Real>> primitives, std::vector<double> cumulative_area);
+  Mesh(std::vector<Primitive<Real>> primitives, std::vector<double> cumulative_area);
+
   std::vector<Primitive<Real>> primitives_;
   std::vector<double> cumulative_area_;  ///< running sums [m2]
 };
@@ -42,5 +67,10 @@ template <typename Real>
 using TriangleMesh = Mesh<Real, Triangle>;
 template <typename Real>
 using PatchMesh = Mesh<Real, BilinearPatch>;
+
+extern template class Mesh<float, Triangle>;
+extern template class Mesh<double, Triangle>;
+extern template class Mesh<float, BilinearPatch>;
+extern template class Mesh<double, BilinearPatch>;
 
 }  // namespace lucerna

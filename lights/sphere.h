@@ -4,70 +4,62 @@
 
 #include <absl/status/statusor.h>
 
+#include <cstddef>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "lights/light_sample.h"
+#include "lights/shape.h"
 #include "lights/transform.h"
 
 namespace lucerna {
 
-/// What a shape's sampling answers: a point, and the density of its direction from the receiver.
-template <std::floating_point Real>
-struct ShapeSample {
-  SurfacePoint<Real> point;
-  SolidAnglePdf<Real> pdf;  ///< not positive or not finite: no direction exists for this point
-};
-
-/// Where a ray meets an analytic shape.
-template <std::floating_point Real>
-struct ShapeHit {
-  Real t{};                 ///< along the ray, in units of its direction
-  SurfacePoint<Real> point;
-};
-
 /// Object space: centre at the origin.  [Pharr23, 6.2]
 struct SphereParams {
-  double radius_m = 1;                     ///< > 0
+  double radius_m = 1;                                        ///< > 0
   double z_min_m = -std::numeric_limits<double>::infinity();  ///< cut below; clamped to the radius
   double z_max_m = std::numeric_limits<double>::infinity();   ///< cut above; clamped to the radius
-  double phi_max_rad = 6.283185307179586;  ///< swept about +z from +x; (0, 2 pi]
-  bool reverse_orientation = false;        ///< normals point inwards
+  double phi_max_rad = 6.283185307179586;                     ///< swept about +z from +x; (0, 2 pi]
+  bool reverse_orientation = false;                           ///< normals point inwards
   Transform world_from_object;
 };
 
+/// Normals are geometric and point outwards, through mirrors too, unless `reverse_orientation`.
+/// Immutable, so safe to share between threads; no call allocates but for error messages.
 template <typename Real>
 class Sphere {
  public:
-  /// Errors: a field out of its domain, or nothing left of the sphere.
+  /// Errors: a field out of its domain, nothing left of the sphere, or bounds that `Real` does not
+  /// hold.
   static absl::StatusOr<Sphere> create(const SphereParams& params,
                                        const Vec3<double>& origin_m = {});
 
-  /// [m2].  Requires a map of equal scale (`emissive_error` is OK).
-  double area() const;
-  /// OK where this shape can carry a light; else what keeps it from doing so (unequal scale).
+  /// [m2].  Requires a map of equal scale (`emissive_error` is OK); 0 otherwise.
+  double area() const { return area_m2_; }
+  /// OK where this shape can carry a light; else InvalidArgument that names the unequal factors.
   absl::Status emissive_error() const;
 
   /// A point seen from `receiver`: by the cone that the whole sphere subtends where the receiver is
   /// outside of it, uniformly by area inside and for cut spheres.  [Pharr23, 6.2.4]
   ShapeSample<Real> sample(const Vec3<Real>& receiver, Vec2<Real> u) const;
-  /// The density of `sample` at a point of the surface.
+  /// The density of `sample` at a point of the surface; 0 on the far side of a whole sphere seen
+  /// from outside, which is never sampled.
   SolidAnglePdf<Real> pdf(const Vec3<Real>& receiver, const SurfacePoint<Real>& point) const;
 
-  /// First hit with t in (t_min, t_max), `direction` of any length.
+  /// First hit with t in (t_min, t_max), `direction` of any length.  The cut-away part is passed
+  /// through.  The point is put back on the surface.
   std::optional<ShapeHit<Real>> intersect(const Vec3<Real>& origin, const Vec3<Real>& direction,
                                           Real t_min, Real t_max) const;
+  /// All hits with t in (t_min, t_max).
+  ShapeHits<Real> hits(const Vec3<Real>& origin, const Vec3<Real>& direction, Real t_min,
+                       Real t_max) const;
 
   /// Calls `f(surface_point)` for every point of the surface along the unit vector `wi`.
   template <typename F>
   void for_each_hit(const Vec3<Real>& receiver, const Vec3<Real>& wi, F&& f) const {
-    Real t = 0;
-    for (int hits = 0; hits < 2; ++hits) {
-      const auto hit = intersect(receiver, wi, t, std::numeric_limits<Real>::infinity());
-      if (!hit) return;
-      f(hit->point);
-      t = hit->t;
-    }
+    const auto found = hits(receiver, wi, 0, std::numeric_limits<Real>::infinity());
+    for (int i = 0; i < found.count; ++i) f(found.hit[i].point);
   }
 
   /// World bounds about the origin, {lower, upper}.
@@ -76,9 +68,32 @@ class Sphere {
   const SphereParams& params() const { return params_; }
 
  private:
-  explicit Sphere(const SphereParams& params, const Vec3<double>& origin_m);
+  /// Where a ray meets the whole sphere, in object space.
+  struct Root {
+    double t;
+    Vec3<double> p;
+  };
+
+  Sphere(const SphereParams& params, const Vec3<double>& origin_m);
+  int roots(const Vec3<Real>& origin, const Vec3<Real>& direction, Root (&out)[2]) const;
+  bool is_cut_away(const Vec3<double>& p) const;
+  SurfacePoint<Real> surface_point(const Vec3<double>& p) const;
+  /// Whether `sample` uses the cone: the one test of inside and outside, for sampling and density.
+  bool sees_cone(double distance) const { return is_whole_ && distance > world_radius_m_; }
+  /// 1 - cos of the half-angle that the whole sphere subtends at `distance` from its centre.
+  double one_minus_cos_cone(double distance) const;
+  ShapeSample<Real> sample_cone(const Vec3<double>& to_center, double distance, Vec2<Real> u) const;
+
   SphereParams params_;
-  // The implementer's choice of what else is kept.
+  Transform world_from_object_, object_from_world_;  // about the scene's origin
+  double z_min_m_, z_max_m_;                         // within the radius
+  bool is_cut_in_z_, is_cut_in_phi_, is_whole_;
+  Vec3<double> center_m_;
+  double world_radius_m_ = 0;  // 0 where the scale is unequal
+  double area_m2_ = 0;
 };
+
+extern template class Sphere<float>;
+extern template class Sphere<double>;
 
 }  // namespace lucerna

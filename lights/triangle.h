@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "lights/light_sample.h"
-#include "lights/sphere.h"
+#include "lights/shape.h"
 
 namespace lucerna {
 
@@ -14,16 +14,27 @@ template <typename Real>
 struct Triangle {
   Vec3<Real> a, b, c;
 
-  Real area() const;
+  /// [m2].  In double, for needles of 1 : 1e7 and for coordinates whose squares leave `Real`.
+  double area() const;
   /// Unit normal; zero for a triangle without area.
   Vec3<Real> normal() const;
-  /// Uniform by area.
+  /// Uniform by area.  `u` in [0, 1]^2.  [Heitz19]
   SurfacePoint<Real> sample_area(Vec2<Real> u) const;
-  /// Density of sample_area at a point of the triangle.
-  AreaPdf<Real> pdf_area(const Vec3<Real>& position) const;
+  /// Density of sample_area at a point of the triangle: 1 / area.
+  AreaPdf<double> pdf_area(const Vec3<Real>& position) const;
+  /// The hit, if its t is in (t_min, t_max); `direction` of any length.  Edges and vertices belong
+  /// to the triangle, and a ray through the common edge of two triangles hits at least one.
+  /// [Woop13]
   std::optional<ShapeHit<Real>> intersect(const Vec3<Real>& origin, const Vec3<Real>& direction,
                                           Real t_min, Real t_max) const;
+  /// The same as a list.
+  ShapeHits<Real> hits(const Vec3<Real>& origin, const Vec3<Real>& direction, Real t_min,
+                       Real t_max) const;
+  /// {lower, upper}
   std::pair<Vec3<Real>, Vec3<Real>> bounds() const;
 };
+
+extern template struct Triangle<float>;
+extern template struct Triangle<double>;
 
 }  // namespace lucerna

@@ -1,0 +1,130 @@
+#include "lights/area_light.h"
+
+#include <absl/status/status.h>
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+namespace lucerna {
+
+namespace {
+
+template <typename Real>
+bool is_density(SolidAnglePdf<Real> pdf) {
+  return pdf.per_sr > 0 && std::isfinite(pdf.per_sr);
+}
+
+template <typename Real>
+absl::Status check_radiance(const Rgb<double>& radiance) {
+  constexpr double kMost = std::numeric_limits<Real>::max();
+  const std::pair<char, double> channels[] = {
+      {'r', radiance.r}, {'g', radiance.g}, {'b', radiance.b}};
+  for (const auto& [name, value] : channels)
+    if (!(value >= 0 && value <= kMost))
+      return absl::InvalidArgumentError(fmt::format(
+          "area.radiance_cd_m2.{} = {} cd/m2, allowed [0, {:.3g}]", name, value, kMost));
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+template <std::floating_point Real, template <typename> typename Shape>
+AreaLight<Real, Shape>::AreaLight(const DiffuseEmission& emission, Shape<Real> shape)
+    : emission_(emission), radiance_(emission.radiance_cd_m2), shape_(std::move(shape)) {}
+
+template <std::floating_point Real, template <typename> typename Shape>
+absl::StatusOr<AreaLight<Real, Shape>> AreaLight<Real, Shape>::create(
+    const DiffuseEmission& emission, Shape<Real> shape) {
+  if (absl::Status status = check_radiance<Real>(emission.radiance_cd_m2); !status.ok())
+    return status;
+  if (absl::Status status = shape.emissive_error(); !status.ok()) return status;
+  if (const double area = shape.area(); !(area > 0) || !std::isfinite(area))
+    return absl::InvalidArgumentError(
+        fmt::format("area.area_m2 = {} m2, allowed: finite and > 0", area));
+  return AreaLight(emission, std::move(shape));
+}
+
+template <std::floating_point Real, template <typename> typename Shape>
+bool AreaLight<Real, Shape>::emits_towards(const SurfacePoint<Real>& point,
+                                           const Vec3<double>& w) const {
+  const double side = dot(Vec3<double>(point.normal), w);
+  return side > 0 || (emission_.two_sided && side < 0);
+}
+
+template <std::floating_point Real, template <typename> typename Shape>
+LightSample<Real> AreaLight<Real, Shape>::sample_li(const Vec3<Real>& receiver,
+                                                    Vec2<Real> u) const {
+  LightSample<Real> sample;
+  sample.pdf = {1};
+  sample.reason = NoLight::kOutOfRange;
+  if (!is_finite(receiver)) return sample;
+
+  const ShapeSample<Real> chosen = shape_.sample(receiver, u);
+  sample.point = chosen.point.position;
+  sample.normal = chosen.point.normal;
+  sample.primitive = chosen.point.primitive;
+  const Vec3<double> to_light = Vec3<double>(sample.point) - Vec3<double>(receiver);
+  sample.distance = static_cast<Real>(length(to_light));
+  if (to_light == Vec3<double>{}) {
+    sample.reason = NoLight::kDegenerate;
+    return sample;
+  }
+  sample.wi = Vec3<Real>(normalized(to_light));
+  if (is_density(chosen.pdf)) sample.pdf = chosen.pdf;
+
+  if (emission_.radiance_cd_m2.is_black()) {
+    sample.reason = NoLight::kBlack;
+  } else if (!emits_towards(chosen.point, -to_light)) {
+    sample.reason = NoLight::kBehind;
+  } else if (is_density(chosen.pdf) && !radiance_.is_black()) {
+    sample.value = radiance_;
+    sample.reason = NoLight::kNone;
+  }
+  return sample;
+}
+
+template <std::floating_point Real, template <typename> typename Shape>
+SolidAnglePdf<Real> AreaLight<Real, Shape>::pdf_li(const Vec3<Real>& receiver,
+                                                   const Vec3<Real>& wi) const {
+  if (!is_finite(receiver) || !is_finite(wi)) return {0};
+  SolidAnglePdf<Real> sum;
+  shape_.for_each_hit(receiver, wi, [&](const SurfacePoint<Real>& point) {
+    sum.per_sr += pdf_li(receiver, point).per_sr;
+  });
+  return is_density(sum) ? sum : SolidAnglePdf<Real>{0};
+}
+
+template <std::floating_point Real, template <typename> typename Shape>
+SolidAnglePdf<Real> AreaLight<Real, Shape>::pdf_li(const Vec3<Real>& receiver,
+                                                   const SurfacePoint<Real>& point) const {
+  if (!is_finite(receiver) ||
+      !emits_towards(point, Vec3<double>(receiver) - Vec3<double>(point.position)))
+    return {0};
+  const SolidAnglePdf<Real> pdf = shape_.pdf(receiver, point);
+  return is_density(pdf) ? pdf : SolidAnglePdf<Real>{0};
+}
+
+template <std::floating_point Real, template <typename> typename Shape>
+Rgb<Real> AreaLight<Real, Shape>::le(const SurfacePoint<Real>& point, const Vec3<Real>& w) const {
+  return emits_towards(point, Vec3<double>(w)) ? radiance_ : Rgb<Real>{};
+}
+
+template <std::floating_point Real, template <typename> typename Shape>
+Power AreaLight<Real, Shape>::power(const SceneSphere&) const {
+  const double sides = emission_.two_sided ? 2 : 1;
+  return {emission_.radiance_cd_m2 * (sides * std::numbers::pi * area_m2()), 0};
+}
+
+template class AreaLight<float, TriangleMesh>;
+template class AreaLight<double, TriangleMesh>;
+template class AreaLight<float, PatchMesh>;
+template class AreaLight<double, PatchMesh>;
+template class AreaLight<float, Sphere>;
+template class AreaLight<double, Sphere>;
+template class AreaLight<float, Disk>;
+template class AreaLight<double, Disk>;
+
+}  // namespace lucerna

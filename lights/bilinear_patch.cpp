@@ -1,0 +1,259 @@
+#include "lights/bilinear_patch.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace lucerna {
+
+namespace {
+
+/// The patch in double, as p00 + u e + v f + u v g.
+struct Form {
+  Vec3<double> p00, e, f, g;
+
+  template <typename Real>
+  explicit Form(const BilinearPatch<Real>& patch)
+      : p00(patch.p00),
+        e(Vec3<double>(patch.p10) - p00),
+        f(Vec3<double>(patch.p01) - p00),
+        g((Vec3<double>(patch.p11) - Vec3<double>(patch.p10)) - f) {}
+
+  Vec3<double> at(double u, double v) const { return p00 + e * u + (f + g * u) * v; }
+  /// dp/du x dp/dv; bilinear in (u, v) itself.
+  Vec3<double> area_vector(double u, double v) const { return cross(e + g * v, f + g * u); }
+};
+
+/// The sampling density in (u, v) is proportional to |dp/du x dp/dv| at the corners, bilinear
+/// between them; by the triangle inequality it is 0 nowhere that the share of area is not.
+struct CornerWeights {
+  double w00, w10, w01, w11;
+  bool flat_convex;
+
+  explicit CornerWeights(const Form& p) {
+    const Vec3<double> n[4] = {p.area_vector(0, 0), p.area_vector(1, 0), p.area_vector(0, 1),
+                               p.area_vector(1, 1)};
+    w00 = length(n[0]), w10 = length(n[1]), w01 = length(n[2]), w11 = length(n[3]);
+    // Normals that differ by an angle a change the area by a^2 / 2; corners rounded to float turn
+    // them by 1e-7.
+    constexpr double kFlat = 1e-6;
+    const Vec3<double> mean = (n[0] + n[1]) + (n[2] + n[3]);
+    const double scale = length(mean);
+    flat_convex = true;
+    for (const auto& corner : n)
+      flat_convex = flat_convex && dot(corner, mean) >= -kFlat * scale * scale &&
+                    length(cross(corner, mean)) <= kFlat * scale * scale;
+  }
+
+  double mean() const { return ((w00 + w10) + (w01 + w11)) / 4; }
+  double at(double u, double v) const {
+    return (1 - v) * ((1 - u) * w00 + u * w10) + v * ((1 - u) * w01 + u * w11);
+  }
+};
+
+/// The integral of |dp/du x dp/dv| over a square of (u, v), by 4 x 4 Gauss points.
+double gauss(const Form& p, double u0, double v0, double size) {
+  constexpr double kNode[4] = {0.06943184420297371, 0.33000947820757187, 0.66999052179242813,
+                               0.93056815579702629};
+  constexpr double kWeight[4] = {0.17392742256872693, 0.32607257743127307, 0.32607257743127307,
+                                 0.17392742256872693};
+  double sum = 0;
+  for (int i = 0; i < 4; ++i)
+    for (int j = 0; j < 4; ++j)
+      sum += kWeight[i] * kWeight[j] *
+             length(p.area_vector(u0 + size * kNode[i], v0 + size * kNode[j]));
+  return sum * size * size;
+}
+
+/// Quarters the square until quartering changes less than `tolerance` [m2].  The depth bounds the
+/// time for folded patches, whose integrand has kinks along lines.
+double integrate(const Form& p, double u0, double v0, double size, double whole, double tolerance,
+                 int depth) {
+  const double half = size / 2;
+  const double part[4] = {gauss(p, u0, v0, half), gauss(p, u0 + half, v0, half),
+                          gauss(p, u0, v0 + half, half), gauss(p, u0 + half, v0 + half, half)};
+  const double sum = (part[0] + part[1]) + (part[2] + part[3]);
+  if (depth == 0 || std::fabs(sum - whole) <= tolerance) return sum;
+  double refined = 0;
+  for (int i = 0; i < 4; ++i)
+    refined += integrate(p, u0 + half * (i % 2), v0 + half * (i / 2), half, part[i], tolerance / 2,
+                         depth - 1);
+  return refined;
+}
+
+/// x with density proportional to (1 - x) a + x b.
+double sample_linear(double u, double a, double b) {
+  if (!(a + b > 0)) return u;
+  return std::min(u * (a + b) / (a + std::sqrt((1 - u) * a * a + u * b * b)), 1.0);
+}
+
+/// The real roots of a x^2 + b x + c, neither of them by a difference that cancels.
+int solve_quadratic(double a, double b, double c, double (&x)[2]) {
+  const double discriminant = b * b - 4 * a * c;
+  if (!(discriminant >= 0)) return 0;
+  const double q = -(b + std::copysign(std::sqrt(discriminant), b)) / 2;
+  int count = 0;
+  if (q != 0) x[count++] = c / q;
+  if (a != 0) x[count++] = q / a;
+  return count == 2 && x[0] == x[1] ? 1 : count;
+}
+
+/// The (u, v) whose points are `position`, up to its rounding by `tolerance_m`: two where a patch
+/// folds over itself, else one, the best there is.
+int invert(const Form& p, const Vec3<double>& position, double tolerance_m, Vec2<double> (&uv)[2]) {
+  // Along the mean normal onto the coordinate plane that it is steepest to.
+  Vec3<double> n = cross(p.e + p.f + p.g, p.f - p.e);
+  if (!(max_abs(n) > 0)) n = p.area_vector(0, 0);
+  const Vec3<double> size{std::fabs(n.x), std::fabs(n.y), std::fabs(n.z)};
+  const int drop = size.x > size.y ? (size.x > size.z ? 0 : 2) : (size.y > size.z ? 1 : 2);
+  const auto cross2 = [i = (drop + 1) % 3, j = (drop + 2) % 3](const Vec3<double>& a,
+                                                               const Vec3<double>& b) {
+    return a[i] * b[j] - a[j] * b[i];
+  };
+  // q - u e is parallel to f + u g.
+  const Vec3<double> q = position - p.p00;
+  double root[2];
+  int count =
+      solve_quadratic(-cross2(p.e, p.g), cross2(q, p.g) - cross2(p.e, p.f), cross2(q, p.f), root);
+  // Rounding may take a point of the fold over its edge: the vertex of the parabola is nearest.
+  if (count == 0) {
+    root[0] = (cross2(q, p.g) - cross2(p.e, p.f)) / (2 * cross2(p.e, p.g));
+    count = 1;
+  }
+  double error[2];
+  for (int i = 0; i < count; ++i) {
+    const double u = std::isfinite(root[i]) ? std::clamp(root[i], 0.0, 1.0) : 0.5;
+    const Vec3<double> line = p.f + p.g * u;
+    const double v = dot(q - p.e * u, line) / dot(line, line);
+    uv[i] = {u, std::isfinite(v) ? std::clamp(v, 0.0, 1.0) : 0.5};
+    error[i] = length(p.at(uv[i].x, uv[i].y) - position);
+  }
+  if (count == 2) {
+    if (error[1] < error[0]) {
+      std::swap(uv[0], uv[1]);
+      std::swap(error[0], error[1]);
+    }
+    if (!(error[1] <= tolerance_m) || uv[0] == uv[1]) count = 1;
+  }
+  return count;
+}
+
+}  // namespace
+
+template <typename Real>
+double BilinearPatch<Real>::area() const {
+  const Form p(*this);
+  const CornerWeights weights(p);
+  if (weights.flat_convex) return weights.mean();
+  constexpr double kRelative = 1e-8;
+  return integrate(p, 0, 0, 1, gauss(p, 0, 0, 1), kRelative * weights.mean(), 8);
+}
+
+template <typename Real>
+Vec3<Real> BilinearPatch<Real>::at(Vec2<Real> uv) const {
+  return Vec3<Real>(Form(*this).at(uv.x, uv.y));
+}
+
+template <typename Real>
+Vec3<Real> BilinearPatch<Real>::normal(Vec2<Real> uv) const {
+  return Vec3<Real>(normalized(Form(*this).area_vector(uv.x, uv.y)));
+}
+
+template <typename Real>
+SurfacePoint<Real> BilinearPatch<Real>::sample_area(Vec2<Real> u) const {
+  const Form p(*this);
+  const CornerWeights w(p);
+  const double t = sample_linear(u.y, w.w00 + w.w10, w.w01 + w.w11);
+  const double s = sample_linear(u.x, (1 - t) * w.w00 + t * w.w01, (1 - t) * w.w10 + t * w.w11);
+  return {Vec3<Real>(p.at(s, t)), Vec3<Real>(normalized(p.area_vector(s, t)))};
+}
+
+template <typename Real>
+AreaPdf<double> BilinearPatch<Real>::pdf_area(const Vec3<Real>& position) const {
+  const Form p(*this);
+  const CornerWeights weights(p);
+  const double uniform = 1 / weights.mean();
+  if (weights.flat_convex) return {uniform};
+  const auto [lower, upper] = bounds();
+  const double tolerance_m = 8 * static_cast<double>(std::numeric_limits<Real>::epsilon()) *
+                             (static_cast<double>(max_abs(lower)) + max_abs(upper));
+  Vec2<double> uv[2];
+  const int count = invert(p, Vec3<double>(position), tolerance_m, uv);
+  double sum = 0;
+  for (int i = 0; i < count; ++i)
+    sum += weights.at(uv[i].x, uv[i].y) / length(p.area_vector(uv[i].x, uv[i].y));
+  return {sum * uniform};
+}
+
+template <typename Real>
+ShapeHits<Real> BilinearPatch<Real>::hits(const Vec3<Real>& origin, const Vec3<Real>& direction,
+                                          Real t_min, Real t_max,
+                                          std::array<Vec2<Real>, 2>* uv_hits) const {
+  const Form p(*this);
+  const Vec3<double> d(direction);
+  const double dd = dot(d, d);
+  ShapeHits<Real> found;
+  if (!(dd > 0)) return found;
+  // From the point of the ray nearest to a corner, so that far origins do not cancel below.
+  const double t_near = dot(p.p00 - Vec3<double>(origin), d) / dd;
+  const Vec3<double> a = p.p00 - (Vec3<double>(origin) + d * t_near);
+
+  // The line of constant u meets the ray's line where a + u e, f + u g and d lie in one plane.
+  const Vec3<double> fd = cross(p.f, d);
+  const Vec3<double> gd = cross(p.g, d);
+  double root[2];
+  const int count = solve_quadratic(dot(p.e, gd), dot(p.e, fd) + dot(a, gd), dot(a, fd), root);
+
+  // Edges belong to the patch, and by this much (u, v) may miss them: rounding in double.
+  constexpr double kEdge = 1e-10;
+  const auto on_patch = [](double x) { return x >= -kEdge && x <= 1 + kEdge; };
+  double t_of[2];
+  for (int i = 0; i < count; ++i) {
+    if (!on_patch(root[i])) continue;
+    const double u = std::clamp(root[i], 0.0, 1.0);
+    const Vec3<double> line = p.f + p.g * u;
+    const Vec3<double> w = a + p.e * u;  // t d - v line = w
+    const Vec3<double> n = cross(d, line);
+    const double nn = dot(n, n);
+    if (!(nn > 0)) continue;
+    const double v = dot(cross(w, d), n) / nn;
+    const double t = t_near + dot(cross(w, line), n) / nn;
+    if (!on_patch(v) || !(t > t_min && t < t_max)) continue;
+    const Vec2<Real> uv{static_cast<Real>(u), static_cast<Real>(std::clamp(v, 0.0, 1.0))};
+    const SurfacePoint<Real> point{Vec3<Real>(p.at(u, std::clamp(v, 0.0, 1.0))),
+                                   Vec3<Real>(normalized(p.area_vector(u, v)))};
+    t_of[found.count] = t;
+    if (uv_hits) (*uv_hits)[found.count] = uv;
+    found.add(static_cast<Real>(t), point);
+  }
+  if (found.count == 2 && t_of[1] < t_of[0]) {
+    std::swap(found.hit[0], found.hit[1]);
+    if (uv_hits) std::swap((*uv_hits)[0], (*uv_hits)[1]);
+  }
+  return found;
+}
+
+template <typename Real>
+std::optional<ShapeHit<Real>> BilinearPatch<Real>::intersect(const Vec3<Real>& origin,
+                                                             const Vec3<Real>& direction,
+                                                             Real t_min, Real t_max,
+                                                             Vec2<Real>* uv_hit) const {
+  std::array<Vec2<Real>, 2> uv;
+  const auto found = hits(origin, direction, t_min, t_max, &uv);
+  if (found.count == 0) return std::nullopt;
+  if (uv_hit) *uv_hit = uv[0];
+  return found.hit[0];
+}
+
+template <typename Real>
+std::pair<Vec3<Real>, Vec3<Real>> BilinearPatch<Real>::bounds() const {
+  return {{std::min({p00.x, p10.x, p01.x, p11.x}), std::min({p00.y, p10.y, p01.y, p11.y}),
+           std::min({p00.z, p10.z, p01.z, p11.z})},
+          {std::max({p00.x, p10.x, p01.x, p11.x}), std::max({p00.y, p10.y, p01.y, p11.y}),
+           std::max({p00.z, p10.z, p01.z, p11.z})}};
+}
+
+template struct BilinearPatch<float>;
+template struct BilinearPatch<double>;
+
+}  // namespace lucerna

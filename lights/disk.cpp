@@ -1,0 +1,121 @@
+#include "lights/disk.h"
+
+#include <absl/status/status.h>
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace lucerna {
+
+namespace {
+
+constexpr double kTwoPi = 2 * std::numbers::pi;
+
+absl::Status check(const DiskParams& p) {
+  const auto refuse = [](const char* field, double value, const std::string& allowed) {
+    return absl::InvalidArgumentError(
+        fmt::format("disk.{} = {}, allowed {}", field, value, allowed));
+  };
+  if (!std::isfinite(p.height_m)) return refuse("height_m", p.height_m, "finite");
+  if (!(p.radius_m > 0) || !std::isfinite(p.radius_m))
+    return refuse("radius_m", p.radius_m, "finite and > 0");
+  if (!(p.inner_radius_m >= 0 && p.inner_radius_m < p.radius_m))
+    return refuse("inner_radius_m", p.inner_radius_m, fmt::format("[0, radius {})", p.radius_m));
+  if (!(p.phi_max_rad > 0 && p.phi_max_rad <= kTwoPi))
+    return refuse("phi_max_rad", p.phi_max_rad, "(0, 2 pi]");
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+template <typename Real>
+Disk<Real>::Disk(const DiskParams& params, const Vec3<double>& origin_m)
+    : params_(params),
+      world_from_object_(Transform::translate(-origin_m) * params.world_from_object),
+      object_from_world_(world_from_object_.inverse()),
+      normal_(
+          normalized(world_from_object_.normal({0, 0, params.reverse_orientation ? -1.0 : 1.0}))) {
+  // The share of area is what the map does to the unit square of the plane.
+  const double stretch =
+      length(cross(world_from_object_.vector({1, 0, 0}), world_from_object_.vector({0, 1, 0})));
+  area_m2_ = params.phi_max_rad / 2 * (params.radius_m - params.inner_radius_m) *
+             (params.radius_m + params.inner_radius_m) * stretch;
+}
+
+template <typename Real>
+absl::StatusOr<Disk<Real>> Disk<Real>::create(const DiskParams& params,
+                                              const Vec3<double>& origin_m) {
+  if (absl::Status status = check(params); !status.ok()) return status;
+  const Disk disk(params, origin_m);
+  const auto [lower, upper] = disk.bounds();
+  if (!is_finite(lower) || !is_finite(upper)) {
+    const auto center = disk.world_from_object_.point({0, 0, params.height_m});
+    return absl::InvalidArgumentError(
+        fmt::format("disk.world_from_object puts the disk about ({}, {}, {}), "
+                    "allowed: finite bounds, in {} bits",
+                    center.x, center.y, center.z, 8 * sizeof(Real)));
+  }
+  return disk;
+}
+
+template <typename Real>
+ShapeSample<Real> Disk<Real>::sample(const Vec3<Real>& receiver, Vec2<Real> u) const {
+  // Equal shares of r^2 have equal areas.  A concentric map would distort less, but fits neither
+  // annulus nor sector.
+  const double inner = params_.inner_radius_m;
+  const double r =
+      std::sqrt(inner * inner + u.x * ((params_.radius_m - inner) * (params_.radius_m + inner)));
+  const double phi = params_.phi_max_rad * u.y;
+  ShapeSample<Real> s;
+  s.point.position = Vec3<Real>(
+      world_from_object_.point({r * std::cos(phi), r * std::sin(phi), params_.height_m}));
+  s.point.normal = normal_;
+  s.pdf = pdf(receiver, s.point);
+  return s;
+}
+
+template <typename Real>
+SolidAnglePdf<Real> Disk<Real>::pdf(const Vec3<Real>& receiver,
+                                    const SurfacePoint<Real>& point) const {
+  return as_seen_from(receiver, point, AreaPdf<double>{1 / area_m2_});
+}
+
+template <typename Real>
+std::optional<ShapeHit<Real>> Disk<Real>::intersect(const Vec3<Real>& origin,
+                                                    const Vec3<Real>& direction, Real t_min,
+                                                    Real t_max) const {
+  const Vec3<double> o = object_from_world_.point(Vec3<double>(origin));
+  const Vec3<double> d = object_from_world_.vector(Vec3<double>(direction));
+  if (d.z == 0) return std::nullopt;
+  const double t = (params_.height_m - o.z) / d.z;
+  if (!(t > t_min && t < t_max)) return std::nullopt;
+  const double x = o.x + d.x * t;
+  const double y = o.y + d.y * t;
+  const double r2 = x * x + y * y;
+  if (!(r2 <= params_.radius_m * params_.radius_m)) return std::nullopt;
+  if (r2 < params_.inner_radius_m * params_.inner_radius_m) return std::nullopt;
+  if (params_.phi_max_rad < kTwoPi) {
+    const double phi = std::atan2(y, x);
+    if ((phi < 0 ? phi + kTwoPi : phi) > params_.phi_max_rad) return std::nullopt;
+  }
+  return ShapeHit<Real>{static_cast<Real>(t),
+                        {Vec3<Real>(world_from_object_.point({x, y, params_.height_m})), normal_}};
+}
+
+template <typename Real>
+std::pair<Vec3<Real>, Vec3<Real>> Disk<Real>::bounds() const {
+  const auto& m = world_from_object_.matrix();
+  const Vec3<double> center = world_from_object_.point({0, 0, params_.height_m});
+  // The extent of an ellipse along an axis is the length of that row of the map.
+  const auto extent = [&](int row) {
+    return params_.radius_m * length(Vec3<double>{m[row][0], m[row][1], 0});
+  };
+  const Vec3<double> half{extent(0), extent(1), extent(2)};
+  return rounded_outwards<Real>(center - half, center + half);
+}
+
+template class Disk<float>;
+template class Disk<double>;
+
+}  // namespace lucerna

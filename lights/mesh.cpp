@@ -1,0 +1,120 @@
+#include "lights/mesh.h"
+
+#include <absl/status/status.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <type_traits>
+
+#include "lights/sobol.h"
+
+namespace lucerna {
+
+namespace {
+
+/// u.x with more digits below its 24, from u.y.  A float has too few to choose among millions of
+/// primitives and a place within; scattered by a hash, those of u.y are as good as independent of
+/// u.y itself, and an equal shift of all u.x at one u.y leaves u.x uniform.
+template <typename Real>
+double refined(Vec2<Real> u) {
+  const auto bits = std::bit_cast<std::uint64_t>(static_cast<double>(u.y));
+  return u.x + std::ldexp(static_cast<double>(mix_bits(bits) >> 40), -48);
+}
+
+}  // namespace
+
+template <typename Real, template <typename> typename Primitive>
+Mesh<Real, Primitive>::Mesh(std::vector<Primitive<Real>> primitives,
+                            std::vector<double> cumulative_area)
+    : primitives_(std::move(primitives)), cumulative_area_(std::move(cumulative_area)) {}
+
+template <typename Real, template <typename> typename Primitive>
+absl::StatusOr<Mesh<Real, Primitive>> Mesh<Real, Primitive>::create(
+    std::vector<Primitive<Real>> primitives) {
+  if (primitives.empty())
+    return absl::InvalidArgumentError("mesh.primitives has 0 entries, allowed: at least 1");
+  if (primitives.size() > std::numeric_limits<std::uint32_t>::max())
+    return absl::InvalidArgumentError(
+        fmt::format("mesh.primitives has {} entries, allowed: less than 2^32", primitives.size()));
+  std::vector<double> cumulative;
+  cumulative.reserve(primitives.size());
+  double sum = 0;
+  for (std::size_t i = 0; i < primitives.size(); ++i) {
+    const double area = primitives[i].area();
+    const auto [lower, upper] = primitives[i].bounds();
+    if (!std::isfinite(area) || !is_finite(lower) || !is_finite(upper))
+      return absl::InvalidArgumentError(fmt::format(
+          "mesh.primitives[{}] has a vertex that is not finite or too large, allowed: finite "
+          "vertices and area",
+          i));
+    sum += area;
+    cumulative.push_back(sum);
+  }
+  if (!(sum > 0) || !std::isfinite(sum))
+    return absl::InvalidArgumentError(
+        fmt::format("mesh.area = {} m2, allowed: finite and > 0", sum));
+  return Mesh(std::move(primitives), std::move(cumulative));
+}
+
+template <typename Real, template <typename> typename Primitive>
+ShapeSample<Real> Mesh<Real, Primitive>::sample(const Vec3<Real>& receiver, Vec2<Real> u) const {
+  std::size_t i = 0;
+  if (primitives_.size() > 1) {
+    const double wide = refined(u);
+    const double target = (wide < 1 ? wide : wide - std::floor(wide)) * area();
+    // The first sum beyond the target belongs to a primitive that added to it: one with an area.
+    auto chosen = std::upper_bound(cumulative_area_.begin(), cumulative_area_.end(), target);
+    if (chosen == cumulative_area_.end())
+      chosen = std::lower_bound(cumulative_area_.begin(), cumulative_area_.end(), area());
+    i = static_cast<std::size_t>(chosen - cumulative_area_.begin());
+    const double before = i == 0 ? 0 : cumulative_area_[i - 1];
+    u.x = static_cast<Real>(std::clamp((target - before) / (*chosen - before), 0.0, 1.0));
+  }
+  ShapeSample<Real> s;
+  s.point = primitives_[i].sample_area(u);
+  s.point.primitive = static_cast<std::uint32_t>(i);
+  s.pdf = pdf(receiver, s.point);
+  return s;
+}
+
+template <typename Real, template <typename> typename Primitive>
+SolidAnglePdf<Real> Mesh<Real, Primitive>::pdf(const Vec3<Real>& receiver,
+                                               const SurfacePoint<Real>& point) const {
+  if (point.primitive >= primitives_.size()) return {0};
+  if constexpr (std::is_same_v<Primitive<Real>, Triangle<Real>>) {
+    // By area twice over is by area: the triangle's own cancels.
+    return as_seen_from(receiver, point, AreaPdf<double>{1 / area()});
+  } else {
+    const std::size_t i = point.primitive;
+    const double share = (cumulative_area_[i] - (i == 0 ? 0 : cumulative_area_[i - 1])) / area();
+    const double pdf_area = primitives_[i].pdf_area(point.position).per_m2;
+    return as_seen_from(receiver, point, AreaPdf<double>{share * pdf_area});
+  }
+}
+
+template <typename Real, template <typename> typename Primitive>
+std::pair<Vec3<Real>, Vec3<Real>> Mesh<Real, Primitive>::bounds() const {
+  auto [lower, upper] = primitives_.front().bounds();
+  for (const auto& primitive : primitives_) {
+    const auto [l, h] = primitive.bounds();
+    lower = {std::min(lower.x, l.x), std::min(lower.y, l.y), std::min(lower.z, l.z)};
+    upper = {std::max(upper.x, h.x), std::max(upper.y, h.y), std::max(upper.z, h.z)};
+  }
+  return {lower, upper};
+}
+
+template <typename Real, template <typename> typename Primitive>
+std::size_t Mesh<Real, Primitive>::bytes() const {
+  return sizeof(*this) + primitives_.capacity() * sizeof(Primitive<Real>) +
+         cumulative_area_.capacity() * sizeof(double);
+}
+
+template class Mesh<float, Triangle>;
+template class Mesh<double, Triangle>;
+template class Mesh<float, BilinearPatch>;
+template class Mesh<double, BilinearPatch>;
+
+}  // namespace lucerna

@@ -1,0 +1,64 @@
+// What the shapes of area lights share: the words of sampling and intersecting, and the way from a
+// density by area to one by solid angle.
+//
+// Shapes keep their numbers in `Real` or double and compute in double.  A point is rounded to
+// `Real` first, and its density is that of the rounded point: what a sample says of itself is then
+// bit for bit what `pdf` says of its point later.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "lights/light_sample.h"
+
+namespace lucerna {
+
+/// What a shape's sampling answers: a point, and the density of its direction from the receiver.
+template <std::floating_point Real>
+struct ShapeSample {
+  SurfacePoint<Real> point;
+  SolidAnglePdf<Real> pdf;  ///< not positive or not finite: no direction exists for this point
+};
+
+/// Where a ray meets a shape.
+template <std::floating_point Real>
+struct ShapeHit {
+  Real t{};  ///< along the ray, in units of its direction
+  SurfacePoint<Real> point;
+};
+
+/// All the places where a ray meets a surface of second order, by increasing t.
+template <std::floating_point Real>
+struct ShapeHits {
+  std::array<ShapeHit<Real>, 2> hit;
+  int count = 0;
+
+  void add(Real t, const SurfacePoint<Real>& point) { hit[count++] = {t, point}; }
+};
+
+/// The density by solid angle at `receiver` of choosing `point` with density `pdf` by area.
+/// Infinite where the receiver is in the plane of the point; 0 where it is the point, or not
+/// finite.
+template <std::floating_point Real>
+SolidAnglePdf<Real> as_seen_from(const Vec3<Real>& receiver, const SurfacePoint<Real>& point,
+                                 AreaPdf<double> pdf) {
+  const Vec3<double> to_receiver = Vec3<double>(receiver) - Vec3<double>(point.position);
+  const double distance = length(to_receiver);
+  if (!(distance > 0) || !std::isfinite(distance)) return {0};
+  const double cos_light = std::fabs(dot(Vec3<double>(point.normal), to_receiver)) / distance;
+  return {static_cast<Real>(to_solid_angle(pdf, distance, cos_light).per_sr)};
+}
+
+/// The box {lower, upper} in `Real`, widened so that rounding cuts nothing off.
+template <std::floating_point Real>
+std::pair<Vec3<Real>, Vec3<Real>> rounded_outwards(const Vec3<double>& lower,
+                                                   const Vec3<double>& upper) {
+  constexpr Real kInfinity = std::numeric_limits<Real>::infinity();
+  const auto down = [](double v) { return std::nextafter(static_cast<Real>(v), -kInfinity); };
+  const auto up = [](double v) { return std::nextafter(static_cast<Real>(v), kInfinity); };
+  return {{down(lower.x), down(lower.y), down(lower.z)}, {up(upper.x), up(upper.y), up(upper.z)}};
+}
+
+}  // namespace lucerna

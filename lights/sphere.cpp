@@ -1,0 +1,250 @@
+#include "lights/sphere.h"
+
+#include <absl/status/status.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace lucerna {
+
+namespace {
+
+constexpr double kTwoPi = 2 * std::numbers::pi;
+
+absl::Status check(const SphereParams& p) {
+  const auto refuse = [](const char* field, double value, const std::string& allowed) {
+    return absl::InvalidArgumentError(
+        fmt::format("sphere.{} = {}, allowed {}", field, value, allowed));
+  };
+  if (!(p.radius_m > 0) || !std::isfinite(p.radius_m))
+    return refuse("radius_m", p.radius_m, "finite and > 0");
+  if (!(p.phi_max_rad > 0 && p.phi_max_rad <= kTwoPi))
+    return refuse("phi_max_rad", p.phi_max_rad, "(0, 2 pi]");
+  if (!(p.z_min_m < p.radius_m))
+    return refuse("z_min_m", p.z_min_m, fmt::format("less than the radius, {}", p.radius_m));
+  if (!(p.z_max_m > -p.radius_m))
+    return refuse("z_max_m", p.z_max_m, fmt::format("more than {}", -p.radius_m));
+  if (!(p.z_max_m > p.z_min_m))
+    return refuse("z_max_m", p.z_max_m, fmt::format("more than z_min_m, {}", p.z_min_m));
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+template <typename Real>
+Sphere<Real>::Sphere(const SphereParams& params, const Vec3<double>& origin_m)
+    : params_(params),
+      world_from_object_(Transform::translate(-origin_m) * params.world_from_object),
+      object_from_world_(world_from_object_.inverse()),
+      z_min_m_(std::max(params.z_min_m, -params.radius_m)),
+      z_max_m_(std::min(params.z_max_m, params.radius_m)),
+      is_cut_in_z_(z_min_m_ > -params.radius_m || z_max_m_ < params.radius_m),
+      is_cut_in_phi_(params.phi_max_rad < kTwoPi),
+      is_whole_(!is_cut_in_z_ && !is_cut_in_phi_),
+      center_m_(world_from_object_.point({0, 0, 0})) {
+  if (const auto scale = params.world_from_object.uniform_scale()) {
+    world_radius_m_ = params.radius_m * *scale;
+    area_m2_ = params.phi_max_rad * world_radius_m_ * (z_max_m_ - z_min_m_) * *scale;
+  }
+}
+
+template <typename Real>
+absl::StatusOr<Sphere<Real>> Sphere<Real>::create(const SphereParams& params,
+                                                  const Vec3<double>& origin_m) {
+  if (absl::Status status = check(params); !status.ok()) return status;
+  const Sphere sphere(params, origin_m);
+  const auto [lower, upper] = sphere.bounds();
+  if (!is_finite(lower) || !is_finite(upper))
+    return absl::InvalidArgumentError(
+        fmt::format("sphere.world_from_object puts the sphere about ({}, {}, {}), "
+                    "allowed: finite bounds, in {} bits",
+                    sphere.center_m_.x, sphere.center_m_.y, sphere.center_m_.z, 8 * sizeof(Real)));
+  return sphere;
+}
+
+template <typename Real>
+absl::Status Sphere<Real>::emissive_error() const {
+  if (world_radius_m_ > 0) return absl::OkStatus();
+  const auto& m = params_.world_from_object.matrix();
+  const auto factor = [&m](int column) {
+    return length(Vec3<double>{m[0][column], m[1][column], m[2][column]});
+  };
+  return absl::InvalidArgumentError(fmt::format(
+      "sphere.world_from_object scales x, y, z by ({}, {}, {}), allowed for an emissive "
+      "sphere: equal factors, no shear",
+      factor(0), factor(1), factor(2)));
+}
+
+template <typename Real>
+double Sphere<Real>::one_minus_cos_cone(double distance) const {
+  const double r = world_radius_m_;
+  const double sin_cone = r / distance;
+  const double cos_cone = std::sqrt((distance - r) * (distance + r)) / distance;
+  // sin^2 / (1 + cos): 1 - cos itself cancels for small spheres, a quarter of it at 3e-4 in float.
+  return sin_cone / (1 + cos_cone) * sin_cone;
+}
+
+template <typename Real>
+ShapeSample<Real> Sphere<Real>::sample_cone(const Vec3<double>& to_center, double distance,
+                                            Vec2<Real> u) const {
+  const double r = world_radius_m_;
+  const double d = distance;
+  const double a = std::clamp(static_cast<double>(u.x), 0.0, 1.0);
+  const double phi = kTwoPi * u.y;
+  const double cone = one_minus_cos_cone(d);
+
+  // theta: at the receiver, between the centre and the sampled direction; 1 - cos uniform.
+  const double one_minus_cos = a * cone;
+  const double cos_theta = 1 - one_minus_cos;
+  const double sin_theta = std::sqrt(one_minus_cos * (2 - one_minus_cos));
+  // Half the chord that the direction cuts, in radii: sqrt(1 - (d sin_theta / r)^2) with both
+  // differences worked out by hand, so that it is right at the rim.
+  const double half_chord = std::sqrt((1 - a) * (2 - cone * (1 + a)) / (2 - cone));
+  // To the near intersection: the far root divides the product of both, (d - r)(d + r).
+  const double t = (d - r) * (d + r) / (d * cos_theta + r * half_chord);
+
+  // alpha: at the centre, between the receiver and the point.  Its sine from the height of the
+  // point over the axis (right close to the sphere), its cosine from the chord (right far from it).
+  const double height = t * sin_theta / r;
+  const double along = sin_theta * sin_theta * d / r + cos_theta * half_chord;
+  const double norm = std::sqrt(height * height + along * along);
+  const double sin_alpha = height / norm;
+  const double cos_alpha = along / norm;
+
+  const auto frame = Frame<double>::around(-(to_center / d));
+  const Vec3<double> outward =
+      frame.world_from_local({sin_alpha * std::cos(phi), sin_alpha * std::sin(phi), cos_alpha});
+  ShapeSample<Real> s;
+  s.point.position = Vec3<Real>(center_m_ + outward * r);
+  s.point.normal = Vec3<Real>(params_.reverse_orientation ? -outward : outward);
+  s.pdf = {static_cast<Real>(1 / (kTwoPi * cone))};
+  return s;
+}
+
+template <typename Real>
+ShapeSample<Real> Sphere<Real>::sample(const Vec3<Real>& receiver, Vec2<Real> u) const {
+  const Vec3<double> to_center = center_m_ - Vec3<double>(receiver);
+  if (const double distance = length(to_center); sees_cone(distance))
+    return sample_cone(to_center, distance, u);
+
+  // Equal shares of z have equal areas (Archimedes), whatever the cuts.
+  const double z = std::min(z_min_m_ + (z_max_m_ - z_min_m_) * u.x, z_max_m_);
+  const double phi = params_.phi_max_rad * u.y;
+  const double ring = std::sqrt((params_.radius_m - z) * (params_.radius_m + z));
+  ShapeSample<Real> s;
+  s.point = surface_point({ring * std::cos(phi), ring * std::sin(phi), z});
+  s.pdf = as_seen_from(receiver, s.point, AreaPdf<double>{1 / area_m2_});
+  return s;
+}
+
+template <typename Real>
+SolidAnglePdf<Real> Sphere<Real>::pdf(const Vec3<Real>& receiver,
+                                      const SurfacePoint<Real>& point) const {
+  const Vec3<double> to_receiver = Vec3<double>(receiver) - center_m_;
+  const double distance = length(to_receiver);
+  if (!sees_cone(distance)) return as_seen_from(receiver, point, AreaPdf<double>{1 / area_m2_});
+  // The near side by the normal, which says where on the sphere the point is however far the sphere
+  // is from the origin; less the rounding of both vectors, so that no sample at the rim falls off.
+  constexpr double kRounding = 4 * std::numeric_limits<Real>::epsilon();
+  const Vec3<double> n(point.normal);
+  const double cos_alpha = dot(params_.reverse_orientation ? -n : n, to_receiver) / distance;
+  if (!(cos_alpha >= world_radius_m_ / distance - kRounding)) return {0};
+  return {static_cast<Real>(1 / (kTwoPi * one_minus_cos_cone(distance)))};
+}
+
+template <typename Real>
+int Sphere<Real>::roots(const Vec3<Real>& origin, const Vec3<Real>& direction,
+                        Root (&out)[2]) const {
+  const double r = params_.radius_m;
+  const Vec3<double> o = object_from_world_.point(Vec3<double>(origin));
+  const Vec3<double> d = object_from_world_.vector(Vec3<double>(direction));
+  const double dd = dot(d, d);
+  if (!(dd > 0)) return 0;
+  // The discriminant from the point of closest approach, not as b^2 - 4 a c, which cancels for far
+  // origins and small spheres.  [Haines19]
+  const double closest = -dot(o, d) / dd;
+  const Vec3<double> approach = o + d * closest;
+  const double approach_distance = std::sqrt(dot(approach, approach));
+  if (!(approach_distance <= r)) return 0;
+  const double half_chord = std::sqrt((r - approach_distance) * (r + approach_distance) / dd);
+  // The root that would cancel follows from the other and their product.
+  const double large = closest + std::copysign(half_chord, closest);
+  const double origin_distance = std::sqrt(dot(o, o));
+  const double small = large == 0 ? 0 : (origin_distance - r) * (origin_distance + r) / dd / large;
+
+  const auto on_sphere = [r](const Vec3<double>& p) { return p * (r / std::sqrt(dot(p, p))); };
+  const Vec3<double> step = d * half_chord;
+  out[0] = {std::min(small, large), on_sphere(approach - step)};
+  out[1] = {std::max(small, large), on_sphere(approach + step)};
+  return 2;
+}
+
+template <typename Real>
+bool Sphere<Real>::is_cut_away(const Vec3<double>& p) const {
+  if (is_cut_in_z_ && (p.z < z_min_m_ || p.z > z_max_m_)) return true;
+  if (!is_cut_in_phi_) return false;
+  const double phi = std::atan2(p.y, p.x);
+  return (phi < 0 ? phi + kTwoPi : phi) > params_.phi_max_rad;
+}
+
+template <typename Real>
+SurfacePoint<Real> Sphere<Real>::surface_point(const Vec3<double>& p) const {
+  const Vec3<double> n = normalized(world_from_object_.normal(p));
+  return {Vec3<Real>(world_from_object_.point(p)),
+          Vec3<Real>(params_.reverse_orientation ? -n : n)};
+}
+
+template <typename Real>
+ShapeHits<Real> Sphere<Real>::hits(const Vec3<Real>& origin, const Vec3<Real>& direction,
+                                   Real t_min, Real t_max) const {
+  ShapeHits<Real> found;
+  Root root[2];
+  const int count = roots(origin, direction, root);
+  for (int i = 0; i < count; ++i)
+    if (root[i].t > t_min && root[i].t < t_max && !is_cut_away(root[i].p))
+      found.add(static_cast<Real>(root[i].t), surface_point(root[i].p));
+  return found;
+}
+
+template <typename Real>
+std::optional<ShapeHit<Real>> Sphere<Real>::intersect(const Vec3<Real>& origin,
+                                                      const Vec3<Real>& direction, Real t_min,
+                                                      Real t_max) const {
+  Root root[2];
+  const int count = roots(origin, direction, root);
+  for (int i = 0; i < count; ++i)
+    if (root[i].t > t_min && root[i].t < t_max && !is_cut_away(root[i].p))
+      return ShapeHit<Real>{static_cast<Real>(root[i].t), surface_point(root[i].p)};
+  return std::nullopt;
+}
+
+template <typename Real>
+std::pair<Vec3<Real>, Vec3<Real>> Sphere<Real>::bounds() const {
+  const auto& m = world_from_object_.matrix();
+  // The widest ring that is left, for the box of a cut sphere.
+  const double r = params_.radius_m;
+  const double z = std::clamp(0.0, z_min_m_, z_max_m_);
+  const double ring = std::sqrt((r - z) * (r + z));
+  const double z_middle = (z_min_m_ + z_max_m_) / 2;
+  const double z_half = (z_max_m_ - z_min_m_) / 2;
+  const auto extent = [&](int row) {
+    // Two bounds that both hold: the whole ellipsoid, and the image of the box about what is left.
+    const double ellipsoid = r * length(Vec3<double>{m[row][0], m[row][1], m[row][2]});
+    const double box =
+        ring * (std::fabs(m[row][0]) + std::fabs(m[row][1])) + z_half * std::fabs(m[row][2]);
+    const double middle = m[row][3] + m[row][2] * z_middle;
+    return std::pair{std::max(m[row][3] - ellipsoid, middle - box),
+                     std::min(m[row][3] + ellipsoid, middle + box)};
+  };
+  const auto x = extent(0);
+  const auto y = extent(1);
+  const auto w = extent(2);
+  return rounded_outwards<Real>({x.first, y.first, w.first}, {x.second, y.second, w.second});
+}
+
+template class Sphere<float>;
+template class Sphere<double>;
+
+}  // namespace lucerna

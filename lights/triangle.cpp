@@ -1,0 +1,96 @@
+#include "lights/triangle.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lights/sampling.h"
+
+namespace lucerna {
+
+namespace {
+
+template <typename Real>
+Vec3<double> area_vector(const Triangle<Real>& t) {
+  const Vec3<double> a(t.a);
+  return cross(Vec3<double>(t.b) - a, Vec3<double>(t.c) - a);
+}
+
+}  // namespace
+
+template <typename Real>
+double Triangle<Real>::area() const {
+  return length(area_vector(*this)) / 2;
+}
+
+template <typename Real>
+Vec3<Real> Triangle<Real>::normal() const {
+  return Vec3<Real>(normalized(area_vector(*this)));
+}
+
+template <typename Real>
+SurfacePoint<Real> Triangle<Real>::sample_area(Vec2<Real> u) const {
+  const Vec3<double> w = sample_uniform_triangle(Vec2<double>{u.x, u.y});
+  // From one vertex, so that a triangle far from the origin keeps what digits its vertices have.
+  const Vec3<double> origin(a);
+  const Vec3<double> p =
+      origin + (Vec3<double>(b) - origin) * w.y + (Vec3<double>(c) - origin) * w.z;
+  return {Vec3<Real>(p), normal()};
+}
+
+template <typename Real>
+AreaPdf<double> Triangle<Real>::pdf_area(const Vec3<Real>&) const {
+  return uniform_triangle_pdf(area());
+}
+
+template <typename Real>
+std::optional<ShapeHit<Real>> Triangle<Real>::intersect(const Vec3<Real>& origin,
+                                                        const Vec3<Real>& direction, Real t_min,
+                                                        Real t_max) const {
+  const Vec3<double> d(direction);
+  // The axis along which the ray advances most becomes z, and a shear makes the ray that axis; then
+  // the signs of the edge functions alone decide, and a common edge gives the same number, negated,
+  // to both of its triangles.
+  const Vec3<double> size{std::fabs(d.x), std::fabs(d.y), std::fabs(d.z)};
+  const int kz = size.x > size.y ? (size.x > size.z ? 0 : 2) : (size.y > size.z ? 1 : 2);
+  const int kx = (kz + 1) % 3;
+  const int ky = (kz + 2) % 3;
+  if (!(size[kz] > 0)) return std::nullopt;
+  const double shear_x = d[kx] / d[kz];
+  const double shear_y = d[ky] / d[kz];
+  const auto sheared = [&](const Vec3<Real>& vertex) {
+    const Vec3<double> v = Vec3<double>(vertex) - Vec3<double>(origin);
+    return Vec3<double>{v[kx] - shear_x * v[kz], v[ky] - shear_y * v[kz], v[kz] / d[kz]};
+  };
+  const Vec3<double> pa = sheared(a);
+  const Vec3<double> pb = sheared(b);
+  const Vec3<double> pc = sheared(c);
+  const double ea = pc.x * pb.y - pc.y * pb.x;
+  const double eb = pa.x * pc.y - pa.y * pc.x;
+  const double ec = pb.x * pa.y - pb.y * pa.x;
+  const bool inside = (ea >= 0 && eb >= 0 && ec >= 0) || (ea <= 0 && eb <= 0 && ec <= 0);
+  const double sum = ea + eb + ec;
+  if (!inside || sum == 0) return std::nullopt;  // sum 0: seen edge-on
+  const double t = (ea * pa.z + eb * pb.z + ec * pc.z) / sum;
+  if (!(t > t_min && t < t_max)) return std::nullopt;
+  const Vec3<double> p = (Vec3<double>(a) * ea + Vec3<double>(b) * eb + Vec3<double>(c) * ec) / sum;
+  return ShapeHit<Real>{static_cast<Real>(t), {Vec3<Real>(p), normal()}};
+}
+
+template <typename Real>
+ShapeHits<Real> Triangle<Real>::hits(const Vec3<Real>& origin, const Vec3<Real>& direction,
+                                     Real t_min, Real t_max) const {
+  ShapeHits<Real> found;
+  if (const auto hit = intersect(origin, direction, t_min, t_max)) found.add(hit->t, hit->point);
+  return found;
+}
+
+template <typename Real>
+std::pair<Vec3<Real>, Vec3<Real>> Triangle<Real>::bounds() const {
+  return {{std::min({a.x, b.x, c.x}), std::min({a.y, b.y, c.y}), std::min({a.z, b.z, c.z})},
+          {std::max({a.x, b.x, c.x}), std::max({a.y, b.y, c.y}), std::max({a.z, b.z, c.z})}};
+}
+
+template struct Triangle<float>;
+template struct Triangle<double>;
+
+}  // namespace lucerna
