@@ -8,8 +8,8 @@
 namespace lucerna {
 
 struct PointLightParams {
-  Vec3<double> position_m;       ///< world
-  Rgb<double> intensity_cd;      ///< per channel, finite, not negative
+  Vec3<double> position_m;   ///< world
+  Rgb<double> intensity_cd;  ///< per channel, finite, not negative
 };
 
 template <std::floating_point Real>
@@ -37,7 +37,6 @@ class PointLight {
   explicit PointLight(const Params& params, const Vec3<double>& origin_m);
   Params params_;
   Vec3<Real> position_;
-  Rgb<Real> intensity_;
 };
 
 }  // namespace lucerna

@@ -18,8 +18,8 @@ class SobolSequence {
   /// `replicate` numbers independent randomisations of the same item.
   SobolSequence(std::uint64_t seed, std::uint64_t item, std::uint64_t replicate = 0);
 
-  /// Point `index` in dimensions (2 pair, 2 pair + 1), each in [0, 1) as multiples of 2^-24, so that
-  /// no float rounds to 1.
+  /// Point `index` in dimensions (2 pair, 2 pair + 1), each in [0, 1) as multiples of 2^-24, so
+  /// that no float rounds to 1.
   Vec2<float> pair(std::uint32_t index, std::uint32_t pair) const;
 
  private:

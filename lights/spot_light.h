@@ -9,11 +9,11 @@
 namespace lucerna {
 
 struct SpotLightParams {
-  Vec3<double> position_m;          ///< world
-  Vec3<double> axis{0, 0, 1};       ///< world, any length but 0: where the light points
-  Rgb<double> intensity_cd;         ///< on the axis, per channel, finite, not negative
-  double cone_half_angle_rad{};     ///< (0, pi]: no light beyond
-  double falloff_start_rad{};       ///< [0, cone_half_angle_rad]: full light within; equal: a hard edge
+  Vec3<double> position_m;       ///< world
+  Vec3<double> axis{0, 0, 1};    ///< world, any length but 0: where the light points
+  Rgb<double> intensity_cd;      ///< on the axis, per channel, finite, not negative
+  double cone_half_angle_rad{};  ///< (0, pi]: no light beyond
+  double falloff_start_rad{};  ///< [0, cone_half_angle_rad]: full light within; equal: a hard edge
 };
 
 template <std::floating_point Real>
@@ -24,25 +24,30 @@ class SpotLight {
 
   static absl::StatusOr<SpotLight> create(const Params& params, const Vec3<double>& origin_m = {});
 
-  /// Luminous intensity [cd] towards the unit vector `w` (world axes, from the light).  Zero outside
-  /// the cone, continuous at its edge unless the edge is hard.  [Pharr23, 12.2.1]
+  /// Luminous intensity [cd] towards the unit vector `w` (world axes, from the light).  Zero
+  /// outside the cone, continuous at its edge unless the edge is hard.  [Pharr23, 12.2.1]
   Rgb<Real> intensity(const Vec3<Real>& w) const;
 
   LightSample<Real> sample_li(const Vec3<Real>& receiver, Vec2<Real> u) const;
   SolidAnglePdf<Real> pdf_li(const Vec3<Real>& receiver, const Vec3<Real>& wi) const;
 
-  /// 2 pi I ((1 - cos s) + (cos s - cos c) / 2), the smoothstep's mean over the cosine being 1/2; exact.
+  /// 2 pi I ((1 - cos s) + (cos s - cos c) / 2), the smoothstep's mean over the cosine being 1/2;
+  /// exact.
   Power power(const SceneSphere& scene) const;
 
   const Params& params() const { return params_; }
 
  private:
   explicit SpotLight(const Params& params, const Vec3<double>& origin_m);
+  /// The share of the intensity towards the unit vector `w`, in [0, 1].
+  double falloff(const Vec3<double>& w) const;
+
   Params params_;
-  Vec3<Real> position_, axis_;
-  Rgb<Real> intensity_;
-  // The implementer's choice: 2 sin^2(theta / 2) of both angles, whose difference does not cancel.
-  Real one_minus_cos_start_{}, one_minus_cos_cone_{};
+  Vec3<Real> position_;
+  // In double, as the narrowest cones are no wider than the error of a direction in float.
+  Vec3<double> axis_;
+  double one_minus_cos_cone_;
+  double edge_;  ///< cos(falloff_start) - cos(cone_half_angle); 0 for a hard edge
 };
 
 }  // namespace lucerna

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <concepts>
+#include <limits>
 
 namespace lucerna {
 
@@ -56,28 +57,48 @@ Real max_abs(const Vec3<Real>& v) {
   return std::fmax(std::fabs(v.x), std::fmax(std::fabs(v.y), std::fabs(v.z)));
 }
 
-/// Euclidean length.  Scaled by a power of two first, so that the squares of components between
-/// 1e-38 and 1e38 neither overflow nor vanish, and so that scaling by 2^k changes no bit.
-template <std::floating_point Real>
-Real length(const Vec3<Real>& v) {
-  const Real largest = max_abs(v);
-  if (!(largest > 0) || !std::isfinite(largest)) return largest;
-  const int exponent = std::ilogb(largest);
-  const Vec3<Real> s{std::scalbn(v.x, -exponent), std::scalbn(v.y, -exponent),
-                     std::scalbn(v.z, -exponent)};
-  return std::scalbn(std::sqrt(dot(s, s)), exponent);
-}
-
-/// `v` divided by its length; the zero vector where `v` is zero.
-template <std::floating_point Real>
-Vec3<Real> normalized(const Vec3<Real>& v) {
-  const Real l = length(v);
-  return l > 0 ? v / l : Vec3<Real>{};
-}
-
 template <std::floating_point Real>
 bool is_finite(const Vec3<Real>& v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+/// `v` times 2^exponent.
+template <std::floating_point Real>
+Vec3<Real> scaled(const Vec3<Real>& v, int exponent) {
+  return {std::scalbn(v.x, exponent), std::scalbn(v.y, exponent), std::scalbn(v.z, exponent)};
+}
+
+/// Euclidean length.  Squares of any float fit a double; a double is scaled by a power of two
+/// first. So no square over- or underflows, and scaling by 2^k changes no bit of the result but its
+/// exponent.
+template <std::floating_point Real>
+Real length(const Vec3<Real>& v) {
+  if constexpr (sizeof(Real) < sizeof(double)) {
+    const Vec3<double> wide(v);
+    return static_cast<Real>(std::sqrt(dot(wide, wide)));
+  } else {
+    const Real largest = max_abs(v);
+    if (!(largest > 0) || !is_finite(v)) return std::fabs(v.x) + std::fabs(v.y) + std::fabs(v.z);
+    const int exponent = std::ilogb(largest);
+    const Vec3<Real> s = scaled(v, -exponent);
+    return std::scalbn(std::sqrt(dot(s, s)), exponent);
+  }
+}
+
+/// `v` divided by its length; the zero vector where `v` is zero; not a number where `v` is not
+/// finite.
+template <std::floating_point Real>
+Vec3<Real> normalized(const Vec3<Real>& v) {
+  if (v == Vec3<Real>{}) return {};
+  if constexpr (sizeof(Real) < sizeof(double)) {
+    const Vec3<double> wide(v);
+    return Vec3<Real>(wide * (1 / std::sqrt(dot(wide, wide))));
+  } else {
+    const Real largest = max_abs(v);
+    if (!is_finite(v)) return v * std::numeric_limits<Real>::quiet_NaN();
+    const Vec3<Real> s = scaled(v, -std::ilogb(largest));
+    return s / std::sqrt(dot(s, s));
+  }
 }
 
 /// An orthonormal right-handed frame (s, t, n).

@@ -1,0 +1,56 @@
+#include "lights/distant_light.h"
+
+#include <limits>
+#include <numbers>
+
+#include "lights/validation.h"
+
+namespace lucerna {
+
+template <std::floating_point Real>
+absl::StatusOr<DistantLight<Real>> DistantLight<Real>::create(const Params& params,
+                                                              const Vec3<double>&) {
+  if (auto s = check_direction("distant.to_light", params.to_light); !s.ok()) return s;
+  if (auto s = check_light_value<Real>("distant.illuminance", params.illuminance_lx, "lx");
+      !s.ok()) {
+    return s;
+  }
+  return DistantLight(params);
+}
+
+template <std::floating_point Real>
+DistantLight<Real>::DistantLight(const Params& params)
+    : params_(params),
+      to_light_(normalized(params.to_light)),
+      illuminance_(params.illuminance_lx) {}
+
+template <std::floating_point Real>
+LightSample<Real> DistantLight<Real>::sample_li(const Vec3<Real>& receiver, Vec2<Real>) const {
+  LightSample<Real> sample;
+  sample.delta = true;
+  if (!is_finite(receiver)) {
+    sample.reason = NoLight::kOutOfRange;
+    return sample;
+  }
+  sample.wi = to_light_;
+  sample.distance = std::numeric_limits<Real>::infinity();
+  sample.value = illuminance_;
+  if (illuminance_.is_black()) sample.reason = NoLight::kBlack;
+  return sample;
+}
+
+template <std::floating_point Real>
+SolidAnglePdf<Real> DistantLight<Real>::pdf_li(const Vec3<Real>&, const Vec3<Real>&) const {
+  return {};
+}
+
+template <std::floating_point Real>
+Power DistantLight<Real>::power(const SceneSphere& scene) const {
+  if (params_.illuminance_lx.is_black()) return {};
+  return {params_.illuminance_lx * scene.radius_m * scene.radius_m * std::numbers::pi, 0};
+}
+
+template class DistantLight<float>;
+template class DistantLight<double>;
+
+}  // namespace lucerna

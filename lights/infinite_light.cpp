@@ -1,0 +1,63 @@
+#include "lights/infinite_light.h"
+
+#include <limits>
+#include <numbers>
+
+#include "lights/sampling.h"
+#include "lights/validation.h"
+
+namespace lucerna {
+
+template <std::floating_point Real>
+absl::StatusOr<UniformInfiniteLight<Real>> UniformInfiniteLight<Real>::create(const Params& params,
+                                                                              const Vec3<double>&) {
+  if (auto s = check_light_value<Real>("infinite.radiance", params.radiance_cd_m2, "cd/m2");
+      !s.ok()) {
+    return s;
+  }
+  return UniformInfiniteLight(params);
+}
+
+template <std::floating_point Real>
+UniformInfiniteLight<Real>::UniformInfiniteLight(const Params& params)
+    : params_(params), radiance_(params.radiance_cd_m2) {}
+
+template <std::floating_point Real>
+LightSample<Real> UniformInfiniteLight<Real>::sample_li(const Vec3<Real>& receiver,
+                                                        Vec2<Real> u) const {
+  LightSample<Real> sample;
+  if (!is_finite(receiver)) {
+    sample.reason = NoLight::kOutOfRange;
+    return sample;
+  }
+  sample.wi = sample_uniform_sphere(u);
+  sample.distance = std::numeric_limits<Real>::infinity();
+  sample.pdf = uniform_sphere_pdf<Real>();
+  sample.value = radiance_;
+  if (radiance_.is_black()) sample.reason = NoLight::kBlack;
+  return sample;
+}
+
+template <std::floating_point Real>
+SolidAnglePdf<Real> UniformInfiniteLight<Real>::pdf_li(const Vec3<Real>& receiver,
+                                                       const Vec3<Real>& wi) const {
+  if (!is_finite(receiver) || !is_finite(wi) || radiance_.is_black()) return {};
+  return uniform_sphere_pdf<Real>();
+}
+
+template <std::floating_point Real>
+Rgb<Real> UniformInfiniteLight<Real>::le_escaped(const Vec3<Real>&) const {
+  return radiance_;
+}
+
+template <std::floating_point Real>
+Power UniformInfiniteLight<Real>::power(const SceneSphere& scene) const {
+  if (params_.radiance_cd_m2.is_black()) return {};
+  constexpr double kPi = std::numbers::pi;
+  return {params_.radiance_cd_m2 * scene.radius_m * scene.radius_m * (4 * kPi * kPi), 0};
+}
+
+template class UniformInfiniteLight<float>;
+template class UniformInfiniteLight<double>;
+
+}  // namespace lucerna

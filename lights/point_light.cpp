@@ -1,0 +1,49 @@
+#include "lights/point_light.h"
+
+#include <numbers>
+
+#include "lights/inverse_square.h"
+#include "lights/validation.h"
+
+namespace lucerna {
+
+template <std::floating_point Real>
+absl::StatusOr<PointLight<Real>> PointLight<Real>::create(const Params& params,
+                                                          const Vec3<double>& origin_m) {
+  if (auto s = check_position<Real>("point.position", params.position_m, origin_m); !s.ok()) {
+    return s;
+  }
+  if (auto s = check_light_value<Real>("point.intensity", params.intensity_cd, "cd"); !s.ok()) {
+    return s;
+  }
+  return PointLight(params, origin_m);
+}
+
+template <std::floating_point Real>
+PointLight<Real>::PointLight(const Params& params, const Vec3<double>& origin_m)
+    : params_(params), position_(params.position_m - origin_m) {}
+
+template <std::floating_point Real>
+LightSample<Real> PointLight<Real>::sample_li(const Vec3<Real>& receiver, Vec2<Real>) const {
+  LightSample<Real> sample;
+  const Way way = find_way(position_, receiver, sample);
+  if (sample.reason == NoLight::kNone) {
+    set_inverse_square(params_.intensity_cd, way.distance_m, sample);
+  }
+  return sample;
+}
+
+template <std::floating_point Real>
+SolidAnglePdf<Real> PointLight<Real>::pdf_li(const Vec3<Real>&, const Vec3<Real>&) const {
+  return {};
+}
+
+template <std::floating_point Real>
+Power PointLight<Real>::power(const SceneSphere&) const {
+  return {params_.intensity_cd * (4 * std::numbers::pi), 0};
+}
+
+template class PointLight<float>;
+template class PointLight<double>;
+
+}  // namespace lucerna
