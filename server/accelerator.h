@@ -20,8 +20,8 @@
 
 namespace lucerna {
 
-/// Everything that rays can hit, in one space (the scene's, or an object's).  Each kind is numbered by
-/// itself, in order.
+/// Everything that rays can hit, in one space (the scene's, or an object's).  Each kind is numbered
+/// by itself, in order.
 struct GeometrySet {
   std::vector<Vec3<float>> vertices;
   std::vector<std::uint32_t> triangles;  ///< three vertex numbers a triangle
@@ -40,9 +40,11 @@ enum class HitKind : std::uint8_t { kTriangle, kPatch, kSphere, kDisk };
 struct RawHit {
   float t{};
   HitKind kind{};
-  std::uint32_t primitive{};     ///< within its kind, within its GeometrySet
-  std::int32_t instance = -1;    ///< which instance; -1: the scene's own geometry
-  Vec2<float> uv;                ///< triangle: barycentrics of vertices 1 and 2; patch: (u, v)
+  std::uint32_t primitive{};   ///< within its kind, within its GeometrySet
+  std::int32_t instance = -1;  ///< which instance; -1: the scene's own geometry
+  Vec2<float> uv;              ///< triangle: barycentrics of vertices 1 and 2; patch: (u, v)
+  /// Patch, sphere and disk: the point hit and its unit normal, in the space of the GeometrySet.
+  Vec3<double> position, normal;
 };
 
 /// Immutable once built; all const members may be called from any thread.

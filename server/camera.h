@@ -23,7 +23,8 @@ class Camera {
  private:
   int width_ = 0, height_ = 0;
   double film_scale_ = 1;
-  Vec3<float> position_, corner_, step_x_, step_y_;  // direction = corner + x step_x + y step_y
+  Vec3<float> position_;
+  Vec3<double> corner_, step_x_, step_y_;  // direction = corner + x step_x + y step_y
 };
 
 }  // namespace lucerna

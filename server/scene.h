@@ -14,24 +14,26 @@
 #include "lights/light.h"
 #include "server/accelerator.h"
 #include "server/camera.h"
+#include "server/light_choice.h"
 #include "server/ray.h"
 #include "server/scene_description.h"
+#include "server/surface_table.h"
 
 namespace lucerna {
 
 /// One light as the scene holds it.
 struct SceneLight {
-  std::uint64_t id;         ///< stable, from 1, never reused
-  Light<float> light;       ///< about the scene's origin
+  std::uint64_t id;    ///< stable, from 1, never reused
+  Light<float> light;  ///< about the scene's origin
   SourceLocation where;
 };
 
 /// One thing that was built, for GetScene.
 struct ScenePart {
-  std::string name;         ///< "bvh", "vertices", "lights", ...
+  std::string name;  ///< "bvh", "vertices", "lights", ...
   std::uint64_t bytes;
   double build_ms;
-  std::string why;          ///< what of the scene asked for it
+  std::string why;  ///< what of the scene asked for it
 };
 
 /// All const members may be called from any thread.
@@ -44,8 +46,9 @@ class Scene {
 
   /// SHA-256 over names and digests of all files read, 64 hexadecimal digits.
   const std::string& id() const { return id_; }
-  /// World position of scene coordinates' zero [m].  A multiple of a power of two not less than the scene's extent,
-  /// so that scenes near their own zero keep the coordinates they were written with.
+  /// World position of scene coordinates' zero [m].  A multiple of a power of two not less than the
+  /// scene's extent, so that scenes near their own zero keep the coordinates they were written
+  /// with.
   const Vec3<double>& origin() const { return origin_; }
   /// Around geometry and local lights; radius 0 where there are none.
   const SceneSphere& sphere() const { return sphere_; }
@@ -55,6 +58,15 @@ class Scene {
   std::optional<std::uint32_t> find_light(std::uint64_t id) const;
   /// Indices of lights that rays leaving the scene meet.
   std::span<const std::uint32_t> infinite_lights() const { return infinite_lights_; }
+  /// The probability with which choose_light chooses the light of this index.
+  double light_probability(std::uint32_t light) const {
+    return light_distribution_.empty() ? 1 : light_distribution_.probability(light);
+  }
+  const LightDistribution& light_distribution() const { return light_distribution_; }
+  /// True where some light is not a delta light: rays may find it.
+  bool has_visible_lights() const { return has_visible_lights_; }
+  /// True where there is nothing to hit.
+  bool empty() const { return accelerator_->empty(); }
   std::span<const DiffuseMaterial> materials() const { return materials_; }
   const Camera& camera() const { return camera_; }
   const RenderHints& hints() const { return hints_; }
@@ -73,7 +85,8 @@ class Scene {
 
  private:
   Scene() = default;
-  // Private members are the implementer's.
+  class Builder;
+
   std::string id_;
   Vec3<double> origin_;
   SceneSphere sphere_;
@@ -81,6 +94,10 @@ class Scene {
   std::vector<std::uint32_t> infinite_lights_;
   std::vector<DiffuseMaterial> materials_;
   std::unique_ptr<Accelerator> accelerator_;
+  SurfaceTable surfaces_;                      // of the scene's own geometry
+  std::vector<SurfaceTable> object_surfaces_;  // of each object's
+  LightDistribution light_distribution_;       // empty where there are fewer than two lights
+  bool has_visible_lights_ = false;
   Camera camera_;
   RenderHints hints_;
   std::vector<Remark> remarks_;
@@ -88,12 +105,9 @@ class Scene {
   std::vector<ScenePart> parts_;
 };
 
-/// The probability of choosing each light, apart from any density: in this version the same for all.
-/// `u` in [0, 1).  Requires at least one light.
-struct LightChoice {
-  std::uint32_t light;
-  double probability;
-};
+/// Chooses a light by its power (light_choice.h); the probability is not part of any density.  `u`
+/// in [0, 1), with as many bits as the number of lights asks for: 24 bits reach 2^24 of them.
+/// Requires at least one light.
 LightChoice choose_light(const Scene& scene, double u);
 
 }  // namespace lucerna

@@ -1,0 +1,376 @@
+#include "server/accelerator.h"
+
+#include <absl/status/status.h>
+#include <embree3/rtcore.h>
+#include <fmt/format.h>
+
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <mutex>
+#include <utility>
+
+#include "server/denormals.h"
+
+namespace lucerna {
+namespace {
+
+// Geometry numbers within an Embree scene; instances follow in the top one.
+enum GeometryId : unsigned { kTriangles = 0, kPatches, kSpheres, kDisks, kFirstInstance };
+
+struct IsaName {
+  const char* name;
+  const char* embree;
+  bool (*supported)();
+};
+constexpr std::array<IsaName, 5> kIsas{{
+    {"sse2", "sse2", [] { return true; }},
+    {"sse4.2", "sse42", [] { return __builtin_cpu_supports("sse4.2") != 0; }},
+    {"avx", "avx", [] { return __builtin_cpu_supports("avx") != 0; }},
+    {"avx2", "avx2",
+     [] {
+       return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") &&
+              __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2");
+     }},
+    {"avx512", "avx512",
+     [] {
+       return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+              __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512bw") &&
+              __builtin_cpu_supports("avx512vl");
+     }},
+}};
+
+// What the callbacks of user geometry find behind their pointer.
+struct UserGeometry {
+  const GeometrySet* set;
+  HitKind kind;
+};
+
+// Embree hands the context of a query through to the callbacks: the exact hit travels in it.
+struct QueryContext {
+  RTCIntersectContext embree;  // first, so that its address is this object's
+  Vec3<double> position, normal;
+};
+
+struct AnalyticHit {
+  ShapeHit<double> hit;
+  Vec2<double> uv;
+};
+
+std::optional<AnalyticHit> intersect(const UserGeometry& user, unsigned primitive,
+                                     const RTCRay& ray, double t_max) {
+  const Vec3<double> o{ray.org_x, ray.org_y, ray.org_z}, d{ray.dir_x, ray.dir_y, ray.dir_z};
+  AnalyticHit found;
+  std::optional<ShapeHit<double>> hit;
+  switch (user.kind) {
+    case HitKind::kPatch:
+      hit = user.set->patches[primitive].intersect(o, d, ray.tnear, t_max, &found.uv);
+      break;
+    case HitKind::kSphere:
+      hit = user.set->spheres[primitive].intersect(o, d, ray.tnear, t_max);
+      break;
+    case HitKind::kDisk:
+      hit = user.set->disks[primitive].intersect(o, d, ray.tnear, t_max);
+      break;
+    case HitKind::kTriangle:
+      break;
+  }
+  if (!hit || !(hit->t > ray.tnear && hit->t < t_max)) return std::nullopt;
+  found.hit = *hit;
+  return found;
+}
+
+void bounds_callback(const RTCBoundsFunctionArguments* args) {
+  const auto& user = *static_cast<const UserGeometry*>(args->geometryUserPtr);
+  std::pair<Vec3<double>, Vec3<double>> box;
+  switch (user.kind) {
+    case HitKind::kPatch:
+      box = user.set->patches[args->primID].bounds();
+      break;
+    case HitKind::kSphere:
+      box = user.set->spheres[args->primID].bounds();
+      break;
+    case HitKind::kDisk:
+      box = user.set->disks[args->primID].bounds();
+      break;
+    case HitKind::kTriangle:
+      break;
+  }
+  const auto down = [](double v) { return std::nextafter(static_cast<float>(v), -INFINITY); };
+  const auto up = [](double v) { return std::nextafter(static_cast<float>(v), INFINITY); };
+  RTCBounds& out = *args->bounds_o;
+  out.lower_x = down(box.first.x), out.lower_y = down(box.first.y), out.lower_z = down(box.first.z);
+  out.upper_x = up(box.second.x), out.upper_y = up(box.second.y), out.upper_z = up(box.second.z);
+}
+
+// Queries are single rays, so N is 1 here.
+void intersect_callback(const RTCIntersectFunctionNArguments* args) {
+  if (args->valid[0] == 0) return;
+  const auto& user = *static_cast<const UserGeometry*>(args->geometryUserPtr);
+  auto& query = *reinterpret_cast<RTCRayHit*>(args->rayhit);
+  const auto found = intersect(user, args->primID, query.ray, query.ray.tfar);
+  if (!found) return;
+  query.ray.tfar = static_cast<float>(found->hit.t);
+  query.hit.u = static_cast<float>(found->uv.x);
+  query.hit.v = static_cast<float>(found->uv.y);
+  query.hit.geomID = args->geomID;
+  query.hit.primID = args->primID;
+  query.hit.instID[0] = args->context->instID[0];
+  auto& context = *reinterpret_cast<QueryContext*>(args->context);
+  context.position = found->hit.point.position;
+  context.normal = found->hit.point.normal;
+}
+
+void occluded_callback(const RTCOccludedFunctionNArguments* args) {
+  if (args->valid[0] == 0) return;
+  const auto& user = *static_cast<const UserGeometry*>(args->geometryUserPtr);
+  auto& ray = *reinterpret_cast<RTCRay*>(args->ray);
+  if (intersect(user, args->primID, ray, ray.tfar)) ray.tfar = -INFINITY;
+}
+
+RTCRay embree_ray(const Ray& r) {
+  return {.org_x = r.origin.x,
+          .org_y = r.origin.y,
+          .org_z = r.origin.z,
+          .tnear = r.t_min,
+          .dir_x = r.direction.x,
+          .dir_y = r.direction.y,
+          .dir_z = r.direction.z,
+          .time = 0,
+          .tfar = r.t_max,
+          .mask = ~0u,
+          .id = 0,
+          .flags = 0};
+}
+
+std::size_t geometry_bytes(const GeometrySet& s) {
+  return s.vertices.capacity() * sizeof s.vertices[0] +
+         s.triangles.capacity() * sizeof s.triangles[0] +
+         s.patches.capacity() * sizeof s.patches[0] + s.spheres.capacity() * sizeof s.spheres[0] +
+         s.disks.capacity() * sizeof s.disks[0];
+}
+
+bool is_empty(const GeometrySet& s) {
+  return s.triangles.empty() && s.patches.empty() && s.spheres.empty() && s.disks.empty();
+}
+
+struct SceneDeleter {
+  void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
+};
+struct DeviceDeleter {
+  void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
+};
+using SceneHandle = std::unique_ptr<std::remove_pointer_t<RTCScene>, SceneDeleter>;
+using DeviceHandle = std::unique_ptr<std::remove_pointer_t<RTCDevice>, DeviceDeleter>;
+
+}  // namespace
+
+struct Accelerator::State {
+  GeometrySet scene;
+  std::vector<GeometrySet> objects;
+  std::vector<GeometryInstance> instances;
+  std::string isa;
+  std::stop_token stop;
+
+  std::atomic<std::ptrdiff_t> embree_bytes = 0;
+  std::mutex mutex;
+  RTCError error = RTC_ERROR_NONE;  // the first that Embree reported
+  std::string message;
+
+  std::vector<std::array<UserGeometry, 3>> user;  // what callbacks point to: scene, objects
+  DeviceHandle device;
+  std::vector<SceneHandle> object_scenes;
+  SceneHandle top;
+
+  absl::Status open(const std::string& wanted_isa);
+  SceneHandle commit(GeometrySet& set, std::array<UserGeometry, 3>& user_geometry,
+                     bool with_instances);
+  absl::Status status() const;
+};
+
+absl::Status Accelerator::State::open(const std::string& wanted) {
+  std::string config;
+  const IsaName* chosen = nullptr;
+  std::string have;
+  for (const IsaName& i : kIsas) {
+    if (!i.supported()) continue;
+    have += fmt::format("{}\"{}\"", have.empty() ? "" : ", ", i.name);
+    if (wanted.empty() || wanted == i.name) chosen = &i;
+  }
+  if (chosen == nullptr)
+    return absl::InvalidArgumentError(
+        fmt::format("isa = \"{}\", allowed on this machine: {}", wanted, have));
+  // Not `isa=`, which would switch on what the machine may lack; `max_isa=` only takes away.
+  config = fmt::format("max_isa={}", chosen->embree);
+  device.reset(rtcNewDevice(config.c_str()));
+  if (!device)
+    return absl::InternalError(fmt::format("Embree opens no device (error {})",
+                                           static_cast<int>(rtcGetDeviceError(nullptr))));
+  // Embree may have been built without the kernels of the best instruction set: ask what it uses.
+  const bool wide16 =
+      rtcGetDeviceProperty(device.get(), RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED) != 0;
+  const bool wide8 =
+      rtcGetDeviceProperty(device.get(), RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED) != 0;
+  isa = chosen->name;
+  if (isa == "avx512" && !wide16) isa = "avx2";
+  if (isa.starts_with("avx") && !wide8) isa = "sse4.2";
+  if (!wanted.empty() && isa != wanted)
+    return absl::InvalidArgumentError(
+        fmt::format("isa = \"{}\" is not compiled into this Embree", wanted));
+  rtcSetDeviceErrorFunction(
+      device.get(),
+      [](void* self, RTCError code, const char* text) {
+        auto& state = *static_cast<State*>(self);
+        const std::lock_guard lock(state.mutex);
+        if (state.error != RTC_ERROR_NONE) return;
+        state.error = code;
+        state.message = text ? text : "";
+      },
+      this);
+  rtcSetDeviceMemoryMonitorFunction(
+      device.get(),
+      [](void* self, ssize_t bytes, bool) {
+        static_cast<State*>(self)->embree_bytes += bytes;
+        return true;
+      },
+      this);
+  return absl::OkStatus();
+}
+
+SceneHandle Accelerator::State::commit(GeometrySet& set, std::array<UserGeometry, 3>& user_geometry,
+                                       bool with_instances) {
+  SceneHandle handle(rtcNewScene(device.get()));
+  RTCScene s = handle.get();
+  rtcSetSceneFlags(s, RTC_SCENE_FLAG_ROBUST);
+  rtcSetSceneBuildQuality(s, RTC_BUILD_QUALITY_HIGH);
+  const auto attach = [&](RTCGeometry geometry, unsigned id) {
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometryByID(s, geometry, id);
+    rtcReleaseGeometry(geometry);
+  };
+  if (!set.triangles.empty()) {
+    // Embree reads 16 bytes of each 12-byte vertex: the last one needs room behind it.
+    set.vertices.reserve(set.vertices.size() + 1);
+    RTCGeometry g = rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
+    rtcSetSharedGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, set.vertices.data(),
+                               0, sizeof(Vec3<float>), set.vertices.size());
+    rtcSetSharedGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, set.triangles.data(),
+                               0, 3 * sizeof(std::uint32_t), set.triangles.size() / 3);
+    attach(g, kTriangles);
+  }
+  user_geometry = {{{&set, HitKind::kPatch}, {&set, HitKind::kSphere}, {&set, HitKind::kDisk}}};
+  const std::array<std::size_t, 3> counts{set.patches.size(), set.spheres.size(), set.disks.size()};
+  for (unsigned i = 0; i < 3; ++i) {
+    if (counts[i] == 0) continue;
+    RTCGeometry g = rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_USER);
+    rtcSetGeometryUserPrimitiveCount(g, static_cast<unsigned>(counts[i]));
+    rtcSetGeometryUserData(g, &user_geometry[i]);
+    rtcSetGeometryBoundsFunction(g, bounds_callback, nullptr);
+    rtcSetGeometryIntersectFunction(g, intersect_callback);
+    rtcSetGeometryOccludedFunction(g, occluded_callback);
+    attach(g, kPatches + i);
+  }
+  for (std::size_t i = 0; with_instances && i < instances.size(); ++i) {
+    RTCGeometry g = rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_INSTANCE);
+    rtcSetGeometryInstancedScene(g, object_scenes[instances[i].object].get());
+    std::array<float, 12> rows{};
+    for (int r = 0; r < 3; ++r)
+      for (int c = 0; c < 4; ++c)
+        rows[4 * r + c] = static_cast<float>(instances[i].scene_from_object.matrix()[r][c]);
+    rtcSetGeometryTransform(g, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, rows.data());
+    attach(g, kFirstInstance + static_cast<unsigned>(i));
+  }
+  rtcSetSceneProgressMonitorFunction(
+      s, [](void* self, double) { return !static_cast<State*>(self)->stop.stop_requested(); },
+      this);
+  rtcCommitScene(s);
+  return handle;
+}
+
+absl::Status Accelerator::State::status() const {
+  if (stop.stop_requested() || error == RTC_ERROR_CANCELLED)
+    return absl::CancelledError("the build of the scene was cancelled");
+  if (error == RTC_ERROR_OUT_OF_MEMORY)
+    return absl::ResourceExhaustedError("no memory for the bounding volume hierarchy");
+  if (error != RTC_ERROR_NONE) return absl::InternalError(fmt::format("Embree: {}", message));
+  return absl::OkStatus();
+}
+
+Accelerator::Accelerator(std::unique_ptr<State> state) : state_(std::move(state)) {}
+Accelerator::~Accelerator() = default;
+
+absl::StatusOr<std::unique_ptr<Accelerator>> Accelerator::build(
+    GeometrySet scene, std::vector<GeometrySet> objects, std::vector<GeometryInstance> instances,
+    const std::string& isa, std::stop_token stop) {
+  const DenormalsAreZero denormals;
+  auto state = std::make_unique<State>();
+  state->scene = std::move(scene);
+  state->objects = std::move(objects);
+  state->instances = std::move(instances);
+  state->stop = std::move(stop);
+  if (absl::Status s = state->open(isa); !s.ok()) return s;
+  state->user.resize(1 + state->objects.size());
+  for (std::size_t i = 0; i < state->objects.size(); ++i) {
+    state->object_scenes.push_back(state->commit(state->objects[i], state->user[1 + i], false));
+    if (absl::Status s = state->status(); !s.ok()) return s;
+  }
+  state->top = state->commit(state->scene, state->user[0], true);
+  if (absl::Status s = state->status(); !s.ok()) return s;
+  return std::unique_ptr<Accelerator>(new Accelerator(std::move(state)));
+}
+
+std::optional<RawHit> Accelerator::closest_hit(const Ray& ray) const {
+  alignas(16) RTCRayHit query;
+  query.ray = embree_ray(ray);
+  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  QueryContext context;
+  rtcInitIntersectContext(&context.embree);
+  rtcIntersect1(state_->top.get(), &context.embree, &query);
+  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
+  RawHit hit;
+  hit.t = query.ray.tfar;
+  hit.kind = static_cast<HitKind>(query.hit.geomID);
+  hit.primitive = query.hit.primID;
+  if (query.hit.instID[0] != RTC_INVALID_GEOMETRY_ID)
+    hit.instance = static_cast<std::int32_t>(query.hit.instID[0] - kFirstInstance);
+  hit.uv = {query.hit.u, query.hit.v};
+  if (hit.kind != HitKind::kTriangle) hit.position = context.position, hit.normal = context.normal;
+  return hit;
+}
+
+bool Accelerator::occluded(const Ray& ray) const {
+  alignas(16) RTCRay query = embree_ray(ray);
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcOccluded1(state_->top.get(), &context, &query);
+  return query.tfar < ray.t_min;  // Embree sets it to minus infinity
+}
+
+void Accelerator::occluded(std::span<const Ray> rays, std::span<std::uint8_t> bits) const {
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const auto bit = static_cast<std::uint8_t>(1u << (i % 8));
+    if (i % 8 == 0) bits[i / 8] = 0;
+    if (occluded(rays[i])) bits[i / 8] |= bit;
+  }
+}
+
+const GeometrySet& Accelerator::scene() const { return state_->scene; }
+const GeometrySet& Accelerator::object(std::uint32_t i) const { return state_->objects[i]; }
+const GeometryInstance& Accelerator::instance(std::uint32_t i) const {
+  return state_->instances[i];
+}
+
+bool Accelerator::empty() const { return is_empty(state_->scene) && state_->instances.empty(); }
+
+std::size_t Accelerator::bytes() const {
+  std::size_t sum = static_cast<std::size_t>(state_->embree_bytes.load()) +
+                    geometry_bytes(state_->scene) +
+                    state_->instances.capacity() * sizeof(GeometryInstance);
+  for (const GeometrySet& o : state_->objects) sum += geometry_bytes(o);
+  return sum;
+}
+
+std::string Accelerator::isa() const { return state_->isa; }
+
+}  // namespace lucerna

@@ -1,0 +1,213 @@
+// Irradiance at points: the first vertex of a path whose surface reflects everything, times pi.
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <mutex>
+#include <numbers>
+
+#include "server/block_stream.h"
+#include "server/denormals.h"
+#include "server/path.h"
+
+namespace lucerna {
+namespace {
+
+// Up to here every sample visits every light; beyond, it chooses one.
+constexpr std::size_t kVisitAll = 8;
+constexpr std::uint32_t kSamplesBetweenPolls = 64;
+
+/// One number being estimated: the total, or one light's share of it.
+struct Estimate {
+  BlockStream<3> blocks{0};
+  Rgb<double> block_sum;          // [lx], of the samples of the current block
+  Rgb<double> exact;              // what needs no sampling [lx]
+  double largest_unshadowed = 0;  // of one sample's illuminance had nothing been in the way [lx]
+  bool sampled = false;
+
+  void add(const LightEstimate& e) {
+    block_sum += Rgb<double>(e.value);
+    largest_unshadowed = std::max(largest_unshadowed, double(luminance(e.unshadowed)));
+  }
+  void end_block(std::uint32_t samples) {
+    const Rgb<double> v = block_sum / samples;
+    blocks.add({v.r, v.g, v.b});
+    block_sum = {};
+  }
+  IrradianceEstimate result(double block_count, double samples_per_block) const;
+};
+
+IrradianceEstimate Estimate::result(double block_count, double samples_per_block) const {
+  IrradianceEstimate e;
+  e.irradiance_lx = exact;
+  e.exact = !sampled;
+  if (!sampled) return e;
+  const auto total = blocks.total();
+  const auto mean = [&](int i) { return total[i].sum / block_count; };
+  const Rgb<double> sampled_mean{mean(0), mean(1), mean(2)};
+  e.irradiance_lx += sampled_mean;
+  const auto standard_error = [&](int i) {
+    return block_count > 1 ? std::sqrt(total[i].deviation / (block_count * (block_count - 1)))
+                           : std::numeric_limits<double>::infinity();
+  };
+  e.standard_error_lx = {standard_error(0), standard_error(1), standard_error(2)};
+  // Rule of three: where N samples were all 0, with 95% confidence fewer than 3/N of all samples
+  // are not; none of them seen could have been larger than the largest without its obstacle.
+  if (e.irradiance_lx.is_black())
+    e.zero_bound_lx = std::min(1.0, 3 / (block_count * samples_per_block)) * largest_unshadowed;
+  return e;
+}
+
+class IrradianceJob {
+ public:
+  IrradianceJob(const Scene& scene, std::span<const IrradiancePoint> points,
+                const IrradianceSettings& settings, const std::stop_token& stop,
+                IrradianceResult& result)
+      : scene_(scene),
+        points_(points),
+        settings_(settings),
+        tracer_(scene, settings.bounces),
+        stop_(stop),
+        result_(result),
+        visit_all_(settings.per_light || scene.lights().size() <= kVisitAll),
+        gather_indirect_(settings.bounces.value_or(1) > 0 && !scene.empty() &&
+                         !scene.lights().empty()),
+        gather_(gather_indirect_ || scene.has_visible_lights()) {}
+
+  void range(std::size_t begin, std::size_t end) {
+    const DenormalsAreZero denormals;
+    WorkCounts work;
+    for (std::size_t p = begin; p < end && !stopped_; ++p) point(p, work);
+    const std::lock_guard lock(mutex_);
+    result_.work += work;
+  }
+
+  bool stopped() const { return stopped_; }
+
+ private:
+  void point(std::size_t p, WorkCounts& work) {
+    if (stop_.stop_requested()) {
+      stopped_ = true;
+      return;
+    }
+    SurfaceHit receiver;
+    receiver.position = points_[p].position;
+    receiver.position_error = points_[p].position_error;
+    receiver.ng = receiver.ns = points_[p].normal;
+
+    const std::size_t lights = scene_.lights().size();
+    Estimate total;
+    std::vector<Estimate> shares(settings_.per_light ? lights : 0);
+    if (visit_all_) exact_lights(receiver, total, shares, work);
+    total.sampled = gather_ || (!visit_all_ && lights > 0);
+    for (std::uint32_t b = 0; total.sampled && b < settings_.block_count; ++b) {
+      const SobolSequence sequence(settings_.seed, settings_.first_item + p, b);
+      for (std::uint32_t i = 0; i < settings_.samples_per_block; ++i) {
+        if (i % kSamplesBetweenPolls == 0 && stop_.stop_requested()) {
+          stopped_ = true;
+          return;
+        }
+        sample(receiver, {sequence, i}, total, shares, work);
+      }
+      work.samples += settings_.samples_per_block;
+      total.end_block(settings_.samples_per_block);
+      for (Estimate& share : shares)
+        if (share.sampled) share.end_block(settings_.samples_per_block);
+    }
+    result_.points[p] = total.result(settings_.block_count, settings_.samples_per_block);
+    for (std::size_t l = 0; l < shares.size(); ++l)
+      result_.per_light[p * lights + l] =
+          shares[l].result(settings_.block_count, settings_.samples_per_block);
+  }
+
+  bool is_delta(std::size_t light) const {
+    return std::visit([](const auto& l) { return l.kDelta; }, scene_.lights()[light].light);
+  }
+
+  // Delta lights have one direction each: one ray answers for them.
+  void exact_lights(const SurfaceHit& receiver, Estimate& total, std::vector<Estimate>& shares,
+                    WorkCounts& work) const {
+    for (std::uint32_t l = 0; l < scene_.lights().size(); ++l) {
+      if (is_delta(l)) {
+        const Rgb<double> e(tracer_.direct(receiver, receiver.ng, l, 1, {}, work).value *
+                            std::numbers::pi_v<float>);
+        total.exact += e;
+        if (!shares.empty()) shares[l].exact = e;
+      } else if (!shares.empty()) {
+        shares[l].sampled = true;
+      }
+    }
+  }
+
+  void sample(const SurfaceHit& receiver, const PathSample& s, Estimate& total,
+              std::vector<Estimate>& shares, WorkCounts& work) const {
+    constexpr float kPi = std::numbers::pi_v<float>;
+    const Vec3<float>& n = receiver.ng;
+    LightEstimate sum;
+    const auto add = [&](std::uint32_t light, const LightEstimate& e) {
+      const LightEstimate lx{e.value * kPi, e.unshadowed * kPi};
+      sum.value += lx.value;
+      sum.unshadowed += lx.unshadowed;
+      if (!shares.empty()) shares[light].add(lx);
+    };
+    if (visit_all_) {
+      for (std::uint32_t l = 0; l < scene_.lights().size(); ++l)
+        if (!is_delta(l))
+          add(l, tracer_.direct(receiver, n, l, 1, s.pair(PathSample::kFirstVisited + l), work));
+    } else {
+      const LightChoice c = tracer_.choose(s.at(0, PathSample::kLight));
+      add(c.light, tracer_.direct(receiver, n, c.light, c.probability,
+                                  s.at(0, PathSample::kLightPoint), work));
+    }
+    if (gather_) {
+      const Vec3<float> wi = PathTracer::cosine_direction(n, n, s.at(0, PathSample::kDirection));
+      const float pdf = dot(n, wi) * std::numbers::inv_pi_v<float>;
+      const Ray ray = spawn_ray(receiver, wi);
+      ++work.indirect_rays;
+      const std::optional<SurfaceHit> hit = scene_.closest_hit(ray);
+      tracer_.for_each_emitter(ray, hit, [&](std::uint32_t light, const Rgb<float>& le) {
+        const double probability = visit_all_ ? 1 : scene_.light_probability(light);
+        const Rgb<float> e =
+            le * tracer_.found_weight(receiver.position, ray, hit, light, probability, pdf);
+        add(light, {e, e});
+      });
+      if (hit && gather_indirect_) {
+        const LightEstimate e = tracer_.reflected(*hit, -wi, 1, s, work);
+        sum.value += e.value * kPi;
+        sum.unshadowed += e.unshadowed * kPi;
+      }
+    }
+    total.add(sum);
+  }
+
+  const Scene& scene_;
+  std::span<const IrradiancePoint> points_;
+  const IrradianceSettings& settings_;
+  PathTracer tracer_;
+  const std::stop_token& stop_;
+  IrradianceResult& result_;
+  const bool visit_all_, gather_indirect_, gather_;
+  std::mutex mutex_;
+  std::atomic<bool> stopped_ = false;
+};
+
+}  // namespace
+
+IrradianceResult estimate_irradiance(const Scene& scene, std::span<const IrradiancePoint> points,
+                                     const IrradianceSettings& settings, std::stop_token stop) {
+  IrradianceResult result;
+  result.points.resize(points.size());
+  if (settings.per_light) result.per_light.resize(points.size() * scene.lights().size());
+  IrradianceJob job(scene, points, settings, stop, result);
+  tbb::this_task_arena::isolate([&] {
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points.size()),
+                      [&](const auto& r) { job.range(r.begin(), r.end()); });
+  });
+  result.stopped = job.stopped();
+  return result;
+}
+
+}  // namespace lucerna

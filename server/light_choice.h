@@ -1,0 +1,37 @@
+// Which light a sample is spent on: with a probability that follows luminous power.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace lucerna {
+
+struct LightChoice {
+  std::uint32_t light;
+  double probability;
+};
+
+/// The discrete distribution over n lights that gives nine tenths by power and one tenth equally to
+/// all lights whose power is not 0: a light of little power may be the only one that a receiver
+/// sees, and the flux of distant and infinite lights depends on the size of the scene.  A light of
+/// power 0 is never chosen, unless all are black: then all are equally likely.
+class LightDistribution {
+ public:
+  LightDistribution() = default;
+  /// `lumens`: one power a light, finite, not negative.
+  explicit LightDistribution(std::span<const double> lumens);
+
+  bool empty() const { return cumulative_.empty(); }
+  /// `u` in [0, 1).
+  LightChoice choose(double u) const;
+  double probability(std::uint32_t light) const {
+    return cumulative_[light] - (light > 0 ? cumulative_[light - 1] : 0);
+  }
+  std::size_t bytes() const { return cumulative_.capacity() * sizeof(double); }
+
+ private:
+  std::vector<double> cumulative_;  // ends in exactly 1
+};
+
+}  // namespace lucerna

@@ -1,0 +1,119 @@
+#include "server/path.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "lights/sampling.h"
+
+namespace lucerna {
+namespace {
+
+constexpr float kInvPi = std::numbers::inv_pi_v<float>;
+
+/// The power heuristic's weight of the strategy with density `a` against `b`, without overflow.
+float power_weight(float a, float b) {
+  if (!(a > 0)) return 0;
+  const float ratio = b / a;
+  return 1 / (1 + ratio * ratio);
+}
+
+}  // namespace
+
+Vec3<float> PathTracer::cosine_direction(const Vec3<float>& ns, const Vec3<float>& wo,
+                                         Vec2<float> u) {
+  const Vec2<float> d = sample_concentric_disk(u);
+  // At least one ulp above the surface: the density of a direction within it is 0.
+  const float z = std::max(std::sqrt(std::max(0.0f, 1 - d.x * d.x - d.y * d.y)), 0x1p-24f);
+  const Vec3<float> n = dot(ns, wo) < 0 ? -ns : ns;
+  return Frame<float>::around(n).world_from_local({d.x, d.y, z});
+}
+
+LightEstimate PathTracer::direct(const SurfaceHit& hit, const Vec3<float>& wo, std::uint32_t light,
+                                 double probability, Vec2<float> u, WorkCounts& work) const {
+  const LightSample<float> s = std::visit(
+      [&](const auto& l) { return l.sample_li(hit.position, u); }, scene_.lights()[light].light);
+  if (s.reason != NoLight::kNone) return {};
+  const float cos_i = dot(hit.ns, s.wi);
+  if (!(cos_i * dot(hit.ns, wo) > 0)) return {};
+  const float f = std::fabs(cos_i) * kInvPi;  // also the density of cosine_direction
+  float weight = f / static_cast<float>(probability);
+  if (!s.delta) {
+    const float light_pdf = s.pdf.per_sr * static_cast<float>(probability);
+    weight = f * power_weight(light_pdf, f) / light_pdf;
+  }
+  LightEstimate estimate{{}, s.value * weight};
+  if (estimate.unshadowed.is_black()) return {};
+  ++work.shadow_rays;
+  if (!scene_.occluded(shadow_ray(hit, s))) estimate.value = estimate.unshadowed;
+  return estimate;
+}
+
+float PathTracer::found_weight(const Vec3<float>& receiver, const Ray& ray,
+                               const std::optional<SurfaceHit>& hit, std::uint32_t light,
+                               double probability, float direction_pdf) const {
+  const SolidAnglePdf<float> pdf = std::visit(
+      [&](const auto& l) {
+        if constexpr (requires { l.le(hit->on_light(), ray.direction); })
+          return hit ? l.pdf_li(receiver, hit->on_light()) : SolidAnglePdf<float>{};
+        else
+          return l.pdf_li(receiver, ray.direction);
+      },
+      scene_.lights()[light].light);
+  return power_weight(direction_pdf, pdf.per_sr * static_cast<float>(probability));
+}
+
+LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3<float>& first_wo,
+                                    std::uint32_t depth, const PathSample& sample,
+                                    WorkCounts& work) const {
+  LightEstimate sum;
+  if (scene_.lights().empty()) return sum;
+  SurfaceHit hit = first;
+  Vec3<float> wo = first_wo;
+  Rgb<float> throughput{1.0f};
+  for (;; ++depth) {
+    throughput = throughput * Rgb<float>(scene_.materials()[hit.material].reflectance);
+    if (throughput.is_black()) return sum;
+
+    const LightChoice choice = choose(sample.at(depth, PathSample::kLight));
+    const LightEstimate direct_light = direct(hit, wo, choice.light, choice.probability,
+                                              sample.at(depth, PathSample::kLightPoint), work);
+    sum.value += throughput * direct_light.value;
+    sum.unshadowed += throughput * direct_light.unshadowed;
+
+    const bool last = depth >= last_depth_;
+    if (last && !scene_.has_visible_lights()) return sum;
+    if (endless_ && depth >= kSafeDepth) {
+      // Below 1 even where nothing is absorbed, so that every path ends.
+      const float survival = std::min(0.95f, throughput.max_component());
+      if (sample.at(depth, PathSample::kSurvival).x >= survival) return sum;
+      throughput = throughput / survival;
+    }
+
+    const Vec3<float> wi = cosine_direction(hit.ns, wo, sample.at(depth, PathSample::kDirection));
+    const float pdf = std::fabs(dot(hit.ns, wi)) * kInvPi;
+    const Ray ray = spawn_ray(hit, wi);
+    ++work.indirect_rays;
+    const std::optional<SurfaceHit> next = scene_.closest_hit(ray);
+    for_each_emitter(ray, next, [&](std::uint32_t light, const Rgb<float>& le) {
+      const float weight =
+          found_weight(hit.position, ray, next, light, scene_.light_probability(light), pdf);
+      sum.value += throughput * le * weight;
+      sum.unshadowed += throughput * le * weight;
+    });
+    if (!next || last) return sum;
+    hit = *next;
+    wo = -wi;
+  }
+}
+
+Rgb<float> PathTracer::radiance(const Ray& ray, const PathSample& sample, WorkCounts& work) const {
+  ++work.camera_rays;
+  const std::optional<SurfaceHit> hit = scene_.closest_hit(ray);
+  Rgb<float> sum;
+  for_each_emitter(ray, hit, [&](std::uint32_t, const Rgb<float>& le) { sum += le; });
+  if (hit) sum += reflected(*hit, -ray.direction, 0, sample, work).value;
+  return sum;
+}
+
+}  // namespace lucerna

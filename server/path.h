@@ -1,0 +1,118 @@
+// Light along paths: at each vertex one light is sampled and one direction of the diffuse surface,
+// both weighted against each other by the power heuristic with exponent 2.  [Veach95]
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+
+#include "lights/sobol.h"
+#include "server/render.h"
+#include "server/scene.h"
+
+namespace lucerna {
+
+/// The random numbers of one path: a point of its pixel's (or receiver's) sequence.
+struct PathSample {
+  const SobolSequence& sequence;
+  std::uint32_t index;
+
+  // Pairs of dimensions, four a vertex after the camera's own.
+  enum Purpose : std::uint32_t { kLight, kLightPoint, kDirection, kSurvival };
+  static constexpr std::uint32_t kFilm = 0;
+  /// Where many lights are visited at one receiver, each has a pair of its own from here on.
+  static constexpr std::uint32_t kFirstVisited = 1u << 30;
+
+  Vec2<float> pair(std::uint32_t dimension) const { return sequence.pair(index, dimension); }
+  Vec2<float> at(std::uint32_t depth, Purpose purpose) const {
+    return pair(1 + 4 * depth + purpose);
+  }
+};
+
+/// Light of one sample, and what it would have been had every light sampled been visible.
+struct LightEstimate {
+  Rgb<float> value;
+  Rgb<float> unshadowed;
+};
+
+/// Immutable; one may serve any number of threads.
+class PathTracer {
+ public:
+  /// `bounces`: as TileSettings has it.
+  PathTracer(const Scene& scene, std::optional<std::uint32_t> bounces)
+      : scene_(scene),
+        last_depth_(bounces.value_or(std::numeric_limits<std::uint32_t>::max())),
+        endless_(!bounces) {}
+
+  /// Radiance [cd/m2] along a ray from the camera.
+  Rgb<float> radiance(const Ray& ray, const PathSample& sample, WorkCounts& work) const;
+
+  /// Radiance [cd/m2] that the surface at `hit` reflects towards the unit vector `wo`; `depth`
+  /// counts the reflections between it and the eye.
+  LightEstimate reflected(const SurfaceHit& hit, const Vec3<float>& wo, std::uint32_t depth,
+                          const PathSample& sample, WorkCounts& work) const;
+
+  /// One sample of `light`, chosen with `probability`: radiance [cd/m2] that a diffuse surface of
+  /// reflectance 1 sends towards `wo`.  1/pi of the irradiance on the side of `wo`.
+  LightEstimate direct(const SurfaceHit& hit, const Vec3<float>& wo, std::uint32_t light,
+                       double probability, Vec2<float> u, WorkCounts& work) const;
+
+  /// Calls `f(light, radiance)` for what `ray` finds at its end: `hit` or, where nothing was hit,
+  /// the infinite lights.
+  template <typename F>
+  void for_each_emitter(const Ray& ray, const std::optional<SurfaceHit>& hit, F&& f) const;
+
+  /// The weight of light found by a direction drawn with density `direction_pdf` at `receiver`,
+  /// where `direct` would have chosen that light with `probability`.
+  float found_weight(const Vec3<float>& receiver, const Ray& ray,
+                     const std::optional<SurfaceHit>& hit, std::uint32_t light, double probability,
+                     float direction_pdf) const;
+
+  /// A direction about ns on the side of `wo`, density cos / pi.
+  static Vec3<float> cosine_direction(const Vec3<float>& ns, const Vec3<float>& wo, Vec2<float> u);
+
+  /// The light of a vertex, from one pair of sample values (48 bits reach every light).
+  LightChoice choose(Vec2<float> u) const {
+    return choose_light(scene_, double(u.x) + double(u.y) * 0x1p-24);
+  }
+
+ private:
+  /// Reflections before Russian roulette begins: most light arrives by fewer.
+  static constexpr std::uint32_t kSafeDepth = 3;
+
+  const Scene& scene_;
+  std::uint32_t last_depth_;
+  bool endless_;
+};
+
+template <typename F>
+void PathTracer::for_each_emitter(const Ray& ray, const std::optional<SurfaceHit>& hit,
+                                  F&& f) const {
+  if (hit) {
+    if (hit->light < 0) return;
+    const auto light = static_cast<std::uint32_t>(hit->light);
+    const Rgb<float> le = std::visit(
+        [&](const auto& l) {
+          if constexpr (requires { l.le(hit->on_light(), ray.direction); })
+            return l.le(hit->on_light(), -ray.direction);
+          else
+            return Rgb<float>{};
+        },
+        scene_.lights()[light].light);
+    if (!le.is_black()) f(light, le);
+    return;
+  }
+  for (const std::uint32_t light : scene_.infinite_lights()) {
+    const Rgb<float> le = std::visit(
+        [&](const auto& l) {
+          if constexpr (requires { l.le_escaped(ray.direction); })
+            return l.le_escaped(ray.direction);
+          else
+            return Rgb<float>{};
+        },
+        scene_.lights()[light].light);
+    if (!le.is_black()) f(light, le);
+  }
+}
+
+}  // namespace lucerna

@@ -1,0 +1,48 @@
+#include "server/ray.h"
+
+#include <cmath>
+
+#include "server/error_bounds.h"
+
+namespace lucerna {
+namespace {
+
+float moved_outwards(float p, float offset) {
+  const float q = p + offset;
+  if (offset > 0) return std::nextafter(q, INFINITY);
+  if (offset < 0) return std::nextafter(q, -INFINITY);
+  return q;
+}
+
+}  // namespace
+
+Vec3<float> offset_origin(const Vec3<float>& position, const Vec3<float>& position_error,
+                          const Vec3<float>& normal, const Vec3<float>& direction) {
+  // The box of the error reaches this far along the normal.
+  const float distance = std::fabs(normal.x) * position_error.x +
+                         std::fabs(normal.y) * position_error.y +
+                         std::fabs(normal.z) * position_error.z;
+  const float signed_distance = dot(direction, normal) < 0 ? -distance : distance;
+  return {moved_outwards(position.x, signed_distance * normal.x),
+          moved_outwards(position.y, signed_distance * normal.y),
+          moved_outwards(position.z, signed_distance * normal.z)};
+}
+
+Ray spawn_ray(const SurfaceHit& from, const Vec3<float>& direction) {
+  return {offset_origin(from.position, from.position_error, from.ng, direction), direction};
+}
+
+Ray shadow_ray(const SurfaceHit& from, const LightSample<float>& to) {
+  if (!std::isfinite(to.distance)) return spawn_ray(from, to.wi);
+  Vec3<float> end = to.point;
+  if (to.normal != Vec3<float>{}) {
+    // The point itself is rounded, and so is the ray's own test against the light's surface, whose
+    // vertices it sees from `distance` away.
+    const float error = kTraversalError * (max_abs(to.point) + to.distance);
+    end = offset_origin(end, {error, error, error}, to.normal, -to.wi);
+  }
+  const Vec3<float> origin = offset_origin(from.position, from.position_error, from.ng, to.wi);
+  return {origin, end - origin, 0, 1};
+}
+
+}  // namespace lucerna

@@ -1,0 +1,384 @@
+#include "server/scene.h"
+
+#include <fmt/format.h>
+#include <openssl/evp.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <type_traits>
+
+#include "server/denormals.h"
+
+namespace lucerna {
+namespace {
+
+std::string digest_of(const std::vector<Asset>& assets) {
+  std::string text;
+  for (const Asset& a : assets) {
+    // Lengths first: no two lists of assets give the same bytes.
+    text += fmt::format("{}:{}{}:", a.name.size(), a.name, a.sha256.size());
+    text += a.sha256;
+  }
+  std::array<unsigned char, EVP_MAX_MD_SIZE> hash{};
+  unsigned size = 0;
+  EVP_Digest(text.data(), text.size(), hash.data(), &size, EVP_sha256(), nullptr);
+  std::string hex;
+  for (unsigned i = 0; i < size; ++i) hex += fmt::format("{:02x}", hash[i]);
+  return hex;
+}
+
+// Rounded to a multiple of the least power of two that is not less than the extent.
+Vec3<double> origin_for(const Bounds& bounds) {
+  if (bounds.empty()) return {};
+  const double extent = max_abs(bounds.upper - bounds.lower);
+  if (!std::isfinite(extent)) return {};
+  const Vec3<double> centre = bounds.lower * 0.5 + bounds.upper * 0.5;
+  // A single point has no extent: its own coordinate, rounded to a metre, does.
+  const double step = extent > 0 ? std::exp2(std::ceil(std::log2(extent))) : 1;
+  const auto snap = [&](double c) { return std::nearbyint(c / step) * step + 0.0; };
+  return {snap(centre.x), snap(centre.y), snap(centre.z)};
+}
+
+std::optional<Vec3<double>> position_of(const LightDescription& light) {
+  if (const auto* p = std::get_if<PointLightParams>(&light.params)) return p->position_m;
+  if (const auto* p = std::get_if<SpotLightParams>(&light.params)) return p->position_m;
+  return std::nullopt;
+}
+
+template <template <typename> typename Model, typename Params>
+absl::StatusOr<Light<float>> as_light(const Params& params, const Vec3<double>& origin) {
+  auto light = Model<float>::create(params, origin);
+  if (!light.ok()) return light.status();
+  return Light<float>(*std::move(light));
+}
+
+absl::StatusOr<Light<float>> create_light(const LightDescription& light,
+                                          const Vec3<double>& origin) {
+  return std::visit(
+      [&](const auto& params) -> absl::StatusOr<Light<float>> {
+        using Params = std::decay_t<decltype(params)>;
+        if constexpr (std::is_same_v<Params, PointLightParams>)
+          return as_light<PointLight>(params, origin);
+        else if constexpr (std::is_same_v<Params, SpotLightParams>)
+          return as_light<SpotLight>(params, origin);
+        else if constexpr (std::is_same_v<Params, DistantLightParams>)
+          return as_light<DistantLight>(params, origin);
+        else
+          return as_light<UniformInfiniteLight>(params, origin);
+      },
+      light.params);
+}
+
+template <template <typename> typename Shape>
+absl::StatusOr<Light<float>> as_area_light(const DiffuseEmission& emission,
+                                           absl::StatusOr<Shape<float>> shape) {
+  if (!shape.ok()) return shape.status();
+  if (absl::Status s = shape->emissive_error(); !s.ok()) return s;
+  auto light = AreaLight<float, Shape>::create(emission, *std::move(shape));
+  if (!light.ok()) return light.status();
+  return Light<float>(*std::move(light));
+}
+
+// From the same float vertices that rays hit.
+absl::StatusOr<Light<float>> create_area_light(const ShapeDescription& shape,
+                                               const Vec3<double>& origin) {
+  const DiffuseEmission emission{shape.emission->radiance_cd_m2, shape.emission->two_sided};
+  if (const auto* sphere = std::get_if<SphereParams>(&shape.geometry))
+    return as_area_light<Sphere>(emission, Sphere<float>::create(*sphere, origin));
+  if (const auto* disk = std::get_if<DiskParams>(&shape.geometry))
+    return as_area_light<Disk>(emission, Disk<float>::create(*disk, origin));
+  if (const auto* mesh = std::get_if<TriangleMeshData>(&shape.geometry)) {
+    const auto vertex = [&](std::size_t i) {
+      return about(mesh->positions[mesh->indices[i]], origin);
+    };
+    std::vector<Triangle<float>> triangles(mesh->indices.size() / 3);
+    for (std::size_t i = 0; i < triangles.size(); ++i)
+      triangles[i] = {vertex(3 * i), vertex(3 * i + 1), vertex(3 * i + 2)};
+    return as_area_light<TriangleMesh>(emission, TriangleMesh<float>::create(std::move(triangles)));
+  }
+  const auto& mesh = std::get<PatchMeshData>(shape.geometry);
+  const auto vertex = [&](std::size_t i) { return about(mesh.positions[mesh.indices[i]], origin); };
+  std::vector<BilinearPatch<float>> patches(mesh.indices.size() / 4);
+  for (std::size_t i = 0; i < patches.size(); ++i)
+    patches[i] = {vertex(4 * i), vertex(4 * i + 1), vertex(4 * i + 2), vertex(4 * i + 3)};
+  return as_area_light<PatchMesh>(emission, PatchMesh<float>::create(std::move(patches)));
+}
+
+std::uint64_t light_bytes(const Light<float>& light) {
+  return std::visit(
+      [](const auto& l) -> std::uint64_t {
+        if constexpr (requires { l.shape().bytes(); })
+          return l.shape().bytes();
+        else
+          return 0;
+      },
+      light);
+}
+
+std::uint64_t primitives(const GeometrySet& s) {
+  return s.triangles.size() / 3 + s.patches.size() + s.spheres.size() + s.disks.size();
+}
+
+// Entries as Embree will hold them: exactly what its float matrices say.
+Transform rounded_to_float(const Transform& t) {
+  Transform::Matrix m = t.matrix();
+  for (auto& row : m)
+    for (double& v : row) v = static_cast<float>(v);
+  return Transform::from_matrix(m).value_or(t);
+}
+
+class Stopwatch {
+ public:
+  double ms() const {
+    return std::chrono::duration<double, std::milli>(Clock::now() - start_).count();
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  Clock::time_point start_ = Clock::now();
+};
+
+}  // namespace
+
+/// Turns a description into a scene, step by step.
+class Scene::Builder {
+ public:
+  Builder(SceneDescription& description, std::stop_token stop)
+      : in_(description), stop_(std::move(stop)), scene_(new Scene) {}
+
+  absl::StatusOr<std::shared_ptr<const Scene>> build(const std::string& isa) {
+    const DenormalsAreZero denormals;
+    if (absl::Status s = check_references(); !s.ok()) return s;
+    if (absl::Status s = place(); !s.ok()) return s;
+    if (absl::Status s = build_lights(); !s.ok()) return s;
+    if (absl::Status s = build_geometry(isa); !s.ok()) return s;
+    if (absl::Status s = choose_by_power(); !s.ok()) return s;
+    scene_->id_ = digest_of(in_.assets);
+    scene_->camera_ = Camera(in_.camera, in_.film, scene_->origin_);
+    scene_->hints_ = in_.hints;
+    scene_->remarks_ = std::move(in_.remarks);
+    scene_->assets_ = std::move(in_.assets);
+    return scene_;
+  }
+
+ private:
+  absl::Status check_references() const {
+    const auto check = [&](const ShapeDescription& s) -> absl::Status {
+      if (s.material < in_.materials.size()) return absl::OkStatus();
+      return located(absl::InvalidArgumentError(fmt::format("material number {}, allowed below {}",
+                                                            s.material, in_.materials.size())),
+                     s.where);
+    };
+    for (const auto& s : in_.shapes)
+      if (absl::Status status = check(s); !status.ok()) return status;
+    for (const auto& o : in_.objects)
+      for (const auto& s : o.shapes)
+        if (absl::Status status = check(s); !status.ok()) return status;
+    for (const auto& i : in_.instances)
+      if (i.object >= in_.objects.size())
+        return absl::InvalidArgumentError(
+            fmt::format("object number {}, allowed below {}", i.object, in_.objects.size()));
+    return absl::OkStatus();
+  }
+
+  // Bounds, origins and the scene's sphere.
+  absl::Status place() {
+    std::vector<Bounds> object_bounds(in_.objects.size());
+    const auto grow = [](Bounds& bounds, const ShapeDescription& shape) -> absl::Status {
+      const absl::StatusOr<Bounds> b = shape_bounds(shape);
+      if (!b.ok()) return b.status();
+      if (!b->empty()) bounds.add(b->lower), bounds.add(b->upper);
+      return absl::OkStatus();
+    };
+    Bounds world;
+    for (const auto& s : in_.shapes)
+      if (absl::Status status = grow(world, s); !status.ok()) return status;
+    for (std::size_t i = 0; i < in_.objects.size(); ++i) {
+      for (const auto& s : in_.objects[i].shapes)
+        if (absl::Status status = grow(object_bounds[i], s); !status.ok()) return status;
+      object_origins_.push_back(origin_for(object_bounds[i]));
+    }
+    for (const auto& instance : in_.instances) {
+      const Bounds& b = object_bounds[instance.object];
+      for (int corner = 0; corner < 8 && !b.empty(); ++corner)
+        world.add(instance.world_from_object.point({corner & 1 ? b.upper.x : b.lower.x,
+                                                    corner & 2 ? b.upper.y : b.lower.y,
+                                                    corner & 4 ? b.upper.z : b.lower.z}));
+    }
+    // A light far off must not coarsen the geometry: the origin is the geometry's, if there is any.
+    Bounds with_lights = world;
+    for (const auto& light : in_.lights)
+      if (const auto p = position_of(light); p && is_finite(*p)) with_lights.add(*p);
+    scene_->origin_ = origin_for(world.empty() ? with_lights : world);
+    if (!with_lights.empty()) {
+      const Vec3<double> centre = with_lights.lower * 0.5 + with_lights.upper * 0.5;
+      scene_->sphere_ = {centre - scene_->origin_, length(with_lights.upper - centre)};
+    }
+    return absl::OkStatus();
+  }
+
+  absl::Status add_light(absl::StatusOr<Light<float>> light, const SourceLocation& where) {
+    if (!light.ok()) return located(light.status(), where);
+    const auto index = static_cast<std::uint32_t>(scene_->lights_.size());
+    std::visit(
+        [&](const auto& l) {
+          if constexpr (requires { l.le_escaped(Vec3<float>{}); })
+            scene_->infinite_lights_.push_back(index);
+          scene_->has_visible_lights_ |= !l.kDelta;
+        },
+        *light);
+    scene_->lights_.push_back({index + 1u, *std::move(light), where});
+    return absl::OkStatus();
+  }
+
+  absl::Status build_lights() {
+    const Stopwatch watch;
+    for (const auto& l : in_.lights)
+      if (absl::Status s = add_light(create_light(l, scene_->origin_), l.where); !s.ok()) return s;
+    for (const auto& s : in_.shapes)
+      if (s.emission)
+        if (absl::Status status =
+                add_light(create_area_light(s, scene_->origin_), s.emission->where);
+            !status.ok())
+          return status;
+    if (scene_->lights_.empty()) return absl::OkStatus();
+    std::uint64_t bytes = scene_->lights_.capacity() * sizeof(SceneLight);
+    for (const SceneLight& l : scene_->lights_) bytes += light_bytes(l.light);
+    part("lights", bytes, watch, fmt::format("{} lights", scene_->lights_.size()));
+    return absl::OkStatus();
+  }
+
+  absl::Status build_geometry(const std::string& isa) {
+    Stopwatch watch;
+    GeometrySet set;
+    auto light = static_cast<std::int32_t>(in_.lights.size());
+    for (const auto& s : in_.shapes) {
+      if (stop_.stop_requested()) return absl::CancelledError("the build was cancelled");
+      if (absl::Status status =
+              append_shape(s, scene_->origin_, s.emission ? light++ : -1, set, scene_->surfaces_);
+          !status.ok())
+        return status;
+    }
+    std::vector<GeometrySet> objects(in_.objects.size());
+    scene_->object_surfaces_.resize(objects.size());
+    for (std::size_t i = 0; i < objects.size(); ++i)
+      for (const auto& s : in_.objects[i].shapes)
+        if (absl::Status status =
+                append_shape(s, object_origins_[i], -1, objects[i], scene_->object_surfaces_[i]);
+            !status.ok())
+          return status;
+    std::vector<GeometryInstance> instances;
+    for (const auto& i : in_.instances) {
+      if (primitives(objects[i.object]) == 0) continue;
+      instances.push_back(
+          {i.object, rounded_to_float(Transform::translate(-scene_->origin_) * i.world_from_object *
+                                      Transform::translate(object_origins_[i.object]))});
+    }
+    scene_->materials_ = std::move(in_.materials);
+    report_geometry(set, objects, watch);
+    in_.shapes.clear();
+    in_.objects.clear();
+
+    watch = Stopwatch();
+    const std::size_t instance_count = instances.size();
+    auto accelerator =
+        Accelerator::build(std::move(set), std::move(objects), std::move(instances), isa, stop_);
+    if (!accelerator.ok()) return accelerator.status();
+    scene_->accelerator_ = *std::move(accelerator);
+    if (scene_->accelerator_->empty()) return absl::OkStatus();
+    std::uint64_t read_by_embree = 0;
+    for (const ScenePart& p : scene_->parts_)
+      if (p.name != "lights" && p.name != "surfaces") read_by_embree += p.bytes;
+    const std::uint64_t all = scene_->accelerator_->bytes();
+    part("bvh", all > read_by_embree ? all - read_by_embree : 0, watch,
+         fmt::format("rays against {} primitives{}", scene_->primitive_count(),
+                     instance_count > 0 ? fmt::format(", {} instances", instance_count) : ""));
+    return absl::OkStatus();
+  }
+
+  void report_geometry(const GeometrySet& set, const std::vector<GeometrySet>& objects,
+                       const Stopwatch& watch) {
+    GeometrySet all;  // only counted
+    std::array<std::uint64_t, 5> counts{}, bytes{};
+    std::uint64_t surface_bytes = scene_->surfaces_.bytes();
+    const auto count = [&](const GeometrySet& s) {
+      const auto add = [&](int kind, const auto& v, std::size_t per) {
+        counts[kind] += v.size() / per;
+        bytes[kind] += v.capacity() * sizeof v[0];
+      };
+      add(0, s.vertices, 1), add(1, s.triangles, 3), add(2, s.patches, 1);
+      add(3, s.spheres, 1), add(4, s.disks, 1);
+    };
+    count(set);
+    for (const auto& o : objects) count(o);
+    for (const auto& t : scene_->object_surfaces_) surface_bytes += t.bytes();
+    static constexpr std::array<const char*, 5> kNames{"vertices", "triangles", "patches",
+                                                       "spheres", "disks"};
+    for (int i = 0; i < 5; ++i)
+      if (counts[i] > 0)
+        part(kNames[i], bytes[i], watch, fmt::format("{} {}", counts[i], kNames[i]));
+    if (surface_bytes > 0)
+      part("surfaces", surface_bytes + scene_->materials_.capacity() * sizeof(DiffuseMaterial),
+           watch, "materials, shading normals and lights of what is hit");
+  }
+
+  absl::Status choose_by_power() {
+    if (scene_->lights_.size() < 2) return absl::OkStatus();
+    const Stopwatch watch;
+    std::vector<double> lumens;
+    for (const SceneLight& l : scene_->lights_) {
+      const Power power =
+          std::visit([&](const auto& m) { return m.power(scene_->sphere_); }, l.light);
+      // The largest channel, not the luminance: a light of one channel has its share of noise too.
+      lumens.push_back(std::fmin(power.lumens.max_component(), 1e300));
+    }
+    scene_->light_distribution_ = LightDistribution(lumens);
+    part("light choice", scene_->light_distribution_.bytes(), watch,
+         fmt::format("{} lights to choose from by power", lumens.size()));
+    return absl::OkStatus();
+  }
+
+  void part(std::string name, std::uint64_t bytes, const Stopwatch& watch, std::string why) {
+    scene_->parts_.push_back({std::move(name), bytes, watch.ms(), std::move(why)});
+  }
+
+  SceneDescription& in_;
+  std::stop_token stop_;
+  std::shared_ptr<Scene> scene_;
+  std::vector<Vec3<double>> object_origins_;
+};
+
+absl::StatusOr<std::shared_ptr<const Scene>> Scene::build(SceneDescription description,
+                                                          const std::string& isa,
+                                                          std::stop_token stop) {
+  return Builder(description, std::move(stop)).build(isa);
+}
+
+std::optional<std::uint32_t> Scene::find_light(std::uint64_t id) const {
+  if (id == 0 || id > lights_.size()) return std::nullopt;
+  return static_cast<std::uint32_t>(id - 1);
+}
+
+std::uint64_t Scene::shape_count() const {
+  std::uint64_t sum = surfaces_.surfaces.size();
+  for (const SurfaceTable& o : object_surfaces_) sum += o.surfaces.size();
+  return sum;
+}
+
+std::uint64_t Scene::primitive_count() const {
+  std::uint64_t sum = primitives(accelerator_->scene());
+  for (std::uint32_t i = 0; i < object_surfaces_.size(); ++i)
+    sum += primitives(accelerator_->object(i));
+  return sum;
+}
+
+std::string Scene::isa() const { return accelerator_->isa(); }
+
+LightChoice choose_light(const Scene& scene, double u) {
+  if (scene.light_distribution().empty()) return {0, 1};
+  return scene.light_distribution().choose(u);
+}
+
+}  // namespace lucerna
