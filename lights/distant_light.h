@@ -9,7 +9,7 @@ namespace lucerna {
 
 struct DistantLightParams {
   Vec3<double> to_light{0, 0, 1};  ///< world, any length but 0: from the scene to the light
-  Rgb<double> illuminance_lx;  ///< on a surface that faces it, per channel, finite, not negative
+  Rgb<double> illuminance_lx{};  ///< on a surface that faces it, per channel, finite, not negative
 };
 
 template <std::floating_point Real>

@@ -8,7 +8,7 @@
 namespace lucerna {
 
 struct UniformInfiniteLightParams {
-  Rgb<double> radiance_cd_m2;  ///< per channel, finite, not negative
+  Rgb<double> radiance_cd_m2{};  ///< per channel, finite, not negative
 };
 
 template <std::floating_point Real>

@@ -8,8 +8,8 @@
 namespace lucerna {
 
 struct PointLightParams {
-  Vec3<double> position_m;   ///< world
-  Rgb<double> intensity_cd;  ///< per channel, finite, not negative
+  Vec3<double> position_m{};   ///< world
+  Rgb<double> intensity_cd{};  ///< per channel, finite, not negative
 };
 
 template <std::floating_point Real>

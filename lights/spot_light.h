@@ -9,9 +9,9 @@
 namespace lucerna {
 
 struct SpotLightParams {
-  Vec3<double> position_m;       ///< world
+  Vec3<double> position_m{};     ///< world
   Vec3<double> axis{0, 0, 1};    ///< world, any length but 0: where the light points
-  Rgb<double> intensity_cd;      ///< on the axis, per channel, finite, not negative
+  Rgb<double> intensity_cd{};    ///< on the axis, per channel, finite, not negative
   double cone_half_angle_rad{};  ///< (0, pi]: no light beyond
   double falloff_start_rad{};  ///< [0, cone_half_angle_rad]: full light within; equal: a hard edge
 };
