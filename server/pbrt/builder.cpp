@@ -1,0 +1,260 @@
+#include "server/pbrt/builder.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+namespace lucerna::pbrt {
+namespace {
+
+const char* name_of_opener(int kind) {
+  static constexpr const char* kNames[] = {"AttributeBegin", "ObjectBegin", "Import"};
+  return kNames[kind];
+}
+
+}  // namespace
+
+void Builder::require_world(const char* directive, const Place& place) const {
+  if (!in_world_) fail(place, fmt::format("{} is not allowed before WorldBegin", directive));
+}
+
+void Builder::require_before_world(const std::string& directive, const Place& place) const {
+  if (in_world_) fail(place, fmt::format("{} is not allowed after WorldBegin", directive));
+}
+
+void Builder::set_transform(const Transform& transform) {
+  if (state_.start_active) state_.world_from_object.start = transform;
+  if (state_.end_active) state_.world_from_object.end = transform;
+}
+
+void Builder::concatenate(const Transform& transform) {
+  MovingTransform& moving = state_.world_from_object;
+  if (state_.start_active) moving.start = moving.start * transform;
+  if (state_.end_active) moving.end = moving.end * transform;
+}
+
+void Builder::coordinate_system(const std::string& name) {
+  coordinate_systems_[name] = state_.world_from_object;
+}
+
+void Builder::coord_sys_transform(const std::string& name, const Place& place) {
+  const auto found = coordinate_systems_.find(name);
+  if (found == coordinate_systems_.end()) {
+    context_.remark(place, fmt::format("no coordinate system \"{}\" was named", printable(name)),
+                    "the transform stays as it is");
+    return;
+  }
+  state_.world_from_object = found->second;
+}
+
+void Builder::active_transform(bool start, bool end) {
+  state_.start_active = start;
+  state_.end_active = end;
+}
+
+const Transform& Builder::still_transform(const char* directive, const Place& place) {
+  const MovingTransform& moving = state_.world_from_object;
+  if (!(moving.start == moving.end))
+    context_.remark(place, fmt::format("motion of {} is not modelled", directive),
+                    "where it is at its start");
+  return moving.start;
+}
+
+void Builder::setting(const std::string& directive, const std::string& type, Parameters params,
+                      const Place& place) {
+  require_before_world(directive, place);
+  Setting setting{type, ParameterSet(std::move(params), {}), place};
+  if (directive == "Camera") {
+    settings_.camera_from_world = still_transform("Camera", place);
+    coordinate_systems_["camera"] = {state_.world_from_object.start.inverse(),
+                                     state_.world_from_object.end.inverse()};
+    settings_.camera = std::move(setting);
+  } else if (directive == "Film") {
+    settings_.film = std::move(setting);
+  } else if (directive == "Integrator") {
+    settings_.integrator = std::move(setting);
+  } else if (directive == "Sampler") {
+    settings_.sampler = std::move(setting);
+  } else if (directive == "PixelFilter") {
+    settings_.filter = std::move(setting);
+  }  // Accelerator: says how to compute, not what.
+}
+
+void Builder::world_begin(const Place& place) {
+  require_before_world("WorldBegin", place);
+  in_world_ = true;
+  state_.world_from_object = {};
+  active_transform(true, true);
+  coordinate_systems_["world"] = {};
+  apply(context_, settings_);
+}
+
+void Builder::transform_times(const Place& place) { require_before_world("TransformTimes", place); }
+
+void Builder::attribute_begin(const Place& place) {
+  require_world("AttributeBegin", place);
+  opened_.push_back({Opened::Kind::kAttribute, place, state_});
+}
+
+void Builder::close(Opened::Kind kind, const char* directive, const Place& place) {
+  if (opened_.empty() || opened_.back().kind == Opened::Kind::kImport)
+    fail(place, fmt::format("{} closes nothing that is open{}", directive,
+                            opened_.empty() ? "" : " in this imported file"));
+  if (opened_.back().kind != kind)
+    fail(place, fmt::format("{} meets the {} of {}", directive,
+                            name_of_opener(static_cast<int>(opened_.back().kind)),
+                            to_string(opened_.back().place)));
+  state_ = std::move(opened_.back().saved);
+  opened_.pop_back();
+}
+
+void Builder::attribute_end(const Place& place) {
+  require_world("AttributeEnd", place);
+  close(Opened::Kind::kAttribute, "AttributeEnd", place);
+}
+
+void Builder::attribute(const std::string& target, const Parameters& params, const Place& place) {
+  Parameters* attributes = nullptr;
+  if (target == "shape") attributes = &state_.shape_attributes;
+  if (target == "light") attributes = &state_.light_attributes;
+  if (target == "material") attributes = &state_.material_attributes;
+  if (target == "texture") attributes = &state_.texture_attributes;
+  if (target == "medium") return;  // media themselves are reported
+  if (attributes == nullptr)
+    fail(place, fmt::format("unknown attribute target \"{}\", expected one of shape light material "
+                            "medium texture",
+                            printable(target)));
+  attributes->insert(attributes->end(), params.begin(), params.end());
+}
+
+void Builder::reverse_orientation(const Place& place) {
+  require_world("ReverseOrientation", place);
+  state_.reverse_orientation = !state_.reverse_orientation;
+}
+
+void Builder::material(const std::string& type, Parameters params, const Place& place) {
+  require_world("Material", place);
+  state_.material =
+      materials_.add(type, ParameterSet(std::move(params), state_.material_attributes), place);
+}
+
+void Builder::make_named_material(const std::string& name, Parameters params, const Place& place) {
+  require_world("MakeNamedMaterial", place);
+  materials_.make_named(name, ParameterSet(std::move(params), state_.material_attributes), place);
+}
+
+void Builder::named_material(const std::string& name, const Place& place) {
+  require_world("NamedMaterial", place);
+  state_.material = materials_.named(name, place);
+}
+
+void Builder::texture(const std::string& name, const std::string& kind, const std::string& type,
+                      Parameters params, const Place& place) {
+  require_world("Texture", place);
+  materials_.make_texture(context_, name, kind, type,
+                          ParameterSet(std::move(params), state_.texture_attributes), place);
+}
+
+void Builder::shape(const std::string& type, Parameters params, const Place& place) {
+  require_world("Shape", place);
+  const ParameterSet set(std::move(params), state_.shape_attributes);
+  auto geometry = make_geometry(
+      context_, {type, set, place, still_transform("Shape", place), state_.reverse_orientation});
+  if (!geometry) return;
+  ShapeDescription shape;
+  shape.material = state_.material;
+  shape.where = location(place);
+  if (state_.area_light && open_object_) {
+    context_.remark(place, "an area light within an object definition", "the shape emits nothing");
+  } else if (state_.area_light) {
+    shape.emission = make_emission(context_, *state_.area_light, *geometry, place);
+  }
+  shape.geometry = *std::move(geometry);
+  auto& shapes =
+      open_object_ ? context_.scene.objects[*open_object_].shapes : context_.scene.shapes;
+  shapes.push_back(std::move(shape));
+}
+
+void Builder::light_source(const std::string& type, Parameters params, const Place& place) {
+  require_world("LightSource", place);
+  const ParameterSet set(std::move(params), state_.light_attributes);
+  if (auto light = make_light(context_, type, set, place, still_transform("LightSource", place)))
+    context_.scene.lights.push_back(*std::move(light));
+}
+
+void Builder::area_light_source(const std::string& type, Parameters params, const Place& place) {
+  require_world("AreaLightSource", place);
+  state_.area_light = std::make_shared<const AreaLightDirective>(
+      AreaLightDirective{type, ParameterSet(std::move(params), state_.light_attributes), place});
+}
+
+void Builder::object_begin(const std::string& name, const Place& place) {
+  require_world("ObjectBegin", place);
+  if (open_object_) fail(place, "ObjectBegin within an object definition");
+  auto& objects = context_.scene.objects;
+  if (!objects_.try_emplace(name, static_cast<std::uint32_t>(objects.size())).second)
+    fail(place, fmt::format("object \"{}\" was defined before", printable(name)));
+  opened_.push_back({Opened::Kind::kObject, place, state_});
+  open_object_ = objects.size();
+  objects.push_back({printable(name), {}});
+}
+
+void Builder::object_end(const Place& place) {
+  require_world("ObjectEnd", place);
+  close(Opened::Kind::kObject, "ObjectEnd", place);
+  open_object_.reset();
+}
+
+void Builder::object_instance(const std::string& name, const Place& place) {
+  require_world("ObjectInstance", place);
+  if (open_object_) fail(place, "ObjectInstance within an object definition");
+  context_.scene.instances.push_back({0, still_transform("ObjectInstance", place)});
+  instance_uses_.push_back({name, place});
+}
+
+void Builder::import_begin(const Place& place) {
+  require_world("Import", place);
+  opened_.push_back({Opened::Kind::kImport, place, state_});
+}
+
+void Builder::import_end() {
+  if (opened_.back().kind != Opened::Kind::kImport)
+    fail(opened_.back().place, fmt::format("{} is not closed in this imported file",
+                                           name_of_opener(static_cast<int>(opened_.back().kind))));
+  state_ = std::move(opened_.back().saved);
+  opened_.pop_back();
+}
+
+void Builder::resolve_materials(std::vector<ShapeDescription>& shapes) {
+  std::vector<ShapeDescription> kept;
+  kept.reserve(shapes.size());
+  for (ShapeDescription& shape : shapes) {
+    if (const auto index = materials_.resolve(context_, shape.material)) {
+      shape.material = *index;
+      kept.push_back(std::move(shape));
+    } else {
+      context_.remark(Place{&shape.where.file, shape.where.line, shape.where.column},
+                      "a shape with the material \"interface\", which bounds a medium",
+                      shape.emission ? "left out, its light too, as in pbrt-v4" : "left out");
+    }
+  }
+  shapes = std::move(kept);
+}
+
+void Builder::finish(const Place& end) {
+  if (!in_world_) fail(end, "expected WorldBegin, found the end of the file");
+  if (!opened_.empty())
+    fail(opened_.back().place,
+         fmt::format("{} is not closed", name_of_opener(static_cast<int>(opened_.back().kind))));
+  for (std::size_t i = 0; i < instance_uses_.size(); ++i) {
+    const auto found = objects_.find(instance_uses_[i].name);
+    if (found == objects_.end())
+      fail(instance_uses_[i].place, fmt::format("no object \"{}\" is defined in this scene",
+                                                printable(instance_uses_[i].name)));
+    context_.scene.instances[i].object = found->second;
+  }
+  resolve_materials(context_.scene.shapes);
+  for (ObjectDefinition& object : context_.scene.objects) resolve_materials(object.shapes);
+}
+
+}  // namespace lucerna::pbrt

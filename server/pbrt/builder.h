@@ -1,0 +1,109 @@
+// The graphics state and what each directive does to it and to the scene.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/pbrt/camera.h"
+#include "server/pbrt/lights.h"
+#include "server/pbrt/materials.h"
+#include "server/pbrt/params.h"
+
+namespace lucerna::pbrt {
+
+using Parameters = std::vector<std::shared_ptr<const Parameter>>;
+
+/// The transform at the start of the exposure and at its end.
+struct MovingTransform {
+  Transform start, end;
+  bool operator==(const MovingTransform&) const = default;
+};
+
+/// What AttributeBegin saves.
+struct GraphicsState {
+  MovingTransform world_from_object;
+  bool start_active = true, end_active = true;
+  bool reverse_orientation = false;
+  std::uint32_t material = Materials::kDefault;
+  std::shared_ptr<const AreaLightDirective> area_light;
+  Parameters shape_attributes, light_attributes, material_attributes, texture_attributes;
+};
+
+/// Takes the directives of a scene, in the order of the file.
+class Builder {
+ public:
+  explicit Builder(Context& context) : context_(context) {}
+
+  // Transforms.
+  void set_transform(const Transform& transform);
+  void concatenate(const Transform& transform);
+  void coordinate_system(const std::string& name);
+  void coord_sys_transform(const std::string& name, const Place& place);
+  void active_transform(bool start, bool end);
+
+  // Before WorldBegin.
+  /// `directive` is Camera, Film, Integrator, Sampler, PixelFilter or Accelerator.
+  void setting(const std::string& directive, const std::string& type, Parameters params,
+               const Place& place);
+  void world_begin(const Place& place);
+  void transform_times(const Place& place);
+
+  // The world.
+  void attribute_begin(const Place& place);
+  void attribute_end(const Place& place);
+  void attribute(const std::string& target, const Parameters& params, const Place& place);
+  void reverse_orientation(const Place& place);
+  void material(const std::string& type, Parameters params, const Place& place);
+  void make_named_material(const std::string& name, Parameters params, const Place& place);
+  void named_material(const std::string& name, const Place& place);
+  void texture(const std::string& name, const std::string& kind, const std::string& type,
+               Parameters params, const Place& place);
+  void shape(const std::string& type, Parameters params, const Place& place);
+  void light_source(const std::string& type, Parameters params, const Place& place);
+  void area_light_source(const std::string& type, Parameters params, const Place& place);
+  void object_begin(const std::string& name, const Place& place);
+  void object_end(const Place& place);
+  void object_instance(const std::string& name, const Place& place);
+
+  /// An imported file begins and ends: what it opens it closes, and its state is its own.
+  void import_begin(const Place& place);
+  void import_end();
+
+  /// The end of the scene: everything opened is closed, and names find what they name.
+  void finish(const Place& end);
+
+ private:
+  struct Opened {
+    enum class Kind : std::uint8_t { kAttribute, kObject, kImport };
+    Kind kind;
+    Place place;
+    GraphicsState saved;
+  };
+  struct Use {
+    std::string name;
+    Place place;
+  };
+  void require_world(const char* directive, const Place& place) const;
+  void require_before_world(const std::string& directive, const Place& place) const;
+  void close(Opened::Kind kind, const char* directive, const Place& place);
+  /// The transform in force at its start; a remark where it moves.
+  const Transform& still_transform(const char* directive, const Place& place);
+  void resolve_materials(std::vector<ShapeDescription>& shapes);
+
+  Context& context_;
+  GraphicsState state_;
+  std::vector<Opened> opened_;
+  std::map<std::string, MovingTransform> coordinate_systems_;
+  Settings settings_;
+  Materials materials_;
+  std::optional<std::size_t> open_object_;
+  std::map<std::string, std::uint32_t> objects_;
+  std::vector<Use> instance_uses_;  ///< of `scene.instances`, resolved in finish()
+  bool in_world_ = false;
+};
+
+}  // namespace lucerna::pbrt

@@ -1,0 +1,45 @@
+// What every part of the reader works on.
+#pragma once
+
+#include <cstddef>
+#include <set>
+#include <stop_token>
+#include <string>
+#include <utility>
+
+#include "server/asset_reader.h"
+#include "server/pbrt/place.h"
+#include "server/scene_description.h"
+
+namespace lucerna::pbrt {
+
+struct Context {
+  Context(AssetReader& assets, SceneDescription& scene, std::stop_token stop,
+          std::string scene_file)
+      : assets(assets), scene(scene), stop(std::move(stop)), scene_file(std::move(scene_file)) {}
+
+  AssetReader& assets;
+  SceneDescription& scene;
+  std::stop_token stop;
+  std::string scene_file;  ///< the file that loading began with
+
+  /// Says that `what` at `place` is not modelled, and what happens instead.  After 1000 remarks
+  /// they are only counted.  Says the same only once (an area light is met anew with each of its
+  /// shapes).
+  void remark(const Place& place, std::string what, std::string instead);
+  /// Says how many remarks were only counted, if any.
+  void finish_remarks();
+
+  /// The file that `place` names: beneath the directory of the scene file, as pbrt-v4 looks for it,
+  /// or of the file that names it.  Unpacked.  Fails at `place`.
+  AssetContent read(const Place& place, const std::string& name);
+
+  /// Fails with CANCELLED once the caller gave up.
+  void poll() const;
+
+ private:
+  std::set<std::string> said_;
+  std::size_t uncounted_ = 0;
+};
+
+}  // namespace lucerna::pbrt

@@ -1,0 +1,171 @@
+// What each directive is followed by, and where it goes.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <numbers>
+#include <string_view>
+#include <utility>
+
+#include "server/pbrt/parse.h"
+
+namespace lucerna::pbrt {
+
+bool Parser::transform_directive(const Token& word) {
+  const std::string name(word.text);
+  const auto numbers = [&](auto& values) {
+    for (double& value : values) value = number(name);
+  };
+  if (name == "Identity") {
+    builder_.set_transform(Transform());
+  } else if (name == "Translate") {
+    std::array<double, 3> n;
+    numbers(n);
+    concatenate(Transform::translate({n[0], n[1], n[2]}), name, word.place);
+  } else if (name == "Scale") {
+    std::array<double, 3> n;
+    numbers(n);
+    const bool regular = n[0] != 0 && n[1] != 0 && n[2] != 0;
+    concatenate(regular ? Transform::scale({n[0], n[1], n[2]}) : std::nullopt, name, word.place);
+  } else if (name == "Rotate") {
+    std::array<double, 4> n;
+    numbers(n);
+    const Vec3<double> axis{n[1], n[2], n[3]};
+    if (max_abs(axis) == 0) fail(word.place, "Rotate about the axis 0 0 0, which is none");
+    concatenate(Transform::rotate(n[0] * std::numbers::pi / 180, axis), name, word.place);
+  } else if (name == "LookAt") {
+    std::array<double, 9> n;
+    numbers(n);
+    const auto world_from_camera =
+        Transform::look_at({n[0], n[1], n[2]}, {n[3], n[4], n[5]}, {n[6], n[7], n[8]});
+    if (!world_from_camera)
+      fail(word.place, "LookAt: eye and target coincide, or up is parallel to their difference");
+    builder_.concatenate(world_from_camera->inverse());
+  } else if (name == "Transform" || name == "ConcatTransform") {
+    const auto transform = Transform::from_matrix(matrix(name, word.place));
+    if (!transform) fail(word.place, fmt::format("this {} has no inverse", name));
+    name == "Transform" ? builder_.set_transform(*transform) : builder_.concatenate(*transform);
+  } else if (name == "CoordinateSystem") {
+    builder_.coordinate_system(string(name));
+  } else if (name == "CoordSysTransform") {
+    builder_.coord_sys_transform(string(name), word.place);
+  } else if (name == "ActiveTransform") {
+    const Token which = next();
+    const bool all = which.text == "All";
+    if (which.kind != Token::Kind::kWord ||
+        (!all && which.text != "StartTime" && which.text != "EndTime"))
+      fail(which.place,
+           fmt::format("expected All, StartTime or EndTime, found {}", described(which)));
+    builder_.active_transform(all || which.text == "StartTime", all || which.text == "EndTime");
+  } else if (name == "TransformTimes") {
+    std::array<double, 2> n;
+    numbers(n);
+    builder_.transform_times(word.place);
+  } else {
+    return false;
+  }
+  return true;
+}
+
+bool Parser::settings_directive(const Token& word) {
+  const std::string name(word.text);
+  constexpr std::array<std::string_view, 6> kOnce{"Camera",  "Film",        "Integrator",
+                                                  "Sampler", "PixelFilter", "Accelerator"};
+  if (std::find(kOnce.begin(), kOnce.end(), name) != kOnce.end()) {
+    const std::string type = string(name);
+    builder_.setting(name, type, parameters(), word.place);
+  } else if (name == "ColorSpace") {
+    const std::string space = string(name);
+    constexpr std::array<std::string_view, 4> kSpaces{"srgb", "rec2020", "aces2065-1", "dci-p3"};
+    if (std::find(kSpaces.begin(), kSpaces.end(), space) == kSpaces.end())
+      fail(word.place, fmt::format("unknown colour space \"{}\", expected one of {}",
+                                   printable(space), fmt::join(kSpaces, " ")));
+    if (space != "srgb")
+      context_.remark(word.place, fmt::format("ColorSpace \"{}\" is not modelled", space),
+                      "values are taken as srgb");
+  } else if (name == "Option") {
+    const std::string option = string(name);
+    const Token setting = next();
+    if (setting.kind != Token::Kind::kWord && setting.kind != Token::Kind::kString)
+      fail(setting.place, fmt::format("expected a value for Option \"{}\", found {}",
+                                      printable(option), described(setting)));
+    context_.remark(word.place, fmt::format("Option \"{}\" is not modelled", printable(option)),
+                    "it changes nothing");
+  } else if (name == "Include" || name == "Import") {
+    const Token file = next();
+    if (file.kind != Token::Kind::kString)
+      fail(file.place,
+           fmt::format("expected a quoted file name for {}, found {}", name, described(file)));
+    if (name == "Import") builder_.import_begin(word.place);
+    open(file.place, unescaped(file), name == "Import");
+  } else if (name == "WorldBegin") {
+    builder_.world_begin(word.place);
+  } else {
+    return false;
+  }
+  return true;
+}
+
+bool Parser::world_directive(const Token& word) {
+  const std::string name(word.text);
+  const Place& place = word.place;
+  // A name or type and parameters follow, read in this order.
+  const auto pass_on = [&](void (Builder::*take)(const std::string&, Parameters, const Place&)) {
+    const std::string type = string(name);
+    (builder_.*take)(type, parameters(), place);
+  };
+  // TransformBegin and TransformEnd are pbrt-v4's older words for the same.
+  if (name == "AttributeBegin" || name == "TransformBegin") {
+    builder_.attribute_begin(place);
+  } else if (name == "AttributeEnd" || name == "TransformEnd") {
+    builder_.attribute_end(place);
+  } else if (name == "Attribute") {
+    const std::string target = string(name);
+    builder_.attribute(target, parameters(), place);
+  } else if (name == "ReverseOrientation") {
+    builder_.reverse_orientation(place);
+  } else if (name == "Shape") {
+    pass_on(&Builder::shape);
+  } else if (name == "LightSource") {
+    pass_on(&Builder::light_source);
+  } else if (name == "AreaLightSource") {
+    pass_on(&Builder::area_light_source);
+  } else if (name == "Material") {
+    pass_on(&Builder::material);
+  } else if (name == "MakeNamedMaterial") {
+    pass_on(&Builder::make_named_material);
+  } else if (name == "NamedMaterial") {
+    builder_.named_material(string(name), place);
+  } else if (name == "Texture") {
+    const std::string texture = string(name);
+    const std::string kind = string(name);
+    const std::string type = string(name);
+    builder_.texture(texture, kind, type, parameters(), place);
+  } else if (name == "ObjectBegin") {
+    builder_.object_begin(string(name), place);
+  } else if (name == "ObjectEnd") {
+    builder_.object_end(place);
+  } else if (name == "ObjectInstance") {
+    builder_.object_instance(string(name), place);
+  } else if (name == "MakeNamedMedium") {
+    const std::string medium = string(name);
+    parameters();
+    context_.remark(place, fmt::format("medium \"{}\" is not modelled", printable(medium)),
+                    "vacuum");
+  } else if (name == "MediumInterface") {
+    const std::string inside = string(name);
+    std::string outside = inside;
+    if (const Token second = next(); second.kind == Token::Kind::kString) {
+      outside = unescaped(second);
+    } else {
+      put_back(second);
+    }
+    if (!inside.empty() || !outside.empty())
+      context_.remark(place, "media are not modelled", "vacuum");
+  } else {
+    return false;
+  }
+  return true;
+}
+
+}  // namespace lucerna::pbrt

@@ -1,0 +1,227 @@
+#include "server/pbrt/lights.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "lights/bilinear_patch.h"
+#include "lights/triangle.h"
+#include "server/pbrt/spectra.h"
+
+namespace lucerna::pbrt {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kRadPerDegree = kPi / 180;
+
+/// A `power` or `illuminance` that a light may be given, and what it is without.
+struct Target {
+  const char* name;
+  const char* unit;
+  double of_unit_level;  ///< what a level of luminance 1 amounts to
+};
+
+/// The level (intensity, radiance or illuminance) of a light: rgb or spectrum, times scale, and
+/// where the target is given, such that a light of luminance 1 would reach it.
+Rgb<double> level(Context& context, const ParameterSet& params, const Place& place,
+                  const char* name, const std::optional<Target>& target) {
+  const Rgb<double> colour = light_level(context, params, name);
+  const double scale = params.number("scale", 1);
+  if (scale < 0)
+    fail(params.find("scale", {"float"})->place,
+         fmt::format("\"float scale\" = {}, allowed: not negative", scale));
+  Rgb<double> result = colour * scale;
+  const Parameter* given = target ? params.find(target->name, {"float"}) : nullptr;
+  if (given != nullptr) {
+    const double wanted = params.number(target->name, 0);
+    // -1 is how pbrt-v4 itself writes that nothing is given.
+    if (wanted < 0 && wanted != -1)
+      fail(given->place,
+           fmt::format("\"float {}\" = {}, allowed: not negative", target->name, wanted));
+    if (wanted == 0) {
+      context.remark(given->place, fmt::format("\"{}\" 0 is taken as not given", target->name),
+                     fmt::format("the level that \"{}\" says", name));
+    } else if (wanted > 0) {
+      if (!(luminance(result) > 0))
+        fail(given->place,
+             fmt::format("\"float {}\" = {} {} for a light of luminance 0, which cannot have it",
+                         target->name, wanted, target->unit));
+      if (!(target->of_unit_level > 0))
+        fail(given->place, fmt::format("\"float {}\" = {} {} for a light that lights nothing",
+                                       target->name, wanted, target->unit));
+      if (std::fabs(luminance(result) - 1) > 1e-6)
+        context.remark(
+            given->place,
+            fmt::format("\"{}\" {} {} multiplies a level of luminance {:.6g}", target->name, wanted,
+                        target->unit, luminance(result)),
+            fmt::format("{:.6g} {}, as pbrt-v4 has it", wanted * luminance(result), target->unit));
+      result = result * (wanted / target->of_unit_level);
+    }
+  }
+  if (!is_finite(result))
+    fail(place,
+         fmt::format("level [{} {} {}] of the light is not finite", result.r, result.g, result.b));
+  return result;
+}
+
+/// Fails where the light model itself refuses its parameters.
+template <template <typename> typename Model, typename Params>
+Params checked(const Place& place, const Params& params) {
+  if (const auto made = Model<double>::create(params); !made.ok()) fail(place, made.status());
+  return params;
+}
+
+SpotLightParams spot(Context& context, const ParameterSet& params, const Place& place,
+                     const Transform& world_from_light) {
+  const double cone = params.number("coneangle", 30);
+  const double delta = params.number("conedeltaangle", 5);
+  if (!(cone > 0 && cone <= 180))
+    fail(place, fmt::format("\"float coneangle\" = {} degrees, allowed (0, 180]", cone));
+  if (!(delta >= 0 && delta <= cone))
+    fail(place, fmt::format("\"float conedeltaangle\" = {} degrees, allowed [0, coneangle], which "
+                            "is {}",
+                            delta, cone));
+  if (!world_from_light.uniform_scale())
+    fail(place, "a spot under a transform of unequal scale, allowed: equal scale on all axes");
+  SpotLightParams spot;
+  const Vec3<double> from = params.point("from", {0, 0, 0});
+  spot.position_m = world_from_light.point(from);
+  spot.axis = world_from_light.vector(params.point("to", {0, 0, 1}) - from);
+  spot.cone_half_angle_rad = cone * kRadPerDegree;
+  spot.falloff_start_rad = (cone - delta) * kRadPerDegree;
+  // 2 pi ((1 - cos s) + (cos s - cos c) / 2), without its cancellation at small angles.
+  const double half_start = std::sin(spot.falloff_start_rad / 2);
+  const double half_cone = std::sin(spot.cone_half_angle_rad / 2);
+  const double lumens = 2 * kPi * (half_start * half_start + half_cone * half_cone);
+  spot.intensity_cd = level(context, params, place, "I", Target{"power", "lm", lumens});
+  return checked<SpotLight>(place, spot);
+}
+
+double area_of(const Place& place, const TriangleMeshData& mesh) {
+  double area = 0;
+  for (std::size_t i = 0; i + 3 <= mesh.indices.size(); i += 3)
+    area += Triangle<double>{mesh.positions[mesh.indices[i]], mesh.positions[mesh.indices[i + 1]],
+                             mesh.positions[mesh.indices[i + 2]]}
+                .area();
+  if (!std::isfinite(area)) fail(place, "the area of an emitting mesh is not finite");
+  return area;
+}
+
+double area_of(const Place& place, const PatchMeshData& mesh) {
+  double area = 0;
+  for (std::size_t i = 0; i + 4 <= mesh.indices.size(); i += 4)
+    area +=
+        BilinearPatch<double>{mesh.positions[mesh.indices[i]], mesh.positions[mesh.indices[i + 1]],
+                              mesh.positions[mesh.indices[i + 2]],
+                              mesh.positions[mesh.indices[i + 3]]}
+            .area();
+  if (!std::isfinite(area)) fail(place, "the area of an emitting mesh is not finite");
+  return area;
+}
+
+double area_of(const Place& place, const SphereParams& params) {
+  const auto sphere = Sphere<double>::create(params);
+  if (!sphere.ok()) fail(place, sphere.status());
+  if (const auto status = sphere->emissive_error(); !status.ok()) fail(place, status);
+  return sphere->area();
+}
+
+double area_of(const Place& place, const DiskParams& params) {
+  const auto disk = Disk<double>::create(params);
+  if (!disk.ok()) fail(place, disk.status());
+  return disk->area();
+}
+
+std::size_t primitives_of(const Geometry& geometry) {
+  if (const auto* mesh = std::get_if<TriangleMeshData>(&geometry)) return mesh->indices.size() / 3;
+  if (const auto* mesh = std::get_if<PatchMeshData>(&geometry)) return mesh->indices.size() / 4;
+  return 1;
+}
+
+void left_out(Context& context, const Place& place, const std::string& what) {
+  context.remark(place, what + " is not modelled yet", "left out");
+}
+
+}  // namespace
+
+std::optional<LightDescription> make_light(Context& context, const std::string& type,
+                                           const ParameterSet& params, const Place& place,
+                                           const Transform& world_from_light) {
+  LightDescription light;
+  light.where = location(place);
+  if (type == "point") {
+    PointLightParams point;
+    point.position_m = world_from_light.point(params.point("from", {0, 0, 0}));
+    point.intensity_cd = level(context, params, place, "I", Target{"power", "lm", 4 * kPi});
+    light.params = checked<PointLight>(place, point);
+  } else if (type == "spot") {
+    light.params = spot(context, params, place, world_from_light);
+  } else if (type == "distant") {
+    DistantLightParams distant;
+    const Vec3<double> towards = params.point("from", {0, 0, 0}) - params.point("to", {0, 0, 1});
+    distant.to_light = world_from_light.vector(towards);
+    distant.illuminance_lx = level(context, params, place, "L", Target{"illuminance", "lx", 1});
+    light.params = checked<DistantLight>(place, distant);
+  } else if (type == "infinite") {
+    const Parameter* image = params.find("filename", {"string"});
+    const Parameter* portal = params.find("portal", {"point3"});
+    if (image != nullptr || portal != nullptr) {
+      left_out(
+          context, (image != nullptr ? image : portal)->place,
+          image != nullptr ? "an infinite light with an image" : "an infinite light with a portal");
+      return std::nullopt;
+    }
+    UniformInfiniteLightParams infinite;
+    // Illuminance on an upward-facing surface under a hemisphere of luminance 1: pi.
+    infinite.radiance_cd_m2 = level(context, params, place, "L", Target{"illuminance", "lx", kPi});
+    light.params = checked<UniformInfiniteLight>(place, infinite);
+  } else if (type == "goniometric" || type == "projection") {
+    left_out(context, place, fmt::format("LightSource \"{}\"", type));
+    return std::nullopt;
+  } else {
+    fail(place, fmt::format("unknown light \"{}\", expected one of point spot distant infinite "
+                            "goniometric projection",
+                            printable(type)));
+  }
+  params.remark_unused(context, fmt::format("LightSource \"{}\"", type));
+  return light;
+}
+
+std::optional<ShapeDescription::Emission> make_emission(Context& context,
+                                                        const AreaLightDirective& light,
+                                                        const Geometry& geometry,
+                                                        const Place& shape_place) {
+  if (light.type != "diffuse")
+    fail(light.place,
+         fmt::format("unknown area light \"{}\", expected \"diffuse\"", printable(light.type)));
+  if (const Parameter* image = light.params.find("filename", {"string"})) {
+    left_out(context, image->place, "an area light with an image");
+    return std::nullopt;
+  }
+  ShapeDescription::Emission emission;
+  emission.two_sided = light.params.boolean("twosided", false);
+  emission.where = location(light.place);
+  const double area =
+      std::visit([&](const auto& shape) { return area_of(shape_place, shape); }, geometry);
+  if (!(area > 0)) {
+    context.remark(shape_place, "a light without area", "the shape emits nothing");
+    return std::nullopt;
+  }
+  const double lumens = (emission.two_sided ? 2 : 1) * kPi * area;
+  emission.radiance_cd_m2 =
+      level(context, light.params, light.place, "L", Target{"power", "lm", lumens});
+  const std::size_t primitives = primitives_of(geometry);
+  if (const Parameter* power = light.params.find("power", {"float"});
+      power != nullptr && power->numbers.front() > 0 && primitives > 1)
+    context.remark(power->place,
+                   fmt::format("\"power\" on a mesh of {} primitives, each of which pbrt-v4 would "
+                               "give that power",
+                               primitives),
+                   "the power of the whole mesh");
+  light.params.remark_unused(context, "AreaLightSource \"diffuse\"");
+  return emission;
+}
+
+}  // namespace lucerna::pbrt

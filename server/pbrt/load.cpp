@@ -1,0 +1,29 @@
+#include "server/pbrt/load.h"
+
+#include <absl/status/status.h>
+
+#include <new>
+#include <utility>
+
+#include "server/pbrt/parse.h"
+
+namespace lucerna {
+
+absl::StatusOr<SceneDescription> load_pbrt(AssetReader& assets, const std::string& name,
+                                           std::stop_token stop) {
+  SceneDescription scene;
+  try {
+    pbrt::Context context(assets, scene, std::move(stop), name);
+    pbrt::Builder builder(context);
+    pbrt::Parser(context, builder).parse();
+    context.finish_remarks();
+  } catch (const pbrt::Failure& failure) {
+    return failure.status;
+  } catch (const std::bad_alloc&) {
+    return absl::ResourceExhaustedError("not enough memory to load the scene");
+  }
+  scene.assets = assets.assets();
+  return scene;
+}
+
+}  // namespace lucerna

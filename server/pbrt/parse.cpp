@@ -1,0 +1,200 @@
+#include "server/pbrt/parse.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <set>
+#include <string_view>
+#include <utility>
+
+namespace lucerna::pbrt {
+namespace {
+
+constexpr std::size_t kMaxNesting = 64;
+constexpr std::uint64_t kTokensPerPoll = 4096;
+
+}  // namespace
+
+void Parser::parse() {
+  open({}, context_.scene_file, true);
+  for (;;) {
+    const Token token = next();
+    if (token.kind != Token::Kind::kEnd) {
+      directive(token);
+      continue;
+    }
+    // `next` stays at the end of imported files and of the first.
+    if (files_.size() == 1) return builder_.finish(token.place);
+    builder_.import_end();
+    files_.pop_back();
+  }
+}
+
+void Parser::open(const Place& place, const std::string& name, bool imported) {
+  if (files_.size() == kMaxNesting)
+    fail(place, fmt::format("files include each other more than {} deep", kMaxNesting));
+  AssetContent content;
+  if (files_.empty()) {
+    auto read = context_.assets.read_unpacked(name);
+    if (!read.ok()) fail(place, read.status());
+    content = *std::move(read);
+    context_.scene_file = content.name;
+  } else {
+    content = context_.read(place, name);
+  }
+  names_.push_back(content.name);
+  const std::string* file = &names_.back();
+  for (const OpenFile& open : files_)
+    if (*open.name == *file) fail(place, fmt::format("file \"{}\" includes itself", *file));
+  files_.push_back({file, std::move(content.bytes), Tokenizer(file, {}), imported});
+  files_.back().tokens = Tokenizer(file, files_.back().contents);
+  // Elsewhere such files begin with a byte that is no directive; say what it is.
+  const std::string_view start = std::string_view(files_.back().contents).substr(0, 2);
+  if (start == "\xff\xfe" || start == "\xfe\xff")
+    fail({file, 1, 1}, "the file is UTF-16, expected UTF-8");
+}
+
+Token Parser::next() {
+  if (put_back_) return *std::exchange(put_back_, std::nullopt);
+  if (++token_count_ % kTokensPerPoll == 0) context_.poll();
+  for (;;) {
+    const Token token = files_.back().tokens.next();
+    if (token.kind != Token::Kind::kEnd || files_.back().imported) return token;
+    files_.pop_back();
+  }
+}
+
+double Parser::number(const std::string& directive) {
+  return pbrt::number(next(), "a number for " + directive);
+}
+
+std::string Parser::string(const std::string& directive) {
+  const Token token = next();
+  if (token.kind != Token::Kind::kString)
+    fail(token.place,
+         fmt::format("expected a quoted string for {}, found {}", directive, described(token)));
+  return unescaped(token);
+}
+
+Transform::Matrix Parser::matrix(const std::string& name, const Place& place) {
+  if (const Token token = next(); token.kind != Token::Kind::kOpen)
+    fail(token.place, fmt::format("expected '[' after {}, found {}", name, described(token)));
+  std::array<double, 16> n;
+  for (double& value : n) value = number(name);
+  if (const Token token = next(); token.kind != Token::Kind::kClose)
+    fail(token.place,
+         fmt::format("expected ']' after the 16 numbers of {}, found {}", name, described(token)));
+  if (n[3] != 0 || n[7] != 0 || n[11] != 0 || n[15] == 0)
+    fail(place, fmt::format("{} is not affine: its fourth, eighth and twelfth number must be "
+                            "0, its last must not",
+                            name));
+  Transform::Matrix m;  // columns stand one after the other in the file
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 4; ++column) m[row][column] = n[4 * column + row] / n[15];
+  return m;
+}
+
+void Parser::concatenate(const std::optional<Transform>& transform, const std::string& directive,
+                         const Place& place) {
+  if (!transform) fail(place, fmt::format("this {} has no inverse", directive));
+  builder_.concatenate(*transform);
+}
+
+Parameters Parser::parameters() {
+  Parameters result;
+  std::set<std::string_view> names;
+  for (;;) {
+    const Token token = next();
+    if (token.kind != Token::Kind::kString) {
+      put_back(token);
+      return result;
+    }
+    auto read = parameter(token);
+    if (!names.insert(read->name).second)
+      fail(token.place, fmt::format("parameter \"{}\" is given twice", printable(read->name)));
+    result.push_back(std::move(read));
+  }
+}
+
+std::shared_ptr<const Parameter> Parser::parameter(const Token& declaration) {
+  const std::string text = unescaped(declaration);
+  const std::size_t type_begin = text.find_first_not_of(" \t");
+  const std::size_t type_end = text.find_first_of(" \t", type_begin);
+  const std::size_t name_begin = text.find_first_not_of(" \t", type_end);
+  if (type_begin == std::string::npos || name_begin == std::string::npos)
+    fail(declaration.place,
+         fmt::format("expected a parameter \"TYPE NAME\", found {}", described(declaration)));
+  auto result = std::make_shared<Parameter>();
+  result->type = text.substr(type_begin, type_end - type_begin);
+  const std::size_t name_end = text.find_first_of(" \t", name_begin);
+  result->name = text.substr(
+      name_begin, name_end == std::string::npos ? std::string::npos : name_end - name_begin);
+  result->place = declaration.place;
+  if (result->type == "point") result->type = "point3";
+  if (result->type == "vector") result->type = "vector3";
+  if (result->type == "normal3") result->type = "normal";
+  const auto per_item = values_per_item(result->type);
+  if (!per_item)
+    fail(declaration.place,
+         fmt::format("unknown parameter type \"{}\", expected one of float integer bool string "
+                     "point2 vector2 point3 vector3 normal rgb spectrum blackbody texture",
+                     printable(result->type)));
+
+  Token token = next();
+  if (token.kind == Token::Kind::kOpen) {
+    for (token = next(); token.kind != Token::Kind::kClose; token = next()) value(token, *result);
+  } else {
+    value(token, *result);
+  }
+  const std::size_t count = result->numbers.size() + result->strings.size();
+  if (count == 0 || (*per_item > 1 && count % *per_item != 0))
+    fail(declaration.place,
+         fmt::format("\"{} {}\" has {} values, expected {}{}", result->type,
+                     printable(result->name), count, *per_item > 1 ? "a multiple of " : "at least ",
+                     *per_item > 1 ? *per_item : 1));
+  return result;
+}
+
+void Parser::value(const Token& token, Parameter& parameter) {
+  const std::string& type = parameter.type;
+  const auto reject = [&](const char* expected) {
+    fail(token.place, fmt::format("expected {} or ']' for \"{} {}\", found {}", expected, type,
+                                  printable(parameter.name), described(token)));
+  };
+  const bool is_word = token.kind == Token::Kind::kWord;
+  const bool is_string = token.kind == Token::Kind::kString;
+  if (type == "string" || type == "texture") {
+    if (!is_string) reject("a quoted string");
+    parameter.strings.push_back(unescaped(token));
+  } else if (type == "bool") {
+    if (!(is_word || is_string) || (token.text != "true" && token.text != "false"))
+      reject("true or false");
+    parameter.numbers.push_back(token.text == "true" ? 1 : 0);
+  } else if (type == "spectrum" && is_string) {
+    if (!parameter.numbers.empty() || !parameter.strings.empty()) reject("a number");
+    parameter.strings.push_back(unescaped(token));
+  } else {
+    if (!is_word || !parameter.strings.empty() ||
+        !(token.text.front() == '.' || token.text.front() == '-' || token.text.front() == '+' ||
+          (token.text.front() >= '0' && token.text.front() <= '9')))
+      reject(type == "integer" ? "an integer" : "a number");
+    const double number = pbrt::number(token, "a number");
+    if (type == "integer" &&
+        (number != std::floor(number) || number < -2147483648.0 || number > 2147483647.0))
+      reject("an integer of 32 bits");
+    parameter.numbers.push_back(number);
+  }
+}
+
+void Parser::directive(const Token& word) {
+  if (word.kind == Token::Kind::kWord &&
+      (transform_directive(word) || settings_directive(word) || world_directive(word)))
+    return;
+  if (word.text == "WorldEnd")
+    fail(word.place, "WorldEnd is not part of pbrt-v4's files, which end without it");
+  fail(word.place, fmt::format("expected a directive, found {}", described(word)));
+}
+
+}  // namespace lucerna::pbrt

@@ -1,0 +1,43 @@
+// Places in scene files, and how the reader gives up at one.
+#pragma once
+
+#include <absl/status/status.h>
+
+#include <string>
+#include <string_view>
+
+#include "server/scene_description.h"
+
+namespace lucerna::pbrt {
+
+/// A place in a file.  `file` is owned by the parser and outlives what refers to it; null: no
+/// place.
+struct Place {
+  const std::string* file = nullptr;
+  int line = 0;    ///< from 1
+  int column = 0;  ///< from 1, in bytes
+};
+
+SourceLocation location(const Place& place);
+
+/// "scene.pbrt:12:7".
+std::string to_string(const Place& place);
+
+/// `text` as it may stand in a message: well-formed UTF-8, no control characters, at most 80 bytes.
+std::string printable(std::string_view text);
+
+/// Whether `text` is well-formed UTF-8 without control characters.
+bool is_printable(std::string_view text);
+
+/// Thrown within this folder, caught in load_pbrt: a status whose message begins with the place.
+struct Failure {
+  absl::Status status;
+};
+
+/// INVALID_ARGUMENT at a place.
+[[noreturn]] void fail(const Place& place, const std::string& what);
+
+/// `status` (not OK) with the place put before its message.
+[[noreturn]] void fail(const Place& place, const absl::Status& status);
+
+}  // namespace lucerna::pbrt

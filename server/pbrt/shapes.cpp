@@ -1,0 +1,225 @@
+#include "server/pbrt/shapes.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <numbers>
+#include <type_traits>
+#include <utility>
+
+#include "server/ply.h"
+
+namespace lucerna::pbrt {
+namespace {
+
+constexpr double kRadPerDegree = std::numbers::pi / 180;
+
+/// Vertices and primitives as a file gives them, `corners` indices a primitive.
+struct RawMesh {
+  std::vector<Vec3<double>> positions;
+  std::vector<Vec3<double>> normals;
+  std::vector<std::uint32_t> indices;
+};
+
+std::vector<Vec3<double>> world_positions(const ShapeDirective& shape,
+                                          std::vector<Vec3<double>> positions) {
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    positions[i] = shape.world_from_object.point(positions[i]);
+    if (!is_finite(positions[i]))
+      fail(shape.place,
+           fmt::format("vertex {} of \"{}\" is not finite after its transform", i, shape.type));
+  }
+  return positions;
+}
+
+/// Unit normals in world space, on the side that is outside; empty where one has no direction.
+std::vector<Vec3<float>> world_normals(Context& context, const ShapeDirective& shape,
+                                       const std::vector<Vec3<double>>& normals) {
+  std::vector<Vec3<float>> result;
+  result.reserve(normals.size());
+  for (std::size_t i = 0; i < normals.size(); ++i) {
+    const Vec3<double> n = normalized(shape.world_from_object.normal(normals[i]));
+    if (!is_finite(n) || max_abs(n) == 0) {
+      context.remark(shape.place, fmt::format("the normal of vertex {} has no direction", i),
+                     "the mesh is taken without normals");
+      return {};
+    }
+    result.emplace_back(shape.reverse_orientation ? -n : n);
+  }
+  return result;
+}
+
+/// Turns each primitive so that its winding says its outside.  With vertex normals that is the side
+/// they point to, otherwise a mirror or ReverseOrientation (not both) turns it.
+/// `geometric_normal(corners)` is of any length.  Returns how many primitives have no area.
+template <std::size_t kCorners, typename Mesh, typename F>
+std::size_t resolve_winding(Mesh& mesh, bool turned, F&& geometric_normal) {
+  std::size_t degenerate = 0;
+  for (std::size_t i = 0; i + kCorners <= mesh.indices.size(); i += kCorners) {
+    std::uint32_t* corner = &mesh.indices[i];
+    std::array<Vec3<double>, kCorners> p;
+    Vec3<double> n{};
+    for (std::size_t k = 0; k < kCorners; ++k) {
+      p[k] = mesh.positions[corner[k]];
+      if (!mesh.normals.empty()) n += Vec3<double>(mesh.normals[corner[k]]);
+    }
+    const Vec3<double> outside = geometric_normal(p);
+    if (max_abs(outside) == 0) ++degenerate;
+    if (mesh.normals.empty() ? turned : dot(normalized(outside), n) < 0)
+      std::swap(corner[1], corner[2]);
+  }
+  return degenerate;
+}
+
+void check_raw(const ShapeDirective& shape, RawMesh& raw, std::size_t corners) {
+  if (raw.positions.empty())
+    fail(shape.place, fmt::format("Shape \"{}\" lacks \"point3 P\"", shape.type));
+  if (raw.indices.empty()) {
+    if (raw.positions.size() != corners)
+      fail(shape.place,
+           fmt::format("Shape \"{}\" lacks \"integer indices\", which only {} vertices "
+                       "can do without",
+                       shape.type, corners));
+    for (std::uint32_t k = 0; k < corners; ++k) raw.indices.push_back(k);
+  }
+  if (raw.indices.size() % corners != 0)
+    fail(shape.place, fmt::format("Shape \"{}\" has {} indices, expected a multiple of {}",
+                                  shape.type, raw.indices.size(), corners));
+  for (std::size_t i = 0; i < raw.indices.size(); ++i)
+    if (raw.indices[i] >= raw.positions.size())
+      fail(shape.place, fmt::format("Shape \"{}\": index {} names vertex {}, there are {}",
+                                    shape.type, i, raw.indices[i], raw.positions.size()));
+  if (!raw.normals.empty() && raw.normals.size() != raw.positions.size())
+    fail(shape.place, fmt::format("Shape \"{}\" has {} normals for {} vertices", shape.type,
+                                  raw.normals.size(), raw.positions.size()));
+}
+
+template <typename Mesh>
+Mesh make_mesh(Context& context, const ShapeDirective& shape, RawMesh raw) {
+  constexpr bool kPatches = std::is_same_v<Mesh, PatchMeshData>;
+  check_raw(shape, raw, kPatches ? 4 : 3);
+  Mesh mesh;
+  mesh.positions = world_positions(shape, std::move(raw.positions));
+  mesh.normals = world_normals(context, shape, raw.normals);
+  mesh.indices = std::move(raw.indices);
+  const bool turned = shape.reverse_orientation != shape.world_from_object.swaps_handedness();
+  std::size_t degenerate = 0;
+  if constexpr (kPatches) {
+    // cross(dp/du, dp/dv) in the middle; corners run (0,0), (1,0), (0,1), (1,1).
+    degenerate = resolve_winding<4>(mesh, turned, [](const auto& p) {
+      return cross((p[1] - p[0]) + (p[3] - p[2]), (p[2] - p[0]) + (p[3] - p[1]));
+    });
+  } else {
+    degenerate = resolve_winding<3>(mesh, turned,
+                                    [](const auto& p) { return cross(p[1] - p[0], p[2] - p[0]); });
+  }
+  if (degenerate > 0)
+    context.remark(
+        shape.place,
+        fmt::format("{} of {} {} of this mesh have no area", degenerate,
+                    mesh.indices.size() / (kPatches ? 4 : 3), kPatches ? "patches" : "triangles"),
+        "kept, but neither seen nor a light");
+  return mesh;
+}
+
+RawMesh raw_mesh(const ShapeDirective& shape) {
+  shape.params.ignore({"uv", "st", "S", "faceIndices", "emissionfilename"});
+  return {shape.params.vectors("P", "point3"), shape.params.vectors("N", "normal"),
+          shape.params.indices("indices")};
+}
+
+TriangleMeshData ply_mesh(Context& context, const ShapeDirective& shape) {
+  const Parameter* file = shape.params.find("filename", {"string"});
+  if (file == nullptr) fail(shape.place, "Shape \"plymesh\" lacks \"string filename\"");
+  if (const Parameter* map = shape.params.find("displacement", {"texture", "float"}))
+    context.remark(map->place, "\"displacement\" is not modelled", "the mesh as the file gives it");
+  shape.params.ignore({"displacement.edgelength", "edgelength", "displacement.uvscale"});
+  const AssetContent content = context.read(file->place, file->strings.front());
+  auto ply = parse_ply(content.bytes, context.stop);
+  if (absl::IsCancelled(ply.status())) throw Failure{ply.status()};
+  if (!ply.ok()) {
+    const std::string message(ply.status().message().data(), ply.status().message().size());
+    fail(file->place, fmt::format("file \"{}\": {}", content.name, message));
+  }
+  RawMesh raw;
+  raw.positions = std::move(ply->positions);
+  raw.indices = std::move(ply->indices);
+  raw.normals.reserve(ply->normals.size());
+  for (const Vec3<float>& n : ply->normals) raw.normals.emplace_back(n);
+  if (raw.positions.empty() || raw.indices.empty()) {
+    context.remark(file->place, fmt::format("mesh \"{}\" is empty", content.name), "left out");
+    return {};
+  }
+  return make_mesh<TriangleMeshData>(context, shape, std::move(raw));
+}
+
+double swept_angle(const ShapeDirective& shape) {
+  const double degrees = shape.params.number("phimax", 360);
+  return degrees >= 360 ? 2 * std::numbers::pi : degrees * kRadPerDegree;
+}
+
+SphereParams sphere(const ShapeDirective& shape) {
+  SphereParams sphere;
+  sphere.radius_m = shape.params.number("radius", 1);
+  const double z0 = shape.params.number("zmin", -sphere.radius_m);
+  const double z1 = shape.params.number("zmax", sphere.radius_m);
+  sphere.z_min_m = std::min(z0, z1);
+  sphere.z_max_m = std::max(z0, z1);
+  sphere.phi_max_rad = swept_angle(shape);
+  sphere.reverse_orientation = shape.reverse_orientation;
+  sphere.world_from_object = shape.world_from_object;
+  if (const auto made = Sphere<double>::create(sphere); !made.ok())
+    fail(shape.place, made.status());
+  return sphere;
+}
+
+DiskParams disk(const ShapeDirective& shape) {
+  DiskParams disk;
+  disk.height_m = shape.params.number("height", 0);
+  disk.radius_m = shape.params.number("radius", 1);
+  disk.inner_radius_m = shape.params.number("innerradius", 0);
+  disk.phi_max_rad = swept_angle(shape);
+  disk.reverse_orientation = shape.reverse_orientation;
+  disk.world_from_object = shape.world_from_object;
+  if (const auto made = Disk<double>::create(disk); !made.ok()) fail(shape.place, made.status());
+  return disk;
+}
+
+std::optional<Geometry> geometry_of(Context& context, const ShapeDirective& shape) {
+  if (shape.type == "sphere") return sphere(shape);
+  if (shape.type == "disk") return disk(shape);
+  if (shape.type == "trianglemesh")
+    return make_mesh<TriangleMeshData>(context, shape, raw_mesh(shape));
+  if (shape.type == "bilinearmesh") {
+    RawMesh raw = raw_mesh(shape);
+    return make_mesh<PatchMeshData>(context, shape, std::move(raw));
+  }
+  if (shape.type == "plymesh") {
+    TriangleMeshData mesh = ply_mesh(context, shape);
+    if (mesh.indices.empty()) return std::nullopt;
+    return mesh;
+  }
+  for (const char* known : {"cylinder", "curve", "loopsubdiv"})
+    if (shape.type == known) {
+      context.remark(shape.place, fmt::format("Shape \"{}\" is not modelled", known), "left out");
+      return std::nullopt;
+    }
+  fail(shape.place, fmt::format("unknown shape \"{}\", expected one of sphere disk trianglemesh "
+                                "plymesh bilinearmesh cylinder curve loopsubdiv",
+                                printable(shape.type)));
+}
+
+}  // namespace
+
+std::optional<Geometry> make_geometry(Context& context, const ShapeDirective& shape) {
+  auto geometry = geometry_of(context, shape);
+  if (!geometry) return geometry;
+  if (const Parameter* alpha = shape.params.find("alpha", {"float", "texture"});
+      alpha != nullptr && (alpha->type == "texture" || alpha->numbers.front() != 1))
+    context.remark(alpha->place, "\"alpha\" is not modelled", "opaque");
+  shape.params.remark_unused(context, fmt::format("Shape \"{}\"", shape.type));
+  return geometry;
+}
+
+}  // namespace lucerna::pbrt

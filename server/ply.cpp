@@ -1,0 +1,378 @@
+#include "server/ply.h"
+
+#include <absl/status/status.h>
+#include <fmt/format.h>
+
+#include <array>
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <cstdlib>
+#include <optional>
+#include <string>
+
+namespace lucerna {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "reads little-endian data as they are");
+
+enum class Encoding { kAscii, kLittleEndian, kBigEndian };
+enum class Type { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat, kDouble };
+
+struct Property {
+  std::string name;
+  Type type{};
+  std::optional<Type> count_type;  ///< set for lists
+};
+
+struct Element {
+  std::string name;
+  std::uint64_t count = 0;
+  std::vector<Property> properties;
+};
+
+struct Header {
+  Encoding encoding{};
+  std::vector<Element> elements;
+  std::string_view data;
+};
+
+absl::Status error(const std::string& what) { return absl::InvalidArgumentError("PLY: " + what); }
+
+absl::Status header_error(int line, const std::string& what) {
+  return error(fmt::format("header line {}: {}", line, what));
+}
+
+std::optional<Type> type_named(std::string_view name) {
+  if (name == "char" || name == "int8") return Type::kInt8;
+  if (name == "uchar" || name == "uint8") return Type::kUint8;
+  if (name == "short" || name == "int16") return Type::kInt16;
+  if (name == "ushort" || name == "uint16") return Type::kUint16;
+  if (name == "int" || name == "int32") return Type::kInt32;
+  if (name == "uint" || name == "uint32") return Type::kUint32;
+  if (name == "float" || name == "float32") return Type::kFloat;
+  if (name == "double" || name == "float64") return Type::kDouble;
+  return std::nullopt;
+}
+
+std::size_t size_of(Type type) {
+  constexpr std::array<std::size_t, 8> kSizes{1, 1, 2, 2, 4, 4, 4, 8};
+  return kSizes[static_cast<std::size_t>(type)];
+}
+
+bool is_space(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
+
+std::vector<std::string_view> words(std::string_view line) {
+  std::vector<std::string_view> result;
+  std::size_t at = 0;
+  while (at < line.size()) {
+    while (at < line.size() && is_space(line[at])) ++at;
+    const std::size_t begin = at;
+    while (at < line.size() && !is_space(line[at])) ++at;
+    if (at > begin) result.push_back(line.substr(begin, at - begin));
+  }
+  return result;
+}
+
+absl::Status add_property(const std::vector<std::string_view>& line, int number, Header& header) {
+  if (header.elements.empty()) return header_error(number, "a property before any element");
+  Property property;
+  const bool list = line.size() == 5 && line[1] == "list";
+  if (!list && line.size() != 3)
+    return header_error(number,
+                        "expected \"property TYPE NAME\" or \"property list TYPE TYPE NAME\"");
+  if (list) {
+    property.count_type = type_named(line[2]);
+    if (!property.count_type || *property.count_type >= Type::kFloat)
+      return header_error(number, fmt::format("\"{}\" cannot count a list", line[2]));
+  }
+  const auto type = type_named(line[list ? 3 : 1]);
+  if (!type) return header_error(number, fmt::format("type \"{}\" is unknown", line[list ? 3 : 1]));
+  property.type = *type;
+  property.name = std::string(line.back());
+  header.elements.back().properties.push_back(std::move(property));
+  return absl::OkStatus();
+}
+
+absl::StatusOr<Header> parse_header(std::string_view bytes) {
+  Header header;
+  bool has_format = false;
+  for (int number = 1;; ++number) {
+    const std::size_t end = bytes.find('\n');
+    if (end == std::string_view::npos)
+      return header_error(number, "the file ends before \"end_header\"");
+    const auto line = words(bytes.substr(0, end));
+    bytes.remove_prefix(end + 1);
+    if (number == 1) {
+      if (line.size() != 1 || line[0] != "ply") return header_error(1, "expected \"ply\"");
+      continue;
+    }
+    if (line.empty() || line[0] == "comment" || line[0] == "obj_info") continue;
+    if (line[0] == "end_header") {
+      if (!has_format) return header_error(number, "no \"format\" before \"end_header\"");
+      header.data = bytes;
+      return header;
+    }
+    if (line[0] == "format") {
+      if (line.size() != 3 || line[2] != "1.0")
+        return header_error(number, "expected \"format ENCODING 1.0\"");
+      if (line[1] == "ascii") {
+        header.encoding = Encoding::kAscii;
+      } else if (line[1] == "binary_little_endian") {
+        header.encoding = Encoding::kLittleEndian;
+      } else if (line[1] == "binary_big_endian") {
+        header.encoding = Encoding::kBigEndian;
+      } else {
+        return header_error(number, fmt::format("format \"{}\" is unknown", line[1]));
+      }
+      has_format = true;
+    } else if (line[0] == "element") {
+      Element element;
+      if (line.size() != 3) return header_error(number, "expected \"element NAME COUNT\"");
+      element.name = std::string(line[1]);
+      const auto [rest, code] =
+          std::from_chars(line[2].data(), line[2].data() + line[2].size(), element.count);
+      if (code != std::errc{} || rest != line[2].data() + line[2].size())
+        return header_error(number, fmt::format("\"{}\" is not a count", line[2]));
+      header.elements.push_back(std::move(element));
+    } else if (line[0] == "property") {
+      if (auto status = add_property(line, number, header); !status.ok()) return status;
+    } else {
+      return header_error(number, fmt::format("keyword \"{}\" is unknown", line[0]));
+    }
+  }
+}
+
+/// Takes one number after the other from the data.
+class Numbers {
+ public:
+  Numbers(std::string_view data, Encoding encoding) : data_(data), encoding_(encoding) {}
+
+  std::size_t bytes_left() const { return data_.size(); }
+
+  /// The fewest bytes that `count` numbers of `type` can take.
+  std::uint64_t least_bytes(Type type) const {
+    return encoding_ == Encoding::kAscii ? 1 : size_of(type);
+  }
+
+  /// False where the data end or hold no number.
+  bool next(Type type, double& value) {
+    return encoding_ == Encoding::kAscii ? next_ascii(value) : next_binary(type, value);
+  }
+
+ private:
+  bool next_ascii(double& value) {
+    while (!data_.empty() && is_space(data_.front())) data_.remove_prefix(1);
+    if (!data_.empty() && data_.front() == '+') data_.remove_prefix(1);
+    const char* end = data_.data() + data_.size();
+    const auto [rest, code] = std::from_chars(data_.data(), end, value);
+    if (code == std::errc::result_out_of_range) {
+      value = std::strtod(std::string(data_.data(), rest).c_str(), nullptr);  // 0 or infinity
+    } else if (code != std::errc{}) {
+      return false;
+    }
+    data_.remove_prefix(static_cast<std::size_t>(rest - data_.data()));
+    return data_.empty() || is_space(data_.front());
+  }
+
+  template <typename T>
+  double raw() {
+    std::array<char, sizeof(T)> bytes;
+    for (std::size_t i = 0; i < sizeof(T); ++i)
+      bytes[i] = data_[encoding_ == Encoding::kBigEndian ? sizeof(T) - 1 - i : i];
+    data_.remove_prefix(sizeof(T));
+    return static_cast<double>(std::bit_cast<T>(bytes));
+  }
+
+  bool next_binary(Type type, double& value) {
+    if (data_.size() < size_of(type)) return false;
+    switch (type) {
+      case Type::kInt8:
+        value = raw<std::int8_t>();
+        break;
+      case Type::kUint8:
+        value = raw<std::uint8_t>();
+        break;
+      case Type::kInt16:
+        value = raw<std::int16_t>();
+        break;
+      case Type::kUint16:
+        value = raw<std::uint16_t>();
+        break;
+      case Type::kInt32:
+        value = raw<std::int32_t>();
+        break;
+      case Type::kUint32:
+        value = raw<std::uint32_t>();
+        break;
+      case Type::kFloat:
+        value = raw<float>();
+        break;
+      case Type::kDouble:
+        value = raw<double>();
+        break;
+    }
+    return true;
+  }
+
+  std::string_view data_;
+  Encoding encoding_;
+};
+
+/// What becomes of a property's numbers.
+enum Role : std::uint8_t { kX, kY, kZ, kNx, kNy, kNz, kCorners, kSkip };
+
+class Reader {
+ public:
+  Reader(const Header& header, std::stop_token stop)
+      : header_(header), numbers_(header.data, header.encoding), stop_(std::move(stop)) {}
+
+  absl::StatusOr<PlyMesh> read() {
+    bool has_vertices = false;
+    bool has_faces = false;
+    for (const Element& element : header_.elements) {
+      bool& seen = element.name == "vertex" ? has_vertices : has_faces;
+      const bool known = element.name == "vertex" || element.name == "face";
+      if (known && seen) return error(fmt::format("element \"{}\" twice", element.name));
+      if (auto status = read_element(element); !status.ok()) return status;
+      if (known) seen = true;
+      has_vertices_ = has_vertices;
+    }
+    if (!has_vertices) return error("no element \"vertex\"");
+    if (!has_faces) return error("no element \"face\"");
+    // Again for faces that stand before the vertices that they name.
+    for (const std::uint32_t index : mesh_.indices)
+      if (index >= mesh_.positions.size())
+        return error(
+            fmt::format("a face names vertex {}, there are {}", index, mesh_.positions.size()));
+    return std::move(mesh_);
+  }
+
+ private:
+  absl::StatusOr<std::vector<Role>> roles(const Element& element) {
+    constexpr std::array<std::string_view, 6> kNames{"x", "y", "z", "nx", "ny", "nz"};
+    std::vector<Role> result(element.properties.size(), kSkip);
+    std::array<bool, 8> found{};
+    for (std::size_t i = 0; i < result.size(); ++i) {
+      const Property& property = element.properties[i];
+      if (element.name == "face" && property.count_type &&
+          (property.name == "vertex_indices" || property.name == "vertex_index"))
+        result[i] = kCorners;
+      for (std::uint8_t role = kX; element.name == "vertex" && role <= kNz; ++role)
+        if (!property.count_type && property.name == kNames[role]) result[i] = Role(role);
+      if (result[i] != kSkip && found[result[i]])
+        return error(fmt::format("property \"{}\" twice", property.name));
+      found[result[i]] = true;
+    }
+    if (element.name == "vertex" && !(found[kX] && found[kY] && found[kZ]))
+      return error("element \"vertex\" lacks x, y or z");
+    if (element.name == "face" && !found[kCorners])
+      return error("element \"face\" lacks the list \"vertex_indices\"");
+    has_normals_ = element.name == "vertex" ? found[kNx] && found[kNy] && found[kNz] : has_normals_;
+    return result;
+  }
+
+  absl::Status read_element(const Element& element) {
+    auto role = roles(element);
+    if (!role.ok()) return role.status();
+    if (element.properties.empty() && element.count > 0)
+      return error(fmt::format("element \"{}\" has no properties", element.name));
+    std::uint64_t least = 0;
+    for (const Property& property : element.properties)
+      least += numbers_.least_bytes(property.count_type.value_or(property.type));
+    if (element.count > 0 && element.count > numbers_.bytes_left() / least)
+      return error(fmt::format("{} elements \"{}\" are claimed, the data are too short for them",
+                               element.count, element.name));
+    if (element.name == "vertex") {
+      mesh_.positions.reserve(element.count);
+      if (has_normals_) mesh_.normals.reserve(element.count);
+    } else if (element.name == "face") {
+      mesh_.indices.reserve(3 * element.count);
+    }
+    for (std::uint64_t i = 0; i < element.count; ++i) {
+      if ((i & 0xffff) == 0 && stop_.stop_requested())
+        return absl::CancelledError("loading was cancelled");
+      if (auto status = read_one(element, *role, i); !status.ok()) return status;
+    }
+    return absl::OkStatus();
+  }
+
+  absl::Status read_one(const Element& element, const std::vector<Role>& role, std::uint64_t i) {
+    std::array<double, 6> value{};
+    for (std::size_t p = 0; p < role.size(); ++p) {
+      const Property& property = element.properties[p];
+      if (role[p] == kCorners) {
+        if (auto status = read_face(property, i); !status.ok()) return status;
+        continue;
+      }
+      double n = 0;
+      const bool ok = property.count_type
+                          ? numbers_.next(*property.count_type, n) && skip(property.type, n)
+                          : numbers_.next(property.type, n);
+      if (!ok) return cut_off(element.name, i);
+      if (role[p] <= kNz) value[role[p]] = n;
+    }
+    if (element.name != "vertex") return absl::OkStatus();
+    const Vec3<double> position{value[kX], value[kY], value[kZ]};
+    if (!is_finite(position)) return error(fmt::format("vertex {} is not finite", i));
+    mesh_.positions.push_back(position);
+    if (!has_normals_) return absl::OkStatus();
+    const Vec3<float> normal{Vec3<double>{value[kNx], value[kNy], value[kNz]}};
+    if (!is_finite(normal)) return error(fmt::format("the normal of vertex {} is not finite", i));
+    mesh_.normals.push_back(normal);
+    return absl::OkStatus();
+  }
+
+  absl::Status read_face(const Property& property, std::uint64_t face) {
+    double count = 0;
+    if (!numbers_.next(*property.count_type, count)) return cut_off("face", face);
+    if (count != 3 && count != 4)
+      return error(fmt::format("face {} has {} corners, allowed 3 and 4", face, count));
+    std::array<std::uint32_t, 4> corner{};
+    for (int k = 0; k < static_cast<int>(count); ++k) {
+      double index = 0;
+      if (!numbers_.next(property.type, index)) return cut_off("face", face);
+      if (!(index >= 0 && index <= 4294967295.0) || index != std::floor(index))
+        return error(fmt::format("face {} names vertex {}", face, index));
+      corner[k] = static_cast<std::uint32_t>(index);
+      if (has_vertices_ && corner[k] >= mesh_.positions.size())
+        return error(fmt::format("face {} names vertex {}, there are {}", face, corner[k],
+                                 mesh_.positions.size()));
+    }
+    mesh_.indices.insert(mesh_.indices.end(), {corner[0], corner[1], corner[2]});
+    if (count == 4) {
+      mesh_.indices.insert(mesh_.indices.end(), {corner[0], corner[2], corner[3]});
+      ++mesh_.split_quads;
+    }
+    return absl::OkStatus();
+  }
+
+  bool skip(Type type, double count) {
+    if (!(count >= 0) || count * numbers_.least_bytes(type) > numbers_.bytes_left()) return false;
+    double ignored = 0;
+    for (double k = 0; k < count; ++k)
+      if (!numbers_.next(type, ignored)) return false;
+    return true;
+  }
+
+  static absl::Status cut_off(const std::string& element, std::uint64_t i) {
+    return error(fmt::format("{} {}: the data end, or hold no number", element, i));
+  }
+
+  const Header& header_;
+  Numbers numbers_;
+  std::stop_token stop_;
+  PlyMesh mesh_;
+  bool has_vertices_ = false;
+  bool has_normals_ = false;
+};
+
+}  // namespace
+
+absl::StatusOr<PlyMesh> parse_ply(std::string_view bytes, std::stop_token stop) {
+  const auto header = parse_header(bytes);
+  if (!header.ok()) return header.status();
+  return Reader(*header, std::move(stop)).read();
+}
+
+}  // namespace lucerna
