@@ -4,9 +4,10 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <utility>
+
+#include "lights/validation.h"
 
 namespace lucerna {
 
@@ -15,18 +16,6 @@ namespace {
 template <typename Real>
 bool is_density(SolidAnglePdf<Real> pdf) {
   return pdf.per_sr > 0 && std::isfinite(pdf.per_sr);
-}
-
-template <typename Real>
-absl::Status check_radiance(const Rgb<double>& radiance) {
-  constexpr double kMost = std::numeric_limits<Real>::max();
-  const std::pair<char, double> channels[] = {
-      {'r', radiance.r}, {'g', radiance.g}, {'b', radiance.b}};
-  for (const auto& [name, value] : channels)
-    if (!(value >= 0 && value <= kMost))
-      return absl::InvalidArgumentError(fmt::format(
-          "area.radiance_cd_m2.{} = {} cd/m2, allowed [0, {:.3g}]", name, value, kMost));
-  return absl::OkStatus();
 }
 
 }  // namespace
@@ -38,7 +27,9 @@ AreaLight<Real, Shape>::AreaLight(const DiffuseEmission& emission, Shape<Real> s
 template <std::floating_point Real, template <typename> typename Shape>
 absl::StatusOr<AreaLight<Real, Shape>> AreaLight<Real, Shape>::create(
     const DiffuseEmission& emission, Shape<Real> shape) {
-  if (absl::Status status = check_radiance<Real>(emission.radiance_cd_m2); !status.ok())
+  if (absl::Status status =
+          check_light_value<Real>("area.radiance", emission.radiance_cd_m2, "cd/m2");
+      !status.ok())
     return status;
   if (absl::Status status = shape.emissive_error(); !status.ok()) return status;
   if (const double area = shape.area(); !(area > 0) || !std::isfinite(area))

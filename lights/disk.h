@@ -22,7 +22,7 @@ struct DiskParams {
   double inner_radius_m = 0;               ///< [0, radius)
   double phi_max_rad = 6.283185307179586;  ///< swept about +z from +x; (0, 2 pi]
   bool reverse_orientation = false;        ///< the normal points to -z
-  Transform world_from_object;
+  Transform world_from_object = {};
 };
 
 /// The normal stays on the side of object space's +z, through mirrors too, unless

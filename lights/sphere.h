@@ -22,7 +22,7 @@ struct SphereParams {
   double z_max_m = std::numeric_limits<double>::infinity();   ///< cut above; clamped to the radius
   double phi_max_rad = 6.283185307179586;                     ///< swept about +z from +x; (0, 2 pi]
   bool reverse_orientation = false;                           ///< normals point inwards
-  Transform world_from_object;
+  Transform world_from_object = {};
 };
 
 /// Normals are geometric and point outwards, through mirrors too, unless `reverse_orientation`.

@@ -1,0 +1,228 @@
+// Area lights put through the contract of all lights: each shape, with what it should answer worked
+// out here from solid geometry, not from the shapes' code.
+#include "lights/light.h"
+#include "tests/lights/area_helpers.h"
+#include "tests/lights/contract.h"
+
+namespace lucerna::testing {
+namespace {
+
+constexpr Rgb<double> kLevel{1, 2, 4};
+
+struct AreaCase : CaseDefaults {
+  /// Directions hold four roundings to float; densities of grazing ones magnify them.
+  static constexpr double kTolerance = 1e-5;
+  /// All of the light as seen from `receiver`: it lies within kSize of the origin.
+  static Region region(const Vec3<double>& receiver) {
+    return {normalized(-receiver), 1.05 * std::asin(1.5 / length(receiver))};
+  }
+};
+
+/// pi L A by directions: cosine-weighted over the hemisphere, times the area.
+Rgb<double> lambertian_power(double area) {
+  return integrate(Region{{0, 0, 1}, kPi / 2}, 1000,
+                   [&](const Vec3<double>& w) { return kLevel * (area * w.z); });
+}
+
+/// Where the ray from `r` along `wi` meets the plane z = 0, from above; nothing otherwise.
+std::optional<Vec3<double>> from_above(const Vec3<double>& r, const Vec3<double>& wi) {
+  if (!(r.z > 0 && wi.z < 0)) return std::nullopt;
+  return r - wi * (r.z / wi.z);
+}
+
+struct TriangleCase : AreaCase {
+  template <typename Real>
+  using Light = TriangleMeshLight<Real>;
+  template <typename Real>
+  static Light<Real> make(const Placement& at) {
+    const auto p = [&](double x, double y) { return Vec3<Real>(at.point({x, y, 0})); };
+    // The triangle (0, 0), (1, 0), (0, 1) in two parts of unequal area.
+    return *Light<Real>::create(
+        {kLevel}, *TriangleMesh<Real>::create(
+                      {{p(0, 0), p(0.25, 0), p(0, 1)}, {p(0.25, 0), p(1, 0), p(0, 1)}}));
+  }
+  static std::vector<Vec3<double>> receivers() { return {{0.5, 0.25, 2}, {-2, 1, 2}, {0, 3, 1.5}}; }
+  /// About the middle: from a corner the edges would run along the cells of the quadrature.
+  static Region region(const Vec3<double>& r) {
+    const Vec3<double> to_middle = Vec3<double>{0.31, 0.29, 0} - r;
+    return {normalized(to_middle), 1.05 * std::asin(0.79 / length(to_middle))};
+  }
+  static Rgb<double> value(const Vec3<double>& r, const Vec3<double>& wi) {
+    const auto p = from_above(r, wi);
+    const bool lit = p && p->x > -1e-6 && p->y > -1e-6 && p->x + p->y < 1 + 1e-6;
+    return lit ? kLevel : Rgb<double>{};
+  }
+  static double distance_to_surface(const Vec3<double>& p) {
+    return std::fmax(std::fabs(p.z), std::fmax(std::fmax(-p.x, -p.y), p.x + p.y - 1));
+  }
+  static Rgb<double> power_by_quadrature() { return lambertian_power(0.5); }
+};
+
+/// A saddle z = x y / 2 over |x|, |y| < 1, emitting on both sides.
+struct PatchCase : AreaCase {
+  template <typename Real>
+  using Light = PatchMeshLight<Real>;
+  template <typename Real>
+  static Light<Real> make(const Placement& at) {
+    const auto p = [&](double x, double y) { return Vec3<Real>(at.point({x, y, x * y / 2})); };
+    return *Light<Real>::create(
+        {kLevel, true}, *PatchMesh<Real>::create({{p(-1, -1), p(1, -1), p(-1, 1), p(1, 1)}}));
+  }
+  static std::vector<Vec3<double>> receivers() { return {{0.5, 0.25, 3}, {0.5, -1, -2.5}}; }
+  static Rgb<double> value(const Vec3<double>&, const Vec3<double>&) { return kLevel; }
+  static double distance_to_surface(const Vec3<double>& p) {
+    return std::fmax(std::fabs(p.z - p.x * p.y / 2), std::fmax(std::fabs(p.x), std::fabs(p.y)) - 1);
+  }
+  static Rgb<double> power_by_quadrature() {
+    constexpr int kGrid = 1000;
+    double area = 0;
+    for (int i = 0; i < kGrid; ++i)
+      for (int j = 0; j < kGrid; ++j) {
+        const double x = 2 * (i + 0.5) / kGrid - 1, y = 2 * (j + 0.5) / kGrid - 1;
+        area += std::sqrt(1 + (x * x + y * y) / 4) * 4 / (kGrid * kGrid);
+      }
+    return lambertian_power(2 * area);
+  }
+};
+
+/// Whether the ray along `wi` passes within `radius` of the origin, with the slack of a float.
+bool meets_ball(const Vec3<double>& r, const Vec3<double>& wi, double radius) {
+  return length(cross(r, wi)) < radius * (1 + 1e-5);
+}
+
+struct SphereCase : AreaCase {
+  template <typename Real>
+  using Light = SphereLight<Real>;
+  template <typename Real>
+  static Light<Real> make(const Placement& at) {
+    return *Light<Real>::create(
+        {kLevel},
+        *Sphere<Real>::create({.radius_m = 0.75, .world_from_object = at.world_from_light()}));
+  }
+  static std::vector<Vec3<double>> receivers() { return {{2, 1, 2}, {0, 0, -1.75}, {0, 80, 60}}; }
+  static Region region(const Vec3<double>& r) {
+    return {normalized(-r), 1.05 * std::asin(0.75 / length(r))};
+  }
+  static Rgb<double> value(const Vec3<double>& r, const Vec3<double>& wi) {
+    return meets_ball(r, wi, 0.75) ? kLevel : Rgb<double>{};
+  }
+  static double distance_to_surface(const Vec3<double>& p) { return std::fabs(length(p) - 0.75); }
+  static Rgb<double> power_by_quadrature() { return lambertian_power(4 * kPi * 0.75 * 0.75); }
+};
+
+/// Seen from within, emitting inwards.
+struct InwardSphereCase : SphereCase {
+  template <typename Real>
+  static Light<Real> make(const Placement& at) {
+    return *Light<Real>::create(
+        {kLevel}, *Sphere<Real>::create({.radius_m = 0.75,
+                                         .reverse_orientation = true,
+                                         .world_from_object = at.world_from_light()}));
+  }
+  static std::vector<Vec3<double>> receivers() { return {{0, 0, 0}, {0.25, -0.25, 0.375}}; }
+  static Region region(const Vec3<double>&) { return {}; }
+};
+
+/// The cap z > 0.75 of a sphere of radius 1, emitting outwards.  Seen without its silhouette, where
+/// the density by area has a pole that no quadrature on a grid resolves.
+struct CapCase : AreaCase {
+  template <typename Real>
+  using Light = SphereLight<Real>;
+  template <typename Real>
+  static Light<Real> make(const Placement& at) {
+    return *Light<Real>::create(
+        {kLevel},
+        *Sphere<Real>::create(
+            {.radius_m = 1, .z_min_m = 0.75, .world_from_object = at.world_from_light()}));
+  }
+  static std::vector<Vec3<double>> receivers() { return {{0, 0.5, 3}, {1, 0, 3}}; }
+  static Rgb<double> value(const Vec3<double>& r, const Vec3<double>& wi) {
+    return meets_ball(r, wi, 1) ? kLevel : Rgb<double>{};
+  }
+  static double distance_to_surface(const Vec3<double>& p) {
+    return std::fmax(std::fabs(length(p) - 1), 0.75 - p.z);
+  }
+  static Rgb<double> power_by_quadrature() { return lambertian_power(2 * kPi * 0.25); }
+};
+
+/// A closed box, |x| < 1, |y| < 1/2, |z| < 1/4, emitting outwards: parts of it always face away.
+struct BoxCase : AreaCase {
+  template <typename Real>
+  using Light = PatchMeshLight<Real>;
+  static Vec3<double> half_size() { return {1, 0.5, 0.25}; }
+  template <typename Real>
+  static Light<Real> make(const Placement& at) {
+    std::vector<BilinearPatch<Real>> faces;
+    for (int axis = 0; axis < 3; ++axis) {
+      for (const double side : {-1., 1.}) {
+        const auto corner = [&](double s, double t) {
+          // The handedness of the face turns with its side.
+          const double v[3] = {side, side * s, t};
+          return Vec3<Real>(
+              at.point({half_size().x * v[(3 - axis) % 3], half_size().y * v[(4 - axis) % 3],
+                        half_size().z * v[(5 - axis) % 3]}));
+        };
+        faces.push_back({corner(-1, -1), corner(1, -1), corner(-1, 1), corner(1, 1)});
+      }
+    }
+    return *Light<Real>::create({kLevel}, *PatchMesh<Real>::create(std::move(faces)));
+  }
+  static std::vector<Vec3<double>> receivers() { return {{2, 1.5, 1}, {0.125, 0.25, -2.5}}; }
+  static Region region(const Vec3<double>& r) {
+    return {normalized(-r), 1.05 * std::asin(1.15 / length(r))};
+  }
+  static Rgb<double> value(const Vec3<double>& r, const Vec3<double>& wi) {
+    double enter = 0, leave = INFINITY;  // between the planes of each pair
+    for (int axis = 0; axis < 3; ++axis) {
+      const double slack = half_size()[axis] + 1e-6;
+      const double a = (slack - r[axis]) / wi[axis], b = (-slack - r[axis]) / wi[axis];
+      enter = std::fmax(enter, std::fmin(a, b)), leave = std::fmin(leave, std::fmax(a, b));
+    }
+    return enter < leave ? kLevel : Rgb<double>{};
+  }
+  static double distance_to_surface(const Vec3<double>& p) {
+    double outside = -INFINITY;
+    for (int axis = 0; axis < 3; ++axis)
+      outside = std::fmax(outside, std::fabs(p[axis]) - half_size()[axis]);
+    return std::fabs(outside);
+  }
+  static Rgb<double> power_by_quadrature() { return lambertian_power(8 * (0.5 + 0.25 + 0.125)); }
+};
+
+/// Half of an annulus of 0.5 to 1, emitting upwards.
+struct DiskCase : AreaCase {
+  template <typename Real>
+  using Light = DiskLight<Real>;
+  template <typename Real>
+  static Light<Real> make(const Placement& at) {
+    return *Light<Real>::create({kLevel},
+                                *Disk<Real>::create({.radius_m = 1,
+                                                     .inner_radius_m = 0.5,
+                                                     .phi_max_rad = kPi,
+                                                     .world_from_object = at.world_from_light()}));
+  }
+  static std::vector<Vec3<double>> receivers() { return {{0, 0.5, 2}, {2, -1, 1.5}}; }
+  static double outside(const Vec3<double>& p) {
+    const double r = std::hypot(p.x, p.y);
+    return std::fmax(std::fmax(r - 1, 0.5 - r), -p.y);
+  }
+  static Rgb<double> value(const Vec3<double>& r, const Vec3<double>& wi) {
+    const auto p = from_above(r, wi);
+    return p && outside(*p) < 1e-6 ? kLevel : Rgb<double>{};
+  }
+  static double distance_to_surface(const Vec3<double>& p) {
+    return std::fmax(std::fabs(p.z), outside(p));
+  }
+  static Rgb<double> power_by_quadrature() { return lambertian_power(kPi * 0.75 / 2); }
+};
+
+using AreaCases = ::testing::Types<TriangleCase, PatchCase, SphereCase, InwardSphereCase, CapCase,
+                                   BoxCase, DiskCase>;
+INSTANTIATE_TYPED_TEST_SUITE_P(Area, AnyLight, AreaCases);
+INSTANTIATE_TYPED_TEST_SUITE_P(Area, LightWithDensity, AreaCases);
+using AreaCasesSeenFromAfar =
+    ::testing::Types<TriangleCase, PatchCase, SphereCase, CapCase, BoxCase, DiskCase>;
+INSTANTIATE_TYPED_TEST_SUITE_P(Area, LocalLight, AreaCasesSeenFromAfar);
+
+}  // namespace
+}  // namespace lucerna::testing
