@@ -95,7 +95,7 @@ Verdict check_samples_follow_density(const Region& region, Sample&& sample, Pdf&
     const auto s = sample(random.pair());
     if (s.reason != NoLight::kNone) continue;
     Vec2<double> at = region.where(Vec3<double>(s.wi));
-    if (at.x > 1 + 1e-5) return {fmt::format("a sample outside of the region: {}", at.x)};
+    if (!(at.x <= 1 + 1e-5)) return {fmt::format("a sample outside of the region: {}", at.x)};
     const int x = std::min(int(at.x * kColumns), kColumns - 1);
     const int y = std::min(int(at.y * kColumns), kColumns - 1);
     ++observed[x * kColumns + y];
