@@ -121,6 +121,16 @@ TEST(BilinearPatch, DensityFindsItsPointForPatchesOfManyForms) {
   }
 }
 
+TEST(BilinearPatch, DensityWhereAPatchFoldsOverItselfCountsBothLayers) {
+  // On the diagonal x = u - 3/4 u^2, which u = 1/2 and u = 5/6 share.  There |dp/du x dp/dv| =
+  // |1 - 3/2 u| is 1/4 both times; at the corners it is 1, 1/4, 1/4, 1/2, of mean 1/2; the weights
+  // between them are 1/2 and 4/9.
+  const BilinearPatch<double> dart{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.25, 0.25, 0}};
+  const double expected = (0.5 + 4. / 9) / 0.25 / 0.5;
+  EXPECT_NEAR(dart.pdf_area(dart.at({0.5, 0.5})).per_m2 / expected, 1, 1e-9);
+  EXPECT_NEAR(dart.pdf_area(dart.at({5. / 6, 5. / 6})).per_m2 / expected, 1, 1e-9);
+}
+
 TEST(BilinearPatch, RaysHitTheSaddleWhereItIs) {
   RandomU random(44);
   for (int i = 0; i < 2000; ++i) {

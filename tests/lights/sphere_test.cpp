@@ -63,6 +63,16 @@ TEST(Sphere, DensityOfEachSampleIsFoundAgainAwayFromTheOrigin) {
   }
 }
 
+TEST(Sphere, SamplesAtTheRimOfTheConeHaveTheDensityOfAllOthers) {
+  const auto sphere = *Sphere<float>::create(
+      {.radius_m = 0.3, .world_from_object = *Transform::rotate(1, {1, 2, 3})});
+  const Vec3<float> receiver{1.1F, -0.7F, 2.3F};
+  for (int i = 0; i < 1000; ++i) {
+    const auto s = sphere.sample(receiver, {1, static_cast<float>(i) / 1000});
+    EXPECT_EQ(s.pdf, sphere.pdf(receiver, s.point));
+  }
+}
+
 TEST(Sphere, InsideAndOutsideMeetAtTheSurfaceForAnyRadius) {
   for (const double radius : {1e-6, 5e-3, 1.0, 1e6}) {
     const auto sphere = *Sphere<double>::create({.radius_m = radius});
