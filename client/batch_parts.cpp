@@ -1,0 +1,238 @@
+#include "client/batch_parts.h"
+
+#include <algorithm>
+
+namespace lucerna::client {
+namespace {
+
+using google::protobuf::RepeatedField;
+
+/// Where a request's arrays hold `per_item` entries for each of `items`.
+bool fits(int size, std::size_t items, std::size_t per_item) {
+  return static_cast<std::size_t>(size) == items * per_item;
+}
+
+bool fits_or_empty(int size, std::size_t items, std::size_t per_item) {
+  return size == 0 || fits(size, items, per_item);
+}
+
+/// Items of a batch of points; 0 where its coordinates are not three a point.
+std::size_t points(const v1::Points& points) {
+  return points.offsets_m_size() % 3 == 0 ? points.offsets_m_size() / 3 : 0;
+}
+
+std::size_t samples_per_item(const v1::SampleLiRequest& request) {
+  return std::max<std::size_t>(1, request.accuracy().samples());
+}
+
+/// Keeps the entries of items [first, first + count) of an array that is empty or of all items.
+template <class T>
+void keep(std::size_t first, std::size_t count, std::size_t per_item, const RepeatedField<T>& from,
+          RepeatedField<T>* to) {
+  if (from.empty()) return;
+  const auto begin = from.begin() + first * per_item;
+  to->Add(begin, begin + count * per_item);
+}
+
+void keep(std::size_t first, std::size_t count, const v1::Points& from, v1::Points* to) {
+  if (from.has_origin_m()) *to->mutable_origin_m() = from.origin_m();
+  keep(first, count, 3, from.offsets_m(), to->mutable_offsets_m());
+}
+
+v1::Seed advanced(v1::Seed seed, std::size_t items) {
+  seed.set_first_item(seed.first_item() + items);
+  return seed;
+}
+
+template <class T>
+void append_all(const RepeatedField<T>& next, RepeatedField<T>* whole) {
+  whole->Add(next.begin(), next.end());
+}
+
+/// Empty stands for "all OK" in each part and in the whole.
+void append_status(const RepeatedField<int>& next, std::size_t count, std::size_t whole_count,
+                   RepeatedField<int>* whole) {
+  if (next.empty() && whole->empty()) return;
+  whole->Resize(static_cast<int>(whole_count), v1::ITEM_STATUS_OK);
+  append_all(next, whole);
+  whole->Resize(static_cast<int>(whole_count + count), v1::ITEM_STATUS_OK);
+}
+
+void append_cost(const v1::Cost& next, v1::Cost* whole) {
+  whole->set_samples(whole->samples() + next.samples());
+  whole->set_camera_rays(whole->camera_rays() + next.camera_rays());
+  whole->set_indirect_rays(whole->indirect_rays() + next.indirect_rays());
+  whole->set_shadow_rays(whole->shadow_rays() + next.shadow_rays());
+  whole->set_cpu_time_s(whole->cpu_time_s() + next.cpu_time_s());
+  whole->set_wall_time_s(whole->wall_time_s() + next.wall_time_s());
+  whole->set_queue_time_s(whole->queue_time_s() + next.queue_time_s());
+}
+
+}  // namespace
+
+std::size_t item_count(const v1::SampleLiRequest& request) {
+  const std::size_t items = points(request.receivers());
+  const std::size_t samples = items * samples_per_item(request);
+  const bool fit = fits_or_empty(request.normals_size(), items, 3) &&
+                   (!request.has_u() || (fits(request.u().u_size(), samples, 2) &&
+                                         fits_or_empty(request.u().u_light_size(), samples, 1)));
+  return fit ? items : 0;
+}
+
+std::size_t item_count(const v1::PdfLiRequest& request) {
+  const std::size_t items = points(request.receivers());
+  return fits(request.wi_size(), items, 3) ? items : 0;
+}
+
+std::size_t item_count(const v1::TestVisibilityRequest& request) {
+  const std::size_t items =
+      points(request.has_rays() ? request.rays().from() : request.segments().from());
+  bool fit = fits_or_empty(request.normals_size(), items, 3);
+  if (request.has_rays()) {
+    fit = fit && fits(request.rays().directions_size(), items, 3) &&
+          fits_or_empty(request.rays().lengths_m_size(), items, 1);
+  } else {
+    fit = fit && fits(request.segments().to().offsets_m_size(), items, 3);
+  }
+  return fit ? items : 0;
+}
+
+std::size_t item_count(const v1::EstimateIrradianceRequest& request) {
+  const std::size_t items = points(request.receivers());
+  return fits(request.normals_size(), items, 3) ? items : 0;
+}
+
+// Field by field: copying a whole request to cut its arrays would copy them all for each part.
+
+v1::SampleLiRequest part(const v1::SampleLiRequest& request, std::size_t first, std::size_t count) {
+  v1::SampleLiRequest result;
+  result.set_scene_id(request.scene_id());
+  keep(first, count, request.receivers(), result.mutable_receivers());
+  if (request.has_light_id()) result.set_light_id(request.light_id());
+  const std::size_t samples = samples_per_item(request);
+  if (request.has_u()) {
+    keep(first, count, 2 * samples, request.u().u(), result.mutable_u()->mutable_u());
+    keep(first, count, samples, request.u().u_light(), result.mutable_u()->mutable_u_light());
+  } else if (request.has_seed()) {
+    *result.mutable_seed() = advanced(request.seed(), first);
+  }
+  if (request.has_time_s()) result.set_time_s(request.time_s());
+  result.set_test_visibility(request.test_visibility());
+  keep(first, count, 3, request.normals(), result.mutable_normals());
+  if (request.has_position_error_m()) result.set_position_error_m(request.position_error_m());
+  if (request.has_accuracy()) *result.mutable_accuracy() = request.accuracy();
+  return result;
+}
+
+v1::PdfLiRequest part(const v1::PdfLiRequest& request, std::size_t first, std::size_t count) {
+  v1::PdfLiRequest result;
+  result.set_scene_id(request.scene_id());
+  keep(first, count, request.receivers(), result.mutable_receivers());
+  keep(first, count, 3, request.wi(), result.mutable_wi());
+  result.set_light_id(request.light_id());
+  if (request.has_time_s()) result.set_time_s(request.time_s());
+  if (request.has_accuracy()) *result.mutable_accuracy() = request.accuracy();
+  return result;
+}
+
+v1::TestVisibilityRequest part(const v1::TestVisibilityRequest& request, std::size_t first,
+                               std::size_t count) {
+  v1::TestVisibilityRequest result;
+  result.set_scene_id(request.scene_id());
+  if (request.has_rays()) {
+    const v1::Rays& rays = request.rays();
+    keep(first, count, rays.from(), result.mutable_rays()->mutable_from());
+    keep(first, count, 3, rays.directions(), result.mutable_rays()->mutable_directions());
+    keep(first, count, 1, rays.lengths_m(), result.mutable_rays()->mutable_lengths_m());
+  } else {
+    const v1::Segments& segments = request.segments();
+    keep(first, count, segments.from(), result.mutable_segments()->mutable_from());
+    keep(first, count, segments.to(), result.mutable_segments()->mutable_to());
+  }
+  if (request.has_time_s()) result.set_time_s(request.time_s());
+  keep(first, count, 3, request.normals(), result.mutable_normals());
+  if (request.has_position_error_m()) result.set_position_error_m(request.position_error_m());
+  if (request.has_accuracy()) *result.mutable_accuracy() = request.accuracy();
+  return result;
+}
+
+v1::EstimateIrradianceRequest part(const v1::EstimateIrradianceRequest& request, std::size_t first,
+                                   std::size_t count) {
+  v1::EstimateIrradianceRequest result;
+  result.set_scene_id(request.scene_id());
+  keep(first, count, request.receivers(), result.mutable_receivers());
+  keep(first, count, 3, request.normals(), result.mutable_normals());
+  if (request.has_bounces()) result.set_bounces(request.bounces());
+  result.set_per_light(request.per_light());
+  *result.mutable_seed() = advanced(request.seed(), first);
+  if (request.has_time_s()) result.set_time_s(request.time_s());
+  if (request.has_position_error_m()) result.set_position_error_m(request.position_error_m());
+  if (request.has_accuracy()) *result.mutable_accuracy() = request.accuracy();
+  return result;
+}
+
+void append(const v1::SampleLiResponse& next, v1::SampleLiResponse* whole) {
+  const std::size_t before = whole->pdf_per_sr_size();
+  const std::size_t count = next.pdf_per_sr_size();
+  append_all(next.value(), whole->mutable_value());
+  append_all(next.wi(), whole->mutable_wi());
+  append_all(next.distance_m(), whole->mutable_distance_m());
+  append_all(next.light_offsets_m(), whole->mutable_light_offsets_m());
+  append_all(next.light_normals(), whole->mutable_light_normals());
+  append_all(next.pdf_per_sr(), whole->mutable_pdf_per_sr());
+  if (!next.delta().empty()) append_bits(next.delta(), count, before, whole->mutable_delta());
+  if (!next.visible().empty()) append_bits(next.visible(), count, before, whole->mutable_visible());
+  append_all(next.light_ids(), whole->mutable_light_ids());
+  append_all(next.selection_probability(), whole->mutable_selection_probability());
+  append_status(next.status(), count, before, whole->mutable_status());
+  append_cost(next.cost(), whole->mutable_cost());
+}
+
+void append(const v1::PdfLiResponse& next, v1::PdfLiResponse* whole) {
+  append_status(next.status(), next.pdf_per_sr_size(), whole->pdf_per_sr_size(),
+                whole->mutable_status());
+  append_all(next.pdf_per_sr(), whole->mutable_pdf_per_sr());
+  append_cost(next.cost(), whole->mutable_cost());
+}
+
+void append(const v1::TestVisibilityResponse& next, v1::TestVisibilityResponse* whole) {
+  append_bits(next.visible(), next.count(), whole->count(), whole->mutable_visible());
+  append_status(next.status(), next.count(), whole->count(), whole->mutable_status());
+  whole->set_count(whole->count() + next.count());
+  append_cost(next.cost(), whole->mutable_cost());
+}
+
+void append(const v1::EstimateIrradianceResponse& next, v1::EstimateIrradianceResponse* whole) {
+  append_status(next.status(), next.illuminance_lx_size(), whole->illuminance_lx_size(),
+                whole->mutable_status());
+  append_all(next.irradiance_lx(), whole->mutable_irradiance_lx());
+  append_all(next.illuminance_lx(), whole->mutable_illuminance_lx());
+  append_all(next.standard_error_lx(), whole->mutable_standard_error_lx());
+  append_all(next.zero_bound_lx(), whole->mutable_zero_bound_lx());
+  // Every batch names the same lights in the same order.
+  for (int i = 0; i < next.shares_size(); ++i) {
+    v1::LightShare* share =
+        i < whole->shares_size() ? whole->mutable_shares(i) : whole->add_shares();
+    share->set_light_id(next.shares(i).light_id());
+    append_all(next.shares(i).illuminance_lx(), share->mutable_illuminance_lx());
+    append_all(next.shares(i).standard_error_lx(), share->mutable_standard_error_lx());
+  }
+  whole->set_samples(next.samples());
+  append_cost(next.cost(), whole->mutable_cost());
+}
+
+bool bit(const std::string& bits, std::size_t index) {
+  return index / 8 < bits.size() &&
+         ((static_cast<unsigned char>(bits[index / 8]) >> (index % 8)) & 1) != 0;
+}
+
+void append_bits(const std::string& next, std::size_t count, std::size_t whole_count,
+                 std::string* whole) {
+  whole->resize((whole_count + count + 7) / 8);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t at = whole_count + i;
+    if (bit(next, i)) (*whole)[at / 8] = static_cast<char>((*whole)[at / 8] | (1 << (at % 8)));
+  }
+}
+
+}  // namespace lucerna::client

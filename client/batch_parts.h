@@ -1,0 +1,38 @@
+// Taking requests apart into batches and putting their answers together; batches.h asks with it.
+// Not installed.
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+#include "lucerna/v1/lighting.pb.h"
+
+namespace lucerna::client {
+
+/// Receivers, segments or rays of a request; 0 where its arrays do not fit each other.
+std::size_t item_count(const v1::SampleLiRequest& request);
+std::size_t item_count(const v1::PdfLiRequest& request);
+std::size_t item_count(const v1::TestVisibilityRequest& request);
+std::size_t item_count(const v1::EstimateIrradianceRequest& request);
+
+/// The part of a request that asks for items [first, first + count), where item_count() is not 0.
+v1::SampleLiRequest part(const v1::SampleLiRequest& request, std::size_t first, std::size_t count);
+v1::PdfLiRequest part(const v1::PdfLiRequest& request, std::size_t first, std::size_t count);
+v1::TestVisibilityRequest part(const v1::TestVisibilityRequest& request, std::size_t first,
+                               std::size_t count);
+v1::EstimateIrradianceRequest part(const v1::EstimateIrradianceRequest& request, std::size_t first,
+                                   std::size_t count);
+
+/// Puts the answer to the next part behind the answers to those before it.
+void append(const v1::SampleLiResponse& next, v1::SampleLiResponse* whole);
+void append(const v1::PdfLiResponse& next, v1::PdfLiResponse* whole);
+void append(const v1::TestVisibilityResponse& next, v1::TestVisibilityResponse* whole);
+void append(const v1::EstimateIrradianceResponse& next, v1::EstimateIrradianceResponse* whole);
+
+/// Bit `index` of the contract's bit arrays; false beyond their end.
+bool bit(const std::string& bits, std::size_t index);
+/// Puts the first `count` bits of `next` behind the first `whole_count` of `whole`.
+void append_bits(const std::string& next, std::size_t count, std::size_t whole_count,
+                 std::string* whole);
+
+}  // namespace lucerna::client

@@ -1,0 +1,44 @@
+// Questions about any number of points, asked in batches that the server accepts.
+//
+// The answer is what one batch would have been answered with, to the bit, since the requests say
+// where in the whole set each batch begins (Seed.first_item); only `cost` adds up.  Batches are
+// asked one after the other; the first error ends it, and nothing is answered.  A request whose
+// arrays do not fit each other is sent as it is, for the server to say what is wrong with it.
+#pragma once
+
+#include <cstdint>
+
+#include "absl/status/statusor.h"
+#include "lucerna/client/client.h"
+
+namespace lucerna::client {
+
+/// More items a batch gain nothing (messages of 32 to 256 KiB travel best).
+inline constexpr std::uint32_t kGoodBatchItems = 8192;
+
+struct BatchOptions {
+  /// Items of one batch, at least 1.  0: the server's limit (asked with GetServerInfo where there
+  /// are more than kItemsNotAskedFor), at most kGoodBatchItems.
+  std::uint32_t max_items = 0;
+  /// `call.deadline` is for all batches together.
+  CallOptions call;
+};
+
+/// What every server takes at once.
+inline constexpr std::uint32_t kItemsNotAskedFor = 1024;
+
+/// Here an item is a sample: a batch holds max_items / samples receivers, and one at least.
+absl::StatusOr<v1::SampleLiResponse> sample_li_in_batches(const Client& client,
+                                                          const v1::SampleLiRequest& request,
+                                                          const BatchOptions& options = {});
+absl::StatusOr<v1::PdfLiResponse> pdf_li_in_batches(const Client& client,
+                                                    const v1::PdfLiRequest& request,
+                                                    const BatchOptions& options = {});
+absl::StatusOr<v1::TestVisibilityResponse> test_visibility_in_batches(
+    const Client& client, const v1::TestVisibilityRequest& request,
+    const BatchOptions& options = {});
+absl::StatusOr<v1::EstimateIrradianceResponse> estimate_irradiance_in_batches(
+    const Client& client, const v1::EstimateIrradianceRequest& request,
+    const BatchOptions& options = {});
+
+}  // namespace lucerna::client

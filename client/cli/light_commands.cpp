@@ -1,0 +1,258 @@
+// sample, pdf, power.
+#include <fmt/core.h>
+
+#include <map>
+#include <memory>
+
+#include "client/batch_parts.h"
+#include "client/batches.h"
+#include "client/cli/output.h"
+#include "client/cli/points.h"
+#include "client/cli/session.h"
+
+namespace lucerna::cli {
+namespace {
+
+struct SampleOptions {
+  std::string scene;
+  PointOptions points;
+  TripleOption normals;
+  std::optional<std::uint64_t> light;
+  std::uint64_t seed = 0;
+  std::vector<std::string> u;
+  std::uint32_t samples = 1;
+  bool visibility = false;
+};
+
+/// "u1,u2" where the light is named, "u1,u2,u_light" where it is not; one for all or one a point.
+v1::SampleValues sample_values(const SampleOptions& options, std::size_t points) {
+  if (options.samples != 1) wrong_use("--u and --samples: only one of them");
+  if (options.u.size() != 1 && options.u.size() != points) {
+    wrong_use(fmt::format("--u: given {} times for {} points, must be once or once for each",
+                          options.u.size(), points));
+  }
+  v1::SampleValues values;
+  for (std::size_t i = 0; i < points; ++i) {
+    const std::string& text = options.u.size() == 1 ? options.u[0] : options.u[i];
+    const auto u = parse_triple(options.light ? text + ",0" : text);
+    if (!u.ok()) {
+      wrong_use(fmt::format("--u \"{}\", must be {}", text,
+                            options.light ? "two numbers u1,u2"
+                                          : "three numbers u1,u2,u_light, or two with --light"));
+    }
+    values.add_u(static_cast<float>((*u)[0]));
+    values.add_u(static_cast<float>((*u)[1]));
+    if (!options.light) values.add_u_light((*u)[2]);
+  }
+  return values;
+}
+
+void print_samples(const v1::SampleLiResponse& response, const SampleOptions& options) {
+  std::vector<Table::Column> columns = {{"point"}, {"light"}};
+  if (!options.light) columns.push_back({"chosen with"});
+  columns.insert(columns.end(),
+                 {{"value (RGB)"}, {"unit", true}, {"wi", true}, {"distance [m]"}, {"pdf [1/sr]"}});
+  if (options.visibility) columns.push_back({"visible", true});
+  columns.push_back({"", true});
+  Table table(columns);
+  for (int i = 0; i < response.pdf_per_sr_size(); ++i) {
+    const bool delta = client::bit(response.delta(), i);
+    std::vector<std::string> row = {std::to_string(i / options.samples + 1)};
+    row.push_back(std::to_string(
+        options.light.value_or(i < response.light_ids_size() ? response.light_ids(i) : 0)));
+    if (!options.light) {
+      row.push_back(number(
+          i < response.selection_probability_size() ? response.selection_probability(i) : 0));
+    }
+    const auto three = [&](const google::protobuf::RepeatedField<float>& values) {
+      return 3 * i + 2 < values.size() ? triple(values[3 * i], values[3 * i + 1], values[3 * i + 2])
+                                       : "";
+    };
+    row.push_back(three(response.value()));
+    row.push_back(delta ? "lx" : "cd/m2");
+    row.push_back(three(response.wi()));
+    const float distance = i < response.distance_m_size() ? response.distance_m(i) : 0;
+    const std::string status = item_status(response.status(), i);
+    row.push_back(distance == 0 && status.empty() ? "infinite" : number(distance));
+    row.push_back(delta ? "delta" : number(response.pdf_per_sr(i)));
+    if (options.visibility) row.push_back(client::bit(response.visible(), i) ? "yes" : "no");
+    row.push_back(status);
+    table.add(std::move(row));
+  }
+  fmt::print("{}", table.to_string());
+}
+
+void sample(Session& session, const SampleOptions& options) {
+  const PointSet set = options.points.read();
+  v1::SampleLiRequest request;
+  *request.mutable_receivers() = client::make_points(set.points);
+  if (options.light) request.set_light_id(*options.light);
+  if (options.u.empty()) {
+    request.mutable_seed()->set_seed(options.seed);
+  } else {
+    *request.mutable_u() = sample_values(options, set.points.size());
+  }
+  request.set_test_visibility(options.visibility);
+  if (options.visibility) {
+    fill(options.normals.given() ? options.normals.read(set.points.size()) : set.seconds,
+         request.mutable_normals());
+  } else if (options.normals.given()) {
+    wrong_use("--normal: only with --visible");
+  }
+  if (options.samples != 1) request.mutable_accuracy()->set_samples(options.samples);
+  request.set_scene_id(session.scene_id(options.scene));
+  const auto response = session.ask(client::sample_li_in_batches(
+      session.client(), request, {.max_items = 0, .call = session.call_options()}));
+  if (session.json()) {
+    fmt::print("{}", to_json(response));
+  } else {
+    print_samples(response, options);
+  }
+  if (any_failed(response.status())) session.set_exit_status(kServerSaidNo);
+}
+
+struct PdfOptions {
+  std::string scene;
+  PointOptions points;
+  TripleOption directions;
+  std::uint64_t light = 0;
+};
+
+void pdf(Session& session, const PdfOptions& options) {
+  const PointSet set = options.points.read();
+  const std::vector<Double3> directions =
+      options.directions.given() ? options.directions.read(set.points.size()) : set.seconds;
+  if (directions.empty()) wrong_use("no directions: give --direction, or six columns in --points");
+  v1::PdfLiRequest request;
+  *request.mutable_receivers() = client::make_points(set.points);
+  fill(directions, request.mutable_wi());
+  request.set_light_id(options.light);
+  request.set_scene_id(session.scene_id(options.scene));
+  const auto response = session.ask(client::pdf_li_in_batches(
+      session.client(), request, {.max_items = 0, .call = session.call_options()}));
+  if (session.json()) {
+    fmt::print("{}", to_json(response));
+  } else {
+    Table table({{"x [m]"}, {"y [m]"}, {"z [m]"}, {"wi", true}, {"pdf [1/sr]"}, {"", true}});
+    for (int i = 0; i < response.pdf_per_sr_size(); ++i) {
+      const auto& [x, y, z] = set.points.at(i);
+      const auto& [wx, wy, wz] = directions.at(i);
+      table.add({number(x), number(y), number(z), triple(wx, wy, wz),
+                 number(response.pdf_per_sr(i)), item_status(response.status(), i)});
+    }
+    fmt::print("{}", table.to_string());
+  }
+  if (any_failed(response.status())) session.set_exit_status(kServerSaidNo);
+}
+
+std::string type_of(const v1::Light& light) {
+  switch (light.kind_case()) {
+    case v1::Light::kPoint:
+      return "point";
+    case v1::Light::kSpot:
+      return "spot";
+    case v1::Light::kDistant:
+      return "distant";
+    case v1::Light::kUniformInfinite:
+      return "uniform infinite";
+    case v1::Light::kDiffuseArea:
+      return "area";
+    default:
+      return "unknown";
+  }
+}
+
+struct PowerOptions {
+  std::string scene;
+  std::vector<std::uint64_t> lights;
+};
+
+/// All pages; the total is of all lights on every page.
+v1::EstimatePowerResponse all_powers(Session& session, v1::EstimatePowerRequest request) {
+  v1::EstimatePowerResponse all;
+  do {
+    auto page = session.ask(session.client().estimate_power(request, session.call_options()));
+    request.set_page_token(page.next_page_token());
+    all.mutable_lights()->MergeFrom(page.lights());
+    all.mutable_total()->Swap(page.mutable_total());
+    all.mutable_cost()->Swap(page.mutable_cost());
+  } while (!request.page_token().empty());
+  return all;
+}
+
+void power(Session& session, const PowerOptions& options) {
+  v1::EstimatePowerRequest request;
+  request.set_scene_id(session.scene_id(options.scene));
+  for (const std::uint64_t id : options.lights) request.add_light_ids(id);
+  const v1::EstimatePowerResponse response = all_powers(session, request);
+  if (session.json()) {
+    fmt::print("{}", to_json(response));
+    return;
+  }
+  std::map<std::uint64_t, std::string> types;
+  const v1::ListLightsResponse lights = list_lights(session, request.scene_id());
+  for (const v1::Light& light : lights.lights()) {
+    types[light.id()] = type_of(light);
+  }
+  Table table({{"id"}, {"type", true}, {"flux [lm]"}, {"± [lm]"}, {"RGB [lm]", true}});
+  const auto add = [&](const std::string& id, const std::string& type,
+                       const v1::LightPower& light) {
+    const v1::Rgb& rgb = light.rgb_lm();
+    table.add({id, type, number(light.power_lm()),
+               light.error_lm() == 0 ? "exact" : number(light.error_lm()),
+               triple(rgb.r(), rgb.g(), rgb.b())});
+  };
+  for (const v1::LightPower& light : response.lights()) {
+    add(std::to_string(light.light_id()), types[light.light_id()], light);
+  }
+  add("all", "", response.total());
+  fmt::print("{}", table.to_string());
+}
+
+}  // namespace
+
+void add_light_commands(CLI::App& app, Session& session) {
+  CLI::App* command =
+      app.add_subcommand("sample", "Samples the light that arrives at points (Sample_L)");
+  command->footer(
+      "Example:\n  lucerna sample room.pbrt --point 0,0,0 --light 1 --samples 4 --visible");
+  const auto sampling = std::make_shared<SampleOptions>();
+  command->add_option("SCENE", sampling->scene, "Path or id")->required();
+  sampling->points.add(*command, "normals, for --visible");
+  command->add_option("--light", sampling->light,
+                      "Id of the light; default: one is chosen for each sample");
+  command->add_option("--seed", sampling->seed, "Seed of the sample values")->capture_default_str();
+  command
+      ->add_option(
+          "--u", sampling->u,
+          "Sample values of your own, u1,u2 with --light and u1,u2,u_light without; once for "
+          "all points, or once for each")
+      ->allow_extra_args(false)
+      ->excludes("--seed");
+  command->add_option("--samples", sampling->samples, "Samples for each point")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_flag("--visible", sampling->visibility, "Also test whether nothing stands between");
+  sampling->normals.add(*command, "--normal",
+                        "With --visible: the surface normal x,y,z at the point");
+  command->callback([sampling, &session] { sample(session, *sampling); });
+
+  command = app.add_subcommand("pdf", "Density with which `sample` chooses directions (PdfLi)");
+  command->footer("Example:\n  lucerna pdf room.pbrt --light 2 --point 0,0,0 --direction 0,0,1");
+  const auto density = std::make_shared<PdfOptions>();
+  command->add_option("SCENE", density->scene, "Path or id")->required();
+  density->points.add(*command, "directions");
+  density->directions.add(*command, "--direction", "The direction x,y,z from the point");
+  command->add_option("--light", density->light, "Id of the light")->required();
+  command->callback([density, &session] { pdf(session, *density); });
+
+  command = app.add_subcommand("power", "Luminous flux of lights");
+  command->footer("Example:\n  lucerna power room.pbrt --light 1 --light 2");
+  const auto powers = std::make_shared<PowerOptions>();
+  command->add_option("SCENE", powers->scene, "Path or id")->required();
+  command->add_option("--light", powers->lights, "Id of a light; may be given again; default: all")
+      ->allow_extra_args(false);
+  command->callback([powers, &session] { power(session, *powers); });
+}
+
+}  // namespace lucerna::cli

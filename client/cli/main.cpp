@@ -1,0 +1,75 @@
+// lucerna: asks a lucernad from the command line.
+#include <fmt/core.h>
+#include <pthread.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <exception>
+#include <stop_token>
+#include <thread>
+
+#include "client/cli/session.h"
+
+namespace {
+
+/// SIGINT and SIGTERM end the call that runs, so that nothing half-done stays; a second one ends
+/// the program where it is.  To be called before there are other threads.
+std::stop_token stop_on_signals() {
+  static std::stop_source source;
+  static sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGINT);
+  sigaddset(&signals, SIGTERM);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  std::thread([] {
+    int signal = 0;
+    sigwait(&signals, &signal);
+    source.request_stop();
+    sigwait(&signals, &signal);
+    _exit(128 + signal);
+  }).detach();
+  return source.get_token();
+}
+
+int run(int argc, char** argv) {
+  lucerna::cli::Session session(stop_on_signals());
+  CLI::App app(
+      "Asks a lucernad about light.\n"
+      "A SCENE is a path under the server's scene root, or the id (or its first digits) of one "
+      "that "
+      "is loaded.",
+      "lucerna");
+  app.set_version_flag("--version", "lucerna " LUCERNA_VERSION);
+  app.require_subcommand(1);
+  app.fallthrough();
+  app.footer(
+      "Example:\n  lucerna irradiance room.pbrt --point 0,0,0 --normal 0,0,1\n"
+      "Exit status: 0; 1 the server said no; 2 wrong use.");
+  session.add_options(app);
+  lucerna::cli::add_scene_commands(app, session);
+  lucerna::cli::add_light_commands(app, session);
+  lucerna::cli::add_receiver_commands(app, session);
+  lucerna::cli::add_render_command(app, session);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? lucerna::cli::kDone : lucerna::cli::kWrongUse;
+  } catch (const lucerna::cli::CommandError& error) {
+    fmt::print(stderr, "lucerna: {}\n", error.what());
+    return error.status();
+  }
+  if (std::fflush(stdout) != 0) return lucerna::cli::kWrongUse;
+  return session.exit_status();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "lucerna: {}\n", error.what());
+    return lucerna::cli::kServerSaidNo;
+  }
+}

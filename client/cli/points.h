@@ -1,0 +1,60 @@
+// Points and vectors from arguments, CSV files and standard input.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <istream>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "lucerna/client/points.h"
+
+namespace lucerna::cli {
+
+using client::Double3;
+
+struct PointSet {
+  std::vector<Double3> points;
+  /// What comes with each point, a normal, a direction or another point; empty or one a point.
+  std::vector<Double3> seconds;
+};
+
+/// "1,2,-0.5".  NaN and infinities are numbers, for the server to judge.  INVALID_ARGUMENT for all
+/// else.
+absl::StatusOr<Double3> parse_triple(const std::string& text);
+
+/// Lines of x,y,z or of x,y,z,nx,ny,nz, all alike, after an optional header that begins with x,y,z.
+/// Blank lines and lines that begin with # are nothing.  INVALID_ARGUMENT that begins with
+/// "name:line: ".
+absl::StatusOr<PointSet> read_csv(std::istream& input, const std::string& name);
+
+/// The options by which commands are given points.
+class PointOptions {
+ public:
+  /// --point and --points; `second` says what columns 4 to 6 of a file are.
+  void add(CLI::App& command, const std::string& second);
+  /// At least one point; ends the program with what is wrong otherwise.
+  PointSet read() const;
+
+ private:
+  std::vector<std::string> points_;
+  std::string file_;
+};
+
+/// Triples given by a repeatable option.
+class TripleOption {
+ public:
+  void add(CLI::App& command, const std::string& flag, const std::string& what);
+  bool given() const { return !texts_.empty(); }
+  /// One for each of `count` points: a single one is for all of them.
+  std::vector<Double3> read(std::size_t count) const;
+
+ private:
+  std::string flag_;
+  std::vector<std::string> texts_;
+};
+
+/// x, y, z interleaved.
+void fill(const std::vector<Double3>& vectors, google::protobuf::RepeatedField<float>* to);
+
+}  // namespace lucerna::cli

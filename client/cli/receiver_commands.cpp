@@ -1,0 +1,189 @@
+// visible, irradiance.
+#include <fmt/core.h>
+
+#include <memory>
+
+#include "client/batch_parts.h"
+#include "client/batches.h"
+#include "client/cli/output.h"
+#include "client/cli/points.h"
+#include "client/cli/session.h"
+
+namespace lucerna::cli {
+namespace {
+
+struct VisibleOptions {
+  std::string scene;
+  PointOptions points;
+  TripleOption to, directions, normals;
+  std::optional<double> length_m;
+  std::optional<double> position_error_m;
+};
+
+void visible(Session& session, const VisibleOptions& options) {
+  const PointSet set = options.points.read();
+  const std::size_t count = set.points.size();
+  const bool rays = options.directions.given();
+  if (rays && options.to.given()) wrong_use("--to and --direction: only one of them");
+  if (options.length_m && !rays) wrong_use("--length: only with --direction");
+  const std::vector<Double3> ends = rays                 ? options.directions.read(count)
+                                    : options.to.given() ? options.to.read(count)
+                                                         : set.seconds;
+  if (ends.empty()) {
+    wrong_use("nowhere to look: give --to, --direction, or six columns in --points");
+  }
+  v1::TestVisibilityRequest request;
+  if (rays) {
+    *request.mutable_rays()->mutable_from() = client::make_points(set.points);
+    fill(ends, request.mutable_rays()->mutable_directions());
+    if (options.length_m) {
+      request.mutable_rays()->mutable_lengths_m()->Resize(static_cast<int>(count),
+                                                          static_cast<float>(*options.length_m));
+    }
+  } else {
+    *request.mutable_segments()->mutable_from() = client::make_points(set.points);
+    *request.mutable_segments()->mutable_to() = client::make_points(ends);
+  }
+  if (options.normals.given()) fill(options.normals.read(count), request.mutable_normals());
+  if (options.position_error_m) {
+    request.set_position_error_m(static_cast<float>(*options.position_error_m));
+  }
+  request.set_scene_id(session.scene_id(options.scene));
+  const auto response = session.ask(client::test_visibility_in_batches(
+      session.client(), request, {.max_items = 0, .call = session.call_options()}));
+  if (session.json()) {
+    fmt::print("{}", to_json(response));
+  } else {
+    Table table({{"x [m]"},
+                 {"y [m]"},
+                 {"z [m]"},
+                 {rays ? "direction" : "to [m]", true},
+                 {"visible", true}});
+    for (std::size_t i = 0; i < response.count() && i < count; ++i) {
+      const auto& [x, y, z] = set.points[i];
+      const std::string status = item_status(response.status(), i);
+      table.add({number(x), number(y), number(z), triple(ends[i][0], ends[i][1], ends[i][2]),
+                 !status.empty()                      ? status
+                 : client::bit(response.visible(), i) ? "yes"
+                                                      : "no"});
+    }
+    fmt::print("{}", table.to_string());
+  }
+  if (any_failed(response.status())) session.set_exit_status(kServerSaidNo);
+}
+
+struct IrradianceOptions {
+  std::string scene;
+  PointOptions points;
+  TripleOption normals;
+  std::optional<std::uint32_t> bounces;
+  std::optional<std::uint32_t> samples;
+  std::uint64_t seed = 0;
+  bool per_light = false;
+};
+
+/// A standard error, or the bound that stands for it where every sample was zero.
+std::string error_text(const google::protobuf::RepeatedField<float>& errors,
+                       const google::protobuf::RepeatedField<float>& bounds, int i) {
+  if (i < bounds.size() && bounds[i] > 0) return fmt::format("< {}", number(bounds[i]));
+  if (i >= errors.size()) return "unknown";
+  return errors[i] == 0 ? "exact" : number(errors[i]);
+}
+
+void print_irradiance(const v1::EstimateIrradianceResponse& response, const PointSet& set) {
+  Table table({{"x [m]"},
+               {"y [m]"},
+               {"z [m]"},
+               {"illuminance [lx]"},
+               {"± [lx]"},
+               {"RGB [lx]", true},
+               {"", true}});
+  for (int i = 0; i < response.illuminance_lx_size(); ++i) {
+    const auto& [x, y, z] = set.points.at(i);
+    const std::string status = item_status(response.status(), i);
+    const auto& rgb = response.irradiance_lx();
+    table.add(
+        {number(x), number(y), number(z), number(response.illuminance_lx(i)),
+         status.empty() ? error_text(response.standard_error_lx(), response.zero_bound_lx(), i)
+                        : "",
+         3 * i + 2 < rgb.size() ? triple(rgb[3 * i], rgb[3 * i + 1], rgb[3 * i + 2]) : "", status});
+  }
+  fmt::print("{}", table.to_string());
+  if (response.shares_size() > 0) {
+    Table shares({{"light"}, {"x [m]"}, {"y [m]"}, {"z [m]"}, {"direct [lx]"}, {"± [lx]"}});
+    for (const v1::LightShare& share : response.shares()) {
+      for (int i = 0; i < share.illuminance_lx_size(); ++i) {
+        const auto& [x, y, z] = set.points.at(i);
+        shares.add({std::to_string(share.light_id()), number(x), number(y), number(z),
+                    number(share.illuminance_lx(i)), error_text(share.standard_error_lx(), {}, i)});
+      }
+    }
+    fmt::print("\n{}", shares.to_string());
+  }
+  fmt::print("{} samples a point; ± is one standard error, < a bound with 95% confidence; {}\n",
+             response.samples(), describe(response.cost()));
+}
+
+void irradiance(Session& session, const IrradianceOptions& options) {
+  const PointSet set = options.points.read();
+  const std::vector<Double3> normals =
+      options.normals.given() ? options.normals.read(set.points.size()) : set.seconds;
+  if (normals.empty()) wrong_use("no normals: give --normal, or six columns in --points");
+  v1::EstimateIrradianceRequest request;
+  *request.mutable_receivers() = client::make_points(set.points);
+  fill(normals, request.mutable_normals());
+  if (options.bounces) request.set_bounces(*options.bounces);
+  request.set_per_light(options.per_light);
+  request.mutable_seed()->set_seed(options.seed);
+  if (options.samples) request.mutable_accuracy()->set_samples(*options.samples);
+  request.set_scene_id(session.scene_id(options.scene));
+  const auto response = session.ask(client::estimate_irradiance_in_batches(
+      session.client(), request, {.max_items = 0, .call = session.call_options()}));
+  if (session.json()) {
+    fmt::print("{}", to_json(response));
+  } else {
+    print_irradiance(response, set);
+  }
+  if (any_failed(response.status())) session.set_exit_status(kServerSaidNo);
+}
+
+}  // namespace
+
+void add_receiver_commands(CLI::App& app, Session& session) {
+  CLI::App* command =
+      app.add_subcommand("visible", "Whether anything stands between two points, or along a ray");
+  command->footer(
+      "Example:\n  lucerna visible room.pbrt --point 0,0,0 --to 1,2,2.5\n"
+      "  lucerna visible room.pbrt --point 0,0,0 --direction 0,0,1 --length 10");
+  const auto looking = std::make_shared<VisibleOptions>();
+  command->add_option("SCENE", looking->scene, "Path or id")->required();
+  looking->points.add(*command, "where to look to, as --to");
+  looking->to.add(*command, "--to", "The other point x,y,z [m]");
+  looking->directions.add(*command, "--direction", "Along the ray in direction x,y,z");
+  command->add_option("--length", looking->length_m, "How far [m]; default: infinitely")
+      ->check(CLI::PositiveNumber);
+  looking->normals.add(*command, "--normal", "The surface normal x,y,z at the point");
+  command
+      ->add_option("--position-error", looking->position_error_m,
+                   "How far each coordinate may be off [m]; default: a few last places")
+      ->check(CLI::NonNegativeNumber);
+  command->callback([looking, &session] { visible(session, *looking); });
+
+  command = app.add_subcommand("irradiance", "Light that arrives on small surfaces");
+  command->footer(
+      "Example:\n  lucerna irradiance room.pbrt --point 0,0,0.8 --normal 0,0,1 --samples 1024\n"
+      "  lucerna irradiance room.pbrt --points desks.csv --bounces 0 --per-light");
+  const auto meter = std::make_shared<IrradianceOptions>();
+  command->add_option("SCENE", meter->scene, "Path or id")->required();
+  meter->points.add(*command, "normals");
+  meter->normals.add(*command, "--normal", "The surface normal x,y,z, of any length");
+  command->add_option("--bounces", meter->bounces,
+                      "Reflections that light may take, 0 for direct light; default: all");
+  command->add_option("--samples", meter->samples, "Samples for each point; default 256")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--seed", meter->seed, "Seed of the sample values")->capture_default_str();
+  command->add_flag("--per-light", meter->per_light, "Also the direct light of each light");
+  command->callback([meter, &session] { irradiance(session, *meter); });
+}
+
+}  // namespace lucerna::cli

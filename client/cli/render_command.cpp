@@ -1,0 +1,141 @@
+// render.
+#include <fmt/core.h>
+
+#include <filesystem>
+#include <memory>
+#include <utility>
+
+#include "client/cli/output.h"
+#include "client/cli/progress.h"
+#include "client/cli/session.h"
+#include "client/picture.h"
+#include "client/write_picture.h"
+
+namespace lucerna::cli {
+namespace {
+
+using client::PictureFile;
+
+struct RenderOptions {
+  std::string scene;
+  std::string output;
+  std::string error_output;
+  std::optional<std::uint32_t> samples;
+  std::uint64_t seed = 0;
+  std::optional<std::uint32_t> bounces;
+  std::optional<std::uint32_t> tile_size;
+  double exposure_ev = 0;
+};
+
+/// Found out before anything is rendered.
+PictureFile create(const std::string& path) {
+  auto file = PictureFile::create(path);
+  if (!file.ok()) wrong_use(std::string(file.status().message()));
+  return *std::move(file);
+}
+
+/// The whole picture, and the last message less its tile.
+std::pair<client::Picture, v1::RenderImageResponse> render_picture(
+    Session& session, const v1::RenderImageRequest& request) {
+  client::PictureAssembler assembler;
+  v1::RenderImageResponse last;
+  absl::Status bad_tile;
+  {
+    ProgressBar bar;
+    const absl::Status status = session.client().render_image(
+        request,
+        [&](const v1::RenderImageResponse& response) {
+          bad_tile = assembler.add(response.tile());
+          bar.update(response.samples_done(), response.samples_total());
+          last.set_samples_done(response.samples_done());
+          last.set_samples_total(response.samples_total());
+          *last.mutable_cost() = response.cost();
+          return bad_tile.ok();
+        },
+        session.call_options());
+    if (!bad_tile.ok()) session.fail(bad_tile);
+    if (!status.ok()) session.fail(status);
+  }
+  return {session.ask(assembler.picture()), last};
+}
+
+void write(PictureFile file, const client::Picture& picture, const std::vector<float>& values,
+           double exposure_ev) {
+  const absl::Status status =
+      file.write({.width = picture.width, .height = picture.height, .rgb = values}, exposure_ev);
+  if (!status.ok()) throw CommandError(kServerSaidNo, std::string(status.message()));
+}
+
+void render(Session& session, const RenderOptions& options) {
+  if (!options.error_output.empty()) {
+    if (options.samples == 1U) {
+      wrong_use("--stderr: a single sample gives no standard error, --samples must be 2 or more");
+    }
+    if (std::filesystem::absolute(options.output).lexically_normal() ==
+        std::filesystem::absolute(options.error_output).lexically_normal()) {
+      wrong_use("-o and --stderr: both are " + options.output);
+    }
+  }
+  PictureFile file = create(options.output);
+  std::optional<PictureFile> error_file;
+  if (!options.error_output.empty()) error_file = create(options.error_output);
+
+  v1::RenderImageRequest request;
+  request.set_seed(options.seed);
+  if (options.bounces) request.set_bounces(*options.bounces);
+  if (options.tile_size) request.set_tile_size(*options.tile_size);
+  if (options.samples) request.mutable_accuracy()->set_samples(*options.samples);
+  request.set_final_only(true);
+  request.set_scene_id(session.scene_id(options.scene));
+  const auto [picture, last] = render_picture(session, request);
+
+  if (error_file && picture.standard_error.empty()) {
+    throw CommandError(kServerSaidNo,
+                       "--stderr: a single block of samples gives no standard error");
+  }
+  write(std::move(file), picture, picture.pixels, options.exposure_ev);
+  if (error_file) {
+    write(*std::move(error_file), picture, picture.standard_error, options.exposure_ev);
+  }
+  if (session.json()) {
+    fmt::print("{}", to_json(last));
+  } else {
+    fmt::print("{}: {} x {} pixels; {}\n", options.output, picture.width, picture.height,
+               describe(last.cost()));
+  }
+}
+
+}  // namespace
+
+void add_render_command(CLI::App& app, Session& session) {
+  CLI::App* command = app.add_subcommand("render", "Renders the picture of the scene's camera");
+  command->footer(
+      "Example:\n  lucerna render room.pbrt -o room.png --samples 256 --exposure -2\n"
+      "With --json: the last RenderImageResponse, without its tile.");
+  const auto options = std::make_shared<RenderOptions>();
+  command->add_option("SCENE", options->scene, "Path or id")->required();
+  command
+      ->add_option("-o,--output", options->output,
+                   "The picture: .exr or .pfm (linear RGB, 32-bit float) or .png (8 bits, sRGB)")
+      ->required();
+  command->add_option("--stderr", options->error_output,
+                      "Also a picture of each pixel's standard error");
+  command
+      ->add_option("--samples", options->samples,
+                   "Samples for each pixel; default: as the scene file says")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--seed", options->seed, "Seed of the sample values")->capture_default_str();
+  command->add_option("--bounces", options->bounces,
+                      "Reflections after the first surface, 0 for direct light; default: as the "
+                      "scene file says, or all");
+  command->add_option("--tile-size", options->tile_size, "Edge of the tiles [pixels]; default 64")
+      ->check(CLI::PositiveNumber);
+  command
+      ->add_option("--exposure", options->exposure_ev,
+                   "PNG only: 2 to this power times as bright [EV]")
+      ->check(CLI::Range(-100.0, 100.0))
+      ->capture_default_str();
+  command->callback([options, &session] { render(session, *options); });
+}
+
+}  // namespace lucerna::cli

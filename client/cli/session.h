@@ -1,0 +1,92 @@
+// What all subcommands share: the options before them, the connection, how an error ends the
+// program.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <optional>
+#include <stdexcept>
+#include <stop_token>
+#include <string>
+
+#include "lucerna/client/client.h"
+
+namespace lucerna::cli {
+
+/// Exit statuses of the program.
+enum ExitStatus : int {
+  kDone = 0,
+  kServerSaidNo = 1,  ///< or it cannot be reached, or an item has no answer
+  kWrongUse = 2,      ///< flags, numbers or files that cannot be taken
+};
+
+/// Ends the program with a message.
+class CommandError : public std::runtime_error {
+ public:
+  CommandError(ExitStatus status, const std::string& message)
+      : std::runtime_error(message), status_(status) {}
+  ExitStatus status() const { return status_; }
+
+ private:
+  ExitStatus status_;
+};
+
+[[noreturn]] void wrong_use(const std::string& message);
+
+/// Common options, and the server that they name.
+class Session {
+ public:
+  explicit Session(std::stop_token stop) : stop_(std::move(stop)) {}
+
+  /// --server, --timeout and --json, which may stand before or after the subcommand.
+  void add_options(CLI::App& app);
+
+  bool json() const { return json_; }
+  /// Connects at the first use.
+  const client::Client& client();
+  /// The deadline is the same for all calls of one run.
+  const client::CallOptions& call_options();
+
+  /// The answer, or the end of the program with what the server said.
+  template <class Response>
+  Response ask(absl::StatusOr<Response> response) {
+    if (!response.ok()) fail(response.status());
+    return *std::move(response);
+  }
+  [[noreturn]] void fail(const absl::Status& status) const;
+
+  /// The id that `scene` stands for: an id; a prefix, of four digits or more, of one that is
+  /// loaded; or a path, which is loaded where it is not yet, with what is not modelled told on
+  /// stderr.
+  std::string scene_id(const std::string& scene);
+
+  /// What the program ends with where nothing fails.
+  void set_exit_status(ExitStatus status) { exit_status_ = status; }
+  ExitStatus exit_status() const { return exit_status_; }
+
+ private:
+  std::string id_with_prefix(const std::string& prefix);
+
+  std::string server_ = "127.0.0.1:50051";
+  std::optional<double> timeout_s_;
+  bool json_ = false;
+  std::stop_token stop_;
+  std::optional<client::Client> client_;
+  std::optional<client::CallOptions> call_options_;
+  ExitStatus exit_status_ = kDone;
+};
+
+/// The scene file of `load`; every scene there is.
+v1::LoadSceneResponse load_scene(Session& session, const std::string& path);
+v1::ListScenesResponse list_scenes(Session& session);
+/// Every light of a scene, from all pages.
+v1::ListLightsResponse list_lights(Session& session, const std::string& scene_id);
+/// "file:line:column: what; instead"
+std::string describe(const v1::Remark& remark);
+
+// One function a family of subcommands.
+void add_scene_commands(CLI::App& app, Session& session);     // load scenes lights release info
+void add_light_commands(CLI::App& app, Session& session);     // sample pdf power
+void add_receiver_commands(CLI::App& app, Session& session);  // visible irradiance
+void add_render_command(CLI::App& app, Session& session);     // render
+
+}  // namespace lucerna::cli

@@ -1,0 +1,239 @@
+#include "client/client.h"
+
+#include <grpcpp/generic/generic_stub.h>
+#include <grpcpp/grpcpp.h>
+
+#include <future>
+#include <optional>
+#include <utility>
+
+#include "client/status.h"
+#include "grpc/health/v1/health.pb.h"
+#include "lucerna/v1/admin.grpc.pb.h"
+#include "lucerna/v1/lighting.grpc.pb.h"
+#include "lucerna/v1/render.grpc.pb.h"
+#include "lucerna/v1/scene.grpc.pb.h"
+
+namespace lucerna::client {
+namespace {
+
+// A server that starts or drains answers UNAVAILABLE; half a second bridges a restart's gap without
+// making a person wait for an address where nobody is.
+constexpr char kServiceConfig[] = R"({
+  "methodConfig": [{
+    "name": [{}],
+    "retryPolicy": {
+      "maxAttempts": 4,
+      "initialBackoff": "0.05s",
+      "maxBackoff": "0.3s",
+      "backoffMultiplier": 2,
+      "retryableStatusCodes": ["UNAVAILABLE"]
+    }
+  }]
+})";
+
+bool is_loopback(const std::string& target) {
+  for (const char* prefix : {"127.", "localhost:", "[::1]:", "unix:"}) {
+    if (target.starts_with(prefix)) return true;
+  }
+  return false;
+}
+
+std::shared_ptr<grpc::Channel> make_channel(const ConnectOptions& options) {
+  grpc::ChannelArguments arguments;
+  arguments.SetMaxReceiveMessageSize(-1);
+  arguments.SetMaxSendMessageSize(-1);
+  arguments.SetServiceConfigJSON(kServiceConfig);
+  // Else a client inherits the waiting time of another client's failed attempts at the same
+  // address.
+  arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
+  // gRPC would ask a proxy from the environment to reach even this machine.
+  if (is_loopback(options.target)) arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
+  return grpc::CreateCustomChannel(options.target, grpc::InsecureChannelCredentials(), arguments);
+}
+
+/// A context that keeps to the options for as long as it lives.
+class CallContext {
+ public:
+  explicit CallContext(const CallOptions& options) : cancel_(options.stop, Cancel{&context_}) {
+    if (options.deadline != CallOptions::Clock::time_point::max()) {
+      context_.set_deadline(options.deadline);
+    }
+  }
+
+  grpc::ClientContext* get() { return &context_; }
+  void cancel() { context_.TryCancel(); }
+
+ private:
+  struct Cancel {
+    grpc::ClientContext* context;
+    void operator()() const { context->TryCancel(); }
+  };
+
+  grpc::ClientContext context_;
+  std::stop_callback<Cancel> cancel_;
+};
+
+/// Makes one blocking call of a generated stub.
+template <class Service, class Request, class Response>
+absl::StatusOr<Response> call(const std::unique_ptr<Service>& service,
+                              grpc::Status (Service::*method)(grpc::ClientContext*, const Request&,
+                                                              Response*),
+                              const Request& request, const CallOptions& options) {
+  CallContext context(options);
+  Response response;
+  const grpc::Status status = (*service.*method)(context.get(), request, &response);
+  if (!status.ok()) return to_absl_status(status);
+  return response;
+}
+
+}  // namespace
+
+CallOptions CallOptions::within(std::chrono::duration<double> time) {
+  return {.deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(time), .stop = {}};
+}
+
+class Client::Connection {
+ public:
+  explicit Connection(const std::shared_ptr<grpc::Channel>& channel)
+      : scene(v1::SceneService::NewStub(channel)),
+        lighting(v1::LightingService::NewStub(channel)),
+        render(v1::RenderService::NewStub(channel)),
+        admin(v1::AdminService::NewStub(channel)),
+        channel(channel) {}
+
+  // The interfaces, whose methods can be pointed to without ambiguity.
+  const std::unique_ptr<v1::SceneService::StubInterface> scene;
+  const std::unique_ptr<v1::LightingService::StubInterface> lighting;
+  const std::unique_ptr<v1::RenderService::StubInterface> render;
+  const std::unique_ptr<v1::AdminService::StubInterface> admin;
+  const std::shared_ptr<grpc::Channel> channel;
+};
+
+Client::Client(std::shared_ptr<const Connection> connection) : connection_(std::move(connection)) {}
+
+absl::StatusOr<Client> Client::connect(const ConnectOptions& options) {
+  if (options.target.empty()) {
+    return absl::InvalidArgumentError("target is empty, must be HOST:PORT");
+  }
+  return Client(std::make_shared<Connection>(make_channel(options)));
+}
+
+absl::StatusOr<v1::LoadSceneResponse> Client::load_scene(const v1::LoadSceneRequest& request,
+                                                         const CallOptions& options) const {
+  return call(connection_->scene, &v1::SceneService::StubInterface::LoadScene, request, options);
+}
+
+absl::StatusOr<v1::GetSceneResponse> Client::get_scene(const v1::GetSceneRequest& request,
+                                                       const CallOptions& options) const {
+  return call(connection_->scene, &v1::SceneService::StubInterface::GetScene, request, options);
+}
+
+absl::StatusOr<v1::ListScenesResponse> Client::list_scenes(const v1::ListScenesRequest& request,
+                                                           const CallOptions& options) const {
+  return call(connection_->scene, &v1::SceneService::StubInterface::ListScenes, request, options);
+}
+
+absl::StatusOr<v1::ListLightsResponse> Client::list_lights(const v1::ListLightsRequest& request,
+                                                           const CallOptions& options) const {
+  return call(connection_->scene, &v1::SceneService::StubInterface::ListLights, request, options);
+}
+
+absl::StatusOr<v1::ReleaseSceneResponse> Client::release_scene(
+    const v1::ReleaseSceneRequest& request, const CallOptions& options) const {
+  return call(connection_->scene, &v1::SceneService::StubInterface::ReleaseScene, request, options);
+}
+
+absl::StatusOr<v1::SampleLiResponse> Client::sample_li(const v1::SampleLiRequest& request,
+                                                       const CallOptions& options) const {
+  return call(connection_->lighting, &v1::LightingService::StubInterface::SampleLi, request,
+              options);
+}
+
+absl::StatusOr<v1::PdfLiResponse> Client::pdf_li(const v1::PdfLiRequest& request,
+                                                 const CallOptions& options) const {
+  return call(connection_->lighting, &v1::LightingService::StubInterface::PdfLi, request, options);
+}
+
+absl::StatusOr<v1::EstimatePowerResponse> Client::estimate_power(
+    const v1::EstimatePowerRequest& request, const CallOptions& options) const {
+  return call(connection_->lighting, &v1::LightingService::StubInterface::EstimatePower, request,
+              options);
+}
+
+absl::StatusOr<v1::TestVisibilityResponse> Client::test_visibility(
+    const v1::TestVisibilityRequest& request, const CallOptions& options) const {
+  return call(connection_->lighting, &v1::LightingService::StubInterface::TestVisibility, request,
+              options);
+}
+
+absl::StatusOr<v1::EstimateIrradianceResponse> Client::estimate_irradiance(
+    const v1::EstimateIrradianceRequest& request, const CallOptions& options) const {
+  return call(connection_->lighting, &v1::LightingService::StubInterface::EstimateIrradiance,
+              request, options);
+}
+
+absl::StatusOr<v1::RenderTileResponse> Client::render_tile(const v1::RenderTileRequest& request,
+                                                           const CallOptions& options) const {
+  return call(connection_->render, &v1::RenderService::StubInterface::RenderTile, request, options);
+}
+
+absl::Status Client::render_image(
+    const v1::RenderImageRequest& request,
+    const std::function<bool(const v1::RenderImageResponse&)>& on_response,
+    const CallOptions& options) const {
+  CallContext context(options);
+  // Also where on_response throws: no reader may go while its call is alive.
+  struct Reader {
+    CallContext& context;
+    std::unique_ptr<grpc::ClientReaderInterface<v1::RenderImageResponse>> stream;
+    bool finished = false;
+
+    grpc::Status finish() {
+      finished = true;
+      return stream->Finish();
+    }
+    ~Reader() {
+      if (finished) return;
+      context.cancel();
+      stream->Finish();
+    }
+  } reader{context, connection_->render->RenderImage(context.get(), request)};
+
+  v1::RenderImageResponse response;
+  while (reader.stream->Read(&response)) {
+    if (on_response(response)) continue;
+    context.cancel();
+    reader.finish();
+    return absl::CancelledError("the caller wanted no more of the picture");
+  }
+  return to_absl_status(reader.finish());
+}
+
+absl::StatusOr<v1::GetServerInfoResponse> Client::get_server_info(
+    const v1::GetServerInfoRequest& request, const CallOptions& options) const {
+  return call(connection_->admin, &v1::AdminService::StubInterface::GetServerInfo, request,
+              options);
+}
+
+absl::Status Client::check_health(const CallOptions& options) const {
+  using grpc::health::v1::HealthCheckRequest;
+  using grpc::health::v1::HealthCheckResponse;
+  CallContext context(options);
+  grpc::TemplatedGenericStub<HealthCheckRequest, HealthCheckResponse> stub(connection_->channel);
+  const HealthCheckRequest request;
+  HealthCheckResponse response;
+  // Shared: the callback's thread may still be inside set_value() when this one goes on.
+  const auto done = std::make_shared<std::promise<grpc::Status>>();
+  stub.UnaryCall(context.get(), "/grpc.health.v1.Health/Check", {}, &request, &response,
+                 [done](grpc::Status status) { done->set_value(std::move(status)); });
+  const grpc::Status status = done->get_future().get();
+  if (!status.ok()) return to_absl_status(status);
+  if (response.status() != HealthCheckResponse::SERVING) {
+    return absl::UnavailableError("the server is up and not serving: " +
+                                  HealthCheckResponse::ServingStatus_Name(response.status()));
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace lucerna::client

@@ -1,0 +1,112 @@
+// Asks a lucernad: every call of lucerna.v1 that is answered today, blocking, one method a call.
+//
+// Requests and responses are the messages of the contract (lucerna/v1/*.proto), where every field
+// is described; nothing is computed here.  batches.h asks in batches that the server accepts,
+// points.h fills in points, picture.h puts tiles together.
+//
+// Thread safety: all methods of one Client may be called from any number of threads at once, and
+// copies share one connection.  Not safe in a child after fork() where the parent has used a
+// Client.
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <stop_token>
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "lucerna/v1/admin.pb.h"
+#include "lucerna/v1/lighting.pb.h"
+#include "lucerna/v1/render.pb.h"
+#include "lucerna/v1/scene.pb.h"
+
+namespace lucerna::client {
+
+/// Where absl::Status::GetPayload() has the server's google.rpc.Status, serialised, with all
+/// details.
+inline constexpr char kStatusPayloadUrl[] = "type.googleapis.com/google.rpc.Status";
+
+struct ConnectOptions {
+  /// "HOST:PORT", "[IPV6]:PORT", or any other name that gRPC resolves ("unix:/run/lucernad").
+  std::string target = "127.0.0.1:50051";
+};
+
+/// How long a call may take, and how to end it sooner.
+struct CallOptions {
+  using Clock = std::chrono::system_clock;
+
+  /// When the call fails with DEADLINE_EXCEEDED, however far it is.  Default: never.
+  Clock::time_point deadline = Clock::time_point::max();
+  /// A request to stop ends the call with CANCELLED, from any thread.
+  std::stop_token stop;
+
+  /// A deadline this long from now.
+  static CallOptions within(std::chrono::duration<double> time);
+};
+
+/// One connection to one server.
+///
+/// Errors have gRPC's code and the server's message, to which the fields that it found fault with
+/// are added ("...; receivers.offsets_m: must be three a point"), and kStatusPayloadUrl.
+/// UNAVAILABLE is tried up to four times within half a second before it is told; no other error is
+/// tried again. Messages of any size are taken from the server, whose own limit
+/// (Limits.max_message_bytes) binds.
+class Client {
+ public:
+  /// Nothing is sent yet: a server that cannot be reached is told by the first call, as
+  /// UNAVAILABLE. INVALID_ARGUMENT for an empty target.
+  static absl::StatusOr<Client> connect(const ConnectOptions& options);
+
+  template <class Response>
+  using Result = absl::StatusOr<Response>;
+
+  // SceneService
+  Result<v1::LoadSceneResponse> load_scene(const v1::LoadSceneRequest& request,
+                                           const CallOptions& options = {}) const;
+  Result<v1::GetSceneResponse> get_scene(const v1::GetSceneRequest& request,
+                                         const CallOptions& options = {}) const;
+  Result<v1::ListScenesResponse> list_scenes(const v1::ListScenesRequest& request,
+                                             const CallOptions& options = {}) const;
+  Result<v1::ListLightsResponse> list_lights(const v1::ListLightsRequest& request,
+                                             const CallOptions& options = {}) const;
+  Result<v1::ReleaseSceneResponse> release_scene(const v1::ReleaseSceneRequest& request,
+                                                 const CallOptions& options = {}) const;
+
+  // LightingService
+  Result<v1::SampleLiResponse> sample_li(const v1::SampleLiRequest& request,
+                                         const CallOptions& options = {}) const;
+  Result<v1::PdfLiResponse> pdf_li(const v1::PdfLiRequest& request,
+                                   const CallOptions& options = {}) const;
+  Result<v1::EstimatePowerResponse> estimate_power(const v1::EstimatePowerRequest& request,
+                                                   const CallOptions& options = {}) const;
+  Result<v1::TestVisibilityResponse> test_visibility(const v1::TestVisibilityRequest& request,
+                                                     const CallOptions& options = {}) const;
+  Result<v1::EstimateIrradianceResponse> estimate_irradiance(
+      const v1::EstimateIrradianceRequest& request, const CallOptions& options = {}) const;
+
+  // RenderService
+  Result<v1::RenderTileResponse> render_tile(const v1::RenderTileRequest& request,
+                                             const CallOptions& options = {}) const;
+  /// Calls `on_response` in the calling thread for each message as it arrives.  Where it returns
+  /// false, the server is told to stop, and the answer is CANCELLED.
+  absl::Status render_image(const v1::RenderImageRequest& request,
+                            const std::function<bool(const v1::RenderImageResponse&)>& on_response,
+                            const CallOptions& options = {}) const;
+
+  // AdminService
+  Result<v1::GetServerInfoResponse> get_server_info(const v1::GetServerInfoRequest& request = {},
+                                                    const CallOptions& options = {}) const;
+
+  /// OK where the server says that it serves (grpc.health.v1), UNAVAILABLE where it does not now.
+  absl::Status check_health(const CallOptions& options = {}) const;
+
+ private:
+  class Connection;
+  explicit Client(std::shared_ptr<const Connection> connection);
+
+  std::shared_ptr<const Connection> connection_;
+};
+
+}  // namespace lucerna::client

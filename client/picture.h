@@ -1,0 +1,49 @@
+// Pictures from the tiles that RenderImage and RenderTile answer.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "lucerna/v1/render.pb.h"
+
+namespace lucerna::client {
+
+/// Linear Rec. 709 RGB [cd/m2, times the film's scale], interleaved, rows from the top.
+struct Picture {
+  std::uint32_t width = 0;
+  std::uint32_t height = 0;
+  /// width * height * 3.
+  std::vector<float> pixels;
+  /// Standard error of each entry of `pixels`; empty where some pixel has a single block of
+  /// samples, which gives none.
+  std::vector<float> standard_error;
+};
+
+/// Puts tiles together.  Not thread-safe.
+class PictureAssembler {
+ public:
+  PictureAssembler();
+  PictureAssembler(PictureAssembler&&) noexcept;
+  PictureAssembler& operator=(PictureAssembler&&) noexcept;
+  ~PictureAssembler();
+
+  /// A tile whose rectangle is new, or is that of an earlier tile.  In the latter case it replaces
+  /// it where its first block is 0 (as RenderImage sends them), and is merged with it where it
+  /// continues its blocks (RenderTile of a sample range), which gives the same bits as if all had
+  /// been one tile. INVALID_ARGUMENT, and nothing changes, for a tile that is not whole in itself
+  /// (rectangle, plane sizes), of a picture of another size, that overlaps others in part, or does
+  /// not continue.
+  absl::Status add(const v1::Tile& tile);
+
+  /// FAILED_PRECONDITION while pixels are missing.
+  absl::StatusOr<Picture> picture() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace lucerna::client

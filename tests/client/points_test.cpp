@@ -1,0 +1,112 @@
+#include "client/cli/points.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <sstream>
+
+namespace lucerna {
+namespace {
+
+using cli::Double3;
+using cli::PointSet;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+absl::StatusOr<PointSet> csv(const std::string& text) {
+  std::istringstream input(text);
+  return cli::read_csv(input, "desks.csv");
+}
+
+TEST(Csv, ReadsPoints) {
+  const auto set = csv("0,1,2\n-0.5,1e-3,+4\n");
+  ASSERT_TRUE(set.ok()) << set.status();
+  EXPECT_THAT(set->points, ElementsAre(Double3{0, 1, 2}, Double3{-0.5, 0.001, 4}));
+  EXPECT_THAT(set->seconds, IsEmpty());
+}
+
+TEST(Csv, ReadsNormals) {
+  const auto set = csv("1,2,3,0,0,1\n");
+  ASSERT_TRUE(set.ok()) << set.status();
+  EXPECT_THAT(set->points, ElementsAre(Double3{1, 2, 3}));
+  EXPECT_THAT(set->seconds, ElementsAre(Double3{0, 0, 1}));
+}
+
+TEST(Csv, HeaderCommentsBlanksAndForeignLineEndsAreNothing) {
+  const auto set = csv("\xef\xbb\xbf# desks\r\n\r\nX [m], y [m] ,z [m]\r\n 1 ,\t2, 3\r\n\n4,5,6");
+  ASSERT_TRUE(set.ok()) << set.status();
+  EXPECT_THAT(set->points, ElementsAre(Double3{1, 2, 3}, Double3{4, 5, 6}));
+}
+
+TEST(Csv, EmptyFileHasNoPoints) {
+  ASSERT_TRUE(csv("").ok());
+  EXPECT_THAT(csv("x,y,z\n")->points, IsEmpty());
+}
+
+TEST(Csv, NotANumberIsPassedOnToTheServer) {
+  const auto set = csv("nan,inf,0\n");
+  ASSERT_TRUE(set.ok()) << set.status();
+  EXPECT_TRUE(std::isnan(set->points[0][0]));
+  EXPECT_TRUE(std::isinf(set->points[0][1]));
+}
+
+TEST(Csv, ErrorsNameFileAndLine) {
+  const auto message = [](const std::string& text) {
+    const auto set = csv(text);
+    EXPECT_EQ(set.status().code(), absl::StatusCode::kInvalidArgument) << text;
+    return std::string(set.status().message());
+  };
+  EXPECT_EQ(message("x,y,z\n1,2,3\n1,oops,3\n"), "desks.csv:3: column 2: \"oops\" is not a number");
+  EXPECT_EQ(message("1,2\n"), "desks.csv:1: 2 columns, must be 3 or 6: x,y,z[,nx,ny,nz]");
+  EXPECT_EQ(message("1,2,3\n\n1,2,3,0,0,1\n"), "desks.csv:3: 6 columns, 3 before");
+  EXPECT_EQ(message("x,y,z,nx,ny,nz\n1,2,3\n"), "desks.csv:2: 3 columns, 6 before");
+  EXPECT_EQ(message("a,b,c\n"), "desks.csv:1: column 1: \"a\" is not a number");
+  EXPECT_EQ(message("1,2,3\nx,y,z\n"), "desks.csv:2: column 1: \"x\" is not a number");
+  EXPECT_EQ(message("1,2,1e999\n"), "desks.csv:1: column 3: \"1e999\" is not a number");
+  EXPECT_EQ(message("1,,3\n"), "desks.csv:1: column 2: \"\" is not a number");
+  EXPECT_EQ(message("1;2;3\n"), "desks.csv:1: 1 column, must be 3 or 6: x,y,z[,nx,ny,nz]");
+}
+
+TEST(Triple, IsThreeNumbers) {
+  EXPECT_EQ(*cli::parse_triple("0,1.5,-2"), (Double3{0, 1.5, -2}));
+  for (const char* bad : {"", "1,2", "1,2,3,4", "1,2,3,4,5,6", "1,2,3x", "1 2 3", "0x1,2,3"}) {
+    EXPECT_EQ(cli::parse_triple(bad).status().code(), absl::StatusCode::kInvalidArgument) << bad;
+  }
+}
+
+TEST(MakePoints, CoordinateThatAllShareIsExact) {
+  // 0.1 is no float: only an origin of its own keeps it.
+  const std::vector<Double3> points = {{0.1, 0, 5}, {0.1, 1, 1}};
+  const v1::Points batch = client::make_points(points);
+  EXPECT_EQ(batch.origin_m().x(), 0.1);
+  EXPECT_EQ(batch.origin_m().y(), 0);
+  EXPECT_EQ(batch.origin_m().z(), 0);
+  EXPECT_THAT(batch.offsets_m(), ElementsAre(0, 0, 5, 0, 1, 1));
+}
+
+TEST(MakePoints, FarPointsKeepTheirDifferences) {
+  const std::vector<Double3> points = {{1e8, 0, 0}, {1e8 + 0.25, 0, 0}};
+  const v1::Points batch = client::make_points(points);
+  EXPECT_EQ(batch.origin_m().x() + batch.offsets_m(0), 1e8);
+  EXPECT_EQ(batch.origin_m().x() + batch.offsets_m(3), 1e8 + 0.25);
+}
+
+TEST(MakePoints, PointsAroundZeroHaveNoOrigin) {
+  const std::vector<Double3> points = {{-1, 0, 3}, {1, 2, 0}};
+  EXPECT_FALSE(client::make_points(points).has_origin_m());
+}
+
+TEST(MakePoints, OriginIsFiniteWhateverThePoints) {
+  const double bad = std::nan("");
+  for (const double first : {bad, HUGE_VAL, -HUGE_VAL, 1.0}) {
+    for (const double second : {bad, HUGE_VAL, -HUGE_VAL, 1e308}) {
+      const std::vector<Double3> points = {{first, 0, 0}, {second, 0, 0}};
+      EXPECT_TRUE(std::isfinite(client::make_points(points).origin_m().x()))
+          << first << ' ' << second;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace lucerna
