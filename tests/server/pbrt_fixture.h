@@ -1,0 +1,74 @@
+// Loading scenes that tests write.
+#pragma once
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "server/pbrt/load.h"
+
+namespace lucerna::testing {
+
+inline std::string message(const absl::Status& status) {
+  return std::string(status.message().data(), status.message().size());
+}
+
+/// A directory of its own for each test, gone afterwards.
+class SceneFiles {
+ public:
+  SceneFiles() {
+    std::string name = (std::filesystem::temp_directory_path() / "lucerna-XXXXXX").string();
+    path_ = mkdtemp(name.data());
+  }
+  ~SceneFiles() { std::filesystem::remove_all(path_); }
+  SceneFiles(const SceneFiles&) = delete;
+  SceneFiles& operator=(const SceneFiles&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+
+  void write(const std::string& name, const std::string& bytes) const {
+    std::filesystem::create_directories((path_ / name).parent_path());
+    std::ofstream(path_ / name, std::ios::binary) << bytes;
+  }
+
+  absl::StatusOr<SceneDescription> load(const std::string& name, std::stop_token stop = {}) const {
+    auto reader = AssetReader::open(path_.string());
+    if (!reader.ok()) return reader.status();
+    return load_pbrt(*reader, name, std::move(stop));
+  }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// The scene that a file of this text is; `scene.pbrt` is its name in errors.
+inline absl::StatusOr<SceneDescription> load_text(const std::string& text) {
+  const SceneFiles files;
+  files.write("scene.pbrt", text);
+  return files.load("scene.pbrt");
+}
+
+/// The same with WorldBegin put before it, on the same line: columns shift by 11.
+inline absl::StatusOr<SceneDescription> load_world(const std::string& text) {
+  return load_text("WorldBegin " + text);
+}
+
+/// The error that loading gives; empty where it gives none.
+inline std::string error_of(const std::string& text) { return message(load_text(text).status()); }
+inline std::string world_error_of(const std::string& text) {
+  return message(load_world(text).status());
+}
+
+/// "line:column what -> instead" of each remark, one a line.
+inline std::string remarks_of(const SceneDescription& scene) {
+  std::string result;
+  for (const Remark& remark : scene.remarks)
+    result += std::to_string(remark.where.line) + ":" + std::to_string(remark.where.column) + " " +
+              remark.what + " -> " + remark.instead + "\n";
+  return result;
+}
+
+}  // namespace lucerna::testing

@@ -1,0 +1,229 @@
+// Levels, places and directions of lights as pbrt-v4 reads them.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "pbrt_fixture.h"
+
+namespace lucerna {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::load_world;
+using testing::remarks_of;
+using ::testing::StartsWith;
+using testing::world_error_of;
+
+constexpr double kPi = std::numbers::pi;
+
+template <typename Params>
+Params light(const std::string& text) {
+  const auto scene = load_world(text);
+  if (!scene.ok() || scene->lights.size() != 1) {
+    ADD_FAILURE() << text << ": " << scene.status();
+    return {};
+  }
+  return std::get<Params>(scene->lights[0].params);
+}
+
+ShapeDescription::Emission emission(const std::string& text) {
+  const auto scene = load_world(text);
+  if (!scene.ok() || !scene->shapes.at(0).emission) {
+    ADD_FAILURE() << text << ": " << scene.status();
+    return {};
+  }
+  return *scene->shapes[0].emission;
+}
+
+std::string remarks(const std::string& text) {
+  const auto scene = load_world(text);
+  EXPECT_TRUE(scene.ok()) << scene.status();
+  return scene.ok() ? remarks_of(*scene) : "";
+}
+
+TEST(PbrtLights, RgbIsTheLevelAndScaleMultipliesIt) {
+  EXPECT_EQ(light<PointLightParams>("LightSource \"point\" \"rgb I\" [10 20 30]").intensity_cd,
+            Rgb<double>(10, 20, 30));
+  EXPECT_EQ(light<PointLightParams>("LightSource \"point\" \"float scale\" 3").intensity_cd,
+            Rgb<double>(3));
+  EXPECT_EQ(light<DistantLightParams>("LightSource \"distant\" \"rgb L\" [2 2 2]").illuminance_lx,
+            Rgb<double>(2));
+  EXPECT_EQ(light<UniformInfiniteLightParams>("LightSource \"infinite\" \"rgb L\" [1 2 3] "
+                                              "\"float scale\" 2")
+                .radiance_cd_m2,
+            Rgb<double>(2, 4, 6));
+  EXPECT_EQ(
+      emission("AreaLightSource \"diffuse\" \"rgb L\" [5 6 7] Shape \"sphere\"").radiance_cd_m2,
+      Rgb<double>(5, 6, 7));
+}
+
+TEST(PbrtLights, PowerOfAPointIsSpreadOverTheSphere) {
+  // 150 lm / 4 pi sr
+  EXPECT_NEAR(light<PointLightParams>("LightSource \"point\" \"rgb I\" [1 1 1] \"float power\" 150")
+                  .intensity_cd.g,
+              11.936620731892151, 1e-12);
+}
+
+TEST(PbrtLights, PowerMultipliesWhatRgbAndScaleSayAndARemarkTellsTheResult) {
+  const std::string text =
+      "LightSource \"point\" \"rgb I\" [4 4 4] \"float scale\" .5 \"float power\" 100";
+  EXPECT_NEAR(light<PointLightParams>(text).intensity_cd.g, 2 * 100 / (4 * kPi), 1e-12);
+  EXPECT_EQ(
+      remarks(text),
+      "1:65 \"power\" 100 lm multiplies a level of luminance 2 -> 200 lm, as pbrt-v4 has it\n");
+  EXPECT_EQ(remarks("LightSource \"point\" \"float power\" 100"), "");
+}
+
+TEST(PbrtLights, PowerOfASpotFollowsItsCone) {
+  // coneangle 60, no smooth edge: 2 pi (1 - cos 60) = pi sr.
+  const auto hard = light<SpotLightParams>(
+      "LightSource \"spot\" \"float power\" 10 \"float coneangle\" 60 \"float conedeltaangle\" 0");
+  EXPECT_NEAR(hard.intensity_cd.r, 10 / kPi, 1e-12);
+  EXPECT_EQ(hard.falloff_start_rad, hard.cone_half_angle_rad);
+  // Edge over the whole cone: half of it, the mean of smoothstep.
+  const auto soft = light<SpotLightParams>(
+      "LightSource \"spot\" \"float power\" 10 \"float coneangle\" 60 \"float conedeltaangle\" 60");
+  EXPECT_NEAR(soft.intensity_cd.r, 20 / kPi, 1e-12);
+}
+
+TEST(PbrtLights, SpotDefaultsAndPlacement) {
+  const auto spot = light<SpotLightParams>(
+      "Translate 1 0 0 Scale 2 2 2 LightSource \"spot\" \"point3 from\" [0 0 1] \"point3 to\" [0 3 "
+      "1]");
+  EXPECT_EQ(spot.position_m, Vec3<double>(1, 0, 2));
+  EXPECT_EQ(normalized(spot.axis), Vec3<double>(0, 1, 0));
+  EXPECT_NEAR(spot.cone_half_angle_rad, kPi / 6, 1e-15);
+  EXPECT_NEAR(spot.falloff_start_rad, kPi * 25 / 180, 1e-15);
+  EXPECT_EQ(normalized(light<SpotLightParams>("LightSource \"spot\"").axis), Vec3<double>(0, 0, 1));
+}
+
+TEST(PbrtLights, DistantLightShinesFromFromToTo) {
+  const auto distant = light<DistantLightParams>(
+      "Rotate 90 1 0 0 LightSource \"distant\" \"point3 from\" [0 0 5] \"point3 to\" [0 0 2] "
+      "\"float illuminance\" 1000");
+  const auto to_light = normalized(distant.to_light);
+  EXPECT_NEAR(to_light.y, -1, 1e-15);
+  EXPECT_EQ(distant.illuminance_lx, Rgb<double>(1000));
+  EXPECT_EQ(normalized(light<DistantLightParams>("LightSource \"distant\"").to_light),
+            Vec3<double>(0, 0, -1));
+}
+
+TEST(PbrtLights, IlluminanceOfAnInfiniteLightIsPiTimesItsRadiance) {
+  EXPECT_NEAR(
+      light<UniformInfiniteLightParams>("LightSource \"infinite\" \"float illuminance\" 100")
+          .radiance_cd_m2.r,
+      100 / kPi, 1e-12);
+}
+
+TEST(PbrtLights, PowerOfAShapeIsSpreadOverItsAreaAndSides) {
+  const std::string light = "AreaLightSource \"diffuse\" \"float power\" 100 ";
+  const std::string both = light + "\"bool twosided\" true ";
+  // Disk of radius 2: area 4 pi, under Scale 3 1 1: 12 pi.
+  EXPECT_NEAR(emission(light + "Shape \"disk\" \"float radius\" 2").radiance_cd_m2.r,
+              100 / (4 * kPi * kPi), 1e-12);
+  EXPECT_NEAR(emission(both + "Scale 3 1 1 Shape \"disk\" \"float radius\" 2").radiance_cd_m2.r,
+              100 / (2 * 12 * kPi * kPi), 1e-12);
+  EXPECT_NEAR(emission(light + "Scale 2 2 2 Shape \"sphere\"").radiance_cd_m2.r,
+              100 / (16 * kPi * kPi), 1e-12);
+  const std::string patch =
+      "Scale 2 1 1 Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 3 0 1 3 0]";
+  EXPECT_NEAR(emission(light + patch).radiance_cd_m2.r, 100 / (6 * kPi), 1e-12);
+}
+
+TEST(PbrtLights, PowerOfAMeshIsThatOfTheWholeMeshAndRemarkedOn) {
+  // A square of 2 by 2 and half of it again: areas 2, 2 and 2.
+  const std::string text =
+      "AreaLightSource \"diffuse\" \"float power\" 12\nShape \"trianglemesh\" "
+      "\"point3 P\" [0 0 0 2 0 0 2 2 0 0 2 0 4 0 0] \"integer indices\" [0 1 2 0 2 3 1 4 2]";
+  EXPECT_NEAR(emission(text).radiance_cd_m2.r, 12 / (6 * kPi), 1e-12);
+  EXPECT_EQ(
+      remarks(text),
+      "1:38 \"power\" on a mesh of 3 primitives, each of which pbrt-v4 would give that power -> "
+      "the power of the whole mesh\n");
+}
+
+TEST(PbrtLights, BlackBodiesHaveLuminanceOneBeforeScale) {
+  const auto point =
+      light<PointLightParams>("LightSource \"point\" \"blackbody I\" 2700 \"float scale\" 12");
+  EXPECT_NEAR(luminance(point.intensity_cd), 12, 1e-9);
+  EXPECT_GT(point.intensity_cd.r, 2 * point.intensity_cd.g);
+  const auto power =
+      light<PointLightParams>("LightSource \"point\" \"blackbody I\" 2700 \"float power\" 100");
+  EXPECT_NEAR(luminance(power.intensity_cd), 100 / (4 * kPi), 1e-9);
+  EXPECT_THAT(remarks("LightSource \"point\" \"blackbody I\" 2700 \"float power\" 100"),
+              StartsWith("1:32 black body of 2700 K: lights have no spectra yet -> linear RGB ["));
+  EXPECT_THAT(remarks("LightSource \"point\" \"spectrum I\" \"metal-Au-k\""),
+              HasSubstr("linear RGB [1 1 1]"));
+}
+
+TEST(PbrtLights, EmissionNeverGoesIntoObjects) {
+  const auto scene = load_world(
+      "ObjectBegin \"o\" AreaLightSource \"diffuse\"\nShape \"disk\" ObjectEnd Shape \"disk\"");
+  ASSERT_TRUE(scene.ok());
+  EXPECT_FALSE(scene->objects[0].shapes[0].emission);
+  EXPECT_FALSE(scene->shapes[0].emission);  // ObjectEnd restores what ObjectBegin saved
+  EXPECT_EQ(remarks_of(*scene),
+            "2:1 an area light within an object definition -> the shape emits nothing\n");
+}
+
+TEST(PbrtLights, WhatIsNotModelledIsLeftOutAndRemarkedOn) {
+  const std::pair<const char*, const char*> kCases[] = {
+      {"LightSource \"goniometric\"",
+       "1:12 LightSource \"goniometric\" is not modelled yet -> left out\n"},
+      {"LightSource \"projection\"",
+       "1:12 LightSource \"projection\" is not modelled yet -> left out\n"},
+      {"LightSource \"infinite\" \"string filename\" \"x.exr\"",
+       "1:35 an infinite light with an image is not modelled yet -> left out\n"},
+      {"LightSource \"infinite\" \"point3 portal\" [0 0 0 1 0 0 1 1 0 0 1 0]",
+       "1:35 an infinite light with a portal is not modelled yet -> left out\n"},
+      {"AreaLightSource \"diffuse\" \"string filename\" \"x.exr\" Shape \"disk\" Shape \"disk\"",
+       "1:38 an area light with an image is not modelled yet -> left out\n"},
+      {"LightSource \"point\" \"float power\" 0",
+       "1:32 \"power\" 0 is taken as not given -> the level that \"I\" says\n"},
+  };
+  for (const auto& [text, expected] : kCases) EXPECT_EQ(remarks(text), expected) << text;
+}
+
+TEST(PbrtLights, LevelsThatAreNoneAreErrors) {
+  const std::pair<const char*, const char*> kCases[] = {
+      {"LightSource \"point\" \"rgb I\" [1 -1 1]", "\"rgb I\" = [1 -1 1], allowed: not negative"},
+      {"LightSource \"point\" \"float scale\" -2", "\"float scale\" = -2, allowed: not negative"},
+      {"LightSource \"point\" \"float power\" -2", "\"float power\" = -2, allowed: not negative"},
+      {"LightSource \"point\" \"rgb I\" [1e308 1 1] \"float scale\" 1e308", "is not finite"},
+      {"LightSource \"point\" \"rgb I\" [0 0 0] \"float power\" 10",
+       "\"float power\" = 10 lm for a light of luminance 0, which cannot have it"},
+      {"LightSource \"distant\" \"float scale\" 0 \"float illuminance\" 10",
+       "\"float illuminance\" = 10 lx for a light of luminance 0"},
+      {"LightSource \"infinite\" \"rgb L\" [0 0 0] \"float illuminance\" 10",
+       "\"float illuminance\" = 10 lx for a light of luminance 0"},
+      {"AreaLightSource \"diffuse\" \"rgb L\" [0 0 0] \"float power\" 1 Shape \"disk\"",
+       "\"float power\" = 1 lm for a light of luminance 0"},
+      {"LightSource \"point\" \"blackbody I\" 0", "allowed: one temperature in"},
+      {"LightSource \"point\" \"spectrum I\" [400 1 400 2]", "wavelength 400 follows 400"},
+      {"LightSource \"point\" \"spectrum I\" [400 1 500]", "has 3 numbers, expected pairs"},
+      {"LightSource \"point\" \"spectrum I\" [400 1 500 -1]", "holds -1, allowed: not negative"},
+      {"LightSource \"spot\" \"float coneangle\" 0",
+       "\"float coneangle\" = 0 degrees, allowed (0, 180]"},
+      {"LightSource \"spot\" \"float conedeltaangle\" 40", "allowed [0, coneangle], which is 30"},
+      {"Scale 1 1 2 LightSource \"spot\"", "a spot under a transform of unequal scale"},
+      {"LightSource \"spot\" \"point3 to\" [0 0 0]", "axis"},
+      {"LightSource \"distant\" \"point3 to\" [0 0 0]", "to_light"},
+      {"LightSource \"lamp\"", "unknown light \"lamp\", expected one of point spot distant"},
+      {"AreaLightSource \"lamp\" Shape \"disk\"",
+       "unknown area light \"lamp\", expected \"diffuse\""},
+  };
+  for (const auto& [text, expected] : kCases) {
+    EXPECT_THAT(world_error_of(text), StartsWith("scene.pbrt:1:")) << text;
+    EXPECT_THAT(world_error_of(text), HasSubstr(expected)) << text;
+  }
+}
+
+TEST(PbrtLights, AnEmittingSphereUnderUnequalScaleIsRefusedAtTheShape) {
+  EXPECT_THAT(world_error_of("Scale 1 2 1 AreaLightSource \"diffuse\" Shape \"sphere\""),
+              StartsWith("scene.pbrt:1:50: "));
+  EXPECT_EQ(world_error_of("Scale 1 2 1 Shape \"sphere\""), "");
+}
+
+}  // namespace
+}  // namespace lucerna

@@ -1,0 +1,191 @@
+// Materials, textures and spectra.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "pbrt_fixture.h"
+#include "server/pbrt/spectra.h"
+
+namespace lucerna {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::load_world;
+using testing::remarks_of;
+using testing::world_error_of;
+
+/// The reflectance of the disk that follows `text`, and what was remarked.
+std::pair<Rgb<double>, std::string> surface(const std::string& text) {
+  const auto scene = load_world(text + " Shape \"disk\"");
+  if (!scene.ok() || scene->shapes.size() != 1) {
+    ADD_FAILURE() << text << ": " << scene.status();
+    return {};
+  }
+  return {scene->materials.at(scene->shapes[0].material).reflectance, remarks_of(*scene)};
+}
+
+TEST(PbrtMaterials, DiffuseTakesRgbFloatAndConstantSpectra) {
+  const std::pair<const char*, Rgb<double>> kCases[] = {
+      {"", Rgb<double>(.5)},
+      {"Material \"diffuse\"", Rgb<double>(.5)},
+      {"Material \"diffuse\" \"rgb reflectance\" [.1 .2 .3]", {.1, .2, .3}},
+      {"Material \"diffuse\" \"float reflectance\" .7", Rgb<double>(.7)},
+      {"Material \"diffuse\" \"spectrum reflectance\" [300 .3 900 .3]", Rgb<double>(.3)},
+      {"Attribute \"material\" \"rgb reflectance\" [.1 .1 .1] Material \"diffuse\"",
+       Rgb<double>(.1)},
+      {"Texture \"t\" \"spectrum\" \"constant\" \"rgb value\" [.2 .4 .6] Texture \"s\" "
+       "\"spectrum\" "
+       "\"scale\" \"texture tex\" \"t\" \"float scale\" .5 Material \"diffuse\" \"texture "
+       "reflectance\" \"s\"",
+       {.1, .2, .3}},
+      {"Texture \"f\" \"float\" \"constant\" \"float value\" 3 Texture \"s\" \"spectrum\" "
+       "\"scale\" "
+       "\"rgb tex\" [.1 .2 .3] \"texture scale\" \"f\" Material \"diffuse\" \"texture "
+       "reflectance\" \"s\"",
+       {.1 * 3, .2 * 3, .3 * 3}},
+      {"Texture \"m\" \"spectrum\" \"mix\" \"rgb tex1\" [.2 .2 .2] \"rgb tex2\" [.6 .6 .6] \"float "
+       "amount\" "
+       ".25 Material \"diffuse\" \"texture reflectance\" \"m\"",
+       Rgb<double>(.2 * .75 + .6 * .25)},
+  };
+  for (const auto& [text, expected] : kCases) {
+    const auto [reflectance, remarks] = surface(text);
+    EXPECT_EQ(reflectance, expected) << text;
+    EXPECT_EQ(remarks, "") << text;
+  }
+}
+
+TEST(PbrtMaterials, OthersBecomeDiffuseOfTheirNearestParameterAndAreRemarkedOn) {
+  const std::tuple<const char*, double, const char*> kCases[] = {
+      {"Material \"coateddiffuse\" \"rgb reflectance\" [.2 .2 .2] \"float roughness\" 0", .2,
+       "1:12 material \"coateddiffuse\" is not modelled -> diffuse, reflectance 0.2\n"},
+      {"Material \"conductor\" \"rgb reflectance\" [.9 .9 .9]", .9,
+       "1:12 material \"conductor\" is not modelled -> diffuse, reflectance 0.9\n"},
+      {"Material \"conductor\"", .5,
+       "1:12 material \"conductor\" is not modelled -> diffuse, reflectance 0.5\n"},
+      {"Material \"dielectric\"", .5,
+       "1:12 material \"dielectric\" is not modelled -> diffuse, reflectance 0.5\n"},
+      {"Material \"diffuse\" \"rgb reflectance\" [2 2 2]", 1,
+       "1:31 \"reflectance\" = [2 2 2] is no reflectance -> clamped to [1 1 1]\n"},
+      {"Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"x.png\" Material \"diffuse\" "
+       "\"texture reflectance\" \"t\"",
+       .5, "1:12 texture \"t\" (imagemap) is not modelled -> constant 0.5\n"},
+      {"Material \"diffuse\" \"spectrum reflectance\" \"x.spd\"", .5,
+       "1:31 spectrum \"reflectance\" of a surface is not modelled -> grey 0.5\n"},
+      {"Material \"diffuse\" \"string normalmap\" \"x.png\"", .5,
+       "1:31 \"normalmap\" of material \"diffuse\" is not modelled -> the surface as its shape "
+       "gives it\n"},
+  };
+  for (const auto& [text, expected, remark] : kCases) {
+    const auto [reflectance, remarks] = surface(text);
+    EXPECT_EQ(reflectance, Rgb<double>(expected)) << text;
+    EXPECT_EQ(remarks, remark) << text;
+  }
+}
+
+TEST(PbrtMaterials, MixIsItsFirstPart) {
+  const auto [reflectance, remarks] = surface(
+      "Material \"mix\" \"string materials\" [\"a\" \"b\"] MakeNamedMaterial \"a\" \"string type\" "
+      "\"diffuse\" "
+      "\"rgb reflectance\" [.3 .3 .3] MakeNamedMaterial \"b\" \"string type\" \"conductor\"");
+  EXPECT_EQ(reflectance, Rgb<double>(.3));
+  EXPECT_EQ(remarks,
+            "1:12 material \"mix\" is not modelled -> its first part, diffuse, reflectance 0.3\n");
+}
+
+TEST(PbrtMaterials, NamedMaterialsMayBeUsedBeforeTheyAreMade) {
+  const auto scene = load_world(
+      "NamedMaterial \"m\" Shape \"disk\" MakeNamedMaterial \"m\" \"string type\" \"diffuse\" "
+      "\"rgb reflectance\" [.3 .3 .3] Shape \"disk\" Material \"diffuse\" Material \"conductor\"");
+  ASSERT_TRUE(scene.ok()) << scene.status();
+  EXPECT_EQ(scene->materials.size(), 1U);  // those that no shape uses are not built
+  EXPECT_EQ(scene->materials[scene->shapes[1].material].reflectance, Rgb<double>(.3));
+  EXPECT_EQ(remarks_of(*scene), "");
+}
+
+TEST(PbrtMaterials, InterfacesAreNotToBeSeen) {
+  const auto scene = load_world(
+      "AreaLightSource \"diffuse\" Material \"interface\" Shape \"disk\"\nMaterial \"diffuse\" "
+      "Shape \"sphere\"");
+  ASSERT_TRUE(scene.ok());
+  ASSERT_EQ(scene->shapes.size(), 1U);
+  EXPECT_TRUE(std::holds_alternative<SphereParams>(scene->shapes[0].geometry));
+  EXPECT_EQ(
+      remarks_of(*scene),
+      "1:59 a shape with the material \"interface\", which bounds a medium -> left out, its light "
+      "too, as in pbrt-v4\n");
+}
+
+TEST(PbrtMaterials, WrongOnesAreErrors) {
+  const std::pair<const char*, const char*> kCases[] = {
+      {"Material \"gold\"", "unknown material \"gold\", expected one of diffuse"},
+      {"MakeNamedMaterial \"m\"", "material \"m\" lacks \"string type\""},
+      {"MakeNamedMaterial \"m\" \"string type\" \"diffuse\" MakeNamedMaterial \"m\" \"string "
+       "type\" \"diffuse\"",
+       "material \"m\" was made before, at scene.pbrt:1:12"},
+      {"Material \"diffuse\" \"texture reflectance\" \"t\" Shape \"disk\"",
+       "no texture \"t\" is made"},
+      {"MakeNamedMaterial \"m\" \"string type\" \"mix\" \"string materials\" [\"m\" \"m\"] "
+       "NamedMaterial \"m\" Shape \"disk\"",
+       "is a mix of itself"},
+      {"Texture \"t\" \"spectrum\" \"constant\" Texture \"t\" \"spectrum\" \"constant\"",
+       "was made before"},
+      {"Texture \"t\" \"spectrum\" \"wood\"", "unknown texture class \"wood\""},
+  };
+  for (const auto& [text, expected] : kCases)
+    EXPECT_THAT(world_error_of(text), HasSubstr(expected)) << text;
+}
+
+// CIE 15, table T.4 (1931 observer).
+TEST(PbrtSpectra, ColourMatchingFunctionsAreNearTheTables) {
+  const std::pair<double, Vec3<double>> kTable[] = {
+      {420, {0.13438, 0.0040, 0.6456}}, {450, {0.3362, 0.0380, 1.77211}},
+      {500, {0.0049, 0.3230, 0.2720}},  {550, {0.43345, 0.99495, 0.00875}},
+      {600, {1.0622, 0.6310, 0.0008}},  {650, {0.2835, 0.1070, 0.0}},
+  };
+  for (const auto& [nm, expected] : kTable)
+    EXPECT_LT(max_abs(pbrt::colour_matching(nm) - expected), 0.03) << nm;
+}
+
+Vec2<double> chromaticity(const Rgb<double>& c) {
+  const double x = 0.4123907992659595 * c.r + 0.357584339383878 * c.g + 0.1804807884018343 * c.b;
+  const double z = 0.0193308187155918 * c.r + 0.119194779794626 * c.g + 0.9505321522496607 * c.b;
+  const double sum = x + luminance(c) + z;
+  return {x / sum, luminance(c) / sum};
+}
+
+// Chromaticities of the Planckian locus [Wyszecki82]; 2856 K is illuminant A of CIE 15.
+TEST(PbrtSpectra, BlackBodiesLieOnThePlanckianLocus) {
+  const std::tuple<double, double, double> kLocus[] = {
+      {2000, 0.5267, 0.4133}, {2856, 0.4476, 0.4074},  {4000, 0.3805, 0.3768},
+      {6500, 0.3135, 0.3237}, {10000, 0.2807, 0.2884},
+  };
+  for (const auto& [kelvin, x, y] : kLocus) {
+    const auto colour = pbrt::blackbody_colour(kelvin);
+    EXPECT_NEAR(luminance(colour.rgb), 1, 1e-12);
+    EXPECT_NEAR(chromaticity(colour.rgb).x, x, 0.003) << kelvin;
+    EXPECT_NEAR(chromaticity(colour.rgb).y, y, 0.003) << kelvin;
+  }
+}
+
+TEST(PbrtSpectra, ColoursOutsideOfRgbAreClippedAtLuminanceOne) {
+  for (const double kelvin : {100.0, 1000.0, 1e7}) {
+    const auto colour = pbrt::blackbody_colour(kelvin);
+    EXPECT_TRUE(is_finite(colour.rgb));
+    EXPECT_GE(std::min({colour.rgb.r, colour.rgb.g, colour.rgb.b}), 0);
+    EXPECT_NEAR(luminance(colour.rgb), 1, 1e-12);
+  }
+  EXPECT_TRUE(pbrt::blackbody_colour(1000).clipped);
+  EXPECT_FALSE(pbrt::blackbody_colour(3000).clipped);
+}
+
+TEST(PbrtSpectra, FlatSpectraHaveTheColourOfEqualEnergy) {
+  const double wavelengths[] = {300, 900}, values[] = {5, 5};
+  const auto xy = chromaticity(pbrt::spectrum_colour(wavelengths, values).rgb);
+  EXPECT_NEAR(xy.x, 1.0 / 3, 0.003);
+  EXPECT_NEAR(xy.y, 1.0 / 3, 0.003);
+  const double infrared[] = {900, 1000};
+  EXPECT_TRUE(pbrt::spectrum_colour(infrared, values).rgb.is_black());
+}
+
+}  // namespace
+}  // namespace lucerna

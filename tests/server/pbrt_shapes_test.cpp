@@ -1,0 +1,191 @@
+// Shapes in world space: transforms, winding, instances.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "pbrt_fixture.h"
+
+namespace lucerna {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using testing::load_world;
+using testing::message;
+using testing::remarks_of;
+using testing::SceneFiles;
+using testing::world_error_of;
+
+const std::string kTriangle = "Shape \"trianglemesh\" \"point3 P\" [0 0 0  1 0 0  0 1 0] ";
+const std::string kPatch = "Shape \"bilinearmesh\" \"point3 P\" [0 0 0  1 0 0  0 1 0  1 1 0] ";
+const std::string kUp = "\"normal N\" [0 0 2  0 0 2  0 0 2] ";
+const std::string kUp4 = "\"normal N\" [0 0 2  0 0 2  0 0 2  0 0 2] ";
+
+/// The z of the outside of the first primitive, as the winding says it.
+double outside_z(const std::string& text) {
+  const auto scene = load_world(text);
+  if (!scene.ok()) {
+    ADD_FAILURE() << scene.status();
+    return 0;
+  }
+  return std::visit(
+      [](const auto& shape) -> double {
+        if constexpr (requires { shape.indices; }) {
+          const auto p = [&](int k) { return shape.positions[shape.indices[k]]; };
+          return normalized(cross(p(1) - p(0), p(2) - p(0))).z;
+        } else {
+          return 0;
+        }
+      },
+      scene->shapes[0].geometry);
+}
+
+TEST(PbrtShapes, WindingIsTheOutsideAfterMirrorsAndReverseOrientation) {
+  for (const std::string& shape : {kTriangle, kPatch}) {
+    EXPECT_EQ(outside_z(shape), 1);
+    EXPECT_EQ(outside_z("ReverseOrientation " + shape), -1);
+    // The mirror turns the winding over in world space; pbrt-v4 keeps the outside where it was.
+    EXPECT_EQ(outside_z("Scale -1 1 1 " + shape), 1);
+    EXPECT_EQ(outside_z("Scale -1 1 1 ReverseOrientation " + shape), -1);
+    EXPECT_EQ(outside_z("Scale 1 1 -1 " + shape), -1);
+  }
+}
+
+TEST(PbrtShapes, VertexNormalsDecideTheOutside) {
+  const std::string down = "\"normal N\" [0 0 -1  0 0 -1  0 0 -1] ";
+  EXPECT_EQ(outside_z(kTriangle + kUp), 1);
+  EXPECT_EQ(outside_z(kTriangle + down), -1);
+  EXPECT_EQ(outside_z("ReverseOrientation " + kTriangle + kUp), -1);
+  EXPECT_EQ(outside_z("Scale -1 1 1 " + kTriangle + kUp), 1);
+  EXPECT_EQ(outside_z("Scale 1 1 -1 " + kTriangle + kUp), -1);
+  EXPECT_EQ(outside_z(kPatch + kUp4), 1);
+  EXPECT_EQ(outside_z("ReverseOrientation " + kPatch + kUp4), -1);
+}
+
+TEST(PbrtShapes, NormalsAreUnitInWorldSpaceAndFollowTheOutside) {
+  const auto scene =
+      load_world("Scale 1 1 4 Rotate 45 1 0 0 ReverseOrientation " + kTriangle + kUp);
+  ASSERT_TRUE(scene.ok());
+  const auto& mesh = std::get<TriangleMeshData>(scene->shapes[0].geometry);
+  // (0, -1, 1) / sqrt 2 after the rotation, (0, -4, 1) / sqrt 17 by the inverse transpose,
+  // reversed.
+  EXPECT_NEAR(mesh.normals[0].y, 4 / std::sqrt(17.0), 1e-7);
+  EXPECT_NEAR(mesh.normals[0].z, -1 / std::sqrt(17.0), 1e-7);
+}
+
+TEST(PbrtShapes, PositionsAreInWorldSpace) {
+  const auto scene = load_world("Translate 10 0 0 Scale 2 3 4 Rotate 90 0 0 1 " + kTriangle);
+  ASSERT_TRUE(scene.ok());
+  const auto& mesh = std::get<TriangleMeshData>(scene->shapes[0].geometry);
+  // x turns into y, then scales by 3; y turns into -x, then scales by 2.
+  EXPECT_NEAR(mesh.positions[1].x, 10, 1e-15);
+  EXPECT_NEAR(mesh.positions[1].y, 3, 1e-15);
+  EXPECT_NEAR(mesh.positions[2].x, 8, 1e-15);
+}
+
+TEST(PbrtShapes, InstancesComposeTheirTransformWithThoseInTheDefinition) {
+  const auto scene = load_world(
+      "AttributeBegin Translate 1 0 0 ObjectBegin \"o\" Scale 2 2 2 Shape \"sphere\" " + kTriangle +
+      "ObjectEnd AttributeEnd Translate 0 0 5 ObjectInstance \"o\" Translate 0 0 5 ObjectInstance "
+      "\"o\"");
+  ASSERT_TRUE(scene.ok()) << scene.status();
+  EXPECT_TRUE(scene->shapes.empty());
+  ASSERT_EQ(scene->objects.size(), 1U);
+  ASSERT_EQ(scene->instances.size(), 2U);
+  const auto& object = scene->objects[0];
+  EXPECT_EQ(object.name, "o");
+  // Translate 1 0 0 is in force at the definition: world = instance * definition.
+  EXPECT_EQ(std::get<SphereParams>(object.shapes[0].geometry).world_from_object.point({1, 0, 0}),
+            Vec3<double>(3, 0, 0));
+  EXPECT_EQ(std::get<TriangleMeshData>(object.shapes[1].geometry).positions[1],
+            Vec3<double>(3, 0, 0));
+  EXPECT_EQ(scene->instances[1].world_from_object.point({3, 0, 0}), Vec3<double>(3, 0, 10));
+}
+
+TEST(PbrtShapes, InstancesMayStandBeforeTheirObject) {
+  const auto scene =
+      load_world("ObjectInstance \"b\" ObjectBegin \"a\" ObjectEnd ObjectBegin \"b\" ObjectEnd");
+  ASSERT_TRUE(scene.ok());
+  EXPECT_EQ(scene->instances[0].object, 1U);
+}
+
+TEST(PbrtShapes, SpheresAndDisksKeepTheirParametersAndTransform) {
+  const auto scene = load_world(
+      "Translate 1 2 3 Shape \"sphere\" \"float radius\" 2 \"float zmin\" 1 \"float zmax\" -.5 "
+      "\"float phimax\" 90 ReverseOrientation Shape \"disk\" \"float radius\" 3 \"float "
+      "innerradius\" 1 "
+      "\"float height\" .5 Shape \"sphere\"");
+  ASSERT_TRUE(scene.ok()) << scene.status();
+  const auto& sphere = std::get<SphereParams>(scene->shapes[0].geometry);
+  EXPECT_EQ(sphere.radius_m, 2);
+  EXPECT_EQ(sphere.z_min_m, -.5);
+  EXPECT_EQ(sphere.z_max_m, 1);
+  EXPECT_NEAR(sphere.phi_max_rad, std::numbers::pi / 2, 1e-15);
+  EXPECT_EQ(sphere.world_from_object.point({0, 0, 0}), Vec3<double>(1, 2, 3));
+  const auto& disk = std::get<DiskParams>(scene->shapes[1].geometry);
+  EXPECT_EQ(disk.radius_m, 3);
+  EXPECT_EQ(disk.inner_radius_m, 1);
+  EXPECT_EQ(disk.height_m, .5);
+  EXPECT_TRUE(disk.reverse_orientation);
+  const auto& whole = std::get<SphereParams>(scene->shapes[2].geometry);
+  EXPECT_EQ(whole.z_max_m, 1);
+  EXPECT_EQ(whole.phi_max_rad, 2 * std::numbers::pi);
+}
+
+TEST(PbrtShapes, WrongMeshesAreRefused) {
+  const std::pair<std::string, std::string> kCases[] = {
+      {"Shape \"trianglemesh\"", "lacks \"point3 P\""},
+      {kPatch + "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0]", "lacks \"integer indices\""},
+      {kTriangle + "\"integer indices\" [0 1 2 0]", "has 4 indices, expected a multiple of 3"},
+      {kTriangle + "\"integer indices\" [0 1 3]", "index 2 names vertex 3, there are 3"},
+      {kTriangle + "\"integer indices\" [0 1 -1]", "\"indices\" holds -1, allowed: not negative"},
+      {kTriangle + "\"normal N\" [0 0 1]", "has 1 normals for 3 vertices"},
+      {"Scale 1e200 1 1 Scale 1e150 1 1 " + kTriangle, "is not finite after its transform"},
+      {"Shape \"sphere\" \"float radius\" 0", "radius"},
+      {"Shape \"disk\" \"float innerradius\" 2", "inner"},
+      {"Shape \"plymesh\"", "lacks \"string filename\""},
+  };
+  for (const auto& [text, expected] : kCases) {
+    EXPECT_THAT(world_error_of(text), ::testing::StartsWith("scene.pbrt:1:")) << text;
+    EXPECT_THAT(world_error_of(text), HasSubstr(expected)) << text;
+  }
+}
+
+TEST(PbrtShapes, WhatIsNotModelledIsRemarkedOn) {
+  const auto scene = load_world("Shape \"cylinder\"\n" + kTriangle + "\"float alpha\" .5\n" +
+                                "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 2 0 0  0 1 0] "
+                                "\"integer indices\" [0 1 2 0 1 3]\n" +
+                                kTriangle + "\"normal N\" [0 0 0  0 0 1  0 0 1]\n" +
+                                "ActiveTransform EndTime Translate 1 0 0\n" + kTriangle);
+  ASSERT_TRUE(scene.ok()) << scene.status();
+  EXPECT_EQ(remarks_of(*scene),
+            "1:12 Shape \"cylinder\" is not modelled -> left out\n"
+            "2:55 \"alpha\" is not modelled -> opaque\n"
+            "3:1 1 of 2 triangles of this mesh have no area -> kept, but neither seen nor a light\n"
+            "4:1 the normal of vertex 0 has no direction -> the mesh is taken without normals\n"
+            "6:1 motion of Shape is not modelled -> where it is at its start\n");
+  EXPECT_EQ(scene->shapes.size(), 4U);
+}
+
+TEST(PbrtShapes, PlyMeshesComeFromTheirFileAndItsErrorsNameBoth) {
+  const SceneFiles files;
+  files.write("scene.pbrt",
+              "WorldBegin Translate 0 0 1\nShape \"plymesh\" \"string filename\" \"m/a.ply\"");
+  const std::string header =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float "
+      "z\n"
+      "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
+  files.write("m/a.ply", header + "0 0 0 1 0 0 0 1 0 3 0 1 2");
+  const auto scene = files.load("scene.pbrt");
+  ASSERT_TRUE(scene.ok()) << scene.status();
+  EXPECT_EQ(std::get<TriangleMeshData>(scene->shapes[0].geometry).positions[2],
+            Vec3<double>(0, 1, 1));
+  EXPECT_EQ(scene->assets[1].name, "m/a.ply");
+  files.write("m/a.ply", header + "0 0 0 1 0 0 0 nan 0 3 0 1 2");
+  EXPECT_EQ(message(files.load("scene.pbrt").status()),
+            "scene.pbrt:2:17: file \"m/a.ply\": PLY: vertex 2 is not finite");
+}
+
+}  // namespace
+}  // namespace lucerna
