@@ -1,0 +1,34 @@
+#include "server/fingerprint.h"
+
+#include <fmt/core.h>
+#include <gnu/libc-version.h>
+#include <openssl/evp.h>
+
+#include <cstdint>
+
+#include "server/accelerator.h"
+
+namespace lucerna {
+
+absl::StatusOr<Fingerprint> numeric_fingerprint(const std::string& isa) {
+  const auto kernels = Accelerator::build({}, {}, {}, isa, {});
+  if (!kernels.ok()) return kernels.status();
+  Fingerprint f;
+  f.build = LUCERNA_BUILD;
+  f.embree = fmt::format("{} {}", LUCERNA_EMBREE_VERSION, (*kernels)->isa());
+  // glibc picks variants of its functions by what the processor has; those with fused
+  // multiply-add may round differently.
+  f.libm = fmt::format("glibc {}{}{}", gnu_get_libc_version(),
+                       __builtin_cpu_supports("fma") ? " fma" : "",
+                       __builtin_cpu_supports("avx2") ? " avx2" : "");
+  const std::string all = f.build + '\0' + f.embree + '\0' + f.libm;
+  unsigned char hash[EVP_MAX_MD_SIZE];
+  unsigned size = 0;
+  if (EVP_Digest(all.data(), all.size(), hash, &size, EVP_sha256(), nullptr) != 1) {
+    return absl::InternalError("SHA-256 failed");
+  }
+  for (unsigned i = 0; i < 16 && i < size; ++i) f.digest += fmt::format("{:02x}", hash[i]);
+  return f;
+}
+
+}  // namespace lucerna

@@ -1,0 +1,80 @@
+// Loops over items shared by the threads of the caller's oneTBB arena, with the processor time that
+// the helping threads spend.
+#pragma once
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/partitioner.h>
+#include <tbb/task_arena.h>
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <stop_token>
+
+namespace lucerna {
+
+/// Processor time of this thread so far [ns].
+std::int64_t thread_cpu_ns();
+
+/// Sums the processor time of every thread that works on one job.  The thread that made the meter
+/// counts from its making on; others count while they run chunks of its `parallel_chunks`.
+class CpuMeter {
+ public:
+  /// Becomes the current meter of this thread until it is destroyed, on the same thread.
+  CpuMeter();
+  ~CpuMeter();
+  CpuMeter(const CpuMeter&) = delete;
+  CpuMeter& operator=(const CpuMeter&) = delete;
+
+  /// All threads together, so far [s].  To be asked on the thread that made it, outside of loops.
+  double seconds() const;
+
+  /// While it lives, this thread works for `meter` (which may be null).
+  class Helping {
+   public:
+    explicit Helping(CpuMeter* meter);
+    ~Helping();
+    Helping(const Helping&) = delete;
+    Helping& operator=(const Helping&) = delete;
+
+   private:
+    CpuMeter* meter_;  // null where this thread's time is counted already
+    CpuMeter* previous_;
+    std::int64_t start_ns_ = 0;
+  };
+  static CpuMeter* current();
+
+ private:
+  CpuMeter* previous_;
+  std::int64_t start_ns_;
+  std::atomic<std::int64_t> helpers_ns_{0};
+};
+
+/// Calls `f(begin, end)` on chunks of [0, n), each at most `grain` long and beginning at a multiple
+/// of `grain`, in any order and on any thread of the caller's arena.  Chunks that have not begun
+/// when `stop` is asked for are left out.  A chunk should take 0.1 to 5 ms, so that threads can
+/// turn to more urgent work between chunks.  Waiting threads take no other job's work.
+template <typename F>
+void parallel_chunks(std::size_t n, std::size_t grain, const std::stop_token& stop, F&& f) {
+  if (n <= grain) {
+    if (n > 0 && !stop.stop_requested()) f(std::size_t{0}, n);
+    return;
+  }
+  CpuMeter* const meter = CpuMeter::current();
+  const std::size_t chunks = (n + grain - 1) / grain;
+  tbb::this_task_arena::isolate([&] {
+    tbb::parallel_for(
+        tbb::blocked_range<std::size_t>(0, chunks, 1),
+        [&](const tbb::blocked_range<std::size_t>& range) {
+          const CpuMeter::Helping helping(meter);
+          for (std::size_t c = range.begin(); c != range.end(); ++c) {
+            if (stop.stop_requested()) return;
+            f(c * grain, c + 1 == chunks ? n : (c + 1) * grain);
+          }
+        },
+        tbb::simple_partitioner());
+  });
+}
+
+}  // namespace lucerna

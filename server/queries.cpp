@@ -1,0 +1,282 @@
+#include "server/queries.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "lights/sobol.h"
+#include "server/denormals.h"
+#include "server/parallel.h"
+#include "server/visibility.h"
+
+namespace lucerna {
+namespace {
+
+constexpr std::size_t kGrain = 512;  // a multiple of 8, as chunks write bits
+constexpr double kDefaultUlps = 4;
+
+void store(float* array, std::size_t i, const Vec3<float>& v) {
+  array[3 * i] = v.x;
+  array[3 * i + 1] = v.y;
+  array[3 * i + 2] = v.z;
+}
+
+void set_bit(std::uint8_t* bits, std::size_t i) {
+  bits[i / 8] |= static_cast<std::uint8_t>(1u << (i % 8));
+}
+
+/// One sample of a chunk on its way.
+struct Pending {
+  ScenePoint receiver;
+  Vec3<float> normal;
+  Vec2<float> u;
+  std::uint32_t light = 0;
+  bool sampled = false;
+  LightSample<float> sample;
+};
+
+class LiSampler {
+ public:
+  LiSampler(const Scene& scene, const SampleLiQuery& query, const SampleLiAnswer& answer)
+      : scene_(scene),
+        q_(query),
+        a_(answer),
+        to_scene_(scene, query.receivers, query.position_error_m),
+        light_shift_(scene.origin() - query.receivers.origin_m) {}
+
+  /// Returns the number of shadow rays.
+  std::uint64_t run(std::size_t begin, std::size_t end) const {
+    std::vector<Pending> chunk(end - begin);
+    for (std::size_t i = begin; i < end; ++i) prepare(i, chunk[i - begin]);
+    if (!scene_.lights().empty()) sample(chunk);
+    for (std::size_t i = begin; i < end; ++i) put(i, chunk[i - begin]);
+    return q_.test_visibility ? test(begin, chunk) : 0;
+  }
+
+ private:
+  void prepare(std::size_t i, Pending& p) const {
+    const std::size_t receiver = i / q_.samples;
+    p.receiver = to_scene_(receiver);
+    if (!q_.normals.empty()) {
+      const Vec3<float> n = triple(q_.normals, receiver);
+      if (!is_finite(n) || n == Vec3<float>{}) p.receiver.result = ItemResult::kInvalidInput;
+      p.normal = normalized(n);
+    }
+    double u_light = 0;
+    if (q_.seed) {
+      const SobolSequence points(q_.seed->seed, q_.seed->first_item + receiver);
+      const auto index = static_cast<std::uint32_t>(i % q_.samples);
+      p.u = points.pair(index, 0);
+      if (!q_.light) {
+        // 24 bits would leave some of more than 2^24 lights without a sample.
+        const Vec2<float> choice = points.pair(index, 1);
+        u_light = double{choice.x} + std::ldexp(double{choice.y}, -24);
+      }
+    } else {
+      p.u = {q_.u[2 * i], q_.u[2 * i + 1]};
+      if (!q_.light) u_light = q_.u_light[i];
+      if (!std::isfinite(p.u.x) || !std::isfinite(p.u.y) || !std::isfinite(u_light)) {
+        p.receiver.result = ItemResult::kInvalidInput;
+        u_light = 0;
+      }
+    }
+    if (q_.light) {
+      p.light = *q_.light;
+    } else {
+      choose(i, u_light, p);
+    }
+  }
+
+  void choose(std::size_t i, double u_light, Pending& p) const {
+    if (scene_.lights().empty()) {
+      a_.selection_probability[i] = 1;  // so that nobody divides by 0
+      return;
+    }
+    const LightChoice choice = choose_light(scene_, u_light);
+    p.light = choice.light;
+    a_.light_ids[i] = scene_.lights()[choice.light].id;
+    a_.selection_probability[i] = choice.probability;
+  }
+
+  /// Visits each light once for all samples of the chunk that chose it.
+  void sample(std::vector<Pending>& chunk) const {
+    std::vector<std::uint32_t> order;
+    order.reserve(chunk.size());
+    for (std::uint32_t k = 0; k < chunk.size(); ++k) {
+      if (chunk[k].receiver.result == ItemResult::kOk) order.push_back(k);
+    }
+    if (!q_.light) {
+      std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+        return chunk[a].light != chunk[b].light ? chunk[a].light < chunk[b].light : a < b;
+      });
+    }
+    for (std::size_t k = 0; k < order.size();) {
+      const std::uint32_t light = chunk[order[k]].light;
+      std::visit(
+          [&](const auto& l) {
+            for (; k < order.size() && chunk[order[k]].light == light; ++k) {
+              Pending& p = chunk[order[k]];
+              p.sample = l.sample_li(p.receiver.position, p.u);
+              p.sampled = true;
+            }
+          },
+          scene_.lights()[light].light);
+    }
+  }
+
+  void put(std::size_t i, Pending& p) const {
+    if (!p.sampled) {
+      if (p.receiver.result == ItemResult::kOk) p.receiver.result = ItemResult::kBlack;
+      a_.status[i] = static_cast<int>(p.receiver.result);
+      return;
+    }
+    const LightSample<float>& s = p.sample;
+    if (s.delta) set_bit(a_.delta, i);
+    p.receiver.result = item_result(s.reason);
+    a_.status[i] = static_cast<int>(p.receiver.result);
+    // Where there is no light there may be no direction, and no density either.
+    if (is_finite(s.wi)) store(a_.wi, i, s.wi);
+    if (std::isfinite(s.pdf.per_sr)) a_.pdf_per_sr[i] = s.pdf.per_sr;
+    if (is_finite(s.normal)) store(a_.light_normals, i, s.normal);
+    if (!std::isfinite(s.distance)) {
+      store_value(i, s);
+      return;
+    }
+    a_.distance_m[i] = s.distance;
+    const Vec3<float> point(Vec3<double>(s.point) + light_shift_);
+    if (is_finite(point)) {
+      store(a_.light_offsets_m, i, point);
+      store_value(i, s);
+    } else if (s.reason == NoLight::kNone) {
+      p.receiver.result = ItemResult::kOutOfRange;
+      a_.status[i] = static_cast<int>(p.receiver.result);
+    }
+  }
+
+  void store_value(std::size_t i, const LightSample<float>& s) const {
+    if (s.reason == NoLight::kNone) store(a_.value, i, {s.value.r, s.value.g, s.value.b});
+  }
+
+  std::uint64_t test(std::size_t begin, const std::vector<Pending>& chunk) const {
+    std::vector<Ray> rays;
+    std::vector<std::uint32_t> items;
+    rays.reserve(chunk.size());
+    items.reserve(chunk.size());
+    for (std::size_t k = 0; k < chunk.size(); ++k) {
+      if (chunk[k].receiver.result != ItemResult::kOk) continue;
+      rays.push_back(light_ray(chunk[k].receiver, chunk[k].normal, chunk[k].sample));
+      items.push_back(static_cast<std::uint32_t>(begin + k));
+    }
+    mark_visible(scene_, rays, items, a_.visible);
+    return rays.size();
+  }
+
+  const Scene& scene_;
+  const SampleLiQuery& q_;
+  const SampleLiAnswer& a_;
+  ToScene to_scene_;
+  Vec3<double> light_shift_;  // the scene's origin about the receivers'
+};
+
+}  // namespace
+
+ItemResult item_result(NoLight reason) {
+  switch (reason) {
+    case NoLight::kNone:
+      return ItemResult::kOk;
+    case NoLight::kBehind:
+      return ItemResult::kBehind;
+    case NoLight::kOutsideCone:
+      return ItemResult::kOutsideCone;
+    case NoLight::kDegenerate:
+      return ItemResult::kDegenerate;
+    case NoLight::kBlack:
+      return ItemResult::kBlack;
+    case NoLight::kOutOfRange:
+      return ItemResult::kOutOfRange;
+  }
+  return ItemResult::kOutOfRange;
+}
+
+ToScene::ToScene(const Scene& scene, const PointArray& points,
+                 std::optional<float> position_error_m)
+    : offsets_m_(points.offsets_m),
+      shift_m_(points.origin_m - scene.origin()),
+      origin_error_m_(kDefaultUlps * std::numeric_limits<double>::epsilon() *
+                      max_abs(points.origin_m)),
+      position_error_m_(position_error_m) {}
+
+ScenePoint ToScene::operator()(std::size_t i) const {
+  ScenePoint p;
+  const Vec3<float> offset = triple(offsets_m_, i);
+  if (!is_finite(offset)) {
+    p.result = ItemResult::kInvalidInput;
+    return p;
+  }
+  p.position = Vec3<float>(shift_m_ + Vec3<double>(offset));
+  if (!is_finite(p.position)) {
+    p.position = {};
+    p.result = ItemResult::kOutOfRange;
+    return p;
+  }
+  constexpr float kRelative =
+      static_cast<float>(kDefaultUlps) * std::numeric_limits<float>::epsilon();
+  p.error = position_error_m_.value_or(kRelative * std::fmax(max_abs(offset), max_abs(p.position)) +
+                                       static_cast<float>(origin_error_m_));
+  return p;
+}
+
+WorkCounts sample_li(const Scene& scene, const SampleLiQuery& query, const SampleLiAnswer& answer,
+                     std::stop_token stop) {
+  const LiSampler sampler(scene, query, answer);
+  const std::size_t n = query.receivers.size() * query.samples;
+  std::atomic<std::uint64_t> shadow_rays = 0;
+  parallel_chunks(n, kGrain, stop, [&](std::size_t begin, std::size_t end) {
+    const DenormalsAreZero denormals;
+    shadow_rays += sampler.run(begin, end);
+  });
+  WorkCounts work;
+  work.samples = n;
+  work.shadow_rays = shadow_rays;
+  return work;
+}
+
+void pdf_li(const Scene& scene, std::uint32_t light, const PointArray& receivers,
+            std::span<const float> wi, float* pdf_per_sr, int* status, std::stop_token stop) {
+  const ToScene to_scene(scene, receivers, 0.0F);
+  std::visit(
+      [&](const auto& l) {
+        parallel_chunks(receivers.size(), kGrain, stop, [&](std::size_t begin, std::size_t end) {
+          const DenormalsAreZero denormals;
+          for (std::size_t i = begin; i < end; ++i) {
+            const ScenePoint p = to_scene(i);
+            const Vec3<float> w = triple(wi, i);
+            ItemResult result = p.result;
+            if (!is_finite(w) || w == Vec3<float>{}) result = ItemResult::kInvalidInput;
+            if (result == ItemResult::kOk) {
+              const float pdf = l.pdf_li(p.position, normalized(w)).per_sr;
+              if (std::isfinite(pdf)) {
+                pdf_per_sr[i] = pdf;
+              } else {
+                result = ItemResult::kOutOfRange;
+              }
+            }
+            status[i] = static_cast<int>(result);
+          }
+        });
+      },
+      scene.lights()[light].light);
+}
+
+Power light_power(const Scene& scene, std::uint32_t light) {
+  return std::visit([&](const auto& l) { return l.power(scene.sphere()); },
+                    scene.lights()[light].light);
+}
+
+std::optional<std::uint32_t> hinted_bounces(const Scene& scene) {
+  if (!scene.hints().max_depth) return std::nullopt;
+  return static_cast<std::uint32_t>(std::max(*scene.hints().max_depth - 1, 0));
+}
+
+}  // namespace lucerna

@@ -1,0 +1,114 @@
+// Batches of questions about lights, over plain arrays: what services compute, without their
+// messages.  All work here runs in the caller's oneTBB arena and is a function of its arguments
+// alone.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <stop_token>
+
+#include "server/render.h"
+#include "server/scene.h"
+
+namespace lucerna {
+
+/// What came of one item; the numbers are those of ItemStatus in lucerna/v1/accuracy.proto.
+enum class ItemResult : int {
+  kOk = 1,
+  kBehind,
+  kOutsideCone,
+  kDegenerate,
+  kBlack,
+  kOutOfRange,
+  kInvalidInput,
+};
+ItemResult item_result(NoLight reason);
+
+/// World points as messages hold them: offsets x, y, z interleaved [m] from one origin [m].
+struct PointArray {
+  Vec3<double> origin_m;
+  std::span<const float> offsets_m;
+  std::size_t size() const { return offsets_m.size() / 3; }
+};
+
+/// Triple `i` of an interleaved array.
+inline Vec3<float> triple(std::span<const float> v, std::size_t i) {
+  return {v[3 * i], v[3 * i + 1], v[3 * i + 2]};
+}
+
+/// A point of a batch, about the scene's origin.
+struct ScenePoint {
+  Vec3<float> position;
+  float error = 0;  ///< how far each coordinate may be off [m]
+  ItemResult result = ItemResult::kOk;
+};
+
+/// Moves points of one batch to scene coordinates: in double, rounded to float once.
+class ToScene {
+ public:
+  /// `position_error_m`: unset for the default, 4 ulps: 2^-21 of the largest coordinate among
+  /// offset and scene position, and 2^-50 of the origin's, which is a double.
+  ToScene(const Scene& scene, const PointArray& points, std::optional<float> position_error_m);
+
+  /// kInvalidInput where an offset is not finite, kOutOfRange where no float holds the result.
+  ScenePoint operator()(std::size_t i) const;
+
+ private:
+  std::span<const float> offsets_m_;
+  Vec3<double> shift_m_;  ///< the points' origin about the scene's
+  double origin_error_m_;
+  std::optional<float> position_error_m_;
+};
+
+struct SeedRange {
+  std::uint64_t seed = 0;
+  std::uint64_t first_item = 0;
+};
+
+struct SampleLiQuery {
+  PointArray receivers;
+  std::uint32_t samples = 1;           ///< for each receiver
+  std::optional<std::uint32_t> light;  ///< index; unset: chosen for each sample
+  std::optional<SeedRange> seed;       ///< set: `u` and `u_light` are not read
+  std::span<const float> u;            ///< two a sample, in [0, 1] or not finite
+  std::span<const double> u_light;     ///< one a sample, in [0, 1), where `light` is unset
+  bool test_visibility = false;
+  std::span<const float> normals;  ///< three a receiver, or none
+  std::optional<float> position_error_m;
+};
+
+/// Arrays to be filled, of receivers x samples entries (or triples), receiver by receiver; all
+/// start as zeros.
+struct SampleLiAnswer {
+  float* value;
+  float* wi;
+  float* distance_m;
+  float* light_offsets_m;  ///< relative to the receivers' origin
+  float* light_normals;
+  float* pdf_per_sr;
+  std::uint8_t* delta;            ///< bits
+  std::uint8_t* visible;          ///< bits, with `test_visibility`
+  std::uint64_t* light_ids;       ///< where the light is chosen
+  double* selection_probability;  ///< where the light is chosen
+  int* status;                    ///< ItemResult
+};
+
+/// In a scene without lights every sample is kBlack, its light 0, chosen with certainty.
+/// Stops early (the answer is then of no use) where `stop` is asked for.
+WorkCounts sample_li(const Scene& scene, const SampleLiQuery& query, const SampleLiAnswer& answer,
+                     std::stop_token stop);
+
+/// The density with which `sample_li` of light `light` chooses `wi` (three a receiver, of any
+/// length but 0) [1/sr].
+void pdf_li(const Scene& scene, std::uint32_t light, const PointArray& receivers,
+            std::span<const float> wi, float* pdf_per_sr, int* status, std::stop_token stop);
+
+/// Power of light `light` [lm].
+Power light_power(const Scene& scene, std::uint32_t light);
+
+/// Reflections after the first surface that the scene file asks for: a path of length 1 (pbrt's
+/// maxdepth) is direct light.  Nothing where it does not say.
+std::optional<std::uint32_t> hinted_bounces(const Scene& scene);
+
+}  // namespace lucerna

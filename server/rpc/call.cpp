@@ -1,0 +1,86 @@
+#include "server/rpc/call.h"
+
+#include <fmt/core.h>
+#include <spdlog/spdlog.h>
+
+#include "server/parallel.h"
+#include "server/rpc/errors.h"
+
+namespace lucerna::rpc {
+namespace {
+// Up to here a task is run where it arrives: handing it over costs about as much.
+constexpr double kAtOnceSeconds = 50e-6;
+// From here it would keep small queries waiting, so it goes with the renders.
+constexpr double kBulkSeconds = 0.1;
+}  // namespace
+
+grpc::Status to_grpc(const absl::Status& status, grpc::ServerContextBase& context) {
+  if (status.ok()) return grpc::Status::OK;
+  const WireError error = to_wire(status);
+  if (error.code == grpc::StatusCode::INTERNAL) spdlog::error("{}", status.ToString());
+  if (error.pushback) {
+    context.AddTrailingMetadata("grpc-retry-pushback-ms",
+                                fmt::format("{}", error.pushback->count()));
+  }
+  return {static_cast<grpc::StatusCode>(error.code), error.message, error.details};
+}
+
+Job::Clock::time_point deadline_of(const grpc::ServerContextBase& context) {
+  return context.deadline();
+}
+
+grpc::ServerUnaryReactor* UnaryCall::start(Runtime& runtime, grpc::CallbackServerContext* context,
+                                           const std::function<Prepared(const Context&)>& prepare) {
+  const auto call = std::make_shared<UnaryCall>(runtime, context);
+  call->self_ = call;
+  call->begin(prepare);
+  return call.get();
+}
+
+void UnaryCall::begin(const std::function<Prepared(const Context&)>& prepare) {
+  pass_ = runtime_.gate.enter();
+  if (!pass_) return finish(draining());
+  Prepared task = absl::InternalError("not prepared");
+  const absl::Status prepared = guarded([&] {
+    task = prepare(runtime_.context());
+    return task.status();
+  });
+  if (!prepared.ok()) return finish(prepared);
+  if (!task->bulk && task->predicted_s < kAtOnceSeconds) return compute(*task, 0);
+  const Lane lane =
+      task->bulk || task->predicted_s > kBulkSeconds ? Lane::kBulk : Lane::kInteractive;
+  const absl::Status queued = runtime_.lanes.submit(
+      lane, {.run =
+                 [self = shared_from_this(), task = *std::move(task)](const JobStart& start) {
+                   if (start.status.ok()) {
+                     self->compute(task, start.queue_time_s);
+                   } else {
+                     self->finish(start.status);
+                   }
+                 },
+             .stop = stop_.get_token(),
+             .deadline = deadline_});
+  if (!queued.ok()) finish(lane_error(queued, lane));
+}
+
+void UnaryCall::compute(const Task& task, double queue_time_s) {
+  if (deadline_ <= Job::Clock::now()) {
+    return finish(absl::DeadlineExceededError("the deadline passed before the work started"));
+  }
+  const auto begin = std::chrono::steady_clock::now();
+  const CpuMeter meter;
+  absl::Status status = guarded([&] { return task.run(stop_.get_token()); });
+  // Work that was told to stop may have left out anything.
+  if (stop_.stop_requested()) status = stopped_status(deadline_);
+  if (task.cost != nullptr && status.ok()) {
+    const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
+    task.cost->set_cpu_time_s(meter.seconds());
+    task.cost->set_wall_time_s(wall.count());
+    task.cost->set_queue_time_s(queue_time_s);
+  }
+  finish(status);
+}
+
+void UnaryCall::finish(const absl::Status& status) { Finish(to_grpc(status, *context_)); }
+
+}  // namespace lucerna::rpc

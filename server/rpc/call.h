@@ -1,0 +1,47 @@
+// Runs tasks as gRPC calls.
+#pragma once
+
+#include <absl/status/status.h>
+#include <grpcpp/server_context.h>
+#include <grpcpp/support/server_callback.h>
+
+#include <functional>
+#include <memory>
+
+#include "server/rpc/runtime.h"
+
+namespace lucerna::rpc {
+
+/// Turns an error into gRPC's, with details in the trailing metadata of `context`; logs INTERNAL.
+grpc::Status to_grpc(const absl::Status& status, grpc::ServerContextBase& context);
+
+/// gRPC's deadline; the end of time where there is none.
+Job::Clock::time_point deadline_of(const grpc::ServerContextBase& context);
+
+/// One unary call.  Small tasks are run at once, on gRPC's thread; others in a lane.  It lives
+/// until both gRPC and the lane have let go of it.
+class UnaryCall : public grpc::ServerUnaryReactor, public std::enable_shared_from_this<UnaryCall> {
+ public:
+  static grpc::ServerUnaryReactor* start(Runtime& runtime, grpc::CallbackServerContext* context,
+                                         const std::function<Prepared(const Context&)>& prepare);
+
+  void OnCancel() override { stop_.request_stop(); }
+  void OnDone() override { const auto last = std::move(self_); }
+
+  UnaryCall(Runtime& runtime, grpc::CallbackServerContext* context)
+      : runtime_(runtime), context_(context), deadline_(deadline_of(*context)) {}
+
+ private:
+  void begin(const std::function<Prepared(const Context&)>& prepare);
+  void compute(const Task& task, double queue_time_s);
+  void finish(const absl::Status& status);
+
+  Runtime& runtime_;
+  grpc::CallbackServerContext* context_;
+  Job::Clock::time_point deadline_;
+  std::stop_source stop_;
+  CallGate::Pass pass_;
+  std::shared_ptr<UnaryCall> self_;
+};
+
+}  // namespace lucerna::rpc

@@ -1,0 +1,56 @@
+// What all requests have in common: fields that are checked the same way everywhere.
+#pragma once
+
+#include <absl/status/statusor.h>
+#include <google/protobuf/repeated_field.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "lucerna/v1/accuracy.pb.h"
+#include "server/queries.h"
+#include "server/rpc/task.h"
+
+namespace lucerna::rpc {
+
+/// NOT_FOUND where it is not loaded.
+absl::StatusOr<std::shared_ptr<const Scene>> find_scene(const Context& context,
+                                                        const std::string& scene_id);
+absl::StatusOr<std::uint32_t> find_light(const Scene& scene, std::uint64_t light_id);
+
+/// `field`: the name of the Points field.  Offsets are not looked at, but for their number.
+absl::StatusOr<PointArray> check_points(const Context& context, const std::string& field,
+                                        const v1::Points& points);
+/// Either none, where `optional`, or three for each of `items`.
+absl::Status check_triples(const std::string& field,
+                           const google::protobuf::RepeatedField<float>& v, std::size_t items,
+                           const std::string& of, bool optional);
+absl::Status check_time(bool has, double time_s);
+/// Unset: the default of the query.  Set: finite and not negative.
+absl::StatusOr<std::optional<float>> check_position_error(bool has, float position_error_m);
+/// `samples`, or `fallback` where nothing is said.
+absl::StatusOr<std::uint32_t> check_samples(const Context& context, const v1::Accuracy& accuracy,
+                                            std::uint32_t fallback);
+
+inline std::span<const float> view(const google::protobuf::RepeatedField<float>& v) {
+  return {v.data(), static_cast<std::size_t>(v.size())};
+}
+
+/// Zeros, `n` of them.
+template <typename T>
+T* fill(google::protobuf::RepeatedField<T>* field, std::size_t n) {
+  field->Resize(static_cast<int>(n), T{});
+  return field->mutable_data();
+}
+
+/// Bytes of `n` zero bits.
+std::uint8_t* fill_bits(std::string* bits, std::size_t n);
+
+/// The field stays empty where every item is OK.
+void drop_if_all_ok(google::protobuf::RepeatedField<int>* status);
+
+/// Counts of the work, without times.
+void set_counts(v1::Cost* cost, const WorkCounts& work);
+
+}  // namespace lucerna::rpc

@@ -1,0 +1,137 @@
+#include "server/rpc/convert.h"
+
+#include <fmt/core.h>
+
+#include "server/queries.h"
+
+namespace lucerna::rpc {
+namespace {
+
+void set(const Vec3<double>& v, v1::Vector3* out) {
+  out->set_x(v.x);
+  out->set_y(v.y);
+  out->set_z(v.z);
+}
+
+void set(const Rgb<double>& c, v1::Rgb* out) {
+  out->set_r(c.r);
+  out->set_g(c.g);
+  out->set_b(c.b);
+}
+
+void set_kind(const PointLight<float>& l, v1::Light* out) {
+  set(l.params().position_m, out->mutable_point()->mutable_position_m());
+  set(l.params().intensity_cd, out->mutable_point()->mutable_intensity_cd());
+}
+
+void set_kind(const SpotLight<float>& l, v1::Light* out) {
+  v1::SpotLight* spot = out->mutable_spot();
+  set(l.params().position_m, spot->mutable_position_m());
+  set(l.params().axis, spot->mutable_axis());
+  set(l.params().intensity_cd, spot->mutable_intensity_cd());
+  spot->set_cone_half_angle_rad(l.params().cone_half_angle_rad);
+  spot->set_falloff_start_rad(l.params().falloff_start_rad);
+}
+
+void set_kind(const DistantLight<float>& l, v1::Light* out) {
+  set(l.params().to_light, out->mutable_distant()->mutable_to_light());
+  set(l.params().illuminance_lx, out->mutable_distant()->mutable_illuminance_lx());
+}
+
+void set_kind(const UniformInfiniteLight<float>& l, v1::Light* out) {
+  set(l.params().radiance_cd_m2, out->mutable_uniform_infinite()->mutable_radiance_cd_m2());
+}
+
+v1::AreaShape shape_kind(const TriangleMesh<float>&) { return v1::AREA_SHAPE_TRIANGLE_MESH; }
+v1::AreaShape shape_kind(const PatchMesh<float>&) { return v1::AREA_SHAPE_BILINEAR_MESH; }
+v1::AreaShape shape_kind(const Sphere<float>&) { return v1::AREA_SHAPE_SPHERE; }
+v1::AreaShape shape_kind(const Disk<float>&) { return v1::AREA_SHAPE_DISK; }
+
+template <template <typename> typename Shape>
+void set_kind(const AreaLight<float, Shape>& l, v1::Light* out) {
+  v1::DiffuseAreaLight* area = out->mutable_diffuse_area();
+  set(l.emission().radiance_cd_m2, area->mutable_radiance_cd_m2());
+  area->set_two_sided(l.emission().two_sided);
+  area->set_shape(shape_kind(l.shape()));
+  if constexpr (requires { l.shape().size(); }) {
+    area->set_primitives(l.shape().size());
+  } else {
+    area->set_primitives(1);
+  }
+}
+
+}  // namespace
+
+void set_light(const Scene& scene, std::uint32_t light, v1::Light* out) {
+  const SceneLight& entry = scene.lights()[light];
+  out->set_id(entry.id);
+  out->set_source(fmt::format("{}:{}:{}", entry.where.file, entry.where.line, entry.where.column));
+  std::visit(
+      [&]<typename L>(const L& l) {
+        out->set_delta(L::kDelta);
+        if constexpr (requires { l.shape(); }) {
+          out->set_area_m2(l.area_m2());
+          const auto [lower, upper] = l.shape().bounds();
+          set(scene.origin() + Vec3<double>(lower), out->mutable_bounds()->mutable_lower_m());
+          set(scene.origin() + Vec3<double>(upper), out->mutable_bounds()->mutable_upper_m());
+        } else if constexpr (requires { l.params().position_m; }) {
+          set(l.params().position_m, out->mutable_bounds()->mutable_lower_m());
+          set(l.params().position_m, out->mutable_bounds()->mutable_upper_m());
+        }
+        set_kind(l, out);
+      },
+      entry.light);
+  const Power power = light_power(scene, light);
+  out->set_power_lm(luminance(power.lumens));
+  out->set_power_error_lm(power.error_lumens);
+}
+
+void set_summary(const StoredScene& stored, v1::SceneSummary* out) {
+  const Scene& scene = *stored.scene;
+  out->set_scene_id(scene.id());
+  out->set_path(stored.path);
+  out->set_shapes(scene.shape_count());
+  out->set_primitives(scene.primitive_count());
+  out->set_lights(scene.lights().size());
+  set(scene.origin(), out->mutable_origin_m());
+  set(scene.origin() + scene.sphere().center_m, out->mutable_center_m());
+  out->set_radius_m(scene.sphere().radius_m);
+  out->set_image_width(static_cast<std::uint32_t>(scene.camera().width()));
+  out->set_image_height(static_cast<std::uint32_t>(scene.camera().height()));
+  const RenderHints& hints = scene.hints();
+  if (hints.samples_per_pixel) {
+    out->set_samples_per_pixel(static_cast<std::uint32_t>(*hints.samples_per_pixel));
+  }
+  if (const auto bounces = hinted_bounces(scene)) out->set_bounces(*bounces);
+  std::uint64_t bytes = 0;
+  for (const ScenePart& part : scene.parts()) bytes += part.bytes;
+  out->set_bytes(bytes);
+}
+
+void add_remarks(const Scene& scene, google::protobuf::RepeatedPtrField<v1::Remark>* out) {
+  for (const Remark& remark : scene.remarks()) {
+    v1::Remark* r = out->Add();
+    r->set_file(remark.where.file);
+    r->set_line(static_cast<std::uint32_t>(remark.where.line));
+    r->set_column(static_cast<std::uint32_t>(remark.where.column));
+    r->set_what(remark.what);
+    r->set_instead(remark.instead);
+  }
+}
+
+void set_parts(const Scene& scene, v1::GetSceneResponse* out) {
+  for (const ScenePart& part : scene.parts()) {
+    v1::ScenePart* p = out->add_parts();
+    p->set_name(part.name);
+    p->set_bytes(part.bytes);
+    p->set_build_ms(part.build_ms);
+    p->set_why(part.why);
+  }
+  for (const Asset& asset : scene.assets()) {
+    v1::NamedAsset* a = out->add_assets();
+    a->set_name(asset.name);
+    a->set_sha256(asset.sha256);
+  }
+}
+
+}  // namespace lucerna::rpc

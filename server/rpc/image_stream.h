@@ -1,0 +1,57 @@
+// RenderImage as a gRPC stream.
+#pragma once
+
+#include <absl/status/status.h>
+#include <grpcpp/server_context.h>
+#include <grpcpp/support/server_callback.h>
+
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <optional>
+
+#include "lucerna/v1/render.pb.h"
+#include "server/rpc/runtime.h"
+#include "server/rpc/tiles.h"
+
+namespace lucerna::rpc {
+
+/// Renders one tile a job, so that other renders get their turn between two tiles, and no further
+/// ahead of the client's reading than a few tiles.
+class ImageStream : public grpc::ServerWriteReactor<v1::RenderImageResponse>,
+                    public std::enable_shared_from_this<ImageStream> {
+ public:
+  static grpc::ServerWriteReactor<v1::RenderImageResponse>* start(
+      Runtime& runtime, grpc::CallbackServerContext* context,
+      const v1::RenderImageRequest& request);
+
+  void OnCancel() override { stop_.request_stop(); }
+  void OnDone() override { const auto last = std::move(self_); }
+  void OnWriteDone(bool ok) override;
+
+  ImageStream(Runtime& runtime, grpc::CallbackServerContext* context);
+
+ private:
+  void begin(const v1::RenderImageRequest& request);
+  Job next_job();
+  void render_next(const JobStart& start);
+  /// Starts whatever is to be done next: a write, a job, the end.
+  void advance();
+
+  Runtime& runtime_;
+  grpc::CallbackServerContext* context_;
+  Job::Clock::time_point deadline_;
+  std::stop_source stop_;
+  CallGate::Pass pass_;
+  std::shared_ptr<ImageStream> self_;
+
+  std::optional<ImageRender> render_;  // of the job's, while there is one
+  double queue_s_ = 0, wall_s_ = 0, cpu_s_ = 0;
+
+  std::mutex mutex_;
+  std::deque<v1::RenderImageResponse> ready_;  // the first is being written, if any is
+  bool job_ = false, writing_ = false, complete_ = false, finished_ = false;
+  absl::Status error_;
+};
+
+}  // namespace lucerna::rpc

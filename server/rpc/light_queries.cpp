@@ -1,0 +1,229 @@
+// SampleLi, PdfLi and EstimatePower.
+#include <fmt/core.h>
+
+#include <cmath>
+
+#include "server/queries.h"
+#include "server/rpc/checks.h"
+#include "server/rpc/errors.h"
+#include "server/rpc/lighting.h"
+#include "server/rpc/paging.h"
+
+namespace lucerna::rpc {
+namespace {
+
+// Processor time of one item [s], rounded up from what one core took on the reference scenes.
+constexpr double kSampleSeconds = 400e-9;
+constexpr double kShadowRaySeconds = 1e-6;
+constexpr double kPdfSeconds = 200e-9;
+// An area light's density looks at every primitive.
+constexpr double kPdfPrimitiveSeconds = 20e-9;
+constexpr double kPowerSeconds = 300e-9;
+
+/// [0, 1], or not a number: that is its item's own trouble.
+absl::Status check_u(const v1::SampleValues& values) {
+  for (int i = 0; i < values.u_size(); ++i) {
+    const float u = values.u(i);
+    if ((u < 0 || u > 1) && std::isfinite(u)) {
+      return bad_field(fmt::format("u.u[{}]", i), fmt::format("{}", u), "[0, 1]");
+    }
+  }
+  for (int i = 0; i < values.u_light_size(); ++i) {
+    const double u = values.u_light(i);
+    if ((u < 0 || u >= 1) && std::isfinite(u)) {
+      return bad_field(fmt::format("u.u_light[{}]", i), fmt::format("{}", u), "[0, 1)");
+    }
+  }
+  return absl::OkStatus();
+}
+
+absl::Status check_randomness(const v1::SampleLiRequest& request, std::size_t n,
+                              SampleLiQuery& query) {
+  switch (request.randomness_case()) {
+    case v1::SampleLiRequest::kSeed:
+      query.seed = SeedRange{request.seed().seed(), request.seed().first_item()};
+      return absl::OkStatus();
+    case v1::SampleLiRequest::kU: {
+      const v1::SampleValues& values = request.u();
+      const auto u_length = static_cast<std::size_t>(values.u_size());
+      if (u_length != 2 * n) {
+        return bad_length("u.u", u_length, 2 * n, fmt::format("two for each of {} samples", n));
+      }
+      const std::size_t u_light = query.light ? 0 : n;
+      const auto u_light_length = static_cast<std::size_t>(values.u_light_size());
+      if (u_light_length != u_light) {
+        return bad_length(
+            "u.u_light", u_light_length, u_light,
+            query.light ? "as light_id is set" : fmt::format("one for each of {} samples", n));
+      }
+      query.u = view(values.u());
+      query.u_light = {values.u_light().data(), u_light};
+      return absl::OkStatus();
+    }
+    case v1::SampleLiRequest::RANDOMNESS_NOT_SET:
+      break;
+  }
+  return bad_field("randomness", "unset", "u or seed");
+}
+
+void set_power(const Power& power, v1::LightPower* out) {
+  out->mutable_rgb_lm()->set_r(power.lumens.r);
+  out->mutable_rgb_lm()->set_g(power.lumens.g);
+  out->mutable_rgb_lm()->set_b(power.lumens.b);
+  out->set_power_lm(luminance(power.lumens));
+  out->set_error_lm(power.error_lumens);
+}
+
+SampleLiAnswer make_room(const SampleLiQuery& query, std::size_t n, v1::SampleLiResponse* r) {
+  const bool chosen = !query.light;
+  return {.value = fill(r->mutable_value(), 3 * n),
+          .wi = fill(r->mutable_wi(), 3 * n),
+          .distance_m = fill(r->mutable_distance_m(), n),
+          .light_offsets_m = fill(r->mutable_light_offsets_m(), 3 * n),
+          .light_normals = fill(r->mutable_light_normals(), 3 * n),
+          .pdf_per_sr = fill(r->mutable_pdf_per_sr(), n),
+          .delta = fill_bits(r->mutable_delta(), n),
+          .visible = query.test_visibility ? fill_bits(r->mutable_visible(), n) : nullptr,
+          .light_ids = chosen ? fill(r->mutable_light_ids(), n) : nullptr,
+          .selection_probability = chosen ? fill(r->mutable_selection_probability(), n) : nullptr,
+          .status = fill(r->mutable_status(), n)};
+}
+
+}  // namespace
+
+Prepared sample_li(const Context& context, const v1::SampleLiRequest& request,
+                   v1::SampleLiResponse* response) {
+  const auto scene = find_scene(context, request.scene_id());
+  if (!scene.ok()) return scene.status();
+  SampleLiQuery query;
+  const auto receivers = check_points(context, "receivers", request.receivers());
+  if (!receivers.ok()) return receivers.status();
+  query.receivers = *receivers;
+  const auto samples = check_samples(context, request.accuracy(), 1);
+  if (!samples.ok()) return samples.status();
+  query.samples = *samples;
+  const std::uint64_t n = std::uint64_t{query.samples} * query.receivers.size();
+  if (n > context.limits.max_batch_items) {
+    return over_limit("receivers times accuracy.samples", n, context.limits.max_batch_items);
+  }
+  if (request.has_light_id()) {
+    const auto light = find_light(**scene, request.light_id());
+    if (!light.ok()) return light.status();
+    query.light = *light;
+  }
+  if (auto s = check_randomness(request, n, query); !s.ok()) return s;
+  if (auto s = check_time(request.has_time_s(), request.time_s()); !s.ok()) return s;
+  query.test_visibility = request.test_visibility();
+  if (auto s =
+          check_triples("normals", request.normals(), query.receivers.size(), "receivers", true);
+      !s.ok()) {
+    return s;
+  }
+  query.normals = view(request.normals());
+  const auto error =
+      check_position_error(request.has_position_error_m(), request.position_error_m());
+  if (!error.ok()) return error.status();
+  query.position_error_m = *error;
+
+  Task task;
+  task.predicted_s =
+      static_cast<double>(n) * (kSampleSeconds + (query.test_visibility ? kShadowRaySeconds : 0));
+  task.cost = response->mutable_cost();
+  task.run = [scene = *scene, query, n, &request, response](const std::stop_token& stop) {
+    if (auto s = check_u(request.u()); !s.ok()) return s;
+    const SampleLiAnswer answer = make_room(query, n, response);
+    set_counts(response->mutable_cost(), lucerna::sample_li(*scene, query, answer, stop));
+    drop_if_all_ok(response->mutable_status());
+    return absl::OkStatus();
+  };
+  return task;
+}
+
+Prepared pdf_li(const Context& context, const v1::PdfLiRequest& request,
+                v1::PdfLiResponse* response) {
+  const auto scene = find_scene(context, request.scene_id());
+  if (!scene.ok()) return scene.status();
+  const auto receivers = check_points(context, "receivers", request.receivers());
+  if (!receivers.ok()) return receivers.status();
+  const std::size_t n = receivers->size();
+  if (auto s = check_triples("wi", request.wi(), n, "receivers", false); !s.ok()) return s;
+  if (request.light_id() == 0) return bad_field("light_id", "0", "the id of a light");
+  const auto light = find_light(**scene, request.light_id());
+  if (!light.ok()) return light.status();
+  if (auto s = check_time(request.has_time_s(), request.time_s()); !s.ok()) return s;
+
+  Task task;
+  const std::uint64_t primitives = std::visit(
+      [](const auto& l) -> std::uint64_t {
+        if constexpr (requires { l.shape().size(); }) {
+          return l.shape().size();
+        } else {
+          return 1;
+        }
+      },
+      (*scene)->lights()[*light].light);
+  task.predicted_s = static_cast<double>(n) *
+                     (kPdfSeconds + kPdfPrimitiveSeconds * static_cast<double>(primitives));
+  task.cost = response->mutable_cost();
+  task.run = [scene = *scene, light = *light, receivers = *receivers, n, &request,
+              response](const std::stop_token& stop) {
+    lucerna::pdf_li(*scene, light, receivers, view(request.wi()),
+                    fill(response->mutable_pdf_per_sr(), n), fill(response->mutable_status(), n),
+                    stop);
+    drop_if_all_ok(response->mutable_status());
+    return absl::OkStatus();
+  };
+  return task;
+}
+
+Prepared estimate_power(const Context& context, const v1::EstimatePowerRequest& request,
+                        v1::EstimatePowerResponse* response) {
+  const auto scene = find_scene(context, request.scene_id());
+  if (!scene.ok()) return scene.status();
+  if (request.method() == v1::EstimatePowerRequest::METHOD_APPROXIMATE) {
+    return unimplemented("METHOD_APPROXIMATE is not answered yet: METHOD_EXACT costs no more");
+  }
+  if (request.method() != v1::EstimatePowerRequest::METHOD_UNSPECIFIED &&
+      request.method() != v1::EstimatePowerRequest::METHOD_EXACT) {
+    return bad_field("method", fmt::format("{}", static_cast<int>(request.method())),
+                     "METHOD_EXACT");
+  }
+  const auto asked = static_cast<std::uint64_t>(request.light_ids_size());
+  if (asked > context.limits.max_batch_items) {
+    return over_limit("light_ids", asked, context.limits.max_batch_items);
+  }
+  const auto page_size = check_page_size(request.page_size(), context.limits.max_page_size);
+  if (!page_size.ok()) return page_size.status();
+  const std::size_t n = asked > 0 ? asked : (*scene)->lights().size();
+  const auto start = page_start("power", request.page_token(), n);
+  if (!start.ok()) return start.status();
+
+  Task task;
+  task.predicted_s = static_cast<double>(n) * kPowerSeconds;
+  task.cost = response->mutable_cost();
+  task.run = [scene = *scene, n, asked, start = *start, size = *page_size, &request,
+              response](const std::stop_token& stop) -> absl::Status {
+    Power total;
+    for (std::size_t i = 0; i < n && !stop.stop_requested(); ++i) {
+      auto light = static_cast<std::uint32_t>(i);
+      if (asked > 0) {
+        const auto found = find_light(*scene, request.light_ids(static_cast<int>(i)));
+        if (!found.ok()) return found.status();
+        light = *found;
+      }
+      const Power power = light_power(*scene, light);
+      total.lumens += power.lumens;
+      total.error_lumens += power.error_lumens;
+      if (i < start || i - start >= size) continue;
+      v1::LightPower* out = response->add_lights();
+      out->set_light_id(scene->lights()[light].id);
+      set_power(power, out);
+    }
+    set_power(total, response->mutable_total());
+    if (n - start > size) response->set_next_page_token(page_token("power", start + size));
+    return absl::OkStatus();
+  };
+  return task;
+}
+
+}  // namespace lucerna::rpc

@@ -1,0 +1,24 @@
+// Lists in pages.
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include <cstdint>
+#include <string>
+
+namespace lucerna::rpc {
+
+/// 0 asks for the most.  INVALID_ARGUMENT above it.
+absl::StatusOr<std::size_t> check_page_size(std::uint32_t page_size, std::uint32_t most);
+
+/// An opaque token that stands for `position` in the list named `list`.
+std::string page_token(const std::string& list, const std::string& position);
+/// The position; empty for an empty token.  INVALID_ARGUMENT for one that is not of this list.
+absl::StatusOr<std::string> page_position(const std::string& list, const std::string& token);
+
+/// The same for lists that are numbered.
+std::string page_token(const std::string& list, std::size_t position);
+absl::StatusOr<std::size_t> page_start(const std::string& list, const std::string& token,
+                                       std::size_t list_size);
+
+}  // namespace lucerna::rpc

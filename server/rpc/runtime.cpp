@@ -1,0 +1,57 @@
+#include "server/rpc/runtime.h"
+
+#include <exception>
+#include <new>
+
+#include "server/rpc/errors.h"
+
+namespace lucerna::rpc {
+
+CallGate::Pass CallGate::enter() {
+  const std::lock_guard lock(mutex_);
+  if (closed_) return Pass();
+  ++inside_;
+  return Pass(this);
+}
+
+void CallGate::close() {
+  const std::lock_guard lock(mutex_);
+  closed_ = true;
+}
+
+bool CallGate::wait_until_empty(std::chrono::steady_clock::time_point deadline) {
+  std::unique_lock lock(mutex_);
+  return left_.wait_until(lock, deadline, [this] { return inside_ == 0; });
+}
+
+void CallGate::leave() {
+  // Told under the lock: whoever waits may destroy the gate as soon as it is empty.
+  const std::lock_guard lock(mutex_);
+  if (--inside_ == 0) left_.notify_all();
+}
+
+absl::Status lane_error(absl::Status status, Lane lane) {
+  if (status.code() != absl::StatusCode::kResourceExhausted) return status;
+  // About the time that a job of the lane may take.
+  return retry_after(std::move(status), "QUEUE_FULL",
+                     std::chrono::milliseconds(lane == Lane::kInteractive ? 50 : 1000));
+}
+
+absl::Status stopped_status(Job::Clock::time_point deadline) {
+  if (deadline <= Job::Clock::now()) {
+    return absl::DeadlineExceededError("the deadline passed while the work was going on");
+  }
+  return absl::CancelledError("cancelled while the work was going on");
+}
+
+absl::Status guarded(const std::function<absl::Status()>& f) {
+  try {
+    return f();
+  } catch (const std::bad_alloc&) {
+    return absl::ResourceExhaustedError("not enough memory for this request");
+  } catch (const std::exception& e) {
+    return absl::InternalError(e.what());  // for the log; callers do not see it
+  }
+}
+
+}  // namespace lucerna::rpc

@@ -1,0 +1,159 @@
+#include "server/rpc/server.h"
+
+#include <fmt/core.h>
+#include <grpc/health/v1/health.pb.h>
+#include <grpcpp/ext/proto_server_reflection_plugin.h>
+#include <grpcpp/grpcpp.h>
+#include <grpcpp/health_check_service_interface.h>
+
+#include <algorithm>
+#include <future>
+#include <limits>
+#include <utility>
+
+#include "server/fingerprint.h"
+#include "server/rpc/address.h"
+#include "server/rpc/services.h"
+
+namespace lucerna::rpc {
+
+struct Server::State {
+  explicit State(const LaneOptions& options) : lanes(options), runtime(lanes) {}
+
+  std::string address;
+  // Destroyed from the last to the first: calls end first, then the work, then the scenes.
+  Lanes lanes;
+  Runtime runtime;
+  std::vector<std::unique_ptr<grpc::Service>> services;
+  std::unique_ptr<grpc::Server> server;
+  bool ended = false;
+
+  absl::Status load(const std::string& path, const std::stop_token& stop);
+  absl::Status listen(const ServerOptions& options);
+  void end(std::chrono::system_clock::time_point deadline);
+};
+
+namespace {
+
+void set_info(const ServerOptions& options, const Fingerprint& fingerprint, int threads,
+              v1::GetServerInfoResponse& info) {
+  info.set_version(options.version);
+  info.set_threads(static_cast<std::uint32_t>(threads));
+  v1::Limits& limits = *info.mutable_limits();
+  limits.set_max_batch_items(options.limits.max_batch_items);
+  limits.set_max_tile_pixels(options.limits.max_tile_pixels);
+  limits.set_max_samples(options.limits.max_samples);
+  limits.set_max_page_size(options.limits.max_page_size);
+  limits.set_max_message_bytes(options.max_message_bytes);
+  limits.set_interactive_queue(options.lanes.interactive_queue);
+  limits.set_bulk_queue(options.lanes.bulk_queue);
+  v1::NumericFingerprint& f = *info.mutable_fingerprint();
+  f.set_digest(fingerprint.digest);
+  f.set_build(fingerprint.build);
+  f.set_embree(fingerprint.embree);
+  f.set_libm(fingerprint.libm);
+}
+
+/// Global to the process, and once is enough.
+void set_up_grpc() {
+  static const bool done = [] {
+    grpc::EnableDefaultHealthCheckService(true);
+    grpc::reflection::InitProtoReflectionServerBuilderPlugin();
+    // gRPC answers health checks from descriptions of its own; naming the type here links the one
+    // that reflection tells.
+    (void)grpc::health::v1::HealthCheckRequest::descriptor();
+    return true;
+  }();
+  (void)done;
+}
+
+}  // namespace
+
+absl::Status Server::State::load(const std::string& path, const std::stop_token& stop) {
+  std::promise<absl::Status> result;
+  const absl::Status queued =
+      lanes.submit(Lane::kBulk, {.run =
+                                     [&](const JobStart& start) {
+                                       result.set_value(start.status.ok() ? guarded([&] {
+                                         return runtime.scenes->load(path, stop).status();
+                                       })
+                                                                          : start.status);
+                                     },
+                                 .stop = stop});
+  return queued.ok() ? result.get_future().get() : queued;
+}
+
+absl::Status Server::State::listen(const ServerOptions& options) {
+  set_up_grpc();
+  services = make_services(runtime);
+  grpc::ServerBuilder builder;
+  // Two servers on one port would answer by turns, each with its own scenes.
+  builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
+  const int bytes = static_cast<int>(
+      std::min<std::uint64_t>(options.max_message_bytes, std::numeric_limits<int>::max()));
+  builder.SetMaxReceiveMessageSize(bytes);
+  builder.SetMaxSendMessageSize(bytes);
+  int port = 0;
+  builder.AddListeningPort(options.listen, grpc::InsecureServerCredentials(), &port);
+  for (const auto& service : services) builder.RegisterService(service.get());
+  server = builder.BuildAndStart();
+  if (server == nullptr || port == 0) {
+    return absl::UnavailableError(
+        fmt::format("cannot listen on {}: {}", options.listen, why_not_to_listen(options.listen)));
+  }
+  address = with_port(options.listen, port);
+  for (const std::string& name : service_names()) {
+    server->GetHealthCheckService()->SetServingStatus(name, true);
+  }
+  return absl::OkStatus();
+}
+
+void Server::State::end(std::chrono::system_clock::time_point deadline) {
+  if (std::exchange(ended, true) || server == nullptr) return;
+  server->Shutdown(deadline);
+  server->Wait();
+}
+
+absl::StatusOr<std::unique_ptr<Server>> Server::start(const ServerOptions& options,
+                                                      std::stop_token stop) {
+  if (absl::Status s = check_address(options.listen); !s.ok()) return s;
+  auto scenes = SceneStore::open(options.scene_root, options.isa);
+  if (!scenes.ok()) return scenes.status();
+  const auto fingerprint = numeric_fingerprint(options.isa);
+  if (!fingerprint.ok()) return fingerprint.status();
+  auto state = std::make_unique<State>(options.lanes);
+  state->runtime.limits = options.limits;
+  state->runtime.scenes = *std::move(scenes);
+  set_info(options, *fingerprint, state->lanes.threads(), state->runtime.info);
+  for (const std::string& path : options.load) {
+    if (absl::Status s = state->load(path, stop); !s.ok()) return s;
+  }
+  if (stop.stop_requested()) return absl::CancelledError("told to stop before serving");
+  if (absl::Status s = state->listen(options); !s.ok()) return s;
+  return std::unique_ptr<Server>(new Server(std::move(state)));
+}
+
+Server::Server(std::unique_ptr<State> state) : state_(std::move(state)) {}
+Server::~Server() {
+  state_->runtime.gate.close();
+  state_->end(std::chrono::system_clock::now());
+}
+
+const std::string& Server::address() const { return state_->address; }
+
+void Server::begin_drain() {
+  state_->server->GetHealthCheckService()->Shutdown();
+  state_->runtime.gate.close();
+}
+
+void Server::drain(std::chrono::milliseconds patience) {
+  begin_drain();
+  // The port stays open meanwhile, so that health can be asked and new calls get their answer.
+  state_->runtime.gate.wait_until_empty(std::chrono::steady_clock::now() + patience);
+  state_->end(std::chrono::system_clock::now());
+}
+
+const SceneStore& Server::scenes() const { return *state_->runtime.scenes; }
+Lanes& Server::lanes() { return state_->lanes; }
+
+}  // namespace lucerna::rpc

@@ -1,0 +1,200 @@
+#include "server/rpc/services.h"
+
+#include "lucerna/v1/admin.grpc.pb.h"
+#include "lucerna/v1/lighting.grpc.pb.h"
+#include "lucerna/v1/render.grpc.pb.h"
+#include "lucerna/v1/scene.grpc.pb.h"
+#include "server/rpc/call.h"
+#include "server/rpc/errors.h"
+#include "server/rpc/image_stream.h"
+#include "server/rpc/lighting.h"
+#include "server/rpc/scenes.h"
+#include "server/rpc/tiles.h"
+
+namespace lucerna::rpc {
+namespace {
+
+using CallContext = grpc::CallbackServerContext;
+using Unary = grpc::ServerUnaryReactor;
+
+class SceneServiceImpl final : public v1::SceneService::CallbackService {
+ public:
+  explicit SceneServiceImpl(Runtime& runtime) : runtime_(runtime) {}
+
+  Unary* LoadScene(CallContext* context, const v1::LoadSceneRequest* request,
+                   v1::LoadSceneResponse* response) override {
+    return UnaryCall::start(runtime_, context,
+                            [&](const Context& c) { return load_scene(c, *request, response); });
+  }
+  Unary* GetScene(CallContext* context, const v1::GetSceneRequest* request,
+                  v1::GetSceneResponse* response) override {
+    return UnaryCall::start(runtime_, context,
+                            [&](const Context& c) { return get_scene(c, *request, response); });
+  }
+  Unary* ListScenes(CallContext* context, const v1::ListScenesRequest* request,
+                    v1::ListScenesResponse* response) override {
+    return UnaryCall::start(runtime_, context,
+                            [&](const Context& c) { return list_scenes(c, *request, response); });
+  }
+  Unary* ListLights(CallContext* context, const v1::ListLightsRequest* request,
+                    v1::ListLightsResponse* response) override {
+    return UnaryCall::start(runtime_, context,
+                            [&](const Context& c) { return list_lights(c, *request, response); });
+  }
+  Unary* ReleaseScene(CallContext* context, const v1::ReleaseSceneRequest* request,
+                      v1::ReleaseSceneResponse* response) override {
+    return UnaryCall::start(runtime_, context,
+                            [&](const Context& c) { return release_scene(c, *request, response); });
+  }
+
+  Unary* FindMissingAssets(CallContext* context, const v1::FindMissingAssetsRequest*,
+                           v1::FindMissingAssetsResponse*) override {
+    return refuse(context, "this server keeps no uploaded assets yet: load scenes by path");
+  }
+  Unary* EditLights(CallContext* context, const v1::EditLightsRequest*,
+                    v1::EditLightsResponse*) override {
+    return refuse(context, "lights cannot be edited yet: change the scene file and load it again");
+  }
+  Unary* RenewLease(CallContext* context, const v1::RenewLeaseRequest*,
+                    v1::RenewLeaseResponse*) override {
+    return refuse(context, "there are no leases yet: scenes stay until they are released");
+  }
+  grpc::ServerReadReactor<v1::UploadAssetRequest>* UploadAsset(CallContext* context,
+                                                               v1::UploadAssetResponse*) override {
+    class Refusal final : public grpc::ServerReadReactor<v1::UploadAssetRequest> {
+     public:
+      explicit Refusal(CallContext& context) {
+        Finish(
+            to_grpc(unimplemented("assets cannot be uploaded yet: load scenes by path"), context));
+      }
+      void OnDone() override { delete this; }
+    };
+    return new Refusal(*context);
+  }
+
+ private:
+  Unary* refuse(CallContext* context, const char* sentence) {
+    return UnaryCall::start(runtime_, context,
+                            [&](const Context&) -> Prepared { return unimplemented(sentence); });
+  }
+  Runtime& runtime_;
+};
+
+class LightingServiceImpl final : public v1::LightingService::CallbackService {
+ public:
+  explicit LightingServiceImpl(Runtime& runtime) : runtime_(runtime) {}
+
+  Unary* SampleLi(CallContext* context, const v1::SampleLiRequest* request,
+                  v1::SampleLiResponse* response) override {
+    return UnaryCall::start(runtime_, context,
+                            [&](const Context& c) { return sample_li(c, *request, response); });
+  }
+  Unary* PdfLi(CallContext* context, const v1::PdfLiRequest* request,
+               v1::PdfLiResponse* response) override {
+    return UnaryCall::start(runtime_, context,
+                            [&](const Context& c) { return pdf_li(c, *request, response); });
+  }
+  Unary* EstimatePower(CallContext* context, const v1::EstimatePowerRequest* request,
+                       v1::EstimatePowerResponse* response) override {
+    return UnaryCall::start(
+        runtime_, context, [&](const Context& c) { return estimate_power(c, *request, response); });
+  }
+  Unary* TestVisibility(CallContext* context, const v1::TestVisibilityRequest* request,
+                        v1::TestVisibilityResponse* response) override {
+    return UnaryCall::start(runtime_, context, [&](const Context& c) {
+      return test_visibility(c, *request, response);
+    });
+  }
+  Unary* EstimateIrradiance(CallContext* context, const v1::EstimateIrradianceRequest* request,
+                            v1::EstimateIrradianceResponse* response) override {
+    return UnaryCall::start(runtime_, context, [&](const Context& c) {
+      return estimate_irradiance(c, *request, response);
+    });
+  }
+
+  Unary* SampleLe(CallContext* context, const v1::SampleLeRequest*,
+                  v1::SampleLeResponse*) override {
+    return refuse(context,
+                  "rays that leave lights cannot be sampled yet: SampleLi samples light "
+                  "that arrives");
+  }
+  Unary* PdfLe(CallContext* context, const v1::PdfLeRequest*, v1::PdfLeResponse*) override {
+    return refuse(context,
+                  "densities of rays that leave lights are not answered yet: PdfLi tells "
+                  "those of light that arrives");
+  }
+  Unary* Le(CallContext* context, const v1::LeRequest*, v1::LeResponse*) override {
+    return refuse(context,
+                  "radiance along rays is not answered yet: RenderTile shows it to a "
+                  "camera");
+  }
+
+ private:
+  Unary* refuse(CallContext* context, const char* sentence) {
+    return UnaryCall::start(runtime_, context,
+                            [&](const Context&) -> Prepared { return unimplemented(sentence); });
+  }
+  Runtime& runtime_;
+};
+
+class RenderServiceImpl final : public v1::RenderService::CallbackService {
+ public:
+  explicit RenderServiceImpl(Runtime& runtime) : runtime_(runtime) {}
+
+  Unary* RenderTile(CallContext* context, const v1::RenderTileRequest* request,
+                    v1::RenderTileResponse* response) override {
+    return UnaryCall::start(runtime_, context,
+                            [&](const Context& c) { return render_tile(c, *request, response); });
+  }
+  grpc::ServerWriteReactor<v1::RenderImageResponse>* RenderImage(
+      CallContext* context, const v1::RenderImageRequest* request) override {
+    return ImageStream::start(runtime_, context, *request);
+  }
+
+ private:
+  Runtime& runtime_;
+};
+
+class AdminServiceImpl final : public v1::AdminService::CallbackService {
+ public:
+  explicit AdminServiceImpl(Runtime& runtime) : runtime_(runtime) {}
+
+  Unary* GetServerInfo(CallContext* context, const v1::GetServerInfoRequest*,
+                       v1::GetServerInfoResponse* response) override {
+    return UnaryCall::start(runtime_, context, [&](const Context&) -> Prepared {
+      Task task;
+      task.run = [&info = runtime_.info, response](const std::stop_token&) {
+        *response = info;
+        return absl::OkStatus();
+      };
+      return task;
+    });
+  }
+  Unary* GetStats(CallContext* context, const v1::GetStatsRequest*,
+                  v1::GetStatsResponse*) override {
+    return UnaryCall::start(runtime_, context, [](const Context&) -> Prepared {
+      return unimplemented("the server keeps no statistics yet: each answer's cost tells its own");
+    });
+  }
+
+ private:
+  Runtime& runtime_;
+};
+
+}  // namespace
+
+std::vector<std::string> service_names() {
+  return {v1::SceneService::service_full_name(), v1::LightingService::service_full_name(),
+          v1::RenderService::service_full_name(), v1::AdminService::service_full_name()};
+}
+
+std::vector<std::unique_ptr<grpc::Service>> make_services(Runtime& runtime) {
+  std::vector<std::unique_ptr<grpc::Service>> services;
+  services.push_back(std::make_unique<SceneServiceImpl>(runtime));
+  services.push_back(std::make_unique<LightingServiceImpl>(runtime));
+  services.push_back(std::make_unique<RenderServiceImpl>(runtime));
+  services.push_back(std::make_unique<AdminServiceImpl>(runtime));
+  return services;
+}
+
+}  // namespace lucerna::rpc

@@ -1,0 +1,230 @@
+#include "server/rpc/tiles.h"
+
+#include <fmt/core.h>
+
+#include <bit>
+#include <cstring>
+
+#include "server/queries.h"
+#include "server/rpc/checks.h"
+#include "server/rpc/errors.h"
+#include "server/rpc/sample_blocks.h"
+
+namespace lucerna::rpc {
+namespace {
+
+// Blocks at least: an eighth of the samples each, by the contract.
+constexpr std::uint32_t kReplicates = 8;
+constexpr std::uint32_t kDefaultTileSize = 64;
+// Where neither the request nor the scene file says.
+constexpr std::uint32_t kDefaultSamples = 64;
+
+std::string text(const v1::PixelRect& r) {
+  return fmt::format("[{}, {}) x [{}, {})", r.x0(), r.x1(), r.y0(), r.y1());
+}
+
+std::uint64_t area(const PixelRect& r) {
+  return static_cast<std::uint64_t>(r.x1 - r.x0) * static_cast<std::uint64_t>(r.y1 - r.y0);
+}
+
+absl::StatusOr<PixelRect> check_rect(const Context& context, const Scene& scene,
+                                     const v1::RenderTileRequest& request) {
+  const int width = scene.camera().width(), height = scene.camera().height();
+  PixelRect rect{0, 0, width, height};
+  if (request.has_rect()) {
+    const v1::PixelRect& r = request.rect();
+    if (r.x0() >= r.x1() || r.y0() >= r.y1() || r.x1() > static_cast<std::uint32_t>(width) ||
+        r.y1() > static_cast<std::uint32_t>(height)) {
+      return bad_field("rect", text(r),
+                       fmt::format("not empty and within [0, {}) x [0, {})", width, height));
+    }
+    rect = {static_cast<int>(r.x0()), static_cast<int>(r.y0()), static_cast<int>(r.x1()),
+            static_cast<int>(r.y1())};
+  }
+  if (area(rect) > context.limits.max_tile_pixels) {
+    return over_limit("pixels of rect", area(rect), context.limits.max_tile_pixels);
+  }
+  return rect;
+}
+
+absl::StatusOr<std::uint32_t> check_tile_samples(const Context& context, const Scene& scene,
+                                                 const v1::Accuracy& accuracy) {
+  const auto hint = static_cast<std::uint32_t>(scene.hints().samples_per_pixel.value_or(0));
+  return check_samples(context, accuracy,
+                       std::min(hint > 0 ? hint : kDefaultSamples, context.limits.max_samples));
+}
+
+/// `samples_per_block` as asked for, or the default.
+absl::StatusOr<std::uint32_t> check_block(std::uint32_t samples,
+                                          std::optional<std::uint32_t> samples_per_block) {
+  if (!samples_per_block) return default_samples_per_block(samples, kReplicates);
+  if (!std::has_single_bit(*samples_per_block)) {
+    return bad_field("samples_per_block", fmt::format("{}", *samples_per_block), "a power of two");
+  }
+  if (samples % *samples_per_block != 0) {
+    return bad_field("accuracy.samples", fmt::format("{}", samples),
+                     fmt::format("a multiple of samples_per_block = {}", *samples_per_block));
+  }
+  return *samples_per_block;
+}
+
+void put_double(double v, char* out) {
+  static_assert(std::endian::native == std::endian::little);
+  std::memcpy(out, &v, sizeof v);
+}
+
+void set_tile(const Scene& scene, const TileSettings& settings, std::uint64_t first_block,
+              std::uint64_t blocks, const std::vector<BlockStatistics>& channels, v1::Tile* out) {
+  out->mutable_rect()->set_x0(static_cast<std::uint32_t>(settings.rect.x0));
+  out->mutable_rect()->set_y0(static_cast<std::uint32_t>(settings.rect.y0));
+  out->mutable_rect()->set_x1(static_cast<std::uint32_t>(settings.rect.x1));
+  out->mutable_rect()->set_y1(static_cast<std::uint32_t>(settings.rect.y1));
+  out->set_image_width(static_cast<std::uint32_t>(scene.camera().width()));
+  out->set_image_height(static_cast<std::uint32_t>(scene.camera().height()));
+  out->set_samples_per_block(settings.samples_per_block);
+  out->set_first_block(first_block);
+  out->set_block_count(blocks);
+  std::string& sum = *out->mutable_sum();
+  std::string& deviation = *out->mutable_deviation();
+  sum.resize(channels.size() * sizeof(double));
+  deviation.resize(channels.size() * sizeof(double));
+  for (std::size_t i = 0; i < channels.size(); ++i) {
+    put_double(channels[i].sum, sum.data() + sizeof(double) * i);
+    put_double(channels[i].deviation, deviation.data() + sizeof(double) * i);
+  }
+}
+
+}  // namespace
+
+std::uint64_t aligned_run(std::uint64_t first, std::uint64_t end) {
+  const std::uint64_t fits = std::bit_floor(end - first);
+  const std::uint64_t aligned = first & (~first + 1);
+  return first == 0 ? fits : std::min(fits, aligned);
+}
+
+Prepared render_tile(const Context& context, const v1::RenderTileRequest& request,
+                     v1::RenderTileResponse* response) {
+  const auto scene = find_scene(context, request.scene_id());
+  if (!scene.ok()) return scene.status();
+  const auto rect = check_rect(context, **scene, request);
+  if (!rect.ok()) return rect.status();
+  const auto samples = check_tile_samples(context, **scene, request.accuracy());
+  if (!samples.ok()) return samples.status();
+  const auto block = check_block(*samples, request.has_samples_per_block()
+                                               ? std::optional(request.samples_per_block())
+                                               : std::nullopt);
+  if (!block.ok()) return block.status();
+  const std::uint32_t blocks = *samples / *block;
+  if (!std::has_single_bit(blocks)) {
+    return bad_field("accuracy.samples", fmt::format("{}", *samples),
+                     fmt::format("a power of two times samples_per_block = {}; a picture of other "
+                                 "counts is made of several tiles",
+                                 *block));
+  }
+  if (request.first_sample() % *samples != 0) {
+    return bad_field("first_sample", fmt::format("{}", request.first_sample()),
+                     fmt::format("a multiple of accuracy.samples = {}", *samples));
+  }
+  // Samples are numbered in 32 bits within the sampler's sequences.
+  constexpr std::uint64_t kMaxFirst = std::uint64_t{1} << 40;
+  if (request.first_sample() > kMaxFirst) {
+    return bad_field("first_sample", fmt::format("{}", request.first_sample()),
+                     fmt::format("[0, {}]", kMaxFirst));
+  }
+  TileSettings settings;
+  settings.rect = *rect;
+  settings.seed = request.seed();
+  settings.samples_per_block = *block;
+  settings.first_block = request.first_sample() / *block;
+  settings.block_count = blocks;
+  settings.bounces =
+      request.has_bounces() ? std::optional(request.bounces()) : hinted_bounces(**scene);
+
+  Task task;
+  task.bulk = true;
+  task.cost = response->mutable_cost();
+  task.run = [scene = *scene, settings, response](const std::stop_token& stop) -> absl::Status {
+    const TileResult result = lucerna::render_tile(*scene, settings, stop);
+    if (result.stopped) return absl::CancelledError("stopped");
+    set_tile(*scene, settings, settings.first_block, settings.block_count, result.channels,
+             response->mutable_tile());
+    set_counts(response->mutable_cost(), result.work);
+    return absl::OkStatus();
+  };
+  return task;
+}
+
+absl::StatusOr<ImageRender> ImageRender::create(const Context& context,
+                                                const v1::RenderImageRequest& request) {
+  const auto scene = find_scene(context, request.scene_id());
+  if (!scene.ok()) return scene.status();
+  const auto samples = check_tile_samples(context, **scene, request.accuracy());
+  if (!samples.ok()) return samples.status();
+  const auto block = check_block(*samples, request.has_samples_per_block()
+                                               ? std::optional(request.samples_per_block())
+                                               : std::nullopt);
+  if (!block.ok()) return block.status();
+  const std::uint64_t edge = request.has_tile_size() ? request.tile_size() : kDefaultTileSize;
+  if (edge == 0 || edge * edge > context.limits.max_tile_pixels) {
+    return bad_field(
+        "tile_size", fmt::format("{}", edge),
+        fmt::format("at least 1, its square at most {}", context.limits.max_tile_pixels));
+  }
+  const int width = (*scene)->camera().width(), height = (*scene)->camera().height();
+  // The statistics of so many pixels take 3 GiB; larger pictures are asked for tile by tile.
+  constexpr std::uint64_t kMaxPixels = std::uint64_t{1} << 26;
+  const std::uint64_t pixels =
+      static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
+  if (pixels > kMaxPixels) return over_limit("pixels of the picture", pixels, kMaxPixels);
+
+  ImageRender render;
+  render.scene_ = *scene;
+  render.settings_.seed = request.seed();
+  render.settings_.samples_per_block = *block;
+  render.settings_.bounces =
+      request.has_bounces() ? std::optional(request.bounces()) : hinted_bounces(**scene);
+  render.blocks_ = *samples / *block;
+  render.pass_end_ = request.final_only() ? render.blocks_ : 1;
+  const int step = static_cast<int>(edge);
+  for (int y = 0; y < height; y += step) {
+    for (int x = 0; x < width; x += step) {
+      const PixelRect rect{x, y, std::min(x + step, width), std::min(y + step, height)};
+      render.tiles_.push_back(rect);
+      render.merged_.emplace_back(0, 3 * area(rect));
+    }
+  }
+  return render;
+}
+
+absl::Status ImageRender::next(const std::stop_token& stop, v1::RenderImageResponse* response) {
+  settings_.rect = tiles_[tile_];
+  BlockMerger& merged = merged_[tile_];
+  for (std::uint64_t first = pass_begin_; first < pass_end_;) {
+    settings_.first_block = first;
+    settings_.block_count = aligned_run(first, pass_end_);
+    TileResult result = lucerna::render_tile(*scene_, settings_, stop);
+    if (result.stopped) return absl::CancelledError("stopped");
+    work_ += result.work;
+    if (!merged.add(first, settings_.block_count, std::move(result.channels))) {
+      return absl::InternalError("tiles do not follow each other");
+    }
+    first += settings_.block_count;
+  }
+  set_tile(*scene_, settings_, 0, pass_end_, merged.total(), response->mutable_tile());
+  samples_done_ += area(settings_.rect) * (pass_end_ - pass_begin_) * settings_.samples_per_block;
+  response->set_samples_done(samples_done_);
+  response->set_samples_total(static_cast<std::uint64_t>(scene_->camera().width()) *
+                              static_cast<std::uint64_t>(scene_->camera().height()) * blocks_ *
+                              settings_.samples_per_block);
+  set_counts(response->mutable_cost(), work_);
+  if (++tile_ == tiles_.size() && pass_end_ < blocks_) end_pass();
+  return absl::OkStatus();
+}
+
+void ImageRender::end_pass() {
+  tile_ = 0;
+  pass_begin_ = pass_end_;
+  pass_end_ = std::min(2 * pass_end_, blocks_);
+}
+
+}  // namespace lucerna::rpc

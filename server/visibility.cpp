@@ -1,0 +1,131 @@
+#include "server/visibility.h"
+
+#include <cmath>
+#include <vector>
+
+#include "server/denormals.h"
+#include "server/parallel.h"
+
+namespace lucerna {
+namespace {
+
+constexpr std::size_t kGrain = 1024;  // a multiple of 8, as chunks write bits
+
+/// Where a ray starts: off its surface along `normal`, or where it is, to begin later.
+Vec3<float> start_of(const ScenePoint& from, const Vec3<float>& normal,
+                     const Vec3<float>& direction) {
+  return offset_origin(from.position, {from.error, from.error, from.error}, normal, direction);
+}
+
+bool has_normal(const Vec3<float>& normal) { return normal != Vec3<float>{}; }
+
+/// The ray of item `i`; nothing where its status says why, or where it is visible without one.
+std::optional<Ray> ray_of(const VisibilityQuery& q, const ToScene& from_scene,
+                          const std::optional<ToScene>& to_scene, std::size_t i,
+                          ItemResult& result) {
+  const ScenePoint from = from_scene(i);
+  result = from.result;
+  Vec3<float> normal;
+  if (!q.normals.empty()) {
+    normal = triple(q.normals, i);
+    if (!is_finite(normal) || !has_normal(normal)) result = ItemResult::kInvalidInput;
+    normal = normalized(normal);
+  }
+  if (to_scene) {
+    const ScenePoint to = (*to_scene)(i);
+    if (result == ItemResult::kOk) result = to.result;
+    if (to.result == ItemResult::kInvalidInput) result = to.result;
+    if (result != ItemResult::kOk) return std::nullopt;
+    return segment_ray(from, normal, to);
+  }
+  const Vec3<float> direction = triple(q.directions, i);
+  const float length = q.lengths_m.empty() ? INFINITY : q.lengths_m[i];
+  if (!is_finite(direction) || direction == Vec3<float>{} || !(length > 0) ||
+      (!q.lengths_m.empty() && !std::isfinite(length))) {
+    result = ItemResult::kInvalidInput;
+  }
+  if (result != ItemResult::kOk) return std::nullopt;
+  Ray ray{start_of(from, normal, direction), normalized(direction), 0, length};
+  if (!has_normal(normal)) ray.t_min = kStartWithoutNormal * from.error;
+  if (!(ray.t_min < ray.t_max)) return std::nullopt;
+  return ray;
+}
+
+}  // namespace
+
+std::optional<Ray> segment_ray(const ScenePoint& from, const Vec3<float>& normal,
+                               const ScenePoint& to) {
+  Ray ray;
+  ray.origin = start_of(from, normal, to.position - from.position);
+  const Vec3<double> direction = Vec3<double>(to.position) - Vec3<double>(ray.origin);
+  const double distance = length(direction);
+  if (!(distance > 0)) return std::nullopt;
+  ray.direction = Vec3<float>(direction);
+  if (!is_finite(ray.direction) || ray.direction == Vec3<float>{}) return std::nullopt;
+  if (!has_normal(normal)) {
+    ray.t_min = static_cast<float>(kStartWithoutNormal * from.error / distance);
+  }
+  ray.t_max = static_cast<float>(1 - kStartWithoutNormal * to.error / distance);
+  if (!(ray.t_min < ray.t_max)) return std::nullopt;
+  return ray;
+}
+
+Ray light_ray(const ScenePoint& from, const Vec3<float>& normal, const LightSample<float>& to) {
+  SurfaceHit hit;
+  hit.position = from.position;
+  hit.position_error = {from.error, from.error, from.error};
+  hit.ng = hit.ns = normal;
+  Ray ray = shadow_ray(hit, to);
+  if (!has_normal(normal)) {
+    const float distance = length(ray.direction);
+    if (distance > 0) {
+      ray.t_min = std::fmin(kStartWithoutNormal * from.error / distance, ray.t_max);
+    }
+  }
+  return ray;
+}
+
+void mark_visible(const Scene& scene, std::span<const Ray> rays,
+                  std::span<const std::uint32_t> items, std::uint8_t* visible) {
+  std::vector<std::uint8_t> occluded((rays.size() + 7) / 8);
+  scene.occluded(rays, occluded);
+  for (std::size_t k = 0; k < rays.size(); ++k) {
+    if ((occluded[k / 8] >> (k % 8) & 1) == 0) {
+      visible[items[k] / 8] |= static_cast<std::uint8_t>(1u << (items[k] % 8));
+    }
+  }
+}
+
+WorkCounts test_visibility(const Scene& scene, const VisibilityQuery& query, std::uint8_t* visible,
+                           int* status, std::stop_token stop) {
+  const ToScene from(scene, query.from, query.position_error_m);
+  std::optional<ToScene> to;
+  if (query.to) to.emplace(scene, *query.to, query.position_error_m);
+  std::atomic<std::uint64_t> shadow_rays = 0;
+  parallel_chunks(query.from.size(), kGrain, stop, [&](std::size_t begin, std::size_t end) {
+    const DenormalsAreZero denormals;
+    std::vector<Ray> rays;
+    std::vector<std::uint32_t> items;
+    rays.reserve(end - begin);
+    items.reserve(end - begin);
+    for (std::size_t i = begin; i < end; ++i) {
+      ItemResult result = ItemResult::kOk;
+      const std::optional<Ray> ray = ray_of(query, from, to, i, result);
+      status[i] = static_cast<int>(result);
+      if (ray) {
+        rays.push_back(*ray);
+        items.push_back(static_cast<std::uint32_t>(i));
+      } else if (result == ItemResult::kOk) {
+        visible[i / 8] |= static_cast<std::uint8_t>(1u << (i % 8));
+      }
+    }
+    mark_visible(scene, rays, items, visible);
+    shadow_rays += rays.size();
+  });
+  WorkCounts work;
+  work.samples = query.from.size();
+  work.shadow_rays = shadow_rays;
+  return work;
+}
+
+}  // namespace lucerna

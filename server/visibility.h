@@ -1,0 +1,47 @@
+// Whether anything stands between: batches of segments and rays between points that may lie on
+// surfaces.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <stop_token>
+
+#include "server/queries.h"
+
+namespace lucerna {
+
+/// A ray from a point that has no normal begins this many position errors away from it.  Every
+/// point of a cube of half edge e lies within sqrt(3) e of its centre; so a ray that leaves a plane
+/// within the cube at an angle of more than asin(sqrt(3) / 16) = 6 degrees cannot meet that plane
+/// again. With a normal there is no such limit.
+inline constexpr float kStartWithoutNormal = 16;
+
+/// The ray whose t in (t_min, 1) is the open way between two points; `normal`: unit at the start,
+/// or zero for none.  Nothing where the points are so close that nothing is left between them: they
+/// see each other.
+std::optional<Ray> segment_ray(const ScenePoint& from, const Vec3<float>& normal,
+                               const ScenePoint& to);
+
+/// The way from a point to a sampled point of a light.
+Ray light_ray(const ScenePoint& from, const Vec3<float>& normal, const LightSample<float>& to);
+
+struct VisibilityQuery {
+  PointArray from;
+  std::optional<PointArray> to;       ///< segments; else rays:
+  std::span<const float> directions;  ///< three a ray, of any length but 0
+  std::span<const float> lengths_m;   ///< > 0, or none: infinitely far
+  std::span<const float> normals;     ///< three an item, or none
+  std::optional<float> position_error_m;
+};
+
+/// Sets bit i of `visible` (zeros before) where nothing stands between; `status` is an ItemResult
+/// for each.  A length that is not above 0 is kInvalidInput.  A segment of no length is visible.
+WorkCounts test_visibility(const Scene& scene, const VisibilityQuery& query, std::uint8_t* visible,
+                           int* status, std::stop_token stop);
+
+/// Sets the bits (numbered by `items`) of those rays that meet nothing.
+void mark_visible(const Scene& scene, std::span<const Ray> rays,
+                  std::span<const std::uint32_t> items, std::uint8_t* visible);
+
+}  // namespace lucerna
