@@ -32,7 +32,7 @@ absl::Status check(const DiskParams& p) {
 template <typename Real>
 Disk<Real>::Disk(const DiskParams& params, const Vec3<double>& origin_m)
     : params_(params),
-      world_from_object_(Transform::translate(-origin_m) * params.world_from_object),
+      world_from_object_(params.world_from_object.about(origin_m)),
       object_from_world_(world_from_object_.inverse()),
       normal_(
           normalized(world_from_object_.normal({0, 0, params.reverse_orientation ? -1.0 : 1.0}))) {

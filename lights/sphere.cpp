@@ -36,7 +36,7 @@ absl::Status check(const SphereParams& p) {
 template <typename Real>
 Sphere<Real>::Sphere(const SphereParams& params, const Vec3<double>& origin_m)
     : params_(params),
-      world_from_object_(Transform::translate(-origin_m) * params.world_from_object),
+      world_from_object_(params.world_from_object.about(origin_m)),
       object_from_world_(world_from_object_.inverse()),
       z_min_m_(std::max(params.z_min_m, -params.radius_m)),
       z_max_m_(std::min(params.z_max_m, params.radius_m)),

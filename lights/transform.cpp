@@ -159,6 +159,11 @@ Transform Transform::operator*(const Transform& b) const {
 
 Transform Transform::inverse() const { return {inverse_, m_}; }
 
+Transform Transform::about(const Vec3<double>& origin) const {
+  const Transform product = translate(-origin) * *this;
+  return from_matrix(product.m_).value_or(product);
+}
+
 Vec3<double> Transform::point(const Vec3<double>& p) const { return vector(p) + column(m_, 3); }
 
 Vec3<double> Transform::vector(const Vec3<double>& v) const {

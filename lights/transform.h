@@ -30,6 +30,9 @@ class Transform {
   /// `a * b` applies `b` first.
   Transform operator*(const Transform& b) const;
   Transform inverse() const;
+  /// `translate(-origin) * *this`, its inverse made anew from the product: multiplied from both
+  /// inverses, it would be off by the rounding of the distance to `origin`.
+  Transform about(const Vec3<double>& origin) const;
 
   Vec3<double> point(const Vec3<double>& p) const;
   Vec3<double> vector(const Vec3<double>& v) const;

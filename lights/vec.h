@@ -77,6 +77,12 @@ Real length(const Vec3<Real>& v) {
     const Vec3<double> wide(v);
     return static_cast<Real>(std::sqrt(dot(wide, wide)));
   } else {
+    // The plain sum where it cannot overflow, and where what underflows is too little to round it
+    // otherwise: the same bits at a tenth of the cost.
+    constexpr Real kEpsilon = std::numeric_limits<Real>::epsilon();
+    constexpr Real kSafe = std::numeric_limits<Real>::min() / (kEpsilon * kEpsilon);
+    const Real squared = dot(v, v);
+    if (squared >= kSafe && squared <= std::numeric_limits<Real>::max()) return std::sqrt(squared);
     const Real largest = max_abs(v);
     if (!(largest > 0) || !is_finite(v)) return std::fabs(v.x) + std::fabs(v.y) + std::fabs(v.z);
     const int exponent = std::ilogb(largest);

@@ -1,8 +1,4 @@
 // Irradiance at points: the first vertex of a path whose surface reflects everything, times pi.
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
-
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -11,6 +7,7 @@
 
 #include "server/block_stream.h"
 #include "server/denormals.h"
+#include "server/parallel.h"
 #include "server/path.h"
 
 namespace lucerna {
@@ -19,6 +16,8 @@ namespace {
 // Up to here every sample visits every light; beyond, it chooses one.
 constexpr std::size_t kVisitAll = 8;
 constexpr std::uint32_t kSamplesBetweenPolls = 64;
+// Of one chunk of points: about a millisecond.
+constexpr std::uint64_t kSamplesPerChunk = 1024;
 
 /// One number being estimated: the total, or one light's share of it.
 struct Estimate {
@@ -158,9 +157,8 @@ class IrradianceJob {
         if (!is_delta(l))
           add(l, tracer_.direct(receiver, n, l, 1, s.pair(PathSample::kFirstVisited + l), work));
     } else {
-      const LightChoice c = tracer_.choose(s.at(0, PathSample::kLight));
-      add(c.light, tracer_.direct(receiver, n, c.light, c.probability,
-                                  s.at(0, PathSample::kLightPoint), work));
+      const auto chosen = tracer_.direct_of_chosen(receiver, n, 0, s, work);
+      add(chosen.light, chosen.estimate);
     }
     if (gather_) {
       const Vec3<float> wi = PathTracer::cosine_direction(n, n, s.at(0, PathSample::kDirection));
@@ -202,11 +200,12 @@ IrradianceResult estimate_irradiance(const Scene& scene, std::span<const Irradia
   result.points.resize(points.size());
   if (settings.per_light) result.per_light.resize(points.size() * scene.lights().size());
   IrradianceJob job(scene, points, settings, stop, result);
-  tbb::this_task_arena::isolate([&] {
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points.size()),
-                      [&](const auto& r) { job.range(r.begin(), r.end()); });
-  });
-  result.stopped = job.stopped();
+  const std::uint64_t samples_per_point =
+      std::uint64_t{settings.block_count} * settings.samples_per_block;
+  const std::size_t grain = std::max<std::uint64_t>(1, kSamplesPerChunk / samples_per_point);
+  parallel_chunks(points.size(), grain, stop,
+                  [&](std::size_t begin, std::size_t end) { job.range(begin, end); });
+  result.stopped = job.stopped() || stop.stop_requested();
   return result;
 }
 

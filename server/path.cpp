@@ -29,24 +29,74 @@ Vec3<float> PathTracer::cosine_direction(const Vec3<float>& ns, const Vec3<float
   return Frame<float>::around(n).world_from_local({d.x, d.y, z});
 }
 
+PathTracer::Candidate PathTracer::candidate(const SurfaceHit& hit, const Vec3<float>& wo,
+                                            std::uint32_t light, double probability,
+                                            Vec2<float> u) const {
+  Candidate c{std::visit([&](const auto& l) { return l.sample_li(hit.position, u); },
+                         scene_.lights()[light].light),
+              {}};
+  const LightSample<float>& s = c.sample;
+  if (s.reason != NoLight::kNone) return c;
+  const float cos_i = dot(hit.ns, s.wi);
+  if (!(cos_i * dot(hit.ns, wo) > 0)) return c;
+  const float f = std::fabs(cos_i) * kInvPi;  // also the density of cosine_direction
+  if (s.delta) {
+    c.value = s.value * (f / static_cast<float>(probability));
+  } else {
+    const float light_pdf = s.pdf.per_sr * static_cast<float>(probability);
+    c.value = s.value * (f * power_weight(light_pdf, f) / light_pdf);
+  }
+  return c;
+}
+
+LightEstimate PathTracer::shadowed(const SurfaceHit& hit, const LightSample<float>& sample,
+                                   const Rgb<float>& value, WorkCounts& work) const {
+  if (value.is_black()) return {};
+  ++work.shadow_rays;
+  return {scene_.occluded(shadow_ray(hit, sample)) ? Rgb<float>{} : value, value};
+}
+
 LightEstimate PathTracer::direct(const SurfaceHit& hit, const Vec3<float>& wo, std::uint32_t light,
                                  double probability, Vec2<float> u, WorkCounts& work) const {
-  const LightSample<float> s = std::visit(
-      [&](const auto& l) { return l.sample_li(hit.position, u); }, scene_.lights()[light].light);
-  if (s.reason != NoLight::kNone) return {};
-  const float cos_i = dot(hit.ns, s.wi);
-  if (!(cos_i * dot(hit.ns, wo) > 0)) return {};
-  const float f = std::fabs(cos_i) * kInvPi;  // also the density of cosine_direction
-  float weight = f / static_cast<float>(probability);
-  if (!s.delta) {
-    const float light_pdf = s.pdf.per_sr * static_cast<float>(probability);
-    weight = f * power_weight(light_pdf, f) / light_pdf;
+  const Candidate c = candidate(hit, wo, light, probability, u);
+  return shadowed(hit, c.sample, c.value, work);
+}
+
+PathTracer::ChosenLight PathTracer::direct_of_chosen(const SurfaceHit& hit, const Vec3<float>& wo,
+                                                     std::uint32_t depth, const PathSample& sample,
+                                                     WorkCounts& work) const {
+  if (scene_.lights().size() == 1)
+    return {0, direct(hit, wo, 0, 1, sample.at(depth, PathSample::kLightPoint), work)};
+  // One pass over the candidates, each replacing the one kept so far with the probability of its
+  // share in the sum.  [Chao82]
+  float u = sample.at(depth, PathSample::kSurvival).y;
+  float sum = 0;
+  ChosenLight chosen{};
+  Candidate kept{};
+  for (std::uint32_t j = 0; j < kCandidates; ++j) {
+    const PathSample s = sample.part(j, kCandidates);
+    const Vec2<float> v = s.at(depth, PathSample::kLight);
+    // 48 bits reach every light.
+    const LightChoice choice = choose_light(scene_, double(v.x) + double(v.y) * 0x1p-24);
+    const Candidate c =
+        candidate(hit, wo, choice.light, choice.probability, s.at(depth, PathSample::kLightPoint));
+    const float importance = c.value.max_component();
+    if (!(importance > 0)) continue;
+    sum += importance;
+    const float share = importance / sum;
+    if (u < share) {
+      u /= share;
+      kept = c;
+      chosen.light = choice.light;
+    } else {
+      u = (u - share) / (1 - share);
+    }
   }
-  LightEstimate estimate{{}, s.value * weight};
-  if (estimate.unshadowed.is_black()) return {};
-  ++work.shadow_rays;
-  if (!scene_.occluded(shadow_ray(hit, s))) estimate.value = estimate.unshadowed;
-  return estimate;
+  if (sum > 0 && std::isfinite(sum)) {
+    const float scale = sum / (kCandidates * kept.value.max_component());
+    chosen.estimate = shadowed(hit, kept.sample, kept.value * scale, work);
+  }
+  return chosen;
 }
 
 float PathTracer::found_weight(const Vec3<float>& receiver, const Ray& ray,
@@ -75,9 +125,7 @@ LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3<float>& 
     throughput = throughput * Rgb<float>(scene_.materials()[hit.material].reflectance);
     if (throughput.is_black()) return sum;
 
-    const LightChoice choice = choose(sample.at(depth, PathSample::kLight));
-    const LightEstimate direct_light = direct(hit, wo, choice.light, choice.probability,
-                                              sample.at(depth, PathSample::kLightPoint), work);
+    const LightEstimate direct_light = direct_of_chosen(hit, wo, depth, sample, work).estimate;
     sum.value += throughput * direct_light.value;
     sum.unshadowed += throughput * direct_light.unshadowed;
 

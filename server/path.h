@@ -17,6 +17,9 @@ struct PathSample {
   const SobolSequence& sequence;
   std::uint32_t index;
 
+  /// The j-th of n points that stand in for this one.
+  PathSample part(std::uint32_t j, std::uint32_t n) const { return {sequence, index * n + j}; }
+
   // Pairs of dimensions, four a vertex after the camera's own.
   enum Purpose : std::uint32_t { kLight, kLightPoint, kDirection, kSurvival };
   static constexpr std::uint32_t kFilm = 0;
@@ -57,6 +60,16 @@ class PathTracer {
   LightEstimate direct(const SurfaceHit& hit, const Vec3<float>& wo, std::uint32_t light,
                        double probability, Vec2<float> u, WorkCounts& work) const;
 
+  /// The same from a light that is chosen here, and which one it was.  Where there are several
+  /// lights, one is taken of a few candidates by what it would send were it visible, and stands for
+  /// their mean: one shadow ray.  [Talbot05]
+  struct ChosenLight {
+    std::uint32_t light;
+    LightEstimate estimate;
+  };
+  ChosenLight direct_of_chosen(const SurfaceHit& hit, const Vec3<float>& wo, std::uint32_t depth,
+                               const PathSample& sample, WorkCounts& work) const;
+
   /// Calls `f(light, radiance)` for what `ray` finds at its end: `hit` or, where nothing was hit,
   /// the infinite lights.
   template <typename F>
@@ -71,14 +84,23 @@ class PathTracer {
   /// A direction about ns on the side of `wo`, density cos / pi.
   static Vec3<float> cosine_direction(const Vec3<float>& ns, const Vec3<float>& wo, Vec2<float> u);
 
-  /// The light of a vertex, from one pair of sample values (48 bits reach every light).
-  LightChoice choose(Vec2<float> u) const {
-    return choose_light(scene_, double(u.x) + double(u.y) * 0x1p-24);
-  }
-
  private:
   /// Reflections before Russian roulette begins: most light arrives by fewer.
   static constexpr std::uint32_t kSafeDepth = 3;
+
+  /// Candidates for each shadow ray where there are several lights.  With 400 point lights eight
+  /// give 0.4 of the squared error of four for 1.6 times the time.
+  static constexpr std::uint32_t kCandidates = 8;
+
+  /// A light sample as a diffuse surface of reflectance 1 shows it, weighted, were it visible.
+  struct Candidate {
+    LightSample<float> sample;
+    Rgb<float> value;
+  };
+  Candidate candidate(const SurfaceHit& hit, const Vec3<float>& wo, std::uint32_t light,
+                      double probability, Vec2<float> u) const;
+  LightEstimate shadowed(const SurfaceHit& hit, const LightSample<float>& sample,
+                         const Rgb<float>& value, WorkCounts& work) const;
 
   const Scene& scene_;
   std::uint32_t last_depth_;

@@ -20,7 +20,8 @@ struct Ray {
 struct SurfaceHit {
   float t{};
   Vec3<float> position;
-  Vec3<float> position_error;  ///< bound on each component's absolute error [m]
+  /// The surface passes, and rays find it, within this box about `position` [m].
+  Vec3<float> position_error;
   Vec3<float> ng;              ///< geometric normal, unit, outside
   Vec3<float> ns;              ///< shading normal, unit, on the side of ng
   std::uint32_t material{};    ///< index into Scene::materials()

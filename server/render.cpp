@@ -1,9 +1,6 @@
 #include "server/render.h"
 
-#include <tbb/blocked_range2d.h>
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
-
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <mutex>
@@ -11,6 +8,7 @@
 
 #include "server/block_stream.h"
 #include "server/denormals.h"
+#include "server/parallel.h"
 #include "server/path.h"
 
 namespace lucerna {
@@ -19,8 +17,8 @@ namespace {
 // A path is a few rays: between two looks at the stop token lie a few hundred.
 constexpr std::uint32_t kSamplesBetweenPolls = 64;
 
-// Pixels of one task: enough to pay for it, few enough to share the work out evenly.
-constexpr std::size_t kTaskWidth = 16, kTaskHeight = 4;
+// Samples of one chunk of pixels: about a millisecond.
+constexpr std::uint64_t kSamplesPerChunk = 1024;
 
 class TileJob {
  public:
@@ -32,18 +30,22 @@ class TileJob {
         stop_(stop),
         result_(result) {}
 
-  void pixels(const tbb::blocked_range2d<int>& range) {
+  std::size_t width() const {
+    return static_cast<std::size_t>(settings_.rect.x1 - settings_.rect.x0);
+  }
+  std::size_t height() const {
+    return static_cast<std::size_t>(settings_.rect.y1 - settings_.rect.y0);
+  }
+
+  // Pixels of the tile in row order.
+  void pixels(std::size_t begin, std::size_t end) {
     const DenormalsAreZero denormals;
     WorkCounts work;
-    const PixelRect& rect = settings_.rect;
-    const auto width = static_cast<std::size_t>(rect.x1 - rect.x0);
-    for (int y = range.rows().begin(); y < range.rows().end() && !stopped_; ++y)
-      for (int x = range.cols().begin(); x < range.cols().end() && !stopped_; ++x) {
-        const std::size_t at = 3 * (static_cast<std::size_t>(y - rect.y0) * width +
-                                    static_cast<std::size_t>(x - rect.x0));
-        const auto total = pixel(x, y, work);
-        std::ranges::copy(total, result_.channels.begin() + static_cast<std::ptrdiff_t>(at));
-      }
+    for (std::size_t i = begin; i < end && !stopped_; ++i) {
+      const auto total = pixel(settings_.rect.x0 + static_cast<int>(i % width()),
+                               settings_.rect.y0 + static_cast<int>(i / width()), work);
+      std::ranges::copy(total, result_.channels.begin() + static_cast<std::ptrdiff_t>(3 * i));
+    }
     const std::lock_guard lock(mutex_);
     result_.work += work;
   }
@@ -104,17 +106,14 @@ WorkCounts& WorkCounts::operator+=(const WorkCounts& w) {
 
 TileResult render_tile(const Scene& scene, const TileSettings& settings, std::stop_token stop) {
   TileResult result;
-  const PixelRect& r = settings.rect;
-  result.channels.resize(3 * static_cast<std::size_t>(r.x1 - r.x0) *
-                         static_cast<std::size_t>(r.y1 - r.y0));
   TileJob job(scene, settings, stop, result);
-  // Isolated: a thread that waits here must not take up another request's work, which would hold
-  // this one's answer back.
-  tbb::this_task_arena::isolate([&] {
-    tbb::parallel_for(tbb::blocked_range2d<int>(r.y0, r.y1, kTaskHeight, r.x0, r.x1, kTaskWidth),
-                      [&](const tbb::blocked_range2d<int>& range) { job.pixels(range); });
-  });
-  result.stopped = job.stopped();
+  const std::size_t pixels = job.width() * job.height();
+  result.channels.resize(3 * pixels);
+  const std::uint64_t samples_per_pixel = settings.block_count * settings.samples_per_block;
+  const std::size_t grain = std::max<std::uint64_t>(1, kSamplesPerChunk / samples_per_pixel);
+  parallel_chunks(pixels, grain, stop,
+                  [&](std::size_t begin, std::size_t end) { job.pixels(begin, end); });
+  result.stopped = job.stopped() || stop.stop_requested();
   return result;
 }
 

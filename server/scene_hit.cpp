@@ -13,11 +13,6 @@ using Vector = Vec3<double>;
 
 Vector absolute(const Vector& v) { return {std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)}; }
 
-Vector quick_unit(const Vector& v) {
-  const double squared = dot(v, v);
-  return squared > 1e-280 && squared < 1e280 ? v / std::sqrt(squared) : normalized(v);
-}
-
 /// A point in the space of its GeometrySet.
 struct LocalHit {
   Vector position, ng, ns;  // ns zero: the same as ng
@@ -33,7 +28,7 @@ LocalHit triangle_hit(const GeometrySet& set, const SurfaceTable& table, const R
   const Vector from_a = ab * u1 + ac * u2;
   hit.position = a + from_a;
   const Vector n = cross(ab, ac);
-  hit.ng = quick_unit(n);
+  hit.ng = normalized(n);
   // Embree takes the cross product of two edges, the shorter ones where terms would cancel: in a
   // needle the error of n is that of their product.  Beyond a factor of 16 the plane of the
   // triangle is not known in floats anyway.
@@ -81,7 +76,7 @@ Vector to_scene(const Transform& scene_from_object, LocalHit& hit) {
   };
   const Vector local = hit.position;
   hit.position = scene_from_object.point(local);
-  hit.ng = quick_unit(scene_from_object.normal(hit.ng));
+  hit.ng = normalized(scene_from_object.normal(hit.ng));
   if (hit.ns != Vector{}) hit.ns = scene_from_object.normal(hit.ns);
   // Embree takes rays into the object's space in floats, by an inverse that it computes in floats.
   const Vector rounding = times(w, absolute(hit.position), true) * kTraversalBound;
@@ -113,7 +108,7 @@ std::optional<SurfaceHit> Scene::closest_hit(const Ray& ray) const {
   hit.position_error = Vec3<float>(error * (1 + 1e-6));
   hit.ng = Vec3<float>(local.ng);
   Vector ns = local.ns;
-  if (ns != Vector{}) ns = quick_unit(ns);
+  if (ns != Vector{}) ns = normalized(ns);
   if (ns == Vector{}) ns = local.ng;
   hit.ns = Vec3<float>(dot(ns, local.ng) < 0 ? -ns : ns);
   const PrimitiveRun& run = table.run(raw->kind, raw->primitive);

@@ -1,0 +1,29 @@
+// From what a description says of a light to the light itself, about the scene's origin.
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include <cstdint>
+#include <optional>
+
+#include "lights/light.h"
+#include "server/scene_description.h"
+
+namespace lucerna {
+
+/// Where a light stands [m, world]; nothing for distant and infinite ones.
+std::optional<Vec3<double>> position_of(const LightDescription& light);
+
+/// Errors: as the light's own.
+absl::StatusOr<Light<float>> create_light(const LightDescription& light,
+                                          const Vec3<double>& origin);
+
+/// The area light of a shape that emits, made of the same float vertices that rays hit.  Errors: as
+/// the light's own; a shape that cannot emit.
+absl::StatusOr<Light<float>> create_area_light(const ShapeDescription& shape,
+                                               const Vec3<double>& origin);
+
+/// Memory beside the object itself.
+std::uint64_t light_bytes(const Light<float>& light);
+
+}  // namespace lucerna
