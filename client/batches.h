@@ -21,7 +21,7 @@ struct BatchOptions {
   /// are more than kItemsNotAskedFor), at most kGoodBatchItems.
   std::uint32_t max_items = 0;
   /// `call.deadline` is for all batches together.
-  CallOptions call;
+  CallOptions call = {};
 };
 
 /// What every server takes at once.

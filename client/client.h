@@ -40,7 +40,7 @@ struct CallOptions {
   /// When the call fails with DEADLINE_EXCEEDED, however far it is.  Default: never.
   Clock::time_point deadline = Clock::time_point::max();
   /// A request to stop ends the call with CANCELLED, from any thread.
-  std::stop_token stop;
+  std::stop_token stop = {};
 
   /// A deadline this long from now.
   static CallOptions within(std::chrono::duration<double> time);

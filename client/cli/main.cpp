@@ -54,6 +54,11 @@ int run(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
+    // CLI11 would only say that a subcommand is required.
+    if (error.get_exit_code() != 0 && app.get_subcommands().empty() && !app.remaining().empty()) {
+      fmt::print(stderr, "lucerna: no subcommand {}; see lucerna --help\n", app.remaining()[0]);
+      return lucerna::cli::kWrongUse;
+    }
     return app.exit(error) == 0 ? lucerna::cli::kDone : lucerna::cli::kWrongUse;
   } catch (const lucerna::cli::CommandError& error) {
     fmt::print(stderr, "lucerna: {}\n", error.what());

@@ -1,8 +1,9 @@
 // render.
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <filesystem>
 #include <memory>
+#include <set>
 #include <utility>
 
 #include "client/cli/output.h"
@@ -18,7 +19,7 @@ using client::PictureFile;
 
 struct RenderOptions {
   std::string scene;
-  std::string output;
+  std::vector<std::string> outputs;
   std::string error_output;
   std::optional<std::uint32_t> samples;
   std::uint64_t seed = 0;
@@ -71,14 +72,18 @@ void render(Session& session, const RenderOptions& options) {
     if (options.samples == 1U) {
       wrong_use("--stderr: a single sample gives no standard error, --samples must be 2 or more");
     }
-    if (std::filesystem::absolute(options.output).lexically_normal() ==
-        std::filesystem::absolute(options.error_output).lexically_normal()) {
-      wrong_use("-o and --stderr: both are " + options.output);
-    }
   }
-  PictureFile file = create(options.output);
+  std::vector<PictureFile> files;
+  std::set<std::filesystem::path> names;
+  const auto add = [&](const std::string& path) {
+    if (!names.insert(std::filesystem::absolute(path).lexically_normal()).second) {
+      wrong_use("-o and --stderr: " + path + " is given twice");
+    }
+    return create(path);
+  };
+  for (const std::string& path : options.outputs) files.push_back(add(path));
   std::optional<PictureFile> error_file;
-  if (!options.error_output.empty()) error_file = create(options.error_output);
+  if (!options.error_output.empty()) error_file = add(options.error_output);
 
   v1::RenderImageRequest request;
   request.set_seed(options.seed);
@@ -93,15 +98,17 @@ void render(Session& session, const RenderOptions& options) {
     throw CommandError(kServerSaidNo,
                        "--stderr: a single block of samples gives no standard error");
   }
-  write(std::move(file), picture, picture.pixels, options.exposure_ev);
+  for (PictureFile& file : files) {
+    write(std::move(file), picture, picture.pixels, options.exposure_ev);
+  }
   if (error_file) {
     write(*std::move(error_file), picture, picture.standard_error, options.exposure_ev);
   }
   if (session.json()) {
     fmt::print("{}", to_json(last));
   } else {
-    fmt::print("{}: {} x {} pixels; {}\n", options.output, picture.width, picture.height,
-               describe(last.cost()));
+    fmt::print("{}: {} x {} pixels; {}\n", fmt::join(options.outputs, ", "), picture.width,
+               picture.height, describe(last.cost()));
   }
 }
 
@@ -115,8 +122,11 @@ void add_render_command(CLI::App& app, Session& session) {
   const auto options = std::make_shared<RenderOptions>();
   command->add_option("SCENE", options->scene, "Path or id")->required();
   command
-      ->add_option("-o,--output", options->output,
-                   "The picture: .exr or .pfm (linear RGB, 32-bit float) or .png (8 bits, sRGB)")
+      ->add_option(
+          "-o,--output", options->outputs,
+          "The picture: .exr or .pfm (linear RGB, 32-bit float) or .png (8 bits, sRGB); may "
+          "be given again")
+      ->allow_extra_args(false)
       ->required();
   command->add_option("--stderr", options->error_output,
                       "Also a picture of each pixel's standard error");

@@ -27,7 +27,7 @@ struct LocalServerOptions {
   /// Compute threads; 0: the server's default.
   unsigned threads = 0;
   /// Scene files to load before it serves, relative to `scene_root`.
-  std::vector<std::string> load;
+  std::vector<std::string> load = {};
   /// The program.  The environment variable LUCERNAD goes before it.
   std::string program = LUCERNA_LUCERNAD;
   /// How long it may take until it serves, and to end after SIGTERM before it is killed.

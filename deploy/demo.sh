@@ -1,0 +1,59 @@
+#!/usr/bin/env bash
+# Starts lucernad with the shipped scenes, asks it the four questions, renders a picture, stops it.
+#   deploy/demo.sh BUILD_DIR [OUTPUT_DIR [SAMPLES]]
+# OUTPUT_DIR: default build/demo.  SAMPLES of each pixel: default as the scene file says.
+set -euo pipefail
+
+root=$(cd "$(dirname "$0")/.." && pwd)
+build=$(cd "${1:?usage: deploy/demo.sh BUILD_DIR [OUTPUT_DIR]}" && pwd)
+output=${2:-$root/build/demo}
+samples=(${3:+--samples "$3"})
+mkdir -p "$output"
+output=$(cd "$output" && pwd)
+lucernad=$build/server/lucernad
+export PATH=$build/client:$PATH
+scratch=$(mktemp -d)
+: >"$scratch/out"
+
+# -k: killed where it does not stop; the bound is for a demo that is itself killed.
+timeout -k 5 120 "$lucernad" --listen 127.0.0.1:0 --scene-root "$root/scenes" \
+  >"$scratch/out" 2>"$scratch/log" &
+server=$!
+stop() {
+  kill "$server" 2>/dev/null || true
+  wait "$server" 2>/dev/null || true
+  rm -rf "$scratch"
+}
+trap stop EXIT
+
+for _ in $(seq 300); do
+  target=$(sed -n 's/^listening on //p' "$scratch/out")
+  [ -z "$target" ] || break
+  kill -0 "$server" 2>/dev/null || { echo "lucernad did not start:"; cat "$scratch/log"; exit 1; } >&2
+  sleep 0.05
+done
+[ -n "$target" ] || { echo "lucernad does not tell where it listens" >&2; exit 1; }
+export LUCERNA_SERVER=$target
+echo "lucernad runs at $target, scene root scenes/."
+
+ask() { printf '\n$ lucerna %s\n' "$*"; lucerna "$@"; }
+
+printf '\nThe scene and its lights.\n'
+ask load demo.pbrt
+ask lights demo.pbrt
+
+printf '\n1. Sample_L: light from the panel that arrives on the floor, and whether anything is between.\n'
+ask sample demo.pbrt --point 0,-1.5,0 --normal 0,0,1 --light 3 --samples 4 --visible
+
+printf '\n2. Power: what each light emits.\n'
+ask power demo.pbrt
+
+printf '\n3. Visibility and irradiance: does the bulb see the floor, and what does a lux meter read?\n'
+ask visible demo.pbrt --point 2.35,1.75,0.35 --point 2.35,1.75,0.35 --to 2.6,1.8,0 --to 0,-1.5,0
+ask irradiance demo.pbrt --point 0,-1.5,0 --point 0,1,0 --point 0.35,-0.85,0.58 --normal 0,0,1 \
+  --samples 1024 --per-light
+
+printf '\n4. The picture.\n'
+cd "$output"
+ask render demo.pbrt -o demo.png -o demo.exr --stderr demo.stderr.exr --exposure -6 "${samples[@]}"
+printf '\nThe picture: %s, and in linear light %s\n' "$output/demo.png" "$output/demo.exr"

@@ -1,0 +1,295 @@
+// The program lucerna against a lucernad: answers, exit statuses, errors.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <memory>
+
+#include "client/testing/local_server.h"
+#include "tests/e2e/run_program.h"
+
+namespace lucerna {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::AllOf;
+using ::testing::ContainsRegex;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::MatchesRegex;
+using ::testing::Not;
+using ::testing::StartsWith;
+
+/// One server for all tests: the scene root is a directory of their own with the reference scenes
+/// and a broken one.
+class Cli : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    std::string name = (fs::temp_directory_path() / "lucerna_cli_XXXXXX").string();
+    ASSERT_NE(::mkdtemp(name.data()), nullptr);
+    directory_ = name;
+    fs::create_directories(directory_ / "scenes");
+    for (const char* file : {"point.pbrt", "sphere.pbrt", "ball.ply"}) {
+      fs::copy_file(fs::path(LUCERNA_TEST_DATA) / "reference" / file, directory_ / "scenes" / file);
+    }
+    std::ofstream(directory_ / "scenes" / "broken.pbrt") << "WorldBegin\nShape sphere\n";
+    auto server = testing::LocalServer::start({.scene_root = (directory_ / "scenes").string()});
+    ASSERT_TRUE(server.ok()) << server.status();
+    server_ = std::make_unique<testing::LocalServer>(*std::move(server));
+  }
+  static void TearDownTestSuite() {
+    server_.reset();
+    if (!directory_.empty()) fs::remove_all(directory_);
+  }
+  void SetUp() override { ASSERT_NE(server_, nullptr); }
+
+  static Outcome lucerna(std::vector<std::string> arguments, const std::string& input = {}) {
+    arguments.insert(arguments.begin(), LUCERNA_CLI);
+    return run_program(std::move(arguments), input, {{"LUCERNA_SERVER", server_->target()}});
+  }
+  static std::string path(const std::string& name) { return (directory_ / name).string(); }
+  /// Everything that is in the tests' directory, hidden files too.
+  static std::vector<std::string> files() {
+    std::vector<std::string> names;
+    for (const auto& entry : fs::directory_iterator(directory_)) {
+      if (entry.path().filename() != "scenes") names.push_back(entry.path().filename().string());
+    }
+    return names;
+  }
+
+  static inline fs::path directory_;
+  static inline std::unique_ptr<testing::LocalServer> server_;
+};
+
+void expect_wrong_use(const Outcome& outcome, const std::string& what) {
+  EXPECT_EQ(outcome.status, 2) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr(what));
+  EXPECT_THAT(outcome.out, IsEmpty());
+}
+
+void expect_no(const Outcome& outcome, const std::string& what) {
+  EXPECT_EQ(outcome.status, 1) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr(what));
+}
+
+TEST_F(Cli, TellsItsVersion) {
+  const Outcome outcome = lucerna({"--version"});
+  EXPECT_EQ(outcome.status, 0);
+  EXPECT_THAT(outcome.out, MatchesRegex("lucerna [0-9]+\\.[0-9]+\\.[0-9]+\n"));
+}
+
+TEST_F(Cli, HelpOfEachSubcommandHasAnExample) {
+  for (const char* command : {"load", "scenes", "lights", "release", "info", "sample", "pdf",
+                              "power", "visible", "irradiance", "render"}) {
+    const Outcome outcome = lucerna({command, "--help"});
+    EXPECT_EQ(outcome.status, 0) << command;
+    EXPECT_THAT(outcome.out, HasSubstr(std::string("Example:\n  lucerna ") + command));
+  }
+}
+
+TEST_F(Cli, WrongFlagsAndNumbersAreWrongUse) {
+  expect_wrong_use(lucerna({}), "subcommand");
+  expect_wrong_use(lucerna({"frobnicate"}), "frobnicate");
+  expect_wrong_use(lucerna({"power"}), "SCENE");
+  expect_wrong_use(lucerna({"power", "point.pbrt", "--bogus"}), "--bogus");
+  expect_wrong_use(lucerna({"power", "point.pbrt", "--timeout", "-1"}), "--timeout");
+  expect_wrong_use(lucerna({"power", "point.pbrt", "--light", "one"}), "one");
+  expect_wrong_use(lucerna({"power", ""}), "SCENE is empty");
+  expect_wrong_use(lucerna({"sample", "point.pbrt"}), "no points");
+  expect_wrong_use(lucerna({"sample", "point.pbrt", "--point", "1,2"}), "\"1,2\"");
+  expect_wrong_use(lucerna({"sample", "point.pbrt", "--point", "1,2,3", "--u", "0.5"}), "--u");
+  expect_wrong_use(lucerna({"sample", "point.pbrt", "--point", "1,2,3", "--samples", "0"}),
+                   "--samples");
+  expect_wrong_use(lucerna({"pdf", "point.pbrt", "--point", "1,2,3", "--light", "1"}),
+                   "no directions");
+  expect_wrong_use(lucerna({"visible", "point.pbrt", "--point", "1,2,3"}), "nowhere to look");
+  expect_wrong_use(lucerna({"irradiance", "point.pbrt", "--point", "1,2,3"}), "no normals");
+  expect_wrong_use(lucerna({"irradiance", "point.pbrt", "--point", "1,2,3", "--point", "2,2,3",
+                            "--point", "3,2,3", "--normal", "0,0,1", "--normal", "0,0,1"}),
+                   "2 times for 3 points");
+}
+
+TEST_F(Cli, ErrorsInFilesOfPointsNameFileAndLine) {
+  std::ofstream(path("bad.csv")) << "x,y,z\n0,0,0\n0,zero,0\n";
+  const Outcome outcome =
+      lucerna({"irradiance", "point.pbrt", "--normal", "0,0,1", "--points", path("bad.csv")});
+  fs::remove(path("bad.csv"));
+  expect_wrong_use(outcome, path("bad.csv") + ":3: column 2: \"zero\"");
+  expect_wrong_use(lucerna({"irradiance", "point.pbrt", "--points", path("none.csv")}),
+                   "cannot be opened");
+  expect_wrong_use(lucerna({"irradiance", "point.pbrt", "--points", "-"}, "1,2\n"),
+                   "standard input:1: 2 columns");
+}
+
+TEST_F(Cli, ServerThatIsNotThereIsSaidToBeStarted) {
+  // Port 1 (tcpmux) is listened to by nobody.
+  const Outcome outcome = lucerna({"scenes", "--server", "127.0.0.1:1"});
+  expect_no(outcome, "cannot reach a server at 127.0.0.1:1");
+  EXPECT_THAT(outcome.err, HasSubstr("lucernad --listen 127.0.0.1:1 --scene-root DIR"));
+}
+
+TEST_F(Cli, ScenesAreNamedByPathIdAndPrefix) {
+  Outcome outcome = lucerna({"load", "point.pbrt"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const std::string id = outcome.out.substr(0, 64);
+  EXPECT_THAT(id, MatchesRegex("[0-9a-f]+"));
+  EXPECT_THAT(lucerna({"load", "point.pbrt"}).out, StartsWith(id + "  was loaded already"));
+  const std::string power = lucerna({"power", "point.pbrt"}).out;
+  EXPECT_EQ(lucerna({"power", id}).out, power);
+  EXPECT_EQ(lucerna({"power", id.substr(0, 12)}).out, power);
+  EXPECT_THAT(lucerna({"scenes"}).out, ContainsRegex(id + " .*point\\.pbrt"));
+
+  EXPECT_THAT(lucerna({"release", id.substr(0, 12)}).out, HasSubstr("released"));
+  expect_no(lucerna({"power", id}), "not_found");
+  expect_no(lucerna({"power", id.substr(0, 12)}), "no id of a loaded scene begins so");
+}
+
+TEST_F(Cli, ScenesThatCannotBeLoadedAreTheServersNo) {
+  expect_no(lucerna({"load", "missing.pbrt"}), "not_found");
+  expect_no(lucerna({"load", "../secret.pbrt"}), "the server said");
+  expect_no(lucerna({"load", "/etc/passwd"}), "the server said");
+  expect_no(lucerna({"power", "broken.pbrt"}), "broken.pbrt:2:");
+  EXPECT_EQ(lucerna({"scenes"}).status, 0);
+}
+
+TEST_F(Cli, LightsAreListedWithKindPlaceAndFlux) {
+  const Outcome outcome = lucerna({"lights", "point.pbrt"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(
+      outcome.out,
+      ContainsRegex(" 1  point +1\\.2 -1\\.5 3\\.2 +10 10 10 cd +125\\.66[34] +point\\.pbrt:"));
+  // A radius of 0.35 about (0.7, -1.2, 2.6).
+  EXPECT_THAT(
+      lucerna({"lights", "sphere.pbrt"}).out,
+      ContainsRegex("area, sphere +0\\.35 -1\\.55 2\\.25 to 1\\.05 -0\\.85 2\\.95 +12 12 12 "
+                    "cd/m2"));
+}
+
+TEST_F(Cli, PowerIsTheIntegralOfTheIntensity) {
+  const Outcome outcome = lucerna({"power", "point.pbrt"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  // 4 pi 10 lm
+  EXPECT_THAT(outcome.out, ContainsRegex(" 1  point +125\\.664 "));
+  EXPECT_THAT(outcome.out, ContainsRegex("all +125\\.664 "));
+  // pi L A = pi 12 4 pi 0.35^2 = 58.0331 lm
+  EXPECT_THAT(lucerna({"power", "sphere.pbrt"}).out, ContainsRegex(" 1  area +58\\.0333 "));
+  expect_no(lucerna({"power", "point.pbrt", "--light", "77"}), "77");
+}
+
+TEST_F(Cli, SampleOfAPointLightIsItsIlluminance) {
+  // Straight below, 3.2 m: 10 / 3.2^2 lx.
+  const Outcome outcome =
+      lucerna({"sample", "point.pbrt", "--point", "1.2,-1.5,0", "--light", "1", "--visible"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(
+      outcome.out,
+      ContainsRegex("0\\.97656[23] 0\\.97656[23] 0\\.97656[23] +lx +0 0 1 +3\\.2 +delta +yes"));
+  const Outcome chosen =
+      lucerna({"sample", "point.pbrt", "--point", "1.2,-1.5,0", "--u", "0.5,0.5,0.25"});
+  EXPECT_EQ(chosen.status, 0) << chosen.err;
+  EXPECT_THAT(chosen.out, ContainsRegex("chosen with"));
+}
+
+TEST_F(Cli, PdfIsZeroBesideALightAndNotTowardsIt) {
+  // Straight below the sphere's centre.
+  const Outcome outcome = lucerna({"pdf", "sphere.pbrt", "--light", "1", "--points", "-"},
+                                  "x,y,z,nx,ny,nz\n0.7,-1.2,0,0,0,1\n0.7,-1.2,0,1,0,0\n");
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, ContainsRegex("0 0 1 +[1-9][0-9.]*\n"));
+  EXPECT_THAT(outcome.out, ContainsRegex("1 0 0 +0\n"));
+}
+
+TEST_F(Cli, VisibilityIsAskedForSegmentsAndRays) {
+  // Through the box (half a metre about (0.8, 0.2), 1.2 m high) and over it.
+  const Outcome segments = lucerna({"visible", "point.pbrt", "--points", "-"},
+                                   "0.8,-1.8,0.5,0.8,2.2,0.5\n0.8,-1.8,1.5,0.8,2.2,1.5\n");
+  EXPECT_EQ(segments.status, 0) << segments.err;
+  EXPECT_THAT(segments.out, ContainsRegex("0\\.8 2\\.2 0\\.5 +no\n"));
+  EXPECT_THAT(segments.out, ContainsRegex("0\\.8 2\\.2 1\\.5 +yes\n"));
+  // The wall is at y = 3.
+  const auto ray = [](const std::string& length) {
+    return lucerna({"visible", "point.pbrt", "--point", "0.8,-1.8,1.5", "--direction", "0,1,0",
+                    "--length", length})
+        .out;
+  };
+  EXPECT_THAT(ray("4"), HasSubstr("yes"));
+  EXPECT_THAT(ray("5"), Not(HasSubstr("yes")));
+}
+
+TEST_F(Cli, DirectIrradianceOfAPointLightIsExactByHand) {
+  const Outcome outcome = lucerna({"irradiance", "point.pbrt", "--point", "1.2,-1.5,0", "--normal",
+                                   "0,0,2", "--bounces", "0", "--per-light"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, ContainsRegex("1\\.2 +-1\\.5 +0 +0\\.97656[23] "));
+  EXPECT_THAT(outcome.out, ContainsRegex("light +x \\[m\\]"));
+}
+
+TEST_F(Cli, ItemWithoutAnswerIsShownInItsRowAndMakesTheStatusOne) {
+  const Outcome outcome = lucerna({"irradiance", "point.pbrt", "--bounces", "0", "--points", "-"},
+                                  "1.2,-1.5,0,0,0,1\n1.2,-1.5,0,0,0,0\nnan,0,0,0,0,1\n");
+  EXPECT_EQ(outcome.status, 1) << outcome.err;
+  EXPECT_THAT(outcome.out,
+              ContainsRegex("0\\.97656[23] .*\n.* INVALID_INPUT\n *nan .* INVALID_INPUT\n"));
+}
+
+TEST_F(Cli, JsonIsTheAnswersMessage) {
+  const Outcome outcome = lucerna({"irradiance", "point.pbrt", "--point", "1.2,-1.5,0", "--normal",
+                                   "0,0,1", "--bounces", "0", "--json"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, AllOf(StartsWith("{\"irradiance_lx\":["),
+                                 ContainsRegex("\"illuminance_lx\":\\[0\\.97656[0-9]*\\]")));
+  EXPECT_THAT(lucerna({"--json", "power", "point.pbrt"}).out,
+              ContainsRegex("\"power_lm\":125\\.6637"));
+  EXPECT_THAT(lucerna({"info", "--json"}).out, HasSubstr("\"max_batch_items\":"));
+  EXPECT_THAT(lucerna({"lights", "point.pbrt", "--json"}).out,
+              HasSubstr("\"intensity_cd\":{\"r\":10"));
+  EXPECT_THAT(lucerna({"scenes", "--json"}).out, StartsWith("{\"scenes\":["));
+}
+
+TEST_F(Cli, RenderWritesPicturesAndNothingElse) {
+  const std::vector<std::string> before = files();
+  const Outcome outcome = lucerna({"render", "point.pbrt", "-o", path("a.exr"), "--samples", "4",
+                                   "--bounces", "0", "--stderr", path("b.pfm")});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("160 x 120 pixels"));
+  EXPECT_THAT(outcome.err, IsEmpty());  // no progress bar where there is no terminal
+  EXPECT_EQ(
+      lucerna({"render", "point.pbrt", "-o", path("c.png"), "-o", path("d.exr"), "--samples", "1"})
+          .status,
+      0);
+  EXPECT_EQ(files().size(), before.size() + 4);
+  // PF, the size, and 160 x 120 x 3 floats.
+  EXPECT_EQ(fs::file_size(path("b.pfm")), std::string("PF\n160 120\n-1.0\n").size() + 230400);
+  for (const char* name : {"a.exr", "b.pfm", "c.png", "d.exr"}) fs::remove(path(name));
+}
+
+TEST_F(Cli, RenderFindsOutBeforehandWhatItCannotWrite) {
+  const std::vector<std::string> before = files();
+  // Nobody is asked: the server is not there.
+  const auto render = [](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {"render", "point.pbrt", "--server", "127.0.0.1:1"});
+    return lucerna(std::move(arguments));
+  };
+  expect_wrong_use(render({"-o", path("a.jpg")}), "must be .exr, .png or .pfm");
+  expect_wrong_use(render({"-o", path("no/such/a.exr")}), "No such file or directory");
+  expect_wrong_use(render({"-o", path("a.exr"), "--stderr", path("a.exr")}), "is given twice");
+  expect_wrong_use(render({"-o", path("a.exr"), "--stderr", path("b.gif")}), "b.gif");
+  expect_wrong_use(render({"-o", path("a.exr"), "--stderr", path("b.exr"), "--samples", "1"}),
+                   "--samples must be 2 or more");
+  expect_wrong_use(render({}), "--output");
+  expect_no(render({"-o", path("a.exr")}), "cannot reach");
+  EXPECT_EQ(files(), before);
+}
+
+TEST_F(Cli, TimeoutEndsARenderAndLeavesNothing) {
+  const std::vector<std::string> before = files();
+  const Outcome outcome = lucerna(
+      {"render", "point.pbrt", "-o", path("a.exr"), "--samples", "32768", "--timeout", "0.3"});
+  expect_no(outcome, "no answer within --timeout 0.3 s");
+  EXPECT_EQ(files(), before);
+}
+
+}  // namespace
+}  // namespace lucerna

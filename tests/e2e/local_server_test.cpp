@@ -1,0 +1,132 @@
+#include "client/testing/local_server.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+namespace lucerna {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::LocalServer;
+using ::testing::MatchesRegex;
+
+TEST(LocalServer, ServesOnAFreePortAndStopsWhenAsked) {
+  auto first = LocalServer::start();
+  ASSERT_TRUE(first.ok()) << first.status();
+  auto second = LocalServer::start();
+  ASSERT_TRUE(second.ok()) << second.status();
+  EXPECT_THAT(first->target(), MatchesRegex("127\\.0\\.0\\.1:[0-9]+"));
+  EXPECT_NE(first->target(), second->target());
+  EXPECT_TRUE(first->client().get_server_info().ok());
+  const int process = first->process_id();
+  EXPECT_EQ(first->stop(), 0);
+  EXPECT_EQ(first->stop(), 0);
+  EXPECT_EQ(::kill(process, 0), -1);
+  EXPECT_EQ(errno, ESRCH);
+  EXPECT_TRUE(second->client().get_server_info().ok());
+}
+
+TEST(LocalServer, IsGoneWithItsObject) {
+  int process = 0;
+  {
+    auto server = LocalServer::start();
+    ASSERT_TRUE(server.ok()) << server.status();
+    process = server->process_id();
+    EXPECT_EQ(::kill(process, 0), 0);
+  }
+  EXPECT_EQ(::kill(process, 0), -1);
+}
+
+TEST(LocalServer, HasLoadedWhatItWasToLoad) {
+  const auto server = LocalServer::start(
+      {.scene_root = LUCERNA_TEST_DATA "/reference", .load = {"point.pbrt", "spot.pbrt"}});
+  ASSERT_TRUE(server.ok()) << server.status();
+  const auto scenes = server->client().list_scenes({});
+  ASSERT_TRUE(scenes.ok()) << scenes.status();
+  EXPECT_EQ(scenes->scenes_size(), 2);
+}
+
+TEST(LocalServer, TellsWhatTheServerSaidWhereItDoesNotStart) {
+  const auto server = LocalServer::start({.scene_root = "/no/such/directory"});
+  EXPECT_EQ(server.status().code(), absl::StatusCode::kUnavailable);
+  EXPECT_THAT(std::string(server.status().message()), HasSubstr("/no/such/directory"));
+}
+
+TEST(LocalServer, TellsWhereItLookedForTheProgram) {
+  if (std::getenv("LUCERNAD") != nullptr) GTEST_SKIP() << "LUCERNAD goes before the option";
+  const auto server = LocalServer::start({.program = "/no/such/lucernad"});
+  EXPECT_EQ(server.status().code(), absl::StatusCode::kNotFound);
+  EXPECT_THAT(std::string(server.status().message()), HasSubstr("\"/no/such/lucernad\""));
+}
+
+TEST(LocalServer, EnvironmentVariableGoesBeforeTheOption) {
+  const char* before = std::getenv("LUCERNAD");
+  const std::string saved = before == nullptr ? "" : before;
+  ::setenv("LUCERNAD", "/no/such/program", 1);
+  const auto server = LocalServer::start();
+  before == nullptr ? ::unsetenv("LUCERNAD") : ::setenv("LUCERNAD", saved.c_str(), 1);
+  EXPECT_EQ(server.status().code(), absl::StatusCode::kNotFound);
+  EXPECT_THAT(std::string(server.status().message()), HasSubstr("environment variable LUCERNAD"));
+}
+
+/// A program of the test's own in lucernad's place.
+class Impostor : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (std::getenv("LUCERNAD") != nullptr) GTEST_SKIP() << "LUCERNAD goes before the option";
+    std::string name = (std::filesystem::temp_directory_path() / "lucerna_XXXXXX").string();
+    ASSERT_NE(::mkdtemp(name.data()), nullptr);
+    directory_ = name;
+  }
+  void TearDown() override {
+    if (!directory_.empty()) std::filesystem::remove_all(directory_);
+  }
+  std::string script(const std::string& text) const {
+    const std::string path = (directory_ / "program").string();
+    std::ofstream(path) << "#!/bin/sh\n" << text << '\n';
+    ::chmod(path.c_str(), 0755);
+    return path;
+  }
+
+  std::filesystem::path directory_;
+};
+
+TEST_F(Impostor, ThatEndsAtOnceIsReported) {
+  const auto server = LocalServer::start({.program = script("echo out of cheese >&2; exit 3")});
+  EXPECT_EQ(server.status().code(), absl::StatusCode::kUnavailable);
+  EXPECT_THAT(std::string(server.status().message()), HasSubstr("exit status 3"));
+  EXPECT_THAT(std::string(server.status().message()), HasSubstr("out of cheese"));
+}
+
+TEST_F(Impostor, ThatNeverServesIsStoppedInTheEnd) {
+  const auto server =
+      LocalServer::start({.program = script("echo $$ > \"$0.pid\"; exec sleep 1000"),
+                          .patience = std::chrono::seconds(2)});
+  EXPECT_EQ(server.status().code(), absl::StatusCode::kDeadlineExceeded);
+  pid_t process = 0;
+  std::ifstream(directory_ / "program.pid") >> process;
+  ASSERT_GT(process, 0);
+  EXPECT_EQ(::kill(process, 0), -1);
+}
+
+TEST_F(Impostor, ThatIgnoresSigtermIsKilled) {
+  const auto server = LocalServer::start(
+      {.program = script("trap '' TERM; echo $$ > \"$0.pid\"; while :; do sleep 0.05; done"),
+       .patience = std::chrono::seconds(2)});
+  EXPECT_EQ(server.status().code(), absl::StatusCode::kDeadlineExceeded);
+  pid_t process = 0;
+  std::ifstream(directory_ / "program.pid") >> process;
+  ASSERT_GT(process, 0);
+  EXPECT_EQ(::kill(process, 0), -1);
+}
+
+}  // namespace
+}  // namespace lucerna

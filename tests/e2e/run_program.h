@@ -1,0 +1,20 @@
+// Runs a program to its end and keeps all that it wrote.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+namespace lucerna {
+
+struct Outcome {
+  int status = -1;  ///< exit status; 128 + signal where a signal ended it
+  std::string out;
+  std::string err;
+};
+
+/// `arguments[0]` is the program.  `environment` is added to this process's own.
+Outcome run_program(std::vector<std::string> arguments, const std::string& input = {},
+                    const std::map<std::string, std::string>& environment = {});
+
+}  // namespace lucerna

@@ -1,0 +1,93 @@
+// A set of points has the same answers, to the bit, in one batch and in many.
+#include <gtest/gtest.h>
+
+#include "client/batches.h"
+#include "client/points.h"
+#include "client/testing/local_server.h"
+
+namespace lucerna {
+namespace {
+
+class Split : public testing::LocalServerTest {
+ protected:
+  testing::LocalServerOptions options() const override {
+    return {.scene_root = LUCERNA_TEST_DATA "/reference"};
+  }
+
+  std::string load(const std::string& path) const {
+    v1::LoadSceneRequest request;
+    request.set_path(path);
+    return client().load_scene(request).value().scene_id();
+  }
+
+  static std::vector<client::Double3> grid() {
+    std::vector<client::Double3> points;
+    for (int i = 0; i < 10; ++i) points.push_back({-2 + 0.4 * i, 0.3 * i - 2, 0});
+    return points;
+  }
+};
+
+template <class Response>
+std::string without_cost(Response response) {
+  response.clear_cost();
+  return response.SerializeAsString();
+}
+
+TEST_F(Split, SampleLiIsTheSameInOneBatchAndInMany) {
+  v1::SampleLiRequest request;
+  request.set_scene_id(load("sphere.pbrt"));
+  *request.mutable_receivers() = client::make_points(grid());
+  request.mutable_seed()->set_seed(7);
+  request.mutable_accuracy()->set_samples(4);
+  request.set_test_visibility(true);
+  const auto whole = client().sample_li(request);
+  ASSERT_TRUE(whole.ok()) << whole.status();
+  ASSERT_EQ(whole->pdf_per_sr_size(), 40);
+  // Batches of 3, 3, 3 and 1 receivers.
+  const auto split = client::sample_li_in_batches(client(), request, {.max_items = 13});
+  ASSERT_TRUE(split.ok()) << split.status();
+  EXPECT_EQ(without_cost(*split), without_cost(*whole));
+  // The companion that must differ: another place in the set.
+  request.mutable_seed()->set_first_item(1);
+  EXPECT_NE(without_cost(*client().sample_li(request)), without_cost(*whole));
+}
+
+TEST_F(Split, IrradianceIsTheSameInOneBatchAndInMany) {
+  v1::EstimateIrradianceRequest request;
+  request.set_scene_id(load("sphere.pbrt"));
+  *request.mutable_receivers() = client::make_points(grid());
+  for (int i = 0; i < 10; ++i) {
+    for (const float n : {0.0F, 0.0F, 1.0F}) request.add_normals(n);
+  }
+  request.mutable_seed()->set_seed(7);
+  request.mutable_accuracy()->set_samples(16);
+  request.set_per_light(true);
+  const auto whole = client().estimate_irradiance(request);
+  ASSERT_TRUE(whole.ok()) << whole.status();
+  const auto split = client::estimate_irradiance_in_batches(client(), request, {.max_items = 3});
+  ASSERT_TRUE(split.ok()) << split.status();
+  EXPECT_EQ(without_cost(*split), without_cost(*whole));
+  request.mutable_seed()->set_first_item(1);
+  EXPECT_NE(without_cost(*client().estimate_irradiance(request)), without_cost(*whole));
+}
+
+TEST_F(Split, MorePointsThanOneBatchHoldsAreAnswered) {
+  const auto info = client().get_server_info();
+  ASSERT_TRUE(info.ok()) << info.status();
+  const std::size_t count = info->limits().max_batch_items() + std::size_t{1};
+  const std::vector<client::Double3> from(count, {1.2, -1.5, 0});
+  const std::vector<client::Double3> to(count, {1.2, -1.5, 3.2});
+  v1::TestVisibilityRequest request;
+  request.set_scene_id(load("point.pbrt"));
+  *request.mutable_segments()->mutable_from() = client::make_points(from);
+  *request.mutable_segments()->mutable_to() = client::make_points(to);
+  EXPECT_EQ(client().test_visibility(request).status().code(),
+            absl::StatusCode::kResourceExhausted);
+  const auto split = client::test_visibility_in_batches(client(), request);
+  ASSERT_TRUE(split.ok()) << split.status();
+  EXPECT_EQ(split->count(), count);
+  EXPECT_EQ(split->visible()[split->visible().size() / 2], '\xff');
+}
+
+}  // namespace
+}  // namespace lucerna
