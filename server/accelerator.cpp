@@ -4,6 +4,7 @@
 #include <embree3/rtcore.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cmath>
@@ -11,34 +12,14 @@
 #include <utility>
 
 #include "server/denormals.h"
+#include "server/isa.h"
+#include "server/ray_limits.h"
 
 namespace lucerna {
 namespace {
 
 // Geometry numbers within an Embree scene; instances follow in the top one.
 enum GeometryId : unsigned { kTriangles = 0, kPatches, kSpheres, kDisks, kFirstInstance };
-
-struct IsaName {
-  const char* name;
-  const char* embree;
-  bool (*supported)();
-};
-constexpr std::array<IsaName, 5> kIsas{{
-    {"sse2", "sse2", [] { return true; }},
-    {"sse4.2", "sse42", [] { return __builtin_cpu_supports("sse4.2") != 0; }},
-    {"avx", "avx", [] { return __builtin_cpu_supports("avx") != 0; }},
-    {"avx2", "avx2",
-     [] {
-       return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") &&
-              __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2");
-     }},
-    {"avx512", "avx512",
-     [] {
-       return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
-              __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512bw") &&
-              __builtin_cpu_supports("avx512vl");
-     }},
-}};
 
 // What the callbacks of user geometry find behind their pointer.
 struct UserGeometry {
@@ -128,30 +109,32 @@ void occluded_callback(const RTCOccludedFunctionNArguments* args) {
   if (intersect(user, args->primID, ray, ray.tfar)) ray.tfar = -INFINITY;
 }
 
-RTCRay embree_ray(const Ray& r) {
-  return {.org_x = r.origin.x,
-          .org_y = r.origin.y,
-          .org_z = r.origin.z,
-          .tnear = r.t_min,
-          .dir_x = r.direction.x,
-          .dir_y = r.direction.y,
-          .dir_z = r.direction.z,
-          .time = 0,
-          .tfar = r.t_max,
-          .mask = ~0u,
-          .id = 0,
-          .flags = 0};
-}
+// A ray as Embree takes it: its direction made `units` times as long, so t is in as many times the
+// unit.
+struct EmbreeRay {
+  alignas(16) RTCRay ray;
+  float units;
+};
 
-std::size_t geometry_bytes(const GeometrySet& s) {
-  return s.vertices.capacity() * sizeof s.vertices[0] +
-         s.triangles.capacity() * sizeof s.triangles[0] +
-         s.patches.capacity() * sizeof s.patches[0] + s.spheres.capacity() * sizeof s.spheres[0] +
-         s.disks.capacity() * sizeof s.disks[0];
-}
-
-bool is_empty(const GeometrySet& s) {
-  return s.triangles.empty() && s.patches.empty() && s.spheres.empty() && s.disks.empty();
+// Nothing where the ray is none.
+std::optional<EmbreeRay> embree_ray(const Ray& r, const RayLimits& limits) {
+  const float longest = max_abs(r.direction);
+  if (!(max_abs(r.origin) < limits.max_origin) || !is_finite(r.origin) || !is_finite(r.direction) ||
+      !(longest > 0) || std::isnan(r.t_min) || std::isnan(r.t_max))
+    return std::nullopt;
+  EmbreeRay e{};
+  // Exact, in two steps: the factor itself may not fit.
+  const int shift = limits.direction_exponent - std::ilogb(longest);
+  const float half = std::scalbn(1.0f, shift / 2), rest = std::scalbn(1.0f, shift - shift / 2);
+  e.units = half * rest;
+  e.ray.org_x = r.origin.x, e.ray.org_y = r.origin.y, e.ray.org_z = r.origin.z;
+  e.ray.dir_x = r.direction.x * half * rest;
+  e.ray.dir_y = r.direction.y * half * rest;
+  e.ray.dir_z = r.direction.z * half * rest;
+  e.ray.tnear = r.t_min / half / rest;
+  e.ray.tfar = r.t_max / half / rest;
+  e.ray.mask = ~0u;
+  return e;
 }
 
 struct SceneDeleter {
@@ -181,6 +164,7 @@ struct Accelerator::State {
   DeviceHandle device;
   std::vector<SceneHandle> object_scenes;
   SceneHandle top;
+  RayLimits limits;
 
   absl::Status open(const std::string& wanted_isa);
   SceneHandle commit(GeometrySet& set, std::array<UserGeometry, 3>& user_geometry,
@@ -190,9 +174,9 @@ struct Accelerator::State {
 
 absl::Status Accelerator::State::open(const std::string& wanted) {
   std::string config;
-  const IsaName* chosen = nullptr;
+  const InstructionSet* chosen = nullptr;
   std::string have;
-  for (const IsaName& i : kIsas) {
+  for (const InstructionSet& i : instruction_sets()) {
     if (!i.supported()) continue;
     have += fmt::format("{}\"{}\"", have.empty() ? "" : ", ", i.name);
     if (wanted.empty() || wanted == i.name) chosen = &i;
@@ -308,6 +292,14 @@ absl::StatusOr<std::unique_ptr<Accelerator>> Accelerator::build(
   state->objects = std::move(objects);
   state->instances = std::move(instances);
   state->stop = std::move(stop);
+  double magnified = 1;
+  for (std::size_t i = 0; i < state->instances.size(); ++i) {
+    const double m = magnification(state->instances[i].scene_from_object);
+    if (!(m < 0x1p40))
+      return absl::InvalidArgumentError(
+          fmt::format("instance {} shrinks its object by {:g}, allowed up to {:g}", i, m, 0x1p40));
+    magnified = std::max(magnified, m);
+  }
   if (absl::Status s = state->open(isa); !s.ok()) return s;
   state->user.resize(1 + state->objects.size());
   for (std::size_t i = 0; i < state->objects.size(); ++i) {
@@ -316,12 +308,19 @@ absl::StatusOr<std::unique_ptr<Accelerator>> Accelerator::build(
   }
   state->top = state->commit(state->scene, state->user[0], true);
   if (absl::Status s = state->status(); !s.ok()) return s;
+  RTCBounds bounds;
+  rtcGetSceneBounds(state->top.get(), &bounds);
+  const float extent = std::max({bounds.upper_x - bounds.lower_x, bounds.upper_y - bounds.lower_y,
+                                 bounds.upper_z - bounds.lower_z});
+  state->limits = limits_for(extent, magnified);
   return std::unique_ptr<Accelerator>(new Accelerator(std::move(state)));
 }
 
 std::optional<RawHit> Accelerator::closest_hit(const Ray& ray) const {
+  const std::optional<EmbreeRay> start = embree_ray(ray, state_->limits);
+  if (!start) return std::nullopt;
   alignas(16) RTCRayHit query;
-  query.ray = embree_ray(ray);
+  query.ray = start->ray;
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
   QueryContext context;
@@ -329,7 +328,7 @@ std::optional<RawHit> Accelerator::closest_hit(const Ray& ray) const {
   rtcIntersect1(state_->top.get(), &context.embree, &query);
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
   RawHit hit;
-  hit.t = query.ray.tfar;
+  hit.t = query.ray.tfar * start->units;
   hit.kind = static_cast<HitKind>(query.hit.geomID);
   hit.primitive = query.hit.primID;
   if (query.hit.instID[0] != RTC_INVALID_GEOMETRY_ID)
@@ -340,11 +339,12 @@ std::optional<RawHit> Accelerator::closest_hit(const Ray& ray) const {
 }
 
 bool Accelerator::occluded(const Ray& ray) const {
-  alignas(16) RTCRay query = embree_ray(ray);
+  std::optional<EmbreeRay> query = embree_ray(ray, state_->limits);
+  if (!query) return false;
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  rtcOccluded1(state_->top.get(), &context, &query);
-  return query.tfar < ray.t_min;  // Embree sets it to minus infinity
+  rtcOccluded1(state_->top.get(), &context, &query->ray);
+  return query->ray.tfar < 0;  // Embree sets it to minus infinity
 }
 
 void Accelerator::occluded(std::span<const Ray> rays, std::span<std::uint8_t> bits) const {
@@ -361,13 +361,12 @@ const GeometryInstance& Accelerator::instance(std::uint32_t i) const {
   return state_->instances[i];
 }
 
-bool Accelerator::empty() const { return is_empty(state_->scene) && state_->instances.empty(); }
+bool Accelerator::empty() const { return state_->scene.empty() && state_->instances.empty(); }
 
 std::size_t Accelerator::bytes() const {
-  std::size_t sum = static_cast<std::size_t>(state_->embree_bytes.load()) +
-                    geometry_bytes(state_->scene) +
+  std::size_t sum = static_cast<std::size_t>(state_->embree_bytes.load()) + state_->scene.bytes() +
                     state_->instances.capacity() * sizeof(GeometryInstance);
-  for (const GeometrySet& o : state_->objects) sum += geometry_bytes(o);
+  for (const GeometrySet& o : state_->objects) sum += o.bytes();
   return sum;
 }
 

@@ -23,11 +23,19 @@ namespace lucerna {
 /// Everything that rays can hit, in one space (the scene's, or an object's).  Each kind is numbered
 /// by itself, in order.
 struct GeometrySet {
-  std::vector<Vec3<float>> vertices;
-  std::vector<std::uint32_t> triangles;  ///< three vertex numbers a triangle
-  std::vector<BilinearPatch<double>> patches;
-  std::vector<Sphere<double>> spheres;
-  std::vector<Disk<double>> disks;
+  std::vector<Vec3<float>> vertices{};
+  std::vector<std::uint32_t> triangles{};  ///< three vertex numbers a triangle
+  std::vector<BilinearPatch<double>> patches{};
+  std::vector<Sphere<double>> spheres{};
+  std::vector<Disk<double>> disks{};
+
+  bool empty() const {
+    return triangles.empty() && patches.empty() && spheres.empty() && disks.empty();
+  }
+  std::size_t bytes() const {
+    const auto of = [](const auto& v) { return v.capacity() * sizeof v[0]; };
+    return of(vertices) + of(triangles) + of(patches) + of(spheres) + of(disks);
+  }
 };
 
 struct GeometryInstance {
@@ -52,7 +60,8 @@ class Accelerator {
  public:
   /// Takes over `scene` and `objects`.  `isa` names the kernels ("" : the best the machine has;
   /// "sse2", "sse4.2", "avx", "avx2", "avx512").  Errors: CANCELLED where `stop` was asked for,
-  /// RESOURCE_EXHAUSTED where Embree had no memory, INVALID_ARGUMENT for an isa the machine lacks.
+  /// RESOURCE_EXHAUSTED where Embree had no memory, INVALID_ARGUMENT for an isa the machine lacks
+  /// and for instances that shrink their object by more than 2^40.
   static absl::StatusOr<std::unique_ptr<Accelerator>> build(GeometrySet scene,
                                                             std::vector<GeometrySet> objects,
                                                             std::vector<GeometryInstance> instances,
@@ -60,6 +69,11 @@ class Accelerator {
                                                             std::stop_token stop);
   ~Accelerator();
 
+  /// Coordinates of what can be hit: at most this [m].
+  static constexpr double kMaxCoordinate = 1e18;
+
+  /// Nothing for rays whose direction is 0 or infinite or whose origin lies beyond 2^58 m (nearer
+  /// where instances shrink their objects: 2^58 m over their factor).
   std::optional<RawHit> closest_hit(const Ray& ray) const;
   /// True where anything lies at t in (t_min, t_max).
   bool occluded(const Ray& ray) const;

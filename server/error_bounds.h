@@ -16,8 +16,8 @@ constexpr double gamma_bound(int n, double roundoff = kFloatRoundoff) {
 /// Embree tests a triangle in single precision about the ray's origin.  Distance to the plane is
 /// dot(n, v0 - o), n = cross(e1, e2): one rounding in each of v0 - o, e1 and e2, three in a cross
 /// product, three in a dot product, one in the division, so that the distance is off by no more
-/// than gamma_16 |v0 - o| where n is well conditioned.  Found to hold, and a quarter of it found
-/// not to be enough, by tests/server/ray_test.cpp.
+/// than gamma_16 |v0 - o| where n is well conditioned.  tests/server/ray_test.cpp holds
+/// with it, and sees shadows that are not there at a sixteenth of it.
 inline constexpr double kTraversalBound = gamma_bound(16);
 inline constexpr float kTraversalError = static_cast<float>(kTraversalBound);
 

@@ -22,10 +22,10 @@ struct SurfaceHit {
   Vec3<float> position;
   /// The surface passes, and rays find it, within this box about `position` [m].
   Vec3<float> position_error;
-  Vec3<float> ng;              ///< geometric normal, unit, outside
-  Vec3<float> ns;              ///< shading normal, unit, on the side of ng
-  std::uint32_t material{};    ///< index into Scene::materials()
-  std::int32_t light = -1;     ///< index into Scene::lights() where the surface emits
+  Vec3<float> ng;                   ///< geometric normal, unit, outside
+  Vec3<float> ns;                   ///< shading normal, unit, on the side of ng
+  std::uint32_t material{};         ///< index into Scene::materials()
+  std::int32_t light = -1;          ///< index into Scene::lights() where the surface emits
   std::uint32_t light_primitive{};  ///< which primitive of that light's shape
 
   SurfacePoint<float> on_light() const { return {position, ng, light_primitive}; }

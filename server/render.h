@@ -34,7 +34,7 @@ struct TileSettings {
   std::uint64_t block_count = 1;        ///< a power of two
   /// Reflections after the surface that the camera sees: 0 is direct light only; unset: until
   /// Russian roulette ends the path.
-  std::optional<std::uint32_t> bounces;
+  std::optional<std::uint32_t> bounces{};
 };
 
 struct TileResult {
@@ -55,19 +55,20 @@ struct IrradiancePoint {
 
 struct IrradianceSettings {
   std::uint64_t seed = 0;
-  std::uint64_t first_item = 0;         ///< number of points[0] in the caller's set
-  std::uint32_t samples_per_block = 1;  ///< a power of two
-  std::uint32_t block_count = 1;        ///< independent replicates; 1: no standard error
-  std::optional<std::uint32_t> bounces; ///< 0: direct light only; unset: all
-  bool per_light = false;               ///< direct light by light beside the total
+  std::uint64_t first_item = 0;            ///< number of points[0] in the caller's set
+  std::uint32_t samples_per_block = 1;     ///< a power of two
+  std::uint32_t block_count = 1;           ///< independent replicates; 1: no standard error
+  std::optional<std::uint32_t> bounces{};  ///< 0: direct light only; unset: all
+  bool per_light = false;                  ///< direct light by light beside the total
 };
 
 struct IrradianceEstimate {
   Rgb<double> irradiance_lx;
-  Rgb<double> standard_error_lx;  ///< of each channel; infinite where block_count is 1 and the answer not exact
+  Rgb<double> standard_error_lx;  ///< of each channel; infinite where block_count is 1 and the
+                                  ///< answer not exact
   /// Upper bound on the illuminance where every sample was 0 but light may be missed (95%), else 0.
   double zero_bound_lx = 0;
-  bool exact = false;             ///< standard error 0 because nothing was sampled
+  bool exact = false;  ///< standard error 0 because nothing was sampled
 };
 
 struct IrradianceResult {

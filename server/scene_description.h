@@ -1,5 +1,5 @@
-// What a scene file says, before anything is built from it: shapes, materials, lights and a camera in
-// world space, double precision.  Loaders fill it, the scene compiler consumes it.
+// What a scene file says, before anything is built from it: shapes, materials, lights and a camera
+// in world space, double precision.  Loaders fill it, the scene compiler consumes it.
 #pragma once
 
 #include <cstdint>
@@ -38,17 +38,19 @@ struct DiffuseMaterial {
 };
 
 /// A triangle mesh in world space (object space within an ObjectDefinition).  Winding is resolved:
-/// cross(p1 - p0, p2 - p0) is the outside, whatever ReverseOrientation, mirrors and vertex normals said.
+/// cross(p1 - p0, p2 - p0) is the outside, whatever ReverseOrientation, mirrors and vertex normals
+/// said.
 struct TriangleMeshData {
   std::vector<Vec3<double>> positions;
-  std::vector<Vec3<float>> normals;  ///< shading normals, unit, per vertex; empty: flat
+  std::vector<Vec3<float>> normals;    ///< shading normals, unit, per vertex; empty: flat
   std::vector<std::uint32_t> indices;  ///< three a triangle, all < positions.size()
 };
 
-/// Bilinear patches, four corners each: (0,0), (1,0), (0,1), (1,1).  cross(dp/du, dp/dv) is the outside.
+/// Bilinear patches, four corners each: (0,0), (1,0), (0,1), (1,1).  cross(dp/du, dp/dv) is the
+/// outside.
 struct PatchMeshData {
   std::vector<Vec3<double>> positions;
-  std::vector<Vec3<float>> normals;  ///< shading normals, unit, per vertex; empty: geometric
+  std::vector<Vec3<float>> normals;    ///< shading normals, unit, per vertex; empty: geometric
   std::vector<std::uint32_t> indices;  ///< four a patch
 };
 
@@ -61,8 +63,8 @@ struct ShapeDescription {
     bool two_sided = false;
     SourceLocation where;
   };
-  std::optional<Emission> emission;
-  SourceLocation where;
+  std::optional<Emission> emission{};
+  SourceLocation where{};
 };
 
 /// A named object; its shapes are in object space and carry no emission.
@@ -92,21 +94,22 @@ struct PerspectiveCamera {
 };
 
 struct Film {
-  int width = 1280;   ///< pixels, after any crop is ignored
+  int width = 1280;  ///< pixels, after any crop is ignored
   int height = 720;
-  double scale = 1;   ///< what pixel values are multiplied by (the film's sensor), 1: linear radiance
+  double scale =
+      1;  ///< what pixel values are multiplied by (the film's sensor), 1: linear radiance
 };
 
 /// Read as hints: defaults for requests that do not say.
 struct RenderHints {
-  std::optional<int> max_depth;          ///< path length, 1 is direct light only (pbrt's maxdepth)
+  std::optional<int> max_depth;  ///< path length, 1 is direct light only (pbrt's maxdepth)
   std::optional<int> samples_per_pixel;
 };
 
 /// One file that was read, for digests.
 struct Asset {
-  std::string name;     ///< relative to the scene root
-  std::string sha256;   ///< 32 bytes
+  std::string name;    ///< relative to the scene root
+  std::string sha256;  ///< 32 bytes
   std::uint64_t bytes = 0;
 };
 

@@ -12,7 +12,7 @@ namespace {
 
 absl::Status not_finite(std::size_t i, const Vec3<double>& p) {
   return absl::InvalidArgumentError(fmt::format(
-      "vertex {} at ({}, {}, {}) m, allowed are finite coordinates below 1e37", i, p.x, p.y, p.z));
+      "vertex {} at ({}, {}, {}) m, allowed are coordinates up to 1e18", i, p.x, p.y, p.z));
 }
 
 absl::Status append_mesh(const std::vector<Vec3<double>>& positions,
@@ -28,7 +28,8 @@ absl::Status append_mesh(const std::vector<Vec3<double>>& positions,
           fmt::format("vertex number {}, allowed below {}", i, positions.size()));
   for (std::size_t i = 0; i < positions.size(); ++i) {
     const Vec3<float> p = about(positions[i], origin);
-    if (!is_finite(p) || max_abs(p) > 1e37f) return not_finite(i, positions[i]);
+    if (!is_finite(p) || max_abs(p) > Accelerator::kMaxCoordinate)
+      return not_finite(i, positions[i]);
     set.vertices.push_back(p);
   }
   return absl::OkStatus();
@@ -162,6 +163,11 @@ absl::StatusOr<Bounds> shape_bounds(const ShapeDescription& shape) {
   const auto analytic = [&](const auto& created) -> absl::Status {
     if (!created.ok()) return located(created.status(), shape.where);
     const auto box = created->bounds();
+    const double reach = std::max(max_abs(box.first), max_abs(box.second));
+    if (!(reach <= Accelerator::kMaxCoordinate))
+      return located(absl::InvalidArgumentError(fmt::format(
+                         "shape reaching to {} m, allowed are coordinates up to 1e18", reach)),
+                     shape.where);
     bounds.add(box.first);
     bounds.add(box.second);
     return absl::OkStatus();
@@ -169,7 +175,8 @@ absl::StatusOr<Bounds> shape_bounds(const ShapeDescription& shape) {
   const auto mesh = [&](const auto& data) -> absl::Status {
     for (std::size_t i = 0; i < data.positions.size(); ++i) {
       const Vec3<double>& p = data.positions[i];
-      if (!is_finite(p) || max_abs(p) > 1e37) return located(not_finite(i, p), shape.where);
+      if (!is_finite(p) || max_abs(p) > Accelerator::kMaxCoordinate)
+        return located(not_finite(i, p), shape.where);
       bounds.add(p);
     }
     return absl::OkStatus();

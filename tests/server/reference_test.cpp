@@ -1,0 +1,141 @@
+// Scenes of one light each against the pictures that pbrt-v4 made of them with 1024 to 8192 samples
+// a pixel (its spectra of grey are flat, so that its pictures are an RGB renderer's too).
+//
+// The rule of agreement allows for pbrt-v4's own differences: it drops the last 1e-4 of every
+// shadow ray, which no scene here shows.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <string>
+
+#include "server/asset_reader.h"
+#include "server/pbrt/load.h"
+#include "server/render.h"
+#include "server/scene.h"
+#include "tests/server/compare.h"
+
+namespace lucerna {
+namespace {
+
+using testing::Agreement;
+using testing::compare;
+using testing::Picture;
+using testing::read_picture;
+
+const std::string kReference = LUCERNA_TEST_DATA "/reference/";
+
+std::shared_ptr<const Scene> load(const std::string& name) {
+  absl::StatusOr<AssetReader> reader = AssetReader::open(kReference);
+  if (!reader.ok()) throw std::runtime_error(reader.status().ToString());
+  auto description = load_pbrt(*reader, name + ".pbrt", {});
+  if (!description.ok()) throw std::runtime_error(description.status().ToString());
+  auto scene = Scene::build(*std::move(description));
+  if (!scene.ok()) throw std::runtime_error(scene.status().ToString());
+  return *scene;
+}
+
+struct Rendered {
+  Picture mean, standard_error;
+};
+
+Rendered render(const Scene& scene) {
+  constexpr std::uint32_t kBlocks = 8, kSamplesPerBlock = 32;
+  const Camera& camera = scene.camera();
+  const TileSettings settings{
+      .rect = {0, 0, camera.width(), camera.height()},
+      .seed = 1,
+      .samples_per_block = kSamplesPerBlock,
+      .block_count = kBlocks,
+      .bounces = static_cast<std::uint32_t>(scene.hints().max_depth.value_or(1) - 1)};
+  const TileResult tile = render_tile(scene, settings, {});
+  Rendered out{{camera.width(), camera.height(), {}}, {camera.width(), camera.height(), {}}};
+  for (const BlockStatistics& s : tile.channels) {
+    out.mean.values.push_back(s.sum / kBlocks);
+    out.standard_error.values.push_back(std::sqrt(s.deviation / (kBlocks * (kBlocks - 1))));
+  }
+  return out;
+}
+
+class Reference : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(Reference, PictureAgreesWithPbrt4) {
+  const Rendered mine = render(*load(GetParam()));
+  const std::string stem = kReference + "pictures/" + GetParam();
+  const Picture theirs = read_picture(stem + ".exr");
+  const Agreement a =
+      compare(mine.mean, mine.standard_error, theirs, read_picture(stem + ".stderr.exr"));
+  // To look at: a directory for the pictures of this run.
+  if (const char* directory = std::getenv("LUCERNA_TEST_PICTURES"))
+    testing::write_picture(std::string(directory) + "/" + GetParam() + ".exr", mine.mean);
+  RecordProperty("mean_ratio", std::to_string(a.mean_ratio[1]));
+  RecordProperty("outliers", std::to_string(a.outliers));
+  RecordProperty("block_percentile", std::to_string(a.block_percentile));
+  EXPECT_EQ(a.why, "") << "means " << a.mean_ratio[0] << " " << a.mean_ratio[1] << " "
+                       << a.mean_ratio[2] << ", outliers " << a.outliers << ", blocks "
+                       << a.block_percentile;
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, Reference,
+                         ::testing::Values("point", "point_power", "spot", "spot_hard", "distant",
+                                           "triangle", "rectangle", "rectangle_near", "two_sided",
+                                           "sphere", "disk", "infinite", "many_points",
+                                           "many_triangles", "bounces"),
+                         [](const auto& info) { return info.param; });
+
+class Comparison : public ::testing::Test {
+ protected:
+  const Picture reference_ = read_picture(kReference + "pictures/rectangle.exr");
+  const Picture stderr_ = read_picture(kReference + "pictures/rectangle.stderr.exr");
+};
+
+TEST_F(Comparison, AcceptsThePictureItself) {
+  EXPECT_EQ(compare(reference_, stderr_, reference_, stderr_).why, "");
+}
+
+TEST_F(Comparison, RejectsOnePerCentMoreLight) {
+  Picture brighter = reference_;
+  for (double& v : brighter.values) v *= 1.01;
+  EXPECT_THAT(compare(brighter, stderr_, reference_, stderr_).why, ::testing::HasSubstr("mean"));
+}
+
+TEST_F(Comparison, RejectsAPictureShiftedByOnePixel) {
+  Picture shifted = reference_;
+  for (int y = 0; y < shifted.height; ++y)
+    for (int x = 1; x < shifted.width; ++x)
+      for (int c = 0; c < 3; ++c)
+        shifted.values[3 * static_cast<std::size_t>(y * shifted.width + x) +
+                       static_cast<std::size_t>(c)] = reference_.at(x - 1, y, c);
+  EXPECT_THAT(compare(shifted, stderr_, reference_, stderr_).why, ::testing::HasSubstr("pixels"));
+}
+
+TEST_F(Comparison, RejectsAShadowMovedElsewhereThoughTheMeanStays) {
+  Picture moved = reference_;
+  // A dark square of three blocks' width, and its light handed to the rest.
+  double taken = 0;
+  for (int y = 40; y < 64; ++y)
+    for (int x = 40; x < 64; ++x)
+      for (int c = 0; c < 3; ++c) {
+        double& v = moved.values[3 * static_cast<std::size_t>(y * moved.width + x) +
+                                 static_cast<std::size_t>(c)];
+        taken += v / 2;
+        v /= 2;
+      }
+  for (double& v : moved.values) v += taken / static_cast<double>(moved.values.size());
+  // A picture that claims to be noisy is not excused.
+  Picture noisy = stderr_;
+  for (double& v : noisy.values) v = 1e3;
+  const std::string why = compare(moved, noisy, reference_, stderr_).why;
+  EXPECT_THAT(why, ::testing::HasSubstr("blocks"));
+  EXPECT_THAT(why, ::testing::HasSubstr("pixels"));
+}
+
+TEST_F(Comparison, RejectsANaN) {
+  Picture broken = reference_;
+  broken.values[12345] = NAN;
+  EXPECT_EQ(compare(broken, stderr_, reference_, stderr_).why, "not finite");
+}
+
+}  // namespace
+}  // namespace lucerna
