@@ -14,8 +14,8 @@ double origin(std::span<const Double3> points, int axis) {
     lower = std::min(lower, point[axis]);
     upper = std::max(upper, point[axis]);
   }
-  if (lower == upper && std::isfinite(lower)) return lower;
-  // Zero loses at most three bits here, and keeps what lies at zero there exactly.
+  // Where all are alike, the middle is their value.  Else zero loses at most three bits, and keeps
+  // what lies at zero exactly there; it is also the answer where a coordinate is not finite.
   const double middle = lower / 2 + upper / 2;
   return std::abs(middle) > 8 * (upper / 2 - lower / 2) ? middle : 0;
 }

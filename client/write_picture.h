@@ -28,7 +28,7 @@ struct PictureView {
 absl::StatusOr<PictureFormat> picture_format(const std::string& path);
 
 /// The code of PNG for a linear value: 255 times the curve of sRGB, rounded; clamped to [0, 1]
-/// first. [IEC61966-2-1]
+/// first. [IEC61966]
 std::uint8_t srgb8(float linear);
 
 /// A file that is about to be written.
