@@ -39,8 +39,8 @@ struct Job {
 
   /// Called exactly once, on a thread of the lane, within its arena (or on the thread that ends the
   /// lanes, with UNAVAILABLE).  Must not throw.
-  std::function<void(const JobStart&)> run;
-  std::stop_token stop;
+  std::function<void(const JobStart&)> run{};
+  std::stop_token stop{};
   Clock::time_point deadline = Clock::time_point::max();
 };
 

@@ -62,6 +62,9 @@ class LiSampler {
       const Vec3<float> n = triple(q_.normals, receiver);
       if (!is_finite(n) || n == Vec3<float>{}) p.receiver.result = ItemResult::kInvalidInput;
       p.normal = normalized(n);
+      if (q_.test_visibility && !q_.position_error_m && p.receiver.result == ItemResult::kOk) {
+        p.receiver = on_surface(scene_, p.receiver, p.normal);
+      }
     }
     double u_light = 0;
     if (q_.seed) {

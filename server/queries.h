@@ -68,14 +68,14 @@ struct SeedRange {
 
 struct SampleLiQuery {
   PointArray receivers;
-  std::uint32_t samples = 1;           ///< for each receiver
-  std::optional<std::uint32_t> light;  ///< index; unset: chosen for each sample
-  std::optional<SeedRange> seed;       ///< set: `u` and `u_light` are not read
-  std::span<const float> u;            ///< two a sample, in [0, 1] or not finite
-  std::span<const double> u_light;     ///< one a sample, in [0, 1), where `light` is unset
+  std::uint32_t samples = 1;             ///< for each receiver
+  std::optional<std::uint32_t> light{};  ///< index; unset: chosen for each sample
+  std::optional<SeedRange> seed{};       ///< set: `u` and `u_light` are not read
+  std::span<const float> u{};            ///< two a sample, in [0, 1] or not finite
+  std::span<const double> u_light{};     ///< one a sample, in [0, 1), where `light` is unset
   bool test_visibility = false;
-  std::span<const float> normals;  ///< three a receiver, or none
-  std::optional<float> position_error_m;
+  std::span<const float> normals{};  ///< three a receiver, or none
+  std::optional<float> position_error_m{};
 };
 
 /// Arrays to be filled, of receivers x samples entries (or triples), receiver by receiver; all

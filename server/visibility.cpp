@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "server/denormals.h"
+#include "server/error_bounds.h"
 #include "server/parallel.h"
 
 namespace lucerna {
@@ -20,16 +21,17 @@ Vec3<float> start_of(const ScenePoint& from, const Vec3<float>& normal,
 bool has_normal(const Vec3<float>& normal) { return normal != Vec3<float>{}; }
 
 /// The ray of item `i`; nothing where its status says why, or where it is visible without one.
-std::optional<Ray> ray_of(const VisibilityQuery& q, const ToScene& from_scene,
+std::optional<Ray> ray_of(const Scene& scene, const VisibilityQuery& q, const ToScene& from_scene,
                           const std::optional<ToScene>& to_scene, std::size_t i,
                           ItemResult& result) {
-  const ScenePoint from = from_scene(i);
+  ScenePoint from = from_scene(i);
   result = from.result;
   Vec3<float> normal;
   if (!q.normals.empty()) {
     normal = triple(q.normals, i);
     if (!is_finite(normal) || !has_normal(normal)) result = ItemResult::kInvalidInput;
     normal = normalized(normal);
+    if (result == ItemResult::kOk && !q.position_error_m) from = on_surface(scene, from, normal);
   }
   if (to_scene) {
     const ScenePoint to = (*to_scene)(i);
@@ -52,6 +54,22 @@ std::optional<Ray> ray_of(const VisibilityQuery& q, const ToScene& from_scene,
 }
 
 }  // namespace
+
+ScenePoint on_surface(const Scene& scene, ScenePoint point, const Vec3<float>& normal) {
+  if (!has_normal(normal)) return point;
+  // No coordinate of a surface is larger than this, so none is rounded by more than a few of its
+  // ulps.
+  const auto largest =
+      static_cast<float>(max_abs(scene.sphere().center_m) + scene.sphere().radius_m);
+  const float reach = kStartWithoutNormal * (point.error + kTraversalError * largest);
+  const auto hit = scene.closest_hit({point.position + normal * reach, -normal, 0, 2 * reach});
+  if (!hit) return point;
+  const float away = std::fabs(hit->t - reach);
+  const float error = max_abs(hit->position_error);
+  // Farther off it is another surface, which the point does not lie on.
+  if (away <= 2 * (point.error + error)) point.error += away + error;
+  return point;
+}
 
 std::optional<Ray> segment_ray(const ScenePoint& from, const Vec3<float>& normal,
                                const ScenePoint& to) {
@@ -110,7 +128,7 @@ WorkCounts test_visibility(const Scene& scene, const VisibilityQuery& query, std
     items.reserve(end - begin);
     for (std::size_t i = begin; i < end; ++i) {
       ItemResult result = ItemResult::kOk;
-      const std::optional<Ray> ray = ray_of(query, from, to, i, result);
+      const std::optional<Ray> ray = ray_of(scene, query, from, to, i, result);
       status[i] = static_cast<int>(result);
       if (ray) {
         rays.push_back(*ray);

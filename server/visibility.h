@@ -17,6 +17,11 @@ namespace lucerna {
 /// again. With a normal there is no such limit.
 inline constexpr float kStartWithoutNormal = 16;
 
+/// The point with its error widened by that of the surface that it lies on, as far as there is one
+/// within both errors: a surface is rounded with its vertices, which may lie much farther from zero
+/// than the point.  `normal`: unit, or zero: then nothing is changed.
+ScenePoint on_surface(const Scene& scene, ScenePoint point, const Vec3<float>& normal);
+
 /// The ray whose t in (t_min, 1) is the open way between two points; `normal`: unit at the start,
 /// or zero for none.  Nothing where the points are so close that nothing is left between them: they
 /// see each other.
@@ -28,11 +33,11 @@ Ray light_ray(const ScenePoint& from, const Vec3<float>& normal, const LightSamp
 
 struct VisibilityQuery {
   PointArray from;
-  std::optional<PointArray> to;       ///< segments; else rays:
-  std::span<const float> directions;  ///< three a ray, of any length but 0
-  std::span<const float> lengths_m;   ///< > 0, or none: infinitely far
-  std::span<const float> normals;     ///< three an item, or none
-  std::optional<float> position_error_m;
+  std::optional<PointArray> to{};       ///< segments; else rays:
+  std::span<const float> directions{};  ///< three a ray, of any length but 0
+  std::span<const float> lengths_m{};   ///< > 0, or none: infinitely far
+  std::span<const float> normals{};     ///< three an item, or none
+  std::optional<float> position_error_m{};
 };
 
 /// Sets bit i of `visible` (zeros before) where nothing stands between; `status` is an ItemResult

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <vector>
 
+#include "server/denormals.h"
 #include "server/queries.h"
 #include "server/render.h"
 #include "server/rpc/checks.h"
@@ -83,6 +84,7 @@ struct IrradianceWork {
 
 absl::Status IrradianceWork::operator()(const std::stop_token& stop,
                                         v1::EstimateIrradianceResponse* response) const {
+  const DenormalsAreZero denormals;
   const std::size_t n = receivers.size();
   const std::size_t lights = scene->lights().size();
   const EstimateArrays total{fill(response->mutable_irradiance_lx(), 3 * n),
@@ -107,10 +109,13 @@ absl::Status IrradianceWork::operator()(const std::stop_token& stop,
   for (std::size_t i = 0; i <= n; ++i) {
     ItemResult result = ItemResult::kInvalidInput;
     if (i < n) {
-      const ScenePoint p = to_scene(i);
+      ScenePoint p = to_scene(i);
       const Vec3<float> normal = triple(normals, i);
       result = p.result;
       if (!is_finite(normal) || normal == Vec3<float>{}) result = ItemResult::kInvalidInput;
+      if (result == ItemResult::kOk && !position_error_m) {
+        p = on_surface(*scene, p, normalized(normal));
+      }
       status[i] = static_cast<int>(result);
       if (result == ItemResult::kOk) {
         points.push_back({p.position, {p.error, p.error, p.error}, normalized(normal)});

@@ -2,9 +2,11 @@
 
 #include <fmt/core.h>
 #include <grpc/health/v1/health.pb.h>
+#include <grpc/support/log.h>
 #include <grpcpp/ext/proto_server_reflection_plugin.h>
 #include <grpcpp/grpcpp.h>
 #include <grpcpp/health_check_service_interface.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <future>
@@ -57,6 +59,8 @@ void set_info(const ServerOptions& options, const Fingerprint& fingerprint, int 
 /// Global to the process, and once is enough.
 void set_up_grpc() {
   static const bool done = [] {
+    // Its words on what our errors say too, and on clients that come and go.
+    gpr_set_log_function([](gpr_log_func_args* args) { spdlog::debug("grpc: {}", args->message); });
     grpc::EnableDefaultHealthCheckService(true);
     grpc::reflection::InitProtoReflectionServerBuilderPlugin();
     // gRPC answers health checks from descriptions of its own; naming the type here links the one

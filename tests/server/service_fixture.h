@@ -1,0 +1,127 @@
+// A server within the test's process, and stubs that talk to it over loopback.
+#pragma once
+
+#include <google/rpc/error_details.pb.h>
+#include <google/rpc/status.pb.h>
+#include <grpcpp/grpcpp.h>
+#include <gtest/gtest.h>
+
+#include <future>
+#include <memory>
+#include <string>
+
+#include "lucerna/v1/admin.grpc.pb.h"
+#include "lucerna/v1/lighting.grpc.pb.h"
+#include "lucerna/v1/render.grpc.pb.h"
+#include "lucerna/v1/scene.grpc.pb.h"
+#include "server/rpc/server.h"
+
+namespace lucerna::testing {
+
+inline rpc::ServerOptions service_options() {
+  rpc::ServerOptions options;
+  options.listen = "127.0.0.1:0";
+  options.scene_root = std::string(LUCERNA_TEST_DATA) + "/reference";
+  options.version = "test";
+  options.lanes.threads = 2;
+  return options;
+}
+
+/// One running server with all stubs.
+struct Service {
+  explicit Service(const rpc::ServerOptions& options = service_options())
+      : server(rpc::Server::start(options).value()),
+        channel(grpc::CreateCustomChannel(server->address(), grpc::InsecureChannelCredentials(),
+                                          arguments())),
+        scenes(channel),
+        lighting(channel),
+        render(channel),
+        admin(channel) {}
+
+  std::string load(const std::string& path) {
+    grpc::ClientContext context;
+    v1::LoadSceneRequest request;
+    request.set_path(path);
+    v1::LoadSceneResponse response;
+    const grpc::Status s = scenes.LoadScene(&context, request, &response);
+    EXPECT_TRUE(s.ok()) << s.error_message();
+    return response.scene_id();
+  }
+
+  static grpc::ChannelArguments arguments() {
+    grpc::ChannelArguments arguments;
+    arguments.SetMaxReceiveMessageSize(-1);
+    arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
+    arguments.SetInt(GRPC_ARG_ENABLE_RETRIES, 0);
+    return arguments;
+  }
+
+  std::unique_ptr<rpc::Server> server;
+  std::shared_ptr<grpc::Channel> channel;
+  v1::SceneService::Stub scenes;
+  v1::LightingService::Stub lighting;
+  v1::RenderService::Stub render;
+  v1::AdminService::Stub admin;
+};
+
+/// What `call(&context)` answers.
+template <typename Call>
+grpc::Status ask(Call&& call) {
+  grpc::ClientContext context;
+  return call(&context);
+}
+
+/// The detail of one kind that an error carries; empty where there is none.
+template <typename Detail>
+Detail detail(const grpc::Status& status) {
+  google::rpc::Status wire;
+  Detail found;
+  if (!wire.ParseFromString(status.error_details())) return found;
+  for (const auto& any : wire.details()) {
+    if (any.Is<Detail>()) any.UnpackTo(&found);
+  }
+  return found;
+}
+
+/// Checks an INVALID_ARGUMENT that names `field`, in its text and in its details.
+inline void expect_bad_field(const grpc::Status& status, const std::string& field) {
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT) << status.error_message();
+  EXPECT_NE(status.error_message().find(field + " = "), std::string::npos)
+      << status.error_message();
+  const auto bad = detail<google::rpc::BadRequest>(status);
+  ASSERT_EQ(bad.field_violations_size(), 1);
+  EXPECT_EQ(bad.field_violations(0).field(), field);
+  EXPECT_NE(bad.field_violations(0).description().find("allowed: "), std::string::npos);
+  EXPECT_EQ(detail<google::rpc::ErrorInfo>(status).domain(), "lucerna");
+}
+
+/// Keeps both threads of a lane busy until it is destroyed.
+class BusyLane {
+ public:
+  BusyLane(rpc::Server& server, Lane lane) {
+    const std::shared_future<void> opened = open_.get_future().share();
+    for (int i = 0; i < 2; ++i) {
+      std::promise<void> begun;
+      EXPECT_TRUE(server.lanes()
+                      .submit(lane, {.run =
+                                         [&begun, opened](const JobStart&) {
+                                           begun.set_value();
+                                           opened.wait();
+                                         }})
+                      .ok());
+      begun.get_future().wait();
+    }
+  }
+  ~BusyLane() { open_.set_value(); }
+
+ private:
+  std::promise<void> open_;
+};
+
+template <typename... Numbers>
+void set(google::protobuf::RepeatedField<float>* field, Numbers... numbers) {
+  field->Clear();
+  (field->Add(static_cast<float>(numbers)), ...);
+}
+
+}  // namespace lucerna::testing

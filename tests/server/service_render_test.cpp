@@ -1,0 +1,188 @@
+#include <map>
+#include <thread>
+
+#include "service_fixture.h"
+
+namespace lucerna::testing {
+namespace {
+
+class RenderServiceTest : public ::testing::Test {
+ protected:
+  grpc::Status tile(Service& service, const v1::RenderTileRequest& q, v1::RenderTileResponse* r) {
+    return ask([&](auto* c) { return service.render.RenderTile(c, q, r); });
+  }
+  v1::RenderTileRequest tile_request(std::uint32_t samples) const {
+    v1::RenderTileRequest q;
+    q.set_scene_id(scene_);
+    q.mutable_rect()->set_x0(64);
+    q.mutable_rect()->set_x1(128);
+    q.mutable_rect()->set_y1(64);
+    q.set_seed(5);
+    q.mutable_accuracy()->set_samples(samples);
+    return q;
+  }
+
+  Service service_;
+  std::string scene_ = service_.load("rectangle.pbrt");
+};
+
+TEST_F(RenderServiceTest, TilesAreTheSameBitsOnOneThreadAndTwo) {
+  v1::RenderTileResponse two, one;
+  ASSERT_TRUE(tile(service_, tile_request(4), &two).ok());
+  EXPECT_EQ(two.tile().sum().size(), 64U * 64 * 24);
+  EXPECT_EQ(two.tile().block_count(), 4U);
+  EXPECT_EQ(two.cost().samples(), 64U * 64 * 4);
+  EXPECT_GT(two.cost().cpu_time_s(), 0);
+  rpc::ServerOptions options = service_options();
+  options.lanes.threads = 1;
+  Service alone(options);
+  alone.load("rectangle.pbrt");
+  ASSERT_TRUE(tile(alone, tile_request(4), &one).ok());
+  EXPECT_EQ(one.tile().SerializeAsString(), two.tile().SerializeAsString());
+}
+
+TEST_F(RenderServiceTest, ImagesEndInTheBitsOfTiles) {
+  v1::RenderImageRequest q;
+  q.set_scene_id(scene_);
+  q.set_seed(5);
+  q.mutable_accuracy()->set_samples(8);
+  grpc::ClientContext context;
+  auto reader = service_.render.RenderImage(&context, q);
+  v1::RenderImageResponse r;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::vector<v1::Tile>> tiles;
+  std::uint64_t done = 0;
+  while (reader->Read(&r)) {
+    tiles[{r.tile().rect().x0(), r.tile().rect().y0()}].push_back(r.tile());
+    EXPECT_GT(r.samples_done(), done);
+    done = r.samples_done();
+  }
+  ASSERT_TRUE(reader->Finish().ok());
+  EXPECT_EQ(done, 160U * 120 * 8);
+  EXPECT_EQ(r.cost().samples(), done);
+  ASSERT_EQ(tiles.size(), 6U);  // 3 by 2 of 64 pixels
+  for (const auto& [place, passes] : tiles) {
+    ASSERT_EQ(passes.size(), 4U);  // 1, 2, 4, 8 blocks
+    EXPECT_EQ(passes[1].block_count(), 2U);
+  }
+  v1::RenderTileResponse whole;
+  ASSERT_TRUE(tile(service_, tile_request(8), &whole).ok());
+  const v1::Tile& last = tiles[{64, 0}].back();
+  EXPECT_EQ(last.SerializeAsString(), whole.tile().SerializeAsString());
+  v1::RenderTileRequest other = tile_request(8);
+  other.set_seed(6);
+  ASSERT_TRUE(tile(service_, other, &whole).ok());
+  EXPECT_NE(last.sum(), whole.tile().sum());
+}
+
+TEST_F(RenderServiceTest, AnyNumberOfSamplesMakesAnImage) {
+  v1::RenderImageRequest q;
+  q.set_scene_id(scene_);
+  q.mutable_accuracy()->set_samples(11);
+  q.set_tile_size(160);
+  q.set_final_only(true);
+  grpc::ClientContext context;
+  auto reader = service_.render.RenderImage(&context, q);
+  v1::RenderImageResponse r;
+  int n = 0;
+  while (reader->Read(&r)) ++n;
+  ASSERT_TRUE(reader->Finish().ok());
+  EXPECT_EQ(n, 1);
+  EXPECT_EQ(r.tile().block_count(), 11U);
+}
+
+TEST_F(RenderServiceTest, BadTilesAreNamed) {
+  v1::RenderTileResponse r;
+  v1::RenderTileRequest q = tile_request(8);
+  q.mutable_rect()->set_x1(161);
+  expect_bad_field(tile(service_, q, &r), "rect");
+  q = tile_request(8);
+  q.mutable_rect()->set_x1(64);
+  expect_bad_field(tile(service_, q, &r), "rect");
+  q = tile_request(24);
+  expect_bad_field(tile(service_, q, &r), "accuracy.samples");
+  q = tile_request(8);
+  q.set_samples_per_block(3);
+  expect_bad_field(tile(service_, q, &r), "samples_per_block");
+  q.set_samples_per_block(16);
+  expect_bad_field(tile(service_, q, &r), "accuracy.samples");
+  q = tile_request(8);
+  q.set_first_sample(4);
+  expect_bad_field(tile(service_, q, &r), "first_sample");
+  v1::RenderImageRequest image;
+  image.set_scene_id(scene_);
+  image.set_tile_size(0);
+  expect_bad_field(ask([&](auto* c) { return service_.render.RenderImage(c, image)->Finish(); }),
+                   "tile_size");
+}
+
+TEST_F(RenderServiceTest, CancelledRendersStopAndMakeRoom) {
+  grpc::ClientContext context;
+  v1::RenderTileRequest endless = tile_request(1 << 20);
+  std::thread caller([&] {
+    v1::RenderTileResponse r;
+    EXPECT_EQ(service_.render.RenderTile(&context, endless, &r).error_code(),
+              grpc::StatusCode::CANCELLED);
+  });
+  grpc::ClientContext image_context;
+  v1::RenderImageRequest image;
+  image.set_scene_id(scene_);
+  image.mutable_accuracy()->set_samples(1 << 20);
+  image.set_samples_per_block(1);  // so that the first coarse tile comes at once
+  auto reader = service_.render.RenderImage(&image_context, image);
+  v1::RenderImageResponse r;
+  EXPECT_TRUE(reader->Read(&r));
+  context.TryCancel();
+  image_context.TryCancel();
+  while (reader->Read(&r)) {
+  }
+  EXPECT_EQ(reader->Finish().error_code(), grpc::StatusCode::CANCELLED);
+  caller.join();
+  // Hours of work were asked for: this ends only where they were given up.
+  while (service_.server->lanes().pending(Lane::kBulk) > 0) std::this_thread::yield();
+  v1::RenderTileResponse next;
+  EXPECT_TRUE(tile(service_, tile_request(1), &next).ok());
+}
+
+TEST_F(RenderServiceTest, ADeadlineEndsWaitingAndWork) {
+  grpc::ClientContext running;
+  running.set_deadline(std::chrono::system_clock::now() + std::chrono::milliseconds(100));
+  v1::RenderTileResponse r;
+  EXPECT_EQ(service_.render.RenderTile(&running, tile_request(1 << 20), &r).error_code(),
+            grpc::StatusCode::DEADLINE_EXCEEDED);
+  while (service_.server->lanes().pending(Lane::kBulk) > 0) std::this_thread::yield();
+  {
+    const BusyLane busy(*service_.server, Lane::kBulk);
+    grpc::ClientContext waiting;
+    waiting.set_deadline(std::chrono::system_clock::now() + std::chrono::milliseconds(20));
+    EXPECT_EQ(service_.render.RenderTile(&waiting, tile_request(1 << 20), &r).error_code(),
+              grpc::StatusCode::DEADLINE_EXCEEDED);
+  }
+  while (service_.server->lanes().pending(Lane::kBulk) > 0) std::this_thread::yield();
+}
+
+TEST_F(RenderServiceTest, AFullQueuePushesBack) {
+  rpc::ServerOptions options = service_options();
+  options.lanes.bulk_queue = 1;
+  Service service(options);
+  service.load("rectangle.pbrt");
+  const BusyLane busy(*service.server, Lane::kBulk);
+  ASSERT_TRUE(service.server->lanes().submit(Lane::kBulk, {.run = [](const JobStart&) {}}).ok());
+  grpc::ClientContext context;
+  v1::RenderTileResponse r;
+  const grpc::Status s = service.render.RenderTile(&context, tile_request(1), &r);
+  EXPECT_EQ(s.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  EXPECT_EQ(detail<google::rpc::RetryInfo>(s).retry_delay().seconds(), 1);
+  EXPECT_EQ(detail<google::rpc::ErrorInfo>(s).reason(), "QUEUE_FULL");
+  const auto& trailers = context.GetServerTrailingMetadata();
+  const auto pushback = trailers.find("grpc-retry-pushback-ms");
+  ASSERT_NE(pushback, trailers.end());
+  EXPECT_EQ(std::string(pushback->second.data(), pushback->second.size()), "1000");
+  // Small queries go on meanwhile.
+  v1::GetSceneRequest get;
+  get.set_scene_id(scene_);
+  v1::GetSceneResponse scene;
+  EXPECT_TRUE(ask([&](auto* c) { return service.scenes.GetScene(c, get, &scene); }).ok());
+}
+
+}  // namespace
+}  // namespace lucerna::testing

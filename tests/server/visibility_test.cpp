@@ -1,0 +1,149 @@
+#include "server/visibility.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+#include <vector>
+
+#include "scenes.h"
+
+namespace lucerna {
+namespace {
+
+using ::lucerna::testing::build;
+using ::lucerna::testing::description;
+
+struct Seen {
+  std::vector<std::uint8_t> bits;
+  std::vector<int> status;
+  bool operator[](std::size_t i) const { return (bits[i / 8] >> (i % 8) & 1) != 0; }
+};
+
+Seen ask(const Scene& scene, const VisibilityQuery& query) {
+  const std::size_t n = query.from.size();
+  Seen seen{std::vector<std::uint8_t>((n + 7) / 8), std::vector<int>(n)};
+  test_visibility(scene, query, seen.bits.data(), seen.status.data(), {});
+  return seen;
+}
+
+/// Walls of 2 m at z = 0 and z = 4.
+std::shared_ptr<const Scene> two_walls() {
+  SceneDescription d = description();
+  d.shapes.push_back(testing::floor(1, 0));
+  d.shapes.push_back(testing::floor(1, 4));
+  return build(d);
+}
+
+TEST(TestVisibility, SegmentsSeeWhatIsBeforeAndNotWhatIsBehindAWall) {
+  const std::vector<float> from{0, 0, 1, 0, 0, -1, 5, 0, -1, 0, 0, 1};
+  const std::vector<float> to{0, 0, 3, 0, 0, 1, 5, 0, 9, 0, 0, 9};
+  const Seen seen = ask(*two_walls(), {.from = {{}, from}, .to = PointArray{{}, to}});
+  EXPECT_TRUE(seen[0]);   // between the walls
+  EXPECT_FALSE(seen[1]);  // through the lower one
+  EXPECT_TRUE(seen[2]);   // past both
+  EXPECT_FALSE(seen[3]);  // through the upper one
+}
+
+TEST(TestVisibility, RaysReachAsFarAsTheyAreLong) {
+  const std::vector<float> from{0, 0, 1, 0, 0, 1, 0, 0, 1};
+  const std::vector<float> up{0, 0, 2, 0, 0, 0.5F, 0, 0, 7};
+  const std::vector<float> lengths{2.99F, 3.01F, 3.01F};
+  const Seen seen = ask(*two_walls(), {.from = {{}, from}, .directions = up, .lengths_m = lengths});
+  EXPECT_TRUE(seen[0]);
+  EXPECT_FALSE(seen[1]);
+  EXPECT_FALSE(seen[2]);
+  const Seen endless = ask(*two_walls(), {.from = {{}, from}, .directions = up});
+  EXPECT_FALSE(endless[0]);
+}
+
+TEST(TestVisibility, SegmentsOfNoLengthAreVisible) {
+  const std::vector<float> p{0, 0, 0};
+  EXPECT_TRUE(ask(*two_walls(), {.from = {{}, p}, .to = PointArray{{}, p}})[0]);
+}
+
+TEST(TestVisibility, BadItemsAreToldAndDoNotFailOthers) {
+  const float inf = std::numeric_limits<float>::infinity();
+  const std::vector<float> from{0, 0, 1, inf, 0, 1, 0, 0, 1, 0, 0, 1};
+  const std::vector<float> to{0, 0, 2, 0, 0, 2, 0, std::nanf(""), 2, 0, 0, 2};
+  const Seen seen = ask(*two_walls(), {.from = {{}, from}, .to = PointArray{{}, to}});
+  EXPECT_EQ(seen.status, (std::vector<int>{1, 7, 7, 1}));
+  EXPECT_EQ(seen.bits[0], 0b1001);
+  const std::vector<float> directions{0, 0, 1, 0, 0, 1, 0, 0, 0, 0, 0, 1};
+  const std::vector<float> lengths{1, 1, 1, -1};
+  const Seen rays =
+      ask(*two_walls(), {.from = {{}, from}, .directions = directions, .lengths_m = lengths});
+  EXPECT_EQ(rays.status, (std::vector<int>{1, 7, 7, 7}));
+}
+
+/// A tilted plane through `center` with half edge `scale`, and points on it as floats.
+struct Tilted {
+  std::shared_ptr<const Scene> scene;
+  std::vector<float> points, normals, up, down;
+};
+
+Tilted tilted(double scale, const Vec3<double>& center) {
+  const Vec3<double> n = normalized(Vec3<double>{0.3, -0.5, 0.8});
+  const Frame<double> frame = Frame<double>::around(n);
+  const auto at = [&](double s, double t) { return center + frame.s * s + frame.t * t; };
+  SceneDescription d = description();
+  d.shapes.push_back(
+      testing::patch(at(-scale, -scale), at(scale, -scale), at(-scale, scale), at(scale, scale)));
+  Tilted out{build(d), {}, {}, {}, {}};
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> uniform(-0.9 * scale, 0.9 * scale);
+  for (int i = 0; i < 2000; ++i) {
+    // Rounded as when somebody types them.
+    const Vec3<float> p(at(uniform(random), uniform(random)));
+    // 30 degrees off the plane.
+    const Vec3<float> w(normalized(n * 0.5 + frame.s * 0.866));
+    out.points.insert(out.points.end(), {p.x, p.y, p.z});
+    out.normals.insert(out.normals.end(), {float(n.x), float(n.y), float(n.z)});
+    out.up.insert(out.up.end(), {w.x, w.y, w.z});
+  }
+  return out;
+}
+
+TEST(TestVisibility, PointsTypedOnASurfaceDoNotShadowThemselves) {
+  for (const double scale : {1e-4, 1.0, 1e4}) {
+    for (const Vec3<double> center : {Vec3<double>{}, Vec3<double>{3, 5, -7} * scale}) {
+      const Tilted t = tilted(scale, center);
+      VisibilityQuery query{.from = {{}, t.points}, .directions = t.up};
+      const Seen free = ask(*t.scene, query);
+      query.normals = t.normals;
+      const Seen with_normal = ask(*t.scene, query);
+      int hidden = 0, hidden_with_normal = 0;
+      for (std::size_t i = 0; i < 2000; ++i) {
+        hidden += free[i] ? 0 : 1;
+        hidden_with_normal += with_normal[i] ? 0 : 1;
+      }
+      EXPECT_EQ(hidden, 0) << scale << " " << center.x;
+      EXPECT_EQ(hidden_with_normal, 0) << scale << " " << center.x;
+    }
+  }
+}
+
+TEST(TestVisibility, WithoutAnyErrorSomePointsWouldShadowThemselves) {
+  const Tilted t = tilted(1, {3, 5, -7});
+  const Seen seen =
+      ask(*t.scene, {.from = {{}, t.points}, .directions = t.up, .position_error_m = 0.0F});
+  int hidden = 0;
+  for (std::size_t i = 0; i < 2000; ++i) hidden += seen[i] ? 0 : 1;
+  EXPECT_GT(hidden, 100);  // about half lie below the plane
+}
+
+TEST(TestVisibility, TheOffsetDoesNotLeakThroughThinWalls) {
+  // A second plane as far behind the first as a hundred default errors.
+  SceneDescription d = description();
+  const double gap = 100 * 4 * 1.1920929e-7;
+  d.shapes.push_back(testing::floor(1, 0));
+  d.shapes.push_back(testing::floor(1, gap));
+  const auto scene = build(d);
+  const std::vector<float> from{0.5F, 0.5F, 0}, up{0, 0, 1}, normal{0, 0, 1};
+  EXPECT_FALSE(ask(*scene, {.from = {{}, from}, .directions = up})[0]);
+  EXPECT_FALSE(ask(*scene, {.from = {{}, from}, .directions = up, .normals = normal})[0]);
+}
+
+}  // namespace
+}  // namespace lucerna
