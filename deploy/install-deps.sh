@@ -9,8 +9,8 @@ packages=(
   libgrpc++-dev protobuf-compiler-grpc libprotobuf-dev protobuf-compiler libabsl-dev libssl-dev zlib1g-dev
   libembree-dev libtbb-dev libopenimageio-dev openimageio-tools
   libcli11-dev libspdlog-dev libfmt-dev
-  libgtest-dev libgmock-dev libbenchmark-dev librapidcheck-dev
-  python3 python3-numpy python3-grpcio python3-openimageio
+  libgtest-dev libgmock-dev libbenchmark-dev
+  python3 python3-grpcio python3-protobuf
 )
 [ $# -eq 0 ] || packages=("$@")
 

@@ -1,0 +1,100 @@
+// Nanoseconds a light sample: SampleLi of each light model, a batch of receivers at a time, and the
+// sample points that feed it.
+#include <benchmark/benchmark.h>
+
+#include <vector>
+
+#include "lights/light.h"
+#include "lights/sobol.h"
+
+namespace lucerna {
+namespace {
+
+constexpr int kBatch = 1024;
+
+std::vector<Vec3<float>> receivers() {
+  std::vector<Vec3<float>> points;
+  const SobolSequence sequence(1, 0);
+  for (std::uint32_t i = 0; i < kBatch; ++i) {
+    const Vec2<float> u = sequence.pair(i, 0);
+    points.emplace_back(4 * u.x - 2, 4 * u.y - 2, 0.0f);
+  }
+  return points;
+}
+
+template <typename L>
+void sample_li(benchmark::State& state, const L& light) {
+  const std::vector<Vec3<float>> points = receivers();
+  const SobolSequence sequence(2, 0);
+  for (auto _ : state) {
+    float sum = 0;
+    for (std::uint32_t i = 0; i < kBatch; ++i)
+      sum += light.sample_li(points[i], sequence.pair(i, 0)).value.g;
+    benchmark::DoNotOptimize(sum);
+  }
+  state.SetItemsProcessed(state.iterations() * kBatch);
+}
+
+void BM_Sobol(benchmark::State& state) {
+  const SobolSequence sequence(2, 0);
+  for (auto _ : state) {
+    float sum = 0;
+    for (std::uint32_t i = 0; i < kBatch; ++i) sum += sequence.pair(i, 0).x;
+    benchmark::DoNotOptimize(sum);
+  }
+  state.SetItemsProcessed(state.iterations() * kBatch);
+}
+BENCHMARK(BM_Sobol);
+
+void BM_SampleLiPoint(benchmark::State& state) {
+  sample_li(state, *PointLight<float>::create({{0, 0, 2}, Rgb<double>(1)}));
+}
+BENCHMARK(BM_SampleLiPoint);
+
+void BM_SampleLiSpot(benchmark::State& state) {
+  sample_li(state, *SpotLight<float>::create({{0, 0, 2}, {0, 0, -1}, Rgb<double>(1), 0.7, 0.5}));
+}
+BENCHMARK(BM_SampleLiSpot);
+
+void BM_SampleLiDistant(benchmark::State& state) {
+  sample_li(state, *DistantLight<float>::create({{0, 0.6, 0.8}, Rgb<double>(1)}));
+}
+BENCHMARK(BM_SampleLiDistant);
+
+void BM_SampleLiUniformInfinite(benchmark::State& state) {
+  sample_li(state, *UniformInfiniteLight<float>::create({Rgb<double>(1)}));
+}
+BENCHMARK(BM_SampleLiUniformInfinite);
+
+void BM_SampleLiTriangle(benchmark::State& state) {
+  std::vector<Triangle<float>> triangle = {{{0, 0, 2}, {0, 1, 2}, {1, 0, 2}}};
+  sample_li(state, *TriangleMeshLight<float>::create({Rgb<double>(1), true},
+                                                     *TriangleMesh<float>::create(triangle)));
+}
+BENCHMARK(BM_SampleLiTriangle);
+
+void BM_SampleLiPatch(benchmark::State& state) {
+  std::vector<BilinearPatch<float>> patch = {{{0, 0, 2}, {0, 1, 2}, {1, 0, 2}, {1, 1, 2}}};
+  sample_li(state, *PatchMeshLight<float>::create({Rgb<double>(1), true},
+                                                  *PatchMesh<float>::create(patch)));
+}
+BENCHMARK(BM_SampleLiPatch);
+
+void BM_SampleLiSphere(benchmark::State& state) {
+  SphereParams params;
+  params.radius_m = 0.5;
+  params.world_from_object = Transform::translate({0, 0, 2});
+  sample_li(state, *SphereLight<float>::create({Rgb<double>(1)}, *Sphere<float>::create(params)));
+}
+BENCHMARK(BM_SampleLiSphere);
+
+void BM_SampleLiDisk(benchmark::State& state) {
+  DiskParams params;
+  params.height_m = 2;
+  params.reverse_orientation = true;
+  sample_li(state, *DiskLight<float>::create({Rgb<double>(1)}, *Disk<float>::create(params)));
+}
+BENCHMARK(BM_SampleLiDisk);
+
+}  // namespace
+}  // namespace lucerna
