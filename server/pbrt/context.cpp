@@ -18,9 +18,10 @@ void Context::remark(const Place& place, std::string what, std::string instead) 
 
 void Context::finish_remarks() {
   if (uncounted_ == 0) return;
-  scene.remarks.push_back({{scene_file, 0, 0},
-                           fmt::format("{} more things are not modelled", uncounted_),
-                           "as the remarks before this one say of their like"});
+  Remark& rest = scene.remarks.emplace_back();
+  rest.where.file = scene_file;
+  rest.what = fmt::format("{} more things are not modelled", uncounted_);
+  rest.instead = "as the remarks before this one say of their like";
 }
 
 AssetContent Context::read(const Place& place, const std::string& name) {

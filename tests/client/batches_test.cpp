@@ -151,7 +151,9 @@ TEST(Batches, SamplesCountAgainstTheLimitOfSampleLi) {
     for (int i = 0; i < receivers * 3; ++i) response->add_pdf_per_sr(1);
     // All delta, none visible but the first.
     response->set_delta(std::string((receivers * 3 + 7) / 8, '\xff'));
-    response->set_visible(std::string(1, '\1') + std::string((receivers * 3 - 1) / 8, '\0'));
+    std::string visible((receivers * 3 + 7) / 8, '\0');
+    visible[0] = '\1';
+    response->set_visible(visible);
     return grpc::Status::OK;
   };
   v1::SampleLiRequest request;

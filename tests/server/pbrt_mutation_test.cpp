@@ -42,7 +42,7 @@ std::string mutated(std::string text, std::mt19937& random) {
         text.insert(at, text.substr(below(text.size()), below(40)));
         break;
     }
-    if (text.empty()) text = " ";
+    if (text.empty()) text.push_back(' ');
   }
   return text;
 }

@@ -1,4 +1,5 @@
 // What the syntax allows, and how files that break it are refused.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -211,7 +212,7 @@ TEST(PbrtSyntax, FilesThatIncludeThemselvesAreRefused) {
   EXPECT_EQ(message(files.load("main.pbrt").status()),
             "a.pbrt:1:8: file \"main.pbrt\" includes itself");
   for (int i = 0; i < 100; ++i)
-    files.write("f" + std::to_string(i), "Include \"f" + std::to_string(i + 1) + "\"");
+    files.write(fmt::format("f{}", i), fmt::format("Include \"f{}\"", i + 1));
   EXPECT_THAT(message(files.load("f0").status()), HasSubstr("more than 64 deep"));
 }
 
