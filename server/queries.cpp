@@ -163,15 +163,20 @@ class LiSampler {
 
   std::uint64_t test(std::size_t begin, const std::vector<Pending>& chunk) const {
     std::vector<Ray> rays;
+    std::vector<LooseEnds> ends;
     std::vector<std::uint32_t> items;
+    const bool loose = q_.normals.empty() && !q_.position_error_m;
     rays.reserve(chunk.size());
+    ends.reserve(chunk.size());
     items.reserve(chunk.size());
     for (std::size_t k = 0; k < chunk.size(); ++k) {
       if (chunk[k].receiver.result != ItemResult::kOk) continue;
       rays.push_back(light_ray(chunk[k].receiver, chunk[k].normal, chunk[k].sample));
+      LooseEnds& e = ends.emplace_back();
+      if (loose) e.start = {chunk[k].receiver.position, chunk[k].receiver.error};
       items.push_back(static_cast<std::uint32_t>(begin + k));
     }
-    mark_visible(scene_, rays, items, a_.visible);
+    mark_visible(scene_, rays, ends, items, a_.visible);
     return rays.size();
   }
 

@@ -22,8 +22,8 @@ bool has_normal(const Vec3<float>& normal) { return normal != Vec3<float>{}; }
 
 /// The ray of item `i`; nothing where its status says why, or where it is visible without one.
 std::optional<Ray> ray_of(const Scene& scene, const VisibilityQuery& q, const ToScene& from_scene,
-                          const std::optional<ToScene>& to_scene, std::size_t i,
-                          ItemResult& result) {
+                          const std::optional<ToScene>& to_scene, std::size_t i, ItemResult& result,
+                          LooseEnds& ends) {
   ScenePoint from = from_scene(i);
   result = from.result;
   Vec3<float> normal;
@@ -32,12 +32,15 @@ std::optional<Ray> ray_of(const Scene& scene, const VisibilityQuery& q, const To
     if (!is_finite(normal) || !has_normal(normal)) result = ItemResult::kInvalidInput;
     normal = normalized(normal);
     if (result == ItemResult::kOk && !q.position_error_m) from = on_surface(scene, from, normal);
+  } else if (!q.position_error_m) {
+    ends.start = {from.position, from.error};
   }
   if (to_scene) {
     const ScenePoint to = (*to_scene)(i);
     if (result == ItemResult::kOk) result = to.result;
     if (to.result == ItemResult::kInvalidInput) result = to.result;
     if (result != ItemResult::kOk) return std::nullopt;
+    if (!q.position_error_m) ends.end = {to.position, to.error};
     return segment_ray(from, normal, to);
   }
   const Vec3<float> direction = triple(q.directions, i);
@@ -51,6 +54,36 @@ std::optional<Ray> ray_of(const Scene& scene, const VisibilityQuery& q, const To
   if (!has_normal(normal)) ray.t_min = kStartWithoutNormal * from.error;
   if (!(ray.t_min < ray.t_max)) return std::nullopt;
   return ray;
+}
+
+/// Whether the surface that was met is one that the point lies on: it passes the point within the
+/// point's error and the rounding of its vertices, and was met no farther off than a ray without
+/// normal begins.
+bool lies_on(const LooseEnd& end, const SurfaceHit& hit) {
+  if (!(end.error >= 0)) return false;
+  const Vec3<double> apart = Vec3<double>(hit.position) - Vec3<double>(end.position);
+  const double traversal = max_abs(hit.position_error);
+  // Rays find the surface no better than that, but where it is is known to one rounding.
+  const double rounding = traversal * (kFloatRoundoff / kTraversalBound);
+  return std::fabs(dot(Vec3<double>(hit.ng), apart)) <= 2 * (end.error + rounding) &&
+         length(apart) <= kStartWithoutNormal * (end.error + traversal);
+}
+
+/// What looks like an obstacle may be the surface of an end: it is rounded with its vertices, and a
+/// point near zero has next to no error of its own.
+bool meets_only_own_surfaces(const Scene& scene, Ray ray, const LooseEnds& ends) {
+  // A ray through a vertex may meet as many triangles; few vertices have more.
+  constexpr int kMostSurfaces = 16;
+  // Beyond a surface met at 0, above the denormals that Embree takes for 0.
+  constexpr float kLeast = 0x1p-60F;
+  for (int i = 0; i < kMostSurfaces; ++i) {
+    const std::optional<SurfaceHit> hit = scene.closest_hit(ray);
+    if (!hit) return true;
+    if (!lies_on(ends.start, *hit) && !lies_on(ends.end, *hit)) return false;
+    ray.t_min = std::fmax(std::nextafter(hit->t, INFINITY), kLeast);
+    if (!(ray.t_min < ray.t_max)) return true;
+  }
+  return false;
 }
 
 }  // namespace
@@ -103,12 +136,14 @@ Ray light_ray(const ScenePoint& from, const Vec3<float>& normal, const LightSamp
   return ray;
 }
 
-void mark_visible(const Scene& scene, std::span<const Ray> rays,
+void mark_visible(const Scene& scene, std::span<const Ray> rays, std::span<const LooseEnds> ends,
                   std::span<const std::uint32_t> items, std::uint8_t* visible) {
   std::vector<std::uint8_t> occluded((rays.size() + 7) / 8);
   scene.occluded(rays, occluded);
   for (std::size_t k = 0; k < rays.size(); ++k) {
-    if ((occluded[k / 8] >> (k % 8) & 1) == 0) {
+    const bool free = (occluded[k / 8] >> (k % 8) & 1) == 0;
+    const bool loose = ends[k].start.error >= 0 || ends[k].end.error >= 0;
+    if (free || (loose && meets_only_own_surfaces(scene, rays[k], ends[k]))) {
       visible[items[k] / 8] |= static_cast<std::uint8_t>(1u << (items[k] % 8));
     }
   }
@@ -123,21 +158,25 @@ WorkCounts test_visibility(const Scene& scene, const VisibilityQuery& query, std
   parallel_chunks(query.from.size(), kGrain, stop, [&](std::size_t begin, std::size_t end) {
     const DenormalsAreZero denormals;
     std::vector<Ray> rays;
+    std::vector<LooseEnds> ends;
     std::vector<std::uint32_t> items;
     rays.reserve(end - begin);
+    ends.reserve(end - begin);
     items.reserve(end - begin);
     for (std::size_t i = begin; i < end; ++i) {
       ItemResult result = ItemResult::kOk;
-      const std::optional<Ray> ray = ray_of(scene, query, from, to, i, result);
+      LooseEnds loose;
+      const std::optional<Ray> ray = ray_of(scene, query, from, to, i, result, loose);
       status[i] = static_cast<int>(result);
       if (ray) {
         rays.push_back(*ray);
+        ends.push_back(loose);
         items.push_back(static_cast<std::uint32_t>(i));
       } else if (result == ItemResult::kOk) {
         visible[i / 8] |= static_cast<std::uint8_t>(1u << (i % 8));
       }
     }
-    mark_visible(scene, rays, items, visible);
+    mark_visible(scene, rays, ends, items, visible);
     shadow_rays += rays.size();
   });
   WorkCounts work;

@@ -45,8 +45,19 @@ struct VisibilityQuery {
 WorkCounts test_visibility(const Scene& scene, const VisibilityQuery& query, std::uint8_t* visible,
                            int* status, std::stop_token stop);
 
-/// Sets the bits (numbered by `items`) of those rays that meet nothing.
-void mark_visible(const Scene& scene, std::span<const Ray> rays,
+/// The end of a ray at a point that may lie on a surface whose normal nobody told.
+struct LooseEnd {
+  Vec3<float> position;
+  float error = -1;  ///< below 0: this end asks for nothing
+};
+
+struct LooseEnds {
+  LooseEnd start, end;
+};
+
+/// Sets the bits (numbered by `items`) of those rays that meet nothing but the surfaces that their
+/// ends lie on; `ends` holds as many as `rays`.
+void mark_visible(const Scene& scene, std::span<const Ray> rays, std::span<const LooseEnds> ends,
                   std::span<const std::uint32_t> items, std::uint8_t* visible);
 
 }  // namespace lucerna

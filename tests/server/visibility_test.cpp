@@ -124,6 +124,48 @@ TEST(TestVisibility, PointsTypedOnASurfaceDoNotShadowThemselves) {
   }
 }
 
+TEST(TestVisibility, PointsNearZeroOfALargeSurfaceDoNotShadowThemselves) {
+  // Next to no ulps of their own, on a plane that is rounded with vertices 1000 m away.
+  SceneDescription d = description();
+  const auto at = [](double x, double y) { return Vec3<double>{x, y, 0.3 * x - 0.2 * y}; };
+  d.shapes.push_back(
+      testing::patch(at(-1000, -1000), at(1000, -1000), at(-1000, 1000), at(1000, 1000)));
+  const auto scene = build(d);
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> uniform(-0.01, 0.01);
+  std::vector<float> points{0, 0, 0}, above{0, 0, 1}, below{0, 0, -1};
+  std::vector<float> just_above{0, 0, 1e-3F}, just_below{0, 0, -1e-3F};
+  for (int i = 1; i < 2000; ++i) {
+    const Vec3<float> p(at(uniform(random), uniform(random)));
+    points.insert(points.end(), {p.x, p.y, p.z});
+    above.insert(above.end(), {p.x, p.y, p.z + 1});
+    below.insert(below.end(), {p.x, p.y, p.z - 1});
+    just_above.insert(just_above.end(), {p.x, p.y, p.z + 1e-3F});
+    just_below.insert(just_below.end(), {p.x, p.y, p.z - 1e-3F});
+  }
+  const Seen to = ask(*scene, {.from = {{}, points}, .to = PointArray{{}, above}});
+  const Seen from = ask(*scene, {.from = {{}, below}, .to = PointArray{{}, points}});
+  const Seen through = ask(*scene, {.from = {{}, just_below}, .to = PointArray{{}, just_above}});
+  int hidden = 0, through_count = 0;
+  for (std::size_t i = 0; i < 2000; ++i) {
+    hidden += (to[i] ? 0 : 1) + (from[i] ? 0 : 1);
+    through_count += through[i] ? 1 : 0;
+  }
+  EXPECT_EQ(hidden, 0);
+  EXPECT_EQ(through_count, 0);
+}
+
+TEST(TestVisibility, AWallCloseToAPointAtZeroHides) {
+  // The floor at zero is the point's own; what lies a tenth of a millimetre above is not.
+  SceneDescription d = description();
+  d.shapes.push_back(testing::floor(1, 0));
+  d.shapes.push_back(testing::floor(1, 1e-4));
+  const std::vector<float> from{0, 0, 0}, up{0, 0, 1}, down{0, 0, -1};
+  const auto scene = build(d);
+  EXPECT_FALSE(ask(*scene, {.from = {{}, from}, .directions = up})[0]);
+  EXPECT_TRUE(ask(*scene, {.from = {{}, from}, .directions = down})[0]);
+}
+
 TEST(TestVisibility, WithoutAnyErrorSomePointsWouldShadowThemselves) {
   const Tilted t = tilted(1, {3, 5, -7});
   const Seen seen =
