@@ -13,6 +13,10 @@ namespace {
 
 constexpr char kTypePrefix[] = "type.googleapis.com/";
 constexpr char kDomain[] = "lucerna";
+// gRPC drops an error whose headers exceed 8 KiB.  The message goes as itself, three bytes for one
+// at worst, and again in the details, with the fields that it finds fault with.
+constexpr std::size_t kMostMessage = 800;
+constexpr std::size_t kMostValue = 200;
 
 std::string type_url(const google::protobuf::Message& m) {
   return kTypePrefix + m.GetDescriptor()->full_name();
@@ -52,9 +56,19 @@ constexpr std::array kTable{
 
 }  // namespace
 
+std::string shortened(const std::string& text, std::size_t most) {
+  if (text.size() <= most) return text;
+  const auto within = [&](std::size_t i) { return (text[i] & 0xC0) == 0x80; };
+  std::size_t head = 2 * most / 3, tail = text.size() - most / 3;
+  while (head > 0 && within(head)) --head;
+  while (tail < text.size() && within(tail)) ++tail;
+  return text.substr(0, head) + "..." + text.substr(tail);
+}
+
 absl::Status bad_field(const std::string& field, const std::string& value,
                        const std::string& allowed) {
-  const std::string description = fmt::format("{} = {}, allowed: {}", field, value, allowed);
+  const std::string description =
+      fmt::format("{} = {}, allowed: {}", field, shortened(value, kMostValue), allowed);
   absl::Status status = absl::InvalidArgumentError(description);
   google::rpc::BadRequest bad;
   auto* violation = bad.add_field_violations();
@@ -71,7 +85,8 @@ absl::Status bad_length(const std::string& field, std::size_t length, std::size_
 }
 
 absl::Status unknown_scene(const std::string& id) {
-  return with_reason(absl::NotFoundError(fmt::format("scene_id = \"{}\", which is not loaded", id)),
+  return with_reason(absl::NotFoundError(fmt::format("scene_id = \"{}\", which is not loaded",
+                                                     shortened(id, kMostValue))),
                      "SCENE_NOT_LOADED");
 }
 
@@ -121,7 +136,7 @@ WireError to_wire(const absl::Status& status) {
     });
   } else {
     error.code = row->grpc_code;
-    error.message = std::string(status.message());
+    error.message = shortened(std::string(status.message()), kMostMessage);
     absl::Status full = status;
     if (!full.GetPayload(type_url(google::rpc::ErrorInfo()))) {
       full = with_reason(std::move(full), row->reason);

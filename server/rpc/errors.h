@@ -32,10 +32,15 @@ absl::Status retry_after(absl::Status status, const std::string& reason,
 /// UNAVAILABLE: the server ends.
 absl::Status draining();
 
+/// The text, or `most` bytes of its beginning and end with "..." between them; well-formed UTF-8 as
+/// before.
+std::string shortened(const std::string& text, std::size_t most);
+
 /// An error ready to be sent.
 struct WireError {
-  int code = 0;         ///< of gRPC
-  std::string message;  ///< never a path outside of the scene root, never an exception's text
+  int code = 0;  ///< of gRPC
+  /// Never a path outside of the scene root, never an exception's text; shortened to go into headers.
+  std::string message;
   std::string details;  ///< google.rpc.Status, serialised, for grpc-status-details-bin
   std::optional<std::chrono::milliseconds> pushback;  ///< for grpc-retry-pushback-ms
 };

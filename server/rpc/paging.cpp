@@ -10,7 +10,7 @@
 namespace lucerna::rpc {
 namespace {
 absl::Status bad_token(const std::string& token) {
-  return bad_field("page_token", fmt::format("\"{}\"", token.substr(0, 100)),
+  return bad_field("page_token", fmt::format("\"{}\"", token),
                    "empty, or the last answer's next_page_token to the same question");
 }
 }  // namespace

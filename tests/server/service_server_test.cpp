@@ -178,6 +178,29 @@ TEST(Errors, CodesAreThoseOfGrpc) {
   EXPECT_EQ(rpc::to_wire(absl::UnavailableError("")).code, grpc::StatusCode::UNAVAILABLE);
 }
 
+TEST(Errors, LongTextsKeepBeginningAndEnd) {
+  EXPECT_EQ(rpc::shortened("lumen", 5), "lumen");
+  EXPECT_EQ(rpc::shortened("0123456789abcdef", 12), "01234567...cdef");
+  // Two bytes a letter: none is cut.
+  EXPECT_EQ(rpc::shortened("aéééééééé", 12), "aééé...éé");
+}
+
+TEST(Errors, LongNamesReachTheCaller) {
+  Service service;
+  grpc::ClientContext load_context, get_context;
+  v1::LoadSceneRequest load;
+  load.set_path("../" + std::string(20000, 'a'));
+  v1::LoadSceneResponse loaded;
+  const grpc::Status leaves = service.scenes.LoadScene(&load_context, load, &loaded);
+  EXPECT_EQ(leaves.error_code(), grpc::StatusCode::INVALID_ARGUMENT) << leaves.error_message();
+  EXPECT_NE(leaves.error_message().find("leaves the scene root"), std::string::npos);
+  v1::GetSceneRequest get;
+  for (int i = 0; i < 10000; ++i) *get.mutable_scene_id() += "é";
+  v1::GetSceneResponse got;
+  const grpc::Status unknown = service.scenes.GetScene(&get_context, get, &got);
+  EXPECT_EQ(unknown.error_code(), grpc::StatusCode::NOT_FOUND) << unknown.error_message();
+}
+
 TEST(Paging, TokensAreOfTheirList) {
   const std::string token = rpc::page_token("lights", std::size_t{12});
   EXPECT_EQ(*rpc::page_start("lights", token, 20), 12U);
