@@ -73,27 +73,37 @@ PathTracer::ChosenLight PathTracer::direct_of_chosen(const SurfaceHit& hit, cons
   float sum = 0;
   ChosenLight chosen{};
   Candidate kept{};
-  for (std::uint32_t j = 0; j < kCandidates; ++j) {
-    const PathSample s = sample.part(j, kCandidates);
-    const Vec2<float> v = s.at(depth, PathSample::kLight);
-    // 48 bits reach every light.
-    const LightChoice choice = choose_light(scene_, double(v.x) + double(v.y) * 0x1p-24);
-    const Candidate c =
-        candidate(hit, wo, choice.light, choice.probability, s.at(depth, PathSample::kLightPoint));
+  const auto weigh = [&](std::uint32_t light, const Candidate& c) {
     const float importance = c.value.max_component();
-    if (!(importance > 0)) continue;
+    if (!(importance > 0)) return;
     sum += importance;
     const float share = importance / sum;
     if (u < share) {
       u /= share;
       kept = c;
-      chosen.light = choice.light;
+      chosen.light = light;
     } else {
       u = (u - share) / (1 - share);
     }
+  };
+  const auto lights = static_cast<std::uint32_t>(scene_.lights().size());
+  if (visits_all()) {
+    // The same point for all: they need not be independent, since one of them is kept.
+    const Vec2<float> point = sample.at(depth, PathSample::kLightPoint);
+    for (std::uint32_t l = 0; l < lights; ++l) weigh(l, candidate(hit, wo, l, 1, point));
+  } else {
+    for (std::uint32_t j = 0; j < kCandidates; ++j) {
+      const PathSample s = sample.part(j, kCandidates);
+      const Vec2<float> v = s.at(depth, PathSample::kLight);
+      // 48 bits reach every light.
+      const LightChoice choice = choose_light(scene_, double(v.x) + double(v.y) * 0x1p-24);
+      weigh(choice.light, candidate(hit, wo, choice.light, choice.probability,
+                                    s.at(depth, PathSample::kLightPoint)));
+    }
+    sum /= kCandidates;
   }
   if (sum > 0 && std::isfinite(sum)) {
-    const float scale = sum / (kCandidates * kept.value.max_component());
+    const float scale = sum / kept.value.max_component();
     chosen.estimate = shadowed(hit, kept.sample, kept.value * scale, work);
   }
   return chosen;
@@ -145,7 +155,7 @@ LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3<float>& 
     const std::optional<SurfaceHit> next = scene_.closest_hit(ray);
     for_each_emitter(ray, next, [&](std::uint32_t light, const Rgb<float>& le) {
       const float weight =
-          found_weight(hit.position, ray, next, light, scene_.light_probability(light), pdf);
+          found_weight(hit.position, ray, next, light, candidate_probability(light), pdf);
       sum.value += throughput * le * weight;
       sum.unshadowed += throughput * le * weight;
     });

@@ -9,8 +9,9 @@
 namespace lucerna {
 namespace {
 
-std::shared_ptr<const Scene> load(const std::string& name) {
-  auto assets = AssetReader::open(LUCERNA_TEST_DATA "/reference");
+std::shared_ptr<const Scene> load(const std::string& name,
+                                  const std::string& root = LUCERNA_TEST_DATA "/reference") {
+  auto assets = AssetReader::open(root);
   auto description = load_pbrt(*assets, name, {});
   return *Scene::build(*std::move(description));
 }
@@ -28,8 +29,9 @@ void BM_ClosestHit(benchmark::State& state) {
 }
 BENCHMARK(BM_ClosestHit);
 
-void BM_RenderTile(benchmark::State& state, const std::string& name) {
-  const auto scene = load(name);
+void BM_RenderTile(benchmark::State& state, const std::string& name,
+                   const std::string& root = LUCERNA_TEST_DATA "/reference") {
+  const auto scene = load(name, root);
   TileSettings settings;
   settings.rect = {48, 28, 112, 92};
   settings.samples_per_block = 4;
@@ -52,6 +54,9 @@ BENCHMARK_CAPTURE(BM_RenderTile, many_points, "many_points.pbrt")
     ->UseRealTime()
     ->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(BM_RenderTile, bounces, "bounces.pbrt")
+    ->UseRealTime()
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(BM_RenderTile, demo, "demo.pbrt", LUCERNA_SCENES)
     ->UseRealTime()
     ->Unit(benchmark::kMillisecond);
 

@@ -187,6 +187,66 @@ TEST(RenderTile, IsBlackWithoutLights) {
   EXPECT_EQ(tile.work.shadow_rays, 0u);
 }
 
+struct PictureMean {
+  double value = 0, variance = 0;
+};
+
+// Of the green channel over the whole picture.
+PictureMean picture_mean(const SceneDescription& description) {
+  const auto scene = build(description);
+  TileSettings settings = whole(*scene);
+  settings.samples_per_block = 64;
+  const TileResult tile = render_tile(*scene, settings, {});
+  const auto n = static_cast<double>(settings.block_count);
+  const auto pixels = static_cast<double>(tile.channels.size()) / 3;
+  PictureMean mean;
+  for (std::size_t i = 1; i < tile.channels.size(); i += 3) {
+    mean.value += tile.channels[i].sum / n / pixels;
+    mean.variance += tile.channels[i].deviation / (n * (n - 1)) / (pixels * pixels);
+  }
+  return mean;
+}
+
+// A lamp, the sky and `points` point lights; `kept` of them: -1 all, else just that one.
+SceneDescription lit(int points, int kept) {
+  SceneDescription d = testing::description(0.6);
+  d.camera.world_from_camera = *Transform::look_at({0, -6, 3}, {0, 0, 0.5}, {0, 0, 1});
+  ShapeDescription lamp{DiskParams{.radius_m = 0.5,
+                                   .reverse_orientation = true,
+                                   .world_from_object = Transform::translate({1, 1, 3})}};
+  if (kept < 0 || kept == points) lamp = testing::emissive(lamp, 30);
+  d.shapes = {testing::floor(4),
+              {SphereParams{.world_from_object = Transform::translate({0, 0, 1})}},
+              lamp};
+  for (int i = 0; i < points; ++i)
+    if (kept < 0 || kept == i)
+      d.lights.push_back(testing::point_light({-2.0 + 0.5 * i, -1, 3}, 2.0 + i));
+  if (kept < 0 || kept == points + 1)
+    d.lights.push_back({UniformInfiniteLightParams{Rgb<double>(0.3)}, {}});
+  return d;
+}
+
+class SeveralLights : public ::testing::TestWithParam<int> {};
+
+// With few lights each is a candidate of every shadow ray, with many they are drawn by power.
+// The seed is fixed; the bound, six standard errors, is passed by luck but once in 5e8.
+TEST_P(SeveralLights, GiveTheSumOfEachAlone) {
+  const int points = GetParam();
+  const PictureMean together = picture_mean(lit(points, -1));
+  PictureMean sum;
+  for (int i = 0; i < points + 2; ++i) {
+    const PictureMean one = picture_mean(lit(points, i));
+    sum.value += one.value;
+    sum.variance += one.variance;
+  }
+  const double error = std::sqrt(together.variance + sum.variance);
+  EXPECT_NEAR(together.value, sum.value, 6 * error);
+  // Fine enough to see one light of the smallest share go missing or count twice.
+  EXPECT_LT(6 * error, 0.01 * sum.value);
+}
+
+INSTANTIATE_TEST_SUITE_P(FewAndMany, SeveralLights, ::testing::Values(2, 9));
+
 TEST(RenderTile, ReflectsAPointLightByTheCosineLaw) {
   // Straight down on the middle of a floor, the light 2 m above it: L = rho I / (pi 4).
   SceneDescription d = testing::description(0.8);
