@@ -74,13 +74,15 @@ bool lies_on(const LooseEnd& end, const SurfaceHit& hit) {
 bool meets_only_own_surfaces(const Scene& scene, Ray ray, const LooseEnds& ends) {
   // A ray through a vertex may meet as many triangles; few vertices have more.
   constexpr int kMostSurfaces = 16;
-  // Beyond a surface met at 0, above the denormals that Embree takes for 0.
-  constexpr float kLeast = 0x1p-60F;
+  // Beyond a surface met at 0: by this part of the error in finding it, and so far [m] that t is no
+  // denormal, which Embree takes for 0, on a ray as long as ray_limits.h makes them.
+  constexpr float kStep = 0x1p-10F, kLeast_m = 0x1p-66F;
   for (int i = 0; i < kMostSurfaces; ++i) {
     const std::optional<SurfaceHit> hit = scene.closest_hit(ray);
     if (!hit) return true;
     if (!lies_on(ends.start, *hit) && !lies_on(ends.end, *hit)) return false;
-    ray.t_min = std::fmax(std::nextafter(hit->t, INFINITY), kLeast);
+    const float step_m = std::fmax(kStep * max_abs(hit->position_error), kLeast_m);
+    ray.t_min = std::fmax(std::nextafter(hit->t, INFINITY), step_m / max_abs(ray.direction));
     if (!(ray.t_min < ray.t_max)) return true;
   }
   return false;

@@ -39,7 +39,7 @@ std::string shortened(const std::string& text, std::size_t most);
 /// An error ready to be sent.
 struct WireError {
   int code = 0;  ///< of gRPC
-  /// Never a path outside of the scene root, never an exception's text; shortened to go into headers.
+  /// Never a path outside of the scene root, never an exception's text; shortened.
   std::string message;
   std::string details;  ///< google.rpc.Status, serialised, for grpc-status-details-bin
   std::optional<std::chrono::milliseconds> pushback;  ///< for grpc-retry-pushback-ms

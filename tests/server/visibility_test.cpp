@@ -155,6 +155,19 @@ TEST(TestVisibility, PointsNearZeroOfALargeSurfaceDoNotShadowThemselves) {
   EXPECT_EQ(through_count, 0);
 }
 
+TEST(TestVisibility, APointAtZeroDoesNotShadowItselfAtAnyScale) {
+  const std::vector<float> from{0, 0, 0};
+  for (const int exponent : {-66, -40, -20, -10, 0, 20, 40}) {
+    const double scale = std::ldexp(1.0, exponent);
+    SceneDescription d = description();
+    d.shapes.push_back(testing::floor(scale, 0));
+    const auto scene = build(d);
+    const std::vector<float> to{0.3F * float(scale), 0.2F * float(scale), 0.5F * float(scale)};
+    EXPECT_TRUE(ask(*scene, {.from = {{}, from}, .to = PointArray{{}, to}})[0]) << exponent;
+    EXPECT_TRUE(ask(*scene, {.from = {{}, from}, .directions = to})[0]) << exponent;
+  }
+}
+
 TEST(TestVisibility, AWallCloseToAPointAtZeroHides) {
   // The floor at zero is the point's own; what lies a tenth of a millimetre above is not.
   SceneDescription d = description();
