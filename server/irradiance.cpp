@@ -55,8 +55,10 @@ IrradianceEstimate Estimate::result(double block_count, double samples_per_block
   e.standard_error_lx = {standard_error(0), standard_error(1), standard_error(2)};
   // Rule of three: where N samples were all 0, with 95% confidence fewer than 3/N of all samples
   // are not; none of them seen could have been larger than the largest without its obstacle.
-  if (e.irradiance_lx.is_black())
-    e.zero_bound_lx = std::min(1.0, 3 / (block_count * samples_per_block)) * largest_unshadowed;
+  // Where nothing was in the way of anything, there was nothing to miss.
+  if (sampled_mean.is_black() && largest_unshadowed > 0)
+    e.zero_bound_lx = luminance(exact) +
+                      std::min(1.0, 3 / (block_count * samples_per_block)) * largest_unshadowed;
   return e;
 }
 

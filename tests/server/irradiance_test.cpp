@@ -141,6 +141,19 @@ TEST(Irradiance, BoundsWhatSamplesThatAllCameOutZeroMayHaveMissed) {
   EXPECT_EQ(one(*scene, at(0.5f, 0.5f, 0, {0, 0, -1}), direct(16, 4)).zero_bound_lx, 0);
 }
 
+TEST(Irradiance, BoundsWhatSamplesMayHaveMissedBesideLightThatIsExact) {
+  // As above, with a lamp of 100 cd under the lid: 100 lx at 1 m, exactly.
+  SceneDescription d = testing::description(0);
+  d.shapes = {testing::emissive(testing::patch({0, 0, 4}, {0, 1, 4}, {1, 0, 4}, {1, 1, 4}), 7),
+              testing::floor(9, 2)};
+  d.lights = {testing::point_light({0.5, 0.5, 1}, 100)};
+  const IrradianceEstimate e = one(*build(std::move(d)), at(0.5f, 0.5f, 0), direct(16, 4));
+  EXPECT_NEAR(e.irradiance_lx.g, 100, 1e-4);
+  EXPECT_FALSE(e.exact);
+  EXPECT_GT(e.zero_bound_lx, 100 + 0.5 * 7 / 16 * 3 / 64);
+  EXPECT_LT(e.zero_bound_lx, 100 + 2 * 7.0 / 16 * 3 / 64);
+}
+
 TEST(Irradiance, HasNoStandardErrorFromOneReplicate) {
   SceneDescription d = testing::description();
   d.lights = {{UniformInfiniteLightParams{Rgb<double>(2)}, {}}};
