@@ -76,7 +76,7 @@ double integrate(const Form& p, double u0, double v0, double size, double whole,
   if (depth == 0 || std::fabs(sum - whole) <= tolerance) return sum;
   double refined = 0;
   for (int i = 0; i < 4; ++i)
-    refined += integrate(p, u0 + half * (i % 2), v0 + half * (i / 2), half, part[i], tolerance / 2,
+    refined += integrate(p, u0 + half * (i & 1), v0 + half * (i >> 1), half, part[i], tolerance / 2,
                          depth - 1);
   return refined;
 }

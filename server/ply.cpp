@@ -348,9 +348,12 @@ class Reader {
   }
 
   bool skip(Type type, double count) {
-    if (!(count >= 0) || count * numbers_.least_bytes(type) > numbers_.bytes_left()) return false;
+    const double least = static_cast<double>(numbers_.least_bytes(type));
+    if (!(count >= 0) || count != std::floor(count) ||
+        count * least > static_cast<double>(numbers_.bytes_left()))
+      return false;
     double ignored = 0;
-    for (double k = 0; k < count; ++k)
+    for (auto left = static_cast<std::uint64_t>(count); left > 0; --left)
       if (!numbers_.next(type, ignored)) return false;
     return true;
   }

@@ -40,7 +40,8 @@ struct SurfaceTable {
 };
 
 struct Bounds {
-  Vec3<double> lower{INFINITY, INFINITY, INFINITY}, upper{-INFINITY, -INFINITY, -INFINITY};
+  static constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  Vec3<double> lower{kInfinity, kInfinity, kInfinity}, upper{-kInfinity, -kInfinity, -kInfinity};
   bool empty() const { return lower.x > upper.x; }
   void add(const Vec3<double>& p);
 };

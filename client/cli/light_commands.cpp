@@ -9,6 +9,7 @@
 #include "client/cli/output.h"
 #include "client/cli/points.h"
 #include "client/cli/session.h"
+#include "client/cli/validators.h"
 
 namespace lucerna::cli {
 namespace {
@@ -69,13 +70,13 @@ void print_samples(const v1::SampleLiResponse& response, const SampleOptions& op
                                        : "";
     };
     row.push_back(three(response.value()));
-    row.push_back(delta ? "lx" : "cd/m2");
+    row.emplace_back(delta ? "lx" : "cd/m2");
     row.push_back(three(response.wi()));
     const float distance = i < response.distance_m_size() ? response.distance_m(i) : 0;
     const std::string status = item_status(response.status(), i);
     row.push_back(distance == 0 && status.empty() ? "infinite" : number(distance));
     row.push_back(delta ? "delta" : number(response.pdf_per_sr(i)));
-    if (options.visibility) row.push_back(client::bit(response.visible(), i) ? "yes" : "no");
+    if (options.visibility) row.emplace_back(client::bit(response.visible(), i) ? "yes" : "no");
     row.push_back(status);
     table.add(std::move(row));
   }
@@ -219,8 +220,10 @@ void add_light_commands(CLI::App& app, Session& session) {
   const auto sampling = std::make_shared<SampleOptions>();
   command->add_option("SCENE", sampling->scene, "Path or id")->required();
   sampling->points.add(*command, "normals, for --visible");
-  command->add_option("--light", sampling->light,
-                      "Id of the light; default: one is chosen for each sample");
+  command
+      ->add_option("--light", sampling->light,
+                   "Id of the light; default: one is chosen for each sample")
+      ->check(whole(1));
   command->add_option("--seed", sampling->seed, "Seed of the sample values")->capture_default_str();
   command
       ->add_option(
@@ -230,7 +233,7 @@ void add_light_commands(CLI::App& app, Session& session) {
       ->allow_extra_args(false)
       ->excludes("--seed");
   command->add_option("--samples", sampling->samples, "Samples for each point")
-      ->check(CLI::PositiveNumber)
+      ->check(whole(1))
       ->capture_default_str();
   command->add_flag("--visible", sampling->visibility, "Also test whether nothing stands between");
   sampling->normals.add(*command, "--normal",
@@ -243,7 +246,7 @@ void add_light_commands(CLI::App& app, Session& session) {
   command->add_option("SCENE", density->scene, "Path or id")->required();
   density->points.add(*command, "directions");
   density->directions.add(*command, "--direction", "The direction x,y,z from the point");
-  command->add_option("--light", density->light, "Id of the light")->required();
+  command->add_option("--light", density->light, "Id of the light")->check(whole(1))->required();
   command->callback([density, &session] { pdf(session, *density); });
 
   command = app.add_subcommand("power", "Luminous flux of lights");
