@@ -55,7 +55,7 @@ class Signals {
   std::thread thread_;
 };
 
-int serve(const lucerna::rpc::ServerOptions& options, double drain_seconds) {
+int serve(const lucerna::rpc::ServerOptions& options, std::chrono::seconds drain_time) {
   Signals signals;
   const auto server = lucerna::rpc::Server::start(options, signals.stop());
   if (!server.ok()) {
@@ -67,8 +67,8 @@ int serve(const lucerna::rpc::ServerOptions& options, double drain_seconds) {
   fmt::print("listening on {}\n", (*server)->address());
   std::fflush(stdout);
   signals.wait();
-  spdlog::info("draining for at most {} s", drain_seconds);
-  (*server)->drain(std::chrono::milliseconds(static_cast<std::int64_t>(1000 * drain_seconds)));
+  spdlog::info("draining for at most {} s", drain_time.count());
+  (*server)->drain(drain_time);
   return 0;
 }
 
@@ -77,7 +77,7 @@ int serve(const lucerna::rpc::ServerOptions& options, double drain_seconds) {
 int main(int argc, char** argv) {
   lucerna::rpc::ServerOptions options;
   options.version = LUCERNA_VERSION;
-  double drain_seconds = 30;
+  int drain_seconds = 30;
 
   CLI::App app("Lucerna's server: answers questions about the light in scenes, over gRPC.");
   app.set_version_flag("--version", "lucernad " LUCERNA_VERSION);
@@ -109,12 +109,12 @@ int main(int argc, char** argv) {
   app.add_option("--bulk-queue", options.lanes.bulk_queue, "Renders and loads that may wait")
       ->check(CLI::Range(1U, 1U << 20));
   app.add_option("--drain-seconds", drain_seconds, "How long calls may run on after SIGTERM")
-      ->check(CLI::Range(0.0, 86400.0));
+      ->check(CLI::Range(0, 86400));
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
     return app.exit(e) == 0 ? 0 : 2;
   }
   spdlog::set_default_logger(spdlog::stderr_logger_mt("lucernad"));
-  return serve(options, drain_seconds);
+  return serve(options, std::chrono::seconds(drain_seconds));
 }

@@ -8,6 +8,7 @@
 #include "client/cli/output.h"
 #include "client/cli/points.h"
 #include "client/cli/session.h"
+#include "client/cli/validators.h"
 
 namespace lucerna::cli {
 namespace {
@@ -161,12 +162,12 @@ void add_receiver_commands(CLI::App& app, Session& session) {
   looking->to.add(*command, "--to", "The other point x,y,z [m]");
   looking->directions.add(*command, "--direction", "Along the ray in direction x,y,z");
   command->add_option("--length", looking->length_m, "How far [m]; default: infinitely")
-      ->check(CLI::PositiveNumber);
+      ->check(positive());
   looking->normals.add(*command, "--normal", "The surface normal x,y,z at the point");
   command
       ->add_option("--position-error", looking->position_error_m,
                    "How far each coordinate may be off [m]; default: a few last places")
-      ->check(CLI::NonNegativeNumber);
+      ->check(not_negative());
   command->callback([looking, &session] { visible(session, *looking); });
 
   command = app.add_subcommand("irradiance", "Light that arrives on small surfaces");
@@ -177,10 +178,12 @@ void add_receiver_commands(CLI::App& app, Session& session) {
   command->add_option("SCENE", meter->scene, "Path or id")->required();
   meter->points.add(*command, "normals");
   meter->normals.add(*command, "--normal", "The surface normal x,y,z, of any length");
-  command->add_option("--bounces", meter->bounces,
-                      "Reflections that light may take, 0 for direct light; default: all");
+  command
+      ->add_option("--bounces", meter->bounces,
+                   "Reflections that light may take, 0 for direct light; default: all")
+      ->check(whole(0));
   command->add_option("--samples", meter->samples, "Samples for each point; default 256")
-      ->check(CLI::PositiveNumber);
+      ->check(whole(1));
   command->add_option("--seed", meter->seed, "Seed of the sample values")->capture_default_str();
   command->add_flag("--per-light", meter->per_light, "Also the direct light of each light");
   command->callback([meter, &session] { irradiance(session, *meter); });

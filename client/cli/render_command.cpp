@@ -9,6 +9,7 @@
 #include "client/cli/output.h"
 #include "client/cli/progress.h"
 #include "client/cli/session.h"
+#include "client/cli/validators.h"
 #include "client/picture.h"
 #include "client/write_picture.h"
 
@@ -133,17 +134,20 @@ void add_render_command(CLI::App& app, Session& session) {
   command
       ->add_option("--samples", options->samples,
                    "Samples for each pixel; default: as the scene file says")
-      ->check(CLI::PositiveNumber);
+      ->check(whole(1));
   command->add_option("--seed", options->seed, "Seed of the sample values")->capture_default_str();
-  command->add_option("--bounces", options->bounces,
-                      "Reflections after the first surface, 0 for direct light; default: as the "
-                      "scene file says, or all");
+  command
+      ->add_option("--bounces", options->bounces,
+                   "Reflections after the first surface, 0 for direct light; default: as the "
+                   "scene file says, or all")
+      ->check(whole(0));
   command->add_option("--tile-size", options->tile_size, "Edge of the tiles [pixels]; default 64")
-      ->check(CLI::PositiveNumber);
+      ->check(whole(1));
   command
       ->add_option("--exposure", options->exposure_ev,
                    "PNG only: 2 to this power times as bright [EV]")
-      ->check(CLI::Range(-100.0, 100.0))
+      ->check(
+          checked_number("a number from -100 to 100", [](double v) { return std::fabs(v) <= 100; }))
       ->capture_default_str();
   command->callback([options, &session] { render(session, *options); });
 }

@@ -7,6 +7,8 @@
 #include <cstdio>
 #include <utility>
 
+#include "client/cli/validators.h"
+
 namespace lucerna::cli {
 namespace {
 
@@ -33,7 +35,7 @@ void Session::add_options(CLI::App& app) {
       ->envname("LUCERNA_SERVER")
       ->capture_default_str();
   app.add_option("--timeout", timeout_s_, "Give up after this long [s]; default: never")
-      ->check(CLI::PositiveNumber);
+      ->check(positive());
   app.add_flag("--json", json_,
                "For machines: the answer as protocol-buffers JSON of its message in lucerna.v1");
 }

@@ -47,11 +47,10 @@ absl::StatusOr<PixelRect> check_rect(const Context& context, const Scene& scene,
   return rect;
 }
 
-absl::StatusOr<std::uint32_t> check_tile_samples(const Context& context, const Scene& scene,
-                                                 const v1::Accuracy& accuracy) {
+/// What the scene file proposes, where it does and the limit allows.
+std::uint32_t proposed_samples(const Context& context, const Scene& scene) {
   const auto hint = static_cast<std::uint32_t>(scene.hints().samples_per_pixel.value_or(0));
-  return check_samples(context, accuracy,
-                       std::min(hint > 0 ? hint : kDefaultSamples, context.limits.max_samples));
+  return std::min(hint > 0 ? hint : kDefaultSamples, context.limits.max_samples);
 }
 
 /// `samples_per_block` as asked for, or the default.
@@ -108,7 +107,8 @@ Prepared render_tile(const Context& context, const v1::RenderTileRequest& reques
   if (!scene.ok()) return scene.status();
   const auto rect = check_rect(context, **scene, request);
   if (!rect.ok()) return rect.status();
-  const auto samples = check_tile_samples(context, **scene, request.accuracy());
+  const auto samples = check_samples(context, request.accuracy(),
+                                     std::bit_floor(proposed_samples(context, **scene)));
   if (!samples.ok()) return samples.status();
   const auto block = check_block(*samples, request.has_samples_per_block()
                                                ? std::optional(request.samples_per_block())
@@ -158,7 +158,8 @@ absl::StatusOr<ImageRender> ImageRender::create(const Context& context,
                                                 const v1::RenderImageRequest& request) {
   const auto scene = find_scene(context, request.scene_id());
   if (!scene.ok()) return scene.status();
-  const auto samples = check_tile_samples(context, **scene, request.accuracy());
+  const auto samples =
+      check_samples(context, request.accuracy(), proposed_samples(context, **scene));
   if (!samples.ok()) return samples.status();
   const auto block = check_block(*samples, request.has_samples_per_block()
                                                ? std::optional(request.samples_per_block())
@@ -176,6 +177,16 @@ absl::StatusOr<ImageRender> ImageRender::create(const Context& context,
   const std::uint64_t pixels =
       static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
   if (pixels > kMaxPixels) return over_limit("pixels of the picture", pixels, kMaxPixels);
+  // Each has a message and a header of its own.
+  constexpr std::uint64_t kMaxTiles = 1 << 16;
+  const auto across = [edge](int size) {
+    return (static_cast<std::uint64_t>(size) + edge - 1) / edge;
+  };
+  if (const std::uint64_t tiles = across(width) * across(height); tiles > kMaxTiles) {
+    return bad_field(
+        "tile_size", fmt::format("{}", edge),
+        fmt::format("such that the picture has at most {} tiles, not {}", kMaxTiles, tiles));
+  }
 
   ImageRender render;
   render.scene_ = *scene;

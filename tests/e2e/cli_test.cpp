@@ -96,6 +96,14 @@ TEST_F(Cli, WrongFlagsAndNumbersAreWrongUse) {
   expect_wrong_use(lucerna({"power", "point.pbrt", "--bogus"}), "--bogus");
   expect_wrong_use(lucerna({"power", "point.pbrt", "--timeout", "-1"}), "--timeout");
   expect_wrong_use(lucerna({"power", "point.pbrt", "--light", "one"}), "one");
+  expect_wrong_use(lucerna({"sample", "point.pbrt", "--point", "0,0,0", "--light", "-1"}),
+                   "-1 is not a whole number from 1");
+  expect_wrong_use(lucerna({"power", "point.pbrt", "--timeout", "nan"}),
+                   "nan is not a finite number above 0");
+  expect_wrong_use(lucerna({"render", "point.pbrt", "-o", "x.png", "--exposure", "nan"}),
+                   "nan is not a number from -100 to 100");
+  expect_wrong_use(lucerna({"render", "point.pbrt", "-o", "x.png", "--samples", "5000000000"}),
+                   "5000000000 is not a whole number from 1 to 4294967295");
   expect_wrong_use(lucerna({"power", ""}), "SCENE is empty");
   expect_wrong_use(lucerna({"sample", "point.pbrt"}), "no points");
   expect_wrong_use(lucerna({"sample", "point.pbrt", "--point", "1,2"}), "\"1,2\"");

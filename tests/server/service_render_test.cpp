@@ -115,6 +115,30 @@ TEST_F(RenderServiceTest, BadTilesAreNamed) {
                    "tile_size");
 }
 
+TEST_F(RenderServiceTest, WhatTheFileProposesIsRoundedToWhatATileCanHold) {
+  rpc::ServerOptions options = service_options();
+  options.scene_root = LUCERNA_TEST_DATA "/pbrt";
+  Service service(options);
+  const std::string scene = service.load("twelve_samples.pbrt");
+  v1::RenderTileRequest q;
+  q.set_scene_id(scene);
+  q.mutable_rect()->set_x1(4);
+  q.mutable_rect()->set_y1(4);
+  v1::RenderTileResponse r;
+  const grpc::Status status = tile(service, q, &r);
+  ASSERT_TRUE(status.ok()) << status.error_message();
+  EXPECT_EQ(r.cost().samples(), 4U * 4 * 8);
+
+  v1::RenderImageRequest image;
+  image.set_scene_id(scene);
+  image.set_tile_size(1);
+  grpc::ClientContext context;
+  const grpc::Status refused = service.render.RenderImage(&context, image)->Finish();
+  EXPECT_EQ(refused.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_EQ(refused.error_message(),
+            "tile_size = 1, allowed: such that the picture has at most 65536 tiles, not 262144");
+}
+
 TEST_F(RenderServiceTest, CancelledRendersStopAndMakeRoom) {
   grpc::ClientContext context;
   v1::RenderTileRequest endless = tile_request(1 << 20);
