@@ -25,8 +25,8 @@ template <std::floating_point Real>
 using DiskLight = AreaLight<Real, Disk>;
 
 template <std::floating_point Real>
-using Light = std::variant<PointLight<Real>, SpotLight<Real>, DistantLight<Real>,
-                           UniformInfiniteLight<Real>, TriangleMeshLight<Real>,
-                           PatchMeshLight<Real>, SphereLight<Real>, DiskLight<Real>>;
+using Light =
+    std::variant<PointLight<Real>, SpotLight<Real>, DistantLight<Real>, UniformInfiniteLight<Real>,
+                 TriangleMeshLight<Real>, PatchMeshLight<Real>, SphereLight<Real>, DiskLight<Real>>;
 
 }  // namespace lucerna

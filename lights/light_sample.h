@@ -30,11 +30,13 @@ struct LightSample {
   /// Radiance [cd/m2] arriving along `wi`; for a delta light the illuminance [lx] on a surface
   /// that faces it.  Finite, not negative, 0 unless `reason` is kNone.
   Rgb<Real> value;
-  Vec3<Real> wi;        ///< unit, from the receiver to the light, world axes
-  Real distance{};      ///< to `point` [m]; infinite for distant and infinite lights
-  Vec3<Real> point;     ///< on the light, about the scene's origin [m]; unused where distance is infinite
-  Vec3<Real> normal;    ///< geometric, unit, on the emitting side; zero where the light has no surface
-  SolidAnglePdf<Real> pdf;  ///< finite, positive; 0 for delta lights, which have no density
+  Vec3<Real> wi;    ///< unit, from the receiver to the light, world axes
+  Real distance{};  ///< to `point` [m]; infinite for distant and infinite lights
+  Vec3<Real>
+      point;  ///< on the light, about the scene's origin [m]; unused where distance is infinite
+  Vec3<Real>
+      normal;  ///< geometric, unit, on the emitting side; zero where the light has no surface
+  SolidAnglePdf<Real> pdf;    ///< finite, positive; 0 for delta lights, which have no density
   std::uint32_t primitive{};  ///< which primitive of the light's shape `point` lies on
   bool delta = false;
   NoLight reason = NoLight::kNone;
@@ -51,8 +53,8 @@ struct SurfacePoint {
 /// A power with what is known of it.  Scene-dependent for distant and infinite lights: the flux
 /// through the disk of radius `SceneSphere::radius_m` that faces the light.
 struct Power {
-  Rgb<double> lumens;      ///< per channel; the luminous flux is its luminance [lm]
-  double error_lumens{};   ///< bound on the error of the luminous flux; 0 where exact [lm]
+  Rgb<double> lumens;     ///< per channel; the luminous flux is its luminance [lm]
+  double error_lumens{};  ///< bound on the error of the luminous flux; 0 where exact [lm]
 };
 
 /// The sphere around a scene's geometry and its local lights, about the scene's origin.

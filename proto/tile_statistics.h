@@ -20,12 +20,13 @@ struct BlockStatistics {
 BlockStatistics merge(const BlockStatistics& a, std::uint64_t na, const BlockStatistics& b,
                       std::uint64_t nb);
 
-/// Merges runs of blocks so that the bits depend on which blocks were merged and not on how they were
-/// grouped: runs are joined as in a binary counter (aligned neighbours of equal power-of-two size
-/// first), and what is left at the end is joined from the lowest block up.
+/// Merges runs of blocks so that the bits depend on which blocks were merged and not on how they
+/// were grouped: runs are joined as in a binary counter (aligned neighbours of equal power-of-two
+/// size first), and what is left at the end is joined from the lowest block up.
 ///
-/// `channels` values are carried at once (3 a pixel, pixels in row order).  Runs arrive in order: each
-/// begins where the last ended, its size is a power of two, and its first block a multiple of its size.
+/// `channels` values are carried at once (3 a pixel, pixels in row order).  Runs arrive in order:
+/// each begins where the last ended, its size is a power of two, and its first block a multiple of
+/// its size.
 class BlockMerger {
  public:
   BlockMerger(std::uint64_t first_block, std::size_t channels);
