@@ -31,7 +31,7 @@ absl::Status cannot_write(const std::string& path, const std::string& why) {
 
 template <class T>
 bool write_with_openimageio(const std::string& path, const PictureView& picture,
-                            OIIO::TypeDesc type, const T* data, std::string* error) {
+                            const OIIO::TypeDesc& type, const T* data, std::string* error) {
   const std::unique_ptr<OIIO::ImageOutput> file = OIIO::ImageOutput::create(path);
   if (!file) {
     *error = OIIO::geterror();

@@ -8,6 +8,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <exception>
 #include <future>
 #include <thread>
 
@@ -72,9 +73,7 @@ int serve(const lucerna::rpc::ServerOptions& options, std::chrono::seconds drain
   return 0;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int run(int argc, char** argv) {
   lucerna::rpc::ServerOptions options;
   options.version = LUCERNA_VERSION;
   int drain_seconds = 30;
@@ -117,4 +116,15 @@ int main(int argc, char** argv) {
   }
   spdlog::set_default_logger(spdlog::stderr_logger_mt("lucernad"));
   return serve(options, std::chrono::seconds(drain_seconds));
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const std::exception& error) {
+    (void)std::fprintf(stderr, "lucernad: %s\n", error.what());
+    return 1;
+  }
 }

@@ -78,6 +78,7 @@ class LocalServer::Process {
 
   absl::Status spawn(std::vector<std::string> arguments) {
     std::vector<char*> argv;
+    argv.reserve(arguments.size() + 1);
     for (std::string& argument : arguments) argv.push_back(argument.data());
     argv.push_back(nullptr);
     const pid_t parent = ::getpid();

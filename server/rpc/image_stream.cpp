@@ -31,8 +31,9 @@ void ImageStream::begin(const v1::RenderImageRequest& request) {
   } else {
     status = guarded([&] {
       absl::StatusOr<ImageRender> render = ImageRender::create(runtime_.context(), request);
-      if (render.ok()) render_.emplace(*std::move(render));
-      return render.status();
+      if (!render.ok()) return render.status();
+      render_.emplace(*std::move(render));
+      return absl::OkStatus();
     });
   }
   if (status.ok()) {

@@ -9,7 +9,7 @@ namespace lucerna::rpc {
 
 CallGate::Pass CallGate::enter() {
   const std::lock_guard lock(mutex_);
-  if (closed_) return Pass();
+  if (closed_) return {};
   ++inside_;
   return Pass(this);
 }
