@@ -348,7 +348,7 @@ class Reader {
   }
 
   bool skip(Type type, double count) {
-    const double least = static_cast<double>(numbers_.least_bytes(type));
+    const auto least = static_cast<double>(numbers_.least_bytes(type));
     if (!(count >= 0) || count != std::floor(count) ||
         count * least > static_cast<double>(numbers_.bytes_left()))
       return false;

@@ -21,8 +21,9 @@ std::optional<std::size_t> values_per_item(std::string_view type) {
 ParameterSet::ParameterSet(std::vector<std::shared_ptr<const Parameter>> own,
                            const std::vector<std::shared_ptr<const Parameter>>& inherited) {
   for (auto& parameter : own) entries_.push_back({std::move(parameter), false});
-  std::for_each(inherited.rbegin(), inherited.rend(),
-                [&](const auto& parameter) { entries_.push_back({parameter, true}); });
+  std::for_each(inherited.rbegin(), inherited.rend(), [&](const auto& parameter) {
+    entries_.push_back({parameter, true});
+  });
 }
 
 const Parameter* ParameterSet::find(std::string_view name,
