@@ -13,8 +13,6 @@
 namespace lucerna {
 namespace {
 
-// Up to here every sample visits every light; beyond, it chooses one.
-constexpr std::size_t kVisitAll = 8;
 constexpr std::uint32_t kSamplesBetweenPolls = 64;
 // Of one chunk of points: about a millisecond.
 constexpr std::uint64_t kSamplesPerChunk = 1024;
@@ -73,7 +71,7 @@ class IrradianceJob {
         tracer_(scene, settings.bounces),
         stop_(stop),
         result_(result),
-        visit_all_(settings.per_light || scene.lights().size() <= kVisitAll),
+        visit_all_(settings.per_light || tracer_.visits_all()),
         gather_indirect_(settings.bounces.value_or(1) > 0 && !scene.empty() &&
                          !scene.lights().empty()),
         gather_(gather_indirect_ || scene.has_visible_lights()) {}
@@ -169,7 +167,7 @@ class IrradianceJob {
       ++work.indirect_rays;
       const std::optional<SurfaceHit> hit = scene_.closest_hit(ray);
       tracer_.for_each_emitter(ray, hit, [&](std::uint32_t light, const Rgb<float>& le) {
-        const double probability = visit_all_ ? 1 : scene_.light_probability(light);
+        const double probability = visit_all_ ? 1 : tracer_.candidate_probability(light);
         const Rgb<float> e =
             le * tracer_.found_weight(receiver.position, ray, hit, light, probability, pdf);
         add(light, {e, e});

@@ -71,6 +71,13 @@ class PathTracer {
   ChosenLight direct_of_chosen(const SurfaceHit& hit, const Vec3<float>& wo, std::uint32_t depth,
                                const PathSample& sample, WorkCounts& work) const;
 
+  /// Whether the lights are so few that each is a candidate.
+  bool visits_all() const { return scene_.lights().size() <= kCandidates; }
+  /// With which `direct_of_chosen` makes a candidate of `light`.
+  double candidate_probability(std::uint32_t light) const {
+    return visits_all() ? 1 : scene_.light_probability(light);
+  }
+
   /// Calls `f(light, radiance)` for what `ray` finds at its end: `hit` or, where nothing was hit,
   /// the infinite lights.
   template <typename F>
@@ -92,11 +99,6 @@ class PathTracer {
   /// Candidates for each shadow ray where there are several lights.  With 400 point lights eight
   /// give 0.4 of the squared error of four for 1.6 times the time.
   static constexpr std::uint32_t kCandidates = 8;
-  bool visits_all() const { return scene_.lights().size() <= kCandidates; }
-  /// With which a candidate of `light` is made.
-  double candidate_probability(std::uint32_t light) const {
-    return visits_all() ? 1 : scene_.light_probability(light);
-  }
 
   /// A light sample as a diffuse surface of reflectance 1 shows it, weighted, were it visible.
   struct Candidate {
