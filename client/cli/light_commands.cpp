@@ -254,6 +254,7 @@ void add_light_commands(CLI::App& app, Session& session) {
   const auto powers = std::make_shared<PowerOptions>();
   command->add_option("SCENE", powers->scene, "Path or id")->required();
   command->add_option("--light", powers->lights, "Id of a light; may be given again; default: all")
+      ->check(whole(1))
       ->allow_extra_args(false);
   command->callback([powers, &session] { power(session, *powers); });
 }

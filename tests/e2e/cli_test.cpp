@@ -98,6 +98,8 @@ TEST_F(Cli, WrongFlagsAndNumbersAreWrongUse) {
   expect_wrong_use(lucerna({"power", "point.pbrt", "--light", "one"}), "one");
   expect_wrong_use(lucerna({"sample", "point.pbrt", "--point", "0,0,0", "--light", "-1"}),
                    "-1 is not a whole number from 1");
+  expect_wrong_use(lucerna({"power", "point.pbrt", "--light", "-1"}),
+                   "-1 is not a whole number from 1");
   expect_wrong_use(lucerna({"power", "point.pbrt", "--timeout", "nan"}),
                    "nan is not a finite number above 0");
   expect_wrong_use(lucerna({"render", "point.pbrt", "-o", "x.png", "--exposure", "nan"}),
