@@ -46,18 +46,18 @@ bool AreaLight<Real, Shape>::emits_towards(const SurfacePoint<Real>& point,
 }
 
 template <std::floating_point Real, template <typename> typename Shape>
-LightSample<Real> AreaLight<Real, Shape>::sample_li(const Vec3<Real>& receiver,
+LightSample<Real> AreaLight<Real, Shape>::sample_li(const Receiver<Real>& receiver,
                                                     Vec2<Real> u) const {
   LightSample<Real> sample;
   sample.pdf = {1};
   sample.reason = NoLight::kOutOfRange;
-  if (!is_finite(receiver)) return sample;
+  if (!is_finite(receiver.position)) return sample;
 
   const ShapeSample<Real> chosen = shape_.sample(receiver, u);
   sample.point = chosen.point.position;
   sample.normal = chosen.point.normal;
   sample.primitive = chosen.point.primitive;
-  const Vec3<double> to_light = Vec3<double>(sample.point) - Vec3<double>(receiver);
+  const Vec3<double> to_light = Vec3<double>(sample.point) - Vec3<double>(receiver.position);
   sample.distance = static_cast<Real>(length(to_light));
   if (to_light == Vec3<double>{}) {
     sample.reason = NoLight::kDegenerate;
@@ -78,21 +78,21 @@ LightSample<Real> AreaLight<Real, Shape>::sample_li(const Vec3<Real>& receiver,
 }
 
 template <std::floating_point Real, template <typename> typename Shape>
-SolidAnglePdf<Real> AreaLight<Real, Shape>::pdf_li(const Vec3<Real>& receiver,
+SolidAnglePdf<Real> AreaLight<Real, Shape>::pdf_li(const Receiver<Real>& receiver,
                                                    const Vec3<Real>& wi) const {
-  if (!is_finite(receiver) || !is_finite(wi)) return {0};
+  if (!is_finite(receiver.position) || !is_finite(wi)) return {0};
   SolidAnglePdf<Real> sum;
-  shape_.for_each_hit(receiver, wi, [&](const SurfacePoint<Real>& point) {
+  shape_.for_each_hit(receiver.position, wi, [&](const SurfacePoint<Real>& point) {
     sum.per_sr += pdf_li(receiver, point).per_sr;
   });
   return is_density(sum) ? sum : SolidAnglePdf<Real>{0};
 }
 
 template <std::floating_point Real, template <typename> typename Shape>
-SolidAnglePdf<Real> AreaLight<Real, Shape>::pdf_li(const Vec3<Real>& receiver,
+SolidAnglePdf<Real> AreaLight<Real, Shape>::pdf_li(const Receiver<Real>& receiver,
                                                    const SurfacePoint<Real>& point) const {
-  if (!is_finite(receiver) ||
-      !emits_towards(point, Vec3<double>(receiver) - Vec3<double>(point.position)))
+  if (!is_finite(receiver.position) ||
+      !emits_towards(point, Vec3<double>(receiver.position) - Vec3<double>(point.position)))
     return {0};
   const SolidAnglePdf<Real> pdf = shape_.pdf(receiver, point);
   return is_density(pdf) ? pdf : SolidAnglePdf<Real>{0};

@@ -19,8 +19,8 @@ struct DiffuseEmission {
 };
 
 /// `Shape` owes: `area()`, `emissive_error()`, `sample(receiver, u)`, `pdf(receiver,
-/// surface_point)`, `for_each_hit(receiver, wi, f)`; see lights/sphere.h and lights/mesh.h.
-/// Immutable, so safe to share between threads.
+/// surface_point)`, `for_each_hit(receiver.position, wi, f)`; see lights/sphere.h and
+/// lights/mesh.h. Immutable, so safe to share between threads.
 template <std::floating_point Real, template <typename> typename Shape>
 class AreaLight {
  public:
@@ -38,16 +38,16 @@ class AreaLight {
   /// turned away from the receiver are sampled like all others and answer kBehind: the mean over
   /// all samples is exact.  Where no density exists, `pdf.per_sr` is 1, so that value / pdf is 0;
   /// where no direction exists, `wi` is 0.
-  LightSample<Real> sample_li(const Vec3<Real>& receiver, Vec2<Real> u) const;
+  LightSample<Real> sample_li(const Receiver<Real>& receiver, Vec2<Real> u) const;
 
   /// The density with which sample_li chooses directions: the sum over all points of the light that
   /// lie along `wi`, hidden behind each other or not, and turn an emitting side to the receiver.
   /// Integrates to the probability of samples that are not kBehind.
-  SolidAnglePdf<Real> pdf_li(const Vec3<Real>& receiver, const Vec3<Real>& wi) const;
+  SolidAnglePdf<Real> pdf_li(const Receiver<Real>& receiver, const Vec3<Real>& wi) const;
 
   /// The density with which sample_li chooses this very point; 0 where its emitting side is turned
   /// away.  What a ray that found the point weighs itself with.
-  SolidAnglePdf<Real> pdf_li(const Vec3<Real>& receiver, const SurfacePoint<Real>& point) const;
+  SolidAnglePdf<Real> pdf_li(const Receiver<Real>& receiver, const SurfacePoint<Real>& point) const;
 
   /// Radiance [cd/m2] leaving `point` towards the vector `w` of any length; 0 on the dark side and
   /// along the surface.

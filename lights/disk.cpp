@@ -60,7 +60,7 @@ absl::StatusOr<Disk<Real>> Disk<Real>::create(const DiskParams& params,
 }
 
 template <typename Real>
-ShapeSample<Real> Disk<Real>::sample(const Vec3<Real>& receiver, Vec2<Real> u) const {
+ShapeSample<Real> Disk<Real>::sample(const Receiver<Real>& receiver, Vec2<Real> u) const {
   // Equal shares of r^2 have equal areas.  A concentric map would distort less, but fits neither
   // annulus nor sector.
   const double inner = params_.inner_radius_m;
@@ -76,9 +76,9 @@ ShapeSample<Real> Disk<Real>::sample(const Vec3<Real>& receiver, Vec2<Real> u) c
 }
 
 template <typename Real>
-SolidAnglePdf<Real> Disk<Real>::pdf(const Vec3<Real>& receiver,
+SolidAnglePdf<Real> Disk<Real>::pdf(const Receiver<Real>& receiver,
                                     const SurfacePoint<Real>& point) const {
-  return as_seen_from(receiver, point, AreaPdf<double>{1 / area_m2_});
+  return as_seen_from(receiver.position, point, AreaPdf<double>{1 / area_m2_});
 }
 
 template <typename Real>

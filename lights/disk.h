@@ -40,9 +40,9 @@ class Disk {
   absl::Status emissive_error() const { return absl::OkStatus(); }
 
   /// Uniform by area.  [Pharr23, 6.4.3]
-  ShapeSample<Real> sample(const Vec3<Real>& receiver, Vec2<Real> u) const;
+  ShapeSample<Real> sample(const Receiver<Real>& receiver, Vec2<Real> u) const;
   /// The density of `sample` at a point of the surface.
-  SolidAnglePdf<Real> pdf(const Vec3<Real>& receiver, const SurfacePoint<Real>& point) const;
+  SolidAnglePdf<Real> pdf(const Receiver<Real>& receiver, const SurfacePoint<Real>& point) const;
 
   /// The hit, if its t is in (t_min, t_max); `direction` of any length.  The point is put back into
   /// the plane.  A ray within the plane does not hit.

@@ -25,10 +25,10 @@ DistantLight<Real>::DistantLight(const Params& params)
       illuminance_(params.illuminance_lx) {}
 
 template <std::floating_point Real>
-LightSample<Real> DistantLight<Real>::sample_li(const Vec3<Real>& receiver, Vec2<Real>) const {
+LightSample<Real> DistantLight<Real>::sample_li(const Receiver<Real>& receiver, Vec2<Real>) const {
   LightSample<Real> sample;
   sample.delta = true;
-  if (!is_finite(receiver)) {
+  if (!is_finite(receiver.position)) {
     sample.reason = NoLight::kOutOfRange;
     return sample;
   }
@@ -40,7 +40,7 @@ LightSample<Real> DistantLight<Real>::sample_li(const Vec3<Real>& receiver, Vec2
 }
 
 template <std::floating_point Real>
-SolidAnglePdf<Real> DistantLight<Real>::pdf_li(const Vec3<Real>&, const Vec3<Real>&) const {
+SolidAnglePdf<Real> DistantLight<Real>::pdf_li(const Receiver<Real>&, const Vec3<Real>&) const {
   return {};
 }
 

@@ -20,8 +20,8 @@ class DistantLight {
 
   static absl::StatusOr<DistantLight> create(const Params& params,
                                              const Vec3<double>& origin_m = {});
-  LightSample<Real> sample_li(const Vec3<Real>& receiver, Vec2<Real> u) const;
-  SolidAnglePdf<Real> pdf_li(const Vec3<Real>& receiver, const Vec3<Real>& wi) const;
+  LightSample<Real> sample_li(const Receiver<Real>& receiver, Vec2<Real> u) const;
+  SolidAnglePdf<Real> pdf_li(const Receiver<Real>& receiver, const Vec3<Real>& wi) const;
   /// Flux through the scene's bounding disk, E pi R^2.
   Power power(const SceneSphere& scene) const;
   const Params& params() const { return params_; }

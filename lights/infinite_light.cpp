@@ -23,10 +23,10 @@ UniformInfiniteLight<Real>::UniformInfiniteLight(const Params& params)
     : params_(params), radiance_(params.radiance_cd_m2) {}
 
 template <std::floating_point Real>
-LightSample<Real> UniformInfiniteLight<Real>::sample_li(const Vec3<Real>& receiver,
+LightSample<Real> UniformInfiniteLight<Real>::sample_li(const Receiver<Real>& receiver,
                                                         Vec2<Real> u) const {
   LightSample<Real> sample;
-  if (!is_finite(receiver)) {
+  if (!is_finite(receiver.position)) {
     sample.reason = NoLight::kOutOfRange;
     return sample;
   }
@@ -39,9 +39,9 @@ LightSample<Real> UniformInfiniteLight<Real>::sample_li(const Vec3<Real>& receiv
 }
 
 template <std::floating_point Real>
-SolidAnglePdf<Real> UniformInfiniteLight<Real>::pdf_li(const Vec3<Real>& receiver,
+SolidAnglePdf<Real> UniformInfiniteLight<Real>::pdf_li(const Receiver<Real>& receiver,
                                                        const Vec3<Real>& wi) const {
-  if (!is_finite(receiver) || !is_finite(wi) || radiance_.is_black()) return {};
+  if (!is_finite(receiver.position) || !is_finite(wi) || radiance_.is_black()) return {};
   return uniform_sphere_pdf<Real>();
 }
 

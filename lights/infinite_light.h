@@ -20,8 +20,8 @@ class UniformInfiniteLight {
   static absl::StatusOr<UniformInfiniteLight> create(const Params& params,
                                                      const Vec3<double>& origin_m = {});
   /// Uniform over the sphere, density 1 / (4 pi); distance infinite.
-  LightSample<Real> sample_li(const Vec3<Real>& receiver, Vec2<Real> u) const;
-  SolidAnglePdf<Real> pdf_li(const Vec3<Real>& receiver, const Vec3<Real>& wi) const;
+  LightSample<Real> sample_li(const Receiver<Real>& receiver, Vec2<Real> u) const;
+  SolidAnglePdf<Real> pdf_li(const Receiver<Real>& receiver, const Vec3<Real>& wi) const;
   /// Radiance [cd/m2] that a ray leaving the scene towards `w` meets.
   Rgb<Real> le_escaped(const Vec3<Real>& w) const;
   /// Flux through the scene's bounding disk from all directions, 4 pi L pi R^2.

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "lights/area_sampling.h"
 #include "lights/density.h"
 #include "lights/rgb.h"
 #include "lights/vec.h"
@@ -18,6 +19,23 @@ enum class NoLight : std::uint8_t {
   kDegenerate,   ///< the receiver is exactly on the light: no direction or no density exists
   kBlack,        ///< the light emits nothing
   kOutOfRange,   ///< the value or the density does not fit the type it is answered in
+};
+
+/// Where light arrives, and what a light may use of it to place its samples.
+template <std::floating_point Real>
+struct Receiver {
+  Vec3<Real> position;  ///< about the scene's origin [m]
+  /// Unit, on the side that light is counted on; zero: there is none, all directions count alike.
+  Vec3<Real> normal;
+  AreaSampling area_sampling = AreaSampling::kAutomatic;
+  /// The caller finds light by directions of its own too and weighs both: the density may then be 0
+  /// where little light comes from.  [Karlik19]
+  bool incomplete = false;
+
+  Receiver() = default;
+  // NOLINTNEXTLINE(google-explicit-constructor): a point is a receiver that says no more.
+  Receiver(const Vec3<Real>& position) : position(position) {}
+  Receiver(Real x, Real y, Real z) : position(x, y, z) {}
 };
 
 /// One light sample as a receiver sees it.
@@ -40,6 +58,32 @@ struct LightSample {
   std::uint32_t primitive{};  ///< which primitive of the light's shape `point` lies on
   bool delta = false;
   NoLight reason = NoLight::kNone;
+};
+
+/// One ray that leaves a light.  The light's power is the mean over samples of
+///   value |n.direction| / (pdf_position pdf_direction)
+/// where a light without a surface has no cosine, and a density of 0 (of what is certain) is left
+/// out.
+template <std::floating_point Real>
+struct EmissionSample {
+  /// Radiance [cd/m2]; of a light that shines from one point luminous intensity [cd]; of one that
+  /// shines in one direction illuminance on a surface that faces it [lx].  Finite, not negative, 0
+  /// unless `reason` is kNone.
+  Rgb<Real> value;
+  Vec3<Real> origin;     ///< about the scene's origin [m]
+  Vec3<Real> direction;  ///< unit, away from the light
+  Vec3<Real> normal;     ///< of the surface, unit, as LightSample has it; zero where there is none
+  AreaPdf<Real> pdf_position;         ///< 0 where the position is certain
+  SolidAnglePdf<Real> pdf_direction;  ///< 0 where the direction is certain
+  NoLight reason = NoLight::kNone;
+};
+
+/// The densities of an EmissionSample.
+template <std::floating_point Real>
+struct EmissionPdf {
+  AreaPdf<Real> position;
+  SolidAnglePdf<Real> direction;
+  bool operator==(const EmissionPdf&) const = default;
 };
 
 /// A point of a light's own surface, as sampling or a ray found it.

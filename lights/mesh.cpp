@@ -60,7 +60,8 @@ absl::StatusOr<Mesh<Real, Primitive>> Mesh<Real, Primitive>::create(
 }
 
 template <typename Real, template <typename> typename Primitive>
-ShapeSample<Real> Mesh<Real, Primitive>::sample(const Vec3<Real>& receiver, Vec2<Real> u) const {
+ShapeSample<Real> Mesh<Real, Primitive>::sample(const Receiver<Real>& receiver,
+                                                Vec2<Real> u) const {
   std::size_t i = 0;
   if (primitives_.size() > 1) {
     const double wide = refined(u);
@@ -81,17 +82,17 @@ ShapeSample<Real> Mesh<Real, Primitive>::sample(const Vec3<Real>& receiver, Vec2
 }
 
 template <typename Real, template <typename> typename Primitive>
-SolidAnglePdf<Real> Mesh<Real, Primitive>::pdf(const Vec3<Real>& receiver,
+SolidAnglePdf<Real> Mesh<Real, Primitive>::pdf(const Receiver<Real>& receiver,
                                                const SurfacePoint<Real>& point) const {
   if (point.primitive >= primitives_.size()) return {0};
   if constexpr (std::is_same_v<Primitive<Real>, Triangle<Real>>) {
     // By area twice over is by area: the triangle's own cancels.
-    return as_seen_from(receiver, point, AreaPdf<double>{1 / area()});
+    return as_seen_from(receiver.position, point, AreaPdf<double>{1 / area()});
   } else {
     const std::size_t i = point.primitive;
     const double share = (cumulative_area_[i] - (i == 0 ? 0 : cumulative_area_[i - 1])) / area();
     const double pdf_area = primitives_[i].pdf_area(point.position).per_m2;
-    return as_seen_from(receiver, point, AreaPdf<double>{share * pdf_area});
+    return as_seen_from(receiver.position, point, AreaPdf<double>{share * pdf_area});
   }
 }
 

@@ -31,9 +31,9 @@ class Mesh {
 
   /// A primitive by its share of the area, a point of it by area.  Both values of `u` choose the
   /// primitive, so that more than 2^24 of them are all reachable from floats.
-  ShapeSample<Real> sample(const Vec3<Real>& receiver, Vec2<Real> u) const;
+  ShapeSample<Real> sample(const Receiver<Real>& receiver, Vec2<Real> u) const;
   /// The density of `sample` at a point of primitive `point.primitive`.
-  SolidAnglePdf<Real> pdf(const Vec3<Real>& receiver, const SurfacePoint<Real>& point) const;
+  SolidAnglePdf<Real> pdf(const Receiver<Real>& receiver, const SurfacePoint<Real>& point) const;
 
   /// Calls `f(surface_point)` for every point of the mesh along the unit vector `wi`, in the order
   /// of the primitives.  Looks at each primitive: it serves the rare question for the density of a

@@ -23,10 +23,10 @@ class PointLight {
 
   /// Intensity over distance squared along `wi`.  kDegenerate where the receiver is the light's own
   /// position, kOutOfRange where the quotient is no finite number.  [Pharr23, 12.2]
-  LightSample<Real> sample_li(const Vec3<Real>& receiver, Vec2<Real> u) const;
+  LightSample<Real> sample_li(const Receiver<Real>& receiver, Vec2<Real> u) const;
 
   /// Delta: 0 everywhere.
-  SolidAnglePdf<Real> pdf_li(const Vec3<Real>& receiver, const Vec3<Real>& wi) const;
+  SolidAnglePdf<Real> pdf_li(const Receiver<Real>& receiver, const Vec3<Real>& wi) const;
 
   /// 4 pi I, exact.
   Power power(const SceneSphere& scene) const;

@@ -124,8 +124,8 @@ ShapeSample<Real> Sphere<Real>::sample_cone(const Vec3<double>& to_center, doubl
 }
 
 template <typename Real>
-ShapeSample<Real> Sphere<Real>::sample(const Vec3<Real>& receiver, Vec2<Real> u) const {
-  const Vec3<double> to_center = center_m_ - Vec3<double>(receiver);
+ShapeSample<Real> Sphere<Real>::sample(const Receiver<Real>& receiver, Vec2<Real> u) const {
+  const Vec3<double> to_center = center_m_ - Vec3<double>(receiver.position);
   if (const double distance = length(to_center); sees_cone(distance))
     return sample_cone(to_center, distance, u);
 
@@ -135,16 +135,17 @@ ShapeSample<Real> Sphere<Real>::sample(const Vec3<Real>& receiver, Vec2<Real> u)
   const double ring = std::sqrt((params_.radius_m - z) * (params_.radius_m + z));
   ShapeSample<Real> s;
   s.point = surface_point({ring * std::cos(phi), ring * std::sin(phi), z});
-  s.pdf = as_seen_from(receiver, s.point, AreaPdf<double>{1 / area_m2_});
+  s.pdf = as_seen_from(receiver.position, s.point, AreaPdf<double>{1 / area_m2_});
   return s;
 }
 
 template <typename Real>
-SolidAnglePdf<Real> Sphere<Real>::pdf(const Vec3<Real>& receiver,
+SolidAnglePdf<Real> Sphere<Real>::pdf(const Receiver<Real>& receiver,
                                       const SurfacePoint<Real>& point) const {
-  const Vec3<double> to_receiver = Vec3<double>(receiver) - center_m_;
+  const Vec3<double> to_receiver = Vec3<double>(receiver.position) - center_m_;
   const double distance = length(to_receiver);
-  if (!sees_cone(distance)) return as_seen_from(receiver, point, AreaPdf<double>{1 / area_m2_});
+  if (!sees_cone(distance))
+    return as_seen_from(receiver.position, point, AreaPdf<double>{1 / area_m2_});
   // The near side by the normal, which says where on the sphere the point is however far the sphere
   // is from the origin; less the rounding of both vectors, so that no sample at the rim falls off.
   constexpr double kRounding = 4 * std::numeric_limits<Real>::epsilon();

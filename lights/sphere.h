@@ -42,10 +42,10 @@ class Sphere {
 
   /// A point seen from `receiver`: by the cone that the whole sphere subtends where the receiver is
   /// outside of it, uniformly by area inside and for cut spheres.  [Pharr23, 6.2.4]
-  ShapeSample<Real> sample(const Vec3<Real>& receiver, Vec2<Real> u) const;
+  ShapeSample<Real> sample(const Receiver<Real>& receiver, Vec2<Real> u) const;
   /// The density of `sample` at a point of the surface; 0 on the far side of a whole sphere seen
   /// from outside, which is never sampled.
-  SolidAnglePdf<Real> pdf(const Vec3<Real>& receiver, const SurfacePoint<Real>& point) const;
+  SolidAnglePdf<Real> pdf(const Receiver<Real>& receiver, const SurfacePoint<Real>& point) const;
 
   /// First hit with t in (t_min, t_max), `direction` of any length.  The cut-away part is passed
   /// through.  The point is put back on the surface.

@@ -74,9 +74,9 @@ Rgb<Real> SpotLight<Real>::intensity(const Vec3<Real>& w) const {
 }
 
 template <std::floating_point Real>
-LightSample<Real> SpotLight<Real>::sample_li(const Vec3<Real>& receiver, Vec2<Real>) const {
+LightSample<Real> SpotLight<Real>::sample_li(const Receiver<Real>& receiver, Vec2<Real>) const {
   LightSample<Real> sample;
-  const Way way = find_way(position_, receiver, sample);
+  const Way way = find_way(position_, receiver.position, sample);
   if (sample.reason != NoLight::kNone) return sample;
   const double share = falloff(-way.wi);
   if (share > 0 || params_.intensity_cd.is_black()) {
@@ -88,7 +88,7 @@ LightSample<Real> SpotLight<Real>::sample_li(const Vec3<Real>& receiver, Vec2<Re
 }
 
 template <std::floating_point Real>
-SolidAnglePdf<Real> SpotLight<Real>::pdf_li(const Vec3<Real>&, const Vec3<Real>&) const {
+SolidAnglePdf<Real> SpotLight<Real>::pdf_li(const Receiver<Real>&, const Vec3<Real>&) const {
   return {};
 }
 

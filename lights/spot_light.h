@@ -28,8 +28,8 @@ class SpotLight {
   /// outside the cone, continuous at its edge unless the edge is hard.  [Pharr23, 12.2.1]
   Rgb<Real> intensity(const Vec3<Real>& w) const;
 
-  LightSample<Real> sample_li(const Vec3<Real>& receiver, Vec2<Real> u) const;
-  SolidAnglePdf<Real> pdf_li(const Vec3<Real>& receiver, const Vec3<Real>& wi) const;
+  LightSample<Real> sample_li(const Receiver<Real>& receiver, Vec2<Real> u) const;
+  SolidAnglePdf<Real> pdf_li(const Receiver<Real>& receiver, const Vec3<Real>& wi) const;
 
   /// 2 pi I ((1 - cos s) + (cos s - cos c) / 2), the smoothstep's mean over the cosine being 1/2;
   /// exact.
