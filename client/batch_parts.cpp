@@ -84,6 +84,11 @@ std::size_t item_count(const v1::PdfLiRequest& request) {
   return fits(request.wi_size(), items, 3) ? items : 0;
 }
 
+std::size_t item_count(const v1::LeRequest& request) {
+  const std::size_t items = points(request.points());
+  return fits(request.directions_size(), items, 3) ? items : 0;
+}
+
 std::size_t item_count(const v1::TestVisibilityRequest& request) {
   const std::size_t items =
       points(request.has_rays() ? request.rays().from() : request.segments().from());
@@ -132,6 +137,18 @@ v1::PdfLiRequest part(const v1::PdfLiRequest& request, std::size_t first, std::s
   result.set_light_id(request.light_id());
   if (request.has_time_s()) result.set_time_s(request.time_s());
   if (request.has_accuracy()) *result.mutable_accuracy() = request.accuracy();
+  return result;
+}
+
+v1::LeRequest part(const v1::LeRequest& request, std::size_t first, std::size_t count) {
+  v1::LeRequest result;
+  result.set_scene_id(request.scene_id());
+  keep(first, count, request.points(), result.mutable_points());
+  keep(first, count, 3, request.directions(), result.mutable_directions());
+  if (request.has_light_id()) result.set_light_id(request.light_id());
+  if (request.has_time_s()) result.set_time_s(request.time_s());
+  if (request.has_accuracy()) *result.mutable_accuracy() = request.accuracy();
+  *result.mutable_wavelengths_nm() = request.wavelengths_nm();
   return result;
 }
 
@@ -192,6 +209,15 @@ void append(const v1::PdfLiResponse& next, v1::PdfLiResponse* whole) {
   append_status(next.status(), next.pdf_per_sr_size(), whole->pdf_per_sr_size(),
                 whole->mutable_status());
   append_all(next.pdf_per_sr(), whole->mutable_pdf_per_sr());
+  append_cost(next.cost(), whole->mutable_cost());
+}
+
+void append(const v1::LeResponse& next, v1::LeResponse* whole) {
+  append_status(next.status(), next.light_ids_size(), whole->light_ids_size(),
+                whole->mutable_status());
+  append_all(next.radiance_cd_m2(), whole->mutable_radiance_cd_m2());
+  append_all(next.light_ids(), whole->mutable_light_ids());
+  append_all(next.spectral_radiance(), whole->mutable_spectral_radiance());
   append_cost(next.cost(), whole->mutable_cost());
 }
 

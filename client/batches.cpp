@@ -53,6 +53,11 @@ absl::StatusOr<v1::PdfLiResponse> pdf_li_in_batches(const Client& client,
   return in_batches(client, request, 1, options, &Client::pdf_li);
 }
 
+absl::StatusOr<v1::LeResponse> le_in_batches(const Client& client, const v1::LeRequest& request,
+                                             const BatchOptions& options) {
+  return in_batches(client, request, 1, options, &Client::le);
+}
+
 absl::StatusOr<v1::TestVisibilityResponse> test_visibility_in_batches(
     const Client& client, const v1::TestVisibilityRequest& request, const BatchOptions& options) {
   return in_batches(client, request, 1, options, &Client::test_visibility);

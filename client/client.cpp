@@ -155,6 +155,11 @@ absl::StatusOr<v1::PdfLiResponse> Client::pdf_li(const v1::PdfLiRequest& request
   return call(connection_->lighting, &v1::LightingService::StubInterface::PdfLi, request, options);
 }
 
+absl::StatusOr<v1::LeResponse> Client::le(const v1::LeRequest& request,
+                                          const CallOptions& options) const {
+  return call(connection_->lighting, &v1::LightingService::StubInterface::Le, request, options);
+}
+
 absl::StatusOr<v1::EstimatePowerResponse> Client::estimate_power(
     const v1::EstimatePowerRequest& request, const CallOptions& options) const {
   return call(connection_->lighting, &v1::LightingService::StubInterface::EstimatePower, request,

@@ -79,6 +79,7 @@ class Client {
                                          const CallOptions& options = {}) const;
   Result<v1::PdfLiResponse> pdf_li(const v1::PdfLiRequest& request,
                                    const CallOptions& options = {}) const;
+  Result<v1::LeResponse> le(const v1::LeRequest& request, const CallOptions& options = {}) const;
   Result<v1::EstimatePowerResponse> estimate_power(const v1::EstimatePowerRequest& request,
                                                    const CallOptions& options = {}) const;
   Result<v1::TestVisibilityResponse> test_visibility(const v1::TestVisibilityRequest& request,

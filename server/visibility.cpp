@@ -69,26 +69,26 @@ bool lies_on(const LooseEnd& end, const SurfaceHit& hit) {
          length(apart) <= kStartWithoutNormal * (end.error + traversal);
 }
 
-/// What looks like an obstacle may be the surface of an end: it is rounded with its vertices, and a
-/// point near zero has next to no error of its own.
-bool meets_only_own_surfaces(const Scene& scene, Ray ray, const LooseEnds& ends) {
+}  // namespace
+
+// What looks like an obstacle may be the surface of an end: it is rounded with its vertices, and a
+// point near zero has next to no error of its own.
+std::optional<SurfaceHit> first_other_surface(const Scene& scene, Ray ray, const LooseEnds& ends) {
   // A ray through a vertex may meet as many triangles; few vertices have more.
   constexpr int kMostSurfaces = 16;
   // Beyond a surface met at 0: by this part of the error in finding it, and so far [m] that t is no
   // denormal, which Embree takes for 0, on a ray as long as ray_limits.h makes them.
   constexpr float kStep = 0x1p-10F, kLeast_m = 0x1p-66F;
+  std::optional<SurfaceHit> hit;
   for (int i = 0; i < kMostSurfaces; ++i) {
-    const std::optional<SurfaceHit> hit = scene.closest_hit(ray);
-    if (!hit) return true;
-    if (!lies_on(ends.start, *hit) && !lies_on(ends.end, *hit)) return false;
+    hit = scene.closest_hit(ray);
+    if (!hit || (!lies_on(ends.start, *hit) && !lies_on(ends.end, *hit))) return hit;
     const float step_m = std::fmax(kStep * max_abs(hit->position_error), kLeast_m);
     ray.t_min = std::fmax(std::nextafter(hit->t, INFINITY), step_m / max_abs(ray.direction));
-    if (!(ray.t_min < ray.t_max)) return true;
+    if (!(ray.t_min < ray.t_max)) return std::nullopt;
   }
-  return false;
+  return hit;
 }
-
-}  // namespace
 
 ScenePoint on_surface(const Scene& scene, ScenePoint point, const Vec3<float>& normal) {
   if (!has_normal(normal)) return point;
@@ -145,7 +145,7 @@ void mark_visible(const Scene& scene, std::span<const Ray> rays, std::span<const
   for (std::size_t k = 0; k < rays.size(); ++k) {
     const bool free = (occluded[k / 8] >> (k % 8) & 1) == 0;
     const bool loose = ends[k].start.error >= 0 || ends[k].end.error >= 0;
-    if (free || (loose && meets_only_own_surfaces(scene, rays[k], ends[k]))) {
+    if (free || (loose && !first_other_surface(scene, rays[k], ends[k]))) {
       visible[items[k] / 8] |= static_cast<std::uint8_t>(1u << (items[k] % 8));
     }
   }

@@ -55,6 +55,9 @@ struct LooseEnds {
   LooseEnd start, end;
 };
 
+/// The first surface that `ray` meets, other than those that its ends lie on.
+std::optional<SurfaceHit> first_other_surface(const Scene& scene, Ray ray, const LooseEnds& ends);
+
 /// Sets the bits (numbered by `items`) of those rays that meet nothing but the surfaces that their
 /// ends lie on; `ends` holds as many as `rays`.
 void mark_visible(const Scene& scene, std::span<const Ray> rays, std::span<const LooseEnds> ends,

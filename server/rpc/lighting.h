@@ -10,6 +10,7 @@ Prepared sample_li(const Context& context, const v1::SampleLiRequest& request,
                    v1::SampleLiResponse* response);
 Prepared pdf_li(const Context& context, const v1::PdfLiRequest& request,
                 v1::PdfLiResponse* response);
+Prepared le(const Context& context, const v1::LeRequest& request, v1::LeResponse* response);
 Prepared estimate_power(const Context& context, const v1::EstimatePowerRequest& request,
                         v1::EstimatePowerResponse* response);
 Prepared test_visibility(const Context& context, const v1::TestVisibilityRequest& request,

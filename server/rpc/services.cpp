@@ -123,10 +123,9 @@ class LightingServiceImpl final : public v1::LightingService::CallbackService {
                   "densities of rays that leave lights are not answered yet: PdfLi tells "
                   "those of light that arrives");
   }
-  Unary* Le(CallContext* context, const v1::LeRequest*, v1::LeResponse*) override {
-    return refuse(context,
-                  "radiance along rays is not answered yet: RenderTile shows it to a "
-                  "camera");
+  Unary* Le(CallContext* context, const v1::LeRequest* request, v1::LeResponse* response) override {
+    return UnaryCall::start(runtime_, context,
+                            [&](const Context& c) { return le(c, *request, response); });
   }
 
  private:

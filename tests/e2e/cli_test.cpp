@@ -81,7 +81,7 @@ TEST_F(Cli, TellsItsVersion) {
 }
 
 TEST_F(Cli, HelpOfEachSubcommandHasAnExample) {
-  for (const char* command : {"load", "scenes", "lights", "release", "info", "sample", "pdf",
+  for (const char* command : {"load", "scenes", "lights", "release", "info", "sample", "pdf", "le",
                               "power", "visible", "irradiance", "render"}) {
     const Outcome outcome = lucerna({command, "--help"});
     EXPECT_EQ(outcome.status, 0) << command;
@@ -209,6 +209,19 @@ TEST_F(Cli, PdfIsZeroBesideALightAndNotTowardsIt) {
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_THAT(outcome.out, ContainsRegex("0 0 1 +[1-9][0-9.]*\n"));
   EXPECT_THAT(outcome.out, ContainsRegex("1 0 0 +0\n"));
+}
+
+TEST_F(Cli, LeIsTheRadianceOfTheLightThatARayMeets) {
+  // From below the sphere's centre, up and aside.
+  const Outcome outcome =
+      lucerna({"le", "sphere.pbrt", "--points", "-"}, "0.7,-1.2,0,0,0,1\n0.7,-1.2,0,1,0,1\n");
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, ContainsRegex("0 0 1 +12 12 12 +1\n"));
+  EXPECT_THAT(outcome.out, ContainsRegex("1 0 1 +0 0 0 +none\n"));
+  expect_no(
+      lucerna({"le", "sphere.pbrt", "--point", "0,0,1", "--direction", "0,0,1", "--light", "77"}),
+      "77");
+  expect_wrong_use(lucerna({"le", "sphere.pbrt", "--point", "0,0,1"}), "no directions");
 }
 
 TEST_F(Cli, VisibilityIsAskedForSegmentsAndRays) {

@@ -244,11 +244,9 @@ TEST_F(LightingServiceTest, VisibilityOfSegmentsAndRays) {
 TEST_F(LightingServiceTest, WhatComesLaterIsUnimplementedWithASentence) {
   v1::SampleLeResponse sampled;
   v1::PdfLeResponse pdf;
-  v1::LeResponse le;
   for (const grpc::Status& s :
        {ask([&](auto* c) { return service_.lighting.SampleLe(c, {}, &sampled); }),
-        ask([&](auto* c) { return service_.lighting.PdfLe(c, {}, &pdf); }),
-        ask([&](auto* c) { return service_.lighting.Le(c, {}, &le); })}) {
+        ask([&](auto* c) { return service_.lighting.PdfLe(c, {}, &pdf); })}) {
     EXPECT_EQ(s.error_code(), grpc::StatusCode::UNIMPLEMENTED);
     EXPECT_GT(s.error_message().size(), 20U);
   }

@@ -1,0 +1,78 @@
+// Le.
+#include <limits>
+
+#include "service_fixture.h"
+
+namespace lucerna::testing {
+namespace {
+
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+
+class EmissionServiceTest : public ::testing::Test {
+ protected:
+  grpc::Status le(const v1::LeRequest& q, v1::LeResponse* r) {
+    return ask([&](auto* c) { return service_.lighting.Le(c, q, r); });
+  }
+  /// From the floor below the sphere (12 cd/m2 about (0.7, -1.2, 2.6)) up into it, and aside.
+  v1::LeRequest le_request() const {
+    v1::LeRequest q;
+    q.set_scene_id(sphere_);
+    q.mutable_points()->mutable_origin_m()->set_x(0.7);
+    set(q.mutable_points()->mutable_offsets_m(), 0, -1.2, 0, 0, -1.2, 0);
+    set(q.mutable_directions(), 0, 0, 2, 1, 0, 1);
+    return q;
+  }
+
+  Service service_;
+  std::string sphere_ = service_.load("sphere.pbrt");
+};
+
+TEST_F(EmissionServiceTest, LeIsTheRadianceOfTheLightThatIsMet) {
+  v1::LeResponse r;
+  ASSERT_TRUE(le(le_request(), &r).ok());
+  EXPECT_EQ(std::vector<float>(r.radiance_cd_m2().begin(), r.radiance_cd_m2().end()),
+            (std::vector<float>{12, 12, 12, 0, 0, 0}));
+  EXPECT_EQ(r.light_ids(0), 1U);
+  EXPECT_EQ(r.light_ids(1), 0U);
+  EXPECT_EQ(r.status_size(), 0);
+  EXPECT_EQ(r.cost().samples(), 2U);
+  EXPECT_EQ(r.cost().indirect_rays(), 2U);
+  EXPECT_TRUE(le(
+                  [&] {
+                    v1::LeRequest none;
+                    none.set_scene_id(sphere_);
+                    return none;
+                  }(),
+                  &r)
+                  .ok());
+  EXPECT_EQ(r.light_ids_size(), 0);
+}
+
+TEST_F(EmissionServiceTest, LeRefusesWhatDoesNotFit) {
+  v1::LeResponse r;
+  v1::LeRequest q = le_request();
+  q.add_directions(1);
+  expect_bad_field(le(q, &r), "directions");
+  q = le_request();
+  q.mutable_points()->add_offsets_m(1);
+  expect_bad_field(le(q, &r), "points.offsets_m");
+  q = le_request();
+  q.mutable_points()->mutable_origin_m()->set_z(kNan);
+  expect_bad_field(le(q, &r), "points.origin_m.z");
+  q = le_request();
+  q.set_time_s(kNan);
+  expect_bad_field(le(q, &r), "time_s");
+  q = le_request();
+  q.set_light_id(9);
+  EXPECT_EQ(detail<google::rpc::ErrorInfo>(le(q, &r)).reason(), "NO_SUCH_LIGHT");
+  q = le_request();
+  q.set_scene_id("nonsense");
+  EXPECT_EQ(le(q, &r).error_code(), grpc::StatusCode::NOT_FOUND);
+  q = le_request();
+  q.mutable_points()->mutable_offsets_m()->Resize(3 * 65537, 0);
+  EXPECT_EQ(le(q, &r).error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  EXPECT_TRUE(le(le_request(), &r).ok());
+}
+
+}  // namespace
+}  // namespace lucerna::testing
