@@ -2,11 +2,14 @@
 #pragma once
 
 #include <cstddef>
+#include <map>
+#include <memory>
 #include <set>
 #include <stop_token>
 #include <string>
 #include <utility>
 
+#include "lights/image.h"
 #include "server/asset_reader.h"
 #include "server/pbrt/place.h"
 #include "server/scene_description.h"
@@ -22,6 +25,8 @@ struct Context {
   SceneDescription& scene;
   std::stop_token stop;
   std::string scene_file;  ///< the file that loading began with
+  /// The pictures read so far, by the name of the file.
+  std::map<std::string, std::shared_ptr<const Image>> images;
 
   /// Says that `what` at `place` is not modelled, and what happens instead.  After 1000 remarks
   /// they are only counted.  Says the same only once (an area light is met anew with each of its
