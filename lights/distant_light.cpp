@@ -3,6 +3,7 @@
 #include <limits>
 #include <numbers>
 
+#include "lights/emission.h"
 #include "lights/validation.h"
 
 namespace lucerna {
@@ -48,6 +49,30 @@ template <std::floating_point Real>
 Power DistantLight<Real>::power(const SceneSphere& scene) const {
   if (params_.illuminance_lx.is_black()) return {};
   return {params_.illuminance_lx * scene.radius_m * scene.radius_m * std::numbers::pi, 0};
+}
+
+template <std::floating_point Real>
+Power DistantLight<Real>::power_approximate(const SceneSphere& scene) const {
+  return power(scene);
+}
+
+template <std::floating_point Real>
+EmissionSample<Real> DistantLight<Real>::sample_le(Vec2<Real> u_position, Vec2<Real>,
+                                                   const SceneSphere& scene) const {
+  EmissionSample<Real> sample;
+  start_on_scene_disk(u_position, -normalized(params_.to_light), scene, sample);
+  sample.direction = -to_light_;
+  if (illuminance_.is_black()) sample.reason = NoLight::kBlack;
+  if (sample.reason == NoLight::kNone) sample.value = illuminance_;
+  return sample;
+}
+
+template <std::floating_point Real>
+EmissionPdf<Real> DistantLight<Real>::pdf_le(const Vec3<Real>& position,
+                                             const Vec3<Real>& direction,
+                                             const SceneSphere& scene) const {
+  if (!same_direction(direction, -to_light_) || illuminance_.is_black()) return {};
+  return {scene_disk_pdf(position, direction, scene), {}};
 }
 
 template class DistantLight<float>;

@@ -3,6 +3,9 @@
 
 #include <absl/status/statusor.h>
 
+#include <optional>
+
+#include "lights/light_bounds.h"
 #include "lights/light_sample.h"
 
 namespace lucerna {
@@ -24,6 +27,15 @@ class DistantLight {
   SolidAnglePdf<Real> pdf_li(const Receiver<Real>& receiver, const Vec3<Real>& wi) const;
   /// Flux through the scene's bounding disk, E pi R^2.
   Power power(const SceneSphere& scene) const;
+  /// The same: the book's formula is that flux.  [Pharr23, 12.3]
+  Power power_approximate(const SceneSphere& scene) const;
+  /// From the disk of the scene's sphere that faces the light; direction certain.
+  EmissionSample<Real> sample_le(Vec2<Real> u_position, Vec2<Real> u_direction,
+                                 const SceneSphere& scene) const;
+  EmissionPdf<Real> pdf_le(const Vec3<Real>& position, const Vec3<Real>& direction,
+                           const SceneSphere& scene) const;
+  /// None: it is infinitely far.
+  std::optional<LightBounds<Real>> bounds() const { return std::nullopt; }
   const Params& params() const { return params_; }
 
  private:

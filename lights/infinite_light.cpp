@@ -3,6 +3,7 @@
 #include <limits>
 #include <numbers>
 
+#include "lights/emission.h"
 #include "lights/sampling.h"
 #include "lights/validation.h"
 
@@ -55,6 +56,34 @@ Power UniformInfiniteLight<Real>::power(const SceneSphere& scene) const {
   if (params_.radiance_cd_m2.is_black()) return {};
   constexpr double kPi = std::numbers::pi;
   return {params_.radiance_cd_m2 * scene.radius_m * scene.radius_m * (4 * kPi * kPi), 0};
+}
+
+template <std::floating_point Real>
+Power UniformInfiniteLight<Real>::power_approximate(const SceneSphere& scene) const {
+  return power(scene);
+}
+
+template <std::floating_point Real>
+EmissionSample<Real> UniformInfiniteLight<Real>::sample_le(Vec2<Real> u_position,
+                                                           Vec2<Real> u_direction,
+                                                           const SceneSphere& scene) const {
+  EmissionSample<Real> sample;
+  const Vec3<double> wi(sample_uniform_sphere(u_direction));
+  start_on_scene_disk(u_position, -normalized(wi), scene, sample);
+  sample.pdf_direction = uniform_sphere_pdf<Real>();
+  if (radiance_.is_black()) sample.reason = NoLight::kBlack;
+  if (sample.reason == NoLight::kNone) sample.value = radiance_;
+  return sample;
+}
+
+template <std::floating_point Real>
+EmissionPdf<Real> UniformInfiniteLight<Real>::pdf_le(const Vec3<Real>& position,
+                                                     const Vec3<Real>& direction,
+                                                     const SceneSphere& scene) const {
+  if (radiance_.is_black()) return {};
+  const AreaPdf<Real> at = scene_disk_pdf(position, direction, scene);
+  if (!(at.per_m2 > 0)) return {};
+  return {at, uniform_sphere_pdf<Real>()};
 }
 
 template class UniformInfiniteLight<float>;

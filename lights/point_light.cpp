@@ -2,6 +2,7 @@
 
 #include <numbers>
 
+#include "lights/emission.h"
 #include "lights/inverse_square.h"
 #include "lights/validation.h"
 
@@ -41,6 +42,35 @@ SolidAnglePdf<Real> PointLight<Real>::pdf_li(const Receiver<Real>&, const Vec3<R
 template <std::floating_point Real>
 Power PointLight<Real>::power(const SceneSphere&) const {
   return {params_.intensity_cd * (4 * std::numbers::pi), 0};
+}
+
+template <std::floating_point Real>
+Power PointLight<Real>::power_approximate(const SceneSphere& scene) const {
+  return power(scene);
+}
+
+template <std::floating_point Real>
+EmissionSample<Real> PointLight<Real>::sample_le(Vec2<Real>, Vec2<Real> u_direction,
+                                                 const SceneSphere&) const {
+  EmissionSample<Real> sample;
+  sample.origin = position_;
+  sample.direction = sample_uniform_sphere(u_direction);
+  sample.pdf_direction = uniform_sphere_pdf<Real>();
+  sample.value = Rgb<Real>(params_.intensity_cd);
+  if (sample.value.is_black()) sample.reason = NoLight::kBlack;
+  return sample;
+}
+
+template <std::floating_point Real>
+EmissionPdf<Real> PointLight<Real>::pdf_le(const Vec3<Real>& position, const Vec3<Real>& direction,
+                                           const SceneSphere&) const {
+  if (position != position_ || !is_finite(direction)) return {};
+  return {{}, uniform_sphere_pdf<Real>()};
+}
+
+template <std::floating_point Real>
+std::optional<LightBounds<Real>> PointLight<Real>::bounds() const {
+  return LightBounds<Real>{.lower = position_, .upper = position_, .cone_rad = std::numbers::pi};
 }
 
 template class PointLight<float>;

@@ -3,6 +3,9 @@
 
 #include <absl/status/statusor.h>
 
+#include <optional>
+
+#include "lights/light_bounds.h"
 #include "lights/light_sample.h"
 
 namespace lucerna {
@@ -28,8 +31,18 @@ class PointLight {
   /// Delta: 0 everywhere.
   SolidAnglePdf<Real> pdf_li(const Receiver<Real>& receiver, const Vec3<Real>& wi) const;
 
+  /// Uniform over the sphere of directions; position certain.
+  EmissionSample<Real> sample_le(Vec2<Real> u_position, Vec2<Real> u_direction,
+                                 const SceneSphere& scene) const;
+  EmissionPdf<Real> pdf_le(const Vec3<Real>& position, const Vec3<Real>& direction,
+                           const SceneSphere& scene) const;
+
   /// 4 pi I, exact.
   Power power(const SceneSphere& scene) const;
+  /// The same: the book's formula is exact.  [Pharr23, 12.2]
+  Power power_approximate(const SceneSphere& scene) const;
+
+  std::optional<LightBounds<Real>> bounds() const;
 
   const Params& params() const { return params_; }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numbers>
 
+#include "lights/emission.h"
 #include "lights/inverse_square.h"
 #include "lights/validation.h"
 
@@ -13,6 +14,19 @@ namespace {
 double one_minus_cos(double angle_rad) {
   const double s = std::sin(angle_rad / 2);
   return 2 * s * s;
+}
+
+double smoothstep(double x) { return x * x * (3 - 2 * x); }
+
+/// The x below which the share `u` of the integral of smoothstep lies: the root of
+/// 2 x^3 - x^4 = u, by Newton's method, which a convex function lets converge from any start.
+double invert_smoothstep_integral(double u) {
+  double x = std::cbrt(u / 2);
+  for (int i = 0; i < 6 && x > 0; ++i) {
+    const double f = x * x * x * (2 - x) - u;
+    x = std::min(1.0, x - f / (x * x * (6 - 4 * x)));
+  }
+  return x;
 }
 
 absl::Status check_angles(const SpotLightParams& params) {
@@ -51,6 +65,7 @@ SpotLight<Real>::SpotLight(const Params& params, const Vec3<double>& origin_m)
       position_(params.position_m - origin_m),
       axis_(normalized(params.axis)),
       one_minus_cos_cone_(one_minus_cos(params.cone_half_angle_rad)),
+      one_minus_cos_start_(one_minus_cos(params.falloff_start_rad)),
       // cos s - cos c = 2 sin((c + s) / 2) sin((c - s) / 2): does not cancel for a narrow edge.
       edge_(2 * std::sin((params.cone_half_angle_rad + params.falloff_start_rad) / 2) *
             std::sin((params.cone_half_angle_rad - params.falloff_start_rad) / 2)) {}
@@ -61,8 +76,14 @@ double SpotLight<Real>::falloff(const Vec3<double>& w) const {
   const Vec3<double> chord = w - axis_;
   const double inside = one_minus_cos_cone_ - std::min(2.0, dot(chord, chord) / 2);
   if (edge_ <= 0) return inside >= 0 ? 1 : 0;
-  const double t = std::clamp(inside / edge_, 0.0, 1.0);
-  return t * t * (3 - 2 * t);
+  return smoothstep(std::clamp(inside / edge_, 0.0, 1.0));
+}
+
+// Not inlined: GCC 12 at -O2 keeps the direction in double where it has just been rounded to float
+// (SLP vectorization), and the density told with a sample is another than the one told for it.
+template <std::floating_point Real>
+[[gnu::noinline]] double SpotLight<Real>::falloff_as_rounded(const Vec3<Real>& w) const {
+  return falloff(normalized(Vec3<double>(w)));
 }
 
 template <std::floating_point Real>
@@ -94,8 +115,77 @@ SolidAnglePdf<Real> SpotLight<Real>::pdf_li(const Receiver<Real>&, const Vec3<Re
 
 template <std::floating_point Real>
 Power SpotLight<Real>::power(const SceneSphere&) const {
-  const double full = one_minus_cos(params_.falloff_start_rad);
-  return {params_.intensity_cd * (2 * std::numbers::pi * (full + edge_ / 2)), 0};
+  return {params_.intensity_cd * effective_sr(), 0};
+}
+
+template <std::floating_point Real>
+double SpotLight<Real>::effective_sr() const {
+  return 2 * std::numbers::pi * (one_minus_cos_start_ + edge_ / 2);
+}
+
+template <std::floating_point Real>
+Power SpotLight<Real>::power_approximate(const SceneSphere& scene) const {
+  return power(scene);
+}
+
+template <std::floating_point Real>
+EmissionSample<Real> SpotLight<Real>::sample_le(Vec2<Real>, Vec2<Real> u_direction,
+                                                const SceneSphere&) const {
+  EmissionSample<Real> sample;
+  sample.origin = position_;
+  if (params_.intensity_cd.is_black()) {
+    sample.reason = NoLight::kBlack;
+    return sample;
+  }
+  // The share of the intensity that lies at full light comes first, then the edge from within.
+  const double u = u_direction.x;
+  const double full = one_minus_cos_start_ / (one_minus_cos_start_ + edge_ / 2);
+  double h = one_minus_cos_start_, share = 1;
+  if (u <= full) {
+    h *= full > 0 ? u / full : 0;
+  } else {
+    const double x = invert_smoothstep_integral((1 - u) / (1 - full));
+    h += (1 - x) * edge_;
+    share = smoothstep(x);
+  }
+  const double r = std::sqrt(std::max(0.0, h * (2 - h)));
+  const double phi = 2 * std::numbers::pi * u_direction.y;
+  const Vec3<double> local{r * std::cos(phi), r * std::sin(phi), 1 - h};
+  sample.direction = Vec3<Real>(Frame<double>::around(axis_).world_from_local(local));
+  // What pdf_le will say of the direction as it is rounded; a cone so narrow that rounding leaves
+  // it keeps its samples.
+  if (const double rounded = falloff_as_rounded(sample.direction); rounded > 0) share = rounded;
+  sample.value = Rgb<Real>(params_.intensity_cd * share);
+  sample.pdf_direction = {static_cast<Real>(share / effective_sr())};
+  if (!(share > 0)) sample.reason = NoLight::kOutsideCone;
+  if (!(sample.pdf_direction.per_sr > 0) || sample.value.is_black() ||
+      !std::isfinite(sample.pdf_direction.per_sr)) {
+    if (sample.reason == NoLight::kNone) sample.reason = NoLight::kOutOfRange;
+    sample.value = {};
+  }
+  return sample;
+}
+
+template <std::floating_point Real>
+EmissionPdf<Real> SpotLight<Real>::pdf_le(const Vec3<Real>& position, const Vec3<Real>& direction,
+                                          const SceneSphere&) const {
+  const Vec3<double> unit = normalized(Vec3<double>(direction));
+  if (position != position_ || !is_finite(unit) || params_.intensity_cd.is_black()) return {};
+  return {{}, {static_cast<Real>(falloff(unit) / effective_sr())}};
+}
+
+template <std::floating_point Real>
+std::optional<LightBounds<Real>> SpotLight<Real>::bounds() const {
+  // By what roundings turn the axis and a direction; and near pi, where cosines tell angles worst.
+  double turned = 4 * double{std::numeric_limits<Real>::epsilon()};
+  if (params_.cone_half_angle_rad > std::numbers::pi / 2)
+    turned += 16 * std::numeric_limits<double>::epsilon() /
+              std::max(std::sin(params_.cone_half_angle_rad), 1e-8);
+  return LightBounds<Real>{
+      .lower = position_,
+      .upper = position_,
+      .axis = Vec3<Real>(axis_),
+      .cone_rad = std::min(params_.cone_half_angle_rad + turned, std::numbers::pi)};
 }
 
 template class SpotLight<float>;

@@ -4,6 +4,9 @@
 
 #include <absl/status/statusor.h>
 
+#include <optional>
+
+#include "lights/light_bounds.h"
 #include "lights/light_sample.h"
 
 namespace lucerna {
@@ -31,9 +34,20 @@ class SpotLight {
   LightSample<Real> sample_li(const Receiver<Real>& receiver, Vec2<Real> u) const;
   SolidAnglePdf<Real> pdf_li(const Receiver<Real>& receiver, const Vec3<Real>& wi) const;
 
+  /// Directions in proportion to intensity; position certain.
+  EmissionSample<Real> sample_le(Vec2<Real> u_position, Vec2<Real> u_direction,
+                                 const SceneSphere& scene) const;
+  EmissionPdf<Real> pdf_le(const Vec3<Real>& position, const Vec3<Real>& direction,
+                           const SceneSphere& scene) const;
+
   /// 2 pi I ((1 - cos s) + (cos s - cos c) / 2), the smoothstep's mean over the cosine being 1/2;
   /// exact.
   Power power(const SceneSphere& scene) const;
+
+  /// The same: the book's formula is exact.  [Pharr23, 12.2.1]
+  Power power_approximate(const SceneSphere& scene) const;
+
+  std::optional<LightBounds<Real>> bounds() const;
 
   const Params& params() const { return params_; }
 
@@ -41,12 +55,16 @@ class SpotLight {
   explicit SpotLight(const Params& params, const Vec3<double>& origin_m);
   /// The share of the intensity towards the unit vector `w`, in [0, 1].
   double falloff(const Vec3<double>& w) const;
+  /// The same of a direction as its type rounds it.
+  double falloff_as_rounded(const Vec3<Real>& w) const;
+  /// The integral of that share over directions [sr].
+  double effective_sr() const;
 
   Params params_;
   Vec3<Real> position_;
   // In double, as the narrowest cones are no wider than the error of a direction in float.
   Vec3<double> axis_;
-  double one_minus_cos_cone_;
+  double one_minus_cos_cone_, one_minus_cos_start_;
   double edge_;  ///< cos(falloff_start) - cos(cone_half_angle); 0 for a hard edge
 };
 
