@@ -1,0 +1,227 @@
+// The part of the contract that is about time: a light under a moving transform is, at each moment,
+// the light that was created where it then stands.
+#include <gtest/gtest.h>
+
+#include <numbers>
+#include <vector>
+
+#include "lights/light.h"
+#include "lights/posed_light.h"
+#include "tests/lights/contract_checks.h"
+
+namespace lucerna::testing {
+namespace {
+
+const Rgb<double> kLevel{3, 5, 7};
+
+// Each case: the light whose own space is mapped to the world by a rigid map.
+struct MovingPoint {
+  template <typename Real>
+  static PointLight<Real> make(const Transform& world_from_light) {
+    return *PointLight<Real>::create(
+        {.position_m = world_from_light.point({0.25, -0.5, 1}), .intensity_cd = kLevel});
+  }
+};
+
+struct MovingSpot {
+  template <typename Real>
+  static SpotLight<Real> make(const Transform& world_from_light) {
+    return *SpotLight<Real>::create({.position_m = world_from_light.point({0.25, -0.5, 1}),
+                                     .axis = world_from_light.vector({1, 0, -1}),
+                                     .intensity_cd = kLevel,
+                                     .cone_half_angle_rad = 1.5,
+                                     .falloff_start_rad = 0.1});
+  }
+};
+
+struct MovingDistant {
+  template <typename Real>
+  static DistantLight<Real> make(const Transform& world_from_light) {
+    return *DistantLight<Real>::create(
+        {.to_light = world_from_light.vector({1, 2, 3}), .illuminance_lx = kLevel});
+  }
+};
+
+struct MovingInfinite {
+  template <typename Real>
+  static UniformInfiniteLight<Real> make(const Transform&) {
+    return *UniformInfiniteLight<Real>::create({.radiance_cd_m2 = kLevel});
+  }
+};
+
+template <typename Real, template <typename> typename Shape>
+AreaLight<Real, Shape> emitting(absl::StatusOr<Shape<Real>> shape) {
+  return *AreaLight<Real, Shape>::create({kLevel, false}, *std::move(shape));
+}
+
+struct MovingTriangles {
+  template <typename Real>
+  static TriangleMeshLight<Real> make(const Transform& world_from_light) {
+    const auto at = [&](double x, double y, double z) {
+      return Vec3<Real>(world_from_light.point({x, y, z}));
+    };
+    return emitting<Real, TriangleMesh>(TriangleMesh<Real>::create(
+        {{at(0, 0, 1), at(1, 0, 1), at(0, 2, 1)}, {at(1, 0, 1), at(1, 2, 2), at(0, 2, 1)}}));
+  }
+};
+
+struct MovingPatches {
+  template <typename Real>
+  static PatchMeshLight<Real> make(const Transform& world_from_light) {
+    const auto at = [&](double x, double y, double z) {
+      return Vec3<Real>(world_from_light.point({x, y, z}));
+    };
+    return emitting<Real, PatchMesh>(
+        PatchMesh<Real>::create({{at(0, 0, 1), at(1, 0, 1), at(0, 1, 1.5), at(1, 1, 2)}}));
+  }
+};
+
+struct MovingSphere {
+  template <typename Real>
+  static SphereLight<Real> make(const Transform& world_from_light) {
+    return emitting<Real, Sphere>(Sphere<Real>::create(
+        {.radius_m = 0.5,
+         .world_from_object = world_from_light * Transform::translate({1, 0.5, -1})}));
+  }
+};
+
+struct MovingDisk {
+  template <typename Real>
+  static DiskLight<Real> make(const Transform& world_from_light) {
+    return emitting<Real, Disk>(Disk<Real>::create(
+        {.height_m = 1, .radius_m = 0.75, .world_from_object = world_from_light}));
+  }
+};
+
+// Receivers in world coordinates; some see the light at any of the times, none is in the plane of a
+// flat one.
+const std::vector<Vec3<double>> kReceivers{
+    {0.1, 0.2, -0.3}, {1, 2.3, 3.7}, {-10, 50.5, 3}, {0.25, -0.5, 4.3}, {3, 3, -4}};
+
+std::vector<KeyTransform> keys() {
+  return {{0, Transform::translate({1, 2, 3}) * *Transform::rotate(0.4, {0, 1, 1})},
+          {2, Transform::translate({-1, 0, 1}) * *Transform::rotate(2.4, {1, 1, -2})},
+          {3, Transform::translate({0, 0, 4}) * *Transform::rotate(-1, {3, 0, 1})}};
+}
+
+template <typename Case>
+class MovingLight : public ::testing::Test {};
+TYPED_TEST_SUITE_P(MovingLight);
+
+// Where the light-space axes and origin are at time `t` by the rules themselves: the origin on a
+// line, the rotation R = R0 exp(t w) by repeated halving of the turn from one frame to the next.
+Transform transform_at(double t) {
+  const std::vector<KeyTransform> k = keys();
+  const std::size_t i = t < k[1].time_s ? 0 : 1;
+  const double part = (t - k[i].time_s) / (k[i + 1].time_s - k[i].time_s);
+  const Transform step = k[i + 1].world_from_light * k[i].world_from_light.inverse();
+  // Angle and axis from trace and antisymmetric part (none of the turns here is near 0 or pi).
+  const auto& m = step.matrix();
+  const double angle = std::acos((m[0][0] + m[1][1] + m[2][2] - 1) / 2);
+  const Vec3<double> axis{m[2][1] - m[1][2], m[0][2] - m[2][0], m[1][0] - m[0][1]};
+  const Vec3<double> a = k[i].world_from_light.point({}), b = k[i + 1].world_from_light.point({});
+  return Transform::translate(a + (b - a) * part) * *Transform::rotate(angle * part, axis) *
+         Transform::translate(-a) * k[i].world_from_light;
+}
+
+TYPED_TEST_P(MovingLight, EqualsTheLightCreatedWhereItStands) {
+  const Motion motion = *Motion::create(keys());
+  const auto first = TypeParam::template make<double>(keys()[0].world_from_light);
+  using Model = std::remove_const_t<decltype(first)>;
+  int lit = 0;
+  for (const double t : {0.0, 0.7, 2.0, 2.9, 3.0}) {
+    const auto moved = TypeParam::template make<double>(transform_at(t));
+    const Posed<double, Model> posed(first, motion.at(t));
+    RandomU random(11);
+    for (const auto& receiver : kReceivers) {
+      for (int i = 0; i < 200; ++i) {
+        const Vec2<double> u = random.pair<double>();
+        const auto s = posed.sample_li(receiver, u);
+        if (s.reason != NoLight::kNone) {
+          // The frames of the warps may turn with the light: another point, but the same reason.
+          if (s.delta) {
+            EXPECT_EQ(moved.sample_li(receiver, u).reason, s.reason);
+          }
+          continue;
+        }
+        ++lit;
+        EXPECT_NEAR(length(s.wi), 1, 1e-14);
+        if (Model::kDelta) {
+          const auto m = moved.sample_li(receiver, u);
+          ASSERT_EQ(m.reason, NoLight::kNone);
+          EXPECT_LE(relative_difference(s.value, m.value), 1e-11);
+          EXPECT_LE(distance_between(s.wi, m.wi), 1e-12);
+          continue;
+        }
+        // A direction's density is that of all points along it, so no less than the sample's own.
+        const double pdf = moved.pdf_li(receiver, s.wi).per_sr;
+        EXPECT_LE(relative_difference(posed.pdf_li(receiver, s.wi).per_sr, pdf), 1e-7);
+        EXPECT_LE(s.pdf.per_sr, pdf * (1 + 1e-7));
+        if constexpr (requires { moved.le_escaped(s.wi); }) {
+          EXPECT_LE(relative_difference(s.value, moved.le_escaped(s.wi)), 1e-12);
+          EXPECT_LE(relative_difference(s.value, posed.le_escaped(s.wi)), 1e-12);
+        }
+        if constexpr (requires(SurfacePoint<double> p) { moved.le(p, s.wi); }) {
+          const SurfacePoint<double> point{s.point, s.normal, s.primitive};
+          EXPECT_LE(distance_between(receiver + s.wi * s.distance, s.point), 1e-12 * s.distance);
+          EXPECT_EQ(s.value, moved.le(point, -s.wi));
+          EXPECT_EQ(s.value, posed.le(point, -s.wi));
+          EXPECT_LE(relative_difference(posed.pdf_li(receiver, point).per_sr, s.pdf.per_sr), 1e-7);
+          EXPECT_LE(relative_difference(posed.pdf_li(receiver, point).per_sr,
+                                        moved.pdf_li(receiver, point).per_sr),
+                    1e-7);
+        }
+      }
+    }
+    const SceneSphere scene{{1, 2, 3}, 5};
+    EXPECT_LE(relative_difference(posed.power(scene).lumens, moved.power(scene).lumens), 1e-12);
+  }
+  EXPECT_GT(lit, 500);
+}
+
+TYPED_TEST_P(MovingLight, KeepsItsBitsWhereItDoesNotMove) {
+  const auto light = TypeParam::template make<float>(keys()[0].world_from_light);
+  const Posed<float, std::remove_const_t<decltype(light)>> posed(light,
+                                                                 Motion::create(keys())->at(0));
+  RandomU random(12);
+  for (const auto& receiver : kReceivers) {
+    for (int i = 0; i < 200; ++i) {
+      const Vec2<float> u = random.pair();
+      const Vec3<float> r(receiver);
+      const auto s = light.sample_li(r, u), p = posed.sample_li(r, u);
+      EXPECT_EQ(s.reason, p.reason);
+      EXPECT_EQ(s.value, p.value);
+      EXPECT_EQ(s.wi, p.wi);
+      EXPECT_EQ(s.distance, p.distance);
+      EXPECT_EQ(s.point, p.point);
+      EXPECT_EQ(s.normal, p.normal);
+      EXPECT_EQ(s.pdf, p.pdf);
+      EXPECT_EQ(light.pdf_li(r, s.wi), posed.pdf_li(r, s.wi));
+      EXPECT_TRUE(check_well_formed(p).ok());
+    }
+  }
+}
+
+TYPED_TEST_P(MovingLight, ReceiversThatAreNoNumbersGiveAReason) {
+  const auto light = TypeParam::template make<float>(keys()[0].world_from_light);
+  const Posed<float, std::remove_const_t<decltype(light)>> posed(light,
+                                                                 Motion::create(keys())->at(1));
+  for (const float bad : {NAN, INFINITY, -INFINITY, 3e38F}) {
+    const Vec3<float> r{bad, bad, 0};
+    const auto s = posed.sample_li(r, {0.5F, 0.5F});
+    if (bad != 3e38F) {
+      EXPECT_NE(s.reason, NoLight::kNone);
+    }
+    EXPECT_TRUE(check_well_formed(s).ok());
+  }
+}
+
+REGISTER_TYPED_TEST_SUITE_P(MovingLight, EqualsTheLightCreatedWhereItStands,
+                            KeepsItsBitsWhereItDoesNotMove, ReceiversThatAreNoNumbersGiveAReason);
+
+using Cases = ::testing::Types<MovingPoint, MovingSpot, MovingDistant, MovingInfinite,
+                               MovingTriangles, MovingPatches, MovingSphere, MovingDisk>;
+INSTANTIATE_TYPED_TEST_SUITE_P(All, MovingLight, Cases);
+
+}  // namespace
+}  // namespace lucerna::testing
