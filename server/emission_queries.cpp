@@ -27,7 +27,7 @@ WorkCounts le(const Scene& scene, const LeQuery& query, const LeAnswer& answer,
       if (!is_finite(direction) || direction == Vec3<float>{}) result = ItemResult::kInvalidInput;
       if (result == ItemResult::kOk) {
         const Ray ray{p.position, normalized(direction), kStartWithoutNormal * p.error};
-        const auto hit = first_other_surface(scene, ray, {.start = {p.position, p.error}});
+        const auto hit = first_other_surface(scene, ray, {{p.position, p.error}, {}});
         ++chunk_rays;
         Rgb<float> sum;
         std::uint64_t met = 0;

@@ -6,6 +6,7 @@
 
 #include "client/batch_parts.h"
 #include "client/batches.h"
+#include "client/cli/light_table.h"
 #include "client/cli/output.h"
 #include "client/cli/points.h"
 #include "client/cli/session.h"
@@ -144,23 +145,6 @@ void pdf(Session& session, const PdfOptions& options) {
     fmt::print("{}", table.to_string());
   }
   if (any_failed(response.status())) session.set_exit_status(kServerSaidNo);
-}
-
-std::string type_of(const v1::Light& light) {
-  switch (light.kind_case()) {
-    case v1::Light::kPoint:
-      return "point";
-    case v1::Light::kSpot:
-      return "spot";
-    case v1::Light::kDistant:
-      return "distant";
-    case v1::Light::kUniformInfinite:
-      return "uniform infinite";
-    case v1::Light::kDiffuseArea:
-      return "area";
-    default:
-      return "unknown";
-  }
 }
 
 struct PowerOptions {

@@ -3,65 +3,12 @@
 
 #include <memory>
 
+#include "client/cli/light_table.h"
 #include "client/cli/output.h"
 #include "client/cli/session.h"
 
 namespace lucerna::cli {
 namespace {
-
-std::string rgb(const v1::Rgb& value, const char* unit) {
-  return triple(value.r(), value.g(), value.b()) + " " + unit;
-}
-
-std::string point(const v1::Vector3& value) { return triple(value.x(), value.y(), value.z()); }
-
-std::string shape_name(v1::AreaShape shape) {
-  switch (shape) {
-    case v1::AREA_SHAPE_TRIANGLE_MESH:
-      return "triangles";
-    case v1::AREA_SHAPE_BILINEAR_MESH:
-      return "bilinear patches";
-    case v1::AREA_SHAPE_SPHERE:
-      return "sphere";
-    case v1::AREA_SHAPE_DISK:
-      return "disk";
-    default:
-      return "shape " + std::to_string(shape);
-  }
-}
-
-/// What a light is, where it is and what it emits.
-struct LightRow {
-  std::string kind, place, emits;
-};
-
-LightRow row_of(const v1::Light& light) {
-  switch (light.kind_case()) {
-    case v1::Light::kPoint:
-      return {"point", point(light.point().position_m()), rgb(light.point().intensity_cd(), "cd")};
-    case v1::Light::kSpot:
-      return {"spot", point(light.spot().position_m()), rgb(light.spot().intensity_cd(), "cd")};
-    case v1::Light::kDistant:
-      return {"distant", "towards " + point(light.distant().to_light()),
-              rgb(light.distant().illuminance_lx(), "lx")};
-    case v1::Light::kUniformInfinite:
-      return {"uniform infinite", "all around",
-              rgb(light.uniform_infinite().radiance_cd_m2(), "cd/m2")};
-    case v1::Light::kDiffuseArea: {
-      const v1::DiffuseAreaLight& area = light.diffuse_area();
-      std::string kind = "area, " + shape_name(area.shape());
-      if (area.primitives() > 1)
-        kind = fmt::format("area, {} {}", area.primitives(), shape_name(area.shape()));
-      if (area.two_sided()) kind += ", two-sided";
-      const v1::Vector3& a = light.bounds().lower_m();
-      const v1::Vector3& b = light.bounds().upper_m();
-      return {kind, fmt::format("{} to {}", point(a), point(b)),
-              rgb(area.radiance_cd_m2(), "cd/m2")};
-    }
-    default:
-      return {"unknown kind", "", ""};
-  }
-}
 
 void print_remarks(const google::protobuf::RepeatedPtrField<v1::Remark>& remarks) {
   if (remarks.empty()) return;
@@ -108,18 +55,7 @@ void lights(Session& session, const std::string& scene) {
     fmt::print("{}", to_json(response));
     return;
   }
-  Table table({{"id"},
-               {"type", true},
-               {"where [m]", true},
-               {"emits (RGB)", true},
-               {"flux [lm]"},
-               {"made at", true}});
-  for (const v1::Light& light : response.lights()) {
-    const LightRow row = row_of(light);
-    table.add({std::to_string(light.id()), row.kind, row.place, row.emits, number(light.power_lm()),
-               light.source()});
-  }
-  fmt::print("{}", table.to_string());
+  fmt::print("{}", light_table(response.lights()));
 }
 
 void release(Session& session, const std::string& scene) {
