@@ -1,0 +1,180 @@
+#include "server/eulumdat.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace lucerna {
+namespace {
+
+constexpr double kAny = 1e300;
+
+/// Lines by their number, from 1, as the format's own description counts them.
+class Lines {
+ public:
+  Lines(std::string_view file, std::string_view text) : file_(file), lines_(split_lines(text)) {}
+
+  double number(std::size_t line, std::string_view what, double least, double most,
+                std::string_view allowed) {
+    if (!status.ok()) return 0;
+    if (line > lines_.size()) {
+      fail(lines_.size(), fmt::format("the file ends before {} (line {})", what, line));
+      return 0;
+    }
+    std::string word(trimmed(lines_[line - 1]));
+    std::replace(word.begin(), word.end(), ',', '.');
+    const auto n = parse_number(word);
+    if (!n)
+      fail(line, fmt::format("{} is \"{}\", allowed: a finite number", what, excerpt(word)));
+    else if (!(*n >= least && *n <= most))
+      fail(line, fmt::format("{} = {}, allowed: {}", what, *n, allowed));
+    return status.ok() ? *n : 0;
+  }
+
+  std::size_t whole(std::size_t line, std::string_view what, int least, int most,
+                    std::string_view allowed) {
+    const double n = number(line, what, least, most, allowed);
+    if (status.ok() && n != std::floor(n))
+      fail(line, fmt::format("{} = {}, allowed: {}", what, n, allowed));
+    return status.ok() ? static_cast<std::size_t>(n) : 0;
+  }
+
+  std::vector<double> list(std::size_t line, std::size_t count, std::string_view what, double least,
+                           double most, std::string_view allowed) {
+    std::vector<double> result;
+    if (!status.ok()) return result;
+    result.reserve(count);
+    for (std::size_t i = 0; i < count && status.ok(); ++i)
+      result.push_back(number(line + i, what, least, most, allowed));
+    return result;
+  }
+
+  std::size_t size() const { return lines_.size(); }
+  bool blank(std::size_t line) const {
+    return line > lines_.size() || trimmed(lines_[line - 1]).empty();
+  }
+  void fail(std::size_t line, std::string_view what) {
+    if (status.ok()) status = photometric_error(file_, static_cast<int>(line), what);
+  }
+
+  absl::Status status;
+
+ private:
+  std::string_view file_;
+  std::vector<std::string_view> lines_;
+};
+
+/// The planes of which the file holds intensities: the number of the first among its C-angles, from
+/// 0, and how many.
+struct Planes {
+  std::size_t first, count;
+};
+
+Planes planes_of(std::size_t symmetry, std::size_t angles) {
+  switch (symmetry) {
+    case 1:
+      return {0, 1};
+    case 2:
+      return {0, angles / 2 + 1};
+    case 3:  // from C270 over C0 to C90
+      return {3 * angles / 4, angles / 2 + 1};
+    case 4:
+      return {0, angles / 4 + 1};
+    default:
+      return {0, angles};
+  }
+}
+
+}  // namespace
+
+absl::StatusOr<PhotometricFile> parse_eulumdat(std::string_view text, std::string_view name) {
+  if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
+  Lines lines(name, text);
+  PhotometricFile file;
+  file.format = "EULUMDAT";
+
+  const std::size_t symmetry = lines.whole(3, "the symmetry Isym", 0, 4, "0, 1, 2, 3 or 4");
+  const std::size_t angles =
+      lines.whole(4, "the number Mc of C-planes", 1, 1'000'000'000, "a positive whole number");
+  const std::size_t gammas =
+      lines.whole(6, "the number Ng of intensities in a plane", 2, 1'000'000'000, "2 or more");
+  if (!lines.status.ok()) return lines.status;
+  const std::size_t divisor = symmetry == 2 ? 2 : symmetry >= 3 ? 4 : 1;
+  if (angles % divisor != 0)
+    return photometric_error(name, 4,
+                             fmt::format("the number Mc of C-planes = {}, allowed for symmetry {}: "
+                                         "multiples of {}",
+                                         angles, symmetry, divisor));
+  const double conversion = lines.number(24, "the conversion factor", 1e-300, kAny, "positive");
+  const std::size_t sets =
+      lines.whole(26, "the number of sets of lamps", 1, 1000, "a whole number from 1");
+  if (!lines.status.ok()) return lines.status;
+  // Six lines a set: number of lamps, type, total luminous flux, colour temperature, colour
+  // rendering, watts.  A negative number of lamps tells of absolute photometry, the flux being that
+  // of the luminaire.
+  lines.number(27, "the number of lamps", -1e6, 1e6, "a number");
+  const double lamps_lm =
+      lines.number(29, "the luminous flux of the lamps", 1e-300, kAny, "positive");
+  if (sets > 1)
+    file.notes.push_back({26, fmt::format("{} sets of lamps", sets), "the first of them"});
+
+  // Then ten direct ratios, the C-angles, the gamma-angles, the intensities.
+  const std::size_t angles_line = 27 + 6 * sets + 10;
+  const std::size_t left = lines.size() >= angles_line ? lines.size() - angles_line + 1 : 0;
+  const Planes planes = planes_of(symmetry, angles);
+  if (angles > left || gammas > left || planes.count > (left - angles) / gammas)
+    lines.fail(6, fmt::format("{} angles and {} planes of {} intensities are claimed to follow, "
+                              "where {} lines are left",
+                              angles, planes.count, gammas, left));
+  if (!lines.status.ok()) return lines.status;
+  const std::vector<double> c =
+      lines.list(angles_line, angles, "a C-angle", 0, 360, "from 0 to 360 degrees");
+  PhotometricWebParams web;
+  web.vertical_deg =
+      lines.list(angles_line + angles, gammas, "a gamma-angle", 0, 180, "from 0 to 180 degrees");
+  web.intensity_cd = lines.list(angles_line + angles + gammas, planes.count * gammas,
+                                "an intensity per 1000 lm", 0, kAny, "finite, not negative");
+  if (!lines.status.ok()) return lines.status;
+  const double factor = lamps_lm / 1000 * conversion;
+  for (double& cd : web.intensity_cd) cd *= factor;
+
+  for (std::size_t i = 0; i < planes.count; ++i) {
+    const double angle = c[(planes.first + i) % angles];
+    web.horizontal_deg.push_back(symmetry == 3 && angle >= 270 ? angle - 360 : angle);
+  }
+  if (symmetry == 1) web.horizontal_deg = {0};
+  if (symmetry == 0 && web.horizontal_deg.back() != 360) {
+    // All around: the first plane is the last one too.
+    web.horizontal_deg.push_back(web.horizontal_deg.front() + 360);
+    for (std::size_t j = 0; j < gammas; ++j) {
+      const double cd = web.intensity_cd[j];
+      web.intensity_cd.push_back(cd);
+    }
+  }
+  auto made = PhotometricWeb::create(web);
+  if (!made.ok())
+    return photometric_error(
+        name, static_cast<int>(angles_line),
+        std::string_view(made.status().message().data(), made.status().message().size()));
+  file.web = *std::move(made);
+
+  // Both ratios may be left blank.
+  for (const std::size_t line : {22, 23}) {
+    if (lines.blank(line)) continue;
+    const bool output = line == 23;
+    const double percent =
+        lines.number(line, output ? "the light output ratio" : "the downward flux fraction", 0,
+                     1000, "percent, from 0");
+    if (!lines.status.ok()) return lines.status;
+    const double stated = percent / 100 * lamps_lm;
+    if (output && stated > 0 && std::fabs(file.web->flux_lm() / conversion / stated - 1) > 0.02)
+      file.notes.push_back(
+          {23, fmt::format("a light output ratio of {}%, which makes {:.6g} lm", percent, stated),
+           fmt::format("what the intensities make, {:.6g} lm", file.web->flux_lm())});
+  }
+  return file;
+}
+
+}  // namespace lucerna
