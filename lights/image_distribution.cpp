@@ -121,9 +121,9 @@ ImageDistribution::Sample ImageDistribution::sample(Vec2<double> u) const {
     sy = sample_linear(c.w[0][0] + c.w[0][1], c.w[1][0] + c.w[1][1], row.share);
     sx = sample_linear(mix(c.w[0][0], c.w[1][0], sy), mix(c.w[0][1], c.w[1][1], sy), column.share);
   } else {
-    // The far edge is the next texel's; rounding may not reach it either.
-    sx = std::min(sx, 1 - 0x1p-30);
-    sy = std::min(sy, 1 - 0x1p-30);
+    // The edges are the neighbours': rounding may not reach them either.
+    sx = std::clamp(sx, 0x1p-30, 1 - 0x1p-30);
+    sy = std::clamp(sy, 0x1p-30, 1 - 0x1p-30);
   }
   const Span x = span(column.index, width_);
   const Span y = span(row.index, height_);
