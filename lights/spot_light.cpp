@@ -16,7 +16,12 @@ double one_minus_cos(double angle_rad) {
   return 2 * s * s;
 }
 
-double smoothstep(double x) { return x * x * (3 - 2 * x); }
+double profile_at(SpotProfile profile, double x) {
+  return profile == SpotProfile::kSmoothstep ? x * x * (3 - 2 * x) : x * x * x * x;
+}
+
+/// Over x in [0, 1].
+double profile_mean(SpotProfile profile) { return profile == SpotProfile::kSmoothstep ? 0.5 : 0.2; }
 
 /// The x below which the share `u` of the integral of smoothstep lies: the root of
 /// 2 x^3 - x^4 = u, by Newton's method, which a convex function lets converge from any start.
@@ -27,6 +32,22 @@ double invert_smoothstep_integral(double u) {
     x = std::min(1.0, x - f / (x * x * (6 - 4 * x)));
   }
   return x;
+}
+
+/// The x below which the share `u` of the profile's integral lies.
+double invert_profile_integral(SpotProfile profile, double u) {
+  return profile == SpotProfile::kSmoothstep ? invert_smoothstep_integral(u) : std::pow(u, 0.2);
+}
+
+/// cos s - cos c = 2 sin((c + s) / 2) sin((c - s) / 2): does not cancel for a narrow edge.
+double edge_of(const SpotLightParams& params) {
+  const double c = params.cone_half_angle_rad, s = params.falloff_start_rad;
+  return 2 * std::sin((c + s) / 2) * std::sin((c - s) / 2);
+}
+
+/// With any mean of the profile.
+double solid_angle_sr(const SpotLightParams& params, double mean) {
+  return 2 * std::numbers::pi * (one_minus_cos(params.falloff_start_rad) + edge_of(params) * mean);
 }
 
 absl::Status check_angles(const SpotLightParams& params) {
@@ -44,6 +65,10 @@ absl::Status check_angles(const SpotLightParams& params) {
 }
 
 }  // namespace
+
+double effective_solid_angle_sr(const SpotLightParams& params) {
+  return solid_angle_sr(params, profile_mean(params.profile));
+}
 
 template <std::floating_point Real>
 absl::StatusOr<SpotLight<Real>> SpotLight<Real>::create(const Params& params,
@@ -66,9 +91,12 @@ SpotLight<Real>::SpotLight(const Params& params, const Vec3<double>& origin_m)
       axis_(normalized(params.axis)),
       one_minus_cos_cone_(one_minus_cos(params.cone_half_angle_rad)),
       one_minus_cos_start_(one_minus_cos(params.falloff_start_rad)),
-      // cos s - cos c = 2 sin((c + s) / 2) sin((c - s) / 2): does not cancel for a narrow edge.
-      edge_(2 * std::sin((params.cone_half_angle_rad + params.falloff_start_rad) / 2) *
-            std::sin((params.cone_half_angle_rad - params.falloff_start_rad) / 2)) {}
+      effective_sr_(effective_solid_angle_sr(params)),
+      edge_(edge_of(params)),
+      per_edge_(edge_ > 0 ? 1 / edge_ : 0) {
+  // An edge too narrow for its reciprocal is hard.
+  if (!std::isfinite(per_edge_)) edge_ = per_edge_ = 0;
+}
 
 template <std::floating_point Real>
 double SpotLight<Real>::falloff(const Vec3<double>& w) const {
@@ -76,7 +104,7 @@ double SpotLight<Real>::falloff(const Vec3<double>& w) const {
   const Vec3<double> chord = w - axis_;
   const double inside = one_minus_cos_cone_ - std::min(2.0, dot(chord, chord) / 2);
   if (edge_ <= 0) return inside >= 0 ? 1 : 0;
-  return smoothstep(std::clamp(inside / edge_, 0.0, 1.0));
+  return profile_at(params_.profile, std::clamp(inside * per_edge_, 0.0, 1.0));
 }
 
 // Not inlined: GCC 12 at -O2 keeps the direction in double where it has just been rounded to float
@@ -115,17 +143,12 @@ SolidAnglePdf<Real> SpotLight<Real>::pdf_li(const Receiver<Real>&, const Vec3<Re
 
 template <std::floating_point Real>
 Power SpotLight<Real>::power(const SceneSphere&) const {
-  return {params_.intensity_cd * effective_sr(), 0};
-}
-
-template <std::floating_point Real>
-double SpotLight<Real>::effective_sr() const {
-  return 2 * std::numbers::pi * (one_minus_cos_start_ + edge_ / 2);
+  return {params_.intensity_cd * effective_sr_, 0};
 }
 
 template <std::floating_point Real>
 Power SpotLight<Real>::power_approximate(const SceneSphere& scene) const {
-  return power(scene);
+  return approximate_power(params_.intensity_cd * solid_angle_sr(params_, 0.5), power(scene));
 }
 
 template <std::floating_point Real>
@@ -139,14 +162,14 @@ EmissionSample<Real> SpotLight<Real>::sample_le(Vec2<Real>, Vec2<Real> u_directi
   }
   // The share of the intensity that lies at full light comes first, then the edge from within.
   const double u = u_direction.x;
-  const double full = one_minus_cos_start_ / (one_minus_cos_start_ + edge_ / 2);
+  const double full = 2 * std::numbers::pi * one_minus_cos_start_ / effective_sr_;
   double h = one_minus_cos_start_, share = 1;
   if (u <= full) {
     h *= full > 0 ? u / full : 0;
   } else {
-    const double x = invert_smoothstep_integral((1 - u) / (1 - full));
+    const double x = invert_profile_integral(params_.profile, std::min(1.0, (1 - u) / (1 - full)));
     h += (1 - x) * edge_;
-    share = smoothstep(x);
+    share = profile_at(params_.profile, x);
   }
   const double r = std::sqrt(std::max(0.0, h * (2 - h)));
   const double phi = 2 * std::numbers::pi * u_direction.y;
@@ -156,7 +179,7 @@ EmissionSample<Real> SpotLight<Real>::sample_le(Vec2<Real>, Vec2<Real> u_directi
   // it keeps its samples.
   if (const double rounded = falloff_as_rounded(sample.direction); rounded > 0) share = rounded;
   sample.value = Rgb<Real>(params_.intensity_cd * share);
-  sample.pdf_direction = {static_cast<Real>(share / effective_sr())};
+  sample.pdf_direction = {static_cast<Real>(share / effective_sr_)};
   if (!(share > 0)) sample.reason = NoLight::kOutsideCone;
   if (!(sample.pdf_direction.per_sr > 0) || sample.value.is_black() ||
       !std::isfinite(sample.pdf_direction.per_sr)) {
@@ -171,7 +194,7 @@ EmissionPdf<Real> SpotLight<Real>::pdf_le(const Vec3<Real>& position, const Vec3
                                           const SceneSphere&) const {
   const Vec3<double> unit = normalized(Vec3<double>(direction));
   if (position != position_ || !is_finite(unit) || params_.intensity_cd.is_black()) return {};
-  return {{}, {static_cast<Real>(falloff(unit) / effective_sr())}};
+  return {{}, {static_cast<Real>(falloff(unit) / effective_sr_)}};
 }
 
 template <std::floating_point Real>

@@ -1,9 +1,10 @@
-// The spot light with pbrt-v4's edge: intensity I inside `falloff_start`, 0 outside
-// `cone_half_angle`, and between them smoothstep of the cosine.
+// The spot light: intensity I inside `falloff_start`, 0 outside `cone_half_angle`, and between them
+// a profile of x = (cos theta - cos cone) / (cos start - cos cone).
 #pragma once
 
 #include <absl/status/statusor.h>
 
+#include <cstdint>
 #include <optional>
 
 #include "lights/light_bounds.h"
@@ -11,13 +12,23 @@
 
 namespace lucerna {
 
+enum class SpotProfile : std::uint8_t {
+  kSmoothstep,  ///< 3 x^2 - 2 x^3, as pbrt-v4 has it
+  kQuartic,     ///< x^4, as pbrt-v1 to pbrt-v3 have it
+};
+
 struct SpotLightParams {
   Vec3<double> position_m{};     ///< world
   Vec3<double> axis{0, 0, 1};    ///< world, any length but 0: where the light points
   Rgb<double> intensity_cd{};    ///< on the axis, per channel, finite, not negative
   double cone_half_angle_rad{};  ///< (0, pi]: no light beyond
   double falloff_start_rad{};  ///< [0, cone_half_angle_rad]: full light within; equal: a hard edge
+  SpotProfile profile = SpotProfile::kSmoothstep;
 };
+
+/// The integral of a spot's share of its intensity over directions [sr]: 2 pi ((1 - cos s) +
+/// (cos s - cos c) m), m the profile's mean over x: 1/2 for smoothstep, 1/5 for x^4.  Exact.
+double effective_solid_angle_sr(const SpotLightParams& params);
 
 template <std::floating_point Real>
 class SpotLight {
@@ -40,11 +51,11 @@ class SpotLight {
   EmissionPdf<Real> pdf_le(const Vec3<Real>& position, const Vec3<Real>& direction,
                            const SceneSphere& scene) const;
 
-  /// 2 pi I ((1 - cos s) + (cos s - cos c) / 2), the smoothstep's mean over the cosine being 1/2;
-  /// exact.
+  /// I times effective_solid_angle_sr(), exact.
   Power power(const SceneSphere& scene) const;
 
-  /// The same: the book's formula is exact.  [Pharr23, 12.2.1]
+  /// 2 pi I (1 - (cos s + cos c) / 2) for either profile, as the books have it: exact for
+  /// smoothstep, too high for x^4.  [Pharr23, 12.2.1]
   Power power_approximate(const SceneSphere& scene) const;
 
   std::optional<LightBounds<Real>> bounds() const;
@@ -57,15 +68,15 @@ class SpotLight {
   double falloff(const Vec3<double>& w) const;
   /// The same of a direction as its type rounds it.
   double falloff_as_rounded(const Vec3<Real>& w) const;
-  /// The integral of that share over directions [sr].
-  double effective_sr() const;
 
   Params params_;
   Vec3<Real> position_;
   // In double, as the narrowest cones are no wider than the error of a direction in float.
   Vec3<double> axis_;
   double one_minus_cos_cone_, one_minus_cos_start_;
-  double edge_;  ///< cos(falloff_start) - cos(cone_half_angle); 0 for a hard edge
+  double effective_sr_;
+  double edge_;      ///< cos(falloff_start) - cos(cone_half_angle); 0 for a hard edge
+  double per_edge_;  ///< 1 / edge_; 0 for a hard edge
 };
 
 }  // namespace lucerna

@@ -92,10 +92,14 @@ SpotLightParams spot(Context& context, const ParameterSet& params, const Place& 
   spot.axis = world_from_light.vector(params.point("to", {0, 0, 1}) - from);
   spot.cone_half_angle_rad = cone * kRadPerDegree;
   spot.falloff_start_rad = (cone - delta) * kRadPerDegree;
-  // 2 pi ((1 - cos s) + (cos s - cos c) / 2), without its cancellation at small angles.
-  const double half_start = std::sin(spot.falloff_start_rad / 2);
-  const double half_cone = std::sin(spot.cone_half_angle_rad / 2);
-  const double lumens = 2 * kPi * (half_start * half_start + half_cone * half_cone);
+  const std::string profile = params.string("profile", "smoothstep");
+  if (profile == "quartic")
+    spot.profile = SpotProfile::kQuartic;
+  else if (profile != "smoothstep")
+    fail(params.find("profile", {"string"})->place,
+         fmt::format("\"string profile\" = \"{}\", allowed: smoothstep, quartic",
+                     printable(profile)));
+  const double lumens = effective_solid_angle_sr(spot);
   spot.intensity_cd = level(context, params, place, "I", Target{"power", "lm", lumens});
   return checked<SpotLight>(place, spot);
 }

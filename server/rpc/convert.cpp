@@ -31,6 +31,8 @@ void set_kind(const SpotLight<float>& l, v1::Light* out) {
   set(l.params().intensity_cd, spot->mutable_intensity_cd());
   spot->set_cone_half_angle_rad(l.params().cone_half_angle_rad);
   spot->set_falloff_start_rad(l.params().falloff_start_rad);
+  spot->set_profile(l.params().profile == SpotProfile::kQuartic ? v1::SPOT_PROFILE_QUARTIC
+                                                                : v1::SPOT_PROFILE_SMOOTHSTEP);
 }
 
 void set_kind(const DistantLight<float>& l, v1::Light* out) {

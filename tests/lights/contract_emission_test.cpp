@@ -19,8 +19,9 @@ struct EmittingSpot : Spot {
 struct EmittingDistant : DistantCase, SceneDiskCase {};
 struct EmittingInfinite : InfiniteCase, SceneDiskCase {};
 
-using LocalCases = ::testing::Types<EmittingPoint, EmittingSpot<SoftSpotCase>,
-                                    EmittingSpot<HardSpotCase>, EmittingSpot<WideSpotCase>>;
+using LocalCases =
+    ::testing::Types<EmittingPoint, EmittingSpot<SoftSpotCase>, EmittingSpot<HardSpotCase>,
+                     EmittingSpot<WideSpotCase>, EmittingSpot<QuarticSpotCase>>;
 INSTANTIATE_TYPED_TEST_SUITE_P(LocalDelta, EmittingLight, LocalCases);
 INSTANTIATE_TYPED_TEST_SUITE_P(LocalDelta, EmittingDirections, LocalCases);
 INSTANTIATE_TYPED_TEST_SUITE_P(LocalDelta, BoundedLight, LocalCases);

@@ -68,7 +68,8 @@ struct PointCase : LocalDeltaCase {
 };
 
 /// Angles as a spot's edge; the falloff from pbrt-v4's description: smoothstep in the cosine.
-template <int kConeMilliradians, int kStartMilliradians>
+template <int kConeMilliradians, int kStartMilliradians,
+          SpotProfile kProfile = SpotProfile::kSmoothstep>
 struct SpotCase : LocalDeltaCase {
   static constexpr double kCone = kConeMilliradians * 1e-3, kStart = kStartMilliradians * 1e-3;
   template <typename Real>
@@ -81,7 +82,8 @@ struct SpotCase : LocalDeltaCase {
                                      .axis = placement.direction(axis()) * 2.0,
                                      .intensity_cd = kDeltaLevel,
                                      .cone_half_angle_rad = kCone,
-                                     .falloff_start_rad = kStart});
+                                     .falloff_start_rad = kStart,
+                                     .profile = kProfile});
   }
   static std::vector<Vec3<double>> receivers() {
     return {{0.25, -0.5, -2}, {0.75, -0.25, -1}, {1, -0.5, -0.5}, {0, 0.5, -100}};
@@ -90,7 +92,7 @@ struct SpotCase : LocalDeltaCase {
     if (theta <= kStart) return 1;
     if (theta >= kCone) return 0;
     const double t = (std::cos(theta) - std::cos(kCone)) / (std::cos(kStart) - std::cos(kCone));
-    return 3 * t * t - 2 * t * t * t;
+    return kProfile == SpotProfile::kQuartic ? std::pow(t, 4) : 3 * t * t - 2 * t * t * t;
   }
   static Rgb<double> value(const Vec3<double>& receiver, const Vec3<double>& wi) {
     const Vec3<double> d = position() - receiver;
@@ -106,6 +108,7 @@ struct SpotCase : LocalDeltaCase {
 };
 using SoftSpotCase = SpotCase<700, 300>;
 using HardSpotCase = SpotCase<600, 600>;
+using QuarticSpotCase = SpotCase<900, 400, SpotProfile::kQuartic>;
 using WideSpotCase = SpotCase<3000, 1800>;
 
 struct DistantCase : CaseDefaults {

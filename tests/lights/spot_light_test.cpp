@@ -201,5 +201,46 @@ TEST(SpotLight, CreateNamesFieldValueAndWhatIsAllowed) {
   EXPECT_THAT(error(params), HasSubstr("spot.intensity = (1, 1, -1) cd"));
 }
 
+// The books' spot of 30 degrees with an edge of 5: 2 pi (1 - (cos 25 + cos 30) / 2) = 0.715236 sr
+// for either profile; x^4 integrates to 2 pi ((1 - cos 25) + (cos 25 - cos 30) / 5) = 0.639306 sr.
+TEST(SpotLight, BooksPowerIsTooHighForTheQuarticProfileAndSaysByHowMuch) {
+  constexpr double kRad = std::numbers::pi / 180;
+  SpotLightParams params{.intensity_cd = Rgb<double>(1),
+                         .cone_half_angle_rad = 30 * kRad,
+                         .falloff_start_rad = 25 * kRad,
+                         .profile = SpotProfile::kQuartic};
+  const auto quartic = *SpotLight<double>::create(params);
+  const double cos25 = 0.9063077870366499, cos30 = 0.8660254037844386;
+  const double exact = 2 * std::numbers::pi * (1 - cos25 + (cos25 - cos30) / 5);
+  const double books = 2 * std::numbers::pi * (1 - (cos25 + cos30) / 2);
+  EXPECT_NEAR(quartic.power({}).lumens.g, exact, 1e-12);
+  EXPECT_EQ(quartic.power({}).error_lumens, 0);
+  const Power approximate = quartic.power_approximate({});
+  EXPECT_NEAR(approximate.lumens.g, books, 1e-12);
+  EXPECT_NEAR(approximate.error_lumens, books - exact, 1e-12);
+  EXPECT_NEAR(books / exact, 1.12, 0.005);
+  params.profile = SpotProfile::kSmoothstep;
+  const auto smooth = *SpotLight<double>::create(params);
+  EXPECT_NEAR(smooth.power({}).lumens.g, books, 1e-12);
+  EXPECT_LE(smooth.power_approximate({}).error_lumens, 1e-15);
+}
+
+// Through the narrowest cones, all rays keep the light's power in float too.
+TEST(SpotLight, RaysOfTheNarrowestConesCarryTheWholePower) {
+  for (const double degrees : {1., 0.05, 0.01, 1e-5}) {
+    const double cone = degrees * std::numbers::pi / 180;
+    const auto light = *SpotLight<float>::create({.axis = {1, 2, 3},
+                                                  .intensity_cd = Rgb<double>(2),
+                                                  .cone_half_angle_rad = cone,
+                                                  .falloff_start_rad = cone / 2});
+    const double power = light.power({}).lumens.g;
+    for (int i = 0; i < 16; ++i) {
+      const auto s = light.sample_le({}, {(i + 0.5F) / 16, 0.3F}, {});
+      ASSERT_EQ(s.reason, NoLight::kNone);
+      EXPECT_NEAR(s.value.g / s.pdf_direction.per_sr / power, 1, 1e-6);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace lucerna

@@ -87,6 +87,20 @@ TEST(PbrtLights, PowerOfASpotFollowsItsCone) {
   EXPECT_NEAR(soft.intensity_cd.r, 20 / kPi, 1e-12);
 }
 
+TEST(PbrtLights, ASpotMayHaveTheQuarticProfile) {
+  const std::string spot = "LightSource \"spot\" \"float coneangle\" 60 \"float conedeltaangle\" ";
+  const auto quartic =
+      light<SpotLightParams>(spot + "60 \"string profile\" \"quartic\" \"float power\" 10");
+  EXPECT_EQ(quartic.profile, SpotProfile::kQuartic);
+  // The mean of x^4 is 1/5 of the cone's pi sr.
+  EXPECT_NEAR(quartic.intensity_cd.r, 50 / kPi, 1e-12);
+  EXPECT_EQ(light<SpotLightParams>(spot + "5 \"string profile\" \"smoothstep\"").profile,
+            SpotProfile::kSmoothstep);
+  EXPECT_EQ(light<SpotLightParams>(spot + "5").profile, SpotProfile::kSmoothstep);
+  EXPECT_THAT(world_error_of(spot + "5 \"string profile\" \"cubic\""),
+              HasSubstr("\"string profile\" = \"cubic\", allowed: smoothstep, quartic"));
+}
+
 TEST(PbrtLights, SpotDefaultsAndPlacement) {
   const auto spot = light<SpotLightParams>(
       "Translate 1 0 0 Scale 2 2 2 LightSource \"spot\" \"point3 from\" [0 0 1] \"point3 to\" [0 3 "
