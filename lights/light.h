@@ -12,6 +12,7 @@
 #include "lights/point_light.h"
 #include "lights/sphere.h"
 #include "lights/spot_light.h"
+#include "lights/sun_light.h"
 
 namespace lucerna {
 
@@ -25,8 +26,8 @@ template <std::floating_point Real>
 using DiskLight = AreaLight<Real, Disk>;
 
 template <std::floating_point Real>
-using Light =
-    std::variant<PointLight<Real>, SpotLight<Real>, DistantLight<Real>, UniformInfiniteLight<Real>,
-                 TriangleMeshLight<Real>, PatchMeshLight<Real>, SphereLight<Real>, DiskLight<Real>>;
+using Light = std::variant<PointLight<Real>, SpotLight<Real>, DistantLight<Real>, SunLight<Real>,
+                           UniformInfiniteLight<Real>, TriangleMeshLight<Real>,
+                           PatchMeshLight<Real>, SphereLight<Real>, DiskLight<Real>>;
 
 }  // namespace lucerna

@@ -15,6 +15,7 @@
 #include "lights/point_light.h"
 #include "lights/sphere.h"
 #include "lights/spot_light.h"
+#include "lights/sun_light.h"
 #include "lights/transform.h"
 
 namespace lucerna {
@@ -80,7 +81,8 @@ struct InstanceDescription {
 
 /// A light that is no shape.
 struct LightDescription {
-  std::variant<PointLightParams, SpotLightParams, DistantLightParams, UniformInfiniteLightParams>
+  std::variant<PointLightParams, SpotLightParams, DistantLightParams, SunLightParams,
+               UniformInfiniteLightParams>
       params;
   SourceLocation where;
 };

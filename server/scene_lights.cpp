@@ -35,6 +35,8 @@ absl::StatusOr<Light<float>> create_light(const LightDescription& light,
           return as_light<SpotLight>(params, origin);
         else if constexpr (std::is_same_v<Params, DistantLightParams>)
           return as_light<DistantLight>(params, origin);
+        else if constexpr (std::is_same_v<Params, SunLightParams>)
+          return as_light<SunLight>(params, origin);
         else
           return as_light<UniformInfiniteLight>(params, origin);
       },

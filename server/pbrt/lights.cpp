@@ -168,7 +168,17 @@ std::optional<LightDescription> make_light(Context& context, const std::string& 
     const Vec3<double> towards = params.point("from", {0, 0, 0}) - params.point("to", {0, 0, 1});
     distant.to_light = world_from_light.vector(towards);
     distant.illuminance_lx = level(context, params, place, "L", Target{"illuminance", "lx", 1});
-    light.params = checked<DistantLight>(place, distant);
+    // Not pbrt's: the angle under which a disk of uniform radiance is seen, such as the sun's 0.53.
+    if (const Parameter* diameter = params.find("angulardiameter", {"float"})) {
+      const double degrees = params.number("angulardiameter", 0);
+      if (!(degrees > 0 && degrees <= 180))
+        fail(diameter->place,
+             fmt::format("\"float angulardiameter\" = {} degrees, allowed (0, 180]", degrees));
+      light.params = checked<SunLight>(
+          place, SunLightParams{distant.to_light, degrees * kRadPerDegree, distant.illuminance_lx});
+    } else {
+      light.params = checked<DistantLight>(place, distant);
+    }
   } else if (type == "infinite") {
     const Parameter* image = params.find("filename", {"string"});
     const Parameter* portal = params.find("portal", {"point3"});

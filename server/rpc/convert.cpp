@@ -40,6 +40,13 @@ void set_kind(const DistantLight<float>& l, v1::Light* out) {
   set(l.params().illuminance_lx, out->mutable_distant()->mutable_illuminance_lx());
 }
 
+void set_kind(const SunLight<float>& l, v1::Light* out) {
+  v1::SunLight* sun = out->mutable_sun();
+  set(l.params().to_light, sun->mutable_to_light());
+  set(l.params().illuminance_lx, sun->mutable_illuminance_lx());
+  sun->set_angular_diameter_rad(l.params().angular_diameter_rad);
+}
+
 void set_kind(const UniformInfiniteLight<float>& l, v1::Light* out) {
   set(l.params().radiance_cd_m2, out->mutable_uniform_infinite()->mutable_radiance_cd_m2());
 }

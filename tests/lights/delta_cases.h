@@ -17,7 +17,7 @@ inline const Rgb<double> kDeltaLevel{3, 5, 7};
 
 /// Composite Simpson's rule on 2 n intervals.
 template <typename F>
-double simpson(double a, double b, int n, F&& f) {
+inline double simpson(double a, double b, int n, F&& f) {
   const double h = (b - a) / (2 * n);
   double sum = f(a) + f(b);
   for (int i = 1; i < 2 * n; ++i) sum += f(a + i * h) * (i % 2 == 1 ? 4 : 2);

@@ -112,6 +112,19 @@ TEST(PbrtLights, SpotDefaultsAndPlacement) {
   EXPECT_EQ(normalized(light<SpotLightParams>("LightSource \"spot\"").axis), Vec3<double>(0, 0, 1));
 }
 
+TEST(PbrtLights, ADistantLightWithAnAngularDiameterIsASun) {
+  const auto sun = light<SunLightParams>(
+      "LightSource \"distant\" \"point3 from\" [0 0 5] \"point3 to\" [0 0 1] \"rgb L\" [1 2 3] "
+      "\"float angulardiameter\" 0.5");
+  EXPECT_NEAR(sun.angular_diameter_rad, kPi / 360, 1e-17);
+  EXPECT_EQ(normalized(sun.to_light), Vec3<double>(0, 0, 1));
+  EXPECT_EQ(sun.illuminance_lx, Rgb<double>(1, 2, 3));
+  EXPECT_THAT(world_error_of("LightSource \"distant\" \"float angulardiameter\" 0"),
+              HasSubstr("\"float angulardiameter\" = 0 degrees, allowed (0, 180]"));
+  EXPECT_THAT(world_error_of("LightSource \"distant\" \"float angulardiameter\" 181"),
+              HasSubstr("= 181 degrees"));
+}
+
 TEST(PbrtLights, DistantLightShinesFromFromToTo) {
   const auto distant = light<DistantLightParams>(
       "Rotate 90 1 0 0 LightSource \"distant\" \"point3 from\" [0 0 5] \"point3 to\" [0 0 2] "
