@@ -65,8 +65,20 @@ absl::StatusOr<std::optional<float>> check_position_error(bool has, float positi
   return std::optional<float>(position_error_m);
 }
 
+absl::Status check_wavelengths(const google::protobuf::RepeatedField<double>& wavelengths_nm) {
+  if (wavelengths_nm.empty()) return absl::OkStatus();
+  return unimplemented("wavelengths_nm is not answered yet: light is told in RGB");
+}
+
+absl::Status check_area_sampling(const v1::Accuracy& accuracy) {
+  if (accuracy.area_sampling() == v1::AREA_SAMPLING_UNSPECIFIED) return absl::OkStatus();
+  return unimplemented(
+      "accuracy.area_sampling cannot be chosen yet: leave it unset for the server's own rule");
+}
+
 absl::StatusOr<std::uint32_t> check_samples(const Context& context, const v1::Accuracy& accuracy,
                                             std::uint32_t fallback) {
+  if (auto s = check_area_sampling(accuracy); !s.ok()) return s;
   switch (accuracy.stop_case()) {
     case v1::Accuracy::kSamples:
       if (accuracy.samples() == 0 || accuracy.samples() > context.limits.max_samples) {

@@ -31,9 +31,7 @@ Prepared le(const Context& context, const v1::LeRequest& request, v1::LeResponse
     query.light = *light;
   }
   if (auto s = check_time(request.has_time_s(), request.time_s()); !s.ok()) return s;
-  if (!request.wavelengths_nm().empty()) {
-    return unimplemented("wavelengths_nm is not answered yet by Le: radiance is told in RGB");
-  }
+  if (auto s = check_wavelengths(request.wavelengths_nm()); !s.ok()) return s;
 
   Task task;
   task.predicted_s = static_cast<double>(n) * kLeSeconds;

@@ -113,6 +113,7 @@ Prepared sample_li(const Context& context, const v1::SampleLiRequest& request,
   }
   if (auto s = check_randomness(request, n, query); !s.ok()) return s;
   if (auto s = check_time(request.has_time_s(), request.time_s()); !s.ok()) return s;
+  if (auto s = check_wavelengths(request.wavelengths_nm()); !s.ok()) return s;
   query.test_visibility = request.test_visibility();
   if (auto s =
           check_triples("normals", request.normals(), query.receivers.size(), "receivers", true);
@@ -151,6 +152,9 @@ Prepared pdf_li(const Context& context, const v1::PdfLiRequest& request,
   const auto light = find_light(**scene, request.light_id());
   if (!light.ok()) return light.status();
   if (auto s = check_time(request.has_time_s(), request.time_s()); !s.ok()) return s;
+  if (auto s = check_area_sampling(request.accuracy()); !s.ok()) return s;
+  // The density of today's samples does not depend on the receivers' normals.
+  if (auto s = check_triples("normals", request.normals(), n, "receivers", true); !s.ok()) return s;
 
   Task task;
   const std::uint64_t primitives = std::visit(
@@ -188,6 +192,7 @@ Prepared estimate_power(const Context& context, const v1::EstimatePowerRequest& 
     return bad_field("method", fmt::format("{}", static_cast<int>(request.method())),
                      "METHOD_EXACT");
   }
+  if (auto s = check_wavelengths(request.wavelengths_nm()); !s.ok()) return s;
   const auto asked = static_cast<std::uint64_t>(request.light_ids_size());
   if (asked > context.limits.max_batch_items) {
     return over_limit("light_ids", asked, context.limits.max_batch_items);

@@ -208,6 +208,7 @@ Prepared estimate_irradiance(const Context& context, const v1::EstimateIrradianc
   }
   work.normals = view(request.normals());
   if (auto s = check_time(request.has_time_s(), request.time_s()); !s.ok()) return s;
+  if (auto s = check_wavelengths(request.wavelengths_nm()); !s.ok()) return s;
   const auto error =
       check_position_error(request.has_position_error_m(), request.position_error_m());
   if (!error.ok()) return error.status();

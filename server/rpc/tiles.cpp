@@ -107,6 +107,7 @@ Prepared render_tile(const Context& context, const v1::RenderTileRequest& reques
   if (!scene.ok()) return scene.status();
   const auto rect = check_rect(context, **scene, request);
   if (!rect.ok()) return rect.status();
+  if (auto s = check_time(request.has_time_s(), request.time_s()); !s.ok()) return s;
   const auto samples = check_samples(context, request.accuracy(),
                                      std::bit_floor(proposed_samples(context, **scene)));
   if (!samples.ok()) return samples.status();
@@ -158,6 +159,7 @@ absl::StatusOr<ImageRender> ImageRender::create(const Context& context,
                                                 const v1::RenderImageRequest& request) {
   const auto scene = find_scene(context, request.scene_id());
   if (!scene.ok()) return scene.status();
+  if (auto s = check_time(request.has_time_s(), request.time_s()); !s.ok()) return s;
   const auto samples =
       check_samples(context, request.accuracy(), proposed_samples(context, **scene));
   if (!samples.ok()) return samples.status();
