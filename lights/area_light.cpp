@@ -117,5 +117,7 @@ template class AreaLight<float, Sphere>;
 template class AreaLight<double, Sphere>;
 template class AreaLight<float, Disk>;
 template class AreaLight<double, Disk>;
+template class AreaLight<float, Cylinder>;
+template class AreaLight<double, Cylinder>;
 
 }  // namespace lucerna

@@ -6,6 +6,7 @@
 
 #include <cstddef>
 
+#include "lights/cylinder.h"
 #include "lights/disk.h"
 #include "lights/light_sample.h"
 #include "lights/mesh.h"
@@ -77,5 +78,7 @@ extern template class AreaLight<float, Sphere>;
 extern template class AreaLight<double, Sphere>;
 extern template class AreaLight<float, Disk>;
 extern template class AreaLight<double, Disk>;
+extern template class AreaLight<float, Cylinder>;
+extern template class AreaLight<double, Cylinder>;
 
 }  // namespace lucerna

@@ -5,6 +5,7 @@
 #include <variant>
 
 #include "lights/area_light.h"
+#include "lights/cylinder.h"
 #include "lights/disk.h"
 #include "lights/distant_light.h"
 #include "lights/infinite_light.h"
@@ -24,10 +25,13 @@ template <std::floating_point Real>
 using SphereLight = AreaLight<Real, Sphere>;
 template <std::floating_point Real>
 using DiskLight = AreaLight<Real, Disk>;
+template <std::floating_point Real>
+using CylinderLight = AreaLight<Real, Cylinder>;
 
 template <std::floating_point Real>
-using Light = std::variant<PointLight<Real>, SpotLight<Real>, DistantLight<Real>, SunLight<Real>,
-                           UniformInfiniteLight<Real>, TriangleMeshLight<Real>,
-                           PatchMeshLight<Real>, SphereLight<Real>, DiskLight<Real>>;
+using Light =
+    std::variant<PointLight<Real>, SpotLight<Real>, DistantLight<Real>, SunLight<Real>,
+                 UniformInfiniteLight<Real>, TriangleMeshLight<Real>, PatchMeshLight<Real>,
+                 SphereLight<Real>, DiskLight<Real>, CylinderLight<Real>>;
 
 }  // namespace lucerna

@@ -19,7 +19,14 @@ namespace lucerna {
 namespace {
 
 // Geometry numbers within an Embree scene; instances follow in the top one.
-enum GeometryId : unsigned { kTriangles = 0, kPatches, kSpheres, kDisks, kFirstInstance };
+enum GeometryId : unsigned {
+  kTriangles = 0,
+  kPatches,
+  kSpheres,
+  kDisks,
+  kCylinders,
+  kFirstInstance
+};
 
 // What the callbacks of user geometry find behind their pointer.
 struct UserGeometry {
@@ -53,6 +60,9 @@ std::optional<AnalyticHit> intersect(const UserGeometry& user, unsigned primitiv
     case HitKind::kDisk:
       hit = user.set->disks[primitive].intersect(o, d, ray.tnear, t_max);
       break;
+    case HitKind::kCylinder:
+      hit = user.set->cylinders[primitive].intersect(o, d, ray.tnear, t_max);
+      break;
     case HitKind::kTriangle:
       break;
   }
@@ -73,6 +83,9 @@ void bounds_callback(const RTCBoundsFunctionArguments* args) {
       break;
     case HitKind::kDisk:
       box = user.set->disks[args->primID].bounds();
+      break;
+    case HitKind::kCylinder:
+      box = user.set->cylinders[args->primID].bounds();
       break;
     case HitKind::kTriangle:
       break;
@@ -160,14 +173,14 @@ struct Accelerator::State {
   RTCError error = RTC_ERROR_NONE;  // the first that Embree reported
   std::string message;
 
-  std::vector<std::array<UserGeometry, 3>> user;  // what callbacks point to: scene, objects
+  std::vector<std::array<UserGeometry, 4>> user;  // what callbacks point to: scene, objects
   DeviceHandle device;
   std::vector<SceneHandle> object_scenes;
   SceneHandle top;
   RayLimits limits;
 
   absl::Status open(const std::string& wanted_isa);
-  SceneHandle commit(GeometrySet& set, std::array<UserGeometry, 3>& user_geometry,
+  SceneHandle commit(GeometrySet& set, std::array<UserGeometry, 4>& user_geometry,
                      bool with_instances);
   absl::Status status() const;
 };
@@ -221,7 +234,7 @@ absl::Status Accelerator::State::open(const std::string& wanted) {
   return absl::OkStatus();
 }
 
-SceneHandle Accelerator::State::commit(GeometrySet& set, std::array<UserGeometry, 3>& user_geometry,
+SceneHandle Accelerator::State::commit(GeometrySet& set, std::array<UserGeometry, 4>& user_geometry,
                                        bool with_instances) {
   SceneHandle handle(rtcNewScene(device.get()));
   RTCScene s = handle.get();
@@ -242,9 +255,13 @@ SceneHandle Accelerator::State::commit(GeometrySet& set, std::array<UserGeometry
                                0, 3 * sizeof(std::uint32_t), set.triangles.size() / 3);
     attach(g, kTriangles);
   }
-  user_geometry = {{{&set, HitKind::kPatch}, {&set, HitKind::kSphere}, {&set, HitKind::kDisk}}};
-  const std::array<std::size_t, 3> counts{set.patches.size(), set.spheres.size(), set.disks.size()};
-  for (unsigned i = 0; i < 3; ++i) {
+  user_geometry = {{{&set, HitKind::kPatch},
+                    {&set, HitKind::kSphere},
+                    {&set, HitKind::kDisk},
+                    {&set, HitKind::kCylinder}}};
+  const std::array<std::size_t, 4> counts{set.patches.size(), set.spheres.size(), set.disks.size(),
+                                          set.cylinders.size()};
+  for (unsigned i = 0; i < 4; ++i) {
     if (counts[i] == 0) continue;
     RTCGeometry g = rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_USER);
     rtcSetGeometryUserPrimitiveCount(g, static_cast<unsigned>(counts[i]));

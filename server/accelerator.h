@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "lights/bilinear_patch.h"
+#include "lights/cylinder.h"
 #include "lights/disk.h"
 #include "lights/sphere.h"
 #include "lights/transform.h"
@@ -28,13 +29,15 @@ struct GeometrySet {
   std::vector<BilinearPatch<double>> patches{};
   std::vector<Sphere<double>> spheres{};
   std::vector<Disk<double>> disks{};
+  std::vector<Cylinder<double>> cylinders{};
 
   bool empty() const {
-    return triangles.empty() && patches.empty() && spheres.empty() && disks.empty();
+    return triangles.empty() && patches.empty() && spheres.empty() && disks.empty() &&
+           cylinders.empty();
   }
   std::size_t bytes() const {
     const auto of = [](const auto& v) { return v.capacity() * sizeof v[0]; };
-    return of(vertices) + of(triangles) + of(patches) + of(spheres) + of(disks);
+    return of(vertices) + of(triangles) + of(patches) + of(spheres) + of(disks) + of(cylinders);
   }
 };
 
@@ -43,7 +46,7 @@ struct GeometryInstance {
   Transform scene_from_object;
 };
 
-enum class HitKind : std::uint8_t { kTriangle, kPatch, kSphere, kDisk };
+enum class HitKind : std::uint8_t { kTriangle, kPatch, kSphere, kDisk, kCylinder };
 
 struct RawHit {
   float t{};
@@ -51,7 +54,7 @@ struct RawHit {
   std::uint32_t primitive{};   ///< within its kind, within its GeometrySet
   std::int32_t instance = -1;  ///< which instance; -1: the scene's own geometry
   Vec2<float> uv;              ///< triangle: barycentrics of vertices 1 and 2; patch: (u, v)
-  /// Patch, sphere and disk: the point hit and its unit normal, in the space of the GeometrySet.
+  /// All but triangles: the point hit and its unit normal, in the space of the GeometrySet.
   Vec3<double> position, normal;
 };
 

@@ -43,7 +43,8 @@ Vec3<double> origin_for(const Bounds& bounds) {
 }
 
 std::uint64_t primitives(const GeometrySet& s) {
-  return s.triangles.size() / 3 + s.patches.size() + s.spheres.size() + s.disks.size();
+  return s.triangles.size() / 3 + s.patches.size() + s.spheres.size() + s.disks.size() +
+         s.cylinders.size();
 }
 
 // Entries as Embree will hold them: exactly what its float matrices say.
@@ -226,7 +227,7 @@ class Scene::Builder {
   void report_geometry(const GeometrySet& set, const std::vector<GeometrySet>& objects,
                        const Stopwatch& watch) {
     GeometrySet all;  // only counted
-    std::array<std::uint64_t, 5> counts{}, bytes{};
+    std::array<std::uint64_t, 6> counts{}, bytes{};
     std::uint64_t surface_bytes = scene_->surfaces_.bytes();
     const auto count = [&](const GeometrySet& s) {
       const auto add = [&](int kind, const auto& v, std::size_t per) {
@@ -234,14 +235,14 @@ class Scene::Builder {
         bytes[kind] += v.capacity() * sizeof v[0];
       };
       add(0, s.vertices, 1), add(1, s.triangles, 3), add(2, s.patches, 1);
-      add(3, s.spheres, 1), add(4, s.disks, 1);
+      add(3, s.spheres, 1), add(4, s.disks, 1), add(5, s.cylinders, 1);
     };
     count(set);
     for (const auto& o : objects) count(o);
     for (const auto& t : scene_->object_surfaces_) surface_bytes += t.bytes();
-    static constexpr std::array<const char*, 5> kNames{"vertices", "triangles", "patches",
-                                                       "spheres", "disks"};
-    for (int i = 0; i < 5; ++i)
+    static constexpr std::array<const char*, 6> kNames{"vertices", "triangles", "patches",
+                                                       "spheres",  "disks",     "cylinders"};
+    for (int i = 0; i < 6; ++i)
       if (counts[i] > 0)
         part(kNames[i], bytes[i], watch, fmt::format("{} {}", counts[i], kNames[i]));
     if (surface_bytes > 0)

@@ -73,8 +73,9 @@ class Scene {
   const std::vector<Remark>& remarks() const { return remarks_; }
   const std::vector<Asset>& assets() const { return assets_; }
   std::span<const ScenePart> parts() const { return parts_; }
-  std::uint64_t shape_count() const;      ///< shapes, each instance counting its object's once
-  std::uint64_t primitive_count() const;  ///< triangles, patches, spheres and disks held in memory
+  std::uint64_t shape_count() const;  ///< shapes, each instance counting its object's once
+  std::uint64_t primitive_count()
+      const;  ///< triangles, patches, spheres, disks and cylinders held in memory
   std::string isa() const;
 
   std::optional<SurfaceHit> closest_hit(const Ray& ray) const;

@@ -9,6 +9,7 @@
 #include <variant>
 #include <vector>
 
+#include "lights/cylinder.h"
 #include "lights/disk.h"
 #include "lights/distant_light.h"
 #include "lights/infinite_light.h"
@@ -56,7 +57,7 @@ struct PatchMeshData {
 };
 
 struct ShapeDescription {
-  std::variant<TriangleMeshData, PatchMeshData, SphereParams, DiskParams> geometry;
+  std::variant<TriangleMeshData, PatchMeshData, SphereParams, DiskParams, CylinderParams> geometry;
   std::uint32_t material = 0;  ///< index into SceneDescription::materials
   /// Set where the shape is an area light; exact level, `scale` and `power` already applied.
   struct Emission {

@@ -64,6 +64,8 @@ absl::StatusOr<Light<float>> create_area_light(const ShapeDescription& shape,
     return as_area_light<Sphere>(emission, Sphere<float>::create(*sphere, origin));
   if (const auto* disk = std::get_if<DiskParams>(&shape.geometry))
     return as_area_light<Disk>(emission, Disk<float>::create(*disk, origin));
+  if (const auto* cylinder = std::get_if<CylinderParams>(&shape.geometry))
+    return as_area_light<Cylinder>(emission, Cylinder<float>::create(*cylinder, origin));
   if (const auto* mesh = std::get_if<TriangleMeshData>(&shape.geometry)) {
     const auto vertex = [&](std::size_t i) {
       return about(mesh->positions[mesh->indices[i]], origin);

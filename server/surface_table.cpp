@@ -114,6 +114,14 @@ class Appender {
     return absl::OkStatus();
   }
 
+  absl::Status operator()(const CylinderParams& params) {
+    absl::StatusOr<Cylinder<double>> cylinder = Cylinder<double>::create(params, origin_);
+    if (!cylinder.ok()) return cylinder.status();
+    begin_run(HitKind::kCylinder, set_.cylinders.size(), 0, 1);
+    set_.cylinders.push_back(*std::move(cylinder));
+    return absl::OkStatus();
+  }
+
  private:
   void begin_run(HitKind kind, std::size_t first, std::size_t light_primitive,
                  std::uint32_t per_light_primitive) {
@@ -190,6 +198,8 @@ absl::StatusOr<Bounds> shape_bounds(const ShapeDescription& shape) {
     status = analytic(Sphere<double>::create(*sphere));
   else if (const auto* disk = std::get_if<DiskParams>(&shape.geometry))
     status = analytic(Disk<double>::create(*disk));
+  else if (const auto* cylinder = std::get_if<CylinderParams>(&shape.geometry))
+    status = analytic(Cylinder<double>::create(*cylinder));
   if (!status.ok()) return status;
   return bounds;
 }

@@ -29,7 +29,7 @@ struct PrimitiveRun {
 
 struct SurfaceTable {
   std::vector<Surface> surfaces;
-  std::array<std::vector<PrimitiveRun>, 4> runs;  ///< by HitKind, by rising `first`
+  std::array<std::vector<PrimitiveRun>, 5> runs;  ///< by HitKind, by rising `first`
   /// Shading normals, one a vertex, zero where flat; empty where no mesh has any.
   std::vector<Vec3<float>> vertex_normals;
   /// Shading normals at the corners of each patch; empty where none has any.

@@ -139,6 +139,13 @@ double area_of(const Place& place, const DiskParams& params) {
   return disk->area();
 }
 
+double area_of(const Place& place, const CylinderParams& params) {
+  const auto cylinder = Cylinder<double>::create(params);
+  if (!cylinder.ok()) fail(place, cylinder.status());
+  if (const auto status = cylinder->emissive_error(); !status.ok()) fail(place, status);
+  return cylinder->area();
+}
+
 std::size_t primitives_of(const Geometry& geometry) {
   if (const auto* mesh = std::get_if<TriangleMeshData>(&geometry)) return mesh->indices.size() / 3;
   if (const auto* mesh = std::get_if<PatchMeshData>(&geometry)) return mesh->indices.size() / 4;

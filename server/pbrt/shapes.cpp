@@ -186,9 +186,25 @@ DiskParams disk(const ShapeDirective& shape) {
   return disk;
 }
 
+CylinderParams cylinder(const ShapeDirective& shape) {
+  CylinderParams cylinder;
+  cylinder.radius_m = shape.params.number("radius", 1);
+  const double z0 = shape.params.number("zmin", -1);
+  const double z1 = shape.params.number("zmax", 1);
+  cylinder.z_min_m = std::min(z0, z1);
+  cylinder.z_max_m = std::max(z0, z1);
+  cylinder.phi_max_rad = swept_angle(shape);
+  cylinder.reverse_orientation = shape.reverse_orientation;
+  cylinder.world_from_object = shape.world_from_object;
+  if (const auto made = Cylinder<double>::create(cylinder); !made.ok())
+    fail(shape.place, made.status());
+  return cylinder;
+}
+
 std::optional<Geometry> geometry_of(Context& context, const ShapeDirective& shape) {
   if (shape.type == "sphere") return sphere(shape);
   if (shape.type == "disk") return disk(shape);
+  if (shape.type == "cylinder") return cylinder(shape);
   if (shape.type == "trianglemesh")
     return make_mesh<TriangleMeshData>(context, shape, raw_mesh(shape));
   if (shape.type == "bilinearmesh") {
@@ -200,7 +216,7 @@ std::optional<Geometry> geometry_of(Context& context, const ShapeDirective& shap
     if (mesh.indices.empty()) return std::nullopt;
     return mesh;
   }
-  for (const char* known : {"cylinder", "curve", "loopsubdiv"})
+  for (const char* known : {"curve", "loopsubdiv"})
     if (shape.type == known) {
       context.remark(shape.place, fmt::format("Shape \"{}\" is not modelled", known), "left out");
       return std::nullopt;

@@ -55,6 +55,7 @@ v1::AreaShape shape_kind(const TriangleMesh<float>&) { return v1::AREA_SHAPE_TRI
 v1::AreaShape shape_kind(const PatchMesh<float>&) { return v1::AREA_SHAPE_BILINEAR_MESH; }
 v1::AreaShape shape_kind(const Sphere<float>&) { return v1::AREA_SHAPE_SPHERE; }
 v1::AreaShape shape_kind(const Disk<float>&) { return v1::AREA_SHAPE_DISK; }
+v1::AreaShape shape_kind(const Cylinder<float>&) { return v1::AREA_SHAPE_CYLINDER; }
 
 template <template <typename> typename Shape>
 void set_kind(const AreaLight<float, Shape>& l, v1::Light* out) {

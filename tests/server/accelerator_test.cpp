@@ -43,10 +43,15 @@ TEST(Accelerator, FindsATriangleAndItsBarycentrics) {
 
 TEST(Accelerator, AnswersTheNearestOfAllKindsOfGeometry) {
   GeometrySet set = triangle(5);
-  // Along +z at (0.25, 0.25): sphere at 1..2, disk at 3, twisted patch at 4 + 1/16, triangle at 5.
+  // Along +z at (0.25, 0.25): sphere at 1..2, disk at 3, twisted patch at 4 + 1/16, triangle at 5,
+  // a tube that lies across at 6.5..7.5.
   set.spheres = {sphere(0.5, {0.25, 0.25, 1.5})};
   set.disks = {*Disk<double>::create({.height_m = 3, .radius_m = 1})};
   set.patches = {{{0, 0, 4}, {1, 0, 4}, {0, 1, 4}, {1, 1, 5}}};
+  set.cylinders = {
+      *Cylinder<double>::create({.radius_m = 0.5,
+                                 .world_from_object = Transform::translate({0.25, 0, 7}) *
+                                                      *Transform::rotate(M_PI / 2, {1, 0, 0})})};
   const auto a = build(std::move(set));
   const Ray ray{{0.25f, 0.25f, 0}, {0, 0, 1}};
   struct Expected {
@@ -57,7 +62,9 @@ TEST(Accelerator, AnswersTheNearestOfAllKindsOfGeometry) {
                             {1.5f, 2, HitKind::kSphere},
                             {2.5f, 3, HitKind::kDisk},
                             {3.5f, 4.0625f, HitKind::kPatch},
-                            {4.5f, 5, HitKind::kTriangle}}) {
+                            {4.5f, 5, HitKind::kTriangle},
+                            {5.5f, 6.5f, HitKind::kCylinder},
+                            {7, 7.5f, HitKind::kCylinder}}) {
     Ray from = ray;
     from.t_min = e.from;
     const auto hit = a->closest_hit(from);

@@ -24,13 +24,21 @@ struct Expected {
 
 TEST(PbrtReference, ScenesLoadWithoutRemarks) {
   const Expected kScenes[] = {
-      {"point", 4, 0, 1, 1, 1024},         {"point_power", 4, 0, 1, 1, 1024},
-      {"spot", 4, 0, 1, 1, 1024},          {"spot_hard", 4, 0, 1, 1, 1024},
-      {"distant", 4, 0, 1, 1, 1024},       {"triangle", 5, 1, 0, 1, 4096},
-      {"rectangle", 5, 1, 0, 1, 4096},     {"rectangle_near", 5, 1, 0, 1, 4096},
-      {"two_sided", 5, 1, 0, 1, 4096},     {"sphere", 5, 1, 0, 1, 4096},
-      {"disk", 5, 1, 0, 1, 4096},          {"infinite", 4, 0, 1, 1, 4096},
-      {"many_points", 4, 0, 400, 1, 8192}, {"many_triangles", 154, 150, 0, 1, 8192},
+      {"point", 4, 0, 1, 1, 1024},
+      {"point_power", 4, 0, 1, 1, 1024},
+      {"spot", 4, 0, 1, 1, 1024},
+      {"spot_hard", 4, 0, 1, 1, 1024},
+      {"distant", 4, 0, 1, 1, 1024},
+      {"triangle", 5, 1, 0, 1, 4096},
+      {"rectangle", 5, 1, 0, 1, 4096},
+      {"rectangle_near", 5, 1, 0, 1, 4096},
+      {"two_sided", 5, 1, 0, 1, 4096},
+      {"sphere", 5, 1, 0, 1, 4096},
+      {"disk", 5, 1, 0, 1, 4096},
+      {"cylinder", 5, 1, 0, 1, 4096},
+      {"infinite", 4, 0, 1, 1, 4096},
+      {"many_points", 4, 0, 400, 1, 8192},
+      {"many_triangles", 154, 150, 0, 1, 8192},
       {"bounces", 11, 1, 0, 6, 8192},
   };
   for (const Expected& expected : kScenes) {

@@ -133,6 +133,26 @@ TEST(PbrtShapes, SpheresAndDisksKeepTheirParametersAndTransform) {
   EXPECT_EQ(whole.phi_max_rad, 2 * std::numbers::pi);
 }
 
+TEST(PbrtShapes, CylindersKeepTheirParametersAndHavePbrtsDefaults) {
+  const auto scene = load_world(
+      "Shape \"cylinder\" Translate 1 2 3 ReverseOrientation Shape \"cylinder\" \"float radius\" 2 "
+      "\"float zmin\" 4 \"float zmax\" -.5 \"float phimax\" 180");
+  ASSERT_TRUE(scene.ok()) << scene.status();
+  const auto& plain = std::get<CylinderParams>(scene->shapes[0].geometry);
+  EXPECT_EQ(plain.radius_m, 1);
+  EXPECT_EQ(plain.z_min_m, -1);
+  EXPECT_EQ(plain.z_max_m, 1);
+  EXPECT_EQ(plain.phi_max_rad, 2 * std::numbers::pi);
+  EXPECT_FALSE(plain.reverse_orientation);
+  const auto& part = std::get<CylinderParams>(scene->shapes[1].geometry);
+  EXPECT_EQ(part.radius_m, 2);
+  EXPECT_EQ(part.z_min_m, -.5);
+  EXPECT_EQ(part.z_max_m, 4);
+  EXPECT_NEAR(part.phi_max_rad, std::numbers::pi, 1e-15);
+  EXPECT_TRUE(part.reverse_orientation);
+  EXPECT_EQ(part.world_from_object.point({0, 0, 0}), Vec3<double>(1, 2, 3));
+}
+
 TEST(PbrtShapes, WrongMeshesAreRefused) {
   const std::pair<std::string, std::string> kCases[] = {
       {"Shape \"trianglemesh\"", "lacks \"point3 P\""},
@@ -144,6 +164,8 @@ TEST(PbrtShapes, WrongMeshesAreRefused) {
       {"Scale 1e200 1 1 Scale 1e150 1 1 " + kTriangle, "is not finite after its transform"},
       {"Shape \"sphere\" \"float radius\" 0", "radius"},
       {"Shape \"disk\" \"float innerradius\" 2", "inner"},
+      {"Shape \"cylinder\" \"float radius\" -1", "cylinder.radius_m = -1, allowed finite and > 0"},
+      {"Scale 1 2 1 AreaLightSource \"diffuse\" Shape \"cylinder\"", "by (1, 2, 1), allowed for"},
       {"Shape \"plymesh\"", "lacks \"string filename\""},
   };
   for (const auto& [text, expected] : kCases) {
@@ -153,14 +175,14 @@ TEST(PbrtShapes, WrongMeshesAreRefused) {
 }
 
 TEST(PbrtShapes, WhatIsNotModelledIsRemarkedOn) {
-  const auto scene = load_world("Shape \"cylinder\"\n" + kTriangle + "\"float alpha\" .5\n" +
+  const auto scene = load_world("Shape \"curve\"\n" + kTriangle + "\"float alpha\" .5\n" +
                                 "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 2 0 0  0 1 0] "
                                 "\"integer indices\" [0 1 2 0 1 3]\n" +
                                 kTriangle + "\"normal N\" [0 0 0  0 0 1  0 0 1]\n" +
                                 "ActiveTransform EndTime Translate 1 0 0\n" + kTriangle);
   ASSERT_TRUE(scene.ok()) << scene.status();
   EXPECT_EQ(remarks_of(*scene),
-            "1:12 Shape \"cylinder\" is not modelled -> left out\n"
+            "1:12 Shape \"curve\" is not modelled -> left out\n"
             "2:55 \"alpha\" is not modelled -> opaque\n"
             "3:1 1 of 2 triangles of this mesh have no area -> kept, but neither seen nor a light\n"
             "4:1 the normal of vertex 0 has no direction -> the mesh is taken without normals\n"

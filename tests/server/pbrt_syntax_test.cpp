@@ -270,7 +270,7 @@ TEST(PbrtSyntax, LoadingStopsWhenAsked) {
 
 TEST(PbrtSyntax, RemarksAreCountedBeyondAThousand) {
   std::string text;
-  for (int i = 0; i < 1200; ++i) text += "Shape \"cylinder\"\n";
+  for (int i = 0; i < 1200; ++i) text += "Shape \"curve\"\n";
   const auto scene = load_world(text);
   ASSERT_TRUE(scene.ok());
   ASSERT_EQ(scene->remarks.size(), 1001U);

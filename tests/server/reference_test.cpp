@@ -80,7 +80,7 @@ TEST_P(Reference, PictureAgreesWithPbrt4) {
 INSTANTIATE_TEST_SUITE_P(Scenes, Reference,
                          ::testing::Values("point", "point_power", "spot", "spot_hard", "distant",
                                            "triangle", "rectangle", "rectangle_near", "two_sided",
-                                           "sphere", "disk", "infinite", "many_points",
+                                           "sphere", "disk", "cylinder", "infinite", "many_points",
                                            "many_triangles", "bounces"),
                          [](const auto& info) { return info.param; });
 
