@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -14,6 +15,7 @@
 #include "lights/distant_light.h"
 #include "lights/infinite_light.h"
 #include "lights/point_light.h"
+#include "lights/spectrum.h"
 #include "lights/sphere.h"
 #include "lights/spot_light.h"
 #include "lights/sun_light.h"
@@ -64,6 +66,7 @@ struct ShapeDescription {
     Rgb<double> radiance_cd_m2;
     bool two_sided = false;
     SourceLocation where;
+    std::shared_ptr<const Spectrum> spectrum{};  ///< null where it was given RGB
   };
   std::optional<Emission> emission{};
   SourceLocation where{};
@@ -86,6 +89,7 @@ struct LightDescription {
                UniformInfiniteLightParams>
       params;
   SourceLocation where;
+  std::shared_ptr<const Spectrum> spectrum{};  ///< null where it was given RGB
 };
 
 /// A pinhole camera.  Camera space is left-handed: +x right, +y up, +z forward.

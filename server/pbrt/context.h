@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "lights/image.h"
+#include "lights/spectrum.h"
 #include "server/asset_reader.h"
 #include "server/pbrt/place.h"
 #include "server/scene_description.h"
@@ -27,6 +28,8 @@ struct Context {
   std::string scene_file;  ///< the file that loading began with
   /// The pictures read so far, by the name of the file.
   std::map<std::string, std::shared_ptr<const Image>> images;
+  /// Of lights, shared between those that say the same (spectra.cpp).
+  std::map<std::string, std::shared_ptr<const Spectrum>> spectra;
 
   /// Says that `what` at `place` is not modelled, and what happens instead.  After 1000 remarks
   /// they are only counted.  Says the same only once (an area light is met anew with each of its

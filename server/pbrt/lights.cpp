@@ -207,6 +207,11 @@ std::optional<LightDescription> make_light(Context& context, const std::string& 
                             "goniometric projection",
                             printable(type)));
   }
+  // The colours of pictures are RGB.
+  if (type == "point" || type == "spot" || type == "goniometric")
+    light.spectrum = light_spectrum(context, params, "I");
+  else if (type != "projection" && params.find("filename", {"string"}) == nullptr)
+    light.spectrum = light_spectrum(context, params, "L");
   params.remark_unused(context, fmt::format("LightSource \"{}\"", type));
   return light;
 }
@@ -234,6 +239,7 @@ std::optional<ShapeDescription::Emission> make_emission(Context& context,
   const double lumens = (emission.two_sided ? 2 : 1) * kPi * area;
   emission.radiance_cd_m2 =
       level(context, light.params, light.place, "L", Target{"power", "lm", lumens});
+  emission.spectrum = light_spectrum(context, light.params, "L");
   const std::size_t primitives = primitives_of(geometry);
   if (const Parameter* power = light.params.find("power", {"float"});
       power != nullptr && power->numbers.front() > 0 && primitives > 1)

@@ -3,67 +3,111 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <cmath>
 #include <utility>
 
 namespace lucerna::pbrt {
 namespace {
 
-constexpr int kFirstNm = 360;
-constexpr int kLastNm = 830;
-
-double lobe(double x, double peak, double below, double above) {
-  const double t = (x - peak) / (x < peak ? below : above);
-  return std::exp(-0.5 * t * t);
-}
-
-/// Linear RGB, Rec. 709 primaries and D65 white, of a colour in XYZ.  [BT709]
-Rgb<double> rgb_from_xyz(const Vec3<double>& c) {
-  return {3.2409699419045213 * c.x - 1.5373831775700935 * c.y - 0.4986107602930033 * c.z,
-          -0.9692436362808798 * c.x + 1.8759675015077206 * c.y + 0.0415550574071756 * c.z,
-          0.0556300796969936 * c.x - 0.2039769588889765 * c.y + 1.0569715142428786 * c.z};
-}
-
-template <typename F>
-LightColour colour_of(F&& radiance) {
-  Vec3<double> xyz{};
-  for (int nm = kFirstNm; nm <= kLastNm; ++nm) xyz += colour_matching(nm) * radiance(nm);
-  if (!(xyz.y > 0)) return {};
-  const Rgb<double> raw = rgb_from_xyz(xyz / xyz.y);
-  const Rgb<double> rgb{std::max(raw.r, 0.0), std::max(raw.g, 0.0), std::max(raw.b, 0.0)};
-  return {rgb / luminance(rgb), rgb != raw};
-}
-
-/// Wavelengths and values of a spectrum parameter that holds numbers.  Fails where they are no
-/// pairs, where wavelengths do not ascend and where a value is negative.
-std::pair<std::vector<double>, std::vector<double>> samples(const Parameter& parameter) {
-  const std::vector<double>& n = parameter.numbers;
-  if (n.size() % 2 != 0)
-    fail(parameter.place,
-         fmt::format("spectrum \"{}\" has {} numbers, expected pairs of wavelength "
-                     "and value",
-                     parameter.name, n.size()));
-  std::pair<std::vector<double>, std::vector<double>> result;
-  for (std::size_t i = 0; i < n.size(); i += 2) {
-    if (i > 0 && !(n[i] > n[i - 2]))
-      fail(parameter.place,
-           fmt::format("spectrum \"{}\": wavelength {} follows {}, they must ascend",
-                       parameter.name, n[i], n[i - 2]));
-    if (n[i + 1] < 0)
-      fail(parameter.place, fmt::format("spectrum \"{}\" holds {}, allowed: not negative",
-                                        parameter.name, n[i + 1]));
-    result.first.push_back(n[i]);
-    result.second.push_back(n[i + 1]);
+/// Pairs of wavelength and value.  Fails where the numbers are none.
+SampledSpectrum samples(const Place& place, const std::string& what,
+                        const std::vector<double>& numbers) {
+  if (numbers.size() % 2 != 0)
+    fail(place, fmt::format("{} has {} numbers, expected pairs of wavelength and value", what,
+                            numbers.size()));
+  SampledSpectrum result;
+  for (std::size_t i = 0; i < numbers.size(); i += 2) {
+    result.wavelengths_nm.push_back(numbers[i]);
+    result.values.push_back(numbers[i + 1]);
   }
+  if (const absl::Status status = check_samples(result); !status.ok())
+    fail(place, fmt::format("{}: {}", what, std::string(status.message())));
   return result;
 }
 
-double interpolate(std::span<const double> x, std::span<const double> y, double at) {
-  if (x.empty() || at < x.front() || at > x.back()) return 0;
-  const auto above = std::upper_bound(x.begin(), x.end(), at) - x.begin();
-  if (above == static_cast<std::ptrdiff_t>(x.size())) return y.back();
-  const double t = (at - x[above - 1]) / (x[above] - x[above - 1]);
-  return std::lerp(y[above - 1], y[above], t);
+/// The numbers of a text file, # to the end of a line left out.
+std::vector<double> numbers_of(const Place& place, const AssetContent& file) {
+  std::vector<double> numbers;
+  std::string_view rest = file.bytes;
+  for (int line = 1; !rest.empty(); ++line) {
+    const std::size_t end = rest.find('\n');
+    std::string_view text = rest.substr(0, end);
+    rest = end == std::string_view::npos ? std::string_view() : rest.substr(end + 1);
+    text = text.substr(0, text.find('#'));
+    constexpr std::string_view kBlank = " \t\r\f\v,";
+    while ((text.remove_prefix(std::min(text.find_first_not_of(kBlank), text.size())),
+            !text.empty())) {
+      const std::string_view word = text.substr(0, text.find_first_of(kBlank));
+      const std::string_view digits = word.starts_with('+') ? word.substr(1) : word;
+      double value = 0;
+      const auto [stop, error] =
+          std::from_chars(digits.data(), digits.data() + digits.size(), value);
+      if (error != std::errc() || stop != digits.data() + digits.size() || !std::isfinite(value))
+        fail(place, fmt::format("{}:{}: \"{}\", expected a finite number", printable(file.name),
+                                line, printable(std::string(word))));
+      numbers.push_back(value);
+      text.remove_prefix(word.size());
+    }
+  }
+  return numbers;
+}
+
+template <typename Source>
+Spectrum made(const Place& place, const std::string& what, Source source) {
+  absl::StatusOr<Spectrum> spectrum = Spectrum::create(std::move(source));
+  if (!spectrum.ok())
+    fail(place, fmt::format("{}: {}", what, std::string(spectrum.status().message())));
+  return *std::move(spectrum);
+}
+
+/// Names that pbrt-v4 has for spectra that are no lights'.
+bool of_no_light(const std::string& name) {
+  return name.starts_with("metal-") || name.starts_with("glass-") || name.starts_with("canon_") ||
+         name.starts_with("nikon_") || name.starts_with("sony_");
+}
+
+/// What tells equal spectra: content where it is short, else where it stands.
+std::string key_of(const Parameter& p) {
+  if (p.type == "blackbody") return fmt::format("blackbody {}", p.numbers.front());
+  if (!p.strings.empty() && p.strings.front().starts_with("stdillum-")) return p.strings.front();
+  const SourceLocation at = location(p.place);
+  return fmt::format("{}:{}:{}", at.file, at.line, at.column);
+}
+
+std::shared_ptr<const Spectrum> read_spectrum(Context& context, const Parameter& p) {
+  if (p.type == "blackbody") {
+    if (p.numbers.size() != 1)
+      fail(p.place, fmt::format("\"blackbody {}\" has {} values, allowed: one temperature in "
+                                "[100, 1e7] K",
+                                p.name, p.numbers.size()));
+    return std::make_shared<Spectrum>(
+        made(p.place, fmt::format("\"blackbody {}\"", p.name), BlackBody{p.numbers.front()}));
+  }
+  const std::string what = fmt::format("spectrum \"{}\"", p.name);
+  std::vector<double> numbers = p.numbers;
+  if (numbers.empty()) {
+    const std::string& name = p.strings.front();
+    constexpr std::string_view kIlluminant = "stdillum-";
+    if (name.starts_with(kIlluminant))
+      return std::make_shared<Spectrum>(
+          made(p.place, what, CieIlluminant{printable(name.substr(kIlluminant.size()))}));
+    if (of_no_light(name)) {
+      context.remark(p.place, fmt::format("{} \"{}\" is no light's", what, printable(name)),
+                     "linear RGB [1 1 1]");
+      return nullptr;
+    }
+    numbers = numbers_of(p.place, context.read(p.place, name));
+    if (numbers.empty()) fail(p.place, fmt::format("\"{}\" holds no numbers", printable(name)));
+  }
+  absl::StatusOr<Spectrum> spectrum = Spectrum::create(samples(p.place, what, numbers));
+  if (absl::IsFailedPrecondition(spectrum.status())) {
+    context.remark(p.place, fmt::format("{}: {}", what, std::string(spectrum.status().message())),
+                   "black");
+    return nullptr;
+  }
+  return std::make_shared<Spectrum>(*std::move(spectrum));
 }
 
 Rgb<double> rgb_of(const Parameter& parameter) {
@@ -77,38 +121,21 @@ std::string text(const Rgb<double>& c) {
   return fmt::format("[{:.4g} {:.4g} {:.4g}]", c.r, c.g, c.b);
 }
 
-Rgb<double> taken_as(Context& context, const Parameter& parameter, const std::string& what,
-                     const LightColour& colour) {
-  context.remark(parameter.place, what + ": lights have no spectra yet",
-                 fmt::format("linear RGB {} of luminance 1{}", text(colour.rgb),
-                             colour.clipped ? ", clipped to what RGB can show" : ""));
-  return colour.rgb;
-}
-
 }  // namespace
 
-Vec3<double> colour_matching(double nm) {
-  return {1.056 * lobe(nm, 599.8, 37.9, 31.0) + 0.362 * lobe(nm, 442.0, 16.0, 26.7) -
-              0.065 * lobe(nm, 501.1, 20.4, 26.2),
-          0.821 * lobe(nm, 568.8, 46.9, 40.5) + 0.286 * lobe(nm, 530.9, 16.3, 31.1),
-          1.217 * lobe(nm, 437.0, 11.8, 36.0) + 0.681 * lobe(nm, 459.0, 26.0, 13.8)};
-}
-
-LightColour blackbody_colour(double kelvin) {
-  // Planck's law in logarithms and relative to its value at the red end, which is the largest where
-  // the values themselves would underflow (below 100 K).
-  const auto log_radiance = [&](double nm) {
-    constexpr double kSecondRadiationNmK = 1.438776877e7;
-    const double x = kSecondRadiationNmK / (nm * kelvin);
-    return -5 * std::log(nm) - x - std::log(-std::expm1(-x));
-  };
-  const double reference = log_radiance(kLastNm);
-  return colour_of([&](double nm) { return std::exp(log_radiance(nm) - reference); });
-}
-
-LightColour spectrum_colour(std::span<const double> wavelengths_nm,
-                            std::span<const double> values) {
-  return colour_of([&](double nm) { return interpolate(wavelengths_nm, values, nm); });
+std::shared_ptr<const Spectrum> light_spectrum(Context& context, const ParameterSet& params,
+                                               std::string_view name) {
+  const Parameter* parameter = params.find(name, {"rgb", "blackbody", "spectrum"});
+  if (parameter == nullptr || parameter->type == "rgb") return nullptr;
+  const auto [entry, is_new] = context.spectra.try_emplace(key_of(*parameter));
+  if (is_new) entry->second = read_spectrum(context, *parameter);
+  const std::shared_ptr<const Spectrum>& spectrum = entry->second;
+  if (spectrum != nullptr && spectrum->clipped())
+    context.remark(parameter->place,
+                   fmt::format("{} \"{}\" is outside of what RGB can show", parameter->type, name),
+                   fmt::format("linear RGB {} of luminance 1; queries by wavelength are exact",
+                               text(spectrum->rgb())));
+  return spectrum;
 }
 
 Rgb<double> light_level(Context& context, const ParameterSet& params, std::string_view name) {
@@ -121,25 +148,9 @@ Rgb<double> light_level(Context& context, const ParameterSet& params, std::strin
            fmt::format("\"rgb {}\" = {}, allowed: not negative", name, text(rgb)));
     return rgb;
   }
-  if (parameter->type == "blackbody") {
-    const double kelvin = parameter->numbers[0];
-    if (parameter->numbers.size() != 1 || !(kelvin >= 100 && kelvin <= 1e7))
-      fail(parameter->place, fmt::format("\"blackbody {}\" = {} K, allowed: one temperature in "
-                                         "[100, 1e7] K",
-                                         name, kelvin));
-    return taken_as(context, *parameter, fmt::format("black body of {} K", kelvin),
-                    blackbody_colour(kelvin));
-  }
-  if (!parameter->numbers.empty()) {
-    const auto [wavelengths, values] = samples(*parameter);
-    return taken_as(context, *parameter, fmt::format("spectrum \"{}\"", name),
-                    spectrum_colour(wavelengths, values));
-  }
-  // pbrt-v4's name for the white of linear RGB.
-  if (parameter->strings.front() == "stdillum-D65") return Rgb<double>(1);
-  return taken_as(context, *parameter,
-                  fmt::format("spectrum \"{}\"", printable(parameter->strings.front())),
-                  {Rgb<double>(1)});
+  if (const auto spectrum = light_spectrum(context, params, name)) return spectrum->rgb();
+  const bool named = parameter->numbers.empty() && of_no_light(parameter->strings.front());
+  return Rgb<double>(named ? 1 : 0);
 }
 
 Rgb<double> reflectance(Context& context, const Parameter& parameter) {
@@ -149,16 +160,13 @@ Rgb<double> reflectance(Context& context, const Parameter& parameter) {
   } else if (parameter.type == "float") {
     rgb = Rgb<double>(parameter.numbers.front());
   } else if (parameter.type == "spectrum" && !parameter.numbers.empty()) {
-    const auto [wavelengths, values] = samples(parameter);
-    double y = 0, sum = 0;
-    for (int nm = kFirstNm; nm <= kLastNm; ++nm) {
-      y += colour_matching(nm).y * interpolate(wavelengths, values, nm);
-      sum += colour_matching(nm).y;
-    }
-    rgb = Rgb<double>(y / sum);
+    const auto [wavelengths, values] =
+        samples(parameter.place, fmt::format("spectrum \"{}\"", parameter.name), parameter.numbers);
+    constexpr std::array<double, 2> kVisible{360, 830}, kOne{1, 1};
+    rgb = Rgb<double>(tristimulus(wavelengths, values).y / tristimulus(kVisible, kOne).y);
     const bool constant =
         std::adjacent_find(values.begin(), values.end(), std::not_equal_to<>()) == values.end() &&
-        wavelengths.front() <= kFirstNm && wavelengths.back() >= kLastNm;
+        wavelengths.front() <= kVisible[0] && wavelengths.back() >= kVisible[1];
     if (constant) {
       rgb = Rgb<double>(values.front());
     } else {

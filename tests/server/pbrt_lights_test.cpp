@@ -9,9 +9,12 @@
 namespace lucerna {
 namespace {
 
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using testing::load_world;
+using testing::message;
 using testing::remarks_of;
+using testing::SceneFiles;
 using ::testing::StartsWith;
 using testing::world_error_of;
 
@@ -178,10 +181,71 @@ TEST(PbrtLights, BlackBodiesHaveLuminanceOneBeforeScale) {
   const auto power =
       light<PointLightParams>("LightSource \"point\" \"blackbody I\" 2700 \"float power\" 100");
   EXPECT_NEAR(luminance(power.intensity_cd), 100 / (4 * kPi), 1e-9);
-  EXPECT_THAT(remarks("LightSource \"point\" \"blackbody I\" 2700 \"float power\" 100"),
-              StartsWith("1:32 black body of 2700 K: lights have no spectra yet -> linear RGB ["));
+  EXPECT_EQ(remarks("LightSource \"point\" \"blackbody I\" 2700 \"float power\" 100"), "");
+  EXPECT_THAT(remarks("LightSource \"point\" \"blackbody I\" 1000"),
+              StartsWith("1:32 blackbody \"I\" is outside of what RGB can show -> linear RGB ["));
   EXPECT_THAT(remarks("LightSource \"point\" \"spectrum I\" \"metal-Au-k\""),
-              HasSubstr("linear RGB [1 1 1]"));
+              HasSubstr("is no light's -> linear RGB [1 1 1]"));
+}
+
+std::shared_ptr<const Spectrum> spectrum_of(const std::string& text) {
+  return load_world(text)->lights.at(0).spectrum;
+}
+
+TEST(PbrtLights, SpectraStandBesideTheirLights) {
+  const auto body = spectrum_of("LightSource \"point\" \"blackbody I\" 2700");
+  ASSERT_TRUE(body);
+  EXPECT_EQ(std::get<BlackBody>(body->source()).kelvin, 2700);
+  for (const char* name : {"A", "D50", "D65", "F1", "F2", "F11", "F12"}) {
+    const auto s = spectrum_of(std::string("LightSource \"distant\" \"spectrum L\" \"stdillum-") +
+                               name + "\"");
+    ASSERT_TRUE(s);
+    EXPECT_EQ(std::get<CieIlluminant>(s->source()).name, name);
+  }
+  const auto samples = spectrum_of("LightSource \"infinite\" \"spectrum L\" [400 1 500 2 700 0.5]");
+  ASSERT_TRUE(samples);
+  EXPECT_THAT(std::get<SampledSpectrum>(samples->source()).values, ElementsAre(1, 2, 0.5));
+  EXPECT_FALSE(spectrum_of("LightSource \"point\" \"rgb I\" [1 2 3]"));
+  EXPECT_FALSE(spectrum_of("LightSource \"point\""));
+  const auto scene = load_world(
+      "AreaLightSource \"diffuse\" \"blackbody L\" 4000 Shape \"disk\" Shape \"sphere\"");
+  ASSERT_TRUE(scene->shapes[0].emission->spectrum);
+  EXPECT_EQ(scene->shapes[0].emission->spectrum, scene->shapes[1].emission->spectrum);
+}
+
+TEST(PbrtLights, SpectraComeFromFiles) {
+  const SceneFiles files;
+  files.write("scene.pbrt", "WorldBegin LightSource \"point\" \"spectrum I\" \"lamp.spd\"");
+  files.write("lamp.spd", "# a lamp\r\n400 1 # violet\n500 +2.5\n\n700\t5e-1");
+  const auto scene = files.load("scene.pbrt");
+  ASSERT_TRUE(scene.ok()) << message(scene.status());
+  const auto& s = std::get<SampledSpectrum>(scene->lights[0].spectrum->source());
+  EXPECT_THAT(s.wavelengths_nm, ElementsAre(400, 500, 700));
+  EXPECT_THAT(s.values, ElementsAre(1, 2.5, 0.5));
+  EXPECT_EQ(scene->assets.back().name, "lamp.spd");
+  files.write("lamp.spd", "400 1\n500 two");
+  EXPECT_THAT(message(files.load("scene.pbrt").status()),
+              HasSubstr("lamp.spd:2: \"two\", expected a finite number"));
+  files.write("lamp.spd", "400 1 500");
+  EXPECT_THAT(message(files.load("scene.pbrt").status()), HasSubstr("expected pairs"));
+  files.write("lamp.spd", "# nothing");
+  EXPECT_THAT(message(files.load("scene.pbrt").status()), HasSubstr("holds no numbers"));
+}
+
+TEST(PbrtLights, WhatIsNoSpectrumIsAnErrorOrARemark) {
+  EXPECT_THAT(world_error_of("LightSource \"point\" \"spectrum I\" \"stdillum-F13\""),
+              HasSubstr("scene.pbrt:1:32: spectrum \"I\": unknown illuminant \"F13\", allowed: A"));
+  EXPECT_THAT(world_error_of("LightSource \"point\" \"spectrum I\" \"gone.spd\""),
+              HasSubstr("gone.spd"));
+  EXPECT_THAT(world_error_of("LightSource \"point\" \"spectrum I\" [500 1 400 1]"),
+              HasSubstr("400 follows 500"));
+  EXPECT_THAT(world_error_of("LightSource \"point\" \"spectrum I\" [500 1 600 -1]"),
+              HasSubstr("value -1"));
+  EXPECT_THAT(world_error_of("LightSource \"point\" \"blackbody I\" 20"),
+              HasSubstr("black body of 20 K, allowed: [100, 1e7] K"));
+  const std::string infrared = "LightSource \"point\" \"spectrum I\" [900 1 1000 1]";
+  EXPECT_THAT(remarks(infrared), HasSubstr("of which the eye sees nothing -> black"));
+  EXPECT_TRUE(light<PointLightParams>(infrared).intensity_cd.is_black());
 }
 
 TEST(PbrtLights, EmissionNeverGoesIntoObjects) {
@@ -226,10 +290,11 @@ TEST(PbrtLights, LevelsThatAreNoneAreErrors) {
        "\"float illuminance\" = 10 lx for a light of luminance 0"},
       {"AreaLightSource \"diffuse\" \"rgb L\" [0 0 0] \"float power\" 1 Shape \"disk\"",
        "\"float power\" = 1 lm for a light of luminance 0"},
-      {"LightSource \"point\" \"blackbody I\" 0", "allowed: one temperature in"},
+      {"LightSource \"point\" \"blackbody I\" 0", "black body of 0 K, allowed: [100, 1e7] K"},
       {"LightSource \"point\" \"spectrum I\" [400 1 400 2]", "wavelength 400 follows 400"},
       {"LightSource \"point\" \"spectrum I\" [400 1 500]", "has 3 numbers, expected pairs"},
-      {"LightSource \"point\" \"spectrum I\" [400 1 500 -1]", "holds -1, allowed: not negative"},
+      {"LightSource \"point\" \"spectrum I\" [400 1 500 -1]",
+       "value -1 at 500 nm, allowed: finite, not negative"},
       {"LightSource \"spot\" \"float coneangle\" 0",
        "\"float coneangle\" = 0 degrees, allowed (0, 180]"},
       {"LightSource \"spot\" \"float conedeltaangle\" 40", "allowed [0, coneangle], which is 30"},

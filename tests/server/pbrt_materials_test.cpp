@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include "pbrt_fixture.h"
-#include "server/pbrt/spectra.h"
 
 namespace lucerna {
 namespace {
@@ -129,62 +128,12 @@ TEST(PbrtMaterials, WrongOnesAreErrors) {
        "is a mix of itself"},
       {"Texture \"t\" \"spectrum\" \"constant\" Texture \"t\" \"spectrum\" \"constant\"",
        "was made before"},
+      {"Material \"diffuse\" \"spectrum reflectance\" [500 1 400 1] Shape \"disk\"",
+       "wavelength 400 follows 500"},
       {"Texture \"t\" \"spectrum\" \"wood\"", "unknown texture class \"wood\""},
   };
   for (const auto& [text, expected] : kCases)
     EXPECT_THAT(world_error_of(text), HasSubstr(expected)) << text;
-}
-
-// CIE 15, table T.4 (1931 observer).
-TEST(PbrtSpectra, ColourMatchingFunctionsAreNearTheTables) {
-  const std::pair<double, Vec3<double>> kTable[] = {
-      {420, {0.13438, 0.0040, 0.6456}}, {450, {0.3362, 0.0380, 1.77211}},
-      {500, {0.0049, 0.3230, 0.2720}},  {550, {0.43345, 0.99495, 0.00875}},
-      {600, {1.0622, 0.6310, 0.0008}},  {650, {0.2835, 0.1070, 0.0}},
-  };
-  for (const auto& [nm, expected] : kTable)
-    EXPECT_LT(max_abs(pbrt::colour_matching(nm) - expected), 0.03) << nm;
-}
-
-Vec2<double> chromaticity(const Rgb<double>& c) {
-  const double x = 0.4123907992659595 * c.r + 0.357584339383878 * c.g + 0.1804807884018343 * c.b;
-  const double z = 0.0193308187155918 * c.r + 0.119194779794626 * c.g + 0.9505321522496607 * c.b;
-  const double sum = x + luminance(c) + z;
-  return {x / sum, luminance(c) / sum};
-}
-
-// Chromaticities of the Planckian locus [Wyszecki82]; 2856 K is illuminant A of CIE 15.
-TEST(PbrtSpectra, BlackBodiesLieOnThePlanckianLocus) {
-  const std::tuple<double, double, double> kLocus[] = {
-      {2000, 0.5267, 0.4133}, {2856, 0.4476, 0.4074},  {4000, 0.3805, 0.3768},
-      {6500, 0.3135, 0.3237}, {10000, 0.2807, 0.2884},
-  };
-  for (const auto& [kelvin, x, y] : kLocus) {
-    const auto colour = pbrt::blackbody_colour(kelvin);
-    EXPECT_NEAR(luminance(colour.rgb), 1, 1e-12);
-    EXPECT_NEAR(chromaticity(colour.rgb).x, x, 0.003) << kelvin;
-    EXPECT_NEAR(chromaticity(colour.rgb).y, y, 0.003) << kelvin;
-  }
-}
-
-TEST(PbrtSpectra, ColoursOutsideOfRgbAreClippedAtLuminanceOne) {
-  for (const double kelvin : {100.0, 1000.0, 1e7}) {
-    const auto colour = pbrt::blackbody_colour(kelvin);
-    EXPECT_TRUE(is_finite(colour.rgb));
-    EXPECT_GE(std::min({colour.rgb.r, colour.rgb.g, colour.rgb.b}), 0);
-    EXPECT_NEAR(luminance(colour.rgb), 1, 1e-12);
-  }
-  EXPECT_TRUE(pbrt::blackbody_colour(1000).clipped);
-  EXPECT_FALSE(pbrt::blackbody_colour(3000).clipped);
-}
-
-TEST(PbrtSpectra, FlatSpectraHaveTheColourOfEqualEnergy) {
-  const double wavelengths[] = {300, 900}, values[] = {5, 5};
-  const auto xy = chromaticity(pbrt::spectrum_colour(wavelengths, values).rgb);
-  EXPECT_NEAR(xy.x, 1.0 / 3, 0.003);
-  EXPECT_NEAR(xy.y, 1.0 / 3, 0.003);
-  const double infrared[] = {900, 1000};
-  EXPECT_TRUE(pbrt::spectrum_colour(infrared, values).rgb.is_black());
 }
 
 }  // namespace
