@@ -47,7 +47,7 @@ SolidAnglePdf<Real> UniformInfiniteLight<Real>::pdf_li(const Receiver<Real>& rec
 }
 
 template <std::floating_point Real>
-Rgb<Real> UniformInfiniteLight<Real>::le_escaped(const Vec3<Real>&) const {
+Rgb<Real> UniformInfiniteLight<Real>::le_escaped(const Vec3<Real>&, const Vec3<Real>&) const {
   return radiance_;
 }
 

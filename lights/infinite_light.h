@@ -25,8 +25,9 @@ class UniformInfiniteLight {
   /// Uniform over the sphere, density 1 / (4 pi); distance infinite.
   LightSample<Real> sample_li(const Receiver<Real>& receiver, Vec2<Real> u) const;
   SolidAnglePdf<Real> pdf_li(const Receiver<Real>& receiver, const Vec3<Real>& wi) const;
-  /// Radiance [cd/m2] that a ray leaving the scene towards `w` meets.
-  Rgb<Real> le_escaped(const Vec3<Real>& w) const;
+  /// Radiance [cd/m2] that a ray from `origin` that leaves the scene towards `w`
+  /// meets.
+  Rgb<Real> le_escaped(const Vec3<Real>& origin, const Vec3<Real>& w) const;
   /// Flux through the scene's bounding disk from all directions, 4 pi L pi R^2.
   Power power(const SceneSphere& scene) const;
   /// The same: the book's formula is that flux.  [Pharr23, 12.5]

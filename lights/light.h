@@ -8,6 +8,7 @@
 #include "lights/cylinder.h"
 #include "lights/disk.h"
 #include "lights/distant_light.h"
+#include "lights/image_infinite_light.h"
 #include "lights/infinite_light.h"
 #include "lights/mesh.h"
 #include "lights/point_light.h"
@@ -30,8 +31,14 @@ using CylinderLight = AreaLight<Real, Cylinder>;
 
 template <std::floating_point Real>
 using Light =
+<<<<<<< HEAD
     std::variant<PointLight<Real>, SpotLight<Real>, DistantLight<Real>, SunLight<Real>,
                  UniformInfiniteLight<Real>, TriangleMeshLight<Real>, PatchMeshLight<Real>,
                  SphereLight<Real>, DiskLight<Real>, CylinderLight<Real>>;
+=======
+    std::variant<PointLight<Real>, SpotLight<Real>, DistantLight<Real>, UniformInfiniteLight<Real>,
+                 ImageInfiniteLight<Real>, TriangleMeshLight<Real>, PatchMeshLight<Real>,
+                 SphereLight<Real>, DiskLight<Real>>;
+>>>>>>> c286531 (wip2)
 
 }  // namespace lucerna

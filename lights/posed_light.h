@@ -40,9 +40,6 @@ class Posed {
   }
   { return light_.le(to_light(point), inverse_vector(w)); }
 
-  Rgb<Real> le_escaped(const Vec3<Real>& w) const requires requires(const L& l) { l.le_escaped(w); }
-  { return light_.le_escaped(inverse_vector(w)); }
-
   Rgb<Real> le_escaped(const Vec3<Real>& origin, const Vec3<Real>& w) const requires
       requires(const L& l) {
     l.le_escaped(origin, w);

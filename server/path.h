@@ -135,8 +135,8 @@ void PathTracer::for_each_emitter(const Ray& ray, const std::optional<SurfaceHit
   for (const std::uint32_t light : scene_.infinite_lights()) {
     const Rgb<float> le = std::visit(
         [&](const auto& l) {
-          if constexpr (requires { l.le_escaped(ray.direction); })
-            return l.le_escaped(ray.direction);
+          if constexpr (requires { l.le_escaped(ray.origin, ray.direction); })
+            return l.le_escaped(ray.origin, ray.direction);
           else
             return Rgb<float>{};
         },

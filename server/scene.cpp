@@ -7,6 +7,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <set>
 #include <type_traits>
 
 #include "server/denormals.h"
@@ -150,7 +151,7 @@ class Scene::Builder {
     const auto index = static_cast<std::uint32_t>(scene_->lights_.size());
     std::visit(
         [&](const auto& l) {
-          if constexpr (requires { l.le_escaped(Vec3<float>{}); })
+          if constexpr (requires { l.le_escaped(Vec3<float>{}, Vec3<float>{}); })
             scene_->infinite_lights_.push_back(index);
           scene_->has_visible_lights_ |= !l.kDelta;
         },
@@ -173,6 +174,19 @@ class Scene::Builder {
     std::uint64_t bytes = scene_->lights_.capacity() * sizeof(SceneLight);
     for (const SceneLight& l : scene_->lights_) bytes += light_bytes(l.light);
     part("lights", bytes, watch, fmt::format("{} lights", scene_->lights_.size()));
+    // Pictures are shared between lights: each counts once.
+    std::set<const Image*> images;
+    for (const SceneLight& l : scene_->lights_)
+      std::visit(
+          [&](const auto& m) {
+            if constexpr (requires { m.params().map->image(); })
+              images.insert(&m.params().map->image());
+          },
+          l.light);
+    std::uint64_t image_bytes = 0;
+    for (const Image* image : images) image_bytes += image->bytes();
+    if (!images.empty())
+      part("images", image_bytes, watch, fmt::format("{} pictures of lights", images.size()));
     return absl::OkStatus();
   }
 

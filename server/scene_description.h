@@ -13,6 +13,7 @@
 #include "lights/cylinder.h"
 #include "lights/disk.h"
 #include "lights/distant_light.h"
+#include "lights/image_infinite_light.h"
 #include "lights/infinite_light.h"
 #include "lights/point_light.h"
 #include "lights/spectrum.h"
@@ -86,7 +87,7 @@ struct InstanceDescription {
 /// A light that is no shape.
 struct LightDescription {
   std::variant<PointLightParams, SpotLightParams, DistantLightParams, SunLightParams,
-               UniformInfiniteLightParams>
+               UniformInfiniteLightParams, ImageInfiniteLightParams>
       params;
   SourceLocation where;
   std::shared_ptr<const Spectrum> spectrum{};  ///< null where it was given RGB

@@ -37,6 +37,8 @@ absl::StatusOr<Light<float>> create_light(const LightDescription& light,
           return as_light<DistantLight>(params, origin);
         else if constexpr (std::is_same_v<Params, SunLightParams>)
           return as_light<SunLight>(params, origin);
+        else if constexpr (std::is_same_v<Params, ImageInfiniteLightParams>)
+          return as_light<ImageInfiniteLight>(params, origin);
         else
           return as_light<UniformInfiniteLight>(params, origin);
       },
@@ -88,6 +90,8 @@ std::uint64_t light_bytes(const Light<float>& light) {
       [](const auto& l) -> std::uint64_t {
         if constexpr (requires { l.shape().bytes(); })
           return l.shape().bytes();
+        else if constexpr (requires { l.table_bytes(); })
+          return l.table_bytes();
         else
           return 0;
       },

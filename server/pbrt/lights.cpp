@@ -8,6 +8,7 @@
 
 #include "lights/bilinear_patch.h"
 #include "lights/triangle.h"
+#include "server/pbrt/image_lights.h"
 #include "server/pbrt/spectra.h"
 
 namespace lucerna::pbrt {
@@ -189,11 +190,14 @@ std::optional<LightDescription> make_light(Context& context, const std::string& 
   } else if (type == "infinite") {
     const Parameter* image = params.find("filename", {"string"});
     const Parameter* portal = params.find("portal", {"point3"});
-    if (image != nullptr || portal != nullptr) {
-      left_out(
-          context, (image != nullptr ? image : portal)->place,
-          image != nullptr ? "an infinite light with an image" : "an infinite light with a portal");
+    if (portal != nullptr) {
+      left_out(context, portal->place, "an infinite light with a portal");
       return std::nullopt;
+    }
+    if (image != nullptr) {
+      light.params = image_infinite(context, params, place, world_from_light);
+      params.remark_unused(context, "LightSource \"infinite\"");
+      return light;
     }
     UniformInfiniteLightParams infinite;
     // Illuminance on an upward-facing surface under a hemisphere of luminance 1: pi.

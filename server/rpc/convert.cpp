@@ -51,6 +51,23 @@ void set_kind(const UniformInfiniteLight<float>& l, v1::Light* out) {
   set(l.params().radiance_cd_m2, out->mutable_uniform_infinite()->mutable_radiance_cd_m2());
 }
 
+void set(const SphereMap& map, const std::string& name, v1::SphereImage* out) {
+  out->mutable_image()->set_name(name);
+  out->mutable_image()->set_width(static_cast<std::uint32_t>(map.image().width()));
+  out->mutable_image()->set_height(static_cast<std::uint32_t>(map.image().height()));
+  out->mutable_image()->set_filter(
+      map.filter() == ImageFilter::kNearest ? v1::IMAGE_FILTER_NEAREST : v1::IMAGE_FILTER_BILINEAR);
+  out->set_mapping(map.mapping() == SphereMapping::kEqualArea
+                       ? v1::SPHERE_MAPPING_EQUAL_AREA
+                       : v1::SPHERE_MAPPING_LATITUDE_LONGITUDE);
+}
+
+void set_kind(const ImageInfiniteLight<float>& l, v1::Light* out) {
+  v1::ImageInfiniteLight* infinite = out->mutable_image_infinite();
+  set(*l.params().map, l.params().image_name, infinite->mutable_map());
+  set(l.params().radiance_cd_m2, infinite->mutable_radiance_cd_m2());
+}
+
 v1::AreaShape shape_kind(const TriangleMesh<float>&) { return v1::AREA_SHAPE_TRIANGLE_MESH; }
 v1::AreaShape shape_kind(const PatchMesh<float>&) { return v1::AREA_SHAPE_BILINEAR_MESH; }
 v1::AreaShape shape_kind(const Sphere<float>&) { return v1::AREA_SHAPE_SPHERE; }

@@ -157,9 +157,9 @@ TYPED_TEST_P(MovingLight, EqualsTheLightCreatedWhereItStands) {
         const double pdf = moved.pdf_li(receiver, s.wi).per_sr;
         EXPECT_LE(relative_difference(posed.pdf_li(receiver, s.wi).per_sr, pdf), 1e-7);
         EXPECT_LE(s.pdf.per_sr, pdf * (1 + 1e-7));
-        if constexpr (requires { moved.le_escaped(s.wi); }) {
-          EXPECT_LE(relative_difference(s.value, moved.le_escaped(s.wi)), 1e-12);
-          EXPECT_LE(relative_difference(s.value, posed.le_escaped(s.wi)), 1e-12);
+        if constexpr (requires { moved.le_escaped(receiver, s.wi); }) {
+          EXPECT_LE(relative_difference(s.value, moved.le_escaped(receiver, s.wi)), 1e-12);
+          EXPECT_LE(relative_difference(s.value, posed.le_escaped(receiver, s.wi)), 1e-12);
         }
         if constexpr (requires(SurfacePoint<double> p) { moved.le(p, s.wi); }) {
           const SurfacePoint<double> point{s.point, s.normal, s.primitive};

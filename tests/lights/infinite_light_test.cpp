@@ -26,7 +26,7 @@ TEST(UniformInfiniteLight, DensityIsOneOverFourPiInEveryDirection) {
 
 TEST(UniformInfiniteLight, EscapedRaysMeetItsRadiance) {
   const auto light = *UniformInfiniteLight<float>::create({.radiance_cd_m2 = {1, 2, 3}});
-  EXPECT_EQ(light.le_escaped({0, 1, 0}), Rgb<float>(1, 2, 3));
+  EXPECT_EQ(light.le_escaped({5, 6, 7}, {0, 1, 0}), Rgb<float>(1, 2, 3));
 }
 
 // A surface under a uniform sky of radiance L receives pi L.  Of 20000 samples the standard error

@@ -264,8 +264,6 @@ TEST(PbrtLights, WhatIsNotModelledIsLeftOutAndRemarkedOn) {
        "1:12 LightSource \"goniometric\" is not modelled yet -> left out\n"},
       {"LightSource \"projection\"",
        "1:12 LightSource \"projection\" is not modelled yet -> left out\n"},
-      {"LightSource \"infinite\" \"string filename\" \"x.exr\"",
-       "1:35 an infinite light with an image is not modelled yet -> left out\n"},
       {"LightSource \"infinite\" \"point3 portal\" [0 0 0 1 0 0 1 1 0 0 1 0]",
        "1:35 an infinite light with a portal is not modelled yet -> left out\n"},
       {"AreaLightSource \"diffuse\" \"string filename\" \"x.exr\" Shape \"disk\" Shape \"disk\"",
