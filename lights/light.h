@@ -31,14 +31,17 @@ using CylinderLight = AreaLight<Real, Cylinder>;
 
 template <std::floating_point Real>
 using Light =
-<<<<<<< HEAD
     std::variant<PointLight<Real>, SpotLight<Real>, DistantLight<Real>, SunLight<Real>,
-                 UniformInfiniteLight<Real>, TriangleMeshLight<Real>, PatchMeshLight<Real>,
-                 SphereLight<Real>, DiskLight<Real>, CylinderLight<Real>>;
-=======
-    std::variant<PointLight<Real>, SpotLight<Real>, DistantLight<Real>, UniformInfiniteLight<Real>,
-                 ImageInfiniteLight<Real>, TriangleMeshLight<Real>, PatchMeshLight<Real>,
-                 SphereLight<Real>, DiskLight<Real>>;
->>>>>>> c286531 (wip2)
+                 UniformInfiniteLight<Real>, ImageInfiniteLight<Real>, TriangleMeshLight<Real>,
+                 PatchMeshLight<Real>, SphereLight<Real>, DiskLight<Real>, CylinderLight<Real>>;
+
+/// Lights that rays which leave the scene meet, wherever they started.
+template <typename L>
+concept SeenBeyond = requires(const L& light, const Vec3<float>& v) {
+  light.le_escaped(v, v);
+};
+// Said here, so that a change of the signature is an error and not a black sky.
+static_assert(SeenBeyond<SunLight<float>> && SeenBeyond<UniformInfiniteLight<float>> &&
+              SeenBeyond<ImageInfiniteLight<float>>);
 
 }  // namespace lucerna

@@ -91,7 +91,7 @@ SolidAnglePdf<Real> SunLight<Real>::pdf_li(const Receiver<Real>& receiver,
 }
 
 template <std::floating_point Real>
-Rgb<Real> SunLight<Real>::le_escaped(const Vec3<Real>& w) const {
+Rgb<Real> SunLight<Real>::le_escaped(const Vec3<Real>&, const Vec3<Real>& w) const {
   return contains(w) ? Rgb<Real>(radiance_cd_m2_) : Rgb<Real>{};
 }
 

@@ -32,7 +32,7 @@ class SunLight {
   LightSample<Real> sample_li(const Receiver<Real>& receiver, Vec2<Real> u) const;
   SolidAnglePdf<Real> pdf_li(const Receiver<Real>& receiver, const Vec3<Real>& wi) const;
   /// Radiance [cd/m2] that a ray leaving the scene towards `w` meets.
-  Rgb<Real> le_escaped(const Vec3<Real>& w) const;
+  Rgb<Real> le_escaped(const Vec3<Real>& origin, const Vec3<Real>& w) const;
 
   /// Flux through the scene's bounding disk from each of the sun's directions, the disk facing it:
   /// radiance times solid angle times pi R^2.

@@ -26,7 +26,8 @@ WorkCounts le(const Scene& scene, const LeQuery& query, const LeAnswer& answer,
       ItemResult result = p.result;
       if (!is_finite(direction) || direction == Vec3<float>{}) result = ItemResult::kInvalidInput;
       if (result == ItemResult::kOk) {
-        const Ray ray{p.position, normalized(direction), kStartWithoutNormal * p.error};
+        Ray ray{p.position, normalized(direction), kStartWithoutNormal * p.error};
+        ray.time_s = query.time_s;
         const auto hit = first_other_surface(scene, ray, {{p.position, p.error}, {}});
         ++chunk_rays;
         Rgb<float> sum;

@@ -15,6 +15,7 @@ struct LeQuery {
   PointArray points;
   std::span<const float> directions;     ///< three a ray, of any length but 0
   std::optional<std::uint32_t> light{};  ///< index: only this one
+  double time_s = 0;
 };
 
 /// Arrays to be filled, of one entry (or three) a ray; all start as zeros.

@@ -96,6 +96,7 @@ class IrradianceJob {
     receiver.position = points_[p].position;
     receiver.position_error = points_[p].position_error;
     receiver.ng = receiver.ns = points_[p].normal;
+    receiver.time_s = settings_.time_s;
 
     const std::size_t lights = scene_.lights().size();
     Estimate total;

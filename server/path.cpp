@@ -32,8 +32,8 @@ Vec3<float> PathTracer::cosine_direction(const Vec3<float>& ns, const Vec3<float
 PathTracer::Candidate PathTracer::candidate(const SurfaceHit& hit, const Vec3<float>& wo,
                                             std::uint32_t light, double probability,
                                             Vec2<float> u) const {
-  Candidate c{std::visit([&](const auto& l) { return l.sample_li(hit.position, u); },
-                         scene_.lights()[light].light),
+  Candidate c{visit_light(scene_.lights()[light], hit.time_s,
+                          [&](const auto& l) { return l.sample_li(hit.position, u); }),
               {}};
   const LightSample<float>& s = c.sample;
   if (s.reason != NoLight::kNone) return c;
@@ -112,14 +112,13 @@ PathTracer::ChosenLight PathTracer::direct_of_chosen(const SurfaceHit& hit, cons
 float PathTracer::found_weight(const Vec3<float>& receiver, const Ray& ray,
                                const std::optional<SurfaceHit>& hit, std::uint32_t light,
                                double probability, float direction_pdf) const {
-  const SolidAnglePdf<float> pdf = std::visit(
-      [&](const auto& l) {
+  const SolidAnglePdf<float> pdf =
+      visit_light(scene_.lights()[light], ray.time_s, [&](const auto& l) {
         if constexpr (requires { l.le(hit->on_light(), ray.direction); })
           return hit ? l.pdf_li(receiver, hit->on_light()) : SolidAnglePdf<float>{};
         else
           return l.pdf_li(receiver, ray.direction);
-      },
-      scene_.lights()[light].light);
+      });
   return power_weight(direction_pdf, pdf.per_sr * static_cast<float>(probability));
 }
 

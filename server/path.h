@@ -23,6 +23,8 @@ struct PathSample {
   // Pairs of dimensions, four a vertex after the camera's own.
   enum Purpose : std::uint32_t { kLight, kLightPoint, kDirection, kSurvival };
   static constexpr std::uint32_t kFilm = 0;
+  /// Of the moment: drawn only where something moves.
+  static constexpr std::uint32_t kTime = (1u << 30) - 1;
   /// Where many lights are visited at one receiver, each has a pair of its own from here on.
   static constexpr std::uint32_t kFirstVisited = 1u << 30;
 
@@ -121,26 +123,23 @@ void PathTracer::for_each_emitter(const Ray& ray, const std::optional<SurfaceHit
   if (hit) {
     if (hit->light < 0) return;
     const auto light = static_cast<std::uint32_t>(hit->light);
-    const Rgb<float> le = std::visit(
-        [&](const auto& l) {
-          if constexpr (requires { l.le(hit->on_light(), ray.direction); })
-            return l.le(hit->on_light(), -ray.direction);
-          else
-            return Rgb<float>{};
-        },
-        scene_.lights()[light].light);
+    const Rgb<float> le = visit_light(scene_.lights()[light], ray.time_s, [&](const auto& l) {
+      if constexpr (requires { l.le(hit->on_light(), ray.direction); })
+        return l.le(hit->on_light(), -ray.direction);
+      else
+        return Rgb<float>{};
+    });
     if (!le.is_black()) f(light, le);
     return;
   }
   for (const std::uint32_t light : scene_.infinite_lights()) {
-    const Rgb<float> le = std::visit(
-        [&](const auto& l) {
-          if constexpr (requires { l.le_escaped(ray.origin, ray.direction); })
+    const Rgb<float> le =
+        visit_light(scene_.lights()[light], ray.time_s, [&]<typename L>(const L& l) {
+          if constexpr (SeenBeyond<L>)
             return l.le_escaped(ray.origin, ray.direction);
           else
             return Rgb<float>{};
-        },
-        scene_.lights()[light].light);
+        });
     if (!le.is_black()) f(light, le);
   }
 }

@@ -63,7 +63,7 @@ class LiSampler {
       if (!is_finite(n) || n == Vec3<float>{}) p.receiver.result = ItemResult::kInvalidInput;
       p.normal = normalized(n);
       if (q_.test_visibility && !q_.position_error_m && p.receiver.result == ItemResult::kOk) {
-        p.receiver = on_surface(scene_, p.receiver, p.normal);
+        p.receiver = on_surface(scene_, p.receiver, p.normal, q_.time_s);
       }
     }
     double u_light = 0;
@@ -116,15 +116,13 @@ class LiSampler {
     }
     for (std::size_t k = 0; k < order.size();) {
       const std::uint32_t light = chunk[order[k]].light;
-      std::visit(
-          [&](const auto& l) {
-            for (; k < order.size() && chunk[order[k]].light == light; ++k) {
-              Pending& p = chunk[order[k]];
-              p.sample = l.sample_li(p.receiver.position, p.u);
-              p.sampled = true;
-            }
-          },
-          scene_.lights()[light].light);
+      visit_light(scene_.lights()[light], q_.time_s, [&](const auto& l) {
+        for (; k < order.size() && chunk[order[k]].light == light; ++k) {
+          Pending& p = chunk[order[k]];
+          p.sample = l.sample_li(p.receiver.position, p.u);
+          p.sampled = true;
+        }
+      });
     }
   }
 
@@ -171,7 +169,7 @@ class LiSampler {
     items.reserve(chunk.size());
     for (std::size_t k = 0; k < chunk.size(); ++k) {
       if (chunk[k].receiver.result != ItemResult::kOk) continue;
-      rays.push_back(light_ray(chunk[k].receiver, chunk[k].normal, chunk[k].sample));
+      rays.push_back(light_ray(chunk[k].receiver, chunk[k].normal, chunk[k].sample, q_.time_s));
       LooseEnds& e = ends.emplace_back();
       if (loose) e.start = {chunk[k].receiver.position, chunk[k].receiver.error};
       items.push_back(static_cast<std::uint32_t>(begin + k));
@@ -251,35 +249,35 @@ WorkCounts sample_li(const Scene& scene, const SampleLiQuery& query, const Sampl
 }
 
 void pdf_li(const Scene& scene, std::uint32_t light, const PointArray& receivers,
-            std::span<const float> wi, float* pdf_per_sr, int* status, std::stop_token stop) {
+            std::span<const float> wi, float* pdf_per_sr, int* status, std::stop_token stop,
+            double time_s) {
   const ToScene to_scene(scene, receivers, 0.0F);
-  std::visit(
-      [&](const auto& l) {
-        parallel_chunks(receivers.size(), kGrain, stop, [&](std::size_t begin, std::size_t end) {
-          const DenormalsAreZero denormals;
-          for (std::size_t i = begin; i < end; ++i) {
-            const ScenePoint p = to_scene(i);
-            const Vec3<float> w = triple(wi, i);
-            ItemResult result = p.result;
-            if (!is_finite(w) || w == Vec3<float>{}) result = ItemResult::kInvalidInput;
-            if (result == ItemResult::kOk) {
-              const float pdf = l.pdf_li(p.position, normalized(w)).per_sr;
-              if (std::isfinite(pdf)) {
-                pdf_per_sr[i] = pdf;
-              } else {
-                result = ItemResult::kOutOfRange;
-              }
-            }
-            status[i] = static_cast<int>(result);
+  visit_light(scene.lights()[light], time_s, [&](const auto& l) {
+    parallel_chunks(receivers.size(), kGrain, stop, [&](std::size_t begin, std::size_t end) {
+      const DenormalsAreZero denormals;
+      for (std::size_t i = begin; i < end; ++i) {
+        const ScenePoint p = to_scene(i);
+        const Vec3<float> w = triple(wi, i);
+        ItemResult result = p.result;
+        if (!is_finite(w) || w == Vec3<float>{}) result = ItemResult::kInvalidInput;
+        if (result == ItemResult::kOk) {
+          const float pdf = l.pdf_li(p.position, normalized(w)).per_sr;
+          if (std::isfinite(pdf)) {
+            pdf_per_sr[i] = pdf;
+          } else {
+            result = ItemResult::kOutOfRange;
           }
-        });
-      },
-      scene.lights()[light].light);
+        }
+        status[i] = static_cast<int>(result);
+      }
+    });
+  });
 }
 
 Power light_power(const Scene& scene, std::uint32_t light) {
-  return std::visit([&](const auto& l) { return l.power(scene.sphere()); },
-                    scene.lights()[light].light);
+  // The same at any time, but for what the scene's sphere is to portals: at the first key frame.
+  return visit_light(scene.lights()[light], -std::numeric_limits<double>::infinity(),
+                     [&](const auto& l) { return l.power(scene.sphere()); });
 }
 
 std::optional<std::uint32_t> hinted_bounces(const Scene& scene) {

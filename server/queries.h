@@ -73,6 +73,7 @@ struct SampleLiQuery {
   std::optional<SeedRange> seed{};       ///< set: `u` and `u_light` are not read
   std::span<const float> u{};            ///< two a sample, in [0, 1] or not finite
   std::span<const double> u_light{};     ///< one a sample, in [0, 1), where `light` is unset
+  double time_s = 0;
   bool test_visibility = false;
   std::span<const float> normals{};  ///< three a receiver, or none
   std::optional<float> position_error_m{};
@@ -102,7 +103,8 @@ WorkCounts sample_li(const Scene& scene, const SampleLiQuery& query, const Sampl
 /// The density with which `sample_li` of light `light` chooses `wi` (three a receiver, of any
 /// length but 0) [1/sr].
 void pdf_li(const Scene& scene, std::uint32_t light, const PointArray& receivers,
-            std::span<const float> wi, float* pdf_per_sr, int* status, std::stop_token stop);
+            std::span<const float> wi, float* pdf_per_sr, int* status, std::stop_token stop,
+            double time_s = 0);
 
 /// Power of light `light` [lm].
 Power light_power(const Scene& scene, std::uint32_t light);

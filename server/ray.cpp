@@ -29,7 +29,9 @@ Vec3<float> offset_origin(const Vec3<float>& position, const Vec3<float>& positi
 }
 
 Ray spawn_ray(const SurfaceHit& from, const Vec3<float>& direction) {
-  return {offset_origin(from.position, from.position_error, from.ng, direction), direction};
+  Ray ray{offset_origin(from.position, from.position_error, from.ng, direction), direction};
+  ray.time_s = from.time_s;
+  return ray;
 }
 
 Ray shadow_ray(const SurfaceHit& from, const LightSample<float>& to) {
@@ -42,7 +44,7 @@ Ray shadow_ray(const SurfaceHit& from, const LightSample<float>& to) {
     end = offset_origin(end, {error, error, error}, to.normal, -to.wi);
   }
   const Vec3<float> origin = offset_origin(from.position, from.position_error, from.ng, to.wi);
-  return {origin, end - origin, 0, 1};
+  return {origin, end - origin, 0, 1, from.time_s};
 }
 
 }  // namespace lucerna

@@ -14,6 +14,7 @@ struct Ray {
   Vec3<float> direction;  ///< any length but 0; t is in units of it
   float t_min = 0;
   float t_max = std::numeric_limits<float>::infinity();
+  double time_s = 0;  ///< when: without effect where nothing moves
 };
 
 /// A point on the scene's surfaces with all that shading needs.
@@ -27,6 +28,7 @@ struct SurfaceHit {
   std::uint32_t material{};         ///< index into Scene::materials()
   std::int32_t light = -1;          ///< index into Scene::lights() where the surface emits
   std::uint32_t light_primitive{};  ///< which primitive of that light's shape
+  double time_s = 0;                ///< of the ray that found it
 
   SurfacePoint<float> on_light() const { return {position, ng, light_primitive}; }
 };

@@ -77,12 +77,20 @@ class TileJob {
       }
       const PathSample sample{sequence, i};
       const Vec2<float> film = sample.pair(PathSample::kFilm);
-      const Ray ray =
-          scene_.camera().ray(static_cast<float>(x) + film.x, static_cast<float>(y) + film.y);
+      Ray ray = scene_.camera().ray(static_cast<float>(x) + film.x, static_cast<float>(y) + film.y);
+      ray.time_s = time(sample);
       sum += Rgb<double>(tracer_.radiance(ray, sample, work));
     }
     work.samples += n;
     return sum * (scene_.camera().film_scale() / n);
+  }
+
+  double time(const PathSample& sample) const {
+    if (settings_.time_s) return *settings_.time_s;
+    if (!scene_.moves()) return 0;
+    const double u = sample.pair(PathSample::kTime).x;
+    const RenderHints& hints = scene_.hints();
+    return hints.shutter_open_s * (1 - u) + hints.shutter_close_s * u;
   }
 
   const Scene& scene_;

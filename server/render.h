@@ -35,6 +35,7 @@ struct TileSettings {
   /// Reflections after the surface that the camera sees: 0 is direct light only; unset: until
   /// Russian roulette ends the path.
   std::optional<std::uint32_t> bounces{};
+  std::optional<double> time_s{};  ///< unset: all the time that the shutter is open
 };
 
 struct TileResult {
@@ -60,6 +61,7 @@ struct IrradianceSettings {
   std::uint32_t block_count = 1;           ///< independent replicates; 1: no standard error
   std::optional<std::uint32_t> bounces{};  ///< 0: direct light only; unset: all
   bool per_light = false;                  ///< direct light by light beside the total
+  double time_s = 0;
 };
 
 struct IrradianceEstimate {

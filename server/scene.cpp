@@ -137,7 +137,10 @@ class Scene::Builder {
     // A light far off must not coarsen the geometry: the origin is the geometry's, if there is any.
     Bounds with_lights = world;
     for (const auto& light : in_.lights)
-      if (const auto p = position_of(light); p && is_finite(*p)) with_lights.add(*p);
+      if (const auto p = position_of(light); p && is_finite(*p)) {
+        const auto [lower, upper] = light.motion ? light.motion->bounds(*p, *p) : std::pair{*p, *p};
+        with_lights.add(lower), with_lights.add(upper);
+      }
     scene_->origin_ = origin_for(world.empty() ? with_lights : world);
     if (!with_lights.empty()) {
       const Vec3<double> centre = with_lights.lower * 0.5 + with_lights.upper * 0.5;
@@ -146,24 +149,34 @@ class Scene::Builder {
     return absl::OkStatus();
   }
 
-  absl::Status add_light(absl::StatusOr<Light<float>> light, const SourceLocation& where) {
+  absl::Status add_light(absl::StatusOr<Light<float>> light, const SourceLocation& where,
+                         std::shared_ptr<const Motion> motion = nullptr) {
     if (!light.ok()) return located(light.status(), where);
     const auto index = static_cast<std::uint32_t>(scene_->lights_.size());
     std::visit(
-        [&](const auto& l) {
-          if constexpr (requires { l.le_escaped(Vec3<float>{}, Vec3<float>{}); })
-            scene_->infinite_lights_.push_back(index);
+        [&]<typename L>(const L& l) {
+          if constexpr (SeenBeyond<L>) scene_->infinite_lights_.push_back(index);
           scene_->has_visible_lights_ |= !l.kDelta;
         },
         *light);
-    scene_->lights_.push_back({index + 1u, *std::move(light), where});
+    scene_->moves_ |= motion != nullptr;
+    scene_->lights_.push_back({index + 1u, *std::move(light), where, std::move(motion)});
     return absl::OkStatus();
   }
 
   absl::Status build_lights() {
     const Stopwatch watch;
-    for (const auto& l : in_.lights)
-      if (absl::Status s = add_light(create_light(l, scene_->origin_), l.where); !s.ok()) return s;
+    for (const auto& l : in_.lights) {
+      Vec3<double> origin = scene_->origin_;
+      std::shared_ptr<const Motion> motion;
+      if (l.motion) {
+        // About itself: its coordinates are then exact wherever it moves to.
+        origin = position_of(l).value_or(l.motion->key_frames()[0].position_m);
+        motion = std::make_shared<const Motion>(l.motion->about(origin, scene_->origin_));
+      }
+      if (absl::Status s = add_light(create_light(l, origin), l.where, std::move(motion)); !s.ok())
+        return s;
+    }
     for (const auto& s : in_.shapes)
       if (s.emission)
         if (absl::Status status =
@@ -187,6 +200,13 @@ class Scene::Builder {
     for (const Image* image : images) image_bytes += image->bytes();
     if (!images.empty())
       part("images", image_bytes, watch, fmt::format("{} pictures of lights", images.size()));
+    std::uint64_t moving = 0, motion_bytes = 0;
+    for (const SceneLight& l : scene_->lights_) {
+      if (!l.motion) continue;
+      ++moving;
+      motion_bytes += sizeof(Motion) + l.motion->bytes();
+    }
+    if (moving > 0) part("motion", motion_bytes, watch, fmt::format("{} lights move", moving));
     return absl::OkStatus();
   }
 
@@ -230,7 +250,8 @@ class Scene::Builder {
     if (scene_->accelerator_->empty()) return absl::OkStatus();
     std::uint64_t read_by_embree = 0;
     for (const ScenePart& p : scene_->parts_)
-      if (p.name != "lights" && p.name != "surfaces") read_by_embree += p.bytes;
+      if (p.name != "lights" && p.name != "motion" && p.name != "surfaces")
+        read_by_embree += p.bytes;
     const std::uint64_t all = scene_->accelerator_->bytes();
     part("bvh", all > read_by_embree ? all - read_by_embree : 0, watch,
          fmt::format("rays against {} primitives{}", scene_->primitive_count(),
@@ -269,8 +290,8 @@ class Scene::Builder {
     const Stopwatch watch;
     std::vector<double> lumens;
     for (const SceneLight& l : scene_->lights_) {
-      const Power power =
-          std::visit([&](const auto& m) { return m.power(scene_->sphere_); }, l.light);
+      const Power power = visit_light(l, -std::numeric_limits<double>::infinity(),
+                                      [&](const auto& m) { return m.power(scene_->sphere_); });
       // The largest channel, not the luminance: a light of one channel has its share of noise too.
       lumens.push_back(std::fmin(power.lumens.max_component(), 1e300));
     }

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "lights/light.h"
+#include "lights/posed_light.h"
 #include "server/accelerator.h"
 #include "server/camera.h"
 #include "server/light_choice.h"
@@ -24,9 +25,25 @@ namespace lucerna {
 /// One light as the scene holds it.
 struct SceneLight {
   std::uint64_t id;    ///< stable, from 1, never reused
-  Light<float> light;  ///< about the scene's origin
+  Light<float> light;  ///< about the scene's origin; where it moves, about one of its own
   SourceLocation where;
+  /// From the light's own coordinates at its first key frame to the scene's; null: it rests.
+  std::shared_ptr<const Motion> motion{};
 };
+
+/// Calls `f` with the light as it is at `time_s`, about the scene's origin: the model itself or,
+/// where it moves, its Posed form.
+template <typename F>
+auto visit_light(const SceneLight& light, double time_s, F&& f) {
+  return std::visit(
+      [&](const auto& model) {
+        if (light.motion == nullptr) [[likely]]
+          return f(model);
+        using Model = std::decay_t<decltype(model)>;
+        return f(Posed<float, Model>(model, light.motion->at(time_s)));
+      },
+      light.light);
+}
 
 /// One thing that was built, for GetScene.
 struct ScenePart {
@@ -63,6 +80,8 @@ class Scene {
     return light_distribution_.empty() ? 1 : light_distribution_.probability(light);
   }
   const LightDistribution& light_distribution() const { return light_distribution_; }
+  /// True where some light moves: answers then depend on time.
+  bool moves() const { return moves_; }
   /// True where some light is not a delta light: rays may find it.
   bool has_visible_lights() const { return has_visible_lights_; }
   /// True where there is nothing to hit.
@@ -99,6 +118,7 @@ class Scene {
   std::vector<SurfaceTable> object_surfaces_;  // of each object's
   LightDistribution light_distribution_;       // empty where there are fewer than two lights
   bool has_visible_lights_ = false;
+  bool moves_ = false;
   Camera camera_;
   RenderHints hints_;
   std::vector<Remark> remarks_;

@@ -15,6 +15,7 @@
 #include "lights/distant_light.h"
 #include "lights/image_infinite_light.h"
 #include "lights/infinite_light.h"
+#include "lights/motion.h"
 #include "lights/point_light.h"
 #include "lights/spectrum.h"
 #include "lights/sphere.h"
@@ -91,6 +92,8 @@ struct LightDescription {
       params;
   SourceLocation where;
   std::shared_ptr<const Spectrum> spectrum{};  ///< null where it was given RGB
+  /// World to world, where it moves: `params` then are those of the first key frame.
+  std::shared_ptr<const Motion> motion{};
 };
 
 /// A pinhole camera.  Camera space is left-handed: +x right, +y up, +z forward.
@@ -112,6 +115,8 @@ struct Film {
 struct RenderHints {
   std::optional<int> max_depth;  ///< path length, 1 is direct light only (pbrt's maxdepth)
   std::optional<int> samples_per_pixel;
+  double shutter_open_s = 0;   ///< what moves is blurred over the time between
+  double shutter_close_s = 0;  ///< not before shutter_open_s
 };
 
 /// One file that was read, for digests.

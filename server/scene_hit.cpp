@@ -101,6 +101,7 @@ std::optional<SurfaceHit> Scene::closest_hit(const Ray& ray) const {
 
   SurfaceHit hit;
   hit.t = raw->t;
+  hit.time_s = ray.time_s;
   hit.position = Vec3<float>(local.position);
   // The one rounding of the position, and what double left.
   error += absolute(local.position) * (kFloatRoundoff * (1 + 1e-6));

@@ -31,7 +31,8 @@ std::optional<Ray> ray_of(const Scene& scene, const VisibilityQuery& q, const To
     normal = triple(q.normals, i);
     if (!is_finite(normal) || !has_normal(normal)) result = ItemResult::kInvalidInput;
     normal = normalized(normal);
-    if (result == ItemResult::kOk && !q.position_error_m) from = on_surface(scene, from, normal);
+    if (result == ItemResult::kOk && !q.position_error_m)
+      from = on_surface(scene, from, normal, q.time_s);
   } else if (!q.position_error_m) {
     ends.start = {from.position, from.error};
   }
@@ -41,7 +42,9 @@ std::optional<Ray> ray_of(const Scene& scene, const VisibilityQuery& q, const To
     if (to.result == ItemResult::kInvalidInput) result = to.result;
     if (result != ItemResult::kOk) return std::nullopt;
     if (!q.position_error_m) ends.end = {to.position, to.error};
-    return segment_ray(from, normal, to);
+    std::optional<Ray> segment = segment_ray(from, normal, to);
+    if (segment) segment->time_s = q.time_s;
+    return segment;
   }
   const Vec3<float> direction = triple(q.directions, i);
   const float length = q.lengths_m.empty() ? INFINITY : q.lengths_m[i];
@@ -51,6 +54,7 @@ std::optional<Ray> ray_of(const Scene& scene, const VisibilityQuery& q, const To
   }
   if (result != ItemResult::kOk) return std::nullopt;
   Ray ray{start_of(from, normal, direction), normalized(direction), 0, length};
+  ray.time_s = q.time_s;
   if (!has_normal(normal)) ray.t_min = kStartWithoutNormal * from.error;
   if (!(ray.t_min < ray.t_max)) return std::nullopt;
   return ray;
@@ -90,14 +94,16 @@ std::optional<SurfaceHit> first_other_surface(const Scene& scene, Ray ray, const
   return hit;
 }
 
-ScenePoint on_surface(const Scene& scene, ScenePoint point, const Vec3<float>& normal) {
+ScenePoint on_surface(const Scene& scene, ScenePoint point, const Vec3<float>& normal,
+                      double time_s) {
   if (!has_normal(normal)) return point;
   // No coordinate of a surface is larger than this, so none is rounded by more than a few of its
   // ulps.
   const auto largest =
       static_cast<float>(max_abs(scene.sphere().center_m) + scene.sphere().radius_m);
   const float reach = kStartWithoutNormal * (point.error + kTraversalError * largest);
-  const auto hit = scene.closest_hit({point.position + normal * reach, -normal, 0, 2 * reach});
+  const auto hit =
+      scene.closest_hit({point.position + normal * reach, -normal, 0, 2 * reach, time_s});
   if (!hit) return point;
   const float away = std::fabs(hit->t - reach);
   const float error = max_abs(hit->position_error);
@@ -123,11 +129,13 @@ std::optional<Ray> segment_ray(const ScenePoint& from, const Vec3<float>& normal
   return ray;
 }
 
-Ray light_ray(const ScenePoint& from, const Vec3<float>& normal, const LightSample<float>& to) {
+Ray light_ray(const ScenePoint& from, const Vec3<float>& normal, const LightSample<float>& to,
+              double time_s) {
   SurfaceHit hit;
   hit.position = from.position;
   hit.position_error = {from.error, from.error, from.error};
   hit.ng = hit.ns = normal;
+  hit.time_s = time_s;
   Ray ray = shadow_ray(hit, to);
   if (!has_normal(normal)) {
     const float distance = length(ray.direction);

@@ -20,7 +20,8 @@ inline constexpr float kStartWithoutNormal = 16;
 /// The point with its error widened by that of the surface that it lies on, as far as there is one
 /// within both errors: a surface is rounded with its vertices, which may lie much farther from zero
 /// than the point.  `normal`: unit, or zero: then nothing is changed.
-ScenePoint on_surface(const Scene& scene, ScenePoint point, const Vec3<float>& normal);
+ScenePoint on_surface(const Scene& scene, ScenePoint point, const Vec3<float>& normal,
+                      double time_s = 0);
 
 /// The ray whose t in (t_min, 1) is the open way between two points; `normal`: unit at the start,
 /// or zero for none.  Nothing where the points are so close that nothing is left between them: they
@@ -29,7 +30,8 @@ std::optional<Ray> segment_ray(const ScenePoint& from, const Vec3<float>& normal
                                const ScenePoint& to);
 
 /// The way from a point to a sampled point of a light.
-Ray light_ray(const ScenePoint& from, const Vec3<float>& normal, const LightSample<float>& to);
+Ray light_ray(const ScenePoint& from, const Vec3<float>& normal, const LightSample<float>& to,
+              double time_s = 0);
 
 struct VisibilityQuery {
   PointArray from;
@@ -38,6 +40,7 @@ struct VisibilityQuery {
   std::span<const float> lengths_m{};   ///< > 0, or none: infinitely far
   std::span<const float> normals{};     ///< three an item, or none
   std::optional<float> position_error_m{};
+  double time_s = 0;
 };
 
 /// Sets bit i of `visible` (zeros before) where nothing stands between; `status` is an ItemResult

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <utility>
 
 namespace lucerna::pbrt {
@@ -60,6 +61,16 @@ const Transform& Builder::still_transform(const char* directive, const Place& pl
   return moving.start;
 }
 
+std::shared_ptr<const Motion> Builder::motion(const Place& place) const {
+  const MovingTransform& moving = state_.world_from_object;
+  if (moving.start == moving.end) return nullptr;
+  const std::array<KeyTransform, 2> frames{{{start_s_, moving.start}, {end_s_, moving.end}}};
+  absl::StatusOr<Motion> motion = Motion::create(frames);
+  if (!motion.ok())
+    fail(place, fmt::format("LightSource: {}", std::string(motion.status().message())));
+  return std::make_shared<const Motion>(*std::move(motion));
+}
+
 void Builder::setting(const std::string& directive, const std::string& type, Parameters params,
                       const Place& place) {
   require_before_world(directive, place);
@@ -89,7 +100,11 @@ void Builder::world_begin(const Place& place) {
   apply(context_, settings_);
 }
 
-void Builder::transform_times(const Place& place) { require_before_world("TransformTimes", place); }
+void Builder::transform_times(double start_s, double end_s, const Place& place) {
+  require_before_world("TransformTimes", place);
+  start_s_ = start_s;
+  end_s_ = end_s;
+}
 
 void Builder::attribute_begin(const Place& place) {
   require_world("AttributeBegin", place);
@@ -178,8 +193,10 @@ void Builder::shape(const std::string& type, Parameters params, const Place& pla
 void Builder::light_source(const std::string& type, Parameters params, const Place& place) {
   require_world("LightSource", place);
   const ParameterSet set(std::move(params), state_.light_attributes);
-  if (auto light = make_light(context_, type, set, place, still_transform("LightSource", place)))
+  if (auto light = make_light(context_, type, set, place, state_.world_from_object.start)) {
+    light->motion = motion(place);
     context_.scene.lights.push_back(*std::move(light));
+  }
 }
 
 void Builder::area_light_source(const std::string& type, Parameters params, const Place& place) {

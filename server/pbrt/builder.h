@@ -50,7 +50,7 @@ class Builder {
   void setting(const std::string& directive, const std::string& type, Parameters params,
                const Place& place);
   void world_begin(const Place& place);
-  void transform_times(const Place& place);
+  void transform_times(double start_s, double end_s, const Place& place);
 
   // The world.
   void attribute_begin(const Place& place);
@@ -92,12 +92,15 @@ class Builder {
   void close(Opened::Kind kind, const char* directive, const Place& place);
   /// The transform in force at its start; a remark where it moves.
   const Transform& still_transform(const char* directive, const Place& place);
+  /// How the transform in force moves; null where it rests.  Fails on a motion that is not rigid.
+  std::shared_ptr<const Motion> motion(const Place& place) const;
   void resolve_materials(std::vector<ShapeDescription>& shapes);
 
   Context& context_;
   GraphicsState state_;
   std::vector<Opened> opened_;
   std::map<std::string, MovingTransform> coordinate_systems_;
+  double start_s_ = 0, end_s_ = 1;  ///< TransformTimes
   Settings settings_;
   Materials materials_;
   std::optional<std::size_t> open_object_;

@@ -50,9 +50,13 @@ void apply_film(Context& context, const Settings& settings) {
                    "values are not clipped");
   // The imaging ratio of pbrt-v4: exposure time times ISO speed over 100.
   double exposure_s = 1;
+  context.scene.hints.shutter_close_s = 1;
   if (settings.camera) {
     const ParameterSet& camera = settings.camera->params;
-    exposure_s = camera.number("shutterclose", 1) - camera.number("shutteropen", 0);
+    RenderHints& hints = context.scene.hints;
+    hints.shutter_open_s = camera.number("shutteropen", 0);
+    hints.shutter_close_s = camera.number("shutterclose", 1);
+    exposure_s = hints.shutter_close_s - hints.shutter_open_s;
     if (!(exposure_s > 0))
       fail(settings.camera->place,
            fmt::format("the shutter is open for {} s, allowed: more than 0", exposure_s));

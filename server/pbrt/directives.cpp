@@ -60,7 +60,7 @@ bool Parser::transform_directive(const Token& word) {
   } else if (name == "TransformTimes") {
     std::array<double, 2> n;
     numbers(n);
-    builder_.transform_times(word.place);
+    builder_.transform_times(n[0], n[1], word.place);
   } else {
     return false;
   }

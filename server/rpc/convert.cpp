@@ -87,6 +87,17 @@ void set_kind(const AreaLight<float, Shape>& l, v1::Light* out) {
   }
 }
 
+void set_motion(const Motion& motion, const Vec3<double>& origin_m, v1::Motion* out) {
+  for (const Motion::KeyFrame& key : motion.key_frames()) {
+    v1::KeyFrame* frame = out->add_key_frames();
+    const auto [angle_rad, axis] = key.angle_and_axis();
+    frame->set_time_s(key.time_s);
+    set(origin_m + key.position_m, frame->mutable_position_m());
+    set(axis, frame->mutable_axis());
+    frame->set_angle_rad(angle_rad);
+  }
+}
+
 }  // namespace
 
 void set_light(const Scene& scene, std::uint32_t light, v1::Light* out) {
@@ -108,6 +119,7 @@ void set_light(const Scene& scene, std::uint32_t light, v1::Light* out) {
         set_kind(l, out);
       },
       entry.light);
+  if (entry.motion) set_motion(*entry.motion, scene.origin(), out->mutable_motion());
   const Power power = light_power(scene, light);
   out->set_power_lm(luminance(power.lumens));
   out->set_power_error_lm(power.error_lumens);
@@ -130,6 +142,8 @@ void set_summary(const StoredScene& stored, v1::SceneSummary* out) {
     out->set_samples_per_pixel(static_cast<std::uint32_t>(*hints.samples_per_pixel));
   }
   if (const auto bounces = hinted_bounces(scene)) out->set_bounces(*bounces);
+  out->set_shutter_open_s(hints.shutter_open_s);
+  out->set_shutter_close_s(hints.shutter_close_s);
   std::uint64_t bytes = 0;
   for (const ScenePart& part : scene.parts()) bytes += part.bytes;
   out->set_bytes(bytes);

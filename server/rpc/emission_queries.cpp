@@ -32,6 +32,7 @@ Prepared le(const Context& context, const v1::LeRequest& request, v1::LeResponse
   }
   if (auto s = check_time(request.has_time_s(), request.time_s()); !s.ok()) return s;
   if (auto s = check_wavelengths(request.wavelengths_nm()); !s.ok()) return s;
+  query.time_s = request.time_s();
 
   Task task;
   task.predicted_s = static_cast<double>(n) * kLeSeconds;

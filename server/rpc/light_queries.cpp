@@ -114,6 +114,7 @@ Prepared sample_li(const Context& context, const v1::SampleLiRequest& request,
   if (auto s = check_randomness(request, n, query); !s.ok()) return s;
   if (auto s = check_time(request.has_time_s(), request.time_s()); !s.ok()) return s;
   if (auto s = check_wavelengths(request.wavelengths_nm()); !s.ok()) return s;
+  query.time_s = request.time_s();
   query.test_visibility = request.test_visibility();
   if (auto s =
           check_triples("normals", request.normals(), query.receivers.size(), "receivers", true);
@@ -173,7 +174,7 @@ Prepared pdf_li(const Context& context, const v1::PdfLiRequest& request,
               response](const std::stop_token& stop) {
     lucerna::pdf_li(*scene, light, receivers, view(request.wi()),
                     fill(response->mutable_pdf_per_sr(), n), fill(response->mutable_status(), n),
-                    stop);
+                    stop, request.time_s());
     drop_if_all_ok(response->mutable_status());
     return absl::OkStatus();
   };

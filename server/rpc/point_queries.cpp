@@ -114,7 +114,7 @@ absl::Status IrradianceWork::operator()(const std::stop_token& stop,
       result = p.result;
       if (!is_finite(normal) || normal == Vec3<float>{}) result = ItemResult::kInvalidInput;
       if (result == ItemResult::kOk && !position_error_m) {
-        p = on_surface(*scene, p, normalized(normal));
+        p = on_surface(*scene, p, normalized(normal), settings.time_s);
       }
       status[i] = static_cast<int>(result);
       if (result == ItemResult::kOk) {
@@ -173,6 +173,7 @@ Prepared test_visibility(const Context& context, const v1::TestVisibilityRequest
   }
   if (auto s = check_time(request.has_time_s(), request.time_s()); !s.ok()) return s;
   if (auto s = check_triples("normals", request.normals(), n, "items", true); !s.ok()) return s;
+  query.time_s = request.time_s();
   query.normals = view(request.normals());
   const auto error =
       check_position_error(request.has_position_error_m(), request.position_error_m());
@@ -228,6 +229,7 @@ Prepared estimate_irradiance(const Context& context, const v1::EstimateIrradianc
   work.settings.block_count = *samples / work.settings.samples_per_block;
   if (request.has_bounces()) work.settings.bounces = request.bounces();
   work.settings.per_light = request.per_light();
+  work.settings.time_s = request.time_s();
 
   Task task;
   const bool direct = work.settings.bounces == 0U;

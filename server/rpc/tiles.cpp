@@ -138,6 +138,8 @@ Prepared render_tile(const Context& context, const v1::RenderTileRequest& reques
   settings.samples_per_block = *block;
   settings.first_block = request.first_sample() / *block;
   settings.block_count = blocks;
+  if (auto s = check_time(request.has_time_s(), request.time_s()); !s.ok()) return s;
+  if (request.has_time_s()) settings.time_s = request.time_s();
   settings.bounces =
       request.has_bounces() ? std::optional(request.bounces()) : hinted_bounces(**scene);
 
@@ -194,6 +196,8 @@ absl::StatusOr<ImageRender> ImageRender::create(const Context& context,
   render.scene_ = *scene;
   render.settings_.seed = request.seed();
   render.settings_.samples_per_block = *block;
+  if (auto s = check_time(request.has_time_s(), request.time_s()); !s.ok()) return s;
+  if (request.has_time_s()) render.settings_.time_s = request.time_s();
   render.settings_.bounces =
       request.has_bounces() ? std::optional(request.bounces()) : hinted_bounces(**scene);
   render.blocks_ = *samples / *block;

@@ -56,7 +56,7 @@ double facing(const SunLight<float>& sun, const Vec3<double>& to_light) {
   for (int i = 0; i < 64 * 64; ++i) {
     const auto s = sun.sample_li({0, 0, 0}, {(i / 64 + 0.5F) / 64, (i % 64 + 0.5F) / 64});
     sum += s.value.g * dot(to_light, Vec3<double>(s.wi)) / s.pdf.per_sr;
-    EXPECT_EQ(sun.le_escaped(s.wi), s.value);
+    EXPECT_EQ(sun.le_escaped({}, s.wi), s.value);
     EXPECT_EQ(sun.pdf_li({0, 0, 0}, s.wi), s.pdf);
   }
   return sum / (64 * 64);
@@ -74,8 +74,8 @@ TEST(SunLight, GivesItsIlluminanceAtEveryAngularDiameter) {
 TEST(SunLight, IsDarkBesideItsDisk) {
   const auto sun = *SunLight<double>::create({{0, 0, 1}, 0.01, Rgb<double>(1)});
   const auto at = [](double angle) { return Vec3<double>{std::sin(angle), 0, std::cos(angle)}; };
-  EXPECT_FALSE(sun.le_escaped(at(0.00499)).is_black());
-  EXPECT_TRUE(sun.le_escaped(at(0.00501)).is_black());
+  EXPECT_FALSE(sun.le_escaped({}, at(0.00499)).is_black());
+  EXPECT_TRUE(sun.le_escaped({}, at(0.00501)).is_black());
   EXPECT_EQ(sun.pdf_li({0, 0, 0}, at(0.00501)).per_sr, 0);
   EXPECT_EQ(sun.pdf_li({0, 0, 0}, {NAN, 0, 1}).per_sr, 0);
 }
