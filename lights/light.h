@@ -8,6 +8,7 @@
 #include "lights/cylinder.h"
 #include "lights/disk.h"
 #include "lights/distant_light.h"
+#include "lights/goniometric_light.h"
 #include "lights/image_infinite_light.h"
 #include "lights/infinite_light.h"
 #include "lights/mesh.h"
@@ -30,10 +31,10 @@ template <std::floating_point Real>
 using CylinderLight = AreaLight<Real, Cylinder>;
 
 template <std::floating_point Real>
-using Light =
-    std::variant<PointLight<Real>, SpotLight<Real>, DistantLight<Real>, SunLight<Real>,
-                 UniformInfiniteLight<Real>, ImageInfiniteLight<Real>, TriangleMeshLight<Real>,
-                 PatchMeshLight<Real>, SphereLight<Real>, DiskLight<Real>, CylinderLight<Real>>;
+using Light = std::variant<PointLight<Real>, SpotLight<Real>, DistantLight<Real>, SunLight<Real>,
+                           UniformInfiniteLight<Real>, ImageInfiniteLight<Real>,
+                           TriangleMeshLight<Real>, PatchMeshLight<Real>, SphereLight<Real>,
+                           DiskLight<Real>, CylinderLight<Real>, GoniometricLight<Real>>;
 
 /// Lights that rays which leave the scene meet, wherever they started.
 template <typename L>

@@ -207,6 +207,16 @@ class Scene::Builder {
       motion_bytes += sizeof(Motion) + l.motion->bytes();
     }
     if (moving > 0) part("motion", motion_bytes, watch, fmt::format("{} lights move", moving));
+    // Photometric webs are shared between lights: each counts once.
+    std::set<const PhotometricWeb*> webs;
+    for (const SceneLight& l : scene_->lights_)
+      if (const auto* goniometric = std::get_if<GoniometricLight<float>>(&l.light);
+          goniometric != nullptr && goniometric->params().web)
+        webs.insert(goniometric->params().web.get());
+    std::uint64_t web_bytes = 0;
+    for (const PhotometricWeb* web : webs) web_bytes += web->bytes();
+    if (!webs.empty())
+      part("photometric webs", web_bytes, watch, fmt::format("{} luminaires", webs.size()));
     return absl::OkStatus();
   }
 

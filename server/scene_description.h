@@ -13,6 +13,7 @@
 #include "lights/cylinder.h"
 #include "lights/disk.h"
 #include "lights/distant_light.h"
+#include "lights/goniometric_light.h"
 #include "lights/image_infinite_light.h"
 #include "lights/infinite_light.h"
 #include "lights/motion.h"
@@ -88,7 +89,7 @@ struct InstanceDescription {
 /// A light that is no shape.
 struct LightDescription {
   std::variant<PointLightParams, SpotLightParams, DistantLightParams, SunLightParams,
-               UniformInfiniteLightParams, ImageInfiniteLightParams>
+               UniformInfiniteLightParams, ImageInfiniteLightParams, GoniometricLightParams>
       params;
   SourceLocation where;
   std::shared_ptr<const Spectrum> spectrum{};  ///< null where it was given RGB

@@ -10,6 +10,7 @@ namespace lucerna {
 std::optional<Vec3<double>> position_of(const LightDescription& light) {
   if (const auto* p = std::get_if<PointLightParams>(&light.params)) return p->position_m;
   if (const auto* p = std::get_if<SpotLightParams>(&light.params)) return p->position_m;
+  if (const auto* p = std::get_if<GoniometricLightParams>(&light.params)) return p->position_m;
   return std::nullopt;
 }
 
@@ -39,6 +40,8 @@ absl::StatusOr<Light<float>> create_light(const LightDescription& light,
           return as_light<SunLight>(params, origin);
         else if constexpr (std::is_same_v<Params, ImageInfiniteLightParams>)
           return as_light<ImageInfiniteLight>(params, origin);
+        else if constexpr (std::is_same_v<Params, GoniometricLightParams>)
+          return as_light<GoniometricLight>(params, origin);
         else
           return as_light<UniformInfiniteLight>(params, origin);
       },

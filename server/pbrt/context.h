@@ -13,6 +13,7 @@
 #include "lights/spectrum.h"
 #include "server/asset_reader.h"
 #include "server/pbrt/place.h"
+#include "server/photometric_file.h"
 #include "server/scene_description.h"
 
 namespace lucerna::pbrt {
@@ -30,6 +31,8 @@ struct Context {
   std::map<std::string, std::shared_ptr<const Image>> images;
   /// Of lights, shared between those that say the same (spectra.cpp).
   std::map<std::string, std::shared_ptr<const Spectrum>> spectra;
+  /// The luminaires read so far, by the name of the file.
+  std::map<std::string, PhotometricFile> photometric_files;
 
   /// Says that `what` at `place` is not modelled, and what happens instead.  After 1000 remarks
   /// they are only counted.  Says the same only once (an area light is met anew with each of its

@@ -9,6 +9,7 @@
 #include "lights/bilinear_patch.h"
 #include "lights/triangle.h"
 #include "server/pbrt/image_lights.h"
+#include "server/pbrt/photometric_lights.h"
 #include "server/pbrt/spectra.h"
 
 namespace lucerna::pbrt {
@@ -203,7 +204,13 @@ std::optional<LightDescription> make_light(Context& context, const std::string& 
     // Illuminance on an upward-facing surface under a hemisphere of luminance 1: pi.
     infinite.radiance_cd_m2 = level(context, params, place, "L", Target{"illuminance", "lx", kPi});
     light.params = checked<UniformInfiniteLight>(place, infinite);
-  } else if (type == "goniometric" || type == "projection") {
+  } else if (type == "goniometric") {
+    auto luminaire = goniometric(context, params, place, world_from_light);
+    if (!luminaire) return std::nullopt;
+    const double lumens = luminaire->web ? luminaire->web->flux_lm() : 4 * kPi;
+    luminaire->intensity = level(context, params, place, "I", Target{"power", "lm", lumens});
+    light.params = checked<GoniometricLight>(place, *luminaire);
+  } else if (type == "projection") {
     left_out(context, place, fmt::format("LightSource \"{}\"", type));
     return std::nullopt;
   } else {

@@ -68,6 +68,18 @@ void set_kind(const ImageInfiniteLight<float>& l, v1::Light* out) {
   set(l.params().radiance_cd_m2, infinite->mutable_radiance_cd_m2());
 }
 
+void set_kind(const GoniometricLight<float>& l, v1::Light* out) {
+  v1::GoniometricLight* goniometric = out->mutable_goniometric();
+  set(l.params().position_m, goniometric->mutable_position_m());
+  set(l.params().intensity, goniometric->mutable_intensity());
+  if (l.params().web) {
+    v1::PhotometricFile* file = goniometric->mutable_photometric_file();
+    file->set_name(l.params().file);
+    file->set_format(l.params().format);
+    file->set_flux_lm(l.params().web->flux_lm());
+  }
+}
+
 v1::AreaShape shape_kind(const TriangleMesh<float>&) { return v1::AREA_SHAPE_TRIANGLE_MESH; }
 v1::AreaShape shape_kind(const PatchMesh<float>&) { return v1::AREA_SHAPE_BILINEAR_MESH; }
 v1::AreaShape shape_kind(const Sphere<float>&) { return v1::AREA_SHAPE_SPHERE; }
