@@ -21,4 +21,21 @@ enum class AreaSampling : std::uint8_t {
                       ///< its normal, else kSolidAngle
 };
 
+/// The shapes that know other ways to be sampled than by area.
+enum class SampledShape : std::uint8_t { kTriangle, kRectangle, kSphere, kInsideOfSphere };
+
+/// How points of `shape` are chosen, where `asked` for: kAutomatic by the one rule, and the
+/// cosine's way not where there is no normal, nor on a sphere, which has none.  Never kAutomatic.
+AreaSampling way_to_sample(SampledShape shape, AreaSampling asked, bool has_normal);
+
+/// Whether `way` is one of the five.
+constexpr bool is_by_area(AreaSampling way) {
+  return way != AreaSampling::kAutomatic && way != AreaSampling::kSolidAngle &&
+         way != AreaSampling::kCosineSolidAngle;
+}
+
+/// The least that a corner of a light weighs in kCosineSolidAngle: light below the horizon of a
+/// corner may be above that of the points near it.  [Pharr23, 6.5.4]
+inline constexpr double kCosineFloor = 0.01;
+
 }  // namespace lucerna

@@ -4,6 +4,9 @@
 #include <cmath>
 #include <limits>
 
+#include "lights/sampling.h"
+#include "lights/spherical_rectangle.h"
+
 namespace lucerna {
 
 namespace {
@@ -26,8 +29,7 @@ struct Form {
 
 /// The sampling density in (u, v) is proportional to |dp/du x dp/dv| at the corners, bilinear
 /// between them; by the triangle inequality it is 0 nowhere that the share of area is not.
-struct CornerWeights {
-  double w00, w10, w01, w11;
+struct CornerWeights : BilinearWeights {
   bool flat_convex;
 
   explicit CornerWeights(const Form& p) {
@@ -43,11 +45,6 @@ struct CornerWeights {
     for (const auto& corner : n)
       flat_convex = flat_convex && dot(corner, mean) >= -kFlat * scale * scale &&
                     length(cross(corner, mean)) <= kFlat * scale * scale;
-  }
-
-  double mean() const { return ((w00 + w10) + (w01 + w11)) / 4; }
-  double at(double u, double v) const {
-    return (1 - v) * ((1 - u) * w00 + u * w10) + v * ((1 - u) * w01 + u * w11);
   }
 };
 
@@ -79,12 +76,6 @@ double integrate(const Form& p, double u0, double v0, double size, double whole,
     refined += integrate(p, u0 + half * (i & 1), v0 + half * (i >> 1), half, part[i], tolerance / 2,
                          depth - 1);
   return refined;
-}
-
-/// x with density proportional to (1 - x) a + x b.
-double sample_linear(double u, double a, double b) {
-  if (!(a + b > 0)) return u;
-  return std::min(u * (a + b) / (a + std::sqrt((1 - u) * a * a + u * b * b)), 1.0);
 }
 
 /// The real roots of a x^2 + b x + c, neither of them by a difference that cancels.
@@ -162,10 +153,62 @@ Vec3<Real> BilinearPatch<Real>::normal(Vec2<Real> uv) const {
 template <typename Real>
 SurfacePoint<Real> BilinearPatch<Real>::sample_area(Vec2<Real> u) const {
   const Form p(*this);
-  const CornerWeights w(p);
-  const double t = sample_linear(u.y, w.w00 + w.w10, w.w01 + w.w11);
-  const double s = sample_linear(u.x, (1 - t) * w.w00 + t * w.w01, (1 - t) * w.w10 + t * w.w11);
+  const auto [s, t] = CornerWeights(p).sample({u.x, u.y});
   return {Vec3<Real>(p.at(s, t)), Vec3<Real>(normalized(p.area_vector(s, t)))};
+}
+
+template <typename Real>
+bool BilinearPatch<Real>::is_rectangle() const {
+  const Form p(*this);
+  const double x = length(p.e);
+  const double y = length(p.f);
+  // By as much as corners rounded to float at eight times the size: the density of a patch taken
+  // for a rectangle is off by no more.
+  constexpr double kSquare = 1e-6;
+  return x > 0 && y > 0 && std::fabs(dot(p.e / x, p.f / y)) <= kSquare &&
+         length(p.g) <= kSquare * std::fmin(x, y);
+}
+
+namespace {
+
+template <typename Real>
+std::optional<SphericalRectangle> as_seen(const Form& p, const Receiver<Real>& receiver) {
+  return SphericalRectangle::create(p.p00 - Vec3<double>(receiver.position), p.e, p.f);
+}
+
+template <typename Real>
+BilinearWeights cosines(const Form& p, const Receiver<Real>& receiver) {
+  const auto weight = [&](double u, double v) { return cosine_weight(receiver, p.at(u, v)); };
+  return {weight(0, 0), weight(1, 0), weight(0, 1), weight(1, 1)};
+}
+
+}  // namespace
+
+template <typename Real>
+SurfacePoint<Real> BilinearPatch<Real>::sample(const Receiver<Real>& receiver, Vec2<Real> u) const {
+  const AreaSampling way = way_to_sample(SampledShape::kRectangle, receiver);
+  if (is_by_area(way)) return sample_area(u);
+  const Form p(*this);
+  const auto seen = as_seen(p, receiver);
+  if (!seen) return sample_area(u);
+  Vec2<double> v{u.x, u.y};
+  if (way == AreaSampling::kCosineSolidAngle) v = cosines(p, receiver).sample(v);
+  const auto [s, t] = seen->sample(v);
+  return {Vec3<Real>(p.at(s, t)), Vec3<Real>(normalized(p.area_vector(s, t)))};
+}
+
+template <typename Real>
+SolidAnglePdf<double> BilinearPatch<Real>::pdf(const Receiver<Real>& receiver,
+                                               const SurfacePoint<Real>& point) const {
+  const AreaSampling way = way_to_sample(SampledShape::kRectangle, receiver);
+  const Form p(*this);
+  const auto seen = is_by_area(way) ? std::nullopt : as_seen(p, receiver);
+  if (!seen) return pdf_seen_from(receiver.position, point, pdf_area(point.position));
+  const double uniform = 1 / seen->solid_angle_sr();
+  if (way != AreaSampling::kCosineSolidAngle) return {uniform};
+  const Vec3<double> q = Vec3<double>(point.position) - p.p00;
+  const Vec2<double> shares{dot(q, p.e) / dot(p.e, p.e), dot(q, p.f) / dot(p.f, p.f)};
+  return {uniform * cosines(p, receiver).pdf(seen->invert(shares))};
 }
 
 template <typename Real>

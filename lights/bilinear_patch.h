@@ -26,6 +26,13 @@ struct BilinearPatch {
   SurfacePoint<Real> sample_area(Vec2<Real> u) const;
   /// Density of sample_area at a point of the patch, all (u, v) that lead there taken together.
   AreaPdf<double> pdf_area(const Vec3<Real>& position) const;
+  /// Flat, with corners of 90 degrees, to 1e-6.
+  bool is_rectangle() const;
+  /// Of a rectangle: the way that `receiver` asks for; sample_area where there is no density by
+  /// solid angle.  `u` in [0, 1]^2.  [Urena13]
+  SurfacePoint<Real> sample(const Receiver<Real>& receiver, Vec2<Real> u) const;
+  /// Density of `sample` at a point of the rectangle.
+  SolidAnglePdf<double> pdf(const Receiver<Real>& receiver, const SurfacePoint<Real>& point) const;
   /// Nearest hit in (t_min, t_max); `uv` of the hit, if asked for, goes to `*uv_hit`.  [Reshetov19]
   std::optional<ShapeHit<Real>> intersect(const Vec3<Real>& origin, const Vec3<Real>& direction,
                                           Real t_min, Real t_max,

@@ -7,7 +7,6 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
-#include <type_traits>
 
 #include "lights/sobol.h"
 
@@ -28,8 +27,10 @@ double refined(Vec2<Real> u) {
 
 template <typename Real, template <typename> typename Primitive>
 Mesh<Real, Primitive>::Mesh(std::vector<Primitive<Real>> primitives,
-                            std::vector<double> cumulative_area)
-    : primitives_(std::move(primitives)), cumulative_area_(std::move(cumulative_area)) {}
+                            std::vector<double> cumulative_area, std::vector<bool> rectangles)
+    : primitives_(std::move(primitives)),
+      cumulative_area_(std::move(cumulative_area)),
+      rectangles_(std::move(rectangles)) {}
 
 template <typename Real, template <typename> typename Primitive>
 absl::StatusOr<Mesh<Real, Primitive>> Mesh<Real, Primitive>::create(
@@ -41,6 +42,7 @@ absl::StatusOr<Mesh<Real, Primitive>> Mesh<Real, Primitive>::create(
         fmt::format("mesh.primitives has {} entries, allowed: less than 2^32", primitives.size()));
   std::vector<double> cumulative;
   cumulative.reserve(primitives.size());
+  std::vector<bool> rectangles;
   double sum = 0;
   for (std::size_t i = 0; i < primitives.size(); ++i) {
     const double area = primitives[i].area();
@@ -52,11 +54,12 @@ absl::StatusOr<Mesh<Real, Primitive>> Mesh<Real, Primitive>::create(
           i));
     sum += area;
     cumulative.push_back(sum);
+    if constexpr (!kAlwaysHasWays) rectangles.push_back(primitives[i].is_rectangle());
   }
   if (!(sum > 0) || !std::isfinite(sum))
     return absl::InvalidArgumentError(
         fmt::format("mesh.area = {} m2, allowed: finite and > 0", sum));
-  return Mesh(std::move(primitives), std::move(cumulative));
+  return Mesh(std::move(primitives), std::move(cumulative), std::move(rectangles));
 }
 
 template <typename Real, template <typename> typename Primitive>
@@ -75,7 +78,7 @@ ShapeSample<Real> Mesh<Real, Primitive>::sample(const Receiver<Real>& receiver,
     u.x = static_cast<Real>(std::clamp((target - before) / (*chosen - before), 0.0, 1.0));
   }
   ShapeSample<Real> s;
-  s.point = primitives_[i].sample_area(u);
+  s.point = has_ways(i) ? primitives_[i].sample(receiver, u) : primitives_[i].sample_area(u);
   s.point.primitive = static_cast<std::uint32_t>(i);
   s.pdf = pdf(receiver, s.point);
   return s;
@@ -85,15 +88,13 @@ template <typename Real, template <typename> typename Primitive>
 SolidAnglePdf<Real> Mesh<Real, Primitive>::pdf(const Receiver<Real>& receiver,
                                                const SurfacePoint<Real>& point) const {
   if (point.primitive >= primitives_.size()) return {0};
-  if constexpr (std::is_same_v<Primitive<Real>, Triangle<Real>>) {
-    // By area twice over is by area: the triangle's own cancels.
-    return as_seen_from(receiver.position, point, AreaPdf<double>{1 / area()});
-  } else {
-    const std::size_t i = point.primitive;
-    const double share = (cumulative_area_[i] - (i == 0 ? 0 : cumulative_area_[i - 1])) / area();
-    const double pdf_area = primitives_[i].pdf_area(point.position).per_m2;
-    return as_seen_from(receiver.position, point, AreaPdf<double>{share * pdf_area});
-  }
+  const std::size_t i = point.primitive;
+  const double share = (cumulative_area_[i] - (i == 0 ? 0 : cumulative_area_[i - 1])) / area();
+  const double pdf =
+      has_ways(i)
+          ? primitives_[i].pdf(receiver, point).per_sr
+          : pdf_seen_from(receiver.position, point, primitives_[i].pdf_area(point.position)).per_sr;
+  return {static_cast<Real>(share * pdf)};
 }
 
 template <typename Real, template <typename> typename Primitive>
@@ -110,7 +111,7 @@ std::pair<Vec3<Real>, Vec3<Real>> Mesh<Real, Primitive>::bounds() const {
 template <typename Real, template <typename> typename Primitive>
 std::size_t Mesh<Real, Primitive>::bytes() const {
   return sizeof(*this) + primitives_.capacity() * sizeof(Primitive<Real>) +
-         cumulative_area_.capacity() * sizeof(double);
+         cumulative_area_.capacity() * sizeof(double) + rectangles_.capacity() / 8;
 }
 
 template class Mesh<float, Triangle>;

@@ -1,10 +1,12 @@
-// Meshes as the shape of an area light: primitives chosen by area, then sampled by area.
+// Meshes as the shape of an area light: primitives chosen by area, then sampled as the receiver
+// asks.
 #pragma once
 
 #include <absl/status/statusor.h>
 
 #include <cstddef>
 #include <limits>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -29,7 +31,8 @@ class Mesh {
   /// Always OK.
   absl::Status emissive_error() const { return absl::OkStatus(); }
 
-  /// A primitive by its share of the area, a point of it by area.  Both values of `u` choose the
+  /// A primitive by its share of the area, a point of it as `receiver.area_sampling` says: a
+  /// triangle or a rectangle in any way, other patches by area.  Both values of `u` choose the
   /// primitive, so that more than 2^24 of them are all reachable from floats.
   ShapeSample<Real> sample(const Receiver<Real>& receiver, Vec2<Real> u) const;
   /// The density of `sample` at a point of primitive `point.primitive`.
@@ -57,10 +60,17 @@ class Mesh {
   const Primitive<Real>& primitive(std::size_t i) const { return primitives_[i]; }
 
  private:
-  Mesh(std::vector<Primitive<Real>> primitives, std::vector<double> cumulative_area);
+  /// Triangles; of patches the rectangles alone.
+  static constexpr bool kAlwaysHasWays = std::is_same_v<Primitive<Real>, Triangle<Real>>;
+
+  Mesh(std::vector<Primitive<Real>> primitives, std::vector<double> cumulative_area,
+       std::vector<bool> rectangles);
+  /// Whether primitive `i` knows other ways to be sampled than by area.
+  bool has_ways(std::size_t i) const { return kAlwaysHasWays || rectangles_[i]; }
 
   std::vector<Primitive<Real>> primitives_;
   std::vector<double> cumulative_area_;  ///< running sums [m2]
+  std::vector<bool> rectangles_;         ///< which of the patches are; empty for triangles
 };
 
 template <typename Real>

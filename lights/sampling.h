@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "lights/area_sampling.h"
 #include "lights/density.h"
 #include "lights/vec.h"
 
@@ -75,10 +76,45 @@ Vec3<Real> sample_uniform_triangle(Vec2<Real> u) {
   return u.x < u.y ? Vec3<Real>{low, high, third} : Vec3<Real>{high, low, third};
 }
 
+/// The same by the square root of one value.  [Turk90]
+Vec3<double> sample_triangle_square_root(Vec2<double> u);
+/// The same by the order of the values, as Kraemer has it: the lengths of a stick broken in two
+/// places.  [Devroye86, V.2]
+Vec3<double> sample_triangle_kraemer(Vec2<double> u);
+/// The same by a parallelogram, whose far half is turned about its middle.  [Turk90]
+Vec3<double> sample_triangle_parallelogram(Vec2<double> u);
+/// The same by a parallelogram, whose far half is drawn again: from hashes of `u`, so that the
+/// point is a function of `u`, but not a continuous one.
+Vec3<double> sample_triangle_rejection(Vec2<double> u);
+/// Any of the five; sample_uniform_triangle for what is none of them.
+Vec3<double> sample_triangle(AreaSampling way, Vec2<double> u);
+
 /// For a triangle of area `area_m2`; 1/2 is the triangle of the coordinates themselves.
 template <std::floating_point Real>
 AreaPdf<Real> uniform_triangle_pdf(Real area_m2) {
   return {1 / area_m2};
 }
+
+/// x in [0, 1] with density proportional to (1 - x) a + x b, which are not negative.
+inline double sample_linear(double u, double a, double b) {
+  if (!(a + b > 0)) return u;
+  return std::min(u * (a + b) / (a + std::sqrt((1 - u) * a * a + u * b * b)), 1.0);
+}
+
+/// Not negative, at the corners of the unit square and bilinear between them.  [Pharr23, 2.4]
+struct BilinearWeights {
+  double w00, w10, w01, w11;
+
+  double mean() const { return ((w00 + w10) + (w01 + w11)) / 4; }
+  double at(double x, double y) const {
+    return (1 - y) * ((1 - x) * w00 + x * w10) + y * ((1 - x) * w01 + x * w11);
+  }
+  /// With density at(x, y) / mean() over the unit square.
+  Vec2<double> sample(Vec2<double> u) const {
+    const double y = sample_linear(u.y, w00 + w10, w01 + w11);
+    return {sample_linear(u.x, (1 - y) * w00 + y * w01, (1 - y) * w10 + y * w11), y};
+  }
+  double pdf(Vec2<double> p) const { return at(p.x, p.y) / mean(); }
+};
 
 }  // namespace lucerna

@@ -42,13 +42,32 @@ struct ShapeHits {
 /// Infinite where the receiver is in the plane of the point; 0 where it is the point, or not
 /// finite.
 template <std::floating_point Real>
-SolidAnglePdf<Real> as_seen_from(const Vec3<Real>& receiver, const SurfacePoint<Real>& point,
-                                 AreaPdf<double> pdf) {
+SolidAnglePdf<double> pdf_seen_from(const Vec3<Real>& receiver, const SurfacePoint<Real>& point,
+                                    AreaPdf<double> pdf) {
   const Vec3<double> to_receiver = Vec3<double>(receiver) - Vec3<double>(point.position);
   const double distance = length(to_receiver);
   if (!(distance > 0) || !std::isfinite(distance)) return {0};
   const double cos_light = std::fabs(dot(Vec3<double>(point.normal), to_receiver)) / distance;
-  return {static_cast<Real>(to_solid_angle(pdf, distance, cos_light).per_sr)};
+  return to_solid_angle(pdf, distance, cos_light);
+}
+/// The same in `Real`.
+template <std::floating_point Real>
+SolidAnglePdf<Real> as_seen_from(const Vec3<Real>& receiver, const SurfacePoint<Real>& point,
+                                 AreaPdf<double> pdf) {
+  return {static_cast<Real>(pdf_seen_from(receiver, point, pdf).per_sr)};
+}
+
+/// How points of `shape` are chosen for `receiver`.
+template <std::floating_point Real>
+AreaSampling way_to_sample(SampledShape shape, const Receiver<Real>& receiver) {
+  return way_to_sample(shape, receiver.area_sampling, receiver.normal != Vec3<Real>{});
+}
+
+/// What the corner `point` [m] of a light weighs in kCosineSolidAngle.
+template <std::floating_point Real>
+double cosine_weight(const Receiver<Real>& receiver, const Vec3<double>& point) {
+  const Vec3<double> to_point = normalized(point - Vec3<double>(receiver.position));
+  return std::fmax(kCosineFloor, dot(to_point, Vec3<double>(receiver.normal)));
 }
 
 /// The box {lower, upper} in `Real`, widened so that rounding cuts nothing off.

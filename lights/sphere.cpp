@@ -7,6 +7,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "lights/sampling.h"
+
 namespace lucerna {
 
 namespace {
@@ -124,10 +126,49 @@ ShapeSample<Real> Sphere<Real>::sample_cone(const Vec3<double>& to_center, doubl
 }
 
 template <typename Real>
+typename Sphere<Real>::Way Sphere<Real>::way_at(double distance,
+                                                const Receiver<Real>& receiver) const {
+  if (!is_whole_) return Way::kArea;
+  const bool outside = distance > world_radius_m_;
+  const auto shape = outside ? SampledShape::kSphere : SampledShape::kInsideOfSphere;
+  if (is_by_area(way_to_sample(shape, receiver))) return Way::kArea;
+  if (outside) return Way::kCone;
+  // Nearer to the surface, half of all directions end where no float tells point from receiver.
+  constexpr double kDepth = 1e-3;
+  return distance < (1 - kDepth) * world_radius_m_ ? Way::kInside : Way::kArea;
+}
+
+template <typename Real>
+ShapeSample<Real> Sphere<Real>::sample_inside(const Vec3<double>& to_center, double distance,
+                                              Vec2<Real> u) const {
+  const double r = world_radius_m_;
+  const Vec3<double> w = sample_uniform_sphere(Vec2<double>{u.x, u.y});
+  // The roots of t^2 - 2 t (w.c) - (r - d)(r + d) have different signs; the positive one, by the
+  // quotient where it would cancel.
+  const double along = dot(w, to_center);
+  const double product = (r - distance) * (r + distance);
+  const double root = std::sqrt(along * along + product);
+  const double t = along > 0 ? along + root : product / (root - along);
+  const Vec3<double> outward = (w * t - to_center) / r;
+  ShapeSample<Real> s;
+  s.point.position = Vec3<Real>(center_m_ + outward * r);
+  s.point.normal = Vec3<Real>(normalized(params_.reverse_orientation ? -outward : outward));
+  s.pdf = uniform_sphere_pdf<Real>();
+  return s;
+}
+
+template <typename Real>
 ShapeSample<Real> Sphere<Real>::sample(const Receiver<Real>& receiver, Vec2<Real> u) const {
   const Vec3<double> to_center = center_m_ - Vec3<double>(receiver.position);
-  if (const double distance = length(to_center); sees_cone(distance))
-    return sample_cone(to_center, distance, u);
+  const double distance = length(to_center);
+  switch (way_at(distance, receiver)) {
+    case Way::kCone:
+      return sample_cone(to_center, distance, u);
+    case Way::kInside:
+      return sample_inside(to_center, distance, u);
+    case Way::kArea:
+      break;
+  }
 
   // Equal shares of z have equal areas (Archimedes), whatever the cuts.
   const double z = std::min(z_min_m_ + (z_max_m_ - z_min_m_) * u.x, z_max_m_);
@@ -144,8 +185,10 @@ SolidAnglePdf<Real> Sphere<Real>::pdf(const Receiver<Real>& receiver,
                                       const SurfacePoint<Real>& point) const {
   const Vec3<double> to_receiver = Vec3<double>(receiver.position) - center_m_;
   const double distance = length(to_receiver);
-  if (!sees_cone(distance))
+  const Way way = way_at(distance, receiver);
+  if (way == Way::kArea)
     return as_seen_from(receiver.position, point, AreaPdf<double>{1 / area_m2_});
+  if (way == Way::kInside) return uniform_sphere_pdf<Real>();
   // The near side by the normal, which says where on the sphere the point is however far the sphere
   // is from the origin; less the rounding of both vectors, so that no sample at the rim falls off.
   constexpr double kRounding = 4 * std::numeric_limits<Real>::epsilon();

@@ -40,11 +40,12 @@ class Sphere {
   /// OK where this shape can carry a light; else InvalidArgument that names the unequal factors.
   absl::Status emissive_error() const;
 
-  /// A point seen from `receiver`: by the cone that the whole sphere subtends where the receiver is
-  /// outside of it, uniformly by area inside and for cut spheres.  [Pharr23, 6.2.4]
+  /// A point seen from `receiver`, in the way that it asks for.  kSolidAngle: a whole sphere by the
+  /// cone that it subtends from outside, by all directions alike from inside; cut spheres and
+  /// receivers within a thousandth of the radius beneath the surface by area.  [Pharr23, 6.2.4]
   ShapeSample<Real> sample(const Receiver<Real>& receiver, Vec2<Real> u) const;
   /// The density of `sample` at a point of the surface; 0 on the far side of a whole sphere seen
-  /// from outside, which is never sampled.
+  /// from outside, which the cone never samples.
   SolidAnglePdf<Real> pdf(const Receiver<Real>& receiver, const SurfacePoint<Real>& point) const;
 
   /// First hit with t in (t_min, t_max), `direction` of any length.  The cut-away part is passed
@@ -78,11 +79,14 @@ class Sphere {
   int roots(const Vec3<Real>& origin, const Vec3<Real>& direction, Root (&out)[2]) const;
   bool is_cut_away(const Vec3<double>& p) const;
   SurfacePoint<Real> surface_point(const Vec3<double>& p) const;
-  /// Whether `sample` uses the cone: the one test of inside and outside, for sampling and density.
-  bool sees_cone(double distance) const { return is_whole_ && distance > world_radius_m_; }
+  enum class Way { kArea, kCone, kInside };
+  /// The one test of inside and outside, for sampling and density.
+  Way way_at(double distance, const Receiver<Real>& receiver) const;
   /// 1 - cos of the half-angle that the whole sphere subtends at `distance` from its centre.
   double one_minus_cos_cone(double distance) const;
   ShapeSample<Real> sample_cone(const Vec3<double>& to_center, double distance, Vec2<Real> u) const;
+  ShapeSample<Real> sample_inside(const Vec3<double>& to_center, double distance,
+                                  Vec2<Real> u) const;
 
   SphereParams params_;
   Transform world_from_object_, object_from_world_;  // about the scene's origin

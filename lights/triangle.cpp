@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "lights/sampling.h"
+#include "lights/spherical_triangle.h"
 
 namespace lucerna {
 
@@ -13,6 +14,42 @@ template <typename Real>
 Vec3<double> area_vector(const Triangle<Real>& t) {
   const Vec3<double> a(t.a);
   return cross(Vec3<double>(t.b) - a, Vec3<double>(t.c) - a);
+}
+
+template <typename Real>
+Vec3<Real> at(const Triangle<Real>& t, const Vec3<double>& barycentric) {
+  // From one vertex, so that a triangle far from the origin keeps what digits its vertices have.
+  const Vec3<double> a(t.a);
+  return Vec3<Real>(a + (Vec3<double>(t.b) - a) * barycentric.y +
+                    (Vec3<double>(t.c) - a) * barycentric.z);
+}
+
+template <typename Real>
+std::optional<SphericalTriangle> as_seen(const Triangle<Real>& t, const Receiver<Real>& receiver) {
+  const Vec3<double> r(receiver.position);
+  return SphericalTriangle::create(Vec3<double>(t.a) - r, Vec3<double>(t.b) - r,
+                                   Vec3<double>(t.c) - r);
+}
+
+/// Where SphericalTriangle puts the corners into the unit square: b along a whole side.
+template <typename Real>
+BilinearWeights cosines(const Triangle<Real>& t, const Receiver<Real>& receiver) {
+  const double b = cosine_weight(receiver, Vec3<double>(t.b));
+  return {b, b, cosine_weight(receiver, Vec3<double>(t.a)),
+          cosine_weight(receiver, Vec3<double>(t.c))};
+}
+
+/// Of a point of the triangle, up to its rounding.
+template <typename Real>
+Vec3<double> barycentric(const Triangle<Real>& t, const Vec3<Real>& position) {
+  const Vec3<double> a(t.a);
+  const Vec3<double> ab = Vec3<double>(t.b) - a;
+  const Vec3<double> ac = Vec3<double>(t.c) - a;
+  const Vec3<double> p = Vec3<double>(position) - a;
+  const Vec3<double> n = cross(ab, ac);
+  const double y = dot(cross(p, ac), n) / dot(n, n);
+  const double z = dot(cross(ab, p), n) / dot(n, n);
+  return {1 - y - z, y, z};
 }
 
 }  // namespace
@@ -28,18 +65,35 @@ Vec3<Real> Triangle<Real>::normal() const {
 }
 
 template <typename Real>
-SurfacePoint<Real> Triangle<Real>::sample_area(Vec2<Real> u) const {
-  const Vec3<double> w = sample_uniform_triangle(Vec2<double>{u.x, u.y});
-  // From one vertex, so that a triangle far from the origin keeps what digits its vertices have.
-  const Vec3<double> origin(a);
-  const Vec3<double> p =
-      origin + (Vec3<double>(b) - origin) * w.y + (Vec3<double>(c) - origin) * w.z;
-  return {Vec3<Real>(p), normal()};
+SurfacePoint<Real> Triangle<Real>::sample_area(Vec2<Real> u, AreaSampling way) const {
+  return {at(*this, sample_triangle(way, {u.x, u.y})), normal()};
 }
 
 template <typename Real>
 AreaPdf<double> Triangle<Real>::pdf_area(const Vec3<Real>&) const {
   return uniform_triangle_pdf(area());
+}
+
+template <typename Real>
+SurfacePoint<Real> Triangle<Real>::sample(const Receiver<Real>& receiver, Vec2<Real> u) const {
+  const AreaSampling way = way_to_sample(SampledShape::kTriangle, receiver);
+  if (is_by_area(way)) return sample_area(u, way);
+  const auto seen = as_seen(*this, receiver);
+  if (!seen) return sample_area(u);
+  Vec2<double> v{u.x, u.y};
+  if (way == AreaSampling::kCosineSolidAngle) v = cosines(*this, receiver).sample(v);
+  return {at(*this, seen->sample(v)), normal()};
+}
+
+template <typename Real>
+SolidAnglePdf<double> Triangle<Real>::pdf(const Receiver<Real>& receiver,
+                                          const SurfacePoint<Real>& point) const {
+  const AreaSampling way = way_to_sample(SampledShape::kTriangle, receiver);
+  const auto seen = is_by_area(way) ? std::nullopt : as_seen(*this, receiver);
+  if (!seen) return pdf_seen_from(receiver.position, point, pdf_area(point.position));
+  const double uniform = 1 / seen->solid_angle_sr();
+  if (way != AreaSampling::kCosineSolidAngle) return {uniform};
+  return {uniform * cosines(*this, receiver).pdf(seen->invert(barycentric(*this, point.position)))};
 }
 
 template <typename Real>

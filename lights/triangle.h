@@ -18,10 +18,15 @@ struct Triangle {
   double area() const;
   /// Unit normal; zero for a triangle without area.
   Vec3<Real> normal() const;
-  /// Uniform by area.  `u` in [0, 1]^2.  [Heitz19]
-  SurfacePoint<Real> sample_area(Vec2<Real> u) const;
+  /// Uniform by area, by any of the five maps of lights/sampling.h.  `u` in [0, 1]^2.
+  SurfacePoint<Real> sample_area(Vec2<Real> u,
+                                 AreaSampling way = AreaSampling::kLowDistortion) const;
   /// Density of sample_area at a point of the triangle: 1 / area.
   AreaPdf<double> pdf_area(const Vec3<Real>& position) const;
+  /// The way that `receiver` asks for; by area where there is no density by solid angle.  [Arvo95]
+  SurfacePoint<Real> sample(const Receiver<Real>& receiver, Vec2<Real> u) const;
+  /// Density of `sample` at a point of the triangle.
+  SolidAnglePdf<double> pdf(const Receiver<Real>& receiver, const SurfacePoint<Real>& point) const;
   /// The hit, if its t is in (t_min, t_max); `direction` of any length.  Edges and vertices belong
   /// to the triangle, and a ray through the common edge of two triangles hits at least one.
   /// [Woop13]

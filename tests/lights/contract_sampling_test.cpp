@@ -1,0 +1,158 @@
+// The ways to choose points of area lights put through the contract of all lights: each way is a
+// light of its own here, whose receivers ask for it.
+#include "lights/light.h"
+#include "tests/lights/area_helpers.h"
+#include "tests/lights/contract.h"
+
+namespace lucerna::testing {
+namespace {
+
+constexpr Rgb<double> kLevel{1, 2, 4};
+
+/// A light together with what its receivers ask for.
+template <typename Real, typename Light>
+class Asked {
+ public:
+  Asked(Light light, AreaSampling way, const Vec3<double>& normal)
+      : light_(std::move(light)), way_(way), normal_(normal) {}
+
+  LightSample<Real> sample_li(const Vec3<Real>& p, Vec2<Real> u) const {
+    return light_.sample_li(receiver(p), u);
+  }
+  SolidAnglePdf<Real> pdf_li(const Vec3<Real>& p, const Vec3<Real>& wi) const {
+    return light_.pdf_li(receiver(p), wi);
+  }
+  Power power(const SceneSphere& scene) const { return light_.power(scene); }
+
+ private:
+  Receiver<Real> receiver(const Vec3<Real>& p) const {
+    Receiver<Real> r(p);
+    r.normal = normal_;
+    r.area_sampling = way_;
+    return r;
+  }
+
+  Light light_;
+  AreaSampling way_;
+  Vec3<Real> normal_;
+};
+
+Rgb<double> lambertian_power(double area) {
+  return integrate(Region{{0, 0, 1}, kPi / 2}, 1000,
+                   [&](const Vec3<double>& w) { return kLevel * (area * w.z); });
+}
+
+/// Where the ray from `r` along `wi` meets the plane z = 0, from above; nothing otherwise.
+std::optional<Vec3<double>> from_above(const Vec3<double>& r, const Vec3<double>& wi) {
+  if (!(r.z > 0 && wi.z < 0)) return std::nullopt;
+  return r - wi * (r.z / wi.z);
+}
+
+/// Facing the light aslant: some corners weigh more than others.
+constexpr Vec3<double> kNormal{0.6, 0, -0.8};
+
+struct SampledCase : CaseDefaults {
+  /// Corners and points are rounded to float: a density that follows the place on the light has
+  /// four roundings, and the cosine's floor magnifies them.
+  static constexpr double kTolerance = 2e-5;
+};
+
+template <AreaSampling kWay>
+struct TriangleBy : SampledCase {
+  template <typename Real>
+  using Light = Asked<Real, TriangleMeshLight<Real>>;
+  template <typename Real>
+  static Light<Real> make(const Placement& at) {
+    const auto p = [&](double x, double y) { return Vec3<Real>(at.point({x, y, 0})); };
+    // The triangle (0, 0), (1, 0), (0, 1) in two parts of unequal area.
+    return {*TriangleMeshLight<Real>::create(
+                {kLevel}, *TriangleMesh<Real>::create(
+                              {{p(0, 0), p(0.25, 0), p(0, 1)}, {p(0.25, 0), p(1, 0), p(0, 1)}})),
+            kWay, at.direction(kNormal)};
+  }
+  /// The last is near: the light covers a quarter of the sphere.
+  static std::vector<Vec3<double>> receivers() {
+    return {{0.5, 0.25, 2}, {-2, 1, 2}, {0.25, 0.25, 0.25}};
+  }
+  static Region region(const Vec3<double>& r) {
+    const Vec3<double> to_middle = Vec3<double>{0.31, 0.29, 0} - r;
+    if (length(to_middle) < 0.79) return {{0, 0, -1}, kPi / 2};
+    return {normalized(to_middle), 1.05 * std::asin(0.79 / length(to_middle))};
+  }
+  static Rgb<double> value(const Vec3<double>& r, const Vec3<double>& wi) {
+    const auto p = from_above(r, wi);
+    const bool lit = p && p->x > -1e-6 && p->y > -1e-6 && p->x + p->y < 1 + 1e-6;
+    return lit ? kLevel : Rgb<double>{};
+  }
+  static double distance_to_surface(const Vec3<double>& p) {
+    return std::fmax(std::fabs(p.z), std::fmax(std::fmax(-p.x, -p.y), p.x + p.y - 1));
+  }
+  static Rgb<double> power_by_quadrature() { return lambertian_power(0.5); }
+};
+
+template <AreaSampling kWay>
+struct RectangleBy : SampledCase {
+  template <typename Real>
+  using Light = Asked<Real, PatchMeshLight<Real>>;
+  template <typename Real>
+  static Light<Real> make(const Placement& at) {
+    const auto p = [&](double x, double y) { return Vec3<Real>(at.point({x, y, 0})); };
+    return {
+        *PatchMeshLight<Real>::create(
+            {kLevel}, *PatchMesh<Real>::create({{p(-1, -0.5), p(1, -0.5), p(-1, 0.5), p(1, 0.5)}})),
+        kWay, at.direction(kNormal)};
+  }
+  static std::vector<Vec3<double>> receivers() {
+    return {{0.5, 0.25, 2}, {-2, 1, 2}, {0.25, 0.25, 0.25}};
+  }
+  static Region region(const Vec3<double>& r) {
+    if (length(r) < 1.2) return {{0, 0, -1}, kPi / 2};
+    return {normalized(-r), 1.05 * std::asin(1.12 / length(r))};
+  }
+  static Rgb<double> value(const Vec3<double>& r, const Vec3<double>& wi) {
+    const auto p = from_above(r, wi);
+    const bool lit = p && std::fabs(p->x) < 1 + 1e-6 && std::fabs(p->y) < 0.5 + 1e-6;
+    return lit ? kLevel : Rgb<double>{};
+  }
+  static double distance_to_surface(const Vec3<double>& p) {
+    return std::fmax(std::fabs(p.z), std::fmax(std::fabs(p.x) - 1, std::fabs(p.y) - 0.5));
+  }
+  static Rgb<double> power_by_quadrature() { return lambertian_power(2); }
+};
+
+/// Whole, seen from inside.
+template <AreaSampling kWay>
+struct InwardSphereBy : SampledCase {
+  template <typename Real>
+  using Light = Asked<Real, SphereLight<Real>>;
+  template <typename Real>
+  static Light<Real> make(const Placement& at) {
+    return {*SphereLight<Real>::create(
+                {kLevel}, *Sphere<Real>::create({.radius_m = 0.75,
+                                                 .reverse_orientation = true,
+                                                 .world_from_object = at.world_from_light()})),
+            kWay, at.direction(kNormal)};
+  }
+  static std::vector<Vec3<double>> receivers() { return {{0, 0, 0}, {0.25, -0.25, 0.375}}; }
+  static Region region(const Vec3<double>&) { return {}; }
+  static Rgb<double> value(const Vec3<double>&, const Vec3<double>&) { return kLevel; }
+  static Rgb<double> power_by_quadrature() { return lambertian_power(4 * kPi * 0.75 * 0.75); }
+};
+
+using Sampled = ::testing::Types<
+    TriangleBy<AreaSampling::kSquareRoot>, TriangleBy<AreaSampling::kKraemer>,
+    TriangleBy<AreaSampling::kParallelogram>, TriangleBy<AreaSampling::kRejection>,
+    TriangleBy<AreaSampling::kLowDistortion>, TriangleBy<AreaSampling::kSolidAngle>,
+    TriangleBy<AreaSampling::kCosineSolidAngle>, RectangleBy<AreaSampling::kLowDistortion>,
+    RectangleBy<AreaSampling::kSolidAngle>, RectangleBy<AreaSampling::kCosineSolidAngle>>;
+INSTANTIATE_TYPED_TEST_SUITE_P(Sampled, AnyLight, Sampled);
+INSTANTIATE_TYPED_TEST_SUITE_P(Sampled, LightWithDensity, Sampled);
+INSTANTIATE_TYPED_TEST_SUITE_P(Sampled, LocalLight, Sampled);
+
+using SampledInside = ::testing::Types<InwardSphereBy<AreaSampling::kSolidAngle>,
+                                       InwardSphereBy<AreaSampling::kLowDistortion>>;
+INSTANTIATE_TYPED_TEST_SUITE_P(Inside, AnyLight, SampledInside);
+INSTANTIATE_TYPED_TEST_SUITE_P(Inside, LightWithDensity, SampledInside);
+
+}  // namespace
+}  // namespace lucerna::testing
