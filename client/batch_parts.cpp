@@ -134,6 +134,7 @@ v1::PdfLiRequest part(const v1::PdfLiRequest& request, std::size_t first, std::s
   result.set_scene_id(request.scene_id());
   keep(first, count, request.receivers(), result.mutable_receivers());
   keep(first, count, 3, request.wi(), result.mutable_wi());
+  keep(first, count, 3, request.normals(), result.mutable_normals());
   result.set_light_id(request.light_id());
   if (request.has_time_s()) result.set_time_s(request.time_s());
   if (request.has_accuracy()) *result.mutable_accuracy() = request.accuracy();

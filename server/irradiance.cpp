@@ -68,7 +68,7 @@ class IrradianceJob {
       : scene_(scene),
         points_(points),
         settings_(settings),
-        tracer_(scene, settings.bounces),
+        tracer_(scene, settings.bounces, settings.area_sampling),
         stop_(stop),
         result_(result),
         visit_all_(settings.per_light || tracer_.visits_all()),
@@ -170,7 +170,7 @@ class IrradianceJob {
       tracer_.for_each_emitter(ray, hit, [&](std::uint32_t light, const Rgb<float>& le) {
         const double probability = visit_all_ ? 1 : tracer_.candidate_probability(light);
         const Rgb<float> e =
-            le * tracer_.found_weight(receiver.position, ray, hit, light, probability, pdf);
+            le * tracer_.found_weight(receiver, n, ray, hit, light, probability, pdf);
         add(light, {e, e});
       });
       if (hit && gather_indirect_) {

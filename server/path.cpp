@@ -29,11 +29,18 @@ Vec3<float> PathTracer::cosine_direction(const Vec3<float>& ns, const Vec3<float
   return Frame<float>::around(n).world_from_local({d.x, d.y, z});
 }
 
+Receiver<float> PathTracer::receiver(const SurfaceHit& hit, const Vec3<float>& wo) const {
+  Receiver<float> r(hit.position);
+  r.normal = dot(hit.ns, wo) < 0 ? -hit.ns : hit.ns;
+  r.area_sampling = area_sampling_;
+  return r;
+}
+
 PathTracer::Candidate PathTracer::candidate(const SurfaceHit& hit, const Vec3<float>& wo,
                                             std::uint32_t light, double probability,
                                             Vec2<float> u) const {
   Candidate c{visit_light(scene_.lights()[light], hit.time_s,
-                          [&](const auto& l) { return l.sample_li(hit.position, u); }),
+                          [&](const auto& l) { return l.sample_li(receiver(hit, wo), u); }),
               {}};
   const LightSample<float>& s = c.sample;
   if (s.reason != NoLight::kNone) return c;
@@ -109,15 +116,15 @@ PathTracer::ChosenLight PathTracer::direct_of_chosen(const SurfaceHit& hit, cons
   return chosen;
 }
 
-float PathTracer::found_weight(const Vec3<float>& receiver, const Ray& ray,
+float PathTracer::found_weight(const SurfaceHit& from, const Vec3<float>& wo, const Ray& ray,
                                const std::optional<SurfaceHit>& hit, std::uint32_t light,
                                double probability, float direction_pdf) const {
   const SolidAnglePdf<float> pdf =
       visit_light(scene_.lights()[light], ray.time_s, [&](const auto& l) {
         if constexpr (requires { l.le(hit->on_light(), ray.direction); })
-          return hit ? l.pdf_li(receiver, hit->on_light()) : SolidAnglePdf<float>{};
+          return hit ? l.pdf_li(receiver(from, wo), hit->on_light()) : SolidAnglePdf<float>{};
         else
-          return l.pdf_li(receiver, ray.direction);
+          return l.pdf_li(receiver(from, wo), ray.direction);
       });
   return power_weight(direction_pdf, pdf.per_sr * static_cast<float>(probability));
 }
@@ -154,7 +161,7 @@ LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3<float>& 
     const std::optional<SurfaceHit> next = scene_.closest_hit(ray);
     for_each_emitter(ray, next, [&](std::uint32_t light, const Rgb<float>& le) {
       const float weight =
-          found_weight(hit.position, ray, next, light, candidate_probability(light), pdf);
+          found_weight(hit, wo, ray, next, light, candidate_probability(light), pdf);
       sum.value += throughput * le * weight;
       sum.unshadowed += throughput * le * weight;
     });

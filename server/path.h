@@ -43,9 +43,10 @@ struct LightEstimate {
 /// Immutable; one may serve any number of threads.
 class PathTracer {
  public:
-  /// `bounces`: as TileSettings has it.
-  PathTracer(const Scene& scene, std::optional<std::uint32_t> bounces)
+  /// `bounces`, `area_sampling`: as TileSettings has them.
+  PathTracer(const Scene& scene, std::optional<std::uint32_t> bounces, AreaSampling area_sampling)
       : scene_(scene),
+        area_sampling_(area_sampling),
         last_depth_(bounces.value_or(std::numeric_limits<std::uint32_t>::max())),
         endless_(!bounces) {}
 
@@ -85,9 +86,9 @@ class PathTracer {
   template <typename F>
   void for_each_emitter(const Ray& ray, const std::optional<SurfaceHit>& hit, F&& f) const;
 
-  /// The weight of light found by a direction drawn with density `direction_pdf` at `receiver`,
-  /// where `direct` would have chosen that light with `probability`.
-  float found_weight(const Vec3<float>& receiver, const Ray& ray,
+  /// The weight of light found by a direction drawn with density `direction_pdf` at `from`,
+  /// where `direct`, seen from `wo`, would have chosen that light with `probability`.
+  float found_weight(const SurfaceHit& from, const Vec3<float>& wo, const Ray& ray,
                      const std::optional<SurfaceHit>& hit, std::uint32_t light, double probability,
                      float direction_pdf) const;
 
@@ -112,7 +113,11 @@ class PathTracer {
   LightEstimate shadowed(const SurfaceHit& hit, const LightSample<float>& sample,
                          const Rgb<float>& value, WorkCounts& work) const;
 
+  /// What lights are told of `hit`, in sampling and weighing alike.
+  Receiver<float> receiver(const SurfaceHit& hit, const Vec3<float>& wo) const;
+
   const Scene& scene_;
+  AreaSampling area_sampling_;
   std::uint32_t last_depth_;
   bool endless_;
 };

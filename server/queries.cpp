@@ -26,6 +26,14 @@ void set_bit(std::uint8_t* bits, std::size_t i) {
   bits[i / 8] |= static_cast<std::uint8_t>(1u << (i % 8));
 }
 
+/// What a light is told; `normal`: unit or zero.
+Receiver<float> receiver_of(const ScenePoint& p, const Vec3<float>& normal, AreaSampling way) {
+  Receiver<float> r(p.position);
+  r.normal = normal;
+  r.area_sampling = way;
+  return r;
+}
+
 /// One sample of a chunk on its way.
 struct Pending {
   ScenePoint receiver;
@@ -119,7 +127,7 @@ class LiSampler {
       visit_light(scene_.lights()[light], q_.time_s, [&](const auto& l) {
         for (; k < order.size() && chunk[order[k]].light == light; ++k) {
           Pending& p = chunk[order[k]];
-          p.sample = l.sample_li(p.receiver.position, p.u);
+          p.sample = l.sample_li(receiver_of(p.receiver, p.normal, q_.area_sampling), p.u);
           p.sampled = true;
         }
       });
@@ -248,20 +256,28 @@ WorkCounts sample_li(const Scene& scene, const SampleLiQuery& query, const Sampl
   return work;
 }
 
-void pdf_li(const Scene& scene, std::uint32_t light, const PointArray& receivers,
-            std::span<const float> wi, float* pdf_per_sr, int* status, std::stop_token stop,
-            double time_s) {
-  const ToScene to_scene(scene, receivers, 0.0F);
-  visit_light(scene.lights()[light], time_s, [&](const auto& l) {
-    parallel_chunks(receivers.size(), kGrain, stop, [&](std::size_t begin, std::size_t end) {
+void pdf_li(const Scene& scene, const PdfLiQuery& q, float* pdf_per_sr, int* status,
+            std::stop_token stop) {
+  const ToScene to_scene(scene, q.receivers, 0.0F);
+  visit_light(scene.lights()[q.light], q.time_s, [&](const auto& l) {
+    parallel_chunks(q.receivers.size(), kGrain, stop, [&](std::size_t begin, std::size_t end) {
       const DenormalsAreZero denormals;
       for (std::size_t i = begin; i < end; ++i) {
         const ScenePoint p = to_scene(i);
-        const Vec3<float> w = triple(wi, i);
+        const auto is_bad = [](const Vec3<float>& v) {
+          return !is_finite(v) || v == Vec3<float>{};
+        };
+        const Vec3<float> w = triple(q.wi, i);
         ItemResult result = p.result;
-        if (!is_finite(w) || w == Vec3<float>{}) result = ItemResult::kInvalidInput;
+        if (is_bad(w)) result = ItemResult::kInvalidInput;
+        Vec3<float> n;
+        if (!q.normals.empty()) {
+          n = triple(q.normals, i);
+          if (is_bad(n)) result = ItemResult::kInvalidInput;
+          n = normalized(n);
+        }
         if (result == ItemResult::kOk) {
-          const float pdf = l.pdf_li(p.position, normalized(w)).per_sr;
+          const float pdf = l.pdf_li(receiver_of(p, n, q.area_sampling), normalized(w)).per_sr;
           if (std::isfinite(pdf)) {
             pdf_per_sr[i] = pdf;
           } else {

@@ -77,6 +77,7 @@ struct SampleLiQuery {
   bool test_visibility = false;
   std::span<const float> normals{};  ///< three a receiver, or none
   std::optional<float> position_error_m{};
+  AreaSampling area_sampling = AreaSampling::kAutomatic;
 };
 
 /// Arrays to be filled, of receivers x samples entries (or triples), receiver by receiver; all
@@ -100,11 +101,18 @@ struct SampleLiAnswer {
 WorkCounts sample_li(const Scene& scene, const SampleLiQuery& query, const SampleLiAnswer& answer,
                      std::stop_token stop);
 
-/// The density with which `sample_li` of light `light` chooses `wi` (three a receiver, of any
-/// length but 0) [1/sr].
-void pdf_li(const Scene& scene, std::uint32_t light, const PointArray& receivers,
-            std::span<const float> wi, float* pdf_per_sr, int* status, std::stop_token stop,
-            double time_s = 0);
+struct PdfLiQuery {
+  std::uint32_t light = 0;  ///< index
+  PointArray receivers;
+  std::span<const float> wi;         ///< three a receiver, of any length but 0
+  std::span<const float> normals{};  ///< as in SampleLiQuery
+  AreaSampling area_sampling = AreaSampling::kAutomatic;
+  double time_s = 0;
+};
+
+/// The density with which `sample_li` of that light chooses `wi` [1/sr].
+void pdf_li(const Scene& scene, const PdfLiQuery& query, float* pdf_per_sr, int* status,
+            std::stop_token stop);
 
 /// Power of light `light` [lm].
 Power light_power(const Scene& scene, std::uint32_t light);

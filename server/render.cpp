@@ -26,7 +26,7 @@ class TileJob {
           TileResult& result)
       : scene_(scene),
         settings_(settings),
-        tracer_(scene, settings.bounces),
+        tracer_(scene, settings.bounces, settings.area_sampling),
         stop_(stop),
         result_(result) {}
 

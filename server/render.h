@@ -36,6 +36,7 @@ struct TileSettings {
   /// Russian roulette ends the path.
   std::optional<std::uint32_t> bounces{};
   std::optional<double> time_s{};  ///< unset: all the time that the shutter is open
+  AreaSampling area_sampling = AreaSampling::kAutomatic;
 };
 
 struct TileResult {
@@ -62,6 +63,7 @@ struct IrradianceSettings {
   std::optional<std::uint32_t> bounces{};  ///< 0: direct light only; unset: all
   bool per_light = false;                  ///< direct light by light beside the total
   double time_s = 0;
+  AreaSampling area_sampling = AreaSampling::kAutomatic;
 };
 
 struct IrradianceEstimate {

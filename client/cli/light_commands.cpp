@@ -6,6 +6,7 @@
 
 #include "client/batch_parts.h"
 #include "client/batches.h"
+#include "client/cli/area_sampling.h"
 #include "client/cli/light_table.h"
 #include "client/cli/output.h"
 #include "client/cli/points.h"
@@ -24,6 +25,7 @@ struct SampleOptions {
   std::vector<std::string> u;
   std::uint32_t samples = 1;
   bool visibility = false;
+  AreaSamplingOption area_sampling;
 };
 
 /// "u1,u2" where the light is named, "u1,u2,u_light" where it is not; one for all or one a point.
@@ -95,12 +97,13 @@ void sample(Session& session, const SampleOptions& options) {
     *request.mutable_u() = sample_values(options, set.points.size());
   }
   request.set_test_visibility(options.visibility);
-  if (options.visibility) {
-    fill(options.normals.given() ? options.normals.read(set.points.size()) : set.seconds,
-         request.mutable_normals());
-  } else if (options.normals.given()) {
-    wrong_use("--normal: only with --visible");
+  // Without either option the second columns of a file of points are of no use here.
+  if (options.normals.given()) {
+    fill(options.normals.read(set.points.size()), request.mutable_normals());
+  } else if (options.visibility) {
+    fill(set.seconds, request.mutable_normals());
   }
+  options.area_sampling.put(request);
   if (options.samples != 1) request.mutable_accuracy()->set_samples(options.samples);
   request.set_scene_id(session.scene_id(options.scene));
   const auto response = session.ask(client::sample_li_in_batches(
@@ -116,7 +119,8 @@ void sample(Session& session, const SampleOptions& options) {
 struct PdfOptions {
   std::string scene;
   PointOptions points;
-  TripleOption directions;
+  TripleOption directions, normals;
+  AreaSamplingOption area_sampling;
   std::uint64_t light = 0;
 };
 
@@ -128,6 +132,10 @@ void pdf(Session& session, const PdfOptions& options) {
   v1::PdfLiRequest request;
   *request.mutable_receivers() = client::make_points(set.points);
   fill(directions, request.mutable_wi());
+  if (options.normals.given()) {
+    fill(options.normals.read(set.points.size()), request.mutable_normals());
+  }
+  options.area_sampling.put(request);
   request.set_light_id(options.light);
   request.set_scene_id(session.scene_id(options.scene));
   const auto response = session.ask(client::pdf_li_in_batches(
@@ -220,8 +228,8 @@ void add_light_commands(CLI::App& app, Session& session) {
       ->check(whole(1))
       ->capture_default_str();
   command->add_flag("--visible", sampling->visibility, "Also test whether nothing stands between");
-  sampling->normals.add(*command, "--normal",
-                        "With --visible: the surface normal x,y,z at the point");
+  sampling->normals.add(*command, "--normal", "The surface normal x,y,z at the point");
+  sampling->area_sampling.add(*command);
   command->callback([sampling, &session] { sample(session, *sampling); });
 
   command = app.add_subcommand("pdf", "Density with which `sample` chooses directions (PdfLi)");
@@ -231,6 +239,8 @@ void add_light_commands(CLI::App& app, Session& session) {
   density->points.add(*command, "directions");
   density->directions.add(*command, "--direction", "The direction x,y,z from the point");
   command->add_option("--light", density->light, "Id of the light")->check(whole(1))->required();
+  density->normals.add(*command, "--normal", "The surface normal x,y,z at the point");
+  density->area_sampling.add(*command);
   command->callback([density, &session] { pdf(session, *density); });
 
   command = app.add_subcommand("power", "Luminous flux of lights");

@@ -5,6 +5,7 @@
 
 #include "client/batch_parts.h"
 #include "client/batches.h"
+#include "client/cli/area_sampling.h"
 #include "client/cli/output.h"
 #include "client/cli/points.h"
 #include "client/cli/session.h"
@@ -81,6 +82,7 @@ struct IrradianceOptions {
   std::optional<std::uint32_t> samples;
   std::uint64_t seed = 0;
   bool per_light = false;
+  AreaSamplingOption area_sampling;
 };
 
 /// A standard error, or the bound that stands for it where every sample was zero.
@@ -137,6 +139,7 @@ void irradiance(Session& session, const IrradianceOptions& options) {
   request.set_per_light(options.per_light);
   request.mutable_seed()->set_seed(options.seed);
   if (options.samples) request.mutable_accuracy()->set_samples(*options.samples);
+  options.area_sampling.put(request);
   request.set_scene_id(session.scene_id(options.scene));
   const auto response = session.ask(client::estimate_irradiance_in_batches(
       session.client(), request, {.max_items = 0, .call = session.call_options()}));
@@ -186,6 +189,7 @@ void add_receiver_commands(CLI::App& app, Session& session) {
       ->check(whole(1));
   command->add_option("--seed", meter->seed, "Seed of the sample values")->capture_default_str();
   command->add_flag("--per-light", meter->per_light, "Also the direct light of each light");
+  meter->area_sampling.add(*command);
   command->callback([meter, &session] { irradiance(session, *meter); });
 }
 

@@ -6,6 +6,7 @@
 #include <set>
 #include <utility>
 
+#include "client/cli/area_sampling.h"
 #include "client/cli/output.h"
 #include "client/cli/progress.h"
 #include "client/cli/session.h"
@@ -23,6 +24,7 @@ struct RenderOptions {
   std::vector<std::string> outputs;
   std::string error_output;
   std::optional<std::uint32_t> samples;
+  AreaSamplingOption area_sampling;
   std::uint64_t seed = 0;
   std::optional<std::uint32_t> bounces;
   std::optional<std::uint32_t> tile_size;
@@ -91,6 +93,7 @@ void render(Session& session, const RenderOptions& options) {
   if (options.bounces) request.set_bounces(*options.bounces);
   if (options.tile_size) request.set_tile_size(*options.tile_size);
   if (options.samples) request.mutable_accuracy()->set_samples(*options.samples);
+  options.area_sampling.put(request);
   request.set_final_only(true);
   request.set_scene_id(session.scene_id(options.scene));
   const auto [picture, last] = render_picture(session, request);
@@ -135,6 +138,7 @@ void add_render_command(CLI::App& app, Session& session) {
       ->add_option("--samples", options->samples,
                    "Samples for each pixel; default: as the scene file says")
       ->check(whole(1));
+  options->area_sampling.add(*command);
   command->add_option("--seed", options->seed, "Seed of the sample values")->capture_default_str();
   command
       ->add_option("--bounces", options->bounces,

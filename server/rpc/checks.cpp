@@ -70,15 +70,8 @@ absl::Status check_wavelengths(const google::protobuf::RepeatedField<double>& wa
   return unimplemented("wavelengths_nm is not answered yet: light is told in RGB");
 }
 
-absl::Status check_area_sampling(const v1::Accuracy& accuracy) {
-  if (accuracy.area_sampling() == v1::AREA_SAMPLING_UNSPECIFIED) return absl::OkStatus();
-  return unimplemented(
-      "accuracy.area_sampling cannot be chosen yet: leave it unset for the server's own rule");
-}
-
 absl::StatusOr<std::uint32_t> check_samples(const Context& context, const v1::Accuracy& accuracy,
                                             std::uint32_t fallback) {
-  if (auto s = check_area_sampling(accuracy); !s.ok()) return s;
   switch (accuracy.stop_case()) {
     case v1::Accuracy::kSamples:
       if (accuracy.samples() == 0 || accuracy.samples() > context.limits.max_samples) {
@@ -98,6 +91,33 @@ absl::StatusOr<std::uint32_t> check_samples(const Context& context, const v1::Ac
       break;
   }
   return fallback;
+}
+
+absl::StatusOr<AreaSampling> check_area_sampling(const v1::Accuracy& accuracy) {
+  switch (accuracy.area_sampling()) {
+    case v1::AREA_SAMPLING_UNSPECIFIED:
+      return AreaSampling::kAutomatic;
+    case v1::AREA_SAMPLING_SQUARE_ROOT:
+      return AreaSampling::kSquareRoot;
+    case v1::AREA_SAMPLING_KRAEMER:
+      return AreaSampling::kKraemer;
+    case v1::AREA_SAMPLING_PARALLELOGRAM:
+      return AreaSampling::kParallelogram;
+    case v1::AREA_SAMPLING_REJECTION:
+      return AreaSampling::kRejection;
+    case v1::AREA_SAMPLING_LOW_DISTORTION:
+      return AreaSampling::kLowDistortion;
+    case v1::AREA_SAMPLING_SOLID_ANGLE:
+      return AreaSampling::kSolidAngle;
+    case v1::AREA_SAMPLING_COSINE_SOLID_ANGLE:
+      return AreaSampling::kCosineSolidAngle;
+    default:
+      break;
+  }
+  return bad_field(
+      "accuracy.area_sampling", fmt::format("{}", static_cast<int>(accuracy.area_sampling())),
+      fmt::format("[{}, {}], the numbers of AreaSampling", static_cast<int>(v1::AreaSampling_MIN),
+                  static_cast<int>(v1::AreaSampling_MAX)));
 }
 
 std::uint8_t* fill_bits(std::string* bits, std::size_t n) {

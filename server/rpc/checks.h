@@ -31,11 +31,12 @@ absl::Status check_time(bool has, double time_s);
 absl::StatusOr<std::optional<float>> check_position_error(bool has, float position_error_m);
 /// UNIMPLEMENTED where wavelengths are asked for.
 absl::Status check_wavelengths(const google::protobuf::RepeatedField<double>& wavelengths_nm);
-/// UNIMPLEMENTED where a way to sample area lights is chosen.
-absl::Status check_area_sampling(const v1::Accuracy& accuracy);
 /// `samples`, or `fallback` where nothing is said.
 absl::StatusOr<std::uint32_t> check_samples(const Context& context, const v1::Accuracy& accuracy,
                                             std::uint32_t fallback);
+
+/// kAutomatic where nothing is said.
+absl::StatusOr<AreaSampling> check_area_sampling(const v1::Accuracy& accuracy);
 
 inline std::span<const float> view(const google::protobuf::RepeatedField<float>& v) {
   return {v.data(), static_cast<std::size_t>(v.size())};

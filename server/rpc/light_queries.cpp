@@ -126,6 +126,9 @@ Prepared sample_li(const Context& context, const v1::SampleLiRequest& request,
       check_position_error(request.has_position_error_m(), request.position_error_m());
   if (!error.ok()) return error.status();
   query.position_error_m = *error;
+  const auto way = check_area_sampling(request.accuracy());
+  if (!way.ok()) return way.status();
+  query.area_sampling = *way;
 
   Task task;
   task.predicted_s =
@@ -153,9 +156,15 @@ Prepared pdf_li(const Context& context, const v1::PdfLiRequest& request,
   const auto light = find_light(**scene, request.light_id());
   if (!light.ok()) return light.status();
   if (auto s = check_time(request.has_time_s(), request.time_s()); !s.ok()) return s;
-  if (auto s = check_area_sampling(request.accuracy()); !s.ok()) return s;
-  // The density of today's samples does not depend on the receivers' normals.
   if (auto s = check_triples("normals", request.normals(), n, "receivers", true); !s.ok()) return s;
+  const auto way = check_area_sampling(request.accuracy());
+  if (!way.ok()) return way.status();
+  const PdfLiQuery query{.light = *light,
+                         .receivers = *receivers,
+                         .wi = view(request.wi()),
+                         .normals = view(request.normals()),
+                         .area_sampling = *way,
+                         .time_s = request.time_s()};
 
   Task task;
   const std::uint64_t primitives = std::visit(
@@ -170,11 +179,9 @@ Prepared pdf_li(const Context& context, const v1::PdfLiRequest& request,
   task.predicted_s = static_cast<double>(n) *
                      (kPdfSeconds + kPdfPrimitiveSeconds * static_cast<double>(primitives));
   task.cost = response->mutable_cost();
-  task.run = [scene = *scene, light = *light, receivers = *receivers, n, &request,
-              response](const std::stop_token& stop) {
-    lucerna::pdf_li(*scene, light, receivers, view(request.wi()),
-                    fill(response->mutable_pdf_per_sr(), n), fill(response->mutable_status(), n),
-                    stop, request.time_s());
+  task.run = [scene = *scene, query, n, response](const std::stop_token& stop) {
+    lucerna::pdf_li(*scene, query, fill(response->mutable_pdf_per_sr(), n),
+                    fill(response->mutable_status(), n), stop);
     drop_if_all_ok(response->mutable_status());
     return absl::OkStatus();
   };

@@ -230,6 +230,9 @@ Prepared estimate_irradiance(const Context& context, const v1::EstimateIrradianc
   if (request.has_bounces()) work.settings.bounces = request.bounces();
   work.settings.per_light = request.per_light();
   work.settings.time_s = request.time_s();
+  const auto way = check_area_sampling(request.accuracy());
+  if (!way.ok()) return way.status();
+  work.settings.area_sampling = *way;
 
   Task task;
   const bool direct = work.settings.bounces == 0U;

@@ -132,7 +132,10 @@ Prepared render_tile(const Context& context, const v1::RenderTileRequest& reques
     return bad_field("first_sample", fmt::format("{}", request.first_sample()),
                      fmt::format("[0, {}]", kMaxFirst));
   }
+  const auto way = check_area_sampling(request.accuracy());
+  if (!way.ok()) return way.status();
   TileSettings settings;
+  settings.area_sampling = *way;
   settings.rect = *rect;
   settings.seed = request.seed();
   settings.samples_per_block = *block;
@@ -192,7 +195,10 @@ absl::StatusOr<ImageRender> ImageRender::create(const Context& context,
         fmt::format("such that the picture has at most {} tiles, not {}", kMaxTiles, tiles));
   }
 
+  const auto way = check_area_sampling(request.accuracy());
+  if (!way.ok()) return way.status();
   ImageRender render;
+  render.settings_.area_sampling = *way;
   render.scene_ = *scene;
   render.settings_.seed = request.seed();
   render.settings_.samples_per_block = *block;

@@ -179,7 +179,7 @@ TEST(PdfLi, OfAnAreaLightIsThatOfItsSamples) {
       ask(*scene, {.receivers = {{}, points}, .light = light, .seed = SeedRange{1, 0}});
   std::vector<float> pdf(64);
   std::vector<int> status(64);
-  pdf_li(*scene, light, {{}, points}, a.wi, pdf.data(), status.data(), {});
+  pdf_li(*scene, {light, {{}, points}, a.wi}, pdf.data(), status.data(), {});
   for (std::size_t i = 0; i < 64; ++i) {
     EXPECT_GT(pdf[i], 0);
     // The direction was rounded to floats: 2^-24 over the smallest cosine to the light, 0.4.
@@ -187,7 +187,7 @@ TEST(PdfLi, OfAnAreaLightIsThatOfItsSamples) {
   }
   std::vector<float> away(3 * 64, 0.0F);
   for (std::size_t i = 0; i < 64; ++i) away[3 * i + 2] = i == 3 ? kNan : i == 4 ? 0.0F : -1.0F;
-  pdf_li(*scene, light, {{}, points}, away, pdf.data(), status.data(), {});
+  pdf_li(*scene, {light, {{}, points}, away}, pdf.data(), status.data(), {});
   EXPECT_EQ(status[0], 1);
   EXPECT_EQ(status[3], 7);
   EXPECT_EQ(status[4], 7);

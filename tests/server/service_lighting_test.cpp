@@ -248,16 +248,10 @@ TEST_F(LightingServiceTest, WhatComesLaterIsUnimplementedWithASentence) {
   at_wavelength.set_scene_id(point_);
   at_wavelength.add_wavelengths_nm(555);
   v1::EstimatePowerResponse power;
-  v1::PdfLiRequest by_method;
-  by_method.set_scene_id(point_);
-  by_method.set_light_id(1);
-  by_method.mutable_accuracy()->set_area_sampling(v1::AREA_SAMPLING_KRAEMER);
-  v1::PdfLiResponse density;
   for (const grpc::Status& s :
        {ask([&](auto* c) { return service_.lighting.SampleLe(c, {}, &sampled); }),
         ask([&](auto* c) { return service_.lighting.PdfLe(c, {}, &pdf); }),
-        ask([&](auto* c) { return service_.lighting.EstimatePower(c, at_wavelength, &power); }),
-        ask([&](auto* c) { return service_.lighting.PdfLi(c, by_method, &density); })}) {
+        ask([&](auto* c) { return service_.lighting.EstimatePower(c, at_wavelength, &power); })}) {
     EXPECT_EQ(s.error_code(), grpc::StatusCode::UNIMPLEMENTED);
     EXPECT_GT(s.error_message().size(), 20U);
   }
