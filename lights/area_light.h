@@ -5,9 +5,11 @@
 #include <absl/status/statusor.h>
 
 #include <cstddef>
+#include <optional>
 
 #include "lights/cylinder.h"
 #include "lights/disk.h"
+#include "lights/light_bounds.h"
 #include "lights/light_sample.h"
 #include "lights/mesh.h"
 #include "lights/sphere.h"
@@ -20,7 +22,8 @@ struct DiffuseEmission {
 };
 
 /// `Shape` owes: `area()`, `emissive_error()`, `sample(receiver, u)`, `pdf(receiver,
-/// surface_point)`, `for_each_hit(receiver.position, wi, f)`; see lights/sphere.h and
+/// surface_point)`, `for_each_hit(receiver.position, wi, f)`, and for rays that leave it
+/// `pdf_area(surface_point)`, `locate(position)`, `normals()`, `bounds()`; see lights/sphere.h and
 /// lights/mesh.h. Immutable, so safe to share between threads.
 template <std::floating_point Real, template <typename> typename Shape>
 class AreaLight {
@@ -57,12 +60,30 @@ class AreaLight {
   /// pi L A, twice for a two-sided light; exact.
   Power power(const SceneSphere& scene) const;
 
+  /// A point by area, a direction by its cosine, to either side alike where both emit.  The density
+  /// of direction is that of the rounded direction.  kBlack where L is 0, kBehind along the
+  /// surface, kOutOfRange where a density or L is not a positive `Real`.  [Pharr23, 14.1.2]
+  EmissionSample<Real> sample_le(Vec2<Real> u_position, Vec2<Real> u_direction,
+                                 const SceneSphere& scene) const;
+  /// Both 0 where `position` is not on the light, to within rounding, or `direction` leads to a
+  /// side that does not emit.  Where parts of the light meet it is the nearest of them that counts.
+  EmissionPdf<Real> pdf_le(const Vec3<Real>& position, const Vec3<Real>& direction,
+                           const SceneSphere& scene) const;
+  /// pbrt's Phi, which is pi L A too: the same.
+  Power power_approximate(const SceneSphere& scene) const { return power(scene); }
+  /// The shape's box; its normals' cone widened by a hemisphere, all directions where both sides
+  /// emit.
+  std::optional<LightBounds<Real>> bounds() const;
+
   double area_m2() const { return shape_.area(); }
   const DiffuseEmission& emission() const { return emission_; }
   const Shape<Real>& shape() const { return shape_; }
 
  private:
   AreaLight(const DiffuseEmission& emission, Shape<Real> shape);
+  /// The density of `sample_le` at unit vectors `direction` from `point`.
+  EmissionPdf<Real> emission_pdf(const SurfacePoint<Real>& point,
+                                 const Vec3<Real>& direction) const;
   bool emits_towards(const SurfacePoint<Real>& point, const Vec3<double>& w) const;
 
   DiffuseEmission emission_;

@@ -296,6 +296,13 @@ std::pair<Vec3<Real>, Vec3<Real>> BilinearPatch<Real>::bounds() const {
            std::max({p00.z, p10.z, p01.z, p11.z})}};
 }
 
+template <typename Real>
+Vec2<Real> BilinearPatch<Real>::locate(const Vec3<Real>& position) const {
+  Vec2<double> uv[2];
+  invert(Form(*this), Vec3<double>(position), 0, uv);
+  return {static_cast<Real>(uv[0].x), static_cast<Real>(uv[0].y)};
+}
+
 template struct BilinearPatch<float>;
 template struct BilinearPatch<double>;
 

@@ -40,6 +40,8 @@ struct BilinearPatch {
   /// Both hits, where a ray meets the patch twice.
   ShapeHits<Real> hits(const Vec3<Real>& origin, const Vec3<Real>& direction, Real t_min,
                        Real t_max, std::array<Vec2<Real>, 2>* uv_hits = nullptr) const;
+  /// The (u, v) whose point is nearest to `position`, a point of the patch to within rounding.
+  Vec2<Real> locate(const Vec3<Real>& position) const;
   /// {lower, upper}
   std::pair<Vec3<Real>, Vec3<Real>> bounds() const;
 };

@@ -173,6 +173,38 @@ std::pair<Vec3<Real>, Vec3<Real>> Cylinder<Real>::bounds() const {
       Vec3<double>{upper(bottom.x, top.x), upper(bottom.y, top.y), upper(bottom.z, top.z)} + half);
 }
 
+template <typename Real>
+std::optional<SurfacePoint<Real>> Cylinder<Real>::locate(const Vec3<Real>& position) const {
+  const Vec3<double> p = object_from_world_.point(Vec3<double>(position));
+  const double to_surface = params_.radius_m / std::hypot(p.x, p.y);
+  Vec3<double> q{p.x * to_surface, p.y * to_surface,
+                 std::clamp(p.z, params_.z_min_m, params_.z_max_m)};
+  if (!is_finite(q)) return std::nullopt;
+  if (params_.phi_max_rad < kTwoPi) {
+    // Beyond the sweep the nearer of its two edges.
+    double phi = std::atan2(q.y, q.x);
+    if (phi < 0) phi += kTwoPi;
+    if (phi > params_.phi_max_rad) {
+      const bool last = phi - params_.phi_max_rad < kTwoPi - phi;
+      const double edge = last ? params_.phi_max_rad : 0, across = std::hypot(q.x, q.y);
+      q = {across * std::cos(edge), across * std::sin(edge), q.z};
+    }
+  }
+  const Vec3<double> nearest = world_from_object_.point(q);
+  if (!(length(nearest - Vec3<double>(position)) <= rounding_m<Real>(bounds())))
+    return std::nullopt;
+  return SurfacePoint<Real>{position, surface_point(q).normal};
+}
+
+template <typename Real>
+NormalCone<Real> Cylinder<Real>::normals() const {
+  if (!(params_.phi_max_rad < kTwoPi)) return {};
+  const double middle = params_.phi_max_rad / 2;
+  const Vec3<double> axis = world_from_object_.normal({std::cos(middle), std::sin(middle), 0});
+  return {Vec3<Real>(normalized(params_.reverse_orientation ? -axis : axis)),
+          std::min(middle + kNormalSlackRad, std::numbers::pi)};
+}
+
 template class Cylinder<float>;
 template class Cylinder<double>;
 

@@ -3,6 +3,7 @@
 #include <absl/status/status.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -113,6 +114,35 @@ std::pair<Vec3<Real>, Vec3<Real>> Disk<Real>::bounds() const {
   };
   const Vec3<double> half{extent(0), extent(1), extent(2)};
   return rounded_outwards<Real>(center - half, center + half);
+}
+
+template <typename Real>
+std::optional<SurfacePoint<Real>> Disk<Real>::locate(const Vec3<Real>& position) const {
+  Vec3<double> q = object_from_world_.point(Vec3<double>(position));
+  q.z = params_.height_m;
+  const double r = std::hypot(q.x, q.y);
+  const double ring = std::clamp(r, params_.inner_radius_m, params_.radius_m);
+  if (!is_finite(q) || (r == 0 && ring > 0)) return std::nullopt;
+  if (ring != r) q = {q.x * (ring / r), q.y * (ring / r), q.z};
+  if (params_.phi_max_rad < kTwoPi) {
+    // Beyond the sweep the nearer of its two edges.
+    double phi = std::atan2(q.y, q.x);
+    if (phi < 0) phi += kTwoPi;
+    if (phi > params_.phi_max_rad) {
+      const bool last = phi - params_.phi_max_rad < kTwoPi - phi;
+      const double edge = last ? params_.phi_max_rad : 0, across = std::hypot(q.x, q.y);
+      q = {across * std::cos(edge), across * std::sin(edge), q.z};
+    }
+  }
+  const Vec3<double> nearest = world_from_object_.point(q);
+  if (!(length(nearest - Vec3<double>(position)) <= rounding_m<Real>(bounds())))
+    return std::nullopt;
+  return SurfacePoint<Real>{position, normal_};
+}
+
+template <typename Real>
+NormalCone<Real> Disk<Real>::normals() const {
+  return {normal_, 0};
 }
 
 template class Disk<float>;

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "lights/light_sample.h"
+#include "lights/normal_cone.h"
 #include "lights/shape.h"
 #include "lights/transform.h"
 
@@ -54,6 +55,13 @@ class Disk {
     if (const auto hit = intersect(receiver, wi, 0, std::numeric_limits<Real>::infinity()))
       f(hit->point);
   }
+
+  /// Density of points by area alone; 1 / area.
+  AreaPdf<double> pdf_area(const SurfacePoint<Real>&) const { return {1 / area_m2_}; }
+  /// The point of the surface at `position`, where there is one to within rounding.
+  std::optional<SurfacePoint<Real>> locate(const Vec3<Real>& position) const;
+  /// The one normal.
+  NormalCone<Real> normals() const;
 
   /// World bounds about the origin, {lower, upper}; those of the whole disk for a sector.
   std::pair<Vec3<Real>, Vec3<Real>> bounds() const;

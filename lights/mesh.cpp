@@ -7,6 +7,8 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <numbers>
+#include <type_traits>
 
 #include "lights/sobol.h"
 
@@ -112,6 +114,77 @@ template <typename Real, template <typename> typename Primitive>
 std::size_t Mesh<Real, Primitive>::bytes() const {
   return sizeof(*this) + primitives_.capacity() * sizeof(Primitive<Real>) +
          cumulative_area_.capacity() * sizeof(double) + rectangles_.capacity() / 8;
+}
+
+template <typename Real, template <typename> typename Primitive>
+AreaPdf<double> Mesh<Real, Primitive>::pdf_area(const SurfacePoint<Real>& point) const {
+  const std::size_t i = point.primitive;
+  if (i >= primitives_.size()) return {0};
+  if constexpr (std::is_same_v<Primitive<Real>, Triangle<Real>>) {
+    return {1 / area()};
+  } else {
+    const double share = (cumulative_area_[i] - (i == 0 ? 0 : cumulative_area_[i - 1])) / area();
+    return {share * primitives_[i].pdf_area(point.position).per_m2};
+  }
+}
+
+template <typename Real, template <typename> typename Primitive>
+std::optional<SurfacePoint<Real>> Mesh<Real, Primitive>::locate(const Vec3<Real>& position) const {
+  double nearest = rounding_m<Real>(bounds());
+  std::optional<SurfacePoint<Real>> found;
+  for (std::size_t i = 0; i < primitives_.size(); ++i) {
+    // What has no area is no part of the light.
+    if (cumulative_area_[i] == (i == 0 ? 0 : cumulative_area_[i - 1])) continue;
+    const auto& primitive = primitives_[i];
+    const auto index = static_cast<std::uint32_t>(i);
+    const auto keep = [&](double distance, const auto& normal) {
+      if (!(found ? distance < nearest : distance <= nearest)) return;
+      nearest = distance;
+      found = SurfacePoint<Real>{position, normal(), index};
+    };
+    if constexpr (std::is_same_v<Primitive<Real>, Triangle<Real>>) {
+      keep(primitive.distance_to(position), [&] { return primitive.normal(); });
+    } else {
+      const Vec2<Real> uv = primitive.locate(position);
+      keep(length(Vec3<double>(primitive.at(uv)) - Vec3<double>(position)),
+           [&] { return primitive.normal(uv); });
+    }
+  }
+  return found;
+}
+
+template <typename Real, template <typename> typename Primitive>
+NormalCone<Real> Mesh<Real, Primitive>::normals() const {
+  // The normals of a bilinear patch are sums of those at its corners, none of them negative: within
+  // each cone, no wider than a hemisphere, that holds these.
+  const auto for_each_normal = [this](const auto& f) {
+    for (std::size_t i = 0; i < primitives_.size(); ++i) {
+      const double area = cumulative_area_[i] - (i == 0 ? 0 : cumulative_area_[i - 1]);
+      if (!(area > 0)) continue;
+      if constexpr (std::is_same_v<Primitive<Real>, Triangle<Real>>) {
+        f(Vec3<double>(primitives_[i].normal()), area);
+      } else {
+        for (const Vec2<Real> uv : {Vec2<Real>{0, 0}, Vec2<Real>{1, 0}, Vec2<Real>{0, 1},
+                                    Vec2<Real>{1, 1}, Vec2<Real>{Real(0.5), Real(0.5)}})
+          f(Vec3<double>(primitives_[i].normal(uv)), area);
+      }
+    }
+  };
+  Vec3<double> mean;
+  for_each_normal([&](const Vec3<double>& n, double a) { mean = mean + n * (a / area()); });
+  NormalCone<Real> cone;
+  const Vec3<Real> axis(normalized(mean));
+  if (!(length(mean) > 1e-6)) return cone;
+  double widest = 0;
+  for_each_normal([&](const Vec3<double>& n, double) {
+    if (n != Vec3<double>{}) widest = std::max(widest, angle_between(Vec3<double>(axis), n));
+  });
+  constexpr bool kTriangles = std::is_same_v<Primitive<Real>, Triangle<Real>>;
+  if (!kTriangles && widest > 0) widest += 4 * double{std::numeric_limits<Real>::epsilon()};
+  if (!kTriangles && widest > std::numbers::pi / 2) return cone;
+  cone.axis = axis;
+  cone.half_angle_rad = std::min(widest, std::numbers::pi);
+  return cone;
 }
 
 template class Mesh<float, Triangle>;

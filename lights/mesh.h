@@ -6,12 +6,14 @@
 
 #include <cstddef>
 #include <limits>
+#include <optional>
 #include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "lights/bilinear_patch.h"
 #include "lights/light_sample.h"
+#include "lights/normal_cone.h"
 #include "lights/shape.h"
 #include "lights/triangle.h"
 
@@ -51,6 +53,14 @@ class Mesh {
       }
     }
   }
+
+  /// Density of points by area alone: of triangles 1 / area, of patches as they share theirs out.
+  AreaPdf<double> pdf_area(const SurfacePoint<Real>& point) const;
+  /// The point of the mesh at `position`, where there is one to within rounding: of the nearest
+  /// primitive, the first of equally near ones.  Looks at each.
+  std::optional<SurfacePoint<Real>> locate(const Vec3<Real>& position) const;
+  /// About the mean normal; exact for flat meshes, all directions for closed ones.
+  NormalCone<Real> normals() const;
 
   /// {lower, upper}
   std::pair<Vec3<Real>, Vec3<Real>> bounds() const;

@@ -288,6 +288,44 @@ std::pair<Vec3<Real>, Vec3<Real>> Sphere<Real>::bounds() const {
   return rounded_outwards<Real>({x.first, y.first, w.first}, {x.second, y.second, w.second});
 }
 
+template <typename Real>
+std::optional<SurfacePoint<Real>> Sphere<Real>::locate(const Vec3<Real>& position) const {
+  const double r = params_.radius_m;
+  Vec3<double> q = normalized(object_from_world_.point(Vec3<double>(position))) * r;
+  if (!is_finite(q)) return std::nullopt;
+  if (q.z < z_min_m_ || q.z > z_max_m_) {
+    const double z = std::clamp(q.z, z_min_m_, z_max_m_);
+    const double to_ring = std::sqrt((r - z) * (r + z)) / std::hypot(q.x, q.y);
+    q = {q.x * to_ring, q.y * to_ring, z};
+  }
+  if (params_.phi_max_rad < kTwoPi) {
+    // Beyond the sweep the nearer of its two edges.
+    double phi = std::atan2(q.y, q.x);
+    if (phi < 0) phi += kTwoPi;
+    if (phi > params_.phi_max_rad) {
+      const bool last = phi - params_.phi_max_rad < kTwoPi - phi;
+      const double edge = last ? params_.phi_max_rad : 0, across = std::hypot(q.x, q.y);
+      q = {across * std::cos(edge), across * std::sin(edge), q.z};
+    }
+  }
+  const Vec3<double> nearest = world_from_object_.point(q);
+  if (!(length(nearest - Vec3<double>(position)) <= rounding_m<Real>(bounds())))
+    return std::nullopt;
+  return SurfacePoint<Real>{position, surface_point(q).normal};
+}
+
+template <typename Real>
+NormalCone<Real> Sphere<Real>::normals() const {
+  if (!is_cut_in_z_) return {};
+  // About +z from the lower cut, about -z from the upper one; the narrower of both.
+  const double up = std::acos(z_min_m_ / params_.radius_m);
+  const double down = std::acos(-z_max_m_ / params_.radius_m);
+  const bool is_up = up <= down;
+  const Vec3<double> axis = world_from_object_.normal({0, 0, is_up ? 1.0 : -1.0});
+  return {Vec3<Real>(normalized(params_.reverse_orientation ? -axis : axis)),
+          std::min(std::min(up, down) + kNormalSlackRad, std::numbers::pi)};
+}
+
 template class Sphere<float>;
 template class Sphere<double>;
 

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "lights/light_sample.h"
+#include "lights/normal_cone.h"
 #include "lights/shape.h"
 #include "lights/transform.h"
 
@@ -62,6 +63,13 @@ class Sphere {
     const auto found = hits(receiver, wi, 0, std::numeric_limits<Real>::infinity());
     for (int i = 0; i < found.count; ++i) f(found.hit[i].point);
   }
+
+  /// Density of points by area alone; 1 / area.
+  AreaPdf<double> pdf_area(const SurfacePoint<Real>&) const { return {1 / area_m2_}; }
+  /// The point of the surface at `position`, where there is one to within rounding.
+  std::optional<SurfacePoint<Real>> locate(const Vec3<Real>& position) const;
+  /// All directions of a whole sphere; of a part a cone that holds it.
+  NormalCone<Real> normals() const;
 
   /// World bounds about the origin, {lower, upper}.
   std::pair<Vec3<Real>, Vec3<Real>> bounds() const;

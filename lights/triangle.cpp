@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "lights/sampling.h"
 #include "lights/spherical_triangle.h"
@@ -142,6 +143,19 @@ template <typename Real>
 std::pair<Vec3<Real>, Vec3<Real>> Triangle<Real>::bounds() const {
   return {{std::min({a.x, b.x, c.x}), std::min({a.y, b.y, c.y}), std::min({a.z, b.z, c.z})},
           {std::max({a.x, b.x, c.x}), std::max({a.y, b.y, c.y}), std::max({a.z, b.z, c.z})}};
+}
+
+template <typename Real>
+double Triangle<Real>::distance_to(const Vec3<Real>& position) const {
+  const Vec3<double> p(position), v[3] = {Vec3<double>(a), Vec3<double>(b), Vec3<double>(c)};
+  const Vec3<double> n = normalized(area_vector(*this));
+  if (n == Vec3<double>{}) return std::numeric_limits<double>::infinity();
+  double distance = std::fabs(dot(p - v[0], n));
+  for (int i = 0; i < 3; ++i) {
+    const Vec3<double> outwards = normalized(cross(v[(i + 1) % 3] - v[i], n));
+    distance = std::fmax(distance, dot(p - v[i], outwards));
+  }
+  return is_finite(p) ? distance : std::numeric_limits<double>::infinity();
 }
 
 template struct Triangle<float>;

@@ -35,6 +35,8 @@ struct Triangle {
   /// The same as a list.
   ShapeHits<Real> hits(const Vec3<Real>& origin, const Vec3<Real>& direction, Real t_min,
                        Real t_max) const;
+  /// How far `position` is from the triangle [m]: off its plane, or off its edges within it.
+  double distance_to(const Vec3<Real>& position) const;
   /// {lower, upper}
   std::pair<Vec3<Real>, Vec3<Real>> bounds() const;
 };

@@ -3,6 +3,7 @@
 #include "lights/light.h"
 #include "tests/lights/area_helpers.h"
 #include "tests/lights/contract.h"
+#include "tests/lights/contract_emission.h"
 
 namespace lucerna::testing {
 namespace {
@@ -16,7 +17,18 @@ struct AreaCase : CaseDefaults {
   static Region region(const Vec3<double>& receiver) {
     return {normalized(-receiver), 1.05 * std::asin(1.5 / length(receiver))};
   }
+  static Rgb<double> emitted(const Vec3<double>&, const Vec3<double>&) { return kLevel; }
+  static constexpr bool kConfined = true;
 };
+
+/// The hemisphere about `n`.
+Region hemisphere(const Vec3<double>& n) { return {normalized(n), kPi / 2}; }
+
+/// An angle about z as a share of `whole`.
+double share_of_turn(const Vec3<double>& p, double whole) {
+  const double phi = std::atan2(p.y, p.x);
+  return (phi < -1e-6 ? phi + 2 * kPi : phi) / whole;
+}
 
 /// pi L A by directions: cosine-weighted over the hemisphere, times the area.
 Rgb<double> lambertian_power(double area) {
@@ -55,6 +67,15 @@ struct TriangleCase : AreaCase {
   static double distance_to_surface(const Vec3<double>& p) {
     return std::fmax(std::fabs(p.z), std::fmax(std::fmax(-p.x, -p.y), p.x + p.y - 1));
   }
+  /// Its width shrinks evenly to the corner (1, 0), so s^2 is a share of area.
+  static Vec3<double> emission_position(const Vec3<double>&, double x, double y) {
+    return {1 - std::sqrt(x), std::sqrt(x) * y, 0};
+  }
+  static Vec2<double> emission_where(const Vec3<double>& p, const Vec3<double>&) {
+    return {(1 - p.x) * (1 - p.x), p.y / (1 - p.x)};
+  }
+  static double emission_area_m2() { return 0.5; }
+  static Region emission_region(const Vec3<double>&) { return hemisphere({0, 0, 1}); }
   static Rgb<double> power_by_quadrature() { return lambertian_power(0.5); }
 };
 
@@ -73,6 +94,8 @@ struct PatchCase : AreaCase {
   static double distance_to_surface(const Vec3<double>& p) {
     return std::fmax(std::fabs(p.z - p.x * p.y / 2), std::fmax(std::fabs(p.x), std::fabs(p.y)) - 1);
   }
+  static Region emission_region(const Vec3<double>&) { return {}; }
+  static constexpr bool kConfined = false;
   static Rgb<double> power_by_quadrature() {
     constexpr int kGrid = 1000;
     double area = 0;
@@ -107,6 +130,17 @@ struct SphereCase : AreaCase {
     return meets_ball(r, wi, 0.75) ? kLevel : Rgb<double>{};
   }
   static double distance_to_surface(const Vec3<double>& p) { return std::fabs(length(p) - 0.75); }
+  /// Equal heights of a sphere have equal areas. (Archimedes)
+  static Vec3<double> emission_position(const Vec3<double>&, double x, double y) {
+    const double z = 2 * x - 1, r = std::sqrt(1 - z * z);
+    return Vec3<double>{r * std::cos(2 * kPi * y), r * std::sin(2 * kPi * y), z} * 0.75;
+  }
+  static Vec2<double> emission_where(const Vec3<double>& p, const Vec3<double>&) {
+    return {(p.z / 0.75 + 1) / 2, share_of_turn(p, 2 * kPi)};
+  }
+  static double emission_area_m2() { return 4 * kPi * 0.75 * 0.75; }
+  static Region emission_region(const Vec3<double>& p) { return hemisphere(p); }
+  static constexpr bool kConfined = false;
   static Rgb<double> power_by_quadrature() { return lambertian_power(4 * kPi * 0.75 * 0.75); }
 };
 
@@ -120,6 +154,7 @@ struct InwardSphereCase : SphereCase {
                                          .world_from_object = at.world_from_light()}));
   }
   static std::vector<Vec3<double>> receivers() { return {{0, 0, 0}, {0.25, -0.25, 0.375}}; }
+  static Region emission_region(const Vec3<double>& p) { return hemisphere(-p); }
   static Region region(const Vec3<double>&) { return {}; }
 };
 
@@ -142,6 +177,15 @@ struct CapCase : AreaCase {
   static double distance_to_surface(const Vec3<double>& p) {
     return std::fmax(std::fabs(length(p) - 1), 0.75 - p.z);
   }
+  static Vec3<double> emission_position(const Vec3<double>&, double x, double y) {
+    const double z = 0.75 + 0.25 * x, r = std::sqrt(1 - z * z);
+    return {r * std::cos(2 * kPi * y), r * std::sin(2 * kPi * y), z};
+  }
+  static Vec2<double> emission_where(const Vec3<double>& p, const Vec3<double>&) {
+    return {(p.z - 0.75) / 0.25, share_of_turn(p, 2 * kPi)};
+  }
+  static double emission_area_m2() { return 2 * kPi * 0.25; }
+  static Region emission_region(const Vec3<double>& p) { return hemisphere(p); }
   static Rgb<double> power_by_quadrature() { return lambertian_power(2 * kPi * 0.25); }
 };
 
@@ -186,6 +230,15 @@ struct BoxCase : AreaCase {
       outside = std::fmax(outside, std::fabs(p[axis]) - half_size()[axis]);
     return std::fabs(outside);
   }
+  static Region emission_region(const Vec3<double>& p) {
+    // The face that it lies on.
+    Vec3<double> n;
+    for (int axis = 0; axis < 3; ++axis)
+      if (std::fabs(std::fabs(p[axis]) - half_size()[axis]) < 1e-6)
+        n = Vec3<double>{axis == 0 ? p.x : 0, axis == 1 ? p.y : 0, axis == 2 ? p.z : 0};
+    return hemisphere(n);
+  }
+  static constexpr bool kConfined = false;
   static Rgb<double> power_by_quadrature() { return lambertian_power(8 * (0.5 + 0.25 + 0.125)); }
 };
 
@@ -213,6 +266,15 @@ struct DiskCase : AreaCase {
   static double distance_to_surface(const Vec3<double>& p) {
     return std::fmax(std::fabs(p.z), outside(p));
   }
+  static Vec3<double> emission_position(const Vec3<double>&, double x, double y) {
+    const double r = std::sqrt(0.25 + 0.75 * x);
+    return {r * std::cos(kPi * y), r * std::sin(kPi * y), 0};
+  }
+  static Vec2<double> emission_where(const Vec3<double>& p, const Vec3<double>&) {
+    return {(p.x * p.x + p.y * p.y - 0.25) / 0.75, share_of_turn(p, kPi)};
+  }
+  static double emission_area_m2() { return kPi * 0.75 / 2; }
+  static Region emission_region(const Vec3<double>&) { return hemisphere({0, 0, 1}); }
   static Rgb<double> power_by_quadrature() { return lambertian_power(kPi * 0.75 / 2); }
 };
 
@@ -223,6 +285,14 @@ INSTANTIATE_TYPED_TEST_SUITE_P(Area, LightWithDensity, AreaCases);
 using AreaCasesSeenFromAfar =
     ::testing::Types<TriangleCase, PatchCase, SphereCase, CapCase, BoxCase, DiskCase>;
 INSTANTIATE_TYPED_TEST_SUITE_P(Area, LocalLight, AreaCasesSeenFromAfar);
+
+INSTANTIATE_TYPED_TEST_SUITE_P(Area, EmittingLight, AreaCases);
+INSTANTIATE_TYPED_TEST_SUITE_P(Area, EmittingDirections, AreaCases);
+INSTANTIATE_TYPED_TEST_SUITE_P(Area, BoundedLight, AreaCases);
+/// Those whose surface a map of the unit square covers without changing areas.
+using AreaCasesWithMaps =
+    ::testing::Types<TriangleCase, SphereCase, InwardSphereCase, CapCase, DiskCase>;
+INSTANTIATE_TYPED_TEST_SUITE_P(Area, EmittingSurface, AreaCasesWithMaps);
 
 }  // namespace
 }  // namespace lucerna::testing

@@ -7,6 +7,7 @@
 #include "lights/light.h"
 #include "tests/lights/area_helpers.h"
 #include "tests/lights/contract.h"
+#include "tests/lights/contract_emission.h"
 
 namespace lucerna::testing {
 namespace {
@@ -53,6 +54,20 @@ struct QuarterTubeCase : CaseDefaults {
     const double off = std::fabs(std::hypot(p.x, p.y) - kRadius);
     return std::fmax(std::fmax(off, std::fabs(p.z) - kHalfHeight), std::fmax(-p.x, -p.y));
   }
+  static Rgb<double> emitted(const Vec3<double>&, const Vec3<double>&) { return kLevel; }
+  static constexpr double kSweep = kPi / 2;
+  static Vec3<double> emission_position(const Vec3<double>&, double x, double y) {
+    return {kRadius * std::cos(kSweep * y), kRadius * std::sin(kSweep * y),
+            kHalfHeight * (2 * x - 1)};
+  }
+  static Vec2<double> emission_where(const Vec3<double>& p, const Vec3<double>&) {
+    return {(p.z / kHalfHeight + 1) / 2, std::atan2(p.y, p.x) / kSweep};
+  }
+  static double emission_area_m2() { return kSweep * kRadius * 2 * kHalfHeight; }
+  static Region emission_region(const Vec3<double>& p) {
+    return {normalized(Vec3<double>{p.x, p.y, 0}), kPi / 2};
+  }
+  static constexpr bool kConfined = true;
   static Vec3<double> far_direction() { return normalized(Vec3<double>{1, 1, 0.5}); }
   /// pi L A: the cosine over the hemisphere, times the quarter of 2 pi r h.
   static Rgb<double> power_by_quadrature() {
@@ -85,6 +100,10 @@ struct InwardTubeCase : QuarterTubeCase {
   static double distance_to_surface(const Vec3<double>& p) {
     return std::fmax(std::fabs(std::hypot(p.x, p.y) - kRadius), std::fabs(p.z) - kHalfHeight);
   }
+  static Region emission_region(const Vec3<double>& p) {
+    return {normalized(Vec3<double>{-p.x, -p.y, 0}), kPi / 2};
+  }
+  static constexpr bool kConfined = false;
   static Rgb<double> power_by_quadrature() { return QuarterTubeCase::power_by_quadrature() * 4.0; }
 };
 
@@ -92,6 +111,11 @@ using CylinderCases = ::testing::Types<QuarterTubeCase, InwardTubeCase>;
 INSTANTIATE_TYPED_TEST_SUITE_P(Cylinder, AnyLight, CylinderCases);
 INSTANTIATE_TYPED_TEST_SUITE_P(Cylinder, LightWithDensity, CylinderCases);
 INSTANTIATE_TYPED_TEST_SUITE_P(Cylinder, LocalLight, ::testing::Types<QuarterTubeCase>);
+
+INSTANTIATE_TYPED_TEST_SUITE_P(Cylinder, EmittingLight, CylinderCases);
+INSTANTIATE_TYPED_TEST_SUITE_P(Cylinder, EmittingDirections, CylinderCases);
+INSTANTIATE_TYPED_TEST_SUITE_P(Cylinder, BoundedLight, CylinderCases);
+INSTANTIATE_TYPED_TEST_SUITE_P(Cylinder, EmittingSurface, ::testing::Types<QuarterTubeCase>);
 
 }  // namespace
 }  // namespace lucerna::testing
