@@ -1,5 +1,8 @@
 #include "server/emission_queries.h"
 
+#include <cmath>
+
+#include "lights/sobol.h"
 #include "server/denormals.h"
 #include "server/parallel.h"
 #include "server/path.h"
@@ -9,6 +12,82 @@ namespace lucerna {
 namespace {
 
 constexpr std::size_t kGrain = 512;
+
+void store(float* array, std::size_t i, const Vec3<float>& v) {
+  array[3 * i] = v.x;
+  array[3 * i + 1] = v.y;
+  array[3 * i + 2] = v.z;
+}
+
+/// The sample values of one ray.
+struct RayValues {
+  Vec2<float> position, direction;
+  double light = 0;
+  bool valid = true;
+};
+
+RayValues values_of(const SampleLeQuery& q, std::size_t i) {
+  RayValues v;
+  if (q.seed) {
+    const std::uint64_t number = q.seed->first_item + i;
+    const SobolSequence points(q.seed->seed, number >> 32);
+    const auto index = static_cast<std::uint32_t>(number);
+    v.position = points.pair(index, 0);
+    v.direction = points.pair(index, 1);
+    if (!q.light) {
+      // 24 bits would leave some of more than 2^24 lights without a ray.
+      const Vec2<float> choice = points.pair(index, 2);
+      v.light = double{choice.x} + std::ldexp(double{choice.y}, -24);
+    }
+    return v;
+  }
+  v.position = {q.u[4 * i], q.u[4 * i + 1]};
+  v.direction = {q.u[4 * i + 2], q.u[4 * i + 3]};
+  if (!q.light) v.light = q.u_light[i];
+  v.valid = std::isfinite(v.position.x) && std::isfinite(v.position.y) &&
+            std::isfinite(v.direction.x) && std::isfinite(v.direction.y) && std::isfinite(v.light);
+  if (!v.valid) v.light = 0;
+  return v;
+}
+
+ItemResult put(const EmissionSample<float>& s, std::size_t i, const SampleLeAnswer& a) {
+  if (s.reason != NoLight::kNone) return item_result(s.reason);
+  const Vec3<float> value{s.value.r, s.value.g, s.value.b};
+  if (!is_finite(value) || !is_finite(s.origin) || !is_finite(s.direction) ||
+      !std::isfinite(s.pdf_position.per_m2) || !std::isfinite(s.pdf_direction.per_sr)) {
+    return ItemResult::kOutOfRange;
+  }
+  store(a.offsets_m, i, s.origin);
+  store(a.directions, i, s.direction);
+  store(a.light_normals, i, s.normal);
+  store(a.value, i, value);
+  a.pdf_position_per_m2[i] = s.pdf_position.per_m2;
+  a.pdf_direction_per_sr[i] = s.pdf_direction.per_sr;
+  return ItemResult::kOk;
+}
+
+/// One ray of a light that is named or chosen here.
+ItemResult sample_ray(const Scene& scene, const SampleLeQuery& q, std::size_t i,
+                      const SampleLeAnswer& a) {
+  const RayValues u = values_of(q, i);
+  std::uint32_t light = q.light.value_or(0);
+  if (!q.light) {
+    if (scene.lights().empty()) {
+      a.selection_probability[i] = 1;  // so that nobody divides by 0
+      return u.valid ? ItemResult::kBlack : ItemResult::kInvalidInput;
+    }
+    const LightChoice choice = choose_light(scene, u.light);
+    light = choice.light;
+    a.light_ids[i] = scene.lights()[light].id;
+    a.selection_probability[i] = choice.probability;
+  }
+  if (!u.valid) return ItemResult::kInvalidInput;
+  return std::visit(
+      [&](const auto& l) {
+        return put(l.sample_le(u.position, u.direction, scene.sphere()), i, a);
+      },
+      scene.lights()[light].light);
+}
 
 }  // namespace
 
@@ -54,6 +133,48 @@ WorkCounts le(const Scene& scene, const LeQuery& query, const LeAnswer& answer,
   work.samples = query.points.size();
   work.indirect_rays = rays;
   return work;
+}
+
+WorkCounts sample_le(const Scene& scene, const SampleLeQuery& query, const SampleLeAnswer& answer,
+                     std::stop_token stop) {
+  parallel_chunks(query.rays, kGrain, stop, [&](std::size_t begin, std::size_t end) {
+    const DenormalsAreZero denormals;
+    for (std::size_t i = begin; i < end; ++i) {
+      answer.status[i] = static_cast<int>(sample_ray(scene, query, i, answer));
+    }
+  });
+  WorkCounts work;
+  work.samples = query.rays;
+  return work;
+}
+
+void pdf_le(const Scene& scene, std::uint32_t light, const PointArray& points,
+            std::span<const float> directions, float* pdf_position_per_m2,
+            float* pdf_direction_per_sr, int* status, std::stop_token stop) {
+  const ToScene to_scene(scene, points, 0.0F);
+  std::visit(
+      [&](const auto& l) {
+        parallel_chunks(points.size(), kGrain, stop, [&](std::size_t begin, std::size_t end) {
+          const DenormalsAreZero denormals;
+          for (std::size_t i = begin; i < end; ++i) {
+            const ScenePoint p = to_scene(i);
+            const Vec3<float> w = triple(directions, i);
+            ItemResult result = p.result;
+            if (!is_finite(w) || w == Vec3<float>{}) result = ItemResult::kInvalidInput;
+            if (result == ItemResult::kOk) {
+              const EmissionPdf<float> pdf = l.pdf_le(p.position, normalized(w), scene.sphere());
+              if (std::isfinite(pdf.position.per_m2) && std::isfinite(pdf.direction.per_sr)) {
+                pdf_position_per_m2[i] = pdf.position.per_m2;
+                pdf_direction_per_sr[i] = pdf.direction.per_sr;
+              } else {
+                result = ItemResult::kOutOfRange;
+              }
+            }
+            status[i] = static_cast<int>(result);
+          }
+        });
+      },
+      scene.lights()[light].light);
 }
 
 }  // namespace lucerna

@@ -33,4 +33,36 @@ struct LeAnswer {
 WorkCounts le(const Scene& scene, const LeQuery& query, const LeAnswer& answer,
               std::stop_token stop);
 
+struct SampleLeQuery {
+  std::uint32_t rays = 0;
+  std::optional<std::uint32_t> light{};  ///< index; unset: chosen for each ray
+  std::optional<SeedRange> seed{};       ///< set: `u` and `u_light` are not read
+  std::span<const float> u{};         ///< four a ray (position, direction), in [0, 1] or not finite
+  std::span<const double> u_light{};  ///< one a ray, in [0, 1), where `light` is unset
+};
+
+/// Arrays to be filled, of one entry (or three) a ray; all start as zeros.
+struct SampleLeAnswer {
+  float* offsets_m;  ///< about the scene's origin
+  float* directions;
+  float* light_normals;
+  float* value;
+  float* pdf_position_per_m2;
+  float* pdf_direction_per_sr;
+  std::uint64_t* light_ids;       ///< where the light is chosen
+  double* selection_probability;  ///< where the light is chosen
+  int* status;                    ///< ItemResult
+};
+
+/// Rays that leave lights.  With a seed, ray i is point first_item + i of one low-discrepancy
+/// sequence.  In a scene without lights every ray is kBlack, its light 0, chosen with certainty.
+WorkCounts sample_le(const Scene& scene, const SampleLeQuery& query, const SampleLeAnswer& answer,
+                     std::stop_token stop);
+
+/// The densities with which `sample_le` of light `light` chooses the rays that start at `points` in
+/// `directions` (three a ray, of any length but 0).
+void pdf_le(const Scene& scene, std::uint32_t light, const PointArray& points,
+            std::span<const float> directions, float* pdf_position_per_m2,
+            float* pdf_direction_per_sr, int* status, std::stop_token stop);
+
 }  // namespace lucerna

@@ -296,6 +296,11 @@ Power light_power(const Scene& scene, std::uint32_t light) {
                      [&](const auto& l) { return l.power(scene.sphere()); });
 }
 
+Power light_power_approximate(const Scene& scene, std::uint32_t light) {
+  return std::visit([&](const auto& l) { return l.power_approximate(scene.sphere()); },
+                    scene.lights()[light].light);
+}
+
 std::optional<std::uint32_t> hinted_bounces(const Scene& scene) {
   if (!scene.hints().max_depth) return std::nullopt;
   return static_cast<std::uint32_t>(std::max(*scene.hints().max_depth - 1, 0));

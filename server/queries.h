@@ -117,6 +117,9 @@ void pdf_li(const Scene& scene, const PdfLiQuery& query, float* pdf_per_sr, int*
 /// Power of light `light` [lm].
 Power light_power(const Scene& scene, std::uint32_t light);
 
+/// The books' formula for it, with how far it is off as its error [lm].
+Power light_power_approximate(const Scene& scene, std::uint32_t light);
+
 /// Reflections after the first surface that the scene file asks for: a path of length 1 (pbrt's
 /// maxdepth) is direct light.  Nothing where it does not say.
 std::optional<std::uint32_t> hinted_bounces(const Scene& scene);

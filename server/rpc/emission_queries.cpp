@@ -1,15 +1,40 @@
-// Le.
+// SampleLe, PdfLe and Le.
 #include "server/emission_queries.h"
 
 #include "server/rpc/checks.h"
 #include "server/rpc/errors.h"
 #include "server/rpc/lighting.h"
+#include "server/rpc/randomness.h"
 
 namespace lucerna::rpc {
 namespace {
 
 // Processor time of one ray [s], rounded up from what one core took on the reference scenes.
 constexpr double kLeSeconds = 1.5e-6;
+constexpr double kSampleSeconds = 500e-9;
+constexpr double kPdfSeconds = 200e-9;
+// An area light looks for the point among all of its primitives.
+constexpr double kPdfPrimitiveSeconds = 20e-9;
+
+void set_origin(const Scene& scene, v1::Points* points) {
+  points->mutable_origin_m()->set_x(scene.origin().x);
+  points->mutable_origin_m()->set_y(scene.origin().y);
+  points->mutable_origin_m()->set_z(scene.origin().z);
+}
+
+SampleLeAnswer make_room(const SampleLeQuery& query, v1::SampleLeResponse* r) {
+  const std::size_t n = query.rays;
+  const bool chosen = !query.light;
+  return {.offsets_m = fill(r->mutable_points()->mutable_offsets_m(), 3 * n),
+          .directions = fill(r->mutable_directions(), 3 * n),
+          .light_normals = fill(r->mutable_light_normals(), 3 * n),
+          .value = fill(r->mutable_value(), 3 * n),
+          .pdf_position_per_m2 = fill(r->mutable_pdf_position_per_m2(), n),
+          .pdf_direction_per_sr = fill(r->mutable_pdf_direction_per_sr(), n),
+          .light_ids = chosen ? fill(r->mutable_light_ids(), n) : nullptr,
+          .selection_probability = chosen ? fill(r->mutable_selection_probability(), n) : nullptr,
+          .status = fill(r->mutable_status(), n)};
+}
 
 }  // namespace
 
@@ -42,6 +67,87 @@ Prepared le(const Context& context, const v1::LeRequest& request, v1::LeResponse
                           .light_ids = fill(response->mutable_light_ids(), n),
                           .status = fill(response->mutable_status(), n)};
     set_counts(response->mutable_cost(), lucerna::le(*scene, query, answer, stop));
+    drop_if_all_ok(response->mutable_status());
+    return absl::OkStatus();
+  };
+  return task;
+}
+
+Prepared sample_le(const Context& context, const v1::SampleLeRequest& request,
+                   v1::SampleLeResponse* response) {
+  const auto scene = find_scene(context, request.scene_id());
+  if (!scene.ok()) return scene.status();
+  SampleLeQuery query;
+  query.rays = request.count();
+  if (query.rays > context.limits.max_batch_items) {
+    return over_limit("count", query.rays, context.limits.max_batch_items);
+  }
+  if (request.has_light_id()) {
+    const auto light = find_light(**scene, request.light_id());
+    if (!light.ok()) return light.status();
+    query.light = *light;
+  }
+  const auto randomness = check_randomness(request, {.samples = query.rays,
+                                                     .per_sample = 4,
+                                                     .light_named = request.has_light_id(),
+                                                     .of = "rays"});
+  if (!randomness.ok()) return randomness.status();
+  query.seed = randomness->seed;
+  query.u = randomness->u;
+  query.u_light = randomness->u_light;
+  if (auto s = check_time(request.has_time_s(), request.time_s()); !s.ok()) return s;
+  if (!request.wavelengths_nm().empty()) {
+    return unimplemented("wavelengths_nm is not answered yet by SampleLe: values are told in RGB");
+  }
+
+  Task task;
+  task.predicted_s = query.rays * kSampleSeconds;
+  task.cost = response->mutable_cost();
+  task.run = [scene = *scene, query, &request, response](const std::stop_token& stop) {
+    if (auto s = check_u(request.u()); !s.ok()) return s;
+    set_origin(*scene, response->mutable_points());
+    const SampleLeAnswer answer = make_room(query, response);
+    set_counts(response->mutable_cost(), lucerna::sample_le(*scene, query, answer, stop));
+    drop_if_all_ok(response->mutable_status());
+    return absl::OkStatus();
+  };
+  return task;
+}
+
+Prepared pdf_le(const Context& context, const v1::PdfLeRequest& request,
+                v1::PdfLeResponse* response) {
+  const auto scene = find_scene(context, request.scene_id());
+  if (!scene.ok()) return scene.status();
+  const auto points = check_points(context, "points", request.points());
+  if (!points.ok()) return points.status();
+  const std::size_t n = points->size();
+  if (auto s = check_triples("directions", request.directions(), n, "points", false); !s.ok()) {
+    return s;
+  }
+  if (request.light_id() == 0) return bad_field("light_id", "0", "the id of a light");
+  const auto light = find_light(**scene, request.light_id());
+  if (!light.ok()) return light.status();
+  if (auto s = check_time(request.has_time_s(), request.time_s()); !s.ok()) return s;
+
+  Task task;
+  const std::uint64_t primitives = std::visit(
+      [](const auto& l) -> std::uint64_t {
+        if constexpr (requires { l.shape().size(); }) {
+          return l.shape().size();
+        } else {
+          return 1;
+        }
+      },
+      (*scene)->lights()[*light].light);
+  task.predicted_s = static_cast<double>(n) *
+                     (kPdfSeconds + kPdfPrimitiveSeconds * static_cast<double>(primitives));
+  task.cost = response->mutable_cost();
+  task.run = [scene = *scene, light = *light, points = *points, n, &request,
+              response](const std::stop_token& stop) {
+    lucerna::pdf_le(*scene, light, points, view(request.directions()),
+                    fill(response->mutable_pdf_position_per_m2(), n),
+                    fill(response->mutable_pdf_direction_per_sr(), n),
+                    fill(response->mutable_status(), n), stop);
     drop_if_all_ok(response->mutable_status());
     return absl::OkStatus();
   };

@@ -1,13 +1,12 @@
 // SampleLi, PdfLi and EstimatePower.
 #include <fmt/core.h>
 
-#include <cmath>
-
 #include "server/queries.h"
 #include "server/rpc/checks.h"
 #include "server/rpc/errors.h"
 #include "server/rpc/lighting.h"
 #include "server/rpc/paging.h"
+#include "server/rpc/randomness.h"
 
 namespace lucerna::rpc {
 namespace {
@@ -19,52 +18,6 @@ constexpr double kPdfSeconds = 200e-9;
 // An area light's density looks at every primitive.
 constexpr double kPdfPrimitiveSeconds = 20e-9;
 constexpr double kPowerSeconds = 300e-9;
-
-/// [0, 1], or not a number: that is its item's own trouble.
-absl::Status check_u(const v1::SampleValues& values) {
-  for (int i = 0; i < values.u_size(); ++i) {
-    const float u = values.u(i);
-    if ((u < 0 || u > 1) && std::isfinite(u)) {
-      return bad_field(fmt::format("u.u[{}]", i), fmt::format("{}", u), "[0, 1]");
-    }
-  }
-  for (int i = 0; i < values.u_light_size(); ++i) {
-    const double u = values.u_light(i);
-    if ((u < 0 || u >= 1) && std::isfinite(u)) {
-      return bad_field(fmt::format("u.u_light[{}]", i), fmt::format("{}", u), "[0, 1)");
-    }
-  }
-  return absl::OkStatus();
-}
-
-absl::Status check_randomness(const v1::SampleLiRequest& request, std::size_t n,
-                              SampleLiQuery& query) {
-  switch (request.randomness_case()) {
-    case v1::SampleLiRequest::kSeed:
-      query.seed = SeedRange{request.seed().seed(), request.seed().first_item()};
-      return absl::OkStatus();
-    case v1::SampleLiRequest::kU: {
-      const v1::SampleValues& values = request.u();
-      const auto u_length = static_cast<std::size_t>(values.u_size());
-      if (u_length != 2 * n) {
-        return bad_length("u.u", u_length, 2 * n, fmt::format("two for each of {} samples", n));
-      }
-      const std::size_t u_light = query.light ? 0 : n;
-      const auto u_light_length = static_cast<std::size_t>(values.u_light_size());
-      if (u_light_length != u_light) {
-        return bad_length(
-            "u.u_light", u_light_length, u_light,
-            query.light ? "as light_id is set" : fmt::format("one for each of {} samples", n));
-      }
-      query.u = view(values.u());
-      query.u_light = {values.u_light().data(), u_light};
-      return absl::OkStatus();
-    }
-    case v1::SampleLiRequest::RANDOMNESS_NOT_SET:
-      break;
-  }
-  return bad_field("randomness", "unset", "u or seed");
-}
 
 void set_power(const Power& power, v1::LightPower* out) {
   out->mutable_rgb_lm()->set_r(power.lumens.r);
@@ -111,7 +64,13 @@ Prepared sample_li(const Context& context, const v1::SampleLiRequest& request,
     if (!light.ok()) return light.status();
     query.light = *light;
   }
-  if (auto s = check_randomness(request, n, query); !s.ok()) return s;
+  const auto randomness = check_randomness(
+      request,
+      {.samples = n, .per_sample = 2, .light_named = request.has_light_id(), .of = "samples"});
+  if (!randomness.ok()) return randomness.status();
+  query.seed = randomness->seed;
+  query.u = randomness->u;
+  query.u_light = randomness->u_light;
   if (auto s = check_time(request.has_time_s(), request.time_s()); !s.ok()) return s;
   if (auto s = check_wavelengths(request.wavelengths_nm()); !s.ok()) return s;
   query.time_s = request.time_s();
@@ -192,13 +151,12 @@ Prepared estimate_power(const Context& context, const v1::EstimatePowerRequest& 
                         v1::EstimatePowerResponse* response) {
   const auto scene = find_scene(context, request.scene_id());
   if (!scene.ok()) return scene.status();
-  if (request.method() == v1::EstimatePowerRequest::METHOD_APPROXIMATE) {
-    return unimplemented("METHOD_APPROXIMATE is not answered yet: METHOD_EXACT costs no more");
-  }
-  if (request.method() != v1::EstimatePowerRequest::METHOD_UNSPECIFIED &&
-      request.method() != v1::EstimatePowerRequest::METHOD_EXACT) {
-    return bad_field("method", fmt::format("{}", static_cast<int>(request.method())),
-                     "METHOD_EXACT");
+  const auto method = request.method();
+  if (method != v1::EstimatePowerRequest::METHOD_UNSPECIFIED &&
+      method != v1::EstimatePowerRequest::METHOD_EXACT &&
+      method != v1::EstimatePowerRequest::METHOD_APPROXIMATE) {
+    return bad_field("method", fmt::format("{}", static_cast<int>(method)),
+                     "METHOD_EXACT or METHOD_APPROXIMATE");
   }
   if (auto s = check_wavelengths(request.wavelengths_nm()); !s.ok()) return s;
   const auto asked = static_cast<std::uint64_t>(request.light_ids_size());
@@ -224,7 +182,9 @@ Prepared estimate_power(const Context& context, const v1::EstimatePowerRequest& 
         if (!found.ok()) return found.status();
         light = *found;
       }
-      const Power power = light_power(*scene, light);
+      const Power power = request.method() == v1::EstimatePowerRequest::METHOD_APPROXIMATE
+                              ? light_power_approximate(*scene, light)
+                              : light_power(*scene, light);
       total.lumens += power.lumens;
       total.error_lumens += power.error_lumens;
       if (i < start || i - start >= size) continue;

@@ -10,6 +10,10 @@ Prepared sample_li(const Context& context, const v1::SampleLiRequest& request,
                    v1::SampleLiResponse* response);
 Prepared pdf_li(const Context& context, const v1::PdfLiRequest& request,
                 v1::PdfLiResponse* response);
+Prepared sample_le(const Context& context, const v1::SampleLeRequest& request,
+                   v1::SampleLeResponse* response);
+Prepared pdf_le(const Context& context, const v1::PdfLeRequest& request,
+                v1::PdfLeResponse* response);
 Prepared le(const Context& context, const v1::LeRequest& request, v1::LeResponse* response);
 Prepared estimate_power(const Context& context, const v1::EstimatePowerRequest& request,
                         v1::EstimatePowerResponse* response);

@@ -112,16 +112,15 @@ class LightingServiceImpl final : public v1::LightingService::CallbackService {
     });
   }
 
-  Unary* SampleLe(CallContext* context, const v1::SampleLeRequest*,
-                  v1::SampleLeResponse*) override {
-    return refuse(context,
-                  "rays that leave lights cannot be sampled yet: SampleLi samples light "
-                  "that arrives");
+  Unary* SampleLe(CallContext* context, const v1::SampleLeRequest* request,
+                  v1::SampleLeResponse* response) override {
+    return UnaryCall::start(runtime_, context,
+                            [&](const Context& c) { return sample_le(c, *request, response); });
   }
-  Unary* PdfLe(CallContext* context, const v1::PdfLeRequest*, v1::PdfLeResponse*) override {
-    return refuse(context,
-                  "densities of rays that leave lights are not answered yet: PdfLi tells "
-                  "those of light that arrives");
+  Unary* PdfLe(CallContext* context, const v1::PdfLeRequest* request,
+               v1::PdfLeResponse* response) override {
+    return UnaryCall::start(runtime_, context,
+                            [&](const Context& c) { return pdf_le(c, *request, response); });
   }
   Unary* Le(CallContext* context, const v1::LeRequest* request, v1::LeResponse* response) override {
     return UnaryCall::start(runtime_, context,
@@ -129,10 +128,6 @@ class LightingServiceImpl final : public v1::LightingService::CallbackService {
   }
 
  private:
-  Unary* refuse(CallContext* context, const char* sentence) {
-    return UnaryCall::start(runtime_, context,
-                            [&](const Context&) -> Prepared { return unimplemented(sentence); });
-  }
   Runtime& runtime_;
 };
 

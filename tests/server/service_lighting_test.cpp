@@ -197,9 +197,27 @@ TEST_F(LightingServiceTest, PowerIsExactAndSumsUp) {
   EXPECT_EQ(page.lights_size(), 1);
   EXPECT_EQ(page.total().power_lm(), all.total().power_lm());
   EXPECT_FALSE(page.next_page_token().empty());
-  q.set_method(v1::EstimatePowerRequest::METHOD_APPROXIMATE);
-  EXPECT_EQ(ask([&](auto* c) { return service_.lighting.EstimatePower(c, q, &page); }).error_code(),
-            grpc::StatusCode::UNIMPLEMENTED);
+  q.set_method(static_cast<v1::EstimatePowerRequest::Method>(9));
+  expect_bad_field(ask([&](auto* c) { return service_.lighting.EstimatePower(c, q, &page); }),
+                   "method");
+}
+
+TEST_F(LightingServiceTest, ApproximatePowerTellsHowFarItIsOff) {
+  const std::string files[] = {"spot.pbrt", "sphere.pbrt", "two_sided.pbrt", "infinite.pbrt"};
+  for (const std::string& file : files) {
+    v1::EstimatePowerRequest q;
+    q.set_scene_id(service_.load(file));
+    v1::EstimatePowerResponse exact, approximate;
+    ASSERT_TRUE(ask([&](auto* c) { return service_.lighting.EstimatePower(c, q, &exact); }).ok());
+    q.set_method(v1::EstimatePowerRequest::METHOD_APPROXIMATE);
+    ASSERT_TRUE(
+        ask([&](auto* c) { return service_.lighting.EstimatePower(c, q, &approximate); }).ok());
+    ASSERT_EQ(approximate.lights_size(), exact.lights_size()) << file;
+    const v1::LightPower& a = approximate.total();
+    EXPECT_GT(a.power_lm(), 0) << file;
+    const double off = std::abs(a.power_lm() - exact.total().power_lm());
+    EXPECT_LE(off, a.error_lm() + exact.total().error_lm() + 1e-12 * a.power_lm()) << file;
+  }
 }
 
 TEST_F(LightingServiceTest, PdfLiOfADeltaLightIsZero) {
@@ -242,16 +260,12 @@ TEST_F(LightingServiceTest, VisibilityOfSegmentsAndRays) {
 }
 
 TEST_F(LightingServiceTest, WhatComesLaterIsUnimplementedWithASentence) {
-  v1::SampleLeResponse sampled;
-  v1::PdfLeResponse pdf;
   v1::EstimatePowerRequest at_wavelength;
   at_wavelength.set_scene_id(point_);
   at_wavelength.add_wavelengths_nm(555);
   v1::EstimatePowerResponse power;
   for (const grpc::Status& s :
-       {ask([&](auto* c) { return service_.lighting.SampleLe(c, {}, &sampled); }),
-        ask([&](auto* c) { return service_.lighting.PdfLe(c, {}, &pdf); }),
-        ask([&](auto* c) { return service_.lighting.EstimatePower(c, at_wavelength, &power); })}) {
+       {ask([&](auto* c) { return service_.lighting.EstimatePower(c, at_wavelength, &power); })}) {
     EXPECT_EQ(s.error_code(), grpc::StatusCode::UNIMPLEMENTED);
     EXPECT_GT(s.error_message().size(), 20U);
   }
