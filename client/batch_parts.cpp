@@ -84,6 +84,18 @@ std::size_t item_count(const v1::PdfLiRequest& request) {
   return fits(request.wi_size(), items, 3) ? items : 0;
 }
 
+std::size_t item_count(const v1::SampleLeRequest& request) {
+  const std::size_t rays = request.count();
+  const bool fit = !request.has_u() || (fits(request.u().u_size(), rays, 4) &&
+                                        fits_or_empty(request.u().u_light_size(), rays, 1));
+  return fit ? rays : 0;
+}
+
+std::size_t item_count(const v1::PdfLeRequest& request) {
+  const std::size_t items = points(request.points());
+  return fits(request.directions_size(), items, 3) ? items : 0;
+}
+
 std::size_t item_count(const v1::LeRequest& request) {
   const std::size_t items = points(request.points());
   return fits(request.directions_size(), items, 3) ? items : 0;
@@ -136,6 +148,34 @@ v1::PdfLiRequest part(const v1::PdfLiRequest& request, std::size_t first, std::s
   keep(first, count, 3, request.wi(), result.mutable_wi());
   keep(first, count, 3, request.normals(), result.mutable_normals());
   result.set_light_id(request.light_id());
+  if (request.has_time_s()) result.set_time_s(request.time_s());
+  if (request.has_accuracy()) *result.mutable_accuracy() = request.accuracy();
+  return result;
+}
+
+v1::SampleLeRequest part(const v1::SampleLeRequest& request, std::size_t first, std::size_t count) {
+  v1::SampleLeRequest result;
+  result.set_scene_id(request.scene_id());
+  if (request.has_light_id()) result.set_light_id(request.light_id());
+  result.set_count(static_cast<std::uint32_t>(count));
+  if (request.has_u()) {
+    keep(first, count, 4, request.u().u(), result.mutable_u()->mutable_u());
+    keep(first, count, 1, request.u().u_light(), result.mutable_u()->mutable_u_light());
+  } else if (request.has_seed()) {
+    *result.mutable_seed() = advanced(request.seed(), first);
+  }
+  if (request.has_time_s()) result.set_time_s(request.time_s());
+  if (request.has_accuracy()) *result.mutable_accuracy() = request.accuracy();
+  *result.mutable_wavelengths_nm() = request.wavelengths_nm();
+  return result;
+}
+
+v1::PdfLeRequest part(const v1::PdfLeRequest& request, std::size_t first, std::size_t count) {
+  v1::PdfLeRequest result;
+  result.set_scene_id(request.scene_id());
+  result.set_light_id(request.light_id());
+  keep(first, count, request.points(), result.mutable_points());
+  keep(first, count, 3, request.directions(), result.mutable_directions());
   if (request.has_time_s()) result.set_time_s(request.time_s());
   if (request.has_accuracy()) *result.mutable_accuracy() = request.accuracy();
   return result;
@@ -210,6 +250,33 @@ void append(const v1::PdfLiResponse& next, v1::PdfLiResponse* whole) {
   append_status(next.status(), next.pdf_per_sr_size(), whole->pdf_per_sr_size(),
                 whole->mutable_status());
   append_all(next.pdf_per_sr(), whole->mutable_pdf_per_sr());
+  append_cost(next.cost(), whole->mutable_cost());
+}
+
+void append(const v1::SampleLeResponse& next, v1::SampleLeResponse* whole) {
+  append_status(next.status(), next.pdf_direction_per_sr_size(), whole->pdf_direction_per_sr_size(),
+                whole->mutable_status());
+  // Every batch has the scene's own origin.
+  if (next.points().has_origin_m()) {
+    *whole->mutable_points()->mutable_origin_m() = next.points().origin_m();
+  }
+  append_all(next.points().offsets_m(), whole->mutable_points()->mutable_offsets_m());
+  append_all(next.directions(), whole->mutable_directions());
+  append_all(next.light_normals(), whole->mutable_light_normals());
+  append_all(next.value(), whole->mutable_value());
+  append_all(next.pdf_position_per_m2(), whole->mutable_pdf_position_per_m2());
+  append_all(next.pdf_direction_per_sr(), whole->mutable_pdf_direction_per_sr());
+  append_all(next.light_ids(), whole->mutable_light_ids());
+  append_all(next.selection_probability(), whole->mutable_selection_probability());
+  append_all(next.spectral_value(), whole->mutable_spectral_value());
+  append_cost(next.cost(), whole->mutable_cost());
+}
+
+void append(const v1::PdfLeResponse& next, v1::PdfLeResponse* whole) {
+  append_status(next.status(), next.pdf_direction_per_sr_size(), whole->pdf_direction_per_sr_size(),
+                whole->mutable_status());
+  append_all(next.pdf_position_per_m2(), whole->mutable_pdf_position_per_m2());
+  append_all(next.pdf_direction_per_sr(), whole->mutable_pdf_direction_per_sr());
   append_cost(next.cost(), whole->mutable_cost());
 }
 

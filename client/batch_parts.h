@@ -12,6 +12,8 @@ namespace lucerna::client {
 /// Receivers, segments or rays of a request; 0 where its arrays do not fit each other.
 std::size_t item_count(const v1::SampleLiRequest& request);
 std::size_t item_count(const v1::PdfLiRequest& request);
+std::size_t item_count(const v1::SampleLeRequest& request);
+std::size_t item_count(const v1::PdfLeRequest& request);
 std::size_t item_count(const v1::LeRequest& request);
 std::size_t item_count(const v1::TestVisibilityRequest& request);
 std::size_t item_count(const v1::EstimateIrradianceRequest& request);
@@ -19,6 +21,8 @@ std::size_t item_count(const v1::EstimateIrradianceRequest& request);
 /// The part of a request that asks for items [first, first + count), where item_count() is not 0.
 v1::SampleLiRequest part(const v1::SampleLiRequest& request, std::size_t first, std::size_t count);
 v1::PdfLiRequest part(const v1::PdfLiRequest& request, std::size_t first, std::size_t count);
+v1::SampleLeRequest part(const v1::SampleLeRequest& request, std::size_t first, std::size_t count);
+v1::PdfLeRequest part(const v1::PdfLeRequest& request, std::size_t first, std::size_t count);
 v1::LeRequest part(const v1::LeRequest& request, std::size_t first, std::size_t count);
 v1::TestVisibilityRequest part(const v1::TestVisibilityRequest& request, std::size_t first,
                                std::size_t count);
@@ -28,6 +32,8 @@ v1::EstimateIrradianceRequest part(const v1::EstimateIrradianceRequest& request,
 /// Puts the answer to the next part behind the answers to those before it.
 void append(const v1::SampleLiResponse& next, v1::SampleLiResponse* whole);
 void append(const v1::PdfLiResponse& next, v1::PdfLiResponse* whole);
+void append(const v1::SampleLeResponse& next, v1::SampleLeResponse* whole);
+void append(const v1::PdfLeResponse& next, v1::PdfLeResponse* whole);
 void append(const v1::LeResponse& next, v1::LeResponse* whole);
 void append(const v1::TestVisibilityResponse& next, v1::TestVisibilityResponse* whole);
 void append(const v1::EstimateIrradianceResponse& next, v1::EstimateIrradianceResponse* whole);

@@ -53,6 +53,18 @@ absl::StatusOr<v1::PdfLiResponse> pdf_li_in_batches(const Client& client,
   return in_batches(client, request, 1, options, &Client::pdf_li);
 }
 
+absl::StatusOr<v1::SampleLeResponse> sample_le_in_batches(const Client& client,
+                                                          const v1::SampleLeRequest& request,
+                                                          const BatchOptions& options) {
+  return in_batches(client, request, 1, options, &Client::sample_le);
+}
+
+absl::StatusOr<v1::PdfLeResponse> pdf_le_in_batches(const Client& client,
+                                                    const v1::PdfLeRequest& request,
+                                                    const BatchOptions& options) {
+  return in_batches(client, request, 1, options, &Client::pdf_le);
+}
+
 absl::StatusOr<v1::LeResponse> le_in_batches(const Client& client, const v1::LeRequest& request,
                                              const BatchOptions& options) {
   return in_batches(client, request, 1, options, &Client::le);

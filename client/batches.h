@@ -34,6 +34,13 @@ absl::StatusOr<v1::SampleLiResponse> sample_li_in_batches(const Client& client,
 absl::StatusOr<v1::PdfLiResponse> pdf_li_in_batches(const Client& client,
                                                     const v1::PdfLiRequest& request,
                                                     const BatchOptions& options = {});
+/// Here an item is a ray.
+absl::StatusOr<v1::SampleLeResponse> sample_le_in_batches(const Client& client,
+                                                          const v1::SampleLeRequest& request,
+                                                          const BatchOptions& options = {});
+absl::StatusOr<v1::PdfLeResponse> pdf_le_in_batches(const Client& client,
+                                                    const v1::PdfLeRequest& request,
+                                                    const BatchOptions& options = {});
 absl::StatusOr<v1::LeResponse> le_in_batches(const Client& client, const v1::LeRequest& request,
                                              const BatchOptions& options = {});
 absl::StatusOr<v1::TestVisibilityResponse> test_visibility_in_batches(

@@ -155,6 +155,17 @@ absl::StatusOr<v1::PdfLiResponse> Client::pdf_li(const v1::PdfLiRequest& request
   return call(connection_->lighting, &v1::LightingService::StubInterface::PdfLi, request, options);
 }
 
+absl::StatusOr<v1::SampleLeResponse> Client::sample_le(const v1::SampleLeRequest& request,
+                                                       const CallOptions& options) const {
+  return call(connection_->lighting, &v1::LightingService::StubInterface::SampleLe, request,
+              options);
+}
+
+absl::StatusOr<v1::PdfLeResponse> Client::pdf_le(const v1::PdfLeRequest& request,
+                                                 const CallOptions& options) const {
+  return call(connection_->lighting, &v1::LightingService::StubInterface::PdfLe, request, options);
+}
+
 absl::StatusOr<v1::LeResponse> Client::le(const v1::LeRequest& request,
                                           const CallOptions& options) const {
   return call(connection_->lighting, &v1::LightingService::StubInterface::Le, request, options);

@@ -79,6 +79,10 @@ class Client {
                                          const CallOptions& options = {}) const;
   Result<v1::PdfLiResponse> pdf_li(const v1::PdfLiRequest& request,
                                    const CallOptions& options = {}) const;
+  Result<v1::SampleLeResponse> sample_le(const v1::SampleLeRequest& request,
+                                         const CallOptions& options = {}) const;
+  Result<v1::PdfLeResponse> pdf_le(const v1::PdfLeRequest& request,
+                                   const CallOptions& options = {}) const;
   Result<v1::LeResponse> le(const v1::LeRequest& request, const CallOptions& options = {}) const;
   Result<v1::EstimatePowerResponse> estimate_power(const v1::EstimatePowerRequest& request,
                                                    const CallOptions& options = {}) const;

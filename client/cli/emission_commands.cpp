@@ -1,4 +1,4 @@
-// le.
+// emit, emit-pdf, le.
 #include <fmt/core.h>
 
 #include <memory>
@@ -55,11 +55,190 @@ void le(Session& session, const LeOptions& options) {
   if (any_failed(response.status())) session.set_exit_status(kServerSaidNo);
 }
 
+struct EmitOptions {
+  std::string scene;
+  std::optional<std::uint64_t> light;
+  std::uint32_t count = 1;
+  std::uint64_t seed = 0;
+  std::vector<std::string> u;
+};
+
+/// "u1,u2,u3,u4" where the light is named, with ",u_light" where it is not.
+v1::SampleValues sample_values(const EmitOptions& options) {
+  v1::SampleValues values;
+  for (const std::string& text : options.u) {
+    const auto u = parse_numbers(text);
+    const std::size_t wanted = options.light ? 4 : 5;
+    if (!u.ok() || u->size() != wanted) {
+      wrong_use(fmt::format("--u \"{}\", must be {}", text,
+                            options.light
+                                ? "four numbers u1,u2,u3,u4"
+                                : "five numbers u1,u2,u3,u4,u_light, or four with --light"));
+    }
+    for (std::size_t i = 0; i < 4; ++i) values.add_u(static_cast<float>((*u)[i]));
+    if (!options.light) values.add_u_light((*u)[4]);
+  }
+  return values;
+}
+
+/// Luminance [cd/m2] of what has a surface, intensity [cd] of a point, illuminance [lx] of a
+/// distant light.
+const char* unit_of(bool has_normal, float pdf_position, float pdf_direction) {
+  if (has_normal) return "cd/m2";
+  if (pdf_position == 0) return "cd";
+  return pdf_direction == 0 ? "lx" : "cd/m2";
+}
+
+void print_rays(const v1::SampleLeResponse& response, const EmitOptions& options) {
+  std::vector<Table::Column> columns = {{"light"}};
+  if (!options.light) columns.push_back({"chosen with"});
+  columns.insert(columns.end(), {{"from [m]", true},
+                                 {"direction", true},
+                                 {"value (RGB)", true},
+                                 {"unit", true},
+                                 {"pdf [1/m2]"},
+                                 {"pdf [1/sr]"},
+                                 {"", true}});
+  Table table(columns);
+  const v1::Vector3& origin = response.points().origin_m();
+  const auto at = [](const google::protobuf::RepeatedField<float>& v, int i) {
+    return i < v.size() ? v[i] : 0.0F;
+  };
+  const auto three = [&](const google::protobuf::RepeatedField<float>& v, int i) {
+    return triple(at(v, 3 * i), at(v, 3 * i + 1), at(v, 3 * i + 2));
+  };
+  for (int i = 0; i < response.pdf_direction_per_sr_size(); ++i) {
+    const auto& offsets = response.points().offsets_m();
+    const auto& normals = response.light_normals();
+    const float position = at(response.pdf_position_per_m2(), i);
+    const float direction = at(response.pdf_direction_per_sr(), i);
+    const std::string status = item_status(response.status(), i);
+    std::vector<std::string> row = {std::to_string(
+        options.light.value_or(i < response.light_ids_size() ? response.light_ids(i) : 0))};
+    if (!options.light) {
+      row.push_back(number(
+          i < response.selection_probability_size() ? response.selection_probability(i) : 0));
+    }
+    if (status.empty()) {
+      const bool surface =
+          at(normals, 3 * i) != 0 || at(normals, 3 * i + 1) != 0 || at(normals, 3 * i + 2) != 0;
+      // Six digits of a sum that a float rounded once.
+      row.push_back(triple(static_cast<float>(origin.x() + at(offsets, 3 * i)),
+                           static_cast<float>(origin.y() + at(offsets, 3 * i + 1)),
+                           static_cast<float>(origin.z() + at(offsets, 3 * i + 2))));
+      row.push_back(three(response.directions(), i));
+      row.push_back(three(response.value(), i));
+      row.emplace_back(unit_of(surface, position, direction));
+      row.push_back(position == 0 ? "certain" : number(position));
+      row.push_back(direction == 0 ? "certain" : number(direction));
+    } else {
+      row.resize(columns.size() - 1);
+    }
+    row.push_back(status);
+    table.add(std::move(row));
+  }
+  fmt::print("{}", table.to_string());
+}
+
+void emit(Session& session, const EmitOptions& options) {
+  v1::SampleLeRequest request;
+  if (options.light) request.set_light_id(*options.light);
+  request.set_count(options.count);
+  if (options.u.empty()) {
+    request.mutable_seed()->set_seed(options.seed);
+  } else {
+    if (options.count != 1) wrong_use("--u and --count: only one of them");
+    *request.mutable_u() = sample_values(options);
+    request.set_count(static_cast<std::uint32_t>(options.u.size()));
+  }
+  request.set_scene_id(session.scene_id(options.scene));
+  const auto response = session.ask(client::sample_le_in_batches(
+      session.client(), request, {.max_items = 0, .call = session.call_options()}));
+  if (session.json()) {
+    fmt::print("{}", to_json(response));
+  } else {
+    print_rays(response, options);
+  }
+  if (any_failed(response.status())) session.set_exit_status(kServerSaidNo);
+}
+
+struct EmitPdfOptions {
+  std::string scene;
+  PointOptions points;
+  TripleOption directions;
+  std::uint64_t light = 0;
+};
+
+void emit_pdf(Session& session, const EmitPdfOptions& options) {
+  const PointSet set = options.points.read();
+  const std::vector<Double3> directions =
+      options.directions.given() ? options.directions.read(set.points.size()) : set.seconds;
+  if (directions.empty()) wrong_use("no directions: give --direction, or six columns in --points");
+  v1::PdfLeRequest request;
+  *request.mutable_points() = client::make_points(set.points);
+  fill(directions, request.mutable_directions());
+  request.set_light_id(options.light);
+  request.set_scene_id(session.scene_id(options.scene));
+  const auto response = session.ask(client::pdf_le_in_batches(
+      session.client(), request, {.max_items = 0, .call = session.call_options()}));
+  if (session.json()) {
+    fmt::print("{}", to_json(response));
+  } else {
+    Table table({{"x [m]"},
+                 {"y [m]"},
+                 {"z [m]"},
+                 {"direction", true},
+                 {"pdf [1/m2]"},
+                 {"pdf [1/sr]"},
+                 {"", true}});
+    for (int i = 0;
+         i < response.pdf_direction_per_sr_size() && i < response.pdf_position_per_m2_size(); ++i) {
+      const auto& [x, y, z] = set.points.at(i);
+      const auto& [wx, wy, wz] = directions.at(i);
+      table.add({number(x), number(y), number(z), triple(wx, wy, wz),
+                 number(response.pdf_position_per_m2(i)), number(response.pdf_direction_per_sr(i)),
+                 item_status(response.status(), i)});
+    }
+    fmt::print("{}", table.to_string());
+  }
+  if (any_failed(response.status())) session.set_exit_status(kServerSaidNo);
+}
+
 }  // namespace
 
 void add_emission_commands(CLI::App& app, Session& session) {
-  CLI::App* command =
-      app.add_subcommand("le", "Radiance of the lights that rays meet, or of the sky (Le)");
+  CLI::App* command = app.add_subcommand("emit", "Samples rays that leave lights (SampleLe)");
+  command->footer("Example:\n  lucerna emit room.pbrt --light 1 --count 4");
+  const auto emission = std::make_shared<EmitOptions>();
+  command->add_option("SCENE", emission->scene, "Path or id")->required();
+  command
+      ->add_option("--light", emission->light,
+                   "Id of the light; default: one is chosen for each ray, by power")
+      ->check(whole(1));
+  command->add_option("--count", emission->count, "How many rays")
+      ->check(whole(1))
+      ->capture_default_str();
+  command->add_option("--seed", emission->seed, "Seed of the sample values")->capture_default_str();
+  command
+      ->add_option("--u", emission->u,
+                   "Sample values of your own, u1,u2 for the position and u3,u4 for the direction, "
+                   "without --light also u_light: u1,u2,u3,u4,u_light; once for each ray")
+      ->allow_extra_args(false)
+      ->excludes("--seed");
+  command->callback([emission, &session] { emit(session, *emission); });
+
+  command = app.add_subcommand("emit-pdf", "Densities with which `emit` chooses rays (PdfLe)");
+  command->footer(
+      "Example:\n  lucerna emit-pdf room.pbrt --light 2 --point 0,0,2.7 --direction 0,0,-1");
+  const auto density = std::make_shared<EmitPdfOptions>();
+  command->add_option("SCENE", density->scene, "Path or id")->required();
+  density->points.add(*command, "directions");
+  density->directions.add(*command, "--direction",
+                          "The ray's direction x,y,z, away from the light");
+  command->add_option("--light", density->light, "Id of the light")->check(whole(1))->required();
+  command->callback([density, &session] { emit_pdf(session, *density); });
+
+  command = app.add_subcommand("le", "Radiance of the lights that rays meet, or of the sky (Le)");
   command->footer(
       "Example:\n  lucerna le room.pbrt --point 0,0,1.2 --direction 0,0.3,1\n"
       "  lucerna le room.pbrt --points rays.csv --light 2");

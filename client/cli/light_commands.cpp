@@ -158,6 +158,7 @@ void pdf(Session& session, const PdfOptions& options) {
 struct PowerOptions {
   std::string scene;
   std::vector<std::uint64_t> lights;
+  std::string method = "exact";
 };
 
 /// All pages; the total is of all lights on every page.
@@ -177,6 +178,9 @@ void power(Session& session, const PowerOptions& options) {
   v1::EstimatePowerRequest request;
   request.set_scene_id(session.scene_id(options.scene));
   for (const std::uint64_t id : options.lights) request.add_light_ids(id);
+  if (options.method == "approximate") {
+    request.set_method(v1::EstimatePowerRequest::METHOD_APPROXIMATE);
+  }
   const v1::EstimatePowerResponse response = all_powers(session, request);
   if (session.json()) {
     fmt::print("{}", to_json(response));
@@ -250,6 +254,11 @@ void add_light_commands(CLI::App& app, Session& session) {
   command->add_option("--light", powers->lights, "Id of a light; may be given again; default: all")
       ->check(whole(1))
       ->allow_extra_args(false);
+  command
+      ->add_option("--method", powers->method,
+                   "exact; or approximate: the books' formulas, ± how far they are off")
+      ->check(CLI::IsMember({"exact", "approximate"}))
+      ->capture_default_str();
   command->callback([powers, &session] { power(session, *powers); });
 }
 

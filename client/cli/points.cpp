@@ -79,6 +79,16 @@ absl::StatusOr<Double3> parse_triple(const std::string& text) {
   return Double3{(*values)[0], (*values)[1], (*values)[2]};
 }
 
+absl::StatusOr<std::vector<double>> parse_numbers(const std::string& text) {
+  std::vector<double> result;
+  for (const std::string_view field : fields_of(text)) {
+    const auto value = number(field);
+    if (!value) return absl::InvalidArgumentError(fmt::format("\"{}\" is not a number", field));
+    result.push_back(*value);
+  }
+  return result;
+}
+
 absl::StatusOr<PointSet> read_csv(std::istream& input, const std::string& name) {
   PointSet result;
   std::string text;

@@ -23,6 +23,9 @@ struct PointSet {
 /// else.
 absl::StatusOr<Double3> parse_triple(const std::string& text);
 
+/// Any number of numbers, likewise.
+absl::StatusOr<std::vector<double>> parse_numbers(const std::string& text);
+
 /// Lines of x,y,z or of x,y,z,nx,ny,nz, all alike, after an optional header that begins with x,y,z.
 /// Blank lines and lines that begin with # are nothing.  INVALID_ARGUMENT that begins with
 /// "name:line: ".
