@@ -82,11 +82,9 @@ ItemResult sample_ray(const Scene& scene, const SampleLeQuery& q, std::size_t i,
     a.selection_probability[i] = choice.probability;
   }
   if (!u.valid) return ItemResult::kInvalidInput;
-  return std::visit(
-      [&](const auto& l) {
-        return put(l.sample_le(u.position, u.direction, scene.sphere()), i, a);
-      },
-      scene.lights()[light].light);
+  return visit_light(scene.lights()[light], q.time_s, [&](const auto& l) {
+    return put(l.sample_le(u.position, u.direction, scene.sphere()), i, a);
+  });
 }
 
 }  // namespace
@@ -94,7 +92,7 @@ ItemResult sample_ray(const Scene& scene, const SampleLeQuery& q, std::size_t i,
 WorkCounts le(const Scene& scene, const LeQuery& query, const LeAnswer& answer,
               std::stop_token stop) {
   const ToScene to_scene(scene, query.points, std::nullopt);
-  const PathTracer tracer(scene, 0);
+  const PathTracer tracer(scene, 0, AreaSampling::kAutomatic);
   std::atomic<std::uint64_t> rays = 0;
   parallel_chunks(query.points.size(), kGrain, stop, [&](std::size_t begin, std::size_t end) {
     const DenormalsAreZero denormals;
@@ -149,32 +147,30 @@ WorkCounts sample_le(const Scene& scene, const SampleLeQuery& query, const Sampl
 }
 
 void pdf_le(const Scene& scene, std::uint32_t light, const PointArray& points,
-            std::span<const float> directions, float* pdf_position_per_m2,
+            std::span<const float> directions, double time_s, float* pdf_position_per_m2,
             float* pdf_direction_per_sr, int* status, std::stop_token stop) {
   const ToScene to_scene(scene, points, 0.0F);
-  std::visit(
-      [&](const auto& l) {
-        parallel_chunks(points.size(), kGrain, stop, [&](std::size_t begin, std::size_t end) {
-          const DenormalsAreZero denormals;
-          for (std::size_t i = begin; i < end; ++i) {
-            const ScenePoint p = to_scene(i);
-            const Vec3<float> w = triple(directions, i);
-            ItemResult result = p.result;
-            if (!is_finite(w) || w == Vec3<float>{}) result = ItemResult::kInvalidInput;
-            if (result == ItemResult::kOk) {
-              const EmissionPdf<float> pdf = l.pdf_le(p.position, normalized(w), scene.sphere());
-              if (std::isfinite(pdf.position.per_m2) && std::isfinite(pdf.direction.per_sr)) {
-                pdf_position_per_m2[i] = pdf.position.per_m2;
-                pdf_direction_per_sr[i] = pdf.direction.per_sr;
-              } else {
-                result = ItemResult::kOutOfRange;
-              }
-            }
-            status[i] = static_cast<int>(result);
+  visit_light(scene.lights()[light], time_s, [&](const auto& l) {
+    parallel_chunks(points.size(), kGrain, stop, [&](std::size_t begin, std::size_t end) {
+      const DenormalsAreZero denormals;
+      for (std::size_t i = begin; i < end; ++i) {
+        const ScenePoint p = to_scene(i);
+        const Vec3<float> w = triple(directions, i);
+        ItemResult result = p.result;
+        if (!is_finite(w) || w == Vec3<float>{}) result = ItemResult::kInvalidInput;
+        if (result == ItemResult::kOk) {
+          const EmissionPdf<float> pdf = l.pdf_le(p.position, normalized(w), scene.sphere());
+          if (std::isfinite(pdf.position.per_m2) && std::isfinite(pdf.direction.per_sr)) {
+            pdf_position_per_m2[i] = pdf.position.per_m2;
+            pdf_direction_per_sr[i] = pdf.direction.per_sr;
+          } else {
+            result = ItemResult::kOutOfRange;
           }
-        });
-      },
-      scene.lights()[light].light);
+        }
+        status[i] = static_cast<int>(result);
+      }
+    });
+  });
 }
 
 }  // namespace lucerna

@@ -39,6 +39,7 @@ struct SampleLeQuery {
   std::optional<SeedRange> seed{};       ///< set: `u` and `u_light` are not read
   std::span<const float> u{};         ///< four a ray (position, direction), in [0, 1] or not finite
   std::span<const double> u_light{};  ///< one a ray, in [0, 1), where `light` is unset
+  double time_s = 0;
 };
 
 /// Arrays to be filled, of one entry (or three) a ray; all start as zeros.
@@ -62,7 +63,7 @@ WorkCounts sample_le(const Scene& scene, const SampleLeQuery& query, const Sampl
 /// The densities with which `sample_le` of light `light` chooses the rays that start at `points` in
 /// `directions` (three a ray, of any length but 0).
 void pdf_le(const Scene& scene, std::uint32_t light, const PointArray& points,
-            std::span<const float> directions, float* pdf_position_per_m2,
+            std::span<const float> directions, double time_s, float* pdf_position_per_m2,
             float* pdf_direction_per_sr, int* status, std::stop_token stop);
 
 }  // namespace lucerna

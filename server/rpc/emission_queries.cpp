@@ -96,9 +96,8 @@ Prepared sample_le(const Context& context, const v1::SampleLeRequest& request,
   query.u = randomness->u;
   query.u_light = randomness->u_light;
   if (auto s = check_time(request.has_time_s(), request.time_s()); !s.ok()) return s;
-  if (!request.wavelengths_nm().empty()) {
-    return unimplemented("wavelengths_nm is not answered yet by SampleLe: values are told in RGB");
-  }
+  if (auto s = check_wavelengths(request.wavelengths_nm()); !s.ok()) return s;
+  query.time_s = request.time_s();
 
   Task task;
   task.predicted_s = query.rays * kSampleSeconds;
@@ -144,7 +143,7 @@ Prepared pdf_le(const Context& context, const v1::PdfLeRequest& request,
   task.cost = response->mutable_cost();
   task.run = [scene = *scene, light = *light, points = *points, n, &request,
               response](const std::stop_token& stop) {
-    lucerna::pdf_le(*scene, light, points, view(request.directions()),
+    lucerna::pdf_le(*scene, light, points, view(request.directions()), request.time_s(),
                     fill(response->mutable_pdf_position_per_m2(), n),
                     fill(response->mutable_pdf_direction_per_sr(), n),
                     fill(response->mutable_status(), n), stop);
