@@ -139,6 +139,7 @@ struct SphereCase : AreaCase {
     return {(p.z / 0.75 + 1) / 2, share_of_turn(p, 2 * kPi)};
   }
   static double emission_area_m2() { return 4 * kPi * 0.75 * 0.75; }
+  static Vec3<double> emission_direction(const Vec3<double>& p) { return normalized(p); }
   static Region emission_region(const Vec3<double>& p) { return hemisphere(p); }
   static constexpr bool kConfined = false;
   static Rgb<double> power_by_quadrature() { return lambertian_power(4 * kPi * 0.75 * 0.75); }
@@ -154,6 +155,7 @@ struct InwardSphereCase : SphereCase {
                                          .world_from_object = at.world_from_light()}));
   }
   static std::vector<Vec3<double>> receivers() { return {{0, 0, 0}, {0.25, -0.25, 0.375}}; }
+  static Vec3<double> emission_direction(const Vec3<double>& p) { return normalized(-p); }
   static Region emission_region(const Vec3<double>& p) { return hemisphere(-p); }
   static Region region(const Vec3<double>&) { return {}; }
 };
@@ -185,6 +187,7 @@ struct CapCase : AreaCase {
     return {(p.z - 0.75) / 0.25, share_of_turn(p, 2 * kPi)};
   }
   static double emission_area_m2() { return 2 * kPi * 0.25; }
+  static Vec3<double> emission_direction(const Vec3<double>& p) { return normalized(p); }
   static Region emission_region(const Vec3<double>& p) { return hemisphere(p); }
   static Rgb<double> power_by_quadrature() { return lambertian_power(2 * kPi * 0.25); }
 };

@@ -6,6 +6,8 @@
 //   static Vec3<double> emission_position(const Vec3<double>& w, double x, double y);
 //   static Vec2<double> emission_where(const Vec3<double>& position, const Vec3<double>& w);
 //   static double emission_area_m2();
+//   // Optional, where a direction leaves part of the surface only: one that leaves `position`.
+//   static Vec3<double> emission_direction(const Vec3<double>& position);
 //   // A cone that holds all directions in which light leaves `position`.
 //   static Region emission_region(const Vec3<double>& position);
 //   // Optional: value of the ray; without it the case's value() one metre along the ray.
@@ -150,8 +152,8 @@ TYPED_TEST_P(EmittingSurface, PositionsFollowTheDensity) {
   const SceneSphere scene = TypeParam::scene();
   RandomU random(0xe3);
   const Vec2<float> ud{0.25F, 0.625F};
-  // A light that shines in proportion to a picture has one density for all directions; so one will
-  // do.
+  // A light that shines in proportion to a picture has one density of positions for all directions
+  // that leave them; so one will do.
   const Vec3<float> w = light.sample_le({0.5F, 0.5F}, ud, scene).direction;
   const Verdict verdict = check_follows_on_square(
       [&]() -> std::optional<Vec2<double>> {
@@ -160,8 +162,12 @@ TYPED_TEST_P(EmittingSurface, PositionsFollowTheDensity) {
         return TypeParam::emission_where(Vec3<double>(s.origin), Vec3<double>(s.direction));
       },
       [&](double x, double y) {
-        const Vec3<float> p(TypeParam::emission_position(Vec3<double>(w), x, y));
-        return light.pdf_le(p, w, scene).position.per_m2 * TypeParam::emission_area_m2();
+        const Vec3<double> p = TypeParam::emission_position(Vec3<double>(w), x, y);
+        Vec3<float> leaving = w;
+        if constexpr (requires { TypeParam::emission_direction(p); })
+          leaving = Vec3<float>(TypeParam::emission_direction(p));
+        return light.pdf_le(Vec3<float>(p), leaving, scene).position.per_m2 *
+               TypeParam::emission_area_m2();
       });
   EXPECT_TRUE(verdict.ok()) << verdict.failure;
 }

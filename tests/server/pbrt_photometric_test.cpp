@@ -69,7 +69,7 @@ TEST(PbrtPhotometric, TransformsMoveTurnAndMirrorButNeverStretch) {
   EXPECT_EQ(l.intensity({0, 0, 1}), Rgb<double>());
   light("Scale 1 1 -1 " + source);
   EXPECT_THAT(message(load("Scale 1 1 2 " + source).status()),
-              HasSubstr("scene.pbrt:1:23: a goniometric light under a transform of unequal scale"));
+              HasSubstr("scene.pbrt:1:24: a goniometric light under a transform of unequal scale"));
 }
 
 TEST(PbrtPhotometric, WithoutAFileItIsAPointLight) {
@@ -99,13 +99,13 @@ TEST(PbrtPhotometric, LightsOfOneFileShareItsWebAndTheSceneCountsItOnce) {
 TEST(PbrtPhotometric, ErrorsAndNotesNameBothFiles) {
   const std::string source = "LightSource \"goniometric\" \"string filename\" \"lamp.ies\"";
   EXPECT_EQ(message(load(source, "TILT=NONE\n1 -1 1 2 1 4").status()),
-            "scene.pbrt:1:37: \"string filename\": lamp.ies:2: photometric type = 4, allowed: 1 "
+            "scene.pbrt:1:38: \"string filename\": lamp.ies:2: photometric type = 4, allowed: 1 "
             "(type C), 2 (type B), 3 (type A)");
   const auto tilted = load(source, "TILT=x.tlt\n1 -1 1 2 1 1 2 0 0 0\n1 1 10\n0 90\n0\n100 100\n");
   ASSERT_TRUE(tilted.ok()) << tilted.status();
   EXPECT_EQ(
       remarks_of(*tilted),
-      "1:37 lamp.ies:1: tilt factors in \"x.tlt\" are not read -> 1, that of a luminaire that "
+      "1:38 lamp.ies:1: tilt factors in \"x.tlt\" are not read -> 1, that of a luminaire that "
       "is not tilted\n");
   EXPECT_THAT(message(load("LightSource \"goniometric\" \"string filename\" \"LAMP.LDT\"", "x\n",
                            "LAMP.LDT")
