@@ -97,12 +97,8 @@ void sample(Session& session, const SampleOptions& options) {
     *request.mutable_u() = sample_values(options, set.points.size());
   }
   request.set_test_visibility(options.visibility);
-  // Without either option the second columns of a file of points are of no use here.
-  if (options.normals.given()) {
-    fill(options.normals.read(set.points.size()), request.mutable_normals());
-  } else if (options.visibility) {
-    fill(set.seconds, request.mutable_normals());
-  }
+  fill(options.normals.given() ? options.normals.read(set.points.size()) : set.seconds,
+       request.mutable_normals());
   options.area_sampling.put(request);
   if (options.samples != 1) request.mutable_accuracy()->set_samples(options.samples);
   request.set_scene_id(session.scene_id(options.scene));
@@ -215,7 +211,7 @@ void add_light_commands(CLI::App& app, Session& session) {
       "Example:\n  lucerna sample room.pbrt --point 0,0,0 --light 1 --samples 4 --visible");
   const auto sampling = std::make_shared<SampleOptions>();
   command->add_option("SCENE", sampling->scene, "Path or id")->required();
-  sampling->points.add(*command, "normals, for --visible");
+  sampling->points.add(*command, "normals");
   command
       ->add_option("--light", sampling->light,
                    "Id of the light; default: one is chosen for each sample")

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <regex>
 
 #include "client/testing/local_server.h"
 #include "tests/e2e/run_program.h"
@@ -31,7 +32,7 @@ class Cli : public ::testing::Test {
     ASSERT_NE(::mkdtemp(name.data()), nullptr);
     directory_ = name;
     fs::create_directories(directory_ / "scenes");
-    for (const char* file : {"point.pbrt", "sphere.pbrt", "ball.ply"}) {
+    for (const char* file : {"point.pbrt", "sphere.pbrt", "rectangle_near.pbrt", "ball.ply"}) {
       fs::copy_file(fs::path(LUCERNA_TEST_DATA) / "reference" / file, directory_ / "scenes" / file);
     }
     std::ofstream(directory_ / "scenes" / "broken.pbrt") << "WorldBegin\nShape sphere\n";
@@ -208,6 +209,91 @@ TEST_F(Cli, PdfIsZeroBesideALightAndNotTowardsIt) {
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_THAT(outcome.out, ContainsRegex("0 0 1 +[1-9][0-9.]*\n"));
   EXPECT_THAT(outcome.out, ContainsRegex("1 0 0 +0\n"));
+}
+
+TEST_F(Cli, DensityIsThatOfTheWayThatWasAskedFor) {
+  const auto pdf = [](const std::string& way) {
+    return lucerna({"pdf", "sphere.pbrt", "--light", "1", "--point", "0.7,-1.2,0", "--direction",
+                    "0,0,1", "--area-sampling", way})
+        .out;
+  };
+  // A sphere of radius 0.35 at 2.6 m: 1 / (2 pi (1 - sqrt(1 - (0.35 / 2.6)^2))) = 17.485.
+  EXPECT_THAT(pdf("solid-angle"), ContainsRegex("0 0 1 +17\\.485"));
+  // By area: 2.25^2 / (4 pi 0.35^2) = 3.2887.
+  for (const char* way :
+       {"square-root", "kraemer", "parallelogram", "rejection", "low-distortion"}) {
+    EXPECT_THAT(pdf(way), ContainsRegex("0 0 1 +3\\.288[67]")) << way;
+  }
+  for (const char* way : {"automatic", "cosine-solid-angle"}) {
+    EXPECT_THAT(pdf(way), ContainsRegex("0 0 1 +17\\.485")) << way;
+  }
+  expect_wrong_use(lucerna({"pdf", "sphere.pbrt", "--light", "1", "--point", "0,0,0", "--direction",
+                            "0,0,1", "--area-sampling", "sideways"}),
+                   "--area-sampling");
+}
+
+TEST_F(Cli, SamplesFollowTheNormalThatIsGivenWithoutAskingForVisibility) {
+  // Under a light that covers most of the sky: by the cosine samples move to where the surface
+  // looks, and the density that is told with them is what `pdf` tells of their direction.
+  const auto sample = [](const std::string& way, std::vector<std::string> more) {
+    std::vector<std::string> words = {"sample",  "rectangle_near.pbrt", "--light", "1", "--u",
+                                      "0.5,0.5", "--area-sampling",     way};
+    words.insert(words.end(), more.begin(), more.end());
+    const Outcome outcome = lucerna(words, "-1.25,-0.75,1.25,1,0,0.25\n");
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return outcome.out;
+  };
+  const std::vector<std::string> point = {"--point", "-1.25,-0.75,1.25"};
+  const std::vector<std::string> with_normal = {"--point", "-1.25,-0.75,1.25", "--normal",
+                                                "1,0,0.25"};
+  const std::string followed = sample("cosine-solid-angle", with_normal);
+  EXPECT_NE(followed, sample("cosine-solid-angle", point));
+  EXPECT_EQ(sample("cosine-solid-angle", point), sample("solid-angle", point));
+  EXPECT_EQ(sample("solid-angle", with_normal), sample("solid-angle", point));
+  EXPECT_EQ(sample("cosine-solid-angle", {"--points", "-"}), followed);
+  // "... cd/m2  WI  DISTANCE  PDF"
+  const std::regex row("cd/m2 +([-0-9.e]+) ([-0-9.e]+) ([-0-9.e]+) +[0-9.]+ +([0-9.]+)");
+  std::smatch m;
+  ASSERT_TRUE(std::regex_search(followed, m, row)) << followed;
+  const std::string wi = m[1].str() + "," + m[2].str() + "," + m[3].str();
+  const Outcome told =
+      lucerna({"pdf", "rectangle_near.pbrt", "--light", "1", "--point", "-1.25,-0.75,1.25",
+               "--direction", wi, "--normal", "1,0,0.25", "--area-sampling", "cosine-solid-angle"});
+  EXPECT_EQ(told.status, 0) << told.err;
+  std::smatch n;
+  const std::regex density(m[3].str() + " +([0-9.]+)\n");
+  ASSERT_TRUE(std::regex_search(told.out, n, density)) << told.out;
+  // Six digits were printed of the direction.
+  EXPECT_NEAR(std::stod(n[1]) / std::stod(m[4]), 1, 1e-4);
+}
+
+TEST_F(Cli, WaysToSampleAreAlsoOfIrradianceAndPictures) {
+  const auto irradiance = [](std::vector<std::string> more) {
+    more.insert(more.begin(), {"irradiance", "rectangle_near.pbrt", "--point", "-1.25,-0.75,1.25",
+                               "--normal", "0,0,1", "--bounces", "0", "--samples", "16", "--json"});
+    const Outcome outcome = lucerna(more);
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return outcome.out.substr(0, outcome.out.find(']'));
+  };
+  const std::string by_area = irradiance({"--area-sampling", "low-distortion"});
+  EXPECT_NE(by_area, irradiance({"--area-sampling", "solid-angle"}));
+  EXPECT_EQ(by_area, irradiance({"--area-sampling", "kraemer"}));  // differs on triangles alone
+  const auto picture = [](const std::string& name, const std::string& way) {
+    const Outcome outcome = lucerna({"render", "rectangle_near.pbrt", "-o", path(name), "--samples",
+                                     "1", "--bounces", "0", "--area-sampling", way});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    std::ifstream file(path(name), std::ios::binary);
+    const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+    fs::remove(path(name));
+    return bytes;
+  };
+  const std::string bytes = picture("way.pfm", "low-distortion");
+  EXPECT_GT(bytes.size(), 100U);
+  EXPECT_EQ(bytes, picture("way.pfm", "low-distortion"));
+  EXPECT_NE(bytes, picture("way.pfm", "solid-angle"));
+  expect_wrong_use(lucerna({"render", "rectangle_near.pbrt", "-o", path("way.pfm"),
+                            "--area-sampling", "sideways"}),
+                   "sideways");
 }
 
 TEST_F(Cli, LeIsTheRadianceOfTheLightThatARayMeets) {

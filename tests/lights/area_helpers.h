@@ -24,7 +24,7 @@ struct Estimate {
 /// Unshadowed illuminance of the red channel at a surface with normal `n`, by `samples` independent
 /// samples of the light.
 template <typename Light, typename Real>
-Estimate illuminance(const Light& light, const Vec3<Real>& receiver, const Vec3<double>& n,
+Estimate illuminance(const Light& light, const Receiver<Real>& receiver, const Vec3<double>& n,
                      std::uint64_t seed, int samples = 40000) {
   RandomU random(seed);
   double sum = 0, squares = 0;
@@ -36,6 +36,12 @@ Estimate illuminance(const Light& light, const Vec3<Real>& receiver, const Vec3<
   const double mean = sum / samples;
   const double variance = std::fmax(0, squares / samples - mean * mean);
   return {mean, std::sqrt(variance / samples)};
+}
+/// The same at a place that says no more of itself.
+template <typename Light, typename Real>
+Estimate illuminance(const Light& light, const Vec3<Real>& receiver, const Vec3<double>& n,
+                     std::uint64_t seed, int samples = 40000) {
+  return illuminance(light, Receiver<Real>(receiver), n, seed, samples);
 }
 
 /// Passes where `e` is within 5.5 standard errors (by luck outside once in 2e7) and 1e-6 of the
