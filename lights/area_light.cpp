@@ -167,10 +167,10 @@ EmissionSample<Real> AreaLight<Real, Shape>::sample_le(Vec2<Real> u_position,
 
 template <std::floating_point Real, template <typename> typename Shape>
 EmissionPdf<Real> AreaLight<Real, Shape>::pdf_le(const Vec3<Real>& position,
-                                                 const Vec3<Real>& direction,
-                                                 const SceneSphere&) const {
+                                                 const Vec3<Real>& direction, const SceneSphere&,
+                                                 double slack_m) const {
   if (!is_finite(position) || !is_finite(direction)) return {};
-  const auto point = shape_.locate(position);
+  const auto point = shape_.locate(position, slack_m);
   if (!point) return {};
   const EmissionPdf<Real> pdf = emission_pdf(*point, direction);
   const bool good =

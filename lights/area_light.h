@@ -65,10 +65,11 @@ class AreaLight {
   /// surface, kOutOfRange where a density or L is not a positive `Real`.  [Pharr23, 14.1.2]
   EmissionSample<Real> sample_le(Vec2<Real> u_position, Vec2<Real> u_direction,
                                  const SceneSphere& scene) const;
-  /// Both 0 where `position` is not on the light, to within rounding, or `direction` leads to a
-  /// side that does not emit.  Where parts of the light meet it is the nearest of them that counts.
+  /// Both 0 where `position` is not on the light, to within rounding and `slack_m`, or `direction`
+  /// leads to a side that does not emit.  Where parts of the light meet it is the nearest of them
+  /// that counts.
   EmissionPdf<Real> pdf_le(const Vec3<Real>& position, const Vec3<Real>& direction,
-                           const SceneSphere& scene) const;
+                           const SceneSphere& scene, double slack_m = 0) const;
   /// pbrt's Phi, which is pi L A too: the same.
   Power power_approximate(const SceneSphere& scene) const { return power(scene); }
   /// The shape's box; its normals' cone widened by a hemisphere, all directions where both sides

@@ -174,7 +174,8 @@ std::pair<Vec3<Real>, Vec3<Real>> Cylinder<Real>::bounds() const {
 }
 
 template <typename Real>
-std::optional<SurfacePoint<Real>> Cylinder<Real>::locate(const Vec3<Real>& position) const {
+std::optional<SurfacePoint<Real>> Cylinder<Real>::locate(const Vec3<Real>& position,
+                                                         double slack_m) const {
   const Vec3<double> p = object_from_world_.point(Vec3<double>(position));
   const double to_surface = params_.radius_m / std::hypot(p.x, p.y);
   Vec3<double> q{p.x * to_surface, p.y * to_surface,
@@ -191,7 +192,7 @@ std::optional<SurfacePoint<Real>> Cylinder<Real>::locate(const Vec3<Real>& posit
     }
   }
   const Vec3<double> nearest = world_from_object_.point(q);
-  if (!(length(nearest - Vec3<double>(position)) <= rounding_m<Real>(bounds())))
+  if (!(length(nearest - Vec3<double>(position)) <= rounding_m<Real>(bounds()) + slack_m))
     return std::nullopt;
   return SurfacePoint<Real>{position, surface_point(q).normal};
 }

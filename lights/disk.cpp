@@ -117,7 +117,8 @@ std::pair<Vec3<Real>, Vec3<Real>> Disk<Real>::bounds() const {
 }
 
 template <typename Real>
-std::optional<SurfacePoint<Real>> Disk<Real>::locate(const Vec3<Real>& position) const {
+std::optional<SurfacePoint<Real>> Disk<Real>::locate(const Vec3<Real>& position,
+                                                     double slack_m) const {
   Vec3<double> q = object_from_world_.point(Vec3<double>(position));
   q.z = params_.height_m;
   const double r = std::hypot(q.x, q.y);
@@ -135,7 +136,7 @@ std::optional<SurfacePoint<Real>> Disk<Real>::locate(const Vec3<Real>& position)
     }
   }
   const Vec3<double> nearest = world_from_object_.point(q);
-  if (!(length(nearest - Vec3<double>(position)) <= rounding_m<Real>(bounds())))
+  if (!(length(nearest - Vec3<double>(position)) <= rounding_m<Real>(bounds()) + slack_m))
     return std::nullopt;
   return SurfacePoint<Real>{position, normal_};
 }

@@ -129,8 +129,9 @@ AreaPdf<double> Mesh<Real, Primitive>::pdf_area(const SurfacePoint<Real>& point)
 }
 
 template <typename Real, template <typename> typename Primitive>
-std::optional<SurfacePoint<Real>> Mesh<Real, Primitive>::locate(const Vec3<Real>& position) const {
-  double nearest = rounding_m<Real>(bounds());
+std::optional<SurfacePoint<Real>> Mesh<Real, Primitive>::locate(const Vec3<Real>& position,
+                                                                double slack_m) const {
+  double nearest = rounding_m<Real>(bounds()) + slack_m;
   std::optional<SurfacePoint<Real>> found;
   for (std::size_t i = 0; i < primitives_.size(); ++i) {
     // What has no area is no part of the light.

@@ -56,9 +56,9 @@ class Mesh {
 
   /// Density of points by area alone: of triangles 1 / area, of patches as they share theirs out.
   AreaPdf<double> pdf_area(const SurfacePoint<Real>& point) const;
-  /// The point of the mesh at `position`, where there is one to within rounding: of the nearest
-  /// primitive, the first of equally near ones.  Looks at each.
-  std::optional<SurfacePoint<Real>> locate(const Vec3<Real>& position) const;
+  /// The point of the mesh at `position`, where there is one to within rounding and `slack_m`: of
+  /// the nearest primitive, the first of equally near ones.  Looks at each.
+  std::optional<SurfacePoint<Real>> locate(const Vec3<Real>& position, double slack_m = 0) const;
   /// About the mean normal; exact for flat meshes, all directions for closed ones.
   NormalCone<Real> normals() const;
 

@@ -1,14 +1,22 @@
 // A light that moves, at one moment: evaluated where it stands at its first key frame.
 #pragma once
 
+#include <algorithm>
+#include <limits>
+#include <numbers>
+#include <optional>
+#include <tuple>
+
+#include "lights/light_bounds.h"
 #include "lights/light_sample.h"
 #include "lights/motion.h"
+#include "lights/shape.h"
 
 namespace lucerna {
 
 /// Light `L` under a rigid map, with the interface of `L`.  Receivers go to the light's space by
 /// the inverse of `pose`, samples come back by it, rounded once each way.  Under the identity the
-/// bits are those of `L`.  Refers to the light: to be used while that lives.
+/// bits are those of `L`, but for `bounds`.  Refers to the light: to be used while that lives.
 template <std::floating_point Real, typename L>
 class Posed {
  public:
@@ -58,13 +66,61 @@ class Posed {
     return s;
   }
 
+  /// Positions are taken to be on the light to within their own rounding, which is that of where
+  /// the light stands now and may be far more than that of the light about its own origin.
   EmissionPdf<Real> pdf_le(const Vec3<Real>& position, const Vec3<Real>& direction,
                            const SceneSphere& scene) const requires requires(const L& l) {
     l.pdf_le(position, direction, scene);
   }
-  { return light_.pdf_le(inverse_point(position), inverse_vector(direction), to_light(scene)); }
+  {
+    const Vec3<Real> w = inverse_vector(direction), p = inverse_point(position);
+    const SceneSphere local = to_light(scene);
+    if constexpr (requires { light_.pdf_le(p, w, local, 0.0); }) {
+      const double slack = 8 * double{std::numeric_limits<Real>::epsilon()} * max_abs(position);
+      return light_.pdf_le(p, w, local, slack);
+    } else {
+      // A light that shines from one point knows it by its very bits.
+      const auto own = light_.bounds();
+      if (own && own->lower == own->upper)
+        return position == point(own->lower) ? light_.pdf_le(own->lower, w, local)
+                                             : EmissionPdf<Real>{};
+      return light_.pdf_le(p, w, local);
+    }
+  }
 
   Power power(const SceneSphere& scene) const { return light_.power(to_light(scene)); }
+  Power power_approximate(const SceneSphere& scene) const {
+    return light_.power_approximate(to_light(scene));
+  }
+
+  /// Those of `L`, its box turned with it and put into another along the axes; wider by what
+  /// rounding may move.
+  std::optional<LightBounds<Real>> bounds() const {
+    std::optional<LightBounds<Real>> b = light_.bounds();
+    if (!b) return b;
+    b->axis = vector(b->axis);
+    if (b->cone_rad < std::numbers::pi)
+      b->cone_rad = std::min(b->cone_rad + 8 * double{std::numeric_limits<Real>::epsilon()},
+                             std::numbers::pi);
+    if (b->lower == b->upper) {
+      b->lower = b->upper = point(b->lower);
+      return b;
+    }
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    Vec3<double> low{kInfinity, kInfinity, kInfinity}, high = -low;
+    for (int c = 0; c < 8; ++c) {
+      const Vec3<double> p = pose_.point({(c & 1) != 0 ? b->upper.x : b->lower.x,
+                                          (c & 2) != 0 ? b->upper.y : b->lower.y,
+                                          (c & 4) != 0 ? b->upper.z : b->lower.z});
+      low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+      high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+    }
+    const double pad = 8 * std::numeric_limits<double>::epsilon() *
+                       (std::max(max_abs(low), max_abs(high)) + max_abs(pose_.shift_m));
+    const Vec3<double> around{pad, pad, pad};
+    std::tie(b->lower, b->upper) = rounded_outwards<Real>(low - around, high + around);
+    return b;
+  }
 
  private:
   Vec3<Real> vector(const Vec3<Real>& v) const { return Vec3<Real>(pose_.vector(Vec3<double>(v))); }

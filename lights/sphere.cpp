@@ -289,7 +289,8 @@ std::pair<Vec3<Real>, Vec3<Real>> Sphere<Real>::bounds() const {
 }
 
 template <typename Real>
-std::optional<SurfacePoint<Real>> Sphere<Real>::locate(const Vec3<Real>& position) const {
+std::optional<SurfacePoint<Real>> Sphere<Real>::locate(const Vec3<Real>& position,
+                                                       double slack_m) const {
   const double r = params_.radius_m;
   Vec3<double> q = normalized(object_from_world_.point(Vec3<double>(position))) * r;
   if (!is_finite(q)) return std::nullopt;
@@ -309,7 +310,7 @@ std::optional<SurfacePoint<Real>> Sphere<Real>::locate(const Vec3<Real>& positio
     }
   }
   const Vec3<double> nearest = world_from_object_.point(q);
-  if (!(length(nearest - Vec3<double>(position)) <= rounding_m<Real>(bounds())))
+  if (!(length(nearest - Vec3<double>(position)) <= rounding_m<Real>(bounds()) + slack_m))
     return std::nullopt;
   return SurfacePoint<Real>{position, surface_point(q).normal};
 }

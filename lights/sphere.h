@@ -66,8 +66,8 @@ class Sphere {
 
   /// Density of points by area alone; 1 / area.
   AreaPdf<double> pdf_area(const SurfacePoint<Real>&) const { return {1 / area_m2_}; }
-  /// The point of the surface at `position`, where there is one to within rounding.
-  std::optional<SurfacePoint<Real>> locate(const Vec3<Real>& position) const;
+  /// The point of the surface at `position`, where there is one to within rounding and `slack_m`.
+  std::optional<SurfacePoint<Real>> locate(const Vec3<Real>& position, double slack_m = 0) const;
   /// All directions of a whole sphere; of a part a cone that holds it.
   NormalCone<Real> normals() const;
 

@@ -297,8 +297,8 @@ Power light_power(const Scene& scene, std::uint32_t light) {
 }
 
 Power light_power_approximate(const Scene& scene, std::uint32_t light) {
-  return std::visit([&](const auto& l) { return l.power_approximate(scene.sphere()); },
-                    scene.lights()[light].light);
+  return visit_light(scene.lights()[light], -std::numeric_limits<double>::infinity(),
+                     [&](const auto& l) { return l.power_approximate(scene.sphere()); });
 }
 
 std::optional<std::uint32_t> hinted_bounces(const Scene& scene) {

@@ -7,6 +7,7 @@
 #include "client/cli/output.h"
 #include "client/cli/points.h"
 #include "client/cli/session.h"
+#include "client/cli/time_option.h"
 #include "client/cli/validators.h"
 
 namespace lucerna::cli {
@@ -17,6 +18,7 @@ struct LeOptions {
   PointOptions points;
   TripleOption directions;
   std::optional<std::uint64_t> light;
+  TimeOption time;
 };
 
 void le(Session& session, const LeOptions& options) {
@@ -28,6 +30,7 @@ void le(Session& session, const LeOptions& options) {
   *request.mutable_points() = client::make_points(set.points);
   fill(directions, request.mutable_directions());
   if (options.light) request.set_light_id(*options.light);
+  options.time.put(request);
   request.set_scene_id(session.scene_id(options.scene));
   const auto response = session.ask(client::le_in_batches(
       session.client(), request, {.max_items = 0, .call = session.call_options()}));
@@ -61,6 +64,7 @@ struct EmitOptions {
   std::uint32_t count = 1;
   std::uint64_t seed = 0;
   std::vector<std::string> u;
+  TimeOption time;
 };
 
 /// "u1,u2,u3,u4" where the light is named, with ",u_light" where it is not.
@@ -143,6 +147,7 @@ void print_rays(const v1::SampleLeResponse& response, const EmitOptions& options
 void emit(Session& session, const EmitOptions& options) {
   v1::SampleLeRequest request;
   if (options.light) request.set_light_id(*options.light);
+  options.time.put(request);
   request.set_count(options.count);
   if (options.u.empty()) {
     request.mutable_seed()->set_seed(options.seed);
@@ -167,6 +172,7 @@ struct EmitPdfOptions {
   PointOptions points;
   TripleOption directions;
   std::uint64_t light = 0;
+  TimeOption time;
 };
 
 void emit_pdf(Session& session, const EmitPdfOptions& options) {
@@ -178,6 +184,7 @@ void emit_pdf(Session& session, const EmitPdfOptions& options) {
   *request.mutable_points() = client::make_points(set.points);
   fill(directions, request.mutable_directions());
   request.set_light_id(options.light);
+  options.time.put(request);
   request.set_scene_id(session.scene_id(options.scene));
   const auto response = session.ask(client::pdf_le_in_batches(
       session.client(), request, {.max_items = 0, .call = session.call_options()}));
@@ -225,6 +232,7 @@ void add_emission_commands(CLI::App& app, Session& session) {
                    "without --light also u_light: u1,u2,u3,u4,u_light; once for each ray")
       ->allow_extra_args(false)
       ->excludes("--seed");
+  emission->time.add(*command);
   command->callback([emission, &session] { emit(session, *emission); });
 
   command = app.add_subcommand("emit-pdf", "Densities with which `emit` chooses rays (PdfLe)");
@@ -236,6 +244,7 @@ void add_emission_commands(CLI::App& app, Session& session) {
   density->directions.add(*command, "--direction",
                           "The ray's direction x,y,z, away from the light");
   command->add_option("--light", density->light, "Id of the light")->check(whole(1))->required();
+  density->time.add(*command);
   command->callback([density, &session] { emit_pdf(session, *density); });
 
   command = app.add_subcommand("le", "Radiance of the lights that rays meet, or of the sky (Le)");
@@ -248,6 +257,7 @@ void add_emission_commands(CLI::App& app, Session& session) {
   looking->directions.add(*command, "--direction", "The ray's direction x,y,z");
   command->add_option("--light", looking->light, "Id of the only light to tell of; default: any")
       ->check(whole(1));
+  looking->time.add(*command);
   command->callback([looking, &session] { le(session, *looking); });
 }
 

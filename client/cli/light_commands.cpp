@@ -11,6 +11,7 @@
 #include "client/cli/output.h"
 #include "client/cli/points.h"
 #include "client/cli/session.h"
+#include "client/cli/time_option.h"
 #include "client/cli/validators.h"
 
 namespace lucerna::cli {
@@ -26,6 +27,7 @@ struct SampleOptions {
   std::uint32_t samples = 1;
   bool visibility = false;
   AreaSamplingOption area_sampling;
+  TimeOption time;
 };
 
 /// "u1,u2" where the light is named, "u1,u2,u_light" where it is not; one for all or one a point.
@@ -100,6 +102,7 @@ void sample(Session& session, const SampleOptions& options) {
   fill(options.normals.given() ? options.normals.read(set.points.size()) : set.seconds,
        request.mutable_normals());
   options.area_sampling.put(request);
+  options.time.put(request);
   if (options.samples != 1) request.mutable_accuracy()->set_samples(options.samples);
   request.set_scene_id(session.scene_id(options.scene));
   const auto response = session.ask(client::sample_li_in_batches(
@@ -117,6 +120,7 @@ struct PdfOptions {
   PointOptions points;
   TripleOption directions, normals;
   AreaSamplingOption area_sampling;
+  TimeOption time;
   std::uint64_t light = 0;
 };
 
@@ -132,6 +136,7 @@ void pdf(Session& session, const PdfOptions& options) {
     fill(options.normals.read(set.points.size()), request.mutable_normals());
   }
   options.area_sampling.put(request);
+  options.time.put(request);
   request.set_light_id(options.light);
   request.set_scene_id(session.scene_id(options.scene));
   const auto response = session.ask(client::pdf_li_in_batches(
@@ -230,6 +235,7 @@ void add_light_commands(CLI::App& app, Session& session) {
   command->add_flag("--visible", sampling->visibility, "Also test whether nothing stands between");
   sampling->normals.add(*command, "--normal", "The surface normal x,y,z at the point");
   sampling->area_sampling.add(*command);
+  sampling->time.add(*command);
   command->callback([sampling, &session] { sample(session, *sampling); });
 
   command = app.add_subcommand("pdf", "Density with which `sample` chooses directions (PdfLi)");
@@ -241,6 +247,7 @@ void add_light_commands(CLI::App& app, Session& session) {
   command->add_option("--light", density->light, "Id of the light")->check(whole(1))->required();
   density->normals.add(*command, "--normal", "The surface normal x,y,z at the point");
   density->area_sampling.add(*command);
+  density->time.add(*command);
   command->callback([density, &session] { pdf(session, *density); });
 
   command = app.add_subcommand("power", "Luminous flux of lights");

@@ -9,6 +9,7 @@
 #include "client/cli/output.h"
 #include "client/cli/points.h"
 #include "client/cli/session.h"
+#include "client/cli/time_option.h"
 #include "client/cli/validators.h"
 
 namespace lucerna::cli {
@@ -20,6 +21,7 @@ struct VisibleOptions {
   TripleOption to, directions, normals;
   std::optional<double> length_m;
   std::optional<double> position_error_m;
+  TimeOption time;
 };
 
 void visible(Session& session, const VisibleOptions& options) {
@@ -50,6 +52,7 @@ void visible(Session& session, const VisibleOptions& options) {
   if (options.position_error_m) {
     request.set_position_error_m(static_cast<float>(*options.position_error_m));
   }
+  options.time.put(request);
   request.set_scene_id(session.scene_id(options.scene));
   const auto response = session.ask(client::test_visibility_in_batches(
       session.client(), request, {.max_items = 0, .call = session.call_options()}));
@@ -83,6 +86,7 @@ struct IrradianceOptions {
   std::uint64_t seed = 0;
   bool per_light = false;
   AreaSamplingOption area_sampling;
+  TimeOption time;
 };
 
 /// A standard error, or the bound that stands for it where every sample was zero.
@@ -140,6 +144,7 @@ void irradiance(Session& session, const IrradianceOptions& options) {
   request.mutable_seed()->set_seed(options.seed);
   if (options.samples) request.mutable_accuracy()->set_samples(*options.samples);
   options.area_sampling.put(request);
+  options.time.put(request);
   request.set_scene_id(session.scene_id(options.scene));
   const auto response = session.ask(client::estimate_irradiance_in_batches(
       session.client(), request, {.max_items = 0, .call = session.call_options()}));
@@ -171,6 +176,7 @@ void add_receiver_commands(CLI::App& app, Session& session) {
       ->add_option("--position-error", looking->position_error_m,
                    "How far each coordinate may be off [m]; default: a few last places")
       ->check(not_negative());
+  looking->time.add(*command);
   command->callback([looking, &session] { visible(session, *looking); });
 
   command = app.add_subcommand("irradiance", "Light that arrives on small surfaces");
@@ -190,6 +196,7 @@ void add_receiver_commands(CLI::App& app, Session& session) {
   command->add_option("--seed", meter->seed, "Seed of the sample values")->capture_default_str();
   command->add_flag("--per-light", meter->per_light, "Also the direct light of each light");
   meter->area_sampling.add(*command);
+  meter->time.add(*command);
   command->callback([meter, &session] { irradiance(session, *meter); });
 }
 

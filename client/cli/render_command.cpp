@@ -10,6 +10,7 @@
 #include "client/cli/output.h"
 #include "client/cli/progress.h"
 #include "client/cli/session.h"
+#include "client/cli/time_option.h"
 #include "client/cli/validators.h"
 #include "client/picture.h"
 #include "client/write_picture.h"
@@ -25,6 +26,7 @@ struct RenderOptions {
   std::string error_output;
   std::optional<std::uint32_t> samples;
   AreaSamplingOption area_sampling;
+  TimeOption time;
   std::uint64_t seed = 0;
   std::optional<std::uint32_t> bounces;
   std::optional<std::uint32_t> tile_size;
@@ -94,6 +96,7 @@ void render(Session& session, const RenderOptions& options) {
   if (options.tile_size) request.set_tile_size(*options.tile_size);
   if (options.samples) request.mutable_accuracy()->set_samples(*options.samples);
   options.area_sampling.put(request);
+  options.time.put(request);
   request.set_final_only(true);
   request.set_scene_id(session.scene_id(options.scene));
   const auto [picture, last] = render_picture(session, request);
@@ -139,6 +142,7 @@ void add_render_command(CLI::App& app, Session& session) {
                    "Samples for each pixel; default: as the scene file says")
       ->check(whole(1));
   options->area_sampling.add(*command);
+  options->time.add(*command, "all the time that the shutter is open");
   command->add_option("--seed", options->seed, "Seed of the sample values")->capture_default_str();
   command
       ->add_option("--bounces", options->bounces,

@@ -35,6 +35,8 @@ class Cli : public ::testing::Test {
     for (const char* file : {"point.pbrt", "sphere.pbrt", "rectangle_near.pbrt", "ball.ply"}) {
       fs::copy_file(fs::path(LUCERNA_TEST_DATA) / "reference" / file, directory_ / "scenes" / file);
     }
+    fs::copy_file(fs::path(LUCERNA_TEST_DATA) / "pbrt" / "moving_point.pbrt",
+                  directory_ / "scenes" / "moving_point.pbrt");
     std::ofstream(directory_ / "scenes" / "broken.pbrt") << "WorldBegin\nShape sphere\n";
     auto server = testing::LocalServer::start({.scene_root = (directory_ / "scenes").string()});
     ASSERT_TRUE(server.ok()) << server.status();
@@ -307,6 +309,43 @@ TEST_F(Cli, LeIsTheRadianceOfTheLightThatARayMeets) {
       lucerna({"le", "sphere.pbrt", "--point", "0,0,1", "--direction", "0,0,1", "--light", "77"}),
       "77");
   expect_wrong_use(lucerna({"le", "sphere.pbrt", "--point", "0,0,1"}), "no directions");
+}
+
+TEST_F(Cli, TimeIsTheMomentOfWhatMoves) {
+  // 18 cd at (2 t, 0, 3): at 1 s d^2 = 4 + 9 = 13 m2, and 18 * 3 / 13^1.5 lx on the floor.
+  const auto with = [](std::vector<std::string> arguments, const char* time) {
+    arguments.insert(arguments.begin() + 1, "moving_point.pbrt");
+    arguments.insert(arguments.end(), {"--time", time});
+    const Outcome outcome = lucerna(std::move(arguments));
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return outcome.out;
+  };
+  EXPECT_THAT(with({"sample", "--point", "0,0,0", "--light", "1"}, "1"), HasSubstr("1.38462"));
+  EXPECT_THAT(with({"sample", "--point", "0,0,0", "--light", "1"}, "0"), HasSubstr("  2 2 2  lx"));
+  EXPECT_THAT(with({"irradiance", "--point", "0,0,0", "--normal", "0,0,1", "--bounces", "0"}, "1"),
+              HasSubstr("1.15207"));
+  EXPECT_THAT(with({"emit", "--light", "1"}, "1"), HasSubstr(" 2 0 3 "));
+  // Densities: of a point light's direction from where it is, 1 / (4 pi), and 0 from elsewhere.
+  const std::vector<std::string> emit_pdf = {"emit-pdf", "--light",     "1",     "--point",
+                                             "2,0,3",    "--direction", "0,0,-1"};
+  EXPECT_THAT(with(emit_pdf, "1"), HasSubstr("0.0795775"));
+  EXPECT_THAT(with(emit_pdf, "1.5"), Not(HasSubstr("0.0795775")));
+  // Here time has no effect, but it is taken.
+  with({"pdf", "--light", "1", "--point", "0,0,0", "--direction", "0,0,1"}, "1");
+  with({"le", "--point", "0,0,1", "--direction", "0,0,1"}, "1");
+  with({"visible", "--point", "0,0,1", "--to", "0,0,2"}, "1");
+  with({"render", "-o", path("a.pfm"), "--samples", "4"}, "1");
+  const auto bytes = [](const std::string& name) {
+    std::ifstream file(path(name), std::ios::binary);
+    return std::string(std::istreambuf_iterator<char>(file), {});
+  };
+  const std::string at_one = bytes("a.pfm");
+  with({"render", "-o", path("a.pfm"), "--samples", "4"}, "0");
+  EXPECT_NE(bytes("a.pfm"), at_one);
+  fs::remove(path("a.pfm"));
+  expect_wrong_use(lucerna({"le", "moving_point.pbrt", "--point", "0,0,1", "--direction", "0,0,1",
+                            "--time", "nan"}),
+                   "nan is not a finite number");
 }
 
 TEST_F(Cli, VisibilityIsAskedForSegmentsAndRays) {

@@ -93,6 +93,43 @@ struct MovingDisk {
   }
 };
 
+struct MovingCylinder {
+  template <typename Real>
+  static CylinderLight<Real> make(const Transform& world_from_light) {
+    return emitting<Real, Cylinder>(
+        Cylinder<Real>::create({.radius_m = 0.5,
+                                .z_min_m = -0.25,
+                                .z_max_m = 1,
+                                .phi_max_rad = 4,
+                                .world_from_object = world_from_light}));
+  }
+};
+
+struct MovingSun {
+  template <typename Real>
+  static SunLight<Real> make(const Transform& world_from_light) {
+    return *SunLight<Real>::create({.to_light = world_from_light.vector({1, 2, 3}),
+                                    .angular_diameter_rad = 0.3,
+                                    .illuminance_lx = kLevel});
+  }
+};
+
+template <SphereMapping kMapping, ImageFilter kFilter>
+struct MovingSky {
+  template <typename Real>
+  static ImageInfiniteLight<Real> make(const Transform& world_from_light) {
+    std::vector<Rgb<float>> texels;
+    for (int i = 0; i < 16; ++i)
+      texels.push_back(Rgb<float>(static_cast<float>(1 + i * i % 7)) * Rgb<float>{1, 0.5F, 2});
+    return *ImageInfiniteLight<Real>::create(
+        {.map = *SphereMap::create(*Image::create(4, 4, std::move(texels)), kMapping, kFilter),
+         .world_from_map = world_from_light,
+         .radiance_cd_m2 = kLevel});
+  }
+};
+using MovingTexels = MovingSky<SphereMapping::kEqualArea, ImageFilter::kNearest>;
+using MovingPicture = MovingSky<SphereMapping::kLatitudeLongitude, ImageFilter::kBilinear>;
+
 // Receivers in world coordinates; some see the light at any of the times, none is in the plane of a
 // flat one.
 const std::vector<Vec3<double>> kReceivers{
@@ -216,11 +253,108 @@ TYPED_TEST_P(MovingLight, ReceiversThatAreNoNumbersGiveAReason) {
   }
 }
 
-REGISTER_TYPED_TEST_SUITE_P(MovingLight, EqualsTheLightCreatedWhereItStands,
-                            KeepsItsBitsWhereItDoesNotMove, ReceiversThatAreNoNumbersGiveAReason);
+TYPED_TEST_P(MovingLight, EmitsAsTheLightCreatedWhereItStands) {
+  const Motion motion = *Motion::create(keys());
+  const auto first = TypeParam::template make<double>(keys()[0].world_from_light);
+  using Model = std::remove_const_t<decltype(first)>;
+  const SceneSphere scene{{1, 2, 3}, 9};
+  int lit = 0;
+  for (const double t : {0.0, 0.7, 2.0, 2.9, 3.0}) {
+    const auto moved = TypeParam::template make<double>(transform_at(t));
+    const Posed<double, Model> posed(first, motion.at(t));
+    EXPECT_LE(relative_difference(posed.power_approximate(scene).lumens,
+                                  moved.power_approximate(scene).lumens),
+              1e-12);
+    RandomU random(13);
+    for (int i = 0; i < 200; ++i) {
+      const auto s = posed.sample_le(random.pair<double>(), random.pair<double>(), scene);
+      if (s.reason != NoLight::kNone) continue;
+      ++lit;
+      const EmissionPdf<double> own = posed.pdf_le(s.origin, s.direction, scene);
+      EXPECT_LE(relative_difference(own.position.per_m2, s.pdf_position.per_m2), 1e-7);
+      EXPECT_LE(relative_difference(own.direction.per_sr, s.pdf_direction.per_sr), 1e-7);
+      // Asked of the other light, a position of that light's own: points know theirs by its bits.
+      const auto there = moved.bounds();
+      const bool is_point = there && there->lower == there->upper;
+      if (is_point) {
+        EXPECT_LE(distance_between(s.origin, there->lower), 1e-14);
+      }
+      const Vec3<double> origin = is_point ? there->lower : s.origin;
+      const EmissionPdf<double> other = moved.pdf_le(origin, s.direction, scene);
+      EXPECT_LE(relative_difference(other.position.per_m2, s.pdf_position.per_m2), 1e-7);
+      EXPECT_LE(relative_difference(other.direction.per_sr, s.pdf_direction.per_sr), 1e-7);
+      // And nothing leaves from where it is not, or no longer is.
+      EXPECT_EQ(posed.pdf_le(s.origin + Vec3<double>{20, 30, 5}, s.direction, scene),
+                EmissionPdf<double>{});
+    }
+  }
+  EXPECT_GT(lit, 500);
+}
 
-using Cases = ::testing::Types<MovingPoint, MovingSpot, MovingDistant, MovingInfinite,
-                               MovingTriangles, MovingPatches, MovingSphere, MovingDisk>;
+// A float far from zero is coarser than the light about its own origin by the distance over the
+// light's size: positions must be found all the same.  (Rays from infinity start at the scene's own
+// sphere, which a scene's origin is never far from.)
+TYPED_TEST_P(MovingLight, KnowsItsOwnPositionsFarOff) {
+  const auto first = TypeParam::template make<float>(keys()[0].world_from_light);
+  if (!first.bounds()) return;
+  const Motion motion = Motion::create(keys())->about({}, {-3000, 700, 50});
+  const SceneSphere scene{{3000, -700, -50}, 9};
+  for (const double t : {0.0, 0.7, 2.9}) {
+    const Posed<float, std::remove_const_t<decltype(first)>> posed(first, motion.at(t));
+    RandomU random(14);
+    for (int i = 0; i < 100; ++i) {
+      const auto s = posed.sample_le(random.pair(), random.pair(), scene);
+      if (s.reason != NoLight::kNone) continue;
+      const EmissionPdf<float> own = posed.pdf_le(s.origin, s.direction, scene);
+      EXPECT_EQ(own.position.per_m2 > 0, s.pdf_position.per_m2 > 0);
+      EXPECT_EQ(own.direction.per_sr > 0, s.pdf_direction.per_sr > 0);
+    }
+  }
+}
+
+TYPED_TEST_P(MovingLight, BoundsHoldWhatLeavesItAtTheTime) {
+  const Motion motion = *Motion::create(keys());
+  const auto first = TypeParam::template make<float>(keys()[0].world_from_light);
+  const SceneSphere scene{{1, 2, 3}, 9};
+  for (const double t : {0.0, 0.7, 2.9}) {
+    const Posed<float, std::remove_const_t<decltype(first)>> posed(first, motion.at(t));
+    const auto bounds = posed.bounds();
+    ASSERT_EQ(bounds.has_value(), first.bounds().has_value());
+    if (!bounds) continue;
+    const auto moved = *TypeParam::template make<float>(transform_at(t)).bounds();
+    RandomU random(15);
+    for (int i = 0; i < 500; ++i) {
+      const auto s = posed.sample_le(random.pair(), random.pair(), scene);
+      if (s.reason != NoLight::kNone) continue;
+      for (int axis = 0; axis < 3; ++axis) {
+        EXPECT_GE(s.origin[axis], bounds->lower[axis]);
+        EXPECT_LE(s.origin[axis], bounds->upper[axis]);
+      }
+      EXPECT_LE(std::atan2(length(cross(Vec3<double>(bounds->axis), Vec3<double>(s.direction))),
+                           dot(Vec3<double>(bounds->axis), Vec3<double>(s.direction))),
+                bounds->cone_rad + 1e-12);
+      for (int far = 1; far < 9; far += 7)
+        EXPECT_TRUE(bounds->reaches(s.origin + s.direction * static_cast<float>(far)));
+    }
+    // And no more than a turned box asks for: no longer than the diagonal of the light's own.
+    const double diagonal =
+        distance_between(first.bounds()->lower, first.bounds()->upper) * (1 + 1e-6) + 1e-5;
+    for (int axis = 0; axis < 3; ++axis) {
+      EXPECT_LE(bounds->upper[axis] - bounds->lower[axis], diagonal);
+      EXPECT_GE(moved.upper[axis] + 1e-5, bounds->lower[axis]);
+    }
+    EXPECT_NEAR(bounds->cone_rad, moved.cone_rad, 2e-5);
+  }
+}
+
+REGISTER_TYPED_TEST_SUITE_P(MovingLight, EqualsTheLightCreatedWhereItStands,
+                            KeepsItsBitsWhereItDoesNotMove, ReceiversThatAreNoNumbersGiveAReason,
+                            EmitsAsTheLightCreatedWhereItStands, KnowsItsOwnPositionsFarOff,
+                            BoundsHoldWhatLeavesItAtTheTime);
+
+using Cases = ::testing::Types<MovingPoint, MovingSpot, MovingDistant, MovingSun, MovingInfinite,
+                               MovingTexels, MovingPicture, MovingTriangles, MovingPatches,
+                               MovingSphere, MovingDisk, MovingCylinder>;
 INSTANTIATE_TYPED_TEST_SUITE_P(All, MovingLight, Cases);
 
 }  // namespace
