@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "lights/emission.h"
 #include "lights/inverse_square.h"
 #include "lights/sampling.h"
 #include "lights/validation.h"
@@ -40,17 +41,26 @@ Frame<double> orthonormal(const Frame<double>& axes) {
 
 }  // namespace
 
+double flux_of_unit_intensity_lm(const GoniometricLightParams& params) {
+  if (params.web) return params.web->flux_lm();
+  if (params.map) return params.map->flux_lm();
+  return 4 * std::numbers::pi;
+}
+
 template <std::floating_point Real>
 absl::StatusOr<GoniometricLight<Real>> GoniometricLight<Real>::create(
     const Params& params, const Vec3<double>& origin_m) {
   if (auto s = check_position<Real>("goniometric.position", params.position_m, origin_m); !s.ok())
     return s;
   if (auto s = check_axes(params.axes); !s.ok()) return s;
+  if (params.web && params.map)
+    return absl::InvalidArgumentError("goniometric.web and goniometric.map, allowed: one of them");
   const std::string_view unit = params.web ? "" : "cd";
   if (auto s = check_light_value<Real>("goniometric.intensity", params.intensity, unit); !s.ok())
     return s;
-  if (params.web) {
-    const Rgb<double> largest = params.intensity * params.web->max_cd();
+  if (params.web || params.map) {
+    const double max_cd = params.web ? params.web->max_cd() : params.map->max_cd();
+    const Rgb<double> largest = params.intensity * max_cd;
     if (auto s = check_light_value<Real>("goniometric.intensity times the largest of the file",
                                          largest, "cd");
         !s.ok())
@@ -64,19 +74,19 @@ GoniometricLight<Real>::GoniometricLight(const Params& params, const Vec3<double
     : params_(params), position_(params.position_m - origin_m), axes_(orthonormal(params.axes)) {}
 
 template <std::floating_point Real>
-double GoniometricLight<Real>::distribution(const Vec3<double>& w) const {
-  return params_.web ? params_.web->at(axes_.local_from_world(w)) : 1;
+double GoniometricLight<Real>::share(const Vec3<double>& w) const {
+  return distribution(1.0, [&](const auto& d) { return d.at(axes_.local_from_world(w)); });
 }
 
 template <std::floating_point Real>
 bool GoniometricLight<Real>::is_black() const {
-  return params_.intensity.is_black() || (params_.web && !(params_.web->flux_lm() > 0));
+  return params_.intensity.is_black() || !(flux_of_unit_intensity_lm(params_) > 0);
 }
 
 template <std::floating_point Real>
 Rgb<Real> GoniometricLight<Real>::intensity(const Vec3<Real>& w) const {
   if (!is_finite(w) || w == Vec3<Real>{}) return {};
-  return Rgb<Real>(params_.intensity * distribution(Vec3<double>(w)));
+  return Rgb<Real>(params_.intensity * share(Vec3<double>(w)));
 }
 
 template <std::floating_point Real>
@@ -89,9 +99,9 @@ LightSample<Real> GoniometricLight<Real>::sample_li(const Receiver<Real>& receiv
     sample.reason = NoLight::kBlack;
     return sample;
   }
-  const double share = distribution(-way.wi);
-  if (share > 0)
-    set_inverse_square(params_.intensity * share, way.distance_m, sample);
+  const double towards = share(-way.wi);
+  if (towards > 0)
+    set_inverse_square(params_.intensity * towards, way.distance_m, sample);
   else
     sample.reason = NoLight::kOutsideCone;
   return sample;
@@ -104,7 +114,8 @@ SolidAnglePdf<Real> GoniometricLight<Real>::pdf_li(const Receiver<Real>&, const 
 
 template <std::floating_point Real>
 SolidAnglePdf<double> GoniometricLight<Real>::direction_pdf(const Vec3<double>& w) const {
-  return params_.web ? params_.web->pdf(axes_.local_from_world(w)) : uniform_sphere_pdf<double>();
+  return distribution(uniform_sphere_pdf<double>(),
+                      [&](const auto& d) { return d.pdf(axes_.local_from_world(w)); });
 }
 
 template <std::floating_point Real>
@@ -117,13 +128,13 @@ EmissionSample<Real> GoniometricLight<Real>::sample_le(Vec2<Real>, Vec2<Real> u_
     return sample;
   }
   const Vec2<double> u{u_direction.x, u_direction.y};
-  const Vec3<double> w =
-      axes_.world_from_local(params_.web ? params_.web->sample(u) : sample_uniform_sphere(u));
+  const Vec3<double> w = axes_.world_from_local(
+      distribution(sample_uniform_sphere(u), [&](const auto& d) { return d.sample(u); }));
   sample.direction = Vec3<Real>(w);
   // Value and density of the direction as it is rounded, which pdf_le will be asked for.
   const Vec3<double> rounded(sample.direction);
   sample.pdf_direction = {static_cast<Real>(direction_pdf(rounded).per_sr)};
-  sample.value = Rgb<Real>(params_.intensity * distribution(rounded));
+  sample.value = Rgb<Real>(params_.intensity * share(rounded));
   // Rounded out of the lit angles, or where the intensity comes down to 0.
   if (sample.value.is_black()) {
     sample.reason = NoLight::kOutsideCone;
@@ -145,22 +156,23 @@ EmissionPdf<Real> GoniometricLight<Real>::pdf_le(const Vec3<Real>& position,
 
 template <std::floating_point Real>
 Power GoniometricLight<Real>::power(const SceneSphere&) const {
-  return {params_.intensity * (params_.web ? params_.web->flux_lm() : 4 * std::numbers::pi), 0};
+  return {params_.intensity * flux_of_unit_intensity_lm(params_), 0};
 }
 
 template <std::floating_point Real>
 Power GoniometricLight<Real>::power_approximate(const SceneSphere& scene) const {
-  return power(scene);
+  if (!params_.map) return power(scene);
+  return approximate_power(params_.intensity * (params_.map->mean_cd() * (4 * std::numbers::pi)),
+                           power(scene));
 }
 
 template <std::floating_point Real>
 std::optional<LightBounds<Real>> GoniometricLight<Real>::bounds() const {
-  LightBounds<Real> bounds{.lower = position_, .upper = position_, .cone_rad = std::numbers::pi};
-  if (params_.web) {
-    const PhotometricWeb::Cone& cone = params_.web->cone();
-    bounds.axis = Vec3<Real>(cone.along_minus_z ? -axes_.n : axes_.n);
-    bounds.cone_rad = cone.half_angle_rad;
-  }
+  LightBounds<Real> bounds{.lower = position_, .upper = position_};
+  const EmissionCone everywhere{.half_angle_rad = std::numbers::pi};
+  const EmissionCone cone = distribution(everywhere, [](const auto& d) { return d.cone(); });
+  bounds.axis = Vec3<Real>(axes_.world_from_local(cone.axis));
+  bounds.cone_rad = cone.half_angle_rad;
   return bounds;
 }
 

@@ -191,33 +191,32 @@ void PhotometricWeb::integrate() {
 }
 
 void PhotometricWeb::bound() {
-  double from_plus = 0, from_minus = 0;
+  double from_pole = 0, from_other_pole = 0;
+  // Grids of type C go all around; those of the others lie in the half towards `zero`.
+  double from_zero = type_ == PhotometricType::kC ? kPi : 0;
   for (std::size_t i = 0; i < rows(); ++i) {
     for (std::size_t j = 0; j < columns(); ++j) {
       if (std::max({value(i, j), value(i + 1, j), value(i, j + 1), value(i + 1, j + 1)}) == 0)
         continue;
-      if (type_ == PhotometricType::kB) {
-        // The cell lies in the half towards +z; farthest from +z is one of its corners, as
-        // z = cos(latitude) cos(longitude).
-        from_minus = kPi;
-        for (const std::size_t row : {i, i + 1})
-          for (const std::size_t column : {j, j + 1}) {
-            const double z = std::sin(polar_rad_[column]) * std::cos(azimuth_rad_[row]);
-            from_plus = std::max(from_plus, std::acos(std::clamp(z, -1.0, 1.0)));
-          }
-      } else {
-        const bool pole_is_plus_z = type_ == PhotometricType::kC;
-        double& from_pole = pole_is_plus_z ? from_plus : from_minus;
-        double& from_other = pole_is_plus_z ? from_minus : from_plus;
-        from_pole = std::max(from_pole, polar_rad_[j + 1]);
-        from_other = std::max(from_other, kPi - polar_rad_[j]);
-      }
+      from_pole = std::max(from_pole, polar_rad_[j + 1]);
+      from_other_pole = std::max(from_other_pole, kPi - polar_rad_[j]);
+      // The cosine of the angle is a product of two, each least at an end: one of the corners is
+      // the farthest point.
+      if (type_ == PhotometricType::kC) continue;
+      for (const std::size_t row : {i, i + 1})
+        for (const std::size_t column : {j, j + 1}) {
+          const double cos = std::sin(polar_rad_[column]) * std::cos(azimuth_rad_[row]);
+          from_zero = std::max(from_zero, std::acos(std::clamp(cos, -1.0, 1.0)));
+        }
     }
   }
+  const Axes axes = axes_of(type_);
+  cone_ = {axes.pole, from_pole};
+  if (from_other_pole < cone_.half_angle_rad) cone_ = {-axes.pole, from_other_pole};
+  if (from_zero < cone_.half_angle_rad) cone_ = {axes.zero, from_zero};
   // What rounding of angles and of directions in float may turn.
   constexpr double kSlack = 1e-6;
-  const bool minus = from_minus < from_plus;
-  cone_ = {minus, std::min(kPi, (minus ? from_minus : from_plus) + kSlack)};
+  cone_.half_angle_rad = std::min(kPi, cone_.half_angle_rad + kSlack);
 }
 
 PhotometricWeb::Place PhotometricWeb::find(const Vec3<double>& w) const {

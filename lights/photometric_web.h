@@ -8,6 +8,7 @@
 #include <memory>
 #include <vector>
 
+#include "lights/emission_cone.h"
 #include "lights/light_sample.h"
 
 namespace lucerna {
@@ -58,13 +59,8 @@ class PhotometricWeb {
   /// The density of `sample`: positive wherever the intensity is.
   SolidAnglePdf<double> pdf(const Vec3<double>& w) const;
 
-  /// All directions with light lie within `half_angle_rad` of +z (or of -z).  A little too large
-  /// rather than too small.
-  struct Cone {
-    bool along_minus_z = false;
-    double half_angle_rad{};
-  };
-  const Cone& cone() const { return cone_; }
+  /// About a pole of the grid or, for types A and B, about V = H = 0: whichever is narrowest.
+  const EmissionCone& cone() const { return cone_; }
 
   PhotometricType type() const { return type_; }
   /// Grid after its symmetries are written out.
@@ -99,7 +95,7 @@ class PhotometricWeb {
   std::vector<double> cd_;           ///< all polar angles at the first azimuth, then at the next
   std::vector<double> cumulative_;   ///< flux of the cells up to and with each [lm]
   double flux_lm_ = 0, max_cd_ = 0;
-  Cone cone_;
+  EmissionCone cone_;
 };
 
 }  // namespace lucerna

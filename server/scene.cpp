@@ -194,6 +194,8 @@ class Scene::Builder {
           [&](const auto& m) {
             if constexpr (requires { m.params().map->image(); })
               images.insert(&m.params().map->image());
+            if constexpr (requires { m.params().map->sphere_map(); })
+              if (m.params().map) images.insert(&m.params().map->sphere_map().image());
           },
           l.light);
     std::uint64_t image_bytes = 0;
@@ -207,16 +209,22 @@ class Scene::Builder {
       motion_bytes += sizeof(Motion) + l.motion->bytes();
     }
     if (moving > 0) part("motion", motion_bytes, watch, fmt::format("{} lights move", moving));
-    // Photometric webs are shared between lights: each counts once.
-    std::set<const PhotometricWeb*> webs;
+    // What goniometric lights draw directions from is shared between lights: each counts once.
+    std::set<std::shared_ptr<const PhotometricWeb>> webs;
+    std::set<std::shared_ptr<const IntensityMap>> maps;
     for (const SceneLight& l : scene_->lights_)
-      if (const auto* goniometric = std::get_if<GoniometricLight<float>>(&l.light);
-          goniometric != nullptr && goniometric->params().web)
-        webs.insert(goniometric->params().web.get());
-    std::uint64_t web_bytes = 0;
-    for (const PhotometricWeb* web : webs) web_bytes += web->bytes();
+      if (const auto* goniometric = std::get_if<GoniometricLight<float>>(&l.light)) {
+        if (goniometric->params().web) webs.insert(goniometric->params().web);
+        if (goniometric->params().map) maps.insert(goniometric->params().map);
+      }
+    std::uint64_t web_bytes = 0, map_bytes = 0;
+    for (const auto& web : webs) web_bytes += web->bytes();
+    for (const auto& map : maps) map_bytes += map->table_bytes();
     if (!webs.empty())
       part("photometric webs", web_bytes, watch, fmt::format("{} luminaires", webs.size()));
+    if (!maps.empty())
+      part("intensity maps", map_bytes, watch,
+           fmt::format("to draw directions from {} pictures", maps.size()));
     return absl::OkStatus();
   }
 
@@ -258,12 +266,8 @@ class Scene::Builder {
     if (!accelerator.ok()) return accelerator.status();
     scene_->accelerator_ = *std::move(accelerator);
     if (scene_->accelerator_->empty()) return absl::OkStatus();
-    std::uint64_t read_by_embree = 0;
-    for (const ScenePart& p : scene_->parts_)
-      if (p.name != "lights" && p.name != "motion" && p.name != "surfaces")
-        read_by_embree += p.bytes;
     const std::uint64_t all = scene_->accelerator_->bytes();
-    part("bvh", all > read_by_embree ? all - read_by_embree : 0, watch,
+    part("bvh", all > read_by_embree_ ? all - read_by_embree_ : 0, watch,
          fmt::format("rays against {} primitives{}", scene_->primitive_count(),
                      instance_count > 0 ? fmt::format(", {} instances", instance_count) : ""));
     return absl::OkStatus();
@@ -288,8 +292,10 @@ class Scene::Builder {
     static constexpr std::array<const char*, 6> kNames{"vertices", "triangles", "patches",
                                                        "spheres",  "disks",     "cylinders"};
     for (int i = 0; i < 6; ++i)
-      if (counts[i] > 0)
+      if (counts[i] > 0) {
         part(kNames[i], bytes[i], watch, fmt::format("{} {}", counts[i], kNames[i]));
+        read_by_embree_ += bytes[i];
+      }
     if (surface_bytes > 0)
       part("surfaces", surface_bytes + scene_->materials_.capacity() * sizeof(DiffuseMaterial),
            watch, "materials, shading normals and lights of what is hit");
@@ -319,6 +325,7 @@ class Scene::Builder {
   std::stop_token stop_;
   std::shared_ptr<Scene> scene_;
   std::vector<Vec3<double>> object_origins_;
+  std::uint64_t read_by_embree_ = 0;  ///< the geometry's, which its own count holds too
 };
 
 absl::StatusOr<std::shared_ptr<const Scene>> Scene::build(SceneDescription description,

@@ -7,9 +7,11 @@
 #include <set>
 #include <stop_token>
 #include <string>
+#include <tuple>
 #include <utility>
 
 #include "lights/image.h"
+#include "lights/intensity_map.h"
 #include "lights/spectrum.h"
 #include "server/asset_reader.h"
 #include "server/pbrt/place.h"
@@ -33,6 +35,9 @@ struct Context {
   std::map<std::string, std::shared_ptr<const Spectrum>> spectra;
   /// The luminaires read so far, by the name of the file.
   std::map<std::string, PhotometricFile> photometric_files;
+  /// Of goniometric lights, by the name of the picture and how it is read.
+  std::map<std::tuple<std::string, SphereMapping, ImageFilter>, std::shared_ptr<const IntensityMap>>
+      intensity_maps;
 
   /// Says that `what` at `place` is not modelled, and what happens instead.  After 1000 remarks
   /// they are only counted.  Says the same only once (an area light is met anew with each of its

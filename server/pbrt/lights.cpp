@@ -205,11 +205,10 @@ std::optional<LightDescription> make_light(Context& context, const std::string& 
     infinite.radiance_cd_m2 = level(context, params, place, "L", Target{"illuminance", "lx", kPi});
     light.params = checked<UniformInfiniteLight>(place, infinite);
   } else if (type == "goniometric") {
-    auto luminaire = goniometric(context, params, place, world_from_light);
-    if (!luminaire) return std::nullopt;
-    const double lumens = luminaire->web ? luminaire->web->flux_lm() : 4 * kPi;
-    luminaire->intensity = level(context, params, place, "I", Target{"power", "lm", lumens});
-    light.params = checked<GoniometricLight>(place, *luminaire);
+    GoniometricLightParams luminaire = goniometric(context, params, place, world_from_light);
+    const double lumens = flux_of_unit_intensity_lm(luminaire);
+    luminaire.intensity = level(context, params, place, "I", Target{"power", "lm", lumens});
+    light.params = checked<GoniometricLight>(place, luminaire);
   } else if (type == "projection") {
     left_out(context, place, fmt::format("LightSource \"{}\"", type));
     return std::nullopt;

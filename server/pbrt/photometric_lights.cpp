@@ -2,10 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <tuple>
 #include <utility>
 
 #include "server/eulumdat.h"
 #include "server/ies.h"
+#include "server/pbrt/image_lights.h"
+#include "server/pbrt/images.h"
 
 namespace lucerna::pbrt {
 namespace {
@@ -18,6 +21,28 @@ bool ends_in(const std::string& name, std::string_view lower_case) {
     if (c != lower_case[i]) return false;
   }
   return true;
+}
+
+/// The picture that a parameter names, once for all lights that use it in the same way.
+std::shared_ptr<const IntensityMap> read_intensity_map(Context& context, const Parameter& filename,
+                                                       SphereMapping mapping, ImageFilter filter,
+                                                       std::string& name) {
+  const NamedImage named = read_image(context, filename);
+  name = named.name;
+  std::shared_ptr<const IntensityMap>& map =
+      context.intensity_maps[std::tuple(named.name, mapping, filter)];
+  if (map != nullptr) return map;
+  auto made = IntensityMap::create(named.image, mapping, filter);
+  if (!made.ok())
+    fail(filename.place,
+         fmt::format("\"string filename\": {}: {}; \"string mapping\" \"latlong\" takes any",
+                     printable(named.name), std::string(made.status().message())));
+  if (!is_grey(*named.image))
+    context.remark(filename.place,
+                   fmt::format("{} has colours, a goniometric light one intensity a direction",
+                               printable(named.name)),
+                   "the mean of R, G and B, as pbrt-v4 has it");
+  return map = *std::move(made);
 }
 
 }  // namespace
@@ -48,9 +73,8 @@ NamedPhotometricFile read_photometric_file(Context& context, const Parameter& fi
   return {content.name, file};
 }
 
-std::optional<GoniometricLightParams> goniometric(Context& context, const ParameterSet& params,
-                                                  const Place& place,
-                                                  const Transform& world_from_light) {
+GoniometricLightParams goniometric(Context& context, const ParameterSet& params, const Place& place,
+                                   const Transform& world_from_light) {
   if (!world_from_light.uniform_scale())
     fail(
         place,
@@ -62,15 +86,17 @@ std::optional<GoniometricLightParams> goniometric(Context& context, const Parame
   light.intensity = Rgb<double>(1);
   const Parameter* filename = params.find("filename", {"string"});
   if (filename == nullptr) return light;
-  if (filename->strings.size() == 1 && !names_photometric_file(filename->strings.front())) {
-    context.remark(filename->place, "a goniometric light with an image is not modelled yet",
-                   "left out");
-    return std::nullopt;
+  if (filename->strings.size() == 1 && names_photometric_file(filename->strings.front())) {
+    NamedPhotometricFile named = read_photometric_file(context, *filename);
+    light.web = std::move(named.file.web);
+    light.file = std::move(named.name);
+    light.format = std::move(named.file.format);
+    return light;
   }
-  NamedPhotometricFile named = read_photometric_file(context, *filename);
-  light.web = std::move(named.file.web);
-  light.file = std::move(named.name);
-  light.format = std::move(named.file.format);
+  const SphereMapping mapping = sphere_mapping(params);
+  light.map = read_intensity_map(context, *filename, mapping, image_filter(params), light.file);
+  // pbrt-v4 swaps y and z on the way to the picture.
+  if (mapping == SphereMapping::kEqualArea) std::swap(light.axes.t, light.axes.n);
   return light;
 }
 

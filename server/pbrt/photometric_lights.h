@@ -1,11 +1,17 @@
-// Luminaires from photometric files.  Beyond what pbrt-v4 reads, "string filename" of a goniometric
-// light may end in .ies (IES LM-63) or .ldt (EULUMDAT).  The luminaire's straight down is the +z of
-// light space, its photometric horizontal (C0) the +x: untransformed it shines along +z, as a spot
-// does and as the middle of pbrt-v4's goniometric picture.  Its candela are multiplied by "I" (1
-// unless given) and "scale"; "power" sets its luminous flux.
+// Goniometric lights.  A texel's value in "string filename" (the mean of its channels), or 1
+// without one, is multiplied by "I" (1 unless given) and "scale"; "power" sets the luminous flux.
+// Beyond what pbrt-v4 reads:
+//   "string mapping"   equalarea (pbrt-v4's: the middle of the picture is light space's +y, its
+//   right
+//                      +x, its lower side +z) | latlong (pbrt-v2's: +y at the top, longitude to the
+//                      right from +x by +z)
+//   "string filter"    nearest (pbrt-v4's) | bilinear
+//   "string filename"  may end in .ies (IES LM-63) or .ldt (EULUMDAT).  The luminaire's straight
+//   down
+//                      is light space's +z, its photometric horizontal (C0) the +x: untransformed
+//                      it shines along +z, as a spot does.
 #pragma once
 
-#include <optional>
 #include <string>
 
 #include "server/pbrt/params.h"
@@ -26,10 +32,9 @@ struct NamedPhotometricFile {
 /// stand at the parameter.
 NamedPhotometricFile read_photometric_file(Context& context, const Parameter& filename);
 
-/// LightSource "goniometric" but for its level: `intensity` is 1.  Nothing, and a remark, where
-/// "filename" is a picture.  Fails on transforms of unequal scale.
-std::optional<GoniometricLightParams> goniometric(Context& context, const ParameterSet& params,
-                                                  const Place& place,
-                                                  const Transform& world_from_light);
+/// LightSource "goniometric" but for its level: `intensity` is 1.  Fails on transforms of unequal
+/// scale, and on a picture that the mapping cannot take.
+GoniometricLightParams goniometric(Context& context, const ParameterSet& params, const Place& place,
+                                   const Transform& world_from_light);
 
 }  // namespace lucerna::pbrt

@@ -77,6 +77,8 @@ void set_kind(const GoniometricLight<float>& l, v1::Light* out) {
     file->set_name(l.params().file);
     file->set_format(l.params().format);
     file->set_flux_lm(l.params().web->flux_lm());
+  } else if (l.params().map) {
+    set(l.params().map->sphere_map(), l.params().file, goniometric->mutable_image());
   }
 }
 

@@ -34,6 +34,37 @@ struct MovingSpot {
   }
 };
 
+struct MovingLuminaire {
+  template <typename Real>
+  static GoniometricLight<Real> make(const Transform& world_from_light) {
+    return *GoniometricLight<Real>::create(params(world_from_light));
+  }
+  static GoniometricLightParams params(const Transform& world_from_light) {
+    return {.position_m = world_from_light.point({0.25, -0.5, 1}),
+            .axes = {world_from_light.vector({1, 0, 0}), world_from_light.vector({0, 1, 0}),
+                     world_from_light.vector({0, 0, 1})},
+            .intensity = kLevel,
+            .web = *PhotometricWeb::create(
+                {PhotometricType::kC,
+                 {0, 60, 120, 180},
+                 {0, 90, 180, 270, 360},
+                 {9, 3, 1, 2, 9, 5, 4, 2, 9, 6, 2, 2, 9, 7, 1, 2, 9, 3, 1, 2}})};
+  }
+};
+
+struct MovingIntensityMap {
+  template <typename Real>
+  static GoniometricLight<Real> make(const Transform& world_from_light) {
+    GoniometricLightParams params = MovingLuminaire::params(world_from_light);
+    params.web = nullptr;
+    std::vector<Rgb<float>> texels;
+    for (int i = 0; i < 16; ++i) texels.emplace_back(static_cast<float>(1 + i * 7 % 5));
+    params.map = *IntensityMap::create(*Image::create(4, 4, std::move(texels)),
+                                       SphereMapping::kEqualArea, ImageFilter::kBilinear);
+    return *GoniometricLight<Real>::create(params);
+  }
+};
+
 struct MovingDistant {
   template <typename Real>
   static DistantLight<Real> make(const Transform& world_from_light) {
@@ -352,9 +383,10 @@ REGISTER_TYPED_TEST_SUITE_P(MovingLight, EqualsTheLightCreatedWhereItStands,
                             EmitsAsTheLightCreatedWhereItStands, KnowsItsOwnPositionsFarOff,
                             BoundsHoldWhatLeavesItAtTheTime);
 
-using Cases = ::testing::Types<MovingPoint, MovingSpot, MovingDistant, MovingSun, MovingInfinite,
-                               MovingTexels, MovingPicture, MovingTriangles, MovingPatches,
-                               MovingSphere, MovingDisk, MovingCylinder>;
+using Cases =
+    ::testing::Types<MovingPoint, MovingSpot, MovingDistant, MovingSun, MovingInfinite,
+                     MovingTexels, MovingPicture, MovingTriangles, MovingPatches, MovingSphere,
+                     MovingDisk, MovingCylinder, MovingLuminaire, MovingIntensityMap>;
 INSTANTIATE_TYPED_TEST_SUITE_P(All, MovingLight, Cases);
 
 }  // namespace

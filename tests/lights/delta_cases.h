@@ -39,6 +39,9 @@ struct LocalDeltaCase : CaseDefaults {
   // The light's arithmetic is in double; one rounding to float is left.
   static constexpr double kTolerance = 0x1p-23;
   static Vec3<double> position() { return {0.25, -0.5, 1}; }
+  // Distances count from the point itself, so that its 1/d^2 is exact in the far field too, and
+  // directions to it stay the same, however its intensity changes with them.
+  static Vec3<double> centre() { return position(); }
   static double distance_to_surface(const Vec3<double>& p) { return length(p - position()); }
 };
 

@@ -32,9 +32,6 @@ struct HandGrid {
 /// `Grid::grid()` says the intensities.
 template <typename Grid>
 struct WebCase : LocalDeltaCase {
-  // The light stands 1 m from the origin along the axis and 0.56 m off it, where the intensity
-  // changes by up to 1.06 of itself a radian: 2 x 1 + 0.6 over the distance.
-  static constexpr double kSize = 1.5;
   static constexpr double kDegree = std::numbers::pi / 180;
   template <typename Real>
   using Light = GoniometricLight<Real>;

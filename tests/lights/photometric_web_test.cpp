@@ -5,6 +5,7 @@
 
 #include <numbers>
 
+#include "lights/normal_cone.h"
 #include "tests/lights/statistics.h"
 
 namespace lucerna {
@@ -242,8 +243,7 @@ TEST(PhotometricWeb, ExtremeSampleValuesStayInLitCells) {
       for (const double y : {0., 1 - 0x1p-24, 1.}) {
         const Vec3<double> d = w->sample({x, y});
         EXPECT_NEAR(length(d), 1, 1e-15);
-        EXPECT_LE(d.z * (w->cone().along_minus_z ? -1 : 1), 1);
-        EXPECT_GE(d.z * (w->cone().along_minus_z ? -1 : 1), std::cos(w->cone().half_angle_rad));
+        EXPECT_LE(angle_between(w->cone().axis, d), w->cone().half_angle_rad);
       }
   }
 }
@@ -254,24 +254,35 @@ TEST(PhotometricWeb, ConeHoldsAllLightAndNoMoreThanItsCells) {
     const auto w = web(params);
     for (int i = 0; i < 20000; ++i) {
       const Vec3<double> d = Region{}.at(random.next(), random.next());
-      const double z = w->cone().along_minus_z ? -d.z : d.z;
       if (w->at(d) > 0) {
-        ASSERT_GE(z, std::cos(w->cone().half_angle_rad));
+        ASSERT_LE(angle_between(w->cone().axis, d), w->cone().half_angle_rad);
       }
     }
   }
   const auto narrow = web({PhotometricType::kC, {0, 10, 20, 90}, {0}, {100, 50, 0, 0}});
   EXPECT_NEAR(narrow->cone().half_angle_rad, 20 * kRad, 1e-5);
-  EXPECT_FALSE(narrow->cone().along_minus_z);
+  EXPECT_EQ(narrow->cone().axis, Vec3<double>(0, 0, 1));
   const auto up = web({PhotometricType::kC, {90, 150, 180}, {0}, {0, 0, 10}});
   EXPECT_NEAR(up->cone().half_angle_rad, 30 * kRad, 1e-5);
-  EXPECT_TRUE(up->cone().along_minus_z);
+  EXPECT_EQ(up->cone().axis, Vec3<double>(0, 0, -1));
   const auto flood = web({PhotometricType::kB,
                           {-90, -10, 0, 10, 90},
                           {0, 20, 90},
                           {0, 0, 5, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}});
   EXPECT_NEAR(flood->cone().half_angle_rad, std::acos(std::cos(10 * kRad) * std::cos(20 * kRad)),
               1e-5);
+  EXPECT_EQ(flood->cone().axis, Vec3<double>(0, 0, 1));
+  // The same grid about a car's headlamp: V = H = 0 is +x.
+  const auto headlamp = web({PhotometricType::kA,
+                             {-90, -10, 0, 10, 90},
+                             {0, 20, 90},
+                             {0, 0, 5, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}});
+  EXPECT_NEAR(headlamp->cone().half_angle_rad, flood->cone().half_angle_rad, 1e-15);
+  EXPECT_EQ(headlamp->cone().axis, Vec3<double>(1, 0, 0));
+  // Light about a pole alone: type A has V = 90 straight up, which is -z.
+  const auto above = web({PhotometricType::kA, {-90, 70, 90}, {-90, 90}, {0, 0, 5, 0, 0, 5}});
+  EXPECT_NEAR(above->cone().half_angle_rad, 20 * kRad, 1e-5);
+  EXPECT_EQ(above->cone().axis, Vec3<double>(0, 0, -1));
 }
 
 TEST(PhotometricWeb, RefusesWhatIsNoGrid) {

@@ -1,0 +1,139 @@
+// Luminaires in photometric files and pictures, from the file to the command line.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <numbers>
+
+#include "client/testing/local_server.h"
+#include "tests/e2e/run_program.h"
+
+namespace lucerna {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::ContainsRegex;
+using ::testing::HasSubstr;
+
+constexpr double kPi = std::numbers::pi;
+
+/// A street lantern as a laboratory writes it: type C, quadrants, angles each 2.5 degrees.
+double candela(double v_deg, double h_deg) {
+  const double v = v_deg * kPi / 180, h = h_deg * kPi / 180;
+  return 900 * std::cos(v) * (1 + 0.5 * std::sin(h) * std::sin(h) * std::sin(v));
+}
+
+constexpr double kStep = 2.5;
+
+std::string lantern_ies() {
+  std::string text =
+      "IESNA:LM-63-2002\r\n[TEST] none\r\n[MANUFAC] made for this test\r\nTILT=NONE\r\n"
+      "1 4000 1 37 10 1 2 0.3 0.6 0.1\r\n1 1 36\r\n";
+  for (int i = 0; i <= 36; ++i) text += fmt::format("{} ", kStep * i);
+  text += "\r\n";
+  for (int k = 0; k <= 9; ++k) text += fmt::format("{} ", 10 * k);
+  for (int k = 0; k <= 9; ++k) {
+    text += "\r\n";
+    for (int i = 0; i <= 36; ++i)
+      text += fmt::format("{:.2f} ", std::fabs(candela(kStep * i, 10 * k)));
+  }
+  return text;
+}
+
+/// The luminaire's lumens as a laboratory's report has them: zonal constants of 5 degrees, 2 pi
+/// (cos a - cos b), times the candela at the middle of the zone, the mean over all planes (of a
+/// quadrant the first and the last are met twice in a turn, the others four times).
+double report_lumens() {
+  double sum = 0;
+  for (int zone = 0; zone < 18; ++zone) {
+    const double a = 5 * zone * kPi / 180, b = 5 * (zone + 1) * kPi / 180;
+    double mean = 0;
+    for (int k = 0; k <= 9; ++k)
+      mean += candela(5 * zone + kStep, 10 * k) * (k == 0 || k == 9 ? 2 : 4) / 36;
+    sum += mean * 2 * kPi * (std::cos(a) - std::cos(b));
+  }
+  return sum;
+}
+
+class Luminaires : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    std::string name = (fs::temp_directory_path() / "lucerna_luminaires_XXXXXX").string();
+    ASSERT_NE(::mkdtemp(name.data()), nullptr);
+    directory_ = name;
+    write("lantern.ies", lantern_ies());
+    write("lantern.pbrt",
+          "WorldBegin\nTranslate 0 0 5\nRotate 180 1 0 0\n"
+          "LightSource \"goniometric\" \"string filename\" \"lantern.ies\"\n");
+    write("broken.ies",
+          "IESNA:LM-63-2002\nTILT=NONE\n1 -1 1 2 1 1 2 0 0 0\n1 1 10\n0 90\n0\n5 x\n");
+    write("broken.pbrt",
+          "WorldBegin\nLightSource \"goniometric\" \"string filename\" \"broken.ies\"\n");
+    fs::copy_file(fs::path(LUCERNA_TEST_DATA) / "reference" / "gonio.exr",
+                  directory_ / "gonio.exr");
+    write("picture.pbrt",
+          "WorldBegin\nLightSource \"goniometric\" \"string filename\" \"gonio.exr\"\n"
+          "  \"float power\" 800\nLightSource \"goniometric\" \"rgb I\" [7 7 7]\n");
+    auto server = testing::LocalServer::start({.scene_root = directory_.string()});
+    ASSERT_TRUE(server.ok()) << server.status();
+    server_ = std::make_unique<testing::LocalServer>(*std::move(server));
+  }
+  static void TearDownTestSuite() {
+    server_.reset();
+    if (!directory_.empty()) fs::remove_all(directory_);
+  }
+  void SetUp() override { ASSERT_NE(server_, nullptr); }
+
+  static void write(const char* name, const std::string& text) {
+    std::ofstream(directory_ / name, std::ios::binary) << text;
+  }
+  static Outcome lucerna(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), LUCERNA_CLI);
+    return run_program(std::move(arguments), {}, {{"LUCERNA_SERVER", server_->target()}});
+  }
+
+  static inline fs::path directory_;
+  static inline std::unique_ptr<testing::LocalServer> server_;
+};
+
+// Two rules for one integral: zones of 5 degrees take a cosine 1 / cos(2.5 degrees) times too
+// large, 0.1%, straight lines each 2.5 degrees 0.02% too small.
+TEST_F(Luminaires, PowerIsTheTotalOfTheLaboratorysReport) {
+  const Outcome outcome = lucerna({"power", "lantern.pbrt"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const std::size_t row = outcome.out.find("goniometric");
+  ASSERT_NE(row, std::string::npos) << outcome.out;
+  const double lumens = std::stod(outcome.out.substr(row + std::string("goniometric").size()));
+  EXPECT_NEAR(lumens / report_lumens(), 1, 2e-3) << outcome.out;
+  EXPECT_THAT(outcome.out.substr(row), HasSubstr("exact"));
+}
+
+TEST_F(Luminaires, AreListedWithFileFormatAndLumens) {
+  const Outcome file = lucerna({"lights", "lantern.pbrt"});
+  ASSERT_EQ(file.status, 0) << file.err;
+  EXPECT_THAT(
+      file.out,
+      ContainsRegex("goniometric +lantern.ies \\(IES LM-63-2002, type C, [0-9.]+ lm\\) +0 0 5"));
+  const Outcome picture = lucerna({"lights", "picture.pbrt"});
+  ASSERT_EQ(picture.status, 0) << picture.err;
+  EXPECT_THAT(picture.out, ContainsRegex("image gonio.exr \\(64 x 64 px, equal-area, nearest\\), "
+                                         "[0-9.]+ cd at 1 +0 0 0 +800 +exact +yes"));
+  EXPECT_THAT(picture.out, ContainsRegex("goniometric +7 cd +0 0 0 +87.9646 +exact"));
+}
+
+TEST_F(Luminaires, ABrokenFileIsNamedWithItsLineAndNothingIsLoaded) {
+  const Outcome outcome = lucerna({"lights", "broken.pbrt"});
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("broken.ies:7: candela value 2 is \"x\", allowed: a finite "
+                                     "number"));
+  EXPECT_EQ(outcome.out, "");
+  EXPECT_EQ(lucerna({"lights", "broken.pbrt"}).status, 1);
+}
+
+}  // namespace
+}  // namespace lucerna
