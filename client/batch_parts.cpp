@@ -81,7 +81,9 @@ std::size_t item_count(const v1::SampleLiRequest& request) {
 
 std::size_t item_count(const v1::PdfLiRequest& request) {
   const std::size_t items = points(request.receivers());
-  return fits(request.wi_size(), items, 3) ? items : 0;
+  const bool fit =
+      fits(request.wi_size(), items, 3) && fits_or_empty(request.normals_size(), items, 3);
+  return fit ? items : 0;
 }
 
 std::size_t item_count(const v1::SampleLeRequest& request) {

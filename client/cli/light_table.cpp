@@ -14,6 +14,14 @@ namespace {
 
 std::string xyz(const v1::Vector3& v) { return triple(v.x(), v.y(), v.z()); }
 
+/// The unit vector along `v` to four decimals, which is 0.003 degrees.
+std::string direction(const v1::Vector3& v) {
+  const double length = std::hypot(v.x(), v.y(), v.z());
+  // + 0.0: no -0 where roundings leave a little below it.
+  const auto rounded = [&](double x) { return std::round(x / length * 1e4) / 1e4 + 0.0; };
+  return triple(rounded(v.x()), rounded(v.y()), rounded(v.z()));
+}
+
 std::string degrees(double radians) { return number(radians * 180 / std::numbers::pi) + " deg"; }
 
 /// One number where it is grey.  The weights are those of Rec. 709 with white D65, which is what
@@ -108,8 +116,18 @@ std::string shape_of(const v1::Light& light) {
       }
       return "ring or part of a disk";
     }
-    case v1::AREA_SHAPE_CYLINDER:
+    case v1::AREA_SHAPE_CYLINDER: {
+      // Along an axis of the world two sides of the box are its diameter and one its length.
+      const bool longer = alike(least, middle);
+      const double diameter = longer ? least : most, length = longer ? most : least;
+      if ((longer || alike(middle, most)) &&
+          alike(light.area_m2(), std::numbers::pi * diameter * length)) {
+        return fmt::format("cylinder of diameter {} m, length {} m",
+                           number(static_cast<float>(diameter)),
+                           number(static_cast<float>(length)));
+      }
       return "cylinder";
+    }
     default:
       return fmt::format("shape {}", static_cast<int>(area.shape()));
   }
@@ -192,11 +210,27 @@ std::string describe_kind(const v1::Light& light) {
 }
 
 std::string pointing(const v1::Vector3& position, const v1::Vector3& axis) {
-  return xyz(position) + " towards " + xyz(axis);
+  return xyz(position) + " towards " + direction(axis);
 }
 
-std::string box(const v1::Bounds& bounds) {
-  return xyz(bounds.lower_m()) + " to " + xyz(bounds.upper_m());
+/// A box, and the normal of what shines from one side of a plane.
+std::string place_of_area(const v1::Light& light) {
+  std::string text = xyz(light.bounds().lower_m()) + " to " + xyz(light.bounds().upper_m());
+  constexpr double kHemisphere = std::numbers::pi / 2 + 1e-3;
+  if (light.has_directions() && light.directions().half_angle_rad() <= kHemisphere) {
+    text += ", facing " + direction(light.directions().axis());
+  }
+  return text;
+}
+
+std::string place_of_luminaire(const v1::Light& light) {
+  const std::string position = xyz(light.goniometric().position_m());
+  if (!light.has_directions()) return position;
+  // A bound, a little wider than the cone: no more digits than are meant.
+  const double half_angle = light.directions().half_angle_rad() * 180 / std::numbers::pi;
+  return fmt::format("{}, within {} deg of {}", position,
+                     number(std::round(half_angle * 100) / 100),
+                     direction(light.directions().axis()));
 }
 
 }  // namespace
@@ -247,19 +281,19 @@ std::string place_of(const v1::Light& light) {
     case v1::Light::kSpot:
       return pointing(light.spot().position_m(), light.spot().axis());
     case v1::Light::kDistant:
-      return "from " + xyz(light.distant().to_light());
+      return "from " + direction(light.distant().to_light());
     case v1::Light::kUniformInfinite:
       return "all around";
     case v1::Light::kDiffuseArea:
-      return box(light.bounds());
+      return place_of_area(light);
     case v1::Light::kProjection:
       return pointing(light.projection().position_m(), light.projection().axis());
     case v1::Light::kBeam:
       return pointing(light.beam().position_m(), light.beam().axis());
     case v1::Light::kGoniometric:
-      return xyz(light.goniometric().position_m());
+      return place_of_luminaire(light);
     case v1::Light::kSun:
-      return "from " + xyz(light.sun().to_light());
+      return "from " + direction(light.sun().to_light());
     case v1::Light::kImageInfinite: {
       std::string corners;
       for (const v1::Vector3& corner : light.image_infinite().portal_m()) {

@@ -2,6 +2,8 @@
 
 #include <fmt/core.h>
 
+#include <numbers>
+
 #include "server/queries.h"
 
 namespace lucerna::rpc {
@@ -121,14 +123,20 @@ void set_light(const Scene& scene, std::uint32_t light, v1::Light* out) {
   std::visit(
       [&]<typename L>(const L& l) {
         out->set_delta(L::kDelta);
-        if constexpr (requires { l.shape(); }) {
-          out->set_area_m2(l.area_m2());
-          const auto [lower, upper] = l.shape().bounds();
-          set(scene.origin() + Vec3<double>(lower), out->mutable_bounds()->mutable_lower_m());
-          set(scene.origin() + Vec3<double>(upper), out->mutable_bounds()->mutable_upper_m());
-        } else if constexpr (requires { l.params().position_m; }) {
-          set(l.params().position_m, out->mutable_bounds()->mutable_lower_m());
-          set(l.params().position_m, out->mutable_bounds()->mutable_upper_m());
+        if constexpr (requires { l.area_m2(); }) out->set_area_m2(l.area_m2());
+        if (const auto bounds = l.bounds()) {
+          Vec3<double> lower = scene.origin() + Vec3<double>(bounds->lower);
+          Vec3<double> upper = scene.origin() + Vec3<double>(bounds->upper);
+          // A point is where the scene file puts it, not where a float can.
+          if constexpr (requires { l.params().position_m; }) {
+            if (lower == upper) lower = upper = l.params().position_m;
+          }
+          set(lower, out->mutable_bounds()->mutable_lower_m());
+          set(upper, out->mutable_bounds()->mutable_upper_m());
+          if (bounds->cone_rad < std::numbers::pi) {
+            set(Vec3<double>(bounds->axis), out->mutable_directions()->mutable_axis());
+            out->mutable_directions()->set_half_angle_rad(bounds->cone_rad);
+          }
         }
         set_kind(l, out);
       },

@@ -186,6 +186,23 @@ TEST(Batches, OwnSampleValuesGoWithTheirReceivers) {
   EXPECT_FALSE(part.has_seed());
 }
 
+TEST(Batches, DirectionsOfPdfLiGoWithTheirReceivers) {
+  v1::PdfLiRequest request;
+  for (int i = 0; i < 6; ++i) {
+    request.mutable_receivers()->add_offsets_m(static_cast<float>(i));
+    request.add_wi(static_cast<float>(10 + i));
+    request.add_normals(static_cast<float>(20 + i));
+  }
+  ASSERT_EQ(client::item_count(request), 2U);
+  EXPECT_THAT(client::part(request, 1, 1).wi(), ElementsAre(13, 14, 15));
+  EXPECT_THAT(client::part(request, 1, 1).normals(), ElementsAre(23, 24, 25));
+  request.clear_normals();
+  EXPECT_EQ(client::item_count(request), 2U);
+  EXPECT_THAT(client::part(request, 1, 1).normals(), IsEmpty());
+  request.add_normals(1);
+  EXPECT_EQ(client::item_count(request), 0U);  // left for the server to judge
+}
+
 TEST(Batches, RaysAndSegmentsAreCutAlike) {
   v1::TestVisibilityRequest rays;
   v1::TestVisibilityRequest segments;
@@ -203,41 +220,6 @@ TEST(Batches, RaysAndSegmentsAreCutAlike) {
   EXPECT_THAT(client::part(rays, 1, 1).rays().lengths_m(), ElementsAre(2));
   ASSERT_EQ(client::item_count(segments), 2U);
   EXPECT_THAT(client::part(segments, 1, 1).segments().to().offsets_m(), ElementsAre(23, 24, 25));
-}
-
-TEST(Batches, RaysOfLeAreCutAndTheirAnswersJoined) {
-  v1::LeRequest request;
-  request.set_scene_id("s");
-  request.set_light_id(3);
-  request.set_time_s(0.5);
-  request.add_wavelengths_nm(555);
-  request.mutable_points()->mutable_origin_m()->set_y(4);
-  for (int i = 0; i < 9; ++i) {
-    request.mutable_points()->add_offsets_m(static_cast<float>(i));
-    request.add_directions(static_cast<float>(10 + i));
-  }
-  ASSERT_EQ(client::item_count(request), 3U);
-  const v1::LeRequest part = client::part(request, 1, 2);
-  EXPECT_THAT(part.points().offsets_m(), ElementsAre(3, 4, 5, 6, 7, 8));
-  EXPECT_THAT(part.directions(), ElementsAre(13, 14, 15, 16, 17, 18));
-  EXPECT_EQ(part.points().origin_m().y(), 4);
-  EXPECT_EQ(part.light_id(), 3U);
-  EXPECT_EQ(part.time_s(), 0.5);
-  EXPECT_THAT(part.wavelengths_nm(), ElementsAre(555));
-  request.add_directions(1);
-  EXPECT_EQ(client::item_count(request), 0U);
-
-  v1::LeResponse next, whole;
-  for (int i = 0; i < 3; ++i) next.add_radiance_cd_m2(static_cast<float>(i));
-  next.add_light_ids(2);
-  next.add_spectral_radiance(8);
-  client::append(next, &whole);
-  next.add_status(v1::ITEM_STATUS_OUT_OF_RANGE);
-  client::append(next, &whole);
-  EXPECT_THAT(whole.radiance_cd_m2(), ElementsAre(0, 1, 2, 0, 1, 2));
-  EXPECT_THAT(whole.light_ids(), ElementsAre(2, 2));
-  EXPECT_THAT(whole.spectral_radiance(), ElementsAre(8, 8));
-  EXPECT_THAT(whole.status(), ElementsAre(v1::ITEM_STATUS_OK, v1::ITEM_STATUS_OUT_OF_RANGE));
 }
 
 TEST(Batches, StatusStaysEmptyWhereAllIsWell) {

@@ -29,6 +29,7 @@ class FakeServer : v1::LightingService::Service,
   using Handler = std::function<grpc::Status(grpc::ServerContext&, const Request&, Response*)>;
 
   Handler<v1::SampleLiRequest, v1::SampleLiResponse> sample_li;
+  Handler<v1::SampleLeRequest, v1::SampleLeResponse> sample_le;
   Handler<v1::EstimateIrradianceRequest, v1::EstimateIrradianceResponse> irradiance;
   Handler<v1::GetSceneRequest, v1::GetSceneResponse> get_scene;
   Handler<v1::RenderTileRequest, v1::RenderTileResponse> render_tile;
@@ -57,6 +58,10 @@ class FakeServer : v1::LightingService::Service,
   grpc::Status SampleLi(grpc::ServerContext* context, const v1::SampleLiRequest* request,
                         v1::SampleLiResponse* response) override {
     return sample_li(*context, *request, response);
+  }
+  grpc::Status SampleLe(grpc::ServerContext* context, const v1::SampleLeRequest* request,
+                        v1::SampleLeResponse* response) override {
+    return sample_le(*context, *request, response);
   }
   grpc::Status EstimateIrradiance(grpc::ServerContext* context,
                                   const v1::EstimateIrradianceRequest* request,

@@ -66,7 +66,7 @@ TEST(LightTable, SpotWithEdges) {
   v1::Light light;
   v1::SpotLight* spot = light.mutable_spot();
   set(spot->mutable_position_m(), 0, 0, 3);
-  set(spot->mutable_axis(), 0, 0, -1);
+  set(spot->mutable_axis(), 1e-16, -1e-16, -2);
   grey(spot->mutable_intensity_cd(), 1200);
   spot->set_cone_half_angle_rad(kPi / 6);
   spot->set_falloff_start_rad(kPi * 25 / 180);
@@ -81,7 +81,7 @@ TEST(LightTable, LightsAtInfinity) {
   v1::Light light;
   set(light.mutable_distant()->mutable_to_light(), 0, 0.5, 1);
   grey(light.mutable_distant()->mutable_illuminance_lx(), 800);
-  expect(light, "distant", "800 lx", "from 0 0.5 1");
+  expect(light, "distant", "800 lx", "from 0 0.4472 0.8944");
   set(light.mutable_sun()->mutable_to_light(), 0, 0, 1);
   grey(light.mutable_sun()->mutable_illuminance_lx(), 1e5);
   light.mutable_sun()->set_angular_diameter_rad(kPi / 360);
@@ -141,6 +141,9 @@ TEST(LightTable, GoniometricOfAnyDistribution) {
   EXPECT_EQ(describe(light), "lamp.ies (IES LM-63-2002, type C, 1150 lm), times 7");
   grey(g->mutable_intensity(), 1);
   EXPECT_EQ(describe(light), "lamp.ies (IES LM-63-2002, type C, 1150 lm)");
+  set(light.mutable_directions()->mutable_axis(), 0, 0, -1);
+  light.mutable_directions()->set_half_angle_rad(kPi / 2 + 1e-6);
+  EXPECT_EQ(place_of(light), "1 1 1, within 90 deg of 0 0 -1");
 }
 
 TEST(LightTable, AreaLightsTellTheSizesThatFollow) {
@@ -166,8 +169,30 @@ TEST(LightTable, AreaLightsTellTheSizesThatFollow) {
             "disk of diameter 2 m, 4500 cd/m2");
   EXPECT_EQ(describe(area(v1::AREA_SHAPE_DISK, {0, 0, 0}, {2, 2, 0}, kPi / 2)),
             "ring or part of a disk, 4500 cd/m2");
+}
+
+TEST(LightTable, CylindersAlongTheAxesTellTheirSize) {
+  EXPECT_EQ(describe(area(v1::AREA_SHAPE_CYLINDER, {0, 0, 0}, {2, 0.1, 0.1}, kPi * 0.2)),
+            "cylinder of diameter 0.1 m, length 2 m, 4500 cd/m2");
+  EXPECT_EQ(describe(area(v1::AREA_SHAPE_CYLINDER, {0, 0, 0}, {3, 3, 0.5}, kPi * 1.5)),
+            "cylinder of diameter 3 m, length 0.5 m, 4500 cd/m2");
   EXPECT_EQ(describe(area(v1::AREA_SHAPE_CYLINDER, {0, 0, 0}, {1, 1, 1}, kPi)),
+            "cylinder of diameter 1 m, length 1 m, 4500 cd/m2");
+  // Half of one, which fills its box's sides all the same, and one that leans.
+  EXPECT_EQ(describe(area(v1::AREA_SHAPE_CYLINDER, {0, 0, 0}, {2, 0.1, 0.1}, kPi * 0.1)),
             "cylinder, 4500 cd/m2");
+  EXPECT_EQ(describe(area(v1::AREA_SHAPE_CYLINDER, {0, 0, 0}, {2, 1, 1.5}, kPi * 0.2)),
+            "cylinder, 4500 cd/m2");
+}
+
+TEST(LightTable, WhatShinesFromOneSideOfAPlaneFacesSomewhere) {
+  v1::Light panel = area(v1::AREA_SHAPE_BILINEAR_MESH, {0, 0, 3}, {0.6, 1.2, 3}, 0.72);
+  set(panel.mutable_directions()->mutable_axis(), 0, 0, -1);
+  panel.mutable_directions()->set_half_angle_rad(kPi / 2);
+  EXPECT_EQ(place_of(panel), "0 0 3 to 0.6 1.2 3, facing 0 0 -1");
+  // A dome shines aside of it too.
+  panel.mutable_directions()->set_half_angle_rad(2);
+  EXPECT_EQ(place_of(panel), "0 0 3 to 0.6 1.2 3");
 }
 
 TEST(LightTable, AreaLightsWithImageAndProfile) {

@@ -75,6 +75,16 @@ TEST(Triple, IsThreeNumbers) {
   }
 }
 
+TEST(Numbers, AreAnyNumberOfThem) {
+  EXPECT_THAT(*cli::parse_numbers("0.25"), ElementsAre(0.25));
+  EXPECT_THAT(*cli::parse_numbers("0,1.5, -2 ,1e3,+4"), ElementsAre(0, 1.5, -2, 1000, 4));
+  EXPECT_TRUE(std::isnan((*cli::parse_numbers("1,nan"))[1]));
+  for (const char* bad : {"", "1,", ",1", "1,,2", "1 2", "one", "0x1", "1e999", "+-1"}) {
+    EXPECT_EQ(cli::parse_numbers(bad).status().code(), absl::StatusCode::kInvalidArgument) << bad;
+  }
+  EXPECT_EQ(std::string(cli::parse_numbers("1,two").status().message()), "\"two\" is not a number");
+}
+
 TEST(MakePoints, CoordinateThatAllShareIsExact) {
   // 0.1 is no float: only an origin of its own keeps it.
   const std::vector<Double3> points = {{0.1, 0, 5}, {0.1, 1, 1}};

@@ -71,6 +71,49 @@ TEST_F(Split, IrradianceIsTheSameInOneBatchAndInMany) {
   EXPECT_NE(without_cost(*client().estimate_irradiance(request)), without_cost(*whole));
 }
 
+TEST_F(Split, RaysThatLeaveLightsAreTheSameInOneBatchAndInMany) {
+  v1::SampleLeRequest request;
+  request.set_scene_id(load("many_points.pbrt"));
+  request.set_count(40);
+  request.mutable_seed()->set_seed(7);
+  request.mutable_seed()->set_first_item(1000);
+  const auto whole = client().sample_le(request);
+  ASSERT_TRUE(whole.ok()) << whole.status();
+  ASSERT_EQ(whole->light_ids_size(), 40);
+  const auto split = client::sample_le_in_batches(client(), request, {.max_items = 13});
+  ASSERT_TRUE(split.ok()) << split.status();
+  EXPECT_EQ(without_cost(*split), without_cost(*whole));
+  request.mutable_seed()->set_first_item(1001);
+  EXPECT_NE(without_cost(*client().sample_le(request)), without_cost(*whole));
+
+  v1::PdfLeRequest densities;
+  densities.set_scene_id(request.scene_id());
+  densities.set_light_id(whole->light_ids(0));
+  *densities.mutable_points() = whole->points();
+  *densities.mutable_directions() = whole->directions();
+  const auto all = client().pdf_le(densities);
+  ASSERT_TRUE(all.ok()) << all.status();
+  const auto parts = client::pdf_le_in_batches(client(), densities, {.max_items = 13});
+  ASSERT_TRUE(parts.ok()) << parts.status();
+  EXPECT_EQ(without_cost(*parts), without_cost(*all));
+  EXPECT_GT(all->pdf_direction_per_sr(0), 0);
+}
+
+TEST_F(Split, MoreRaysThanOneBatchHoldsAreAnswered) {
+  const auto info = client().get_server_info();
+  ASSERT_TRUE(info.ok()) << info.status();
+  v1::SampleLeRequest request;
+  request.set_scene_id(load("point.pbrt"));
+  request.set_light_id(1);
+  request.set_count(info->limits().max_batch_items() + 1);
+  request.mutable_seed()->set_seed(7);
+  EXPECT_EQ(client().sample_le(request).status().code(), absl::StatusCode::kResourceExhausted);
+  const auto split = client::sample_le_in_batches(client(), request);
+  ASSERT_TRUE(split.ok()) << split.status();
+  EXPECT_EQ(split->pdf_direction_per_sr_size(), static_cast<int>(request.count()));
+  EXPECT_EQ(split->cost().samples(), request.count());
+}
+
 TEST_F(Split, MorePointsThanOneBatchHoldsAreAnswered) {
   const auto info = client().get_server_info();
   ASSERT_TRUE(info.ok()) << info.status();

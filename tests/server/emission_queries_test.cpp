@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 #include <vector>
 
@@ -119,6 +120,66 @@ TEST(Le, OfSkiesWhoseSumNoFloatHoldsIsOutOfRange) {
   const LeArrays a = ask(*scene, {.points = {{}, point}, .directions = direction});
   EXPECT_EQ(a.status[0], static_cast<int>(ItemResult::kOutOfRange));
   EXPECT_EQ(a.radiance[0], 0);
+}
+
+struct RayArrays {
+  explicit RayArrays(std::size_t n)
+      : offsets(3 * n),
+        directions(3 * n),
+        normals(3 * n),
+        value(3 * n),
+        position(n),
+        direction(n),
+        lights(n),
+        probability(n),
+        status(n) {}
+  SampleLeAnswer answer() {
+    return {offsets.data(),   directions.data(), normals.data(),     value.data(), position.data(),
+            direction.data(), lights.data(),     probability.data(), status.data()};
+  }
+  std::vector<float> offsets, directions, normals, value, position, direction;
+  std::vector<std::uint64_t> lights;
+  std::vector<double> probability;
+  std::vector<int> status;
+};
+
+TEST(SampleLe, WithoutLightsNoneIsChosenWithCertainty) {
+  SceneDescription d = description();
+  d.shapes.push_back(testing::floor(1));
+  const auto scene = build(std::move(d));
+  RayArrays rays(2);
+  const std::vector<float> u{0.5F, 0.5F, 0.5F, 0.5F, std::nanf(""), 0.5F, 0.5F, 0.5F};
+  const std::vector<double> u_light{0.5, 0.5};
+  sample_le(*scene, {.rays = 2, .u = u, .u_light = u_light}, rays.answer(), {});
+  EXPECT_EQ(rays.status, (std::vector<int>{static_cast<int>(ItemResult::kBlack),
+                                           static_cast<int>(ItemResult::kInvalidInput)}));
+  EXPECT_EQ(rays.probability, (std::vector<double>{1, 1}));
+  EXPECT_EQ(rays.lights, (std::vector<std::uint64_t>{0, 0}));
+  EXPECT_EQ(rays.value, std::vector<float>(6));
+}
+
+TEST(SampleLe, OfABlackLightSaysSoAndNothingElse) {
+  SceneDescription d = description();
+  d.lights.push_back(testing::point_light({1, 2, 3}, 0));
+  const auto scene = build(std::move(d));
+  RayArrays rays(1);
+  sample_le(*scene, {.rays = 1, .light = 0, .seed = SeedRange{}}, rays.answer(), {});
+  EXPECT_EQ(rays.status[0], static_cast<int>(ItemResult::kBlack));
+  EXPECT_EQ(rays.value, std::vector<float>(3));
+  EXPECT_EQ(rays.directions, std::vector<float>(3));
+  EXPECT_EQ(rays.direction[0], 0);
+}
+
+TEST(SampleLe, StartsAreAboutTheScenesOrigin) {
+  SceneDescription d = description();
+  d.lights.push_back(testing::point_light({1000, 2000, 3000}, 5));
+  const auto scene = build(std::move(d));
+  RayArrays rays(1);
+  sample_le(*scene, {.rays = 1, .light = 0, .seed = SeedRange{}}, rays.answer(), {});
+  EXPECT_EQ(rays.status[0], static_cast<int>(ItemResult::kOk));
+  const Vec3<double> at = scene->origin() + Vec3<double>(triple(rays.offsets, 0));
+  EXPECT_NEAR(length(at - Vec3<double>(1000, 2000, 3000)), 0, 1e-3);
+  EXPECT_EQ(rays.value, (std::vector<float>{5, 5, 5}));
 }
 
 }  // namespace

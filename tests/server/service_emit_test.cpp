@@ -1,0 +1,316 @@
+// SampleLe and PdfLe.
+#include <limits>
+#include <map>
+#include <vector>
+
+#include "every_light.h"
+#include "tests/lights/statistics.h"
+
+namespace lucerna::testing {
+namespace {
+
+/// What ray `i` adds to the mean that is the light's power, by the words of SampleLeResponse.
+double contribution(const v1::SampleLeResponse& r, int i) {
+  double x = luminance_of(r.value(3 * i), r.value(3 * i + 1), r.value(3 * i + 2));
+  double cosine = 0;
+  bool surface = false;
+  for (int c = 3 * i; c < 3 * i + 3; ++c) {
+    cosine += double{r.light_normals(c)} * r.directions(c);
+    surface |= r.light_normals(c) != 0;
+  }
+  if (surface) x *= std::fabs(cosine);
+  if (r.pdf_position_per_m2(i) > 0) x /= r.pdf_position_per_m2(i);
+  if (r.pdf_direction_per_sr(i) > 0) x /= r.pdf_direction_per_sr(i);
+  return r.selection_probability_size() > 0 ? x / r.selection_probability(i) : x;
+}
+
+/// The mean of all contributions is `lumens` within 5.5 standard errors, which luck exceeds less
+/// than once in 1e7, and the roundings of floats.
+void expect_mean(const v1::SampleLeResponse& r, double lumens, const std::string& what) {
+  const int n = r.pdf_direction_per_sr_size();
+  double mean = 0, squares = 0;
+  for (int i = 0; i < n; ++i) {
+    const double x = contribution(r, i), before = x - mean;
+    mean += before / (i + 1);
+    squares += before * (x - mean);
+  }
+  const double error = std::sqrt(squares / n / (n - 1));
+  EXPECT_NEAR(mean, lumens, 5.5 * error + 1e-6 * lumens) << what;
+  // So that a mean of noise does not pass.
+  EXPECT_LT(error, 0.02 * lumens) << what;
+}
+
+template <typename Response>
+std::string without_cost(Response r) {
+  r.clear_cost();
+  return r.SerializeAsString();
+}
+
+TEST_F(EveryLightTest, MeanOfRaysIsThePowerOfEachLight) {
+  constexpr int kRays = 20000;
+  RandomU random(0x1e);
+  std::vector<float> u(4 * kRays);
+  for (float& x : u) x = random.next();
+  ASSERT_GE(lights_.lights_size(), 15);
+  for (const v1::Light& light : lights_.lights()) {
+    v1::SampleLeRequest q = rays_of(light, kRays);
+    q.mutable_u()->mutable_u()->Add(u.begin(), u.end());
+    v1::SampleLeResponse r;
+    const grpc::Status status = sample(q, &r);
+    ASSERT_TRUE(status.ok()) << status.error_message();
+    ASSERT_EQ(r.pdf_direction_per_sr_size(), kRays);
+    EXPECT_EQ(r.light_ids_size(), 0);
+    EXPECT_EQ(r.cost().samples(), 1U * kRays);
+    expect_mean(r, light.power_lm(), light.ShortDebugString());
+  }
+}
+
+TEST_F(EveryLightTest, SeedsDoAsWellAsOwnSampleValues) {
+  for (const v1::Light& light : lights_.lights()) {
+    v1::SampleLeResponse r;
+    ASSERT_TRUE(sample(rays_of(light, 16384, 7), &r).ok());
+    // Owen scrambling errs at most sqrt(e) times as much as chance.
+    expect_mean(r, light.power_lm(), light.ShortDebugString());
+  }
+}
+
+TEST_F(EveryLightTest, ChosenLightsAddUpToTheScene) {
+  constexpr int kRays = 65536;
+  v1::SampleLeResponse r;
+  ASSERT_TRUE(sample(rays(kRays, 3), &r).ok());
+  ASSERT_EQ(r.light_ids_size(), kRays);
+  std::map<std::uint64_t, double> probability, count;
+  for (int i = 0; i < kRays; ++i) {
+    const double p = r.selection_probability(i);
+    EXPECT_EQ(probability.emplace(r.light_ids(i), p).first->second, p);
+    ++count[r.light_ids(i)];
+  }
+  ASSERT_EQ(probability.size(), static_cast<std::size_t>(lights_.lights_size()));
+  double sum = 0, lumens = 0;
+  std::vector<double> observed, expected;
+  for (const v1::Light& light : lights_.lights()) {
+    sum += probability[light.id()];
+    lumens += light.power_lm();
+    observed.push_back(count[light.id()]);
+    expected.push_back(kRays * probability[light.id()]);
+  }
+  EXPECT_NEAR(sum, 1, 1e-12);
+  EXPECT_GT(chi_square_p_value(observed, expected), 1e-8);
+  expect_mean(r, lumens, "all");
+  // By power: the brightest is chosen most often.
+  const auto brightest =
+      std::max_element(lights_.lights().begin(), lights_.lights().end(),
+                       [](const auto& a, const auto& b) { return a.power_lm() < b.power_lm(); });
+  for (const auto& [id, p] : probability) EXPECT_LE(p, probability[brightest->id()]);
+}
+
+TEST_F(EveryLightTest, OwnValuesThatChooseLightsCutTheUnitInterval) {
+  constexpr int kRays = 8192;
+  v1::SampleLeRequest q = rays(kRays);
+  for (int i = 0; i < kRays; ++i) {
+    for (int k = 0; k < 4; ++k) q.mutable_u()->add_u(0.5F);
+    q.mutable_u()->add_u_light((i + 0.5) / kRays);
+  }
+  v1::SampleLeResponse r;
+  ASSERT_TRUE(sample(q, &r).ok());
+  std::map<std::uint64_t, double> probability, share;
+  for (int i = 0; i < kRays; ++i) {
+    share[r.light_ids(i)] += 1.0 / kRays;
+    probability[r.light_ids(i)] = r.selection_probability(i);
+    EXPECT_GE(r.light_ids(i), r.light_ids(std::max(i - 1, 0)));
+  }
+  for (const auto& [id, p] : probability) EXPECT_NEAR(share[id], p, 1.0 / kRays) << id;
+}
+
+TEST_F(EveryLightTest, RangesOfASeedJoin) {
+  v1::SampleLeRequest q = rays(6000, 3);
+  v1::SampleLeResponse whole, part;
+  ASSERT_TRUE(sample(q, &whole).ok());
+  q.set_count(2000);
+  q.mutable_seed()->set_first_item(4000);
+  ASSERT_TRUE(sample(q, &part).ok());
+  const auto end_of = [](const auto& of, const auto& all) {
+    return std::equal(of.begin(), of.end(), all.end() - of.size());
+  };
+  EXPECT_TRUE(end_of(part.points().offsets_m(), whole.points().offsets_m()));
+  EXPECT_TRUE(end_of(part.directions(), whole.directions()));
+  EXPECT_TRUE(end_of(part.value(), whole.value()));
+  EXPECT_TRUE(end_of(part.light_ids(), whole.light_ids()));
+  EXPECT_TRUE(end_of(part.selection_probability(), whole.selection_probability()));
+  // Where the index of a 32-bit sequence ends, the next begins.
+  q.set_count(4);
+  q.mutable_seed()->set_first_item((std::uint64_t{1} << 32) - 2);
+  ASSERT_TRUE(sample(q, &whole).ok());
+  q.set_count(2);
+  q.mutable_seed()->set_first_item(std::uint64_t{1} << 32);
+  ASSERT_TRUE(sample(q, &part).ok());
+  EXPECT_TRUE(end_of(part.directions(), whole.directions()));
+  q.mutable_seed()->set_first_item(0);
+  ASSERT_TRUE(sample(q, &part).ok());
+  EXPECT_FALSE(end_of(part.directions(), whole.directions()));
+}
+
+TEST_F(EveryLightTest, RaysDependOnSeedAndNotOnThreads) {
+  v1::SampleLeRequest q = rays(3000, 3);
+  v1::SampleLeResponse two_threads, one_thread, other_seed;
+  ASSERT_TRUE(sample(q, &two_threads).ok());
+  rpc::ServerOptions options = all_data();
+  options.lanes.threads = 1;
+  Service alone(options);
+  alone.load("lights/every_light.pbrt");
+  ASSERT_TRUE(ask([&](auto* c) { return alone.lighting.SampleLe(c, q, &one_thread); }).ok());
+  EXPECT_TRUE(without_cost(two_threads) == without_cost(one_thread));
+  q.mutable_seed()->set_seed(4);
+  ASSERT_TRUE(sample(q, &other_seed).ok());
+  EXPECT_FALSE(without_cost(two_threads) == without_cost(other_seed));
+}
+
+TEST_F(EveryLightTest, WhatIsCertainHasNoDensity) {
+  for (const v1::Light& light : lights_.lights()) {
+    v1::SampleLeResponse r;
+    ASSERT_TRUE(sample(rays_of(light, 64), &r).ok());
+    const bool point =
+        light.has_point() || light.has_spot() || light.has_goniometric() || light.has_projection();
+    const bool one_direction = light.has_distant() || light.has_beam();
+    for (int i = 0; i < 64; ++i) {
+      EXPECT_EQ(r.pdf_position_per_m2(i) == 0, point) << light.ShortDebugString();
+      EXPECT_EQ(r.pdf_direction_per_sr(i) == 0, one_direction) << light.ShortDebugString();
+      const bool normal = r.light_normals(3 * i) != 0 || r.light_normals(3 * i + 1) != 0 ||
+                          r.light_normals(3 * i + 2) != 0;
+      EXPECT_EQ(normal, light.has_diffuse_area()) << light.ShortDebugString();
+    }
+  }
+}
+
+TEST_F(EveryLightTest, PdfLeTellsTheDensitiesOfSampledRays) {
+  for (const v1::Light& light : lights_.lights()) {
+    v1::SampleLeResponse r;
+    ASSERT_TRUE(sample(rays_of(light, 512, 5), &r).ok());
+    v1::PdfLeRequest q = density_of(light);
+    *q.mutable_points() = r.points();
+    *q.mutable_directions() = r.directions();
+    // A direction of any length.
+    for (int i = 0; i < 3 * 512; ++i)
+      q.set_directions(i, q.directions(i) * (0.25F + 0.01F * (i / 3)));
+    v1::PdfLeResponse d;
+    ASSERT_TRUE(pdf(q, &d).ok());
+    EXPECT_EQ(d.status_size(), 0);
+    const auto expect_same = [&](float told, float sampled) {
+      EXPECT_NEAR(told, sampled, 2e-4F * sampled) << light.ShortDebugString();
+    };
+    for (int i = 0; i < 512; ++i) {
+      expect_same(d.pdf_position_per_m2(i), r.pdf_position_per_m2(i));
+      expect_same(d.pdf_direction_per_sr(i), r.pdf_direction_per_sr(i));
+    }
+    // One by one as all together.
+    v1::PdfLeRequest one = density_of(light);
+    *one.mutable_points()->mutable_origin_m() = q.points().origin_m();
+    for (int c = 3 * 100; c < 3 * 101; ++c) {
+      one.mutable_points()->add_offsets_m(q.points().offsets_m(c));
+      one.add_directions(q.directions(c));
+    }
+    v1::PdfLeResponse alone;
+    ASSERT_TRUE(pdf(one, &alone).ok());
+    ASSERT_EQ(alone.pdf_direction_per_sr_size(), 1);
+    EXPECT_EQ(alone.pdf_position_per_m2(0), d.pdf_position_per_m2(100));
+    EXPECT_EQ(alone.pdf_direction_per_sr(0), d.pdf_direction_per_sr(100));
+    // Elsewhere no ray of it starts.
+    q.mutable_points()->mutable_origin_m()->set_z(q.points().origin_m().z() + 1000);
+    ASSERT_TRUE(pdf(q, &d).ok());
+    for (int i = 0; i < 512; ++i) {
+      EXPECT_EQ(d.pdf_position_per_m2(i), 0) << light.ShortDebugString();
+      EXPECT_EQ(d.pdf_direction_per_sr(i), 0) << light.ShortDebugString();
+    }
+  }
+}
+
+/// Directions of `light`'s rays against the density that PdfLe tells at one point of it.
+class Directions : public EveryLightTest {
+ protected:
+  void expect_follow(const v1::Light& light) {
+    constexpr int kRays = 65536, kColumns = 12, kSub = 20, kFine = kColumns * kSub;
+    v1::SampleLeResponse r;
+    ASSERT_TRUE(sample(rays_of(light, kRays, 9), &r).ok());
+    const Region sphere;
+    const auto cell = [](const Vec2<double>& at) {
+      const auto column = [](double x) { return std::clamp(int(x * kColumns), 0, kColumns - 1); };
+      return column(at.x) * kColumns + column(at.y);
+    };
+    std::vector<double> observed(kColumns * kColumns), expected(kColumns * kColumns);
+    for (int i = 0; i < kRays; ++i) {
+      if (r.status_size() > 0 && r.status(i) != v1::ITEM_STATUS_OK) continue;
+      ++observed[cell(sphere.where(normalized(
+          Vec3<double>(r.directions(3 * i), r.directions(3 * i + 1), r.directions(3 * i + 2)))))];
+    }
+    v1::PdfLeRequest q = density_of(light);
+    *q.mutable_points()->mutable_origin_m() = r.points().origin_m();
+    for (int i = 0; i < kFine * kFine; ++i) {
+      const Vec3<double> w = sphere.at((i / kFine + 0.5) / kFine, (i % kFine + 0.5) / kFine);
+      for (int c = 0; c < 3; ++c) q.mutable_points()->add_offsets_m(r.points().offsets_m(c));
+      for (const double x : {w.x, w.y, w.z}) q.add_directions(static_cast<float>(x));
+    }
+    v1::PdfLeResponse d;
+    ASSERT_TRUE(pdf(q, &d).ok());
+    for (int i = 0; i < kFine * kFine; ++i) {
+      expected[cell({(i / kFine + 0.5) / kFine, (i % kFine + 0.5) / kFine})] +=
+          kRays * d.pdf_direction_per_sr(i) * sphere.solid_angle_sr() / (kFine * kFine);
+    }
+    EXPECT_GT(chi_square_p_value(observed, expected), 1e-8) << light.ShortDebugString();
+  }
+};
+
+TEST_F(Directions, FollowPdfLe) {
+  expect_follow(first(v1::Light::kPoint));
+  expect_follow(first(v1::Light::kGoniometric));
+  expect_follow(first(v1::AREA_SHAPE_DISK));
+  expect_follow(first([](const v1::Light& l) { return l.diffuse_area().two_sided(); }));
+}
+
+TEST_F(EveryLightTest, PositionsFollowPdfLe) {
+  // On the sphere's skin, in cells of equal area of (z, longitude).
+  const v1::Light& light = first(v1::AREA_SHAPE_SPHERE);
+  const v1::Bounds& box = light.bounds();
+  const Vec3<double> centre{(box.lower_m().x() + box.upper_m().x()) / 2,
+                            (box.lower_m().y() + box.upper_m().y()) / 2,
+                            (box.lower_m().z() + box.upper_m().z()) / 2};
+  const double radius = (box.upper_m().z() - box.lower_m().z()) / 2;
+  constexpr int kRays = 65536, kColumns = 12, kSub = 6, kFine = kColumns * kSub;
+  v1::SampleLeResponse r;
+  ASSERT_TRUE(sample(rays_of(light, kRays, 11), &r).ok());
+  const Vec3<double> origin{r.points().origin_m().x(), r.points().origin_m().y(),
+                            r.points().origin_m().z()};
+  const Region sphere;
+  const auto cell = [](const Vec2<double>& at) {
+    const auto column = [](double x) { return std::clamp(int(x * kColumns), 0, kColumns - 1); };
+    return column(at.x) * kColumns + column(at.y);
+  };
+  std::vector<double> observed(kColumns * kColumns), expected(kColumns * kColumns);
+  for (int i = 0; i < kRays; ++i) {
+    const auto& o = r.points().offsets_m();
+    const Vec3<double> p = origin + Vec3<double>(o[3 * i], o[3 * i + 1], o[3 * i + 2]);
+    EXPECT_NEAR(length(p - centre), radius, 2e-5);
+    ++observed[cell(sphere.where(normalized(p - centre)))];
+  }
+  // The points' own origin: the sphere's centre.
+  v1::PdfLeRequest q = density_of(light);
+  q.mutable_points()->mutable_origin_m()->set_x(centre.x);
+  q.mutable_points()->mutable_origin_m()->set_y(centre.y);
+  q.mutable_points()->mutable_origin_m()->set_z(centre.z);
+  for (int i = 0; i < kFine * kFine; ++i) {
+    const Vec3<double> n = sphere.at((i / kFine + 0.5) / kFine, (i % kFine + 0.5) / kFine);
+    for (const double x : {n.x, n.y, n.z}) {
+      q.mutable_points()->add_offsets_m(static_cast<float>(radius * x));
+      q.add_directions(static_cast<float>(x));
+    }
+  }
+  v1::PdfLeResponse d;
+  ASSERT_TRUE(pdf(q, &d).ok());
+  for (int i = 0; i < kFine * kFine; ++i) {
+    expected[cell({(i / kFine + 0.5) / kFine, (i % kFine + 0.5) / kFine})] +=
+        kRays * d.pdf_position_per_m2(i) * 4 * std::numbers::pi * radius * radius / (kFine * kFine);
+  }
+  EXPECT_GT(chi_square_p_value(observed, expected), 1e-8);
+}
+
+}  // namespace
+}  // namespace lucerna::testing

@@ -1,0 +1,254 @@
+// EstimatePower of each kind of light, exact and approximate.
+#include <algorithm>
+
+#include "every_light.h"
+
+namespace lucerna::testing {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+double luminance_of(const v1::Rgb& c) { return testing::luminance_of(c.r(), c.g(), c.b()); }
+
+/// Luminous flux by hand, from what ListLights tells of the light and the radius of the scene's
+/// sphere; 0 where a picture or a file says it.
+double by_hand(const v1::Light& light, double radius) {
+  const double disk = kPi * radius * radius;
+  switch (light.kind_case()) {
+    case v1::Light::kPoint:
+      return 4 * kPi * luminance_of(light.point().intensity_cd());
+    case v1::Light::kSpot: {
+      // Full light over the inner cap; over the edge, whose zones of equal height are of equal
+      // area, the mean of the profile: 1/2 of smoothstep, 1/5 of x^4.
+      const v1::SpotLight& spot = light.spot();
+      const double inner = 1 - std::cos(spot.falloff_start_rad());
+      const double outer = 1 - std::cos(spot.cone_half_angle_rad());
+      const double mean = spot.profile() == v1::SPOT_PROFILE_QUARTIC ? 0.2 : 0.5;
+      return luminance_of(spot.intensity_cd()) * 2 * kPi * (inner + (outer - inner) * mean);
+    }
+    case v1::Light::kDistant:
+      return luminance_of(light.distant().illuminance_lx()) * disk;
+    case v1::Light::kSun: {
+      // E = pi L sin^2 a on what faces its centre; all its directions together bring L times their
+      // solid angle 2 pi (1 - cos a) through disks that face them.
+      const double cosine = std::cos(light.sun().angular_diameter_rad() / 2);
+      return luminance_of(light.sun().illuminance_lx()) * disk * 2 / (1 + cosine);
+    }
+    case v1::Light::kUniformInfinite:
+      return luminance_of(light.uniform_infinite().radiance_cd_m2()) * 4 * kPi * disk;
+    case v1::Light::kDiffuseArea:
+      if (light.diffuse_area().has_image() || light.diffuse_area().has_profile()) return 0;
+      return luminance_of(light.diffuse_area().radiance_cd_m2()) * kPi * light.area_m2() *
+             (light.diffuse_area().two_sided() ? 2 : 1);
+    default:
+      return 0;
+  }
+}
+
+class PowerTest : public EveryLightTest {
+ protected:
+  v1::EstimatePowerRequest request(v1::EstimatePowerRequest::Method method) const {
+    v1::EstimatePowerRequest q;
+    q.set_scene_id(scene_);
+    q.set_method(method);
+    return q;
+  }
+  v1::EstimatePowerResponse answer(const v1::EstimatePowerRequest& q) {
+    v1::EstimatePowerResponse r;
+    const grpc::Status status = power(q, &r);
+    EXPECT_TRUE(status.ok()) << status.error_message();
+    return r;
+  }
+};
+
+TEST_F(PowerTest, ExactPowersAreThoseDerivedByHand) {
+  const auto exact = answer(request(v1::EstimatePowerRequest::METHOD_EXACT));
+  ASSERT_EQ(exact.lights_size(), lights_.lights_size());
+  int derived = 0;
+  for (int i = 0; i < exact.lights_size(); ++i) {
+    const v1::Light& light = lights_.lights(i);
+    const v1::LightPower& p = exact.lights(i);
+    EXPECT_EQ(p.light_id(), light.id());
+    EXPECT_NEAR(luminance_of(p.rgb_lm()), p.power_lm(), 1e-6 * p.power_lm());
+    EXPECT_EQ(p.power_lm(), light.power_lm());
+    EXPECT_EQ(p.error_lm(), light.power_error_lm());
+    const double lumens = by_hand(light, summary_.radius_m());
+    if (lumens == 0) continue;
+    ++derived;
+    EXPECT_NEAR(p.power_lm(), lumens, p.error_lm() + 1e-6 * lumens) << light.ShortDebugString();
+  }
+  EXPECT_GE(derived, 13);
+  // 200 cd straight down, in proportion to the angle down to 0 at 90 degrees:
+  // 2 pi 200 times the integral of (1 - 2 t / pi) sin t, which is 1 - 2 / pi.
+  EXPECT_NEAR(first(v1::Light::kGoniometric).power_lm(), 400 * kPi * (1 - 2 / kPi), 1e-9);
+  // By default exact.
+  EXPECT_EQ(answer(request(v1::EstimatePowerRequest::METHOD_UNSPECIFIED)).total().power_lm(),
+            exact.total().power_lm());
+}
+
+TEST_F(PowerTest, AreasAndDiametersAreThoseOfTheFile) {
+  // The shapes of every_light.pbrt, so that areas are no guess of the server's.
+  EXPECT_NEAR(first(v1::AREA_SHAPE_TRIANGLE_MESH).area_m2(), 0.5, 1e-6);
+  EXPECT_NEAR(first(v1::AREA_SHAPE_BILINEAR_MESH).area_m2(), 1.5, 1e-6);
+  EXPECT_NEAR(first(v1::AREA_SHAPE_SPHERE).area_m2(), 4 * kPi * 0.35 * 0.35, 1e-6);
+  EXPECT_NEAR(first(v1::AREA_SHAPE_DISK).area_m2(), kPi * 0.4 * 0.4, 1e-6);
+  EXPECT_NEAR(first(v1::AREA_SHAPE_CYLINDER).area_m2(), 2 * kPi * 0.06 * 2, 1e-6);
+}
+
+TEST_F(PowerTest, ApproximateIsOffByItsErrorAndNoMore) {
+  const auto exact = answer(request(v1::EstimatePowerRequest::METHOD_EXACT));
+  const auto books = answer(request(v1::EstimatePowerRequest::METHOD_APPROXIMATE));
+  ASSERT_EQ(books.lights_size(), exact.lights_size());
+  for (int i = 0; i < exact.lights_size(); ++i) {
+    const v1::LightPower &e = exact.lights(i), &b = books.lights(i);
+    EXPECT_EQ(b.light_id(), e.light_id());
+    const double off = std::fabs(b.power_lm() - e.power_lm());
+    EXPECT_NEAR(b.error_lm(), off + e.error_lm(), 1e-9 * e.power_lm())
+        << lights_.lights(i).ShortDebugString();
+  }
+}
+
+TEST_F(PowerTest, ApproximateIsTheFormulaOfTheBooks) {
+  const auto books = answer(request(v1::EstimatePowerRequest::METHOD_APPROXIMATE));
+  const double radius = summary_.radius_m();
+  for (int i = 0; i < books.lights_size(); ++i) {
+    const v1::Light& light = lights_.lights(i);
+    double lumens = by_hand(light, radius);
+    if (light.has_spot()) {
+      // Half of the edge, whatever its profile.
+      const double inner = std::cos(light.spot().falloff_start_rad());
+      const double outer = std::cos(light.spot().cone_half_angle_rad());
+      lumens =
+          luminance_of(light.spot().intensity_cd()) * 2 * kPi * ((1 - inner) + (inner - outer) / 2);
+    } else if (light.has_sun()) {
+      // As if all of it came from its centre.
+      lumens = luminance_of(light.sun().illuminance_lx()) * kPi * radius * radius;
+    }
+    if (lumens == 0) continue;
+    EXPECT_NEAR(books.lights(i).power_lm(), lumens, 1e-6 * lumens) << light.ShortDebugString();
+  }
+  // Where they are wrong they are: 0.2 of the edge is not half, and the sun is 30 degrees wide.
+  const auto error_of = [&](const v1::Light& light) {
+    for (const v1::LightPower& p : books.lights()) {
+      if (p.light_id() == light.id()) return p.error_lm() / p.power_lm();
+    }
+    return 0.0;
+  };
+  EXPECT_GT(error_of(first(
+                [](const v1::Light& l) { return l.spot().profile() == v1::SPOT_PROFILE_QUARTIC; })),
+            0.1);
+  EXPECT_NEAR(error_of(first(v1::Light::kSun)), 2 / (1 + std::cos(kPi / 12)) - 1, 1e-9);
+  EXPECT_EQ(error_of(first(v1::Light::kPoint)), 0);
+}
+
+TEST_F(PowerTest, TotalsAreSumsOfWhatWasAskedFor) {
+  for (const auto method :
+       {v1::EstimatePowerRequest::METHOD_EXACT, v1::EstimatePowerRequest::METHOD_APPROXIMATE}) {
+    v1::EstimatePowerRequest q = request(method);
+    const auto check = [](const v1::EstimatePowerResponse& of, const v1::LightPower& total) {
+      double lumens = 0, error = 0, red = 0;
+      for (const v1::LightPower& p : of.lights()) {
+        lumens += p.power_lm();
+        error += p.error_lm();
+        red += p.rgb_lm().r();
+      }
+      EXPECT_EQ(total.light_id(), 0U);
+      EXPECT_NEAR(total.power_lm(), lumens, 1e-12 * lumens);
+      EXPECT_NEAR(total.rgb_lm().r(), red, 1e-12 * red);
+      EXPECT_NEAR(total.error_lm(), error, 1e-12 * error);
+    };
+    const auto all = answer(q);
+    check(all, all.total());
+    // In the order asked for; a light asked for twice counts twice.
+    for (const std::uint64_t id : {3, 1, 3}) q.add_light_ids(id);
+    const auto some = answer(q);
+    ASSERT_EQ(some.lights_size(), 3);
+    EXPECT_EQ(some.lights(0).light_id(), 3U);
+    EXPECT_EQ(some.lights(1).light_id(), 1U);
+    EXPECT_EQ(some.lights(2).power_lm(), some.lights(0).power_lm());
+    check(some, some.total());
+    // Whatever the page.
+    q.set_page_size(2);
+    const auto page = answer(q);
+    ASSERT_EQ(page.lights_size(), 2);
+    EXPECT_EQ(page.total().power_lm(), some.total().power_lm());
+    q.set_page_token(page.next_page_token());
+    const auto last = answer(q);
+    ASSERT_EQ(last.lights_size(), 1);
+    EXPECT_EQ(last.lights(0).light_id(), 3U);
+    EXPECT_EQ(last.total().power_lm(), some.total().power_lm());
+    EXPECT_TRUE(last.next_page_token().empty());
+  }
+}
+
+TEST_F(PowerTest, WhatDoesNotFitIsRefused) {
+  v1::EstimatePowerResponse r;
+  v1::EstimatePowerRequest q = request(v1::EstimatePowerRequest::METHOD_APPROXIMATE);
+  q.add_light_ids(1);
+  q.add_light_ids(9999);
+  EXPECT_EQ(detail<google::rpc::ErrorInfo>(power(q, &r)).reason(), "NO_SUCH_LIGHT");
+  q = request(v1::EstimatePowerRequest::METHOD_APPROXIMATE);
+  q.set_page_token("nonsense");
+  expect_bad_field(power(q, &r), "page_token");
+  q = request(static_cast<v1::EstimatePowerRequest::Method>(9));
+  expect_bad_field(power(q, &r), "method");
+  q = request(v1::EstimatePowerRequest::METHOD_APPROXIMATE);
+  q.mutable_light_ids()->Resize(65537, 1);
+  EXPECT_EQ(power(q, &r).error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+}
+
+TEST_F(EveryLightTest, BoundsHoldEveryRay) {
+  for (const v1::Light& light : lights_.lights()) {
+    const bool at_infinity = light.has_distant() || light.has_sun() ||
+                             light.has_uniform_infinite() || light.has_image_infinite();
+    EXPECT_EQ(light.has_bounds(), !at_infinity) << light.ShortDebugString();
+    EXPECT_EQ(light.has_area_m2(), light.has_diffuse_area()) << light.ShortDebugString();
+    if (at_infinity) {
+      EXPECT_FALSE(light.has_directions()) << light.ShortDebugString();
+      continue;
+    }
+    v1::SampleLeResponse r;
+    ASSERT_TRUE(sample(rays_of(light, 4096, 13), &r).ok());
+    const v1::Vector3 &lower = light.bounds().lower_m(), &upper = light.bounds().upper_m();
+    const v1::Vector3 &o = r.points().origin_m(), &axis = light.directions().axis();
+    const auto expect_within = [&](double x, double a, double b) {
+      EXPECT_TRUE(x >= a - 1e-5 && x <= b + 1e-5) << x << " " << light.ShortDebugString();
+    };
+    double smallest = 1;
+    for (int i = 0; i < 4096; ++i) {
+      if (r.status_size() > 0 && r.status(i) != v1::ITEM_STATUS_OK) continue;
+      expect_within(o.x() + r.points().offsets_m(3 * i), lower.x(), upper.x());
+      expect_within(o.y() + r.points().offsets_m(3 * i + 1), lower.y(), upper.y());
+      expect_within(o.z() + r.points().offsets_m(3 * i + 2), lower.z(), upper.z());
+      smallest =
+          std::min(smallest, axis.x() * r.directions(3 * i) + axis.y() * r.directions(3 * i + 1) +
+                                 axis.z() * r.directions(3 * i + 2));
+    }
+    if (!light.has_directions()) continue;
+    const double half_angle = light.directions().half_angle_rad();
+    EXPECT_LE(std::acos(smallest), half_angle + 1e-5) << light.ShortDebugString();
+    // And not much more than the rays fill: 4096 of them come near the edge, even of a quartic one.
+    EXPECT_GT(std::acos(smallest), 0.8 * half_angle) << light.ShortDebugString();
+  }
+}
+
+TEST_F(EveryLightTest, DirectionsAreToldOfLightsThatDoNotShineInAll) {
+  constexpr double kDegree = kPi / 180;
+  EXPECT_FALSE(first(v1::Light::kPoint).has_directions());
+  EXPECT_FALSE(first(v1::AREA_SHAPE_SPHERE).has_directions());
+  EXPECT_FALSE(
+      first([](const v1::Light& l) { return l.diffuse_area().two_sided(); }).has_directions());
+  const v1::Light& spot = first(v1::Light::kSpot);
+  EXPECT_NEAR(spot.directions().half_angle_rad(), 30 * kDegree, 1e-5);
+  EXPECT_NEAR(spot.directions().axis().z(), -3.5 / std::sqrt(4 + 6.25 + 12.25), 1e-6);
+  // Down: the file's, the disk's, the triangle's, the rectangle's.
+  for (const v1::Light* light :
+       {&first(v1::Light::kGoniometric), &first(v1::AREA_SHAPE_DISK),
+        &first(v1::AREA_SHAPE_TRIANGLE_MESH), &first(v1::AREA_SHAPE_BILINEAR_MESH)}) {
+    EXPECT_NEAR(light->directions().axis().z(), -1, 1e-6) << light->ShortDebugString();
+    EXPECT_NEAR(light->directions().half_angle_rad(), 90 * kDegree, 1e-4);
+  }
+}
+
+}  // namespace
+}  // namespace lucerna::testing
