@@ -1,49 +1,45 @@
 #include "server/scene_lights.h"
 
-#include <type_traits>
+#include <concepts>
 #include <utility>
 
 #include "server/surface_table.h"
 
 namespace lucerna {
 
-std::optional<Vec3<double>> position_of(const LightDescription& light) {
-  if (const auto* p = std::get_if<PointLightParams>(&light.params)) return p->position_m;
-  if (const auto* p = std::get_if<SpotLightParams>(&light.params)) return p->position_m;
-  if (const auto* p = std::get_if<GoniometricLightParams>(&light.params)) return p->position_m;
-  return std::nullopt;
-}
-
 namespace {
 
-template <template <typename> typename Model, typename Params>
-absl::StatusOr<Light<float>> as_light(const Params& params, const Vec3<double>& origin) {
-  auto light = Model<float>::create(params, origin);
-  if (!light.ok()) return light.status();
-  return Light<float>(*std::move(light));
-}
+/// The light of the closed set that is made from `Params`.
+template <typename Params, typename Lights>
+struct ModelOf;
+template <typename Params, typename L, typename... Rest>
+struct ModelOf<Params, std::variant<L, Rest...>> : ModelOf<Params, std::variant<Rest...>> {};
+template <typename Params, typename L, typename... Rest>
+requires std::same_as<typename L::Params, Params>
+struct ModelOf<Params, std::variant<L, Rest...>> {
+  using type = L;
+};
 
 }  // namespace
+
+std::optional<Vec3<double>> position_of(const LightDescription& light) {
+  return std::visit(
+      [](const auto& params) -> std::optional<Vec3<double>> {
+        if constexpr (requires { params.position_m; })
+          return params.position_m;
+        else
+          return std::nullopt;
+      },
+      light.params);
+}
 
 absl::StatusOr<Light<float>> create_light(const LightDescription& light,
                                           const Vec3<double>& origin) {
   return std::visit(
-      [&](const auto& params) -> absl::StatusOr<Light<float>> {
-        using Params = std::decay_t<decltype(params)>;
-        if constexpr (std::is_same_v<Params, PointLightParams>)
-          return as_light<PointLight>(params, origin);
-        else if constexpr (std::is_same_v<Params, SpotLightParams>)
-          return as_light<SpotLight>(params, origin);
-        else if constexpr (std::is_same_v<Params, DistantLightParams>)
-          return as_light<DistantLight>(params, origin);
-        else if constexpr (std::is_same_v<Params, SunLightParams>)
-          return as_light<SunLight>(params, origin);
-        else if constexpr (std::is_same_v<Params, ImageInfiniteLightParams>)
-          return as_light<ImageInfiniteLight>(params, origin);
-        else if constexpr (std::is_same_v<Params, GoniometricLightParams>)
-          return as_light<GoniometricLight>(params, origin);
-        else
-          return as_light<UniformInfiniteLight>(params, origin);
+      [&]<typename Params>(const Params& params) -> absl::StatusOr<Light<float>> {
+        auto made = ModelOf<Params, Light<float>>::type::create(params, origin);
+        if (!made.ok()) return made.status();
+        return Light<float>(*std::move(made));
       },
       light.params);
 }
@@ -86,6 +82,17 @@ absl::StatusOr<Light<float>> create_area_light(const ShapeDescription& shape,
   for (std::size_t i = 0; i < patches.size(); ++i)
     patches[i] = {vertex(4 * i), vertex(4 * i + 1), vertex(4 * i + 2), vertex(4 * i + 3)};
   return as_area_light<PatchMesh>(emission, PatchMesh<float>::create(std::move(patches)));
+}
+
+std::uint64_t primitive_count(const Light<float>& light) {
+  return std::visit(
+      [](const auto& l) -> std::uint64_t {
+        if constexpr (requires { l.shape().size(); })
+          return l.shape().size();
+        else
+          return 1;
+      },
+      light);
 }
 
 std::uint64_t light_bytes(const Light<float>& light) {
