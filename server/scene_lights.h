@@ -23,6 +23,9 @@ absl::StatusOr<Light<float>> create_light(const LightDescription& light,
 absl::StatusOr<Light<float>> create_area_light(const ShapeDescription& shape,
                                                const Vec3<double>& origin);
 
+/// What its surface is made of; 1 where it has none.
+std::uint64_t primitive_count(const Light<float>& light);
+
 /// Memory beside the object itself.
 std::uint64_t light_bytes(const Light<float>& light);
 

@@ -18,6 +18,17 @@ namespace lucerna::rpc {
 absl::StatusOr<std::shared_ptr<const Scene>> find_scene(const Context& context,
                                                         const std::string& scene_id);
 absl::StatusOr<std::uint32_t> find_light(const Scene& scene, std::uint64_t light_id);
+/// Of a request that must name one: INVALID_ARGUMENT for 0, a field that was left out.
+absl::StatusOr<std::uint32_t> find_required_light(const Scene& scene, std::uint64_t light_id);
+/// Of a request whose `light_id` may be left out.
+template <typename Request>
+absl::StatusOr<std::optional<std::uint32_t>> find_light_if_named(const Scene& scene,
+                                                                 const Request& request) {
+  if (!request.has_light_id()) return std::optional<std::uint32_t>();
+  const auto light = find_light(scene, request.light_id());
+  if (!light.ok()) return light.status();
+  return std::optional<std::uint32_t>(*light);
+}
 
 /// `field`: the name of the Points field.  Offsets are not looked at, but for their number.
 absl::StatusOr<PointArray> check_points(const Context& context, const std::string& field,
@@ -54,6 +65,10 @@ std::uint8_t* fill_bits(std::string* bits, std::size_t n);
 
 /// The field stays empty where every item is OK.
 void drop_if_all_ok(google::protobuf::RepeatedField<int>* status);
+
+/// Upper estimate of the processor time of one density of a light [s]: it looks for the point, or
+/// for where the direction goes, among all of its primitives.
+double pdf_seconds(const Light<float>& light);
 
 /// Counts of the work, without times.
 void set_counts(v1::Cost* cost, const WorkCounts& work);

@@ -12,9 +12,6 @@ namespace {
 // Processor time of one ray [s], rounded up from what one core took on the reference scenes.
 constexpr double kLeSeconds = 1.5e-6;
 constexpr double kSampleSeconds = 500e-9;
-constexpr double kPdfSeconds = 200e-9;
-// An area light looks for the point among all of its primitives.
-constexpr double kPdfPrimitiveSeconds = 20e-9;
 
 void set_origin(const Scene& scene, v1::Points* points) {
   points->mutable_origin_m()->set_x(scene.origin().x);
@@ -50,11 +47,9 @@ Prepared le(const Context& context, const v1::LeRequest& request, v1::LeResponse
     return s;
   }
   query.directions = view(request.directions());
-  if (request.has_light_id()) {
-    const auto light = find_light(**scene, request.light_id());
-    if (!light.ok()) return light.status();
-    query.light = *light;
-  }
+  const auto light = find_light_if_named(**scene, request);
+  if (!light.ok()) return light.status();
+  query.light = *light;
   if (auto s = check_time(request.has_time_s(), request.time_s()); !s.ok()) return s;
   if (auto s = check_wavelengths(request.wavelengths_nm()); !s.ok()) return s;
   query.time_s = request.time_s();
@@ -82,11 +77,9 @@ Prepared sample_le(const Context& context, const v1::SampleLeRequest& request,
   if (query.rays > context.limits.max_batch_items) {
     return over_limit("count", query.rays, context.limits.max_batch_items);
   }
-  if (request.has_light_id()) {
-    const auto light = find_light(**scene, request.light_id());
-    if (!light.ok()) return light.status();
-    query.light = *light;
-  }
+  const auto light = find_light_if_named(**scene, request);
+  if (!light.ok()) return light.status();
+  query.light = *light;
   const auto randomness = check_randomness(request, {.samples = query.rays,
                                                      .per_sample = 4,
                                                      .light_named = request.has_light_id(),
@@ -123,23 +116,12 @@ Prepared pdf_le(const Context& context, const v1::PdfLeRequest& request,
   if (auto s = check_triples("directions", request.directions(), n, "points", false); !s.ok()) {
     return s;
   }
-  if (request.light_id() == 0) return bad_field("light_id", "0", "the id of a light");
-  const auto light = find_light(**scene, request.light_id());
+  const auto light = find_required_light(**scene, request.light_id());
   if (!light.ok()) return light.status();
   if (auto s = check_time(request.has_time_s(), request.time_s()); !s.ok()) return s;
 
   Task task;
-  const std::uint64_t primitives = std::visit(
-      [](const auto& l) -> std::uint64_t {
-        if constexpr (requires { l.shape().size(); }) {
-          return l.shape().size();
-        } else {
-          return 1;
-        }
-      },
-      (*scene)->lights()[*light].light);
-  task.predicted_s = static_cast<double>(n) *
-                     (kPdfSeconds + kPdfPrimitiveSeconds * static_cast<double>(primitives));
+  task.predicted_s = static_cast<double>(n) * pdf_seconds((*scene)->lights()[*light].light);
   task.cost = response->mutable_cost();
   task.run = [scene = *scene, light = *light, points = *points, n, &request,
               response](const std::stop_token& stop) {

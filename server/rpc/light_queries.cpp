@@ -14,9 +14,6 @@ namespace {
 // Processor time of one item [s], rounded up from what one core took on the reference scenes.
 constexpr double kSampleSeconds = 400e-9;
 constexpr double kShadowRaySeconds = 1e-6;
-constexpr double kPdfSeconds = 200e-9;
-// An area light's density looks at every primitive.
-constexpr double kPdfPrimitiveSeconds = 20e-9;
 constexpr double kPowerSeconds = 300e-9;
 
 void set_power(const Power& power, v1::LightPower* out) {
@@ -59,11 +56,9 @@ Prepared sample_li(const Context& context, const v1::SampleLiRequest& request,
   if (n > context.limits.max_batch_items) {
     return over_limit("receivers times accuracy.samples", n, context.limits.max_batch_items);
   }
-  if (request.has_light_id()) {
-    const auto light = find_light(**scene, request.light_id());
-    if (!light.ok()) return light.status();
-    query.light = *light;
-  }
+  const auto light = find_light_if_named(**scene, request);
+  if (!light.ok()) return light.status();
+  query.light = *light;
   const auto randomness = check_randomness(
       request,
       {.samples = n, .per_sample = 2, .light_named = request.has_light_id(), .of = "samples"});
@@ -111,8 +106,7 @@ Prepared pdf_li(const Context& context, const v1::PdfLiRequest& request,
   if (!receivers.ok()) return receivers.status();
   const std::size_t n = receivers->size();
   if (auto s = check_triples("wi", request.wi(), n, "receivers", false); !s.ok()) return s;
-  if (request.light_id() == 0) return bad_field("light_id", "0", "the id of a light");
-  const auto light = find_light(**scene, request.light_id());
+  const auto light = find_required_light(**scene, request.light_id());
   if (!light.ok()) return light.status();
   if (auto s = check_time(request.has_time_s(), request.time_s()); !s.ok()) return s;
   if (auto s = check_triples("normals", request.normals(), n, "receivers", true); !s.ok()) return s;
@@ -126,17 +120,7 @@ Prepared pdf_li(const Context& context, const v1::PdfLiRequest& request,
                          .time_s = request.time_s()};
 
   Task task;
-  const std::uint64_t primitives = std::visit(
-      [](const auto& l) -> std::uint64_t {
-        if constexpr (requires { l.shape().size(); }) {
-          return l.shape().size();
-        } else {
-          return 1;
-        }
-      },
-      (*scene)->lights()[*light].light);
-  task.predicted_s = static_cast<double>(n) *
-                     (kPdfSeconds + kPdfPrimitiveSeconds * static_cast<double>(primitives));
+  task.predicted_s = static_cast<double>(n) * pdf_seconds((*scene)->lights()[*light].light);
   task.cost = response->mutable_cost();
   task.run = [scene = *scene, query, n, response](const std::stop_token& stop) {
     lucerna::pdf_li(*scene, query, fill(response->mutable_pdf_per_sr(), n),

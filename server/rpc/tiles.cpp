@@ -54,17 +54,46 @@ std::uint32_t proposed_samples(const Context& context, const Scene& scene) {
 }
 
 /// `samples_per_block` as asked for, or the default.
-absl::StatusOr<std::uint32_t> check_block(std::uint32_t samples,
-                                          std::optional<std::uint32_t> samples_per_block) {
-  if (!samples_per_block) return default_samples_per_block(samples, kReplicates);
-  if (!std::has_single_bit(*samples_per_block)) {
-    return bad_field("samples_per_block", fmt::format("{}", *samples_per_block), "a power of two");
+template <typename Request>
+absl::StatusOr<std::uint32_t> check_block(std::uint32_t samples, const Request& request) {
+  if (!request.has_samples_per_block()) return default_samples_per_block(samples, kReplicates);
+  const std::uint32_t block = request.samples_per_block();
+  if (!std::has_single_bit(block)) {
+    return bad_field("samples_per_block", fmt::format("{}", block), "a power of two");
   }
-  if (samples % *samples_per_block != 0) {
+  if (samples % block != 0) {
     return bad_field("accuracy.samples", fmt::format("{}", samples),
-                     fmt::format("a multiple of samples_per_block = {}", *samples_per_block));
+                     fmt::format("a multiple of samples_per_block = {}", block));
   }
-  return *samples_per_block;
+  return block;
+}
+
+/// What tiles and pictures are asked for in the same words.
+struct RenderQuery {
+  TileSettings settings;  ///< without rectangle and blocks
+  std::uint32_t samples = 0;
+};
+
+/// `proposed`: samples where the request does not say.
+template <typename Request>
+absl::StatusOr<RenderQuery> check_render(const Context& context, const Scene& scene,
+                                         const Request& request, std::uint32_t proposed) {
+  if (auto s = check_time(request.has_time_s(), request.time_s()); !s.ok()) return s;
+  const auto samples = check_samples(context, request.accuracy(), proposed);
+  if (!samples.ok()) return samples.status();
+  const auto block = check_block(*samples, request);
+  if (!block.ok()) return block.status();
+  const auto way = check_area_sampling(request.accuracy());
+  if (!way.ok()) return way.status();
+  RenderQuery query;
+  query.samples = *samples;
+  query.settings.samples_per_block = *block;
+  query.settings.area_sampling = *way;
+  query.settings.seed = request.seed();
+  if (request.has_time_s()) query.settings.time_s = request.time_s();
+  query.settings.bounces =
+      request.has_bounces() ? std::optional(request.bounces()) : hinted_bounces(scene);
+  return query;
 }
 
 void put_double(double v, char* out) {
@@ -107,24 +136,20 @@ Prepared render_tile(const Context& context, const v1::RenderTileRequest& reques
   if (!scene.ok()) return scene.status();
   const auto rect = check_rect(context, **scene, request);
   if (!rect.ok()) return rect.status();
-  if (auto s = check_time(request.has_time_s(), request.time_s()); !s.ok()) return s;
-  const auto samples = check_samples(context, request.accuracy(),
-                                     std::bit_floor(proposed_samples(context, **scene)));
-  if (!samples.ok()) return samples.status();
-  const auto block = check_block(*samples, request.has_samples_per_block()
-                                               ? std::optional(request.samples_per_block())
-                                               : std::nullopt);
-  if (!block.ok()) return block.status();
-  const std::uint32_t blocks = *samples / *block;
-  if (!std::has_single_bit(blocks)) {
-    return bad_field("accuracy.samples", fmt::format("{}", *samples),
+  const auto query =
+      check_render(context, **scene, request, std::bit_floor(proposed_samples(context, **scene)));
+  if (!query.ok()) return query.status();
+  TileSettings settings = query->settings;
+  const std::uint32_t samples = query->samples, block = settings.samples_per_block;
+  if (!std::has_single_bit(samples / block)) {
+    return bad_field("accuracy.samples", fmt::format("{}", samples),
                      fmt::format("a power of two times samples_per_block = {}; a picture of other "
                                  "counts is made of several tiles",
-                                 *block));
+                                 block));
   }
-  if (request.first_sample() % *samples != 0) {
+  if (request.first_sample() % samples != 0) {
     return bad_field("first_sample", fmt::format("{}", request.first_sample()),
-                     fmt::format("a multiple of accuracy.samples = {}", *samples));
+                     fmt::format("a multiple of accuracy.samples = {}", samples));
   }
   // Samples are numbered in 32 bits within the sampler's sequences.
   constexpr std::uint64_t kMaxFirst = std::uint64_t{1} << 40;
@@ -132,19 +157,9 @@ Prepared render_tile(const Context& context, const v1::RenderTileRequest& reques
     return bad_field("first_sample", fmt::format("{}", request.first_sample()),
                      fmt::format("[0, {}]", kMaxFirst));
   }
-  const auto way = check_area_sampling(request.accuracy());
-  if (!way.ok()) return way.status();
-  TileSettings settings;
-  settings.area_sampling = *way;
   settings.rect = *rect;
-  settings.seed = request.seed();
-  settings.samples_per_block = *block;
-  settings.first_block = request.first_sample() / *block;
-  settings.block_count = blocks;
-  if (auto s = check_time(request.has_time_s(), request.time_s()); !s.ok()) return s;
-  if (request.has_time_s()) settings.time_s = request.time_s();
-  settings.bounces =
-      request.has_bounces() ? std::optional(request.bounces()) : hinted_bounces(**scene);
+  settings.first_block = request.first_sample() / block;
+  settings.block_count = samples / block;
 
   Task task;
   task.bulk = true;
@@ -164,14 +179,8 @@ absl::StatusOr<ImageRender> ImageRender::create(const Context& context,
                                                 const v1::RenderImageRequest& request) {
   const auto scene = find_scene(context, request.scene_id());
   if (!scene.ok()) return scene.status();
-  if (auto s = check_time(request.has_time_s(), request.time_s()); !s.ok()) return s;
-  const auto samples =
-      check_samples(context, request.accuracy(), proposed_samples(context, **scene));
-  if (!samples.ok()) return samples.status();
-  const auto block = check_block(*samples, request.has_samples_per_block()
-                                               ? std::optional(request.samples_per_block())
-                                               : std::nullopt);
-  if (!block.ok()) return block.status();
+  const auto query = check_render(context, **scene, request, proposed_samples(context, **scene));
+  if (!query.ok()) return query.status();
   const std::uint64_t edge = request.has_tile_size() ? request.tile_size() : kDefaultTileSize;
   if (edge == 0 || edge * edge > context.limits.max_tile_pixels) {
     return bad_field(
@@ -195,18 +204,10 @@ absl::StatusOr<ImageRender> ImageRender::create(const Context& context,
         fmt::format("such that the picture has at most {} tiles, not {}", kMaxTiles, tiles));
   }
 
-  const auto way = check_area_sampling(request.accuracy());
-  if (!way.ok()) return way.status();
   ImageRender render;
-  render.settings_.area_sampling = *way;
   render.scene_ = *scene;
-  render.settings_.seed = request.seed();
-  render.settings_.samples_per_block = *block;
-  if (auto s = check_time(request.has_time_s(), request.time_s()); !s.ok()) return s;
-  if (request.has_time_s()) render.settings_.time_s = request.time_s();
-  render.settings_.bounces =
-      request.has_bounces() ? std::optional(request.bounces()) : hinted_bounces(**scene);
-  render.blocks_ = *samples / *block;
+  render.settings_ = query->settings;
+  render.blocks_ = query->samples / query->settings.samples_per_block;
   render.pass_end_ = request.final_only() ? render.blocks_ : 1;
   const int step = static_cast<int>(edge);
   for (int y = 0; y < height; y += step) {
