@@ -1,20 +1,27 @@
 #!/usr/bin/env bash
 # Renders the pictures of README's table of lights, docs/lights/NAME.png, from the reference scenes and
-# from scenes/.
+# from scenes/; those of lights that pbrt-v4 has not from scenes of its lights with a parameter more.
 # Usage: deploy/light_pictures.sh [BUILD_DIR]
 set -euo pipefail
 root=$(cd "$(dirname "$0")/.." && pwd)
 build=$(cd "${1:-$root/build/release}" && pwd)
 export LUCERNA_SERVER=127.0.0.1:${LUCERNA_PORT:-50761}
-"$build/server/lucernad" --listen "$LUCERNA_SERVER" --scene-root "$root" &
+scenes=$(mktemp -d)
+mkdir -p "$scenes/tests/data"
+cp -r "$root/scenes" "$scenes"
+cp -r "$root/tests/data/reference" "$scenes/tests/data"
+with() { sed "$3" "$scenes/tests/data/reference/$2.pbrt" > "$scenes/tests/data/reference/$1.pbrt"; }  # NAME FROM EXPRESSION
+with sun distant 's/LightSource "distant"/& "float angulardiameter" [8]/'
+with beam projection 's/"float fov" .38. "float scale" .60./"string projection" ["orthographic"] "float extent" [1.6] "float scale" [5]/'
+"$build/server/lucernad" --listen "$LUCERNA_SERVER" --scene-root "$scenes" &
 server=$!
-trap 'kill $server; wait $server || true' EXIT
+trap 'kill $server; wait $server || true; rm -r "$scenes"' EXIT
 for _ in $(seq 100); do
   "$build/client/lucerna" info > /dev/null 2>&1 && break
   sleep 0.1
 done
 mkdir -p "$root/docs/lights"
-for scene in point spot distant infinite triangle rectangle sphere disk; do
+for scene in point spot projection beam distant sun infinite triangle rectangle sphere disk; do
   "$build/client/lucerna" render tests/data/reference/$scene.pbrt -o "$root/docs/lights/$scene.png" --samples 64
 done
 # Dark or bright ones, and what is not among the reference scenes.

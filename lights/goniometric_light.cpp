@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "lights/axes.h"
 #include "lights/emission.h"
 #include "lights/inverse_square.h"
 #include "lights/sampling.h"
@@ -28,15 +29,6 @@ absl::Status check_axes(const Frame<double>& axes) {
       "of "
       "equal length (rotations, mirrors, equal scale on all axes)",
       axes.s.x, axes.s.y, axes.s.z, axes.t.x, axes.t.y, axes.t.z, axes.n.x, axes.n.y, axes.n.z));
-}
-
-/// Exactly at right angles, the last axis as it is and handedness kept.
-Frame<double> orthonormal(const Frame<double>& axes) {
-  const Vec3<double> n = normalized(axes.n);
-  const Vec3<double> s0 = normalized(axes.s);
-  const Vec3<double> s = normalized(s0 - n * dot(s0, n));
-  const Vec3<double> t = cross(n, s);
-  return {s, dot(t, axes.t) < 0 ? -t : t, n};
 }
 
 }  // namespace

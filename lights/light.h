@@ -5,6 +5,7 @@
 #include <variant>
 
 #include "lights/area_light.h"
+#include "lights/beam_light.h"
 #include "lights/cylinder.h"
 #include "lights/disk.h"
 #include "lights/distant_light.h"
@@ -13,6 +14,7 @@
 #include "lights/infinite_light.h"
 #include "lights/mesh.h"
 #include "lights/point_light.h"
+#include "lights/projection_light.h"
 #include "lights/sphere.h"
 #include "lights/spot_light.h"
 #include "lights/sun_light.h"
@@ -31,10 +33,11 @@ template <std::floating_point Real>
 using CylinderLight = AreaLight<Real, Cylinder>;
 
 template <std::floating_point Real>
-using Light = std::variant<PointLight<Real>, SpotLight<Real>, DistantLight<Real>, SunLight<Real>,
-                           UniformInfiniteLight<Real>, ImageInfiniteLight<Real>,
-                           TriangleMeshLight<Real>, PatchMeshLight<Real>, SphereLight<Real>,
-                           DiskLight<Real>, CylinderLight<Real>, GoniometricLight<Real>>;
+using Light =
+    std::variant<PointLight<Real>, SpotLight<Real>, DistantLight<Real>, SunLight<Real>,
+                 UniformInfiniteLight<Real>, ImageInfiniteLight<Real>, TriangleMeshLight<Real>,
+                 PatchMeshLight<Real>, SphereLight<Real>, DiskLight<Real>, CylinderLight<Real>,
+                 GoniometricLight<Real>, ProjectionLight<Real>, BeamLight<Real>>;
 
 /// Lights that rays which leave the scene meet, wherever they started.
 template <typename L>

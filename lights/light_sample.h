@@ -15,7 +15,7 @@ namespace lucerna {
 enum class NoLight : std::uint8_t {
   kNone = 0,     ///< there is light
   kBehind,       ///< the receiver is behind (or exactly in the plane of) a one-sided light
-  kOutsideCone,  ///< outside the cone of a spot
+  kOutsideCone,  ///< outside the cone of a spot, beside a picture, or where either is dark
   kDegenerate,   ///< the receiver is exactly on the light: no direction or no density exists
   kBlack,        ///< the light emits nothing
   kOutOfRange,   ///< the value or the density does not fit the type it is answered in

@@ -137,8 +137,9 @@ class Scene::Builder {
     // A light far off must not coarsen the geometry: the origin is the geometry's, if there is any.
     Bounds with_lights = world;
     for (const auto& light : in_.lights)
-      if (const auto p = position_of(light); p && is_finite(*p)) {
-        const auto [lower, upper] = light.motion ? light.motion->bounds(*p, *p) : std::pair{*p, *p};
+      if (const auto box = box_of(light); box && is_finite(box->first) && is_finite(box->second)) {
+        const auto [lower, upper] =
+            light.motion ? light.motion->bounds(box->first, box->second) : *box;
         with_lights.add(lower), with_lights.add(upper);
       }
     scene_->origin_ = origin_for(world.empty() ? with_lights : world);
@@ -190,14 +191,7 @@ class Scene::Builder {
     // Pictures are shared between lights: each counts once.
     std::set<const Image*> images;
     for (const SceneLight& l : scene_->lights_)
-      std::visit(
-          [&](const auto& m) {
-            if constexpr (requires { m.params().map->image(); })
-              images.insert(&m.params().map->image());
-            if constexpr (requires { m.params().map->sphere_map(); })
-              if (m.params().map) images.insert(&m.params().map->sphere_map().image());
-          },
-          l.light);
+      if (const Image* picture = picture_of(l.light)) images.insert(picture);
     std::uint64_t image_bytes = 0;
     for (const Image* image : images) image_bytes += image->bytes();
     if (!images.empty())

@@ -10,6 +10,7 @@
 #include <variant>
 #include <vector>
 
+#include "lights/beam_light.h"
 #include "lights/cylinder.h"
 #include "lights/disk.h"
 #include "lights/distant_light.h"
@@ -18,6 +19,7 @@
 #include "lights/infinite_light.h"
 #include "lights/motion.h"
 #include "lights/point_light.h"
+#include "lights/projection_light.h"
 #include "lights/spectrum.h"
 #include "lights/sphere.h"
 #include "lights/spot_light.h"
@@ -89,7 +91,8 @@ struct InstanceDescription {
 /// A light that is no shape.
 struct LightDescription {
   std::variant<PointLightParams, SpotLightParams, DistantLightParams, SunLightParams,
-               UniformInfiniteLightParams, ImageInfiniteLightParams, GoniometricLightParams>
+               UniformInfiniteLightParams, ImageInfiniteLightParams, GoniometricLightParams,
+               ProjectionLightParams, BeamLightParams>
       params;
   SourceLocation where;
   std::shared_ptr<const Spectrum> spectrum{};  ///< null where it was given RGB

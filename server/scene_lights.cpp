@@ -33,6 +33,12 @@ std::optional<Vec3<double>> position_of(const LightDescription& light) {
       light.params);
 }
 
+std::optional<std::pair<Vec3<double>, Vec3<double>>> box_of(const LightDescription& light) {
+  if (const auto* beam = std::get_if<BeamLightParams>(&light.params)) return bounding_box(*beam);
+  if (const auto p = position_of(light)) return std::pair{*p, *p};
+  return std::nullopt;
+}
+
 absl::StatusOr<Light<float>> create_light(const LightDescription& light,
                                           const Vec3<double>& origin) {
   return std::visit(
@@ -104,6 +110,23 @@ std::uint64_t light_bytes(const Light<float>& light) {
           return l.table_bytes();
         else
           return 0;
+      },
+      light);
+}
+
+const Image* picture_of(const Light<float>& light) {
+  return std::visit(
+      [](const auto& l) -> const Image* {
+        if constexpr (requires { l.params().map->image(); })
+          return &l.params().map->image();
+        else if constexpr (requires { l.params().map->sphere_map(); })
+          return l.params().map ? &l.params().map->sphere_map().image() : nullptr;
+        else if constexpr (requires { l.params().picture->params().image; })
+          return l.params().picture->params().image.get();
+        else if constexpr (requires { l.params().image.get(); })
+          return l.params().image.get();
+        else
+          return nullptr;
       },
       light);
 }

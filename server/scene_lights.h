@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <utility>
 
 #include "lights/light.h"
 #include "server/scene_description.h"
@@ -13,6 +14,10 @@ namespace lucerna {
 
 /// Where a light stands [m, world]; nothing for distant and infinite ones.
 std::optional<Vec3<double>> position_of(const LightDescription& light);
+
+/// The least box about where a light stands or starts [m, world]; nothing for distant and infinite
+/// ones.
+std::optional<std::pair<Vec3<double>, Vec3<double>>> box_of(const LightDescription& light);
 
 /// Errors: as the light's own.
 absl::StatusOr<Light<float>> create_light(const LightDescription& light,
@@ -26,7 +31,10 @@ absl::StatusOr<Light<float>> create_area_light(const ShapeDescription& shape,
 /// What its surface is made of; 1 where it has none.
 std::uint64_t primitive_count(const Light<float>& light);
 
-/// Memory beside the object itself.
+/// The picture that a light uses, null where there is none.
+const Image* picture_of(const Light<float>& light);
+
+/// Memory beside the object itself, without the picture.
 std::uint64_t light_bytes(const Light<float>& light);
 
 }  // namespace lucerna

@@ -10,6 +10,7 @@
 #include "lights/triangle.h"
 #include "server/pbrt/image_lights.h"
 #include "server/pbrt/photometric_lights.h"
+#include "server/pbrt/projection_lights.h"
 #include "server/pbrt/spectra.h"
 
 namespace lucerna::pbrt {
@@ -210,8 +211,13 @@ std::optional<LightDescription> make_light(Context& context, const std::string& 
     luminaire.intensity = level(context, params, place, "I", Target{"power", "lm", lumens});
     light.params = checked<GoniometricLight>(place, luminaire);
   } else if (type == "projection") {
-    left_out(context, place, fmt::format("LightSource \"{}\"", type));
-    return std::nullopt;
+    Projection thrown = projection(context, params, place, world_from_light);
+    const Rgb<double> of_1 =
+        level(context, params, place, "I", Target{"power", "lm", thrown.pbrt4_lumens});
+    const Parameter* power = params.find("power", {"float"});
+    const bool by_power = power != nullptr && power->numbers.front() > 0;
+    set_level(context, place, by_power ? &power->place : nullptr, of_1, thrown);
+    std::visit([&](auto& p) { light.params = std::move(p); }, thrown.light);
   } else {
     fail(place, fmt::format("unknown light \"{}\", expected one of point spot distant infinite "
                             "goniometric projection",
@@ -220,8 +226,8 @@ std::optional<LightDescription> make_light(Context& context, const std::string& 
   // The colours of pictures are RGB.
   if (type == "point" || type == "spot" || type == "goniometric")
     light.spectrum = light_spectrum(context, params, "I");
-  else if (type != "projection" && params.find("filename", {"string"}) == nullptr)
-    light.spectrum = light_spectrum(context, params, "L");
+  else if (params.find("filename", {"string"}) == nullptr)
+    light.spectrum = light_spectrum(context, params, type == "projection" ? "I" : "L");
   params.remark_unused(context, fmt::format("LightSource \"{}\"", type));
   return light;
 }

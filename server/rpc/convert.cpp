@@ -53,12 +53,16 @@ void set_kind(const UniformInfiniteLight<float>& l, v1::Light* out) {
   set(l.params().radiance_cd_m2, out->mutable_uniform_infinite()->mutable_radiance_cd_m2());
 }
 
+void set(const Image& image, ImageFilter filter, const std::string& name, v1::ImageInfo* out) {
+  out->set_name(name);
+  out->set_width(static_cast<std::uint32_t>(image.width()));
+  out->set_height(static_cast<std::uint32_t>(image.height()));
+  out->set_filter(filter == ImageFilter::kNearest ? v1::IMAGE_FILTER_NEAREST
+                                                  : v1::IMAGE_FILTER_BILINEAR);
+}
+
 void set(const SphereMap& map, const std::string& name, v1::SphereImage* out) {
-  out->mutable_image()->set_name(name);
-  out->mutable_image()->set_width(static_cast<std::uint32_t>(map.image().width()));
-  out->mutable_image()->set_height(static_cast<std::uint32_t>(map.image().height()));
-  out->mutable_image()->set_filter(
-      map.filter() == ImageFilter::kNearest ? v1::IMAGE_FILTER_NEAREST : v1::IMAGE_FILTER_BILINEAR);
+  set(map.image(), map.filter(), name, out->mutable_image());
   out->set_mapping(map.mapping() == SphereMapping::kEqualArea
                        ? v1::SPHERE_MAPPING_EQUAL_AREA
                        : v1::SPHERE_MAPPING_LATITUDE_LONGITUDE);
@@ -82,6 +86,36 @@ void set_kind(const GoniometricLight<float>& l, v1::Light* out) {
   } else if (l.params().map) {
     set(l.params().map->sphere_map(), l.params().file, goniometric->mutable_image());
   }
+}
+
+template <typename Message>
+void set_axes(const Frame<double>& axes, Message* out) {
+  set(normalized(axes.n), out->mutable_axis());
+  set(normalized(axes.s), out->mutable_right());
+  set(normalized(axes.t), out->mutable_up());
+}
+
+void set_kind(const ProjectionLight<float>& l, v1::Light* out) {
+  v1::ProjectionLight* projection = out->mutable_projection();
+  const ProjectedPictureParams& picture = l.params().picture->params();
+  set(l.params().position_m, projection->mutable_position_m());
+  set_axes(l.params().axes, projection);
+  projection->set_fov_rad(picture.fov_rad);
+  projection->set_aspect(picture.aspect);
+  set(l.params().intensity_cd, projection->mutable_intensity_cd());
+  if (picture.image)
+    set(*picture.image, picture.filter, l.params().image_name, projection->mutable_image());
+}
+
+void set_kind(const BeamLight<float>& l, v1::Light* out) {
+  v1::BeamLight* beam = out->mutable_beam();
+  set(l.params().position_m, beam->mutable_position_m());
+  set_axes(l.params().axes, beam);
+  beam->set_width_m(l.params().width_m);
+  beam->set_height_m(l.params().height_m);
+  set(l.params().illuminance_lx, beam->mutable_illuminance_lx());
+  if (l.params().image)
+    set(*l.params().image, l.params().filter, l.params().image_name, beam->mutable_image());
 }
 
 v1::AreaShape shape_kind(const TriangleMesh<float>&) { return v1::AREA_SHAPE_TRIANGLE_MESH; }

@@ -2,8 +2,11 @@
 // sample points that feed it.
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
+#include <cmath>
 #include <vector>
 
+#include "lights/inverse_square.h"
 #include "lights/light.h"
 #include "lights/sobol.h"
 
@@ -55,6 +58,55 @@ void BM_SampleLiSpot(benchmark::State& state) {
   sample_li(state, *SpotLight<float>::create({{0, 0, 2}, {0, 0, -1}, Rgb<double>(1), 0.7, 0.5}));
 }
 BENCHMARK(BM_SampleLiSpot);
+
+/// The spot's sample with the edge of its fall-off as `share(height above the cone's edge)`: what
+/// is measured is whether the one division by the edge's width matters.
+template <typename Share>
+void spot_with_edge(benchmark::State& state, const Share& share) {
+  const std::vector<Vec3<float>> points = receivers();
+  double one_minus_cos_cone = 1 - std::cos(0.7);
+  benchmark::DoNotOptimize(one_minus_cos_cone);
+  for (auto _ : state) {
+    float sum = 0;
+    for (const Vec3<float>& point : points) {
+      LightSample<float> sample;
+      const Way way = find_way({0, 0, 2}, point, sample);
+      const Vec3<double> chord = -way.wi - Vec3<double>{0, 0, -1};
+      const double inside = one_minus_cos_cone - dot(chord, chord) / 2;
+      const double x = std::clamp(share(inside), 0.0, 1.0);
+      if (x > 0) set_inverse_square(Rgb<double>(1) * (x * x * (3 - 2 * x)), way.distance_m, sample);
+      sum += sample.value.g;
+    }
+    benchmark::DoNotOptimize(sum);
+  }
+  state.SetItemsProcessed(state.iterations() * kBatch);
+}
+
+void BM_SpotEdgeByReciprocal(benchmark::State& state) {
+  double per_edge = 1 / (std::cos(0.5) - std::cos(0.7));
+  benchmark::DoNotOptimize(per_edge);
+  spot_with_edge(state, [&](double inside) { return inside * per_edge; });
+}
+BENCHMARK(BM_SpotEdgeByReciprocal);
+
+void BM_SpotEdgeByQuotient(benchmark::State& state) {
+  double edge = std::cos(0.5) - std::cos(0.7);
+  benchmark::DoNotOptimize(edge);
+  spot_with_edge(state, [&](double inside) { return inside / edge; });
+}
+BENCHMARK(BM_SpotEdgeByQuotient);
+
+void BM_SampleLiProjection(benchmark::State& state) {
+  ProjectionLightParams params;
+  params.position_m = {0, 0, 2};
+  params.axes = {{0, 1, 0}, {1, 0, 0}, {0, 0, -1}};
+  params.intensity_cd = Rgb<double>(1);
+  params.picture = *ProjectedPicture::create(
+      {*Image::create(64, 64, std::vector<Rgb<float>>(64 * 64, Rgb<float>(1))),
+       ImageFilter::kNearest, 1.5});
+  sample_li(state, *ProjectionLight<float>::create(params));
+}
+BENCHMARK(BM_SampleLiProjection);
 
 void BM_SampleLiDistant(benchmark::State& state) {
   sample_li(state, *DistantLight<float>::create({{0, 0.6, 0.8}, Rgb<double>(1)}));

@@ -66,7 +66,7 @@ TEST_F(CliEmission, RaysAreToldWithValueUnitAndDensities) {
               ContainsRegex(" -0\\.267261 0\\.534522 -0\\.801784 +2 2 2 +lx .* certain\n"));
   // A rectangle of 1.5 m2, down.
   EXPECT_THAT(
-      said({"emit", kScene, "--light", "12", "--seed", "5"}),
+      said({"emit", kScene, "--light", "16", "--seed", "5"}),
       ContainsRegex(" 3 +[-0-9. e]+ -0\\.[0-9]+ +12 12 12 +cd/m2 +0\\.666667 +0\\.[0-9]+\n"));
   // The seed counts, and one is given.
   EXPECT_EQ(said({"emit", kScene, "--light", "1", "--count", "3", "--seed", "0"}), point);
@@ -86,19 +86,19 @@ TEST_F(CliEmission, ChosenLightsAreToldWithTheirProbability) {
 
 TEST_F(CliEmission, SampleValuesOfOnesOwnAreTaken) {
   // The same four numbers are the same ray.
-  const std::string once = said({"emit", kScene, "--light", "14", "--u", "0.25,0.5,0.75,0.5"});
+  const std::string once = said({"emit", kScene, "--light", "18", "--u", "0.25,0.5,0.75,0.5"});
   const std::string twice = said(
-      {"emit", kScene, "--light", "14", "--u", "0.25,0.5,0.75,0.5", "--u", "0.25,0.5,0.75,0.5"});
+      {"emit", kScene, "--light", "18", "--u", "0.25,0.5,0.75,0.5", "--u", "0.25,0.5,0.75,0.5"});
   EXPECT_EQ(twice, once + once.substr(once.find('\n') + 1));
-  EXPECT_NE(said({"emit", kScene, "--light", "14", "--u", "0.5,0.5,0.75,0.5"}), once);
+  EXPECT_NE(said({"emit", kScene, "--light", "18", "--u", "0.5,0.5,0.75,0.5"}), once);
   // Without a light the fifth chooses it; the first one begins at 0.
   EXPECT_THAT(said({"emit", kScene, "--u", "0.25,0.5,0.75,0.5,0"}),
               ContainsRegex("\n +1 +0\\.[0-9]+ +101\\.2 -51\\.5 3\\.2 "));
 
-  const Outcome nan = lucerna({"emit", kScene, "--light", "14", "--u", "nan,0.5,0.5,0.5"});
+  const Outcome nan = lucerna({"emit", kScene, "--light", "18", "--u", "nan,0.5,0.5,0.5"});
   EXPECT_EQ(nan.status, 1) << nan.err;
-  EXPECT_THAT(nan.out, ContainsRegex("\n +14 +INVALID_INPUT\n"));
-  const Outcome beyond = lucerna({"emit", kScene, "--light", "14", "--u", "0.5,2,0.5,0.5"});
+  EXPECT_THAT(nan.out, ContainsRegex("\n +18 +INVALID_INPUT\n"));
+  const Outcome beyond = lucerna({"emit", kScene, "--light", "18", "--u", "0.5,2,0.5,0.5"});
   EXPECT_EQ(beyond.status, 1);
   EXPECT_THAT(beyond.err, HasSubstr("u.u[1] = 2"));
 }
@@ -124,7 +124,7 @@ TEST_F(CliEmission, WrongUseOfEmitIsSaid) {
 
 TEST_F(CliEmission, DensitiesAreThoseOfTheLight) {
   // On the rectangle of 1.5 m2, straight down, at 60 degrees and up; and below it.
-  const std::string out = said({"emit-pdf", kScene, "--light", "12", "--points", "-"},
+  const std::string out = said({"emit-pdf", kScene, "--light", "16", "--points", "-"},
                                "101.5,-48.5,3,0,0,-5\n101.5,-48.5,3,0,1.7320508,-1\n"
                                "101.5,-48.5,3,0,0,1\n101.5,-48.5,2,0,0,-1\n");
   EXPECT_THAT(out, ContainsRegex(" 3  0 0 -5 +0\\.666667 +0\\.31831\n"));        // 1 / pi
@@ -136,7 +136,7 @@ TEST_F(CliEmission, DensitiesAreThoseOfTheLight) {
               AllOf(StartsWith("{\"pdf_position_per_m2\":[0]"),
                     HasSubstr("\"pdf_direction_per_sr\":[0.07957")));
   const Outcome bad = lucerna(
-      {"emit-pdf", kScene, "--light", "12", "--point", "101.5,-48.5,3", "--direction", "0,0,0"});
+      {"emit-pdf", kScene, "--light", "16", "--point", "101.5,-48.5,3", "--direction", "0,0,0"});
   EXPECT_EQ(bad.status, 1) << bad.err;
   EXPECT_THAT(bad.out, HasSubstr("INVALID_INPUT"));
   expect_wrong_use(lucerna({"emit-pdf", kScene, "--light", "1", "--point", "0,0,0"}),

@@ -41,6 +41,8 @@ struct CaseDefaults {
   static constexpr double kSize = 1;
   /// Where the light stands as a whole.
   static Vec3<double> centre() { return {}; }
+  /// Illuminance falls off with distance to this power far away: 0 for parallel rays.
+  static constexpr int kFarFieldLengthPower = -2;
   /// From where the light shines at its far field, a unit vector from the light's centre.
   static Vec3<double> far_direction() { return {0, 0, 1}; }
   static SceneSphere scene() { return {{}, 4}; }
@@ -257,7 +259,8 @@ TYPED_TEST_P(LocalLight, FarFieldFallsOffWithTheSquareOfDistance) {
   const auto light = TypeParam::template make<float>({});
   const Vec3<double> away = TypeParam::far_direction();
   const auto scaled_illuminance = [&](double d) {
-    return facing_illuminance(light, TypeParam::centre() + away * d, -away) * d * d;
+    return facing_illuminance(light, TypeParam::centre() + away * d, -away) *
+           std::pow(d, -TypeParam::kFarFieldLengthPower);
   };
   // Nearer and farther parts of the light differ from its centre's 1/d^2 by up to 2 size / d.
   const double d = 4096 * TypeParam::kSize;

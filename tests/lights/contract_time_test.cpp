@@ -65,6 +65,34 @@ struct MovingIntensityMap {
   }
 };
 
+struct MovingProjection {
+  template <typename Real>
+  static ProjectionLight<Real> make(const Transform& world_from_light) {
+    const auto image = *Image::create(1, 2, {{1, 2, 3}, {4, 5, 6}});
+    return *ProjectionLight<Real>::create(
+        {.position_m = world_from_light.point({0.25, -0.5, 1}),
+         .axes = {world_from_light.vector({0, 1, 0}), world_from_light.vector({1, 0, 1}),
+                  world_from_light.vector({1, 0, -1})},
+         .picture = *ProjectedPicture::create({.image = image, .fov_rad = 2.8, .aspect = 0.5}),
+         .intensity_cd = kLevel});
+  }
+};
+
+struct MovingBeam {
+  template <typename Real>
+  static BeamLight<Real> make(const Transform& world_from_light) {
+    const auto image = *Image::create(1, 2, {{1, 2, 3}, {4, 5, 6}});
+    return *BeamLight<Real>::create(
+        {.position_m = world_from_light.point({0.25, -0.5, 1}),
+         .axes = {world_from_light.vector({0, 1, 0}), world_from_light.vector({1, 0, 1}),
+                  world_from_light.vector({1, 0, -1})},
+         .width_m = 40,
+         .height_m = 80,
+         .illuminance_lx = kLevel,
+         .image = image});
+  }
+};
+
 struct MovingDistant {
   template <typename Real>
   static DistantLight<Real> make(const Transform& world_from_light) {
@@ -383,10 +411,10 @@ REGISTER_TYPED_TEST_SUITE_P(MovingLight, EqualsTheLightCreatedWhereItStands,
                             EmitsAsTheLightCreatedWhereItStands, KnowsItsOwnPositionsFarOff,
                             BoundsHoldWhatLeavesItAtTheTime);
 
-using Cases =
-    ::testing::Types<MovingPoint, MovingSpot, MovingDistant, MovingSun, MovingInfinite,
-                     MovingTexels, MovingPicture, MovingTriangles, MovingPatches, MovingSphere,
-                     MovingDisk, MovingCylinder, MovingLuminaire, MovingIntensityMap>;
+using Cases = ::testing::Types<MovingPoint, MovingSpot, MovingDistant, MovingSun, MovingInfinite,
+                               MovingTexels, MovingPicture, MovingTriangles, MovingPatches,
+                               MovingSphere, MovingDisk, MovingCylinder, MovingLuminaire,
+                               MovingIntensityMap, MovingProjection, MovingBeam>;
 INSTANTIATE_TYPED_TEST_SUITE_P(All, MovingLight, Cases);
 
 }  // namespace

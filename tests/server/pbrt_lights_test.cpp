@@ -260,8 +260,6 @@ TEST(PbrtLights, EmissionNeverGoesIntoObjects) {
 
 TEST(PbrtLights, WhatIsNotModelledIsLeftOutAndRemarkedOn) {
   const std::pair<const char*, const char*> kCases[] = {
-      {"LightSource \"projection\"",
-       "1:12 LightSource \"projection\" is not modelled yet -> left out\n"},
       {"LightSource \"infinite\" \"point3 portal\" [0 0 0 1 0 0 1 1 0 0 1 0]",
        "1:35 an infinite light with a portal is not modelled yet -> left out\n"},
       {"AreaLightSource \"diffuse\" \"string filename\" \"x.exr\" Shape \"disk\" Shape \"disk\"",

@@ -80,9 +80,9 @@ TEST_P(Reference, PictureAgreesWithPbrt4) {
 INSTANTIATE_TEST_SUITE_P(Scenes, Reference,
                          ::testing::Values("point", "point_power", "spot", "spot_hard", "distant",
                                            "triangle", "rectangle", "rectangle_near", "two_sided",
-                                           "sphere", "disk", "cylinder", "goniometric", "infinite",
-                                           "environment", "many_points", "many_triangles",
-                                           "bounces", "blackbody"),
+                                           "sphere", "disk", "cylinder", "goniometric",
+                                           "projection", "infinite", "environment", "many_points",
+                                           "many_triangles", "bounces", "blackbody"),
                          [](const auto& info) { return info.param; });
 
 class Comparison : public ::testing::Test {

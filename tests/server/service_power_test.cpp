@@ -26,6 +26,16 @@ double by_hand(const v1::Light& light, double radius) {
       const double mean = spot.profile() == v1::SPOT_PROFILE_QUARTIC ? 0.2 : 0.5;
       return luminance_of(spot.intensity_cd()) * 2 * kPi * (inner + (outer - inner) * mean);
     }
+    case v1::Light::kProjection: {
+      if (light.projection().has_image()) return 0;
+      // A pyramid of equal half apex angles a covers 4 asin(sin^2 a).
+      const double sine = std::sin(light.projection().fov_rad() / 2);
+      return luminance_of(light.projection().intensity_cd()) * 4 * std::asin(sine * sine);
+    }
+    case v1::Light::kBeam:
+      if (light.beam().has_image()) return 0;
+      return luminance_of(light.beam().illuminance_lx()) * light.beam().width_m() *
+             light.beam().height_m();
     case v1::Light::kDistant:
       return luminance_of(light.distant().illuminance_lx()) * disk;
     case v1::Light::kSun: {
@@ -77,7 +87,7 @@ TEST_F(PowerTest, ExactPowersAreThoseDerivedByHand) {
     ++derived;
     EXPECT_NEAR(p.power_lm(), lumens, p.error_lm() + 1e-6 * lumens) << light.ShortDebugString();
   }
-  EXPECT_GE(derived, 13);
+  EXPECT_GE(derived, 15);
   // 200 cd straight down, in proportion to the angle down to 0 at 90 degrees:
   // 2 pi 200 times the integral of (1 - 2 t / pi) sin t, which is 1 - 2 / pi.
   EXPECT_NEAR(first(v1::Light::kGoniometric).power_lm(), 400 * kPi * (1 - 2 / kPi), 1e-9);
@@ -120,6 +130,10 @@ TEST_F(PowerTest, ApproximateIsTheFormulaOfTheBooks) {
       const double outer = std::cos(light.spot().cone_half_angle_rad());
       lumens =
           luminance_of(light.spot().intensity_cd()) * 2 * kPi * ((1 - inner) + (inner - outer) / 2);
+    } else if (light.has_projection() && !light.projection().has_image()) {
+      // The cone about the corners of a square.
+      const double corner = std::atan(std::sqrt(2.0) * std::tan(light.projection().fov_rad() / 2));
+      lumens = luminance_of(light.projection().intensity_cd()) * 2 * kPi * (1 - std::cos(corner));
     } else if (light.has_sun()) {
       // As if all of it came from its centre.
       lumens = luminance_of(light.sun().illuminance_lx()) * kPi * radius * radius;
@@ -225,6 +239,12 @@ TEST_F(EveryLightTest, BoundsHoldEveryRay) {
                                  axis.z() * r.directions(3 * i + 2));
     }
     if (!light.has_directions()) continue;
+    if (light.has_beam()) {
+      // All rays are parallel, and a cosine tells no angle this small.
+      EXPECT_LT(light.directions().half_angle_rad(), 1e-6);
+      EXPECT_NEAR(smallest, 1, 1e-6);
+      continue;
+    }
     const double half_angle = light.directions().half_angle_rad();
     EXPECT_LE(std::acos(smallest), half_angle + 1e-5) << light.ShortDebugString();
     // And not much more than the rays fill: 4096 of them come near the edge, even of a quartic one.
