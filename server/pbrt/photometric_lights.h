@@ -2,14 +2,12 @@
 // without one, is multiplied by "I" (1 unless given) and "scale"; "power" sets the luminous flux.
 // Beyond what pbrt-v4 reads:
 //   "string mapping"   equalarea (pbrt-v4's: the middle of the picture is light space's +y, its
-//   right
-//                      +x, its lower side +z) | latlong (pbrt-v2's: +y at the top, longitude to the
-//                      right from +x by +z)
+//                      right +x, its lower side +z) | latlong (pbrt-v2's: +y at the top, longitude
+//                      to the right from +x by +z)
 //   "string filter"    nearest (pbrt-v4's) | bilinear
 //   "string filename"  may end in .ies (IES LM-63) or .ldt (EULUMDAT).  The luminaire's straight
-//   down
-//                      is light space's +z, its photometric horizontal (C0) the +x: untransformed
-//                      it shines along +z, as a spot does.
+//                      down is light space's +z, its photometric horizontal (C0) the +x:
+//                      untransformed it shines along +z, as a spot does.
 #pragma once
 
 #include <string>
