@@ -23,9 +23,7 @@ struct LeOptions {
 
 void le(Session& session, const LeOptions& options) {
   const PointSet set = options.points.read();
-  const std::vector<Double3> directions =
-      options.directions.given() ? options.directions.read(set.points.size()) : set.seconds;
-  if (directions.empty()) wrong_use("no directions: give --direction, or six columns in --points");
+  const std::vector<Double3> directions = read_directions(options.directions, set);
   v1::LeRequest request;
   *request.mutable_points() = client::make_points(set.points);
   fill(directions, request.mutable_directions());
@@ -177,9 +175,7 @@ struct EmitPdfOptions {
 
 void emit_pdf(Session& session, const EmitPdfOptions& options) {
   const PointSet set = options.points.read();
-  const std::vector<Double3> directions =
-      options.directions.given() ? options.directions.read(set.points.size()) : set.seconds;
-  if (directions.empty()) wrong_use("no directions: give --direction, or six columns in --points");
+  const std::vector<Double3> directions = read_directions(options.directions, set);
   v1::PdfLeRequest request;
   *request.mutable_points() = client::make_points(set.points);
   fill(directions, request.mutable_directions());

@@ -126,9 +126,7 @@ struct PdfOptions {
 
 void pdf(Session& session, const PdfOptions& options) {
   const PointSet set = options.points.read();
-  const std::vector<Double3> directions =
-      options.directions.given() ? options.directions.read(set.points.size()) : set.seconds;
-  if (directions.empty()) wrong_use("no directions: give --direction, or six columns in --points");
+  const std::vector<Double3> directions = read_directions(options.directions, set);
   v1::PdfLiRequest request;
   *request.mutable_receivers() = client::make_points(set.points);
   fill(directions, request.mutable_wi());

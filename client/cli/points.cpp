@@ -168,6 +168,12 @@ std::vector<Double3> TripleOption::read(std::size_t count) const {
   return result;
 }
 
+std::vector<Double3> read_directions(const TripleOption& option, const PointSet& set) {
+  const auto result = option.given() ? option.read(set.points.size()) : set.seconds;
+  if (result.empty()) wrong_use("no directions: give --direction, or six columns in --points");
+  return result;
+}
+
 void fill(const std::vector<Double3>& vectors, google::protobuf::RepeatedField<float>* to) {
   to->Resize(static_cast<int>(3 * vectors.size()), 0);
   float* value = to->mutable_data();

@@ -57,6 +57,9 @@ class TripleOption {
   std::vector<std::string> texts_;
 };
 
+/// Those that `option` gives, or columns 4 to 6; ends the program where there are none.
+std::vector<Double3> read_directions(const TripleOption& option, const PointSet& set);
+
 /// x, y, z interleaved.
 void fill(const std::vector<Double3>& vectors, google::protobuf::RepeatedField<float>* to);
 

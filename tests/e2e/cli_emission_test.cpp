@@ -42,6 +42,16 @@ class CliEmission : public ::testing::Test {
     return outcome.out;
   }
 
+  /// Of the first light whose row tells `what`.
+  static std::string id_of(const std::string& what) {
+    const std::string table = said({"lights", kScene});
+    const std::size_t at = table.find(what);
+    EXPECT_NE(at, std::string::npos) << what;
+    if (at == std::string::npos) return "";
+    const std::size_t row = table.rfind('\n', at) + 1;
+    return std::to_string(std::stoi(table.substr(row)));
+  }
+
   static inline std::unique_ptr<testing::LocalServer> server_;
 };
 
@@ -65,8 +75,9 @@ TEST_F(CliEmission, RaysAreToldWithValueUnitAndDensities) {
   EXPECT_THAT(said({"emit", kScene, "--light", "5"}),
               ContainsRegex(" -0\\.267261 0\\.534522 -0\\.801784 +2 2 2 +lx .* certain\n"));
   // A rectangle of 1.5 m2, down.
+  const std::string rectangle = id_of("rectangle 1.5 x 1 m");
   EXPECT_THAT(
-      said({"emit", kScene, "--light", "16", "--seed", "5"}),
+      said({"emit", kScene, "--light", rectangle, "--seed", "5"}),
       ContainsRegex(" 3 +[-0-9. e]+ -0\\.[0-9]+ +12 12 12 +cd/m2 +0\\.666667 +0\\.[0-9]+\n"));
   // The seed counts, and one is given.
   EXPECT_EQ(said({"emit", kScene, "--light", "1", "--count", "3", "--seed", "0"}), point);
@@ -86,19 +97,20 @@ TEST_F(CliEmission, ChosenLightsAreToldWithTheirProbability) {
 
 TEST_F(CliEmission, SampleValuesOfOnesOwnAreTaken) {
   // The same four numbers are the same ray.
-  const std::string once = said({"emit", kScene, "--light", "18", "--u", "0.25,0.5,0.75,0.5"});
+  const std::string sphere = id_of("sphere");
+  const std::string once = said({"emit", kScene, "--light", sphere, "--u", "0.25,0.5,0.75,0.5"});
   const std::string twice = said(
-      {"emit", kScene, "--light", "18", "--u", "0.25,0.5,0.75,0.5", "--u", "0.25,0.5,0.75,0.5"});
+      {"emit", kScene, "--light", sphere, "--u", "0.25,0.5,0.75,0.5", "--u", "0.25,0.5,0.75,0.5"});
   EXPECT_EQ(twice, once + once.substr(once.find('\n') + 1));
-  EXPECT_NE(said({"emit", kScene, "--light", "18", "--u", "0.5,0.5,0.75,0.5"}), once);
+  EXPECT_NE(said({"emit", kScene, "--light", sphere, "--u", "0.5,0.5,0.75,0.5"}), once);
   // Without a light the fifth chooses it; the first one begins at 0.
   EXPECT_THAT(said({"emit", kScene, "--u", "0.25,0.5,0.75,0.5,0"}),
               ContainsRegex("\n +1 +0\\.[0-9]+ +101\\.2 -51\\.5 3\\.2 "));
 
-  const Outcome nan = lucerna({"emit", kScene, "--light", "18", "--u", "nan,0.5,0.5,0.5"});
+  const Outcome nan = lucerna({"emit", kScene, "--light", sphere, "--u", "nan,0.5,0.5,0.5"});
   EXPECT_EQ(nan.status, 1) << nan.err;
-  EXPECT_THAT(nan.out, ContainsRegex("\n +18 +INVALID_INPUT\n"));
-  const Outcome beyond = lucerna({"emit", kScene, "--light", "18", "--u", "0.5,2,0.5,0.5"});
+  EXPECT_THAT(nan.out, ContainsRegex("\n +" + sphere + " +INVALID_INPUT\n"));
+  const Outcome beyond = lucerna({"emit", kScene, "--light", sphere, "--u", "0.5,2,0.5,0.5"});
   EXPECT_EQ(beyond.status, 1);
   EXPECT_THAT(beyond.err, HasSubstr("u.u[1] = 2"));
 }
@@ -124,7 +136,8 @@ TEST_F(CliEmission, WrongUseOfEmitIsSaid) {
 
 TEST_F(CliEmission, DensitiesAreThoseOfTheLight) {
   // On the rectangle of 1.5 m2, straight down, at 60 degrees and up; and below it.
-  const std::string out = said({"emit-pdf", kScene, "--light", "16", "--points", "-"},
+  const std::string rectangle = id_of("rectangle 1.5 x 1 m");
+  const std::string out = said({"emit-pdf", kScene, "--light", rectangle, "--points", "-"},
                                "101.5,-48.5,3,0,0,-5\n101.5,-48.5,3,0,1.7320508,-1\n"
                                "101.5,-48.5,3,0,0,1\n101.5,-48.5,2,0,0,-1\n");
   EXPECT_THAT(out, ContainsRegex(" 3  0 0 -5 +0\\.666667 +0\\.31831\n"));        // 1 / pi
@@ -135,8 +148,8 @@ TEST_F(CliEmission, DensitiesAreThoseOfTheLight) {
                     "0,0,1", "--json"}),
               AllOf(StartsWith("{\"pdf_position_per_m2\":[0]"),
                     HasSubstr("\"pdf_direction_per_sr\":[0.07957")));
-  const Outcome bad = lucerna(
-      {"emit-pdf", kScene, "--light", "16", "--point", "101.5,-48.5,3", "--direction", "0,0,0"});
+  const Outcome bad = lucerna({"emit-pdf", kScene, "--light", rectangle, "--point", "101.5,-48.5,3",
+                               "--direction", "0,0,0"});
   EXPECT_EQ(bad.status, 1) << bad.err;
   EXPECT_THAT(bad.out, HasSubstr("INVALID_INPUT"));
   expect_wrong_use(lucerna({"emit-pdf", kScene, "--light", "1", "--point", "0,0,0"}),
