@@ -2,6 +2,9 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
+
+#include "lights/vec.h"
 
 namespace lucerna {
 
@@ -16,17 +19,21 @@ enum class AreaSampling : std::uint8_t {
   kParallelogram,     ///< uniform by area, the far half folded back
   kRejection,         ///< uniform by area, the far half drawn again
   kLowDistortion,     ///< uniform by area, a continuous map of little distortion [Heitz19]
-  kSolidAngle,        ///< uniform in solid angle at the receiver
+  kSolidAngle,        ///< uniform in solid angle at the receiver; on disks nearly
   kCosineSolidAngle,  ///< nearly by projected solid angle: warped by the receiver's cosine; needs
-                      ///< its normal, else kSolidAngle
+                      ///< its normal and a triangle or rectangle, else kSolidAngle
 };
 
-/// The shapes that know other ways to be sampled than by area.
-enum class SampledShape : std::uint8_t { kTriangle, kRectangle, kSphere, kInsideOfSphere };
-
-/// How points of `shape` are chosen, where `asked` for: kAutomatic by the one rule, and the
-/// cosine's way not where there is no normal, nor on a sphere, which has none.  Never kAutomatic.
-AreaSampling way_to_sample(SampledShape shape, AreaSampling asked, bool has_normal);
+/// How points of a triangle or rectangle are chosen, where `asked` for: kAutomatic by the one rule,
+/// the cosine's way not where there is no normal (zero).  Never kAutomatic.  `corners` relative to
+/// the receiver, in any unit of length.
+AreaSampling way_for_corners(AreaSampling asked, std::span<const Vec3<double>> corners,
+                             const Vec3<double>& normal);
+/// The same for a disk, by the points of its rim nearest to the receiver and farthest from it.
+AreaSampling way_for_disk(AreaSampling asked, const Vec3<double>& nearest,
+                          const Vec3<double>& farthest);
+/// The same for a whole sphere.
+AreaSampling way_for_sphere(AreaSampling asked);
 
 /// Whether `way` is one of the five.
 constexpr bool is_by_area(AreaSampling way) {

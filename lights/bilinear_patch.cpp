@@ -171,44 +171,62 @@ bool BilinearPatch<Real>::is_rectangle() const {
 
 namespace {
 
-template <typename Real>
-std::optional<SphericalRectangle> as_seen(const Form& p, const Receiver<Real>& receiver) {
-  return SphericalRectangle::create(p.p00 - Vec3<double>(receiver.position), p.e, p.f);
-}
+/// A rectangle as a receiver sees it, and how its points are chosen.
+struct Seen {
+  Vec3<double> corner[4];  // 00, 10, 01, 11; from the receiver
+  Vec3<double> normal;     // the receiver's
+  AreaSampling way;
+  std::optional<SphericalRectangle> spherical;
+
+  template <typename Real>
+  Seen(const Form& p, const Receiver<Real>& receiver) : normal(receiver.normal) {
+    const Vec3<double> r(receiver.position);
+    for (int i = 0; i < 4; ++i) corner[i] = p.at(i & 1, i >> 1) - r;
+    way = way_for_corners(receiver.area_sampling, corner, normal);
+    if (!is_by_area(way)) spherical = SphericalRectangle::create(p.p00 - r, p.e, p.f);
+  }
+
+  BilinearWeights cosines() const {
+    const auto weight = [&](int i) { return cosine_weight(normal, corner[i]); };
+    return {weight(0), weight(1), weight(2), weight(3)};
+  }
+};
 
 template <typename Real>
-BilinearWeights cosines(const Form& p, const Receiver<Real>& receiver) {
-  const auto weight = [&](double u, double v) { return cosine_weight(receiver, p.at(u, v)); };
-  return {weight(0, 0), weight(1, 0), weight(0, 1), weight(1, 1)};
+SolidAnglePdf<double> pdf_of(const BilinearPatch<Real>& patch, const Form& p, const Seen& seen,
+                             const Receiver<Real>& receiver, const SurfacePoint<Real>& point) {
+  if (!seen.spherical)
+    return pdf_seen_from(receiver.position, point, patch.pdf_area(point.position));
+  const double uniform = 1 / seen.spherical->solid_angle_sr();
+  if (seen.way != AreaSampling::kCosineSolidAngle) return {uniform};
+  const Vec3<double> q = Vec3<double>(point.position) - p.p00;
+  const Vec2<double> shares{dot(q, p.e) / dot(p.e, p.e), dot(q, p.f) / dot(p.f, p.f)};
+  return {uniform * seen.cosines().pdf(seen.spherical->invert(shares))};
 }
 
 }  // namespace
 
 template <typename Real>
-SurfacePoint<Real> BilinearPatch<Real>::sample(const Receiver<Real>& receiver, Vec2<Real> u) const {
-  const AreaSampling way = way_to_sample(SampledShape::kRectangle, receiver);
-  if (is_by_area(way)) return sample_area(u);
+ChosenPoint<Real> BilinearPatch<Real>::sample(const Receiver<Real>& receiver, Vec2<Real> u) const {
   const Form p(*this);
-  const auto seen = as_seen(p, receiver);
-  if (!seen) return sample_area(u);
-  Vec2<double> v{u.x, u.y};
-  if (way == AreaSampling::kCosineSolidAngle) v = cosines(p, receiver).sample(v);
-  const auto [s, t] = seen->sample(v);
-  return {Vec3<Real>(p.at(s, t)), Vec3<Real>(normalized(p.area_vector(s, t)))};
+  const Seen seen(p, receiver);
+  SurfacePoint<Real> point;
+  if (seen.spherical) {
+    Vec2<double> v{u.x, u.y};
+    if (seen.way == AreaSampling::kCosineSolidAngle) v = seen.cosines().sample(v);
+    const auto [s, t] = seen.spherical->sample(v);
+    point = {Vec3<Real>(p.at(s, t)), Vec3<Real>(normalized(p.area_vector(s, t)))};
+  } else {
+    point = sample_area(u);
+  }
+  return {point, pdf_of(*this, p, seen, receiver, point)};
 }
 
 template <typename Real>
 SolidAnglePdf<double> BilinearPatch<Real>::pdf(const Receiver<Real>& receiver,
                                                const SurfacePoint<Real>& point) const {
-  const AreaSampling way = way_to_sample(SampledShape::kRectangle, receiver);
   const Form p(*this);
-  const auto seen = is_by_area(way) ? std::nullopt : as_seen(p, receiver);
-  if (!seen) return pdf_seen_from(receiver.position, point, pdf_area(point.position));
-  const double uniform = 1 / seen->solid_angle_sr();
-  if (way != AreaSampling::kCosineSolidAngle) return {uniform};
-  const Vec3<double> q = Vec3<double>(point.position) - p.p00;
-  const Vec2<double> shares{dot(q, p.e) / dot(p.e, p.e), dot(q, p.f) / dot(p.f, p.f)};
-  return {uniform * cosines(p, receiver).pdf(seen->invert(shares))};
+  return pdf_of(*this, p, Seen(p, receiver), receiver, point);
 }
 
 template <typename Real>

@@ -30,7 +30,7 @@ struct BilinearPatch {
   bool is_rectangle() const;
   /// Of a rectangle: the way that `receiver` asks for; sample_area where there is no density by
   /// solid angle.  `u` in [0, 1]^2.  [Urena13]
-  SurfacePoint<Real> sample(const Receiver<Real>& receiver, Vec2<Real> u) const;
+  ChosenPoint<Real> sample(const Receiver<Real>& receiver, Vec2<Real> u) const;
   /// Density of `sample` at a point of the rectangle.
   SolidAnglePdf<double> pdf(const Receiver<Real>& receiver, const SurfacePoint<Real>& point) const;
   /// Nearest hit in (t_min, t_max); `uv` of the hit, if asked for, goes to `*uv_hit`.  [Reshetov19]

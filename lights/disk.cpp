@@ -7,6 +7,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "lights/spherical_ellipse.h"
+
 namespace lucerna {
 
 namespace {
@@ -42,6 +44,8 @@ Disk<Real>::Disk(const DiskParams& params, const Vec3<double>& origin_m)
       length(cross(world_from_object_.vector({1, 0, 0}), world_from_object_.vector({0, 1, 0})));
   area_m2_ = params.phi_max_rad / 2 * (params.radius_m - params.inner_radius_m) *
              (params.radius_m + params.inner_radius_m) * stretch;
+  is_circle_ = params.inner_radius_m == 0 && params.phi_max_rad == kTwoPi &&
+               params.world_from_object.uniform_scale().has_value();
 }
 
 template <typename Real>
@@ -60,26 +64,65 @@ absl::StatusOr<Disk<Real>> Disk<Real>::create(const DiskParams& params,
   return disk;
 }
 
+/// A whole disk as a receiver sees it, in object space: in its plane the unit vector (x, y) from
+/// below the receiver to the centre.
+template <typename Real>
+struct Disk<Real>::Seen {
+  std::optional<SphericalEllipse> ellipse;  // nothing: by area
+  double x = 1, y = 0;
+};
+
+template <typename Real>
+auto Disk<Real>::seen_from(const Receiver<Real>& receiver) const -> Seen {
+  Seen seen;
+  if (!is_circle_ || is_by_area(receiver.area_sampling)) return seen;
+  const Vec3<double> r = object_from_world_.point(Vec3<double>(receiver.position));
+  const double height = std::fabs(params_.height_m - r.z);
+  const double offset = std::hypot(r.x, r.y);
+  if (offset > 0) seen.x = -r.x / offset, seen.y = -r.y / offset;
+  const AreaSampling way =
+      way_for_disk(receiver.area_sampling, {offset - params_.radius_m, 0, height},
+                   {offset + params_.radius_m, 0, height});
+  if (!is_by_area(way)) seen.ellipse = SphericalEllipse::create(offset, height, params_.radius_m);
+  return seen;
+}
+
 template <typename Real>
 ShapeSample<Real> Disk<Real>::sample(const Receiver<Real>& receiver, Vec2<Real> u) const {
-  // Equal shares of r^2 have equal areas.  A concentric map would distort less, but fits neither
-  // annulus nor sector.
-  const double inner = params_.inner_radius_m;
-  const double r =
-      std::sqrt(inner * inner + u.x * ((params_.radius_m - inner) * (params_.radius_m + inner)));
-  const double phi = params_.phi_max_rad * u.y;
+  const Seen seen = seen_from(receiver);
+  Vec3<double> p;
+  if (seen.ellipse) {
+    const auto [along, across] = seen.ellipse->sample({u.x, u.y});
+    p = {along * seen.x - across * seen.y, along * seen.y + across * seen.x, params_.height_m};
+  } else {
+    // Equal shares of r^2 have equal areas.  A concentric map would distort less, but fits neither
+    // annulus nor sector.
+    const double inner = params_.inner_radius_m;
+    const double r =
+        std::sqrt(inner * inner + u.x * ((params_.radius_m - inner) * (params_.radius_m + inner)));
+    const double phi = params_.phi_max_rad * u.y;
+    p = {r * std::cos(phi), r * std::sin(phi), params_.height_m};
+  }
   ShapeSample<Real> s;
-  s.point.position = Vec3<Real>(
-      world_from_object_.point({r * std::cos(phi), r * std::sin(phi), params_.height_m}));
+  s.point.position = Vec3<Real>(world_from_object_.point(p));
   s.point.normal = normal_;
-  s.pdf = pdf(receiver, s.point);
+  s.pdf = pdf(seen, receiver, s.point);
   return s;
+}
+
+template <typename Real>
+SolidAnglePdf<Real> Disk<Real>::pdf(const Seen& seen, const Receiver<Real>& receiver,
+                                    const SurfacePoint<Real>& point) const {
+  if (!seen.ellipse) return as_seen_from(receiver.position, point, AreaPdf<double>{1 / area_m2_});
+  const Vec3<double> p = object_from_world_.point(Vec3<double>(point.position));
+  const Vec2<double> q{p.x * seen.x + p.y * seen.y, p.y * seen.x - p.x * seen.y};
+  return {static_cast<Real>(seen.ellipse->pdf(q))};
 }
 
 template <typename Real>
 SolidAnglePdf<Real> Disk<Real>::pdf(const Receiver<Real>& receiver,
                                     const SurfacePoint<Real>& point) const {
-  return as_seen_from(receiver.position, point, AreaPdf<double>{1 / area_m2_});
+  return pdf(seen_from(receiver), receiver, point);
 }
 
 template <typename Real>

@@ -40,7 +40,9 @@ class Disk {
   /// Always OK.
   absl::Status emissive_error() const { return absl::OkStatus(); }
 
-  /// Uniform by area.  [Pharr23, 6.4.3]
+  /// In the way that `receiver` asks for.  kSolidAngle: a whole disk under a map of equal scale,
+  /// seen from where lights/spherical_ellipse.h has a density; all else uniformly by area.
+  /// [Pharr23, 6.4.3; Guillen17]
   ShapeSample<Real> sample(const Receiver<Real>& receiver, Vec2<Real> u) const;
   /// The density of `sample` at a point of the surface.
   SolidAnglePdf<Real> pdf(const Receiver<Real>& receiver, const SurfacePoint<Real>& point) const;
@@ -70,11 +72,16 @@ class Disk {
 
  private:
   Disk(const DiskParams& params, const Vec3<double>& origin_m);
+  struct Seen;
+  Seen seen_from(const Receiver<Real>& receiver) const;
+  SolidAnglePdf<Real> pdf(const Seen& seen, const Receiver<Real>& receiver,
+                          const SurfacePoint<Real>& point) const;
 
   DiskParams params_;
   Transform world_from_object_, object_from_world_;  // about the scene's origin
   Vec3<Real> normal_;
   double area_m2_;
+  bool is_circle_;  // whole, and a circle in the world
 };
 
 extern template class Disk<float>;

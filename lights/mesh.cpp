@@ -80,9 +80,16 @@ ShapeSample<Real> Mesh<Real, Primitive>::sample(const Receiver<Real>& receiver,
     u.x = static_cast<Real>(std::clamp((target - before) / (*chosen - before), 0.0, 1.0));
   }
   ShapeSample<Real> s;
-  s.point = has_ways(i) ? primitives_[i].sample(receiver, u) : primitives_[i].sample_area(u);
-  s.point.primitive = static_cast<std::uint32_t>(i);
-  s.pdf = pdf(receiver, s.point);
+  if (has_ways(i)) {
+    const ChosenPoint<Real> chosen = primitives_[i].sample(receiver, u);
+    s.point = chosen.point;
+    s.point.primitive = static_cast<std::uint32_t>(i);
+    s.pdf = {static_cast<Real>(share(i) * chosen.pdf.per_sr)};
+  } else {
+    s.point = primitives_[i].sample_area(u);
+    s.point.primitive = static_cast<std::uint32_t>(i);
+    s.pdf = pdf(receiver, s.point);
+  }
   return s;
 }
 
@@ -91,12 +98,11 @@ SolidAnglePdf<Real> Mesh<Real, Primitive>::pdf(const Receiver<Real>& receiver,
                                                const SurfacePoint<Real>& point) const {
   if (point.primitive >= primitives_.size()) return {0};
   const std::size_t i = point.primitive;
-  const double share = (cumulative_area_[i] - (i == 0 ? 0 : cumulative_area_[i - 1])) / area();
   const double pdf =
       has_ways(i)
           ? primitives_[i].pdf(receiver, point).per_sr
           : pdf_seen_from(receiver.position, point, primitives_[i].pdf_area(point.position)).per_sr;
-  return {static_cast<Real>(share * pdf)};
+  return {static_cast<Real>(share(i) * pdf)};
 }
 
 template <typename Real, template <typename> typename Primitive>
@@ -123,8 +129,7 @@ AreaPdf<double> Mesh<Real, Primitive>::pdf_area(const SurfacePoint<Real>& point)
   if constexpr (std::is_same_v<Primitive<Real>, Triangle<Real>>) {
     return {1 / area()};
   } else {
-    const double share = (cumulative_area_[i] - (i == 0 ? 0 : cumulative_area_[i - 1])) / area();
-    return {share * primitives_[i].pdf_area(point.position).per_m2};
+    return {share(i) * primitives_[i].pdf_area(point.position).per_m2};
   }
 }
 

@@ -75,6 +75,10 @@ class Mesh {
 
   Mesh(std::vector<Primitive<Real>> primitives, std::vector<double> cumulative_area,
        std::vector<bool> rectangles);
+  /// Of primitive `i` in the area.
+  double share(std::size_t i) const {
+    return (cumulative_area_[i] - (i == 0 ? 0 : cumulative_area_[i - 1])) / area();
+  }
   /// Whether primitive `i` knows other ways to be sampled than by area.
   bool has_ways(std::size_t i) const { return kAlwaysHasWays || rectangles_[i]; }
 

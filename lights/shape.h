@@ -22,6 +22,13 @@ struct ShapeSample {
   SolidAnglePdf<Real> pdf;  ///< not positive or not finite: no direction exists for this point
 };
 
+/// The same of a primitive of a mesh.
+template <std::floating_point Real>
+struct ChosenPoint {
+  SurfacePoint<Real> point;
+  SolidAnglePdf<double> pdf;
+};
+
 /// Where a ray meets a shape.
 template <std::floating_point Real>
 struct ShapeHit {
@@ -57,17 +64,10 @@ SolidAnglePdf<Real> as_seen_from(const Vec3<Real>& receiver, const SurfacePoint<
   return {static_cast<Real>(pdf_seen_from(receiver, point, pdf).per_sr)};
 }
 
-/// How points of `shape` are chosen for `receiver`.
-template <std::floating_point Real>
-AreaSampling way_to_sample(SampledShape shape, const Receiver<Real>& receiver) {
-  return way_to_sample(shape, receiver.area_sampling, receiver.normal != Vec3<Real>{});
-}
-
-/// What the corner `point` [m] of a light weighs in kCosineSolidAngle.
-template <std::floating_point Real>
-double cosine_weight(const Receiver<Real>& receiver, const Vec3<double>& point) {
-  const Vec3<double> to_point = normalized(point - Vec3<double>(receiver.position));
-  return std::fmax(kCosineFloor, dot(to_point, Vec3<double>(receiver.normal)));
+/// What a corner of a light, `to_corner` from a receiver with `normal`, weighs in
+/// kCosineSolidAngle.
+inline double cosine_weight(const Vec3<double>& normal, const Vec3<double>& to_corner) {
+  return std::fmax(kCosineFloor, dot(normalized(to_corner), normal));
 }
 
 /// The box {lower, upper} in `Real`, widened so that rounding cuts nothing off.

@@ -129,10 +129,8 @@ template <typename Real>
 typename Sphere<Real>::Way Sphere<Real>::way_at(double distance,
                                                 const Receiver<Real>& receiver) const {
   if (!is_whole_) return Way::kArea;
-  const bool outside = distance > world_radius_m_;
-  const auto shape = outside ? SampledShape::kSphere : SampledShape::kInsideOfSphere;
-  if (is_by_area(way_to_sample(shape, receiver))) return Way::kArea;
-  if (outside) return Way::kCone;
+  if (is_by_area(way_for_sphere(receiver.area_sampling))) return Way::kArea;
+  if (distance > world_radius_m_) return Way::kCone;
   // Nearer to the surface, half of all directions end where no float tells point from receiver.
   constexpr double kDepth = 1e-3;
   return distance < (1 - kDepth) * world_radius_m_ ? Way::kInside : Way::kArea;

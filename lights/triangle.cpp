@@ -25,20 +25,29 @@ Vec3<Real> at(const Triangle<Real>& t, const Vec3<double>& barycentric) {
                     (Vec3<double>(t.c) - a) * barycentric.z);
 }
 
-template <typename Real>
-std::optional<SphericalTriangle> as_seen(const Triangle<Real>& t, const Receiver<Real>& receiver) {
-  const Vec3<double> r(receiver.position);
-  return SphericalTriangle::create(Vec3<double>(t.a) - r, Vec3<double>(t.b) - r,
-                                   Vec3<double>(t.c) - r);
-}
+/// A triangle as a receiver sees it, and how its points are chosen.
+struct Seen {
+  Vec3<double> corner[3];  // from the receiver
+  Vec3<double> normal;     // the receiver's
+  AreaSampling way;
+  std::optional<SphericalTriangle> spherical;
 
-/// Where SphericalTriangle puts the corners into the unit square: b along a whole side.
-template <typename Real>
-BilinearWeights cosines(const Triangle<Real>& t, const Receiver<Real>& receiver) {
-  const double b = cosine_weight(receiver, Vec3<double>(t.b));
-  return {b, b, cosine_weight(receiver, Vec3<double>(t.a)),
-          cosine_weight(receiver, Vec3<double>(t.c))};
-}
+  template <typename Real>
+  Seen(const Triangle<Real>& t, const Receiver<Real>& receiver)
+      : corner{Vec3<double>(t.a) - Vec3<double>(receiver.position),
+               Vec3<double>(t.b) - Vec3<double>(receiver.position),
+               Vec3<double>(t.c) - Vec3<double>(receiver.position)},
+        normal(receiver.normal),
+        way(way_for_corners(receiver.area_sampling, corner, normal)) {
+    if (!is_by_area(way)) spherical = SphericalTriangle::create(corner[0], corner[1], corner[2]);
+  }
+
+  /// Where SphericalTriangle puts the corners into the unit square: b along a whole side.
+  BilinearWeights cosines() const {
+    const double b = cosine_weight(normal, corner[1]);
+    return {b, b, cosine_weight(normal, corner[0]), cosine_weight(normal, corner[2])};
+  }
+};
 
 /// Of a point of the triangle, up to its rounding.
 template <typename Real>
@@ -51,6 +60,16 @@ Vec3<double> barycentric(const Triangle<Real>& t, const Vec3<Real>& position) {
   const double y = dot(cross(p, ac), n) / dot(n, n);
   const double z = dot(cross(ab, p), n) / dot(n, n);
   return {1 - y - z, y, z};
+}
+
+template <typename Real>
+SolidAnglePdf<double> pdf_of(const Triangle<Real>& t, const Seen& seen,
+                             const Receiver<Real>& receiver, const SurfacePoint<Real>& point) {
+  if (!seen.spherical) return pdf_seen_from(receiver.position, point, t.pdf_area(point.position));
+  const double uniform = 1 / seen.spherical->solid_angle_sr();
+  if (seen.way != AreaSampling::kCosineSolidAngle) return {uniform};
+  const Vec2<double> u = seen.spherical->invert(barycentric(t, point.position));
+  return {uniform * seen.cosines().pdf(u)};
 }
 
 }  // namespace
@@ -76,25 +95,23 @@ AreaPdf<double> Triangle<Real>::pdf_area(const Vec3<Real>&) const {
 }
 
 template <typename Real>
-SurfacePoint<Real> Triangle<Real>::sample(const Receiver<Real>& receiver, Vec2<Real> u) const {
-  const AreaSampling way = way_to_sample(SampledShape::kTriangle, receiver);
-  if (is_by_area(way)) return sample_area(u, way);
-  const auto seen = as_seen(*this, receiver);
-  if (!seen) return sample_area(u);
-  Vec2<double> v{u.x, u.y};
-  if (way == AreaSampling::kCosineSolidAngle) v = cosines(*this, receiver).sample(v);
-  return {at(*this, seen->sample(v)), normal()};
+ChosenPoint<Real> Triangle<Real>::sample(const Receiver<Real>& receiver, Vec2<Real> u) const {
+  const Seen seen(*this, receiver);
+  SurfacePoint<Real> point;
+  if (seen.spherical) {
+    Vec2<double> v{u.x, u.y};
+    if (seen.way == AreaSampling::kCosineSolidAngle) v = seen.cosines().sample(v);
+    point = {at(*this, seen.spherical->sample(v)), normal()};
+  } else {
+    point = sample_area(u, seen.way);
+  }
+  return {point, pdf_of(*this, seen, receiver, point)};
 }
 
 template <typename Real>
 SolidAnglePdf<double> Triangle<Real>::pdf(const Receiver<Real>& receiver,
                                           const SurfacePoint<Real>& point) const {
-  const AreaSampling way = way_to_sample(SampledShape::kTriangle, receiver);
-  const auto seen = is_by_area(way) ? std::nullopt : as_seen(*this, receiver);
-  if (!seen) return pdf_seen_from(receiver.position, point, pdf_area(point.position));
-  const double uniform = 1 / seen->solid_angle_sr();
-  if (way != AreaSampling::kCosineSolidAngle) return {uniform};
-  return {uniform * cosines(*this, receiver).pdf(seen->invert(barycentric(*this, point.position)))};
+  return pdf_of(*this, Seen(*this, receiver), receiver, point);
 }
 
 template <typename Real>

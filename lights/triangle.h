@@ -23,8 +23,9 @@ struct Triangle {
                                  AreaSampling way = AreaSampling::kLowDistortion) const;
   /// Density of sample_area at a point of the triangle: 1 / area.
   AreaPdf<double> pdf_area(const Vec3<Real>& position) const;
-  /// The way that `receiver` asks for; by area where there is no density by solid angle.  [Arvo95]
-  SurfacePoint<Real> sample(const Receiver<Real>& receiver, Vec2<Real> u) const;
+  /// The way that `receiver` asks for; by area where there is no density by solid angle.  With the
+  /// density of the point, bit for bit that of `pdf`.  [Arvo95]
+  ChosenPoint<Real> sample(const Receiver<Real>& receiver, Vec2<Real> u) const;
   /// Density of `sample` at a point of the triangle.
   SolidAnglePdf<double> pdf(const Receiver<Real>& receiver, const SurfacePoint<Real>& point) const;
   /// The hit, if its t is in (t_min, t_max); `direction` of any length.  Edges and vertices belong

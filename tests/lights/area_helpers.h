@@ -16,6 +16,14 @@ namespace lucerna::testing {
 
 inline constexpr double kPi = std::numbers::pi;
 
+/// A receiver for which points are chosen uniformly by area, whatever the light.
+template <typename Real>
+Receiver<Real> by_area(const Vec3<Real>& position) {
+  Receiver<Real> receiver(position);
+  receiver.area_sampling = AreaSampling::kLowDistortion;
+  return receiver;
+}
+
 /// A mean with its standard error.
 struct Estimate {
   double mean = 0, standard_error = 0;

@@ -74,9 +74,9 @@ TEST(AreaLight, DensityOfADirectionCountsOnlyFacesTurnedToTheReceiver) {
   const auto two = *AreaLight<float, PatchMesh>::create({kLevel, true}, mesh);
   // From (3, 0, 0) towards the centre: faces at distances 2 and 4, both face on, of area 24.
   const Vec3<float> r{3, 0.25F, 0}, wi{-1, 0, 0};
-  EXPECT_FLOAT_EQ(one.pdf_li(r, wi).per_sr, 4 / 24.F);
-  EXPECT_FLOAT_EQ(two.pdf_li(r, wi).per_sr, (4 + 16) / 24.F);
-  EXPECT_EQ(one.pdf_li(r, -wi).per_sr, 0);
+  EXPECT_FLOAT_EQ(one.pdf_li(by_area(r), wi).per_sr, 4 / 24.F);
+  EXPECT_FLOAT_EQ(two.pdf_li(by_area(r), wi).per_sr, (4 + 16) / 24.F);
+  EXPECT_EQ(one.pdf_li(by_area(r), -wi).per_sr, 0);
 }
 
 TEST(AreaLight, OneSidedLightIsDarkBehindAndInItsPlane) {
@@ -100,7 +100,7 @@ TEST(AreaLight, GrazingReceiversGetExactValuesDownToTinyCosines) {
   const auto light = square<float>();
   for (const float height : {1e-3F, 1e-10F, 1e-20F}) {
     const Vec3<float> receiver{4, 0, height};
-    const auto s = light.sample_li(receiver, {0.5F, 0.25F});
+    const auto s = light.sample_li(by_area(receiver), {0.5F, 0.25F});
     ASSERT_EQ(s.reason, NoLight::kNone) << height;
     // d^2 / (A cos) with cos = height / d.
     const Vec3<double> d = Vec3<double>(receiver) - Vec3<double>(s.point);
@@ -108,12 +108,13 @@ TEST(AreaLight, GrazingReceiversGetExactValuesDownToTinyCosines) {
     EXPECT_NEAR(s.pdf.per_sr / expected, 1, 1e-6) << height;
   }
   // One that no float holds: 0 with a reason.
-  EXPECT_EQ(light.sample_li({4, 0, 1e-44F}, {0.5F, 0.25F}).reason, NoLight::kOutOfRange);
+  const Vec3<float> too_low{4, 0, 1e-44F};
+  EXPECT_EQ(light.sample_li(by_area(too_low), {0.5F, 0.25F}).reason, NoLight::kOutOfRange);
 }
 
 TEST(AreaLight, ReceiverOnTheLightIsDegenerate) {
   const auto light = square<double>();
-  const auto point = light.sample_li({0, 0, 1}, {0.25, 0.5}).point;
+  const auto point = light.sample_li(by_area(Vec3<double>{0, 0, 1}), {0.25, 0.5}).point;
   EXPECT_EQ(light.sample_li(point, {0.25, 0.5}).reason, NoLight::kDegenerate);
   for (const Vec3<double> r : {Vec3<double>{1, 1, 0}, {0, 1, 0}, {0.3, 0.2, 0}, {0, 0, 0}}) {
     const auto s = light.sample_li(r, {0.125, 0.75});

@@ -120,6 +120,35 @@ struct RectangleBy : SampledCase {
   static Rgb<double> power_by_quadrature() { return lambertian_power(2); }
 };
 
+/// A whole disk of radius 1, emitting upwards; the second receiver is below its rim, the last one
+/// close.
+template <AreaSampling kWay>
+struct DiskBy : SampledCase {
+  template <typename Real>
+  using Light = Asked<Real, DiskLight<Real>>;
+  template <typename Real>
+  static Light<Real> make(const Placement& at) {
+    return {*DiskLight<Real>::create(
+                {kLevel}, *Disk<Real>::create({.world_from_object = at.world_from_light()})),
+            kWay, at.direction(kNormal)};
+  }
+  static std::vector<Vec3<double>> receivers() {
+    return {{0, 0, 2}, {1, 0, 1}, {-2, 1, 0.5}, {0.25, 0.125, 0.375}};
+  }
+  static Region region(const Vec3<double>& r) {
+    if (length(r) < 1.5) return {{0, 0, -1}, kPi / 2};
+    return {normalized(-r), 1.05 * std::asin(1 / length(r))};
+  }
+  static Rgb<double> value(const Vec3<double>& r, const Vec3<double>& wi) {
+    const auto p = from_above(r, wi);
+    return p && std::hypot(p->x, p->y) < 1 + 1e-6 ? kLevel : Rgb<double>{};
+  }
+  static double distance_to_surface(const Vec3<double>& p) {
+    return std::fmax(std::fabs(p.z), std::hypot(p.x, p.y) - 1);
+  }
+  static Rgb<double> power_by_quadrature() { return lambertian_power(kPi); }
+};
+
 /// Whole, seen from inside.
 template <AreaSampling kWay>
 struct InwardSphereBy : SampledCase {
@@ -144,7 +173,10 @@ using Sampled = ::testing::Types<
     TriangleBy<AreaSampling::kParallelogram>, TriangleBy<AreaSampling::kRejection>,
     TriangleBy<AreaSampling::kLowDistortion>, TriangleBy<AreaSampling::kSolidAngle>,
     TriangleBy<AreaSampling::kCosineSolidAngle>, RectangleBy<AreaSampling::kLowDistortion>,
-    RectangleBy<AreaSampling::kSolidAngle>, RectangleBy<AreaSampling::kCosineSolidAngle>>;
+    RectangleBy<AreaSampling::kSolidAngle>, RectangleBy<AreaSampling::kCosineSolidAngle>,
+    TriangleBy<AreaSampling::kAutomatic>, RectangleBy<AreaSampling::kAutomatic>,
+    DiskBy<AreaSampling::kLowDistortion>, DiskBy<AreaSampling::kSolidAngle>,
+    DiskBy<AreaSampling::kAutomatic>>;
 INSTANTIATE_TYPED_TEST_SUITE_P(Sampled, AnyLight, Sampled);
 INSTANTIATE_TYPED_TEST_SUITE_P(Sampled, LightWithDensity, Sampled);
 INSTANTIATE_TYPED_TEST_SUITE_P(Sampled, LocalLight, Sampled);

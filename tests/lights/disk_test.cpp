@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "lights/spherical_ellipse.h"
 #include "tests/lights/area_helpers.h"
 
 namespace lucerna::testing {
@@ -58,16 +59,58 @@ TEST(Disk, UniformityTestRejectsARadiusThatIsUniform) {
   EXPECT_LT(p, kUnlikely);
 }
 
-TEST(Disk, DensityIsInverseAreaAsSeenFromTheReceiver) {
+TEST(Disk, DensityByAreaIsInverseAreaAsSeenFromTheReceiver) {
   const auto disk = *Disk<double>::create({.radius_m = 2});
   // At distance 5 along (3, 0, 4): cosine 4/5, 25 / (4/5) / (4 pi).
+  const auto receiver = by_area(Vec3<double>{3, 0, 4});
   const SurfacePoint<double> center{{0, 0, 0}, {0, 0, 1}};
-  EXPECT_DOUBLE_EQ(disk.pdf({3, 0, 4}, center).per_sr, 25 / 0.8 / (4 * kPi));
+  EXPECT_DOUBLE_EQ(disk.pdf(receiver, center).per_sr, 25 / 0.8 / (4 * kPi));
   RandomU random(22);
   for (int i = 0; i < 100; ++i) {
-    const auto s = disk.sample({3, 0, 4}, random.pair<double>());
-    EXPECT_EQ(s.pdf, disk.pdf({3, 0, 4}, s.point));
+    const auto s = disk.sample(receiver, random.pair<double>());
+    EXPECT_EQ(s.pdf, disk.pdf(receiver, s.point));
   }
+}
+
+/// Of a receiver that asks for the solid angle.
+Receiver<double> by_solid_angle(const Vec3<double>& position) {
+  Receiver<double> receiver(position);
+  receiver.area_sampling = AreaSampling::kSolidAngle;
+  return receiver;
+}
+
+TEST(Disk, DensityBySolidAngleFollowsTheDiskThroughMapsOfEqualScale) {
+  // The ellipse of a disk of radius 2 at the origin, seen from (3, 0, 4), wherever both are moved.
+  const auto ellipse = *SphericalEllipse::create(3, 4, 2);
+  const Transform map = Transform::translate({1, 2, 3}) * *Transform::rotate(1, {1, 2, -1}) *
+                        *Transform::scale({0.5, -0.5, 0.5});
+  const auto disk = *Disk<double>::create({.height_m = 1, .radius_m = 2, .world_from_object = map});
+  const auto receiver = by_solid_angle(map.point({3, 0, 5}));
+  RandomU random(24);
+  for (int i = 0; i < 200; ++i) {
+    const auto s = disk.sample(receiver, random.pair<double>());
+    EXPECT_EQ(s.pdf, disk.pdf(receiver, s.point));
+    const Vec3<double> p = map.inverse().point(s.point.position);
+    EXPECT_NEAR(p.z, 1, 1e-14);
+    EXPECT_NEAR(s.pdf.per_sr / ellipse.pdf({-p.x, -p.y}), 1, 1e-9);
+  }
+}
+
+TEST(Disk, OnlyWholeCirclesKnowSolidAnglesAndOnlyFromOutsideTheirPlane) {
+  const auto is_by_area = [](const DiskParams& params, const Vec3<double>& r) {
+    const auto disk = *Disk<double>::create(params);
+    const auto s = disk.sample(by_solid_angle(r), {0.3, 0.6});
+    EXPECT_EQ(s.pdf, disk.pdf(by_solid_angle(r), s.point));
+    return s.point.position == disk.sample(by_area(r), {0.3, 0.6}).point.position;
+  };
+  EXPECT_FALSE(is_by_area({.radius_m = 2}, {3, 0, 4}));
+  EXPECT_FALSE(is_by_area({.radius_m = 2}, {3, 0, -4}));
+  EXPECT_TRUE(is_by_area({.radius_m = 2, .inner_radius_m = 1}, {3, 0, 4}));
+  EXPECT_TRUE(is_by_area({.radius_m = 2, .phi_max_rad = 6}, {3, 0, 4}));
+  EXPECT_TRUE(is_by_area({.world_from_object = *Transform::scale({1, 2, 1})}, {3, 0, 4}));
+  EXPECT_TRUE(is_by_area({.radius_m = 2}, {3, 0, 0}));
+  EXPECT_TRUE(is_by_area({.radius_m = 2}, {1, 0, 0}));
+  EXPECT_TRUE(is_by_area({.radius_m = 2}, {1e7, 0, 1e7}));
 }
 
 TEST(Disk, NormalFollowsTheMapAndStaysOnItsSideUnderMirrors) {

@@ -61,7 +61,7 @@ TEST(Mesh, SamplesWithinAPrimitiveAreUniformAmongAMillion) {
   const double p = uniformity_p_value([&] {
     Vec2<float> u = random.pair();
     u.x = base + std::floor(u.x * 16) * 0x1p-24F;
-    const auto s = mesh.sample({0, 0, 1}, u);
+    const auto s = mesh.sample(by_area(Vec3<float>{0, 0, 1}), u);
     inside += s.point.primitive == kCount / 3;
     const double x = s.point.position.x, y = s.point.position.y;
     return Vec2<double>{1 - (1 - x) * (1 - x), y / (1 - x)};
@@ -94,16 +94,22 @@ TEST(Mesh, DensityIsThatOfTheSampleForBothPrimitives) {
   const auto patches =
       *PatchMesh<float>::create({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 1}},
                                  {{0, 0, -2}, {4, 0, -2}, {0, 3, -2}, {1, 2, -2}}});
-  const Vec3<float> receiver{0.3F, 0.1F, 5};
+  const Vec3<float> position{0.3F, 0.1F, 5};
+  const auto receiver = by_area(position);
   RandomU random(54);
   for (int i = 0; i < 500; ++i) {
     const auto t = triangles.sample(receiver, random.pair());
     EXPECT_EQ(t.pdf, triangles.pdf(receiver, t.point));
-    const Vec3<double> d = Vec3<double>(receiver) - Vec3<double>(t.point.position);
+    const Vec3<double> d = Vec3<double>(position) - Vec3<double>(t.point.position);
     const double cosine = d.z / std::sqrt(dot(d, d));
     EXPECT_NEAR(t.pdf.per_sr / (dot(d, d) / cosine / 4), 1, 1e-6);
     const auto p = patches.sample(receiver, random.pair());
     EXPECT_EQ(p.pdf, patches.pdf(receiver, p.point));
+    // Whatever the way.
+    const auto a = triangles.sample(position, random.pair());
+    EXPECT_EQ(a.pdf, triangles.pdf(position, a.point));
+    const auto b = patches.sample(position, random.pair());
+    EXPECT_EQ(b.pdf, patches.pdf(position, b.point));
   }
   EXPECT_EQ(triangles.pdf(receiver, {{0, 0, 0}, {0, 0, 1}, 2}).per_sr, 0);  // no such primitive
 }
