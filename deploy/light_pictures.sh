@@ -21,11 +21,13 @@ for _ in $(seq 100); do
   sleep 0.1
 done
 mkdir -p "$root/docs/lights"
-for scene in point spot projection beam distant sun infinite triangle rectangle sphere disk; do
+for scene in point spot projection beam distant sun infinite environment triangle rectangle sphere disk; do
   "$build/client/lucerna" render tests/data/reference/$scene.pbrt -o "$root/docs/lights/$scene.png" --samples 64
 done
 # Dark or bright ones, and what is not among the reference scenes.
 "$build/client/lucerna" render tests/data/reference/goniometric.pbrt -o "$root/docs/lights/goniometric.png" \
   --samples 64 --exposure 2
+"$build/client/lucerna" render tests/data/reference/portal.pbrt -o "$root/docs/lights/portal.png" \
+  --samples 256 --exposure 1
 "$build/client/lucerna" render scenes/wallwasher.pbrt -o "$root/docs/lights/wallwasher.png" \
   --samples 256 --exposure -7

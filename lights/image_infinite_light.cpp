@@ -1,6 +1,5 @@
 #include "lights/image_infinite_light.h"
 
-#include <algorithm>
 #include <limits>
 #include <numbers>
 
@@ -11,17 +10,6 @@ namespace lucerna {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-
-/// The radiance of the map's brightest texel, channel by channel.
-Rgb<double> brightest(const Image& image, const Rgb<double>& radiance) {
-  Rgb<double> most;
-  for (int y = 0; y < image.height(); ++y)
-    for (int x = 0; x < image.width(); ++x) {
-      const Rgb<double> t(image.texel(x, y));
-      most = {std::max(most.r, t.r), std::max(most.g, t.g), std::max(most.b, t.b)};
-    }
-  return most * radiance;
-}
 
 /// Whether `x` is positive and has all of its digits.
 template <std::floating_point Real>
@@ -38,9 +26,8 @@ absl::StatusOr<ImageInfiniteLight<Real>> ImageInfiniteLight<Real>::create(const 
   if (auto s = check_light_value<Real>("infinite.radiance", params.radiance_cd_m2, "cd/m2");
       !s.ok())
     return s;
-  if (auto s =
-          check_light_value<Real>("infinite.radiance of the brightest texel",
-                                  brightest(params.map->image(), params.radiance_cd_m2), "cd/m2");
+  if (auto s = check_light_value<Real>("infinite.radiance of the brightest texel",
+                                       params.map->brightest() * params.radiance_cd_m2, "cd/m2");
       !s.ok())
     return s;
   if (!params.world_from_map.uniform_scale())
@@ -51,23 +38,11 @@ absl::StatusOr<ImageInfiniteLight<Real>> ImageInfiniteLight<Real>::create(const 
 
 template <std::floating_point Real>
 ImageInfiniteLight<Real>::ImageInfiniteLight(const Params& params)
-    : params_(params),
-      x_(normalized(params.world_from_map.vector({1, 0, 0}))),
-      y_(normalized(params.world_from_map.vector({0, 1, 0}))) {
-  // At right angles to the last digit, and mirrored where the transform is.
-  y_ = normalized(y_ - x_ * dot(x_, y_));
-  z_ = cross(x_, y_);
-  if (params.world_from_map.swaps_handedness()) z_ = -z_;
+    : params_(params), axes_(params.world_from_map) {
   complete_ = std::make_shared<const SphereDistribution>(*params.map);
   const double mean = luminance(params.map->integral()) / (4 * kPi);
   auto compensated = std::make_shared<const SphereDistribution>(*params.map, mean);
   compensated_ = compensated->empty() ? complete_ : std::move(compensated);
-}
-
-template <std::floating_point Real>
-Vec3<double> ImageInfiniteLight<Real>::map_from_world(const Vec3<Real>& w) const {
-  const Vec3<double> v(w);
-  return normalized(Vec3<double>{dot(x_, v), dot(y_, v), dot(z_, v)});
 }
 
 template <std::floating_point Real>
@@ -83,7 +58,7 @@ LightSample<Real> ImageInfiniteLight<Real>::sample_li(const Receiver<Real>& rece
     return sample;
   }
   const auto s = distribution(receiver).sample({double{u.x}, double{u.y}});
-  sample.wi = Vec3<Real>(world_from_map(s.direction));
+  sample.wi = Vec3<Real>(axes_.world_from_map(s.direction));
   sample.distance = std::numeric_limits<Real>::infinity();
   sample.pdf.per_sr = static_cast<Real>(s.per_sr);
   sample.value = Rgb<Real>(params_.map->lookup(s.position) * params_.radiance_cd_m2);
@@ -99,7 +74,7 @@ LightSample<Real> ImageInfiniteLight<Real>::sample_li(const Receiver<Real>& rece
 template <std::floating_point Real>
 SolidAnglePdf<Real> ImageInfiniteLight<Real>::pdf_li(const Receiver<Real>& receiver,
                                                      const Vec3<Real>& wi) const {
-  const Vec3<double> w = map_from_world(wi);
+  const Vec3<double> w = axes_.map_from_world(Vec3<double>(wi));
   if (!is_finite(receiver.position) || !is_finite(w) || complete_->empty() ||
       params_.radiance_cd_m2.is_black())
     return {};
@@ -109,7 +84,7 @@ SolidAnglePdf<Real> ImageInfiniteLight<Real>::pdf_li(const Receiver<Real>& recei
 
 template <std::floating_point Real>
 Rgb<Real> ImageInfiniteLight<Real>::le_escaped(const Vec3<Real>&, const Vec3<Real>& w) const {
-  const Vec3<double> direction = map_from_world(w);
+  const Vec3<double> direction = axes_.map_from_world(Vec3<double>(w));
   if (!is_finite(direction)) return {};
   return Rgb<Real>(params_.map->lookup(direction) * params_.radiance_cd_m2);
 }

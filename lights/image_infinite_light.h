@@ -70,13 +70,9 @@ class ImageInfiniteLight {
   const SphereDistribution& distribution(const Receiver<Real>& receiver) const {
     return receiver.incomplete ? *compensated_ : *complete_;
   }
-  Vec3<double> map_from_world(const Vec3<Real>& w) const;
-  Vec3<double> world_from_map(const Vec3<double>& w) const {
-    return x_ * w.x + y_ * w.y + z_ * w.z;
-  }
 
   Params params_;
-  Vec3<double> x_, y_, z_;  ///< the map's axes in the world, unit, at right angles
+  MapAxes axes_;
   std::shared_ptr<const SphereDistribution> complete_, compensated_;
 };
 

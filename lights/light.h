@@ -14,6 +14,7 @@
 #include "lights/infinite_light.h"
 #include "lights/mesh.h"
 #include "lights/point_light.h"
+#include "lights/portal_light.h"
 #include "lights/projection_light.h"
 #include "lights/sphere.h"
 #include "lights/spot_light.h"
@@ -37,7 +38,7 @@ using Light =
     std::variant<PointLight<Real>, SpotLight<Real>, DistantLight<Real>, SunLight<Real>,
                  UniformInfiniteLight<Real>, ImageInfiniteLight<Real>, TriangleMeshLight<Real>,
                  PatchMeshLight<Real>, SphereLight<Real>, DiskLight<Real>, CylinderLight<Real>,
-                 GoniometricLight<Real>, ProjectionLight<Real>, BeamLight<Real>>;
+                 GoniometricLight<Real>, ProjectionLight<Real>, BeamLight<Real>, PortalLight<Real>>;
 
 /// Lights that rays which leave the scene meet, wherever they started.
 template <typename L>
@@ -46,6 +47,6 @@ concept SeenBeyond = requires(const L& light, const Vec3<float>& v) {
 };
 // Said here, so that a change of the signature is an error and not a black sky.
 static_assert(SeenBeyond<SunLight<float>> && SeenBeyond<UniformInfiniteLight<float>> &&
-              SeenBeyond<ImageInfiniteLight<float>>);
+              SeenBeyond<ImageInfiniteLight<float>> && SeenBeyond<PortalLight<float>>);
 
 }  // namespace lucerna

@@ -134,6 +134,25 @@ Rgb<double> SphereMap::lookup(const Vec3<double>& w) const {
   return lookup(square_from_direction(mapping_, w));
 }
 
+Rgb<double> SphereMap::brightest() const {
+  Rgb<double> most;
+  for (int y = 0; y < image_->height(); ++y)
+    for (int x = 0; x < image_->width(); ++x) {
+      const Rgb<double> t(image_->texel(x, y));
+      most = {std::max(most.r, t.r), std::max(most.g, t.g), std::max(most.b, t.b)};
+    }
+  return most;
+}
+
+MapAxes::MapAxes(const Transform& world_from_map)
+    : x_(normalized(world_from_map.vector({1, 0, 0}))),
+      y_(normalized(world_from_map.vector({0, 1, 0}))) {
+  // At right angles to the last digit, and mirrored where the transform is.
+  y_ = normalized(y_ - x_ * dot(x_, y_));
+  z_ = cross(x_, y_);
+  if (world_from_map.swaps_handedness()) z_ = -z_;
+}
+
 namespace {
 
 ImageDistribution distribution_of(const SphereMap& map, double subtract) {

@@ -10,6 +10,7 @@
 
 #include "lights/image.h"
 #include "lights/image_distribution.h"
+#include "lights/transform.h"
 
 namespace lucerna {
 
@@ -45,6 +46,8 @@ class SphereMap {
 
   /// Integral of `lookup` over all directions [sr]: closed form, 4 pi for a picture of 1.
   Rgb<double> integral() const { return integral_; }
+  /// The largest value of each channel, of whichever texel.
+  Rgb<double> brightest() const;
 
   const Image& image() const { return *image_; }
   SphereMapping mapping() const { return mapping_; }
@@ -58,6 +61,23 @@ class SphereMap {
   SphereMapping mapping_;
   ImageFilter filter_;
   Rgb<double> integral_;
+};
+
+/// A map's own axes in the world, of unit length and at right angles.
+class MapAxes {
+ public:
+  /// Rotation, mirror and equal scale of `world_from_map`; its translation is not used.
+  explicit MapAxes(const Transform& world_from_map);
+  /// Unit; not a number where `w` is not finite.
+  Vec3<double> map_from_world(const Vec3<double>& w) const {
+    return normalized(Vec3<double>{dot(x_, w), dot(y_, w), dot(z_, w)});
+  }
+  Vec3<double> world_from_map(const Vec3<double>& w) const {
+    return x_ * w.x + y_ * w.y + z_ * w.z;
+  }
+
+ private:
+  Vec3<double> x_, y_, z_;
 };
 
 /// Directions with a density that is positive wherever the map's luminance is (beyond what is

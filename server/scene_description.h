@@ -19,6 +19,7 @@
 #include "lights/infinite_light.h"
 #include "lights/motion.h"
 #include "lights/point_light.h"
+#include "lights/portal_light.h"
 #include "lights/projection_light.h"
 #include "lights/spectrum.h"
 #include "lights/sphere.h"
@@ -92,7 +93,7 @@ struct InstanceDescription {
 struct LightDescription {
   std::variant<PointLightParams, SpotLightParams, DistantLightParams, SunLightParams,
                UniformInfiniteLightParams, ImageInfiniteLightParams, GoniometricLightParams,
-               ProjectionLightParams, BeamLightParams>
+               ProjectionLightParams, BeamLightParams, PortalLightParams>
       params;
   SourceLocation where;
   std::shared_ptr<const Spectrum> spectrum{};  ///< null where it was given RGB

@@ -118,7 +118,7 @@ const Image* picture_of(const Light<float>& light) {
   return std::visit(
       [](const auto& l) -> const Image* {
         if constexpr (requires { l.params().map->image(); })
-          return &l.params().map->image();
+          return l.params().map ? &l.params().map->image() : nullptr;
         else if constexpr (requires { l.params().map->sphere_map(); })
           return l.params().map ? &l.params().map->sphere_map().image() : nullptr;
         else if constexpr (requires { l.params().picture->params().image; })

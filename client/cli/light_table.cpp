@@ -200,8 +200,10 @@ std::string describe_kind(const v1::Light& light) {
                          level(light.sun().illuminance_lx(), "lx"));
     case v1::Light::kImageInfinite: {
       const v1::ImageInfiniteLight& sky = light.image_infinite();
-      return fmt::format("{}, {} at 1{}", describe(sky.map()), level(sky.radiance_cd_m2(), "cd/m2"),
-                         sky.portal_m_size() > 0 ? ", through a portal" : "");
+      const std::string radiance = level(sky.radiance_cd_m2(), "cd/m2");
+      return (sky.has_map() ? fmt::format("{}, {} at 1", describe(sky.map()), radiance)
+                            : radiance) +
+             (sky.portal_m_size() > 0 ? ", through a portal" : "");
     }
     case v1::Light::KIND_NOT_SET:
       break;
@@ -256,7 +258,7 @@ std::string type_of(const v1::Light& light) {
     case v1::Light::kSun:
       return "sun";
     case v1::Light::kImageInfinite:
-      return "image infinite";
+      return light.image_infinite().has_map() ? "image infinite" : "infinite";
     case v1::Light::KIND_NOT_SET:
       break;
   }

@@ -39,18 +39,9 @@ double illuminance_from_above(const Image& image) {
   return sum * kPi / image.width();
 }
 
-}  // namespace
-
-SphereMapping sphere_mapping(const ParameterSet& params) {
-  const std::string name = params.string("mapping", "equalarea");
-  if (name == "equalarea") return SphereMapping::kEqualArea;
-  if (name == "latlong") return SphereMapping::kLatitudeLongitude;
-  fail(params.find("mapping", {"string"})->place,
-       fmt::format("\"string mapping\" = \"{}\", allowed: equalarea, latlong", printable(name)));
-}
-
-ImageInfiniteLightParams image_infinite(Context& context, const ParameterSet& params,
-                                        const Place& place, const Transform& world_from_light) {
+/// What the picture and its level come to.
+ImageInfiniteLightParams picture(Context& context, const ParameterSet& params, const Place& place,
+                                 const Transform& world_from_light, ImageFilter otherwise) {
   const Parameter& filename = *params.find("filename", {"string"});
   if (const Parameter* l = params.find("L", {"rgb", "spectrum", "blackbody"}))
     fail(l->place, "\"L\" beside \"filename\", allowed: one of them");
@@ -59,7 +50,8 @@ ImageInfiniteLightParams image_infinite(Context& context, const ParameterSet& pa
          "an infinite light under a transform of unequal scale, allowed: equal scale on all axes");
   const NamedImage named = read_image(context, filename);
   const SphereMapping mapping = sphere_mapping(params);
-  auto map = SphereMap::create(named.image, mapping, image_filter(params));
+  const ImageFilter filter = params.find("filter", {"string"}) ? image_filter(params) : otherwise;
+  auto map = SphereMap::create(named.image, mapping, filter);
   if (!map.ok())
     fail(filename.place,
          fmt::format("\"string filename\": {}: {}; \"string mapping\" \"latlong\" takes any",
@@ -99,10 +91,54 @@ ImageInfiniteLightParams image_infinite(Context& context, const ParameterSet& pa
   infinite.image_name = named.name;
   infinite.world_from_map = world_from_light;
   infinite.radiance_cd_m2 = Rgb<double>(level);
+  return infinite;
+}
+
+}  // namespace
+
+SphereMapping sphere_mapping(const ParameterSet& params) {
+  const std::string name = params.string("mapping", "equalarea");
+  if (name == "equalarea") return SphereMapping::kEqualArea;
+  if (name == "latlong") return SphereMapping::kLatitudeLongitude;
+  fail(params.find("mapping", {"string"})->place,
+       fmt::format("\"string mapping\" = \"{}\", allowed: equalarea, latlong", printable(name)));
+}
+
+ImageInfiniteLightParams image_infinite(Context& context, const ParameterSet& params,
+                                        const Place& place, const Transform& world_from_light) {
+  ImageInfiniteLightParams infinite =
+      picture(context, params, place, world_from_light, ImageFilter::kNearest);
   // All that can fail, here where its place is known.
   if (const auto made = ImageInfiniteLight<float>::create(infinite); !made.ok())
     fail(place, made.status());
   return infinite;
+}
+
+PortalLightParams portal(Context& context, const ParameterSet& params, const Place& place,
+                         const Transform& world_from_light) {
+  const Parameter& given = *params.find("portal", {"point3"});
+  const std::vector<Vec3<double>> corners = params.vectors("portal", "point3");
+  PortalLightParams light;
+  if (corners.size() != light.corners_m.size())
+    fail(given.place, fmt::format("\"point3 portal\" of {} points, allowed: 4", corners.size()));
+  std::copy(corners.begin(), corners.end(), light.corners_m.begin());
+  light.world_from_map = world_from_light;
+  if (params.find("filename", {"string"}) != nullptr) {
+    ImageInfiniteLightParams infinite =
+        picture(context, params, place, world_from_light, ImageFilter::kBilinear);
+    light.map = std::move(infinite.map);
+    light.image_name = std::move(infinite.image_name);
+    light.radiance_cd_m2 = infinite.radiance_cd_m2;
+    // What pbrt-v4 makes of what it can read; a filter that is asked for is one of the picture.
+    light.rectified = params.find("filter", {"string"}) == nullptr &&
+                      light.map->mapping() == SphereMapping::kEqualArea;
+  } else {
+    // Nothing to turn or stretch.
+    light.world_from_map = Transform();
+  }
+  if (const auto status = PortalLight<float>::check(light); !status.ok())
+    fail(given.place, fmt::format("\"point3 portal\": {}", std::string(status.message())));
+  return light;
 }
 
 }  // namespace lucerna::pbrt

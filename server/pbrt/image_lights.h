@@ -1,8 +1,12 @@
-// Infinite lights with a picture.  Beyond what pbrt-v4 reads:
+// Infinite lights with a picture, with a portal, or with both.  Beyond what pbrt-v4 reads:
 //   "string mapping" equalarea (pbrt-v4's) | latlong (+y at the top, as HDRIs are)
 //   "string filter"  nearest (pbrt-v4's) | bilinear
+// Behind a portal an equal-area picture without "filter" is resampled as pbrt-v4 does it; with one,
+// and a latlong one (bilinear by itself), it is looked at directly.
 #pragma once
 
+#include "lights/image_infinite_light.h"
+#include "lights/portal_light.h"
 #include "server/pbrt/images.h"
 
 namespace lucerna::pbrt {
@@ -12,6 +16,12 @@ namespace lucerna::pbrt {
 /// cannot take.
 ImageInfiniteLightParams image_infinite(Context& context, const ParameterSet& params,
                                         const Place& place, const Transform& world_from_light);
+
+/// LightSource "infinite" with "point3 portal", whose corners are in world space whatever the
+/// transform, and with or without "string filename".  The radiance of a picture is set, without one
+/// it is left to the caller.  Fails as `image_infinite` does, and on corners that are no rectangle.
+PortalLightParams portal(Context& context, const ParameterSet& params, const Place& place,
+                         const Transform& world_from_light);
 
 /// "string mapping" of a light.
 SphereMapping sphere_mapping(const ParameterSet& params);

@@ -191,10 +191,23 @@ std::optional<LightDescription> make_light(Context& context, const std::string& 
     }
   } else if (type == "infinite") {
     const Parameter* image = params.find("filename", {"string"});
-    const Parameter* portal = params.find("portal", {"point3"});
-    if (portal != nullptr) {
-      left_out(context, portal->place, "an infinite light with a portal");
-      return std::nullopt;
+    if (params.find("portal", {"point3"}) != nullptr) {
+      PortalLightParams through = portal(context, params, place, world_from_light);
+      if (image == nullptr) {
+        // pbrt-v4 makes it a picture of one texel, and counts that with the cosine of its middle: 2
+        // pi where a uniform sky has pi.
+        if (const Parameter* given = params.find("illuminance", {"float"});
+            given != nullptr && given->numbers.front() > 0)
+          context.remark(given->place, "\"illuminance\" beside a portal, which pbrt-v4 halves",
+                         "the uniform sky without the portal gives half of it, as with pbrt-v4");
+        through.radiance_cd_m2 =
+            level(context, params, place, "L", Target{"illuminance", "lx", 2 * kPi});
+        through = checked<PortalLight>(place, through);
+      }
+      light.params = std::move(through);
+      if (image == nullptr) light.spectrum = light_spectrum(context, params, "L");
+      params.remark_unused(context, "LightSource \"infinite\"");
+      return light;
     }
     if (image != nullptr) {
       light.params = image_infinite(context, params, place, world_from_light);

@@ -74,6 +74,15 @@ void set_kind(const ImageInfiniteLight<float>& l, v1::Light* out) {
   set(l.params().radiance_cd_m2, infinite->mutable_radiance_cd_m2());
 }
 
+void set_kind(const PortalLight<float>& l, v1::Light* out) {
+  v1::ImageInfiniteLight* infinite = out->mutable_image_infinite();
+  if (l.params().map != nullptr)
+    set(*l.params().map, l.params().image_name, infinite->mutable_map());
+  if (l.params().rectified) infinite->mutable_map()->mutable_image()->clear_filter();
+  set(l.params().radiance_cd_m2, infinite->mutable_radiance_cd_m2());
+  for (const Vec3<double>& corner : l.params().corners_m) set(corner, infinite->add_portal_m());
+}
+
 void set_kind(const GoniometricLight<float>& l, v1::Light* out) {
   v1::GoniometricLight* goniometric = out->mutable_goniometric();
   set(l.params().position_m, goniometric->mutable_position_m());

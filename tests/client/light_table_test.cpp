@@ -98,6 +98,8 @@ TEST(LightTable, LightsAtInfinity) {
   expect(light, "image infinite",
          "image sky.exr (64 x 32 px, latitude-longitude, bilinear), 2 cd/m2 at 1, through a portal",
          "through 0 0 0, 1 0 0, 2 0 0, 3 0 0");
+  sky->clear_map();
+  expect(light, "infinite", "2 cd/m2, through a portal", "through 0 0 0, 1 0 0, 2 0 0, 3 0 0");
 }
 
 TEST(LightTable, ProjectionAndBeamWithImagesAndWithout) {

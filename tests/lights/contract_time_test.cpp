@@ -188,6 +188,21 @@ struct MovingSky {
 };
 using MovingTexels = MovingSky<SphereMapping::kEqualArea, ImageFilter::kNearest>;
 using MovingPicture = MovingSky<SphereMapping::kLatitudeLongitude, ImageFilter::kBilinear>;
+struct MovingPortal {
+  template <typename Real>
+  static PortalLight<Real> make(const Transform& world_from_light) {
+    std::vector<Rgb<float>> texels;
+    for (int i = 0; i < 16; ++i) texels.emplace_back(static_cast<float>(1 + i % 5));
+    PortalLightParams params{
+        .map = *SphereMap::create(*Image::create(4, 4, std::move(texels)),
+                                  SphereMapping::kEqualArea, ImageFilter::kBilinear),
+        .world_from_map = world_from_light,
+        .radiance_cd_m2 = kLevel};
+    const Vec3<double> corners[] = {{0, 0, 1}, {0, 2, 1}, {3, 2, 1}, {3, 0, 1}};
+    for (std::size_t i = 0; i < 4; ++i) params.corners_m[i] = world_from_light.point(corners[i]);
+    return *PortalLight<Real>::create(params);
+  }
+};
 
 // Receivers in world coordinates; some see the light at any of the times, none is in the plane of a
 // flat one.
@@ -414,7 +429,7 @@ REGISTER_TYPED_TEST_SUITE_P(MovingLight, EqualsTheLightCreatedWhereItStands,
 using Cases = ::testing::Types<MovingPoint, MovingSpot, MovingDistant, MovingSun, MovingInfinite,
                                MovingTexels, MovingPicture, MovingTriangles, MovingPatches,
                                MovingSphere, MovingDisk, MovingCylinder, MovingLuminaire,
-                               MovingIntensityMap, MovingProjection, MovingBeam>;
+                               MovingIntensityMap, MovingProjection, MovingBeam, MovingPortal>;
 INSTANTIATE_TYPED_TEST_SUITE_P(All, MovingLight, Cases);
 
 }  // namespace

@@ -101,6 +101,72 @@ TEST(PbrtImageLights, BadInputIsAnErrorWithItsPlace) {
               HasSubstr("scene.pbrt:2:24: \"string filename\": sky.pfm: texel (0, 0)"));
 }
 
+const std::string kPortal = "\"point3 portal\" [0 0 3  0 1 3  2 1 3  2 0 3] ";
+
+PortalLightParams portal(const std::string& parameters, const std::string& transform = "") {
+  auto scene = load(kPortal + parameters, 4, 4, 2, transform);
+  if (!scene.ok()) throw std::runtime_error(message(scene.status()));
+  return std::get<PortalLightParams>(scene->lights.at(0).params);
+}
+
+TEST(PbrtPortals, CornersAreInWorldSpaceAndThePictureIsTurned) {
+  const auto p = portal("\"float scale\" 3", "Translate 5 6 7 Rotate 90 1 0 0");
+  EXPECT_EQ(p.corners_m[2], (Vec3<double>{2, 1, 3}));
+  EXPECT_EQ(p.radiance_cd_m2, Rgb<double>(3));
+  EXPECT_EQ(p.image_name, "sky.pfm");
+  // The picture's bright half, y < 0, was turned to z < 0.
+  const auto upside = *PortalLight<float>::create(p);
+  EXPECT_LT(upside.le_escaped({1, 0.5F, 2.9F}, {0, 0, 1}).g, 1e-6F);
+  const auto still = *PortalLight<float>::create(portal("\"float scale\" 3"));
+  EXPECT_EQ(still.le_escaped({1, 0.3F, 2.9F}, normalized(Vec3<float>{0, -0.8F, 0.2F})).g, 0);
+  EXPECT_EQ(still.le_escaped({1, 0.9F, 2.9F}, normalized(Vec3<float>{0, -0.8F, 0.2F})).g, 6);
+}
+
+TEST(PbrtPortals, AnEqualAreaPictureIsResampledUnlessAFilterIsAskedFor) {
+  EXPECT_TRUE(portal("").rectified);
+  EXPECT_FALSE(portal("\"string filter\" \"nearest\"").rectified);
+  EXPECT_EQ(portal("\"string filter\" \"nearest\"").map->filter(), ImageFilter::kNearest);
+  EXPECT_FALSE(portal("\"string mapping\" \"latlong\"").rectified);
+  EXPECT_EQ(portal("\"string mapping\" \"latlong\"").map->filter(), ImageFilter::kBilinear);
+}
+
+TEST(PbrtPortals, WithoutAPictureTheSkyIsUniform) {
+  const auto of = [](const std::string& parameters) {
+    auto scene = testing::load_text("WorldBegin Scale 1 2 3 LightSource \"infinite\" " + kPortal +
+                                    parameters);
+    if (!scene.ok()) throw std::runtime_error(message(scene.status()));
+    return std::pair{std::get<PortalLightParams>(scene->lights.at(0).params), remarks_of(*scene)};
+  };
+  EXPECT_EQ(of("\"rgb L\" [1 2 3] \"float scale\" 2").first.radiance_cd_m2, Rgb<double>(2, 4, 6));
+  EXPECT_EQ(of("\"rgb L\" [1 2 3]").first.map, nullptr);
+  EXPECT_EQ(of("\"rgb L\" [1 2 3]").second, "");
+  // Through the portal of 2 m2: pi L A.
+  const auto light = *PortalLight<float>::create(of("\"rgb L\" [1 2 3]").first);
+  EXPECT_NEAR(light.power({}).lumens.g, kPi * 2 * 2, 1e-9);
+  // pbrt-v4: the cosine of its one texel's middle is 1, times 2 pi.
+  const auto [lit, remarks] = of("\"float illuminance\" 100");
+  EXPECT_NEAR(lit.radiance_cd_m2.g, 100 / (2 * kPi), 1e-9);
+  EXPECT_THAT(remarks, HasSubstr("half of it"));
+}
+
+TEST(PbrtPortals, BadPortalsAreErrorsWithTheirPlace) {
+  const auto error = [](const std::string& portal) {
+    return message(testing::load_text("WorldBegin\nLightSource \"infinite\" \"point3 portal\" " +
+                                      portal + " \"rgb L\" [1 1 1]")
+                       .status());
+  };
+  EXPECT_THAT(error("[0 0 3  0 1 3  2 1 3]"),
+              HasSubstr("scene.pbrt:2:24: \"point3 portal\" of 3 points, allowed: 4"));
+  const std::string not_flat = error("[0 0 3  0 1 3  2 1 4  2 0 3]");
+  EXPECT_THAT(not_flat,
+              HasSubstr("scene.pbrt:2:24: \"point3 portal\": infinite.portal = (0, 0, 3)"));
+  EXPECT_THAT(not_flat, HasSubstr("(2, 1, 4)"));
+  EXPECT_THAT(not_flat, HasSubstr("allowed: four corners one after another around a rectangle"));
+  EXPECT_THAT(error("[0 0 3  0 1 3  2.5 1 3  2 0 3]"), HasSubstr("rectangle"));  // a trapezium
+  EXPECT_THAT(error("[0 0 3  0 1 3  3 2 3  3 1 3]"), HasSubstr("rectangle"));    // a parallelogram
+  EXPECT_THAT(error("[0 0 3  0 1 3  0 1 3  0 0 3]"), HasSubstr("rectangle"));    // no area
+}
+
 TEST(PbrtImageLights, APictureThatLightsShareIsReadAndCountedOnce) {
   const SceneFiles files;
   files.write("sky.pfm", pfm(16, 16, 1));

@@ -40,13 +40,13 @@ struct Rendered {
   Picture mean, standard_error;
 };
 
-Rendered render(const Scene& scene) {
-  constexpr std::uint32_t kBlocks = 8, kSamplesPerBlock = 32;
+Rendered render(const Scene& scene, std::uint32_t samples_per_block) {
+  constexpr std::uint32_t kBlocks = 8;
   const Camera& camera = scene.camera();
   const TileSettings settings{
       .rect = {0, 0, camera.width(), camera.height()},
       .seed = 1,
-      .samples_per_block = kSamplesPerBlock,
+      .samples_per_block = samples_per_block,
       .block_count = kBlocks,
       .bounces = static_cast<std::uint32_t>(scene.hints().max_depth.value_or(1) - 1)};
   const TileResult tile = render_tile(scene, settings, {});
@@ -61,7 +61,10 @@ Rendered render(const Scene& scene) {
 class Reference : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(Reference, PictureAgreesWithPbrt4) {
-  const Rendered mine = render(*load(GetParam()));
+  // In `portal` an eave outside hides part of the sun from the floor, which no density knows: at
+  // 256 samples pbrt-v4 does not agree with itself.
+  const std::uint32_t samples_per_block = GetParam() == "portal" ? 128 : 32;
+  const Rendered mine = render(*load(GetParam()), samples_per_block);
   const std::string stem = kReference + "pictures/" + GetParam();
   const Picture theirs = read_picture(stem + ".exr");
   const Agreement a =
@@ -81,8 +84,8 @@ INSTANTIATE_TEST_SUITE_P(Scenes, Reference,
                          ::testing::Values("point", "point_power", "spot", "spot_hard", "distant",
                                            "triangle", "rectangle", "rectangle_near", "two_sided",
                                            "sphere", "disk", "cylinder", "goniometric",
-                                           "projection", "infinite", "environment", "many_points",
-                                           "many_triangles", "bounces", "blackbody"),
+                                           "projection", "infinite", "environment", "portal",
+                                           "many_points", "many_triangles", "bounces", "blackbody"),
                          [](const auto& info) { return info.param; });
 
 class Comparison : public ::testing::Test {
