@@ -33,6 +33,8 @@ Receiver<float> PathTracer::receiver(const SurfaceHit& hit, const Vec3<float>& w
   Receiver<float> r(hit.position);
   r.normal = dot(hit.ns, wo) < 0 ? -hit.ns : hit.ns;
   r.area_sampling = area_sampling_;
+  // Wherever a light is sampled here a direction of the surface is too, and both are weighed.
+  r.incomplete = true;
   return r;
 }
 
