@@ -21,7 +21,7 @@ for _ in $(seq 100); do
   sleep 0.1
 done
 mkdir -p "$root/docs/lights"
-for scene in point spot projection beam distant sun infinite environment triangle rectangle sphere disk; do
+for scene in point spot projection beam distant sun infinite environment triangle rectangle sphere disk cylinder textured; do
   "$build/client/lucerna" render tests/data/reference/$scene.pbrt -o "$root/docs/lights/$scene.png" --samples 64
 done
 # Dark or bright ones, and what is not among the reference scenes.
@@ -30,4 +30,6 @@ done
 "$build/client/lucerna" render tests/data/reference/portal.pbrt -o "$root/docs/lights/portal.png" \
   --samples 256 --exposure 1
 "$build/client/lucerna" render scenes/wallwasher.pbrt -o "$root/docs/lights/wallwasher.png" \
+  --samples 256 --exposure -7
+"$build/client/lucerna" render scenes/panel.pbrt -o "$root/docs/lights/panel.png" \
   --samples 256 --exposure -7

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <utility>
 
+#include "lights/emission.h"
 #include "lights/sampling.h"
 #include "lights/validation.h"
 
@@ -33,6 +34,13 @@ absl::StatusOr<AreaLight<Real, Shape>> AreaLight<Real, Shape>::create(
           check_light_value<Real>("area.radiance", emission.radiance_cd_m2, "cd/m2");
       !status.ok())
     return status;
+  if constexpr (kPainted) {
+    if (absl::Status status =
+            check_light_value<Real>("area.radiance of the brightest texel",
+                                    emission.radiance_cd_m2 * shape.picture().brightest(), "cd/m2");
+        !status.ok())
+      return status;
+  }
   if (absl::Status status = shape.emissive_error(); !status.ok()) return status;
   if (const double area = shape.area(); !(area > 0) || !std::isfinite(area))
     return absl::InvalidArgumentError(
@@ -45,6 +53,26 @@ bool AreaLight<Real, Shape>::emits_towards(const SurfacePoint<Real>& point,
                                            const Vec3<double>& w) const {
   const double side = dot(Vec3<double>(point.normal), w);
   return side > 0 || (emission_.two_sided && side < 0);
+}
+
+template <std::floating_point Real, template <typename> typename Shape>
+bool AreaLight<Real, Shape>::is_black() const {
+  if constexpr (kPanel)
+    if (!(shape_.flux_lm(true) > 0)) return true;
+  return emission_.radiance_cd_m2.is_black();
+}
+
+template <std::floating_point Real, template <typename> typename Shape>
+Rgb<Real> AreaLight<Real, Shape>::radiance_at(const SurfacePoint<Real>& point,
+                                              const Vec3<double>& w) const {
+  if constexpr (kPainted) {
+    return Rgb<Real>(emission_.radiance_cd_m2 * shape_.tint(point));
+  } else if constexpr (kPanel) {
+    const Rgb<Real> radiance(emission_.radiance_cd_m2 * shape_.radiance(normalized(w)));
+    return is_finite(radiance) ? radiance : Rgb<Real>{};
+  } else {
+    return radiance_;
+  }
 }
 
 template <std::floating_point Real, template <typename> typename Shape>
@@ -68,13 +96,13 @@ LightSample<Real> AreaLight<Real, Shape>::sample_li(const Receiver<Real>& receiv
   sample.wi = Vec3<Real>(normalized(to_light));
   if (is_density(chosen.pdf)) sample.pdf = chosen.pdf;
 
-  if (emission_.radiance_cd_m2.is_black()) {
+  if (is_black()) {
     sample.reason = NoLight::kBlack;
   } else if (!emits_towards(chosen.point, -to_light)) {
     sample.reason = NoLight::kBehind;
-  } else if (is_density(chosen.pdf) && !radiance_.is_black()) {
-    sample.value = radiance_;
-    sample.reason = NoLight::kNone;
+  } else if (is_density(chosen.pdf)) {
+    sample.value = radiance_at(chosen.point, -to_light);
+    sample.reason = sample.value.is_black() ? kWithout : NoLight::kNone;
   }
   return sample;
 }
@@ -102,13 +130,34 @@ SolidAnglePdf<Real> AreaLight<Real, Shape>::pdf_li(const Receiver<Real>& receive
 
 template <std::floating_point Real, template <typename> typename Shape>
 Rgb<Real> AreaLight<Real, Shape>::le(const SurfacePoint<Real>& point, const Vec3<Real>& w) const {
-  return emits_towards(point, Vec3<double>(w)) ? radiance_ : Rgb<Real>{};
+  const Vec3<double> v(w);
+  return emits_towards(point, v) ? radiance_at(point, v) : Rgb<Real>{};
 }
 
 template <std::floating_point Real, template <typename> typename Shape>
 Power AreaLight<Real, Shape>::power(const SceneSphere&) const {
   const double sides = emission_.two_sided ? 2 : 1;
-  return {emission_.radiance_cd_m2 * (sides * std::numbers::pi * area_m2()), 0};
+  if constexpr (kPainted) {
+    const PaintedArea& painted = shape_.painted_area();
+    const double largest = emission_.radiance_cd_m2.max_component();
+    return {emission_.radiance_cd_m2 * painted.m2 * (sides * std::numbers::pi),
+            largest * painted.error_m2 * (sides * std::numbers::pi)};
+  } else if constexpr (kPanel) {
+    return {emission_.radiance_cd_m2 * shape_.flux_lm(emission_.two_sided), 0};
+  } else {
+    return {emission_.radiance_cd_m2 * (sides * std::numbers::pi * area_m2()), 0};
+  }
+}
+
+template <std::floating_point Real, template <typename> typename Shape>
+Power AreaLight<Real, Shape>::power_approximate(const SceneSphere& scene) const {
+  if constexpr (kPainted) {
+    const double sides = emission_.two_sided ? 2 : 1;
+    const Rgb<double> mean = emission_.radiance_cd_m2 * shape_.picture().image->mean();
+    return approximate_power(mean * (sides * std::numbers::pi * area_m2()), power(scene));
+  } else {
+    return power(scene);
+  }
 }
 
 template <std::floating_point Real, template <typename> typename Shape>
@@ -116,10 +165,29 @@ EmissionPdf<Real> AreaLight<Real, Shape>::emission_pdf(const SurfacePoint<Real>&
                                                        const Vec3<Real>& direction) const {
   const Vec3<double> w(direction);
   if (!emits_towards(point, w)) return {};
+  if constexpr (kPanel)
+    return {{static_cast<Real>(shape_.pdf_area(point).per_m2)},
+            {static_cast<Real>(shape_.pdf_direction(w).per_sr)}};
   const double cosine = std::fabs(dot(Vec3<double>(point.normal), w));
   const double sides = emission_.two_sided ? 2 : 1;
   return {{static_cast<Real>(shape_.pdf_area(point).per_m2)},
           {static_cast<Real>(cosine * std::numbers::inv_pi / sides)}};
+}
+
+template <std::floating_point Real, template <typename> typename Shape>
+Vec3<double> AreaLight<Real, Shape>::emission_direction(const SurfacePoint<Real>& point,
+                                                        Vec2<Real> u_direction) const {
+  Vec2<double> u{u_direction.x, u_direction.y};
+  if constexpr (kPanel) return shape_.sample_direction(u);
+  double side = 1;
+  if (emission_.two_sided) {
+    side = u.x < 0.5 ? 1 : -1;
+    u.x = u.x < 0.5 ? 2 * u.x : 2 * u.x - 1;
+  }
+  const Vec2<double> d = sample_concentric_disk(u);
+  const double cosine = std::sqrt(std::max(0.0, 1 - d.x * d.x - d.y * d.y));
+  return Frame<double>::around(Vec3<double>(point.normal))
+      .world_from_local({d.x, d.y, side * cosine});
 }
 
 template <std::floating_point Real, template <typename> typename Shape>
@@ -133,17 +201,7 @@ EmissionSample<Real> AreaLight<Real, Shape>::sample_le(Vec2<Real> u_position,
   by_area.area_sampling = AreaSampling::kLowDistortion;
   const SurfacePoint<Real> point = shape_.sample(by_area, u_position).point;
 
-  double side = 1;
-  Vec2<double> u{u_direction.x, u_direction.y};
-  if (emission_.two_sided) {
-    side = u.x < 0.5 ? 1 : -1;
-    u.x = u.x < 0.5 ? 2 * u.x : 2 * u.x - 1;
-  }
-  const Vec2<double> d = sample_concentric_disk(u);
-  const double cosine = std::sqrt(std::max(0.0, 1 - d.x * d.x - d.y * d.y));
-  const Vec3<double> w =
-      Frame<double>::around(Vec3<double>(point.normal)).world_from_local({d.x, d.y, side * cosine});
-
+  const Vec3<double> w = emission_direction(point, u_direction);
   EmissionSample<Real> sample;
   sample.origin = point.position;
   sample.normal = point.normal;
@@ -151,15 +209,16 @@ EmissionSample<Real> AreaLight<Real, Shape>::sample_le(Vec2<Real> u_position,
   const EmissionPdf<Real> pdf = emission_pdf(point, sample.direction);
   sample.pdf_position = pdf.position;
   sample.pdf_direction = pdf.direction;
-  if (emission_.radiance_cd_m2.is_black()) {
+  if (is_black()) {
     sample.reason = NoLight::kBlack;
   } else if (!emits_towards(point, Vec3<double>(sample.direction))) {
     sample.reason = NoLight::kBehind;
   } else if (!is_density(pdf.direction) || !(pdf.position.per_m2 > 0) ||
-             !std::isfinite(pdf.position.per_m2) || radiance_.is_black()) {
+             !std::isfinite(pdf.position.per_m2)) {
     sample.reason = NoLight::kOutOfRange;
   } else {
-    sample.value = radiance_;
+    sample.value = radiance_at(point, Vec3<double>(sample.direction));
+    if (sample.value.is_black()) sample.reason = kWithout;
   }
   if (!std::isfinite(pdf.position.per_m2)) sample.pdf_position = {};
   return sample;
@@ -183,6 +242,10 @@ std::optional<LightBounds<Real>> AreaLight<Real, Shape>::bounds() const {
   const auto [lower, upper] = shape_.bounds();
   const NormalCone<Real> normals = shape_.normals();
   constexpr double kPi = std::numbers::pi;
+  if constexpr (kPanel) {
+    const NormalCone<Real> cone = shape_.directions(emission_.two_sided);
+    return LightBounds<Real>{lower, upper, cone.axis, cone.half_angle_rad};
+  }
   const double cone = emission_.two_sided ? kPi : std::min(kPi, normals.half_angle_rad + kPi / 2);
   return LightBounds<Real>{lower, upper, normals.axis, cone};
 }
@@ -197,5 +260,21 @@ template class AreaLight<float, Disk>;
 template class AreaLight<double, Disk>;
 template class AreaLight<float, Cylinder>;
 template class AreaLight<double, Cylinder>;
+template class AreaLight<float, PaintedTriangleMesh>;
+template class AreaLight<double, PaintedTriangleMesh>;
+template class AreaLight<float, PaintedPatchMesh>;
+template class AreaLight<double, PaintedPatchMesh>;
+template class AreaLight<float, PaintedSphere>;
+template class AreaLight<double, PaintedSphere>;
+template class AreaLight<float, PaintedDisk>;
+template class AreaLight<double, PaintedDisk>;
+template class AreaLight<float, PaintedCylinder>;
+template class AreaLight<double, PaintedCylinder>;
+template class AreaLight<float, PanelTriangleMesh>;
+template class AreaLight<double, PanelTriangleMesh>;
+template class AreaLight<float, PanelPatchMesh>;
+template class AreaLight<double, PanelPatchMesh>;
+template class AreaLight<float, PanelDisk>;
+template class AreaLight<double, PanelDisk>;
 
 }  // namespace lucerna

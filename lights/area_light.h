@@ -1,5 +1,6 @@
 // The diffuse area light on any shape of this library: radiance L, the same in every direction and
-// everywhere on the surface, on one side or on both.
+// everywhere on the surface, on one side or on both.  On a shape with a picture L is what the
+// picture shows.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -12,19 +13,24 @@
 #include "lights/light_bounds.h"
 #include "lights/light_sample.h"
 #include "lights/mesh.h"
+#include "lights/painted.h"
+#include "lights/panel.h"
 #include "lights/sphere.h"
 
 namespace lucerna {
 
 struct DiffuseEmission {
-  Rgb<double> radiance_cd_m2;  ///< per channel, finite, not negative
+  /// Per channel, finite, not negative.  Of a picture: of its 1; of a panel: what its radiance is
+  /// multiplied with, without a unit.
+  Rgb<double> radiance_cd_m2;
   bool two_sided = false;
 };
 
 /// `Shape` owes: `area()`, `emissive_error()`, `sample(receiver, u)`, `pdf(receiver,
 /// surface_point)`, `for_each_hit(receiver.position, wi, f)`, and for rays that leave it
 /// `pdf_area(surface_point)`, `locate(position)`, `normals()`, `bounds()`; see lights/sphere.h and
-/// lights/mesh.h. Immutable, so safe to share between threads.
+/// lights/mesh.h.  One with a picture on it owes `tint(surface_point)` and `painted_area()` too;
+/// see lights/painted.h.  Immutable, so safe to share between threads.
 template <std::floating_point Real, template <typename> typename Shape>
 class AreaLight {
  public:
@@ -57,10 +63,12 @@ class AreaLight {
   /// along the surface.
   Rgb<Real> le(const SurfacePoint<Real>& point, const Vec3<Real>& w) const;
 
-  /// pi L A, twice for a two-sided light; exact.
+  /// pi L A, twice for a two-sided light; of a panel the flux of its file to that side or both.
+  /// Exact, but for pictures on patches that are no parallelograms.
   Power power(const SceneSphere& scene) const;
 
-  /// A point by area, a direction by its cosine, to either side alike where both emit.  The density
+  /// A point by area, a direction by its cosine, to either side alike where both emit; from a panel
+  /// by the cells of its file, of which those behind a one-sided one are kBehind.  The density
   /// of direction is that of the rounded direction.  kBlack where L is 0, kBehind along the
   /// surface, kOutOfRange where a density or L is not a positive `Real`.  [Pharr23, 14.1.2]
   EmissionSample<Real> sample_le(Vec2<Real> u_position, Vec2<Real> u_direction,
@@ -70,10 +78,11 @@ class AreaLight {
   /// that counts.
   EmissionPdf<Real> pdf_le(const Vec3<Real>& position, const Vec3<Real>& direction,
                            const SceneSphere& scene, double slack_m = 0) const;
-  /// pbrt's Phi, which is pi L A too: the same.
-  Power power_approximate(const SceneSphere& scene) const { return power(scene); }
+  /// pbrt's Phi, which is pi L A too: the same.  With a picture L is its mean texel, as if the
+  /// shape showed each on as much of its area.
+  Power power_approximate(const SceneSphere& scene) const;
   /// The shape's box; its normals' cone widened by a hemisphere, all directions where both sides
-  /// emit.
+  /// emit; of a panel the cone of its file.
   std::optional<LightBounds<Real>> bounds() const;
 
   double area_m2() const { return shape_.area(); }
@@ -85,7 +94,19 @@ class AreaLight {
   /// The density of `sample_le` at unit vectors `direction` from `point`.
   EmissionPdf<Real> emission_pdf(const SurfacePoint<Real>& point,
                                  const Vec3<Real>& direction) const;
+  Vec3<double> emission_direction(const SurfacePoint<Real>& point, Vec2<Real> u_direction) const;
   bool emits_towards(const SurfacePoint<Real>& point, const Vec3<double>& w) const;
+  static constexpr bool kPainted = requires(const Shape<Real>& s, const SurfacePoint<Real>& p) {
+    s.tint(p);
+  };
+  static constexpr bool kPanel = requires(const Shape<Real>& s) { s.profile(); };
+  /// Why nothing comes from a point that is seen, where the light is not black all over.
+  static constexpr NoLight kWithout = kPainted ? NoLight::kBlack
+                                      : kPanel ? NoLight::kOutsideCone
+                                               : NoLight::kOutOfRange;
+  bool is_black() const;
+  /// Towards `w` of any length but 0, on a side that emits.
+  Rgb<Real> radiance_at(const SurfacePoint<Real>& point, const Vec3<double>& w) const;
 
   DiffuseEmission emission_;
   Rgb<Real> radiance_;
@@ -102,5 +123,21 @@ extern template class AreaLight<float, Disk>;
 extern template class AreaLight<double, Disk>;
 extern template class AreaLight<float, Cylinder>;
 extern template class AreaLight<double, Cylinder>;
+extern template class AreaLight<float, PaintedTriangleMesh>;
+extern template class AreaLight<double, PaintedTriangleMesh>;
+extern template class AreaLight<float, PaintedPatchMesh>;
+extern template class AreaLight<double, PaintedPatchMesh>;
+extern template class AreaLight<float, PaintedSphere>;
+extern template class AreaLight<double, PaintedSphere>;
+extern template class AreaLight<float, PaintedDisk>;
+extern template class AreaLight<double, PaintedDisk>;
+extern template class AreaLight<float, PaintedCylinder>;
+extern template class AreaLight<double, PaintedCylinder>;
+extern template class AreaLight<float, PanelTriangleMesh>;
+extern template class AreaLight<double, PanelTriangleMesh>;
+extern template class AreaLight<float, PanelPatchMesh>;
+extern template class AreaLight<double, PanelPatchMesh>;
+extern template class AreaLight<float, PanelDisk>;
+extern template class AreaLight<double, PanelDisk>;
 
 }  // namespace lucerna

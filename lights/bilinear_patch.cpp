@@ -158,6 +158,24 @@ SurfacePoint<Real> BilinearPatch<Real>::sample_area(Vec2<Real> u) const {
 }
 
 template <typename Real>
+double BilinearPatch<Real>::area_element(Vec2<double> uv) const {
+  return length(Form(*this).area_vector(uv.x, uv.y));
+}
+
+template <typename Real>
+bool BilinearPatch<Real>::is_unfolded() const {
+  const Form p(*this);
+  const Vec3<double> n[4] = {p.area_vector(0, 0), p.area_vector(1, 0), p.area_vector(0, 1),
+                             p.area_vector(1, 1)};
+  const Vec3<double> mean = (n[0] + n[1]) + (n[2] + n[3]);
+  // A corner without area, as of a triangle, is no fold, but has no density.
+  constexpr double kLeast = 1e-6;
+  for (const auto& corner : n)
+    if (!(dot(corner, mean) > kLeast * dot(mean, mean))) return false;
+  return true;
+}
+
+template <typename Real>
 bool BilinearPatch<Real>::is_rectangle() const {
   const Form p(*this);
   const double x = length(p.e);

@@ -26,6 +26,10 @@ struct BilinearPatch {
   SurfacePoint<Real> sample_area(Vec2<Real> u) const;
   /// Density of sample_area at a point of the patch, all (u, v) that lead there taken together.
   AreaPdf<double> pdf_area(const Vec3<Real>& position) const;
+  /// |dp/du x dp/dv| [m2]
+  double area_element(Vec2<double> uv) const;
+  /// Whether each point is that of one (u, v) only: its normals lie within a hemisphere.
+  bool is_unfolded() const;
   /// Flat, with corners of 90 degrees, to 1e-6.
   bool is_rectangle() const;
   /// Of a rectangle: the way that `receiver` asks for; sample_area where there is no density by

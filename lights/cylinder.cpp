@@ -206,6 +206,30 @@ NormalCone<Real> Cylinder<Real>::normals() const {
           std::min(middle + kNormalSlackRad, std::numbers::pi)};
 }
 
+template <typename Real>
+Vec2<double> Cylinder<Real>::uv(const Vec3<Real>& position) const {
+  const Vec3<double> p = object_from_world_.point(Vec3<double>(position));
+  const double v = (p.z - params_.z_min_m) / (params_.z_max_m - params_.z_min_m);
+  return {share_of_sweep(p, params_.phi_max_rad), std::clamp(v, 0.0, 1.0)};
+}
+
+template <typename Real>
+double Cylinder<Real>::area_below(double v) const {
+  return v;
+}
+
+template <typename Real>
+double Cylinder<Real>::area_below_integral(double v) const {
+  return v * v / 2;
+}
+
+template <typename Real>
+SurfacePoint<Real> Cylinder<Real>::at_shares(Vec2<double> shares) const {
+  const double phi = params_.phi_max_rad * shares.x;
+  return surface_point({params_.radius_m * std::cos(phi), params_.radius_m * std::sin(phi),
+                        std::lerp(params_.z_min_m, params_.z_max_m, shares.y)});
+}
+
 template class Cylinder<float>;
 template class Cylinder<double>;
 

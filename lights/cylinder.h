@@ -70,6 +70,15 @@ class Cylinder {
   /// All directions of a whole cylinder; of a part a cone about its middle.
   NormalCone<Real> normals() const;
 
+  /// How pictures lie on it: u the share of the sweep, v from the lower end (0) to the upper end
+  /// (1). [Pharr23, 6.3.2]
+  Vec2<double> uv(const Vec3<Real>& position) const;
+  /// The share of the area with coordinates less than `v`, and the integral of that from 0 to `v`.
+  double area_below(double v) const;
+  double area_below_integral(double v) const;
+  /// The point at a share of the sweep and a share of the area below it, both in [0, 1].
+  SurfacePoint<Real> at_shares(Vec2<double> shares) const;
+
   /// World bounds about the origin, {lower, upper}; those of the whole cylinder for a part.
   std::pair<Vec3<Real>, Vec3<Real>> bounds() const;
   std::size_t bytes() const { return sizeof(*this); }

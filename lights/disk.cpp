@@ -189,6 +189,38 @@ NormalCone<Real> Disk<Real>::normals() const {
   return {normal_, 0};
 }
 
+template <typename Real>
+Vec2<double> Disk<Real>::uv(const Vec3<Real>& position) const {
+  const Vec3<double> p = object_from_world_.point(Vec3<double>(position));
+  const double v =
+      (params_.radius_m - std::hypot(p.x, p.y)) / (params_.radius_m - params_.inner_radius_m);
+  return {share_of_sweep(p, params_.phi_max_rad), std::clamp(v, 0.0, 1.0)};
+}
+
+// With d the width of the ring, r = radius - v d.
+template <typename Real>
+double Disk<Real>::area_below(double v) const {
+  const double d = params_.radius_m - params_.inner_radius_m;
+  return v * (2 * params_.radius_m - v * d) / (params_.radius_m + params_.inner_radius_m);
+}
+
+template <typename Real>
+double Disk<Real>::area_below_integral(double v) const {
+  const double d = params_.radius_m - params_.inner_radius_m;
+  return v * v * (params_.radius_m - v * d / 3) / (params_.radius_m + params_.inner_radius_m);
+}
+
+template <typename Real>
+SurfacePoint<Real> Disk<Real>::at_shares(Vec2<double> shares) const {
+  const double inner = params_.inner_radius_m;
+  const double r = std::sqrt(
+      inner * inner + (1 - shares.y) * ((params_.radius_m - inner) * (params_.radius_m + inner)));
+  const double phi = params_.phi_max_rad * shares.x;
+  return {Vec3<Real>(
+              world_from_object_.point({r * std::cos(phi), r * std::sin(phi), params_.height_m})),
+          normal_};
+}
+
 template class Disk<float>;
 template class Disk<double>;
 

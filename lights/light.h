@@ -32,12 +32,31 @@ template <std::floating_point Real>
 using DiskLight = AreaLight<Real, Disk>;
 template <std::floating_point Real>
 using CylinderLight = AreaLight<Real, Cylinder>;
+template <std::floating_point Real>
+using PaintedTriangleMeshLight = AreaLight<Real, PaintedTriangleMesh>;
+template <std::floating_point Real>
+using PaintedPatchMeshLight = AreaLight<Real, PaintedPatchMesh>;
+template <std::floating_point Real>
+using PaintedSphereLight = AreaLight<Real, PaintedSphere>;
+template <std::floating_point Real>
+using PaintedDiskLight = AreaLight<Real, PaintedDisk>;
+template <std::floating_point Real>
+using PaintedCylinderLight = AreaLight<Real, PaintedCylinder>;
+template <std::floating_point Real>
+using PanelTriangleMeshLight = AreaLight<Real, PanelTriangleMesh>;
+template <std::floating_point Real>
+using PanelPatchMeshLight = AreaLight<Real, PanelPatchMesh>;
+template <std::floating_point Real>
+using PanelDiskLight = AreaLight<Real, PanelDisk>;
 
 template <std::floating_point Real>
 using Light =
     std::variant<PointLight<Real>, SpotLight<Real>, DistantLight<Real>, SunLight<Real>,
                  UniformInfiniteLight<Real>, ImageInfiniteLight<Real>, TriangleMeshLight<Real>,
                  PatchMeshLight<Real>, SphereLight<Real>, DiskLight<Real>, CylinderLight<Real>,
+                 PaintedTriangleMeshLight<Real>, PaintedPatchMeshLight<Real>,
+                 PaintedSphereLight<Real>, PaintedDiskLight<Real>, PaintedCylinderLight<Real>,
+                 PanelTriangleMeshLight<Real>, PanelPatchMeshLight<Real>, PanelDiskLight<Real>,
                  GoniometricLight<Real>, ProjectionLight<Real>, BeamLight<Real>, PortalLight<Real>>;
 
 /// Lights that rays which leave the scene meet, wherever they started.
@@ -48,5 +67,15 @@ concept SeenBeyond = requires(const L& light, const Vec3<float>& v) {
 // Said here, so that a change of the signature is an error and not a black sky.
 static_assert(SeenBeyond<SunLight<float>> && SeenBeyond<UniformInfiniteLight<float>> &&
               SeenBeyond<ImageInfiniteLight<float>> && SeenBeyond<PortalLight<float>>);
+
+/// Lights with a surface that rays may hit.
+template <typename L>
+concept SeenOnSurface = requires(const L& light, const SurfacePoint<float>& p,
+                                 const Vec3<float>& v) {
+  light.le(p, v);
+  light.pdf_li(Receiver<float>(v), p);
+};
+static_assert(SeenOnSurface<TriangleMeshLight<float>> && SeenOnSurface<PaintedDiskLight<float>> &&
+              !SeenOnSurface<PointLight<float>> && !SeenBeyond<SphereLight<float>>);
 
 }  // namespace lucerna

@@ -65,28 +65,32 @@ absl::StatusOr<Mesh<Real, Primitive>> Mesh<Real, Primitive>::create(
 }
 
 template <typename Real, template <typename> typename Primitive>
+typename Mesh<Real, Primitive>::Choice Mesh<Real, Primitive>::choose(Vec2<Real> u) const {
+  if (primitives_.size() == 1) return {0, u};
+  const double wide = refined(u);
+  const double target = (wide < 1 ? wide : wide - std::floor(wide)) * area();
+  // The first sum beyond the target belongs to a primitive that added to it: one with an area.
+  auto chosen = std::upper_bound(cumulative_area_.begin(), cumulative_area_.end(), target);
+  if (chosen == cumulative_area_.end())
+    chosen = std::lower_bound(cumulative_area_.begin(), cumulative_area_.end(), area());
+  const auto i = static_cast<std::size_t>(chosen - cumulative_area_.begin());
+  const double before = i == 0 ? 0 : cumulative_area_[i - 1];
+  u.x = static_cast<Real>(std::clamp((target - before) / (*chosen - before), 0.0, 1.0));
+  return {i, u};
+}
+
+template <typename Real, template <typename> typename Primitive>
 ShapeSample<Real> Mesh<Real, Primitive>::sample(const Receiver<Real>& receiver,
                                                 Vec2<Real> u) const {
-  std::size_t i = 0;
-  if (primitives_.size() > 1) {
-    const double wide = refined(u);
-    const double target = (wide < 1 ? wide : wide - std::floor(wide)) * area();
-    // The first sum beyond the target belongs to a primitive that added to it: one with an area.
-    auto chosen = std::upper_bound(cumulative_area_.begin(), cumulative_area_.end(), target);
-    if (chosen == cumulative_area_.end())
-      chosen = std::lower_bound(cumulative_area_.begin(), cumulative_area_.end(), area());
-    i = static_cast<std::size_t>(chosen - cumulative_area_.begin());
-    const double before = i == 0 ? 0 : cumulative_area_[i - 1];
-    u.x = static_cast<Real>(std::clamp((target - before) / (*chosen - before), 0.0, 1.0));
-  }
+  const auto [i, within] = choose(u);
   ShapeSample<Real> s;
   if (has_ways(i)) {
-    const ChosenPoint<Real> chosen = primitives_[i].sample(receiver, u);
+    const ChosenPoint<Real> chosen = primitives_[i].sample(receiver, within);
     s.point = chosen.point;
     s.point.primitive = static_cast<std::uint32_t>(i);
     s.pdf = {static_cast<Real>(share(i) * chosen.pdf.per_sr)};
   } else {
-    s.point = primitives_[i].sample_area(u);
+    s.point = primitives_[i].sample_area(within);
     s.point.primitive = static_cast<std::uint32_t>(i);
     s.pdf = pdf(receiver, s.point);
   }

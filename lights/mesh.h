@@ -37,6 +37,16 @@ class Mesh {
   /// triangle or a rectangle in any way, other patches by area.  Both values of `u` choose the
   /// primitive, so that more than 2^24 of them are all reachable from floats.
   ShapeSample<Real> sample(const Receiver<Real>& receiver, Vec2<Real> u) const;
+  /// A primitive by its share of the area, and u again within it.
+  struct Choice {
+    std::size_t index;
+    Vec2<Real> u;
+  };
+  Choice choose(Vec2<Real> u) const;
+  /// The share of the area that primitive `i` has.
+  double share(std::size_t i) const {
+    return (cumulative_area_[i] - (i == 0 ? 0 : cumulative_area_[i - 1])) / area();
+  }
   /// The density of `sample` at a point of primitive `point.primitive`.
   SolidAnglePdf<Real> pdf(const Receiver<Real>& receiver, const SurfacePoint<Real>& point) const;
 
@@ -75,10 +85,6 @@ class Mesh {
 
   Mesh(std::vector<Primitive<Real>> primitives, std::vector<double> cumulative_area,
        std::vector<bool> rectangles);
-  /// Of primitive `i` in the area.
-  double share(std::size_t i) const {
-    return (cumulative_area_[i] - (i == 0 ? 0 : cumulative_area_[i - 1])) / area();
-  }
   /// Whether primitive `i` knows other ways to be sampled than by area.
   bool has_ways(std::size_t i) const { return kAlwaysHasWays || rectangles_[i]; }
 

@@ -190,6 +190,26 @@ void PhotometricWeb::integrate() {
     for (std::size_t j = 0; j < columns(); ++j) cumulative_.push_back(flux_lm_ += cell_flux(i, j));
 }
 
+double PhotometricWeb::downward_flux_lm() const {
+  if (type_ == PhotometricType::kB) return flux_lm_;
+  const bool pole_is_plus_z = type_ == PhotometricType::kC;
+  double sum = 0;
+  for (std::size_t i = 0; i < rows(); ++i)
+    for (std::size_t j = 0; j < columns(); ++j) {
+      // The part of the cell on this side of the horizon, linear in the angle as all of it is.
+      const double p = polar_rad_[j], q = polar_rad_[j + 1];
+      const double a = pole_is_plus_z ? p : std::max(p, kPi / 2);
+      const double b = pole_is_plus_z ? std::min(q, kPi / 2) : q;
+      if (!(a < b)) continue;
+      const double first = (value(i, j) + value(i + 1, j)) / 2;
+      const double last = (value(i, j + 1) + value(i + 1, j + 1)) / 2;
+      const auto at = [&](double angle) { return std::lerp(first, last, (angle - p) / (q - p)); };
+      const EndWeights w = end_weights(a, b);
+      sum += (azimuth_rad_[i + 1] - azimuth_rad_[i]) * (at(a) * w.lower + at(b) * w.upper);
+    }
+  return sum;
+}
+
 void PhotometricWeb::bound() {
   double from_pole = 0, from_other_pole = 0;
   // Grids of type C go all around; those of the others lie in the half towards `zero`.

@@ -50,6 +50,8 @@ class PhotometricWeb {
 
   /// Luminous flux [lm]: the integral of `at` over the sphere, in closed form for each cell.
   double flux_lm() const { return flux_lm_; }
+  /// What of it goes towards +z, downwards [lm]; likewise in closed form.
+  double downward_flux_lm() const;
   /// The largest intensity [cd].
   double max_cd() const { return max_cd_; }
 

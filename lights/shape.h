@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <utility>
 
 #include "lights/light_sample.h"
@@ -68,6 +69,16 @@ SolidAnglePdf<Real> as_seen_from(const Vec3<Real>& receiver, const SurfacePoint<
 /// kCosineSolidAngle.
 inline double cosine_weight(const Vec3<double>& normal, const Vec3<double>& to_corner) {
   return std::fmax(kCosineFloor, dot(normalized(to_corner), normal));
+}
+
+/// The angle of `p` about +z from +x as a share of a sweep of `phi_max_rad`; beyond it, where only
+/// rounding leads, that of its nearer edge.
+inline double share_of_sweep(const Vec3<double>& p, double phi_max_rad) {
+  constexpr double kTurn = 2 * std::numbers::pi;
+  double phi = std::atan2(p.y, p.x);
+  if (phi < 0) phi += kTurn;
+  if (phi <= phi_max_rad) return phi / phi_max_rad;
+  return phi - phi_max_rad < kTurn - phi ? 1 : 0;
 }
 
 /// The box {lower, upper} in `Real`, widened so that rounding cuts nothing off.

@@ -33,6 +33,11 @@ absl::Status check(const SphereParams& p) {
   return absl::OkStatus();
 }
 
+/// Of the circle at height `z` of a sphere, from +z.
+double polar_angle(double z, double radius) {
+  return std::atan2(std::sqrt((radius - z) * (radius + z)), z);
+}
+
 }  // namespace
 
 template <typename Real>
@@ -323,6 +328,42 @@ NormalCone<Real> Sphere<Real>::normals() const {
   const Vec3<double> axis = world_from_object_.normal({0, 0, is_up ? 1.0 : -1.0});
   return {Vec3<Real>(normalized(params_.reverse_orientation ? -axis : axis)),
           std::min(std::min(up, down) + kNormalSlackRad, std::numbers::pi)};
+}
+
+template <typename Real>
+Vec2<double> Sphere<Real>::uv(const Vec3<Real>& position) const {
+  const Vec3<double> p = object_from_world_.point(Vec3<double>(position));
+  // atan2: the arccosine of z loses half of its digits near the poles.
+  const double theta = std::atan2(std::hypot(p.x, p.y), p.z);
+  const double bottom = polar_angle(z_min_m_, params_.radius_m);
+  const double top = polar_angle(z_max_m_, params_.radius_m);
+  return {share_of_sweep(p, params_.phi_max_rad),
+          std::clamp((theta - bottom) / (top - bottom), 0.0, 1.0)};
+}
+
+template <typename Real>
+double Sphere<Real>::area_below(double v) const {
+  const double bottom = polar_angle(z_min_m_, params_.radius_m);
+  const double top = polar_angle(z_max_m_, params_.radius_m);
+  const double theta = std::lerp(bottom, top, v);
+  return (std::cos(theta) - std::cos(bottom)) / (std::cos(top) - std::cos(bottom));
+}
+
+template <typename Real>
+double Sphere<Real>::area_below_integral(double v) const {
+  const double bottom = polar_angle(z_min_m_, params_.radius_m);
+  const double top = polar_angle(z_max_m_, params_.radius_m);
+  const double theta = std::lerp(bottom, top, v);
+  return ((std::sin(theta) - std::sin(bottom)) / (top - bottom) - v * std::cos(bottom)) /
+         (std::cos(top) - std::cos(bottom));
+}
+
+template <typename Real>
+SurfacePoint<Real> Sphere<Real>::at_shares(Vec2<double> shares) const {
+  const double z = std::clamp(std::lerp(z_min_m_, z_max_m_, shares.y), z_min_m_, z_max_m_);
+  const double phi = params_.phi_max_rad * shares.x;
+  const double ring = std::sqrt((params_.radius_m - z) * (params_.radius_m + z));
+  return surface_point({ring * std::cos(phi), ring * std::sin(phi), z});
 }
 
 template class Sphere<float>;

@@ -122,8 +122,8 @@ float PathTracer::found_weight(const SurfaceHit& from, const Vec3<float>& wo, co
                                const std::optional<SurfaceHit>& hit, std::uint32_t light,
                                double probability, float direction_pdf) const {
   const SolidAnglePdf<float> pdf =
-      visit_light(scene_.lights()[light], ray.time_s, [&](const auto& l) {
-        if constexpr (requires { l.le(hit->on_light(), ray.direction); })
+      visit_light(scene_.lights()[light], ray.time_s, [&]<typename L>(const L& l) {
+        if constexpr (SeenOnSurface<L>)
           return hit ? l.pdf_li(receiver(from, wo), hit->on_light()) : SolidAnglePdf<float>{};
         else
           return l.pdf_li(receiver(from, wo), ray.direction);

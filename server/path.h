@@ -128,12 +128,13 @@ void PathTracer::for_each_emitter(const Ray& ray, const std::optional<SurfaceHit
   if (hit) {
     if (hit->light < 0) return;
     const auto light = static_cast<std::uint32_t>(hit->light);
-    const Rgb<float> le = visit_light(scene_.lights()[light], ray.time_s, [&](const auto& l) {
-      if constexpr (requires { l.le(hit->on_light(), ray.direction); })
-        return l.le(hit->on_light(), -ray.direction);
-      else
-        return Rgb<float>{};
-    });
+    const Rgb<float> le =
+        visit_light(scene_.lights()[light], ray.time_s, [&]<typename L>(const L& l) {
+          if constexpr (SeenOnSurface<L>)
+            return l.le(hit->on_light(), -ray.direction);
+          else
+            return Rgb<float>{};
+        });
     if (!le.is_black()) f(light, le);
     return;
   }

@@ -220,7 +220,7 @@ class Numbers {
 };
 
 /// What becomes of a property's numbers.
-enum Role : std::uint8_t { kX, kY, kZ, kNx, kNy, kNz, kCorners, kSkip };
+enum Role : std::uint8_t { kX, kY, kZ, kNx, kNy, kNz, kU, kV, kCorners, kSkip };
 
 class Reader {
  public:
@@ -251,8 +251,17 @@ class Reader {
  private:
   absl::StatusOr<std::vector<Role>> roles(const Element& element) {
     constexpr std::array<std::string_view, 6> kNames{"x", "y", "z", "nx", "ny", "nz"};
+    // The names that pbrt-v4 looks for, in its order; the first pair that is there counts.
+    constexpr std::array<std::array<std::string_view, 2>, 4> kUvNames{
+        {{"u", "v"}, {"s", "t"}, {"texture_u", "texture_v"}, {"texture_s", "texture_t"}}};
+    const auto has = [&](std::string_view name) {
+      return std::ranges::any_of(
+          element.properties, [&](const Property& p) { return !p.count_type && p.name == name; });
+    };
+    const auto uv_names = std::ranges::find_if(
+        kUvNames, [&](const auto& pair) { return has(pair[0]) && has(pair[1]); });
     std::vector<Role> result(element.properties.size(), kSkip);
-    std::array<bool, 8> found{};
+    std::array<bool, kSkip> found{};
     for (std::size_t i = 0; i < result.size(); ++i) {
       const Property& property = element.properties[i];
       if (element.name == "face" && property.count_type &&
@@ -260,6 +269,9 @@ class Reader {
         result[i] = kCorners;
       for (std::uint8_t role = kX; element.name == "vertex" && role <= kNz; ++role)
         if (!property.count_type && property.name == kNames[role]) result[i] = Role(role);
+      if (element.name == "vertex" && uv_names != kUvNames.end() && !property.count_type)
+        for (std::size_t k = 0; k < 2; ++k)
+          if (property.name == (*uv_names)[k]) result[i] = k == 0 ? kU : kV;
       if (result[i] != kSkip && found[result[i]])
         return error(fmt::format("property \"{}\" twice", property.name));
       found[result[i]] = true;
@@ -269,6 +281,7 @@ class Reader {
     if (element.name == "face" && !found[kCorners])
       return error("element \"face\" lacks the list \"vertex_indices\"");
     has_normals_ = element.name == "vertex" ? found[kNx] && found[kNy] && found[kNz] : has_normals_;
+    if (element.name == "vertex") has_uv_ = uv_names != kUvNames.end();
     return result;
   }
 
@@ -286,6 +299,7 @@ class Reader {
     if (element.name == "vertex") {
       mesh_.positions.reserve(element.count);
       if (has_normals_) mesh_.normals.reserve(element.count);
+      if (has_uv_) mesh_.uv.reserve(element.count);
     } else if (element.name == "face") {
       mesh_.indices.reserve(3 * element.count);
     }
@@ -298,7 +312,7 @@ class Reader {
   }
 
   absl::Status read_one(const Element& element, const std::vector<Role>& role, std::uint64_t i) {
-    std::array<double, 6> value{};
+    std::array<double, kCorners> value{};
     for (std::size_t p = 0; p < role.size(); ++p) {
       const Property& property = element.properties[p];
       if (role[p] == kCorners) {
@@ -310,12 +324,18 @@ class Reader {
                           ? numbers_.next(*property.count_type, n) && skip(property.type, n)
                           : numbers_.next(property.type, n);
       if (!ok) return cut_off(element.name, i);
-      if (role[p] <= kNz) value[role[p]] = n;
+      if (role[p] < kCorners) value[role[p]] = n;
     }
     if (element.name != "vertex") return absl::OkStatus();
     const Vec3<double> position{value[kX], value[kY], value[kZ]};
     if (!is_finite(position)) return error(fmt::format("vertex {} is not finite", i));
     mesh_.positions.push_back(position);
+    if (has_uv_) {
+      const Vec2<float> uv{static_cast<float>(value[kU]), static_cast<float>(value[kV])};
+      if (!std::isfinite(uv.x) || !std::isfinite(uv.y))
+        return error(fmt::format("the u, v of vertex {} are not finite", i));
+      mesh_.uv.push_back(uv);
+    }
     if (!has_normals_) return absl::OkStatus();
     const Vec3<float> normal{Vec3<double>{value[kNx], value[kNy], value[kNz]}};
     if (!is_finite(normal)) return error(fmt::format("the normal of vertex {} is not finite", i));
@@ -367,7 +387,7 @@ class Reader {
   std::stop_token stop_;
   PlyMesh mesh_;
   bool has_vertices_ = false;
-  bool has_normals_ = false;
+  bool has_normals_ = false, has_uv_ = false;
 };
 
 }  // namespace

@@ -203,14 +203,21 @@ class Scene::Builder {
       motion_bytes += sizeof(Motion) + l.motion->bytes();
     }
     if (moving > 0) part("motion", motion_bytes, watch, fmt::format("{} lights move", moving));
-    // What goniometric lights draw directions from is shared between lights: each counts once.
+    // What goniometric lights and panels draw directions from is shared between lights: each counts
+    // once.
     std::set<std::shared_ptr<const PhotometricWeb>> webs;
     std::set<std::shared_ptr<const IntensityMap>> maps;
-    for (const SceneLight& l : scene_->lights_)
+    for (const SceneLight& l : scene_->lights_) {
+      std::visit(
+          [&](const auto& m) {
+            if constexpr (requires { m.shape().profile(); }) webs.insert(m.shape().profile().web);
+          },
+          l.light);
       if (const auto* goniometric = std::get_if<GoniometricLight<float>>(&l.light)) {
         if (goniometric->params().web) webs.insert(goniometric->params().web);
         if (goniometric->params().map) maps.insert(goniometric->params().map);
       }
+    }
     std::uint64_t web_bytes = 0, map_bytes = 0;
     for (const auto& web : webs) web_bytes += web->bytes();
     for (const auto& map : maps) map_bytes += map->table_bytes();

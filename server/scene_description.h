@@ -18,6 +18,8 @@
 #include "lights/image_infinite_light.h"
 #include "lights/infinite_light.h"
 #include "lights/motion.h"
+#include "lights/panel.h"
+#include "lights/picture.h"
 #include "lights/point_light.h"
 #include "lights/portal_light.h"
 #include "lights/projection_light.h"
@@ -54,6 +56,8 @@ struct TriangleMeshData {
   std::vector<Vec3<double>> positions;
   std::vector<Vec3<float>> normals;    ///< shading normals, unit, per vertex; empty: flat
   std::vector<std::uint32_t> indices;  ///< three a triangle, all < positions.size()
+  /// Where an emission image lies: (u, v) of each triangle's corners; empty where there is none.
+  std::vector<Vec2<float>> corner_uv{};
 };
 
 /// Bilinear patches, four corners each: (0,0), (1,0), (0,1), (1,1).  cross(dp/du, dp/dv) is the
@@ -62,6 +66,8 @@ struct PatchMeshData {
   std::vector<Vec3<double>> positions;
   std::vector<Vec3<float>> normals;    ///< shading normals, unit, per vertex; empty: geometric
   std::vector<std::uint32_t> indices;  ///< four a patch
+  /// As a triangle mesh has it; empty also where each patch shows the whole image.
+  std::vector<Vec2<float>> corner_uv{};
 };
 
 struct ShapeDescription {
@@ -73,6 +79,8 @@ struct ShapeDescription {
     bool two_sided = false;
     SourceLocation where;
     std::shared_ptr<const Spectrum> spectrum{};  ///< null where it was given RGB
+    std::optional<Picture> picture{};            ///< what `radiance_cd_m2` is multiplied with
+    std::optional<PanelProfile> panel{};         ///< what `radiance_cd_m2` multiplies
   };
   std::optional<Emission> emission{};
   SourceLocation where{};

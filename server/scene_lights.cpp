@@ -52,12 +52,37 @@ absl::StatusOr<Light<float>> create_light(const LightDescription& light,
 
 namespace {
 
-template <template <typename> typename Shape>
-absl::StatusOr<Light<float>> as_area_light(const DiffuseEmission& emission,
-                                           absl::StatusOr<Shape<float>> shape) {
+template <template <typename> typename Shape, template <typename> typename Painted>
+absl::StatusOr<Light<float>> as_area_light(const ShapeDescription::Emission& emission,
+                                           absl::StatusOr<Shape<float>> shape,
+                                           const std::vector<Vec2<float>>& corner_uv = {}) {
   if (!shape.ok()) return shape.status();
   if (absl::Status s = shape->emissive_error(); !s.ok()) return s;
-  auto light = AreaLight<float, Shape>::create(emission, *std::move(shape));
+  const DiffuseEmission diffuse{emission.radiance_cd_m2, emission.two_sided};
+  if (emission.picture) {
+    auto painted = Painted<float>::create(*std::move(shape), *emission.picture, corner_uv);
+    if (!painted.ok()) return painted.status();
+    auto light = AreaLight<float, Painted>::create(diffuse, *std::move(painted));
+    if (!light.ok()) return light.status();
+    return Light<float>(*std::move(light));
+  }
+  auto light = AreaLight<float, Shape>::create(diffuse, *std::move(shape));
+  if (!light.ok()) return light.status();
+  return Light<float>(*std::move(light));
+}
+
+/// Of a shape that can be flat.
+template <template <typename> typename Shape, template <typename> typename Painted,
+          template <typename> typename Panel>
+absl::StatusOr<Light<float>> as_flat_light(const ShapeDescription::Emission& emission,
+                                           absl::StatusOr<Shape<float>> shape,
+                                           const std::vector<Vec2<float>>& corner_uv = {}) {
+  if (!emission.panel || !shape.ok())
+    return as_area_light<Shape, Painted>(emission, std::move(shape), corner_uv);
+  auto panel = Panel<float>::create(*std::move(shape), *emission.panel);
+  if (!panel.ok()) return panel.status();
+  auto light = AreaLight<float, Panel>::create({emission.radiance_cd_m2, emission.two_sided},
+                                               *std::move(panel));
   if (!light.ok()) return light.status();
   return Light<float>(*std::move(light));
 }
@@ -66,13 +91,15 @@ absl::StatusOr<Light<float>> as_area_light(const DiffuseEmission& emission,
 
 absl::StatusOr<Light<float>> create_area_light(const ShapeDescription& shape,
                                                const Vec3<double>& origin) {
-  const DiffuseEmission emission{shape.emission->radiance_cd_m2, shape.emission->two_sided};
+  const ShapeDescription::Emission& emission = *shape.emission;
   if (const auto* sphere = std::get_if<SphereParams>(&shape.geometry))
-    return as_area_light<Sphere>(emission, Sphere<float>::create(*sphere, origin));
+    return as_area_light<Sphere, PaintedSphere>(emission, Sphere<float>::create(*sphere, origin));
   if (const auto* disk = std::get_if<DiskParams>(&shape.geometry))
-    return as_area_light<Disk>(emission, Disk<float>::create(*disk, origin));
+    return as_flat_light<Disk, PaintedDisk, PanelDisk>(emission,
+                                                       Disk<float>::create(*disk, origin));
   if (const auto* cylinder = std::get_if<CylinderParams>(&shape.geometry))
-    return as_area_light<Cylinder>(emission, Cylinder<float>::create(*cylinder, origin));
+    return as_area_light<Cylinder, PaintedCylinder>(emission,
+                                                    Cylinder<float>::create(*cylinder, origin));
   if (const auto* mesh = std::get_if<TriangleMeshData>(&shape.geometry)) {
     const auto vertex = [&](std::size_t i) {
       return about(mesh->positions[mesh->indices[i]], origin);
@@ -80,14 +107,16 @@ absl::StatusOr<Light<float>> create_area_light(const ShapeDescription& shape,
     std::vector<Triangle<float>> triangles(mesh->indices.size() / 3);
     for (std::size_t i = 0; i < triangles.size(); ++i)
       triangles[i] = {vertex(3 * i), vertex(3 * i + 1), vertex(3 * i + 2)};
-    return as_area_light<TriangleMesh>(emission, TriangleMesh<float>::create(std::move(triangles)));
+    return as_flat_light<TriangleMesh, PaintedTriangleMesh, PanelTriangleMesh>(
+        emission, TriangleMesh<float>::create(std::move(triangles)), mesh->corner_uv);
   }
   const auto& mesh = std::get<PatchMeshData>(shape.geometry);
   const auto vertex = [&](std::size_t i) { return about(mesh.positions[mesh.indices[i]], origin); };
   std::vector<BilinearPatch<float>> patches(mesh.indices.size() / 4);
   for (std::size_t i = 0; i < patches.size(); ++i)
     patches[i] = {vertex(4 * i), vertex(4 * i + 1), vertex(4 * i + 2), vertex(4 * i + 3)};
-  return as_area_light<PatchMesh>(emission, PatchMesh<float>::create(std::move(patches)));
+  return as_flat_light<PatchMesh, PaintedPatchMesh, PanelPatchMesh>(
+      emission, PatchMesh<float>::create(std::move(patches)), mesh.corner_uv);
 }
 
 std::uint64_t primitive_count(const Light<float>& light) {
@@ -125,6 +154,8 @@ const Image* picture_of(const Light<float>& light) {
           return l.params().picture->params().image.get();
         else if constexpr (requires { l.params().image.get(); })
           return l.params().image.get();
+        else if constexpr (requires { l.shape().picture().image.get(); })
+          return l.shape().picture().image.get();
         else
           return nullptr;
       },

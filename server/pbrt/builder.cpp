@@ -173,8 +173,9 @@ void Builder::texture(const std::string& name, const std::string& kind, const st
 void Builder::shape(const std::string& type, Parameters params, const Place& place) {
   require_world("Shape", place);
   const ParameterSet set(std::move(params), state_.shape_attributes);
-  auto geometry = make_geometry(
-      context_, {type, set, place, still_transform("Shape", place), state_.reverse_orientation});
+  const bool with_uv = state_.area_light && !open_object_ && needs_uv(*state_.area_light);
+  auto geometry = make_geometry(context_, {type, set, place, still_transform("Shape", place),
+                                           state_.reverse_orientation, with_uv});
   if (!geometry) return;
   ShapeDescription shape;
   shape.material = state_.material;
@@ -182,7 +183,8 @@ void Builder::shape(const std::string& type, Parameters params, const Place& pla
   if (state_.area_light && open_object_) {
     context_.remark(place, "an area light within an object definition", "the shape emits nothing");
   } else if (state_.area_light) {
-    shape.emission = make_emission(context_, *state_.area_light, *geometry, place);
+    shape.emission = make_emission(context_, *state_.area_light, *geometry, place,
+                                   state_.world_from_object.start.swaps_handedness());
   }
   shape.geometry = *std::move(geometry);
   auto& shapes =

@@ -24,8 +24,8 @@ NamedImage read_image(Context& context, const Parameter& filename) {
   return {content.name, image};
 }
 
-ImageFilter image_filter(const ParameterSet& params) {
-  const std::string name = params.string("filter", "nearest");
+ImageFilter image_filter(const ParameterSet& params, const char* otherwise) {
+  const std::string name = params.string("filter", otherwise);
   if (name == "nearest") return ImageFilter::kNearest;
   if (name == "bilinear") return ImageFilter::kBilinear;
   fail(params.find("filter", {"string"})->place,

@@ -19,7 +19,7 @@ struct NamedImage {
 /// and errors stand at the parameter.
 NamedImage read_image(Context& context, const Parameter& filename);
 
-/// "string filter" of a light: nearest (as pbrt-v4 reads lights' pictures) or bilinear.
-ImageFilter image_filter(const ParameterSet& params);
+/// "string filter" of a light, nearest or bilinear; `otherwise`: as pbrt-v4 reads its picture.
+ImageFilter image_filter(const ParameterSet& params, const char* otherwise = "nearest");
 
 }  // namespace lucerna::pbrt

@@ -8,6 +8,7 @@
 
 #include "lights/bilinear_patch.h"
 #include "lights/triangle.h"
+#include "server/pbrt/area_lights.h"
 #include "server/pbrt/image_lights.h"
 #include "server/pbrt/photometric_lights.h"
 #include "server/pbrt/projection_lights.h"
@@ -245,18 +246,20 @@ std::optional<LightDescription> make_light(Context& context, const std::string& 
   return light;
 }
 
+bool needs_uv(const AreaLightDirective& light) {
+  return light.params.find("filename", {"string"}) != nullptr ||
+         light.params.find("profile", {"string"}) != nullptr;
+}
+
 std::optional<ShapeDescription::Emission> make_emission(Context& context,
                                                         const AreaLightDirective& light,
                                                         const Geometry& geometry,
-                                                        const Place& shape_place) {
+                                                        const Place& shape_place, bool mirrored) {
   if (light.type != "diffuse")
     fail(light.place,
          fmt::format("unknown area light \"{}\", expected \"diffuse\"", printable(light.type)));
-  if (const Parameter* image = light.params.find("filename", {"string"})) {
-    left_out(context, image->place, "an area light with an image");
-    return std::nullopt;
-  }
   ShapeDescription::Emission emission;
+  emission.picture = area_picture(context, light.params);
   emission.two_sided = light.params.boolean("twosided", false);
   emission.where = location(light.place);
   const double area =
@@ -265,7 +268,21 @@ std::optional<ShapeDescription::Emission> make_emission(Context& context,
     context.remark(shape_place, "a light without area", "the shape emits nothing");
     return std::nullopt;
   }
-  const double lumens = (emission.two_sided ? 2 : 1) * kPi * area;
+  // pbrt-v4 takes a picture's mean, as if all of its texels had the same area on the shape.
+  const double mean = emission.picture ? luminance(emission.picture->image->mean()) : 1;
+  double lumens = (emission.two_sided ? 2 : 1) * kPi * area * mean;
+  emission.panel = area_profile(context, light.params, geometry, shape_place, mirrored);
+  if (emission.panel) {
+    const PhotometricWeb& web = *emission.panel->web;
+    lumens = emission.two_sided ? web.flux_lm() : web.downward_flux_lm();
+    // A millionth is what the sums of a file's own digits leave.
+    if (const double lost = web.flux_lm() - lumens; lost > 1e-6 * web.flux_lm())
+      context.remark(light.params.find("profile", {"string"})->place,
+                     fmt::format("{:.6g} of the file's {:.6g} lm go to the back of a panel that "
+                                 "shines to its front only",
+                                 lost, web.flux_lm()),
+                     "left out; \"bool twosided\" true has them");
+  }
   emission.radiance_cd_m2 =
       level(context, light.params, light.place, "L", Target{"power", "lm", lumens});
   emission.spectrum = light_spectrum(context, light.params, "L");
@@ -277,6 +294,12 @@ std::optional<ShapeDescription::Emission> make_emission(Context& context,
                                "give that power",
                                primitives),
                    "the power of the whole mesh");
+  if (const Parameter* power = light.params.find("power", {"float"});
+      power != nullptr && power->numbers.front() > 0 && emission.picture &&
+      !shows_texels_alike(geometry))
+    context.remark(power->place,
+                   "\"power\" of a picture on a shape that shows its texels on unequal areas",
+                   "that of the picture's mean, as pbrt-v4 has it");
   light.params.remark_unused(context, "AreaLightSource \"diffuse\"");
   return emission;
 }

@@ -22,12 +22,15 @@ struct AreaLightDirective {
   Place place;
 };
 
+/// Whether it asks for the (u, v) of shapes: for an image or a profile.
+bool needs_uv(const AreaLightDirective& light);
+
 /// The emission of `geometry` under `light`; nothing, and a remark, where it is not modelled.
-/// `power` is that of the whole mesh.  Fails on levels that are no levels and on shapes that cannot
-/// emit.
+/// `power` is that of the whole mesh.  `mirrored`: its transform swaps handedness.  Fails on levels
+/// that are no levels and on shapes that cannot emit.
 std::optional<ShapeDescription::Emission> make_emission(Context& context,
                                                         const AreaLightDirective& light,
                                                         const Geometry& geometry,
-                                                        const Place& shape_place);
+                                                        const Place& shape_place, bool mirrored);
 
 }  // namespace lucerna::pbrt

@@ -20,6 +20,7 @@ struct RawMesh {
   std::vector<Vec3<double>> positions;
   std::vector<Vec3<double>> normals;
   std::vector<std::uint32_t> indices;
+  std::vector<Vec2<float>> uv;  ///< per vertex; empty: each primitive's own
 };
 
 std::vector<Vec3<double>> world_positions(const ShapeDirective& shape,
@@ -66,8 +67,10 @@ std::size_t resolve_winding(Mesh& mesh, bool turned, F&& geometric_normal) {
     }
     const Vec3<double> outside = geometric_normal(p);
     if (max_abs(outside) == 0) ++degenerate;
-    if (mesh.normals.empty() ? turned : dot(normalized(outside), n) < 0)
+    if (mesh.normals.empty() ? turned : dot(normalized(outside), n) < 0) {
       std::swap(corner[1], corner[2]);
+      if (!mesh.corner_uv.empty()) std::swap(mesh.corner_uv[i + 1], mesh.corner_uv[i + 2]);
+    }
   }
   return degenerate;
 }
@@ -93,6 +96,30 @@ void check_raw(const ShapeDirective& shape, RawMesh& raw, std::size_t corners) {
   if (!raw.normals.empty() && raw.normals.size() != raw.positions.size())
     fail(shape.place, fmt::format("Shape \"{}\" has {} normals for {} vertices", shape.type,
                                   raw.normals.size(), raw.positions.size()));
+  if (!raw.uv.empty() && raw.uv.size() != raw.positions.size())
+    fail(shape.place, fmt::format("Shape \"{}\" has {} \"uv\" for {} vertices", shape.type,
+                                  raw.uv.size(), raw.positions.size()));
+}
+
+/// The (u, v) of every corner as pbrt-v4 has them: those of the vertices, or of each primitive its
+/// own.
+template <std::size_t kCorners>
+std::vector<Vec2<float>> corner_uvs(const RawMesh& raw) {
+  static constexpr std::array<Vec2<float>, 4> kTriangle{{{0, 0}, {1, 0}, {1, 1}}};
+  static constexpr std::array<Vec2<float>, 4> kPatch{{{0, 0}, {1, 0}, {0, 1}, {1, 1}}};
+  std::vector<Vec2<float>> uv;
+  uv.reserve(raw.indices.size());
+  for (std::size_t i = 0; i < raw.indices.size(); ++i)
+    uv.push_back(raw.uv.empty() ? (kCorners == 3 ? kTriangle : kPatch)[i % kCorners]
+                                : raw.uv[raw.indices[i]]);
+  return uv;
+}
+
+/// Whether each patch shows a whole image, the right way round.
+bool shows_all_on_each(const std::vector<Vec2<float>>& corner_uv) {
+  for (std::size_t i = 0; i < corner_uv.size(); ++i)
+    if (!(corner_uv[i] == Vec2<float>{float(i & 1), float(i >> 1 & 1)})) return false;
+  return true;
 }
 
 template <typename Mesh>
@@ -102,6 +129,7 @@ Mesh make_mesh(Context& context, const ShapeDirective& shape, RawMesh raw) {
   Mesh mesh;
   mesh.positions = world_positions(shape, std::move(raw.positions));
   mesh.normals = world_normals(context, shape, raw.normals);
+  if (shape.needs_uv) mesh.corner_uv = corner_uvs < kPatches ? 4 : 3 > (raw);
   mesh.indices = std::move(raw.indices);
   const bool turned = shape.reverse_orientation != shape.world_from_object.swaps_handedness();
   std::size_t degenerate = 0;
@@ -110,6 +138,7 @@ Mesh make_mesh(Context& context, const ShapeDirective& shape, RawMesh raw) {
     degenerate = resolve_winding<4>(mesh, turned, [](const auto& p) {
       return cross((p[1] - p[0]) + (p[3] - p[2]), (p[2] - p[0]) + (p[3] - p[1]));
     });
+    if (shows_all_on_each(mesh.corner_uv)) mesh.corner_uv = {};
   } else {
     degenerate = resolve_winding<3>(mesh, turned,
                                     [](const auto& p) { return cross(p[1] - p[0], p[2] - p[0]); });
@@ -125,8 +154,14 @@ Mesh make_mesh(Context& context, const ShapeDirective& shape, RawMesh raw) {
 
 RawMesh raw_mesh(const ShapeDirective& shape) {
   shape.params.ignore({"uv", "st", "S", "faceIndices", "emissionfilename"});
-  return {shape.params.vectors("P", "point3"), shape.params.vectors("N", "normal"),
-          shape.params.indices("indices")};
+  RawMesh raw{shape.params.vectors("P", "point3"),
+              shape.params.vectors("N", "normal"),
+              shape.params.indices("indices"),
+              {}};
+  if (const Parameter* uv = shape.needs_uv ? shape.params.find("uv", {"point2"}) : nullptr)
+    for (std::size_t i = 0; i + 1 < uv->numbers.size(); i += 2)
+      raw.uv.push_back({float(uv->numbers[i]), float(uv->numbers[i + 1])});
+  return raw;
 }
 
 TriangleMeshData ply_mesh(Context& context, const ShapeDirective& shape) {
@@ -145,6 +180,7 @@ TriangleMeshData ply_mesh(Context& context, const ShapeDirective& shape) {
   RawMesh raw;
   raw.positions = std::move(ply->positions);
   raw.indices = std::move(ply->indices);
+  if (shape.needs_uv) raw.uv = std::move(ply->uv);
   raw.normals.reserve(ply->normals.size());
   for (const Vec3<float>& n : ply->normals) raw.normals.emplace_back(n);
   if (raw.positions.empty() || raw.indices.empty()) {

@@ -15,6 +15,7 @@ struct ShapeDirective {
   Place place;
   Transform world_from_object;
   bool reverse_orientation = false;
+  bool needs_uv = false;  ///< meshes then say the (u, v) of their corners
 };
 
 using Geometry = decltype(ShapeDescription::geometry);

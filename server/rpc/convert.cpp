@@ -83,15 +83,20 @@ void set_kind(const PortalLight<float>& l, v1::Light* out) {
   for (const Vec3<double>& corner : l.params().corners_m) set(corner, infinite->add_portal_m());
 }
 
+void set(const PhotometricWeb& web, const std::string& name, const std::string& format,
+         v1::PhotometricFile* out) {
+  out->set_name(name);
+  out->set_format(format);
+  out->set_flux_lm(web.flux_lm());
+}
+
 void set_kind(const GoniometricLight<float>& l, v1::Light* out) {
   v1::GoniometricLight* goniometric = out->mutable_goniometric();
   set(l.params().position_m, goniometric->mutable_position_m());
   set(l.params().intensity, goniometric->mutable_intensity());
   if (l.params().web) {
-    v1::PhotometricFile* file = goniometric->mutable_photometric_file();
-    file->set_name(l.params().file);
-    file->set_format(l.params().format);
-    file->set_flux_lm(l.params().web->flux_lm());
+    set(*l.params().web, l.params().file, l.params().format,
+        goniometric->mutable_photometric_file());
   } else if (l.params().map) {
     set(l.params().map->sphere_map(), l.params().file, goniometric->mutable_image());
   }
@@ -133,6 +138,16 @@ v1::AreaShape shape_kind(const Sphere<float>&) { return v1::AREA_SHAPE_SPHERE; }
 v1::AreaShape shape_kind(const Disk<float>&) { return v1::AREA_SHAPE_DISK; }
 v1::AreaShape shape_kind(const Cylinder<float>&) { return v1::AREA_SHAPE_CYLINDER; }
 
+template <template <typename> typename Surface>
+v1::AreaShape shape_kind(const Painted<float, Surface>& painted) {
+  return shape_kind(painted.surface());
+}
+
+template <template <typename> typename Surface>
+v1::AreaShape shape_kind(const Panel<float, Surface>& panel) {
+  return shape_kind(panel.surface());
+}
+
 template <template <typename> typename Shape>
 void set_kind(const AreaLight<float, Shape>& l, v1::Light* out) {
   v1::DiffuseAreaLight* area = out->mutable_diffuse_area();
@@ -143,6 +158,17 @@ void set_kind(const AreaLight<float, Shape>& l, v1::Light* out) {
     area->set_primitives(l.shape().size());
   } else {
     area->set_primitives(1);
+  }
+  if constexpr (requires { l.shape().picture(); }) {
+    const Picture& picture = l.shape().picture();
+    set(*picture.image, picture.filter, picture.name, area->mutable_image());
+  } else if constexpr (requires { l.shape().profile(); }) {
+    const PanelProfile& profile = l.shape().profile();
+    set(*profile.web, profile.file, profile.format, area->mutable_profile());
+    // That of a surface that shines alike in all directions with the same flux.
+    const double sides = l.emission().two_sided ? 2 : 1;
+    set(l.power({}).lumens / (sides * std::numbers::pi * l.area_m2()),
+        area->mutable_radiance_cd_m2());
   }
 }
 

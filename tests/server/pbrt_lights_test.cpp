@@ -260,8 +260,6 @@ TEST(PbrtLights, EmissionNeverGoesIntoObjects) {
 
 TEST(PbrtLights, WhatIsNotModelledIsLeftOutAndRemarkedOn) {
   const std::pair<const char*, const char*> kCases[] = {
-      {"AreaLightSource \"diffuse\" \"string filename\" \"x.exr\" Shape \"disk\" Shape \"disk\"",
-       "1:38 an area light with an image is not modelled yet -> left out\n"},
       {"LightSource \"point\" \"float power\" 0",
        "1:32 \"power\" 0 is taken as not given -> the level that \"I\" says\n"},
   };

@@ -57,6 +57,31 @@ TEST(Ply, AsciiAndBothBinariesGiveTheSameMeshWithQuadsSplit) {
   }
 }
 
+TEST(Ply, CoordinatesOfPicturesAreReadByAnyOfTheirNames) {
+  for (const auto& [u, v] :
+       {std::pair{"u", "v"}, {"s", "t"}, {"texture_u", "texture_v"}, {"texture_s", "texture_t"}}) {
+    const auto mesh = parse_ply(
+        ascii(std::string("element vertex 3\nproperty float ") + v +
+              "\nproperty float x\nproperty float y\nproperty float z\nproperty float " + u +
+              "\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+              "0.5 0 0 0 0.25\n0 1 0 0 1\n1 0 1 0 0\n3 0 1 2\n"));
+    ASSERT_TRUE(mesh.ok()) << mesh.status();
+    EXPECT_THAT(mesh->uv,
+                ElementsAre(Vec2<float>{0.25F, 0.5F}, Vec2<float>{1, 0}, Vec2<float>{0, 1}));
+  }
+  const auto half =
+      parse_ply(ascii("element vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+                      "property float u\nelement face 1\nproperty list uchar int vertex_indices\n"
+                      "end_header\n0 0 0 1\n1 0 0 1\n0 1 0 1\n3 0 1 2\n"));
+  ASSERT_TRUE(half.ok());
+  EXPECT_TRUE(half->uv.empty());
+  EXPECT_THAT(error_of(ascii("element vertex 1\nproperty float x\nproperty float y\n"
+                             "property float z\nproperty float u\nproperty float v\n"
+                             "element face 0\nproperty list uchar int vertex_indices\n"
+                             "end_header\n0 0 0 1 nan\n")),
+              HasSubstr("the u, v of vertex 0 are not finite"));
+}
+
 TEST(Ply, OtherPropertiesElementsAndTypesAreSkipped) {
   const auto mesh = parse_ply(ascii(
       "comment anything\nobj_info anything\n"

@@ -83,7 +83,7 @@ TEST_P(Reference, PictureAgreesWithPbrt4) {
 INSTANTIATE_TEST_SUITE_P(Scenes, Reference,
                          ::testing::Values("point", "point_power", "spot", "spot_hard", "distant",
                                            "triangle", "rectangle", "rectangle_near", "two_sided",
-                                           "sphere", "disk", "cylinder", "goniometric",
+                                           "sphere", "disk", "cylinder", "textured", "goniometric",
                                            "projection", "infinite", "environment", "portal",
                                            "many_points", "many_triangles", "bounces", "blackbody"),
                          [](const auto& info) { return info.param; });

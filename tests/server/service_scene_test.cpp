@@ -1,4 +1,9 @@
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
 #include "service_fixture.h"
+#include "tests/server/pbrt_fixture.h"
 
 namespace lucerna::testing {
 namespace {
@@ -12,6 +17,36 @@ class SceneServiceTest : public ::testing::Test {
   }
   Service service_;
 };
+
+TEST_F(SceneServiceTest, ListsTheImageOfAnAreaLight) {
+  const std::string id = service_.load("textured.pbrt");
+  v1::ListLightsRequest list;
+  list.set_scene_id(id);
+  v1::ListLightsResponse lights;
+  ASSERT_TRUE(ask([&](auto* c) { return service_.scenes.ListLights(c, list, &lights); }).ok());
+  ASSERT_EQ(lights.lights_size(), 1);
+  const v1::Light& light = lights.lights(0);
+  EXPECT_FALSE(light.delta());
+  EXPECT_NEAR(light.area_m2(), 2.4 * 1.6, 1e-6);
+  EXPECT_EQ(light.diffuse_area().shape(), v1::AREA_SHAPE_BILINEAR_MESH);
+  EXPECT_EQ(light.diffuse_area().primitives(), 1U);
+  EXPECT_TRUE(light.diffuse_area().two_sided());
+  EXPECT_EQ(light.diffuse_area().radiance_cd_m2().g(), 5);
+  const v1::ImageInfo& image = light.diffuse_area().image();
+  EXPECT_EQ(image.name(), "screen.exr");
+  EXPECT_EQ(image.filter(), v1::IMAGE_FILTER_BILINEAR);
+  EXPECT_EQ(image.width(), 16U);
+  EXPECT_EQ(image.height(), 16U);
+  EXPECT_GT(light.power_lm(), 0);
+  EXPECT_EQ(light.power_error_lm(), 0);
+
+  v1::GetSceneRequest get;
+  get.set_scene_id(id);
+  v1::GetSceneResponse scene;
+  ASSERT_TRUE(ask([&](auto* c) { return service_.scenes.GetScene(c, get, &scene); }).ok());
+  const auto is_images = [](const v1::ScenePart& part) { return part.name() == "images"; };
+  EXPECT_EQ(std::count_if(scene.parts().begin(), scene.parts().end(), is_images), 1);
+}
 
 TEST_F(SceneServiceTest, LoadsListsAndReleasesAScene) {
   v1::LoadSceneResponse loaded, again;
@@ -132,4 +167,47 @@ TEST_F(SceneServiceTest, TellsWhatTheServerIs) {
 }
 
 }  // namespace
+TEST(ServicePanel, TellsItsPhotometryAndShowsIt) {
+  const SceneFiles files;
+  // 200 cd towards C0 at 60 degrees, 100 cd straight down, nothing to the other half.
+  files.write("lamp.ies",
+              "TILT=NONE\n1 -1 1 3 3 1 2 0.5 0.5 0\n1 1 10\n0 60 90\n0 90 180\n"
+              "100 200 0\n100 0 0\n100 0 0\n");
+  files.write("scene.pbrt",
+              "WorldBegin\nAreaLightSource \"diffuse\" \"string profile\" \"lamp.ies\" "
+              "Shape \"bilinearmesh\" \"point3 P\" [0 0 0 2 0 0 0 1 0 2 1 0]");
+  rpc::ServerOptions options = service_options();
+  options.scene_root = files.path().string();
+  Service service(options);
+  const std::string id = service.load("scene.pbrt");
+  v1::ListLightsRequest list;
+  list.set_scene_id(id);
+  v1::ListLightsResponse lights;
+  ASSERT_TRUE(ask([&](auto* c) { return service.scenes.ListLights(c, list, &lights); }).ok());
+  ASSERT_EQ(lights.lights_size(), 1);
+  const v1::DiffuseAreaLight& area = lights.lights(0).diffuse_area();
+  EXPECT_EQ(area.profile().name(), "lamp.ies");
+  EXPECT_EQ(area.profile().format(), "IES LM-63-1986, type C");
+  EXPECT_NEAR(area.profile().flux_lm(), lights.lights(0).power_lm(), 1e-9);
+  EXPECT_EQ(lights.lights(0).power_error_lm(), 0);
+  EXPECT_FALSE(area.has_image());
+  // Flux / (pi A).
+  EXPECT_NEAR(area.radiance_cd_m2().g(), lights.lights(0).power_lm() / (2 * std::numbers::pi),
+              1e-9);
+
+  // Looking at its middle from 60 degrees off its normal, towards C0 and away from it.
+  v1::LeRequest request;
+  request.set_scene_id(id);
+  for (const float x : {1.0F, -1.0F}) {
+    for (const float v : {1 + x * std::sqrt(3.0F), 0.5F, 1.0F})
+      request.mutable_points()->add_offsets_m(v);
+    for (const float v : {-x * std::sqrt(3.0F), 0.0F, -1.0F}) request.add_directions(v);
+  }
+  v1::LeResponse seen;
+  ASSERT_TRUE(ask([&](auto* c) { return service.lighting.Le(c, request, &seen); }).ok());
+  // I / (A cos): 200 / (2 / 2).
+  EXPECT_NEAR(seen.radiance_cd_m2()[1], 200, 1e-3);
+  EXPECT_NEAR(seen.radiance_cd_m2()[4], 0, 1e-3);
+}
+
 }  // namespace lucerna::testing

@@ -1,0 +1,78 @@
+#include "lights/panel.h"
+
+#include <absl/status/status.h>
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace lucerna {
+
+template <typename Real, template <typename> typename Surface>
+absl::StatusOr<Panel<Real, Surface>> Panel<Real, Surface>::create(Surface<Real> surface,
+                                                                  PanelProfile profile) {
+  // A thousandth turns the photometry by less than its own angles are measured to.
+  constexpr double kFlat = 1e-3;
+  const NormalCone<Real> normals = surface.normals();
+  if (!(normals.half_angle_rad <= kFlat))
+    return absl::InvalidArgumentError(
+        fmt::format("panel.surface has normals up to {:.3g} rad from their mean, allowed for a "
+                    "profile: flat, up to {} rad",
+                    normals.half_angle_rad, kFlat));
+  const Vec3<double> n = normalized(Vec3<double>(normals.axis));
+  const Vec3<double>& t = profile.tangent;
+  const Vec3<double> along = normalized(t);
+  const Vec3<double> s = along - n * dot(along, n);
+  if (!is_finite(t) || !(length(s) > kFlat))
+    return absl::InvalidArgumentError(fmt::format(
+        "panel.tangent = ({}, {}, {}), allowed: finite, not along the normal ({}, {}, {})", t.x,
+        t.y, t.z, n.x, n.y, n.z));
+  Frame<double> axes;
+  axes.n = n;
+  axes.s = normalized(s);
+  axes.t = profile.mirrored ? cross(axes.s, n) : cross(n, axes.s);
+  return Panel(Data{std::move(surface), std::move(profile), axes});
+}
+
+template <typename Real, template <typename> typename Surface>
+double Panel<Real, Surface>::radiance(const Vec3<double>& w) const {
+  const Vec3<double> local = data_->axes.local_from_world(w);
+  const double cd = data_->profile.web->at(local);
+  return cd > 0 ? cd / std::fabs(local.z) / area() : 0;
+}
+
+template <typename Real, template <typename> typename Surface>
+Vec3<double> Panel<Real, Surface>::sample_direction(Vec2<double> u) const {
+  return data_->axes.world_from_local(data_->profile.web->sample(u));
+}
+
+template <typename Real, template <typename> typename Surface>
+SolidAnglePdf<double> Panel<Real, Surface>::pdf_direction(const Vec3<double>& w) const {
+  return data_->profile.web->pdf(data_->axes.local_from_world(w));
+}
+
+template <typename Real, template <typename> typename Surface>
+double Panel<Real, Surface>::flux_lm(bool two_sided) const {
+  const PhotometricWeb& web = *data_->profile.web;
+  return two_sided ? web.flux_lm() : web.downward_flux_lm();
+}
+
+template <typename Real, template <typename> typename Surface>
+NormalCone<Real> Panel<Real, Surface>::directions(bool two_sided) const {
+  const EmissionCone& cone = data_->profile.web->cone();
+  const NormalCone<Real> whole{Vec3<Real>(data_->axes.world_from_local(cone.axis)),
+                               cone.half_angle_rad};
+  // Normals that differ leave each its hemisphere.
+  const double hemisphere = std::numbers::pi / 2 + data_->surface.normals().half_angle_rad;
+  if (two_sided || whole.half_angle_rad <= hemisphere) return whole;
+  return {Vec3<Real>(data_->axes.n), hemisphere};
+}
+
+template class Panel<float, TriangleMesh>;
+template class Panel<double, TriangleMesh>;
+template class Panel<float, PatchMesh>;
+template class Panel<double, PatchMesh>;
+template class Panel<float, Disk>;
+template class Panel<double, Disk>;
+
+}  // namespace lucerna

@@ -1,0 +1,57 @@
+// Pictures on surfaces: how they lie there, and their integrals over area.
+#pragma once
+
+#include <array>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "lights/image.h"
+
+namespace lucerna {
+
+/// A picture by the coordinates (u, v) of a surface: u to the right, v upwards, from 0 to 1.
+/// Beyond its border the border goes on.
+struct Picture {
+  std::shared_ptr<const Image> image;  ///< not null
+  ImageFilter filter = ImageFilter::kBilinear;
+  std::string name;  ///< as ListLights tells it
+
+  Rgb<double> at(Vec2<double> uv) const {
+    return image->lookup({uv.x, 1 - uv.y}, filter, ImageBorder::kClamp);
+  }
+  /// The largest value of each channel.
+  Rgb<double> brightest() const;
+};
+
+/// A picture integrated over a surface's area.
+struct PaintedArea {
+  Rgb<double> m2;
+  double error_m2{};  ///< bound on the error of the luminance of `m2`; 0 where it is exact
+};
+
+/// The mean over a surface of which the share `area_below(v)` has coordinates less than v, whatever
+/// u; `area_below_integral(v)` is the integral of that from 0 to v.  Exact.
+Rgb<double> mean_over_rows(const Picture& picture, const std::function<double(double)>& area_below,
+                           const std::function<double(double)>& area_below_integral);
+
+/// The mean over the triangle of three (u, v); of one without extent that at its middle.  Exact:
+/// the picture is cut into polygons on which it is bilinear.
+Rgb<double> mean_over_triangle(const Picture& picture, const std::array<Vec2<double>, 3>& uv);
+
+/// For integrals against smooth functions of (u, v): the picture's moments with the Legendre
+/// polynomials up to degree 8 in each coordinate, which are exact.
+class PictureMoments {
+ public:
+  explicit PictureMoments(const Picture& picture);
+  /// The integral of the picture times `f` over the square, `f` not negative.  Exact where `f` is a
+  /// polynomial of those degrees; else the error is what the coefficients of degree 7 and 8 amount
+  /// to, beyond which those of a smooth function are smaller still.
+  PaintedArea times(const std::function<double(Vec2<double>)>& f) const;
+
+ private:
+  static constexpr int kTerms = 9;
+  std::array<std::array<Rgb<double>, kTerms>, kTerms> moments_;  ///< [degree in u][degree in v]
+};
+
+}  // namespace lucerna

@@ -1,0 +1,272 @@
+#include "lights/painted.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "lights/light.h"
+#include "tests/lights/area_helpers.h"
+
+namespace lucerna::testing {
+namespace {
+
+using ::testing::HasSubstr;
+
+Picture grey(int width, int height, const std::vector<float>& values,
+             ImageFilter filter = ImageFilter::kNearest) {
+  std::vector<Rgb<float>> texels;
+  for (const float v : values) texels.emplace_back(v);
+  return {*Image::create(width, height, std::move(texels)), filter, "grey"};
+}
+
+PaintedPatchMesh<double> screen(Picture picture, std::vector<Vec2<float>> corner_uv = {}) {
+  return *PaintedPatchMesh<double>::create(
+      *PatchMesh<double>::create({{{0, 0, 0}, {2, 0, 0}, {0, 1, 0}, {2, 1, 0}}}),
+      std::move(picture), std::move(corner_uv));
+}
+
+/// Value over density of position is the same for all rays: nothing varies but the cosine, which
+/// is taken as it comes.
+template <typename Shape>
+void expect_no_variance(const Shape& shape) {
+  RandomU random(3);
+  double first = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const auto s = shape.sample({Vec3<double>{0.3, 0.2, 5}}, random.pair<double>());
+    const double ratio = luminance(shape.tint(s.point)) / shape.pdf_area(s.point).per_m2;
+    if (i == 0) first = ratio;
+    EXPECT_NEAR(ratio, first, 1e-9 * first);
+  }
+  EXPECT_NEAR(first, luminance(shape.painted_area().m2), 1e-9 * first);
+}
+
+TEST(Painted, PointsAreChosenInProportionWhereTheMapKeepsArea) {
+  const std::vector<float> values{1, 5, 0.25F, 3, 9, 2};
+  for (const ImageFilter filter : {ImageFilter::kNearest, ImageFilter::kBilinear}) {
+    expect_no_variance(screen(grey(3, 2, values, filter)));
+    expect_no_variance(*PaintedCylinder<double>::create(
+        *Cylinder<double>::create({.radius_m = 0.5, .reverse_orientation = true}),
+        grey(3, 2, values, filter)));
+  }
+  // Texel by texel on curved shapes too.
+  expect_no_variance(
+      *PaintedDisk<double>::create(*Disk<double>::create({.radius_m = 2}), grey(3, 2, values)));
+  expect_no_variance(
+      *PaintedSphere<double>::create(*Sphere<double>::create({}), grey(3, 2, values)));
+}
+
+TEST(Painted, CoordinatesAreThoseOfPbrt4) {
+  const auto uv_on = [](const auto& shape, const Vec3<double>& p) {
+    return shape.uv({p, {0, 0, 1}});
+  };
+  const Picture one = grey(1, 1, {1});
+  const auto expect_uv = [](Vec2<double> uv, double u, double v) {
+    EXPECT_NEAR(uv.x, u, 1e-12);
+    EXPECT_NEAR(uv.y, v, 1e-12);
+  };
+  const auto disk = *PaintedDisk<double>::create(
+      *Disk<double>::create({.radius_m = 2, .inner_radius_m = 1}), one);
+  expect_uv(uv_on(disk, {0, 2, 0}), 0.25, 0);
+  expect_uv(uv_on(disk, {-1.5, 0, 0}), 0.5, 0.5);
+  const auto sphere = *PaintedSphere<double>::create(*Sphere<double>::create({}), one);
+  expect_uv(uv_on(sphere, {0, 0, -1}), 0, 0);
+  expect_uv(uv_on(sphere, {0, -1, 0}), 0.75, 0.5);
+  expect_uv(uv_on(sphere, {std::sqrt(0.5), 0, std::sqrt(0.5)}), 0, 0.75);
+  const auto tube = *PaintedCylinder<double>::create(
+      *Cylinder<double>::create({.z_min_m = 1, .z_max_m = 3, .phi_max_rad = kPi}), one);
+  expect_uv(uv_on(tube, {0, 1, 2.5}), 0.5, 0.75);
+  expect_uv(uv_on(screen(one), {1.5, 0.25, 0}), 0.75, 0.25);
+}
+
+TEST(Painted, TheFirstRowOfThePictureIsAtTheTop) {
+  const auto shape = screen(grey(2, 2, {1, 2, 3, 4}));
+  EXPECT_EQ(shape.tint({{0.5, 0.75, 0}, {0, 0, 1}}).r, 1);
+  EXPECT_EQ(shape.tint({{1.5, 0.75, 0}, {0, 0, 1}}).r, 2);
+  EXPECT_EQ(shape.tint({{0.5, 0.25, 0}, {0, 0, 1}}).r, 3);
+  EXPECT_EQ(shape.tint({{1.5, 0.25, 0}, {0, 0, 1}}).r, 4);
+}
+
+TEST(Painted, BlackTexelsAreNeverChosen) {
+  const auto shape = screen(grey(4, 1, {0, 1e9F, 1, 0}));
+  RandomU random(4);
+  int faint = 0;
+  for (int i = 0; i < 10000; ++i) {
+    const auto s = shape.sample(Vec3<double>{1, 1, 1}, random.pair<double>());
+    EXPECT_GT(s.point.position.x, 0.5);
+    EXPECT_LT(s.point.position.x, 1.5);
+    faint += s.point.position.x > 1 ? 1 : 0;
+  }
+  EXPECT_LE(faint, 1);  // 1e-5 expected
+  // And one that does not vanish beside 1e9 is found where u says so.
+  const auto s = shape.sample(Vec3<double>{1, 1, 1}, Vec2<double>{1, 0.5});
+  EXPECT_GT(s.point.position.x, 1);
+  EXPECT_GT(s.pdf.per_sr, 0);
+}
+
+TEST(Painted, ABlackPictureIsABlackLight) {
+  const auto light =
+      *AreaLight<double, PaintedPatchMesh>::create({Rgb<double>(1)}, screen(grey(2, 1, {0, 0})));
+  const auto s = light.sample_li(Vec3<double>{1, 0.5, 1}, {0.25, 0.5});
+  EXPECT_EQ(s.reason, NoLight::kBlack);
+  EXPECT_GT(s.pdf.per_sr, 0);
+  EXPECT_EQ(light.sample_le({0.5, 0.5}, {0.5, 0.5}, {}).reason, NoLight::kBlack);
+  EXPECT_TRUE(light.power({}).lumens.is_black());
+}
+
+TEST(Painted, PowerOfADiskWeighsRowsByTheirRings) {
+  // v = 1 - r on a whole disk: the upper row is the inner half of the radius, a quarter of area.
+  const auto light = *AreaLight<double, PaintedDisk>::create(
+      {Rgb<double>(10)},
+      *PaintedDisk<double>::create(*Disk<double>::create({}), grey(1, 2, {4, 1})));
+  EXPECT_NEAR(light.power({}).lumens.g, 10 * kPi * kPi * (4 * 0.25 + 1 * 0.75), 1e-10);
+  EXPECT_EQ(light.power({}).error_lumens, 0);
+  // pbrt's Phi takes half of each.
+  const Power phi = light.power_approximate({});
+  EXPECT_NEAR(phi.lumens.g, 10 * kPi * kPi * 2.5, 1e-10);
+  EXPECT_NEAR(phi.error_lumens, 10 * kPi * kPi * 0.75, 1e-10);
+}
+
+TEST(Painted, PowerOfASphereWeighsRowsByTheirZones) {
+  // Zones of 45 degrees, the polar ones of 1 - cos(45 degrees) of the hemisphere each.
+  const auto light = *AreaLight<double, PaintedSphere>::create(
+      {Rgb<double>(1)},
+      *PaintedSphere<double>::create(*Sphere<double>::create({}), grey(1, 4, {3, 1, 5, 7})));
+  const double polar = (1 - std::sqrt(0.5)) / 2, equatorial = std::sqrt(0.5) / 2;
+  EXPECT_NEAR(light.power({}).lumens.r, 4 * kPi * kPi * ((3 + 7) * polar + (1 + 5) * equatorial),
+              1e-10);
+}
+
+TEST(Painted, PowerOfASaddleIsWithinItsError) {
+  const auto p = [](double x, double y) { return Vec3<double>{x, y, x * y}; };
+  const Picture picture = grey(2, 2, {1, 6, 3, 2}, ImageFilter::kBilinear);
+  const auto saddle = *PaintedPatchMesh<double>::create(
+      *PatchMesh<double>::create({{p(-1, -1), p(1, -1), p(-1, 1), p(1, 1)}}), picture);
+  constexpr int kGrid = 2000;
+  double sum = 0;
+  for (int i = 0; i < kGrid; ++i)
+    for (int j = 0; j < kGrid; ++j) {
+      const double u = (i + 0.5) / kGrid, v = (j + 0.5) / kGrid;
+      const double x = 2 * u - 1, y = 2 * v - 1;
+      sum += picture.at({u, v}).r * std::sqrt(1 + x * x + y * y) * 4 / (double(kGrid) * kGrid);
+    }
+  const PaintedArea& area = saddle.painted_area();
+  EXPECT_GT(area.error_m2, 0);
+  EXPECT_LT(area.error_m2, 1e-3 * sum);
+  EXPECT_NEAR(area.m2.r, sum, area.error_m2 + 1e-6 * sum);
+}
+
+TEST(Painted, PatchesThatShowAPartAreSampledByAreaAndMeasuredByPoints) {
+  // The right half of the picture on a square: texels 5 and 9.
+  const auto shape = screen(grey(2, 2, {1, 5, 2, 9}), {{0.5F, 0}, {1, 0}, {0.5F, 1}, {1, 1}});
+  EXPECT_FALSE(shape.is_by_picture());
+  EXPECT_NEAR(shape.painted_area().m2.r, 5 + 9, 1e-9);
+}
+
+TEST(Painted, TwoTrianglesThatShowItTogetherAreSampledByThePicture) {
+  const std::vector<float> values{1, 5, 0.25F, 3, 9, 2};
+  const auto two = [&](std::vector<Vec2<float>> uv) {
+    return *PaintedTriangleMesh<double>::create(
+        *TriangleMesh<double>::create(
+            {{{0, 0, 0}, {2, 0, 0}, {2, 1, 0}}, {{0, 0, 0}, {2, 1, 0}, {0, 1, 0}}}),
+        grey(3, 2, values), std::move(uv));
+  };
+  expect_no_variance(two({{0, 0}, {1, 0}, {1, 1}, {0, 0}, {1, 1}, {0, 1}}));
+  expect_no_variance(two({{1, 1}, {1, 0}, {0, 0}, {1, 1}, {0, 0}, {0, 1}}));
+  // The same half twice, and a part.
+  EXPECT_FALSE(two({{0, 0}, {1, 0}, {1, 1}, {0, 0}, {1, 0}, {1, 1}}).is_by_picture());
+  EXPECT_FALSE(two({{0, 0}, {0.5F, 0}, {1, 1}, {0, 0}, {1, 1}, {0, 1}}).is_by_picture());
+}
+
+TEST(Painted, AFoldedPatchIsSampledByArea) {
+  // A bow tie: its sides cross.
+  const auto bow = *PaintedPatchMesh<double>::create(
+      *PatchMesh<double>::create({{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}}),
+      grey(2, 1, {1, 2}));
+  EXPECT_FALSE(bow.is_by_picture());
+}
+
+TEST(Painted, CornersThatAreNoneAreRefused) {
+  const auto mesh = *TriangleMesh<float>::create({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}});
+  const auto without = PaintedTriangleMesh<float>::create(mesh, grey(1, 1, {1}));
+  EXPECT_THAT(std::string(without.status().message()),
+              HasSubstr("corner_uv has 0 entries, allowed: one for each of 3 corners"));
+  const auto bad =
+      PaintedTriangleMesh<float>::create(mesh, grey(1, 1, {1}), {{0, 0}, {1, 0}, {0, INFINITY}});
+  EXPECT_THAT(std::string(bad.status().message()), HasSubstr("corner_uv[2]"));
+}
+
+TEST(Painted, ATexelTimesTheLevelMustFit) {
+  const auto light = AreaLight<float, PaintedDisk>::create(
+      {Rgb<double>(1e30)},
+      *PaintedDisk<float>::create(*Disk<float>::create({}), grey(1, 1, {1e10F})));
+  EXPECT_THAT(std::string(light.status().message()),
+              HasSubstr("area.radiance of the brightest texel = (1"));
+}
+
+// ---- Integrals of pictures. ----
+
+TEST(MeanOverTriangle, IsThatOfManyPoints) {
+  const Picture picture = grey(3, 2, {1, 5, 0, 3, 9, 2}, ImageFilter::kBilinear);
+  // The last reaches beyond the picture on three sides.
+  const std::array<Vec2<double>, 3> triangles[] = {
+      {{{0.1, 0.2}, {0.9, 0.3}, {0.4, 0.95}}},
+      {{{0, 0}, {1, 0}, {1, 1}}},
+      {{{-0.5, 0.5}, {1.5, -0.25}, {0.75, 1.5}}},
+  };
+  for (const auto& t : triangles) {
+    for (const ImageFilter filter : {ImageFilter::kNearest, ImageFilter::kBilinear}) {
+      Picture p = picture;
+      p.filter = filter;
+      constexpr int kGrid = 1000;
+      double sum = 0;
+      for (int i = 0; i < kGrid * kGrid; ++i) {
+        const double s = std::sqrt((i / kGrid + 0.5) / kGrid), r = (i % kGrid + 0.5) / kGrid;
+        const double a = 1 - s, b = s * r, c = s * (1 - r);
+        sum += p.at({a * t[0].x + b * t[1].x + c * t[2].x, a * t[0].y + b * t[1].y + c * t[2].y}).r;
+      }
+      // The points miss edges of texels by a thousandth of the triangle.
+      const double tolerance = filter == ImageFilter::kNearest ? 5e-3 : 1e-5;
+      EXPECT_NEAR(mean_over_triangle(p, t).r, sum / (kGrid * kGrid), tolerance);
+    }
+  }
+}
+
+TEST(MeanOverTriangle, TwoTrianglesMakeTheSquare) {
+  for (const ImageFilter filter : {ImageFilter::kNearest, ImageFilter::kBilinear}) {
+    const Picture picture = grey(3, 2, {1, 5, 0, 3, 9, 2}, filter);
+    const Vec2<double> a{0, 0}, b{1, 0}, c{1, 1}, d{0, 1};
+    EXPECT_NEAR(
+        (mean_over_triangle(picture, {a, b, c}).r + mean_over_triangle(picture, {c, d, a}).r) / 2,
+        picture.image->mean().r, 1e-13);
+  }
+}
+
+TEST(MeanOverTriangle, WithoutExtentIsTheValueAtItsMiddle) {
+  const Picture picture = grey(2, 1, {1, 5});
+  EXPECT_EQ(mean_over_triangle(picture, {Vec2<double>{0.75, 0.5}, {0.75, 0.5}, {0.75, 0.5}}).r, 5);
+}
+
+TEST(PictureMoments, AreExactForPolynomials) {
+  // The integral of u^3 v over each texel of a 2 x 1 picture, by hand: u^4/4 and v^2/2.
+  const Picture picture = grey(2, 1, {1, 5});
+  const PaintedArea area =
+      PictureMoments(picture).times([](Vec2<double> p) { return p.x * p.x * p.x * p.y; });
+  EXPECT_NEAR(area.m2.r, (1 * 1.0 / 64 + 5 * (1.0 / 4 - 1.0 / 64)) / 2, 1e-14);
+  EXPECT_EQ(area.error_m2, 0);
+  // v runs upwards: of 1 below and 5 above, v weighs the upper more.
+  const PaintedArea upwards =
+      PictureMoments(grey(1, 2, {5, 1})).times([](Vec2<double> p) { return p.y; });
+  EXPECT_NEAR(upwards.m2.r, 5 * 3.0 / 8 + 1 * 1.0 / 8, 1e-14);
+}
+
+TEST(PictureMoments, SayTheirErrorForOthers) {
+  const Picture picture = grey(1, 1, {3});
+  const PaintedArea area =
+      PictureMoments(picture).times([](Vec2<double> p) { return 1 / (0.25 + p.x); });
+  EXPECT_GT(area.error_m2, 0);
+  EXPECT_NEAR(area.m2.r, 3 * std::log(5.0), area.error_m2);
+}
+
+}  // namespace
+}  // namespace lucerna::testing
