@@ -140,6 +140,7 @@ v1::SampleLiRequest part(const v1::SampleLiRequest& request, std::size_t first, 
   keep(first, count, 3, request.normals(), result.mutable_normals());
   if (request.has_position_error_m()) result.set_position_error_m(request.position_error_m());
   if (request.has_accuracy()) *result.mutable_accuracy() = request.accuracy();
+  *result.mutable_wavelengths_nm() = request.wavelengths_nm();
   return result;
 }
 
@@ -228,6 +229,7 @@ v1::EstimateIrradianceRequest part(const v1::EstimateIrradianceRequest& request,
   if (request.has_time_s()) result.set_time_s(request.time_s());
   if (request.has_position_error_m()) result.set_position_error_m(request.position_error_m());
   if (request.has_accuracy()) *result.mutable_accuracy() = request.accuracy();
+  *result.mutable_wavelengths_nm() = request.wavelengths_nm();
   return result;
 }
 
@@ -245,6 +247,7 @@ void append(const v1::SampleLiResponse& next, v1::SampleLiResponse* whole) {
   append_all(next.light_ids(), whole->mutable_light_ids());
   append_all(next.selection_probability(), whole->mutable_selection_probability());
   append_status(next.status(), count, before, whole->mutable_status());
+  append_all(next.spectral_value(), whole->mutable_spectral_value());
   append_cost(next.cost(), whole->mutable_cost());
 }
 
@@ -305,6 +308,7 @@ void append(const v1::EstimateIrradianceResponse& next, v1::EstimateIrradianceRe
   append_all(next.illuminance_lx(), whole->mutable_illuminance_lx());
   append_all(next.standard_error_lx(), whole->mutable_standard_error_lx());
   append_all(next.zero_bound_lx(), whole->mutable_zero_bound_lx());
+  append_all(next.spectral_irradiance(), whole->mutable_spectral_irradiance());
   // Every batch names the same lights in the same order.
   for (int i = 0; i < next.shares_size(); ++i) {
     v1::LightShare* share =

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 #include <utility>
 
 #include "lights/cie.h"
@@ -117,15 +116,15 @@ Vec3<double> tristimulus(std::span<const double> wavelengths_nm, std::span<const
   std::ranges::sort(nodes);
   const std::span<const Vec3<double>> observer = cie::observer();
   for (std::size_t i = 1; i < nodes.size(); ++i) {
-    // Simpson's rule: exact, as both factors are linear within.
     const double a = std::max(nodes[i - 1], wavelengths_nm.front());
     const double b = std::min(nodes[i], wavelengths_nm.back());
     if (!(b > a)) continue;
-    const double m = std::midpoint(a, b);
-    const auto product = [&](double nm) {
-      return between(observer, nm) * interpolate(wavelengths_nm, values, nm);
-    };
-    xyz += (product(a) + product(m) * 4.0 + product(b)) * ((b - a) / 6);
+    // Exact, as both factors are linear within; without a point between, as a line may be so narrow
+    // that no double lies there.
+    const double at_a = interpolate(wavelengths_nm, values, a);
+    const double at_b = interpolate(wavelengths_nm, values, b);
+    xyz += (between(observer, a) * (2 * at_a + at_b) + between(observer, b) * (at_a + 2 * at_b)) *
+           ((b - a) / 6);
   }
   return xyz;
 }
@@ -196,7 +195,7 @@ absl::StatusOr<Spectrum> Spectrum::create(SampledSpectrum source) {
   const Vec3<double> xyz = tristimulus(source.wavelengths_nm, relative);
   const double per_lumen = 1 / (cie::kLumensPerWatt * xyz.y);
   const double watts = total(source.wavelengths_nm, relative) * per_lumen;
-  if (!(xyz.y > 0) || !std::isfinite(per_lumen) || !std::isfinite(watts))
+  if (!(xyz.y > 0) || !(per_lumen <= kMostWattsPerLumen) || !(watts <= kMostWattsPerLumen))
     return absl::FailedPreconditionError("a spectrum of which the eye sees nothing");
   Spectrum s(std::move(source), xyz);
   s.largest_ = largest;

@@ -41,6 +41,10 @@ struct CieIlluminant {
   std::string name;  ///< "A", "D65", "F2"
 };
 
+/// Spectra have no more than this: its product with the flux of any light whose values are floats
+/// is a double.  (A black body of 100 K, as dark as they may be, has 4e72.)
+inline constexpr double kMostWattsPerLumen = 1e100;
+
 /// Immutable.  All that can fail fails in the `create` functions.
 class Spectrum {
  public:
@@ -50,12 +54,12 @@ class Spectrum {
   static absl::StatusOr<Spectrum> create(const BlackBody& source);
   /// Errors: a name that colord-data has no table of.
   static absl::StatusOr<Spectrum> create(const CieIlluminant& source);
-  /// Errors: those of check_samples; nothing that the eye sees (FAILED_PRECONDITION).
+  /// Errors: those of check_samples; nothing that the eye sees, which are less than
+  /// 1 / kMostWattsPerLumen [lm/W] (FAILED_PRECONDITION).
   static absl::StatusOr<Spectrum> create(SampledSpectrum source);
 
   const Source& source() const { return source_; }
-  /// s(nm) [W/nm per lm]: 683 lm/W times the integral of s y is 1.  Infinite where a cold black
-  /// body has more than a double holds.
+  /// s(nm) [W/nm per lm]: 683 lm/W times the integral of s y is 1.  Finite.
   double per_lumen(double nm) const;
   /// Of the whole spectrum, a black body's over all wavelengths [W per lm].
   double watts_per_lumen() const { return watts_per_lumen_; }

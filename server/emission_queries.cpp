@@ -1,11 +1,14 @@
 #include "server/emission_queries.h"
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "lights/sobol.h"
 #include "server/denormals.h"
 #include "server/parallel.h"
 #include "server/path.h"
+#include "server/spectral_values.h"
 #include "server/visibility.h"
 
 namespace lucerna {
@@ -50,12 +53,18 @@ RayValues values_of(const SampleLeQuery& q, std::size_t i) {
   return v;
 }
 
-ItemResult put(const EmissionSample<float>& s, std::size_t i, const SampleLeAnswer& a) {
+ItemResult put(const EmissionSample<float>& s, std::uint32_t light, SpectralValues& spectral,
+               std::size_t i, const SampleLeAnswer& a) {
   if (s.reason != NoLight::kNone) return item_result(s.reason);
   const Vec3<float> value{s.value.r, s.value.g, s.value.b};
   if (!is_finite(value) || !is_finite(s.origin) || !is_finite(s.direction) ||
       !std::isfinite(s.pdf_position.per_m2) || !std::isfinite(s.pdf_direction.per_sr)) {
     return ItemResult::kOutOfRange;
+  }
+  if (spectral.size() > 0) {
+    std::vector<double> at(spectral.size());
+    spectral.add(light, Rgb<double>(s.value), at);
+    if (!store_spectral(at, a.spectral_value + i * at.size())) return ItemResult::kOutOfRange;
   }
   store(a.offsets_m, i, s.origin);
   store(a.directions, i, s.direction);
@@ -67,8 +76,8 @@ ItemResult put(const EmissionSample<float>& s, std::size_t i, const SampleLeAnsw
 }
 
 /// One ray of a light that is named or chosen here.
-ItemResult sample_ray(const Scene& scene, const SampleLeQuery& q, std::size_t i,
-                      const SampleLeAnswer& a) {
+ItemResult sample_ray(const Scene& scene, const SampleLeQuery& q, SpectralValues& spectral,
+                      std::size_t i, const SampleLeAnswer& a) {
   const RayValues u = values_of(q, i);
   std::uint32_t light = q.light.value_or(0);
   if (!q.light) {
@@ -83,7 +92,7 @@ ItemResult sample_ray(const Scene& scene, const SampleLeQuery& q, std::size_t i,
   }
   if (!u.valid) return ItemResult::kInvalidInput;
   return visit_light(scene.lights()[light], q.time_s, [&](const auto& l) {
-    return put(l.sample_le(u.position, u.direction, scene.sphere()), i, a);
+    return put(l.sample_le(u.position, u.direction, scene.sphere()), light, spectral, i, a);
   });
 }
 
@@ -97,6 +106,8 @@ WorkCounts le(const Scene& scene, const LeQuery& query, const LeAnswer& answer,
   parallel_chunks(query.points.size(), kGrain, stop, [&](std::size_t begin, std::size_t end) {
     const DenormalsAreZero denormals;
     std::uint64_t chunk_rays = 0;
+    SpectralValues spectral(scene, query.wavelengths_nm);
+    std::vector<double> at(spectral.size());
     for (std::size_t i = begin; i < end; ++i) {
       const ScenePoint p = to_scene(i);
       const Vec3<float> direction = triple(query.directions, i);
@@ -109,12 +120,14 @@ WorkCounts le(const Scene& scene, const LeQuery& query, const LeAnswer& answer,
         ++chunk_rays;
         Rgb<float> sum;
         std::uint64_t met = 0;
+        std::ranges::fill(at, 0);
         tracer.for_each_emitter(ray, hit, [&](std::uint32_t light, const Rgb<float>& radiance) {
           if (query.light && light != *query.light) return;
           if (met == 0) met = scene.lights()[light].id;
           sum += radiance;
+          spectral.add(light, Rgb<double>(radiance), at);
         });
-        if (is_finite(sum)) {
+        if (is_finite(sum) && store_spectral(at, answer.spectral_radiance + i * at.size())) {
           answer.light_ids[i] = met;
           answer.radiance_cd_m2[3 * i] = sum.r;
           answer.radiance_cd_m2[3 * i + 1] = sum.g;
@@ -137,8 +150,9 @@ WorkCounts sample_le(const Scene& scene, const SampleLeQuery& query, const Sampl
                      std::stop_token stop) {
   parallel_chunks(query.rays, kGrain, stop, [&](std::size_t begin, std::size_t end) {
     const DenormalsAreZero denormals;
+    SpectralValues spectral(scene, query.wavelengths_nm);
     for (std::size_t i = begin; i < end; ++i) {
-      answer.status[i] = static_cast<int>(sample_ray(scene, query, i, answer));
+      answer.status[i] = static_cast<int>(sample_ray(scene, query, spectral, i, answer));
     }
   });
   WorkCounts work;

@@ -9,6 +9,7 @@
 #include "server/denormals.h"
 #include "server/parallel.h"
 #include "server/path.h"
+#include "server/spectral_values.h"
 
 namespace lucerna {
 namespace {
@@ -60,6 +61,10 @@ IrradianceEstimate Estimate::result(double block_count, double samples_per_block
   return e;
 }
 
+/// Light of one point by the spectrum of the lights that it came from [lx]: [0] from lights that
+/// were given RGB, [1 + k] from those of the scene's spectrum k.  Empty where nobody asks.
+using BySpectrum = std::vector<Rgb<double>>;
+
 class IrradianceJob {
  public:
   IrradianceJob(const Scene& scene, std::span<const IrradiancePoint> points,
@@ -101,7 +106,9 @@ class IrradianceJob {
     const std::size_t lights = scene_.lights().size();
     Estimate total;
     std::vector<Estimate> shares(settings_.per_light ? lights : 0);
-    if (visit_all_) exact_lights(receiver, total, shares, work);
+    BySpectrum exact(settings_.wavelengths_nm.empty() ? 0 : scene_.spectra().size() + 1);
+    BySpectrum sampled(exact.size());
+    if (visit_all_) exact_lights(receiver, total, shares, exact, work);
     total.sampled = gather_ || (!visit_all_ && lights > 0);
     for (std::uint32_t b = 0; total.sampled && b < settings_.block_count; ++b) {
       const SobolSequence sequence(settings_.seed, settings_.first_item + p, b);
@@ -110,7 +117,7 @@ class IrradianceJob {
           stopped_ = true;
           return;
         }
-        sample(receiver, {sequence, i}, total, shares, work);
+        sample(receiver, {sequence, i}, total, shares, sampled, work);
       }
       work.samples += settings_.samples_per_block;
       total.end_block(settings_.samples_per_block);
@@ -121,6 +128,24 @@ class IrradianceJob {
     for (std::size_t l = 0; l < shares.size(); ++l)
       result_.per_light[p * lights + l] =
           shares[l].result(settings_.block_count, settings_.samples_per_block);
+    if (!exact.empty()) put_spectral(p, exact, sampled);
+  }
+
+  void put_spectral(std::size_t p, const BySpectrum& exact, const BySpectrum& sampled) const {
+    SpectralValues spectral(scene_, settings_.wavelengths_nm);
+    const std::span<double> at(result_.spectral.data() + p * spectral.size(), spectral.size());
+    const double samples = double(settings_.block_count) * settings_.samples_per_block;
+    for (std::uint32_t g = 0; g < exact.size(); ++g) {
+      std::optional<std::uint32_t> spectrum;
+      if (g > 0) spectrum = g - 1;
+      spectral.add(spectrum, exact[g] + sampled[g] / samples, at);
+    }
+  }
+
+  void add_to(BySpectrum& groups, std::uint32_t light, const Rgb<double>& lx) const {
+    if (groups.empty()) return;
+    const auto number = scene_.spectrum_number(light);
+    groups[number ? *number + 1 : 0] += lx;
   }
 
   bool is_delta(std::size_t light) const {
@@ -129,12 +154,13 @@ class IrradianceJob {
 
   // Delta lights have one direction each: one ray answers for them.
   void exact_lights(const SurfaceHit& receiver, Estimate& total, std::vector<Estimate>& shares,
-                    WorkCounts& work) const {
+                    BySpectrum& exact, WorkCounts& work) const {
     for (std::uint32_t l = 0; l < scene_.lights().size(); ++l) {
       if (is_delta(l)) {
         const Rgb<double> e(tracer_.direct(receiver, receiver.ng, l, 1, {}, work).value *
                             std::numbers::pi_v<float>);
         total.exact += e;
+        add_to(exact, l, e);
         if (!shares.empty()) shares[l].exact = e;
       } else if (!shares.empty()) {
         shares[l].sampled = true;
@@ -143,7 +169,7 @@ class IrradianceJob {
   }
 
   void sample(const SurfaceHit& receiver, const PathSample& s, Estimate& total,
-              std::vector<Estimate>& shares, WorkCounts& work) const {
+              std::vector<Estimate>& shares, BySpectrum& sampled, WorkCounts& work) const {
     constexpr float kPi = std::numbers::pi_v<float>;
     const Vec3<float>& n = receiver.ng;
     LightEstimate sum;
@@ -152,6 +178,7 @@ class IrradianceJob {
       sum.value += lx.value;
       sum.unshadowed += lx.unshadowed;
       if (!shares.empty()) shares[light].add(lx);
+      add_to(sampled, light, Rgb<double>(lx.value));
     };
     if (visit_all_) {
       for (std::uint32_t l = 0; l < scene_.lights().size(); ++l)
@@ -200,6 +227,7 @@ IrradianceResult estimate_irradiance(const Scene& scene, std::span<const Irradia
   IrradianceResult result;
   result.points.resize(points.size());
   if (settings.per_light) result.per_light.resize(points.size() * scene.lights().size());
+  result.spectral.resize(points.size() * settings.wavelengths_nm.size());
   IrradianceJob job(scene, points, settings, stop, result);
   const std::uint64_t samples_per_point =
       std::uint64_t{settings.block_count} * settings.samples_per_block;

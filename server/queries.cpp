@@ -8,6 +8,7 @@
 #include "lights/sobol.h"
 #include "server/denormals.h"
 #include "server/parallel.h"
+#include "server/spectral_values.h"
 #include "server/visibility.h"
 
 namespace lucerna {
@@ -59,6 +60,7 @@ class LiSampler {
     for (std::size_t i = begin; i < end; ++i) prepare(i, chunk[i - begin]);
     if (!scene_.lights().empty()) sample(chunk);
     for (std::size_t i = begin; i < end; ++i) put(i, chunk[i - begin]);
+    if (!q_.wavelengths_nm.empty()) put_spectral(begin, chunk);
     return q_.test_visibility ? test(begin, chunk) : 0;
   }
 
@@ -165,6 +167,22 @@ class LiSampler {
 
   void store_value(std::size_t i, const LightSample<float>& s) const {
     if (s.reason == NoLight::kNone) store(a_.value, i, {s.value.r, s.value.g, s.value.b});
+  }
+
+  void put_spectral(std::size_t begin, std::vector<Pending>& chunk) const {
+    SpectralValues values(scene_, q_.wavelengths_nm);
+    std::vector<double> at(values.size());
+    for (std::size_t k = 0; k < chunk.size(); ++k) {
+      Pending& p = chunk[k];
+      if (p.receiver.result != ItemResult::kOk) continue;
+      std::ranges::fill(at, 0);
+      values.add(p.light, Rgb<double>(p.sample.value), at);
+      const std::size_t i = begin + k;
+      if (store_spectral(at, a_.spectral_value + i * values.size())) continue;
+      store(a_.value, i, {});
+      p.receiver.result = ItemResult::kOutOfRange;
+      a_.status[i] = static_cast<int>(p.receiver.result);
+    }
   }
 
   std::uint64_t test(std::size_t begin, const std::vector<Pending>& chunk) const {

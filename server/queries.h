@@ -78,6 +78,7 @@ struct SampleLiQuery {
   std::span<const float> normals{};  ///< three a receiver, or none
   std::optional<float> position_error_m{};
   AreaSampling area_sampling = AreaSampling::kAutomatic;
+  std::span<const double> wavelengths_nm{};
 };
 
 /// Arrays to be filled, of receivers x samples entries (or triples), receiver by receiver; all
@@ -89,14 +90,16 @@ struct SampleLiAnswer {
   float* light_offsets_m;  ///< relative to the receivers' origin
   float* light_normals;
   float* pdf_per_sr;
-  std::uint8_t* delta;            ///< bits
-  std::uint8_t* visible;          ///< bits, with `test_visibility`
-  std::uint64_t* light_ids;       ///< where the light is chosen
-  double* selection_probability;  ///< where the light is chosen
-  int* status;                    ///< ItemResult
+  std::uint8_t* delta;              ///< bits
+  std::uint8_t* visible;            ///< bits, with `test_visibility`
+  std::uint64_t* light_ids;         ///< where the light is chosen
+  double* selection_probability;    ///< where the light is chosen
+  int* status;                      ///< ItemResult
+  float* spectral_value = nullptr;  ///< one for each wavelength, sample by sample
 };
 
-/// In a scene without lights every sample is kBlack, its light 0, chosen with certainty.
+/// In a scene without lights every sample is kBlack, its light 0, chosen with certainty.  A sample
+/// of which the value at a wavelength does not fit a float is kOutOfRange, its value 0.
 /// Stops early (the answer is then of no use) where `stop` is asked for.
 WorkCounts sample_li(const Scene& scene, const SampleLiQuery& query, const SampleLiAnswer& answer,
                      std::stop_token stop);

@@ -64,6 +64,9 @@ struct IrradianceSettings {
   bool per_light = false;                  ///< direct light by light beside the total
   double time_s = 0;
   AreaSampling area_sampling = AreaSampling::kAutomatic;
+  /// Direct light at these wavelengths beside the total.  Requires bounces = 0, as surfaces have no
+  /// spectra.
+  std::span<const double> wavelengths_nm{};
 };
 
 struct IrradianceEstimate {
@@ -79,6 +82,9 @@ struct IrradianceResult {
   std::vector<IrradianceEstimate> points;
   /// Direct light of light l at point p, [p * lights + l]; empty unless asked for.
   std::vector<IrradianceEstimate> per_light;
+  /// At wavelength k, of point p: [p * wavelengths + k] [W/m2/nm].  Of the same samples as the
+  /// total.
+  std::vector<double> spectral;
   WorkCounts work;
   bool stopped = false;
 };

@@ -7,6 +7,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <map>
 #include <set>
 #include <type_traits>
 
@@ -165,6 +166,40 @@ class Scene::Builder {
     return absl::OkStatus();
   }
 
+  // Beside the lights and not in them: where all are given RGB, nothing is kept.
+  void keep_spectra() {
+    const Stopwatch watch;
+    std::vector<const std::shared_ptr<const Spectrum>*> given;  // in the order of the lights
+    for (const auto& l : in_.lights) given.push_back(&l.spectrum);
+    for (const auto& s : in_.shapes)
+      if (s.emission) given.push_back(&s.emission->spectrum);
+    const auto count =
+        std::ranges::count_if(given, [](const auto* spectrum) { return *spectrum != nullptr; });
+    if (count == 0) return;
+    std::map<const Spectrum*, std::int32_t> numbers;
+    std::uint64_t bytes = 0;
+    scene_->light_spectra_.reserve(given.size());
+    for (const auto* spectrum : given) {
+      if (*spectrum == nullptr) {
+        scene_->light_spectra_.push_back(-1);
+        continue;
+      }
+      const auto [entry, is_new] =
+          numbers.try_emplace(spectrum->get(), static_cast<std::int32_t>(numbers.size()));
+      if (is_new) {
+        scene_->spectra_.push_back(*spectrum);
+        bytes += (*spectrum)->bytes();
+      }
+      scene_->light_spectra_.push_back(entry->second);
+    }
+    scene_->spectra_.shrink_to_fit();
+    bytes += scene_->spectra_.size() * sizeof scene_->spectra_[0] +
+             scene_->light_spectra_.size() * sizeof scene_->light_spectra_[0];
+    part("spectra", bytes, watch,
+         fmt::format("{} {} of {} {}", numbers.size(), numbers.size() == 1 ? "spectrum" : "spectra",
+                     count, count == 1 ? "light" : "lights"));
+  }
+
   absl::Status build_lights() {
     const Stopwatch watch;
     for (const auto& l : in_.lights) {
@@ -188,6 +223,7 @@ class Scene::Builder {
     std::uint64_t bytes = scene_->lights_.capacity() * sizeof(SceneLight);
     for (const SceneLight& l : scene_->lights_) bytes += light_bytes(l.light);
     part("lights", bytes, watch, fmt::format("{} lights", scene_->lights_.size()));
+    keep_spectra();
     // Pictures are shared between lights: each counts once.
     std::set<const Image*> images;
     for (const SceneLight& l : scene_->lights_)

@@ -71,6 +71,17 @@ class Scene {
   const SceneSphere& sphere() const { return sphere_; }
 
   std::span<const SceneLight> lights() const { return lights_; }
+  /// The spectrum that the light of this index was given; null where it was given RGB.
+  const Spectrum* spectrum(std::uint32_t light) const {
+    const auto number = spectrum_number(light);
+    return number ? spectra_[*number].get() : nullptr;
+  }
+  /// Its number among all spectra of the scene, each of which is there once.
+  std::optional<std::uint32_t> spectrum_number(std::uint32_t light) const {
+    if (light_spectra_.empty() || light_spectra_[light] < 0) return std::nullopt;
+    return static_cast<std::uint32_t>(light_spectra_[light]);
+  }
+  std::span<const std::shared_ptr<const Spectrum>> spectra() const { return spectra_; }
   /// Index of a light id.
   std::optional<std::uint32_t> find_light(std::uint64_t id) const;
   /// Indices of lights that rays leaving the scene meet.
@@ -112,6 +123,9 @@ class Scene {
   SceneSphere sphere_;
   std::vector<SceneLight> lights_;
   std::vector<std::uint32_t> infinite_lights_;
+  // Both empty where no light was given a spectrum.
+  std::vector<std::shared_ptr<const Spectrum>> spectra_;
+  std::vector<std::int32_t> light_spectra_;  // of each light, into spectra_; -1: RGB
   std::vector<DiffuseMaterial> materials_;
   std::unique_ptr<Accelerator> accelerator_;
   SurfaceTable surfaces_;                      // of the scene's own geometry

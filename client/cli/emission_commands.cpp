@@ -9,6 +9,7 @@
 #include "client/cli/session.h"
 #include "client/cli/time_option.h"
 #include "client/cli/validators.h"
+#include "client/cli/wavelengths.h"
 
 namespace lucerna::cli {
 namespace {
@@ -19,6 +20,7 @@ struct LeOptions {
   TripleOption directions;
   std::optional<std::uint64_t> light;
   TimeOption time;
+  WavelengthOption wavelengths;
 };
 
 void le(Session& session, const LeOptions& options) {
@@ -29,27 +31,33 @@ void le(Session& session, const LeOptions& options) {
   fill(directions, request.mutable_directions());
   if (options.light) request.set_light_id(*options.light);
   options.time.put(request);
+  options.wavelengths.put(request);
   request.set_scene_id(session.scene_id(options.scene));
   const auto response = session.ask(client::le_in_batches(
       session.client(), request, {.max_items = 0, .call = session.call_options()}));
   if (session.json()) {
     fmt::print("{}", to_json(response));
   } else {
-    Table table({{"x [m]"},
-                 {"y [m]"},
-                 {"z [m]"},
-                 {"direction", true},
-                 {"radiance (RGB) [cd/m2]", true},
-                 {"light"},
-                 {"", true}});
+    std::vector<Table::Column> columns = {
+        {"x [m]"}, {"y [m]"}, {"z [m]"}, {"direction", true}, {"radiance (RGB) [cd/m2]", true}};
+    if (options.wavelengths.given()) {
+      columns.push_back({options.wavelengths.header("W/m2/sr/nm"), true});
+    }
+    columns.insert(columns.end(), {{"light"}, {"", true}});
+    Table table(columns);
     const auto& rgb = response.radiance_cd_m2();
     for (int i = 0; i < response.light_ids_size() && 3 * i + 2 < rgb.size(); ++i) {
       const auto& [x, y, z] = set.points.at(i);
       const auto& [wx, wy, wz] = directions.at(i);
       const std::uint64_t light = response.light_ids(i);
-      table.add({number(x), number(y), number(z), triple(wx, wy, wz),
-                 triple(rgb[3 * i], rgb[3 * i + 1], rgb[3 * i + 2]),
-                 light == 0 ? "none" : std::to_string(light), item_status(response.status(), i)});
+      std::vector<std::string> row = {number(x), number(y), number(z), triple(wx, wy, wz),
+                                      triple(rgb[3 * i], rgb[3 * i + 1], rgb[3 * i + 2])};
+      if (options.wavelengths.given()) {
+        row.push_back(options.wavelengths.values(response.spectral_radiance(), i));
+      }
+      row.push_back(light == 0 ? "none" : std::to_string(light));
+      row.push_back(item_status(response.status(), i));
+      table.add(std::move(row));
     }
     fmt::print("{}", table.to_string());
   }
@@ -63,6 +71,7 @@ struct EmitOptions {
   std::uint64_t seed = 0;
   std::vector<std::string> u;
   TimeOption time;
+  WavelengthOption wavelengths;
 };
 
 /// "u1,u2,u3,u4" where the light is named, with ",u_light" where it is not.
@@ -91,6 +100,12 @@ const char* unit_of(bool has_normal, float pdf_position, float pdf_direction) {
   return pdf_direction == 0 ? "lx" : "cd/m2";
 }
 
+std::string spectral_unit_of(bool has_normal, float pdf_position, float pdf_direction) {
+  const std::string unit = unit_of(has_normal, pdf_position, pdf_direction);
+  if (unit == "cd") return "W/sr/nm";
+  return unit == "lx" ? "W/m2/nm" : "W/m2/sr/nm";
+}
+
 void print_rays(const v1::SampleLeResponse& response, const EmitOptions& options) {
   std::vector<Table::Column> columns = {{"light"}};
   if (!options.light) columns.push_back({"chosen with"});
@@ -99,8 +114,11 @@ void print_rays(const v1::SampleLeResponse& response, const EmitOptions& options
                                  {"value (RGB)", true},
                                  {"unit", true},
                                  {"pdf [1/m2]"},
-                                 {"pdf [1/sr]"},
-                                 {"", true}});
+                                 {"pdf [1/sr]"}});
+  if (options.wavelengths.given()) {
+    columns.insert(columns.end(), {{options.wavelengths.header(), true}, {"unit", true}});
+  }
+  columns.push_back({"", true});
   Table table(columns);
   const v1::Vector3& origin = response.points().origin_m();
   const auto at = [](const google::protobuf::RepeatedField<float>& v, int i) {
@@ -133,6 +151,10 @@ void print_rays(const v1::SampleLeResponse& response, const EmitOptions& options
       row.emplace_back(unit_of(surface, position, direction));
       row.push_back(position == 0 ? "certain" : number(position));
       row.push_back(direction == 0 ? "certain" : number(direction));
+      if (options.wavelengths.given()) {
+        row.push_back(options.wavelengths.values(response.spectral_value(), i));
+        row.push_back(spectral_unit_of(surface, position, direction));
+      }
     } else {
       row.resize(columns.size() - 1);
     }
@@ -154,6 +176,7 @@ void emit(Session& session, const EmitOptions& options) {
     *request.mutable_u() = sample_values(options);
     request.set_count(static_cast<std::uint32_t>(options.u.size()));
   }
+  options.wavelengths.put(request);
   request.set_scene_id(session.scene_id(options.scene));
   const auto response = session.ask(client::sample_le_in_batches(
       session.client(), request, {.max_items = 0, .call = session.call_options()}));
@@ -229,6 +252,7 @@ void add_emission_commands(CLI::App& app, Session& session) {
       ->allow_extra_args(false)
       ->excludes("--seed");
   emission->time.add(*command);
+  emission->wavelengths.add(*command);
   command->callback([emission, &session] { emit(session, *emission); });
 
   command = app.add_subcommand("emit-pdf", "Densities with which `emit` chooses rays (PdfLe)");
@@ -254,6 +278,7 @@ void add_emission_commands(CLI::App& app, Session& session) {
   command->add_option("--light", looking->light, "Id of the only light to tell of; default: any")
       ->check(whole(1));
   looking->time.add(*command);
+  looking->wavelengths.add(*command);
   command->callback([looking, &session] { le(session, *looking); });
 }
 

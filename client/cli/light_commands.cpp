@@ -1,6 +1,7 @@
 // sample, pdf, power.
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <map>
 #include <memory>
 
@@ -13,6 +14,7 @@
 #include "client/cli/session.h"
 #include "client/cli/time_option.h"
 #include "client/cli/validators.h"
+#include "client/cli/wavelengths.h"
 
 namespace lucerna::cli {
 namespace {
@@ -28,6 +30,7 @@ struct SampleOptions {
   bool visibility = false;
   AreaSamplingOption area_sampling;
   TimeOption time;
+  WavelengthOption wavelengths;
 };
 
 /// "u1,u2" where the light is named, "u1,u2,u_light" where it is not; one for all or one a point.
@@ -58,6 +61,9 @@ void print_samples(const v1::SampleLiResponse& response, const SampleOptions& op
   if (!options.light) columns.push_back({"chosen with"});
   columns.insert(columns.end(),
                  {{"value (RGB)"}, {"unit", true}, {"wi", true}, {"distance [m]"}, {"pdf [1/sr]"}});
+  if (options.wavelengths.given()) {
+    columns.insert(columns.end(), {{options.wavelengths.header(), true}, {"unit", true}});
+  }
   if (options.visibility) columns.push_back({"visible", true});
   columns.push_back({"", true});
   Table table(columns);
@@ -81,6 +87,10 @@ void print_samples(const v1::SampleLiResponse& response, const SampleOptions& op
     const std::string status = item_status(response.status(), i);
     row.push_back(distance == 0 && status.empty() ? "infinite" : number(distance));
     row.push_back(delta ? "delta" : number(response.pdf_per_sr(i)));
+    if (options.wavelengths.given()) {
+      row.push_back(options.wavelengths.values(response.spectral_value(), i));
+      row.emplace_back(delta ? "W/m2/nm" : "W/m2/sr/nm");
+    }
     if (options.visibility) row.emplace_back(client::bit(response.visible(), i) ? "yes" : "no");
     row.push_back(status);
     table.add(std::move(row));
@@ -104,6 +114,7 @@ void sample(Session& session, const SampleOptions& options) {
   options.area_sampling.put(request);
   options.time.put(request);
   if (options.samples != 1) request.mutable_accuracy()->set_samples(options.samples);
+  options.wavelengths.put(request);
   request.set_scene_id(session.scene_id(options.scene));
   const auto response = session.ask(client::sample_li_in_batches(
       session.client(), request, {.max_items = 0, .call = session.call_options()}));
@@ -158,6 +169,7 @@ struct PowerOptions {
   std::string scene;
   std::vector<std::uint64_t> lights;
   std::string method = "exact";
+  WavelengthOption wavelengths;
 };
 
 /// All pages; the total is of all lights on every page.
@@ -180,6 +192,7 @@ void power(Session& session, const PowerOptions& options) {
   if (options.method == "approximate") {
     request.set_method(v1::EstimatePowerRequest::METHOD_APPROXIMATE);
   }
+  options.wavelengths.put(request);
   const v1::EstimatePowerResponse response = all_powers(session, request);
   if (session.json()) {
     fmt::print("{}", to_json(response));
@@ -190,13 +203,24 @@ void power(Session& session, const PowerOptions& options) {
   for (const v1::Light& light : lights.lights()) {
     types[light.id()] = type_of(light);
   }
-  Table table({{"id"}, {"type", true}, {"flux [lm]"}, {"± [lm]"}, {"RGB [lm]", true}});
+  const bool watts = std::any_of(response.lights().begin(), response.lights().end(),
+                                 [](const v1::LightPower& light) { return light.has_power_w(); });
+  std::vector<Table::Column> columns = {{"id"}, {"type", true}, {"flux [lm]"}, {"± [lm]"}};
+  if (watts) columns.push_back({"flux [W]"});
+  columns.push_back({"RGB [lm]", true});
+  if (options.wavelengths.given()) columns.push_back({options.wavelengths.header("W/nm"), true});
+  Table table(columns);
   const auto add = [&](const std::string& id, const std::string& type,
                        const v1::LightPower& light) {
     const v1::Rgb& rgb = light.rgb_lm();
-    table.add({id, type, number(light.power_lm()),
-               light.error_lm() == 0 ? "exact" : number(light.error_lm()),
-               triple(rgb.r(), rgb.g(), rgb.b())});
+    std::vector<std::string> row = {id, type, number(light.power_lm()),
+                                    light.error_lm() == 0 ? "exact" : number(light.error_lm())};
+    if (watts) row.push_back(light.has_power_w() ? number(light.power_w()) : "unknown");
+    row.push_back(triple(rgb.r(), rgb.g(), rgb.b()));
+    if (options.wavelengths.given()) {
+      row.push_back(options.wavelengths.values(light.spectral_w_per_nm(), 0));
+    }
+    table.add(std::move(row));
   };
   for (const v1::LightPower& light : response.lights()) {
     add(std::to_string(light.light_id()), types[light.light_id()], light);
@@ -234,6 +258,7 @@ void add_light_commands(CLI::App& app, Session& session) {
   sampling->normals.add(*command, "--normal", "The surface normal x,y,z at the point");
   sampling->area_sampling.add(*command);
   sampling->time.add(*command);
+  sampling->wavelengths.add(*command);
   command->callback([sampling, &session] { sample(session, *sampling); });
 
   command = app.add_subcommand("pdf", "Density with which `sample` chooses directions (PdfLi)");
@@ -248,8 +273,10 @@ void add_light_commands(CLI::App& app, Session& session) {
   density->time.add(*command);
   command->callback([density, &session] { pdf(session, *density); });
 
-  command = app.add_subcommand("power", "Luminous flux of lights");
-  command->footer("Example:\n  lucerna power room.pbrt --light 1 --light 2");
+  command = app.add_subcommand("power", "Luminous and radiant flux of lights");
+  command->footer(
+      "Example:\n  lucerna power room.pbrt --light 1 --light 2\n"
+      "  lucerna power room.pbrt --wavelength 450,555,650");
   const auto powers = std::make_shared<PowerOptions>();
   command->add_option("SCENE", powers->scene, "Path or id")->required();
   command->add_option("--light", powers->lights, "Id of a light; may be given again; default: all")
@@ -260,6 +287,7 @@ void add_light_commands(CLI::App& app, Session& session) {
                    "exact; or approximate: the books' formulas, ± how far they are off")
       ->check(CLI::IsMember({"exact", "approximate"}))
       ->capture_default_str();
+  powers->wavelengths.add(*command);
   command->callback([powers, &session] { power(session, *powers); });
 }
 

@@ -11,6 +11,7 @@
 #include "client/cli/session.h"
 #include "client/cli/time_option.h"
 #include "client/cli/validators.h"
+#include "client/cli/wavelengths.h"
 
 namespace lucerna::cli {
 namespace {
@@ -87,6 +88,7 @@ struct IrradianceOptions {
   bool per_light = false;
   AreaSamplingOption area_sampling;
   TimeOption time;
+  WavelengthOption wavelengths;
 };
 
 /// A standard error, or the bound that stands for it where every sample was zero.
@@ -97,23 +99,27 @@ std::string error_text(const google::protobuf::RepeatedField<float>& errors,
   return errors[i] == 0 ? "exact" : number(errors[i]);
 }
 
-void print_irradiance(const v1::EstimateIrradianceResponse& response, const PointSet& set) {
-  Table table({{"x [m]"},
-               {"y [m]"},
-               {"z [m]"},
-               {"illuminance [lx]"},
-               {"± [lx]"},
-               {"RGB [lx]", true},
-               {"", true}});
+void print_irradiance(const v1::EstimateIrradianceResponse& response, const PointSet& set,
+                      const WavelengthOption& wavelengths) {
+  std::vector<Table::Column> columns = {
+      {"x [m]"}, {"y [m]"}, {"z [m]"}, {"illuminance [lx]"}, {"± [lx]"}, {"RGB [lx]", true}};
+  if (wavelengths.given()) columns.push_back({wavelengths.header("W/m2/nm"), true});
+  columns.push_back({"", true});
+  Table table(columns);
   for (int i = 0; i < response.illuminance_lx_size(); ++i) {
     const auto& [x, y, z] = set.points.at(i);
     const std::string status = item_status(response.status(), i);
     const auto& rgb = response.irradiance_lx();
-    table.add(
-        {number(x), number(y), number(z), number(response.illuminance_lx(i)),
-         status.empty() ? error_text(response.standard_error_lx(), response.zero_bound_lx(), i)
-                        : "",
-         3 * i + 2 < rgb.size() ? triple(rgb[3 * i], rgb[3 * i + 1], rgb[3 * i + 2]) : "", status});
+    std::vector<std::string> row = {
+        number(x),
+        number(y),
+        number(z),
+        number(response.illuminance_lx(i)),
+        status.empty() ? error_text(response.standard_error_lx(), response.zero_bound_lx(), i) : "",
+        3 * i + 2 < rgb.size() ? triple(rgb[3 * i], rgb[3 * i + 1], rgb[3 * i + 2]) : ""};
+    if (wavelengths.given()) row.push_back(wavelengths.values(response.spectral_irradiance(), i));
+    row.push_back(status);
+    table.add(std::move(row));
   }
   fmt::print("{}", table.to_string());
   if (response.shares_size() > 0) {
@@ -145,13 +151,14 @@ void irradiance(Session& session, const IrradianceOptions& options) {
   if (options.samples) request.mutable_accuracy()->set_samples(*options.samples);
   options.area_sampling.put(request);
   options.time.put(request);
+  options.wavelengths.put(request);
   request.set_scene_id(session.scene_id(options.scene));
   const auto response = session.ask(client::estimate_irradiance_in_batches(
       session.client(), request, {.max_items = 0, .call = session.call_options()}));
   if (session.json()) {
     fmt::print("{}", to_json(response));
   } else {
-    print_irradiance(response, set);
+    print_irradiance(response, set, options.wavelengths);
   }
   if (any_failed(response.status())) session.set_exit_status(kServerSaidNo);
 }
@@ -182,7 +189,8 @@ void add_receiver_commands(CLI::App& app, Session& session) {
   command = app.add_subcommand("irradiance", "Light that arrives on small surfaces");
   command->footer(
       "Example:\n  lucerna irradiance room.pbrt --point 0,0,0.8 --normal 0,0,1 --samples 1024\n"
-      "  lucerna irradiance room.pbrt --points desks.csv --bounces 0 --per-light");
+      "  lucerna irradiance room.pbrt --points desks.csv --bounces 0 --per-light\n"
+      "  lucerna irradiance room.pbrt --points desks.csv --bounces 0 --wavelength 450,555");
   const auto meter = std::make_shared<IrradianceOptions>();
   command->add_option("SCENE", meter->scene, "Path or id")->required();
   meter->points.add(*command, "normals");
@@ -197,6 +205,7 @@ void add_receiver_commands(CLI::App& app, Session& session) {
   command->add_flag("--per-light", meter->per_light, "Also the direct light of each light");
   meter->area_sampling.add(*command);
   meter->time.add(*command);
+  meter->wavelengths.add(*command);
   command->callback([meter, &session] { irradiance(session, *meter); });
 }
 

@@ -71,9 +71,21 @@ absl::StatusOr<std::optional<float>> check_position_error(bool has, float positi
   return std::optional<float>(position_error_m);
 }
 
-absl::Status check_wavelengths(const google::protobuf::RepeatedField<double>& wavelengths_nm) {
-  if (wavelengths_nm.empty()) return absl::OkStatus();
-  return unimplemented("wavelengths_nm is not answered yet: light is told in RGB");
+absl::StatusOr<std::span<const double>> check_wavelengths(
+    const google::protobuf::RepeatedField<double>& wavelengths_nm) {
+  const std::span<const double> nm(wavelengths_nm.data(),
+                                   static_cast<std::size_t>(wavelengths_nm.size()));
+  if (nm.size() > kMostWavelengths) {
+    return bad_field("wavelengths_nm", fmt::format("{} numbers", nm.size()),
+                     fmt::format("at most {} in one request", kMostWavelengths));
+  }
+  for (std::size_t i = 0; i < nm.size(); ++i) {
+    if (!(nm[i] >= 100 && nm[i] <= 1e6)) {
+      return bad_field(fmt::format("wavelengths_nm[{}]", i), fmt::format("{}", nm[i]),
+                       "[100, 1e6] nm");
+    }
+  }
+  return nm;
 }
 
 absl::StatusOr<std::uint32_t> check_samples(const Context& context, const v1::Accuracy& accuracy,

@@ -40,8 +40,12 @@ absl::Status check_triples(const std::string& field,
 absl::Status check_time(bool has, double time_s);
 /// Unset: the default of the query.  Set: finite and not negative.
 absl::StatusOr<std::optional<float>> check_position_error(bool has, float position_error_m);
-/// UNIMPLEMENTED where wavelengths are asked for.
-absl::Status check_wavelengths(const google::protobuf::RepeatedField<double>& wavelengths_nm);
+/// At most kMostWavelengths, each in [100, 1e6] nm; in any order.  A view of the request.
+absl::StatusOr<std::span<const double>> check_wavelengths(
+    const google::protobuf::RepeatedField<double>& wavelengths_nm);
+inline constexpr std::size_t kMostWavelengths = 128;
+/// Processor time of one value at one wavelength [s], rounded up.
+inline constexpr double kWavelengthSeconds = 5e-9;
 /// `samples`, or `fallback` where nothing is said.
 absl::StatusOr<std::uint32_t> check_samples(const Context& context, const v1::Accuracy& accuracy,
                                             std::uint32_t fallback);

@@ -183,6 +183,19 @@ void set_motion(const Motion& motion, const Vec3<double>& origin_m, v1::Motion* 
   }
 }
 
+void set_spectrum(const Spectrum& spectrum, v1::Spectrum* out) {
+  if (const auto* body = std::get_if<BlackBody>(&spectrum.source())) {
+    out->set_black_body_k(body->kelvin);
+  } else if (const auto* illuminant = std::get_if<CieIlluminant>(&spectrum.source())) {
+    out->set_illuminant(illuminant->name);
+  } else {
+    const auto& s = std::get<SampledSpectrum>(spectrum.source());
+    v1::SampledSpectrum* sampled = out->mutable_sampled();
+    sampled->mutable_wavelengths_nm()->Add(s.wavelengths_nm.begin(), s.wavelengths_nm.end());
+    sampled->mutable_values()->Add(s.values.begin(), s.values.end());
+  }
+}
+
 }  // namespace
 
 void set_light(const Scene& scene, std::uint32_t light, v1::Light* out) {
@@ -214,6 +227,10 @@ void set_light(const Scene& scene, std::uint32_t light, v1::Light* out) {
   const Power power = light_power(scene, light);
   out->set_power_lm(luminance(power.lumens));
   out->set_power_error_lm(power.error_lumens);
+  if (const Spectrum* spectrum = scene.spectrum(light)) {
+    set_spectrum(*spectrum, out->mutable_spectrum());
+    out->set_power_w(out->power_lm() * spectrum->watts_per_lumen());
+  }
 }
 
 void set_summary(const StoredScene& stored, v1::SceneSummary* out) {

@@ -30,7 +30,8 @@ SampleLeAnswer make_room(const SampleLeQuery& query, v1::SampleLeResponse* r) {
           .pdf_direction_per_sr = fill(r->mutable_pdf_direction_per_sr(), n),
           .light_ids = chosen ? fill(r->mutable_light_ids(), n) : nullptr,
           .selection_probability = chosen ? fill(r->mutable_selection_probability(), n) : nullptr,
-          .status = fill(r->mutable_status(), n)};
+          .status = fill(r->mutable_status(), n),
+          .spectral_value = fill(r->mutable_spectral_value(), n * query.wavelengths_nm.size())};
 }
 
 }  // namespace
@@ -51,16 +52,22 @@ Prepared le(const Context& context, const v1::LeRequest& request, v1::LeResponse
   if (!light.ok()) return light.status();
   query.light = *light;
   if (auto s = check_time(request.has_time_s(), request.time_s()); !s.ok()) return s;
-  if (auto s = check_wavelengths(request.wavelengths_nm()); !s.ok()) return s;
+  const auto wavelengths = check_wavelengths(request.wavelengths_nm());
+  if (!wavelengths.ok()) return wavelengths.status();
+  query.wavelengths_nm = *wavelengths;
   query.time_s = request.time_s();
 
   Task task;
-  task.predicted_s = static_cast<double>(n) * kLeSeconds;
+  task.predicted_s =
+      static_cast<double>(n) *
+      (kLeSeconds + kWavelengthSeconds * static_cast<double>(query.wavelengths_nm.size()));
   task.cost = response->mutable_cost();
   task.run = [scene = *scene, query, n, response](const std::stop_token& stop) {
     const LeAnswer answer{.radiance_cd_m2 = fill(response->mutable_radiance_cd_m2(), 3 * n),
                           .light_ids = fill(response->mutable_light_ids(), n),
-                          .status = fill(response->mutable_status(), n)};
+                          .status = fill(response->mutable_status(), n),
+                          .spectral_radiance = fill(response->mutable_spectral_radiance(),
+                                                    n * query.wavelengths_nm.size())};
     set_counts(response->mutable_cost(), lucerna::le(*scene, query, answer, stop));
     drop_if_all_ok(response->mutable_status());
     return absl::OkStatus();
@@ -89,11 +96,15 @@ Prepared sample_le(const Context& context, const v1::SampleLeRequest& request,
   query.u = randomness->u;
   query.u_light = randomness->u_light;
   if (auto s = check_time(request.has_time_s(), request.time_s()); !s.ok()) return s;
-  if (auto s = check_wavelengths(request.wavelengths_nm()); !s.ok()) return s;
+  const auto wavelengths = check_wavelengths(request.wavelengths_nm());
+  if (!wavelengths.ok()) return wavelengths.status();
+  query.wavelengths_nm = *wavelengths;
   query.time_s = request.time_s();
 
   Task task;
-  task.predicted_s = query.rays * kSampleSeconds;
+  task.predicted_s =
+      query.rays *
+      (kSampleSeconds + kWavelengthSeconds * static_cast<double>(query.wavelengths_nm.size()));
   task.cost = response->mutable_cost();
   task.run = [scene = *scene, query, &request, response](const std::stop_token& stop) {
     if (auto s = check_u(request.u()); !s.ok()) return s;

@@ -1,12 +1,16 @@
 // SampleLi, PdfLi and EstimatePower.
 #include <fmt/core.h>
 
+#include <optional>
+#include <vector>
+
 #include "server/queries.h"
 #include "server/rpc/checks.h"
 #include "server/rpc/errors.h"
 #include "server/rpc/lighting.h"
 #include "server/rpc/paging.h"
 #include "server/rpc/randomness.h"
+#include "server/spectral_values.h"
 
 namespace lucerna::rpc {
 namespace {
@@ -16,12 +20,41 @@ constexpr double kSampleSeconds = 400e-9;
 constexpr double kShadowRaySeconds = 1e-6;
 constexpr double kPowerSeconds = 300e-9;
 
-void set_power(const Power& power, v1::LightPower* out) {
+/// Power with what its spectrum tells of it.
+struct RadiantPower {
+  Power luminous;
+  std::optional<double> watts{};
+  std::vector<double> w_per_nm{};  // at each wavelength asked for
+};
+
+/// Of one light.  Finite whatever the light: a float's flux times at most kMostWattsPerLumen.
+RadiantPower radiant_power(const Scene& scene, std::uint32_t light, const Power& luminous,
+                           SpectralValues& spectral) {
+  RadiantPower power{.luminous = luminous, .w_per_nm = std::vector<double>(spectral.size())};
+  if (const Spectrum* spectrum = scene.spectrum(light)) {
+    power.watts = luminance(luminous.lumens) * spectrum->watts_per_lumen();
+  }
+  spectral.add(light, luminous.lumens, power.w_per_nm);
+  return power;
+}
+
+/// The sum has watts as long as all that is added has.
+void add(const RadiantPower& power, RadiantPower& sum) {
+  sum.luminous.lumens += power.luminous.lumens;
+  sum.luminous.error_lumens += power.luminous.error_lumens;
+  sum.watts = sum.watts && power.watts ? std::optional(*sum.watts + *power.watts) : std::nullopt;
+  for (std::size_t k = 0; k < sum.w_per_nm.size(); ++k) sum.w_per_nm[k] += power.w_per_nm[k];
+}
+
+void set_power(const RadiantPower& radiant, v1::LightPower* out) {
+  const Power& power = radiant.luminous;
   out->mutable_rgb_lm()->set_r(power.lumens.r);
   out->mutable_rgb_lm()->set_g(power.lumens.g);
   out->mutable_rgb_lm()->set_b(power.lumens.b);
   out->set_power_lm(luminance(power.lumens));
   out->set_error_lm(power.error_lumens);
+  if (radiant.watts) out->set_power_w(*radiant.watts);
+  out->mutable_spectral_w_per_nm()->Add(radiant.w_per_nm.begin(), radiant.w_per_nm.end());
 }
 
 SampleLiAnswer make_room(const SampleLiQuery& query, std::size_t n, v1::SampleLiResponse* r) {
@@ -36,7 +69,8 @@ SampleLiAnswer make_room(const SampleLiQuery& query, std::size_t n, v1::SampleLi
           .visible = query.test_visibility ? fill_bits(r->mutable_visible(), n) : nullptr,
           .light_ids = chosen ? fill(r->mutable_light_ids(), n) : nullptr,
           .selection_probability = chosen ? fill(r->mutable_selection_probability(), n) : nullptr,
-          .status = fill(r->mutable_status(), n)};
+          .status = fill(r->mutable_status(), n),
+          .spectral_value = fill(r->mutable_spectral_value(), n * query.wavelengths_nm.size())};
 }
 
 }  // namespace
@@ -67,7 +101,9 @@ Prepared sample_li(const Context& context, const v1::SampleLiRequest& request,
   query.u = randomness->u;
   query.u_light = randomness->u_light;
   if (auto s = check_time(request.has_time_s(), request.time_s()); !s.ok()) return s;
-  if (auto s = check_wavelengths(request.wavelengths_nm()); !s.ok()) return s;
+  const auto wavelengths = check_wavelengths(request.wavelengths_nm());
+  if (!wavelengths.ok()) return wavelengths.status();
+  query.wavelengths_nm = *wavelengths;
   query.time_s = request.time_s();
   query.test_visibility = request.test_visibility();
   if (auto s =
@@ -85,8 +121,9 @@ Prepared sample_li(const Context& context, const v1::SampleLiRequest& request,
   query.area_sampling = *way;
 
   Task task;
-  task.predicted_s =
-      static_cast<double>(n) * (kSampleSeconds + (query.test_visibility ? kShadowRaySeconds : 0));
+  task.predicted_s = static_cast<double>(n) *
+                     (kSampleSeconds + (query.test_visibility ? kShadowRaySeconds : 0) +
+                      kWavelengthSeconds * static_cast<double>(query.wavelengths_nm.size()));
   task.cost = response->mutable_cost();
   task.run = [scene = *scene, query, n, &request, response](const std::stop_token& stop) {
     if (auto s = check_u(request.u()); !s.ok()) return s;
@@ -142,7 +179,8 @@ Prepared estimate_power(const Context& context, const v1::EstimatePowerRequest& 
     return bad_field("method", fmt::format("{}", static_cast<int>(method)),
                      "METHOD_EXACT or METHOD_APPROXIMATE");
   }
-  if (auto s = check_wavelengths(request.wavelengths_nm()); !s.ok()) return s;
+  const auto wavelengths = check_wavelengths(request.wavelengths_nm());
+  if (!wavelengths.ok()) return wavelengths.status();
   const auto asked = static_cast<std::uint64_t>(request.light_ids_size());
   if (asked > context.limits.max_batch_items) {
     return over_limit("light_ids", asked, context.limits.max_batch_items);
@@ -154,11 +192,15 @@ Prepared estimate_power(const Context& context, const v1::EstimatePowerRequest& 
   if (!start.ok()) return start.status();
 
   Task task;
-  task.predicted_s = static_cast<double>(n) * kPowerSeconds;
+  task.predicted_s =
+      static_cast<double>(n) *
+      (kPowerSeconds + kWavelengthSeconds * static_cast<double>(wavelengths->size()));
   task.cost = response->mutable_cost();
-  task.run = [scene = *scene, n, asked, start = *start, size = *page_size, &request,
-              response](const std::stop_token& stop) -> absl::Status {
-    Power total;
+  task.run = [scene = *scene, n, asked, start = *start, size = *page_size, nm = *wavelengths,
+              &request, response](const std::stop_token& stop) -> absl::Status {
+    SpectralValues spectral(*scene, nm);
+    RadiantPower total{.luminous = {}, .w_per_nm = std::vector<double>(nm.size())};
+    if (n > 0) total.watts = 0;
     for (std::size_t i = 0; i < n && !stop.stop_requested(); ++i) {
       auto light = static_cast<std::uint32_t>(i);
       if (asked > 0) {
@@ -166,11 +208,13 @@ Prepared estimate_power(const Context& context, const v1::EstimatePowerRequest& 
         if (!found.ok()) return found.status();
         light = *found;
       }
-      const Power power = request.method() == v1::EstimatePowerRequest::METHOD_APPROXIMATE
-                              ? light_power_approximate(*scene, light)
-                              : light_power(*scene, light);
-      total.lumens += power.lumens;
-      total.error_lumens += power.error_lumens;
+      const RadiantPower power =
+          radiant_power(*scene, light,
+                        request.method() == v1::EstimatePowerRequest::METHOD_APPROXIMATE
+                            ? light_power_approximate(*scene, light)
+                            : light_power(*scene, light),
+                        spectral);
+      add(power, total);
       if (i < start || i - start >= size) continue;
       v1::LightPower* out = response->add_lights();
       out->set_light_id(scene->lights()[light].id);

@@ -13,6 +13,7 @@
 #include "server/rpc/errors.h"
 #include "server/rpc/lighting.h"
 #include "server/rpc/sample_blocks.h"
+#include "server/spectral_values.h"
 #include "server/visibility.h"
 
 namespace lucerna::rpc {
@@ -101,6 +102,8 @@ absl::Status IrradianceWork::operator()(const std::stop_token& stop,
                         nullptr});
     }
   }
+  const std::size_t wavelengths = settings.wavelengths_nm.size();
+  float* const spectral = fill(response->mutable_spectral_irradiance(), n * wavelengths);
   int* const status = fill(response->mutable_status(), n);
   const ToScene to_scene(*scene, receivers, position_error_m);
   std::vector<IrradiancePoint> points;
@@ -134,6 +137,8 @@ absl::Status IrradianceWork::operator()(const std::stop_token& stop,
       for (std::size_t l = 0; l < shares.size(); ++l) {
         fits &= shares[l].put(begin + k, estimates.per_light[k * lights + l]);
       }
+      fits = fits && store_spectral({estimates.spectral.data() + k * wavelengths, wavelengths},
+                                    spectral + (begin + k) * wavelengths);
       if (!fits) status[begin + k] = static_cast<int>(ItemResult::kOutOfRange);
     }
     points.clear();
@@ -209,18 +214,26 @@ Prepared estimate_irradiance(const Context& context, const v1::EstimateIrradianc
   }
   work.normals = view(request.normals());
   if (auto s = check_time(request.has_time_s(), request.time_s()); !s.ok()) return s;
-  if (auto s = check_wavelengths(request.wavelengths_nm()); !s.ok()) return s;
+  const auto wavelengths = check_wavelengths(request.wavelengths_nm());
+  if (!wavelengths.ok()) return wavelengths.status();
+  if (!wavelengths->empty() && !(request.has_bounces() && request.bounces() == 0)) {
+    return bad_field("bounces",
+                     request.has_bounces() ? fmt::format("{}", request.bounces()) : "unset",
+                     "0 with wavelengths_nm, as surfaces have a colour and no spectrum");
+  }
+  work.settings.wavelengths_nm = *wavelengths;
   const auto error =
       check_position_error(request.has_position_error_m(), request.position_error_m());
   if (!error.ok()) return error.status();
   work.position_error_m = *error;
   const auto samples = check_samples(context, request.accuracy(), kDefaultSamples);
   if (!samples.ok()) return samples.status();
-  const std::uint64_t share_numbers = request.per_light() ? n * (*scene)->lights().size() : 0;
-  // Two numbers a share: the answer would be larger than any message.
-  if (share_numbers > std::uint64_t{context.limits.max_batch_items} * 64) {
-    return over_limit("receivers times lights", share_numbers,
-                      std::uint64_t{context.limits.max_batch_items} * 64);
+  // Two numbers a share, one a wavelength: the answer would be larger than any message.
+  const std::uint64_t share_numbers = request.per_light() ? 2 * (*scene)->lights().size() : 0;
+  const std::uint64_t numbers = n * (share_numbers + wavelengths->size());
+  const std::uint64_t most = std::uint64_t{context.limits.max_batch_items} * kMostWavelengths;
+  if (numbers > most) {
+    return over_limit("receivers times (2 lights + wavelengths)", numbers, most);
   }
   work.has_error = *samples > 1;
   work.settings.seed = request.seed().seed();

@@ -222,6 +222,31 @@ TEST(Batches, RaysAndSegmentsAreCutAlike) {
   EXPECT_THAT(client::part(segments, 1, 1).segments().to().offsets_m(), ElementsAre(23, 24, 25));
 }
 
+TEST(Parts, WavelengthsGoWithEachPartAndTheirValuesWithTheItems) {
+  v1::SampleLiRequest li;
+  li.add_wavelengths_nm(450);
+  li.add_wavelengths_nm(555);
+  for (int i = 0; i < 9; ++i) li.mutable_receivers()->add_offsets_m(static_cast<float>(i));
+  EXPECT_THAT(client::part(li, 1, 2).wavelengths_nm(), ElementsAre(450, 555));
+  v1::EstimateIrradianceRequest irradiance = irradiance_request(3);
+  irradiance.add_wavelengths_nm(700);
+  EXPECT_THAT(client::part(irradiance, 1, 2).wavelengths_nm(), ElementsAre(700));
+
+  v1::SampleLiResponse next, whole;
+  next.add_pdf_per_sr(1);
+  next.add_spectral_value(3);
+  next.add_spectral_value(4);
+  client::append(next, &whole);
+  client::append(next, &whole);
+  EXPECT_THAT(whole.spectral_value(), ElementsAre(3, 4, 3, 4));
+  v1::EstimateIrradianceResponse point, all;
+  point.add_illuminance_lx(1);
+  point.add_spectral_irradiance(5);
+  client::append(point, &all);
+  client::append(point, &all);
+  EXPECT_THAT(all.spectral_irradiance(), ElementsAre(5, 5));
+}
+
 TEST(Batches, StatusStaysEmptyWhereAllIsWell) {
   v1::PdfLiResponse part;
   part.add_pdf_per_sr(1);

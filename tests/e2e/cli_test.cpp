@@ -38,6 +38,8 @@ class Cli : public ::testing::Test {
     fs::copy_file(fs::path(LUCERNA_TEST_DATA) / "pbrt" / "moving_point.pbrt",
                   directory_ / "scenes" / "moving_point.pbrt");
     std::ofstream(directory_ / "scenes" / "broken.pbrt") << "WorldBegin\nShape sphere\n";
+    std::ofstream(directory_ / "scenes" / "lamp.pbrt")
+        << "WorldBegin\nLightSource \"point\" \"spectrum I\" [500 1 600 1] \"float power\" 1000\n";
     auto server = testing::LocalServer::start({.scene_root = (directory_ / "scenes").string()});
     ASSERT_TRUE(server.ok()) << server.status();
     server_ = std::make_unique<testing::LocalServer>(*std::move(server));
@@ -347,6 +349,40 @@ TEST_F(Cli, TimeIsTheMomentOfWhatMoves) {
   expect_wrong_use(lucerna({"le", "moving_point.pbrt", "--point", "0,0,1", "--direction", "0,0,1",
                             "--time", "nan"}),
                    "nan is not a finite number");
+}
+
+// Flat from 500 to 600 nm.  By adding up the CIE's table, the end entries halved: its mean there is
+// 0.80920, so 1000 lm are 1000 / (683 * 0.80920) = 1.80935 W, a hundredth of it in each nanometre.
+TEST_F(Cli, WattsAndWavelengthsAreToldOfLightsWithSpectra) {
+  EXPECT_THAT(lucerna({"power", "lamp.pbrt", "--wavelength", "499,555", "--wavelength", "600"}).out,
+              AllOf(HasSubstr("flux [W]"), HasSubstr("at 499 555 600 nm [W/nm]"),
+                    ContainsRegex(" 1  point +1000 +exact +1\\.80935 .* 0 0\\.0180935 "
+                                  "0\\.0180935\n")));
+  EXPECT_THAT(lucerna({"lights", "lamp.pbrt"}).out,
+              ContainsRegex("spectrum 500 to 600 nm, 1\\.80935 W"));
+  EXPECT_THAT(lucerna({"power", "point.pbrt"}).out, Not(HasSubstr("[W]")));
+  // 2 m away: 0.0180935 / (4 pi 2^2) W/m2/nm.
+  const char* const value = "0\\.000359959";
+  EXPECT_THAT(
+      lucerna({"sample", "lamp.pbrt", "--point", "0,0,2", "--light", "1", "--wavelength", "555"})
+          .out,
+      AllOf(HasSubstr("at 555 nm"), ContainsRegex(std::string(value) + " +W/m2/nm")));
+  EXPECT_THAT(lucerna({"irradiance", "lamp.pbrt", "--point", "0,0,2", "--normal", "0,0,-1",
+                       "--bounces", "0", "--wavelength", "555,700"})
+                  .out,
+              ContainsRegex(std::string(value) + " 0\n"));
+  EXPECT_THAT(lucerna({"emit", "lamp.pbrt", "--light", "1", "--wavelength", "555"}).out,
+              ContainsRegex("0\\.00143984 +W/sr/nm"));
+  // Up at the sphere of 12 cd/m2: white, so D65, 12 of its W/m2/sr/nm per lm/m2/sr.
+  EXPECT_THAT(lucerna({"le", "sphere.pbrt", "--point", "0.7,-1.2,0", "--direction", "0,0,1",
+                       "--wavelength", "560"})
+                  .out,
+              AllOf(HasSubstr("at 560 nm [W/m2/sr/nm]"), ContainsRegex("12 12 12 +0\\.000166263")));
+  expect_no(lucerna({"irradiance", "lamp.pbrt", "--point", "0,0,2", "--normal", "0,0,-1",
+                     "--wavelength", "555"}),
+            "surfaces have a colour and no spectrum");
+  expect_no(lucerna({"power", "lamp.pbrt", "--wavelength", "20"}), "wavelengths_nm[0] = 20");
+  expect_wrong_use(lucerna({"power", "lamp.pbrt", "--wavelength", "blue"}), "blue");
 }
 
 TEST_F(Cli, VisibilityIsAskedForSegmentsAndRays) {

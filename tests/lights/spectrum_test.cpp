@@ -109,6 +109,7 @@ TEST(Spectrum, LuminousEfficacyIsThatOfIndependentQuadrature) {
   for (const auto& [kelvin, lumens_per_watt] : kBlackBodies)
     EXPECT_NEAR(1 / spectrum(BlackBody{kelvin}).watts_per_lumen() / lumens_per_watt, 1, 1e-6)
         << kelvin;
+  EXPECT_NEAR(1 / spectrum(BlackBody{6504}).watts_per_lumen(), 95.36706223, 1e-4);
   EXPECT_NEAR(1 / spectrum(CieIlluminant{"D65"}).watts_per_lumen(), 176.80321391, 1e-6);
   EXPECT_NEAR(1 / spectrum(CieIlluminant{"F2"}).watts_per_lumen(), 336.83940055, 1e-6);
 }
@@ -160,6 +161,42 @@ TEST(Spectrum, SamplesAreIntegratedExactly) {
   const Spectrum line = spectrum(SampledSpectrum{{552.49, 552.5, 552.51}, {0, 3, 0}});
   EXPECT_NEAR(1 / line.watts_per_lumen(), 683 * (0.9949501 + 1.0) / 2, 1e-2);
   EXPECT_GT(line.per_lumen(552.5), 0);
+}
+
+// What no light's flux could be multiplied with is refused; what is left has finite numbers.
+TEST(Spectrum, NumbersAreFiniteUpToTheDarkestSpectra) {
+  for (const double kelvin : {100.0, 101.0, 300.0, 1e4, 1e7}) {
+    const Spectrum s = spectrum(BlackBody{kelvin});
+    EXPECT_GT(s.watts_per_lumen(), 0) << kelvin;
+    EXPECT_LT(s.watts_per_lumen(), kMostWattsPerLumen) << kelvin;
+    for (double nm = 100; nm <= 1e6; nm *= 1.25) {
+      EXPECT_TRUE(std::isfinite(s.per_lumen(nm))) << kelvin << " " << nm;
+      EXPECT_GE(s.per_lumen(nm), 0) << kelvin << " " << nm;
+    }
+  }
+  // All but nothing of it is seen: 1e-90 of the power of a line in the infrared at 555 nm.
+  const Spectrum dark =
+      spectrum(SampledSpectrum{{554, 555, 556, 1999, 2000, 2001}, {0, 1e-90, 0, 0, 1, 0}});
+  EXPECT_NEAR(dark.watts_per_lumen() / (1e90 / 683), 1, 1e-3);
+  EXPECT_NEAR(dark.per_lumen(2000) / (1e90 / 683), 1, 1e-3);
+  EXPECT_THAT(error(SampledSpectrum{{554, 555, 556, 1999, 2000, 2001}, {0, 1e-110, 0, 0, 1, 0}}),
+              HasSubstr("the eye sees nothing"));
+}
+
+// A single line of the least width that doubles tell apart, and 100 000 samples.
+TEST(Spectrum, NarrowAndLongTablesAreIntegrated) {
+  const double next = std::nextafter(555.0, 1e3), previous = std::nextafter(555.0, 0.0);
+  const Spectrum line = spectrum(SampledSpectrum{{previous, 555, next}, {0, 1, 0}});
+  EXPECT_NEAR(683 * line.watts_per_lumen(), 1, 1e-9);
+  SampledSpectrum samples;
+  for (int i = 0; i < 100000; ++i) {
+    samples.wavelengths_nm.push_back(300 + 0.01 * i);
+    samples.values.push_back(2);
+  }
+  const Spectrum flat = spectrum(samples);
+  const Spectrum two = spectrum(SampledSpectrum{{300, 1299.99}, {1, 1}});
+  EXPECT_NEAR(flat.watts_per_lumen() / two.watts_per_lumen(), 1, 1e-9);
+  EXPECT_NEAR(flat.per_lumen(600) / two.per_lumen(600), 1, 1e-9);
 }
 
 TEST(Spectrum, ScaleOfSamplesChangesNothing) {

@@ -40,6 +40,7 @@ TEST(PbrtReference, ScenesLoadWithoutRemarks) {
       {"many_points", 4, 0, 400, 1, 8192},
       {"many_triangles", 154, 150, 0, 1, 8192},
       {"bounces", 11, 1, 0, 6, 8192},
+      {"colour", 6, 2, 0, 1, 4096},
   };
   for (const Expected& expected : kScenes) {
     SCOPED_TRACE(expected.name);

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 
 #include "tests/server/scenes.h"
@@ -176,6 +177,42 @@ TEST(Scene, ReportsOnlyWhatItBuilt) {
   const auto scene = build(d);
   EXPECT_THAT(part_names(*scene), ElementsAre("spheres", "surfaces", "bvh"));
   for (const ScenePart& p : scene->parts()) EXPECT_GT(p.bytes, 0u) << p.name;
+}
+
+TEST(Scene, OfRgbLightsCarriesNoSpectralData) {
+  SceneDescription d = testing::description();
+  d.shapes = {testing::emissive(testing::floor(1), 1)};
+  d.lights = {testing::point_light({0, 0, 1}, 1)};
+  const auto scene = build(d);
+  EXPECT_TRUE(scene->spectra().empty());
+  EXPECT_THAT(part_names(*scene), ::testing::Not(::testing::Contains("spectra")));
+  for (std::uint32_t l = 0; l < 2; ++l) EXPECT_EQ(scene->spectrum(l), nullptr);
+}
+
+TEST(Scene, HoldsEachSpectrumOnceAndTellsItsBytes) {
+  const auto samples = std::make_shared<const Spectrum>(
+      *Spectrum::create(SampledSpectrum{{400, 500, 700}, {1, 2, 3}}));
+  const auto body = std::make_shared<const Spectrum>(*Spectrum::create(BlackBody{3000}));
+  SceneDescription d = testing::description();
+  d.shapes = {testing::floor(2, -1), testing::emissive(testing::floor(1), 1)};
+  d.shapes[1].emission->spectrum = samples;
+  d.lights = {testing::point_light({0, 0, 1}, 1), testing::point_light({0, 0, 2}, 1),
+              testing::point_light({0, 0, 3}, 1)};
+  d.lights[1].spectrum = body;
+  d.lights[2].spectrum = samples;
+  const auto scene = build(d);
+  ASSERT_EQ(scene->spectra().size(), 2u);
+  EXPECT_EQ(scene->spectrum(0), nullptr);
+  EXPECT_EQ(scene->spectrum_number(0), std::nullopt);
+  EXPECT_EQ(scene->spectrum(1), body.get());
+  EXPECT_EQ(scene->spectrum(2), samples.get());
+  EXPECT_EQ(scene->spectrum(3), samples.get());  // the area light comes last
+  EXPECT_EQ(scene->spectrum_number(2), scene->spectrum_number(3));
+  const auto part = std::ranges::find(scene->parts(), "spectra", &ScenePart::name);
+  ASSERT_NE(part, scene->parts().end());
+  EXPECT_EQ(part->why, "2 spectra of 3 lights");
+  // Each once; where they are; which of them each of the four lights has.
+  EXPECT_EQ(part->bytes, samples->bytes() + body->bytes() + 2 * sizeof samples + 4 * 4);
 }
 
 TEST(Scene, ChoosesLightsByPower) {

@@ -259,17 +259,5 @@ TEST_F(LightingServiceTest, VisibilityOfSegmentsAndRays) {
   expect_bad_field(call(), "rays.lengths_m");
 }
 
-TEST_F(LightingServiceTest, WhatComesLaterIsUnimplementedWithASentence) {
-  v1::EstimatePowerRequest at_wavelength;
-  at_wavelength.set_scene_id(point_);
-  at_wavelength.add_wavelengths_nm(555);
-  v1::EstimatePowerResponse power;
-  for (const grpc::Status& s :
-       {ask([&](auto* c) { return service_.lighting.EstimatePower(c, at_wavelength, &power); })}) {
-    EXPECT_EQ(s.error_code(), grpc::StatusCode::UNIMPLEMENTED);
-    EXPECT_GT(s.error_message().size(), 20U);
-  }
-}
-
 }  // namespace
 }  // namespace lucerna::testing
