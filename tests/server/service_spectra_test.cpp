@@ -107,6 +107,17 @@ double sampled_lumens_per_unit() {
   return 683 * sum;
 }
 
+/// 24 point lights of three kinds.
+std::string many_lights() {
+  const char* const kKinds[] = {"\"blackbody I\" 2700", "\"rgb I\" [1 3 5]",
+                                "\"spectrum I\" \"stdillum-F11\""};
+  std::string text = "WorldBegin\n";
+  for (int i = 0; i < 24; ++i)
+    text += "LightSource \"point\" " + std::string(kKinds[i % 3]) + " \"point3 from\" [" +
+            std::to_string(i % 5) + " " + std::to_string(i % 7) + " 3]\n";
+  return text;
+}
+
 class SpectraServiceTest : public ::testing::Test {
  protected:
   rpc::ServerOptions options() const {
@@ -299,16 +310,19 @@ TEST_F(SpectraServiceTest, IrradianceIsTheSumOverLightsOfEachShareTimesItsSpectr
 }
 
 TEST_F(SpectraServiceTest, AskingForWavelengthsChangesNothingElse) {
-  v1::EstimateIrradianceRequest q = irradiance_request(table_nm());
-  v1::EstimateIrradianceResponse with, without;
-  ASSERT_TRUE(call(q, &with).ok());
-  q.clear_wavelengths_nm();
-  ASSERT_TRUE(call(q, &without).ok());
-  EXPECT_EQ(without.spectral_irradiance_size(), 0);
-  with.clear_spectral_irradiance();
-  with.clear_cost();
-  without.clear_cost();
-  EXPECT_EQ(with.SerializeAsString(), without.SerializeAsString());
+  for (const std::string& scene : {lamps_, load("many.pbrt", many_lights())}) {
+    v1::EstimateIrradianceRequest q = irradiance_request(table_nm());
+    q.set_scene_id(scene);
+    v1::EstimateIrradianceResponse with, without;
+    ASSERT_TRUE(call(q, &with).ok());
+    q.clear_wavelengths_nm();
+    ASSERT_TRUE(call(q, &without).ok());
+    EXPECT_EQ(without.spectral_irradiance_size(), 0);
+    with.clear_spectral_irradiance();
+    with.clear_cost();
+    without.clear_cost();
+    EXPECT_EQ(with.SerializeAsString(), without.SerializeAsString());
+  }
 
   v1::SampleLiResponse sampled, plain;
   v1::SampleLiRequest li = sample_request(kF2, {555});
@@ -323,15 +337,8 @@ TEST_F(SpectraServiceTest, AskingForWavelengthsChangesNothingElse) {
 
 // More lights than are visited one by one: what is chosen of them has its own spectrum.
 TEST_F(SpectraServiceTest, IrradianceOfManyLightsIntegratesBackToItsIlluminance) {
-  std::string text = "WorldBegin\n";
-  for (int i = 0; i < 24; ++i) {
-    const char* const kinds[] = {"\"blackbody I\" 2700", "\"rgb I\" [1 3 5]",
-                                 "\"spectrum I\" \"stdillum-F11\""};
-    text += "LightSource \"point\" " + std::string(kinds[i % 3]) + " \"point3 from\" [" +
-            std::to_string(i % 5) + " " + std::to_string(i % 7) + " 3]\n";
-  }
   v1::EstimateIrradianceRequest q = irradiance_request(table_nm());
-  q.set_scene_id(load("many.pbrt", text));
+  q.set_scene_id(load("many.pbrt", many_lights()));
   v1::EstimateIrradianceResponse r;
   ASSERT_TRUE(call(q, &r).ok());
   for (int p = 0; p < 2; ++p) {
