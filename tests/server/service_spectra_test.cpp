@@ -525,6 +525,20 @@ TEST_F(SpectraServiceTest, AnswersLargerThanAMessageAreRefusedBeforeTheyAreMade)
   EXPECT_THAT(s.error_message(), HasSubstr("wavelengths"));
 }
 
+TEST_F(SpectraServiceTest, TheLargestBatchAtTheMostWavelengthsFitsAMessage) {
+  v1::SampleLiRequest q = sample_request(kF2, std::vector<double>(128, 555));
+  q.clear_u();
+  q.mutable_seed();
+  q.clear_light_id();
+  q.set_test_visibility(true);
+  q.mutable_receivers()->mutable_offsets_m()->Resize(3 * 65536, 0);
+  v1::SampleLiResponse r;
+  const grpc::Status s = call(q, &r);
+  ASSERT_TRUE(s.ok()) << s.error_message();
+  EXPECT_EQ(r.spectral_value_size(), 65536 * 128);
+  EXPECT_LT(r.ByteSizeLong(), options().max_message_bytes);
+}
+
 // A black body of 100 K has 4e72 W a lumen, nearly all about 29 um.
 TEST_F(SpectraServiceTest, ValuesThatNoFloatHoldsAreOutOfRange) {
   const std::string scene =
