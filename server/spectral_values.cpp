@@ -4,6 +4,10 @@
 #include <cmath>
 
 namespace lucerna {
+namespace {
+// Scenes have a few spectra; of those that have a million not all are kept at a time.
+constexpr std::size_t kMostKept = 256;
+}  // namespace
 
 void SpectralValues::add(std::optional<std::uint32_t> spectrum, const Rgb<double>& value,
                          std::span<double> sum) {
@@ -17,6 +21,7 @@ void SpectralValues::add(std::optional<std::uint32_t> spectrum, const Rgb<double
     }
     return;
   }
+  if (per_lumen_.size() >= kMostKept && !per_lumen_.contains(*spectrum)) per_lumen_.clear();
   const auto [row, is_new] = per_lumen_.try_emplace(*spectrum);
   if (is_new)
     for (const double nm : wavelengths_nm_)

@@ -15,8 +15,8 @@
 
 namespace lucerna {
 
-/// Spectra are looked up once for each wavelength, at their first light.  Not thread-safe: each
-/// chunk of work has its own.
+/// Spectra are looked up at their first light and kept for the next, a few hundred at a time.  Not
+/// thread-safe: each chunk of work has its own.
 class SpectralValues {
  public:
   /// `scene` and `wavelengths_nm` must outlive it.

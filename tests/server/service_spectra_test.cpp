@@ -403,6 +403,27 @@ TEST_F(SpectraServiceTest, TotalsHaveWattsWhereAllLightsHave) {
   EXPECT_FALSE(power(load("dark.pbrt", "WorldBegin")).total().has_power_w());
 }
 
+// More spectra than are kept at a time.
+TEST_F(SpectraServiceTest, EachOfManySpectraIsItsOwn) {
+  std::string text = "WorldBegin\n";
+  std::vector<std::uint64_t> ids;
+  for (int i = 0; i < 600; ++i) {
+    text += "LightSource \"point\" \"float power\" 1 \"blackbody I\" " +
+            std::to_string(2000 + 10 * i) + "\n";
+    ids.push_back(static_cast<std::uint64_t>(i + 1));
+  }
+  ids.push_back(1);
+  const v1::EstimatePowerResponse r = power(load("temperatures.pbrt", text), ids, {555, 700});
+  ASSERT_EQ(r.lights_size(), 601);
+  double sum = 0;
+  for (int i = 0; i < 601; ++i) {
+    const double expected = planck_per_lumen(700, 2000 + 10 * (i % 600));
+    EXPECT_NEAR(r.lights(i).spectral_w_per_nm(1), expected, 1e-6 * expected) << i;
+    sum += r.lights(i).spectral_w_per_nm(1);
+  }
+  EXPECT_NEAR(r.total().spectral_w_per_nm(1), sum, 1e-9 * sum);
+}
+
 TEST_F(SpectraServiceTest, ListLightsTellsSpectraAndWatts) {
   v1::ListLightsRequest q;
   q.set_scene_id(lamps_);
