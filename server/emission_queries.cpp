@@ -16,12 +16,6 @@ namespace {
 
 constexpr std::size_t kGrain = 512;
 
-void store(float* array, std::size_t i, const Vec3<float>& v) {
-  array[3 * i] = v.x;
-  array[3 * i + 1] = v.y;
-  array[3 * i + 2] = v.z;
-}
-
 /// The sample values of one ray.
 struct RayValues {
   Vec2<float> position, direction;
@@ -37,11 +31,7 @@ RayValues values_of(const SampleLeQuery& q, std::size_t i) {
     const auto index = static_cast<std::uint32_t>(number);
     v.position = points.pair(index, 0);
     v.direction = points.pair(index, 1);
-    if (!q.light) {
-      // 24 bits would leave some of more than 2^24 lights without a ray.
-      const Vec2<float> choice = points.pair(index, 2);
-      v.light = double{choice.x} + std::ldexp(double{choice.y}, -24);
-    }
+    if (!q.light) v.light = choosing_value(points.pair(index, 2));
     return v;
   }
   v.position = {q.u[4 * i], q.u[4 * i + 1]};
@@ -81,14 +71,9 @@ ItemResult sample_ray(const Scene& scene, const SampleLeQuery& q, SpectralValues
   const RayValues u = values_of(q, i);
   std::uint32_t light = q.light.value_or(0);
   if (!q.light) {
-    if (scene.lights().empty()) {
-      a.selection_probability[i] = 1;  // so that nobody divides by 0
-      return u.valid ? ItemResult::kBlack : ItemResult::kInvalidInput;
-    }
-    const LightChoice choice = choose_light(scene, u.light);
-    light = choice.light;
-    a.light_ids[i] = scene.lights()[light].id;
-    a.selection_probability[i] = choice.probability;
+    const auto chosen = choose_light(scene, u.light, i, a.light_ids, a.selection_probability);
+    if (!chosen) return u.valid ? ItemResult::kBlack : ItemResult::kInvalidInput;
+    light = *chosen;
   }
   if (!u.valid) return ItemResult::kInvalidInput;
   return visit_light(scene.lights()[light], q.time_s, [&](const auto& l) {
@@ -112,7 +97,7 @@ WorkCounts le(const Scene& scene, const LeQuery& query, const LeAnswer& answer,
       const ScenePoint p = to_scene(i);
       const Vec3<float> direction = triple(query.directions, i);
       ItemResult result = p.result;
-      if (!is_finite(direction) || direction == Vec3<float>{}) result = ItemResult::kInvalidInput;
+      if (!is_direction(direction)) result = ItemResult::kInvalidInput;
       if (result == ItemResult::kOk) {
         Ray ray{p.position, normalized(direction), kStartWithoutNormal * p.error};
         ray.time_s = query.time_s;
@@ -171,7 +156,7 @@ void pdf_le(const Scene& scene, std::uint32_t light, const PointArray& points,
         const ScenePoint p = to_scene(i);
         const Vec3<float> w = triple(directions, i);
         ItemResult result = p.result;
-        if (!is_finite(w) || w == Vec3<float>{}) result = ItemResult::kInvalidInput;
+        if (!is_direction(w)) result = ItemResult::kInvalidInput;
         if (result == ItemResult::kOk) {
           const EmissionPdf<float> pdf = l.pdf_le(p.position, normalized(w), scene.sphere());
           if (std::isfinite(pdf.position.per_m2) && std::isfinite(pdf.direction.per_sr)) {

@@ -5,7 +5,13 @@
 #include <span>
 #include <vector>
 
+#include "lights/vec.h"
+
 namespace lucerna {
+
+/// What chooses a light, of the 48 bits of a pair: 24 would leave some of more than 2^24 lights
+/// without a sample.
+inline double choosing_value(const Vec2<float>& u) { return double{u.x} + double{u.y} * 0x1p-24; }
 
 struct LightChoice {
   std::uint32_t light;

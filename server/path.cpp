@@ -104,8 +104,7 @@ PathTracer::ChosenLight PathTracer::direct_of_chosen(const SurfaceHit& hit, cons
     for (std::uint32_t j = 0; j < kCandidates; ++j) {
       const PathSample s = sample.part(j, kCandidates);
       const Vec2<float> v = s.at(depth, PathSample::kLight);
-      // 48 bits reach every light.
-      const LightChoice choice = choose_light(scene_, double(v.x) + double(v.y) * 0x1p-24);
+      const LightChoice choice = choose_light(scene_, choosing_value(v));
       weigh(choice.light, candidate(hit, wo, choice.light, choice.probability,
                                     s.at(depth, PathSample::kLightPoint)));
     }

@@ -17,12 +17,6 @@ namespace {
 constexpr std::size_t kGrain = 512;  // a multiple of 8, as chunks write bits
 constexpr double kDefaultUlps = 4;
 
-void store(float* array, std::size_t i, const Vec3<float>& v) {
-  array[3 * i] = v.x;
-  array[3 * i + 1] = v.y;
-  array[3 * i + 2] = v.z;
-}
-
 void set_bit(std::uint8_t* bits, std::size_t i) {
   bits[i / 8] |= static_cast<std::uint8_t>(1u << (i % 8));
 }
@@ -70,7 +64,7 @@ class LiSampler {
     p.receiver = to_scene_(receiver);
     if (!q_.normals.empty()) {
       const Vec3<float> n = triple(q_.normals, receiver);
-      if (!is_finite(n) || n == Vec3<float>{}) p.receiver.result = ItemResult::kInvalidInput;
+      if (!is_direction(n)) p.receiver.result = ItemResult::kInvalidInput;
       p.normal = normalized(n);
       if (q_.test_visibility && !q_.position_error_m && p.receiver.result == ItemResult::kOk) {
         p.receiver = on_surface(scene_, p.receiver, p.normal, q_.time_s);
@@ -81,11 +75,7 @@ class LiSampler {
       const SobolSequence points(q_.seed->seed, q_.seed->first_item + receiver);
       const auto index = static_cast<std::uint32_t>(i % q_.samples);
       p.u = points.pair(index, 0);
-      if (!q_.light) {
-        // 24 bits would leave some of more than 2^24 lights without a sample.
-        const Vec2<float> choice = points.pair(index, 1);
-        u_light = double{choice.x} + std::ldexp(double{choice.y}, -24);
-      }
+      if (!q_.light) u_light = choosing_value(points.pair(index, 1));
     } else {
       p.u = {q_.u[2 * i], q_.u[2 * i + 1]};
       if (!q_.light) u_light = q_.u_light[i];
@@ -94,22 +84,10 @@ class LiSampler {
         u_light = 0;
       }
     }
-    if (q_.light) {
-      p.light = *q_.light;
-    } else {
-      choose(i, u_light, p);
-    }
-  }
-
-  void choose(std::size_t i, double u_light, Pending& p) const {
-    if (scene_.lights().empty()) {
-      a_.selection_probability[i] = 1;  // so that nobody divides by 0
-      return;
-    }
-    const LightChoice choice = choose_light(scene_, u_light);
-    p.light = choice.light;
-    a_.light_ids[i] = scene_.lights()[choice.light].id;
-    a_.selection_probability[i] = choice.probability;
+    const auto light =
+        q_.light ? q_.light
+                 : choose_light(scene_, u_light, i, a_.light_ids, a_.selection_probability);
+    if (light) p.light = *light;
   }
 
   /// Visits each light once for all samples of the chunk that chose it.
@@ -259,6 +237,18 @@ ScenePoint ToScene::operator()(std::size_t i) const {
   return p;
 }
 
+std::optional<std::uint32_t> choose_light(const Scene& scene, double u_light, std::size_t i,
+                                          std::uint64_t* light_ids, double* selection_probability) {
+  if (scene.lights().empty()) {
+    selection_probability[i] = 1;
+    return std::nullopt;
+  }
+  const LightChoice choice = choose_light(scene, u_light);
+  light_ids[i] = scene.lights()[choice.light].id;
+  selection_probability[i] = choice.probability;
+  return choice.light;
+}
+
 WorkCounts sample_li(const Scene& scene, const SampleLiQuery& query, const SampleLiAnswer& answer,
                      std::stop_token stop) {
   const LiSampler sampler(scene, query, answer);
@@ -282,16 +272,13 @@ void pdf_li(const Scene& scene, const PdfLiQuery& q, float* pdf_per_sr, int* sta
       const DenormalsAreZero denormals;
       for (std::size_t i = begin; i < end; ++i) {
         const ScenePoint p = to_scene(i);
-        const auto is_bad = [](const Vec3<float>& v) {
-          return !is_finite(v) || v == Vec3<float>{};
-        };
         const Vec3<float> w = triple(q.wi, i);
         ItemResult result = p.result;
-        if (is_bad(w)) result = ItemResult::kInvalidInput;
+        if (!is_direction(w)) result = ItemResult::kInvalidInput;
         Vec3<float> n;
         if (!q.normals.empty()) {
           n = triple(q.normals, i);
-          if (is_bad(n)) result = ItemResult::kInvalidInput;
+          if (!is_direction(n)) result = ItemResult::kInvalidInput;
           n = normalized(n);
         }
         if (result == ItemResult::kOk) {

@@ -37,6 +37,15 @@ inline Vec3<float> triple(std::span<const float> v, std::size_t i) {
   return {v[3 * i], v[3 * i + 1], v[3 * i + 2]};
 }
 
+inline void store(float* array, std::size_t i, const Vec3<float>& v) {
+  array[3 * i] = v.x;
+  array[3 * i + 1] = v.y;
+  array[3 * i + 2] = v.z;
+}
+
+/// Whether a vector of a request says a direction: it may have any length but 0.
+inline bool is_direction(const Vec3<float>& v) { return is_finite(v) && v != Vec3<float>{}; }
+
 /// A point of a batch, about the scene's origin.
 struct ScenePoint {
   Vec3<float> position;
@@ -65,6 +74,11 @@ struct SeedRange {
   std::uint64_t seed = 0;
   std::uint64_t first_item = 0;
 };
+
+/// The light that item `i` is spent on, of which id and probability are put down.  Nothing in a
+/// scene without lights: the id stays 0, the probability is 1, so that nobody divides by 0.
+std::optional<std::uint32_t> choose_light(const Scene& scene, double u_light, std::size_t i,
+                                          std::uint64_t* light_ids, double* selection_probability);
 
 struct SampleLiQuery {
   PointArray receivers;

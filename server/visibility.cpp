@@ -48,7 +48,7 @@ std::optional<Ray> ray_of(const Scene& scene, const VisibilityQuery& q, const To
   }
   const Vec3<float> direction = triple(q.directions, i);
   const float length = q.lengths_m.empty() ? INFINITY : q.lengths_m[i];
-  if (!is_finite(direction) || direction == Vec3<float>{} || !(length > 0) ||
+  if (!is_direction(direction) || !(length > 0) ||
       (!q.lengths_m.empty() && !std::isfinite(length))) {
     result = ItemResult::kInvalidInput;
   }
@@ -120,7 +120,7 @@ std::optional<Ray> segment_ray(const ScenePoint& from, const Vec3<float>& normal
   const double distance = length(direction);
   if (!(distance > 0)) return std::nullopt;
   ray.direction = Vec3<float>(direction);
-  if (!is_finite(ray.direction) || ray.direction == Vec3<float>{}) return std::nullopt;
+  if (!is_direction(ray.direction)) return std::nullopt;
   if (!has_normal(normal)) {
     ray.t_min = static_cast<float>(kStartWithoutNormal * from.error / distance);
   }

@@ -115,7 +115,7 @@ absl::Status IrradianceWork::operator()(const std::stop_token& stop,
       ScenePoint p = to_scene(i);
       const Vec3<float> normal = triple(normals, i);
       result = p.result;
-      if (!is_finite(normal) || normal == Vec3<float>{}) result = ItemResult::kInvalidInput;
+      if (!is_direction(normal)) result = ItemResult::kInvalidInput;
       if (result == ItemResult::kOk && !position_error_m) {
         p = on_surface(*scene, p, normalized(normal), settings.time_s);
       }
