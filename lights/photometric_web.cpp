@@ -41,45 +41,6 @@ absl::Status check_ascending(std::string_view field, const std::vector<double>& 
   return absl::OkStatus();
 }
 
-absl::Status check_vertical(const PhotometricWebParams& params) {
-  const auto& v = params.vertical_deg;
-  if (v.size() < 2)
-    return absl::InvalidArgumentError(
-        fmt::format("{} vertical angles, allowed: 2 or more", v.size()));
-  if (auto s = check_ascending("vertical angle", v); !s.ok()) return s;
-  const double first = v.front(), last = v.back();
-  if (params.type == PhotometricType::kC) {
-    if ((first == 0 || first == 90) && (last == 90 || last == 180)) return absl::OkStatus();
-    return absl::InvalidArgumentError(fmt::format(
-        "vertical angles from {} to {} degrees, allowed for type C: from 0 or 90 to 90 or 180",
-        first, last));
-  }
-  if ((first == -90 || first == 0) && last == 90) return absl::OkStatus();
-  return absl::InvalidArgumentError(fmt::format(
-      "vertical angles from {} to {} degrees, allowed for types A and B: from -90 or 0 to 90",
-      first, last));
-}
-
-absl::Status check_horizontal(const PhotometricWebParams& params) {
-  const auto& h = params.horizontal_deg;
-  if (h.empty()) return absl::InvalidArgumentError("0 horizontal angles, allowed: 1 or more");
-  if (auto s = check_ascending("horizontal angle", h); !s.ok()) return s;
-  const double first = h.front(), last = h.back();
-  if (params.type == PhotometricType::kC) {
-    const bool good = (first == 0 && (last == 0 || last == 90 || last == 180 || last == 360)) ||
-                      (first == 90 && last == 270) || (first == -90 && last == 90);
-    if (good) return absl::OkStatus();
-    return absl::InvalidArgumentError(
-        fmt::format("horizontal angles from {} to {} degrees, allowed for type C: 0 alone, 0 to "
-                    "90, 0 to 180, 90 to 270, 0 to 360",
-                    first, last));
-  }
-  if ((first == 0 || first == -90) && last == 90) return absl::OkStatus();
-  return absl::InvalidArgumentError(fmt::format(
-      "horizontal angles from {} to {} degrees, allowed for types A and B: from 0 or -90 to 90",
-      first, last));
-}
-
 /// The integrals of sin(a) over [a, b] times the two linear functions that are 1 at one end and 0
 /// at the other: sin(m) sin(d) -+ cos(m) (sin(d) - d cos(d)) / d, m the middle and d half of the
 /// length.
@@ -107,10 +68,49 @@ double half_one_minus_cos(double angle) {
 
 }  // namespace
 
+absl::Status check_vertical_angles(PhotometricType type, const std::vector<double>& degrees) {
+  const auto& v = degrees;
+  if (v.size() < 2)
+    return absl::InvalidArgumentError(
+        fmt::format("{} vertical angles, allowed: 2 or more", v.size()));
+  if (auto s = check_ascending("vertical angle", v); !s.ok()) return s;
+  const double first = v.front(), last = v.back();
+  if (type == PhotometricType::kC) {
+    if ((first == 0 || first == 90) && (last == 90 || last == 180)) return absl::OkStatus();
+    return absl::InvalidArgumentError(fmt::format(
+        "vertical angles from {} to {} degrees, allowed for type C: from 0 or 90 to 90 or 180",
+        first, last));
+  }
+  if ((first == -90 || first == 0) && last == 90) return absl::OkStatus();
+  return absl::InvalidArgumentError(fmt::format(
+      "vertical angles from {} to {} degrees, allowed for types A and B: from -90 or 0 to 90",
+      first, last));
+}
+
+absl::Status check_horizontal_angles(PhotometricType type, const std::vector<double>& degrees) {
+  const auto& h = degrees;
+  if (h.empty()) return absl::InvalidArgumentError("0 horizontal angles, allowed: 1 or more");
+  if (auto s = check_ascending("horizontal angle", h); !s.ok()) return s;
+  const double first = h.front(), last = h.back();
+  if (type == PhotometricType::kC) {
+    const bool good = (first == 0 && (last == 0 || last == 90 || last == 180 || last == 360)) ||
+                      (first == 90 && last == 270) || (first == -90 && last == 90);
+    if (good) return absl::OkStatus();
+    return absl::InvalidArgumentError(
+        fmt::format("horizontal angles from {} to {} degrees, allowed for type C: 0 alone, 0 to "
+                    "90, 0 to 180, 90 to 270, 0 to 360",
+                    first, last));
+  }
+  if ((first == 0 || first == -90) && last == 90) return absl::OkStatus();
+  return absl::InvalidArgumentError(fmt::format(
+      "horizontal angles from {} to {} degrees, allowed for types A and B: from 0 or -90 to 90",
+      first, last));
+}
+
 absl::StatusOr<std::shared_ptr<const PhotometricWeb>> PhotometricWeb::create(
     const PhotometricWebParams& params) {
-  if (auto s = check_vertical(params); !s.ok()) return s;
-  if (auto s = check_horizontal(params); !s.ok()) return s;
+  if (auto s = check_vertical_angles(params.type, params.vertical_deg); !s.ok()) return s;
+  if (auto s = check_horizontal_angles(params.type, params.horizontal_deg); !s.ok()) return s;
   const std::size_t points = params.vertical_deg.size() * params.horizontal_deg.size();
   if (params.intensity_cd.size() != points)
     return absl::InvalidArgumentError(

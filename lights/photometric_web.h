@@ -16,7 +16,7 @@ namespace lucerna {
 /// Where the poles of the grid lie.  In light space +z is photometric zero of a luminaire as it
 /// hangs, straight down (as a spot shines along +z), and +x the photometric horizontal; so +y is
 /// horizontal too, on the right of who looks along +x with the sky above.  V and H are the file's
-/// vertical and horizontal angles.  [LM63, 3]
+/// vertical and horizontal angles.  [LM63, 3], and for what turns which way [Blut22]
 enum class PhotometricType : std::uint8_t {
   kC,  ///< V from +z (0) to -z (180); H about that axis, counter-clockwise seen from above: at V 90
        ///< H = 0 is +x and H = 90 is -y
@@ -36,6 +36,10 @@ struct PhotometricWebParams {
   /// All vertical angles at the first horizontal angle, then at the next.  Finite, not negative.
   std::vector<double> intensity_cd;
 };
+
+/// OK where `degrees` are as PhotometricWebParams says of them.
+absl::Status check_vertical_angles(PhotometricType type, const std::vector<double>& degrees);
+absl::Status check_horizontal_angles(PhotometricType type, const std::vector<double>& degrees);
 
 /// Intensity bilinear in the two angles between grid points.  Immutable; lights share it.
 class PhotometricWeb {

@@ -23,11 +23,10 @@ class Lines {
       fail(lines_.size(), fmt::format("the file ends before {} (line {})", what, line));
       return 0;
     }
-    std::string word(trimmed(lines_[line - 1]));
-    std::replace(word.begin(), word.end(), ',', '.');
-    const auto n = parse_number(word);
+    const auto n = parse(line);
     if (!n)
-      fail(line, fmt::format("{} is \"{}\", allowed: a finite number", what, excerpt(word)));
+      fail(line, fmt::format("{} is \"{}\", allowed: a finite number", what,
+                             excerpt(trimmed(lines_[line - 1]))));
     else if (!(*n >= least && *n <= most))
       fail(line, fmt::format("{} = {}, allowed: {}", what, *n, allowed));
     return status.ok() ? *n : 0;
@@ -52,6 +51,9 @@ class Lines {
   }
 
   std::size_t size() const { return lines_.size(); }
+  bool is_number(std::size_t line) const {
+    return line <= lines_.size() && parse(line).has_value();
+  }
   bool blank(std::size_t line) const {
     return line > lines_.size() || trimmed(lines_[line - 1]).empty();
   }
@@ -62,6 +64,12 @@ class Lines {
   absl::Status status;
 
  private:
+  std::optional<double> parse(std::size_t line) const {
+    std::string word(trimmed(lines_[line - 1]));
+    std::replace(word.begin(), word.end(), ',', '.');
+    return parse_number(word);
+  }
+
   std::string_view file_;
   std::vector<std::string_view> lines_;
 };
@@ -85,6 +93,26 @@ Planes planes_of(std::size_t symmetry, std::size_t angles) {
     default:
       return {0, angles};
   }
+}
+
+/// How the lines of several sets of lamps follow each other.
+enum class SetOrder { kByField, kBySet, kEither, kNeither };
+
+/// Number of lamps, flux and watts of each set are numbers (the first and the last may be blank);
+/// types of lamps, whose place they would take in the other order, seldom are.
+SetOrder order_of_sets(const Lines& lines, std::size_t sets) {
+  const auto fits = [&](std::size_t field_step, std::size_t set_step) {
+    for (std::size_t set = 0; set < sets; ++set) {
+      const auto line = [&](std::size_t field) { return 27 + field * field_step + set * set_step; };
+      for (const std::size_t field : {0, 2, 5})
+        if (!lines.is_number(line(field)) && (field == 2 || !lines.blank(line(field))))
+          return false;
+    }
+    return true;
+  };
+  const bool by_field = fits(sets, 1), by_set = fits(1, 6);
+  if (by_field) return by_set ? SetOrder::kEither : SetOrder::kByField;
+  return by_set ? SetOrder::kBySet : SetOrder::kNeither;
 }
 
 }  // namespace
@@ -112,13 +140,21 @@ absl::StatusOr<PhotometricFile> parse_eulumdat(std::string_view text, std::strin
       lines.whole(26, "the number of sets of lamps", 1, 1000, "a whole number from 1");
   if (!lines.status.ok()) return lines.status;
   // Six lines a set: number of lamps, type, total luminous flux, colour temperature, colour
-  // rendering, watts.  A negative number of lamps tells of absolute photometry, the flux being that
-  // of the luminaire.
+  // rendering, watts.
+  const SetOrder order = sets == 1 ? SetOrder::kBySet : order_of_sets(lines, sets);
+  if (order == SetOrder::kNeither)
+    lines.fail(26, fmt::format("{} sets of lamps, allowed: numbers for lamps, luminous flux and "
+                               "watts of each, field by field or set by set",
+                               sets));
   lines.number(27, "the number of lamps", -1e6, 1e6, "a number");
+  const std::size_t flux_line = order == SetOrder::kBySet ? 29 : 27 + 2 * sets;
   const double lamps_lm =
-      lines.number(29, "the luminous flux of the lamps", 1e-300, kAny, "positive");
+      lines.number(flux_line, "the luminous flux of the lamps", 1e-300, kAny, "positive");
   if (sets > 1)
     file.notes.push_back({26, fmt::format("{} sets of lamps", sets), "the first of them"});
+  if (order == SetOrder::kEither)
+    file.notes.push_back({26, "sets of lamps that can be read field by field or set by set",
+                          "field by field, as the format's description has them"});
 
   // Then ten direct ratios, the C-angles, the gamma-angles, the intensities.
   const std::size_t angles_line = 27 + 6 * sets + 10;
@@ -126,7 +162,7 @@ absl::StatusOr<PhotometricFile> parse_eulumdat(std::string_view text, std::strin
   const Planes planes = planes_of(symmetry, angles);
   if (angles > left || gammas > left || planes.count > (left - angles) / gammas)
     lines.fail(6, fmt::format("{} angles and {} planes of {} intensities are claimed to follow, "
-                              "where {} lines are left",
+                              "allowed: as many as the {} lines that are left",
                               angles, planes.count, gammas, left));
   if (!lines.status.ok()) return lines.status;
   const std::vector<double> c =
@@ -136,6 +172,8 @@ absl::StatusOr<PhotometricFile> parse_eulumdat(std::string_view text, std::strin
       lines.list(angles_line + angles, gammas, "a gamma-angle", 0, 180, "from 0 to 180 degrees");
   web.intensity_cd = lines.list(angles_line + angles + gammas, planes.count * gammas,
                                 "an intensity per 1000 lm", 0, kAny, "finite, not negative");
+  if (auto s = check_vertical_angles(web.type, web.vertical_deg); lines.status.ok() && !s.ok())
+    lines.fail(angles_line + angles, std::string(s.message()));
   if (!lines.status.ok()) return lines.status;
   const double factor = lamps_lm / 1000 * conversion;
   for (double& cd : web.intensity_cd) cd *= factor;

@@ -24,6 +24,8 @@ constexpr EditionName kEditions[] = {
     {"IESNA:LM-63-2019", "IES LM-63-2019", Edition::k2019},
 };
 
+constexpr double kAny = 1e300;
+
 /// Numbers one after the other, over the ends of lines, divided by blanks and commas.
 class Numbers {
  public:
@@ -63,20 +65,46 @@ class Numbers {
     return status.ok() ? static_cast<int>(n) : 0;
   }
 
-  /// `count` numbers, which the caller has found room for.
+  /// `count` numbers that are not negative, which the caller has found room for.
   std::vector<double> list(std::string_view what, std::size_t count) {
     std::vector<double> result;
     if (!status.ok()) return result;
     result.reserve(count);
     for (std::size_t i = 0; i < count && status.ok(); ++i)
-      if (const auto n = next(fmt::format("{} {}", what, i + 1))) result.push_back(*n);
+      result.push_back(number(fmt::format("{} {}", what, i + 1), 0, kAny, "finite, not negative"));
     return result;
+  }
+
+  /// `count` ascending angles [degrees], likewise.
+  std::vector<double> angles(std::string_view what, std::size_t count) {
+    std::vector<double> result;
+    if (!status.ok()) return result;
+    result.reserve(count);
+    for (std::size_t i = 0; i < count && status.ok(); ++i) {
+      const double n =
+          number(fmt::format("{} {}", what, i + 1), -360, 360, "from -360 to 360 degrees");
+      if (status.ok() && i > 0 && !(n > result.back()))
+        fail(fmt::format("{} {} = {} degrees, allowed: above the one before, which is {}", what,
+                         i + 1, n, result.back()));
+      result.push_back(n);
+    }
+    return result;
+  }
+
+  /// Fails with what `checked` says, at a line.
+  void check(int line, const absl::Status& checked) {
+    if (status.ok() && !checked.ok())
+      status = photometric_error(
+          file_, line, std::string_view(checked.message().data(), checked.message().size()));
   }
 
   /// Whether as many numbers can follow: each takes a digit, and a blank before the next.
   bool room_for(std::uint64_t count) {
     if (status.ok() && count > (left_ + 1) / 2)
-      fail(fmt::format("{} numbers are claimed to follow, where {} bytes are left", count, left_));
+      fail(
+          fmt::format("{} numbers are claimed to follow, allowed: as many as the {} bytes that are "
+                      "left can hold",
+                      count, left_));
     return status.ok();
   }
 
@@ -96,7 +124,8 @@ class Numbers {
     return false;
   }
 
-  int line() const { return static_cast<int>(line_) + 1; }
+  /// From 1; the last one where there is no more.
+  int line() const { return static_cast<int>(std::min(line_ + 1, lines_.size())); }
   void fail(std::string_view what) {
     if (status.ok()) status = photometric_error(file_, line(), what);
   }
@@ -118,8 +147,6 @@ bool equals_ignoring_case(std::string_view a, std::string_view b) {
   });
 }
 
-constexpr double kAny = 1e300;
-
 /// The table that follows TILT=INCLUDE.  The factor at tilt 0, where the luminaire was measured.
 double read_tilt(Numbers& numbers, PhotometricFile& file) {
   const int line = numbers.line();
@@ -127,17 +154,16 @@ double read_tilt(Numbers& numbers, PhotometricFile& file) {
   const auto pairs = static_cast<std::size_t>(
       numbers.whole("the number of tilt angles", 1, 1'000'000'000, "a positive whole number"));
   if (!numbers.room_for(2 * std::uint64_t{pairs})) return 0;
-  const std::vector<double> angles = numbers.list("tilt angle", pairs);
+  numbers.skip();
+  const int angles_line = numbers.line();
+  const std::vector<double> angles = numbers.angles("tilt angle", pairs);
+  if (numbers.status.ok() && !(angles.front() == 0 && angles.back() <= 180))
+    numbers.check(angles_line,
+                  absl::InvalidArgumentError(fmt::format(
+                      "tilt angles from {} to {} degrees, allowed: from 0 to 180 at most",
+                      angles.front(), angles.back())));
   const std::vector<double> factors = numbers.list("tilt factor", pairs);
   if (!numbers.status.ok()) return 0;
-  for (std::size_t i = 0; i < pairs; ++i) {
-    if (i == 0 ? angles[i] != 0 : angles[i] <= angles[i - 1] || angles[i] > 180)
-      numbers.fail(fmt::format(
-          "tilt angle {} = {}, allowed: 0 first, then ascending to 180 at most", i + 1, angles[i]));
-    if (!(factors[i] >= 0 && factors[i] < kAny))
-      numbers.fail(
-          fmt::format("tilt factor {} = {}, allowed: finite, not negative", i + 1, factors[i]));
-  }
   if (std::any_of(factors.begin(), factors.end(), [](double f) { return f != 1; }))
     file.notes.push_back({line, "a table of factors for a tilted luminaire",
                           fmt::format("the factor at tilt 0, which is {}", factors[0])});
@@ -212,11 +238,12 @@ absl::StatusOr<PhotometricFile> parse_ies(std::string_view text, std::string_vie
   for (const char* size : {"width", "length", "height"})
     numbers.number(size, -kAny, kAny, "finite");
   factor *= positive("ballast factor");
-  // From 1995 on the second number is without meaning.
+  // The second number is without meaning in the editions of 1995 and 2002; in that of 2019 it says
+  // how the file was made.
   if (edition == Edition::k1986 || edition == Edition::k1991)
     factor *= positive("ballast-lamp photometric factor");
   else
-    numbers.next("the number that is left for future use");
+    numbers.next("the second number after the sizes");
   numbers.number("input watts", -kAny, kAny, "finite");
   if (!numbers.room_for(vertical + horizontal + vertical * horizontal)) return numbers.status;
 
@@ -225,9 +252,18 @@ absl::StatusOr<PhotometricFile> parse_ies(std::string_view text, std::string_vie
              : type == 2 ? PhotometricType::kB
                          : PhotometricType::kA;
   numbers.skip();
-  const int angles_line = numbers.line();
-  web.vertical_deg = numbers.list("vertical angle", vertical);
-  web.horizontal_deg = numbers.list("horizontal angle", horizontal);
+  const int vertical_line = numbers.line();
+  web.vertical_deg = numbers.angles("vertical angle", vertical);
+  // The edition of 1986 has one number for types A and C, of which the latter has no such angles.
+  if (edition == Edition::k1986 && type == 1 && numbers.status.ok() && web.vertical_deg.front() < 0)
+    web.type = PhotometricType::kA;
+  numbers.check(vertical_line, check_vertical_angles(web.type, web.vertical_deg));
+  numbers.skip();
+  const int horizontal_line = numbers.line();
+  web.horizontal_deg = numbers.angles("horizontal angle", horizontal);
+  numbers.check(horizontal_line, check_horizontal_angles(web.type, web.horizontal_deg));
+  numbers.skip();
+  const int candela_line = numbers.line();
   web.intensity_cd = numbers.list("candela value", vertical * horizontal);
   if (!numbers.status.ok()) return numbers.status;
   if (numbers.skip())
@@ -237,10 +273,13 @@ absl::StatusOr<PhotometricFile> parse_ies(std::string_view text, std::string_vie
   auto made = PhotometricWeb::create(web);
   if (!made.ok())
     return photometric_error(
-        name, angles_line,
+        name, candela_line,
         std::string_view(made.status().message().data(), made.status().message().size()));
   file.web = *std::move(made);
-  file.format = fmt::format("{}, type {}", edition_name, "CBA"[type - 1]);
+  file.format = fmt::format("{}, type {}", edition_name,
+                            web.type == PhotometricType::kC   ? 'C'
+                            : web.type == PhotometricType::kB ? 'B'
+                                                              : 'A');
   return file;
 }
 
