@@ -37,10 +37,16 @@ std::string known_extension(const std::string& name) {
   return std::ranges::find(kKnown, extension) != kKnown.end() ? extension : "";
 }
 
-/// OpenImageIO's messages name files that only it knows of, and may be many lines long.
-std::string first_line(const std::string& text) {
-  return text.substr(0, std::min(text.find('\n'), std::size_t{200}));
+/// What a file itself says, as it may stand in a message.
+std::string shown(std::string text) {
+  std::ranges::replace_if(
+      text, [](char c) { return c < ' ' || c > '~'; }, '?');
+  return text.substr(0, 200);
 }
+
+/// OpenImageIO's messages name files that only it knows of, quote what these hold, and may be many
+/// lines long.
+std::string first_line(const std::string& text) { return shown(text.substr(0, text.find('\n'))); }
 
 /// A file without a name that holds `bytes`, for formats that OpenImageIO reads by name only.
 class MemoryFile {
@@ -191,7 +197,7 @@ absl::StatusOr<DecodedImage> decode_image(const AssetContent& content, std::uint
   if (!channels) {
     std::string names;
     for (const std::string& n : spec.channelnames) names += " " + n;
-    return bad(content, "channels" + names.substr(0, 200) + ", allowed: one or two, or R, G and B");
+    return bad(content, "channels" + shown(names) + ", allowed: one or two, or R, G and B");
   }
   for (const int c : *channels)
     if (!is_coded(spec.channelformat(c)))
