@@ -105,7 +105,7 @@ TEST(PbrtMutations, TheUnbrokenSceneLoads) {
   ASSERT_TRUE(scene.ok()) << scene.status();
   EXPECT_EQ(testing::remarks_of(*scene), "");
   EXPECT_EQ(scene->shapes.size(), 7U);
-  EXPECT_EQ(scene->lights.size(), 4U);
+  EXPECT_EQ(scene->lights.size(), 6U);
   EXPECT_EQ(scene->instances.size(), 2U);
 }
 
