@@ -33,3 +33,4 @@ done
   --samples 256 --exposure -7
 "$build/client/lucerna" render scenes/panel.pbrt -o "$root/docs/lights/panel.png" \
   --samples 256 --exposure -7
+"$build/client/lucerna" render scenes/moving.pbrt -o "$root/docs/lights/moving.png" --samples 256 --exposure -1

@@ -1,7 +1,6 @@
 #include "server/accelerator.h"
 
 #include <absl/status/status.h>
-#include <embree3/rtcore.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,6 +13,7 @@
 #include "server/denormals.h"
 #include "server/isa.h"
 #include "server/ray_limits.h"
+#include "server/user_geometry.h"
 
 namespace lucerna {
 namespace {
@@ -25,102 +25,9 @@ enum GeometryId : unsigned {
   kSpheres,
   kDisks,
   kCylinders,
+  kMoving,
   kFirstInstance
 };
-
-// What the callbacks of user geometry find behind their pointer.
-struct UserGeometry {
-  const GeometrySet* set;
-  HitKind kind;
-};
-
-// Embree hands the context of a query through to the callbacks: the exact hit travels in it.
-struct QueryContext {
-  RTCIntersectContext embree;  // first, so that its address is this object's
-  Vec3<double> position, normal;
-};
-
-struct AnalyticHit {
-  ShapeHit<double> hit;
-  Vec2<double> uv;
-};
-
-std::optional<AnalyticHit> intersect(const UserGeometry& user, unsigned primitive,
-                                     const RTCRay& ray, double t_max) {
-  const Vec3<double> o{ray.org_x, ray.org_y, ray.org_z}, d{ray.dir_x, ray.dir_y, ray.dir_z};
-  AnalyticHit found;
-  std::optional<ShapeHit<double>> hit;
-  switch (user.kind) {
-    case HitKind::kPatch:
-      hit = user.set->patches[primitive].intersect(o, d, ray.tnear, t_max, &found.uv);
-      break;
-    case HitKind::kSphere:
-      hit = user.set->spheres[primitive].intersect(o, d, ray.tnear, t_max);
-      break;
-    case HitKind::kDisk:
-      hit = user.set->disks[primitive].intersect(o, d, ray.tnear, t_max);
-      break;
-    case HitKind::kCylinder:
-      hit = user.set->cylinders[primitive].intersect(o, d, ray.tnear, t_max);
-      break;
-    case HitKind::kTriangle:
-      break;
-  }
-  if (!hit || !(hit->t > ray.tnear && hit->t < t_max)) return std::nullopt;
-  found.hit = *hit;
-  return found;
-}
-
-void bounds_callback(const RTCBoundsFunctionArguments* args) {
-  const auto& user = *static_cast<const UserGeometry*>(args->geometryUserPtr);
-  std::pair<Vec3<double>, Vec3<double>> box;
-  switch (user.kind) {
-    case HitKind::kPatch:
-      box = user.set->patches[args->primID].bounds();
-      break;
-    case HitKind::kSphere:
-      box = user.set->spheres[args->primID].bounds();
-      break;
-    case HitKind::kDisk:
-      box = user.set->disks[args->primID].bounds();
-      break;
-    case HitKind::kCylinder:
-      box = user.set->cylinders[args->primID].bounds();
-      break;
-    case HitKind::kTriangle:
-      break;
-  }
-  const auto down = [](double v) { return std::nextafter(static_cast<float>(v), -INFINITY); };
-  const auto up = [](double v) { return std::nextafter(static_cast<float>(v), INFINITY); };
-  RTCBounds& out = *args->bounds_o;
-  out.lower_x = down(box.first.x), out.lower_y = down(box.first.y), out.lower_z = down(box.first.z);
-  out.upper_x = up(box.second.x), out.upper_y = up(box.second.y), out.upper_z = up(box.second.z);
-}
-
-// Queries are single rays, so N is 1 here.
-void intersect_callback(const RTCIntersectFunctionNArguments* args) {
-  if (args->valid[0] == 0) return;
-  const auto& user = *static_cast<const UserGeometry*>(args->geometryUserPtr);
-  auto& query = *reinterpret_cast<RTCRayHit*>(args->rayhit);
-  const auto found = intersect(user, args->primID, query.ray, query.ray.tfar);
-  if (!found) return;
-  query.ray.tfar = static_cast<float>(found->hit.t);
-  query.hit.u = static_cast<float>(found->uv.x);
-  query.hit.v = static_cast<float>(found->uv.y);
-  query.hit.geomID = args->geomID;
-  query.hit.primID = args->primID;
-  query.hit.instID[0] = args->context->instID[0];
-  auto& context = *reinterpret_cast<QueryContext*>(args->context);
-  context.position = found->hit.point.position;
-  context.normal = found->hit.point.normal;
-}
-
-void occluded_callback(const RTCOccludedFunctionNArguments* args) {
-  if (args->valid[0] == 0) return;
-  const auto& user = *static_cast<const UserGeometry*>(args->geometryUserPtr);
-  auto& ray = *reinterpret_cast<RTCRay*>(args->ray);
-  if (intersect(user, args->primID, ray, ray.tfar)) ray.tfar = -INFINITY;
-}
 
 // A ray as Embree takes it: its direction made `units` times as long, so t is in as many times the
 // unit.
@@ -173,15 +80,18 @@ struct Accelerator::State {
   RTCError error = RTC_ERROR_NONE;  // the first that Embree reported
   std::string message;
 
-  std::vector<std::array<UserGeometry, 4>> user;  // what callbacks point to: scene, objects
+  // What callbacks point to: of the scene, then of each object.
+  std::vector<std::array<AnalyticShapes, 4>> analytic;
+  std::vector<MovingInstance> moving;
   DeviceHandle device;
   std::vector<SceneHandle> object_scenes;
   SceneHandle top;
   RayLimits limits;
 
   absl::Status open(const std::string& wanted_isa);
-  SceneHandle commit(GeometrySet& set, std::array<UserGeometry, 4>& user_geometry,
+  SceneHandle commit(GeometrySet& set, std::array<AnalyticShapes, 4>& analytic,
                      bool with_instances);
+  RTCGeometry resting(const GeometryInstance& instance) const;
   absl::Status status() const;
 };
 
@@ -234,7 +144,18 @@ absl::Status Accelerator::State::open(const std::string& wanted) {
   return absl::OkStatus();
 }
 
-SceneHandle Accelerator::State::commit(GeometrySet& set, std::array<UserGeometry, 4>& user_geometry,
+RTCGeometry Accelerator::State::resting(const GeometryInstance& instance) const {
+  RTCGeometry g = rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_INSTANCE);
+  rtcSetGeometryInstancedScene(g, object_scenes[instance.object].get());
+  std::array<float, 12> rows{};
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 4; ++c)
+      rows[4 * r + c] = static_cast<float>(instance.scene_from_object.matrix()[r][c]);
+  rtcSetGeometryTransform(g, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, rows.data());
+  return g;
+}
+
+SceneHandle Accelerator::State::commit(GeometrySet& set, std::array<AnalyticShapes, 4>& shapes,
                                        bool with_instances) {
   SceneHandle handle(rtcNewScene(device.get()));
   RTCScene s = handle.get();
@@ -255,32 +176,27 @@ SceneHandle Accelerator::State::commit(GeometrySet& set, std::array<UserGeometry
                                0, 3 * sizeof(std::uint32_t), set.triangles.size() / 3);
     attach(g, kTriangles);
   }
-  user_geometry = {{{&set, HitKind::kPatch},
-                    {&set, HitKind::kSphere},
-                    {&set, HitKind::kDisk},
-                    {&set, HitKind::kCylinder}}};
+  shapes = {{{&set, HitKind::kPatch},
+             {&set, HitKind::kSphere},
+             {&set, HitKind::kDisk},
+             {&set, HitKind::kCylinder}}};
   const std::array<std::size_t, 4> counts{set.patches.size(), set.spheres.size(), set.disks.size(),
                                           set.cylinders.size()};
   for (unsigned i = 0; i < 4; ++i) {
-    if (counts[i] == 0) continue;
-    RTCGeometry g = rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_USER);
-    rtcSetGeometryUserPrimitiveCount(g, static_cast<unsigned>(counts[i]));
-    rtcSetGeometryUserData(g, &user_geometry[i]);
-    rtcSetGeometryBoundsFunction(g, bounds_callback, nullptr);
-    rtcSetGeometryIntersectFunction(g, intersect_callback);
-    rtcSetGeometryOccludedFunction(g, occluded_callback);
-    attach(g, kPatches + i);
+    if (counts[i] > 0) attach(analytic_geometry(device.get(), &shapes[i], counts[i]), kPatches + i);
   }
   for (std::size_t i = 0; with_instances && i < instances.size(); ++i) {
-    RTCGeometry g = rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_INSTANCE);
-    rtcSetGeometryInstancedScene(g, object_scenes[instances[i].object].get());
-    std::array<float, 12> rows{};
-    for (int r = 0; r < 3; ++r)
-      for (int c = 0; c < 4; ++c)
-        rows[4 * r + c] = static_cast<float>(instances[i].scene_from_object.matrix()[r][c]);
-    rtcSetGeometryTransform(g, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, rows.data());
-    attach(g, kFirstInstance + static_cast<unsigned>(i));
+    const GeometryInstance& instance = instances[i];
+    const unsigned number = kFirstInstance + static_cast<unsigned>(i);
+    if (instance.motion == nullptr) {
+      attach(resting(instance), number);
+      continue;
+    }
+    RTCBounds bounds;
+    rtcGetSceneBounds(object_scenes[instance.object].get(), &bounds);
+    moving.emplace_back(instance, object_scenes[instance.object].get(), bounds, number);
   }
+  if (with_instances && !moving.empty()) attach(moving_geometry(device.get(), &moving), kMoving);
   rtcSetSceneProgressMonitorFunction(
       s, [](void* self, double) { return !static_cast<State*>(self)->stop.stop_requested(); },
       this);
@@ -315,15 +231,16 @@ absl::StatusOr<std::unique_ptr<Accelerator>> Accelerator::build(
     if (!(m < 0x1p40))
       return absl::InvalidArgumentError(
           fmt::format("instance {} shrinks its object by {:g}, allowed up to {:g}", i, m, 0x1p40));
-    magnified = std::max(magnified, m);
+    // A rotation turns the diagonal of a box into an axis.
+    magnified = std::max(magnified, state->instances[i].motion == nullptr ? m : 2 * m);
   }
   if (absl::Status s = state->open(isa); !s.ok()) return s;
-  state->user.resize(1 + state->objects.size());
+  state->analytic.resize(1 + state->objects.size());
   for (std::size_t i = 0; i < state->objects.size(); ++i) {
-    state->object_scenes.push_back(state->commit(state->objects[i], state->user[1 + i], false));
+    state->object_scenes.push_back(state->commit(state->objects[i], state->analytic[1 + i], false));
     if (absl::Status s = state->status(); !s.ok()) return s;
   }
-  state->top = state->commit(state->scene, state->user[0], true);
+  state->top = state->commit(state->scene, state->analytic[0], true);
   if (absl::Status s = state->status(); !s.ok()) return s;
   RTCBounds bounds;
   rtcGetSceneBounds(state->top.get(), &bounds);
@@ -340,8 +257,7 @@ std::optional<RawHit> Accelerator::closest_hit(const Ray& ray) const {
   query.ray = start->ray;
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-  QueryContext context;
-  rtcInitIntersectContext(&context.embree);
+  QueryContext context(ray.time_s);
   rtcIntersect1(state_->top.get(), &context.embree, &query);
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
   RawHit hit;
@@ -358,9 +274,8 @@ std::optional<RawHit> Accelerator::closest_hit(const Ray& ray) const {
 bool Accelerator::occluded(const Ray& ray) const {
   std::optional<EmbreeRay> query = embree_ray(ray, state_->limits);
   if (!query) return false;
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  rtcOccluded1(state_->top.get(), &context, &query->ray);
+  QueryContext context(ray.time_s);
+  rtcOccluded1(state_->top.get(), &context.embree, &query->ray);
   return query->ray.tfar < 0;  // Embree sets it to minus infinity
 }
 
@@ -382,7 +297,8 @@ bool Accelerator::empty() const { return state_->scene.empty() && state_->instan
 
 std::size_t Accelerator::bytes() const {
   std::size_t sum = static_cast<std::size_t>(state_->embree_bytes.load()) + state_->scene.bytes() +
-                    state_->instances.capacity() * sizeof(GeometryInstance);
+                    state_->instances.capacity() * sizeof(GeometryInstance) +
+                    state_->moving.capacity() * sizeof(MovingInstance);
   for (const GeometrySet& o : state_->objects) sum += o.bytes();
   return sum;
 }

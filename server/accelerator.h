@@ -1,4 +1,4 @@
-// Embree behind one small class; accelerator.cpp is the only file that includes it.
+// Embree behind one small class; accelerator.cpp and user_geometry.{h,cpp} alone include it.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -15,6 +15,7 @@
 #include "lights/bilinear_patch.h"
 #include "lights/cylinder.h"
 #include "lights/disk.h"
+#include "lights/motion.h"
 #include "lights/sphere.h"
 #include "lights/transform.h"
 #include "server/ray.h"
@@ -43,7 +44,9 @@ struct GeometrySet {
 
 struct GeometryInstance {
   std::uint32_t object;
+  /// Where it moves: to the coordinates that `motion` starts from.
   Transform scene_from_object;
+  std::shared_ptr<const Motion> motion{};  ///< to the scene's coordinates; null: it rests
 };
 
 enum class HitKind : std::uint8_t { kTriangle, kPatch, kSphere, kDisk, kCylinder };

@@ -58,17 +58,19 @@ PathTracer::Candidate PathTracer::candidate(const SurfaceHit& hit, const Vec3<fl
   return c;
 }
 
-LightEstimate PathTracer::shadowed(const SurfaceHit& hit, const LightSample<float>& sample,
-                                   const Rgb<float>& value, WorkCounts& work) const {
+LightEstimate PathTracer::shadowed(const SurfaceHit& hit, std::uint32_t light,
+                                   const LightSample<float>& sample, const Rgb<float>& value,
+                                   WorkCounts& work) const {
   if (value.is_black()) return {};
   ++work.shadow_rays;
-  return {scene_.occluded(shadow_ray(hit, sample)) ? Rgb<float>{} : value, value};
+  const Ray ray = shadow_ray(hit, sample, scene_.lights()[light].reach_m);
+  return {scene_.occluded(ray) ? Rgb<float>{} : value, value};
 }
 
 LightEstimate PathTracer::direct(const SurfaceHit& hit, const Vec3<float>& wo, std::uint32_t light,
                                  double probability, Vec2<float> u, WorkCounts& work) const {
   const Candidate c = candidate(hit, wo, light, probability, u);
-  return shadowed(hit, c.sample, c.value, work);
+  return shadowed(hit, light, c.sample, c.value, work);
 }
 
 PathTracer::ChosenLight PathTracer::direct_of_chosen(const SurfaceHit& hit, const Vec3<float>& wo,
@@ -112,7 +114,7 @@ PathTracer::ChosenLight PathTracer::direct_of_chosen(const SurfaceHit& hit, cons
   }
   if (sum > 0 && std::isfinite(sum)) {
     const float scale = sum / kept.value.max_component();
-    chosen.estimate = shadowed(hit, kept.sample, kept.value * scale, work);
+    chosen.estimate = shadowed(hit, chosen.light, kept.sample, kept.value * scale, work);
   }
   return chosen;
 }

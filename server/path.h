@@ -110,8 +110,9 @@ class PathTracer {
   };
   Candidate candidate(const SurfaceHit& hit, const Vec3<float>& wo, std::uint32_t light,
                       double probability, Vec2<float> u) const;
-  LightEstimate shadowed(const SurfaceHit& hit, const LightSample<float>& sample,
-                         const Rgb<float>& value, WorkCounts& work) const;
+  LightEstimate shadowed(const SurfaceHit& hit, std::uint32_t light,
+                         const LightSample<float>& sample, const Rgb<float>& value,
+                         WorkCounts& work) const;
 
   /// What lights are told of `hit`, in sampling and weighing alike.
   Receiver<float> receiver(const SurfaceHit& hit, const Vec3<float>& wo) const;

@@ -173,7 +173,9 @@ class LiSampler {
     items.reserve(chunk.size());
     for (std::size_t k = 0; k < chunk.size(); ++k) {
       if (chunk[k].receiver.result != ItemResult::kOk) continue;
-      rays.push_back(light_ray(chunk[k].receiver, chunk[k].normal, chunk[k].sample, q_.time_s));
+      const float reach_m = chunk[k].sampled ? scene_.lights()[chunk[k].light].reach_m : 0;
+      rays.push_back(
+          light_ray(chunk[k].receiver, chunk[k].normal, chunk[k].sample, q_.time_s, reach_m));
       LooseEnds& e = ends.emplace_back();
       if (loose) e.start = {chunk[k].receiver.position, chunk[k].receiver.error};
       items.push_back(static_cast<std::uint32_t>(begin + k));

@@ -34,13 +34,13 @@ Ray spawn_ray(const SurfaceHit& from, const Vec3<float>& direction) {
   return ray;
 }
 
-Ray shadow_ray(const SurfaceHit& from, const LightSample<float>& to) {
+Ray shadow_ray(const SurfaceHit& from, const LightSample<float>& to, float light_reach_m) {
   if (!std::isfinite(to.distance)) return spawn_ray(from, to.wi);
   Vec3<float> end = to.point;
   if (to.normal != Vec3<float>{}) {
     // The point itself is rounded, and so is the ray's own test against the light's surface, whose
-    // vertices it sees from `distance` away.
-    const float error = kTraversalError * (max_abs(to.point) + to.distance);
+    // vertices it sees from `distance` away; where the light moves, in coordinates of its own.
+    const float error = kTraversalError * (max_abs(to.point) + to.distance + light_reach_m);
     end = offset_origin(end, {error, error, error}, to.normal, -to.wi);
   }
   const Vec3<float> origin = offset_origin(from.position, from.position_error, from.ng, to.wi);

@@ -120,9 +120,28 @@ class Scene::Builder {
       if (!b->empty()) bounds.add(b->lower), bounds.add(b->upper);
       return absl::OkStatus();
     };
+    // What `motion` sweeps, within what rays can be asked about.
+    const auto sweep = [](const Bounds& still, const Motion& motion, const SourceLocation& where,
+                          Bounds& swept) -> absl::Status {
+      if (still.empty()) return absl::OkStatus();
+      const auto [lower, upper] = motion.bounds(still.lower, still.upper);
+      const double reach = std::fmax(max_abs(lower), max_abs(upper));
+      if (!(reach <= Accelerator::kMaxCoordinate))
+        return located(absl::InvalidArgumentError(fmt::format(
+                           "motion reaching to {} m, allowed are coordinates up to 1e18", reach)),
+                       where);
+      swept.add(lower), swept.add(upper);
+      return absl::OkStatus();
+    };
     Bounds world;
-    for (const auto& s : in_.shapes)
-      if (absl::Status status = grow(world, s); !status.ok()) return status;
+    for (const auto& s : in_.shapes) {
+      Bounds still;
+      if (absl::Status status = grow(s.motion ? still : world, s); !status.ok()) return status;
+      if (!s.motion) continue;
+      if (absl::Status status = sweep(still, *s.motion, s.where, world); !status.ok())
+        return status;
+      moving_origins_.push_back(origin_for(still));
+    }
     for (std::size_t i = 0; i < in_.objects.size(); ++i) {
       for (const auto& s : in_.objects[i].shapes)
         if (absl::Status status = grow(object_bounds[i], s); !status.ok()) return status;
@@ -130,10 +149,17 @@ class Scene::Builder {
     }
     for (const auto& instance : in_.instances) {
       const Bounds& b = object_bounds[instance.object];
+      Bounds placed;
       for (int corner = 0; corner < 8 && !b.empty(); ++corner)
-        world.add(instance.world_from_object.point({corner & 1 ? b.upper.x : b.lower.x,
-                                                    corner & 2 ? b.upper.y : b.lower.y,
-                                                    corner & 4 ? b.upper.z : b.lower.z}));
+        placed.add(instance.world_from_object.point({corner & 1 ? b.upper.x : b.lower.x,
+                                                     corner & 2 ? b.upper.y : b.lower.y,
+                                                     corner & 4 ? b.upper.z : b.lower.z}));
+      if (instance.motion) {
+        if (absl::Status s = sweep(placed, *instance.motion, instance.where, world); !s.ok())
+          return s;
+      } else if (!placed.empty()) {
+        world.add(placed.lower), world.add(placed.upper);
+      }
     }
     // A light far off must not coarsen the geometry: the origin is the geometry's, if there is any.
     Bounds with_lights = world;
@@ -151,8 +177,9 @@ class Scene::Builder {
     return absl::OkStatus();
   }
 
+  /// `light`: about `origin`, from where `motion` leads to the scene's coordinates.
   absl::Status add_light(absl::StatusOr<Light<float>> light, const SourceLocation& where,
-                         std::shared_ptr<const Motion> motion = nullptr) {
+                         const Vec3<double>& origin, std::shared_ptr<const Motion> motion) {
     if (!light.ok()) return located(light.status(), where);
     const auto index = static_cast<std::uint32_t>(scene_->lights_.size());
     std::visit(
@@ -161,8 +188,17 @@ class Scene::Builder {
           scene_->has_visible_lights_ |= !l.kDelta;
         },
         *light);
-    scene_->moves_ |= motion != nullptr;
-    scene_->lights_.push_back({index + 1u, *std::move(light), where, std::move(motion)});
+    float reach_m = 0;
+    if (motion)
+      std::visit(
+          [&](const auto& l) {
+            if constexpr (requires { l.shape(); })
+              reach_m =
+                  std::fmax(max_abs(l.shape().bounds().first), max_abs(l.shape().bounds().second));
+          },
+          *light);
+    scene_->lights_.push_back(
+        {index + 1u, *std::move(light), where, std::move(motion), origin, reach_m});
     return absl::OkStatus();
   }
 
@@ -208,17 +244,27 @@ class Scene::Builder {
       if (l.motion) {
         // About itself: its coordinates are then exact wherever it moves to.
         origin = position_of(l).value_or(l.motion->key_frames()[0].position_m);
-        motion = std::make_shared<const Motion>(l.motion->about(origin, scene_->origin_));
+        motion = about_scene(*l.motion, origin);
       }
-      if (absl::Status s = add_light(create_light(l, origin), l.where, std::move(motion)); !s.ok())
+      if (absl::Status s = add_light(create_light(l, origin), l.where, origin, std::move(motion));
+          !s.ok())
         return s;
     }
-    for (const auto& s : in_.shapes)
-      if (s.emission)
-        if (absl::Status status =
-                add_light(create_area_light(s, scene_->origin_), s.emission->where);
-            !status.ok())
-          return status;
+    std::size_t moving_shape = 0;
+    for (const auto& s : in_.shapes) {
+      Vec3<double> origin = scene_->origin_;
+      std::shared_ptr<const Motion> motion;
+      if (s.motion) {
+        // As the surface that rays hit.
+        origin = moving_origins_[moving_shape++];
+        motion = about_scene(*s.motion, origin);
+      }
+      if (!s.emission) continue;
+      if (absl::Status status =
+              add_light(create_area_light(s, origin), s.emission->where, origin, std::move(motion));
+          !status.ok())
+        return status;
+    }
     if (scene_->lights_.empty()) return absl::OkStatus();
     std::uint64_t bytes = scene_->lights_.capacity() * sizeof(SceneLight);
     for (const SceneLight& l : scene_->lights_) bytes += light_bytes(l.light);
@@ -232,13 +278,6 @@ class Scene::Builder {
     for (const Image* image : images) image_bytes += image->bytes();
     if (!images.empty())
       part("images", image_bytes, watch, fmt::format("{} pictures of lights", images.size()));
-    std::uint64_t moving = 0, motion_bytes = 0;
-    for (const SceneLight& l : scene_->lights_) {
-      if (!l.motion) continue;
-      ++moving;
-      motion_bytes += sizeof(Motion) + l.motion->bytes();
-    }
-    if (moving > 0) part("motion", motion_bytes, watch, fmt::format("{} lights move", moving));
     // What goniometric lights and panels draw directions from is shared between lights: each counts
     // once.
     std::set<std::shared_ptr<const PhotometricWeb>> webs;
@@ -268,29 +307,48 @@ class Scene::Builder {
   absl::Status build_geometry(const std::string& isa) {
     Stopwatch watch;
     GeometrySet set;
+    std::vector<GeometrySet> objects(in_.objects.size() + moving_origins_.size());
+    std::vector<GeometryInstance> instances;
+    scene_->object_surfaces_.resize(objects.size());
     auto light = static_cast<std::int32_t>(in_.lights.size());
+    std::size_t moving_shape = 0;
     for (const auto& s : in_.shapes) {
       if (stop_.stop_requested()) return absl::CancelledError("the build was cancelled");
+      const std::int32_t emitter = s.emission ? light++ : -1;
+      if (!s.motion) {
+        if (absl::Status status = append_shape(s, scene_->origin_, emitter, set, scene_->surfaces_);
+            !status.ok())
+          return status;
+        continue;
+      }
+      // An object of its own, about its own origin, with one instance.
+      const Vec3<double>& origin = moving_origins_[moving_shape];
+      const std::size_t object = in_.objects.size() + moving_shape++;
       if (absl::Status status =
-              append_shape(s, scene_->origin_, s.emission ? light++ : -1, set, scene_->surfaces_);
+              append_shape(s, origin, emitter, objects[object], scene_->object_surfaces_[object]);
           !status.ok())
         return status;
+      if (primitives(objects[object]) > 0)
+        instances.push_back(
+            {static_cast<std::uint32_t>(object), Transform(), about_scene(*s.motion, origin)});
     }
-    std::vector<GeometrySet> objects(in_.objects.size());
-    scene_->object_surfaces_.resize(objects.size());
-    for (std::size_t i = 0; i < objects.size(); ++i)
+    for (std::size_t i = 0; i < in_.objects.size(); ++i)
       for (const auto& s : in_.objects[i].shapes)
         if (absl::Status status =
                 append_shape(s, object_origins_[i], -1, objects[i], scene_->object_surfaces_[i]);
             !status.ok())
           return status;
-    std::vector<GeometryInstance> instances;
     for (const auto& i : in_.instances) {
       if (primitives(objects[i.object]) == 0) continue;
-      instances.push_back(
-          {i.object, rounded_to_float(Transform::translate(-scene_->origin_) * i.world_from_object *
-                                      Transform::translate(object_origins_[i.object]))});
+      const Transform scene_from_object = Transform::translate(-scene_->origin_) *
+                                          i.world_from_object *
+                                          Transform::translate(object_origins_[i.object]);
+      if (i.motion)
+        instances.push_back({i.object, scene_from_object, about_scene(*i.motion, scene_->origin_)});
+      else
+        instances.push_back({i.object, rounded_to_float(scene_from_object)});
     }
+    report_motion(instances);
     scene_->materials_ = std::move(in_.materials);
     report_geometry(set, objects, watch);
     in_.shapes.clear();
@@ -308,6 +366,28 @@ class Scene::Builder {
          fmt::format("rays against {} primitives{}", scene_->primitive_count(),
                      instance_count > 0 ? fmt::format(", {} instances", instance_count) : ""));
     return absl::OkStatus();
+  }
+
+  std::shared_ptr<const Motion> about_scene(const Motion& motion, const Vec3<double>& from) const {
+    return std::make_shared<const Motion>(motion.about(from, scene_->origin_));
+  }
+
+  void report_motion(const std::vector<GeometryInstance>& instances) {
+    std::uint64_t lights = 0, surfaces = 0, bytes = 0;
+    for (const SceneLight& l : scene_->lights_) {
+      if (!l.motion) continue;
+      ++lights;
+      bytes += sizeof(Motion) + l.motion->bytes();
+    }
+    for (const GeometryInstance& i : instances) {
+      if (!i.motion) continue;
+      ++surfaces;
+      bytes += sizeof(Motion) + i.motion->bytes();
+    }
+    if (lights + surfaces == 0) return;
+    scene_->moves_ = true;
+    part("motion", bytes, Stopwatch(),
+         fmt::format("{} lights, {} shapes and instances move", lights, surfaces));
   }
 
   void report_geometry(const GeometrySet& set, const std::vector<GeometrySet>& objects,
@@ -362,7 +442,8 @@ class Scene::Builder {
   std::stop_token stop_;
   std::shared_ptr<Scene> scene_;
   std::vector<Vec3<double>> object_origins_;
-  std::uint64_t read_by_embree_ = 0;  ///< the geometry's, which its own count holds too
+  std::uint64_t read_by_embree_ = 0;          ///< the geometry's, which its own count holds too
+  std::vector<Vec3<double>> moving_origins_;  // of each moving shape
 };
 
 absl::StatusOr<std::shared_ptr<const Scene>> Scene::build(SceneDescription description,

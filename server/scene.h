@@ -29,6 +29,10 @@ struct SceneLight {
   SourceLocation where;
   /// From the light's own coordinates at its first key frame to the scene's; null: it rests.
   std::shared_ptr<const Motion> motion{};
+  Vec3<double> origin_m{};  ///< world position of its own coordinates' zero
+  /// Of a surface that moves: its largest coordinate about its own zero, where it is found by rays
+  /// no better than floats tell them apart there [m].  Else 0.
+  float reach_m = 0;
 };
 
 /// Calls `f` with the light as it is at `time_s`, about the scene's origin: the model itself or,
@@ -91,7 +95,7 @@ class Scene {
     return light_distribution_.empty() ? 1 : light_distribution_.probability(light);
   }
   const LightDistribution& light_distribution() const { return light_distribution_; }
-  /// True where some light moves: answers then depend on time.
+  /// True where a light, shape or instance moves: answers then depend on time.
   bool moves() const { return moves_; }
   /// True where some light is not a delta light: rays may find it.
   bool has_visible_lights() const { return has_visible_lights_; }
@@ -129,7 +133,7 @@ class Scene {
   std::vector<DiffuseMaterial> materials_;
   std::unique_ptr<Accelerator> accelerator_;
   SurfaceTable surfaces_;                      // of the scene's own geometry
-  std::vector<SurfaceTable> object_surfaces_;  // of each object's
+  std::vector<SurfaceTable> object_surfaces_;  // of each object's, then of each moving shape
   LightDistribution light_distribution_;       // empty where there are fewer than two lights
   bool has_visible_lights_ = false;
   bool moves_ = false;

@@ -84,6 +84,9 @@ struct ShapeDescription {
   };
   std::optional<Emission> emission{};
   SourceLocation where{};
+  /// World to world, where it moves: `geometry` is that of the first key frame.  Not within an
+  /// ObjectDefinition.
+  std::shared_ptr<const Motion> motion{};
 };
 
 /// A named object; its shapes are in object space and carry no emission.
@@ -95,6 +98,8 @@ struct ObjectDefinition {
 struct InstanceDescription {
   std::uint32_t object = 0;  ///< index into SceneDescription::objects
   Transform world_from_object;
+  std::shared_ptr<const Motion> motion{};  ///< as in ShapeDescription
+  SourceLocation where{};
 };
 
 /// A light that is no shape.

@@ -83,6 +83,28 @@ Vector to_scene(const Transform& scene_from_object, LocalHit& hit) {
   return times(m, rounding + Vector{hit.error, hit.error, hit.error}, false);
 }
 
+/// Likewise, where it moves.
+Vector to_scene(const GeometryInstance& instance, double time_s, LocalHit& hit) {
+  const Pose pose = instance.motion->at(time_s);
+  const Transform& start_from_object = instance.scene_from_object;
+  // Rays are taken into the object's space in double, and rounded to floats there.
+  const Vector at_start = start_from_object.point(hit.position);
+  const Vector object_error =
+      absolute(hit.position) * kTraversalBound + Vector{hit.error, hit.error, hit.error};
+  hit.position = pose.point(at_start);
+  hit.ng = pose.vector(normalized(start_from_object.normal(hit.ng)));
+  if (hit.ns != Vector{}) hit.ns = pose.vector(start_from_object.normal(hit.ns));
+  const auto& m = start_from_object.matrix();
+  const auto start_row = [&](int i) { return absolute({m[i][0], m[i][1], m[i][2]}); };
+  const Vector start_error{dot(start_row(0), object_error), dot(start_row(1), object_error),
+                           dot(start_row(2), object_error)};
+  const double rounding =
+      16 * 0x1p-53 * (max_abs(at_start) + max_abs(pose.shift_m) + max_abs(hit.position));
+  return Vector{dot(absolute(pose.r[0]), start_error), dot(absolute(pose.r[1]), start_error),
+                dot(absolute(pose.r[2]), start_error)} +
+         Vector{rounding, rounding, rounding};
+}
+
 }  // namespace
 
 std::optional<SurfaceHit> Scene::closest_hit(const Ray& ray) const {
@@ -97,7 +119,9 @@ std::optional<SurfaceHit> Scene::closest_hit(const Ray& ray) const {
   LocalHit local = raw->kind == HitKind::kTriangle ? triangle_hit(set, table, *raw)
                                                    : analytic_hit(table, *raw, ray);
   Vector error{local.error, local.error, local.error};
-  if (instance) error = to_scene(instance->scene_from_object, local);
+  if (instance)
+    error = instance->motion ? to_scene(*instance, ray.time_s, local)
+                             : to_scene(instance->scene_from_object, local);
 
   SurfaceHit hit;
   hit.t = raw->t;

@@ -130,13 +130,13 @@ std::optional<Ray> segment_ray(const ScenePoint& from, const Vec3<float>& normal
 }
 
 Ray light_ray(const ScenePoint& from, const Vec3<float>& normal, const LightSample<float>& to,
-              double time_s) {
+              double time_s, float light_reach_m) {
   SurfaceHit hit;
   hit.position = from.position;
   hit.position_error = {from.error, from.error, from.error};
   hit.ng = hit.ns = normal;
   hit.time_s = time_s;
-  Ray ray = shadow_ray(hit, to);
+  Ray ray = shadow_ray(hit, to, light_reach_m);
   if (!has_normal(normal)) {
     const float distance = length(ray.direction);
     if (distance > 0) {

@@ -29,9 +29,9 @@ ScenePoint on_surface(const Scene& scene, ScenePoint point, const Vec3<float>& n
 std::optional<Ray> segment_ray(const ScenePoint& from, const Vec3<float>& normal,
                                const ScenePoint& to);
 
-/// The way from a point to a sampled point of a light.
+/// The way from a point to a sampled point of a light.  `light_reach_m`: SceneLight::reach_m.
 Ray light_ray(const ScenePoint& from, const Vec3<float>& normal, const LightSample<float>& to,
-              double time_s = 0);
+              double time_s = 0, float light_reach_m = 0);
 
 struct VisibilityQuery {
   PointArray from;

@@ -61,13 +61,13 @@ const Transform& Builder::still_transform(const char* directive, const Place& pl
   return moving.start;
 }
 
-std::shared_ptr<const Motion> Builder::motion(const Place& place) const {
+std::shared_ptr<const Motion> Builder::motion(const char* directive, const Place& place) const {
   const MovingTransform& moving = state_.world_from_object;
   if (moving.start == moving.end) return nullptr;
   const std::array<KeyTransform, 2> frames{{{start_s_, moving.start}, {end_s_, moving.end}}};
   absl::StatusOr<Motion> motion = Motion::create(frames);
   if (!motion.ok())
-    fail(place, fmt::format("LightSource: {}", std::string(motion.status().message())));
+    fail(place, fmt::format("{}: {}", directive, std::string(motion.status().message())));
   return std::make_shared<const Motion>(*std::move(motion));
 }
 
@@ -173,11 +173,16 @@ void Builder::texture(const std::string& name, const std::string& kind, const st
 void Builder::shape(const std::string& type, Parameters params, const Place& place) {
   require_world("Shape", place);
   const ParameterSet set(std::move(params), state_.shape_attributes);
+  // What moves within an object that may be placed many times would be many motions.
+  const Transform& world_from_object =
+      open_object_ ? still_transform("a shape within an object definition", place)
+                   : state_.world_from_object.start;
   const bool with_uv = state_.area_light && !open_object_ && needs_uv(*state_.area_light);
-  auto geometry = make_geometry(context_, {type, set, place, still_transform("Shape", place),
-                                           state_.reverse_orientation, with_uv});
+  auto geometry = make_geometry(
+      context_, {type, set, place, world_from_object, state_.reverse_orientation, with_uv});
   if (!geometry) return;
   ShapeDescription shape;
+  if (!open_object_) shape.motion = motion("Shape", place);
   shape.material = state_.material;
   shape.where = location(place);
   if (state_.area_light && open_object_) {
@@ -196,7 +201,7 @@ void Builder::light_source(const std::string& type, Parameters params, const Pla
   require_world("LightSource", place);
   const ParameterSet set(std::move(params), state_.light_attributes);
   if (auto light = make_light(context_, type, set, place, state_.world_from_object.start)) {
-    light->motion = motion(place);
+    light->motion = motion("LightSource", place);
     if (light->motion && std::holds_alternative<PortalLightParams>(light->params))
       context_.remark(place, "a moving light with a portal, which pbrt-v4 leaves where it is",
                       "the portal moves with the light");
@@ -230,7 +235,8 @@ void Builder::object_end(const Place& place) {
 void Builder::object_instance(const std::string& name, const Place& place) {
   require_world("ObjectInstance", place);
   if (open_object_) fail(place, "ObjectInstance within an object definition");
-  context_.scene.instances.push_back({0, still_transform("ObjectInstance", place)});
+  context_.scene.instances.push_back(
+      {0, state_.world_from_object.start, motion("ObjectInstance", place), location(place)});
   instance_uses_.push_back({name, place});
 }
 

@@ -93,7 +93,7 @@ class Builder {
   /// The transform in force at its start; a remark where it moves.
   const Transform& still_transform(const char* directive, const Place& place);
   /// How the transform in force moves; null where it rests.  Fails on a motion that is not rigid.
-  std::shared_ptr<const Motion> motion(const Place& place) const;
+  std::shared_ptr<const Motion> motion(const char* directive, const Place& place) const;
   void resolve_materials(std::vector<ShapeDescription>& shapes);
 
   Context& context_;

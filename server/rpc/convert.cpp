@@ -207,8 +207,8 @@ void set_light(const Scene& scene, std::uint32_t light, v1::Light* out) {
         out->set_delta(L::kDelta);
         if constexpr (requires { l.area_m2(); }) out->set_area_m2(l.area_m2());
         if (const auto bounds = l.bounds()) {
-          Vec3<double> lower = scene.origin() + Vec3<double>(bounds->lower);
-          Vec3<double> upper = scene.origin() + Vec3<double>(bounds->upper);
+          Vec3<double> lower = entry.origin_m + Vec3<double>(bounds->lower);
+          Vec3<double> upper = entry.origin_m + Vec3<double>(bounds->upper);
           // A point is where the scene file puts it, not where a float can.
           if constexpr (requires { l.params().position_m; }) {
             if (lower == upper) lower = upper = l.params().position_m;

@@ -122,6 +122,27 @@ TEST_P(SelfShadowing, DoesNotHappenOnAnInstanceStretchedTwofold) {
   EXPECT_EQ(shadowed(*build(std::move(d))), 0);
 }
 
+TEST_P(SelfShadowing, DoesNotHappenOnWhatMoves) {
+  // Made elsewhere, and come to rest here before time 0.
+  const Transform first = *Transform::rotate(2, {1, -1, 0.5}) *
+                          Transform::translate({1e2 * GetParam().scale, 0, 0}) *
+                          *Transform::scale({GetParam().scale, GetParam().scale, GetParam().scale});
+  const std::vector<KeyTransform> keys{{-2, first}, {-1, placed()}};
+  const auto motion = std::make_shared<const Motion>(*Motion::create(keys));
+  for (int kind = 0; kind < 3; ++kind) {
+    SceneDescription d = testing::description();
+    if (kind == 0)
+      d.shapes.push_back({testing::ball(3, [&](const Vec3<double>& p) { return first.point(p); })});
+    if (kind == 1) d.shapes.push_back({SphereParams{.world_from_object = first}});
+    if (kind < 2) d.shapes[0].motion = motion;
+    if (kind == 2) {
+      d.objects = {{"ball", {{testing::ball(3, [](const Vec3<double>& p) { return p * 5.0; })}}}};
+      d.instances = {{0, first * *Transform::scale({0.2, 0.1, 0.2}), motion}};
+    }
+    EXPECT_EQ(shadowed(*build(std::move(d))), 0) << kind;
+  }
+}
+
 TEST_P(SelfShadowing, CompanionHappensWithoutTheErrorBound) {
   const Transform t = placed();
   const auto scene =

@@ -184,6 +184,59 @@ TEST_F(MotionServiceTest, RaysLeaveFromWhereTheLightIsAtTheTime) {
   }
 }
 
+TEST_F(MotionServiceTest, SurfacesHideAndShineWhereTheyAreAtTheTime) {
+  const std::string scene = service_.load("moving_surfaces.pbrt");
+  v1::ListLightsRequest list;
+  v1::ListLightsResponse lights;
+  list.set_scene_id(scene);
+  ASSERT_TRUE(ask([&](auto* c) { return service_.scenes.ListLights(c, list, &lights); }).ok());
+  ASSERT_EQ(lights.lights_size(), 1);
+  // At the first key frame.
+  EXPECT_NEAR(lights.lights(0).bounds().lower_m().x(), 9.5, 1e-5);
+  EXPECT_NEAR(lights.lights(0).bounds().upper_m().x(), 10.5, 1e-5);
+  EXPECT_NEAR(lights.lights(0).bounds().lower_m().z(), 1, 1e-5);
+  EXPECT_NEAR(lights.lights(0).area_m2(), kPi / 4, 1e-6);
+  EXPECT_EQ(lights.lights(0).motion().key_frames(0).position_m().z(), 1);
+  EXPECT_EQ(lights.lights(0).motion().key_frames(1).position_m().z(), 3);
+
+  v1::TestVisibilityRequest visible;
+  visible.set_scene_id(scene);
+  set(visible.mutable_segments()->mutable_from()->mutable_offsets_m(), 0, 0, 0);
+  set(visible.mutable_segments()->mutable_to()->mutable_offsets_m(), 0, 0, 3);
+  v1::LeRequest le;
+  le.set_scene_id(scene);
+  set(le.mutable_points()->mutable_offsets_m(), 10, 0, 0, 10, 0, 2.5);
+  set(le.mutable_directions(), 0, 0, 1, 0, 0, 1);
+  v1::EstimateIrradianceRequest meter;
+  meter.set_scene_id(scene);
+  meter.set_bounces(0);
+  meter.mutable_accuracy()->set_samples(4096);
+  set(meter.mutable_receivers()->mutable_offsets_m(), 10, 0, 0);
+  set(meter.mutable_normals(), 0, 0, 1);
+  for (const double t : {0.0, 1.0, 2.0}) {
+    visible.set_time_s(t);
+    le.set_time_s(t);
+    meter.set_time_s(t);
+    v1::TestVisibilityResponse v;
+    v1::LeResponse l;
+    v1::EstimateIrradianceResponse e;
+    ASSERT_TRUE(
+        ask([&](auto* c) { return service_.lighting.TestVisibility(c, visible, &v); }).ok());
+    ASSERT_TRUE(ask([&](auto* c) { return service_.lighting.Le(c, le, &l); }).ok());
+    ASSERT_TRUE(
+        ask([&](auto* c) { return service_.lighting.EstimateIrradiance(c, meter, &e); }).ok());
+    EXPECT_EQ(v.visible(), std::string(1, t == 1 ? '\0' : '\1')) << t;
+    EXPECT_EQ(l.radiance_cd_m2(0), 10);
+    EXPECT_EQ(l.radiance_cd_m2(3), t == 2 ? 10 : 0) << t;  // from 2.5 m up
+    // On its axis: pi L r^2 / (r^2 + h^2); seven standard errors.
+    const double h = 1 + t;
+    EXPECT_NEAR(e.illuminance_lx(0), kPi * 10 * 0.25 / (0.25 + h * h),
+                7 * double{e.standard_error_lx(0)})
+        << t;
+    EXPECT_LT(e.standard_error_lx(0), 0.05);
+  }
+}
+
 TEST_F(MotionServiceTest, PicturesAreOfTheMomentOrOfTheWholeShutter) {
   v1::RenderTileRequest q;
   q.set_scene_id(point_);
