@@ -46,7 +46,7 @@ struct Rendered {
   Picture mean, standard_error;
 };
 
-Rendered render(const Scene& scene, std::uint32_t samples_per_block) {
+Rendered render(const Scene& scene, std::uint32_t samples_per_block = 32) {
   constexpr std::uint32_t kBlocks = 8;
   const Camera& camera = scene.camera();
   const TileSettings settings{
