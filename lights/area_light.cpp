@@ -68,7 +68,8 @@ Rgb<Real> AreaLight<Real, Shape>::radiance_at(const SurfacePoint<Real>& point,
   if constexpr (kPainted) {
     return Rgb<Real>(emission_.radiance_cd_m2 * shape_.tint(point));
   } else if constexpr (kPanel) {
-    const Rgb<Real> radiance(emission_.radiance_cd_m2 * shape_.radiance(normalized(w)));
+    const Rgb<Real> radiance(emission_.radiance_cd_m2 *
+                             shape_.radiance(normalized(w), Vec3<double>(point.normal)));
     return is_finite(radiance) ? radiance : Rgb<Real>{};
   } else {
     return radiance_;
@@ -139,9 +140,8 @@ Power AreaLight<Real, Shape>::power(const SceneSphere&) const {
   const double sides = emission_.two_sided ? 2 : 1;
   if constexpr (kPainted) {
     const PaintedArea& painted = shape_.painted_area();
-    const double largest = emission_.radiance_cd_m2.max_component();
     return {emission_.radiance_cd_m2 * painted.m2 * (sides * std::numbers::pi),
-            largest * painted.error_m2 * (sides * std::numbers::pi)};
+            luminance(emission_.radiance_cd_m2) * painted.error_m2 * (sides * std::numbers::pi)};
   } else if constexpr (kPanel) {
     return {emission_.radiance_cd_m2 * shape_.flux_lm(emission_.two_sided), 0};
   } else {

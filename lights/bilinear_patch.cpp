@@ -163,6 +163,16 @@ double BilinearPatch<Real>::area_element(Vec2<double> uv) const {
 }
 
 template <typename Real>
+double BilinearPatch<Real>::least_area_element() const {
+  const Form p(*this);
+  const Vec3<double> n[4] = {p.area_vector(0, 0), p.area_vector(1, 0), p.area_vector(0, 1),
+                             p.area_vector(1, 1)};
+  const Vec3<double> side = normalized((n[0] + n[1]) + (n[2] + n[3]));
+  return std::max(0.0,
+                  std::min({dot(n[0], side), dot(n[1], side), dot(n[2], side), dot(n[3], side)}));
+}
+
+template <typename Real>
 bool BilinearPatch<Real>::is_unfolded() const {
   const Form p(*this);
   const Vec3<double> n[4] = {p.area_vector(0, 0), p.area_vector(1, 0), p.area_vector(0, 1),

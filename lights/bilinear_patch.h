@@ -28,6 +28,9 @@ struct BilinearPatch {
   AreaPdf<double> pdf_area(const Vec3<Real>& position) const;
   /// |dp/du x dp/dv| [m2]
   double area_element(Vec2<double> uv) const;
+  /// No more than any area_element [m2]: the least that their common side shows of the corners'
+  /// area vectors, between which those within are linear; 0 where the patch folds over.
+  double least_area_element() const;
   /// Whether each point is that of one (u, v) only: its normals lie within a hemisphere.
   bool is_unfolded() const;
   /// Flat, with corners of 90 degrees, to 1e-6.

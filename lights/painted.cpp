@@ -193,32 +193,26 @@ PaintedArea Painted<Real, Surface>::measure() const {
     std::optional<PictureMoments> moments;
     for (std::size_t i = 0; i < data_->surface.size(); ++i) {
       const auto& patch = data_->surface.primitive(i);
-      PaintedArea part;
+      std::optional<PaintedArea> part;
       if (is_corner_to_corner(i) && patch.is_unfolded()) {
         if (!moments) moments.emplace(data_->picture);
-        part = moments->times([&](Vec2<double> uv) { return patch.area_element(on_patch(i, uv)); });
-      } else {
-        // By points in rows, and by half as many each way, whose difference is more than the error.
-        const auto by_points = [&](int n) {
-          Rgb<double> sum;
-          for (int k = 0; k < n * n; ++k) {
-            const double s = (k % n + 0.5) / n, t = (k / n + 0.5) / n;
-            const auto mix = [&](double a, double b, double c, double d) {
-              return std::lerp(std::lerp(a, b, s), std::lerp(c, d, s), t);
-            };
-            const Vec2<double> a = corner(i, 0), b = corner(i, 1), c = corner(i, 2),
-                               d = corner(i, 3);
-            sum += data_->picture.at({mix(a.x, b.x, c.x, d.x), mix(a.y, b.y, c.y, d.y)}) *
-                   (patch.area_element({s, t}) / (double{1} * n * n));
-          }
-          return sum;
-        };
-        constexpr int kPoints = 256;
-        part.m2 = by_points(kPoints);
-        part.error_m2 = std::fabs(luminance(part.m2 - by_points(kPoints / 2)));
+        part = moments->times([&](Vec2<double> uv) { return patch.area_element(on_patch(i, uv)); },
+                              patch.least_area_element());
       }
-      whole.m2 += part.m2;
-      whole.error_m2 += part.error_m2;
+      if (!part) {
+        const Vec2<double> a = corner(i, 0), b = corner(i, 1), c = corner(i, 2), d = corner(i, 3);
+        part = sum_over_points(
+            data_->picture,
+            [&](Vec2<double> st) {
+              const auto mix = [&](double a, double b, double c, double d) {
+                return std::lerp(std::lerp(a, b, st.x), std::lerp(c, d, st.x), st.y);
+              };
+              return Vec2<double>{mix(a.x, b.x, c.x, d.x), mix(a.y, b.y, c.y, d.y)};
+            },
+            [&](Vec2<double> st) { return patch.area_element(st); });
+      }
+      whole.m2 += part->m2;
+      whole.error_m2 += part->error_m2;
     }
   }
   return whole;

@@ -35,10 +35,10 @@ absl::StatusOr<Panel<Real, Surface>> Panel<Real, Surface>::create(Surface<Real> 
 }
 
 template <typename Real, template <typename> typename Surface>
-double Panel<Real, Surface>::radiance(const Vec3<double>& w) const {
-  const Vec3<double> local = data_->axes.local_from_world(w);
-  const double cd = data_->profile.web->at(local);
-  return cd > 0 ? cd / std::fabs(local.z) / area() : 0;
+double Panel<Real, Surface>::radiance(const Vec3<double>& w, const Vec3<double>& normal) const {
+  const double cd = data_->profile.web->at(data_->axes.local_from_world(w));
+  // By the point's own cosine: that of the shape as a whole is 0 elsewhere, if by a hair.
+  return cd > 0 ? cd / std::fabs(dot(w, normal)) / area() : 0;
 }
 
 template <typename Real, template <typename> typename Surface>

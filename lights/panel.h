@@ -68,9 +68,9 @@ class Panel {
   /// Without the photometric web, which lights share.
   std::size_t bytes() const { return sizeof(Data) - sizeof(Surface<Real>) + surface().bytes(); }
 
-  /// Radiance [cd/m2] towards the unit vector `w`, world; not finite along the surface where the
-  /// file has light there.
-  double radiance(const Vec3<double>& w) const;
+  /// Radiance [cd/m2] towards the unit vector `w`, world, from a point of unit normal `normal`; not
+  /// finite along the surface where the file has light there.
+  double radiance(const Vec3<double>& w, const Vec3<double>& normal) const;
   /// A direction by the flux of the file's cells, to both sides of the panel; and its density.
   Vec3<double> sample_direction(Vec2<double> u) const;
   SolidAnglePdf<double> pdf_direction(const Vec3<double>& w) const;

@@ -2,36 +2,41 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 namespace lucerna {
 namespace {
 
-/// Nodes and weights for the integral from 0 to 1 of polynomials up to degree 17.
+/// Nodes and weights for the integral from 0 to 1 of polynomials up to degree 2 kNodes - 1.
+template <std::size_t kNodes>
 struct Gauss {
-  static constexpr int kNodes = 9;
   std::array<double, kNodes> node, weight;
 
   Gauss() {
     // The roots of the Legendre polynomial by Newton's method.  [DLMF, 3.5(v), 18.16(ii)]
-    for (int k = 0; k < kNodes; ++k) {
-      double x = std::cos(std::numbers::pi * (k + 0.75) / (kNodes + 0.5)), slope = 0;
+    constexpr double kDegree = kNodes;
+    for (std::size_t k = 0; k < kNodes; ++k) {
+      double x = std::cos(std::numbers::pi * (static_cast<double>(k) + 0.75) / (kDegree + 0.5));
+      double slope = 0;
       for (int step = 0; step < 20; ++step) {
         double before = 1, p = x;
-        for (int n = 2; n <= kNodes; ++n)
+        for (double n = 2; n <= kDegree; ++n)
           before = std::exchange(p, ((2 * n - 1) * x * p - (n - 1) * before) / n);
-        slope = kNodes * (x * p - before) / (x * x - 1);
+        slope = kDegree * (x * p - before) / (x * x - 1);
         x -= p / slope;
       }
-      node[static_cast<std::size_t>(k)] = (1 + x) / 2;
-      weight[static_cast<std::size_t>(k)] = 1 / ((1 - x * x) * slope * slope);
+      node[k] = (1 + x) / 2;
+      weight[k] = 1 / ((1 - x * x) * slope * slope);
     }
   }
 };
 
-const Gauss& gauss() {
-  static const Gauss rule;
+template <std::size_t kNodes>
+const Gauss<kNodes>& gauss() {
+  static const Gauss<kNodes> rule;
   return rule;
 }
 
@@ -186,9 +191,10 @@ Rgb<double> mean_over_triangle(const Picture& picture, const std::array<Vec2<dou
 
 namespace {
 
-/// The Legendre polynomials of degrees 0 to 8, shifted to [0, 1].  [DLMF, 18.9(i)]
-std::array<double, 9> legendre(double x) {
-  std::array<double, 9> p{1, 2 * x - 1};
+/// The Legendre polynomials of degrees 0 to kTerms - 1, shifted to [0, 1].  [DLMF, 18.9(i)]
+template <std::size_t kTerms>
+std::array<double, kTerms> legendre(double x) {
+  std::array<double, kTerms> p{1, 2 * x - 1};
   for (std::size_t n = 2; n < p.size(); ++n) {
     const auto m = static_cast<double>(n);
     p[n] = ((2 * m - 1) * (2 * x - 1) * p[n - 1] - (m - 1) * p[n - 2]) / m;
@@ -196,16 +202,40 @@ std::array<double, 9> legendre(double x) {
   return p;
 }
 
+template <std::size_t kTerms>
+using Coefficients = std::array<std::array<double, kTerms>, kTerms>;
+
+/// Those of `f` over the square by Legendre polynomials, [degree in u][degree in v]: exact for
+/// polynomials of these degrees.
+template <std::size_t kTerms>
+Coefficients<kTerms> expand(const std::function<double(Vec2<double>)>& f) {
+  const Gauss<kTerms>& rule = gauss<kTerms>();
+  Coefficients<kTerms> c{};
+  for (std::size_t b = 0; b < kTerms; ++b) {
+    std::array<double, kTerms> row{};
+    for (std::size_t a = 0; a < kTerms; ++a) {
+      const double value = rule.weight[a] * f({rule.node[a], rule.node[b]});
+      const auto p = legendre<kTerms>(rule.node[a]);
+      for (std::size_t i = 0; i < kTerms; ++i) row[i] += double(2 * i + 1) * value * p[i];
+    }
+    const auto q = legendre<kTerms>(rule.node[b]);
+    for (std::size_t i = 0; i < kTerms; ++i)
+      for (std::size_t j = 0; j < kTerms; ++j)
+        c[i][j] += double(2 * j + 1) * rule.weight[b] * row[i] * q[j];
+  }
+  return c;
+}
+
 /// For each texel of an axis the integrals of its share in the picture times each polynomial.
 std::vector<std::array<double, 9>> texel_moments(const Cells& cells, bool upwards) {
   std::vector<std::array<double, 9>> moments(static_cast<std::size_t>(cells.texels));
-  const Gauss& rule = gauss();
+  const Gauss<9>& rule = gauss<9>();
   for (int cell = 0; cell < cells.count(); ++cell) {
     const double begin = cells.begin(cell), width = cells.end(cell) - begin;
     for (std::size_t k = 0; k < rule.node.size(); ++k) {
       const double at = begin + width * rule.node[k], weight = width * rule.weight[k];
       const double share = cells.share(cell, at);
-      const auto p = legendre(upwards ? 1 - at : at);
+      const auto p = legendre<9>(upwards ? 1 - at : at);
       for (std::size_t n = 0; n < p.size(); ++n) {
         moments[static_cast<std::size_t>(cells.first(cell))][n] += weight * (1 - share) * p[n];
         moments[static_cast<std::size_t>(cells.second(cell))][n] += weight * share * p[n];
@@ -231,27 +261,85 @@ PictureMoments::PictureMoments(const Picture& picture) : moments_{} {
   }
 }
 
-PaintedArea PictureMoments::times(const std::function<double(Vec2<double>)>& f) const {
-  const Gauss& rule = gauss();
-  double coefficients[kTerms][kTerms]{};
-  for (std::size_t a = 0; a < rule.node.size(); ++a)
-    for (std::size_t b = 0; b < rule.node.size(); ++b) {
-      const double value = rule.weight[a] * rule.weight[b] * f({rule.node[a], rule.node[b]});
-      const auto p = legendre(rule.node[a]), q = legendre(rule.node[b]);
-      for (std::size_t i = 0; i < kTerms; ++i)
-        for (std::size_t j = 0; j < kTerms; ++j)
-          coefficients[i][j] += double((2 * i + 1) * (2 * j + 1)) * value * p[i] * q[j];
-    }
+std::optional<PaintedArea> PictureMoments::times(const std::function<double(Vec2<double>)>& f,
+                                                 double least) const {
+  const Coefficients<kTerms> c = expand<kTerms>(f);
+  const auto polynomial = [&c](Vec2<double> at) {
+    const auto p = legendre<kTerms>(at.x), q = legendre<kTerms>(at.y);
+    double sum = 0;
+    for (std::size_t i = 0; i < kTerms; ++i)
+      for (std::size_t j = 0; j < kTerms; ++j) sum += c[i][j] * p[i] * q[j];
+    return sum;
+  };
   PaintedArea sum;
-  double tail = 0;
   for (std::size_t i = 0; i < kTerms; ++i)
-    for (std::size_t j = 0; j < kTerms; ++j) {
-      sum.m2 += moments_[i][j] * coefficients[i][j];
-      if (i >= kTerms - 2 || j >= kTerms - 2) tail += std::fabs(coefficients[i][j]);
-    }
-  // What is left of polynomials of lower degree is rounding.
-  if (tail > 1e-13 * coefficients[0][0]) sum.error_m2 = luminance(moments_[0][0]) * tail;
+    for (std::size_t j = 0; j < kTerms; ++j) sum.m2 += moments_[i][j] * c[i][j];
+  // f^2 - P^2 is a polynomial again, and no Legendre polynomial exceeds 1.
+  double farthest = 0;
+  const auto residual = expand<2 * kTerms - 1>([&](Vec2<double> at) {
+    const double y = f(at), p = polynomial(at);
+    farthest = std::max(farthest, std::fabs(y - p));
+    return (y - p) * (y + p);
+  });
+  double bound = 0;
+  for (const auto& row : residual)
+    for (double r : row) bound += std::fabs(r);
+  // What is left of a polynomial is rounding.
+  if (farthest <= 1e-13 * c[0][0]) return sum;
+  // Within it P has no zero: it is positive as its mean is, and |f - P| is that over f + P.
+  if (!(bound < least * least && c[0][0] > 0)) return std::nullopt;
+  sum.error_m2 =
+      moments_[0][0].max_component() * bound / (least + std::sqrt(least * least - bound));
   return sum;
+}
+
+namespace {
+
+/// Coordinates from `from` to `to`, so many that the picture has its extremes at them: both ends,
+/// and each texel's middle in between.
+void put_stops(double from, double to, int texels, std::vector<double>& stops) {
+  stops = {from, to};
+  const double first = std::ceil(std::clamp(from, 0.0, 1.0) * texels - 0.5);
+  const double last = std::floor(std::clamp(to, 0.0, 1.0) * texels - 0.5);
+  for (double texel = first; texel <= last; ++texel) stops.push_back((texel + 0.5) / texels);
+}
+
+}  // namespace
+
+PaintedArea sum_over_points(const Picture& picture,
+                            const std::function<Vec2<double>(Vec2<double>)>& uv,
+                            const std::function<double(Vec2<double>)>& factor) {
+  constexpr int kPoints = 256;
+  constexpr double kCell = 1.0 / kPoints;
+  Rgb<double> below, above;
+  std::vector<double> us, downs;
+  for (int j = 0; j < kPoints; ++j)
+    for (int i = 0; i < kPoints; ++i) {
+      const Vec2<double> middle{(i + 0.5) * kCell, (j + 0.5) * kCell};
+      Vec2<double> lower = uv(middle), upper = lower;
+      double most = 0;
+      for (int k = 0; k < 4; ++k) {
+        const Vec2<double> corner{(i + (k & 1)) * kCell, (j + (k >> 1)) * kCell};
+        const Vec2<double> at = uv(corner);
+        lower = {std::min(lower.x, at.x), std::min(lower.y, at.y)};
+        upper = {std::max(upper.x, at.x), std::max(upper.y, at.y)};
+        most = std::max(most, factor(corner));
+      }
+      // Convex: opposite points have a mean that is not below the middle.
+      const double least = std::max(0.0, 2 * factor(middle) - most);
+      Rgb<double> dark(std::numeric_limits<double>::infinity()), bright;
+      put_stops(lower.x, upper.x, picture.image->width(), us);
+      put_stops(1 - upper.y, 1 - lower.y, picture.image->height(), downs);
+      for (double u : us)
+        for (double down : downs) {
+          const Rgb<double> at = picture.at({u, 1 - down});
+          dark = {std::min(dark.r, at.r), std::min(dark.g, at.g), std::min(dark.b, at.b)};
+          bright = {std::max(bright.r, at.r), std::max(bright.g, at.g), std::max(bright.b, at.b)};
+        }
+      below += dark * (least * kCell * kCell);
+      above += bright * (most * kCell * kCell);
+    }
+  return {(below + above) * 0.5, (above * 0.5 - below * 0.5).max_component()};
 }
 
 }  // namespace lucerna

@@ -4,6 +4,7 @@
 #include <array>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "lights/image.h"
@@ -27,7 +28,7 @@ struct Picture {
 /// A picture integrated over a surface's area.
 struct PaintedArea {
   Rgb<double> m2;
-  double error_m2{};  ///< bound on the error of the luminance of `m2`; 0 where it is exact
+  double error_m2{};  ///< bound on the error of each channel of `m2`; 0 where it is exact
 };
 
 /// The mean over a surface of which the share `area_below(v)` has coordinates less than v, whatever
@@ -39,15 +40,24 @@ Rgb<double> mean_over_rows(const Picture& picture, const std::function<double(do
 /// the picture is cut into polygons on which it is bilinear.
 Rgb<double> mean_over_triangle(const Picture& picture, const std::array<Vec2<double>, 3>& uv);
 
+/// The integral of `factor`(s, t) times the picture at `uv`(s, t) over the square of (s, t): the
+/// middle between a lower and an upper bound, summed over 256 by 256 cells of what the picture and
+/// the factor reach in each.  `uv` is bilinear and `factor` convex along lines.
+PaintedArea sum_over_points(const Picture& picture,
+                            const std::function<Vec2<double>(Vec2<double>)>& uv,
+                            const std::function<double(Vec2<double>)>& factor);
+
 /// For integrals against smooth functions of (u, v): the picture's moments with the Legendre
 /// polynomials up to degree 8 in each coordinate, which are exact.
 class PictureMoments {
  public:
   explicit PictureMoments(const Picture& picture);
-  /// The integral of the picture times `f` over the square, `f` not negative.  Exact where `f` is a
-  /// polynomial of those degrees; else the error is what the coefficients of degree 7 and 8 amount
-  /// to, beyond which those of a smooth function are smaller still.
-  PaintedArea times(const std::function<double(Vec2<double>)>& f) const;
+  /// The integral of the picture times `f` over the square.  `f` is not less than `least`, and its
+  /// square a polynomial of degree 16 or less in each coordinate, as of an area element.  Exact
+  /// where `f` is a polynomial of degree 8; nothing where no bound on the error is known, because
+  /// `f` varies much.
+  std::optional<PaintedArea> times(const std::function<double(Vec2<double>)>& f,
+                                   double least) const;
 
  private:
   static constexpr int kTerms = 9;

@@ -421,10 +421,13 @@ class Scene::Builder {
   absl::Status choose_by_power() {
     if (scene_->lights_.size() < 2) return absl::OkStatus();
     const Stopwatch watch;
+    // Light from infinitely far arrives at receivers even where the scene is but a point.
+    SceneSphere sphere = scene_->sphere_;
+    if (!(sphere.radius_m > 0)) sphere.radius_m = 1;
     std::vector<double> lumens;
     for (const SceneLight& l : scene_->lights_) {
       const Power power = visit_light(l, -std::numeric_limits<double>::infinity(),
-                                      [&](const auto& m) { return m.power(scene_->sphere_); });
+                                      [&](const auto& m) { return m.power(sphere); });
       // The largest channel, not the luminance: a light of one channel has its share of noise too.
       lumens.push_back(std::fmin(power.lumens.max_component(), 1e300));
     }

@@ -185,6 +185,12 @@ std::optional<LightDescription> make_light(Context& context, const std::string& 
       if (!(degrees > 0 && degrees <= 180))
         fail(diameter->place,
              fmt::format("\"float angulardiameter\" = {} degrees, allowed (0, 180]", degrees));
+      // It would turn the disk into an ellipse.
+      if (!world_from_light.uniform_scale())
+        fail(
+            diameter->place,
+            "\"float angulardiameter\" under a transform of unequal scale, allowed: equal scale on "
+            "all axes");
       light.params = checked<SunLight>(
           place, SunLightParams{distant.to_light, degrees * kRadPerDegree, distant.illuminance_lx});
     } else {

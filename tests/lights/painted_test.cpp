@@ -160,7 +160,27 @@ TEST(Painted, PatchesThatShowAPartAreSampledByAreaAndMeasuredByPoints) {
   // The right half of the picture on a square: texels 5 and 9.
   const auto shape = screen(grey(2, 2, {1, 5, 2, 9}), {{0.5F, 0}, {1, 0}, {0.5F, 1}, {1, 1}});
   EXPECT_FALSE(shape.is_by_picture());
-  EXPECT_NEAR(shape.painted_area().m2.r, 5 + 9, 1e-9);
+  const PaintedArea& area = shape.painted_area();
+  EXPECT_NEAR(area.m2.r, 5 + 9, area.error_m2);
+  EXPECT_LT(area.error_m2, 0.02 * 14);
+}
+
+TEST(Painted, PartsFinerThanThePointsAreMeasuredWithinTheirError) {
+  // Half of a picture whose every other column is lit, the first or the second; and of one texel.
+  std::vector<float> even(1024), odd(1024), one(1024);
+  for (std::size_t x = 0; x < 1024; ++x) (x % 2 == 0 ? even : odd)[x] = 1;
+  one[301] = 1;
+  const auto measured = [](const std::vector<float>& texels) {
+    return screen(grey(1024, 1, texels), {{0, 0}, {1, 0}, {0, 0.5F}, {1, 0.5F}}).painted_area();
+  };
+  for (const auto& texels : {even, odd}) {
+    const PaintedArea area = measured(texels);
+    EXPECT_NEAR(area.m2.r, 1, area.error_m2);
+    EXPECT_GT(area.m2.r, 0);
+  }
+  const PaintedArea area = measured(one);
+  EXPECT_NEAR(area.m2.r, 2.0 / 1024, area.error_m2);
+  EXPECT_GT(area.m2.r, 0);  // a light that shines must be found
 }
 
 TEST(Painted, TwoTrianglesThatShowItTogetherAreSampledByThePicture) {
@@ -251,21 +271,48 @@ TEST(PictureMoments, AreExactForPolynomials) {
   // The integral of u^3 v over each texel of a 2 x 1 picture, by hand: u^4/4 and v^2/2.
   const Picture picture = grey(2, 1, {1, 5});
   const PaintedArea area =
-      PictureMoments(picture).times([](Vec2<double> p) { return p.x * p.x * p.x * p.y; });
+      *PictureMoments(picture).times([](Vec2<double> p) { return p.x * p.x * p.x * p.y; }, 0);
   EXPECT_NEAR(area.m2.r, (1 * 1.0 / 64 + 5 * (1.0 / 4 - 1.0 / 64)) / 2, 1e-14);
   EXPECT_EQ(area.error_m2, 0);
   // v runs upwards: of 1 below and 5 above, v weighs the upper more.
   const PaintedArea upwards =
-      PictureMoments(grey(1, 2, {5, 1})).times([](Vec2<double> p) { return p.y; });
+      *PictureMoments(grey(1, 2, {5, 1})).times([](Vec2<double> p) { return p.y; }, 0);
   EXPECT_NEAR(upwards.m2.r, 5 * 3.0 / 8 + 1 * 1.0 / 8, 1e-14);
 }
 
 TEST(PictureMoments, SayTheirErrorForOthers) {
+  // The integral of sqrt(w^2 + u^2): (h + w^2 asinh(1 / w)) / 2 with h = sqrt(w^2 + 1).  The
+  // narrower, the less like a polynomial.
   const Picture picture = grey(1, 1, {3});
-  const PaintedArea area =
-      PictureMoments(picture).times([](Vec2<double> p) { return 1 / (0.25 + p.x); });
-  EXPECT_GT(area.error_m2, 0);
-  EXPECT_NEAR(area.m2.r, 3 * std::log(5.0), area.error_m2);
+  for (double w : {2.0, 1.0, 0.7}) {
+    const auto area = PictureMoments(picture).times(
+        [w](Vec2<double> p) { return std::sqrt(w * w + p.x * p.x); }, w);
+    ASSERT_TRUE(area) << w;
+    const double exact = 1.5 * (std::sqrt(w * w + 1) + w * w * std::asinh(1 / w));
+    EXPECT_GT(area->error_m2, 0);
+    EXPECT_LT(area->error_m2, 1e-3 * exact);
+    EXPECT_NEAR(area->m2.r, exact, area->error_m2);
+  }
+  // Nearly a kink, in the middle.
+  const auto kink = [](Vec2<double> p) { return std::hypot(1e-3, p.x - 0.5); };
+  EXPECT_FALSE(PictureMoments(picture).times(kink, 1e-3));
+}
+
+TEST(SumOverPoints, SaysItsError) {
+  // A ramp from 0 to 1 in the middle half of two texels, flat beyond: turned by 45 degrees its
+  // integral follows by symmetry, 1/2.  Times sqrt(1 + s^2), along columns s alike.
+  const Picture picture = grey(2, 1, {0, 1}, ImageFilter::kBilinear);
+  const auto turned = [](Vec2<double> st) {
+    return Vec2<double>{0.5 + (st.x - st.y) / 2, 0.5 + (st.x + st.y) / 4};
+  };
+  const PaintedArea flat = sum_over_points(picture, turned, [](Vec2<double>) { return 2.0; });
+  EXPECT_NEAR(flat.m2.r, 1, flat.error_m2);
+  EXPECT_GT(flat.error_m2, 0);
+  EXPECT_LT(flat.error_m2, 0.02);
+  const PaintedArea even = sum_over_points(
+      grey(1, 1, {2}), turned, [](Vec2<double> st) { return std::sqrt(1 + st.x * st.x); });
+  EXPECT_NEAR(even.m2.r, std::sqrt(2.0) + std::asinh(1.0), even.error_m2);
+  EXPECT_LT(even.error_m2, 0.01);
 }
 
 }  // namespace

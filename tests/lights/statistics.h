@@ -63,24 +63,33 @@ inline double upper_gamma_q(double a, double x) {
 /// distribution holds well; one degree of freedom goes to the fixed total.
 inline double chi_square_p_value(const std::vector<double>& observed,
                                  const std::vector<double>& expected) {
-  double statistic = 0, pooled_observed = 0, pooled_expected = 0;
-  int bins = 0;
-  const auto close = [&] {
-    const double difference = pooled_observed - pooled_expected;
-    if (pooled_expected > 0)
-      statistic += difference * difference / pooled_expected, ++bins;
-    else if (pooled_observed > 0)
-      statistic = INFINITY;
-    pooled_observed = pooled_expected = 0;
+  struct Bin {
+    double observed = 0, expected = 0;
   };
+  std::vector<Bin> bins(1);
   for (std::size_t i = 0; i < observed.size(); ++i) {
-    pooled_observed += observed[i];
-    pooled_expected += expected[i];
-    if (pooled_expected >= 8) close();
+    if (bins.back().expected >= 8) bins.emplace_back();
+    bins.back().observed += observed[i];
+    bins.back().expected += expected[i];
   }
-  close();
+  // What is left over is too little for a bin of its own: a sliver that the quadrature of
+  // `expected` misses may well be hit.
+  if (bins.size() > 1 && bins.back().expected < 8) {
+    const Bin rest = bins.back();
+    bins.pop_back();
+    bins.back().observed += rest.observed;
+    bins.back().expected += rest.expected;
+  }
+  double statistic = 0;
+  for (const Bin& bin : bins) {
+    const double difference = bin.observed - bin.expected;
+    if (bin.expected > 0)
+      statistic += difference * difference / bin.expected;
+    else if (bin.observed > 0)
+      statistic = INFINITY;
+  }
   if (!std::isfinite(statistic)) return 0;
-  return upper_gamma_q(std::fmax(1, bins - 1) / 2.0, statistic / 2);
+  return upper_gamma_q(std::fmax(1, static_cast<double>(bins.size()) - 1) / 2, statistic / 2);
 }
 
 /// A part of the sphere of directions: all within `half_angle` of the unit vector `axis`, cut into

@@ -126,6 +126,8 @@ TEST(PbrtLights, ADistantLightWithAnAngularDiameterIsASun) {
               HasSubstr("\"float angulardiameter\" = 0 degrees, allowed (0, 180]"));
   EXPECT_THAT(world_error_of("LightSource \"distant\" \"float angulardiameter\" 181"),
               HasSubstr("= 181 degrees"));
+  EXPECT_THAT(world_error_of("Scale 1 1 2 LightSource \"distant\" \"float angulardiameter\" 1"),
+              HasSubstr("angulardiameter\" under a transform of unequal scale"));
 }
 
 TEST(PbrtLights, DistantLightShinesFromFromToTo) {

@@ -226,6 +226,16 @@ TEST(Scene, ChoosesLightsByPower) {
   EXPECT_EQ(choose_light(*build(d), 0.99).probability, 1);
 }
 
+TEST(Scene, ChoosesLightsFromInfinitelyFarWhereItIsButAPoint) {
+  SceneDescription d = testing::description();
+  d.lights = {testing::point_light({0, 0, 1}, 3), testing::point_light({0, 0, 1}, 3)};
+  d.lights[1].params = DistantLightParams{{0, 0, 1}, Rgb<double>(5)};
+  const auto scene = build(d);
+  EXPECT_EQ(scene->sphere().radius_m, 0);
+  EXPECT_GT(scene->light_probability(1), 0.05);
+  EXPECT_EQ(choose_light(*scene, 0.99).light, 1u);
+}
+
 TEST(Scene, HasASphereAroundGeometryAndLocalLights) {
   SceneDescription d = testing::description();
   EXPECT_EQ(build(d)->sphere().radius_m, 0);
