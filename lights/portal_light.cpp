@@ -249,11 +249,12 @@ EmissionSample<Real> PortalLight<Real>::sample_le(Vec2<Real> u_position, Vec2<Re
 
 template <std::floating_point Real>
 EmissionPdf<Real> PortalLight<Real>::pdf_le(const Vec3<Real>& position, const Vec3<Real>& direction,
-                                            const SceneSphere&) const {
+                                            const SceneSphere&, double slack_m) const {
   const Vec3<double> p = local(Vec3<double>(position) - corner_);
   // A position holds a rounding for each of its coordinates, the portal those of its own.
-  const double slack = 8 * double{std::numeric_limits<Real>::epsilon()} *
-                       (max_abs(Vec3<double>(position)) + max_abs(corner_) + width_ + height_);
+  const double slack =
+      slack_m + 8 * double{std::numeric_limits<Real>::epsilon()} *
+                    (max_abs(Vec3<double>(position)) + max_abs(corner_) + width_ + height_);
   const auto within = [&](double at, double side) { return at >= -slack && at <= side + slack; };
   if (!within(p.x, width_) || !within(p.y, height_) || !(std::fabs(p.z) <= slack)) return {};
   if (!is_finite(direction) || radiance(-direction).is_black()) return {};

@@ -69,8 +69,10 @@ class PortalLight {
   /// the portal's, to the inside.  The scene's sphere plays no part.
   EmissionSample<Real> sample_le(Vec2<Real> u_position, Vec2<Real> u_direction,
                                  const SceneSphere& scene) const;
+  /// `slack_m`: how far off the portal's plane `position` may have been rounded, beyond what `Real`
+  /// makes of it.
   EmissionPdf<Real> pdf_le(const Vec3<Real>& position, const Vec3<Real>& direction,
-                           const SceneSphere& scene) const;
+                           const SceneSphere& scene, double slack_m = 0) const;
 
   /// Flux through the portal: its area times the illuminance of the sky on it.  Exact without a map
   /// and for a rectified one; else by quadrature, its bound stated.

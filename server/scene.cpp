@@ -165,9 +165,14 @@ class Scene::Builder {
     Bounds with_lights = world;
     for (const auto& light : in_.lights)
       if (const auto box = box_of(light); box && is_finite(box->first) && is_finite(box->second)) {
-        const auto [lower, upper] =
-            light.motion ? light.motion->bounds(box->first, box->second) : *box;
-        with_lights.add(lower), with_lights.add(upper);
+        Bounds still;
+        still.add(box->first), still.add(box->second);
+        if (!light.motion) {
+          with_lights.add(box->first), with_lights.add(box->second);
+        } else if (absl::Status s = sweep(still, *light.motion, light.where, with_lights);
+                   !s.ok()) {
+          return s;
+        }
       }
     scene_->origin_ = origin_for(world.empty() ? with_lights : world);
     if (!with_lights.empty()) {

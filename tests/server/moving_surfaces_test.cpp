@@ -196,6 +196,13 @@ TEST(MovingSurfaces, BeyondWhatRaysReachAreAnError) {
   const auto scene = Scene::build(d);
   ASSERT_FALSE(scene.ok());
   EXPECT_THAT(std::string(scene.status().message()), HasSubstr("a.pbrt:3:4: motion reaching to 1"));
+  d.shapes.clear();
+  d.lights = {point_light({0, 0, 1}, 1)};
+  d.lights.back().where = {"a.pbrt", 5, 6};
+  d.lights.back().motion = sliding({0, 1e200, 0}, 1);
+  const auto lit = Scene::build(d);
+  ASSERT_FALSE(lit.ok());
+  EXPECT_THAT(std::string(lit.status().message()), HasSubstr("a.pbrt:5:6: motion reaching to 1"));
 }
 
 TEST(MovingSurfaces, TheSceneHoldsAllThatTheySweep) {
