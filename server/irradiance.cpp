@@ -200,6 +200,15 @@ class IrradianceJob {
             le * tracer_.found_weight(receiver, n, ray, hit, light, probability, pdf);
         add(light, {e, e});
       });
+      // What lies behind an obstacle counts as hidden: a light that is sampled by what exceeds its
+      // mean may have nothing else to show.
+      if (hit)
+        tracer_.for_each_emitter(ray, std::nullopt, [&](std::uint32_t light, const Rgb<float>& le) {
+          const double probability = visit_all_ ? 1 : tracer_.candidate_probability(light);
+          add(light,
+              {{},
+               le * tracer_.found_weight(receiver, n, ray, std::nullopt, light, probability, pdf)});
+        });
       if (hit && gather_indirect_) {
         const LightEstimate e = tracer_.reflected(*hit, -wi, 1, s, work);
         sum.value += e.value * kPi;

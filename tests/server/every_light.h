@@ -1,4 +1,4 @@
-// The services, and a scene with one light of each kind.
+// The services, and a scene with one light of each kind but the portal.
 #pragma once
 
 #include <cmath>

@@ -141,6 +141,23 @@ TEST(Irradiance, BoundsWhatSamplesThatAllCameOutZeroMayHaveMissed) {
   EXPECT_EQ(one(*scene, at(0.5f, 0.5f, 0, {0, 0, -1}), direct(16, 4)).zero_bound_lx, 0);
 }
 
+TEST(Irradiance, BoundsWhatSamplesOfADimSkyMayHaveMissed) {
+  // 10 cd/m2 towards +y, 1 towards -y, where the receiver faces a wall: the light's own samples all
+  // come from the bright half, which is behind it.
+  SceneDescription d = testing::description(0);
+  const double far = 1e4;
+  d.shapes = {testing::patch({-far, 0, -far}, {far, 0, -far}, {-far, 0, far}, {far, 0, far})};
+  d.lights.resize(1);
+  d.lights[0].params = ImageInfiniteLightParams{
+      *SphereMap::create(*Image::create(1, 2, {Rgb<float>(10), Rgb<float>(1)}),
+                         SphereMapping::kLatitudeLongitude, ImageFilter::kNearest)};
+  const IrradianceEstimate e = one(*build(std::move(d)), at(0, 1, 0, {0, -1, 0}), direct(16, 4));
+  EXPECT_EQ(e.irradiance_lx.g, 0);
+  EXPECT_FALSE(e.exact);
+  // Three of 64 samples, each pi lx.
+  EXPECT_NEAR(e.zero_bound_lx, 3.0 / 64 * std::numbers::pi, 1e-5);
+}
+
 TEST(Irradiance, BoundsWhatSamplesMayHaveMissedBesideLightThatIsExact) {
   // As above, with a lamp of 100 cd under the lid: 100 lx at 1 m, exactly.
   SceneDescription d = testing::description(0);
