@@ -121,85 +121,87 @@ std::size_t item_count(const v1::EstimateIrradianceRequest& request) {
   return fits(request.normals_size(), items, 3) ? items : 0;
 }
 
-// Field by field: copying a whole request to cut its arrays would copy them all for each part.
+namespace {
 
-v1::SampleLiRequest part(const v1::SampleLiRequest& request, std::size_t first, std::size_t count) {
-  v1::SampleLiRequest result;
+/// What a request says once for all of its items.  Field by field: copying a whole request to cut
+/// its arrays would copy them all for each part.
+template <class Request>
+Request without_items(const Request& request) {
+  Request result;
   result.set_scene_id(request.scene_id());
-  keep(first, count, request.receivers(), result.mutable_receivers());
-  if (request.has_light_id()) result.set_light_id(request.light_id());
-  const std::size_t samples = samples_per_item(request);
-  if (request.has_u()) {
-    keep(first, count, 2 * samples, request.u().u(), result.mutable_u()->mutable_u());
-    keep(first, count, samples, request.u().u_light(), result.mutable_u()->mutable_u_light());
-  } else if (request.has_seed()) {
-    *result.mutable_seed() = advanced(request.seed(), first);
+  if constexpr (requires { request.has_light_id(); }) {
+    if (request.has_light_id()) result.set_light_id(request.light_id());
+  } else if constexpr (requires { request.light_id(); }) {
+    result.set_light_id(request.light_id());
   }
   if (request.has_time_s()) result.set_time_s(request.time_s());
-  result.set_test_visibility(request.test_visibility());
-  keep(first, count, 3, request.normals(), result.mutable_normals());
-  if (request.has_position_error_m()) result.set_position_error_m(request.position_error_m());
+  if constexpr (requires { request.position_error_m(); }) {
+    if (request.has_position_error_m()) result.set_position_error_m(request.position_error_m());
+  }
   if (request.has_accuracy()) *result.mutable_accuracy() = request.accuracy();
-  *result.mutable_wavelengths_nm() = request.wavelengths_nm();
+  if constexpr (requires { request.wavelengths_nm(); }) {
+    *result.mutable_wavelengths_nm() = request.wavelengths_nm();
+  }
+  return result;
+}
+
+/// The sample values of items [first, first + count), `per_item` numbers of `u` and `lights` of
+/// `u_light` for each.
+template <class Request>
+void keep_randomness(std::size_t first, std::size_t count, std::size_t per_item, std::size_t lights,
+                     const Request& from, Request* to) {
+  if (from.has_u()) {
+    keep(first, count, per_item, from.u().u(), to->mutable_u()->mutable_u());
+    keep(first, count, lights, from.u().u_light(), to->mutable_u()->mutable_u_light());
+  } else if (from.has_seed()) {
+    *to->mutable_seed() = advanced(from.seed(), first);
+  }
+}
+
+}  // namespace
+
+v1::SampleLiRequest part(const v1::SampleLiRequest& request, std::size_t first, std::size_t count) {
+  v1::SampleLiRequest result = without_items(request);
+  keep(first, count, request.receivers(), result.mutable_receivers());
+  keep(first, count, 3, request.normals(), result.mutable_normals());
+  const std::size_t samples = samples_per_item(request);
+  keep_randomness(first, count, 2 * samples, samples, request, &result);
+  result.set_test_visibility(request.test_visibility());
   return result;
 }
 
 v1::PdfLiRequest part(const v1::PdfLiRequest& request, std::size_t first, std::size_t count) {
-  v1::PdfLiRequest result;
-  result.set_scene_id(request.scene_id());
+  v1::PdfLiRequest result = without_items(request);
   keep(first, count, request.receivers(), result.mutable_receivers());
   keep(first, count, 3, request.wi(), result.mutable_wi());
   keep(first, count, 3, request.normals(), result.mutable_normals());
-  result.set_light_id(request.light_id());
-  if (request.has_time_s()) result.set_time_s(request.time_s());
-  if (request.has_accuracy()) *result.mutable_accuracy() = request.accuracy();
   return result;
 }
 
 v1::SampleLeRequest part(const v1::SampleLeRequest& request, std::size_t first, std::size_t count) {
-  v1::SampleLeRequest result;
-  result.set_scene_id(request.scene_id());
-  if (request.has_light_id()) result.set_light_id(request.light_id());
+  v1::SampleLeRequest result = without_items(request);
   result.set_count(static_cast<std::uint32_t>(count));
-  if (request.has_u()) {
-    keep(first, count, 4, request.u().u(), result.mutable_u()->mutable_u());
-    keep(first, count, 1, request.u().u_light(), result.mutable_u()->mutable_u_light());
-  } else if (request.has_seed()) {
-    *result.mutable_seed() = advanced(request.seed(), first);
-  }
-  if (request.has_time_s()) result.set_time_s(request.time_s());
-  if (request.has_accuracy()) *result.mutable_accuracy() = request.accuracy();
-  *result.mutable_wavelengths_nm() = request.wavelengths_nm();
+  keep_randomness(first, count, 4, 1, request, &result);
   return result;
 }
 
 v1::PdfLeRequest part(const v1::PdfLeRequest& request, std::size_t first, std::size_t count) {
-  v1::PdfLeRequest result;
-  result.set_scene_id(request.scene_id());
-  result.set_light_id(request.light_id());
+  v1::PdfLeRequest result = without_items(request);
   keep(first, count, request.points(), result.mutable_points());
   keep(first, count, 3, request.directions(), result.mutable_directions());
-  if (request.has_time_s()) result.set_time_s(request.time_s());
-  if (request.has_accuracy()) *result.mutable_accuracy() = request.accuracy();
   return result;
 }
 
 v1::LeRequest part(const v1::LeRequest& request, std::size_t first, std::size_t count) {
-  v1::LeRequest result;
-  result.set_scene_id(request.scene_id());
+  v1::LeRequest result = without_items(request);
   keep(first, count, request.points(), result.mutable_points());
   keep(first, count, 3, request.directions(), result.mutable_directions());
-  if (request.has_light_id()) result.set_light_id(request.light_id());
-  if (request.has_time_s()) result.set_time_s(request.time_s());
-  if (request.has_accuracy()) *result.mutable_accuracy() = request.accuracy();
-  *result.mutable_wavelengths_nm() = request.wavelengths_nm();
   return result;
 }
 
 v1::TestVisibilityRequest part(const v1::TestVisibilityRequest& request, std::size_t first,
                                std::size_t count) {
-  v1::TestVisibilityRequest result;
-  result.set_scene_id(request.scene_id());
+  v1::TestVisibilityRequest result = without_items(request);
   if (request.has_rays()) {
     const v1::Rays& rays = request.rays();
     keep(first, count, rays.from(), result.mutable_rays()->mutable_from());
@@ -210,26 +212,18 @@ v1::TestVisibilityRequest part(const v1::TestVisibilityRequest& request, std::si
     keep(first, count, segments.from(), result.mutable_segments()->mutable_from());
     keep(first, count, segments.to(), result.mutable_segments()->mutable_to());
   }
-  if (request.has_time_s()) result.set_time_s(request.time_s());
   keep(first, count, 3, request.normals(), result.mutable_normals());
-  if (request.has_position_error_m()) result.set_position_error_m(request.position_error_m());
-  if (request.has_accuracy()) *result.mutable_accuracy() = request.accuracy();
   return result;
 }
 
 v1::EstimateIrradianceRequest part(const v1::EstimateIrradianceRequest& request, std::size_t first,
                                    std::size_t count) {
-  v1::EstimateIrradianceRequest result;
-  result.set_scene_id(request.scene_id());
+  v1::EstimateIrradianceRequest result = without_items(request);
   keep(first, count, request.receivers(), result.mutable_receivers());
   keep(first, count, 3, request.normals(), result.mutable_normals());
   if (request.has_bounces()) result.set_bounces(request.bounces());
   result.set_per_light(request.per_light());
   *result.mutable_seed() = advanced(request.seed(), first);
-  if (request.has_time_s()) result.set_time_s(request.time_s());
-  if (request.has_position_error_m()) result.set_position_error_m(request.position_error_m());
-  if (request.has_accuracy()) *result.mutable_accuracy() = request.accuracy();
-  *result.mutable_wavelengths_nm() = request.wavelengths_nm();
   return result;
 }
 

@@ -4,32 +4,52 @@
 #include <cstddef>
 
 #include "client/batch_parts.h"
+#include "proto/answer_size.h"
 
 namespace lucerna::client {
 namespace {
 
-absl::StatusOr<std::size_t> batch_items(const Client& client, std::size_t items,
-                                        const BatchOptions& options) {
-  if (options.max_items > 0) return options.max_items;
-  if (items <= kItemsNotAskedFor) return kItemsNotAskedFor;
-  const auto info = client.get_server_info({}, options.call);
-  if (!info.ok()) return info.status();
-  return std::clamp(info->limits().max_batch_items(), 1U, kGoodBatchItems);
+/// What one batch may hold.
+struct BatchLimits {
+  std::uint64_t items, bytes;
+};
+
+/// For `items` in all, and messages of `bytes` were they asked for at once.
+absl::StatusOr<BatchLimits> batch_limits(const Client& client, std::uint64_t items,
+                                         std::uint64_t bytes, const BatchOptions& options) {
+  const bool few = options.max_items > 0 || items <= kItemsNotAskedFor;
+  BatchLimits limits{few ? kItemsNotAskedFor : kGoodBatchItems, kBytesNotAskedFor};
+  if (!few || bytes > kBytesNotAskedFor) {
+    const auto info = client.get_server_info({}, options.call);
+    if (!info.ok()) return info.status();
+    limits.items = std::clamp(info->limits().max_batch_items(), 1U, kGoodBatchItems);
+    limits.bytes = info->limits().max_message_bytes();
+  }
+  if (options.max_items > 0) limits.items = options.max_items;
+  return limits;
 }
 
-/// `weight`: how many items of the server's limit each item counts for.
+/// `weight`: how many items of the server's limit, and of `answer`, each item counts for.
 template <class Request, class Response>
 absl::StatusOr<Response> in_batches(
-    const Client& client, const Request& request, std::size_t weight, const BatchOptions& options,
+    const Client& client, const Request& request, std::uint64_t weight, const AnswerSize& answer,
+    const BatchOptions& options,
     absl::StatusOr<Response> (Client::*ask)(const Request&, const CallOptions&) const) {
-  const std::size_t items = item_count(request);
-  const auto limit = batch_items(client, items * weight, options);
-  if (!limit.ok()) return limit.status();
-  const std::size_t size = std::max<std::size_t>(1, *limit / weight);
+  const std::uint64_t items = item_count(request);
+  if (items <= 1) return (client.*ask)(request, options.call);
+  // Of the question or of the answer, whichever is longer.  What a question has but once is counted
+  // for each item and again: too much rather than too little.
+  const std::uint64_t once = answer.fixed + part(request, 0, 0).ByteSizeLong();
+  const std::uint64_t each =
+      std::max<std::uint64_t>(weight * answer.per_item, request.ByteSizeLong() / items + 1);
+  const auto limits = batch_limits(client, items * weight, once + items * each, options);
+  if (!limits.ok()) return limits.status();
+  const std::uint64_t by_bytes = limits->bytes > once ? (limits->bytes - once) / each : 0;
+  const std::uint64_t size = std::max<std::uint64_t>(1, std::min(limits->items / weight, by_bytes));
   if (items <= size) return (client.*ask)(request, options.call);
 
   Response whole;
-  for (std::size_t first = 0; first < items; first += size) {
+  for (std::uint64_t first = 0; first < items; first += size) {
     const auto next =
         (client.*ask)(part(request, first, std::min(size, items - first)), options.call);
     if (!next.ok()) return next.status();
@@ -43,42 +63,52 @@ absl::StatusOr<Response> in_batches(
 absl::StatusOr<v1::SampleLiResponse> sample_li_in_batches(const Client& client,
                                                           const v1::SampleLiRequest& request,
                                                           const BatchOptions& options) {
-  return in_batches(client, request, std::max(1U, request.accuracy().samples()), options,
-                    &Client::sample_li);
+  return in_batches(client, request, std::max(1U, request.accuracy().samples()),
+                    answer_size(request), options, &Client::sample_li);
 }
 
 absl::StatusOr<v1::PdfLiResponse> pdf_li_in_batches(const Client& client,
                                                     const v1::PdfLiRequest& request,
                                                     const BatchOptions& options) {
-  return in_batches(client, request, 1, options, &Client::pdf_li);
+  return in_batches(client, request, 1, answer_size(request), options, &Client::pdf_li);
 }
 
 absl::StatusOr<v1::SampleLeResponse> sample_le_in_batches(const Client& client,
                                                           const v1::SampleLeRequest& request,
                                                           const BatchOptions& options) {
-  return in_batches(client, request, 1, options, &Client::sample_le);
+  return in_batches(client, request, 1, answer_size(request), options, &Client::sample_le);
 }
 
 absl::StatusOr<v1::PdfLeResponse> pdf_le_in_batches(const Client& client,
                                                     const v1::PdfLeRequest& request,
                                                     const BatchOptions& options) {
-  return in_batches(client, request, 1, options, &Client::pdf_le);
+  return in_batches(client, request, 1, answer_size(request), options, &Client::pdf_le);
 }
 
 absl::StatusOr<v1::LeResponse> le_in_batches(const Client& client, const v1::LeRequest& request,
                                              const BatchOptions& options) {
-  return in_batches(client, request, 1, options, &Client::le);
+  return in_batches(client, request, 1, answer_size(request), options, &Client::le);
 }
 
 absl::StatusOr<v1::TestVisibilityResponse> test_visibility_in_batches(
     const Client& client, const v1::TestVisibilityRequest& request, const BatchOptions& options) {
-  return in_batches(client, request, 1, options, &Client::test_visibility);
+  return in_batches(client, request, 1, answer_size(request), options, &Client::test_visibility);
 }
 
 absl::StatusOr<v1::EstimateIrradianceResponse> estimate_irradiance_in_batches(
     const Client& client, const v1::EstimateIrradianceRequest& request,
     const BatchOptions& options) {
-  return in_batches(client, request, 1, options, &Client::estimate_irradiance);
+  // Shares are told of each light, so an item's answer is as long as the scene has lights.
+  std::uint64_t lights = 0;
+  if (request.per_light() && item_count(request) > 1) {
+    v1::GetSceneRequest which;
+    which.set_scene_id(request.scene_id());
+    const auto scene = client.get_scene(which, options.call);
+    if (!scene.ok()) return scene.status();
+    lights = scene->summary().lights();
+  }
+  return in_batches(client, request, 1, answer_size(request, lights), options,
+                    &Client::estimate_irradiance);
 }
 
 }  // namespace lucerna::client

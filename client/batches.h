@@ -16,16 +16,19 @@ namespace lucerna::client {
 /// More items a batch gain nothing (messages of 32 to 256 KiB travel best).
 inline constexpr std::uint32_t kGoodBatchItems = 8192;
 
+/// What every server takes at once, and its messages may be long; more is asked for with
+/// GetServerInfo.
+inline constexpr std::uint32_t kItemsNotAskedFor = 1024;
+inline constexpr std::uint64_t kBytesNotAskedFor = 1 << 20;
+
+/// No batch's question or answer is longer than the server's messages may be, unless a single
+/// item's is.
 struct BatchOptions {
-  /// Items of one batch, at least 1.  0: the server's limit (asked with GetServerInfo where there
-  /// are more than kItemsNotAskedFor), at most kGoodBatchItems.
+  /// Items of one batch, at least 1.  0: the server's limit, at most kGoodBatchItems.
   std::uint32_t max_items = 0;
   /// `call.deadline` is for all batches together.
   CallOptions call = {};
 };
-
-/// What every server takes at once.
-inline constexpr std::uint32_t kItemsNotAskedFor = 1024;
 
 /// Here an item is a sample: a batch holds max_items / samples receivers, and one at least.
 absl::StatusOr<v1::SampleLiResponse> sample_li_in_batches(const Client& client,
@@ -46,6 +49,7 @@ absl::StatusOr<v1::LeResponse> le_in_batches(const Client& client, const v1::LeR
 absl::StatusOr<v1::TestVisibilityResponse> test_visibility_in_batches(
     const Client& client, const v1::TestVisibilityRequest& request,
     const BatchOptions& options = {});
+/// With `per_light` the scene is asked for (GetScene) how many lights it has.
 absl::StatusOr<v1::EstimateIrradianceResponse> estimate_irradiance_in_batches(
     const Client& client, const v1::EstimateIrradianceRequest& request,
     const BatchOptions& options = {});

@@ -94,14 +94,14 @@ int run(int argc, char** argv) {
       ->check(CLI::Range(0, 1024));
   app.add_option("--isa", options.isa, "Pin the kernels: sse2, sse4.2, avx, avx2 or avx512");
   app.add_option("--max-batch-items", options.limits.max_batch_items, "Items of one batch")
-      ->check(CLI::Range(1U, 1U << 24));
+      ->check(CLI::Range(1024U, 1U << 24));
   app.add_option("--max-tile-pixels", options.limits.max_tile_pixels, "Pixels of one tile")
       ->check(CLI::Range(1U, 1U << 26));
   app.add_option("--max-samples", options.limits.max_samples,
                  "Samples for each pixel or item of one request")
       ->check(CLI::Range(1U, 1U << 30));
-  app.add_option("--max-message-bytes", options.max_message_bytes, "Bytes of one message")
-      ->check(CLI::Range(std::uint64_t{1024}, std::uint64_t{2147483647}));
+  app.add_option("--max-message-bytes", options.limits.max_message_bytes, "Bytes of one message")
+      ->check(CLI::Range(std::uint64_t{1} << 20, std::uint64_t{2147483647}));
   app.add_option("--interactive-queue", options.lanes.interactive_queue,
                  "Small queries that may wait")
       ->check(CLI::Range(1U, 1U << 20));

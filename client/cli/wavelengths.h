@@ -44,7 +44,8 @@ class WavelengthOption {
     std::string text;
     const int count = static_cast<int>(nm_.size());
     for (int k = i * count; k < (i + 1) * count && k < all.size(); ++k) {
-      text += (text.empty() ? "" : " ") + number(all[k]);
+      if (!text.empty()) text += ' ';
+      text += number(all[k]);
     }
     return text;
   }

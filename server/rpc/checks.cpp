@@ -111,6 +111,14 @@ absl::StatusOr<std::uint32_t> check_samples(const Context& context, const v1::Ac
   return fallback;
 }
 
+absl::Status check_answer_size(const Context& context, const std::string& field,
+                               std::uint64_t items, const AnswerSize& size) {
+  const std::uint64_t most = size.items_within(context.limits.max_message_bytes);
+  if (items <= most) return absl::OkStatus();
+  return over_limit(fmt::format("{}, each answered in {} bytes,", field, size.per_item), items,
+                    most);
+}
+
 absl::StatusOr<AreaSampling> check_area_sampling(const v1::Accuracy& accuracy) {
   switch (accuracy.area_sampling()) {
     case v1::AREA_SAMPLING_UNSPECIFIED:

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "lucerna/v1/accuracy.pb.h"
+#include "proto/answer_size.h"
 #include "server/queries.h"
 #include "server/rpc/task.h"
 
@@ -50,6 +51,12 @@ inline constexpr double kWavelengthSeconds = 5e-9;
 absl::StatusOr<std::uint32_t> check_samples(const Context& context, const v1::Accuracy& accuracy,
                                             std::uint32_t fallback);
 
+/// RESOURCE_EXHAUSTED where the answer to so many `items` is larger than a message may be: nothing
+/// is computed that cannot be sent, and no array of an answer is longer than an int counts.
+/// `field`: what the items are, as the request has them.
+absl::Status check_answer_size(const Context& context, const std::string& field,
+                               std::uint64_t items, const AnswerSize& size);
+
 /// kAutomatic where nothing is said.
 absl::StatusOr<AreaSampling> check_area_sampling(const v1::Accuracy& accuracy);
 
@@ -57,7 +64,7 @@ inline std::span<const float> view(const google::protobuf::RepeatedField<float>&
   return {v.data(), static_cast<std::size_t>(v.size())};
 }
 
-/// Zeros, `n` of them.
+/// Zeros, `n` of them; check_answer_size() sees to it that an int counts them.
 template <typename T>
 T* fill(google::protobuf::RepeatedField<T>* field, std::size_t n) {
   field->Resize(static_cast<int>(n), T{});

@@ -55,6 +55,7 @@ Prepared le(const Context& context, const v1::LeRequest& request, v1::LeResponse
   const auto wavelengths = check_wavelengths(request.wavelengths_nm());
   if (!wavelengths.ok()) return wavelengths.status();
   query.wavelengths_nm = *wavelengths;
+  if (auto s = check_answer_size(context, "points", n, answer_size(request)); !s.ok()) return s;
   query.time_s = request.time_s();
 
   Task task;
@@ -99,6 +100,9 @@ Prepared sample_le(const Context& context, const v1::SampleLeRequest& request,
   const auto wavelengths = check_wavelengths(request.wavelengths_nm());
   if (!wavelengths.ok()) return wavelengths.status();
   query.wavelengths_nm = *wavelengths;
+  if (auto s = check_answer_size(context, "count", query.rays, answer_size(request)); !s.ok()) {
+    return s;
+  }
   query.time_s = request.time_s();
 
   Task task;
@@ -124,6 +128,7 @@ Prepared pdf_le(const Context& context, const v1::PdfLeRequest& request,
   const auto points = check_points(context, "points", request.points());
   if (!points.ok()) return points.status();
   const std::size_t n = points->size();
+  if (auto s = check_answer_size(context, "points", n, answer_size(request)); !s.ok()) return s;
   if (auto s = check_triples("directions", request.directions(), n, "points", false); !s.ok()) {
     return s;
   }

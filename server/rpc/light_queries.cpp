@@ -1,6 +1,7 @@
 // SampleLi, PdfLi and EstimatePower.
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <optional>
 #include <vector>
 
@@ -104,6 +105,11 @@ Prepared sample_li(const Context& context, const v1::SampleLiRequest& request,
   const auto wavelengths = check_wavelengths(request.wavelengths_nm());
   if (!wavelengths.ok()) return wavelengths.status();
   query.wavelengths_nm = *wavelengths;
+  if (auto s =
+          check_answer_size(context, "receivers times accuracy.samples", n, answer_size(request));
+      !s.ok()) {
+    return s;
+  }
   query.time_s = request.time_s();
   query.test_visibility = request.test_visibility();
   if (auto s =
@@ -142,6 +148,7 @@ Prepared pdf_li(const Context& context, const v1::PdfLiRequest& request,
   const auto receivers = check_points(context, "receivers", request.receivers());
   if (!receivers.ok()) return receivers.status();
   const std::size_t n = receivers->size();
+  if (auto s = check_answer_size(context, "receivers", n, answer_size(request)); !s.ok()) return s;
   if (auto s = check_triples("wi", request.wi(), n, "receivers", false); !s.ok()) return s;
   const auto light = find_required_light(**scene, request.light_id());
   if (!light.ok()) return light.status();
@@ -190,14 +197,18 @@ Prepared estimate_power(const Context& context, const v1::EstimatePowerRequest& 
   const std::size_t n = asked > 0 ? asked : (*scene)->lights().size();
   const auto start = page_start("power", request.page_token(), n);
   if (!start.ok()) return start.status();
+  // Pages are as long as messages allow: one light always fits.
+  const std::size_t size = std::min<std::size_t>(
+      *page_size, std::max<std::uint64_t>(
+                      1, answer_size(request).items_within(context.limits.max_message_bytes)));
 
   Task task;
   task.predicted_s =
       static_cast<double>(n) *
       (kPowerSeconds + kWavelengthSeconds * static_cast<double>(wavelengths->size()));
   task.cost = response->mutable_cost();
-  task.run = [scene = *scene, n, asked, start = *start, size = *page_size, nm = *wavelengths,
-              &request, response](const std::stop_token& stop) -> absl::Status {
+  task.run = [scene = *scene, n, asked, start = *start, size, nm = *wavelengths, &request,
+              response](const std::stop_token& stop) -> absl::Status {
     SpectralValues spectral(*scene, nm);
     RadiantPower total{.luminous = {}, .w_per_nm = std::vector<double>(nm.size())};
     if (n > 0) total.watts = 0;

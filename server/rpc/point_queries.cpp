@@ -69,6 +69,13 @@ struct EstimateArrays {
     }
     return true;
   }
+
+  void clear(std::size_t i) const {
+    if (rgb != nullptr) std::fill_n(rgb + 3 * i, 3, 0.0F);
+    for (float* const array : {illuminance, standard_error, zero_bound}) {
+      if (array != nullptr) array[i] = 0;
+    }
+  }
 };
 
 struct IrradianceWork {
@@ -139,7 +146,10 @@ absl::Status IrradianceWork::operator()(const std::stop_token& stop,
       }
       fits = fits && store_spectral({estimates.spectral.data() + k * wavelengths, wavelengths},
                                     spectral + (begin + k) * wavelengths);
-      if (!fits) status[begin + k] = static_cast<int>(ItemResult::kOutOfRange);
+      if (fits) continue;
+      total.clear(begin + k);
+      for (const EstimateArrays& share : shares) share.clear(begin + k);
+      status[begin + k] = static_cast<int>(ItemResult::kOutOfRange);
     }
     points.clear();
   }
@@ -165,6 +175,10 @@ Prepared test_visibility(const Context& context, const v1::TestVisibilityRequest
   if (!from.ok()) return from.status();
   query.from = *from;
   const std::size_t n = from->size();
+  if (auto s = check_answer_size(context, segments ? "segments" : "rays", n, answer_size(request));
+      !s.ok()) {
+    return s;
+  }
   if (segments) {
     const auto to = check_points(context, "segments.to", request.segments().to());
     if (!to.ok()) return to.status();
@@ -228,12 +242,10 @@ Prepared estimate_irradiance(const Context& context, const v1::EstimateIrradianc
   work.position_error_m = *error;
   const auto samples = check_samples(context, request.accuracy(), kDefaultSamples);
   if (!samples.ok()) return samples.status();
-  // Two numbers a share, one a wavelength: the answer would be larger than any message.
-  const std::uint64_t share_numbers = request.per_light() ? 2 * (*scene)->lights().size() : 0;
-  const std::uint64_t numbers = n * (share_numbers + wavelengths->size());
-  const std::uint64_t most = std::uint64_t{context.limits.max_batch_items} * kMostWavelengths;
-  if (numbers > most) {
-    return over_limit("receivers times (2 lights + wavelengths)", numbers, most);
+  if (auto s = check_answer_size(context, "receivers", n,
+                                 answer_size(request, (*scene)->lights().size()));
+      !s.ok()) {
+    return s;
   }
   work.has_error = *samples > 1;
   work.settings.seed = request.seed().seed();

@@ -46,7 +46,7 @@ void set_info(const ServerOptions& options, const Fingerprint& fingerprint, int 
   limits.set_max_tile_pixels(options.limits.max_tile_pixels);
   limits.set_max_samples(options.limits.max_samples);
   limits.set_max_page_size(options.limits.max_page_size);
-  limits.set_max_message_bytes(options.max_message_bytes);
+  limits.set_max_message_bytes(options.limits.max_message_bytes);
   limits.set_interactive_queue(options.lanes.interactive_queue);
   limits.set_bulk_queue(options.lanes.bulk_queue);
   v1::NumericFingerprint& f = *info.mutable_fingerprint();
@@ -94,7 +94,7 @@ absl::Status Server::State::listen(const ServerOptions& options) {
   // Two servers on one port would answer by turns, each with its own scenes.
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
   const int bytes = static_cast<int>(
-      std::min<std::uint64_t>(options.max_message_bytes, std::numeric_limits<int>::max()));
+      std::min<std::uint64_t>(options.limits.max_message_bytes, std::numeric_limits<int>::max()));
   builder.SetMaxReceiveMessageSize(bytes);
   builder.SetMaxSendMessageSize(bytes);
   int port = 0;

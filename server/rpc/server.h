@@ -22,7 +22,6 @@ struct ServerOptions {
   std::string version = "0.0.0";  ///< what GetServerInfo tells
   LaneOptions lanes;
   RequestLimits limits;
-  std::uint64_t max_message_bytes = std::uint64_t{64} << 20;
   std::vector<std::string> load;  ///< scenes that are loaded before it serves
 };
 

@@ -44,6 +44,9 @@ absl::StatusOr<PixelRect> check_rect(const Context& context, const Scene& scene,
   if (area(rect) > context.limits.max_tile_pixels) {
     return over_limit("pixels of rect", area(rect), context.limits.max_tile_pixels);
   }
+  if (auto s = check_answer_size(context, "pixels of rect", area(rect), tile_size()); !s.ok()) {
+    return s;
+  }
   return rect;
 }
 
@@ -193,6 +196,11 @@ absl::StatusOr<ImageRender> ImageRender::create(const Context& context,
   const std::uint64_t pixels =
       static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
   if (pixels > kMaxPixels) return over_limit("pixels of the picture", pixels, kMaxPixels);
+  const std::uint64_t tile_pixels =
+      std::min<std::uint64_t>(edge, width) * std::min<std::uint64_t>(edge, height);
+  if (auto s = check_answer_size(context, "pixels of a tile", tile_pixels, tile_size()); !s.ok()) {
+    return s;
+  }
   // Each has a message and a header of its own.
   constexpr std::uint64_t kMaxTiles = 1 << 16;
   const auto across = [edge](int size) {

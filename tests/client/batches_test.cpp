@@ -69,8 +69,18 @@ grpc::Status answer(grpc::ServerContext&, const v1::EstimateIrradianceRequest& r
   return grpc::Status::OK;
 }
 
+/// A scene of so many lights.
+auto scene_of(std::uint64_t lights) {
+  return [lights](auto&, const v1::GetSceneRequest& request, v1::GetSceneResponse* response) {
+    EXPECT_EQ(request.scene_id(), "s");
+    response->mutable_summary()->set_lights(lights);
+    return grpc::Status::OK;
+  };
+}
+
 TEST(Batches, SplitIrradianceIsTheAnswerToTheWhole) {
   FakeServer server;
+  server.get_scene = scene_of(1);
   std::vector<int> sizes;
   server.irradiance = [&](auto& context, const auto& request, auto* response) {
     EXPECT_EQ(request.receivers().origin_m().x(), 1000);
@@ -96,6 +106,7 @@ TEST(Batches, SplitIrradianceIsTheAnswerToTheWhole) {
 TEST(Batches, AskTheServerForItsLimitWhereThereAreMany) {
   FakeServer server;
   server.max_batch_items = 700;
+  server.get_scene = scene_of(1);
   std::vector<int> sizes;
   server.irradiance = [&](auto& context, const auto& request, auto* response) {
     sizes.push_back(request.normals_size() / 3);
@@ -113,6 +124,7 @@ TEST(Batches, AskTheServerForItsLimitWhereThereAreMany) {
 
 TEST(Batches, StopAtTheFirstError) {
   FakeServer server;
+  server.get_scene = scene_of(1);
   int calls = 0;
   server.irradiance = [&](auto& context, const auto& request, auto* response) {
     return ++calls == 2 ? grpc::Status(grpc::StatusCode::NOT_FOUND, "gone")
@@ -122,6 +134,99 @@ TEST(Batches, StopAtTheFirstError) {
                                                     {.max_items = 4, .call = {}});
   EXPECT_EQ(split.status().code(), absl::StatusCode::kNotFound);
   EXPECT_EQ(calls, 2);
+}
+
+// Each receiver is told of by 3000 lights and 128 wavelengths: 24.5 kB.
+TEST(Batches, OfManyLightsAndWavelengthsFitTheServersMessages) {
+  constexpr int kLights = 3000, kReceivers = 200;
+  FakeServer server;
+  server.max_message_bytes = 2000000;
+  server.max_batch_items = 65536;
+  server.get_scene = scene_of(kLights);
+  int receivers = 0, batches = 0;
+  server.irradiance = [&](auto&, const v1::EstimateIrradianceRequest& request,
+                          v1::EstimateIrradianceResponse* response) {
+    const int n = request.normals_size() / 3;
+    EXPECT_EQ(request.wavelengths_nm_size(), 128);
+    EXPECT_EQ(request.seed().first_item(), 100U + receivers);
+    response->mutable_irradiance_lx()->Resize(3 * n, 1);
+    for (auto* array : {response->mutable_illuminance_lx(), response->mutable_standard_error_lx(),
+                        response->mutable_zero_bound_lx()}) {
+      array->Resize(n, 1);
+    }
+    response->mutable_spectral_irradiance()->Resize(128 * n, 1);
+    response->mutable_status()->Resize(n, v1::ITEM_STATUS_OUT_OF_RANGE);
+    for (int l = 0; l < kLights; ++l) {
+      v1::LightShare* share = response->add_shares();
+      share->set_light_id(l + 1);
+      share->mutable_illuminance_lx()->Resize(n, 1);
+      share->mutable_standard_error_lx()->Resize(n, 1);
+    }
+    EXPECT_LE(response->ByteSizeLong(), server.max_message_bytes);
+    // Nor are there many more batches than there must be.
+    receivers += n;
+    if (receivers < kReceivers) {
+      EXPECT_GT(response->ByteSizeLong(), 0.9 * server.max_message_bytes);
+    }
+    ++batches;
+    return grpc::Status::OK;
+  };
+  v1::EstimateIrradianceRequest request = irradiance_request(kReceivers);
+  for (int i = 0; i < 128; ++i) request.add_wavelengths_nm(400 + i);
+  const client::Client client = server.client();
+  const auto split = estimate_irradiance_in_batches(client, request);
+  ASSERT_TRUE(split.ok()) << split.status();
+  EXPECT_EQ(receivers, kReceivers);
+  EXPECT_EQ(batches, 3);
+  EXPECT_EQ(split->shares(kLights - 1).illuminance_lx_size(), kReceivers);
+  // Also where it is said how many items a batch has.
+  receivers = batches = 0;
+  ASSERT_TRUE(estimate_irradiance_in_batches(client, request, {.max_items = 1000}).ok());
+  EXPECT_EQ(batches, 3);
+  // A receiver whose answer is larger is asked about alone, for the server to judge.
+  server.get_scene = scene_of(1000000);
+  server.irradiance = [&](auto&, const v1::EstimateIrradianceRequest& one, auto*) {
+    EXPECT_EQ(one.normals_size(), 3);
+    return grpc::Status(grpc::StatusCode::RESOURCE_EXHAUSTED, "too large");
+  };
+  EXPECT_EQ(estimate_irradiance_in_batches(client, request).status().code(),
+            absl::StatusCode::kResourceExhausted);
+}
+
+TEST(Batches, OfManyWavelengthsFitTheServersMessages) {
+  FakeServer server;
+  server.max_message_bytes = 1 << 20;
+  server.max_batch_items = 65536;
+  std::vector<int> sizes;
+  server.sample_li = [&](auto&, const v1::SampleLiRequest& request,
+                         v1::SampleLiResponse* response) {
+    const int n = 4 * (request.receivers().offsets_m_size() / 3);
+    sizes.push_back(n / 4);
+    response->mutable_pdf_per_sr()->Resize(n, 1);
+    response->mutable_distance_m()->Resize(n, 1);
+    for (auto* array : {response->mutable_value(), response->mutable_wi(),
+                        response->mutable_light_offsets_m(), response->mutable_light_normals()}) {
+      array->Resize(3 * n, 1);
+    }
+    response->mutable_light_ids()->Resize(n, ~std::uint64_t{0});
+    response->mutable_selection_probability()->Resize(n, 1);
+    response->mutable_status()->Resize(n, v1::ITEM_STATUS_BEHIND);
+    response->set_delta(std::string((n + 7) / 8, '\0'));
+    response->set_visible(std::string((n + 7) / 8, '\0'));
+    response->mutable_spectral_value()->Resize(128 * n, 1);
+    EXPECT_LE(response->ByteSizeLong(), server.max_message_bytes);
+    return grpc::Status::OK;
+  };
+  v1::SampleLiRequest request;
+  request.mutable_receivers()->mutable_offsets_m()->Resize(3 * 1000, 1);
+  request.mutable_seed();
+  request.set_test_visibility(true);
+  request.mutable_accuracy()->set_samples(4);
+  request.mutable_wavelengths_nm()->Resize(128, 555);
+  ASSERT_TRUE(sample_li_in_batches(server.client(), request).ok());
+  // 4 samples of 589 bytes: 444 receivers are 1046064 of 1048576, what else there is 2 kB.
+  EXPECT_THAT(sizes, ElementsAre(444, 444, 112));
+  EXPECT_EQ(server.info_calls, 1);
 }
 
 TEST(Batches, ArraysThatDoNotFitAreLeftForTheServerToJudge) {

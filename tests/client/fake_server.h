@@ -36,6 +36,7 @@ class FakeServer : v1::LightingService::Service,
   std::function<grpc::Status(grpc::ServerContext&, grpc::ServerWriter<v1::RenderImageResponse>&)>
       render_image;
   std::uint32_t max_batch_items = 5;
+  std::uint64_t max_message_bytes = 64 << 20;
   std::atomic<int> info_calls = 0;
 
   FakeServer() {
@@ -84,6 +85,7 @@ class FakeServer : v1::LightingService::Service,
                              v1::GetServerInfoResponse* response) override {
     ++info_calls;
     response->mutable_limits()->set_max_batch_items(max_batch_items);
+    response->mutable_limits()->set_max_message_bytes(max_message_bytes);
     return grpc::Status::OK;
   }
 
