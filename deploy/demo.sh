@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Starts lucernad with the shipped scenes, asks it the four questions, renders a picture, stops it.
+# Starts lucernad with the shipped scenes, asks it four questions, renders a picture, stops it.
 #   deploy/demo.sh BUILD_DIR [OUTPUT_DIR [SAMPLES]]
 # OUTPUT_DIR: default build/demo.  SAMPLES of each pixel: default as the scene file says.
 set -euo pipefail

@@ -2,25 +2,16 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 
+#include "client/cli/area_shape.h"
 #include "client/cli/output.h"
 
 namespace lucerna::cli {
 namespace {
 
 std::string xyz(const v1::Vector3& v) { return triple(v.x(), v.y(), v.z()); }
-
-/// The unit vector along `v` to four decimals, which is 0.003 degrees.
-std::string direction(const v1::Vector3& v) {
-  const double length = std::hypot(v.x(), v.y(), v.z());
-  // + 0.0: no -0 where roundings leave a little below it.
-  const auto rounded = [&](double x) { return std::round(x / length * 1e4) / 1e4 + 0.0; };
-  return triple(rounded(v.x()), rounded(v.y()), rounded(v.z()));
-}
 
 std::string degrees(double radians) { return number(radians * 180 / std::numbers::pi) + " deg"; }
 
@@ -72,67 +63,6 @@ std::string describe(const v1::Spectrum& spectrum) {
   }
 }
 
-/// Extents of the light's bounds [m], the smallest first.
-std::array<double, 3> extents(const v1::Light& light) {
-  const v1::Vector3& a = light.bounds().lower_m();
-  const v1::Vector3& b = light.bounds().upper_m();
-  std::array<double, 3> e = {b.x() - a.x(), b.y() - a.y(), b.z() - a.z()};
-  std::sort(e.begin(), e.end());
-  return e;
-}
-
-/// Equal but for the rounding of coordinates to floats.
-bool alike(double a, double b) { return std::abs(a - b) <= 1e-4 * std::max(a, b); }
-
-/// The shape with its size, as far as area and bounds determine it: a flat quadrilateral that fills
-/// its bounds is a rectangle, the boxes of whole disks and spheres tell their diameter.
-std::string shape_of(const v1::Light& light) {
-  const v1::DiffuseAreaLight& area = light.diffuse_area();
-  const auto [least, middle, most] = extents(light);
-  const auto count = area.primitives();
-  switch (area.shape()) {
-    case v1::AREA_SHAPE_TRIANGLE_MESH:
-      return count == 1 ? "triangle" : fmt::format("{} triangles", count);
-    case v1::AREA_SHAPE_BILINEAR_MESH:
-      if (count != 1) return fmt::format("{} quadrilaterals", count);
-      if (least <= 1e-4 * middle && alike(light.area_m2(), middle * most)) {
-        return fmt::format("rectangle {} x {} m", number(static_cast<float>(most)),
-                           number(static_cast<float>(middle)));
-      }
-      return "quadrilateral";
-    case v1::AREA_SHAPE_SPHERE:
-      if (alike(least, most) && alike(light.area_m2(), std::numbers::pi * most * most)) {
-        return fmt::format("sphere of diameter {} m",
-                           number(std::sqrt(light.area_m2() / std::numbers::pi)));
-      }
-      return "part of a sphere";
-    case v1::AREA_SHAPE_DISK: {
-      // The box of a disk of normal n has the sides d sqrt(1 - n_i^2), whose squares add up to
-      // twice d^2.
-      const double d2 = (least * least + middle * middle + most * most) / 2;
-      if (alike(light.area_m2(), std::numbers::pi / 4 * d2)) {
-        return fmt::format("disk of diameter {} m",
-                           number(std::sqrt(light.area_m2() * 4 / std::numbers::pi)));
-      }
-      return "ring or part of a disk";
-    }
-    case v1::AREA_SHAPE_CYLINDER: {
-      // Along an axis of the world two sides of the box are its diameter and one its length.
-      const bool longer = alike(least, middle);
-      const double diameter = longer ? least : most, length = longer ? most : least;
-      if ((longer || alike(middle, most)) &&
-          alike(light.area_m2(), std::numbers::pi * diameter * length)) {
-        return fmt::format("cylinder of diameter {} m, length {} m",
-                           number(static_cast<float>(diameter)),
-                           number(static_cast<float>(length)));
-      }
-      return "cylinder";
-    }
-    default:
-      return fmt::format("shape {}", static_cast<int>(area.shape()));
-  }
-}
-
 std::string describe(const v1::SpotLight& spot) {
   const double edge = spot.cone_half_angle_rad() - spot.falloff_start_rad();
   std::string text = "half angle " + degrees(spot.cone_half_angle_rad());
@@ -157,9 +87,8 @@ std::string describe(const v1::GoniometricLight& light) {
   }
 }
 
-std::string describe_area(const v1::Light& light) {
-  const v1::DiffuseAreaLight& area = light.diffuse_area();
-  std::string text = shape_of(light) + ", " + level(area.radiance_cd_m2(), "cd/m2");
+std::string describe(const v1::DiffuseAreaLight& area) {
+  std::string text = describe_shape(area) + ", " + level(area.radiance_cd_m2(), "cd/m2");
   if (area.has_image()) text += " at 1, " + describe(area.image());
   if (area.has_profile()) text += ", profile " + describe(area.profile());
   return area.two_sided() ? text + ", two-sided" : text;
@@ -180,7 +109,7 @@ std::string describe_kind(const v1::Light& light) {
     case v1::Light::kUniformInfinite:
       return level(light.uniform_infinite().radiance_cd_m2(), "cd/m2");
     case v1::Light::kDiffuseArea:
-      return describe_area(light);
+      return describe(light.diffuse_area());
     case v1::Light::kProjection: {
       const v1::ProjectionLight& p = light.projection();
       return with_image(fmt::format("{} on the shorter side, aspect {}, {}", degrees(p.fov_rad()),
@@ -215,24 +144,61 @@ std::string pointing(const v1::Vector3& position, const v1::Vector3& axis) {
   return xyz(position) + " towards " + direction(axis);
 }
 
-/// A box, and the normal of what shines from one side of a plane.
+bool is_left_handed(const v1::Axes& axes) {
+  const v1::Vector3 &x = axes.x(), &y = axes.y(), &z = axes.z();
+  return x.x() * (y.y() * z.z() - y.z() * z.y()) + x.y() * (y.z() * z.x() - y.x() * z.z()) +
+             x.z() * (y.x() * z.y() - y.y() * z.x()) <
+         0;
+}
+
+/// Which way a luminaire is turned about its straight down.
+std::string turn_of_luminaire(const v1::Axes& axes) {
+  return ", C0 to " + direction(axes.x()) + (is_left_handed(axes) ? ", mirrored" : "");
+}
+
+/// How a picture around something is turned; nothing where it is not.
+std::string turn_of_picture(const v1::Axes& axes) {
+  const std::string x = direction(axes.x()), y = direction(axes.y()), z = direction(axes.z());
+  if (x == "1 0 0" && y == "0 1 0" && z == "0 0 1") return "";
+  return ", +x to " + x + ", +y to " + y + ", +z to " + z;
+}
+
+/// A box; the normal of what shines from one side of a plane; the axis of tubes.
 std::string place_of_area(const v1::Light& light) {
   std::string text = xyz(light.bounds().lower_m()) + " to " + xyz(light.bounds().upper_m());
   constexpr double kHemisphere = std::numbers::pi / 2 + 1e-3;
   if (light.has_directions() && light.directions().half_angle_rad() <= kHemisphere) {
     text += ", facing " + direction(light.directions().axis());
   }
-  return text;
+  const v1::DiffuseAreaLight& area = light.diffuse_area();
+  if (area.shape() == v1::AREA_SHAPE_CYLINDER && area.has_round()) {
+    text += ", along " + direction(area.round().axes().z());
+  }
+  return area.has_profile_axes() ? text + turn_of_luminaire(area.profile_axes()) : text;
 }
 
-std::string place_of_luminaire(const v1::Light& light) {
-  const std::string position = xyz(light.goniometric().position_m());
-  if (!light.has_directions()) return position;
+std::string place_of_goniometric(const v1::Light& light) {
+  const v1::GoniometricLight& lamp = light.goniometric();
+  std::string text = xyz(lamp.position_m());
+  if (lamp.has_photometric_file() && lamp.has_axes()) {
+    text += " towards " + direction(lamp.axes().z()) + turn_of_luminaire(lamp.axes());
+  } else if (lamp.has_axes()) {
+    text += turn_of_picture(lamp.axes());
+  }
+  if (!light.has_directions()) return text;
   // A bound, a little wider than the cone: no more digits than are meant.
   const double half_angle = light.directions().half_angle_rad() * 180 / std::numbers::pi;
-  return fmt::format("{}, within {} deg of {}", position,
-                     number(std::round(half_angle * 100) / 100),
+  return fmt::format("{}, within {} deg of {}", text, number(std::round(half_angle * 100) / 100),
                      direction(light.directions().axis()));
+}
+
+std::string place_of_sky(const v1::ImageInfiniteLight& sky) {
+  std::string corners;
+  for (const v1::Vector3& corner : sky.portal_m()) {
+    corners += (corners.empty() ? "through " : ", ") + xyz(corner);
+  }
+  return (corners.empty() ? "all around" : corners) +
+         (sky.has_axes() ? turn_of_picture(sky.axes()) : "");
 }
 
 }  // namespace
@@ -293,16 +259,11 @@ std::string place_of(const v1::Light& light) {
     case v1::Light::kBeam:
       return pointing(light.beam().position_m(), light.beam().axis());
     case v1::Light::kGoniometric:
-      return place_of_luminaire(light);
+      return place_of_goniometric(light);
     case v1::Light::kSun:
       return "from " + direction(light.sun().to_light());
-    case v1::Light::kImageInfinite: {
-      std::string corners;
-      for (const v1::Vector3& corner : light.image_infinite().portal_m()) {
-        corners += (corners.empty() ? "" : ", ") + xyz(corner);
-      }
-      return corners.empty() ? "all around" : "through " + corners;
-    }
+    case v1::Light::kImageInfinite:
+      return place_of_sky(light.image_infinite());
     case v1::Light::KIND_NOT_SET:
       break;
   }

@@ -4,6 +4,7 @@
 #include <google/protobuf/util/json_util.h>
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 namespace lucerna::cli {
@@ -53,6 +54,13 @@ std::string number(double value) { return fmt::format("{:.6g}", value); }
 
 std::string triple(double a, double b, double c) {
   return number(a) + " " + number(b) + " " + number(c);
+}
+
+std::string direction(const v1::Vector3& v) {
+  const double length = std::hypot(v.x(), v.y(), v.z());
+  // + 0.0: no -0 where roundings leave a little below it.
+  const auto rounded = [&](double x) { return std::round(x / length * 1e4) / 1e4 + 0.0; };
+  return triple(rounded(v.x()), rounded(v.y()), rounded(v.z()));
 }
 
 std::string to_json(const google::protobuf::Message& message) {

@@ -33,6 +33,8 @@ class Table {
 std::string number(double value);
 /// "a b c"
 std::string triple(double a, double b, double c);
+/// The unit vector along `v` to four decimals, which is 0.003 degrees: "0 0.7071 -0.7071".
+std::string direction(const v1::Vector3& v);
 
 /// The message as the protocol-buffers JSON of one line, fields named as in the .proto file, those
 /// without presence always written, and a new line.

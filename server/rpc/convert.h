@@ -1,11 +1,25 @@
 // Lights and scenes as messages.
 #pragma once
 
+#include "lights/rgb.h"
+#include "lights/vec.h"
 #include "lucerna/v1/light.pb.h"
 #include "lucerna/v1/scene.pb.h"
 #include "server/scene_store.h"
 
 namespace lucerna::rpc {
+
+inline void set(const Vec3<double>& v, v1::Vector3* out) {
+  out->set_x(v.x);
+  out->set_y(v.y);
+  out->set_z(v.z);
+}
+
+inline void set(const Rgb<double>& c, v1::Rgb* out) {
+  out->set_r(c.r);
+  out->set_g(c.g);
+  out->set_b(c.b);
+}
 
 /// Requires an index below the number of lights.
 void set_light(const Scene& scene, std::uint32_t light, v1::Light* out);

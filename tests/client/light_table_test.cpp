@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <initializer_list>
 #include <numbers>
 
 #include "lucerna/v1/scene.pb.h"
@@ -94,6 +95,14 @@ TEST(LightTable, LightsAtInfinity) {
   grey(sky->mutable_radiance_cd_m2(), 2);
   expect(light, "image infinite",
          "image sky.exr (64 x 32 px, latitude-longitude, bilinear), 2 cd/m2 at 1", "all around");
+  set(sky->mutable_axes()->mutable_x(), 1, 0, 0);
+  set(sky->mutable_axes()->mutable_y(), 0, 1, 0);
+  set(sky->mutable_axes()->mutable_z(), 0, 0, 1);
+  EXPECT_EQ(place_of(light), "all around");
+  set(sky->mutable_axes()->mutable_y(), 0, 0, 1);
+  set(sky->mutable_axes()->mutable_z(), 0, -1, 0);
+  EXPECT_EQ(place_of(light), "all around, +x to 1 0 0, +y to 0 0 1, +z to 0 -1 0");
+  sky->clear_axes();
   for (int i = 0; i < 4; ++i) set(sky->add_portal_m(), i, 0, 0);
   expect(light, "image infinite",
          "image sky.exr (64 x 32 px, latitude-longitude, bilinear), 2 cd/m2 at 1, through a portal",
@@ -146,45 +155,96 @@ TEST(LightTable, GoniometricOfAnyDistribution) {
   set(light.mutable_directions()->mutable_axis(), 0, 0, -1);
   light.mutable_directions()->set_half_angle_rad(kPi / 2 + 1e-6);
   EXPECT_EQ(place_of(light), "1 1 1, within 90 deg of 0 0 -1");
+  set(g->mutable_axes()->mutable_x(), 0, 1, 0);
+  set(g->mutable_axes()->mutable_y(), 1, 0, 0);
+  set(g->mutable_axes()->mutable_z(), 0, 0, -1);
+  EXPECT_EQ(place_of(light), "1 1 1 towards 0 0 -1, C0 to 0 1 0, within 90 deg of 0 0 -1");
+  set(g->mutable_axes()->mutable_y(), -1, 0, 0);
+  EXPECT_EQ(place_of(light),
+            "1 1 1 towards 0 0 -1, C0 to 0 1 0, mirrored, within 90 deg of 0 0 -1");
+  g->mutable_image();
+  light.clear_directions();
+  EXPECT_EQ(place_of(light), "1 1 1, +x to 0 1 0, +y to -1 0 0, +z to 0 0 -1");
 }
 
-TEST(LightTable, AreaLightsTellTheSizesThatFollow) {
+TEST(LightTable, RectanglesTellTheirSidesHoweverTheyLean) {
   v1::Light panel = area(v1::AREA_SHAPE_BILINEAR_MESH, {0, 0, 3}, {0.6, 1.2, 3}, 0.72);
   panel.mutable_diffuse_area()->set_two_sided(true);
+  const auto corners = [&](std::initializer_list<std::array<double, 3>> list) {
+    panel.mutable_diffuse_area()->clear_corners_m();
+    for (const auto& [x, y, z] : list) set(panel.mutable_diffuse_area()->add_corners_m(), x, y, z);
+  };
+  corners({{0, 0, 3}, {0.6, 0, 3}, {0, 1.2, 3}, {0.6, 1.2, 3}});
   expect(panel, "area", "rectangle 1.2 x 0.6 m, 4500 cd/m2, two-sided", "0 0 3 to 0.6 1.2 3");
-  // Less area than its bounds: no rectangle.
-  EXPECT_EQ(describe(area(v1::AREA_SHAPE_BILINEAR_MESH, {0, 0, 3}, {0.6, 1.2, 3}, 0.5)),
-            "quadrilateral, 4500 cd/m2");
+  // Sides of (0.6, 0.8, 0) and (0, 0, 0.5); the same with a corner off; a parallelogram.
+  corners({{5, 5, 0}, {5.6, 5.8, 0}, {5, 5, 0.5}, {5.6, 5.8, 0.5}});
+  EXPECT_EQ(describe(panel), "rectangle 1 x 0.5 m, 4500 cd/m2, two-sided");
+  corners({{5, 5, 0}, {5.6, 5.8, 0}, {5, 5, 0.5}, {5.6, 5.8, 0.6}});
+  EXPECT_EQ(describe(panel), "quadrilateral, 4500 cd/m2, two-sided");
+  corners({{0, 0, 0}, {1, 0, 0}, {0.5, 1, 0}, {1.5, 1, 0}});
+  EXPECT_EQ(describe(panel), "quadrilateral, 4500 cd/m2, two-sided");
+}
+
+TEST(LightTable, MeshesTellHowManyTheyAre) {
   EXPECT_EQ(describe(area(v1::AREA_SHAPE_BILINEAR_MESH, {0, 0, 0}, {1, 1, 1}, 1, 6)),
             "6 quadrilaterals, 4500 cd/m2");
   EXPECT_EQ(describe(area(v1::AREA_SHAPE_TRIANGLE_MESH, {0, 0, 0}, {1, 1, 0}, 0.5)),
             "triangle, 4500 cd/m2");
   EXPECT_EQ(describe(area(v1::AREA_SHAPE_TRIANGLE_MESH, {0, 0, 0}, {1, 1, 0}, 1, 2)),
             "2 triangles, 4500 cd/m2");
-  EXPECT_EQ(describe(area(v1::AREA_SHAPE_SPHERE, {0, 0, 0}, {0.5, 0.5, 0.5}, kPi / 4)),
-            "sphere of diameter 0.5 m, 4500 cd/m2");
-  EXPECT_EQ(describe(area(v1::AREA_SHAPE_SPHERE, {0, 0, 0}, {0.5, 0.5, 0.25}, kPi / 8)),
-            "part of a sphere, 4500 cd/m2");
-  // Normal (0, 1, 1) / sqrt(2), radius 1: sides 2, sqrt(2), sqrt(2).
-  const double s = std::numbers::sqrt2;
-  EXPECT_EQ(describe(area(v1::AREA_SHAPE_DISK, {0, 0, 0}, {2, s, s}, kPi)),
-            "disk of diameter 2 m, 4500 cd/m2");
-  EXPECT_EQ(describe(area(v1::AREA_SHAPE_DISK, {0, 0, 0}, {2, 2, 0}, kPi / 2)),
-            "ring or part of a disk, 4500 cd/m2");
 }
 
-TEST(LightTable, CylindersAlongTheAxesTellTheirSize) {
-  EXPECT_EQ(describe(area(v1::AREA_SHAPE_CYLINDER, {0, 0, 0}, {2, 0.1, 0.1}, kPi * 0.2)),
-            "cylinder of diameter 0.1 m, length 2 m, 4500 cd/m2");
-  EXPECT_EQ(describe(area(v1::AREA_SHAPE_CYLINDER, {0, 0, 0}, {3, 3, 0.5}, kPi * 1.5)),
-            "cylinder of diameter 3 m, length 0.5 m, 4500 cd/m2");
-  EXPECT_EQ(describe(area(v1::AREA_SHAPE_CYLINDER, {0, 0, 0}, {1, 1, 1}, kPi)),
-            "cylinder of diameter 1 m, length 1 m, 4500 cd/m2");
-  // Half of one, which fills its box's sides all the same, and one that leans.
-  EXPECT_EQ(describe(area(v1::AREA_SHAPE_CYLINDER, {0, 0, 0}, {2, 0.1, 0.1}, kPi * 0.1)),
-            "cylinder, 4500 cd/m2");
-  EXPECT_EQ(describe(area(v1::AREA_SHAPE_CYLINDER, {0, 0, 0}, {2, 1, 1.5}, kPi * 0.2)),
-            "cylinder, 4500 cd/m2");
+/// A whole one of radius 0.25 and, where it has one, length 0.5.
+v1::Light round_light(v1::AreaShape shape) {
+  v1::Light light = area(shape, {0, 0, 0}, {0.5, 0.5, 0.5}, 1);
+  v1::RoundShape* round = light.mutable_diffuse_area()->mutable_round();
+  round->set_radius_m(0.25);
+  round->set_z_min_m(-0.25);
+  round->set_z_max_m(0.25);
+  round->set_phi_max_rad(2 * kPi);
+  set(round->mutable_axes()->mutable_x(), 1, 0, 0);
+  set(round->mutable_axes()->mutable_y(), 0, 0, 1);
+  set(round->mutable_axes()->mutable_z(), 0, -1, 0);
+  return light;
+}
+
+TEST(LightTable, SpheresTellDiameterAndWhatIsLeft) {
+  v1::Light light = round_light(v1::AREA_SHAPE_SPHERE);
+  v1::RoundShape* round = light.mutable_diffuse_area()->mutable_round();
+  EXPECT_EQ(describe(light), "sphere of diameter 0.5 m, 4500 cd/m2");
+  round->set_z_min_m(0.1);
+  EXPECT_EQ(describe(light),
+            "sphere of diameter 0.5 m from 0.1 to 0.25 m along 0 -1 0, 4500 cd/m2");
+  round->set_z_min_m(-0.25);
+  round->set_phi_max_rad(kPi);
+  round->set_reverse_orientation(true);
+  EXPECT_EQ(describe(light),
+            "sphere of diameter 0.5 m, 180 deg of it, shining inwards, 4500 cd/m2");
+}
+
+TEST(LightTable, DisksTellHoleAndSweep) {
+  v1::Light light = round_light(v1::AREA_SHAPE_DISK);
+  v1::RoundShape* round = light.mutable_diffuse_area()->mutable_round();
+  EXPECT_EQ(describe(light), "disk of diameter 0.5 m, 4500 cd/m2");
+  round->set_inner_radius_m(0.1);
+  EXPECT_EQ(describe(light), "disk of diameter 0.5 m, hole of 0.2 m, 4500 cd/m2");
+  round->set_phi_max_rad(kPi / 2);
+  EXPECT_EQ(describe(light), "disk of diameter 0.5 m, hole of 0.2 m, 90 deg of it, 4500 cd/m2");
+  round->set_phi_max_rad(2 * kPi);
+  round->set_radius_y_m(1);
+  EXPECT_EQ(describe(light), "ellipse 2 x 0.5 m, hole of 40%, 4500 cd/m2");
+}
+
+TEST(LightTable, CylindersTellSizeAndAxis) {
+  v1::Light light = round_light(v1::AREA_SHAPE_CYLINDER);
+  v1::RoundShape* round = light.mutable_diffuse_area()->mutable_round();
+  round->set_z_min_m(-1.5);
+  expect(light, "area", "cylinder of diameter 0.5 m, length 1.75 m, 4500 cd/m2",
+         "0 0 0 to 0.5 0.5 0.5, along 0 -1 0");
+  round->set_phi_max_rad(kPi / 3);
+  round->set_reverse_orientation(true);
+  EXPECT_EQ(describe(light),
+            "cylinder of diameter 0.5 m, length 1.75 m, 60 deg of it, shining inwards, 4500 cd/m2");
 }
 
 TEST(LightTable, WhatShinesFromOneSideOfAPlaneFacesSomewhere) {
@@ -207,6 +267,10 @@ TEST(LightTable, AreaLightsWithImageAndProfile) {
   a->mutable_profile()->set_format("EULUMDAT");
   a->mutable_profile()->set_flux_lm(900);
   EXPECT_EQ(describe(light), "triangle, 4500 cd/m2, profile panel.ldt (EULUMDAT, 900 lm)");
+  set(a->mutable_profile_axes()->mutable_x(), 0, 1, 0);
+  set(a->mutable_profile_axes()->mutable_y(), 1, 0, 0);
+  set(a->mutable_profile_axes()->mutable_z(), 0, 0, -1);
+  EXPECT_EQ(place_of(light), "0 0 0 to 1 1 0, C0 to 0 1 0");
 }
 
 TEST(LightTable, SpectraWattsAndMotionFollow) {

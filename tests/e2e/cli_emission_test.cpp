@@ -198,7 +198,8 @@ TEST_F(CliEmission, LightsOfEachKindAreRowsOfUnits) {
                                  "equal-area, [a-z]+\\), 0\\.5 cd/m2 at 1 +all around "));
   EXPECT_THAT(out, row("goniometric +lights/downlight\\.ies \\(IES LM-63-2002, type C, "
                        "456\\.637 lm\\)",
-                       "100 -49 3, within 90 deg of 0 0 -1", "456\\.637 +exact +yes"));
+                       "100 -49 3 towards 0 0 -1, C0 to 1 0 0, within 90 deg of 0 0 -1",
+                       "456\\.637 +exact +yes"));
   EXPECT_THAT(out, row("area +triangle, 10 cd/m2", "98 -52 3 to 99 -51 3, facing 0 0 -1",
                        "0\\.5 +15\\.708 +exact +no"));
   EXPECT_THAT(out, row("area +rectangle 1\\.5 x 1 m, 12 cd/m2",
@@ -211,9 +212,37 @@ TEST_F(CliEmission, LightsOfEachKindAreRowsOfUnits) {
   EXPECT_THAT(out, row("area +disk of diameter 0\\.8 m, 20 cd/m2",
                        "98\\.9 -51\\.6 2\\.6 to 99\\.7 -50\\.8 2\\.6, facing 0 0 -1",
                        "0\\.502655 +31\\.5827 +exact +no"));
+  EXPECT_THAT(out, row("area +cylinder of diameter 0\\.12 m, length 2 m, 14 cd/m2",
+                       "99 -50\\.66 2\\.74 to 101 -50\\.54 2\\.86, along 1 0 0",
+                       "0\\.753982 +33\\.1619 +exact +no"));
+}
+
+TEST_F(CliEmission, LightsTellHowTheyAreTurned) {
+  const std::string out = said({"lights", kScene});
+  const auto row = [](const std::string& what, const std::string& where, const std::string& rest) {
+    return ContainsRegex("\n *[0-9]+  " + what + " +" + where + " +" + rest + " +lights/every");
+  };
+  EXPECT_THAT(out, row("goniometric +lights/sconce\\.ldt \\(EULUMDAT, 856\\.637 lm\\), times 0\\.5",
+                       "101 -53 2 towards 0 0 -1, C0 to -0\\.866 0\\.5 0, within 90 deg of 0 0 -1",
+                       "428\\.319 +exact +yes"));
   EXPECT_THAT(out,
-              row("area +cylinder of diameter 0\\.12 m, length 2 m, 14 cd/m2",
-                  "99 -50\\.66 2\\.74 to 101 -50\\.54 2\\.86", "0\\.753982 +33\\.1619 +exact +no"));
+              row("goniometric +image reference/sky\\.exr \\(128 x 128 px, equal-area, nearest\\), "
+                  "0\\.1 cd at 1",
+                  "100 -50 0, \\+x to 1 0 0, \\+y to 0 0 1, \\+z to 0 1 0", "[0-9.]+ +exact +yes"));
+  EXPECT_THAT(out, row("goniometric +7 cd", "100 -50 1", "87\\.9646 +exact +yes"));
+  // pi L A: 4 cd/m2 through 3 m2.
+  EXPECT_THAT(
+      out, row("infinite +4 cd/m2, through a portal",
+               "through 96 -46 0\\.5, 98 -46 0\\.5, 98 -46 2, 96 -46 2", "37\\.6991 +exact +no"));
+  EXPECT_THAT(
+      out,
+      row("area +cylinder of diameter 0\\.2 m, length 1 m, 180 deg of it, 4 cd/m2 at 1, "
+          "image reference/screen\\.exr \\(16 x 16 px, bilinear\\)",
+          "[-0-9. ]+ to [-0-9. ]+, along 0 -0\\.7071 0\\.7071", "0\\.314159 +[0-9.]+ +exact +no"));
+  EXPECT_THAT(out, row("area +disk of diameter 0\\.6 m, hole of 0\\.2 m, 1156\\.68 cd/m2, profile "
+                       "lights/downlight\\.ies \\([^)]*\\)",
+                       "[-0-9. ]+ to [-0-9. ]+, facing 0 0 -1, C0 to 1 0 0",
+                       "0\\.251327 +913\\.274 +exact +no"));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// The services, and a scene with one light of each kind but the portal.
+// The services, and a scene with one light of each kind.
 #pragma once
 
 #include <cmath>
@@ -8,6 +8,11 @@
 #include "service_fixture.h"
 
 namespace lucerna::testing {
+
+/// Infinite lights whose rays come in through a rectangle.
+inline bool has_portal(const v1::Light& light) {
+  return light.image_infinite().portal_m_size() > 0;
+}
 
 inline double luminance_of(double r, double g, double b) {
   return 0.212639 * r + 0.715169 * g + 0.072192 * b;  // [ITU-R BT.709]

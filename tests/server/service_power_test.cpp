@@ -50,6 +50,21 @@ double by_hand(const v1::Light& light, double radius) {
       if (light.diffuse_area().has_image() || light.diffuse_area().has_profile()) return 0;
       return luminance_of(light.diffuse_area().radiance_cd_m2()) * kPi * light.area_m2() *
              (light.diffuse_area().two_sided() ? 2 : 1);
+    case v1::Light::kGoniometric:
+      if (light.goniometric().distribution_case() != v1::GoniometricLight::DISTRIBUTION_NOT_SET) {
+        return 0;
+      }
+      return 4 * kPi * luminance_of(light.goniometric().intensity());
+    case v1::Light::kImageInfinite: {
+      // A uniform sky brings pi L to each square metre of its portal.
+      const v1::ImageInfiniteLight& sky = light.image_infinite();
+      if (sky.has_map() || !has_portal(light)) return 0;
+      const auto side = [&](int to) {
+        const v1::Vector3 &a = sky.portal_m(0), &b = sky.portal_m(to);
+        return std::hypot(b.x() - a.x(), b.y() - a.y(), b.z() - a.z());
+      };
+      return kPi * luminance_of(sky.radiance_cd_m2()) * side(1) * side(3);
+    }
     default:
       return 0;
   }
@@ -87,10 +102,23 @@ TEST_F(PowerTest, ExactPowersAreThoseDerivedByHand) {
     ++derived;
     EXPECT_NEAR(p.power_lm(), lumens, p.error_lm() + 1e-6 * lumens) << light.ShortDebugString();
   }
-  EXPECT_GE(derived, 15);
+  EXPECT_GE(derived, 17);
   // 200 cd straight down, in proportion to the angle down to 0 at 90 degrees:
   // 2 pi 200 times the integral of (1 - 2 t / pi) sin t, which is 1 - 2 / pi.
   EXPECT_NEAR(first(v1::Light::kGoniometric).power_lm(), 400 * kPi * (1 - 2 / kPi), 1e-9);
+  // 200 cd straight down, in proportion to the angle to what the planes C0, C90, C180, C270 have at
+  // 90 degrees, linear between them, so 100 in the mean: 2 pi (200 - 100 2 / pi), half of it here
+  // and all of it on a panel.
+  const auto is_sconce = [](const v1::PhotometricFile& file) {
+    return file.name() == "lights/sconce.ldt";
+  };
+  EXPECT_NEAR(first([&](const v1::Light& l) {
+                return is_sconce(l.goniometric().photometric_file());
+              }).power_lm(),
+              200 * (kPi - 1), 1e-9);
+  EXPECT_NEAR(
+      first([&](const v1::Light& l) { return is_sconce(l.diffuse_area().profile()); }).power_lm(),
+      400 * (kPi - 1), 1e-9);
   // By default exact.
   EXPECT_EQ(answer(request(v1::EstimatePowerRequest::METHOD_UNSPECIFIED)).total().power_lm(),
             exact.total().power_lm());
@@ -137,6 +165,9 @@ TEST_F(PowerTest, ApproximateIsTheFormulaOfTheBooks) {
     } else if (light.has_sun()) {
       // As if all of it came from its centre.
       lumens = luminance_of(light.sun().illuminance_lx()) * kPi * radius * radius;
+    } else if (has_portal(light) && !light.image_infinite().has_map()) {
+      // Without the cosine: 2 pi where that makes it pi.
+      lumens *= 2;
     }
     if (lumens == 0) continue;
     EXPECT_NEAR(books.lights(i).power_lm(), lumens, 1e-6 * lumens) << light.ShortDebugString();
