@@ -21,6 +21,13 @@ bool is_density(SolidAnglePdf<Real> pdf) {
   return pdf.per_sr > 0 && std::isfinite(pdf.per_sr);
 }
 
+/// Bound on the error of a shape's area, where that is not exact [m2].
+template <typename Shape>
+double area_error_m2(const Shape& shape) {
+  if constexpr (requires { shape.area_error_m2(); }) return shape.area_error_m2();
+  return 0;
+}
+
 }  // namespace
 
 template <std::floating_point Real, template <typename> typename Shape>
@@ -143,9 +150,13 @@ Power AreaLight<Real, Shape>::power(const SceneSphere&) const {
     return {emission_.radiance_cd_m2 * painted.m2 * (sides * std::numbers::pi),
             luminance(emission_.radiance_cd_m2) * painted.error_m2 * (sides * std::numbers::pi)};
   } else if constexpr (kPanel) {
-    return {emission_.radiance_cd_m2 * shape_.flux_lm(emission_.two_sided), 0};
+    // The radiance is the file's intensity over the area, which each point's true one multiplies.
+    const Rgb<double> lumens = emission_.radiance_cd_m2 * shape_.flux_lm(emission_.two_sided);
+    return {lumens, luminance(lumens) * (area_error_m2(shape_.surface()) / area_m2())};
   } else {
-    return {emission_.radiance_cd_m2 * (sides * std::numbers::pi * area_m2()), 0};
+    const double sr = sides * std::numbers::pi;
+    return {emission_.radiance_cd_m2 * (sr * area_m2()),
+            luminance(emission_.radiance_cd_m2) * sr * area_error_m2(shape_)};
   }
 }
 

@@ -29,8 +29,9 @@ struct DiffuseEmission {
 /// `Shape` owes: `area()`, `emissive_error()`, `sample(receiver, u)`, `pdf(receiver,
 /// surface_point)`, `for_each_hit(receiver.position, wi, f)`, and for rays that leave it
 /// `pdf_area(surface_point)`, `locate(position)`, `normals()`, `bounds()`; see lights/sphere.h and
-/// lights/mesh.h.  One with a picture on it owes `tint(surface_point)` and `painted_area()` too;
-/// see lights/painted.h.  Immutable, so safe to share between threads.
+/// lights/mesh.h.  One whose area is not always exact owes `area_error_m2()`.  One with a picture
+/// on it owes `tint(surface_point)` and `painted_area()` too; see lights/painted.h.  Immutable, so
+/// safe to share between threads.
 template <std::floating_point Real, template <typename> typename Shape>
 class AreaLight {
  public:
@@ -64,7 +65,7 @@ class AreaLight {
   Rgb<Real> le(const SurfacePoint<Real>& point, const Vec3<Real>& w) const;
 
   /// pi L A, twice for a two-sided light; of a panel the flux of its file to that side or both.
-  /// Exact, but for pictures on patches that are no parallelograms.
+  /// Exact, but for bent or folded patches and pictures on patches that are no parallelograms.
   Power power(const SceneSphere& scene) const;
 
   /// A point by area, a direction by its cosine, to either side alike where both emit; from a panel

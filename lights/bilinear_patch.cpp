@@ -39,43 +39,80 @@ struct CornerWeights : BilinearWeights {
     // Normals that differ by an angle a change the area by a^2 / 2; corners rounded to float turn
     // them by 1e-7.
     constexpr double kFlat = 1e-6;
-    const Vec3<double> mean = (n[0] + n[1]) + (n[2] + n[3]);
-    const double scale = length(mean);
+    const Vec3<double> sum = (n[0] + n[1]) + (n[2] + n[3]);
+    const Vec3<double> side = normalized(sum);  // unit: squares of areas have no room
+    const double scale = kFlat * length(sum);
     flat_convex = true;
     for (const auto& corner : n)
-      flat_convex = flat_convex && dot(corner, mean) >= -kFlat * scale * scale &&
-                    length(cross(corner, mean)) <= kFlat * scale * scale;
+      flat_convex =
+          flat_convex && dot(corner, side) >= -scale && length(cross(corner, side)) <= scale;
   }
 };
 
-/// The integral of |dp/du x dp/dv| over a square of (u, v), by 4 x 4 Gauss points.
-double gauss(const Form& p, double u0, double v0, double size) {
+/// A square of (u, v).
+struct Square {
+  double u, v, size;  ///< its lower corner, its side
+
+  Square quarter(int i) const {
+    const double half = size / 2;
+    return {u + half * (i & 1), v + half * (i >> 1), half};
+  }
+};
+
+/// A bound on what Gauss's rule of four nodes makes wrong in the mean of |N| over a line of (u, v)
+/// on which N = dp/du x dp/dv changes by `change` and is from `least` to `most` long.
+///
+/// |N| is the root of a quadratic whose complex zeros are least / |N'| or more from every point of
+/// the line: it can be continued into the ellipse about the line whose shorter half axis that is,
+/// where it is no more than most + least.  [Trefethen20, theorem 19.3]
+double gauss_error(double change, double least, double most) {
+  if (!(change > 0)) return 0;
+  const double half_axis = 2 * least / change;  // in half lengths of the line
+  const double rho = half_axis + std::sqrt(half_axis * half_axis + 1);
+  return 32.0 / 15 * (most + least) * std::pow(rho, -8) / (1 - 1 / (rho * rho));
+}
+
+/// The integral of |dp/du x dp/dv| over a square by 4 x 4 Gauss points.
+BilinearPatchArea gauss(const Form& p, const Square& at) {
   constexpr double kNode[4] = {0.06943184420297371, 0.33000947820757187, 0.66999052179242813,
                                0.93056815579702629};
   constexpr double kWeight[4] = {0.17392742256872693, 0.32607257743127307, 0.32607257743127307,
                                  0.17392742256872693};
-  double sum = 0;
+  double mean = 0;
   for (int i = 0; i < 4; ++i)
     for (int j = 0; j < 4; ++j)
-      sum += kWeight[i] * kWeight[j] *
-             length(p.area_vector(u0 + size * kNode[i], v0 + size * kNode[j]));
-  return sum * size * size;
+      mean += kWeight[i] * kWeight[j] *
+              length(p.area_vector(at.u + at.size * kNode[i], at.v + at.size * kNode[j]));
+
+  const Vec3<double> middle = p.area_vector(at.u + at.size / 2, at.v + at.size / 2);
+  const Vec3<double> side = normalized(middle);
+  double least = std::numeric_limits<double>::infinity(), most = 0, sum = 0;
+  for (int i = 0; i < 4; ++i) {
+    const Vec3<double> n = p.area_vector(at.u + at.size * (i & 1), at.v + at.size * (i >> 1));
+    const double size = length(n);
+    least = std::fmin(least, dot(n, side)), most = std::fmax(most, size), sum += size;
+  }
+  least = std::fmax(least, 0);
+  const double by_continuation = gauss_error(at.size * length(cross(p.e, p.g)), least, most) +
+                                 gauss_error(at.size * length(cross(p.g, p.f)), least, most);
+  // The vector is linear, so that its length is convex: integral and rule both lie between the
+  // middle's length and the mean of the corners'.
+  const double by_convexity = std::fmax(mean - length(middle), sum / 4 - mean);
+  const double error = std::fmax(0, std::fmin(by_continuation, by_convexity));
+  return {mean * at.size * at.size, error * at.size * at.size};
 }
 
-/// Quarters the square until quartering changes less than `tolerance` [m2].  The depth bounds the
-/// time for folded patches, whose integrand has kinks along lines.
-double integrate(const Form& p, double u0, double v0, double size, double whole, double tolerance,
-                 int depth) {
-  const double half = size / 2;
-  const double part[4] = {gauss(p, u0, v0, half), gauss(p, u0 + half, v0, half),
-                          gauss(p, u0, v0 + half, half), gauss(p, u0 + half, v0 + half, half)};
-  const double sum = (part[0] + part[1]) + (part[2] + part[3]);
-  if (depth == 0 || std::fabs(sum - whole) <= tolerance) return sum;
-  double refined = 0;
-  for (int i = 0; i < 4; ++i)
-    refined += integrate(p, u0 + half * (i & 1), v0 + half * (i >> 1), half, part[i], tolerance / 2,
-                         depth - 1);
-  return refined;
+/// Quarters the square until its error is not above `tolerance` [m2].  The depth bounds the time
+/// for folded patches, whose integrand has kinks along lines.
+BilinearPatchArea integrate(const Form& p, const Square& at, double tolerance, int depth) {
+  const BilinearPatchArea whole = gauss(p, at);
+  if (depth == 0 || whole.error_m2 <= tolerance) return whole;
+  BilinearPatchArea sum;
+  for (int i = 0; i < 4; ++i) {
+    const BilinearPatchArea part = integrate(p, at.quarter(i), tolerance / 4, depth - 1);
+    sum.m2 += part.m2, sum.error_m2 += part.error_m2;
+  }
+  return sum;
 }
 
 /// The real roots of a x^2 + b x + c, neither of them by a difference that cancels.
@@ -129,15 +166,47 @@ int invert(const Form& p, const Vec3<double>& position, double tolerance_m, Vec2
   return count;
 }
 
+template <typename Real>
+SurfacePoint<Real> sample_area(const Form& p, const CornerWeights& weights, Vec2<Real> u) {
+  const auto [s, t] = weights.sample({u.x, u.y});
+  return {Vec3<Real>(p.at(s, t)), Vec3<Real>(normalized(p.area_vector(s, t)))};
+}
+
+template <typename Real>
+AreaPdf<double> pdf_area(const BilinearPatch<Real>& patch, const Form& p,
+                         const CornerWeights& weights, const Vec3<Real>& position) {
+  const double uniform = 1 / weights.mean();
+  if (weights.flat_convex) return {uniform};
+  const auto [lower, upper] = patch.bounds();
+  const double tolerance_m = 8 * static_cast<double>(std::numeric_limits<Real>::epsilon()) *
+                             (static_cast<double>(max_abs(lower)) + max_abs(upper));
+  Vec2<double> uv[2];
+  const int count = invert(p, Vec3<double>(position), tolerance_m, uv);
+  double sum = 0;
+  for (int i = 0; i < count; ++i)
+    sum += weights.at(uv[i].x, uv[i].y) / length(p.area_vector(uv[i].x, uv[i].y));
+  return {sum * uniform};
+}
+
+/// The corners' weights are worked out once for a point and its density.
+template <typename Real>
+ChosenPoint<Real> sample_area_from(const BilinearPatch<Real>& patch, const Form& p,
+                                   const Receiver<Real>& receiver, Vec2<Real> u) {
+  const CornerWeights weights(p);
+  const SurfacePoint<Real> point = sample_area(p, weights, u);
+  return {point,
+          pdf_seen_from(receiver.position, point, pdf_area(patch, p, weights, point.position))};
+}
+
 }  // namespace
 
 template <typename Real>
-double BilinearPatch<Real>::area() const {
+BilinearPatchArea BilinearPatch<Real>::measure() const {
   const Form p(*this);
   const CornerWeights weights(p);
-  if (weights.flat_convex) return weights.mean();
+  if (weights.flat_convex) return {weights.mean(), 0};
   constexpr double kRelative = 1e-8;
-  return integrate(p, 0, 0, 1, gauss(p, 0, 0, 1), kRelative * weights.mean(), 8);
+  return integrate(p, {0, 0, 1}, kRelative * weights.mean(), 8);
 }
 
 template <typename Real>
@@ -153,8 +222,7 @@ Vec3<Real> BilinearPatch<Real>::normal(Vec2<Real> uv) const {
 template <typename Real>
 SurfacePoint<Real> BilinearPatch<Real>::sample_area(Vec2<Real> u) const {
   const Form p(*this);
-  const auto [s, t] = CornerWeights(p).sample({u.x, u.y});
-  return {Vec3<Real>(p.at(s, t)), Vec3<Real>(normalized(p.area_vector(s, t)))};
+  return lucerna::sample_area(p, CornerWeights(p), u);
 }
 
 template <typename Real>
@@ -177,11 +245,12 @@ bool BilinearPatch<Real>::is_unfolded() const {
   const Form p(*this);
   const Vec3<double> n[4] = {p.area_vector(0, 0), p.area_vector(1, 0), p.area_vector(0, 1),
                              p.area_vector(1, 1)};
-  const Vec3<double> mean = (n[0] + n[1]) + (n[2] + n[3]);
+  const Vec3<double> sum = (n[0] + n[1]) + (n[2] + n[3]);
+  const Vec3<double> side = normalized(sum);
   // A corner without area, as of a triangle, is no fold, but has no density.
   constexpr double kLeast = 1e-6;
   for (const auto& corner : n)
-    if (!(dot(corner, mean) > kLeast * dot(mean, mean))) return false;
+    if (!(dot(corner, side) > kLeast * length(sum))) return false;
   return true;
 }
 
@@ -238,16 +307,19 @@ template <typename Real>
 ChosenPoint<Real> BilinearPatch<Real>::sample(const Receiver<Real>& receiver, Vec2<Real> u) const {
   const Form p(*this);
   const Seen seen(p, receiver);
-  SurfacePoint<Real> point;
-  if (seen.spherical) {
-    Vec2<double> v{u.x, u.y};
-    if (seen.way == AreaSampling::kCosineSolidAngle) v = seen.cosines().sample(v);
-    const auto [s, t] = seen.spherical->sample(v);
-    point = {Vec3<Real>(p.at(s, t)), Vec3<Real>(normalized(p.area_vector(s, t)))};
-  } else {
-    point = sample_area(u);
-  }
+  if (!seen.spherical) return sample_area_from(*this, p, receiver, u);
+  Vec2<double> v{u.x, u.y};
+  if (seen.way == AreaSampling::kCosineSolidAngle) v = seen.cosines().sample(v);
+  const auto [s, t] = seen.spherical->sample(v);
+  const SurfacePoint<Real> point{Vec3<Real>(p.at(s, t)),
+                                 Vec3<Real>(normalized(p.area_vector(s, t)))};
   return {point, pdf_of(*this, p, seen, receiver, point)};
+}
+
+template <typename Real>
+ChosenPoint<Real> BilinearPatch<Real>::sample_area(const Receiver<Real>& receiver,
+                                                   Vec2<Real> u) const {
+  return sample_area_from(*this, Form(*this), receiver, u);
 }
 
 template <typename Real>
@@ -260,18 +332,7 @@ SolidAnglePdf<double> BilinearPatch<Real>::pdf(const Receiver<Real>& receiver,
 template <typename Real>
 AreaPdf<double> BilinearPatch<Real>::pdf_area(const Vec3<Real>& position) const {
   const Form p(*this);
-  const CornerWeights weights(p);
-  const double uniform = 1 / weights.mean();
-  if (weights.flat_convex) return {uniform};
-  const auto [lower, upper] = bounds();
-  const double tolerance_m = 8 * static_cast<double>(std::numeric_limits<Real>::epsilon()) *
-                             (static_cast<double>(max_abs(lower)) + max_abs(upper));
-  Vec2<double> uv[2];
-  const int count = invert(p, Vec3<double>(position), tolerance_m, uv);
-  double sum = 0;
-  for (int i = 0; i < count; ++i)
-    sum += weights.at(uv[i].x, uv[i].y) / length(p.area_vector(uv[i].x, uv[i].y));
-  return {sum * uniform};
+  return lucerna::pdf_area(*this, p, CornerWeights(p), position);
 }
 
 template <typename Real>

@@ -10,20 +10,30 @@
 
 namespace lucerna {
 
+/// [m2], with a bound on its error; 0 where the form is exact, roundings left out.
+struct BilinearPatchArea {
+  double m2 = 0, error_m2 = 0;
+};
+
 /// Corners at (u, v) = (0,0), (1,0), (0,1), (1,1), as .pbrt files order them.  Normal:
 /// cross(dp/du, dp/dv).  [Pharr23, 6.6]
 template <typename Real>
 struct BilinearPatch {
   Vec3<Real> p00, p10, p01, p11;
 
-  /// [m2].  Exact for flat convex patches; otherwise by quadrature to 1e-6.
-  double area() const;
+  /// Exact for flat convex patches, where flat is to 1e-6 rad as rounded corners are, and 1e-12 of
+  /// the area; otherwise by quadrature to 1e-8, of folded patches to 1e-4.
+  BilinearPatchArea measure() const;
+  /// The same without its error [m2].
+  double area() const { return measure().m2; }
   Vec3<Real> at(Vec2<Real> uv) const;
   /// Unit normal at (u, v); zero where the patch is degenerate.
   Vec3<Real> normal(Vec2<Real> uv) const;
   /// By the share of area |dp/du x dp/dv|, bilinear between its values at the corners: uniform on
   /// flat convex patches.  `u` in [0, 1]^2.  [Pharr23, 6.6.2]
   SurfacePoint<Real> sample_area(Vec2<Real> u) const;
+  /// The same with the density as `receiver` sees it.
+  ChosenPoint<Real> sample_area(const Receiver<Real>& receiver, Vec2<Real> u) const;
   /// Density of sample_area at a point of the patch, all (u, v) that lead there taken together.
   AreaPdf<double> pdf_area(const Vec3<Real>& position) const;
   /// |dp/du x dp/dv| [m2]

@@ -214,13 +214,8 @@ Vec2<double> Cylinder<Real>::uv(const Vec3<Real>& position) const {
 }
 
 template <typename Real>
-double Cylinder<Real>::area_below(double v) const {
-  return v;
-}
-
-template <typename Real>
-double Cylinder<Real>::area_below_integral(double v) const {
-  return v * v / 2;
+BandArea Cylinder<Real>::area_of(const Band& band) const {
+  return {band.height, 0};
 }
 
 template <typename Real>

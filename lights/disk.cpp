@@ -197,17 +197,13 @@ Vec2<double> Disk<Real>::uv(const Vec3<Real>& position) const {
   return {share_of_sweep(p, params_.phi_max_rad), std::clamp(v, 0.0, 1.0)};
 }
 
-// With d the width of the ring, r = radius - v d.
 template <typename Real>
-double Disk<Real>::area_below(double v) const {
-  const double d = params_.radius_m - params_.inner_radius_m;
-  return v * (2 * params_.radius_m - v * d) / (params_.radius_m + params_.inner_radius_m);
-}
-
-template <typename Real>
-double Disk<Real>::area_below_integral(double v) const {
-  const double d = params_.radius_m - params_.inner_radius_m;
-  return v * v * (params_.radius_m - v * d / 3) / (params_.radius_m + params_.inner_radius_m);
+BandArea Disk<Real>::area_of(const Band& band) const {
+  // The radius grows downwards, from the inner edge, and area with its square.
+  const double inner = params_.inner_radius_m, ring = params_.radius_m - inner;
+  const double middle = inner + ring * (band.above + band.height / 2);
+  const double per_whole = band.height / ((params_.radius_m + inner) / 2);
+  return {middle * per_whole, ring * band.height / 6 * per_whole};
 }
 
 template <typename Real>

@@ -94,8 +94,10 @@ struct SurfacePoint {
   std::uint32_t primitive{};
 };
 
-/// A power with what is known of it.  Scene-dependent for distant and infinite lights: the flux
-/// through the disk of radius `SceneSphere::radius_m` that faces the light.
+/// A power with what is known of it.  Exact is a closed form of the light as its type holds it:
+/// what double rounds in working it out, 1e-12 of it or less, is left out of the error.
+/// Scene-dependent for distant and infinite lights: the flux through the disk of radius
+/// `SceneSphere::radius_m` that faces the light.
 struct Power {
   Rgb<double> lumens;     ///< per channel; the luminous flux is its luminance [lm]
   double error_lumens{};  ///< bound on the error of the luminous flux; 0 where exact [lm]

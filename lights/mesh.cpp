@@ -29,9 +29,11 @@ double refined(Vec2<Real> u) {
 
 template <typename Real, template <typename> typename Primitive>
 Mesh<Real, Primitive>::Mesh(std::vector<Primitive<Real>> primitives,
-                            std::vector<double> cumulative_area, std::vector<bool> rectangles)
+                            std::vector<double> cumulative_area, double area_error_m2,
+                            std::vector<bool> rectangles)
     : primitives_(std::move(primitives)),
       cumulative_area_(std::move(cumulative_area)),
+      area_error_m2_(area_error_m2),
       rectangles_(std::move(rectangles)) {}
 
 template <typename Real, template <typename> typename Primitive>
@@ -45,9 +47,15 @@ absl::StatusOr<Mesh<Real, Primitive>> Mesh<Real, Primitive>::create(
   std::vector<double> cumulative;
   cumulative.reserve(primitives.size());
   std::vector<bool> rectangles;
-  double sum = 0;
+  double sum = 0, error = 0;
   for (std::size_t i = 0; i < primitives.size(); ++i) {
-    const double area = primitives[i].area();
+    double area = 0;
+    if constexpr (kAlwaysHasWays) {
+      area = primitives[i].area();
+    } else {
+      const BilinearPatchArea measured = primitives[i].measure();
+      area = measured.m2, error += measured.error_m2;
+    }
     const auto [lower, upper] = primitives[i].bounds();
     if (!std::isfinite(area) || !is_finite(lower) || !is_finite(upper))
       return absl::InvalidArgumentError(fmt::format(
@@ -61,7 +69,7 @@ absl::StatusOr<Mesh<Real, Primitive>> Mesh<Real, Primitive>::create(
   if (!(sum > 0) || !std::isfinite(sum))
     return absl::InvalidArgumentError(
         fmt::format("mesh.area = {} m2, allowed: finite and > 0", sum));
-  return Mesh(std::move(primitives), std::move(cumulative), std::move(rectangles));
+  return Mesh(std::move(primitives), std::move(cumulative), error, std::move(rectangles));
 }
 
 template <typename Real, template <typename> typename Primitive>
@@ -83,17 +91,14 @@ template <typename Real, template <typename> typename Primitive>
 ShapeSample<Real> Mesh<Real, Primitive>::sample(const Receiver<Real>& receiver,
                                                 Vec2<Real> u) const {
   const auto [i, within] = choose(u);
-  ShapeSample<Real> s;
-  if (has_ways(i)) {
-    const ChosenPoint<Real> chosen = primitives_[i].sample(receiver, within);
-    s.point = chosen.point;
-    s.point.primitive = static_cast<std::uint32_t>(i);
-    s.pdf = {static_cast<Real>(share(i) * chosen.pdf.per_sr)};
-  } else {
-    s.point = primitives_[i].sample_area(within);
-    s.point.primitive = static_cast<std::uint32_t>(i);
-    s.pdf = pdf(receiver, s.point);
-  }
+  const auto choose_point = [&, i = i, within = within] {
+    if constexpr (!kAlwaysHasWays)
+      if (!has_ways(i)) return primitives_[i].sample_area(receiver, within);
+    return primitives_[i].sample(receiver, within);
+  };
+  const ChosenPoint<Real> chosen = choose_point();
+  ShapeSample<Real> s{chosen.point, {static_cast<Real>(share(i) * chosen.pdf.per_sr)}};
+  s.point.primitive = static_cast<std::uint32_t>(i);
   return s;
 }
 

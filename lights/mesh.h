@@ -30,6 +30,8 @@ class Mesh {
 
   /// [m2]
   double area() const { return cumulative_area_.back(); }
+  /// Bound on the error of `area`, 0 where it is exact [m2].
+  double area_error_m2() const { return area_error_m2_; }
   /// Always OK.
   absl::Status emissive_error() const { return absl::OkStatus(); }
 
@@ -84,13 +86,14 @@ class Mesh {
   static constexpr bool kAlwaysHasWays = std::is_same_v<Primitive<Real>, Triangle<Real>>;
 
   Mesh(std::vector<Primitive<Real>> primitives, std::vector<double> cumulative_area,
-       std::vector<bool> rectangles);
+       double area_error_m2, std::vector<bool> rectangles);
   /// Whether primitive `i` knows other ways to be sampled than by area.
   bool has_ways(std::size_t i) const { return kAlwaysHasWays || rectangles_[i]; }
 
   std::vector<Primitive<Real>> primitives_;
   std::vector<double> cumulative_area_;  ///< running sums [m2]
-  std::vector<bool> rectangles_;         ///< which of the patches are; empty for triangles
+  double area_error_m2_;
+  std::vector<bool> rectangles_;  ///< which of the patches are; empty for triangles
 };
 
 template <typename Real>

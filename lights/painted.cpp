@@ -15,8 +15,8 @@ namespace lucerna {
 namespace {
 
 template <typename Surface>
-constexpr bool kHasRows = requires(const Surface& s, double v) {
-  s.area_below(v);
+constexpr bool kHasRows = requires(const Surface& s, const Band& band) {
+  s.area_of(band);
 };
 
 template <typename Surface>
@@ -29,35 +29,17 @@ struct MeshOf<Mesh<Real, Primitive>> : std::true_type {
   static constexpr bool kPatches = !kTriangles;
 };
 
-/// The row of cells of an ImageDistribution that holds the coordinate y of the picture.
-struct Row {
-  double begin, end;
-};
-Row row_at(const Picture& picture, double y) {
-  const int n = picture.image->height();
-  if (picture.filter == ImageFilter::kNearest) {
-    const int row = std::clamp(static_cast<int>(y * n), 0, n - 1);
-    return {double{1} * row / n, (row + 1.0) / n};
-  }
-  const int row = between_centres(y, n).first + 1;
-  return {row == 0 ? 0 : (row - 0.5) / n, row == n ? 1 : (row + 0.5) / n};
-}
-
 /// The share of the area that lies above the coordinate y of the picture.
 template <typename Surface>
 double area_above(const Surface& surface, double y) {
-  return 1 - surface.area_below(1 - y);
+  return surface.area_of({0, y, 1 - y}).share;
 }
 
 /// The three corners' (u, v) at the point of a triangle.
 template <typename Real>
-Vec2<double> interpolate(const Triangle<Real>& t, const Vec3<double>& p, const Vec2<float>* uv) {
-  const Vec3<double> a(t.a), e = Vec3<double>(t.b) - a, f = Vec3<double>(t.c) - a, q = p - a;
-  const Vec3<double> n = cross(e, f);
-  const double size = dot(n, n);
-  // Of a needle beyond all digits any point is as good.
-  const double s = size > 0 ? std::clamp(dot(cross(q, f), n) / size, 0.0, 1.0) : 0;
-  const double r = size > 0 ? std::clamp(dot(cross(e, q), n) / size, 0.0, 1.0) : 0;
+Vec2<double> interpolate(const Triangle<Real>& t, const Vec3<Real>& p, const Vec2<float>* uv) {
+  const Vec2<double> shares = t.shares_at(p);
+  const double s = std::clamp(shares.x, 0.0, 1.0), r = std::clamp(shares.y, 0.0, 1.0);
   const auto mix = [&](double x0, double x1, double x2) {
     return x0 + s * (x1 - x0) + r * (x2 - x0);
   };
@@ -153,7 +135,7 @@ Vec2<double> Painted<Real, Surface>::uv(const SurfacePoint<Real>& point) const {
     const std::size_t i = point.primitive < data_->surface.size() ? point.primitive : 0;
     const auto& primitive = data_->surface.primitive(i);
     if constexpr (MeshOf<Surface<Real>>::kTriangles) {
-      return interpolate(primitive, Vec3<double>(point.position), &data_->corner_uv[3 * i]);
+      return interpolate(primitive, point.position, &data_->corner_uv[3 * i]);
     } else {
       const Vec2<Real> st = primitive.locate(point.position);
       if (data_->corner_uv.empty()) return {double{st.x}, double{st.y}};
@@ -173,9 +155,8 @@ template <typename Real, template <typename> typename Surface>
 PaintedArea Painted<Real, Surface>::measure() const {
   PaintedArea whole;
   if constexpr (kHasRows<Surface<Real>>) {
-    const auto below = [this](double v) { return data_->surface.area_below(v); };
-    const auto integral = [this](double v) { return data_->surface.area_below_integral(v); };
-    whole = {mean_over_rows(data_->picture, below, integral) * area(), 0};
+    const auto area_of = [this](const Band& band) { return data_->surface.area_of(band); };
+    whole = {mean_over_rows(data_->picture, area_of) * area(), 0};
   } else if constexpr (MeshOf<Surface<Real>>::kTriangles) {
     // Meshes repeat the same (u, v) again and again, all of those that give none.
     std::map<std::array<float, 6>, Rgb<double>> known;
@@ -229,15 +210,10 @@ std::optional<ImageDistribution> Painted<Real, Surface>::distribution() const {
     for (int y = 0; y < image.height(); ++y)
       for (int x = 0; x < image.width(); ++x)
         weights.push_back(luminance(Rgb<double>(image.texel(x, y))));
-    const int n = image.height();
-    const bool nearest = data_->picture.filter == ImageFilter::kNearest;
-    for (int row = 0; row < (nearest ? n : n + 1); ++row) {
-      const Row r =
-          row_at(data_->picture, nearest || row < n ? (row + (nearest ? 0.5 : 0.0)) / n : 1);
-      measures.push_back(area_above(data_->surface, r.end) - area_above(data_->surface, r.begin));
-    }
-    made.emplace(image.width(), n, std::move(weights), data_->picture.filter, ImageBorder::kClamp,
-                 std::move(measures));
+    for (const Band& row : rows_of_cells(data_->picture))
+      measures.push_back(data_->surface.area_of(row).share);
+    made.emplace(image.width(), image.height(), std::move(weights), data_->picture.filter,
+                 ImageBorder::kClamp, std::move(measures));
   } else if constexpr (MeshOf<Surface<Real>>::kPatches) {
     for (std::size_t i = 0; i < data_->surface.size(); ++i)
       if (!is_corner_to_corner(i) || !data_->surface.primitive(i).is_unfolded())
@@ -259,10 +235,10 @@ ShapeSample<Real> Painted<Real, Surface>::sample(const Receiver<Real>& receiver,
   if constexpr (kHasRows<Surface<Real>>) {
     const Vec2<double> at = data_->distribution->sample({u.x, u.y}).position;
     // Within a row of cells by area: above it lies its share of the row's.
-    const Row row = row_at(data_->picture, at.y);
-    const double share = (at.y - row.begin) / (row.end - row.begin);
-    const double above = std::lerp(area_above(data_->surface, row.begin),
-                                   area_above(data_->surface, row.end), share);
+    const Band row = row_of_cells(data_->picture, at.y);
+    const double share = std::clamp((at.y - row.above) / row.height, 0.0, 1.0);
+    const double above =
+        area_above(data_->surface, row.above) + share * data_->surface.area_of(row).share;
     s.point = data_->surface.at_shares({at.x, std::clamp(1 - above, 0.0, 1.0)});
   } else if constexpr (MeshOf<Surface<Real>>::kPatches) {
     const auto [i, within] = data_->surface.choose(u);
@@ -297,14 +273,14 @@ AreaPdf<double> Painted<Real, Surface>::pdf_area(const SurfacePoint<Real>& point
   const Vec2<double> at = uv(point);
   const double y = 1 - at.y;
   if constexpr (kHasRows<Surface<Real>>) {
-    const Row row = row_at(data_->picture, y);
-    const double begin = area_above(data_->surface, row.begin),
-                 end = area_above(data_->surface, row.end);
+    const Band row = row_of_cells(data_->picture, y);
+    const double measure = data_->surface.area_of(row).share;
+    const double within = std::max(0.0, y - row.above);
     // Not up to the edges, which are the neighbours'.
-    const double share =
-        std::clamp((area_above(data_->surface, y) - begin) / (end - begin), 0x1p-40, 1 - 0x1p-40);
-    const double of_square = data_->distribution->pdf({at.x, std::lerp(row.begin, row.end, share)});
-    return {of_square * (row.end - row.begin) / (end - begin) / area()};
+    const double share = std::clamp(
+        data_->surface.area_of({row.above, within, 1 - y}).share / measure, 0x1p-30, 1 - 0x1p-30);
+    const double of_square = data_->distribution->pdf({at.x, row.above + row.height * share});
+    return {of_square * row.height / measure / area()};
   } else if constexpr (MeshOf<Surface<Real>>::kPatches) {
     if (point.primitive >= data_->surface.size()) return {0};
     const double element =

@@ -55,6 +55,13 @@ struct Cells {
     if (nearest) return (cell + 1.0) / texels;
     return cell == texels ? 1 : (cell + 0.5) / texels;
   }
+  Band band(int cell) const {
+    const double n = texels;
+    if (nearest) return {cell / n, 1 / n, (texels - 1 - cell) / n};
+    const bool first = cell == 0, last = cell == texels;
+    return {first ? 0 : (cell - 0.5) / n, first || last ? 0.5 / n : 1 / n,
+            last ? 0 : (texels - 0.5 - cell) / n};
+  }
   /// The texels that a cell lies between, and how much of the second there is at a coordinate.
   int first(int cell) const { return nearest ? cell : std::max(cell - 1, 0); }
   int second(int cell) const { return nearest ? cell : std::min(cell, texels - 1); }
@@ -93,6 +100,47 @@ void clip(const Polygon& in, int axis, double at, double sign, Polygon& out) {
   }
 }
 
+/// The mean over the points of a triangle whose (u, v) lie on a line.  Those that lie at a place of
+/// it grow in number from either end to where the third corner is.
+Rgb<double> mean_over_line(const Picture& picture, const std::array<Vec2<double>, 3>& uv) {
+  const auto squared = [&](std::size_t i, std::size_t j) {
+    const double x = uv[j].x - uv[i].x, y = uv[j].y - uv[i].y;
+    return x * x + y * y;
+  };
+  std::size_t i = 0;  // where the longest edge begins
+  for (std::size_t k = 1; k < 3; ++k)
+    if (squared(k, (k + 1) % 3) > squared(i, (i + 1) % 3)) i = k;
+  const Vec2<double> from = uv[i], third = uv[(i + 2) % 3];
+  const Vec2<double> along{uv[(i + 1) % 3].x - from.x, uv[(i + 1) % 3].y - from.y};
+  const double length2 = along.x * along.x + along.y * along.y;
+  if (!(length2 > 0)) return picture.at(from);
+  const double most =
+      std::clamp(((third.x - from.x) * along.x + (third.y - from.y) * along.y) / length2, 0.0, 1.0);
+
+  std::vector<double> stops{0, most, 1};
+  const auto add_edges = [&stops](const Cells& cells, double begin, double slope) {
+    if (slope == 0) return;
+    for (int cell = 1; cell < cells.count(); ++cell)
+      if (const double t = (cells.begin(cell) - begin) / slope; t > 0 && t < 1) stops.push_back(t);
+  };
+  add_edges(columns(picture), from.x, along.x);
+  add_edges(rows(picture), 1 - from.y, -along.y);
+  std::sort(stops.begin(), stops.end());
+
+  Rgb<double> mean;
+  const double node = 0.5 / std::sqrt(3.0);  // two Gauss points: a cubic in each piece
+  for (std::size_t k = 1; k < stops.size(); ++k) {
+    const double begin = stops[k - 1], width = stops[k] - begin;
+    if (!(width > 0)) continue;
+    for (const double at : {0.5 - node, 0.5 + node}) {
+      const double t = begin + width * at;
+      const double density = t < most ? 2 * t / most : 2 * (1 - t) / (1 - most);
+      mean += picture.at({from.x + along.x * t, from.y + along.y * t}) * (density * width / 2);
+    }
+  }
+  return mean;
+}
+
 }  // namespace
 
 Rgb<double> Picture::brightest() const {
@@ -105,8 +153,20 @@ Rgb<double> Picture::brightest() const {
   return most;
 }
 
-Rgb<double> mean_over_rows(const Picture& picture, const std::function<double(double)>& area_below,
-                           const std::function<double(double)>& area_below_integral) {
+std::vector<Band> rows_of_cells(const Picture& picture) {
+  const Cells cells = rows(picture);
+  std::vector<Band> bands;
+  for (int cell = 0; cell < cells.count(); ++cell) bands.push_back(cells.band(cell));
+  return bands;
+}
+
+Band row_of_cells(const Picture& picture, double y) {
+  const Cells cells = rows(picture);
+  return cells.band(cells.at(y));
+}
+
+Rgb<double> mean_over_rows(const Picture& picture,
+                           const std::function<BandArea(const Band&)>& area_of) {
   const Image& image = *picture.image;
   std::vector<Rgb<double>> row_means;
   for (int y = 0; y < image.height(); ++y) {
@@ -117,17 +177,16 @@ Rgb<double> mean_over_rows(const Picture& picture, const std::function<double(do
   const Cells cells = rows(picture);
   Rgb<double> mean;
   for (int cell = 0; cell < cells.count(); ++cell) {
-    // In v, which runs upwards: the cell's lower edge comes first.
-    const double v0 = 1 - cells.end(cell), v1 = 1 - cells.begin(cell);
-    const double measure = area_below(v1) - area_below(v0);
-    const auto lower = static_cast<std::size_t>(cells.second(cell));
+    const BandArea area = area_of(cells.band(cell));
     const auto upper = static_cast<std::size_t>(cells.first(cell));
-    // The integral of the share of the way from v0 to v1, by parts.
-    const double of_upper =
-        lower == upper
-            ? 0
-            : area_below(v1) - (area_below_integral(v1) - area_below_integral(v0)) / (v1 - v0);
-    mean += row_means[lower] * (measure - of_upper) + row_means[upper] * of_upper;
+    const auto lower = static_cast<std::size_t>(cells.second(cell));
+    if (upper == lower) {
+      mean += row_means[upper] * area.share;
+    } else {
+      // The lower one's part grows from 0 to 1.
+      mean += row_means[upper] * ((area.share - area.tilt) / 2) +
+              row_means[lower] * ((area.share + area.tilt) / 2);
+    }
   }
   return mean;
 }
@@ -140,8 +199,13 @@ Rgb<double> mean_over_triangle(const Picture& picture, const std::array<Vec2<dou
     return (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y);
   };
   const double whole = twice_area(triangle[0], triangle[1], triangle[2]);
-  if (!(std::fabs(whole) > 1e-30))
-    return picture.at({(uv[0].x + uv[1].x + uv[2].x) / 3, (uv[0].y + uv[1].y + uv[2].y) / 3});
+  double longest2 = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double x = uv[(i + 1) % 3].x - uv[i].x, y = uv[(i + 1) % 3].y - uv[i].y;
+    longest2 = std::max(longest2, x * x + y * y);
+  }
+  // Polygons would be cut from what rounding leaves of such a triangle's width.
+  if (!(std::fabs(whole) > 1e-9 * longest2)) return mean_over_line(picture, uv);
   const Cells across = columns(picture), down = rows(picture);
   const auto extent = [&](auto&& coordinate) {
     const double a = coordinate(triangle[0]), b = coordinate(triangle[1]),

@@ -6,8 +6,10 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "lights/image.h"
+#include "lights/shape.h"
 
 namespace lucerna {
 
@@ -31,13 +33,19 @@ struct PaintedArea {
   double error_m2{};  ///< bound on the error of each channel of `m2`; 0 where it is exact
 };
 
-/// The mean over a surface of which the share `area_below(v)` has coordinates less than v, whatever
-/// u; `area_below_integral(v)` is the integral of that from 0 to v.  Exact.
-Rgb<double> mean_over_rows(const Picture& picture, const std::function<double(double)>& area_below,
-                           const std::function<double(double)>& area_below_integral);
+/// The mean over a surface of which `area_of` tells what a band covers.  Exact.
+Rgb<double> mean_over_rows(const Picture& picture,
+                           const std::function<BandArea(const Band&)>& area_of);
+/// The rows of cells on which a picture is linear from the upper edge to the lower one, from the
+/// top: texels for the nearest filter, else the spaces between their centres, at the borders
+/// halves.
+std::vector<Band> rows_of_cells(const Picture& picture);
+/// The one of them that holds the coordinate `y`, from the top.
+Band row_of_cells(const Picture& picture, double y);
 
-/// The mean over the triangle of three (u, v); of one without extent that at its middle.  Exact:
-/// the picture is cut into polygons on which it is bilinear.
+/// The mean over the points of a triangle whose corners have these (u, v).  Exact: the picture is
+/// cut into polygons on which it is bilinear, or where the (u, v) lie on a line (to 1e-9 of its
+/// length) or in one point, the line into pieces.
 Rgb<double> mean_over_triangle(const Picture& picture, const std::array<Vec2<double>, 3>& uv);
 
 /// The integral of `factor`(s, t) times the picture at `uv`(s, t) over the square of (s, t): the

@@ -159,12 +159,16 @@ double PortalLight<Real>::density(const Window& window, const Vec3<Real>& w) con
   const Vec3<double> l = normalized(local(Vec3<double>(w)));
   if (!(l.z > 0)) return 0;
   const Vec2<double> p = square_from_rectified(l);
-  // A direction holds a rounding; what the window itself holds is not more.
-  constexpr double kSlack = std::numeric_limits<Real>::epsilon();
-  const auto within = [&](double at, double begin, double extent) {
-    return at >= begin - kSlack && at <= begin + extent + kSlack;
+  // A direction holds a rounding, which turns its angle about an axis the further the nearer it is
+  // to that axis; what the window itself holds is not more.
+  constexpr double kRounding = std::numeric_limits<Real>::epsilon();
+  const auto within = [&](double at, double begin, double extent, double from_axis) {
+    const double slack = kRounding / from_axis;
+    return at >= begin - slack && at <= begin + extent + slack;
   };
-  if (!within(p.x, window.x, window.width) || !within(p.y, window.y, window.height)) return 0;
+  if (!within(p.x, window.x, window.width, std::hypot(l.x, l.z)) ||
+      !within(p.y, window.y, window.height, std::hypot(l.y, l.z)))
+    return 0;
   const auto inside = [](double at, double begin, double extent) {
     return std::clamp(at, begin, begin + extent);
   };

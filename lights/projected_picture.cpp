@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "lights/spherical_rectangle.h"
+#include "lights/spherical_triangle.h"
 
 namespace lucerna {
 namespace {
@@ -19,11 +20,6 @@ namespace {
 double sr_per_area(double x, double y) {
   const double cos = 1 / std::sqrt(1 + x * x + y * y);
   return cos * cos * cos;
-}
-
-/// The solid angle of [0, x] x [0, y], with the sign of x y.
-double sr_from_middle(double x, double y) {
-  return std::atan2(x * y, std::sqrt(1 + x * x + y * y));
 }
 
 struct Nodes {
@@ -52,44 +48,94 @@ struct Shares {
 struct Part {
   double x, y, half_x, half_y;  ///< middle and half sides
   double s, t, half_s, half_t;
+
+  /// The whole of a cell.
+  template <typename Stretch>
+  Part(const Stretch& along_x, const Stretch& along_y)
+      : x(along_x.middle),
+        y(along_y.middle),
+        half_x(along_x.half),
+        half_y(along_y.half),
+        s(0.5),
+        t(0.5),
+        half_s(0.5),
+        half_t(0.5) {}
+  /// To the origin, which is at a distance of 1 from the plane.
+  double distance() const { return std::sqrt(1 + x * x + y * y); }
 };
 
+/// `visit(part, distance)` of each of the parts into which `p` is halved until none of their half
+/// sides is longer than their distance times `longest`.
+template <typename Visit>
+void for_each_part(const Part& p, double longest, const Visit& visit) {
+  const double distance = p.distance();
+  if (!(std::max(p.half_x, p.half_y) > longest * distance)) return visit(p, distance);
+  for (const int side : {-1, 1}) {
+    Part half = p;
+    if (p.half_x >= p.half_y) {
+      half.half_x /= 2, half.half_s /= 2;
+      half.x += side * half.half_x, half.s += side * half.half_s;
+    } else {
+      half.half_y /= 2, half.half_t /= 2;
+      half.y += side * half.half_y, half.t += side * half.half_t;
+    }
+    for_each_part(half, longest, visit);
+  }
+}
+
+/// Half sides of parts, as shares of their distance, for which three and five nodes will do.
+///
 /// The integrand cannot be continued beyond a distance of r = sqrt(1 + x^2 + y^2) in the complex
 /// plane, so that n nodes on [-a, a] are off by about (2 r / a)^(-2 n) of it: 1e-16 for five nodes
 /// at a = r / 20 and for three at a = r / 250.  [DLMF, 3.5(v)]
-void integrate(const Part& p, Shares& sum) {
-  const double r = std::sqrt(1 + p.x * p.x + p.y * p.y);
-  const double larger = std::max(p.half_x, p.half_y);
-  if (larger > r / 20) {
-    for (const int side : {-1, 1}) {
-      Part half = p;
-      if (p.half_x >= p.half_y) {
-        half.half_x /= 2, half.half_s /= 2;
-        half.x += side * half.half_x, half.s += side * half.half_s;
-      } else {
-        half.half_y /= 2, half.half_t /= 2;
-        half.y += side * half.half_y, half.t += side * half.half_t;
-      }
-      integrate(half, sum);
-    }
-    return;
-  }
-  static const Nodes kThree = three_nodes(), kFive = five_nodes();
-  const Nodes& nodes = larger > r / 250 ? kFive : kThree;
+constexpr double kFine = 1.0 / 250, kCoarse = 1.0 / 20;
+
+/// `add(weight, s, t)` of a part's nodes, with weights in solid angle.
+template <typename Add>
+void for_each_node(const Part& p, const Nodes& nodes, const Add& add) {
   for (int j = 0; j < nodes.count; ++j) {
     const auto at = static_cast<std::size_t>(j);
     const double y = p.y + p.half_y * nodes.at[at], t = p.t + p.half_t * nodes.at[at];
     for (int i = 0; i < nodes.count; ++i) {
       const auto along = static_cast<std::size_t>(i);
       const double x = p.x + p.half_x * nodes.at[along], s = p.s + p.half_s * nodes.at[along];
-      const double w =
-          nodes.weight[at] * nodes.weight[along] * sr_per_area(x, y) * p.half_x * p.half_y;
+      add(nodes.weight[at] * nodes.weight[along] * sr_per_area(x, y) * p.half_x * p.half_y, s, t);
+    }
+  }
+}
+
+/// The solid angle of a cell, nothing of it a difference: sums over corners keep no digit of one
+/// that is small or grazing.  By nodes where three will do, else by two triangles for each part,
+/// whose corners are less than a right angle apart.
+double solid_angle(const Part& cell) {
+  static const Nodes kThree = three_nodes();
+  double sr = 0;
+  for_each_part(cell, 0.5, [&sr](const Part& p, double distance) {
+    if (std::max(p.half_x, p.half_y) <= kFine * distance)
+      return for_each_node(p, kThree, [&sr](double weight, double, double) { sr += weight; });
+    // Products of three coordinates overflow beyond 1e102.
+    const double unit = distance < 1e100 ? 1 : std::ldexp(1, -std::ilogb(distance));
+    const Vec3<double> across{2 * p.half_x * unit, 0, 0}, down{0, 2 * p.half_y * unit, 0};
+    const Vec3<double> first{(p.x - p.half_x) * unit, (p.y - p.half_y) * unit, unit},
+        last{(p.x + p.half_x) * unit, (p.y + p.half_y) * unit, unit};
+    sr += triangle_solid_angle(first, across, down) + triangle_solid_angle(last, -across, -down);
+  });
+  return sr;
+}
+
+Shares integrate(const Part& cell) {
+  static const Nodes kThree = three_nodes(), kFive = five_nodes();
+  Shares sum;
+  for_each_part(cell, kCoarse, [&sum](const Part& p, double distance) {
+    const bool is_fine = std::max(p.half_x, p.half_y) <= kFine * distance;
+    for_each_node(p, is_fine ? kThree : kFive, [&sum](double w, double s, double t) {
       sum.w00 += w * (1 - s) * (1 - t);
       sum.w10 += w * s * (1 - t);
       sum.w01 += w * (1 - s) * t;
       sum.w11 += w * s * t;
-    }
-  }
+    });
+  });
+  return sum;
 }
 
 }  // namespace
@@ -138,7 +184,16 @@ double ProjectedPicture::relative_error() const { return nearest() ? 0 : 1e-14; 
 
 double ProjectedPicture::edge(int i, int n, double half) const {
   const double at = nearest() ? i : std::clamp(i - 0.5, 0.0, static_cast<double>(n));
-  return half * (2 * at / n - 1);
+  return half * ((2 * at - n) / n);
+}
+
+ProjectedPicture::Stretch ProjectedPicture::stretch(int i, int n, double half) const {
+  const double begin = edge(i, n, half), end = edge(i + 1, n, half);
+  const bool is_halved = !nearest() && (i == 0 || i == n);
+  // Beside the middle cells must meet, where near 180 degrees all light goes through a gap of 1e-16
+  // of a side; away from it a difference of edges loses a digit for each in the number of texels.
+  const bool is_away = std::min(std::fabs(begin), std::fabs(end)) > 8 * (end - begin);
+  return {(begin + end) / 2, is_away ? half / n / (is_halved ? 2 : 1) : (end - begin) / 2};
 }
 
 Rgb<double> ProjectedPicture::corner(int column, int row) const {
@@ -159,28 +214,21 @@ ProjectedPicture::Cell ProjectedPicture::cell(int column, int row) const {
 
 std::vector<double> ProjectedPicture::integrate_texels() {
   const int w = image_->width(), h = image_->height();
+  std::vector<Stretch> columns;
+  for (int x = 0; x < w; ++x) columns.push_back(stretch(x, w, half_.x));
   std::vector<double> weights;
   weights.reserve(static_cast<std::size_t>(w) * static_cast<std::size_t>(h));
-  // Each edge between rows is evaluated once.
-  const auto along_edge = [&](int row) {
-    std::vector<double> values;
-    for (int i = 0; i <= w; ++i)
-      values.push_back(sr_from_middle(edge(i, w, half_.x), edge(row, h, half_.y)));
-    return values;
-  };
-  std::vector<double> above = along_edge(0);
   for (int y = 0; y < h; ++y) {
-    std::vector<double> below = along_edge(y + 1);
+    const Stretch along_y = stretch(y, h, half_.y);
     Rgb<double> row;
     for (int x = 0; x < w; ++x) {
-      const auto i = static_cast<std::size_t>(x);
-      const double sr = std::max(0.0, (below[i + 1] - below[i]) - (above[i + 1] - above[i]));
       const Rgb<double> texel(image_->texel(x, y));
+      const double sr =
+          texel.is_black() ? 0 : solid_angle({columns[static_cast<std::size_t>(x)], along_y});
       row += texel * sr;
       weights.push_back(luminance(texel) * sr);
     }
     integral_ += row;
-    above = std::move(below);
   }
   return weights;
 }
@@ -189,13 +237,10 @@ std::vector<double> ProjectedPicture::integrate_cells() {
   std::vector<double> weights;
   weights.reserve(static_cast<std::size_t>(across()) * static_cast<std::size_t>(down()));
   for (int y = 0; y < down(); ++y) {
+    const Stretch along_y = stretch(y, image_->height(), half_.y);
     Rgb<double> row;
     for (int x = 0; x < across(); ++x) {
-      const Cell c = cell(x, y);
-      Shares shares;
-      integrate({(c.x0 + c.x1) / 2, (c.y0 + c.y1) / 2, (c.x1 - c.x0) / 2, (c.y1 - c.y0) / 2, 0.5,
-                 0.5, 0.5, 0.5},
-                shares);
+      const Shares shares = integrate({stretch(x, image_->width(), half_.x), along_y});
       const Rgb<double> sum = corner(x - 1, y - 1) * shares.w00 + corner(x, y - 1) * shares.w10 +
                               corner(x - 1, y) * shares.w01 + corner(x, y) * shares.w11;
       row += sum;

@@ -38,8 +38,8 @@ class ProjectedPicture {
   Rgb<double> lookup(Vec2<double> p) const;
 
   /// The integral of the picture's value over directions [sr].  Nearest filter: the sum over texels
-  /// of value times solid angle, each in closed form.  Bilinear: cell by cell between centres by
-  /// Gauss's rule of such order that it is off by less than 1e-14 of itself.
+  /// of value times solid angle, each right to the last digits.  Bilinear: cell by cell
+  /// between centres by Gauss's rule of such order that it is off by less than 1e-14 of itself.
   Rgb<double> integral_sr() const { return integral_; }
   /// A bound on the error of `integral_sr`, of itself: 0 where it is exact, roundings left out.
   double relative_error() const;
@@ -78,6 +78,11 @@ class ProjectedPicture {
   int down() const { return image_->height() + (nearest() ? 0 : 1); }
   /// Where cell `i` of `n` texels begins, in [-half, half].
   double edge(int i, int n, double half) const;
+  /// The side of cell `i` of `n` texels.
+  struct Stretch {
+    double middle, half;
+  };
+  Stretch stretch(int i, int n, double half) const;
   Rgb<double> corner(int column, int row) const;
   Cell cell(int column, int row) const;
   std::vector<double> integrate_texels();

@@ -81,6 +81,18 @@ inline double share_of_sweep(const Vec3<double>& p, double phi_max_rad) {
   return phi - phi_max_rad < kTurn - phi ? 1 : 0;
 }
 
+/// A band across a picture from side to side, in shares of its height, which add up to 1: none of
+/// them a difference of the others, so that thin bands keep their digits at either end.
+struct Band {
+  double above, height, below;
+};
+
+/// What of a surface's area a band of its picture covers.
+struct BandArea {
+  double share;  ///< of the whole
+  double tilt;   ///< the integral over it, in such shares, of what runs from -1 above to 1 below
+};
+
 /// The box {lower, upper} in `Real`, widened so that rounding cuts nothing off.
 template <std::floating_point Real>
 std::pair<Vec3<Real>, Vec3<Real>> rounded_outwards(const Vec3<double>& lower,

@@ -38,6 +38,17 @@ double polar_angle(double z, double radius) {
   return std::atan2(std::sqrt((radius - z) * (radius + z)), z);
 }
 
+/// sin(h) / h - cos(h) for h in [0, pi / 2], by its series where the two are alike.
+double sinc_minus_cos(double h) {
+  if (h > 0.5) return std::sin(h) / h - std::cos(h);
+  double sum = 0, term = 1;  // term: (-h^2)^k / (2 k + 1)!
+  for (int k = 1; k <= 8; ++k) {
+    term *= -h * h / (2 * k * (2 * k + 1));
+    sum -= 2 * k * term;
+  }
+  return sum;
+}
+
 }  // namespace
 
 template <typename Real>
@@ -337,25 +348,35 @@ Vec2<double> Sphere<Real>::uv(const Vec3<Real>& position) const {
   const double theta = std::atan2(std::hypot(p.x, p.y), p.z);
   const double bottom = polar_angle(z_min_m_, params_.radius_m);
   const double top = polar_angle(z_max_m_, params_.radius_m);
-  return {share_of_sweep(p, params_.phi_max_rad),
-          std::clamp((theta - bottom) / (top - bottom), 0.0, 1.0)};
+  const double v = top == bottom ? 0.5 : std::clamp((theta - bottom) / (top - bottom), 0.0, 1.0);
+  return {share_of_sweep(p, params_.phi_max_rad), v};
 }
 
 template <typename Real>
-double Sphere<Real>::area_below(double v) const {
-  const double bottom = polar_angle(z_min_m_, params_.radius_m);
-  const double top = polar_angle(z_max_m_, params_.radius_m);
-  const double theta = std::lerp(bottom, top, v);
-  return (std::cos(theta) - std::cos(bottom)) / (std::cos(top) - std::cos(bottom));
-}
-
-template <typename Real>
-double Sphere<Real>::area_below_integral(double v) const {
-  const double bottom = polar_angle(z_min_m_, params_.radius_m);
-  const double top = polar_angle(z_max_m_, params_.radius_m);
-  const double theta = std::lerp(bottom, top, v);
-  return ((std::sin(theta) - std::sin(bottom)) / (top - bottom) - v * std::cos(bottom)) /
-         (std::cos(top) - std::cos(bottom));
+BandArea Sphere<Real>::area_of(const Band& band) const {
+  // Polar angles from the pole that the middle is nearer to, and cosines' differences as products:
+  // cos(m - h) - cos(m + h) = 2 sin m sin h.
+  const double r = params_.radius_m;
+  const double top = polar_angle(z_max_m_, r), bottom = polar_angle(-z_min_m_, r);
+  const bool is_northern = z_min_m_ + z_max_m_ >= 0;
+  const double sweep =
+      is_northern ? polar_angle(z_min_m_, r) - top : polar_angle(-z_max_m_, r) - bottom;
+  struct Middle {
+    double sin, cos;
+  };
+  const auto middle_of = [&](const Band& b) -> Middle {
+    const double from_top = top + (b.above + b.height / 2) * sweep;
+    if (from_top <= std::numbers::pi / 2) return {std::sin(from_top), std::cos(from_top)};
+    const double from_bottom = bottom + (b.below + b.height / 2) * sweep;
+    return {std::sin(from_bottom), -std::cos(from_bottom)};
+  };
+  const double whole = middle_of({0, 1, 0}).sin * std::sin(sweep / 2);
+  // A zone so thin that its angles do not tell its edges apart is as good as a cylinder.
+  if (!(whole > 0)) return {band.height, 0};
+  const double half = band.height * sweep / 2;
+  const Middle middle = middle_of(band);
+  // The integral of x sin(m + h x) from -1 to 1 is 2 cos(m) (sin(h) / h - cos(h)) / h.
+  return {middle.sin * std::sin(half) / whole, middle.cos * sinc_minus_cos(half) / whole};
 }
 
 template <typename Real>

@@ -49,26 +49,14 @@ struct Seen {
   }
 };
 
-/// Of a point of the triangle, up to its rounding.
-template <typename Real>
-Vec3<double> barycentric(const Triangle<Real>& t, const Vec3<Real>& position) {
-  const Vec3<double> a(t.a);
-  const Vec3<double> ab = Vec3<double>(t.b) - a;
-  const Vec3<double> ac = Vec3<double>(t.c) - a;
-  const Vec3<double> p = Vec3<double>(position) - a;
-  const Vec3<double> n = cross(ab, ac);
-  const double y = dot(cross(p, ac), n) / dot(n, n);
-  const double z = dot(cross(ab, p), n) / dot(n, n);
-  return {1 - y - z, y, z};
-}
-
 template <typename Real>
 SolidAnglePdf<double> pdf_of(const Triangle<Real>& t, const Seen& seen,
                              const Receiver<Real>& receiver, const SurfacePoint<Real>& point) {
   if (!seen.spherical) return pdf_seen_from(receiver.position, point, t.pdf_area(point.position));
   const double uniform = 1 / seen.spherical->solid_angle_sr();
   if (seen.way != AreaSampling::kCosineSolidAngle) return {uniform};
-  const Vec2<double> u = seen.spherical->invert(barycentric(t, point.position));
+  const auto [b, c] = t.shares_at(point.position);
+  const Vec2<double> u = seen.spherical->invert({1 - b - c, b, c});
   return {uniform * seen.cosines().pdf(u)};
 }
 
@@ -160,6 +148,24 @@ template <typename Real>
 std::pair<Vec3<Real>, Vec3<Real>> Triangle<Real>::bounds() const {
   return {{std::min({a.x, b.x, c.x}), std::min({a.y, b.y, c.y}), std::min({a.z, b.z, c.z})},
           {std::max({a.x, b.x, c.x}), std::max({a.y, b.y, c.y}), std::max({a.z, b.z, c.z})}};
+}
+
+template <typename Real>
+Vec2<double> Triangle<Real>::shares_at(const Vec3<Real>& position) const {
+  const Vec3<double> from(a);
+  Vec3<double> ab = Vec3<double>(b) - from, ac = Vec3<double>(c) - from,
+               p = Vec3<double>(position) - from;
+  // Squares of areas: of edges beyond 1e77 they overflow, and below 1e-77 nothing is left.
+  const double longest = std::fmax(max_abs(ab), max_abs(ac));
+  if (longest > 1e75 || longest < 1e-60) {
+    if (!(longest > 0) || !std::isfinite(longest)) return {};
+    const int exponent = -std::ilogb(longest);
+    ab = scaled(ab, exponent), ac = scaled(ac, exponent), p = scaled(p, exponent);
+  }
+  const Vec3<double> n = cross(ab, ac);
+  const double size = dot(n, n);
+  if (!(size > 0)) return {};
+  return {dot(cross(p, ac), n) / size, dot(cross(ab, p), n) / size};
 }
 
 template <typename Real>

@@ -36,6 +36,9 @@ struct Triangle {
   /// The same as a list.
   ShapeHits<Real> hits(const Vec3<Real>& origin, const Vec3<Real>& direction, Real t_min,
                        Real t_max) const;
+  /// How much of the edges from a to b and from a to c leads from a to `position`, a point of the
+  /// triangle up to its rounding; 0 of needles beyond all digits, of which any point is as good.
+  Vec2<double> shares_at(const Vec3<Real>& position) const;
   /// How far `position` is from the triangle [m]: off its plane, or off its edges within it.
   double distance_to(const Vec3<Real>& position) const;
   /// {lower, upper}

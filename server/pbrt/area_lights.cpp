@@ -29,7 +29,10 @@ Vec3<double> tangent_of(const Mesh& mesh, F&& normal) {
     const double du1 = uv[1].x - uv[0].x, dv1 = uv[1].y - uv[0].y;
     const double du2 = uv[2].x - uv[0].x, dv2 = uv[2].y - uv[0].y;
     const double determinant = du1 * dv2 - dv1 * du2;
-    if (std::fabs(determinant) < 1e-9) return e;
+    // The sine between the edges of the chart, however small that is.
+    constexpr double kParallel = 1e-9;
+    if (!(std::fabs(determinant) > kParallel * std::hypot(du1, dv1) * std::hypot(du2, dv2)))
+      return e;
     return (e * dv2 - f * dv1) / determinant;
   }
   return {};

@@ -174,6 +174,27 @@ TEST(AreaLight, PowerIsPiTimesRadianceTimesArea) {
   EXPECT_EQ(square<float>().power({}).error_lumens, 0);
 }
 
+TEST(AreaLight, PowerOfABentPatchSaysTheErrorOfItsQuadrature) {
+  // z = x y over the unit square, beside one that is flat: of each square metre pi L to both sides.
+  const BilinearPatch<double> saddle{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 1}};
+  const BilinearPatch<double> flat{{2, 0, 0}, {4, 0, 0}, {2, 1, 0}, {4, 1, 0}};
+  const auto light = *AreaLight<double, PatchMesh>::create(
+      {kLevel, true}, *PatchMesh<double>::create({saddle, flat}));
+  // The integral of sqrt(1 + x^2 + y^2): along x in closed form, then by Simpson's rule.
+  constexpr int kSteps = 2000;
+  double area = 0;
+  for (int i = 0; i <= kSteps; ++i) {
+    const double c2 = 1 + double(i) * i / (double(kSteps) * kSteps);
+    const double line = (std::sqrt(c2 + 1) + c2 * std::asinh(1 / std::sqrt(c2))) / 2;
+    area += line * (i == 0 || i == kSteps ? 1 : i % 2 == 1 ? 4 : 2) / (3 * kSteps);
+  }
+  const Power power = light.power({});
+  EXPECT_GT(power.error_lumens, 0);
+  EXPECT_LE(power.error_lumens, 1e-8 * luminance(power.lumens));
+  EXPECT_NEAR(luminance(power.lumens), luminance(kLevel) * 2 * kPi * (area + 2),
+              power.error_lumens);
+}
+
 TEST(AreaLight, MirroredCutSphereLightsOutwards) {
   // The cap z > 1 of a sphere of radius 2, mirrored to z < -1 and raised to 7: seen from below it
   // shows its outside; the disk of its rim (radius sqrt 3, height 6) sends as much light through.

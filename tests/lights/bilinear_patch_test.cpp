@@ -44,6 +44,74 @@ TEST(BilinearPatch, AreaOfAConcaveQuadrangleCountsItsFold) {
   EXPECT_NEAR(dart.area(), 0.25 + 2. / 27, 1e-6);
 }
 
+/// The area of a patch apart from the code's way: in long double, along u in closed form, along v
+/// by two Gauss points in each of many strips.
+double area_by_strips(const BilinearPatch<double>& p) {
+  using Wide = Vec3<long double>;
+  const Wide p00(p.p00), p10(p.p10), p01(p.p01), p11(p.p11);
+  const Wide twist = p11 - p10 - p01 + p00;
+  const Wide change = cross(p10 - p00, twist);  // of dp/du x dp/dv along u
+  const long double a = dot(change, change);
+  // The integral of sqrt(a t^2 + d2) from 0 to t.
+  const auto root = [a](long double t, long double d2) {
+    const long double s = std::sqrt(a * t * t + d2);
+    const long double more = d2 > 0 ? d2 / std::sqrt(a) * std::asinh(std::sqrt(a / d2) * t) : 0;
+    return (t * s + more) / 2;
+  };
+  constexpr int kStrips = 20000;
+  const long double node = 0.5L / std::sqrt(3.0L);
+  long double sum = 0;
+  for (int i = 0; i < 2 * kStrips; ++i) {
+    const long double v = (i / 2 + 0.5L + (i % 2 == 0 ? -node : node)) / kStrips;
+    const Wide n = cross(p10 - p00 + twist * v, p01 - p00);
+    const Wide off = cross(n, change);
+    const long double nearest = -dot(n, change) / a, d2 = dot(off, off) / a;
+    sum += root(1 - nearest, d2) - root(-nearest, d2);
+  }
+  return static_cast<double>(sum / (2 * kStrips));
+}
+
+TEST(BilinearPatch, AreaByQuadratureIsWithinItsError) {
+  RandomU random(46);
+  const auto coordinate = [&] { return 4.0 * random.next() - 2; };
+  int precise = 0;
+  for (int i = 0; i < 100; ++i) {
+    BilinearPatch<double> p;
+    for (auto* corner : {&p.p00, &p.p10, &p.p01, &p.p11})
+      *corner = {coordinate(), coordinate(), coordinate()};
+    const BilinearPatchArea area = p.measure();
+    EXPECT_GT(area.error_m2, 0);
+    EXPECT_NEAR(area.m2, area_by_strips(p), area.error_m2 + 1e-12 * area.m2) << i;
+    precise += area.error_m2 <= 1e-8 * area.m2 ? 1 : 0;
+  }
+  EXPECT_GE(precise, 90);
+  const BilinearPatchArea saddle = kSaddle.measure();
+  EXPECT_GT(saddle.error_m2, 0);
+  EXPECT_NEAR(saddle.m2, area_by_strips(kSaddle), saddle.error_m2);
+  EXPECT_LE(saddle.error_m2, 1e-8 * saddle.m2);
+  // Folded along a line: less precise, and it says so.
+  const BilinearPatchArea dart =
+      BilinearPatch<double>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.25, 0.25, 0}}.measure();
+  EXPECT_NEAR(dart.m2, 0.25 + 2. / 27, dart.error_m2);
+  EXPECT_LE(dart.error_m2, 1e-4 * dart.m2);
+  EXPECT_EQ(kTrapezoid.measure().error_m2, 0);
+}
+
+TEST(BilinearPatch, WhatIsFlatOrBentIsSoAtAnySize) {
+  for (const double size : {1e-90, 1e-45, 1.0, 1e40, 1e85}) {
+    const auto scaled = [size](BilinearPatch<double> p) {
+      for (auto* corner : {&p.p00, &p.p10, &p.p01, &p.p11}) *corner = *corner * size;
+      return p;
+    };
+    const double saddle = scaled(kSaddle).area() / (size * size);
+    EXPECT_NEAR(saddle, kSaddle.area(), 1e-12) << size;
+    EXPECT_GT(scaled(kSaddle).measure().error_m2, 0) << size;
+    EXPECT_NEAR(scaled(kTrapezoid).area() / (size * size), 7.5, 1e-12) << size;
+    EXPECT_EQ(scaled(kTrapezoid).measure().error_m2, 0) << size;
+    EXPECT_TRUE(scaled(kSaddle).is_unfolded()) << size;
+  }
+}
+
 TEST(BilinearPatch, NormalIsTheCrossProductOfTheDerivatives) {
   const Vec3<double> expected = normalized(Vec3<double>(-0.75, -0.25, 1));
   EXPECT_LT(length(kSaddle.normal({0.25, 0.75}) - expected), 1e-15);

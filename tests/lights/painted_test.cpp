@@ -1,9 +1,12 @@
 #include "lights/painted.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
+#include <string>
 
 #include "lights/light.h"
 #include "tests/lights/area_helpers.h"
@@ -137,6 +140,59 @@ TEST(Painted, PowerOfASphereWeighsRowsByTheirZones) {
               1e-10);
 }
 
+/// The mean of `weight` with the density `area` on [from, to], by Simpson's rule in long double;
+/// both are polynomials or nearly so in between.
+template <typename Weight, typename Area>
+long double integral(long double from, long double to, const Weight& weight, const Area& area) {
+  constexpr int kSteps = 100;
+  long double sum = 0;
+  for (int i = 0; i <= kSteps; ++i) {
+    const long double at = from + (to - from) * i / kSteps;
+    sum += weight(at) * area(at) * (i == 0 || i == kSteps ? 1 : i % 2 == 1 ? 4 : 2);
+  }
+  return sum * (to - from) / (3 * kSteps);
+}
+
+TEST(Painted, OneRowOfManyIsWeighedToTheLastDigits) {
+  // The row's part runs over its own height, or for the bilinear filter from the centre above to
+  // the centre below.  `area`: the share of the surface in a unit of the row coordinate, in rows
+  // from the end `upper`.
+  const auto row_share = [](ImageFilter filter, int k, const auto& area) {
+    const auto one = [](long double) { return 1.0L; };
+    if (filter == ImageFilter::kNearest) return integral(k, k + 1.0L, one, area);
+    const long double middle = k + 0.5L;
+    const auto tent = [middle](long double at) { return 1 - std::fabs(at - middle); };
+    return (k == 0 ? integral(0, middle, one, area) : integral(middle - 1, middle, tent, area)) +
+           integral(middle, middle + 1, tent, area);
+  };
+  constexpr long double kWidePi = std::numbers::pi_v<long double>;
+  for (const int n : {4096, 32768})
+    for (const ImageFilter filter : {ImageFilter::kNearest, ImageFilter::kBilinear})
+      for (const int k : {0, 1, n / 8})
+        for (const bool from_top : {true, false}) {
+          std::vector<float> rows(static_cast<std::size_t>(n));
+          rows[static_cast<std::size_t>(from_top ? k : n - 1 - k)] = 1;
+          const Picture picture = grey(1, n, rows, filter);
+          const std::string where =
+              fmt::format("row {} of {} from the {}", k, n, from_top ? "top" : "bottom");
+          const double sphere = PaintedSphere<double>::create(*Sphere<double>::create({}), picture)
+                                    ->painted_area()
+                                    .m2.g /
+                                (4 * kPi);
+          const long double zone = row_share(filter, k, [n](long double at) {
+            return std::sin(kWidePi * at / n) * kWidePi / (2 * n);
+          });
+          EXPECT_NEAR(sphere / static_cast<double>(zone), 1, 2e-15) << where;
+          // The top row of a picture is at the disk's inner edge.
+          const double disk =
+              PaintedDisk<double>::create(*Disk<double>::create({}), picture)->painted_area().m2.g /
+              kPi;
+          const long double ring = row_share(
+              filter, k, [&](long double at) { return 2 * (from_top ? at : n - at) / n / n; });
+          EXPECT_NEAR(disk / static_cast<double>(ring), 1, 2e-15) << where;
+        }
+}
+
 TEST(Painted, PowerOfASaddleIsWithinItsError) {
   const auto p = [](double x, double y) { return Vec3<double>{x, y, x * y}; };
   const Picture picture = grey(2, 2, {1, 6, 3, 2}, ImageFilter::kBilinear);
@@ -196,6 +252,29 @@ TEST(Painted, TwoTrianglesThatShowItTogetherAreSampledByThePicture) {
   // The same half twice, and a part.
   EXPECT_FALSE(two({{0, 0}, {1, 0}, {1, 1}, {0, 0}, {1, 0}, {1, 1}}).is_by_picture());
   EXPECT_FALSE(two({{0, 0}, {0.5F, 0}, {1, 1}, {0, 0}, {1, 1}, {0, 1}}).is_by_picture());
+}
+
+TEST(Painted, TrianglesOfAnySizeShowThePictureAtItsPlace) {
+  for (const double size : {1e-100, 1e-70, 1.0, 1e78, 1e100, 1e150}) {
+    const auto shape = *PaintedTriangleMesh<double>::create(
+        *TriangleMesh<double>::create({{{0, 0, 0}, {2 * size, 0, 0}, {0, size, 0}}}),
+        grey(2, 1, {1, 5}), {{0, 0}, {1, 0}, {0, 1}});
+    const Vec2<double> uv = shape.uv({{0.5 * size, 0.25 * size, 0}, {0, 0, 1}});
+    EXPECT_NEAR(uv.x, 0.25, 1e-14) << size;
+    EXPECT_NEAR(uv.y, 0.25, 1e-14) << size;
+  }
+}
+
+TEST(Painted, AZoneThinnerThanItsAnglesTellIsAPicturesToo) {
+  for (double z = 0.4; z < 0.6; z += 0.01) {
+    const auto sphere = *Sphere<double>::create({.z_min_m = z, .z_max_m = std::nextafter(z, 1.0)});
+    const auto shape = *PaintedSphere<double>::create(sphere, grey(1, 2, {2, 2}));
+    EXPECT_NEAR(shape.painted_area().m2.r, 2 * sphere.area(), 1e-12 * sphere.area()) << z;
+    const auto s = shape.sample({Vec3<double>{0, 0, 3}}, {0.25, 0.75});
+    EXPECT_EQ(shape.tint(s.point).r, 2) << z;
+    EXPECT_TRUE(std::isfinite(shape.uv(s.point).y)) << z;
+    EXPECT_GT(s.pdf.per_sr, 0) << z;
+  }
 }
 
 TEST(Painted, AFoldedPatchIsSampledByArea) {
@@ -260,6 +339,26 @@ TEST(MeanOverTriangle, TwoTrianglesMakeTheSquare) {
         (mean_over_triangle(picture, {a, b, c}).r + mean_over_triangle(picture, {c, d, a}).r) / 2,
         picture.image->mean().r, 1e-13);
   }
+}
+
+TEST(MeanOverTriangle, OnALineCountsEachPlaceByThePointsThatHaveIt) {
+  // Corners at 0, 1/4 and 1: beyond the middle lie (1/2)^2 / (3/4) = 1/3 of the triangle's points.
+  const Picture halves = grey(2, 1, {1, 5});
+  const Vec2<double> a{0, 0.5}, b{1, 0.5}, c{0.25, 0.5}, above{0.25, 0.5 + 1e-11};
+  for (const auto& t : {std::array{a, b, c}, std::array{c, b, a}, std::array{b, above, a}})
+    EXPECT_NEAR(mean_over_triangle(halves, t).r, 7.0 / 3, 1e-9);
+  // Between the centres from 1 to 5: the points' mean place is 5/12, and the ends, cut off at 1/4
+  // and 3/4, take away what lies beyond: 4 / (1/2) times the integrals of their tails, 1/48 below
+  // (t <= 1/4 has a quarter, its mean distance a third of 1/4) and 1/36 above (1/12, 1/12).
+  Picture ramp = halves;
+  ramp.filter = ImageFilter::kBilinear;
+  const double below = 0.25 * (0.25 / 3), beyond = (0.25 * 0.25 / 0.75) * (0.25 / 3);
+  EXPECT_NEAR(mean_over_triangle(ramp, {a, b, c}).r, 1 + 8 * (5.0 / 12 - 0.25 + below - beyond),
+              1e-13);
+  // Along a diagonal through four texels, of which it meets two.
+  const Picture four = grey(2, 2, {9, 5, 1, 9});
+  EXPECT_NEAR(mean_over_triangle(four, {Vec2<double>{0, 0}, {1, 1}, {0.25, 0.25}}).r, 7.0 / 3,
+              1e-13);
 }
 
 TEST(MeanOverTriangle, WithoutExtentIsTheValueAtItsMiddle) {

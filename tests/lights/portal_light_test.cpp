@@ -192,6 +192,22 @@ TEST(PortalLight, CreateNamesWhatIsWrong) {
   EXPECT_THAT(error(p), ::testing::HasSubstr("unequal scale"));
 }
 
+TEST(PortalLight, NoSampleIsLostWhereItIsSeenFlat) {
+  // 0.02 m by 1 m seen from 100 m beside its short edge, 0.01 m below its plane, so that all its
+  // directions are within 2e-4 of its axis y; in a frame in which rounding turns all three.
+  const Vec3<double> x = normalized(Vec3<double>{2, 3, 6}), y = normalized(Vec3<double>{-6, -2, 3}),
+                     z = cross(x, y);
+  const Vec3<double> corner = y * 100 - x * 0.01 + z * 0.01;
+  const auto light =
+      portal({{corner, corner + y * 1.0, corner + y * 1.0 + x * 0.02, corner + x * 0.02}});
+  RandomU random(11);
+  for (int i = 0; i < 10000; ++i) {
+    const auto s = light.sample_li(Vec3<float>{}, random.pair<float>());
+    ASSERT_EQ(s.reason, NoLight::kNone) << i;
+    ASSERT_EQ(light.pdf_li(Vec3<float>{}, s.wi), s.pdf);
+  }
+}
+
 TEST(PortalLight, HasNoBounds) { EXPECT_FALSE(portal(window(2, 3, 1)).bounds().has_value()); }
 
 }  // namespace

@@ -89,6 +89,39 @@ TEST(ProjectionLight, PowerIsThatOfThePyramidAtAnyFovAndAspect) {
   }
 }
 
+// Of texels (7 x + 5 y + 3) mod 11, or of one that is lit, summed with 60 digits (mpmath) from
+// F(x, y) = atan(x y / sqrt(1 + x^2 + y^2)) over each texel's corners in the plane, where the half
+// side is tan(fov / 2) for fov = degrees / 180 pi as double rounds it.
+TEST(ProjectionLight, PowerNear180DegreesIsThatOfSixtyDigits) {
+  constexpr int kMixed = -1;
+  const struct {
+    double degrees;
+    int n, x, y;
+    double sr;
+  } cases[] = {
+      {179.9, 8, kMixed, kMixed, 23.566053204748660475},
+      {179.9, 8, 0, 0, 2.9235722847440466368e-5},
+      {179.9, 8, 7, 3, 8.1388601928729640379e-5},
+      {179.9, 1024, 3, 500, 3.3955614579483081156e-9},
+      {179.9999, 8, kMixed, kMixed, 23.561949010368406008},
+      {179.9999, 8, 0, 0, 2.9235737849480152128e-8},
+      {179.9999, 8, 7, 3, 8.1388706749670433489e-8},
+      {179.9999, 1024, 3, 500, 3.3955645262126056712e-12},
+      {1 / kPi * 180, 4096, 100, 2000, 4.9714496239098900859e-8},
+  };
+  for (const auto& c : cases) {
+    std::vector<Rgb<float>> texels;
+    for (int y = 0; y < c.n; ++y)
+      for (int x = 0; x < c.n; ++x)
+        texels.emplace_back(c.x == kMixed ? static_cast<float>((7 * x + 5 * y + 3) % 11)
+                                          : (x == c.x && y == c.y ? 1.0F : 0.0F));
+    const double fov = c.degrees / 180 * kPi;
+    const auto l = light({image(c.n, c.n, std::move(texels)), ImageFilter::kNearest, fov});
+    EXPECT_LE(relative_difference(lumens(l), c.sr), 2e-15)
+        << c.degrees << " degrees, " << c.n << " texels, of them (" << c.x << ", " << c.y << ")";
+  }
+}
+
 // Row 29 of the inputs that break lights: the cone about a picture of 3:1 is 2.5 times too much.
 TEST(ProjectionLight, TheBooksPowerWithoutAPictureSaysThatItIsTooHigh) {
   const auto l = light({.fov_rad = 0.5, .aspect = 3});

@@ -258,6 +258,17 @@ TEST(PbrtPanels, TakeTheirAxesFromTheShape) {
   EXPECT_NEAR(intensity(*by_uv, {0, -kSlant, kSlant}), 90, 1e-3);
 }
 
+TEST(PbrtPanels, ChartsOfAnySizeTurnTheFile) {
+  // As above u runs along -y, of a millionth of the picture; and of a chart that is but a line the
+  // first edge, +x.
+  const std::string square = "Shape \"bilinearmesh\" \"point3 P\" [0 0 0 2 0 0 0 1 0 2 1 0] ";
+  const auto tiny = panel_scene(kProfile + square + "\"point2 uv\" [1e-6 0 1e-6 1e-6 0 0 0 1e-6]");
+  EXPECT_NEAR(intensity(*tiny, {0, -kSlant, kSlant}), 90, 1e-3);
+  EXPECT_NEAR(intensity(*tiny, {kSlant, 0, kSlant}), 50, 1e-3);
+  const auto line = panel_scene(kProfile + square + "\"point2 uv\" [0 0 1 1 2 2 3 3]");
+  EXPECT_NEAR(intensity(*line, {kSlant, 0, kSlant}), 90, 1e-3);
+}
+
 TEST(PbrtPanels, LevelsMultiplyTheFilesCandela) {
   const std::string disk = "Shape \"disk\"";
   const auto lumens = [](const Scene& scene) {
