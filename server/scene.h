@@ -33,6 +33,16 @@ struct SceneLight {
   /// Of a surface that moves: its largest coordinate about its own zero, where it is found by rays
   /// no better than floats tell them apart there [m].  Else 0.
   float reach_m = 0;
+  /// Its light has a direction and no place: of `motion` it takes the turns, not the shifts, which
+  /// are as long as the scene is far from where it turns.
+  bool only_turns = false;
+
+  /// Requires `motion`.
+  Pose pose_at(double time_s) const {
+    Pose pose = motion->at(time_s);
+    if (only_turns) pose.shift_m = {};
+    return pose;
+  }
 };
 
 /// Calls `f` with the light as it is at `time_s`, about the scene's origin: the model itself or,
@@ -44,7 +54,7 @@ auto visit_light(const SceneLight& light, double time_s, F&& f) {
         if (light.motion == nullptr) [[likely]]
           return f(model);
         using Model = std::decay_t<decltype(model)>;
-        return f(Posed<float, Model>(model, light.motion->at(time_s)));
+        return f(Posed<float, Model>(model, light.pose_at(time_s)));
       },
       light.light);
 }

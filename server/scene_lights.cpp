@@ -22,21 +22,32 @@ struct ModelOf<Params, std::variant<L, Rest...>> {
 
 }  // namespace
 
-std::optional<Vec3<double>> position_of(const LightDescription& light) {
+std::optional<Vec3<double>> anchor_of(const LightDescription& light) {
   return std::visit(
       [](const auto& params) -> std::optional<Vec3<double>> {
         if constexpr (requires { params.position_m; })
           return params.position_m;
+        else if constexpr (requires { params.corners_m; })
+          return params.corners_m[0];
         else
           return std::nullopt;
       },
       light.params);
 }
 
-std::optional<std::pair<Vec3<double>, Vec3<double>>> box_of(const LightDescription& light) {
+std::optional<Box> box_of(const LightDescription& light) {
   if (const auto* beam = std::get_if<BeamLightParams>(&light.params)) return bounding_box(*beam);
-  if (const auto p = position_of(light)) return std::pair{*p, *p};
+  if (std::holds_alternative<PortalLightParams>(light.params)) return std::nullopt;
+  if (const auto p = anchor_of(light)) return std::pair{*p, *p};
   return std::nullopt;
+}
+
+std::optional<Box> portal_box_of(const LightDescription& light) {
+  const auto* portal = std::get_if<PortalLightParams>(&light.params);
+  if (portal == nullptr) return std::nullopt;
+  Bounds bounds;
+  for (const Vec3<double>& corner : portal->corners_m) bounds.add(corner);
+  return std::pair{bounds.lower, bounds.upper};
 }
 
 absl::StatusOr<Light<float>> create_light(const LightDescription& light,

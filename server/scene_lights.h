@@ -12,12 +12,17 @@
 
 namespace lucerna {
 
-/// Where a light stands [m, world]; nothing for distant and infinite ones.
-std::optional<Vec3<double>> position_of(const LightDescription& light);
+using Box = std::pair<Vec3<double>, Vec3<double>>;  ///< lower and upper corner [m, world]
 
-/// The least box about where a light stands or starts [m, world]; nothing for distant and infinite
-/// ones.
-std::optional<std::pair<Vec3<double>, Vec3<double>>> box_of(const LightDescription& light);
+/// A point of a light or of its portal [m, world]: near it its coordinates are small.  Nothing for
+/// lights that have directions alone.
+std::optional<Vec3<double>> anchor_of(const LightDescription& light);
+
+/// The least box about where a light stands or starts; nothing for distant and infinite ones.
+std::optional<Box> box_of(const LightDescription& light);
+
+/// The least box about its portal; nothing where there is none.
+std::optional<Box> portal_box_of(const LightDescription& light);
 
 /// Errors: as the light's own.
 absl::StatusOr<Light<float>> create_light(const LightDescription& light,

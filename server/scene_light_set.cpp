@@ -1,0 +1,166 @@
+// All lights of a scene: where each is kept, what they share, and how one is chosen.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <set>
+
+#include "server/scene_builder.h"
+#include "server/scene_lights.h"
+
+namespace lucerna {
+
+absl::Status Scene::Builder::add_light(absl::StatusOr<Light<float>> light,
+                                       const SourceLocation& where, const Vec3<double>& origin,
+                                       std::shared_ptr<const Motion> motion) {
+  if (!light.ok()) return located(light.status(), where);
+  const auto index = static_cast<std::uint32_t>(scene_->lights_.size());
+  std::visit(
+      [&]<typename L>(const L& l) {
+        if constexpr (SeenBeyond<L>) scene_->infinite_lights_.push_back(index);
+        scene_->has_visible_lights_ |= !l.kDelta;
+      },
+      *light);
+  float reach_m = 0;
+  if (motion)
+    std::visit(
+        [&](const auto& l) {
+          if constexpr (requires { l.shape(); })
+            reach_m =
+                std::fmax(max_abs(l.shape().bounds().first), max_abs(l.shape().bounds().second));
+        },
+        *light);
+  scene_->lights_.push_back(
+      {index + 1u, *std::move(light), where, std::move(motion), origin, reach_m});
+  return absl::OkStatus();
+}
+
+void Scene::Builder::keep_spectra() {
+  const Stopwatch watch;
+  std::vector<const std::shared_ptr<const Spectrum>*> given;  // in the order of the lights
+  for (const auto& l : in_.lights) given.push_back(&l.spectrum);
+  for (const auto& s : in_.shapes)
+    if (s.emission) given.push_back(&s.emission->spectrum);
+  const auto count =
+      std::ranges::count_if(given, [](const auto* spectrum) { return *spectrum != nullptr; });
+  if (count == 0) return;
+  std::map<const Spectrum*, std::int32_t> numbers;
+  std::uint64_t bytes = 0;
+  scene_->light_spectra_.reserve(given.size());
+  for (const auto* spectrum : given) {
+    if (*spectrum == nullptr) {
+      scene_->light_spectra_.push_back(-1);
+      continue;
+    }
+    const auto [entry, is_new] =
+        numbers.try_emplace(spectrum->get(), static_cast<std::int32_t>(numbers.size()));
+    if (is_new) {
+      scene_->spectra_.push_back(*spectrum);
+      bytes += (*spectrum)->bytes();
+    }
+    scene_->light_spectra_.push_back(entry->second);
+  }
+  scene_->spectra_.shrink_to_fit();
+  bytes += scene_->spectra_.size() * sizeof scene_->spectra_[0] +
+           scene_->light_spectra_.size() * sizeof scene_->light_spectra_[0];
+  part("spectra", bytes, watch,
+       fmt::format("{} {} of {} {}", numbers.size(), numbers.size() == 1 ? "spectrum" : "spectra",
+                   count, count == 1 ? "light" : "lights"));
+}
+
+absl::Status Scene::Builder::build_lights() {
+  const Stopwatch watch;
+  for (const auto& l : in_.lights) {
+    Vec3<double> origin = scene_->origin_;
+    std::shared_ptr<const Motion> motion;
+    const std::optional<Vec3<double>> anchor = anchor_of(l);
+    if (l.motion) {
+      // About itself: its coordinates are then exact wherever it moves to.
+      if (anchor) origin = *anchor;
+      motion = about_scene(*l.motion, origin);
+    }
+    if (absl::Status s = add_light(create_light(l, origin), l.where, origin, std::move(motion));
+        !s.ok())
+      return s;
+    scene_->lights_.back().only_turns = !anchor;
+  }
+  std::size_t moving_shape = 0;
+  for (const auto& s : in_.shapes) {
+    Vec3<double> origin = scene_->origin_;
+    std::shared_ptr<const Motion> motion;
+    if (s.motion) {
+      // As the surface that rays hit.
+      origin = moving_origins_[moving_shape++];
+      motion = about_scene(*s.motion, origin);
+    }
+    if (!s.emission) continue;
+    if (absl::Status status =
+            add_light(create_area_light(s, origin), s.emission->where, origin, std::move(motion));
+        !status.ok())
+      return status;
+  }
+  if (scene_->lights_.empty()) return absl::OkStatus();
+  std::uint64_t bytes = scene_->lights_.capacity() * sizeof(SceneLight);
+  for (const SceneLight& l : scene_->lights_) bytes += light_bytes(l.light);
+  part("lights", bytes, watch, fmt::format("{} lights", scene_->lights_.size()));
+  keep_spectra();
+  report_shared_by_lights(watch);
+  return absl::OkStatus();
+}
+
+void Scene::Builder::report_shared_by_lights(const Stopwatch& watch) {
+  // Pictures are shared between lights: each counts once.
+  std::set<const Image*> images;
+  for (const SceneLight& l : scene_->lights_)
+    if (const Image* picture = picture_of(l.light)) images.insert(picture);
+  std::uint64_t image_bytes = 0;
+  for (const Image* image : images) image_bytes += image->bytes();
+  if (!images.empty())
+    part("images", image_bytes, watch, fmt::format("{} pictures of lights", images.size()));
+  // What goniometric lights and panels draw directions from is shared between lights: each counts
+  // once.
+  std::set<std::shared_ptr<const PhotometricWeb>> webs;
+  std::set<std::shared_ptr<const IntensityMap>> maps;
+  for (const SceneLight& l : scene_->lights_) {
+    std::visit(
+        [&](const auto& m) {
+          if constexpr (requires { m.shape().profile(); }) webs.insert(m.shape().profile().web);
+        },
+        l.light);
+    if (const auto* goniometric = std::get_if<GoniometricLight<float>>(&l.light)) {
+      if (goniometric->params().web) webs.insert(goniometric->params().web);
+      if (goniometric->params().map) maps.insert(goniometric->params().map);
+    }
+  }
+  std::uint64_t web_bytes = 0, map_bytes = 0;
+  for (const auto& web : webs) web_bytes += web->bytes();
+  for (const auto& map : maps) map_bytes += map->table_bytes();
+  if (!webs.empty())
+    part("photometric webs", web_bytes, watch, fmt::format("{} luminaires", webs.size()));
+  if (!maps.empty())
+    part("intensity maps", map_bytes, watch,
+         fmt::format("to draw directions from {} pictures", maps.size()));
+}
+
+absl::Status Scene::Builder::choose_by_power() {
+  if (scene_->lights_.size() < 2) return absl::OkStatus();
+  const Stopwatch watch;
+  // Light from infinitely far arrives at receivers even where the scene is but a point.
+  SceneSphere sphere = scene_->sphere_;
+  if (!(sphere.radius_m > 0)) sphere.radius_m = 1;
+  std::vector<double> lumens;
+  for (const SceneLight& l : scene_->lights_) {
+    const Power power = visit_light(l, -std::numeric_limits<double>::infinity(),
+                                    [&](const auto& m) { return m.power(sphere); });
+    // The largest channel, not the luminance: a light of one channel has its share of noise too.
+    lumens.push_back(std::fmin(power.lumens.max_component(), 1e300));
+  }
+  scene_->light_distribution_ = LightDistribution(lumens);
+  part("light choice", scene_->light_distribution_.bytes(), watch,
+       fmt::format("{} lights to choose from by power", lumens.size()));
+  return absl::OkStatus();
+}
+
+}  // namespace lucerna
