@@ -4,7 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
+
+#include "server/pbrt/scales.h"
 
 namespace lucerna::pbrt {
 namespace {
@@ -45,9 +48,7 @@ ImageInfiniteLightParams picture(Context& context, const ParameterSet& params, c
   const Parameter& filename = *params.find("filename", {"string"});
   if (const Parameter* l = params.find("L", {"rgb", "spectrum", "blackbody"}))
     fail(l->place, "\"L\" beside \"filename\", allowed: one of them");
-  if (!world_from_light.uniform_scale())
-    fail(place,
-         "an infinite light under a transform of unequal scale, allowed: equal scale on all axes");
+  require_equal_scale(place, "an infinite light", world_from_light);
   const NamedImage named = read_image(context, filename);
   const SphereMapping mapping = sphere_mapping(params);
   const ImageFilter filter = params.find("filter", {"string"}) ? image_filter(params) : otherwise;
@@ -91,6 +92,13 @@ ImageInfiniteLightParams picture(Context& context, const ParameterSet& params, c
   infinite.image_name = named.name;
   infinite.world_from_map = world_from_light;
   infinite.radiance_cd_m2 = Rgb<double>(level);
+  const Rgb<double> brightest = infinite.map->brightest() * infinite.radiance_cd_m2;
+  if (!is_finite(Rgb<float>(brightest)))
+    fail(params.place_of({"scale", "illuminance", "filename"}, place),
+         fmt::format("the brightest texel of {}, times {}, is ({}, {}, {}) cd/m2, allowed: each "
+                     "channel finite, at most {:.3g}",
+                     printable(named.name), level, brightest.r, brightest.g, brightest.b,
+                     double{std::numeric_limits<float>::max()}));
   return infinite;
 }
 
@@ -110,7 +118,7 @@ ImageInfiniteLightParams image_infinite(Context& context, const ParameterSet& pa
       picture(context, params, place, world_from_light, ImageFilter::kNearest);
   // All that can fail, here where its place is known.
   if (const auto made = ImageInfiniteLight<float>::create(infinite); !made.ok())
-    fail(place, made.status());
+    fail(params.place_of({"scale", "illuminance", "filename"}, place), made.status());
   return infinite;
 }
 

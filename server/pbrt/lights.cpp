@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <utility>
 
@@ -12,6 +13,7 @@
 #include "server/pbrt/image_lights.h"
 #include "server/pbrt/photometric_lights.h"
 #include "server/pbrt/projection_lights.h"
+#include "server/pbrt/scales.h"
 #include "server/pbrt/spectra.h"
 
 namespace lucerna::pbrt {
@@ -26,6 +28,11 @@ struct Target {
   const char* unit;
   double of_unit_level;  ///< what a level of luminance 1 amounts to
 };
+
+/// The parameter that a level which is too high is said to come from.
+Place level_place(const ParameterSet& params, const Place& place, std::string_view name) {
+  return params.place_of({"scale", "power", "illuminance", name, "filename"}, place);
+}
 
 /// The level (intensity, radiance or illuminance) of a light: rgb or spectrum, times scale, and
 /// where the target is given, such that a light of luminance 1 would reach it.
@@ -65,9 +72,14 @@ Rgb<double> level(Context& context, const ParameterSet& params, const Place& pla
       result = result * (wanted / target->of_unit_level);
     }
   }
-  if (!is_finite(result))
-    fail(place,
-         fmt::format("level [{} {} {}] of the light is not finite", result.r, result.g, result.b));
+  if (!is_finite(Rgb<float>(result)))
+    fail(level_place(params, place, name),
+         fmt::format(
+             "level ({:.6g}, {:.6g}, {:.6g}) of the light: \"{}\" times \"scale\"{}, allowed: each "
+             "channel finite, at most {:.3g}",
+             result.r, result.g, result.b, name,
+             target ? fmt::format(" and what \"{}\" asks for", target->name) : "",
+             double{std::numeric_limits<float>::max()}));
   return result;
 }
 
@@ -78,22 +90,36 @@ Params checked(const Place& place, const Params& params) {
   return params;
 }
 
+/// Fails where "to" is "from", or so near that the transform leaves no direction.
+void require_direction(const ParameterSet& params, const Place& place,
+                       const Vec3<double>& direction) {
+  if (is_finite(direction) && direction != Vec3<double>{}) return;
+  const Vec3<double> from = params.point("from", {0, 0, 0}), to = params.point("to", {0, 0, 1});
+  fail(
+      params.place_of({"to", "from"}, place),
+      fmt::format("\"point3 to\" = ({}, {}, {}) and \"from\" = ({}, {}, {}), which are ({}, {}, "
+                  "{}) m apart in the world, allowed: a finite distance, not 0",
+                  to.x, to.y, to.z, from.x, from.y, from.z, direction.x, direction.y, direction.z));
+}
+
 SpotLightParams spot(Context& context, const ParameterSet& params, const Place& place,
                      const Transform& world_from_light) {
   const double cone = params.number("coneangle", 30);
   const double delta = params.number("conedeltaangle", 5);
   if (!(cone > 0 && cone <= 180))
-    fail(place, fmt::format("\"float coneangle\" = {} degrees, allowed (0, 180]", cone));
+    fail(params.place_of({"coneangle"}, place),
+         fmt::format("\"float coneangle\" = {} degrees, allowed (0, 180]", cone));
+  // Where it is not given, it is the cone that is too narrow for it.
   if (!(delta >= 0 && delta <= cone))
-    fail(place, fmt::format("\"float conedeltaangle\" = {} degrees, allowed [0, coneangle], which "
-                            "is {}",
-                            delta, cone));
-  if (!world_from_light.uniform_scale())
-    fail(place, "a spot under a transform of unequal scale, allowed: equal scale on all axes");
+    fail(params.place_of({"conedeltaangle", "coneangle"}, place),
+         fmt::format("\"float conedeltaangle\" = {} degrees{}, allowed [0, coneangle], which is {}",
+                     delta, params.number("conedeltaangle") ? "" : " unless it is given", cone));
+  require_equal_scale(place, "a spot", world_from_light);
   SpotLightParams spot;
   const Vec3<double> from = params.point("from", {0, 0, 0});
   spot.position_m = world_from_light.point(from);
   spot.axis = world_from_light.vector(params.point("to", {0, 0, 1}) - from);
+  require_direction(params, place, spot.axis);
   spot.cone_half_angle_rad = cone * kRadPerDegree;
   spot.falloff_start_rad = (cone - delta) * kRadPerDegree;
   const std::string profile = params.string("profile", "smoothstep");
@@ -178,6 +204,7 @@ std::optional<LightDescription> make_light(Context& context, const std::string& 
     DistantLightParams distant;
     const Vec3<double> towards = params.point("from", {0, 0, 0}) - params.point("to", {0, 0, 1});
     distant.to_light = world_from_light.vector(towards);
+    require_direction(params, place, distant.to_light);
     distant.illuminance_lx = level(context, params, place, "L", Target{"illuminance", "lx", 1});
     // Not pbrt's: the angle under which a disk of uniform radiance is seen, such as the sun's 0.53.
     if (const Parameter* diameter = params.find("angulardiameter", {"float"})) {
@@ -186,11 +213,7 @@ std::optional<LightDescription> make_light(Context& context, const std::string& 
         fail(diameter->place,
              fmt::format("\"float angulardiameter\" = {} degrees, allowed (0, 180]", degrees));
       // It would turn the disk into an ellipse.
-      if (!world_from_light.uniform_scale())
-        fail(
-            diameter->place,
-            "\"float angulardiameter\" under a transform of unequal scale, allowed: equal scale on "
-            "all axes");
+      require_equal_scale(diameter->place, "\"float angulardiameter\"", world_from_light);
       light.params = checked<SunLight>(
           place, SunLightParams{distant.to_light, degrees * kRadPerDegree, distant.illuminance_lx});
     } else {
@@ -236,7 +259,8 @@ std::optional<LightDescription> make_light(Context& context, const std::string& 
         level(context, params, place, "I", Target{"power", "lm", thrown.pbrt4_lumens});
     const Parameter* power = params.find("power", {"float"});
     const bool by_power = power != nullptr && power->numbers.front() > 0;
-    set_level(context, place, by_power ? &power->place : nullptr, of_1, thrown);
+    set_level(context, level_place(params, place, "I"), by_power ? &power->place : nullptr, of_1,
+              thrown);
     std::visit([&](auto& p) { light.params = std::move(p); }, thrown.light);
   } else {
     fail(place, fmt::format("unknown light \"{}\", expected one of point spot distant infinite "

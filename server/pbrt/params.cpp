@@ -113,6 +113,14 @@ std::vector<Vec3<double>> ParameterSet::vectors(std::string_view name,
   return result;
 }
 
+Place ParameterSet::place_of(std::initializer_list<std::string_view> names,
+                             const Place& otherwise) const {
+  for (const std::string_view name : names)
+    for (const Entry& entry : entries_)
+      if (entry.parameter->name == name) return entry.parameter->place;
+  return otherwise;
+}
+
 void ParameterSet::ignore(std::initializer_list<std::string_view> names) const {
   for (const Entry& entry : entries_)
     if (std::find(names.begin(), names.end(), entry.parameter->name) != names.end())

@@ -52,6 +52,9 @@ class ParameterSet {
   std::vector<std::uint32_t> indices(std::string_view name) const;  ///< fails on negative ones
   std::vector<Vec3<double>> vectors(std::string_view name, std::string_view type) const;
 
+  /// Where the first of `names` that is given stands; `otherwise` where none is.
+  Place place_of(std::initializer_list<std::string_view> names, const Place& otherwise) const;
+
   /// Takes parameters as read that change nothing here.
   void ignore(std::initializer_list<std::string_view> names) const;
 

@@ -9,6 +9,7 @@
 #include "server/ies.h"
 #include "server/pbrt/image_lights.h"
 #include "server/pbrt/images.h"
+#include "server/pbrt/scales.h"
 
 namespace lucerna::pbrt {
 namespace {
@@ -75,10 +76,7 @@ NamedPhotometricFile read_photometric_file(Context& context, const Parameter& fi
 
 GoniometricLightParams goniometric(Context& context, const ParameterSet& params, const Place& place,
                                    const Transform& world_from_light) {
-  if (!world_from_light.uniform_scale())
-    fail(
-        place,
-        "a goniometric light under a transform of unequal scale, allowed: equal scale on all axes");
+  require_equal_scale(place, "a goniometric light", world_from_light);
   GoniometricLightParams light;
   light.position_m = world_from_light.point({0, 0, 0});
   light.axes = {world_from_light.vector({1, 0, 0}), world_from_light.vector({0, 1, 0}),

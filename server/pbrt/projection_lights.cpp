@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "lights/axes.h"
+#include "server/pbrt/scales.h"
 
 namespace lucerna::pbrt {
 namespace {
@@ -43,7 +44,10 @@ Projection perspective(const ParameterSet& params, const Place& place, const Fra
     picture.aspect = static_cast<double>(named.image->width()) / named.image->height();
   apply_scale(scale_of(axes), picture);
   auto projected = ProjectedPicture::create(picture);
-  if (!projected.ok()) fail(place, projected.status());
+  if (!projected.ok())
+    fail(params.place_of({"fov", "filename"}, place),
+         fmt::format("\"float fov\" = {} degrees: {}", fov,
+                     std::string(projected.status().message())));
   const double lumens = luminance((*projected)->integral_sr());
   // Of what pbrt-v4 has no word for there is only one count.
   const bool pbrt4 = named.image && filter == ImageFilter::kNearest;
@@ -84,8 +88,9 @@ Projection projection(Context& context, const ParameterSet& params, const Place&
                            world_from_light.vector({0, 0, 1})};
   if (!check_right_angles("", axes).ok())
     fail(place,
-         "a projection under a transform that shears, allowed: rotations, mirrors, and scale along "
-         "the light's own axes");
+         fmt::format("a projection under a transform that shears, {} along other axes than the "
+                     "light's own, allowed: rotations, mirrors, and scale along these",
+                     scales_text(world_from_light)));
   NamedImage named;
   const Parameter* filename = params.find("filename", {"string"});
   if (filename != nullptr) named = read_image(context, *filename);
@@ -100,7 +105,7 @@ Projection projection(Context& context, const ParameterSet& params, const Place&
                    printable(name)));
 }
 
-void set_level(Context& context, const Place& place, const Place* power_place,
+void set_level(Context& context, const Place& level_place, const Place* power_place,
                const Rgb<double>& level, Projection& projection) {
   if (power_place != nullptr &&
       std::fabs(projection.pbrt4_lumens - projection.lumens) > 1e-3 * projection.lumens)
@@ -113,11 +118,12 @@ void set_level(Context& context, const Place& place, const Place* power_place,
   if (auto* perspective = std::get_if<ProjectionLightParams>(&projection.light)) {
     perspective->intensity_cd = level;
     if (const auto made = ProjectionLight<float>::create(*perspective); !made.ok())
-      fail(place, made.status());
+      fail(level_place, made.status());
   } else {
     auto& beam = std::get<BeamLightParams>(projection.light);
     beam.illuminance_lx = level;
-    if (const auto made = BeamLight<float>::create(beam); !made.ok()) fail(place, made.status());
+    if (const auto made = BeamLight<float>::create(beam); !made.ok())
+      fail(level_place, made.status());
   }
 }
 

@@ -24,9 +24,9 @@ struct Projection {
 Projection projection(Context& context, const ParameterSet& params, const Place& place,
                       const Transform& world_from_light);
 
-/// With the level set.  `power_place`: where "power" is given, else null; a remark there says the
-/// flux where pbrt-v4 counts another.
-void set_level(Context& context, const Place& place, const Place* power_place,
+/// With the level set.  `level_place`: where a level that is too high is given.  `power_place`:
+/// where "power" is given, else null; a remark there says the flux where pbrt-v4 counts another.
+void set_level(Context& context, const Place& level_place, const Place* power_place,
                const Rgb<double>& level, Projection& projection);
 
 }  // namespace lucerna::pbrt

@@ -273,7 +273,8 @@ TEST(PbrtLights, LevelsThatAreNoneAreErrors) {
       {"LightSource \"point\" \"rgb I\" [1 -1 1]", "\"rgb I\" = [1 -1 1], allowed: not negative"},
       {"LightSource \"point\" \"float scale\" -2", "\"float scale\" = -2, allowed: not negative"},
       {"LightSource \"point\" \"float power\" -2", "\"float power\" = -2, allowed: not negative"},
-      {"LightSource \"point\" \"rgb I\" [1e308 1 1] \"float scale\" 1e308", "is not finite"},
+      {"LightSource \"point\" \"rgb I\" [1e308 1 1] \"float scale\" 1e308",
+       "level (inf, 1e+308, 1e+308)"},
       {"LightSource \"point\" \"rgb I\" [0 0 0] \"float power\" 10",
        "\"float power\" = 10 lm for a light of luminance 0, which cannot have it"},
       {"LightSource \"distant\" \"float scale\" 0 \"float illuminance\" 10",
@@ -291,8 +292,8 @@ TEST(PbrtLights, LevelsThatAreNoneAreErrors) {
        "\"float coneangle\" = 0 degrees, allowed (0, 180]"},
       {"LightSource \"spot\" \"float conedeltaangle\" 40", "allowed [0, coneangle], which is 30"},
       {"Scale 1 1 2 LightSource \"spot\"", "a spot under a transform of unequal scale"},
-      {"LightSource \"spot\" \"point3 to\" [0 0 0]", "axis"},
-      {"LightSource \"distant\" \"point3 to\" [0 0 0]", "to_light"},
+      {"LightSource \"spot\" \"point3 to\" [0 0 0]", "\"point3 to\" = (0, 0, 0) and"},
+      {"LightSource \"distant\" \"point3 to\" [0 0 0]", "\"point3 to\" = (0, 0, 0) and"},
       {"LightSource \"lamp\"", "unknown light \"lamp\", expected one of point spot distant"},
       {"AreaLightSource \"lamp\" Shape \"disk\"",
        "unknown area light \"lamp\", expected \"diffuse\""},
@@ -301,6 +302,36 @@ TEST(PbrtLights, LevelsThatAreNoneAreErrors) {
     EXPECT_THAT(world_error_of(text), StartsWith("scene.pbrt:1:")) << text;
     EXPECT_THAT(world_error_of(text), HasSubstr(expected)) << text;
   }
+}
+
+TEST(PbrtLights, ErrorsStandAtTheParameterThatIsWrong) {
+  // By the columns of the text, after "WorldBegin ".
+  const std::pair<const char*, const char*> kCases[] = {
+      {"LightSource \"spot\" \"float coneangle\" 0",
+       "1:31: \"float coneangle\" = 0 degrees, allowed (0, 180]"},
+      {"LightSource \"spot\" \"float coneangle\" 20 \"float conedeltaangle\" 40",
+       "1:52: \"float conedeltaangle\" = 40 degrees, allowed [0, coneangle], which is 20"},
+      {"LightSource \"spot\" \"float coneangle\" 3",
+       "1:31: \"float conedeltaangle\" = 5 degrees unless it is given, allowed [0, coneangle], "
+       "which is 3"},
+      {"LightSource \"spot\" \"point3 from\" [1 2 3] \"point3 to\" [1 2 3]",
+       "1:53: \"point3 to\" = (1, 2, 3) and \"from\" = (1, 2, 3), which are (0, 0, 0) m apart"},
+      {"LightSource \"spot\" \"point3 from\" [0 0 1]", "1:31: \"point3 to\" = (0, 0, 1)"},
+      {"LightSource \"distant\" \"point3 to\" [0 0 0]", "1:34: \"point3 to\" = (0, 0, 0)"},
+      {"LightSource \"point\" \"float scale\" 1e39",
+       "1:32: level (1e+39, 1e+39, 1e+39) of the light: \"I\" times \"scale\" and what \"power\" "
+       "asks for, allowed: each channel finite, at most 3.4e+38"},
+      {"LightSource \"point\" \"rgb I\" [1e39 1 1]", "1:32: level (1e+39, 1, 1)"},
+      {"LightSource \"infinite\" \"rgb L\" [1e30 1 1] \"float scale\" 1e30",
+       "1:54: level (1e+60, 1e+30, 1e+30)"},
+      {"LightSource \"distant\" \"float illuminance\" 1e39", "1:34: level (1e+39"},
+      {"LightSource \"projection\" \"float fov\" 1e-150",
+       "1:37: \"float fov\" = 1e-150 degrees: projection.fov = "},
+      {"LightSource \"projection\" \"float fov\" 30 \"float scale\" 1e39", "1:52: level (1e+39"},
+      {"AreaLightSource \"diffuse\" \"float scale\" 1e39 Shape \"disk\"", "1:38: level (1e+39"},
+  };
+  for (const auto& [text, expected] : kCases)
+    EXPECT_THAT(world_error_of(text), StartsWith(std::string("scene.pbrt:") + expected)) << text;
 }
 
 TEST(PbrtLights, AnEmittingSphereUnderUnequalScaleIsRefusedAtTheShape) {

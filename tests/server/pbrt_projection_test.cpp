@@ -134,7 +134,8 @@ TEST(PbrtProjection, BadInputIsAnErrorWithItsPlace) {
   EXPECT_THAT(error("\"string filename\" \"none.pfm\""), HasSubstr("none.pfm"));
   EXPECT_THAT(error(kSlide, "Scale 1 2 1 Rotate 30 0 0 1"),
               HasSubstr("scene.pbrt:2:1: a projection under a transform that shears"));
-  EXPECT_THAT(error("\"float fov\" 1e-150"), HasSubstr("scene.pbrt:2:1: projection.fov"));
+  EXPECT_THAT(error("\"float fov\" 1e-150"),
+              HasSubstr("scene.pbrt:2:26: \"float fov\" = 1e-150 degrees: projection.fov"));
   const auto with_bytes = [](const std::string& bytes, const std::string& parameters = "") {
     return message(load(kSlide + parameters, "", bytes).status());
   };
@@ -145,7 +146,7 @@ TEST(PbrtProjection, BadInputIsAnErrorWithItsPlace) {
   EXPECT_THAT(with_bytes("PF\n0 0\n-1.0\n"), HasSubstr("slide.pfm"));
   EXPECT_THAT(with_bytes("no picture"), HasSubstr("slide.pfm"));
   EXPECT_THAT(with_bytes(slide_pfm(2, 2, 1e30F), "\"float scale\" 1e30"),
-              HasSubstr("scene.pbrt:2:1: projection.intensity of the brightest texel"));
+              HasSubstr("scene.pbrt:2:56: projection.intensity of the brightest texel"));
 }
 
 // Row 32 of the inputs that break lights: a picture of one row.
