@@ -6,6 +6,8 @@
 #include <cmath>
 #include <utility>
 
+#include "server/byte_order_mark.h"
+
 namespace lucerna {
 namespace {
 
@@ -118,7 +120,7 @@ SetOrder order_of_sets(const Lines& lines, std::size_t sets) {
 }  // namespace
 
 absl::StatusOr<PhotometricFile> parse_eulumdat(std::string_view text, std::string_view name) {
-  if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
+  text = without_byte_order_mark(text);
   Lines lines(name, text);
   PhotometricFile file;
   file.format = "EULUMDAT";
@@ -135,7 +137,12 @@ absl::StatusOr<PhotometricFile> parse_eulumdat(std::string_view text, std::strin
                              fmt::format("the number Mc of C-planes = {}, allowed for symmetry {}: "
                                          "multiples of {}",
                                          angles, symmetry, divisor));
-  const double conversion = lines.number(24, "the conversion factor", 1e-300, kAny, "positive");
+  // The description knows no blank here and some programs refuse it; where nothing is to be
+  // converted that is what it says.
+  const bool unconverted = lines.size() >= 24 && lines.blank(24);
+  const double conversion =
+      unconverted ? 1 : lines.number(24, "the conversion factor", 1e-300, kAny, "positive");
+  if (unconverted) file.notes.push_back({24, "no conversion factor for intensities", "1"});
   const std::size_t sets =
       lines.whole(26, "the number of sets of lamps", 1, 1000, "a whole number from 1");
   if (!lines.status.ok()) return lines.status;

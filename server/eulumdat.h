@@ -14,7 +14,8 @@ namespace lucerna {
 ///
 /// The file has one value a line; decimal commas are taken as points.  Intensity is what the file
 /// gives per 1000 lm, times the luminous flux of the first set of lamps (of all its lamps; of the
-/// luminaire where their number is negative, absolute photometry), times the conversion factor.
+/// luminaire where their number is negative, absolute photometry), times the conversion factor (1
+/// where its line is blank, which a note tells; the description knows no blank there).
 /// Further sets are alternatives: a note tells that they are left out.  The description has the
 /// values of all sets field by field, programs write them set by set too: what can be a number
 /// tells which it is.  Where the light output ratio contradicts the intensities by more than 2%,

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <utility>
 
+#include "server/byte_order_mark.h"
+
 namespace lucerna {
 namespace {
 
@@ -173,7 +175,7 @@ double read_tilt(Numbers& numbers, PhotometricFile& file) {
 }  // namespace
 
 absl::StatusOr<PhotometricFile> parse_ies(std::string_view text, std::string_view name) {
-  if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
+  text = without_byte_order_mark(text);
   const std::vector<std::string_view> lines = split_lines(text);
   PhotometricFile file;
 

@@ -9,6 +9,8 @@
 #include <string_view>
 #include <utility>
 
+#include "server/byte_order_mark.h"
+
 namespace lucerna::pbrt {
 namespace {
 
@@ -49,9 +51,11 @@ void Parser::open(const Place& place, const std::string& name, bool imported) {
   for (const OpenFile& open : files_)
     if (*open.name == *file) fail(place, fmt::format("file \"{}\" includes itself", *file));
   files_.push_back({file, std::move(content.bytes), Tokenizer(file, {}), imported});
-  files_.back().tokens = Tokenizer(file, files_.back().contents);
+  // Columns count without the mark, as editors do.
+  const std::string_view contents = without_byte_order_mark(files_.back().contents);
+  files_.back().tokens = Tokenizer(file, contents);
   // Elsewhere such files begin with a byte that is no directive; say what it is.
-  const std::string_view start = std::string_view(files_.back().contents).substr(0, 2);
+  const std::string_view start = contents.substr(0, 2);
   if (start == "\xff\xfe" || start == "\xfe\xff")
     fail({file, 1, 1}, "the file is UTF-16, expected UTF-8");
 }

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <utility>
 
+#include "server/byte_order_mark.h"
+
 namespace lucerna::pbrt {
 namespace {
 
@@ -30,7 +32,7 @@ SampledSpectrum samples(const Place& place, const std::string& what,
 /// The numbers of a text file, # to the end of a line left out.
 std::vector<double> numbers_of(const Place& place, const AssetContent& file) {
   std::vector<double> numbers;
-  std::string_view rest = file.bytes;
+  std::string_view rest = without_byte_order_mark(file.bytes);
   for (int line = 1; !rest.empty(); ++line) {
     const std::size_t end = rest.find('\n');
     std::string_view text = rest.substr(0, end);

@@ -41,6 +41,22 @@ TEST(Eulumdat, IntensitiesAreForAThousandLumensOfTheLamps) {
   EXPECT_NEAR(ldt(f.text()).web->at({0, 0, 1}), 300, 1e-12);
 }
 
+TEST(Eulumdat, WithoutAConversionFactorIntensitiesAreAsTheyStand) {
+  Ldt f;
+  for (const char* blank : {"", "  ", "\t"}) {
+    f.conversion = blank;
+    EXPECT_EQ(ldt(f.text()).web->at({0, 0, 1}), 200);
+    EXPECT_EQ(notes(ldt(f.text())), "24 no conversion factor for intensities -> 1\n");
+  }
+  f.conversion = "x";
+  EXPECT_EQ(ldt_error(f.text()),
+            "lamp.ldt:24: the conversion factor is \"x\", allowed: a finite number");
+  // Where the file ends before it, it is no blank.
+  const std::string text = f.text();
+  EXPECT_THAT(ldt_error(text.substr(0, text.find("x\n"))),
+              HasSubstr("the file ends before the conversion factor (line 24)"));
+}
+
 TEST(Eulumdat, EndsOfLinesAndDecimalCommas) {
   Ldt f;
   f.intensities = {"100,5", " 50 ", "1e1"};

@@ -257,6 +257,32 @@ TEST(PbrtSyntax, FileNamesThatLeaveTheRootAreRefusedAtTheirPlace) {
               StartsWith("scene.pbrt:1:20: file name \"/etc/passwd\" leaves the scene root"));
 }
 
+TEST(PbrtSyntax, AByteOrderMarkBeginsAFileAndIsNoPartOfIt) {
+  const std::string mark = "\xef\xbb\xbf";
+  const SceneFiles files;
+  files.write("scene.pbrt", mark + "WorldBegin Include \"a.pbrt\" Import \"b.pbrt\"");
+  files.write("a.pbrt", mark + "Shape \"sphere\"");
+  files.write("b.pbrt", mark + "LightSource \"point\" \"spectrum I\" \"a.spd\"");
+  files.write("a.spd", mark + "400 1 700 1");
+  const auto scene = files.load("scene.pbrt");
+  ASSERT_TRUE(scene.ok()) << scene.status();
+  EXPECT_EQ(scene->shapes.size(), 1U);
+  ASSERT_EQ(scene->lights.size(), 1U);
+  EXPECT_NE(scene->lights[0].spectrum, nullptr);
+  // Columns are those that editors count.
+  files.write("a.pbrt", mark + "  Shape \"sphere\" 1");
+  EXPECT_THAT(message(files.load("scene.pbrt").status()), StartsWith("a.pbrt:1:18: "));
+  // Only there, and only once.
+  files.write("a.pbrt", " " + mark + "Shape \"sphere\"");
+  EXPECT_THAT(message(files.load("scene.pbrt").status()),
+              StartsWith("a.pbrt:1:2: expected a directive"));
+  files.write("a.pbrt", mark + mark + "Shape \"sphere\"");
+  EXPECT_THAT(message(files.load("scene.pbrt").status()),
+              StartsWith("a.pbrt:1:1: expected a directive"));
+  files.write("a.pbrt", mark);
+  EXPECT_TRUE(files.load("scene.pbrt").ok());
+}
+
 TEST(PbrtSyntax, LoadingStopsWhenAsked) {
   const SceneFiles files;
   std::string text = "WorldBegin\n";
