@@ -48,6 +48,13 @@ std::string shown(std::string text) {
 /// lines long.
 std::string first_line(const std::string& text) { return shown(text.substr(0, text.find('\n'))); }
 
+/// With what OpenImageIO says of it, which may be nothing.
+absl::Status unreadable(const AssetContent& content, const std::string& extension,
+                        const std::string& why) {
+  return bad(content, fmt::format("cannot be read as an image{}{}, allowed: a whole {} file",
+                                  why.empty() ? "" : ": ", first_line(why), extension));
+}
+
 /// A file without a name that holds `bytes`, for formats that OpenImageIO reads by name only.
 class MemoryFile {
  public:
@@ -110,7 +117,7 @@ absl::StatusOr<OpenImage> open_image(const AssetContent& content) {
       return absl::ResourceExhaustedError(content.name + ": " + std::strerror(errno));
     ok = open.input->open(open.file->path(), open.spec, config);
   }
-  if (!ok) return bad(content, "cannot be read as an image: " + first_line(open.input->geterror()));
+  if (!ok) return unreadable(content, extension, open.input->geterror());
   return open;
 }
 
@@ -213,7 +220,7 @@ absl::StatusOr<DecodedImage> decode_image(const AssetContent& content, std::uint
       static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height);
   std::vector<float> values(count * read);
   if (!open->input->read_image(0, 0, low, high + 1, OIIO::TypeDesc::FLOAT, values.data()))
-    return bad(content, "cannot be read as an image: " + first_line(open->input->geterror()));
+    return unreadable(content, known_extension(content.name), open->input->geterror());
   std::vector<Rgb<float>> texels(count);
   std::size_t negative = 0;
   const std::array coded{*is_coded(spec.channelformat((*channels)[0])),

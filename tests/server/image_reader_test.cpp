@@ -2,45 +2,21 @@
 // are written by hand (.pfm), the others by OpenImageIO.
 #include "server/image_reader.h"
 
-#include <OpenImageIO/imageio.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 
-#include "tests/server/pbrt_fixture.h"
+#include "tests/server/picture_texts.h"
 
 namespace lucerna {
 namespace {
 
 using ::testing::HasSubstr;
 using testing::message;
-using testing::SceneFiles;
-
-/// Rows from the top, three floats a texel.
-std::string pfm(int width, int height, const std::vector<float>& rgb) {
-  std::string bytes = "PF\n" + std::to_string(width) + " " + std::to_string(height) + "\n-1.0\n";
-  const std::size_t row = static_cast<std::size_t>(width) * 3;
-  for (int y = height; y-- > 0;)
-    bytes.append(reinterpret_cast<const char*>(rgb.data() + static_cast<std::size_t>(y) * row),
-                 row * sizeof(float));
-  return bytes;
-}
-
-template <typename T>
-std::string written(const std::string& name, OIIO::ImageSpec spec, const std::vector<T>& values) {
-  const SceneFiles files;
-  const std::string path = (files.path() / name).string();
-  const auto file = OIIO::ImageOutput::create(path);
-  if (!file || !file->open(path, spec) || !file->write_image(spec.format, values.data()) ||
-      !file->close())
-    throw std::runtime_error(file ? file->geterror() : OIIO::geterror());
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
+using testing::pfm;
+using testing::written;
 
 std::string remarks_of(const DecodedImage& d) {
   std::string all;
@@ -81,7 +57,7 @@ TEST(ImageReader, IntegersAreSrgbCoded) {
 TEST(ImageReader, HalfIsLinear) {
   OIIO::ImageSpec spec(2, 1, 3, OIIO::TypeDesc::HALF);
   const std::vector<std::uint16_t> halves{0x3c00, 0x3800, 0x7bff, 0, 0x0001, 0x4000};
-  const auto d = decode_image({"a.exr", written("a.exr", spec, halves)});
+  const auto d = decode_image({"a.exr", written("a.exr", spec, halves, spec.format)});
   ASSERT_TRUE(d.ok()) << d.status();
   EXPECT_EQ(d->image->texel(0, 0), Rgb<float>(1, 0.5F, 65504));
   EXPECT_EQ(d->image->texel(1, 0), Rgb<float>(0, 0x1p-24F, 2));
