@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
+#include "server/pbrt/levels.h"
 #include "server/pbrt/scales.h"
 
 namespace lucerna::pbrt {
@@ -92,13 +92,10 @@ ImageInfiniteLightParams picture(Context& context, const ParameterSet& params, c
   infinite.image_name = named.name;
   infinite.world_from_map = world_from_light;
   infinite.radiance_cd_m2 = Rgb<double>(level);
-  const Rgb<double> brightest = infinite.map->brightest() * infinite.radiance_cd_m2;
-  if (!is_finite(Rgb<float>(brightest)))
-    fail(params.place_of({"scale", "illuminance", "filename"}, place),
-         fmt::format("the brightest texel of {}, times {}, is ({}, {}, {}) cd/m2, allowed: each "
-                     "channel finite, at most {:.3g}",
-                     printable(named.name), level, brightest.r, brightest.g, brightest.b,
-                     double{std::numeric_limits<float>::max()}));
+  require_level(
+      level_place(params, "L", place),
+      fmt::format("the brightest texel of {} times the light's level", printable(named.name)),
+      infinite.map->brightest() * infinite.radiance_cd_m2);
   return infinite;
 }
 
@@ -118,7 +115,7 @@ ImageInfiniteLightParams image_infinite(Context& context, const ParameterSet& pa
       picture(context, params, place, world_from_light, ImageFilter::kNearest);
   // All that can fail, here where its place is known.
   if (const auto made = ImageInfiniteLight<float>::create(infinite); !made.ok())
-    fail(params.place_of({"scale", "illuminance", "filename"}, place), made.status());
+    fail(level_place(params, "L", place), made.status());
   return infinite;
 }
 

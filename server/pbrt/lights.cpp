@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <utility>
 
@@ -11,6 +10,7 @@
 #include "lights/triangle.h"
 #include "server/pbrt/area_lights.h"
 #include "server/pbrt/image_lights.h"
+#include "server/pbrt/levels.h"
 #include "server/pbrt/photometric_lights.h"
 #include "server/pbrt/projection_lights.h"
 #include "server/pbrt/scales.h"
@@ -28,11 +28,6 @@ struct Target {
   const char* unit;
   double of_unit_level;  ///< what a level of luminance 1 amounts to
 };
-
-/// The parameter that a level which is too high is said to come from.
-Place level_place(const ParameterSet& params, const Place& place, std::string_view name) {
-  return params.place_of({"scale", "power", "illuminance", name, "filename"}, place);
-}
 
 /// The level (intensity, radiance or illuminance) of a light: rgb or spectrum, times scale, and
 /// where the target is given, such that a light of luminance 1 would reach it.
@@ -72,14 +67,10 @@ Rgb<double> level(Context& context, const ParameterSet& params, const Place& pla
       result = result * (wanted / target->of_unit_level);
     }
   }
-  if (!is_finite(Rgb<float>(result)))
-    fail(level_place(params, place, name),
-         fmt::format(
-             "level ({:.6g}, {:.6g}, {:.6g}) of the light: \"{}\" times \"scale\"{}, allowed: each "
-             "channel finite, at most {:.3g}",
-             result.r, result.g, result.b, name,
-             target ? fmt::format(" and what \"{}\" asks for", target->name) : "",
-             double{std::numeric_limits<float>::max()}));
+  require_level(level_place(params, name, place),
+                fmt::format("the light's level, \"{}\" times \"scale\"{}", name,
+                            given ? fmt::format(" and what \"{}\" asks for", given->name) : ""),
+                result);
   return result;
 }
 
@@ -252,6 +243,12 @@ std::optional<LightDescription> make_light(Context& context, const std::string& 
     GoniometricLightParams luminaire = goniometric(context, params, place, world_from_light);
     const double lumens = flux_of_unit_intensity_lm(luminaire);
     luminaire.intensity = level(context, params, place, "I", Target{"power", "lm", lumens});
+    if (luminaire.web || luminaire.map)
+      require_level(level_place(params, "I", place),
+                    fmt::format("the largest intensity of {} times the light's level",
+                                printable(luminaire.file)),
+                    luminaire.intensity *
+                        (luminaire.web ? luminaire.web->max_cd() : luminaire.map->max_cd()));
     light.params = checked<GoniometricLight>(place, luminaire);
   } else if (type == "projection") {
     Projection thrown = projection(context, params, place, world_from_light);
@@ -259,7 +256,7 @@ std::optional<LightDescription> make_light(Context& context, const std::string& 
         level(context, params, place, "I", Target{"power", "lm", thrown.pbrt4_lumens});
     const Parameter* power = params.find("power", {"float"});
     const bool by_power = power != nullptr && power->numbers.front() > 0;
-    set_level(context, level_place(params, place, "I"), by_power ? &power->place : nullptr, of_1,
+    set_level(context, level_place(params, "I", place), by_power ? &power->place : nullptr, of_1,
               thrown);
     std::visit([&](auto& p) { light.params = std::move(p); }, thrown.light);
   } else {
@@ -315,6 +312,11 @@ std::optional<ShapeDescription::Emission> make_emission(Context& context,
   }
   emission.radiance_cd_m2 =
       level(context, light.params, light.place, "L", Target{"power", "lm", lumens});
+  if (emission.picture)
+    require_level(level_place(light.params, "L", light.place),
+                  fmt::format("the brightest texel of {} times the light's level",
+                              printable(emission.picture->name)),
+                  emission.radiance_cd_m2 * emission.picture->brightest());
   emission.spectrum = light_spectrum(context, light.params, "L");
   const std::size_t primitives = primitives_of(geometry);
   if (const Parameter* power = light.params.find("power", {"float"});

@@ -175,7 +175,8 @@ TEST(PbrtAreaImages, WhatIsWrongIsAnErrorWithItsPlace) {
       {kImage + "\"float scale\" -1 " + kPatch, "\"float scale\" = -1, allowed: not negative"},
       {kImage + kPatch + "\"point2 uv\" [0 0 1 1]",
        "Shape \"bilinearmesh\" has 2 \"uv\" for 4 vertices"},
-      {kImage + "\"float scale\" 1e38 " + kPatch, "area.radiance of the brightest texel"},
+      {kImage + "\"float scale\" 1e38 " + kPatch,
+       "the brightest texel of four.pfm times the light's level = (4e+38"},
   };
   for (const auto& [world, expected] : kCases) {
     auto scene = load(world);

@@ -274,7 +274,8 @@ TEST(PbrtLights, LevelsThatAreNoneAreErrors) {
       {"LightSource \"point\" \"float scale\" -2", "\"float scale\" = -2, allowed: not negative"},
       {"LightSource \"point\" \"float power\" -2", "\"float power\" = -2, allowed: not negative"},
       {"LightSource \"point\" \"rgb I\" [1e308 1 1] \"float scale\" 1e308",
-       "level (inf, 1e+308, 1e+308)"},
+       "the light's level, \"I\" times \"scale\" = (inf, 1e+308, "
+       "1e+308)"},
       {"LightSource \"point\" \"rgb I\" [0 0 0] \"float power\" 10",
        "\"float power\" = 10 lm for a light of luminance 0, which cannot have it"},
       {"LightSource \"distant\" \"float scale\" 0 \"float illuminance\" 10",
@@ -319,16 +320,18 @@ TEST(PbrtLights, ErrorsStandAtTheParameterThatIsWrong) {
       {"LightSource \"spot\" \"point3 from\" [0 0 1]", "1:31: \"point3 to\" = (0, 0, 1)"},
       {"LightSource \"distant\" \"point3 to\" [0 0 0]", "1:34: \"point3 to\" = (0, 0, 0)"},
       {"LightSource \"point\" \"float scale\" 1e39",
-       "1:32: level (1e+39, 1e+39, 1e+39) of the light: \"I\" times \"scale\" and what \"power\" "
-       "asks for, allowed: each channel finite, at most 3.4e+38"},
-      {"LightSource \"point\" \"rgb I\" [1e39 1 1]", "1:32: level (1e+39, 1, 1)"},
+       "1:32: the light's level, \"I\" times \"scale\" = (1e+39, 1e+39, 1e+39), allowed: each "
+       "channel finite, at most 3.4e+38"},
+      {"LightSource \"point\" \"rgb I\" [1e39 1 1]", "1:32: the light's level, "},
       {"LightSource \"infinite\" \"rgb L\" [1e30 1 1] \"float scale\" 1e30",
-       "1:54: level (1e+60, 1e+30, 1e+30)"},
-      {"LightSource \"distant\" \"float illuminance\" 1e39", "1:34: level (1e+39"},
+       "1:54: the light's level, "},
+      {"LightSource \"distant\" \"float illuminance\" 1e39", "1:34: the light's level, "},
       {"LightSource \"projection\" \"float fov\" 1e-150",
        "1:37: \"float fov\" = 1e-150 degrees: projection.fov = "},
-      {"LightSource \"projection\" \"float fov\" 30 \"float scale\" 1e39", "1:52: level (1e+39"},
-      {"AreaLightSource \"diffuse\" \"float scale\" 1e39 Shape \"disk\"", "1:38: level (1e+39"},
+      {"LightSource \"projection\" \"float fov\" 30 \"float scale\" 1e39",
+       "1:52: the light's level, "},
+      {"AreaLightSource \"diffuse\" \"float scale\" 1e39 Shape \"disk\"",
+       "1:38: the light's level, "},
   };
   for (const auto& [text, expected] : kCases)
     EXPECT_THAT(world_error_of(text), StartsWith(std::string("scene.pbrt:") + expected)) << text;

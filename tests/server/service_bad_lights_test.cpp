@@ -68,11 +68,11 @@ std::vector<BadLight> bad_lights() {
        "", "", 21, "black body of 3 K, allowed: [100, 1e7] K"},
       {"an intensity beyond a float", point + "\"float scale\" 1e39", point + "\"float scale\" 1e3",
        nullptr, "", "", 21, "allowed: each channel finite"},
-      // Found only when the scene is built.
       {"an area light too bright",
        "AreaLightSource \"diffuse\" \"string filename\" \"sky.pfm\" \"float scale\" 1e30 "
        "Shape \"disk\"",
-       screen, "sky.pfm", pfm(1e30F), pfm(1), 1, "area.radiance of the brightest texel"},
+       screen, "sky.pfm", pfm(1e30F), pfm(1), 55,
+       "the brightest texel of sky.pfm times the light's level = (1e+60"},
       {"a portal that is no rectangle",
        "LightSource \"infinite\" \"point3 portal\" [0 0 1 1 0 1 1 1 2 0 1 1]",
        "LightSource \"infinite\" \"point3 portal\" [0 0 1 1 0 1 1 1 1 0 1 1]", nullptr, "", "", 24,
@@ -80,6 +80,7 @@ std::vector<BadLight> bad_lights() {
       {"motion that grows", "ActiveTransform EndTime Scale 2 2 2 " + point,
        "ActiveTransform EndTime Translate 2 2 2 " + point, nullptr, "", "", 37,
        "motion that scales or shears"},
+      // Found only when the scene is built.
       {"motion beyond all rays", "ActiveTransform EndTime Translate 1e19 0 0 " + point,
        "ActiveTransform EndTime Translate 1 0 0 " + point, nullptr, "", "", 44,
        "motion reaching to 1"},
