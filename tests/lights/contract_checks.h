@@ -67,18 +67,33 @@ Verdict check_well_formed(const LightSample<Real>& s) {
   return {};
 }
 
+/// The solid angle that a unit of a region's square has at (x, y).
+template <typename Domain>
+double element_sr(const Domain& region, double x, double y) {
+  if constexpr (requires { region.element_sr(x, y); })
+    return region.element_sr(x, y);
+  else
+    return region.solid_angle_sr();
+}
+
 /// A density integrates to the share of samples that carry light.  `sample(u)` gives the sample,
 /// `pdf(w)` the density.  The tolerance: 1e-3 bounds the midpoint rule on 720 x 720 cells that a
 /// silhouette cuts; the share of samples that carry light strays by 5.5 standard deviations less
 /// than once in 1e7.
-template <typename Sample, typename Pdf>
-Verdict check_density_integrates(const Region& region, Sample&& sample, Pdf&& pdf) {
+template <typename Domain = Region, typename Sample, typename Pdf>
+Verdict check_density_integrates(const Domain& region, Sample&& sample, Pdf&& pdf) {
   constexpr int kSamples = 20000;
   RandomU random(0x5eed);
   int with_light = 0;
   for (int i = 0; i < kSamples; ++i) with_light += sample(random.pair()).reason == NoLight::kNone;
   const double probability = double(with_light) / kSamples;
-  const double integral = integrate(region, 720, pdf);
+  constexpr int kGrid = 720;
+  double integral = 0;
+  for (int i = 0; i < kGrid; ++i)
+    for (int j = 0; j < kGrid; ++j) {
+      const double x = (i + 0.5) / kGrid, y = (j + 0.5) / kGrid;
+      integral += pdf(region.at(x, y)) * element_sr(region, x, y) / (kGrid * kGrid);
+    }
   const double tolerance = 1e-3 + 5.5 * std::sqrt(probability * (1 - probability) / kSamples);
   if (probability > 0 && std::fabs(integral - probability) < tolerance) return {};
   return {fmt::format("density integrates to {}, sampled probability {} +- {}", integral,
@@ -86,8 +101,8 @@ Verdict check_density_integrates(const Region& region, Sample&& sample, Pdf&& pd
 }
 
 /// Directions of samples follow the density.  Rejects by luck with probability 1e-8.
-template <typename Sample, typename Pdf>
-Verdict check_samples_follow_density(const Region& region, Sample&& sample, Pdf&& pdf) {
+template <typename Domain = Region, typename Sample, typename Pdf>
+Verdict check_samples_follow_density(const Domain& region, Sample&& sample, Pdf&& pdf) {
   constexpr int kSamples = 100000, kColumns = 16, kSub = 30;
   std::vector<double> observed(kColumns * kColumns), expected(kColumns * kColumns);
   RandomU random(0xc41);
@@ -100,12 +115,12 @@ Verdict check_samples_follow_density(const Region& region, Sample&& sample, Pdf&
     const int y = std::min(int(at.y * kColumns), kColumns - 1);
     ++observed[x * kColumns + y];
   }
-  const double cell = region.solid_angle_sr() / (kColumns * kColumns) / (kSub * kSub);
   constexpr int kFine = kColumns * kSub;
   for (int i = 0; i < kFine; ++i) {
     for (int j = 0; j < kFine; ++j) {
-      expected[(i / kSub) * kColumns + j / kSub] +=
-          kSamples * cell * pdf(region.at((i + 0.5) / kFine, (j + 0.5) / kFine));
+      const double x = (i + 0.5) / kFine, y = (j + 0.5) / kFine;
+      const double cell = element_sr(region, x, y) / (kFine * kFine);
+      expected[(i / kSub) * kColumns + j / kSub] += kSamples * cell * pdf(region.at(x, y));
     }
   }
   const double p = chi_square_p_value(observed, expected);

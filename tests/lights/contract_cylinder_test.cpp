@@ -100,6 +100,16 @@ struct InwardTubeCase : QuarterTubeCase {
   static double distance_to_surface(const Vec3<double>& p) {
     return std::fmax(std::fabs(std::hypot(p.x, p.y) - kRadius), std::fabs(p.z) - kHalfHeight);
   }
+  static Vec3<double> emission_position(const Vec3<double>&, double x, double y) {
+    return {kRadius * std::cos(2 * kPi * y), kRadius * std::sin(2 * kPi * y),
+            kHalfHeight * (2 * x - 1)};
+  }
+  static Vec2<double> emission_where(const Vec3<double>& p, const Vec3<double>&) {
+    const double y = std::atan2(p.y, p.x) / (2 * kPi);
+    return {(p.z / kHalfHeight + 1) / 2, y < 0 ? y + 1 : y};
+  }
+  static double emission_area_m2() { return 4 * QuarterTubeCase::emission_area_m2(); }
+  static Vec3<double> emission_direction(const Vec3<double>& p) { return emission_region(p).axis; }
   static Region emission_region(const Vec3<double>& p) {
     return {normalized(Vec3<double>{-p.x, -p.y, 0}), kPi / 2};
   }
@@ -110,12 +120,12 @@ struct InwardTubeCase : QuarterTubeCase {
 using CylinderCases = ::testing::Types<QuarterTubeCase, InwardTubeCase>;
 INSTANTIATE_TYPED_TEST_SUITE_P(Cylinder, AnyLight, CylinderCases);
 INSTANTIATE_TYPED_TEST_SUITE_P(Cylinder, LightWithDensity, CylinderCases);
-INSTANTIATE_TYPED_TEST_SUITE_P(Cylinder, LocalLight, ::testing::Types<QuarterTubeCase>);
+INSTANTIATE_TYPED_TEST_SUITE_P(Cylinder, LocalLight, CylinderCases);
 
 INSTANTIATE_TYPED_TEST_SUITE_P(Cylinder, EmittingLight, CylinderCases);
 INSTANTIATE_TYPED_TEST_SUITE_P(Cylinder, EmittingDirections, CylinderCases);
 INSTANTIATE_TYPED_TEST_SUITE_P(Cylinder, BoundedLight, CylinderCases);
-INSTANTIATE_TYPED_TEST_SUITE_P(Cylinder, EmittingSurface, ::testing::Types<QuarterTubeCase>);
+INSTANTIATE_TYPED_TEST_SUITE_P(Cylinder, EmittingSurface, CylinderCases);
 
 }  // namespace
 }  // namespace lucerna::testing

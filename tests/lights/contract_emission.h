@@ -266,14 +266,32 @@ TYPED_TEST_P(UnboundedLight, HasNoBounds) {
   EXPECT_FALSE(TypeParam::template make<float>({}).bounds().has_value());
 }
 
-TYPED_TEST_P(UnboundedLight, ASceneWithoutExtentGetsNoRays) {
+// Rays that enter by the scene's sphere have nowhere to start where that is a point; those that
+// start on a portal do not ask for it.
+TYPED_TEST_P(UnboundedLight, ASceneWithoutExtentGetsRaysOfPortalsOnly) {
   const auto light = TypeParam::template make<float>({});
-  const auto s = light.sample_le({0.5F, 0.25F}, {0.25F, 0.5F}, {{}, 0});
-  EXPECT_NE(s.reason, NoLight::kNone);
-  EXPECT_TRUE(check_well_formed(s).ok());
-  EXPECT_EQ(light.pdf_le({0, 0, 0}, {0, 0, 1}, {{}, 0}), EmissionPdf<float>{});
+  const SceneSphere none{{}, 0};
+  RandomU random(16);
+  for (int i = 0; i < 100; ++i) {
+    const Vec2<float> up = random.pair(), ud = random.pair();
+    const auto s = light.sample_le(up, ud, none);
+    ASSERT_TRUE(check_well_formed(s).ok()) << check_well_formed(s).failure;
+    if constexpr (std::is_base_of_v<SceneDiskCase, TypeParam>) {
+      EXPECT_NE(s.reason, NoLight::kNone);
+      EXPECT_EQ(light.pdf_le({0, 0, 0}, {0, 0, 1}, none), EmissionPdf<float>{});
+    } else {
+      const auto same = light.sample_le(up, ud, TypeParam::scene());
+      EXPECT_EQ(s.reason, same.reason);
+      EXPECT_EQ(s.origin, same.origin);
+      EXPECT_EQ(s.direction, same.direction);
+      if (s.reason != NoLight::kNone) continue;
+      const EmissionPdf<float> told = light.pdf_le(s.origin, s.direction, none);
+      EXPECT_EQ(told, light.pdf_le(s.origin, s.direction, TypeParam::scene()));
+      EXPECT_GT(told.position.per_m2, 0);
+    }
+  }
 }
 
-REGISTER_TYPED_TEST_SUITE_P(UnboundedLight, HasNoBounds, ASceneWithoutExtentGetsNoRays);
+REGISTER_TYPED_TEST_SUITE_P(UnboundedLight, HasNoBounds, ASceneWithoutExtentGetsRaysOfPortalsOnly);
 
 }  // namespace lucerna::testing

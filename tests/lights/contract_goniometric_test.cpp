@@ -6,7 +6,8 @@
 namespace lucerna::testing {
 namespace {
 
-struct EmittingUneven : UnevenWebCase {
+template <typename Case>
+struct EmittingAllAround : Case {
   static constexpr bool kConfined = false;
   static Region emission_region(const Vec3<double>&) { return {}; }
 };
@@ -14,26 +15,25 @@ struct EmittingDown : DownWebCase {
   static constexpr bool kConfined = true;
   static Region emission_region(const Vec3<double>&) { return {{0, 0, -1}, 1.3}; }
 };
-struct EmittingIsotropic : IsotropicCase {
-  static constexpr bool kConfined = false;
-  static Region emission_region(const Vec3<double>&) { return {}; }
+struct EmittingFlood : FloodWebCase {
+  static constexpr bool kConfined = true;
+  static Region emission_region(const Vec3<double>&) { return {{0, 0, -1}, kPi / 2}; }
 };
-
-struct EmittingUnevenMap : UnevenMapCase {
-  static constexpr bool kConfined = false;
-  static Region emission_region(const Vec3<double>&) { return {}; }
+struct EmittingHeadlamp : HeadlampWebCase {
+  static constexpr bool kConfined = true;
+  static Region emission_region(const Vec3<double>&) { return {{1, 0, 0}, kPi / 2}; }
 };
 struct EmittingConfinedMap : ConfinedMapCase {
   static constexpr bool kConfined = true;
   static Region emission_region(const Vec3<double>&) { return {{0, 0, -1}, 0.73}; }
 };
-struct EmittingLatitudeLongitudeMap : LatitudeLongitudeMapCase {
-  static constexpr bool kConfined = false;
-  static Region emission_region(const Vec3<double>&) { return {}; }
-};
 
-using Cases = ::testing::Types<EmittingUneven, EmittingDown, EmittingIsotropic, EmittingUnevenMap,
-                               EmittingConfinedMap, EmittingLatitudeLongitudeMap>;
+using Cases =
+    ::testing::Types<EmittingAllAround<UnevenWebCase>, EmittingDown, EmittingFlood,
+                     EmittingHeadlamp, EmittingAllAround<IsotropicCase>,
+                     EmittingAllAround<PatchyMapCase>, EmittingConfinedMap,
+                     EmittingAllAround<BilinearMapCase>, EmittingAllAround<NearestPanoramaCase>,
+                     EmittingAllAround<BilinearPanoramaCase>>;
 INSTANTIATE_TYPED_TEST_SUITE_P(Goniometric, AnyLight, Cases);
 INSTANTIATE_TYPED_TEST_SUITE_P(Goniometric, DeltaLight, Cases);
 INSTANTIATE_TYPED_TEST_SUITE_P(Goniometric, LocalLight, Cases);

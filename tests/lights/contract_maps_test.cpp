@@ -5,13 +5,16 @@
 namespace lucerna::testing {
 namespace {
 
-using MapCases = ::testing::Types<EqualAreaCase, LatitudeLongitudeCase>;
+using MapCases = ::testing::Types<EqualAreaCase, BilinearEqualAreaCase,
+                                  NearestLatitudeLongitudeCase, LatitudeLongitudeCase>;
 INSTANTIATE_TYPED_TEST_SUITE_P(Maps, AnyLight, MapCases);
 INSTANTIATE_TYPED_TEST_SUITE_P(Maps, LightWithDensity, MapCases);
 
-struct EmittingEqualArea : EqualAreaCase, SceneDiskCase {};
-struct EmittingLatitudeLongitude : LatitudeLongitudeCase, SceneDiskCase {};
-using EmittingCases = ::testing::Types<EmittingEqualArea, EmittingLatitudeLongitude>;
+template <typename Case>
+struct Emitting : Case, SceneDiskCase {};
+using EmittingCases =
+    ::testing::Types<Emitting<EqualAreaCase>, Emitting<BilinearEqualAreaCase>,
+                     Emitting<NearestLatitudeLongitudeCase>, Emitting<LatitudeLongitudeCase>>;
 INSTANTIATE_TYPED_TEST_SUITE_P(Maps, EmittingLight, EmittingCases);
 INSTANTIATE_TYPED_TEST_SUITE_P(Maps, EmittingSurface, EmittingCases);
 INSTANTIATE_TYPED_TEST_SUITE_P(Maps, EmittingDirections, EmittingCases);
@@ -35,6 +38,8 @@ void check_incomplete() {
 
 TEST(ImageInfiniteLightContract, IncompleteDensitiesKeepItToo) {
   check_incomplete<EqualAreaCase>();
+  check_incomplete<BilinearEqualAreaCase>();
+  check_incomplete<NearestLatitudeLongitudeCase>();
   check_incomplete<LatitudeLongitudeCase>();
 }
 

@@ -1,4 +1,5 @@
-// Portal lights keep the contract of every light, of those with a density and of emission.
+// Portal lights keep the contract of every light, of those with a density, of emission and of those
+// at infinity, which have no bounds.
 #include "lights/portal_light.h"
 #include "tests/lights/contract_emission.h"
 #include "tests/lights/map_cases.h"
@@ -100,6 +101,7 @@ INSTANTIATE_TYPED_TEST_SUITE_P(Portals, LightWithDensity, PortalCases);
 INSTANTIATE_TYPED_TEST_SUITE_P(Portals, EmittingLight, PortalCases);
 INSTANTIATE_TYPED_TEST_SUITE_P(Portals, EmittingSurface, PortalCases);
 INSTANTIATE_TYPED_TEST_SUITE_P(Portals, EmittingDirections, PortalCases);
+INSTANTIATE_TYPED_TEST_SUITE_P(Portals, UnboundedLight, PortalCases);
 
 }  // namespace
 }  // namespace lucerna::testing

@@ -165,7 +165,66 @@ struct InwardSphereBy : SampledCase {
   static std::vector<Vec3<double>> receivers() { return {{0, 0, 0}, {0.25, -0.25, 0.375}}; }
   static Region region(const Vec3<double>&) { return {}; }
   static Rgb<double> value(const Vec3<double>&, const Vec3<double>&) { return kLevel; }
+  static double distance_to_surface(const Vec3<double>& p) { return std::fabs(length(p) - 0.75); }
+  /// Seen from outside, its far wall is chosen by area, which the near one hides.
+  static constexpr bool kEnclosed = kWay == AreaSampling::kSolidAngle;
   static Rgb<double> power_by_quadrature() { return lambertian_power(4 * kPi * 0.75 * 0.75); }
+};
+
+/// The directions from outside to a ball about the origin, by the part of its surface that is seen:
+/// cut into cells of equal area there.  The density by area has a pole at the silhouette, that of
+/// these cells is 0 there.
+struct SeenBall {
+  Vec3<double> receiver;
+  double radius;
+
+  double distance() const { return length(receiver); }
+  /// The cosine at the centre, between the receiver and a point that is seen, is 1 less x times
+  /// this.
+  double one_minus_cos() const { return 1 - radius / distance(); }
+  Vec3<double> at(double x, double y) const { return normalized(point(x, y) - receiver); }
+  Vec2<double> where(const Vec3<double>& w) const {
+    // The near one of two hits; a direction that is rounded past the silhouette counts as on it.
+    const double b = -dot(receiver, w);
+    const double half_chord =
+        std::sqrt(std::fmax(0, radius * radius - dot(cross(receiver, w), cross(receiver, w))));
+    const Vec3<double> n = normalized(receiver + w * (b - half_chord));
+    const Vec3<double> local = Frame<double>::around(normalized(receiver)).local_from_world(n);
+    const double y = std::atan2(local.y, local.x) / (2 * kPi);
+    return {(1 - local.z) / one_minus_cos(), y < 0 ? y + 1 : y};
+  }
+  /// dA cos / d^2, the area being 2 pi r^2 (1 - cos) of x and y from 0 to 1.
+  double element_sr(double x, double y) const {
+    const Vec3<double> p = point(x, y), to_receiver = receiver - p;
+    const double d2 = dot(to_receiver, to_receiver);
+    const double cos = dot(p, to_receiver) / (radius * std::sqrt(d2));
+    return 2 * kPi * radius * radius * one_minus_cos() * cos / d2;
+  }
+
+ private:
+  Vec3<double> point(double x, double y) const {
+    const double z = 1 - x * one_minus_cos(), r = std::sqrt((1 - z) * (1 + z));
+    return Frame<double>::around(normalized(receiver))
+               .world_from_local({r * std::cos(2 * kPi * y), r * std::sin(2 * kPi * y), z}) *
+           radius;
+  }
+};
+
+/// Whole, seen from outside; half of it or more faces away.  Where it is seen at a grazing angle
+/// densities of rounded directions differ much from each other, so that it takes part in what is
+/// about their sum and their counts only.
+struct SphereByArea : SampledCase {
+  template <typename Real>
+  using Light = Asked<Real, SphereLight<Real>>;
+  template <typename Real>
+  static Light<Real> make(const Placement& at) {
+    return {*SphereLight<Real>::create(
+                {kLevel}, *Sphere<Real>::create(
+                              {.radius_m = 0.75, .world_from_object = at.world_from_light()})),
+            AreaSampling::kLowDistortion, at.direction(kNormal)};
+  }
+  static std::vector<Vec3<double>> receivers() { return {{2, 1, 2}, {0, 0, -1}, {0.5, 0.5, 0.5}}; }
+  static SeenBall region(const Vec3<double>& r) { return {r, 0.75}; }
 };
 
 using Sampled = ::testing::Types<
@@ -185,6 +244,8 @@ using SampledInside = ::testing::Types<InwardSphereBy<AreaSampling::kSolidAngle>
                                        InwardSphereBy<AreaSampling::kLowDistortion>>;
 INSTANTIATE_TYPED_TEST_SUITE_P(Inside, AnyLight, SampledInside);
 INSTANTIATE_TYPED_TEST_SUITE_P(Inside, LightWithDensity, SampledInside);
+INSTANTIATE_TYPED_TEST_SUITE_P(Inside, LocalLight, SampledInside);
+INSTANTIATE_TYPED_TEST_SUITE_P(Outside, LightWithDensity, SphereByArea);
 
 }  // namespace
 }  // namespace lucerna::testing

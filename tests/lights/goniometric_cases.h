@@ -29,6 +29,21 @@ struct HandGrid {
   }
 };
 
+/// A direction of a type's angles [degrees], V and H, from the standard's definitions; light space.
+template <PhotometricType kType>
+Vec2<double> photometric_angles(const Vec3<double>& w) {
+  constexpr double kDegree = std::numbers::pi / 180;
+  switch (kType) {
+    case PhotometricType::kC:  // from straight down, and to the left seen from above
+      return {std::atan2(std::hypot(w.x, w.y), w.z) / kDegree, std::atan2(-w.y, w.x) / kDegree};
+    case PhotometricType::kB:  // latitude towards +x; from straight down towards +y
+      return {std::atan2(w.x, std::hypot(w.y, w.z)) / kDegree, std::atan2(w.y, w.z) / kDegree};
+    case PhotometricType::kA:  // latitude upwards; from +x towards +y
+      return {std::atan2(-w.z, std::hypot(w.x, w.y)) / kDegree, std::atan2(w.y, w.x) / kDegree};
+  }
+  return {};
+}
+
 /// `Grid::grid()` says the intensities.
 template <typename Grid>
 struct WebCase : LocalDeltaCase {
@@ -42,7 +57,7 @@ struct WebCase : LocalDeltaCase {
             .axes = {placement.direction({2, 0, 0}), placement.direction({0, -2, 0}),
                      placement.direction({0, 0, -2})},
             .intensity = kDeltaLevel,
-            .web = *PhotometricWeb::create({PhotometricType::kC, g.gamma, g.c, g.cd})};
+            .web = *PhotometricWeb::create({Grid::kType, g.gamma, g.c, g.cd})};
   }
   template <typename Real>
   static GoniometricLight<Real> make(const Placement& placement) {
@@ -52,15 +67,17 @@ struct WebCase : LocalDeltaCase {
     return {{0.25, -0.5, -2}, {0.75, -0.25, -1}, {1, -0.75, -0.5}, {0, 0.5, -100}};
   }
   static double cd(const Vec3<double>& w) {
-    const double g = std::atan2(std::hypot(w.x, w.y), -w.z) / kDegree;
-    // Half of the planes are given, the plane 0-180 is one of symmetry.
-    return Grid::grid().at(g, std::fabs(std::atan2(w.y, w.x)) / kDegree);
+    const auto [v, h] = photometric_angles<Grid::kType>({w.x, -w.y, -w.z});
+    // Grids that start at 0 are symmetric about it; types A and B end at 90.
+    const double given = Grid::grid().c.front() == 0 ? std::fabs(h) : h;
+    return Grid::kType != PhotometricType::kC && std::fabs(h) > 90 ? 0 : Grid::grid().at(v, given);
   }
   static Rgb<double> value(const Vec3<double>& receiver, const Vec3<double>& wi) {
     const Vec3<double> d = position() - receiver;
     return kDeltaLevel * (cd(-wi) / dot(d, d) + zero_if_towards(position(), receiver, wi));
   }
-  /// Simpson's rule within each cell, where the function is smooth.
+  /// Simpson's rule within each cell, where the function is smooth.  The solid angle's element goes
+  /// with the sine of an angle from a pole, the cosine of a latitude.
   static Rgb<double> power_by_quadrature() {
     const HandGrid g = Grid::grid();
     const std::vector<double> c = g.c.size() > 1 ? g.c : std::vector<double>{0, 180};
@@ -69,23 +86,50 @@ struct WebCase : LocalDeltaCase {
       for (std::size_t j = 0; j + 1 < g.gamma.size(); ++j)
         sum += simpson(c[i], c[i + 1], 10, [&](double h) {
           return simpson(g.gamma[j], g.gamma[j + 1], 100, [&](double v) {
-            return g.at(v, h) * std::sin(v * kDegree) * kDegree * kDegree;
+            const double element =
+                Grid::kType == PhotometricType::kC ? std::sin(v * kDegree) : std::cos(v * kDegree);
+            return g.at(v, h) * element * kDegree * kDegree;
           });
         });
-    return kDeltaLevel * (2 * sum);
+    return kDeltaLevel * (c.front() == 0 ? 2 * sum : sum);
   }
 };
 
 struct UnevenGrid {
+  static constexpr PhotometricType kType = PhotometricType::kC;
   static HandGrid grid() {
     return {{0, 30, 80, 180}, {0, 90, 180}, {9, 8, 3, 1, 9, 4, 6, 1, 9, 2, 5, 1}};
   }
 };
 struct DownGrid {
+  static constexpr PhotometricType kType = PhotometricType::kC;
   static HandGrid grid() { return {{0, 40, 70, 90}, {0}, {100, 80, 0, 0}}; }
+};
+/// As floodlights are measured, symmetric about H = 0.
+struct FloodGrid {
+  static constexpr PhotometricType kType = PhotometricType::kB;
+  static HandGrid grid() {
+    return {{-90, -30, 10, 90}, {0, 40, 90}, {4, 6, 8, 5, 4, 7, 9, 5, 4, 3, 6, 5}};
+  }
+};
+/// As headlamps are measured, each side its own.
+struct HeadlampGrid {
+  static constexpr PhotometricType kType = PhotometricType::kA;
+  static HandGrid grid() {
+    return {
+        {-90, -20, 15, 90}, {-90, -30, 20, 90}, {4, 6, 8, 5, 4, 7, 9, 5, 4, 9, 6, 5, 4, 3, 5, 5}};
+  }
 };
 using UnevenWebCase = WebCase<UnevenGrid>;
 using DownWebCase = WebCase<DownGrid>;
+using FloodWebCase = WebCase<FloodGrid>;
+/// It shines along +x.
+struct HeadlampWebCase : WebCase<HeadlampGrid> {
+  static Vec3<double> far_direction() { return {1, 0, 0}; }
+  static std::vector<Vec3<double>> receivers() {
+    return {{2, -0.5, 1}, {1, -0.75, -0.5}, {3, 1, 2}, {0.75, 0, 1.25}};
+  }
+};
 
 /// Without a web it is a point light.
 struct IsotropicCase : PointCase {

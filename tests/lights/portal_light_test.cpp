@@ -208,7 +208,5 @@ TEST(PortalLight, NoSampleIsLostWhereItIsSeenFlat) {
   }
 }
 
-TEST(PortalLight, HasNoBounds) { EXPECT_FALSE(portal(window(2, 3, 1)).bounds().has_value()); }
-
 }  // namespace
 }  // namespace lucerna

@@ -1,8 +1,16 @@
-// The part of the contract that is about time: a light under a moving transform is, at each moment,
-// the light that was created where it then stands.
+// The part of the contract that is about time, as a typed suite: a light under a moving transform
+// is, at each moment, the light that was created where it then stands.  A case says how to build
+// the light whose own space is mapped to the world by a rigid map:
+//
+//   struct MyCase : MovingCase {
+//     template <typename Real> static Light<Real> make(const Transform& world_from_light);
+//   };
+//   INSTANTIATE_TYPED_TEST_SUITE_P(MyLight, MovingLight, MyCase);
+#pragma once
+
 #include <gtest/gtest.h>
 
-#include <numbers>
+#include <cmath>
 #include <vector>
 
 #include "lights/light.h"
@@ -10,206 +18,20 @@
 #include "tests/lights/contract_checks.h"
 
 namespace lucerna::testing {
-namespace {
 
-const Rgb<double> kLevel{3, 5, 7};
-
-// Each case: the light whose own space is mapped to the world by a rigid map.
-struct MovingPoint {
-  template <typename Real>
-  static PointLight<Real> make(const Transform& world_from_light) {
-    return *PointLight<Real>::create(
-        {.position_m = world_from_light.point({0.25, -0.5, 1}), .intensity_cd = kLevel});
-  }
-};
-
-struct MovingSpot {
-  template <typename Real>
-  static SpotLight<Real> make(const Transform& world_from_light) {
-    return *SpotLight<Real>::create({.position_m = world_from_light.point({0.25, -0.5, 1}),
-                                     .axis = world_from_light.vector({1, 0, -1}),
-                                     .intensity_cd = kLevel,
-                                     .cone_half_angle_rad = 1.5,
-                                     .falloff_start_rad = 0.1});
-  }
-};
-
-struct MovingLuminaire {
-  template <typename Real>
-  static GoniometricLight<Real> make(const Transform& world_from_light) {
-    return *GoniometricLight<Real>::create(params(world_from_light));
-  }
-  static GoniometricLightParams params(const Transform& world_from_light) {
-    return {.position_m = world_from_light.point({0.25, -0.5, 1}),
-            .axes = {world_from_light.vector({1, 0, 0}), world_from_light.vector({0, 1, 0}),
-                     world_from_light.vector({0, 0, 1})},
-            .intensity = kLevel,
-            .web = *PhotometricWeb::create(
-                {PhotometricType::kC,
-                 {0, 60, 120, 180},
-                 {0, 90, 180, 270, 360},
-                 {9, 3, 1, 2, 9, 5, 4, 2, 9, 6, 2, 2, 9, 7, 1, 2, 9, 3, 1, 2}})};
-  }
-};
-
-struct MovingIntensityMap {
-  template <typename Real>
-  static GoniometricLight<Real> make(const Transform& world_from_light) {
-    GoniometricLightParams params = MovingLuminaire::params(world_from_light);
-    params.web = nullptr;
-    std::vector<Rgb<float>> texels;
-    for (int i = 0; i < 16; ++i) texels.emplace_back(static_cast<float>(1 + i * 7 % 5));
-    params.map = *IntensityMap::create(*Image::create(4, 4, std::move(texels)),
-                                       SphereMapping::kEqualArea, ImageFilter::kBilinear);
-    return *GoniometricLight<Real>::create(params);
-  }
-};
-
-struct MovingProjection {
-  template <typename Real>
-  static ProjectionLight<Real> make(const Transform& world_from_light) {
-    const auto image = *Image::create(1, 2, {{1, 2, 3}, {4, 5, 6}});
-    return *ProjectionLight<Real>::create(
-        {.position_m = world_from_light.point({0.25, -0.5, 1}),
-         .axes = {world_from_light.vector({0, 1, 0}), world_from_light.vector({1, 0, 1}),
-                  world_from_light.vector({1, 0, -1})},
-         .picture = *ProjectedPicture::create({.image = image, .fov_rad = 2.8, .aspect = 0.5}),
-         .intensity_cd = kLevel});
-  }
-};
-
-struct MovingBeam {
-  template <typename Real>
-  static BeamLight<Real> make(const Transform& world_from_light) {
-    const auto image = *Image::create(1, 2, {{1, 2, 3}, {4, 5, 6}});
-    return *BeamLight<Real>::create(
-        {.position_m = world_from_light.point({0.25, -0.5, 1}),
-         .axes = {world_from_light.vector({0, 1, 0}), world_from_light.vector({1, 0, 1}),
-                  world_from_light.vector({1, 0, -1})},
-         .width_m = 40,
-         .height_m = 80,
-         .illuminance_lx = kLevel,
-         .image = image});
-  }
-};
-
-struct MovingDistant {
-  template <typename Real>
-  static DistantLight<Real> make(const Transform& world_from_light) {
-    return *DistantLight<Real>::create(
-        {.to_light = world_from_light.vector({1, 2, 3}), .illuminance_lx = kLevel});
-  }
-};
-
-struct MovingInfinite {
-  template <typename Real>
-  static UniformInfiniteLight<Real> make(const Transform&) {
-    return *UniformInfiniteLight<Real>::create({.radiance_cd_m2 = kLevel});
-  }
-};
-
-template <typename Real, template <typename> typename Shape>
-AreaLight<Real, Shape> emitting(absl::StatusOr<Shape<Real>> shape) {
-  return *AreaLight<Real, Shape>::create({kLevel, false}, *std::move(shape));
-}
-
-struct MovingTriangles {
-  template <typename Real>
-  static TriangleMeshLight<Real> make(const Transform& world_from_light) {
-    const auto at = [&](double x, double y, double z) {
-      return Vec3<Real>(world_from_light.point({x, y, z}));
-    };
-    return emitting<Real, TriangleMesh>(TriangleMesh<Real>::create(
-        {{at(0, 0, 1), at(1, 0, 1), at(0, 2, 1)}, {at(1, 0, 1), at(1, 2, 2), at(0, 2, 1)}}));
-  }
-};
-
-struct MovingPatches {
-  template <typename Real>
-  static PatchMeshLight<Real> make(const Transform& world_from_light) {
-    const auto at = [&](double x, double y, double z) {
-      return Vec3<Real>(world_from_light.point({x, y, z}));
-    };
-    return emitting<Real, PatchMesh>(
-        PatchMesh<Real>::create({{at(0, 0, 1), at(1, 0, 1), at(0, 1, 1.5), at(1, 1, 2)}}));
-  }
-};
-
-struct MovingSphere {
-  template <typename Real>
-  static SphereLight<Real> make(const Transform& world_from_light) {
-    return emitting<Real, Sphere>(Sphere<Real>::create(
-        {.radius_m = 0.5,
-         .world_from_object = world_from_light * Transform::translate({1, 0.5, -1})}));
-  }
-};
-
-struct MovingDisk {
-  template <typename Real>
-  static DiskLight<Real> make(const Transform& world_from_light) {
-    return emitting<Real, Disk>(Disk<Real>::create(
-        {.height_m = 1, .radius_m = 0.75, .world_from_object = world_from_light}));
-  }
-};
-
-struct MovingCylinder {
-  template <typename Real>
-  static CylinderLight<Real> make(const Transform& world_from_light) {
-    return emitting<Real, Cylinder>(
-        Cylinder<Real>::create({.radius_m = 0.5,
-                                .z_min_m = -0.25,
-                                .z_max_m = 1,
-                                .phi_max_rad = 4,
-                                .world_from_object = world_from_light}));
-  }
-};
-
-struct MovingSun {
-  template <typename Real>
-  static SunLight<Real> make(const Transform& world_from_light) {
-    return *SunLight<Real>::create({.to_light = world_from_light.vector({1, 2, 3}),
-                                    .angular_diameter_rad = 0.3,
-                                    .illuminance_lx = kLevel});
-  }
-};
-
-template <SphereMapping kMapping, ImageFilter kFilter>
-struct MovingSky {
-  template <typename Real>
-  static ImageInfiniteLight<Real> make(const Transform& world_from_light) {
-    std::vector<Rgb<float>> texels;
-    for (int i = 0; i < 16; ++i)
-      texels.push_back(Rgb<float>(static_cast<float>(1 + i * i % 7)) * Rgb<float>{1, 0.5F, 2});
-    return *ImageInfiniteLight<Real>::create(
-        {.map = *SphereMap::create(*Image::create(4, 4, std::move(texels)), kMapping, kFilter),
-         .world_from_map = world_from_light,
-         .radiance_cd_m2 = kLevel});
-  }
-};
-using MovingTexels = MovingSky<SphereMapping::kEqualArea, ImageFilter::kNearest>;
-using MovingPicture = MovingSky<SphereMapping::kLatitudeLongitude, ImageFilter::kBilinear>;
-struct MovingPortal {
-  template <typename Real>
-  static PortalLight<Real> make(const Transform& world_from_light) {
-    std::vector<Rgb<float>> texels;
-    for (int i = 0; i < 16; ++i) texels.emplace_back(static_cast<float>(1 + i % 5));
-    PortalLightParams params{
-        .map = *SphereMap::create(*Image::create(4, 4, std::move(texels)),
-                                  SphereMapping::kEqualArea, ImageFilter::kBilinear),
-        .world_from_map = world_from_light,
-        .radiance_cd_m2 = kLevel};
-    const Vec3<double> corners[] = {{0, 0, 1}, {0, 2, 1}, {3, 2, 1}, {3, 0, 1}};
-    for (std::size_t i = 0; i < 4; ++i) params.corners_m[i] = world_from_light.point(corners[i]);
-    return *PortalLight<Real>::create(params);
-  }
+struct MovingCase {
+  static Rgb<double> level() { return {3, 5, 7}; }
+  /// By how much the radiance at a point may differ from that of the light created there: nothing
+  /// where it is the same all over.
+  static constexpr double kRadianceTolerance = 0;
 };
 
 // Receivers in world coordinates; some see the light at any of the times, none is in the plane of a
 // flat one.
-const std::vector<Vec3<double>> kReceivers{
+inline const std::vector<Vec3<double>> kTimeReceivers{
     {0.1, 0.2, -0.3}, {1, 2.3, 3.7}, {-10, 50.5, 3}, {0.25, -0.5, 4.3}, {3, 3, -4}};
 
-std::vector<KeyTransform> keys() {
+inline std::vector<KeyTransform> keys() {
   return {{0, Transform::translate({1, 2, 3}) * *Transform::rotate(0.4, {0, 1, 1})},
           {2, Transform::translate({-1, 0, 1}) * *Transform::rotate(2.4, {1, 1, -2})},
           {3, Transform::translate({0, 0, 4}) * *Transform::rotate(-1, {3, 0, 1})}};
@@ -221,7 +43,7 @@ TYPED_TEST_SUITE_P(MovingLight);
 
 // Where the light-space axes and origin are at time `t` by the rules themselves: the origin on a
 // line, the rotation R = R0 exp(t w) by repeated halving of the turn from one frame to the next.
-Transform transform_at(double t) {
+inline Transform transform_at(double t) {
   const std::vector<KeyTransform> k = keys();
   const std::size_t i = t < k[1].time_s ? 0 : 1;
   const double part = (t - k[i].time_s) / (k[i + 1].time_s - k[i].time_s);
@@ -244,7 +66,7 @@ TYPED_TEST_P(MovingLight, EqualsTheLightCreatedWhereItStands) {
     const auto moved = TypeParam::template make<double>(transform_at(t));
     const Posed<double, Model> posed(first, motion.at(t));
     RandomU random(11);
-    for (const auto& receiver : kReceivers) {
+    for (const auto& receiver : kTimeReceivers) {
       for (int i = 0; i < 200; ++i) {
         const Vec2<double> u = random.pair<double>();
         const auto s = posed.sample_li(receiver, u);
@@ -275,8 +97,9 @@ TYPED_TEST_P(MovingLight, EqualsTheLightCreatedWhereItStands) {
         if constexpr (requires(SurfacePoint<double> p) { moved.le(p, s.wi); }) {
           const SurfacePoint<double> point{s.point, s.normal, s.primitive};
           EXPECT_LE(distance_between(receiver + s.wi * s.distance, s.point), 1e-12 * s.distance);
-          EXPECT_EQ(s.value, moved.le(point, -s.wi));
-          EXPECT_EQ(s.value, posed.le(point, -s.wi));
+          constexpr double kTolerance = TypeParam::kRadianceTolerance;
+          EXPECT_LE(relative_difference(s.value, moved.le(point, -s.wi)), kTolerance);
+          EXPECT_LE(relative_difference(s.value, posed.le(point, -s.wi)), kTolerance);
           EXPECT_LE(relative_difference(posed.pdf_li(receiver, point).per_sr, s.pdf.per_sr), 1e-7);
           EXPECT_LE(relative_difference(posed.pdf_li(receiver, point).per_sr,
                                         moved.pdf_li(receiver, point).per_sr),
@@ -295,7 +118,7 @@ TYPED_TEST_P(MovingLight, KeepsItsBitsWhereItDoesNotMove) {
   const Posed<float, std::remove_const_t<decltype(light)>> posed(light,
                                                                  Motion::create(keys())->at(0));
   RandomU random(12);
-  for (const auto& receiver : kReceivers) {
+  for (const auto& receiver : kTimeReceivers) {
     for (int i = 0; i < 200; ++i) {
       const Vec2<float> u = random.pair();
       const Vec3<float> r(receiver);
@@ -427,11 +250,4 @@ REGISTER_TYPED_TEST_SUITE_P(MovingLight, EqualsTheLightCreatedWhereItStands,
                             EmitsAsTheLightCreatedWhereItStands, KnowsItsOwnPositionsFarOff,
                             BoundsHoldWhatLeavesItAtTheTime);
 
-using Cases = ::testing::Types<MovingPoint, MovingSpot, MovingDistant, MovingSun, MovingInfinite,
-                               MovingTexels, MovingPicture, MovingTriangles, MovingPatches,
-                               MovingSphere, MovingDisk, MovingCylinder, MovingLuminaire,
-                               MovingIntensityMap, MovingProjection, MovingBeam, MovingPortal>;
-INSTANTIATE_TYPED_TEST_SUITE_P(All, MovingLight, Cases);
-
-}  // namespace
 }  // namespace lucerna::testing
