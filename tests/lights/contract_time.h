@@ -164,9 +164,28 @@ TYPED_TEST_P(MovingLight, EmitsAsTheLightCreatedWhereItStands) {
               1e-12);
     RandomU random(13);
     for (int i = 0; i < 200; ++i) {
-      const auto s = posed.sample_le(random.pair<double>(), random.pair<double>(), scene);
+      const Vec2<double> u_position = random.pair<double>(), u_direction = random.pair<double>();
+      const auto s = posed.sample_le(u_position, u_direction, scene);
       if (s.reason != NoLight::kNone) continue;
       ++lit;
+      // Places are chosen in the light's own space: the same there, whose normal it is.
+      if (s.normal != Vec3<double>{}) {
+        const auto same = moved.sample_le(u_position, u_direction, scene);
+        EXPECT_LE(distance_between(s.origin, same.origin), 1e-13);
+        EXPECT_LE(distance_between(s.normal, same.normal), 1e-13);
+      }
+      if constexpr (requires { moved.shape().locate(s.origin, 1e-13); }) {
+        const auto at = moved.shape().locate(s.origin, 1e-13);
+        ASSERT_TRUE(at.has_value());
+        EXPECT_LE(relative_difference(s.value, moved.le(*at, s.direction)),
+                  TypeParam::kRadianceTolerance);
+      }
+      // Back along the ray lies what it came from.
+      if constexpr (requires { moved.le_escaped(s.origin, s.direction); }) {
+        EXPECT_LE(
+            relative_difference(s.value, moved.le_escaped(s.origin + s.direction, -s.direction)),
+            1e-12);
+      }
       const EmissionPdf<double> own = posed.pdf_le(s.origin, s.direction, scene);
       EXPECT_LE(relative_difference(own.position.per_m2, s.pdf_position.per_m2), 1e-7);
       EXPECT_LE(relative_difference(own.direction.per_sr, s.pdf_direction.per_sr), 1e-7);
