@@ -110,7 +110,7 @@ TEST(SampleLi, SaysOutOfRangeWhereNoFloatHoldsThePlace) {
 SceneDescription many_lights() {
   SceneDescription d = one_point_light();
   for (int i = 0; i < 5; ++i) {
-    d.lights.push_back({PointLightParams{{double(i), 1, 2}, Rgb<double>(1 + i)}, {}});
+    d.lights.push_back(testing::point_light({double(i), 1, 2}, 1 + i));
   }
   d.shapes.push_back(
       testing::emissive(testing::patch({-1, -1, 4}, {-1, 1, 4}, {1, -1, 4}, {1, 1, 4}), 5));
