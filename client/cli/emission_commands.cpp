@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "client/batches.h"
+#include "client/cli/answer.h"
 #include "client/cli/output.h"
 #include "client/cli/points.h"
 #include "client/cli/session.h"
@@ -33,11 +33,7 @@ void le(Session& session, const LeOptions& options) {
   options.time.put(request);
   options.wavelengths.put(request);
   request.set_scene_id(session.scene_id(options.scene));
-  const auto response = session.ask(client::le_in_batches(
-      session.client(), request, {.max_items = 0, .call = session.call_options()}));
-  if (session.json()) {
-    fmt::print("{}", to_json(response));
-  } else {
+  ask_and_print(session, request, client::le_in_batches, [&](const v1::LeResponse& response) {
     std::vector<Table::Column> columns = {
         {"x [m]"}, {"y [m]"}, {"z [m]"}, {"direction", true}, {"radiance (RGB) [cd/m2]", true}};
     if (options.wavelengths.given()) {
@@ -60,8 +56,7 @@ void le(Session& session, const LeOptions& options) {
       table.add(std::move(row));
     }
     fmt::print("{}", table.to_string());
-  }
-  if (any_failed(response.status())) session.set_exit_status(kServerSaidNo);
+  });
 }
 
 struct EmitOptions {
@@ -178,14 +173,8 @@ void emit(Session& session, const EmitOptions& options) {
   }
   options.wavelengths.put(request);
   request.set_scene_id(session.scene_id(options.scene));
-  const auto response = session.ask(client::sample_le_in_batches(
-      session.client(), request, {.max_items = 0, .call = session.call_options()}));
-  if (session.json()) {
-    fmt::print("{}", to_json(response));
-  } else {
-    print_rays(response, options);
-  }
-  if (any_failed(response.status())) session.set_exit_status(kServerSaidNo);
+  ask_and_print(session, request, client::sample_le_in_batches,
+                [&](const v1::SampleLeResponse& response) { print_rays(response, options); });
 }
 
 struct EmitPdfOptions {
@@ -205,29 +194,26 @@ void emit_pdf(Session& session, const EmitPdfOptions& options) {
   request.set_light_id(options.light);
   options.time.put(request);
   request.set_scene_id(session.scene_id(options.scene));
-  const auto response = session.ask(client::pdf_le_in_batches(
-      session.client(), request, {.max_items = 0, .call = session.call_options()}));
-  if (session.json()) {
-    fmt::print("{}", to_json(response));
-  } else {
-    Table table({{"x [m]"},
-                 {"y [m]"},
-                 {"z [m]"},
-                 {"direction", true},
-                 {"pdf [1/m2]"},
-                 {"pdf [1/sr]"},
-                 {"", true}});
-    for (int i = 0;
-         i < response.pdf_direction_per_sr_size() && i < response.pdf_position_per_m2_size(); ++i) {
-      const auto& [x, y, z] = set.points.at(i);
-      const auto& [wx, wy, wz] = directions.at(i);
-      table.add({number(x), number(y), number(z), triple(wx, wy, wz),
-                 number(response.pdf_position_per_m2(i)), number(response.pdf_direction_per_sr(i)),
-                 item_status(response.status(), i)});
-    }
-    fmt::print("{}", table.to_string());
-  }
-  if (any_failed(response.status())) session.set_exit_status(kServerSaidNo);
+  ask_and_print(
+      session, request, client::pdf_le_in_batches, [&](const v1::PdfLeResponse& response) {
+        Table table({{"x [m]"},
+                     {"y [m]"},
+                     {"z [m]"},
+                     {"direction", true},
+                     {"pdf [1/m2]"},
+                     {"pdf [1/sr]"},
+                     {"", true}});
+        for (int i = 0;
+             i < response.pdf_direction_per_sr_size() && i < response.pdf_position_per_m2_size();
+             ++i) {
+          const auto& [x, y, z] = set.points.at(i);
+          const auto& [wx, wy, wz] = directions.at(i);
+          table.add({number(x), number(y), number(z), triple(wx, wy, wz),
+                     number(response.pdf_position_per_m2(i)),
+                     number(response.pdf_direction_per_sr(i)), item_status(response.status(), i)});
+        }
+        fmt::print("{}", table.to_string());
+      });
 }
 
 }  // namespace

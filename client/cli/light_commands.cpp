@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "client/batch_parts.h"
-#include "client/batches.h"
+#include "client/cli/answer.h"
 #include "client/cli/area_sampling.h"
 #include "client/cli/light_table.h"
 #include "client/cli/output.h"
@@ -116,14 +116,8 @@ void sample(Session& session, const SampleOptions& options) {
   if (options.samples != 1) request.mutable_accuracy()->set_samples(options.samples);
   options.wavelengths.put(request);
   request.set_scene_id(session.scene_id(options.scene));
-  const auto response = session.ask(client::sample_li_in_batches(
-      session.client(), request, {.max_items = 0, .call = session.call_options()}));
-  if (session.json()) {
-    fmt::print("{}", to_json(response));
-  } else {
-    print_samples(response, options);
-  }
-  if (any_failed(response.status())) session.set_exit_status(kServerSaidNo);
+  ask_and_print(session, request, client::sample_li_in_batches,
+                [&](const v1::SampleLiResponse& response) { print_samples(response, options); });
 }
 
 struct PdfOptions {
@@ -148,21 +142,17 @@ void pdf(Session& session, const PdfOptions& options) {
   options.time.put(request);
   request.set_light_id(options.light);
   request.set_scene_id(session.scene_id(options.scene));
-  const auto response = session.ask(client::pdf_li_in_batches(
-      session.client(), request, {.max_items = 0, .call = session.call_options()}));
-  if (session.json()) {
-    fmt::print("{}", to_json(response));
-  } else {
-    Table table({{"x [m]"}, {"y [m]"}, {"z [m]"}, {"wi", true}, {"pdf [1/sr]"}, {"", true}});
-    for (int i = 0; i < response.pdf_per_sr_size(); ++i) {
-      const auto& [x, y, z] = set.points.at(i);
-      const auto& [wx, wy, wz] = directions.at(i);
-      table.add({number(x), number(y), number(z), triple(wx, wy, wz),
-                 number(response.pdf_per_sr(i)), item_status(response.status(), i)});
-    }
-    fmt::print("{}", table.to_string());
-  }
-  if (any_failed(response.status())) session.set_exit_status(kServerSaidNo);
+  ask_and_print(
+      session, request, client::pdf_li_in_batches, [&](const v1::PdfLiResponse& response) {
+        Table table({{"x [m]"}, {"y [m]"}, {"z [m]"}, {"wi", true}, {"pdf [1/sr]"}, {"", true}});
+        for (int i = 0; i < response.pdf_per_sr_size(); ++i) {
+          const auto& [x, y, z] = set.points.at(i);
+          const auto& [wx, wy, wz] = directions.at(i);
+          table.add({number(x), number(y), number(z), triple(wx, wy, wz),
+                     number(response.pdf_per_sr(i)), item_status(response.status(), i)});
+        }
+        fmt::print("{}", table.to_string());
+      });
 }
 
 struct PowerOptions {
@@ -285,7 +275,7 @@ void add_light_commands(CLI::App& app, Session& session) {
   command
       ->add_option("--method", powers->method,
                    "exact; or approximate: the books' formulas, ± how far they are off")
-      ->check(CLI::IsMember({"exact", "approximate"}))
+      ->check(one_of({"exact", "approximate"}))
       ->capture_default_str();
   powers->wavelengths.add(*command);
   command->callback([powers, &session] { power(session, *powers); });

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "client/batch_parts.h"
-#include "client/batches.h"
+#include "client/cli/answer.h"
 #include "client/cli/area_sampling.h"
 #include "client/cli/output.h"
 #include "client/cli/points.h"
@@ -55,27 +55,24 @@ void visible(Session& session, const VisibleOptions& options) {
   }
   options.time.put(request);
   request.set_scene_id(session.scene_id(options.scene));
-  const auto response = session.ask(client::test_visibility_in_batches(
-      session.client(), request, {.max_items = 0, .call = session.call_options()}));
-  if (session.json()) {
-    fmt::print("{}", to_json(response));
-  } else {
-    Table table({{"x [m]"},
-                 {"y [m]"},
-                 {"z [m]"},
-                 {rays ? "direction" : "to [m]", true},
-                 {"visible", true}});
-    for (std::size_t i = 0; i < response.count() && i < count; ++i) {
-      const auto& [x, y, z] = set.points[i];
-      const std::string status = item_status(response.status(), i);
-      table.add({number(x), number(y), number(z), triple(ends[i][0], ends[i][1], ends[i][2]),
-                 !status.empty()                      ? status
-                 : client::bit(response.visible(), i) ? "yes"
-                                                      : "no"});
-    }
-    fmt::print("{}", table.to_string());
-  }
-  if (any_failed(response.status())) session.set_exit_status(kServerSaidNo);
+  ask_and_print(
+      session, request, client::test_visibility_in_batches,
+      [&](const v1::TestVisibilityResponse& response) {
+        Table table({{"x [m]"},
+                     {"y [m]"},
+                     {"z [m]"},
+                     {rays ? "direction" : "to [m]", true},
+                     {"visible", true}});
+        for (std::size_t i = 0; i < response.count() && i < count; ++i) {
+          const auto& [x, y, z] = set.points[i];
+          const std::string status = item_status(response.status(), i);
+          table.add({number(x), number(y), number(z), triple(ends[i][0], ends[i][1], ends[i][2]),
+                     !status.empty()                      ? status
+                     : client::bit(response.visible(), i) ? "yes"
+                                                          : "no"});
+        }
+        fmt::print("{}", table.to_string());
+      });
 }
 
 struct IrradianceOptions {
@@ -153,14 +150,10 @@ void irradiance(Session& session, const IrradianceOptions& options) {
   options.time.put(request);
   options.wavelengths.put(request);
   request.set_scene_id(session.scene_id(options.scene));
-  const auto response = session.ask(client::estimate_irradiance_in_batches(
-      session.client(), request, {.max_items = 0, .call = session.call_options()}));
-  if (session.json()) {
-    fmt::print("{}", to_json(response));
-  } else {
-    print_irradiance(response, set, options.wavelengths);
-  }
-  if (any_failed(response.status())) session.set_exit_status(kServerSaidNo);
+  ask_and_print(session, request, client::estimate_irradiance_in_batches,
+                [&](const v1::EstimateIrradianceResponse& response) {
+                  print_irradiance(response, set, options.wavelengths);
+                });
 }
 
 }  // namespace

@@ -1,11 +1,13 @@
-// Checks of numbers on the command line, with words a person can use.  CLI11's own ranges let NaN
-// through and take -1 for a large unsigned number.
+// Checks of what is on the command line, with words a person can use.  CLI11's own ranges let NaN
+// through and take -1 for a large unsigned number; its own sets of names tell their numbers too.
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <string>
+#include <vector>
 
 namespace lucerna::cli {
 
@@ -21,6 +23,17 @@ CLI::Validator checked_number(const std::string& what, Allowed allowed) {
             return text + " is not " + what;
           },
           "NUMBER"};
+}
+
+/// One of these names.
+inline CLI::Validator one_of(const std::vector<std::string>& names) {
+  std::string list;
+  for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
+  return {[names, list](std::string& text) -> std::string {
+            if (std::find(names.begin(), names.end(), text) != names.end()) return {};
+            return text + " is not one of " + list;
+          },
+          "{" + list + "}"};
 }
 
 inline CLI::Validator positive() {

@@ -1,0 +1,29 @@
+// What commands about many items do with the answer.
+#pragma once
+
+#include <fmt/core.h>
+
+#include "client/batches.h"
+#include "client/cli/output.h"
+#include "client/cli/session.h"
+
+namespace lucerna::cli {
+
+/// Asks by `in_batches` of client/batches.h and prints the answer, for machines where that is
+/// wanted, else by `print`.  Where an item has no answer, that is the program's exit status.
+template <class Request, class Response, class Print>
+void ask_and_print(Session& session, const Request& request,
+                   absl::StatusOr<Response> (*in_batches)(const client::Client&, const Request&,
+                                                          const client::BatchOptions&),
+                   Print&& print) {
+  const Response response = session.ask(
+      in_batches(session.client(), request, {.max_items = 0, .call = session.call_options()}));
+  if (session.json()) {
+    fmt::print("{}", to_json(response));
+  } else {
+    print(response);
+  }
+  if (any_failed(response.status())) session.set_exit_status(kServerSaidNo);
+}
+
+}  // namespace lucerna::cli
