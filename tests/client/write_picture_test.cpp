@@ -4,12 +4,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <limits>
+
+#include "tests/temp_directory.h"
 
 namespace lucerna {
 namespace {
@@ -23,19 +24,13 @@ using ::testing::HasSubstr;
 /// A directory of the test's own.
 class WritePicture : public ::testing::Test {
  protected:
-  void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "lucerna_write_XXXXXX").string();
-    ASSERT_NE(::mkdtemp(name.data()), nullptr);
-    directory_ = name;
-  }
-  void TearDown() override { fs::remove_all(directory_); }
-
   std::string path(const std::string& name) const { return (directory_ / name).string(); }
   std::size_t files() const {
     return std::distance(fs::directory_iterator(directory_), fs::directory_iterator());
   }
 
-  fs::path directory_;
+  const TempDirectory temp_;
+  const fs::path& directory_ = temp_.path();
 };
 
 // Two rows of three pixels; no two values alike.

@@ -1,12 +1,7 @@
 // lucerna emit, emit-pdf, power --method and lights, about one light of each kind.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <algorithm>
-#include <memory>
 
-#include "client/testing/local_server.h"
-#include "tests/e2e/run_program.h"
+#include "tests/e2e/cli_fixture.h"
 
 namespace lucerna {
 namespace {
@@ -54,12 +49,6 @@ class CliEmission : public ::testing::Test {
 
   static inline std::unique_ptr<testing::LocalServer> server_;
 };
-
-void expect_wrong_use(const Outcome& outcome, const std::string& what) {
-  EXPECT_EQ(outcome.status, 2) << outcome.err;
-  EXPECT_THAT(outcome.err, HasSubstr(what));
-  EXPECT_THAT(outcome.out, IsEmpty());
-}
 
 std::ptrdiff_t lines(const std::string& text) { return std::ranges::count(text, '\n'); }
 
@@ -175,7 +164,8 @@ TEST_F(CliEmission, PowerByTheBooksTellsHowFarItIsOff) {
   EXPECT_THAT(books, ContainsRegex("\nall +45\\.9723 +6\\.41119 "));
   EXPECT_THAT(said({"power", kScene, "--light", "3", "--method", "approximate", "--json"}),
               ContainsRegex("\"power_lm\":22\\.98.*\"error_lm\":6\\.41"));
-  expect_wrong_use(lucerna({"power", kScene, "--method", "best"}), "--method");
+  expect_wrong_use(lucerna({"power", kScene, "--method", "best"}),
+                   "--method: best is not one of exact, approximate\n");
 }
 
 TEST_F(CliEmission, LightsOfEachKindAreRowsOfUnits) {

@@ -4,12 +4,13 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include <cerrno>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+
+#include "tests/temp_directory.h"
 
 namespace lucerna {
 namespace {
@@ -82,12 +83,6 @@ class Impostor : public ::testing::Test {
  protected:
   void SetUp() override {
     if (std::getenv("LUCERNAD") != nullptr) GTEST_SKIP() << "LUCERNAD goes before the option";
-    std::string name = (std::filesystem::temp_directory_path() / "lucerna_XXXXXX").string();
-    ASSERT_NE(::mkdtemp(name.data()), nullptr);
-    directory_ = name;
-  }
-  void TearDown() override {
-    if (!directory_.empty()) std::filesystem::remove_all(directory_);
   }
   std::string script(const std::string& text) const {
     const std::string path = (directory_ / "program").string();
@@ -96,7 +91,8 @@ class Impostor : public ::testing::Test {
     return path;
   }
 
-  std::filesystem::path directory_;
+  const TempDirectory temp_;
+  const std::filesystem::path& directory_ = temp_.path();
 };
 
 TEST_F(Impostor, ThatEndsAtOnceIsReported) {

@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
@@ -12,6 +11,7 @@
 
 #include "client/testing/local_server.h"
 #include "tests/e2e/run_program.h"
+#include "tests/temp_directory.h"
 
 namespace lucerna {
 namespace {
@@ -63,9 +63,7 @@ double report_lumens() {
 class Luminaires : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
-    std::string name = (fs::temp_directory_path() / "lucerna_luminaires_XXXXXX").string();
-    ASSERT_NE(::mkdtemp(name.data()), nullptr);
-    directory_ = name;
+    directory_ = std::make_unique<TempDirectory>();
     write("lantern.ies", lantern_ies());
     write("lantern.pbrt",
           "WorldBegin\nTranslate 0 0 5\nRotate 180 1 0 0\n"
@@ -75,29 +73,29 @@ class Luminaires : public ::testing::Test {
     write("broken.pbrt",
           "WorldBegin\nLightSource \"goniometric\" \"string filename\" \"broken.ies\"\n");
     fs::copy_file(fs::path(LUCERNA_TEST_DATA) / "reference" / "gonio.exr",
-                  directory_ / "gonio.exr");
+                  directory_->path() / "gonio.exr");
     write("picture.pbrt",
           "WorldBegin\nLightSource \"goniometric\" \"string filename\" \"gonio.exr\"\n"
           "  \"float power\" 800\nLightSource \"goniometric\" \"rgb I\" [7 7 7]\n");
-    auto server = testing::LocalServer::start({.scene_root = directory_.string()});
+    auto server = testing::LocalServer::start({.scene_root = directory_->path().string()});
     ASSERT_TRUE(server.ok()) << server.status();
     server_ = std::make_unique<testing::LocalServer>(*std::move(server));
   }
   static void TearDownTestSuite() {
     server_.reset();
-    if (!directory_.empty()) fs::remove_all(directory_);
+    directory_.reset();
   }
   void SetUp() override { ASSERT_NE(server_, nullptr); }
 
   static void write(const char* name, const std::string& text) {
-    std::ofstream(directory_ / name, std::ios::binary) << text;
+    std::ofstream(directory_->path() / name, std::ios::binary) << text;
   }
   static Outcome lucerna(std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), LUCERNA_CLI);
     return run_program(std::move(arguments), {}, {{"LUCERNA_SERVER", server_->target()}});
   }
 
-  static inline fs::path directory_;
+  static inline std::unique_ptr<TempDirectory> directory_;
   static inline std::unique_ptr<testing::LocalServer> server_;
 };
 

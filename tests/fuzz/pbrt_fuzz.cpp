@@ -1,20 +1,16 @@
 // libFuzzer target: the bytes as a scene file that may include itself, and as a mesh.
-#include <unistd.h>
-
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <fstream>
 #include <string>
 
 #include "server/pbrt/load.h"
 #include "server/ply.h"
+#include "tests/temp_directory.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  static const std::string root = [] {
-    std::string name = (std::filesystem::temp_directory_path() / "lucerna-fuzz-XXXXXX").string();
-    return std::string(mkdtemp(name.data()));
-  }();
+  static const lucerna::TempDirectory directory;
+  static const std::string root = directory.path().string();
   const std::string bytes(reinterpret_cast<const char*>(data), size);
   std::ofstream(root + "/scene.pbrt", std::ios::binary) << bytes;
   auto assets = lucerna::AssetReader::open(root);

@@ -2,13 +2,13 @@
 #pragma once
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
 #include <string>
 
 #include "server/pbrt/load.h"
+#include "tests/temp_directory.h"
 
 namespace lucerna::testing {
 
@@ -19,29 +19,21 @@ inline std::string message(const absl::Status& status) {
 /// A directory of its own for each test, gone afterwards.
 class SceneFiles {
  public:
-  SceneFiles() {
-    std::string name = (std::filesystem::temp_directory_path() / "lucerna-XXXXXX").string();
-    path_ = mkdtemp(name.data());
-  }
-  ~SceneFiles() { std::filesystem::remove_all(path_); }
-  SceneFiles(const SceneFiles&) = delete;
-  SceneFiles& operator=(const SceneFiles&) = delete;
-
-  const std::filesystem::path& path() const { return path_; }
+  const std::filesystem::path& path() const { return directory_.path(); }
 
   void write(const std::string& name, const std::string& bytes) const {
-    std::filesystem::create_directories((path_ / name).parent_path());
-    std::ofstream(path_ / name, std::ios::binary) << bytes;
+    std::filesystem::create_directories((path() / name).parent_path());
+    std::ofstream(path() / name, std::ios::binary) << bytes;
   }
 
   absl::StatusOr<SceneDescription> load(const std::string& name, std::stop_token stop = {}) const {
-    auto reader = AssetReader::open(path_.string());
+    auto reader = AssetReader::open(path().string());
     if (!reader.ok()) return reader.status();
     return load_pbrt(*reader, name, std::move(stop));
   }
 
  private:
-  std::filesystem::path path_;
+  TempDirectory directory_;
 };
 
 /// The scene that a file of this text is; `scene.pbrt` is its name in errors.

@@ -1,0 +1,74 @@
+// The program lucerna against a lucernad.
+#pragma once
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <memory>
+
+#include "client/testing/local_server.h"
+#include "tests/e2e/run_program.h"
+#include "tests/temp_directory.h"
+
+namespace lucerna {
+
+namespace fs = std::filesystem;
+
+/// One server for all tests: the scene root is a directory of their own with the reference scenes
+/// and a broken one.
+class Cli : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    directory_ = std::make_unique<TempDirectory>();
+    const fs::path scenes = directory_->path() / "scenes";
+    fs::create_directories(scenes);
+    for (const char* file : {"point.pbrt", "sphere.pbrt", "rectangle_near.pbrt", "ball.ply"}) {
+      fs::copy_file(fs::path(LUCERNA_TEST_DATA) / "reference" / file, scenes / file);
+    }
+    fs::copy_file(fs::path(LUCERNA_TEST_DATA) / "pbrt" / "moving_point.pbrt",
+                  scenes / "moving_point.pbrt");
+    std::ofstream(scenes / "broken.pbrt") << "WorldBegin\nShape sphere\n";
+    std::ofstream(scenes / "lamp.pbrt")
+        << "WorldBegin\nLightSource \"point\" \"spectrum I\" [500 1 600 1] \"float power\" 1000\n";
+    auto server = testing::LocalServer::start({.scene_root = scenes.string()});
+    ASSERT_TRUE(server.ok()) << server.status();
+    server_ = std::make_unique<testing::LocalServer>(*std::move(server));
+  }
+  static void TearDownTestSuite() {
+    server_.reset();
+    directory_.reset();
+  }
+  void SetUp() override { ASSERT_NE(server_, nullptr); }
+
+  static Outcome lucerna(std::vector<std::string> arguments, const std::string& input = {}) {
+    arguments.insert(arguments.begin(), LUCERNA_CLI);
+    return run_program(std::move(arguments), input, {{"LUCERNA_SERVER", server_->target()}});
+  }
+  static std::string path(const std::string& name) { return (directory_->path() / name).string(); }
+  /// Everything that is in the tests' directory, hidden files too.
+  static std::vector<std::string> files() {
+    std::vector<std::string> names;
+    for (const auto& entry : fs::directory_iterator(directory_->path())) {
+      if (entry.path().filename() != "scenes") names.push_back(entry.path().filename().string());
+    }
+    return names;
+  }
+
+  static inline std::unique_ptr<TempDirectory> directory_;
+  static inline std::unique_ptr<testing::LocalServer> server_;
+};
+
+inline void expect_wrong_use(const Outcome& outcome, const std::string& what) {
+  EXPECT_EQ(outcome.status, 2) << outcome.err;
+  EXPECT_THAT(outcome.err, ::testing::HasSubstr(what));
+  EXPECT_THAT(outcome.out, ::testing::IsEmpty());
+}
+
+inline void expect_no(const Outcome& outcome, const std::string& what) {
+  EXPECT_EQ(outcome.status, 1) << outcome.err;
+  EXPECT_THAT(outcome.err, ::testing::HasSubstr(what));
+}
+
+}  // namespace lucerna

@@ -1,0 +1,165 @@
+// lucerna lights, power, sample, pdf and le.
+#include <regex>
+
+#include "tests/e2e/cli_fixture.h"
+
+namespace lucerna {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ContainsRegex;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+TEST_F(Cli, LightsAreListedWithKindPlaceAndFlux) {
+  const Outcome outcome = lucerna({"lights", "point.pbrt"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out,
+              ContainsRegex(" 1  point +10 cd +1\\.2 -1\\.5 3\\.2 +125\\.66[34] +exact "
+                            "+yes +point\\.pbrt:"));
+  // A radius of 0.35 about (0.7, -1.2, 2.6): 4 pi 0.35^2 = 1.53938 m2.
+  EXPECT_THAT(lucerna({"lights", "sphere.pbrt"}).out,
+              ContainsRegex("area +sphere of diameter 0\\.7 m, 12 cd/m2 +0\\.35 -1\\.55 2\\.25 to "
+                            "1\\.05 -0\\.85 2\\.95 +1\\.53938 +58\\.033[0-9] +exact +no "));
+}
+
+TEST_F(Cli, PowerIsTheIntegralOfTheIntensity) {
+  const Outcome outcome = lucerna({"power", "point.pbrt"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  // 4 pi 10 lm
+  EXPECT_THAT(outcome.out, ContainsRegex(" 1  point +125\\.664 "));
+  EXPECT_THAT(outcome.out, ContainsRegex("all +125\\.664 "));
+  // pi L A = pi 12 4 pi 0.35^2 = 58.0331 lm
+  EXPECT_THAT(lucerna({"power", "sphere.pbrt"}).out, ContainsRegex(" 1  area +58\\.0333 "));
+  expect_no(lucerna({"power", "point.pbrt", "--light", "77"}), "77");
+}
+
+TEST_F(Cli, SampleOfAPointLightIsItsIlluminance) {
+  // Straight below, 3.2 m: 10 / 3.2^2 lx.
+  const Outcome outcome =
+      lucerna({"sample", "point.pbrt", "--point", "1.2,-1.5,0", "--light", "1", "--visible"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(
+      outcome.out,
+      ContainsRegex("0\\.97656[23] 0\\.97656[23] 0\\.97656[23] +lx +0 0 1 +3\\.2 +delta +yes"));
+  const Outcome chosen =
+      lucerna({"sample", "point.pbrt", "--point", "1.2,-1.5,0", "--u", "0.5,0.5,0.25"});
+  EXPECT_EQ(chosen.status, 0) << chosen.err;
+  EXPECT_THAT(chosen.out, ContainsRegex("chosen with"));
+}
+
+TEST_F(Cli, PdfIsZeroBesideALightAndNotTowardsIt) {
+  // Straight below the sphere's centre.
+  const Outcome outcome = lucerna({"pdf", "sphere.pbrt", "--light", "1", "--points", "-"},
+                                  "x,y,z,nx,ny,nz\n0.7,-1.2,0,0,0,1\n0.7,-1.2,0,1,0,0\n");
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, ContainsRegex("0 0 1 +[1-9][0-9.]*\n"));
+  EXPECT_THAT(outcome.out, ContainsRegex("1 0 0 +0\n"));
+}
+
+TEST_F(Cli, DensityIsThatOfTheWayThatWasAskedFor) {
+  const auto pdf = [](const std::string& way) {
+    return lucerna({"pdf", "sphere.pbrt", "--light", "1", "--point", "0.7,-1.2,0", "--direction",
+                    "0,0,1", "--area-sampling", way})
+        .out;
+  };
+  // A sphere of radius 0.35 at 2.6 m: 1 / (2 pi (1 - sqrt(1 - (0.35 / 2.6)^2))) = 17.485.
+  EXPECT_THAT(pdf("solid-angle"), ContainsRegex("0 0 1 +17\\.485"));
+  // By area: 2.25^2 / (4 pi 0.35^2) = 3.2887.
+  for (const char* way :
+       {"square-root", "kraemer", "parallelogram", "rejection", "low-distortion"}) {
+    EXPECT_THAT(pdf(way), ContainsRegex("0 0 1 +3\\.288[67]")) << way;
+  }
+  for (const char* way : {"automatic", "cosine-solid-angle"}) {
+    EXPECT_THAT(pdf(way), ContainsRegex("0 0 1 +17\\.485")) << way;
+  }
+  expect_wrong_use(lucerna({"pdf", "sphere.pbrt", "--light", "1", "--point", "0,0,0", "--direction",
+                            "0,0,1", "--area-sampling", "sideways"}),
+                   "--area-sampling: sideways is not one of automatic, square-root, kraemer, "
+                   "parallelogram, rejection, low-distortion, solid-angle, cosine-solid-angle\n");
+}
+
+TEST_F(Cli, SamplesFollowTheNormalThatIsGivenWithoutAskingForVisibility) {
+  // Under a light that covers most of the sky: by the cosine samples move to where the surface
+  // looks, and the density that is told with them is what `pdf` tells of their direction.
+  const auto sample = [](const std::string& way, std::vector<std::string> more) {
+    std::vector<std::string> words = {"sample",  "rectangle_near.pbrt", "--light", "1", "--u",
+                                      "0.5,0.5", "--area-sampling",     way};
+    words.insert(words.end(), more.begin(), more.end());
+    const Outcome outcome = lucerna(words, "-1.25,-0.75,1.25,1,0,0.25\n");
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return outcome.out;
+  };
+  const std::vector<std::string> point = {"--point", "-1.25,-0.75,1.25"};
+  const std::vector<std::string> with_normal = {"--point", "-1.25,-0.75,1.25", "--normal",
+                                                "1,0,0.25"};
+  const std::string followed = sample("cosine-solid-angle", with_normal);
+  EXPECT_NE(followed, sample("cosine-solid-angle", point));
+  EXPECT_EQ(sample("cosine-solid-angle", point), sample("solid-angle", point));
+  EXPECT_EQ(sample("solid-angle", with_normal), sample("solid-angle", point));
+  EXPECT_EQ(sample("cosine-solid-angle", {"--points", "-"}), followed);
+  // "... cd/m2  WI  DISTANCE  PDF"
+  const std::regex row("cd/m2 +([-0-9.e]+) ([-0-9.e]+) ([-0-9.e]+) +[0-9.]+ +([0-9.]+)");
+  std::smatch m;
+  ASSERT_TRUE(std::regex_search(followed, m, row)) << followed;
+  const std::string wi = m[1].str() + "," + m[2].str() + "," + m[3].str();
+  const Outcome told =
+      lucerna({"pdf", "rectangle_near.pbrt", "--light", "1", "--point", "-1.25,-0.75,1.25",
+               "--direction", wi, "--normal", "1,0,0.25", "--area-sampling", "cosine-solid-angle"});
+  EXPECT_EQ(told.status, 0) << told.err;
+  std::smatch n;
+  const std::regex density(m[3].str() + " +([0-9.]+)\n");
+  ASSERT_TRUE(std::regex_search(told.out, n, density)) << told.out;
+  // Six digits were printed of the direction.
+  EXPECT_NEAR(std::stod(n[1]) / std::stod(m[4]), 1, 1e-4);
+}
+
+TEST_F(Cli, LeIsTheRadianceOfTheLightThatARayMeets) {
+  // From below the sphere's centre, up and aside.
+  const Outcome outcome =
+      lucerna({"le", "sphere.pbrt", "--points", "-"}, "0.7,-1.2,0,0,0,1\n0.7,-1.2,0,1,0,1\n");
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, ContainsRegex("0 0 1 +12 12 12 +1\n"));
+  EXPECT_THAT(outcome.out, ContainsRegex("1 0 1 +0 0 0 +none\n"));
+  expect_no(
+      lucerna({"le", "sphere.pbrt", "--point", "0,0,1", "--direction", "0,0,1", "--light", "77"}),
+      "77");
+  expect_wrong_use(lucerna({"le", "sphere.pbrt", "--point", "0,0,1"}), "no directions");
+}
+
+// Flat from 500 to 600 nm.  By adding up the CIE's table, the end entries halved: its mean there is
+// 0.80920, so 1000 lm are 1000 / (683 * 0.80920) = 1.80935 W, a hundredth of it in each nanometre.
+TEST_F(Cli, WattsAndWavelengthsAreToldOfLightsWithSpectra) {
+  EXPECT_THAT(lucerna({"power", "lamp.pbrt", "--wavelength", "499,555", "--wavelength", "600"}).out,
+              AllOf(HasSubstr("flux [W]"), HasSubstr("at 499 555 600 nm [W/nm]"),
+                    ContainsRegex(" 1  point +1000 +exact +1\\.80935 .* 0 0\\.0180935 "
+                                  "0\\.0180935\n")));
+  EXPECT_THAT(lucerna({"lights", "lamp.pbrt"}).out,
+              ContainsRegex("spectrum 500 to 600 nm, 1\\.80935 W"));
+  EXPECT_THAT(lucerna({"power", "point.pbrt"}).out, Not(HasSubstr("[W]")));
+  // 2 m away: 0.0180935 / (4 pi 2^2) W/m2/nm.
+  const char* const value = "0\\.000359959";
+  EXPECT_THAT(
+      lucerna({"sample", "lamp.pbrt", "--point", "0,0,2", "--light", "1", "--wavelength", "555"})
+          .out,
+      AllOf(HasSubstr("at 555 nm"), ContainsRegex(std::string(value) + " +W/m2/nm")));
+  EXPECT_THAT(lucerna({"irradiance", "lamp.pbrt", "--point", "0,0,2", "--normal", "0,0,-1",
+                       "--bounces", "0", "--wavelength", "555,700"})
+                  .out,
+              ContainsRegex(std::string(value) + " 0\n"));
+  EXPECT_THAT(lucerna({"emit", "lamp.pbrt", "--light", "1", "--wavelength", "555"}).out,
+              ContainsRegex("0\\.00143984 +W/sr/nm"));
+  // Up at the sphere of 12 cd/m2: white, so D65, 12 of its W/m2/sr/nm per lm/m2/sr.
+  EXPECT_THAT(lucerna({"le", "sphere.pbrt", "--point", "0.7,-1.2,0", "--direction", "0,0,1",
+                       "--wavelength", "560"})
+                  .out,
+              AllOf(HasSubstr("at 560 nm [W/m2/sr/nm]"), ContainsRegex("12 12 12 +0\\.000166263")));
+  expect_no(lucerna({"irradiance", "lamp.pbrt", "--point", "0,0,2", "--normal", "0,0,-1",
+                     "--wavelength", "555"}),
+            "surfaces have a colour and no spectrum");
+  expect_no(lucerna({"power", "lamp.pbrt", "--wavelength", "20"}), "wavelengths_nm[0] = 20");
+  expect_wrong_use(lucerna({"power", "lamp.pbrt", "--wavelength", "blue"}), "blue");
+}
+
+}  // namespace
+}  // namespace lucerna

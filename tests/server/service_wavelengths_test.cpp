@@ -1,0 +1,128 @@
+// Wavelengths that are no wavelengths, too many, or where the light fits no float.
+#include <limits>
+
+#include "spectra_fixture.h"
+
+namespace lucerna::testing {
+namespace {
+
+TEST_F(SpectraServiceTest, WavelengthsAreCheckedEverywhere) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  const auto expect_refused = [&](const std::vector<double>& nm, const std::string& field) {
+    v1::SampleLiResponse li;
+    expect_bad_field(call(sample_request(1, nm), &li), field);
+    v1::EstimateIrradianceResponse irradiance;
+    expect_bad_field(call(irradiance_request(nm), &irradiance), field);
+    v1::LeRequest le;
+    le.set_scene_id(lamps_);
+    le.mutable_wavelengths_nm()->Add(nm.begin(), nm.end());
+    v1::LeResponse seen;
+    expect_bad_field(call(le, &seen), field);
+    v1::SampleLeRequest emit;
+    emit.set_scene_id(lamps_);
+    emit.mutable_seed();
+    emit.mutable_wavelengths_nm()->Add(nm.begin(), nm.end());
+    v1::SampleLeResponse rays;
+    expect_bad_field(call(emit, &rays), field);
+    v1::EstimatePowerRequest power;
+    power.set_scene_id(lamps_);
+    power.mutable_wavelengths_nm()->Add(nm.begin(), nm.end());
+    v1::EstimatePowerResponse watts;
+    expect_bad_field(call(power, &watts), field);
+  };
+  expect_refused({99.9}, "wavelengths_nm[0]");
+  expect_refused({555, 1000001}, "wavelengths_nm[1]");
+  expect_refused({kNan}, "wavelengths_nm[0]");
+  expect_refused({std::numeric_limits<double>::infinity()}, "wavelengths_nm[0]");
+  expect_refused({-555}, "wavelengths_nm[0]");
+  expect_refused(std::vector<double>(129, 555), "wavelengths_nm");
+  v1::SampleLiResponse r;
+  EXPECT_TRUE(call(sample_request(1, std::vector<double>(128, 1e6)), &r).ok());
+  EXPECT_TRUE(call(sample_request(1, {100}), &r).ok());
+}
+
+TEST_F(SpectraServiceTest, TheLargestBatchAtTheMostWavelengthsFitsAMessage) {
+  v1::SampleLiRequest q = sample_request(kF2, std::vector<double>(128, 555));
+  q.clear_u();
+  q.mutable_seed();
+  q.clear_light_id();
+  q.set_test_visibility(true);
+  q.mutable_receivers()->mutable_offsets_m()->Resize(3 * 65536, 0);
+  v1::SampleLiResponse r;
+  const grpc::Status s = call(q, &r);
+  ASSERT_TRUE(s.ok()) << s.error_message();
+  EXPECT_EQ(r.spectral_value_size(), 65536 * 128);
+  EXPECT_LT(r.ByteSizeLong(), options().limits.max_message_bytes);
+}
+
+// A black body of 100 K has 4e72 W a lumen, nearly all about 29 um.
+TEST_F(SpectraServiceTest, ValuesThatNoFloatHoldsAreOutOfRange) {
+  const std::string scene =
+      load("cold.pbrt",
+           "WorldBegin LightSource \"point\" \"blackbody I\" 100 \"point3 from\" [0 0 3]\n"
+           "AttributeBegin Translate 0 1 2 AreaLightSource \"diffuse\" "
+           "\"blackbody L\" 100 Shape \"sphere\" AttributeEnd");
+  for (const bool infrared : {false, true}) {
+    const double nm = infrared ? 29000 : 800;
+    v1::SampleLiRequest q = sample_request(1, {nm});
+    q.set_scene_id(scene);
+    v1::SampleLiResponse li;
+    ASSERT_TRUE(call(q, &li).ok());
+    v1::LeRequest le;
+    le.set_scene_id(scene);
+    set(le.mutable_points()->mutable_offsets_m(), 0, 1, 0);
+    set(le.mutable_directions(), 0, 0, 1);
+    le.add_wavelengths_nm(nm);
+    v1::LeResponse seen;
+    ASSERT_TRUE(call(le, &seen).ok());
+    v1::SampleLeRequest emit;
+    emit.set_scene_id(scene);
+    emit.set_light_id(2);
+    emit.set_count(1);
+    emit.mutable_seed();
+    emit.add_wavelengths_nm(nm);
+    v1::SampleLeResponse rays;
+    ASSERT_TRUE(call(emit, &rays).ok());
+    v1::EstimateIrradianceRequest irradiance = irradiance_request({nm});
+    irradiance.set_scene_id(scene);
+    irradiance.set_per_light(true);
+    v1::EstimateIrradianceResponse lx;
+    ASSERT_TRUE(call(irradiance, &lx).ok());
+    if (!infrared) {
+      EXPECT_EQ(li.status_size() + seen.status_size() + rays.status_size() + lx.status_size(), 0);
+      EXPECT_GT(li.spectral_value(0), 0);
+      EXPECT_GT(lx.illuminance_lx(0), 0);
+      EXPECT_GT(lx.shares(1).illuminance_lx(0), 0);
+      continue;
+    }
+    ASSERT_EQ(li.status_size(), 1);
+    EXPECT_EQ(li.status(0), v1::ITEM_STATUS_OUT_OF_RANGE);
+    EXPECT_EQ(li.spectral_value(0), 0);
+    EXPECT_EQ(li.value(0), 0);
+    ASSERT_EQ(seen.status_size(), 1);
+    EXPECT_EQ(seen.status(0), v1::ITEM_STATUS_OUT_OF_RANGE);
+    ASSERT_EQ(rays.status_size(), 1);
+    EXPECT_EQ(rays.status(0), v1::ITEM_STATUS_OUT_OF_RANGE);
+    ASSERT_EQ(lx.status_size(), 2);
+    EXPECT_EQ(lx.status(0), v1::ITEM_STATUS_OUT_OF_RANGE);
+    // No number of such an item stays behind.
+    EXPECT_EQ(lx.spectral_irradiance(0), 0);
+    for (int i = 0; i < 2; ++i) {
+      EXPECT_EQ(rgb(lx.irradiance_lx(), i), Rgb<double>{});
+      EXPECT_EQ(lx.illuminance_lx(i), 0);
+      EXPECT_EQ(lx.standard_error_lx(i), 0);
+      EXPECT_EQ(lx.zero_bound_lx(i), 0);
+      for (const v1::LightShare& share : lx.shares()) {
+        EXPECT_EQ(share.illuminance_lx(i), 0) << share.light_id();
+        EXPECT_EQ(share.standard_error_lx(i), 0) << share.light_id();
+      }
+    }
+    // Doubles hold it.
+    const v1::LightPower flux = power(scene, {1}, {nm}).lights(0);
+    EXPECT_GT(flux.power_w(), 1e73);
+    EXPECT_TRUE(std::isfinite(flux.power_w()) && std::isfinite(flux.spectral_w_per_nm(0)));
+  }
+}
+
+}  // namespace
+}  // namespace lucerna::testing
