@@ -1,4 +1,6 @@
 // Irradiance at points: the first vertex of a path whose surface reflects everything, times pi.
+#include <tbb/enumerable_thread_specific.h>
+
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -79,7 +81,8 @@ class IrradianceJob {
         visit_all_(settings.per_light || tracer_.visits_all()),
         gather_indirect_(settings.bounces.value_or(1) > 0 && !scene.empty() &&
                          !scene.lights().empty()),
-        gather_(gather_indirect_ || scene.has_visible_lights()) {}
+        gather_(gather_indirect_ || scene.has_visible_lights()),
+        spectral_([this] { return SpectralValues(scene_, settings_.wavelengths_nm); }) {}
 
   void range(std::size_t begin, std::size_t end) {
     const DenormalsAreZero denormals;
@@ -131,8 +134,8 @@ class IrradianceJob {
     if (!exact.empty()) put_spectral(p, exact, sampled);
   }
 
-  void put_spectral(std::size_t p, const BySpectrum& exact, const BySpectrum& sampled) const {
-    SpectralValues spectral(scene_, settings_.wavelengths_nm);
+  void put_spectral(std::size_t p, const BySpectrum& exact, const BySpectrum& sampled) {
+    SpectralValues& spectral = spectral_.local();
     const std::span<double> at(result_.spectral.data() + p * spectral.size(), spectral.size());
     const double samples = double(settings_.block_count) * settings_.samples_per_block;
     for (std::uint32_t g = 0; g < exact.size(); ++g) {
@@ -225,6 +228,8 @@ class IrradianceJob {
   const std::stop_token& stop_;
   IrradianceResult& result_;
   const bool visit_all_, gather_indirect_, gather_;
+  /// One for each thread that takes part, as looking spectra up takes longer than using them.
+  tbb::enumerable_thread_specific<SpectralValues> spectral_;
   std::mutex mutex_;
   std::atomic<bool> stopped_ = false;
 };

@@ -23,6 +23,7 @@ namespace {
 constexpr double kShadowRaySeconds = 1.5e-6;
 constexpr double kDirectSampleSeconds = 2e-6;
 constexpr double kPathSampleSeconds = 8e-6;
+constexpr double kLookUpSeconds = 200e-9;  // a spectrum at a wavelength
 constexpr std::uint32_t kDefaultSamples = 256;
 // Replicates of an estimate: its standard error is then known to about a fifth.
 constexpr std::uint32_t kReplicates = 16;
@@ -265,6 +266,10 @@ Prepared estimate_irradiance(const Context& context, const v1::EstimateIrradianc
       work.settings.per_light ? static_cast<double>((*scene)->lights().size()) : 8;
   task.predicted_s = static_cast<double>(n) * *samples *
                      (direct ? kDirectSampleSeconds : kPathSampleSeconds) * std::max(1.0, lights);
+  // Light is told by spectrum: each of them is looked up once, and is a value of each point.
+  const double spectra = static_cast<double>((*scene)->spectra().size() + 1);
+  task.predicted_s += spectra * static_cast<double>(wavelengths->size()) *
+                      (kLookUpSeconds + static_cast<double>(n) * kWavelengthSeconds);
   task.cost = response->mutable_cost();
   task.run = [work, response](const std::stop_token& stop) { return work(stop, response); };
   return task;

@@ -61,8 +61,9 @@ template <typename Request>
 absl::StatusOr<std::uint32_t> check_block(std::uint32_t samples, const Request& request) {
   if (!request.has_samples_per_block()) return default_samples_per_block(samples, kReplicates);
   const std::uint32_t block = request.samples_per_block();
-  if (!std::has_single_bit(block)) {
-    return bad_field("samples_per_block", fmt::format("{}", block), "a power of two");
+  if (!std::has_single_bit(block) || block > kMostSamplesPerBlock) {
+    return bad_field("samples_per_block", fmt::format("{}", block),
+                     fmt::format("a power of two in [1, {}]", kMostSamplesPerBlock));
   }
   if (samples % block != 0) {
     return bad_field("accuracy.samples", fmt::format("{}", samples),

@@ -115,6 +115,22 @@ TEST_F(RenderServiceTest, BadTilesAreNamed) {
                    "tile_size");
 }
 
+// The samples of a block are cut into eight parts, which are numbered in 32 bits.
+TEST_F(RenderServiceTest, BlocksOfMoreSamplesThanCanBeNumberedAreRefused) {
+  rpc::ServerOptions options = service_options();
+  options.limits.max_samples = 1U << 30;
+  Service service(options);
+  v1::RenderTileRequest q = tile_request(1U << 29);
+  service.load("rectangle.pbrt");
+  q.set_samples_per_block(1U << 29);
+  v1::RenderTileResponse r;
+  const grpc::Status s = tile(service, q, &r);
+  expect_bad_field(s, "samples_per_block");
+  EXPECT_NE(s.error_message().find("536870912, allowed: a power of two in [1, 268435456]"),
+            std::string::npos)
+      << s.error_message();
+}
+
 TEST_F(RenderServiceTest, WhatTheFileProposesIsRoundedToWhatATileCanHold) {
   rpc::ServerOptions options = service_options();
   options.scene_root = LUCERNA_TEST_DATA "/pbrt";
