@@ -161,8 +161,8 @@ TEST(PhotometricMutations, ScenesOfBrokenPhotometricFilesNameThemOrLoad) {
   for (const std::string& light :
        {std::string(kGoniometric), panel + "\"disk\"",
         panel + "\"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 0]"}) {
-    check_scenes("lamp.ies", ies, light, 300);
-    check_scenes("lamp.ldt", ldt, light, 300);
+    check_scenes("lamp.ies", ies, light, 120);
+    check_scenes("lamp.ldt", ldt, light, 120);
   }
 }
 
@@ -179,12 +179,12 @@ TEST(PhotometricMutations, ScenesOfBrokenPicturesNameThemOrLoad) {
                                    {"lamp.tif", TypeDesc::UINT8},
                                    {"lamp.jpg", TypeDesc::UINT8}}) {
     const std::string whole = picture(name, type);
-    check_scenes(name, whole, kGoniometric + latlong, 300);
+    check_scenes(name, whole, kGoniometric + latlong, 120);
     for (const std::string& light :
          {infinite, infinite + " \"point3 portal\" [0 0 1 0 1 1 1 1 1 1 0 1]", projection,
           projection + " \"string projection\" \"orthographic\"", area + "\"disk\"",
           area + "\"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 1 1 0]"})
-      check_scenes(name, whole, light, 60);
+      check_scenes(name, whole, light, 30);
   }
 }
 
