@@ -28,6 +28,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/lights/contract_checks.h"
+#include "tests/lights/takes_part.h"
 
 namespace lucerna::testing {
 
@@ -61,6 +62,10 @@ class AnyLight : public ::testing::Test {
  public:
   using Float = typename Case::template Light<float>;
   using Double = typename Case::template Light<double>;
+
+ protected:
+  AnyLight() { static_cast<void>(kTakesPart); }
+  static inline const bool kTakesPart = takes_part<Float>("AnyLight");
 };
 TYPED_TEST_SUITE_P(AnyLight);
 
@@ -191,7 +196,12 @@ REGISTER_TYPED_TEST_SUITE_P(AnyLight, SamplesAgreeWithEvaluation, FloatAgreesWit
                             RigidMotionChangesOnlyTheFrame, ScalingByPowersOfTwoChangesNoBit);
 
 template <typename Case>
-class LightWithDensity : public ::testing::Test {};
+class LightWithDensity : public ::testing::Test {
+ protected:
+  LightWithDensity() { static_cast<void>(kTakesPart); }
+  static inline const bool kTakesPart =
+      takes_part<typename Case::template Light<float>>("LightWithDensity");
+};
 TYPED_TEST_SUITE_P(LightWithDensity);
 
 TYPED_TEST_P(LightWithDensity, DensityIntegratesToTheSampledProbability) {
@@ -220,7 +230,12 @@ REGISTER_TYPED_TEST_SUITE_P(LightWithDensity, DensityIntegratesToTheSampledProba
                             SamplesFollowTheDensity);
 
 template <typename Case>
-class DeltaLight : public ::testing::Test {};
+class DeltaLight : public ::testing::Test {
+ protected:
+  DeltaLight() { static_cast<void>(kTakesPart); }
+  static inline const bool kTakesPart =
+      takes_part<typename Case::template Light<float>>("DeltaLight");
+};
 TYPED_TEST_SUITE_P(DeltaLight);
 
 TYPED_TEST_P(DeltaLight, HasNoDensityAndSaysSo) {

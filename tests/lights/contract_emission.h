@@ -60,7 +60,12 @@ Rgb<double> expected_emission(const Vec3<double>& position, const Vec3<double>& 
 }
 
 template <typename Case>
-class EmittingLight : public ::testing::Test {};
+class EmittingLight : public ::testing::Test {
+ protected:
+  EmittingLight() { static_cast<void>(kTakesPart); }
+  static inline const bool kTakesPart =
+      takes_part<typename Case::template Light<float>>("EmittingLight");
+};
 TYPED_TEST_SUITE_P(EmittingLight);
 
 TYPED_TEST_P(EmittingLight, RaysAgreeWithEvaluation) {
@@ -206,7 +211,12 @@ TYPED_TEST_P(EmittingDirections, DirectionsFollowTheDensity) {
 REGISTER_TYPED_TEST_SUITE_P(EmittingDirections, DirectionsFollowTheDensity);
 
 template <typename Case>
-class BoundedLight : public ::testing::Test {};
+class BoundedLight : public ::testing::Test {
+ protected:
+  BoundedLight() { static_cast<void>(kTakesPart); }
+  static inline const bool kTakesPart =
+      takes_part<typename Case::template Light<float>>("BoundedLight");
+};
 TYPED_TEST_SUITE_P(BoundedLight);
 
 template <typename Real, typename Case>
@@ -259,7 +269,12 @@ REGISTER_TYPED_TEST_SUITE_P(BoundedLight, BoundsReachWhereverLightArrives, Bound
                             BoundsLeaveOutThePlacesThatAConeDoes);
 
 template <typename Case>
-class UnboundedLight : public ::testing::Test {};
+class UnboundedLight : public ::testing::Test {
+ protected:
+  UnboundedLight() { static_cast<void>(kTakesPart); }
+  static inline const bool kTakesPart =
+      takes_part<typename Case::template Light<float>>("UnboundedLight");
+};
 TYPED_TEST_SUITE_P(UnboundedLight);
 
 TYPED_TEST_P(UnboundedLight, HasNoBounds) {

@@ -16,6 +16,7 @@
 #include "lights/light.h"
 #include "lights/posed_light.h"
 #include "tests/lights/contract_checks.h"
+#include "tests/lights/takes_part.h"
 
 namespace lucerna::testing {
 
@@ -38,7 +39,12 @@ inline std::vector<KeyTransform> keys() {
 }
 
 template <typename Case>
-class MovingLight : public ::testing::Test {};
+class MovingLight : public ::testing::Test {
+ protected:
+  MovingLight() { static_cast<void>(kTakesPart); }
+  static inline const bool kTakesPart =
+      takes_part<decltype(Case::template make<float>(Transform()))>("MovingLight");
+};
 TYPED_TEST_SUITE_P(MovingLight);
 
 // Where the light-space axes and origin are at time `t` by the rules themselves: the origin on a

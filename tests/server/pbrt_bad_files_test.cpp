@@ -175,8 +175,9 @@ TEST(PbrtBadFiles, PicturesThatAreNoneAreErrorsForEveryLight) {
       expect_error(o, "filename", name);
       EXPECT_EQ(o.status.code(), name == "huge.pfm" ? absl::StatusCode::kResourceExhausted
                                                     : absl::StatusCode::kInvalidArgument);
-      if (name.find("inf") != std::string::npos || name == "nan.pfm")
+      if (name.find("inf") != std::string::npos || name == "nan.pfm") {
         EXPECT_THAT(message(o.status), HasSubstr("texel (2, 1)"));
+      }
     }
   });
 }

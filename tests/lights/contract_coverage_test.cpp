@@ -1,0 +1,39 @@
+// Every light of the closed set takes part in the contract.
+#include <gtest/gtest.h>
+
+#include <string_view>
+#include <typeinfo>
+#include <variant>
+#include <vector>
+
+#include "lights/light.h"
+#include "tests/lights/takes_part.h"
+
+namespace lucerna::testing {
+namespace {
+
+template <typename Model>
+void expect_takes_part_in_one_of(const std::vector<std::string_view>& suites) {
+  int count = 0;
+  for (const std::string_view suite : suites)
+    count += static_cast<int>(participants()[suite].count(typeid(Model)));
+  EXPECT_GT(count, 0) << typeid(Model).name() << " has no case in " << suites.front();
+}
+
+template <typename... Models>
+void expect_all_take_part(const std::variant<Models...>*,
+                          const std::vector<std::string_view>& suites) {
+  (expect_takes_part_in_one_of<Models>(suites), ...);
+}
+
+TEST(Contract, EveryLightTakesPart) {
+  constexpr const Light<float>* kAll = nullptr;
+  expect_all_take_part(kAll, {"AnyLight"});
+  expect_all_take_part(kAll, {"LightWithDensity", "DeltaLight"});
+  expect_all_take_part(kAll, {"EmittingLight"});
+  expect_all_take_part(kAll, {"BoundedLight", "UnboundedLight"});
+  expect_all_take_part(kAll, {"MovingLight"});
+}
+
+}  // namespace
+}  // namespace lucerna::testing

@@ -1,0 +1,23 @@
+// Which lights have a case in which suite, so that a test can say which one was forgotten.
+#pragma once
+
+#include <map>
+#include <set>
+#include <string_view>
+#include <typeindex>
+
+namespace lucerna::testing {
+
+/// By the suite's name, the float types of its cases' lights.  Complete once main() has begun.
+inline std::map<std::string_view, std::set<std::type_index>>& participants() {
+  static std::map<std::string_view, std::set<std::type_index>> all;
+  return all;
+}
+
+template <typename Light>
+bool takes_part(std::string_view suite) {
+  participants()[suite].insert(typeid(Light));
+  return true;
+}
+
+}  // namespace lucerna::testing
