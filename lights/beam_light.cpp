@@ -165,13 +165,7 @@ EmissionSample<Real> BeamLight<Real>::sample_le(Vec2<Real> u_position, Vec2<Real
     sample.value = Rgb<Real>(value_at(*rounded));
     sample.pdf_position = {static_cast<Real>(per_m2(*rounded))};
   }
-  if (sample.value.is_black()) {
-    // Rounded to where the picture is black.
-    sample.reason = NoLight::kOutsideCone;
-  } else if (!(sample.pdf_position.per_m2 > 0 && std::isfinite(sample.pdf_position.per_m2))) {
-    sample.reason = NoLight::kOutOfRange;
-    sample.value = {};
-  }
+  settle(sample.pdf_position.per_m2, sample);
   return sample;
 }
 

@@ -33,6 +33,11 @@ struct CornerWeights : BilinearWeights {
   bool flat_convex;
 
   explicit CornerWeights(const Form& p) {
+    if (p.g == Vec3<double>{}) {  // a parallelogram, as most are
+      w00 = w10 = w01 = w11 = length(cross(p.e, p.f));
+      flat_convex = w00 > 0;
+      return;
+    }
     const Vec3<double> n[4] = {p.area_vector(0, 0), p.area_vector(1, 0), p.area_vector(0, 1),
                                p.area_vector(1, 1)};
     w00 = length(n[0]), w10 = length(n[1]), w01 = length(n[2]), w11 = length(n[3]);
@@ -40,12 +45,15 @@ struct CornerWeights : BilinearWeights {
     // them by 1e-7.
     constexpr double kFlat = 1e-6;
     const Vec3<double> sum = (n[0] + n[1]) + (n[2] + n[3]);
-    const Vec3<double> side = normalized(sum);  // unit: squares of areas have no room
-    const double scale = kFlat * length(sum);
+    // To length 1 first: squares of areas leave double's range.  A sum of 0, of a patch that folds
+    // over by halves, makes it no number, which is not flat.
+    const double to_unit = 1 / length(sum);
+    const Vec3<double> side = sum * to_unit;
     flat_convex = true;
-    for (const auto& corner : n)
-      flat_convex =
-          flat_convex && dot(corner, side) >= -scale && length(cross(corner, side)) <= scale;
+    for (const auto& corner : n) {
+      const Vec3<double> c = corner * to_unit, off = cross(c, side);
+      flat_convex = flat_convex && dot(c, side) >= -kFlat && dot(off, off) <= kFlat * kFlat;
+    }
   }
 };
 
@@ -166,8 +174,10 @@ int invert(const Form& p, const Vec3<double>& position, double tolerance_m, Vec2
   return count;
 }
 
+// Not inlined: GCC 12 at -O2 keeps a point in double where it has just been rounded to float.
 template <typename Real>
-SurfacePoint<Real> sample_area(const Form& p, const CornerWeights& weights, Vec2<Real> u) {
+[[gnu::noinline]] SurfacePoint<Real> sample_area(const Form& p, const CornerWeights& weights,
+                                                 Vec2<Real> u) {
   const auto [s, t] = weights.sample({u.x, u.y});
   return {Vec3<Real>(p.at(s, t)), Vec3<Real>(normalized(p.area_vector(s, t)))};
 }

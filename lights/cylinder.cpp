@@ -11,8 +11,6 @@ namespace lucerna {
 
 namespace {
 
-constexpr double kTwoPi = 2 * std::numbers::pi;
-
 absl::Status check(const CylinderParams& p) {
   const auto refuse = [](const char* field, double value, const std::string& allowed) {
     return absl::InvalidArgumentError(
@@ -23,7 +21,7 @@ absl::Status check(const CylinderParams& p) {
   if (!std::isfinite(p.z_min_m)) return refuse("z_min_m", p.z_min_m, "finite");
   if (!(p.z_max_m > p.z_min_m) || !std::isfinite(p.z_max_m))
     return refuse("z_max_m", p.z_max_m, fmt::format("finite, more than z_min_m, {}", p.z_min_m));
-  if (!(p.phi_max_rad > 0 && p.phi_max_rad <= kTwoPi))
+  if (!(p.phi_max_rad > 0 && p.phi_max_rad <= kTurnRad))
     return refuse("phi_max_rad", p.phi_max_rad, "(0, 2 pi]");
   return absl::OkStatus();
 }
@@ -104,9 +102,7 @@ template <typename Real>
 bool Cylinder<Real>::is_cut_away(const Vec3<double>& p) const {
   // Put this way round, so that a z that is no number is cut away too.
   if (!(p.z >= params_.z_min_m && p.z <= params_.z_max_m)) return true;
-  if (!(params_.phi_max_rad < kTwoPi)) return false;
-  const double phi = std::atan2(p.y, p.x);
-  return (phi < 0 ? phi + kTwoPi : phi) > params_.phi_max_rad;
+  return !is_swept(p, params_.phi_max_rad);
 }
 
 template <typename Real>
@@ -181,16 +177,7 @@ std::optional<SurfacePoint<Real>> Cylinder<Real>::locate(const Vec3<Real>& posit
   Vec3<double> q{p.x * to_surface, p.y * to_surface,
                  std::clamp(p.z, params_.z_min_m, params_.z_max_m)};
   if (!is_finite(q)) return std::nullopt;
-  if (params_.phi_max_rad < kTwoPi) {
-    // Beyond the sweep the nearer of its two edges.
-    double phi = std::atan2(q.y, q.x);
-    if (phi < 0) phi += kTwoPi;
-    if (phi > params_.phi_max_rad) {
-      const bool last = phi - params_.phi_max_rad < kTwoPi - phi;
-      const double edge = last ? params_.phi_max_rad : 0, across = std::hypot(q.x, q.y);
-      q = {across * std::cos(edge), across * std::sin(edge), q.z};
-    }
-  }
+  q = nearest_swept(q, params_.phi_max_rad);
   const Vec3<double> nearest = world_from_object_.point(q);
   if (!(length(nearest - Vec3<double>(position)) <= rounding_m<Real>(bounds()) + slack_m))
     return std::nullopt;
@@ -199,7 +186,7 @@ std::optional<SurfacePoint<Real>> Cylinder<Real>::locate(const Vec3<Real>& posit
 
 template <typename Real>
 NormalCone<Real> Cylinder<Real>::normals() const {
-  if (!(params_.phi_max_rad < kTwoPi)) return {};
+  if (!(params_.phi_max_rad < kTurnRad)) return {};
   const double middle = params_.phi_max_rad / 2;
   const Vec3<double> axis = world_from_object_.normal({std::cos(middle), std::sin(middle), 0});
   return {Vec3<Real>(normalized(params_.reverse_orientation ? -axis : axis)),

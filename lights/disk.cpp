@@ -13,8 +13,6 @@ namespace lucerna {
 
 namespace {
 
-constexpr double kTwoPi = 2 * std::numbers::pi;
-
 absl::Status check(const DiskParams& p) {
   const auto refuse = [](const char* field, double value, const std::string& allowed) {
     return absl::InvalidArgumentError(
@@ -25,7 +23,7 @@ absl::Status check(const DiskParams& p) {
     return refuse("radius_m", p.radius_m, "finite and > 0");
   if (!(p.inner_radius_m >= 0 && p.inner_radius_m < p.radius_m))
     return refuse("inner_radius_m", p.inner_radius_m, fmt::format("[0, radius {})", p.radius_m));
-  if (!(p.phi_max_rad > 0 && p.phi_max_rad <= kTwoPi))
+  if (!(p.phi_max_rad > 0 && p.phi_max_rad <= kTurnRad))
     return refuse("phi_max_rad", p.phi_max_rad, "(0, 2 pi]");
   return absl::OkStatus();
 }
@@ -44,7 +42,7 @@ Disk<Real>::Disk(const DiskParams& params, const Vec3<double>& origin_m)
       length(cross(world_from_object_.vector({1, 0, 0}), world_from_object_.vector({0, 1, 0})));
   area_m2_ = params.phi_max_rad / 2 * (params.radius_m - params.inner_radius_m) *
              (params.radius_m + params.inner_radius_m) * stretch;
-  is_circle_ = params.inner_radius_m == 0 && params.phi_max_rad == kTwoPi &&
+  is_circle_ = params.inner_radius_m == 0 && params.phi_max_rad == kTurnRad &&
                params.world_from_object.uniform_scale().has_value();
 }
 
@@ -139,12 +137,9 @@ std::optional<ShapeHit<Real>> Disk<Real>::intersect(const Vec3<Real>& origin,
   const double r2 = x * x + y * y;
   if (!(r2 <= params_.radius_m * params_.radius_m)) return std::nullopt;
   if (r2 < params_.inner_radius_m * params_.inner_radius_m) return std::nullopt;
-  if (params_.phi_max_rad < kTwoPi) {
-    const double phi = std::atan2(y, x);
-    if ((phi < 0 ? phi + kTwoPi : phi) > params_.phi_max_rad) return std::nullopt;
-  }
-  return ShapeHit<Real>{static_cast<Real>(t),
-                        {Vec3<Real>(world_from_object_.point({x, y, params_.height_m})), normal_}};
+  const Vec3<double> p{x, y, params_.height_m};
+  if (!is_swept(p, params_.phi_max_rad)) return std::nullopt;
+  return ShapeHit<Real>{static_cast<Real>(t), {Vec3<Real>(world_from_object_.point(p)), normal_}};
 }
 
 template <typename Real>
@@ -168,16 +163,7 @@ std::optional<SurfacePoint<Real>> Disk<Real>::locate(const Vec3<Real>& position,
   const double ring = std::clamp(r, params_.inner_radius_m, params_.radius_m);
   if (!is_finite(q) || (r == 0 && ring > 0)) return std::nullopt;
   if (ring != r) q = {q.x * (ring / r), q.y * (ring / r), q.z};
-  if (params_.phi_max_rad < kTwoPi) {
-    // Beyond the sweep the nearer of its two edges.
-    double phi = std::atan2(q.y, q.x);
-    if (phi < 0) phi += kTwoPi;
-    if (phi > params_.phi_max_rad) {
-      const bool last = phi - params_.phi_max_rad < kTwoPi - phi;
-      const double edge = last ? params_.phi_max_rad : 0, across = std::hypot(q.x, q.y);
-      q = {across * std::cos(edge), across * std::sin(edge), q.z};
-    }
-  }
+  q = nearest_swept(q, params_.phi_max_rad);
   const Vec3<double> nearest = world_from_object_.point(q);
   if (!(length(nearest - Vec3<double>(position)) <= rounding_m<Real>(bounds()) + slack_m))
     return std::nullopt;

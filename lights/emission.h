@@ -18,6 +18,19 @@ inline Power approximate_power(const Rgb<double>& lumens, const Power& power) {
   return {lumens, std::fabs(luminance(lumens - power.lumens)) + power.error_lumens};
 }
 
+/// Settles a sample of the `density` (of position or of direction) that it was chosen with, value
+/// and density those of what was rounded: kOutsideCone where that led out of the light or to where
+/// it comes down to 0, kOutOfRange where the density is not a positive `Real`.
+template <std::floating_point Real>
+void settle(Real density, EmissionSample<Real>& sample) {
+  if (sample.value.is_black()) {
+    sample.reason = NoLight::kOutsideCone;
+  } else if (!(density > 0 && std::isfinite(density))) {
+    sample.reason = NoLight::kOutOfRange;
+    sample.value = {};
+  }
+}
+
 /// Starts a ray along the unit vector `direction` on the disk that faces it: of the scene's
 /// sphere's radius, touching the sphere.  Sets origin, direction and pdf_position; kDegenerate
 /// where the scene's sphere has no extent.  [Pharr23, 12.5]

@@ -127,13 +127,7 @@ EmissionSample<Real> GoniometricLight<Real>::sample_le(Vec2<Real>, Vec2<Real> u_
   const Vec3<double> rounded(sample.direction);
   sample.pdf_direction = {static_cast<Real>(direction_pdf(rounded).per_sr)};
   sample.value = Rgb<Real>(params_.intensity * share(rounded));
-  // Rounded out of the lit angles, or where the intensity comes down to 0.
-  if (sample.value.is_black()) {
-    sample.reason = NoLight::kOutsideCone;
-  } else if (!(sample.pdf_direction.per_sr > 0 && std::isfinite(sample.pdf_direction.per_sr))) {
-    sample.reason = NoLight::kOutOfRange;
-    sample.value = {};
-  }
+  settle(sample.pdf_direction.per_sr, sample);
   return sample;
 }
 

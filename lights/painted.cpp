@@ -156,7 +156,7 @@ PaintedArea Painted<Real, Surface>::measure() const {
   PaintedArea whole;
   if constexpr (kHasRows<Surface<Real>>) {
     const auto area_of = [this](const Band& band) { return data_->surface.area_of(band); };
-    whole = {mean_over_rows(data_->picture, area_of) * area(), 0};
+    whole = {mean_over_rows(data_->picture, area_of) * this->area(), 0};
   } else if constexpr (MeshOf<Surface<Real>>::kTriangles) {
     // Meshes repeat the same (u, v) again and again, all of those that give none.
     std::map<std::array<float, 6>, Rgb<double>> known;
@@ -168,7 +168,7 @@ PaintedArea Painted<Real, Surface>::measure() const {
         entry->second = mean_over_triangle(
             data_->picture, {Vec2<double>{uv[0].x, uv[0].y}, Vec2<double>{uv[1].x, uv[1].y},
                              Vec2<double>{uv[2].x, uv[2].y}});
-      whole.m2 += entry->second * (data_->surface.share(i) * area());
+      whole.m2 += entry->second * (data_->surface.share(i) * this->area());
     }
   } else {
     std::optional<PictureMoments> moments;
@@ -280,7 +280,7 @@ AreaPdf<double> Painted<Real, Surface>::pdf_area(const SurfacePoint<Real>& point
     const double share = std::clamp(
         data_->surface.area_of({row.above, within, 1 - y}).share / measure, 0x1p-30, 1 - 0x1p-30);
     const double of_square = data_->distribution->pdf({at.x, row.above + row.height * share});
-    return {of_square * row.height / measure / area()};
+    return {of_square * row.height / measure / this->area()};
   } else if constexpr (MeshOf<Surface<Real>>::kPatches) {
     if (point.primitive >= data_->surface.size()) return {0};
     const double element =
@@ -290,7 +290,7 @@ AreaPdf<double> Painted<Real, Surface>::pdf_area(const SurfacePoint<Real>& point
     if (point.primitive >= 2) return {0};
     // Each has half of the picture.
     return {data_->distribution->pdf({at.x, y}) / 2 /
-            (data_->surface.share(point.primitive) * area())};
+            (data_->surface.share(point.primitive) * this->area())};
   }
 }
 

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "lights/covered.h"
 #include "lights/cylinder.h"
 #include "lights/disk.h"
 #include "lights/image_distribution.h"
@@ -31,7 +32,7 @@ namespace lucerna {
 /// is exact in every case.  Immutable, so safe to share between threads; copies share all they
 /// hold, so that lights without pictures are no larger for those that have one.
 template <typename Real, template <typename> typename Surface>
-class Painted {
+class Painted : public Covered<Painted<Real, Surface>, Real, Surface<Real>> {
  public:
   /// `corner_uv`: of each primitive's corners in its order, triangles of a mesh need them, patches
   /// have (0,0), (1,0), (0,1), (1,1) without.  Errors: a number of them that is not that of the
@@ -39,28 +40,13 @@ class Painted {
   static absl::StatusOr<Painted> create(Surface<Real> surface, Picture picture,
                                         std::vector<Vec2<float>> corner_uv = {});
 
-  double area() const { return data_->surface.area(); }
-  absl::Status emissive_error() const { return data_->surface.emissive_error(); }
-
   /// By the picture, or as `surface()` does it.
   ShapeSample<Real> sample(const Receiver<Real>& receiver, Vec2<Real> u) const;
   /// The density of `sample` at a point of the surface.
   SolidAnglePdf<Real> pdf(const Receiver<Real>& receiver, const SurfacePoint<Real>& point) const;
 
-  template <typename F>
-  void for_each_hit(const Vec3<Real>& receiver, const Vec3<Real>& wi, F&& f) const {
-    data_->surface.for_each_hit(receiver, wi, std::forward<F>(f));
-  }
-
   /// Density of points that no receiver chooses.
   AreaPdf<double> pdf_area(const SurfacePoint<Real>& point) const;
-  std::optional<SurfacePoint<Real>> locate(const Vec3<Real>& position, double slack_m = 0) const {
-    return data_->surface.locate(position, slack_m);
-  }
-  NormalCone<Real> normals() const { return data_->surface.normals(); }
-  std::pair<Vec3<Real>, Vec3<Real>> bounds() const { return data_->surface.bounds(); }
-  std::size_t size() const requires requires(const Surface<Real>& s) { s.size(); }
-  { return data_->surface.size(); }
   /// Without the picture, which lights share.
   std::size_t bytes() const;
 

@@ -38,7 +38,7 @@ template <typename Real, template <typename> typename Surface>
 double Panel<Real, Surface>::radiance(const Vec3<double>& w, const Vec3<double>& normal) const {
   const double cd = data_->profile.web->at(data_->axes.local_from_world(w));
   // By the point's own cosine: that of the shape as a whole is 0 elsewhere, if by a hair.
-  return cd > 0 ? cd / std::fabs(dot(w, normal)) / area() : 0;
+  return cd > 0 ? cd / std::fabs(dot(w, normal)) / this->area() : 0;
 }
 
 template <typename Real, template <typename> typename Surface>

@@ -18,6 +18,7 @@
 #include <string>
 #include <utility>
 
+#include "lights/covered.h"
 #include "lights/disk.h"
 #include "lights/light_bounds.h"
 #include "lights/mesh.h"
@@ -38,33 +39,20 @@ struct PanelProfile {
 /// `Surface` is one of this library's shapes that can be flat.  Immutable, so safe to share between
 /// threads; copies share all they hold.
 template <typename Real, template <typename> typename Surface>
-class Panel {
+class Panel : public Covered<Panel<Real, Surface>, Real, Surface<Real>> {
  public:
   /// Errors: normals more than 1e-3 rad from their mean; a tangent that is none.
   static absl::StatusOr<Panel> create(Surface<Real> surface, PanelProfile profile);
 
-  double area() const { return data_->surface.area(); }
-  absl::Status emissive_error() const { return data_->surface.emissive_error(); }
   ShapeSample<Real> sample(const Receiver<Real>& receiver, Vec2<Real> u) const {
     return data_->surface.sample(receiver, u);
   }
   SolidAnglePdf<Real> pdf(const Receiver<Real>& receiver, const SurfacePoint<Real>& point) const {
     return data_->surface.pdf(receiver, point);
   }
-  template <typename F>
-  void for_each_hit(const Vec3<Real>& receiver, const Vec3<Real>& wi, F&& f) const {
-    data_->surface.for_each_hit(receiver, wi, std::forward<F>(f));
-  }
   AreaPdf<double> pdf_area(const SurfacePoint<Real>& point) const {
     return data_->surface.pdf_area(point);
   }
-  std::optional<SurfacePoint<Real>> locate(const Vec3<Real>& position, double slack_m = 0) const {
-    return data_->surface.locate(position, slack_m);
-  }
-  NormalCone<Real> normals() const { return data_->surface.normals(); }
-  std::pair<Vec3<Real>, Vec3<Real>> bounds() const { return data_->surface.bounds(); }
-  std::size_t size() const requires requires(const Surface<Real>& s) { s.size(); }
-  { return data_->surface.size(); }
   /// Without the photometric web, which lights share.
   std::size_t bytes() const { return sizeof(Data) - sizeof(Surface<Real>) + surface().bytes(); }
 

@@ -89,13 +89,7 @@ EmissionSample<Real> ProjectionLight<Real>::sample_le(Vec2<Real>, Vec2<Real> u_d
   const Rounded rounded = at_rounded(sample.direction);
   sample.value = Rgb<Real>(params_.intensity_cd * rounded.value);
   sample.pdf_direction = {static_cast<Real>(rounded.per_sr)};
-  if (sample.value.is_black()) {
-    // Rounded out of the picture, or to where it comes down to 0.
-    sample.reason = NoLight::kOutsideCone;
-  } else if (!(sample.pdf_direction.per_sr > 0 && std::isfinite(sample.pdf_direction.per_sr))) {
-    sample.reason = NoLight::kOutOfRange;
-    sample.value = {};
-  }
+  settle(sample.pdf_direction.per_sr, sample);
   return sample;
 }
 

@@ -71,14 +71,35 @@ inline double cosine_weight(const Vec3<double>& normal, const Vec3<double>& to_c
   return std::fmax(kCosineFloor, dot(normalized(to_corner), normal));
 }
 
-/// The angle of `p` about +z from +x as a share of a sweep of `phi_max_rad`; beyond it, where only
-/// rounding leads, that of its nearer edge.
+inline constexpr double kTurnRad = 2 * std::numbers::pi;
+
+/// The angle of `p` about +z from +x, in [0, 2 pi].
+inline double azimuth(const Vec3<double>& p) {
+  const double phi = std::atan2(p.y, p.x);
+  return phi < 0 ? phi + kTurnRad : phi;
+}
+/// Whether a sweep of `phi_max_rad` about +z from +x holds `p`.
+inline bool is_swept(const Vec3<double>& p, double phi_max_rad) {
+  return !(phi_max_rad < kTurnRad) || azimuth(p) <= phi_max_rad;
+}
+/// Whether of the sweep's two edges the last is nearer to an angle beyond it.
+inline bool is_nearer_to_last(double azimuth_rad, double phi_max_rad) {
+  return azimuth_rad - phi_max_rad < kTurnRad - azimuth_rad;
+}
+/// `p`, or where the sweep does not hold it the point of its nearer edge at the same height and
+/// distance from the axis.
+inline Vec3<double> nearest_swept(const Vec3<double>& p, double phi_max_rad) {
+  if (is_swept(p, phi_max_rad)) return p;
+  const double edge = is_nearer_to_last(azimuth(p), phi_max_rad) ? phi_max_rad : 0;
+  const double across = std::hypot(p.x, p.y);
+  return {across * std::cos(edge), across * std::sin(edge), p.z};
+}
+/// The angle of `p` as a share of a sweep; beyond it, where only rounding leads, that of its nearer
+/// edge.
 inline double share_of_sweep(const Vec3<double>& p, double phi_max_rad) {
-  constexpr double kTurn = 2 * std::numbers::pi;
-  double phi = std::atan2(p.y, p.x);
-  if (phi < 0) phi += kTurn;
+  const double phi = azimuth(p);
   if (phi <= phi_max_rad) return phi / phi_max_rad;
-  return phi - phi_max_rad < kTurn - phi ? 1 : 0;
+  return is_nearer_to_last(phi, phi_max_rad) ? 1 : 0;
 }
 
 /// A band across a picture from side to side, in shares of its height, which add up to 1: none of

@@ -13,8 +13,6 @@ namespace lucerna {
 
 namespace {
 
-constexpr double kTwoPi = 2 * std::numbers::pi;
-
 absl::Status check(const SphereParams& p) {
   const auto refuse = [](const char* field, double value, const std::string& allowed) {
     return absl::InvalidArgumentError(
@@ -22,7 +20,7 @@ absl::Status check(const SphereParams& p) {
   };
   if (!(p.radius_m > 0) || !std::isfinite(p.radius_m))
     return refuse("radius_m", p.radius_m, "finite and > 0");
-  if (!(p.phi_max_rad > 0 && p.phi_max_rad <= kTwoPi))
+  if (!(p.phi_max_rad > 0 && p.phi_max_rad <= kTurnRad))
     return refuse("phi_max_rad", p.phi_max_rad, "(0, 2 pi]");
   if (!(p.z_min_m < p.radius_m))
     return refuse("z_min_m", p.z_min_m, fmt::format("less than the radius, {}", p.radius_m));
@@ -59,7 +57,7 @@ Sphere<Real>::Sphere(const SphereParams& params, const Vec3<double>& origin_m)
       z_min_m_(std::max(params.z_min_m, -params.radius_m)),
       z_max_m_(std::min(params.z_max_m, params.radius_m)),
       is_cut_in_z_(z_min_m_ > -params.radius_m || z_max_m_ < params.radius_m),
-      is_cut_in_phi_(params.phi_max_rad < kTwoPi),
+      is_cut_in_phi_(params.phi_max_rad < kTurnRad),
       is_whole_(!is_cut_in_z_ && !is_cut_in_phi_),
       center_m_(world_from_object_.point({0, 0, 0})) {
   if (const auto scale = params.world_from_object.uniform_scale()) {
@@ -110,7 +108,7 @@ ShapeSample<Real> Sphere<Real>::sample_cone(const Vec3<double>& to_center, doubl
   const double r = world_radius_m_;
   const double d = distance;
   const double a = std::clamp(static_cast<double>(u.x), 0.0, 1.0);
-  const double phi = kTwoPi * u.y;
+  const double phi = kTurnRad * u.y;
   const double cone = one_minus_cos_cone(d);
 
   // theta: at the receiver, between the centre and the sampled direction; 1 - cos uniform.
@@ -137,7 +135,7 @@ ShapeSample<Real> Sphere<Real>::sample_cone(const Vec3<double>& to_center, doubl
   ShapeSample<Real> s;
   s.point.position = Vec3<Real>(center_m_ + outward * r);
   s.point.normal = Vec3<Real>(params_.reverse_orientation ? -outward : outward);
-  s.pdf = {static_cast<Real>(1 / (kTwoPi * cone))};
+  s.pdf = {static_cast<Real>(1 / (kTurnRad * cone))};
   return s;
 }
 
@@ -209,7 +207,7 @@ SolidAnglePdf<Real> Sphere<Real>::pdf(const Receiver<Real>& receiver,
   const Vec3<double> n(point.normal);
   const double cos_alpha = dot(params_.reverse_orientation ? -n : n, to_receiver) / distance;
   if (!(cos_alpha >= world_radius_m_ / distance - kRounding)) return {0};
-  return {static_cast<Real>(1 / (kTwoPi * one_minus_cos_cone(distance)))};
+  return {static_cast<Real>(1 / (kTurnRad * one_minus_cos_cone(distance)))};
 }
 
 template <typename Real>
@@ -242,9 +240,7 @@ int Sphere<Real>::roots(const Vec3<Real>& origin, const Vec3<Real>& direction,
 template <typename Real>
 bool Sphere<Real>::is_cut_away(const Vec3<double>& p) const {
   if (is_cut_in_z_ && (p.z < z_min_m_ || p.z > z_max_m_)) return true;
-  if (!is_cut_in_phi_) return false;
-  const double phi = std::atan2(p.y, p.x);
-  return (phi < 0 ? phi + kTwoPi : phi) > params_.phi_max_rad;
+  return !is_swept(p, params_.phi_max_rad);
 }
 
 template <typename Real>
@@ -313,16 +309,7 @@ std::optional<SurfacePoint<Real>> Sphere<Real>::locate(const Vec3<Real>& positio
     const double to_ring = std::sqrt((r - z) * (r + z)) / std::hypot(q.x, q.y);
     q = {q.x * to_ring, q.y * to_ring, z};
   }
-  if (params_.phi_max_rad < kTwoPi) {
-    // Beyond the sweep the nearer of its two edges.
-    double phi = std::atan2(q.y, q.x);
-    if (phi < 0) phi += kTwoPi;
-    if (phi > params_.phi_max_rad) {
-      const bool last = phi - params_.phi_max_rad < kTwoPi - phi;
-      const double edge = last ? params_.phi_max_rad : 0, across = std::hypot(q.x, q.y);
-      q = {across * std::cos(edge), across * std::sin(edge), q.z};
-    }
-  }
+  q = nearest_swept(q, params_.phi_max_rad);
   const Vec3<double> nearest = world_from_object_.point(q);
   if (!(length(nearest - Vec3<double>(position)) <= rounding_m<Real>(bounds()) + slack_m))
     return std::nullopt;

@@ -44,6 +44,17 @@ TEST(BilinearPatch, AreaOfAConcaveQuadrangleCountsItsFold) {
   EXPECT_NEAR(dart.area(), 0.25 + 2. / 27, 1e-6);
 }
 
+TEST(BilinearPatch, AreaOfABowTieCountsBothLoops) {
+  // Its sides cross in the middle: two triangles of base 1 and height 1/2, one of each orientation.
+  const BilinearPatch<double> bow{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+  const BilinearPatchArea area = bow.measure();
+  EXPECT_NEAR(area.m2, 0.5, 1e-12);
+  EXPECT_LE(std::fabs(area.m2 - 0.5), area.error_m2 + 1e-15);
+  // Points are chosen by the weights at the corners, here all alike, and crowd towards the middle:
+  // dp/du x dp/dv is 1 - 2 v, 1/2 a quarter of the way up.
+  EXPECT_NEAR(bow.pdf_area({0.5, 0.25, 0}).per_m2, 2, 1e-12);
+}
+
 /// The area of a patch apart from the code's way: in long double, along u in closed form, along v
 /// by two Gauss points in each of many strips.
 double area_by_strips(const BilinearPatch<double>& p) {
