@@ -152,7 +152,10 @@ Power AreaLight<Real, Shape>::power(const SceneSphere&) const {
   } else if constexpr (kPanel) {
     // The radiance is the file's intensity over the area, which each point's true one multiplies.
     const Rgb<double> lumens = emission_.radiance_cd_m2 * shape_.flux_lm(emission_.two_sided);
-    return {lumens, luminance(lumens) * (area_error_m2(shape_.surface()) / area_m2())};
+    const double of_area = area_error_m2(shape_.surface()) / area_m2();
+    const double of_bend =
+        luminance(emission_.radiance_cd_m2) * shape_.flux_error_lm(emission_.two_sided);
+    return {lumens, luminance(lumens) * of_area + of_bend * (1 + of_area)};
   } else {
     const double sr = sides * std::numbers::pi;
     return {emission_.radiance_cd_m2 * (sr * area_m2()),

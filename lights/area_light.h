@@ -65,7 +65,8 @@ class AreaLight {
   Rgb<Real> le(const SurfacePoint<Real>& point, const Vec3<Real>& w) const;
 
   /// pi L A, twice for a two-sided light; of a panel the flux of its file to that side or both.
-  /// Exact, but for bent or folded patches and pictures on patches that are no parallelograms.
+  /// Exact, but for bent or folded patches, pictures on patches that are no parallelograms, and
+  /// one-sided panels that are not quite flat.
   Power power(const SceneSphere& scene) const;
 
   /// A point by area, a direction by its cosine, to either side alike where both emit; from a panel

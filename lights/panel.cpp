@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace lucerna {
@@ -55,6 +56,16 @@ template <typename Real, template <typename> typename Surface>
 double Panel<Real, Surface>::flux_lm(bool two_sided) const {
   const PhotometricWeb& web = *data_->profile.web;
   return two_sided ? web.flux_lm() : web.downward_flux_lm();
+}
+
+template <typename Real, template <typename> typename Surface>
+double Panel<Real, Surface>::flux_error_lm(bool two_sided) const {
+  // A flat shape's normals are a few roundings apart in `Real`, and so is their mean.
+  constexpr double kRounding = 16 * double{std::numeric_limits<Real>::epsilon()};
+  const double lean = data_->surface.normals().half_angle_rad;
+  // A point's own hemisphere lacks what the mean one has between both planes on one side, and has
+  // as much more on the other.
+  return two_sided || lean <= kRounding ? 0 : data_->profile.web->horizon_flux_bound_lm(lean);
 }
 
 template <typename Real, template <typename> typename Surface>

@@ -62,8 +62,12 @@ class Panel : public Covered<Panel<Real, Surface>, Real, Surface<Real>> {
   /// A direction by the flux of the file's cells, to both sides of the panel; and its density.
   Vec3<double> sample_direction(Vec2<double> u) const;
   SolidAnglePdf<double> pdf_direction(const Vec3<double>& w) const;
-  /// Of the front, or of both sides [lm].
+  /// Of the front, or of both sides [lm].  The front is what lies above the mean plane.
   double flux_lm(bool two_sided) const;
+  /// A bound on what the front's differs from that because the shape is bent: what the file has as
+  /// near the horizon as normals lean [lm].  0 of both sides, and of shapes that are flat to the
+  /// rounding of their normals.
+  double flux_error_lm(bool two_sided) const;
   /// A cone with all directions of the front, or of both sides.
   NormalCone<Real> directions(bool two_sided) const;
 

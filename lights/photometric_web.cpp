@@ -190,16 +190,13 @@ void PhotometricWeb::integrate() {
     for (std::size_t j = 0; j < columns(); ++j) cumulative_.push_back(flux_lm_ += cell_flux(i, j));
 }
 
-double PhotometricWeb::downward_flux_lm() const {
-  if (type_ == PhotometricType::kB) return flux_lm_;
-  const bool pole_is_plus_z = type_ == PhotometricType::kC;
+double PhotometricWeb::flux_between(double from, double to) const {
   double sum = 0;
   for (std::size_t i = 0; i < rows(); ++i)
     for (std::size_t j = 0; j < columns(); ++j) {
-      // The part of the cell on this side of the horizon, linear in the angle as all of it is.
+      // The part of the cell between them, linear in the angle as all of it is.
       const double p = polar_rad_[j], q = polar_rad_[j + 1];
-      const double a = pole_is_plus_z ? p : std::max(p, kPi / 2);
-      const double b = pole_is_plus_z ? std::min(q, kPi / 2) : q;
+      const double a = std::max(p, from), b = std::min(q, to);
       if (!(a < b)) continue;
       const double first = (value(i, j) + value(i + 1, j)) / 2;
       const double last = (value(i, j + 1) + value(i + 1, j + 1)) / 2;
@@ -208,6 +205,49 @@ double PhotometricWeb::downward_flux_lm() const {
       sum += (azimuth_rad_[i + 1] - azimuth_rad_[i]) * (at(a) * w.lower + at(b) * w.upper);
     }
   return sum;
+}
+
+double PhotometricWeb::downward_flux_lm() const {
+  if (type_ == PhotometricType::kB) return flux_lm_;
+  return type_ == PhotometricType::kC ? flux_between(0, kPi / 2) : flux_between(kPi / 2, kPi);
+}
+
+double PhotometricWeb::horizon_flux_bound_lm(double width_rad) const {
+  if (!(width_rad > 0)) return 0;
+  if (type_ != PhotometricType::kB)
+    return std::max(flux_between(kPi / 2 - width_rad, kPi / 2),
+                    flux_between(kPi / 2, kPi / 2 + width_rad));
+  // All of type B is on one side, its height above the horizon sin(polar) cos(azimuth).  In a cell
+  // the band lies within so much of either angle from the ends of its range, and the intensity,
+  // linear in each, is largest at an end of one of these pieces.
+  const double height = std::sin(width_rad);
+  const auto ends = [](double begin, double end, double middle, double off) {
+    std::vector<double> at;
+    for (const double angle : {begin, end})
+      if (std::fabs(angle - middle) >= off) at.push_back(angle);
+    for (const double angle : {middle - off, middle + off})
+      if (begin < angle && angle < end) at.push_back(angle);
+    return at;
+  };
+  const auto least_off = [&](double least_of_other) {
+    return std::acos(std::min(1.0, height / std::max(0.0, least_of_other)));
+  };
+  double largest = 0;
+  for (std::size_t i = 0; i < rows(); ++i)
+    for (std::size_t j = 0; j < columns(); ++j) {
+      const double a = azimuth_rad_[i], b = azimuth_rad_[i + 1];
+      const double p = polar_rad_[j], q = polar_rad_[j + 1];
+      const double from_zero = least_off(std::min(std::sin(p), std::sin(q)));
+      const double from_equator = least_off(std::min(std::cos(a), std::cos(b)));
+      for (const double azimuth : ends(a, b, 0, from_zero))
+        for (const double polar : ends(p, q, kPi / 2, from_equator)) {
+          const double s = (azimuth - a) / (b - a), t = (polar - p) / (q - p);
+          largest =
+              std::max(largest, std::lerp(std::lerp(value(i, j), value(i, j + 1), t),
+                                          std::lerp(value(i + 1, j), value(i + 1, j + 1), t), s));
+        }
+    }
+  return 2 * kPi * height * largest;
 }
 
 void PhotometricWeb::bound() {

@@ -56,6 +56,9 @@ class PhotometricWeb {
   double flux_lm() const { return flux_lm_; }
   /// What of it goes towards +z, downwards [lm]; likewise in closed form.
   double downward_flux_lm() const;
+  /// A bound on what goes within so much of the horizon, on one side of it or on the other [lm]. Of
+  /// types A and C it is that flux, on whichever side there is more.
+  double horizon_flux_bound_lm(double width_rad) const;
   /// The largest intensity [cd].
   double max_cd() const { return max_cd_; }
 
@@ -92,6 +95,8 @@ class PhotometricWeb {
   /// The flux of a cell [lm] and its solid angle [sr].
   double cell_flux(std::size_t row, std::size_t column) const;
   double solid_angle(std::size_t row, std::size_t column) const;
+  /// The flux between two polar angles [lm].
+  double flux_between(double from, double to) const;
   std::size_t rows() const { return azimuth_rad_.size() - 1; }
   std::size_t columns() const { return polar_rad_.size() - 1; }
 

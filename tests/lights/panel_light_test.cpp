@@ -119,6 +119,87 @@ TEST(PanelLight, NearlyFlatShapesShineByTheirOwnNormals) {
   }
 }
 
+/// What `panel`, a bent patch over the unit square, sends from its front to within `width` of the
+/// mean plane, on both sides of that: radiance times cosine by the midpoint rule.
+double flux_along_plane(const AreaLight<double, PanelPatchMesh>& panel, double width) {
+  const auto& surface = panel.shape().surface();
+  const Frame<double> axes = Frame<double>::around(surface.normals().axis);
+  constexpr int kSide = 12, kHeights = 64, kAzimuths = 120;
+  double sum = 0;
+  for (int p = 0; p < kSide * kSide; ++p) {
+    const Vec2<double> uv{(p % kSide + 0.5) / kSide, (p / kSide + 0.5) / kSide};
+    const auto& patch = surface.primitive(0);
+    const SurfacePoint<double> point{patch.at(uv), patch.normal(uv), 0};
+    for (int i = 0; i < kHeights; ++i)
+      for (int j = 0; j < kAzimuths; ++j) {
+        const double z = std::sin(width) * (2 * (i + 0.5) / kHeights - 1);
+        const double phi = 2 * kPi * (j + 0.5) / kAzimuths, r = std::sqrt(1 - z * z);
+        const Vec3<double> w = axes.world_from_local({r * std::cos(phi), r * std::sin(phi), z});
+        sum += panel.le(point, w).r * dot(w, point.normal);
+      }
+  }
+  return sum * panel.area_m2() * 4 * kPi * std::sin(width) / (kSide * kSide * kHeights * kAzimuths);
+}
+
+TEST(PanelLight, FluxOfOneThatIsNotQuiteFlatSaysWhatTheHorizonMayTakeOrAdd) {
+  // 20 cd down to the mean plane or from there on, and nothing on its other side.
+  const auto lit = [](PhotometricType type, std::vector<double> vertical, std::vector<double> cd) {
+    PhotometricWebParams params{type, std::move(vertical), {0}, cd};
+    if (type != PhotometricType::kC) {
+      params.horizontal_deg = {-90, 90};
+      params.intensity_cd.insert(params.intensity_cd.end(), cd.begin(), cd.end());
+    }
+    return *PhotometricWeb::create(params);
+  };
+  using enum PhotometricType;
+  const double lean = std::sqrt(0.5) * 1e-3;  // of the normals at the patch's corners from the mean
+  const auto panel = [](double z, const std::shared_ptr<const PhotometricWeb>& web,
+                        bool two_sided) {
+    return *AreaLight<double, PanelPatchMesh>::create(
+        {Rgb<double>(1), two_sided},
+        *PanelPatchMesh<double>::create(
+            *PatchMesh<double>::create({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, z}}}),
+            profile(web)));
+  };
+  struct Case {
+    std::shared_ptr<const PhotometricWeb> web;
+    double front_lm, band_sr_per_rad;
+  };
+  for (const Case& c : {Case{lit(kC, {0, 90}, {20, 20}), 40 * kPi, 2 * kPi},
+                        Case{lit(kC, {90, 180}, {20, 20}), 0, 2 * kPi},
+                        // Towards +x only.
+                        Case{lit(kA, {0, 90}, {20, 20}), 0, kPi},
+                        Case{lit(kB, {-90, 90}, {20, 20}), 40 * kPi, 2 * kPi}}) {
+    const auto bent = panel(0.001, c.web, false);
+    const Power power = bent.power({});
+    EXPECT_NEAR(power.lumens.r, c.front_lm, 1e-9);
+    const double width = 1.5 * lean;
+    const double band = 20 * c.band_sr_per_rad * std::sin(width);
+    const double stated = c.front_lm > 0 ? band : 0;
+    const double off = std::fabs(flux_along_plane(bent, width) - stated);
+    // Between the planes of a normal and of the mean one, so much apart: all around as much as two
+    // wedges of twice that angle in solid angle, of which one is lit.  The mean angle is that of
+    // the largest as the mean distance from a square's centre is of that of its corners: 0.5411.
+    const double wedge = c.band_sr_per_rad / kPi * 0.5411 * lean;
+    EXPECT_NEAR(off, 20 * wedge, 0.02 * 20 * wedge);
+    EXPECT_GE(power.error_lumens, off);
+    EXPECT_NEAR(power.error_lumens, 20 * c.band_sr_per_rad * lean, 1e-3 * band);
+    EXPECT_EQ(panel(0.001, c.web, true).shape().flux_error_lm(true), 0);
+    EXPECT_EQ(panel(0, c.web, false).power({}).error_lumens, 0);
+  }
+  // Triangles are flat, in whatever plane their corners are rounded.
+  RandomU random(11);
+  const auto next = [&] {
+    return Vec3<float>(float(random.next()), float(random.next()), float(random.next()));
+  };
+  for (int i = 0; i < 50; ++i) {
+    const auto triangle =
+        *PanelTriangleMesh<float>::create(*TriangleMesh<float>::create({{next(), next(), next()}}),
+                                          profile(lit(kC, {0, 90}, {20, 20}), {1, 0.1, 0.2}));
+    EXPECT_EQ(triangle.flux_error_lm(false), 0);
+  }
+}
+
 TEST(PanelLight, ShapesThatAreNotFlatAreRefused) {
   const auto bent = *PatchMesh<double>::create({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0.1}}});
   const auto status = PanelPatchMesh<double>::create(bent, profile(web())).status();

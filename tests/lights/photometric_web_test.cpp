@@ -158,6 +158,48 @@ TEST(PhotometricWeb, FluxEqualsQuadratureOverTheSphere) {
   }
 }
 
+// The midpoint rule over height and azimuth, in which solid angle is uniform.
+TEST(PhotometricWeb, FluxNearTheHorizonIsBounded) {
+  for (const auto& params : grids()) {
+    const auto w = web(params);
+    EXPECT_EQ(w->horizon_flux_bound_lm(0), 0);
+    for (const double width : {1e-3, 0.1, 0.4}) {
+      constexpr int kHeights = 200, kAzimuths = 720;
+      const auto quadrature = [&](double top) {
+        double sum = 0;
+        for (int i = 0; i < kHeights; ++i)
+          for (int j = 0; j < kAzimuths; ++j) {
+            const double z = top * (i + 0.5) / kHeights, phi = 2 * kPi * (j + 0.5) / kAzimuths;
+            const double r = std::sqrt(1 - z * z);
+            sum += w->at({r * std::cos(phi), r * std::sin(phi), z});
+          }
+        return sum * std::fabs(top) * 2 * kPi / (double{kHeights} * kAzimuths);
+      };
+      const double flux = std::max(quadrature(std::sin(width)), quadrature(-std::sin(width)));
+      const double bound = w->horizon_flux_bound_lm(width);
+      EXPECT_LE(flux, bound * (1 + 1e-3)) << width;
+      if (params.type == PhotometricType::kB)
+        EXPECT_LE(bound, 2 * kPi * std::sin(width) * w->max_cd());
+      else
+        EXPECT_NEAR(bound, flux, 1e-3 * flux) << width;
+    }
+  }
+}
+
+// Intensity as the cosine from straight down, on a grid of 5 degrees about a horizontal axis: in
+// the band of the horizon it is no larger than that of the grid's first lines, linear up to them.
+TEST(PhotometricWeb, FluxNearTheHorizonOfTypeBIsThatOfItsEdge) {
+  PhotometricWebParams p{PhotometricType::kB, range(-90, 90, 5), range(-90, 90, 5), {}};
+  for (const double h : p.horizontal_deg)
+    for (const double v : p.vertical_deg)
+      p.intensity_cd.push_back(std::fmax(0, std::cos(h * kRad) * std::cos(v * kRad)));
+  constexpr double kWidth = 1e-3;
+  const double bound = web(p)->horizon_flux_bound_lm(kWidth);
+  // The integral of 2 pi z over z.
+  EXPECT_GE(bound, kPi * kWidth * kWidth * 0.99);
+  EXPECT_LE(bound, 2 * kPi * kWidth * std::pow(std::sin(5 * kRad), 2));
+}
+
 // Intensity linear in the angle from straight down, 2 pi times the integral of (1 - t / (pi/2))
 // sin t over [0, pi/2] = 2 pi (1 - 2 / pi), whatever the steps.
 TEST(PhotometricWeb, FluxIsExactForFunctionsThatAreLinearInTheAngle) {
