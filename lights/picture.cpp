@@ -26,6 +26,8 @@ struct Cells {
     if (nearest) return (cell + 1.0) / texels;
     return cell == texels ? 1 : (cell + 0.5) / texels;
   }
+  /// Where a cell but the first begins, in texels.
+  double line(int cell) const { return nearest ? cell : cell - 0.5; }
   Band band(int cell) const {
     const double n = texels;
     if (nearest) return {cell / n, 1 / n, (texels - 1 - cell) / n};
@@ -49,67 +51,21 @@ struct Cells {
 Cells columns(const Picture& p) { return {p.image->width(), p.filter == ImageFilter::kNearest}; }
 Cells rows(const Picture& p) { return {p.image->height(), p.filter == ImageFilter::kNearest}; }
 
-using Polygon = std::vector<Vec2<double>>;
+/// Points of a triangle by their shares of its corners: in these no triangle is thin, and what lies
+/// on one of its edges has a share of exactly 0.
+using Polygon = std::vector<Vec3<double>>;
 
-/// What of `in` has sign * (coordinate `axis`) not less than sign * `at`.  [Sutherland74]
-void clip(const Polygon& in, int axis, double at, double sign, Polygon& out) {
+/// What of `in` is on the upper side of a line (`sign` 1) or on the lower one (-1), where `off` is
+/// how far the corners are off it.  [Sutherland74]
+void clip(const Polygon& in, const Vec3<double>& off, double sign, Polygon& out) {
   out.clear();
-  const auto inside_by = [&](const Vec2<double>& p) {
-    return sign * ((axis == 0 ? p.x : p.y) - at);
-  };
   for (std::size_t i = 0; i < in.size(); ++i) {
-    const Vec2<double>& a = in[i];
-    const Vec2<double>& b = in[(i + 1) % in.size()];
-    const double da = inside_by(a), db = inside_by(b);
+    const Vec3<double>& a = in[i];
+    const Vec3<double>& b = in[(i + 1) % in.size()];
+    const double da = sign * dot(a, off), db = sign * dot(b, off);
     if (da >= 0) out.push_back(a);
-    if ((da > 0 && db < 0) || (da < 0 && db > 0)) {
-      const double s = da / (da - db);
-      Vec2<double> cut{a.x + (b.x - a.x) * s, a.y + (b.y - a.y) * s};
-      (axis == 0 ? cut.x : cut.y) = at;
-      out.push_back(cut);
-    }
+    if ((da > 0 && db < 0) || (da < 0 && db > 0)) out.push_back(a + (b - a) * (da / (da - db)));
   }
-}
-
-/// The mean over the points of a triangle whose (u, v) lie on a line.  Those that lie at a place of
-/// it grow in number from either end to where the third corner is.
-Rgb<double> mean_over_line(const Picture& picture, const std::array<Vec2<double>, 3>& uv) {
-  const auto squared = [&](std::size_t i, std::size_t j) {
-    const double x = uv[j].x - uv[i].x, y = uv[j].y - uv[i].y;
-    return x * x + y * y;
-  };
-  std::size_t i = 0;  // where the longest edge begins
-  for (std::size_t k = 1; k < 3; ++k)
-    if (squared(k, (k + 1) % 3) > squared(i, (i + 1) % 3)) i = k;
-  const Vec2<double> from = uv[i], third = uv[(i + 2) % 3];
-  const Vec2<double> along{uv[(i + 1) % 3].x - from.x, uv[(i + 1) % 3].y - from.y};
-  const double length2 = along.x * along.x + along.y * along.y;
-  if (!(length2 > 0)) return picture.at(from);
-  const double most =
-      std::clamp(((third.x - from.x) * along.x + (third.y - from.y) * along.y) / length2, 0.0, 1.0);
-
-  std::vector<double> stops{0, most, 1};
-  const auto add_edges = [&stops](const Cells& cells, double begin, double slope) {
-    if (slope == 0) return;
-    for (int cell = 1; cell < cells.count(); ++cell)
-      if (const double t = (cells.begin(cell) - begin) / slope; t > 0 && t < 1) stops.push_back(t);
-  };
-  add_edges(columns(picture), from.x, along.x);
-  add_edges(rows(picture), 1 - from.y, -along.y);
-  std::sort(stops.begin(), stops.end());
-
-  Rgb<double> mean;
-  const double node = 0.5 / std::sqrt(3.0);  // two Gauss points: a cubic in each piece
-  for (std::size_t k = 1; k < stops.size(); ++k) {
-    const double begin = stops[k - 1], width = stops[k] - begin;
-    if (!(width > 0)) continue;
-    for (const double at : {0.5 - node, 0.5 + node}) {
-      const double t = begin + width * at;
-      const double density = t < most ? 2 * t / most : 2 * (1 - t) / (1 - most);
-      mean += picture.at({from.x + along.x * t, from.y + along.y * t}) * (density * width / 2);
-    }
-  }
-  return mean;
 }
 
 }  // namespace
@@ -164,64 +120,68 @@ Rgb<double> mean_over_rows(const Picture& picture,
 
 Rgb<double> mean_over_triangle(const Picture& picture, const std::array<Vec2<double>, 3>& uv) {
   // In the picture's own coordinates, y downwards.
-  Polygon triangle;
-  for (const Vec2<double>& p : uv) triangle.push_back({p.x, 1 - p.y});
-  const auto twice_area = [](const Vec2<double>& a, const Vec2<double>& b, const Vec2<double>& c) {
-    return (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y);
-  };
-  const double whole = twice_area(triangle[0], triangle[1], triangle[2]);
-  double longest2 = 0;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const double x = uv[(i + 1) % 3].x - uv[i].x, y = uv[(i + 1) % 3].y - uv[i].y;
-    longest2 = std::max(longest2, x * x + y * y);
-  }
-  // Polygons would be cut from what rounding leaves of such a triangle's width.
-  if (!(std::fabs(whole) > 1e-9 * longest2)) return mean_over_line(picture, uv);
+  const Vec3<double> x{uv[0].x, uv[1].x, uv[2].x}, v{uv[0].y, uv[1].y, uv[2].y};
+  const Vec3<double> y{1 - v.x, 1 - v.y, 1 - v.z};
   const Cells across = columns(picture), down = rows(picture);
-  const auto extent = [&](auto&& coordinate) {
-    const double a = coordinate(triangle[0]), b = coordinate(triangle[1]),
-                 c = coordinate(triangle[2]);
-    return std::pair{std::min({a, b, c}), std::max({a, b, c})};
+  // How far the corners are beyond the line where a cell begins: (u, v) in float times a number of
+  // texels is exact, so that it is rounded once, however near the line.
+  const auto beyond_column = [&](int cell) {
+    const double at = across.line(cell), n = across.texels;
+    return Vec3<double>{x.x * n - at, x.y * n - at, x.z * n - at};
   };
-  const auto [x0, x1] = extent([](const Vec2<double>& p) { return p.x; });
-  const auto [y0, y1] = extent([](const Vec2<double>& p) { return p.y; });
-
+  const auto below_row = [&](int cell) {
+    const double from_below = down.texels - down.line(cell), n = down.texels;
+    return Vec3<double>{from_below - v.x * n, from_below - v.y * n, from_below - v.z * n};
+  };
   // The bilinear function of a cell is of degree 2: the middles of a triangle's edges integrate it.
-  const auto value = [&](int column, int row, const Vec2<double>& p) {
-    const double sx = across.share(column, p.x), sy = down.share(row, p.y);
-    const auto texel = [&](int x, int y) { return Rgb<double>(picture.image->texel(x, y)); };
-    const auto line = [&](int y) {
-      return texel(across.first(column), y) * (1 - sx) + texel(across.second(column), y) * sx;
+  const auto value = [&](int column, int row, const Vec3<double>& p) {
+    const double sx = across.share(column, dot(p, x)), sy = down.share(row, dot(p, y));
+    const auto texel = [&](int i, int j) { return Rgb<double>(picture.image->texel(i, j)); };
+    const auto line = [&](int j) {
+      return texel(across.first(column), j) * (1 - sx) + texel(across.second(column), j) * sx;
     };
     return line(down.first(row)) * (1 - sy) + line(down.second(row)) * sy;
   };
+  // In shares of the second and third corner: 1 of the whole.
+  const auto twice_area = [](const Vec3<double>& a, const Vec3<double>& b, const Vec3<double>& c) {
+    return (b.y - a.y) * (c.z - a.z) - (c.y - a.y) * (b.z - a.z);
+  };
+  const int last_row = down.at(std::max({y.x, y.y, y.z}));
+  const int first_column = across.at(std::min({x.x, x.y, x.z}));
+  const int last_column = across.at(std::max({x.x, x.y, x.z}));
+  const Polygon triangle{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   Rgb<double> sum;
   Polygon a, band, b, part;
-  for (int row = down.at(y0); row <= down.at(y1); ++row) {
+  for (int row = down.at(std::min({y.x, y.y, y.z})); row <= last_row; ++row) {
     // The cells at the border go on beyond it.
     a = triangle;
-    if (row > 0) clip(triangle, 1, down.begin(row), 1, a);
+    if (row > 0) clip(triangle, below_row(row), 1, a);
     band = a;
-    if (row + 1 < down.count()) clip(a, 1, down.end(row), -1, band);
+    if (row + 1 < down.count()) clip(a, below_row(row + 1), -1, band);
     if (band.size() < 3) continue;
-    for (int column = across.at(x0); column <= across.at(x1); ++column) {
+    double left = dot(band[0], x), right = left;
+    for (const Vec3<double>& p : band) {
+      left = std::min(left, dot(p, x));
+      right = std::max(right, dot(p, x));
+    }
+    // One more on either side, as these are rounded; but none beyond the corners' own, which would
+    // count a triangle that lies on the line between two cells once more.
+    const int end = std::min(across.at(right) + 1, last_column);
+    for (int column = std::max(across.at(left) - 1, first_column); column <= end; ++column) {
       b = band;
-      if (column > 0) clip(band, 0, across.begin(column), 1, b);
+      if (column > 0) clip(band, beyond_column(column), 1, b);
       part = b;
-      if (column + 1 < across.count()) clip(b, 0, across.end(column), -1, part);
+      if (column + 1 < across.count()) clip(b, beyond_column(column + 1), -1, part);
       for (std::size_t i = 2; i < part.size(); ++i) {
-        const Vec2<double>&p = part[0], &q = part[i - 1], &r = part[i];
-        const auto middle = [](const Vec2<double>& s, const Vec2<double>& t) {
-          return Vec2<double>{(s.x + t.x) / 2, (s.y + t.y) / 2};
-        };
-        const Rgb<double> values = value(column, row, middle(p, q)) +
-                                   value(column, row, middle(q, r)) +
-                                   value(column, row, middle(r, p));
+        const Vec3<double>&p = part[0], &q = part[i - 1], &r = part[i];
+        const Rgb<double> values = value(column, row, (p + q) * 0.5) +
+                                   value(column, row, (q + r) * 0.5) +
+                                   value(column, row, (r + p) * 0.5);
         sum += values * (twice_area(p, q, r) / 3);
       }
     }
   }
-  return sum / whole;
+  return sum;
 }
 
 namespace {

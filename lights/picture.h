@@ -43,9 +43,9 @@ std::vector<Band> rows_of_cells(const Picture& picture);
 /// The one of them that holds the coordinate `y`, from the top.
 Band row_of_cells(const Picture& picture, double y);
 
-/// The mean over the points of a triangle whose corners have these (u, v).  Exact: the picture is
-/// cut into polygons on which it is bilinear, or where the (u, v) lie on a line (to 1e-9 of its
-/// length) or in one point, the line into pieces.
+/// The mean over the points of a triangle whose corners have these (u, v).  Exact: the triangle is
+/// cut into polygons on which the picture is bilinear, however thin it is in (u, v), and where
+/// these lie on a line or in one point too.
 Rgb<double> mean_over_triangle(const Picture& picture, const std::array<Vec2<double>, 3>& uv);
 
 /// The integral of `factor`(s, t) times the picture at `uv`(s, t) over the square of (s, t): the

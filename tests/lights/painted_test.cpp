@@ -361,6 +361,84 @@ TEST(MeanOverTriangle, OnALineCountsEachPlaceByThePointsThatHaveIt) {
               1e-13);
 }
 
+TEST(MeanOverTriangle, OfThinOnesIsAsExactAsOfOthers) {
+  // From 1e-7 to 1e-12 of their length wide, across a picture of 8 x 5 texels, and along lines
+  // between its columns and rows; the means by cutting them in rational numbers.
+  std::vector<float> texels;
+  for (int y = 0; y < 5; ++y)
+    for (int x = 0; x < 8; ++x) texels.push_back(float((7 * x + 3 * y * y) % 11));
+  struct Thin {
+    std::array<Vec2<double>, 3> uv;
+    double nearest, bilinear;
+  };
+  const Thin all[] = {
+      {{{{0.10000002384185791, 0.19999998807907104},
+         {0.8500000834465027, 0.8100000023841858},
+         {0.41046279668807983, 0.4525098204612732}}},
+       3.9459413152749128,
+       4.1496821899831788},
+      {{{{0.10000002384185791, 0.19999998807907104},
+         {0.8500000834465027, 0.8100000023841858},
+         {0.2513951063156128, 0.3231346607208252}}},
+       4.0301506787721673,
+       4.1225857417956346},
+      {{{{0.10000002384185791, 0.19999998807907104},
+         {0.8500000834465027, 0.8100000023841858},
+         {0.7302790880203247, 0.7126269340515137}}},
+       4.3313296197405649,
+       4.5053430955267908},
+      {{{{0.10000002384185791, 0.19999998807907104},
+         {0.8500000834465027, 0.8100000023841858},
+         {0.5459535717964172, 0.562708854675293}}},
+       4.3420942364909276,
+       4.4716597541375185},
+      {{{{0.10000002384185791, 0.19999998807907104},
+         {0.8500000834465027, 0.8100000023841858},
+         {0.38453954458236694, 0.43142545223236084}}},
+       3.9716581269197682,
+       4.1571222725111214},
+      {{{{0.10000002384185791, 0.19999998807907104},
+         {0.8500000834465027, 0.8100000023841858},
+         {0.6581669449806213, 0.6539757251739502}}},
+       4.463152772049912,
+       4.586162957886839},
+      {{{{0.4999999701976776, 0.10000000149011612},
+         {0.5000000596046448, 0.8999999761581421},
+         {0.49999991059303284, 0.6000000238418579}}},
+       3.3518817537940513,
+       4.1944437190000361},
+      {{{{0.10000000149011612, 0.6000000238418579},
+         {0.8999999761581421, 0.6000000834465027},
+         {0.4000000059604645, 0.5999999642372131}}},
+       5.0868750231763578,
+       4.7724370785836108},
+      {{{{0.15000000596046448, 1.2999999965401798e-09},
+         {0.8299999833106995, 2.000000026702864e-10},
+         {0.4000000059604645, 0.0}}},
+       5.7240082535116388,
+       5.6949956267668442},
+  };
+  for (const Thin& thin : all)
+    for (int first = 0; first < 3; ++first)
+      for (const int step : {1, 2}) {
+        const auto corner = [&](int k) { return thin.uv[std::size_t(first + k * step) % 3]; };
+        const std::array<Vec2<double>, 3> uv{corner(0), corner(1), corner(2)};
+        EXPECT_NEAR(mean_over_triangle(grey(8, 5, texels), uv).r, thin.nearest, 1e-13);
+        EXPECT_NEAR(mean_over_triangle(grey(8, 5, texels, ImageFilter::kBilinear), uv).r,
+                    thin.bilinear, 1e-13);
+      }
+}
+
+TEST(MeanOverTriangle, AlongALineBetweenTexelsShowsThatWhichPointsOnItShow) {
+  const Picture four = grey(2, 2, {1, 2, 4, 8});
+  for (const double width : {0.0, 0.25}) {
+    const std::array<Vec2<double>, 3> upright{{{0.5, 0.5}, {0.5, 0.5 + width}, {0.5, 1}}};
+    EXPECT_NEAR(mean_over_triangle(four, upright).r, four.at({0.5, 0.75}).r, 1e-14);
+    const std::array<Vec2<double>, 3> level{{{0, 0.5}, {0.25 + width / 2, 0.5}, {0.375, 0.5}}};
+    EXPECT_NEAR(mean_over_triangle(four, level).r, four.at({0.25, 0.5}).r, 1e-14);
+  }
+}
+
 TEST(MeanOverTriangle, WithoutExtentIsTheValueAtItsMiddle) {
   const Picture picture = grey(2, 1, {1, 5});
   EXPECT_EQ(mean_over_triangle(picture, {Vec2<double>{0.75, 0.5}, {0.75, 0.5}, {0.75, 0.5}}).r, 5);
