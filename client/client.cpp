@@ -119,6 +119,45 @@ absl::StatusOr<Client> Client::connect(const ConnectOptions& options) {
   return Client(std::make_shared<Connection>(make_channel(options)));
 }
 
+absl::StatusOr<v1::FindMissingAssetsResponse> Client::find_missing_assets(
+    const v1::FindMissingAssetsRequest& request, const CallOptions& options) const {
+  return call(connection_->scene, &v1::SceneService::StubInterface::FindMissingAssets, request,
+              options);
+}
+
+absl::StatusOr<v1::UploadAssetResponse> Client::upload_asset(
+    const v1::AssetHeader& header, const std::function<bool(std::string&)>& next_chunk,
+    const CallOptions& options) const {
+  CallContext context(options);
+  v1::UploadAssetResponse response;
+  // Also where next_chunk throws: no writer may go while its call is alive.
+  struct Writer {
+    CallContext& context;
+    std::unique_ptr<grpc::ClientWriterInterface<v1::UploadAssetRequest>> stream;
+    bool finished = false;
+
+    grpc::Status finish() {
+      finished = true;
+      return stream->Finish();
+    }
+    ~Writer() {
+      if (finished) return;
+      context.cancel();
+      stream->Finish();
+    }
+  } writer{context, connection_->scene->UploadAsset(context.get(), &response)};
+
+  v1::UploadAssetRequest request;
+  *request.mutable_header() = header;
+  bool open = writer.stream->Write(request);
+  // A write that fails says that the call is over; Finish says how.
+  while (open && next_chunk(*request.mutable_chunk())) open = writer.stream->Write(request);
+  if (open) writer.stream->WritesDone();
+  const grpc::Status status = writer.finish();
+  if (!status.ok()) return to_absl_status(status);
+  return response;
+}
+
 absl::StatusOr<v1::LoadSceneResponse> Client::load_scene(const v1::LoadSceneRequest& request,
                                                          const CallOptions& options) const {
   return call(connection_->scene, &v1::SceneService::StubInterface::LoadScene, request, options);
@@ -137,6 +176,11 @@ absl::StatusOr<v1::ListScenesResponse> Client::list_scenes(const v1::ListScenesR
 absl::StatusOr<v1::ListLightsResponse> Client::list_lights(const v1::ListLightsRequest& request,
                                                            const CallOptions& options) const {
   return call(connection_->scene, &v1::SceneService::StubInterface::ListLights, request, options);
+}
+
+absl::StatusOr<v1::RenewLeaseResponse> Client::renew_lease(const v1::RenewLeaseRequest& request,
+                                                           const CallOptions& options) const {
+  return call(connection_->scene, &v1::SceneService::StubInterface::RenewLease, request, options);
 }
 
 absl::StatusOr<v1::ReleaseSceneResponse> Client::release_scene(

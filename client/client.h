@@ -2,7 +2,7 @@
 //
 // Requests and responses are the messages of the contract (lucerna/v1/*.proto), where every field
 // is described; nothing is computed here.  batches.h asks in batches that the server accepts,
-// points.h fills in points, picture.h puts tiles together.
+// points.h fills in points, picture.h puts tiles together, upload.h sends scenes.
 //
 // Thread safety: all methods of one Client may be called from any number of threads at once, and
 // copies share one connection.  Not safe in a child after fork() where the parent has used a
@@ -63,6 +63,13 @@ class Client {
   using Result = absl::StatusOr<Response>;
 
   // SceneService
+  Result<v1::FindMissingAssetsResponse> find_missing_assets(
+      const v1::FindMissingAssetsRequest& request, const CallOptions& options = {}) const;
+  /// Sends the header, then all that `next_chunk` puts into its argument, until it returns false.
+  /// The server may answer before it has read all.
+  Result<v1::UploadAssetResponse> upload_asset(const v1::AssetHeader& header,
+                                               const std::function<bool(std::string&)>& next_chunk,
+                                               const CallOptions& options = {}) const;
   Result<v1::LoadSceneResponse> load_scene(const v1::LoadSceneRequest& request,
                                            const CallOptions& options = {}) const;
   Result<v1::GetSceneResponse> get_scene(const v1::GetSceneRequest& request,
@@ -70,6 +77,8 @@ class Client {
   Result<v1::ListScenesResponse> list_scenes(const v1::ListScenesRequest& request,
                                              const CallOptions& options = {}) const;
   Result<v1::ListLightsResponse> list_lights(const v1::ListLightsRequest& request,
+                                             const CallOptions& options = {}) const;
+  Result<v1::RenewLeaseResponse> renew_lease(const v1::RenewLeaseRequest& request,
                                              const CallOptions& options = {}) const;
   Result<v1::ReleaseSceneResponse> release_scene(const v1::ReleaseSceneRequest& request,
                                                  const CallOptions& options = {}) const;

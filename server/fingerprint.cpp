@@ -2,10 +2,8 @@
 
 #include <fmt/core.h>
 #include <gnu/libc-version.h>
-#include <openssl/evp.h>
 
-#include <cstdint>
-
+#include "proto/sha256.h"
 #include "server/accelerator.h"
 
 namespace lucerna {
@@ -22,12 +20,7 @@ absl::StatusOr<Fingerprint> numeric_fingerprint(const std::string& isa) {
                        __builtin_cpu_supports("fma") ? " fma" : "",
                        __builtin_cpu_supports("avx2") ? " avx2" : "");
   const std::string all = f.build + '\0' + f.embree + '\0' + f.libm;
-  unsigned char hash[EVP_MAX_MD_SIZE];
-  unsigned size = 0;
-  if (EVP_Digest(all.data(), all.size(), hash, &size, EVP_sha256(), nullptr) != 1) {
-    return absl::InternalError("SHA-256 failed");
-  }
-  for (unsigned i = 0; i < 16 && i < size; ++i) f.digest += fmt::format("{:02x}", hash[i]);
+  f.digest = hexadecimal(sha256(all).substr(0, 16));
   return f;
 }
 

@@ -84,7 +84,7 @@ int run(int argc, char** argv) {
   app.footer("Example:\n  lucernad --scene-root scenes --load room.pbrt");
   app.add_option("--listen", options.listen, "Where to listen; port 0: a free one")
       ->type_name("HOST:PORT");
-  app.add_option("--scene-root", options.scene_root, "The directory that scenes are loaded from")
+  app.add_option("--scene-root", options.scenes.root, "The directory that scenes are loaded from")
       ->type_name("DIR");
   app.add_option("--load", options.load, "Load this scene before serving; may be repeated")
       ->type_name("PATH")
@@ -92,7 +92,7 @@ int run(int argc, char** argv) {
       ->take_all();
   app.add_option("--threads", options.lanes.threads, "Compute threads; 0: one for each processor")
       ->check(CLI::Range(0, 1024));
-  app.add_option("--isa", options.isa, "Pin the kernels: sse2, sse4.2, avx, avx2 or avx512");
+  app.add_option("--isa", options.scenes.isa, "Pin the kernels: sse2, sse4.2, avx, avx2 or avx512");
   app.add_option("--max-batch-items", options.limits.max_batch_items, "Items of one batch")
       ->check(CLI::Range(1024U, 1U << 24));
   app.add_option("--max-tile-pixels", options.limits.max_tile_pixels, "Pixels of one tile")
@@ -102,6 +102,24 @@ int run(int argc, char** argv) {
       ->check(CLI::Range(1U, 1U << 30));
   app.add_option("--max-message-bytes", options.limits.max_message_bytes, "Bytes of one message")
       ->check(CLI::Range(std::uint64_t{1} << 20, std::uint64_t{2147483647}));
+  app.add_option("--memory-budget", options.scenes.memory_budget_bytes,
+                 "Memory of all scenes, as 8GiB; 0: no limit.  To make room, scenes that nobody "
+                 "leases go, the longest unused first")
+      ->transform(CLI::AsSizeValue(false))
+      ->type_name("BYTES");
+  app.add_option("--max-lease", options.scenes.max_lease_s, "The longest lease of a scene [s]")
+      ->check(CLI::Range(1.0, 1e9));
+  app.add_option("--asset-dir", options.assets.directory,
+                 "Where uploaded files are kept, for the next start too; default: a temporary "
+                 "directory")
+      ->type_name("DIR");
+  app.add_option("--asset-budget", options.assets.budget_bytes,
+                 "Disk space of uploaded files; the longest unneeded go first")
+      ->transform(CLI::AsSizeValue(false))
+      ->type_name("BYTES");
+  app.add_option("--max-asset-bytes", options.assets.max_asset_bytes, "Size of one uploaded file")
+      ->transform(CLI::AsSizeValue(false))
+      ->type_name("BYTES");
   app.add_option("--interactive-queue", options.lanes.interactive_queue,
                  "Small queries that may wait")
       ->check(CLI::Range(1U, 1U << 20));

@@ -1,33 +1,23 @@
 #include "server/scene.h"
 
 #include <fmt/format.h>
-#include <openssl/evp.h>
 
-#include <array>
 #include <utility>
 
+#include "proto/sha256.h"
 #include "server/denormals.h"
 #include "server/scene_builder.h"
 
 namespace lucerna {
-namespace {
-
-std::string digest_of(const std::vector<Asset>& assets) {
+std::string scene_id(const std::vector<Asset>& assets) {
   std::string text;
   for (const Asset& a : assets) {
     // Lengths first: no two lists of assets give the same bytes.
     text += fmt::format("{}:{}{}:", a.name.size(), a.name, a.sha256.size());
     text += a.sha256;
   }
-  std::array<unsigned char, EVP_MAX_MD_SIZE> hash{};
-  unsigned size = 0;
-  EVP_Digest(text.data(), text.size(), hash.data(), &size, EVP_sha256(), nullptr);
-  std::string hex;
-  for (unsigned i = 0; i < size; ++i) hex += fmt::format("{:02x}", hash[i]);
-  return hex;
+  return hexadecimal(sha256(text));
 }
-
-}  // namespace
 
 absl::StatusOr<std::shared_ptr<const Scene>> Scene::Builder::build(const std::string& isa) {
   const DenormalsAreZero denormals;
@@ -36,7 +26,7 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::Builder::build(const std::st
   if (absl::Status s = build_lights(); !s.ok()) return s;
   if (absl::Status s = build_geometry(isa); !s.ok()) return s;
   if (absl::Status s = choose_by_power(); !s.ok()) return s;
-  scene_->id_ = digest_of(in_.assets);
+  scene_->id_ = scene_id(in_.assets);
   scene_->camera_ = Camera(in_.camera, in_.film, scene_->origin_);
   scene_->hints_ = in_.hints;
   scene_->remarks_ = std::move(in_.remarks);

@@ -75,7 +75,7 @@ class Scene {
                                                             const std::string& isa = "",
                                                             std::stop_token stop = {});
 
-  /// SHA-256 over names and digests of all files read, 64 hexadecimal digits.
+  /// scene_id() of all files read.
   const std::string& id() const { return id_; }
   /// World position of scene coordinates' zero [m].  A multiple of a power of two not less than the
   /// scene's extent, so that scenes near their own zero keep the coordinates they were written
@@ -153,6 +153,10 @@ class Scene {
   std::vector<Asset> assets_;
   std::vector<ScenePart> parts_;
 };
+
+/// The id of a scene that was read from these files: SHA-256 over their names and digests, in
+/// order, 64 hexadecimal digits.
+std::string scene_id(const std::vector<Asset>& assets);
 
 /// Chooses a light by its power (light_choice.h); the probability is not part of any density.  `u`
 /// in [0, 1), with as many bits as the number of lights asks for: 24 bits reach 2^24 of them.

@@ -1,11 +1,16 @@
 // load, scenes, lights, release, info.
 #include <fmt/core.h>
+#include <unistd.h>
 
+#include <cmath>
 #include <memory>
+#include <utility>
 
 #include "client/cli/light_table.h"
 #include "client/cli/output.h"
 #include "client/cli/session.h"
+#include "client/cli/validators.h"
+#include "lucerna/client/upload.h"
 
 namespace lucerna::cli {
 namespace {
@@ -16,8 +21,34 @@ void print_remarks(const google::protobuf::RepeatedPtrField<v1::Remark>& remarks
   for (const v1::Remark& remark : remarks) fmt::print("  {}\n", describe(remark));
 }
 
-void load(Session& session, const std::string& path) {
-  const v1::LoadSceneResponse response = load_scene(session, path);
+struct LoadFlags {
+  std::string path;
+  bool upload = false;
+  std::string asset_root;
+  double lease_s = 0;
+};
+
+/// On one line of a terminal, which goes when the next text comes.
+void show(const client::UploadProgress& progress) {
+  fmt::print(stderr, "\r\033[K{}: {:.0f} of {:.0f} kB", progress.name,
+             static_cast<double>(progress.sent_bytes) / 1000,
+             static_cast<double>(progress.size_bytes) / 1000);
+}
+
+v1::LoadSceneResponse upload(Session& session, const LoadFlags& flags) {
+  client::UploadOptions options{.root = flags.asset_root, .lease_s = flags.lease_s};
+  const bool terminal = isatty(STDERR_FILENO) != 0;
+  if (terminal) options.progress = show;
+  auto response =
+      client::upload_scene(session.client(), flags.path, options, session.call_options());
+  if (terminal) fmt::print(stderr, "\r\033[K");
+  return session.ask(std::move(response));
+}
+
+void load(Session& session, const LoadFlags& flags) {
+  if (!flags.asset_root.empty() && !flags.upload) wrong_use("--asset-root goes with --upload");
+  const v1::LoadSceneResponse response =
+      flags.upload ? upload(session, flags) : load_scene(session, flags.path, flags.lease_s);
   if (session.json()) {
     fmt::print("{}", to_json(response));
     return;
@@ -26,6 +57,9 @@ void load(Session& session, const std::string& path) {
              response.already_loaded()
                  ? std::string("was loaded already")
                  : fmt::format("loaded in {:.3g} s", response.cost().wall_time_s()));
+  if (!response.lease_id().empty()) {
+    fmt::print("lease {} for {:g} s\n", response.lease_id(), response.lease_s());
+  }
   print_remarks(response.remarks());
 }
 
@@ -40,11 +74,14 @@ void scenes(Session& session) {
                {"primitives"},
                {"picture [px]"},
                {"memory [kB]"},
+               {"leased [s]"},
                {"path", true}});
   for (const v1::SceneSummary& scene : response.scenes()) {
     table.add({scene.scene_id(), std::to_string(scene.lights()), std::to_string(scene.primitives()),
                fmt::format("{} x {}", scene.image_width(), scene.image_height()),
-               fmt::format("{:.0f}", static_cast<double>(scene.bytes()) / 1000), scene.path()});
+               fmt::format("{:.0f}", static_cast<double>(scene.bytes()) / 1000),
+               scene.leased_s() > 0 ? fmt::format("{:.0f}", std::ceil(scene.leased_s())) : "",
+               scene.path()});
   }
   fmt::print("{}", table.to_string());
 }
@@ -58,15 +95,30 @@ void lights(Session& session, const std::string& scene) {
   fmt::print("{}", light_table(response.lights()));
 }
 
-void release(Session& session, const std::string& scene) {
+void lease(Session& session, const std::string& scene, double seconds, const std::string& id) {
+  v1::RenewLeaseRequest request;
+  request.set_scene_id(session.scene_id(scene));
+  request.set_lease_s(seconds);
+  request.set_lease_id(id);
+  const auto response = session.ask(session.client().renew_lease(request, session.call_options()));
+  if (session.json()) {
+    fmt::print("{}", to_json(response));
+  } else {
+    fmt::print("lease {} for {:g} s\n", response.lease_id(), response.lease_s());
+  }
+}
+
+void release(Session& session, const std::string& scene, const std::string& lease) {
   v1::ReleaseSceneRequest request;
   request.set_scene_id(session.scene_id(scene));
+  request.set_lease_id(lease);
   const auto response =
       session.ask(session.client().release_scene(request, session.call_options()));
   if (session.json()) {
     fmt::print("{}", to_json(response));
   } else {
-    fmt::print("{}  released\n", request.scene_id());
+    fmt::print("{}  {}\n", request.scene_id(),
+               response.still_loaded() ? "lease ended, others keep it" : "released");
   }
 }
 
@@ -87,6 +139,12 @@ void info(Session& session) {
   table.add({"message, at most", fmt::format("{} bytes", limits.max_message_bytes())});
   table.add({"may wait", fmt::format("{} queries, {} renders", limits.interactive_queue(),
                                      limits.bulk_queue())});
+  table.add({"uploaded file, at most", fmt::format("{} bytes", limits.max_asset_bytes())});
+  table.add({"uploaded files, at most", fmt::format("{} bytes", limits.asset_budget_bytes())});
+  table.add({"scenes, at most", limits.memory_budget_bytes() == 0
+                                    ? std::string("no limit")
+                                    : fmt::format("{} bytes", limits.memory_budget_bytes())});
+  table.add({"lease, at most", fmt::format("{:g} s", limits.max_lease_s())});
   table.add({"fingerprint", fingerprint.digest()});
   table.add({"  build", fingerprint.build()});
   table.add({"  Embree", fingerprint.embree()});
@@ -106,19 +164,60 @@ CLI::App* add_command(CLI::App& app, const char* name, const char* what, const c
   return command;
 }
 
+void add_load_command(CLI::App& app, Session& session) {
+  CLI::App* command =
+      app.add_subcommand("load", "Loads a scene file; free where it is loaded already");
+  command->footer("Example:\n  lucerna load room.pbrt\n  lucerna load --upload ~/scenes/room.pbrt");
+  const auto flags = std::make_shared<LoadFlags>();
+  command
+      ->add_option("PATH", flags->path,
+                   "Relative to the server's scene root; with --upload, a file of this machine")
+      ->required();
+  command->add_flag("--upload", flags->upload,
+                    "Send the scene and what it names, as far as the server does not hold it");
+  command
+      ->add_option("--asset-root", flags->asset_root,
+                   "Send nothing from outside of this directory; default: the scene file's")
+      ->type_name("DIR");
+  command->add_option("--lease", flags->lease_s, "Keep it at least so long [s]")
+      ->type_name("SECONDS")
+      ->check(positive());
+  command->callback([flags, &session] { load(session, *flags); });
+}
+
+void add_lease_commands(CLI::App& app, Session& session) {
+  const auto lease_id = std::make_shared<std::string>();
+  CLI::App* renew = add_command(app, "lease", "Keeps a scene from going when memory is needed",
+                                "SCENE", "Path or id", "lucerna lease 3f1c --for 3600", nullptr);
+  const auto seconds = std::make_shared<double>(0);
+  renew->add_option("--for", *seconds, "From now [s]")
+      ->type_name("SECONDS")
+      ->required()
+      ->check(positive());
+  renew->add_option("--id", *lease_id, "The lease to renew; default: a new one");
+  const auto* scene_to_lease = renew->get_option("SCENE");
+  renew->callback(
+      [=, &session] { lease(session, scene_to_lease->as<std::string>(), *seconds, *lease_id); });
+
+  CLI::App* let_go = add_command(app, "release", "Lets a scene go", "SCENE", "Path or id",
+                                 "lucerna release 3f1c", nullptr);
+  const auto ended = std::make_shared<std::string>();
+  let_go->add_option("--lease", *ended, "End this lease; the scene goes where no other keeps it")
+      ->type_name("ID");
+  const auto* scene_to_go = let_go->get_option("SCENE");
+  let_go->callback([=, &session] { release(session, scene_to_go->as<std::string>(), *ended); });
+}
+
 }  // namespace
 
 void add_scene_commands(CLI::App& app, Session& session) {
-  add_command(app, "load", "Loads a scene file; free where it is loaded already", "PATH",
-              "Relative to the server's scene root", "lucerna load room.pbrt",
-              [&session](const std::string& path) { load(session, path); });
+  add_load_command(app, session);
   add_command(app, "scenes", "Lists the loaded scenes", nullptr, "", "lucerna scenes --json",
               [&session](const std::string&) { scenes(session); });
   add_command(app, "lights", "Lists a scene's lights", "SCENE", "Path or id",
               "lucerna lights room.pbrt",
               [&session](const std::string& scene) { lights(session, scene); });
-  add_command(app, "release", "Lets a scene go", "SCENE", "Path or id", "lucerna release 3f1c",
-              [&session](const std::string& scene) { release(session, scene); });
+  add_lease_commands(app, session);
   add_command(app, "info", "Tells the server's version, limits and numeric fingerprint", nullptr,
               "", "lucerna info --server 10.0.0.7:50051",
               [&session](const std::string&) { info(session); });

@@ -112,9 +112,10 @@ std::string Session::id_with_prefix(const std::string& prefix) {
   return found;
 }
 
-v1::LoadSceneResponse load_scene(Session& session, const std::string& path) {
+v1::LoadSceneResponse load_scene(Session& session, const std::string& path, double lease_s) {
   v1::LoadSceneRequest request;
   request.set_path(path);
+  if (lease_s > 0) request.set_lease_s(lease_s);
   return session.ask(session.client().load_scene(request, session.call_options()));
 }
 

@@ -76,7 +76,7 @@ class Session {
 };
 
 /// The scene file of `load`; every scene there is.
-v1::LoadSceneResponse load_scene(Session& session, const std::string& path);
+v1::LoadSceneResponse load_scene(Session& session, const std::string& path, double lease_s = 0);
 v1::ListScenesResponse list_scenes(Session& session);
 /// Every light of a scene, from all pages.
 v1::ListLightsResponse list_lights(Session& session, const std::string& scene_id);

@@ -184,6 +184,7 @@ absl::StatusOr<LocalServer> LocalServer::start(const LocalServerOptions& options
   for (const std::string& path : options.load) {
     arguments.insert(arguments.end(), {"--load", path});
   }
+  arguments.insert(arguments.end(), options.arguments.begin(), options.arguments.end());
   auto process = std::make_unique<Process>(options.patience);
   if (absl::Status status = process->spawn(std::move(arguments)); !status.ok()) return status;
   if (absl::Status status = process->wait_until_serving(); !status.ok()) return status;

@@ -28,6 +28,8 @@ struct LocalServerOptions {
   unsigned threads = 0;
   /// Scene files to load before it serves, relative to `scene_root`.
   std::vector<std::string> load = {};
+  /// More of lucernad's options, each a word of its own.
+  std::vector<std::string> arguments = {};
   /// The program.  The environment variable LUCERNAD goes before it.
   std::string program = LUCERNA_LUCERNAD;
   /// How long it may take until it serves, and to end after SIGTERM before it is killed.

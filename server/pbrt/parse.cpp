@@ -24,11 +24,20 @@ void Parser::parse() {
   for (;;) {
     const Token token = next();
     if (token.kind != Token::Kind::kEnd) {
-      directive(token);
+      try {
+        directive(token);
+      } catch (const Failure& failure) {
+        // A file that can still come: go on, to find out about all of them at once.
+        if (!absl::IsFailedPrecondition(failure.status)) throw;
+        incomplete_ = failure.status;
+      }
       continue;
     }
     // `next` stays at the end of imported files and of the first.
-    if (files_.size() == 1) return builder_.finish(token.place);
+    if (files_.size() == 1) {
+      if (!incomplete_.ok()) throw Failure{incomplete_};
+      return builder_.finish(token.place);
+    }
     builder_.import_end();
     files_.pop_back();
   }

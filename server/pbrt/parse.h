@@ -50,6 +50,7 @@ class Parser {
   std::deque<OpenFile> files_;
   std::optional<Token> put_back_;
   std::uint64_t token_count_ = 0;
+  absl::Status incomplete_;  ///< of a directive that was left out, as its file is not there yet
 };
 
 }  // namespace lucerna::pbrt

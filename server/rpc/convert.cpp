@@ -26,6 +26,7 @@ void set_summary(const StoredScene& stored, v1::SceneSummary* out) {
   std::uint64_t bytes = 0;
   for (const ScenePart& part : scene.parts()) bytes += part.bytes;
   out->set_bytes(bytes);
+  out->set_leased_s(stored.leased_s);
 }
 
 void add_remarks(const Scene& scene, google::protobuf::RepeatedPtrField<v1::Remark>* out) {

@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <array>
 
+#include "server/scene_store.h"
+
 namespace lucerna::rpc {
 namespace {
 
@@ -113,6 +115,14 @@ absl::Status retry_after(absl::Status status, const std::string& reason,
   retry.mutable_retry_delay()->set_nanos(static_cast<int>(delay.count() % 1000) * 1'000'000);
   attach(status, retry);
   return with_reason(std::move(status), reason);
+}
+
+absl::Status load_error(absl::Status status) {
+  const absl::optional<absl::Cord> delay = status.GetPayload(kRetryAfterPayload);
+  if (!delay) return status;
+  const std::chrono::milliseconds wait(std::stoll(std::string(*delay)));
+  status.ErasePayload(kRetryAfterPayload);
+  return retry_after(std::move(status), "MEMORY_LEASED", wait);
 }
 
 absl::Status draining() {

@@ -29,6 +29,8 @@ absl::Status over_limit(const std::string& field, std::uint64_t value, std::uint
 /// The same error, told to be worth another try after `delay`.
 absl::Status retry_after(absl::Status status, const std::string& reason,
                          std::chrono::milliseconds delay);
+/// A load that failed: where time may mend it, with RetryInfo; else as it is.
+absl::Status load_error(absl::Status status);
 /// UNAVAILABLE: the server ends.
 absl::Status draining();
 

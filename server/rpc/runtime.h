@@ -55,12 +55,13 @@ struct Runtime {
   explicit Runtime(Lanes& l) : lanes(l) {}
 
   RequestLimits limits;
+  std::unique_ptr<AssetStore> assets;
   std::unique_ptr<SceneStore> scenes;
   v1::GetServerInfoResponse info;
   CallGate gate;
   Lanes& lanes;
 
-  Context context() { return {*scenes, limits}; }
+  Context context() { return {*scenes, *assets, limits}; }
 };
 
 /// RESOURCE_EXHAUSTED of a lane becomes worth a retry.

@@ -49,6 +49,10 @@ void set_info(const ServerOptions& options, const Fingerprint& fingerprint, int 
   limits.set_max_message_bytes(options.limits.max_message_bytes);
   limits.set_interactive_queue(options.lanes.interactive_queue);
   limits.set_bulk_queue(options.lanes.bulk_queue);
+  limits.set_max_asset_bytes(options.assets.max_asset_bytes);
+  limits.set_asset_budget_bytes(options.assets.budget_bytes);
+  limits.set_memory_budget_bytes(options.scenes.memory_budget_bytes);
+  limits.set_max_lease_s(options.scenes.max_lease_s);
   v1::NumericFingerprint& f = *info.mutable_fingerprint();
   f.set_digest(fingerprint.digest);
   f.set_build(fingerprint.build);
@@ -79,7 +83,7 @@ absl::Status Server::State::load(const std::string& path, const std::stop_token&
       lanes.submit(Lane::kBulk, {.run =
                                      [&](const JobStart& start) {
                                        result.set_value(start.status.ok() ? guarded([&] {
-                                         return runtime.scenes->load(path, stop).status();
+                                         return runtime.scenes->load(path, {.stop = stop}).status();
                                        })
                                                                           : start.status);
                                      },
@@ -121,12 +125,15 @@ void Server::State::end(std::chrono::system_clock::time_point deadline) {
 absl::StatusOr<std::unique_ptr<Server>> Server::start(const ServerOptions& options,
                                                       std::stop_token stop) {
   if (absl::Status s = check_address(options.listen); !s.ok()) return s;
-  auto scenes = SceneStore::open(options.scene_root, options.isa);
+  auto assets = AssetStore::open(options.assets);
+  if (!assets.ok()) return assets.status();
+  auto scenes = SceneStore::open(options.scenes, assets->get());
   if (!scenes.ok()) return scenes.status();
-  const auto fingerprint = numeric_fingerprint(options.isa);
+  const auto fingerprint = numeric_fingerprint(options.scenes.isa);
   if (!fingerprint.ok()) return fingerprint.status();
   auto state = std::make_unique<State>(options.lanes);
   state->runtime.limits = options.limits;
+  state->runtime.assets = *std::move(assets);
   state->runtime.scenes = *std::move(scenes);
   set_info(options, *fingerprint, state->lanes.threads(), state->runtime.info);
   for (const std::string& path : options.load) {

@@ -17,8 +17,8 @@ namespace lucerna::rpc {
 
 struct ServerOptions {
   std::string listen = "127.0.0.1:50051";  ///< HOST:PORT; port 0: a free one
-  std::string scene_root = ".";
-  std::string isa;                ///< Embree's kernels; empty: the best that the machine has
+  SceneStoreOptions scenes;
+  AssetStoreOptions assets;
   std::string version = "0.0.0";  ///< what GetServerInfo tells
   LaneOptions lanes;
   RequestLimits limits;

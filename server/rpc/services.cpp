@@ -10,6 +10,7 @@
 #include "server/rpc/lighting.h"
 #include "server/rpc/scenes.h"
 #include "server/rpc/tiles.h"
+#include "server/rpc/upload_stream.h"
 
 namespace lucerna::rpc {
 namespace {
@@ -47,29 +48,25 @@ class SceneServiceImpl final : public v1::SceneService::CallbackService {
                             [&](const Context& c) { return release_scene(c, *request, response); });
   }
 
-  Unary* FindMissingAssets(CallContext* context, const v1::FindMissingAssetsRequest*,
-                           v1::FindMissingAssetsResponse*) override {
-    return refuse(context, "this server keeps no uploaded assets yet: load scenes by path");
+  Unary* FindMissingAssets(CallContext* context, const v1::FindMissingAssetsRequest* request,
+                           v1::FindMissingAssetsResponse* response) override {
+    return UnaryCall::start(runtime_, context, [&](const Context& c) {
+      return find_missing_assets(c, *request, response);
+    });
   }
+  grpc::ServerReadReactor<v1::UploadAssetRequest>* UploadAsset(
+      CallContext* context, v1::UploadAssetResponse* response) override {
+    return UploadStream::start(runtime_, context, response);
+  }
+  Unary* RenewLease(CallContext* context, const v1::RenewLeaseRequest* request,
+                    v1::RenewLeaseResponse* response) override {
+    return UnaryCall::start(runtime_, context,
+                            [&](const Context& c) { return renew_lease(c, *request, response); });
+  }
+
   Unary* EditLights(CallContext* context, const v1::EditLightsRequest*,
                     v1::EditLightsResponse*) override {
     return refuse(context, "lights cannot be edited yet: change the scene file and load it again");
-  }
-  Unary* RenewLease(CallContext* context, const v1::RenewLeaseRequest*,
-                    v1::RenewLeaseResponse*) override {
-    return refuse(context, "there are no leases yet: scenes stay until they are released");
-  }
-  grpc::ServerReadReactor<v1::UploadAssetRequest>* UploadAsset(CallContext* context,
-                                                               v1::UploadAssetResponse*) override {
-    class Refusal final : public grpc::ServerReadReactor<v1::UploadAssetRequest> {
-     public:
-      explicit Refusal(CallContext& context) {
-        Finish(
-            to_grpc(unimplemented("assets cannot be uploaded yet: load scenes by path"), context));
-      }
-      void OnDone() override { delete this; }
-    };
-    return new Refusal(*context);
   }
 
  private:

@@ -9,6 +9,7 @@
 #include <stop_token>
 
 #include "lucerna/v1/accuracy.pb.h"
+#include "server/asset_store.h"
 #include "server/scene_store.h"
 
 namespace lucerna::rpc {
@@ -25,6 +26,7 @@ struct RequestLimits {
 /// What requests are answered from.
 struct Context {
   SceneStore& scenes;
+  AssetStore& assets;
   const RequestLimits& limits;
 };
 

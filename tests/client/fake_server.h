@@ -33,6 +33,10 @@ class FakeServer : v1::LightingService::Service,
   Handler<v1::EstimateIrradianceRequest, v1::EstimateIrradianceResponse> irradiance;
   Handler<v1::GetSceneRequest, v1::GetSceneResponse> get_scene;
   Handler<v1::RenderTileRequest, v1::RenderTileResponse> render_tile;
+  Handler<v1::LoadSceneRequest, v1::LoadSceneResponse> load_scene;
+  Handler<v1::FindMissingAssetsRequest, v1::FindMissingAssetsResponse> find_missing_assets;
+  std::function<grpc::Status(grpc::ServerReader<v1::UploadAssetRequest>&, v1::UploadAssetResponse*)>
+      upload_asset;
   std::function<grpc::Status(grpc::ServerContext&, grpc::ServerWriter<v1::RenderImageResponse>&)>
       render_image;
   std::uint32_t max_batch_items = 5;
@@ -72,6 +76,19 @@ class FakeServer : v1::LightingService::Service,
   grpc::Status GetScene(grpc::ServerContext* context, const v1::GetSceneRequest* request,
                         v1::GetSceneResponse* response) override {
     return get_scene(*context, *request, response);
+  }
+  grpc::Status LoadScene(grpc::ServerContext* context, const v1::LoadSceneRequest* request,
+                         v1::LoadSceneResponse* response) override {
+    return load_scene(*context, *request, response);
+  }
+  grpc::Status FindMissingAssets(grpc::ServerContext* context,
+                                 const v1::FindMissingAssetsRequest* request,
+                                 v1::FindMissingAssetsResponse* response) override {
+    return find_missing_assets(*context, *request, response);
+  }
+  grpc::Status UploadAsset(grpc::ServerContext*, grpc::ServerReader<v1::UploadAssetRequest>* reader,
+                           v1::UploadAssetResponse* response) override {
+    return upload_asset(*reader, response);
   }
   grpc::Status RenderTile(grpc::ServerContext* context, const v1::RenderTileRequest* request,
                           v1::RenderTileResponse* response) override {

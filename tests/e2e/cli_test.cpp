@@ -18,8 +18,8 @@ TEST_F(Cli, TellsItsVersion) {
 
 TEST_F(Cli, HelpOfEachSubcommandHasAnExample) {
   for (const char* command :
-       {"load", "scenes", "lights", "release", "info", "sample", "pdf", "emit", "emit-pdf", "le",
-        "power", "visible", "irradiance", "render"}) {
+       {"load", "scenes", "lights", "lease", "release", "info", "sample", "pdf", "emit", "emit-pdf",
+        "le", "power", "visible", "irradiance", "render"}) {
     const Outcome outcome = lucerna({command, "--help"});
     EXPECT_EQ(outcome.status, 0) << command;
     EXPECT_THAT(outcome.out, HasSubstr(std::string("Example:\n  lucerna ") + command));

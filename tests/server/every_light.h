@@ -20,7 +20,7 @@ inline double luminance_of(double r, double g, double b) {
 
 inline rpc::ServerOptions all_data() {
   rpc::ServerOptions options = service_options();
-  options.scene_root = LUCERNA_TEST_DATA;
+  options.scenes.root = LUCERNA_TEST_DATA;
   return options;
 }
 

@@ -23,7 +23,7 @@ class SceneStoreTest : public ::testing::Test {
              ::testing::UnitTest::GetInstance()->current_test_info()->name());
     std::filesystem::create_directories(root_);
     write("a.pbrt", kScene);
-    auto store = SceneStore::open(root_.string());
+    auto store = SceneStore::open({.root = root_.string()});
     ASSERT_TRUE(store.ok()) << store.status();
     store_ = *std::move(store);
   }
@@ -32,7 +32,7 @@ class SceneStoreTest : public ::testing::Test {
     std::ofstream(root_ / name) << text;
   }
   LoadedScene load(const std::string& path) {
-    auto loaded = store_->load(path, {});
+    auto loaded = store_->load(path);
     EXPECT_TRUE(loaded.ok()) << loaded.status();
     return *std::move(loaded);
   }
@@ -77,12 +77,12 @@ TEST_F(SceneStoreTest, AChangeOfAnIncludedFileIsSeen) {
 
 TEST_F(SceneStoreTest, NothingStaysOfAFailedLoad) {
   write("broken.pbrt", "WorldBegin\nShape \"trianglemesh\" \"integer indices\" [0 1\n");
-  const auto broken = store_->load("broken.pbrt", {});
+  const auto broken = store_->load("broken.pbrt");
   EXPECT_EQ(broken.status().code(), absl::StatusCode::kInvalidArgument);
   EXPECT_NE(std::string(broken.status().message()).find("broken.pbrt:"), std::string::npos)
       << broken.status();
-  EXPECT_EQ(store_->load("none.pbrt", {}).status().code(), absl::StatusCode::kNotFound);
-  EXPECT_EQ(store_->load("../a.pbrt", {}).status().code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_EQ(store_->load("none.pbrt").status().code(), absl::StatusCode::kNotFound);
+  EXPECT_EQ(store_->load("../a.pbrt").status().code(), absl::StatusCode::kInvalidArgument);
   EXPECT_EQ(store_->size(), 0U);
   write("broken.pbrt", kScene);  // and it can be mended
   EXPECT_FALSE(load("broken.pbrt").already_loaded);
@@ -91,7 +91,8 @@ TEST_F(SceneStoreTest, NothingStaysOfAFailedLoad) {
 TEST_F(SceneStoreTest, CancelledLoadsLeaveNothing) {
   std::stop_source stop;
   stop.request_stop();
-  EXPECT_EQ(store_->load("a.pbrt", stop.get_token()).status().code(), absl::StatusCode::kCancelled);
+  EXPECT_EQ(store_->load("a.pbrt", {.stop = stop.get_token()}).status().code(),
+            absl::StatusCode::kCancelled);
   EXPECT_EQ(store_->size(), 0U);
 }
 
@@ -109,8 +110,8 @@ TEST_F(SceneStoreTest, SeveralWhoAskAtTheSameTimeBuildOnce) {
 TEST_F(SceneStoreTest, ReleasedScenesLiveAsLongAsSomebodyHoldsThem) {
   const LoadedScene held = load("a.pbrt");
   const std::string id = held.stored.scene->id();
-  EXPECT_TRUE(store_->release(id));
-  EXPECT_FALSE(store_->release(id));
+  EXPECT_TRUE(store_->release(id).value());
+  EXPECT_EQ(store_->release(id).status().code(), absl::StatusCode::kNotFound);
   EXPECT_EQ(store_->find(id), nullptr);
   EXPECT_EQ(held.stored.scene->lights().size(), 1U);
   EXPECT_FALSE(load("a.pbrt").already_loaded);
@@ -128,7 +129,9 @@ TEST_F(SceneStoreTest, ListsInTheOrderOfIds) {
   EXPECT_LT(first[1].scene->id(), rest[0].scene->id());
 }
 
-TEST(SceneStore, NeedsADirectory) { EXPECT_FALSE(SceneStore::open("/no/such/directory").ok()); }
+TEST(SceneStore, NeedsADirectory) {
+  EXPECT_FALSE(SceneStore::open({.root = "/no/such/directory"}).ok());
+}
 
 }  // namespace
 }  // namespace lucerna

@@ -96,7 +96,7 @@ class BadLightsTest : public ::testing::Test {
 
   static rpc::ServerOptions options(const SceneFiles& files) {
     rpc::ServerOptions o = service_options();
-    o.scene_root = files.path().string();
+    o.scenes.root = files.path().string();
     return o;
   }
   /// With a good light before it and a surface and a good one behind it.

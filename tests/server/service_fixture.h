@@ -21,7 +21,7 @@ namespace lucerna::testing {
 inline rpc::ServerOptions service_options() {
   rpc::ServerOptions options;
   options.listen = "127.0.0.1:0";
-  options.scene_root = std::string(LUCERNA_TEST_DATA) + "/reference";
+  options.scenes.root = std::string(LUCERNA_TEST_DATA) + "/reference";
   options.version = "test";
   options.lanes.threads = 2;
   return options;

@@ -28,7 +28,7 @@ TEST(GoniometricService, ListLightsTellsWhatTheDistributionIs) {
               "\"float scale\" 0.5\n"
               "LightSource \"goniometric\" \"rgb I\" [7 7 7]\n");
   rpc::ServerOptions options = service_options();
-  options.scene_root = files.path().string();
+  options.scenes.root = files.path().string();
   Service service(options);
   v1::ListLightsRequest request;
   request.set_scene_id(service.load("scene.pbrt"));

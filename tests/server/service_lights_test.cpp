@@ -22,7 +22,7 @@ std::vector<v1::Light> lights_of(const std::string& text) {
   files.write("lamp.ies",
               "IESNA:LM-63-1995\nTILT=NONE\n1 -1 1 2 1 1 2 0 0 0\n1 1 10\n0 90\n0\n100 100\n");
   rpc::ServerOptions options = service_options();
-  options.scene_root = files.path().string();
+  options.scenes.root = files.path().string();
   Service service(options);
   v1::ListLightsRequest request;
   request.set_scene_id(service.load("scene.pbrt"));

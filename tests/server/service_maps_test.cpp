@@ -22,7 +22,7 @@ v1::Light light_of(const std::string& parameters) {
   files.write("scene.pbrt", "WorldBegin LightSource \"infinite\" " + parameters +
                                 " Shape \"sphere\" \"float radius\" 1");
   rpc::ServerOptions options = service_options();
-  options.scene_root = files.path().string();
+  options.scenes.root = files.path().string();
   Service service(options);
   v1::ListLightsRequest request;
   request.set_scene_id(service.load("scene.pbrt"));

@@ -13,7 +13,7 @@ constexpr double kPi = std::numbers::pi;
 
 rpc::ServerOptions options() {
   rpc::ServerOptions o = service_options();
-  o.scene_root = std::string(LUCERNA_TEST_DATA) + "/pbrt";
+  o.scenes.root = std::string(LUCERNA_TEST_DATA) + "/pbrt";
   return o;
 }
 

@@ -133,7 +133,7 @@ TEST_F(RenderServiceTest, BlocksOfMoreSamplesThanCanBeNumberedAreRefused) {
 
 TEST_F(RenderServiceTest, WhatTheFileProposesIsRoundedToWhatATileCanHold) {
   rpc::ServerOptions options = service_options();
-  options.scene_root = LUCERNA_TEST_DATA "/pbrt";
+  options.scenes.root = LUCERNA_TEST_DATA "/pbrt";
   Service service(options);
   const std::string scene = service.load("twelve_samples.pbrt");
   v1::RenderTileRequest q;

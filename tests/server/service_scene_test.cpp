@@ -130,24 +130,10 @@ TEST_F(SceneServiceTest, PathsThatLeaveTheRootAreAllRefusedAlike) {
 }
 
 TEST_F(SceneServiceTest, WhatComesLaterIsUnimplementedWithASentence) {
-  v1::LoadSceneRequest manifest;
-  manifest.mutable_manifest()->set_main("a.pbrt");
-  v1::LoadSceneResponse loaded;
-  v1::FindMissingAssetsResponse missing;
   v1::EditLightsResponse edited;
-  v1::RenewLeaseResponse renewed;
-  v1::UploadAssetResponse uploaded;
   v1::GetStatsResponse stats;
-  const auto upload = [&](grpc::ClientContext* c) {
-    auto writer = service_.scenes.UploadAsset(c, &uploaded);
-    writer->Write({});
-    return writer->Finish();
-  };
   for (const grpc::Status& s :
-       {ask([&](auto* c) { return service_.scenes.LoadScene(c, manifest, &loaded); }),
-        ask([&](auto* c) { return service_.scenes.FindMissingAssets(c, {}, &missing); }),
-        ask([&](auto* c) { return service_.scenes.EditLights(c, {}, &edited); }),
-        ask([&](auto* c) { return service_.scenes.RenewLease(c, {}, &renewed); }), ask(upload),
+       {ask([&](auto* c) { return service_.scenes.EditLights(c, {}, &edited); }),
         ask([&](auto* c) { return service_.admin.GetStats(c, {}, &stats); })}) {
     EXPECT_EQ(s.error_code(), grpc::StatusCode::UNIMPLEMENTED);
     EXPECT_GT(s.error_message().size(), 20U);
@@ -177,7 +163,7 @@ TEST(ServicePanel, TellsItsPhotometryAndShowsIt) {
               "WorldBegin\nAreaLightSource \"diffuse\" \"string profile\" \"lamp.ies\" "
               "Shape \"bilinearmesh\" \"point3 P\" [0 0 0 2 0 0 0 1 0 2 1 0]");
   rpc::ServerOptions options = service_options();
-  options.scene_root = files.path().string();
+  options.scenes.root = files.path().string();
   Service service(options);
   const std::string id = service.load("scene.pbrt");
   v1::ListLightsRequest list;

@@ -137,10 +137,10 @@ TEST(ServerTest, WrongOptionsAreErrors) {
   options.listen = "127.0.0.1";
   EXPECT_EQ(rpc::Server::start(options).status().code(), absl::StatusCode::kInvalidArgument);
   options = service_options();
-  options.scene_root = "/no/such/directory";
+  options.scenes.root = "/no/such/directory";
   EXPECT_FALSE(rpc::Server::start(options).ok());
   options = service_options();
-  options.isa = "abacus";
+  options.scenes.isa = "abacus";
   EXPECT_EQ(rpc::Server::start(options).status().code(), absl::StatusCode::kInvalidArgument);
   options = service_options();
   options.load = {"none.pbrt"};

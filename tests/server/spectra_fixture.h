@@ -119,7 +119,7 @@ class SpectraServiceTest : public ::testing::Test {
  protected:
   rpc::ServerOptions options() const {
     rpc::ServerOptions o = service_options();
-    o.scene_root = files_.path().string();
+    o.scenes.root = files_.path().string();
     return o;
   }
   std::string load(const std::string& name, const std::string& text) {

@@ -1,0 +1,126 @@
+#include "server/rpc/upload_stream.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "server/rpc/call.h"
+#include "server/rpc/errors.h"
+
+namespace lucerna::rpc {
+namespace {
+
+// Hashing more at once would keep small queries waiting.
+constexpr std::size_t kMostChunkBytes = std::size_t{4} << 20;
+
+absl::Status being_uploaded(absl::Status status) {
+  return retry_after(std::move(status), "ASSET_BEING_UPLOADED", std::chrono::milliseconds(200));
+}
+
+}  // namespace
+
+UploadStream::UploadStream(Runtime& runtime, grpc::CallbackServerContext* context,
+                           v1::UploadAssetResponse* response)
+    : runtime_(runtime), context_(context), response_(response) {}
+
+grpc::ServerReadReactor<v1::UploadAssetRequest>* UploadStream::start(
+    Runtime& runtime, grpc::CallbackServerContext* context, v1::UploadAssetResponse* response) {
+  const auto stream = std::make_shared<UploadStream>(runtime, context, response);
+  stream->self_ = stream;
+  stream->pass_ = runtime.gate.enter();
+  if (stream->pass_) {
+    stream->StartRead(&stream->request_);
+  } else {
+    stream->finish(draining());
+  }
+  return stream.get();
+}
+
+void UploadStream::OnReadDone(bool ok) {
+  if (stop_.stop_requested()) return finish(absl::CancelledError("the upload was cut off"));
+  if (!ok) return finish(guarded([&] { return end(); }));
+  // The lane may be full at the beginning; what has begun goes on.
+  Job job{.run = [self = shared_from_this()](const JobStart& start) { self->take(start); },
+          .stop = stop_.get_token()};
+  if (begun_) return runtime_.lanes.resume(Lane::kInteractive, std::move(job));
+  const absl::Status queued = runtime_.lanes.submit(Lane::kInteractive, std::move(job));
+  if (!queued.ok()) finish(lane_error(queued, Lane::kInteractive));
+}
+
+void UploadStream::take(const JobStart& start) {
+  if (!start.status.ok()) return finish(start.status);
+  const absl::Status status = guarded([&]() -> absl::Status {
+    if (request_.has_header() != !begun_) {
+      return bad_field("part", begun_ ? "header" : "chunk",
+                       begun_ ? "chunk, after the header" : "header, before all chunks");
+    }
+    return begun_ ? take_chunk(request_.chunk()) : take_header(request_.header());
+  });
+  begun_ = true;
+  if (!status.ok() || held_) return finish(status);
+  StartRead(&request_);
+}
+
+absl::Status UploadStream::take_header(const v1::AssetHeader& header) {
+  header_ = header;
+  if (header.sha256().size() != kSha256Bytes) {
+    return bad_field("header.sha256", fmt::format("{} bytes", header.sha256().size()),
+                     "the 32 bytes of a SHA-256");
+  }
+  AssetStore& assets = *runtime_.assets;
+  const AssetStore::Held held = assets.held(header.sha256());
+  if (held.whole) {
+    held_ = true;
+    response_->set_received_bytes(held.bytes);
+    return absl::OkStatus();
+  }
+  if (header.size_bytes() > assets.max_asset_bytes()) {
+    return over_limit("header.size_bytes", header.size_bytes(), assets.max_asset_bytes());
+  }
+  const std::uint64_t reach = std::min<std::uint64_t>(held.bytes, header.size_bytes());
+  if (header.offset_bytes() > reach) {
+    return bad_field("header.offset_bytes", fmt::format("{}", header.offset_bytes()),
+                     fmt::format("[0, {}], what is held of it", reach));
+  }
+  absl::StatusOr<AssetUpload> upload =
+      assets.upload(header.sha256(), header.size_bytes(), header.offset_bytes());
+  if (absl::IsFailedPrecondition(upload.status())) return being_uploaded(upload.status());
+  if (!upload.ok()) return upload.status();
+  upload_.emplace(*std::move(upload));
+  return absl::OkStatus();
+}
+
+absl::Status UploadStream::take_chunk(const std::string& chunk) {
+  if (chunk.size() > kMostChunkBytes) {
+    return bad_field("chunk", fmt::format("{} bytes", chunk.size()),
+                     fmt::format("at most {} bytes", kMostChunkBytes));
+  }
+  const std::uint64_t rest = upload_->size() - upload_->bytes();
+  if (chunk.size() > rest) {
+    return bad_field("chunk", fmt::format("{} bytes", chunk.size()),
+                     fmt::format("{} bytes, the rest of header.size_bytes", rest));
+  }
+  absl::Status status = upload_->append(chunk);
+  return absl::IsFailedPrecondition(status) ? being_uploaded(std::move(status)) : status;
+}
+
+absl::Status UploadStream::end() {
+  if (!upload_) return bad_field("part", "none", "header, before all chunks");
+  response_->set_received_bytes(upload_->bytes());
+  if (!upload_->complete()) return absl::OkStatus();
+  absl::Status status = upload_->finish();
+  if (absl::IsInvalidArgument(status)) {
+    return bad_field(
+        "header.sha256", hexadecimal(header_.sha256()),
+        fmt::format("{}, the SHA-256 of the bytes that came", std::string(status.message())));
+  }
+  return absl::IsFailedPrecondition(status) ? being_uploaded(std::move(status)) : status;
+}
+
+void UploadStream::finish(const absl::Status& status) {
+  upload_.reset();  // what came is kept, and can be asked for once this call has its answer
+  Finish(to_grpc(status, *context_));
+}
+
+}  // namespace lucerna::rpc

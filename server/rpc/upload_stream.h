@@ -1,0 +1,56 @@
+// UploadAsset as a gRPC stream.
+#pragma once
+
+#include <absl/status/status.h>
+#include <grpcpp/server_context.h>
+#include <grpcpp/support/server_callback.h>
+
+#include <memory>
+#include <optional>
+
+#include "lucerna/v1/scene.pb.h"
+#include "server/asset_store.h"
+#include "server/rpc/runtime.h"
+
+namespace lucerna::rpc {
+
+/// Hashes and writes one message a job, and reads the next one only then: a client that sends
+/// faster than the disk takes it is held up by gRPC's flow control.
+class UploadStream : public grpc::ServerReadReactor<v1::UploadAssetRequest>,
+                     public std::enable_shared_from_this<UploadStream> {
+ public:
+  static grpc::ServerReadReactor<v1::UploadAssetRequest>* start(
+      Runtime& runtime, grpc::CallbackServerContext* context, v1::UploadAssetResponse* response);
+
+  void OnCancel() override { stop_.request_stop(); }
+  void OnDone() override { const auto last = std::move(self_); }
+  void OnReadDone(bool ok) override;
+
+  UploadStream(Runtime& runtime, grpc::CallbackServerContext* context,
+               v1::UploadAssetResponse* response);
+
+ private:
+  /// What was read, on a lane's thread.
+  void take(const JobStart& start);
+  absl::Status take_header(const v1::AssetHeader& header);
+  absl::Status take_chunk(const std::string& chunk);
+  /// The client has sent all that it will.
+  absl::Status end();
+  void finish(const absl::Status& status);
+
+  Runtime& runtime_;
+  grpc::CallbackServerContext* context_;
+  v1::UploadAssetResponse* response_;
+  std::stop_source stop_;
+  CallGate::Pass pass_;
+  std::shared_ptr<UploadStream> self_;
+
+  // At any moment one of: a read, a job, the end.
+  v1::UploadAssetRequest request_;
+  v1::AssetHeader header_;
+  bool begun_ = false;
+  bool held_ = false;  // the whole asset is there: the rest of the stream is of no interest
+  std::optional<AssetUpload> upload_;
+};
+
+}  // namespace lucerna::rpc

@@ -1,0 +1,172 @@
+// Scenes that the server's machine has never seen.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "lucerna/client/testing/local_server.h"
+#include "lucerna/client/upload.h"
+#include "tests/e2e/run_program.h"
+
+namespace lucerna {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::MatchesRegex;
+using ::testing::Not;
+
+class CliUpload : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    std::string name = (fs::temp_directory_path() / "lucerna_upload_XXXXXX").string();
+    ASSERT_NE(::mkdtemp(name.data()), nullptr);
+    directory_ = name;
+    fs::create_directories(directory_ / "mine");
+    fs::create_directories(directory_ / "theirs");
+    for (const char* file : {"textured.pbrt", "screen.exr", "point.pbrt", "ball.ply"}) {
+      fs::copy_file(fs::path(LUCERNA_TEST_DATA) / "reference" / file, directory_ / "mine" / file);
+    }
+    start();
+  }
+  void TearDown() override {
+    server_.reset();
+    fs::remove_all(directory_);
+  }
+  void start(const std::vector<std::string>& more = {}) {
+    std::vector<std::string> arguments{"--asset-dir", path("assets")};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    server_.reset();
+    auto server =
+        testing::LocalServer::start({.scene_root = path("theirs"), .arguments = arguments});
+    ASSERT_TRUE(server.ok()) << server.status();
+    server_ = std::make_unique<testing::LocalServer>(*std::move(server));
+  }
+
+  Outcome lucerna(std::vector<std::string> arguments) const {
+    arguments.insert(arguments.begin(), LUCERNA_CLI);
+    return run_program(std::move(arguments), {}, {{"LUCERNA_SERVER", server_->target()}});
+  }
+  std::string path(const std::string& name) const { return (directory_ / name).string(); }
+
+  fs::path directory_;
+  std::unique_ptr<testing::LocalServer> server_;
+};
+
+TEST_F(CliUpload, LoadsWhatTheServerDoesNotSee) {
+  EXPECT_EQ(lucerna({"load", "textured.pbrt"}).status, 1);
+  const Outcome first = lucerna({"load", "--upload", path("mine/textured.pbrt")});
+  ASSERT_EQ(first.status, 0) << first.err;
+  EXPECT_THAT(first.out, MatchesRegex("[0-9a-f]+  loaded in [^\n]* s\n"));
+  EXPECT_THAT(first.err, IsEmpty());  // no terminal, no bar
+  const Outcome again = lucerna({"load", "--upload", path("mine/textured.pbrt")});
+  EXPECT_THAT(again.out, HasSubstr("was loaded already"));
+  const Outcome scenes = lucerna({"scenes"});
+  EXPECT_THAT(scenes.out, HasSubstr("textured.pbrt"));
+  // The scene is what the same files are anywhere: the id tells.
+  fs::copy(path("mine"), path("theirs"));
+  const Outcome local = lucerna({"load", "textured.pbrt"});
+  EXPECT_EQ(local.out.substr(0, 64), first.out.substr(0, 64));
+  EXPECT_THAT(local.out, HasSubstr("was loaded already"));
+}
+
+TEST_F(CliUpload, FilesThatAreNotThereAreTheScenesErrors) {
+  fs::remove(directory_ / "mine/screen.exr");
+  const Outcome outcome = lucerna({"load", "--upload", path("mine/textured.pbrt")});
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("textured.pbrt:"));
+  EXPECT_THAT(outcome.err, HasSubstr("file \"screen.exr\" does not exist"));
+  EXPECT_EQ(lucerna({"load", "--upload", path("mine/none.pbrt")}).status, 1);
+  const Outcome flags = lucerna({"load", "--asset-root", path("mine"), "point.pbrt"});
+  EXPECT_EQ(flags.status, 2);
+  EXPECT_THAT(flags.err, HasSubstr("--asset-root goes with --upload"));
+}
+
+TEST_F(CliUpload, SendsWhatLiesBesideTheSceneOnlyWhereTold) {
+  fs::create_directories(directory_ / "mine/scenes");
+  std::ofstream(path("mine/scenes/room.pbrt"))
+      << "WorldBegin\nShape \"plymesh\" \"string filename\" \"../ball.ply\"\n";
+  const std::string room = path("mine/scenes/room.pbrt");
+  const Outcome narrow = lucerna({"load", "--upload", room});
+  EXPECT_EQ(narrow.status, 1);
+  EXPECT_THAT(narrow.err, HasSubstr("leaves the scene root"));
+  const Outcome wide = lucerna({"load", "--upload", room, "--asset-root", path("mine")});
+  EXPECT_EQ(wide.status, 0) << wide.err;
+}
+
+TEST_F(CliUpload, LeasesAreToldRenewedAndEnded) {
+  const Outcome loaded = lucerna({"load", "--upload", path("mine/point.pbrt"), "--lease", "600"});
+  ASSERT_EQ(loaded.status, 0) << loaded.err;
+  const std::string id = loaded.out.substr(0, 64);
+  const std::size_t at = loaded.out.find("lease ");
+  ASSERT_NE(at, std::string::npos) << loaded.out;
+  const std::string lease = loaded.out.substr(at + 6, 32);
+  EXPECT_THAT(lucerna({"scenes"}).out, HasSubstr("600"));
+  EXPECT_THAT(lucerna({"lease", id, "--for", "1200", "--id", lease}).out,
+              HasSubstr(lease + " for 1200 s"));
+  const Outcome refused = lucerna({"release", id});
+  EXPECT_EQ(refused.status, 1);
+  EXPECT_THAT(refused.err, HasSubstr("leased for another"));
+  const Outcome another = lucerna({"lease", id, "--for", "60"});
+  EXPECT_EQ(another.status, 0) << another.err;
+  EXPECT_THAT(lucerna({"release", id, "--lease", lease}).out, HasSubstr("others keep it"));
+  EXPECT_THAT(lucerna({"release", id, "--lease", another.out.substr(6, 32)}).out,
+              HasSubstr("released"));
+  EXPECT_EQ(lucerna({"lease", id, "--for", "0"}).status, 2);
+}
+
+TEST_F(CliUpload, TheServersLimitsAreToldAndKept) {
+  start({"--max-asset-bytes", "1KiB", "--asset-budget", "1MiB", "--memory-budget", "64MiB"});
+  const Outcome info = lucerna({"info"});
+  EXPECT_THAT(info.out, HasSubstr("1024 bytes"));
+  EXPECT_THAT(info.out, HasSubstr("1048576 bytes"));
+  EXPECT_THAT(info.out, HasSubstr("67108864 bytes"));
+  const Outcome refused = lucerna({"load", "--upload", path("mine/point.pbrt")});
+  EXPECT_EQ(refused.status, 1);
+  EXPECT_THAT(refused.err, HasSubstr("header.size_bytes"));
+}
+
+TEST_F(CliUpload, AServerThatStartsAgainHasTheFilesStill) {
+  ASSERT_EQ(lucerna({"load", "--upload", path("mine/textured.pbrt")}).status, 0);
+  const int process = server_->process_id();
+  ASSERT_EQ(::kill(process, SIGKILL), 0);
+  start();
+  std::vector<std::string> sent;
+  const auto loaded = client::upload_scene(
+      server_->client(), path("mine/textured.pbrt"),
+      {.progress = [&](const client::UploadProgress& p) { sent.push_back(p.name); }});
+  ASSERT_TRUE(loaded.ok()) << loaded.status();
+  EXPECT_FALSE(loaded->already_loaded());
+  EXPECT_THAT(sent, IsEmpty());
+}
+
+TEST_F(CliUpload, AnUploadThatWasStoppedGoesOn) {
+  // A picture of 24 MB that no scene could read: only the way there counts.
+  std::string bytes(24 << 20, '\0');
+  for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<char>(i * i >> 7);
+  std::ofstream(path("mine/big.pbrt"), std::ios::binary) << bytes;
+  std::stop_source stop;
+  const auto stopped = client::upload_scene(server_->client(), path("mine/big.pbrt"),
+                                            {.progress =
+                                                 [&](const client::UploadProgress& p) {
+                                                   if (p.sent_bytes >= 16 << 20)
+                                                     stop.request_stop();
+                                                 }},
+                                            {.stop = stop.get_token()});
+  EXPECT_EQ(stopped.status().code(), absl::StatusCode::kCancelled) << stopped.status();
+  std::uint64_t first = 0, calls = 0;
+  const auto loaded = client::upload_scene(server_->client(), path("mine/big.pbrt"),
+                                           {.progress = [&](const client::UploadProgress& p) {
+                                             if (calls++ == 0) first = p.sent_bytes;
+                                           }});
+  EXPECT_EQ(loaded.status().code(), absl::StatusCode::kInvalidArgument) << loaded.status();
+  EXPECT_THAT(std::string(loaded.status().message()), HasSubstr("big.pbrt:1:1"));
+  EXPECT_GT(first, 0U);
+}
+
+}  // namespace
+}  // namespace lucerna
