@@ -18,7 +18,8 @@ namespace lucerna::client {
 namespace {
 
 // A server that starts or drains answers UNAVAILABLE; half a second bridges a restart's gap without
-// making a person wait for an address where nobody is.
+// making a person wait for an address where nobody is.  Uploads go on where they broke (upload.h)
+// and are not sent all over again.
 constexpr char kServiceConfig[] = R"({
   "methodConfig": [{
     "name": [{}],
@@ -29,8 +30,14 @@ constexpr char kServiceConfig[] = R"({
       "backoffMultiplier": 2,
       "retryableStatusCodes": ["UNAVAILABLE"]
     }
+  }, {
+    "name": [{"service": "lucerna.v1.SceneService", "method": "UploadAsset"}]
   }]
 })";
+
+constexpr int kRetryBytes = 64 << 20;
+// The server takes a ping every five seconds.
+constexpr int kKeepaliveMs = 20'000;
 
 bool is_loopback(const std::string& target) {
   for (const char* prefix : {"127.", "localhost:", "[::1]:", "unix:"}) {
@@ -43,7 +50,17 @@ std::shared_ptr<grpc::Channel> make_channel(const ConnectOptions& options) {
   grpc::ChannelArguments arguments;
   arguments.SetMaxReceiveMessageSize(-1);
   arguments.SetMaxSendMessageSize(-1);
-  arguments.SetServiceConfigJSON(kServiceConfig);
+  if (options.retry) {
+    arguments.SetServiceConfigJSON(kServiceConfig);
+    // Of a larger request gRPC keeps nothing to send again, and says nothing of that.
+    arguments.SetInt("grpc.per_rpc_retry_buffer_size", kRetryBytes);
+  } else {
+    arguments.SetInt(GRPC_ARG_ENABLE_RETRIES, 0);
+  }
+  // Else a server that hangs, or a machine that is gone, keeps a call waiting for ever.
+  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, kKeepaliveMs);
+  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, kKeepaliveMs);
+  arguments.SetInt(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
   // Else a client inherits the waiting time of another client's failed attempts at the same
   // address.
   arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);

@@ -31,6 +31,8 @@ inline constexpr char kStatusPayloadUrl[] = "type.googleapis.com/google.rpc.Stat
 struct ConnectOptions {
   /// "HOST:PORT", "[IPV6]:PORT", or any other name that gRPC resolves ("unix:/run/lucernad").
   std::string target = "127.0.0.1:50051";
+  /// Whether UNAVAILABLE is tried again before it is told.
+  bool retry = true;
 };
 
 /// How long a call may take, and how to end it sooner.

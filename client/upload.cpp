@@ -11,8 +11,7 @@
 #include <set>
 #include <utility>
 
-#include "google/rpc/error_details.pb.h"
-#include "google/rpc/status.pb.h"
+#include "client/retry.h"
 #include "proto/sha256.h"
 
 namespace lucerna::client {
@@ -33,20 +32,6 @@ bool wait(std::chrono::milliseconds time, const CallOptions& options) {
   const auto end = std::min(CallOptions::Clock::now() + time, options.deadline);
   stopped.wait_until(lock, options.stop, end, [] { return false; });
   return !options.stop.stop_requested() && CallOptions::Clock::now() < options.deadline;
-}
-
-/// The delay of a RetryInfo, where the server gave one.
-std::optional<std::chrono::milliseconds> retry_delay(const absl::Status& status) {
-  const auto payload = status.GetPayload(kStatusPayloadUrl);
-  google::rpc::Status wire;
-  if (!payload || !wire.ParseFromString(std::string(*payload))) return std::nullopt;
-  for (const auto& detail : wire.details()) {
-    google::rpc::RetryInfo retry;
-    if (!detail.UnpackTo(&retry)) continue;
-    return std::chrono::milliseconds(retry.retry_delay().seconds() * 1000 +
-                                     retry.retry_delay().nanos() / 1'000'000);
-  }
-  return std::nullopt;
 }
 
 struct File {

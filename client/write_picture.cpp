@@ -39,6 +39,7 @@ bool write_with_openimageio(const std::string& path, const PictureView& picture,
   }
   OIIO::ImageSpec spec(static_cast<int>(picture.width), static_cast<int>(picture.height), 3, type);
   spec.attribute("oiio:ColorSpace", type == OIIO::TypeDesc::UINT8 ? "sRGB" : "Linear");
+  if (!picture.description.empty()) spec.attribute("ImageDescription", picture.description);
   const bool ok = file->open(path, spec) && file->write_image(type, data) && file->close();
   if (!ok) *error = file->geterror();
   return ok;

@@ -22,6 +22,8 @@ struct PictureView {
   std::uint32_t width = 0;
   std::uint32_t height = 0;
   std::span<const float> rgb;
+  /// Put into the file as its description, where the format has a place for it (PFM has not).
+  std::string description{};
 };
 
 /// INVALID_ARGUMENT naming the extensions that there are.

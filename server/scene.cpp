@@ -9,6 +9,7 @@
 #include "server/scene_builder.h"
 
 namespace lucerna {
+
 std::string scene_id(const std::vector<Asset>& assets) {
   std::string text;
   for (const Asset& a : assets) {

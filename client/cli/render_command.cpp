@@ -4,11 +4,13 @@
 #include <filesystem>
 #include <memory>
 #include <set>
+#include <tuple>
 #include <utility>
 
 #include "client/cli/area_sampling.h"
 #include "client/cli/output.h"
 #include "client/cli/progress.h"
+#include "client/cli/render_servers.h"
 #include "client/cli/session.h"
 #include "client/cli/time_option.h"
 #include "client/cli/validators.h"
@@ -31,6 +33,7 @@ struct RenderOptions {
   std::optional<std::uint32_t> bounces;
   std::optional<std::uint32_t> tile_size;
   double exposure_ev = 0;
+  ServersOption servers;
 };
 
 /// Found out before anything is rendered.
@@ -66,13 +69,15 @@ std::pair<client::Picture, v1::RenderImageResponse> render_picture(
 }
 
 void write(PictureFile file, const client::Picture& picture, const std::vector<float>& values,
-           double exposure_ev) {
-  const absl::Status status =
-      file.write({.width = picture.width, .height = picture.height, .rgb = values}, exposure_ev);
+           const std::string& description, double exposure_ev) {
+  const absl::Status status = file.write(
+      {.width = picture.width, .height = picture.height, .rgb = values, .description = description},
+      exposure_ev);
   if (!status.ok()) throw CommandError(kServerSaidNo, std::string(status.message()));
 }
 
 void render(Session& session, const RenderOptions& options) {
+  options.servers.check();
   if (!options.error_output.empty()) {
     if (options.samples == 1U) {
       wrong_use("--stderr: a single sample gives no standard error, --samples must be 2 or more");
@@ -98,18 +103,30 @@ void render(Session& session, const RenderOptions& options) {
   options.area_sampling.put(request);
   options.time.put(request);
   request.set_final_only(true);
-  request.set_scene_id(session.scene_id(options.scene));
-  const auto [picture, last] = render_picture(session, request);
+  client::Picture picture;
+  v1::RenderImageResponse last;
+  std::string description;
+  if (options.servers) {
+    client::RenderJobResult result = options.servers.render(session, options.scene, request);
+    picture = std::move(result.picture);
+    *last.mutable_cost() = result.cost;
+    description = describe_mixed(result.report);
+    if (!description.empty()) fmt::print(stderr, "{}\n", description);
+  } else {
+    request.set_scene_id(session.scene_id(options.scene));
+    std::tie(picture, last) = render_picture(session, request);
+  }
 
   if (error_file && picture.standard_error.empty()) {
     throw CommandError(kServerSaidNo,
                        "--stderr: a single block of samples gives no standard error");
   }
   for (PictureFile& file : files) {
-    write(std::move(file), picture, picture.pixels, options.exposure_ev);
+    write(std::move(file), picture, picture.pixels, description, options.exposure_ev);
   }
   if (error_file) {
-    write(*std::move(error_file), picture, picture.standard_error, options.exposure_ev);
+    write(*std::move(error_file), picture, picture.standard_error, description,
+          options.exposure_ev);
   }
   if (session.json()) {
     fmt::print("{}", to_json(last));
@@ -125,6 +142,7 @@ void add_render_command(CLI::App& app, Session& session) {
   CLI::App* command = app.add_subcommand("render", "Renders the picture of the scene's camera");
   command->footer(
       "Example:\n  lucerna render room.pbrt -o room.png --samples 256 --exposure -2\n"
+      "  lucerna render --servers a:50051,b:50051 --upload room.pbrt -o room.exr\n"
       "With --json: the last RenderImageResponse, without its tile.");
   const auto options = std::make_shared<RenderOptions>();
   command->add_option("SCENE", options->scene, "Path or id")->required();
@@ -157,6 +175,7 @@ void add_render_command(CLI::App& app, Session& session) {
       ->check(
           checked_number("a number from -100 to 100", [](double v) { return std::fabs(v) <= 100; }))
       ->capture_default_str();
+  options->servers.add(*command);
   command->callback([options, &session] { render(session, *options); });
 }
 

@@ -176,7 +176,8 @@ LocalServer::~LocalServer() = default;
 absl::StatusOr<LocalServer> LocalServer::start(const LocalServerOptions& options) {
   const auto program = find_program(options);
   if (!program.ok()) return program.status();
-  std::vector<std::string> arguments = {*program, "--listen", "127.0.0.1:0", "--scene-root",
+  std::vector<std::string> arguments = {*program, "--listen",
+                                        "127.0.0.1:" + std::to_string(options.port), "--scene-root",
                                         options.scene_root};
   if (options.threads > 0) {
     arguments.insert(arguments.end(), {"--threads", std::to_string(options.threads)});

@@ -28,6 +28,8 @@ struct LocalServerOptions {
   unsigned threads = 0;
   /// Scene files to load before it serves, relative to `scene_root`.
   std::vector<std::string> load = {};
+  /// The port of 127.0.0.1 to listen at; 0: a free one.
+  int port = 0;
   /// More of lucernad's options, each a word of its own.
   std::vector<std::string> arguments = {};
   /// The program.  The environment variable LUCERNAD goes before it.

@@ -6,13 +6,13 @@
 #include <cmath>
 #include <vector>
 
+#include "proto/sample_blocks.h"
 #include "server/denormals.h"
 #include "server/queries.h"
 #include "server/render.h"
 #include "server/rpc/checks.h"
 #include "server/rpc/errors.h"
 #include "server/rpc/lighting.h"
-#include "server/rpc/sample_blocks.h"
 #include "server/spectral_values.h"
 #include "server/visibility.h"
 

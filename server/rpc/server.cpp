@@ -97,6 +97,9 @@ absl::Status Server::State::listen(const ServerOptions& options) {
   grpc::ServerBuilder builder;
   // Two servers on one port would answer by turns, each with its own scenes.
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
+  // Clients ask whether it is still there while a long call runs.
+  builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 5'000);
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
   const int bytes = static_cast<int>(
       std::min<std::uint64_t>(options.limits.max_message_bytes, std::numeric_limits<int>::max()));
   builder.SetMaxReceiveMessageSize(bytes);

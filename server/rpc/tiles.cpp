@@ -5,16 +5,14 @@
 #include <bit>
 #include <cstring>
 
+#include "proto/sample_blocks.h"
 #include "server/queries.h"
 #include "server/rpc/checks.h"
 #include "server/rpc/errors.h"
-#include "server/rpc/sample_blocks.h"
 
 namespace lucerna::rpc {
 namespace {
 
-// Blocks at least: an eighth of the samples each, by the contract.
-constexpr std::uint32_t kReplicates = 8;
 constexpr std::uint32_t kDefaultTileSize = 64;
 // Where neither the request nor the scene file says.
 constexpr std::uint32_t kDefaultSamples = 64;
@@ -59,7 +57,7 @@ std::uint32_t proposed_samples(const Context& context, const Scene& scene) {
 /// `samples_per_block` as asked for, or the default.
 template <typename Request>
 absl::StatusOr<std::uint32_t> check_block(std::uint32_t samples, const Request& request) {
-  if (!request.has_samples_per_block()) return default_samples_per_block(samples, kReplicates);
+  if (!request.has_samples_per_block()) return default_samples_per_block(samples, kTileReplicates);
   const std::uint32_t block = request.samples_per_block();
   if (!std::has_single_bit(block) || block > kMostSamplesPerBlock) {
     return bad_field("samples_per_block", fmt::format("{}", block),
@@ -127,12 +125,6 @@ void set_tile(const Scene& scene, const TileSettings& settings, std::uint64_t fi
 }
 
 }  // namespace
-
-std::uint64_t aligned_run(std::uint64_t first, std::uint64_t end) {
-  const std::uint64_t fits = std::bit_floor(end - first);
-  const std::uint64_t aligned = first & (~first + 1);
-  return first == 0 ? fits : std::min(fits, aligned);
-}
 
 Prepared render_tile(const Context& context, const v1::RenderTileRequest& request,
                      v1::RenderTileResponse* response) {

@@ -41,7 +41,4 @@ class ImageRender {
   WorkCounts work_;
 };
 
-/// The largest aligned run of a power of two blocks that begins at `first` and ends by `end`.
-std::uint64_t aligned_run(std::uint64_t first, std::uint64_t end);
-
 }  // namespace lucerna::rpc

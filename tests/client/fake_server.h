@@ -41,6 +41,7 @@ class FakeServer : v1::LightingService::Service,
       render_image;
   std::uint32_t max_batch_items = 5;
   std::uint64_t max_message_bytes = 64 << 20;
+  std::string fingerprint = "f";
   std::atomic<int> info_calls = 0;
 
   FakeServer() {
@@ -54,9 +55,8 @@ class FakeServer : v1::LightingService::Service,
     server_ = builder.BuildAndStart();
   }
 
-  client::Client client() const {
-    return *client::Client::connect({.target = "127.0.0.1:" + std::to_string(port_)});
-  }
+  client::Client client() const { return *client::Client::connect({.target = target()}); }
+  std::string target() const { return "127.0.0.1:" + std::to_string(port_); }
   grpc::Server& server() { return *server_; }
 
  private:
@@ -103,6 +103,7 @@ class FakeServer : v1::LightingService::Service,
     ++info_calls;
     response->mutable_limits()->set_max_batch_items(max_batch_items);
     response->mutable_limits()->set_max_message_bytes(max_message_bytes);
+    response->mutable_fingerprint()->set_digest(fingerprint);
     return grpc::Status::OK;
   }
 

@@ -3,7 +3,7 @@
 
 #include "server/rpc/checks.h"
 #include "server/rpc/lighting.h"
-#include "server/rpc/sample_blocks.h"
+#include "proto/sample_blocks.h"
 #include "server/scene_store.h"
 
 namespace lucerna::rpc {

@@ -1,0 +1,84 @@
+#include "client/cli/render_servers.h"
+
+#include <fmt/format.h>
+
+#include "client/cli/progress.h"
+#include "client/cli/validators.h"
+#include "client/server_list.h"
+#include "client/upload.h"
+
+namespace lucerna::cli {
+
+void ServersOption::add(CLI::App& command) {
+  command
+      .add_option("--servers", servers,
+                  "Many servers at once: A:PORT,B:PORT; dns:///NAME:PORT; @FILE with one a line; "
+                  "slurm:PORT for the nodes of this Slurm job")
+      ->type_name("LIST");
+  command.add_flag("--upload", upload,
+                   "With --servers: SCENE is a file of this machine, which is sent to them");
+  command
+      .add_option("--asset-root", asset_root,
+                  "With --upload: send nothing from outside of this directory; default: the scene "
+                  "file's")
+      ->type_name("DIR");
+  command
+      .add_option("--split-samples", samples_per_piece,
+                  "With --servers: split tiles by samples too, into runs of at most so many")
+      ->check(whole(1));
+  command
+      .add_option("--journal", journal,
+                  "With --servers: keep what is done in this file, and go on from it where the job "
+                  "was interrupted")
+      ->type_name("FILE");
+  command.add_flag("--allow-mixed", allow_mixed,
+                   "With --servers: let in servers of different numeric fingerprints");
+}
+
+void ServersOption::check() const {
+  if (!servers.empty()) {
+    if (!asset_root.empty() && !upload) wrong_use("--asset-root goes with --upload");
+    return;
+  }
+  const auto needs = [](bool given, const char* name) {
+    if (given) wrong_use(fmt::format("{} goes with --servers", name));
+  };
+  needs(upload, "--upload");
+  needs(!asset_root.empty(), "--asset-root");
+  needs(samples_per_piece > 0, "--split-samples");
+  needs(!journal.empty(), "--journal");
+  needs(allow_mixed, "--allow-mixed");
+}
+
+client::RenderJobResult ServersOption::render(Session& session, const std::string& scene,
+                                              const v1::RenderImageRequest& request) const {
+  auto list = client::server_list(servers);
+  if (!list.ok()) wrong_use("--servers: " + std::string(list.status().message()));
+  ProgressBar bar;
+  client::RenderJobOptions options{
+      .request = request, .samples_per_piece = samples_per_piece, .journal = journal};
+  options.job.servers = *std::move(list);
+  options.job.allow_mixed = allow_mixed;
+  options.job.call = session.call_options();
+  options.job.on_event = [](const std::string& event) { fmt::print(stderr, "{}\n", event); };
+  options.job.on_progress = [&bar](const client::JobProgress& p) { bar.update(p.done, p.pieces); };
+  const auto lease_s = static_cast<double>(client::kJobLease.count());
+  options.job.load = [&, lease_s](const client::Client& client, const client::CallOptions& call) {
+    if (upload) {
+      return client::upload_scene(client, scene, {.root = asset_root, .lease_s = lease_s}, call);
+    }
+    v1::LoadSceneRequest load;
+    load.set_path(scene);
+    load.set_lease_s(lease_s);
+    return client.load_scene(load, call);
+  };
+  return session.ask(client::run_render_job(options));
+}
+
+std::string describe_mixed(const client::JobReport& report) {
+  if (report.fingerprints.size() < 2) return {};
+  return fmt::format("rendered by servers of different numeric fingerprints: {}",
+                     fmt::join(report.fingerprints, ", "));
+}
+
+}  // namespace lucerna::cli

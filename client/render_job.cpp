@@ -1,0 +1,249 @@
+#include "lucerna/client/render_job.h"
+
+#include <algorithm>
+#include <bit>
+#include <map>
+#include <optional>
+#include <tuple>
+#include <utility>
+
+#include "client/journal.h"
+#include "proto/sample_blocks.h"
+#include "proto/sha256.h"
+
+namespace lucerna::client {
+namespace {
+
+constexpr std::uint32_t kDefaultTileSize = 64;
+constexpr std::uint32_t kDefaultSamples = 64;  // as RenderImage's
+constexpr std::uint64_t kMostPieces = std::uint64_t{1} << 24;
+
+/// One piece: what a server says of the scene and of itself.
+class AskForScene final : public Work {
+ public:
+  std::size_t size() const override { return 1; }
+  absl::StatusOr<Result> run(std::size_t, const Client& client, const std::string& scene_id,
+                             const CallOptions& options) const override {
+    v1::GetSceneRequest request;
+    request.set_scene_id(scene_id);
+    auto response = client.get_scene(request, options);
+    if (!response.ok()) return response.status();
+    return std::make_unique<v1::GetSceneResponse>(*std::move(response));
+  }
+  absl::Status accept(std::size_t, Result result) override {
+    summary = static_cast<v1::GetSceneResponse&>(*result).summary();
+    return absl::OkStatus();
+  }
+
+  v1::SceneSummary summary;
+};
+
+bool same(const v1::PixelRect& a, const v1::PixelRect& b) {
+  return a.x0() == b.x0() && a.y0() == b.y0() && a.x1() == b.x1() && a.y1() == b.y1();
+}
+
+/// The pieces of one picture.
+class Render final : public Work {
+ public:
+  Render(const RenderJobOptions& options, const v1::SceneSummary& scene)
+      : options_(options), scene_(scene) {}
+
+  /// Finds out what the pieces are, and which of them the journal has.
+  absl::Status begin(const std::string& fingerprint) {
+    const v1::RenderImageRequest& request = options_.request;
+    const std::uint32_t hint =
+        scene_.samples_per_pixel() > 0 ? scene_.samples_per_pixel() : kDefaultSamples;
+    const std::uint32_t samples =
+        request.accuracy().has_samples() ? request.accuracy().samples() : hint;
+    if (samples == 0) return absl::InvalidArgumentError("accuracy.samples = 0, allowed: 1 or more");
+    per_block_ = request.has_samples_per_block()
+                     ? request.samples_per_block()
+                     : default_samples_per_block(samples, kTileReplicates);
+    if (!std::has_single_bit(per_block_) || samples % per_block_ != 0)
+      return absl::InvalidArgumentError("samples_per_block = " + std::to_string(per_block_) +
+                                        ", allowed: a power of two that divides " +
+                                        std::to_string(samples) + " samples");
+    const std::uint32_t edge = request.has_tile_size() ? request.tile_size() : kDefaultTileSize;
+    if (edge == 0) return absl::InvalidArgumentError("tile_size = 0, allowed: at least 1");
+    if (absl::Status s = lay_out(samples / per_block_, edge); !s.ok()) return s;
+    if (options_.journal.empty()) return absl::OkStatus();
+
+    v1::RenderImageRequest named = request;
+    named.set_scene_id(scene_.scene_id());
+    named.mutable_accuracy()->set_samples(samples);
+    named.set_samples_per_block(per_block_);
+    named.set_tile_size(edge);
+    std::string job = named.SerializeAsString() + std::to_string(options_.samples_per_piece);
+    if (!options_.job.allow_mixed) job += fingerprint;
+    auto journal =
+        Journal::open(options_.journal, hexadecimal(sha256(job)),
+                      [this](const std::string& record) { return from_journal(record); });
+    if (!journal.ok()) return journal.status();
+    journal_.emplace(*std::move(journal));
+    std::erase_if(to_do_, [this](std::size_t piece) { return done_[piece]; });
+    return absl::OkStatus();
+  }
+
+  std::size_t size() const override { return to_do_.size(); }
+
+  absl::StatusOr<Result> run(std::size_t number, const Client& client, const std::string& scene_id,
+                             const CallOptions& options) const override {
+    const Piece& piece = pieces_[to_do_[number]];
+    v1::RenderTileRequest request;
+    request.set_scene_id(scene_id);
+    *request.mutable_rect() = piece.rect;
+    request.set_seed(options_.request.seed());
+    if (options_.request.has_bounces()) request.set_bounces(options_.request.bounces());
+    if (options_.request.has_time_s()) request.set_time_s(options_.request.time_s());
+    *request.mutable_accuracy() = options_.request.accuracy();
+    request.mutable_accuracy()->set_samples(static_cast<std::uint32_t>(piece.blocks * per_block_));
+    request.set_samples_per_block(per_block_);
+    request.set_first_sample(piece.first_block * per_block_);
+    auto response = client.render_tile(request, options);
+    if (!response.ok()) return response.status();
+    return std::make_unique<v1::RenderTileResponse>(*std::move(response));
+  }
+
+  absl::Status accept(std::size_t number, Result result) override {
+    auto& response = static_cast<v1::RenderTileResponse&>(*result);
+    const Piece& piece = pieces_[to_do_[number]];
+    if (!same(response.tile().rect(), piece.rect) ||
+        response.tile().first_block() != piece.first_block ||
+        response.tile().block_count() != piece.blocks)
+      return absl::InternalError("a server answered with another tile than was asked for");
+    cost_.set_camera_rays(cost_.camera_rays() + response.cost().camera_rays());
+    cost_.set_indirect_rays(cost_.indirect_rays() + response.cost().indirect_rays());
+    cost_.set_shadow_rays(cost_.shadow_rays() + response.cost().shadow_rays());
+    cost_.set_samples(cost_.samples() + response.cost().samples());
+    cost_.set_cpu_time_s(cost_.cpu_time_s() + response.cost().cpu_time_s());
+    cost_.set_queue_time_s(cost_.queue_time_s() + response.cost().queue_time_s());
+    if (journal_) {
+      if (absl::Status s = journal_->add(response.tile().SerializeAsString()); !s.ok()) return s;
+    }
+    return take(to_do_[number], std::move(*response.mutable_tile()));
+  }
+
+  absl::StatusOr<Picture> picture() const { return assembler_.picture(); }
+  std::size_t pieces() const { return pieces_.size(); }
+  const v1::Cost& cost() const { return cost_; }
+
+ private:
+  struct Piece {
+    v1::PixelRect rect;
+    std::uint64_t first_block, blocks;
+    std::size_t tile;  // pieces of one tile go to the picture in the order of their blocks
+  };
+
+  using Place = std::tuple<std::uint32_t, std::uint32_t, std::uint64_t>;
+  static Place place(const v1::PixelRect& rect, std::uint64_t first_block) {
+    return {rect.x0(), rect.y0(), first_block};
+  }
+
+  absl::Status lay_out(std::uint64_t blocks, std::uint32_t edge) {
+    std::vector<std::pair<std::uint64_t, std::uint64_t>> runs;
+    const std::uint64_t most =
+        options_.samples_per_piece == 0
+            ? blocks
+            : std::max<std::uint64_t>(1, options_.samples_per_piece / per_block_);
+    for (std::uint64_t first = 0; first < blocks;) {
+      const std::uint64_t run = std::min(aligned_run(first, blocks), std::bit_floor(most));
+      runs.emplace_back(first, run);
+      first += run;
+    }
+    const std::uint32_t width = scene_.image_width(), height = scene_.image_height();
+    const std::uint64_t across = (std::uint64_t{width} + edge - 1) / edge,
+                        down = (std::uint64_t{height} + edge - 1) / edge;
+    if (across * down * runs.size() > kMostPieces)
+      return absl::InvalidArgumentError(
+          "the picture falls into " + std::to_string(across * down * runs.size()) +
+          " pieces, allowed: " + std::to_string(kMostPieces) + "; take larger tiles");
+    // All of the picture with its first samples, then with more.
+    for (const auto& [first, run] : runs) {
+      std::size_t tile = 0;
+      for (std::uint32_t y = 0; y < height; y += std::min(edge, height - y)) {
+        for (std::uint32_t x = 0; x < width; x += std::min(edge, width - x)) {
+          Piece& piece = pieces_.emplace_back();
+          piece.rect.set_x0(x);
+          piece.rect.set_y0(y);
+          piece.rect.set_x1(x + std::min(edge, width - x));
+          piece.rect.set_y1(y + std::min(edge, height - y));
+          piece.first_block = first;
+          piece.blocks = run;
+          piece.tile = tile++;
+        }
+      }
+    }
+    waiting_.resize(static_cast<std::size_t>(across * down));
+    next_block_.resize(waiting_.size());
+    done_.resize(pieces_.size());
+    for (std::size_t i = 0; i < pieces_.size(); ++i) {
+      to_do_.push_back(i);
+      by_place_.emplace(place(pieces_[i].rect, pieces_[i].first_block), i);
+    }
+    return absl::OkStatus();
+  }
+
+  absl::Status from_journal(const std::string& record) {
+    v1::Tile tile;
+    const absl::Status bad =
+        absl::FailedPreconditionError(options_.journal + ": holds what is no piece of this job");
+    if (!tile.ParseFromString(record)) return bad;
+    const auto found = by_place_.find(place(tile.rect(), tile.first_block()));
+    if (found == by_place_.end() || done_[found->second] ||
+        !same(pieces_[found->second].rect, tile.rect()) ||
+        pieces_[found->second].blocks != tile.block_count())
+      return bad;
+    return take(found->second, std::move(tile));
+  }
+
+  absl::Status take(std::size_t number, v1::Tile tile) {
+    const Piece& piece = pieces_[number];
+    done_[number] = true;
+    auto& waiting = waiting_[piece.tile];
+    waiting.emplace(piece.first_block, std::move(tile));
+    std::uint64_t& next = next_block_[piece.tile];
+    while (!waiting.empty() && waiting.begin()->first == next) {
+      const v1::Tile& first = waiting.begin()->second;
+      if (absl::Status s = assembler_.add(first); !s.ok()) return s;
+      if (options_.on_tile) options_.on_tile(first);
+      next += first.block_count();
+      waiting.erase(waiting.begin());
+    }
+    return absl::OkStatus();
+  }
+
+  const RenderJobOptions& options_;
+  const v1::SceneSummary& scene_;
+  std::uint32_t per_block_ = 1;
+  std::vector<Piece> pieces_;
+  std::map<Place, std::size_t> by_place_;  // what the journal finds them by
+  std::vector<std::size_t> to_do_;         // among them
+  std::vector<bool> done_;
+  std::vector<std::map<std::uint64_t, v1::Tile>> waiting_;  // of each tile, by first block
+  std::vector<std::uint64_t> next_block_;                   // of each tile
+  PictureAssembler assembler_;
+  std::optional<Journal> journal_;
+  v1::Cost cost_;
+};
+
+}  // namespace
+
+absl::StatusOr<RenderJobResult> run_render_job(const RenderJobOptions& options) {
+  AskForScene scene;
+  JobOptions ask = options.job;
+  ask.on_progress = {};
+  const auto asked = run_job(scene, ask);
+  if (!asked.ok()) return asked.status();
+  Render render(options, scene.summary);
+  if (absl::Status s = render.begin(asked->fingerprints.front()); !s.ok()) return s;
+  const std::size_t to_do = render.size();
+  absl::StatusOr<JobReport> report = JobReport{};
+  if (to_do > 0) report = run_job(render, options.job);
+  if (!report.ok()) return report.status();
+  absl::StatusOr<Picture> picture = render.picture();
+  if (!picture.ok()) return picture.status();
+  return RenderJobResult{*std::move(picture), *std::move(report), render.pieces(),
+                         render.pieces() - to_do, render.cost()};
+}
+
+}  // namespace lucerna::client

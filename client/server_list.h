@@ -1,0 +1,26 @@
+// Which servers there are.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+
+namespace lucerna::client {
+
+/// Says who is there now, as HOST:PORT each.  Errors pass: the list may be there the next time.
+using ServerList = std::function<absl::StatusOr<std::vector<std::string>>()>;
+
+/// The list that `text` stands for:
+///   a:50051,b:50051    these
+///   dns:///name:50051  every address that the name has now, asked anew each time
+///   @file              the lines of a file, each HOST:PORT, read anew each time; # begins a
+///   comment slurm:50051        the nodes of this Slurm job (SLURM_JOB_NODELIST), each at this port
+/// INVALID_ARGUMENT for anything else.
+absl::StatusOr<ServerList> server_list(const std::string& text);
+
+/// The nodes of a Slurm host list, as "n[1-3,07],login".  INVALID_ARGUMENT for what is none.
+absl::StatusOr<std::vector<std::string>> expand_host_list(const std::string& text);
+
+}  // namespace lucerna::client

@@ -1,0 +1,215 @@
+// One picture on several servers, which are killed, halted, restarted and added meanwhile.
+#include "lucerna/client/render_job.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <mutex>
+
+#include "lucerna/client/testing/local_server.h"
+#include "lucerna/client/upload.h"
+#include "tests/e2e/run_program.h"
+
+namespace lucerna {
+namespace {
+
+namespace fs = std::filesystem;
+using client::RenderJobOptions;
+using client::RenderJobResult;
+using ::testing::Each;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class RenderJob : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    std::string name = (fs::temp_directory_path() / "lucerna_job_XXXXXX").string();
+    ASSERT_NE(::mkdtemp(name.data()), nullptr);
+    directory_ = name;
+    add_server();
+    if (HasFatalFailure()) return;
+    v1::LoadSceneRequest load;
+    load.set_path("point.pbrt");
+    request_.set_scene_id(servers_[0]->client().load_scene(load).value().scene_id());
+    request_.set_seed(5);
+    request_.mutable_accuracy()->set_samples(48);
+    request_.set_final_only(true);
+    client::PictureAssembler whole;
+    ASSERT_TRUE(servers_[0]
+                    ->client()
+                    .render_image(request_,
+                                  [&](const v1::RenderImageResponse& response) {
+                                    EXPECT_TRUE(whole.add(response.tile()).ok());
+                                    return true;
+                                  })
+                    .ok());
+    expected_ = whole.picture().value();
+    options_.request = request_;
+    options_.job.servers = [this]() -> absl::StatusOr<std::vector<std::string>> {
+      const std::lock_guard lock(mutex_);
+      return targets_;
+    };
+    options_.job.load = [](const client::Client& client, const client::CallOptions& call) {
+      v1::LoadSceneRequest request;
+      request.set_path("point.pbrt");
+      request.set_lease_s(60);
+      return client.load_scene(request, call);
+    };
+    options_.job.call = client::CallOptions::within(std::chrono::seconds(100));
+    options_.job.on_event = [this](const std::string& event) { events_.push_back(event); };
+  }
+  void TearDown() override {
+    servers_.clear();
+    fs::remove_all(directory_);
+  }
+
+  void add_server(int port = 0) {
+    auto server = testing::LocalServer::start(
+        {.scene_root = LUCERNA_TEST_DATA "/reference", .threads = 1, .port = port});
+    ASSERT_TRUE(server.ok()) << server.status();
+    servers_.push_back(std::make_unique<testing::LocalServer>(*std::move(server)));
+    if (port == 0) targets_.push_back(servers_.back()->target());
+  }
+  void expect_the_same_bits(const absl::StatusOr<RenderJobResult>& result) {
+    ASSERT_TRUE(result.ok()) << result.status();
+    EXPECT_EQ(result->picture.width, expected_.width);
+    EXPECT_EQ(result->picture.pixels, expected_.pixels);
+    EXPECT_EQ(result->picture.standard_error, expected_.standard_error);
+  }
+  /// Calls `f` once, when the job has done `pieces`.
+  void when(std::size_t pieces, std::function<void()> f) {
+    options_.job.on_progress = [pieces, f = std::move(f),
+                                called = false](const client::JobProgress& p) mutable {
+      if (called || p.done < pieces) return;
+      called = true;
+      f();
+    };
+  }
+
+  fs::path directory_;
+  std::vector<std::unique_ptr<testing::LocalServer>> servers_;
+  std::mutex mutex_;
+  std::vector<std::string> targets_;
+  v1::RenderImageRequest request_;
+  client::Picture expected_;
+  RenderJobOptions options_;
+  std::vector<std::string> events_;
+};
+
+TEST_F(RenderJob, TheSameBitsFromAnyNumberOfServersAndAnySplit) {
+  for (const int n : {1, 2, 3}) {
+    while (static_cast<int>(servers_.size()) < n) add_server();
+    for (const std::uint32_t tile : {13U, 64U, 1000U}) {
+      for (const std::uint64_t samples : {0U, 1U, 8U}) {
+        SCOPED_TRACE(::testing::Message() << n << " servers, " << tile << ", " << samples);
+        options_.request.set_tile_size(tile);
+        options_.samples_per_piece = samples;
+        expect_the_same_bits(client::run_render_job(options_));
+      }
+    }
+  }
+  EXPECT_THAT(events_, Each(Not(HasSubstr("does not answer"))));
+}
+
+TEST_F(RenderJob, AServerThatIsKilledIsDoneWithout) {
+  add_server();
+  add_server();
+  options_.request.set_tile_size(16);
+  when(20, [this] { ::kill(servers_[1]->process_id(), SIGKILL); });
+  expect_the_same_bits(client::run_render_job(options_));
+}
+
+TEST_F(RenderJob, AServerThatHaltsIsDoneWithout) {
+  add_server();
+  add_server();
+  options_.request.set_tile_size(16);
+  when(20, [this] { ::kill(servers_[1]->process_id(), SIGSTOP); });
+  expect_the_same_bits(client::run_render_job(options_));
+  ::kill(servers_[1]->process_id(), SIGCONT);
+}
+
+TEST_F(RenderJob, AllGoneAndBackAgain) {
+  options_.request.set_tile_size(16);
+  const int port = std::stoi(targets_[0].substr(targets_[0].rfind(':') + 1));
+  when(20, [this] { ::kill(servers_[0]->process_id(), SIGKILL); });
+  options_.job.on_event = [&](const std::string& event) {
+    events_.push_back(event);
+    if (event == "no server answers: waiting") add_server(port);
+  };
+  expect_the_same_bits(client::run_render_job(options_));
+  ASSERT_EQ(events_.size(), 3U);
+  EXPECT_THAT(events_[0], HasSubstr("does not answer"));
+  EXPECT_THAT(events_[2], HasSubstr(targets_[0] + " answers"));
+}
+
+TEST_F(RenderJob, AServerThatJoinsGetsTheSceneAndTakesPart) {
+  options_.request.set_tile_size(8);
+  add_server();
+  const std::string late = targets_.back();
+  targets_.pop_back();
+  when(10, [&] {
+    const std::lock_guard lock(mutex_);
+    targets_.push_back(late);
+  });
+  expect_the_same_bits(client::run_render_job(options_));
+  const auto scenes = servers_[1]->client().list_scenes({});
+  ASSERT_TRUE(scenes.ok());
+  EXPECT_EQ(scenes->scenes_size(), 1);
+}
+
+TEST_F(RenderJob, AnInterruptedJobGoesOnFromItsJournal) {
+  options_.request.set_tile_size(16);
+  options_.samples_per_piece = 16;
+  options_.journal = (directory_ / "journal").string();
+  std::stop_source stop;
+  options_.job.call.stop = stop.get_token();
+  when(30, [&] { stop.request_stop(); });
+  EXPECT_EQ(client::run_render_job(options_).status().code(), absl::StatusCode::kCancelled);
+  // Cut off within a record, as a machine that loses its power may leave it.
+  fs::resize_file(options_.journal, fs::file_size(options_.journal) - 5);
+  options_.job.call.stop = {};
+  options_.job.on_progress = {};
+  const auto result = client::run_render_job(options_);
+  expect_the_same_bits(result);
+  EXPECT_GE(result->from_journal, 29U);
+  EXPECT_LT(result->from_journal, result->pieces);
+  // And all of it.
+  const auto again = client::run_render_job(options_);
+  expect_the_same_bits(again);
+  EXPECT_EQ(again->from_journal, again->pieces);
+  options_.request.set_seed(6);
+  EXPECT_EQ(client::run_render_job(options_).status().code(),
+            absl::StatusCode::kFailedPrecondition);
+}
+
+TEST_F(RenderJob, TheCommandLineUploadsAndRendersEverywhere) {
+  add_server();
+  fs::copy(LUCERNA_TEST_DATA "/reference/point.pbrt", directory_ / "my.pbrt");
+  fs::copy(LUCERNA_TEST_DATA "/reference/ball.ply", directory_ / "ball.ply");
+  const auto lucerna = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {LUCERNA_CLI, "render"});
+    return run_program(std::move(arguments), {}, {{"LUCERNA_SERVER", targets_[0]}});
+  };
+  const std::string here = (directory_ / "here.pfm").string(),
+                    there = (directory_ / "there.pfm").string();
+  const Outcome one = lucerna({"point.pbrt", "-o", here, "--samples", "8"});
+  ASSERT_EQ(one.status, 0) << one.err;
+  const Outcome many = lucerna({"--servers", targets_[0] + "," + targets_[1], "--upload",
+                                (directory_ / "my.pbrt").string(), "-o", there, "--samples", "8",
+                                "--tile-size", "20", "--split-samples", "2"});
+  ASSERT_EQ(many.status, 0) << many.err;
+  const auto bytes = [](const std::string& path) {
+    std::ifstream in(path, std::ios::binary);
+    return std::string((std::istreambuf_iterator<char>(in)), {});
+  };
+  EXPECT_EQ(bytes(here), bytes(there));
+  EXPECT_EQ(lucerna({"point.pbrt", "-o", here, "--journal", "x"}).status, 2);
+  EXPECT_EQ(lucerna({"point.pbrt", "-o", here, "--servers", "nowhere"}).status, 2);
+}
+
+}  // namespace
+}  // namespace lucerna
