@@ -154,8 +154,10 @@ TEST_F(RenderJob, AServerThatJoinsGetsTheSceneAndTakesPart) {
   when(10, [&] {
     const std::lock_guard lock(mutex_);
     targets_.push_back(late);
+    ::kill(servers_[0]->process_id(), SIGSTOP);
   });
   expect_the_same_bits(client::run_render_job(options_));
+  ::kill(servers_[0]->process_id(), SIGCONT);
   const auto scenes = servers_[1]->client().list_scenes({});
   ASSERT_TRUE(scenes.ok());
   EXPECT_EQ(scenes->scenes_size(), 1);
