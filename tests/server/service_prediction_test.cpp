@@ -1,9 +1,9 @@
 // What requests are predicted to take, by which the lane is chosen that they wait in.
 #include <gtest/gtest.h>
 
+#include "proto/sample_blocks.h"
 #include "server/rpc/checks.h"
 #include "server/rpc/lighting.h"
-#include "proto/sample_blocks.h"
 #include "server/scene_store.h"
 
 namespace lucerna::rpc {
