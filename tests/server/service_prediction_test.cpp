@@ -20,7 +20,7 @@ class Prediction : public ::testing::Test {
     request.set_scene_id(scene_);
     for (int i = 0; i < wavelengths; ++i) request.add_wavelengths_nm(400 + i);
     Response response;
-    const Prepared task = prepare({*scenes_, limits_}, request, &response);
+    const Prepared task = prepare({*scenes_, *assets_, limits_}, request, &response);
     EXPECT_TRUE(task.ok()) << task.status();
     return task.ok() ? task->predicted_s : 0;
   }
@@ -34,9 +34,11 @@ class Prediction : public ::testing::Test {
   }
 
   RequestLimits limits_;
-  std::unique_ptr<SceneStore> scenes_ = SceneStore::open(LUCERNA_TEST_DATA "/reference").value();
+  std::unique_ptr<AssetStore> assets_ = AssetStore::open({}).value();
+  std::unique_ptr<SceneStore> scenes_ =
+      SceneStore::open({.root = LUCERNA_TEST_DATA "/reference"}, assets_.get()).value();
   // 400 lights of one RGB each.
-  std::string scene_ = scenes_->load("many_points.pbrt", {}).value().stored.scene->id();
+  std::string scene_ = scenes_->load("many_points.pbrt").value().stored.scene->id();
 };
 
 TEST_F(Prediction, CountsWavelengthsOfEachCall) {
