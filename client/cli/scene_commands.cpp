@@ -186,26 +186,24 @@ void add_load_command(CLI::App& app, Session& session) {
 }
 
 void add_lease_commands(CLI::App& app, Session& session) {
-  const auto lease_id = std::make_shared<std::string>();
-  CLI::App* renew = add_command(app, "lease", "Keeps a scene from going when memory is needed",
-                                "SCENE", "Path or id", "lucerna lease 3f1c --for 3600", nullptr);
   const auto seconds = std::make_shared<double>(0);
+  const auto renewed = std::make_shared<std::string>(), ended = std::make_shared<std::string>();
+  CLI::App* renew = add_command(app, "lease", "Keeps a scene from going when memory is needed",
+                                "SCENE", "Path or id", "lucerna lease 3f1c --for 3600",
+                                [&session, seconds, renewed](const std::string& scene) {
+                                  lease(session, scene, *seconds, *renewed);
+                                });
   renew->add_option("--for", *seconds, "From now [s]")
       ->type_name("SECONDS")
       ->required()
       ->check(positive());
-  renew->add_option("--id", *lease_id, "The lease to renew; default: a new one");
-  const auto* scene_to_lease = renew->get_option("SCENE");
-  renew->callback(
-      [=, &session] { lease(session, scene_to_lease->as<std::string>(), *seconds, *lease_id); });
+  renew->add_option("--id", *renewed, "The lease to renew; default: a new one");
 
-  CLI::App* let_go = add_command(app, "release", "Lets a scene go", "SCENE", "Path or id",
-                                 "lucerna release 3f1c", nullptr);
-  const auto ended = std::make_shared<std::string>();
+  CLI::App* let_go =
+      add_command(app, "release", "Lets a scene go", "SCENE", "Path or id", "lucerna release 3f1c",
+                  [&session, ended](const std::string& scene) { release(session, scene, *ended); });
   let_go->add_option("--lease", *ended, "End this lease; the scene goes where no other keeps it")
       ->type_name("ID");
-  const auto* scene_to_go = let_go->get_option("SCENE");
-  let_go->callback([=, &session] { release(session, scene_to_go->as<std::string>(), *ended); });
 }
 
 }  // namespace

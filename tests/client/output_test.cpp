@@ -34,7 +34,8 @@ TEST(Json, HasTheNamesOfTheContractAndAllPlainFields) {
             R"({"scene_id":"ab","already_loaded":false,)"
             R"("remarks":[{"file":"","line":3,"column":0,"what":"","instead":""}],"missing":[],)"
             R"("cost":{"samples":"5","camera_rays":"0","indirect_rays":"0","shadow_rays":"0",)"
-            R"("cpu_time_s":0,"wall_time_s":0,"queue_time_s":0}})"
+            R"("cpu_time_s":0,"wall_time_s":0,"queue_time_s":0},)"
+            R"("lease_id":"","lease_s":0})"
             "\n");
 }
 
