@@ -73,14 +73,8 @@ struct EmitOptions {
 v1::SampleValues sample_values(const EmitOptions& options) {
   v1::SampleValues values;
   for (const std::string& text : options.u) {
-    const auto u = parse_numbers(text);
-    const std::size_t wanted = options.light ? 4 : 5;
-    if (!u.ok() || u->size() != wanted) {
-      wrong_use(fmt::format("--u \"{}\", must be {}", text,
-                            options.light
-                                ? "four numbers u1,u2,u3,u4"
-                                : "five numbers u1,u2,u3,u4,u_light, or four with --light"));
-    }
+    const auto u = parse_sample_values(text, 4, !options.light);
+    if (!u.ok()) wrong_use("--u " + std::string(u.status().message()));
     for (std::size_t i = 0; i < 4; ++i) values.add_u(static_cast<float>((*u)[i]));
     if (!options.light) values.add_u_light((*u)[4]);
   }

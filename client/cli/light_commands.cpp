@@ -43,12 +43,8 @@ v1::SampleValues sample_values(const SampleOptions& options, std::size_t points)
   v1::SampleValues values;
   for (std::size_t i = 0; i < points; ++i) {
     const std::string& text = options.u.size() == 1 ? options.u[0] : options.u[i];
-    const auto u = parse_triple(options.light ? text + ",0" : text);
-    if (!u.ok()) {
-      wrong_use(fmt::format("--u \"{}\", must be {}", text,
-                            options.light ? "two numbers u1,u2"
-                                          : "three numbers u1,u2,u_light, or two with --light"));
-    }
+    const auto u = parse_sample_values(text, 2, !options.light);
+    if (!u.ok()) wrong_use("--u " + std::string(u.status().message()));
     values.add_u(static_cast<float>((*u)[0]));
     values.add_u(static_cast<float>((*u)[1]));
     if (!options.light) values.add_u_light((*u)[2]);
@@ -188,11 +184,9 @@ void power(Session& session, const PowerOptions& options) {
     fmt::print("{}", to_json(response));
     return;
   }
-  std::map<std::uint64_t, std::string> types;
+  std::map<std::uint64_t, const v1::Light*> by_id;
   const v1::ListLightsResponse lights = list_lights(session, request.scene_id());
-  for (const v1::Light& light : lights.lights()) {
-    types[light.id()] = type_of(light);
-  }
+  for (const v1::Light& light : lights.lights()) by_id[light.id()] = &light;
   const bool watts = std::any_of(response.lights().begin(), response.lights().end(),
                                  [](const v1::LightPower& light) { return light.has_power_w(); });
   std::vector<Table::Column> columns = {{"id"}, {"type", true}, {"flux [lm]"}, {"± [lm]"}};
@@ -200,10 +194,10 @@ void power(Session& session, const PowerOptions& options) {
   columns.push_back({"RGB [lm]", true});
   if (options.wavelengths.given()) columns.push_back({options.wavelengths.header("W/nm"), true});
   Table table(columns);
-  const auto add = [&](const std::string& id, const std::string& type,
-                       const v1::LightPower& light) {
+  const auto add = [&](const std::string& id, const std::string& type, const v1::LightPower& light,
+                       bool from_infinity) {
     const v1::Rgb& rgb = light.rgb_lm();
-    std::vector<std::string> row = {id, type, number(light.power_lm()),
+    std::vector<std::string> row = {id, type, flux_text(light.power_lm(), from_infinity),
                                     light.error_lm() == 0 ? "exact" : number(light.error_lm())};
     if (watts) row.push_back(light.has_power_w() ? number(light.power_w()) : "unknown");
     row.push_back(triple(rgb.r(), rgb.g(), rgb.b()));
@@ -212,18 +206,25 @@ void power(Session& session, const PowerOptions& options) {
     }
     table.add(std::move(row));
   };
-  for (const v1::LightPower& light : response.lights()) {
-    add(std::to_string(light.light_id()), types[light.light_id()], light);
+  bool any_from_infinity = false;
+  for (const v1::LightPower& power : response.lights()) {
+    const auto light = by_id.find(power.light_id());
+    const bool known = light != by_id.end();
+    const bool from_infinity = known && is_at_infinity(*light->second);
+    any_from_infinity |= from_infinity;
+    add(std::to_string(power.light_id()), known ? type_of(*light->second) : "", power,
+        from_infinity);
   }
-  add("all", "", response.total());
+  add("all", "", response.total(), any_from_infinity);
   fmt::print("{}", table.to_string());
+  if (any_from_infinity) fmt::print("{}; \"all\" includes it\n", kFluxFromInfinity);
 }
 
 }  // namespace
 
 void add_light_commands(CLI::App& app, Session& session) {
   CLI::App* command =
-      app.add_subcommand("sample", "Samples the light that arrives at points (Sample_L)");
+      app.add_subcommand("sample", "Samples the light that arrives at points (SampleLi)");
   command->footer(
       "Example:\n  lucerna sample room.pbrt --point 0,0,0 --light 1 --samples 4 --visible");
   const auto sampling = std::make_shared<SampleOptions>();

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "client/cli/area_shape.h"
@@ -11,17 +12,24 @@
 namespace lucerna::cli {
 namespace {
 
-std::string xyz(const v1::Vector3& v) { return triple(v.x(), v.y(), v.z()); }
+/// Bounds are rounded outwards: what is flat at 0 reaches to the smallest floats about it.
+double coordinate(double x) { return std::fabs(x) < std::numeric_limits<float>::min() ? 0 : x; }
+
+std::string xyz(const v1::Vector3& v) {
+  return triple(coordinate(v.x()), coordinate(v.y()), coordinate(v.z()));
+}
 
 std::string degrees(double radians) { return number(radians * 180 / std::numbers::pi) + " deg"; }
 
-/// One number where it is grey.  The weights are those of Rec. 709 with white D65, which is what
-/// the contract's RGB is.  [ITU-R BT.709]
-std::string level(const v1::Rgb& c, const char* unit) {
-  if (c.r() == c.g() && c.g() == c.b()) return fmt::format("{} {}", number(c.r()), unit);
-  return fmt::format("{} {} (RGB {})",
-                     number(0.212639 * c.r() + 0.715169 * c.g() + 0.072192 * c.b()), unit,
-                     triple(c.r(), c.g(), c.b()));
+/// One number where it is grey in the digits that are printed.  The weights are those of Rec. 709
+/// with white D65, which is what the contract's RGB is.  [ITU-R BT.709]
+std::string level(const v1::Rgb& c, const std::string& unit = {}) {
+  const std::string r = number(c.r()), g = number(c.g()), b = number(c.b());
+  const std::string behind = unit.empty() ? "" : " " + unit;
+  if (r == g && g == b) return g + behind;
+  return fmt::format("{}{} (RGB {} {} {})",
+                     number(0.212639 * c.r() + 0.715169 * c.g() + 0.072192 * c.b()), behind, r, g,
+                     b);
 }
 
 std::string describe(const v1::ImageInfo& image, const char* mapping = nullptr) {
@@ -76,21 +84,35 @@ std::string describe(const v1::GoniometricLight& light) {
     case v1::GoniometricLight::kImage:
       return fmt::format("{}, {} at 1", describe(light.image()), level(light.intensity(), "cd"));
     case v1::GoniometricLight::kPhotometricFile: {
-      const v1::Rgb& c = light.intensity();
-      std::string text = describe(light.photometric_file());
-      if (c.r() != 1 || c.g() != 1 || c.b() != 1) text += ", times " + level(c, "");
-      if (text.ends_with(' ')) text.pop_back();
-      return text;
+      const std::string times = level(light.intensity());
+      const std::string text = describe(light.photometric_file());
+      return times == "1" ? text : text + ", times " + times;
     }
     default:
       return level(light.intensity(), "cd");
   }
 }
 
-std::string describe(const v1::DiffuseAreaLight& area) {
+/// What a panel gives, by its file's flux: what the light scales the file by and, of one-sided
+/// panels, without what the file has to the back.
+std::string flux_of_panel(const v1::DiffuseAreaLight& area, double area_m2) {
+  const double of_1 = (area.two_sided() ? 2 : 1) * std::numbers::pi * area_m2;
+  const double file_lm = area.profile().flux_lm();
+  if (!(of_1 > 0 && file_lm > 0)) return "";
+  v1::Rgb times;
+  times.set_r(area.radiance_cd_m2().r() * of_1 / file_lm);
+  times.set_g(area.radiance_cd_m2().g() * of_1 / file_lm);
+  times.set_b(area.radiance_cd_m2().b() * of_1 / file_lm);
+  const std::string text = level(times);
+  return text == "1" ? "" : ", flux times " + text;
+}
+
+std::string describe(const v1::DiffuseAreaLight& area, double area_m2) {
   std::string text = describe_shape(area) + ", " + level(area.radiance_cd_m2(), "cd/m2");
   if (area.has_image()) text += " at 1, " + describe(area.image());
-  if (area.has_profile()) text += ", profile " + describe(area.profile());
+  if (area.has_profile()) {
+    text += ", profile " + describe(area.profile()) + flux_of_panel(area, area_m2);
+  }
   return area.two_sided() ? text + ", two-sided" : text;
 }
 
@@ -109,7 +131,7 @@ std::string describe_kind(const v1::Light& light) {
     case v1::Light::kUniformInfinite:
       return level(light.uniform_infinite().radiance_cd_m2(), "cd/m2");
     case v1::Light::kDiffuseArea:
-      return describe(light.diffuse_area());
+      return describe(light.diffuse_area(), light.area_m2());
     case v1::Light::kProjection: {
       const v1::ProjectionLight& p = light.projection();
       return with_image(fmt::format("{} on the shorter side, aspect {}, {}", degrees(p.fov_rad()),
@@ -151,9 +173,26 @@ bool is_left_handed(const v1::Axes& axes) {
          0;
 }
 
+bool is_type(const v1::PhotometricFile& file, char type) {
+  return file.format().ends_with(std::string(", type ") + type);
+}
+
 /// Which way a luminaire is turned about its straight down.
-std::string turn_of_luminaire(const v1::Axes& axes) {
-  return ", C0 to " + direction(axes.x()) + (is_left_handed(axes) ? ", mirrored" : "");
+std::string turn_of_luminaire(const v1::PhotometricFile& file, const v1::Axes& axes) {
+  // What lies along x: a plane of type C, of which EULUMDAT is; the pole of type B; where type A
+  // shines.
+  const char* x = is_type(file, 'A') ? "V 0 H 0" : is_type(file, 'B') ? "V 90" : "C0";
+  return fmt::format(", {} to {}{}", x, direction(axes.x()),
+                     is_left_handed(axes) ? ", mirrored" : "");
+}
+
+/// Where a luminaire shines and how it is turned about that.
+std::string aim_of_luminaire(const v1::PhotometricFile& file, const v1::Axes& axes) {
+  if (!is_type(file, 'A')) {
+    return " towards " + direction(axes.z()) + turn_of_luminaire(file, axes);
+  }
+  return fmt::format(" towards {}, down to {}{}", direction(axes.x()), direction(axes.z()),
+                     is_left_handed(axes) ? ", mirrored" : "");
 }
 
 /// How a picture around something is turned; nothing where it is not.
@@ -174,14 +213,15 @@ std::string place_of_area(const v1::Light& light) {
   if (area.shape() == v1::AREA_SHAPE_CYLINDER && area.has_round()) {
     text += ", along " + direction(area.round().axes().z());
   }
-  return area.has_profile_axes() ? text + turn_of_luminaire(area.profile_axes()) : text;
+  return area.has_profile_axes() ? text + turn_of_luminaire(area.profile(), area.profile_axes())
+                                 : text;
 }
 
 std::string place_of_goniometric(const v1::Light& light) {
   const v1::GoniometricLight& lamp = light.goniometric();
   std::string text = xyz(lamp.position_m());
   if (lamp.has_photometric_file() && lamp.has_axes()) {
-    text += " towards " + direction(lamp.axes().z()) + turn_of_luminaire(lamp.axes());
+    text += aim_of_luminaire(lamp.photometric_file(), lamp.axes());
   } else if (lamp.has_axes()) {
     text += turn_of_picture(lamp.axes());
   }
@@ -270,6 +310,22 @@ std::string place_of(const v1::Light& light) {
   return "";
 }
 
+bool is_at_infinity(const v1::Light& light) {
+  switch (light.kind_case()) {
+    case v1::Light::kDistant:
+    case v1::Light::kSun:
+    case v1::Light::kUniformInfinite:
+    case v1::Light::kImageInfinite:
+      return true;
+    default:
+      return false;
+  }
+}
+
+std::string flux_text(double lumens, bool from_infinity) {
+  return (from_infinity ? "*" : "") + number(lumens);
+}
+
 std::string light_table(const google::protobuf::RepeatedPtrField<v1::Light>& lights) {
   Table table({{"id"},
                {"type", true},
@@ -280,13 +336,16 @@ std::string light_table(const google::protobuf::RepeatedPtrField<v1::Light>& lig
                {"± [lm]"},
                {"delta", true},
                {"made at", true}});
+  bool any_from_infinity = false;
   for (const v1::Light& light : lights) {
+    any_from_infinity |= is_at_infinity(light);
     table.add({std::to_string(light.id()), type_of(light), describe(light), place_of(light),
-               light.has_area_m2() ? number(light.area_m2()) : "", number(light.power_lm()),
+               light.has_area_m2() ? number(light.area_m2()) : "",
+               flux_text(light.power_lm(), is_at_infinity(light)),
                light.power_error_lm() == 0 ? "exact" : number(light.power_error_lm()),
                light.delta() ? "yes" : "no", light.source()});
   }
-  return table.to_string();
+  return table.to_string() + (any_from_infinity ? std::string(kFluxFromInfinity) + "\n" : "");
 }
 
 }  // namespace lucerna::cli

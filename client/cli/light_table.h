@@ -20,7 +20,19 @@ std::string describe(const v1::Light& light);
 /// Where it stands and what it points at [m]; where it fills the sky, from where it shines.
 std::string place_of(const v1::Light& light);
 
-/// The table that `lucerna lights` prints, one row a light.
+/// Distant, sun and infinite lights: they have no flux of their own, and what is told as theirs
+/// depends on the scene's size or the portal's.
+bool is_at_infinity(const v1::Light& light);
+
+/// What the mark on such a light's flux means; no full stop and no new line.
+inline constexpr char kFluxFromInfinity[] =
+    "* of a light at infinity: what goes through the scene's bounding disk, or through the light's "
+    "portal, and no luminaire's flux";
+
+/// A flux [lm], with a mark before it where it is or includes one of a light at infinity.
+std::string flux_text(double lumens, bool from_infinity);
+
+/// The table that `lucerna lights` prints, one row a light, and what its marks mean.
 std::string light_table(const google::protobuf::RepeatedPtrField<v1::Light>& lights);
 
 }  // namespace lucerna::cli

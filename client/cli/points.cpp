@@ -2,10 +2,12 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <fstream>
 #include <iostream>
+#include <limits>
 #include <optional>
 #include <string_view>
 
@@ -70,11 +72,20 @@ absl::Status at_line(const std::string& name, std::size_t line, const std::strin
 
 }  // namespace
 
-absl::StatusOr<Double3> parse_triple(const std::string& text) {
+absl::StatusOr<Double3> parse_triple(const std::string& text, Triple kind) {
+  const bool is_direction = kind == Triple::kDirection;
   const auto values = numbers(fields_of(text));
-  if (!values.ok() || values->size() != 3) {
-    return absl::InvalidArgumentError(
-        fmt::format("\"{}\", must be three numbers, as 0,1.5,-2", text));
+  // The contract's directions are floats.
+  const double most =
+      is_direction ? std::numeric_limits<float>::max() : std::numeric_limits<double>::max();
+  const auto is_finite = [most](double v) { return std::fabs(v) <= most; };
+  const auto is_zero = [](double v) { return static_cast<float>(v) == 0; };
+  if (!values.ok() || values->size() != 3 ||
+      !std::all_of(values->begin(), values->end(), is_finite) ||
+      (is_direction && std::all_of(values->begin(), values->end(), is_zero))) {
+    return absl::InvalidArgumentError(fmt::format("\"{}\", must be three finite {}, as 0,1.5,-2",
+                                                  text,
+                                                  is_direction ? "floats, not all 0" : "numbers"));
   }
   return Double3{(*values)[0], (*values)[1], (*values)[2]};
 }
@@ -87,6 +98,30 @@ absl::StatusOr<std::vector<double>> parse_numbers(const std::string& text) {
     result.push_back(*value);
   }
   return result;
+}
+
+absl::StatusOr<std::vector<double>> parse_sample_values(const std::string& text, std::size_t count,
+                                                        bool chooses_light) {
+  absl::StatusOr<std::vector<double>> values = parse_numbers(text);
+  if (!values.ok() || values->size() != count + (chooses_light ? 1 : 0)) {
+    const bool is_ray = count == 4;
+    return absl::InvalidArgumentError(fmt::format(
+        "\"{}\", must be {}", text,
+        chooses_light ? (is_ray ? "five numbers u1,u2,u3,u4,u_light, or four with --light"
+                                : "three numbers u1,u2,u_light, or two with --light")
+                      : (is_ray ? "four numbers u1,u2,u3,u4" : "two numbers u1,u2")));
+  }
+  for (std::size_t i = 0; i < values->size(); ++i) {
+    const double value = (*values)[i];
+    // As NaN is none of these.
+    const bool is_allowed = value >= 0 && (i < count ? value <= 1 : value < 1);
+    if (!is_allowed) {
+      return absl::InvalidArgumentError(fmt::format(
+          "\"{}\": {} = {}, allowed: {}", text, i < count ? fmt::format("u{}", i + 1) : "u_light",
+          value, i < count ? "[0, 1]" : "[0, 1)"));
+    }
+  }
+  return values;
 }
 
 absl::StatusOr<PointSet> read_csv(std::istream& input, const std::string& name) {
@@ -139,7 +174,7 @@ PointSet PointOptions::read() const {
     result = *std::move(points);
   }
   for (const std::string& text : points_) {
-    const auto point = parse_triple(text);
+    const auto point = parse_triple(text, Triple::kPoint);
     if (!point.ok()) wrong_use("--point " + std::string(point.status().message()));
     result.points.push_back(*point);
   }
@@ -147,8 +182,10 @@ PointSet PointOptions::read() const {
   return result;
 }
 
-void TripleOption::add(CLI::App& command, const std::string& flag, const std::string& what) {
+void TripleOption::add(CLI::App& command, const std::string& flag, const std::string& what,
+                       Triple kind) {
   flag_ = flag;
+  kind_ = kind;
   command.add_option(flag, texts_, what + "; once for all points, or once for each")
       ->allow_extra_args(false);
 }
@@ -156,7 +193,7 @@ void TripleOption::add(CLI::App& command, const std::string& flag, const std::st
 std::vector<Double3> TripleOption::read(std::size_t count) const {
   std::vector<Double3> result;
   for (const std::string& text : texts_) {
-    const auto triple = parse_triple(text);
+    const auto triple = parse_triple(text, kind_);
     if (!triple.ok()) wrong_use(flag_ + " " + std::string(triple.status().message()));
     result.push_back(*triple);
   }

@@ -19,16 +19,24 @@ struct PointSet {
   std::vector<Double3> seconds;
 };
 
-/// "1,2,-0.5".  NaN and infinities are numbers, for the server to judge.  INVALID_ARGUMENT for all
-/// else.
-absl::StatusOr<Double3> parse_triple(const std::string& text);
+enum class Triple { kPoint, kDirection };
 
-/// Any number of numbers, likewise.
+/// "1,2,-0.5".  INVALID_ARGUMENT for all that is not three finite numbers, and for directions that
+/// do not fit floats, which the contract's are, or are 0 0 0 as floats.
+absl::StatusOr<Double3> parse_triple(const std::string& text, Triple kind);
+
+/// Any number of numbers, NaN and infinities too.  INVALID_ARGUMENT for all else.
 absl::StatusOr<std::vector<double>> parse_numbers(const std::string& text);
+
+/// What --u gives for one sample: `count` numbers in [0, 1], two of a direction or four of a ray,
+/// and where `chooses_light` one in [0, 1).  INVALID_ARGUMENT for all else.
+absl::StatusOr<std::vector<double>> parse_sample_values(const std::string& text, std::size_t count,
+                                                        bool chooses_light);
 
 /// Lines of x,y,z or of x,y,z,nx,ny,nz, all alike, after an optional header that begins with x,y,z.
 /// Blank lines and lines that begin with # are nothing.  INVALID_ARGUMENT that begins with
-/// "name:line: ".
+/// "name:line: ".  NaN, infinities and directions 0 0 0 pass: the server's answer tells them item
+/// by item, so that one of them does not stop a file.
 absl::StatusOr<PointSet> read_csv(std::istream& input, const std::string& name);
 
 /// The options by which commands are given points.
@@ -47,13 +55,15 @@ class PointOptions {
 /// Triples given by a repeatable option.
 class TripleOption {
  public:
-  void add(CLI::App& command, const std::string& flag, const std::string& what);
+  void add(CLI::App& command, const std::string& flag, const std::string& what,
+           Triple kind = Triple::kDirection);
   bool given() const { return !texts_.empty(); }
   /// One for each of `count` points: a single one is for all of them.
   std::vector<Double3> read(std::size_t count) const;
 
  private:
   std::string flag_;
+  Triple kind_ = Triple::kDirection;
   std::vector<std::string> texts_;
 };
 

@@ -167,7 +167,7 @@ void add_receiver_commands(CLI::App& app, Session& session) {
   const auto looking = std::make_shared<VisibleOptions>();
   command->add_option("SCENE", looking->scene, "Path or id")->required();
   looking->points.add(*command, "where to look to, as --to");
-  looking->to.add(*command, "--to", "The other point x,y,z [m]");
+  looking->to.add(*command, "--to", "The other point x,y,z [m]", Triple::kPoint);
   looking->directions.add(*command, "--direction", "Along the ray in direction x,y,z");
   command->add_option("--length", looking->length_m, "How far [m]; default: infinitely")
       ->check(positive());

@@ -61,6 +61,10 @@ TEST(LightTable, PointWithColourIsToldByLuminance) {
   light.mutable_point()->mutable_intensity_cd()->set_b(0);
   // Green's share of white, 0.715169.
   EXPECT_EQ(describe(light), "7.15169 cd (RGB 0 10 0)");
+  // Grey in all that is printed.
+  grey(light.mutable_point()->mutable_intensity_cd(), 318.31);
+  light.mutable_point()->mutable_intensity_cd()->set_g(318.31000001);
+  EXPECT_EQ(describe(light), "318.31 cd");
 }
 
 TEST(LightTable, SpotWithEdges) {
@@ -150,6 +154,10 @@ TEST(LightTable, GoniometricOfAnyDistribution) {
   file->set_format("IES LM-63-2002, type C");
   file->set_flux_lm(1150);
   EXPECT_EQ(describe(light), "lamp.ies (IES LM-63-2002, type C, 1150 lm), times 7");
+  g->mutable_intensity()->set_r(0);
+  g->mutable_intensity()->set_b(0);
+  EXPECT_EQ(describe(light),
+            "lamp.ies (IES LM-63-2002, type C, 1150 lm), times 5.00618 (RGB 0 7 0)");
   grey(g->mutable_intensity(), 1);
   EXPECT_EQ(describe(light), "lamp.ies (IES LM-63-2002, type C, 1150 lm)");
   set(light.mutable_directions()->mutable_axis(), 0, 0, -1);
@@ -162,6 +170,13 @@ TEST(LightTable, GoniometricOfAnyDistribution) {
   set(g->mutable_axes()->mutable_y(), -1, 0, 0);
   EXPECT_EQ(place_of(light),
             "1 1 1 towards 0 0 -1, C0 to 0 1 0, mirrored, within 90 deg of 0 0 -1");
+  // +x is where type A shines, with +z down; type B shines along +z, its pole is +x.
+  file->set_format("IES LM-63-2002, type A");
+  EXPECT_EQ(place_of(light),
+            "1 1 1 towards 0 1 0, down to 0 0 -1, mirrored, within 90 deg of 0 0 -1");
+  file->set_format("IES LM-63-2002, type B");
+  EXPECT_EQ(place_of(light),
+            "1 1 1 towards 0 0 -1, V 90 to 0 1 0, mirrored, within 90 deg of 0 0 -1");
   g->mutable_image();
   light.clear_directions();
   EXPECT_EQ(place_of(light), "1 1 1, +x to 0 1 0, +y to -1 0 0, +z to 0 0 -1");
@@ -266,11 +281,26 @@ TEST(LightTable, AreaLightsWithImageAndProfile) {
   a->mutable_profile()->set_name("panel.ldt");
   a->mutable_profile()->set_format("EULUMDAT");
   a->mutable_profile()->set_flux_lm(900);
-  EXPECT_EQ(describe(light), "triangle, 4500 cd/m2, profile panel.ldt (EULUMDAT, 900 lm)");
+  // As much as the file has from 0.5 m2 that shine to one side: 900 / (pi 0.5); then twice that,
+  // and as much again from a second side.
+  grey(a->mutable_radiance_cd_m2(), 900 / (kPi * 0.5));
+  EXPECT_EQ(describe(light), "triangle, 572.958 cd/m2, profile panel.ldt (EULUMDAT, 900 lm)");
+  grey(a->mutable_radiance_cd_m2(), 1800 / (kPi * 0.5));
+  EXPECT_EQ(describe(light),
+            "triangle, 1145.92 cd/m2, profile panel.ldt (EULUMDAT, 900 lm), flux times 2");
+  a->set_two_sided(true);
+  EXPECT_EQ(
+      describe(light),
+      "triangle, 1145.92 cd/m2, profile panel.ldt (EULUMDAT, 900 lm), flux times 4, two-sided");
+  a->set_two_sided(false);
   set(a->mutable_profile_axes()->mutable_x(), 0, 1, 0);
   set(a->mutable_profile_axes()->mutable_y(), 1, 0, 0);
   set(a->mutable_profile_axes()->mutable_z(), 0, 0, -1);
   EXPECT_EQ(place_of(light), "0 0 0 to 1 1 0, C0 to 0 1 0");
+  a->mutable_profile()->set_format("IES LM-63-2002, type A");
+  EXPECT_EQ(place_of(light), "0 0 0 to 1 1 0, V 0 H 0 to 0 1 0");
+  a->mutable_profile()->set_format("IES LM-63-2002, type B");
+  EXPECT_EQ(place_of(light), "0 0 0 to 1 1 0, V 90 to 0 1 0");
 }
 
 TEST(LightTable, SpectraWattsAndMotionFollow) {
@@ -312,6 +342,33 @@ TEST(LightTable, HasARowALight) {
             "12  area   triangle, 4500 cd/m2  0 0 0 to 1 1 0        0.5    7068.58    0.25  no   "
             "  room.pbrt:7:3\n"
             "13  point  10 cd                 0 0 0                        125.664   exact  yes\n");
+}
+
+TEST(LightTable, LightsAtInfinityHaveAMarkAtTheirFlux) {
+  v1::ListLightsResponse lights;
+  const auto add = [&] { return lights.add_lights(); };
+  add()->mutable_distant();
+  add()->mutable_sun();
+  add()->mutable_uniform_infinite();
+  add()->mutable_image_infinite();
+  add()->mutable_beam();
+  for (v1::Light& light : *lights.mutable_lights()) light.set_power_lm(31.25);
+  EXPECT_TRUE(is_at_infinity(lights.lights(0)) && is_at_infinity(lights.lights(1)) &&
+              is_at_infinity(lights.lights(2)) && is_at_infinity(lights.lights(3)));
+  EXPECT_FALSE(is_at_infinity(lights.lights(4)));
+  const std::string table = light_table(lights.lights());
+  std::size_t marks = 0;
+  for (std::size_t at = 0; (at = table.find("*31.25 ", at)) != std::string::npos; ++at) ++marks;
+  EXPECT_EQ(marks, 4U) << table;
+  EXPECT_TRUE(table.ends_with(std::string("\n") + kFluxFromInfinity + "\n")) << table;
+}
+
+TEST(LightTable, WhatIsFlatAtZeroHasNoHeight) {
+  const double least = 0x1p-149;  // of floats: bounds are rounded outwards
+  EXPECT_EQ(place_of(area(v1::AREA_SHAPE_DISK, {-1, -1, -least}, {1, 1, least}, 1)),
+            "-1 -1 0 to 1 1 0");
+  EXPECT_EQ(place_of(area(v1::AREA_SHAPE_DISK, {-1, -1, -2e-38}, {1, 1, 0}, 1)),
+            "-1 -1 -2e-38 to 1 1 0");
 }
 
 TEST(LightTable, AnUnknownKindIsARowToo) { expect(v1::Light(), "unknown", "", ""); }

@@ -69,10 +69,47 @@ TEST(Csv, ErrorsNameFileAndLine) {
 }
 
 TEST(Triple, IsThreeNumbers) {
-  EXPECT_EQ(*cli::parse_triple("0,1.5,-2"), (Double3{0, 1.5, -2}));
-  for (const char* bad : {"", "1,2", "1,2,3,4", "1,2,3,4,5,6", "1,2,3x", "1 2 3", "0x1,2,3"}) {
-    EXPECT_EQ(cli::parse_triple(bad).status().code(), absl::StatusCode::kInvalidArgument) << bad;
+  using cli::Triple;
+  EXPECT_EQ(*cli::parse_triple("0,1.5,-2", Triple::kPoint), (Double3{0, 1.5, -2}));
+  EXPECT_EQ(*cli::parse_triple("0,0,0", Triple::kPoint), (Double3{0, 0, 0}));
+  for (const char* bad : {"", "1,2", "1,2,3,4", "1,2,3,4,5,6", "1,2,3x", "1 2 3", "0x1,2,3",
+                          "nan,0,0", "0,inf,0", "0,0,-inf"}) {
+    EXPECT_EQ(cli::parse_triple(bad, Triple::kPoint).status().code(),
+              absl::StatusCode::kInvalidArgument)
+        << bad;
+    EXPECT_EQ(cli::parse_triple(bad, Triple::kDirection).status().code(),
+              absl::StatusCode::kInvalidArgument)
+        << bad;
   }
+}
+
+TEST(Triple, DirectionsAreFloatsAndNotZero) {
+  using cli::Triple;
+  // The smallest float is 1.4e-45; what is below half of it rounds to 0.
+  EXPECT_TRUE(cli::parse_triple("0,0,1e-44", Triple::kDirection).ok());
+  EXPECT_TRUE(cli::parse_triple("0,0,1e-46", Triple::kPoint).ok());
+  EXPECT_TRUE(cli::parse_triple("0,0,1e39", Triple::kPoint).ok());
+  for (const char* bad : {"0,0,0", "0,-0,0", "0,0,1e-46", "0,0,1e39"}) {
+    EXPECT_EQ(cli::parse_triple(bad, Triple::kDirection).status().code(),
+              absl::StatusCode::kInvalidArgument)
+        << bad;
+  }
+}
+
+TEST(SampleValues, AreWithinTheirRanges) {
+  EXPECT_THAT(*cli::parse_sample_values("0,1", 2, false), ElementsAre(0, 1));
+  EXPECT_THAT(*cli::parse_sample_values("0,1,0.5,1,0.999", 4, true),
+              ElementsAre(0, 1, 0.5, 1, 0.999));
+  const auto message = [](const char* text, std::size_t count, bool chooses_light) {
+    return std::string(cli::parse_sample_values(text, count, chooses_light).status().message());
+  };
+  EXPECT_EQ(message("nan,0", 2, false), "\"nan,0\": u1 = nan, allowed: [0, 1]");
+  EXPECT_EQ(message("0,0,-0.5,0", 4, false), "\"0,0,-0.5,0\": u3 = -0.5, allowed: [0, 1]");
+  EXPECT_EQ(message("0,1.5,0", 2, true), "\"0,1.5,0\": u2 = 1.5, allowed: [0, 1]");
+  EXPECT_EQ(message("0,0,1", 2, true), "\"0,0,1\": u_light = 1, allowed: [0, 1)");
+  EXPECT_EQ(message("0,0", 2, true),
+            "\"0,0\", must be three numbers u1,u2,u_light, or two with --light");
+  EXPECT_EQ(message("0,x", 2, false), "\"0,x\", must be two numbers u1,u2");
 }
 
 TEST(Numbers, AreAnyNumberOfThem) {

@@ -32,6 +32,12 @@ class Cli : public ::testing::Test {
     std::ofstream(scenes / "broken.pbrt") << "WorldBegin\nShape sphere\n";
     std::ofstream(scenes / "lamp.pbrt")
         << "WorldBegin\nLightSource \"point\" \"spectrum I\" [500 1 600 1] \"float power\" 1000\n";
+    std::ofstream(scenes / "sky.pbrt")
+        << "WorldBegin\nLightSource \"infinite\" \"rgb L\" [1 1 1]\n"
+           "LightSource \"distant\" \"rgb L\" [1 1 1]\nLightSource \"point\" \"rgb I\" [1 1 1]\n"
+           "Shape \"bilinearmesh\" \"point3 P\" [-1 -1 0  1 -1 0  -1 1 0  1 1 0]\n";
+    std::ofstream(scenes / "flat.pbrt")
+        << "WorldBegin\nAreaLightSource \"diffuse\" \"rgb L\" [3 3 3]\nShape \"disk\"\n";
     auto server = testing::LocalServer::start({.scene_root = scenes.string()});
     ASSERT_TRUE(server.ok()) << server.status();
     server_ = std::make_unique<testing::LocalServer>(*std::move(server));

@@ -34,6 +34,52 @@ TEST_F(Cli, PowerIsTheIntegralOfTheIntensity) {
   expect_no(lucerna({"power", "point.pbrt", "--light", "77"}), "77");
 }
 
+TEST_F(Cli, NumbersThatNoPointOrDirectionHasAreWrongUse) {
+  const std::vector<std::string> pdf = {"pdf", "sphere.pbrt", "--light", "1"};
+  const auto with = [](std::vector<std::string> words, const std::vector<std::string>& more) {
+    words.insert(words.end(), more.begin(), more.end());
+    return lucerna(words);
+  };
+  expect_wrong_use(with(pdf, {"--point", "nan,0,0", "--direction", "0,0,1"}),
+                   "--point \"nan,0,0\", must be three finite numbers, as 0,1.5,-2");
+  expect_wrong_use(with(pdf, {"--point", "0,0,0", "--direction", "0,0,0"}),
+                   "--direction \"0,0,0\", must be three finite floats, not all 0");
+  expect_wrong_use(with(pdf, {"--point", "0,0,0", "--direction", "0,0,1", "--normal", "0,inf,0"}),
+                   "--normal \"0,inf,0\", must be three finite floats, not all 0");
+  expect_wrong_use(
+      lucerna({"sample", "sphere.pbrt", "--light", "1", "--point", "0,0,0", "--u", "nan,0"}),
+      "--u \"nan,0\": u1 = nan, allowed: [0, 1]");
+  expect_wrong_use(lucerna({"sample", "sphere.pbrt", "--point", "0,0,0", "--u", "0,0,1"}),
+                   "--u \"0,0,1\": u_light = 1, allowed: [0, 1)");
+  expect_wrong_use(lucerna({"visible", "sphere.pbrt", "--point", "0,0,0", "--to", "0,nan,0"}),
+                   "--to \"0,nan,0\", must be three finite numbers, as");
+  // The world's origin is a point like others.
+  EXPECT_EQ(lucerna({"visible", "sphere.pbrt", "--point", "0,0,1", "--to", "0,0,0"}).status, 0);
+}
+
+TEST_F(Cli, FluxOfALightAtInfinityIsMarked) {
+  // A square of 2 m by 2 m about the origin: a sphere of R^2 = 2.  A distant light of 1 lx sends
+  // pi R^2 = 6.28319 lm through its disk; a sky of 1 cd/m2 that, from 4 pi sr: 78.9568 lm.
+  EXPECT_THAT(lucerna({"lights", "sky.pbrt"}).out,
+              AllOf(ContainsRegex(" 1  uniform infinite .* \\*78\\.95[67][0-9]* +exact"),
+                    ContainsRegex(" 2  distant .* \\*6\\.283[0-9]* +exact"),
+                    ContainsRegex(" 3  point .* 12\\.5664 +exact"),
+                    HasSubstr("\n* of a light at infinity: what goes through the scene's bounding "
+                              "disk, or through the light's portal")));
+  EXPECT_THAT(lucerna({"power", "sky.pbrt"}).out,
+              AllOf(ContainsRegex(" 1  uniform infinite +\\*78\\.95[67]"),
+                    ContainsRegex(" 3  point +12\\.5664 "), ContainsRegex("all +\\*97\\.80[67]"),
+                    HasSubstr("\"all\" includes it\n")));
+  EXPECT_THAT(lucerna({"power", "sky.pbrt", "--light", "3"}).out,
+              AllOf(ContainsRegex("all +12\\.5664 "), Not(HasSubstr("*"))));
+  EXPECT_THAT(lucerna({"lights", "point.pbrt"}).out, Not(HasSubstr("*")));
+}
+
+TEST_F(Cli, AFlatDiskAtZeroHasNoHeight) {
+  EXPECT_THAT(lucerna({"lights", "flat.pbrt"}).out,
+              ContainsRegex("disk of diameter 2 m, 3 cd/m2 +-1 -1 0 to 1 1 0, facing 0 0 1 "));
+}
+
 TEST_F(Cli, SampleOfAPointLightIsItsIlluminance) {
   // Straight below, 3.2 m: 10 / 3.2^2 lx.
   const Outcome outcome =
