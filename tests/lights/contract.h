@@ -255,7 +255,12 @@ TYPED_TEST_P(DeltaLight, HasNoDensityAndSaysSo) {
 REGISTER_TYPED_TEST_SUITE_P(DeltaLight, HasNoDensityAndSaysSo);
 
 template <typename Case>
-class LocalLight : public ::testing::Test {};
+class LocalLight : public ::testing::Test {
+ protected:
+  LocalLight() { static_cast<void>(kTakesPart); }
+  static inline const bool kTakesPart =
+      takes_part<typename Case::template Light<float>>("LocalLight");
+};
 TYPED_TEST_SUITE_P(LocalLight);
 
 /// The mean of value / density over a grid of u: the illuminance on a surface that faces the light.

@@ -17,7 +17,25 @@ void expect_takes_part_in_one_of(const std::vector<std::string_view>& suites) {
   int count = 0;
   for (const std::string_view suite : suites)
     count += static_cast<int>(participants()[suite].count(typeid(Model)));
-  EXPECT_GT(count, 0) << typeid(Model).name() << " has no case in " << suites.front();
+  EXPECT_GT(count, 0) << typeid(Model).name() << " has no case in any of "
+                      << ::testing::PrintToString(suites);
+}
+
+/// A density of its light needs places and directions to spread over; without one, one of the two
+/// spreads and the other is certain.
+template <typename Model>
+void expect_what_spreads_takes_part() {
+  if (Model::kDelta) {
+    expect_takes_part_in_one_of<Model>({"EmittingSurface", "EmittingDirections"});
+  } else {
+    expect_takes_part_in_one_of<Model>({"EmittingSurface"});
+    expect_takes_part_in_one_of<Model>({"EmittingDirections"});
+  }
+}
+
+template <typename... Models>
+void expect_what_spreads_of_all_takes_part(const std::variant<Models...>*) {
+  (expect_what_spreads_takes_part<Models>(), ...);
 }
 
 template <typename... Models>
@@ -32,6 +50,9 @@ TEST(Contract, EveryLightTakesPart) {
   expect_all_take_part(kAll, {"LightWithDensity", "DeltaLight"});
   expect_all_take_part(kAll, {"EmittingLight"});
   expect_all_take_part(kAll, {"BoundedLight", "UnboundedLight"});
+  // UnboundedLight says that there are no bounds; what has some is somewhere.
+  expect_all_take_part(kAll, {"LocalLight", "UnboundedLight"});
+  expect_what_spreads_of_all_takes_part(kAll);
   expect_all_take_part(kAll, {"MovingLight"});
 }
 

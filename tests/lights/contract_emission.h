@@ -149,7 +149,12 @@ REGISTER_TYPED_TEST_SUITE_P(EmittingLight, RaysAgreeWithEvaluation,
                             ApproximatePowerStatesItsError);
 
 template <typename Case>
-class EmittingSurface : public ::testing::Test {};
+class EmittingSurface : public ::testing::Test {
+ protected:
+  EmittingSurface() { static_cast<void>(kTakesPart); }
+  static inline const bool kTakesPart =
+      takes_part<typename Case::template Light<float>>("EmittingSurface");
+};
 TYPED_TEST_SUITE_P(EmittingSurface);
 
 TYPED_TEST_P(EmittingSurface, PositionsFollowTheDensity) {
@@ -180,7 +185,12 @@ TYPED_TEST_P(EmittingSurface, PositionsFollowTheDensity) {
 REGISTER_TYPED_TEST_SUITE_P(EmittingSurface, PositionsFollowTheDensity);
 
 template <typename Case>
-class EmittingDirections : public ::testing::Test {};
+class EmittingDirections : public ::testing::Test {
+ protected:
+  EmittingDirections() { static_cast<void>(kTakesPart); }
+  static inline const bool kTakesPart =
+      takes_part<typename Case::template Light<float>>("EmittingDirections");
+};
 TYPED_TEST_SUITE_P(EmittingDirections);
 
 TYPED_TEST_P(EmittingDirections, DirectionsFollowTheDensity) {
