@@ -127,13 +127,14 @@ void Scene::Builder::report_shared_by_lights(const Stopwatch& watch) {
     std::visit(
         [&](const auto& m) {
           if constexpr (requires { m.shape().profile(); }) webs.insert(m.shape().profile().web);
+          if constexpr (requires { webs.insert(m.params().web); }) webs.insert(m.params().web);
+          if constexpr (requires { maps.insert(m.params().map); }) maps.insert(m.params().map);
         },
         l.light);
-    if (const auto* goniometric = std::get_if<GoniometricLight<float>>(&l.light)) {
-      if (goniometric->params().web) webs.insert(goniometric->params().web);
-      if (goniometric->params().map) maps.insert(goniometric->params().map);
-    }
   }
+  // Of lights that have none.
+  webs.erase(nullptr);
+  maps.erase(nullptr);
   std::uint64_t web_bytes = 0, map_bytes = 0;
   for (const auto& web : webs) web_bytes += web->bytes();
   for (const auto& map : maps) map_bytes += map->table_bytes();

@@ -98,36 +98,59 @@ absl::StatusOr<Light<float>> as_flat_light(const ShapeDescription::Emission& emi
   return Light<float>(*std::move(light));
 }
 
+/// One overload a shape and none for all, so that a new shape does not compile until it has its
+/// own.
+class AreaLightMaker {
+ public:
+  AreaLightMaker(const ShapeDescription::Emission& emission, const Vec3<double>& origin)
+      : emission_(emission), origin_(origin) {}
+
+  absl::StatusOr<Light<float>> operator()(const TriangleMeshData& mesh) const {
+    const auto vertex = [&](std::size_t i) {
+      return about(mesh.positions[mesh.indices[i]], origin_);
+    };
+    std::vector<Triangle<float>> triangles(mesh.indices.size() / 3);
+    for (std::size_t i = 0; i < triangles.size(); ++i)
+      triangles[i] = {vertex(3 * i), vertex(3 * i + 1), vertex(3 * i + 2)};
+    return as_flat_light<TriangleMesh, PaintedTriangleMesh, PanelTriangleMesh>(
+        emission_, TriangleMesh<float>::create(std::move(triangles)), mesh.corner_uv);
+  }
+
+  absl::StatusOr<Light<float>> operator()(const PatchMeshData& mesh) const {
+    const auto vertex = [&](std::size_t i) {
+      return about(mesh.positions[mesh.indices[i]], origin_);
+    };
+    std::vector<BilinearPatch<float>> patches(mesh.indices.size() / 4);
+    for (std::size_t i = 0; i < patches.size(); ++i)
+      patches[i] = {vertex(4 * i), vertex(4 * i + 1), vertex(4 * i + 2), vertex(4 * i + 3)};
+    return as_flat_light<PatchMesh, PaintedPatchMesh, PanelPatchMesh>(
+        emission_, PatchMesh<float>::create(std::move(patches)), mesh.corner_uv);
+  }
+
+  absl::StatusOr<Light<float>> operator()(const SphereParams& sphere) const {
+    return as_area_light<Sphere, PaintedSphere>(emission_, Sphere<float>::create(sphere, origin_));
+  }
+
+  absl::StatusOr<Light<float>> operator()(const DiskParams& disk) const {
+    return as_flat_light<Disk, PaintedDisk, PanelDisk>(emission_,
+                                                       Disk<float>::create(disk, origin_));
+  }
+
+  absl::StatusOr<Light<float>> operator()(const CylinderParams& cylinder) const {
+    return as_area_light<Cylinder, PaintedCylinder>(emission_,
+                                                    Cylinder<float>::create(cylinder, origin_));
+  }
+
+ private:
+  const ShapeDescription::Emission& emission_;
+  const Vec3<double>& origin_;
+};
+
 }  // namespace
 
 absl::StatusOr<Light<float>> create_area_light(const ShapeDescription& shape,
                                                const Vec3<double>& origin) {
-  const ShapeDescription::Emission& emission = *shape.emission;
-  if (const auto* sphere = std::get_if<SphereParams>(&shape.geometry))
-    return as_area_light<Sphere, PaintedSphere>(emission, Sphere<float>::create(*sphere, origin));
-  if (const auto* disk = std::get_if<DiskParams>(&shape.geometry))
-    return as_flat_light<Disk, PaintedDisk, PanelDisk>(emission,
-                                                       Disk<float>::create(*disk, origin));
-  if (const auto* cylinder = std::get_if<CylinderParams>(&shape.geometry))
-    return as_area_light<Cylinder, PaintedCylinder>(emission,
-                                                    Cylinder<float>::create(*cylinder, origin));
-  if (const auto* mesh = std::get_if<TriangleMeshData>(&shape.geometry)) {
-    const auto vertex = [&](std::size_t i) {
-      return about(mesh->positions[mesh->indices[i]], origin);
-    };
-    std::vector<Triangle<float>> triangles(mesh->indices.size() / 3);
-    for (std::size_t i = 0; i < triangles.size(); ++i)
-      triangles[i] = {vertex(3 * i), vertex(3 * i + 1), vertex(3 * i + 2)};
-    return as_flat_light<TriangleMesh, PaintedTriangleMesh, PanelTriangleMesh>(
-        emission, TriangleMesh<float>::create(std::move(triangles)), mesh->corner_uv);
-  }
-  const auto& mesh = std::get<PatchMeshData>(shape.geometry);
-  const auto vertex = [&](std::size_t i) { return about(mesh.positions[mesh.indices[i]], origin); };
-  std::vector<BilinearPatch<float>> patches(mesh.indices.size() / 4);
-  for (std::size_t i = 0; i < patches.size(); ++i)
-    patches[i] = {vertex(4 * i), vertex(4 * i + 1), vertex(4 * i + 2), vertex(4 * i + 3)};
-  return as_flat_light<PatchMesh, PaintedPatchMesh, PanelPatchMesh>(
-      emission, PatchMesh<float>::create(std::move(patches)), mesh.corner_uv);
+  return std::visit(AreaLightMaker(*shape.emission, origin), shape.geometry);
 }
 
 std::uint64_t primitive_count(const Light<float>& light) {

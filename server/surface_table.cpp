@@ -146,6 +146,50 @@ class Appender {
   SurfaceTable& table_;
 };
 
+/// One overload a shape and none for all, so that a new shape does not compile until it has its
+/// own.
+class BoundsAdder {
+ public:
+  explicit BoundsAdder(Bounds& bounds) : bounds_(bounds) {}
+
+  absl::Status operator()(const TriangleMeshData& mesh) { return add_vertices(mesh.positions); }
+  absl::Status operator()(const PatchMeshData& mesh) { return add_vertices(mesh.positions); }
+  absl::Status operator()(const SphereParams& params) {
+    return add_analytic(Sphere<double>::create(params));
+  }
+  absl::Status operator()(const DiskParams& params) {
+    return add_analytic(Disk<double>::create(params));
+  }
+  absl::Status operator()(const CylinderParams& params) {
+    return add_analytic(Cylinder<double>::create(params));
+  }
+
+ private:
+  absl::Status add_vertices(const std::vector<Vec3<double>>& positions) {
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+      const Vec3<double>& p = positions[i];
+      if (!is_finite(p) || max_abs(p) > Accelerator::kMaxCoordinate) return not_finite(i, p);
+      bounds_.add(p);
+    }
+    return absl::OkStatus();
+  }
+
+  template <typename Shape>
+  absl::Status add_analytic(const absl::StatusOr<Shape>& created) {
+    if (!created.ok()) return created.status();
+    const auto box = created->bounds();
+    const double reach = std::max(max_abs(box.first), max_abs(box.second));
+    if (!(reach <= Accelerator::kMaxCoordinate))
+      return absl::InvalidArgumentError(
+          fmt::format("shape reaching to {} m, allowed are coordinates up to 1e18", reach));
+    bounds_.add(box.first);
+    bounds_.add(box.second);
+    return absl::OkStatus();
+  }
+
+  Bounds& bounds_;
+};
+
 }  // namespace
 
 const PrimitiveRun& SurfaceTable::run(HitKind kind, std::uint32_t primitive) const {
@@ -168,39 +212,8 @@ void Bounds::add(const Vec3<double>& p) {
 
 absl::StatusOr<Bounds> shape_bounds(const ShapeDescription& shape) {
   Bounds bounds;
-  const auto analytic = [&](const auto& created) -> absl::Status {
-    if (!created.ok()) return located(created.status(), shape.where);
-    const auto box = created->bounds();
-    const double reach = std::max(max_abs(box.first), max_abs(box.second));
-    if (!(reach <= Accelerator::kMaxCoordinate))
-      return located(absl::InvalidArgumentError(fmt::format(
-                         "shape reaching to {} m, allowed are coordinates up to 1e18", reach)),
-                     shape.where);
-    bounds.add(box.first);
-    bounds.add(box.second);
-    return absl::OkStatus();
-  };
-  const auto mesh = [&](const auto& data) -> absl::Status {
-    for (std::size_t i = 0; i < data.positions.size(); ++i) {
-      const Vec3<double>& p = data.positions[i];
-      if (!is_finite(p) || max_abs(p) > Accelerator::kMaxCoordinate)
-        return located(not_finite(i, p), shape.where);
-      bounds.add(p);
-    }
-    return absl::OkStatus();
-  };
-  absl::Status status;
-  if (const auto* triangles = std::get_if<TriangleMeshData>(&shape.geometry))
-    status = mesh(*triangles);
-  else if (const auto* patches = std::get_if<PatchMeshData>(&shape.geometry))
-    status = mesh(*patches);
-  else if (const auto* sphere = std::get_if<SphereParams>(&shape.geometry))
-    status = analytic(Sphere<double>::create(*sphere));
-  else if (const auto* disk = std::get_if<DiskParams>(&shape.geometry))
-    status = analytic(Disk<double>::create(*disk));
-  else if (const auto* cylinder = std::get_if<CylinderParams>(&shape.geometry))
-    status = analytic(Cylinder<double>::create(*cylinder));
-  if (!status.ok()) return status;
+  if (absl::Status s = std::visit(BoundsAdder(bounds), shape.geometry); !s.ok())
+    return located(s, shape.where);
   return bounds;
 }
 
