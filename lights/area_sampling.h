@@ -11,7 +11,7 @@ namespace lucerna {
 /// How the points of an area light are chosen.  The first five differ on triangles alone: other
 /// shapes are then sampled uniformly by area.  Each keeps its density exact; what a receiver cannot
 /// use (a solid angle that no float holds, a shape without a way of its own) falls back to area, in
-/// sampling and density alike.
+/// sampling and density alike.  None has an effect where Painted::is_by_picture().
 enum class AreaSampling : std::uint8_t {
   kAutomatic = 0,     ///< by the rule in lights/area_sampling.cpp
   kSquareRoot,        ///< uniform by area, by the square root of one value
