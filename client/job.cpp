@@ -4,8 +4,6 @@
 
 #include <algorithm>
 #include <condition_variable>
-#include <deque>
-#include <list>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -14,6 +12,7 @@
 #include <thread>
 #include <utility>
 
+#include "client/job_pieces.h"
 #include "client/retry.h"
 
 namespace lucerna::client {
@@ -29,8 +28,6 @@ constexpr std::chrono::seconds kAskForServers(2);
 // Calls that only ask; who takes longer is not there.
 constexpr std::chrono::seconds kPatience(10);
 constexpr std::chrono::seconds kRenewAfter(20);
-// The same piece at so many servers at once, at most.
-constexpr std::size_t kMostAttempts = 3;
 constexpr int kMostFailures = 3;
 
 /// Whether it is the server that failed and not the request.
@@ -65,19 +62,10 @@ struct Server {
   std::vector<std::jthread> threads;
 };
 
-struct Attempt {
-  std::size_t piece;
-  const Server* server;
-  Clock::time_point begun;
-  std::stop_source stop;
-};
-
 class Job {
  public:
-  Job(Work& work, const JobOptions& options) : work_(work), options_(options) {
-    for (std::size_t i = 0; i < work.size(); ++i) pending_.push_back(i);
-    done_.resize(work.size());
-  }
+  Job(Work& work, const JobOptions& options)
+      : work_(work), options_(options), pieces_(work.size()) {}
 
   absl::StatusOr<JobReport> run() {
     // Without the lock: the stop may come from within one of our callbacks.
@@ -98,7 +86,6 @@ class Job {
         end(absl::DeadlineExceededError("the deadline passed before all pieces were done"));
       changed_.wait_for(lock, milliseconds(200));
     }
-    if (status_.ok() && n_done_ < done_.size()) status_ = absl::InternalError("not all was done");
     stop_all();
     lock.unlock();
     servers_.clear();  // joins all threads
@@ -107,14 +94,14 @@ class Job {
   }
 
  private:
-  bool over() const { return !status_.ok() || n_done_ == done_.size(); }
+  bool over() const { return !status_.ok() || pieces_.all_done(); }
   void end(const absl::Status& status) {
     if (over()) return;
     status_ = status;
     stop_all();
   }
   void stop_all() {
-    for (Attempt& attempt : attempts_) attempt.stop.request_stop();
+    pieces_.stop();
     for (const auto& server : servers_) server->stop.request_stop();
     changed_.notify_all();
   }
@@ -127,7 +114,8 @@ class Job {
   }
   void progress() const {
     if (options_.on_progress)
-      options_.on_progress({n_done_, done_.size(), answering(), Clock::now() - begun_});
+      options_.on_progress(
+          {pieces_.done_count(), pieces_.count(), answering(), Clock::now() - begun_});
   }
 
   void take_list(const absl::StatusOr<std::vector<std::string>>& targets) {
@@ -139,7 +127,8 @@ class Job {
     for (const auto& server : servers_) {
       if (server->listed && !named.contains(server->target)) {
         say(server->target + " left");
-        leave(*server);
+        server->listed = false;
+        pieces_.stop(server.get());
       }
       if (!server->listed && named.contains(server->target)) server->listed = true;
     }
@@ -151,12 +140,6 @@ class Job {
         server->threads.emplace_back([this, s = server.get()] { serve(*s); });
     }
     changed_.notify_all();
-  }
-
-  void leave(Server& server) {
-    server.listed = false;
-    for (Attempt& attempt : attempts_)
-      if (attempt.server == &server) attempt.stop.request_stop();
   }
 
   void tell_if_alone() {
@@ -182,8 +165,8 @@ class Job {
         prepare(server, lock);
       } else if (now - server.renewed > kRenewAfter) {
         renew(server, lock);
-      } else if (const std::optional<std::size_t> piece = pick(server)) {
-        attempt(server, *piece, lock);
+      } else if (const std::optional<JobPieces::Handle> attempt = pieces_.begin(&server)) {
+        try_piece(server, *attempt, lock);
       } else {
         changed_.wait_for(lock, milliseconds(500));
       }
@@ -222,7 +205,8 @@ class Job {
     server.ready = true;
     server.renewed = Clock::now();
     server.backoff = kFirstBackoff;
-    if (server.told_failure || (is_new && n_done_ > 0)) say(server.target + " answers");
+    if (server.told_failure || (is_new && pieces_.done_count() > 0))
+      say(server.target + " answers");
     server.told_failure = false;
     progress();
   }
@@ -299,82 +283,43 @@ class Job {
     progress();
   }
 
-  /// What the server is to do next: a piece that nobody does, or else one that another server began
-  /// long ago.
-  std::optional<std::size_t> pick(const Server& server) {
-    if (!pending_.empty()) {
-      const std::size_t piece = pending_.front();
-      pending_.pop_front();
-      return piece;
-    }
-    std::map<std::size_t, std::size_t> attempts;
-    std::set<std::size_t> own;
-    for (const Attempt& attempt : attempts_) {
-      ++attempts[attempt.piece];
-      if (attempt.server == &server) own.insert(attempt.piece);
-    }
-    const Attempt* oldest = nullptr;
-    for (const Attempt& attempt : attempts_) {
-      if (done_[attempt.piece] || own.contains(attempt.piece) ||
-          attempts[attempt.piece] >= kMostAttempts)
-        continue;
-      if (oldest == nullptr || attempts[attempt.piece] < attempts[oldest->piece] ||
-          (attempts[attempt.piece] == attempts[oldest->piece] && attempt.begun < oldest->begun))
-        oldest = &attempt;
-    }
-    if (oldest == nullptr) return std::nullopt;
-    return oldest->piece;
-  }
-
-  void attempt(Server& server, std::size_t piece, std::unique_lock<std::mutex>& lock) {
-    const auto place = attempts_.insert(attempts_.end(), {piece, &server, Clock::now(), {}});
+  /// Does what was begun; the lock is let go meanwhile.
+  void try_piece(Server& server, JobPieces::Handle attempt, std::unique_lock<std::mutex>& lock) {
+    const std::size_t piece = attempt->piece;
     CallOptions call = options_.call;
-    call.stop = place->stop.get_token();
+    call.stop = attempt->stop.get_token();
     const Client client = *server.client;
     const std::string scene_id = server.scene_id;
     lock.unlock();
     absl::StatusOr<Work::Result> result = work_.run(piece, client, scene_id, call);
     lock.lock();
-    attempts_.erase(place);
-    if (over()) return;
-    if (done_[piece]) {
-      if (result.ok()) ++report_.duplicates;
-      return;
+    if (!over() && !pieces_.done(piece) && result.ok()) {
+      accept(server, piece, *std::move(result));
+    } else if (!over() && pieces_.done(piece)) {
+      report_.duplicates += result.ok() ? 1 : 0;
+    } else if (!over() && server.listed) {
+      failed(server, piece, result.status());
     }
-    if (result.ok()) return accept(server, piece, *std::move(result));
-    give_back(piece);
-    if (!server.listed) return;
-    const absl::Status& status = result.status();
-    if (absl::IsNotFound(status) || absl::IsInternal(status)) {
-      // It lost the scene, or itself: try anew, and not for ever.
-      if (++failures_[piece] >= kMostFailures)
-        return end(
-            absl::Status(status.code(), server.target + ": " + std::string(status.message())));
-      server.ready = false;
-      return;
-    }
-    failed(server, status);
-  }
-
-  void give_back(std::size_t piece) {
-    const auto is_it = [&](const Attempt& a) { return a.piece == piece; };
-    if (std::any_of(attempts_.begin(), attempts_.end(), is_it)) return;
-    pending_.push_front(piece);
+    pieces_.end(attempt);
     changed_.notify_all();
   }
 
+  void failed(Server& server, std::size_t piece, const absl::Status& status) {
+    if (!absl::IsNotFound(status) && !absl::IsInternal(status)) return failed(server, status);
+    // It lost the scene, or itself: try anew, and not for ever.
+    if (++failures_[piece] >= kMostFailures)
+      return end(absl::Status(status.code(), server.target + ": " + std::string(status.message())));
+    server.ready = false;
+  }
+
   void accept(const Server& server, std::size_t piece, Work::Result result) {
-    done_[piece] = true;
-    ++n_done_;
-    for (Attempt& attempt : attempts_)
-      if (attempt.piece == piece) attempt.stop.request_stop();
+    pieces_.complete(piece);
     if (std::find(report_.fingerprints.begin(), report_.fingerprints.end(), server.fingerprint) ==
         report_.fingerprints.end())
       report_.fingerprints.push_back(server.fingerprint);
     const absl::Status status = work_.accept(piece, std::move(result));
     progress();
-    changed_.notify_all();
-    if (!status.ok()) status_ = status;
+    if (!status.ok() && status_.ok()) status_ = status;
   }
 
   Work& work_;
@@ -385,11 +330,8 @@ class Job {
   std::condition_variable changed_;
   absl::Status status_;
   JobReport report_;
-  std::deque<std::size_t> pending_;
-  std::vector<bool> done_;
-  std::size_t n_done_ = 0;
+  JobPieces pieces_;
   std::map<std::size_t, int> failures_;
-  std::list<Attempt> attempts_;
   std::mt19937 random_{std::random_device{}()};
   bool told_alone_ = false;
   std::vector<std::unique_ptr<Server>> servers_;  // the last: its threads use all of the above

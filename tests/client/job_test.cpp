@@ -121,6 +121,9 @@ class JobTest : public ::testing::Test {
   }
 
   std::mutex mutex_;
+  // Of the fixture: calls that were given up may wait here until the servers are gone.
+  Door never_, door_;
+  std::atomic<int> first_ = 0;
   std::map<FakeServer*, int> answers_;
   std::vector<std::string> listed_;
   std::vector<std::string> events_;
@@ -151,9 +154,8 @@ TEST_F(JobTest, NothingToDoIsDoneAtOnce) {
 }
 
 TEST_F(JobTest, AServerThatHangsIsDoneWithout) {
-  Door never;
-  servers_[0].sample_li = [&](grpc::ServerContext& context, auto&, auto*) {
-    never.wait(context);
+  servers_[0].sample_li = [this](grpc::ServerContext& context, auto&, auto*) {
+    never_.wait(context);
     return grpc::Status::CANCELLED;
   };
   Lights work(50);
@@ -165,22 +167,20 @@ TEST_F(JobTest, AServerThatHangsIsDoneWithout) {
 
 TEST_F(JobTest, TheFirstOfTwoResultsCounts) {
   // The first piece's first server answers only after the other has.
-  Door door;
-  std::atomic<int> first = 0;
   for (FakeServer& server : servers_) {
     server.sample_li = [&](grpc::ServerContext& context, const v1::SampleLiRequest& request,
                            v1::SampleLiResponse* response) {
-      if (request.light_id() == 1 && first++ == 0) door.wait(context);
+      if (request.light_id() == 1 && first_++ == 0) door_.wait(context);
       return answer(server, request, response);
     };
   }
   Lights work(3);
   options_.on_progress = [&](const JobProgress& p) {
-    if (p.done == 3) door.open();
+    if (p.done == 3) door_.open();
   };
   ASSERT_TRUE(run_job(work, options_).ok());
   EXPECT_TRUE(work.each_once());
-  EXPECT_GE(first.load(), 2);
+  EXPECT_GE(first_.load(), 2);
 }
 
 TEST_F(JobTest, WhatAServerFailsAtOthersDo) {
@@ -278,11 +278,12 @@ TEST_F(JobTest, ServersOfOtherScenesEndIt) {
     response->set_scene_id("another");
     return grpc::Status::OK;
   };
-  Door door;  // so that the second server is asked at all
-  servers_[0].sample_li = [&](grpc::ServerContext& context, auto&, auto*) {
-    door.wait(context);
-    return grpc::Status::CANCELLED;
-  };
+  for (FakeServer& server : servers_) {
+    server.sample_li = [this](grpc::ServerContext& context, auto&, auto*) {
+      never_.wait(context);
+      return grpc::Status::CANCELLED;
+    };
+  }
   Lights work(100);
   const auto report = run_job(work, options_);
   EXPECT_EQ(report.status().code(), absl::StatusCode::kFailedPrecondition);
@@ -292,15 +293,15 @@ TEST_F(JobTest, ServersOfOtherScenesEndIt) {
 TEST_F(JobTest, ServersJoinAndLeaveWhileItRuns) {
   const std::string first = servers_[0].target(), second = servers_[1].target();
   listed_ = {first};
-  Door never;
-  servers_[0].sample_li = [&](grpc::ServerContext& context, const v1::SampleLiRequest& request,
-                              v1::SampleLiResponse* response) {
+  servers_[0].sample_li = [&, second](grpc::ServerContext& context,
+                                      const v1::SampleLiRequest& request,
+                                      v1::SampleLiResponse* response) {
     if (request.light_id() > 10) {
       {
         const std::lock_guard lock(mutex_);
         listed_ = {second};
       }
-      never.wait(context);
+      never_.wait(context);
       return grpc::Status::CANCELLED;
     }
     return answer(servers_[0], request, response);
@@ -329,10 +330,9 @@ TEST_F(JobTest, WaitsWhileNoServerAnswersAndSaysSo) {
 }
 
 TEST_F(JobTest, EndsWhenItIsToldTo) {
-  Door never;
   for (FakeServer& server : servers_) {
-    server.sample_li = [&](grpc::ServerContext& context, auto&, auto*) {
-      never.wait(context);
+    server.sample_li = [this](grpc::ServerContext& context, auto&, auto*) {
+      never_.wait(context);
       return grpc::Status::CANCELLED;
     };
   }
