@@ -7,6 +7,7 @@
 
 #include "lights/bilinear_patch.h"
 #include "lights/triangle.h"
+#include "server/pbrt/image_lights.h"
 #include "server/pbrt/photometric_lights.h"
 
 namespace lucerna::pbrt {
@@ -50,8 +51,9 @@ Vec3<double> tangent_of(const Geometry& geometry, const Place& shape_place) {
   if (const auto* disk = std::get_if<DiskParams>(&geometry))
     return disk->world_from_object.vector({1, 0, 0});
   fail(shape_place,
-       "a light with \"profile\" on a sphere or cylinder, allowed: flat shapes (bilinearmesh, "
-       "trianglemesh, plymesh, disk)");
+       fmt::format("a light with \"profile\" on a {}, allowed: flat shapes (bilinearmesh, "
+                   "trianglemesh, plymesh, disk)",
+                   std::holds_alternative<SphereParams>(geometry) ? "sphere" : "cylinder"));
 }
 
 /// How the shape refuses the profile; OK where it takes it.
@@ -83,7 +85,10 @@ absl::Status check_panel(const Geometry& geometry, const PanelProfile& profile) 
 
 std::optional<Picture> area_picture(Context& context, const ParameterSet& params) {
   const Parameter* filename = params.find("filename", {"string"});
-  if (filename == nullptr) return std::nullopt;
+  if (filename == nullptr) {
+    check_without_picture(context, params, {"filter"});
+    return std::nullopt;
+  }
   if (const Parameter* l = params.find("L", {"rgb", "spectrum", "blackbody"}))
     fail(l->place, "\"L\" beside \"filename\", allowed: one of them, and \"scale\"");
   NamedImage named = read_image(context, *filename);

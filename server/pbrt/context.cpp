@@ -4,6 +4,8 @@
 
 #include <utility>
 
+#include "server/pbrt/params.h"
+
 namespace lucerna::pbrt {
 
 void Context::remark(const Place& place, std::string what, std::string instead) {
@@ -24,15 +26,37 @@ void Context::finish_remarks() {
   rest.instead = "as the remarks before this one say of their like";
 }
 
-AssetContent Context::read(const Place& place, const std::string& name) {
-  if (!is_printable(name)) fail(place, "a file name must be UTF-8 without control characters");
+absl::StatusOr<AssetContent> Context::find(const Place& place, const std::string& name) {
+  if (!is_printable(name))
+    return absl::InvalidArgumentError("a file name must be UTF-8 without control characters");
   auto content = assets.read_unpacked(name, scene_file);
   if (absl::IsNotFound(content.status()) && place.file != nullptr && *place.file != scene_file) {
     if (auto nearby = assets.read_unpacked(name, *place.file); !absl::IsNotFound(nearby.status()))
       content = std::move(nearby);
   }
+  return content;
+}
+
+AssetContent Context::read(const Place& place, const std::string& name) {
+  auto content = find(place, name);
   if (!content.ok()) fail(place, content.status());
   return *std::move(content);
+}
+
+AssetContent Context::read(const Parameter& parameter) {
+  const std::string& name = parameter.strings.front();
+  auto content = find(parameter.place, name);
+  if (content.ok()) return *std::move(content);
+  const absl::Status& status = content.status();
+  const bool missing = absl::IsNotFound(status);
+  // What can still come, is too large or was given up has nothing that the parameter allows.
+  if (!missing && !absl::IsInvalidArgument(status)) fail(parameter.place, status);
+  fail(parameter.place,
+       absl::Status(
+           status.code(),
+           fmt::format("\"{} {}\" = \"{}\": {}{}", parameter.type, printable(parameter.name),
+                       printable(name), std::string(status.message()),
+                       missing ? ", allowed: a file beneath the scene's root" : "")));
 }
 
 void Context::poll() const {

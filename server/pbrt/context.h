@@ -1,6 +1,8 @@
 // What every part of the reader works on.
 #pragma once
 
+#include <absl/status/statusor.h>
+
 #include <cstddef>
 #include <map>
 #include <memory>
@@ -19,6 +21,8 @@
 #include "server/scene_description.h"
 
 namespace lucerna::pbrt {
+
+struct Parameter;
 
 struct Context {
   Context(AssetReader& assets, SceneDescription& scene, std::stop_token stop,
@@ -49,11 +53,15 @@ struct Context {
   /// The file that `place` names: beneath the directory of the scene file, as pbrt-v4 looks for it,
   /// or of the file that names it.  Unpacked.  Fails at `place`.
   AssetContent read(const Place& place, const std::string& name);
+  /// The file that the first string of `parameter` names.  Errors name the parameter too.
+  AssetContent read(const Parameter& parameter);
 
   /// Fails with CANCELLED once the caller gave up.
   void poll() const;
 
  private:
+  absl::StatusOr<AssetContent> find(const Place& place, const std::string& name);
+
   std::set<std::string> said_;
   std::size_t uncounted_ = 0;
 };

@@ -26,7 +26,12 @@ bool Parser::transform_directive(const Token& word) {
     std::array<double, 3> n;
     numbers(n);
     const bool regular = n[0] != 0 && n[1] != 0 && n[2] != 0;
-    concatenate(regular ? Transform::scale({n[0], n[1], n[2]}) : std::nullopt, name, word.place);
+    const auto scale = regular ? Transform::scale({n[0], n[1], n[2]}) : std::nullopt;
+    if (!scale)
+      fail(word.place, fmt::format("Scale {} {} {} has no inverse, allowed: factors other than 0 "
+                                   "whose reciprocals a double holds",
+                                   n[0], n[1], n[2]));
+    builder_.concatenate(*scale);
   } else if (name == "Rotate") {
     std::array<double, 4> n;
     numbers(n);

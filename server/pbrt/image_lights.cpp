@@ -77,8 +77,8 @@ ImageInfiniteLightParams picture(Context& context, const ParameterSet& params, c
       if (!(of_picture > 0))
         fail(given->place,
              fmt::format("\"float illuminance\" = {} lx for a picture that is black above the "
-                         "horizon, which cannot have it",
-                         wanted));
+                         "horizon, which cannot have it{}",
+                         wanted, kOnlyAsIfNotGiven));
       level *= wanted / of_picture;
       if (equal_area)
         context.remark(given->place, "\"illuminance\" of a picture, of which pbrt-v4 counts half",
@@ -107,6 +107,22 @@ SphereMapping sphere_mapping(const ParameterSet& params) {
   if (name == "latlong") return SphereMapping::kLatitudeLongitude;
   fail(params.find("mapping", {"string"})->place,
        fmt::format("\"string mapping\" = \"{}\", allowed: equalarea, latlong", printable(name)));
+}
+
+void check_without_picture(Context& context, const ParameterSet& params,
+                           std::initializer_list<std::string_view> names) {
+  for (const std::string_view name : names) {
+    const Parameter* given = params.find(name, {"string"});
+    if (given == nullptr) continue;
+    if (name == "mapping")
+      sphere_mapping(params);
+    else
+      image_filter(params);
+    if (params.is_own(*given))
+      context.remark(given->place,
+                     fmt::format("\"string {}\" without a picture (\"string filename\")", name),
+                     "it changes nothing");
+  }
 }
 
 ImageInfiniteLightParams image_infinite(Context& context, const ParameterSet& params,

@@ -26,4 +26,9 @@ PortalLightParams portal(Context& context, const ParameterSet& params, const Pla
 /// "string mapping" of a light.
 SphereMapping sphere_mapping(const ParameterSet& params);
 
+/// Of a light without a picture: remarks that "string mapping" and "string filter", those of
+/// `names` that the directive itself gives, change nothing.  Fails on values that they cannot have.
+void check_without_picture(Context& context, const ParameterSet& params,
+                           std::initializer_list<std::string_view> names);
+
 }  // namespace lucerna::pbrt

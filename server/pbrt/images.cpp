@@ -9,7 +9,7 @@ namespace lucerna::pbrt {
 NamedImage read_image(Context& context, const Parameter& filename) {
   if (filename.strings.size() != 1)
     fail(filename.place, fmt::format("\"string {}\" takes one name", filename.name));
-  const AssetContent content = context.read(filename.place, filename.strings.front());
+  const AssetContent content = context.read(filename);
   std::shared_ptr<const Image>& image = context.images[content.name];
   if (image == nullptr) {
     context.poll();

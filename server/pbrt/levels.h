@@ -8,6 +8,9 @@
 
 namespace lucerna::pbrt {
 
+/// Ends the refusal of a "power" or "illuminance" to a light that is black.
+inline constexpr const char* kOnlyAsIfNotGiven = ", allowed: 0, as if not given";
+
 /// The parameter that such a level is said to come from, the first that is given of "scale",
 /// "power", "illuminance", `name` (of its colour) and "filename"; `directive` where none is.
 Place level_place(const ParameterSet& params, std::string_view name, const Place& directive);

@@ -52,11 +52,11 @@ Rgb<double> level(Context& context, const ParameterSet& params, const Place& pla
     } else if (wanted > 0) {
       if (!(luminance(result) > 0))
         fail(given->place,
-             fmt::format("\"float {}\" = {} {} for a light of luminance 0, which cannot have it",
-                         target->name, wanted, target->unit));
+             fmt::format("\"float {}\" = {} {} for a light of luminance 0, which cannot have it{}",
+                         target->name, wanted, target->unit, kOnlyAsIfNotGiven));
       if (!(target->of_unit_level > 0))
-        fail(given->place, fmt::format("\"float {}\" = {} {} for a light that lights nothing",
-                                       target->name, wanted, target->unit));
+        fail(given->place, fmt::format("\"float {}\" = {} {} for a light that lights nothing{}",
+                                       target->name, wanted, target->unit, kOnlyAsIfNotGiven));
       // Levels are written with four or five digits: closer to 1 than those can say is meant as 1.
       if (std::fabs(luminance(result) - 1) > 1e-4)
         context.remark(
@@ -215,6 +215,7 @@ std::optional<LightDescription> make_light(Context& context, const std::string& 
     if (params.find("portal", {"point3"}) != nullptr) {
       PortalLightParams through = portal(context, params, place, world_from_light);
       if (image == nullptr) {
+        check_without_picture(context, params, {"mapping", "filter"});
         // pbrt-v4 makes it a picture of one texel, and counts that with the cosine of its middle: 2
         // pi where a uniform sky has pi.
         if (const Parameter* given = params.find("illuminance", {"float"});
@@ -235,6 +236,7 @@ std::optional<LightDescription> make_light(Context& context, const std::string& 
       params.remark_unused(context, "LightSource \"infinite\"");
       return light;
     }
+    check_without_picture(context, params, {"mapping", "filter"});
     UniformInfiniteLightParams infinite;
     // Illuminance on an upward-facing surface under a hemisphere of luminance 1: pi.
     infinite.radiance_cd_m2 = level(context, params, place, "L", Target{"illuminance", "lx", kPi});
@@ -264,11 +266,11 @@ std::optional<LightDescription> make_light(Context& context, const std::string& 
                             "goniometric projection",
                             printable(type)));
   }
-  // The colours of pictures are RGB.
-  if (type == "point" || type == "spot" || type == "goniometric")
-    light.spectrum = light_spectrum(context, params, "I");
-  else if (params.find("filename", {"string"}) == nullptr)
-    light.spectrum = light_spectrum(context, params, type == "projection" ? "I" : "L");
+  const char* level_name = type == "distant" || type == "infinite" ? "L" : "I";
+  if (type == "projection" && params.find("filename", {"string"}) != nullptr)
+    remark_on_spectrum_of_picture(context, params, level_name);
+  else
+    light.spectrum = light_spectrum(context, params, level_name);
   params.remark_unused(context, fmt::format("LightSource \"{}\"", type));
   return light;
 }

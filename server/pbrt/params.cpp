@@ -121,6 +121,12 @@ Place ParameterSet::place_of(std::initializer_list<std::string_view> names,
   return otherwise;
 }
 
+bool ParameterSet::is_own(const Parameter& parameter) const {
+  return std::ranges::any_of(entries_, [&](const Entry& entry) {
+    return entry.parameter.get() == &parameter && !entry.inherited;
+  });
+}
+
 void ParameterSet::ignore(std::initializer_list<std::string_view> names) const {
   for (const Entry& entry : entries_)
     if (std::find(names.begin(), names.end(), entry.parameter->name) != names.end())

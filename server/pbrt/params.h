@@ -55,6 +55,9 @@ class ParameterSet {
   /// Where the first of `names` that is given stands; `otherwise` where none is.
   Place place_of(std::initializer_list<std::string_view> names, const Place& otherwise) const;
 
+  /// Whether the directive itself gives it, not an Attribute directive before it.
+  bool is_own(const Parameter& parameter) const;
+
   /// Takes parameters as read that change nothing here.
   void ignore(std::initializer_list<std::string_view> names) const;
 

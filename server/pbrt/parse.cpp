@@ -80,7 +80,7 @@ Token Parser::next() {
 }
 
 double Parser::number(const std::string& directive) {
-  return pbrt::number(next(), "a number for " + directive);
+  return pbrt::number(next(), "a number for " + directive, directive);
 }
 
 std::string Parser::string(const std::string& directive) {
@@ -193,7 +193,7 @@ void Parser::value(const Token& token, Parameter& parameter) {
         !(token.text.front() == '.' || token.text.front() == '-' || token.text.front() == '+' ||
           (token.text.front() >= '0' && token.text.front() <= '9')))
       reject(type == "integer" ? "an integer" : "a number");
-    const double number = pbrt::number(token, "a number");
+    const double number = pbrt::number(token, "a number", parameter.type, parameter.name);
     if (type == "integer" &&
         (number != std::floor(number) || number < -2147483648.0 || number > 2147483647.0))
       reject("an integer of 32 bits");

@@ -55,7 +55,7 @@ bool names_photometric_file(const std::string& name) {
 NamedPhotometricFile read_photometric_file(Context& context, const Parameter& filename) {
   if (filename.strings.size() != 1)
     fail(filename.place, fmt::format("\"string {}\" takes one name", filename.name));
-  const AssetContent content = context.read(filename.place, filename.strings.front());
+  const AssetContent content = context.read(filename);
   PhotometricFile& file = context.photometric_files[content.name];
   if (file.web == nullptr) {
     context.poll();
@@ -76,14 +76,18 @@ NamedPhotometricFile read_photometric_file(Context& context, const Parameter& fi
 
 GoniometricLightParams goniometric(Context& context, const ParameterSet& params, const Place& place,
                                    const Transform& world_from_light) {
-  require_equal_scale(place, "a goniometric light", world_from_light);
   GoniometricLightParams light;
   light.position_m = world_from_light.point({0, 0, 0});
-  light.axes = {world_from_light.vector({1, 0, 0}), world_from_light.vector({0, 1, 0}),
-                world_from_light.vector({0, 0, 1})};
   light.intensity = Rgb<double>(1);
   const Parameter* filename = params.find("filename", {"string"});
-  if (filename == nullptr) return light;
+  if (filename == nullptr) {
+    // The same in all directions: nothing to turn or stretch.
+    check_without_picture(context, params, {"mapping", "filter"});
+    return light;
+  }
+  require_equal_scale(place, "a goniometric light", world_from_light);
+  light.axes = {world_from_light.vector({1, 0, 0}), world_from_light.vector({0, 1, 0}),
+                world_from_light.vector({0, 0, 1})};
   if (filename->strings.size() == 1 && names_photometric_file(filename->strings.front())) {
     NamedPhotometricFile named = read_photometric_file(context, *filename);
     light.web = std::move(named.file.web);

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "lights/axes.h"
+#include "server/pbrt/image_lights.h"
 #include "server/pbrt/scales.h"
 
 namespace lucerna::pbrt {
@@ -94,6 +95,7 @@ Projection projection(Context& context, const ParameterSet& params, const Place&
   NamedImage named;
   const Parameter* filename = params.find("filename", {"string"});
   if (filename != nullptr) named = read_image(context, *filename);
+  if (filename == nullptr) check_without_picture(context, params, {"filter"});
   const ImageFilter filter = filename != nullptr ? image_filter(params) : ImageFilter::kNearest;
   const Vec3<double> position = world_from_light.point({0, 0, 0});
   const std::string name = params.string("projection", "perspective");

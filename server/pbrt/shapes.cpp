@@ -53,10 +53,9 @@ std::vector<Vec3<float>> world_normals(Context& context, const ShapeDirective& s
 
 /// Turns each primitive so that its winding says its outside.  With vertex normals that is the side
 /// they point to, otherwise a mirror or ReverseOrientation (not both) turns it.
-/// `geometric_normal(corners)` is of any length.  Returns how many primitives have no area.
+/// `geometric_normal(corners)` is of any length.
 template <std::size_t kCorners, typename Mesh, typename F>
-std::size_t resolve_winding(Mesh& mesh, bool turned, F&& geometric_normal) {
-  std::size_t degenerate = 0;
+void resolve_winding(Mesh& mesh, bool turned, F&& geometric_normal) {
   for (std::size_t i = 0; i + kCorners <= mesh.indices.size(); i += kCorners) {
     std::uint32_t* corner = &mesh.indices[i];
     std::array<Vec3<double>, kCorners> p;
@@ -66,13 +65,58 @@ std::size_t resolve_winding(Mesh& mesh, bool turned, F&& geometric_normal) {
       if (!mesh.normals.empty()) n += Vec3<double>(mesh.normals[corner[k]]);
     }
     const Vec3<double> outside = geometric_normal(p);
-    if (max_abs(outside) == 0) ++degenerate;
     if (mesh.normals.empty() ? turned : dot(normalized(outside), n) < 0) {
       std::swap(corner[1], corner[2]);
       if (!mesh.corner_uv.empty()) std::swap(mesh.corner_uv[i + 1], mesh.corner_uv[i + 2]);
     }
   }
-  return degenerate;
+}
+
+/// How many primitives are to be remarked on.
+struct Census {
+  std::size_t without_area = 0;
+  std::size_t crossed = 0;  ///< patches that are flat and whose edges cross
+};
+
+Census census_of(const TriangleMeshData& mesh) {
+  Census census;
+  for (std::size_t i = 0; i + 3 <= mesh.indices.size(); i += 3) {
+    const auto p = [&](std::size_t k) { return mesh.positions[mesh.indices[i + k]]; };
+    if (max_abs(cross(p(1) - p(0), p(2) - p(0))) == 0) ++census.without_area;
+  }
+  return census;
+}
+
+/// Of a patch dp/du x dp/dv is linear in u and in v: where all four corners have none, there is no
+/// area.  On flat patches those are the turns of the outline, which crosses itself where two go one
+/// way and two the other (with one it is an arrowhead).
+Census census_of(const PatchMeshData& mesh) {
+  Census census;
+  for (std::size_t i = 0; i + 4 <= mesh.indices.size(); i += 4) {
+    const auto p = [&](std::size_t k) { return mesh.positions[mesh.indices[i + k]]; };
+    const std::array<Vec3<double>, 4> turns{
+        cross(p(1) - p(0), p(2) - p(0)), cross(p(1) - p(0), p(3) - p(1)),
+        cross(p(3) - p(2), p(2) - p(0)), cross(p(3) - p(2), p(3) - p(1))};
+    Vec3<double> largest{};
+    for (const Vec3<double>& turn : turns)
+      if (max_abs(turn) > max_abs(largest)) largest = turn;
+    if (max_abs(largest) == 0) {
+      ++census.without_area;
+      continue;
+    }
+    constexpr double kRounded = 1e-6;  // what rounded corners leave, of the largest
+    const Vec3<double> axis = normalized(largest);
+    const double unit = length(largest);
+    int left = 0, right = 0;
+    for (const Vec3<double>& turn : turns) {
+      const Vec3<double> t = turn / unit;
+      if (max_abs(cross(axis, t)) > kRounded) break;
+      left += dot(axis, t) > kRounded;
+      right += dot(axis, t) < -kRounded;
+    }
+    if (left == 2 && right == 2) ++census.crossed;
+  }
+  return census;
 }
 
 void check_raw(const ShapeDirective& shape, RawMesh& raw, std::size_t corners) {
@@ -132,23 +176,30 @@ Mesh make_mesh(Context& context, const ShapeDirective& shape, RawMesh raw) {
   if (shape.needs_uv) mesh.corner_uv = corner_uvs < kPatches ? 4 : 3 > (raw);
   mesh.indices = std::move(raw.indices);
   const bool turned = shape.reverse_orientation != shape.world_from_object.swaps_handedness();
-  std::size_t degenerate = 0;
   if constexpr (kPatches) {
     // cross(dp/du, dp/dv) in the middle; corners run (0,0), (1,0), (0,1), (1,1).
-    degenerate = resolve_winding<4>(mesh, turned, [](const auto& p) {
+    resolve_winding<4>(mesh, turned, [](const auto& p) {
       return cross((p[1] - p[0]) + (p[3] - p[2]), (p[2] - p[0]) + (p[3] - p[1]));
     });
     if (shows_all_on_each(mesh.corner_uv)) mesh.corner_uv = {};
   } else {
-    degenerate = resolve_winding<3>(mesh, turned,
-                                    [](const auto& p) { return cross(p[1] - p[0], p[2] - p[0]); });
+    resolve_winding<3>(mesh, turned, [](const auto& p) { return cross(p[1] - p[0], p[2] - p[0]); });
   }
-  if (degenerate > 0)
+  const Census census = census_of(mesh);
+  const std::size_t primitives = mesh.indices.size() / (kPatches ? 4 : 3);
+  if (census.without_area > 0)
+    context.remark(shape.place,
+                   fmt::format("{} of {} {} of this mesh have no area", census.without_area,
+                               primitives, kPatches ? "patches" : "triangles"),
+                   "kept, but neither seen nor a light");
+  if (census.crossed > 0)
     context.remark(
         shape.place,
-        fmt::format("{} of {} {} of this mesh have no area", degenerate,
-                    mesh.indices.size() / (kPatches ? 4 : 3), kPatches ? "patches" : "triangles"),
-        "kept, but neither seen nor a light");
+        fmt::format("the edges of {} of {} patches of this mesh cross, as those of corners in ring "
+                    "order do, where \"point3 P\" of a bilinearmesh wants rows: (u, v) = (0, 0), "
+                    "(1, 0), (0, 1), (1, 1)",
+                    census.crossed, primitives),
+        "taken as rows: a bow tie, whose halves face opposite ways");
   return mesh;
 }
 
@@ -170,7 +221,7 @@ TriangleMeshData ply_mesh(Context& context, const ShapeDirective& shape) {
   if (const Parameter* map = shape.params.find("displacement", {"texture", "float"}))
     context.remark(map->place, "\"displacement\" is not modelled", "the mesh as the file gives it");
   shape.params.ignore({"displacement.edgelength", "edgelength", "displacement.uvscale"});
-  const AssetContent content = context.read(file->place, file->strings.front());
+  const AssetContent content = context.read(*file);
   auto ply = parse_ply(content.bytes, context.stop);
   if (absl::IsCancelled(ply.status())) throw Failure{ply.status()};
   if (!ply.ok()) {
@@ -190,18 +241,43 @@ TriangleMeshData ply_mesh(Context& context, const ShapeDirective& shape) {
   return make_mesh<TriangleMeshData>(context, shape, std::move(raw));
 }
 
+/// [m]
+double radius(const ShapeDirective& shape) {
+  const double radius = shape.params.number("radius", 1);
+  if (!(radius > 0))
+    fail(shape.params.place_of({"radius"}, shape.place),
+         fmt::format("\"float radius\" = {} m, allowed: positive", radius));
+  return radius;
+}
+
+/// [rad]
 double swept_angle(const ShapeDirective& shape) {
   const double degrees = shape.params.number("phimax", 360);
-  return degrees >= 360 ? 2 * std::numbers::pi : degrees * kRadPerDegree;
+  const double angle = degrees >= 360 ? 2 * std::numbers::pi : degrees * kRadPerDegree;
+  if (!(angle > 0))
+    fail(shape.params.place_of({"phimax"}, shape.place),
+         fmt::format("\"float phimax\" = {} degrees, allowed: positive, from 360 on the whole turn",
+                     degrees));
+  return angle;
+}
+
+[[noreturn]] void refuse_heights(const ShapeDirective& shape, double z0, double z1,
+                                 const std::string& allowed) {
+  fail(shape.params.place_of({"zmin", "zmax", "radius"}, shape.place),
+       fmt::format("\"float zmin\" = {} m and \"float zmax\" = {} m, allowed: two heights that {}",
+                   z0, z1, allowed));
 }
 
 SphereParams sphere(const ShapeDirective& shape) {
   SphereParams sphere;
-  sphere.radius_m = shape.params.number("radius", 1);
+  sphere.radius_m = radius(shape);
   const double z0 = shape.params.number("zmin", -sphere.radius_m);
   const double z1 = shape.params.number("zmax", sphere.radius_m);
   sphere.z_min_m = std::min(z0, z1);
   sphere.z_max_m = std::max(z0, z1);
+  const double r = sphere.radius_m;
+  if (!(sphere.z_min_m < r && sphere.z_max_m > -r && sphere.z_max_m > sphere.z_min_m))
+    refuse_heights(shape, z0, z1, fmt::format("leave some of [{}, {}] between them", -r, r));
   sphere.phi_max_rad = swept_angle(shape);
   sphere.reverse_orientation = shape.reverse_orientation;
   sphere.world_from_object = shape.world_from_object;
@@ -213,8 +289,12 @@ SphereParams sphere(const ShapeDirective& shape) {
 DiskParams disk(const ShapeDirective& shape) {
   DiskParams disk;
   disk.height_m = shape.params.number("height", 0);
-  disk.radius_m = shape.params.number("radius", 1);
+  disk.radius_m = radius(shape);
   disk.inner_radius_m = shape.params.number("innerradius", 0);
+  if (!(disk.inner_radius_m >= 0 && disk.inner_radius_m < disk.radius_m))
+    fail(shape.params.place_of({"innerradius"}, shape.place),
+         fmt::format("\"float innerradius\" = {} m, allowed: [0, {}), of which {} m is the radius",
+                     disk.inner_radius_m, disk.radius_m, disk.radius_m));
   disk.phi_max_rad = swept_angle(shape);
   disk.reverse_orientation = shape.reverse_orientation;
   disk.world_from_object = shape.world_from_object;
@@ -224,11 +304,12 @@ DiskParams disk(const ShapeDirective& shape) {
 
 CylinderParams cylinder(const ShapeDirective& shape) {
   CylinderParams cylinder;
-  cylinder.radius_m = shape.params.number("radius", 1);
+  cylinder.radius_m = radius(shape);
   const double z0 = shape.params.number("zmin", -1);
   const double z1 = shape.params.number("zmax", 1);
   cylinder.z_min_m = std::min(z0, z1);
   cylinder.z_max_m = std::max(z0, z1);
+  if (!(cylinder.z_max_m > cylinder.z_min_m)) refuse_heights(shape, z0, z1, "differ");
   cylinder.phi_max_rad = swept_angle(shape);
   cylinder.reverse_orientation = shape.reverse_orientation;
   cylinder.world_from_object = shape.world_from_object;

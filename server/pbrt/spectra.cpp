@@ -100,7 +100,7 @@ std::shared_ptr<const Spectrum> read_spectrum(Context& context, const Parameter&
                      "linear RGB [1 1 1]");
       return nullptr;
     }
-    numbers = numbers_of(p.place, context.read(p.place, name));
+    numbers = numbers_of(p.place, context.read(p));
     if (numbers.empty()) fail(p.place, fmt::format("\"{}\" holds no numbers", printable(name)));
   }
   absl::StatusOr<Spectrum> spectrum = Spectrum::create(samples(p.place, what, numbers));
@@ -123,21 +123,37 @@ std::string text(const Rgb<double>& c) {
   return fmt::format("[{:.4g} {:.4g} {:.4g}]", c.r, c.g, c.b);
 }
 
+/// Read once for all lights that say the same.  Null for what says no spectrum.
+std::shared_ptr<const Spectrum> spectrum_of(Context& context, const Parameter* parameter) {
+  if (parameter == nullptr || parameter->type == "rgb") return nullptr;
+  const auto [entry, is_new] = context.spectra.try_emplace(key_of(*parameter));
+  if (is_new) entry->second = read_spectrum(context, *parameter);
+  return entry->second;
+}
+
 }  // namespace
 
 std::shared_ptr<const Spectrum> light_spectrum(Context& context, const ParameterSet& params,
                                                std::string_view name) {
   const Parameter* parameter = params.find(name, {"rgb", "blackbody", "spectrum"});
-  if (parameter == nullptr || parameter->type == "rgb") return nullptr;
-  const auto [entry, is_new] = context.spectra.try_emplace(key_of(*parameter));
-  if (is_new) entry->second = read_spectrum(context, *parameter);
-  const std::shared_ptr<const Spectrum>& spectrum = entry->second;
+  const std::shared_ptr<const Spectrum> spectrum = spectrum_of(context, parameter);
   if (spectrum != nullptr && spectrum->clipped())
     context.remark(parameter->place,
                    fmt::format("{} \"{}\" is outside of what RGB can show", parameter->type, name),
                    fmt::format("linear RGB {} of luminance 1; queries by wavelength are exact",
                                text(spectrum->rgb())));
   return spectrum;
+}
+
+void remark_on_spectrum_of_picture(Context& context, const ParameterSet& params,
+                                   std::string_view name) {
+  const Parameter* parameter = params.find(name, {"rgb", "blackbody", "spectrum"});
+  if (const auto spectrum = spectrum_of(context, parameter))
+    context.remark(
+        parameter->place,
+        fmt::format("{} \"{}\" beside a picture, whose colours are RGB", parameter->type, name),
+        fmt::format("the spectrum is taken as RGB {} of luminance 1, by wavelength too",
+                    text(spectrum->rgb())));
 }
 
 Rgb<double> light_level(Context& context, const ParameterSet& params, std::string_view name) {
@@ -150,7 +166,7 @@ Rgb<double> light_level(Context& context, const ParameterSet& params, std::strin
            fmt::format("\"rgb {}\" = {}, allowed: not negative", name, text(rgb)));
     return rgb;
   }
-  if (const auto spectrum = light_spectrum(context, params, name)) return spectrum->rgb();
+  if (const auto spectrum = spectrum_of(context, parameter)) return spectrum->rgb();
   const bool named = parameter->numbers.empty() && of_no_light(parameter->strings.front());
   return Rgb<double>(named ? 1 : 0);
 }

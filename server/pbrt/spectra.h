@@ -16,6 +16,11 @@ namespace lucerna::pbrt {
 std::shared_ptr<const Spectrum> light_spectrum(Context& context, const ParameterSet& params,
                                                std::string_view name);
 
+/// Says of a light with a picture, whose colours are RGB, that a spectrum in `name` is taken as
+/// RGB.
+void remark_on_spectrum_of_picture(Context& context, const ParameterSet& params,
+                                   std::string_view name);
+
 /// The level that a light's parameter `name` gives, before `scale`: the channels of an rgb as they
 /// are, spectra at luminance 1, black where the eye sees nothing of them, white of luminance 1
 /// where it is not given.  Fails on negative values.

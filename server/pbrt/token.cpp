@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
+#include <limits>
 
 namespace lucerna::pbrt {
 namespace {
@@ -70,7 +71,8 @@ std::string unescaped(const Token& string) {
   return result;
 }
 
-double number(const Token& word, std::string_view expected) {
+double number(const Token& word, std::string_view expected, std::string_view owner,
+              std::string_view name) {
   std::string_view text = word.text;
   const auto reject = [&]() {
     fail(word.place, fmt::format("expected {}, found {}", expected, described(word)));
@@ -88,8 +90,14 @@ double number(const Token& word, std::string_view expected) {
   if (rest != end || code == std::errc::invalid_argument) reject();
   if (code == std::errc::result_out_of_range) {
     value = std::strtod(std::string(text).c_str(), nullptr);
+    constexpr double kLargest = std::numeric_limits<double>::max();
     if (!std::isfinite(value))
-      fail(word.place, fmt::format("number {} does not fit a double", printable(text)));
+      fail(word.place,
+           fmt::format(
+               "number {} of {} does not fit a double, allowed: [-{:.6g}, {:.6g}]",
+               printable(word.text),
+               name.empty() ? std::string(owner) : fmt::format("\"{} {}\"", owner, printable(name)),
+               kLargest, kLargest));
   }
   return value;
 }

@@ -28,8 +28,10 @@ std::string described(const Token& token);
 /// The text of a string with its escapes resolved.  Fails at an escape that does not exist.
 std::string unescaped(const Token& string);
 
-/// The number that a word spells, finite; fails with `expected ...` elsewhere.
-double number(const Token& word, std::string_view expected);
+/// The number that a word spells, finite; fails with `expected ...` elsewhere.  For messages,
+/// `owner` is the directive that it belongs to, or the type of the parameter `name`.
+double number(const Token& word, std::string_view expected, std::string_view owner,
+              std::string_view name = {});
 
 /// Splits one file into tokens.  Comments run from # to the end of the line.
 class Tokenizer {

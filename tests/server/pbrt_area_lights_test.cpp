@@ -171,7 +171,8 @@ TEST(PbrtAreaImages, WhatIsWrongIsAnErrorWithItsPlace) {
            kPatch,
        "scene.pbrt:2:56: \"string filter\" = \"cubic\", allowed: nearest, bilinear"},
       {"AreaLightSource \"diffuse\" \"string filename\" \"none.pfm\" " + kPatch,
-       "scene.pbrt:2:27: file \"none.pfm\" does not exist"},
+       "scene.pbrt:2:27: \"string filename\" = \"none.pfm\": file \"none.pfm\" does not exist, "
+       "allowed: a file beneath the scene's root"},
       {kImage + "\"float scale\" -1 " + kPatch, "\"float scale\" = -1, allowed: not negative"},
       {kImage + kPatch + "\"point2 uv\" [0 0 1 1]",
        "Shape \"bilinearmesh\" has 2 \"uv\" for 4 vertices"},
@@ -302,7 +303,9 @@ TEST(PbrtPanels, TheSceneCountsTheFileOnce) {
 TEST(PbrtPanels, WhatIsWrongIsAnErrorWithItsPlace) {
   const std::pair<std::string, const char*> kCases[] = {
       {kProfile + "\nShape \"sphere\"",
-       "scene.pbrt:3:1: a light with \"profile\" on a sphere or cylinder, allowed: flat shapes"},
+       "scene.pbrt:3:1: a light with \"profile\" on a sphere, allowed: flat shapes"},
+      {kProfile + "\nShape \"cylinder\"",
+       "scene.pbrt:3:1: a light with \"profile\" on a cylinder, allowed: flat shapes"},
       {kProfile + "\nShape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 0.5]",
        "scene.pbrt:3:1: panel.surface has normals up to "},
       {kProfile + "\"string filename\" \"four.pfm\" Shape \"disk\"",
@@ -311,7 +314,8 @@ TEST(PbrtPanels, WhatIsWrongIsAnErrorWithItsPlace) {
        "scene.pbrt:2:27: \"string profile\" = \"four.pfm\", allowed: the name of an .ies or .ldt "
        "file"},
       {"AreaLightSource \"diffuse\" \"string profile\" \"none.ldt\" Shape \"disk\"",
-       "scene.pbrt:2:27: file \"none.ldt\" does not exist"},
+       "scene.pbrt:2:27: \"string profile\" = \"none.ldt\": file \"none.ldt\" does not exist, "
+       "allowed: a file beneath the scene's root"},
   };
   for (const auto& [world, expected] : kCases)
     EXPECT_THAT(message(load_panel(world).status()), HasSubstr(expected)) << world;

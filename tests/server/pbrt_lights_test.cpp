@@ -268,6 +268,62 @@ TEST(PbrtLights, WhatIsNotModelledIsLeftOutAndRemarkedOn) {
   for (const auto& [text, expected] : kCases) EXPECT_EQ(remarks(text), expected) << text;
 }
 
+TEST(PbrtLights, WhatOnlyPicturesHaveIsCheckedWithoutThem) {
+  const std::pair<const char*, const char*> kBad[] = {
+      {"LightSource \"infinite\" \"string mapping\" \"cubemap\"",
+       "scene.pbrt:1:35: \"string mapping\" = \"cubemap\", allowed: equalarea, latlong"},
+      {"LightSource \"projection\" \"string filter\" \"trilinear\"",
+       "scene.pbrt:1:37: \"string filter\" = \"trilinear\", allowed: nearest, bilinear"},
+      {"LightSource \"goniometric\" \"string mapping\" \"cubemap\"", "allowed: equalarea, latlong"},
+      {"LightSource \"infinite\" \"point3 portal\" [0 0 1 1 0 1 1 1 1 0 1 1] "
+       "\"string filter\" \"cubic\"",
+       "allowed: nearest, bilinear"},
+      {"AreaLightSource \"diffuse\" \"string filter\" \"cubic\" Shape \"disk\"",
+       "allowed: nearest, bilinear"},
+  };
+  for (const auto& [text, expected] : kBad)
+    EXPECT_THAT(world_error_of(text), HasSubstr(expected)) << text;
+  for (const std::string light :
+       {"LightSource \"infinite\"", "LightSource \"goniometric\"",
+        "LightSource \"infinite\" \"point3 portal\" [0 0 1 1 0 1 1 1 1 0 1 1]"}) {
+    const auto scene = load_world("\n" + light +
+                                  "\n\"string mapping\" \"latlong\"\n"
+                                  "\"string filter\" \"bilinear\"");
+    ASSERT_TRUE(scene.ok()) << scene.status();
+    EXPECT_EQ(
+        remarks_of(*scene),
+        "3:1 \"string mapping\" without a picture (\"string filename\") -> it changes nothing\n"
+        "4:1 \"string filter\" without a picture (\"string filename\") -> it changes nothing\n");
+  }
+  for (const std::string light :
+       {"LightSource \"projection\"", "AreaLightSource \"diffuse\" #\n"}) {
+    const auto scene = load_world(light + " \"string filter\" \"bilinear\" Shape \"disk\"");
+    ASSERT_TRUE(scene.ok()) << scene.status();
+    EXPECT_THAT(remarks_of(*scene), HasSubstr(" \"string filter\" without a picture"));
+    EXPECT_THAT(remarks_of(*scene), ::testing::Not(HasSubstr("not known")));
+  }
+  // What an Attribute says is for those that have pictures, and may go unused.
+  const auto scene =
+      load_world("Attribute \"light\" \"string filter\" \"bilinear\" LightSource \"infinite\"");
+  ASSERT_TRUE(scene.ok()) << scene.status();
+  EXPECT_EQ(remarks_of(*scene), "");
+}
+
+// The same in all directions, which no transform changes.
+TEST(PbrtLights, GoniometricLightsWithoutAFileTakeAnyTransform) {
+  const auto scene = load_world(
+      "Translate 1 2 3 Scale 1 -2 3 Rotate 40 1 2 3 LightSource \"goniometric\" "
+      "\"float power\" 100");
+  ASSERT_TRUE(scene.ok()) << scene.status();
+  EXPECT_EQ(remarks_of(*scene), "");
+  const auto made = GoniometricLight<double>::create(
+      std::get<GoniometricLightParams>(scene->lights.at(0).params));
+  ASSERT_TRUE(made.ok()) << made.status();
+  EXPECT_EQ(made->params().position_m, Vec3<double>(1, 2, 3));
+  for (const Vec3<double> way : {Vec3<double>{1, 0, 0}, {0, .6, -.8}, {0, 0, 1}})
+    EXPECT_NEAR(made->intensity(way).g, 100 / (4 * std::numbers::pi), 1e-12);
+}
+
 TEST(PbrtLights, LevelsThatAreNoneAreErrors) {
   const std::pair<const char*, const char*> kCases[] = {
       {"LightSource \"point\" \"rgb I\" [1 -1 1]", "\"rgb I\" = [1 -1 1], allowed: not negative"},
@@ -277,9 +333,12 @@ TEST(PbrtLights, LevelsThatAreNoneAreErrors) {
        "the light's level, \"I\" times \"scale\" = (inf, 1e+308, "
        "1e+308)"},
       {"LightSource \"point\" \"rgb I\" [0 0 0] \"float power\" 10",
-       "\"float power\" = 10 lm for a light of luminance 0, which cannot have it"},
+       "\"float power\" = 10 lm for a light of luminance 0, which cannot have it, allowed: 0, as "
+       "if "
+       "not given"},
       {"LightSource \"distant\" \"float scale\" 0 \"float illuminance\" 10",
-       "\"float illuminance\" = 10 lx for a light of luminance 0"},
+       "\"float illuminance\" = 10 lx for a light of luminance 0, which cannot have it, allowed: "
+       "0"},
       {"LightSource \"infinite\" \"rgb L\" [0 0 0] \"float illuminance\" 10",
        "\"float illuminance\" = 10 lx for a light of luminance 0"},
       {"AreaLightSource \"diffuse\" \"rgb L\" [0 0 0] \"float power\" 1 Shape \"disk\"",

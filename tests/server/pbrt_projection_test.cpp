@@ -118,6 +118,32 @@ TEST(PbrtProjection, ColourMultipliesThePicture) {
   EXPECT_EQ(p.intensity_cd, Rgb<double>(2, 4, 6));
 }
 
+// A slide's texels are RGB, so that there is no spectrum that they could multiply.
+TEST(PbrtProjection, ASpectrumBesideAPictureIsTakenAsRgbAndRemarkedOn) {
+  for (const std::string kind : {"", "\"string projection\" \"orthographic\" "}) {
+    const auto scene = load(kind + kSlide + "\n\"blackbody I\" 2700");
+    ASSERT_TRUE(scene.ok()) << scene.status();
+    EXPECT_EQ(scene->lights[0].spectrum, nullptr);
+    EXPECT_THAT(
+        remarks_of(*scene),
+        ::testing::MatchesRegex(
+            "3:1 blackbody \"I\" beside a picture, whose colours are RGB -> the spectrum is "
+            "taken as RGB \\[1\\.[0-9]+ 0\\.[0-9]+ 0\\.[0-9]+\\] of luminance 1, by "
+            "wavelength too\n"));
+    // Outside of what RGB can show: nothing is said of wavelengths being exact.
+    const auto red = load(kind + kSlide + "\"spectrum I\" [699 0 700 1 701 0]");
+    ASSERT_TRUE(red.ok()) << red.status();
+    EXPECT_THAT(remarks_of(*red), HasSubstr("2:"));
+    EXPECT_THAT(remarks_of(*red), HasSubstr("spectrum \"I\" beside a picture"));
+    EXPECT_THAT(remarks_of(*red), ::testing::Not(HasSubstr("exact")));
+    EXPECT_EQ(remarks_of(*load(kind + kSlide + "\"rgb I\" [1 .5 .2]")), "");
+    const auto without = load(kind + "\"blackbody I\" 2700");
+    ASSERT_TRUE(without.ok()) << without.status();
+    EXPECT_NE(without->lights[0].spectrum, nullptr);
+    EXPECT_EQ(remarks_of(*without), "");
+  }
+}
+
 TEST(PbrtProjection, BadInputIsAnErrorWithItsPlace) {
   const auto error = [](const std::string& parameters, const std::string& transform = "") {
     return message(load(parameters, transform).status());

@@ -162,9 +162,6 @@ TEST(PbrtShapes, WrongMeshesAreRefused) {
       {kTriangle + "\"integer indices\" [0 1 -1]", "\"indices\" holds -1, allowed: not negative"},
       {kTriangle + "\"normal N\" [0 0 1]", "has 1 normals for 3 vertices"},
       {"Scale 1e200 1 1 Scale 1e150 1 1 " + kTriangle, "is not finite after its transform"},
-      {"Shape \"sphere\" \"float radius\" 0", "radius"},
-      {"Shape \"disk\" \"float innerradius\" 2", "inner"},
-      {"Shape \"cylinder\" \"float radius\" -1", "cylinder.radius_m = -1, allowed finite and > 0"},
       {"Scale 1 2 1 AreaLightSource \"diffuse\" Shape \"cylinder\"", "by (1, 2, 1), allowed for"},
       {"Shape \"plymesh\"", "lacks \"string filename\""},
   };
@@ -172,6 +169,66 @@ TEST(PbrtShapes, WrongMeshesAreRefused) {
     EXPECT_THAT(world_error_of(text), ::testing::StartsWith("scene.pbrt:1:")) << text;
     EXPECT_THAT(world_error_of(text), HasSubstr(expected)) << text;
   }
+}
+
+TEST(PbrtShapes, ParametersThatAreNoneAreNamedAsTheFileHasThem) {
+  const std::pair<const char*, const char*> kCases[] = {
+      {"Shape \"sphere\" \"float radius\" 0", "27: \"float radius\" = 0 m, allowed: positive"},
+      {"Shape \"disk\" \"float radius\" -1", "25: \"float radius\" = -1 m, allowed: positive"},
+      {"Shape \"cylinder\" \"float radius\" -1", "29: \"float radius\" = -1 m, allowed: positive"},
+      {"Shape \"cylinder\" \"float phimax\" -20",
+       "29: \"float phimax\" = -20 degrees, allowed: positive"},
+      {"Shape \"sphere\" \"float phimax\" 0",
+       "27: \"float phimax\" = 0 degrees, allowed: positive"},
+      {"Shape \"disk\" \"float phimax\" 1e-323",
+       "25: \"float phimax\" = 1e-323 degrees, allowed: positive"},
+      {"Shape \"disk\" \"float radius\" 2 \"float innerradius\" 2",
+       "42: \"float innerradius\" = 2 m, allowed: [0, 2), of which 2 m is the radius"},
+      {"Shape \"disk\" \"float innerradius\" -.5",
+       "25: \"float innerradius\" = -0.5 m, allowed: [0, 1), of which 1 m is the radius"},
+      {"Shape \"sphere\" \"float zmin\" 3 \"float zmax\" 2",
+       "27: \"float zmin\" = 3 m and \"float zmax\" = 2 m, allowed: two heights that leave some of "
+       "[-1, 1] between them"},
+      {"Shape \"sphere\" \"float zmax\" -1",
+       "27: \"float zmin\" = -1 m and \"float zmax\" = -1 m, allowed: two heights that leave"},
+      {"Shape \"cylinder\" \"float zmin\" 1",
+       "29: \"float zmin\" = 1 m and \"float zmax\" = 1 m, allowed: two heights that differ"},
+      {"Shape \"sphere\" \"float radius\" 1e400",
+       "42: number 1e400 of \"float radius\" does not fit a double, allowed: [-1.79769e+308, 1.79"},
+  };
+  for (const auto& [text, expected] : kCases)
+    EXPECT_THAT(world_error_of(text),
+                ::testing::StartsWith(std::string("scene.pbrt:1:") + expected))
+        << text;
+}
+
+// In ring order the two halves of z = 1 face opposite ways: x = u (1 - v) + (1 - u) v, y = v, so
+// dp/du x dp/dv = 1 - 2 v along z.
+TEST(PbrtShapes, CornersInRingOrderAreRemarkedOnAndHaveArea) {
+  const std::string mesh = "\nShape \"bilinearmesh\" \"point3 P\" ";
+  const auto remarks = [&](const std::string& points) {
+    const auto scene = load_world("AreaLightSource \"diffuse\"" + mesh + points);
+    EXPECT_TRUE(scene.ok()) << scene.status();
+    EXPECT_EQ(scene->shapes.at(0).emission.has_value(),
+              points.find("[0 0 1 1 0 1 2") == std::string::npos);
+    return remarks_of(*scene);
+  };
+  const std::string bow_tie =
+      "2:1 the edges of 1 of 1 patches of this mesh cross, as those of corners in ring order do, "
+      "where \"point3 P\" of a bilinearmesh wants rows: (u, v) = (0, 0), (1, 0), (0, 1), (1, 1) -> "
+      "taken as rows: a bow tie, whose halves face opposite ways\n";
+  EXPECT_EQ(remarks("[0 0 1 1 0 1 1 1 1 0 1 1]"), bow_tie);
+  // Its middle has a normal.
+  EXPECT_EQ(remarks("[0 0 1 3 0 1 1 1 1 0 1 1]"), bow_tie);
+  EXPECT_EQ(remarks("[0 0 1 0 1 1 1 1 1 1 0 1]"), bow_tie);
+  // Rows, an arrowhead, a triangle, and not flat: no edges cross.
+  EXPECT_EQ(remarks("[0 0 1 1 0 1 0 1 1 1 1 1]"), "");
+  EXPECT_EQ(remarks("[0 0 1 2 0 1 0 2 1 .5 .5 1]"), "");
+  EXPECT_EQ(remarks("[0 0 1 1 0 1 0 1 1 0 1 1]"), "");
+  EXPECT_EQ(remarks("[0 0 1 1 0 1 1 1 2 0 1 1]"), "");
+  EXPECT_THAT(remarks("[0 0 1 1 0 1 2 0 1 3 0 1]"),
+              HasSubstr("1 of 1 patches of this mesh have no area -> kept, but neither seen nor a "
+                        "light\n"));
 }
 
 TEST(PbrtShapes, WhatIsNotModelledIsRemarkedOn) {

@@ -67,16 +67,17 @@ TEST(PbrtTokens, StringsEndOnTheirLine) {
 }
 
 TEST(PbrtTokens, NumbersAreFiniteDecimals) {
-  EXPECT_EQ(number(word("-12"), ""), -12);
-  EXPECT_EQ(number(word("+.5"), ""), 0.5);
-  EXPECT_EQ(number(word("1.e-2"), ""), 0.01);
-  EXPECT_EQ(number(word("1e-999"), ""), 0);
+  EXPECT_EQ(number(word("-12"), "", "Scale"), -12);
+  EXPECT_EQ(number(word("+.5"), "", "Scale"), 0.5);
+  EXPECT_EQ(number(word("1.e-2"), "", "Scale"), 0.01);
+  EXPECT_EQ(number(word("1e-999"), "", "Scale"), 0);
   for (const char* bad :
        {"inf", "nan", "-inf", "0x10", "1.2.3", "-", "+", "+-1", "--1", "1e", "e1"})
-    EXPECT_EQ(failure([&] { number(word(bad), "a number"); }),
+    EXPECT_EQ(failure([&] { number(word(bad), "a number", "Scale"); }),
               std::string("f:1:1: expected a number, found \"") + bad + "\"");
-  EXPECT_EQ(failure([] { number(word("1e999"), ""); }),
-            "f:1:1: number 1e999 does not fit a double");
+  EXPECT_EQ(failure([] { number(word("-1e999"), "a number", "Scale"); }),
+            "f:1:1: number -1e999 of Scale does not fit a double, allowed: [-1.79769e+308, "
+            "1.79769e+308]");
 }
 
 TEST(PbrtTokens, MessagesHoldNoControlCharactersAndNoBrokenUtf8) {
