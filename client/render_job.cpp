@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <chrono>
 #include <map>
 #include <optional>
 #include <tuple>
@@ -229,6 +230,7 @@ class Render final : public Work {
 }  // namespace
 
 absl::StatusOr<RenderJobResult> run_render_job(const RenderJobOptions& options) {
+  const auto begun = std::chrono::steady_clock::now();
   AskForScene scene;
   JobOptions ask = options.job;
   ask.on_progress = {};
@@ -242,8 +244,11 @@ absl::StatusOr<RenderJobResult> run_render_job(const RenderJobOptions& options) 
   if (!report.ok()) return report.status();
   absl::StatusOr<Picture> picture = render.picture();
   if (!picture.ok()) return picture.status();
-  return RenderJobResult{*std::move(picture), *std::move(report), render.pieces(),
+  RenderJobResult result{*std::move(picture), *std::move(report), render.pieces(),
                          render.pieces() - to_do, render.cost()};
+  const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begun;
+  result.cost.set_wall_time_s(wall.count());
+  return result;
 }
 
 }  // namespace lucerna::client

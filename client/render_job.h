@@ -29,7 +29,7 @@ struct RenderJobResult {
   JobReport report;
   std::size_t pieces = 0;
   std::size_t from_journal = 0;  ///< of these
-  /// Of the pieces that were rendered now.
+  /// Of the pieces that were rendered now; the wall time is the job's.
   v1::Cost cost;
 };
 

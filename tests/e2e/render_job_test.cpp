@@ -76,6 +76,7 @@ class RenderJob : public ::testing::Test {
   }
   void expect_the_same_bits(const absl::StatusOr<RenderJobResult>& result) {
     ASSERT_TRUE(result.ok()) << result.status();
+    EXPECT_GT(result->cost.wall_time_s(), 0);
     EXPECT_EQ(result->picture.width, expected_.width);
     EXPECT_EQ(result->picture.pixels, expected_.pixels);
     EXPECT_EQ(result->picture.standard_error, expected_.standard_error);
