@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "lights/bilinear_form.h"
 #include "lights/sampling.h"
 #include "lights/spherical_rectangle.h"
 
@@ -11,28 +12,12 @@ namespace lucerna {
 
 namespace {
 
-/// The patch in double, as p00 + u e + v f + u v g.
-struct Form {
-  Vec3<double> p00, e, f, g;
-
-  template <typename Real>
-  explicit Form(const BilinearPatch<Real>& patch)
-      : p00(patch.p00),
-        e(Vec3<double>(patch.p10) - p00),
-        f(Vec3<double>(patch.p01) - p00),
-        g((Vec3<double>(patch.p11) - Vec3<double>(patch.p10)) - f) {}
-
-  Vec3<double> at(double u, double v) const { return p00 + e * u + (f + g * u) * v; }
-  /// dp/du x dp/dv; bilinear in (u, v) itself.
-  Vec3<double> area_vector(double u, double v) const { return cross(e + g * v, f + g * u); }
-};
-
 /// The sampling density in (u, v) is proportional to |dp/du x dp/dv| at the corners, bilinear
 /// between them; by the triangle inequality it is 0 nowhere that the share of area is not.
 struct CornerWeights : BilinearWeights {
   bool flat_convex;
 
-  explicit CornerWeights(const Form& p) {
+  explicit CornerWeights(const BilinearForm& p) {
     if (p.g == Vec3<double>{}) {  // a parallelogram, as most are
       w00 = w10 = w01 = w11 = length(cross(p.e, p.f));
       flat_convex = w00 > 0;
@@ -57,72 +42,6 @@ struct CornerWeights : BilinearWeights {
   }
 };
 
-/// A square of (u, v).
-struct Square {
-  double u, v, size;  ///< its lower corner, its side
-
-  Square quarter(int i) const {
-    const double half = size / 2;
-    return {u + half * (i & 1), v + half * (i >> 1), half};
-  }
-};
-
-/// A bound on what Gauss's rule of four nodes makes wrong in the mean of |N| over a line of (u, v)
-/// on which N = dp/du x dp/dv changes by `change` and is from `least` to `most` long.
-///
-/// |N| is the root of a quadratic whose complex zeros are least / |N'| or more from every point of
-/// the line: it can be continued into the ellipse about the line whose shorter half axis that is,
-/// where it is no more than most + least.  [Trefethen20, theorem 19.3]
-double gauss_error(double change, double least, double most) {
-  if (!(change > 0)) return 0;
-  const double half_axis = 2 * least / change;  // in half lengths of the line
-  const double rho = half_axis + std::sqrt(half_axis * half_axis + 1);
-  return 32.0 / 15 * (most + least) * std::pow(rho, -8) / (1 - 1 / (rho * rho));
-}
-
-/// The integral of |dp/du x dp/dv| over a square by 4 x 4 Gauss points.
-BilinearPatchArea gauss(const Form& p, const Square& at) {
-  constexpr double kNode[4] = {0.06943184420297371, 0.33000947820757187, 0.66999052179242813,
-                               0.93056815579702629};
-  constexpr double kWeight[4] = {0.17392742256872693, 0.32607257743127307, 0.32607257743127307,
-                                 0.17392742256872693};
-  double mean = 0;
-  for (int i = 0; i < 4; ++i)
-    for (int j = 0; j < 4; ++j)
-      mean += kWeight[i] * kWeight[j] *
-              length(p.area_vector(at.u + at.size * kNode[i], at.v + at.size * kNode[j]));
-
-  const Vec3<double> middle = p.area_vector(at.u + at.size / 2, at.v + at.size / 2);
-  const Vec3<double> side = normalized(middle);
-  double least = std::numeric_limits<double>::infinity(), most = 0, sum = 0;
-  for (int i = 0; i < 4; ++i) {
-    const Vec3<double> n = p.area_vector(at.u + at.size * (i & 1), at.v + at.size * (i >> 1));
-    const double size = length(n);
-    least = std::fmin(least, dot(n, side)), most = std::fmax(most, size), sum += size;
-  }
-  least = std::fmax(least, 0);
-  const double by_continuation = gauss_error(at.size * length(cross(p.e, p.g)), least, most) +
-                                 gauss_error(at.size * length(cross(p.g, p.f)), least, most);
-  // The vector is linear, so that its length is convex: integral and rule both lie between the
-  // middle's length and the mean of the corners'.
-  const double by_convexity = std::fmax(mean - length(middle), sum / 4 - mean);
-  const double error = std::fmax(0, std::fmin(by_continuation, by_convexity));
-  return {mean * at.size * at.size, error * at.size * at.size};
-}
-
-/// Quarters the square until its error is not above `tolerance` [m2].  The depth bounds the time
-/// for folded patches, whose integrand has kinks along lines.
-BilinearPatchArea integrate(const Form& p, const Square& at, double tolerance, int depth) {
-  const BilinearPatchArea whole = gauss(p, at);
-  if (depth == 0 || whole.error_m2 <= tolerance) return whole;
-  BilinearPatchArea sum;
-  for (int i = 0; i < 4; ++i) {
-    const BilinearPatchArea part = integrate(p, at.quarter(i), tolerance / 4, depth - 1);
-    sum.m2 += part.m2, sum.error_m2 += part.error_m2;
-  }
-  return sum;
-}
-
 /// The real roots of a x^2 + b x + c, neither of them by a difference that cancels.
 int solve_quadratic(double a, double b, double c, double (&x)[2]) {
   const double discriminant = b * b - 4 * a * c;
@@ -136,7 +55,8 @@ int solve_quadratic(double a, double b, double c, double (&x)[2]) {
 
 /// The (u, v) whose points are `position`, up to its rounding by `tolerance_m`: two where a patch
 /// folds over itself, else one, the best there is.
-int invert(const Form& p, const Vec3<double>& position, double tolerance_m, Vec2<double> (&uv)[2]) {
+int invert(const BilinearForm& p, const Vec3<double>& position, double tolerance_m,
+           Vec2<double> (&uv)[2]) {
   // Along the mean normal onto the coordinate plane that it is steepest to.
   Vec3<double> n = cross(p.e + p.f + p.g, p.f - p.e);
   if (!(max_abs(n) > 0)) n = p.area_vector(0, 0);
@@ -176,14 +96,14 @@ int invert(const Form& p, const Vec3<double>& position, double tolerance_m, Vec2
 
 // Not inlined: GCC 12 at -O2 keeps a point in double where it has just been rounded to float.
 template <typename Real>
-[[gnu::noinline]] SurfacePoint<Real> sample_area(const Form& p, const CornerWeights& weights,
-                                                 Vec2<Real> u) {
+[[gnu::noinline]] SurfacePoint<Real> sample_area(const BilinearForm& p,
+                                                 const CornerWeights& weights, Vec2<Real> u) {
   const auto [s, t] = weights.sample({u.x, u.y});
   return {Vec3<Real>(p.at(s, t)), Vec3<Real>(normalized(p.area_vector(s, t)))};
 }
 
 template <typename Real>
-AreaPdf<double> pdf_area(const BilinearPatch<Real>& patch, const Form& p,
+AreaPdf<double> pdf_area(const BilinearPatch<Real>& patch, const BilinearForm& p,
                          const CornerWeights& weights, const Vec3<Real>& position) {
   const double uniform = 1 / weights.mean();
   if (weights.flat_convex) return {uniform};
@@ -200,7 +120,7 @@ AreaPdf<double> pdf_area(const BilinearPatch<Real>& patch, const Form& p,
 
 /// The corners' weights are worked out once for a point and its density.
 template <typename Real>
-ChosenPoint<Real> sample_area_from(const BilinearPatch<Real>& patch, const Form& p,
+ChosenPoint<Real> sample_area_from(const BilinearPatch<Real>& patch, const BilinearForm& p,
                                    const Receiver<Real>& receiver, Vec2<Real> u) {
   const CornerWeights weights(p);
   const SurfacePoint<Real> point = sample_area(p, weights, u);
@@ -212,37 +132,37 @@ ChosenPoint<Real> sample_area_from(const BilinearPatch<Real>& patch, const Form&
 
 template <typename Real>
 BilinearPatchArea BilinearPatch<Real>::measure() const {
-  const Form p(*this);
+  const BilinearForm p(*this);
   const CornerWeights weights(p);
   if (weights.flat_convex) return {weights.mean(), 0};
   constexpr double kRelative = 1e-8;
-  return integrate(p, {0, 0, 1}, kRelative * weights.mean(), 8);
+  return integrate_area(p, kRelative * weights.mean());
 }
 
 template <typename Real>
 Vec3<Real> BilinearPatch<Real>::at(Vec2<Real> uv) const {
-  return Vec3<Real>(Form(*this).at(uv.x, uv.y));
+  return Vec3<Real>(BilinearForm(*this).at(uv.x, uv.y));
 }
 
 template <typename Real>
 Vec3<Real> BilinearPatch<Real>::normal(Vec2<Real> uv) const {
-  return Vec3<Real>(normalized(Form(*this).area_vector(uv.x, uv.y)));
+  return Vec3<Real>(normalized(BilinearForm(*this).area_vector(uv.x, uv.y)));
 }
 
 template <typename Real>
 SurfacePoint<Real> BilinearPatch<Real>::sample_area(Vec2<Real> u) const {
-  const Form p(*this);
+  const BilinearForm p(*this);
   return lucerna::sample_area(p, CornerWeights(p), u);
 }
 
 template <typename Real>
 double BilinearPatch<Real>::area_element(Vec2<double> uv) const {
-  return length(Form(*this).area_vector(uv.x, uv.y));
+  return length(BilinearForm(*this).area_vector(uv.x, uv.y));
 }
 
 template <typename Real>
 double BilinearPatch<Real>::least_area_element() const {
-  const Form p(*this);
+  const BilinearForm p(*this);
   const Vec3<double> n[4] = {p.area_vector(0, 0), p.area_vector(1, 0), p.area_vector(0, 1),
                              p.area_vector(1, 1)};
   const Vec3<double> side = normalized((n[0] + n[1]) + (n[2] + n[3]));
@@ -252,7 +172,7 @@ double BilinearPatch<Real>::least_area_element() const {
 
 template <typename Real>
 bool BilinearPatch<Real>::is_unfolded() const {
-  const Form p(*this);
+  const BilinearForm p(*this);
   const Vec3<double> n[4] = {p.area_vector(0, 0), p.area_vector(1, 0), p.area_vector(0, 1),
                              p.area_vector(1, 1)};
   const Vec3<double> sum = (n[0] + n[1]) + (n[2] + n[3]);
@@ -266,7 +186,7 @@ bool BilinearPatch<Real>::is_unfolded() const {
 
 template <typename Real>
 bool BilinearPatch<Real>::is_rectangle() const {
-  const Form p(*this);
+  const BilinearForm p(*this);
   const double x = length(p.e);
   const double y = length(p.f);
   // By as much as corners rounded to float at eight times the size: the density of a patch taken
@@ -286,7 +206,7 @@ struct Seen {
   std::optional<SphericalRectangle> spherical;
 
   template <typename Real>
-  Seen(const Form& p, const Receiver<Real>& receiver) : normal(receiver.normal) {
+  Seen(const BilinearForm& p, const Receiver<Real>& receiver) : normal(receiver.normal) {
     const Vec3<double> r(receiver.position);
     for (int i = 0; i < 4; ++i) corner[i] = p.at(i & 1, i >> 1) - r;
     way = way_for_corners(receiver.area_sampling, corner, normal);
@@ -300,8 +220,9 @@ struct Seen {
 };
 
 template <typename Real>
-SolidAnglePdf<double> pdf_of(const BilinearPatch<Real>& patch, const Form& p, const Seen& seen,
-                             const Receiver<Real>& receiver, const SurfacePoint<Real>& point) {
+SolidAnglePdf<double> pdf_of(const BilinearPatch<Real>& patch, const BilinearForm& p,
+                             const Seen& seen, const Receiver<Real>& receiver,
+                             const SurfacePoint<Real>& point) {
   if (!seen.spherical)
     return pdf_seen_from(receiver.position, point, patch.pdf_area(point.position));
   const double uniform = 1 / seen.spherical->solid_angle_sr();
@@ -315,7 +236,7 @@ SolidAnglePdf<double> pdf_of(const BilinearPatch<Real>& patch, const Form& p, co
 
 template <typename Real>
 ChosenPoint<Real> BilinearPatch<Real>::sample(const Receiver<Real>& receiver, Vec2<Real> u) const {
-  const Form p(*this);
+  const BilinearForm p(*this);
   const Seen seen(p, receiver);
   if (!seen.spherical) return sample_area_from(*this, p, receiver, u);
   Vec2<double> v{u.x, u.y};
@@ -329,19 +250,19 @@ ChosenPoint<Real> BilinearPatch<Real>::sample(const Receiver<Real>& receiver, Ve
 template <typename Real>
 ChosenPoint<Real> BilinearPatch<Real>::sample_area(const Receiver<Real>& receiver,
                                                    Vec2<Real> u) const {
-  return sample_area_from(*this, Form(*this), receiver, u);
+  return sample_area_from(*this, BilinearForm(*this), receiver, u);
 }
 
 template <typename Real>
 SolidAnglePdf<double> BilinearPatch<Real>::pdf(const Receiver<Real>& receiver,
                                                const SurfacePoint<Real>& point) const {
-  const Form p(*this);
+  const BilinearForm p(*this);
   return pdf_of(*this, p, Seen(p, receiver), receiver, point);
 }
 
 template <typename Real>
 AreaPdf<double> BilinearPatch<Real>::pdf_area(const Vec3<Real>& position) const {
-  const Form p(*this);
+  const BilinearForm p(*this);
   return lucerna::pdf_area(*this, p, CornerWeights(p), position);
 }
 
@@ -349,7 +270,7 @@ template <typename Real>
 ShapeHits<Real> BilinearPatch<Real>::hits(const Vec3<Real>& origin, const Vec3<Real>& direction,
                                           Real t_min, Real t_max,
                                           std::array<Vec2<Real>, 2>* uv_hits) const {
-  const Form p(*this);
+  const BilinearForm p(*this);
   const Vec3<double> d(direction);
   const double dd = dot(d, d);
   ShapeHits<Real> found;
@@ -416,7 +337,7 @@ std::pair<Vec3<Real>, Vec3<Real>> BilinearPatch<Real>::bounds() const {
 template <typename Real>
 Vec2<Real> BilinearPatch<Real>::locate(const Vec3<Real>& position) const {
   Vec2<double> uv[2];
-  invert(Form(*this), Vec3<double>(position), 0, uv);
+  invert(BilinearForm(*this), Vec3<double>(position), 0, uv);
   return {static_cast<Real>(uv[0].x), static_cast<Real>(uv[0].y)};
 }
 

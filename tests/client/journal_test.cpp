@@ -2,10 +2,11 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <vector>
+
+#include "tests/temp_directory.h"
 
 namespace lucerna::client {
 namespace {
@@ -15,13 +16,6 @@ using ::testing::IsEmpty;
 
 class JournalTest : public ::testing::Test {
  protected:
-  void SetUp() override {
-    std::string name = (std::filesystem::temp_directory_path() / "lucerna_journal_XXXXXX").string();
-    directory_ = mkdtemp(name.data());
-    path_ = (directory_ / "journal").string();
-  }
-  void TearDown() override { std::filesystem::remove_all(directory_); }
-
   absl::StatusOr<Journal> open(const std::string& job = "job") {
     records_.clear();
     return Journal::open(path_, job, [this](const std::string& record) {
@@ -30,8 +24,8 @@ class JournalTest : public ::testing::Test {
     });
   }
 
-  std::filesystem::path directory_;
-  std::string path_;
+  const TempDirectory directory_;
+  std::string path_ = (directory_.path() / "journal").string();
   std::vector<std::string> records_;
 };
 

@@ -2,10 +2,11 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
+
+#include "tests/temp_directory.h"
 
 namespace lucerna::client {
 namespace {
@@ -38,8 +39,8 @@ TEST(ServerList, SaysWhatIsNoServer) {
 }
 
 TEST(ServerList, AFileIsReadAnewEachTime) {
-  std::string name = (std::filesystem::temp_directory_path() / "lucerna_list_XXXXXX").string();
-  close(mkstemp(name.data()));
+  const TempDirectory directory;
+  const std::string name = (directory.path() / "servers").string();
   std::ofstream(name) << "# all of them\n  a:1  \n\nb:2 # the slow one\r\n";
   const auto list = server_list("@" + name);
   ASSERT_TRUE(list.ok()) << list.status();

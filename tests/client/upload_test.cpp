@@ -3,7 +3,6 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -13,6 +12,7 @@
 #include "google/rpc/error_details.pb.h"
 #include "google/rpc/status.pb.h"
 #include "proto/sha256.h"
+#include "tests/temp_directory.h"
 
 namespace lucerna::client {
 namespace {
@@ -24,8 +24,6 @@ using ::testing::IsEmpty;
 class UploadTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    std::string name = (std::filesystem::temp_directory_path() / "lucerna-XXXXXX").string();
-    directory_ = mkdtemp(name.data());
     write("scene/room.pbrt", "the room");
     // As the real one: what the manifest names and is not held is missing, then what `wants_` says.
     server_.load_scene = [this](auto&, const v1::LoadSceneRequest& request,
@@ -77,7 +75,6 @@ class UploadTest : public ::testing::Test {
       return grpc::Status::OK;
     };
   }
-  void TearDown() override { std::filesystem::remove_all(directory_); }
 
   void write(const std::string& name, const std::string& bytes) const {
     std::filesystem::create_directories((directory_ / name).parent_path());
@@ -94,7 +91,8 @@ class UploadTest : public ::testing::Test {
     return all;
   }
 
-  std::filesystem::path directory_;
+  const TempDirectory temporary_;
+  const std::filesystem::path directory_ = temporary_.path();
   FakeServer server_;
   std::vector<std::string> wants_;
   std::map<std::string, std::string> held_, parts_, manifest_;

@@ -2,7 +2,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -10,6 +9,7 @@
 #include "lucerna/client/testing/local_server.h"
 #include "lucerna/client/upload.h"
 #include "tests/e2e/run_program.h"
+#include "tests/temp_directory.h"
 
 namespace lucerna {
 namespace {
@@ -23,19 +23,12 @@ using ::testing::Not;
 class CliUpload : public ::testing::Test {
  protected:
   void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "lucerna_upload_XXXXXX").string();
-    ASSERT_NE(::mkdtemp(name.data()), nullptr);
-    directory_ = name;
     fs::create_directories(directory_ / "mine");
     fs::create_directories(directory_ / "theirs");
     for (const char* file : {"textured.pbrt", "screen.exr", "point.pbrt", "ball.ply"}) {
       fs::copy_file(fs::path(LUCERNA_TEST_DATA) / "reference" / file, directory_ / "mine" / file);
     }
     start();
-  }
-  void TearDown() override {
-    server_.reset();
-    fs::remove_all(directory_);
   }
   void start(const std::vector<std::string>& more = {}) {
     std::vector<std::string> arguments{"--asset-dir", path("assets")};
@@ -53,7 +46,8 @@ class CliUpload : public ::testing::Test {
   }
   std::string path(const std::string& name) const { return (directory_ / name).string(); }
 
-  fs::path directory_;
+  const TempDirectory temporary_;  // outlives the servers
+  const fs::path directory_ = temporary_.path();
   std::unique_ptr<testing::LocalServer> server_;
 };
 

@@ -10,6 +10,7 @@
 #include <memory>
 
 #include "lucerna/client/testing/local_server.h"
+#include "tests/temp_directory.h"
 
 namespace lucerna {
 namespace {
@@ -51,9 +52,6 @@ double resident_bytes(int process) {
 class Memory : public ::testing::Test {
  protected:
   void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "lucerna_memory_XXXXXX").string();
-    ASSERT_NE(::mkdtemp(name.data()), nullptr);
-    directory_ = name;
     write_sheet(directory_ / "sheet.ply", 1750);
     std::ofstream(directory_ / "sheet.pbrt")
         << "WorldBegin\nShape \"plymesh\" \"string filename\" \"sheet.ply\"\n";
@@ -61,17 +59,14 @@ class Memory : public ::testing::Test {
     ASSERT_TRUE(server.ok()) << server.status();
     server_ = std::make_unique<testing::LocalServer>(*std::move(server));
   }
-  void TearDown() override {
-    server_.reset();
-    fs::remove_all(directory_);
-  }
   v1::LoadSceneRequest sheet() const {
     v1::LoadSceneRequest request;
     request.set_path("sheet.pbrt");
     return request;
   }
 
-  fs::path directory_;
+  const TempDirectory temporary_;  // outlives the servers
+  const fs::path directory_ = temporary_.path();
   std::unique_ptr<testing::LocalServer> server_;
 };
 

@@ -4,7 +4,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -13,6 +12,7 @@
 #include "lucerna/client/testing/local_server.h"
 #include "lucerna/client/upload.h"
 #include "tests/e2e/run_program.h"
+#include "tests/temp_directory.h"
 
 namespace lucerna {
 namespace {
@@ -27,9 +27,6 @@ using ::testing::Not;
 class RenderJob : public ::testing::Test {
  protected:
   void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "lucerna_job_XXXXXX").string();
-    ASSERT_NE(::mkdtemp(name.data()), nullptr);
-    directory_ = name;
     add_server();
     if (HasFatalFailure()) return;
     v1::LoadSceneRequest load;
@@ -62,10 +59,6 @@ class RenderJob : public ::testing::Test {
     options_.job.call = client::CallOptions::within(std::chrono::seconds(100));
     options_.job.on_event = [this](const std::string& event) { events_.push_back(event); };
   }
-  void TearDown() override {
-    servers_.clear();
-    fs::remove_all(directory_);
-  }
 
   void add_server(int port = 0) {
     auto server = testing::LocalServer::start(
@@ -91,7 +84,8 @@ class RenderJob : public ::testing::Test {
     };
   }
 
-  fs::path directory_;
+  const TempDirectory temporary_;  // outlives the servers
+  const fs::path directory_ = temporary_.path();
   std::vector<std::unique_ptr<testing::LocalServer>> servers_;
   std::mutex mutex_;
   std::vector<std::string> targets_;

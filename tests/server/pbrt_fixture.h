@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <variant>
 
 #include "server/pbrt/load.h"
 #include "tests/temp_directory.h"
@@ -61,6 +62,23 @@ inline std::string remarks_of(const SceneDescription& scene) {
     result += std::to_string(remark.where.line) + ":" + std::to_string(remark.where.column) + " " +
               remark.what + " -> " + remark.instead + "\n";
   return result;
+}
+
+/// The parameters of the only light that `text` makes in the world.
+template <typename Params>
+Params light_of(const std::string& text) {
+  const auto scene = load_world(text);
+  if (!scene.ok() || scene->lights.size() != 1) {
+    ADD_FAILURE() << text << ": " << scene.status();
+    return {};
+  }
+  return std::get<Params>(scene->lights[0].params);
+}
+
+inline std::string world_remarks_of(const std::string& text) {
+  const auto scene = load_world(text);
+  EXPECT_TRUE(scene.ok()) << scene.status();
+  return scene.ok() ? remarks_of(*scene) : "";
 }
 
 }  // namespace lucerna::testing

@@ -9,26 +9,15 @@
 namespace lucerna {
 namespace {
 
-using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using testing::light_of;
 using testing::load_world;
-using testing::message;
 using testing::remarks_of;
-using testing::SceneFiles;
 using ::testing::StartsWith;
 using testing::world_error_of;
+using testing::world_remarks_of;
 
 constexpr double kPi = std::numbers::pi;
-
-template <typename Params>
-Params light(const std::string& text) {
-  const auto scene = load_world(text);
-  if (!scene.ok() || scene->lights.size() != 1) {
-    ADD_FAILURE() << text << ": " << scene.status();
-    return {};
-  }
-  return std::get<Params>(scene->lights[0].params);
-}
 
 ShapeDescription::Emission emission(const std::string& text) {
   const auto scene = load_world(text);
@@ -39,21 +28,16 @@ ShapeDescription::Emission emission(const std::string& text) {
   return *scene->shapes[0].emission;
 }
 
-std::string remarks(const std::string& text) {
-  const auto scene = load_world(text);
-  EXPECT_TRUE(scene.ok()) << scene.status();
-  return scene.ok() ? remarks_of(*scene) : "";
-}
-
 TEST(PbrtLights, RgbIsTheLevelAndScaleMultipliesIt) {
-  EXPECT_EQ(light<PointLightParams>("LightSource \"point\" \"rgb I\" [10 20 30]").intensity_cd,
+  EXPECT_EQ(light_of<PointLightParams>("LightSource \"point\" \"rgb I\" [10 20 30]").intensity_cd,
             Rgb<double>(10, 20, 30));
-  EXPECT_EQ(light<PointLightParams>("LightSource \"point\" \"float scale\" 3").intensity_cd,
+  EXPECT_EQ(light_of<PointLightParams>("LightSource \"point\" \"float scale\" 3").intensity_cd,
             Rgb<double>(3));
-  EXPECT_EQ(light<DistantLightParams>("LightSource \"distant\" \"rgb L\" [2 2 2]").illuminance_lx,
-            Rgb<double>(2));
-  EXPECT_EQ(light<UniformInfiniteLightParams>("LightSource \"infinite\" \"rgb L\" [1 2 3] "
-                                              "\"float scale\" 2")
+  EXPECT_EQ(
+      light_of<DistantLightParams>("LightSource \"distant\" \"rgb L\" [2 2 2]").illuminance_lx,
+      Rgb<double>(2));
+  EXPECT_EQ(light_of<UniformInfiniteLightParams>("LightSource \"infinite\" \"rgb L\" [1 2 3] "
+                                                 "\"float scale\" 2")
                 .radiance_cd_m2,
             Rgb<double>(2, 4, 6));
   EXPECT_EQ(
@@ -63,29 +47,30 @@ TEST(PbrtLights, RgbIsTheLevelAndScaleMultipliesIt) {
 
 TEST(PbrtLights, PowerOfAPointIsSpreadOverTheSphere) {
   // 150 lm / 4 pi sr
-  EXPECT_NEAR(light<PointLightParams>("LightSource \"point\" \"rgb I\" [1 1 1] \"float power\" 150")
-                  .intensity_cd.g,
-              11.936620731892151, 1e-12);
+  EXPECT_NEAR(
+      light_of<PointLightParams>("LightSource \"point\" \"rgb I\" [1 1 1] \"float power\" 150")
+          .intensity_cd.g,
+      11.936620731892151, 1e-12);
 }
 
 TEST(PbrtLights, PowerMultipliesWhatRgbAndScaleSayAndARemarkTellsTheResult) {
   const std::string text =
       "LightSource \"point\" \"rgb I\" [4 4 4] \"float scale\" .5 \"float power\" 100";
-  EXPECT_NEAR(light<PointLightParams>(text).intensity_cd.g, 2 * 100 / (4 * kPi), 1e-12);
+  EXPECT_NEAR(light_of<PointLightParams>(text).intensity_cd.g, 2 * 100 / (4 * kPi), 1e-12);
   EXPECT_EQ(
-      remarks(text),
+      world_remarks_of(text),
       "1:65 \"power\" 100 lm multiplies a level of luminance 2 -> 200 lm, as pbrt-v4 has it\n");
-  EXPECT_EQ(remarks("LightSource \"point\" \"float power\" 100"), "");
+  EXPECT_EQ(world_remarks_of("LightSource \"point\" \"float power\" 100"), "");
 }
 
 TEST(PbrtLights, PowerOfASpotFollowsItsCone) {
   // coneangle 60, no smooth edge: 2 pi (1 - cos 60) = pi sr.
-  const auto hard = light<SpotLightParams>(
+  const auto hard = light_of<SpotLightParams>(
       "LightSource \"spot\" \"float power\" 10 \"float coneangle\" 60 \"float conedeltaangle\" 0");
   EXPECT_NEAR(hard.intensity_cd.r, 10 / kPi, 1e-12);
   EXPECT_EQ(hard.falloff_start_rad, hard.cone_half_angle_rad);
   // Edge over the whole cone: half of it, the mean of smoothstep.
-  const auto soft = light<SpotLightParams>(
+  const auto soft = light_of<SpotLightParams>(
       "LightSource \"spot\" \"float power\" 10 \"float coneangle\" 60 \"float conedeltaangle\" 60");
   EXPECT_NEAR(soft.intensity_cd.r, 20 / kPi, 1e-12);
 }
@@ -93,30 +78,31 @@ TEST(PbrtLights, PowerOfASpotFollowsItsCone) {
 TEST(PbrtLights, ASpotMayHaveTheQuarticProfile) {
   const std::string spot = "LightSource \"spot\" \"float coneangle\" 60 \"float conedeltaangle\" ";
   const auto quartic =
-      light<SpotLightParams>(spot + "60 \"string profile\" \"quartic\" \"float power\" 10");
+      light_of<SpotLightParams>(spot + "60 \"string profile\" \"quartic\" \"float power\" 10");
   EXPECT_EQ(quartic.profile, SpotProfile::kQuartic);
   // The mean of x^4 is 1/5 of the cone's pi sr.
   EXPECT_NEAR(quartic.intensity_cd.r, 50 / kPi, 1e-12);
-  EXPECT_EQ(light<SpotLightParams>(spot + "5 \"string profile\" \"smoothstep\"").profile,
+  EXPECT_EQ(light_of<SpotLightParams>(spot + "5 \"string profile\" \"smoothstep\"").profile,
             SpotProfile::kSmoothstep);
-  EXPECT_EQ(light<SpotLightParams>(spot + "5").profile, SpotProfile::kSmoothstep);
+  EXPECT_EQ(light_of<SpotLightParams>(spot + "5").profile, SpotProfile::kSmoothstep);
   EXPECT_THAT(world_error_of(spot + "5 \"string profile\" \"cubic\""),
               HasSubstr("\"string profile\" = \"cubic\", allowed: smoothstep, quartic"));
 }
 
 TEST(PbrtLights, SpotDefaultsAndPlacement) {
-  const auto spot = light<SpotLightParams>(
+  const auto spot = light_of<SpotLightParams>(
       "Translate 1 0 0 Scale 2 2 2 LightSource \"spot\" \"point3 from\" [0 0 1] \"point3 to\" [0 3 "
       "1]");
   EXPECT_EQ(spot.position_m, Vec3<double>(1, 0, 2));
   EXPECT_EQ(normalized(spot.axis), Vec3<double>(0, 1, 0));
   EXPECT_NEAR(spot.cone_half_angle_rad, kPi / 6, 1e-15);
   EXPECT_NEAR(spot.falloff_start_rad, kPi * 25 / 180, 1e-15);
-  EXPECT_EQ(normalized(light<SpotLightParams>("LightSource \"spot\"").axis), Vec3<double>(0, 0, 1));
+  EXPECT_EQ(normalized(light_of<SpotLightParams>("LightSource \"spot\"").axis),
+            Vec3<double>(0, 0, 1));
 }
 
 TEST(PbrtLights, ADistantLightWithAnAngularDiameterIsASun) {
-  const auto sun = light<SunLightParams>(
+  const auto sun = light_of<SunLightParams>(
       "LightSource \"distant\" \"point3 from\" [0 0 5] \"point3 to\" [0 0 1] \"rgb L\" [1 2 3] "
       "\"float angulardiameter\" 0.5");
   EXPECT_NEAR(sun.angular_diameter_rad, kPi / 360, 1e-17);
@@ -131,19 +117,19 @@ TEST(PbrtLights, ADistantLightWithAnAngularDiameterIsASun) {
 }
 
 TEST(PbrtLights, DistantLightShinesFromFromToTo) {
-  const auto distant = light<DistantLightParams>(
+  const auto distant = light_of<DistantLightParams>(
       "Rotate 90 1 0 0 LightSource \"distant\" \"point3 from\" [0 0 5] \"point3 to\" [0 0 2] "
       "\"float illuminance\" 1000");
   const auto to_light = normalized(distant.to_light);
   EXPECT_NEAR(to_light.y, -1, 1e-15);
   EXPECT_EQ(distant.illuminance_lx, Rgb<double>(1000));
-  EXPECT_EQ(normalized(light<DistantLightParams>("LightSource \"distant\"").to_light),
+  EXPECT_EQ(normalized(light_of<DistantLightParams>("LightSource \"distant\"").to_light),
             Vec3<double>(0, 0, -1));
 }
 
 TEST(PbrtLights, IlluminanceOfAnInfiniteLightIsPiTimesItsRadiance) {
   EXPECT_NEAR(
-      light<UniformInfiniteLightParams>("LightSource \"infinite\" \"float illuminance\" 100")
+      light_of<UniformInfiniteLightParams>("LightSource \"infinite\" \"float illuminance\" 100")
           .radiance_cd_m2.r,
       100 / kPi, 1e-12);
 }
@@ -170,84 +156,24 @@ TEST(PbrtLights, PowerOfAMeshIsThatOfTheWholeMeshAndRemarkedOn) {
       "\"point3 P\" [0 0 0 2 0 0 2 2 0 0 2 0 4 0 0] \"integer indices\" [0 1 2 0 2 3 1 4 2]";
   EXPECT_NEAR(emission(text).radiance_cd_m2.r, 12 / (6 * kPi), 1e-12);
   EXPECT_EQ(
-      remarks(text),
+      world_remarks_of(text),
       "1:38 \"power\" on a mesh of 3 primitives, each of which pbrt-v4 would give that power -> "
       "the power of the whole mesh\n");
 }
 
 TEST(PbrtLights, BlackBodiesHaveLuminanceOneBeforeScale) {
   const auto point =
-      light<PointLightParams>("LightSource \"point\" \"blackbody I\" 2700 \"float scale\" 12");
+      light_of<PointLightParams>("LightSource \"point\" \"blackbody I\" 2700 \"float scale\" 12");
   EXPECT_NEAR(luminance(point.intensity_cd), 12, 1e-9);
   EXPECT_GT(point.intensity_cd.r, 2 * point.intensity_cd.g);
   const auto power =
-      light<PointLightParams>("LightSource \"point\" \"blackbody I\" 2700 \"float power\" 100");
+      light_of<PointLightParams>("LightSource \"point\" \"blackbody I\" 2700 \"float power\" 100");
   EXPECT_NEAR(luminance(power.intensity_cd), 100 / (4 * kPi), 1e-9);
-  EXPECT_EQ(remarks("LightSource \"point\" \"blackbody I\" 2700 \"float power\" 100"), "");
-  EXPECT_THAT(remarks("LightSource \"point\" \"blackbody I\" 1000"),
+  EXPECT_EQ(world_remarks_of("LightSource \"point\" \"blackbody I\" 2700 \"float power\" 100"), "");
+  EXPECT_THAT(world_remarks_of("LightSource \"point\" \"blackbody I\" 1000"),
               StartsWith("1:32 blackbody \"I\" is outside of what RGB can show -> linear RGB ["));
-  EXPECT_THAT(remarks("LightSource \"point\" \"spectrum I\" \"metal-Au-k\""),
+  EXPECT_THAT(world_remarks_of("LightSource \"point\" \"spectrum I\" \"metal-Au-k\""),
               HasSubstr("is no light's -> linear RGB [1 1 1]"));
-}
-
-std::shared_ptr<const Spectrum> spectrum_of(const std::string& text) {
-  return load_world(text)->lights.at(0).spectrum;
-}
-
-TEST(PbrtLights, SpectraStandBesideTheirLights) {
-  const auto body = spectrum_of("LightSource \"point\" \"blackbody I\" 2700");
-  ASSERT_TRUE(body);
-  EXPECT_EQ(std::get<BlackBody>(body->source()).kelvin, 2700);
-  for (const char* name : {"A", "D50", "D65", "F1", "F2", "F11", "F12"}) {
-    const auto s = spectrum_of(std::string("LightSource \"distant\" \"spectrum L\" \"stdillum-") +
-                               name + "\"");
-    ASSERT_TRUE(s);
-    EXPECT_EQ(std::get<CieIlluminant>(s->source()).name, name);
-  }
-  const auto samples = spectrum_of("LightSource \"infinite\" \"spectrum L\" [400 1 500 2 700 0.5]");
-  ASSERT_TRUE(samples);
-  EXPECT_THAT(std::get<SampledSpectrum>(samples->source()).values, ElementsAre(1, 2, 0.5));
-  EXPECT_FALSE(spectrum_of("LightSource \"point\" \"rgb I\" [1 2 3]"));
-  EXPECT_FALSE(spectrum_of("LightSource \"point\""));
-  const auto scene = load_world(
-      "AreaLightSource \"diffuse\" \"blackbody L\" 4000 Shape \"disk\" Shape \"sphere\"");
-  ASSERT_TRUE(scene->shapes[0].emission->spectrum);
-  EXPECT_EQ(scene->shapes[0].emission->spectrum, scene->shapes[1].emission->spectrum);
-}
-
-TEST(PbrtLights, SpectraComeFromFiles) {
-  const SceneFiles files;
-  files.write("scene.pbrt", "WorldBegin LightSource \"point\" \"spectrum I\" \"lamp.spd\"");
-  files.write("lamp.spd", "# a lamp\r\n400 1 # violet\n500 +2.5\n\n700\t5e-1");
-  const auto scene = files.load("scene.pbrt");
-  ASSERT_TRUE(scene.ok()) << message(scene.status());
-  const auto& s = std::get<SampledSpectrum>(scene->lights[0].spectrum->source());
-  EXPECT_THAT(s.wavelengths_nm, ElementsAre(400, 500, 700));
-  EXPECT_THAT(s.values, ElementsAre(1, 2.5, 0.5));
-  EXPECT_EQ(scene->assets.back().name, "lamp.spd");
-  files.write("lamp.spd", "400 1\n500 two");
-  EXPECT_THAT(message(files.load("scene.pbrt").status()),
-              HasSubstr("lamp.spd:2: \"two\", expected a finite number"));
-  files.write("lamp.spd", "400 1 500");
-  EXPECT_THAT(message(files.load("scene.pbrt").status()), HasSubstr("expected pairs"));
-  files.write("lamp.spd", "# nothing");
-  EXPECT_THAT(message(files.load("scene.pbrt").status()), HasSubstr("holds no numbers"));
-}
-
-TEST(PbrtLights, WhatIsNoSpectrumIsAnErrorOrARemark) {
-  EXPECT_THAT(world_error_of("LightSource \"point\" \"spectrum I\" \"stdillum-F13\""),
-              HasSubstr("scene.pbrt:1:32: spectrum \"I\": unknown illuminant \"F13\", allowed: A"));
-  EXPECT_THAT(world_error_of("LightSource \"point\" \"spectrum I\" \"gone.spd\""),
-              HasSubstr("gone.spd"));
-  EXPECT_THAT(world_error_of("LightSource \"point\" \"spectrum I\" [500 1 400 1]"),
-              HasSubstr("400 follows 500"));
-  EXPECT_THAT(world_error_of("LightSource \"point\" \"spectrum I\" [500 1 600 -1]"),
-              HasSubstr("value -1"));
-  EXPECT_THAT(world_error_of("LightSource \"point\" \"blackbody I\" 20"),
-              HasSubstr("black body of 20 K, allowed: [100, 1e7] K"));
-  const std::string infrared = "LightSource \"point\" \"spectrum I\" [900 1 1000 1]";
-  EXPECT_THAT(remarks(infrared), HasSubstr("of which the eye sees nothing -> black"));
-  EXPECT_TRUE(light<PointLightParams>(infrared).intensity_cd.is_black());
 }
 
 TEST(PbrtLights, EmissionNeverGoesIntoObjects) {
@@ -265,7 +191,7 @@ TEST(PbrtLights, WhatIsNotModelledIsLeftOutAndRemarkedOn) {
       {"LightSource \"point\" \"float power\" 0",
        "1:32 \"power\" 0 is taken as not given -> the level that \"I\" says\n"},
   };
-  for (const auto& [text, expected] : kCases) EXPECT_EQ(remarks(text), expected) << text;
+  for (const auto& [text, expected] : kCases) EXPECT_EQ(world_remarks_of(text), expected) << text;
 }
 
 TEST(PbrtLights, WhatOnlyPicturesHaveIsCheckedWithoutThem) {
