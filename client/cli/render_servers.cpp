@@ -72,7 +72,10 @@ client::RenderJobResult ServersOption::render(Session& session, const std::strin
     load.set_lease_s(lease_s);
     return client.load_scene(load, call);
   };
-  return session.ask(client::run_render_job(options));
+  auto result = client::run_render_job(options);
+  // The message names the server, where it is about one.
+  if (!result.ok()) session.fail_here(result.status(), kServerSaidNo);
+  return *std::move(result);
 }
 
 std::string describe_mixed(const client::JobReport& report) {

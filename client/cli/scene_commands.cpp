@@ -42,6 +42,11 @@ v1::LoadSceneResponse upload(Session& session, const LoadFlags& flags) {
   auto response =
       client::upload_scene(session.client(), flags.path, options, session.call_options());
   if (terminal) fmt::print(stderr, "\r\033[K");
+  // What has no details of a server's is about the files here.
+  if ((absl::IsNotFound(response.status()) || absl::IsInvalidArgument(response.status())) &&
+      !response.status().GetPayload(client::kStatusPayloadUrl)) {
+    session.fail_here(response.status(), kWrongUse);
+  }
   return session.ask(std::move(response));
 }
 

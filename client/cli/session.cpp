@@ -60,18 +60,27 @@ const client::CallOptions& Session::call_options() {
   return *call_options_;
 }
 
+void Session::fail_if_ended(const absl::Status& status) const {
+  if (stop_.stop_requested()) throw CommandError(kServerSaidNo, "interrupted");
+  if (absl::IsDeadlineExceeded(status) && timeout_s_) {
+    throw CommandError(kServerSaidNo, fmt::format("no answer within --timeout {} s", *timeout_s_));
+  }
+}
+
+void Session::fail_here(const absl::Status& status, ExitStatus exit) const {
+  fail_if_ended(status);
+  throw CommandError(exit, std::string(status.message()));
+}
+
 void Session::fail(const absl::Status& status) const {
   const std::string message(status.message());
-  if (stop_.stop_requested()) throw CommandError(kServerSaidNo, "interrupted");
+  fail_if_ended(status);
   if (absl::IsUnavailable(status)) {
     throw CommandError(
         kServerSaidNo,
         fmt::format("cannot reach a server at {}: {}\nstart one with: lucernad --listen {} "
                     "--scene-root DIR, or name another with --server or LUCERNA_SERVER",
                     server_, message, server_));
-  }
-  if (absl::IsDeadlineExceeded(status) && timeout_s_) {
-    throw CommandError(kServerSaidNo, fmt::format("no answer within --timeout {} s", *timeout_s_));
   }
   const std::string code = lower(absl::StatusCodeToString(status.code()));
   throw CommandError(kServerSaidNo, fmt::format("the server said {}: {}", code, message));

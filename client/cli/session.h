@@ -53,6 +53,8 @@ class Session {
     return *std::move(response);
   }
   [[noreturn]] void fail(const absl::Status& status) const;
+  /// Where it is not one server that says it: `exit` with the message as it is.
+  [[noreturn]] void fail_here(const absl::Status& status, ExitStatus exit) const;
 
   /// The id that `scene` stands for: an id; a prefix, of four digits or more, of one that is
   /// loaded; or a path, which is loaded where it is not yet, with what is not modelled told on
@@ -65,6 +67,7 @@ class Session {
 
  private:
   std::string id_with_prefix(const std::string& prefix);
+  void fail_if_ended(const absl::Status& status) const;
 
   std::string server_ = "127.0.0.1:50051";
   std::optional<double> timeout_s_;

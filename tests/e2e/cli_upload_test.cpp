@@ -74,7 +74,10 @@ TEST_F(CliUpload, FilesThatAreNotThereAreTheScenesErrors) {
   EXPECT_EQ(outcome.status, 1);
   EXPECT_THAT(outcome.err, HasSubstr("textured.pbrt:"));
   EXPECT_THAT(outcome.err, HasSubstr("file \"screen.exr\" does not exist"));
-  EXPECT_EQ(lucerna({"load", "--upload", path("mine/none.pbrt")}).status, 1);
+  const Outcome none = lucerna({"load", "--upload", path("mine/none.pbrt")});
+  EXPECT_EQ(none.status, 2);
+  EXPECT_THAT(none.err, HasSubstr("none.pbrt: no such file"));
+  EXPECT_THAT(none.err, Not(HasSubstr("the server said")));
   const Outcome flags = lucerna({"load", "--asset-root", path("mine"), "point.pbrt"});
   EXPECT_EQ(flags.status, 2);
   EXPECT_THAT(flags.err, HasSubstr("--asset-root goes with --upload"));

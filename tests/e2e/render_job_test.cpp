@@ -205,6 +205,12 @@ TEST_F(RenderJob, TheCommandLineUploadsAndRendersEverywhere) {
   };
   EXPECT_EQ(bytes(here), bytes(there));
   EXPECT_EQ(lucerna({"point.pbrt", "-o", here, "--journal", "x"}).status, 2);
+  std::ofstream(directory_ / "letter") << "to my aunt\n";
+  const Outcome letter = lucerna({"--servers", targets_[0], "point.pbrt", "-o", here, "--journal",
+                                  (directory_ / "letter").string()});
+  EXPECT_EQ(letter.status, 1);
+  EXPECT_THAT(letter.err, HasSubstr("is the journal of another job, or none"));
+  EXPECT_THAT(letter.err, Not(HasSubstr("the server said")));
   EXPECT_EQ(lucerna({"point.pbrt", "-o", here, "--servers", "nowhere"}).status, 2);
 }
 
