@@ -104,6 +104,29 @@ absl::StatusOr<Response> call(const std::unique_ptr<Service>& service,
   return response;
 }
 
+/// Begins one call of a generated stub.
+template <class Async, class Request, class Response>
+void begin(Async* service,
+           void (Async::*method)(grpc::ClientContext*, const Request*, Response*,
+                                 std::function<void(grpc::Status)>),
+           const Request& request, const CallOptions& options, Client::Done<Response> done) {
+  struct State {
+    State(const Request& r, const CallOptions& options) : request(r), context(options) {}
+    Request request;
+    Response response;
+    CallContext context;
+  };
+  const auto state = std::make_shared<State>(request, options);
+  (service->*method)(state->context.get(), &state->request, &state->response,
+                     [state, done = std::move(done)](const grpc::Status& status) {
+                       if (status.ok()) {
+                         done(std::move(state->response));
+                       } else {
+                         done(to_absl_status(status));
+                       }
+                     });
+}
+
 }  // namespace
 
 CallOptions CallOptions::within(std::chrono::duration<double> time) {
@@ -185,6 +208,12 @@ absl::StatusOr<v1::GetSceneResponse> Client::get_scene(const v1::GetSceneRequest
   return call(connection_->scene, &v1::SceneService::StubInterface::GetScene, request, options);
 }
 
+void Client::get_scene(const v1::GetSceneRequest& request, const CallOptions& options,
+                       Done<v1::GetSceneResponse> done) const {
+  begin(connection_->scene->async(), &v1::SceneService::StubInterface::async_interface::GetScene,
+        request, options, std::move(done));
+}
+
 absl::StatusOr<v1::ListScenesResponse> Client::list_scenes(const v1::ListScenesRequest& request,
                                                            const CallOptions& options) const {
   return call(connection_->scene, &v1::SceneService::StubInterface::ListScenes, request, options);
@@ -198,6 +227,12 @@ absl::StatusOr<v1::ListLightsResponse> Client::list_lights(const v1::ListLightsR
 absl::StatusOr<v1::RenewLeaseResponse> Client::renew_lease(const v1::RenewLeaseRequest& request,
                                                            const CallOptions& options) const {
   return call(connection_->scene, &v1::SceneService::StubInterface::RenewLease, request, options);
+}
+
+void Client::renew_lease(const v1::RenewLeaseRequest& request, const CallOptions& options,
+                         Done<v1::RenewLeaseResponse> done) const {
+  begin(connection_->scene->async(), &v1::SceneService::StubInterface::async_interface::RenewLease,
+        request, options, std::move(done));
 }
 
 absl::StatusOr<v1::ReleaseSceneResponse> Client::release_scene(
@@ -250,9 +285,24 @@ absl::StatusOr<v1::EstimateIrradianceResponse> Client::estimate_irradiance(
               request, options);
 }
 
+void Client::estimate_irradiance(const v1::EstimateIrradianceRequest& request,
+                                 const CallOptions& options,
+                                 Done<v1::EstimateIrradianceResponse> done) const {
+  begin(connection_->lighting->async(),
+        &v1::LightingService::StubInterface::async_interface::EstimateIrradiance, request, options,
+        std::move(done));
+}
+
 absl::StatusOr<v1::RenderTileResponse> Client::render_tile(const v1::RenderTileRequest& request,
                                                            const CallOptions& options) const {
   return call(connection_->render, &v1::RenderService::StubInterface::RenderTile, request, options);
+}
+
+void Client::render_tile(const v1::RenderTileRequest& request, const CallOptions& options,
+                         Done<v1::RenderTileResponse> done) const {
+  begin(connection_->render->async(),
+        &v1::RenderService::StubInterface::async_interface::RenderTile, request, options,
+        std::move(done));
 }
 
 absl::Status Client::render_image(

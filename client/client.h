@@ -1,4 +1,5 @@
-// Asks a lucernad: every call of lucerna.v1 that is answered today, blocking, one method a call.
+// Asks a lucernad: every call of lucerna.v1 that is answered today, one method a call.  All block,
+// and some have a second form that does not.
 //
 // Requests and responses are the messages of the contract (lucerna/v1/*.proto), where every field
 // is described; nothing is computed here.  batches.h asks in batches that the server accepts,
@@ -63,6 +64,10 @@ class Client {
 
   template <class Response>
   using Result = absl::StatusOr<Response>;
+  /// How a call that does not block is answered: once, in a thread of gRPC's, which must not be
+  /// kept for long.
+  template <class Response>
+  using Done = std::function<void(Result<Response>)>;
 
   // SceneService
   Result<v1::FindMissingAssetsResponse> find_missing_assets(
@@ -76,12 +81,16 @@ class Client {
                                            const CallOptions& options = {}) const;
   Result<v1::GetSceneResponse> get_scene(const v1::GetSceneRequest& request,
                                          const CallOptions& options = {}) const;
+  void get_scene(const v1::GetSceneRequest& request, const CallOptions& options,
+                 Done<v1::GetSceneResponse> done) const;
   Result<v1::ListScenesResponse> list_scenes(const v1::ListScenesRequest& request,
                                              const CallOptions& options = {}) const;
   Result<v1::ListLightsResponse> list_lights(const v1::ListLightsRequest& request,
                                              const CallOptions& options = {}) const;
   Result<v1::RenewLeaseResponse> renew_lease(const v1::RenewLeaseRequest& request,
                                              const CallOptions& options = {}) const;
+  void renew_lease(const v1::RenewLeaseRequest& request, const CallOptions& options,
+                   Done<v1::RenewLeaseResponse> done) const;
   Result<v1::ReleaseSceneResponse> release_scene(const v1::ReleaseSceneRequest& request,
                                                  const CallOptions& options = {}) const;
 
@@ -101,10 +110,14 @@ class Client {
                                                      const CallOptions& options = {}) const;
   Result<v1::EstimateIrradianceResponse> estimate_irradiance(
       const v1::EstimateIrradianceRequest& request, const CallOptions& options = {}) const;
+  void estimate_irradiance(const v1::EstimateIrradianceRequest& request, const CallOptions& options,
+                           Done<v1::EstimateIrradianceResponse> done) const;
 
   // RenderService
   Result<v1::RenderTileResponse> render_tile(const v1::RenderTileRequest& request,
                                              const CallOptions& options = {}) const;
+  void render_tile(const v1::RenderTileRequest& request, const CallOptions& options,
+                   Done<v1::RenderTileResponse> done) const;
   /// Calls `on_response` in the calling thread for each message as it arrives.  Where it returns
   /// false, the server is told to stop, and the answer is CANCELLED.
   absl::Status render_image(const v1::RenderImageRequest& request,

@@ -11,6 +11,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "lucerna/client/client.h"
@@ -21,22 +22,35 @@ class Message;
 
 namespace lucerna::client {
 
-/// Pieces that any server can do, in any order.
+/// Pieces that any server can do, in any order.  All its methods are called by the thread that runs
+/// the job, as are the callbacks of JobOptions but for `servers` and `load`.
 class Work {
  public:
   using Result = std::unique_ptr<google::protobuf::Message>;
+  using Done = std::function<void(absl::StatusOr<Result>)>;
 
   virtual ~Work() = default;
   /// Pieces that are still to be done when the job begins, numbered from 0.
   virtual std::size_t size() const = 0;
-  /// Does a piece on one server, which holds the scene; called by many threads at once, perhaps
-  /// twice for a piece.
-  virtual absl::StatusOr<Result> run(std::size_t piece, const Client& client,
-                                     const std::string& scene_id,
-                                     const CallOptions& options) const = 0;
-  /// Takes a piece's result: once a piece, one at a time.  An error ends the job.
+  /// Begins a piece on one server, which holds the scene, and returns at once; perhaps twice for a
+  /// piece.  `done` is called once, by any thread, soon where `options.stop` asks for it.
+  virtual void start(std::size_t piece, const Client& client, const std::string& scene_id,
+                     const CallOptions& options, Done done) = 0;
+  /// Takes a piece's result: once a piece.  An error ends the job.
   virtual absl::Status accept(std::size_t piece, Result result) = 0;
 };
+
+/// Hands a call's answer to a piece's `done`.
+template <class Response>
+Client::Done<Response> answer_as(Work::Done done) {
+  return [done = std::move(done)](absl::StatusOr<Response> response) {
+    if (response.ok()) {
+      done(std::make_unique<Response>(*std::move(response)));
+    } else {
+      done(response.status());
+    }
+  };
+}
 
 /// What a job asks for; renewed while it runs, and left to run out at its end.
 inline constexpr std::chrono::seconds kJobLease(60);
@@ -49,18 +63,18 @@ struct JobProgress {
 };
 
 struct JobOptions {
-  /// Who is there, asked again every few seconds: servers may join and leave.
+  /// Who is there, asked again every few seconds, in a thread of its own: servers may join and
+  /// leave.
   std::function<absl::StatusOr<std::vector<std::string>>()> servers;
   /// Brings the scene to a server, with a lease of kJobLease or more.  Called before a server's
-  /// first piece, and again where it has lost the scene.
+  /// first piece, and again where it has lost the scene; in a thread for each server.
   std::function<absl::StatusOr<v1::LoadSceneResponse>(const Client&, const CallOptions&)> load;
-  /// Pieces in flight at one server.
+  /// Pieces in flight at one server, at least 1.
   int window = 2;
   /// Let in servers of any numeric fingerprint.
   bool allow_mixed = false;
   /// Of the job as a whole.
   CallOptions call = {};
-  /// Called in one thread at a time.
   std::function<void(const JobProgress&)> on_progress = {};
   /// What a person may want to know: servers that come, go and fail.
   std::function<void(const std::string&)> on_event = {};

@@ -1,9 +1,7 @@
 #include "client/job_pieces.h"
 
 #include <algorithm>
-#include <map>
 #include <numeric>
-#include <set>
 
 namespace lucerna::client {
 namespace {
@@ -17,50 +15,73 @@ JobPieces::JobPieces(std::size_t count) : pending_(count), done_(count) {
   std::iota(pending_.begin(), pending_.end(), std::size_t{0});
 }
 
-std::optional<JobPieces::Handle> JobPieces::begin(const void* server) {
-  std::optional<std::size_t> piece;
-  if (!pending_.empty()) {
-    piece = pending_.front();
-    pending_.pop_front();
-  } else {
-    std::map<std::size_t, std::size_t> at_it;
-    std::set<std::size_t> own;
-    for (const Attempt& attempt : attempts_) {
-      ++at_it[attempt.piece];
-      if (attempt.server == server) own.insert(attempt.piece);
-    }
-    const Attempt* best = nullptr;
-    for (const Attempt& attempt : attempts_) {
-      const std::size_t n = at_it[attempt.piece];
-      if (done_[attempt.piece] || own.contains(attempt.piece) || n >= kMostAttempts) continue;
-      if (best == nullptr || n < at_it[best->piece] ||
-          (n == at_it[best->piece] && attempt.begun < best->begun))
-        best = &attempt;
-    }
-    if (best != nullptr) piece = best->piece;
+void JobPieces::file(std::size_t piece, const Active& active, bool in) {
+  const std::size_t n = active.attempts.size();
+  const Key key{n, active.begun, piece};
+  if (!in) {
+    to_duplicate_.erase(key);
+  } else if (n > 0 && n < kMostAttempts && !done_[piece]) {
+    to_duplicate_.insert(key);
   }
-  if (!piece) return std::nullopt;
-  return attempts_.insert(attempts_.end(), {*piece, server, std::chrono::steady_clock::now(), {}});
+}
+
+JobPieces::AttemptId JobPieces::add(std::size_t piece, Active& active, ServerId server) {
+  file(piece, active, false);
+  const AttemptId id = next_id_++;
+  active.attempts.push_back(id);
+  attempts_.emplace(id, Attempt{piece, server});
+  file(piece, active, true);
+  return id;
+}
+
+std::optional<JobPieces::AttemptId> JobPieces::begin(ServerId server, Time now) {
+  if (pending_.empty()) return std::nullopt;
+  const std::size_t piece = pending_.front();
+  pending_.pop_front();
+  return add(piece, active_[piece] = {now, {}}, server);
+}
+
+std::optional<JobPieces::AttemptId> JobPieces::begin_duplicate(ServerId server) {
+  const auto is_own = [&](AttemptId id) { return attempts_.at(id).server == server; };
+  for (const Key& key : to_duplicate_) {
+    const std::size_t piece = std::get<2>(key);
+    Active& active = active_.at(piece);
+    if (std::none_of(active.attempts.begin(), active.attempts.end(), is_own))
+      return add(piece, active, server);
+  }
+  return std::nullopt;
+}
+
+std::vector<JobPieces::AttemptId> JobPieces::attempts_at(std::size_t piece) const {
+  const auto found = active_.find(piece);
+  return found == active_.end() ? std::vector<AttemptId>{} : found->second.attempts;
+}
+
+std::vector<JobPieces::AttemptId> JobPieces::attempts_of(ServerId server) const {
+  std::vector<AttemptId> result;
+  for (const auto& [id, attempt] : attempts_)
+    if (attempt.server == server) result.push_back(id);
+  std::sort(result.begin(), result.end());
+  return result;
 }
 
 void JobPieces::complete(std::size_t piece) {
+  if (const auto found = active_.find(piece); found != active_.end())
+    file(piece, found->second, false);
   done_[piece] = true;
   ++done_count_;
-  for (Attempt& attempt : attempts_)
-    if (attempt.piece == piece) attempt.stop.request_stop();
 }
 
-void JobPieces::end(Handle attempt) {
-  const std::size_t piece = attempt->piece;
+void JobPieces::end(AttemptId attempt) {
+  const std::size_t piece = attempts_.at(attempt).piece;
   attempts_.erase(attempt);
-  const auto is_it = [&](const Attempt& a) { return a.piece == piece; };
-  if (!done_[piece] && std::none_of(attempts_.begin(), attempts_.end(), is_it))
-    pending_.push_front(piece);
-}
-
-void JobPieces::stop(const void* server) {
-  for (Attempt& attempt : attempts_)
-    if (server == nullptr || attempt.server == server) attempt.stop.request_stop();
+  Active& active = active_.at(piece);
+  file(piece, active, false);
+  std::erase(active.attempts, attempt);
+  file(piece, active, true);
+  if (!active.attempts.empty()) return;
+  active_.erase(piece);
+  if (!done_[piece]) pending_.push_front(piece);
 }
 
 }  // namespace lucerna::client

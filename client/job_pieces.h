@@ -1,26 +1,29 @@
-// Who does which piece of a job.
+// Which of a job's pieces are done, being done, and next.
 #pragma once
 
 #include <chrono>
-#include <cstddef>
+#include <cstdint>
 #include <deque>
-#include <list>
+#include <map>
 #include <optional>
-#include <stop_token>
+#include <set>
+#include <tuple>
+#include <unordered_map>
+#include <utility>
 #include <vector>
 
 namespace lucerna::client {
 
-/// Not thread-safe.  Servers are told apart by the address of whatever stands for them.
+/// Every operation costs the logarithm of the attempts under way, at most.
 class JobPieces {
  public:
+  using Time = std::chrono::steady_clock::time_point;
+  using ServerId = std::size_t;
+  using AttemptId = std::uint64_t;
   struct Attempt {
     std::size_t piece;
-    const void* server;
-    std::chrono::steady_clock::time_point begun;
-    std::stop_source stop;
+    ServerId server;
   };
-  using Handle = std::list<Attempt>::iterator;
 
   explicit JobPieces(std::size_t count);
 
@@ -28,23 +31,45 @@ class JobPieces {
   std::size_t done_count() const { return done_count_; }
   bool done(std::size_t piece) const { return done_[piece]; }
   bool all_done() const { return done_count_ == done_.size(); }
+  /// Whether there is a piece that no server is at.
+  bool any_pending() const { return !pending_.empty(); }
+  /// Whether there is one that another server could do as well.
+  bool any_to_duplicate() const { return !to_duplicate_.empty(); }
 
-  /// Gives the server a piece: one that nobody does, or else the one that was begun longest ago by
-  /// the fewest others, which may hang or be slow.  Nothing where there is none for it.
-  std::optional<Handle> begin(const void* server);
-  /// The piece is done: whoever else is at it may stop.
+  /// The next piece that no server is at is the server's now.
+  std::optional<AttemptId> begin(ServerId server, Time now);
+  /// As above, for a piece that others are at, which may hang or be slow: the one with the fewest
+  /// attempts, and of those the one that was begun longest ago.
+  std::optional<AttemptId> begin_duplicate(ServerId server);
+  const Attempt& attempt(AttemptId id) const { return attempts_.at(id); }
+  /// The attempts at a piece.
+  std::vector<AttemptId> attempts_at(std::size_t piece) const;
+  /// The attempts of a server.
+  std::vector<AttemptId> attempts_of(ServerId server) const;
+
   void complete(std::size_t piece);
   /// The attempt is over.  A piece that is then neither done nor being done is the next to be
   /// given.
-  void end(Handle attempt);
-  /// Tells all attempts, or those of one server, to stop.
-  void stop(const void* server = nullptr);
+  void end(AttemptId attempt);
 
  private:
+  struct Active {
+    Time begun;
+    std::vector<AttemptId> attempts;
+  };
+  using Key = std::tuple<std::size_t, Time, std::size_t>;  // attempts, begun, piece
+
+  /// Puts the piece among those to duplicate, or takes it out.
+  void file(std::size_t piece, const Active& active, bool in);
+  AttemptId add(std::size_t piece, Active& active, ServerId server);
+
   std::deque<std::size_t> pending_;
   std::vector<bool> done_;
   std::size_t done_count_ = 0;
-  std::list<Attempt> attempts_;
+  std::unordered_map<AttemptId, Attempt> attempts_;
+  std::unordered_map<std::size_t, Active> active_;  // by piece
+  std::set<Key> to_duplicate_;
+  AttemptId next_id_ = 0;
 };
 
 }  // namespace lucerna::client

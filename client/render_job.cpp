@@ -23,13 +23,11 @@ constexpr std::uint64_t kMostPieces = std::uint64_t{1} << 24;
 class AskForScene final : public Work {
  public:
   std::size_t size() const override { return 1; }
-  absl::StatusOr<Result> run(std::size_t, const Client& client, const std::string& scene_id,
-                             const CallOptions& options) const override {
+  void start(std::size_t, const Client& client, const std::string& scene_id,
+             const CallOptions& options, Done done) override {
     v1::GetSceneRequest request;
     request.set_scene_id(scene_id);
-    auto response = client.get_scene(request, options);
-    if (!response.ok()) return response.status();
-    return std::make_unique<v1::GetSceneResponse>(*std::move(response));
+    client.get_scene(request, options, answer_as<v1::GetSceneResponse>(std::move(done)));
   }
   absl::Status accept(std::size_t, Result result) override {
     summary = static_cast<v1::GetSceneResponse&>(*result).summary();
@@ -87,8 +85,8 @@ class Render final : public Work {
 
   std::size_t size() const override { return to_do_.size(); }
 
-  absl::StatusOr<Result> run(std::size_t number, const Client& client, const std::string& scene_id,
-                             const CallOptions& options) const override {
+  void start(std::size_t number, const Client& client, const std::string& scene_id,
+             const CallOptions& options, Done done) override {
     const Piece& piece = pieces_[to_do_[number]];
     v1::RenderTileRequest request;
     request.set_scene_id(scene_id);
@@ -100,9 +98,7 @@ class Render final : public Work {
     request.mutable_accuracy()->set_samples(static_cast<std::uint32_t>(piece.blocks * per_block_));
     request.set_samples_per_block(per_block_);
     request.set_first_sample(piece.first_block * per_block_);
-    auto response = client.render_tile(request, options);
-    if (!response.ok()) return response.status();
-    return std::make_unique<v1::RenderTileResponse>(*std::move(response));
+    client.render_tile(request, options, answer_as<v1::RenderTileResponse>(std::move(done)));
   }
 
   absl::Status accept(std::size_t number, Result result) override {

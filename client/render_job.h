@@ -21,7 +21,7 @@ struct RenderJobOptions {
   std::string journal = {};
   /// Each piece of the picture as it becomes part of it.
   std::function<void(const v1::Tile&)> on_tile = {};
-  JobOptions job;
+  JobOptions job = {};
 };
 
 struct RenderJobResult {

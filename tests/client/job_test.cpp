@@ -22,22 +22,20 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-/// Piece i asks for light i + 1, and is answered with what the server makes of it.
-class Lights final : public Work {
+/// Piece i asks for a tile of seed i + 1, and is answered with what the server makes of it.
+class Tiles final : public Work {
  public:
-  explicit Lights(std::size_t n) : taken_(n) {}
+  explicit Tiles(std::size_t n) : taken_(n) {}
   std::size_t size() const override { return taken_.size(); }
-  absl::StatusOr<Result> run(std::size_t piece, const Client& client, const std::string& scene_id,
-                             const CallOptions& options) const override {
-    v1::SampleLiRequest request;
+  void start(std::size_t piece, const Client& client, const std::string& scene_id,
+             const CallOptions& options, Done done) override {
+    v1::RenderTileRequest request;
     request.set_scene_id(scene_id);
-    request.set_light_id(piece + 1);
-    auto response = client.sample_li(request, options);
-    if (!response.ok()) return response.status();
-    return std::make_unique<v1::SampleLiResponse>(*std::move(response));
+    request.set_seed(piece + 1);
+    client.render_tile(request, options, answer_as<v1::RenderTileResponse>(std::move(done)));
   }
   absl::Status accept(std::size_t piece, Result result) override {
-    EXPECT_EQ(static_cast<v1::SampleLiResponse&>(*result).cost().samples(), piece + 1);
+    EXPECT_EQ(static_cast<v1::RenderTileResponse&>(*result).cost().samples(), piece + 1);
     ++taken_[piece];
     return refuse_ == piece ? absl::UnknownError("the disk is full") : absl::OkStatus();
   }
@@ -88,8 +86,8 @@ class JobTest : public ::testing::Test {
         response->set_scene_id("scene");
         return grpc::Status::OK;
       };
-      server.sample_li = [this, &server](auto&, const v1::SampleLiRequest& request,
-                                         v1::SampleLiResponse* response) {
+      server.render_tile = [this, &server](auto&, const v1::RenderTileRequest& request,
+                                           v1::RenderTileResponse* response) {
         return answer(server, request, response);
       };
     }
@@ -107,10 +105,10 @@ class JobTest : public ::testing::Test {
     listed_ = {servers_[0].target(), servers_[1].target()};
   }
 
-  grpc::Status answer(FakeServer& server, const v1::SampleLiRequest& request,
-                      v1::SampleLiResponse* response) {
+  grpc::Status answer(FakeServer& server, const v1::RenderTileRequest& request,
+                      v1::RenderTileResponse* response) {
     EXPECT_EQ(request.scene_id(), "scene");
-    response->mutable_cost()->set_samples(request.light_id());
+    response->mutable_cost()->set_samples(request.seed());
     const std::lock_guard lock(mutex_);
     ++answers_[&server];
     return grpc::Status::OK;
@@ -132,7 +130,7 @@ class JobTest : public ::testing::Test {
 };
 
 TEST_F(JobTest, EveryPieceIsAcceptedOnce) {
-  Lights work(200);
+  Tiles work(200);
   std::size_t last = 0;
   options_.on_progress = [&](const JobProgress& p) {
     EXPECT_GE(p.done, last);
@@ -149,16 +147,16 @@ TEST_F(JobTest, EveryPieceIsAcceptedOnce) {
 }
 
 TEST_F(JobTest, NothingToDoIsDoneAtOnce) {
-  Lights work(0);
+  Tiles work(0);
   EXPECT_TRUE(run_job(work, options_).ok());
 }
 
 TEST_F(JobTest, AServerThatHangsIsDoneWithout) {
-  servers_[0].sample_li = [this](grpc::ServerContext& context, auto&, auto*) {
+  servers_[0].render_tile = [this](grpc::ServerContext& context, auto&, auto*) {
     never_.wait(context);
     return grpc::Status::CANCELLED;
   };
-  Lights work(50);
+  Tiles work(50);
   const auto report = run_job(work, options_);
   ASSERT_TRUE(report.ok()) << report.status();
   EXPECT_TRUE(work.each_once());
@@ -168,13 +166,13 @@ TEST_F(JobTest, AServerThatHangsIsDoneWithout) {
 TEST_F(JobTest, TheFirstOfTwoResultsCounts) {
   // The first piece's first server answers only after the other has.
   for (FakeServer& server : servers_) {
-    server.sample_li = [&](grpc::ServerContext& context, const v1::SampleLiRequest& request,
-                           v1::SampleLiResponse* response) {
-      if (request.light_id() == 1 && first_++ == 0) door_.wait(context);
+    server.render_tile = [&](grpc::ServerContext& context, const v1::RenderTileRequest& request,
+                             v1::RenderTileResponse* response) {
+      if (request.seed() == 1 && first_++ == 0) door_.wait(context);
       return answer(server, request, response);
     };
   }
-  Lights work(3);
+  Tiles work(3);
   options_.on_progress = [&](const JobProgress& p) {
     if (p.done == 3) door_.open();
   };
@@ -184,10 +182,10 @@ TEST_F(JobTest, TheFirstOfTwoResultsCounts) {
 }
 
 TEST_F(JobTest, WhatAServerFailsAtOthersDo) {
-  servers_[0].sample_li = [](auto&, auto&, auto*) {
+  servers_[0].render_tile = [](auto&, auto&, auto*) {
     return grpc::Status(grpc::StatusCode::UNAVAILABLE, "draining");
   };
-  Lights work(20);
+  Tiles work(20);
   ASSERT_TRUE(run_job(work, options_).ok());
   EXPECT_TRUE(work.each_once());
   EXPECT_THAT(events_, Contains(HasSubstr(servers_[0].target() + " does not answer: draining")));
@@ -202,12 +200,12 @@ TEST_F(JobTest, AServerThatLostTheSceneGetsItAgain) {
     return grpc::Status::OK;
   };
   std::atomic<int> calls = 0;
-  servers_[0].sample_li = [&](auto&, const v1::SampleLiRequest& request,
-                              v1::SampleLiResponse* response) {
+  servers_[0].render_tile = [&](auto&, const v1::RenderTileRequest& request,
+                                v1::RenderTileResponse* response) {
     if (++calls == 5) return grpc::Status(grpc::StatusCode::NOT_FOUND, "scene_id");
     return answer(servers_[0], request, response);
   };
-  Lights work(20);
+  Tiles work(20);
   ASSERT_TRUE(run_job(work, options_).ok());
   EXPECT_TRUE(work.each_once());
   EXPECT_EQ(loads.load(), 2);
@@ -215,11 +213,11 @@ TEST_F(JobTest, AServerThatLostTheSceneGetsItAgain) {
 
 TEST_F(JobTest, WhatIsNotFoundAgainAndAgainEndsIt) {
   for (FakeServer& server : servers_) {
-    server.sample_li = [](auto&, auto&, auto*) {
+    server.render_tile = [](auto&, auto&, auto*) {
       return grpc::Status(grpc::StatusCode::NOT_FOUND, "no such light");
     };
   }
-  Lights work(5);
+  Tiles work(5);
   const auto report = run_job(work, options_);
   EXPECT_EQ(report.status().code(), absl::StatusCode::kNotFound);
   EXPECT_THAT(std::string(report.status().message()), HasSubstr("no such light"));
@@ -228,21 +226,21 @@ TEST_F(JobTest, WhatIsNotFoundAgainAndAgainEndsIt) {
 TEST_F(JobTest, AServerThatIsBusyIsAskedLater) {
   std::atomic<int> calls = 0;
   listed_.pop_back();
-  servers_[0].sample_li = [&](auto&, const v1::SampleLiRequest& request,
-                              v1::SampleLiResponse* response) {
+  servers_[0].render_tile = [&](auto&, const v1::RenderTileRequest& request,
+                                v1::RenderTileResponse* response) {
     if (++calls <= 3) return retry(grpc::StatusCode::RESOURCE_EXHAUSTED, 1);
     return answer(servers_[0], request, response);
   };
-  Lights work(5);
+  Tiles work(5);
   ASSERT_TRUE(run_job(work, options_).ok());
   EXPECT_TRUE(work.each_once());
 }
 
 TEST_F(JobTest, AWrongRequestEndsItWithWhatTheServerSaid) {
-  servers_[1].sample_li = [](auto&, auto&, auto*) {
+  servers_[1].render_tile = [](auto&, auto&, auto*) {
     return grpc::Status(grpc::StatusCode::INVALID_ARGUMENT, "light_id = 7");
   };
-  Lights work(100);
+  Tiles work(100);
   const auto report = run_job(work, options_);
   EXPECT_EQ(report.status().code(), absl::StatusCode::kInvalidArgument);
   EXPECT_THAT(std::string(report.status().message()),
@@ -254,19 +252,19 @@ TEST_F(JobTest, ASceneThatCannotBeLoadedEndsIt) {
     return grpc::Status(grpc::StatusCode::INVALID_ARGUMENT, "room.pbrt:1:1: what");
   };
   listed_.pop_back();
-  Lights work(1);
+  Tiles work(1);
   EXPECT_THAT(run_job(work, options_).status().ToString(), HasSubstr("room.pbrt:1:1: what"));
 }
 
 TEST_F(JobTest, ServersOfOtherFingerprintsAreNotMixed) {
   servers_[1].fingerprint = "g";
   {
-    Lights work(100);
+    Tiles work(100);
     const auto report = run_job(work, options_);
     EXPECT_EQ(report.status().code(), absl::StatusCode::kFailedPrecondition) << report.status();
     EXPECT_THAT(std::string(report.status().message()), HasSubstr("fingerprints"));
   }
-  Lights work(100);
+  Tiles work(100);
   options_.allow_mixed = true;
   const auto report = run_job(work, options_);
   ASSERT_TRUE(report.ok()) << report.status();
@@ -279,12 +277,12 @@ TEST_F(JobTest, ServersOfOtherScenesEndIt) {
     return grpc::Status::OK;
   };
   for (FakeServer& server : servers_) {
-    server.sample_li = [this](grpc::ServerContext& context, auto&, auto*) {
+    server.render_tile = [this](grpc::ServerContext& context, auto&, auto*) {
       never_.wait(context);
       return grpc::Status::CANCELLED;
     };
   }
-  Lights work(100);
+  Tiles work(100);
   const auto report = run_job(work, options_);
   EXPECT_EQ(report.status().code(), absl::StatusCode::kFailedPrecondition);
   EXPECT_THAT(std::string(report.status().message()), HasSubstr("their files differ"));
@@ -293,10 +291,10 @@ TEST_F(JobTest, ServersOfOtherScenesEndIt) {
 TEST_F(JobTest, ServersJoinAndLeaveWhileItRuns) {
   const std::string first = servers_[0].target(), second = servers_[1].target();
   listed_ = {first};
-  servers_[0].sample_li = [&, second](grpc::ServerContext& context,
-                                      const v1::SampleLiRequest& request,
-                                      v1::SampleLiResponse* response) {
-    if (request.light_id() > 10) {
+  servers_[0].render_tile = [&, second](grpc::ServerContext& context,
+                                        const v1::RenderTileRequest& request,
+                                        v1::RenderTileResponse* response) {
+    if (request.seed() > 10) {
       {
         const std::lock_guard lock(mutex_);
         listed_ = {second};
@@ -306,7 +304,7 @@ TEST_F(JobTest, ServersJoinAndLeaveWhileItRuns) {
     }
     return answer(servers_[0], request, response);
   };
-  Lights work(30);
+  Tiles work(30);
   ASSERT_TRUE(run_job(work, options_).ok());
   EXPECT_TRUE(work.each_once());
   EXPECT_EQ(answers(0), 10);
@@ -324,19 +322,19 @@ TEST_F(JobTest, WaitsWhileNoServerAnswersAndSaysSo) {
     const std::lock_guard lock(mutex_);
     listed_.push_back(real);
   };
-  Lights work(3);
+  Tiles work(3);
   ASSERT_TRUE(run_job(work, options_).ok());
   EXPECT_THAT(events_, Contains("no server answers: waiting"));
 }
 
 TEST_F(JobTest, EndsWhenItIsToldTo) {
   for (FakeServer& server : servers_) {
-    server.sample_li = [this](grpc::ServerContext& context, auto&, auto*) {
+    server.render_tile = [this](grpc::ServerContext& context, auto&, auto*) {
       never_.wait(context);
       return grpc::Status::CANCELLED;
     };
   }
-  Lights work(3);
+  Tiles work(3);
   std::stop_source stop;
   options_.call.stop = stop.get_token();
   const std::jthread stopper([&] {
@@ -350,7 +348,7 @@ TEST_F(JobTest, EndsWhenItIsToldTo) {
 }
 
 TEST_F(JobTest, AResultThatCannotBeKeptEndsIt) {
-  Lights work(10);
+  Tiles work(10);
   work.refuse_ = 4;
   EXPECT_EQ(run_job(work, options_).status().message(), "the disk is full");
   options_.servers = []() -> absl::StatusOr<std::vector<std::string>> {
