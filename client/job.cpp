@@ -7,6 +7,7 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <random>
 #include <thread>
 #include <unordered_map>
 #include <utility>
@@ -95,7 +96,9 @@ class Job final : JobSchedule::Channel {
       : work_(work),
         options_(options),
         schedule_(work.size(),
-                  {.window = std::max(options.window, 1), .allow_mixed = options.allow_mixed},
+                  {.window = std::max(options.window, 1),
+                   .allow_mixed = options.allow_mixed,
+                   .seed = std::random_device{}()},
                   *this, begun_) {}
 
   absl::StatusOr<JobReport> run() {

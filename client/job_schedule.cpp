@@ -36,12 +36,7 @@ absl::Status from(const std::string& target, const absl::Status& status) {
 }  // namespace
 
 JobSchedule::JobSchedule(std::size_t pieces, const Options& options, Channel& channel, Time now)
-    : options_(options),
-      channel_(channel),
-      begun_(now),
-      pieces_(pieces),
-      // Jobs that lose a server at once must not come back at once.
-      random_(std::random_device{}()) {}
+    : options_(options), channel_(channel), begun_(now), pieces_(pieces), random_(options.seed) {}
 
 void JobSchedule::set(Server& server, bool Server::*flag, bool value) {
   answering_ -= server.answers() ? 1 : 0;
@@ -166,7 +161,6 @@ void JobSchedule::prepared(ServerId id, const absl::StatusOr<Prepared>& answer, 
   server.scene_id = answer->scene_id;
   set(server, &Server::ready, true);
   server.renewed = now;
-  server.backoff = kFirstBackoff;
   if (server.told_failure || (is_new && pieces_.done_count() > 0))
     channel_.say(server.target + " answers");
   server.told_failure = false;
@@ -194,6 +188,9 @@ bool JobSchedule::finished(AttemptId attempt, const absl::Status& answer, Time n
   const bool counts = answer.ok() && !was_done && !over();
   if (counts) {
     pieces_.complete(piece);
+    // Not before: a server that takes the scene and fails at each piece is no better than a dead
+    // one.
+    server.backoff = kFirstBackoff;
     for (const AttemptId other : pieces_.attempts_at(piece))
       if (other != attempt) channel_.cancel(other);
     if (std::find(fingerprints_.begin(), fingerprints_.end(), server.fingerprint) ==

@@ -52,6 +52,8 @@ class JobSchedule {
   struct Options {
     int window = 2;  ///< pieces in flight at one server, at least 1
     bool allow_mixed = false;
+    /// Of the jitter: jobs that lose a server at once must not come back at once.
+    std::uint32_t seed = 0;
   };
 
   JobSchedule(std::size_t pieces, const Options& options, Channel& channel, Time now);

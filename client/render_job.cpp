@@ -4,8 +4,8 @@
 #include <bit>
 #include <chrono>
 #include <map>
+#include <numeric>
 #include <optional>
-#include <tuple>
 #include <utility>
 
 #include "client/journal.h"
@@ -87,7 +87,7 @@ class Render final : public Work {
 
   void start(std::size_t number, const Client& client, const std::string& scene_id,
              const CallOptions& options, Done done) override {
-    const Piece& piece = pieces_[to_do_[number]];
+    const Piece piece = this->piece(to_do_[number]);
     v1::RenderTileRequest request;
     request.set_scene_id(scene_id);
     *request.mutable_rect() = piece.rect;
@@ -103,7 +103,7 @@ class Render final : public Work {
 
   absl::Status accept(std::size_t number, Result result) override {
     auto& response = static_cast<v1::RenderTileResponse&>(*result);
-    const Piece& piece = pieces_[to_do_[number]];
+    const Piece piece = this->piece(to_do_[number]);
     if (!same(response.tile().rect(), piece.rect) ||
         response.tile().first_block() != piece.first_block ||
         response.tile().block_count() != piece.blocks)
@@ -121,80 +121,83 @@ class Render final : public Work {
   }
 
   absl::StatusOr<Picture> picture() const { return assembler_.picture(); }
-  std::size_t pieces() const { return pieces_.size(); }
+  std::size_t pieces() const { return done_.size(); }
   const v1::Cost& cost() const { return cost_; }
 
  private:
+  struct Run {
+    std::uint64_t first, blocks;
+  };
   struct Piece {
     v1::PixelRect rect;
     std::uint64_t first_block, blocks;
     std::size_t tile;  // pieces of one tile go to the picture in the order of their blocks
   };
 
-  using Place = std::tuple<std::uint32_t, std::uint32_t, std::uint64_t>;
-  static Place place(const v1::PixelRect& rect, std::uint64_t first_block) {
-    return {rect.x0(), rect.y0(), first_block};
+  /// All of the picture with its first samples, then with more.
+  Piece piece(std::size_t number) const {
+    const std::uint64_t tiles = across_ * down_, tile = number % tiles;
+    const Run& run = runs_[static_cast<std::size_t>(number / tiles)];
+    Piece piece{{}, run.first, run.blocks, static_cast<std::size_t>(tile)};
+    const auto x = static_cast<std::uint32_t>(tile % across_ * edge_),
+               y = static_cast<std::uint32_t>(tile / across_ * edge_);
+    piece.rect.set_x0(x);
+    piece.rect.set_y0(y);
+    piece.rect.set_x1(x + std::min(edge_, scene_.image_width() - x));
+    piece.rect.set_y1(y + std::min(edge_, scene_.image_height() - y));
+    return piece;
+  }
+
+  /// The piece that a tile is; nothing where it is none.
+  std::optional<std::size_t> number_of(const v1::Tile& tile) const {
+    const auto before = [](const Run& run, std::uint64_t first) { return run.first < first; };
+    const auto run = std::lower_bound(runs_.begin(), runs_.end(), tile.first_block(), before);
+    const std::uint64_t x = tile.rect().x0() / edge_, y = tile.rect().y0() / edge_;
+    if (run == runs_.end() || run->first != tile.first_block() || x >= across_ || y >= down_)
+      return std::nullopt;
+    const auto number = static_cast<std::size_t>(
+        (static_cast<std::uint64_t>(run - runs_.begin()) * down_ + y) * across_ + x);
+    const Piece piece = this->piece(number);
+    if (!same(piece.rect, tile.rect()) || piece.blocks != tile.block_count()) return std::nullopt;
+    return number;
   }
 
   absl::Status lay_out(std::uint64_t blocks, std::uint32_t edge) {
-    std::vector<std::pair<std::uint64_t, std::uint64_t>> runs;
     const std::uint64_t most =
         options_.samples_per_piece == 0
             ? blocks
             : std::max<std::uint64_t>(1, options_.samples_per_piece / per_block_);
-    for (std::uint64_t first = 0; first < blocks;) {
-      const std::uint64_t run = std::min(aligned_run(first, blocks), std::bit_floor(most));
-      runs.emplace_back(first, run);
-      first += run;
+    edge_ = edge;
+    across_ = (std::uint64_t{scene_.image_width()} + edge - 1) / edge;
+    down_ = (std::uint64_t{scene_.image_height()} + edge - 1) / edge;
+    for (std::uint64_t first = 0; first < blocks; first += runs_.back().blocks) {
+      runs_.push_back({first, std::min(aligned_run(first, blocks), std::bit_floor(most))});
+      if (across_ * down_ * runs_.size() > kMostPieces)
+        return absl::InvalidArgumentError("the picture falls into more than " +
+                                          std::to_string(kMostPieces) +
+                                          " pieces, which is the most allowed; take larger tiles "
+                                          "or more samples a piece");
     }
-    const std::uint32_t width = scene_.image_width(), height = scene_.image_height();
-    const std::uint64_t across = (std::uint64_t{width} + edge - 1) / edge,
-                        down = (std::uint64_t{height} + edge - 1) / edge;
-    if (across * down * runs.size() > kMostPieces)
-      return absl::InvalidArgumentError(
-          "the picture falls into " + std::to_string(across * down * runs.size()) +
-          " pieces, allowed: " + std::to_string(kMostPieces) + "; take larger tiles");
-    // All of the picture with its first samples, then with more.
-    for (const auto& [first, run] : runs) {
-      std::size_t tile = 0;
-      for (std::uint32_t y = 0; y < height; y += std::min(edge, height - y)) {
-        for (std::uint32_t x = 0; x < width; x += std::min(edge, width - x)) {
-          Piece& piece = pieces_.emplace_back();
-          piece.rect.set_x0(x);
-          piece.rect.set_y0(y);
-          piece.rect.set_x1(x + std::min(edge, width - x));
-          piece.rect.set_y1(y + std::min(edge, height - y));
-          piece.first_block = first;
-          piece.blocks = run;
-          piece.tile = tile++;
-        }
-      }
-    }
-    waiting_.resize(static_cast<std::size_t>(across * down));
+    const std::uint64_t pieces = across_ * down_ * runs_.size();
+    waiting_.resize(static_cast<std::size_t>(across_ * down_));
     next_block_.resize(waiting_.size());
-    done_.resize(pieces_.size());
-    for (std::size_t i = 0; i < pieces_.size(); ++i) {
-      to_do_.push_back(i);
-      by_place_.emplace(place(pieces_[i].rect, pieces_[i].first_block), i);
-    }
+    done_.resize(static_cast<std::size_t>(pieces));
+    to_do_.resize(done_.size());
+    std::iota(to_do_.begin(), to_do_.end(), std::size_t{0});
     return absl::OkStatus();
   }
 
   absl::Status from_journal(const std::string& record) {
     v1::Tile tile;
-    const absl::Status bad =
-        absl::FailedPreconditionError(options_.journal + ": holds what is no piece of this job");
-    if (!tile.ParseFromString(record)) return bad;
-    const auto found = by_place_.find(place(tile.rect(), tile.first_block()));
-    if (found == by_place_.end() || done_[found->second] ||
-        !same(pieces_[found->second].rect, tile.rect()) ||
-        pieces_[found->second].blocks != tile.block_count())
-      return bad;
-    return take(found->second, std::move(tile));
+    const auto number = tile.ParseFromString(record) ? number_of(tile) : std::nullopt;
+    if (!number || done_[*number])
+      return absl::FailedPreconditionError(options_.journal +
+                                           ": holds what is no piece of this job");
+    return take(*number, std::move(tile));
   }
 
   absl::Status take(std::size_t number, v1::Tile tile) {
-    const Piece& piece = pieces_[number];
+    const Piece piece = this->piece(number);
     done_[number] = true;
     auto& waiting = waiting_[piece.tile];
     waiting.emplace(piece.first_block, std::move(tile));
@@ -212,9 +215,10 @@ class Render final : public Work {
   const RenderJobOptions& options_;
   const v1::SceneSummary& scene_;
   std::uint32_t per_block_ = 1;
-  std::vector<Piece> pieces_;
-  std::map<Place, std::size_t> by_place_;  // what the journal finds them by
-  std::vector<std::size_t> to_do_;         // among them
+  std::vector<Run> runs_;  // of blocks, in order
+  std::uint32_t edge_ = 1;
+  std::uint64_t across_ = 0, down_ = 0;  // tiles
+  std::vector<std::size_t> to_do_;       // pieces, by number
   std::vector<bool> done_;
   std::vector<std::map<std::uint64_t, v1::Tile>> waiting_;  // of each tile, by first block
   std::vector<std::uint64_t> next_block_;                   // of each tile

@@ -183,6 +183,16 @@ TEST_F(RenderJob, AnInterruptedJobGoesOnFromItsJournal) {
             absl::StatusCode::kFailedPrecondition);
 }
 
+TEST_F(RenderJob, MorePiecesThanAJobMayHaveAreRefused) {
+  options_.request.set_tile_size(1);
+  options_.request.mutable_accuracy()->set_samples(1U << 31);
+  options_.request.set_samples_per_block(1);
+  options_.samples_per_piece = 1;
+  const auto result = client::run_render_job(options_);
+  EXPECT_EQ(result.status().code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(std::string(result.status().message()), HasSubstr("16777216 pieces"));
+}
+
 TEST_F(RenderJob, TheCommandLineUploadsAndRendersEverywhere) {
   add_server();
   fs::copy(LUCERNA_TEST_DATA "/reference/point.pbrt", directory_ / "my.pbrt");
