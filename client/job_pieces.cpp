@@ -42,14 +42,9 @@ std::optional<JobPieces::AttemptId> JobPieces::begin(ServerId server, Time now) 
 }
 
 std::optional<JobPieces::AttemptId> JobPieces::begin_duplicate(ServerId server) {
-  const auto is_own = [&](AttemptId id) { return attempts_.at(id).server == server; };
-  for (const Key& key : to_duplicate_) {
-    const std::size_t piece = std::get<2>(key);
-    Active& active = active_.at(piece);
-    if (std::none_of(active.attempts.begin(), active.attempts.end(), is_own))
-      return add(piece, active, server);
-  }
-  return std::nullopt;
+  if (to_duplicate_.empty()) return std::nullopt;
+  const std::size_t piece = std::get<2>(*to_duplicate_.begin());
+  return add(piece, active_.at(piece), server);
 }
 
 std::vector<JobPieces::AttemptId> JobPieces::attempts_at(std::size_t piece) const {

@@ -39,7 +39,7 @@ class JobPieces {
   /// The next piece that no server is at is the server's now.
   std::optional<AttemptId> begin(ServerId server, Time now);
   /// As above, for a piece that others are at, which may hang or be slow: the one with the fewest
-  /// attempts, and of those the one that was begun longest ago.
+  /// attempts, and of those the one that was begun longest ago.  The server is at none itself.
   std::optional<AttemptId> begin_duplicate(ServerId server);
   const Attempt& attempt(AttemptId id) const { return attempts_.at(id); }
   /// The attempts at a piece.

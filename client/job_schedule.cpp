@@ -63,7 +63,6 @@ void JobSchedule::list(const absl::StatusOr<std::vector<std::string>>& targets, 
       serve(id, now);
     } else {
       channel_.say(server.target + " left");
-      hungry_.erase(id);
       for (const AttemptId attempt : pieces_.attempts_of(id)) channel_.cancel(attempt);
     }
   }

@@ -136,16 +136,38 @@ TEST_F(JobScheduleTest, NoPieceIsAtMoreThanThreeServers) {
   EXPECT_EQ(channel_.take(3).size(), 1U);
 }
 
-TEST_F(JobScheduleTest, AmongThoseToDuplicateTheOneBegunFirstWithTheFewestIsNext) {
-  make(2, 3, 1);
+TEST_F(JobScheduleTest, AmongThoseToDuplicateTheOneWithTheFewestThenTheOneBegunFirstIsNext) {
+  make(2, 4, 1);
   prepare(0);
-  now_ += seconds(1);
   prepare(1);
+  now_ += seconds(1);
+  // The first piece is begun anew, and so after the second.
+  schedule_->finished(channel_.take(0).at(0).attempt, absl::NotFoundError("scene_id"), now_);
+  prepare(0);
+  EXPECT_THAT(channel_.take_pieces(0), ElementsAre(0));
+  EXPECT_THAT(channel_.take_pieces(1), ElementsAre(1));
   prepare(2);
-  EXPECT_THAT(channel_.take_pieces(2), ElementsAre(0));
-  const auto at_b = channel_.take(1);
-  EXPECT_TRUE(schedule_->finished(at_b.at(0).attempt, absl::OkStatus(), now_));
-  EXPECT_THAT(channel_.take_pieces(1), ElementsAre(0));
+  EXPECT_THAT(channel_.take_pieces(2), ElementsAre(1));
+  prepare(3);
+  EXPECT_THAT(channel_.take_pieces(3), ElementsAre(0));
+}
+
+TEST_F(JobScheduleTest, AResultMakesTheNextWaitShortAgain) {
+  make(100, 1);
+  for (int i = 0; i < 5; ++i) {
+    channel_.prepares.clear();
+    schedule_->prepared(0, absl::UnavailableError("refused"), now_);
+    Time next = now_;
+    do {
+      now_ = next;
+      next = schedule_->advance(now_);
+    } while (channel_.prepares.empty());
+  }
+  prepare(0);
+  const auto started = channel_.take(0);
+  schedule_->finished(started.at(0).attempt, absl::OkStatus(), now_);
+  schedule_->finished(started.at(1).attempt, absl::UnavailableError("gone"), now_);
+  EXPECT_LE(schedule_->advance(now_) - now_, milliseconds(130));
 }
 
 TEST_F(JobScheduleTest, WhatADeadServerHadIsNextAndItsDeathIsOneFailure) {
@@ -220,7 +242,9 @@ TEST_F(JobScheduleTest, LeasesAreRenewedAndALostSceneIsBroughtAgain) {
   EXPECT_THAT(channel_.renewals, IsEmpty());
   pass(seconds(2));
   EXPECT_THAT(channel_.renewals, ElementsAre(0));
-  pass(seconds(60));  // no second while the first is not answered
+  // No second while the first is not answered.
+  schedule_->finished(channel_.take(0).at(0).attempt, absl::OkStatus(), now_);
+  pass(seconds(60));
   EXPECT_THAT(channel_.renewals, ElementsAre(0));
   schedule_->renewed(0, absl::OkStatus(), now_);
   pass(seconds(21));

@@ -1,0 +1,83 @@
+// A picture by many servers against the one that the renderer itself makes in this process.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "lucerna/client/render_job.h"
+#include "lucerna/client/testing/local_server.h"
+#include "server/asset_reader.h"
+#include "server/pbrt/load.h"
+#include "server/render.h"
+#include "server/scene.h"
+
+namespace lucerna {
+namespace {
+
+constexpr char kScenes[] = LUCERNA_TEST_DATA "/reference";
+constexpr std::uint32_t kPerBlock = 4, kBlocks = 8;
+constexpr std::uint64_t kSeed = 5;
+
+/// In one go, without a protocol.
+client::Picture in_process(const std::string& file) {
+  auto reader = AssetReader::open(kScenes);
+  if (!reader.ok()) throw std::runtime_error(reader.status().ToString());
+  auto description = load_pbrt(*reader, file, {});
+  if (!description.ok()) throw std::runtime_error(description.status().ToString());
+  const auto scene = Scene::build(*std::move(description));
+  if (!scene.ok()) throw std::runtime_error(scene.status().ToString());
+  const Camera& camera = (*scene)->camera();
+  const TileResult tile = render_tile(
+      **scene,
+      {.rect = {0, 0, camera.width(), camera.height()},
+       .seed = kSeed,
+       .samples_per_block = kPerBlock,
+       .block_count = kBlocks,
+       .bounces = static_cast<std::uint32_t>((*scene)->hints().max_depth.value_or(1) - 1)},
+      {});
+  client::Picture picture{static_cast<std::uint32_t>(camera.width()),
+                          static_cast<std::uint32_t>(camera.height()),
+                          {},
+                          {}};
+  for (const BlockStatistics& s : tile.channels) {
+    picture.pixels.push_back(static_cast<float>(s.sum / kBlocks));
+    picture.standard_error.push_back(
+        static_cast<float>(std::sqrt(s.deviation / (kBlocks * (kBlocks - 1.0)))));
+  }
+  return picture;
+}
+
+TEST(InProcess, AJobOnServersGivesTheSameBits) {
+  std::vector<testing::LocalServer> servers;
+  std::vector<std::string> targets;
+  for (int i = 0; i < 2; ++i) {
+    auto server = testing::LocalServer::start({.scene_root = kScenes, .threads = 1});
+    ASSERT_TRUE(server.ok()) << server.status();
+    servers.push_back(*std::move(server));
+    targets.push_back(servers.back().target());
+  }
+  for (const std::string file : {"bounces.pbrt", "environment.pbrt"}) {
+    SCOPED_TRACE(file);
+    client::RenderJobOptions options;
+    options.request.set_seed(kSeed);
+    options.request.mutable_accuracy()->set_samples(kPerBlock * kBlocks);
+    options.request.set_samples_per_block(kPerBlock);
+    options.request.set_tile_size(24);
+    options.samples_per_piece = 8;
+    options.job.servers = [&]() -> absl::StatusOr<std::vector<std::string>> { return targets; };
+    options.job.load = [&](const client::Client& client, const client::CallOptions& call) {
+      v1::LoadSceneRequest request;
+      request.set_path(file);
+      return client.load_scene(request, call);
+    };
+    options.job.call = client::CallOptions::within(std::chrono::seconds(100));
+    const auto result = client::run_render_job(options);
+    ASSERT_TRUE(result.ok()) << result.status();
+    const client::Picture expected = in_process(file);
+    EXPECT_EQ(result->picture.pixels, expected.pixels);
+    EXPECT_EQ(result->picture.standard_error, expected.standard_error);
+  }
+}
+
+}  // namespace
+}  // namespace lucerna
