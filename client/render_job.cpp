@@ -94,6 +94,7 @@ class Render final : public Work {
     request.set_seed(options_.request.seed());
     if (options_.request.has_bounces()) request.set_bounces(options_.request.bounces());
     if (options_.request.has_time_s()) request.set_time_s(options_.request.time_s());
+    if (options_.request.has_shutter()) *request.mutable_shutter() = options_.request.shutter();
     *request.mutable_accuracy() = options_.request.accuracy();
     request.mutable_accuracy()->set_samples(static_cast<std::uint32_t>(piece.blocks * per_block_));
     request.set_samples_per_block(per_block_);

@@ -1,6 +1,9 @@
 // The pinhole camera, ready to make rays.
 #pragma once
 
+#include <memory>
+
+#include "lights/motion.h"
 #include "server/ray.h"
 #include "server/scene_description.h"
 
@@ -17,14 +20,20 @@ class Camera {
   /// What pixel values are multiplied by.
   double film_scale() const { return film_scale_; }
   /// The ray through film position (x, y) [pixels]; (0, 0) is the upper left corner of the picture,
-  /// pixel (i, j) covers [i, i + 1) x [j, j + 1).  The direction is a unit vector.
-  Ray ray(float x, float y) const;
+  /// pixel (i, j) covers [i, i + 1) x [j, j + 1).  The direction is a unit vector, the time
+  /// `time_s`.  At a motion's key frames it is the ray of a camera that rests there: the same bits
+  /// at the first one, and at others the same origin and a direction off by at most an ulp of 1.
+  Ray ray(float x, float y, double time_s = 0) const;
+  /// Positions are about the scene's origin; null where the camera rests.
+  const Motion* motion() const { return motion_.get(); }
 
  private:
   int width_ = 0, height_ = 0;
   double film_scale_ = 1;
   Vec3<float> position_;
   Vec3<double> corner_, step_x_, step_y_;  // direction = corner + x step_x + y step_y
+  // From directions, and from the camera's own position as zero, to the scene's coordinates.
+  std::shared_ptr<const Motion> motion_;
 };
 
 }  // namespace lucerna

@@ -26,6 +26,8 @@ class TileJob {
           TileResult& result)
       : scene_(scene),
         settings_(settings),
+        shutter_(settings.shutter.value_or(
+            Shutter{scene.hints().shutter_open_s, scene.hints().shutter_close_s})),
         tracer_(scene, settings.bounces, settings.area_sampling),
         stop_(stop),
         result_(result) {}
@@ -77,8 +79,8 @@ class TileJob {
       }
       const PathSample sample{sequence, i};
       const Vec2<float> film = sample.pair(PathSample::kFilm);
-      Ray ray = scene_.camera().ray(static_cast<float>(x) + film.x, static_cast<float>(y) + film.y);
-      ray.time_s = time(sample);
+      const Ray ray = scene_.camera().ray(static_cast<float>(x) + film.x,
+                                          static_cast<float>(y) + film.y, time(sample));
       sum += Rgb<double>(tracer_.radiance(ray, sample, work));
     }
     work.samples += n;
@@ -89,12 +91,12 @@ class TileJob {
     if (settings_.time_s) return *settings_.time_s;
     if (!scene_.moves()) return 0;
     const double u = sample.pair(PathSample::kTime).x;
-    const RenderHints& hints = scene_.hints();
-    return hints.shutter_open_s * (1 - u) + hints.shutter_close_s * u;
+    return shutter_.open_s * (1 - u) + shutter_.close_s * u;
   }
 
   const Scene& scene_;
   const TileSettings& settings_;
+  const Shutter shutter_;
   PathTracer tracer_;
   const std::stop_token& stop_;
   TileResult& result_;

@@ -26,6 +26,11 @@ struct PixelRect {
   int x0, y0, x1, y1;  ///< half-open, within the film
 };
 
+/// What moves is blurred over the time between.
+struct Shutter {
+  double open_s, close_s;  ///< finite, the latter not before the former
+};
+
 struct TileSettings {
   PixelRect rect{};
   std::uint64_t seed = 0;
@@ -35,7 +40,8 @@ struct TileSettings {
   /// Reflections after the surface that the camera sees: 0 is direct light only; unset: until
   /// Russian roulette ends the path.
   std::optional<std::uint32_t> bounces{};
-  std::optional<double> time_s{};  ///< unset: all the time that the shutter is open
+  std::optional<double> time_s{};    ///< unset: all the time that the shutter is open
+  std::optional<Shutter> shutter{};  ///< unset: as the scene file says
   AreaSampling area_sampling = AreaSampling::kAutomatic;
 };
 

@@ -105,7 +105,7 @@ class Scene {
     return light_distribution_.empty() ? 1 : light_distribution_.probability(light);
   }
   const LightDistribution& light_distribution() const { return light_distribution_; }
-  /// True where a light, shape or instance moves: answers then depend on time.
+  /// True where a light, shape, instance or the camera moves: pictures then depend on time.
   bool moves() const { return moves_; }
   /// True where some light is not a delta light: rays may find it.
   bool has_visible_lights() const { return has_visible_lights_; }

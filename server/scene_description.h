@@ -120,6 +120,8 @@ struct PerspectiveCamera {
   /// The image plane at z = 1: x from screen_min.x (left) to screen_max.x, y from screen_min.y
   /// (bottom) to screen_max.y, tangents of the half angles.
   Vec2<double> screen_min{-1, -1}, screen_max{1, 1};
+  /// World to world, where it moves: `world_from_camera` then is that of the first key frame.
+  std::shared_ptr<const Motion> motion{};
 };
 
 struct Film {

@@ -99,10 +99,12 @@ void Scene::Builder::report_motion(const std::vector<GeometryInstance>& instance
     ++surfaces;
     bytes += sizeof(Motion) + i.motion->bytes();
   }
-  if (lights + surfaces == 0) return;
+  if (in_.camera.motion) bytes += sizeof(Motion) + in_.camera.motion->bytes();
+  if (lights + surfaces == 0 && !in_.camera.motion) return;
   scene_->moves_ = true;
   part("motion", bytes, Stopwatch(),
-       fmt::format("{} lights, {} shapes and instances move", lights, surfaces));
+       fmt::format("{} lights, {} shapes and instances{} move", lights, surfaces,
+                   in_.camera.motion ? " and the camera" : ""));
 }
 
 void Scene::Builder::report_geometry(const GeometrySet& set,

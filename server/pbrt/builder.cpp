@@ -61,8 +61,8 @@ const Transform& Builder::still_transform(const char* directive, const Place& pl
   return moving.start;
 }
 
-std::shared_ptr<const Motion> Builder::motion(const char* directive, const Place& place) const {
-  const MovingTransform& moving = state_.world_from_object;
+std::shared_ptr<const Motion> Builder::motion(const char* directive, const MovingTransform& moving,
+                                              const Place& place) const {
   if (moving.start == moving.end) return nullptr;
   const std::array<KeyTransform, 2> frames{{{start_s_, moving.start}, {end_s_, moving.end}}};
   absl::StatusOr<Motion> motion = Motion::create(frames);
@@ -76,9 +76,12 @@ void Builder::setting(const std::string& directive, const std::string& type, Par
   require_before_world(directive, place);
   Setting setting{type, ParameterSet(std::move(params), {}), place};
   if (directive == "Camera") {
-    settings_.camera_from_world = still_transform("Camera", place);
-    coordinate_systems_["camera"] = {state_.world_from_object.start.inverse(),
-                                     state_.world_from_object.end.inverse()};
+    // What is in force takes the world to the camera; what moves is the camera in the world.
+    const MovingTransform world_from_camera{state_.world_from_object.start.inverse(),
+                                            state_.world_from_object.end.inverse()};
+    settings_.camera_from_world = state_.world_from_object.start;
+    settings_.camera_motion = motion("Camera", world_from_camera, place);
+    coordinate_systems_["camera"] = world_from_camera;
     settings_.camera = std::move(setting);
   } else if (directive == "Film") {
     settings_.film = std::move(setting);

@@ -93,7 +93,11 @@ class Builder {
   /// The transform in force at its start; a remark where it moves.
   const Transform& still_transform(const char* directive, const Place& place);
   /// How the transform in force moves; null where it rests.  Fails on a motion that is not rigid.
-  std::shared_ptr<const Motion> motion(const char* directive, const Place& place) const;
+  std::shared_ptr<const Motion> motion(const char* directive, const Place& place) const {
+    return motion(directive, state_.world_from_object, place);
+  }
+  std::shared_ptr<const Motion> motion(const char* directive, const MovingTransform& moving,
+                                       const Place& place) const;
   void resolve_materials(std::vector<ShapeDescription>& shapes);
 
   Context& context_;

@@ -84,6 +84,7 @@ void apply_camera(Context& context, const Settings& settings) {
   const ParameterSet& params = setting.params;
   PerspectiveCamera& camera = context.scene.camera;
   camera.world_from_camera = settings.camera_from_world.inverse();
+  camera.motion = settings.camera_motion;
   const double width = context.scene.film.width;
   const double height = context.scene.film.height;
   double fov = 90;

@@ -1,6 +1,7 @@
 // What stands before WorldBegin: camera, film, and the hints of integrator, sampler and filter.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -17,7 +18,8 @@ struct Setting {
 
 struct Settings {
   std::optional<Setting> camera, film, integrator, sampler, filter;
-  Transform camera_from_world;  ///< the transform in force at Camera
+  Transform camera_from_world;                    ///< in force at Camera, at its start
+  std::shared_ptr<const Motion> camera_motion{};  ///< world to world; null where it rests
 };
 
 /// Fills camera, film and hints of `context.scene`; defaults are pbrt-v4's.

@@ -23,6 +23,9 @@ void set_summary(const StoredScene& stored, v1::SceneSummary* out) {
   if (const auto bounces = hinted_bounces(scene)) out->set_bounces(*bounces);
   out->set_shutter_open_s(hints.shutter_open_s);
   out->set_shutter_close_s(hints.shutter_close_s);
+  if (const Motion* motion = scene.camera().motion()) {
+    set_motion(*motion, scene.origin(), out->mutable_camera_motion());
+  }
   std::uint64_t bytes = 0;
   for (const ScenePart& part : scene.parts()) bytes += part.bytes;
   out->set_bytes(bytes);

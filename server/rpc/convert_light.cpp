@@ -241,17 +241,6 @@ void set_kind(const AreaLight<float, Shape>& l, const Vec3<double>& origin_m, v1
   }
 }
 
-void set_motion(const Motion& motion, const Vec3<double>& origin_m, v1::Motion* out) {
-  for (const Motion::KeyFrame& key : motion.key_frames()) {
-    v1::KeyFrame* frame = out->add_key_frames();
-    const auto [angle_rad, axis] = key.angle_and_axis();
-    frame->set_time_s(key.time_s);
-    set(origin_m + key.position_m, frame->mutable_position_m());
-    set(axis, frame->mutable_axis());
-    frame->set_angle_rad(angle_rad);
-  }
-}
-
 void set_spectrum(const Spectrum& spectrum, v1::Spectrum* out) {
   if (const auto* body = std::get_if<BlackBody>(&spectrum.source())) {
     out->set_black_body_k(body->kelvin);
@@ -266,6 +255,17 @@ void set_spectrum(const Spectrum& spectrum, v1::Spectrum* out) {
 }
 
 }  // namespace
+
+void set_motion(const Motion& motion, const Vec3<double>& origin_m, v1::Motion* out) {
+  for (const Motion::KeyFrame& key : motion.key_frames()) {
+    v1::KeyFrame* frame = out->add_key_frames();
+    const auto [angle_rad, axis] = key.angle_and_axis();
+    frame->set_time_s(key.time_s);
+    set(origin_m + key.position_m, frame->mutable_position_m());
+    set(axis, frame->mutable_axis());
+    frame->set_angle_rad(angle_rad);
+  }
+}
 
 void set_light(const Scene& scene, std::uint32_t light, v1::Light* out) {
   const SceneLight& entry = scene.lights()[light];

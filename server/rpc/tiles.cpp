@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <bit>
+#include <cmath>
 #include <cstring>
 
 #include "proto/sample_blocks.h"
@@ -76,11 +77,40 @@ struct RenderQuery {
   std::uint32_t samples = 0;
 };
 
+/// Nothing where the scene file's is meant.
+template <typename Request>
+absl::StatusOr<std::optional<Shutter>> check_shutter(const Scene& scene, const Request& request) {
+  if (!request.has_shutter()) return std::optional<Shutter>();
+  if (request.has_time_s()) {
+    return bad_field("shutter", "a shutter beside time_s", "one of both");
+  }
+  const v1::Shutter& s = request.shutter();
+  const RenderHints& hints = scene.hints();
+  Shutter shutter{hints.shutter_open_s + s.offset_s(), hints.shutter_close_s + s.offset_s()};
+  if (!std::isfinite(shutter.open_s) || !std::isfinite(shutter.close_s)) {
+    return bad_field("shutter.offset_s", fmt::format("{}", s.offset_s()),
+                     "such that the shutter opens and closes at finite times");
+  }
+  if (s.has_length_s()) {
+    if (!(s.length_s() >= 0)) {
+      return bad_field("shutter.length_s", fmt::format("{}", s.length_s()), "[0, inf)");
+    }
+    shutter.close_s = shutter.open_s + s.length_s();
+    if (!std::isfinite(shutter.close_s)) {
+      return bad_field("shutter.length_s", fmt::format("{}", s.length_s()),
+                       "such that the shutter closes at a finite time");
+    }
+  }
+  return std::optional<Shutter>(shutter);
+}
+
 /// `proposed`: samples where the request does not say.
 template <typename Request>
 absl::StatusOr<RenderQuery> check_render(const Context& context, const Scene& scene,
                                          const Request& request, std::uint32_t proposed) {
   if (auto s = check_time(request.has_time_s(), request.time_s()); !s.ok()) return s;
+  const auto shutter = check_shutter(scene, request);
+  if (!shutter.ok()) return shutter.status();
   const auto samples = check_samples(context, request.accuracy(), proposed);
   if (!samples.ok()) return samples.status();
   const auto block = check_block(*samples, request);
@@ -93,6 +123,7 @@ absl::StatusOr<RenderQuery> check_render(const Context& context, const Scene& sc
   query.settings.area_sampling = *way;
   query.settings.seed = request.seed();
   if (request.has_time_s()) query.settings.time_s = request.time_s();
+  query.settings.shutter = *shutter;
   query.settings.bounces =
       request.has_bounces() ? std::optional(request.bounces()) : hinted_bounces(scene);
   return query;

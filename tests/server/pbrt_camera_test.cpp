@@ -112,8 +112,6 @@ TEST(PbrtCamera, SettingsThatAreNotModelledAreRemarkedOn) {
        "1:1 ColorSpace \"rec2020\" is not modelled -> values are taken as srgb\n"},
       {"Integrator \"ambientocclusion\"",
        "1:1 Integrator \"ambientocclusion\" is not modelled -> path\n"},
-      {"ActiveTransform EndTime Translate 1 0 0\nCamera \"perspective\"",
-       "2:1 motion of Camera is not modelled -> where it is at its start\n"},
   };
   for (const auto& [text, expected] : kCases)
     EXPECT_EQ(remarks_of(scene_of(text)), expected) << text;
