@@ -1,6 +1,6 @@
-# make demo | test | bench | format: each installs what is missing, configures, builds and runs.
+# make demo | test | test-slurm | bench | format: each installs what is missing, configures, builds and runs.
 .DEFAULT_GOAL := demo
-.PHONY: deps release programs demo test bench format
+.PHONY: deps release programs demo test test-slurm bench format
 
 deps:
 	@deploy/install-deps.sh
@@ -17,6 +17,11 @@ demo: programs
 test: release
 	@cmake --build --preset release
 	@ctest --preset release
+
+# A cluster of its own on the loopback interface: tests/slurm.
+test-slurm: programs
+	@deploy/install-deps.sh slurm-wlm munge
+	@/usr/bin/python3 tests/slurm/slurm_test.py build/release
 
 bench: release
 	@cmake --build --preset release --target bench

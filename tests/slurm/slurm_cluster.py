@@ -1,0 +1,215 @@
+"""A Slurm cluster of several nodes on the loopback interface of this machine, gone when it is closed.
+
+It has a munged, a slurmctld and one slurmd a node of its own, with key, socket, ports, state, spools and
+logs in a temporary directory, and touches no Slurm and no munge that the machine may have beside it.
+Wants Debian's slurm-wlm and munge; no systemd and no cgroups.  As root, munged runs as its own user, and
+the jobs are root's; as anybody else all of it runs as that user.
+"""
+import ctypes
+import os
+import pathlib
+import pwd
+import shutil
+import signal
+import socket
+import subprocess
+import tempfile
+import time
+
+# slurm.conf(5)
+CONFIGURATION = """\
+ClusterName=lucerna
+SlurmctldHost=localhost(127.0.0.1)
+SlurmctldPort={controller_port}
+CommunicationParameters=NoInAddrAny,NoCtldInAddrAny
+SlurmUser={user}
+SlurmdUser={user}
+AuthType=auth/munge
+# The latter: how long a requeued job waits, which is two minutes by default.
+AuthInfo=socket={directory}/munge/socket,cred_expire=10
+CredType=cred/munge
+ProctrackType=proctrack/linuxproc
+TaskPlugin=task/none
+JobAcctGatherType=jobacct_gather/none
+MpiDefault=none
+SelectType=select/cons_tres
+StateSaveLocation={directory}/state
+SlurmctldPidFile={directory}/slurmctld.pid
+SlurmctldLogFile={directory}/log/slurmctld
+SlurmdSpoolDir={directory}/spool.%n
+SlurmdPidFile={directory}/slurmd.%n.pid
+SlurmdLogFile={directory}/log/slurmd.%n
+SlurmdParameters=config_overrides
+SlurmdTimeout=10
+KillWait=5
+ReturnToService=2
+{nodes}
+PartitionName=all Nodes=ALL Default=YES MaxTime=10 State=UP
+"""
+NODE = "NodeName={name} NodeHostname=localhost NodeAddr=127.0.0.1 Port={port} CPUs=2 RealMemory=1000"
+
+
+def wait_until(condition, seconds, what):
+    """What `condition` answers, once that is true; TimeoutError after so long."""
+    end = time.monotonic() + seconds
+    while not (answer := condition()):
+        if time.monotonic() > end:
+            raise TimeoutError(f"{what}: not within {seconds} s")
+        time.sleep(0.1)
+    return answer
+
+
+def free_ports(count):
+    sockets = [socket.create_server(("127.0.0.1", 0)) for _ in range(count)]
+    ports = [s.getsockname()[1] for s in sockets]
+    for s in sockets:
+        s.close()
+    return ports
+
+
+def children():
+    """The process ids of this process's children."""
+    return [int(pid) for task in pathlib.Path("/proc/self/task").iterdir()
+            for pid in (task / "children").read_text().split()]
+
+
+class SlurmCluster:
+    """A context manager.  `environment` is that of somebody who uses the cluster."""
+
+    def __init__(self, nodes=("n1", "n2", "n3")):
+        self.nodes = nodes
+        self.daemons = {}
+        self.directory = None
+        self.environment = None
+
+    def __enter__(self):
+        # What a daemon leaves behind becomes a child of ours, to be ended by its process id.
+        pr_set_child_subreaper = 36
+        if ctypes.CDLL(None, use_errno=True).prctl(pr_set_child_subreaper, 1, 0, 0, 0) != 0:
+            raise OSError(ctypes.get_errno(), "prctl")
+        self.directory = pathlib.Path(tempfile.mkdtemp(prefix="lucerna-slurm."))
+        try:
+            self._start()
+        except BaseException:
+            self._print_logs()
+            self.__exit__()
+            raise
+        return self
+
+    def __exit__(self, *_):
+        """Ends every process that this one started, and what they left."""
+        for how, seconds in ((signal.SIGTERM, 10), (signal.SIGKILL, 10)):
+            end = time.monotonic() + seconds
+            told = set()
+            while (left := children()) and time.monotonic() < end:
+                for pid in set(left) - told:
+                    os.kill(pid, how)  # ours, and not waited for yet: the id is nobody else's
+                    told.add(pid)
+                for daemon in self.daemons.values():
+                    daemon.poll()
+                own = {daemon.pid for daemon in self.daemons.values()}
+                for pid in set(children()) - own:
+                    os.waitpid(pid, os.WNOHANG)
+                time.sleep(0.05)
+        shutil.rmtree(self.directory, ignore_errors=True)
+
+    def run(self, *command, check=True, **options):
+        """The output of a command of Slurm's, as a user would give it."""
+        result = subprocess.run(command, env=self.environment, text=True, stdout=subprocess.PIPE,
+                                stderr=subprocess.STDOUT, timeout=60, **options)
+        if check and result.returncode != 0:
+            raise RuntimeError(f"{' '.join(map(str, command))}: {result.stdout}")
+        return result.stdout.strip()
+
+    def job(self, job_id):
+        """What Slurm knows of a job, as scontrol shows it."""
+        shown = self.run("scontrol", "--oneliner", "show", "job", job_id)
+        return dict(field.split("=", 1) for field in shown.split() if "=" in field)
+
+    def processes(self, program):
+        """The process ids of `program` among the users of this cluster."""
+        found = []
+        for process in pathlib.Path("/proc").glob("[0-9]*"):
+            try:
+                if (process / "comm").read_text().strip() == program and \
+                        f"SLURM_CONF={self.directory}/".encode() in (process / "environ").read_bytes():
+                    found.append(int(process.name))
+            except OSError:  # ended meanwhile, or somebody else's
+                pass
+        return found
+
+    def fail(self, node):
+        """Ends a node's slurmd and all that runs there, as when it loses power."""
+        daemon = self.daemons.pop(node)
+        daemon.kill()
+        daemon.wait()
+        for program in ("slurmstepd", "lucernad", "bash"):
+            for pid in self.processes(program):
+                if f"SLURMD_NODENAME={node}\0".encode() in pathlib.Path(f"/proc/{pid}/environ").read_bytes():
+                    os.kill(pid, signal.SIGKILL)
+
+    def repair(self, node):
+        self._daemon(node, "slurmd", "-D", "-N", node)
+        self._wait(lambda: self.run("sinfo", "-h", "-n", node, "-o", "%t") in ("idle", "mix", "alloc"), 30,
+                   f"{node} is back")
+
+    def wait_for(self, job_id, seconds, states=("COMPLETED", "FAILED", "CANCELLED", "TIMEOUT", "NODE_FAIL")):
+        """The state in which a job ended."""
+        def state():
+            now = self.job(job_id)["JobState"]
+            return now if now in states else None
+        return wait_until(state, seconds, f"job {job_id}: one of {', '.join(states)}")
+
+    def _start(self):
+        for name in ("munge", "state", "log", *(f"spool.{node}" for node in self.nodes)):
+            (self.directory / name).mkdir()
+        self.directory.chmod(0o755)  # munge's user goes through it
+        ports = free_ports(1 + len(self.nodes))
+        configuration = self.directory / "slurm.conf"
+        configuration.write_text(CONFIGURATION.format(
+            directory=self.directory, user=pwd.getpwuid(os.getuid()).pw_name, controller_port=ports[0],
+            nodes="\n".join(NODE.format(name=name, port=port)
+                            for name, port in zip(self.nodes, ports[1:]))))
+        self.environment = {name: value for name, value in os.environ.items()
+                            if not name.startswith(("SLURM_", "SBATCH_", "SALLOC_", "SRUN_"))}
+        self.environment["SLURM_CONF"] = str(configuration)
+        self.environment["PATH"] += ":/usr/sbin:/sbin"
+
+        munge = self.directory / "munge"
+        key = munge / "key"
+        key.touch(0o600)
+        key.write_bytes(os.urandom(128))
+        as_munge = []
+        if os.getuid() == 0:
+            as_munge = ["setpriv", "--reuid=munge", "--regid=munge", "--clear-groups"]
+            for path in (munge, key):
+                shutil.chown(path, "munge", "munge")
+        self._daemon("munged", *as_munge, "munged", "--foreground", f"--socket={munge}/socket",
+                     f"--key-file={key}", f"--pid-file={munge}/pid", f"--seed-file={munge}/seed",
+                     f"--log-file={munge}/log")
+        self._wait(lambda: (munge / "socket").exists(), 10, "munged's socket")
+        self._daemon("slurmctld", "slurmctld", "-D")
+        for node in self.nodes:
+            self._daemon(node, "slurmd", "-D", "-N", node)
+        self._wait(lambda: self.run("sinfo", "-h", "-N", "-o", "%N %t", check=False).splitlines() ==
+                   [f"{node} idle" for node in self.nodes], 30, "every node idle")
+
+    def _daemon(self, name, *command):
+        with open(self.directory / "log" / f"{name}.out", "w") as out:
+            # --pdeathsig: nothing stays where this process is killed.
+            self.daemons[name] = subprocess.Popen(
+                ["setpriv", "--pdeathsig", "TERM", *command], env=self.environment,
+                stdin=subprocess.DEVNULL, stdout=out, stderr=subprocess.STDOUT)
+
+    def _wait(self, condition, seconds, what):
+        def all_run():
+            for name, daemon in self.daemons.items():
+                if daemon.poll() is not None:
+                    raise RuntimeError(f"{name} ended with {daemon.returncode}")
+            return condition()
+        return wait_until(all_run, seconds, what)
+
+    def _print_logs(self):
+        for log in sorted([*self.directory.glob("log/*"), *self.directory.glob("munge/log")]):
+            if text := log.read_text(errors="replace").strip():
+                print(f"== {log.name}", *text.splitlines()[-15:], sep="\n")

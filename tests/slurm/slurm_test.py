@@ -1,0 +1,184 @@
+#!/usr/bin/python3
+"""deploy/slurm/lucerna-render.sbatch as a user submits it, on a Slurm cluster of three nodes.
+
+Usage: slurm_test.py BUILD_DIR [unittest's own arguments]
+"""
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+from slurm_cluster import SlurmCluster, wait_until
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+SCRIPT = ROOT / "deploy/slurm/lucerna-render.sbatch"
+SCENE = ROOT / "tests/data/reference/textured.pbrt"  # names a picture, which has to be uploaded too
+# Long enough to be interrupted, in pieces that are small enough to be interrupted anywhere.
+OPTIONS = ["--samples", "512", "--tile-size", "16"]
+
+
+def picture_of_one_server(directory):
+    """The bytes of the picture that a server by itself renders of SCENE on its own disk."""
+    with open(directory / "alone", "w+") as out:
+        server = subprocess.Popen(
+            ["lucernad", "--listen", "127.0.0.1:0", "--scene-root", SCENE.parent], stdout=out,
+            stderr=subprocess.DEVNULL)
+        try:
+            def target():
+                return (directory / "alone").read_text().strip().removeprefix("listening on ")
+            where = wait_until(target, 20, "lucernad's address")
+            subprocess.run(["lucerna", "render", "--server", where, SCENE.name, *OPTIONS, "-o",
+                            directory / "alone.pfm"], check=True, timeout=120, stdout=subprocess.DEVNULL)
+        finally:
+            server.terminate()
+            server.wait(30)
+    return (directory / "alone.pfm").read_bytes()
+
+
+class SlurmTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.cluster = cls.enterClassContext(SlurmCluster())
+        cls.expected = picture_of_one_server(cls.cluster.directory)
+
+    def setUp(self):
+        self.directory = pathlib.Path(tempfile.mkdtemp(dir=self.cluster.directory))
+        self.began = time.monotonic()
+
+    def tearDown(self):
+        self.cluster.run("scancel", "--user", str(os.getuid()), check=False)
+        wait_until(lambda: not self.cluster.run("squeue", "-h"), 40, "no job left")
+        self.assertEqual(self.cluster.processes("lucernad"), [], "servers that outlived their job")
+
+    def submit(self, *arguments, nodes=3, environment=()):
+        """The number of the job that runs the batch script so."""
+        return self.cluster.run(
+            "sbatch", "--parsable", f"--nodes={nodes}", "--exclusive", "--output=%j.log",
+            f"--export={','.join(['ALL', *environment])}", SCRIPT, *arguments, cwd=self.directory)
+
+    def submit_picture(self, output="room.pfm", *more, **options):
+        return self.submit(SCENE, "-o", output, *OPTIONS, *more, **options)
+
+    def log(self, job):
+        path = self.directory / f"{job}.log"
+        return path.read_text() if path.exists() else ""
+
+    def assert_went_on(self, job):
+        """Fewer samples were computed than the picture is of."""
+        width, height = map(int, self.expected.split(b"\n", 2)[1].split())
+        computed = int(re.search(r" (\d+) samples, ", self.log(job))[1])
+        self.assertLess(computed, width * height * int(OPTIONS[1]))
+
+    def journal(self, job):
+        return self.directory / f"lucerna-{job}.journal"
+
+    def wait_until_it_renders(self, job):
+        """Until a twentieth of the picture, or a bit more, is in the journal."""
+        enough = len(self.expected) // 20
+
+        def enough_is_done():
+            self.assertNotIn(self.cluster.job(job)["JobState"], ("COMPLETED", "FAILED"), self.log(job))
+            return self.journal(job).exists() and self.journal(job).stat().st_size > enough
+        wait_until(enough_is_done, 60, f"job {job} renders")
+
+    def assert_ends(self, job, state):
+        ended = self.cluster.wait_for(job, 90)
+        self.assertEqual(ended, state, self.log(job))
+
+    def assert_same_bits(self, what, job, servers, output="room.pfm"):
+        same = (self.directory / output).read_bytes() == self.expected
+        print(f"\n  {what}: job {job}, {servers} servers, {time.monotonic() - self.began:.1f} s from "
+              f"submission to end, {'the same bits' if same else 'OTHER BITS'}", flush=True)
+        self.assertTrue(same)
+
+    def test_three_servers_render_the_picture_of_one(self):
+        job = self.submit_picture()
+        self.assert_ends(job, "COMPLETED")
+        self.assertIn("3 of 3 servers", self.log(job))
+        self.assert_same_bits("one picture", job, 3)
+        self.assertFalse(self.journal(job).exists())
+        self.assertEqual(self.log(job).count("got SIGTERM"), 3, "servers that were told to end")
+
+    def test_a_server_that_is_killed_is_done_without(self):
+        job = self.submit_picture()
+        self.wait_until_it_renders(job)
+        self.cluster.run("scancel", "--signal=KILL", f"{job}.1")
+        self.assert_ends(job, "COMPLETED")
+        self.assertIn("does not answer", self.log(job))
+        self.assert_same_bits("a server killed", job, 3)
+
+    def test_a_node_that_fails_is_done_without(self):
+        job = self.submit_picture()
+        self.wait_until_it_renders(job)
+        self.cluster.fail("n3")
+        try:
+            wait_until(lambda: (self.directory / "room.pfm").exists() and
+                       (self.directory / "room.pfm").stat().st_size == len(self.expected), 60, "the picture")
+            self.assertIn("does not answer", self.log(job))
+            self.assert_same_bits("a node lost", job, 3)
+        finally:
+            self.cluster.repair("n3")
+        self.assert_ends(job, "COMPLETED")
+
+    def test_a_requeued_job_goes_on(self):
+        job = self.submit_picture()
+        self.wait_until_it_renders(job)
+        self.cluster.run("scontrol", "requeue", job)
+        self.assert_ends(job, "COMPLETED")
+        self.assertEqual(self.cluster.job(job)["Restarts"], "1")
+        self.assert_went_on(job)
+        self.assert_same_bits("interrupted and requeued", job, 3)
+
+    def test_all_servers_gone_ends_the_job_and_the_journal_stays(self):
+        job = self.submit_picture(nodes=2)
+        self.wait_until_it_renders(job)
+        self.cluster.run("scancel", "--signal=KILL", f"{job}.0", f"{job}.1")
+        self.assert_ends(job, "FAILED")
+        self.assertIn("all servers have ended", self.log(job))
+        self.assertIn(f"--journal {self.journal(job)}", self.log(job))
+        again = self.submit_picture("room.pfm", "--journal", self.journal(job), nodes=1)
+        self.assert_ends(again, "COMPLETED")
+        self.assert_went_on(again)
+        self.assert_same_bits("gone on by another job", again, 1)
+
+    def test_servers_that_never_come_are_named_and_done_without(self):
+        program = self.directory / "lucernad"
+        program.write_text('#!/bin/sh\ncase $SLURMD_NODENAME in\n  n1) echo no disk >&2; exit 1;;\n'
+                           '  n2) exec sleep 100;;\nesac\nPATH=${PATH#*:} exec lucernad "$@"\n')
+        program.chmod(0o755)
+        environment = (f"PATH={self.directory}:{self.cluster.environment['PATH']}",
+                       "LUCERNA_START_SECONDS=3")
+        job = self.submit_picture(environment=environment)
+        self.assert_ends(job, "COMPLETED")
+        self.assertIn("n1: no disk", self.log(job))
+        self.assertIn("no server on n1: it has ended", self.log(job))
+        self.assertIn("no server on n2: it does not answer within 3 s", self.log(job))
+        self.assertIn("1 of 3 servers", self.log(job))
+        self.assert_same_bits("two servers missing", job, 1)
+        job = self.submit_picture(nodes=2, environment=environment)
+        self.assert_ends(job, "FAILED")
+        self.assertIn("no server came up", self.log(job))
+
+    def test_a_broken_scene_fails_the_job_and_says_where(self):
+        (self.directory / "broken.pbrt").write_text('Camera "perspective"\nWorldBegin\nShape "torus"\n')
+        job = self.submit("broken.pbrt", "-o", "room.pfm", nodes=2)
+        self.assert_ends(job, "FAILED")
+        self.assertEqual(self.cluster.job(job)["ExitCode"], "1:0")
+        self.assertRegex(self.log(job), r"broken\.pbrt:3:1: .*torus")
+        self.assertFalse((self.directory / "room.pfm").exists())
+
+    def test_within_salloc_it_runs_where_the_user_is(self):
+        log = self.cluster.run("salloc", "--quiet", "--nodes=2", "--exclusive", "bash", SCRIPT, SCENE,
+                               "-o", "room.pfm", *OPTIONS, cwd=self.directory)
+        self.assertIn("2 of 2 servers", log)
+        self.assert_same_bits("salloc", "of salloc", 2)
+
+
+if __name__ == "__main__":
+    build = pathlib.Path(sys.argv.pop(1)).resolve()
+    os.environ["PATH"] = f"{build}/client:{build}/server:{os.environ['PATH']}"
+    unittest.main(verbosity=2)
