@@ -111,14 +111,19 @@ void begin(Async* service,
                                  std::function<void(grpc::Status)>),
            const Request& request, const CallOptions& options, Client::Done<Response> done) {
   struct State {
-    State(const Request& r, const CallOptions& options) : request(r), context(options) {}
+    State(const Request& r, const CallOptions& options)
+        : request(r), context(std::in_place, options) {}
     Request request;
     Response response;
-    CallContext context;
+    std::optional<CallContext> context;
   };
   const auto state = std::make_shared<State>(request, options);
-  (service->*method)(state->context.get(), &state->request, &state->response,
+  (service->*method)(state->context->get(), &state->request, &state->response,
                      [state, done = std::move(done)](const grpc::Status& status) {
+                       // It holds on to the channel.  Were the client to go once `done` is called,
+                       // the channel would end here, in a thread that gRPC 1.51 then joins from
+                       // within itself: the process would abort.
+                       state->context.reset();
                        if (status.ok()) {
                          done(std::move(state->response));
                        } else {

@@ -65,7 +65,7 @@ class Client {
   template <class Response>
   using Result = absl::StatusOr<Response>;
   /// How a call that does not block is answered: once, in a thread of gRPC's, which must not be
-  /// kept for long.
+  /// kept for long, and in which no client may end.
   template <class Response>
   using Done = std::function<void(Result<Response>)>;
 

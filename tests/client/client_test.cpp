@@ -3,8 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <chrono>
 #include <future>
+#include <optional>
 #include <stdexcept>
 #include <thread>
 
@@ -55,6 +57,21 @@ TEST(Client, ServerThatCannotBeReachedIsUnavailable) {
   // Port 1 (tcpmux) is listened to by nobody.
   const Client client = *Client::connect({.target = "127.0.0.1:1"});
   EXPECT_EQ(client.get_server_info().status().code(), absl::StatusCode::kUnavailable);
+}
+
+TEST(Client, EndsItsChannelItselfOnceItsLastCallIsAnswered) {
+  std::optional<Client> client = *Client::connect({.target = "127.0.0.1:1", .retry = false});
+  std::promise<absl::Status> answered;
+  std::atomic<bool> over = false;
+  client->get_scene({}, {}, [&](const auto& answer) {
+    answered.set_value(answer.status());
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    over = true;
+  });
+  EXPECT_EQ(answered.get_future().get().code(), absl::StatusCode::kUnavailable);
+  client.reset();
+  // The end of the last channel waits for gRPC's threads that answer, and must not be in one.
+  EXPECT_TRUE(over);
 }
 
 TEST(Client, CarriesRequestAndResponse) {
