@@ -1,5 +1,6 @@
 #include "client/picture.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -62,6 +63,11 @@ std::vector<BlockStatistics> statistics(const v1::Tile& tile) {
   return result;
 }
 
+/// The value of a pixel's channel, of so many blocks.
+float mean(const BlockStatistics& total, double blocks) {
+  return static_cast<float>(total.sum / blocks);
+}
+
 /// One rectangle of the picture with all blocks so far.
 struct Piece {
   v1::PixelRect rect;
@@ -99,6 +105,15 @@ bool merge_into(const v1::Tile& tile, Piece* piece) {
 
 }  // namespace
 
+void put_pixels(const v1::PixelRect& rect, std::span<const float> rgb, Picture* picture) {
+  const std::size_t row = 3 * (std::size_t{rect.x1()} - rect.x0());
+  for (std::size_t y = rect.y0(); y < rect.y1(); ++y, rgb = rgb.subspan(row)) {
+    std::copy_n(rgb.begin(), row,
+                picture->pixels.begin() +
+                    static_cast<std::ptrdiff_t>(3 * (y * picture->width + rect.x0())));
+  }
+}
+
 struct PictureAssembler::State {
   std::uint32_t width = 0;
   std::uint32_t height = 0;
@@ -107,11 +122,14 @@ struct PictureAssembler::State {
   std::vector<std::uint32_t> owner;
   std::size_t owned = 0;
 
-  Piece* find(const v1::PixelRect& rect) {
-    if (owner.empty()) return nullptr;
+  const Piece* find(const v1::PixelRect& rect) const {
+    if (rect.x0() >= width || rect.y0() >= height) return nullptr;
     const std::uint32_t index = owner[std::size_t{rect.y0()} * width + rect.x0()];
     if (index == 0 || !same(pieces[index - 1].rect, rect)) return nullptr;
     return &pieces[index - 1];
+  }
+  Piece* find(const v1::PixelRect& rect) {
+    return const_cast<Piece*>(std::as_const(*this).find(rect));
   }
 
   template <class Visit>
@@ -162,6 +180,16 @@ absl::Status PictureAssembler::add(const v1::Tile& tile) {
   return absl::OkStatus();
 }
 
+absl::StatusOr<std::vector<float>> PictureAssembler::pixels(const v1::PixelRect& rect) const {
+  const Piece* piece = std::as_const(*state_).find(rect);
+  if (piece == nullptr) return absl::NotFoundError(describe(rect) + ": not added");
+  std::vector<float> result(piece->total.size());
+  const auto n = static_cast<double>(piece->blocks);
+  std::transform(piece->total.begin(), piece->total.end(), result.begin(),
+                 [n](const BlockStatistics& total) { return mean(total, n); });
+  return result;
+}
+
 absl::StatusOr<Picture> PictureAssembler::picture() const {
   const State& state = *state_;
   if (state.owned == 0 || state.owned < state.owner.size()) {
@@ -180,7 +208,7 @@ absl::StatusOr<Picture> PictureAssembler::picture() const {
       const std::size_t row = 3 * (y * state.width + piece.rect.x0());
       const std::size_t end = 3 * (y * state.width + piece.rect.x1());
       for (std::size_t i = row; i < end; ++i, ++from) {
-        result.pixels[i] = static_cast<float>(from->sum / n);
+        result.pixels[i] = mean(*from, n);
         if (has_error) {
           result.standard_error[i] = static_cast<float>(std::sqrt(from->deviation / (n * (n - 1))));
         }

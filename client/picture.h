@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "absl/status/status.h"
@@ -22,6 +23,9 @@ struct Picture {
   std::vector<float> standard_error;
 };
 
+/// Writes the pixels of a rectangle within the picture: three floats each, rows from the top.
+void put_pixels(const v1::PixelRect& rect, std::span<const float> rgb, Picture* picture);
+
 /// Puts tiles together.  Not thread-safe.
 class PictureAssembler {
  public:
@@ -37,6 +41,10 @@ class PictureAssembler {
   /// (rectangle, plane sizes), of a picture of another size, that overlaps others in part, or does
   /// not continue.
   absl::Status add(const v1::Tile& tile);
+
+  /// What the pixels of a tile are so far, as put_pixels() takes them.  NOT_FOUND where no tile of
+  /// this rectangle was added.
+  absl::StatusOr<std::vector<float>> pixels(const v1::PixelRect& rect) const;
 
   /// FAILED_PRECONDITION while pixels are missing.
   absl::StatusOr<Picture> picture() const;

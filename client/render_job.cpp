@@ -206,7 +206,7 @@ class Render final : public Work {
     while (!waiting.empty() && waiting.begin()->first == next) {
       const v1::Tile& first = waiting.begin()->second;
       if (absl::Status s = assembler_.add(first); !s.ok()) return s;
-      if (options_.on_tile) options_.on_tile(first);
+      if (options_.on_tile) options_.on_tile(first, assembler_);
       next += first.block_count();
       waiting.erase(waiting.begin());
     }

@@ -19,8 +19,8 @@ struct RenderJobOptions {
   std::uint64_t samples_per_piece = 0;
   /// What is done is kept here, and a job that was interrupted goes on from it.  Empty: nowhere.
   std::string journal = {};
-  /// Each piece of the picture as it becomes part of it.
-  std::function<void(const v1::Tile&)> on_tile = {};
+  /// Each piece of the picture when it has become part of it.
+  std::function<void(const v1::Tile&, const PictureAssembler& so_far)> on_tile = {};
   JobOptions job = {};
 };
 

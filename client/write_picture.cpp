@@ -116,6 +116,12 @@ absl::StatusOr<PictureFile> PictureFile::create(const std::string& path) {
 }
 
 absl::Status PictureFile::write(const PictureView& picture, double exposure_ev) {
+  absl::Status status = write_preview(picture, exposure_ev);
+  if (status.ok()) temporary_.clear();
+  return status;
+}
+
+absl::Status PictureFile::write_preview(const PictureView& picture, double exposure_ev) {
   std::string why;
   bool ok = false;
   switch (format_) {
@@ -139,7 +145,6 @@ absl::Status PictureFile::write(const PictureView& picture, double exposure_ev) 
   if (::rename(temporary_.c_str(), path_.c_str()) != 0) {
     return cannot_write(path_, std::strerror(errno));
   }
-  temporary_.clear();
   return absl::OkStatus();
 }
 

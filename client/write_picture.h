@@ -48,14 +48,17 @@ class PictureFile {
   /// Writes, then takes its name, replacing what was there.  PNG multiplies by 2^exposure_ev first;
   /// the others hold what they are given.
   absl::Status write(const PictureView& picture, double exposure_ev);
+  /// The same for a picture that is not finished: write() follows, or another preview.
+  absl::Status write_preview(const PictureView& picture, double exposure_ev);
 
   const std::string& path() const { return path_; }
+  PictureFormat format() const { return format_; }
 
  private:
   PictureFile(std::string path, std::string temporary, PictureFormat format);
 
   std::string path_;
-  std::string temporary_;  ///< empty once it is gone
+  std::string temporary_;  ///< empty once it is not needed any more
   PictureFormat format_;
 };
 

@@ -9,6 +9,7 @@
 
 #include "client/cli/area_sampling.h"
 #include "client/cli/output.h"
+#include "client/cli/preview.h"
 #include "client/cli/progress.h"
 #include "client/cli/render_servers.h"
 #include "client/cli/session.h"
@@ -34,6 +35,7 @@ struct RenderOptions {
   std::optional<std::uint32_t> tile_size;
   double exposure_ev = 0;
   ServersOption servers;
+  PreviewOption preview;
 };
 
 /// Found out before anything is rendered.
@@ -45,7 +47,7 @@ PictureFile create(const std::string& path) {
 
 /// The whole picture, and the last message less its tile.
 std::pair<client::Picture, v1::RenderImageResponse> render_picture(
-    Session& session, const v1::RenderImageRequest& request) {
+    Session& session, const v1::RenderImageRequest& request, Preview& preview) {
   client::PictureAssembler assembler;
   v1::RenderImageResponse last;
   absl::Status bad_tile;
@@ -55,6 +57,7 @@ std::pair<client::Picture, v1::RenderImageResponse> render_picture(
         request,
         [&](const v1::RenderImageResponse& response) {
           bad_tile = assembler.add(response.tile());
+          if (bad_tile.ok()) preview.update(response.tile(), assembler);
           bar.update(response.samples_done(), response.samples_total());
           last.set_samples_done(response.samples_done());
           last.set_samples_total(response.samples_total());
@@ -94,6 +97,8 @@ void render(Session& session, const RenderOptions& options) {
   for (const std::string& path : options.outputs) files.push_back(add(path));
   std::optional<PictureFile> error_file;
   if (!options.error_output.empty()) error_file = add(options.error_output);
+  Preview preview(options.preview, options.outputs);  // after the files, which it draws
+  preview.begin(files, options.exposure_ev);
 
   v1::RenderImageRequest request;
   request.set_seed(options.seed);
@@ -102,20 +107,22 @@ void render(Session& session, const RenderOptions& options) {
   if (options.samples) request.mutable_accuracy()->set_samples(*options.samples);
   options.area_sampling.put(request);
   options.time.put(request);
-  request.set_final_only(true);
+  request.set_final_only(!preview);
   client::Picture picture;
   v1::RenderImageResponse last;
   std::string description;
   if (options.servers) {
-    client::RenderJobResult result = options.servers.render(session, options.scene, request);
+    client::RenderJobResult result =
+        options.servers.render(session, options.scene, request, preview);
     picture = std::move(result.picture);
     *last.mutable_cost() = result.cost;
     description = describe_mixed(result.report);
     if (!description.empty()) fmt::print(stderr, "{}\n", description);
   } else {
     request.set_scene_id(session.scene_id(options.scene));
-    std::tie(picture, last) = render_picture(session, request);
+    std::tie(picture, last) = render_picture(session, request, preview);
   }
+  preview.files_done();
 
   if (error_file && picture.standard_error.empty()) {
     throw CommandError(kServerSaidNo,
@@ -128,6 +135,7 @@ void render(Session& session, const RenderOptions& options) {
     write(*std::move(error_file), picture, picture.standard_error, description,
           options.exposure_ev);
   }
+  preview.finish();
   if (session.json()) {
     fmt::print("{}", to_json(last));
   } else {
@@ -143,6 +151,7 @@ void add_render_command(CLI::App& app, Session& session) {
   command->footer(
       "Example:\n  lucerna render room.pbrt -o room.png --samples 256 --exposure -2\n"
       "  lucerna render --servers a:50051,b:50051 --upload room.pbrt -o room.exr\n"
+      "  lucerna render room.pbrt -o room.png --preview=5 --tev localhost\n"
       "With --json: the last RenderImageResponse, without its tile.");
   const auto options = std::make_shared<RenderOptions>();
   command->add_option("SCENE", options->scene, "Path or id")->required();
@@ -175,6 +184,7 @@ void add_render_command(CLI::App& app, Session& session) {
       ->check(
           checked_number("a number from -100 to 100", [](double v) { return std::fabs(v) <= 100; }))
       ->capture_default_str();
+  options->preview.add(*command);
   options->servers.add(*command);
   command->callback([options, &session] { render(session, *options); });
 }

@@ -51,12 +51,18 @@ void ServersOption::check() const {
 }
 
 client::RenderJobResult ServersOption::render(Session& session, const std::string& scene,
-                                              const v1::RenderImageRequest& request) const {
+                                              const v1::RenderImageRequest& request,
+                                              Preview& preview) const {
   auto list = client::server_list(servers);
   if (!list.ok()) wrong_use("--servers: " + std::string(list.status().message()));
   ProgressBar bar;
   client::RenderJobOptions options{
       .request = request, .samples_per_piece = samples_per_piece, .journal = journal};
+  if (preview) {
+    options.on_tile = [&preview](const v1::Tile& tile, const client::PictureAssembler& so_far) {
+      preview.update(tile, so_far);
+    };
+  }
   options.job.servers = *std::move(list);
   options.job.allow_mixed = allow_mixed;
   options.job.call = session.call_options();

@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <string>
 
+#include "client/cli/preview.h"
 #include "client/cli/session.h"
 #include "client/render_job.h"
 
@@ -24,7 +25,7 @@ struct ServersOption {
 
   /// The picture, with a bar and what happens to servers on stderr.
   client::RenderJobResult render(Session& session, const std::string& scene,
-                                 const v1::RenderImageRequest& request) const;
+                                 const v1::RenderImageRequest& request, Preview& preview) const;
 };
 
 /// What is to be said of a picture's bits; empty where they are those of one fingerprint.

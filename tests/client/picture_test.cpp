@@ -115,6 +115,27 @@ TEST(PictureAssembler, OverlapInPartIsRefused) {
   EXPECT_THAT(std::string(status.message()), HasSubstr("overlaps"));
 }
 
+TEST(PictureAssembler, TellsWhatTheTilesAreSoFar) {
+  PictureAssembler assembler;
+  const v1::Tile first = tile({.y0 = 1, .y1 = 2, .sum = {6, 8}, .deviation = {0, 2}});
+  EXPECT_EQ(assembler.pixels(first.rect()).status().code(), absl::StatusCode::kNotFound);
+  ASSERT_TRUE(assembler.add(first).ok());
+  EXPECT_THAT(assembler.pixels(first.rect()).value(), ElementsAre(3, 3, 3, 4, 4, 4));
+  // Of four blocks the sums are 16 and 8.
+  ASSERT_TRUE(
+      assembler.add(tile({.y0 = 1, .y1 = 2, .first_block = 2, .sum = {10, 0}, .deviation = {0, 2}}))
+          .ok());
+  const std::vector<float> so_far = assembler.pixels(first.rect()).value();
+  EXPECT_THAT(so_far, ElementsAre(4, 4, 4, 2, 2, 2));
+  for (const v1::Tile& other : {tile({}), tile({.y0 = 1, .x1 = 1, .y1 = 2}), tile({.y0 = 2})}) {
+    EXPECT_EQ(assembler.pixels(other.rect()).status().code(), absl::StatusCode::kNotFound);
+  }
+
+  Picture picture{.width = 2, .height = 2, .pixels = std::vector<float>(12), .standard_error = {}};
+  client::put_pixels(first.rect(), so_far, &picture);
+  EXPECT_THAT(picture.pixels, ElementsAre(0, 0, 0, 0, 0, 0, 4, 4, 4, 2, 2, 2));
+}
+
 TEST(PictureAssembler, TilesThatAreNotWholeAreRefused) {
   PictureAssembler assembler;
   const auto refuse = [&](const v1::Tile& bad, const std::string& what) {

@@ -1,0 +1,123 @@
+// lucerna render --tev and --preview.
+#include "tests/e2e/cli_fixture.h"
+#include "tests/tev_receiver.h"
+// After Protobuf's headers, which need macros that this one takes away.
+#include <OpenImageIO/imageio.h>
+
+#include <algorithm>
+
+namespace lucerna {
+namespace {
+
+using ::testing::Each;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+std::vector<float> pixels(const std::string& path) {
+  const auto file = OIIO::ImageInput::open(path);
+  if (!file) return {};
+  const OIIO::ImageSpec& spec = file->spec();
+  std::vector<float> result(std::size_t{3} * spec.width * spec.height);
+  if (!file->read_image(0, 0, 0, 3, OIIO::TypeDesc::FLOAT, result.data())) return {};
+  return result;
+}
+
+std::size_t count(const std::string& text, const std::string& part) {
+  std::size_t n = 0;
+  for (std::size_t at = 0; (at = text.find(part, at)) != std::string::npos; ++at) ++n;
+  return n;
+}
+
+class CliPreview : public Cli {
+ protected:
+  Outcome render(std::vector<std::string> arguments) {
+    if (std::find(arguments.begin(), arguments.end(), "--samples") == arguments.end()) {
+      arguments.insert(arguments.end(), {"--samples", "16"});
+    }
+    arguments.insert(arguments.begin(), {"render", "point.pbrt", "-o", picture_});
+    return lucerna(std::move(arguments));
+  }
+  /// 160 x 120 pixels are 6 tiles of 64 x 64.
+  void expect_in(const TevReceiver& viewer, std::size_t updates) {
+    const std::vector<float> expected = pixels(picture_);
+    ASSERT_EQ(expected.size(), 160U * 120 * 3);
+    EXPECT_TRUE(TevReceiver::wait_for([&] { return viewer.images()[picture_].rgb == expected; }));
+    EXPECT_GE(viewer.images()[picture_].updates, updates);
+    EXPECT_THAT(viewer.faults(), IsEmpty());
+  }
+  void TearDown() override { fs::remove(picture_); }
+
+  const std::string picture_ = path("shown.exr");
+};
+
+TEST_F(CliPreview, TevHasThePictureOfTheExrBitForBit) {
+  const TevReceiver viewer;
+  const Outcome outcome = render({"--tev", viewer.address(), "--samples", "64"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.err, IsEmpty());
+  expect_in(viewer, 7);  // coarse ones before the last
+}
+
+TEST_F(CliPreview, TheSameFromServersThatSplitTheSamples) {
+  const TevReceiver viewer;
+  const Outcome outcome =
+      render({"--tev", viewer.address(), "--servers", server_->target(), "--split-samples", "4"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  expect_in(viewer, 6);
+}
+
+TEST_F(CliPreview, CoarsePicturesChangeNoBitOfTheLast) {
+  ASSERT_EQ(render({}).status, 0);
+  const std::vector<float> plain = pixels(picture_);
+  const TevReceiver viewer;
+  ASSERT_EQ(render({"--tev", viewer.address()}).status, 0);
+  EXPECT_TRUE(pixels(picture_) == plain);
+}
+
+TEST_F(CliPreview, ThePictureIsRenderedWhateverTheViewerDoes) {
+  ASSERT_EQ(render({}).status, 0);
+  const std::vector<float> expected = pixels(picture_);
+  int nobody = 0;
+  {
+    const TevReceiver gone;
+    nobody = gone.port();
+  }
+  Outcome outcome = render({"--tev", "127.0.0.1:" + std::to_string(nobody)});
+  EXPECT_EQ(outcome.status, 0);
+  EXPECT_EQ(count(outcome.err, "Connection refused; going on without it"), 1U) << outcome.err;
+  EXPECT_EQ(count(outcome.err, "\n"), 1U) << outcome.err;
+  EXPECT_TRUE(pixels(picture_) == expected);
+
+  const TevReceiver leaves({.close_after = 5000});
+  outcome = render({"--tev", leaves.address()});
+  EXPECT_EQ(outcome.status, 0);
+  EXPECT_LE(count(outcome.err, "\n"), 1U) << outcome.err;  // sockets may have taken all by then
+  EXPECT_TRUE(pixels(picture_) == expected);
+}
+
+TEST_F(CliPreview, AWrongAddressIsFoundOutBefore) {
+  const std::vector<std::string> before = files();
+  const auto refused = [&](std::vector<std::string> arguments, const std::string& what) {
+    arguments.insert(arguments.end(), {"--server", "127.0.0.1:1"});  // nobody is asked
+    expect_wrong_use(render(std::move(arguments)), what);
+  };
+  refused({"--tev", "127.0.0.1:0"}, "--tev: \"127.0.0.1:0\" is not HOST");
+  refused({"--tev", ":14158"}, "HOST:PORT");
+  refused({"--preview"}, "an -o must end in .png");
+  refused({"--preview=0"}, "0 is not a number of seconds from 0.1");
+  refused({"--preview=x", "-o", path("x.png")}, "x is not a number of seconds");
+  EXPECT_EQ(files(), before);
+}
+
+TEST_F(CliPreview, APngThatIsRedrawnEndsAsOneThatIsNot) {
+  const std::vector<std::string> before = files();
+  ASSERT_EQ(render({"-o", path("plain.png"), "--exposure", "-1"}).status, 0);
+  const Outcome outcome = render({"-o", path("redrawn.png"), "--exposure", "-1", "--preview=0.1"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_TRUE(pixels(path("redrawn.png")) == pixels(path("plain.png")));
+  EXPECT_EQ(files().size(), before.size() + 3);
+  for (const char* name : {"plain.png", "redrawn.png"}) fs::remove(path(name));
+}
+
+}  // namespace
+}  // namespace lucerna
