@@ -1,10 +1,15 @@
 #!/usr/bin/env bash
-# Tools that check the sources and that no build or run needs: clang-format, and buf from npm.
+# Tools that check the sources and that no build or run needs: clang-format, and from npm buf, and
+# what checks Kubernetes manifests.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 deploy/install-deps.sh
 command -v clang-format >/dev/null || deploy/install-deps.sh clang-format
 command -v npm >/dev/null || deploy/install-deps.sh npm
-[ -x build/tools/node_modules/.bin/buf ] ||
-  npm install --prefix build/tools --no-save --no-audit --no-fund --loglevel=error @bufbuild/buf@1.75.0
+tools=(@bufbuild/buf@1.75.0 kubernetes-models@4.5.1 typescript@5.9.3 yaml@2.8.1)
+[ "$(cat build/tools/installed 2>/dev/null)" = "${tools[*]}" ] || {
+  # All at once: npm takes away what it was not asked for.
+  npm install --prefix build/tools --no-save --no-audit --no-fund --loglevel=error "${tools[@]}"
+  echo "${tools[*]}" >build/tools/installed
+}

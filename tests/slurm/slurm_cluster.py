@@ -139,7 +139,8 @@ class SlurmCluster:
         return found
 
     def fail(self, node):
-        """Ends a node's slurmd and all that runs there, as when it loses power."""
+        """Ends a node's slurmd and all that runs there, and says what Slurm finds out by itself after a
+        while: that the node is down."""
         daemon = self.daemons.pop(node)
         daemon.kill()
         daemon.wait()
@@ -147,9 +148,11 @@ class SlurmCluster:
             for pid in self.processes(program):
                 if f"SLURMD_NODENAME={node}\0".encode() in pathlib.Path(f"/proc/{pid}/environ").read_bytes():
                     os.kill(pid, signal.SIGKILL)
+        self.run("scontrol", "update", f"NodeName={node}", "State=DOWN", "Reason=test")
 
     def repair(self, node):
         self._daemon(node, "slurmd", "-D", "-N", node)
+        self.run("scontrol", "update", f"NodeName={node}", "State=RESUME")
         self._wait(lambda: self.run("sinfo", "-h", "-n", node, "-o", "%t") in ("idle", "mix", "alloc"), 30,
                    f"{node} is back")
 

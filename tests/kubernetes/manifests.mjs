@@ -1,0 +1,81 @@
+// Checks Kubernetes manifests without a cluster: that each document is one that Kubernetes has, by the
+// JSON schemas that the npm package kubernetes-models brings (made from Kubernetes' own OpenAPI
+// description), and that it says nothing else, by that package's types.  The schemas let fields pass that
+// they do not know; TypeScript does not.
+import { readFileSync } from "node:fs";
+import { createRequire } from "node:module";
+import { fileURLToPath } from "node:url";
+
+export const root = fileURLToPath(new URL("../..", import.meta.url));
+const tools = `${root}build/tools/`; // .ci/install-tools.sh
+const require = createRequire(tools);
+const ts = require("typescript");
+const yaml = require("yaml");
+
+/** The documents of a manifest.  Throws where it is no YAML, a key that stands twice included. */
+export function read(path) {
+  return yaml.parseAllDocuments(readFileSync(path, "utf8")).map((document) => {
+    if (document.errors.length > 0) throw document.errors[0];
+    return document.toJS();
+  });
+}
+
+/** What is wrong with each of `documents`, by its place among them; an empty list where nothing is. */
+export function check(documents) {
+  const complaints = documents.map(() => []);
+  const sources = new Map();
+  documents.forEach((document, i) => {
+    const { apiVersion, kind } = document ?? {};
+    const name = `kubernetes-models/${apiVersion}/${kind}`;
+    let Model;
+    try {
+      Model = require(name)[kind];
+    } catch {
+      complaints[i].push(`apiVersion ${apiVersion}, kind ${kind}: Kubernetes has none such`);
+      return;
+    }
+    try {
+      new Model(document).validate();
+    } catch (error) {
+      complaints[i].push(error.message);
+    }
+    sources.set(
+      `${tools}manifest${i}.ts`,
+      `import type { I${kind} } from "${name}";\n` +
+        `export const document: I${kind} = ${JSON.stringify(document)};\n`,
+    );
+  });
+  for (const { file, messageText } of diagnostics(sources)) {
+    const i = Number(/manifest(\d+)\.ts$/.exec(file.fileName)[1]);
+    complaints[i].push(ts.flattenDiagnosticMessageText(messageText, "\n"));
+  }
+  return complaints;
+}
+
+/** What TypeScript says of the sources, which are in memory only. */
+function diagnostics(sources) {
+  const options = {
+    strict: true,
+    noEmit: true,
+    skipLibCheck: true,
+    types: [],
+    target: ts.ScriptTarget.ES2022,
+    module: ts.ModuleKind.CommonJS,
+    moduleResolution: ts.ModuleResolutionKind.Node10,
+  };
+  const host = ts.createCompilerHost(options);
+  const { getSourceFile, fileExists, readFile } = host;
+  host.getSourceFile = (path, language, ...rest) =>
+    sources.has(path)
+      ? ts.createSourceFile(path, sources.get(path), language)
+      : getSourceFile.call(host, path, language, ...rest);
+  host.fileExists = (path) => sources.has(path) || fileExists.call(host, path);
+  host.readFile = (path) => sources.get(path) ?? readFile.call(host, path);
+  const program = ts.createProgram([...sources.keys()], options, host);
+  const general = [...program.getOptionsDiagnostics(), ...program.getGlobalDiagnostics()];
+  if (general.length > 0) throw new Error(ts.formatDiagnostics(general, host));
+  return [...sources.keys()].flatMap((path) => {
+    const source = program.getSourceFile(path);
+    return [...program.getSyntacticDiagnostics(source), ...program.getSemanticDiagnostics(source)];
+  });
+}
