@@ -4,37 +4,46 @@
 #include <cmath>
 
 namespace lucerna::client {
-namespace {
 
-/// The origin along one axis.
-double origin(std::span<const Double3> points, int axis) {
-  double lower = points[0][axis];
-  double upper = lower;
-  for (const Double3& point : points) {
-    lower = std::min(lower, point[axis]);
-    upper = std::max(upper, point[axis]);
+void PointOrigin::add(const Double3& point) {
+  if (!std::isfinite(point[0]) || !std::isfinite(point[1]) || !std::isfinite(point[2])) return;
+  if (!any_) lower_ = upper_ = point;
+  any_ = true;
+  for (int axis = 0; axis < 3; ++axis) {
+    lower_[axis] = std::min(lower_[axis], point[axis]);
+    upper_[axis] = std::max(upper_[axis], point[axis]);
   }
-  // Where all are alike, the middle is their value.  Else zero loses at most three bits, and keeps
-  // what lies at zero exactly there; it is also the answer where a coordinate is not finite.
-  const double middle = lower / 2 + upper / 2;
-  return std::abs(middle) > 8 * (upper / 2 - lower / 2) ? middle : 0;
 }
 
-}  // namespace
+Double3 PointOrigin::origin() const {
+  Double3 result;
+  for (int axis = 0; axis < 3; ++axis) {
+    // Where all are alike, the middle is their value.  Else zero loses at most three bits, and keeps
+    // what lies at zero exactly there.
+    const double middle = lower_[axis] / 2 + upper_[axis] / 2;
+    const double half = upper_[axis] / 2 - lower_[axis] / 2;
+    result[axis] = std::abs(middle) > 8 * half ? middle : 0;
+  }
+  return result;
+}
 
 v1::Points make_points(std::span<const Double3> points) {
+  PointOrigin origin;
+  for (const Double3& point : points) origin.add(point);
+  return make_points(points, origin.origin());
+}
+
+v1::Points make_points(std::span<const Double3> points, const Double3& origin) {
   v1::Points result;
-  if (points.empty()) return result;
-  const Double3 zero = {origin(points, 0), origin(points, 1), origin(points, 2)};
-  if (zero != Double3{}) {
-    result.mutable_origin_m()->set_x(zero[0]);
-    result.mutable_origin_m()->set_y(zero[1]);
-    result.mutable_origin_m()->set_z(zero[2]);
+  if (origin != Double3{}) {
+    result.mutable_origin_m()->set_x(origin[0]);
+    result.mutable_origin_m()->set_y(origin[1]);
+    result.mutable_origin_m()->set_z(origin[2]);
   }
   result.mutable_offsets_m()->Resize(static_cast<int>(3 * points.size()), 0);
   float* offset = result.mutable_offsets_m()->mutable_data();
   for (const Double3& point : points) {
-    for (int axis = 0; axis < 3; ++axis) *offset++ = static_cast<float>(point[axis] - zero[axis]);
+    for (int axis = 0; axis < 3; ++axis) *offset++ = static_cast<float>(point[axis] - origin[axis]);
   }
   return result;
 }

@@ -16,4 +16,20 @@ using Double3 = std::array<double, 3>;
 /// are from the points' middle, so that they keep their differences.
 v1::Points make_points(std::span<const Double3> points);
 
+/// The origin that make_points() chooses, found of points that come one after the other.  Those that
+/// are not finite do not count.
+class PointOrigin {
+ public:
+  void add(const Double3& point);
+  Double3 origin() const;
+
+ private:
+  bool any_ = false;
+  Double3 lower_{}, upper_{};
+};
+
+/// The same about an origin that is given: where a set is asked about in parts, they agree to the
+/// bit only about one origin.
+v1::Points make_points(std::span<const Double3> points, const Double3& origin);
+
 }  // namespace lucerna::client

@@ -144,6 +144,28 @@ TEST(MakePoints, PointsAroundZeroHaveNoOrigin) {
   EXPECT_FALSE(client::make_points(points).has_origin_m());
 }
 
+TEST(MakePoints, APointThatIsNotFiniteDoesNotMoveTheOrigin) {
+  const double bad = std::nan("");
+  const std::vector<Double3> points = {
+      {bad, 0, 0}, {1e8, 0.5, 0}, {1e8 + 0.25, HUGE_VAL, 0}, {1e8 + 1, 0.5, 0}};
+  EXPECT_EQ(client::make_points(points).origin_m().x(), 1e8 + 0.5);
+  EXPECT_EQ(client::make_points(points).origin_m().y(), 0.5);
+}
+
+TEST(MakePoints, PartsAboutTheOriginOfAllAreTheWhole) {
+  const std::vector<Double3> points = {{0.1, 5, 1e6}, {0.1, 1, 1e6 + 0.1}, {0.1, 2, 1e6 - 0.3}};
+  client::PointOrigin origin;
+  for (const Double3& point : points) origin.add(point);
+  const v1::Points whole = client::make_points(points);
+  const auto first_two = std::span(points).first(2);
+  const v1::Points part = client::make_points(first_two, origin.origin());
+  EXPECT_EQ(part.origin_m().z(), whole.origin_m().z());
+  EXPECT_TRUE(
+      std::equal(part.offsets_m().begin(), part.offsets_m().end(), whole.offsets_m().begin()));
+  // Where each finds one of its own they are not.
+  EXPECT_NE(client::make_points(first_two).origin_m().z(), whole.origin_m().z());
+}
+
 TEST(MakePoints, OriginIsFiniteWhateverThePoints) {
   const double bad = std::nan("");
   for (const double first : {bad, HUGE_VAL, -HUGE_VAL, 1.0}) {
