@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "client/ask_for_scene.h"
 #include "client/journal.h"
 #include "proto/sample_blocks.h"
 #include "proto/sha256.h"
@@ -18,24 +19,6 @@ namespace {
 constexpr std::uint32_t kDefaultTileSize = 64;
 constexpr std::uint32_t kDefaultSamples = 64;  // as RenderImage's
 constexpr std::uint64_t kMostPieces = std::uint64_t{1} << 24;
-
-/// One piece: what a server says of the scene and of itself.
-class AskForScene final : public Work {
- public:
-  std::size_t size() const override { return 1; }
-  void start(std::size_t, const Client& client, const std::string& scene_id,
-             const CallOptions& options, Done done) override {
-    v1::GetSceneRequest request;
-    request.set_scene_id(scene_id);
-    client.get_scene(request, options, answer_as<v1::GetSceneResponse>(std::move(done)));
-  }
-  absl::Status accept(std::size_t, Result result) override {
-    summary = static_cast<v1::GetSceneResponse&>(*result).summary();
-    return absl::OkStatus();
-  }
-
-  v1::SceneSummary summary;
-};
 
 bool same(const v1::PixelRect& a, const v1::PixelRect& b) {
   return a.x0() == b.x0() && a.y0() == b.y0() && a.x1() == b.x1() && a.y1() == b.y1();

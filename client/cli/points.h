@@ -46,6 +46,9 @@ class PointOptions {
   void add(CLI::App& command, const std::string& second);
   /// At least one point; ends the program with what is wrong otherwise.
   PointSet read() const;
+  /// What --points names; empty where it is not given.  --point beside it is told as read() tells
+  /// it.
+  const std::string& file() const;
 
  private:
   std::vector<std::string> points_;

@@ -6,6 +6,7 @@
 #include "client/batch_parts.h"
 #include "client/cli/answer.h"
 #include "client/cli/area_sampling.h"
+#include "client/cli/irradiance_files.h"
 #include "client/cli/output.h"
 #include "client/cli/points.h"
 #include "client/cli/session.h"
@@ -86,6 +87,7 @@ struct IrradianceOptions {
   AreaSamplingOption area_sampling;
   TimeOption time;
   WavelengthOption wavelengths;
+  IrradianceFilesOption files;
 };
 
 /// A standard error, or the bound that stands for it where every sample was zero.
@@ -135,13 +137,7 @@ void print_irradiance(const v1::EstimateIrradianceResponse& response, const Poin
 }
 
 void irradiance(Session& session, const IrradianceOptions& options) {
-  const PointSet set = options.points.read();
-  const std::vector<Double3> normals =
-      options.normals.given() ? options.normals.read(set.points.size()) : set.seconds;
-  if (normals.empty()) wrong_use("no normals: give --normal, or six columns in --points");
   v1::EstimateIrradianceRequest request;
-  *request.mutable_receivers() = client::make_points(set.points);
-  fill(normals, request.mutable_normals());
   if (options.bounces) request.set_bounces(*options.bounces);
   request.set_per_light(options.per_light);
   request.mutable_seed()->set_seed(options.seed);
@@ -149,6 +145,16 @@ void irradiance(Session& session, const IrradianceOptions& options) {
   options.area_sampling.put(request);
   options.time.put(request);
   options.wavelengths.put(request);
+  if (options.files.given()) {
+    return options.files.run(session, options.scene, options.points, options.normals, request);
+  }
+  options.files.check();
+  const PointSet set = options.points.read();
+  const std::vector<Double3> normals =
+      options.normals.given() ? options.normals.read(set.points.size()) : set.seconds;
+  if (normals.empty()) wrong_use("no normals: give --normal, or six columns in --points");
+  *request.mutable_receivers() = client::make_points(set.points);
+  fill(normals, request.mutable_normals());
   request.set_scene_id(session.scene_id(options.scene));
   ask_and_print(session, request, client::estimate_irradiance_in_batches,
                 [&](const v1::EstimateIrradianceResponse& response) {
@@ -183,7 +189,8 @@ void add_receiver_commands(CLI::App& app, Session& session) {
   command->footer(
       "Example:\n  lucerna irradiance room.pbrt --point 0,0,0.8 --normal 0,0,1 --samples 1024\n"
       "  lucerna irradiance room.pbrt --points desks.csv --bounces 0 --per-light\n"
-      "  lucerna irradiance room.pbrt --points desks.csv --bounces 0 --wavelength 450,555");
+      "  lucerna irradiance room.pbrt --points desks.csv --bounces 0 --wavelength 450,555\n"
+      "  lucerna irradiance room.pbrt --points baked.exr -o light.exr --servers a:50051,b:50051");
   const auto meter = std::make_shared<IrradianceOptions>();
   command->add_option("SCENE", meter->scene, "Path or id")->required();
   meter->points.add(*command, "normals");
@@ -199,6 +206,7 @@ void add_receiver_commands(CLI::App& app, Session& session) {
   meter->area_sampling.add(*command);
   meter->time.add(*command);
   meter->wavelengths.add(*command);
+  meter->files.add(*command);
   command->callback([meter, &session] { irradiance(session, *meter); });
 }
 

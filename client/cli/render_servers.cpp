@@ -9,30 +9,35 @@
 
 namespace lucerna::cli {
 
-void ServersOption::add(CLI::App& command) {
+void ServersOption::add(CLI::App& command, bool pictures) {
   command
       .add_option("--servers", servers,
                   "Many servers at once: A:PORT,B:PORT; dns:///NAME:PORT; @FILE with one a line; "
                   "slurm:PORT for the nodes of this Slurm job")
       ->type_name("LIST");
+  // Files are always asked about as a job, also where it is of one server.
+  const std::string with = pictures ? "With --servers: " : "With -o: ";
   command.add_flag("--upload", upload,
-                   "With --servers: SCENE is a file of this machine, which is sent to them");
+                   with + "SCENE is a file of this machine, which is sent to the servers");
   command
       .add_option("--asset-root", asset_root,
                   "With --upload: send nothing from outside of this directory; default: the scene "
                   "file's")
       ->type_name("DIR");
-  command
-      .add_option("--split-samples", samples_per_piece,
-                  "With --servers: split tiles by samples too, into runs of at most so many")
-      ->check(whole(1));
+  if (pictures) {
+    command
+        .add_option("--split-samples", samples_per_piece,
+                    "With --servers: split tiles by samples too, into runs of at most so many")
+        ->check(whole(1));
+  }
   command
       .add_option("--journal", journal,
-                  "With --servers: keep what is done in this file, and go on from it where the job "
-                  "was interrupted")
+                  with +
+                      "keep what is done in this file, and go on from it where the job "
+                      "was interrupted")
       ->type_name("FILE");
   command.add_flag("--allow-mixed", allow_mixed,
-                   "With --servers: let in servers of different numeric fingerprints");
+                   with + "let in servers of different numeric fingerprints");
 }
 
 void ServersOption::check() const {
@@ -50,11 +55,56 @@ void ServersOption::check() const {
   needs(allow_mixed, "--allow-mixed");
 }
 
+client::JobOptions ServersOption::job(Session& session, const std::string& scene,
+                                      ProgressBar& bar) const {
+  client::JobOptions job;
+  std::string id;
+  if (servers.empty()) {
+    // One server that is not there is an error, where of many some may come later.
+    if (upload) {
+      session.ask(session.client().get_server_info({}, session.call_options()));
+    } else {
+      id = session.scene_id(scene);
+    }
+    job.servers = [server = session.server()] { return std::vector<std::string>{server}; };
+  } else {
+    auto list = client::server_list(servers);
+    if (!list.ok()) wrong_use("--servers: " + std::string(list.status().message()));
+    job.servers = *std::move(list);
+  }
+  job.allow_mixed = allow_mixed;
+  job.call = session.call_options();
+  job.on_event = [](const std::string& event) { fmt::print(stderr, "{}\n", event); };
+  job.on_progress = [&bar](const client::JobProgress& p) { bar.update(p.done, p.pieces); };
+  const auto lease_s = static_cast<double>(client::kJobLease.count());
+  job.load = [this, id, scene, lease_s](
+                 const client::Client& client,
+                 const client::CallOptions& call) -> absl::StatusOr<v1::LoadSceneResponse> {
+    if (upload) {
+      return client::upload_scene(client, scene, {.root = asset_root, .lease_s = lease_s}, call);
+    }
+    if (!id.empty()) {
+      v1::RenewLeaseRequest lease;
+      lease.set_scene_id(id);
+      lease.set_lease_s(lease_s);
+      const auto leased = client.renew_lease(lease, call);
+      v1::LoadSceneResponse response;
+      response.set_scene_id(id);
+      if (leased.ok()) response.set_lease_id(leased->lease_id());
+      if (leased.ok()) return response;
+      if (!absl::IsNotFound(leased.status())) return leased.status();
+    }
+    v1::LoadSceneRequest load;
+    load.set_path(scene);
+    load.set_lease_s(lease_s);
+    return client.load_scene(load, call);
+  };
+  return job;
+}
+
 client::RenderJobResult ServersOption::render(Session& session, const std::string& scene,
                                               const v1::RenderImageRequest& request,
                                               Preview& preview) const {
-  auto list = client::server_list(servers);
-  if (!list.ok()) wrong_use("--servers: " + std::string(list.status().message()));
   ProgressBar bar;
   client::RenderJobOptions options{
       .request = request, .samples_per_piece = samples_per_piece, .journal = journal};
@@ -63,21 +113,7 @@ client::RenderJobResult ServersOption::render(Session& session, const std::strin
       preview.update(tile, so_far);
     };
   }
-  options.job.servers = *std::move(list);
-  options.job.allow_mixed = allow_mixed;
-  options.job.call = session.call_options();
-  options.job.on_event = [](const std::string& event) { fmt::print(stderr, "{}\n", event); };
-  options.job.on_progress = [&bar](const client::JobProgress& p) { bar.update(p.done, p.pieces); };
-  const auto lease_s = static_cast<double>(client::kJobLease.count());
-  options.job.load = [&, lease_s](const client::Client& client, const client::CallOptions& call) {
-    if (upload) {
-      return client::upload_scene(client, scene, {.root = asset_root, .lease_s = lease_s}, call);
-    }
-    v1::LoadSceneRequest load;
-    load.set_path(scene);
-    load.set_lease_s(lease_s);
-    return client.load_scene(load, call);
-  };
+  options.job = job(session, scene, bar);
   auto result = client::run_render_job(options);
   // The message names the server, where it is about one.
   if (!result.ok()) session.fail_here(result.status(), kServerSaidNo);

@@ -1,10 +1,11 @@
-// render --servers: one picture on many servers.
+// --servers: one picture, or the light at many points, on many servers.
 #pragma once
 
 #include <CLI/CLI.hpp>
 #include <string>
 
 #include "client/cli/preview.h"
+#include "client/cli/progress.h"
 #include "client/cli/session.h"
 #include "client/render_job.h"
 
@@ -18,10 +19,15 @@ struct ServersOption {
   std::uint64_t samples_per_piece = 0;
   std::string journal;
 
-  void add(CLI::App& command);
+  /// --servers and what goes with them; `pictures`: with --split-samples.
+  void add(CLI::App& command, bool pictures = true);
   explicit operator bool() const { return !servers.empty(); }
   /// Ends the program where the others are given without --servers.
   void check() const;
+
+  /// A job of these servers, or of the one that --server names; tells what happens to servers on
+  /// stderr.  This, `bar` and the session outlive it.  Ends the program where `servers` cannot be.
+  client::JobOptions job(Session& session, const std::string& scene, ProgressBar& bar) const;
 
   /// The picture, with a bar and what happens to servers on stderr.
   client::RenderJobResult render(Session& session, const std::string& scene,

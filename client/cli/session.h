@@ -41,6 +41,7 @@ class Session {
   void add_options(CLI::App& app);
 
   bool json() const { return json_; }
+  const std::string& server() const { return server_; }
   /// Connects at the first use.
   const client::Client& client();
   /// The deadline is the same for all calls of one run.

@@ -1,0 +1,32 @@
+// irradiance -o: from files of any length into a file.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+#include "client/cli/points.h"
+#include "client/cli/render_servers.h"
+#include "client/cli/session.h"
+#include "lucerna/v1/lighting.pb.h"
+
+namespace lucerna::cli {
+
+class IrradianceFilesOption {
+ public:
+  void add(CLI::App& command);
+  bool given() const { return !output_.empty(); }
+  /// Ends the program where what goes with -o is given without it.
+  void check() const;
+
+  /// Asks `request` of the receivers of `points` and writes the answers.  `normal`: of all of them,
+  /// where they have no own.
+  void run(Session& session, const std::string& scene, const PointOptions& points,
+           const TripleOption& normal, const v1::EstimateIrradianceRequest& request) const;
+
+ private:
+  std::string output_, normals_;
+  ServersOption servers_;
+};
+
+}  // namespace lucerna::cli

@@ -1,0 +1,330 @@
+#include "lucerna/client/irradiance_job.h"
+
+#include <algorithm>
+#include <bit>
+#include <chrono>
+#include <cstring>
+#include <limits>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <utility>
+
+#include "client/ask_for_scene.h"
+#include "client/journal.h"
+#include "client/result_file.h"
+#include "proto/answer_size.h"
+#include "proto/sha256.h"
+
+namespace lucerna::client {
+namespace {
+
+constexpr std::uint32_t kDefaultSamples = 256;  // as EstimateIrradiance's
+// Of one piece: a few seconds of one core where light takes several bounces.
+constexpr std::uint64_t kSamplesPerPiece = std::uint64_t{1} << 20;
+constexpr std::uint64_t kMostPieces = std::uint64_t{1} << 24;
+constexpr std::size_t kItemsPerRead = 8192;  // where a file is read from its beginning to its end
+
+std::uint32_t samples_of(const v1::EstimateIrradianceRequest& request) {
+  return request.accuracy().has_samples() ? request.accuracy().samples() : kDefaultSamples;
+}
+
+/// What is found out of the receivers before anybody is asked about them.
+struct Survey {
+  Double3 origin;
+  std::string digest;  // of all receivers
+};
+
+absl::StatusOr<Survey> survey(ReceiverSource& receivers) {
+  PointOrigin origin;
+  Sha256 digest;
+  std::vector<Double3> points;
+  std::vector<float> normals;
+  const auto bytes = [](const auto& v) {
+    return std::string_view(reinterpret_cast<const char*>(v.data()), v.size() * sizeof v[0]);
+  };
+  for (std::uint64_t first = 0; first < receivers.size();) {
+    const std::size_t count = std::min<std::uint64_t>(kItemsPerRead, receivers.size() - first);
+    if (absl::Status s = receivers.read(first, count, points, normals); !s.ok()) return s;
+    for (const Double3& point : points) origin.add(point);
+    digest.add(bytes(points));
+    digest.add(bytes(normals));
+    first += count;
+  }
+  return Survey{origin.origin(), digest.finish()};
+}
+
+/// The smallest of the limits of the servers that were asked.
+class Limits {
+ public:
+  absl::Status ask(const Client& client, const CallOptions& call) {
+    const auto info = client.get_server_info({}, call);
+    if (!info.ok()) return info.status();
+    const std::lock_guard lock(mutex_);
+    items_ = std::min<std::uint64_t>(items_, info->limits().max_batch_items());
+    bytes_ = std::min(bytes_, std::uint64_t{info->limits().max_message_bytes()});
+    return absl::OkStatus();
+  }
+
+  /// Receivers of a piece.
+  std::uint32_t items_per_piece(const v1::EstimateIrradianceRequest& request) const {
+    const std::lock_guard lock(mutex_);
+    const AnswerSize answer = answer_size(request, 0);
+    const std::uint64_t once = answer.fixed + request.ByteSizeLong();
+    const std::uint64_t each = std::max<std::uint64_t>(answer.per_item, 6 * sizeof(float));
+    const std::uint64_t by_bytes = bytes_ > once ? (bytes_ - once) / each : 1;
+    const std::uint64_t by_samples = kSamplesPerPiece / std::max(1U, samples_of(request));
+    const std::uint64_t most =
+        std::min({std::uint64_t{kMostItemsPerPiece}, items_, by_bytes, by_samples});
+    return static_cast<std::uint32_t>(std::bit_floor(std::max<std::uint64_t>(1, most)));
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::uint64_t items_ = std::numeric_limits<std::uint64_t>::max();
+  std::uint64_t bytes_ = std::numeric_limits<std::uint64_t>::max();
+};
+
+/// Receivers [first, end).
+struct Run {
+  std::uint64_t first, end;
+};
+
+/// What stands in the journal for a run of rows that are in the file of results.
+struct JournalRecord {
+  Run run;
+  std::array<char, 8> sum;  // the beginning of the rows' SHA-256
+
+  std::string bytes() const { return {reinterpret_cast<const char*>(this), sizeof(JournalRecord)}; }
+};
+
+std::array<char, 8> sum_of(std::span<const float> values) {
+  const std::string digest =
+      sha256({reinterpret_cast<const char*>(values.data()), values.size_bytes()});
+  std::array<char, 8> sum{};
+  std::copy_n(digest.begin(), sum.size(), sum.begin());
+  return sum;
+}
+
+/// The pieces of one set.
+class Irradiance final : public Work {
+ public:
+  Irradiance(const IrradianceJobOptions& options, const Double3& origin, ResultFile results)
+      : options_(options),
+        receivers_(*options.receivers),
+        origin_(origin),
+        results_(std::move(results)) {}
+
+  /// Finds out what is still to be done, and cuts it into pieces.
+  absl::Status begin(const std::string& job, std::uint32_t items_per_piece) {
+    if (!options_.journal.empty()) {
+      auto journal = Journal::open(options_.journal, job, [this](const std::string& record) {
+        return from_journal(record);
+      });
+      if (!journal.ok()) return journal.status();
+      journal_.emplace(*std::move(journal));
+    }
+    std::sort(done_.begin(), done_.end(),
+              [](const Run& a, const Run& b) { return a.first < b.first; });
+    std::uint64_t next = 0;
+    const auto cut_until = [&](std::uint64_t end) {
+      for (; next < end; next = pieces_.back().end)
+        pieces_.push_back({next, std::min(next + items_per_piece, end)});
+    };
+    const std::uint64_t most = receivers_.size() / items_per_piece + done_.size();
+    if (most >= kMostPieces)
+      return absl::InvalidArgumentError("the receivers fall into " + std::to_string(most) +
+                                        " pieces of " + std::to_string(items_per_piece) +
+                                        ", allowed: " + std::to_string(kMostPieces));
+    for (const Run& run : done_) {
+      cut_until(run.first);
+      if (run.end > next) {
+        from_journal_ += run.end - next;
+        if (absl::Status s = count({next, run.end}); !s.ok()) return s;
+        next = run.end;
+      }
+    }
+    cut_until(receivers_.size());
+    std::vector<Run>().swap(done_);
+    return absl::OkStatus();
+  }
+
+  std::size_t size() const override { return pieces_.size(); }
+
+  void start(std::size_t number, const Client& client, const std::string& scene_id,
+             const CallOptions& options, Done done) override {
+    const Run& run = pieces_[number];
+    const std::size_t count = run.end - run.first;
+    if (absl::Status s = receivers_.read(run.first, count, points_, normals_); !s.ok()) {
+      failed_ = s;
+      return done(s);
+    }
+    v1::EstimateIrradianceRequest request = options_.request;
+    request.set_scene_id(scene_id);
+    *request.mutable_receivers() = make_points(points_, origin_);
+    request.mutable_normals()->Assign(normals_.begin(), normals_.end());
+    request.mutable_seed()->set_first_item(options_.request.seed().first_item() + run.first);
+    client.estimate_irradiance(request, options,
+                               answer_as<v1::EstimateIrradianceResponse>(std::move(done)));
+  }
+
+  absl::Status accept(std::size_t number, Result result) override {
+    const auto& response = static_cast<v1::EstimateIrradianceResponse&>(*result);
+    const Run& run = pieces_[number];
+    if (absl::Status s = to_rows(response, run.end - run.first); !s.ok()) return s;
+    if (absl::Status s = results_.write(run.first, rows_); !s.ok()) return s;
+    count_statuses();
+    add_cost(response.cost());
+    samples_ = response.samples();
+    return journal_ ? journal_->add(JournalRecord{run, sum_of(rows_)}.bytes()) : absl::OkStatus();
+  }
+
+  /// Why receivers could not be read.
+  const absl::Status& failed() const { return failed_; }
+
+  void put(IrradianceJobResult& result) const {
+    result.pieces = pieces_.size();
+    result.from_journal = from_journal_;
+    result.samples = samples_ > 0 ? samples_ : samples_of(options_.request);
+    result.statuses = statuses_;
+    result.cost = cost_;
+  }
+
+ private:
+  /// A record whose rows are not in the file, as after a loss of power, is of no worth.
+  absl::Status from_journal(const std::string& bytes) {
+    JournalRecord record{};
+    const bool fits = bytes.size() == sizeof record;
+    if (fits) std::memcpy(&record, bytes.data(), sizeof record);
+    const Run& run = record.run;
+    if (!fits || run.first >= run.end || run.end > results_.rows())
+      return absl::FailedPreconditionError(options_.journal +
+                                           ": holds what is no piece of this job");
+    rows_.resize((run.end - run.first) * results_.columns());
+    if (absl::Status s = results_.read(run.first, rows_); !s.ok()) return s;
+    if (sum_of(rows_) == record.sum) done_.push_back(run);
+    return absl::OkStatus();
+  }
+
+  /// Of a run that the file holds.
+  absl::Status count(const Run& run) {
+    rows_.resize((run.end - run.first) * results_.columns());
+    if (absl::Status s = results_.read(run.first, rows_); !s.ok()) return s;
+    count_statuses();
+    return absl::OkStatus();
+  }
+
+  void count_statuses() {
+    for (std::size_t i = kStatusColumn; i < rows_.size(); i += results_.columns())
+      ++statuses_[std::min<std::size_t>(static_cast<std::size_t>(std::max(0.0F, rows_[i])),
+                                        statuses_.size() - 1)];
+  }
+
+  absl::Status to_rows(const v1::EstimateIrradianceResponse& response, std::size_t count) {
+    const std::size_t wavelengths = results_.columns() - kIrradianceColumns;
+    const auto has = [count](int size, std::size_t per_item) {
+      return static_cast<std::size_t>(size) == count * per_item;
+    };
+    if (!has(response.irradiance_lx_size(), 3) || !has(response.illuminance_lx_size(), 1) ||
+        !has(response.zero_bound_lx_size(), 1) ||
+        !(response.standard_error_lx().empty() || has(response.standard_error_lx_size(), 1)) ||
+        !(response.status().empty() || has(response.status_size(), 1)) ||
+        !has(response.spectral_irradiance_size(), wavelengths))
+      return absl::InternalError(
+          "a server answered with another number of receivers than were "
+          "asked about");
+    rows_.resize(count * results_.columns());
+    float* row = rows_.data();
+    for (int i = 0; i < static_cast<int>(count); ++i) {
+      *row++ = response.illuminance_lx(i);
+      for (int c = 0; c < 3; ++c) *row++ = response.irradiance_lx(3 * i + c);
+      *row++ = response.standard_error_lx().empty() ? std::numeric_limits<float>::quiet_NaN()
+                                                    : response.standard_error_lx(i);
+      *row++ = response.zero_bound_lx(i);
+      *row++ = static_cast<float>(response.status().empty() ? int{v1::ITEM_STATUS_OK}
+                                                            : int{response.status(i)});
+      for (std::size_t w = 0; w < wavelengths; ++w)
+        *row++ = response.spectral_irradiance(static_cast<int>(i * wavelengths + w));
+    }
+    return absl::OkStatus();
+  }
+
+  void add_cost(const v1::Cost& cost) {
+    cost_.set_indirect_rays(cost_.indirect_rays() + cost.indirect_rays());
+    cost_.set_shadow_rays(cost_.shadow_rays() + cost.shadow_rays());
+    cost_.set_samples(cost_.samples() + cost.samples());
+    cost_.set_cpu_time_s(cost_.cpu_time_s() + cost.cpu_time_s());
+    cost_.set_queue_time_s(cost_.queue_time_s() + cost.queue_time_s());
+  }
+
+  const IrradianceJobOptions& options_;
+  ReceiverSource& receivers_;
+  const Double3 origin_;
+  ResultFile results_;
+  std::optional<Journal> journal_;
+  std::vector<Run> done_;  // while the journal is read
+  std::vector<Run> pieces_;
+  // Of the piece at hand.
+  std::vector<Double3> points_;
+  std::vector<float> normals_, rows_;
+
+  absl::Status failed_;
+  std::uint64_t from_journal_ = 0;
+  std::uint32_t samples_ = 0;
+  std::array<std::uint64_t, 8> statuses_{};
+  v1::Cost cost_;
+};
+
+}  // namespace
+
+std::size_t irradiance_columns(const v1::EstimateIrradianceRequest& request) {
+  return kIrradianceColumns + static_cast<std::size_t>(request.wavelengths_nm_size());
+}
+
+absl::StatusOr<IrradianceJobResult> run_irradiance_job(const IrradianceJobOptions& options) {
+  const auto begun = std::chrono::steady_clock::now();
+  const std::uint64_t count = options.receivers->size();
+  if (count == 0) return absl::InvalidArgumentError("there are no receivers");
+  if (options.request.per_light())
+    return absl::InvalidArgumentError("per_light = true: results have no place for shares");
+  auto results =
+      ResultFile::open(options.results, options.header, count, irradiance_columns(options.request));
+  if (!results.ok()) return results.status();
+  const auto surveyed = survey(*options.receivers);
+  if (!surveyed.ok()) return surveyed.status();
+
+  Limits limits;
+  AskForScene scene;
+  JobOptions ask = options.job;
+  ask.on_progress = {};
+  ask.load = [&](const Client& client,
+                 const CallOptions& call) -> absl::StatusOr<v1::LoadSceneResponse> {
+    if (absl::Status s = limits.ask(client, call); !s.ok()) return s;
+    return options.job.load(client, call);
+  };
+  const auto asked = run_job(scene, ask);
+  if (!asked.ok()) return asked.status();
+
+  v1::EstimateIrradianceRequest named = options.request;
+  named.set_scene_id(scene.summary.scene_id());
+  named.mutable_accuracy()->set_samples(samples_of(options.request));
+  std::string job = named.SerializeAsString() + surveyed->digest;
+  if (!options.job.allow_mixed) job += asked->fingerprints.front();
+  Irradiance irradiance(options, surveyed->origin, *std::move(results));
+  const std::uint32_t items = options.items_per_piece > 0 ? options.items_per_piece
+                                                          : limits.items_per_piece(options.request);
+  if (absl::Status s = irradiance.begin(hexadecimal(sha256(job)), items); !s.ok()) return s;
+  IrradianceJobResult result;
+  if (irradiance.size() > 0) {
+    auto report = run_job(irradiance, options.job);
+    if (!irradiance.failed().ok()) return irradiance.failed();
+    if (!report.ok()) return report.status();
+    result.report = *std::move(report);
+  }
+  irradiance.put(result);
+  const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begun;
+  result.cost.set_wall_time_s(wall.count());
+  return result;
+}
+
+}  // namespace lucerna::client
