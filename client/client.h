@@ -31,6 +31,11 @@ inline constexpr char kStatusPayloadUrl[] = "type.googleapis.com/google.rpc.Stat
 
 struct ConnectOptions {
   /// "HOST:PORT", "[IPV6]:PORT", or any other name that gRPC resolves ("unix:/run/lucernad").
+  ///
+  /// "dns:///NAME:PORT", "ipv4:A:PORT,B:PORT" and "ipv6:[A]:PORT,..." stand for all servers that
+  /// they name: calls go to them in turn, to those that can be reached (gRPC's round_robin), and
+  /// what is tried again goes to the next.  Scenes are each server's own: query_servers.h brings
+  /// one to all of them.
   std::string target = "127.0.0.1:50051";
   /// Whether UNAVAILABLE is tried again before it is told.
   bool retry = true;

@@ -40,24 +40,6 @@ absl::StatusOr<Targets> split(const std::string& text) {
   return targets;
 }
 
-absl::StatusOr<Targets> addresses(const std::string& host, const std::string& port) {
-  addrinfo hints{};
-  hints.ai_socktype = SOCK_STREAM;
-  addrinfo* found = nullptr;
-  if (const int error = getaddrinfo(host.c_str(), port.c_str(), &hints, &found); error != 0)
-    return absl::UnavailableError(host + ": " + gai_strerror(error));
-  const std::unique_ptr<addrinfo, decltype(&freeaddrinfo)> all(found, &freeaddrinfo);
-  Targets targets;
-  for (const addrinfo* a = found; a != nullptr; a = a->ai_next) {
-    char name[NI_MAXHOST];
-    if (getnameinfo(a->ai_addr, a->ai_addrlen, name, sizeof name, nullptr, 0, NI_NUMERICHOST) != 0)
-      continue;
-    const std::string address = a->ai_family == AF_INET6 ? "[" + std::string(name) + "]" : name;
-    targets.push_back(address + ":" + port);
-  }
-  return targets;
-}
-
 absl::StatusOr<Targets> lines(const std::string& path) {
   std::ifstream in(path);
   if (!in) return absl::UnavailableError(path + ": cannot be read");
@@ -124,6 +106,29 @@ absl::Status append_numbers(const std::string& ranges, Targets& heads) {
 
 }  // namespace
 
+absl::StatusOr<Targets> numeric_addresses(const std::string& target) {
+  const std::size_t colon = target.rfind(':');
+  if (colon == std::string::npos) return check_target(target);
+  const bool brackets = target.starts_with('[') && colon > 1 && target[colon - 1] == ']';
+  const std::string host = brackets ? target.substr(1, colon - 2) : target.substr(0, colon);
+  const std::string port = target.substr(colon + 1);
+  addrinfo hints{};
+  hints.ai_socktype = SOCK_STREAM;
+  addrinfo* found = nullptr;
+  if (const int error = getaddrinfo(host.c_str(), port.c_str(), &hints, &found); error != 0)
+    return absl::UnavailableError(host + ": " + gai_strerror(error));
+  const std::unique_ptr<addrinfo, decltype(&freeaddrinfo)> all(found, &freeaddrinfo);
+  Targets targets;
+  for (const addrinfo* a = found; a != nullptr; a = a->ai_next) {
+    char name[NI_MAXHOST];
+    if (getnameinfo(a->ai_addr, a->ai_addrlen, name, sizeof name, nullptr, 0, NI_NUMERICHOST) != 0)
+      continue;
+    const std::string address = a->ai_family == AF_INET6 ? "[" + std::string(name) + "]" : name;
+    targets.push_back(address + ":" + port);
+  }
+  return targets;
+}
+
 absl::StatusOr<Targets> expand_host_list(const std::string& text) {
   const absl::Status bad =
       absl::InvalidArgumentError("host list \"" + text + "\", must be as in n[1-3,07],login");
@@ -156,10 +161,7 @@ absl::StatusOr<ServerList> server_list(const std::string& text) {
   if (text.starts_with("dns:///")) {
     const std::string name = text.substr(7);
     if (absl::Status s = check_target(name); !s.ok()) return s;
-    const std::size_t colon = name.rfind(':');
-    return ServerList([host = name.substr(0, colon), port = name.substr(colon + 1)] {
-      return addresses(host, port);
-    });
+    return ServerList([name] { return numeric_addresses(name); });
   }
   if (text.starts_with("slurm:")) {
     const std::string port = text.substr(6);

@@ -20,6 +20,10 @@ using ServerList = std::function<absl::StatusOr<std::vector<std::string>>()>;
 /// INVALID_ARGUMENT for anything else.
 absl::StatusOr<ServerList> server_list(const std::string& text);
 
+/// The addresses of "HOST:PORT", as A.B.C.D:PORT or [IPV6]:PORT.  UNAVAILABLE where the name has
+/// none now.
+absl::StatusOr<std::vector<std::string>> numeric_addresses(const std::string& target);
+
 /// The nodes of a Slurm host list, as "n[1-3,07],login".  INVALID_ARGUMENT for what is none.
 absl::StatusOr<std::vector<std::string>> expand_host_list(const std::string& text);
 

@@ -16,8 +16,9 @@ void ask_and_print(Session& session, const Request& request,
                    absl::StatusOr<Response> (*in_batches)(const client::Client&, const Request&,
                                                           const client::BatchOptions&),
                    Print&& print) {
-  const Response response = session.ask(
-      in_batches(session.client(), request, {.max_items = 0, .call = session.call_options()}));
+  const Response response = session.ask_about_scene([&](const client::Client& client) {
+    return in_batches(client, request, {.max_items = 0, .call = session.call_options()});
+  });
   if (session.json()) {
     fmt::print("{}", to_json(response));
   } else {

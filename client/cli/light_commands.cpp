@@ -162,7 +162,9 @@ struct PowerOptions {
 v1::EstimatePowerResponse all_powers(Session& session, v1::EstimatePowerRequest request) {
   v1::EstimatePowerResponse all;
   do {
-    auto page = session.ask(session.client().estimate_power(request, session.call_options()));
+    auto page = session.ask_about_scene([&](const client::Client& client) {
+      return client.estimate_power(request, session.call_options());
+    });
     request.set_page_token(page.next_page_token());
     all.mutable_lights()->MergeFrom(page.lights());
     all.mutable_total()->Swap(page.mutable_total());

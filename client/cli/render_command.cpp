@@ -81,6 +81,7 @@ void write(PictureFile file, const client::Picture& picture, const std::vector<f
 
 void render(Session& session, const RenderOptions& options) {
   options.servers.check();
+  if (!options.servers) session.need_one_server("pictures by several are for --servers");
   if (!options.error_output.empty()) {
     if (options.samples == 1U) {
       wrong_use("--stderr: a single sample gives no standard error, --samples must be 2 or more");

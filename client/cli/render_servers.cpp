@@ -60,6 +60,7 @@ client::JobOptions ServersOption::job(Session& session, const std::string& scene
   client::JobOptions job;
   std::string id;
   if (servers.empty()) {
+    session.need_one_server("jobs on several are for --servers");
     // One server that is not there is an error, where of many some may come later.
     if (upload) {
       session.ask(session.client().get_server_info({}, session.call_options()));

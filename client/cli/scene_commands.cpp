@@ -101,6 +101,7 @@ void lights(Session& session, const std::string& scene) {
 }
 
 void lease(Session& session, const std::string& scene, double seconds, const std::string& id) {
+  session.need_one_server("a lease is one server's");
   v1::RenewLeaseRequest request;
   request.set_scene_id(session.scene_id(scene));
   request.set_lease_s(seconds);
@@ -114,6 +115,7 @@ void lease(Session& session, const std::string& scene, double seconds, const std
 }
 
 void release(Session& session, const std::string& scene, const std::string& lease) {
+  session.need_one_server("a lease is one server's");
   v1::ReleaseSceneRequest request;
   request.set_scene_id(session.scene_id(scene));
   request.set_lease_id(lease);

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "lucerna/client/client.h"
+#include "lucerna/client/query_servers.h"
 
 namespace lucerna::cli {
 
@@ -32,7 +33,8 @@ class CommandError : public std::runtime_error {
 
 [[noreturn]] void wrong_use(const std::string& message);
 
-/// Common options, and the server that they name.
+/// Common options, and the server that they name; or the servers, for questions about a scene,
+/// which any of them can answer.
 class Session {
  public:
   explicit Session(std::stop_token stop) : stop_(std::move(stop)) {}
@@ -42,8 +44,11 @@ class Session {
 
   bool json() const { return json_; }
   const std::string& server() const { return server_; }
-  /// Connects at the first use.
+  /// Connects at the first use.  Where --server names several, ends the program unless scene_id()
+  /// was asked before: what is not about a scene is about one server.
   const client::Client& client();
+  /// Ends the program where --server names several: `what` is for one.
+  void need_one_server(const std::string& what) const;
   /// The deadline is the same for all calls of one run.
   const client::CallOptions& call_options();
 
@@ -53,13 +58,19 @@ class Session {
     if (!response.ok()) fail(response.status());
     return *std::move(response);
   }
+  /// The same for a question about the scene of scene_id(), a function of the client; where
+  /// several servers are asked it is asked again of one that lost the scene.
+  template <class Ask>
+  auto ask_about_scene(const Ask& question) {
+    return servers_ ? ask(servers_->ask(question)) : ask(question(client()));
+  }
   [[noreturn]] void fail(const absl::Status& status) const;
   /// Where it is not one server that says it: `exit` with the message as it is.
   [[noreturn]] void fail_here(const absl::Status& status, ExitStatus exit) const;
 
   /// The id that `scene` stands for: an id; a prefix, of four digits or more, of one that is
-  /// loaded; or a path, which is loaded where it is not yet, with what is not modelled told on
-  /// stderr.
+  /// loaded; or a path, which is loaded where it is not yet, on each of the servers, with what is
+  /// not modelled told on stderr.
   std::string scene_id(const std::string& scene);
 
   /// What the program ends with where nothing fails.
@@ -67,14 +78,18 @@ class Session {
   ExitStatus exit_status() const { return exit_status_; }
 
  private:
-  std::string id_with_prefix(const std::string& prefix);
+  bool several() const;
+  /// Readies all servers for `scene`.
+  void connect_to_all(const std::string& scene);
   void fail_if_ended(const absl::Status& status) const;
 
   std::string server_ = "127.0.0.1:50051";
   std::optional<double> timeout_s_;
   bool json_ = false;
   std::stop_token stop_;
+  bool allow_mixed_ = false;
   std::optional<client::Client> client_;
+  std::optional<client::QueryServers> servers_;
   std::optional<client::CallOptions> call_options_;
   ExitStatus exit_status_ = kDone;
 };

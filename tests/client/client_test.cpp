@@ -150,6 +150,42 @@ TEST(Client, GivesUpOnUnavailableAfterFourAttempts) {
   EXPECT_EQ(calls, 4);
 }
 
+TEST(Client, TriesLargeRequestsAgainToo) {
+  FakeServer server;
+  std::atomic<int> calls = 0;
+  server.sample_li = [&](auto&, const auto&, auto*) {
+    return ++calls == 1 ? grpc::Status(grpc::StatusCode::UNAVAILABLE, "draining")
+                        : grpc::Status::OK;
+  };
+  v1::SampleLiRequest request;  // of more than gRPC's own 256 KiB
+  request.mutable_receivers()->mutable_offsets_m()->Resize(500'000, 1);
+  const absl::Status status = server.client().sample_li(request).status();
+  EXPECT_TRUE(status.ok()) << status;
+  EXPECT_EQ(calls, 2);
+}
+
+TEST(Client, TriesNothingAgainWhereCallsKeepFailing) {
+  FakeServer server;
+  std::atomic<int> calls = 0;
+  server.get_scene = [&](auto&, const auto&, auto*) {
+    ++calls;
+    return grpc::Status(grpc::StatusCode::UNAVAILABLE, "draining");
+  };
+  const Client client = server.client();
+  {
+    std::vector<std::jthread> threads;
+    for (int i = 0; i < 40; ++i) {
+      threads.emplace_back([&] {
+        for (int j = 0; j < 20; ++j) (void)client.get_scene({});
+      });
+    }
+  }
+  // 800 calls: all of four attempts would be 3200.  The first 500 attempts leave half of the
+  // tokens, those under way are forty, and from then on a call is one attempt.
+  EXPECT_LT(calls, 500 + 40 + 800);
+  EXPECT_GT(calls, 800);
+}
+
 TEST(Client, DeadlineEndsTheCall) {
   FakeServer server;
   server.get_scene = [](grpc::ServerContext& context, const auto&, auto*) {
