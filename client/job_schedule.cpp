@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "client/retry.h"
+#include "client/server_error.h"
 
 namespace lucerna::client {
 namespace {
@@ -23,14 +24,6 @@ bool is_gone(const absl::Status& status) {
   // gRPC says UNKNOWN of a stream whose server was killed.
   return absl::IsUnavailable(status) || absl::IsUnknown(status) ||
          absl::IsDeadlineExceeded(status) || absl::IsCancelled(status);
-}
-
-/// With the server's name before the message; the details stay.
-absl::Status from(const std::string& target, const absl::Status& status) {
-  absl::Status result(status.code(), target + ": " + std::string(status.message()));
-  status.ForEachPayload(
-      [&](absl::string_view url, const absl::Cord& payload) { result.SetPayload(url, payload); });
-  return result;
 }
 
 }  // namespace
@@ -214,7 +207,7 @@ void JobSchedule::failed_piece(ServerId id, std::size_t piece, const absl::Statu
     return;
   }
   // It lost the scene, or itself: try anew, and not for ever.
-  if (++failures_[piece] >= kMostFailures) return end(from(server.target, status));
+  if (++failures_[piece] >= kMostFailures) return end(from_server(server.target, status));
   set(server, &Server::ready, false);
 }
 
@@ -224,7 +217,7 @@ void JobSchedule::failed(ServerId id, const absl::Status& status, Time now) {
     server.not_before = now + *delay;
     return serve(id, now);
   }
-  if (!is_gone(status)) return end(from(server.target, status));
+  if (!is_gone(status)) return end(from_server(server.target, status));
   set(server, &Server::ready, false);
   if (!server.told_failure && server.listed) {
     channel_.say(server.target + " does not answer: " + std::string(status.message()));

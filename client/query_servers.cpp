@@ -7,6 +7,8 @@
 #include <thread>
 #include <vector>
 
+#include "client/server_error.h"
+
 namespace lucerna::client {
 namespace {
 
@@ -23,10 +25,6 @@ struct Answer {
   std::string fingerprint;
   v1::LoadSceneResponse loaded;
 };
-
-absl::Status named(const Answer& answer) {
-  return {answer.status.code(), answer.target + ": " + std::string(answer.status.message())};
-}
 
 void make_ready(const QueryServersOptions& options, Answer* answer) {
   std::vector<std::string> addresses{answer->target};
@@ -179,7 +177,7 @@ absl::Status QueryServers::bring() {
     if (failed.status.ok()) {
       return absl::FailedPreconditionError("no server of the numeric fingerprint is left");
     }
-    return named(failed);
+    return from_server(failed.target, failed.status);
   }
   for (const Answer& answer : answers) {
     if (!answer.status.ok()) leave_out(answer, std::string(answer.status.message()));

@@ -179,7 +179,6 @@ void IrradianceFilesOption::check() const {
   needs(servers_.upload, "--upload");
   needs(!servers_.asset_root.empty(), "--asset-root");
   needs(!servers_.journal.empty(), "--journal");
-  needs(servers_.allow_mixed, "--allow-mixed");
 }
 
 void IrradianceFilesOption::run(Session& session, const std::string& scene,

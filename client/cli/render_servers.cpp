@@ -13,7 +13,8 @@ void ServersOption::add(CLI::App& command, bool pictures) {
   command
       .add_option("--servers", servers,
                   "Many servers at once: A:PORT,B:PORT; dns:///NAME:PORT; @FILE with one a line; "
-                  "slurm:PORT for the nodes of this Slurm job")
+                  "slurm:PORT for the nodes of this Slurm job; of one numeric fingerprint, unless "
+                  "--allow-mixed is given")
       ->type_name("LIST");
   // Files are always asked about as a job, also where it is of one server.
   const std::string with = pictures ? "With --servers: " : "With -o: ";
@@ -36,8 +37,6 @@ void ServersOption::add(CLI::App& command, bool pictures) {
                       "keep what is done in this file, and go on from it where the job "
                       "was interrupted")
       ->type_name("FILE");
-  command.add_flag("--allow-mixed", allow_mixed,
-                   with + "let in servers of different numeric fingerprints");
 }
 
 void ServersOption::check() const {
@@ -52,7 +51,6 @@ void ServersOption::check() const {
   needs(!asset_root.empty(), "--asset-root");
   needs(samples_per_piece > 0, "--split-samples");
   needs(!journal.empty(), "--journal");
-  needs(allow_mixed, "--allow-mixed");
 }
 
 client::JobOptions ServersOption::job(Session& session, const std::string& scene,
@@ -73,7 +71,7 @@ client::JobOptions ServersOption::job(Session& session, const std::string& scene
     if (!list.ok()) wrong_use("--servers: " + std::string(list.status().message()));
     job.servers = *std::move(list);
   }
-  job.allow_mixed = allow_mixed;
+  job.allow_mixed = session.allow_mixed();
   job.call = session.call_options();
   job.on_event = [](const std::string& event) { fmt::print(stderr, "{}\n", event); };
   job.on_progress = [&bar](const client::JobProgress& p) { bar.update(p.done, p.pieces); };

@@ -15,7 +15,6 @@ struct ServersOption {
   std::string servers;
   bool upload = false;
   std::string asset_root;
-  bool allow_mixed = false;
   std::uint64_t samples_per_piece = 0;
   std::string journal;
 

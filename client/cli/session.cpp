@@ -104,7 +104,7 @@ void Session::add_options(CLI::App& app) {
       ->envname("LUCERNA_SERVER")
       ->capture_default_str();
   app.add_flag("--allow-mixed", allow_mixed_,
-               "With several servers: ask those of different numeric fingerprints too");
+               "With several servers: let in those of different numeric fingerprints");
   app.add_option("--timeout", timeout_s_, "Give up after this long [s]; default: never")
       ->check(positive());
   app.add_flag("--json", json_,

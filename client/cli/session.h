@@ -39,11 +39,13 @@ class Session {
  public:
   explicit Session(std::stop_token stop) : stop_(std::move(stop)) {}
 
-  /// --server, --timeout and --json, which may stand before or after the subcommand.
+  /// --server, --allow-mixed, --timeout and --json, which may stand before or after the subcommand.
   void add_options(CLI::App& app);
 
   bool json() const { return json_; }
   const std::string& server() const { return server_; }
+  /// Whether servers of different numeric fingerprints may share work.
+  bool allow_mixed() const { return allow_mixed_; }
   /// Connects at the first use.  Where --server names several, ends the program unless scene_id()
   /// was asked before: what is not about a scene is about one server.
   const client::Client& client();

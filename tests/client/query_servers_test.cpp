@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "fake_server.h"
+#include "google/rpc/status.pb.h"
 
 namespace lucerna::client {
 namespace {
@@ -218,11 +219,14 @@ TEST_F(QueryServersTest, ScenesMustBeTheSame) {
 TEST_F(QueryServersTest, WhereNoneCanBeAskedOneSaysWhy) {
   targets_ = {"127.0.0.1:1", servers_[0].target()};
   servers_[0].load_scene = [](auto&, auto&, auto*) {
-    return grpc::Status(grpc::StatusCode::NOT_FOUND, "no such file");
+    google::rpc::Status details;
+    details.set_message("no such file");
+    return grpc::Status(grpc::StatusCode::NOT_FOUND, "no such file", details.SerializeAsString());
   };
   absl::Status status = QueryServers::connect(options_).status();
   EXPECT_EQ(status.code(), absl::StatusCode::kNotFound);
   EXPECT_EQ(std::string(status.message()), servers_[0].target() + ": no such file");
+  EXPECT_TRUE(status.GetPayload(kStatusPayloadUrl).has_value());
   targets_ = {"127.0.0.1:1"};
   status = QueryServers::connect(options_).status();
   EXPECT_EQ(status.code(), absl::StatusCode::kUnavailable);

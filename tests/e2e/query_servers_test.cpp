@@ -10,6 +10,7 @@
 
 #include "lucerna/client/points.h"
 #include "lucerna/client/testing/local_server.h"
+#include "tests/client/fake_server.h"
 #include "tests/e2e/run_program.h"
 
 namespace lucerna {
@@ -106,6 +107,30 @@ TEST_F(QueryServers, TheProgramAsksSeveralAndAnswersAsOne) {
   several = lucerna(irradiance("point.pbrt"), both());
   EXPECT_EQ(several.status, 1);
   EXPECT_THAT(several.err, HasSubstr("cannot reach any server of " + both()));
+}
+
+TEST(QueryServersMixed, TheProgramAsksThemOnlyWhereThatIsAllowed) {
+  FakeServer servers[2];
+  servers[1].fingerprint = "g";
+  for (FakeServer& server : servers) {
+    server.load_scene = [](auto&, const auto&, v1::LoadSceneResponse* response) {
+      response->set_scene_id("scene");
+      return grpc::Status::OK;
+    };
+    server.irradiance = [](auto&, const auto&, auto*) { return grpc::Status::OK; };
+  }
+  const auto ask = [&](std::vector<std::string> more) {
+    more.insert(more.begin(),
+                {LUCERNA_CLI, "irradiance", "a.pbrt", "--point", "0,0,0", "--normal", "0,0,1",
+                 "--json", "--server", servers[0].target() + "," + servers[1].target()});
+    return run_program(std::move(more));
+  };
+  const Outcome refused = ask({});
+  EXPECT_EQ(refused.status, 1);
+  EXPECT_THAT(refused.err, HasSubstr("its numeric fingerprint is g"));
+  const Outcome allowed = ask({"--allow-mixed"});
+  EXPECT_EQ(allowed.status, 0) << allowed.err;
+  EXPECT_THAT(allowed.err, HasSubstr("different numeric fingerprints: f, g\n"));
 }
 
 TEST_F(QueryServers, WhatIsForOneServerSaysSo) {
