@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <filesystem>
 #include <fstream>
 #include <utility>
 
@@ -29,6 +30,9 @@ class CsvFile final : public VectorFile {
 
   absl::Status open() {
     if (!in_) return absl::InvalidArgumentError(path_ + ": cannot be read");
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(path_, error))
+      return absl::InvalidArgumentError(path_ + ": is no file that can be read again");
     for (;;) {
       if (rows_ % kRowsPerMark == 0) marks_.push_back(reader_.place());
       const auto any = reader_.skip();

@@ -124,6 +124,10 @@ class Irradiance final : public Work {
       if (!journal.ok()) return journal.status();
       journal_.emplace(*std::move(journal));
     }
+    if (lost_ > 0 && options_.job.on_event)
+      options_.job.on_event(options_.results + " does not hold " + std::to_string(lost_) +
+                            " of the runs that " + options_.journal +
+                            " tells of: they are done again");
     std::sort(done_.begin(), done_.end(),
               [](const Run& a, const Run& b) { return a.first < b.first; });
     std::uint64_t next = 0;
@@ -202,7 +206,11 @@ class Irradiance final : public Work {
                                            ": holds what is no piece of this job");
     rows_.resize((run.end - run.first) * results_.columns());
     if (absl::Status s = results_.read(run.first, rows_); !s.ok()) return s;
-    if (sum_of(rows_) == record.sum) done_.push_back(run);
+    if (sum_of(rows_) == record.sum) {
+      done_.push_back(run);
+    } else {
+      ++lost_;
+    }
     return absl::OkStatus();
   }
 
@@ -263,6 +271,7 @@ class Irradiance final : public Work {
   ResultFile results_;
   std::optional<Journal> journal_;
   std::vector<Run> done_;  // while the journal is read
+  std::size_t lost_ = 0;   // of its records
   std::vector<Run> pieces_;
   // Of the piece at hand.
   std::vector<Double3> points_;

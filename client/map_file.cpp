@@ -14,7 +14,7 @@
 namespace lucerna::client {
 namespace {
 
-constexpr float kCacheMegabytes = 64;
+constexpr float kCacheMegabytes = 32;
 constexpr int kRowsPerRead = 32;  // OpenEXR compresses 16 or 32 scan lines together
 
 std::string lower(std::string text) {

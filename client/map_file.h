@@ -16,7 +16,8 @@ namespace lucerna::client {
 /// and P.Z (or Position.*), normals N.X, N.Y and N.Z (or Normal.*), each perhaps after the names of
 /// layers and also called R, G and B; without such a layer X, Y and Z, or R, G and B are meant.
 /// Points come with normals where the file has both by name.  Points must be 32-bit floats: 16 bits
-/// tell no point to better than two thousandths of its coordinate.  Holds at most 64 MiB of it.
+/// tell no point to better than two thousandths of its coordinate.  Holds at most some 32 MiB of
+/// it.
 absl::StatusOr<std::unique_ptr<VectorFile>> open_map(const std::string& path, VectorKind kind);
 
 /// An OpenEXR file of 32-bit floats, written from its top to its bottom.

@@ -11,6 +11,7 @@
 
 #include "client/cli/session.h"
 #include "client/csv_file.h"
+#include "client/vector_file.h"
 
 namespace lucerna::cli {
 namespace {
@@ -105,6 +106,11 @@ const std::string& PointOptions::file() const {
 PointSet PointOptions::read() const {
   PointSet result;
   if (!file().empty()) {
+    const auto format = client::vector_format(file_);
+    if (format.ok() && *format != client::VectorFormat::kCsv) {
+      wrong_use(
+          fmt::format("--points {}: a table takes CSV; other files go with irradiance -o", file_));
+    }
     std::ifstream file;
     if (file_ != "-") {
       file.open(file_);

@@ -158,8 +158,18 @@ TEST_F(CliIrradianceFiles, TheTerminalsNumbersToTheBit) {
                 .status,
             1);
   EXPECT_EQ(bytes("a.npy"), bytes("c.npy"));
+  // Of a scene that the server is sent.
+  fs::copy_file(path("scenes/sky.pbrt"), path("my.pbrt"));
+  for (const char* option : {"--server", "--servers"}) {
+    const Outcome sent =
+        lucerna({"irradiance", path("my.pbrt"), "--upload", "--samples", "16", "--points",
+                 path("points.npy"), "-o", path("b.npy"), option, server_->target()});
+    EXPECT_EQ(sent.status, 1) << sent.err;
+    EXPECT_EQ(bytes("a.npy"), bytes("b.npy"));
+    fs::remove(path("b.npy"));
+  }
   EXPECT_THAT(files(), ::testing::UnorderedElementsAre("points.csv", "points.npy", "p.npy", "n.npy",
-                                                       "a.csv", "a.npy", "b.npy", "c.npy"));
+                                                       "a.csv", "a.npy", "c.npy", "my.pbrt"));
 }
 
 TEST_F(CliIrradianceFiles, ALightMapIsTheClosedForm) {
@@ -259,6 +269,8 @@ TEST_F(CliIrradianceFiles, WhatCannotBeIsSaidBeforeAnyServerIsAsked) {
   refused({"--points", path("six.csv"), "-o", out, "--per-light"}, "--per-light: not with -o");
   refused({"--points", path("six.csv"), "-o", out, "--asset-root", "x"}, "goes with --upload");
   refused({"--points", path("six.csv")}, "--servers goes with -o");
+  expect_wrong_use(lucerna({"irradiance", "plane.pbrt", "--points", path("map.exr")}),
+                   "map.exr: a table takes CSV; other files go with irradiance -o");
   expect_wrong_use(irradiance({"--points", path("map.exr"), "-o", out, "--normals", path("map.exr"),
                                "--servers", "x"}),
                    "--servers: server \"x\"");

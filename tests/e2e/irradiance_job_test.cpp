@@ -21,6 +21,8 @@ namespace fs = std::filesystem;
 using client::Double3;
 using client::IrradianceJobOptions;
 using client::IrradianceJobResult;
+using ::testing::Contains;
+using ::testing::HasSubstr;
 
 /// Receivers in memory.
 class Receivers final : public client::ReceiverSource {
@@ -210,6 +212,7 @@ TEST_F(IrradianceJob, AJournalWithoutItsResultsIsOfNoWorth) {
   const auto result = client::run_irradiance_job(options_);
   expect_the_same_bits(result);
   EXPECT_EQ(result->from_journal, 0U);
+  EXPECT_THAT(events_, Contains(HasSubstr("does not hold 10 of the runs that ")));
 }
 
 TEST_F(IrradianceJob, ASingleSampleHasNoErrorAndWavelengthsFollow) {

@@ -1,0 +1,190 @@
+// How many receivers are cut, on servers whose answers a test decides.  tests/e2e has real ones.
+#include "lucerna/client/irradiance_job.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <fstream>
+#include <mutex>
+#include <set>
+#include <thread>
+
+#include "fake_server.h"
+#include "tests/temp_directory.h"
+
+namespace lucerna::client {
+namespace {
+
+using ::testing::Each;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+/// Receiver i is at (i, 0, 1), or where it is asked for nowhere.
+class Line final : public ReceiverSource {
+ public:
+  explicit Line(std::uint64_t size) : size_(size) {}
+  std::uint64_t size() const override { return size_; }
+  absl::Status read(std::uint64_t first, std::size_t count, std::vector<Double3>& points,
+                    std::vector<float>& normals) override {
+    points.clear();
+    for (std::uint64_t i = first; i < first + count; ++i)
+      points.push_back({static_cast<double>(i), 0, 1});
+    normals.assign(3 * count, 1);
+    return absl::OkStatus();
+  }
+
+ private:
+  std::uint64_t size_;
+};
+
+class IrradianceJobTest : public ::testing::Test {
+ protected:
+  IrradianceJobTest() {
+    for (FakeServer& server : servers_) {
+      server.max_batch_items = 65536;
+      server.load_scene = [](auto&, auto&, v1::LoadSceneResponse* response) {
+        response->set_scene_id("scene");
+        return grpc::Status::OK;
+      };
+      server.get_scene = [](auto&, auto&, v1::GetSceneResponse* response) {
+        response->mutable_summary()->set_scene_id("scene");
+        return grpc::Status::OK;
+      };
+      server.irradiance = [this](auto&, const v1::EstimateIrradianceRequest& request,
+                                 v1::EstimateIrradianceResponse* response) {
+        return answer(request, response);
+      };
+    }
+    options_.results = (directory_.path() / "results").string();
+    options_.job.servers = [this]() -> absl::StatusOr<std::vector<std::string>> {
+      return std::vector<std::string>{servers_[0].target()};
+    };
+    options_.job.load = [](const Client& client, const CallOptions& call) {
+      return client.load_scene({}, call);
+    };
+    options_.job.call = CallOptions::within(std::chrono::seconds(60));
+  }
+
+  /// The illuminance is the receiver's number.
+  grpc::Status answer(const v1::EstimateIrradianceRequest& request,
+                      v1::EstimateIrradianceResponse* response) {
+    const int count = request.receivers().offsets_m_size() / 3;
+    for (int i = 0; i < count - short_by_; ++i) {
+      const double x = request.receivers().origin_m().x() + request.receivers().offsets_m(3 * i);
+      response->add_illuminance_lx(static_cast<float>(x));
+      response->add_zero_bound_lx(0);
+      response->mutable_irradiance_lx()->Resize(3 * (i + 1), 0.5F);
+    }
+    response->set_samples(request.accuracy().samples());
+    const std::lock_guard lock(mutex_);
+    sizes_.insert(count);
+    origins_.insert(request.receivers().origin_m().z());
+    firsts_.insert(request.seed().first_item());
+    largest_ = std::max(largest_, request.ByteSizeLong());
+    return grpc::Status::OK;
+  }
+
+  absl::StatusOr<IrradianceJobResult> run(std::uint64_t count, std::uint32_t samples = 1) {
+    Line line(count);
+    options_.receivers = &line;
+    options_.request.mutable_accuracy()->set_samples(samples);
+    sizes_.clear();
+    firsts_.clear();
+    return run_irradiance_job(options_);
+  }
+  /// Of the pieces that were asked about.
+  std::set<int> sizes(std::uint64_t count, std::uint32_t samples = 1) {
+    const auto result = run(count, samples);
+    EXPECT_TRUE(result.ok()) << result.status();
+    return sizes_;
+  }
+
+  const TempDirectory directory_;
+  std::mutex mutex_;
+  std::set<int> sizes_;
+  std::set<double> origins_;
+  std::set<std::uint64_t> firsts_;
+  std::size_t largest_ = 0;
+  int short_by_ = 0;
+  FakeServer servers_[2];
+  IrradianceJobOptions options_;
+};
+
+TEST_F(IrradianceJobTest, PiecesAreNeitherTinyNorMinutesLong) {
+  EXPECT_THAT(sizes(40'000), ElementsAre(40'000 - 2 * 16384, 16384));
+  EXPECT_THAT(sizes(10'000, 256), ElementsAre(10'000 - 2 * 4096, 4096));
+  EXPECT_THAT(sizes(20, 100'000), ElementsAre(4, 8));
+  EXPECT_THAT(sizes(3, 1 << 30), ElementsAre(1));
+  EXPECT_THAT(firsts_, ElementsAre(0, 1, 2));
+  EXPECT_THAT(origins_, ElementsAre(1));
+}
+
+TEST_F(IrradianceJobTest, PiecesAreAsTheServersAllow) {
+  servers_[0].max_batch_items = 3000;
+  EXPECT_THAT(sizes(10'000), ElementsAre(10'000 - 4 * 2048, 2048));
+  servers_[0].max_batch_items = 1 << 24;
+  servers_[0].max_message_bytes = 100'000;
+  sizes(10'000);
+  EXPECT_LE(largest_, 100'000U);
+  EXPECT_GT(largest_, 40'000U);
+  // What the caller wants goes before.
+  options_.items_per_piece = 7000;
+  EXPECT_THAT(sizes(10'000), ElementsAre(3000, 7000));
+}
+
+TEST_F(IrradianceJobTest, ResultsStandWhereTheirReceiversDo) {
+  options_.header = "head";
+  options_.items_per_piece = 100;
+  const auto result = run(1050);
+  ASSERT_TRUE(result.ok()) << result.status();
+  EXPECT_EQ(result->pieces, 11U);
+  EXPECT_EQ(result->statuses[v1::ITEM_STATUS_OK], 1050U);
+  std::ifstream in(options_.results, std::ios::binary);
+  in.seekg(4);
+  for (int i = 0; i < 1050; ++i) {
+    float row[kIrradianceColumns];
+    in.read(reinterpret_cast<char*>(row), sizeof row);
+    ASSERT_TRUE(in) << i;
+    EXPECT_EQ(row[0], static_cast<float>(i));
+    EXPECT_EQ(row[3], 0.5F);
+    EXPECT_EQ(row[kStatusColumn], 1);
+  }
+  EXPECT_EQ(in.peek(), std::ifstream::traits_type::eof());
+}
+
+TEST_F(IrradianceJobTest, WhatCannotBeIsTold) {
+  EXPECT_THAT(run(0).status().message(), HasSubstr("there are no receivers"));
+  options_.items_per_piece = 1;
+  EXPECT_THAT(run((1 << 24) + 1).status().message(), HasSubstr("allowed: 16777216"));
+  options_.request.set_per_light(true);
+  EXPECT_THAT(run(1).status().message(), HasSubstr("per_light"));
+  options_.request.set_per_light(false);
+  short_by_ = 1;
+  options_.items_per_piece = 0;
+  const auto result = run(10);
+  EXPECT_EQ(result.status().code(), absl::StatusCode::kInternal);
+  EXPECT_THAT(result.status().message(), HasSubstr("another number of receivers"));
+}
+
+TEST_F(IrradianceJobTest, TheSmallestLimitOfThoseThatWereAskedCounts) {
+  // Neither answers about the scene before both have been asked for their limits.
+  servers_[1].max_batch_items = 1100;
+  std::atomic<int> loaded = 0;
+  for (FakeServer& server : servers_) {
+    server.load_scene = [&](auto&, auto&, v1::LoadSceneResponse* response) {
+      ++loaded;
+      for (int i = 0; i < 3000 && loaded < 2; ++i)
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      response->set_scene_id("scene");
+      return grpc::Status::OK;
+    };
+  }
+  options_.job.servers = [this]() -> absl::StatusOr<std::vector<std::string>> {
+    return std::vector<std::string>{servers_[0].target(), servers_[1].target()};
+  };
+  EXPECT_THAT(sizes(10'240), ElementsAre(1024));
+}
+
+}  // namespace
+}  // namespace lucerna::client
