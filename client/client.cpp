@@ -164,13 +164,15 @@ CallOptions CallOptions::within(std::chrono::duration<double> time) {
 
 class Client::Connection {
  public:
-  explicit Connection(const std::shared_ptr<grpc::Channel>& channel)
-      : scene(v1::SceneService::NewStub(channel)),
+  Connection(std::string target, const std::shared_ptr<grpc::Channel>& channel)
+      : target(std::move(target)),
+        scene(v1::SceneService::NewStub(channel)),
         lighting(v1::LightingService::NewStub(channel)),
         render(v1::RenderService::NewStub(channel)),
         admin(v1::AdminService::NewStub(channel)),
         channel(channel) {}
 
+  const std::string target;
   // The interfaces, whose methods can be pointed to without ambiguity.
   const std::unique_ptr<v1::SceneService::StubInterface> scene;
   const std::unique_ptr<v1::LightingService::StubInterface> lighting;
@@ -185,8 +187,10 @@ absl::StatusOr<Client> Client::connect(const ConnectOptions& options) {
   if (options.target.empty()) {
     return absl::InvalidArgumentError("target is empty, must be HOST:PORT");
   }
-  return Client(std::make_shared<Connection>(make_channel(options)));
+  return Client(std::make_shared<Connection>(options.target, make_channel(options)));
 }
+
+const std::string& Client::target() const { return connection_->target; }
 
 absl::StatusOr<v1::FindMissingAssetsResponse> Client::find_missing_assets(
     const v1::FindMissingAssetsRequest& request, const CallOptions& options) const {

@@ -66,6 +66,8 @@ class Client {
   /// Nothing is sent yet: a server that cannot be reached is told by the first call, as
   /// UNAVAILABLE. INVALID_ARGUMENT for an empty target.
   static absl::StatusOr<Client> connect(const ConnectOptions& options);
+  /// As ConnectOptions named it.
+  const std::string& target() const;
 
   template <class Response>
   using Result = absl::StatusOr<Response>;

@@ -1,6 +1,7 @@
 // render.
 #include <fmt/format.h>
 
+#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <set>
@@ -8,6 +9,7 @@
 #include <utility>
 
 #include "client/cli/area_sampling.h"
+#include "client/cli/frames.h"
 #include "client/cli/output.h"
 #include "client/cli/preview.h"
 #include "client/cli/progress.h"
@@ -36,6 +38,8 @@ struct RenderOptions {
   double exposure_ev = 0;
   ServersOption servers;
   PreviewOption preview;
+  FramesOption frames;
+  const Frame* frame = nullptr;  ///< null: the picture stands alone
 };
 
 /// Found out before anything is rendered.
@@ -108,6 +112,7 @@ void render(Session& session, const RenderOptions& options) {
   if (options.samples) request.mutable_accuracy()->set_samples(*options.samples);
   options.area_sampling.put(request);
   options.time.put(request);
+  if (options.frame != nullptr) options.frame->put(request);
   request.set_final_only(!preview);
   client::Picture picture;
   v1::RenderImageResponse last;
@@ -143,6 +148,27 @@ void render(Session& session, const RenderOptions& options) {
     fmt::print("{}: {} x {} pixels; {}\n", fmt::join(options.outputs, ", "), picture.width,
                picture.height, describe(last.cost()));
   }
+  std::fflush(stdout);  // whoever waits for frames sees each
+}
+
+/// Each as `render` renders it alone.
+void render_frames(Session& session, const RenderOptions& options) {
+  options.servers.check();
+  const FrameNames names{options.scene, options.outputs, options.error_output,
+                         options.servers.journal};
+  RenderOptions one = options;  // outlives the run, whose loads refer to it
+  FrameRun run(session, options.frames.plan(names, options.time.given()),
+               options.frames.skip_existing, static_cast<bool>(options.servers));
+  while (const Frame* frame = run.next()) {
+    one.frame = frame;
+    if (one.scene != frame->scene) one.scene = frame->scene;
+    one.outputs = frame->outputs;
+    one.error_output = frame->error_output;
+    one.servers.journal = frame->journal;
+    one.servers.held = &run.held();
+    render(session, one);
+    run.done();
+  }
 }
 
 }  // namespace
@@ -153,7 +179,8 @@ void add_render_command(CLI::App& app, Session& session) {
       "Example:\n  lucerna render room.pbrt -o room.png --samples 256 --exposure -2\n"
       "  lucerna render --servers a:50051,b:50051 --upload room.pbrt -o room.exr\n"
       "  lucerna render room.pbrt -o room.png --preview=5 --tev localhost\n"
-      "With --json: the last RenderImageResponse, without its tile.");
+      "  lucerna render flight.pbrt --frames 1-240 --fps 24 -o flight.%04d.exr\n"
+      "With --json: the last RenderImageResponse, without its tile; one line a frame.");
   const auto options = std::make_shared<RenderOptions>();
   command->add_option("SCENE", options->scene, "Path or id")->required();
   command
@@ -187,7 +214,11 @@ void add_render_command(CLI::App& app, Session& session) {
       ->capture_default_str();
   options->preview.add(*command);
   options->servers.add(*command);
-  command->callback([options, &session] { render(session, *options); });
+  options->frames.add(*command);
+  command->callback([options, &session] {
+    options->frames.check();
+    options->frames ? render_frames(session, *options) : render(session, *options);
+  });
 }
 
 }  // namespace lucerna::cli

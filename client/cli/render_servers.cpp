@@ -113,6 +113,7 @@ client::RenderJobResult ServersOption::render(Session& session, const std::strin
     };
   }
   options.job = job(session, scene, bar);
+  if (held != nullptr) options.job.load = held->through(std::move(options.job.load));
   auto result = client::run_render_job(options);
   // The message names the server, where it is about one.
   if (!result.ok()) session.fail_here(result.status(), kServerSaidNo);

@@ -15,6 +15,7 @@ struct TimeOption {
         ->check(checked_number("a finite number", [](double) { return true; }));
   }
 
+  bool given() const { return time_s_.has_value(); }
   /// Leaves a request that names no time as it is.
   template <typename Request>
   void put(Request& request) const {
