@@ -239,7 +239,7 @@ const Frame* FrameRun::next() {
       continue;
     }
     if (!many_) {
-      auto scene = held_.renew(session_.client(), session_.call_options());
+      auto scene = session_.ask(held_.renew(session_.client(), session_.call_options()));
       if (!scene) held_.hold(session_.client(), scene.emplace(load(current_)));
       current_.scene = scene->scene_id();
     }

@@ -43,21 +43,23 @@ v1::LoadSceneResponse HeldScene::answer(const Holding& holding) {
   return loaded;
 }
 
-std::optional<v1::LoadSceneResponse> HeldScene::renew(const client::Client& client,
-                                                      const client::CallOptions& call) {
+absl::StatusOr<std::optional<v1::LoadSceneResponse>> HeldScene::renew(
+    const client::Client& client, const client::CallOptions& call) {
   v1::RenewLeaseRequest request;
   {
     const std::lock_guard lock(mutex_);
     const Holding& holding = holdings_[client.target()];
-    if (holding.loading || holding.lease_id.empty()) return std::nullopt;
+    if (holding.loading || holding.lease_id.empty()) return std::optional<v1::LoadSceneResponse>();
     request.set_scene_id(holding.scene_id);
     request.set_lease_id(holding.lease_id);
   }
   request.set_lease_s(static_cast<double>(client::kJobLease.count()));
+  const auto renewed = client.renew_lease(request, soon(call));
   // The lease ran out during a long frame, or the server began anew: it is loaded again.
-  if (!client.renew_lease(request, soon(call)).ok()) return std::nullopt;
+  if (absl::IsNotFound(renewed.status())) return std::optional<v1::LoadSceneResponse>();
+  if (!renewed.ok()) return renewed.status();
   const std::lock_guard lock(mutex_);
-  return answer(holdings_[client.target()]);
+  return std::optional(answer(holdings_[client.target()]));
 }
 
 void HeldScene::hold(const client::Client& client, const v1::LoadSceneResponse& loaded) {
@@ -73,23 +75,35 @@ void HeldScene::hold(const client::Client& client, const v1::LoadSceneResponse& 
 absl::StatusOr<v1::LoadSceneResponse> HeldScene::load_on(const Load& load,
                                                          const client::Client& client,
                                                          const client::CallOptions& call) {
-  if (auto renewed = renew(client, call)) return *std::move(renewed);
   std::unique_lock lock(mutex_);
   Holding& holding = holdings_[client.target()];  // stays where it is
+  const auto loaded = [&] {
+    return changed_.wait(lock, call.stop, [&] { return !holding.loading; });
+  };
+  // What an earlier job began may be there by now; no second lease, which nobody would end.
+  for (std::string lost; loaded() && holding.lease_id != lost;) {
+    lost = holding.lease_id;
+    lock.unlock();
+    auto renewed = renew(client, call);
+    if (!renewed.ok()) return renewed.status();
+    if (*renewed) return **std::move(renewed);
+    lock.lock();
+  }
+  if (call.stop.stop_requested()) return absl::CancelledError("the job ended");
   if (!holding.loading) {
     holding.loading = true;
+    holding.failure = absl::OkStatus();
     holding.thread = std::jthread(
         [this, &holding, load, client, deadline = call.deadline](const std::stop_token& stop) {
-          const auto loaded = load(client, {.deadline = deadline, .stop = stop});
-          if (loaded.ok()) hold(client, *loaded);
+          const auto answer = load(client, {.deadline = deadline, .stop = stop});
+          if (answer.ok()) hold(client, *answer);
           const std::lock_guard done(mutex_);
-          if (!loaded.ok()) holding.failure = loaded.status();
+          if (!answer.ok()) holding.failure = answer.status();
           holding.loading = false;
           changed_.notify_all();
         });
   }
-  if (!changed_.wait(lock, call.stop, [&] { return !holding.loading; }))
-    return absl::CancelledError("the job ended");
+  if (!loaded()) return absl::CancelledError("the job ended");
   if (!holding.failure.ok()) return holding.failure;
   return answer(holding);
 }

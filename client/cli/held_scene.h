@@ -33,8 +33,8 @@ class HeldScene {
   Load through(Load load);
 
   /// For a single thread: the lease renewed, nothing where the server does not hold the scene.
-  std::optional<v1::LoadSceneResponse> renew(const client::Client& client,
-                                             const client::CallOptions& call);
+  absl::StatusOr<std::optional<v1::LoadSceneResponse>> renew(const client::Client& client,
+                                                             const client::CallOptions& call);
   /// And what was loaded otherwise.
   void hold(const client::Client& client, const v1::LoadSceneResponse& loaded);
 

@@ -154,6 +154,8 @@ void render(Session& session, const RenderOptions& options) {
 /// Each as `render` renders it alone.
 void render_frames(Session& session, const RenderOptions& options) {
   options.servers.check();
+  if (options.preview.redraw_s > 0 && options.frames.skip_existing)
+    wrong_use("--preview and --skip-existing: what is redrawn is there before it is done");
   const FrameNames names{options.scene, options.outputs, options.error_output,
                          options.servers.journal};
   RenderOptions one = options;  // outlives the run, whose loads refer to it

@@ -267,6 +267,8 @@ TEST_F(Frames, WhatCannotBeIsFoundOutBeforehand) {
         "--journal: ");
   wrong({"m.pbrt", "--frames", "1-4", "-o", out, "--journal", path("j%d")},
         "--journal goes with --servers");
+  wrong({"m.pbrt", "--frames", "1-4", "-o", path("a.%d.png"), "--preview=1", "--skip-existing"},
+        "what is redrawn is there before it is done");
   wrong({"m.pbrt", "-o", out, "--fps", "24"}, "--fps goes with --frames");
   wrong({"m.pbrt", "-o", out, "--shutter", "1"}, "--shutter goes with --frames");
   wrong({"m.pbrt", "-o", out, "--skip-existing"}, "--skip-existing goes with --frames");
