@@ -5,6 +5,7 @@ logs in a temporary directory, and touches no Slurm and no munge that the machin
 Wants Debian's slurm-wlm and munge; no systemd and no cgroups.  As root, munged runs as its own user, and
 the jobs are root's; as anybody else all of it runs as that user.
 """
+import atexit
 import ctypes
 import os
 import pathlib
@@ -25,7 +26,7 @@ CommunicationParameters=NoInAddrAny,NoCtldInAddrAny
 SlurmUser={user}
 SlurmdUser={user}
 AuthType=auth/munge
-# The latter: how long a requeued job waits, which is two minutes by default.
+# The latter: how long a requeued job waits [s], which is two minutes by default.
 AuthInfo=socket={directory}/munge/socket,cred_expire=10
 CredType=cred/munge
 ProctrackType=proctrack/linuxproc
@@ -33,6 +34,8 @@ TaskPlugin=task/none
 JobAcctGatherType=jobacct_gather/none
 MpiDefault=none
 SelectType=select/cons_tres
+# How often jobs that wait for a time, as requeued ones do, are looked at [s].
+SchedulerParameters=sched_interval=2
 StateSaveLocation={directory}/state
 SlurmctldPidFile={directory}/slurmctld.pid
 SlurmctldLogFile={directory}/log/slurmctld
@@ -47,6 +50,9 @@ ReturnToService=2
 PartitionName=all Nodes=ALL Default=YES MaxTime=10 State=UP
 """
 NODE = "NodeName={name} NodeHostname=localhost NodeAddr=127.0.0.1 Port={port} CPUs=2 RealMemory=1000"
+
+# Before a command: it does not outlive this process, even where that is killed.
+ENDS_WITH_US = ["setpriv", "--pdeathsig=TERM"]
 
 
 def wait_until(condition, seconds, what):
@@ -88,6 +94,7 @@ class SlurmCluster:
         if ctypes.CDLL(None, use_errno=True).prctl(pr_set_child_subreaper, 1, 0, 0, 0) != 0:
             raise OSError(ctypes.get_errno(), "prctl")
         self.directory = pathlib.Path(tempfile.mkdtemp(prefix="lucerna-slurm."))
+        atexit.register(self.__exit__)  # also where a test run is broken off
         try:
             self._start()
         except BaseException:
@@ -97,7 +104,7 @@ class SlurmCluster:
         return self
 
     def __exit__(self, *_):
-        """Ends every process that this one started, and what they left."""
+        """Ends every process that this one started, and what they left.  Harmless to do twice."""
         for how, seconds in ((signal.SIGTERM, 10), (signal.SIGKILL, 10)):
             end = time.monotonic() + seconds
             told = set()
@@ -184,12 +191,12 @@ class SlurmCluster:
         key.write_bytes(os.urandom(128))
         as_munge = []
         if os.getuid() == 0:
-            as_munge = ["setpriv", "--reuid=munge", "--regid=munge", "--clear-groups"]
+            as_munge = ["--reuid=munge", "--regid=munge", "--clear-groups"]
             for path in (munge, key):
                 shutil.chown(path, "munge", "munge")
-        self._daemon("munged", *as_munge, "munged", "--foreground", f"--socket={munge}/socket",
-                     f"--key-file={key}", f"--pid-file={munge}/pid", f"--seed-file={munge}/seed",
-                     f"--log-file={munge}/log")
+        self._daemon("munged", "munged", "--foreground", f"--socket={munge}/socket", f"--key-file={key}",
+                     f"--pid-file={munge}/pid", f"--seed-file={munge}/seed", f"--log-file={munge}/log",
+                     privileges=as_munge)
         self._wait(lambda: (munge / "socket").exists(), 10, "munged's socket")
         self._daemon("slurmctld", "slurmctld", "-D")
         for node in self.nodes:
@@ -197,12 +204,11 @@ class SlurmCluster:
         self._wait(lambda: self.run("sinfo", "-h", "-N", "-o", "%N %t", check=False).splitlines() ==
                    [f"{node} idle" for node in self.nodes], 30, "every node idle")
 
-    def _daemon(self, name, *command):
+    def _daemon(self, name, *command, privileges=()):
         with open(self.directory / "log" / f"{name}.out", "w") as out:
-            # --pdeathsig: nothing stays where this process is killed.
             self.daemons[name] = subprocess.Popen(
-                ["setpriv", "--pdeathsig", "TERM", *command], env=self.environment,
-                stdin=subprocess.DEVNULL, stdout=out, stderr=subprocess.STDOUT)
+                [*ENDS_WITH_US, *privileges, *command], env=self.environment, stdin=subprocess.DEVNULL,
+                stdout=out, stderr=subprocess.STDOUT)
 
     def _wait(self, condition, seconds, what):
         def all_run():

@@ -6,17 +6,19 @@ Usage: slurm_test.py BUILD_DIR [unittest's own arguments]
 import os
 import pathlib
 import re
+import signal
 import subprocess
 import sys
 import tempfile
 import time
 import unittest
 
-from slurm_cluster import SlurmCluster, wait_until
+from slurm_cluster import ENDS_WITH_US, SlurmCluster, wait_until
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SCRIPT = ROOT / "deploy/slurm/lucerna-render.sbatch"
 SCENE = ROOT / "tests/data/reference/textured.pbrt"  # names a picture, which has to be uploaded too
+MOVING = ROOT / "scenes/moving.pbrt"
 # Long enough to be interrupted, in pieces that are small enough to be interrupted anywhere.
 OPTIONS = ["--samples", "512", "--tile-size", "16"]
 
@@ -25,8 +27,8 @@ def picture_of_one_server(directory):
     """The bytes of the picture that a server by itself renders of SCENE on its own disk."""
     with open(directory / "alone", "w+") as out:
         server = subprocess.Popen(
-            ["lucernad", "--listen", "127.0.0.1:0", "--scene-root", SCENE.parent], stdout=out,
-            stderr=subprocess.DEVNULL)
+            [*ENDS_WITH_US, "lucernad", "--listen", "127.0.0.1:0", "--scene-root", SCENE.parent],
+            stdout=out, stderr=subprocess.DEVNULL)
         try:
             def target():
                 return (directory / "alone").read_text().strip().removeprefix("listening on ")
@@ -54,10 +56,10 @@ class SlurmTest(unittest.TestCase):
         wait_until(lambda: not self.cluster.run("squeue", "-h"), 40, "no job left")
         self.assertEqual(self.cluster.processes("lucernad"), [], "servers that outlived their job")
 
-    def submit(self, *arguments, nodes=3, environment=()):
+    def submit(self, *arguments, nodes=3, environment=(), options=("--exclusive",)):
         """The number of the job that runs the batch script so."""
         return self.cluster.run(
-            "sbatch", "--parsable", f"--nodes={nodes}", "--exclusive", "--output=%j.log",
+            "sbatch", "--parsable", f"--nodes={nodes}", *options, "--output=%j.log",
             f"--export={','.join(['ALL', *environment])}", SCRIPT, *arguments, cwd=self.directory)
 
     def submit_picture(self, output="room.pfm", *more, **options):
@@ -87,12 +89,15 @@ class SlurmTest(unittest.TestCase):
 
     def assert_ends(self, job, state):
         ended = self.cluster.wait_for(job, 90)
-        self.assertEqual(ended, state, self.log(job))
+        self.assertEqual(ended, state, self.log(self.cluster.job(job)["JobId"]))
 
     def assert_same_bits(self, what, job, servers, output="room.pfm"):
-        same = (self.directory / output).read_bytes() == self.expected
-        print(f"\n  {what}: job {job}, {servers} servers, {time.monotonic() - self.began:.1f} s from "
-              f"submission to end, {'the same bits' if same else 'OTHER BITS'}", flush=True)
+        self.assert_equal_pictures(what, job, servers, [self.expected], [(self.directory / output).read_bytes()])
+
+    def assert_equal_pictures(self, what, job, servers, expected, pictures):
+        same = pictures == expected
+        print(f"\n  {what}: job {job}, {servers} server{'s'[:servers != 1]}, {time.monotonic() - self.began:.1f} s "
+              f"from submission to end, {'the same bits' if same else 'OTHER BITS'}", flush=True)
         self.assertTrue(same)
 
     def test_three_servers_render_the_picture_of_one(self):
@@ -133,31 +138,51 @@ class SlurmTest(unittest.TestCase):
         self.assert_went_on(job)
         self.assert_same_bits("interrupted and requeued", job, 3)
 
-    def test_all_servers_gone_ends_the_job_and_the_journal_stays(self):
+    def test_all_servers_gone_ends_the_job(self):
         job = self.submit_picture(nodes=2)
         self.wait_until_it_renders(job)
         self.cluster.run("scancel", "--signal=KILL", f"{job}.0", f"{job}.1")
         self.assert_ends(job, "FAILED")
         self.assertIn("all servers have ended", self.log(job))
-        self.assertIn(f"--journal {self.journal(job)}", self.log(job))
-        again = self.submit_picture("room.pfm", "--journal", self.journal(job), nodes=1)
+        self.assertIn(f"goes on from it: {self.journal(job)}\n", self.log(job))
+
+    def test_another_job_goes_on_from_the_journal_of_one_whose_time_was_up(self):
+        job = self.submit_picture(nodes=2)
+        self.wait_until_it_renders(job)
+        self.cluster.run("scancel", "--batch", "--signal=TERM", job)  # as --signal=B:TERM@30 does it
+        self.assert_ends(job, "FAILED")
+        self.assertIn("interrupted", self.log(job))
+        self.assertIn(f"goes on from it: {self.journal(job)}\n", self.log(job))
+        # The same scene, whether it is uploaded or a file that the server sees.
+        again = self.submit(SCENE.name, "-o", "room.pfm", *OPTIONS, "--journal", self.journal(job), nodes=1,
+                            environment=[f"LUCERNA_SCENE_ROOT={SCENE.parent}"])
         self.assert_ends(again, "COMPLETED")
         self.assert_went_on(again)
         self.assert_same_bits("gone on by another job", again, 1)
 
     def test_servers_that_never_come_are_named_and_done_without(self):
         program = self.directory / "lucernad"
-        program.write_text('#!/bin/sh\ncase $SLURMD_NODENAME in\n  n1) echo no disk >&2; exit 1;;\n'
-                           '  n2) exec sleep 100;;\nesac\nPATH=${PATH#*:} exec lucernad "$@"\n')
+        program.write_text("""#!/bin/sh
+case $SLURMD_NODENAME in
+  n1) echo no disk >&2; exit 1;;
+  n2) exec sleep 100;;
+esac
+echo "given $*" >&2
+PATH=${PATH#*:} exec lucernad "$@"
+""")
         program.chmod(0o755)
         environment = (f"PATH={self.directory}:{self.cluster.environment['PATH']}",
-                       "LUCERNA_START_SECONDS=3")
+                       "LUCERNA_START_SECONDS=3", f"LUCERNA_ASSET_DIR={self.directory}/assets",
+                       "LUCERNAD_OPTIONS=--memory-budget 1GiB")
         job = self.submit_picture(environment=environment)
         self.assert_ends(job, "COMPLETED")
         self.assertIn("n1: no disk", self.log(job))
         self.assertIn("no server on n1: it has ended", self.log(job))
         self.assertIn("no server on n2: it does not answer within 3 s", self.log(job))
         self.assertIn("1 of 3 servers", self.log(job))
+        self.assertRegex(self.log(job), r"n3: given --listen 127\.0\.0\.1:0 --threads 2 --scene-root \S+ "
+                         rf"--asset-dir {self.directory}/assets --memory-budget 1GiB\n")
+        self.assertTrue(any((self.directory / "assets").iterdir()), "uploaded files that stay")
         self.assert_same_bits("two servers missing", job, 1)
         job = self.submit_picture(nodes=2, environment=environment)
         self.assert_ends(job, "FAILED")
@@ -171,6 +196,21 @@ class SlurmTest(unittest.TestCase):
         self.assertRegex(self.log(job), r"broken\.pbrt:3:1: .*torus")
         self.assertFalse((self.directory / "room.pfm").exists())
 
+    def test_an_array_renders_a_frame_a_task(self):
+        job = self.submit(MOVING, "--fps", "4", "-o", "frame.%04d.pfm", "--samples", "16", nodes=1,
+                          options=("--array=1-4", "--cpus-per-task=1"))
+        for frame in range(1, 5):
+            self.assert_ends(f"{job}_{frame}", "COMPLETED")
+        # All by one job, too.
+        whole = self.submit(MOVING, "--frames", "1-4", "--fps", "4", "-o", "whole.%04d.pfm", "--samples", "16",
+                            nodes=1)
+        self.assert_ends(whole, "COMPLETED")
+        frames, expected = ([(self.directory / f"{name}.{n:04}.pfm").read_bytes() for n in range(1, 5)]
+                            for name in ("frame", "whole"))
+        self.assert_equal_pictures("four frames, then once more by one job", job, 4, expected, frames)
+        self.assertEqual(len(set(frames)), 4, "frames that differ")
+        self.assertEqual(list(self.directory.glob("*.journal")), [])
+
     def test_within_salloc_it_runs_where_the_user_is(self):
         log = self.cluster.run("salloc", "--quiet", "--nodes=2", "--exclusive", "bash", SCRIPT, SCENE,
                                "-o", "room.pfm", *OPTIONS, cwd=self.directory)
@@ -181,4 +221,5 @@ class SlurmTest(unittest.TestCase):
 if __name__ == "__main__":
     build = pathlib.Path(sys.argv.pop(1)).resolve()
     os.environ["PATH"] = f"{build}/client:{build}/server:{os.environ['PATH']}"
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit("ended by SIGTERM"))  # leaves no cluster behind
     unittest.main(verbosity=2)
