@@ -79,7 +79,7 @@ class SlurmTest(unittest.TestCase):
         return self.directory / f"lucerna-{job}.journal"
 
     def wait_until_it_renders(self, job):
-        """Until a twentieth of the picture, or a bit more, is in the journal."""
+        """Until some of the picture, and by far not all, is in the journal, which has more bytes a pixel."""
         enough = len(self.expected) // 20
 
         def enough_is_done():
