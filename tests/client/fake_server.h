@@ -34,6 +34,8 @@ class FakeServer : v1::LightingService::Service,
   Handler<v1::GetSceneRequest, v1::GetSceneResponse> get_scene;
   Handler<v1::RenderTileRequest, v1::RenderTileResponse> render_tile;
   Handler<v1::LoadSceneRequest, v1::LoadSceneResponse> load_scene;
+  Handler<v1::RenewLeaseRequest, v1::RenewLeaseResponse> renew_lease;
+  Handler<v1::ReleaseSceneRequest, v1::ReleaseSceneResponse> release_scene;
   Handler<v1::FindMissingAssetsRequest, v1::FindMissingAssetsResponse> find_missing_assets;
   std::function<grpc::Status(grpc::ServerReader<v1::UploadAssetRequest>&, v1::UploadAssetResponse*)>
       upload_asset;
@@ -80,6 +82,14 @@ class FakeServer : v1::LightingService::Service,
   grpc::Status LoadScene(grpc::ServerContext* context, const v1::LoadSceneRequest* request,
                          v1::LoadSceneResponse* response) override {
     return load_scene(*context, *request, response);
+  }
+  grpc::Status RenewLease(grpc::ServerContext* context, const v1::RenewLeaseRequest* request,
+                          v1::RenewLeaseResponse* response) override {
+    return renew_lease(*context, *request, response);
+  }
+  grpc::Status ReleaseScene(grpc::ServerContext* context, const v1::ReleaseSceneRequest* request,
+                            v1::ReleaseSceneResponse* response) override {
+    return release_scene(*context, *request, response);
   }
   grpc::Status FindMissingAssets(grpc::ServerContext* context,
                                  const v1::FindMissingAssetsRequest* request,
