@@ -75,7 +75,7 @@ class Limits {
     const std::uint64_t by_bytes = bytes_ > once ? (bytes_ - once) / each : 1;
     const std::uint64_t by_samples = kSamplesPerPiece / std::max(1U, samples_of(request));
     const std::uint64_t most =
-        std::min({std::uint64_t{kMostItemsPerPiece}, items_, by_bytes, by_samples});
+        std::min({std::uint64_t{kGoodBatchItems}, items_, by_bytes, by_samples});
     return static_cast<std::uint32_t>(std::bit_floor(std::max<std::uint64_t>(1, most)));
   }
 

@@ -2,7 +2,7 @@
 //
 // The receivers are read run by run, and results are written where they belong as they arrive, in
 // whatever order.  So what this process holds does not grow with their number, but for some 100
-// bytes a piece (of 16384 receivers where samples are few): else it is the requests and answers
+// bytes a piece (of 8192 receivers where samples are few): else it is the requests and answers
 // that are under way, 24 and at most 29 bytes a receiver on the wire, JobOptions::window pieces a
 // server.
 #pragma once
@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "lucerna/client/batches.h"
 #include "lucerna/client/job.h"
 #include "lucerna/client/points.h"
 
@@ -29,9 +30,6 @@ class ReceiverSource {
                             std::vector<float>& normals) = 0;
 };
 
-/// Longer messages gain nothing, and this much is done again where a server dies.
-inline constexpr std::uint32_t kMostItemsPerPiece = 16384;
-
 struct IrradianceJobOptions {
   /// What to ask of each receiver: receivers, normals and `scene_id` are of no matter, `per_light`
   /// must be unset.  The bits are those that EstimateIrradiance answers to all receivers in one
@@ -44,7 +42,7 @@ struct IrradianceJobOptions {
   /// Which receivers are done is kept here, and a job that was interrupted goes on from it and the
   /// file of results.  Empty: nowhere.
   std::string journal = {};
-  /// 0: by the number of samples, at most kMostItemsPerPiece and as the servers allow.
+  /// 0: by the number of samples, at most kGoodBatchItems and as the servers allow.
   std::uint32_t items_per_piece = 0;
   JobOptions job;
 };

@@ -112,7 +112,7 @@ class IrradianceJobTest : public ::testing::Test {
 };
 
 TEST_F(IrradianceJobTest, PiecesAreNeitherTinyNorMinutesLong) {
-  EXPECT_THAT(sizes(40'000), ElementsAre(40'000 - 2 * 16384, 16384));
+  EXPECT_THAT(sizes(40'000), ElementsAre(40'000 - 4 * 8192, 8192));
   EXPECT_THAT(sizes(10'000, 256), ElementsAre(10'000 - 2 * 4096, 4096));
   EXPECT_THAT(sizes(20, 100'000), ElementsAre(4, 8));
   EXPECT_THAT(sizes(3, 1 << 30), ElementsAre(1));
