@@ -75,8 +75,15 @@ def free_ports(count):
 
 def children():
     """The process ids of this process's children."""
-    return [int(pid) for task in pathlib.Path("/proc/self/task").iterdir()
-            for pid in (task / "children").read_text().split()]
+    found = []
+    for stat in pathlib.Path("/proc").glob("[0-9]*/stat"):
+        try:
+            parent = int(stat.read_text().rpartition(")")[2].split()[1])  # after the name, which may be anything
+        except OSError:  # ended meanwhile
+            continue
+        if parent == os.getpid():
+            found.append(int(stat.parent.name))
+    return found
 
 
 class SlurmCluster:
