@@ -248,6 +248,8 @@ class TevSender::Impl {
     const Clock::time_point most = Clock::now() + 10 * patience;
     std::unique_lock lock(mutex_);
     std::uint64_t sent = sent_bytes_;
+    // Who was waited for in vain and has taken nothing since is not waited for again.
+    if ((sending_ || has_work()) && stuck_at_ == sent) return false;
     while (sending_ || has_work()) {
       const Clock::time_point until = std::min(most, Clock::now() + patience);
       const bool more = changed_.wait_until(lock, until, [&] {
@@ -256,6 +258,7 @@ class TevSender::Impl {
       if (told_ && !connected_) return false;
       if (!more || Clock::now() >= most) {
         tell("does not take all of the picture");
+        stuck_at_ = sent_bytes_;
         return false;
       }
       sent = sent_bytes_;
@@ -365,6 +368,7 @@ class TevSender::Impl {
   bool connected_ = false;
   bool told_ = false;
   std::uint64_t sent_bytes_ = 0;
+  std::optional<std::uint64_t> stuck_at_;  // of them, when a flush gave up
 
   std::jthread thread_;  // the last: it uses all of the above
 };

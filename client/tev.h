@@ -50,7 +50,8 @@ class TevSender {
   absl::Status update(const v1::PixelRect& rect, std::span<const float> rgb);
 
   /// Waits until the viewer has been sent everything; false where it takes no byte for `patience`,
-  /// takes more than ten times that in all, or was found not to be there.
+  /// takes more than ten times that in all, or was found not to be there; at once where it has
+  /// taken nothing since such a wait.
   bool flush(std::chrono::milliseconds patience);
 
  private:
