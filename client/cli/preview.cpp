@@ -91,14 +91,16 @@ void PreviewOption::add(CLI::App& command) {
                               "another is said",
                               client::kTevPort))
       ->type_name("HOST[:PORT]");
-  // A flag with a value, =SECONDS, which never takes the word after it for one.
+  // A flag with a value, =SECONDS, which never takes the word after it for one.  CLI11 takes only
+  // whole numbers as the values of flags, and any text.
   command
-      .add_flag("--preview{2}", redraw_s,
+      .add_flag("--preview{2}", redraw_text,
                 "Redraw the PNGs among the outputs as tiles come, every 2 s, or =SECONDS; what is "
                 "still to come is black")
       ->check(checked_number(
           fmt::format("a number of seconds from {} to {}", kShortestRedraw_s, kLongestRedraw_s),
-          [](double v) { return v >= kShortestRedraw_s && v <= kLongestRedraw_s; }));
+          [](double v) { return v >= kShortestRedraw_s && v <= kLongestRedraw_s; }))
+      ->each([this](const std::string& seconds) { redraw_s = std::stod(seconds); });
 }
 
 Preview::Preview(const PreviewOption& option, const std::vector<std::string>& outputs)

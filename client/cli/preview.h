@@ -18,6 +18,7 @@ namespace lucerna::cli {
 struct PreviewOption {
   std::string tev{};    ///< empty: not asked for
   double redraw_s = 0;  ///< 0: not asked for
+  std::string redraw_text{};
 
   void add(CLI::App& command);
 };

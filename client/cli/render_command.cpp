@@ -8,6 +8,7 @@
 #include <tuple>
 #include <utility>
 
+#include "absl/cleanup/cleanup.h"
 #include "client/cli/area_sampling.h"
 #include "client/cli/frames.h"
 #include "client/cli/output.h"
@@ -83,7 +84,7 @@ void write(PictureFile file, const client::Picture& picture, const std::vector<f
   if (!status.ok()) throw CommandError(kServerSaidNo, std::string(status.message()));
 }
 
-void render(Session& session, const RenderOptions& options) {
+void render(Session& session, const RenderOptions& options, Preview& preview) {
   options.servers.check();
   if (!options.servers) session.need_one_server("pictures by several are for --servers");
   if (!options.error_output.empty()) {
@@ -102,8 +103,8 @@ void render(Session& session, const RenderOptions& options) {
   for (const std::string& path : options.outputs) files.push_back(add(path));
   std::optional<PictureFile> error_file;
   if (!options.error_output.empty()) error_file = add(options.error_output);
-  Preview preview(options.preview, options.outputs);  // after the files, which it draws
   preview.begin(files, options.exposure_ev);
+  const absl::Cleanup no_more = [&preview] { preview.files_done(); };  // before they go
 
   v1::RenderImageRequest request;
   request.set_seed(options.seed);
@@ -156,6 +157,7 @@ void render_frames(Session& session, const RenderOptions& options) {
   options.servers.check();
   if (options.preview.redraw_s > 0 && options.frames.skip_existing)
     wrong_use("--preview and --skip-existing: what is redrawn is there before it is done");
+  Preview preview(options.preview, options.outputs);
   const FrameNames names{options.scene, options.outputs, options.error_output,
                          options.servers.journal};
   RenderOptions one = options;  // outlives the run, whose loads refer to it
@@ -168,7 +170,7 @@ void render_frames(Session& session, const RenderOptions& options) {
     one.error_output = frame->error_output;
     one.servers.journal = frame->journal;
     one.servers.held = &run.held();
-    render(session, one);
+    render(session, one, preview);
     run.done();
   }
 }
@@ -219,7 +221,9 @@ void add_render_command(CLI::App& app, Session& session) {
   options->frames.add(*command);
   command->callback([options, &session] {
     options->frames.check();
-    options->frames ? render_frames(session, *options) : render(session, *options);
+    if (options->frames) return render_frames(session, *options);
+    Preview preview(options->preview, options->outputs);
+    render(session, *options, preview);
   });
 }
 

@@ -95,6 +95,32 @@ TEST_F(CliPreview, ThePictureIsRenderedWhateverTheViewerDoes) {
   EXPECT_TRUE(pixels(picture_) == expected);
 }
 
+TEST_F(CliPreview, AnAnimationHasAPictureForEachFrameOverOneConnection) {
+  const auto animate = [&](int port) {
+    return lucerna({"render", "moving_point.pbrt", "--frames", "1-3", "--samples", "1", "-o",
+                    path("f.%d.exr"), "--tev", "127.0.0.1:" + std::to_string(port)});
+  };
+  int port = 0;
+  {
+    const TevReceiver viewer;
+    port = viewer.port();
+    const Outcome outcome = animate(port);
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    for (const char* name : {"f.1.exr", "f.2.exr", "f.3.exr"}) {
+      const std::vector<float> expected = pixels(path(name));
+      EXPECT_FALSE(expected.empty());
+      EXPECT_TRUE(
+          TevReceiver::wait_for([&] { return viewer.images()[path(name)].rgb == expected; }));
+      fs::remove(path(name));
+    }
+    EXPECT_EQ(viewer.connections(), 1U);
+  }
+  const Outcome alone = animate(port);
+  EXPECT_EQ(alone.status, 0);
+  EXPECT_EQ(count(alone.err, "Connection refused"), 1U) << alone.err;
+  for (const char* name : {"f.1.exr", "f.2.exr", "f.3.exr"}) EXPECT_TRUE(fs::remove(path(name)));
+}
+
 TEST_F(CliPreview, AWrongAddressIsFoundOutBefore) {
   const std::vector<std::string> before = files();
   const auto refused = [&](std::vector<std::string> arguments, const std::string& what) {
@@ -106,6 +132,16 @@ TEST_F(CliPreview, AWrongAddressIsFoundOutBefore) {
   refused({"--preview"}, "an -o must end in .png");
   refused({"--preview=0"}, "0 is not a number of seconds from 0.1");
   refused({"--preview=x", "-o", path("x.png")}, "x is not a number of seconds");
+  EXPECT_EQ(files(), before);
+}
+
+TEST_F(CliPreview, OfARenderThatEndsEarlyThePngStaysAsItWas) {
+  const std::vector<std::string> before = files();
+  const Outcome outcome = lucerna({"render", "point.pbrt", "-o", path("early.png"), "--preview=0.1",
+                                   "--samples", "8192", "--tile-size", "8", "--timeout", "4"});
+  expect_no(outcome, "no answer within --timeout 4 s");
+  EXPECT_EQ(pixels(path("early.png")).size(), 160U * 120 * 3);  // of tiles that came by then
+  fs::remove(path("early.png"));
   EXPECT_EQ(files(), before);
 }
 
