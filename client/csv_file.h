@@ -53,7 +53,7 @@ class CsvReader {
 
   std::istream& input_;
   std::string name_;
-  Place now_;                // `line`: the number of the next one
+  Place now_;  // `line`: the number of the next one
   std::string text_;
   std::vector<std::string_view> fields_;  // of text_
   std::vector<double> numbers_;

@@ -16,8 +16,8 @@ using Double3 = std::array<double, 3>;
 /// are from the points' middle, so that they keep their differences.
 v1::Points make_points(std::span<const Double3> points);
 
-/// The origin that make_points() chooses, found of points that come one after the other.  Those that
-/// are not finite do not count.
+/// The origin that make_points() chooses, found of points that come one after the other.  Those
+/// that are not finite do not count.
 class PointOrigin {
  public:
   void add(const Double3& point);
