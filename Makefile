@@ -1,6 +1,6 @@
-# make demo | test | test-slurm | bench | format: each installs what is missing, configures, builds and runs.
+# make demo | test | test-slurm | bench | distributed | format: each installs what is missing, configures, builds and runs.
 .DEFAULT_GOAL := demo
-.PHONY: deps release programs demo test test-slurm bench format
+.PHONY: deps release programs demo test test-slurm bench distributed format
 
 deps:
 	@deploy/install-deps.sh
@@ -26,6 +26,12 @@ test-slurm: programs
 bench: release
 	@cmake --build --preset release --target bench
 	@build/release/tests/bench/bench
+
+# Wants a machine that does nothing else.
+distributed: release
+	@cmake --build --preset release --target lucernad lucerna client_test
+	@deploy/install-deps.sh slurm-wlm munge
+	@tests/bench/distributed.py build/release --page docs/distributed.md
 
 format:
 	@command -v clang-format >/dev/null || deploy/install-deps.sh clang-format

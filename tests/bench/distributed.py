@@ -6,14 +6,14 @@
 Servers are real and pinned to processor cores, so that what survives has a capacity that is known:
 A has a core of its own, B and C share another.  What a job would ideally take follows from the
 times that the same picture takes on either core alone, in the same repeat.  Medians of all repeats.
-With --page the table in that page is written anew.
+With --page the tables in that page are written anew.
 """
 import argparse
 import contextlib
+import json
 import os
 import pathlib
 import re
-import resource
 import shutil
 import signal
 import socket
@@ -27,7 +27,6 @@ import time
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SCENES = ROOT / "tests/data/reference"
 SCENE = "bounces.pbrt"
-TILE = 16
 DEADLINE_S = 300  # of any one job
 
 
@@ -67,15 +66,15 @@ class Server:
 class Job:
     """One `lucerna render`, begun at once."""
 
-    def __init__(self, bench, servers, samples=None, extra=()):
+    def __init__(self, bench, servers, samples=None, tile=16):
         self.output = bench.scratch / "picture.pfm"
         self.output.unlink(missing_ok=True)
         names = servers if isinstance(servers, str) else ",".join(s.target for s in servers)
         self.begun = time.monotonic()
         self.process = subprocess.Popen(
             [str(bench.build / "client/lucerna"), "render", SCENE, "--servers", names,
-             "--samples", str(samples or bench.samples), "--tile-size", str(TILE),
-             "-o", str(self.output), *extra],
+             "--samples", str(samples or bench.samples), "--tile-size", str(tile),
+             "-o", str(self.output)],
             stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
         self.said = []
         self.reader = threading.Thread(target=self._read, daemon=True)
@@ -233,17 +232,15 @@ class Bench:
             return count
 
     def client_cost(self):
-        """CPU [us] of the client a piece, and its memory [MiB], for pieces of one pixel."""
+        """CPU [us] of the client a piece, its memory [MiB], and how many pieces of one pixel."""
         with self.servers([self.core_a, self.core_b]) as servers:
-            before = resource.getrusage(resource.RUSAGE_CHILDREN)
-            job = Job(self, servers, samples=1, extra=["--tile-size", "1"])
-            pid, _, usage = os.wait4(job.process.pid, 0)
-            job.process.returncode = 0
-            job.reader.join()
-            del before, pid
-            data = job.output.read_bytes()
-            width, height = map(int, data.split(b"\n", 2)[1].split())
-            return 1e6 * (usage.ru_utime + usage.ru_stime) / (width * height), usage.ru_maxrss / 1024, width * height
+            job = Job(self, servers, samples=1, tile=1)
+            _, status, usage = os.wait4(job.process.pid, 0)
+            job.process.returncode = os.waitstatus_to_exitcode(status)
+            job.finish()
+            width, height = map(int, job.output.read_bytes().split(b"\n", 2)[1].split())
+            cpu_s = usage.ru_utime + usage.ru_stime
+            return 1e6 * cpu_s / (width * height), usage.ru_maxrss / 1024, width * height
 
 
 def ideal(changes):
@@ -256,44 +253,98 @@ def ideal(changes):
     raise AssertionError
 
 
-def measure(bench, repeats):
-    rows = {}
+CASES = {  # allowed: so many times what is ideal, plus so many seconds
+    "kill -9 one of three": (1.2, 2),
+    "SIGSTOP one of three": (1.2, 2),
+    "restart one of three, 2 s after it was killed": (1.2, 2),
+    "add one to two": (1.2, 2),
+    "one of three slowed to a tenth": (1.1, 0),
+}
 
-    def add(name, figure, value):
-        rows.setdefault(name, (figure, []))[1].append(value)
 
+def measure_cases(bench, repeats):
+    """For each repeat: how much faster two servers are than one, and (took, ideal) of each case."""
+    speedups, cases, gone = [], {name: [] for name in CASES}, []
     for _ in range(repeats):
         alone_a, alone_b = bench.alone(bench.core_a), bench.alone(bench.core_b)
         a, b = 1 / alone_a, 1 / alone_b
-        full = 1 / (a + b)
-        at, back = 0.3 * full, 0.3 * full + 2
-        two = bench.plain([bench.core_a, bench.core_b])
-        add("2 servers of one core against 1 of one core: times as fast", "at least 1.9",
-            (alone_a + alone_b) / 2 / two)
-        add("one server alone on a core [s]", "", (alone_a + alone_b) / 2)
-
-        def compare(name, took, best, factor, slack=""):
-            add(f"{name}: took [s]", "", took)
-            add(f"{name}: ideal [s]", "", best)
-            add(f"{name}: took / ideal", f"at most {factor}{slack}", took / best)
-
-        compare("kill -9 one of three", bench.killed(at), ideal([(0, a + b), (at, b)]), 1.2, ", plus 2 s")
-        compare("SIGSTOP one of three", bench.halted(at), ideal([(0, a + b), (at, b)]), 1.2, ", plus 2 s")
-        compare("restart one of three after 2 s", bench.restarted(at, back),
-                ideal([(0, a + b), (at, b), (back, a + b)]), 1.2, ", plus 2 s")
-        compare("add one to two", bench.added(at), ideal([(0, b), (at, a + b)]), 1.2, ", plus 2 s")
-        compare("one of three slowed to a tenth", bench.slowed(), 1 / (a / 10 + b), 1.1)
-        compare("all gone, then back: from then on", bench.all_gone(at), (1 - 0.3) * full, 1.2, ", plus 2 s")
+        at = 0.3 / (a + b)
+        took = [bench.killed(at), bench.halted(at), bench.restarted(at, at + 2), bench.added(at),
+                bench.slowed()]
+        best = [ideal([(0, a + b), (at, b)]), ideal([(0, a + b), (at, b)]),
+                ideal([(0, a + b), (at, b), (at + 2, a + b)]), ideal([(0, b), (at, a + b)]),
+                ideal([(0, a / 10 + b)])]
+        for name, pair in zip(CASES, zip(took, best)):
+            cases[name].append(pair)
+        speedups.append((alone_a + alone_b) / 2 / bench.plain([bench.core_a, bench.core_b]))
+        gone.append((bench.all_gone(at), 0.7 / (a + b)))
         print(".", end="", flush=True, file=sys.stderr)
     print(file=sys.stderr)
-    result = [(name, figure, statistics.median(values), min(values), max(values))
-              for name, (figure, values) in rows.items()]
+    return speedups, cases, gone
+
+
+def spread(values, form="{:.2f}"):
+    return f"{form.format(statistics.median(values))} ({form.format(min(values))} to {form.format(max(values))})"
+
+
+def measured(bench, repeats):
+    speedups, cases, gone = measure_cases(bench, repeats)
     dead = bench.attempts_at_a_dead_server(60)
-    result.append(("attempts at a dead server in its first minute", "fewer than 50", dead, dead, dead))
-    cpu, memory, pieces = bench.client_cost()
-    result.append((f"client's CPU a piece of one pixel [us], of {pieces}", "", cpu, cpu, cpu))
-    result.append(("client's memory with them [MiB]", "", memory, memory, memory))
-    return result
+    cpu_us, memory_mib, pieces = bench.client_cost()
+    lines = [f"Medians of {repeats} repeats (least to most), {os.cpu_count()} cores; a job of "
+             f"{bench.samples} samples a pixel.", "",
+             "| | took [s] | ideal [s] | took / ideal | allowed | kept |", "|---|---|---|---|---|---|"]
+    for name, pairs in cases.items():
+        factor, slack = CASES[name]
+        kept = sum(took <= factor * best + slack for took, best in pairs)
+        lines.append(f"| {name} | {spread([t for t, _ in pairs], '{:.1f}')} | "
+                     f"{spread([i for _, i in pairs], '{:.1f}')} | "
+                     f"{spread([t / i for t, i in pairs])} | {factor} x ideal"
+                     f"{f' + {slack} s' if slack else ''} | {kept} of {len(pairs)} |")
+    lines.append(f"| all gone, then back: from then to the end | {spread([t for t, _ in gone], '{:.1f}')} | "
+                 f"{spread([i for _, i in gone], '{:.1f}')} | | says that it waits, goes on | "
+                 f"{len(gone)} of {len(gone)} |")
+    lines += ["", "| | measured | asked for |", "|---|---|---|",
+              f"| 2 servers of one core against 1 of one core: times as fast | {spread(speedups)} | at least 1.9 |",
+              f"| attempts at a dead server in its first minute | {dead} | fewer than 50 |",
+              f"| the client's CPU, {pieces} pieces of one pixel and one sample | {cpu_us:.0f} us a piece | |",
+              f"| the client's memory with them, most | {memory_mib:.0f} MiB | |",
+              f"| all pictures of this page | {'the same bits' if bench.same_bits else 'DIFFERENT BITS'} | the same bits |"]
+    return lines
+
+
+def simulated(build, scratch):
+    """What the simulation of a thousand servers reached."""
+    report = scratch / "simulation.json"
+    subprocess.run([str(build / "tests/client/client_test"), "--gtest_filter=JobSimulation.AThousand*",
+                    f"--gtest_output=json:{report}"], check=True, stdout=subprocess.DEVNULL)
+    test = json.loads(report.read_text())["testsuites"][0]["testsuite"][0]
+    return ["| | |", "|---|---|",
+            f"| reached, of ideal (asked for: at least 0.9) | {float(test['share_of_ideal']):.3f} |",
+            f"| simulated time; servers that died meanwhile | {float(test['simulated_s']):.0f} s; {test['deaths']} |",
+            f"| results that came second | {test['duplicates']} |",
+            f"| the schedule's CPU | {float(test['schedule_us_per_piece']):.2f} us a piece |",
+            f"| memory of schedule and simulator, most | {test['peak_rss_mib']} MiB |"]
+
+
+def on_slurm(build):
+    """What the tests of the batch script on a Slurm cluster of three nodes tell of their jobs."""
+    test = subprocess.run([sys.executable, str(ROOT / "tests/slurm/slurm_test.py"), str(build)],
+                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    told = re.findall(r"^  (.+): jobs? (.+?), (.+ servers?), ([0-9.]+) s .*, (the same bits|OTHER BITS)$",
+                      test.stdout, re.MULTILINE)
+    if test.returncode != 0 or not told:
+        raise SystemExit(test.stdout)
+    return ["| job | servers | from submission to end [s] | |", "|---|---|---|---|",
+            *(f"| {what} | {servers.removesuffix(' servers')} | {seconds} | {same} |"
+              for what, _, servers, seconds, same in told)]
+
+
+def write(page, name, lines):
+    """Puts the lines between the page's marks of that name."""
+    begin, end = f"<!-- {name} -->\n", f"<!-- /{name} -->\n"
+    head, rest = page.split(begin)
+    return head + begin + "\n".join(lines) + "\n" + end + rest.split(end)[1]
 
 
 def main():
@@ -301,25 +352,22 @@ def main():
     parser.add_argument("build", type=pathlib.Path)
     parser.add_argument("--repeats", type=int, default=5)
     parser.add_argument("--samples", type=int, default=256)
-    parser.add_argument("--page", type=pathlib.Path)
+    parser.add_argument("--page", type=pathlib.Path, help="write the figures into this page")
     options = parser.parse_args()
     if not shutil.which("taskset"):
         raise SystemExit("needs taskset (util-linux)")
-    with tempfile.TemporaryDirectory() as scratch:
-        bench = Bench(options.build.resolve(), options.samples, pathlib.Path(scratch))
-        rows = measure(bench, options.repeats)
-    lines = ["| | asked for | median | least | most |", "|---|---|---|---|---|"]
-    lines += [f"| {name} | {figure} | {median:.3g} | {least:.3g} | {most:.3g} |"
-              for name, figure, median, least, most in rows]
-    lines.append(f"| all pictures above | the same bits | {'the same bits' if bench.same_bits else 'DIFFERENT'} | | |")
-    table = "\n".join(lines)
-    print(table)
+    with tempfile.TemporaryDirectory() as directory:
+        scratch = pathlib.Path(directory)
+        bench = Bench(options.build.resolve(), options.samples, scratch)
+        sections = {"measured": measured(bench, options.repeats),
+                    "simulated": simulated(bench.build, scratch), "slurm": on_slurm(bench.build)}
+    for lines in sections.values():
+        print("\n".join(lines), end="\n\n")
     if options.page:
         page = options.page.read_text()
-        begin, end = "<!-- measured -->\n", "<!-- /measured -->\n"
-        head, rest = page.split(begin)
-        tail = rest.split(end)[1]
-        options.page.write_text(head + begin + table + "\n" + end + tail)
+        for name, lines in sections.items():
+            page = write(page, name, lines)
+        options.page.write_text(page)
     if not bench.same_bits:
         raise SystemExit("pictures differ")
 
