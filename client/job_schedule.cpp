@@ -16,7 +16,8 @@ constexpr milliseconds kFirstBackoff(100);
 // With its jitter fewer than fifty attempts a minute.
 constexpr milliseconds kLongestBackoff(3000);
 constexpr seconds kRenewAfter(20);
-constexpr seconds kAloneAfter(2);
+// With servers that start when the job does.
+constexpr seconds kPatience(2);
 constexpr int kMostFailures = 3;
 
 /// Whether it is the server that failed and not the request.
@@ -219,7 +220,9 @@ void JobSchedule::failed(ServerId id, const absl::Status& status, Time now) {
   }
   if (!is_gone(status)) return end(from_server(server.target, status));
   set(server, &Server::ready, false);
-  if (!server.told_failure && server.listed) {
+  // One that was never there may be about to start.
+  const bool worth_telling = !server.fingerprint.empty() || now - begun_ > kPatience;
+  if (worth_telling && !server.told_failure && server.listed) {
     channel_.say(server.target + " does not answer: " + std::string(status.message()));
     server.told_failure = true;
   }
@@ -234,12 +237,12 @@ JobSchedule::Time JobSchedule::advance(Time now) {
   while (!over() && !due_.empty() && due_.begin()->first <= now) serve(due_.begin()->second, now);
   const bool alone = answering_ == 0;
   if (!alone) told_alone_ = false;
-  if (alone && !told_alone_ && now - begun_ > kAloneAfter) {
+  if (alone && !told_alone_ && now - begun_ > kPatience) {
     channel_.say("no server answers: waiting");
     told_alone_ = true;
   }
   Time next = due_.empty() ? Time::max() : due_.begin()->first;
-  if (alone && !told_alone_) next = std::min(next, begun_ + kAloneAfter + milliseconds(1));
+  if (alone && !told_alone_) next = std::min(next, begun_ + kPatience + milliseconds(1));
   return next;
 }
 

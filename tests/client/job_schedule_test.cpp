@@ -235,6 +235,19 @@ TEST_F(JobScheduleTest, SaysThatItIsAloneAndThatItIsNotOncePerTime) {
                                            "no server answers: waiting"));
 }
 
+TEST_F(JobScheduleTest, AServerThatStartsWithTheJobIsNotSaidToFail) {
+  make(10, 2);
+  schedule_->prepared(0, absl::UnavailableError("refused"), now_);
+  schedule_->prepared(1, absl::UnavailableError("refused"), now_);
+  channel_.prepares.clear();
+  pass(seconds(1));
+  prepare(0);
+  EXPECT_THAT(channel_.events, IsEmpty());
+  pass(seconds(2));
+  schedule_->prepared(1, absl::UnavailableError("refused"), now_);
+  EXPECT_THAT(channel_.events, ElementsAre("b does not answer: refused"));
+}
+
 TEST_F(JobScheduleTest, LeasesAreRenewedAndALostSceneIsBroughtAgain) {
   make(10, 1);
   prepare(0);
