@@ -106,6 +106,20 @@ std::array<char, 8> sum_of(std::span<const float> values) {
   return sum;
 }
 
+/// Results that a journal tells of are not replaced by some of another shape: whoever asks for
+/// these may have mistaken a name.
+absl::StatusOr<ResultFile> open_results(const IrradianceJobOptions& options) {
+  const bool told = !options.journal.empty() && Journal::tells(options.journal);
+  auto results = ResultFile::open(options.results, options.header, options.receivers->size(),
+                                  irradiance_columns(options.request),
+                                  told ? ResultFile::Other::kKeep : ResultFile::Other::kReplace);
+  if (absl::IsFailedPrecondition(results.status()))
+    return absl::FailedPreconditionError(
+        options.results + ": holds results of other receivers or wavelengths, and the journal " +
+        options.journal + " tells of them: ask for the same, or remove both files");
+  return results;
+}
+
 /// The pieces of one set.
 class Irradiance final : public Work {
  public:
@@ -161,7 +175,8 @@ class Irradiance final : public Work {
     const std::size_t count = run.end - run.first;
     if (absl::Status s = receivers_.read(run.first, count, points_, normals_); !s.ok()) {
       failed_ = s;
-      return done(s);
+      // By its own code it might be the server's, which is tried again.
+      return done(absl::AbortedError(s.message()));
     }
     v1::EstimateIrradianceRequest request = options_.request;
     request.set_scene_id(scene_id);
@@ -296,8 +311,7 @@ absl::StatusOr<IrradianceJobResult> run_irradiance_job(const IrradianceJobOption
   if (count == 0) return absl::InvalidArgumentError("there are no receivers");
   if (options.request.per_light())
     return absl::InvalidArgumentError("per_light = true: results have no place for shares");
-  auto results =
-      ResultFile::open(options.results, options.header, count, irradiance_columns(options.request));
+  auto results = open_results(options);
   if (!results.ok()) return results.status();
   const auto surveyed = survey(*options.receivers);
   if (!surveyed.ok()) return surveyed.status();

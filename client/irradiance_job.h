@@ -70,8 +70,9 @@ struct IrradianceJobResult {
 /// Reads all receivers once before it asks any server.
 ///
 /// Errors: those of run_job and of the receivers; INVALID_ARGUMENT where there are none, or too
-/// many for so small pieces (2^24); FAILED_PRECONDITION for the journal of another job; UNKNOWN
-/// where the journal or the results cannot be written.
+/// many for so small pieces (2^24); FAILED_PRECONDITION for the journal of another job, whose
+/// results stay as they are; UNKNOWN where the journal or the results cannot be written, or another
+/// job has them.
 absl::StatusOr<IrradianceJobResult> run_irradiance_job(const IrradianceJobOptions& options);
 
 }  // namespace lucerna::client

@@ -8,6 +8,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "client/open_file.h"
 
 namespace lucerna::client {
 
@@ -15,14 +16,16 @@ namespace lucerna::client {
 /// Not thread-safe, and one process at a time has it.
 class ResultFile {
  public:
+  /// What becomes of a file of another header or length.
+  enum class Other { kReplace, kKeep };
+
   /// Makes the file, with room on the disk for all of it.  A file of the same header and length
   /// stays as it is: what it holds must be known from elsewhere.
-  /// UNKNOWN, naming the file, where the disk does not let or another process has it.
+  /// UNKNOWN, naming the file, where the disk does not let or another process has it;
+  /// FAILED_PRECONDITION where it holds something else that is to be kept.
   static absl::StatusOr<ResultFile> open(const std::string& path, const std::string& header,
-                                         std::uint64_t rows, std::size_t columns);
-  ResultFile(ResultFile&& other) noexcept;
-  ResultFile& operator=(ResultFile&& other) noexcept;
-  ~ResultFile();
+                                         std::uint64_t rows, std::size_t columns,
+                                         Other other = Other::kReplace);
 
   std::uint64_t rows() const { return rows_; }
   std::size_t columns() const { return columns_; }
@@ -32,12 +35,10 @@ class ResultFile {
   absl::Status read(std::uint64_t first, std::span<float> values) const;
 
  private:
-  ResultFile(std::string path, int file, std::uint64_t begin, std::uint64_t rows,
-             std::size_t columns)
-      : path_(std::move(path)), file_(file), begin_(begin), rows_(rows), columns_(columns) {}
+  ResultFile(OpenFile file, std::uint64_t begin, std::uint64_t rows, std::size_t columns)
+      : file_(std::move(file)), begin_(begin), rows_(rows), columns_(columns) {}
 
-  std::string path_;
-  int file_ = -1;
+  OpenFile file_;
   std::uint64_t begin_ = 0;  // where the rows begin
   std::uint64_t rows_ = 0;
   std::size_t columns_ = 0;

@@ -5,15 +5,22 @@
 
 #include <algorithm>
 #include <charconv>
+#include <chrono>
 #include <cstdlib>
 #include <fstream>
 #include <memory>
 #include <string_view>
 
+#include "client/patience.h"
+
 namespace lucerna::client {
 namespace {
 
 using Targets = std::vector<std::string>;
+
+// A name server that is dead keeps getaddrinfo() for half a minute and more, and it cannot be
+// stopped.
+constexpr std::chrono::seconds kPatience(5);
 
 bool is_port(std::string_view text) {
   unsigned port = 0;
@@ -104,14 +111,7 @@ absl::Status append_numbers(const std::string& ranges, Targets& heads) {
   return absl::OkStatus();
 }
 
-}  // namespace
-
-absl::StatusOr<Targets> numeric_addresses(const std::string& target) {
-  const std::size_t colon = target.rfind(':');
-  if (colon == std::string::npos) return check_target(target);
-  const bool brackets = target.starts_with('[') && colon > 1 && target[colon - 1] == ']';
-  const std::string host = brackets ? target.substr(1, colon - 2) : target.substr(0, colon);
-  const std::string port = target.substr(colon + 1);
+absl::StatusOr<Targets> look_up(const std::string& host, const std::string& port) {
   addrinfo hints{};
   hints.ai_socktype = SOCK_STREAM;
   addrinfo* found = nullptr;
@@ -127,6 +127,17 @@ absl::StatusOr<Targets> numeric_addresses(const std::string& target) {
     targets.push_back(address + ":" + port);
   }
   return targets;
+}
+
+}  // namespace
+
+absl::StatusOr<Targets> numeric_addresses(const std::string& target) {
+  const std::size_t colon = target.rfind(':');
+  if (colon == std::string::npos) return check_target(target);
+  const bool brackets = target.starts_with('[') && colon > 1 && target[colon - 1] == ']';
+  const std::string host = brackets ? target.substr(1, colon - 2) : target.substr(0, colon);
+  return look_up_within(kPatience, host,
+                        [host, port = target.substr(colon + 1)] { return look_up(host, port); });
 }
 
 absl::StatusOr<Targets> expand_host_list(const std::string& text) {

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <filesystem>
 #include <fstream>
 #include <mutex>
 #include <set>
@@ -23,10 +24,12 @@ using ::testing::HasSubstr;
 /// Receiver i is at (i, 0, 1), or where it is asked for nowhere.
 class Line final : public ReceiverSource {
  public:
-  explicit Line(std::uint64_t size) : size_(size) {}
+  explicit Line(std::uint64_t size, absl::Status second = {}) : size_(size), second_(second) {}
+  int reads() const { return reads_; }
   std::uint64_t size() const override { return size_; }
   absl::Status read(std::uint64_t first, std::size_t count, std::vector<Double3>& points,
                     std::vector<float>& normals) override {
+    if (++reads_ == 2 && !second_.ok()) return second_;
     points.clear();
     for (std::uint64_t i = first; i < first + count; ++i)
       points.push_back({static_cast<double>(i), 0, 1});
@@ -36,6 +39,8 @@ class Line final : public ReceiverSource {
 
  private:
   std::uint64_t size_;
+  absl::Status second_;  // of the second read
+  int reads_ = 0;
 };
 
 class IrradianceJobTest : public ::testing::Test {
@@ -165,6 +170,48 @@ TEST_F(IrradianceJobTest, WhatCannotBeIsTold) {
   const auto result = run(10);
   EXPECT_EQ(result.status().code(), absl::StatusCode::kInternal);
   EXPECT_THAT(result.status().message(), HasSubstr("another number of receivers"));
+}
+
+TEST_F(IrradianceJobTest, ReceiversThatCannotBeReadAreNoDeadServer) {
+  for (const absl::StatusCode code :
+       {absl::StatusCode::kUnavailable, absl::StatusCode::kUnknown,
+        absl::StatusCode::kDeadlineExceeded, absl::StatusCode::kCancelled,
+        absl::StatusCode::kInternal, absl::StatusCode::kNotFound}) {
+    const absl::Status stale(code, "desks.npy: Stale file handle");
+    Line line(10, stale);
+    options_.receivers = &line;
+    EXPECT_EQ(run_irradiance_job(options_).status(), stale);
+    EXPECT_EQ(line.reads(), 2) << stale;  // once for all, once for the piece
+  }
+}
+
+TEST_F(IrradianceJobTest, AMistakenQuestionDestroysNoResults) {
+  options_.header = "head";
+  options_.journal = (directory_.path() / "journal").string();
+  ASSERT_TRUE(run(100).ok());
+  const auto refused = [&](std::uint64_t count) {
+    const absl::Status status = run(count).status();
+    EXPECT_EQ(status.code(), absl::StatusCode::kFailedPrecondition);
+    EXPECT_THAT(std::string(status.message()), HasSubstr(options_.journal));
+    EXPECT_THAT(sizes_, ElementsAre());
+    return std::string(status.message());
+  };
+  EXPECT_THAT(refused(101), HasSubstr(options_.results + ": holds results of other receivers"));
+  options_.header = "tail";
+  EXPECT_THAT(refused(100), HasSubstr(options_.results + ": holds results of other receivers"));
+  options_.header = "head";
+  options_.request.add_wavelengths_nm(555);
+  EXPECT_THAT(refused(100), HasSubstr(options_.results + ": holds results of other receivers"));
+  options_.request.clear_wavelengths_nm();
+  options_.request.mutable_seed()->set_seed(1);
+  EXPECT_THAT(refused(100), HasSubstr("is the journal of another job"));
+  options_.request.clear_seed();
+  const auto result = run(100);
+  ASSERT_TRUE(result.ok()) << result.status();
+  EXPECT_EQ(result->from_journal, 100U);
+  // Without a journal that tells of them they are not kept for anybody.
+  std::filesystem::remove(options_.journal);
+  EXPECT_TRUE(run(101).ok());
 }
 
 TEST_F(IrradianceJobTest, TheSmallestLimitOfThoseThatWereAskedCounts) {

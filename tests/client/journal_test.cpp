@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <fstream>
+#include <optional>
 #include <vector>
 
 #include "tests/temp_directory.h"
@@ -12,6 +14,7 @@ namespace lucerna::client {
 namespace {
 
 using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 class JournalTest : public ::testing::Test {
@@ -38,10 +41,12 @@ TEST_F(JournalTest, TellsItsRecordsAgain) {
          {std::string("one"), std::string(), std::string(100'000, '\n')})
       ASSERT_TRUE(journal->add(record).ok());
   }
-  auto journal = open();
-  ASSERT_TRUE(journal.ok()) << journal.status();
-  EXPECT_THAT(records_, ElementsAre("one", "", std::string(100'000, '\n')));
-  ASSERT_TRUE(journal->add("more").ok());
+  {
+    auto journal = open();
+    ASSERT_TRUE(journal.ok()) << journal.status();
+    EXPECT_THAT(records_, ElementsAre("one", "", std::string(100'000, '\n')));
+    ASSERT_TRUE(journal->add("more").ok());
+  }
   ASSERT_TRUE(open().ok());
   EXPECT_EQ(records_.size(), 4U);
 }
@@ -94,6 +99,29 @@ TEST_F(JournalTest, AnotherJobsIsLeftAlone) {
   EXPECT_EQ(open("one").status().code(), absl::StatusCode::kFailedPrecondition);
   path_ = "/no/such/place";
   EXPECT_EQ(open().status().code(), absl::StatusCode::kUnknown);
+}
+
+TEST_F(JournalTest, OneJobAtATimeHasIt) {
+  std::optional<absl::StatusOr<Journal>> journal = open();
+  ASSERT_TRUE((*journal)->add("first").ok());
+  for (const char* job : {"job", "another"}) {
+    const absl::Status second = open(job).status();
+    EXPECT_EQ(second.code(), absl::StatusCode::kUnknown);
+    EXPECT_THAT(second.message(), HasSubstr("journal: another job is using this journal"));
+    EXPECT_THAT(records_, IsEmpty());
+  }
+  ASSERT_TRUE((*journal)->add("second").ok());
+  journal.reset();
+  ASSERT_TRUE(open().ok());
+  EXPECT_THAT(records_, ElementsAre("first", "second"));
+}
+
+TEST_F(JournalTest, TellsOnlyOfWhatIsDone) {
+  EXPECT_FALSE(Journal::tells(path_));
+  ASSERT_TRUE(open().ok());
+  EXPECT_FALSE(Journal::tells(path_));
+  ASSERT_TRUE(open()->add("").ok());
+  EXPECT_TRUE(Journal::tells(path_));
 }
 
 }  // namespace

@@ -2,11 +2,29 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/syscall.h>
+#include <unistd.h>
 
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <vector>
 
 #include "tests/temp_directory.h"
+
+namespace {
+int fallocate_error = 0;
+}  // namespace
+
+// In place of the C library's, so that disks fail as a test wants.
+extern "C" int fallocate(int file, int mode, off_t offset, off_t size) {
+  if (fallocate_error != 0) {
+    errno = fallocate_error;
+    return -1;
+  }
+  return static_cast<int>(::syscall(SYS_fallocate, file, mode, offset, size));
+}
 
 namespace lucerna::client {
 namespace {
@@ -68,6 +86,46 @@ TEST_F(ResultFileTest, WhatTheDiskDoesNotLetIsTold) {
   // A mebibyte of rows of a mebibyte times a mebibyte: no disk has it.
   EXPECT_EQ(ResultFile::open(path_, "", std::uint64_t{1} << 40, 1 << 20).status().code(),
             absl::StatusCode::kUnknown);
+}
+
+TEST_F(ResultFileTest, RoomThatCannotBeHadIsToldEachTime) {
+  for (const int error : {ENOSPC, EDQUOT, EFBIG, EIO}) {
+    SCOPED_TRACE(std::strerror(error));
+    fallocate_error = error;
+    // The second time too: what failed is no file with room for all.
+    for (int i = 0; i < 2; ++i) {
+      const absl::Status status = open().status();
+      EXPECT_EQ(status.code(), absl::StatusCode::kUnknown);
+      EXPECT_THAT(status.message(), HasSubstr("results: 36 bytes: "));
+      EXPECT_THAT(status.message(), HasSubstr(std::strerror(error)));
+      EXPECT_EQ(std::filesystem::file_size(path_), 0U);
+    }
+    fallocate_error = 0;
+  }
+  EXPECT_TRUE(open().ok());
+}
+
+TEST_F(ResultFileTest, WhereRoomCannotBePromisedTheFileIsMade) {
+  for (const int error : {EOPNOTSUPP, ENOSYS, EINVAL}) {
+    std::filesystem::remove(path_);
+    fallocate_error = error;
+    EXPECT_TRUE(open().ok()) << std::strerror(error);
+    fallocate_error = 0;
+    EXPECT_EQ(std::filesystem::file_size(path_), 36U);
+  }
+}
+
+TEST_F(ResultFileTest, SomethingElseIsKeptWhereThatIsAskedFor) {
+  const auto keep = [&](const std::string& header) {
+    return ResultFile::open(path_, header, 4, 2, ResultFile::Other::kKeep).status();
+  };
+  EXPECT_TRUE(keep("head").ok());  // there was nothing
+  EXPECT_TRUE(keep("head").ok());
+  EXPECT_EQ(keep("tail").code(), absl::StatusCode::kFailedPrecondition);
+  EXPECT_EQ(keep("longer").code(), absl::StatusCode::kFailedPrecondition);
+  EXPECT_TRUE(keep("head").ok());
+  std::ofstream(path_, std::ios::trunc).close();
+  EXPECT_TRUE(keep("tail").ok());
 }
 
 }  // namespace

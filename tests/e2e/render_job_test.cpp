@@ -175,9 +175,17 @@ TEST_F(RenderJob, AnInterruptedJobGoesOnFromItsJournal) {
   EXPECT_GE(result->from_journal, 29U);
   EXPECT_LT(result->from_journal, result->pieces);
   // And all of it.
-  const auto again = client::run_render_job(options_);
-  expect_the_same_bits(again);
-  EXPECT_EQ(again->from_journal, again->pieces);
+  // Twice even, as where two jobs wrote it on a file system that has no locks.
+  for (int i = 0; i < 2; ++i) {
+    const auto again = client::run_render_job(options_);
+    expect_the_same_bits(again);
+    EXPECT_EQ(again->from_journal, again->pieces);
+    std::ifstream in(options_.journal, std::ios::binary);
+    std::string line;
+    std::getline(in, line);
+    const std::string records{std::istreambuf_iterator<char>(in), {}};
+    std::ofstream(options_.journal, std::ios::binary | std::ios::app) << records;
+  }
   options_.request.set_seed(6);
   EXPECT_EQ(client::run_render_job(options_).status().code(),
             absl::StatusCode::kFailedPrecondition);
