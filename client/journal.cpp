@@ -36,7 +36,8 @@ absl::StatusOr<Journal> Journal::open(
   // Also one whose first line was cut off.
   if (!first.starts_with(line))
     return absl::FailedPreconditionError(
-        path + ": is the journal of another job, or none: remove it, or name another");
+        path +
+        ": is the journal of another job, or none: remove it, or name another journal and output");
   std::uint64_t good = line.size() == first.size() ? first.size() : 0;
   const auto end = file->size();
   if (!end.ok()) return end.status();
