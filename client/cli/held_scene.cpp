@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <utility>
+#include <vector>
 
 namespace lucerna::cli {
 namespace {
@@ -33,6 +34,24 @@ HeldScene::Load HeldScene::through(Load load) {
                                         const client::CallOptions& call) {
     return load_on(load, client, call);
   };
+}
+
+void HeldScene::let_go(const Holding& held, bool forget, const client::CallOptions& call) {
+  if (forget && held.brought) {
+    v1::ReleaseSceneRequest request;
+    request.set_scene_id(held.scene_id);
+    request.set_lease_id(held.lease_id);
+    if (!absl::IsNotFound(held.client->release_scene(request, call).status())) return;
+    // The lease ran out in a long frame.
+    request.clear_lease_id();
+    held.client->release_scene(request, call).status().IgnoreError();
+  } else if (!held.lease_id.empty()) {
+    v1::RenewLeaseRequest request;
+    request.set_scene_id(held.scene_id);
+    request.set_lease_id(held.lease_id);
+    request.set_lease_s(kNoLease_s);
+    held.client->renew_lease(request, call).status().IgnoreError();
+  }
 }
 
 v1::LoadSceneResponse HeldScene::answer(const Holding& holding) {
@@ -120,23 +139,11 @@ void HeldScene::release(bool forget, const client::CallOptions& call) {
   }
   for (auto& [target, holding] : holdings_) holding.thread = {};
   all.swap(holdings_);
+  // All at once, for no longer than one of them may take.
+  const client::CallOptions end = soon(call);
+  std::vector<std::jthread> threads;
   for (const auto& [target, held] : all) {
-    if (!held.client) continue;
-    if (forget && held.brought) {
-      v1::ReleaseSceneRequest request;
-      request.set_scene_id(held.scene_id);
-      request.set_lease_id(held.lease_id);
-      if (!absl::IsNotFound(held.client->release_scene(request, soon(call)).status())) continue;
-      // The lease ran out in a long frame.
-      request.clear_lease_id();
-      held.client->release_scene(request, soon(call)).status().IgnoreError();
-    } else if (!held.lease_id.empty()) {
-      v1::RenewLeaseRequest request;
-      request.set_scene_id(held.scene_id);
-      request.set_lease_id(held.lease_id);
-      request.set_lease_s(kNoLease_s);
-      held.client->renew_lease(request, soon(call)).status().IgnoreError();
-    }
+    if (held.client) threads.emplace_back([&held, &end, forget] { let_go(held, forget, end); });
   }
 }
 

@@ -38,9 +38,9 @@ class HeldScene {
   /// And what was loaded otherwise.
   void hold(const client::Client& client, const v1::LoadSceneResponse& loaded);
 
-  /// Ends all leases, after waiting a little for what still loads.  Where `forget` is set, servers
-  /// that did not hold the scene before forget it, unless others have leased it meanwhile.  Who
-  /// does not answer keeps it until its lease runs out.  Requires that no job is running.
+  /// Ends all leases at once, after waiting a little for what still loads.  Where `forget` is set,
+  /// servers that did not hold the scene before forget it, unless others have leased it meanwhile.
+  /// Who does not answer keeps it until its lease runs out.  Requires that no job is running.
   void release(bool forget, const client::CallOptions& call);
 
  private:
@@ -56,6 +56,7 @@ class HeldScene {
   absl::StatusOr<v1::LoadSceneResponse> load_on(const Load& load, const client::Client& client,
                                                 const client::CallOptions& call);
   static v1::LoadSceneResponse answer(const Holding& holding);
+  static void let_go(const Holding& held, bool forget, const client::CallOptions& call);
 
   std::mutex mutex_;
   std::condition_variable_any changed_;

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <condition_variable>
 #include <future>
 #include <mutex>
 #include <string>
@@ -133,6 +134,32 @@ TEST_F(HeldSceneTest, IsForgottenAlsoWhereTheLeaseRanOutMeanwhile) {
   released_ = {grpc::StatusCode::NOT_FOUND, "no such lease"};
   held.release(true, call_);
   EXPECT_THAT(calls_, ElementsAre("load", "release 1", "release "));
+}
+
+TEST_F(HeldSceneTest, AllServersAreToldAtOnce) {
+  // Each answers when both were asked.
+  FakeServer other;
+  std::condition_variable changed;
+  int asked = 0, answered = 0;
+  const auto together = [&](auto&, const auto&, auto*) {
+    std::unique_lock lock(mutex_);
+    ++asked;
+    changed.notify_all();
+    if (changed.wait_for(lock, std::chrono::seconds(9), [&] { return asked == 2; })) ++answered;
+    return grpc::Status::OK;
+  };
+  for (const bool forget : {true, false}) {
+    HeldScene held;
+    for (FakeServer* server : {&server_, &other})
+      ASSERT_TRUE(loader(held)(server->client(), call_).ok());
+    for (FakeServer* server : {&server_, &other}) {
+      server->release_scene = together;
+      server->renew_lease = together;
+    }
+    asked = answered = 0;
+    held.release(forget, call_);
+    EXPECT_EQ(answered, 2) << forget;
+  }
 }
 
 TEST_F(HeldSceneTest, FailuresAreToldAndTriedAgain) {
