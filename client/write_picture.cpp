@@ -86,17 +86,23 @@ PictureFile::PictureFile(std::string path, std::string temporary, PictureFormat 
 PictureFile::PictureFile(PictureFile&& other) noexcept
     : path_(std::move(other.path_)),
       temporary_(std::exchange(other.temporary_, {})),
-      format_(other.format_) {}
+      format_(other.format_),
+      keeps_preview_(other.keeps_preview_),
+      has_preview_(other.has_preview_) {}
 
 PictureFile& PictureFile::operator=(PictureFile&& other) noexcept {
   std::swap(path_, other.path_);
   std::swap(temporary_, other.temporary_);
   std::swap(format_, other.format_);
+  std::swap(keeps_preview_, other.keeps_preview_);
+  std::swap(has_preview_, other.has_preview_);
   return *this;
 }
 
 PictureFile::~PictureFile() {
-  if (!temporary_.empty()) ::unlink(temporary_.c_str());
+  if (temporary_.empty()) return;
+  ::unlink(temporary_.c_str());
+  if (has_preview_ && !keeps_preview_) ::unlink(path_.c_str());
 }
 
 absl::StatusOr<PictureFile> PictureFile::create(const std::string& path) {
@@ -145,6 +151,7 @@ absl::Status PictureFile::write_preview(const PictureView& picture, double expos
   if (::rename(temporary_.c_str(), path_.c_str()) != 0) {
     return cannot_write(path_, std::strerror(errno));
   }
+  has_preview_ = true;
   return absl::OkStatus();
 }
 

@@ -42,8 +42,10 @@ class PictureFile {
   static absl::StatusOr<PictureFile> create(const std::string& path);
   PictureFile(PictureFile&& other) noexcept;
   PictureFile& operator=(PictureFile&& other) noexcept;
-  /// Nothing stays of a file that was not written.
+  /// Nothing stays of a file that was not written, but its last preview.
   ~PictureFile();
+  /// No preview either.
+  void keep_no_preview() { keeps_preview_ = false; }
 
   /// Writes, then takes its name, replacing what was there.  PNG multiplies by 2^exposure_ev first;
   /// the others hold what they are given.
@@ -60,6 +62,8 @@ class PictureFile {
   std::string path_;
   std::string temporary_;  ///< empty once it is not needed any more
   PictureFormat format_;
+  bool keeps_preview_ = true;
+  bool has_preview_ = false;  ///< under its name
 };
 
 }  // namespace lucerna::client

@@ -4,6 +4,7 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cstdio>
 #include <exception>
 #include <stop_token>
@@ -12,6 +13,8 @@
 #include "client/cli/session.h"
 
 namespace {
+
+std::atomic<int> interrupted_by = 0;
 
 /// SIGINT and SIGTERM end the call that runs, so that nothing half-done stays; a second one ends
 /// the program where it is.  To be called before there are other threads.
@@ -25,15 +28,16 @@ std::stop_token stop_on_signals() {
   std::thread([] {
     int signal = 0;
     sigwait(&signals, &signal);
+    interrupted_by = signal;
     source.request_stop();
     sigwait(&signals, &signal);
-    _exit(128 + signal);
+    _exit(lucerna::cli::kSignal + signal);
   }).detach();
   return source.get_token();
 }
 
 int run(int argc, char** argv) {
-  lucerna::cli::Session session(stop_on_signals());
+  lucerna::cli::Session session(stop_on_signals(), interrupted_by);
   CLI::App app(
       "Asks a lucernad about light.\n"
       "A SCENE is a path under the server's scene root, or the id (or its first digits) of one "
@@ -45,7 +49,8 @@ int run(int argc, char** argv) {
   app.fallthrough();
   app.footer(
       "Example:\n  lucerna irradiance room.pbrt --point 0,0,0 --normal 0,0,1\n"
-      "Exit status: 0; 1 the server said no; 2 wrong use.");
+      "Exit status: 0; 1 the server said no; 2 wrong use; 130 or 143 interrupted (128 + the "
+      "signal).");
   session.add_options(app);
   lucerna::cli::add_scene_commands(app, session);
   lucerna::cli::add_light_commands(app, session);

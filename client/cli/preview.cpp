@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <chrono>
 #include <condition_variable>
+#include <cstdint>
+#include <map>
 #include <mutex>
 #include <stop_token>
 #include <thread>
@@ -26,7 +28,8 @@ constexpr std::chrono::milliseconds kTevPatience(1000);
 
 }  // namespace
 
-/// Draws the newest picture into files, in a thread of its own.
+/// Draws the newest picture into files, in a thread of its own, which has the picture to itself:
+/// who brings tiles waits for no more than that one is handed over.
 class Preview::Redraw {
  public:
   Redraw(std::vector<PictureFile*> files, double exposure_ev, double every_s)
@@ -35,26 +38,37 @@ class Preview::Redraw {
         every_(every_s),
         thread_([this](const std::stop_token& stop) { run(stop); }) {}
 
-  void update(const v1::Tile& tile, const std::vector<float>& rgb) {
+  void update(const v1::Tile& tile, std::vector<float> rgb) {
+    const v1::PixelRect& rect = tile.rect();
     const std::lock_guard lock(mutex_);
-    if (newest_.pixels.empty()) {
-      newest_.width = tile.image_width();
-      newest_.height = tile.image_height();
-      newest_.pixels.resize(std::size_t{3} * newest_.width * newest_.height);
-    }
-    client::put_pixels(tile.rect(), rgb, &newest_);
-    changed_ = true;
+    width_ = tile.image_width();
+    height_ = tile.image_height();
+    // Rectangles are the same or apart, and the newest of each is enough, so that no more waits
+    // than a picture.
+    Part& part = waiting_[{rect.x0(), rect.y0()}];
+    part.rect = rect;
+    part.rgb.swap(rgb);
     wake_.notify_all();
   }
 
  private:
+  struct Part {
+    v1::PixelRect rect;
+    std::vector<float> rgb;
+  };
+  using Parts = std::map<std::pair<std::uint32_t, std::uint32_t>, Part>;  // by their corners
+
   void run(const std::stop_token& stop) {
     client::Picture picture;
     std::unique_lock lock(mutex_);
-    while (wake_.wait(lock, stop, [this] { return changed_; }) && !stop.stop_requested()) {
-      picture = newest_;
-      changed_ = false;
+    while (wake_.wait(lock, stop, [this] { return !waiting_.empty(); }) && !stop.stop_requested()) {
+      Parts parts = std::exchange(waiting_, {});
+      picture.width = width_;
+      picture.height = height_;
       lock.unlock();
+      picture.pixels.resize(std::size_t{3} * picture.width * picture.height);
+      for (const auto& [place, part] : parts) client::put_pixels(part.rect, part.rgb, &picture);
+      parts.clear();
       const bool drawn = draw(picture);
       lock.lock();
       if (!drawn) return;
@@ -79,8 +93,8 @@ class Preview::Redraw {
   const std::chrono::duration<double> every_;
   std::mutex mutex_;
   std::condition_variable_any wake_;
-  client::Picture newest_;
-  bool changed_ = false;
+  std::uint32_t width_ = 0, height_ = 0;  // of the picture
+  Parts waiting_;
   std::jthread thread_;  // the last: it uses all of the above
 };
 
@@ -94,9 +108,10 @@ void PreviewOption::add(CLI::App& command) {
   // A flag with a value, =SECONDS, which never takes the word after it for one.  CLI11 takes only
   // whole numbers as the values of flags, and any text.
   command
-      .add_flag("--preview{2}", redraw_text,
-                "Redraw the PNGs among the outputs as tiles come, every 2 s, or =SECONDS; what is "
-                "still to come is black")
+      .add_flag(
+          "--preview{2}", redraw_text,
+          "Redraw the PNGs among the outputs as tiles come, every 2 s, or =SECONDS; what is "
+          "still to come is black.  Where it is interrupted the last one stays, of --frames none")
       ->check(checked_number(
           fmt::format("a number of seconds from {} to {}", kShortestRedraw_s, kLongestRedraw_s),
           [](double v) { return v >= kShortestRedraw_s && v <= kLongestRedraw_s; }))
@@ -134,7 +149,7 @@ void Preview::begin(std::vector<PictureFile>& files, double exposure_ev) {
 
 void Preview::update(const v1::Tile& tile, const client::PictureAssembler& so_far) {
   if (!*this) return;
-  const auto rgb = so_far.pixels(tile.rect());
+  auto rgb = so_far.pixels(tile.rect());
   if (!rgb.ok()) return;
   // They fit: the tile has become part of a picture of this size.
   if (sender_) {
@@ -143,7 +158,7 @@ void Preview::update(const v1::Tile& tile, const client::PictureAssembler& so_fa
     }
     sender_->update(tile.rect(), *rgb).IgnoreError();
   }
-  if (redraw_) redraw_->update(tile, *rgb);
+  if (redraw_) redraw_->update(tile, *std::move(rgb));
 }
 
 void Preview::files_done() { redraw_.reset(); }

@@ -103,6 +103,10 @@ void render(Session& session, const RenderOptions& options, Preview& preview) {
   for (const std::string& path : options.outputs) files.push_back(add(path));
   std::optional<PictureFile> error_file;
   if (!options.error_output.empty()) error_file = add(options.error_output);
+  // --skip-existing would take it for the picture.
+  if (options.frame != nullptr) {
+    for (PictureFile& file : files) file.keep_no_preview();
+  }
   preview.begin(files, options.exposure_ev);
   const absl::Cleanup no_more = [&preview] { preview.files_done(); };  // before they go
 

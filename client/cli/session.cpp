@@ -166,7 +166,9 @@ const client::CallOptions& Session::call_options() {
 }
 
 void Session::fail_if_ended(const absl::Status& status) const {
-  if (stop_.stop_requested()) throw CommandError(kServerSaidNo, "interrupted");
+  if (stop_.stop_requested()) {
+    throw CommandError(static_cast<ExitStatus>(kSignal + signal_), "interrupted");
+  }
   if (absl::IsDeadlineExceeded(status) && timeout_s_) {
     throw CommandError(kServerSaidNo, fmt::format("no answer within --timeout {} s", *timeout_s_));
   }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <atomic>
 #include <optional>
 #include <stdexcept>
 #include <stop_token>
@@ -18,6 +19,7 @@ enum ExitStatus : int {
   kDone = 0,
   kServerSaidNo = 1,  ///< or it cannot be reached, or an item has no answer
   kWrongUse = 2,      ///< flags, numbers or files that cannot be taken
+  kSignal = 128,      ///< and the number of the signal that interrupted it, as shells tell it
 };
 
 /// Ends the program with a message.
@@ -37,7 +39,9 @@ class CommandError : public std::runtime_error {
 /// which any of them can answer.
 class Session {
  public:
-  explicit Session(std::stop_token stop) : stop_(std::move(stop)) {}
+  /// `signal` is which one it was by the time that `stop` is requested, and outlives the session.
+  Session(std::stop_token stop, const std::atomic<int>& signal)
+      : stop_(std::move(stop)), signal_(signal) {}
 
   /// --server, --allow-mixed, --timeout and --json, which may stand before or after the subcommand.
   void add_options(CLI::App& app);
@@ -89,6 +93,7 @@ class Session {
   std::optional<double> timeout_s_;
   bool json_ = false;
   std::stop_token stop_;
+  const std::atomic<int>& signal_;
   bool allow_mixed_ = false;
   std::optional<client::Client> client_;
   std::optional<client::QueryServers> servers_;

@@ -95,6 +95,19 @@ TEST_F(PreviewTest, PngsAreRedrawnAsTilesComeAndOtherFilesAreNot) {
   EXPECT_EQ(entries(), 3U);
 }
 
+TEST_F(PreviewTest, OfTilesThatComeFasterThanTheyAreDrawnTheNewestAreShown) {
+  create({"b.png"});
+  Preview preview({.redraw_s = 0.1}, {path("b.png")});
+  preview.begin(files_, 0);
+  for (const double value : {1.0, 0.5, 0.0, 0.25}) {
+    add(preview, row(0, 1 - value));
+    add(preview, row(1, value));
+  }
+  add(preview, row(0, 0.25));
+  EXPECT_TRUE(becomes("b.png", 137, 137));
+  preview.files_done();
+}
+
 TEST_F(PreviewTest, OfARenderThatEndsEarlyTheLastPreviewStays) {
   create({"b.png"});
   {
@@ -105,6 +118,22 @@ TEST_F(PreviewTest, OfARenderThatEndsEarlyTheLastPreviewStays) {
   }
   files_.clear();
   EXPECT_TRUE(becomes("b.png", 137, 0));
+  EXPECT_EQ(entries(), 1U);
+}
+
+TEST_F(PreviewTest, WhereItIsNotToStayOnlyWhatIsWrittenDoes) {
+  create({"whole.png", "half.png"});
+  for (PictureFile& file : files_) file.keep_no_preview();
+  Preview preview({.redraw_s = 0.1}, {path("whole.png"), path("half.png")});
+  preview.begin(files_, 0);
+  add(preview, row(0, 0.25));
+  EXPECT_TRUE(becomes("half.png", 137, 0));
+  preview.files_done();
+  const std::vector<float> pixels(18, 0.25F);
+  ASSERT_TRUE(files_[0].write({.width = 3, .height = 2, .rgb = pixels}, 0).ok());
+  files_.clear();
+  EXPECT_TRUE(becomes("whole.png", 137, 137));
+  EXPECT_FALSE(fs::exists(path("half.png")));
   EXPECT_EQ(entries(), 1U);
 }
 

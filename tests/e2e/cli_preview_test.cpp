@@ -3,6 +3,7 @@
 #include "tests/tev_receiver.h"
 // After Protobuf's headers, which need macros that this one takes away.
 #include <OpenImageIO/imageio.h>
+#include <signal.h>
 
 #include <algorithm>
 
@@ -44,6 +45,16 @@ class CliPreview : public Cli {
     EXPECT_TRUE(TevReceiver::wait_for([&] { return viewer.images()[picture_].rgb == expected; }));
     EXPECT_GE(viewer.images()[picture_].updates, updates);
     EXPECT_THAT(viewer.faults(), IsEmpty());
+  }
+  /// Of a render that would take minutes, ended by this signal when a preview is there.
+  Outcome interrupt(std::vector<std::string> arguments, const std::string& preview, int signal) {
+    arguments.insert(arguments.begin(), {LUCERNA_CLI, "render"});
+    arguments.insert(arguments.end(), {"--samples", "16384", "--tile-size", "8", "--preview=0.1"});
+    return run_program(std::move(arguments), {}, {{"LUCERNA_SERVER", server_->target()}},
+                       [&](pid_t program) {
+                         EXPECT_TRUE(TevReceiver::wait_for([&] { return fs::exists(preview); }));
+                         ::kill(program, signal);
+                       });
   }
   void TearDown() override { fs::remove(picture_); }
 
@@ -143,6 +154,38 @@ TEST_F(CliPreview, OfARenderThatEndsEarlyThePngStaysAsItWas) {
   EXPECT_EQ(pixels(path("early.png")).size(), 160U * 120 * 3);  // of tiles that came by then
   fs::remove(path("early.png"));
   EXPECT_EQ(files(), before);
+}
+
+TEST_F(CliPreview, WhatIsInterruptedEndsWithTheSignalAndItsLastPreviewStays) {
+  const std::vector<std::string> before = files();
+  const std::string png = path("early.png");
+  for (const int signal : {SIGINT, SIGTERM}) {
+    const Outcome outcome =
+        interrupt({"point.pbrt", "-o", png, "-o", path("early.exr")}, png, signal);
+    EXPECT_EQ(outcome.status, 128 + signal);
+    EXPECT_EQ(outcome.err, "lucerna: interrupted\n");
+    EXPECT_EQ(pixels(png).size(), 160U * 120 * 3);
+    fs::remove(png);
+    EXPECT_EQ(files(), before);
+  }
+}
+
+TEST_F(CliPreview, OfAnAnimationOnlyFramesThatAreWholeStay) {
+  const std::vector<std::string> before = files();
+  const std::string many = path("f.%d.png");
+  for (const std::vector<std::string>& servers :
+       {std::vector<std::string>{}, {"--servers", server_->target()}}) {
+    std::vector<std::string> arguments{"point.pbrt", "--frames", "1-2", "-o", many};
+    arguments.insert(arguments.end(), servers.begin(), servers.end());
+    const Outcome outcome = interrupt(arguments, path("f.1.png"), SIGTERM);
+    EXPECT_EQ(outcome.status, 143) << outcome.err;
+    EXPECT_EQ(files(), before);
+  }
+  const Outcome again = lucerna(
+      {"render", "point.pbrt", "--frames", "1-2", "-o", many, "--skip-existing", "--samples", "1"});
+  EXPECT_EQ(again.status, 0) << again.err;
+  EXPECT_EQ(count(again.out, "there already"), 0U) << again.out;
+  for (const char* name : {"f.1.png", "f.2.png"}) EXPECT_TRUE(fs::remove(path(name)));
 }
 
 TEST_F(CliPreview, APngThatIsRedrawnEndsAsOneThatIsNot) {

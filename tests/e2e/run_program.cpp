@@ -31,7 +31,8 @@ std::string take(int file) {
 }  // namespace
 
 Outcome run_program(std::vector<std::string> arguments, const std::string& input,
-                    const std::map<std::string, std::string>& environment) {
+                    const std::map<std::string, std::string>& environment,
+                    const std::function<void(pid_t)>& meanwhile) {
   std::vector<std::string> variables;
   for (char** variable = environ; *variable != nullptr; ++variable) {
     const std::string text = *variable;
@@ -56,6 +57,7 @@ Outcome run_program(std::vector<std::string> arguments, const std::string& input
     ::execve(argv[0], argv.data(), envp.data());
     ::_exit(127);
   }
+  if (child > 0 && meanwhile) meanwhile(child);
   int status = 0;
   if (child < 0 || ::waitpid(child, &status, 0) != child) std::abort();
   ::close(in);

@@ -1,6 +1,9 @@
 // Runs a program to its end and keeps all that it wrote.
 #pragma once
 
+#include <sys/types.h>
+
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -13,8 +16,10 @@ struct Outcome {
   std::string err;
 };
 
-/// `arguments[0]` is the program.  `environment` is added to this process's own.
+/// `arguments[0]` is the program.  `environment` is added to this process's own.  `meanwhile` is
+/// called with the program's id once it runs.
 Outcome run_program(std::vector<std::string> arguments, const std::string& input = {},
-                    const std::map<std::string, std::string>& environment = {});
+                    const std::map<std::string, std::string>& environment = {},
+                    const std::function<void(pid_t)>& meanwhile = {});
 
 }  // namespace lucerna
