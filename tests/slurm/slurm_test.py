@@ -143,6 +143,7 @@ class SlurmTest(unittest.TestCase):
         self.wait_until_it_renders(job)
         self.cluster.run("scancel", "--signal=KILL", f"{job}.0", f"{job}.1")
         self.assert_ends(job, "FAILED")
+        self.assertEqual(self.cluster.job(job)["ExitCode"], "1:0")
         self.assertIn("all servers have ended", self.log(job))
         self.assertIn(f"goes on from it: {self.journal(job)}\n", self.log(job))
 
@@ -152,6 +153,7 @@ class SlurmTest(unittest.TestCase):
         self.cluster.run("scancel", "--batch", "--signal=TERM", job)  # as --signal=B:TERM@30 does it
         self.assert_ends(job, "FAILED")
         self.assertIn("interrupted", self.log(job))
+        self.assertNotIn("all servers have ended", self.log(job))
         self.assertIn(f"goes on from it: {self.journal(job)}\n", self.log(job))
         # The same scene, whether it is uploaded or a file that the server sees.
         again = self.submit(SCENE.name, "-o", "room.pfm", *OPTIONS, "--journal", self.journal(job), nodes=1,
@@ -197,6 +199,8 @@ PATH=${PATH#*:} exec lucernad "$@"
         self.assertFalse((self.directory / "room.pfm").exists())
 
     def test_an_array_renders_a_frame_a_task(self):
+        self.directory /= "50%off"  # is in the journals' pattern
+        self.directory.mkdir()
         job = self.submit(MOVING, "--fps", "4", "-o", "frame.%04d.pfm", "--samples", "16", nodes=1,
                           options=("--array=1-4", "--cpus-per-task=1"))
         for frame in range(1, 5):
