@@ -3,6 +3,7 @@
 #include <grpcpp/generic/generic_stub.h>
 #include <grpcpp/grpcpp.h>
 
+#include <algorithm>
 #include <future>
 #include <optional>
 #include <utility>
@@ -160,6 +161,10 @@ void begin(Async* service,
 
 CallOptions CallOptions::within(std::chrono::duration<double> time) {
   return {.deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(time), .stop = {}};
+}
+
+CallOptions CallOptions::at_most(std::chrono::duration<double> time) const {
+  return {.deadline = std::min(deadline, within(time).deadline), .stop = stop};
 }
 
 class Client::Connection {

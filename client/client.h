@@ -52,6 +52,8 @@ struct CallOptions {
 
   /// A deadline this long from now.
   static CallOptions within(std::chrono::duration<double> time);
+  /// These, with a deadline no later than this long from now.
+  CallOptions at_most(std::chrono::duration<double> time) const;
 };
 
 /// One connection to one server.

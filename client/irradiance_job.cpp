@@ -10,7 +10,6 @@
 #include <span>
 #include <utility>
 
-#include "client/ask_for_scene.h"
 #include "client/journal.h"
 #include "client/result_file.h"
 #include "proto/answer_size.h"
@@ -123,18 +122,24 @@ absl::StatusOr<ResultFile> open_results(const IrradianceJobOptions& options) {
 /// The pieces of one set.
 class Irradiance final : public Work {
  public:
-  Irradiance(const IrradianceJobOptions& options, const Double3& origin, ResultFile results)
+  Irradiance(const IrradianceJobOptions& options, Survey survey, ResultFile results,
+             const Limits& limits)
       : options_(options),
         receivers_(*options.receivers),
-        origin_(origin),
-        results_(std::move(results)) {}
+        survey_(std::move(survey)),
+        results_(std::move(results)),
+        limits_(limits) {}
 
   /// Finds out what is still to be done, and cuts it into pieces.
-  absl::Status begin(const std::string& job, std::uint32_t items_per_piece) {
+  absl::Status begin(const v1::SceneSummary& scene,
+                     const v1::GetServerInfoResponse& server) override {
+    const std::uint32_t items_per_piece = options_.items_per_piece > 0
+                                              ? options_.items_per_piece
+                                              : limits_.items_per_piece(options_.request);
     if (!options_.journal.empty()) {
-      auto journal = Journal::open(options_.journal, job, [this](const std::string& record) {
-        return from_journal(record);
-      });
+      auto journal =
+          Journal::open(options_.journal, name(scene, server),
+                        [this](const std::string& record) { return from_journal(record); });
       if (!journal.ok()) return journal.status();
       journal_.emplace(*std::move(journal));
     }
@@ -180,7 +185,7 @@ class Irradiance final : public Work {
     }
     v1::EstimateIrradianceRequest request = options_.request;
     request.set_scene_id(scene_id);
-    *request.mutable_receivers() = make_points(points_, origin_);
+    *request.mutable_receivers() = make_points(points_, survey_.origin);
     request.mutable_normals()->Assign(normals_.begin(), normals_.end());
     request.mutable_seed()->set_first_item(options_.request.seed().first_item() + run.first);
     client.estimate_irradiance(request, options,
@@ -210,6 +215,16 @@ class Irradiance final : public Work {
   }
 
  private:
+  /// What the journal is of.
+  std::string name(const v1::SceneSummary& scene, const v1::GetServerInfoResponse& server) const {
+    v1::EstimateIrradianceRequest named = options_.request;
+    named.set_scene_id(scene.scene_id());
+    named.mutable_accuracy()->set_samples(samples_of(options_.request));
+    std::string job = named.SerializeAsString() + survey_.digest;
+    if (!options_.job.allow_mixed) job += server.fingerprint().digest();
+    return hexadecimal(sha256(job));
+  }
+
   /// A record whose rows are not in the file, as after a loss of power, is of no worth.
   absl::Status from_journal(const std::string& bytes) {
     JournalRecord record{};
@@ -282,8 +297,9 @@ class Irradiance final : public Work {
 
   const IrradianceJobOptions& options_;
   ReceiverSource& receivers_;
-  const Double3 origin_;
+  const Survey survey_;
   ResultFile results_;
+  const Limits& limits_;
   std::optional<Journal> journal_;
   std::vector<Run> done_;  // while the journal is read
   std::size_t lost_ = 0;   // of its records
@@ -313,37 +329,22 @@ absl::StatusOr<IrradianceJobResult> run_irradiance_job(const IrradianceJobOption
     return absl::InvalidArgumentError("per_light = true: results have no place for shares");
   auto results = open_results(options);
   if (!results.ok()) return results.status();
-  const auto surveyed = survey(*options.receivers);
+  auto surveyed = survey(*options.receivers);
   if (!surveyed.ok()) return surveyed.status();
 
   Limits limits;
-  AskForScene scene;
-  JobOptions ask = options.job;
-  ask.on_progress = {};
-  ask.load = [&](const Client& client,
+  JobOptions job = options.job;
+  job.load = [&](const Client& client,
                  const CallOptions& call) -> absl::StatusOr<v1::LoadSceneResponse> {
     if (absl::Status s = limits.ask(client, call); !s.ok()) return s;
     return options.job.load(client, call);
   };
-  const auto asked = run_job(scene, ask);
-  if (!asked.ok()) return asked.status();
-
-  v1::EstimateIrradianceRequest named = options.request;
-  named.set_scene_id(scene.summary.scene_id());
-  named.mutable_accuracy()->set_samples(samples_of(options.request));
-  std::string job = named.SerializeAsString() + surveyed->digest;
-  if (!options.job.allow_mixed) job += asked->fingerprints.front();
-  Irradiance irradiance(options, surveyed->origin, *std::move(results));
-  const std::uint32_t items = options.items_per_piece > 0 ? options.items_per_piece
-                                                          : limits.items_per_piece(options.request);
-  if (absl::Status s = irradiance.begin(hexadecimal(sha256(job)), items); !s.ok()) return s;
+  Irradiance irradiance(options, *std::move(surveyed), *std::move(results), limits);
+  auto report = run_job(irradiance, job);
+  if (!irradiance.failed().ok()) return irradiance.failed();
+  if (!report.ok()) return report.status();
   IrradianceJobResult result;
-  if (irradiance.size() > 0) {
-    auto report = run_job(irradiance, options.job);
-    if (!irradiance.failed().ok()) return irradiance.failed();
-    if (!report.ok()) return report.status();
-    result.report = *std::move(report);
-  }
+  result.report = *std::move(report);
   irradiance.put(result);
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begun;
   result.cost.set_wall_time_s(wall.count());

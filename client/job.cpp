@@ -26,17 +26,12 @@ constexpr std::chrono::seconds kAskForServers(2);
 // Calls that only ask; who takes longer is not there.
 constexpr std::chrono::seconds kPatience(10);
 
-CallOptions soon(CallOptions call) {
-  call.deadline = std::min<CallOptions::Clock::time_point>(call.deadline,
-                                                           CallOptions::Clock::now() + kPatience);
-  return call;
-}
-
 /// A server that has the scene.
 struct Ready {
   Client client;
-  std::string fingerprint;
-  std::string scene_id, lease_id;
+  v1::GetServerInfoResponse info;
+  v1::SceneSummary scene;
+  std::string lease_id;
 };
 
 struct Listed {
@@ -95,8 +90,7 @@ class Job final : JobSchedule::Channel {
   Job(Work& work, const JobOptions& options)
       : work_(work),
         options_(options),
-        schedule_(work.size(),
-                  {.window = std::max(options.window, 1),
+        schedule_({.window = std::max(options.window, 1),
                    .allow_mixed = options.allow_mixed,
                    .seed = std::random_device{}()},
                   *this, begun_) {}
@@ -104,7 +98,7 @@ class Job final : JobSchedule::Channel {
   absl::StatusOr<JobReport> run() {
     const std::stop_callback stopped(options_.call.stop, [this] { events_.wake(); });
     const std::jthread lister([this](const std::stop_token& stop) { ask_for_servers(stop); });
-    while (!schedule_.over() && accepted_.ok()) {
+    while (!schedule_.over() && work_status_.ok()) {
       const Clock::time_point due = schedule_.advance(Clock::now());
       for (Event& event : events_.wait(std::min(due, deadline())))
         std::visit([this](auto& e) { take(e); }, event);
@@ -114,7 +108,7 @@ class Job final : JobSchedule::Channel {
         schedule_.end(
             absl::DeadlineExceededError("the deadline passed before all pieces were done"));
     }
-    if (!accepted_.ok()) return accepted_;
+    if (!work_status_.ok()) return work_status_;
     if (!schedule_.status().ok()) return schedule_.status();
     return JobReport{schedule_.fingerprints(), schedule_.duplicates()};
   }
@@ -122,7 +116,7 @@ class Job final : JobSchedule::Channel {
   /// Stops what is under way, and waits for it to be over: it holds on to the work.
   ~Job() {
     preparing_.request_stop();
-    for (auto& [attempt, stop] : attempts_) stop.request_stop();
+    for (auto& [id, attempt] : attempts_) attempt.stop.request_stop();
     while (under_way_ > 0) {
       for (const Event& event : events_.wait(Clock::time_point::max()))
         under_way_ -= std::holds_alternative<Listed>(event) ? 0 : 1;
@@ -133,6 +127,12 @@ class Job final : JobSchedule::Channel {
   struct Server {
     std::optional<Ready> ready;
     std::jthread preparing;
+  };
+  /// A call that is under way.  With the client, which else might end in the thread that answers
+  /// the call, when the server is made ready anew meanwhile (see Client::Done).
+  struct Attempt {
+    std::stop_source stop;
+    Client client;
   };
 
   /// Of the job as a whole, by the clock that waiting goes by.
@@ -171,11 +171,15 @@ class Job final : JobSchedule::Channel {
   absl::StatusOr<Ready> make_ready(const std::string& target, const CallOptions& call) const {
     auto client = Client::connect({.target = target, .retry = false});
     if (!client.ok()) return client.status();
-    const auto info = client->get_server_info({}, soon(call));
+    auto info = client->get_server_info({}, call.at_most(kPatience));
     if (!info.ok()) return info.status();
-    auto loaded = options_.load(*client, call);
+    const auto loaded = options_.load(*client, call);
     if (!loaded.ok()) return loaded.status();
-    return Ready{*std::move(client), info->fingerprint().digest(), loaded->scene_id(),
+    v1::GetSceneRequest request;
+    request.set_scene_id(loaded->scene_id());
+    auto scene = client->get_scene(request, call.at_most(kPatience));
+    if (!scene.ok()) return scene.status();
+    return Ready{*std::move(client), *std::move(info), std::move(*scene->mutable_summary()),
                  loaded->lease_id()};
   }
 
@@ -183,24 +187,27 @@ class Job final : JobSchedule::Channel {
     ++under_way_;
     const Ready& ready = *servers_[id].ready;
     v1::RenewLeaseRequest request;
-    request.set_scene_id(ready.scene_id);
+    request.set_scene_id(ready.scene.scene_id());
     request.set_lease_id(ready.lease_id);
     request.set_lease_s(static_cast<double>(kJobLease.count()));
-    ready.client.renew_lease(request, soon(call(preparing_)), [this, id](const auto& answer) {
-      events_.post(Renewed{id, answer.status()});
-    });
+    renewals_.insert_or_assign(id, ready.client);
+    ready.client.renew_lease(request, call(preparing_).at_most(kPatience),
+                             [this, id](const auto& answer) {
+                               events_.post(Renewed{id, answer.status()});
+                             });
   }
 
   void start(AttemptId attempt, ServerId id, std::size_t piece) override {
     ++under_way_;
     const Ready& ready = *servers_[id].ready;
-    work_.start(piece, ready.client, ready.scene_id, call(attempts_[attempt]),
+    const Attempt& begun = attempts_.emplace(attempt, Attempt{{}, ready.client}).first->second;
+    work_.start(piece, begun.client, ready.scene.scene_id(), call(begun.stop),
                 [this, attempt](absl::StatusOr<Work::Result> answer) {
                   events_.post(Finished{attempt, std::move(answer)});
                 });
   }
 
-  void cancel(AttemptId attempt) override { attempts_.at(attempt).request_stop(); }
+  void cancel(AttemptId attempt) override { attempts_.at(attempt).stop.request_stop(); }
 
   void say(const std::string& event) override {
     if (options_.on_event) options_.on_event(event);
@@ -214,7 +221,9 @@ class Job final : JobSchedule::Channel {
     --under_way_;
     absl::StatusOr<JobSchedule::Prepared> answer;
     if (event.answer.ok()) {
-      answer = JobSchedule::Prepared{event.answer->fingerprint, event.answer->scene_id};
+      const Ready& ready = *event.answer;
+      answer = JobSchedule::Prepared{ready.info.fingerprint().digest(), ready.scene.scene_id()};
+      if (!begun_work_) begin_work(ready);
       servers_[event.server].ready.emplace(*std::move(event.answer));
     } else {
       answer = event.answer.status();
@@ -223,8 +232,15 @@ class Job final : JobSchedule::Channel {
     progress();
   }
 
+  void begin_work(const Ready& ready) {
+    begun_work_ = true;
+    work_status_ = work_.begin(ready.scene, ready.info);
+    if (work_status_.ok()) schedule_.set_pieces(work_.size());
+  }
+
   void take(Renewed& event) {
     --under_way_;
+    renewals_.erase(event.server);
     schedule_.renewed(event.server, event.answer, Clock::now());
   }
 
@@ -233,8 +249,8 @@ class Job final : JobSchedule::Channel {
     const std::size_t piece = schedule_.pieces().attempt(event.attempt).piece;
     attempts_.erase(event.attempt);
     // First the server gets its next piece, then this one is taken.
-    if (schedule_.finished(event.attempt, event.answer.status(), Clock::now()) && accepted_.ok())
-      accepted_ = work_.accept(piece, *std::move(event.answer));
+    if (schedule_.finished(event.attempt, event.answer.status(), Clock::now()) && work_status_.ok())
+      work_status_ = work_.accept(piece, *std::move(event.answer));
     progress();
   }
 
@@ -250,9 +266,11 @@ class Job final : JobSchedule::Channel {
   const Clock::time_point begun_ = Clock::now();
   Events events_;
   std::stop_source preparing_;
-  std::unordered_map<AttemptId, std::stop_source> attempts_;
-  std::size_t under_way_ = 0;  // answers that are still to come
-  absl::Status accepted_;
+  std::unordered_map<AttemptId, Attempt> attempts_;
+  std::unordered_map<ServerId, Client> renewals_;  // under way, likewise
+  std::size_t under_way_ = 0;                      // answers that are still to come
+  bool begun_work_ = false;
+  absl::Status work_status_;
   JobSchedule schedule_;
   std::map<ServerId, Server> servers_;  // the last: its threads use the above
 };

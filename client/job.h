@@ -30,7 +30,11 @@ class Work {
   using Done = std::function<void(absl::StatusOr<Result>)>;
 
   virtual ~Work() = default;
-  /// Pieces that are still to be done when the job begins, numbered from 0.
+  /// Called once and before the others, as soon as a first server has the scene: finds out what the
+  /// pieces are.  An error ends the job.
+  virtual absl::Status begin(const v1::SceneSummary& scene,
+                             const v1::GetServerInfoResponse& server) = 0;
+  /// Pieces that are still to be done then, numbered from 0.
   virtual std::size_t size() const = 0;
   /// Begins a piece on one server, which holds the scene, and returns at once; perhaps twice for a
   /// piece.  `done` is called once, by any thread, soon where `options.stop` asks for it.
@@ -91,7 +95,7 @@ struct JobReport {
 /// Errors: the list of servers when it cannot be had at all; FAILED_PRECONDITION for servers of
 /// different fingerprints or whose scenes differ; what servers say of the request or the scene
 /// (INVALID_ARGUMENT, NOT_FOUND, ...); INTERNAL after a piece failed so on three tries; CANCELLED
-/// and DEADLINE_EXCEEDED by `call`; those of Work::accept.
+/// and DEADLINE_EXCEEDED by `call`; those of Work::begin and Work::accept.
 absl::StatusOr<JobReport> run_job(Work& work, const JobOptions& options);
 
 }  // namespace lucerna::client

@@ -18,6 +18,8 @@ constexpr milliseconds kLongestBackoff(3000);
 constexpr seconds kRenewAfter(20);
 // With servers that start when the job does.
 constexpr seconds kPatience(2);
+// A server that has no room for the scene is asked again after so long at most.
+constexpr seconds kBusy(10);
 constexpr int kMostFailures = 3;
 
 /// Whether it is the server that failed and not the request.
@@ -29,8 +31,13 @@ bool is_gone(const absl::Status& status) {
 
 }  // namespace
 
-JobSchedule::JobSchedule(std::size_t pieces, const Options& options, Channel& channel, Time now)
-    : options_(options), channel_(channel), begun_(now), pieces_(pieces), random_(options.seed) {}
+JobSchedule::JobSchedule(const Options& options, Channel& channel, Time now)
+    : options_(options), channel_(channel), begun_(now), random_(options.seed) {}
+
+void JobSchedule::set_pieces(std::size_t count) {
+  pieces_ = JobPieces(count);
+  has_pieces_ = true;
+}
 
 void JobSchedule::set(Server& server, bool Server::*flag, bool value) {
   answering_ -= server.answers() ? 1 : 0;
@@ -65,8 +72,10 @@ void JobSchedule::list(const absl::StatusOr<std::vector<std::string>>& targets, 
     Server& server = servers_.emplace_back();
     server.target = target;
     server.backoff = kFirstBackoff;
+    server.came_later = listed_once_;
     serve(servers_.size() - 1, now);
   }
+  listed_once_ = true;
 }
 
 void JobSchedule::wake(ServerId id, Time when) {
@@ -116,31 +125,35 @@ void JobSchedule::feed(Time now) {
   }
 }
 
+void JobSchedule::exclude(Server& server, const std::string& why) {
+  server.excluded = true;
+  const auto may_help = [](const Server& s) { return s.listed && !s.excluded; };
+  if (std::any_of(servers_.begin(), servers_.end(), may_help)) {
+    channel_.say(why + "; goes on without " + server.target);
+  } else {
+    end(absl::FailedPreconditionError(why + "; no other server is left"));
+  }
+}
+
 bool JobSchedule::fits(Server& server, const Prepared& answer) {
-  const auto has = [](const Server& s) { return !s.fingerprint.empty() && !s.excluded; };
-  const auto other = std::find_if(servers_.begin(), servers_.end(), has);
-  if (other == servers_.end()) return true;
-  if (answer.fingerprint != other->fingerprint && !options_.allow_mixed) {
-    const std::string what = server.target + " (" + answer.fingerprint + ") and " + other->target +
-                             " (" + other->fingerprint +
-                             ") have different numeric fingerprints: their results would differ "
-                             "in last places";
-    if (server.fingerprint.empty()) {
-      end(absl::FailedPreconditionError(what));
-    } else {
-      // Started again as another build: the job is done without it.
-      server.excluded = true;
-      channel_.say(what + "; goes on without " + server.target);
-    }
-    return false;
+  if (!first_) first_ = {server.target, answer};
+  const auto& [target, first] = *first_;
+  std::string why;
+  if (answer.fingerprint != first.fingerprint && !options_.allow_mixed) {
+    why = server.target + " (" + answer.fingerprint + ") and " + target + " (" + first.fingerprint +
+          ") have different numeric fingerprints: their results would differ in last places";
+  } else if (answer.scene_id != first.scene_id) {
+    why = "the scene of " + server.target + " is " + answer.scene_id + ", that of " + target +
+          " is " + first.scene_id + ": their files differ";
   }
-  if (answer.scene_id != other->scene_id) {
-    end(absl::FailedPreconditionError("the scene of " + server.target + " is " + answer.scene_id +
-                                      ", that of " + other->target + " is " + other->scene_id +
-                                      ": their files differ"));
-    return false;
+  if (why.empty()) return true;
+  if (server.came_later || !server.fingerprint.empty()) {
+    // A job that runs is done without it.
+    exclude(server, why);
+  } else {
+    end(absl::FailedPreconditionError(why));
   }
-  return true;
+  return false;
 }
 
 void JobSchedule::prepared(ServerId id, const absl::StatusOr<Prepared>& answer, Time now) {
@@ -149,14 +162,11 @@ void JobSchedule::prepared(ServerId id, const absl::StatusOr<Prepared>& answer, 
   if (over()) return;
   if (!answer.ok()) return failed(id, answer.status(), now);
   if (!fits(server, *answer)) return;
-  const bool is_new = server.fingerprint.empty();
+  server.is_news = server.told_failure || (server.fingerprint.empty() && pieces_.done_count() > 0);
   server.fingerprint = answer->fingerprint;
-  server.scene_id = answer->scene_id;
   set(server, &Server::ready, true);
   server.renewed = now;
-  if (server.told_failure || (is_new && pieces_.done_count() > 0))
-    channel_.say(server.target + " answers");
-  server.told_failure = false;
+  server.told_busy = false;
   serve(id, now);
 }
 
@@ -191,6 +201,10 @@ bool JobSchedule::finished(AttemptId attempt, const absl::Status& answer, Time n
       fingerprints_.push_back(server.fingerprint);
   }
   duplicates_ += answer.ok() && was_done ? 1 : 0;
+  if (answer.ok() && server.is_news) {
+    channel_.say(server.target + " answers");
+    server.is_news = server.told_failure = false;
+  }
   pieces_.end(attempt);
   if (over()) return counts;
   if (!answer.ok() && !was_done && server.listed) failed_piece(id, piece, answer, now);
@@ -207,30 +221,52 @@ void JobSchedule::failed_piece(ServerId id, std::size_t piece, const absl::Statu
     if (server.ready || !is_gone(status)) failed(id, status, now);
     return;
   }
-  // It lost the scene, or itself: try anew, and not for ever.
-  if (++failures_[piece] >= kMostFailures) return end(from_server(server.target, status));
+  // It lost the scene, or itself: try anew, here or elsewhere, and not for ever.
+  Failures& failures = failures_[piece];
+  ++failures.count;
+  failures.servers.insert(id);
+  const auto may_help = [](const Server& s) { return s.listed && !s.excluded; };
+  const auto others = std::count_if(servers_.begin(), servers_.end(), may_help);
+  if (failures.count >= kMostFailures && static_cast<std::ptrdiff_t>(failures.servers.size()) >=
+                                             std::min<std::ptrdiff_t>(kMostFailures, others))
+    return end(from_server(server.target, status));
+  tell_failure(server, " failed: " + std::string(status.message()));
   set(server, &Server::ready, false);
+  back_off(server, now);
 }
 
 void JobSchedule::failed(ServerId id, const absl::Status& status, Time now) {
   Server& server = servers_[id];
   if (const auto delay = retry_delay(status)) {  // it is there, and busy
-    server.not_before = now + *delay;
+    // With others' leases that may be long; perhaps they are given up before.
+    server.not_before =
+        now + (server.ready ? Time::duration(*delay) : std::min<Time::duration>(*delay, kBusy));
+    if (!server.ready && !server.told_busy) {
+      channel_.say(server.target + " cannot take the scene now: " + std::string(status.message()));
+      server.told_busy = true;
+    }
     return serve(id, now);
   }
   if (!is_gone(status)) return end(from_server(server.target, status));
   set(server, &Server::ready, false);
   // One that was never there may be about to start.
-  const bool worth_telling = !server.fingerprint.empty() || now - begun_ > kPatience;
-  if (worth_telling && !server.told_failure && server.listed) {
-    channel_.say(server.target + " does not answer: " + std::string(status.message()));
-    server.told_failure = true;
-  }
+  if (!server.fingerprint.empty() || now - begun_ > kPatience)
+    tell_failure(server, " does not answer: " + std::string(status.message()));
+  back_off(server, now);
+  serve(id, now);
+}
+
+void JobSchedule::tell_failure(Server& server, const std::string& what) {
+  if (server.told_failure || !server.listed) return;
+  channel_.say(server.target + what);
+  server.told_failure = true;
+}
+
+void JobSchedule::back_off(Server& server, Time now) {
   std::uniform_real_distribution<double> jitter(0.7, 1.3);
   server.not_before =
       now + std::chrono::duration_cast<Time::duration>(server.backoff * jitter(random_));
   server.backoff = std::min(2 * server.backoff, kLongestBackoff);
-  serve(id, now);
 }
 
 JobSchedule::Time JobSchedule::advance(Time now) {
@@ -238,7 +274,9 @@ JobSchedule::Time JobSchedule::advance(Time now) {
   const bool alone = answering_ == 0;
   if (!alone) told_alone_ = false;
   if (alone && !told_alone_ && now - begun_ > kPatience) {
-    channel_.say("no server answers: waiting");
+    const auto is_busy = [](const Server& s) { return s.told_busy && s.listed; };
+    if (std::none_of(servers_.begin(), servers_.end(), is_busy))
+      channel_.say("no server answers: waiting");
     told_alone_ = true;
   }
   Time next = due_.empty() ? Time::max() : due_.begin()->first;

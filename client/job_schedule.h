@@ -9,6 +9,7 @@
 #include <chrono>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <random>
 #include <set>
 #include <string>
@@ -56,7 +57,11 @@ class JobSchedule {
     std::uint32_t seed = 0;
   };
 
-  JobSchedule(std::size_t pieces, const Options& options, Channel& channel, Time now);
+  JobSchedule(const Options& options, Channel& channel, Time now);
+
+  /// How many pieces there are; called once.  Until then servers are made ready, and the job is not
+  /// over.
+  void set_pieces(std::size_t count);
 
   /// Who is there now, each once.  An error where that is not known counts only as long as no
   /// server ever was: then it ends the job.
@@ -70,7 +75,7 @@ class JobSchedule {
   /// The job ends with this, unless it is over.
   void end(const absl::Status& status);
 
-  bool over() const { return !status_.ok() || pieces_.all_done(); }
+  bool over() const { return !status_.ok() || (has_pieces_ && pieces_.all_done()); }
   /// What ended the job; OK while it runs and when all is done.
   const absl::Status& status() const { return status_; }
   const JobPieces& pieces() const { return pieces_; }
@@ -83,13 +88,15 @@ class JobSchedule {
   struct Server {
     std::string target;
     std::string fingerprint;  // empty before it was first prepared
-    std::string scene_id;
-    bool listed = true;  // among those that are there
-    bool ready = false;  // has the scene
+    bool listed = true;       // among those that are there
+    bool ready = false;       // has the scene
     bool preparing = false;
     bool renewing = false;
     bool excluded = false;  // for good: another build than it was
     bool told_failure = false;
+    bool told_busy = false;
+    bool is_news = false;     // that it answers
+    bool came_later = false;  // than the first list
     int in_flight = 0;
     std::chrono::milliseconds backoff{};
     Time not_before{};  // no attempt earlier
@@ -97,6 +104,12 @@ class JobSchedule {
     Time due = Time::max();  // of its entry in due_
 
     bool answers() const { return listed && ready; }
+  };
+
+  /// At a piece, that may be the piece's own fault.
+  struct Failures {
+    int count = 0;
+    std::set<ServerId> servers;
   };
 
   /// Changes what answers() depends on.
@@ -107,6 +120,10 @@ class JobSchedule {
   void feed(Time now);
   void wake(ServerId id, Time when);
   bool start_one(ServerId id, Time now);
+  /// Takes the server's part from it for good; ends the job where no other is left.
+  void exclude(Server& server, const std::string& why);
+  void tell_failure(Server& server, const std::string& what);
+  void back_off(Server& server, Time now);
   /// Whether the server may take part; if not, what follows from that is done.
   bool fits(Server& server, const Prepared& answer);
   void failed(ServerId id, const absl::Status& status, Time now);
@@ -115,17 +132,20 @@ class JobSchedule {
   const Options options_;
   Channel& channel_;
   const Time begun_;
-  JobPieces pieces_;
+  JobPieces pieces_{0};
+  bool has_pieces_ = false;
   absl::Status status_;
   std::vector<Server> servers_;
   std::map<std::string, ServerId> by_target_;
   std::set<ServerId> hungry_;                // that could do more than there is
   std::set<std::pair<Time, ServerId>> due_;  // when a server is to be served again
   std::size_t answering_ = 0;
-  std::map<std::size_t, int> failures_;  // by piece
+  std::map<std::size_t, Failures> failures_;  // by piece
   std::vector<std::string> fingerprints_;
   std::size_t duplicates_ = 0;
   bool told_alone_ = false;
+  bool listed_once_ = false;
+  std::optional<std::pair<std::string, Prepared>> first_;  // what all others must fit
   std::minstd_rand random_;
 };
 

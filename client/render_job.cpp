@@ -8,7 +8,6 @@
 #include <optional>
 #include <utility>
 
-#include "client/ask_for_scene.h"
 #include "client/journal.h"
 #include "proto/sample_blocks.h"
 #include "proto/sha256.h"
@@ -27,11 +26,12 @@ bool same(const v1::PixelRect& a, const v1::PixelRect& b) {
 /// The pieces of one picture.
 class Render final : public Work {
  public:
-  Render(const RenderJobOptions& options, const v1::SceneSummary& scene)
-      : options_(options), scene_(scene) {}
+  explicit Render(const RenderJobOptions& options) : options_(options) {}
 
-  /// Finds out what the pieces are, and which of them the journal has.
-  absl::Status begin(const std::string& fingerprint) {
+  /// Which pieces there are, and which of them the journal has.
+  absl::Status begin(const v1::SceneSummary& scene,
+                     const v1::GetServerInfoResponse& server) override {
+    scene_ = scene;
     const v1::RenderImageRequest& request = options_.request;
     const std::uint32_t hint =
         scene_.samples_per_pixel() > 0 ? scene_.samples_per_pixel() : kDefaultSamples;
@@ -56,7 +56,7 @@ class Render final : public Work {
     named.set_samples_per_block(per_block_);
     named.set_tile_size(edge);
     std::string job = named.SerializeAsString() + std::to_string(options_.samples_per_piece);
-    if (!options_.job.allow_mixed) job += fingerprint;
+    if (!options_.job.allow_mixed) job += server.fingerprint().digest();
     auto journal =
         Journal::open(options_.journal, hexadecimal(sha256(job)),
                       [this](const std::string& record) { return from_journal(record); });
@@ -199,7 +199,7 @@ class Render final : public Work {
   }
 
   const RenderJobOptions& options_;
-  const v1::SceneSummary& scene_;
+  v1::SceneSummary scene_;
   std::uint32_t per_block_ = 1;
   std::vector<Run> runs_;  // of blocks, in order
   std::uint32_t edge_ = 1;
@@ -217,21 +217,13 @@ class Render final : public Work {
 
 absl::StatusOr<RenderJobResult> run_render_job(const RenderJobOptions& options) {
   const auto begun = std::chrono::steady_clock::now();
-  AskForScene scene;
-  JobOptions ask = options.job;
-  ask.on_progress = {};
-  const auto asked = run_job(scene, ask);
-  if (!asked.ok()) return asked.status();
-  Render render(options, scene.summary);
-  if (absl::Status s = render.begin(asked->fingerprints.front()); !s.ok()) return s;
-  const std::size_t to_do = render.size();
-  absl::StatusOr<JobReport> report = JobReport{};
-  if (to_do > 0) report = run_job(render, options.job);
+  Render render(options);
+  auto report = run_job(render, options.job);
   if (!report.ok()) return report.status();
   absl::StatusOr<Picture> picture = render.picture();
   if (!picture.ok()) return picture.status();
   RenderJobResult result{*std::move(picture), *std::move(report), render.pieces(),
-                         render.pieces() - to_do, render.cost()};
+                         render.pieces() - render.size(), render.cost()};
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begun;
   result.cost.set_wall_time_s(wall.count());
   return result;

@@ -60,7 +60,8 @@ class Recorder final : public JobSchedule::Channel {
 class JobScheduleTest : public ::testing::Test {
  protected:
   void make(std::size_t pieces, int servers, int window = 2) {
-    schedule_.emplace(pieces, JobSchedule::Options{.window = window}, channel_, now_);
+    schedule_.emplace(JobSchedule::Options{.window = window}, channel_, now_);
+    schedule_->set_pieces(pieces);
     std::vector<std::string> names;
     for (int i = 0; i < servers; ++i) names.push_back(std::string(1, static_cast<char>('a' + i)));
     schedule_->list(names, now_);
@@ -143,6 +144,7 @@ TEST_F(JobScheduleTest, AmongThoseToDuplicateTheOneWithTheFewestThenTheOneBegunF
   now_ += seconds(1);
   // The first piece is begun anew, and so after the second.
   schedule_->finished(channel_.take(0).at(0).attempt, absl::NotFoundError("scene_id"), now_);
+  pass(seconds(1));
   prepare(0);
   EXPECT_THAT(channel_.take_pieces(0), ElementsAre(0));
   EXPECT_THAT(channel_.take_pieces(1), ElementsAre(1));
@@ -297,6 +299,77 @@ TEST_F(JobScheduleTest, ABusyServerIsAskedWhenItSays) {
   EXPECT_THAT(channel_.events, IsEmpty());
   pass(seconds(2));
   EXPECT_EQ(channel_.starts.size(), 1U);
+}
+
+TEST_F(JobScheduleTest, ABrokenServerDoesNotEndWhatOthersCanDo) {
+  make(10, 3, 1);
+  for (const ServerId id : {0, 1, 2}) prepare(id);
+  const auto at_b = channel_.take(1);
+  // However often; the others are busy meanwhile.
+  for (int i = 0; i < 20; ++i) {
+    for (const auto& s : channel_.take(0))
+      schedule_->finished(s.attempt, absl::InternalError("broken"), now_);
+    pass(seconds(5));
+    prepare(0);
+  }
+  EXPECT_FALSE(schedule_->over());
+  EXPECT_THAT(channel_.events, ElementsAre("a failed: broken"));
+  schedule_->finished(at_b.at(0).attempt, absl::OkStatus(), now_);
+  EXPECT_EQ(channel_.take(1).size(), 1U);
+}
+
+TEST_F(JobScheduleTest, APieceThatAllServersFailAtEndsIt) {
+  make(10, 2, 1);
+  for (const ServerId id : {0, 1, 0}) {
+    EXPECT_FALSE(schedule_->over());
+    prepare(id);
+    schedule_->finished(channel_.take(id).at(0).attempt, absl::InternalError("broken"), now_);
+    pass(seconds(5));
+  }
+  EXPECT_TRUE(schedule_->over());
+  EXPECT_EQ(schedule_->status().message(), "a: broken");
+}
+
+TEST_F(JobScheduleTest, AnotherBuildIsAnErrorAtTheBeginningAndLeftOutLater) {
+  make(10, 1, 1);
+  prepare(0);
+  schedule_->list(std::vector<std::string>{"a", "b"}, now_);
+  schedule_->prepared(1, JobSchedule::Prepared{"g", "scene"}, now_);
+  EXPECT_FALSE(schedule_->over());
+  ASSERT_EQ(channel_.events.size(), 1U);
+  EXPECT_THAT(channel_.events[0], HasSubstr("b (g) and a (f) have different numeric fingerprints"));
+  EXPECT_THAT(channel_.events[0], HasSubstr("goes on without b"));
+  EXPECT_THAT(channel_.take(1), IsEmpty());
+  // The first comes back as another build: nobody is left to wait for.
+  schedule_->finished(channel_.take(0).at(0).attempt, absl::UnavailableError("gone"), now_);
+  pass(seconds(1));
+  schedule_->prepared(0, JobSchedule::Prepared{"g", "scene"}, now_);
+  EXPECT_EQ(schedule_->status().code(), absl::StatusCode::kFailedPrecondition);
+  EXPECT_THAT(std::string(schedule_->status().message()), HasSubstr("no other server is left"));
+
+  make(10, 2);
+  prepare(0);
+  schedule_->prepared(1, JobSchedule::Prepared{"f", "another"}, now_);
+  EXPECT_THAT(std::string(schedule_->status().message()), HasSubstr("their files differ"));
+}
+
+TEST_F(JobScheduleTest, AServerWithoutRoomForTheSceneIsNamedAndAskedAgainSoon) {
+  make(10, 1);
+  google::rpc::RetryInfo info;
+  info.mutable_retry_delay()->set_seconds(3600);
+  google::rpc::Status wire;
+  wire.add_details()->PackFrom(info);
+  absl::Status full = absl::ResourceExhaustedError("all is leased");
+  full.SetPayload(kStatusPayloadUrl, absl::Cord(wire.SerializeAsString()));
+  for (int i = 0; i < 2; ++i) {
+    channel_.prepares.clear();
+    schedule_->prepared(0, full, now_);
+    pass(seconds(9));
+    EXPECT_THAT(channel_.prepares, IsEmpty());
+    pass(seconds(2));
+    EXPECT_THAT(channel_.prepares, ElementsAre(0));
+  }
+  EXPECT_THAT(channel_.events, ElementsAre("a cannot take the scene now: all is leased"));
 }
 
 TEST_F(JobScheduleTest, AnErrorKeepsItsDetails) {

@@ -39,7 +39,8 @@ constexpr double kHaltShare = 0.25;  // of deaths, that are halts
 class Simulation final : JobSchedule::Channel {
  public:
   Simulation(std::size_t pieces, std::size_t servers)
-      : schedule_(pieces, {}, *this, at(0)), servers_(servers) {
+      : schedule_({}, *this, at(0)), servers_(servers) {
+    schedule_.set_pieces(pieces);
     std::lognormal_distribution<double> piece(std::log(kMedianPiece), kSigma);
     work_.resize(pieces);
     for (double& w : work_) total_ += w = piece(random_);

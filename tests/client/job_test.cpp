@@ -26,6 +26,13 @@ using ::testing::Not;
 class Tiles final : public Work {
  public:
   explicit Tiles(std::size_t n) : taken_(n) {}
+  absl::Status begin(const v1::SceneSummary& scene,
+                     const v1::GetServerInfoResponse& server) override {
+    ++begun_;
+    EXPECT_FALSE(scene.scene_id().empty());
+    EXPECT_FALSE(server.fingerprint().digest().empty());
+    return cannot_begin_;
+  }
   std::size_t size() const override { return taken_.size(); }
   void start(std::size_t piece, const Client& client, const std::string& scene_id,
              const CallOptions& options, Done done) override {
@@ -44,6 +51,8 @@ class Tiles final : public Work {
   }
 
   std::size_t refuse_ = ~std::size_t{0};
+  absl::Status cannot_begin_;
+  int begun_ = 0;
 
  private:
   std::vector<int> taken_;
@@ -84,6 +93,11 @@ class JobTest : public ::testing::Test {
     for (FakeServer& server : servers_) {
       server.load_scene = [](auto&, auto&, v1::LoadSceneResponse* response) {
         response->set_scene_id("scene");
+        return grpc::Status::OK;
+      };
+      server.get_scene = [](auto&, const v1::GetSceneRequest& request,
+                            v1::GetSceneResponse* response) {
+        response->mutable_summary()->set_scene_id(request.scene_id());
         return grpc::Status::OK;
       };
       server.render_tile = [this, &server](auto&, const v1::RenderTileRequest& request,
@@ -141,6 +155,7 @@ TEST_F(JobTest, EveryPieceIsAcceptedOnce) {
   ASSERT_TRUE(report.ok()) << report.status();
   EXPECT_TRUE(work.each_once());
   EXPECT_EQ(last, 200U);
+  EXPECT_EQ(work.begun_, 1);
   EXPECT_THAT(report->fingerprints, ElementsAre("f"));
   EXPECT_GT(answers(0), 0);
   EXPECT_GT(answers(1), 0);
@@ -209,6 +224,42 @@ TEST_F(JobTest, AServerThatLostTheSceneGetsItAgain) {
   ASSERT_TRUE(run_job(work, options_).ok());
   EXPECT_TRUE(work.each_once());
   EXPECT_EQ(loads.load(), 2);
+}
+
+TEST_F(JobTest, AnAnswerMayComeWhileItsServerIsMadeReadyAgain) {
+  // The second piece is answered when nothing but its call holds on to the connection: gRPC must
+  // not be the one to end that.
+  listed_.pop_back();
+  std::atomic<int> loads = 0;
+  servers_[0].load_scene = [&](auto&, auto&, v1::LoadSceneResponse* response) {
+    if (++loads == 2) {
+      door_.open();
+      for (int i = 0; i < 1000 && answers(0) == 0; ++i)
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    }
+    response->set_scene_id("scene");
+    return grpc::Status::OK;
+  };
+  servers_[0].render_tile = [&](grpc::ServerContext& context, const v1::RenderTileRequest& request,
+                                v1::RenderTileResponse* response) {
+    if (request.seed() == 1 && loads == 1)
+      return grpc::Status(grpc::StatusCode::NOT_FOUND, "scene_id");
+    door_.wait(context);
+    return answer(servers_[0], request, response);
+  };
+  Tiles work(2);
+  ASSERT_TRUE(run_job(work, options_).ok());
+  EXPECT_TRUE(work.each_once());
+  EXPECT_EQ(loads.load(), 2);
+}
+
+TEST_F(JobTest, WorkThatCannotBeginEndsIt) {
+  Tiles work(5);
+  work.cannot_begin_ = absl::InvalidArgumentError("too many");
+  EXPECT_EQ(run_job(work, options_).status().message(), "too many");
+  EXPECT_EQ(work.begun_, 1);
+  EXPECT_EQ(answers(0) + answers(1), 0);
 }
 
 TEST_F(JobTest, WhatIsNotFoundAgainAndAgainEndsIt) {
