@@ -68,7 +68,7 @@ class JobScheduleTest : public ::testing::Test {
   }
   void prepare(ServerId server) { schedule_->prepared(server, fits_, now_); }
   /// Until `until` nothing happens but what the schedule does by itself.
-  void pass(seconds time, const std::function<void()>& then = {}) {
+  void pass(milliseconds time, const std::function<void()>& then = {}) {
     const Time until = now_ + time;
     while (true) {
       schedule_->advance(now_);
@@ -309,6 +309,9 @@ TEST_F(JobScheduleTest, ABrokenServerDoesNotEndWhatOthersCanDo) {
   for (int i = 0; i < 20; ++i) {
     for (const auto& s : channel_.take(0))
       schedule_->finished(s.attempt, absl::InternalError("broken"), now_);
+    channel_.prepares.clear();
+    pass(milliseconds(60));
+    EXPECT_THAT(channel_.prepares, IsEmpty());
     pass(seconds(5));
     prepare(0);
   }
