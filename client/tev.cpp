@@ -12,18 +12,18 @@
 #include <cerrno>
 #include <charconv>
 #include <condition_variable>
+#include <cstdlib>
 #include <cstring>
 #include <deque>
 #include <map>
 #include <mutex>
+#include <new>
 #include <optional>
 #include <stop_token>
 #include <string_view>
 #include <thread>
 #include <utility>
 #include <vector>
-
-#include "lucerna/client/picture.h"
 
 // One connected socket that is only written to: a networking library would be more code here than
 // these few calls, and bring its own loop.
@@ -75,7 +75,29 @@ class Packet {
   std::string bytes_;
 };
 
-std::string create_image(const std::string& name, const Picture& picture) {
+/// What is to be shown, as Picture has its pixels.
+struct Canvas {
+  struct Free {
+    void operator()(float* p) const { std::free(p); }
+  };
+  std::uint32_t width = 0, height = 0;
+  std::unique_ptr<float[], Free> pixels;
+
+  Canvas() = default;
+  /// Black; the system clears pages as they are written to, where to clear a large picture at once
+  /// would hold up who begins it.
+  Canvas(std::uint32_t w, std::uint32_t h)
+      : width(w),
+        height(h),
+        pixels(static_cast<float*>(std::calloc(std::size_t{3} * w * h, sizeof(float)))) {
+    if (!pixels) throw std::bad_alloc();
+  }
+  std::span<float> row(const v1::PixelRect& rect, std::size_t y) const {
+    return {pixels.get() + 3 * (y * width + rect.x0()), std::size_t{3} * (rect.x1() - rect.x0())};
+  }
+};
+
+std::string create_image(const std::string& name, const Canvas& picture) {
   Packet packet(Packet::kCreateImage);
   packet.put(char{1});  // becomes the one that is looked at
   packet.put(name);
@@ -86,7 +108,7 @@ std::string create_image(const std::string& name, const Picture& picture) {
   return std::move(packet).finish();
 }
 
-std::string update_image(const std::string& name, const Picture& picture,
+std::string update_image(const std::string& name, const Canvas& picture,
                          const v1::PixelRect& rect) {
   Packet packet(Packet::kUpdateImageV3);
   packet.put(char{0});
@@ -100,8 +122,7 @@ std::string update_image(const std::string& name, const Picture& picture,
   for (const std::int64_t offset : {0, 1, 2}) packet.put(offset);
   for (const std::int64_t stride : {3, 3, 3}) packet.put(stride);
   for (std::size_t y = rect.y0(); y < rect.y1(); ++y) {
-    packet.put(std::span(picture.pixels)
-                   .subspan(3 * (y * picture.width + rect.x0()), std::size_t{3} * width));
+    packet.put(std::span<const float>(picture.row(rect, y)));
   }
   return std::move(packet).finish();
 }
@@ -205,12 +226,10 @@ class TevSender::Impl {
         thread_([this](const std::stop_token& stop) { run(stop); }) {}
 
   void begin(const std::string& name, std::uint32_t width, std::uint32_t height) {
-    std::vector<float> black(std::size_t{3} * width * height);
+    Canvas black(width, height);  // then the one before, freed without the lock
     const std::lock_guard lock(mutex_);
     name_ = name;
-    picture_.width = width;
-    picture_.height = height;
-    picture_.pixels.swap(black);
+    std::swap(picture_, black);
     created_ = false;
     cells_.clear();
     by_place_.clear();
@@ -228,7 +247,11 @@ class TevSender::Impl {
       return absl::InvalidArgumentError("rgb has " + std::to_string(rgb.size()) +
                                         " numbers, must be three a pixel");
     }
-    put_pixels(rect, rgb, &picture_);
+    for (std::size_t y = rect.y0(); y < rect.y1(); ++y) {
+      const std::span<float> row = picture_.row(rect, y);
+      std::copy_n(rgb.begin(), row.size(), row.begin());
+      rgb = rgb.subspan(row.size());
+    }
     for (std::uint32_t y = rect.y0(); y < rect.y1(); y += std::min(kMostEdge, rect.y1() - y)) {
       for (std::uint32_t x = rect.x0(); x < rect.x1(); x += std::min(kMostEdge, rect.x1() - x)) {
         v1::PixelRect part;
@@ -359,7 +382,7 @@ class TevSender::Impl {
   std::mutex mutex_;
   std::condition_variable_any changed_;
   std::string name_;
-  Picture picture_;
+  Canvas picture_;
   std::vector<Cell> cells_;                // all that there is of the picture
   std::map<Place, std::size_t> by_place_;  // among them
   std::deque<std::size_t> waiting_;        // among them, to be sent
