@@ -8,22 +8,21 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <bit>
 #include <cerrno>
 #include <charconv>
 #include <condition_variable>
-#include <cstdlib>
 #include <cstring>
 #include <deque>
 #include <map>
 #include <mutex>
-#include <new>
 #include <optional>
 #include <stop_token>
 #include <string_view>
 #include <thread>
 #include <utility>
 #include <vector>
+
+#include "client/tev_packet.h"
 
 // One connected socket that is only written to: a networking library would be more code here than
 // these few calls, and bring its own loop.
@@ -33,9 +32,6 @@ namespace {
 
 using std::chrono::milliseconds;
 
-// Numbers and floats are sent as they are in memory.
-static_assert(std::endian::native == std::endian::little);
-
 constexpr std::uint64_t kMaxPixels = std::uint64_t{1} << 30;
 // A packet of so many pixels squared fits into the mebibyte that tev first receives into.
 constexpr std::uint32_t kMostEdge = 256;
@@ -43,89 +39,6 @@ constexpr milliseconds kTryAgain(2000);
 constexpr milliseconds kConnectPatience(2000);
 // How long it takes at most until a stop is seen.
 constexpr int kPollMs = 100;
-
-/// One message of the protocol.
-class Packet {
- public:
-  enum Type : char { kCreateImage = 4, kUpdateImageV3 = 6 };
-
-  explicit Packet(Type type) {
-    put(std::uint32_t{0});
-    put(type);
-  }
-  template <class T>
-  void put(T value) {
-    bytes_.append(reinterpret_cast<const char*>(&value), sizeof value);
-  }
-  void put(const std::string& text) { bytes_.append(text.c_str(), text.size() + 1); }
-  void put(std::span<const float> values) {
-    bytes_.append(reinterpret_cast<const char*>(values.data()), values.size_bytes());
-  }
-  void put_channels() {
-    for (const char* name : {"R", "G", "B"}) put(std::string(name));
-  }
-  /// With its length, which counts itself.
-  std::string finish() && {
-    const auto length = static_cast<std::uint32_t>(bytes_.size());
-    std::memcpy(bytes_.data(), &length, sizeof length);
-    return std::move(bytes_);
-  }
-
- private:
-  std::string bytes_;
-};
-
-/// What is to be shown, as Picture has its pixels.
-struct Canvas {
-  struct Free {
-    void operator()(float* p) const { std::free(p); }
-  };
-  std::uint32_t width = 0, height = 0;
-  std::unique_ptr<float[], Free> pixels;
-
-  Canvas() = default;
-  /// Black; the system clears pages as they are written to, where to clear a large picture at once
-  /// would hold up who begins it.
-  Canvas(std::uint32_t w, std::uint32_t h)
-      : width(w),
-        height(h),
-        pixels(static_cast<float*>(std::calloc(std::size_t{3} * w * h, sizeof(float)))) {
-    if (!pixels) throw std::bad_alloc();
-  }
-  std::span<float> row(const v1::PixelRect& rect, std::size_t y) const {
-    return {pixels.get() + 3 * (y * width + rect.x0()), std::size_t{3} * (rect.x1() - rect.x0())};
-  }
-};
-
-std::string create_image(const std::string& name, const Canvas& picture) {
-  Packet packet(Packet::kCreateImage);
-  packet.put(char{1});  // becomes the one that is looked at
-  packet.put(name);
-  packet.put(static_cast<std::int32_t>(picture.width));
-  packet.put(static_cast<std::int32_t>(picture.height));
-  packet.put(std::int32_t{3});
-  packet.put_channels();
-  return std::move(packet).finish();
-}
-
-std::string update_image(const std::string& name, const Canvas& picture,
-                         const v1::PixelRect& rect) {
-  Packet packet(Packet::kUpdateImageV3);
-  packet.put(char{0});
-  packet.put(name);
-  packet.put(std::int32_t{3});
-  packet.put_channels();
-  const std::uint32_t width = rect.x1() - rect.x0();
-  for (const std::uint32_t value : {rect.x0(), rect.y0(), width, rect.y1() - rect.y0()}) {
-    packet.put(static_cast<std::int32_t>(value));
-  }
-  for (const std::int64_t offset : {0, 1, 2}) packet.put(offset);
-  for (const std::int64_t stride : {3, 3, 3}) packet.put(stride);
-  for (std::size_t y = rect.y0(); y < rect.y1(); ++y) {
-    packet.put(std::span<const float>(picture.row(rect, y)));
-  }
-  return std::move(packet).finish();
-}
 
 class Socket {
  public:
