@@ -336,7 +336,7 @@ def on_slurm(build):
     if test.returncode != 0 or not told:
         raise SystemExit(test.stdout)
     return ["| job | servers | from submission to end [s] | |", "|---|---|---|---|",
-            *(f"| {what} | {servers.removesuffix(' servers')} | {seconds} | {same} |"
+            *(f"| {what} | {servers.split()[0]} | {seconds} | {same} |"
               for what, _, servers, seconds, same in told)]
 
 
