@@ -1,0 +1,34 @@
+#!/usr/bin/python3
+"""Writes the tables of this folder, or with --check says which are not what the scripts make.
+
+Every other script here has a function tables() that yields Table objects.  Their formulas are not those of the
+code that is tested.
+"""
+import importlib
+import pathlib
+import sys
+
+here = pathlib.Path(__file__).resolve().parent
+sys.path.insert(0, str(here))
+sys.dont_write_bytecode = True
+
+
+def main():
+    check = sys.argv[1:] == ["--check"]
+    stale, made = [], set()
+    for script in sorted(here.glob("*.py")):
+        if script.stem in ("make_tables", "table"):
+            continue
+        for table in importlib.import_module(script.stem).tables():
+            path = table.path(here)
+            made.add(path)
+            if not check:
+                path.write_text(table.text())
+            elif not path.exists() or path.read_text() != table.text():
+                stale.append(path.name)
+    stale += [p.name for p in here.glob("*.txt") if p not in made]
+    if stale:
+        sys.exit("not what the scripts make: " + ", ".join(stale))
+
+
+main()
