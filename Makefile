@@ -1,6 +1,6 @@
-# make demo | test | test-slurm | bench | distributed | format: each installs what is missing, configures, builds and runs.
+# make demo | test | extremes | mutants | test-slurm | bench | distributed | format: each installs what is missing, configures, builds and runs.
 .DEFAULT_GOAL := demo
-.PHONY: deps release programs demo test test-slurm bench distributed format
+.PHONY: deps release programs demo test extremes mutants test-slurm bench distributed format
 
 deps:
 	@deploy/install-deps.sh
@@ -17,6 +17,14 @@ demo: programs
 test: release
 	@cmake --build --preset release
 	@ctest --preset release
+
+extremes: release
+	@cmake --build --preset release --target lights_extremes_test server_extremes_test
+	@tests/extremes_page.py build/release
+
+# In a copy of the sources: build/mutants.
+mutants: release
+	@tests/mutants/run.py
 
 # A cluster of its own on the loopback interface: tests/slurm.
 test-slurm: programs

@@ -43,7 +43,11 @@ class Sweep {
   }
   /// What the formula of the textbooks makes of the same in floats.
   void compare_textbook(double value, double truth) {
-    textbook_ = std::max(textbook_, relative_error(value, truth));
+    if (std::isnan(value)) {
+      textbook_answer("not a number");
+    } else {
+      textbook_ = std::max(textbook_, relative_error(value, truth));
+    }
   }
 
   /// An answer in words: a typed reason, a refusal.
@@ -100,6 +104,9 @@ class Sweep {
   }
   void record() const {
     using ::testing::Test;
+    const auto* result = ::testing::UnitTest::GetInstance()->current_test_info()->result();
+    for (int i = 0; i < result->test_property_count(); ++i)
+      EXPECT_STRNE(result->GetTestProperty(i).key(), "row") << "a line of the page is a test";
     Test::RecordProperty("row", row_);
     Test::RecordProperty("input", input_);
     Test::RecordProperty("swept", swept_);

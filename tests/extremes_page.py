@@ -1,0 +1,125 @@
+#!/usr/bin/python3
+"""Writes docs/extremes.md from what the sweeps of tests/{lights,server}/extremes record.
+
+    tests/extremes_page.py BUILD_DIR [--check]
+
+Runs both test programs; where a test fails there is no page.  With --check nothing is written: exits 1 where the
+page that is there says something else, or says nothing of a row of ROWS.  Relative errors are rounded up to one
+digit, and count as the same within a factor of two: libm takes other instructions on other processors.
+"""
+import argparse
+import json
+import math
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parents[1]
+PAGE = ROOT / "docs/extremes.md"
+MUTANTS = ROOT / "tests/mutants"
+PROGRAMS = ["tests/lights/extremes/lights_extremes_test", "tests/server/extremes/server_extremes_test"]
+# 13 to 17 and 19 are about choosing among many lights by a light BVH.
+ROWS = [row for row in range(1, 36) if row not in (13, 14, 15, 16, 17, 19)]
+SAME_WITHIN = 2
+FIGURE = re.compile(r"\b\de[+-]\d\d\b")
+
+HEAD = """\
+# Right at the extremes
+
+Inputs that are known to break renderers, each with what Lucerna answers.  Every line is a test that sweeps over the magnitudes named, holds
+the answer to the worst relative error that is allowed (or to the reason that it must give), and tells here how far off it was at worst.
+Beside it stands what the formula of the textbooks, in floats, makes of the same inputs.
+
+`make extremes` runs the tests and writes this page; `.ci/run` fails where it is not current.  References have 30 digits: the tables in
+[tests/data/extremes](../tests/data/extremes) are worked out in 60 by mpmath, with other formulas than the code's, by the scripts beside
+them; where a test says so, they are closed forms.  Answers in words are the reasons that samples without light carry (`NoLightReason`), or
+say what happened.  A [mutant](../tests/mutants) takes out what a row is owed to: `make mutants` sees its test fail.
+
+Errors are rounded up to one digit.  "Exact" means that no bit differs from the reference; an infinite error is an answer that is infinite,
+or not 0 where 0 is right.  Rows 13 to 17 and 19 are about choosing among many lights: they come with the light BVH.
+
+"""
+
+
+def results(build):
+    """The tests of both programs, as GoogleTest reports them."""
+    with tempfile.TemporaryDirectory() as folder:
+        reports = [pathlib.Path(folder) / f"{i}.json" for i in range(len(PROGRAMS))]
+        runs = [subprocess.Popen([build / program, "--gtest_brief=1", f"--gtest_output=json:{report}"])
+                for program, report in zip(PROGRAMS, reports)]
+        if any([run.wait() != 0 for run in runs]):
+            sys.exit("extremes: tests failed, so there is no page")
+        for report in reports:
+            for suite in json.loads(report.read_text())["testsuites"]:
+                yield from suite["testsuite"]
+
+
+def rounded_up(text):
+    """One digit: 0 is exact, as is what no double could be nearer to."""
+    value = float(text)
+    if value == 0:
+        return "exact"
+    if math.isinf(value):
+        return "infinite"
+    digit, exponent = f"{value:.16e}".split("e")
+    digit, exponent = math.ceil(float(digit) * (1 - 1e-12)), int(exponent)
+    return f"{digit}e{exponent:+03}" if digit < 10 else f"1e{exponent + 1:+03}"
+
+
+def line(test, mutants):
+    """A line of the table.  What a test has only in words has no figure, and the other way round."""
+    served = [test["answers"]] if "answers" in test else []
+    if "worst" in test:
+        served.append(rounded_up(test["worst"]))
+    textbook = [rounded_up(test["textbook"])] if "textbook" in test else []
+    if "textbook_answers" in test:
+        textbook.append(test["textbook_answers"])
+    source = pathlib.Path(test["file"])
+    source = source.relative_to(ROOT) if source.is_absolute() else pathlib.Path(*[p for p in source.parts if p != ".."])
+    cells = [test["row"], test["input"], test["swept"], test["figure"], "; ".join(served),
+             rounded_up(test["allowed"]) if "allowed" in test else "", "; ".join(textbook),
+             f"[{test['classname']}.{test['name']}](../{source})" + mutants]
+    return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
+
+
+def page(tests):
+    lines = []
+    by_row = sorted((t for t in tests if "row" in t), key=lambda t: (int(t["row"]), t["classname"], t["file"]))
+    for i, test in enumerate(by_row):
+        first = i == 0 or by_row[i - 1]["row"] != test["row"]
+        patches = sorted(MUTANTS.glob(f"{int(test['row']):02}*.patch")) if first else []
+        links = "".join(f", [{p.stem}](../tests/mutants/{p.name})" for p in patches)
+        lines.append(line(test, links and "; mutants" + links[1:]))
+    head = ("| row | input | swept | figure | Lucerna | allowed | textbook, in float | test |\n"
+            "|---|---|---|---|---|---|---|---|\n")
+    return HEAD + head + "\n".join(lines) + "\n", {int(t["row"]) for t in by_row}
+
+
+def same(there, made):
+    """Whether two pages say the same, figures within a factor of SAME_WITHIN."""
+    if FIGURE.sub("", there) != FIGURE.sub("", made):
+        return False
+    pairs = zip(FIGURE.findall(there), FIGURE.findall(made))
+    return all(max(float(a), float(b)) <= SAME_WITHIN * min(float(a), float(b)) * (1 + 1e-9) for a, b in pairs)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("build", type=pathlib.Path)
+    parser.add_argument("--check", action="store_true")
+    options = parser.parse_args()
+    made, rows = page(results(options.build.resolve()))
+    missing = [row for row in ROWS if row not in rows]
+    if options.check:
+        if not PAGE.exists() or not same(PAGE.read_text(), made):
+            sys.exit("docs/extremes.md is not current: make extremes")
+    else:
+        PAGE.write_text(made)
+    if missing:
+        sys.exit("docs/extremes.md has no line of rows " + ", ".join(map(str, missing)))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,155 @@
+#!/usr/bin/python3
+"""Sees that the tests of docs/extremes.md can fail: takes one fix after the other out of a copy of the sources.
+
+    tests/mutants/run.py [NAME...]       applies each patch (all, or those named as 01), builds, sees its test fail
+    tests/mutants/run.py --apply-only    sees that all patches apply, and that each row of the page has one
+
+A patch NN.patch (or NNx.patch) is of row NN and begins with
+
+    Row NN: what it takes out.
+    Test: EXECUTABLE FILTER
+    Fails by: crash                      (or timeout; only where it is not by an expectation)
+
+Exits 1 where a mutant survives: where no test of FILTER fails.  A patch that does not apply or build, and a filter
+that matches no test, are errors too.  The copy is build/mutants, kept so that the next run is quick.
+"""
+import argparse
+import json
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import time
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+HERE = ROOT / "tests/mutants"
+COPY = ROOT / "build/mutants"
+BUILD = COPY / "build/release"
+PRESET = "release"
+TIMEOUT_S = 300  # of a test
+# Git looks for no repository above the copy, and ccache knows the files of the one in those of the other.
+ENVIRONMENT = os.environ | {"GIT_CEILING_DIRECTORIES": str(COPY.parent), "CCACHE_BASEDIR": str(COPY), "CCACHE_NOHASHDIR": "1"}
+
+
+class Mutant:
+    def __init__(self, path):
+        self.path, self.name, text = path, path.stem, path.read_text()
+        row = re.match(r"Row (\d+): (.+)\nTest: (\S+) (\S+)\n(?:Fails by: (crash|timeout)\n)?", text)
+        if not row or f"{int(row[1]):02}" != self.name[:2]:
+            sys.exit(f"{path.relative_to(ROOT)}: does not begin with Row {self.name[:2]}: ... and Test: EXECUTABLE FILTER")
+        self.about, self.executable, self.filter, self.fails_by = row[2], row[3], row[4], row[5] or "expectation"
+        self.files = re.findall(r"^\+\+\+ b/(.+)$", text, re.M)
+        if not self.files or any(not f.startswith(("lights/", "server/", "proto/")) for f in self.files):
+            sys.exit(f"{path.relative_to(ROOT)}: changes {self.files}, not only lights, server and proto")
+
+
+def run(*command, **options):
+    return subprocess.run(command, env=ENVIRONMENT, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, **options)
+
+
+def refresh_copy():
+    """The sources as they are now, committed or not; those that are the same keep their time."""
+    def names(*options):
+        return subprocess.check_output(["git", "ls-files", "-z", *options], cwd=ROOT, text=True).split("\0")[:-1]
+    sources = {n for n in names("-c", "-o", "--exclude-standard") if (ROOT / n).is_file()}
+    for name in sources:
+        there, here = COPY / name, (ROOT / name).read_bytes()
+        if there.is_file() and there.read_bytes() == here:
+            continue
+        there.parent.mkdir(parents=True, exist_ok=True)
+        there.write_bytes(here)
+        there.chmod((ROOT / name).stat().st_mode)
+    for path in COPY.rglob("*"):
+        name = path.relative_to(COPY)
+        if path.is_file() and name.parts[0] != "build" and str(name) not in sources:
+            path.unlink()
+
+
+def build(target):
+    made = run("cmake", "--build", "--preset", PRESET, "--target", target, cwd=COPY)
+    return "" if made.returncode == 0 else made.stdout[-3000:]
+
+
+def outcome(mutant):
+    """What its test does as the copy stands: passes, fails, or what is wrong."""
+    found = [p for p in BUILD.glob(f"tests/**/{mutant.executable}") if p.is_file()]
+    report = BUILD / "mutant.json"
+    report.unlink(missing_ok=True)
+    try:
+        done = run(found[0], f"--gtest_filter={mutant.filter}", f"--gtest_output=json:{report}", timeout=TIMEOUT_S)
+    except subprocess.TimeoutExpired:
+        return "timeout"
+    if done.returncode < 0:
+        return "crash"
+    if not report.exists() or json.loads(report.read_text())["tests"] == 0:
+        return f"{mutant.filter} matches no test"
+    return "passes" if done.returncode == 0 else "expectation"
+
+
+def judge(mutant):
+    """Applies the patch, builds, runs the test, reverts; "killed", or what is wrong."""
+    applied = run("git", "apply", mutant.path, cwd=COPY)
+    if applied.returncode != 0:
+        return "does not apply: " + applied.stdout
+    try:
+        error = build(mutant.executable)
+        if error:
+            return "does not build: " + error
+        now = outcome(mutant)
+        if now == mutant.fails_by:
+            return "killed"
+        return "SURVIVED" if now == "passes" else f"fails by {now}, not by {mutant.fails_by}"
+    finally:
+        run("git", "apply", "--reverse", mutant.path, cwd=COPY, check=True)
+
+
+def run_mutants(mutants):
+    refresh_copy()
+    if not (BUILD / "build.ninja").exists():
+        run("cmake", "--preset", PRESET, cwd=COPY, check=True)
+    for executable in sorted({m.executable for m in mutants}):
+        if error := build(executable):
+            sys.exit(f"{executable} does not build: {error}")
+    before = {}
+    good = True
+    for m in mutants:
+        start = time.monotonic()
+        test = (m.executable, m.filter)
+        before[test] = before.get(test) or outcome(m)
+        verdict = judge(m) if before[test] == "passes" else f"without the mutant: {before[test]}"
+        good &= verdict == "killed"
+        print(f"{m.name:4} {time.monotonic() - start:5.0f} s  {verdict:8}  {m.filter}: {m.about}", flush=True)
+    print(f"{len(mutants)} mutants" + (", all killed" if good else ""))
+    return good
+
+
+def check(mutants):
+    """Cheap: they apply, and the page's rows have theirs."""
+    good = True
+    for m in mutants:
+        applied = run("git", "apply", "--check", m.path, cwd=ROOT)
+        if applied.returncode != 0:
+            good = False
+            print(f"{m.name} does not apply: {applied.stdout}")
+    page = ROOT / "docs/extremes.md"
+    rows = set(re.findall(r"^\| (\d+) \|", page.read_text(), re.M))
+    for row in sorted(int(r) for r in rows if not list(HERE.glob(f"{int(r):02}*.patch"))):
+        good = False
+        print(f"row {row} of docs/extremes.md has no mutant")
+    return good
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("names", nargs="*")
+    parser.add_argument("--apply-only", action="store_true")
+    options = parser.parse_args()
+    mutants = [Mutant(p) for p in sorted(HERE.glob("*.patch")) if not options.names or p.stem in options.names]
+    if unknown := set(options.names) - {m.name for m in mutants}:
+        sys.exit("no such mutants: " + ", ".join(sorted(unknown)))
+    sys.exit(0 if (check if options.apply_only else run_mutants)(mutants) else 1)
+
+
+if __name__ == "__main__":
+    main()
