@@ -39,11 +39,32 @@ double invert_profile_integral(SpotProfile profile, double u) {
   return profile == SpotProfile::kSmoothstep ? invert_smoothstep_integral(u) : std::pow(u, 0.2);
 }
 
+/// pi - angle, with the digits of pi that a double lacks; the double nearest to pi means pi.
+double from_the_back(double angle_rad) {
+  constexpr double kRestOfPi = 1.2246467991473532e-16;
+  return angle_rad < std::numbers::pi ? (std::numbers::pi - angle_rad) + kRestOfPi : 0;
+}
+
+/// Whether the edge is nearer to where the light does not point.
+bool is_wide(const SpotLightParams& params) {
+  return params.cone_half_angle_rad > std::numbers::pi / 2;
+}
+
 /// cos s - cos c = 2 sin((c + s) / 2) sin((c - s) / 2): does not cancel for a narrow edge.
 double edge_of(const SpotLightParams& params) {
   const double c = params.cone_half_angle_rad, s = params.falloff_start_rad;
-  return 2 * std::sin((c + s) / 2) * std::sin((c - s) / 2);
+  const double twice_middle = is_wide(params) ? from_the_back(c) + from_the_back(s) : c + s;
+  return 2 * std::sin(twice_middle / 2) * std::sin((c - s) / 2);
 }
+
+/// a b - c d, right to two roundings however much of it cancels.  [Jeannerod13]
+double difference_of_products(double a, double b, double c, double d) {
+  const double cd = c * d;
+  return std::fma(a, b, -cd) + std::fma(-c, d, cd);
+}
+
+/// `v` with a largest component of 1 to 2: the same digits.
+Vec3<double> of_size_one(const Vec3<double>& v) { return scaled(v, -std::ilogb(max_abs(v))); }
 
 /// With any mean of the profile.
 double solid_angle_sr(const SpotLightParams& params, double mean) {
@@ -89,7 +110,11 @@ SpotLight<Real>::SpotLight(const Params& params, const Vec3<double>& origin_m)
     : params_(params),
       position_(params.position_m - origin_m),
       axis_(normalized(params.axis)),
-      one_minus_cos_cone_(one_minus_cos(params.cone_half_angle_rad)),
+      is_wide_(is_wide(params)),
+      pole_(is_wide_ ? -axis_ : axis_),
+      to_cone_(one_minus_cos(is_wide_ ? from_the_back(params.cone_half_angle_rad)
+                                      : params.cone_half_angle_rad)),
+      axis_as_given_(of_size_one(params.axis)),
       one_minus_cos_start_(one_minus_cos(params.falloff_start_rad)),
       effective_sr_(effective_solid_angle_sr(params)),
       edge_(edge_of(params)),
@@ -99,10 +124,26 @@ SpotLight<Real>::SpotLight(const Params& params, const Vec3<double>& origin_m)
 }
 
 template <std::floating_point Real>
+double SpotLight<Real>::one_minus_cos_to_axis(const Vec3<double>& w) const {
+  // A unit vector has an error of 1e-16, which narrow cones are no wider than: so the sine from the
+  // vectors as they were given, and 1 - cos = sin^2 / (1 + cos).
+  const Vec3<double> a = axis_as_given_, v = of_size_one(w);
+  const Vec3<double> across{difference_of_products(v.y, a.z, v.z, a.y),
+                            difference_of_products(v.z, a.x, v.x, a.z),
+                            difference_of_products(v.x, a.y, v.y, a.x)};
+  const double lengths = std::sqrt(dot(a, a) * dot(v, v));
+  const double cos = dot(a, v) / lengths;
+  if (cos < 0) return 1 - cos;
+  const double sin = length(across) / lengths;
+  return sin / (1 + cos) * sin;
+}
+
+template <std::floating_point Real>
 double SpotLight<Real>::falloff(const Vec3<double>& w) const {
-  // 1 - cos of the angle between unit vectors is half their chord's square: exact near the axis.
-  const Vec3<double> chord = w - axis_;
-  const double inside = one_minus_cos_cone_ - std::min(2.0, dot(chord, chord) / 2);
+  // 1 - cos of the angle between unit vectors is half their chord's square: exact near the pole.
+  const Vec3<double> chord = w - pole_;
+  const double to_w = is_narrow() ? one_minus_cos_to_axis(w) : std::min(2.0, dot(chord, chord) / 2);
+  const double inside = is_wide_ ? to_w - to_cone_ : to_cone_ - to_w;
   if (edge_ <= 0) return inside >= 0 ? 1 : 0;
   return profile_at(params_.profile, std::clamp(inside * per_edge_, 0.0, 1.0));
 }
@@ -111,15 +152,15 @@ double SpotLight<Real>::falloff(const Vec3<double>& w) const {
 // (SLP vectorization), and the density told with a sample is another than the one told for it.
 template <std::floating_point Real>
 [[gnu::noinline]] double SpotLight<Real>::falloff_as_rounded(const Vec3<Real>& w) const {
-  return falloff(normalized(Vec3<double>(w)));
+  return falloff(told(Vec3<double>(w)));
 }
 
 template <std::floating_point Real>
 Rgb<Real> SpotLight<Real>::intensity(const Vec3<Real>& w) const {
   // To unit length in double: a float's error of length is as large as the narrowest cones.
-  const Vec3<double> unit = normalized(Vec3<double>(w));
-  if (!is_finite(unit)) return {};
-  return Rgb<Real>(params_.intensity_cd * falloff(unit));
+  const Vec3<double> direction = told(Vec3<double>(w));
+  if (!is_finite(direction) || direction == Vec3<double>{}) return {};
+  return Rgb<Real>(params_.intensity_cd * falloff(direction));
 }
 
 template <std::floating_point Real>
@@ -127,7 +168,8 @@ LightSample<Real> SpotLight<Real>::sample_li(const Receiver<Real>& receiver, Vec
   LightSample<Real> sample;
   const Way way = find_way(position_, receiver.position, sample);
   if (sample.reason != NoLight::kNone) return sample;
-  const double share = falloff(-way.wi);
+  const double share =
+      falloff(is_narrow() ? Vec3<double>(receiver.position) - Vec3<double>(position_) : -way.wi);
   if (share > 0 || params_.intensity_cd.is_black()) {
     set_inverse_square(params_.intensity_cd * share, way.distance_m, sample);
   } else {
@@ -192,9 +234,11 @@ EmissionSample<Real> SpotLight<Real>::sample_le(Vec2<Real>, Vec2<Real> u_directi
 template <std::floating_point Real>
 EmissionPdf<Real> SpotLight<Real>::pdf_le(const Vec3<Real>& position, const Vec3<Real>& direction,
                                           const SceneSphere&) const {
-  const Vec3<double> unit = normalized(Vec3<double>(direction));
-  if (position != position_ || !is_finite(unit) || params_.intensity_cd.is_black()) return {};
-  return {{}, {static_cast<Real>(falloff(unit) / effective_sr_)}};
+  const Vec3<double> w = told(Vec3<double>(direction));
+  if (position != position_ || !is_finite(w) || w == Vec3<double>{} ||
+      params_.intensity_cd.is_black())
+    return {};
+  return {{}, {static_cast<Real>(falloff(w) / effective_sr_)}};
 }
 
 template <std::floating_point Real>

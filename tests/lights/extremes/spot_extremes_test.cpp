@@ -1,0 +1,160 @@
+// Rows 10 and 11: spots that are narrow, and spots whose edge is.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "lights/spot_light.h"
+#include "tests/reference_table.h"
+#include "tests/sweep.h"
+
+namespace lucerna::testing {
+namespace {
+
+using Row = ReferenceTable::Row;
+
+SpotLight<Served> spot(double cone_rad, double start_rad, const Vec3<double>& axis = {0, 0, -1}) {
+  return *SpotLight<Served>::create({.axis = axis,
+                                     .intensity_cd = Rgb<double>(1),
+                                     .cone_half_angle_rad = cone_rad,
+                                     .falloff_start_rad = start_rad});
+}
+
+SpotLight<Served> cone_of(const Row& row) {
+  return spot(row["cone_rad"], row["start_rad"], {row["ax"], row["ay"], row["az"]});
+}
+
+Vec3<Served> receiver_of(const Row& row) { return {row["x"], row["y"], row["z"]}; }
+
+/// Smoothstep of cosines, along -z.  [Pharr10, 12.1.2; Pharr23, 12.2.1]
+float textbook_share(float cone_rad, float start_rad, float x, float z) {
+  const float cos_cone = std::cos(cone_rad), cos_start = std::cos(start_rad);
+  const float cos_theta = -z / std::sqrt(x * x + z * z);
+  const float t = std::clamp((cos_theta - cos_cone) / (cos_start - cos_cone), 0.0F, 1.0F);
+  return t * t * (3 - 2 * t);
+}
+
+/// The books' power of intensity 1.
+float textbook_power(float cone_rad, float start_rad) {
+  return 2 * std::numbers::pi_v<float> * (1 - 0.5F * (std::cos(start_rad) + std::cos(cone_rad)));
+}
+
+const char* const kAngles = "1e-15 ... 60 degrees";
+
+TEST(SpotExtremes, IlluminanceOfNarrowCones) {
+  Sweep sweep(10, "spot, half-angle", kAngles, "illuminance on the axis, within and in the edge");
+  const ReferenceTable table("spot_cones");
+  for (const auto& row : table.rows()) {
+    const auto sample = cone_of(row).sample_li(receiver_of(row), {});
+    sweep.compare(sample.value.g, row["value_lx"], row.text("cone_deg") + " " + row.text("x"));
+    if (row["az"] != -1 || row["ax"] != 0) continue;
+    const auto x = static_cast<float>(row["x"]), z = static_cast<float>(row["z"]);
+    sweep.compare_textbook(textbook_share(static_cast<float>(row["cone_rad"]),
+                                          static_cast<float>(row["start_rad"]), x, z) /
+                               (x * x + z * z),
+                           row["value_lx"]);
+  }
+  sweep.expect_within(1e-12);
+}
+
+TEST(SpotExtremes, DensityOfRaysFromNarrowCones) {
+  Sweep sweep(10, "spot, half-angle", kAngles, "density of rays that leave it");
+  const ReferenceTable table("spot_cones");
+  for (const auto& row : table.rows()) {
+    const auto pdf = cone_of(row).pdf_le({}, receiver_of(row), {});
+    sweep.compare(pdf.direction.per_sr, row["per_sr"], row.text("cone_deg") + " " + row.text("x"));
+    if (row["az"] != -1 || row["ax"] != 0) continue;
+    const auto cone = static_cast<float>(row["cone_rad"]),
+               start = static_cast<float>(row["start_rad"]);
+    sweep.compare_textbook(
+        textbook_share(cone, start, static_cast<float>(row["x"]), static_cast<float>(row["z"])) /
+            textbook_power(cone, start),
+        row["per_sr"]);
+  }
+  sweep.expect_within(1e-12);
+}
+
+TEST(SpotExtremes, PowerOfNarrowCones) {
+  Sweep sweep(10, "spot, half-angle", kAngles, "power");
+  const ReferenceTable table("spot_cones");
+  for (const auto& row : table.rows()) {
+    sweep.compare(cone_of(row).power({}).lumens.g, row["power_lm"], row.text("cone_deg"));
+    sweep.compare_textbook(
+        textbook_power(static_cast<float>(row["cone_rad"]), static_cast<float>(row["start_rad"])),
+        row["power_lm"]);
+  }
+  sweep.expect_within(1e-15);
+}
+
+/// Each ray carries the spot's power, whatever its sample value.
+TEST(SpotExtremes, RaysOfNarrowCones) {
+  Sweep sweep(10, "spot, half-angle", kAngles, "value over density of the rays that leave it");
+  const ReferenceTable table("spot_cones");
+  for (const auto& row : table.rows())
+    for (const double u : {0.0, 0.1, 0.5, 0.9, 0.999}) {
+      const auto ray = cone_of(row).sample_le({}, {u, 0.3}, {});
+      sweep.compare(ray.value.g / ray.pdf_direction.per_sr, row["power_lm"], row.text("cone_deg"));
+    }
+  sweep.expect_within(4e-16);
+}
+
+TEST(SpotExtremes, NarrowEdges) {
+  Sweep sweep(11, "spot, inner and outer angle differ by",
+              "1e-8 ... 1e-2 rad, cones of 0.5 ... 179.9 degrees", "illuminance in the edge");
+  const ReferenceTable table("spot_edges");
+  for (const auto& row : table.rows()) {
+    const double x = row["x"], z = row["z"];
+    const auto sample = spot(row["cone_rad"], row["start_rad"]).sample_li({x, 0, z}, {});
+    sweep.compare(sample.value.g, row["value_lx"],
+                  row.text("delta_rad") + " of " + row.text("cone_rad") + " " + row.text("part"));
+    const auto x32 = static_cast<float>(x), z32 = static_cast<float>(z);
+    sweep.compare_textbook(textbook_share(static_cast<float>(row["cone_rad"]),
+                                          static_cast<float>(row["start_rad"]), x32, z32) /
+                               (x32 * x32 + z32 * z32),
+                           row["value_lx"]);
+  }
+  sweep.expect_within(1e-6);
+}
+
+TEST(SpotExtremes, PowerWithTheNarrowestEdgesAndWithoutAny) {
+  Sweep sweep(11, "spot, inner and outer angle differ by", "0, 1 ulp ... 1e-10 of the angle",
+              "power");
+  const ReferenceTable table("spot_narrowest_edges");
+  for (const auto& row : table.rows()) {
+    const double cone = row["cone_rad"], start = row["start_rad"];
+    sweep.compare(spot(cone, start).power({}).lumens.g, row["power_lm"],
+                  row.text("cone_rad") + " from " + row.text("start_rad"));
+    sweep.compare_textbook(textbook_power(static_cast<float>(cone), static_cast<float>(start)),
+                           row["power_lm"]);
+  }
+  sweep.expect_within(1e-15);
+}
+
+/// Full on the axis and within, dark beyond; nothing else at the edge.
+TEST(SpotExtremes, HardEdges) {
+  Sweep sweep(11, "spot, inner and outer angle differ by", "0, 1 ulp ... 1e-10 of the angle",
+              "light on the axis and within, none beyond");
+  const ReferenceTable table("spot_narrowest_edges");
+  for (const auto& row : table.rows()) {
+    const double cone = row["cone_rad"];
+    const auto light = spot(cone, row["start_rad"]);
+    const auto at = [&](double angle) {
+      const auto s = light.sample_li({std::sin(angle), 0, -std::cos(angle)}, {});
+      if (s.reason == NoLight::kOutsideCone) return std::string("dark");
+      return std::string(std::fabs(s.value.g - 1) < 1e-15 ? "full" : "neither");
+    };
+    const bool everywhere = cone >= std::numbers::pi;
+    sweep.answer(at(0) + " " + at(cone * 0.5) + " " + at(cone * (1 - 1e-9)) + " " +
+                 (everywhere ? "dark" : at(cone * (1 + 1e-9))));
+    const float cos_cone = std::cos(static_cast<float>(cone));
+    const float delta = std::cos(static_cast<float>(row["start_rad"])) - cos_cone;
+    if (delta == 0)
+      sweep.textbook_answer(std::isfinite((1 - cos_cone) / delta) ? "a slope"
+                                                                  : "an infinite slope");
+  }
+  sweep.expect_answers("full full full dark");
+}
+
+}  // namespace
+}  // namespace lucerna::testing
