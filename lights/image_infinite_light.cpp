@@ -45,6 +45,14 @@ ImageInfiniteLight<Real>::ImageInfiniteLight(const Params& params)
   compensated_ = compensated->empty() ? complete_ : std::move(compensated);
 }
 
+// Not inlined: GCC 12 at -O2 keeps a direction in double where it has just been rounded to float.
+template <std::floating_point Real>
+[[gnu::noinline]] typename ImageInfiniteLight<Real>::Seen ImageInfiniteLight<Real>::look(
+    const SphereDistribution& distribution, const Vec3<Real>& w) const {
+  const Vec3<double> direction = axes_.map_from_world(Vec3<double>(w));
+  return {params_.map->lookup(direction) * params_.radiance_cd_m2, distribution.per_sr(direction)};
+}
+
 template <std::floating_point Real>
 LightSample<Real> ImageInfiniteLight<Real>::sample_li(const Receiver<Real>& receiver,
                                                       Vec2<Real> u) const {
@@ -60,13 +68,17 @@ LightSample<Real> ImageInfiniteLight<Real>::sample_li(const Receiver<Real>& rece
   const auto s = distribution(receiver).sample({double{u.x}, double{u.y}});
   sample.wi = Vec3<Real>(axes_.world_from_map(s.direction));
   sample.distance = std::numeric_limits<Real>::infinity();
-  sample.pdf.per_sr = static_cast<Real>(s.per_sr);
-  sample.value = Rgb<Real>(params_.map->lookup(s.position) * params_.radiance_cd_m2);
-  if (!is_positive_normal(sample.pdf.per_sr) || !is_finite(sample.value) ||
-      !is_positive_normal(sample.value.max_component())) {
+  const Seen seen = look(distribution(receiver), sample.wi);
+  sample.pdf.per_sr = static_cast<Real>(seen.per_sr);
+  sample.value = Rgb<Real>(seen.radiance);
+  if (seen.radiance.is_black())
+    sample.reason = NoLight::kOutsideCone;
+  else if (!is_positive_normal(sample.pdf.per_sr) || !is_finite(sample.value) ||
+           !is_positive_normal(sample.value.max_component()))
+    sample.reason = NoLight::kOutOfRange;
+  if (sample.reason != NoLight::kNone) {
     sample.value = {};
     sample.pdf.per_sr = 1;
-    sample.reason = NoLight::kOutOfRange;
   }
   return sample;
 }

@@ -35,8 +35,9 @@ class ImageInfiniteLight {
   /// By the map's luminance, density as SphereDistribution has it; distance infinite.  For an
   /// `incomplete` receiver by max(0, luminance - its mean over the sphere), which is 0 where the
   /// receiver's own directions serve as well (a map that is nowhere above its mean: by luminance).
-  /// kBlack where the map or the radiance is black, kOutOfRange where value or density are no
-  /// positive normal `Real`.  [Karlik19]
+  /// Value and density are those of `wi` as it is rounded, which at a pole may show another texel.
+  /// kBlack where the map or the radiance is black, kOutsideCone where rounding led into the dark,
+  /// kOutOfRange where value or density are no positive normal `Real`.  [Karlik19]
   LightSample<Real> sample_li(const Receiver<Real>& receiver, Vec2<Real> u) const;
   SolidAnglePdf<Real> pdf_li(const Receiver<Real>& receiver, const Vec3<Real>& wi) const;
   /// Radiance [cd/m2] that a ray from anywhere, leaving the scene towards the unit vector `w`,
@@ -67,6 +68,12 @@ class ImageInfiniteLight {
 
  private:
   explicit ImageInfiniteLight(const Params& params);
+  /// Of a direction as its type rounds it.
+  struct Seen {
+    Rgb<double> radiance;
+    double per_sr;
+  };
+  Seen look(const SphereDistribution& distribution, const Vec3<Real>& w) const;
   const SphereDistribution& distribution(const Receiver<Real>& receiver) const {
     return receiver.incomplete ? *compensated_ : *complete_;
   }

@@ -1,0 +1,60 @@
+// The pictures of tests/data/extremes/maps.py as maps and lights.
+#pragma once
+
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "lights/goniometric_light.h"
+#include "lights/image_infinite_light.h"
+#include "tests/reference_table.h"
+#include "tests/sweep.h"
+
+namespace lucerna::testing {
+
+/// `value(i, j)` of column and row.
+template <typename F>
+std::shared_ptr<const Image> grey_image(int width, int height, F&& value) {
+  std::vector<Rgb<float>> texels;
+  for (int j = 0; j < height; ++j)
+    for (int i = 0; i < width; ++i) texels.emplace_back(static_cast<float>(value(i, j)));
+  return *Image::create(width, height, std::move(texels));
+}
+
+/// The one of the table `sphere_maps`: a third of it is black.
+inline double patchy_texel(int i, int j) { return std::max(0, (3 * i + 5 * j) % 9 - 2); }
+
+inline SphereMapping mapping_of(const ReferenceTable::Row& row) {
+  return row.text("mapping") == "equalarea" ? SphereMapping::kEqualArea
+                                            : SphereMapping::kLatitudeLongitude;
+}
+inline ImageFilter filter_of(const ReferenceTable::Row& row) {
+  return row.text("filter") == "nearest" ? ImageFilter::kNearest : ImageFilter::kBilinear;
+}
+
+inline std::shared_ptr<const Image> patchy_image(const ReferenceTable::Row& row) {
+  return grey_image(static_cast<int>(row["w"]), static_cast<int>(row["h"]), patchy_texel);
+}
+
+/// `background` everywhere but `bright` at (5, 2).
+inline std::shared_ptr<const Image> spotted_image(const ReferenceTable::Row& row) {
+  return grey_image(
+      8, 8, [&](int i, int j) { return i == 5 && j == 2 ? row["bright"] : row["background"]; });
+}
+
+inline ImageInfiniteLight<Served> sky(std::shared_ptr<const Image> image, SphereMapping mapping,
+                                      ImageFilter filter, const Transform& turned = {}) {
+  return *ImageInfiniteLight<Served>::create(
+      {.map = *SphereMap::create(std::move(image), mapping, filter), .world_from_map = turned});
+}
+
+inline GoniometricLight<Served> lamp(std::shared_ptr<const Image> image, SphereMapping mapping,
+                                     ImageFilter filter) {
+  return *GoniometricLight<Served>::create(
+      {.intensity = Rgb<double>(1),
+       .map = *IntensityMap::create(std::move(image), mapping, filter)});
+}
+
+}  // namespace lucerna::testing

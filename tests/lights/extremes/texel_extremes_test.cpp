@@ -1,0 +1,157 @@
+// Row 21: pictures that are black, all but one texel dark, or outshone by one texel.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "tests/lights/extremes/map_pictures.h"
+#include "tests/lights/statistics.h"
+
+namespace lucerna::testing {
+namespace {
+
+using Row = ReferenceTable::Row;
+
+const char* const kPictures = "1e9 and 1e30 in 1, 1 in 1e30, 1e-30 ... 1e9 in black";
+
+std::string place_of(const Row& row) {
+  return row.text("mapping") + ", " + row.text("bright") + " in " + row.text("background");
+}
+
+/// The chance of a texel by running sums in float, row by row and in the row.
+float textbook_chance(const Row& row) {
+  const auto of = [](const std::array<float, 8>& weights, int k) {
+    std::array<float, 9> sums{};
+    for (std::size_t i = 0; i < 8; ++i) sums[i + 1] = sums[i] + weights[i];
+    const auto i = static_cast<std::size_t>(k);
+    return (sums[i + 1] - sums[i]) / sums[8];
+  };
+  const auto texel = [&](int i, int j) {
+    return static_cast<float>(i == 5 && j == 2 ? row["bright"] : row["background"]);
+  };
+  std::array<float, 8> rows{}, line{};
+  for (int j = 0; j < 8; ++j)
+    for (int i = 0; i < 8; ++i) rows[static_cast<std::size_t>(j)] += texel(i, j);
+  const int column = static_cast<int>(row["column"]), at = static_cast<int>(row["row"]);
+  for (int i = 0; i < 8; ++i) line[static_cast<std::size_t>(i)] = texel(i, at);
+  return of(rows, at) * of(line, column);
+}
+
+TEST(TexelExtremes, ChancesOfTexels) {
+  Sweep sweep(21, "environment map, one texel", kPictures, "chance of a texel");
+  const ReferenceTable table("bright_texels");
+  for (const auto& row : table.rows()) {
+    const auto light = sky(spotted_image(row), mapping_of(row), ImageFilter::kNearest);
+    const Vec2<double> middle{(row["column"] + 0.5) / 8, (row["row"] + 0.5) / 8};
+    const Vec3<double> w = direction_from_square(mapping_of(row), middle);
+    const double per_sr = light.pdf_li({0, 0, 0}, w).per_sr;
+    const double pi = std::numbers::pi, top = pi * row["row"] / 8;
+    const double texel_sr = mapping_of(row) == SphereMapping::kEqualArea
+                                ? 4 * pi / 64
+                                : pi / 4 * 2 * std::sin(top + pi / 16) * std::sin(pi / 16);
+    sweep.compare(per_sr * texel_sr, row["chance"], place_of(row));
+    if (mapping_of(row) == SphereMapping::kEqualArea)
+      sweep.compare_textbook(textbook_chance(row), row["chance"]);
+  }
+  sweep.expect_within(1e-14);
+}
+
+TEST(TexelExtremes, SampleValuesLeadToTheirTexels) {
+  Sweep sweep(21, "environment map, one texel", kPictures, "texel that sample values lead to");
+  const ReferenceTable table("bright_texels");
+  for (const auto& row : table.rows()) {
+    const auto light = sky(spotted_image(row), mapping_of(row), ImageFilter::kNearest);
+    const auto sample = light.sample_li({0, 0, 0}, {row["ux"], row["uy"]});
+    const Vec2<double> p = square_from_direction(mapping_of(row), sample.wi);
+    const bool right = std::floor(p.x * 8) == row["column"] && std::floor(p.y * 8) == row["row"];
+    sweep.answer(right ? "its own" : "another: " + place_of(row));
+  }
+  sweep.expect_answers("its own");
+}
+
+TEST(TexelExtremes, EverySampleEstimatesTheIntegral) {
+  Sweep sweep(21, "environment map, one texel", kPictures, "integral of radiance by each sample");
+  const ReferenceTable table("bright_texels");
+  for (const auto& row : table.rows()) {
+    const auto light = sky(spotted_image(row), mapping_of(row), ImageFilter::kNearest);
+    const auto sample = light.sample_li({0, 0, 0}, {row["ux"], row["uy"]});
+    sweep.compare(sample.value.g / sample.pdf.per_sr, row["integral"], place_of(row));
+  }
+  sweep.expect_within(1e-14);
+}
+
+TEST(TexelExtremes, EveryBilinearSampleToo) {
+  Sweep sweep(21, "equal-area environment map, bilinear, one texel", kPictures,
+              "integral of radiance by each sample");
+  const ReferenceTable table("bright_texels");
+  RandomU random(21);
+  for (const auto& row : table.rows()) {
+    if (mapping_of(row) != SphereMapping::kEqualArea) continue;
+    const auto light = sky(spotted_image(row), mapping_of(row), ImageFilter::kBilinear);
+    for (int i = 0; i < 100; ++i) {
+      const auto sample = light.sample_li({0, 0, 0}, random.pair<Served>());
+      sweep.compare(sample.value.g / sample.pdf.per_sr, row["integral"], place_of(row));
+    }
+  }
+  sweep.expect_within(1e-12);
+}
+
+TEST(TexelExtremes, Integrals) {
+  Sweep sweep(29, "environment map", "patchy, black, one texel of 1e-30 ... 1e30",
+              "power through a disk of 2 m");
+  const ReferenceTable table("map_integrals");
+  for (const auto& row : table.rows()) {
+    const auto image = row["background"] < 0 ? patchy_image(row) : spotted_image(row);
+    const auto light = sky(image, mapping_of(row), filter_of(row));
+    const SceneSphere scene{{}, 2};
+    const Power exact = light.power(scene), approximate = light.power_approximate(scene);
+    const double truth = row["integral"] * 4 * std::numbers::pi;
+    sweep.compare(exact.lumens.g, truth, place_of(row));
+    EXPECT_LE(std::fabs(approximate.lumens.g - truth), approximate.error_lumens + 1e-12 * truth);
+    // pbrt-v2's and v3's: pi R^2 times the mean texel.
+    if (truth > 0)
+      sweep.compare_textbook(static_cast<float>(4 * std::numbers::pi * image->mean().g), truth);
+  }
+  sweep.expect_within(1e-14);
+}
+
+TEST(TexelExtremes, FluxOfLamps) {
+  Sweep sweep(29, "goniometric map", "patchy, black, one texel of 1e-30 ... 1e30", "power");
+  const ReferenceTable table("map_integrals");
+  for (const auto& row : table.rows()) {
+    const auto image = row["background"] < 0 ? patchy_image(row) : spotted_image(row);
+    const auto light = lamp(image, mapping_of(row), filter_of(row));
+    const double truth = row["integral"];
+    const Power approximate = light.power_approximate({});
+    sweep.compare(light.power({}).lumens.g, truth, place_of(row));
+    EXPECT_LE(std::fabs(approximate.lumens.g - truth), approximate.error_lumens + 1e-12 * truth);
+    if (truth > 0)
+      sweep.compare_textbook(static_cast<float>(4 * std::numbers::pi * image->mean().g), truth);
+  }
+  sweep.expect_within(1e-14);
+}
+
+TEST(TexelExtremes, BlackPictures) {
+  Sweep sweep(21, "environment and goniometric map, all black", "both mappings and filters",
+              "answer of sample_li and sample_le");
+  for (const SphereMapping mapping : {SphereMapping::kEqualArea, SphereMapping::kLatitudeLongitude})
+    for (const ImageFilter filter : {ImageFilter::kNearest, ImageFilter::kBilinear}) {
+      const auto black = grey_image(8, 8, [](int, int) { return 0; });
+      const auto light = sky(black, mapping, filter);
+      const auto lamp_light = lamp(black, mapping, filter);
+      for (const double u : {0.0, 0.5, 1.0}) {
+        sweep.answer(light.sample_li({0, 0, 0}, {u, u}).reason);
+        sweep.answer(light.sample_le({u, u}, {u, u}, {{}, 1}).reason);
+        sweep.answer(lamp_light.sample_li({0, 0, 1}, {u, u}).reason);
+        sweep.answer(lamp_light.sample_le({u, u}, {u, u}, {}).reason);
+        EXPECT_EQ(light.pdf_li({0, 0, 0}, {u, u, 1}).per_sr, 0);
+        EXPECT_TRUE(light.le_escaped({}, {u, u, 1}).is_black());
+      }
+      EXPECT_TRUE(light.power({{}, 1}).lumens.is_black());
+    }
+  sweep.expect_answers(NoLight::kBlack);
+}
+
+}  // namespace
+}  // namespace lucerna::testing
