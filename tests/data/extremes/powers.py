@@ -1,0 +1,211 @@
+"""Row 29: powers, by numerical integration where the code has closed forms and by other closed forms where it sums.
+
+Luminous flux [lm] of lights of radiance, intensity or illuminance 1.
+"""
+from mpmath import atan, cos, mp, mpf, pi, quad, sin, sqrt
+
+from maps import texel
+from table import Table
+
+DEGREE = 3.141592653589793 / 180
+
+
+def smoothstep(x):
+    return x * x * (3 - 2 * x)
+
+
+def spots():
+    table = Table("spot_powers", """
+Spots of intensity 1, their share of it integrated over the angle numerically: smoothstep of the cosine [lm], and the
+fourth power of the same.
+""", "cone_rad start_rad smoothstep_lm quartic_lm")
+    for degrees, delta in ((30.0, 5.0), (30.0, 30.0), (1e-5, 5e-6), (1e-5, 1e-5), (0.01, 0.001), (1.0, 1.0), (60.0, 0.25),
+                           (90.0, 10.0), (120.0, 20.0), (179.0, 1.0), (180.0, 0.5), (180.0, 180.0)):
+        cone = degrees * DEGREE if degrees < 180 else 3.141592653589793
+        start = (degrees - delta) * DEGREE if degrees < 180 else 3.141592653589793 - delta * DEGREE
+        start = max(start, 0.0)
+        powers = []
+        # A polynomial of the cosine: Gauss's rule in it is exact.
+        with mp.workdps(90):
+            c, s = cos(mpf(cone)), cos(mpf(start))
+            for profile in (smoothstep, lambda x: x**4):
+                edge = quad(lambda x: profile(x) * (s - c), [0, 1], method="gauss-legendre")
+                powers.append(2 * pi * (1 - s + edge))
+        table.add(cone, start, *powers)
+    return table
+
+
+def corner_sr(x, y):
+    """Of the rectangle from the axis to (x, y) in the plane z = 1; its sign that of x y."""
+    return atan(x * y / sqrt(1 + x * x + y * y))
+
+
+def rectangle_sr(x0, x1, y0, y1):
+    return corner_sr(x1, y1) - corner_sr(x0, y1) - corner_sr(x1, y0) + corner_sr(x0, y0)
+
+
+def projections():
+    table = Table("projection_powers", """
+Projections of intensity 1 [lm]: evenly lit; of a picture of 4 x 3 texels, texel (i, j) max(0, (3 i + 5 j) mod 9 - 2),
+with the nearest filter.
+""", "fov_deg fov_rad aspect even_lm picture_lm")
+    with mp.workdps(120):
+        for fov_deg in (1e-5, 0.01, 1.0, 30.0, 90.0, 150.0, 179.0, 179.999):
+            for aspect in (1e-3, 1.0 / 3, 0.5, 1.0, 4.0 / 3, 3.0, 64.0, 1e3):
+                fov = fov_deg * DEGREE
+                shorter = mp.tan(mpf(fov) / 2)
+                x = shorter * max(mpf(aspect), 1)
+                y = shorter / min(mpf(aspect), 1)
+                picture = mpf(0)
+                for j in range(3):
+                    for i in range(4):
+                        # Rows go down; the sum does not see it.
+                        picture += texel(i, j) * rectangle_sr(x * (2 * i - 4) / 4, x * (2 * i - 2) / 4,
+                                                              y * (2 * j - 3) / 3, y * (2 * j - 1) / 3)
+                table.add(fov_deg, fov, aspect, rectangle_sr(-x, x, -y, y), picture)
+    return table
+
+
+def bilinear_cell(x0, x1, y0, y1, corners):
+    """A bilinear function between values at the corners, times cos^3: over y in closed form, over x numerically."""
+    v00, v10, v01, v11 = corners
+
+    def line(x):
+        s = (x - x0) / (x1 - x0)
+        at0, at1 = v00 + (v10 - v00) * s, v01 + (v11 - v01) * s
+        slope = (at1 - at0) / (y1 - y0)
+        r2 = 1 + x * x
+        antiderivative = lambda y: ((at0 - slope * y0) * y / r2 - slope) / sqrt(r2 + y * y)
+        return antiderivative(y1) - antiderivative(y0)
+
+    return quad(line, [x0, x1] if x0 * x1 >= 0 else [x0, 0, x1])
+
+
+def bilinear_projections():
+    table = Table("bilinear_projection_powers", """
+The same picture with the bilinear filter, its border going on [lm].
+""", "fov_deg fov_rad aspect picture_lm")
+    with mp.workdps(40):
+        for fov_deg, aspect in ((1.0, 3.0), (90.0, 4.0 / 3), (90.0, 64.0), (150.0, 1.0 / 3)):
+            fov = fov_deg * DEGREE
+            shorter = mp.tan(mpf(fov) / 2)
+            x, y = shorter * max(mpf(aspect), 1), shorter / min(mpf(aspect), 1)
+            at = lambda i, j: mpf(texel(min(max(i, 0), 3), min(max(j, 0), 2)))
+            xs = [-x] + [x * (2 * i - 3) / 4 for i in range(4)] + [x]
+            ys = [-y] + [y * (2 * j - 2) / 3 for j in range(3)] + [y]
+            sum_ = mpf(0)
+            for j in range(4):
+                for i in range(5):
+                    sum_ += bilinear_cell(xs[i], xs[i + 1], ys[j], ys[j + 1],
+                                          (at(i - 1, j - 1), at(i, j - 1), at(i - 1, j), at(i, j)))
+            table.add(fov_deg, fov, aspect, sum_)
+    return table
+
+
+def patch_area(corners):
+    """Of p(u, v) through p00, p10, p01, p11: |dp/du x dp/dv| over the square."""
+    p00, p10, p01, p11 = [[mpf(c) for c in p] for p in corners]
+
+    def element(u, v):
+        du = [(b - a) * (1 - v) + (d - c) * v for a, b, c, d in zip(p00, p10, p01, p11)]
+        dv = [(c - a) * (1 - u) + (d - b) * u for a, b, c, d in zip(p00, p10, p01, p11)]
+        n = (du[1] * dv[2] - du[2] * dv[1], du[2] * dv[0] - du[0] * dv[2], du[0] * dv[1] - du[1] * dv[0])
+        return sqrt(sum(c * c for c in n))
+
+    # The integrand is smooth far beyond the square: as many nodes leave 1e-35 of it.
+    nodes = gauss(40)
+    return sum(w * z * element(x, y) for x, w in nodes for y, z in nodes)
+
+
+def gauss(n):
+    """Nodes and weights on [0, 1], by Newton from the usual start."""
+    rule = []
+    for k in range(1, n + 1):
+        x = cos(pi * (k - mpf(1) / 4) / (n + mpf(1) / 2))
+        for _ in range(6):
+            p0, p1 = mpf(1), x
+            for m in range(2, n + 1):
+                p0, p1 = p1, ((2 * m - 1) * x * p1 - (m - 1) * p0) / m
+            slope = n * (x * p1 - p0) / (x * x - 1)
+            x -= p1 / slope
+        rule.append(((1 + x) / 2, 1 / ((1 - x * x) * slope * slope)))
+    return rule
+
+
+def areas():
+    table = Table("area_powers", """
+Area lights of radiance 1, one-sided, of `size` m: pi times the area, integrated over what the shape is made of [lm].
+    sphere    radius 1, z from -1/2 to 3/4, swept over 2 rad
+    disk      radius 1 without what lies within 1/4, swept over 2 rad
+    cylinder  radius 1/2, z from 0 to 3, swept over 2 rad
+    triangle  (0, 0, 0), (1, 0, 0), (0, 2, 2)
+    flat      patch (0, 0, 0), (2, 0, 0), (0, 1, 0), (2, 1, 0)
+    bent      patch (0, 0, 0), (1, 0, 0), (0, 1, 0), (1, 1, 1/2)
+""", "shape size power_lm")
+    numeric = {
+        "sphere": 2 * quad(lambda z: mpf(1), [mpf(-1) / 2, mpf(3) / 4]),
+        "disk": 2 * quad(lambda r: r, [mpf(1) / 4, 1]),
+        "cylinder": 2 * mpf(1) / 2 * 3,
+        "triangle": sqrt(mpf(8)) / 2,
+        "flat": mpf(2),
+    }
+    for name, area in numeric.items():
+        for exponent in (-60, -30, -20, -10, 0, 10, 20, 30, 60):
+            table.add(name, 2.0**exponent, pi * area * mpf(4) ** exponent)
+    bent = patch_area(((0, 0, 0), (1, 0, 0), (0, 1, 0), (1, 1, 0.5)))
+    for exponent in (-20, 0, 20):
+        table.add("bent", 2.0**exponent, pi * bent * mpf(4) ** exponent)
+    return table
+
+
+def others():
+    table = Table("other_powers", """
+Lights of intensity, radiance or illuminance 1 [lm]: a point; radiance from everywhere, and parallel rays, through the
+disk of a scene of radius `size` m; a beam of `size` by 3 `size` m.  By the integral over directions, of the sine of the
+polar angle, and over the disk, of its rings.
+""", "light size power_lm")
+    sphere = 2 * pi * quad(sin, [0, pi])
+    for exponent in (-60, -30, -10, 0, 10, 30, 60):
+        size = 2.0**exponent
+        disk = quad(lambda r: 2 * pi * r, [0, size])
+        table.add("point", size, sphere)
+        table.add("infinite", size, sphere * disk)
+        table.add("distant", size, disk)
+        table.add("beam", size, 3 * mpf(size) ** 2)
+    return table
+
+
+WEB_VERTICAL = (0, 10, 30, 60, 90, 180)
+WEB_HORIZONTAL = (0, 90, 135, 270, 360)
+
+
+def pictures():
+    table = Table("picture_powers", """
+A luminaire of which the intensity at vertical angle a of 0 10 30 60 90 180 and horizontal angle b of 0 90 135 270 360
+degrees is 1 + (7 a + 3 b) mod 11, b = 360 as b = 0, times `size`; and a whole sphere of radius `size` m that shows the
+picture of 4 x 3 texels, texel (i, j) max(0, (3 i + 5 j) mod 9 - 2), row 0 about its pole [lm].
+""", "light size power_lm")
+    for exponent in (-30, 0, 30):
+        size = mpf(2) ** exponent
+        flux = mpf(0)
+        for a0, a1 in zip(WEB_VERTICAL, WEB_VERTICAL[1:]):
+            for b0, b1 in zip(WEB_HORIZONTAL, WEB_HORIZONTAL[1:]):
+                at = lambda a, b: 1 + (7 * a + 3 * (b % 360)) % 11
+                above, below = [mpf(at(a, b0) + at(a, b1)) / 2 for a in (a0, a1)]
+                t0, t1 = [pi * a / 180 for a in (a0, a1)]
+                flux += (b1 - b0) * pi / 180 * quad(
+                    lambda t: (above + (below - above) * (t - t0) / (t1 - t0)) * sin(t), [t0, t1])
+        table.add("web", 2.0**exponent, size * flux)
+        rows = sum(mpf(sum(texel(i, j) for i in range(4))) / 4 * (cos(pi * j / 3) - cos(pi * (j + 1) / 3))
+                   for j in range(3))
+        table.add("painted", 2.0**exponent, pi * size**2 * 2 * pi * rows)
+    return table
+
+
+def tables():
+    yield pictures()
+    yield others()
+    yield spots()
+    yield projections()
+    yield bilinear_projections()
+    yield areas()
