@@ -1,6 +1,6 @@
-# make demo | test | extremes | mutants | test-slurm | bench | distributed | format: each installs what is missing, configures, builds and runs.
+# make demo | test | soak | extremes | mutants | test-slurm | bench | distributed | format: each installs what is missing, configures, builds and runs.
 .DEFAULT_GOAL := demo
-.PHONY: deps release programs demo test extremes mutants test-slurm bench distributed format
+.PHONY: deps release programs demo test wire soak extremes mutants test-slurm bench distributed format
 
 deps:
 	@deploy/install-deps.sh
@@ -17,6 +17,19 @@ demo: programs
 test: release
 	@cmake --build --preset release
 	@ctest --preset release
+	@$(MAKE) --no-print-directory wire ITEMS=1000000
+
+# Random extreme items to every light and every query of a server with AddressSanitizer and
+# UndefinedBehaviorSanitizer.
+ITEMS ?= 1000000
+wire: deps
+	@test -f build/asan/build.ninja || cmake --preset asan
+	@cmake --build --preset asan --target wire_property_test
+	@LUCERNA_WIRE_ITEMS=$(ITEMS) build/asan/tests/server/extremes/wire_property_test
+
+# The same for ten minutes.
+soak:
+	@$(MAKE) --no-print-directory wire ITEMS=10000000
 
 extremes: release
 	@cmake --build --preset release --target lights_extremes_test server_extremes_test

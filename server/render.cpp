@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cmath>
+#include <limits>
 #include <mutex>
 #include <vector>
 
@@ -84,7 +86,10 @@ class TileJob {
       sum += Rgb<double>(tracer_.radiance(ray, sample, work));
     }
     work.samples += n;
-    return sum * (scene_.camera().film_scale() / n);
+    // Squares of differences are summed too: what no float holds counts as the largest.
+    const auto held = [](double v) { return std::fmin(v, std::numeric_limits<float>::max()); };
+    const Rgb<double> mean = sum * (scene_.camera().film_scale() / n);
+    return {held(mean.r), held(mean.g), held(mean.b)};
   }
 
   double time(const PathSample& sample) const {

@@ -1,0 +1,39 @@
+// Scene files of random lights and shapes of extreme sizes, places and levels.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tests/server/extremes/extreme_numbers.h"
+
+namespace lucerna::testing {
+
+/// A line of a scene file that makes one light or shape, and of what kind.
+struct SceneLine {
+  std::string kind;
+  std::string text;
+};
+
+/// All kinds of lights that `light_line` makes.
+const std::vector<std::string>& light_kinds();
+
+/// How large things are where.
+struct SceneScale {
+  /// One for all: places lie within 1, sizes below it.
+  static SceneScale random(ExtremeNumbers& numbers);
+
+  bool wild = false;  ///< each number has a magnitude of its own
+  double metres = 1;
+  Vec3<double> offset_m{};
+};
+
+/// A light of this kind: a whole AttributeBegin ... AttributeEnd.
+SceneLine light_line(const std::string& kind, const SceneScale& scale, ExtremeNumbers& numbers);
+
+/// A shape that emits nothing.
+SceneLine shape_line(const SceneScale& scale, ExtremeNumbers& numbers);
+
+/// Film and camera, up to WorldBegin: each in a line of its own.
+std::vector<std::string> head_lines(const SceneScale& scale, ExtremeNumbers& numbers);
+
+}  // namespace lucerna::testing

@@ -1,0 +1,175 @@
+// The items that WireQueries asks about, and what holds for each of its answers.
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "tests/server/extremes/wire_answers.h"
+#include "tests/server/extremes/wire_queries.h"
+
+namespace lucerna::testing {
+namespace {
+
+void set(const Vec3<double>& v, v1::Vector3* out) {
+  out->set_x(v.x);
+  out->set_y(v.y);
+  out->set_z(v.z);
+}
+
+void add(const Vec3<float>& v, google::protobuf::RepeatedField<float>* out) {
+  out->Add(v.x);
+  out->Add(v.y);
+  out->Add(v.z);
+}
+
+/// Denormals are zero to the server.
+bool is_zero_to_server(const Vec3<float>& v) {
+  return max_abs(v) < std::numeric_limits<float>::min();
+}
+
+}  // namespace
+
+Vec3<double> WireQueries::place() {
+  if (n_.chance(0.5)) return n_.one_of(places_);
+  const double r = 2 * summary_.radius_m();
+  return vec(summary_.center_m()) +
+         Vec3<double>{n_.uniform(-r, r), n_.uniform(-r, r), n_.uniform(-r, r)};
+}
+
+void WireQueries::keep(const Vec3<double>& place) {
+  constexpr std::size_t kMost = 256;
+  if (!is_finite(place)) return;
+  if (places_.size() < kMost)
+    places_.push_back(place);
+  else
+    places_[n_.below(kMost)] = place;
+}
+
+void WireQueries::keep(const v1::Points& points) {
+  for (int i = 0; i < 4 && 3 * i < points.offsets_m_size(); ++i)
+    keep(vec(points.origin_m()) + Vec3<double>(triple(points.offsets_m(), i)));
+}
+
+WireQueries::Items WireQueries::points(int n, v1::Points* out) {
+  Vec3<double> origin{};
+  switch (n_.below(8)) {
+    case 0:
+    case 1:
+      break;
+    case 2:
+      origin = {n_.scalar(), n_.scalar(), n_.scalar()};
+      break;
+    case 3:
+      origin = n_.one_of(places_);
+      break;
+    default:
+      origin = vec(summary_.origin_m());
+      break;
+  }
+  if (origin != Vec3<double>{}) set(origin, out->mutable_origin_m());
+  Items items;
+  for (int i = 0; i < n; ++i) {
+    const Vec3<float> offset = n_.chance(0.5) ? n_.vector() : Vec3<float>(place() - origin);
+    add(offset, out->mutable_offsets_m());
+    items.push_back(is_finite(offset) ? Item::kGood : Item::kInvalid);
+  }
+  return items;
+}
+
+void WireQueries::directions(Floats* out, Items& items, const v1::Points* from) {
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    Vec3<float> w;
+    if (from != nullptr && n_.chance(0.5)) {
+      const Vec3<double> start = vec(from->origin_m()) + Vec3<double>(triple(from->offsets_m(), i));
+      w = Vec3<float>(place() - start);
+    } else {
+      w = n_.chance(0.5) ? n_.vector() : Vec3<float>(n_.direction());
+    }
+    add(w, out);
+    if (!is_finite(w) || is_zero_to_server(w)) items[i] = Item::kInvalid;
+  }
+}
+
+void WireQueries::normals(Floats* out, Items& items) { directions(out, items); }
+
+void WireQueries::sample_values(v1::SampleValues* out, int each, bool named, Items& items) {
+  for (Item& item : items) {
+    for (int k = 0; k < each; ++k) {
+      const float u = n_.sample_value();
+      out->add_u(u);
+      if (!std::isfinite(u)) item = Item::kInvalid;
+    }
+    if (!named) out->add_u_light(n_.choosing_value());
+  }
+}
+
+void WireQueries::wavelengths(google::protobuf::RepeatedField<double>* out) {
+  if (n_.chance(0.7)) return;
+  for (const double nm : {100.0, 555.0, n_.magnitude(100, 1e6)}) out->Add(nm);
+}
+
+void WireQueries::area_sampling(v1::Accuracy* out) {
+  if (n_.chance(0.5))
+    out->set_area_sampling(
+        static_cast<v1::AreaSampling>(n_.below(v1::AreaSampling_MAX + std::uint64_t{1})));
+}
+
+std::vector<v1::ItemStatus> WireQueries::statuses(
+    const std::string& name, const google::protobuf::RepeatedField<int>& status, const Items& items,
+    bool typed) {
+  items_ += items.size();
+  if (status.empty()) {
+    for (std::size_t i = 0; i < items.size(); ++i)
+      hold(items[i] != Item::kInvalid, name, i, "an invalid item is answered");
+    counts_[{name, v1::ITEM_STATUS_OK}] += items.size();
+    return std::vector<v1::ItemStatus>(items.size(), v1::ITEM_STATUS_OK);
+  }
+  expect(name, status.size(), items.size(), "status");
+  if (!failures_.empty()) return std::vector<v1::ItemStatus>(items.size());
+  std::vector<v1::ItemStatus> all;
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    const auto s = static_cast<v1::ItemStatus>(status[static_cast<int>(i)]);
+    all.push_back(s);
+    ++counts_[{name, s}];
+    const bool invalid = s == v1::ITEM_STATUS_INVALID_INPUT;
+    const std::string words = v1::ItemStatus_Name(s);
+    hold(v1::ItemStatus_IsValid(s) && s != v1::ITEM_STATUS_UNSPECIFIED, name, i, "no status");
+    if (items[i] == Item::kGood) hold(!invalid, name, i, words + " for a valid item");
+    if (items[i] == Item::kInvalid) hold(invalid, name, i, words + " for an invalid item");
+    if (!typed)
+      hold(s == v1::ITEM_STATUS_OK || s == v1::ITEM_STATUS_OUT_OF_RANGE || invalid, name, i,
+           words + ", which this query has no use for");
+  }
+  return all;
+}
+
+void WireQueries::numbers_hold(const std::string& name, const google::protobuf::Message& message) {
+  for (const std::string& wrong : wrong_numbers(message)) hold(false, name, 0, wrong);
+}
+
+void WireQueries::hold(bool what, const std::string& name, std::size_t item,
+                       const std::string& words) {
+  if (!what) failures_.push_back(fmt::format("{} item {}: {}", name, item, words));
+}
+
+void WireQueries::is_unit(const std::string& name, std::size_t item, const Floats& v) {
+  const Vec3<float> w = triple(v, item);
+  // Three components, each rounded to float once.
+  constexpr double kRounding = 2 * std::numeric_limits<float>::epsilon();
+  const double l = length(Vec3<double>(w));
+  hold(std::fabs(l - 1) <= kRounding, name, item,
+       fmt::format("({}, {}, {}) of length 1 {:+.3g}", w.x, w.y, w.z, l - 1));
+}
+
+void WireQueries::is_zero(const std::string& name, std::size_t item, const Floats& v,
+                          std::size_t each) {
+  for (std::size_t k = item * each; k < (item + 1) * each; ++k)
+    hold(v[static_cast<int>(k)] == 0, name, item,
+         fmt::format("{} without an answer", v[static_cast<int>(k)]));
+}
+
+void WireQueries::expect(const std::string& name, std::size_t size, std::size_t expected,
+                         const std::string& field) {
+  hold(size == expected, name, 0, fmt::format("{} {}, not {}", size, field, expected));
+}
+
+}  // namespace lucerna::testing
