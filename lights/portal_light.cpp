@@ -181,7 +181,13 @@ template <std::floating_point Real>
 NoLight PortalLight<Real>::sample(const Window& window, Vec2<Real> u, Vec3<Real>& wi,
                                   Rgb<Real>& value, SolidAnglePdf<Real>& pdf) const {
   const auto s = table_->sample(window, {double{u.x}, double{u.y}});
-  const Vec3<double> l = rectified_from_square(s.position);
+  // So far within the edges that the direction, once rounded, leads through the portal.
+  const auto within = [](double at, double begin, double extent) {
+    const double slack = std::min(8 * double{std::numeric_limits<Real>::epsilon()}, extent * 0.5);
+    return std::clamp(at, begin + slack, std::max(begin + slack, begin + extent - slack));
+  };
+  const Vec3<double> l = rectified_from_square({within(s.position.x, window.x, window.width),
+                                                within(s.position.y, window.y, window.height)});
   wi = Vec3<Real>(x_ * l.x + y_ * l.y + z_ * l.z);
   value = radiance(wi);
   if (value.is_black()) return NoLight::kBlack;
@@ -201,6 +207,11 @@ LightSample<Real> PortalLight<Real>::sample_li(const Receiver<Real>& receiver, V
   if (s.reason != NoLight::kNone) return s;
   s.distance = std::numeric_limits<Real>::infinity();
   s.reason = sample(seen, u, s.wi, s.value, s.pdf);
+  // A portal that is narrower than the rounding of a direction.
+  if (s.reason == NoLight::kNone && le_escaped(receiver.position, s.wi).is_black()) {
+    s.value = {};
+    s.reason = NoLight::kOutOfRange;
+  }
   if (s.reason != NoLight::kNone) s.pdf.per_sr = 1;
   return s;
 }

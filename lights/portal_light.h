@@ -57,7 +57,8 @@ class PortalLight {
   ///
   /// kBehind on the portal's other side and in its plane beside it, kDegenerate on the portal,
   /// kBlack where the map or the radiance is (or is below any normal `Real`), also for samples of
-  /// black parts of the map; kOutOfRange where the density is no positive normal `Real`.
+  /// black parts of the map; kOutOfRange where the density is no positive normal `Real`, and where
+  /// the portal is seen narrower than the rounding of a direction.
   LightSample<Real> sample_li(const Receiver<Real>& receiver, Vec2<Real> u) const;
   /// Beyond the portal's edges 0, to within a rounding of `wi`.
   SolidAnglePdf<Real> pdf_li(const Receiver<Real>& receiver, const Vec3<Real>& wi) const;

@@ -202,8 +202,34 @@ picture of 4 x 3 texels, texel (i, j) max(0, (3 i + 5 j) mod 9 - 2), row 0 about
     return table
 
 
+def portals():
+    table = Table("portal_powers", """
+Portals of `side` by 3 `side` m before a sky of radiance 1, and before the latitude-longitude picture of 8 x 5 texels,
+texel (i, j) max(0, (3 i + 5 j) mod 9 - 2): light comes in along the normal n, an axis of the map [lm].
+""", "sky n side power_lm")
+    w, h = 8, 5
+    up = side_on = mpf(0)
+    for j in range(h):
+        t0, t1 = pi * j / h, pi * (j + 1) / h
+        # Of the cosine to +y, above the horizon; and of the sine, which the cosine to +x goes with.
+        of_row = (sin(min(t1, pi / 2)) ** 2 - sin(min(t0, pi / 2)) ** 2) / 2
+        of_sine = ((t1 - sin(2 * t1) / 2) - (t0 - sin(2 * t0) / 2)) / 2
+        for i in range(w):
+            p0, p1 = 2 * pi * i / w, 2 * pi * (i + 1) / w
+            up += texel(i, j) * of_row * (p1 - p0)
+            if i < w // 4 or i >= w - w // 4:
+                side_on += texel(i, j) * of_sine * (sin(p1) - sin(p0))
+    for side in (1e-6, 1.0, 1e6):
+        area = 3 * mpf(side) ** 2
+        table.add("even", "x", side, pi * area)
+        table.add("picture", "y", side, up * area)
+        table.add("picture", "x", side, side_on * area)
+    return table
+
+
 def tables():
     yield pictures()
+    yield portals()
     yield others()
     yield spots()
     yield projections()

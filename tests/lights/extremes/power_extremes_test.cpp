@@ -203,5 +203,25 @@ TEST(PowerExtremes, OtherLights) {
   sweep.expect_within(1e-15);
 }
 
+/// Where the sky has a picture the power is by quadrature: what it states of its error holds.
+TEST(PowerExtremes, Portals) {
+  Sweep sweep(29, "portal, side", "1e-6 ... 1e6 m, with and without a picture", "power");
+  const ReferenceTable table("portal_powers");
+  for (const auto& row : table.rows()) {
+    const double side = row["side"];
+    const Vec3<double> across =
+        row.text("n") == "x" ? Vec3<double>{0, side, 0} : Vec3<double>{0, 0, side};
+    const Vec3<double> up =
+        row.text("n") == "x" ? Vec3<double>{0, 0, 3 * side} : Vec3<double>{3 * side, 0, 0};
+    PortalLightParams params{.corners_m = {{{}, up, across + up, across}}};
+    if (row.text("sky") == "picture")
+      params.map = *SphereMap::create(grey_image(8, 5, patchy_texel),
+                                      SphereMapping::kLatitudeLongitude, ImageFilter::kNearest);
+    check_power(sweep, *PortalLight<Served>::create(params), row["power_lm"],
+                row.text("sky") + " " + row.text("n") + " " + row.text("side"));
+  }
+  sweep.expect_within(1e-5);
+}
+
 }  // namespace
 }  // namespace lucerna::testing

@@ -1,0 +1,73 @@
+// Row 20: portals that are tiny, huge or far, or seen from nearly in their plane.
+#include <gtest/gtest.h>
+
+#include <map>
+#include <string>
+
+#include "lights/portal_light.h"
+#include "tests/lights/statistics.h"
+#include "tests/reference_table.h"
+#include "tests/sweep.h"
+
+namespace lucerna::testing {
+namespace {
+
+using Row = ReferenceTable::Row;
+
+/// From a corner at the origin.
+const PortalLight<Served>& portal(double side) {
+  static std::map<double, PortalLight<Served>> made;
+  const auto at = made.find(side);
+  if (at != made.end()) return at->second;
+  return made
+      .emplace(side, *PortalLight<Served>::create(
+                         {.corners_m = {{{0, 0, 0}, {0, side, 0}, {side, side, 0}, {side, 0, 0}}}}))
+      .first->second;
+}
+
+Vec3<Served> receiver_of(const Row& row) { return {row["x"], row["y"], -row["depth"]}; }
+std::string place_of(const Row& row) {
+  return row.text("side") + " m from (" + row.text("x") + ", " + row.text("y") + ", " +
+         row.text("depth") + ")";
+}
+
+const char* const kSeen = "sides of 1e-6 ... 1e6 m from 1e-12 ... 1e12 sides, inside and beside";
+
+TEST(PortalExtremes, Density) {
+  Sweep sweep(20, "portal, seen", kSeen, "density of sampled directions");
+  const ReferenceTable table("portals");
+  for (const auto& row : table.rows()) {
+    const auto& light = portal(row["side"]);
+    const Vec3<Served> w{row["wx"], row["wy"], row["wz"]};
+    sweep.compare(light.pdf_li(receiver_of(row), w).per_sr, row["per_sr"], place_of(row));
+    EXPECT_EQ(light.le_escaped(receiver_of(row), w).g, 1) << place_of(row);
+  }
+  sweep.expect_within(1e-11);
+}
+
+/// What samples say is what is said of their directions, and each leads through the portal; but for
+/// one that is seen 1e-15 rad above its plane, and narrower than that.
+TEST(PortalExtremes, SamplesLeadThroughThePortal) {
+  Sweep sweep(20, "portal, seen", kSeen, "samples");
+  const ReferenceTable table("portals");
+  RandomU random(20);
+  for (const auto& row : table.rows()) {
+    const auto& light = portal(row["side"]);
+    const bool told = row["wz"] > 1e-14;
+    for (int i = 0; i < 64; ++i) {
+      const Vec2<Served> u = random.pair<Served>();
+      const auto s = light.sample_li(receiver_of(row), u);
+      if (!told && s.reason == NoLight::kOutOfRange) continue;
+      const bool same = light.pdf_li(receiver_of(row), s.wi) == s.pdf;
+      const bool through = light.le_escaped(receiver_of(row), s.wi) == s.value;
+      sweep.answer(s.reason != NoLight::kNone ? Sweep::name_of(s.reason) + ": " + place_of(row)
+                   : !same                    ? "another density: " + place_of(row)
+                   : through                  ? "through it, with their density"
+                                              : "beside it: " + place_of(row));
+    }
+  }
+  sweep.expect_answers("through it, with their density");
+}
+
+}  // namespace
+}  // namespace lucerna::testing
