@@ -1,0 +1,197 @@
+// Row 9: coordinates and sizes of all magnitudes.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "lights/light.h"
+#include "tests/reference_table.h"
+#include "tests/sweep.h"
+
+namespace lucerna::testing {
+namespace {
+
+using Row = ReferenceTable::Row;
+
+Vec3<double> receiver_of(const Row& row) { return {row["x"], row["y"], row["z"]}; }
+
+/// All that is compared holds to a few roundings of doubles.
+constexpr double kRoundings = 1e-14;
+
+/// I / d^2 in floats.
+float textbook_per_square(const Vec3<float>& to_light) {
+  return 1 / (to_light.x * to_light.x + to_light.y * to_light.y + to_light.z * to_light.z);
+}
+
+constexpr char kSwept[] = "1e-100 ... 1e100";
+
+TEST(MagnitudeExtremes, PointLights) {
+  Sweep sweep(9, "point, spot and projection lights, positions and distances", kSwept, "value");
+  const ReferenceTable table("magnitude_points");
+  ProjectedPictureParams square;
+  square.fov_rad = 2.4;
+  for (const auto& row : table.rows()) {
+    const Vec3<double> position{row["px"], row["py"], row["pz"]}, receiver = receiver_of(row);
+    PointLightParams point;
+    point.position_m = position;
+    point.intensity_cd = Rgb<double>(1);
+    SpotLightParams spot;
+    spot.position_m = position;
+    spot.intensity_cd = Rgb<double>(1);
+    spot.cone_half_angle_rad = std::numbers::pi / 3;
+    ProjectionLightParams projection;
+    projection.position_m = position;
+    projection.intensity_cd = Rgb<double>(1);
+    projection.picture = *ProjectedPicture::create(square);
+    const std::string at = row.text("px") + ", " + row.text("x");
+    const auto compare = [&](const auto& light, const char* column) {
+      const auto sample = light->sample_li(receiver, {});
+      EXPECT_EQ(sample.reason, NoLight::kNone) << at;
+      sweep.compare(sample.value.r, row[column], at);
+    };
+    compare(PointLight<Served>::create(point), "per_square");
+    compare(SpotLight<Served>::create(spot), "falloff_per_square");
+    compare(ProjectionLight<Served>::create(projection), "per_square");
+    sweep.compare_textbook(textbook_per_square(Vec3<float>(position) - Vec3<float>(receiver)),
+                           row["per_square"]);
+  }
+  sweep.expect_within(kRoundings);
+}
+
+/// A shape of magnitude_shapes and what it is asked with.
+template <typename F>
+void visit_shape(const std::string& name, double s, F&& f) {
+  const DiffuseEmission both{Rgb<double>(1), true};
+  if (name == "triangle") {
+    std::vector<Triangle<Served>> one{{{0, 0, 0}, {s, 0, s / 4}, {s / 8, s, 0}}};
+    f(*TriangleMeshLight<Served>::create(both, *TriangleMesh<Served>::create(one)));
+  } else if (name == "rectangle") {
+    std::vector<BilinearPatch<Served>> one{{{0, 0, 0}, {s, 0, 0}, {0, s / 2, 0}, {s, s / 2, 0}}};
+    f(*PatchMeshLight<Served>::create(both, *PatchMesh<Served>::create(one)));
+  } else if (name == "disk") {
+    DiskParams disk;
+    disk.radius_m = s;
+    f(*DiskLight<Served>::create(both, *Disk<Served>::create(disk)));
+  } else if (name == "cylinder") {
+    CylinderParams cylinder;
+    cylinder.radius_m = s;
+    cylinder.z_min_m = -s;
+    cylinder.z_max_m = s;
+    f(*CylinderLight<Served>::create(both, *Cylinder<Served>::create(cylinder)));
+  } else {
+    SphereParams sphere;
+    sphere.radius_m = s;
+    f(*SphereLight<Served>::create(both, *Sphere<Served>::create(sphere)));
+  }
+}
+
+/// d^2 / (A cos) in floats.
+float textbook_by_area(const Vec3<float>& to_light, const Vec3<float>& normal, float area) {
+  const float d2 = dot(to_light, to_light);
+  const float cos = std::fabs(dot(normal, to_light)) / std::sqrt(d2);
+  return d2 / (area * cos);
+}
+
+TEST(MagnitudeExtremes, DensityOfShapes) {
+  Sweep sweep(9, "triangle, rectangle, disk, sphere and cylinder lights, sizes and distances",
+              kSwept, "density");
+  const ReferenceTable table("magnitude_shapes");
+  for (const auto& row : table.rows()) {
+    const std::string& shape = row.text("shape");
+    visit_shape(shape, row["size"], [&](const auto& light) {
+      Receiver<Served> receiver(receiver_of(row));
+      // Of a sphere the way is by what it fills.
+      if (shape != "sphere") receiver.area_sampling = AreaSampling::kLowDistortion;
+      // Each by the u of its point.
+      const auto sample = light.sample_li(receiver, {shape == "triangle" ? 1.0 : 0.0, 0});
+      const std::string at = shape + " " + row.text("size") + ", " + row.text("x");
+      EXPECT_EQ(sample.reason, NoLight::kNone) << at;
+      sweep.compare(sample.pdf.per_sr, row["pdf_per_sr"], at);
+      if (shape != "sphere")
+        sweep.compare_textbook(
+            textbook_by_area(Vec3<float>(sample.point - receiver.position),
+                             Vec3<float>(sample.normal), static_cast<float>(row["area_m2"])),
+            row["pdf_per_sr"]);
+    });
+  }
+  sweep.expect_within(kRoundings);
+}
+
+TEST(MagnitudeExtremes, PowerOfShapes) {
+  Sweep sweep(9, "triangle, rectangle, disk, sphere and cylinder lights, sizes", kSwept, "power");
+  const ReferenceTable table("magnitude_shapes");
+  for (const auto& row : table.rows()) {
+    visit_shape(row.text("shape"), row["size"], [&](const auto& light) {
+      const Power power = light.power({});
+      sweep.compare(power.lumens.r, 2 * std::numbers::pi * row["area_m2"],
+                    row.text("shape") + " " + row.text("size"));
+      EXPECT_EQ(power.error_lumens, 0);
+    });
+    if (row.text("shape") != "disk") continue;
+    const auto s = static_cast<float>(row["size"]);
+    sweep.compare_textbook(std::numbers::pi_v<float> * s * s, row["area_m2"]);
+  }
+  sweep.expect_within(kRoundings);
+}
+
+/// [Oosterom83] in floats.
+float textbook_sr(const Vec3<float>& a, const Vec3<float>& b, const Vec3<float>& c) {
+  const auto norm = [](const Vec3<float>& v) { return std::sqrt(dot(v, v)); };
+  const float la = norm(a), lb = norm(b), lc = norm(c);
+  return 2 * std::atan2(std::fabs(dot(a, cross(b, c))),
+                        la * lb * lc + dot(a, b) * lc + dot(a, c) * lb + dot(b, c) * la);
+}
+
+TEST(MagnitudeExtremes, DensityOfSolidAngles) {
+  Sweep sweep(9, "triangle and rectangle lights, sizes and distances alike", "1e-26 ... 1e22",
+              "density by solid angle");
+  const ReferenceTable table("magnitude_solid_angles");
+  for (const auto& row : table.rows()) {
+    visit_shape(row.text("shape"), row["size"], [&](const auto& light) {
+      Receiver<Served> receiver(receiver_of(row));
+      receiver.area_sampling = AreaSampling::kSolidAngle;
+      for (const Vec2<Served> u : {Vec2<Served>{0.5, 0.5}, Vec2<Served>{1, 0}}) {
+        const auto sample = light.sample_li(receiver, u);
+        sweep.compare(sample.pdf.per_sr, 1 / row["solid_angle_sr"],
+                      row.text("shape") + " " + row.text("size") + ", " + row.text("x"));
+      }
+    });
+    const Vec3<Served> r = receiver_of(row);
+    const auto s = row["size"];
+    const auto seen = [&](double x, double y, double z) {
+      return Vec3<float>(Vec3<double>{x, y, z} - r);
+    };
+    const float textbook =
+        row.text("shape") == "triangle"
+            ? textbook_sr(seen(0, 0, 0), seen(s, 0, s / 4), seen(s / 8, s, 0))
+            : textbook_sr(seen(0, 0, 0), seen(s, 0, 0), seen(s, s / 2, 0)) +
+                  textbook_sr(seen(0, 0, 0), seen(s, s / 2, 0), seen(0, s / 2, 0));
+    sweep.compare_textbook(1 / textbook, 1 / row["solid_angle_sr"]);
+  }
+  sweep.expect_within(kRoundings);
+}
+
+TEST(MagnitudeExtremes, DensityOfPortals) {
+  Sweep sweep(9, "sky through a portal, sizes and distances", "1e-26 ... 1e31", "density");
+  const ReferenceTable table("magnitude_portals");
+  for (const auto& row : table.rows()) {
+    const double s = row["size"];
+    PortalLightParams params;
+    params.corners_m = {{{0, 0, 0}, {0, s / 2, 0}, {s, s / 2, 0}, {s, 0, 0}}};
+    params.radiance_cd_m2 = Rgb<double>(1);
+    const auto light = PortalLight<Served>::create(params);
+    const Vec3<double> receiver = receiver_of(row);
+    const auto pdf = light->pdf_li(receiver, normalized(Vec3<double>{s / 2, s / 4, 0} - receiver));
+    sweep.compare(pdf.per_sr, row["pdf_per_sr"], row.text("size") + ", " + row.text("x"));
+    // As small as it is: the distance squared over the projected area, in floats.
+    const Vec3<float> r(receiver);
+    const float d2 = dot(r, r);
+    sweep.compare_textbook(d2 * std::sqrt(d2) / (static_cast<float>(s * s / 2) * -r.z),
+                           row["pdf_per_sr"]);
+  }
+  sweep.expect_within(kRoundings);
+}
+
+}  // namespace
+}  // namespace lucerna::testing
