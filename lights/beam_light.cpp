@@ -94,7 +94,7 @@ template <std::floating_point Real>
   const Vec3<double> p(position);
   const Vec3<double> local = axes_.local_from_world(p - middle_);
   const double slack =
-      slack_m + 4 * double{std::numeric_limits<Real>::epsilon()} *
+      slack_m + 4 * kInputRounding *
                     (max_abs(p) + max_abs(middle_) + std::max(params_.width_m, params_.height_m));
   if (!(std::fabs(local.z) <= slack)) return std::nullopt;
   return in_square(local.x, local.y, slack);
@@ -188,10 +188,8 @@ std::optional<LightBounds<Real>> BeamLight<Real>::bounds() const {
   const Vec3<double> half = half_box(params_);
   const auto [lower, upper] = rounded_outwards<Real>(middle_ - half, middle_ + half);
   // By what roundings turn the axis.
-  return LightBounds<Real>{.lower = lower,
-                           .upper = upper,
-                           .axis = direction_,
-                           .cone_rad = 4 * double{std::numeric_limits<Real>::epsilon()}};
+  return LightBounds<Real>{
+      .lower = lower, .upper = upper, .axis = direction_, .cone_rad = 4 * kInputRounding};
 }
 
 template class BeamLight<float>;

@@ -108,8 +108,8 @@ AreaPdf<double> pdf_area(const BilinearPatch<Real>& patch, const BilinearForm& p
   const double uniform = 1 / weights.mean();
   if (weights.flat_convex) return {uniform};
   const auto [lower, upper] = patch.bounds();
-  const double tolerance_m = 8 * static_cast<double>(std::numeric_limits<Real>::epsilon()) *
-                             (static_cast<double>(max_abs(lower)) + max_abs(upper));
+  const double tolerance_m =
+      8 * kInputRounding * (static_cast<double>(max_abs(lower)) + max_abs(upper));
   Vec2<double> uv[2];
   const int count = invert(p, Vec3<double>(position), tolerance_m, uv);
   double sum = 0;

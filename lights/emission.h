@@ -60,8 +60,8 @@ AreaPdf<Real> scene_disk_pdf(const Vec3<Real>& position, const Vec3<Real>& direc
   const Vec3<double> w(direction);
   const Vec3<double> from_center = Vec3<double>(position) - scene.center_m;
   // A position holds a rounding for each of its coordinates, a direction one of the radius.
-  const double slack = 8 * double{std::numeric_limits<Real>::epsilon()} *
-                       (radius + max_abs(Vec3<double>(position)) + max_abs(scene.center_m));
+  const double slack =
+      8 * kInputRounding * (radius + max_abs(Vec3<double>(position)) + max_abs(scene.center_m));
   const double along = dot(from_center, w);
   const Vec3<double> across = from_center - w * along;
   if (!(std::fabs(along + radius) <= slack && length(across) <= radius + slack)) return {};
@@ -72,7 +72,7 @@ AreaPdf<Real> scene_disk_pdf(const Vec3<Real>& position, const Vec3<Real>& direc
 /// Whether two unit vectors are the same to within their roundings.
 template <std::floating_point Real>
 bool same_direction(const Vec3<Real>& a, const Vec3<Real>& b) {
-  return max_abs(a - b) <= 4 * std::numeric_limits<Real>::epsilon();
+  return max_abs(a - b) <= static_cast<Real>(4 * kInputRounding);
 }
 
 }  // namespace lucerna

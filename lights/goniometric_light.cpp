@@ -135,7 +135,8 @@ template <std::floating_point Real>
 EmissionPdf<Real> GoniometricLight<Real>::pdf_le(const Vec3<Real>& position,
                                                  const Vec3<Real>& direction,
                                                  const SceneSphere&) const {
-  if (position != position_ || !is_finite(direction) || direction == Vec3<Real>{} || is_black())
+  if (!same_float(position, position_) || !is_finite(direction) || direction == Vec3<Real>{} ||
+      is_black())
     return {};
   return {{}, {static_cast<Real>(direction_pdf(Vec3<double>(direction)).per_sr)}};
 }

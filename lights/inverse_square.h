@@ -5,6 +5,12 @@
 
 namespace lucerna {
 
+/// Whether two positions are the same as requests and rays tell them.
+template <std::floating_point Real>
+bool same_float(const Vec3<Real>& a, const Vec3<Real>& b) {
+  return Vec3<float>(a) == Vec3<float>(b);
+}
+
 /// From a receiver to a point: unit direction and distance [m], in double, where no square of a
 /// float over- or underflows.
 struct Way {

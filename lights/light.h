@@ -61,21 +61,21 @@ using Light =
 
 /// Lights that rays which leave the scene meet, wherever they started.
 template <typename L>
-concept SeenBeyond = requires(const L& light, const Vec3<float>& v) {
+concept SeenBeyond = requires(const L& light, const Vec3<double>& v) {
   light.le_escaped(v, v);
 };
 // Said here, so that a change of the signature is an error and not a black sky.
-static_assert(SeenBeyond<SunLight<float>> && SeenBeyond<UniformInfiniteLight<float>> &&
-              SeenBeyond<ImageInfiniteLight<float>> && SeenBeyond<PortalLight<float>>);
+static_assert(SeenBeyond<SunLight<double>> && SeenBeyond<UniformInfiniteLight<double>> &&
+              SeenBeyond<ImageInfiniteLight<double>> && SeenBeyond<PortalLight<double>>);
 
 /// Lights with a surface that rays may hit.
 template <typename L>
-concept SeenOnSurface = requires(const L& light, const SurfacePoint<float>& p,
-                                 const Vec3<float>& v) {
+concept SeenOnSurface = requires(const L& light, const SurfacePoint<double>& p,
+                                 const Vec3<double>& v) {
   light.le(p, v);
-  light.pdf_li(Receiver<float>(v), p);
+  light.pdf_li(Receiver<double>(v), p);
 };
-static_assert(SeenOnSurface<TriangleMeshLight<float>> && SeenOnSurface<PaintedDiskLight<float>> &&
-              !SeenOnSurface<PointLight<float>> && !SeenBeyond<SphereLight<float>>);
+static_assert(SeenOnSurface<TriangleMeshLight<double>> && SeenOnSurface<PaintedDiskLight<double>> &&
+              !SeenOnSurface<PointLight<double>> && !SeenBeyond<SphereLight<double>>);
 
 }  // namespace lucerna

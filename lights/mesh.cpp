@@ -195,7 +195,7 @@ NormalCone<Real> Mesh<Real, Primitive>::normals() const {
     if (n != Vec3<double>{}) widest = std::max(widest, angle_between(Vec3<double>(axis), n));
   });
   constexpr bool kTriangles = std::is_same_v<Primitive<Real>, Triangle<Real>>;
-  if (!kTriangles && widest > 0) widest += 4 * double{std::numeric_limits<Real>::epsilon()};
+  if (!kTriangles && widest > 0) widest += 4 * kInputRounding;
   if (!kTriangles && widest > std::numbers::pi / 2) return cone;
   cone.axis = axis;
   cone.half_angle_rad = std::min(widest, std::numbers::pi);

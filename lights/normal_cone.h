@@ -27,10 +27,10 @@ inline double angle_between(const Vec3<double>& a, const Vec3<double>& b) {
   return std::atan2(length(cross(a, b)), dot(a, b));
 }
 
-/// How far a point computed on a shape within these bounds may be off it, rounded to `Real` [m].
+/// How far a point computed on a shape within these bounds may be off it, rounded to float [m].
 template <std::floating_point Real>
 double rounding_m(const std::pair<Vec3<Real>, Vec3<Real>>& bounds) {
-  return 16 * double{std::numeric_limits<Real>::epsilon()} *
+  return 16 * kInputRounding *
          std::fmax(max_abs(Vec3<double>(bounds.first)), max_abs(Vec3<double>(bounds.second)));
 }
 

@@ -60,8 +60,8 @@ double Panel<Real, Surface>::flux_lm(bool two_sided) const {
 
 template <typename Real, template <typename> typename Surface>
 double Panel<Real, Surface>::flux_error_lm(bool two_sided) const {
-  // A flat shape's normals are a few roundings apart in `Real`, and so is their mean.
-  constexpr double kRounding = 16 * double{std::numeric_limits<Real>::epsilon()};
+  // A flat shape's normals are a few roundings of its vertices apart, and so is their mean.
+  constexpr double kRounding = 16 * kInputRounding;
   const double lean = data_->surface.normals().half_angle_rad;
   // A point's own hemisphere lacks what the mean one has between both planes on one side, and has
   // as much more on the other.

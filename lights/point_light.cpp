@@ -64,7 +64,7 @@ EmissionSample<Real> PointLight<Real>::sample_le(Vec2<Real>, Vec2<Real> u_direct
 template <std::floating_point Real>
 EmissionPdf<Real> PointLight<Real>::pdf_le(const Vec3<Real>& position, const Vec3<Real>& direction,
                                            const SceneSphere&) const {
-  if (position != position_ || !is_finite(direction)) return {};
+  if (!same_float(position, position_) || !is_finite(direction)) return {};
   return {{}, uniform_sphere_pdf<Real>()};
 }
 

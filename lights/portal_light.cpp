@@ -161,7 +161,7 @@ double PortalLight<Real>::density(const Window& window, const Vec3<Real>& w) con
   const Vec2<double> p = square_from_rectified(l);
   // A direction holds a rounding, which turns its angle about an axis the further the nearer it is
   // to that axis; what the window itself holds is not more.
-  constexpr double kRounding = std::numeric_limits<Real>::epsilon();
+  constexpr double kRounding = kInputRounding;
   const auto within = [&](double at, double begin, double extent, double from_axis) {
     const double slack = kRounding / from_axis;
     return at >= begin - slack && at <= begin + extent + slack;
@@ -268,8 +268,8 @@ EmissionPdf<Real> PortalLight<Real>::pdf_le(const Vec3<Real>& position, const Ve
   const Vec3<double> p = local(Vec3<double>(position) - corner_);
   // A position holds a rounding for each of its coordinates, the portal those of its own.
   const double slack =
-      slack_m + 8 * double{std::numeric_limits<Real>::epsilon()} *
-                    (max_abs(Vec3<double>(position)) + max_abs(corner_) + width_ + height_);
+      slack_m +
+      8 * kInputRounding * (max_abs(Vec3<double>(position)) + max_abs(corner_) + width_ + height_);
   const auto within = [&](double at, double side) { return at >= -slack && at <= side + slack; };
   if (!within(p.x, width_) || !within(p.y, height_) || !(std::fabs(p.z) <= slack)) return {};
   if (!is_finite(direction) || radiance(-direction).is_black()) return {};

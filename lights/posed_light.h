@@ -7,6 +7,7 @@
 #include <optional>
 #include <tuple>
 
+#include "lights/inverse_square.h"
 #include "lights/light_bounds.h"
 #include "lights/light_sample.h"
 #include "lights/motion.h"
@@ -76,14 +77,14 @@ class Posed {
     const Vec3<Real> w = inverse_vector(direction), p = inverse_point(position);
     const SceneSphere local = to_light(scene);
     if constexpr (requires { light_.pdf_le(p, w, local, 0.0); }) {
-      const double slack = 8 * double{std::numeric_limits<Real>::epsilon()} * max_abs(position);
+      const double slack = 8 * kInputRounding * max_abs(position);
       return light_.pdf_le(p, w, local, slack);
     } else {
-      // A light that shines from one point knows it by its very bits.
+      // A light that shines from one point knows it by its bits.
       const auto own = light_.bounds();
       if (own && own->lower == own->upper)
-        return position == point(own->lower) ? light_.pdf_le(own->lower, w, local)
-                                             : EmissionPdf<Real>{};
+        return same_float(position, point(own->lower)) ? light_.pdf_le(own->lower, w, local)
+                                                       : EmissionPdf<Real>{};
       return light_.pdf_le(p, w, local);
     }
   }
@@ -100,8 +101,7 @@ class Posed {
     if (!b) return b;
     b->axis = vector(b->axis);
     if (b->cone_rad < std::numbers::pi)
-      b->cone_rad = std::min(b->cone_rad + 8 * double{std::numeric_limits<Real>::epsilon()},
-                             std::numbers::pi);
+      b->cone_rad = std::min(b->cone_rad + 8 * kInputRounding, std::numbers::pi);
     if (b->lower == b->upper) {
       b->lower = b->upper = point(b->lower);
       return b;

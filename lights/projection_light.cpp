@@ -97,7 +97,7 @@ template <std::floating_point Real>
 EmissionPdf<Real> ProjectionLight<Real>::pdf_le(const Vec3<Real>& position,
                                                 const Vec3<Real>& direction,
                                                 const SceneSphere&) const {
-  if (position != position_ || !is_finite(direction) || is_black()) return {};
+  if (!same_float(position, position_) || !is_finite(direction) || is_black()) return {};
   return {{}, {static_cast<Real>(at_rounded(direction).per_sr)}};
 }
 
@@ -122,7 +122,7 @@ Power ProjectionLight<Real>::power_approximate(const SceneSphere& scene) const {
 template <std::floating_point Real>
 std::optional<LightBounds<Real>> ProjectionLight<Real>::bounds() const {
   // By what roundings turn the axis and a direction.
-  constexpr double kTurned = 4 * double{std::numeric_limits<Real>::epsilon()};
+  constexpr double kTurned = 4 * kInputRounding;
   const Vec2<double> half = params_.picture->half();
   return LightBounds<Real>{.lower = position_,
                            .upper = position_,

@@ -203,7 +203,7 @@ SolidAnglePdf<Real> Sphere<Real>::pdf(const Receiver<Real>& receiver,
   if (way == Way::kInside) return uniform_sphere_pdf<Real>();
   // The near side by the normal, which says where on the sphere the point is however far the sphere
   // is from the origin; less the rounding of both vectors, so that no sample at the rim falls off.
-  constexpr double kRounding = 4 * std::numeric_limits<Real>::epsilon();
+  constexpr double kRounding = 4 * kInputRounding;
   const Vec3<double> n(point.normal);
   const double cos_alpha = dot(params_.reverse_orientation ? -n : n, to_receiver) / distance;
   if (!(cos_alpha >= world_radius_m_ / distance - kRounding)) return {0};

@@ -235,7 +235,7 @@ template <std::floating_point Real>
 EmissionPdf<Real> SpotLight<Real>::pdf_le(const Vec3<Real>& position, const Vec3<Real>& direction,
                                           const SceneSphere&) const {
   const Vec3<double> w = told(Vec3<double>(direction));
-  if (position != position_ || !is_finite(w) || w == Vec3<double>{} ||
+  if (!same_float(position, position_) || !is_finite(w) || w == Vec3<double>{} ||
       params_.intensity_cd.is_black())
     return {};
   return {{}, {static_cast<Real>(falloff(w) / effective_sr_)}};
@@ -244,7 +244,7 @@ EmissionPdf<Real> SpotLight<Real>::pdf_le(const Vec3<Real>& position, const Vec3
 template <std::floating_point Real>
 std::optional<LightBounds<Real>> SpotLight<Real>::bounds() const {
   // By what roundings turn the axis and a direction; and near pi, where cosines tell angles worst.
-  double turned = 4 * double{std::numeric_limits<Real>::epsilon()};
+  double turned = 4 * kInputRounding;
   if (params_.cone_half_angle_rad > std::numbers::pi / 2)
     turned += 16 * std::numeric_limits<double>::epsilon() /
               std::max(std::sin(params_.cone_half_angle_rad), 1e-8);

@@ -44,10 +44,11 @@ SunLight<Real>::SunLight(const Params& params, const Rgb<double>& radiance_cd_m2
 
 // Not inlined: GCC 12 at -O2 keeps a direction in double where it has just been rounded to float.
 template <std::floating_point Real>
-[[gnu::noinline]] bool SunLight<Real>::contains(const Vec3<Real>& w) const {
+[[gnu::noinline]] bool SunLight<Real>::contains(const Vec3<Real>& w, double slack_rad) const {
   // 1 - cos of the angle between unit vectors is half their chord's square: exact near the axis.
   const Vec3<double> chord = Vec3<double>(w) - axis_;
-  return dot(chord, chord) / 2 <= one_minus_cos_;
+  if (dot(chord, chord) / 2 <= one_minus_cos_) return true;
+  return slack_rad > 0 && length(chord) <= std::sqrt(2 * one_minus_cos_) + slack_rad;
 }
 
 template <std::floating_point Real>
@@ -84,8 +85,9 @@ LightSample<Real> SunLight<Real>::sample_li(const Receiver<Real>& receiver, Vec2
 template <std::floating_point Real>
 SolidAnglePdf<Real> SunLight<Real>::pdf_li(const Receiver<Real>& receiver,
                                            const Vec3<Real>& wi) const {
-  if (!is_finite(receiver.position) || Rgb<Real>(radiance_cd_m2_).is_black() || !contains(wi))
-    return {};
+  if (!is_finite(receiver.position) || Rgb<Real>(radiance_cd_m2_).is_black()) return {};
+  // Samples at the rim come back as floats.
+  if (!contains(wi, kInputRounding)) return {};
   const auto pdf = static_cast<Real>(uniform_cone_pdf(one_minus_cos_).per_sr);
   return {std::isfinite(pdf) ? pdf : 0};
 }

@@ -50,8 +50,8 @@ class SunLight {
 
  private:
   explicit SunLight(const Params& params, const Rgb<double>& radiance_cd_m2);
-  /// Whether the unit vector `w` meets the disk: one test for all that is asked of the light.
-  bool contains(const Vec3<Real>& w) const;
+  /// Whether the unit vector `w` meets the disk, or misses it by no more than `slack_rad`.
+  bool contains(const Vec3<Real>& w, double slack_rad = 0) const;
   /// Towards the disk.
   Vec3<Real> sample_direction(Vec2<Real> u) const;
 

@@ -62,11 +62,21 @@ bool is_finite(const Vec3<Real>& v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
+/// One rounding of what comes from rays and requests, which are floats whatever lights compute in:
+/// what positions and directions may be off by, relative to their largest coordinate.
+inline constexpr double kInputRounding = std::numeric_limits<float>::epsilon();
+
 /// `v` times 2^exponent.
 template <std::floating_point Real>
 Vec3<Real> scaled(const Vec3<Real>& v, int exponent) {
   return {std::scalbn(v.x, exponent), std::scalbn(v.y, exponent), std::scalbn(v.z, exponent)};
 }
+
+/// Sums of squares from here on lose nothing to the terms that underflow in them.
+template <std::floating_point Real>
+inline constexpr Real kSafeSquare = std::numeric_limits<Real>::min() /
+                                    (std::numeric_limits<Real>::epsilon() *
+                                     std::numeric_limits<Real>::epsilon());
 
 /// Euclidean length.  Squares of any float fit a double; a double is scaled by a power of two
 /// first. So no square over- or underflows, and scaling by 2^k changes no bit of the result but its
@@ -79,10 +89,9 @@ Real length(const Vec3<Real>& v) {
   } else {
     // The plain sum where it cannot overflow, and where what underflows is too little to round it
     // otherwise: the same bits at a tenth of the cost.
-    constexpr Real kEpsilon = std::numeric_limits<Real>::epsilon();
-    constexpr Real kSafe = std::numeric_limits<Real>::min() / (kEpsilon * kEpsilon);
     const Real squared = dot(v, v);
-    if (squared >= kSafe && squared <= std::numeric_limits<Real>::max()) return std::sqrt(squared);
+    if (squared >= kSafeSquare<Real> && squared <= std::numeric_limits<Real>::max())
+      return std::sqrt(squared);
     const Real largest = max_abs(v);
     if (!(largest > 0) || !is_finite(v)) return std::fabs(v.x) + std::fabs(v.y) + std::fabs(v.z);
     const int exponent = std::ilogb(largest);
@@ -100,6 +109,10 @@ Vec3<Real> normalized(const Vec3<Real>& v) {
     const Vec3<double> wide(v);
     return Vec3<Real>(wide * (1 / std::sqrt(dot(wide, wide))));
   } else {
+    // As in `length`.
+    const Real squared = dot(v, v);
+    if (squared >= kSafeSquare<Real> && squared <= std::numeric_limits<Real>::max())
+      return v / std::sqrt(squared);
     const Real largest = max_abs(v);
     if (!is_finite(v)) return v * std::numeric_limits<Real>::quiet_NaN();
     const Vec3<Real> s = scaled(v, -std::ilogb(largest));

@@ -43,25 +43,32 @@ RayValues values_of(const SampleLeQuery& q, std::size_t i) {
   return v;
 }
 
-ItemResult put(const EmissionSample<float>& s, std::uint32_t light, SpectralValues& spectral,
+/// Whether a density is 0, of what is certain, or has all of its digits in a float.
+bool fits_float(double density) {
+  const auto rounded = static_cast<float>(density);
+  return density == 0 || (rounded >= std::numeric_limits<float>::min() && std::isfinite(rounded));
+}
+
+ItemResult put(const EmissionSample<double>& s, std::uint32_t light, SpectralValues& spectral,
                std::size_t i, const SampleLeAnswer& a) {
   if (s.reason != NoLight::kNone) return item_result(s.reason);
-  const Vec3<float> value{s.value.r, s.value.g, s.value.b};
-  if (!is_finite(value) || !is_finite(s.origin) || !is_finite(s.direction) ||
-      !std::isfinite(s.pdf_position.per_m2) || !std::isfinite(s.pdf_direction.per_sr)) {
+  const Vec3<float> value(Vec3<double>(s.value.r, s.value.g, s.value.b));
+  const Vec3<float> origin(s.origin);
+  if (!is_finite(value) || !is_finite(origin) || !fits_float(s.pdf_position.per_m2) ||
+      !fits_float(s.pdf_direction.per_sr)) {
     return ItemResult::kOutOfRange;
   }
   if (spectral.size() > 0) {
     std::vector<double> at(spectral.size());
-    spectral.add(light, Rgb<double>(s.value), at);
+    spectral.add(light, s.value, at);
     if (!store_spectral(at, a.spectral_value + i * at.size())) return ItemResult::kOutOfRange;
   }
-  store(a.offsets_m, i, s.origin);
-  store(a.directions, i, s.direction);
-  store(a.light_normals, i, s.normal);
+  store(a.offsets_m, i, origin);
+  store(a.directions, i, Vec3<float>(s.direction));
+  store(a.light_normals, i, Vec3<float>(s.normal));
   store(a.value, i, value);
-  a.pdf_position_per_m2[i] = s.pdf_position.per_m2;
-  a.pdf_direction_per_sr[i] = s.pdf_direction.per_sr;
+  a.pdf_position_per_m2[i] = static_cast<float>(s.pdf_position.per_m2);
+  a.pdf_direction_per_sr[i] = static_cast<float>(s.pdf_direction.per_sr);
   return ItemResult::kOk;
 }
 
@@ -77,7 +84,9 @@ ItemResult sample_ray(const Scene& scene, const SampleLeQuery& q, SpectralValues
   }
   if (!u.valid) return ItemResult::kInvalidInput;
   return visit_light(scene.lights()[light], q.time_s, [&](const auto& l) {
-    return put(l.sample_le(u.position, u.direction, scene.sphere()), light, spectral, i, a);
+    return put(
+        l.sample_le({u.position.x, u.position.y}, {u.direction.x, u.direction.y}, scene.sphere()),
+        light, spectral, i, a);
   });
 }
 
@@ -99,24 +108,23 @@ WorkCounts le(const Scene& scene, const LeQuery& query, const LeAnswer& answer,
       ItemResult result = p.result;
       if (!is_direction(direction)) result = ItemResult::kInvalidInput;
       if (result == ItemResult::kOk) {
-        Ray ray{p.position, normalized(direction), kStartWithoutNormal * p.error};
+        Ray ray{Vec3<float>(p.position), normalized(direction), kStartWithoutNormal * p.error};
         ray.time_s = query.time_s;
         const auto hit = first_other_surface(scene, ray, {{p.position, p.error}, {}});
         ++chunk_rays;
-        Rgb<float> sum;
+        Rgb<double> sum;
         std::uint64_t met = 0;
         std::ranges::fill(at, 0);
-        tracer.for_each_emitter(ray, hit, [&](std::uint32_t light, const Rgb<float>& radiance) {
+        tracer.for_each_emitter(ray, hit, [&](std::uint32_t light, const Rgb<double>& radiance) {
           if (query.light && light != *query.light) return;
           if (met == 0) met = scene.lights()[light].id;
           sum += radiance;
-          spectral.add(light, Rgb<double>(radiance), at);
+          spectral.add(light, radiance, at);
         });
-        if (is_finite(sum) && store_spectral(at, answer.spectral_radiance + i * at.size())) {
+        const Vec3<float> total(Vec3<double>(sum.r, sum.g, sum.b));
+        if (is_finite(total) && store_spectral(at, answer.spectral_radiance + i * at.size())) {
           answer.light_ids[i] = met;
-          answer.radiance_cd_m2[3 * i] = sum.r;
-          answer.radiance_cd_m2[3 * i + 1] = sum.g;
-          answer.radiance_cd_m2[3 * i + 2] = sum.b;
+          store(answer.radiance_cd_m2, i, total);
         } else {
           result = ItemResult::kOutOfRange;
         }
@@ -158,10 +166,11 @@ void pdf_le(const Scene& scene, std::uint32_t light, const PointArray& points,
         ItemResult result = p.result;
         if (!is_direction(w)) result = ItemResult::kInvalidInput;
         if (result == ItemResult::kOk) {
-          const EmissionPdf<float> pdf = l.pdf_le(p.position, normalized(w), scene.sphere());
-          if (std::isfinite(pdf.position.per_m2) && std::isfinite(pdf.direction.per_sr)) {
-            pdf_position_per_m2[i] = pdf.position.per_m2;
-            pdf_direction_per_sr[i] = pdf.direction.per_sr;
+          const EmissionPdf<double> pdf =
+              l.pdf_le(p.position, normalized(Vec3<double>(w)), scene.sphere());
+          if (fits_float(pdf.position.per_m2) && fits_float(pdf.direction.per_sr)) {
+            pdf_position_per_m2[i] = static_cast<float>(pdf.position.per_m2);
+            pdf_direction_per_sr[i] = static_cast<float>(pdf.direction.per_sr);
           } else {
             result = ItemResult::kOutOfRange;
           }

@@ -29,8 +29,8 @@ struct Estimate {
   bool sampled = false;
 
   void add(const LightEstimate& e) {
-    block_sum += Rgb<double>(e.value);
-    largest_unshadowed = std::max(largest_unshadowed, double(luminance(e.unshadowed)));
+    block_sum += e.value;
+    largest_unshadowed = std::max(largest_unshadowed, luminance(e.unshadowed));
   }
   void end_block(std::uint32_t samples) {
     const Rgb<double> v = block_sum / samples;
@@ -160,8 +160,8 @@ class IrradianceJob {
                     BySpectrum& exact, WorkCounts& work) const {
     for (std::uint32_t l = 0; l < scene_.lights().size(); ++l) {
       if (is_delta(l)) {
-        const Rgb<double> e(tracer_.direct(receiver, receiver.ng, l, 1, {}, work).value *
-                            std::numbers::pi_v<float>);
+        const Rgb<double> e =
+            tracer_.direct(receiver, receiver.ng, l, 1, {}, work).value * std::numbers::pi;
         total.exact += e;
         add_to(exact, l, e);
         if (!shares.empty()) shares[l].exact = e;
@@ -173,7 +173,7 @@ class IrradianceJob {
 
   void sample(const SurfaceHit& receiver, const PathSample& s, Estimate& total,
               std::vector<Estimate>& shares, BySpectrum& sampled, WorkCounts& work) const {
-    constexpr float kPi = std::numbers::pi_v<float>;
+    constexpr double kPi = std::numbers::pi;
     const Vec3<float>& n = receiver.ng;
     LightEstimate sum;
     const auto add = [&](std::uint32_t light, const LightEstimate& e) {
@@ -181,7 +181,7 @@ class IrradianceJob {
       sum.value += lx.value;
       sum.unshadowed += lx.unshadowed;
       if (!shares.empty()) shares[light].add(lx);
-      add_to(sampled, light, Rgb<double>(lx.value));
+      add_to(sampled, light, lx.value);
     };
     if (visit_all_) {
       for (std::uint32_t l = 0; l < scene_.lights().size(); ++l)
@@ -193,25 +193,26 @@ class IrradianceJob {
     }
     if (gather_) {
       const Vec3<float> wi = PathTracer::cosine_direction(n, n, s.at(0, PathSample::kDirection));
-      const float pdf = dot(n, wi) * std::numbers::inv_pi_v<float>;
+      const double pdf = dot(n, wi) * std::numbers::inv_pi;
       const Ray ray = spawn_ray(receiver, wi);
       ++work.indirect_rays;
       const std::optional<SurfaceHit> hit = scene_.closest_hit(ray);
-      tracer_.for_each_emitter(ray, hit, [&](std::uint32_t light, const Rgb<float>& le) {
+      tracer_.for_each_emitter(ray, hit, [&](std::uint32_t light, const Rgb<double>& le) {
         const double probability = visit_all_ ? 1 : tracer_.candidate_probability(light);
-        const Rgb<float> e =
+        const Rgb<double> e =
             le * tracer_.found_weight(receiver, n, ray, hit, light, probability, pdf);
         add(light, {e, e});
       });
       // What lies behind an obstacle counts as hidden: a light that is sampled by what exceeds its
       // mean may have nothing else to show.
       if (hit)
-        tracer_.for_each_emitter(ray, std::nullopt, [&](std::uint32_t light, const Rgb<float>& le) {
-          const double probability = visit_all_ ? 1 : tracer_.candidate_probability(light);
-          add(light,
-              {{},
-               le * tracer_.found_weight(receiver, n, ray, std::nullopt, light, probability, pdf)});
-        });
+        tracer_.for_each_emitter(
+            ray, std::nullopt, [&](std::uint32_t light, const Rgb<double>& le) {
+              const double probability = visit_all_ ? 1 : tracer_.candidate_probability(light);
+              add(light, {{},
+                          le * tracer_.found_weight(receiver, n, ray, std::nullopt, light,
+                                                    probability, pdf)});
+            });
       if (hit && gather_indirect_) {
         const LightEstimate e = tracer_.reflected(*hit, -wi, 1, s, work);
         sum.value += e.value * kPi;

@@ -9,12 +9,12 @@
 namespace lucerna {
 namespace {
 
-constexpr float kInvPi = std::numbers::inv_pi_v<float>;
+constexpr double kInvPi = std::numbers::inv_pi;
 
 /// The power heuristic's weight of the strategy with density `a` against `b`, without overflow.
-float power_weight(float a, float b) {
+double power_weight(double a, double b) {
   if (!(a > 0)) return 0;
-  const float ratio = b / a;
+  const double ratio = b / a;
   return 1 / (1 + ratio * ratio);
 }
 
@@ -29,9 +29,9 @@ Vec3<float> PathTracer::cosine_direction(const Vec3<float>& ns, const Vec3<float
   return Frame<float>::around(n).world_from_local({d.x, d.y, z});
 }
 
-Receiver<float> PathTracer::receiver(const SurfaceHit& hit, const Vec3<float>& wo) const {
-  Receiver<float> r(hit.position);
-  r.normal = dot(hit.ns, wo) < 0 ? -hit.ns : hit.ns;
+Receiver<double> PathTracer::receiver(const SurfaceHit& hit, const Vec3<float>& wo) const {
+  Receiver<double> r(hit.position);
+  r.normal = Vec3<double>(dot(hit.ns, wo) < 0 ? -hit.ns : hit.ns);
   r.area_sampling = area_sampling_;
   // Wherever a light is sampled here a direction of the surface is too, and both are weighed.
   r.incomplete = true;
@@ -42,29 +42,31 @@ PathTracer::Candidate PathTracer::candidate(const SurfaceHit& hit, const Vec3<fl
                                             std::uint32_t light, double probability,
                                             Vec2<float> u) const {
   Candidate c{visit_light(scene_.lights()[light], hit.time_s,
-                          [&](const auto& l) { return l.sample_li(receiver(hit, wo), u); }),
+                          [&](const auto& l) {
+                            return l.sample_li(receiver(hit, wo), {u.x, u.y});
+                          }),
               {}};
-  const LightSample<float>& s = c.sample;
+  const LightSample<double>& s = c.sample;
   if (s.reason != NoLight::kNone) return c;
-  const float cos_i = dot(hit.ns, s.wi);
+  const double cos_i = dot(Vec3<double>(hit.ns), s.wi);
   if (!(cos_i * dot(hit.ns, wo) > 0)) return c;
-  const float f = std::fabs(cos_i) * kInvPi;  // also the density of cosine_direction
+  const double f = std::fabs(cos_i) * kInvPi;  // also the density of cosine_direction
   if (s.delta) {
-    c.value = s.value * (f / static_cast<float>(probability));
+    c.value = s.value * (f / probability);
   } else {
-    const float light_pdf = s.pdf.per_sr * static_cast<float>(probability);
+    const double light_pdf = s.pdf.per_sr * probability;
     c.value = s.value * (f * power_weight(light_pdf, f) / light_pdf);
   }
   return c;
 }
 
 LightEstimate PathTracer::shadowed(const SurfaceHit& hit, std::uint32_t light,
-                                   const LightSample<float>& sample, const Rgb<float>& value,
+                                   const LightSample<double>& sample, const Rgb<double>& value,
                                    WorkCounts& work) const {
   if (value.is_black()) return {};
   ++work.shadow_rays;
   const Ray ray = shadow_ray(hit, sample, scene_.lights()[light].reach_m);
-  return {scene_.occluded(ray) ? Rgb<float>{} : value, value};
+  return {scene_.occluded(ray) ? Rgb<double>{} : value, value};
 }
 
 LightEstimate PathTracer::direct(const SurfaceHit& hit, const Vec3<float>& wo, std::uint32_t light,
@@ -80,15 +82,15 @@ PathTracer::ChosenLight PathTracer::direct_of_chosen(const SurfaceHit& hit, cons
     return {0, direct(hit, wo, 0, 1, sample.at(depth, PathSample::kLightPoint), work)};
   // One pass over the candidates, each replacing the one kept so far with the probability of its
   // share in the sum.  [Chao82]
-  float u = sample.at(depth, PathSample::kSurvival).y;
-  float sum = 0;
+  double u = sample.at(depth, PathSample::kSurvival).y;
+  double sum = 0;
   ChosenLight chosen{};
   Candidate kept{};
   const auto weigh = [&](std::uint32_t light, const Candidate& c) {
-    const float importance = c.value.max_component();
+    const double importance = c.value.max_component();
     if (!(importance > 0)) return;
     sum += importance;
-    const float share = importance / sum;
+    const double share = importance / sum;
     if (u < share) {
       u /= share;
       kept = c;
@@ -113,23 +115,23 @@ PathTracer::ChosenLight PathTracer::direct_of_chosen(const SurfaceHit& hit, cons
     sum /= kCandidates;
   }
   if (sum > 0 && std::isfinite(sum)) {
-    const float scale = sum / kept.value.max_component();
+    const double scale = sum / kept.value.max_component();
     chosen.estimate = shadowed(hit, chosen.light, kept.sample, kept.value * scale, work);
   }
   return chosen;
 }
 
-float PathTracer::found_weight(const SurfaceHit& from, const Vec3<float>& wo, const Ray& ray,
-                               const std::optional<SurfaceHit>& hit, std::uint32_t light,
-                               double probability, float direction_pdf) const {
-  const SolidAnglePdf<float> pdf =
+double PathTracer::found_weight(const SurfaceHit& from, const Vec3<float>& wo, const Ray& ray,
+                                const std::optional<SurfaceHit>& hit, std::uint32_t light,
+                                double probability, double direction_pdf) const {
+  const SolidAnglePdf<double> pdf =
       visit_light(scene_.lights()[light], ray.time_s, [&]<typename L>(const L& l) {
         if constexpr (SeenOnSurface<L>)
-          return hit ? l.pdf_li(receiver(from, wo), hit->on_light()) : SolidAnglePdf<float>{};
+          return hit ? l.pdf_li(receiver(from, wo), hit->on_light()) : SolidAnglePdf<double>{};
         else
-          return l.pdf_li(receiver(from, wo), ray.direction);
+          return l.pdf_li(receiver(from, wo), Vec3<double>(ray.direction));
       });
-  return power_weight(direction_pdf, pdf.per_sr * static_cast<float>(probability));
+  return power_weight(direction_pdf, pdf.per_sr * probability);
 }
 
 LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3<float>& first_wo,
@@ -139,9 +141,9 @@ LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3<float>& 
   if (scene_.lights().empty()) return sum;
   SurfaceHit hit = first;
   Vec3<float> wo = first_wo;
-  Rgb<float> throughput{1.0f};
+  Rgb<double> throughput{1};
   for (;; ++depth) {
-    throughput = throughput * Rgb<float>(scene_.materials()[hit.material].reflectance);
+    throughput = throughput * scene_.materials()[hit.material].reflectance;
     if (throughput.is_black()) return sum;
 
     const LightEstimate direct_light = direct_of_chosen(hit, wo, depth, sample, work).estimate;
@@ -152,18 +154,18 @@ LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3<float>& 
     if (last && !scene_.has_visible_lights()) return sum;
     if (endless_ && depth >= kSafeDepth) {
       // Below 1 even where nothing is absorbed, so that every path ends.
-      const float survival = std::min(0.95f, throughput.max_component());
+      const double survival = std::min(0.95, throughput.max_component());
       if (sample.at(depth, PathSample::kSurvival).x >= survival) return sum;
       throughput = throughput / survival;
     }
 
     const Vec3<float> wi = cosine_direction(hit.ns, wo, sample.at(depth, PathSample::kDirection));
-    const float pdf = std::fabs(dot(hit.ns, wi)) * kInvPi;
+    const double pdf = std::fabs(dot(hit.ns, wi)) * kInvPi;
     const Ray ray = spawn_ray(hit, wi);
     ++work.indirect_rays;
     const std::optional<SurfaceHit> next = scene_.closest_hit(ray);
-    for_each_emitter(ray, next, [&](std::uint32_t light, const Rgb<float>& le) {
-      const float weight =
+    for_each_emitter(ray, next, [&](std::uint32_t light, const Rgb<double>& le) {
+      const double weight =
           found_weight(hit, wo, ray, next, light, candidate_probability(light), pdf);
       sum.value += throughput * le * weight;
       sum.unshadowed += throughput * le * weight;
@@ -174,11 +176,11 @@ LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3<float>& 
   }
 }
 
-Rgb<float> PathTracer::radiance(const Ray& ray, const PathSample& sample, WorkCounts& work) const {
+Rgb<double> PathTracer::radiance(const Ray& ray, const PathSample& sample, WorkCounts& work) const {
   ++work.camera_rays;
   const std::optional<SurfaceHit> hit = scene_.closest_hit(ray);
-  Rgb<float> sum;
-  for_each_emitter(ray, hit, [&](std::uint32_t, const Rgb<float>& le) { sum += le; });
+  Rgb<double> sum;
+  for_each_emitter(ray, hit, [&](std::uint32_t, const Rgb<double>& le) { sum += le; });
   if (hit) sum += reflected(*hit, -ray.direction, 0, sample, work).value;
   return sum;
 }

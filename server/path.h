@@ -36,8 +36,8 @@ struct PathSample {
 
 /// Light of one sample, and what it would have been had every light sampled been visible.
 struct LightEstimate {
-  Rgb<float> value;
-  Rgb<float> unshadowed;
+  Rgb<double> value;
+  Rgb<double> unshadowed;
 };
 
 /// Immutable; one may serve any number of threads.
@@ -51,7 +51,7 @@ class PathTracer {
         endless_(!bounces) {}
 
   /// Radiance [cd/m2] along a ray from the camera.
-  Rgb<float> radiance(const Ray& ray, const PathSample& sample, WorkCounts& work) const;
+  Rgb<double> radiance(const Ray& ray, const PathSample& sample, WorkCounts& work) const;
 
   /// Radiance [cd/m2] that the surface at `hit` reflects towards the unit vector `wo`; `depth`
   /// counts the reflections between it and the eye.
@@ -88,9 +88,9 @@ class PathTracer {
 
   /// The weight of light found by a direction drawn with density `direction_pdf` at `from`,
   /// where `direct`, seen from `wo`, would have chosen that light with `probability`.
-  float found_weight(const SurfaceHit& from, const Vec3<float>& wo, const Ray& ray,
-                     const std::optional<SurfaceHit>& hit, std::uint32_t light, double probability,
-                     float direction_pdf) const;
+  double found_weight(const SurfaceHit& from, const Vec3<float>& wo, const Ray& ray,
+                      const std::optional<SurfaceHit>& hit, std::uint32_t light, double probability,
+                      double direction_pdf) const;
 
   /// A direction about ns on the side of `wo`, density cos / pi.
   static Vec3<float> cosine_direction(const Vec3<float>& ns, const Vec3<float>& wo, Vec2<float> u);
@@ -105,17 +105,17 @@ class PathTracer {
 
   /// A light sample as a diffuse surface of reflectance 1 shows it, weighted, were it visible.
   struct Candidate {
-    LightSample<float> sample;
-    Rgb<float> value;
+    LightSample<double> sample;
+    Rgb<double> value;
   };
   Candidate candidate(const SurfaceHit& hit, const Vec3<float>& wo, std::uint32_t light,
                       double probability, Vec2<float> u) const;
   LightEstimate shadowed(const SurfaceHit& hit, std::uint32_t light,
-                         const LightSample<float>& sample, const Rgb<float>& value,
+                         const LightSample<double>& sample, const Rgb<double>& value,
                          WorkCounts& work) const;
 
   /// What lights are told of `hit`, in sampling and weighing alike.
-  Receiver<float> receiver(const SurfaceHit& hit, const Vec3<float>& wo) const;
+  Receiver<double> receiver(const SurfaceHit& hit, const Vec3<float>& wo) const;
 
   const Scene& scene_;
   AreaSampling area_sampling_;
@@ -129,23 +129,23 @@ void PathTracer::for_each_emitter(const Ray& ray, const std::optional<SurfaceHit
   if (hit) {
     if (hit->light < 0) return;
     const auto light = static_cast<std::uint32_t>(hit->light);
-    const Rgb<float> le =
+    const Rgb<double> le =
         visit_light(scene_.lights()[light], ray.time_s, [&]<typename L>(const L& l) {
           if constexpr (SeenOnSurface<L>)
-            return l.le(hit->on_light(), -ray.direction);
+            return l.le(hit->on_light(), -Vec3<double>(ray.direction));
           else
-            return Rgb<float>{};
+            return Rgb<double>{};
         });
     if (!le.is_black()) f(light, le);
     return;
   }
   for (const std::uint32_t light : scene_.infinite_lights()) {
-    const Rgb<float> le =
+    const Rgb<double> le =
         visit_light(scene_.lights()[light], ray.time_s, [&]<typename L>(const L& l) {
           if constexpr (SeenBeyond<L>)
-            return l.le_escaped(ray.origin, ray.direction);
+            return l.le_escaped(Vec3<double>(ray.origin), Vec3<double>(ray.direction));
           else
-            return Rgb<float>{};
+            return Rgb<double>{};
         });
     if (!le.is_black()) f(light, le);
   }

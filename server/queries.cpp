@@ -22,21 +22,27 @@ void set_bit(std::uint8_t* bits, std::size_t i) {
 }
 
 /// What a light is told; `normal`: unit or zero.
-Receiver<float> receiver_of(const ScenePoint& p, const Vec3<float>& normal, AreaSampling way) {
-  Receiver<float> r(p.position);
+Receiver<double> receiver_of(const ScenePoint& p, const Vec3<double>& normal, AreaSampling way) {
+  Receiver<double> r(p.position);
   r.normal = normal;
   r.area_sampling = way;
   return r;
 }
 
+/// Whether a density has all of its digits in a float: one that underflows would divide by 0.
+bool is_normal_float(double density) {
+  const auto rounded = static_cast<float>(density);
+  return rounded >= std::numeric_limits<float>::min() && std::isfinite(rounded);
+}
+
 /// One sample of a chunk on its way.
 struct Pending {
   ScenePoint receiver;
-  Vec3<float> normal;
-  Vec2<float> u;
+  Vec3<double> normal;
+  Vec2<double> u;
   std::uint32_t light = 0;
   bool sampled = false;
-  LightSample<float> sample;
+  LightSample<double> sample;
 };
 
 class LiSampler {
@@ -65,16 +71,17 @@ class LiSampler {
     if (!q_.normals.empty()) {
       const Vec3<float> n = triple(q_.normals, receiver);
       if (!is_direction(n)) p.receiver.result = ItemResult::kInvalidInput;
-      p.normal = normalized(n);
+      p.normal = normalized(Vec3<double>(n));
       if (q_.test_visibility && !q_.position_error_m && p.receiver.result == ItemResult::kOk) {
-        p.receiver = on_surface(scene_, p.receiver, p.normal, q_.time_s);
+        p.receiver = on_surface(scene_, p.receiver, Vec3<float>(p.normal), q_.time_s);
       }
     }
     double u_light = 0;
     if (q_.seed) {
       const SobolSequence points(q_.seed->seed, q_.seed->first_item + receiver);
       const auto index = static_cast<std::uint32_t>(i % q_.samples);
-      p.u = points.pair(index, 0);
+      const Vec2<float> u = points.pair(index, 0);
+      p.u = {u.x, u.y};
       if (!q_.light) u_light = choosing_value(points.pair(index, 1));
     } else {
       p.u = {q_.u[2 * i], q_.u[2 * i + 1]};
@@ -120,31 +127,32 @@ class LiSampler {
       a_.status[i] = static_cast<int>(p.receiver.result);
       return;
     }
-    const LightSample<float>& s = p.sample;
+    const LightSample<double>& s = p.sample;
     if (s.delta) set_bit(a_.delta, i);
-    p.receiver.result = item_result(s.reason);
-    a_.status[i] = static_cast<int>(p.receiver.result);
     // Where there is no light there may be no direction, and no density either.
-    if (is_finite(s.wi)) store(a_.wi, i, s.wi);
-    if (std::isfinite(s.pdf.per_sr)) a_.pdf_per_sr[i] = s.pdf.per_sr;
-    if (is_finite(s.normal)) store(a_.light_normals, i, s.normal);
-    if (!std::isfinite(s.distance)) {
-      store_value(i, s);
-      return;
+    if (const Vec3<float> wi(s.wi); is_finite(wi)) store(a_.wi, i, wi);
+    if (const auto pdf = static_cast<float>(s.pdf.per_sr); std::isfinite(pdf))
+      a_.pdf_per_sr[i] = pdf;
+    if (const Vec3<float> normal(s.normal); is_finite(normal)) store(a_.light_normals, i, normal);
+    const Vec3<float> point(s.point + light_shift_);
+    const auto distance = static_cast<float>(s.distance);
+    const bool is_far = std::isinf(s.distance);
+    if (!is_far && std::isfinite(distance)) {
+      a_.distance_m[i] = distance;
+      if (is_finite(point)) store(a_.light_offsets_m, i, point);
     }
-    a_.distance_m[i] = s.distance;
-    const Vec3<float> point(Vec3<double>(s.point) + light_shift_);
-    if (is_finite(point)) {
-      store(a_.light_offsets_m, i, point);
-      store_value(i, s);
-    } else if (s.reason == NoLight::kNone) {
-      p.receiver.result = ItemResult::kOutOfRange;
-      a_.status[i] = static_cast<int>(p.receiver.result);
+    NoLight reason = s.reason;
+    if (reason == NoLight::kNone) {
+      const Vec3<float> value(Vec3<double>(s.value.r, s.value.g, s.value.b));
+      const bool has_place = is_far || (std::isfinite(distance) && is_finite(point));
+      const bool has_density = s.delta || is_normal_float(s.pdf.per_sr);
+      if (is_finite(value) && has_place && has_density)
+        store(a_.value, i, value);
+      else
+        reason = NoLight::kOutOfRange;
     }
-  }
-
-  void store_value(std::size_t i, const LightSample<float>& s) const {
-    if (s.reason == NoLight::kNone) store(a_.value, i, {s.value.r, s.value.g, s.value.b});
+    p.receiver.result = item_result(reason);
+    a_.status[i] = static_cast<int>(p.receiver.result);
   }
 
   void put_spectral(std::size_t begin, std::vector<Pending>& chunk) const {
@@ -174,8 +182,8 @@ class LiSampler {
     for (std::size_t k = 0; k < chunk.size(); ++k) {
       if (chunk[k].receiver.result != ItemResult::kOk) continue;
       const float reach_m = chunk[k].sampled ? scene_.lights()[chunk[k].light].reach_m : 0;
-      rays.push_back(
-          light_ray(chunk[k].receiver, chunk[k].normal, chunk[k].sample, q_.time_s, reach_m));
+      rays.push_back(light_ray(chunk[k].receiver, Vec3<float>(chunk[k].normal), chunk[k].sample,
+                               q_.time_s, reach_m));
       LooseEnds& e = ends.emplace_back();
       if (loose) e.start = {chunk[k].receiver.position, chunk[k].receiver.error};
       items.push_back(static_cast<std::uint32_t>(begin + k));
@@ -226,16 +234,17 @@ ScenePoint ToScene::operator()(std::size_t i) const {
     p.result = ItemResult::kInvalidInput;
     return p;
   }
-  p.position = Vec3<float>(shift_m_ + Vec3<double>(offset));
-  if (!is_finite(p.position)) {
+  p.position = shift_m_ + Vec3<double>(offset);
+  if (!is_finite(Vec3<float>(p.position))) {
     p.position = {};
     p.result = ItemResult::kOutOfRange;
     return p;
   }
   constexpr float kRelative =
       static_cast<float>(kDefaultUlps) * std::numeric_limits<float>::epsilon();
-  p.error = position_error_m_.value_or(kRelative * std::fmax(max_abs(offset), max_abs(p.position)) +
-                                       static_cast<float>(origin_error_m_));
+  p.error = position_error_m_.value_or(
+      kRelative * std::fmax(max_abs(offset), static_cast<float>(max_abs(p.position))) +
+      static_cast<float>(origin_error_m_));
   return p;
 }
 
@@ -277,14 +286,15 @@ void pdf_li(const Scene& scene, const PdfLiQuery& q, float* pdf_per_sr, int* sta
         const Vec3<float> w = triple(q.wi, i);
         ItemResult result = p.result;
         if (!is_direction(w)) result = ItemResult::kInvalidInput;
-        Vec3<float> n;
+        Vec3<double> n;
         if (!q.normals.empty()) {
-          n = triple(q.normals, i);
-          if (!is_direction(n)) result = ItemResult::kInvalidInput;
-          n = normalized(n);
+          const Vec3<float> given = triple(q.normals, i);
+          if (!is_direction(given)) result = ItemResult::kInvalidInput;
+          n = normalized(Vec3<double>(given));
         }
         if (result == ItemResult::kOk) {
-          const float pdf = l.pdf_li(receiver_of(p, n, q.area_sampling), normalized(w)).per_sr;
+          const auto pdf = static_cast<float>(
+              l.pdf_li(receiver_of(p, n, q.area_sampling), normalized(Vec3<double>(w))).per_sr);
           if (std::isfinite(pdf)) {
             pdf_per_sr[i] = pdf;
           } else {

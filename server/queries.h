@@ -48,12 +48,12 @@ inline bool is_direction(const Vec3<float>& v) { return is_finite(v) && v != Vec
 
 /// A point of a batch, about the scene's origin.
 struct ScenePoint {
-  Vec3<float> position;
-  float error = 0;  ///< how far each coordinate may be off [m]
+  Vec3<double> position;  ///< within floats
+  float error = 0;        ///< how far each coordinate may be off, rounded to float too [m]
   ItemResult result = ItemResult::kOk;
 };
 
-/// Moves points of one batch to scene coordinates: in double, rounded to float once.
+/// Moves points of one batch to scene coordinates, in double.
 class ToScene {
  public:
   /// `position_error_m`: unset for the default, 4 ulps: 2^-21 of the largest coordinate among

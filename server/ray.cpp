@@ -29,21 +29,25 @@ Vec3<float> offset_origin(const Vec3<float>& position, const Vec3<float>& positi
 }
 
 Ray spawn_ray(const SurfaceHit& from, const Vec3<float>& direction) {
-  Ray ray{offset_origin(from.position, from.position_error, from.ng, direction), direction};
+  Ray ray{offset_origin(Vec3<float>(from.position), from.position_error, from.ng, direction),
+          direction};
   ray.time_s = from.time_s;
   return ray;
 }
 
-Ray shadow_ray(const SurfaceHit& from, const LightSample<float>& to, float light_reach_m) {
-  if (!std::isfinite(to.distance)) return spawn_ray(from, to.wi);
-  Vec3<float> end = to.point;
-  if (to.normal != Vec3<float>{}) {
+Ray shadow_ray(const SurfaceHit& from, const LightSample<double>& to, float light_reach_m) {
+  const Vec3<float> wi(to.wi);
+  if (!std::isfinite(to.distance)) return spawn_ray(from, wi);
+  Vec3<float> end(to.point);
+  if (to.normal != Vec3<double>{}) {
     // The point itself is rounded, and so is the ray's own test against the light's surface, whose
     // vertices it sees from `distance` away; where the light moves, in coordinates of its own.
-    const float error = kTraversalError * (max_abs(to.point) + to.distance + light_reach_m);
-    end = offset_origin(end, {error, error, error}, to.normal, -to.wi);
+    const float error =
+        kTraversalError * (max_abs(end) + static_cast<float>(to.distance) + light_reach_m);
+    end = offset_origin(end, {error, error, error}, Vec3<float>(to.normal), -wi);
   }
-  const Vec3<float> origin = offset_origin(from.position, from.position_error, from.ng, to.wi);
+  const Vec3<float> origin =
+      offset_origin(Vec3<float>(from.position), from.position_error, from.ng, wi);
   return {origin, end - origin, 0, 1, from.time_s};
 }
 

@@ -1,4 +1,5 @@
-// Rays and what they find.  Coordinates are floats about the scene's origin [m].
+// Rays and what they find, about the scene's origin [m]: rays in floats, as Embree takes them, what
+// is known of surfaces in double.
 #pragma once
 
 #include <cstdint>
@@ -20,8 +21,8 @@ struct Ray {
 /// A point on the scene's surfaces with all that shading needs.
 struct SurfaceHit {
   float t{};
-  Vec3<float> position;
-  /// The surface passes, and rays find it, within this box about `position` [m].
+  Vec3<double> position;
+  /// The surface passes, and rays find it, within this box about `position` as floats hold it [m].
   Vec3<float> position_error;
   Vec3<float> ng;                   ///< geometric normal, unit, outside
   Vec3<float> ns;                   ///< shading normal, unit, on the side of ng
@@ -30,7 +31,7 @@ struct SurfaceHit {
   std::uint32_t light_primitive{};  ///< which primitive of that light's shape
   double time_s = 0;                ///< of the ray that found it
 
-  SurfacePoint<float> on_light() const { return {position, ng, light_primitive}; }
+  SurfacePoint<double> on_light() const { return {position, Vec3<double>(ng), light_primitive}; }
 };
 
 /// `position` moved along `normal`, to the side that `direction` leaves to, just far enough that
@@ -44,6 +45,6 @@ Ray spawn_ray(const SurfaceHit& from, const Vec3<float>& direction);
 /// The ray whose t in (0, 1) is the open way from a surface point to a sampled point of a light; to
 /// infinity where the light is infinitely far.  Both ends are moved off their surfaces.
 /// `light_reach_m`: SceneLight::reach_m.
-Ray shadow_ray(const SurfaceHit& from, const LightSample<float>& to, float light_reach_m = 0);
+Ray shadow_ray(const SurfaceHit& from, const LightSample<double>& to, float light_reach_m = 0);
 
 }  // namespace lucerna

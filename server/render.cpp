@@ -83,7 +83,7 @@ class TileJob {
       const Vec2<float> film = sample.pair(PathSample::kFilm);
       const Ray ray = scene_.camera().ray(static_cast<float>(x) + film.x,
                                           static_cast<float>(y) + film.y, time(sample));
-      sum += Rgb<double>(tracer_.radiance(ray, sample, work));
+      sum += tracer_.radiance(ray, sample, work);
     }
     work.samples += n;
     // Squares of differences are summed too: what no float holds counts as the largest.

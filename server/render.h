@@ -56,7 +56,7 @@ struct TileResult {
 TileResult render_tile(const Scene& scene, const TileSettings& settings, std::stop_token stop);
 
 struct IrradiancePoint {
-  Vec3<float> position;        ///< about the scene's origin [m]
+  Vec3<double> position;       ///< about the scene's origin [m]
   Vec3<float> position_error;  ///< [m]
   Vec3<float> normal;          ///< unit
 };

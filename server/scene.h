@@ -24,8 +24,8 @@ namespace lucerna {
 
 /// One light as the scene holds it.
 struct SceneLight {
-  std::uint64_t id;    ///< stable, from 1, never reused
-  Light<float> light;  ///< about the scene's origin; where it moves, about one of its own
+  std::uint64_t id;     ///< stable, from 1, never reused
+  Light<double> light;  ///< about the scene's origin; where it moves, about one of its own
   SourceLocation where;
   /// From the light's own coordinates at its first key frame to the scene's; null: it rests.
   std::shared_ptr<const Motion> motion{};
@@ -54,7 +54,7 @@ auto visit_light(const SceneLight& light, double time_s, F&& f) {
         if (light.motion == nullptr) [[likely]]
           return f(model);
         using Model = std::decay_t<decltype(model)>;
-        return f(Posed<float, Model>(model, light.pose_at(time_s)));
+        return f(Posed<double, Model>(model, light.pose_at(time_s)));
       },
       light.light);
 }

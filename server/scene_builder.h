@@ -46,7 +46,7 @@ class Scene::Builder {
 
   absl::Status build_lights();
   /// `light`: about `origin`, from where `motion` leads to the scene's coordinates.
-  absl::Status add_light(absl::StatusOr<Light<float>> light, const SourceLocation& where,
+  absl::Status add_light(absl::StatusOr<Light<double>> light, const SourceLocation& where,
                          const Vec3<double>& origin, std::shared_ptr<const Motion> motion);
   /// Beside the lights and not in them: where all are given RGB, nothing is kept.
   void keep_spectra();

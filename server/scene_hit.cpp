@@ -1,5 +1,5 @@
 // From what Embree found to a point of a surface with all that shading needs.  Embree answers in
-// floats; the point is computed again in double from the primitive itself, and rounded once.
+// floats; the point is computed again in double from the primitive itself.
 #include <algorithm>
 #include <cmath>
 
@@ -126,8 +126,8 @@ std::optional<SurfaceHit> Scene::closest_hit(const Ray& ray) const {
   SurfaceHit hit;
   hit.t = raw->t;
   hit.time_s = ray.time_s;
-  hit.position = Vec3<float>(local.position);
-  // The one rounding of the position, and what double left.
+  hit.position = local.position;
+  // The one rounding of the position where rays leave it, and what double left.
   error += absolute(local.position) * (kFloatRoundoff * (1 + 1e-6));
   // Rounded up, so that the bound stays one.
   hit.position_error = Vec3<float>(error * (1 + 1e-6));

@@ -12,7 +12,7 @@
 
 namespace lucerna {
 
-absl::Status Scene::Builder::add_light(absl::StatusOr<Light<float>> light,
+absl::Status Scene::Builder::add_light(absl::StatusOr<Light<double>> light,
                                        const SourceLocation& where, const Vec3<double>& origin,
                                        std::shared_ptr<const Motion> motion) {
   if (!light.ok()) return located(light.status(), where);

@@ -50,13 +50,13 @@ std::optional<Box> portal_box_of(const LightDescription& light) {
   return std::pair{bounds.lower, bounds.upper};
 }
 
-absl::StatusOr<Light<float>> create_light(const LightDescription& light,
-                                          const Vec3<double>& origin) {
+absl::StatusOr<Light<double>> create_light(const LightDescription& light,
+                                           const Vec3<double>& origin) {
   return std::visit(
-      [&]<typename Params>(const Params& params) -> absl::StatusOr<Light<float>> {
-        auto made = ModelOf<Params, Light<float>>::type::create(params, origin);
+      [&]<typename Params>(const Params& params) -> absl::StatusOr<Light<double>> {
+        auto made = ModelOf<Params, Light<double>>::type::create(params, origin);
         if (!made.ok()) return made.status();
-        return Light<float>(*std::move(made));
+        return Light<double>(*std::move(made));
       },
       light.params);
 }
@@ -64,38 +64,38 @@ absl::StatusOr<Light<float>> create_light(const LightDescription& light,
 namespace {
 
 template <template <typename> typename Shape, template <typename> typename Painted>
-absl::StatusOr<Light<float>> as_area_light(const ShapeDescription::Emission& emission,
-                                           absl::StatusOr<Shape<float>> shape,
-                                           const std::vector<Vec2<float>>& corner_uv = {}) {
+absl::StatusOr<Light<double>> as_area_light(const ShapeDescription::Emission& emission,
+                                            absl::StatusOr<Shape<double>> shape,
+                                            const std::vector<Vec2<float>>& corner_uv = {}) {
   if (!shape.ok()) return shape.status();
   if (absl::Status s = shape->emissive_error(); !s.ok()) return s;
   const DiffuseEmission diffuse{emission.radiance_cd_m2, emission.two_sided};
   if (emission.picture) {
-    auto painted = Painted<float>::create(*std::move(shape), *emission.picture, corner_uv);
+    auto painted = Painted<double>::create(*std::move(shape), *emission.picture, corner_uv);
     if (!painted.ok()) return painted.status();
-    auto light = AreaLight<float, Painted>::create(diffuse, *std::move(painted));
+    auto light = AreaLight<double, Painted>::create(diffuse, *std::move(painted));
     if (!light.ok()) return light.status();
-    return Light<float>(*std::move(light));
+    return Light<double>(*std::move(light));
   }
-  auto light = AreaLight<float, Shape>::create(diffuse, *std::move(shape));
+  auto light = AreaLight<double, Shape>::create(diffuse, *std::move(shape));
   if (!light.ok()) return light.status();
-  return Light<float>(*std::move(light));
+  return Light<double>(*std::move(light));
 }
 
 /// Of a shape that can be flat.
 template <template <typename> typename Shape, template <typename> typename Painted,
           template <typename> typename Panel>
-absl::StatusOr<Light<float>> as_flat_light(const ShapeDescription::Emission& emission,
-                                           absl::StatusOr<Shape<float>> shape,
-                                           const std::vector<Vec2<float>>& corner_uv = {}) {
+absl::StatusOr<Light<double>> as_flat_light(const ShapeDescription::Emission& emission,
+                                            absl::StatusOr<Shape<double>> shape,
+                                            const std::vector<Vec2<float>>& corner_uv = {}) {
   if (!emission.panel || !shape.ok())
     return as_area_light<Shape, Painted>(emission, std::move(shape), corner_uv);
-  auto panel = Panel<float>::create(*std::move(shape), *emission.panel);
+  auto panel = Panel<double>::create(*std::move(shape), *emission.panel);
   if (!panel.ok()) return panel.status();
-  auto light = AreaLight<float, Panel>::create({emission.radiance_cd_m2, emission.two_sided},
-                                               *std::move(panel));
+  auto light = AreaLight<double, Panel>::create({emission.radiance_cd_m2, emission.two_sided},
+                                                *std::move(panel));
   if (!light.ok()) return light.status();
-  return Light<float>(*std::move(light));
+  return Light<double>(*std::move(light));
 }
 
 /// One overload a shape and none for all, so that a new shape does not compile until it has its
@@ -105,40 +105,40 @@ class AreaLightMaker {
   AreaLightMaker(const ShapeDescription::Emission& emission, const Vec3<double>& origin)
       : emission_(emission), origin_(origin) {}
 
-  absl::StatusOr<Light<float>> operator()(const TriangleMeshData& mesh) const {
+  absl::StatusOr<Light<double>> operator()(const TriangleMeshData& mesh) const {
     const auto vertex = [&](std::size_t i) {
-      return about(mesh.positions[mesh.indices[i]], origin_);
+      return Vec3<double>(about(mesh.positions[mesh.indices[i]], origin_));
     };
-    std::vector<Triangle<float>> triangles(mesh.indices.size() / 3);
+    std::vector<Triangle<double>> triangles(mesh.indices.size() / 3);
     for (std::size_t i = 0; i < triangles.size(); ++i)
       triangles[i] = {vertex(3 * i), vertex(3 * i + 1), vertex(3 * i + 2)};
     return as_flat_light<TriangleMesh, PaintedTriangleMesh, PanelTriangleMesh>(
-        emission_, TriangleMesh<float>::create(std::move(triangles)), mesh.corner_uv);
+        emission_, TriangleMesh<double>::create(std::move(triangles)), mesh.corner_uv);
   }
 
-  absl::StatusOr<Light<float>> operator()(const PatchMeshData& mesh) const {
+  absl::StatusOr<Light<double>> operator()(const PatchMeshData& mesh) const {
     const auto vertex = [&](std::size_t i) {
-      return about(mesh.positions[mesh.indices[i]], origin_);
+      return Vec3<double>(about(mesh.positions[mesh.indices[i]], origin_));
     };
-    std::vector<BilinearPatch<float>> patches(mesh.indices.size() / 4);
+    std::vector<BilinearPatch<double>> patches(mesh.indices.size() / 4);
     for (std::size_t i = 0; i < patches.size(); ++i)
       patches[i] = {vertex(4 * i), vertex(4 * i + 1), vertex(4 * i + 2), vertex(4 * i + 3)};
     return as_flat_light<PatchMesh, PaintedPatchMesh, PanelPatchMesh>(
-        emission_, PatchMesh<float>::create(std::move(patches)), mesh.corner_uv);
+        emission_, PatchMesh<double>::create(std::move(patches)), mesh.corner_uv);
   }
 
-  absl::StatusOr<Light<float>> operator()(const SphereParams& sphere) const {
-    return as_area_light<Sphere, PaintedSphere>(emission_, Sphere<float>::create(sphere, origin_));
+  absl::StatusOr<Light<double>> operator()(const SphereParams& sphere) const {
+    return as_area_light<Sphere, PaintedSphere>(emission_, Sphere<double>::create(sphere, origin_));
   }
 
-  absl::StatusOr<Light<float>> operator()(const DiskParams& disk) const {
+  absl::StatusOr<Light<double>> operator()(const DiskParams& disk) const {
     return as_flat_light<Disk, PaintedDisk, PanelDisk>(emission_,
-                                                       Disk<float>::create(disk, origin_));
+                                                       Disk<double>::create(disk, origin_));
   }
 
-  absl::StatusOr<Light<float>> operator()(const CylinderParams& cylinder) const {
+  absl::StatusOr<Light<double>> operator()(const CylinderParams& cylinder) const {
     return as_area_light<Cylinder, PaintedCylinder>(emission_,
-                                                    Cylinder<float>::create(cylinder, origin_));
+                                                    Cylinder<double>::create(cylinder, origin_));
   }
 
  private:
@@ -148,12 +148,12 @@ class AreaLightMaker {
 
 }  // namespace
 
-absl::StatusOr<Light<float>> create_area_light(const ShapeDescription& shape,
-                                               const Vec3<double>& origin) {
+absl::StatusOr<Light<double>> create_area_light(const ShapeDescription& shape,
+                                                const Vec3<double>& origin) {
   return std::visit(AreaLightMaker(*shape.emission, origin), shape.geometry);
 }
 
-std::uint64_t primitive_count(const Light<float>& light) {
+std::uint64_t primitive_count(const Light<double>& light) {
   return std::visit(
       [](const auto& l) -> std::uint64_t {
         if constexpr (requires { l.shape().size(); })
@@ -164,7 +164,7 @@ std::uint64_t primitive_count(const Light<float>& light) {
       light);
 }
 
-std::uint64_t light_bytes(const Light<float>& light) {
+std::uint64_t light_bytes(const Light<double>& light) {
   return std::visit(
       [](const auto& l) -> std::uint64_t {
         if constexpr (requires { l.shape().bytes(); })
@@ -177,7 +177,7 @@ std::uint64_t light_bytes(const Light<float>& light) {
       light);
 }
 
-const Image* picture_of(const Light<float>& light) {
+const Image* picture_of(const Light<double>& light) {
   return std::visit(
       [](const auto& l) -> const Image* {
         if constexpr (requires { l.params().map->image(); })

@@ -25,21 +25,21 @@ std::optional<Box> box_of(const LightDescription& light);
 std::optional<Box> portal_box_of(const LightDescription& light);
 
 /// Errors: as the light's own.
-absl::StatusOr<Light<float>> create_light(const LightDescription& light,
-                                          const Vec3<double>& origin);
+absl::StatusOr<Light<double>> create_light(const LightDescription& light,
+                                           const Vec3<double>& origin);
 
 /// The area light of a shape that emits, made of the same float vertices that rays hit.  Errors: as
 /// the light's own; a shape that cannot emit.
-absl::StatusOr<Light<float>> create_area_light(const ShapeDescription& shape,
-                                               const Vec3<double>& origin);
+absl::StatusOr<Light<double>> create_area_light(const ShapeDescription& shape,
+                                                const Vec3<double>& origin);
 
 /// What its surface is made of; 1 where it has none.
-std::uint64_t primitive_count(const Light<float>& light);
+std::uint64_t primitive_count(const Light<double>& light);
 
 /// The picture that a light uses, null where there is none.
-const Image* picture_of(const Light<float>& light);
+const Image* picture_of(const Light<double>& light);
 
 /// Memory beside the object itself, without the picture.
-std::uint64_t light_bytes(const Light<float>& light);
+std::uint64_t light_bytes(const Light<double>& light);
 
 }  // namespace lucerna

@@ -15,7 +15,8 @@ constexpr std::size_t kGrain = 1024;  // a multiple of 8, as chunks write bits
 /// Where a ray starts: off its surface along `normal`, or where it is, to begin later.
 Vec3<float> start_of(const ScenePoint& from, const Vec3<float>& normal,
                      const Vec3<float>& direction) {
-  return offset_origin(from.position, {from.error, from.error, from.error}, normal, direction);
+  return offset_origin(Vec3<float>(from.position), {from.error, from.error, from.error}, normal,
+                       direction);
 }
 
 bool has_normal(const Vec3<float>& normal) { return normal != Vec3<float>{}; }
@@ -65,7 +66,7 @@ std::optional<Ray> ray_of(const Scene& scene, const VisibilityQuery& q, const To
 /// normal begins.
 bool lies_on(const LooseEnd& end, const SurfaceHit& hit) {
   if (!(end.error >= 0)) return false;
-  const Vec3<double> apart = Vec3<double>(hit.position) - Vec3<double>(end.position);
+  const Vec3<double> apart = hit.position - end.position;
   const double traversal = max_abs(hit.position_error);
   // Rays find the surface no better than that, but where it is is known to one rounding.
   const double rounding = traversal * (kFloatRoundoff / kTraversalBound);
@@ -102,8 +103,8 @@ ScenePoint on_surface(const Scene& scene, ScenePoint point, const Vec3<float>& n
   const auto largest =
       static_cast<float>(max_abs(scene.sphere().center_m) + scene.sphere().radius_m);
   const float reach = kStartWithoutNormal * (point.error + kTraversalError * largest);
-  const auto hit =
-      scene.closest_hit({point.position + normal * reach, -normal, 0, 2 * reach, time_s});
+  const auto hit = scene.closest_hit(
+      {Vec3<float>(point.position + Vec3<double>(normal * reach)), -normal, 0, 2 * reach, time_s});
   if (!hit) return point;
   const float away = std::fabs(hit->t - reach);
   const float error = max_abs(hit->position_error);
@@ -115,8 +116,8 @@ ScenePoint on_surface(const Scene& scene, ScenePoint point, const Vec3<float>& n
 std::optional<Ray> segment_ray(const ScenePoint& from, const Vec3<float>& normal,
                                const ScenePoint& to) {
   Ray ray;
-  ray.origin = start_of(from, normal, to.position - from.position);
-  const Vec3<double> direction = Vec3<double>(to.position) - Vec3<double>(ray.origin);
+  ray.origin = start_of(from, normal, Vec3<float>(to.position - from.position));
+  const Vec3<double> direction = to.position - Vec3<double>(ray.origin);
   const double distance = length(direction);
   if (!(distance > 0)) return std::nullopt;
   ray.direction = Vec3<float>(direction);
@@ -129,7 +130,7 @@ std::optional<Ray> segment_ray(const ScenePoint& from, const Vec3<float>& normal
   return ray;
 }
 
-Ray light_ray(const ScenePoint& from, const Vec3<float>& normal, const LightSample<float>& to,
+Ray light_ray(const ScenePoint& from, const Vec3<float>& normal, const LightSample<double>& to,
               double time_s, float light_reach_m) {
   SurfaceHit hit;
   hit.position = from.position;

@@ -30,7 +30,7 @@ std::optional<Ray> segment_ray(const ScenePoint& from, const Vec3<float>& normal
                                const ScenePoint& to);
 
 /// The way from a point to a sampled point of a light.  `light_reach_m`: SceneLight::reach_m.
-Ray light_ray(const ScenePoint& from, const Vec3<float>& normal, const LightSample<float>& to,
+Ray light_ray(const ScenePoint& from, const Vec3<float>& normal, const LightSample<double>& to,
               double time_s = 0, float light_reach_m = 0);
 
 struct VisibilityQuery {
@@ -50,7 +50,7 @@ WorkCounts test_visibility(const Scene& scene, const VisibilityQuery& query, std
 
 /// The end of a ray at a point that may lie on a surface whose normal nobody told.
 struct LooseEnd {
-  Vec3<float> position;
+  Vec3<double> position;
   float error = -1;  ///< below 0: this end asks for nothing
 };
 

@@ -156,7 +156,7 @@ void drop_if_all_ok(google::protobuf::RepeatedField<int>* status) {
   if (std::all_of(status->begin(), status->end(), [&](int s) { return s == ok; })) status->Clear();
 }
 
-double pdf_seconds(const Light<float>& light) {
+double pdf_seconds(const Light<double>& light) {
   // Rounded up from what one core took on the reference scenes.
   return 200e-9 + 20e-9 * static_cast<double>(primitive_count(light));
 }

@@ -79,7 +79,7 @@ void drop_if_all_ok(google::protobuf::RepeatedField<int>* status);
 
 /// Upper estimate of the processor time of one density of a light [s]: it looks for the point, or
 /// for where the direction goes, among all of its primitives.
-double pdf_seconds(const Light<float>& light);
+double pdf_seconds(const Light<double>& light);
 
 /// Counts of the work, without times.
 void set_counts(v1::Cost* cost, const WorkCounts& work);

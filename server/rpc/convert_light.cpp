@@ -25,12 +25,12 @@ Frame<double> axes_of(const Transform& map) {
   return {map.vector({1, 0, 0}), map.vector({0, 1, 0}), map.vector({0, 0, 1})};
 }
 
-void set_kind(const PointLight<float>& l, v1::Light* out) {
+void set_kind(const PointLight<double>& l, v1::Light* out) {
   set(l.params().position_m, out->mutable_point()->mutable_position_m());
   set(l.params().intensity_cd, out->mutable_point()->mutable_intensity_cd());
 }
 
-void set_kind(const SpotLight<float>& l, v1::Light* out) {
+void set_kind(const SpotLight<double>& l, v1::Light* out) {
   v1::SpotLight* spot = out->mutable_spot();
   set(l.params().position_m, spot->mutable_position_m());
   set(l.params().axis, spot->mutable_axis());
@@ -41,19 +41,19 @@ void set_kind(const SpotLight<float>& l, v1::Light* out) {
                                                                 : v1::SPOT_PROFILE_SMOOTHSTEP);
 }
 
-void set_kind(const DistantLight<float>& l, v1::Light* out) {
+void set_kind(const DistantLight<double>& l, v1::Light* out) {
   set(l.params().to_light, out->mutable_distant()->mutable_to_light());
   set(l.params().illuminance_lx, out->mutable_distant()->mutable_illuminance_lx());
 }
 
-void set_kind(const SunLight<float>& l, v1::Light* out) {
+void set_kind(const SunLight<double>& l, v1::Light* out) {
   v1::SunLight* sun = out->mutable_sun();
   set(l.params().to_light, sun->mutable_to_light());
   set(l.params().illuminance_lx, sun->mutable_illuminance_lx());
   sun->set_angular_diameter_rad(l.params().angular_diameter_rad);
 }
 
-void set_kind(const UniformInfiniteLight<float>& l, v1::Light* out) {
+void set_kind(const UniformInfiniteLight<double>& l, v1::Light* out) {
   set(l.params().radiance_cd_m2, out->mutable_uniform_infinite()->mutable_radiance_cd_m2());
 }
 
@@ -72,14 +72,14 @@ void set(const SphereMap& map, const std::string& name, v1::SphereImage* out) {
                        : v1::SPHERE_MAPPING_LATITUDE_LONGITUDE);
 }
 
-void set_kind(const ImageInfiniteLight<float>& l, v1::Light* out) {
+void set_kind(const ImageInfiniteLight<double>& l, v1::Light* out) {
   v1::ImageInfiniteLight* infinite = out->mutable_image_infinite();
   set(*l.params().map, l.params().image_name, infinite->mutable_map());
   set(axes_of(l.params().world_from_map), infinite->mutable_axes());
   set(l.params().radiance_cd_m2, infinite->mutable_radiance_cd_m2());
 }
 
-void set_kind(const PortalLight<float>& l, v1::Light* out) {
+void set_kind(const PortalLight<double>& l, v1::Light* out) {
   v1::ImageInfiniteLight* infinite = out->mutable_image_infinite();
   if (l.params().map != nullptr) {
     set(*l.params().map, l.params().image_name, infinite->mutable_map());
@@ -97,7 +97,7 @@ void set(const PhotometricWeb& web, const std::string& name, const std::string& 
   out->set_flux_lm(web.flux_lm());
 }
 
-void set_kind(const GoniometricLight<float>& l, v1::Light* out) {
+void set_kind(const GoniometricLight<double>& l, v1::Light* out) {
   v1::GoniometricLight* goniometric = out->mutable_goniometric();
   set(l.params().position_m, goniometric->mutable_position_m());
   set(l.params().intensity, goniometric->mutable_intensity());
@@ -118,7 +118,7 @@ void set_axes(const Frame<double>& axes, Message* out) {
   set(normalized(axes.t), out->mutable_up());
 }
 
-void set_kind(const ProjectionLight<float>& l, v1::Light* out) {
+void set_kind(const ProjectionLight<double>& l, v1::Light* out) {
   v1::ProjectionLight* projection = out->mutable_projection();
   const ProjectedPictureParams& picture = l.params().picture->params();
   set(l.params().position_m, projection->mutable_position_m());
@@ -130,7 +130,7 @@ void set_kind(const ProjectionLight<float>& l, v1::Light* out) {
     set(*picture.image, picture.filter, l.params().image_name, projection->mutable_image());
 }
 
-void set_kind(const BeamLight<float>& l, v1::Light* out) {
+void set_kind(const BeamLight<double>& l, v1::Light* out) {
   v1::BeamLight* beam = out->mutable_beam();
   set(l.params().position_m, beam->mutable_position_m());
   set_axes(l.params().axes, beam);
@@ -142,14 +142,14 @@ void set_kind(const BeamLight<float>& l, v1::Light* out) {
 }
 
 template <template <typename> typename Primitive>
-void set_shape(const Mesh<float, Primitive>& mesh, const Vec3<double>& origin_m,
+void set_shape(const Mesh<double, Primitive>& mesh, const Vec3<double>& origin_m,
                v1::DiffuseAreaLight* out) {
-  constexpr bool kTriangles = std::is_same_v<Primitive<float>, Triangle<float>>;
+  constexpr bool kTriangles = std::is_same_v<Primitive<double>, Triangle<double>>;
   out->set_shape(kTriangles ? v1::AREA_SHAPE_TRIANGLE_MESH : v1::AREA_SHAPE_BILINEAR_MESH);
   out->set_primitives(mesh.size());
   if (mesh.size() != 1) return;
-  const auto add = [&](const Vec3<float>& corner) {
-    set(origin_m + Vec3<double>(corner), out->add_corners_m());
+  const auto add = [&](const Vec3<double>& corner) {
+    set(origin_m + corner, out->add_corners_m());
   };
   const auto& p = mesh.primitive(0);
   if constexpr (kTriangles) {
@@ -176,7 +176,7 @@ RoundScale set_round(const Params& params, const Vec3<double>& center, v1::Round
   return scale;
 }
 
-void set_shape(const Sphere<float>& sphere, const Vec3<double>&, v1::DiffuseAreaLight* out) {
+void set_shape(const Sphere<double>& sphere, const Vec3<double>&, v1::DiffuseAreaLight* out) {
   const SphereParams& p = sphere.params();
   out->set_shape(v1::AREA_SHAPE_SPHERE);
   out->set_primitives(1);
@@ -185,7 +185,7 @@ void set_shape(const Sphere<float>& sphere, const Vec3<double>&, v1::DiffuseArea
   out->mutable_round()->set_z_max_m(scale * std::fmin(p.z_max_m, p.radius_m));
 }
 
-void set_shape(const Disk<float>& disk, const Vec3<double>&, v1::DiffuseAreaLight* out) {
+void set_shape(const Disk<double>& disk, const Vec3<double>&, v1::DiffuseAreaLight* out) {
   const DiskParams& p = disk.params();
   out->set_shape(v1::AREA_SHAPE_DISK);
   out->set_primitives(1);
@@ -199,7 +199,7 @@ void set_shape(const Disk<float>& disk, const Vec3<double>&, v1::DiffuseAreaLigh
   if (!is_circle) round->set_radius_y_m(y * p.radius_m);
 }
 
-void set_shape(const Cylinder<float>& cylinder, const Vec3<double>&, v1::DiffuseAreaLight* out) {
+void set_shape(const Cylinder<double>& cylinder, const Vec3<double>&, v1::DiffuseAreaLight* out) {
   const CylinderParams& p = cylinder.params();
   out->set_shape(v1::AREA_SHAPE_CYLINDER);
   out->set_primitives(1);
@@ -219,7 +219,7 @@ const auto& surface_of(const Shape& shape) {
 }
 
 template <template <typename> typename Shape>
-void set_kind(const AreaLight<float, Shape>& l, const Vec3<double>& origin_m, v1::Light* out) {
+void set_kind(const AreaLight<double, Shape>& l, const Vec3<double>& origin_m, v1::Light* out) {
   v1::DiffuseAreaLight* area = out->mutable_diffuse_area();
   set(l.emission().radiance_cd_m2, area->mutable_radiance_cd_m2());
   area->set_two_sided(l.emission().two_sided);

@@ -49,8 +49,7 @@ inline Outcome load(const std::string& source, const std::string& parameter,
     // From where all of them are seen.
     for (int i = 0; i < 16; ++i) {
       const auto s =
-          light.sample_li(Receiver<float>{{0.1F, 0.2F, 0.7F}},
-                          {static_cast<float>(i % 4) / 4, static_cast<float>(i / 4) / 4});
+          light.sample_li(Receiver<double>(0.1, 0.2, 0.7), {(i % 4) / 4.0, (i / 4) / 4.0});
       outcome.lit |= s.reason == NoLight::kNone && s.value.g > 0;
       EXPECT_TRUE(is_finite(s.value) && std::isfinite(s.pdf.per_sr));
     }

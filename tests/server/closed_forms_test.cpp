@@ -23,8 +23,7 @@ constexpr AreaSampling kWays[] = {AreaSampling::kAutomatic,  AreaSampling::kSqua
 /// blocks: by luck outside once in 5e8 (Student's t).  And those errors are small: below 2%.
 void expect_irradiance(const Scene& scene, const Vec3<double>& receiver, const Vec3<double>& n,
                        double expected) {
-  const IrradiancePoint point{
-      Vec3<float>(receiver - scene.origin()), {1e-6F, 1e-6F, 1e-6F}, Vec3<float>(n)};
+  const IrradiancePoint point{receiver - scene.origin(), {1e-6F, 1e-6F, 1e-6F}, Vec3<float>(n)};
   IrradianceSettings settings{
       .seed = 11, .samples_per_block = 256, .block_count = 64, .bounces = 0};
   for (const AreaSampling way : kWays) {

@@ -231,7 +231,7 @@ TEST_P(ClosedBox, HoldsPiTimesItEverywhere) {
     const double z = (i % 8 + 0.5) / 4 - 1, phi = 2.4 * i, r = std::sqrt(1 - z * z);
     const Vec3<double> n{r * std::cos(phi), r * std::sin(phi), z};
     const Vec3<double> off = Vec3<double>{n.y, n.z, n.x} * (0.2 * (i / 8));
-    const Vec3<float> p(Vec3<double>{1, 2, 3} + off - room->origin());
+    const Vec3<double> p = Vec3<double>{1, 2, 3} + off - room->origin();
     points.push_back({p, {1e-6F, 1e-6F, 1e-6F}, Vec3<float>(n)});
   }
   const IrradianceResult result =
@@ -283,7 +283,7 @@ TEST(OpenBox, ShowsLess) {
   const IrradiancePoint point{{}, {1e-6F, 1e-6F, 1e-6F}, {0, 0, 1}};
   const auto room = build(std::move(d));
   IrradiancePoint p = point;
-  p.position = Vec3<float>(Vec3<double>{1, 2, 3} - room->origin());
+  p.position = Vec3<double>{1, 2, 3} - room->origin();
   const auto e = estimate_irradiance(*room, std::span(&p, 1),
                                      {.seed = 6, .block_count = 16384, .bounces = kBounces}, {})
                      .points[0];

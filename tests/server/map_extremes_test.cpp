@@ -58,22 +58,22 @@ double sampled(const Params& params, bool incomplete = false) {
   EXPECT_TRUE(light.ok()) << light.status();
   std::visit(
       [&](const auto& l) {
-        Receiver<float> receiver(0, 0, 0);
+        Receiver<double> receiver(0, 0, 0);
         receiver.incomplete = incomplete;
         for (int i = 0; i <= kSide + 1; ++i)
           for (int j = 0; j <= kSide + 1; ++j) {
             // The last two of each are the ends of the square, which count for nothing.
             const auto u = [&](int k) {
-              return k < kSide ? (k + 0.5F) / kSide : static_cast<float>(k - kSide);
+              return k < kSide ? (k + 0.5) / kSide : static_cast<double>(k - kSide);
             };
             const auto s = l.sample_li(receiver, {u(i), u(j)});
             EXPECT_TRUE(is_finite(s.value) && std::isfinite(s.pdf.per_sr));
             EXPECT_GE(s.pdf.per_sr, 0);
-            const float pdf = l.pdf_li(receiver, s.wi).per_sr;
+            const double pdf = l.pdf_li(receiver, s.wi).per_sr;
             EXPECT_TRUE(std::isfinite(pdf) && pdf >= 0);
             if (s.reason != NoLight::kNone || i >= kSide || j >= kSide) continue;
             EXPECT_GT(s.pdf.per_sr, 0);
-            sum += double{s.value.g} / s.pdf.per_sr;
+            sum += s.value.g / s.pdf.per_sr;
           }
         const Power power = l.power({{}, 1});
         EXPECT_TRUE(is_finite(power.lumens) && std::isfinite(power.error_lumens));
@@ -129,7 +129,7 @@ TEST(SkyExtremes, BlackGivesNoLightAndSaysSo) {
     ASSERT_TRUE(light.ok());
     std::visit(
         [](const auto& l) {
-          EXPECT_EQ(l.sample_li(Receiver<float>(0, 0, 0), {0.5F, 0.5F}).reason, NoLight::kBlack);
+          EXPECT_EQ(l.sample_li(Receiver<double>(0, 0, 0), {0.5, 0.5}).reason, NoLight::kBlack);
           EXPECT_TRUE(l.power({{}, 1}).lumens.is_black());
         },
         *light);

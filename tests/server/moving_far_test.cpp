@@ -73,9 +73,9 @@ Answers answers_of(const Scene& scene, double t) {
   Answers all;
   visit_light(scene.lights()[0], t, [&](const auto& light) {
     for (int i = 0; i < 64; ++i) {
-      const auto of = [&](double step) { return static_cast<float>(std::fmod(i * step, 1)); };
-      const Vec2<float> u{of(0.618034), of(0.754878)}, v{of(0.569840), of(0.819173)};
-      const Receiver<float> r{{6 * of(0.324718) - 3, 6 * of(0.245122) - 3, of(0.141593)}};
+      const auto of = [&](double step) { return std::fmod(i * step, 1); };
+      const Vec2<double> u{of(0.618034), of(0.754878)}, v{of(0.569840), of(0.819173)};
+      const Receiver<double> r{{6 * of(0.324718) - 3, 6 * of(0.245122) - 3, of(0.141593)}};
       const auto s = light.sample_li(r, u);
       all.reasons.push_back(s.reason);
       if (s.reason == NoLight::kNone) {

@@ -277,8 +277,7 @@ TEST(MovingPrecision, BouncesAreOffWhereSurfacesAreAtTheTime) {
   const auto scene = scene_at(0, true);
   for (const double t : {0.0, 0.02, 1.0}) {
     const auto of = [&](const Scene& s, double time_s) {
-      const std::vector<IrradiancePoint> meter{
-          {Vec3<float>(-s.origin()), {1e-6F, 1e-6F, 1e-6F}, {0, 0, 1}}};
+      const std::vector<IrradiancePoint> meter{{-s.origin(), {1e-6F, 1e-6F, 1e-6F}, {0, 0, 1}}};
       return estimate_irradiance(
                  s, meter,
                  {.samples_per_block = 64, .block_count = 64, .bounces = 1, .time_s = time_s}, {})

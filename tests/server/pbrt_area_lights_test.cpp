@@ -49,7 +49,7 @@ float shown(const Scene& scene, const Vec3<double>& world) {
   return std::visit(
       [&]<typename L>(const L& light) -> float {
         if constexpr (SeenOnSurface<L>) {
-          const Vec3<float> p(world - scene.origin());
+          const Vec3<double> p = world - scene.origin();
           const auto point = light.shape().locate(p);
           if (!point) throw std::runtime_error("not on the light");
           return light.le(*point, point->normal).r;
@@ -219,9 +219,9 @@ double intensity(const Scene& scene, const Vec3<double>& w) {
   return std::visit(
       [&]<typename L>(const L& light) -> double {
         if constexpr (requires { light.shape().profile(); }) {
-          const auto s = light.shape().sample(Vec3<float>{0.1F, 0.2F, 50}, {0.5F, 0.5F});
-          const double cosine = std::fabs(dot(Vec3<double>(s.point.normal), w));
-          return light.le(s.point, Vec3<float>(w)).r * cosine * light.area_m2();
+          const auto s = light.shape().sample(Vec3<double>{0.1, 0.2, 50}, {0.5, 0.5});
+          const double cosine = std::fabs(dot(s.point.normal, w));
+          return light.le(s.point, w).r * cosine * light.area_m2();
         } else {
           throw std::runtime_error("no panel");
         }
