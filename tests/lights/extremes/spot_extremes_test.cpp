@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <string>
 
 #include "lights/spot_light.h"
 #include "tests/reference_table.h"
@@ -154,6 +156,23 @@ TEST(SpotExtremes, HardEdges) {
                                                                   : "an infinite slope");
   }
   sweep.expect_answers("full full full dark");
+}
+
+TEST(SpotExtremes, AnglesThatNoSpotHas) {
+  Sweep sweep(12, "spot, half-angle", "0, below 0, above 180 degrees, not a number", "answer");
+  constexpr double kPi = std::numbers::pi;
+  for (const double cone :
+       {0.0, -0.0, -1e-300, -1.0, std::nextafter(kPi, 4), 4.0, 1e30,
+        std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
+    const auto made = SpotLight<Served>::create({.cone_half_angle_rad = cone});
+    const std::string error(made.status().message());
+    sweep.answer(error.starts_with("spot.cone_half_angle = ") && error.ends_with("allowed (0, pi]")
+                     ? "refused with its domain"
+                     : "taken or refused otherwise: " + error);
+  }
+  for (const double cone : {5e-324, 1e-30, kPi / 2, 2 * kPi / 3, kPi})
+    EXPECT_TRUE(SpotLight<Served>::create({.cone_half_angle_rad = cone}).ok()) << cone;
+  sweep.expect_answers("refused with its domain");
 }
 
 }  // namespace
