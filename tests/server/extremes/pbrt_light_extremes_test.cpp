@@ -21,18 +21,8 @@ namespace {
 
 using Row = ReferenceTable::Row;
 
-/// The lights of scenes, and what they are computed in.
-using SceneLights = decltype(create_light(std::declval<const LightDescription&>(), {}))::value_type;
-template <typename Lights>
-struct RealOf;
-template <typename Real, typename... Others>
-struct RealOf<std::variant<PointLight<Real>, Others...>> {
-  using type = Real;
-};
-using Real = RealOf<SceneLights>::type;
-
 /// The only light of a .pbrt file, in world space.
-SceneLights light_in(const std::string& text) {
+Light<Served> light_in(const std::string& text) {
   const auto scene = load_world(text);
   if (!scene.ok()) throw std::runtime_error(scene.status().ToString());
   auto light = scene->lights.empty() ? create_area_light(scene->shapes.at(0), {})
@@ -41,12 +31,12 @@ SceneLights light_in(const std::string& text) {
   return *std::move(light);
 }
 
-LightSample<Real> sample(const SceneLights& light, const Receiver<Real>& receiver,
-                         Vec2<Real> u = {0.5, 0.5}) {
+LightSample<Served> sample(const Light<Served>& light, const Receiver<Served>& receiver,
+                           Vec2<Served> u = {0.5, 0.5}) {
   return std::visit([&](const auto& l) { return l.sample_li(receiver, u); }, light);
 }
 
-double power(const SceneLights& light) {
+double power(const Light<Served>& light) {
   return std::visit([](const auto& l) { return l.power({}).lumens.g; }, light);
 }
 
@@ -63,7 +53,7 @@ TEST(PbrtLightExtremes, WideSpots) {
   const ReferenceTable table("spot_wide");
   for (const auto& row : table.rows()) {
     const auto light = light_in(spot(row["cone_deg"], row["delta_deg"]));
-    const auto s = sample(light, Vec3<Real>(Vec3<double>{row["x"], 0, row["z"]}));
+    const auto s = sample(light, Vec3<Served>{row["x"], 0, row["z"]});
     // As the wire has it.
     sweep.compare(static_cast<float>(s.value.g), row["value_lx"],
                   row.text("cone_deg") + " " + row.text("x"));
@@ -143,9 +133,9 @@ TEST(PbrtLightExtremes, SidesThatEmitUnderMirrors) {
       text += "]";
     }
     const auto light = light_in(text);
-    const Vec3<Real> receiver(Vec3<double>{row["x"], row["y"], row["z"]});
+    const Vec3<Served> receiver{row["x"], row["y"], row["z"]};
     // The table's point of a cylinder; of the others all that a receiver samples have its side.
-    const Vec2<Real> u = shape == "cylinder" ? Vec2<Real>{0.5, 0} : Vec2<Real>{0.3F, 0.6F};
+    const Vec2<Served> u = shape == "cylinder" ? Vec2<Served>{0.5, 0} : Vec2<Served>{0.3, 0.6};
     const bool lit = sample(light, receiver, u).reason == NoLight::kNone;
     sweep.answer(lit == (row["lit"] > 0) ? "as pbrt-v4's rule says" : "not so: " + text);
     sweep.textbook_answer(row["by_winding"] == row["lit"] ? "the right side" : "the wrong side");
@@ -196,17 +186,16 @@ TEST(PbrtLightExtremes, DensityUnderScales) {
     if (!(row["per_sr"] > 0)) continue;
     const double sx = row["sx"], sz = row["sz"];
     const std::string name = row.text("light");
-    Receiver<Real> receiver(Vec3<Real>(Vec3<double>{0, 0, name == "sphere" ? 3 * sz : 2 * sz}));
-    Vec2<Real> u{0, 0};
-    if (name == "cylinder")
-      receiver.position = Vec3<Real>(Vec3<double>{4 * sx, 0, sz / 2}), u = {0.5, 0};
+    Receiver<Served> receiver(Vec3<Served>{0, 0, name == "sphere" ? 3 * sz : 2 * sz});
+    Vec2<Served> u{0, 0};
+    if (name == "cylinder") receiver.position = Vec3<Served>{4 * sx, 0, sz / 2}, u = {0.5, 0};
     if (name == "disk") receiver.area_sampling = AreaSampling::kSquareRoot;
     const auto s = sample(light_in(scaled(row)), receiver, u);
     // As the wire has it.
     sweep.compare(static_cast<float>(s.pdf.per_sr), row["per_sr"],
                   name + " " + row.text("sx") + " " + row.text("sz"));
   }
-  sweep.expect_within(2e-7);
+  sweep.expect_within(1e-7);
 }
 
 TEST(PbrtLightExtremes, ScalesThatAreRefused) {
