@@ -1,6 +1,6 @@
-# make demo | test | soak | extremes | mutants | test-slurm | bench | distributed | format: each installs what is missing, configures, builds and runs.
+# make demo | test | soak | extremes | mutants | test-slurm | bench | distributed | precision | format: each installs what is missing, configures, builds and runs.
 .DEFAULT_GOAL := demo
-.PHONY: deps release programs demo test wire soak extremes mutants test-slurm bench distributed format
+.PHONY: deps release programs demo test wire soak extremes mutants test-slurm bench distributed precision format
 
 deps:
 	@deploy/install-deps.sh
@@ -53,6 +53,11 @@ distributed: release
 	@cmake --build --preset release --target lucernad lucerna client_test
 	@deploy/install-deps.sh slurm-wlm munge
 	@tests/bench/distributed.py build/release --page docs/distributed.md
+
+# Wants a machine that does nothing else.
+precision: release
+	@cmake --build --preset release --target traversal_bench precision_bench
+	@tests/bench/precision_page.sh build/release > build/precision.md && mv build/precision.md docs/precision.md
 
 format:
 	@command -v clang-format >/dev/null || deploy/install-deps.sh clang-format

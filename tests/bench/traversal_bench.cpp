@@ -1,0 +1,207 @@
+// Embree's robust traversal against its default one, side by side in one run.  Not a test; `make
+// precision` writes what it prints to docs/precision.md.
+//
+// A closed mesh from within: every ray has a hit.  A third of the rays goes anywhere, a third
+// through vertices, a third through edges' middles, where watertightness is decided.  A ray is
+// `lost` where nothing was found (of each third).  `off` is how far the t that was found is from
+// that of the hit triangle's plane in double precision, in float roundings of the largest
+// coordinate.
+#include <embree3/rtcore.h>
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <random>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "lights/vec.h"
+
+namespace lucerna {
+namespace {
+
+struct MeshOfBall {
+  std::vector<Vec3<float>> vertices;
+  std::vector<std::uint32_t> indices;
+};
+
+/// An octahedron whose triangles are cut in four `times` times, on a ball of radius 1 about
+/// `centre`.
+MeshOfBall ball(int times, const Vec3<double>& centre) {
+  std::vector<Vec3<double>> v{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
+  std::vector<std::uint32_t> t{0, 2, 4, 2, 1, 4, 1, 3, 4, 3, 0, 4,
+                               2, 0, 5, 1, 2, 5, 3, 1, 5, 0, 3, 5};
+  for (int k = 0; k < times; ++k) {
+    std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;
+    const auto middle = [&](std::uint32_t a, std::uint32_t b) {
+      const auto [at, is_new] =
+          middles.try_emplace(std::minmax(a, b), static_cast<std::uint32_t>(v.size()));
+      if (is_new) v.push_back(normalized(v[a] + v[b]));
+      return at->second;
+    };
+    std::vector<std::uint32_t> cut;
+    for (std::size_t i = 0; i < t.size(); i += 3) {
+      const std::uint32_t a = t[i], b = t[i + 1], c = t[i + 2];
+      const std::uint32_t ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
+      cut.insert(cut.end(), {a, ab, ca, ab, b, bc, ca, bc, c, ab, bc, ca});
+    }
+    t = std::move(cut);
+  }
+  MeshOfBall mesh{{}, std::move(t)};
+  for (const auto& p : v) mesh.vertices.emplace_back(p + centre);
+  mesh.vertices.reserve(mesh.vertices.size() + 1);  // Embree reads 16 bytes of the last 12
+  return mesh;
+}
+
+struct Aim {
+  Vec3<float> origin, direction;
+};
+
+std::vector<Aim> aims(const MeshOfBall& mesh, const Vec3<double>& centre, std::size_t count) {
+  std::mt19937_64 random(5);
+  const auto u = [&] { return static_cast<double>(random() >> 11) * 0x1p-53; };
+  std::vector<Aim> all;
+  all.reserve(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const double z = 2 * u() - 1, phi = 2 * std::numbers::pi * u(), r = std::sqrt(1 - z * z);
+    const Vec3<float> origin(centre + Vec3<double>{u() - 0.5, u() - 0.5, u() - 0.5} * 0.8);
+    Vec3<double> target = centre + Vec3<double>{r * std::cos(phi), r * std::sin(phi), z};
+    const std::size_t t = 3 * (random() % (mesh.indices.size() / 3));
+    const Vec3<double> a(mesh.vertices[mesh.indices[t]]), b(mesh.vertices[mesh.indices[t + 1]]);
+    if (i % 3 == 1) target = a;
+    if (i % 3 == 2) target = (a + b) * 0.5;
+    all.push_back({origin, Vec3<float>(target - Vec3<double>(origin))});
+  }
+  return all;
+}
+
+/// t of the plane of a triangle, in double.
+double t_of(const MeshOfBall& mesh, std::uint32_t triangle, const Aim& aim) {
+  const auto corner = [&](int k) {
+    return Vec3<double>(mesh.vertices[mesh.indices[3 * std::size_t{triangle} + k]]);
+  };
+  const Vec3<double> n = cross(corner(1) - corner(0), corner(2) - corner(0));
+  return dot(n, corner(0) - Vec3<double>(aim.origin)) / dot(n, Vec3<double>(aim.direction));
+}
+
+struct Found {
+  double ns = 0;
+  std::size_t lost[3] = {};  // of rays that go anywhere, through vertices, through edges
+  double off = 0;
+};
+
+class Traversal {
+ public:
+  Traversal(RTCDevice device, const MeshOfBall& mesh, RTCSceneFlags flags)
+      : scene_(rtcNewScene(device)) {
+    rtcSetSceneFlags(scene_, flags);
+    rtcSetSceneBuildQuality(scene_, RTC_BUILD_QUALITY_HIGH);
+    RTCGeometry g = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    rtcSetSharedGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                               mesh.vertices.data(), 0, sizeof(Vec3<float>), mesh.vertices.size());
+    rtcSetSharedGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.indices.data(),
+                               0, 3 * sizeof(std::uint32_t), mesh.indices.size() / 3);
+    rtcCommitGeometry(g);
+    rtcAttachGeometry(scene_, g);
+    rtcReleaseGeometry(g);
+    rtcCommitScene(scene_);
+  }
+  ~Traversal() { rtcReleaseScene(scene_); }
+  Traversal(const Traversal&) = delete;
+  Traversal& operator=(const Traversal&) = delete;
+
+  /// Nanoseconds a ray.
+  double run(const std::vector<Aim>& aims, std::vector<RTCRayHit>& hits) const {
+    hits.resize(aims.size());
+    const auto begin = std::chrono::steady_clock::now();
+    for (std::size_t i = 0; i < aims.size(); ++i) {
+      RTCRayHit& h = hits[i];
+      h = {};
+      h.ray.org_x = aims[i].origin.x, h.ray.org_y = aims[i].origin.y,
+      h.ray.org_z = aims[i].origin.z;
+      h.ray.dir_x = aims[i].direction.x, h.ray.dir_y = aims[i].direction.y;
+      h.ray.dir_z = aims[i].direction.z;
+      h.ray.tfar = INFINITY;
+      h.ray.mask = ~0U;
+      h.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+      h.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+      RTCIntersectContext context;
+      rtcInitIntersectContext(&context);
+      rtcIntersect1(scene_, &context, &h);
+    }
+    const std::chrono::duration<double, std::nano> took = std::chrono::steady_clock::now() - begin;
+    return took.count() / static_cast<double>(aims.size());
+  }
+
+ private:
+  RTCScene scene_;
+};
+
+Found judge(const MeshOfBall& mesh, const Vec3<double>& centre, const std::vector<Aim>& aims,
+            const std::vector<RTCRayHit>& hits) {
+  Found found;
+  const double rounding = 0x1p-24 * (max_abs(centre) + 1);
+  for (std::size_t i = 0; i < aims.size(); ++i) {
+    if (hits[i].hit.geomID == RTC_INVALID_GEOMETRY_ID) {
+      ++found.lost[i % 3];
+      continue;
+    }
+    const double t = t_of(mesh, hits[i].hit.primID, aims[i]);
+    const double off_m = std::fabs(hits[i].ray.tfar - t) * length(Vec3<double>(aims[i].direction));
+    found.off = std::max(found.off, off_m / rounding);
+  }
+  return found;
+}
+
+double median(std::vector<double> values) {
+  std::ranges::sort(values);
+  return values[values.size() / 2];
+}
+
+std::string lost_of(const Found& f) {
+  return fmt::format("{}, {}, {}", f.lost[0], f.lost[1], f.lost[2]);
+}
+
+void compare(RTCDevice device, int times, const Vec3<double>& centre, const std::string& where) {
+  constexpr std::size_t kRays = 600000;
+  constexpr int kRepeats = 9;
+  const MeshOfBall mesh = ball(times, centre);
+  const std::vector<Aim> rays = aims(mesh, centre, kRays);
+  const Traversal fast(device, mesh, RTC_SCENE_FLAG_NONE),
+      robust(device, mesh, RTC_SCENE_FLAG_ROBUST);
+  std::vector<RTCRayHit> hits;
+  std::vector<double> fast_ns, robust_ns, ratios;
+  Found fast_found, robust_found;
+  for (int k = 0; k < kRepeats; ++k) {
+    fast_ns.push_back(fast.run(rays, hits));
+    if (k == 0) fast_found = judge(mesh, centre, rays, hits);
+    robust_ns.push_back(robust.run(rays, hits));
+    if (k == 0) robust_found = judge(mesh, centre, rays, hits);
+    ratios.push_back(robust_ns.back() / fast_ns.back());
+  }
+  fmt::print("| {} | {} | {} | {} | {:.1f} | {:.1f} | {:.0f} | {:.0f} | {:.2f} |\n",
+             mesh.indices.size() / 3, where, lost_of(fast_found), lost_of(robust_found),
+             fast_found.off, robust_found.off, median(fast_ns), median(robust_ns), median(ratios));
+}
+
+int run() {
+  fmt::print(
+      "| triangles | centre | lost, default | lost, robust | off, default | off, robust | "
+      "ns a ray, default | robust | ratio |\n|---|---|---|---|---|---|---|---|---|\n");
+  RTCDevice device = rtcNewDevice(nullptr);
+  for (const int times : {4, 6, 8}) {
+    compare(device, times, {}, "0");
+    compare(device, times, {1000, -2000, 3000}, "(1000, -2000, 3000)");
+  }
+  rtcReleaseDevice(device);
+  return 0;
+}
+
+}  // namespace
+}  // namespace lucerna
+
+int main() { return lucerna::run(); }
