@@ -3,6 +3,7 @@
 #include <concepts>
 #include <utility>
 
+#include "lights/validation.h"
 #include "server/surface_table.h"
 
 namespace lucerna {
@@ -50,10 +51,24 @@ std::optional<Box> portal_box_of(const LightDescription& light) {
   return std::pair{bounds.lower, bounds.upper};
 }
 
+namespace {
+
+/// OK where floats, which answers tell places in, hold all of a light about the scene's origin.
+absl::Status check_place(const std::optional<Box>& box, const Vec3<double>& origin) {
+  if (!box) return absl::OkStatus();
+  for (const Vec3<double>& corner : {box->first, box->second})
+    if (auto s = check_position<float>("light.position", corner, origin); !s.ok()) return s;
+  return absl::OkStatus();
+}
+
+}  // namespace
+
 absl::StatusOr<Light<double>> create_light(const LightDescription& light,
                                            const Vec3<double>& origin) {
   return std::visit(
       [&]<typename Params>(const Params& params) -> absl::StatusOr<Light<double>> {
+        for (const std::optional<Box>& box : {box_of(light), portal_box_of(light)})
+          if (auto s = check_place(box, origin); !s.ok()) return s;
         auto made = ModelOf<Params, Light<double>>::type::create(params, origin);
         if (!made.ok()) return made.status();
         return Light<double>(*std::move(made));
