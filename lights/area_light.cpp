@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <utility>
 
@@ -58,8 +59,21 @@ absl::StatusOr<AreaLight<Real, Shape>> AreaLight<Real, Shape>::create(
 template <std::floating_point Real, template <typename> typename Shape>
 bool AreaLight<Real, Shape>::emits_towards(const SurfacePoint<Real>& point,
                                            const Vec3<double>& w) const {
+  return emits_to_side(dot(Vec3<double>(point.normal), w));
+}
+
+template <std::floating_point Real, template <typename> typename Shape>
+bool AreaLight<Real, Shape>::emits_towards(const SurfacePoint<Real>& point, const Vec3<double>& w,
+                                           const Vec3<Real>& receiver) const {
   const double side = dot(Vec3<double>(point.normal), w);
-  return side > 0 || (emission_.two_sided && side < 0);
+  if constexpr (requires { shape_.height_over(point, receiver); }) {
+    // Nearly along the surface the sign is that of what rounding left of point and normal.
+    constexpr double kNearly = 8 * double{std::numeric_limits<Real>::epsilon()};
+    const double scale = std::fmax(max_abs(w), max_abs(Vec3<double>(point.position)));
+    if (std::fabs(side) <= kNearly * scale)
+      return emits_to_side(shape_.height_over(point, receiver).value_or(side));
+  }
+  return emits_to_side(side);
 }
 
 template <std::floating_point Real, template <typename> typename Shape>
@@ -95,7 +109,9 @@ LightSample<Real> AreaLight<Real, Shape>::sample_li(const Receiver<Real>& receiv
   sample.point = chosen.point.position;
   sample.normal = chosen.point.normal;
   sample.primitive = chosen.point.primitive;
-  const Vec3<double> to_light = Vec3<double>(sample.point) - Vec3<double>(receiver.position);
+  const Vec3<double> to_light = chosen.to_point != Vec3<double>{}
+                                    ? chosen.to_point
+                                    : Vec3<double>(sample.point) - Vec3<double>(receiver.position);
   sample.distance = static_cast<Real>(length(to_light));
   if (to_light == Vec3<double>{}) {
     sample.reason = NoLight::kDegenerate;
@@ -106,7 +122,7 @@ LightSample<Real> AreaLight<Real, Shape>::sample_li(const Receiver<Real>& receiv
 
   if (is_black()) {
     sample.reason = NoLight::kBlack;
-  } else if (!emits_towards(chosen.point, -to_light)) {
+  } else if (!emits_towards(chosen.point, -to_light, receiver.position)) {
     sample.reason = NoLight::kBehind;
   } else if (is_density(chosen.pdf)) {
     sample.value = radiance_at(chosen.point, -to_light);
@@ -130,7 +146,8 @@ template <std::floating_point Real, template <typename> typename Shape>
 SolidAnglePdf<Real> AreaLight<Real, Shape>::pdf_li(const Receiver<Real>& receiver,
                                                    const SurfacePoint<Real>& point) const {
   if (!is_finite(receiver.position) ||
-      !emits_towards(point, Vec3<double>(receiver.position) - Vec3<double>(point.position)))
+      !emits_towards(point, Vec3<double>(receiver.position) - Vec3<double>(point.position),
+                     receiver.position))
     return {0};
   const SolidAnglePdf<Real> pdf = shape_.pdf(receiver, point);
   return is_density(pdf) ? pdf : SolidAnglePdf<Real>{0};

@@ -30,8 +30,9 @@ struct DiffuseEmission {
 /// surface_point)`, `for_each_hit(receiver.position, wi, f)`, and for rays that leave it
 /// `pdf_area(surface_point)`, `locate(position)`, `normals()`, `bounds()`; see lights/sphere.h and
 /// lights/mesh.h.  One whose area is not always exact owes `area_error_m2()`.  One with a picture
-/// on it owes `tint(surface_point)` and `painted_area()` too; see lights/painted.h.  Immutable, so
-/// safe to share between threads.
+/// on it owes `tint(surface_point)` and `painted_area()` too; see lights/painted.h.  A flat one
+/// tells how far a receiver is above it (`height_over`).  Immutable, so safe to share between
+/// threads.
 template <std::floating_point Real, template <typename> typename Shape>
 class AreaLight {
  public:
@@ -98,6 +99,10 @@ class AreaLight {
                                  const Vec3<Real>& direction) const;
   Vec3<double> emission_direction(const SurfacePoint<Real>& point, Vec2<Real> u_direction) const;
   bool emits_towards(const SurfacePoint<Real>& point, const Vec3<double>& w) const;
+  /// The same towards a receiver, `w` the way there: one test for samples and densities.
+  bool emits_towards(const SurfacePoint<Real>& point, const Vec3<double>& w,
+                     const Vec3<Real>& receiver) const;
+  bool emits_to_side(double side) const { return side > 0 || (emission_.two_sided && side < 0); }
   static constexpr bool kPainted = requires(const Shape<Real>& s, const SurfacePoint<Real>& p) {
     s.tint(p);
   };

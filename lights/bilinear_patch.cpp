@@ -6,7 +6,9 @@
 
 #include "lights/bilinear_form.h"
 #include "lights/sampling.h"
+#include "lights/spherical_fan.h"
 #include "lights/spherical_rectangle.h"
+#include "lights/triple_product.h"
 
 namespace lucerna {
 
@@ -202,15 +204,21 @@ namespace {
 struct Seen {
   Vec3<double> corner[4];  // 00, 10, 01, 11; from the receiver
   Vec3<double> normal;     // the receiver's
+  double height;           // of the receiver
   AreaSampling way;
+  std::optional<SphericalFan> fan;  // comes first
   std::optional<SphericalRectangle> spherical;
 
   template <typename Real>
-  Seen(const BilinearForm& p, const Receiver<Real>& receiver) : normal(receiver.normal) {
+  Seen(const BilinearPatch<Real>& patch, const BilinearForm& p, const Receiver<Real>& receiver)
+      : normal(receiver.normal), height(patch.height_of(receiver.position)) {
     const Vec3<double> r(receiver.position);
     for (int i = 0; i < 4; ++i) corner[i] = p.at(i & 1, i >> 1) - r;
     way = way_for_corners(receiver.area_sampling, corner, normal);
-    if (!is_by_area(way)) spherical = SphericalRectangle::create(p.p00 - r, p.e, p.f);
+    if (is_by_area(way) || height == 0) return;
+    const Vec3<double> around[] = {corner[0], corner[1], corner[3], corner[2]};
+    fan = SphericalFan::create(around, normalized(cross(p.e, p.f)), height);
+    if (!fan) spherical = SphericalRectangle::create(corner[0], p.e, p.f, height);
   }
 
   BilinearWeights cosines() const {
@@ -223,8 +231,9 @@ template <typename Real>
 SolidAnglePdf<double> pdf_of(const BilinearPatch<Real>& patch, const BilinearForm& p,
                              const Seen& seen, const Receiver<Real>& receiver,
                              const SurfacePoint<Real>& point) {
+  if (seen.fan) return {1 / seen.fan->solid_angle_sr()};
   if (!seen.spherical)
-    return pdf_seen_from(receiver.position, point, patch.pdf_area(point.position));
+    return pdf_seen_from(receiver.position, point, patch.pdf_area(point.position), seen.height);
   const double uniform = 1 / seen.spherical->solid_angle_sr();
   if (seen.way != AreaSampling::kCosineSolidAngle) return {uniform};
   const Vec3<double> q = Vec3<double>(point.position) - p.p00;
@@ -235,16 +244,29 @@ SolidAnglePdf<double> pdf_of(const BilinearPatch<Real>& patch, const BilinearFor
 }  // namespace
 
 template <typename Real>
+double BilinearPatch<Real>::height_of(const Vec3<Real>& p) const {
+  return height_over(Vec3<double>(p), Vec3<double>(p00), Vec3<double>(p10), Vec3<double>(p01));
+}
+
+template <typename Real>
 ChosenPoint<Real> BilinearPatch<Real>::sample(const Receiver<Real>& receiver, Vec2<Real> u) const {
   const BilinearForm p(*this);
-  const Seen seen(p, receiver);
-  if (!seen.spherical) return sample_area_from(*this, p, receiver, u);
-  Vec2<double> v{u.x, u.y};
-  if (seen.way == AreaSampling::kCosineSolidAngle) v = seen.cosines().sample(v);
-  const auto [s, t] = seen.spherical->sample(v);
-  const SurfacePoint<Real> point{Vec3<Real>(p.at(s, t)),
-                                 Vec3<Real>(normalized(p.area_vector(s, t)))};
-  return {point, pdf_of(*this, p, seen, receiver, point)};
+  const Seen seen(*this, p, receiver);
+  SurfacePoint<Real> point;
+  Vec3<double> to_point;
+  if (seen.fan) {
+    to_point = seen.fan->sample({u.x, u.y});
+    point = {Vec3<Real>(Vec3<double>(receiver.position) + to_point),
+             Vec3<Real>(normalized(cross(p.e, p.f)))};
+  } else if (seen.spherical) {
+    Vec2<double> v{u.x, u.y};
+    if (seen.way == AreaSampling::kCosineSolidAngle) v = seen.cosines().sample(v);
+    const auto [s, t] = seen.spherical->sample(v);
+    point = {Vec3<Real>(p.at(s, t)), Vec3<Real>(normalized(p.area_vector(s, t)))};
+  } else {
+    point = lucerna::sample_area(p, CornerWeights(p), u);
+  }
+  return {point, pdf_of(*this, p, seen, receiver, point), to_point};
 }
 
 template <typename Real>
@@ -257,7 +279,7 @@ template <typename Real>
 SolidAnglePdf<double> BilinearPatch<Real>::pdf(const Receiver<Real>& receiver,
                                                const SurfacePoint<Real>& point) const {
   const BilinearForm p(*this);
-  return pdf_of(*this, p, Seen(p, receiver), receiver, point);
+  return pdf_of(*this, p, Seen(*this, p, receiver), receiver, point);
 }
 
 template <typename Real>

@@ -45,8 +45,11 @@ struct BilinearPatch {
   bool is_unfolded() const;
   /// Flat, with corners of 90 degrees, to 1e-6.
   bool is_rectangle() const;
+  /// Of a flat patch, as Triangle has it.
+  double height_of(const Vec3<Real>& p) const;
   /// Of a rectangle: the way that `receiver` asks for; sample_area where there is no density by
-  /// solid angle.  `u` in [0, 1]^2.  [Urena13]
+  /// solid angle, and without the cosine's warp where lights/spherical_fan.h has one.  `u` in
+  /// [0, 1]^2.  [Urena13]
   ChosenPoint<Real> sample(const Receiver<Real>& receiver, Vec2<Real> u) const;
   /// Density of `sample` at a point of the rectangle.
   SolidAnglePdf<double> pdf(const Receiver<Real>& receiver, const SurfacePoint<Real>& point) const;

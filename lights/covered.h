@@ -23,6 +23,11 @@ class Covered {
   void for_each_hit(const Vec3<Real>& receiver, const Vec3<Real>& wi, F&& f) const {
     under().for_each_hit(receiver, wi, std::forward<F>(f));
   }
+  std::optional<double> height_over(const SurfacePoint<Real>& point,
+                                    const Vec3<Real>& p) const requires requires(const Surface& s) {
+    s.height_over(point, p);
+  }
+  { return under().height_over(point, p); }
   std::optional<SurfacePoint<Real>> locate(const Vec3<Real>& position, double slack_m = 0) const {
     return under().locate(position, slack_m);
   }

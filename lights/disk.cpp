@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "lights/spherical_ellipse.h"
+#include "lights/triple_product.h"
 
 namespace lucerna {
 
@@ -62,10 +63,20 @@ absl::StatusOr<Disk<Real>> Disk<Real>::create(const DiskParams& params,
   return disk;
 }
 
-/// A whole disk as a receiver sees it, in object space: in its plane the unit vector (x, y) from
-/// below the receiver to the centre.
+template <typename Real>
+double Disk<Real>::height_of(const Vec3<Real>& p) const {
+  const Vec3<double> x = world_from_object_.vector({1, 0, 0});
+  const Vec3<double> y = world_from_object_.vector({0, 1, 0});
+  const double height =
+      height_over_edges(Vec3<double>(p), world_from_object_.point({0, 0, params_.height_m}), x, y);
+  return dot(cross(x, y), Vec3<double>(normal_)) < 0 ? -height : height;
+}
+
+/// A disk as a receiver sees it; a whole one in object space: in its plane the unit vector (x, y)
+/// from below the receiver to the centre.
 template <typename Real>
 struct Disk<Real>::Seen {
+  double height_m = 0;                      // of the receiver, in the world
   std::optional<SphericalEllipse> ellipse;  // nothing: by area
   double x = 1, y = 0;
 };
@@ -73,9 +84,10 @@ struct Disk<Real>::Seen {
 template <typename Real>
 auto Disk<Real>::seen_from(const Receiver<Real>& receiver) const -> Seen {
   Seen seen;
+  seen.height_m = height_of(receiver.position);
   if (!is_circle_ || is_by_area(receiver.area_sampling)) return seen;
   const Vec3<double> r = object_from_world_.point(Vec3<double>(receiver.position));
-  const double height = std::fabs(params_.height_m - r.z);
+  const double height = std::fabs(seen.height_m) / length(world_from_object_.vector({1, 0, 0}));
   const double offset = std::hypot(r.x, r.y);
   if (offset > 0) seen.x = -r.x / offset, seen.y = -r.y / offset;
   const AreaSampling way =
@@ -88,10 +100,21 @@ auto Disk<Real>::seen_from(const Receiver<Real>& receiver) const -> Seen {
 template <typename Real>
 ShapeSample<Real> Disk<Real>::sample(const Receiver<Real>& receiver, Vec2<Real> u) const {
   const Seen seen = seen_from(receiver);
+  ShapeSample<Real> s;
   Vec3<double> p;
   if (seen.ellipse) {
-    const auto [along, across] = seen.ellipse->sample({u.x, u.y});
-    p = {along * seen.x - across * seen.y, along * seen.y + across * seen.x, params_.height_m};
+    const auto turned = [&seen](const Vec2<double>& q) {
+      return Vec3<double>{q.x * seen.x - q.y * seen.y, q.x * seen.y + q.y * seen.x, 0};
+    };
+    const SphericalEllipse::Point chosen = seen.ellipse->choose({u.x, u.y});
+    p = turned(chosen.from_center);
+    p.z = params_.height_m;
+    // What is below a low receiver is too near to it for positions on the disk to tell.
+    constexpr double kLow = 1e-3;
+    const double scale = length(world_from_object_.vector({1, 0, 0}));
+    if (std::fabs(seen.height_m) < kLow * params_.radius_m * scale)
+      s.to_point = world_from_object_.vector(turned(chosen.from_foot)) -
+                   normalized(Vec3<double>(normal_)) * seen.height_m;
   } else {
     // Equal shares of r^2 have equal areas.  A concentric map would distort less, but fits neither
     // annulus nor sector.
@@ -101,7 +124,6 @@ ShapeSample<Real> Disk<Real>::sample(const Receiver<Real>& receiver, Vec2<Real> 
     const double phi = params_.phi_max_rad * u.y;
     p = {r * std::cos(phi), r * std::sin(phi), params_.height_m};
   }
-  ShapeSample<Real> s;
   s.point.position = Vec3<Real>(world_from_object_.point(p));
   s.point.normal = normal_;
   s.pdf = pdf(seen, receiver, s.point);
@@ -111,7 +133,8 @@ ShapeSample<Real> Disk<Real>::sample(const Receiver<Real>& receiver, Vec2<Real> 
 template <typename Real>
 SolidAnglePdf<Real> Disk<Real>::pdf(const Seen& seen, const Receiver<Real>& receiver,
                                     const SurfacePoint<Real>& point) const {
-  if (!seen.ellipse) return as_seen_from(receiver.position, point, AreaPdf<double>{1 / area_m2_});
+  if (!seen.ellipse)
+    return as_seen_from(receiver.position, point, AreaPdf<double>{1 / area_m2_}, seen.height_m);
   const Vec3<double> p = object_from_world_.point(Vec3<double>(point.position));
   const Vec2<double> q{p.x * seen.x + p.y * seen.y, p.y * seen.x - p.x * seen.y};
   return {static_cast<Real>(seen.ellipse->pdf(q))};

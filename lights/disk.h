@@ -58,6 +58,12 @@ class Disk {
       f(hit->point);
   }
 
+  /// How far `p` is above the plane, on the side of the normal [m]; as Triangle has it.
+  double height_of(const Vec3<Real>& p) const;
+  std::optional<double> height_over(const SurfacePoint<Real>&, const Vec3<Real>& p) const {
+    return height_of(p);
+  }
+
   /// Density of points by area alone; 1 / area.
   AreaPdf<double> pdf_area(const SurfacePoint<Real>&) const { return {1 / area_m2_}; }
   /// The point of the surface at `position`, where there is one to within rounding and `slack_m`.

@@ -97,7 +97,8 @@ ShapeSample<Real> Mesh<Real, Primitive>::sample(const Receiver<Real>& receiver,
     return primitives_[i].sample(receiver, within);
   };
   const ChosenPoint<Real> chosen = choose_point();
-  ShapeSample<Real> s{chosen.point, {static_cast<Real>(share(i) * chosen.pdf.per_sr)}};
+  ShapeSample<Real> s{
+      chosen.point, {static_cast<Real>(share(i) * chosen.pdf.per_sr)}, chosen.to_point};
   s.point.primitive = static_cast<std::uint32_t>(i);
   return s;
 }

@@ -52,6 +52,13 @@ class Mesh {
   /// The density of `sample` at a point of primitive `point.primitive`.
   SolidAnglePdf<Real> pdf(const Receiver<Real>& receiver, const SurfacePoint<Real>& point) const;
 
+  /// How far `p` is above the plane of the primitive that `point` is on, where that is flat: exact
+  /// where the plane is nearly met.
+  std::optional<double> height_over(const SurfacePoint<Real>& point, const Vec3<Real>& p) const {
+    if (point.primitive >= primitives_.size() || !has_ways(point.primitive)) return std::nullopt;
+    return primitives_[point.primitive].height_of(p);
+  }
+
   /// Calls `f(surface_point)` for every point of the mesh along the unit vector `wi`, in the order
   /// of the primitives.  Looks at each primitive: it serves the rare question for the density of a
   /// direction; rays have a BVH elsewhere.

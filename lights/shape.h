@@ -21,6 +21,9 @@ template <std::floating_point Real>
 struct ShapeSample {
   SurfacePoint<Real> point;
   SolidAnglePdf<Real> pdf;  ///< not positive or not finite: no direction exists for this point
+  /// From the receiver, before the point was rounded; zero: the difference is as good.  Where the
+  /// receiver is all but on the light, rounding moves the point by more than there is between.
+  Vec3<double> to_point{};
 };
 
 /// The same of a primitive of a mesh.
@@ -28,6 +31,7 @@ template <std::floating_point Real>
 struct ChosenPoint {
   SurfacePoint<Real> point;
   SolidAnglePdf<double> pdf;
+  Vec3<double> to_point{};
 };
 
 /// Where a ray meets a shape.
@@ -58,11 +62,25 @@ SolidAnglePdf<double> pdf_seen_from(const Vec3<Real>& receiver, const SurfacePoi
   const double cos_light = std::fabs(dot(Vec3<double>(point.normal), to_receiver)) / distance;
   return to_solid_angle(pdf, distance, cos_light);
 }
+/// The same of a flat shape, `height` above whose plane the receiver is, to either side: for a
+/// receiver all but in the plane the point, rounded, is not.
+template <std::floating_point Real>
+SolidAnglePdf<double> pdf_seen_from(const Vec3<Real>& receiver, const SurfacePoint<Real>& point,
+                                    AreaPdf<double> pdf, double height) {
+  const double distance = length(Vec3<double>(receiver) - Vec3<double>(point.position));
+  if (!(distance > 0) || !std::isfinite(distance)) return {0};
+  return to_solid_angle(pdf, distance, std::fabs(height) / distance);
+}
 /// The same in `Real`.
 template <std::floating_point Real>
 SolidAnglePdf<Real> as_seen_from(const Vec3<Real>& receiver, const SurfacePoint<Real>& point,
                                  AreaPdf<double> pdf) {
   return {static_cast<Real>(pdf_seen_from(receiver, point, pdf).per_sr)};
+}
+template <std::floating_point Real>
+SolidAnglePdf<Real> as_seen_from(const Vec3<Real>& receiver, const SurfacePoint<Real>& point,
+                                 AreaPdf<double> pdf, double height) {
+  return {static_cast<Real>(pdf_seen_from(receiver, point, pdf, height).per_sr)};
 }
 
 /// What a corner of a light, `to_corner` from a receiver with `normal`, weighs in

@@ -136,6 +136,11 @@ ShapeSample<Real> Sphere<Real>::sample_cone(const Vec3<double>& to_center, doubl
   s.point.position = Vec3<Real>(center_m_ + outward * r);
   s.point.normal = Vec3<Real>(params_.reverse_orientation ? -outward : outward);
   s.pdf = {static_cast<Real>(1 / (kTurnRad * cone))};
+  // Just above the surface rounding moves points by more than they are away.
+  constexpr double kNear = 1e-3;
+  if (d - r < kNear * r)
+    s.to_point = frame.world_from_local(
+        {t * sin_theta * std::cos(phi), t * sin_theta * std::sin(phi), -t * cos_theta});
   return s;
 }
 
@@ -320,8 +325,8 @@ template <typename Real>
 NormalCone<Real> Sphere<Real>::normals() const {
   if (!is_cut_in_z_) return {};
   // About +z from the lower cut, about -z from the upper one; the narrower of both.
-  const double up = std::acos(z_min_m_ / params_.radius_m);
-  const double down = std::acos(-z_max_m_ / params_.radius_m);
+  const double up = polar_angle(z_min_m_, params_.radius_m);
+  const double down = polar_angle(-z_max_m_, params_.radius_m);
   const bool is_up = up <= down;
   const Vec3<double> axis = world_from_object_.normal({0, 0, is_up ? 1.0 : -1.0});
   return {Vec3<Real>(normalized(params_.reverse_orientation ? -axis : axis)),

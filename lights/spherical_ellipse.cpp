@@ -35,9 +35,14 @@ std::optional<SphericalEllipse> SphericalEllipse::create(double offset, double h
   e.cos_alpha_ = std::sqrt(2 * plus / squared_sum);
   e.sin_beta_ = std::sqrt(minus / (2 * product));
   e.cos_beta_ = std::sqrt(plus / (2 * product));
-  if (!(e.sin_beta_ >= kLeast && e.cos_alpha_ >= kLeast)) return std::nullopt;
+  // From low over the disk, but not over its rim, all edges are at the horizon.
+  constexpr double kHorizon = 1e-3;
+  if (!(e.sin_beta_ >= kLeast) || !(e.cos_alpha_ >= kLeast || e.cos_beta_ <= kHorizon) ||
+      !(e.cos_alpha_ > 0))
+    return std::nullopt;
   e.to_axis_ = std::sqrt(product) * e.cos_alpha_;
   e.axis_ = -d * e.sin_alpha_ * e.sin_alpha_;
+  e.foot_axis_ = d * e.cos_alpha_ * e.cos_alpha_;
   e.cos_tilt_ = h / e.to_axis_;
   e.sin_tilt_ = d * e.cos_alpha_ / std::sqrt(product);
   return e;
@@ -50,7 +55,7 @@ double SphericalEllipse::squared_edge(double x, double y) const {
   return (cos_alpha_ * cos_alpha_ * x * x + cos_beta_ * cos_beta_ * y * y) / rr;
 }
 
-Vec2<double> SphericalEllipse::sample(Vec2<double> u) const {
+SphericalEllipse::Point SphericalEllipse::choose(Vec2<double> u) const {
   // (x, y) = sqrt(s) (cos t, sin t), where s = (1 - cos) / (1 - n) and t are uniform.
   const auto [x, y] = sample_concentric_disk(u);
   const double n = std::sqrt(squared_edge(x, y));
@@ -62,10 +67,13 @@ Vec2<double> SphericalEllipse::sample(Vec2<double> u) const {
   // Onto the disk's plane, relative to where the middle meets it: no difference but in `climb`,
   // where both terms are as small as it is.
   const double climb = (1 - one_minus_cos) * cos_tilt_ - along * stretch * sin_tilt_;
-  Vec2<double> p{axis_ + to_axis_ * along * stretch / climb, height_ * across * stretch / climb};
+  const double from_axis = to_axis_ * along * stretch / climb;
+  const double aside = height_ * across * stretch / climb;
+  Vec2<double> p{axis_ + from_axis, aside};
   const double distance = std::sqrt(p.x * p.x + p.y * p.y);
   if (!(distance <= radius_)) p = {p.x * (radius_ / distance), p.y * (radius_ / distance)};
-  return {std::scalbn(p.x, exponent_), std::scalbn(p.y, exponent_)};
+  return {{std::scalbn(p.x, exponent_), std::scalbn(p.y, exponent_)},
+          {std::scalbn(foot_axis_ + from_axis, exponent_), std::scalbn(aside, exponent_)}};
 }
 
 double SphericalEllipse::pdf(Vec2<double> point) const {

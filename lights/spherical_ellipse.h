@@ -30,14 +30,21 @@ class SphericalEllipse {
  public:
   /// A disk of `radius` in a plane `height` above the receiver, its centre `offset` aside; not
   /// negative, in any unit of length.  Nothing where the half-angle beta of the short axis is below
-  /// 1e-5, nor where alpha is within 1e-5 of a right angle, where points are to be chosen by area:
-  /// the one threshold for sampling and density.  Smaller disks are either so far that all ways are
-  /// alike or seen from so nearly within their plane that the height has lost what digits `float`
-  /// points hold; larger ones cover the hemisphere.
+  /// 1e-5, nor where alpha is within 1e-5 of a right angle and beta not within 1e-3 of one, where
+  /// points are to be chosen by area: the one threshold for sampling and density.  Smaller disks
+  /// are either so far that all ways are alike or seen from so nearly within their plane that the
+  /// height has lost what digits `float` points hold; larger ones are seen from just over their
+  /// rim.
   static std::optional<SphericalEllipse> create(double offset, double height, double radius);
 
-  /// A point of the disk, from its centre: x along the offset (away from the receiver), y across.
-  Vec2<double> sample(Vec2<double> u) const;
+  /// A point of the disk: x along the offset (away from the receiver), y across.
+  struct Point {
+    Vec2<double> from_center;
+    Vec2<double> from_foot;  ///< below the receiver; right however near that is
+  };
+  Point choose(Vec2<double> u) const;
+  /// The same from the centre alone.
+  Vec2<double> sample(Vec2<double> u) const { return choose(u).from_center; }
 
   /// Density with respect to solid angle at a point of the disk [1/sr].
   double pdf(Vec2<double> point) const;
@@ -50,8 +57,8 @@ class SphericalEllipse {
 
   int exponent_;  // of the unit of length that the rest is in
   double radius_, height_;
-  double axis_;                   // where the middle's direction meets the disk's plane, x
-  double to_axis_;                // and how far that is from the receiver
+  double axis_, foot_axis_;  // where the middle's direction meets the plane, x; and from the foot
+  double to_axis_;           // and how far that is from the receiver
   double sin_alpha_, cos_alpha_;  // across
   double sin_beta_, cos_beta_;    // along
   double sin_tilt_, cos_tilt_;    // of the middle, off the disk's normal

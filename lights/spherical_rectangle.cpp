@@ -20,26 +20,34 @@ double clamp_unit(double x) { return std::fmin(std::fmax(x, 0), 1); }
 std::optional<SphericalRectangle> SphericalRectangle::create(const Vec3<double>& corner,
                                                              const Vec3<double>& edge_x,
                                                              const Vec3<double>& edge_y) {
+  return create(corner, edge_x, edge_y, dot(corner, cross(normalized(edge_x), normalized(edge_y))));
+}
+
+std::optional<SphericalRectangle> SphericalRectangle::create(const Vec3<double>& corner,
+                                                             const Vec3<double>& edge_x,
+                                                             const Vec3<double>& edge_y,
+                                                             double height) {
   const double largest = std::max({max_abs(corner), max_abs(edge_x), max_abs(edge_y)});
   if (!(largest > 0) || !std::isfinite(largest)) return std::nullopt;
   const int exponent = -std::ilogb(largest);
   const Vec3<double> p = scaled(corner, exponent);
   const Vec3<double> ex = scaled(edge_x, exponent);
   const Vec3<double> ey = scaled(edge_y, exponent);
+  const double dx = length(ex), dy = length(ey);
 
   SphericalRectangle r;
-  r.solid_angle_ = triangle_solid_angle(p, ex, ey) + triangle_solid_angle(p + ex + ey, -ex, -ey);
-  if (!(r.solid_angle_ >= kMinSolidAngle && r.solid_angle_ <= kMaxSolidAngle)) return std::nullopt;
-  const double width = length(ex);
-  const double height = length(ey);
-  const Vec3<double> x = ex / width;
-  const Vec3<double> y = ey / height;
-  r.x0_ = dot(p, x);
-  r.x1_ = r.x0_ + width;
-  r.y0_ = dot(p, y);
-  r.y1_ = r.y0_ + height;
-  r.z_ = std::fabs(dot(p, cross(x, y)));
+  r.z_ = std::fabs(std::scalbn(height, exponent));
   if (!(r.z_ > 0)) return std::nullopt;
+  const double determinant = r.z_ * dx * dy;  // of either half
+  r.solid_angle_ = triangle_solid_angle(p, p + ex, p + ey, determinant) +
+                   triangle_solid_angle(p + ex + ey, p + ey, p + ex, determinant);
+  if (!(r.solid_angle_ >= kMinSolidAngle && r.solid_angle_ <= kMaxSolidAngle)) return std::nullopt;
+  const Vec3<double> x = ex / dx;
+  const Vec3<double> y = ey / dy;
+  r.x0_ = dot(p, x);
+  r.x1_ = r.x0_ + dx;
+  r.y0_ = dot(p, y);
+  r.y1_ = r.y0_ + dy;
   r.sin_y0_ = r.y0_ / std::sqrt(r.y0_ * r.y0_ + r.z_ * r.z_);
   r.sin_y1_ = r.y1_ / std::sqrt(r.y1_ * r.y1_ + r.z_ * r.z_);
   r.strip_x0_ = r.strip(r.x0_);

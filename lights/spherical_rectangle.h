@@ -19,6 +19,10 @@ class SphericalRectangle {
   static std::optional<SphericalRectangle> create(const Vec3<double>& corner,
                                                   const Vec3<double>& edge_x,
                                                   const Vec3<double>& edge_y);
+  /// The same where the receiver's height above the plane, to either side, is known better.
+  static std::optional<SphericalRectangle> create(const Vec3<double>& corner,
+                                                  const Vec3<double>& edge_x,
+                                                  const Vec3<double>& edge_y, double height);
 
   /// By two triangles: a sum of four angles cancels.  [Oosterom83]
   double solid_angle_sr() const { return solid_angle_; }

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "lights/triple_product.h"
+
 namespace lucerna {
 
 namespace {
@@ -14,40 +16,68 @@ constexpr double kMaxSolidAngle = 2 * std::numbers::pi - 1e-6;
 
 double norm(const Vec3<double>& v) { return std::sqrt(dot(v, v)); }
 
+/// The power of two that brings the longest of three vectors to about 1: exact to multiply with.  0
+/// where all are 0 or one is not finite.
+double unit_for(const Vec3<double>& a, const Vec3<double>& b, const Vec3<double>& c) {
+  const double largest = std::max({max_abs(a), max_abs(b), max_abs(c)});
+  if (!(largest > 0) || !is_finite(a + b + c)) return 0;
+  return std::ldexp(1.0, std::clamp(-std::ilogb(largest), -1022, 1022));
+}
+
 /// Also for what rounding makes of a fraction between equals.
 double clamp_unit(double x) { return std::fmin(std::fmax(x, 0), 1); }
 
 }  // namespace
 
-double triangle_solid_angle(const Vec3<double>& a, const Vec3<double>& ab, const Vec3<double>& ac) {
-  const Vec3<double> b = a + ab;
-  const Vec3<double> c = a + ac;
+double triangle_solid_angle(const Vec3<double>& a, const Vec3<double>& b, const Vec3<double>& c,
+                            double determinant) {
   const double la = norm(a);
   const double lb = norm(b);
   const double lc = norm(c);
+  return 2 * std::atan2(std::fabs(determinant),
+                        la * lb * lc + dot(a, b) * lc + dot(a, c) * lb + dot(b, c) * la);
+}
+
+double triangle_solid_angle(const Vec3<double>& a, const Vec3<double>& ab, const Vec3<double>& ac) {
   // By the edges: for small triangles the corners are parallel, and their own product cancels.
-  const double determinant = std::fabs(dot(a, cross(ab, ac)));
-  return 2 *
-         std::atan2(determinant, la * lb * lc + dot(a, b) * lc + dot(a, c) * lb + dot(b, c) * la);
+  return triangle_solid_angle(a, a + ab, a + ac, dot(a, cross(ab, ac)));
 }
 
 std::optional<SphericalTriangle> SphericalTriangle::create(const Vec3<double>& world_a,
                                                            const Vec3<double>& world_b,
-                                                           const Vec3<double>& world_c) {
-  const double largest = std::max({max_abs(world_a), max_abs(world_b), max_abs(world_c)});
-  if (!(largest > 0) || !std::isfinite(largest)) return std::nullopt;
-  const int exponent = -std::ilogb(largest);
-  const Vec3<double> a = scaled(world_a, exponent);
-  const Vec3<double> b = scaled(world_b, exponent);
-  const Vec3<double> c = scaled(world_c, exponent);
+                                                           const Vec3<double>& world_c,
+                                                           const Vec3<double>& receiver) {
+  const double unit = unit_for(world_a - receiver, world_b - receiver, world_c - receiver);
+  if (!(unit > 0)) return std::nullopt;
+  const auto to_unit = [unit](const Vec3<double>& v) { return v * unit; };
+  return create(to_unit(world_a - receiver), to_unit(world_b - receiver),
+                to_unit(world_b - world_a), to_unit(world_c - world_a),
+                triple_product_of_corners(to_unit(receiver), to_unit(world_a), to_unit(world_b),
+                                          to_unit(world_c)));
+}
+
+std::optional<SphericalTriangle> SphericalTriangle::create_seen(const Vec3<double>& a,
+                                                                const Vec3<double>& b,
+                                                                const Vec3<double>& c,
+                                                                double determinant) {
+  const double unit = unit_for(a, b, c);
+  if (!(unit > 0)) return std::nullopt;
+  return create(a * unit, b * unit, (b - a) * unit, (c - a) * unit,
+                determinant * unit * unit * unit);
+}
+
+std::optional<SphericalTriangle> SphericalTriangle::create(const Vec3<double>& a,
+                                                           const Vec3<double>& b,
+                                                           const Vec3<double>& ab,
+                                                           const Vec3<double>& ac,
+                                                           double determinant) {
   const double la = norm(a);
   const double lb = norm(b);
   if (!(la > 0) || !(lb > 0)) return std::nullopt;
-  const Vec3<double> ab = b - a;
-  const Vec3<double> ac = c - a;
+  determinant = std::fabs(determinant);
 
   SphericalTriangle t;
-  t.solid_angle_ = triangle_solid_angle(a, ab, ac);
+  t.solid_angle_ = triangle_solid_angle(a, b, a + ac, determinant);
   if (!(t.solid_angle_ > 0 && t.solid_angle_ < kMaxSolidAngle)) return std::nullopt;
   t.unit_a_ = a / la;
   t.unit_b_ = b / lb;
@@ -55,7 +85,7 @@ std::optional<SphericalTriangle> SphericalTriangle::create(const Vec3<double>& w
   t.ba_ = -(ab / lb);
   t.bisector_ = t.unit_a_ + t.unit_b_;
   t.a_by_b_ = la / lb;
-  t.determinant_ = std::fabs(dot(a, cross(ab, ac))) / (la * la * lb);
+  t.determinant_ = determinant / (la * la * lb);
   return t;
 }
 

@@ -15,15 +15,26 @@ namespace lucerna {
 /// seen from the origin; in [0, 2 pi].  0 from within its plane.  Any unit of length.
 /// [Oosterom83]
 double triangle_solid_angle(const Vec3<double>& a, const Vec3<double>& ab, const Vec3<double>& ac);
+/// The same by all three corners, where `determinant`, dot(a, cross(b, c)), is known better than
+/// they tell.
+double triangle_solid_angle(const Vec3<double>& a, const Vec3<double>& b, const Vec3<double>& c,
+                            double determinant);
 
-/// Seen from the origin.  A value; no call allocates.
+/// A value; no call allocates.
 class SphericalTriangle {
  public:
-  /// Corners relative to the receiver, in any unit of length.  Nothing where no density by solid
-  /// angle exists: the receiver within the plane, on a corner, or so near to the triangle that it
-  /// covers the hemisphere but for 1e-6 sr; not finite.
+  /// Corners, and the receiver in the same frame; any unit of length.  Edges are told from the
+  /// corners as they are, so that what a small triangle loses by its distance is its direction
+  /// alone.  Nothing where no density by solid angle exists: the receiver within the plane, on a
+  /// corner, or so near to the triangle that it covers the hemisphere but for 1e-6 sr; not finite.
   static std::optional<SphericalTriangle> create(const Vec3<double>& a, const Vec3<double>& b,
-                                                 const Vec3<double>& c);
+                                                 const Vec3<double>& c,
+                                                 const Vec3<double>& receiver = {});
+
+  /// The same from corners relative to the receiver, where dot(a, cross(b - a, c - a)) is known
+  /// better than they tell.
+  static std::optional<SphericalTriangle> create_seen(const Vec3<double>& a, const Vec3<double>& b,
+                                                      const Vec3<double>& c, double determinant);
 
   double solid_angle_sr() const { return solid_angle_; }
 
@@ -36,6 +47,9 @@ class SphericalTriangle {
 
  private:
   SphericalTriangle() = default;
+  static std::optional<SphericalTriangle> create(const Vec3<double>& a, const Vec3<double>& b,
+                                                 const Vec3<double>& ab, const Vec3<double>& ac,
+                                                 double determinant);
 
   /// The arc from b to the point c' of the edge ac at `t`: in units of |b|, b + s m.
   struct Arc {

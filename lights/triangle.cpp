@@ -4,8 +4,10 @@
 #include <cmath>
 #include <limits>
 
+#include "lights/low_triangle.h"
 #include "lights/sampling.h"
 #include "lights/spherical_triangle.h"
+#include "lights/triple_product.h"
 
 namespace lucerna {
 
@@ -29,7 +31,9 @@ Vec3<Real> at(const Triangle<Real>& t, const Vec3<double>& barycentric) {
 struct Seen {
   Vec3<double> corner[3];  // from the receiver
   Vec3<double> normal;     // the receiver's
+  double height;           // of the receiver
   AreaSampling way;
+  std::optional<LowTriangle> low;  // comes first
   std::optional<SphericalTriangle> spherical;
 
   template <typename Real>
@@ -38,8 +42,13 @@ struct Seen {
                Vec3<double>(t.b) - Vec3<double>(receiver.position),
                Vec3<double>(t.c) - Vec3<double>(receiver.position)},
         normal(receiver.normal),
+        height(t.height_of(receiver.position)),
         way(way_for_corners(receiver.area_sampling, corner, normal)) {
-    if (!is_by_area(way)) spherical = SphericalTriangle::create(corner[0], corner[1], corner[2]);
+    if (is_by_area(way) || height == 0) return;
+    low = LowTriangle::create(corner, normalized(area_vector(t)), height);
+    if (!low)
+      spherical = SphericalTriangle::create(Vec3<double>(t.a), Vec3<double>(t.b), Vec3<double>(t.c),
+                                            Vec3<double>(receiver.position));
   }
 
   /// Where SphericalTriangle puts the corners into the unit square: b along a whole side.
@@ -52,7 +61,9 @@ struct Seen {
 template <typename Real>
 SolidAnglePdf<double> pdf_of(const Triangle<Real>& t, const Seen& seen,
                              const Receiver<Real>& receiver, const SurfacePoint<Real>& point) {
-  if (!seen.spherical) return pdf_seen_from(receiver.position, point, t.pdf_area(point.position));
+  if (seen.low) return {1 / seen.low->solid_angle_sr()};
+  if (!seen.spherical)
+    return pdf_seen_from(receiver.position, point, t.pdf_area(point.position), seen.height);
   const double uniform = 1 / seen.spherical->solid_angle_sr();
   if (seen.way != AreaSampling::kCosineSolidAngle) return {uniform};
   const auto [b, c] = t.shares_at(point.position);
@@ -73,6 +84,11 @@ Vec3<Real> Triangle<Real>::normal() const {
 }
 
 template <typename Real>
+double Triangle<Real>::height_of(const Vec3<Real>& p) const {
+  return height_over(Vec3<double>(p), Vec3<double>(a), Vec3<double>(b), Vec3<double>(c));
+}
+
+template <typename Real>
 SurfacePoint<Real> Triangle<Real>::sample_area(Vec2<Real> u, AreaSampling way) const {
   return {at(*this, sample_triangle(way, {u.x, u.y})), normal()};
 }
@@ -86,14 +102,18 @@ template <typename Real>
 ChosenPoint<Real> Triangle<Real>::sample(const Receiver<Real>& receiver, Vec2<Real> u) const {
   const Seen seen(*this, receiver);
   SurfacePoint<Real> point;
-  if (seen.spherical) {
+  Vec3<double> to_point;
+  if (seen.low) {
+    to_point = seen.low->sample({u.x, u.y});
+    point = {Vec3<Real>(Vec3<double>(receiver.position) + to_point), normal()};
+  } else if (seen.spherical) {
     Vec2<double> v{u.x, u.y};
     if (seen.way == AreaSampling::kCosineSolidAngle) v = seen.cosines().sample(v);
     point = {at(*this, seen.spherical->sample(v)), normal()};
   } else {
     point = sample_area(u, seen.way);
   }
-  return {point, pdf_of(*this, seen, receiver, point)};
+  return {point, pdf_of(*this, seen, receiver, point), to_point};
 }
 
 template <typename Real>

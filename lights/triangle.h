@@ -18,13 +18,17 @@ struct Triangle {
   double area() const;
   /// Unit normal; zero for a triangle without area.
   Vec3<Real> normal() const;
+  /// How far `p` is above the plane, on the side of the normal [m]; right to 1e-11 and to its sign
+  /// even where that is 1e-20 of the triangle's size.  0 for a triangle without area.
+  double height_of(const Vec3<Real>& p) const;
   /// Uniform by area, by any of the five maps of lights/sampling.h.  `u` in [0, 1]^2.
   SurfacePoint<Real> sample_area(Vec2<Real> u,
                                  AreaSampling way = AreaSampling::kLowDistortion) const;
   /// Density of sample_area at a point of the triangle: 1 / area.
   AreaPdf<double> pdf_area(const Vec3<Real>& position) const;
-  /// The way that `receiver` asks for; by area where there is no density by solid angle.  With the
-  /// density of the point, bit for bit that of `pdf`.  [Arvo95]
+  /// The way that `receiver` asks for; by area where there is no density by solid angle, and
+  /// without the cosine's warp where lights/low_triangle.h has one.  With the density of the
+  /// point, bit for bit that of `pdf`.  [Arvo95]
   ChosenPoint<Real> sample(const Receiver<Real>& receiver, Vec2<Real> u) const;
   /// Density of `sample` at a point of the triangle.
   SolidAnglePdf<double> pdf(const Receiver<Real>& receiver, const SurfacePoint<Real>& point) const;

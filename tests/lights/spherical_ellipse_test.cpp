@@ -155,10 +155,10 @@ TEST(SphericalEllipse, TheClosedSquareStaysOnTheDisk) {
 }
 
 TEST(SphericalEllipse, OneThresholdDecidesForBoth) {
-  EXPECT_FALSE(SphericalEllipse::create(3, 0, 1));        // in its plane
-  EXPECT_FALSE(SphericalEllipse::create(3, 1e-7, 1));     // all but
-  EXPECT_FALSE(SphericalEllipse::create(0.5, 1e-12, 1));  // the hemisphere but for 1e-10
-  EXPECT_FALSE(SphericalEllipse::create(1, 1, 1e-9));     // far
+  EXPECT_FALSE(SphericalEllipse::create(3, 0, 1));      // in its plane
+  EXPECT_FALSE(SphericalEllipse::create(3, 1e-7, 1));   // all but
+  EXPECT_FALSE(SphericalEllipse::create(1, 1e-12, 1));  // just over its rim
+  EXPECT_FALSE(SphericalEllipse::create(1, 1, 1e-9));   // far
   EXPECT_FALSE(SphericalEllipse::create(NAN, 1, 1));
   EXPECT_FALSE(SphericalEllipse::create(1, INFINITY, 1));
   EXPECT_FALSE(SphericalEllipse::create(INFINITY, 1, 1));
