@@ -1,12 +1,11 @@
-// Rows 1 and 2: spheres that are far or small.
+// Rows 1 and 2: spheres that are far or small, and such as the receiver is all but on.
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
-#include "lights/light.h"
-#include "tests/reference_table.h"
-#include "tests/sweep.h"
+#include "tests/lights/extremes/area_extremes.h"
+#include "tests/lights/statistics.h"
 
 namespace lucerna::testing {
 namespace {
@@ -34,6 +33,168 @@ TEST(SphereExtremes, DensityOfFarSpheres) {
         row["pdf_per_sr"]);
   }
   sweep.expect_within(1e-7);
+}
+
+SphereLight<Served> sphere_light(double radius_m, bool two_sided = false) {
+  SphereParams params;
+  params.radius_m = radius_m;
+  return *SphereLight<Served>::create({Rgb<double>(1), two_sided}, *Sphere<Served>::create(params));
+}
+
+/// Of the directions that samples have from (0, 0, d) to a sphere about 0.
+struct Directions {
+  double widest_rad = 0, mean_square_sine = 0, farthest_off = 0;
+};
+
+Directions directions_of(double radius, double distance) {
+  const auto light = sphere_light(radius);
+  const Vec3<Served> receiver(0, 0, distance);
+  const Gauss<16>& rule = gauss<16>();
+  Directions all;
+  const auto add = [&](Vec2<double> u, double weight) {
+    const auto s = light.sample_li(receiver, u);
+    const double sine = std::hypot(s.wi.x, s.wi.y);
+    all.widest_rad = std::fmax(all.widest_rad, std::atan2(sine, -s.wi.z));
+    all.mean_square_sine += weight * sine * sine;
+    all.farthest_off = std::fmax(all.farthest_off, std::fabs(length(s.point) / radius - 1));
+  };
+  for (std::size_t i = 0; i < 16; ++i)
+    for (std::size_t j = 0; j < 16; ++j)
+      add({rule.node[i], rule.node[j]}, rule.weight[i] * rule.weight[j]);
+  for (const double u : {0.0, 1 - 0x1p-24, 1.0})
+    for (const double v : {0.0, 0.25, 1.0}) add({u, v}, 0);
+  return all;
+}
+
+TEST(SphereExtremes, SamplesOfFarSpheresFillTheConeAndLieOnTheSphere) {
+  Sweep sweep(1, "sphere light, radius / distance", "1e-12 ... 0.97",
+              "mean square sine in the cone");
+  const ReferenceTable table("sphere_cone");
+  for (const auto& row : table.rows()) {
+    const double radius = row["radius_m"], distance = row["distance_m"];
+    const Directions d = directions_of(radius, distance);
+    const double half = 2 * std::asin(std::sqrt(row["one_minus_cos"] / 2));
+    EXPECT_LE(d.widest_rad, half * (1 + 1e-15) + 0x1p-53) << row.text("radius_m");
+    EXPECT_LE(d.farthest_off, 0x1p-51) << row.text("radius_m");
+    // 1 - cos is uniform up to h, and sin^2 = 2 (1 - cos) - (1 - cos)^2.
+    const double h = row["one_minus_cos"];
+    sweep.compare(d.mean_square_sine, h - h * h / 3, row.text("radius_m"));
+    // The textbook's cosines are uniform between 1 and that of the cone, in float.
+    const float r = static_cast<float>(radius), way = static_cast<float>(distance);
+    const float cos_max = std::sqrt(std::max(0.0F, 1 - r * r / (way * way)));
+    const float middle = 1 - 0.5F * (1 - cos_max);
+    sweep.compare_textbook(1 - middle * middle, 2 * (h / 2) - h * h / 4);
+  }
+  sweep.expect_within(1e-12);
+}
+
+TEST(SphereExtremes, IrradianceAndPowerOfFarSpheres) {
+  constexpr double kPi = std::numbers::pi;
+  Sweep sweep(1, "sphere light, radius / distance", "1e-12 ... 0.97", "irradiance");
+  const ReferenceTable table("sphere_cone");
+  for (const auto& row : table.rows()) {
+    const double radius = row["radius_m"];
+    const auto light = sphere_light(radius);
+    Receiver<Served> receiver(0, 0, row["distance_m"]);
+    receiver.normal = {0, 0, -1};
+    const Seen seen = seen_by(light, receiver);
+    const double share = radius / row["distance_m"];
+    EXPECT_EQ(seen.disagreement, 0) << row.text("radius_m");
+    EXPECT_LE(relative_error(seen.solid_angle_sr, 1 / row["pdf_per_sr"]), 1e-14);
+    EXPECT_LE(relative_error(light.power({}).lumens.g, 4 * kPi * kPi * radius * radius), 1e-14);
+    sweep.compare(seen.irradiance_lx, kPi * share * share, row.text("radius_m"));
+    sweep.compare_textbook(
+        1 / textbook_pdf(static_cast<float>(radius), static_cast<float>(row["distance_m"])) *
+            (1 + std::sqrt(1 - share * share)) / 2,
+        kPi * share * share);
+  }
+  sweep.expect_within(1e-13);
+}
+
+/// As [Pharr10, 14.6.3] has it: by area where the square of the way to the surface is below 1e-4 of
+/// whatever unit.
+float textbook_pdf_near(float radius, float distance) {
+  if (distance * distance - radius * radius >= 1e-4F) return textbook_pdf(radius, distance);
+  // At the nearest point.
+  const float way = distance - radius;
+  return way * way / (4 * std::numbers::pi_v<float> * radius * radius);
+}
+
+TEST(SphereExtremes, DensityJustOutside) {
+  Sweep sweep(2, "receiver just outside of a sphere light, radius 1e-6 ... 1e6 m",
+              "gap / radius 0.1 ... 1e-15", "density");
+  const ReferenceTable table("sphere_near");
+  for (const auto& row : table.rows()) {
+    const auto light = sphere_light(row["radius_m"]);
+    const Seen seen = seen_by(light, receiver_in(row, AreaSampling::kSolidAngle));
+    EXPECT_EQ(seen.without, 0) << row.text("gap");
+    EXPECT_EQ(seen.disagreement, 0) << row.text("gap");
+    sweep.compare(1 / seen.solid_angle_sr, row["pdf_per_sr"], row.text("gap"));
+    sweep.compare_textbook(
+        textbook_pdf_near(static_cast<float>(row["radius_m"]),
+                          static_cast<float>(length(vector_in(row, "receiver")))),
+        row["pdf_per_sr"]);
+  }
+  // What rounding leaves of the gap of 1e-15, and of its square root in the density.
+  sweep.expect_within(1e-8);
+}
+
+TEST(SphereExtremes, IrradianceJustOutside) {
+  Sweep sweep(2, "receiver just outside of a sphere light, radius 1e-6 ... 1e6 m",
+              "gap / radius 0.1 ... 1e-15", "irradiance");
+  const ReferenceTable table("sphere_near");
+  for (const auto& row : table.rows()) {
+    sweep.compare(
+        seen_by(sphere_light(row["radius_m"]), receiver_in(row, AreaSampling::kSolidAngle))
+            .irradiance_lx,
+        row["irradiance_lx"], row.text("gap"));
+  }
+  sweep.expect_within(1e-8);
+}
+
+TEST(SphereExtremes, DensityJustInside) {
+  Sweep sweep(2, "receiver just inside of a sphere light, radius 1e-6 ... 1e6 m",
+              "depth / radius 0.5 ... 1e-15", "density of a point, by its distance");
+  constexpr double kPi = std::numbers::pi;
+  for (int decade = -6; decade <= 6; decade += 2) {
+    const double r = 1.3 * std::pow(10, decade);
+    const auto light = sphere_light(r, true);
+    for (double gap = 0.5; gap > 1e-15; gap /= 8) {
+      const double c = r * (1 - gap);
+      Receiver<Served> receiver(0, 0, c);
+      RandomU random(0x512);
+      for (int i = 0; i < 200; ++i) {
+        const auto s = light.sample_li(receiver, random.pair<Served>());
+        ASSERT_EQ(s.reason, NoLight::kNone) << r << " " << gap;
+        const double told =
+            light.pdf_li(receiver, SurfacePoint<Served>{s.point, s.normal, 0}).per_sr;
+        EXPECT_EQ(told, s.pdf.per_sr);
+        // By area, the cosine by the law of cosines; deeper inside all directions alike.
+        const double d = s.distance;
+        const double cosine = ((r - c) * (r + c) + d * d) / (2 * r * d);
+        const double by_area = d * d / (4 * kPi * r * r * cosine);
+        sweep.compare(s.pdf.per_sr, gap > 1e-3 ? 1 / (4 * kPi) : by_area, std::to_string(gap));
+      }
+    }
+  }
+  sweep.expect_within(1e-9);
+}
+
+TEST(SphereExtremes, IrradianceInside) {
+  Sweep sweep(2, "receiver inside of a sphere light, radius 1e-6 ... 1e6 m",
+              "depth / radius 1 ... 0.01", "irradiance");
+  for (int decade = -6; decade <= 6; decade += 2) {
+    const double r = 1.3 * std::pow(10, decade);
+    const auto light = sphere_light(r, true);
+    for (const double gap : {1.0, 0.5, 0.125, 0.01}) {
+      Receiver<Served> receiver(0, 0, r * (1 - gap));
+      receiver.normal = {0, 0, -1};
+      // The lower half of all directions.
+      const Seen seen = seen_by(light, receiver, By::kShare, By::kShare, {0.5, 0}, {1, 1});
+      sweep.compare(seen.irradiance_lx, std::numbers::pi, std::to_string(gap));
+    }
+  }
+  sweep.expect_within(1e-13);
 }
 
 }  // namespace

@@ -1,0 +1,118 @@
+// What the sweeps over area lights share: lights of the tables' rows, and integrals over all that
+// a light is sampled with.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "lights/gauss.h"
+#include "lights/light.h"
+#include "tests/reference_table.h"
+#include "tests/sweep.h"
+
+namespace lucerna::testing {
+
+/// The components of `name` in a row.
+inline Vec3<Served> vector_in(const ReferenceTable::Row& row, const std::string& name) {
+  return {row[name + "_x"], row[name + "_y"], row[name + "_z"]};
+}
+
+/// Where a row's receiver is, which way it faces, and how points are to be chosen.
+inline Receiver<Served> receiver_in(const ReferenceTable::Row& row, AreaSampling way) {
+  Receiver<Served> receiver(vector_in(row, "receiver"));
+  receiver.normal = vector_in(row, "normal");
+  receiver.area_sampling = way;
+  return receiver;
+}
+
+inline TriangleMeshLight<Served> triangle_light(const std::array<Vec3<Served>, 3>& corner) {
+  return *TriangleMeshLight<Served>::create(
+      {Rgb<double>(1), true}, *TriangleMesh<Served>::create({{corner[0], corner[1], corner[2]}}));
+}
+inline PatchMeshLight<Served> patch_light(const std::array<Vec3<Served>, 4>& corner) {
+  return *PatchMeshLight<Served>::create(
+      {Rgb<double>(1), true},
+      *PatchMesh<Served>::create({{corner[0], corner[1], corner[2], corner[3]}}));
+}
+
+/// What samples over the whole unit square add up to.
+struct Seen {
+  double solid_angle_sr = 0;  ///< the mean of 1 / density
+  double irradiance_lx = 0;   ///< the mean of value cos / density
+  double disagreement = 0;    ///< the most that a sample's density differs from that of its point
+  int without = 0;            ///< samples without light
+
+  template <typename Light>
+  void add(const Light& light, const Receiver<Served>& receiver, Vec2<double> u, double weight) {
+    const auto sample = light.sample_li(receiver, u);
+    if (sample.reason != NoLight::kNone) {
+      ++without;
+      return;
+    }
+    const double pdf = sample.pdf.per_sr;
+    solid_angle_sr += weight / pdf;
+    irradiance_lx += weight * sample.value.g * std::fmax(0, dot(receiver.normal, sample.wi)) / pdf;
+    const double of_point =
+        light.pdf_li(receiver, SurfacePoint<Served>{sample.point, sample.normal, sample.primitive})
+            .per_sr;
+    disagreement = std::fmax(disagreement, relative_error(of_point, pdf));
+  }
+};
+
+/// What sample values move points by: a share of a length, or of an area that grows with its
+/// square, whose root is what the point is smooth in.
+enum class By { kShare, kRoot };
+
+/// By Gauss's rule, which is exact to rounding for what is smooth.
+template <std::size_t kNodes = 24, typename Light>
+Seen seen_by(const Light& light, const Receiver<Served>& receiver, By by_x = By::kShare,
+             By by_y = By::kShare, Vec2<double> from = {0, 0}, Vec2<double> to = {1, 1}) {
+  const Gauss<kNodes>& rule = gauss<kNodes>();
+  struct Node {
+    double at, weight;
+  };
+  const auto node = [&](std::size_t i, By by, double a, double b) {
+    const double x = by == By::kRoot ? rule.node[i] * rule.node[i] : rule.node[i];
+    const double w = rule.weight[i] * (by == By::kRoot ? 2 * rule.node[i] : 1);
+    return Node{std::lerp(a, b, x), w * (b - a)};
+  };
+  Seen seen;
+  for (std::size_t i = 0; i < kNodes; ++i)
+    for (std::size_t j = 0; j < kNodes; ++j) {
+      const Node x = node(i, by_x, from.x, to.x), y = node(j, by_y, from.y, to.y);
+      seen.add(light, receiver, {x.at, y.at}, x.weight * y.weight);
+    }
+  return seen;
+}
+
+/// The same where what samples are worth bends at places that are not known: the square is halved
+/// across, then along, until halves and whole agree to `enough`, of irradiances of about 1.
+template <typename Light>
+Seen seen_in_halves(const Light& light, const Receiver<Served>& receiver, By by_y,
+                    Vec2<double> from = {0, 0}, Vec2<double> to = {1, 1}, double enough = 1e-11,
+                    int depth = 26) {
+  const auto part = [&](Vec2<double> a, Vec2<double> b) {
+    return seen_by<12>(light, receiver, By::kShare, by_y, a, b);
+  };
+  const Vec2<double> middle{(from.x + to.x) / 2, (from.y + to.y) / 2};
+  const Seen whole = part(from, to);
+  for (const bool across : {true, false}) {
+    const Vec2<double> end = across ? Vec2<double>{middle.x, to.y} : Vec2<double>{to.x, middle.y};
+    const Vec2<double> begin =
+        across ? Vec2<double>{middle.x, from.y} : Vec2<double>{from.x, middle.y};
+    Seen first = part(from, end), second = part(begin, to);
+    const double change = first.irradiance_lx + second.irradiance_lx - whole.irradiance_lx;
+    if (std::fabs(change) <= enough * std::fmin(1, whole.irradiance_lx)) continue;
+    if (depth == 0) break;
+    first = seen_in_halves(light, receiver, by_y, from, end, enough, depth - 1);
+    second = seen_in_halves(light, receiver, by_y, begin, to, enough, depth - 1);
+    return {first.solid_angle_sr + second.solid_angle_sr,
+            first.irradiance_lx + second.irradiance_lx,
+            std::fmax(first.disagreement, second.disagreement), first.without + second.without};
+  }
+  return whole;
+}
+
+}  // namespace lucerna::testing

@@ -1,0 +1,140 @@
+// Row 30: closed meshes, of which only faces turned to the receiver count.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "tests/lights/extremes/area_extremes.h"
+
+namespace lucerna::testing {
+namespace {
+
+/// The faces of the box |x|, |y|, |z| <= 1/2, normals outwards.
+template <typename Real>
+std::vector<BilinearPatch<Real>> box_faces() {
+  std::vector<BilinearPatch<Real>> faces;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const Real side : {Real(-0.5), Real(0.5)}) {
+      const auto corner = [&](Real u, Real v) {
+        Real p[3];
+        p[axis] = side;
+        p[(axis + 1) % 3] = u * (side < 0 ? -1 : 1), p[(axis + 2) % 3] = v;
+        return Vec3<Real>(p[0], p[1], p[2]);
+      };
+      const Real h = 0.5;
+      faces.push_back({corner(-h, -h), corner(h, -h), corner(-h, h), corner(h, h)});
+    }
+  return faces;
+}
+
+template <typename Real>
+std::vector<Triangle<Real>> box_triangles() {
+  std::vector<Triangle<Real>> triangles;
+  for (const auto& f : box_faces<Real>()) {
+    triangles.push_back({f.p00, f.p10, f.p11});
+    triangles.push_back({f.p00, f.p11, f.p01});
+  }
+  return triangles;
+}
+
+/// Samples of each of `count` primitives of equal area, in turn.  What a float lacks in digits of
+/// u.x comes from u.y, so that one may be off its place by 2^-24.
+template <typename Light>
+Seen seen_of_each(const Light& light, const Receiver<Served>& receiver, int count, By by_y) {
+  Seen all;
+  for (int i = 0; i < count; ++i) {
+    // Sample values off their place leave no two sums the same.
+    constexpr double kEnough = 1e-6;
+    const Seen seen = seen_in_halves(light, receiver, by_y, {double(i) / count, 0},
+                                     {double(i + 1) / count, 1}, kEnough, 10);
+    all.solid_angle_sr += seen.solid_angle_sr;
+    all.irradiance_lx += seen.irradiance_lx;
+    all.disagreement = std::fmax(all.disagreement, seen.disagreement);
+    all.without += seen.without;
+  }
+  return all;
+}
+
+template <typename Light>
+void sweep_box(const Light& light, int count, By by_y, Sweep& sweep) {
+  const ReferenceTable table("closed_box");
+  for (const auto& row : table.rows()) {
+    const Seen seen = seen_of_each(light, receiver_in(row, AreaSampling::kSolidAngle), count, by_y);
+    const std::string at = row.text("receiver_x") + " " + row.text("receiver_z");
+    EXPECT_EQ(seen.disagreement, 0) << at;
+    EXPECT_GT(seen.without, 0) << at;
+    sweep.compare(seen.solid_angle_sr, row["solid_angle_sr"], at);
+    sweep.compare(seen.irradiance_lx, row["irradiance_lx"], at);
+  }
+}
+
+TEST(ClosedMeshExtremes, IrradianceFromABoxOfTriangles) {
+  Sweep sweep(30, "closed emissive box of 12 triangles", "1e-9 ... 1e9 of its size away",
+              "solid angle and irradiance");
+  sweep_box(*TriangleMeshLight<Served>::create(
+                {Rgb<double>(1)}, *TriangleMesh<Served>::create(box_triangles<Served>())),
+            12, By::kRoot, sweep);
+  sweep.expect_within(1e-5);
+}
+
+TEST(ClosedMeshExtremes, IrradianceFromABoxOfPatches) {
+  Sweep sweep(30, "closed emissive box of 6 bilinear patches", "1e-9 ... 1e9 of its size away",
+              "solid angle and irradiance");
+  sweep_box(*PatchMeshLight<Served>::create({Rgb<double>(1)},
+                                            *PatchMesh<Served>::create(box_faces<Served>())),
+            6, By::kShare, sweep);
+  sweep.expect_within(1e-5);
+}
+
+TEST(ClosedMeshExtremes, DensityOfDirectionsLeavesFacesTurnedAwayOut) {
+  Sweep sweep(30, "closed emissive box of 12 triangles", "1e-9 ... 1e9 of its size away",
+              "density of a sample's direction");
+  const auto light = *TriangleMeshLight<Served>::create(
+      {Rgb<double>(1)}, *TriangleMesh<Served>::create(box_triangles<Served>()));
+  const auto mesh = *TriangleMesh<float>::create(box_triangles<float>());
+  const ReferenceTable table("closed_box");
+  for (const auto& row : table.rows()) {
+    const auto receiver = receiver_in(row, AreaSampling::kLowDistortion);
+    Receiver<float> in_float{Vec3<float>(receiver.position)};
+    in_float.area_sampling = AreaSampling::kLowDistortion;
+    for (const double x : {0.03, 0.28, 0.53, 0.78, 0.86, 0.93, 0.98})
+      for (const double y : {0.2, 0.7}) {
+        const auto s = light.sample_li(receiver, {x, y});
+        if (s.reason != NoLight::kNone) {
+          EXPECT_EQ(s.reason, NoLight::kBehind);
+          continue;
+        }
+        const std::string at = row.text("receiver_x") + " " + row.text("receiver_z");
+        sweep.compare(light.pdf_li(receiver, s.wi).per_sr, s.pdf.per_sr, at);
+        // The textbook's mixture adds up all that the direction meets.
+        float sum = 0;
+        mesh.for_each_hit(in_float.position, Vec3<float>(s.wi), [&](const SurfacePoint<float>& p) {
+          sum += mesh.pdf(in_float, p).per_sr;
+        });
+        sweep.compare_textbook(sum, s.pdf.per_sr);
+      }
+  }
+  // From 1e9 away a direction in double tells the place on the box to 1e-7 of it.
+  sweep.expect_within(1e-6);
+}
+
+TEST(ClosedMeshExtremes, FromInsideThereIsNone) {
+  Sweep sweep(30, "closed emissive box, the receiver inside", "1e-12 ... 0.5 beneath a face",
+              "answer");
+  const auto light = *TriangleMeshLight<Served>::create(
+      {Rgb<double>(1)}, *TriangleMesh<Served>::create(box_triangles<Served>()));
+  for (double depth = 0.5; depth > 1e-12; depth /= 10)
+    for (const AreaSampling way : {AreaSampling::kSolidAngle, AreaSampling::kLowDistortion}) {
+      Receiver<Served> receiver(0.125, 0.0625, 0.5 - depth);
+      receiver.area_sampling = way;
+      for (int i = 0; i < 48; ++i) {
+        const auto s = light.sample_li(receiver, {(i + 0.5) / 48, 0.3});
+        EXPECT_EQ(light.pdf_li(receiver, s.wi).per_sr, 0);
+        sweep.answer(s.reason);
+      }
+    }
+  sweep.expect_answers(NoLight::kBehind);
+}
+
+}  // namespace
+}  // namespace lucerna::testing

@@ -1,0 +1,190 @@
+// Rows 3, 6 and 8: disks and cylinders, small, grazing, and as wide as the hemisphere.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "tests/lights/extremes/area_extremes.h"
+
+namespace lucerna::testing {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+/// Of the table: seen from the origin.
+DiskLight<Served> disk_in(const ReferenceTable::Row& row) {
+  DiskParams params;
+  params.radius_m = row["radius_m"];
+  params.world_from_object = Transform::translate({row["offset_m"], 0, row["height_m"]});
+  return *DiskLight<Served>::create({Rgb<double>(1), true}, *Disk<Served>::create(params));
+}
+
+Receiver<Served> at_origin(const ReferenceTable::Row& row, AreaSampling way) {
+  Receiver<Served> receiver(0, 0, 0);
+  receiver.normal = vector_in(row, "normal");
+  receiver.area_sampling = way;
+  return receiver;
+}
+
+/// Samples of disks by solid angle go round in four quarters of the square, smooth in each.
+template <std::size_t kNodes = 24, typename Light>
+Seen seen_in_quarters(const Light& light, const Receiver<Served>& receiver) {
+  // The concentric map's: cut by both diagonals.  Each triangle as a square that is one side wide.
+  const Gauss<kNodes>& rule = gauss<kNodes>();
+  Seen seen;
+  for (std::size_t i = 0; i < kNodes; ++i)
+    for (std::size_t j = 0; j < kNodes; ++j) {
+      const double a = rule.node[i], b = a * (2 * rule.node[j] - 1);
+      const double weight = rule.weight[i] * rule.weight[j] * a / 2;
+      for (const Vec2<double> p : {Vec2<double>{a, b}, {-a, b}, {b, a}, {b, -a}})
+        seen.add(light, receiver, {(1 + p.x) / 2, (1 + p.y) / 2}, weight);
+    }
+  return seen;
+}
+
+Seen seen_disk(const DiskLight<Served>& light, const Receiver<Served>& receiver) {
+  Receiver<Served> by_area = receiver;
+  by_area.area_sampling = AreaSampling::kLowDistortion;
+  // Where there is no density by solid angle points are those by area, smooth in the radius.
+  const bool is_by_area =
+      light.sample_li(receiver, {0.3, 0.6}).point == light.sample_li(by_area, {0.3, 0.6}).point;
+  return is_by_area ? seen_by<64>(light, receiver, By::kRoot)
+                    : seen_in_quarters<32>(light, receiver);
+}
+
+float textbook_disk_solid_angle(const ReferenceTable::Row& row) {
+  // A cap of the disk's area, 1 - cos as a difference.
+  const float r = static_cast<float>(row["radius_m"]);
+  const float d = static_cast<float>(std::hypot(row["offset_m"], row["height_m"]));
+  return 2 * std::numbers::pi_v<float> * (1 - d / std::sqrt(d * d + r * r)) *
+         (static_cast<float>(row["height_m"]) / d);
+}
+
+void sweep_disks(const std::string& name, Sweep& sweep) {
+  const ReferenceTable table("disks");
+  for (const auto& row : table.rows()) {
+    if (row.text("name") != name) continue;
+    const auto light = disk_in(row);
+    const std::string at = row.text("radius_m") + ", " + row.text("height_m");
+    for (const AreaSampling way : {AreaSampling::kSolidAngle, AreaSampling::kLowDistortion}) {
+      // Of points by area next to none are where a disk that covers the hemisphere is seen.
+      if (name == "low" && way != AreaSampling::kSolidAngle) continue;
+      const Seen seen = seen_disk(light, at_origin(row, way));
+      EXPECT_EQ(seen.without, 0) << at;
+      EXPECT_EQ(seen.disagreement, 0) << at;
+      sweep.compare(seen.solid_angle_sr, row["solid_angle_sr"], at);
+      sweep.compare(seen.irradiance_lx, row["irradiance_lx"], at);
+    }
+    sweep.compare_textbook(textbook_disk_solid_angle(row), row["solid_angle_sr"]);
+  }
+}
+
+TEST(DiskExtremes, SmallDisks) {
+  Sweep sweep(6, "disk of few steradians", "1e-30 ... 1e-2 sr", "solid angle and irradiance");
+  sweep_disks("small", sweep);
+  sweep.expect_within(1e-11);
+}
+
+TEST(DiskExtremes, GrazingDisks) {
+  Sweep sweep(8, "disk seen from nearly within its plane", "cosine 1e-3 ... 1e-20",
+              "solid angle and irradiance");
+  sweep_disks("grazing", sweep);
+  sweep.expect_within(1e-11);
+}
+
+TEST(DiskExtremes, DisksAsWideAsTheHemisphere) {
+  Sweep sweep(3, "disk as wide as the hemisphere", "height / radius 1 ... 1e-20",
+              "solid angle and irradiance");
+  sweep_disks("low", sweep);
+  sweep.expect_within(1e-9);
+}
+
+TEST(DiskExtremes, TiltedGrazingDisks) {
+  Sweep sweep(8, "disk in a plane that no axis is in, seen from nearly within it",
+              "cosine 1e-3 ... 1e-20", "irradiance");
+  DiskParams params;
+  params.world_from_object =
+      *Transform::from_matrix({{{1, 2, 2, -3}, {2, 1, -2, -6}, {2, -2, 1, -6}}});
+  const auto light =
+      *DiskLight<Served>::create({Rgb<double>(1), true}, *Disk<Served>::create(params));
+  const ReferenceTable table("tilted_disks");
+  for (const auto& row : table.rows()) {
+    const Seen seen = seen_by<32>(light, receiver_in(row, AreaSampling::kLowDistortion), By::kRoot);
+    EXPECT_EQ(seen.without, 0) << row.text("height");
+    EXPECT_EQ(seen.disagreement, 0) << row.text("height");
+    EXPECT_LE(relative_error(seen.solid_angle_sr, row["solid_angle_sr"]), 1e-11);
+    sweep.compare(seen.irradiance_lx, row["irradiance_lx"], row.text("height"));
+    // Normal and receiver in float: what their product rounds to.
+    const Vec3<float> n = normalized(Vec3<float>(2, -2, 1)), r(vector_in(row, "receiver"));
+    const float height = dot(r + Vec3<float>(3, 6, 6), n);
+    sweep.compare_textbook(height, 3 * row["height"]);
+  }
+  sweep.expect_within(1e-11);
+}
+
+CylinderLight<Served> cylinder_in(const ReferenceTable::Row& row) {
+  CylinderParams params;
+  params.radius_m = row["radius_m"];
+  params.z_min_m = row["z_min_m"];
+  params.z_max_m = row["z_max_m"];
+  return *CylinderLight<Served>::create({Rgb<double>(1)}, *Cylinder<Served>::create(params));
+}
+
+void sweep_cylinders(const std::string& name, Sweep& sweep) {
+  const ReferenceTable table("cylinders");
+  for (const auto& row : table.rows()) {
+    if (row.text("name") != name) continue;
+    const auto light = cylinder_in(row);
+    Receiver<Served> receiver(row["receiver_m"], 0, 0);
+    receiver.normal = vector_in(row, "normal");
+    // Only what is within the tangents is seen.
+    const double share = row["tangent_rad"] / (2 * kPi);
+    const Seen before = seen_by(light, receiver, By::kShare, By::kShare, {0, 0}, {1, share});
+    const Seen after = seen_by(light, receiver, By::kShare, By::kShare, {0, 1 - share}, {1, 1});
+    EXPECT_EQ(before.disagreement + after.disagreement, 0);
+    EXPECT_EQ(light.sample_li(receiver, {0.5, 0.5}).reason, NoLight::kBehind);
+    sweep.compare(before.irradiance_lx + after.irradiance_lx, row["irradiance_lx"],
+                  row.text("radius_m") + ", " + row.text("receiver_m"));
+  }
+}
+
+TEST(CylinderExtremes, SmallCylinders) {
+  Sweep sweep(6, "cylinder of few steradians", "radius / distance 0.1 ... 1e-15", "irradiance");
+  sweep_cylinders("small", sweep);
+  sweep.expect_within(1e-12);
+}
+
+TEST(CylinderExtremes, CylindersFromJustAboveTheirTangent) {
+  Sweep sweep(8, "cylinder along which the receiver looks", "height / radius 0.1 ... 1e-9",
+              "irradiance");
+  sweep_cylinders("grazing", sweep);
+  sweep.expect_within(1e-6);
+}
+
+TEST(CylinderExtremes, TubesSeenAlongTheirAxis) {
+  Sweep sweep(8, "the inside of a cylinder seen along its axis", "cosine 0.1 ... 1e-20",
+              "irradiance");
+  const ReferenceTable table("tubes");
+  for (const auto& row : table.rows()) {
+    CylinderParams params;
+    params.radius_m = row["radius_m"];
+    params.z_min_m = 1;
+    params.z_max_m = 2;
+    const auto light =
+        *CylinderLight<Served>::create({Rgb<double>(1), true}, *Cylinder<Served>::create(params));
+    Receiver<Served> receiver(0, 0, 0);
+    receiver.normal = {0, 0, 1};
+    const Seen seen = seen_by(light, receiver);
+    EXPECT_EQ(seen.without, 0) << row.text("radius_m");
+    EXPECT_EQ(seen.disagreement, 0);
+    EXPECT_LE(relative_error(seen.solid_angle_sr, row["solid_angle_sr"]), 1e-12);
+    sweep.compare(seen.irradiance_lx, row["irradiance_lx"], row.text("radius_m"));
+    const float r = static_cast<float>(row["radius_m"]);
+    sweep.compare_textbook(std::numbers::pi_v<float> * (r * r / (1 + r * r) - r * r / (4 + r * r)),
+                           row["irradiance_lx"]);
+  }
+  sweep.expect_within(1e-12);
+}
+
+}  // namespace
+}  // namespace lucerna::testing

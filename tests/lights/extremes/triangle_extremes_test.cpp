@@ -1,0 +1,119 @@
+// Rows 3 and 4: triangles that cover next to nothing, and all but the hemisphere.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "tests/lights/extremes/area_extremes.h"
+
+namespace lucerna::testing {
+namespace {
+
+TriangleMeshLight<Served> light_in(const ReferenceTable::Row& row) {
+  return triangle_light({vector_in(row, "a"), vector_in(row, "b"), vector_in(row, "c")});
+}
+
+/// The sum of the angles less pi, each angle by the cosine between the planes of two sides
+/// (Girard).
+float textbook_solid_angle(const ReferenceTable::Row& row) {
+  const Vec3<float> r(vector_in(row, "receiver"));
+  const Vec3<float> a = normalized(Vec3<float>(vector_in(row, "a")) - r);
+  const Vec3<float> b = normalized(Vec3<float>(vector_in(row, "b")) - r);
+  const Vec3<float> c = normalized(Vec3<float>(vector_in(row, "c")) - r);
+  const Vec3<float> ab = normalized(cross(a, b)), bc = normalized(cross(b, c)),
+                    ca = normalized(cross(c, a));
+  return std::acos(-dot(ab, bc)) + std::acos(-dot(bc, ca)) + std::acos(-dot(ca, ab)) -
+         std::numbers::pi_v<float>;
+}
+
+std::string place(const ReferenceTable::Row& row) {
+  return row.text("name") + ", " + row.text("solid_angle_sr") + " sr";
+}
+
+TEST(TriangleExtremes, SolidAngleOfSmallTriangles) {
+  Sweep sweep(4, "triangle of few steradians, faced, oblique and 1 : 1000",
+              "1e-40 ... 1e-3 sr, by solid angle, cosine and area", "mean of 1 / density");
+  const ReferenceTable table("small_triangles");
+  for (const auto& row : table.rows()) {
+    const auto light = light_in(row);
+    for (const AreaSampling way : {AreaSampling::kSolidAngle, AreaSampling::kCosineSolidAngle})
+      sweep.compare(seen_by(light, receiver_in(row, way), By::kShare, By::kRoot).solid_angle_sr,
+                    row["solid_angle_sr"], place(row));
+    sweep.compare(
+        seen_by(light, receiver_in(row, AreaSampling::kSquareRoot), By::kRoot).solid_angle_sr,
+        row["solid_angle_sr"], place(row));
+    sweep.compare_textbook(textbook_solid_angle(row), row["solid_angle_sr"]);
+  }
+  sweep.expect_within(1e-12);
+}
+
+TEST(TriangleExtremes, IrradianceOfSmallTriangles) {
+  Sweep sweep(4, "triangle of few steradians, faced, oblique and 1 : 1000",
+              "1e-40 ... 1e-3 sr, by solid angle, cosine and area", "irradiance");
+  const ReferenceTable table("small_triangles");
+  for (const auto& row : table.rows()) {
+    const auto light = light_in(row);
+    for (const AreaSampling way : {AreaSampling::kSolidAngle, AreaSampling::kCosineSolidAngle})
+      sweep.compare(seen_by(light, receiver_in(row, way), By::kShare, By::kRoot).irradiance_lx,
+                    row["irradiance_lx"], place(row));
+    sweep.compare(
+        seen_by(light, receiver_in(row, AreaSampling::kSquareRoot), By::kRoot).irradiance_lx,
+        row["irradiance_lx"], place(row));
+    // The irradiance of so small a light is the textbook's solid angle times the cosine to it.
+    const Vec3<double> to_light = normalized(-vector_in(row, "receiver"));
+    if (row["solid_angle_sr"] < 1e-6)
+      sweep.compare_textbook(textbook_solid_angle(row) * dot(vector_in(row, "normal"), to_light),
+                             row["irradiance_lx"]);
+  }
+  sweep.expect_within(1e-12);
+}
+
+TEST(TriangleExtremes, SamplesOfSmallTrianglesHaveTheDensityOfTheirPoints) {
+  Sweep sweep(4, "triangle of few steradians", "1e-40 ... 1e-3 sr, all seven ways",
+              "density of a sample, by that of its point");
+  const ReferenceTable table("small_triangles");
+  for (const auto& row : table.rows()) {
+    const auto light = light_in(row);
+    for (const AreaSampling way :
+         {AreaSampling::kSquareRoot, AreaSampling::kKraemer, AreaSampling::kParallelogram,
+          AreaSampling::kRejection, AreaSampling::kLowDistortion, AreaSampling::kSolidAngle,
+          AreaSampling::kCosineSolidAngle}) {
+      const Seen seen = seen_by<8>(light, receiver_in(row, way));
+      EXPECT_EQ(seen.without, 0) << place(row);
+      sweep.compare(seen.disagreement, 0, place(row));
+    }
+  }
+  sweep.expect_within(0);
+}
+
+TEST(TriangleExtremes, SolidAngleNearTheHemisphere) {
+  Sweep sweep(3, "triangle as wide as the hemisphere, vertices up to 1e9",
+              "height / size 1 ... 1e-20, over its middle, over and beside its edges",
+              "mean of 1 / density");
+  const ReferenceTable table("hemisphere_triangles");
+  for (const auto& row : table.rows()) {
+    const Seen seen = seen_by(light_in(row), receiver_in(row, AreaSampling::kSolidAngle));
+    EXPECT_EQ(seen.without, 0) << place(row);
+    EXPECT_EQ(seen.disagreement, 0) << place(row);
+    sweep.compare(seen.solid_angle_sr, row["solid_angle_sr"], place(row));
+    sweep.compare_textbook(textbook_solid_angle(row), row["solid_angle_sr"]);
+  }
+  sweep.expect_within(1e-13);
+}
+
+TEST(TriangleExtremes, IrradianceNearTheHemisphere) {
+  Sweep sweep(3, "triangle as wide as the hemisphere, vertices up to 1e9",
+              "height / size 1 ... 1e-20, by solid angle and cosine", "irradiance");
+  const ReferenceTable table("hemisphere_triangles");
+  for (const auto& row : table.rows()) {
+    const auto light = light_in(row);
+    for (const AreaSampling way : {AreaSampling::kSolidAngle, AreaSampling::kCosineSolidAngle})
+      sweep.compare(seen_in_halves(light, receiver_in(row, way), By::kRoot).irradiance_lx,
+                    row["irradiance_lx"], place(row));
+    sweep.compare_textbook(textbook_solid_angle(row) / 2, row["irradiance_lx"]);
+  }
+  sweep.expect_within(1e-8);
+}
+
+}  // namespace
+}  // namespace lucerna::testing
