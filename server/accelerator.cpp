@@ -13,6 +13,7 @@
 #include "server/denormals.h"
 #include "server/isa.h"
 #include "server/ray_limits.h"
+#include "server/surface_table.h"
 #include "server/user_geometry.h"
 
 namespace lucerna {
@@ -29,32 +30,42 @@ enum GeometryId : unsigned {
   kFirstInstance
 };
 
-// A ray as Embree takes it: its direction made `units` times as long, so t is in as many times the
-// unit.
-struct EmbreeRay {
-  alignas(16) RTCRay ray;
-  float units;
-};
+std::optional<UnitRay> unit_ray(const Ray& ray, const RaySpace& space) {
+  return lucerna::unit_ray(Vec3<double>(ray.origin), Vec3<double>(ray.direction), ray.t_min,
+                           ray.t_max, space);
+}
 
-// Nothing where the ray is none.
-std::optional<EmbreeRay> embree_ray(const Ray& r, const RayLimits& limits) {
-  const float longest = max_abs(r.direction);
-  if (!(max_abs(r.origin) < limits.max_origin) || !is_finite(r.origin) || !is_finite(r.direction) ||
-      !(longest > 0) || std::isnan(r.t_min) || std::isnan(r.t_max))
-    return std::nullopt;
-  EmbreeRay e{};
-  // Exact, in two steps: the factor itself may not fit.
-  const int shift = limits.direction_exponent - std::ilogb(longest);
-  const float half = std::scalbn(1.0f, shift / 2), rest = std::scalbn(1.0f, shift - shift / 2);
-  e.units = half * rest;
-  e.ray.org_x = r.origin.x, e.ray.org_y = r.origin.y, e.ray.org_z = r.origin.z;
-  e.ray.dir_x = r.direction.x * half * rest;
-  e.ray.dir_y = r.direction.y * half * rest;
-  e.ray.dir_z = r.direction.z * half * rest;
-  e.ray.tnear = r.t_min / half / rest;
-  e.ray.tfar = r.t_max / half / rest;
-  e.ray.mask = ~0u;
-  return e;
+RTCRay embree_ray(const UnitRay& r) {
+  RTCRay ray{};
+  ray.org_x = r.origin.x, ray.org_y = r.origin.y, ray.org_z = r.origin.z;
+  ray.dir_x = r.direction.x, ray.dir_y = r.direction.y, ray.dir_z = r.direction.z;
+  ray.tnear = r.t_min, ray.tfar = r.t_max;
+  ray.mask = ~0u;
+  return ray;
+}
+
+/// The box of what the set holds [m]; empty where it is.
+Bounds box_of(const GeometrySet& set) {
+  Bounds box;
+  for (const std::uint32_t v : set.triangles) box.add(Vec3<double>(set.vertices[v]));
+  const auto add = [&](const auto& shapes) {
+    for (const auto& shape : shapes) {
+      const auto [lower, upper] = shape.bounds();
+      box.add(lower), box.add(upper);
+    }
+  };
+  add(set.patches), add(set.spheres), add(set.disks), add(set.cylinders);
+  return box;
+}
+
+double reach_of(const Bounds& box) {
+  return box.empty() ? 0 : std::fmax(max_abs(box.lower), max_abs(box.upper));
+}
+
+/// From an object's units to the scene's.
+Transform in_units(const Transform& scene_from_object, double scene_unit_m, double object_unit_m) {
+  const auto times = [](double s) { return *Transform::scale({s, s, s}); };
+  return times(1 / scene_unit_m) * scene_from_object * times(object_unit_m);
 }
 
 struct SceneDeleter {
@@ -86,9 +97,12 @@ struct Accelerator::State {
   DeviceHandle device;
   std::vector<SceneHandle> object_scenes;
   SceneHandle top;
-  RayLimits limits;
+  RaySpace space;  // of the scene
+  std::vector<RaySpace> object_spaces;
+  std::vector<Bounds> object_boxes;  // [m]
 
   absl::Status open(const std::string& wanted_isa);
+  absl::Status measure();
   SceneHandle commit(GeometrySet& set, std::array<AnalyticShapes, 4>& analytic,
                      bool with_instances);
   RTCGeometry resting(const GeometryInstance& instance) const;
@@ -144,13 +158,58 @@ absl::Status Accelerator::State::open(const std::string& wanted) {
   return absl::OkStatus();
 }
 
+/// The spaces of scene and objects, and vertices in their units.
+absl::Status Accelerator::State::measure() {
+  const auto rescale = [](GeometrySet& set, const RaySpace& in) {
+    set.unit_m = in.unit_m;
+    if (in.unit_m == 1) return;
+    for (Vec3<float>& v : set.vertices) v = Vec3<float>(Vec3<double>(v) / in.unit_m);
+  };
+  for (GeometrySet& object : objects) {
+    const double reach = reach_of(object_boxes.emplace_back(box_of(object)));
+    object_spaces.push_back({.unit_m = unit_for(reach), .reach_m = reach});
+    rescale(object, object_spaces.back());
+  }
+  Bounds all = box_of(scene);
+  for (const GeometryInstance& instance : instances) {
+    const Bounds& box = object_boxes[instance.object];
+    Bounds placed;
+    for (int corner = 0; corner < 8 && !box.empty(); ++corner)
+      placed.add(instance.scene_from_object.point({corner & 1 ? box.upper.x : box.lower.x,
+                                                   corner & 2 ? box.upper.y : box.lower.y,
+                                                   corner & 4 ? box.upper.z : box.lower.z}));
+    if (placed.empty()) continue;
+    const auto [lower, upper] = instance.motion
+                                    ? instance.motion->bounds(placed.lower, placed.upper)
+                                    : std::pair{placed.lower, placed.upper};
+    all.add(lower), all.add(upper);
+  }
+  space = {.unit_m = unit_for(reach_of(all)), .reach_m = reach_of(all)};
+  rescale(scene, space);
+  double magnified = 1;
+  for (std::size_t i = 0; i < instances.size(); ++i) {
+    if (instances[i].motion) continue;
+    const double m = magnification(in_units(instances[i].scene_from_object, space.unit_m,
+                                            object_spaces[instances[i].object].unit_m));
+    if (!(m < 0x1p40))
+      return absl::InvalidArgumentError(
+          fmt::format("instance {} has {:g} of the size of the scene, allowed down to {:g}", i,
+                      1 / m, 0x1p-40));
+    magnified = std::max(magnified, m);
+  }
+  // So that directions stay within Embree's 1.8e18 in every object's space.
+  space.direction_exponent = std::min(space.direction_exponent, 57 - std::ilogb(magnified));
+  return absl::OkStatus();
+}
+
 RTCGeometry Accelerator::State::resting(const GeometryInstance& instance) const {
   RTCGeometry g = rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_INSTANCE);
   rtcSetGeometryInstancedScene(g, object_scenes[instance.object].get());
+  const Transform to_scene =
+      in_units(instance.scene_from_object, space.unit_m, object_spaces[instance.object].unit_m);
   std::array<float, 12> rows{};
   for (int r = 0; r < 3; ++r)
-    for (int c = 0; c < 4; ++c)
-      rows[4 * r + c] = static_cast<float>(instance.scene_from_object.matrix()[r][c]);
+    for (int c = 0; c < 4; ++c) rows[4 * r + c] = static_cast<float>(to_scene.matrix()[r][c]);
   rtcSetGeometryTransform(g, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, rows.data());
   return g;
 }
@@ -192,9 +251,9 @@ SceneHandle Accelerator::State::commit(GeometrySet& set, std::array<AnalyticShap
       attach(resting(instance), number);
       continue;
     }
-    RTCBounds bounds;
-    rtcGetSceneBounds(object_scenes[instance.object].get(), &bounds);
-    moving.emplace_back(instance, object_scenes[instance.object].get(), bounds, number);
+    moving.emplace_back(instance, object_scenes[instance.object].get(),
+                        object_spaces[instance.object], object_boxes[instance.object], space.unit_m,
+                        number);
   }
   if (with_instances && !moving.empty()) attach(moving_geometry(device.get(), &moving), kMoving);
   rtcSetSceneProgressMonitorFunction(
@@ -225,15 +284,7 @@ absl::StatusOr<std::unique_ptr<Accelerator>> Accelerator::build(
   state->objects = std::move(objects);
   state->instances = std::move(instances);
   state->stop = std::move(stop);
-  double magnified = 1;
-  for (std::size_t i = 0; i < state->instances.size(); ++i) {
-    const double m = magnification(state->instances[i].scene_from_object);
-    if (!(m < 0x1p40))
-      return absl::InvalidArgumentError(
-          fmt::format("instance {} shrinks its object by {:g}, allowed up to {:g}", i, m, 0x1p40));
-    // A rotation turns the diagonal of a box into an axis.
-    magnified = std::max(magnified, state->instances[i].motion == nullptr ? m : 2 * m);
-  }
+  if (absl::Status s = state->measure(); !s.ok()) return s;
   if (absl::Status s = state->open(isa); !s.ok()) return s;
   state->analytic.resize(1 + state->objects.size());
   for (std::size_t i = 0; i < state->objects.size(); ++i) {
@@ -242,26 +293,21 @@ absl::StatusOr<std::unique_ptr<Accelerator>> Accelerator::build(
   }
   state->top = state->commit(state->scene, state->analytic[0], true);
   if (absl::Status s = state->status(); !s.ok()) return s;
-  RTCBounds bounds;
-  rtcGetSceneBounds(state->top.get(), &bounds);
-  const float extent = std::max({bounds.upper_x - bounds.lower_x, bounds.upper_y - bounds.lower_y,
-                                 bounds.upper_z - bounds.lower_z});
-  state->limits = limits_for(extent, magnified);
   return std::unique_ptr<Accelerator>(new Accelerator(std::move(state)));
 }
 
 std::optional<RawHit> Accelerator::closest_hit(const Ray& ray) const {
-  const std::optional<EmbreeRay> start = embree_ray(ray, state_->limits);
+  const std::optional<UnitRay> start = unit_ray(ray, state_->space);
   if (!start) return std::nullopt;
   alignas(16) RTCRayHit query;
-  query.ray = start->ray;
+  query.ray = embree_ray(*start);
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
   QueryContext context(ray.time_s);
   rtcIntersect1(state_->top.get(), &context.embree, &query);
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
   RawHit hit;
-  hit.t = query.ray.tfar * start->units;
+  hit.t = static_cast<float>(query.ray.tfar * start->units + start->start);
   hit.kind = static_cast<HitKind>(query.hit.geomID);
   hit.primitive = query.hit.primID;
   if (query.hit.instID[0] != RTC_INVALID_GEOMETRY_ID)
@@ -272,11 +318,12 @@ std::optional<RawHit> Accelerator::closest_hit(const Ray& ray) const {
 }
 
 bool Accelerator::occluded(const Ray& ray) const {
-  std::optional<EmbreeRay> query = embree_ray(ray, state_->limits);
-  if (!query) return false;
+  const std::optional<UnitRay> start = unit_ray(ray, state_->space);
+  if (!start) return false;
+  alignas(16) RTCRay query = embree_ray(*start);
   QueryContext context(ray.time_s);
-  rtcOccluded1(state_->top.get(), &context.embree, &query->ray);
-  return query->ray.tfar < 0;  // Embree sets it to minus infinity
+  rtcOccluded1(state_->top.get(), &context.embree, &query);
+  return query.tfar < 0;  // Embree sets it to minus infinity
 }
 
 void Accelerator::occluded(std::span<const Ray> rays, std::span<std::uint8_t> bits) const {

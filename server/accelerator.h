@@ -25,12 +25,14 @@ namespace lucerna {
 /// Everything that rays can hit, in one space (the scene's, or an object's).  Each kind is numbered
 /// by itself, in order.
 struct GeometrySet {
-  std::vector<Vec3<float>> vertices{};
+  std::vector<Vec3<float>> vertices{};     ///< [m]; within an Accelerator in units of `unit_m`
   std::vector<std::uint32_t> triangles{};  ///< three vertex numbers a triangle
   std::vector<BilinearPatch<double>> patches{};
   std::vector<Sphere<double>> spheres{};
   std::vector<Disk<double>> disks{};
   std::vector<Cylinder<double>> cylinders{};
+  /// Of the space in which Embree has it (ray_limits.h); the Accelerator chooses it.
+  double unit_m = 1;
 
   bool empty() const {
     return triangles.empty() && patches.empty() && spheres.empty() && disks.empty() &&
@@ -67,7 +69,7 @@ class Accelerator {
   /// Takes over `scene` and `objects`.  `isa` names the kernels ("" : the best the machine has;
   /// "sse2", "sse4.2", "avx", "avx2", "avx512").  Errors: CANCELLED where `stop` was asked for,
   /// RESOURCE_EXHAUSTED where Embree had no memory, INVALID_ARGUMENT for an isa the machine lacks
-  /// and for instances that shrink their object by more than 2^40.
+  /// and for instances that are 2^40 times smaller than the scene.
   static absl::StatusOr<std::unique_ptr<Accelerator>> build(GeometrySet scene,
                                                             std::vector<GeometrySet> objects,
                                                             std::vector<GeometryInstance> instances,
@@ -78,8 +80,7 @@ class Accelerator {
   /// Coordinates of what can be hit: at most this [m].
   static constexpr double kMaxCoordinate = 1e18;
 
-  /// Nothing for rays whose direction is 0 or infinite or whose origin lies beyond 2^58 m (nearer
-  /// where instances shrink their objects: 2^58 m over their factor).
+  /// Nothing for rays whose direction is 0 or that are not finite.
   std::optional<RawHit> closest_hit(const Ray& ray) const;
   /// True where anything lies at t in (t_min, t_max).
   bool occluded(const Ray& ray) const;

@@ -1,26 +1,41 @@
-// Which rays Embree can be asked about, and how long to make their directions.
+// The space in which Embree is asked: scaled by a power of two so that what it holds is about as
+// large as 1, whatever its size in metres.
 #pragma once
 
+#include <optional>
+
 #include "lights/transform.h"
+#include "server/ray.h"
 
 namespace lucerna {
 
-/// Embree's own assertions end the process at coordinates of 1.8e18, in the scene's space or an
-/// instanced object's.
-struct RayLimits {
-  float max_origin = 0x1p58f;  ///< coordinates of origins lie below [m]
-  int direction_exponent = 0;  ///< of the longest component, as Embree gets it
+/// A space that Embree holds, scene's or object's.
+struct RaySpace {
+  double unit_m = 1;   ///< what its coordinates are multiples of, a power of two
+  double reach_m = 0;  ///< the largest coordinate of what can be hit
+  /// Of a direction's largest component.  Embree takes a denominator below 1e-18 for 1e-18, its
+  /// sign forgotten; it is the area of a triangle times the length of the direction times their
+  /// cosine. So directions are long, by a power of two, but not so long that instances make them
+  /// leave floats; no bit of an answer but its exponent shows it.
+  int direction_exponent = 20;
 };
 
-/// Embree takes a denominator below 1e-18 for 1e-18, its sign forgotten; it is the area of a
-/// triangle times the length of the direction times their cosine.  In scenes of micrometres grazing
-/// rays then hit the surface that they leave.  So directions are given a length, a power of two,
-/// that makes up for the scene's scale and leaves room at both ends; no bit of an answer but its
-/// exponent shows it.
-///
-/// `extent`: of the scene's bounds [m]; `magnified`: by how much instances may enlarge a ray as
-/// they take it into their object's space.
-RayLimits limits_for(float extent, double magnified);
+/// A ray in such a space.
+struct UnitRay {
+  Vec3<float> origin, direction;
+  float t_min, t_max;
+  /// t of the ray that was asked about is that of this one times `units`, plus `start`.
+  double units, start;
+};
+
+/// Nothing where the ray is none, or where it passes by all that can be hit.  A ray from far off
+/// begins near that, at a point found in double: floats tell points apart only as far as 2^-24 of
+/// their distance from a ray's origin.
+std::optional<UnitRay> unit_ray(const Vec3<double>& origin_m, const Vec3<double>& direction,
+                                double t_min, double t_max, const RaySpace& space);
+
+/// The power of two by which coordinates up to `reach_m` are divided, to be at most 2.
+double unit_for(double reach_m);
 
 /// By how much a ray's coordinates may grow on the way into the object's space, at least 1;
 /// infinite where they would not fit.

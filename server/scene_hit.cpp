@@ -2,6 +2,7 @@
 // floats; the point is computed again in double from the primitive itself.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "server/error_bounds.h"
 #include "server/scene.h"
@@ -21,7 +22,8 @@ struct LocalHit {
 
 LocalHit triangle_hit(const GeometrySet& set, const SurfaceTable& table, const RawHit& raw) {
   const std::uint32_t* v = &set.triangles[3 * std::size_t{raw.primitive}];
-  const Vector a(set.vertices[v[0]]), b(set.vertices[v[1]]), c(set.vertices[v[2]]);
+  const auto vertex = [&](int i) { return Vector(set.vertices[v[i]]) * set.unit_m; };
+  const Vector a = vertex(0), b = vertex(1), c = vertex(2);
   const Vector ab = b - a, ac = c - a, bc = c - b;
   const double u1 = raw.uv.x, u2 = raw.uv.y;
   LocalHit hit;
@@ -129,6 +131,9 @@ std::optional<SurfaceHit> Scene::closest_hit(const Ray& ray) const {
   hit.position = local.position;
   // The one rounding of the position where rays leave it, and what double left.
   error += absolute(local.position) * (kFloatRoundoff * (1 + 1e-6));
+  // Nor are floats told apart that differ by a denormal.
+  constexpr double kLeast = std::numeric_limits<float>::min();
+  error += Vector{kLeast, kLeast, kLeast};
   // Rounded up, so that the bound stays one.
   hit.position_error = Vec3<float>(error * (1 + 1e-6));
   hit.ng = Vec3<float>(local.ng);

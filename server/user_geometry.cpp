@@ -17,7 +17,9 @@ struct AnalyticHit {
 
 std::optional<AnalyticHit> intersect(const AnalyticShapes& shapes, unsigned primitive,
                                      const RTCRay& ray, double t_max) {
-  const Vec3<double> o{ray.org_x, ray.org_y, ray.org_z}, d{ray.dir_x, ray.dir_y, ray.dir_z};
+  const double unit_m = shapes.set->unit_m;
+  const Vec3<double> o = Vec3<double>{ray.org_x, ray.org_y, ray.org_z} * unit_m;
+  const Vec3<double> d = Vec3<double>{ray.dir_x, ray.dir_y, ray.dir_z} * unit_m;
   AnalyticHit found;
   std::optional<ShapeHit<double>> hit;
   switch (shapes.kind) {
@@ -41,9 +43,14 @@ std::optional<AnalyticHit> intersect(const AnalyticShapes& shapes, unsigned prim
   return found;
 }
 
-RTCBounds rounded(const std::pair<Vec3<double>, Vec3<double>>& box) {
-  const auto down = [](double v) { return std::nextafter(static_cast<float>(v), -INFINITY); };
-  const auto up = [](double v) { return std::nextafter(static_cast<float>(v), INFINITY); };
+/// In units of `unit_m`, rounded outwards.
+RTCBounds rounded(const std::pair<Vec3<double>, Vec3<double>>& box, double unit_m) {
+  const auto down = [&](double v) {
+    return std::nextafter(static_cast<float>(v / unit_m), -INFINITY);
+  };
+  const auto up = [&](double v) {
+    return std::nextafter(static_cast<float>(v / unit_m), INFINITY);
+  };
   RTCBounds out{};
   out.lower_x = down(box.first.x), out.lower_y = down(box.first.y), out.lower_z = down(box.first.z);
   out.upper_x = up(box.second.x), out.upper_y = up(box.second.y), out.upper_z = up(box.second.z);
@@ -69,7 +76,7 @@ void analytic_bounds(const RTCBoundsFunctionArguments* args) {
     case HitKind::kTriangle:
       break;
   }
-  *args->bounds_o = rounded(box);
+  *args->bounds_o = rounded(box, shapes.set->unit_m);
 }
 
 // Queries are single rays, so N is 1 here.
@@ -97,28 +104,29 @@ void occluded_analytic(const RTCOccludedFunctionNArguments* args) {
   if (intersect(shapes, args->primID, ray, ray.tfar)) ray.tfar = -INFINITY;
 }
 
-/// A ray in the object's space: t there is in so many times the unit that it had.
+/// A ray of the scene's space in the object's, as Embree takes it.
 struct ObjectRay {
   RTCRay ray;
-  double units;
+  double units, start;  // as UnitRay has them
 };
 
-/// Nothing where Embree could not take it.
+/// Nothing where the ray passes by.
 std::optional<ObjectRay> to_object(const MovingInstance& instance,
                                    const RTCIntersectContext* context, const RTCRay& ray) {
   const Pose pose = instance.motion->at(reinterpret_cast<const QueryContext*>(context)->time_s);
-  const Vec3<double> o =
-      instance.object_from_start.point(pose.inverse_point({ray.org_x, ray.org_y, ray.org_z}));
-  const Vec3<double> d =
-      instance.object_from_start.vector(pose.inverse_vector({ray.dir_x, ray.dir_y, ray.dir_z}));
-  const double longest = max_abs(d);
-  if (!(max_abs(o) < 0x1p60) || !(longest > 0) || !std::isfinite(longest)) return std::nullopt;
-  ObjectRay r{ray, std::scalbn(1.0, instance.direction_exponent - std::ilogb(longest))};
-  const Vec3<float> origin(o), direction(d * r.units);
-  r.ray.org_x = origin.x, r.ray.org_y = origin.y, r.ray.org_z = origin.z;
-  r.ray.dir_x = direction.x, r.ray.dir_y = direction.y, r.ray.dir_z = direction.z;
-  r.ray.tnear = static_cast<float>(ray.tnear / r.units);
-  r.ray.tfar = static_cast<float>(ray.tfar / r.units);
+  const double unit_m = instance.scene_unit_m;
+  const Vec3<double> o = Vec3<double>{ray.org_x, ray.org_y, ray.org_z} * unit_m;
+  const Vec3<double> d = Vec3<double>{ray.dir_x, ray.dir_y, ray.dir_z} * unit_m;
+  const std::optional<UnitRay> there =
+      unit_ray(instance.object_from_start.point(pose.inverse_point(o)),
+               instance.object_from_start.vector(pose.inverse_vector(d)), ray.tnear, ray.tfar,
+               instance.space);
+  if (!there) return std::nullopt;
+  ObjectRay r{ray, there->units, there->start};
+  r.ray.org_x = there->origin.x, r.ray.org_y = there->origin.y, r.ray.org_z = there->origin.z;
+  r.ray.dir_x = there->direction.x, r.ray.dir_y = there->direction.y;
+  r.ray.dir_z = there->direction.z;
+  r.ray.tnear = there->t_min, r.ray.tfar = there->t_max;
   return r;
 }
 
@@ -142,7 +150,7 @@ void intersect_moving(const RTCIntersectFunctionNArguments* args) {
   rtcIntersect1(instance.object, args->context, &local);
   args->context->instID[0] = RTC_INVALID_GEOMETRY_ID;
   if (local.hit.geomID == RTC_INVALID_GEOMETRY_ID) return;
-  query.ray.tfar = static_cast<float>(local.ray.tfar * start->units);
+  query.ray.tfar = static_cast<float>(local.ray.tfar * start->units + start->start);
   query.hit = local.hit;
   query.hit.instID[0] = instance.number;
 }
@@ -173,24 +181,20 @@ RTCGeometry user_geometry(RTCDevice device, std::size_t count, void* data, RTCBo
 }  // namespace
 
 MovingInstance::MovingInstance(const GeometryInstance& instance, RTCScene object,
-                               const RTCBounds& b, unsigned number)
+                               const RaySpace& space, const Bounds& box, double scene_unit_m,
+                               unsigned number)
     : object(object),
       number(number),
       motion(instance.motion),
       object_from_start(instance.scene_from_object.inverse()),
-      direction_exponent(
-          limits_for(
-              std::max({b.upper_x - b.lower_x, b.upper_y - b.lower_y, b.upper_z - b.lower_z}), 1)
-              .direction_exponent) {
-  Vec3<double> low{INFINITY, INFINITY, INFINITY}, high = -low;
-  for (int corner = 0; corner < 8; ++corner) {
-    const Vec3<double> p = instance.scene_from_object.point({corner & 1 ? b.upper_x : b.lower_x,
-                                                             corner & 2 ? b.upper_y : b.lower_y,
-                                                             corner & 4 ? b.upper_z : b.lower_z});
-    low = {std::fmin(low.x, p.x), std::fmin(low.y, p.y), std::fmin(low.z, p.z)};
-    high = {std::fmax(high.x, p.x), std::fmax(high.y, p.y), std::fmax(high.z, p.z)};
-  }
-  swept = rounded(motion->bounds(low, high));
+      space(space),
+      scene_unit_m(scene_unit_m) {
+  Bounds placed;
+  for (int corner = 0; corner < 8; ++corner)
+    placed.add(instance.scene_from_object.point({corner & 1 ? box.upper.x : box.lower.x,
+                                                 corner & 2 ? box.upper.y : box.lower.y,
+                                                 corner & 4 ? box.upper.z : box.lower.z}));
+  swept = rounded(motion->bounds(placed.lower, placed.upper), scene_unit_m);
 }
 
 RTCGeometry analytic_geometry(RTCDevice device, AnalyticShapes* shapes, std::size_t count) {

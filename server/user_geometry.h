@@ -8,6 +8,8 @@
 
 #include "lights/motion.h"
 #include "server/accelerator.h"
+#include "server/ray_limits.h"
+#include "server/surface_table.h"
 
 namespace lucerna {
 
@@ -28,19 +30,19 @@ struct AnalyticShapes {
 };
 
 /// An instance that moves: its rays are taken into the object's space in double, rounded to floats
-/// once there, their directions as long as suits the object (ray_limits.h), and the object's own
-/// scene is asked.
+/// once there (ray_limits.h), and the object's own scene is asked.
 struct MovingInstance {
-  /// `bounds`: of the object.  `number`: what hits name it by.
-  MovingInstance(const GeometryInstance& instance, RTCScene object, const RTCBounds& bounds,
-                 unsigned number);
+  /// `box`: of the object [m].  `number`: what hits name it by.
+  MovingInstance(const GeometryInstance& instance, RTCScene object, const RaySpace& space,
+                 const Bounds& box, double scene_unit_m, unsigned number);
 
   RTCScene object;  ///< refers to
   unsigned number;
   std::shared_ptr<const Motion> motion;
   Transform object_from_start;  ///< from where `motion` starts
-  int direction_exponent;       ///< of the longest component, in the object's space
-  RTCBounds swept;              ///< in the scene's space, over all time
+  RaySpace space;               ///< the object's
+  double scene_unit_m;
+  RTCBounds swept;  ///< in the scene's units, over all time
 };
 
 /// Geometries for Embree, not committed yet, whose callbacks refer to `shapes` and `instances`.

@@ -1,6 +1,7 @@
 #include "server/visibility.h"
 
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "server/denormals.h"
@@ -61,17 +62,21 @@ std::optional<Ray> ray_of(const Scene& scene, const VisibilityQuery& q, const To
   return ray;
 }
 
-/// Whether the surface that was met is one that the point lies on: it passes the point within the
-/// point's error and the rounding of its vertices, and was met no farther off than a ray without
-/// normal begins.
+/// No coordinate of a surface is larger than this, so none is rounded by more than a few of its
+/// ulps.
+double largest_coordinate(const Scene& scene) {
+  return max_abs(scene.sphere().center_m) + scene.sphere().radius_m;
+}
+
+/// Whether the surface that was met is one that the point lies on: its plane passes the point
+/// within the point's error and the rounding of its vertices.  However far off it was met: a way
+/// that grazes it comes within the same errors long before its end.
 bool lies_on(const LooseEnd& end, const SurfaceHit& hit) {
   if (!(end.error >= 0)) return false;
   const Vec3<double> apart = hit.position - end.position;
-  const double traversal = max_abs(hit.position_error);
   // Rays find the surface no better than that, but where it is is known to one rounding.
-  const double rounding = traversal * (kFloatRoundoff / kTraversalBound);
-  return std::fabs(dot(Vec3<double>(hit.ng), apart)) <= 2 * (end.error + rounding) &&
-         length(apart) <= kStartWithoutNormal * (end.error + traversal);
+  const double rounding = max_abs(hit.position_error) * (kFloatRoundoff / kTraversalBound);
+  return std::fabs(dot(Vec3<double>(hit.ng), apart)) <= 2 * (end.error + rounding);
 }
 
 }  // namespace
@@ -81,15 +86,18 @@ bool lies_on(const LooseEnd& end, const SurfaceHit& hit) {
 std::optional<SurfaceHit> first_other_surface(const Scene& scene, Ray ray, const LooseEnds& ends) {
   // A ray through a vertex may meet as many triangles; few vertices have more.
   constexpr int kMostSurfaces = 16;
-  // Beyond a surface met at 0: by this part of the error in finding it, and so far [m] that t is no
-  // denormal, which Embree takes for 0, on a ray as long as ray_limits.h makes them.
-  constexpr float kStep = 0x1p-10F, kLeast_m = 0x1p-66F;
+  // Beyond a surface met at 0: by this part of the error in finding it, and of the scene, so that t
+  // is no denormal, which Embree takes for 0.
+  constexpr double kStep = 0x1p-10, kLeast = 0x1p-90;
+  constexpr float kLeastT = std::numeric_limits<float>::min();
   std::optional<SurfaceHit> hit;
   for (int i = 0; i < kMostSurfaces; ++i) {
     hit = scene.closest_hit(ray);
     if (!hit || (!lies_on(ends.start, *hit) && !lies_on(ends.end, *hit))) return hit;
-    const float step_m = std::fmax(kStep * max_abs(hit->position_error), kLeast_m);
-    ray.t_min = std::fmax(std::nextafter(hit->t, INFINITY), step_m / max_abs(ray.direction));
+    const double step_m =
+        std::fmax(kStep * max_abs(hit->position_error), kLeast * largest_coordinate(scene));
+    ray.t_min = std::fmax(std::fmax(std::nextafter(hit->t, INFINITY), kLeastT),
+                          static_cast<float>(step_m / max_abs(ray.direction)));
     if (!(ray.t_min < ray.t_max)) return std::nullopt;
   }
   return hit;
@@ -98,10 +106,7 @@ std::optional<SurfaceHit> first_other_surface(const Scene& scene, Ray ray, const
 ScenePoint on_surface(const Scene& scene, ScenePoint point, const Vec3<float>& normal,
                       double time_s) {
   if (!has_normal(normal)) return point;
-  // No coordinate of a surface is larger than this, so none is rounded by more than a few of its
-  // ulps.
-  const auto largest =
-      static_cast<float>(max_abs(scene.sphere().center_m) + scene.sphere().radius_m);
+  const auto largest = static_cast<float>(largest_coordinate(scene));
   const float reach = kStartWithoutNormal * (point.error + kTraversalError * largest);
   const auto hit = scene.closest_hit(
       {Vec3<float>(point.position + Vec3<double>(normal * reach)), -normal, 0, 2 * reach, time_s});

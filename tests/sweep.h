@@ -7,6 +7,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <cstdio>
 #include <limits>
 #include <set>
 #include <string>
@@ -73,6 +75,19 @@ class Sweep {
   }
   void expect_answers(NoLight expected) { expect_answers(name_of(expected)); }
 
+  /// Holds how many of `of` cases are wrong to none; `left_out` had no right answer.
+  void expect_none(std::int64_t wrong, std::int64_t of, std::int64_t left_out) {
+    EXPECT_EQ(wrong, 0) << figure_;
+    EXPECT_GT(of, left_out);
+    cases_ = static_cast<int>(of);
+    answers_ = {(wrong == 0 ? "none of " : count(wrong) + " of ") + count(of) + ", " +
+                (left_out > 0 ? count(left_out) : "none") + " left out"};
+    record();
+  }
+  void textbook_count(std::int64_t wrong) {
+    textbook_answers_ = {wrong > 0 ? count(wrong) : "none"};
+  }
+
   static std::string name_of(NoLight reason) {
     switch (reason) {
       case NoLight::kNone:
@@ -95,6 +110,12 @@ class Sweep {
   static std::string number(double value) {
     char text[32];
     std::snprintf(text, sizeof text, "%.17g", value);
+    return text;
+  }
+  /// One digit: the last ones of a count depend on the processor's libm.
+  static std::string count(std::int64_t n) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.0e", static_cast<double>(n));
     return text;
   }
   static std::string joined(const std::set<std::string>& words) {

@@ -177,7 +177,35 @@ TEST(Accelerator, TakesDirectionsOfAnyLengthAndRefusesWhatIsNoRay) {
     EXPECT_FALSE(a->occluded(Ray{{0.2f, 0.2f, 0}, {0, 0, bad}}));
   }
   EXPECT_FALSE(a->closest_hit({{0.2f, NAN, 0}, {0, 0, 1}}));
-  EXPECT_FALSE(a->closest_hit({{0.2f, 0.2f, -1e30f}, {0, 0, 1}}));
+}
+
+TEST(Accelerator, TakesRaysFromAnyDistance) {
+  const auto a = build(triangle(1));
+  for (const float z : {-1e3F, -1e10F, -1e20F, -1e30F}) {
+    const auto hit = a->closest_hit({{0.25F, 0.5F, z}, {0, 0, 2}});
+    ASSERT_TRUE(hit) << z;
+    EXPECT_FLOAT_EQ(hit->t, (1 - z) / 2);
+    EXPECT_TRUE(a->occluded(Ray{{0.25F, 0.5F, z}, {0, 0, 2}}));
+    EXPECT_FALSE(a->occluded(Ray{{0.25F, 0.5F, z}, {0, 0, 2}, 0, -z / 4}));
+    EXPECT_FALSE(a->occluded(Ray{{0.25F, 0.5F, z}, {0, 0, 2}, -z}));
+    EXPECT_FALSE(a->occluded(Ray{{0.25F, 0.5F, z}, {0, 0, -2}}));
+    EXPECT_FALSE(a->occluded(Ray{{0.75F, 0.5F, z}, {0, 0, 2}}));
+  }
+  // Where it passes is told by doubles: floats from there would not know the triangle's corners.
+  const auto slanting = a->closest_hit({{-0x1p22F, 0.5F, -0x1p24F}, {0x1p22F, 0, 0x1p24F}});
+  ASSERT_TRUE(slanting);
+  EXPECT_NEAR(slanting->uv.x, 0.25, 1e-6);
+}
+
+TEST(Accelerator, TakesGeometryOfAnySize) {
+  for (const float s : {1e-30F, 1e-20F, 1e-10F, 1e10F, 1e18F}) {
+    const auto a = build({.vertices = {{0, 0, s}, {s, 0, s}, {0, s, s}}, .triangles = {0, 1, 2}});
+    const auto hit = a->closest_hit({{0.25F * s, 0.5F * s, 0}, {0, 0, 1}});
+    ASSERT_TRUE(hit) << s;
+    EXPECT_FLOAT_EQ(hit->t, s);
+    EXPECT_FLOAT_EQ(hit->uv.x, 0.25F);
+    EXPECT_FLOAT_EQ(hit->uv.y, 0.5F);
+  }
 }
 
 TEST(Accelerator, StopsBuildingWhenAsked) {

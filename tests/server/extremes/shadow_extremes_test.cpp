@@ -1,0 +1,279 @@
+// Rows 22 and 23: surfaces that shadow themselves and walls that let light through, in scenes of
+// any size and anywhere, counted against intersections in double.  What passes an edge or an end
+// within the stated error bounds has no right answer in floats and is left out.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "server/visibility.h"
+#include "tests/server/extremes/ray_counts.h"
+
+namespace lucerna::testing {
+namespace {
+
+class ShadowExtremes : public RayCounts {};
+
+/// A point of some primitive; of every twentieth on its border, of every hundredth a corner.
+Point target(const ExactGeometry& exact, Random& random) {
+  Vec2<double> u{uniform(random), uniform(random)};
+  const float kind = uniform(random);
+  if (kind < 0.05F) u.x = 0;
+  if (kind < 0.01F) u.y = 0;
+  return exact.point(static_cast<int>(random() % exact.size()), u).position;
+}
+
+/// A direction about `n`; of every tenth nearly within the surface.
+Vec3<float> leaving(const Vec3<float>& n, Random& random) {
+  const float c = uniform(random) < 0.9F ? uniform(random) : std::pow(10.0F, -7 * uniform(random));
+  const float phi = 2 * std::numbers::pi_v<float> * uniform(random), r = std::sqrt(1 - c * c);
+  return normalized(
+      Frame<float>::around(n).world_from_local({r * std::cos(phi), r * std::sin(phi), c}));
+}
+
+/// Hits as the first editions kept them: floats about the world's zero.
+Vec3<float> world_float(const Everything& e, const Point& p) {
+  const Point o = e.scene().origin();
+  return Vec3<float>(Point(Vec3<float>(p + o)) - o);
+}
+
+/// Which primitive a hit lies on: nothing where there is no telling.
+int primitive_of(const ExactAnswer& truth, double t) {
+  int found = -1;
+  for (const ExactCrossing& c : truth.crossings) {
+    if (std::fabs(c.t - t) > 2 * c.slack_t + 4e-7 * t) continue;
+    if (!c.sure || c.on_edge || found >= 0) return -1;
+    found = c.primitive;
+  }
+  return found;
+}
+
+/// A hit against the truth; returns the primitive that it lies on, -1 where that is unsure.
+int check_hit(const ExactAnswer& truth, const std::optional<SurfaceHit>& hit, Count& count) {
+  ++count.rays;
+  if (!hit) {
+    if (truth.sure())
+      ++count.leaks;
+    else
+      count.left_out += !truth.crossings.empty();
+    return -1;
+  }
+  bool there = false, sure = false;
+  for (const ExactCrossing& c : truth.crossings) {
+    const double tolerance = 2 * c.slack_t + 4e-7 * hit->t;
+    const bool this_one = std::fabs(c.t - hit->t) <= tolerance;
+    there |= this_one;
+    sure |= this_one && c.sure;
+    if (c.sure && c.t < hit->t - tolerance) {
+      ++count.leaks;  // through something nearer
+      return -1;
+    }
+  }
+  if (!there) ++count.shadows;
+  count.left_out += there && !sure;
+  return primitive_of(truth, hit->t);
+}
+
+/// A ray to a surface, one that leaves it, one to a lamp: three rays.
+void bounce(const Everything& e, Random& random, Count& count) {
+  const Scene& scene = e.scene();
+  const ExactGeometry& exact = e.exact();
+  const auto around = [&] { return 3.0 * uniform(random) - 1.5; };
+  const Vec3<float> origin(e.local({around(), around(), around() + 0.5}));
+  Ray ray{origin, Vec3<float>(target(exact, random) - Point(origin))};
+  const ExactAnswer seen =
+      exact.along({.origin = Point(origin), .direction = Point(ray.direction)});
+  const std::optional<SurfaceHit> hit = scene.closest_hit(ray);
+  const int from = check_hit(seen, hit, count);
+  if (from < 0) return;
+
+  const Point p(hit->position);
+  const double start_error = max_abs(hit->position_error);
+  const Vec3<float> n = dot(hit->ng, ray.direction) < 0 ? hit->ng : -hit->ng;
+  const Vec3<float> w = leaving(n, random);
+  ExactRay leaves{.origin = p,
+                  .direction = Point(w),
+                  .start_error = start_error,
+                  .from = from,
+                  .from_normal = Point(n)};
+  count.add(exact.along(leaves), scene.occluded(spawn_ray(*hit, w)),
+            scene.occluded({world_float(e, p), w, kEpsilon}));
+
+  // Of the lamp a hair above the floor less often: near its floor most rays have no right answer.
+  const std::uint64_t which = random();
+  const std::uint32_t light = which % 8 == 0 ? 0 : 1 + (which >> 8) % 2;
+  visit_light(scene.lights()[light], 0, [&](const auto& model) {
+    const float u = uniform(random), v = uniform(random);
+    const auto sample = model.sample_li(hit->position, {u, v});
+    if (sample.reason != NoLight::kNone) return;
+    const Point q(sample.point);
+    const int to = e.light_begin(light) + static_cast<int>(sample.primitive);
+    if (to == from) return;
+    ExactRay shadow{
+        .origin = p,
+        .direction = q - p,
+        .t_max = 1,
+        .start_error = start_error,
+        .end_error = kTraversalBound * (max_abs(q) + sample.distance),
+        .from = from,
+        .to = to,
+        .from_normal = dot(Point(hit->ng), q - p) < 0 ? -Point(hit->ng) : Point(hit->ng)};
+    const Vec3<float> start = world_float(e, p), way = world_float(e, q) - start;
+    count.add(exact.along(shadow),
+              scene.occluded(shadow_ray(*hit, sample, scene.lights()[light].reach_m)),
+              scene.occluded({start, way, kEpsilon / length(way), 1 - kEpsilon}));
+  });
+}
+
+/// A segment between two points on surfaces as somebody types them: floats about a place.
+struct TypedSegments {
+  std::vector<float> from, to, normals;
+  std::vector<ExactRay> exact;
+};
+
+TypedSegments typed_segments(const Everything& e, std::size_t n) {
+  const ExactGeometry& exact = e.exact();
+  TypedSegments s;
+  Random random(7);
+  const auto put = [](std::vector<float>& to, const Vec3<float>& v) {
+    to.insert(to.end(), {v.x, v.y, v.z});
+  };
+  const Point shift = e.scene().origin() - e.place().offset;
+  while (s.exact.size() < n) {
+    const auto from = static_cast<int>(random() % exact.size());
+    const auto to = static_cast<int>(random() % exact.size());
+    if (from == to) continue;
+    auto [p, normal] = exact.point(from, {uniform(random), uniform(random)});
+    const Point q = exact.point(to, {uniform(random), uniform(random)}).position;
+    if (dot(normal, q - p) < 0) normal = -normal;
+    put(s.from, Vec3<float>(p + shift)), put(s.to, Vec3<float>(q + shift));
+    put(s.normals, Vec3<float>(normal));
+    s.exact.push_back({.origin = p,
+                       .direction = q - p,
+                       .t_max = 1,
+                       .from = from,
+                       .to = to,
+                       .from_normal = normal});
+  }
+  return s;
+}
+
+/// TestVisibility of the segments, with normals or without.
+Count typed(const Everything& e, TypedSegments s, bool with_normals) {
+  const Scene& scene = e.scene();
+  const std::size_t n = s.exact.size();
+  std::vector<std::uint8_t> visible((n + 7) / 8);
+  std::vector<int> status(n);
+  const VisibilityQuery query{
+      .from = {e.place().offset, s.from},
+      .to = PointArray{e.place().offset, s.to},
+      .normals = with_normals ? std::span<const float>(s.normals) : std::span<const float>{}};
+  test_visibility(scene, query, visible.data(), status.data(), {});
+  const ToScene from(scene, query.from, {}), to(scene, *query.to, {});
+  tbb::enumerable_thread_specific<Count> counts;
+  parallel_chunks(n, 1024, {}, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      // Ways begin and end so far off their points, and off surfaces that the points are not on.
+      const auto error = [&](const ScenePoint& p) {
+        return kStartWithoutNormal * (p.error + kTraversalBound * e.largest());
+      };
+      s.exact[i].start_error = error(from(i)), s.exact[i].end_error = error(to(i));
+      const Vec3<float> start = world_float(e, s.exact[i].origin),
+                        way = world_float(e, s.exact[i].origin + s.exact[i].direction) - start;
+      EXPECT_EQ(status[i], 1);
+      counts.local().add(e.exact().along(s.exact[i]), (visible[i / 8] >> (i % 8) & 1) == 0,
+                         scene.occluded({start, way, kEpsilon / length(way), 1 - kEpsilon}));
+    }
+  });
+  Count sum;
+  for (const Count& c : counts) sum += c;
+  return sum;
+}
+
+/// Points of the floor beneath a lamp that hangs a hair above it, and beside it.
+void beneath(const Everything& e, Random& random, Count& count) {
+  const Scene& scene = e.scene();
+  const bool under = uniform(random) < 0.5F;
+  const double x = under ? -0.8 + 0.3 * uniform(random) : -0.95 + 0.6 * uniform(random);
+  const double y = under ? -0.8 + 0.3 * uniform(random) : -0.95 + 0.6 * uniform(random);
+  const Vec3<float> above(e.local({x, y, 0.5 * Everything::kHair}));
+  const auto hit = scene.closest_hit({above, {0, 0, -1}});
+  // No lamp hides the floor from what is between both.
+  ++count.rays;
+  const double height = Everything::kHair * e.place().size;
+  if (!hit || std::fabs(hit->t - 0.5 * height) > 0.1 * height) {
+    ++count.leaks;
+    return;
+  }
+  visit_light(scene.lights()[0], 0, [&](const auto& lamp) {
+    const float u = uniform(random), v = uniform(random);
+    const auto sample = lamp.sample_li(hit->position, {u, v});
+    ++count.rays;
+    if (sample.reason != NoLight::kNone) {
+      ++count.shadows;
+      return;
+    }
+    const Point p(hit->position), q(sample.point);
+    count.shadows += scene.occluded(shadow_ray(*hit, sample));
+    const Vec3<float> start = world_float(e, p), way = world_float(e, q) - start;
+    count.textbook += scene.occluded({start, way, kEpsilon / length(way), 1 - kEpsilon});
+    // And through the lamp nobody sees: from the floor past the sample.
+    if (sample.normal.z < -0.5F || !under) return;
+    ++count.rays;
+    count.leaks += !scene.occluded(spawn_ray(*hit, Vec3<float>{0, 0, 1}));
+    count.textbook += !scene.occluded({start, {0, 0, 1}, kEpsilon});
+  });
+}
+
+TEST_F(ShadowExtremes, LeaksAndSelfShadowingAtAnySize) {
+  Sweep sweep(22, "rays to, from and between one of everything and its lamps", "1e-4 ... 1e7 m",
+              "leaks and self-shadowing");
+  for (const Place& place : sizes()) {
+    const Everything e(place);
+    expect(counted(360000, [&](Random& r, Count& k) { bounce(e, r, k); }), place, 0.03);
+  }
+  finish(sweep);
+}
+
+TEST_F(ShadowExtremes, LeaksAndSelfShadowingFarFromZero) {
+  Sweep sweep(23, "the same of size 1, moved", "1e7 m along x, y, z and all three",
+              "leaks and self-shadowing");
+  for (const Place& place : moved()) {
+    const Everything e(place);
+    const std::size_t n = place.offset.x * place.offset.y != 0 ? 360000 : 60000;
+    expect(counted(n, [&](Random& r, Count& k) { bounce(e, r, k); }), place, 0.03);
+  }
+  finish(sweep);
+}
+
+TEST_F(ShadowExtremes, TypedPoints) {
+  Sweep sweep(22, "segments between points typed on surfaces, with normals and without",
+              "1e-4 ... 1e7 m; moved by 1e7", "leaks and self-shadowing");
+  std::vector<Place> all = sizes();
+  all.push_back(moved()[0]);
+  for (const Place& place : all) {
+    const Everything e(place);
+    const TypedSegments segments = typed_segments(e, 60000);
+    expect(typed(e, segments, false), place, 0.2);
+    expect(typed(e, segments, true), place, 0.2);
+  }
+  finish(sweep);
+}
+
+TEST_F(ShadowExtremes, LampAHairAboveAFloor) {
+  Sweep sweep(22, "lamp 1e-5 of the scene's size above a floor, and that floor",
+              "1e-4 ... 1e7 m; moved by 1e7", "hidden, or seen through");
+  std::vector<Place> all = sizes();
+  all.push_back(moved()[0]);
+  for (const Place& place : all) {
+    const Everything e(place);
+    expect(counted(100000, [&](Random& r, Count& k) { beneath(e, r, k); }), place, 1e-9);
+  }
+  finish(sweep);
+}
+
+}  // namespace
+}  // namespace lucerna::testing
