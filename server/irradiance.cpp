@@ -11,6 +11,7 @@
 #include "server/denormals.h"
 #include "server/parallel.h"
 #include "server/path.h"
+#include "server/sample_sum.h"
 #include "server/spectral_values.h"
 
 namespace lucerna {
@@ -23,17 +24,17 @@ constexpr std::uint64_t kSamplesPerChunk = 1024;
 /// One number being estimated: the total, or one light's share of it.
 struct Estimate {
   BlockStream<3> blocks{0};
-  Rgb<double> block_sum;          // [lx], of the samples of the current block
+  SampleSum block_sum;            // [lx], of the samples of the current block
   Rgb<double> exact;              // what needs no sampling [lx]
   double largest_unshadowed = 0;  // of one sample's illuminance had nothing been in the way [lx]
   bool sampled = false;
 
   void add(const LightEstimate& e) {
-    block_sum += e.value;
+    block_sum.add(e.value);
     largest_unshadowed = std::max(largest_unshadowed, luminance(e.unshadowed));
   }
   void end_block(std::uint32_t samples) {
-    const Rgb<double> v = block_sum / samples;
+    const Rgb<double> v = block_sum.value() / samples;
     blocks.add({v.r, v.g, v.b});
     block_sum = {};
   }
@@ -65,7 +66,7 @@ IrradianceEstimate Estimate::result(double block_count, double samples_per_block
 
 /// Light of one point by the spectrum of the lights that it came from [lx]: [0] from lights that
 /// were given RGB, [1 + k] from those of the scene's spectrum k.  Empty where nobody asks.
-using BySpectrum = std::vector<Rgb<double>>;
+using BySpectrum = std::vector<SampleSum>;
 
 class IrradianceJob {
  public:
@@ -141,14 +142,14 @@ class IrradianceJob {
     for (std::uint32_t g = 0; g < exact.size(); ++g) {
       std::optional<std::uint32_t> spectrum;
       if (g > 0) spectrum = g - 1;
-      spectral.add(spectrum, exact[g] + sampled[g] / samples, at);
+      spectral.add(spectrum, exact[g].value() + sampled[g].value() / samples, at);
     }
   }
 
   void add_to(BySpectrum& groups, std::uint32_t light, const Rgb<double>& lx) const {
     if (groups.empty()) return;
     const auto number = scene_.spectrum_number(light);
-    groups[number ? *number + 1 : 0] += lx;
+    groups[number ? *number + 1 : 0].add(lx);
   }
 
   bool is_delta(std::size_t light) const {

@@ -12,6 +12,7 @@
 #include "server/denormals.h"
 #include "server/parallel.h"
 #include "server/path.h"
+#include "server/sample_sum.h"
 
 namespace lucerna {
 namespace {
@@ -72,7 +73,7 @@ class TileJob {
   }
 
   Rgb<double> block(int x, int y, const SobolSequence& sequence, WorkCounts& work) {
-    Rgb<double> sum;
+    SampleSum sum;
     const std::uint32_t n = settings_.samples_per_block;
     for (std::uint32_t i = 0; i < n; ++i) {
       if (i % kSamplesBetweenPolls == 0 && stop_.stop_requested()) {
@@ -83,12 +84,12 @@ class TileJob {
       const Vec2<float> film = sample.pair(PathSample::kFilm);
       const Ray ray = scene_.camera().ray(static_cast<float>(x) + film.x,
                                           static_cast<float>(y) + film.y, time(sample));
-      sum += tracer_.radiance(ray, sample, work);
+      sum.add(tracer_.radiance(ray, sample, work));
     }
     work.samples += n;
     // Squares of differences are summed too: what no float holds counts as the largest.
     const auto held = [](double v) { return std::fmin(v, std::numeric_limits<float>::max()); };
-    const Rgb<double> mean = sum * (scene_.camera().film_scale() / n);
+    const Rgb<double> mean = sum.value() * (scene_.camera().film_scale() / n);
     return {held(mean.r), held(mean.g), held(mean.b)};
   }
 
