@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <vector>
 
 #include "lights/emission.h"
@@ -107,9 +108,14 @@ PortalLight<Real>::PortalLight(const Params& params, const Rectangle& r)
     on_portal_ = illuminance_of(*map, params.radiance_cd_m2, in_map(z_));
   }
   const int n = table_size(map);
-  // As many looks as the picture has texels at least, so that none is overlooked.
-  const int looks = std::max(std::clamp(1024 / n, 1, 4),
-                             map == nullptr ? 1 : (map->image().height() + n - 1) / n);
+  // As many looks as the picture has rows, so that none is overlooked; but where it is much higher
+  // than wide, not many more than it has texels.
+  const int rows = map == nullptr ? 1 : map->image().height();
+  const int most =
+      map == nullptr
+          ? 1
+          : std::max(2048, static_cast<int>(std::sqrt(double{rows} * map->image().width())));
+  const int looks = std::max(std::clamp(1024 / n, 1, 4), (std::min(rows, most) + n - 1) / n);
   std::vector<double> weights(static_cast<std::size_t>(n) * static_cast<std::size_t>(n));
   for (int j = 0; j < n * looks; ++j)
     for (int i = 0; i < n * looks; ++i) {
@@ -118,6 +124,13 @@ PortalLight<Real>::PortalLight(const Params& params, const Rectangle& r)
       weights[static_cast<std::size_t>(j / looks) * static_cast<std::size_t>(n) +
               static_cast<std::size_t>(i / looks)] += luminance(sky(w)) * sr_per_square(w);
     }
+  if (rows > most) {
+    // What was overlooked may still be sampled.
+    constexpr double kOverlooked = 0.01;
+    const double mean =
+        std::accumulate(weights.begin(), weights.end(), 0.0) / static_cast<double>(weights.size());
+    for (double& w : weights) w += mean > 0 ? kOverlooked * mean : 1;
+  }
   table_ = std::make_shared<const WindowedDistribution>(n, weights);
 }
 

@@ -79,6 +79,12 @@ ImageInfiniteLightParams picture(Context& context, const ParameterSet& params, c
              fmt::format("\"float illuminance\" = {} lx for a picture that is black above the "
                          "horizon, which cannot have it{}",
                          wanted, kOnlyAsIfNotGiven));
+      if (!(scale > 0))
+        fail(
+            given->place,
+            fmt::format("\"float illuminance\" = {} lx for a picture times a \"scale\" of 0, which "
+                        "cannot have it{}",
+                        wanted, kOnlyAsIfNotGiven));
       level *= wanted / of_picture;
       if (equal_area)
         context.remark(given->place, "\"illuminance\" of a picture, of which pbrt-v4 counts half",

@@ -294,6 +294,11 @@ std::optional<ShapeDescription::Emission> make_emission(Context& context,
   const double area =
       std::visit([&](const auto& shape) { return area_of(shape_place, shape); }, geometry);
   if (!(area > 0)) {
+    if (const Parameter* power = light.params.find("power", {"float"});
+        power != nullptr && power->numbers.front() > 0)
+      fail(power->place,
+           fmt::format("\"float power\" = {} lm for the shape at {}, which has no area{}",
+                       power->numbers.front(), to_string(shape_place), kOnlyAsIfNotGiven));
     context.remark(shape_place, "a light without area", "the shape emits nothing");
     return std::nullopt;
   }

@@ -1,0 +1,160 @@
+// Row 35: scenes without geometry, without lights, without either.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "server/render.h"
+#include "tests/server/extremes/file_scenes.h"
+#include "tests/server/scenes.h"
+#include "tests/sweep.h"
+
+namespace lucerna::testing {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+/// Half of the diagonal of a box that grows from nothing around points on a diagonal.
+/// [Pharr23, 3.7]
+float textbook_radius(std::initializer_list<float> points) {
+  float low = std::numeric_limits<float>::max(), high = std::numeric_limits<float>::lowest();
+  for (const float p : points) low = std::min(low, p), high = std::max(high, p);
+  const float side = high - low;
+  return std::sqrt(3 * side * side) / 2;
+}
+
+SceneDescription with_light(LightDescription light) {
+  SceneDescription d = description();
+  d.lights = {std::move(light)};
+  return d;
+}
+
+LightDescription sky(double radiance) {
+  return {UniformInfiniteLightParams{Rgb<double>(radiance)}, {"test.pbrt", 5, 1}};
+}
+
+IrradianceEstimate irradiance(const Scene& scene, const Vec3<double>& position,
+                              const Vec3<float>& normal) {
+  IrradiancePoint point;
+  point.position = position;
+  point.normal = normal;
+  IrradianceSettings settings;
+  settings.samples_per_block = 1024;
+  settings.block_count = 16;
+  return estimate_irradiance(scene, {&point, 1}, settings, {}).points.at(0);
+}
+
+TileResult tile(const Scene& scene) {
+  TileSettings settings;
+  settings.rect = {0, 0, scene.camera().width(), scene.camera().height()};
+  settings.samples_per_block = 16;
+  return render_tile(scene, settings, {});
+}
+
+TEST(EmptyExtremes, Radius) {
+  Sweep sweep(35, "a scene of nothing, of one light, of a floor; one of two lights that are apart",
+              "1e-30 ... 1e17 m", "radius");
+  sweep.compare(build(description())->sphere().radius_m, 0, "nothing");
+  sweep.compare_textbook(textbook_radius({}), 0);
+  sweep.compare(build(with_light(sky(1)))->sphere().radius_m, 0, "a sky");
+  for (int exponent = -30; exponent <= 17; ++exponent) {
+    const double x = std::pow(10.0, exponent);
+    sweep.compare(build(with_light(point_light({x, x, x}, 1)))->sphere().radius_m, 0, "one light");
+    SceneDescription d = description();
+    d.lights = {point_light({-x, -x, -x}, 1), point_light({x, x, x}, 1)};
+    sweep.compare(build(d)->sphere().radius_m, std::sqrt(3.0) * x, "two lights");
+    const auto end = static_cast<float>(x);
+    sweep.compare_textbook(textbook_radius({-end, end}), std::sqrt(3.0) * x);
+    SceneDescription ground = description();
+    ground.shapes = {floor(x)};
+    sweep.compare(build(ground)->sphere().radius_m, std::sqrt(2.0) * x, "a floor");
+  }
+  sweep.expect_within(1e-6);
+}
+
+TEST(EmptyExtremes, Power) {
+  Sweep sweep(35, "lights at infinity and no geometry", "1e-30 ... 1e30 cd/m2", "flux");
+  for (int exponent = -30; exponent <= 30; exponent += 5) {
+    const Rgb<double> level(std::pow(10.0, exponent));
+    const LightDescription kLights[] = {
+        {UniformInfiniteLightParams{level}, {}},
+        {DistantLightParams{{0, 0, 1}, level}, {}},
+        {SunLightParams{{0, 0, 1}, 0.01, level}, {}},
+    };
+    for (const LightDescription& light : kLights) {
+      sweep.compare(flux_lm(*build(with_light(light))), 0, "no geometry");
+      const float radius = textbook_radius({});
+      sweep.compare_textbook(
+          std::numbers::pi_v<float> * radius * radius * static_cast<float>(level.g), 0);
+    }
+  }
+  sweep.expect_within(0);
+}
+
+TEST(EmptyExtremes, IrradianceWithoutLights) {
+  Sweep sweep(35, "nothing, or geometry and no lights", "receivers at 0 ... 1e15 m", "irradiance");
+  SceneDescription ground = description();
+  ground.shapes = {floor(5)};
+  for (const auto& scene : {build(description()), build(ground)})
+    for (const double x : {0.0, 1e-30, 1.0, 1e15}) {
+      const IrradianceEstimate e = irradiance(*scene, {x, x, x + 1}, {0, 0, 1});
+      sweep.compare(e.irradiance_lx.g, 0, std::to_string(x));
+      EXPECT_TRUE(e.exact);
+      EXPECT_EQ(e.standard_error_lx.g, 0);
+      EXPECT_EQ(e.zero_bound_lx, 0);
+      // The mean over lights, of which there are none.
+      sweep.compare_textbook(0.0F / static_cast<float>(scene->lights().size()), 0);
+    }
+  sweep.expect_within(0);
+}
+
+TEST(EmptyExtremes, IrradianceWithoutGeometry) {
+  Sweep sweep(35, "a point light or a distant one and no geometry", "distances of 1e-9 ... 1e9 m",
+              "irradiance");
+  for (int exponent = -9; exponent <= 9; ++exponent) {
+    const double d = std::ldexp(1.0, 3 * exponent);
+    const auto point = build(with_light(point_light({0, 0, d}, 2)));
+    const IrradianceEstimate e = irradiance(*point, -point->origin(), {0, 0, 1});
+    EXPECT_TRUE(e.exact);
+    sweep.compare(e.irradiance_lx.g, 2 / d / d, std::to_string(d));
+    const auto f = static_cast<float>(d);
+    sweep.compare_textbook(2 / (f * f), 2 / d / d);
+    const auto distant =
+        build(with_light({DistantLightParams{{0, 0, 1}, Rgb<double>(d)}, {"test.pbrt", 5, 1}}));
+    sweep.compare(irradiance(*distant, {1, 2, 3}, {0, 0, 1}).irradiance_lx.g, d, "distant");
+  }
+  sweep.expect_within(1e-6);
+}
+
+TEST(EmptyExtremes, IrradianceUnderASkyAlone) {
+  const auto scene = build(with_light(sky(2)));
+  const IrradianceEstimate e = irradiance(*scene, {1, 2, 3}, {0, 0, 1});
+  EXPECT_NEAR(e.irradiance_lx.g, 2 * kPi, 6 * e.standard_error_lx.g + 1e-6);
+  EXPECT_LT(e.standard_error_lx.g, 0.01 * 2 * kPi);
+}
+
+TEST(EmptyExtremes, Tiles) {
+  Sweep sweep(35, "nothing, geometry and no lights, a sky alone",
+              "a sky of 0, 1e-30 ... 1e30 cd/m2", "every pixel");
+  SceneDescription ground = description();
+  ground.shapes = {floor(5, 1)};
+  for (const auto& scene : {build(description()), build(ground)})
+    for (const BlockStatistics& s : tile(*scene).channels) {
+      sweep.compare(s.sum, 0, "no lights");
+      EXPECT_EQ(s.deviation, 0);
+    }
+  for (int exponent = -30; exponent <= 30; exponent += 10) {
+    const double level = std::pow(10.0, exponent);
+    for (const BlockStatistics& s : tile(*build(with_light(sky(level)))).channels)
+      sweep.compare(s.sum, level, std::to_string(exponent));
+  }
+  // A light is chosen among none.
+  sweep.compare_textbook(0.0F / 0.0F * kInfinity, 0);
+  sweep.expect_within(1e-7);
+}
+
+}  // namespace
+}  // namespace lucerna::testing

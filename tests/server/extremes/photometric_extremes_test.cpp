@@ -1,0 +1,295 @@
+// Row 31: luminaires in photometric files.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <numbers>
+#include <sstream>
+
+#include "server/eulumdat.h"
+#include "server/ies.h"
+#include "tests/reference_table.h"
+#include "tests/server/extremes/file_scenes.h"
+#include "tests/server/photometric_texts.h"
+#include "tests/sweep.h"
+
+namespace lucerna::testing {
+namespace {
+
+/// The numbers of "1.5,2,3".
+std::vector<double> numbers(const std::string& joined) {
+  std::vector<double> result;
+  std::istringstream in(joined);
+  for (std::string word; std::getline(in, word, ',');) result.push_back(std::stod(word));
+  return result;
+}
+
+/// The file that a line of the tables describes.  Commas divide numbers there too.
+Ies file_of(const ReferenceTable::Row& row) {
+  const std::size_t vertical = numbers(row.text("vertical")).size();
+  const std::size_t horizontal = numbers(row.text("horizontal")).size();
+  Ies ies;
+  ies.counts = std::to_string(vertical) + " " + std::to_string(horizontal);
+  ies.type = row.text("type") == "C" ? "1" : row.text("type") == "B" ? "2" : "3";
+  ies.angles = row.text("vertical") + "\n" + row.text("horizontal") + "\n";
+  ies.candela = row.text("candela") + "\n";
+  return ies;
+}
+
+std::shared_ptr<const PhotometricWeb> web_of(const std::string& text) {
+  auto file = parse_ies(text, "a.ies");
+  EXPECT_TRUE(file.ok()) << file.status() << "\n" << text;
+  return file.ok() ? file->web : nullptr;
+}
+
+/// Zonal lumens: the mean of a zone's intensities times 2 pi times the difference of the cosines,
+/// of luminaires that are the same all around their axis.  [Fritz18]
+float textbook_flux(const std::vector<double>& vertical, const std::vector<double>& candela) {
+  constexpr float kRadPerDegree = std::numbers::pi_v<float> / 180;
+  float sum = 0;
+  for (std::size_t j = 0; j + 1 < vertical.size(); ++j) {
+    const float a = static_cast<float>(vertical[j]) * kRadPerDegree;
+    const float b = static_cast<float>(vertical[j + 1]) * kRadPerDegree;
+    const float mean = (static_cast<float>(candela[j]) + static_cast<float>(candela[j + 1])) / 2;
+    sum += mean * 2 * std::numbers::pi_v<float> * (std::cos(a) - std::cos(b));
+  }
+  return sum;
+}
+
+/// The intensity at the angle whose cosine the direction gives.
+float textbook_intensity(const std::vector<double>& vertical, const std::vector<double>& candela,
+                         float cos) {
+  const float v = std::acos(cos) * 180 / std::numbers::pi_v<float>;
+  std::size_t j = 0;
+  while (j + 2 < vertical.size() && v >= static_cast<float>(vertical[j + 1])) ++j;
+  const float t =
+      (v - static_cast<float>(vertical[j])) / static_cast<float>(vertical[j + 1] - vertical[j]);
+  return (1 - t) * static_cast<float>(candela[j]) + t * static_cast<float>(candela[j + 1]);
+}
+
+TEST(PhotometricExtremes, FluxOfIesFiles) {
+  Sweep sweep(31, "IES files of types A, B and C, planes of every symmetry, beams of",
+              "1 ... 1e-7 degrees, 1e-300 ... 1e295 cd", "flux");
+  const ReferenceTable table("photometric_flux");
+  for (const auto& row : table.rows()) {
+    const auto web = web_of(file_of(row).text());
+    ASSERT_NE(web, nullptr);
+    sweep.compare(web->flux_lm(), row["flux_lm"],
+                  row.text("type") + " " + row.text("vertical") + " " + row.text("horizontal"));
+    if (row.text("type") == "C" && row.text("horizontal") == "0.0")
+      sweep.compare_textbook(
+          textbook_flux(numbers(row.text("vertical")), numbers(row.text("candela"))),
+          row["flux_lm"]);
+  }
+  sweep.expect_within(1e-7);
+}
+
+TEST(PhotometricExtremes, IntensitiesOfIesFiles) {
+  Sweep sweep(31, "the same", "1 ... 1e-7 degrees, 1e-30 ... 1e30 cd",
+              "illuminance 1 m away, in every cell");
+  const ReferenceTable table("photometric_intensity");
+  for (const auto& row : table.rows()) {
+    GoniometricLightParams params;
+    params.intensity = Rgb<double>(1);
+    params.web = web_of(file_of(row).text());
+    const auto light = GoniometricLight<Served>::create(params);
+    ASSERT_TRUE(light.ok()) << light.status();
+    const Vec3<Served> receiver(row["x"], row["y"], row["z"]);
+    const auto sample = light->sample_li(receiver, {0.5, 0.5});
+    const double square = dot(receiver, receiver);
+    sweep.compare(sample.value.g * square, row["intensity_cd"],
+                  row.text("type") + " " + row.text("vertical") + " " + row.text("horizontal"));
+    if (row.text("type") == "C" && row.text("horizontal") == "0.0")
+      sweep.compare_textbook(
+          textbook_intensity(numbers(row.text("vertical")), numbers(row.text("candela")),
+                             static_cast<float>(row["z"])),
+          row["intensity_cd"]);
+  }
+  // Angles have 2e-16 of a right angle and of a direction's rounding, which is 2e-7 of 1e-7
+  // degrees.
+  sweep.expect_within(2e-7);
+}
+
+TEST(PhotometricExtremes, FluxOfEulumdatFiles) {
+  Sweep sweep(31, "the files of type C all around as EULUMDAT, of lamps of",
+              "1e-30 ... 1e30 lm; planes of every symmetry", "flux");
+  const ReferenceTable table("photometric_flux");
+  for (const auto& row : table.rows()) {
+    const std::vector<double> planes = numbers(row.text("horizontal"));
+    const std::vector<double> candela = numbers(row.text("candela"));
+    const std::vector<double> gamma = numbers(row.text("vertical"));
+    if (row.text("type") != "C" || *std::ranges::max_element(candela) > 1e35) continue;
+    Ldt ldt;
+    ldt.ng = static_cast<int>(gamma.size());
+    ldt.gamma.clear();
+    for (const double g : gamma) ldt.gamma.push_back(fmt::format("{:.17g}", g));
+    ldt.c.clear();
+    ldt.symmetry = planes.size() == 1     ? 1
+                   : planes.back() == 90  ? 4
+                   : planes.back() == 180 ? 2
+                   : planes.front() == 90 ? -1
+                                          : 0;
+    if (ldt.symmetry < 0) continue;
+    // All planes of the circle, of which a symmetry gives intensities of the first.
+    std::vector<double> all = planes;
+    if (ldt.symmetry == 0) all.pop_back();
+    if (ldt.symmetry == 4)
+      for (std::size_t i = planes.size() - 1; i-- > 0;) all.push_back(180 - planes[i]);
+    if (ldt.symmetry == 4 || ldt.symmetry == 2)
+      for (std::size_t i = all.size() - 1; i-- > 1;) all.push_back(360 - all[i]);
+    ldt.mc = static_cast<int>(all.size());
+    for (const double c : all) ldt.c.push_back(fmt::format("{:.17g}", c));
+    const std::size_t given = gamma.size() * (ldt.symmetry == 0 ? all.size() : planes.size());
+    for (const double lumens : {1e-30, 1.0, 1000.0, 1e30}) {
+      ldt.lamps[2] = fmt::format("{:g}", lumens);
+      ldt.intensities.clear();
+      for (std::size_t i = 0; i < given; ++i)
+        ldt.intensities.push_back(fmt::format("{:.17g}", candela[i]));
+      const auto file = parse_eulumdat(ldt.text(), "a.ldt");
+      ASSERT_TRUE(file.ok()) << file.status() << "\n" << ldt.text();
+      sweep.compare(file->web->flux_lm(), row["flux_lm"] * (lumens / 1000),
+                    row.text("vertical") + " " + row.text("horizontal"));
+      if (ldt.symmetry == 1) {
+        std::vector<double> scaled = candela;
+        for (double& cd : scaled) cd *= lumens / 1000;
+        sweep.compare_textbook(textbook_flux(gamma, scaled), row["flux_lm"] * (lumens / 1000));
+      }
+    }
+  }
+  sweep.expect_within(1e-7);
+}
+
+TEST(PhotometricExtremes, HowFilesAreWritten) {
+  Sweep sweep(31, "one luminaire written in many ways",
+              "lumens -1 ... 1e30, multipliers 1e-30 ... 1e30, tilt tables, CR, CR LF, no final "
+              "newline, byte-order mark, five editions",
+              "flux");
+  const ReferenceTable table("photometric_flux");
+  const auto row = std::ranges::find_if(table.rows(), [](const auto& r) {
+    return r.text("type") == "C" && r.text("candela") == "300.0,200.0,100.0";
+  });
+  ASSERT_NE(row, table.rows().end());
+  const auto compare = [&](const std::string& text, double factor, const std::string& at) {
+    const auto web = web_of(text);
+    if (web == nullptr) return;
+    sweep.compare(web->flux_lm(), (*row)["flux_lm"] * factor, at);
+    const float zonal = textbook_flux({0, 45, 90}, {300, 200, 100});
+    sweep.compare_textbook(zonal * static_cast<float>(factor), (*row)["flux_lm"] * factor);
+  };
+  const Ies plain = file_of(*row);
+  for (const char* lumens : {"-1", "0", "1e-30", "1", "2500", "1e30"}) {
+    Ies f = plain;
+    f.lamps = std::string("1 ") + lumens + " 1";
+    compare(f.text(), 1, "lumens");
+  }
+  for (int exponent = -30; exponent <= 30; exponent += 5) {
+    const std::string m = fmt::format("1e{}", exponent);
+    Ies f = plain;
+    f.lamps = "3 1000 " + m;
+    compare(f.text(), std::stod(m), "candela multiplier");
+    f = plain;
+    f.ballast = m + " 1 10\n";
+    compare(f.text(), std::stod(m), "ballast factor");
+    f = plain;
+    f.header = "IESNA91\n";
+    f.ballast = "1 " + m + " 10\n";
+    compare(f.text(), std::stod(m), "ballast-lamp factor of 1991");
+  }
+  for (const char* tilt : {"TILT=INCLUDE\n1\n2\n0 90\n0.5 1\n", "TILT=INCLUDE\n2\n1\n0\n0.5\n",
+                           "TILT=INCLUDE\n3\n4 0 1e-6 2e-6 180\n0.5 1e30 1e-30 7\n"}) {
+    Ies f = plain;
+    f.tilt = tilt;
+    compare(f.text(), 0.5, "tilt");
+  }
+  for (const char* header :
+       {"", "free text of 1986\n", "IESNA91\n", "IESNA:LM-63-1995\n", "IES:LM-63-2019\n"}) {
+    Ies f = plain;
+    f.header = header;
+    compare(f.text(), 1, "edition");
+  }
+  const std::string text = plain.text();
+  for (const char* end : {"\r\n", "\r", "\n\n"}) {
+    std::string other;
+    for (const char c : text) other += c == '\n' ? end : std::string(1, c);
+    compare(other, 1, "ends of lines");
+    compare(other.substr(0, other.find_last_not_of("\r\n") + 1), 1, "no final newline");
+  }
+  compare("\xef\xbb\xbf" + text, 1, "byte-order mark");
+  compare(text + "more\n", 1, "more behind it");
+  // One horizontal angle, and the same as two, three or five.
+  for (const char* planes : {"0 90", "0 180", "0 360", "90 270", "0 45 90", "0 1e-6 90 180 360"}) {
+    Ies f = plain;
+    const auto count = static_cast<int>(std::count(planes, planes + std::strlen(planes), ' ')) + 1;
+    f.counts = "3 " + std::to_string(count);
+    f.angles = "0 45 90\n" + std::string(planes) + "\n";
+    f.candela.clear();
+    for (int i = 0; i < count; ++i) f.candela += "300 200 100\n";
+    compare(f.text(), 1, "planes");
+  }
+  sweep.expect_within(1e-14);
+}
+
+TEST(PhotometricExtremes, FilesThatCannotBeRead) {
+  Sweep sweep(31, "files that claim more than they hold, or what no luminaire has",
+              "1e6 ... 1e18 numbers in 1 kB; angles, candela and factors that are none", "answer");
+  std::vector<std::string> files;
+  const auto ies = [&](auto change) {
+    Ies f;
+    change(f);
+    files.push_back(f.text());
+  };
+  for (const char* counts : {"1000 1000", "1000000 1", "2 1000000", "1000000000 1000000000", "4 1",
+                             "3 2", "1e300 1", "1e999 1", "-3 1", "0 0", "3 0", "1 1", "2.5 1"})
+    ies([&](Ies& f) { f.counts = counts; });
+  for (const char* angles :
+       {"0 45 45\n0\n", "0 45 44\n0\n", "1e-6 45 90\n0\n", "0 45 89.999999\n0\n", "0 45 nan\n0\n",
+        "-90 0 90\n0\n", "0 45 180.000001\n0\n", "0 inf 90\n0\n", "0 45 90\n1e-6\n", "0 45 90\n",
+        ""})
+    ies([&](Ies& f) { f.angles = angles; });
+  for (const char* candela :
+       {"-1e-30 1 1\n", "nan 1 1\n", "inf 1 1\n", "1e999 1 1\n", "1e301 1 1\n", "1 1\n", ""})
+    ies([&](Ies& f) { f.candela = candela; });
+  for (const char* lamps : {"1 -2 1", "1 -1.5 1", "-1 1000 1", "1 1000 0", "1 1000 -1", "1 nan 1",
+                            "1 1000 1e-301", "1 1000 1e301", "1e9 1000 1"})
+    ies([&](Ies& f) { f.lamps = lamps; });
+  // Candela that are finite, and their product with what multiplies them is not.
+  ies([](Ies& f) { f.candela = "1e300 1 1\n", f.lamps = "1 1000 1e300"; });
+  for (const char* tilt :
+       {"TILT=INCLUDE\n1\n1000000\n0 1\n1 1\n", "TILT=INCLUDE\n1\n2\n1 2\n1 1\n",
+        "TILT=INCLUDE\n1\n2\n0 1\n1 -1\n", "TILT=INCLUDE\n0\n1\n0\n1\n", "TILT=\n", ""})
+    ies([&](Ies& f) { f.tilt = tilt; });
+  files.push_back("");
+  files.emplace_back(1000, '\0');
+  const std::string whole = Ies().text();
+  for (std::size_t n = whole.find("TILT"); n < whole.rfind(' ') + 1; n += 3)
+    files.push_back(whole.substr(0, n));
+
+  const std::string same = "error with file, line and column";
+  const auto answer = [&](const std::string& name, const std::string& bytes) {
+    const std::string text = "LightSource \"goniometric\" \"string filename\" \"" + name + "\"";
+    const std::string said = refusal(text, "\"string filename\"", scene_of(text, {{name, bytes}}));
+    EXPECT_EQ(said, same) << bytes;
+    sweep.answer(said);
+  };
+  for (const std::string& bytes : files) answer("a.ies", bytes);
+  const auto ldt = [&](auto change) {
+    Ldt f;
+    change(f);
+    answer("a.ldt", f.text());
+  };
+  for (const int count : {1'000'000, 1'000'000'000, 0, -1}) {
+    ldt([&](Ldt& f) { f.mc = count; });
+    ldt([&](Ldt& f) { f.ng = count; });
+  }
+  for (const int symmetry : {-1, 5}) ldt([&](Ldt& f) { f.symmetry = symmetry; });
+  for (const char* value : {"nan", "-1e-30", "1e999", "1e301", "", "x"})
+    ldt([&](Ldt& f) { f.intensities[1] = value; });
+  ldt([](Ldt& f) { f.gamma[1] = "0"; });
+  ldt([](Ldt& f) { f.gamma[2] = "89.999999"; });
+  ldt([](Ldt& f) { f.lamps[2] = "1e300", f.intensities[0] = "1e300"; });
+  sweep.expect_answers(same);
+}
+
+}  // namespace
+}  // namespace lucerna::testing

@@ -1,0 +1,302 @@
+// Row 32: pictures of every size, type and texel, through every light that takes one.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <numbers>
+
+#include "tests/reference_table.h"
+#include "tests/server/extremes/file_scenes.h"
+#include "tests/server/picture_texts.h"
+#include "tests/sweep.h"
+
+namespace lucerna::testing {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+/// A light of a picture FILE.
+struct PictureLight {
+  std::string text;
+  /// Its flux [lm] where all texels are 1 and the picture `aspect` times as wide as it is high, in
+  /// a scene of this radius [m].
+  std::function<double(double aspect, double radius_m)> flux_lm;
+  bool square = false;  ///< takes no other pictures
+};
+
+const std::vector<PictureLight>& picture_lights() {
+  const std::string infinite = "LightSource \"infinite\" \"string filename\" FILE ";
+  const std::string portal = "\"point3 portal\" [-1 -1 2  -1 1 2  1 1 2  1 -1 2] ";
+  const std::string goniometric = "LightSource \"goniometric\" \"string filename\" FILE ";
+  const std::string projection = "LightSource \"projection\" \"string filename\" FILE ";
+  const std::string area = "AreaLightSource \"diffuse\" \"string filename\" FILE ";
+  const std::string latlong = "\"string mapping\" \"latlong\" ";
+  const std::string bilinear = "\"string filter\" \"bilinear\" ";
+  // All directions, through the disk that the scene is seen as.
+  const auto sky = [](double, double radius) { return 4 * kPi * kPi * radius * radius; };
+  const auto through_portal = [](double, double) { return 4 * kPi; };
+  const auto all_around = [](double, double) { return 4 * kPi; };
+  // The shorter side reaches 1 to either side, at a distance of 1: the solid angle of a rectangle.
+  const auto thrown = [](double aspect, double) {
+    const double a = std::max(aspect, 1 / aspect);
+    return 4 * std::asin(a / std::sqrt((1 + a * a) * 2));
+  };
+  const auto beam = [](double aspect, double) { return std::max(aspect, 1 / aspect); };
+  const auto shape = [](double area) { return [=](double, double) { return kPi * area; }; };
+  static const std::vector<PictureLight> lights{
+      {infinite, sky, true},
+      {infinite + latlong, sky},
+      {infinite + latlong + bilinear, sky},
+      {infinite + portal, through_portal, true},
+      {infinite + portal + latlong, through_portal},
+      {infinite + portal + latlong + bilinear, through_portal},
+      {goniometric, all_around, true},
+      {goniometric + bilinear, all_around, true},
+      {goniometric + latlong, all_around},
+      {goniometric + latlong + bilinear, all_around},
+      {projection, thrown},
+      {projection + bilinear, thrown},
+      {projection + "\"string projection\" \"orthographic\"", beam},
+      {area + "Shape \"bilinearmesh\" \"point3 P\" [-1 -1 0 1 -1 0 -1 1 0 1 1 0]", shape(4)},
+      {area +
+           "\"string filter\" \"nearest\" Shape \"bilinearmesh\" \"point3 P\" [-1 -1 0 1 -1 0 -1 1 "
+           "0 1 1 0]",
+       shape(4)},
+      {area + "Shape \"trianglemesh\" \"point3 P\" [-1 -1 0 1 -1 0 1 1 0]", shape(2)},
+      {area + "Shape \"sphere\" \"float radius\" 0.5", shape(kPi)},
+      {area + "Shape \"disk\"", shape(kPi)},
+      {area + "Shape \"cylinder\"", shape(4 * kPi)},
+  };
+  return lights;
+}
+
+/// A floor gives the scene a size, and with that lights at infinity a flux.
+std::string text_of(const PictureLight& light, const std::string& name) {
+  std::string text = light.text;
+  text.replace(text.find("FILE"), 4, "\"" + name + "\"");
+  return "Shape \"bilinearmesh\" \"point3 P\" [-1 -1 0 1 -1 0 -1 1 0 1 1 0]\n" + text;
+}
+
+FileScene load(const PictureLight& light, const std::string& name, const std::string& bytes) {
+  return scene_of(text_of(light, name), {{name, bytes}});
+}
+
+bool through_portal(const PictureLight& light) {
+  return light.text.find("portal") != std::string::npos;
+}
+
+/// Compares the flux of every light that an even picture makes, of those through portals or of the
+/// others, with what its value makes.
+void compare_even(Sweep& sweep, const std::string& name, const std::string& bytes, double aspect,
+                  double value, bool portals = false) {
+  for (const PictureLight& light : picture_lights()) {
+    if (through_portal(light) != portals) continue;
+    const FileScene loaded = load(light, name, bytes);
+    if (light.square && aspect != 1) {
+      EXPECT_EQ(refusal(text_of(light, name), "\"string filename\"", loaded),
+                "error with file, line and column")
+          << light.text;
+      continue;
+    }
+    ASSERT_TRUE(loaded.status.ok()) << light.text << loaded.status;
+    const double unit = light.flux_lm(aspect, loaded.scene->sphere().radius_m);
+    sweep.compare(flux_lm(*loaded.scene), unit * value,
+                  fmt::format("{} {} {}, {}", name, aspect, value, light.text));
+    EXPECT_NEAR(flux_lm(*loaded.scene), unit * value,
+                flux_error_lm(*loaded.scene) + 2e-7 * unit * value);
+  }
+}
+
+/// The mean of the texels, in float.
+float textbook_mean(std::uint64_t count, float texel) {
+  float sum = 0;
+  for (std::uint64_t i = 0; i < count; ++i) sum += texel;
+  return sum / static_cast<float>(count);
+}
+
+void compare_sizes(Sweep& sweep, bool portals, const std::vector<float>& texels) {
+  struct Size {
+    int width, height;
+  };
+  for (const auto [width, height] : {Size{1, 1}, {64, 64}, {100'000, 1}, {1, 100'000}})
+    for (const float texel : texels) {
+      // Long ones by one value, as they take their time.
+      if (width != height && texel != texels.front()) continue;
+      compare_even(sweep, "even.pfm", even_pfm(width, height, texel),
+                   static_cast<double>(width) / height, double{texel}, portals);
+      sweep.compare_textbook(
+          textbook_mean(static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height),
+                        texel),
+          double{texel});
+    }
+}
+
+TEST(PictureExtremes, SizesAndValues) {
+  Sweep sweep(32, "even pictures of 1 x 1, 1e5 x 1, 1 x 1e5 and 64 x 64 texels of",
+              "1e-36 ... 1e30", "flux of every light that takes a picture");
+  compare_sizes(sweep, false, {0.1F, 1e-36F, 1e-20F, 1e20F, 1e30F});
+  sweep.expect_within(1e-7);
+}
+
+TEST(PictureExtremes, SizesAndValuesThroughPortals) {
+  Sweep sweep(32, "the same through a portal, where no sum over texels is exact", "1e-36 ... 1e30",
+              "flux");
+  compare_sizes(sweep, true, {0.1F, 1e-36F, 1e-20F, 1e20F, 1e30F});
+  // 2^18 cells; the error that is told with each flux is no less.
+  sweep.expect_within(2e-4);
+}
+
+// The portal's table of looks cannot be as fine as such a picture.
+TEST(PictureExtremes, RowsThatAPortalMayOverlook) {
+  Sweep sweep(32, "pictures of 1 x 2e4 texels through a portal, one of them lit",
+              "rows of all heights", "density where there is light");
+  for (int row = 1; row < 10'000; row += 3970) {
+    std::vector<float> values(60'000, 0);
+    std::fill_n(values.begin() + 3 * row, 3, 1.0F);
+    const PictureLight light{
+        "LightSource \"infinite\" \"string filename\" FILE \"string mapping\" \"latlong\" "
+        "\"point3 portal\" [-1 -1 2  -1 1 2  1 1 2  1 -1 2]",
+        {}};
+    const SceneFiles folder;
+    folder.write("row.pfm", pfm(1, 20'000, values));
+    folder.write("scene.pbrt", "WorldBegin\n" + text_of(light, "row.pfm"));
+    const auto description = folder.load("scene.pbrt");
+    ASSERT_TRUE(description.ok()) << description.status();
+    const auto portal =
+        PortalLight<Served>::create(std::get<PortalLightParams>(description->lights.at(0).params));
+    ASSERT_TRUE(portal.ok()) << portal.status();
+    // All around the ring that the row is, from where all of it is seen.
+    const double polar = (row + 0.5) * kPi / 20'000;
+    for (int k = 0; k < 16; ++k) {
+      const double azimuth = k * kPi / 8;
+      const Vec3<double> w{std::sin(polar) * std::cos(azimuth), std::cos(polar),
+                           std::sin(polar) * std::sin(azimuth)};
+      const Vec3<double> receiver{0.1, 0.2, 1.999999};
+      if (portal->le_escaped(receiver, w).is_black()) continue;
+      sweep.answer(portal->pdf_li(receiver, w).per_sr > 0 ? "positive" : "0");
+    }
+  }
+  sweep.expect_answers("positive");
+}
+
+TEST(PictureExtremes, Types) {
+  Sweep sweep(32, "grey, grey with alpha, RGB, RGBA in half, float, double and 8 and 16 bits",
+              "codes 0 ... 65535, values 6e-8 ... 1e30",
+              "flux of every light that takes a picture");
+  const auto even = [&](const std::string& name, OIIO::TypeDesc type, int channels, auto value,
+                        double linear) {
+    OIIO::ImageSpec spec(2, 2, channels, type);
+    spec.attribute("oiio:UnassociatedAlpha", 1);
+    std::vector<decltype(value)> values(std::size_t{4} * static_cast<std::size_t>(channels), value);
+    compare_even(sweep, name, written(name, spec, values), 1, linear);
+  };
+  for (int channels = 1; channels <= 4; ++channels) {
+    for (const float value : {0x1p-24F, 0x1p-14F, 0.333251953125F, 1.0F, 65504.0F})
+      even("half.exr", OIIO::TypeDesc::HALF, channels, value, value);
+    for (const float value : {1e-30F, 0.1F, 1e30F}) {
+      even("float.exr", OIIO::TypeDesc::FLOAT, channels, value, value);
+      even("float.tif", OIIO::TypeDesc::FLOAT, channels, value, value);
+    }
+    even("double.tif", OIIO::TypeDesc::DOUBLE, channels, 0.25, 0.25);
+  }
+  const ReferenceTable table("srgb_codes");
+  for (const auto& row : table.rows()) {
+    const double linear = row["linear"];
+    const auto code = static_cast<unsigned>(row["code"]);
+    if (row.text("bits") == "8") {
+      even("byte.png", OIIO::TypeDesc::UINT8, 3, static_cast<std::uint8_t>(code), linear);
+      even("byte.tif", OIIO::TypeDesc::UINT8, 1, static_cast<std::uint8_t>(code), linear);
+      sweep.compare_textbook(std::pow(static_cast<float>(code) / 255.0F, 2.2F), linear);
+    } else {
+      even("short.png", OIIO::TypeDesc::UINT16, 4, static_cast<std::uint16_t>(code), linear);
+      even("short.tif", OIIO::TypeDesc::UINT16, 3, static_cast<std::uint16_t>(code), linear);
+      sweep.compare_textbook(std::pow(static_cast<float>(code) / 65535.0F, 2.2F), linear);
+    }
+  }
+  sweep.expect_within(2e-7);
+}
+
+TEST(PictureExtremes, NegativeTexelsCountAsZero) {
+  Sweep sweep(32, "pictures of which half of the texels are", "-1e-45 ... -3e38",
+              "answer of every light that takes a picture");
+  for (const float below : {-1e-45F, -1e-30F, -1.0F, -1e30F, -3e38F}) {
+    std::vector<float> values(48, 2);
+    std::fill(values.begin(), values.begin() + 24, 0.0F);
+    const std::string zero = pfm(4, 4, values);
+    std::fill(values.begin(), values.begin() + 24, below);
+    const std::string negative = pfm(4, 4, values);
+    for (const PictureLight& light : picture_lights()) {
+      const FileScene lit = load(light, "zero.pfm", zero), odd = load(light, "below.pfm", negative);
+      ASSERT_TRUE(lit.status.ok() && odd.status.ok()) << odd.status;
+      const bool same = flux_lm(*odd.scene) == flux_lm(*lit.scene);
+      const bool told = odd.remarks.find("8 texels with a value below 0") != std::string::npos;
+      sweep.answer(same && told ? "as 0, which a remark tells" : light.text + odd.remarks);
+    }
+    float mean = 0;
+    for (const float v : values) mean += v / 48;
+    sweep.textbook_answer(mean < 0 ? "negative light" : "too dark");
+  }
+  sweep.expect_answers("as 0, which a remark tells");
+}
+
+TEST(PictureExtremes, PicturesThatAreNone) {
+  Sweep sweep(32, "pictures of no texels, and of texels that are no numbers or infinite",
+              "0 x 0, 4 x 0, NaN, infinity, -infinity; cut short; of too many channels; not as "
+              "claimed",
+              "answer of every light that takes a picture");
+  const auto with = [](float v) {
+    std::vector<float> values(48, 1);
+    values[3 * 6 + 1] = v;
+    return pfm(4, 4, values);
+  };
+  const std::string whole = even_pfm(4, 4, 1);
+  const OIIO::ImageSpec half(2, 2, 3, OIIO::TypeDesc::HALF), float3(2, 2, 3, OIIO::TypeDesc::FLOAT);
+  const OIIO::ImageSpec whole_numbers(2, 2, 3, OIIO::TypeDesc::UINT32);
+  const OIIO::ImageSpec two(2, 2, 2, OIIO::TypeDesc::FLOAT);
+  const OIIO::ImageSpec doubles(2, 2, 3, OIIO::TypeDesc::DOUBLE);
+  std::vector<float> odd(12, 1);
+  odd[7] = kNan;
+  const std::string half_nan = written("a.exr", half, odd),
+                    float_nan = written("a.tif", float3, odd);
+  odd[7] = kInfinity;
+  const std::string half_infinite = written("a.exr", half, odd);
+  const std::string grey_infinite = written("a.exr", two, std::vector<float>(8, kInfinity));
+  // More than a float holds.
+  const std::string beyond = written("a.tif", doubles, std::vector<double>(12, 1e300));
+  const std::pair<std::string, std::string> kFiles[] = {
+      {"none.pfm", "PF\n0 0\n-1.0\n"},
+      {"flat.pfm", "PF\n4 0\n-1.0\n"},
+      {"thin.pfm", "PF\n0 4\n-1.0\n"},
+      {"minus.pfm", "PF\n-4 4\n-1.0\n"},
+      {"nan.pfm", with(kNan)},
+      {"infinite.pfm", with(kInfinity)},
+      {"minus_infinite.pfm", with(-kInfinity)},
+      {"nan.exr", half_nan},
+      {"nan.tif", float_nan},
+      {"infinite.exr", half_infinite},
+      {"grey.exr", grey_infinite},
+      {"beyond.tif", beyond},
+      {"codes.tif", written("a.tif", whole_numbers, std::vector<std::uint32_t>(12, 7))},
+      {"short.pfm", whole.substr(0, whole.size() - 1)},
+      {"claims.pfm", "PF\n1000000 1000000\n-1.0\n" + whole},
+      {"empty.exr", ""},
+      {"picture.xyz", whole},
+  };
+  const std::string same = "error with file, line and column";
+  for (const auto& [name, bytes] : kFiles)
+    for (const PictureLight& light : picture_lights()) {
+      const std::string said =
+          refusal(text_of(light, name), "\"string filename\"", load(light, name, bytes));
+      EXPECT_EQ(said, same) << name << ": " << light.text;
+      sweep.answer(said);
+    }
+  sweep.textbook_answer(std::isnan(kNan + 1.0F) ? "not a number" : "");
+  sweep.expect_answers(same);
+}
+
+}  // namespace
+}  // namespace lucerna::testing
