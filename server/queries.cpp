@@ -125,14 +125,15 @@ class LiSampler {
     if (!p.sampled) {
       if (p.receiver.result == ItemResult::kOk) p.receiver.result = ItemResult::kBlack;
       a_.status[i] = static_cast<int>(p.receiver.result);
+      a_.pdf_per_sr[i] = 1;
       return;
     }
     const LightSample<double>& s = p.sample;
     if (s.delta) set_bit(a_.delta, i);
     // Where there is no light there may be no direction, and no density either.
     if (const Vec3<float> wi(s.wi); is_finite(wi)) store(a_.wi, i, wi);
-    if (const auto pdf = static_cast<float>(s.pdf.per_sr); std::isfinite(pdf))
-      a_.pdf_per_sr[i] = pdf;
+    if (!s.delta)
+      a_.pdf_per_sr[i] = is_normal_float(s.pdf.per_sr) ? static_cast<float>(s.pdf.per_sr) : 1.0F;
     if (const Vec3<float> normal(s.normal); is_finite(normal)) store(a_.light_normals, i, normal);
     const Vec3<float> point(s.point + light_shift_);
     const auto distance = static_cast<float>(s.distance);

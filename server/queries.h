@@ -96,7 +96,7 @@ struct SampleLiQuery {
 };
 
 /// Arrays to be filled, of receivers x samples entries (or triples), receiver by receiver; all
-/// start as zeros.
+/// start as zeros.  A density is 1 where a sample that is not kOk has none that a float holds.
 struct SampleLiAnswer {
   float* value;
   float* wi;

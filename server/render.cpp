@@ -88,7 +88,10 @@ class TileJob {
     }
     work.samples += n;
     // Squares of differences are summed too: what no float holds counts as the largest.
-    const auto held = [](double v) { return std::fmin(v, std::numeric_limits<float>::max()); };
+    const auto held = [](double v) {
+      constexpr double kLargest = std::numeric_limits<float>::max();
+      return v > kLargest ? kLargest : v;
+    };
     const Rgb<double> mean = sum.value() * (scene_.camera().film_scale() / n);
     return {held(mean.r), held(mean.g), held(mean.b)};
   }

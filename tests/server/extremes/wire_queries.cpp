@@ -115,6 +115,10 @@ void WireQueries::sample_li(const v1::Light* light) {
       hold(p > 0 && p <= 1, "SampleLi", i, fmt::format("selection_probability = {}", p));
       hold(ids_.contains(r.light_ids(k)), "SampleLi", i, "no light of the scene");
     }
+    if (!bit(r.delta(), i))
+      hold(r.pdf_per_sr(k) > 0, "SampleLi", i, "without a density and no delta light");
+    else
+      hold(r.pdf_per_sr(k) == 0, "SampleLi", i, "a delta light with a density");
     if (status[i] != v1::ITEM_STATUS_OK) {
       is_zero("SampleLi", i, r.value(), 3);
       is_zero("SampleLi", i, r.spectral_value(), spectral);
@@ -123,10 +127,6 @@ void WireQueries::sample_li(const v1::Light* light) {
       continue;
     }
     is_unit("SampleLi", i, r.wi());
-    if (!bit(r.delta(), i))
-      hold(r.pdf_per_sr(k) > 0, "SampleLi", i, "OK, without a density and no delta light");
-    else
-      hold(r.pdf_per_sr(k) == 0, "SampleLi", i, "a delta light with a density");
   }
   if (failures_.empty() && n_.chance(0.3)) {
     v1::Points found;
