@@ -29,6 +29,23 @@ double area_error_m2(const Shape& shape) {
   return 0;
 }
 
+/// The normal that `locate` finds at a position, as it is rounded, of the primitive it was chosen
+/// on.
+template <typename Shape, typename Real>
+Vec3<Real> located_normal(const Shape& shape, const SurfacePoint<Real>& p) {
+  if constexpr (requires { shape.surface(); }) {
+    return located_normal(shape.surface(), p);
+  } else if constexpr (requires { shape.primitive(0).locate(p.position); }) {
+    const auto& patch = shape.primitive(p.primitive);
+    return patch.normal(patch.locate(p.position));
+  } else if constexpr (requires { shape.primitive(0); }) {
+    return p.normal;
+  } else {
+    const auto found = shape.locate(p.position);
+    return found ? found->normal : p.normal;
+  }
+}
+
 }  // namespace
 
 template <std::floating_point Real, template <typename> typename Shape>
@@ -216,7 +233,10 @@ Vec3<double> AreaLight<Real, Shape>::emission_direction(const SurfacePoint<Real>
     u.x = u.x < 0.5 ? 2 * u.x : 2 * u.x - 1;
   }
   const Vec2<double> d = sample_concentric_disk(u);
-  const double cosine = std::sqrt(std::max(0.0, 1 - d.x * d.x - d.y * d.y));
+  // At the disk's edge, u = 0 and 1, by so many roundings off the surface that the direction, once
+  // rounded, leaves it to its side and with a density.
+  constexpr double kLeast = 16 * double{std::numeric_limits<Real>::epsilon()};
+  const double cosine = std::sqrt(std::max(kLeast * kLeast, 1 - d.x * d.x - d.y * d.y));
   return Frame<double>::around(Vec3<double>(point.normal))
       .world_from_local({d.x, d.y, side * cosine});
 }
@@ -230,7 +250,10 @@ EmissionSample<Real> AreaLight<Real, Shape>::sample_le(Vec2<Real> u_position,
   const auto [lower, upper] = shape_.bounds();
   Receiver<Real> by_area(Vec3<Real>((Vec3<double>(lower) + Vec3<double>(upper)) * 0.5));
   by_area.area_sampling = AreaSampling::kLowDistortion;
-  const SurfacePoint<Real> point = shape_.sample(by_area, u_position).point;
+  SurfacePoint<Real> point = shape_.sample(by_area, u_position).point;
+  // What pdf_le will find: along the surface, the cosines to two normals that differ by a rounding
+  // have no digit in common.
+  point.normal = located_normal(shape_, point);
 
   const Vec3<double> w = emission_direction(point, u_direction);
   EmissionSample<Real> sample;

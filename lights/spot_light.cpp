@@ -1,6 +1,7 @@
 #include "lights/spot_light.h"
 
 #include <algorithm>
+#include <limits>
 #include <numbers>
 
 #include "lights/emission.h"
@@ -203,7 +204,8 @@ EmissionSample<Real> SpotLight<Real>::sample_le(Vec2<Real>, Vec2<Real> u_directi
     return sample;
   }
   // The share of the intensity that lies at full light comes first, then the edge from within.
-  const double u = u_direction.x;
+  // Not the very end of a soft edge, where there is no light.
+  const double u = std::min(double{u_direction.x}, 1 - 0x1p-53);
   const double full = 2 * std::numbers::pi * one_minus_cos_start_ / effective_sr_;
   double h = one_minus_cos_start_, share = 1;
   if (u <= full) {
@@ -213,13 +215,24 @@ EmissionSample<Real> SpotLight<Real>::sample_le(Vec2<Real>, Vec2<Real> u_directi
     h += (1 - x) * edge_;
     share = profile_at(params_.profile, x);
   }
-  const double r = std::sqrt(std::max(0.0, h * (2 - h)));
   const double phi = 2 * std::numbers::pi * u_direction.y;
-  const Vec3<double> local{r * std::cos(phi), r * std::sin(phi), 1 - h};
-  sample.direction = Vec3<Real>(Frame<double>::around(axis_).world_from_local(local));
+  const auto radius = [](double h) { return std::sqrt(std::max(0.0, h * (2 - h))); };
+  const auto at = [&](double h) {
+    const Vec3<double> local{radius(h) * std::cos(phi), radius(h) * std::sin(phi), 1 - h};
+    return Vec3<Real>(Frame<double>::around(axis_).world_from_local(local));
+  };
+  sample.direction = at(h);
+  double rounded = falloff_as_rounded(sample.direction);
+  // Rounded beyond the edge: in by a few roundings, where the cone is that wide.
+  constexpr double kInwards = 8 * double{std::numeric_limits<Real>::epsilon()};
+  if (share > 0 && !(rounded > 0) && radius(h) > kInwards) {
+    const Vec3<Real> within = at(h - kInwards * radius(h));
+    rounded = falloff_as_rounded(within);
+    if (rounded > 0) sample.direction = within;
+  }
   // What pdf_le will say of the direction as it is rounded; a cone so narrow that rounding leaves
   // it keeps its samples.
-  if (const double rounded = falloff_as_rounded(sample.direction); rounded > 0) share = rounded;
+  if (rounded > 0) share = rounded;
   sample.value = Rgb<Real>(params_.intensity_cd * share);
   sample.pdf_direction = {static_cast<Real>(share / effective_sr_)};
   if (!(share > 0)) sample.reason = NoLight::kOutsideCone;

@@ -1,0 +1,309 @@
+// Row 33: sample values at and next to the ends of [0, 1], of every light.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <stdexcept>
+#include <type_traits>
+#include <utility>
+#include <variant>
+
+#include "lights/sampling.h"
+#include "server/asset_reader.h"
+#include "server/pbrt/load.h"
+#include "server/scene.h"
+#include "tests/sweep.h"
+
+namespace lucerna::testing {
+namespace {
+
+/// 113 bits, 34 digits.
+__extension__ typedef __float128 Quad;
+
+struct Quad3 {
+  Quad x, y, z;
+  Quad3() = default;
+  Quad3(Quad x, Quad y, Quad z) : x(x), y(y), z(z) {}
+  template <typename Real>
+  explicit Quad3(const Vec3<Real>& v) : x(v.x), y(v.y), z(v.z) {}
+  Quad3 operator-(const Quad3& v) const { return {x - v.x, y - v.y, z - v.z}; }
+};
+
+Quad dot(const Quad3& a, const Quad3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+Quad3 cross(const Quad3& a, const Quad3& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+double magnitude(Quad v) { return std::fabs(static_cast<double>(v)); }
+
+/// World coordinates in the space of an object: Cramer's rule.
+Quad3 to_object(const Transform& world_from_object, const Quad3& p) {
+  const auto& m = world_from_object.matrix();
+  const auto column = [&](int j) { return Quad3(Quad(m[0][j]), Quad(m[1][j]), Quad(m[2][j])); };
+  const Quad3 a = column(0), b = column(1), c = column(2), q = p - column(3);
+  const Quad det = dot(a, cross(b, c));
+  return {dot(q, cross(b, c)) / det, dot(a, cross(q, c)) / det, dot(a, cross(b, q)) / det};
+}
+
+double beyond(Quad value, double least, double most) {
+  return std::max(
+      {0.0, static_cast<double>(Quad(least) - value), static_cast<double>(value - Quad(most))});
+}
+
+/// How far beyond a sweep, along the circle.
+double beyond_sweep(const Quad3& p, double phi_max_rad) {
+  const double phi = azimuth(Vec3<double>(double(p.x), double(p.y), double(p.z)));
+  if (phi <= phi_max_rad) return 0;
+  return std::min(phi - phi_max_rad, kTurnRad - phi) * std::hypot(double(p.x), double(p.y));
+}
+
+// How far a point (world) is off a shape, as a share of the shape's size.
+
+template <typename Real>
+double off(const Sphere<Real>& shape, std::uint32_t, const Quad3& point, const Quad3&) {
+  const SphereParams& s = shape.params();
+  const Quad3 p = to_object(s.world_from_object, point);
+  const Quad r = s.radius_m;
+  return std::max({magnitude((dot(p, p) - r * r) / (2 * r)), beyond(p.z, s.z_min_m, s.z_max_m),
+                   beyond_sweep(p, s.phi_max_rad)}) /
+         s.radius_m;
+}
+
+template <typename Real>
+double off(const Disk<Real>& shape, std::uint32_t, const Quad3& point, const Quad3&) {
+  const DiskParams& d = shape.params();
+  const Quad3 p = to_object(d.world_from_object, point);
+  const double r = std::hypot(double(p.x), double(p.y));
+  return std::max({magnitude(p.z - Quad(d.height_m)),
+                   beyond(p.x * p.x + p.y * p.y, 0, d.radius_m * d.radius_m) / (2 * d.radius_m),
+                   r < d.inner_radius_m ? d.inner_radius_m - r : 0,
+                   beyond_sweep(p, d.phi_max_rad)}) /
+         d.radius_m;
+}
+
+template <typename Real>
+double off(const Cylinder<Real>& shape, std::uint32_t, const Quad3& point, const Quad3&) {
+  const CylinderParams& c = shape.params();
+  const Quad3 p = to_object(c.world_from_object, point);
+  const Quad r = c.radius_m;
+  return std::max({magnitude((p.x * p.x + p.y * p.y - r * r) / (2 * r)),
+                   beyond(p.z, c.z_min_m, c.z_max_m), beyond_sweep(p, c.phi_max_rad)}) /
+         c.radius_m;
+}
+
+/// Off the plane of two edges from `corner`, and beyond them in shares of their lengths.
+double off_plane(const Quad3& from_corner, const Quad3& x, const Quad3& y, bool triangle) {
+  const Quad3 n = cross(x, y);
+  const Quad nn = dot(n, n);
+  const Quad u = dot(cross(from_corner, y), n) / nn, v = dot(cross(x, from_corner), n) / nn;
+  const double size = std::sqrt(static_cast<double>(std::max(dot(x, x), dot(y, y))));
+  return std::max({magnitude(dot(from_corner, n)) / std::sqrt(static_cast<double>(nn)) / size,
+                   beyond(u, 0, 1), beyond(v, 0, 1), triangle ? beyond(u + v, 0, 1) : 0});
+}
+
+template <typename Real>
+double off(const TriangleMesh<Real>& mesh, std::uint32_t primitive, const Quad3&,
+           const Quad3& about_origin) {
+  const Triangle<Real>& t = mesh.primitive(primitive);
+  const Quad3 a(t.a);
+  return off_plane(about_origin - a, Quad3(t.b) - a, Quad3(t.c) - a, true);
+}
+
+/// Those of the scene are flat, with right angles.
+template <typename Real>
+double off(const PatchMesh<Real>& mesh, std::uint32_t primitive, const Quad3&,
+           const Quad3& about_origin) {
+  const BilinearPatch<Real>& p = mesh.primitive(primitive);
+  const Quad3 a(p.p00);
+  return off_plane(about_origin - a, Quad3(p.p10) - a, Quad3(p.p01) - a, false);
+}
+
+template <typename Shape>
+double off(const Shape& covered, std::uint32_t primitive, const Quad3& point,
+           const Quad3& about_origin) requires requires {
+  covered.surface();
+}
+{ return off(covered.surface(), primitive, point, about_origin); }
+
+std::shared_ptr<const Scene> every_light() {
+  absl::StatusOr<AssetReader> reader = AssetReader::open(LUCERNA_TEST_DATA);
+  if (!reader.ok()) throw std::runtime_error(reader.status().ToString());
+  auto description = load_pbrt(*reader, "lights/every_light.pbrt", {});
+  if (!description.ok()) throw std::runtime_error(description.status().ToString());
+  auto scene = Scene::build(*std::move(description));
+  if (!scene.ok()) throw std::runtime_error(scene.status().ToString());
+  return *scene;
+}
+
+constexpr std::array<double, 11> kValues{0,   0x1p-149,      0x1p-24, 0.25,        0.5 - 0x1p-25,
+                                         0.5, 0.5 + 0x1p-24, 0.75,    1 - 0x1p-23, 1 - 0x1p-24,
+                                         1};
+/// What a light computes in.
+template <typename L>
+using RealOf = std::decay_t<decltype(std::declval<const L&>().sample_li({}, {}).distance)>;
+/// So many roundings of it, of coordinates up to a hundred sizes.
+using ServedReal = RealOf<std::variant_alternative_t<0, decltype(SceneLight::light)>>;
+constexpr double kRoundings = 512 * double{std::numeric_limits<ServedReal>::epsilon()};
+
+constexpr char kSwept[] = "0, 2^-149, 2^-24, ... 1 - 2^-24, 1";
+
+template <typename F>
+void for_each_pair(F&& f) {
+  for (const double x : kValues)
+    for (const double y : kValues) f(Vec2<double>{x, y});
+}
+
+/// About the scene's origin: around the lights, among them, within the sphere, far off.
+std::vector<Vec3<double>> receivers(const Scene& scene) {
+  std::vector<Vec3<double>> all;
+  for (const Vec3<double>& world : {Vec3<double>{100, -50, 0.5},
+                                    {98, -48.5, 1},
+                                    {100.7, -51.2, 2.6},
+                                    {97, -52, 4},
+                                    {103, -51, 2},
+                                    {100.75, -51.25, 2.9},
+                                    {1100, -2050, 300}})
+    all.push_back(world - scene.origin());
+  return all;
+}
+
+/// What pbrt-v3 makes of a distant sphere of radius 1 in floats: how far its point is off.
+float textbook_off(float distance, float u) {
+  const float sin2 = 1 / (distance * distance);
+  const float cos_max = std::sqrt(std::max(0.0F, 1 - sin2));
+  const float cos_theta = (1 - u) + u * cos_max;
+  const float sin2_theta = std::max(0.0F, 1 - cos_theta * cos_theta);
+  const float ds =
+      distance * cos_theta - std::sqrt(std::max(0.0F, 1 - distance * distance * sin2_theta));
+  const float cos_alpha = (distance * distance + 1 - ds * ds) / (2 * distance);
+  const float sin_alpha = std::sqrt(std::max(0.0F, 1 - cos_alpha * cos_alpha));
+  return std::fabs(std::sqrt(cos_alpha * cos_alpha + sin_alpha * sin_alpha) - 1);
+}
+
+TEST(SampleValueExtremes, PointsLieOnTheirLights) {
+  Sweep sweep(33, "sample values of every light with a surface", kSwept,
+              "1 + distance of sampled points to the surface, in its sizes");
+  const auto scene = every_light();
+  const Quad3 origin(scene->origin());
+  for (const SceneLight& l : scene->lights()) {
+    const std::string at = "light " + std::to_string(l.id);
+    std::visit(
+        [&](const auto& light) {
+          using Real = RealOf<std::decay_t<decltype(light)>>;
+          if constexpr (requires { light.shape(); }) {
+            const auto compare = [&](const Vec3<Real>& p, std::uint32_t primitive) {
+              const Quad3 point(Quad(p.x) + origin.x, Quad(p.y) + origin.y, Quad(p.z) + origin.z);
+              sweep.compare(1 + off(light.shape(), primitive, point, Quad3(p)), 1, at);
+            };
+            for_each_pair([&](Vec2<double> pair) {
+              const Vec2<Real> u{Real(pair.x), Real(pair.y)};
+              for (int way = 0; way <= static_cast<int>(AreaSampling::kCosineSolidAngle); ++way)
+                for (const Vec3<double>& position : receivers(*scene)) {
+                  Receiver<Real> receiver{Vec3<Real>(position)};
+                  receiver.area_sampling = static_cast<AreaSampling>(way);
+                  receiver.normal = {0, 0, 1};
+                  const auto s = light.sample_li(receiver, u);
+                  compare(s.point, s.primitive);
+                }
+              const auto ray = light.sample_le(u, {Real(0.5), Real(0.5)}, scene->sphere());
+              const auto found = light.shape().locate(ray.origin);
+              ASSERT_TRUE(found.has_value()) << at;
+              compare(ray.origin, found->primitive);
+            });
+          }
+        },
+        l.light);
+  }
+  for (const double u : kValues)
+    for (const float distance : {10.0F, 100.0F, 1000.0F})
+      sweep.compare_textbook(1 + double{textbook_off(distance, static_cast<float>(u))}, 1);
+  sweep.expect_within(kRoundings);
+}
+
+TEST(SampleValueExtremes, DensitiesAreThoseAskedFor) {
+  Sweep sweep(33, "sample values of every light", kSwept, "density of samples against pdf_li");
+  const auto scene = every_light();
+  for (const SceneLight& l : scene->lights()) {
+    const std::string at = "light " + std::to_string(l.id);
+    std::visit(
+        [&](const auto& light) {
+          using Real = RealOf<std::decay_t<decltype(light)>>;
+          for_each_pair([&](Vec2<double> pair) {
+            const Vec2<Real> u{Real(pair.x), Real(pair.y)};
+            for (const Vec3<double>& position : receivers(*scene)) {
+              Receiver<Real> receiver{Vec3<Real>(position)};
+              receiver.normal = {0, 0, 1};
+              const auto s = light.sample_li(receiver, u);
+              EXPECT_NE(s.reason, NoLight::kOutOfRange) << at;
+              EXPECT_TRUE(std::isfinite(s.pdf.per_sr)) << at;
+              if (s.reason != NoLight::kNone) continue;
+              EXPECT_TRUE(is_finite(s.value) && s.value.max_component() > 0) << at;
+              if (s.delta) {
+                EXPECT_EQ(s.pdf.per_sr, 0) << at;
+                continue;
+              }
+              EXPECT_GT(s.pdf.per_sr, 0) << at;
+              if constexpr (requires { light.shape(); })
+                sweep.compare(
+                    light.pdf_li(receiver, SurfacePoint<Real>{s.point, s.normal, s.primitive})
+                        .per_sr,
+                    s.pdf.per_sr, at);
+              else
+                sweep.compare(light.pdf_li(receiver, s.wi).per_sr, s.pdf.per_sr, at);
+            }
+          });
+        },
+        l.light);
+  }
+  // 1 / (2 pi (1 - cos)) of a sphere a thousand radii off and more, in floats.
+  for (const float ratio : {1e-3F, 1e-4F, 1e-5F}) {
+    const float cos_max = std::sqrt(1 - ratio * ratio);
+    sweep.compare_textbook(1 / (6.2831853F * (1 - cos_max)),
+                           1 / (3.14159265358979 * double{ratio} * ratio));
+  }
+  sweep.expect_within(kRoundings);
+}
+
+TEST(SampleValueExtremes, DensitiesOfRaysThatLeave) {
+  Sweep sweep(33, "sample values of rays that leave every light", kSwept,
+              "densities of rays against pdf_le");
+  const auto scene = every_light();
+  for (const SceneLight& l : scene->lights()) {
+    const std::string at = "light " + std::to_string(l.id);
+    std::visit(
+        [&](const auto& light) {
+          using Real = RealOf<std::decay_t<decltype(light)>>;
+          for_each_pair([&](Vec2<double> pair) {
+            const Vec2<Real> u{Real(pair.x), Real(pair.y)};
+            for_each_pair([&](Vec2<double> other) {
+              const Vec2<Real> v{Real(other.x), Real(other.y)};
+              const auto s = light.sample_le(u, v, scene->sphere());
+              EXPECT_NE(s.reason, NoLight::kOutOfRange) << at;
+              if (s.reason != NoLight::kNone) return;
+              EXPECT_TRUE(is_finite(s.value) && s.value.max_component() > 0) << at;
+              const auto pdf = light.pdf_le(s.origin, s.direction, scene->sphere());
+              // 0: certain.  Floats carry all others to the client.
+              for (const double density : {pdf.position.per_m2, pdf.direction.per_sr})
+                EXPECT_TRUE(density == 0 || density >= std::numeric_limits<float>::min())
+                    << density << " of " << at << " at (" << other.x << ", " << other.y << ")";
+              sweep.compare(pdf.position.per_m2, s.pdf_position.per_m2, at + " position");
+              sweep.compare(pdf.direction.per_sr, s.pdf_direction.per_sr, at + " direction");
+            });
+          });
+        },
+        l.light);
+  }
+  // The cosine of a diffuse ray by a point all but at the disk's edge, sqrt(1 - x^2 - y^2) in
+  // floats; the point is 2^-23 within.
+  for (const float u : {0.25F, 0.5F, 0.6F, 0.75F}) {
+    const Vec2<float> d = sample_concentric_disk(Vec2<float>{1 - 0x1p-24F, u});
+    sweep.compare_textbook(std::sqrt(std::max(0.0F, 1 - d.x * d.x - d.y * d.y)),
+                           std::sqrt(0x1p-23 * (2 - 0x1p-23)));
+  }
+  sweep.expect_within(kRoundings);
+}
+
+}  // namespace
+}  // namespace lucerna::testing
