@@ -6,7 +6,6 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <numeric>
 #include <vector>
 
 #include "lights/emission.h"
@@ -109,12 +108,14 @@ PortalLight<Real>::PortalLight(const Params& params, const Rectangle& r)
   }
   const int n = table_size(map);
   // As many looks as the picture has rows, so that none is overlooked; but where it is much higher
-  // than wide, not many more than it has texels.
+  // than wide, not many more than it has texels.  What is overlooked then keeps the uniform share
+  // of the samples.
   const int rows = map == nullptr ? 1 : map->image().height();
   const int most =
       map == nullptr
           ? 1
-          : std::max(2048, static_cast<int>(std::sqrt(double{rows} * map->image().width())));
+          : std::max(2048,
+                     static_cast<int>(std::sqrt(static_cast<double>(rows) * map->image().width())));
   const int looks = std::max(std::clamp(1024 / n, 1, 4), (std::min(rows, most) + n - 1) / n);
   std::vector<double> weights(static_cast<std::size_t>(n) * static_cast<std::size_t>(n));
   for (int j = 0; j < n * looks; ++j)
@@ -124,13 +125,6 @@ PortalLight<Real>::PortalLight(const Params& params, const Rectangle& r)
       weights[static_cast<std::size_t>(j / looks) * static_cast<std::size_t>(n) +
               static_cast<std::size_t>(i / looks)] += luminance(sky(w)) * sr_per_square(w);
     }
-  if (rows > most) {
-    // What was overlooked may still be sampled.
-    constexpr double kOverlooked = 0.01;
-    const double mean =
-        std::accumulate(weights.begin(), weights.end(), 0.0) / static_cast<double>(weights.size());
-    for (double& w : weights) w += mean > 0 ? kOverlooked * mean : 1;
-  }
   table_ = std::make_shared<const WindowedDistribution>(n, weights);
 }
 

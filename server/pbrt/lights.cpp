@@ -173,10 +173,6 @@ std::size_t primitives_of(const Geometry& geometry) {
   return 1;
 }
 
-void left_out(Context& context, const Place& place, const std::string& what) {
-  context.remark(place, what + " is not modelled yet", "left out");
-}
-
 }  // namespace
 
 std::optional<LightDescription> make_light(Context& context, const std::string& type,

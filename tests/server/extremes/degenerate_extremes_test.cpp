@@ -6,6 +6,9 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <set>
+#include <string>
+#include <vector>
 
 #include "lights/area_light.h"
 #include "tests/reference_table.h"
@@ -75,32 +78,48 @@ TEST(DegenerateExtremes, DensityOfNeedles) {
   sweep.expect_within(1e-7);
 }
 
-/// A mesh with a good triangle or patch as its last primitive.
+/// A mesh of which few primitives are good: triangles or patches in the plane z = 0, lit above.
 struct Mesh {
   std::string shape;
-  std::uint32_t good;
-  double area;  // of it [m2]
+  std::set<std::uint32_t> good;
+  double area;  // of them [m2]
 };
 
 const std::vector<Mesh>& degenerate_meshes() {
   static const std::vector<Mesh> meshes{
       // The same vertex twice, three times; on one line; two vertices at one place; at one point.
       {"\"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"integer indices\" [0 0 1 2 2 2 0 1 2]",
-       2, 0.5},
+       {2},
+       0.5},
       {"\"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 2 0 0 3 0 0] \"integer indices\" [0 1 3 1 "
        "3 4 "
        "0 1 2]",
-       2, 0.5},
+       {2},
+       0.5},
       {"\"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 0 0] \"integer indices\" [0 1 3 0 1 2]",
-       1, 0.5},
+       {1},
+       0.5},
       {"\"trianglemesh\" \"point3 P\" [5 5 5 5 5 5 5 5 5 0 0 0 1 0 0 0 1 0] \"integer indices\" [0 "
        "1 2 "
        "3 4 5]",
-       1, 0.5},
+       {1},
+       0.5},
       {"\"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 2 0 0 3 0 0 0 1 0 1 1 0] \"integer indices\" [0 "
        "1 2 "
        "3 0 0 0 0 0 1 4 5]",
-       2, 1},
+       {2},
+       1},
+      // First, last and between two of the same area.
+      {"\"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 0] \"integer indices\" [0 0 1 0 1 2 2 "
+       "2 "
+       "1 1 3 2 3 3 3]",
+       {1, 3},
+       1},
+      {"\"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 0 2 0 0 2 1 0] \"integer indices\" [0 "
+       "0 "
+       "0 0 0 1 2 3 1 1 3 3 1 4 3 5 4 4 4 4]",
+       {1, 3},
+       2},
   };
   return meshes;
 }
@@ -119,14 +138,16 @@ TEST(DegenerateExtremes, PrimitivesWithoutArea) {
           using Real = decltype(light.sample_li({}, {}).distance);
           for (const double u :
                {0.0, 1e-30, 0.1, 0.25, 1.0 / 3, 0.5, 0.75, 0.999, 1 - 0x1p-53, 1.0})
+            // At v = 0 u alone chooses: 0, 1/2 and 1 are where areas begin and end.
             for (const double v : {0.0, 0.5, 1.0}) {
               const Vec3<Real> above(0.2, 0.3, 2), below(0.2, 0.3, -2);
               for (const auto& receiver : {above, below}) {
                 const auto s =
                     light.sample_li(receiver, {static_cast<Real>(u), static_cast<Real>(v)});
-                const bool sound = std::isfinite(s.pdf.per_sr) && s.pdf.per_sr > 0 &&
-                                   is_finite(s.value) &&
-                                   (s.reason != NoLight::kNone || s.primitive == mesh.good);
+                const NoLight seen = receiver.z > 0 ? NoLight::kNone : NoLight::kBehind;
+                const bool sound = mesh.good.contains(s.primitive) && s.reason == seen &&
+                                   std::isfinite(s.pdf.per_sr) && s.pdf.per_sr > 0 &&
+                                   is_finite(s.value);
                 sweep.answer(sound ? "never sampled; a remark tells" : "sampled: " + mesh.shape);
               }
             }

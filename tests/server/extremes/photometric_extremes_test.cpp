@@ -1,9 +1,13 @@
 // Row 31: luminaires in photometric files.
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <exception>
+#include <fstream>
 #include <numbers>
 #include <sstream>
 
@@ -228,6 +232,78 @@ TEST(PhotometricExtremes, HowFilesAreWritten) {
     compare(f.text(), 1, "planes");
   }
   sweep.expect_within(1e-14);
+}
+
+/// While it exists the process gets no more than so much more memory, used or not.
+class MemoryLimit {
+ public:
+  explicit MemoryLimit(std::uint64_t bytes) {
+    std::uint64_t pages = 0;
+    std::ifstream("/proc/self/statm") >> pages;
+    EXPECT_GT(pages, 0U);
+    EXPECT_EQ(getrlimit(RLIMIT_AS, &before_), 0);
+    rlimit limited = before_;
+    limited.rlim_cur = pages * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE)) + bytes;
+    EXPECT_EQ(setrlimit(RLIMIT_AS, &limited), 0);
+  }
+  MemoryLimit(const MemoryLimit&) = delete;
+  MemoryLimit& operator=(const MemoryLimit&) = delete;
+  ~MemoryLimit() { EXPECT_EQ(setrlimit(RLIMIT_AS, &before_), 0); }
+
+ private:
+  rlimit before_{};
+};
+
+TEST(PhotometricExtremes, ClaimsBeyondTheFile) {
+  Sweep sweep(31, "IES and EULUMDAT files of 1 kB that claim to hold", "500 ... 1e18 numbers",
+              "answer");
+  const std::string same = "refused at the claim, without memory for it";
+  const auto answer = [&](auto parse, const std::string& text, const std::string& at) {
+    EXPECT_NEAR(static_cast<double>(text.size()), 1000, 200);
+    std::string said;
+    try {
+      const MemoryLimit limit(4'000'000);
+      const auto file = parse(text, "a");
+      said = file.ok() ? "taken" : std::string(file.status().message());
+    } catch (const std::exception& e) {
+      said = e.what();  // std::bad_alloc, std::length_error
+    }
+    sweep.answer(said.find("are claimed to follow") != std::string::npos ? same : at + ": " + said);
+  };
+  // 1 kB behind the claim has room for 500 numbers.
+  std::string ones;
+  for (int i = 0; i < 380; ++i) ones += "1 ";
+  const auto parse_as_ies = [](const auto& text, const char* name) {
+    return parse_ies(text, name);
+  };
+  for (const char* counts : {"500 1", "2 250", "22 22", "1000 1000", "1000000 1", "2 1000000",
+                             "1000000000 1", "2 1000000000", "1000000000 1000000000"}) {
+    Ies f;
+    f.counts = counts;
+    f.candela = ones + "\n";
+    answer(parse_as_ies, f.text(), counts);
+  }
+  for (const char* pairs : {"250", "1000", "1000000", "1000000000"}) {
+    Ies f;
+    f.tilt = std::string("TILT=INCLUDE\n1\n") + pairs + "\n";
+    f.candela = ones + "\n";
+    answer(parse_as_ies, f.text(), pairs);
+  }
+  const auto parse_as_ldt = [](const auto& text, const char* name) {
+    return parse_eulumdat(text, name);
+  };
+  for (const int count : {500, 1'000'000, 1'000'000'000})
+    for (const bool of_planes : {false, true}) {
+      Ldt f;
+      (of_planes ? f.mc : f.ng) = count;
+      f.intensities.assign(400, "1");
+      answer(parse_as_ldt, f.text(), std::to_string(count));
+    }
+  Ldt f;
+  f.mc = f.ng = 1'000'000'000;
+  f.intensities.assign(400, "1");
+  answer(parse_as_ldt, f.text(), "1e9 by 1e9");
+  sweep.expect_answers(same);
 }
 
 TEST(PhotometricExtremes, FilesThatCannotBeRead) {

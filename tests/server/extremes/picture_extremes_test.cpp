@@ -124,8 +124,8 @@ void compare_sizes(Sweep& sweep, bool portals, const std::vector<float>& texels)
   };
   for (const auto [width, height] : {Size{1, 1}, {64, 64}, {100'000, 1}, {1, 100'000}})
     for (const float texel : texels) {
-      // Long ones by one value, as they take their time.
-      if (width != height && texel != texels.front()) continue;
+      // All values at one size, all sizes at one value: they take their time.
+      if (width != 64 && texel != texels.front()) continue;
       compare_even(sweep, "even.pfm", even_pfm(width, height, texel),
                    static_cast<double>(width) / height, double{texel}, portals);
       sweep.compare_textbook(
@@ -145,7 +145,7 @@ TEST(PictureExtremes, SizesAndValues) {
 TEST(PictureExtremes, SizesAndValuesThroughPortals) {
   Sweep sweep(32, "the same through a portal, where no sum over texels is exact", "1e-36 ... 1e30",
               "flux");
-  compare_sizes(sweep, true, {0.1F, 1e-36F, 1e-20F, 1e20F, 1e30F});
+  compare_sizes(sweep, true, {0.1F, 1e-36F, 1e30F});
   // 2^18 cells; the error that is told with each flux is no less.
   sweep.expect_within(2e-4);
 }
@@ -153,8 +153,8 @@ TEST(PictureExtremes, SizesAndValuesThroughPortals) {
 // The portal's table of looks cannot be as fine as such a picture.
 TEST(PictureExtremes, RowsThatAPortalMayOverlook) {
   Sweep sweep(32, "pictures of 1 x 2e4 texels through a portal, one of them lit",
-              "rows of all heights", "density where there is light");
-  for (int row = 1; row < 10'000; row += 3970) {
+              "rows of all heights", "density where there is light, against an even one");
+  for (const int row : {1, 7941}) {
     std::vector<float> values(60'000, 0);
     std::fill_n(values.begin() + 3 * row, 3, 1.0F);
     const PictureLight light{
@@ -170,17 +170,25 @@ TEST(PictureExtremes, RowsThatAPortalMayOverlook) {
         PortalLight<Served>::create(std::get<PortalLightParams>(description->lights.at(0).params));
     ASSERT_TRUE(portal.ok()) << portal.status();
     // All around the ring that the row is, from where all of it is seen.
+    const Vec3<double> receiver{0.1, 0.2, 1.999999};
+    const auto angle_seen = [&](double at) {
+      return std::atan2(1 - at, 2 - receiver.z) + std::atan2(1 + at, 2 - receiver.z);
+    };
+    const double window = angle_seen(receiver.x) * angle_seen(receiver.y);
     const double polar = (row + 0.5) * kPi / 20'000;
     for (int k = 0; k < 16; ++k) {
       const double azimuth = k * kPi / 8;
       const Vec3<double> w{std::sin(polar) * std::cos(azimuth), std::cos(polar),
                            std::sin(polar) * std::sin(azimuth)};
-      const Vec3<double> receiver{0.1, 0.2, 1.999999};
       if (portal->le_escaped(receiver, w).is_black()) continue;
-      sweep.answer(portal->pdf_li(receiver, w).per_sr > 0 ? "positive" : "0");
+      // Even over the angles alpha, beta of (tan alpha, tan beta, 1).
+      const double even = w.z / ((1 - w.x * w.x) * (1 - w.y * w.y) * window);
+      const double share = portal->pdf_li(receiver, w).per_sr / even;
+      sweep.answer(share > (1 - 1e-9) / 16 ? "1/16 of it or more"
+                                           : "less: " + std::to_string(share));
     }
   }
-  sweep.expect_answers("positive");
+  sweep.expect_answers("1/16 of it or more");
 }
 
 TEST(PictureExtremes, Types) {
@@ -223,14 +231,18 @@ TEST(PictureExtremes, Types) {
 TEST(PictureExtremes, NegativeTexelsCountAsZero) {
   Sweep sweep(32, "pictures of which half of the texels are", "-1e-45 ... -3e38",
               "answer of every light that takes a picture");
+  std::vector<float> values(48, 2);
+  std::fill(values.begin(), values.begin() + 24, 0.0F);
+  const std::string zero = pfm(4, 4, values);
+  std::vector<FileScene> of_zeros;
+  for (const PictureLight& light : picture_lights())
+    of_zeros.push_back(load(light, "zero.pfm", zero));
   for (const float below : {-1e-45F, -1e-30F, -1.0F, -1e30F, -3e38F}) {
-    std::vector<float> values(48, 2);
-    std::fill(values.begin(), values.begin() + 24, 0.0F);
-    const std::string zero = pfm(4, 4, values);
     std::fill(values.begin(), values.begin() + 24, below);
     const std::string negative = pfm(4, 4, values);
-    for (const PictureLight& light : picture_lights()) {
-      const FileScene lit = load(light, "zero.pfm", zero), odd = load(light, "below.pfm", negative);
+    for (std::size_t i = 0; i < picture_lights().size(); ++i) {
+      const PictureLight& light = picture_lights()[i];
+      const FileScene &lit = of_zeros[i], odd = load(light, "below.pfm", negative);
       ASSERT_TRUE(lit.status.ok() && odd.status.ok()) << odd.status;
       const bool same = flux_lm(*odd.scene) == flux_lm(*lit.scene);
       const bool told = odd.remarks.find("8 texels with a value below 0") != std::string::npos;

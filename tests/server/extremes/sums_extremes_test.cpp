@@ -1,8 +1,10 @@
 // Row 24: sums of very many samples.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <vector>
 
 #include "proto/tile_statistics.h"
@@ -25,37 +27,55 @@ struct Samples {
         large(row["large"]),
         small(row["small"]),
         mean(row["mean"]) {}
-  bool is_large(std::uint64_t i) const { return i % period == offset; }
+  /// The first large one from `i` on.
+  std::uint64_t large_from(std::uint64_t i) const {
+    return i + (offset + period - i % period) % period;
+  }
 
   std::uint64_t count, period, offset;
   double large, small, mean;
 };
 
-/// Up to three lines at once, a channel each, as pixels and receivers are added up: blocks of at
-/// most 2^28 samples, whose means are merged.
-std::array<double, 3> means(const std::vector<Samples>& samples) {
-  constexpr std::uint64_t kSamplesPerBlock = std::uint64_t{1} << 28;
-  const std::uint64_t count = samples.front().count;
-  const std::uint64_t per_block = std::min(count, kSamplesPerBlock);
-  std::array<double, 3> large{}, small{};
-  std::array<std::uint64_t, 3> until{~0ULL, ~0ULL, ~0ULL};  // the next large one
+/// Up to three lines at once, a channel each: the mean of a block of samples from `first` on.
+std::array<double, 3> block_mean(const std::vector<Samples>& samples, std::uint64_t first,
+                                 std::uint64_t count) {
+  const std::uint64_t end = first + count;
+  std::array<double, 3> small{};
+  std::array<std::uint64_t, 3> next{end, end, end};  // the next large one
   for (std::size_t c = 0; c < samples.size(); ++c) {
-    large[c] = samples[c].large;
     small[c] = samples[c].small;
-    until[c] = samples[c].offset;
+    next[c] = samples[c].large_from(first);
   }
+  const Rgb<double> all_small(small[0], small[1], small[2]);
+  SampleSum sum;
+  for (std::uint64_t i = first; i < end; ++i) {
+    for (const std::uint64_t until = std::min({next[0], next[1], next[2], end}); i < until; ++i)
+      sum.add(all_small);
+    if (i == end) break;
+    std::array<double, 3> value = small;
+    for (std::size_t c = 0; c < samples.size(); ++c)
+      if (next[c] == i) value[c] = samples[c].large, next[c] += samples[c].period;
+    sum.add({value[0], value[1], value[2]});
+  }
+  const Rgb<double> mean = sum.value() / static_cast<double>(count);
+  return {mean.r, mean.g, mean.b};
+}
+
+/// As pixels and receivers are added up: a billion in blocks, whose means are merged.  Blocks of
+/// the same samples have the same mean, which is computed once.
+std::array<double, 3> means(const std::vector<Samples>& samples) {
+  constexpr std::uint64_t kSamplesPerBlock = std::uint64_t{1} << 26;
+  const std::uint64_t count = samples.front().count;
+  const std::uint64_t per_block = count % kSamplesPerBlock == 0 ? kSamplesPerBlock : count;
+  std::map<std::vector<std::uint64_t>, std::array<double, 3>> known;
   BlockStream<3> blocks(0);
-  for (std::uint64_t done = 0; done < count; done += per_block) {
-    SampleSum sum;
-    for (std::uint64_t i = 0; i < per_block; ++i) {
-      Rgb<double> value(small[0], small[1], small[2]);
-      if (until[0]-- == 0) value.r = large[0], until[0] = samples[0].period - 1;
-      if (until[1]-- == 0) value.g = large[1], until[1] = samples[1].period - 1;
-      if (until[2]-- == 0) value.b = large[2], until[2] = samples[2].period - 1;
-      sum.add(value);
-    }
-    const Rgb<double> mean = sum.value() / static_cast<double>(per_block);
-    blocks.add({mean.r, mean.g, mean.b});
+  for (std::uint64_t first = 0; first < count; first += per_block) {
+    std::vector<std::uint64_t> large;  // where they are in this block
+    for (const Samples& s : samples)
+      large.push_back(std::min(s.large_from(first) - first, per_block));
+    const auto [mean, is_new] = known.try_emplace(large);
+    if (is_new) mean->second = block_mean(samples, first, per_block);
+    blocks.add(mean->second);
   }
   const auto total = blocks.total();
   const auto block_count = static_cast<double>(count / per_block);
@@ -64,12 +84,20 @@ std::array<double, 3> means(const std::vector<Samples>& samples) {
 
 /// All in one float.
 float textbook_mean(const Samples& s) {
+  const auto small = static_cast<float>(s.small), large = static_cast<float>(s.large);
   float sum = 0;
+  std::uint64_t next = s.offset;
   for (std::uint64_t i = 0; i < s.count; ++i) {
     const float before = sum;
-    sum += static_cast<float>(s.is_large(i) ? s.large : s.small);
-    // Small ones that are lost stay lost: on to the next large one.
-    if (sum == before && !s.is_large(i)) i += (s.offset + s.period - (i + 1) % s.period) % s.period;
+    if (i == next) {
+      next += s.period;
+      sum += large;
+      if (sum == before && sum + small == sum) break;  // nothing more is added
+    } else {
+      sum += small;
+      // Small ones that are lost stay lost: on to the next large one.
+      if (sum == before) i = next - 1;
+    }
   }
   return sum / static_cast<float>(s.count);
 }
