@@ -137,13 +137,16 @@ LightSample<Real> AreaLight<Real, Shape>::sample_li(const Receiver<Real>& receiv
   sample.wi = Vec3<Real>(normalized(to_light));
   if (is_density(chosen.pdf)) sample.pdf = chosen.pdf;
 
+  const bool emits = emits_towards(chosen.point, -to_light, receiver.position);
   if (is_black()) {
     sample.reason = NoLight::kBlack;
-  } else if (!emits_towards(chosen.point, -to_light, receiver.position)) {
-    sample.reason = NoLight::kBehind;
-  } else if (is_density(chosen.pdf)) {
+  } else if (emits && is_density(chosen.pdf)) {
     sample.value = radiance_at(chosen.point, -to_light);
     sample.reason = sample.value.is_black() ? kWithout : NoLight::kNone;
+  } else if (shape_.touches(receiver.position, chosen.point.primitive)) {
+    sample.reason = NoLight::kDegenerate;
+  } else if (!emits) {
+    sample.reason = NoLight::kBehind;
   }
   return sample;
 }

@@ -27,12 +27,12 @@ struct DiffuseEmission {
 };
 
 /// `Shape` owes: `area()`, `emissive_error()`, `sample(receiver, u)`, `pdf(receiver,
-/// surface_point)`, `for_each_hit(receiver.position, wi, f)`, and for rays that leave it
-/// `pdf_area(surface_point)`, `locate(position)`, `normals()`, `bounds()`; see lights/sphere.h and
-/// lights/mesh.h.  One whose area is not always exact owes `area_error_m2()`.  One with a picture
-/// on it owes `tint(surface_point)` and `painted_area()` too; see lights/painted.h.  A flat one
-/// tells how far a receiver is above it (`height_over`).  Immutable, so safe to share between
-/// threads.
+/// surface_point)`, `for_each_hit(receiver.position, wi, f)`, `touches(receiver.position,
+/// primitive)`, and for rays that leave it `pdf_area(surface_point)`, `locate(position)`,
+/// `normals()`, `bounds()`; see lights/sphere.h and lights/mesh.h.  One whose area is not always
+/// exact owes `area_error_m2()`.  One with a picture on it owes `tint(surface_point)` and
+/// `painted_area()` too; see lights/painted.h.  A flat one tells how far a receiver is above it
+/// (`height_over`). Immutable, so safe to share between threads.
 template <std::floating_point Real, template <typename> typename Shape>
 class AreaLight {
  public:
@@ -45,16 +45,17 @@ class AreaLight {
   /// A point of the shape as `receiver` sees it, density with respect to solid angle.
   ///
   /// kBehind on the dark side of a one-sided light and in the plane of any, kDegenerate where the
-  /// receiver lies on the sampled point, kBlack where L is 0, kOutOfRange where the density or L is
-  /// not a positive `Real` or the receiver is not finite.  The parts of a closed mesh that are
-  /// turned away from the receiver are sampled like all others and answer kBehind: the mean over
-  /// all samples is exact.  Where no density exists, `pdf.per_sr` is 1, so that value / pdf is 0;
-  /// where no direction exists, `wi` is 0.
+  /// receiver lies on the sampled point or on the triangle, rectangle or disk that it was sampled
+  /// on (of a sphere or a cylinder: and gets nothing from across), kBlack where L is 0, kOutOfRange
+  /// where the density or L is not a positive `Real` or the receiver is not finite.  The parts of a
+  /// closed mesh that are turned away from the receiver are sampled like all others and answer
+  /// kBehind: the mean over all samples is exact.  Where no density exists, `pdf.per_sr` is 1, so
+  /// that value / pdf is 0; where no direction exists, `wi` is 0.
   LightSample<Real> sample_li(const Receiver<Real>& receiver, Vec2<Real> u) const;
 
   /// The density with which sample_li chooses directions: the sum over all points of the light that
   /// lie along `wi`, hidden behind each other or not, and turn an emitting side to the receiver.
-  /// Integrates to the probability of samples that are not kBehind.
+  /// Integrates to the probability of samples that are neither kBehind nor kDegenerate.
   SolidAnglePdf<Real> pdf_li(const Receiver<Real>& receiver, const Vec3<Real>& wi) const;
 
   /// The density with which sample_li chooses this very point; 0 where its emitting side is turned

@@ -245,7 +245,21 @@ SolidAnglePdf<double> pdf_of(const BilinearPatch<Real>& patch, const BilinearFor
 
 template <typename Real>
 double BilinearPatch<Real>::height_of(const Vec3<Real>& p) const {
+  if (p == p11) return 0;  // which rounding may have put next to the plane of the others
   return height_over(Vec3<double>(p), Vec3<double>(p00), Vec3<double>(p10), Vec3<double>(p01));
+}
+
+template <typename Real>
+bool BilinearPatch<Real>::touches(const Vec3<Real>& p) const {
+  if (height_of(p) != 0) return false;
+  const BilinearForm form(*this);
+  const Vec3<double> q = Vec3<double>(p) - form.p00;
+  constexpr double kEdge = 1e-14;
+  const auto within = [&q](const Vec3<double>& edge) {
+    const double size = length(edge), along = dot(q, edge / size);
+    return along >= -kEdge * size && along <= (1 + kEdge) * size;
+  };
+  return p == p10 || p == p01 || p == p11 || (within(form.e) && within(form.f));
 }
 
 template <typename Real>

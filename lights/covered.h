@@ -5,6 +5,7 @@
 #include <absl/status/status.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <utility>
 
@@ -30,6 +31,9 @@ class Covered {
   { return under().height_over(point, p); }
   std::optional<SurfacePoint<Real>> locate(const Vec3<Real>& position, double slack_m = 0) const {
     return under().locate(position, slack_m);
+  }
+  bool touches(const Vec3<Real>& p, std::uint32_t primitive) const {
+    return under().touches(p, primitive);
   }
   NormalCone<Real> normals() const { return under().normals(); }
   std::pair<Vec3<Real>, Vec3<Real>> bounds() const { return under().bounds(); }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace lucerna {
@@ -210,6 +211,15 @@ SurfacePoint<Real> Cylinder<Real>::at_shares(Vec2<double> shares) const {
   const double phi = params_.phi_max_rad * shares.x;
   return surface_point({params_.radius_m * std::cos(phi), params_.radius_m * std::sin(phi),
                         std::lerp(params_.z_min_m, params_.z_max_m, shares.y)});
+}
+
+template <typename Real>
+bool Cylinder<Real>::touches(const Vec3<Real>& position, std::uint32_t) const {
+  const Vec3<double> p =
+      object_from_world_.vector(Vec3<double>(position) - world_from_object_.point({0, 0, 0}));
+  constexpr double kRounding = 8 * std::numeric_limits<double>::epsilon();
+  return std::fabs(std::hypot(p.x, p.y) - params_.radius_m) <= kRounding * params_.radius_m &&
+         !is_cut_away(p);
 }
 
 template class Cylinder<float>;

@@ -5,6 +5,7 @@
 #include <absl/status/statusor.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -62,6 +63,9 @@ class Cylinder {
     const auto found = hits(receiver, wi, 0, std::numeric_limits<Real>::infinity());
     for (int i = 0; i < found.count; ++i) f(found.hit[i].point);
   }
+
+  /// Whether `p` lies on it, as far as doubles tell.
+  bool touches(const Vec3<Real>& p, std::uint32_t primitive = 0) const;
 
   /// Density of points by area alone; 1 / area.
   AreaPdf<double> pdf_area(const SurfacePoint<Real>&) const { return {1 / area_m2_}; }

@@ -72,6 +72,18 @@ double Disk<Real>::height_of(const Vec3<Real>& p) const {
   return dot(cross(x, y), Vec3<double>(normal_)) < 0 ? -height : height;
 }
 
+template <typename Real>
+bool Disk<Real>::touches(const Vec3<Real>& p, std::uint32_t) const {
+  if (height_of(p) != 0) return false;
+  // About the middle, so that what is far from the origin loses nothing.
+  const Vec3<double> middle = world_from_object_.point({0, 0, params_.height_m});
+  const Vec3<double> q = object_from_world_.vector(Vec3<double>(p) - middle);
+  constexpr double kEdge = 1e-14;
+  const double r = std::hypot(q.x, q.y);
+  return r >= params_.inner_radius_m * (1 - kEdge) && r <= params_.radius_m * (1 + kEdge) &&
+         (r == 0 || is_swept(q, params_.phi_max_rad));
+}
+
 /// A disk as a receiver sees it; a whole one in object space: in its plane the unit vector (x, y)
 /// from below the receiver to the centre.
 template <typename Real>

@@ -5,6 +5,7 @@
 #include <absl/status/statusor.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -63,6 +64,8 @@ class Disk {
   std::optional<double> height_over(const SurfacePoint<Real>&, const Vec3<Real>& p) const {
     return height_of(p);
   }
+  /// Whether `p`, 0 above the plane, is within the disk or on its edges to 1e-14.
+  bool touches(const Vec3<Real>& p, std::uint32_t primitive = 0) const;
 
   /// Density of points by area alone; 1 / area.
   AreaPdf<double> pdf_area(const SurfacePoint<Real>&) const { return {1 / area_m2_}; }

@@ -5,6 +5,7 @@
 #include <absl/status/statusor.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <optional>
 #include <type_traits>
@@ -57,6 +58,12 @@ class Mesh {
   std::optional<double> height_over(const SurfacePoint<Real>& point, const Vec3<Real>& p) const {
     if (point.primitive >= primitives_.size() || !has_ways(point.primitive)) return std::nullopt;
     return primitives_[point.primitive].height_of(p);
+  }
+
+  /// Whether `p` lies on a primitive that is flat, and so sees all of it along its surface.
+  bool touches(const Vec3<Real>& p, std::uint32_t primitive) const {
+    return primitive < primitives_.size() && has_ways(primitive) &&
+           primitives_[primitive].touches(p);
   }
 
   /// Calls `f(surface_point)` for every point of the mesh along the unit vector `wi`, in the order

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "lights/sampling.h"
@@ -377,6 +378,14 @@ SurfacePoint<Real> Sphere<Real>::at_shares(Vec2<double> shares) const {
   const double phi = params_.phi_max_rad * shares.x;
   const double ring = std::sqrt((params_.radius_m - z) * (params_.radius_m + z));
   return surface_point({ring * std::cos(phi), ring * std::sin(phi), z});
+}
+
+template <typename Real>
+bool Sphere<Real>::touches(const Vec3<Real>& p, std::uint32_t) const {
+  constexpr double kRounding = 8 * std::numeric_limits<double>::epsilon();
+  const Vec3<double> from_center = Vec3<double>(p) - center_m_;
+  return std::fabs(length(from_center) - world_radius_m_) <= kRounding * world_radius_m_ &&
+         (is_whole_ || !is_cut_away(object_from_world_.vector(from_center)));
 }
 
 template class Sphere<float>;

@@ -201,6 +201,15 @@ double Triangle<Real>::distance_to(const Vec3<Real>& position) const {
   return is_finite(p) ? distance : std::numeric_limits<double>::infinity();
 }
 
+template <typename Real>
+bool Triangle<Real>::touches(const Vec3<Real>& p) const {
+  if (height_of(p) != 0) return false;
+  constexpr double kEdge = 1e-14;
+  const auto [b_share, c_share] = shares_at(p);
+  return p == b || p == c ||
+         (b_share >= -kEdge && c_share >= -kEdge && b_share + c_share <= 1 + kEdge);
+}
+
 template struct Triangle<float>;
 template struct Triangle<double>;
 

@@ -45,6 +45,8 @@ struct Triangle {
   Vec2<double> shares_at(const Vec3<Real>& position) const;
   /// How far `position` is from the triangle [m]: off its plane, or off its edges within it.
   double distance_to(const Vec3<Real>& position) const;
+  /// Whether `p`, 0 above the plane (`height_of`), is within the edges or on them to 1e-14.
+  bool touches(const Vec3<Real>& p) const;
   /// {lower, upper}
   std::pair<Vec3<Real>, Vec3<Real>> bounds() const;
 };

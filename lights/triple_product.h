@@ -14,7 +14,7 @@ double triple_product(const Vec3<double>& p, const Vec3<double>& a, const Vec3<d
                       const Vec3<double>& f);
 
 /// The same where e = b - a and f = c - a are differences too, and what rounding takes from them
-/// would tilt the plane.
+/// would tilt the plane.  0 where p is one of the corners.
 double triple_product_of_corners(const Vec3<double>& p, const Vec3<double>& a,
                                  const Vec3<double>& b, const Vec3<double>& c);
 
