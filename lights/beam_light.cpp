@@ -170,6 +170,13 @@ EmissionSample<Real> BeamLight<Real>::sample_le(Vec2<Real> u_position, Vec2<Real
 }
 
 template <std::floating_point Real>
+Rgb<Real> BeamLight<Real>::le_leaving(const Vec3<Real>& position, const Vec3<Real>&,
+                                      double slack_m) const {
+  const std::optional<Vec2<double>> p = locate(position, slack_m);
+  return p ? Rgb<Real>(value_at(*p)) : Rgb<Real>{};
+}
+
+template <std::floating_point Real>
 EmissionPdf<Real> BeamLight<Real>::pdf_le(const Vec3<Real>& position, const Vec3<Real>& direction,
                                           const SceneSphere&, double slack_m) const {
   if (is_black() || !same_direction(direction, direction_)) return {};

@@ -53,6 +53,9 @@ class BeamLight {
   /// Positions of the rectangle by luminance, density exact for the filter; direction certain.
   EmissionSample<Real> sample_le(Vec2<Real> u_position, Vec2<Real> u_direction,
                                  const SceneSphere& scene) const;
+  /// Illuminance [lx] that a ray from `position` carries; 0 beside the rectangle, as pdf_le has it.
+  Rgb<Real> le_leaving(const Vec3<Real>& position, const Vec3<Real>& direction,
+                       double slack_m = 0) const;
   /// Both 0 where `position` is not in the rectangle, to within rounding and `slack_m`.
   EmissionPdf<Real> pdf_le(const Vec3<Real>& position, const Vec3<Real>& direction,
                            const SceneSphere& scene, double slack_m = 0) const;

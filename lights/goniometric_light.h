@@ -47,6 +47,8 @@ class GoniometricLight {
 
   /// Luminous intensity [cd] towards the unit vector `w` (world axes, from the light).
   Rgb<Real> intensity(const Vec3<Real>& w) const;
+  /// The same, as `value` of the ray that leaves the light towards `w`.
+  Rgb<Real> le_leaving(const Vec3<Real>&, const Vec3<Real>& w) const { return intensity(w); }
 
   /// Intensity over distance squared.  kOutsideCone where web or map are dark.  [Pharr23, 12.2.3]
   LightSample<Real> sample_li(const Receiver<Real>& receiver, Vec2<Real> u) const;

@@ -43,6 +43,10 @@ class ImageInfiniteLight {
   /// Radiance [cd/m2] that a ray from anywhere, leaving the scene towards the unit vector `w`,
   /// meets.
   Rgb<Real> le_escaped(const Vec3<Real>& origin, const Vec3<Real>& w) const;
+  /// The same of a ray that enters the scene towards `w`.
+  Rgb<Real> le_leaving(const Vec3<Real>& origin, const Vec3<Real>& w) const {
+    return le_escaped(origin, -w);
+  }
 
   /// From the disk of the scene's sphere that faces the sampled direction; kDegenerate where the
   /// sphere has no extent.

@@ -49,6 +49,7 @@ using PanelPatchMeshLight = AreaLight<Real, PanelPatchMesh>;
 template <std::floating_point Real>
 using PanelDiskLight = AreaLight<Real, PanelDisk>;
 
+/// Scenes hold them in double; float is what docs/precision.md and the contracts compare with.
 template <std::floating_point Real>
 using Light =
     std::variant<PointLight<Real>, SpotLight<Real>, DistantLight<Real>, SunLight<Real>,
@@ -67,6 +68,16 @@ concept SeenBeyond = requires(const L& light, const Vec3<double>& v) {
 // Said here, so that a change of the signature is an error and not a black sky.
 static_assert(SeenBeyond<SunLight<double>> && SeenBeyond<UniformInfiniteLight<double>> &&
               SeenBeyond<ImageInfiniteLight<double>> && SeenBeyond<PortalLight<double>>);
+
+/// Lights without a surface whose rays carry what their start and direction say.
+template <typename L>
+concept LeavesFreely = requires(const L& light, const Vec3<double>& v) {
+  light.le_leaving(v, v);
+};
+static_assert(LeavesFreely<SpotLight<double>> && LeavesFreely<GoniometricLight<double>> &&
+              LeavesFreely<ProjectionLight<double>> && LeavesFreely<BeamLight<double>> &&
+              LeavesFreely<SunLight<double>> && LeavesFreely<ImageInfiniteLight<double>> &&
+              LeavesFreely<PortalLight<double>>);
 
 /// Lights with a surface that rays may hit.
 template <typename L>

@@ -166,9 +166,9 @@ double PortalLight<Real>::density(const Window& window, const Vec3<Real>& w) con
   const Vec3<double> l = normalized(local(Vec3<double>(w)));
   if (!(l.z > 0)) return 0;
   const Vec2<double> p = square_from_rectified(l);
-  // A direction holds a rounding, which turns its angle about an axis the further the nearer it is
-  // to that axis; what the window itself holds is not more.
-  constexpr double kRounding = kInputRounding;
+  // A direction and the window hold roundings of `Real`, which turn an angle about an axis the
+  // further the nearer the direction is to that axis.
+  constexpr double kRounding = 2 * double{std::numeric_limits<Real>::epsilon()};
   const auto within = [&](double at, double begin, double extent, double from_axis) {
     const double slack = kRounding / from_axis;
     return at >= begin - slack && at <= begin + extent + slack;

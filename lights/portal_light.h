@@ -60,11 +60,13 @@ class PortalLight {
   /// black parts of the map; kOutOfRange where the density is no positive normal `Real`, and where
   /// the portal is seen narrower than the rounding of a direction.
   LightSample<Real> sample_li(const Receiver<Real>& receiver, Vec2<Real> u) const;
-  /// Beyond the portal's edges 0, to within a rounding of `wi`.
+  /// Beyond the portal's edges 0.
   SolidAnglePdf<Real> pdf_li(const Receiver<Real>& receiver, const Vec3<Real>& wi) const;
   /// Radiance [cd/m2] that a ray from `origin` towards the unit vector `w` meets: 0 where it does
   /// not leave through the portal.
   Rgb<Real> le_escaped(const Vec3<Real>& origin, const Vec3<Real>& w) const;
+  /// The same of a ray that enters towards `w`, which starts in the portal.
+  Rgb<Real> le_leaving(const Vec3<Real>&, const Vec3<Real>& w) const { return radiance(-w); }
 
   /// Rays that enter: a point of the portal by area, a direction by the whole table; `normal` is
   /// the portal's, to the inside.  The scene's sphere plays no part.

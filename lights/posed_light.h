@@ -55,6 +55,18 @@ class Posed {
   }
   { return light_.le_escaped(inverse_point(origin), inverse_vector(w)); }
 
+  Rgb<Real> le_leaving(const Vec3<Real>& origin, const Vec3<Real>& w) const requires
+      requires(const L& l) {
+    l.le_leaving(origin, w);
+  }
+  {
+    const Vec3<Real> o = inverse_point(origin), d = inverse_vector(w);
+    if constexpr (requires { light_.le_leaving(o, d, 0.0); })
+      return light_.le_leaving(o, d, slack_m(origin));
+    else
+      return light_.le_leaving(o, d);
+  }
+
   EmissionSample<Real> sample_le(Vec2<Real> u_position, Vec2<Real> u_direction,
                                  const SceneSphere& scene) const requires requires(const L& l) {
     l.sample_le(u_position, u_direction, scene);
@@ -77,8 +89,7 @@ class Posed {
     const Vec3<Real> w = inverse_vector(direction), p = inverse_point(position);
     const SceneSphere local = to_light(scene);
     if constexpr (requires { light_.pdf_le(p, w, local, 0.0); }) {
-      const double slack = 8 * kInputRounding * max_abs(position);
-      return light_.pdf_le(p, w, local, slack);
+      return light_.pdf_le(p, w, local, slack_m(position));
     } else {
       // A light that shines from one point knows it by its bits.
       const auto own = light_.bounds();
@@ -123,6 +134,10 @@ class Posed {
   }
 
  private:
+  /// How far off the light a position on it may be rounded, where it stands now.
+  static double slack_m(const Vec3<Real>& position) {
+    return 8 * kInputRounding * max_abs(position);
+  }
   Vec3<Real> vector(const Vec3<Real>& v) const { return Vec3<Real>(pose_.vector(Vec3<double>(v))); }
   Vec3<Real> point(const Vec3<Real>& p) const { return Vec3<Real>(pose_.point(Vec3<double>(p))); }
   Vec3<Real> inverse_vector(const Vec3<Real>& v) const {

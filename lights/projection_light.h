@@ -37,6 +37,8 @@ class ProjectionLight {
   /// Luminous intensity [cd] towards the unit vector `w` (world axes, from the light): that of
   /// `intensity_cd` times the picture's value there, 0 beside it.  [Pharr23, 12.2.2]
   Rgb<Real> intensity(const Vec3<Real>& w) const;
+  /// The same, as `value` of the ray that leaves the light towards `w`.
+  Rgb<Real> le_leaving(const Vec3<Real>&, const Vec3<Real>& w) const { return intensity(w); }
 
   /// Intensity over distance squared.  kOutsideCone beside the picture and where it is black.
   LightSample<Real> sample_li(const Receiver<Real>& receiver, Vec2<Real> u) const;

@@ -41,6 +41,8 @@ class SpotLight {
   /// Luminous intensity [cd] towards the unit vector `w` (world axes, from the light).  Zero
   /// outside the cone, continuous at its edge unless the edge is hard.  [Pharr23, 12.2.1]
   Rgb<Real> intensity(const Vec3<Real>& w) const;
+  /// The same, as `value` of the ray that leaves the light towards `w`.
+  Rgb<Real> le_leaving(const Vec3<Real>&, const Vec3<Real>& w) const { return intensity(w); }
 
   LightSample<Real> sample_li(const Receiver<Real>& receiver, Vec2<Real> u) const;
   SolidAnglePdf<Real> pdf_li(const Receiver<Real>& receiver, const Vec3<Real>& wi) const;

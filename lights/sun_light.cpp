@@ -36,7 +36,8 @@ absl::StatusOr<SunLight<Real>> SunLight<Real>::create(const Params& params, cons
 template <std::floating_point Real>
 SunLight<Real>::SunLight(const Params& params, const Rgb<double>& radiance_cd_m2)
     : params_(params),
-      axis_(Vec3<Real>(normalized(params.to_light))),
+      axis_(normalized(params.to_light)),
+      unit_axis_(normalized(Vec3<double>(axis_))),
       radiance_cd_m2_(radiance_cd_m2) {
   const double s = std::sin(params.angular_diameter_rad / 4);
   one_minus_cos_ = 2 * s * s;
@@ -44,27 +45,27 @@ SunLight<Real>::SunLight(const Params& params, const Rgb<double>& radiance_cd_m2
 
 // Not inlined: GCC 12 at -O2 keeps a direction in double where it has just been rounded to float.
 template <std::floating_point Real>
-[[gnu::noinline]] bool SunLight<Real>::contains(const Vec3<Real>& w, double slack_rad) const {
+[[gnu::noinline]] bool SunLight<Real>::contains(const Vec3<Real>& w) const {
   // 1 - cos of the angle between unit vectors is half their chord's square: exact near the axis.
-  const Vec3<double> chord = Vec3<double>(w) - axis_;
-  if (dot(chord, chord) / 2 <= one_minus_cos_) return true;
-  return slack_rad > 0 && length(chord) <= std::sqrt(2 * one_minus_cos_) + slack_rad;
+  // A ray's direction in floats is as far off the unit length as small suns are wide.
+  const Vec3<double> chord = normalized(Vec3<double>(w)) - unit_axis_;
+  return dot(chord, chord) / 2 <= one_minus_cos_;
 }
 
 template <std::floating_point Real>
 Vec3<Real> SunLight<Real>::sample_direction(Vec2<Real> u) const {
   const Vec3<double> local = sample_uniform_cone(Vec2<double>{u.x, u.y}, one_minus_cos_);
-  const Vec3<double> w = Frame<double>::around(normalized(axis_)).world_from_local(local);
+  const Vec3<double> w = Frame<double>::around(unit_axis_).world_from_local(local);
   Vec3<Real> rounded(w);
   if (contains(rounded)) return rounded;
   // Rounded beyond the edge: in by a few roundings; where the disk is no wider, to its centre.
   const double inwards = 8 * double{std::numeric_limits<Real>::epsilon()};
   const double radius = params_.angular_diameter_rad / 2;
   if (radius > inwards) {
-    rounded = Vec3<Real>(normalized(axis_ + (w - axis_) * (1 - inwards / radius)));
+    rounded = Vec3<Real>(normalized(unit_axis_ + (w - unit_axis_) * (1 - inwards / radius)));
     if (contains(rounded)) return rounded;
   }
-  return Vec3<Real>(axis_);
+  return axis_;
 }
 
 template <std::floating_point Real>
@@ -86,8 +87,7 @@ template <std::floating_point Real>
 SolidAnglePdf<Real> SunLight<Real>::pdf_li(const Receiver<Real>& receiver,
                                            const Vec3<Real>& wi) const {
   if (!is_finite(receiver.position) || Rgb<Real>(radiance_cd_m2_).is_black()) return {};
-  // Samples at the rim come back as floats.
-  if (!contains(wi, kInputRounding)) return {};
+  if (!contains(wi)) return {};
   const auto pdf = static_cast<Real>(uniform_cone_pdf(one_minus_cos_).per_sr);
   return {std::isfinite(pdf) ? pdf : 0};
 }

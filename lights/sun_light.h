@@ -33,6 +33,10 @@ class SunLight {
   SolidAnglePdf<Real> pdf_li(const Receiver<Real>& receiver, const Vec3<Real>& wi) const;
   /// Radiance [cd/m2] that a ray leaving the scene towards `w` meets.
   Rgb<Real> le_escaped(const Vec3<Real>& origin, const Vec3<Real>& w) const;
+  /// The same of a ray that enters the scene towards `w`.
+  Rgb<Real> le_leaving(const Vec3<Real>& origin, const Vec3<Real>& w) const {
+    return le_escaped(origin, -w);
+  }
 
   /// Flux through the scene's bounding disk from each of the sun's directions, the disk facing it:
   /// radiance times solid angle times pi R^2.
@@ -50,13 +54,15 @@ class SunLight {
 
  private:
   explicit SunLight(const Params& params, const Rgb<double>& radiance_cd_m2);
-  /// Whether the unit vector `w` meets the disk, or misses it by no more than `slack_rad`.
-  bool contains(const Vec3<Real>& w, double slack_rad = 0) const;
+  /// Whether `w`, of any length but 0, meets the disk.
+  bool contains(const Vec3<Real>& w) const;
   /// Towards the disk.
   Vec3<Real> sample_direction(Vec2<Real> u) const;
 
   Params params_;
-  Vec3<double> axis_;  ///< as `Real` rounds it, so that the axis itself is in the narrowest cone
+  Vec3<Real> axis_;
+  Vec3<double>
+      unit_axis_;  ///< of what `Real` makes of it: the axis itself is in the narrowest cone
   double one_minus_cos_;
   Rgb<double> radiance_cd_m2_;
 };

@@ -9,6 +9,7 @@
 #include "server/parallel.h"
 #include "server/path.h"
 #include "server/spectral_values.h"
+#include "server/told_direction.h"
 #include "server/visibility.h"
 
 namespace lucerna {
@@ -49,6 +50,27 @@ bool fits_float(double density) {
   return density == 0 || (rounded >= std::numeric_limits<float>::min() && std::isfinite(rounded));
 }
 
+/// Makes of a ray of a light without a surface the one that the answer tells: PdfLe of that is what
+/// the sample says.
+template <LeavesFreely L>
+void tell_ray(const L& light, const SceneSphere& scene, EmissionSample<double>& s) {
+  if (s.reason != NoLight::kNone) return;
+  const Vec3<double> origin(as_floats(s.origin));
+  const EmissionPdf<double> sampled{s.pdf_position, s.pdf_direction};
+  s.direction = told_direction(s.direction, [&](const Vec3<double>& w) {
+    const Rgb<double> value = light.le_leaving(origin, w);
+    const EmissionPdf<double> pdf = light.pdf_le(origin, w, scene);
+    // A density of 0 is one of what is certain.
+    const bool is_sampled = (pdf.position.per_m2 > 0) == (sampled.position.per_m2 > 0) &&
+                            (pdf.direction.per_sr > 0) == (sampled.direction.per_sr > 0);
+    if (value.is_black() || !is_sampled) return false;
+    s.value = value;
+    s.pdf_position = pdf.position;
+    s.pdf_direction = pdf.direction;
+    return true;
+  });
+}
+
 ItemResult put(const EmissionSample<double>& s, std::uint32_t light, SpectralValues& spectral,
                std::size_t i, const SampleLeAnswer& a) {
   if (s.reason != NoLight::kNone) return item_result(s.reason);
@@ -83,10 +105,11 @@ ItemResult sample_ray(const Scene& scene, const SampleLeQuery& q, SpectralValues
     light = *chosen;
   }
   if (!u.valid) return ItemResult::kInvalidInput;
-  return visit_light(scene.lights()[light], q.time_s, [&](const auto& l) {
-    return put(
-        l.sample_le({u.position.x, u.position.y}, {u.direction.x, u.direction.y}, scene.sphere()),
-        light, spectral, i, a);
+  return visit_light(scene.lights()[light], q.time_s, [&]<typename L>(const L& l) {
+    EmissionSample<double> s =
+        l.sample_le({u.position.x, u.position.y}, {u.direction.x, u.direction.y}, scene.sphere());
+    if constexpr (LeavesFreely<L>) tell_ray(l, scene.sphere(), s);
+    return put(s, light, spectral, i, a);
   });
 }
 
@@ -115,7 +138,8 @@ WorkCounts le(const Scene& scene, const LeQuery& query, const LeAnswer& answer,
         Rgb<double> sum;
         std::uint64_t met = 0;
         std::ranges::fill(at, 0);
-        tracer.for_each_emitter(ray, hit, [&](std::uint32_t light, const Rgb<double>& radiance) {
+        const Sight sight{p.position, direction_of(direction), query.time_s};
+        tracer.for_each_emitter(sight, hit, [&](std::uint32_t light, const Rgb<double>& radiance) {
           if (query.light && light != *query.light) return;
           if (met == 0) met = scene.lights()[light].id;
           sum += radiance;
@@ -166,8 +190,7 @@ void pdf_le(const Scene& scene, std::uint32_t light, const PointArray& points,
         ItemResult result = p.result;
         if (!is_direction(w)) result = ItemResult::kInvalidInput;
         if (result == ItemResult::kOk) {
-          const EmissionPdf<double> pdf =
-              l.pdf_le(p.position, normalized(Vec3<double>(w)), scene.sphere());
+          const EmissionPdf<double> pdf = l.pdf_le(p.position, direction_of(w), scene.sphere());
           if (fits_float(pdf.position.per_m2) && fits_float(pdf.direction.per_sr)) {
             pdf_position_per_m2[i] = static_cast<float>(pdf.position.per_m2);
             pdf_direction_per_sr[i] = static_cast<float>(pdf.direction.per_sr);

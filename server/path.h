@@ -34,6 +34,19 @@ struct PathSample {
   }
 };
 
+/// A ray as lights are asked what it finds: not rounded, unlike the ray that is traced.
+struct Sight {
+  Vec3<double> origin;
+  Vec3<double> direction;  ///< unit
+  double time_s = 0;
+
+  Sight(const Vec3<double>& origin, const Vec3<double>& direction, double time_s)
+      : origin(origin), direction(direction), time_s(time_s) {}
+  // NOLINTNEXTLINE(google-explicit-constructor): a traced ray sees along its own floats.
+  Sight(const Ray& ray)
+      : Sight(Vec3<double>(ray.origin), Vec3<double>(ray.direction), ray.time_s) {}
+};
+
 /// Light of one sample, and what it would have been had every light sampled been visible.
 struct LightEstimate {
   Rgb<double> value;
@@ -81,10 +94,10 @@ class PathTracer {
     return visits_all() ? 1 : scene_.light_probability(light);
   }
 
-  /// Calls `f(light, radiance)` for what `ray` finds at its end: `hit` or, where nothing was hit,
+  /// Calls `f(light, radiance)` for what is seen at the ray's end: `hit` or, where nothing was hit,
   /// the infinite lights.
   template <typename F>
-  void for_each_emitter(const Ray& ray, const std::optional<SurfaceHit>& hit, F&& f) const;
+  void for_each_emitter(const Sight& sight, const std::optional<SurfaceHit>& hit, F&& f) const;
 
   /// The weight of light found by a direction drawn with density `direction_pdf` at `from`,
   /// where `direct`, seen from `wo`, would have chosen that light with `probability`.
@@ -124,15 +137,15 @@ class PathTracer {
 };
 
 template <typename F>
-void PathTracer::for_each_emitter(const Ray& ray, const std::optional<SurfaceHit>& hit,
+void PathTracer::for_each_emitter(const Sight& sight, const std::optional<SurfaceHit>& hit,
                                   F&& f) const {
   if (hit) {
     if (hit->light < 0) return;
     const auto light = static_cast<std::uint32_t>(hit->light);
     const Rgb<double> le =
-        visit_light(scene_.lights()[light], ray.time_s, [&]<typename L>(const L& l) {
+        visit_light(scene_.lights()[light], sight.time_s, [&]<typename L>(const L& l) {
           if constexpr (SeenOnSurface<L>)
-            return l.le(hit->on_light(), -Vec3<double>(ray.direction));
+            return l.le(hit->on_light(), -sight.direction);
           else
             return Rgb<double>{};
         });
@@ -141,9 +154,9 @@ void PathTracer::for_each_emitter(const Ray& ray, const std::optional<SurfaceHit
   }
   for (const std::uint32_t light : scene_.infinite_lights()) {
     const Rgb<double> le =
-        visit_light(scene_.lights()[light], ray.time_s, [&]<typename L>(const L& l) {
+        visit_light(scene_.lights()[light], sight.time_s, [&]<typename L>(const L& l) {
           if constexpr (SeenBeyond<L>)
-            return l.le_escaped(Vec3<double>(ray.origin), Vec3<double>(ray.direction));
+            return l.le_escaped(sight.origin, sight.direction);
           else
             return Rgb<double>{};
         });

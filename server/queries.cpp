@@ -9,6 +9,7 @@
 #include "server/denormals.h"
 #include "server/parallel.h"
 #include "server/spectral_values.h"
+#include "server/told_direction.h"
 #include "server/visibility.h"
 
 namespace lucerna {
@@ -33,6 +34,21 @@ Receiver<double> receiver_of(const ScenePoint& p, const Vec3<double>& normal, Ar
 bool is_normal_float(double density) {
   const auto rounded = static_cast<float>(density);
   return rounded >= std::numeric_limits<float>::min() && std::isfinite(rounded);
+}
+
+/// Makes of a sample of a light that has directions alone one of the direction that the answer
+/// tells: PdfLi and Le of that are what the sample says.
+template <SeenBeyond L>
+void tell_direction(const L& light, const Receiver<double>& receiver, LightSample<double>& sample) {
+  if (sample.reason != NoLight::kNone || sample.delta) return;
+  sample.wi = told_direction(sample.wi, [&](const Vec3<double>& wi) {
+    const Rgb<double> value = light.le_escaped(receiver.position, wi);
+    const SolidAnglePdf<double> pdf = light.pdf_li(receiver, wi);
+    if (value.is_black() || !(pdf.per_sr > 0)) return false;
+    sample.value = value;
+    sample.pdf = pdf;
+    return true;
+  });
 }
 
 /// One sample of a chunk on its way.
@@ -111,10 +127,12 @@ class LiSampler {
     }
     for (std::size_t k = 0; k < order.size();) {
       const std::uint32_t light = chunk[order[k]].light;
-      visit_light(scene_.lights()[light], q_.time_s, [&](const auto& l) {
+      visit_light(scene_.lights()[light], q_.time_s, [&]<typename L>(const L& l) {
         for (; k < order.size() && chunk[order[k]].light == light; ++k) {
           Pending& p = chunk[order[k]];
-          p.sample = l.sample_li(receiver_of(p.receiver, p.normal, q_.area_sampling), p.u);
+          const Receiver<double> receiver = receiver_of(p.receiver, p.normal, q_.area_sampling);
+          p.sample = l.sample_li(receiver, p.u);
+          if constexpr (SeenBeyond<L>) tell_direction(l, receiver, p.sample);
           p.sampled = true;
         }
       });
@@ -295,7 +313,7 @@ void pdf_li(const Scene& scene, const PdfLiQuery& q, float* pdf_per_sr, int* sta
         }
         if (result == ItemResult::kOk) {
           const auto pdf = static_cast<float>(
-              l.pdf_li(receiver_of(p, n, q.area_sampling), normalized(Vec3<double>(w))).per_sr);
+              l.pdf_li(receiver_of(p, n, q.area_sampling), direction_of(w)).per_sr);
           if (std::isfinite(pdf)) {
             pdf_per_sr[i] = pdf;
           } else {

@@ -119,12 +119,12 @@ void set_level(Context& context, const Place& level_place, const Place* power_pl
   // All that can fail, here where its place is known.
   if (auto* perspective = std::get_if<ProjectionLightParams>(&projection.light)) {
     perspective->intensity_cd = level;
-    if (const auto made = ProjectionLight<float>::create(*perspective); !made.ok())
+    if (const auto made = ProjectionLight<double>::create(*perspective); !made.ok())
       fail(level_place, made.status());
   } else {
     auto& beam = std::get<BeamLightParams>(projection.light);
     beam.illuminance_lx = level;
-    if (const auto made = BeamLight<float>::create(beam); !made.ok())
+    if (const auto made = BeamLight<double>::create(beam); !made.ok())
       fail(level_place, made.status());
   }
 }

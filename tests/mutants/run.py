@@ -111,13 +111,12 @@ def run_mutants(mutants):
     for executable in sorted({m.executable for m in mutants}):
         if error := build(executable):
             sys.exit(f"{executable} does not build: {error}")
-    before = {}
+    # All of them now: later the executables are those of the mutant before.
+    before = {m.filter: outcome(m) for m in {m.filter: m for m in mutants}.values()}
     good = True
     for m in mutants:
         start = time.monotonic()
-        test = (m.executable, m.filter)
-        before[test] = before.get(test) or outcome(m)
-        verdict = judge(m) if before[test] == "passes" else f"without the mutant: {before[test]}"
+        verdict = judge(m) if before[m.filter] == "passes" else f"without the mutant: {before[m.filter]}"
         good &= verdict == "killed"
         print(f"{m.name:4} {time.monotonic() - start:5.0f} s  {verdict:8}  {m.filter}: {m.about}", flush=True)
     print(f"{len(mutants)} mutants" + (", all killed" if good else ""))

@@ -62,9 +62,9 @@ TEST(PbrtImageLights, MappingAndFilterAsSaid) {
                        "Rotate 90 1 0 0 Scale 2 2 2");
   EXPECT_EQ(p.map->mapping(), SphereMapping::kLatitudeLongitude);
   EXPECT_EQ(p.map->filter(), ImageFilter::kBilinear);
-  const auto made = *ImageInfiniteLight<float>::create(p);
-  EXPECT_EQ(made.le_escaped({}, {0, 0, 1}), Rgb<float>(2));  // turned: +y became +z
-  EXPECT_EQ(made.le_escaped({}, {0, 0, -1}), Rgb<float>(0));
+  const auto made = *ImageInfiniteLight<double>::create(p);
+  EXPECT_EQ(made.le_escaped({}, {0, 0, 1}), Rgb<double>(2));  // turned: +y became +z
+  EXPECT_EQ(made.le_escaped({}, {0, 0, -1}), Rgb<double>(0));
 }
 
 TEST(PbrtImageLights, IlluminanceIsThatFromAboveForLatitudeLongitude) {
@@ -115,11 +115,11 @@ TEST(PbrtPortals, CornersAreInWorldSpaceAndThePictureIsTurned) {
   EXPECT_EQ(p.radiance_cd_m2, Rgb<double>(3));
   EXPECT_EQ(p.image_name, "sky.pfm");
   // The picture's bright half, y < 0, was turned to z < 0.
-  const auto upside = *PortalLight<float>::create(p);
+  const auto upside = *PortalLight<double>::create(p);
   EXPECT_LT(upside.le_escaped({1, 0.5F, 2.9F}, {0, 0, 1}).g, 1e-6F);
-  const auto still = *PortalLight<float>::create(portal("\"float scale\" 3"));
-  EXPECT_EQ(still.le_escaped({1, 0.3F, 2.9F}, normalized(Vec3<float>{0, -0.8F, 0.2F})).g, 0);
-  EXPECT_EQ(still.le_escaped({1, 0.9F, 2.9F}, normalized(Vec3<float>{0, -0.8F, 0.2F})).g, 6);
+  const auto still = *PortalLight<double>::create(portal("\"float scale\" 3"));
+  EXPECT_EQ(still.le_escaped({1, 0.3F, 2.9F}, normalized(Vec3<double>{0, -0.8F, 0.2F})).g, 0);
+  EXPECT_EQ(still.le_escaped({1, 0.9F, 2.9F}, normalized(Vec3<double>{0, -0.8F, 0.2F})).g, 6);
 }
 
 TEST(PbrtPortals, AnEqualAreaPictureIsResampledUnlessAFilterIsAskedFor) {
@@ -141,7 +141,7 @@ TEST(PbrtPortals, WithoutAPictureTheSkyIsUniform) {
   EXPECT_EQ(of("\"rgb L\" [1 2 3]").first.map, nullptr);
   EXPECT_EQ(of("\"rgb L\" [1 2 3]").second, "");
   // Through the portal of 2 m2: pi L A.
-  const auto light = *PortalLight<float>::create(of("\"rgb L\" [1 2 3]").first);
+  const auto light = *PortalLight<double>::create(of("\"rgb L\" [1 2 3]").first);
   EXPECT_NEAR(light.power({}).lumens.g, kPi * 2 * 2, 1e-9);
   // pbrt-v4: the cosine of its one texel's middle is 1, times 2 pi.
   const auto [lit, remarks] = of("\"float illuminance\" 100");

@@ -45,6 +45,26 @@ TEST(PortalExtremes, Density) {
   sweep.expect_within(1e-11);
 }
 
+/// Just beyond its edges there is no density; just within them there is.
+TEST(PortalExtremes, Edges) {
+  Sweep sweep(20, "portal, seen", "half angles of 1e-9 ... 1.5 rad",
+              "density a thousandth within and beyond an edge");
+  const auto& light = portal(1);
+  for (const double half : {1e-9, 1e-7, 1e-5, 1e-3, 0.1, 0.5, 1.0, 1.5}) {
+    const double depth = 0.5 / std::tan(half);
+    const Vec3<Served> middle{0.5, 0.5, -depth};
+    for (const auto& [x, y] : {std::pair{1.0, 0.0}, {-1.0, 0.3}, {0.2, 1.0}, {0.7, -1.0}}) {
+      const auto towards = [&](double share) {
+        return normalized(Vec3<double>{0.5 * share * x, 0.5 * share * y, depth});
+      };
+      const bool within = light.pdf_li(middle, towards(0.999)).per_sr > 0;
+      const bool beyond = light.pdf_li(middle, towards(1.001)).per_sr > 0;
+      sweep.answer(!within ? "none within" : beyond ? "some beyond" : "within alone");
+    }
+  }
+  sweep.expect_answers("within alone");
+}
+
 /// What samples say is what is said of their directions, and each leads through the portal; but for
 /// one that is seen 1e-15 rad above its plane, and narrower than that.
 TEST(PortalExtremes, SamplesLeadThroughThePortal) {

@@ -54,6 +54,33 @@ TEST(SunExtremes, Density) {
   sweep.expect_within(1e-15);
 }
 
+/// As far as doubles tell directions at the rim apart: so no density is left over beyond it.
+TEST(SunExtremes, Rim) {
+  Sweep sweep(10, "sun, angular diameter", "1e-8 ... 180 degrees",
+              "density a thousandth within and beyond the rim");
+  const ReferenceTable table("suns");
+  const Frame<double> frame = Frame<double>::around(normalized(Vec3<double>{1, -2, 3}));
+  for (const auto& row : table.rows()) {
+    const double half = row["diameter_rad"] / 2;
+    if (half < 8e-11) continue;
+    const auto light = sun(row);
+    for (int i = 0; i < 12; ++i) {
+      const double phi = i;
+      const auto towards = [&](double angle) {
+        return frame.world_from_local(
+            {std::sin(angle) * std::cos(phi), std::sin(angle) * std::sin(phi), std::cos(angle)});
+      };
+      const Vec3<double> within = towards(half * 0.999), beyond = towards(half * 1.001);
+      sweep.compare(light.pdf_li({0, 0, 0}, within).per_sr, row["per_sr"],
+                    row.text("diameter_deg"));
+      EXPECT_EQ(light.pdf_li({0, 0, 0}, beyond).per_sr, 0) << row.text("diameter_deg");
+      EXPECT_TRUE(light.le_escaped({}, beyond).is_black()) << row.text("diameter_deg");
+      EXPECT_EQ(light.pdf_le(Vec3<double>() - beyond * 2, -beyond, kScene).direction.per_sr, 0);
+    }
+  }
+  sweep.expect_within(1e-15);
+}
+
 /// Cosines are uniform over the disk: midpoints of a grid have their mean.
 TEST(SunExtremes, Illuminance) {
   Sweep sweep(10, "sun, angular diameter", kDiameters, "illuminance by its samples");

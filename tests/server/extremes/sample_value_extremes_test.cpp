@@ -5,16 +5,12 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <memory>
-#include <stdexcept>
 #include <type_traits>
 #include <utility>
 #include <variant>
 
 #include "lights/sampling.h"
-#include "server/asset_reader.h"
-#include "server/pbrt/load.h"
-#include "server/scene.h"
+#include "tests/server/extremes/every_light_scene.h"
 #include "tests/sweep.h"
 
 namespace lucerna::testing {
@@ -126,16 +122,6 @@ double off(const Shape& covered, std::uint32_t primitive, const Quad3& point,
   covered.surface();
 }
 { return off(covered.surface(), primitive, point, about_origin); }
-
-std::shared_ptr<const Scene> every_light() {
-  absl::StatusOr<AssetReader> reader = AssetReader::open(LUCERNA_TEST_DATA);
-  if (!reader.ok()) throw std::runtime_error(reader.status().ToString());
-  auto description = load_pbrt(*reader, "lights/every_light.pbrt", {});
-  if (!description.ok()) throw std::runtime_error(description.status().ToString());
-  auto scene = Scene::build(*std::move(description));
-  if (!scene.ok()) throw std::runtime_error(scene.status().ToString());
-  return *scene;
-}
 
 constexpr std::array<double, 11> kValues{0,   0x1p-149,      0x1p-24, 0.25,        0.5 - 0x1p-25,
                                          0.5, 0.5 + 0x1p-24, 0.75,    1 - 0x1p-23, 1 - 0x1p-24,
