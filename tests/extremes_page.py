@@ -40,7 +40,8 @@ Beside it stands what the formula of the textbooks, in floats, makes of the same
 them; where a test says so, they are closed forms.  Answers in words are the reasons that samples without light carry (`NoLightReason`), or
 say what happened.  A [mutant](../tests/mutants) takes out what a row is owed to: `make mutants` sees its test fail.
 
-Errors are rounded up to one digit.  "Exact" means that no bit differs from the reference; an infinite error is an answer that is infinite,
+Figures of `tests/lights` are those of lights in double, as the server computes them; answers then tell floats, whose rounding adds up to
+6e-8.  Errors are rounded up to one digit.  "Exact" means that no bit differs from the reference; an infinite error is an answer that is infinite,
 or not 0 where 0 is right.  Rows 13 to 17 and 19 are about choosing among many lights: they come with the light BVH.
 
 """
@@ -48,6 +49,9 @@ or not 0 where 0 is right.  Rows 13 to 17 and 19 are about choosing among many l
 
 def results(build):
     """The tests of both programs, as GoogleTest reports them."""
+    for program in PROGRAMS:
+        if not (build / program).is_file():
+            sys.exit(f"extremes: {build / program} is not there, allowed: a folder that it was built in, as build/release")
     with tempfile.TemporaryDirectory() as folder:
         reports = [pathlib.Path(folder) / f"{i}.json" for i in range(len(PROGRAMS))]
         runs = [subprocess.Popen([build / program, "--gtest_brief=1", f"--gtest_output=json:{report}"])

@@ -4,6 +4,7 @@
 Every other script here has a function tables() that yields Table objects.  Their formulas are not those of the
 code that is tested.
 """
+import argparse
 import importlib
 import pathlib
 import sys
@@ -14,7 +15,9 @@ sys.dont_write_bytecode = True
 
 
 def main():
-    check = sys.argv[1:] == ["--check"]
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--check", action="store_true")
+    check = parser.parse_args().check
     stale, made = [], set()
     for script in sorted(here.glob("*.py")):
         if script.stem in ("make_tables", "table"):

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -117,6 +118,22 @@ std::string name(const Scene& scene, std::uint32_t light) {
 
 constexpr const char* kFloats = "directions and positions as the wire's floats tell them";
 
+/// Density and radiance along the directions that samples tell.
+Told asked_along(const Scene& scene, std::uint32_t light, const PointArray& receivers,
+                 const Told& samples) {
+  Told t(samples.n);
+  const std::size_t each = samples.n / receivers.size();
+  for (std::size_t i = 0; i < t.n; ++i)
+    for (std::size_t k = 0; k < 3; ++k)
+      t.points[3 * i + k] = receivers.offsets_m[3 * (i / each) + k];
+  const PointArray points{receivers.origin_m, t.points};
+  pdf_li(scene, {.light = light, .receivers = points, .wi = samples.directions}, t.per_sr.data(),
+         t.status.data(), {});
+  le(scene, {.points = points, .directions = samples.directions, .light = light},
+     {.radiance_cd_m2 = t.value.data(), .light_ids = t.ids.data(), .status = t.status.data()}, {});
+  return t;
+}
+
 TEST(ToldExtremes, SamplesOfLightsWithoutSurface) {
   Sweep sweep(33, "samples of every light without a surface", kFloats,
               "value and density against Le and PdfLi of the direction told");
@@ -127,17 +144,7 @@ TEST(ToldExtremes, SamplesOfLightsWithoutSurface) {
   for (const std::uint32_t light : lights_without_surface(*scene)) {
     constexpr std::uint32_t kSamples = 2000;
     const Told t = samples_of(*scene, light, {middle, offsets}, kSamples);
-    std::vector<float> receivers(3 * t.n);
-    for (std::size_t i = 0; i < t.n; ++i)
-      for (std::size_t k = 0; k < 3; ++k) receivers[3 * i + k] = offsets[i / kSamples * 3 + k];
-    Told asked(t.n);
-    pdf_li(*scene, {.light = light, .receivers = {middle, receivers}, .wi = t.directions},
-           asked.per_sr.data(), asked.status.data(), {});
-    le(*scene, {.points = {middle, receivers}, .directions = t.directions, .light = light},
-       {.radiance_cd_m2 = asked.value.data(),
-        .light_ids = asked.ids.data(),
-        .status = asked.status.data()},
-       {});
+    const Told asked = asked_along(*scene, light, {middle, offsets}, t);
     for (std::size_t i = 0; i < t.n; ++i) {
       const bool is_delta = (t.bits[i / 8] >> (i % 8) & 1) != 0;
       if (!t.has_light(i) || is_delta) continue;
@@ -165,6 +172,31 @@ TEST(ToldExtremes, RaysOfLightsWithoutSurface) {
     }
     std::visit([&](const auto& l) { compare_unrounded(sweep, l, scene->sphere()); },
                scene->lights()[light].light);
+  }
+  sweep.expect_within(0);
+}
+
+/// Also at the rim, which rounding leads over.
+TEST(ToldExtremes, SmallSuns) {
+  Sweep sweep(10, "sun, angular diameter", "30 ... 1e-4 degrees",
+              "radiance and density against Le and PdfLi of the direction told");
+  const std::vector<float> here{0, 0, 0};
+  const Vec3<float> axis = normalized(Vec3<float>{1, -2, 3});
+  for (const char* diameter : {"30", "0.5", "0.01", "1e-3", "1e-4"}) {
+    const FileScene file =
+        scene_of(std::string("LightSource \"distant\" \"point3 from\" [1 -2 3] ") +
+                 "\"point3 to\" [0 0 0] \"float angulardiameter\" " + diameter);
+    ASSERT_TRUE(file.status.ok()) << file.status;
+    const Told t = samples_of(*file.scene, 0, {{}, here}, 4000);
+    const Told asked = asked_along(*file.scene, 0, {{}, here}, t);
+    for (std::size_t i = 0; i < t.n; ++i) {
+      ASSERT_TRUE(t.has_light(i));
+      sweep.compare(t.per_sr[i], asked.per_sr[i], diameter);
+      sweep.compare(t.value[3 * i], asked.value[3 * i], diameter);
+      // Whether it is met by the cosine.
+      const float half = std::stof(diameter) * std::numbers::pi_v<float> / 360;
+      sweep.compare_textbook(dot(triple(t.directions, i), axis) >= std::cos(half) ? 1 : 0, 1);
+    }
   }
   sweep.expect_within(0);
 }
