@@ -56,7 +56,7 @@ distributed: release
 
 # Wants a machine that does nothing else.
 precision: release
-	@cmake --build --preset release --target traversal_bench precision_bench
+	@cmake --build --preset release --target traversal_bench precision_bench tile_precision_bench
 	@tests/bench/precision_page.sh build/release > build/precision.md && mv build/precision.md docs/precision.md
 
 format:

@@ -51,6 +51,12 @@ bool is_wide(const SpotLightParams& params) {
   return params.cone_half_angle_rad > std::numbers::pi / 2;
 }
 
+/// Of the edge, from the nearer end of the axis.
+double from_pole(const SpotLightParams& params) {
+  const double cone = params.cone_half_angle_rad;
+  return is_wide(params) ? from_the_back(cone) : cone;
+}
+
 /// cos s - cos c = 2 sin((c + s) / 2) sin((c - s) / 2): does not cancel for a narrow edge.
 double edge_of(const SpotLightParams& params) {
   const double c = params.cone_half_angle_rad, s = params.falloff_start_rad;
@@ -113,9 +119,9 @@ SpotLight<Real>::SpotLight(const Params& params, const Vec3<double>& origin_m)
       axis_(normalized(params.axis)),
       is_wide_(is_wide(params)),
       pole_(is_wide_ ? -axis_ : axis_),
-      to_cone_(one_minus_cos(is_wide_ ? from_the_back(params.cone_half_angle_rad)
-                                      : params.cone_half_angle_rad)),
-      axis_as_given_(of_size_one(params.axis)),
+      to_cone_(one_minus_cos(from_pole(params))),
+      is_narrow_(from_pole(params) < 1e-3),
+      pole_as_given_(of_size_one(is_wide_ ? -params.axis : params.axis)),
       one_minus_cos_start_(one_minus_cos(params.falloff_start_rad)),
       effective_sr_(effective_solid_angle_sr(params)),
       edge_(edge_of(params)),
@@ -125,10 +131,10 @@ SpotLight<Real>::SpotLight(const Params& params, const Vec3<double>& origin_m)
 }
 
 template <std::floating_point Real>
-double SpotLight<Real>::one_minus_cos_to_axis(const Vec3<double>& w) const {
+double SpotLight<Real>::one_minus_cos_to_pole(const Vec3<double>& w) const {
   // A unit vector has an error of 1e-16, which narrow cones are no wider than: so the sine from the
   // vectors as they were given, and 1 - cos = sin^2 / (1 + cos).
-  const Vec3<double> a = axis_as_given_, v = of_size_one(w);
+  const Vec3<double> a = pole_as_given_, v = of_size_one(w);
   const Vec3<double> across{difference_of_products(v.y, a.z, v.z, a.y),
                             difference_of_products(v.z, a.x, v.x, a.z),
                             difference_of_products(v.x, a.y, v.y, a.x)};
@@ -143,7 +149,7 @@ template <std::floating_point Real>
 double SpotLight<Real>::falloff(const Vec3<double>& w) const {
   // 1 - cos of the angle between unit vectors is half their chord's square: exact near the pole.
   const Vec3<double> chord = w - pole_;
-  const double to_w = is_narrow() ? one_minus_cos_to_axis(w) : std::min(2.0, dot(chord, chord) / 2);
+  const double to_w = is_narrow_ ? one_minus_cos_to_pole(w) : std::min(2.0, dot(chord, chord) / 2);
   const double inside = is_wide_ ? to_w - to_cone_ : to_cone_ - to_w;
   if (edge_ <= 0) return inside >= 0 ? 1 : 0;
   return profile_at(params_.profile, std::clamp(inside * per_edge_, 0.0, 1.0));
@@ -170,7 +176,7 @@ LightSample<Real> SpotLight<Real>::sample_li(const Receiver<Real>& receiver, Vec
   const Way way = find_way(position_, receiver.position, sample);
   if (sample.reason != NoLight::kNone) return sample;
   const double share =
-      falloff(is_narrow() ? Vec3<double>(receiver.position) - Vec3<double>(position_) : -way.wi);
+      falloff(is_narrow_ ? Vec3<double>(receiver.position) - Vec3<double>(position_) : -way.wi);
   if (share > 0 || params_.intensity_cd.is_black()) {
     set_inverse_square(params_.intensity_cd * share, way.distance_m, sample);
   } else {

@@ -66,14 +66,13 @@ class SpotLight {
 
  private:
   explicit SpotLight(const Params& params, const Vec3<double>& origin_m);
-  /// Where the errors of unit vectors count: at a milliradian they are 1e-13 of the angle.
-  bool is_narrow() const { return params_.cone_half_angle_rad < 1e-3; }
-  /// What `falloff` wants of a direction: as it was given where the cone is narrow, else unit.
-  Vec3<double> told(const Vec3<double>& w) const { return is_narrow() ? w : normalized(w); }
+  /// What `falloff` wants of a direction: as it was given where the cone, or the dark one about the
+  /// back, is narrow, else unit.
+  Vec3<double> told(const Vec3<double>& w) const { return is_narrow_ ? w : normalized(w); }
   /// The share of the intensity towards `w`, in [0, 1].
   double falloff(const Vec3<double>& w) const;
-  /// Of the angle between the axis and `w`, of any length but 0: exact in all digits.
-  double one_minus_cos_to_axis(const Vec3<double>& w) const;
+  /// Of the angle between the pole and `w`, of any length but 0: exact in all digits.
+  double one_minus_cos_to_pole(const Vec3<double>& w) const;
   /// The same of a direction as its type rounds it.
   double falloff_as_rounded(const Vec3<Real>& w) const;
 
@@ -82,10 +81,13 @@ class SpotLight {
   // In double, as the narrowest cones are no wider than the error of a direction in float.
   Vec3<double> axis_;
   // The cone's edge is measured from the nearer end of the axis.
-  bool is_wide_;                ///< beyond a right angle: that is the back
-  Vec3<double> pole_;           ///< unit, the nearer end
-  double to_cone_;              ///< 1 - cos of the angle between that and the edge
-  Vec3<double> axis_as_given_;  ///< but for a power of two
+  bool is_wide_;       ///< beyond a right angle: that is the back
+  Vec3<double> pole_;  ///< unit, the nearer end
+  double to_cone_;     ///< 1 - cos of the angle between that and the edge
+  /// Whether that angle is so small that the errors of unit vectors count: below a milliradian, of
+  /// which they are 1e-13.
+  bool is_narrow_;
+  Vec3<double> pole_as_given_;  ///< but for a power of two
   double one_minus_cos_start_;
   double effective_sr_;
   double edge_;      ///< cos(falloff_start) - cos(cone_half_angle); 0 for a hard edge

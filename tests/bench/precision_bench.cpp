@@ -1,73 +1,114 @@
 // Light mathematics that takes and gives floats against the same in double, side by side in one
-// run.  Not a test; `make precision` writes what it prints to docs/precision.md.
-//
-// Each light is 1 m in size and seen from a hundredth of that to 16 m away.  `off` is the worst
-// relative error of the irradiance that samples stand for (value over density) against the light
-// about its own zero in double: once where it stands about the scene's zero, once 5 km from it.
+// run: time, and error by the references of tests/data/extremes/ordinary_lights.txt.  Not a test;
+// `make precision` writes what it prints to docs/precision.md.
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
+#include <cstdlib>
+#include <ctime>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "lights/gauss.h"
 #include "lights/light.h"
 #include "lights/sobol.h"
+#include "tests/reference_table.h"
 
 namespace lucerna {
 namespace {
 
-constexpr int kBatch = 1024;
+using testing::ReferenceTable;
+
 const Vec3<double> kFar{3000, -4000, 12};
 
-/// Receivers below the light, about its middle.
-std::vector<Vec3<double>> receivers() {
-  std::vector<Vec3<double>> all;
-  const SobolSequence sequence(1, 0);
-  for (std::uint32_t i = 0; i < kBatch; ++i) {
-    const Vec2<float> u = sequence.pair(i, 0), v = sequence.pair(i, 1);
-    const double distance = 0.01 * std::exp2(u.x * std::log2(1600.0));
-    all.push_back({(2.0 * v.x - 1) * distance, (2.0 * v.y - 1) * distance, -distance});
-  }
+/// Where light of a kind arrives, a sample value, and what the references say.
+struct Place {
+  Vec3<double> receiver;
+  Vec2<double> u;
+  double truth;
+};
+
+std::vector<Place> places(const ReferenceTable& table, const std::string& light) {
+  std::vector<Place> all;
+  for (const auto& row : table.rows())
+    if (row.text("light") == light)
+      all.push_back({{row["x"], row["y"], row["z"]}, {row["ux"], row["uy"]}, row["truth"]});
+  if (all.empty()) throw std::runtime_error("no references of the light " + light);
   return all;
 }
 
-struct Measured {
-  double ns;
-  std::vector<double> irradiance;  // value over density, 0 where there is none
-};
-
-template <typename Real, typename L>
-Measured sample(const L& light, const Vec3<double>& place) {
-  const std::vector<Vec3<double>> offsets = receivers();
-  std::vector<Receiver<Real>> points;
-  for (const auto& o : offsets) {
-    // Not by the rule, which a rounding may tip.
-    points.emplace_back(Vec3<Real>(o + place)).area_sampling = AreaSampling::kSolidAngle;
-  }
-  const SobolSequence sequence(2, 0);
-  Measured m{0, std::vector<double>(kBatch)};
-  const auto begin = std::chrono::steady_clock::now();
-  constexpr int kTimes = 32;
-  for (int t = 0; t < kTimes; ++t)
-    for (std::uint32_t i = 0; i < kBatch; ++i) {
-      const Vec2<float> u = sequence.pair(i, 0);
-      const auto s = light.sample_li(points[i], Vec2<Real>{u.x, u.y});
-      m.irradiance[i] = s.reason != NoLight::kNone ? 0
-                        : s.delta                  ? double{s.value.g}
-                                                   : double{s.value.g} / double{s.pdf.per_sr};
-    }
-  const std::chrono::duration<double, std::nano> took = std::chrono::steady_clock::now() - begin;
-  m.ns = took.count() / (kTimes * kBatch);
-  return m;
+template <typename Real>
+Receiver<Real> receiver_at(const Vec3<double>& p) {
+  Receiver<Real> receiver{Vec3<Real>(p)};
+  // Not by the rule, which a rounding may tip.
+  receiver.area_sampling = AreaSampling::kSolidAngle;
+  return receiver;
 }
 
-double worst(const std::vector<double>& values, const std::vector<double>& truth) {
+/// Value, over density where there is one; 0 without light.
+template <typename Real>
+double estimate(const LightSample<Real>& s) {
+  if (s.reason != NoLight::kNone) return 0;
+  return s.delta ? double{s.value.g} : double{s.value.g} / double{s.pdf.per_sr};
+}
+
+/// What all samples of a light add up to whose density is not the same in all directions: by
+/// Gauss's rule in the four parts of the square that samples of a disk are smooth in.
+template <typename Real, typename L>
+double mean_estimate(const L& light, const Receiver<Real>& receiver) {
+  constexpr std::size_t kNodes = 32;
+  const Gauss<kNodes>& rule = gauss<kNodes>();
+  double sum = 0;
+  for (std::size_t i = 0; i < kNodes; ++i)
+    for (std::size_t j = 0; j < kNodes; ++j) {
+      const double a = rule.node[i], b = a * (2 * rule.node[j] - 1);
+      const double weight = rule.weight[i] * rule.weight[j] * a / 2;
+      for (const Vec2<double> p : {Vec2<double>{a, b}, {-a, b}, {b, a}, {b, -a}})
+        sum += weight *
+               estimate(light.sample_li(receiver, Vec2<Real>{static_cast<Real>((1 + p.x) / 2),
+                                                             static_cast<Real>((1 + p.y) / 2)}));
+    }
+  return sum;
+}
+
+/// The worst relative error.
+template <typename Real, typename L>
+double worst(const L& light, const Vec3<double>& shift, const std::vector<Place>& places,
+             bool mean) {
   double off = 0;
-  for (std::size_t i = 0; i < values.size(); ++i)
-    if (truth[i] != 0) off = std::max(off, std::fabs(values[i] / truth[i] - 1));
+  for (const Place& p : places) {
+    const Receiver<Real> receiver = receiver_at<Real>(p.receiver + shift);
+    const double value =
+        mean ? mean_estimate(light, receiver)
+             : estimate(light.sample_li(
+                   receiver, Vec2<Real>{static_cast<Real>(p.u.x), static_cast<Real>(p.u.y)}));
+    off = std::max(off, std::fabs(value / p.truth - 1));
+  }
   return off;
+}
+
+/// Nanoseconds a sample, of the processor's time.
+template <typename Real, typename L>
+double time(const L& light, const std::vector<Place>& places) {
+  constexpr std::uint32_t kValues = 1024;
+  std::vector<Receiver<Real>> receivers;
+  for (const Place& p : places) receivers.push_back(receiver_at<Real>(p.receiver));
+  const SobolSequence sequence(2, 0);
+  std::vector<Vec2<Real>> values;
+  for (std::uint32_t i = 0; i < kValues; ++i) {
+    const Vec2<float> u = sequence.pair(i, 0);
+    values.push_back({u.x, u.y});
+  }
+  double sum = 0;
+  const std::clock_t begin = std::clock();
+  for (const auto& u : values)
+    for (const auto& receiver : receivers) sum += estimate(light.sample_li(receiver, u));
+  const double took_ns = 1e9 * static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+  volatile double kept = sum;  // or nothing need be worked out
+  static_cast<void>(kept);
+  return took_ns / static_cast<double>(values.size() * receivers.size());
 }
 
 double median(std::vector<double> values) {
@@ -77,22 +118,22 @@ double median(std::vector<double> values) {
 
 /// `make(Real(), place)`: the light with its middle at `place`.
 template <typename Make>
-void compare(const std::string& name, const Make& make) {
+void compare(const ReferenceTable& table, const std::string& name, const Make& make) {
   constexpr int kRepeats = 15;
+  const std::vector<Place> all = places(table, name);
   const auto in_float = make(float(), Vec3<double>{}), far_float = make(float(), kFar);
   const auto in_double = make(double(), Vec3<double>{}), far_double = make(double(), kFar);
-  const std::vector<double> truth = sample<double>(in_double, {}).irradiance;
   std::vector<double> float_ns, double_ns, more_ns;
-  double off_float = 0;
   for (int k = 0; k < kRepeats; ++k) {
-    const Measured a = sample<float>(in_float, {}), b = sample<double>(in_double, {});
-    float_ns.push_back(a.ns), double_ns.push_back(b.ns), more_ns.push_back(b.ns - a.ns);
-    off_float = worst(a.irradiance, truth);
+    float_ns.push_back(time<float>(in_float, all));
+    double_ns.push_back(time<double>(in_double, all));
+    more_ns.push_back(double_ns.back() - float_ns.back());
   }
-  fmt::print("| {} | {:.0f} | {:.0f} | {:+.0f} | {:.0e} | {:.0e} | {:.0e} |\n", name,
-             median(float_ns), median(double_ns), median(more_ns), off_float,
-             worst(sample<float>(far_float, kFar).irradiance, truth),
-             worst(sample<double>(far_double, kFar).irradiance, truth));
+  const bool mean = name == "disk";
+  fmt::print("| {} | {:.0f} | {:.0f} | {:+.0f} | {:.0e} | {:.0e} | {:.0e} | {:.0e} |\n", name,
+             median(float_ns), median(double_ns), median(more_ns),
+             worst<float>(in_float, {}, all, mean), worst<double>(in_double, {}, all, mean),
+             worst<float>(far_float, kFar, all, mean), worst<double>(far_double, kFar, all, mean));
 }
 
 template <typename Real>
@@ -105,46 +146,54 @@ SphereParams round_at(const Vec3<double>& p) {
 
 int run() {
   fmt::print(
-      "| light | ns a sample, float | double | difference | off, float | off, float, 5 km "
-      "away | off, double, 5 km away |\n|---|---|---|---|---|---|---|\n");
-  compare("point", []<typename Real>(Real, const Vec3<double>& p) {
+      "| light | ns a sample, float | double | difference | off, float | off, double | off, float, "
+      "5 km away | off, double, 5 km away |\n|---|---|---|---|---|---|---|---|\n");
+  const ReferenceTable table("ordinary_lights");
+  compare(table, "point", []<typename Real>(Real, const Vec3<double>& p) {
     return *PointLight<Real>::create({p, Rgb<double>(1)});
   });
-  compare("spot", []<typename Real>(Real, const Vec3<double>& p) {
+  compare(table, "spot", []<typename Real>(Real, const Vec3<double>& p) {
     return *SpotLight<Real>::create({p, {0, 0, -1}, Rgb<double>(1), 1.2, 0.5});
   });
-  compare("triangle", []<typename Real>(Real, const Vec3<double>& p) {
+  compare(table, "triangle", []<typename Real>(Real, const Vec3<double>& p) {
     const auto at = [&](double x, double y) { return Vec3<Real>(p + Vec3<double>{x, y, 0}); };
     std::vector<Triangle<Real>> t{{at(-0.5, -0.5), at(-0.5, 0.5), at(0.5, -0.5)}};
     return *TriangleMeshLight<Real>::create({Rgb<double>(1)}, *TriangleMesh<Real>::create(t));
   });
-  compare("rectangle", []<typename Real>(Real, const Vec3<double>& p) {
+  compare(table, "rectangle", []<typename Real>(Real, const Vec3<double>& p) {
     const auto at = [&](double x, double y) { return Vec3<Real>(p + Vec3<double>{x, y, 0}); };
     std::vector<BilinearPatch<Real>> t{
         {at(-0.5, -0.5), at(-0.5, 0.5), at(0.5, -0.5), at(0.5, 0.5)}};
     return *PatchMeshLight<Real>::create({Rgb<double>(1)}, *PatchMesh<Real>::create(t));
   });
-  compare("sphere of 5 mm", []<typename Real>(Real, const Vec3<double>& p) {
+  compare(table, "sphere", []<typename Real>(Real, const Vec3<double>& p) {
     return *SphereLight<Real>::create({Rgb<double>(1)}, *Sphere<Real>::create(round_at<Real>(p)));
   });
-  compare("disk", []<typename Real>(Real, const Vec3<double>& p) {
+  compare(table, "disk", []<typename Real>(Real, const Vec3<double>& p) {
     DiskParams params;
     params.radius_m = 0.5;
     params.reverse_orientation = true;
     params.world_from_object = Transform::translate(p);
     return *DiskLight<Real>::create({Rgb<double>(1)}, *Disk<Real>::create(params));
   });
-  compare("cylinder", []<typename Real>(Real, const Vec3<double>& p) {
+  compare(table, "cylinder", []<typename Real>(Real, const Vec3<double>& p) {
     CylinderParams params;
     params.radius_m = 0.005;
     params.z_min_m = -0.005, params.z_max_m = 0.005;
     params.world_from_object = Transform::translate(p);
     return *CylinderLight<Real>::create({Rgb<double>(1)}, *Cylinder<Real>::create(params));
   });
-  return 0;
+  return EXIT_SUCCESS;
 }
 
 }  // namespace
 }  // namespace lucerna
 
-int main() { return lucerna::run(); }
+int main() {
+  try {
+    return lucerna::run();
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "precision_bench: {}\n", error.what());
+    return EXIT_FAILURE;
+  }
+}

@@ -5,13 +5,10 @@ Luminous flux [lm] of lights of radiance, intensity or illuminance 1.
 from mpmath import atan, cos, mp, mpf, pi, quad, sin, sqrt
 
 from maps import texel
+from spots import smoothstep, solid_angle
 from table import Table
 
 DEGREE = 3.141592653589793 / 180
-
-
-def smoothstep(x):
-    return x * x * (3 - 2 * x)
 
 
 def spots():
@@ -24,13 +21,8 @@ fourth power of the same.
         cone = degrees * DEGREE if degrees < 180 else 3.141592653589793
         start = (degrees - delta) * DEGREE if degrees < 180 else 3.141592653589793 - delta * DEGREE
         start = max(start, 0.0)
-        powers = []
-        # A polynomial of the cosine: Gauss's rule in it is exact.
         with mp.workdps(90):
-            c, s = cos(mpf(cone)), cos(mpf(start))
-            for profile in (smoothstep, lambda x: x**4):
-                edge = quad(lambda x: profile(x) * (s - c), [0, 1], method="gauss-legendre")
-                powers.append(2 * pi * (1 - s + edge))
+            powers = [solid_angle(mpf(start), mpf(cone), profile) for profile in (smoothstep, lambda x: x**4)]
         table.add(cone, start, *powers)
     return table
 
@@ -132,9 +124,16 @@ def gauss(n):
     return rule
 
 
+def heron(a, b, c):
+    """The area of a triangle by its sides."""
+    s = (a + b + c) / 2
+    return sqrt(s * (s - a) * (s - b) * (s - c))
+
+
 def areas():
     table = Table("area_powers", """
-Area lights of radiance 1, one-sided, of `size` m: pi times the area, integrated over what the shape is made of [lm].
+Area lights of radiance 1, one-sided, of `size` m: pi times the area, integrated over what the shape is made of, or by
+the sides of its triangles [lm].
     sphere    radius 1, z from -1/2 to 3/4, swept over 2 rad
     disk      radius 1 without what lies within 1/4, swept over 2 rad
     cylinder  radius 1/2, z from 0 to 3, swept over 2 rad
@@ -143,11 +142,13 @@ Area lights of radiance 1, one-sided, of `size` m: pi times the area, integrated
     bent      patch (0, 0, 0), (1, 0, 0), (0, 1, 0), (1, 1, 1/2)
 """, "shape size power_lm")
     numeric = {
-        "sphere": 2 * quad(lambda z: mpf(1), [mpf(-1) / 2, mpf(3) / 4]),
+        # Rings by the polar angle.
+        "sphere": 2 * quad(sin, [mp.acos(mpf(3) / 4), mp.acos(mpf(-1) / 2)]),
         "disk": 2 * quad(lambda r: r, [mpf(1) / 4, 1]),
-        "cylinder": 2 * mpf(1) / 2 * 3,
-        "triangle": sqrt(mpf(8)) / 2,
-        "flat": mpf(2),
+        # The length of the arc times that of its strips.
+        "cylinder": quad(lambda t: sqrt(sin(t) ** 2 + cos(t) ** 2) / 2, [0, 2]) * quad(lambda z: mpf(1), [0, 3]),
+        "triangle": heron(mpf(1), sqrt(mpf(8)), mpf(3)),
+        "flat": 2 * heron(mpf(1), mpf(2), sqrt(mpf(5))),
     }
     for name, area in numeric.items():
         for exponent in (-60, -30, -20, -10, 0, 10, 20, 30, 60):
@@ -162,7 +163,7 @@ def others():
     table = Table("other_powers", """
 Lights of intensity, radiance or illuminance 1 [lm]: a point; radiance from everywhere, and parallel rays, through the
 disk of a scene of radius `size` m; a beam of `size` by 3 `size` m.  By the integral over directions, of the sine of the
-polar angle, and over the disk, of its rings.
+polar angle, over the disk, of its rings, and the beam's two triangles by their sides.
 """, "light size power_lm")
     sphere = 2 * pi * quad(sin, [0, pi])
     for exponent in (-60, -30, -10, 0, 10, 30, 60):
@@ -171,7 +172,7 @@ polar angle, and over the disk, of its rings.
         table.add("point", size, sphere)
         table.add("infinite", size, sphere * disk)
         table.add("distant", size, disk)
-        table.add("beam", size, 3 * mpf(size) ** 2)
+        table.add("beam", size, 2 * heron(mpf(size), 3 * mpf(size), sqrt(mpf(10)) * size))
     return table
 
 

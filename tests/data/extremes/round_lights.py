@@ -10,10 +10,9 @@ from polygons import E1, E3, arc, combine, coordinates, cross, dot, norm, sub, u
 from table import Table
 
 
-def disk(radius, offset, height, normal):
+def disk(radius, offset, height, normal, steps=240):
     """Solid angle and irradiance; the receiver at the origin, the centre at (offset, 0, height)."""
     with workdps(100):
-        steps = 240
         sr = lx = mpf(0)
         n = vec(normal)
         for k in range(steps):

@@ -1,8 +1,10 @@
 """Rows 10, 11 and 12: spots, their angles from the chord between unit vectors, cosines as plain differences.
 
-In 120 digits, so that what cancels leaves enough.
+In 120 digits, so that what cancels leaves enough.  Powers are integrated over the angle numerically.
 """
-from mpmath import asin, cos, mp, mpf, pi, sqrt, tan
+from functools import cache
+
+from mpmath import asin, cos, mp, mpf, pi, quad, sin, sqrt
 
 from table import Table
 
@@ -20,19 +22,25 @@ def angle_between(a, b):
     return 2 * asin(sqrt(dot(chord, chord)) / 2)
 
 
-def share(angle, start, cone):
-    """Of the intensity: smoothstep of the cosine.  [Pharr23, 12.2.1]"""
+def smoothstep(x):
+    return x * x * (3 - 2 * x)
+
+
+def share(angle, start, cone, profile=smoothstep):
+    """Of the intensity: a profile of the cosine.  [Pharr23, 12.2.1]"""
     if angle <= start:
         return mpf(1)
     if angle >= cone:
         return mpf(0)
-    x = (cos(angle) - cos(cone)) / (cos(start) - cos(cone))
-    return x * x * (3 - 2 * x)
+    return profile((cos(angle) - cos(cone)) / (cos(start) - cos(cone)))
 
 
-def solid_angle(start, cone):
-    """The integral of the share: half of the edge counts."""
-    return 2 * pi * (1 - (cos(start) + cos(cone)) / 2)
+@cache
+def solid_angle(start, cone, profile=smoothstep):
+    """The integral of the share over all directions, ring by ring."""
+    within = quad(sin, [0, start], method="gauss-legendre")
+    edge = quad(lambda t: sin(t) * share(t, start, cone, profile), [start, cone], method="gauss-legendre")
+    return 2 * pi * (within + edge)
 
 
 def off_axis(axis, across, angle, distance):
@@ -62,6 +70,42 @@ illuminance on what faces them [lx], density of rays that leave them in that dir
                     continue
                 lit, sr = share(angle, mpf(start), mpf(cone)), solid_angle(mpf(start), mpf(cone))
                 table.add(degrees, cone, start, *axis, *p, lit / dot(p, p), lit / sr, sr)
+    return table
+
+
+def angle_of_share(u, start, cone):
+    """Within it lies the share `u` of the light: by Newton's method, the light nearer to the axis integrated."""
+    whole = solid_angle(start, cone)
+    within = lambda t: 2 * pi * (quad(sin, [0, min(t, start)], method="gauss-legendre")
+                                 + quad(lambda a: sin(a) * share(a, start, cone), [start, max(t, start)],
+                                        method="gauss-legendre"))
+    low, high = mpf(0), cone
+    angle = cone * sqrt(mpf(u)) * mpf("0.7")
+    for _ in range(60):
+        excess = within(angle) - u * whole
+        low, high = (angle, high) if excess < 0 else (low, angle)
+        step = excess / (2 * pi * sin(angle) * share(angle, start, cone))
+        angle -= step
+        if not low < angle < high:
+            angle = (low + high) / 2
+        elif abs(step) < angle * mpf(10) ** -40:
+            break
+    return angle
+
+
+def rays():
+    table = Table("spot_rays", """
+Rays of spots of intensity 1 along (ax, ay, az), full to `start` and dark from `cone`: the angle to the axis within which
+the share `u` of the light lies, and power [lm].
+""", "cone_deg cone_rad start_rad ax ay az u angle_rad power_lm")
+    with mp.workdps(60):
+        for degrees in (179.9, 60.0, 1.0, 0.01, 1e-5, 1e-7, 1e-9, 1e-12, 1e-15):
+            cone = degrees * DEGREE
+            start = cone / 2
+            for u in (0.01, 0.1, 0.5, 0.9, 0.999):
+                angle = angle_of_share(mpf(u), mpf(start), mpf(cone))
+                for axis, _ in AXES:
+                    table.add(degrees, cone, start, *axis, u, angle, solid_angle(mpf(start), mpf(cone)))
     return table
 
 
@@ -113,9 +157,39 @@ Spots at the origin, of intensity 1 along -z: illuminance [lx] at (x, 0, z), and
     return table
 
 
+def backs():
+    table = Table("spot_backs", """
+Spots at the origin, of intensity 1 along (ax, ay, az), that shine almost everywhere: full to `start` and dark from `cone`,
+which is about `dark` from the back.  Illuminance [lx] at (x, y, z), about `behind` off the back.
+""", "dark_rad cone_rad start_rad ax ay az behind_rad x y z value_lx")
+    whole = 3.141592653589793
+    for dark in (1e-2, 1.1e-3, 9e-4, 1e-4, 1e-6, 1e-9, 1e-12, 0.0):
+        cone = float(pi - dark) if dark else whole
+        # The double nearest to pi means pi.
+        edge = pi - mpf(cone) if dark else mpf(0)
+        for delta in (0.0, 1e-3, cone):
+            start = cone - delta
+            ends = [pi if a == whole else mpf(a) for a in (start, cone)]
+            for axis, across in AXES:
+                places = [edge * k for k in (mpf("0.5"), mpf("0.99"), mpf("1.01"), 2, 10)] if dark else []
+                places += [mpf(10) ** -k for k in (15, 12, 9, 6)] + [mpf("0.003")]
+                for behind in places:
+                    p = off_axis([-a for a in axis], across, behind, 3.0)
+                    # What the doubles hold, and not what it was to be; they tell no direction so close to an axis
+                    # of three digits or more, nor on which side of the edge one is that is all but in it.
+                    back = angle_between([-a for a in axis], p)
+                    if abs(back - behind) > behind / 1000 or abs(back - edge) < edge / 200:
+                        continue
+                    lit = share(pi - back, *ends) if back > edge else mpf(0)
+                    table.add(dark, cone, start, *axis, float(behind), *p, lit / dot(p, p))
+    return table
+
+
 def tables():
     with mp.workdps(120):
         yield cones()
         yield edges()
         yield narrowest()
         yield wide()
+        yield rays()
+        yield backs()

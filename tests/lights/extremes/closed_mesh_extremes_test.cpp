@@ -115,7 +115,7 @@ TEST(ClosedMeshExtremes, DensityOfDirectionsLeavesFacesTurnedAwayOut) {
       }
   }
   // From 1e9 away a direction in double tells the place on the box to 1e-7 of it.
-  sweep.expect_within(1e-6);
+  sweep.expect_within(1e-13);
 }
 
 TEST(ClosedMeshExtremes, FromInsideThereIsNone) {

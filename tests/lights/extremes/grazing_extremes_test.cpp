@@ -127,7 +127,7 @@ TEST(GrazingExtremes, SpheresByAreaUpToTheirRim) {
     EXPECT_EQ(light.sample_li(receiver, {rim - 1e-9, 0.5}).reason, NoLight::kBehind);
     sweep.compare(seen.irradiance_lx, std::numbers::pi * share * share, std::to_string(share));
   }
-  sweep.expect_within(1e-9);
+  sweep.expect_within(1e-12);
 }
 
 }  // namespace

@@ -27,6 +27,8 @@ SpotLight<Served> cone_of(const Row& row) {
   return spot(row["cone_rad"], row["start_rad"], {row["ax"], row["ay"], row["az"]});
 }
 
+bool along_z(const Row& row) { return row["az"] == -1 && row["ax"] == 0; }
+
 Vec3<Served> receiver_of(const Row& row) { return {row["x"], row["y"], row["z"]}; }
 
 /// Smoothstep of cosines, along -z.  [Pharr10, 12.1.2; Pharr23, 12.2.1]
@@ -35,6 +37,14 @@ float textbook_share(float cone_rad, float start_rad, float x, float z) {
   const float cos_theta = -z / std::sqrt(x * x + z * z);
   const float t = std::clamp((cos_theta - cos_cone) / (cos_start - cos_cone), 0.0F, 1.0F);
   return t * t * (3 - 2 * t);
+}
+
+/// The books' illuminance from intensity 1 at (x, 0, z) of the row.
+float textbook_illuminance(const Row& row) {
+  const auto x = static_cast<float>(row["x"]), z = static_cast<float>(row["z"]);
+  return textbook_share(static_cast<float>(row["cone_rad"]), static_cast<float>(row["start_rad"]),
+                        x, z) /
+         (x * x + z * z);
 }
 
 /// The books' power of intensity 1.
@@ -50,12 +60,7 @@ TEST(SpotExtremes, IlluminanceOfNarrowCones) {
   for (const auto& row : table.rows()) {
     const auto sample = cone_of(row).sample_li(receiver_of(row), {});
     sweep.compare(sample.value.g, row["value_lx"], row.text("cone_deg") + " " + row.text("x"));
-    if (row["az"] != -1 || row["ax"] != 0) continue;
-    const auto x = static_cast<float>(row["x"]), z = static_cast<float>(row["z"]);
-    sweep.compare_textbook(textbook_share(static_cast<float>(row["cone_rad"]),
-                                          static_cast<float>(row["start_rad"]), x, z) /
-                               (x * x + z * z),
-                           row["value_lx"]);
+    if (along_z(row)) sweep.compare_textbook(textbook_illuminance(row), row["value_lx"]);
   }
   sweep.expect_within(1e-12);
 }
@@ -66,7 +71,7 @@ TEST(SpotExtremes, DensityOfRaysFromNarrowCones) {
   for (const auto& row : table.rows()) {
     const auto pdf = cone_of(row).pdf_le({}, receiver_of(row), {});
     sweep.compare(pdf.direction.per_sr, row["per_sr"], row.text("cone_deg") + " " + row.text("x"));
-    if (row["az"] != -1 || row["ax"] != 0) continue;
+    if (!along_z(row)) continue;
     const auto cone = static_cast<float>(row["cone_rad"]),
                start = static_cast<float>(row["start_rad"]);
     sweep.compare_textbook(
@@ -89,34 +94,59 @@ TEST(SpotExtremes, PowerOfNarrowCones) {
   sweep.expect_within(1e-15);
 }
 
-/// Each ray carries the spot's power, whatever its sample value.
+/// Of unit vectors, the small as the wide.
+double angle_between(const Vec3<double>& a, const Vec3<double>& b) {
+  return 2 * std::atan2(length(a - b), length(a + b));
+}
+
+/// Each ray carries the spot's power, and leads where as much of the light is nearer to the axis as
+/// its sample value says.
 TEST(SpotExtremes, RaysOfNarrowCones) {
-  Sweep sweep(10, "spot, half-angle", kAngles, "value over density of the rays that leave it");
-  const ReferenceTable table("spot_cones");
-  for (const auto& row : table.rows())
-    for (const double u : {0.0, 0.1, 0.5, 0.9, 0.999}) {
-      const auto ray = cone_of(row).sample_le({}, {u, 0.3}, {});
-      sweep.compare(ray.value.g / ray.pdf_direction.per_sr, row["power_lm"], row.text("cone_deg"));
+  Sweep sweep(10, "spot, half-angle", "1e-15 ... 179.9 degrees",
+              "value over density of the rays that leave it; their angle to the axis");
+  const ReferenceTable table("spot_rays");
+  for (const auto& row : table.rows()) {
+    const auto light = cone_of(row);
+    const Vec3<double> axis = normalized(light.params().axis);
+    Vec3<double> around;
+    for (const double turn : {0.05, 0.3, 0.55, 0.8}) {
+      const auto ray = light.sample_le({}, {row["u"], turn}, {});
+      const std::string at = row.text("cone_deg") + " " + row.text("u");
+      sweep.compare(ray.value.g / ray.pdf_direction.per_sr, row["power_lm"], at);
+      const double angle = angle_between(ray.direction, axis);
+      // The axis along z tells the narrowest angles; others those that unit vectors tell.
+      if (along_z(row)) sweep.compare(angle, row["angle_rad"], at);
+      EXPECT_NEAR(angle, row["angle_rad"], 0x1p-51 + 1e-14 * row["angle_rad"]) << at;
+      around += ray.direction - axis * dot(axis, ray.direction);
     }
-  sweep.expect_within(4e-16);
+    // Turns of a quarter leave nothing aside.
+    EXPECT_LE(length(around), 0x1p-48 + 1e-14 * row["angle_rad"]) << row.text("cone_deg");
+  }
+  sweep.expect_within(1e-14);
 }
 
 TEST(SpotExtremes, NarrowEdges) {
   Sweep sweep(11, "spot, inner and outer angle differ by",
               "1e-8 ... 1e-2 rad, cones of 0.5 ... 179.9 degrees", "illuminance in the edge");
   const ReferenceTable table("spot_edges");
+  // A receiver's coordinates and a unit vector's tell an angle to four roundings, however it is
+  // worked out; as a share of the edge's width that is the error of the place in the edge, and a
+  // quarter of the way in, where x = 1/4, smoothstep's slope makes 6 (1 - x) / (x (3 - 2 x)) = 7.2
+  // times as much of it.
+  const auto bound = [](double delta) { return 1e-14 + 7.2 * 4 * 0x1p-53 / delta; };
+  double narrowest = 1;
   for (const auto& row : table.rows()) {
-    const double x = row["x"], z = row["z"];
-    const auto sample = spot(row["cone_rad"], row["start_rad"]).sample_li({x, 0, z}, {});
-    sweep.compare(sample.value.g, row["value_lx"],
-                  row.text("delta_rad") + " of " + row.text("cone_rad") + " " + row.text("part"));
-    const auto x32 = static_cast<float>(x), z32 = static_cast<float>(z);
-    sweep.compare_textbook(textbook_share(static_cast<float>(row["cone_rad"]),
-                                          static_cast<float>(row["start_rad"]), x32, z32) /
-                               (x32 * x32 + z32 * z32),
-                           row["value_lx"]);
+    const double delta = row["delta_rad"];
+    const auto sample =
+        spot(row["cone_rad"], row["start_rad"]).sample_li({row["x"], 0, row["z"]}, {});
+    const std::string at =
+        row.text("delta_rad") + " of " + row.text("cone_rad") + " " + row.text("part");
+    sweep.compare(sample.value.g, row["value_lx"], at);
+    EXPECT_LE(relative_error(sample.value.g, row["value_lx"]), bound(delta)) << at;
+    narrowest = std::min(narrowest, delta);
+    sweep.compare_textbook(textbook_illuminance(row), row["value_lx"]);
   }
-  sweep.expect_within(1e-6);
+  sweep.expect_within(bound(narrowest));
 }
 
 TEST(SpotExtremes, PowerWithTheNarrowestEdgesAndWithoutAny) {
@@ -156,6 +186,26 @@ TEST(SpotExtremes, HardEdges) {
                                                                   : "an infinite slope");
   }
   sweep.expect_answers("full full full dark");
+}
+
+/// Around the direction that the light does not point in: dark up to the edge, and where a soft one
+/// ends in a point no darker than its share.
+TEST(SpotExtremes, WidestCones) {
+  Sweep sweep(12, "spot, half-angle less than 180 degrees by; seen from so close to behind it",
+              "0, 1e-12 ... 0.01 rad, edges of 0 ... 180 degrees; 1e-15 ... 0.1 rad",
+              "illuminance");
+  const ReferenceTable table("spot_backs");
+  for (const auto& row : table.rows()) {
+    const auto sample = cone_of(row).sample_li(receiver_of(row), {});
+    const std::string at = row.text("dark_rad") + " from " + row.text("start_rad") + ", " +
+                           row.text("behind_rad") + " behind " + row.text("ax");
+    sweep.compare(sample.value.g, row["value_lx"], at);
+    EXPECT_EQ(sample.reason, row["value_lx"] > 0 ? NoLight::kNone : NoLight::kOutsideCone) << at;
+    if (along_z(row)) sweep.compare_textbook(textbook_illuminance(row), row["value_lx"]);
+  }
+  // Unit vectors, which do from a milliradian on, hold 1e-13 of it; a hundredth of the way into the
+  // edge that is 1e-11 of the place, and twice that of the light.
+  sweep.expect_within(2e-11);
 }
 
 TEST(SpotExtremes, AnglesThatNoSpotHas) {

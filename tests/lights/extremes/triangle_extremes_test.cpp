@@ -112,7 +112,7 @@ TEST(TriangleExtremes, IrradianceNearTheHemisphere) {
                     row["irradiance_lx"], place(row));
     sweep.compare_textbook(textbook_solid_angle(row) / 2, row["irradiance_lx"]);
   }
-  sweep.expect_within(1e-8);
+  sweep.expect_within(1e-10);
 }
 
 }  // namespace
