@@ -27,6 +27,12 @@ inline Receiver<Served> receiver_in(const ReferenceTable::Row& row, AreaSampling
   return receiver;
 }
 
+/// Of a light so small that all of it is at one angle to the receiver: the textbook's solid angle
+/// times the cosine to the origin, which it is about.
+inline double textbook_irradiance(float solid_angle_sr, const ReferenceTable::Row& row) {
+  return solid_angle_sr * dot(vector_in(row, "normal"), normalized(-vector_in(row, "receiver")));
+}
+
 inline TriangleMeshLight<Served> triangle_light(const std::array<Vec3<Served>, 3>& corner) {
   return *TriangleMeshLight<Served>::create(
       {Rgb<double>(1), true}, *TriangleMesh<Served>::create({{corner[0], corner[1], corner[2]}}));

@@ -40,49 +40,50 @@ float textbook_value(const Row& row) {
 
 const char* const kPlaces = "1e-9 beside seam, poles and texel edges; centres";
 
-TEST(MapExtremes, RadianceOfTheSky) {
-  Sweep sweep(20, "environment map, looked up at", kPlaces, "radiance");
+/// `ask(row)` against a column of the table.
+template <typename F>
+void sweep_looks(Sweep& sweep, const std::string& column, F&& ask) {
   const ReferenceTable table("sphere_maps");
   for (const auto& row : table.rows()) {
-    const auto light = sky(patchy_image(row), mapping_of(row), filter_of(row));
-    sweep.compare(light.le_escaped({}, look_of(row)).g, row["value"], place_of(row));
-    if (mapping_of(row) == SphereMapping::kLatitudeLongitude && row["value"] > 0)
+    sweep.compare(ask(row), row[column], place_of(row));
+    if (column == "value" && mapping_of(row) == SphereMapping::kLatitudeLongitude &&
+        row["value"] > 0)
       sweep.compare_textbook(textbook_value(row), row["value"]);
   }
   sweep.expect_within(1e-12);
+}
+
+ImageInfiniteLight<Served> sky_of(const Row& row) {
+  return sky(patchy_image(row), mapping_of(row), filter_of(row));
+}
+GoniometricLight<Served> lamp_of(const Row& row) {
+  return lamp(patchy_image(row), mapping_of(row), filter_of(row));
+}
+
+TEST(MapExtremes, RadianceOfTheSky) {
+  Sweep sweep(20, "environment map, looked up at", kPlaces, "radiance");
+  sweep_looks(sweep, "value",
+              [](const Row& row) { return sky_of(row).le_escaped({}, look_of(row)).g; });
 }
 
 TEST(MapExtremes, DensityOfTheSky) {
   Sweep sweep(20, "environment map, looked up at", kPlaces, "density of sampled directions");
-  const ReferenceTable table("sphere_maps");
-  for (const auto& row : table.rows()) {
-    const auto light = sky(patchy_image(row), mapping_of(row), filter_of(row));
-    sweep.compare(light.pdf_li({0, 0, 0}, look_of(row)).per_sr, row["per_sr"], place_of(row));
-  }
-  sweep.expect_within(1e-12);
+  sweep_looks(sweep, "per_sr", [](const Row& row) {
+    return sky_of(row).pdf_li({0, 0, 0}, look_of(row)).per_sr;
+  });
 }
 
 TEST(MapExtremes, IntensityOfALamp) {
   Sweep sweep(20, "goniometric map, looked up at", kPlaces, "intensity");
-  const ReferenceTable table("sphere_maps");
-  for (const auto& row : table.rows()) {
-    const auto light = lamp(patchy_image(row), mapping_of(row), filter_of(row));
-    sweep.compare(light.intensity(look_of(row)).g, row["value"], place_of(row));
-    if (mapping_of(row) == SphereMapping::kLatitudeLongitude && row["value"] > 0)
-      sweep.compare_textbook(textbook_value(row), row["value"]);
-  }
-  sweep.expect_within(1e-12);
+  sweep_looks(sweep, "value",
+              [](const Row& row) { return lamp_of(row).intensity(look_of(row)).g; });
 }
 
 TEST(MapExtremes, DensityOfRaysFromALamp) {
   Sweep sweep(20, "goniometric map, looked up at", kPlaces, "density of rays that leave it");
-  const ReferenceTable table("sphere_maps");
-  for (const auto& row : table.rows()) {
-    const auto light = lamp(patchy_image(row), mapping_of(row), filter_of(row));
-    sweep.compare(light.pdf_le({}, look_of(row), {}).direction.per_sr, row["per_sr"],
-                  place_of(row));
-  }
-  sweep.expect_within(1e-12);
+  sweep_looks(sweep, "per_sr", [](const Row& row) {
+    return lamp_of(row).pdf_le({}, look_of(row), {}).direction.per_sr;
+  });
 }
 
 /// Pictures of the table's kinds, turned so that no seam lies along an axis, and as they are.

@@ -59,9 +59,8 @@ TEST(RectangleExtremes, IrradianceOfSmallRectangles) {
     for (const AreaSampling way : kWays)
       sweep.compare(seen_by<16>(light_in(row), receiver_in(row, way)).irradiance_lx,
                     row["irradiance_lx"], place(row));
-    const Vec3<double> to_light = normalized(-vector_in(row, "receiver"));
     if (row["solid_angle_sr"] < 1e-5)
-      sweep.compare_textbook(textbook_solid_angle(row) * dot(vector_in(row, "normal"), to_light),
+      sweep.compare_textbook(textbook_irradiance(textbook_solid_angle(row), row),
                              row["irradiance_lx"]);
   }
   sweep.expect_within(1e-13);
@@ -76,9 +75,8 @@ TEST(RectangleExtremes, SmallQuadrilaterals) {
     EXPECT_EQ(seen.disagreement, 0) << place(row);
     EXPECT_LE(relative_error(seen.solid_angle_sr, row["solid_angle_sr"]), 1e-12) << place(row);
     sweep.compare(seen.irradiance_lx, row["irradiance_lx"], place(row));
-    const Vec3<double> to_light = normalized(-vector_in(row, "receiver"));
     if (row["solid_angle_sr"] < 1e-5)
-      sweep.compare_textbook(textbook_solid_angle(row) * dot(vector_in(row, "normal"), to_light),
+      sweep.compare_textbook(textbook_irradiance(textbook_solid_angle(row), row),
                              row["irradiance_lx"]);
   }
   sweep.expect_within(1e-12);

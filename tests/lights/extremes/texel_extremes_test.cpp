@@ -97,39 +97,38 @@ TEST(TexelExtremes, EveryBilinearSampleToo) {
   sweep.expect_within(1e-12);
 }
 
-TEST(TexelExtremes, Integrals) {
-  Sweep sweep(29, "environment map", "patchy, black, one texel of 1e-30 ... 1e30",
-              "power through a disk of 2 m");
+/// The powers of the lights that `make(image, row)` makes of the table's pictures: `scale` times
+/// their integrals over the sphere.
+template <typename F>
+void sweep_powers(Sweep& sweep, const SceneSphere& scene, double scale, F&& make) {
   const ReferenceTable table("map_integrals");
   for (const auto& row : table.rows()) {
     const auto image = row["background"] < 0 ? patchy_image(row) : spotted_image(row);
-    const auto light = sky(image, mapping_of(row), filter_of(row));
-    const SceneSphere scene{{}, 2};
+    const auto light = make(image, row);
     const Power exact = light.power(scene), approximate = light.power_approximate(scene);
-    const double truth = row["integral"] * 4 * std::numbers::pi;
+    const double truth = row["integral"] * scale;
     sweep.compare(exact.lumens.g, truth, place_of(row));
     EXPECT_LE(std::fabs(approximate.lumens.g - truth), approximate.error_lumens + 1e-12 * truth);
-    // pbrt-v2's and v3's: pi R^2 times the mean texel.
+    // pbrt-v2's and v3's: the mean texel times pi R^2 of a sky, 4 pi of a lamp; R is 2.
     if (truth > 0)
       sweep.compare_textbook(static_cast<float>(4 * std::numbers::pi * image->mean().g), truth);
   }
   sweep.expect_within(1e-14);
 }
 
+TEST(TexelExtremes, Integrals) {
+  Sweep sweep(29, "environment map", "patchy, black, one texel of 1e-30 ... 1e30",
+              "power through a disk of 2 m");
+  sweep_powers(sweep, {{}, 2}, 4 * std::numbers::pi, [](const auto& image, const Row& row) {
+    return sky(image, mapping_of(row), filter_of(row));
+  });
+}
+
 TEST(TexelExtremes, FluxOfLamps) {
   Sweep sweep(29, "goniometric map", "patchy, black, one texel of 1e-30 ... 1e30", "power");
-  const ReferenceTable table("map_integrals");
-  for (const auto& row : table.rows()) {
-    const auto image = row["background"] < 0 ? patchy_image(row) : spotted_image(row);
-    const auto light = lamp(image, mapping_of(row), filter_of(row));
-    const double truth = row["integral"];
-    const Power approximate = light.power_approximate({});
-    sweep.compare(light.power({}).lumens.g, truth, place_of(row));
-    EXPECT_LE(std::fabs(approximate.lumens.g - truth), approximate.error_lumens + 1e-12 * truth);
-    if (truth > 0)
-      sweep.compare_textbook(static_cast<float>(4 * std::numbers::pi * image->mean().g), truth);
-  }
-  sweep.expect_within(1e-14);
+  sweep_powers(sweep, {}, 1, [](const auto& image, const Row& row) {
+    return lamp(image, mapping_of(row), filter_of(row));
+  });
 }
 
 TEST(TexelExtremes, BlackPictures) {

@@ -59,10 +59,8 @@ TEST(TriangleExtremes, IrradianceOfSmallTriangles) {
     sweep.compare(
         seen_by(light, receiver_in(row, AreaSampling::kSquareRoot), By::kRoot).irradiance_lx,
         row["irradiance_lx"], place(row));
-    // The irradiance of so small a light is the textbook's solid angle times the cosine to it.
-    const Vec3<double> to_light = normalized(-vector_in(row, "receiver"));
     if (row["solid_angle_sr"] < 1e-6)
-      sweep.compare_textbook(textbook_solid_angle(row) * dot(vector_in(row, "normal"), to_light),
+      sweep.compare_textbook(textbook_irradiance(textbook_solid_angle(row), row),
                              row["irradiance_lx"]);
   }
   sweep.expect_within(1e-12);

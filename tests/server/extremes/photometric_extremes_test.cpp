@@ -86,6 +86,8 @@ TEST(PhotometricExtremes, FluxOfIesFiles) {
           textbook_flux(numbers(row.text("vertical")), numbers(row.text("candela"))),
           row["flux_lm"]);
   }
+  // About a right angle off the pole the ends of cells are rounded by 2^-47 degrees and by 2^-53
+  // rad, which is 1.3e-7 of a beam that reaches 1e-7 degrees to either side: less than that.
   sweep.expect_within(1e-7);
 }
 
@@ -110,8 +112,8 @@ TEST(PhotometricExtremes, IntensitiesOfIesFiles) {
                              static_cast<float>(row["z"])),
           row["intensity_cd"]);
   }
-  // Angles have 2e-16 of a right angle and of a direction's rounding, which is 2e-7 of 1e-7
-  // degrees.
+  // The same roundings, and that of the direction's own angle; 0.6 of the way through a cell 0.4 of
+  // its light are left, of which they are 2.5 times as much: 5e-7 at worst, and less than that.
   sweep.expect_within(2e-7);
 }
 

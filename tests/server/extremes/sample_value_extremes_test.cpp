@@ -89,8 +89,12 @@ double off(const Cylinder<Real>& shape, std::uint32_t, const Quad3& point, const
          c.radius_m;
 }
 
-/// Off the plane of two edges from `corner`, and beyond them in shares of their lengths.
-double off_plane(const Quad3& from_corner, const Quad3& x, const Quad3& y, bool triangle) {
+/// Off the plane of two edges from `corner` to `along_x` and `along_y`, and beyond them in shares
+/// of their lengths.
+template <typename Real>
+double off_plane(const Quad3& point, const Vec3<Real>& corner, const Vec3<Real>& along_x,
+                 const Vec3<Real>& along_y, bool triangle) {
+  const Quad3 a(corner), from_corner = point - a, x = Quad3(along_x) - a, y = Quad3(along_y) - a;
   const Quad3 n = cross(x, y);
   const Quad nn = dot(n, n);
   const Quad u = dot(cross(from_corner, y), n) / nn, v = dot(cross(x, from_corner), n) / nn;
@@ -103,8 +107,7 @@ template <typename Real>
 double off(const TriangleMesh<Real>& mesh, std::uint32_t primitive, const Quad3&,
            const Quad3& about_origin) {
   const Triangle<Real>& t = mesh.primitive(primitive);
-  const Quad3 a(t.a);
-  return off_plane(about_origin - a, Quad3(t.b) - a, Quad3(t.c) - a, true);
+  return off_plane(about_origin, t.a, t.b, t.c, true);
 }
 
 /// Those of the scene are flat, with right angles.
@@ -112,8 +115,7 @@ template <typename Real>
 double off(const PatchMesh<Real>& mesh, std::uint32_t primitive, const Quad3&,
            const Quad3& about_origin) {
   const BilinearPatch<Real>& p = mesh.primitive(primitive);
-  const Quad3 a(p.p00);
-  return off_plane(about_origin - a, Quad3(p.p10) - a, Quad3(p.p01) - a, false);
+  return off_plane(about_origin, p.p00, p.p10, p.p01, false);
 }
 
 template <typename Shape>
