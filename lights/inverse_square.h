@@ -48,8 +48,9 @@ Way find_way(const Vec3<Real>& position, const Vec3<Real>& receiver, LightSample
   return way;
 }
 
-/// Sets the value of a started sample to intensity over distance squared, or the reason why that is
-/// none: kBlack for no intensity, kOutOfRange where the quotient over- or underflows `Real`.
+/// Sets the value of a started sample to intensity over distance squared, 0 where that underflows
+/// `Real`, or the reason why it is none: kBlack for no intensity, kOutOfRange where the quotient
+/// overflows.
 template <std::floating_point Real>
 void set_inverse_square(const Rgb<double>& intensity_cd, double distance_m,
                         LightSample<Real>& sample) {
@@ -59,8 +60,7 @@ void set_inverse_square(const Rgb<double>& intensity_cd, double distance_m,
   }
   // One division at a time: distance^2 overflows before the quotient does.
   const Rgb<Real> value(intensity_cd / distance_m / distance_m);
-  // Below the smallest normal number digits are lost.
-  if (!is_finite(value) || value.max_component() < std::numeric_limits<Real>::min()) {
+  if (!is_finite(value)) {
     sample.reason = NoLight::kOutOfRange;
     return;
   }

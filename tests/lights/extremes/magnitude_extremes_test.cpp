@@ -59,6 +59,35 @@ TEST(MagnitudeExtremes, PointLights) {
   sweep.expect_within(kRoundings);
 }
 
+TEST(MagnitudeExtremes, ValuesThatUnderflowAreZero) {
+  Sweep sweep(9, "point, spot and projection lights of 1e-300 cd", "1e13 ... 1e150 m", "value");
+  const Rgb<double> faint(1e-300);
+  PointLightParams point;
+  point.intensity_cd = faint;
+  SpotLightParams spot;
+  spot.intensity_cd = faint;
+  spot.cone_half_angle_rad = 1;
+  ProjectedPictureParams square;
+  square.fov_rad = 2.4;
+  ProjectionLightParams projection;
+  projection.intensity_cd = faint;
+  projection.picture = *ProjectedPicture::create(square);
+  for (double distance = 1e13; distance < 2e150; distance *= 10) {
+    const auto answer = [&](const auto& light) {
+      const auto sample = light->sample_li(Vec3<double>{0, 0, distance}, {});
+      EXPECT_EQ(sample.distance, distance);
+      sweep.answer(sample.reason != NoLight::kNone ? Sweep::name_of(sample.reason)
+                   : sample.value.is_black()       ? "0"
+                                                   : "not 0");
+    };
+    answer(PointLight<Served>::create(point));
+    answer(SpotLight<Served>::create(spot));
+    answer(ProjectionLight<Served>::create(projection));
+  }
+  sweep.textbook_answer("0");
+  sweep.expect_answers("0");
+}
+
 /// A shape of magnitude_shapes and what it is asked with.
 template <typename F>
 void visit_shape(const std::string& name, double s, F&& f) {
