@@ -236,10 +236,13 @@ Vec3<double> AreaLight<Real, Shape>::emission_direction(const SurfacePoint<Real>
     u.x = u.x < 0.5 ? 2 * u.x : 2 * u.x - 1;
   }
   const Vec2<double> d = sample_concentric_disk(u);
-  // At the disk's edge, u = 0 and 1, by so many roundings off the surface that the direction, once
-  // rounded, leaves it to its side and with a density.
+  // Squares go to circles: the point's distance to the disk's edge is that of u to the square's,
+  // and 1 - d.x^2 - d.y^2, which cancels there, is this.
+  const double m = 2 * std::min({u.x, 1 - u.x, u.y, 1 - u.y});
+  // At the edge itself by so many roundings off the surface that the direction, once rounded,
+  // leaves it to its side and with a density.
   constexpr double kLeast = 16 * double{std::numeric_limits<Real>::epsilon()};
-  const double cosine = std::sqrt(std::max(kLeast * kLeast, 1 - d.x * d.x - d.y * d.y));
+  const double cosine = std::sqrt(std::max(kLeast * kLeast, m * (2 - m)));
   return Frame<double>::around(Vec3<double>(point.normal))
       .world_from_local({d.x, d.y, side * cosine});
 }

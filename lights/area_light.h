@@ -71,10 +71,11 @@ class AreaLight {
   /// one-sided panels that are not quite flat.
   Power power(const SceneSphere& scene) const;
 
-  /// A point by area, a direction by its cosine, to either side alike where both emit; from a panel
-  /// by the cells of its file, of which those behind a one-sided one are kBehind.  The density
-  /// of direction is that of the rounded direction.  kBlack where L is 0, kBehind along the
-  /// surface, kOutOfRange where a density or L is not a positive `Real`.  [Pharr23, 14.1.2]
+  /// A point by area, a direction by its cosine, to either side alike where both emit, off the
+  /// surface by 16 roundings or more; from a panel by the cells of its file, of which those along
+  /// the surface and behind a one-sided one are kBehind.  The density of direction is that of the
+  /// rounded direction.  kBlack where L is 0, kOutOfRange where a density or L is not a positive
+  /// `Real`.  [Pharr23, 14.1.2]
   EmissionSample<Real> sample_le(Vec2<Real> u_position, Vec2<Real> u_direction,
                                  const SceneSphere& scene) const;
   /// Both 0 where `position` is not on the light, to within rounding and `slack_m`, or `direction`
