@@ -320,6 +320,12 @@ std::optional<ShapeDescription::Emission> make_emission(Context& context,
                   fmt::format("the brightest texel of {} times the light's level",
                               printable(emission.picture->name)),
                   emission.radiance_cd_m2 * emission.picture->brightest());
+  if (emission.panel)
+    require_level(level_place(light.params, "L", light.place),
+                  fmt::format("the radiance of a surface with the flux of {} times the light's "
+                              "level",
+                              printable(emission.panel->file)),
+                  emission.radiance_cd_m2 * lumens / ((emission.two_sided ? 2 : 1) * kPi * area));
   emission.spectrum = light_spectrum(context, light.params, "L");
   const std::size_t primitives = primitives_of(geometry);
   if (const Parameter* power = light.params.find("power", {"float"});

@@ -316,6 +316,9 @@ TEST(PbrtPanels, WhatIsWrongIsAnErrorWithItsPlace) {
       {"AreaLightSource \"diffuse\" \"string profile\" \"none.ldt\" Shape \"disk\"",
        "scene.pbrt:2:27: \"string profile\" = \"none.ldt\": file \"none.ldt\" does not exist, "
        "allowed: a file beneath the scene's root"},
+      {kProfile + "\"float scale\" 1e30 Shape \"disk\" \"float radius\" 1e-9",
+       "scene.pbrt:2:55: the radiance of a surface with the flux of lamp.ies times the light's "
+       "level = ("},
   };
   for (const auto& [world, expected] : kCases)
     EXPECT_THAT(message(load_panel(world).status()), HasSubstr(expected)) << world;
