@@ -1,4 +1,3 @@
-#include <grpc/health/v1/health.pb.h>
 #include <grpcpp/generic/generic_stub.h>
 
 #include <thread>
@@ -6,26 +5,12 @@
 #include "server/rpc/errors.h"
 #include "server/rpc/paging.h"
 #include "service_fixture.h"
+#include "tests/server/health.h"
 
 namespace lucerna::testing {
 namespace {
 
 using HealthResponse = grpc::health::v1::HealthCheckResponse;
-
-HealthResponse::ServingStatus health(Service& service, const std::string& name) {
-  using Request = grpc::health::v1::HealthCheckRequest;
-  grpc::TemplatedGenericStub<Request, HealthResponse> stub(service.channel);
-  grpc::ClientContext context;
-  Request request;
-  request.set_service(name);
-  HealthResponse response;
-  std::promise<grpc::Status> done;
-  stub.UnaryCall(&context, "/grpc.health.v1.Health/Check", {}, &request, &response,
-                 [&](grpc::Status s) { done.set_value(std::move(s)); });
-  const grpc::Status s = done.get_future().get();
-  EXPECT_TRUE(s.ok()) << s.error_message();
-  return response.status();
-}
 
 /// What server reflection answers to one request, as bytes.
 std::string reflect(Service& service, const std::string& request) {

@@ -66,13 +66,33 @@ class Writer {
     return fmt::format(R"(AreaLightSource "diffuse" {} "bool twosided" {} )", radiance(), sides());
   }
   std::string painted() {
-    return fmt::format(
-        R"(AreaLightSource "diffuse" "string filename" "screen.exr" {} "bool twosided" {} )",
-        scale(), sides());
+    return fmt::format(R"(AreaLightSource "diffuse" {} {} "bool twosided" {} )",
+                       file("screen.exr", "picture.pfm"), filter(), sides());
   }
   std::string panel() {
     return fmt::format(R"(AreaLightSource "diffuse" "string profile" "{}" {} "bool twosided" {} )",
-                       n_.chance(0.5) ? "downlight.ies" : "sconce.ldt", scale(), sides());
+                       n_.chance(0.5) ? one_of("downlight.ies", "luminaire.ies")
+                                      : one_of("sconce.ldt", "luminaire.ldt"),
+                       scale(), sides());
+  }
+  /// One of two files and a scale: the second is of extreme_files.h.
+  std::string file(const char* tame, const char* extreme) {
+    return fmt::format(R"("string filename" "{}" {})", one_of(tame, extreme), scale());
+  }
+  std::string filter() {
+    return fmt::format(R"( "string filter" "{}" )", n_.chance(0.5) ? "nearest" : "bilinear");
+  }
+
+  /// What a shape that emits nothing reflects, plain or by a texture.
+  std::string material() {
+    const std::string rgb =
+        fmt::format("[{} {} {}]", n_.uniform(), n_.chance(0.2) ? 0 : 1, n_.magnitude(1e-30, 1));
+    if (n_.chance(0.7)) return fmt::format(R"(Material "diffuse" "rgb reflectance" {} )", rgb);
+    // Clamped to [0, 1].
+    const std::string name = fmt::format("texture {:016x}", n_.seed());
+    return fmt::format(R"(Texture "{0}" "spectrum" "scale" "rgb tex" {1} "float scale" [{2}] )"
+                       R"(Material "diffuse" "texture reflectance" "{0}" )",
+                       name, rgb, n_.magnitude());
   }
 
   std::string triangle(bool uv = false) {
@@ -161,6 +181,9 @@ class Writer {
     return n_.chance(0.03) ? n_.magnitude(1e-300, 1e300) : n_.magnitude(1e-30, 1e18);
   }
   double part() { return n_.chance(0.3) ? n_.uniform() : n_.magnitude(1e-12, 1); }
+  const char* one_of(const char* tame, const char* extreme) {
+    return n_.chance(0.5) ? tame : extreme;
+  }
   const char* sides() { return n_.chance(0.3) ? "true" : "false"; }
 
   const SceneScale& scale_;
@@ -175,8 +198,8 @@ const std::vector<std::pair<std::string, Make>>& makers() {
       return w.placed(fmt::format("LightSource \"{}\" {}", type, parameters(w)));
     };
   };
-  const auto pictured = [](const std::string& file) {
-    return [=](Writer& w) { return fmt::format(R"("string filename" "{}" {})", file, w.scale()); };
+  const auto pictured = [](const char* tame, const char* extreme) {
+    return [=](Writer& w) { return w.file(tame, extreme); };
   };
   static const std::vector<std::pair<std::string, Make>> all{
       {"point", light("point", [](Writer& w) { return w.level(); })},
@@ -193,23 +216,22 @@ const std::vector<std::pair<std::string, Make>>& makers() {
                              fmt::format(R"("float angulardiameter" [{}])", w.cone_degrees());
                     })},
       {"infinite", light("infinite", [](Writer& w) { return w.radiance(); })},
-      {"sky", light("infinite", pictured("sky.exr"))},
+      {"sky", light("infinite", pictured("sky.exr", "square.pfm"))},
       {"latlong sky", light("infinite",
                             [](Writer& w) {
-                              return R"("string filename" "sky.exr" "string mapping" "latlong")" +
-                                     w.scale();
+                              return w.file("sky.exr", "picture.pfm") + w.filter() +
+                                     R"("string mapping" "latlong")";
                             })},
       {"portal", light("infinite", [](Writer& w) { return w.radiance() + w.portal(); })},
       {"sky behind a portal",
-       light("infinite",
-             [](Writer& w) { return R"("string filename" "sky.exr")" + w.scale() + w.portal(); })},
+       light("infinite", [](Writer& w) { return w.file("sky.exr", "square.pfm") + w.portal(); })},
       {"goniometric", light("goniometric", [](Writer& w) { return w.level(); })},
-      {"goniometric map", light("goniometric", pictured("sky.exr"))},
-      {"IES luminaire", light("goniometric", pictured("downlight.ies"))},
-      {"EULUMDAT luminaire", light("goniometric", pictured("sconce.ldt"))},
+      {"goniometric map", light("goniometric", pictured("sky.exr", "square.pfm"))},
+      {"IES luminaire", light("goniometric", pictured("downlight.ies", "luminaire.ies"))},
+      {"EULUMDAT luminaire", light("goniometric", pictured("sconce.ldt", "luminaire.ldt"))},
       {"projection", light("projection",
                            [](Writer& w) {
-                             return R"("string filename" "slide.exr")" + w.scale() +
+                             return w.file("slide.exr", "picture.pfm") + w.filter() +
                                     fmt::format(R"("float fov" [{}])",
                                                 w.numbers().magnitude(1e-6, 179.999999));
                            })},
@@ -219,13 +241,13 @@ const std::vector<std::pair<std::string, Make>>& makers() {
                                          fmt::format(R"("float fov" [{}])",
                                                      w.numbers().magnitude(1e-6, 179.999999));
                                 })},
-      {"beam",
-       light("projection",
-             [](Writer& w) {
-               return R"("string filename" "slide.exr" "string filter" "bilinear")" + w.scale() +
-                      fmt::format(R"("string projection" "orthographic" "float extent" [{}])",
+      {"beam", light("projection",
+                     [](Writer& w) {
+                       return w.file("slide.exr", "picture.pfm") + w.filter() +
+                              fmt::format(
+                                  R"("string projection" "orthographic" "float extent" [{}])",
                                   w.size());
-             })},
+                     })},
       {"even beam", light("projection",
                           [](Writer& w) {
                             return w.scale() +
@@ -292,9 +314,7 @@ SceneLine light_line(const std::string& kind, const SceneScale& scale, ExtremeNu
 
 SceneLine shape_line(const SceneScale& scale, ExtremeNumbers& numbers) {
   Writer w(scale, numbers);
-  const std::string material =
-      fmt::format(R"(Material "diffuse" "rgb reflectance" [{} {} {}] )", numbers.uniform(),
-                  numbers.chance(0.2) ? 0 : 1, numbers.magnitude(1e-30, 1));
+  const std::string material = w.material();
   switch (numbers.below(6)) {
     case 0:
       return {"shape", w.placed(material + w.triangle())};
@@ -316,6 +336,15 @@ std::vector<std::string> head_lines(const SceneScale& scale, ExtremeNumbers& num
   const Vec3<double> axis = numbers.direction();
   const double begin = numbers.chance(0.8) ? 0 : numbers.with_sign(numbers.magnitude());
   const Vec3<double>& o = scale.offset_m;
+  std::string turn = "# a camera that rests", sampler = "# as many samples as the server likes";
+  if (numbers.chance(0.25))
+    turn =
+        fmt::format("ActiveTransform EndTime Rotate {} 0 1 0 Translate {} 0 0 ActiveTransform All",
+                    numbers.uniform(-170, 170), w.coordinate());
+  if (numbers.chance(0.5))
+    sampler = fmt::format(R"(Sampler "halton" "integer pixelsamples" [{}] )"
+                          R"(Integrator "volpath" "integer maxdepth" [{}])",
+                          1 + numbers.below(8), numbers.below(8));
   return {
       fmt::format(
           R"(Film "rgb" "integer xresolution" [8] "integer yresolution" [8] "float iso" [{}])",
@@ -324,6 +353,8 @@ std::vector<std::string> head_lines(const SceneScale& scale, ExtremeNumbers& num
                   begin + std::fabs(begin) * 0.5 + numbers.magnitude(1e-6, 1e6)),
       fmt::format("Rotate {} {} {} {} Translate {} {} {}", numbers.uniform(-180, 180), axis.x,
                   axis.y, axis.z, -w.coordinate(o.x), -w.coordinate(o.y), -w.coordinate(o.z)),
+      turn,
+      sampler,
       fmt::format(R"(Camera "perspective" "float fov" [{}] "float shutterclose" [{}])",
                   numbers.magnitude(1e-6, 179.999999), numbers.magnitude()),
       "WorldBegin",

@@ -16,32 +16,16 @@ using google::protobuf::Message;
 
 std::uint64_t seen = 0;
 
-/// Coordinates, directions, normals and times; nothing else has a sign.
-bool may_be_negative(const FieldDescriptor& field) {
+/// Bytes that hold no numbers.
+bool holds_no_numbers(const FieldDescriptor& field) {
   static const std::set<std::string> names{
-      "lucerna.v1.Vector3.x",
-      "lucerna.v1.Vector3.y",
-      "lucerna.v1.Vector3.z",
-      "lucerna.v1.Points.offsets_m",
-      "lucerna.v1.SampleLiResponse.wi",
-      "lucerna.v1.SampleLiResponse.light_offsets_m",
-      "lucerna.v1.SampleLiResponse.light_normals",
-      "lucerna.v1.SampleLeResponse.directions",
-      "lucerna.v1.SampleLeResponse.light_normals",
-      "lucerna.v1.KeyFrame.time_s",
-      "lucerna.v1.KeyFrame.angle_rad",
-      "lucerna.v1.RoundShape.z_min_m",
-      "lucerna.v1.RoundShape.z_max_m",
-      "lucerna.v1.SceneSummary.shutter_open_s",
-      "lucerna.v1.SceneSummary.shutter_close_s",
+      "lucerna.v1.SampleLiResponse.delta",                    // bits
+      "lucerna.v1.SampleLiResponse.visible",                  // bits
+      "lucerna.v1.TestVisibilityResponse.visible",            // bits
+      "lucerna.v1.NamedAsset.sha256",                         // a digest
+      "lucerna.v1.FindMissingAssetsResponse.missing_sha256",  // digests
   };
   return names.contains(field.full_name());
-}
-
-/// Bytes that hold doubles.
-bool holds_doubles(const FieldDescriptor& field) {
-  return field.full_name() == "lucerna.v1.Tile.sum" ||
-         field.full_name() == "lucerna.v1.Tile.deviation";
 }
 
 class Walk {
@@ -83,24 +67,32 @@ class Walk {
         }
         break;
       case FieldDescriptor::CPPTYPE_STRING:
-        if (!repeated && holds_doubles(f)) doubles(f, r.GetString(m, &f));
+        if (f.type() == FieldDescriptor::TYPE_BYTES) bytes(m, r, f);
         break;
       default:
         break;
     }
   }
 
-  void doubles(const FieldDescriptor& f, const std::string& bytes) {
-    for (std::size_t i = 0; i + sizeof(double) <= bytes.size(); i += sizeof(double)) {
+  void bytes(const Message& m, const google::protobuf::Reflection& r, const FieldDescriptor& f) {
+    if (holds_no_numbers(f)) return;
+    if (f.is_repeated() || !holds_doubles(f)) {
+      wrong_.push_back(fmt::format("{}: bytes of unknown meaning", f.full_name()));
+      return;
+    }
+    const std::string doubles = r.GetString(m, &f);
+    if (doubles.size() % sizeof(double) != 0)
+      wrong_.push_back(fmt::format("{}: {} bytes are no doubles", f.full_name(), doubles.size()));
+    for (std::size_t i = 0; i + sizeof(double) <= doubles.size(); i += sizeof(double)) {
       double v = 0;
-      std::memcpy(&v, bytes.data() + i, sizeof v);
+      std::memcpy(&v, doubles.data() + i, sizeof v);
       number(f, static_cast<int>(i / sizeof v), v);
     }
   }
 
   void number(const FieldDescriptor& f, int i, double v) {
     ++seen;
-    if (std::isfinite(v) && (v >= 0 || may_be_negative(f))) return;
+    if (std::isfinite(v) && (v >= 0 || signed_fields().contains(f.full_name()))) return;
     wrong_.push_back(fmt::format("{}[{}] = {}", f.full_name(), i, v));
   }
 
@@ -108,6 +100,31 @@ class Walk {
 };
 
 }  // namespace
+
+const std::map<std::string, std::string>& signed_fields() {
+  static const std::map<std::string, std::string> fields{
+      {"lucerna.v1.Vector3.x", "of a point, a direction or a normal"},
+      {"lucerna.v1.Vector3.y", "of a point, a direction or a normal"},
+      {"lucerna.v1.Vector3.z", "of a point, a direction or a normal"},
+      {"lucerna.v1.Points.offsets_m", "coordinates"},
+      {"lucerna.v1.SampleLiResponse.wi", "directions"},
+      {"lucerna.v1.SampleLiResponse.light_offsets_m", "coordinates"},
+      {"lucerna.v1.SampleLiResponse.light_normals", "normals"},
+      {"lucerna.v1.SampleLeResponse.directions", "directions"},
+      {"lucerna.v1.SampleLeResponse.light_normals", "normals"},
+      {"lucerna.v1.KeyFrame.time_s", "a time of the scene, which may begin before 0"},
+      {"lucerna.v1.RoundShape.z_min_m", "a coordinate along the shape's own axis"},
+      {"lucerna.v1.RoundShape.z_max_m", "a coordinate along the shape's own axis"},
+      {"lucerna.v1.SceneSummary.shutter_open_s", "a time of the scene"},
+      {"lucerna.v1.SceneSummary.shutter_close_s", "a time of the scene"},
+  };
+  return fields;
+}
+
+bool holds_doubles(const FieldDescriptor& field) {
+  return field.full_name() == "lucerna.v1.Tile.sum" ||
+         field.full_name() == "lucerna.v1.Tile.deviation";
+}
 
 std::vector<std::string> wrong_numbers(const Message& message) {
   std::vector<std::string> wrong;

@@ -28,6 +28,10 @@ bool is_zero_to_server(const Vec3<float>& v) {
 
 }  // namespace
 
+int WireQueries::batch() {
+  return n_.chance(1.0 / 24) ? 513 + static_cast<int>(n_.below(1000)) : batch_;
+}
+
 Vec3<double> WireQueries::place() {
   if (n_.chance(0.5)) return n_.one_of(places_);
   const double r = 2 * summary_.radius_m();
@@ -116,7 +120,7 @@ void WireQueries::area_sampling(v1::Accuracy* out) {
 std::vector<v1::ItemStatus> WireQueries::statuses(
     const std::string& name, const google::protobuf::RepeatedField<int>& status, const Items& items,
     bool typed) {
-  items_ += items.size();
+  count(name, items.size());
   if (status.empty()) {
     for (std::size_t i = 0; i < items.size(); ++i)
       hold(items[i] != Item::kInvalid, name, i, "an invalid item is answered");
@@ -142,13 +146,30 @@ std::vector<v1::ItemStatus> WireQueries::statuses(
   return all;
 }
 
-void WireQueries::numbers_hold(const std::string& name, const google::protobuf::Message& message) {
-  for (const std::string& wrong : wrong_numbers(message)) hold(false, name, 0, wrong);
+bool WireQueries::answered(const std::string& name, const grpc::Status& status,
+                           const google::protobuf::Message& request,
+                           const google::protobuf::Message& response) {
+  hold(status.ok(), name, 0,
+       fmt::format("{} {}", int(status.error_code()), status.error_message()));
+  if (status.ok())
+    for (const std::string& wrong : wrong_numbers(response)) hold(false, name, 0, wrong);
+  if (!failures_.empty()) failures_.push_back(request.ShortDebugString().substr(0, 200));
+  return status.ok();
 }
 
 void WireQueries::hold(bool what, const std::string& name, std::size_t item,
                        const std::string& words) {
   if (!what) failures_.push_back(fmt::format("{} item {}: {}", name, item, words));
+}
+
+void WireQueries::is_probability(const std::string& name, std::size_t item, double p) {
+  hold(p > 0 && p <= 1, name, item, fmt::format("selection_probability = {}", p));
+}
+
+/// In a scene without lights nothing is chosen: 0.
+void WireQueries::is_light(const std::string& name, std::size_t item, std::uint64_t id) {
+  hold(lights_.empty() ? id == 0 : ids_.contains(id), name, item,
+       fmt::format("{} is no light of the scene", id));
 }
 
 void WireQueries::is_unit(const std::string& name, std::size_t item, const Floats& v) {

@@ -1,7 +1,11 @@
 // Every query of LightingService and RenderService, asked of one scene with random extreme items,
-// and what holds for the answers.
+// and what holds for the answers.  The queries are in files of their own, by what they ask for:
+// wire_{light,emission,point,render}_queries.cpp; items and answers in wire_items.cpp.
 #pragma once
 
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
 #include <map>
 #include <set>
 #include <string>
@@ -21,10 +25,15 @@ inline Vec3<float> triple(const google::protobuf::RepeatedField<float>& v, std::
   return {v[k], v[k + 1], v[k + 2]};
 }
 
+/// Bit `i` of one bit an item.
+inline bool bit(const std::string& bits, std::size_t i) {
+  return (static_cast<unsigned char>(bits[i / 8]) >> (i % 8) & 1) != 0;
+}
+
 class WireQueries {
  public:
   /// Asks for the scene's lights and its summary, and looks at these answers too.  `batch`: items
-  /// of most queries.
+  /// of most queries; one in 24 has more than the server computes in one go (512).
   WireQueries(Service& service, ExtremeNumbers& numbers, std::string scene_id, int batch);
 
   const std::vector<v1::Light>& lights() const { return lights_; }
@@ -34,9 +43,12 @@ class WireQueries {
   void ask_scene();
   /// Requests with one number that no request may have: each refused as a whole.
   void ask_refused();
+  /// A lease of a random length, begun, looked at, and ended: the scene may be gone afterwards.
+  void ask_lease();
 
-  /// How many items were asked.
-  std::uint64_t items() const { return items_; }
+  /// How many items each method was asked about, by its name.
+  using ItemsOf = std::map<std::string, std::uint64_t>;
+  const ItemsOf& items() const { return items_; }
   /// Everything that did not hold, in words.
   const std::vector<std::string>& failures() const { return failures_; }
   /// How often each query answered an item with each status.
@@ -54,11 +66,13 @@ class WireQueries {
   void sample_le(const v1::Light* light);
   void pdf_le(const v1::Light& light);
   void le(const v1::Light* light);
-  void power();
+  void power(bool all);
   void visibility();
   void irradiance();
   void tile();
+  void image();
 
+  int batch();
   /// Random points: anywhere, in the scene, and such as lie on lights.
   Items points(int n, v1::Points* out);
   /// Random vectors, into `items` too: those that are no directions are invalid.
@@ -67,21 +81,38 @@ class WireQueries {
   void sample_values(v1::SampleValues* out, int each, bool named, Items& items);
   void wavelengths(google::protobuf::RepeatedField<double>* out);
   void area_sampling(v1::Accuracy* out);
+  /// Reflections: a few, several, or unset for all.
+  template <typename Request>
+  void bounces(Request* out);
+  /// A moment or when the shutter is open, or neither.
+  template <typename Request>
+  void render_time(Request* out);
   Vec3<double> place();
   void keep(const Vec3<double>& place);
   void keep(const v1::Points& points);
 
-  template <typename Request, typename Response>
-  bool ask(const std::string& name, const Request& request, Response* response,
-           grpc::Status (v1::LightingService::Stub::*call)(grpc::ClientContext*, const Request&,
-                                                           Response*));
+  /// What a call answers, in bounded time.
+  template <typename Call>
+  static grpc::Status call(Call&& ask) {
+    grpc::ClientContext context;
+    context.set_deadline(std::chrono::system_clock::now() + std::chrono::minutes(2));
+    return ask(&context);
+  }
+  /// Whether it was answered at all, after looking at its numbers.
+  bool answered(const std::string& name, const grpc::Status& status,
+                const google::protobuf::Message& request,
+                const google::protobuf::Message& response);
+  /// Items of a query that has no status for each.
+  void count(const std::string& name, std::uint64_t items) { items_[name] += items; }
   /// The status of each item, after looking at whether they fit `items` and are of the `typed`
   /// reasons that this query has.
   std::vector<v1::ItemStatus> statuses(const std::string& name,
                                        const google::protobuf::RepeatedField<int>& status,
                                        const Items& items, bool typed);
-  void numbers_hold(const std::string& name, const google::protobuf::Message& message);
   void hold(bool what, const std::string& name, std::size_t item, const std::string& words);
+  void is_probability(const std::string& name, std::size_t item, double p);
+  void is_light(const std::string& name, std::size_t item, std::uint64_t id);
+  void tile_holds(const std::string& name, const v1::Tile& tile, const v1::PixelRect& rect);
   void is_unit(const std::string& name, std::size_t item, const Floats& v);
   void is_zero(const std::string& name, std::size_t item, const Floats& v, std::size_t each);
   void expect(const std::string& name, std::size_t size, std::size_t expected,
@@ -95,9 +126,23 @@ class WireQueries {
   v1::SceneSummary summary_;
   std::set<std::uint64_t> ids_;
   std::vector<Vec3<double>> places_;  ///< world; of lights, and points on them
-  std::uint64_t items_ = 0;
+  ItemsOf items_;
   std::vector<std::string> failures_;
   Counts counts_;
 };
+
+template <typename Request>
+void WireQueries::bounces(Request* out) {
+  switch (n_.below(6)) {
+    case 0:
+      break;
+    case 1:
+      out->set_bounces(static_cast<std::uint32_t>(n_.below(32)));
+      break;
+    default:
+      out->set_bounces(static_cast<std::uint32_t>(n_.below(3)));
+      break;
+  }
+}
 
 }  // namespace lucerna::testing

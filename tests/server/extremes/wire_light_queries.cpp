@@ -1,0 +1,92 @@
+// SampleLi and PdfLi.
+#include "tests/server/extremes/wire_queries.h"
+
+namespace lucerna::testing {
+
+void WireQueries::sample_li(const v1::Light* light) {
+  v1::SampleLiRequest q;
+  q.set_scene_id(scene_id_);
+  int samples = 1;
+  Items items = points(batch(), q.mutable_receivers());
+  if (light != nullptr) q.set_light_id(light->id());
+  if (n_.chance(0.3)) {
+    samples = 1 + static_cast<int>(n_.below(3));
+    q.mutable_accuracy()->set_samples(static_cast<std::uint32_t>(samples));
+    q.mutable_seed()->set_seed(n_.seed());
+    q.mutable_seed()->set_first_item(n_.seed() >> n_.below(64));
+  } else {
+    sample_values(q.mutable_u(), 2, light != nullptr, items);
+  }
+  if (n_.chance(0.5)) q.set_time_s(n_.scalar());
+  if (n_.chance(0.4)) normals(q.mutable_normals(), items);
+  q.set_test_visibility(n_.chance(0.4));
+  if (n_.chance(0.2)) q.set_position_error_m(static_cast<float>(n_.magnitude()));
+  area_sampling(q.mutable_accuracy());
+  wavelengths(q.mutable_wavelengths_nm());
+
+  Items of_samples;
+  for (const Item item : items) of_samples.insert(of_samples.end(), samples, item);
+  const std::size_t n = of_samples.size();
+  v1::SampleLiResponse r;
+  const grpc::Status s = call([&](auto* c) { return service_.lighting.SampleLi(c, q, &r); });
+  if (!answered("SampleLi", s, q, r)) return;
+  const auto spectral = static_cast<std::size_t>(q.wavelengths_nm_size());
+  expect("SampleLi", r.value_size(), 3 * n, "value");
+  expect("SampleLi", r.wi_size(), 3 * n, "wi");
+  expect("SampleLi", r.distance_m_size(), n, "distance_m");
+  expect("SampleLi", r.light_offsets_m_size(), 3 * n, "light_offsets_m");
+  expect("SampleLi", r.light_normals_size(), 3 * n, "light_normals");
+  expect("SampleLi", r.pdf_per_sr_size(), n, "pdf_per_sr");
+  expect("SampleLi", r.delta().size(), (n + 7) / 8, "delta");
+  expect("SampleLi", r.visible().size(), q.test_visibility() ? (n + 7) / 8 : 0, "visible");
+  expect("SampleLi", r.light_ids_size(), light == nullptr ? n : 0, "light_ids");
+  expect("SampleLi", r.selection_probability_size(), light == nullptr ? n : 0,
+         "selection_probability");
+  expect("SampleLi", r.spectral_value_size(), n * spectral, "spectral_value");
+  const std::vector<v1::ItemStatus> status = statuses("SampleLi", r.status(), of_samples, true);
+  for (std::size_t i = 0; i < n && failures_.empty(); ++i) {
+    const int k = static_cast<int>(i);
+    if (light == nullptr) {
+      is_probability("SampleLi", i, r.selection_probability(k));
+      is_light("SampleLi", i, r.light_ids(k));
+    }
+    if (!bit(r.delta(), i))
+      hold(r.pdf_per_sr(k) > 0, "SampleLi", i, "without a density and no delta light");
+    else
+      hold(r.pdf_per_sr(k) == 0, "SampleLi", i, "a delta light with a density");
+    if (status[i] != v1::ITEM_STATUS_OK) {
+      is_zero("SampleLi", i, r.value(), 3);
+      is_zero("SampleLi", i, r.spectral_value(), spectral);
+      if (q.test_visibility())
+        hold(!bit(r.visible(), i), "SampleLi", i, "visible without an answer");
+      continue;
+    }
+    is_unit("SampleLi", i, r.wi());
+  }
+  if (failures_.empty() && n_.chance(0.3)) {
+    v1::Points found;
+    *found.mutable_origin_m() = q.receivers().origin_m();
+    *found.mutable_offsets_m() = r.light_offsets_m();
+    keep(found);
+  }
+}
+
+void WireQueries::pdf_li(const v1::Light& light) {
+  v1::PdfLiRequest q;
+  q.set_scene_id(scene_id_);
+  q.set_light_id(light.id());
+  Items items = points(batch(), q.mutable_receivers());
+  directions(q.mutable_wi(), items, &q.receivers());
+  if (n_.chance(0.5)) q.set_time_s(n_.scalar());
+  if (n_.chance(0.4)) normals(q.mutable_normals(), items);
+  area_sampling(q.mutable_accuracy());
+  v1::PdfLiResponse r;
+  const grpc::Status s = call([&](auto* c) { return service_.lighting.PdfLi(c, q, &r); });
+  if (!answered("PdfLi", s, q, r)) return;
+  expect("PdfLi", r.pdf_per_sr_size(), items.size(), "pdf_per_sr");
+  const std::vector<v1::ItemStatus> status = statuses("PdfLi", r.status(), items, false);
+  for (std::size_t i = 0; i < items.size() && failures_.empty(); ++i)
+    if (status[i] != v1::ITEM_STATUS_OK) is_zero("PdfLi", i, r.pdf_per_sr(), 1);
+}
+
+}  // namespace lucerna::testing

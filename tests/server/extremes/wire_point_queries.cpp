@@ -1,0 +1,89 @@
+// TestVisibility and EstimateIrradiance.
+#include <cmath>
+
+#include "tests/server/extremes/wire_queries.h"
+
+namespace lucerna::testing {
+
+void WireQueries::visibility() {
+  v1::TestVisibilityRequest q;
+  q.set_scene_id(scene_id_);
+  Items items;
+  if (n_.chance(0.5)) {
+    const int n = batch();
+    items = points(n, q.mutable_segments()->mutable_from());
+    const Items ends = points(n, q.mutable_segments()->mutable_to());
+    for (std::size_t i = 0; i < items.size(); ++i)
+      if (ends[i] == Item::kInvalid) items[i] = Item::kInvalid;
+  } else {
+    items = points(batch(), q.mutable_rays()->mutable_from());
+    directions(q.mutable_rays()->mutable_directions(), items, &q.rays().from());
+    if (n_.chance(0.5)) {
+      for (Item& item : items) {
+        const float length = n_.component();
+        q.mutable_rays()->add_lengths_m(length);
+        if (!(length > 0) || !std::isfinite(length))
+          item = Item::kInvalid;
+        else if (length < std::numeric_limits<float>::min() && item == Item::kGood)
+          item = Item::kEither;
+      }
+    }
+  }
+  if (n_.chance(0.5)) q.set_time_s(n_.scalar());
+  if (n_.chance(0.4)) normals(q.mutable_normals(), items);
+  if (n_.chance(0.2)) q.set_position_error_m(static_cast<float>(n_.magnitude()));
+  v1::TestVisibilityResponse r;
+  const grpc::Status s = call([&](auto* c) { return service_.lighting.TestVisibility(c, q, &r); });
+  if (!answered("TestVisibility", s, q, r)) return;
+  expect("TestVisibility", r.count(), items.size(), "count");
+  expect("TestVisibility", r.visible().size(), (items.size() + 7) / 8, "visible");
+  const std::vector<v1::ItemStatus> status = statuses("TestVisibility", r.status(), items, false);
+  for (std::size_t i = 0; i < items.size() && failures_.empty(); ++i)
+    if (status[i] != v1::ITEM_STATUS_OK)
+      hold(!bit(r.visible(), i), "TestVisibility", i, "visible without an answer");
+}
+
+void WireQueries::irradiance() {
+  v1::EstimateIrradianceRequest q;
+  q.set_scene_id(scene_id_);
+  // An item has several samples of several rays each: by default 256.
+  const bool by_default = n_.chance(1.0 / 16);
+  Items items =
+      points(by_default ? 1 + static_cast<int>(n_.below(3)) : batch() / 4, q.mutable_receivers());
+  normals(q.mutable_normals(), items);
+  bounces(&q);
+  if (q.has_bounces() && q.bounces() == 0) wavelengths(q.mutable_wavelengths_nm());
+  q.set_per_light(n_.chance(0.5));
+  q.mutable_seed()->set_seed(n_.seed());
+  if (n_.chance(0.5)) q.mutable_seed()->set_first_item(n_.seed() >> n_.below(64));
+  if (n_.chance(0.5)) q.set_time_s(n_.scalar());
+  if (n_.chance(0.2)) q.set_position_error_m(static_cast<float>(n_.magnitude()));
+  if (!by_default) q.mutable_accuracy()->set_samples(static_cast<std::uint32_t>(1 + n_.below(4)));
+  area_sampling(q.mutable_accuracy());
+  v1::EstimateIrradianceResponse r;
+  const grpc::Status s =
+      call([&](auto* c) { return service_.lighting.EstimateIrradiance(c, q, &r); });
+  if (!answered("EstimateIrradiance", s, q, r)) return;
+  const std::size_t n = items.size();
+  const auto spectral = static_cast<std::size_t>(q.wavelengths_nm_size());
+  expect("EstimateIrradiance", r.irradiance_lx_size(), 3 * n, "irradiance_lx");
+  expect("EstimateIrradiance", r.illuminance_lx_size(), n, "illuminance_lx");
+  expect("EstimateIrradiance", r.standard_error_lx_size(), r.samples() > 1 ? n : 0,
+         "standard_error_lx");
+  expect("EstimateIrradiance", r.zero_bound_lx_size(), n, "zero_bound_lx");
+  expect("EstimateIrradiance", r.shares_size(), q.per_light() ? lights_.size() : 0, "shares");
+  expect("EstimateIrradiance", r.spectral_irradiance_size(), n * spectral, "spectral_irradiance");
+  const std::vector<v1::ItemStatus> status =
+      statuses("EstimateIrradiance", r.status(), items, false);
+  for (std::size_t i = 0; i < n && failures_.empty(); ++i) {
+    if (status[i] == v1::ITEM_STATUS_OK) continue;
+    is_zero("EstimateIrradiance", i, r.irradiance_lx(), 3);
+    is_zero("EstimateIrradiance", i, r.illuminance_lx(), 1);
+    is_zero("EstimateIrradiance", i, r.zero_bound_lx(), 1);
+    is_zero("EstimateIrradiance", i, r.spectral_irradiance(), spectral);
+    for (const v1::LightShare& share : r.shares())
+      is_zero("EstimateIrradiance", i, share.illuminance_lx(), 1);
+  }
+}
+
+}  // namespace lucerna::testing

@@ -1,0 +1,110 @@
+// RenderTile and RenderImage.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "tests/server/extremes/wire_queries.h"
+
+namespace lucerna::testing {
+
+/// A moment or when the shutter is open, or neither.
+template <typename Request>
+void WireQueries::render_time(Request* out) {
+  switch (n_.below(3)) {
+    case 0:
+      out->set_time_s(n_.scalar());
+      break;
+    case 1:
+      out->mutable_shutter()->set_offset_s(n_.with_sign(n_.magnitude()));
+      if (n_.chance(0.7)) out->mutable_shutter()->set_length_s(n_.chance(0.1) ? 0 : n_.magnitude());
+      break;
+    default:
+      break;
+  }
+}
+
+void WireQueries::tile_holds(const std::string& name, const v1::Tile& tile,
+                             const v1::PixelRect& rect) {
+  hold(tile.rect().SerializeAsString() == rect.SerializeAsString(), name, 0,
+       fmt::format("{}, not {}", tile.rect().ShortDebugString(), rect.ShortDebugString()));
+  const std::size_t pixels = std::size_t{rect.x1() - rect.x0()} * (rect.y1() - rect.y0());
+  expect(name, tile.sum().size(), 3 * sizeof(double) * pixels, "bytes of sum");
+  expect(name, tile.deviation().size(), 3 * sizeof(double) * pixels, "bytes of deviation");
+  hold(tile.block_count() > 0, name, 0, "no blocks");
+  count(name, pixels);
+}
+
+void WireQueries::tile() {
+  v1::RenderTileRequest q;
+  q.set_scene_id(scene_id_);
+  q.set_seed(n_.seed());
+  bounces(&q);
+  area_sampling(q.mutable_accuracy());
+  render_time(&q);
+  // What the scene file proposes is a few.
+  if (!summary_.has_samples_per_pixel() || n_.chance(0.5)) {
+    const std::uint32_t samples = 1U << n_.below(4);
+    q.mutable_accuracy()->set_samples(samples);
+    if (n_.chance(0.5)) q.set_samples_per_block(samples >> n_.below(4));
+    if (q.samples_per_block() == 0) q.clear_samples_per_block();
+    // Up to 2^40, where the server's numbers of samples end.
+    if (n_.chance(0.5)) q.set_first_sample(samples * (n_.seed() >> (27 + n_.below(37))));
+  }
+  v1::PixelRect rect;
+  const auto begin_end = [&](std::uint32_t size, auto set_begin, auto set_end) {
+    const auto begin = static_cast<std::uint32_t>(n_.below(size));
+    (rect.*set_begin)(begin);
+    (rect.*set_end)(begin + 1 + static_cast<std::uint32_t>(n_.below(size - begin)));
+  };
+  if (n_.chance(0.5)) {
+    begin_end(summary_.image_width(), &v1::PixelRect::set_x0, &v1::PixelRect::set_x1);
+    begin_end(summary_.image_height(), &v1::PixelRect::set_y0, &v1::PixelRect::set_y1);
+    *q.mutable_rect() = rect;
+  } else {
+    rect.set_x1(summary_.image_width());
+    rect.set_y1(summary_.image_height());
+  }
+  v1::RenderTileResponse r;
+  const grpc::Status s = call([&](auto* c) { return service_.render.RenderTile(c, q, &r); });
+  if (answered("RenderTile", s, q, r)) tile_holds("RenderTile", r.tile(), rect);
+}
+
+void WireQueries::image() {
+  v1::RenderImageRequest q;
+  q.set_scene_id(scene_id_);
+  q.set_seed(n_.seed());
+  bounces(&q);
+  area_sampling(q.mutable_accuracy());
+  render_time(&q);
+  if (!summary_.has_samples_per_pixel() || n_.chance(0.5)) {
+    const auto blocks = static_cast<std::uint32_t>(1 + n_.below(7));
+    const std::uint32_t block = 1U << n_.below(2);
+    q.mutable_accuracy()->set_samples(blocks * block);
+    if (n_.chance(0.5)) q.set_samples_per_block(block);
+  }
+  const std::uint32_t width = summary_.image_width(), height = summary_.image_height();
+  if (n_.chance(0.7))
+    q.set_tile_size(static_cast<std::uint32_t>(1 + n_.below(2 * std::max(width, height))));
+  q.set_final_only(n_.chance(0.3));
+  std::uint64_t done = 0, total = 1;
+  const grpc::Status s = call([&](grpc::ClientContext* context) {
+    const auto stream = service_.render.RenderImage(context, q);
+    v1::RenderImageResponse r;
+    while (stream->Read(&r)) {
+      answered("RenderImage", grpc::Status::OK, q, r);
+      const v1::PixelRect& rect = r.tile().rect();
+      hold(rect.x0() < rect.x1() && rect.x1() <= width && rect.y0() < rect.y1() &&
+               rect.y1() <= height,
+           "RenderImage", 0, rect.ShortDebugString() + " is not within the picture");
+      tile_holds("RenderImage", r.tile(), rect);
+      hold(r.samples_done() > done, "RenderImage", 0, "nothing was done");
+      done = r.samples_done();
+      total = r.samples_total();
+    }
+    return stream->Finish();
+  });
+  hold(s.ok(), "RenderImage", 0, fmt::format("{} {}", int(s.error_code()), s.error_message()));
+  hold(done == total, "RenderImage", 0, fmt::format("{} of {} samples are done", done, total));
+}
+
+}  // namespace lucerna::testing
