@@ -121,9 +121,7 @@ class AreaLightMaker {
       : emission_(emission), origin_(origin) {}
 
   absl::StatusOr<Light<double>> operator()(const TriangleMeshData& mesh) const {
-    const auto vertex = [&](std::size_t i) {
-      return Vec3<double>(about(mesh.positions[mesh.indices[i]], origin_));
-    };
+    const auto vertex = [&](std::size_t i) { return mesh.positions[mesh.indices[i]] - origin_; };
     std::vector<Triangle<double>> triangles(mesh.indices.size() / 3);
     for (std::size_t i = 0; i < triangles.size(); ++i)
       triangles[i] = {vertex(3 * i), vertex(3 * i + 1), vertex(3 * i + 2)};
@@ -132,9 +130,7 @@ class AreaLightMaker {
   }
 
   absl::StatusOr<Light<double>> operator()(const PatchMeshData& mesh) const {
-    const auto vertex = [&](std::size_t i) {
-      return Vec3<double>(about(mesh.positions[mesh.indices[i]], origin_));
-    };
+    const auto vertex = [&](std::size_t i) { return mesh.positions[mesh.indices[i]] - origin_; };
     std::vector<BilinearPatch<double>> patches(mesh.indices.size() / 4);
     for (std::size_t i = 0; i < patches.size(); ++i)
       patches[i] = {vertex(4 * i), vertex(4 * i + 1), vertex(4 * i + 2), vertex(4 * i + 3)};

@@ -28,7 +28,8 @@ std::optional<Box> portal_box_of(const LightDescription& light);
 absl::StatusOr<Light<double>> create_light(const LightDescription& light,
                                            const Vec3<double>& origin);
 
-/// The area light of a shape that emits, made of the same float vertices that rays hit.  Errors: as
+/// The area light of a shape that emits.  Rays hit its vertices rounded to floats; light comes from
+/// where they are in double, so that small lamps far from zero keep their size.  Errors: as
 /// the light's own; a shape that cannot emit.
 absl::StatusOr<Light<double>> create_area_light(const ShapeDescription& shape,
                                                 const Vec3<double>& origin);

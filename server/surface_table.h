@@ -49,8 +49,7 @@ struct Bounds {
 /// Bounds of a shape in its own space.  Errors: what of it is not finite or out of its domain.
 absl::StatusOr<Bounds> shape_bounds(const ShapeDescription& shape);
 
-/// A position kept as floats about an origin; the one way of rounding, for geometry and lights
-/// alike.
+/// A position kept as floats about an origin, as rays hit it.
 inline Vec3<float> about(const Vec3<double>& position, const Vec3<double>& origin) {
   return Vec3<float>(position - origin);
 }

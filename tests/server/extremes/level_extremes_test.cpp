@@ -184,8 +184,6 @@ TEST(LevelExtremes, PowerOfShapesOfAnySize) {
   sweep.expect_within(1e-12);
 }
 
-// Rays hit vertices that are floats, and the light is what they hit: two sides, each rounded by
-// 2^-24 at most.
 TEST(LevelExtremes, PowerOfMeshesOfAnySize) {
   Sweep sweep(18, "power of a triangle or patch of size", "1e-30 ... 1e17 m", "flux as asked for");
   const std::string area = "AreaLightSource \"diffuse\" \"float power\" 100\n";
@@ -205,7 +203,7 @@ TEST(LevelExtremes, PowerOfMeshesOfAnySize) {
       sweep.compare_textbook(textbook_level(kWanted, lumens) * (kPi * unit) * size * size, kWanted);
     }
   }
-  sweep.expect_within(2 * 0x1p-24);
+  sweep.expect_within(1e-12);
 }
 
 TEST(LevelExtremes, PowerOfDimAndBrightPictures) {

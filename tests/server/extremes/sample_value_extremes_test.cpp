@@ -11,27 +11,12 @@
 
 #include "lights/sampling.h"
 #include "tests/server/extremes/every_light_scene.h"
+#include "tests/server/extremes/quad.h"
 #include "tests/sweep.h"
 
 namespace lucerna::testing {
 namespace {
 
-/// 113 bits, 34 digits.
-__extension__ typedef __float128 Quad;
-
-struct Quad3 {
-  Quad x, y, z;
-  Quad3() = default;
-  Quad3(Quad x, Quad y, Quad z) : x(x), y(y), z(z) {}
-  template <typename Real>
-  explicit Quad3(const Vec3<Real>& v) : x(v.x), y(v.y), z(v.z) {}
-  Quad3 operator-(const Quad3& v) const { return {x - v.x, y - v.y, z - v.z}; }
-};
-
-Quad dot(const Quad3& a, const Quad3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-Quad3 cross(const Quad3& a, const Quad3& b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
 double magnitude(Quad v) { return std::fabs(static_cast<double>(v)); }
 
 /// World coordinates in the space of an object: Cramer's rule.
