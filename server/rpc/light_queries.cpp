@@ -11,6 +11,7 @@
 #include "server/rpc/lighting.h"
 #include "server/rpc/paging.h"
 #include "server/rpc/randomness.h"
+#include "server/sample_sum.h"
 #include "server/spectral_values.h"
 
 namespace lucerna::rpc {
@@ -39,13 +40,33 @@ RadiantPower radiant_power(const Scene& scene, std::uint32_t light, const Power&
   return power;
 }
 
-/// The sum has watts as long as all that is added has.
-void add(const RadiantPower& power, RadiantPower& sum) {
-  sum.luminous.lumens += power.luminous.lumens;
-  sum.luminous.error_lumens += power.luminous.error_lumens;
-  sum.watts = sum.watts && power.watts ? std::optional(*sum.watts + *power.watts) : std::nullopt;
-  for (std::size_t k = 0; k < sum.w_per_nm.size(); ++k) sum.w_per_nm[k] += power.w_per_nm[k];
-}
+/// Of many lights, of any magnitudes: none is lost beside a larger one.
+class PowerTotal {
+ public:
+  explicit PowerTotal(std::size_t wavelengths) : w_per_nm_(wavelengths) {}
+
+  void add(const RadiantPower& power) {
+    is_empty_ = false;
+    lumens_.add(power.luminous.lumens);
+    error_lumens_.add(power.luminous.error_lumens);
+    has_watts_ = has_watts_ && power.watts;
+    watts_.add(power.watts.value_or(0));
+    for (std::size_t k = 0; k < w_per_nm_.size(); ++k) w_per_nm_[k].add(power.w_per_nm[k]);
+  }
+  /// It has watts as long as all that was added has.
+  RadiantPower value() const {
+    RadiantPower sum{.luminous = {lumens_.value(), error_lumens_.value()}};
+    if (has_watts_ && !is_empty_) sum.watts = watts_.value();
+    for (const CompensatedSum& at : w_per_nm_) sum.w_per_nm.push_back(at.value());
+    return sum;
+  }
+
+ private:
+  SampleSum lumens_;
+  CompensatedSum error_lumens_, watts_;
+  bool has_watts_ = true, is_empty_ = true;
+  std::vector<CompensatedSum> w_per_nm_;
+};
 
 void set_power(const RadiantPower& radiant, v1::LightPower* out) {
   const Power& power = radiant.luminous;
@@ -210,8 +231,7 @@ Prepared estimate_power(const Context& context, const v1::EstimatePowerRequest& 
   task.run = [scene = *scene, n, asked, start = *start, size, nm = *wavelengths, &request,
               response](const std::stop_token& stop) -> absl::Status {
     SpectralValues spectral(*scene, nm);
-    RadiantPower total{.luminous = {}, .w_per_nm = std::vector<double>(nm.size())};
-    if (n > 0) total.watts = 0;
+    PowerTotal total(nm.size());
     for (std::size_t i = 0; i < n && !stop.stop_requested(); ++i) {
       auto light = static_cast<std::uint32_t>(i);
       if (asked > 0) {
@@ -225,13 +245,13 @@ Prepared estimate_power(const Context& context, const v1::EstimatePowerRequest& 
                             ? light_power_approximate(*scene, light)
                             : light_power(*scene, light),
                         spectral);
-      add(power, total);
+      total.add(power);
       if (i < start || i - start >= size) continue;
       v1::LightPower* out = response->add_lights();
       out->set_light_id(scene->lights()[light].id);
       set_power(power, out);
     }
-    set_power(total, response->mutable_total());
+    set_power(total.value(), response->mutable_total());
     if (n - start > size) response->set_next_page_token(page_token("power", start + size));
     return absl::OkStatus();
   };
