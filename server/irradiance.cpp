@@ -104,7 +104,8 @@ class IrradianceJob {
     SurfaceHit receiver;
     receiver.position = points_[p].position;
     receiver.position_error = points_[p].position_error;
-    receiver.ng = receiver.ns = points_[p].normal;
+    receiver.ns = points_[p].normal;
+    receiver.ng = Vec3<double>(receiver.ns);
     receiver.time_s = settings_.time_s;
 
     const std::size_t lights = scene_.lights().size();
@@ -162,7 +163,7 @@ class IrradianceJob {
     for (std::uint32_t l = 0; l < scene_.lights().size(); ++l) {
       if (is_delta(l)) {
         const Rgb<double> e =
-            tracer_.direct(receiver, receiver.ng, l, 1, {}, work).value * std::numbers::pi;
+            tracer_.direct(receiver, receiver.ns, l, 1, {}, work).value * std::numbers::pi;
         total.exact += e;
         add_to(exact, l, e);
         if (!shares.empty()) shares[l].exact = e;
@@ -175,7 +176,7 @@ class IrradianceJob {
   void sample(const SurfaceHit& receiver, const PathSample& s, Estimate& total,
               std::vector<Estimate>& shares, BySpectrum& sampled, WorkCounts& work) const {
     constexpr double kPi = std::numbers::pi;
-    const Vec3<float>& n = receiver.ng;
+    const Vec3<float>& n = receiver.ns;
     LightEstimate sum;
     const auto add = [&](std::uint32_t light, const LightEstimate& e) {
       const LightEstimate lx{e.value * kPi, e.unshadowed * kPi};

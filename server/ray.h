@@ -24,20 +24,23 @@ struct SurfaceHit {
   Vec3<double> position;
   /// The surface passes, and rays find it, within this box about `position` as floats hold it [m].
   Vec3<float> position_error;
-  Vec3<float> ng;                   ///< geometric normal, unit, outside
+  /// Geometric normal, unit, outside.  In double: which side a ray leaves to that all but grazes
+  /// the surface is a sign that floats do not know.
+  Vec3<double> ng;
   Vec3<float> ns;                   ///< shading normal, unit, on the side of ng
   std::uint32_t material{};         ///< index into Scene::materials()
   std::int32_t light = -1;          ///< index into Scene::lights() where the surface emits
   std::uint32_t light_primitive{};  ///< which primitive of that light's shape
+  std::uint64_t shape{};            ///< the same for all hits on one shape of one instance
   double time_s = 0;                ///< of the ray that found it
 
-  SurfacePoint<double> on_light() const { return {position, Vec3<double>(ng), light_primitive}; }
+  SurfacePoint<double> on_light() const { return {position, ng, light_primitive}; }
 };
 
 /// `position` moved along `normal`, to the side that `direction` leaves to, just far enough that
 /// nothing within `position_error` of the surface can be hit again.  [Pharr23, 6.8.6]
 Vec3<float> offset_origin(const Vec3<float>& position, const Vec3<float>& position_error,
-                          const Vec3<float>& normal, const Vec3<float>& direction);
+                          const Vec3<double>& normal, const Vec3<double>& direction);
 
 /// The ray that leaves a surface point towards `direction`.
 Ray spawn_ray(const SurfaceHit& from, const Vec3<float>& direction);

@@ -131,12 +131,10 @@ std::optional<SurfaceHit> Scene::closest_hit(const Ray& ray) const {
   hit.position = local.position;
   // The one rounding of the position where rays leave it, and what double left.
   error += absolute(local.position) * (kFloatRoundoff * (1 + 1e-6));
-  // Nor are floats told apart that differ by a denormal.
-  constexpr double kLeast = std::numeric_limits<float>::min();
-  error += Vector{kLeast, kLeast, kLeast};
+  error += Vector{kLeastError, kLeastError, kLeastError};
   // Rounded up, so that the bound stays one.
   hit.position_error = Vec3<float>(error * (1 + 1e-6));
-  hit.ng = Vec3<float>(local.ng);
+  hit.ng = local.ng;
   Vector ns = local.ns;
   if (ns != Vector{}) ns = normalized(ns);
   if (ns == Vector{}) ns = local.ng;
@@ -145,6 +143,8 @@ std::optional<SurfaceHit> Scene::closest_hit(const Ray& ray) const {
   const Surface& surface = table.surfaces[run.surface];
   hit.material = surface.material;
   hit.light = surface.light;
+  // Instances from -1, the scene's own geometry, on.
+  hit.shape = (static_cast<std::uint64_t>(raw->instance + 1) << 32) | run.surface;
   hit.light_primitive =
       run.first_light_primitive + (raw->primitive - run.first) / run.per_light_primitive;
   return hit;

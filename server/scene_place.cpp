@@ -21,6 +21,20 @@ Vec3<double> origin_for(const Bounds& bounds) {
   return {snap(centre.x), snap(centre.y), snap(centre.z)};
 }
 
+// Floats about a place differ by 1.2e-38 m or not at all (kLeastError): shapes that reach over less
+// than this would be answered from what is left of them, off by more than a millionth.
+absl::Status check_extent(const Bounds& bounds, const SourceLocation& where) {
+  constexpr double kLeastExtent = 1e-32;
+  if (bounds.empty()) return absl::OkStatus();
+  const double extent = max_abs(bounds.upper - bounds.lower);
+  if (extent == 0 || extent >= kLeastExtent) return absl::OkStatus();
+  return located(absl::InvalidArgumentError(
+                     fmt::format("this shape and the others reach over {:g} m, allowed: 0, or from "
+                                 "{:g} on",
+                                 extent, kLeastExtent)),
+                 where);
+}
+
 }  // namespace
 
 absl::Status Scene::Builder::place() {
@@ -56,6 +70,10 @@ absl::Status Scene::Builder::place() {
     for (const auto& s : in_.objects[i].shapes)
       if (absl::Status status = grow(object_bounds[i], s); !status.ok()) return status;
     object_origins_.push_back(origin_for(object_bounds[i]));
+    if (in_.objects[i].shapes.empty()) continue;
+    if (absl::Status s = check_extent(object_bounds[i], in_.objects[i].shapes.front().where);
+        !s.ok())
+      return s;
   }
   for (const auto& instance : in_.instances) {
     const Bounds& b = object_bounds[instance.object];
@@ -70,6 +88,11 @@ absl::Status Scene::Builder::place() {
     } else if (!placed.empty()) {
       world.add(placed.lower), world.add(placed.upper);
     }
+  }
+  if (!in_.shapes.empty() || !in_.instances.empty()) {
+    const SourceLocation& first =
+        in_.shapes.empty() ? in_.instances.front().where : in_.shapes.front().where;
+    if (absl::Status s = check_extent(world, first); !s.ok()) return s;
   }
   // A light far off must not coarsen the geometry: the origin is the geometry's, if there is any.
   Bounds with_lights = world, portals;

@@ -16,8 +16,8 @@ constexpr std::size_t kGrain = 1024;  // a multiple of 8, as chunks write bits
 /// Where a ray starts: off its surface along `normal`, or where it is, to begin later.
 Vec3<float> start_of(const ScenePoint& from, const Vec3<float>& normal,
                      const Vec3<float>& direction) {
-  return offset_origin(Vec3<float>(from.position), {from.error, from.error, from.error}, normal,
-                       direction);
+  return offset_origin(Vec3<float>(from.position), {from.error, from.error, from.error},
+                       Vec3<double>(normal), Vec3<double>(direction));
 }
 
 bool has_normal(const Vec3<float>& normal) { return normal != Vec3<float>{}; }
@@ -68,15 +68,54 @@ double largest_coordinate(const Scene& scene) {
   return max_abs(scene.sphere().center_m) + scene.sphere().radius_m;
 }
 
-/// Whether the surface that was met is one that the point lies on: its plane passes the point
-/// within the point's error and the rounding of its vertices.  However far off it was met: a way
-/// that grazes it comes within the same errors long before its end.
-bool lies_on(const LooseEnd& end, const SurfaceHit& hit) {
-  if (!(end.error >= 0)) return false;
+/// How well it is known where the surface is: to one rounding of its vertices.  (Rays find it no
+/// better than to `position_error`.)
+double rounding_of(const SurfaceHit& hit) {
+  return kFloatRoundoff * max_abs(hit.position) +
+         max_abs(hit.position_error) * (kFloatRoundoff / kTraversalBound);
+}
+
+/// Whether the plane of `hit` passes `point` within `error` and the rounding of its vertices, twice
+/// each.
+bool plane_passes(const SurfaceHit& hit, const Vec3<double>& point, double error) {
+  return std::fabs(dot(hit.ng, hit.position - point)) <= 2 * (error + rounding_of(hit));
+}
+
+/// Whether two hits are on one surface: a shape's own, or on one plane, as the floors of two rooms.
+bool continues(const SurfaceHit& a, const SurfaceHit& b) {
+  return a.shape == b.shape || (plane_passes(a, b.position, rounding_of(b)) &&
+                                plane_passes(b, a.position, rounding_of(a)));
+}
+
+/// Whether the surface of `hit` is at `place` too, within `reach` along its normal.
+bool is_found_at(const Scene& scene, const Vec3<double>& place, double reach, const LooseEnd& end,
+                 const SurfaceHit& hit) {
+  // There may be others as near, a carpet or a sheet of paper.
+  constexpr int kMostSurfaces = 16;
+  Ray ray{Vec3<float>(place + hit.ng * reach), -Vec3<float>(hit.ng), 0,
+          static_cast<float>(2 * reach), hit.time_s};
+  for (int i = 0; i < kMostSurfaces; ++i) {
+    const auto found = scene.closest_hit(ray);
+    if (!found) return false;
+    if (plane_passes(*found, end.position, end.error) && continues(*found, hit)) return true;
+    ray.t_min = std::nextafter(found->t, INFINITY);
+  }
+  return false;
+}
+
+/// Whether the surface that was met is one that the point lies on.  Its plane must pass the point,
+/// and it must be near the point itself: a way that grazes the point's surface comes within the
+/// errors of it long before its end, but a shelf far off that is level with the point is no surface
+/// of the point's, however coarsely that is told.
+bool lies_on(const Scene& scene, const LooseEnd& end, const SurfaceHit& hit) {
+  if (!(end.error >= 0) || !plane_passes(hit, end.position, end.error)) return false;
   const Vec3<double> apart = hit.position - end.position;
-  // Rays find the surface no better than that, but where it is is known to one rounding.
-  const double rounding = max_abs(hit.position_error) * (kFloatRoundoff / kTraversalBound);
-  return std::fabs(dot(Vec3<double>(hit.ng), apart)) <= 2 * (end.error + rounding);
+  const double near = kStartWithoutNormal * (end.error + max_abs(hit.position_error));
+  if (length(apart) <= near) return true;
+  // A point at the rim of its surface may be told beyond it: towards the hit is inside.
+  const Vec3<double> inwards = normalized(apart) * near;
+  return is_found_at(scene, end.position, near, end, hit) ||
+         is_found_at(scene, end.position + inwards, near, end, hit);
 }
 
 }  // namespace
@@ -93,7 +132,7 @@ std::optional<SurfaceHit> first_other_surface(const Scene& scene, Ray ray, const
   std::optional<SurfaceHit> hit;
   for (int i = 0; i < kMostSurfaces; ++i) {
     hit = scene.closest_hit(ray);
-    if (!hit || (!lies_on(ends.start, *hit) && !lies_on(ends.end, *hit))) return hit;
+    if (!hit || (!lies_on(scene, ends.start, *hit) && !lies_on(scene, ends.end, *hit))) return hit;
     const double step_m =
         std::fmax(kStep * max_abs(hit->position_error), kLeast * largest_coordinate(scene));
     ray.t_min = std::fmax(std::fmax(std::nextafter(hit->t, INFINITY), kLeastT),
@@ -140,7 +179,7 @@ Ray light_ray(const ScenePoint& from, const Vec3<float>& normal, const LightSamp
   SurfaceHit hit;
   hit.position = from.position;
   hit.position_error = {from.error, from.error, from.error};
-  hit.ng = hit.ns = normal;
+  hit.ng = Vec3<double>(normal), hit.ns = normal;
   hit.time_s = time_s;
   Ray ray = shadow_ray(hit, to, light_reach_m);
   if (!has_normal(normal)) {

@@ -234,7 +234,7 @@ TEST(MovingPrecision, SpecksInALargeSceneAreFound) {
     EXPECT_LE(1e-8 - hit->t, top + 1e-3 * kRadius);
     EXPECT_GE(1e-8 - hit->t, top - 0.2 * kRadius);
     // It is convex: no ray that leaves it meets it, however flat.
-    const Frame<double> frame = Frame<double>::around(Vec3<double>(hit->ng));
+    const Frame<double> frame = Frame<double>::around(hit->ng);
     for (int k = 0; k < 64; ++k) {
       const double phi = 0.1 * k, up = std::exp2(-k / 4.0);
       Ray away = spawn_ray(

@@ -51,10 +51,10 @@ void expect_same_hits(const Scene& moves, const Scene& still, double t) {
     }
     EXPECT_LE(length(p - q), 2e-5);
     EXPECT_NEAR(a->t, b->t, 1e-5);
-    EXPECT_LE(length(a->ng - b->ng), 1e-4F);
+    EXPECT_LE(length(a->ng - b->ng), 1e-4);
     EXPECT_EQ(a->time_s, t);
     // The surface passes within the error that is told.
-    EXPECT_LE(std::fabs(dot(Vec3<double>(b->ng), p - q)),
+    EXPECT_LE(std::fabs(dot(b->ng, p - q)),
               2 * std::sqrt(3) * (max_abs(a->position_error) + max_abs(b->position_error)));
   }
   EXPECT_GT(hits, 500);

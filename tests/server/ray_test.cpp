@@ -14,15 +14,16 @@ namespace {
 using testing::build;
 
 TEST(OffsetOrigin, LeavesTheErrorBoxOnTheSideOfTheDirection) {
-  const Vec3<float> p{1, -2, 3}, error{1e-6f, 2e-6f, 4e-6f}, n = normalized(Vec3<float>{1, 2, -2});
+  const Vec3<float> p{1, -2, 3}, error{1e-6f, 2e-6f, 4e-6f};
+  const Vec3<double> n = normalized(Vec3<double>{1, 2, -2});
   // Every corner of the box lies below the plane through the new origin.
-  for (const float side : {1.0f, -1.0f}) {
+  for (const double side : {1.0, -1.0}) {
     const Vec3<double> o(offset_origin(p, error, n, n * side));
     for (int i = 0; i < 8; ++i) {
       const Vec3<double> corner{p.x + (i & 1 ? 1.0 : -1.0) * error.x,
                                 p.y + (i & 2 ? 1.0 : -1.0) * error.y,
                                 p.z + (i & 4 ? 1.0 : -1.0) * error.z};
-      EXPECT_GE(side * dot(o - corner, Vec3<double>(n)), -1e-12);
+      EXPECT_GE(side * dot(o - corner, n), -1e-12);
     }
     // And not far beyond: |n| . error is 4.7e-6, and rounding adds an ulp of each coordinate.
     EXPECT_LT(length(o - Vec3<double>(p)), 5.5e-6);
@@ -66,7 +67,7 @@ class SelfShadowing : public ::testing::TestWithParam<Place> {
       if (!hit) continue;
       ++hits;
       hit->position_error = hit->position_error * error_factor;
-      const Vec3<float> n = dot(hit->ng, ray.direction) < 0 ? hit->ng : -hit->ng;
+      const Vec3<float> ng(hit->ng), n = dot(ng, ray.direction) < 0 ? ng : -ng;
       // Grazing directions too, as far as a float direction can tell them from those that enter.
       const float c = std::max(std::pow(u(random), 4.0f), 1e-6f);
       const float phi = 2 * std::numbers::pi_v<float> * u(random), r = std::sqrt(1 - c * c);

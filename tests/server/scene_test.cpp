@@ -96,7 +96,7 @@ TEST(Scene, TellsWhichPrimitiveOfALightWasHitThoughFlatPatchesAreTwoTriangles) {
       const SurfaceHit hit = hit_below(*scene, static_cast<float>(x) + 0.5f, y, 3);
       EXPECT_EQ(hit.light_primitive, static_cast<std::uint32_t>(x)) << y;
       EXPECT_EQ(hit.light, 0);
-      EXPECT_GT(hit.ng.z, 0.9f);
+      EXPECT_GT(hit.ng.z, 0.9);
     }
 }
 
@@ -115,7 +115,7 @@ TEST(Scene, InterpolatesShadingNormalsAndTurnsThemToTheGeometricSide) {
     // Halfway to vertex 1: (0.3, 0, 0.9), normalised.
     EXPECT_NEAR(hit.ns.x, 0.3 / std::hypot(0.3, 0.9), 1e-6);
     EXPECT_NEAR(hit.ns.z, 0.9 / std::hypot(0.3, 0.9), 1e-6);
-    EXPECT_EQ(hit.ng, (Vec3<float>{0, 0, 1}));
+    EXPECT_EQ(hit.ng, (Vec3<double>{0, 0, 1}));
   }
   EXPECT_EQ(hit_below(*scene, 4.5f, 0.25f, 1).ns, (Vec3<float>{0, 0, 1}));
 }

@@ -77,6 +77,8 @@ class Everything {
   /// About the scene's origin.
   Point local(const Point& unit) const { return at(unit) - scene_->origin(); }
   double largest() const { return largest_; }
+  /// The primitives that are no triangles: a few of hundreds.
+  const std::vector<int>& round() const { return round_; }
 
   static constexpr double kHair = 1e-5;
 
@@ -131,6 +133,8 @@ class Everything {
     triangles(std::get<TriangleMeshData>(d.objects[0].shapes[0].geometry),
               [&](const Point& p) { return world_from_object_.point(p) - o; });
     exact_->finish();
+    for (int i = 0; i < exact_->size(); ++i)
+      if (!exact_->is_triangle(i)) round_.push_back(i);
   }
 
   template <typename F>
@@ -144,7 +148,7 @@ class Everything {
   Transform world_from_object_;
   std::shared_ptr<const Scene> scene_;
   std::optional<ExactGeometry> exact_;
-  std::vector<int> light_begin_;
+  std::vector<int> light_begin_, round_;
   double largest_ = 0;
 };
 

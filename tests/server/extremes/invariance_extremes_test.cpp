@@ -6,32 +6,15 @@
 #include <string>
 #include <vector>
 
-#include "server/pbrt/load.h"
 #include "server/queries.h"
 #include "server/render.h"
+#include "tests/server/extremes/invariant_scene.h"
 #include "tests/server/extremes/scaled_scene.h"
 #include "tests/server/scenes.h"
 #include "tests/sweep.h"
 
 namespace lucerna::testing {
 namespace {
-
-SceneDescription loaded(const std::string& name) {
-  auto assets = AssetReader::open(LUCERNA_TEST_DATA);
-  if (!assets.ok()) throw std::runtime_error(assets.status().ToString());
-  auto scene = load_pbrt(*assets, name);
-  if (!scene.ok()) throw std::runtime_error(scene.status().ToString());
-  return *std::move(scene);
-}
-
-/// One of everything with an instance, whose bits nothing but its size changes.
-SceneDescription every_light() {
-  SceneDescription d = loaded("lights/every_light.pbrt");
-  d.objects = {{"ball", {{ball(2, [](const Vec3<double>& p) { return p * 3.0; })}}}};
-  d.instances = {{0, Transform::translate({101.5, -49, 0.7}) * *Transform::rotate(0.5, {1, 2, 3}) *
-                         *Transform::scale({0.2, 0.1, 0.2})}};
-  return d;
-}
 
 /// All that a scene answers, lengths and what goes by them in units of a scene of factor `s`.
 struct Answers {
@@ -48,7 +31,7 @@ Answers answers_of(const SceneDescription& description, double s, std::uint32_t 
 
   std::vector<IrradiancePoint> points;
   std::vector<float> offsets;
-  const Vec3<double> origin = Vec3<double>{100, -50, 0} * s;
+  const Vec3<double> origin = kEveryLightMiddle * s;
   for (int i = 0; i < 60; ++i) {
     const Vec3<double> p{0.6 * (i % 8) - 2, 0.7 * (i / 8) - 2.5, 0.05 + 0.02 * i};
     const Vec3<float> offset(p * s);
@@ -103,7 +86,7 @@ void compare_all(Sweep& sweep, const std::vector<double>& served, const std::vec
 TEST(InvarianceExtremes, PowersOfTwoChangeNoBit) {
   Sweep sweep(9, "scene with every light, scaled by a power of two", "2^-40 ... 2^40",
               "picture, irradiances, light samples, choices");
-  const SceneDescription d = every_light();
+  const SceneDescription d = invariant_scene();
   const Answers one = answers_of(d, 1, 4, 16);
   for (const int exponent : {-40, -20, -10, -1, 1, 10, 20, 40}) {
     const Answers other = answers_of(d, std::ldexp(1.0, exponent), 4, 16);
@@ -125,7 +108,7 @@ double mean(const std::vector<double>& values) {
 TEST(InvarianceExtremes, MillimetresAndKilometresKeepTheMean) {
   Sweep sweep(9, "scene with every light, in other units", "mm, km",
               "mean of picture, irradiances");
-  const SceneDescription d = every_light();
+  const SceneDescription d = invariant_scene();
   const Answers metres = answers_of(d, 1, 64, 1024);
   for (const double s : {1e3, 1e-3}) {
     const Answers other = answers_of(d, s, 64, 1024);
@@ -165,13 +148,14 @@ std::vector<double> picture_of(const SceneDescription& d, double s, std::uint32_
 }
 
 TEST(InvarianceExtremes, ScenesOfAnySizeLookTheSame) {
-  Sweep sweep(9, "a room with a lamp and a point light, of any size", "1e-25 ... 1e17 m",
+  Sweep sweep(9, "a room with a lamp and a point light, of any size", "1e-32 ... 1e17 m",
               "mean of a picture");
   const SceneDescription d = small_room();
   const double truth = mean(picture_of(d, 1, 64));
-  for (const double s : {1e-25, 1e-20, 1e-15, 1e-10, 1e-5, 1e5, 1e10, 1e15, 1e17})
+  for (const double s :
+       {1e-32, 1e-31, 1e-30, 1e-25, 1e-20, 1e-15, 1e-10, 1e-5, 1e5, 1e10, 1e15, 1e17})
     sweep.compare(mean(picture_of(d, s, 64)), truth, std::to_string(std::log10(s)));
-  sweep.expect_within(1e-4);
+  sweep.expect_within(1e-6);
 }
 
 // Where the lamps are many one is chosen of a few that are drawn, by what they would give.
@@ -224,6 +208,25 @@ TEST(InvarianceExtremes, WhatMovesIsMetAtAnySize) {
       EXPECT_FALSE(scene->closest_hit(ray)) << s;
     }
   sweep.expect_within(1e-6);
+}
+
+TEST(InvarianceExtremes, SizesBelowAreRefused) {
+  Sweep sweep(9, "the same room, or an instance of such an object", "1e-300 ... 1e-33 m",
+              "answer at load");
+  const auto answer = [&](const SceneDescription& d) {
+    const auto scene = Scene::build(d);
+    const std::string message(scene.status().message());
+    sweep.answer(scene.ok() ? "built" : message.substr(message.find("allowed")));
+  };
+  for (const double s : {1e-33, 1e-35, 1e-38, 1e-45, 1e-60, 1e-100, 1e-300}) {
+    answer(scaled_scene(small_room(), s));
+    SceneDescription d = description();
+    d.objects = {{"speck", {{ball(1, [&](const Vec3<double>& p) { return p * (0.2 * s); })}}}};
+    d.instances = {{0, *Transform::scale({1 / s, 1 / s, 1 / s})}};
+    answer(d);
+  }
+  sweep.textbook_answer("black");
+  sweep.expect_answers("allowed: 0, or from 1e-32 on");
 }
 
 TEST(InvarianceExtremes, SizesBeyondAreRefused) {

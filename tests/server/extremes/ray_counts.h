@@ -5,7 +5,9 @@
 #include <tbb/enumerable_thread_specific.h>
 
 #include <cstdint>
+#include <cstdlib>
 #include <random>
+#include <string>
 
 #include "server/denormals.h"
 #include "server/parallel.h"
@@ -35,9 +37,16 @@ struct Count {
   }
 };
 
+/// `make soak` asks for ten times as many rays.
+inline std::size_t rays_times() {
+  const char* times = std::getenv("LUCERNA_RAYS_TIMES");
+  return times == nullptr ? 1 : std::stoul(times);
+}
+
 /// Sums `f(random, count)` over `n` calls, in chunks with random numbers of their own.
 template <typename F>
 Count counted(std::size_t n, F&& f) {
+  n *= rays_times();
   tbb::enumerable_thread_specific<Count> counts;
   parallel_chunks(n, 4096, {}, [&](std::size_t begin, std::size_t end) {
     const DenormalsAreZero denormals;

@@ -1,0 +1,209 @@
+// A scene in other units is the same scene for every query about each of its lights.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "server/emission_queries.h"
+#include "server/queries.h"
+#include "server/render.h"
+#include "server/visibility.h"
+#include "tests/server/extremes/invariant_scene.h"
+#include "tests/server/extremes/scaled_scene.h"
+#include "tests/server/scenes.h"
+#include "tests/sweep.h"
+
+namespace lucerna::testing {
+namespace {
+
+/// What each query answers, lengths and what goes by them in units of the scene's.
+using Answers = std::map<std::string, std::vector<double>>;
+
+/// Asks a scene that was scaled by `s` about light `light`.
+class Asker {
+ public:
+  Asker(const Scene& scene, double s, std::uint32_t light, Answers& answers)
+      : scene_(scene), s_(s), light_(light), answers_(answers) {
+    for (int i = 0; i < 24; ++i) {
+      put(offsets_,
+          Vec3<double>{1.1 * (i % 5) - 2.3, 0.9 * (i / 5) - 2.1, 0.02 + 0.11 * (i % 7)} * s);
+      put(normals_, normalized(Vec3<double>{0.3 * (i % 3) - 0.2, 0.4 * (i % 2) - 0.1, 1}));
+    }
+    status_.resize(offsets_.size() / 3);
+  }
+
+  void ask() {
+    power();
+    arriving();
+    leaving();
+  }
+
+ private:
+  static void put(std::vector<float>& to, const Vec3<double>& v) {
+    const Vec3<float> f(v);
+    to.insert(to.end(), {f.x, f.y, f.z});
+  }
+  PointArray points(std::span<const float> offsets) const {
+    return {kEveryLightMiddle * s_, offsets};
+  }
+  void tell(const std::string& query, std::span<const float> values, double unit) {
+    auto& all = answers_[query];
+    for (const float v : values) all.push_back(v / unit);
+  }
+  void tell(const std::string& query, std::span<const int> values) {
+    auto& all = answers_[query];
+    all.insert(all.end(), values.begin(), values.end());
+  }
+  void tell_bits(const std::string& query, std::span<const std::uint8_t> bits, std::size_t n) {
+    for (std::size_t i = 0; i < n; ++i) answers_[query].push_back(bits[i / 8] >> (i % 8) & 1);
+  }
+
+  void power() {
+    for (const Power& p : {light_power(scene_, light_), light_power_approximate(scene_, light_)})
+      for (const double lumens : {p.lumens.r, p.lumens.g, p.lumens.b, p.error_lumens})
+        answers_["EstimatePower"].push_back(lumens / (s_ * s_));
+  }
+
+  /// SampleLi, PdfLi at its samples, and what is met there.
+  void arriving() {
+    const std::size_t receivers = offsets_.size() / 3, n = 4 * receivers;
+    std::vector<float> value(3 * n), wi(3 * n), distance(n), at(3 * n), normals(3 * n), pdf(n);
+    std::vector<std::uint8_t> delta((n + 7) / 8), visible((n + 7) / 8);
+    std::vector<std::uint64_t> ids(n);
+    std::vector<double> probability(n);
+    std::vector<int> status(n);
+    sample_li(scene_,
+              {.receivers = points(offsets_),
+               .samples = 4,
+               .light = light_,
+               .seed = SeedRange{5, 0},
+               .test_visibility = true,
+               .normals = normals_},
+              {value.data(), wi.data(), distance.data(), at.data(), normals.data(), pdf.data(),
+               delta.data(), visible.data(), ids.data(), probability.data(), status.data()},
+              {});
+    tell("SampleLi", value, 1), tell("SampleLi", wi, 1), tell("SampleLi", distance, s_);
+    tell("SampleLi", at, s_), tell("SampleLi", normals, 1), tell("SampleLi", pdf, 1);
+    tell("SampleLi", status), tell_bits("SampleLi", delta, n), tell_bits("SampleLi", visible, n);
+
+    // The first sample of each receiver; where there was none straight up.
+    std::vector<float> towards, to, densities(receivers);
+    for (std::size_t r = 0; r < receivers; ++r) {
+      Vec3<float> w = triple(wi, 4 * r), end = triple(at, 4 * r);
+      if (w == Vec3<float>{}) w = {0, 0, 1};
+      if (end == Vec3<float>{}) end = triple(offsets_, r) + Vec3<float>(Vec3<double>{1, 2, 3} * s_);
+      put(towards, Vec3<double>(w)), put(to, Vec3<double>(end));
+    }
+    pdf_li(scene_,
+           {.light = light_, .receivers = points(offsets_), .wi = towards, .normals = normals_},
+           densities.data(), status_.data(), {});
+    // As the solid angles that they stand for: where a light is seen all but edge-on, a density has
+    // the rounding of its direction many times over, and outweighs all others.
+    for (float& d : densities) d = d > 0 ? 1 / d : 0;
+    tell("PdfLi", densities, 1), tell("PdfLi", status_);
+
+    std::vector<float> radiance(3 * receivers);
+    std::vector<std::uint64_t> met(receivers);
+    le(scene_, {points(offsets_), towards, light_}, {radiance.data(), met.data(), status_.data()},
+       {});
+    tell("Le", radiance, 1), tell("Le", status_);
+    answers_["Le"].insert(answers_["Le"].end(), met.begin(), met.end());
+
+    for (const bool with_normals : {false, true})
+      for (const bool segments : {false, true}) {
+        VisibilityQuery query{.from = points(offsets_)};
+        if (segments) query.to = points(to);
+        if (!segments) query.directions = towards;
+        if (with_normals) query.normals = normals_;
+        std::vector<std::uint8_t> free((receivers + 7) / 8);
+        test_visibility(scene_, query, free.data(), status_.data(), {});
+        tell_bits("TestVisibility", free, receivers), tell("TestVisibility", status_);
+      }
+  }
+
+  /// SampleLe, and PdfLe of its rays.
+  void leaving() {
+    const std::size_t n = 64;
+    std::vector<float> at(3 * n), w(3 * n), normals(3 * n), value(3 * n), position(n), direction(n);
+    std::vector<std::uint64_t> ids(n);
+    std::vector<double> probability(n);
+    std::vector<int> status(n);
+    sample_le(scene_, {.rays = std::uint32_t{n}, .light = light_, .seed = SeedRange{6, 0}},
+              {at.data(), w.data(), normals.data(), value.data(), position.data(), direction.data(),
+               ids.data(), probability.data(), status.data()},
+              {});
+    // What shines from one point has an intensity, which goes by the square of lengths.
+    const bool is_point = position[0] == 0;
+    const Vec3<double> shift = scene_.origin() - kEveryLightMiddle * s_;
+    for (std::size_t i = 0; i < n; ++i)
+      for (int k = 0; k < 3; ++k) answers_["SampleLe"].push_back((at[3 * i + k] + shift[k]) / s_);
+    tell("SampleLe", w, 1), tell("SampleLe", normals, 1);
+    tell("SampleLe", value, is_point ? s_ * s_ : 1), tell("SampleLe", position, 1 / (s_ * s_));
+    tell("SampleLe", direction, 1), tell("SampleLe", status);
+
+    std::vector<float> way;
+    for (std::size_t i = 0; i < n; ++i) {
+      const Vec3<float> v = triple(w, i);
+      put(way, Vec3<double>(v == Vec3<float>{} ? Vec3<float>{0, 0, 1} : v));
+    }
+    std::vector<float> pdf_position(n), pdf_direction(n);
+    pdf_le(scene_, light_, {scene_.origin(), at}, way, 0, pdf_position.data(), pdf_direction.data(),
+           status.data(), {});
+    tell("PdfLe", pdf_position, 1 / (s_ * s_)), tell("PdfLe", pdf_direction, 1);
+    tell("PdfLe", status);
+  }
+
+  const Scene& scene_;
+  double s_;
+  std::uint32_t light_;
+  Answers& answers_;
+  std::vector<float> offsets_, normals_;
+  std::vector<int> status_;
+};
+
+Answers answers_of(const SceneDescription& description, double s) {
+  const auto scene = build(scaled_scene(description, s));
+  Answers answers;
+  for (std::uint32_t l = 0; l < scene->lights().size(); ++l) Asker(*scene, s, l, answers).ask();
+  return answers;
+}
+
+TEST(InvarianceQueriesExtremes, PowersOfTwoChangeNoBitOfAnyQuery) {
+  Sweep sweep(9, "every query about every light, the scene scaled by a power of two",
+              "2^-40 ... 2^40", "answers");
+  const SceneDescription d = invariant_scene();
+  const Answers one = answers_of(d, 1);
+  EXPECT_EQ(one.size(), 7U);
+  for (const int exponent : {-40, -20, -10, -1, 1, 10, 20, 40})
+    for (const auto& [query, values] : answers_of(d, std::ldexp(1.0, exponent))) {
+      const std::vector<double>& truth = one.at(query);
+      ASSERT_EQ(values.size(), truth.size());
+      for (std::size_t i = 0; i < truth.size(); ++i)
+        sweep.compare(values[i], truth[i],
+                      query + " " + std::to_string(i) + " by 2^" + std::to_string(exponent));
+    }
+  sweep.expect_within(0);
+}
+
+double sum_of_sizes(const std::vector<double>& values) {
+  double sum = 0;
+  for (const double v : values) sum += std::fabs(v);
+  return sum;
+}
+
+TEST(InvarianceQueriesExtremes, MillimetresAndKilometresKeepTheMeanOfAnyQuery) {
+  Sweep sweep(9, "every query about every light, the scene in other units", "mm, km",
+              "mean of answers");
+  const SceneDescription d = invariant_scene();
+  const Answers metres = answers_of(d, 1);
+  for (const double s : {1e3, 1e-3})
+    for (const auto& [query, values] : answers_of(d, s))
+      sweep.compare(sum_of_sizes(values), sum_of_sizes(metres.at(query)),
+                    query + " " + std::to_string(s));
+  sweep.expect_within(1e-5);
+}
+
+}  // namespace
+}  // namespace lucerna::testing

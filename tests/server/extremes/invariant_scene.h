@@ -1,0 +1,30 @@
+// The scene with one light of each kind, and an instance.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "server/asset_reader.h"
+#include "server/pbrt/load.h"
+#include "tests/server/scenes.h"
+
+namespace lucerna::testing {
+
+/// Where its middle is [m].
+inline const Vec3<double> kEveryLightMiddle{100, -50, 0};
+
+/// Such that nothing but its size changes its bits.
+inline SceneDescription invariant_scene() {
+  auto assets = AssetReader::open(LUCERNA_TEST_DATA);
+  if (!assets.ok()) throw std::runtime_error(assets.status().ToString());
+  auto scene = load_pbrt(*assets, "lights/every_light.pbrt");
+  if (!scene.ok()) throw std::runtime_error(scene.status().ToString());
+  scene->objects = {{"ball", {{ball(2, [](const Vec3<double>& p) { return p * 3.0; })}}}};
+  scene->instances = {
+      {0, Transform::translate({101.5, -49, 0.7}) * *Transform::rotate(0.5, {1, 2, 3}) *
+              *Transform::scale({0.2, 0.1, 0.2})}};
+  return *std::move(scene);
+}
+
+}  // namespace lucerna::testing
