@@ -239,9 +239,9 @@ Vec3<double> AreaLight<Real, Shape>::emission_direction(const SurfacePoint<Real>
   // Squares go to circles: the point's distance to the disk's edge is that of u to the square's,
   // and 1 - d.x^2 - d.y^2, which cancels there, is this.
   const double m = 2 * std::min({u.x, 1 - u.x, u.y, 1 - u.y});
-  // At the edge itself by so many roundings off the surface that the direction, once rounded,
-  // leaves it to its side and with a density.
-  constexpr double kLeast = 16 * double{std::numeric_limits<Real>::epsilon()};
+  // At the edge itself by so many roundings off the surface that the direction, once told in
+  // floats, leaves it to its side and with a density.
+  constexpr double kLeast = 16 * kInputRounding;
   const double cosine = std::sqrt(std::max(kLeast * kLeast, m * (2 - m)));
   return Frame<double>::around(Vec3<double>(point.normal))
       .world_from_local({d.x, d.y, side * cosine});
@@ -257,15 +257,21 @@ EmissionSample<Real> AreaLight<Real, Shape>::sample_le(Vec2<Real> u_position,
   Receiver<Real> by_area(Vec3<Real>((Vec3<double>(lower) + Vec3<double>(upper)) * 0.5));
   by_area.area_sampling = AreaSampling::kLowDistortion;
   SurfacePoint<Real> point = shape_.sample(by_area, u_position).point;
+  point.normal = located_normal(shape_, point);
+  return ray_from(point, Vec3<Real>(normalized(emission_direction(point, u_direction))));
+}
+
+template <std::floating_point Real, template <typename> typename Shape>
+EmissionSample<Real> AreaLight<Real, Shape>::ray_from(SurfacePoint<Real> point,
+                                                      const Vec3<Real>& direction) const {
   // What pdf_le will find: along the surface, the cosines to two normals that differ by a rounding
   // have no digit in common.
   point.normal = located_normal(shape_, point);
-
-  const Vec3<double> w = emission_direction(point, u_direction);
   EmissionSample<Real> sample;
   sample.origin = point.position;
   sample.normal = point.normal;
-  sample.direction = Vec3<Real>(normalized(w));
+  sample.primitive = point.primitive;
+  sample.direction = direction;
   const EmissionPdf<Real> pdf = emission_pdf(point, sample.direction);
   sample.pdf_position = pdf.position;
   sample.pdf_direction = pdf.direction;

@@ -72,12 +72,15 @@ class AreaLight {
   Power power(const SceneSphere& scene) const;
 
   /// A point by area, a direction by its cosine, to either side alike where both emit, off the
-  /// surface by 16 roundings or more; from a panel by the cells of its file, of which those along
-  /// the surface and behind a one-sided one are kBehind.  The density of direction is that of the
-  /// rounded direction.  kBlack where L is 0, kOutOfRange where a density or L is not a positive
-  /// `Real`.  [Pharr23, 14.1.2]
+  /// surface by 16 roundings of floats or more; from a panel by the cells of its file, of which
+  /// those along the surface and behind a one-sided one are kBehind.  The density of direction is
+  /// that of the rounded direction.  kBlack where L is 0, kOutOfRange where a density or L is not a
+  /// positive `Real`.  [Pharr23, 14.1.2]
   EmissionSample<Real> sample_le(Vec2<Real> u_position, Vec2<Real> u_direction,
                                  const SceneSphere& scene) const;
+  /// The ray of sample_le that leaves `point`, as it may be rounded, towards the unit vector
+  /// `direction`: with what it carries and how densely it is chosen.
+  EmissionSample<Real> ray_from(SurfacePoint<Real> point, const Vec3<Real>& direction) const;
   /// Both 0 where `position` is not on the light, to within rounding and `slack_m`, or `direction`
   /// leads to a side that does not emit.  Where parts of the light meet it is the nearest of them
   /// that counts.

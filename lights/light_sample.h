@@ -75,6 +75,7 @@ struct EmissionSample {
   Vec3<Real> normal;     ///< of the surface, unit, as LightSample has it; zero where there is none
   AreaPdf<Real> pdf_position;         ///< 0 where the position is certain
   SolidAnglePdf<Real> pdf_direction;  ///< 0 where the direction is certain
+  std::uint32_t primitive{};          ///< of the light's shape, as LightSample has it
   NoLight reason = NoLight::kNone;
 };
 

@@ -71,13 +71,13 @@ class Posed {
                                  const SceneSphere& scene) const requires requires(const L& l) {
     l.sample_le(u_position, u_direction, scene);
   }
-  {
-    EmissionSample<Real> s = light_.sample_le(u_position, u_direction, to_light(scene));
-    s.origin = point(s.origin);
-    s.direction = vector(s.direction);
-    s.normal = vector(s.normal);
-    return s;
+  { return from_light(light_.sample_le(u_position, u_direction, to_light(scene))); }
+
+  EmissionSample<Real> ray_from(const SurfacePoint<Real>& point,
+                                const Vec3<Real>& direction) const requires requires(const L& l) {
+    l.ray_from(point, direction);
   }
+  { return from_light(light_.ray_from(to_light(point), inverse_vector(direction))); }
 
   /// Positions are taken to be on the light to within their own rounding, which is that of where
   /// the light stands now and may be far more than that of the light about its own origin.
@@ -145,6 +145,12 @@ class Posed {
   }
   Vec3<Real> inverse_point(const Vec3<Real>& p) const {
     return Vec3<Real>(pose_.inverse_point(Vec3<double>(p)));
+  }
+  EmissionSample<Real> from_light(EmissionSample<Real> s) const {
+    s.origin = point(s.origin);
+    s.direction = vector(s.direction);
+    s.normal = vector(s.normal);
+    return s;
   }
   Receiver<Real> to_light(const Receiver<Real>& receiver) const {
     Receiver<Real> r = receiver;

@@ -50,25 +50,30 @@ bool fits_float(double density) {
   return density == 0 || (rounded >= std::numeric_limits<float>::min() && std::isfinite(rounded));
 }
 
-/// Makes of a ray of a light without a surface the one that the answer tells: PdfLe of that is what
-/// the sample says.
-template <LeavesFreely L>
+/// Makes of a sampled ray the one that the answer tells: PdfLe of that is what the sample says.
+template <typename L>
 void tell_ray(const L& light, const SceneSphere& scene, EmissionSample<double>& s) {
   if (s.reason != NoLight::kNone) return;
   const Vec3<double> origin(as_floats(s.origin));
-  const EmissionPdf<double> sampled{s.pdf_position, s.pdf_direction};
-  s.direction = told_direction(s.direction, [&](const Vec3<double>& w) {
-    const Rgb<double> value = light.le_leaving(origin, w);
-    const EmissionPdf<double> pdf = light.pdf_le(origin, w, scene);
+  const EmissionSample<double> sampled = s;
+  const auto told = told_direction(sampled.direction, [&](const Vec3<double>& w) {
+    if constexpr (LeavesFreely<L>) {
+      const EmissionPdf<double> pdf = light.pdf_le(origin, w, scene);
+      s.value = light.le_leaving(origin, w);
+      s.pdf_position = pdf.position;
+      s.pdf_direction = pdf.direction;
+    } else if constexpr (SeenOnSurface<L>) {
+      s = light.ray_from({origin, sampled.normal, sampled.primitive}, w);
+    }
     // A density of 0 is one of what is certain.
-    const bool is_sampled = (pdf.position.per_m2 > 0) == (sampled.position.per_m2 > 0) &&
-                            (pdf.direction.per_sr > 0) == (sampled.direction.per_sr > 0);
-    if (value.is_black() || !is_sampled) return false;
-    s.value = value;
-    s.pdf_position = pdf.position;
-    s.pdf_direction = pdf.direction;
-    return true;
+    return s.reason == NoLight::kNone && !s.value.is_black() &&
+           (s.pdf_position.per_m2 > 0) == (sampled.pdf_position.per_m2 > 0) &&
+           (s.pdf_direction.per_sr > 0) == (sampled.pdf_direction.per_sr > 0);
   });
+  if (told)
+    s.direction = Vec3<double>(*told);
+  else
+    s = sampled;
 }
 
 ItemResult put(const EmissionSample<double>& s, std::uint32_t light, SpectralValues& spectral,
@@ -108,7 +113,7 @@ ItemResult sample_ray(const Scene& scene, const SampleLeQuery& q, SpectralValues
   return visit_light(scene.lights()[light], q.time_s, [&]<typename L>(const L& l) {
     EmissionSample<double> s =
         l.sample_le({u.position.x, u.position.y}, {u.direction.x, u.direction.y}, scene.sphere());
-    if constexpr (LeavesFreely<L>) tell_ray(l, scene.sphere(), s);
+    tell_ray(l, scene.sphere(), s);
     return put(s, light, spectral, i, a);
   });
 }

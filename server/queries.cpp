@@ -41,7 +41,7 @@ bool is_normal_float(double density) {
 template <SeenBeyond L>
 void tell_direction(const L& light, const Receiver<double>& receiver, LightSample<double>& sample) {
   if (sample.reason != NoLight::kNone || sample.delta) return;
-  sample.wi = told_direction(sample.wi, [&](const Vec3<double>& wi) {
+  const auto told = told_direction(sample.wi, [&](const Vec3<double>& wi) {
     const Rgb<double> value = light.le_escaped(receiver.position, wi);
     const SolidAnglePdf<double> pdf = light.pdf_li(receiver, wi);
     if (value.is_black() || !(pdf.per_sr > 0)) return false;
@@ -49,6 +49,7 @@ void tell_direction(const L& light, const Receiver<double>& receiver, LightSampl
     sample.pdf = pdf;
     return true;
   });
+  if (told) sample.wi = Vec3<double>(*told);
 }
 
 /// One sample of a chunk on its way.

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "lights/vec.h"
 
@@ -16,21 +17,19 @@ inline Vec3<double> direction_of(const Vec3<float>& w) { return normalized(Vec3<
 [[gnu::noinline]] inline Vec3<float> as_floats(const Vec3<double>& v) { return Vec3<float>(v); }
 
 /// Looks for the floats that tell the unit vector `w`: the nearest first, then those around it, as
-/// rounding may lead over the rim of a light.  Returns the first that `holds` of direction_of them,
-/// or else `w` itself: the light is narrower there than floats tell directions apart.
+/// rounding may lead over the rim of a light.  Returns the first that `holds` of direction_of them;
+/// nothing where the light is narrower than floats tell directions apart.
 template <typename F>
-Vec3<double> told_direction(const Vec3<double>& w, const F& holds) {
+std::optional<Vec3<float>> told_direction(const Vec3<double>& w, const F& holds) {
   const Vec3<float> nearest = as_floats(w);
-  if (holds(direction_of(nearest))) return Vec3<double>(nearest);
   const auto around = [](float x) {
     return std::array{x, std::nextafter(x, -INFINITY), std::nextafter(x, INFINITY)};
   };
   for (const float x : around(nearest.x))
     for (const float y : around(nearest.y))
       for (const float z : around(nearest.z))
-        if (const Vec3<float> other{x, y, z}; holds(direction_of(other)))
-          return Vec3<double>(other);
-  return w;
+        if (const Vec3<float> told{x, y, z}; holds(direction_of(told))) return told;
+  return std::nullopt;
 }
 
 }  // namespace lucerna
