@@ -256,8 +256,7 @@ EmissionSample<Real> AreaLight<Real, Shape>::sample_le(Vec2<Real> u_position,
   const auto [lower, upper] = shape_.bounds();
   Receiver<Real> by_area(Vec3<Real>((Vec3<double>(lower) + Vec3<double>(upper)) * 0.5));
   by_area.area_sampling = AreaSampling::kLowDistortion;
-  SurfacePoint<Real> point = shape_.sample(by_area, u_position).point;
-  point.normal = located_normal(shape_, point);
+  const SurfacePoint<Real> point = shape_.sample(by_area, u_position).point;
   return ray_from(point, Vec3<Real>(normalized(emission_direction(point, u_direction))));
 }
 

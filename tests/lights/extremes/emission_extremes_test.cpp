@@ -42,9 +42,10 @@ void for_each_level_light(bool two_sided, F&& f) {
 }
 
 TEST(EmissionExtremes, CosinesOfRaysAllButAlongTheSurface) {
-  Sweep sweep(33, "sample values of rays that leave flat lights", "2^-90 ... 1 - 2^-52",
+  Sweep sweep(33, "sample values of rays that leave flat lights", "2^-38 ... 1 - 2^-52",
               "cosine of the direction");
-  for (int exponent = -90; exponent <= -1; ++exponent) {
+  // Below are the 16 roundings of floats by which the edge itself is avoided.
+  for (int exponent = -38; exponent <= -1; ++exponent) {
     const double x = std::ldexp(1.0, exponent);
     for (const Vec2<double> u :
          {Vec2<double>{x, 0.375}, {0.375, x}, {1 - x, 0.375}, {0.375, 1 - x}}) {
