@@ -131,8 +131,7 @@ LightSample<Real> BeamLight<Real>::sample_li(const Receiver<Real>& receiver, Vec
   } else if (const auto at = in_square(local.x, local.y, 0); !at || value_at(*at).is_black()) {
     sample.reason = NoLight::kOutsideCone;
   } else if (const Rgb<Real> value(value_at(*at));
-             !(sample.distance > 0 && std::isfinite(sample.distance)) || !is_finite(sample.point) ||
-             value.max_component() < std::numeric_limits<Real>::min()) {
+             !(sample.distance > 0 && std::isfinite(sample.distance)) || !is_finite(sample.point)) {
     sample.reason = NoLight::kOutOfRange;
   } else {
     sample.value = value;

@@ -71,11 +71,12 @@ TEST(BeamLight, SaysWhyThereIsNoLight) {
   EXPECT_EQ(black.sample_le({0.5F, 0.5F}, {}, kScene).reason, NoLight::kBlack);
   EXPECT_EQ(black.pdf_le({}, {0, 0, 1}, kScene), EmissionPdf<float>{});
   EXPECT_EQ(black.power(kScene).lumens, Rgb<double>());
-  // Below the smallest normal float.
+  // Below what a float holds.
   p = beam();
-  p.illuminance_lx = Rgb<double>(1e-40);
+  p.illuminance_lx = Rgb<double>(1e-50);
   const auto faint = *BeamLight<float>::create(p);
-  EXPECT_EQ(faint.sample_li({0, 0, 1}, {}).reason, NoLight::kOutOfRange);
+  EXPECT_EQ(faint.sample_li({0, 0, 1}, {}).reason, NoLight::kNone);
+  EXPECT_EQ(faint.sample_li({0, 0, 1}, {}).value, Rgb<float>());
 }
 
 TEST(BeamLight, BoxHoldsTheCornersOfATurnedRectangle) {
