@@ -202,7 +202,7 @@ TEST(ToldExtremes, RaysOfEveryLight) {
 TEST(ToldExtremes, RaysOfLightsThatMove) {
   Sweep sweep(33, "rays of lights that move", kFloats, "densities against PdfLe of the ray told");
   const FileScene file = scene_of(
-      "TransformTimes 0 1\nActiveTransform EndTime\nTranslate 7 -3 2\nRotate 40 1 2 3\n"
+      "ActiveTransform EndTime\nTranslate 7 -3 2\nRotate 40 1 2 3\n"
       "ActiveTransform All\n"
       "LightSource \"spot\" \"float coneangle\" 0.05 \"float conedeltaangle\" 0.01\n"
       "LightSource \"projection\" \"float fov\" 30\n"
