@@ -161,7 +161,7 @@ Flat quadrilaterals that are no parallelograms, otherwise as small_rectangles.
 
 def edge_on_rectangles():
     table = Table("edge_on_rectangles", """
-Rectangles of 1e-3 to 1e-7 sr that the receiver, at the origin, sees from nearly within their plane.
+Rectangles of 3.4e-3 to 2e-8 sr that the receiver, at the origin, sees from nearly within their plane.
 """, f"name {coordinates('p00 p10 p01 p11 receiver normal')} solid_angle_sr irradiance_lx")
     normal = unit([1, 0.25, 0.25])
     for k in range(10, 25, 2):

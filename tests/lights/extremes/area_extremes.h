@@ -93,6 +93,23 @@ Seen seen_by(const Light& light, const Receiver<Served>& receiver, By by_x = By:
   return seen;
 }
 
+/// By the same rule on either side of the square's diagonal, which a map may fold it along, and in
+/// the roots of both sample values.
+template <std::size_t kNodes = 24, typename Light>
+Seen seen_beside_diagonal(const Light& light, const Receiver<Served>& receiver) {
+  const Gauss<kNodes>& rule = gauss<kNodes>();
+  Seen seen;
+  for (std::size_t i = 0; i < kNodes; ++i)
+    for (std::size_t j = 0; j < kNodes; ++j) {
+      const double s = rule.node[i], t = rule.node[j];
+      const double larger = s * s, smaller = larger * t * t;
+      const double weight = rule.weight[i] * rule.weight[j] * (2 * s * larger) * (2 * t);
+      seen.add(light, receiver, {larger, smaller}, weight);
+      seen.add(light, receiver, {smaller, larger}, weight);
+    }
+  return seen;
+}
+
 /// The same where what samples are worth bends at places that are not known: the square is halved
 /// across, then along, until halves and whole agree to `enough`, of irradiances of about 1.
 template <typename Light>

@@ -32,7 +32,7 @@ std::string place(const ReferenceTable::Row& row) {
 
 TEST(TriangleExtremes, SolidAngleOfSmallTriangles) {
   Sweep sweep(4, "triangle of few steradians, faced, oblique and 1 : 1000",
-              "1e-40 ... 1e-3 sr, by solid angle, cosine and area", "mean of 1 / density");
+              "1e-40 ... 1e-3 sr, by solid angle, cosine, area, automatic", "mean of 1 / density");
   const ReferenceTable table("small_triangles");
   for (const auto& row : table.rows()) {
     const auto light = light_in(row);
@@ -42,6 +42,9 @@ TEST(TriangleExtremes, SolidAngleOfSmallTriangles) {
     sweep.compare(
         seen_by(light, receiver_in(row, AreaSampling::kSquareRoot), By::kRoot).solid_angle_sr,
         row["solid_angle_sr"], place(row));
+    sweep.compare(
+        seen_beside_diagonal(light, receiver_in(row, AreaSampling::kAutomatic)).solid_angle_sr,
+        row["solid_angle_sr"], place(row) + ", automatic");
     sweep.compare_textbook(textbook_solid_angle(row), row["solid_angle_sr"]);
   }
   sweep.expect_within(1e-12);
@@ -49,7 +52,7 @@ TEST(TriangleExtremes, SolidAngleOfSmallTriangles) {
 
 TEST(TriangleExtremes, IrradianceOfSmallTriangles) {
   Sweep sweep(4, "triangle of few steradians, faced, oblique and 1 : 1000",
-              "1e-40 ... 1e-3 sr, by solid angle, cosine and area", "irradiance");
+              "1e-40 ... 1e-3 sr, by solid angle, cosine, area, automatic", "irradiance");
   const ReferenceTable table("small_triangles");
   for (const auto& row : table.rows()) {
     const auto light = light_in(row);
@@ -59,6 +62,9 @@ TEST(TriangleExtremes, IrradianceOfSmallTriangles) {
     sweep.compare(
         seen_by(light, receiver_in(row, AreaSampling::kSquareRoot), By::kRoot).irradiance_lx,
         row["irradiance_lx"], place(row));
+    sweep.compare(
+        seen_beside_diagonal(light, receiver_in(row, AreaSampling::kAutomatic)).irradiance_lx,
+        row["irradiance_lx"], place(row) + ", automatic");
     if (row["solid_angle_sr"] < 1e-6)
       sweep.compare_textbook(textbook_irradiance(textbook_solid_angle(row), row),
                              row["irradiance_lx"]);
@@ -67,7 +73,7 @@ TEST(TriangleExtremes, IrradianceOfSmallTriangles) {
 }
 
 TEST(TriangleExtremes, SamplesOfSmallTrianglesHaveTheDensityOfTheirPoints) {
-  Sweep sweep(4, "triangle of few steradians", "1e-40 ... 1e-3 sr, all seven ways",
+  Sweep sweep(4, "triangle of few steradians", "1e-40 ... 1e-3 sr, all ways and automatic",
               "density of a sample, by that of its point");
   const ReferenceTable table("small_triangles");
   for (const auto& row : table.rows()) {
@@ -75,7 +81,7 @@ TEST(TriangleExtremes, SamplesOfSmallTrianglesHaveTheDensityOfTheirPoints) {
     for (const AreaSampling way :
          {AreaSampling::kSquareRoot, AreaSampling::kKraemer, AreaSampling::kParallelogram,
           AreaSampling::kRejection, AreaSampling::kLowDistortion, AreaSampling::kSolidAngle,
-          AreaSampling::kCosineSolidAngle}) {
+          AreaSampling::kCosineSolidAngle, AreaSampling::kAutomatic}) {
       const Seen seen = seen_by<8>(light, receiver_in(row, way));
       EXPECT_EQ(seen.without, 0) << place(row);
       sweep.compare(seen.disagreement, 0, place(row));
@@ -90,10 +96,15 @@ TEST(TriangleExtremes, SolidAngleNearTheHemisphere) {
               "mean of 1 / density");
   const ReferenceTable table("hemisphere_triangles");
   for (const auto& row : table.rows()) {
-    const Seen seen = seen_by(light_in(row), receiver_in(row, AreaSampling::kSolidAngle));
-    EXPECT_EQ(seen.without, 0) << place(row);
-    EXPECT_EQ(seen.disagreement, 0) << place(row);
-    sweep.compare(seen.solid_angle_sr, row["solid_angle_sr"], place(row));
+    // Without a normal, as one would have the automatic way take the cosine.
+    for (const AreaSampling way : {AreaSampling::kSolidAngle, AreaSampling::kAutomatic}) {
+      Receiver<Served> receiver = receiver_in(row, way);
+      receiver.normal = {};
+      const Seen seen = seen_by(light_in(row), receiver);
+      EXPECT_EQ(seen.without, 0) << place(row);
+      EXPECT_EQ(seen.disagreement, 0) << place(row);
+      sweep.compare(seen.solid_angle_sr, row["solid_angle_sr"], place(row));
+    }
     sweep.compare_textbook(textbook_solid_angle(row), row["solid_angle_sr"]);
   }
   sweep.expect_within(1e-13);
@@ -101,11 +112,12 @@ TEST(TriangleExtremes, SolidAngleNearTheHemisphere) {
 
 TEST(TriangleExtremes, IrradianceNearTheHemisphere) {
   Sweep sweep(3, "triangle as wide as the hemisphere, vertices up to 1e9",
-              "height / size 1 ... 1e-20, by solid angle and cosine", "irradiance");
+              "height / size 1 ... 1e-20, by solid angle, cosine, automatic", "irradiance");
   const ReferenceTable table("hemisphere_triangles");
   for (const auto& row : table.rows()) {
     const auto light = light_in(row);
-    for (const AreaSampling way : {AreaSampling::kSolidAngle, AreaSampling::kCosineSolidAngle})
+    for (const AreaSampling way :
+         {AreaSampling::kSolidAngle, AreaSampling::kCosineSolidAngle, AreaSampling::kAutomatic})
       sweep.compare(seen_in_halves(light, receiver_in(row, way), By::kRoot).irradiance_lx,
                     row["irradiance_lx"], place(row));
     sweep.compare_textbook(textbook_solid_angle(row) / 2, row["irradiance_lx"]);
