@@ -1,11 +1,15 @@
 // Rows 1 and 2: spheres that are far or small, and such as the receiver is all but on.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <iterator>
 #include <numbers>
+#include <set>
+#include <string>
+#include <vector>
 
 #include "tests/lights/extremes/area_extremes.h"
-#include "tests/lights/statistics.h"
 
 namespace lucerna::testing {
 namespace {
@@ -152,49 +156,76 @@ TEST(SphereExtremes, IrradianceJustOutside) {
   sweep.expect_within(1e-12);
 }
 
-TEST(SphereExtremes, DensityJustInside) {
-  Sweep sweep(2, "receiver just inside of a sphere light, radius 1e-6 ... 1e6 m",
-              "depth / radius 0.5 ... 1e-15", "density of a point, by its distance");
-  constexpr double kPi = std::numbers::pi;
-  for (int decade = -6; decade <= 6; decade += 2) {
-    const double r = 1.3 * std::pow(10, decade);
-    const auto light = sphere_light(r, true);
-    for (double gap = 0.5; gap > 1e-15; gap /= 8) {
-      const double c = r * (1 - gap);
-      Receiver<Served> receiver(0, 0, c);
-      RandomU random(0x512);
-      for (int i = 0; i < 200; ++i) {
-        const auto s = light.sample_li(receiver, random.pair<Served>());
-        ASSERT_EQ(s.reason, NoLight::kNone) << r << " " << gap;
-        const double told =
-            light.pdf_li(receiver, SurfacePoint<Served>{s.point, s.normal, 0}).per_sr;
-        EXPECT_EQ(told, s.pdf.per_sr);
-        // By area, the cosine by the law of cosines; deeper inside all directions alike.
-        const double d = s.distance;
-        const double cosine = ((r - c) * (r + c) + d * d) / (2 * r * d);
-        const double by_area = d * d / (4 * kPi * r * r * cosine);
-        sweep.compare(s.pdf.per_sr, gap > 1e-3 ? 1 / (4 * kPi) : by_area, std::to_string(gap));
-      }
+/// Where the receivers of a sphere light are that look away from the nearest point of it, within.
+struct Inside {
+  double radius, depth;  ///< the latter in radii
+  Vec3<double> center;
+  AreaSampling way;
+  double side;  ///< which pole is the near one
+};
+
+std::vector<Inside> places_inside() {
+  std::vector<Inside> all;
+  for (int decade = -6; decade <= 6; decade += 3)
+    for (const Vec3<double>& offset : {Vec3<double>{0, 0, 0}, {3, -5, 7}, {1000, -2000, 500}})
+      for (const AreaSampling way :
+           {AreaSampling::kAutomatic, AreaSampling::kSolidAngle, AreaSampling::kSquareRoot})
+        for (const double depth : {1.0, 0.5, 0.125, 0.01, 1e-3, 9e-4, 1e-4, 1e-5, 1e-6, 1e-8, 1e-10,
+                                   1e-12, 1e-13, 1e-14, 1e-15}) {
+          // Deeper than what coordinates so far from zero are rounded by.
+          if (depth < 4e-16 * (1 + std::fabs(offset.z))) continue;
+          const double r = 1.3 * std::pow(10, decade);
+          const double side = offset.x > 0 ? -1 : 1;
+          all.push_back({r, depth, offset * r, way, side});
+        }
+  return all;
+}
+
+/// Around the axis all is alike.  Along it samples are worth something else on either side of the
+/// horizon, which is half of u.x for directions, and of points the share of z up to the receiver;
+/// next to the latter within a layer of the depth.  Gauss's rule between all of these.
+Seen seen_along_x(const SphereLight<Served>& light, const Receiver<Served>& receiver,
+                  const Inside& place) {
+  const double edge = place.side > 0 ? 1 - place.depth / 2 : place.depth / 2;
+  std::set<double> ends{0, 0.5, edge, 1};
+  for (double step = place.depth / 8; step < 1; step *= 4)
+    for (const double end : {edge - step, edge + step})
+      if (end > 0 && end < 1) ends.insert(end);
+  const Gauss<24>& rule = gauss<24>();
+  Seen seen;
+  for (auto to = std::next(ends.begin()); to != ends.end(); ++to)
+    for (std::size_t i = 0; i < 24; ++i) {
+      const double from = *std::prev(to), width = *to - from;
+      for (const double y : {0.1, 0.6})
+        seen.add(light, receiver, {from + width * rule.node[i], y}, width * rule.weight[i] / 2);
     }
-  }
-  sweep.expect_within(1e-13);
+  return seen;
 }
 
 TEST(SphereExtremes, IrradianceInside) {
-  Sweep sweep(2, "receiver inside of a sphere light, radius 1e-6 ... 1e6 m",
-              "depth / radius 1 ... 0.01", "irradiance");
-  for (int decade = -6; decade <= 6; decade += 2) {
-    const double r = 1.3 * std::pow(10, decade);
-    const auto light = sphere_light(r, true);
-    for (const double gap : {1.0, 0.5, 0.125, 0.01}) {
-      Receiver<Served> receiver(0, 0, r * (1 - gap));
-      receiver.normal = {0, 0, -1};
-      // The lower half of all directions.
-      const Seen seen = seen_by(light, receiver, By::kShare, By::kShare, {0.5, 0}, {1, 1});
-      sweep.compare(seen.irradiance_lx, std::numbers::pi, std::to_string(gap));
+  // Whatever points are chosen by, and however deep it is, a receiver sees radiance 1 all over the
+  // half of directions that it looks to.
+  Sweep sweep(2, "receiver inside of a sphere light, radius 1e-6 ... 1e6 m, about 0 or not",
+              "depth / radius 1 ... 1e-15", "irradiance");
+  for (const Inside& place : places_inside())
+    for (const bool two_sided : {true, false}) {
+      SphereParams params;
+      params.radius_m = place.radius;
+      params.reverse_orientation = !two_sided;
+      params.world_from_object = Transform::translate(place.center);
+      const auto light = *SphereLight<Served>::create({Rgb<double>(1), two_sided},
+                                                      *Sphere<Served>::create(params));
+      Receiver<Served> receiver(place.center +
+                                Vec3<double>{0, 0, place.side * place.radius * (1 - place.depth)});
+      receiver.normal = {0, 0, -place.side};
+      receiver.area_sampling = place.way;
+      const Seen seen = seen_along_x(light, receiver, place);
+      const std::string at = fmt::format("radius {} depth {} center {} way {}", place.radius,
+                                         place.depth, place.center.x, static_cast<int>(place.way));
+      EXPECT_EQ(seen.disagreement, 0) << at;
+      sweep.compare(seen.irradiance_lx, std::numbers::pi, at);
     }
-  }
-  sweep.expect_within(1e-13);
+  sweep.expect_within(1e-12);
 }
 
 }  // namespace
