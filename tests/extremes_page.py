@@ -37,7 +37,8 @@ Beside it stands what the formula of the textbooks, in floats, makes of the same
 
 `make extremes` runs the tests and writes this page; `.ci/run` fails where it is not current.  References have 30 digits: the tables in
 [tests/data/extremes](../tests/data/extremes) are worked out in 60 by mpmath, with other formulas than the code's, by the scripts beside
-them; where a test says so, they are closed forms.  Answers in words are the reasons that samples without light carry (`NoLightReason`), or
+them; where a test says so, they are closed forms.  Densities of samples are also held to what PdfLi and PdfLe say of them, and scenes to the
+same scene in other units: there the code is compared with itself.  Answers in words are the reasons that samples without light carry (`NoLightReason`), or
 say what happened.  A [mutant](../tests/mutants) takes out what a row is owed to: `make mutants` sees its test fail.
 
 Figures of `tests/lights` are those of lights in double, as the server computes them; answers then tell floats, whose rounding adds up to
