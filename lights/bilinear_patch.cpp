@@ -244,6 +244,18 @@ SolidAnglePdf<double> pdf_of(const BilinearPatch<Real>& patch, const BilinearFor
 }  // namespace
 
 template <typename Real>
+bool BilinearPatch<Real>::is_flat() const {
+  const BilinearForm form(*this);
+  if (!CornerWeights(form).flat_convex || !(length(cross(form.e, form.f)) > 0)) return false;
+  // A rounding of each coordinate of each corner.
+  const auto [lower, upper] = bounds();
+  const double rounding =
+      4 * double{std::numeric_limits<Real>::epsilon()} * (double{max_abs(lower)} + max_abs(upper));
+  return std::fabs(height_over(Vec3<double>(p11), Vec3<double>(p00), Vec3<double>(p10),
+                               Vec3<double>(p01))) <= rounding;
+}
+
+template <typename Real>
 double BilinearPatch<Real>::height_of(const Vec3<Real>& p) const {
   if (p == p11) return 0;  // which rounding may have put next to the plane of the others
   return height_over(Vec3<double>(p), Vec3<double>(p00), Vec3<double>(p10), Vec3<double>(p01));
@@ -252,14 +264,18 @@ double BilinearPatch<Real>::height_of(const Vec3<Real>& p) const {
 template <typename Real>
 bool BilinearPatch<Real>::touches(const Vec3<Real>& p) const {
   if (height_of(p) != 0) return false;
+  if (p == p10 || p == p01 || p == p11) return true;
   const BilinearForm form(*this);
-  const Vec3<double> q = Vec3<double>(p) - form.p00;
-  constexpr double kEdge = 1e-14;
-  const auto within = [&q](const Vec3<double>& edge) {
-    const double size = length(edge), along = dot(q, edge / size);
-    return along >= -kEdge * size && along <= (1 + kEdge) * size;
-  };
-  return p == p10 || p == p01 || p == p11 || (within(form.e) && within(form.f));
+  const Vec3<double> side = normalized(cross(form.e, form.f));
+  const Vec3<double> around[] = {Vec3<double>(p00), Vec3<double>(p10), Vec3<double>(p11),
+                                 Vec3<double>(p01)};
+  const double edge = 1e-14 * (length(form.e) + length(form.f));
+  for (int i = 0; i < 4; ++i) {
+    const Vec3<double> way = around[(i + 1) % 4] - around[i];
+    if (way == Vec3<double>{}) continue;
+    if (dot(cross(normalized(way), Vec3<double>(p) - around[i]), side) < -edge) return false;
+  }
+  return true;
 }
 
 template <typename Real>

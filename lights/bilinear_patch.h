@@ -45,9 +45,12 @@ struct BilinearPatch {
   bool is_unfolded() const;
   /// Flat, with corners of 90 degrees, to 1e-6.
   bool is_rectangle() const;
+  /// Convex, and in one plane but for the rounding of its corners as `Real` has them: one height
+  /// is that over all of it.
+  bool is_flat() const;
   /// Of a flat patch, as Triangle has it; 0 at the fourth corner too.
   double height_of(const Vec3<Real>& p) const;
-  /// Of a rectangle, as Triangle has it.
+  /// Of a flat patch, as Triangle has it.
   bool touches(const Vec3<Real>& p) const;
   /// Of a rectangle: the way that `receiver` asks for; sample_area where there is no density by
   /// solid angle, and without the cosine's warp where lights/spherical_fan.h has one.  `u` in

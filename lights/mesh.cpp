@@ -30,11 +30,12 @@ double refined(Vec2<Real> u) {
 template <typename Real, template <typename> typename Primitive>
 Mesh<Real, Primitive>::Mesh(std::vector<Primitive<Real>> primitives,
                             std::vector<double> cumulative_area, double area_error_m2,
-                            std::vector<bool> rectangles)
+                            std::vector<bool> rectangles, std::vector<bool> flat)
     : primitives_(std::move(primitives)),
       cumulative_area_(std::move(cumulative_area)),
       area_error_m2_(area_error_m2),
-      rectangles_(std::move(rectangles)) {}
+      rectangles_(std::move(rectangles)),
+      flat_(std::move(flat)) {}
 
 template <typename Real, template <typename> typename Primitive>
 absl::StatusOr<Mesh<Real, Primitive>> Mesh<Real, Primitive>::create(
@@ -46,7 +47,7 @@ absl::StatusOr<Mesh<Real, Primitive>> Mesh<Real, Primitive>::create(
         fmt::format("mesh.primitives has {} entries, allowed: less than 2^32", primitives.size()));
   std::vector<double> cumulative;
   cumulative.reserve(primitives.size());
-  std::vector<bool> rectangles;
+  std::vector<bool> rectangles, flat;
   double sum = 0, error = 0;
   for (std::size_t i = 0; i < primitives.size(); ++i) {
     double area = 0;
@@ -64,12 +65,16 @@ absl::StatusOr<Mesh<Real, Primitive>> Mesh<Real, Primitive>::create(
           i));
     sum += area;
     cumulative.push_back(sum);
-    if constexpr (!kAlwaysHasWays) rectangles.push_back(primitives[i].is_rectangle());
+    if constexpr (!kAlwaysHasWays) {
+      rectangles.push_back(primitives[i].is_rectangle());
+      flat.push_back(rectangles.back() || primitives[i].is_flat());
+    }
   }
   if (!(sum > 0) || !std::isfinite(sum))
     return absl::InvalidArgumentError(
         fmt::format("mesh.area = {} m2, allowed: finite and > 0", sum));
-  return Mesh(std::move(primitives), std::move(cumulative), error, std::move(rectangles));
+  return Mesh(std::move(primitives), std::move(cumulative), error, std::move(rectangles),
+              std::move(flat));
 }
 
 template <typename Real, template <typename> typename Primitive>
@@ -93,7 +98,12 @@ ShapeSample<Real> Mesh<Real, Primitive>::sample(const Receiver<Real>& receiver,
   const auto [i, within] = choose(u);
   const auto choose_point = [&, i = i, within = within] {
     if constexpr (!kAlwaysHasWays)
-      if (!has_ways(i)) return primitives_[i].sample_area(receiver, within);
+      if (!has_ways(i)) {
+        ChosenPoint<Real> by_area = primitives_[i].sample_area(receiver, within);
+        by_area.point.primitive = static_cast<std::uint32_t>(i);
+        if (is_flat(i)) by_area.pdf = {pdf_by_area(receiver, by_area.point)};
+        return by_area;
+      }
     return primitives_[i].sample(receiver, within);
   };
   const ChosenPoint<Real> chosen = choose_point();
@@ -104,14 +114,21 @@ ShapeSample<Real> Mesh<Real, Primitive>::sample(const Receiver<Real>& receiver,
 }
 
 template <typename Real, template <typename> typename Primitive>
+double Mesh<Real, Primitive>::pdf_by_area(const Receiver<Real>& receiver,
+                                          const SurfacePoint<Real>& point) const {
+  const AreaPdf<double> by_area = primitives_[point.primitive].pdf_area(point.position);
+  if (const auto height = height_over(point, receiver.position))
+    return pdf_seen_from(receiver.position, point, by_area, *height).per_sr;
+  return pdf_seen_from(receiver.position, point, by_area).per_sr;
+}
+
+template <typename Real, template <typename> typename Primitive>
 SolidAnglePdf<Real> Mesh<Real, Primitive>::pdf(const Receiver<Real>& receiver,
                                                const SurfacePoint<Real>& point) const {
   if (point.primitive >= primitives_.size()) return {0};
   const std::size_t i = point.primitive;
   const double pdf =
-      has_ways(i)
-          ? primitives_[i].pdf(receiver, point).per_sr
-          : pdf_seen_from(receiver.position, point, primitives_[i].pdf_area(point.position)).per_sr;
+      has_ways(i) ? primitives_[i].pdf(receiver, point).per_sr : pdf_by_area(receiver, point);
   return {static_cast<Real>(share(i) * pdf)};
 }
 
@@ -129,7 +146,8 @@ std::pair<Vec3<Real>, Vec3<Real>> Mesh<Real, Primitive>::bounds() const {
 template <typename Real, template <typename> typename Primitive>
 std::size_t Mesh<Real, Primitive>::bytes() const {
   return sizeof(*this) + primitives_.capacity() * sizeof(Primitive<Real>) +
-         cumulative_area_.capacity() * sizeof(double) + rectangles_.capacity() / 8;
+         cumulative_area_.capacity() * sizeof(double) +
+         (rectangles_.capacity() + flat_.capacity()) / 8;
 }
 
 template <typename Real, template <typename> typename Primitive>

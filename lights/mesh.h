@@ -56,13 +56,13 @@ class Mesh {
   /// How far `p` is above the plane of the primitive that `point` is on, where that is flat: exact
   /// where the plane is nearly met.
   std::optional<double> height_over(const SurfacePoint<Real>& point, const Vec3<Real>& p) const {
-    if (point.primitive >= primitives_.size() || !has_ways(point.primitive)) return std::nullopt;
+    if (point.primitive >= primitives_.size() || !is_flat(point.primitive)) return std::nullopt;
     return primitives_[point.primitive].height_of(p);
   }
 
   /// Whether `p` lies on a primitive that is flat, and so sees all of it along its surface.
   bool touches(const Vec3<Real>& p, std::uint32_t primitive) const {
-    return primitive < primitives_.size() && has_ways(primitive) &&
+    return primitive < primitives_.size() && is_flat(primitive) &&
            primitives_[primitive].touches(p);
   }
 
@@ -100,14 +100,19 @@ class Mesh {
   static constexpr bool kAlwaysHasWays = std::is_same_v<Primitive<Real>, Triangle<Real>>;
 
   Mesh(std::vector<Primitive<Real>> primitives, std::vector<double> cumulative_area,
-       double area_error_m2, std::vector<bool> rectangles);
+       double area_error_m2, std::vector<bool> rectangles, std::vector<bool> flat);
   /// Whether primitive `i` knows other ways to be sampled than by area.
   bool has_ways(std::size_t i) const { return kAlwaysHasWays || rectangles_[i]; }
+  bool is_flat(std::size_t i) const { return kAlwaysHasWays || flat_[i]; }
+  /// Of a primitive that is sampled by area: by its height where that is one, as the cosine to a
+  /// normal has no digit left next to the plane.
+  double pdf_by_area(const Receiver<Real>& receiver, const SurfacePoint<Real>& point) const;
 
   std::vector<Primitive<Real>> primitives_;
   std::vector<double> cumulative_area_;  ///< running sums [m2]
   double area_error_m2_;
-  std::vector<bool> rectangles_;  ///< which of the patches are; empty for triangles
+  /// Which of the patches are, rectangles among the flat ones; empty for triangles.
+  std::vector<bool> rectangles_, flat_;
 };
 
 template <typename Real>

@@ -3,6 +3,8 @@
 
 #include <cmath>
 #include <numbers>
+#include <utility>
+#include <vector>
 
 #include "tests/lights/extremes/area_extremes.h"
 
@@ -18,6 +20,13 @@ TriangleMeshLight<Served> triangle_in(const ReferenceTable::Row& row) {
 PatchMeshLight<Served> rectangle_in(const ReferenceTable::Row& row) {
   return patch_light(
       {vector_in(row, "p00"), vector_in(row, "p10"), vector_in(row, "p01"), vector_in(row, "p11")});
+}
+
+/// The rectangle with its second side cut to half: to the last bit in the same plane.
+PatchMeshLight<Served> trapezoid_in(const ReferenceTable::Row& row) {
+  const Vec3<double> a = vector_in(row, "p00"), b = vector_in(row, "p10"),
+                     c = vector_in(row, "p01");
+  return patch_light({a, b, c, b + (c - a) * 0.5});
 }
 
 /// The cosine at the light by a normal and a way in float, cut off at 1e-4 as some do.
@@ -76,21 +85,41 @@ TEST(GrazingExtremes, Rectangles) {
   sweep.expect_within(1e-8);
 }
 
-TEST(GrazingExtremes, FromWithinThePlaneThereIsNone) {
-  Sweep sweep(8, "triangle, rectangle, disk seen from within their plane", "cosine 0", "answer");
+TEST(GrazingExtremes, Trapezoids) {
+  Sweep sweep(8, "trapezoid seen from nearly within its plane",
+              "cosine 1e-3 ... 1e-20, along axes and tilted", "density");
   const ReferenceTable table("grazing_polygons");
-  const auto& row = table.rows().front();
-  DiskParams params;
-  params.world_from_object = Transform::translate({3, 0, 0});
-  const auto disk =
-      *DiskLight<Served>::create({Rgb<double>(1), true}, *Disk<Served>::create(params));
-  const auto triangle = triangle_in(row);
-  const auto rectangle = rectangle_in(row);
-  for (const AreaSampling way : kWays) {
-    Receiver<Served> receiver(0, 0, 0);
-    receiver.normal = {1, 0, 0};
-    receiver.area_sampling = way;
-    const auto ask = [&](const auto& light) {
+  for (const auto& row : table.rows()) {
+    const std::string at = row.text("name") + " " + row.text("height_m");
+    const auto light = trapezoid_in(row);
+    const Receiver<Served> receiver = receiver_in(row, AreaSampling::kAutomatic);
+    // Of the row's unit squares, one has sides of 3 m.
+    const double side = row.text("name") == "tilted" ? 3 : 1, height = row["height_m"] * side;
+    for (const double x : {0.0, 0.25, 0.5, 1.0})
+      for (const double y : {0.0, 0.125, 0.75, 1.0}) {
+        const auto s = light.sample_li(receiver, {x, y});
+        EXPECT_EQ(s.reason, NoLight::kNone) << at;
+        const double d = s.distance, truth = d * d / (0.75 * side * side * height / d);
+        sweep.compare(s.pdf.per_sr, truth, at);
+        EXPECT_EQ(light.pdf_li(receiver, SurfacePoint<Served>{s.point, s.normal, 0}).per_sr,
+                  s.pdf.per_sr)
+            << at;
+        const auto f = static_cast<float>(d);
+        sweep.compare_textbook(
+            f * f / (0.75F * static_cast<float>(side * side) * textbook_cosine(row)), truth);
+      }
+  }
+  sweep.expect_within(1e-11);
+}
+
+/// Asks at a receiver within the plane, in every way.
+template <typename Light>
+void ask_within(const Light& light, const Vec3<double>& position, Sweep& sweep) {
+  for (const AreaSampling way : kWays)
+    for (const Vec3<double>& normal : {Vec3<double>{1, 0, 0}, {0, 0, 1}, {}}) {
+      Receiver<Served> receiver(position);
+      receiver.normal = normal;
+      receiver.area_sampling = way;
       for (const double x : {0.0, 0.25, 0.9375, 1.0})
         for (const double y : {0.0, 0.5, 1.0}) {
           const auto s = light.sample_li(receiver, {x, y});
@@ -99,10 +128,79 @@ TEST(GrazingExtremes, FromWithinThePlaneThereIsNone) {
           EXPECT_EQ(light.pdf_li(receiver, s.wi).per_sr, 0);
           sweep.answer(s.reason);
         }
-    };
-    ask(triangle);
-    ask(rectangle);
-    ask(disk);
+    }
+}
+
+TEST(GrazingExtremes, FromWithinThePlaneThereIsNone) {
+  Sweep sweep(8, "triangle, rectangle, trapezoid seen from within their plane, tilted or not",
+              "cosine 0", "answer");
+  const ReferenceTable table("grazing_polygons");
+  for (const auto& row : table.rows()) {
+    const bool tilted = row.text("name") == "tilted";
+    // Among them such as an edge, drawn out, meets.
+    const auto receivers =
+        tilted ? std::vector<Vec3<double>>{{0, 0, 0}, {6, 6, 0}, {5, 4, -2}, {-3, -3, 0}}
+               : std::vector<Vec3<double>>{{0, 0, 0}, {5, 3, 0}, {5, -0.5, 0}, {-7, 0.125, 0}};
+    for (const Vec3<double>& receiver : receivers) {
+      ask_within(triangle_in(row), receiver, sweep);
+      ask_within(rectangle_in(row), receiver, sweep);
+      ask_within(trapezoid_in(row), receiver, sweep);
+    }
+  }
+  // In the plane of (1, 2, 2) and (2, 1, -2), far from the origin.
+  for (const Vec3<double>& receiver : {Vec3<double>{33, 6, 6}, {27, -6, -6}, {36, 3, -6}}) {
+    ask_within(triangle_light({{{30, 0, 0}, {31, 2, 2}, {32, 1, -2}}}), receiver, sweep);
+    ask_within(patch_light({{{30, 0, 0}, {31, 2, 2}, {32, 1, -2}, {33, 3, 0}}}), receiver, sweep);
+    ask_within(patch_light({{{30, 0, 0}, {32, 4, 4}, {32, 1, -2}, {33, 3, 0}}}), receiver, sweep);
+  }
+  sweep.expect_answers(NoLight::kBehind);
+}
+
+TEST(GrazingExtremes, FromWithinThePlaneOfADiskThereIsNone) {
+  Sweep sweep(8, "disk seen from within its plane, tilted or not", "cosine 0", "answer");
+  DiskParams plain, tilted;
+  plain.world_from_object = Transform::translate({3, 0, 0});
+  tilted.world_from_object =
+      *Transform::from_matrix({{{1, 2, 2, 30}, {2, 1, -2, 0}, {2, -2, 1, 0}}});
+  for (const auto& [params, receivers] :
+       {std::pair{plain, std::vector<Vec3<double>>{{0, 0, 0}, {5, 7, 0}, {-1e6, 1, 0}}},
+        std::pair{tilted, std::vector<Vec3<double>>{{33, 6, 6}, {27, -6, -6}, {36, 3, -6}}}}) {
+    const auto disk =
+        *DiskLight<Served>::create({Rgb<double>(1), true}, *Disk<Served>::create(params));
+    for (const Vec3<double>& receiver : receivers) ask_within(disk, receiver, sweep);
+  }
+  sweep.expect_answers(NoLight::kBehind);
+}
+
+TEST(GrazingExtremes, FromWithinATangentPlaneThereIsNone) {
+  Sweep sweep(8, "point of a sphere or cylinder by area, from within its tangent plane", "cosine 0",
+              "answer");
+  SphereParams ball;
+  ball.radius_m = 3;
+  ball.world_from_object = Transform::translate({1, 2, 3});
+  const auto sphere =
+      *SphereLight<Served>::create({Rgb<double>(1), true}, *Sphere<Served>::create(ball));
+  CylinderParams pipe;
+  pipe.radius_m = 3;
+  pipe.world_from_object = Transform::translate({1, 2, 3});
+  const auto tube =
+      *CylinderLight<Served>::create({Rgb<double>(1), true}, *Cylinder<Served>::create(pipe));
+  const auto ask = [&](const auto& light, const Vec3<double>& at, const Vec3<double>& position,
+                       Vec2<double> u) {
+    Receiver<Served> receiver(position);
+    receiver.area_sampling = AreaSampling::kSquareRoot;
+    const auto s = light.sample_li(receiver, u);
+    EXPECT_LE(length(s.point - at), 1e-15);
+    EXPECT_TRUE(s.value.is_black());
+    EXPECT_TRUE(s.pdf.per_sr > 0 && std::isfinite(s.pdf.per_sr));
+    EXPECT_EQ(light.pdf_li(receiver, SurfacePoint<Served>{s.point, s.normal, 0}).per_sr, 0);
+    sweep.answer(s.reason);
+  };
+  for (const Vec2<double>& off :
+       {Vec2<double>{1, 0}, {0, -2}, {3, 4}, {-5, 12}, {1e6, 7}, {0x1p-20, 0x1p-30}}) {
+    // The top, and the line of the cylinder that is first in the sweep.
+    ask(sphere, {1, 2, 6}, {1 + off.x, 2 + off.y, 6}, {1, 0.25});
+    ask(tube, {4, 2, 3}, {4, 2 + off.x, 3 + off.y}, {0.5, 0});
   }
   sweep.expect_answers(NoLight::kBehind);
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "lights/light.h"
+#include "tests/lights/extremes/area_extremes.h"
 #include "tests/sweep.h"
 
 namespace lucerna::testing {
@@ -148,6 +149,138 @@ TEST(OnLightExtremes, Rectangles) {
                    static_cast<float>(light->area_m2()), sweep);
         }
       }
+  sweep.expect_answers(NoLight::kDegenerate);
+}
+
+TEST(OnLightExtremes, Trapezoids) {
+  Sweep sweep(7, "receiver on a flat quadrilateral that is no rectangle", kSwept, "answer");
+  for (const Place& f : frames())
+    for (const bool two_sided : {false, true}) {
+      // In the plane of (2, 1, 2) and (1, 2, -2): 4 of the one, 8 of the other and, opposite, 4.
+      const auto at = [&](double u, double v) {
+        return f.point(2 * u + v, u + 2 * v, 2 * u - 2 * v);
+      };
+      const auto light = PatchMeshLight<Served>::create(
+          {Rgb<double>(1), two_sided},
+          *PatchMesh<Served>::create({{at(0, 0), at(4, 0), at(0, 8), at(4, 4)}}));
+      for (const Vec2<double>& p : {Vec2<double>{0, 0},
+                                    {4, 0},
+                                    {0, 8},
+                                    {4, 4},
+                                    {2, 0},
+                                    {0, 5},
+                                    {4, 3},
+                                    {2, 6},
+                                    {1, 2},
+                                    {3, 0.5}})
+        ask(*light, at(p.x, p.y), sweep);
+    }
+  sweep.expect_answers(NoLight::kDegenerate);
+}
+
+TEST(OnLightExtremes, BentPatchesFromTheirOwnCorner) {
+  // The directions to (u, v, u v) from its corner 0 end where u or v is 1: the integral of the sine
+  // of the elevation there over the azimuth is pi / 6.
+  Sweep sweep(7, "receiver at a corner of a bent patch, which sees all of it",
+              "sizes 2^-80 ... 2^60 m, offsets 0 ... 3 sizes", "mean of 1 / density");
+  for (const Place& f : frames()) {
+    // Where zero is 1e6 sizes away, doubles next to the corner are farther apart than the patch
+    // is bent.
+    if (max_abs(f.offset) > 3 * f.size) continue;
+    const auto light =
+        patch_light({f.point(0, 0, 0), f.point(1, 0, 0), f.point(0, 1, 0), f.point(1, 1, 1)});
+    const Receiver<Served> receiver(f.point(0, 0, 0));
+    const Seen seen = seen_beside_diagonal(light, receiver);
+    EXPECT_EQ(seen.without, 0) << f.size;
+    sweep.compare(seen.solid_angle_sr, std::numbers::pi / 6,
+                  fmt::format("size {} offset {}", f.size, max_abs(f.offset) / f.size));
+    for (const double x : {0.0, 0.3, 1.0})
+      for (const auto& u : {Vec2<double>{x, 0}, {0, x}}) {
+        // Along the edges, which it is on.
+        const auto s = light.sample_li(receiver, u);
+        EXPECT_NE(s.reason, NoLight::kNone);
+        EXPECT_EQ(s.value.max_component(), 0);
+      }
+  }
+  sweep.expect_within(1e-9);
+}
+
+TEST(OnLightExtremes, PicturesAndPanels) {
+  Sweep sweep(7, "receiver on a triangle, rectangle, disk with a picture or a photometric web",
+              kSwept, "answer");
+  const Picture picture{
+      *Image::create(2, 2, {Rgb<float>(1), Rgb<float>(6), Rgb<float>(2), Rgb<float>(0.5F)}),
+      ImageFilter::kBilinear, "uneven"};
+  PanelProfile profile;
+  profile.web = *PhotometricWeb::create({PhotometricType::kC, {0, 90, 180}, {0}, {9, 3, 1}});
+  profile.tangent = {2, 1, 2};
+  for (const Place& f : frames())
+    for (const bool two_sided : {false, true}) {
+      const DiffuseEmission emission{Rgb<double>(1), two_sided};
+      const auto at = [&](double u, double v) {
+        return f.point(2 * u + v, u + 2 * v, 2 * u - 2 * v);
+      };
+      const auto triangle = *TriangleMesh<Served>::create({{at(0, 0), at(4, 0), at(0, 8)}});
+      const auto rectangle = *PatchMesh<Served>::create({{at(0, 0), at(4, 0), at(0, 8), at(4, 8)}});
+      DiskParams params;
+      params.radius_m = 8 * f.size;
+      params.world_from_object = Transform::translate(f.point(1, 2, 3));
+      const auto disk = *Disk<Served>::create(params);
+      const auto all = [&](const Vec2<double>& p, const auto&... light) {
+        (ask(light, at(p.x, p.y), sweep), ...);
+      };
+      const auto painted_triangle = *PaintedTriangleMeshLight<Served>::create(
+          emission,
+          *PaintedTriangleMesh<Served>::create(triangle, picture, {{0, 0}, {1, 0}, {0, 1}}));
+      const auto painted_rectangle = *PaintedPatchMeshLight<Served>::create(
+          emission, *PaintedPatchMesh<Served>::create(rectangle, picture));
+      const auto panel_triangle = *PanelTriangleMeshLight<Served>::create(
+          emission, *PanelTriangleMesh<Served>::create(triangle, profile));
+      const auto panel_rectangle = *PanelPatchMeshLight<Served>::create(
+          emission, *PanelPatchMesh<Served>::create(rectangle, profile));
+      for (const Vec2<double>& p :
+           {Vec2<double>{0, 0}, {4, 0}, {0, 8}, {2, 0}, {0, 5}, {2, 4}, {1, 2}})
+        all(p, painted_triangle, painted_rectangle, panel_triangle, panel_rectangle);
+      const auto painted_disk =
+          *PaintedDiskLight<Served>::create(emission, *PaintedDisk<Served>::create(disk, picture));
+      const auto panel_disk =
+          *PanelDiskLight<Served>::create(emission, *PanelDisk<Served>::create(disk, profile));
+      for (const Vec2<double>& p : {Vec2<double>{0, 0}, {8, 0}, {0, -8}, {1, 2}, {-3, 0.5}}) {
+        ask(painted_disk, f.point(1 + p.x, 2 + p.y, 3), sweep);
+        ask(panel_disk, f.point(1 + p.x, 2 + p.y, 3), sweep);
+      }
+    }
+  sweep.expect_answers(NoLight::kDegenerate);
+}
+
+TEST(OnLightExtremes, CutSpheresAndRims) {
+  Sweep sweep(7, "receiver on a sphere off its axes, on the rim of a cut sphere or a cylinder",
+              kSwept, "answer");
+  for (const Place& f : frames()) {
+    SphereParams whole;
+    whole.radius_m = 9 * f.size;
+    whole.world_from_object = Transform::translate(f.point(1, 2, 3));
+    const auto ball =
+        *SphereLight<Served>::create({Rgb<double>(1)}, *Sphere<Served>::create(whole));
+    for (const Vec3<double>& p : {Vec3<double>{1, 4, 8}, {-4, 7, 4}, {6, -3, -6}, {8, 4, -1}})
+      ask(ball, f.point(1 + p.x, 2 + p.y, 3 + p.z), sweep);
+    SphereParams part = whole;
+    part.radius_m = 5 * f.size;
+    part.z_min_m = -4 * f.size;
+    part.z_max_m = 3 * f.size;
+    const auto cut = *SphereLight<Served>::create({Rgb<double>(1)}, *Sphere<Served>::create(part));
+    for (const Vec3<double>& p : {Vec3<double>{4, 0, 3}, {0, -4, 3}, {-3, 0, -4}, {3, 4, 0}})
+      ask(cut, f.point(1 + p.x, 2 + p.y, 3 + p.z), sweep);
+    CylinderParams cylinder;
+    cylinder.radius_m = 5 * f.size;
+    cylinder.z_min_m = -8 * f.size;
+    cylinder.z_max_m = 8 * f.size;
+    cylinder.world_from_object = whole.world_from_object;
+    const auto tube =
+        *CylinderLight<Served>::create({Rgb<double>(1)}, *Cylinder<Served>::create(cylinder));
+    for (const Vec3<double>& p : {Vec3<double>{5, 0, 8}, {3, 4, 8}, {-4, 3, -8}, {-3, -4, 1}})
+      ask(tube, f.point(1 + p.x, 2 + p.y, 3 + p.z), sweep);
+  }
   sweep.expect_answers(NoLight::kDegenerate);
 }
 
