@@ -196,6 +196,30 @@ TEST(PbrtLightExtremes, DensityUnderScales) {
   sweep.expect_within(1e-7);
 }
 
+/// Spot and projection are seen up to 30 degrees off their axis, the projection's picture scaled.
+TEST(PbrtLightExtremes, ConesUnderScales) {
+  Sweep sweep(28, "spot, projection under Scale", kScales,
+              "a thousandth within and beyond the cone");
+  const ReferenceTable table("scaled_lights");
+  for (const auto& row : table.rows()) {
+    const bool is_spot = row.text("light") == "spot";
+    if (!is_spot && row.text("light") != "projection") continue;
+    const auto towards = [&](double share) {
+      const double half = std::numbers::pi / 6;
+      const double tangent = is_spot ? std::tan(share * half) : share * std::tan(half);
+      const Vec3<double> at{row["sx"] * tangent, 0, row["sz"]};
+      return sample(light_in(scaled(row)), Receiver<Served>(normalized(at)), {0, 0});
+    };
+    EXPECT_NEAR(towards(0.5).value.g, 1, 1e-12) << row.text("light") << " " << row.text("sx");
+    const bool within = towards(0.999).reason == NoLight::kNone;
+    const bool beyond = towards(1.001).reason != NoLight::kOutsideCone;
+    sweep.answer(!within  ? "none within: " + row.text("light") + " " + row.text("sx")
+                 : beyond ? "some beyond: " + row.text("light") + " " + row.text("sx")
+                          : "light within alone");
+  }
+  sweep.expect_answers("light within alone");
+}
+
 TEST(PbrtLightExtremes, ScalesThatAreRefused) {
   Sweep sweep(28, "sphere, cylinder, spot, goniometric, sky, sun, projection",
               "unequal scales of 1e-6 ... 1e6, shears", "answer");
