@@ -22,8 +22,8 @@ inline constexpr double kTraversalBound = gamma_bound(16);
 inline constexpr float kTraversalError = static_cast<float>(kTraversalBound);
 
 /// What floats about any place are off by at least [m]: differences below the smallest normal one
-/// are 0 (server/denormals.h).  A position, each component of the offset that moves a ray off it and
-/// of the ray's direction lose up to that.
+/// are 0 (server/denormals.h).  A position, each component of the offset that moves a ray off it
+/// and of the ray's direction lose up to that.
 inline constexpr float kLeastError = 16 * std::numeric_limits<float>::min();
 
 }  // namespace lucerna
