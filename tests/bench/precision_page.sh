@@ -40,7 +40,8 @@ END
 cat <<'END'
 
 Numbers are rounded to floats once, on the wire.  What stays in floats before that: rays and the vertices that they hit, as Embree takes nothing
-else (lights of meshes keep theirs in double too); their errors are bounded (`server/error_bounds.h`) and rows 22 and 23 of [the extremes](extremes.md) hold the bounds to double.
+else (lights of meshes keep theirs in double too); their errors are bounded (`server/error_bounds.h`) and rows 22 and 23 of
+[the extremes](extremes.md) hold the bounds to double.
 
 ## Embree's robust or default traversal
 
