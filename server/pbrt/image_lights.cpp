@@ -135,8 +135,9 @@ ImageInfiniteLightParams image_infinite(Context& context, const ParameterSet& pa
                                         const Place& place, const Transform& world_from_light) {
   ImageInfiniteLightParams infinite =
       picture(context, params, place, world_from_light, ImageFilter::kNearest);
-  // All that can fail, here where its place is known.
-  if (const auto made = ImageInfiniteLight<double>::create(infinite); !made.ok())
+  // All that can fail, here where its place is known, and levels that floats, which answers tell,
+  // do not hold.
+  if (const auto made = ImageInfiniteLight<float>::create(infinite); !made.ok())
     fail(level_place(params, "L", place), made.status());
   return infinite;
 }
@@ -163,7 +164,7 @@ PortalLightParams portal(Context& context, const ParameterSet& params, const Pla
     // Nothing to turn or stretch.
     light.world_from_map = Transform();
   }
-  if (const auto status = PortalLight<double>::check(light); !status.ok())
+  if (const auto status = PortalLight<float>::check(light); !status.ok())
     fail(given.place, fmt::format("\"point3 portal\": {}", std::string(status.message())));
   return light;
 }

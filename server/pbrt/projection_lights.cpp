@@ -116,15 +116,16 @@ void set_level(Context& context, const Place& level_place, const Place* power_pl
                    "middle",
                    fmt::format("{:.6g} lm, from the same intensity as with pbrt-v4",
                                luminance(level) * projection.lumens));
-  // All that can fail, here where its place is known.
+  // All that can fail, here where its place is known, and levels that floats, which answers tell,
+  // do not hold.
   if (auto* perspective = std::get_if<ProjectionLightParams>(&projection.light)) {
     perspective->intensity_cd = level;
-    if (const auto made = ProjectionLight<double>::create(*perspective); !made.ok())
+    if (const auto made = ProjectionLight<float>::create(*perspective); !made.ok())
       fail(level_place, made.status());
   } else {
     auto& beam = std::get<BeamLightParams>(projection.light);
     beam.illuminance_lx = level;
-    if (const auto made = BeamLight<double>::create(beam); !made.ok())
+    if (const auto made = BeamLight<float>::create(beam); !made.ok())
       fail(level_place, made.status());
   }
 }
