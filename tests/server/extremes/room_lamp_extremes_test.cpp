@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -28,7 +29,7 @@ std::shared_ptr<const Scene> room(const Corners& lamp, bool two_sided = false) {
                            "AreaLightSource \"diffuse\" \"rgb L\" [1 1 1] \"bool twosided\" {}\n"
                            "Shape \"{}\" \"point3 P\" [{}]",
                            two_sided, lamp.size() == 3 ? "trianglemesh" : "bilinearmesh", p));
-  EXPECT_TRUE(file.status.ok()) << file.status;
+  if (!file.status.ok()) throw std::runtime_error(file.status.ToString());
   return file.scene;
 }
 
