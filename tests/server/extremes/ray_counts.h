@@ -5,13 +5,14 @@
 #include <tbb/enumerable_thread_specific.h>
 
 #include <cstdint>
-#include <cstdlib>
 #include <random>
+#include <stdexcept>
 #include <string>
 
 #include "server/denormals.h"
 #include "server/parallel.h"
 #include "tests/server/extremes/everything.h"
+#include "tests/server/extremes/wire_settings.h"
 #include "tests/sweep.h"
 
 namespace lucerna::testing {
@@ -39,8 +40,9 @@ struct Count {
 
 /// `make soak` asks for ten times as many rays.
 inline std::size_t rays_times() {
-  const char* times = std::getenv("LUCERNA_RAYS_TIMES");
-  return times == nullptr ? 1 : std::stoul(times);
+  const absl::StatusOr<std::uint64_t> times = whole_number_of("LUCERNA_RAYS_TIMES", 1, 1);
+  if (!times.ok()) throw std::runtime_error(std::string(times.status().message()));
+  return *times;
 }
 
 /// Sums `f(random, count)` over `n` calls, in chunks with random numbers of their own.
