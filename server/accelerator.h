@@ -78,7 +78,7 @@ class Accelerator {
   ~Accelerator();
 
   /// Coordinates of what can be hit: at most this [m].
-  static constexpr double kMaxCoordinate = 1e18;
+  static constexpr double kMaxCoordinate = 1e30;
 
   /// Nothing for rays whose direction is 0 or that are not finite.
   std::optional<RawHit> closest_hit(const Ray& ray) const;

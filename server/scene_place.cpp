@@ -53,7 +53,7 @@ absl::Status Scene::Builder::place() {
     const double reach = std::fmax(max_abs(lower), max_abs(upper));
     if (!(reach <= Accelerator::kMaxCoordinate))
       return located(absl::InvalidArgumentError(fmt::format(
-                         "motion reaching to {} m, allowed are coordinates up to 1e18", reach)),
+                         "motion reaching to {} m, allowed are coordinates up to 1e30", reach)),
                      where);
     swept.add(lower), swept.add(upper);
     return absl::OkStatus();

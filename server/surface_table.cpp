@@ -12,7 +12,7 @@ namespace {
 
 absl::Status not_finite(std::size_t i, const Vec3<double>& p) {
   return absl::InvalidArgumentError(fmt::format(
-      "vertex {} at ({}, {}, {}) m, allowed are coordinates up to 1e18", i, p.x, p.y, p.z));
+      "vertex {} at ({}, {}, {}) m, allowed are coordinates up to 1e30", i, p.x, p.y, p.z));
 }
 
 absl::Status append_mesh(const std::vector<Vec3<double>>& positions,
@@ -181,7 +181,7 @@ class BoundsAdder {
     const double reach = std::max(max_abs(box.first), max_abs(box.second));
     if (!(reach <= Accelerator::kMaxCoordinate))
       return absl::InvalidArgumentError(
-          fmt::format("shape reaching to {} m, allowed are coordinates up to 1e18", reach));
+          fmt::format("shape reaching to {} m, allowed are coordinates up to 1e30", reach));
     bounds_.add(box.first);
     bounds_.add(box.second);
     return absl::OkStatus();

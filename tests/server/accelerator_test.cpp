@@ -198,7 +198,7 @@ TEST(Accelerator, TakesRaysFromAnyDistance) {
 }
 
 TEST(Accelerator, TakesGeometryOfAnySize) {
-  for (const float s : {1e-30F, 1e-20F, 1e-10F, 1e10F, 1e18F}) {
+  for (const float s : {1e-30F, 1e-20F, 1e-10F, 1e10F, 1e18F, 1e30F}) {
     const auto a = build({.vertices = {{0, 0, s}, {s, 0, s}, {0, s, s}}, .triangles = {0, 1, 2}});
     const auto hit = a->closest_hit({{0.25F * s, 0.5F * s, 0}, {0, 0, 1}});
     ASSERT_TRUE(hit) << s;

@@ -192,7 +192,7 @@ TEST(MovingSurfaces, BeyondWhatRaysReachAreAnError) {
   SceneDescription d = description();
   d.shapes.push_back(floor(1));
   d.shapes.back().where = {"a.pbrt", 3, 4};
-  d.shapes.back().motion = sliding({0, 1e19, 0}, 1);
+  d.shapes.back().motion = sliding({0, 1e31, 0}, 1);
   const auto scene = Scene::build(d);
   ASSERT_FALSE(scene.ok());
   EXPECT_THAT(std::string(scene.status().message()), HasSubstr("a.pbrt:3:4: motion reaching to 1"));

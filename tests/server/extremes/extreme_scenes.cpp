@@ -176,9 +176,9 @@ class Writer {
   ExtremeNumbers& numbers() { return n_; }
 
  private:
-  /// Rays go no farther than 1e18 m.
+  /// Shapes reach no farther than 1e30 m.
   double wild() {
-    return n_.chance(0.03) ? n_.magnitude(1e-300, 1e300) : n_.magnitude(1e-30, 1e18);
+    return n_.chance(0.03) ? n_.magnitude(1e-300, 1e300) : n_.magnitude(1e-30, 1e30);
   }
   double part() { return n_.chance(0.3) ? n_.uniform() : n_.magnitude(1e-12, 1); }
   const char* one_of(const char* tame, const char* extreme) {
@@ -299,7 +299,7 @@ SceneScale SceneScale::random(ExtremeNumbers& numbers) {
     case 3:
       break;
     default:
-      scale.metres = numbers.magnitude(1e-30, 1e18);
+      scale.metres = numbers.magnitude(1e-30, 1e30);
       break;
   }
   return scale;

@@ -148,12 +148,12 @@ std::vector<double> picture_of(const SceneDescription& d, double s, std::uint32_
 }
 
 TEST(InvarianceExtremes, ScenesOfAnySizeLookTheSame) {
-  Sweep sweep(9, "a room with a lamp and a point light, of any size", "1e-32 ... 1e17 m",
+  Sweep sweep(9, "a room with a lamp and a point light, of any size", "1e-32 ... 1e29 m",
               "mean of a picture");
   const SceneDescription d = small_room();
   const double truth = mean(picture_of(d, 1, 64));
   for (const double s :
-       {1e-32, 1e-31, 1e-30, 1e-25, 1e-20, 1e-15, 1e-10, 1e-5, 1e5, 1e10, 1e15, 1e17})
+       {1e-32, 1e-31, 1e-30, 1e-25, 1e-20, 1e-15, 1e-10, 1e-5, 1e5, 1e10, 1e15, 1e19, 1e24, 1e29})
     sweep.compare(mean(picture_of(d, s, 64)), truth, std::to_string(std::log10(s)));
   sweep.expect_within(1e-6);
 }
@@ -180,9 +180,9 @@ TEST(InvarianceExtremes, LightOfAnyStrengthIsChosenAlike) {
 }
 
 TEST(InvarianceExtremes, WhatMovesIsMetAtAnySize) {
-  Sweep sweep(9, "ball that moves by twice its size in a second", "1e-30 ... 1e17 m",
+  Sweep sweep(9, "ball that moves by twice its size in a second", "1e-30 ... 1e29 m",
               "where a ray meets it at half time");
-  for (const double s : {1e-30, 1e-20, 1e-10, 1.0, 1e5, 1e10, 1e15, 1e17})
+  for (const double s : {1e-30, 1e-20, 1e-10, 1.0, 1e5, 1e10, 1e15, 1e19, 1e24, 1e29})
     for (const bool as_instance : {false, true}) {
       SceneDescription d = description();
       const KeyTransform keys[] = {{0, Transform()}, {1, Transform::translate({4 * s, 0, 0})}};
@@ -230,14 +230,14 @@ TEST(InvarianceExtremes, SizesBelowAreRefused) {
 }
 
 TEST(InvarianceExtremes, SizesBeyondAreRefused) {
-  Sweep sweep(9, "the same room", "1e19 ... 1e300 m", "answer at load");
-  for (const double s : {1e19, 1e25, 1e30, 1e100, 1e300}) {
+  Sweep sweep(9, "the same room", "1e31 ... 1e300 m", "answer at load");
+  for (const double s : {1e31, 1e35, 1e40, 1e100, 1e300}) {
     const auto scene = Scene::build(scaled_scene(small_room(), s));
     const std::string message(scene.status().message());
     sweep.answer(scene.ok() ? "built" : message.substr(message.find("allowed")));
   }
   sweep.textbook_answer("Embree ends the process from 1.8e18 m on");
-  sweep.expect_answers("allowed are coordinates up to 1e18");
+  sweep.expect_answers("allowed are coordinates up to 1e30");
 }
 
 }  // namespace

@@ -1,0 +1,157 @@
+// Row 7: receivers exactly on triangles and quadrilaterals.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "lights/light.h"
+#include "tests/lights/extremes/on_light.h"
+
+namespace lucerna::testing {
+namespace {
+
+TEST(OnLightExtremes, Triangles) {
+  Sweep sweep(7, "receiver on a triangle: its vertices, its edges, within", kSwept, "answer");
+  for (const Place& f : frames())
+    for (const bool two_sided : {false, true}) {
+      const Vec3<double> a = f.point(1, 2, 3), b = f.point(9, -6, 11), c = f.point(-7, 10, 19);
+      const auto light = TriangleMeshLight<Served>::create(
+          {Rgb<double>(1), two_sided}, *TriangleMesh<Served>::create({{a, b, c}}));
+      const Vec3<double> normal = normalized(cross(b - a, c - a));
+      // Of a, b and c, in eighths: all of these are exact.
+      for (const Vec3<double>& share : {Vec3<double>{8, 0, 0},
+                                        {0, 8, 0},
+                                        {0, 0, 8},
+                                        {4, 4, 0},
+                                        {0, 4, 4},
+                                        {6, 0, 2},
+                                        {2, 2, 4},
+                                        {1, 3, 4},
+                                        {3, 3, 2}}) {
+        const Vec3<double> on = a + (b - a) * (share.y / 8) + (c - a) * (share.z / 8);
+        ask(*light, on, sweep);
+        textbook(Vec3<float>(a * 0.5 + b * 0.25 + c * 0.25) - Vec3<float>(on), Vec3<float>(normal),
+                 static_cast<float>(light->area_m2()), sweep);
+      }
+    }
+  sweep.expect_answers(NoLight::kDegenerate);
+}
+
+TEST(OnLightExtremes, Rectangles) {
+  Sweep sweep(7, "receiver on a rectangle: its corners, its edges, within", kSwept, "answer");
+  for (const Place& f : frames())
+    for (const bool two_sided : {false, true})
+      for (const bool tilted : {false, true}) {
+        // (2, 1, 2), (1, 2, -2): at right angles, of length 3.
+        const auto at = [&](double u, double v) {
+          return tilted ? f.point(2 * u + v, u + 2 * v, 2 * u - 2 * v) : f.point(3 * u, 5 * v, 0);
+        };
+        const auto light = PatchMeshLight<Served>::create(
+            {Rgb<double>(1), two_sided},
+            *PatchMesh<Served>::create({{at(0, 0), at(4, 0), at(0, 8), at(4, 8)}}));
+        for (const Vec2<double>& p : {Vec2<double>{0, 0},
+                                      {4, 0},
+                                      {0, 8},
+                                      {4, 8},
+                                      {2, 0},
+                                      {0, 5},
+                                      {4, 3},
+                                      {1, 8},
+                                      {2, 4},
+                                      {1, 7},
+                                      {3, 0.5}}) {
+          ask(*light, at(p.x, p.y), sweep);
+          textbook(Vec3<float>(at(1, 1)) - Vec3<float>(at(p.x, p.y)),
+                   Vec3<float>(normalized(cross(at(1, 0) - at(0, 0), at(0, 1) - at(0, 0)))),
+                   static_cast<float>(light->area_m2()), sweep);
+        }
+      }
+  sweep.expect_answers(NoLight::kDegenerate);
+}
+
+TEST(OnLightExtremes, Trapezoids) {
+  Sweep sweep(7, "receiver on a flat quadrilateral that is no rectangle", kSwept, "answer");
+  for (const Place& f : frames())
+    for (const bool two_sided : {false, true}) {
+      // In the plane of (2, 1, 2) and (1, 2, -2): 4 of the one, 8 of the other and, opposite, 4.
+      const auto at = [&](double u, double v) {
+        return f.point(2 * u + v, u + 2 * v, 2 * u - 2 * v);
+      };
+      const auto light = PatchMeshLight<Served>::create(
+          {Rgb<double>(1), two_sided},
+          *PatchMesh<Served>::create({{at(0, 0), at(4, 0), at(0, 8), at(4, 4)}}));
+      for (const Vec2<double>& p : {Vec2<double>{0, 0},
+                                    {4, 0},
+                                    {0, 8},
+                                    {4, 4},
+                                    {2, 0},
+                                    {0, 5},
+                                    {4, 3},
+                                    {2, 6},
+                                    {1, 2},
+                                    {3, 0.5}})
+        ask(*light, at(p.x, p.y), sweep);
+    }
+  sweep.expect_answers(NoLight::kDegenerate);
+}
+
+TEST(OnLightExtremes, BentPatchesFromTheirOwnCorner) {
+  // The directions to (u, v, u v) from its corner 0 end where u or v is 1: the integral of the sine
+  // of the elevation there over the azimuth is pi / 6.
+  Sweep sweep(7, "receiver at a corner of a bent patch, which sees all of it",
+              "sizes 2^-80 ... 2^60 m, offsets 0 ... 3 sizes", "mean of 1 / density");
+  for (const Place& f : frames()) {
+    // Where zero is 1e6 sizes away, doubles next to the corner are farther apart than the patch
+    // is bent.
+    if (max_abs(f.offset) > 3 * f.size) continue;
+    const auto light =
+        patch_light({f.point(0, 0, 0), f.point(1, 0, 0), f.point(0, 1, 0), f.point(1, 1, 1)});
+    const Receiver<Served> receiver(f.point(0, 0, 0));
+    const Seen seen = seen_beside_diagonal(light, receiver);
+    EXPECT_EQ(seen.without, 0) << f.size;
+    sweep.compare(seen.solid_angle_sr, std::numbers::pi / 6,
+                  fmt::format("size {} offset {}", f.size, max_abs(f.offset) / f.size));
+    for (const double x : {0.0, 0.3, 1.0})
+      for (const auto& u : {Vec2<double>{x, 0}, {0, x}}) {
+        // Along the edges, which it is on.
+        const auto s = light.sample_li(receiver, u);
+        EXPECT_NE(s.reason, NoLight::kNone);
+        EXPECT_EQ(s.value.max_component(), 0);
+      }
+  }
+  sweep.expect_within(1e-9);
+}
+
+TEST(OnLightExtremes, CornersOfAnyDigits) {
+  Sweep sweep(7, "receiver at a corner of a triangle or a rectangle of random digits", kSwept,
+              "answer");
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> digits(-1, 1);
+  const auto any = [&] { return Vec3<double>{digits(random), digits(random), digits(random)}; };
+  for (const Place& f : frames())
+    for (int i = 0; i < 20; ++i) {
+      const auto at = [&f](const Vec3<double>& p) { return f.point(p.x, p.y, p.z); };
+      const Vec3<double> a = any(), e = any(), way = any();
+      const Vec3<double> h = normalized(cross(e, way)) * 0.7;
+      const DiffuseEmission emission{Rgb<double>(1), i % 2 == 0};
+      const auto triangle = TriangleMeshLight<Served>::create(
+          emission, *TriangleMesh<Served>::create({{at(a), at(a + e), at(a + way)}}));
+      const Vec3<double> within = (a * 2 + (a + e) + (a + way)) / 4;
+      for (const Vec3<double>& corner : {a, a + e, a + way}) {
+        ask(*triangle, at(corner), sweep);
+        textbook(Vec3<float>(at(within)) - Vec3<float>(at(corner)),
+                 Vec3<float>(normalized(cross(e, way))), static_cast<float>(triangle->area_m2()),
+                 sweep);
+      }
+      const auto rectangle = PatchMeshLight<Served>::create(
+          emission, *PatchMesh<Served>::create({{at(a), at(a + e), at(a + h), at(a + e + h)}}));
+      for (const Vec3<double>& corner : {a, a + e, a + h, a + e + h})
+        ask(*rectangle, at(corner), sweep);
+    }
+  sweep.expect_answers(NoLight::kDegenerate);
+}
+
+}  // namespace
+}  // namespace lucerna::testing

@@ -1,0 +1,67 @@
+// Row 7: what receivers exactly on a light are answered.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "lights/light_sample.h"
+#include "tests/lights/extremes/area_extremes.h"
+#include "tests/sweep.h"
+
+namespace lucerna::testing {
+
+/// Sizes and offsets under which whole numbers stay exact.
+struct Place {
+  double size;
+  Vec3<double> offset;
+  Vec3<double> point(double x, double y, double z) const {
+    return offset + Vec3<double>{x, y, z} * size;
+  }
+};
+
+inline std::vector<Place> frames() {
+  std::vector<Place> all;
+  for (const int exponent : {-80, -20, 0, 20, 60}) {
+    const double size = std::ldexp(1.0, exponent);
+    for (const Vec3<double>& shift : {Vec3<double>{0, 0, 0}, {1, -2, 3}, {4096, -65536, 1048576}})
+      all.push_back({size, shift * size});
+  }
+  return all;
+}
+inline constexpr char kSwept[] = "sizes 2^-80 ... 2^60 m, offsets 0 ... 1e6 sizes";
+
+/// What one sample after another answers at a receiver that lies on the light.
+template <typename Light>
+void ask(const Light& light, const Vec3<Served>& position, Sweep& sweep) {
+  for (int way = 0; way <= static_cast<int>(AreaSampling::kCosineSolidAngle); ++way)
+    for (const double x : {0.0, 0.125, 0.4, 0.75, 1.0})
+      for (const double y : {0.0, 0.3, 0.5, 0.9, 1.0}) {
+        Receiver<Served> receiver(position);
+        receiver.normal = {0, 0, 1};
+        receiver.area_sampling = static_cast<AreaSampling>(way);
+        const auto sample = light.sample_li(receiver, {x, y});
+        sweep.answer(sample.reason);
+        EXPECT_EQ(sample.value.max_component(), 0);
+        EXPECT_TRUE(std::isfinite(sample.pdf.per_sr));
+        // The density of directions says the same.
+        if (sample.wi != Vec3<Served>{}) {
+          EXPECT_EQ(light.pdf_li(receiver, sample.wi).per_sr, 0);
+        }
+      }
+}
+
+/// L A cos / d^2 of a light of radiance 1 in floats, or I / d^2 where the receiver is the point.
+inline void textbook(const Vec3<float>& to_light, const Vec3<float>& normal, float area,
+                     Sweep& sweep) {
+  const float d2 = dot(to_light, to_light);
+  const float cos = dot(normal, to_light) / std::sqrt(d2);
+  const float value = area * cos / d2;
+  sweep.textbook_answer(std::isnan(value)   ? "NaN"
+                        : std::isinf(value) ? "infinite"
+                        : value == 0        ? "0"
+                                            : "a number");
+}
+
+}  // namespace lucerna::testing

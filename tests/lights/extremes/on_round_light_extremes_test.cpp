@@ -1,0 +1,130 @@
+// Row 7: receivers exactly on spheres, cylinders and disks.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "lights/light.h"
+#include "tests/lights/extremes/on_light.h"
+
+namespace lucerna::testing {
+namespace {
+
+TEST(OnLightExtremes, CutSpheresAndRims) {
+  Sweep sweep(7, "receiver on a sphere off its axes, on the rim of a cut sphere or a cylinder",
+              kSwept, "answer");
+  for (const Place& f : frames()) {
+    SphereParams whole;
+    whole.radius_m = 9 * f.size;
+    whole.world_from_object = Transform::translate(f.point(1, 2, 3));
+    const auto ball =
+        *SphereLight<Served>::create({Rgb<double>(1)}, *Sphere<Served>::create(whole));
+    for (const Vec3<double>& p : {Vec3<double>{1, 4, 8}, {-4, 7, 4}, {6, -3, -6}, {8, 4, -1}})
+      ask(ball, f.point(1 + p.x, 2 + p.y, 3 + p.z), sweep);
+    SphereParams part = whole;
+    part.radius_m = 5 * f.size;
+    part.z_min_m = -4 * f.size;
+    part.z_max_m = 3 * f.size;
+    const auto cut = *SphereLight<Served>::create({Rgb<double>(1)}, *Sphere<Served>::create(part));
+    for (const Vec3<double>& p : {Vec3<double>{4, 0, 3}, {0, -4, 3}, {-3, 0, -4}, {3, 4, 0}})
+      ask(cut, f.point(1 + p.x, 2 + p.y, 3 + p.z), sweep);
+    CylinderParams cylinder;
+    cylinder.radius_m = 5 * f.size;
+    cylinder.z_min_m = -8 * f.size;
+    cylinder.z_max_m = 8 * f.size;
+    cylinder.world_from_object = whole.world_from_object;
+    const auto tube =
+        *CylinderLight<Served>::create({Rgb<double>(1)}, *Cylinder<Served>::create(cylinder));
+    for (const Vec3<double>& p : {Vec3<double>{5, 0, 8}, {3, 4, 8}, {-4, 3, -8}, {-3, -4, 1}})
+      ask(tube, f.point(1 + p.x, 2 + p.y, 3 + p.z), sweep);
+  }
+  sweep.expect_answers(NoLight::kDegenerate);
+}
+
+TEST(OnLightExtremes, Disks) {
+  Sweep sweep(7, "receiver on a disk: its middle, its rim, between", kSwept, "answer");
+  for (const Place& f : frames())
+    for (const bool two_sided : {false, true}) {
+      DiskParams params;
+      params.radius_m = 4 * f.size;
+      params.world_from_object = Transform::translate(f.point(1, 2, 3));
+      const auto light =
+          DiskLight<Served>::create({Rgb<double>(1), two_sided}, *Disk<Served>::create(params));
+      for (const Vec2<double>& p :
+           {Vec2<double>{0, 0}, {4, 0}, {0, -4}, {-4, 0}, {1, 2}, {-3, 0.5}, {2, -2}}) {
+        ask(*light, f.point(1 + p.x, 2 + p.y, 3), sweep);
+        textbook(Vec3<float>(f.point(1, 2.5, 3)) - Vec3<float>(f.point(1 + p.x, 2 + p.y, 3)),
+                 {0, 0, 1}, static_cast<float>(light->area_m2()), sweep);
+      }
+    }
+  sweep.expect_answers(NoLight::kDegenerate);
+}
+
+TEST(OnLightExtremes, SpheresAndCylindersFromWithout) {
+  Sweep sweep(7, "receiver on a sphere or a cylinder that shines outwards", kSwept, "answer");
+  for (const Place& f : frames()) {
+    SphereParams sphere;
+    sphere.radius_m = 4 * f.size;
+    sphere.world_from_object = Transform::translate(f.point(1, 2, 3));
+    const auto ball =
+        SphereLight<Served>::create({Rgb<double>(1)}, *Sphere<Served>::create(sphere));
+    CylinderParams cylinder;
+    cylinder.radius_m = 4 * f.size;
+    cylinder.z_min_m = -8 * f.size;
+    cylinder.z_max_m = 8 * f.size;
+    cylinder.world_from_object = sphere.world_from_object;
+    const auto tube =
+        CylinderLight<Served>::create({Rgb<double>(1)}, *Cylinder<Served>::create(cylinder));
+    for (const Vec2<double>& p : {Vec2<double>{4, 0}, {0, -4}, {-4, 0}}) {
+      const Vec3<double> on = f.point(1 + p.x, 2 + p.y, 3);
+      ask(*ball, on, sweep);
+      ask(*tube, on, sweep);
+      textbook(Vec3<float>(f.point(1, 2, 7)) - Vec3<float>(on), {0, 0, 1},
+               static_cast<float>(ball->area_m2()), sweep);
+    }
+  }
+  sweep.expect_answers(NoLight::kDegenerate);
+}
+
+TEST(OnLightExtremes, SpheresFromWithin) {
+  Sweep sweep(7, "receiver on a sphere that shines inwards", kSwept,
+              "density of points across, cos / pi");
+  // A sampled point is where doubles so far from zero lie, off the sphere by a rounding of its
+  // coordinates; a radius is four sizes.
+  const auto bound = [](double offset_sizes) { return 1e-14 + 2 * 0x1p-53 * offset_sizes / 4; };
+  double farthest = 0;
+  for (const Place& f : frames()) farthest = std::fmax(farthest, max_abs(f.offset) / f.size);
+  for (const Place& f : frames())
+    for (const bool two_sided : {false, true}) {
+      SphereParams params;
+      params.radius_m = 4 * f.size;
+      params.reverse_orientation = !two_sided;
+      params.world_from_object = Transform::translate(f.point(1, 2, 3));
+      const auto light =
+          SphereLight<Served>::create({Rgb<double>(1), two_sided}, *Sphere<Served>::create(params));
+      for (const Vec3<double>& outwards :
+           {Vec3<double>{1, 0, 0}, {0, -1, 0}, {-1, 0, 0}, {0, 0, 1}})
+        for (const double x : {0.125, 0.4, 0.75})
+          for (const double y : {0.1, 0.3, 0.6, 0.9}) {
+            const Receiver<Served> receiver(f.point(1, 2, 3) + outwards * params.radius_m);
+            const auto sample = light->sample_li(receiver, {x, y});
+            ASSERT_EQ(sample.reason, NoLight::kNone);
+            const double cos = -dot(sample.wi, outwards), truth = cos / std::numbers::pi;
+            const std::string at = fmt::format("size {}, u {}, {}", f.size, x, y);
+            sweep.compare(sample.pdf.per_sr, truth, at);
+            EXPECT_LE(relative_error(sample.pdf.per_sr, truth), bound(max_abs(f.offset) / f.size))
+                << at;
+            const Vec3<float> way = Vec3<float>(sample.point) - Vec3<float>(receiver.position);
+            const float d2 = dot(way, way);
+            const float cos_light = -dot(Vec3<float>(sample.normal), way) / std::sqrt(d2);
+            sweep.compare_textbook(
+                d2 / (std::fabs(cos_light) * static_cast<float>(light->area_m2())), truth);
+          }
+    }
+  sweep.expect_within(bound(farthest));
+}
+
+}  // namespace
+}  // namespace lucerna::testing
