@@ -80,7 +80,7 @@ std::vector<BadLight> bad_lights() {
        "ActiveTransform EndTime Translate 2 2 2 " + point, nullptr, "", "", 37,
        "motion that scales or shears"},
       // Found only when the scene is built.
-      {"motion beyond all rays", "ActiveTransform EndTime Translate 1e19 0 0 " + point,
+      {"motion beyond all rays", "ActiveTransform EndTime Translate 1e31 0 0 " + point,
        "ActiveTransform EndTime Translate 1 0 0 " + point, nullptr, "", "", 44,
        "motion reaching to 1"},
   };
