@@ -11,7 +11,7 @@ packages=(
   colord-data
   libcli11-dev libspdlog-dev libfmt-dev
   libgtest-dev libgmock-dev libbenchmark-dev
-  python3 python3-grpcio python3-protobuf python3-mpmath
+  python3 python3-grpcio python3-protobuf python3-mpmath python3-numpy
 )
 [ $# -eq 0 ] || packages=("$@")
 

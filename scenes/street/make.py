@@ -1,0 +1,424 @@
+#!/usr/bin/python3
+"""Writes the data of the street: houses, its thousands of lights, and the points to measure at.
+
+Debian packages: those of modelling.py.
+"""
+import math
+import pathlib
+import random
+import sys
+
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent))
+import modelling
+
+KERB, FRONT, LENGTH, FLOOR = 3.6, 6.2, 78.0, 3.1  # half widths of road and street, its length, a storey
+WARM, WHITE, COLD = (1.33, 0.94, 0.55), (1.12, 0.98, 0.84), (0.85, 1.0, 1.4)  # of luminance about 1
+REFLECTANCES = {
+    "asphalt": (0.07, 0.07, 0.075),
+    "line": (0.6, 0.6, 0.58),
+    "paving": (0.2, 0.19, 0.18),
+    "paving_dark": (0.15, 0.145, 0.14),
+    "kerb": (0.28, 0.27, 0.26),
+    "facade_a": (0.5, 0.24, 0.16),
+    "facade_b": (0.58, 0.47, 0.28),
+    "facade_c": (0.26, 0.36, 0.4),
+    "facade_d": (0.56, 0.52, 0.46),
+    "facade_e": (0.42, 0.17, 0.14),
+    "facade_f": (0.28, 0.36, 0.25),
+    "trim": (0.62, 0.6, 0.55),
+    "roof": (0.1, 0.09, 0.09),
+    "frame": (0.5, 0.48, 0.44),
+    "glass": (0.03, 0.035, 0.04),
+    "black": (0.03, 0.03, 0.03),
+    "wood": (0.3, 0.19, 0.11),
+    "shop": (0.66, 0.62, 0.56),
+    "awning_a": (0.55, 0.09, 0.08),
+    "awning_b": (0.09, 0.22, 0.36),
+    "awning_c": (0.68, 0.62, 0.5),
+    "leaf": (0.09, 0.2, 0.05),
+    "goods_a": (0.6, 0.15, 0.1),
+    "goods_b": (0.12, 0.3, 0.5),
+    "goods_c": (0.7, 0.55, 0.15),
+    "car": (0.4, 0.05, 0.05),
+    "car_blue": (0.06, 0.12, 0.28),
+    "chrome": (0.5, 0.5, 0.5),
+    "tower": (0.12, 0.12, 0.14),
+}
+
+
+class Lights:
+    """The text of lights.pbrt.  Lights of one level stand together: a level is said once."""
+
+    def __init__(self):
+        self.groups, self.single = {}, []
+
+    def area(self, level, colour, shape):
+        """`level`: luminance [cd/m2] by which the colour is multiplied."""
+        key = modelling.numbers((level * c for c in colour), 100)
+        self.groups.setdefault(key, []).append(shape)
+
+    def rectangle(self, level, colour, corner, across, up):
+        """Shines to the side of across x up."""
+        a, u, v = (modelling.np.array(p, float) for p in (corner, across, up))
+        points = modelling.numbers([c for p in (a, a + u, a + v, a + u + v) for c in p], 1000)
+        self.area(level, colour, f'  Shape "bilinearmesh" "point3 P" [{points}]\n')
+
+    def triangle(self, level, colour, a, b, c):
+        points = modelling.numbers([*a, *b, *c], 1000)
+        self.area(level, colour, f'  Shape "trianglemesh" "point3 P" [{points}] "integer indices" [0 1 2]\n')
+
+    def bulb(self, lumens, colour, at, radius):
+        """A sphere."""
+        level = lumens / (math.pi * 4 * math.pi * radius**2)
+        self.area(level, colour, f'  AttributeBegin Translate {modelling.numbers(at, 1000)} Shape "sphere" "float radius" [{radius:g}] AttributeEnd\n')
+
+    def tube(self, level, colour, a, b, radius=0.012):
+        """A cylinder upright or along y, the ways that neon is bent here."""
+        turn = "" if abs(b[2] - a[2]) > abs(b[1] - a[1]) else " Rotate -90 1 0 0"
+        long = max(abs(b[2] - a[2]), abs(b[1] - a[1]))
+        low = a if a[1] + a[2] < b[1] + b[2] else b
+        shape = f'"float radius" [{radius:g}] "float zmin" [0] "float zmax" [{modelling.number(long, 1000)}]'
+        self.area(level, colour, f'  AttributeBegin Translate {modelling.numbers(low, 1000)}{turn} Shape "cylinder" {shape} AttributeEnd\n')
+
+    def point(self, candela, colour, at):
+        level = modelling.numbers((candela * c for c in colour), 10000)
+        self.single.append(f'LightSource "point" "rgb I" [{level}] "point3 from" [{modelling.numbers(at, 1000)}]\n')
+
+    def spot(self, candela, colour, at, to, cone, edge):
+        level = modelling.numbers((candela * c for c in colour), 100)
+        places = f'"point3 from" [{modelling.numbers(at, 1000)}] "point3 to" [{modelling.numbers(to, 1000)}]'
+        self.single.append(f'LightSource "spot" "rgb I" [{level}] {places} "float coneangle" [{cone}] "float conedeltaangle" [{edge}]\n')
+
+    def lantern(self, at, turn):
+        self.single.append(
+            f"AttributeBegin\n  Translate {modelling.numbers(at, 1000)}\n  Rotate {turn} 0 0 1\n  Rotate 180 1 0 0\n"
+            '  LightSource "goniometric" "string filename" "lantern.ies" "rgb I" [1.3 0.95 0.58]\nAttributeEnd\n'
+        )
+
+    def text(self):
+        parts = ["# Made by make.py.\n", *self.single]
+        for level, shapes in self.groups.items():
+            parts.append(f'AttributeBegin\n  AreaLightSource "diffuse" "rgb L" [{level}]\n{"".join(shapes)}AttributeEnd\n')
+        return "".join(parts).encode()
+
+
+def road(model):
+    model.quad("asphalt", (-KERB, -12, 0), (KERB, -12, 0), (KERB, LENGTH + 60, 0), (-KERB, LENGTH + 60, 0))
+    for i in range(28):
+        y = -10 + 3.2 * i
+        model.box("line", (-0.06, y, 0), (0.06, y + 1.5, 0.004))
+    rng = random.Random(1)
+    for side in (-1, 1):
+        a, b = sorted((side * KERB, side * (KERB + 0.16)))
+        model.box("kerb", (a, -12, 0), (b, LENGTH + 60, 0.13))
+        for i in range(150):  # slabs
+            for j in range(4):
+                y, x = -12 + 0.62 * i, KERB + 0.16 + 0.61 * j
+                u, v = sorted((side * x, side * (x + 0.6)))
+                model.box("paving" if rng.random() < 0.7 else "paving_dark", (u, y, 0), (v, y + 0.61, 0.118 + 0.004 * rng.random()))
+
+
+def window(model, lights, side, y, z, width, height, rng):
+    """In a facade, with a frame and four panes; lit, or dark."""
+    x = side * FRONT
+    depth = lambda d: sorted((x, x - side * d))  # from the facade towards the street
+    for low, high in (((y - 0.08, z - 0.1), (y + width + 0.08, z)), ((y - 0.08, z + height), (y + width + 0.08, z + height + 0.12))):
+        a, b = depth(0.14)
+        model.box("trim", (a, *low), (b, *high))
+    a, b = depth(0.06)
+    for v in (y - 0.06, y + width / 2 - 0.03, y + width):
+        model.box("frame", (a, v, z), (b, v + 0.06, z + height))
+    model.box("frame", (a, y, z + height * 0.62), (b, y + width, z + height * 0.62 + 0.05))
+    kind = rng.random()
+    colour = WARM if kind < 0.72 else WHITE if kind < 0.9 else COLD
+    lit, level = rng.random() < 0.52, 12 + 38 * rng.random() ** 2
+    panes = [(y, z, width / 2 - 0.03, height * 0.62), (y + width / 2 + 0.03, z, width / 2 - 0.03, height * 0.62)]
+    panes += [(v, z + height * 0.62 + 0.05, w, height * 0.38 - 0.05) for v, _, w, _ in panes]
+    for v, u, w, h in panes:
+        if lit:
+            # A curtain or the wall behind makes some darker.
+            pane = round(level * (0.55 + 0.45 * rng.random()))
+            face = x - side * 0.02
+            if side > 0:  # towards -x
+                lights.rectangle(pane, colour, (face, v + w, u), (0, -w, 0), (0, 0, h))
+            else:
+                lights.rectangle(pane, colour, (face, v, u), (0, w, 0), (0, 0, h))
+        else:
+            c, d = depth(0.02)
+            model.box("glass", (c, v, u), (d, v + w, u + h))
+
+
+def shop(model, lights, side, y, width, rng):
+    """A lit room of 2.2 m behind a front without glass, with spots, shelves and goods; an awning and a sign."""
+    inner, back, low, high = side * FRONT, side * (FRONT + 2.2), 0.45, 2.75
+    facing = lambda x0, x1: sorted((x0, x1))
+    a, b = facing(inner, back)
+    model.box("shop", (a, y, low - 0.05), (b, y + width, low))
+    model.box("shop", (a, y, high), (b, y + width, high + 0.05))
+    c, d = facing(back, back + side * 0.05)
+    model.box("shop", (c, y, low), (d, y + width, high))
+    model.box("shop", (a, y - 0.05, low), (b, y, high))
+    model.box("shop", (a, y + width, low), (b, y + width + 0.05, high))
+    for i in range(2):
+        z = 1.15 + 0.6 * i
+        e, f = facing(back, back - side * 0.35)
+        model.box("wood", (e, y + 0.1, z), (f, y + width - 0.1, z + 0.03))
+    surfaces = ("goods_a", "goods_b", "goods_c", "shop", "wood")
+    for i in range(int(width / 0.28)):
+        for z in (low, 1.18, 1.78):
+            if rng.random() < 0.75:
+                h, w = 0.14 + 0.3 * rng.random(), 0.07 + 0.05 * rng.random()
+                at = (back - side * (0.18 if z > low else 0.5 + 1.2 * rng.random()), y + 0.25 + 0.28 * i, z)
+                if at[1] + w > y + width - 0.05:
+                    continue
+                surface = surfaces[int(rng.random() * 5)]
+                if rng.random() < 0.5:
+                    model.lathe(surface, [(0, 0), (w, 0), (w * 1.1, h * 0.5), (w * 0.4, h), (0, h)], 12, at)
+                else:
+                    model.box(surface, (at[0] - w, at[1] - w, z), (at[0] + w, at[1] + w, z + h))
+    colour = (WARM, WHITE, WHITE, COLD)[int(rng.random() * 4)]
+    for i in range(5):
+        v = y + width * (i + 0.5) / 5
+        lights.spot(60, colour, (inner + side * 0.35, v, high - 0.04), (back - side * 0.5, v, low + 0.2), 38, 16)
+    if side > 0:
+        lights.rectangle(220, colour, (inner + side * 1.2, y + width - 0.3, high - 0.02), (0, 0.6 - width, 0), (-0.1, 0, 0))
+    else:
+        lights.rectangle(220, colour, (inner + side * 1.2, y + 0.3, high - 0.02), (0, width - 0.6, 0), (0.1, 0, 0))
+    awning = ("awning_a", "awning_b", "goods_c")[int(rng.random() * 3)]
+    stripes = int(width / 0.4)
+    for i in range(stripes):
+        v, w = y + width * i / stripes, y + width * (i + 1) / stripes
+        out = inner - side * 1.05
+        model.quad(awning if i % 2 else "awning_c", (inner, v, 3.0), (inner, w, 3.0), (out, w, 2.62), (out, v, 2.62))
+        model.quad(awning if i % 2 else "awning_c", (out, v, 2.62), (out, w, 2.62), (out, w, 2.42), (out, v, 2.42))
+
+
+def house(model, lights, side, y, width, storeys, surface, rng):
+    height, inner = FLOOR * storeys + 0.35, side * FRONT
+    a, b = sorted((inner, inner + side * 7))
+    deep = inner + side * 2.3
+    # Below the first floor stands only what leaves the shop its room.
+    opening = (y + 0.5, y + width - 1.5)
+    model.box(surface, (a, y, FLOOR - 0.3), (b, y + width, height))
+    for low, high in ((y, opening[0] - 0.05), (opening[1] + 0.05, y + width)):
+        model.box(surface, (a, low, 0), (b, high, FLOOR - 0.3))
+    c, d = sorted((inner, deep))
+    model.box("wood", (c, opening[0] - 0.05, 0), (d, opening[1] + 0.05, 0.4))
+    e, f = sorted((inner - side * 0.18, inner))
+    for z in (FLOOR, height - 0.25):
+        model.box("trim", (e, y, z), (f, y + width, z + 0.2))
+    shop(model, lights, side, opening[0], opening[1] - opening[0], rng)
+    e, f = sorted((inner - side * 0.04, inner))  # the door
+    model.box("wood", (e, y + width - 1.25, 0.12), (f, y + width - 0.35, 2.35))
+    lights.bulb(300, WARM, (inner - side * 0.2, y + width - 0.8, 2.62), 0.07)
+    count = max(2, int(width / 2.1))
+    for storey in range(1, storeys):
+        for i in range(count):
+            v = y + width * (i + 0.5) / count - 0.5
+            window(model, lights, side, v, FLOOR * storey + 0.95, 1.0, 1.55, rng)
+    ridge = height + 1.2 + 1.2 * rng.random()
+    roof = [(a - 0.1, y), (b + 0.1, y)]
+    mid = (a + b) / 2
+    for u in roof:
+        v, w = y, y + width
+        model.quad("roof", (u[0], v, height), (u[0], w, height), (mid, w, ridge), (mid, v, ridge))
+    for v in (y, y + width):
+        model.add(surface, [(a, v, height), (b, v, height), (mid, v, ridge)], [(0, 1, 2)])
+    model.box("facade_e", (mid - 0.3, y + 0.8, height), (mid + 0.3, y + 1.4, ridge + 0.9))
+
+
+def houses(model, lights):
+    rng = random.Random(7)
+    for side in (-1, 1):
+        y, last = -9.0, -1
+        while y < LENGTH:
+            kind = int(rng.random() * 6)
+            kind = (kind + 1) % 6 if kind == last else kind
+            last, width, storeys = kind, 5.4 + 2.6 * rng.random(), 3 + int(rng.random() * 2)
+            house(model, lights, side, y, width, storeys, "facade_" + "abcdef"[kind], rng)
+            y += width
+
+
+STROKES = {  # letters of upright and level strokes: y from, z from, y to, z to, of 2 x 4
+    "A": ((0, 0, 0, 4), (2, 0, 2, 4), (0, 4, 2, 4), (0, 2, 2, 2)),
+    "B": ((0, 0, 0, 4), (2, 0, 2, 4), (0, 4, 2, 4), (0, 2, 2, 2), (0, 0, 2, 0)),
+    "C": ((0, 0, 0, 4), (0, 4, 2, 4), (0, 0, 2, 0)),
+    "E": ((0, 0, 0, 4), (0, 4, 2, 4), (0, 2, 1.6, 2), (0, 0, 2, 0)),
+    "F": ((0, 0, 0, 4), (0, 4, 2, 4), (0, 2, 1.6, 2)),
+    "H": ((0, 0, 0, 4), (2, 0, 2, 4), (0, 2, 2, 2)),
+    "I": ((1, 0, 1, 4),),
+    "L": ((0, 0, 0, 4), (0, 0, 2, 0)),
+    "O": ((0, 0, 0, 4), (2, 0, 2, 4), (0, 4, 2, 4), (0, 0, 2, 0)),
+    "P": ((0, 0, 0, 4), (2, 2, 2, 4), (0, 4, 2, 4), (0, 2, 2, 2)),
+    "T": ((1, 0, 1, 4), (0, 4, 2, 4)),
+}
+
+
+def neon(lights, model, side, y, z, word, size, colour, level):
+    """A word on a facade, read from the street."""
+    x = side * (FRONT - 0.2)
+    a, b = sorted((x + side * 0.05, x + side * 0.1))
+    long = 3.1 * size * len(word)
+    model.box("black", (a, y - size, z - size), (b, y + long, z + 5 * size))
+    for i, letter in enumerate(word):
+        for p, q, r, s in STROKES[letter]:
+            # Facing -x, what is read from left to right runs along -y.
+            at = [(y + long - size - (3.1 * i + u) * size if side > 0 else y + (3.1 * i + u) * size, z + v * size) for u, v in ((p, q), (r, s))]
+            lights.tube(level, colour, (x, *at[0]), (x, *at[1]))
+
+
+def signs(model, lights):
+    red, cyan, green, pink = (3.6, 0.3, 0.15), (0.15, 1.1, 2.2), (0.4, 1.25, 0.3), (2.6, 0.45, 1.6)
+    neon(lights, model, 1, 9.0, 4.4, "HOTEL", 0.16, red, 2200)
+    neon(lights, model, -1, 15.5, 3.7, "CAFE", 0.15, cyan, 2200)
+    neon(lights, model, -1, 4.0, 3.8, "TABAC", 0.14, pink, 2200)
+    neon(lights, model, 1, 26.0, 3.7, "PATIO", 0.15, green, 2200)
+    # A marquee over the pavement on the left, 30 m on: a box edged with bulbs, chevrons on its front.
+    x0, x1, y0, y1, z0, z1 = -FRONT, -KERB + 0.2, 24.0, 31.0, 3.3, 4.3
+    model.box("awning_a", (x0, y0, z0), (x1, y1, z1))
+    for i in range(60):
+        t = i / 59
+        for z in (z0 + 0.06, z1 - 0.06):
+            lights.bulb(22, WARM, (x1 + 0.03, y0 + (y1 - y0) * t, z), 0.024)
+    for i in range(22):
+        for z in (z0 + 0.06, z1 - 0.06):
+            lights.bulb(22, WARM, (x0 + (x1 - x0) * (i + 0.5) / 22, y0 - 0.03, z), 0.024)
+    for i in range(14):
+        for j in range(5):
+            lights.point(9, WARM, (x0 + (x1 - x0) * (j + 0.5) / 5, y0 + (y1 - y0) * (i + 0.5) / 14, z0 - 0.03))
+    for i in range(12):
+        y = y0 + 0.3 + (y1 - y0 - 0.6) * i / 12
+        lights.triangle(350, (0.3, 1.1, 1.9) if i % 2 else WARM, (x1 + 0.01, y, z0 + 0.25), (x1 + 0.01, y + 0.4, z0 + 0.5), (x1 + 0.01, y, z0 + 0.75))
+
+
+def lanterns(model, lights):
+    for i in range(6):
+        for side in (-1, 1):
+            x, y = side * (KERB + 0.45), 3.5 + 13.0 * i + (6.5 if side > 0 else 0)
+            model.lathe("black", [(0.14, 0), (0.14, 0.25), (0.08, 0.35), (0.055, 0.5), (0.045, 4.9), (0, 4.95)], 14, (x, y, 0.12))
+            model.rod("black", (x, y, 4.7), (x - side * 0.9, y, 5.0), 0.03)
+            model.lathe("black", [(0, 0.3), (0.05, 0.28), (0.26, 0.06), (0.27, 0.0), (0.25, 0.0), (0.04, 0.25), (0, 0.26)], 18, (x - side * 0.9, y, 4.86))
+            lights.lantern((x - side * 0.9, y, 4.82), 0 if side < 0 else 180)
+
+
+def strings(model, lights):
+    """Garlands of bulbs from front to front."""
+    rng = random.Random(9)
+    for k in range(15):
+        y, z, count = 1.0 + 4.9 * k, 6.1 + 0.9 * rng.random(), 44
+        skew = 1.4 * (rng.random() - 0.5)
+        last = None
+        for i in range(count + 1):
+            t = 2 * i / count - 1
+            p = (FRONT * t, y + skew * t, z - 1.15 * (1 - t * t))
+            if last is not None:
+                model.rod("black", last, p, 0.006, 4)
+                if i < count:
+                    lights.bulb(16, WARM, (p[0], p[1], p[2] - 0.05), 0.03)
+            last = p
+
+
+def trees(model, lights):
+    """In boxes on the pavement, lamps all over them."""
+    rng = random.Random(10)
+    for i in range(8):
+        side = -1 if i % 2 else 1
+        x, y = side * 5.2, 6.4 + 8.1 * i
+        model.box("wood", (x - 0.35, y - 0.35, 0.12), (x + 0.35, y + 0.35, 0.6))
+        model.rod("wood", (x, y, 0.6), (x, y, 1.5), 0.04)
+        leaves = []
+        for _ in range(420):
+            h, a, r = 2 * rng.random() - 1, 2 * math.pi * rng.random(), 0.62 * rng.random() ** 0.4
+            s = math.sqrt(1 - h * h)
+            p = modelling.np.array([x + r * s * math.cos(a), y + r * s * math.sin(a), 2.0 + 1.15 * r * h])
+            leaves += [p] + [p + modelling.np.array([rng.random() - 0.5 for _ in range(3)]) * 0.2 for _ in (0, 1)]
+        model.add("leaf", leaves, modelling.np.arange(len(leaves)))
+        for _ in range(105):
+            h, a = 2 * rng.random() - 1, 2 * math.pi * rng.random()
+            s = math.sqrt(1 - h * h)
+            at, colour = (x + 0.66 * s * math.cos(a), y + 0.66 * s * math.sin(a), 2.0 + 0.76 * h), WHITE if rng.random() < 0.8 else WARM
+            if i < 3:
+                lights.bulb(2.5, colour, at, 0.009)
+            else:  # too far off to be more than a point
+                lights.point(0.2, colour, at)
+
+
+def car(model, lights, x, y, surface, towards):
+    """`towards`: -1 for one that comes, with its headlamps on, 0 for one that is parked."""
+    body = [(-2.1, 0.35), (2.1, 0.35), (2.15, 0.75), (1.2, 0.85), (0.55, 1.35), (-1.0, 1.38), (-1.7, 0.9), (-2.15, 0.8)]
+    with model.placed((x, y, 0), -90 if towards < 0 else 90):
+        n = len(body)
+        vertices = [(u, v, z) for v in (-0.82, 0.82) for u, z in body]
+        sides = [f for i in range(n) for j in [(i + 1) % n] for f in ((i, n + j, j), (i, n + i, n + j))]
+        caps = [(0, i, i + 1) for i in range(1, n - 1)] + [(n, n + i + 1, n + i) for i in range(1, n - 1)]
+        model.add(surface, vertices, sides + caps)
+        for v in (-0.825, 0.825):
+            model.add("glass", [(0.95, v, 0.9), (0.5, v, 1.27), (-0.95, v, 1.3), (-1.45, v, 0.92)], [(0, 1, 2), (0, 2, 3)])
+        model.add("glass", [(1.22, -0.7, 0.87), (1.22, 0.7, 0.87), (0.62, 0.68, 1.33), (0.62, -0.68, 1.33)], [(0, 1, 2), (0, 2, 3)])
+        model.add("glass", [(-1.66, -0.68, 0.95), (-1.66, 0.68, 0.95), (-1.06, 0.66, 1.36), (-1.06, -0.66, 1.36)], [(0, 1, 2), (0, 2, 3)])
+        model.box("chrome", (-2.2, -0.75, 0.38), (-2.12, 0.75, 0.47))
+        model.box("line", (-2.17, -0.26, 0.52), (-2.13, 0.26, 0.64))
+        for v in (-0.78, 0.56):
+            model.box("goods_a", (-2.18, v, 0.6), (-2.1, v + 0.22, 0.74))
+        for u in (-1.3, 1.35):
+            for v in (-0.84, 0.64):
+                model.rod("black", (u, v, 0.32), (u, v + 0.2, 0.32), 0.32, 20)
+                model.rod("chrome", (u, v - 0.005, 0.32), (u, v + 0.205, 0.32), 0.17, 16)
+    if towards < 0:
+        for v in (-0.6, 0.6):
+            lights.spot(9000, WHITE, (x + v, y - 2.2, 0.66), (x + v + 0.4, y - 22, 0.0), 16, 12)
+            lights.rectangle(6000, WHITE, (x + v - 0.1, y - 2.17, 0.6), (0.2, 0, 0), (0, 0, 0.12))
+
+
+def town(model, lights):
+    """Towers beyond the end of the street, their windows single rectangles."""
+    rng = random.Random(12)
+    for x, y, width, tall in ((-17, 112, 9, 34), (-5.5, 126, 10, 44), (6.5, 108, 8, 28), (15, 120, 10, 38)):
+        model.box("tower", (x - width / 2, y, 0), (x + width / 2, y + 10, tall))
+        for i in range(int(width / 0.95)):
+            for j in range(int(tall / 1.9)):
+                if rng.random() < 0.56:
+                    colour = (WARM, WHITE, COLD)[int(rng.random() * 3)]
+                    lights.rectangle(8 + 6 * int(rng.random() * 4), colour, (x - width / 2 + 0.3 + 0.95 * i, y - 0.05, 1.2 + 1.9 * j), (0.55, 0, 0), (0, 0, 0.95))
+
+
+def lantern(v, h):
+    """Of a street: most at 60 degrees from straight down along the kerb, C90 and C270, less towards the houses."""
+    along = abs(math.sin(math.radians(h)))
+    lobe = math.exp(-(((v - 58) / 17) ** 2)) * (0.25 + 0.75 * along**2)
+    return (0.55 * max(0, math.cos(math.radians(v))) + lobe) * min(1, max(0, (86 - v) / 12))
+
+
+def make():
+    model, lights = modelling.Model(REFLECTANCES), Lights()
+    road(model)
+    houses(model, lights)
+    signs(model, lights)
+    lanterns(model, lights)
+    strings(model, lights)
+    trees(model, lights)
+    car(model, lights, -1.7, 33, "car", -1)
+    for x, y, surface in ((2.75, 12.5, "car_blue"), (-2.75, 9.5, "car"), (2.75, 24, "awning_c"), (2.75, 41, "car")):
+        car(model, lights, x, y, surface, 0)
+    town(model, lights)
+    files = model.files()
+    files["lights.pbrt"] = lights.text()
+    files["lantern.ies"] = modelling.ies(("LANTERN 5200", "a street lantern, its road along C90"), 5200, lantern, [2.5 * i for i in range(37)], [15 * i for i in range(7)], (-0.5, -0.5, 0))
+    # Road and pavements.
+    points = [(-3.3 + 6.6 * i / 7, 1.5 + 70 * j / 49, 0) for j in range(50) for i in range(8)]
+    points += [(side * 4.9, 1.0 + 70 * j / 49, 0.13) for j in range(50) for side in (-1, 1)]
+    files["points.csv"] = modelling.csv((x, y, z, 0, 0, 1) for x, y, z in points if not under_a_car(x, y) and not (z > 0 and in_a_tree_box(y)))
+    return files
+
+
+def under_a_car(x, y):
+    return any(abs(x - u) < 0.95 and abs(y - v) < 2.3 for u, v in ((-1.7, 33), (2.75, 12.5), (-2.75, 9.5), (2.75, 24), (2.75, 41)))
+
+
+def in_a_tree_box(y):
+    return any(abs(y - (6.4 + 8.1 * i)) < 0.5 for i in range(8))
+
+
+if __name__ == "__main__":
+    modelling.main(__file__, make)
