@@ -312,7 +312,12 @@ std::optional<LightBounds<Real>> AreaLight<Real, Shape>::bounds() const {
     return LightBounds<Real>{lower, upper, cone.axis, cone.half_angle_rad};
   }
   const double cone = emission_.two_sided ? kPi : std::min(kPi, normals.half_angle_rad + kPi / 2);
-  return LightBounds<Real>{lower, upper, normals.axis, cone};
+  return LightBounds<Real>{.lower = lower,
+                           .upper = upper,
+                           .axis = normals.axis,
+                           .cone_rad = cone,
+                           .normals_rad = normals.half_angle_rad,
+                           .two_sided = emission_.two_sided};
 }
 
 template class AreaLight<float, TriangleMesh>;

@@ -159,7 +159,7 @@ std::optional<LightBounds<Real>> GoniometricLight<Real>::bounds() const {
   const EmissionCone everywhere{.half_angle_rad = std::numbers::pi};
   const EmissionCone cone = distribution(everywhere, [](const auto& d) { return d.cone(); });
   bounds.axis = Vec3<Real>(axes_.world_from_local(cone.axis));
-  bounds.cone_rad = cone.half_angle_rad;
+  bounds.cone_rad = bounds.normals_rad = cone.half_angle_rad;
   return bounds;
 }
 

@@ -15,6 +15,13 @@ struct LightBounds {
   Vec3<Real> axis{0, 0, 1};  ///< unit
   /// Half angle of the cone, in [0, pi]: that of the normals plus that of emission about a normal.
   double cone_rad{};
+  /// Half angle of the cone of the normals alone (theta_o), in [cone_rad - pi / 2, cone_rad]:
+  /// beyond it intensity falls off by the cosine of the angle to the nearest normal.  `cone_rad`
+  /// itself where no cosine is known of, as for all lights without a surface.
+  double normals_rad = cone_rad;
+  /// Both sides emit: normals lie within `normals_rad` of `axis` or of its opposite, and `cone_rad`
+  /// is pi.
+  bool two_sided = false;
 
   /// False only where no light arrives at `position`: no ray from the box to it lies in the cone.
   bool reaches(const Vec3<Real>& position) const;

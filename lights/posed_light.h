@@ -111,8 +111,8 @@ class Posed {
     std::optional<LightBounds<Real>> b = light_.bounds();
     if (!b) return b;
     b->axis = vector(b->axis);
-    if (b->cone_rad < std::numbers::pi)
-      b->cone_rad = std::min(b->cone_rad + 8 * kInputRounding, std::numbers::pi);
+    for (double* angle : {&b->cone_rad, &b->normals_rad})
+      *angle = std::min(*angle + 8 * kInputRounding, std::numbers::pi);
     if (b->lower == b->upper) {
       b->lower = b->upper = point(b->lower);
       return b;
