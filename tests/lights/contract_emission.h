@@ -26,6 +26,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "lights/light_tree.h"
 #include "tests/lights/contract.h"
 #include "tests/lights/emission_checks.h"
 
@@ -248,6 +249,25 @@ TYPED_TEST_P(BoundedLight, BoundsReachWhereverLightArrives) {
   expect_bounds_reach<double, TypeParam>(moved());
 }
 
+// As in a scene: beside another light, in double.
+TYPED_TEST_P(BoundedLight, ATreeChoosesItWhereverLightArrives) {
+  const auto light = TypeParam::template make<double>(moved());
+  const LightBounds<double> bounds = *light.bounds();
+  EXPECT_LE(bounds.normals_rad, bounds.cone_rad);
+  EXPECT_GE(bounds.normals_rad + std::numbers::pi / 2, bounds.two_sided ? 0 : bounds.cone_rad);
+  const Vec3<double> center = bounds.lower * 0.5 + bounds.upper * 0.5;
+  const double size = moved().length(TypeParam::kSize);
+  const Vec3<double> aside = center + Vec3<double>{size, 3 * size, 0};
+  const LightTree tree = *LightTree::create(std::vector<LightTree::Item>{
+      {bounds, 1}, {{.lower = aside, .upper = aside, .cone_rad = std::numbers::pi}, 1}});
+  const Verdict verdict = check_reach<double>(
+      [&](const Vec3<double>& p) { return tree.probability(p, 0) > 0; }, center, size,
+      [&](const Vec3<double>& p, Vec2<float> u) {
+        return light.sample_li(p, {u.x, u.y}).reason == NoLight::kNone;
+      });
+  EXPECT_TRUE(verdict.ok()) << verdict.failure;
+}
+
 TYPED_TEST_P(BoundedLight, BoundsHoldTheLight) {
   const auto light = TypeParam::template make<float>(moved());
   const Verdict verdict = check_bounds_hold(*light.bounds(), [&](Vec2<float> up, Vec2<float> ud) {
@@ -275,7 +295,8 @@ TYPED_TEST_P(BoundedLight, BoundsLeaveOutThePlacesThatAConeDoes) {
     EXPECT_EQ(left_out, 0);
 }
 
-REGISTER_TYPED_TEST_SUITE_P(BoundedLight, BoundsReachWhereverLightArrives, BoundsHoldTheLight,
+REGISTER_TYPED_TEST_SUITE_P(BoundedLight, BoundsReachWhereverLightArrives,
+                            ATreeChoosesItWhereverLightArrives, BoundsHoldTheLight,
                             BoundsLeaveOutThePlacesThatAConeDoes);
 
 template <typename Case>

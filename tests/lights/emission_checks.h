@@ -113,10 +113,9 @@ Verdict check_emission_mean(Sample&& sample, const Rgb<double>& power, double to
 
 /// A hundred thousand random receivers within `size` of `center`, near and far: the bounds reach
 /// wherever `arrives(receiver, u)`.  Then, as luck seldom meets an edge, between lit receivers and
-/// dark ones, down to the last bit.
-template <typename Real, typename Arrives>
-Verdict check_bounds_reach(const LightBounds<Real>& bounds, const Vec3<double>& center, double size,
-                           Arrives&& arrives) {
+/// dark ones, down to the last bit.  `reaches(receiver)` is what the bounds say.
+template <typename Real, typename Reaches, typename Arrives>
+Verdict check_reach(Reaches&& reaches, const Vec3<double>& center, double size, Arrives&& arrives) {
   const auto failure = [](const Vec3<Real>& p) {
     return Verdict{
         fmt::format("light arrives at ({}, {}, {}), which the bounds do not reach", p.x, p.y, p.z)};
@@ -130,7 +129,7 @@ Verdict check_bounds_reach(const LightBounds<Real>& bounds, const Vec3<double>& 
     const Vec3<Real> p(center + Region{}.at(at.x, at.y) * distance);
     const Vec2<float> u = random.pair();
     if (arrives(p, u)) {
-      if (!bounds.reaches(p)) return failure(p);
+      if (!reaches(p)) return failure(p);
       lit = p;
     } else {
       dark = p;
@@ -142,9 +141,16 @@ Verdict check_bounds_reach(const LightBounds<Real>& bounds, const Vec3<double>& 
       const Vec3<Real> middle = (inside + outside) * Real(0.5);
       (arrives(middle, u) ? inside : outside) = middle;
     }
-    if (arrives(inside, u) && !bounds.reaches(inside)) return failure(inside);
+    if (arrives(inside, u) && !reaches(inside)) return failure(inside);
   }
   return {lit ? "" : "no receiver is lit"};
+}
+
+template <typename Real, typename Arrives>
+Verdict check_bounds_reach(const LightBounds<Real>& bounds, const Vec3<double>& center, double size,
+                           Arrives&& arrives) {
+  return check_reach<Real>([&](const Vec3<Real>& p) { return bounds.reaches(p); }, center, size,
+                           arrives);
 }
 
 /// Every ray starts in the box and leaves within the cone.

@@ -1,0 +1,303 @@
+// Rows 13 to 16: choosing one of many lights by a tree.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "tests/lights/local_lights.h"
+#include "tests/sweep.h"
+
+namespace lucerna::testing {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+/// 48 bits.
+double random_u(RandomU& random) { return double{random.next()} + double{random.next()} * 0x1p-24; }
+
+/// The importance of one light's bounds for a receiver without a normal as renderers have it, in
+/// floats: is it 0?  The cosine of the angle to the axis less those of the normals' cone and of the
+/// box, against the cosine of what is emitted.  [Pharr23, 12.6.3]
+bool textbook_leaves_out(const LightBounds<double>& bounds, const Vec3<double>& position) {
+  const Vec3<float> low(bounds.lower), high(bounds.upper), p(position), axis(bounds.axis);
+  const Vec3<float> center = (low + high) * 0.5F;
+  const auto cos_less = [](float cos_a, float sin_a, float cos_b, float sin_b) {
+    return cos_a > cos_b ? 1 : cos_a * cos_b + sin_a * sin_b;
+  };
+  const auto sin_less = [](float cos_a, float sin_a, float cos_b, float sin_b) {
+    return cos_a > cos_b ? 0 : sin_a * cos_b - cos_a * sin_b;
+  };
+  const auto sine = [](float cos) { return std::sqrt(std::fmax(0.F, 1 - cos * cos)); };
+  float cos = dot(axis, normalized(p - center));
+  if (bounds.two_sided) cos = std::fabs(cos);
+  const float r2 = dot(high - center, high - center), d2 = dot(p - center, p - center);
+  const float cos_box = d2 < r2 ? -1 : std::sqrt(std::fmax(0.F, 1 - r2 / d2));
+  const auto cos_o = static_cast<float>(std::cos(bounds.normals_rad));
+  const double emitted = bounds.two_sided ? kPi / 2 : bounds.cone_rad - bounds.normals_rad;
+  const float beyond_cos = cos_less(cos, sine(cos), cos_o, sine(cos_o));
+  const float beyond_sin = sin_less(cos, sine(cos), cos_o, sine(cos_o));
+  return !(cos_less(beyond_cos, beyond_sin, cos_box, sine(cos_box)) >
+           static_cast<float>(std::cos(emitted)));
+}
+
+/// Counts receivers where light arrives and yet the tree never chooses the light.
+class EdgeSearch {
+ public:
+  EdgeSearch(const std::vector<LocalLight>& lights, double size, std::uint64_t seed)
+      : lights_(lights), tree_(tree_of(lights)), size_(size), random_(seed) {}
+
+  void search(std::uint32_t light, int receivers) {
+    light_ = light;
+    bounds_ = bounds_of(lights_[light].light);
+    const Vec3<double> center = bounds_.lower * 0.5 + bounds_.upper * 0.5;
+    std::optional<Vec3<double>> lit, dark;
+    for (int i = 0; i < receivers; ++i) {
+      u_ = random_.pair<double>();
+      const Vec3<double> p = center + somewhere();
+      (arrives(p) ? lit : dark) = p;
+      if (i % 8 == 0 && lit && dark) {
+        // The last double that is lit on the way to where it is dark.
+        Vec3<double> inside = *lit, outside = *dark;
+        for (int k = 0; k < 60; ++k) {
+          const Vec3<double> middle = (inside + outside) * 0.5;
+          (arrives(middle) ? inside : outside) = middle;
+        }
+        ask(inside);
+      } else if (i % 8 == 1) {
+        ask(near_plane(center));
+      } else {
+        ask(p);
+      }
+    }
+  }
+
+  std::int64_t missed = 0, asked = 0, dark = 0, missed_by_textbook = 0;
+  std::string where;  ///< the last that was missed
+
+ private:
+  double number() { return 2.0 * random_.next() - 1; }
+  Vec3<double> direction() { return normalized(Vec3<double>{number(), number(), number()}); }
+  /// Half of them within 50 sizes, half as far as 1e20: from where all of a light is at one angle.
+  Vec3<double> somewhere() {
+    const double log_distance =
+        random_.next() < 0.5F ? 12 * double{random_.next()} - 8 : 46 * double{random_.next()};
+    return direction() * (size_ * std::exp(log_distance));
+  }
+  /// Above or below the plane of a flat light by next to nothing.
+  Vec3<double> near_plane(const Vec3<double>& center) {
+    const Vec3<double> n = normalized(bounds_.axis), w = somewhere();
+    return center + (w - n * dot(w, n)) + n * (length(w) * number() * next_to_nothing());
+  }
+  double next_to_nothing() { return std::pow(10, -18 * random_.next()); }
+  bool arrives(const Receiver<double>& receiver) {
+    const auto s = sample_of(lights_[light_].light, receiver, u_);
+    wi_ = s.wi;
+    return s.reason == NoLight::kNone && s.value.max_component() > 0;
+  }
+
+  void ask(const Vec3<double>& p) {
+    Receiver<double> receiver(p);
+    ++asked;
+    if (!arrives(receiver)) {
+      ++dark;
+      return;
+    }
+    if (textbook_leaves_out(bounds_, p)) ++missed_by_textbook;
+    bool is_chosen = tree_.probability(receiver, light_) > 0;
+    // On a surface that the light all but grazes, as who is told directions in floats sees it.
+    const Vec3<double> along = cross(wi_, direction());
+    receiver.normal = normalized(normalized(along) + wi_ * (number() * next_to_nothing()));
+    if (arrives(receiver) &&
+        (dot(wi_, receiver.normal) > 0 || dot(Vec3<double>(Vec3<float>(wi_)), receiver.normal) > 0))
+      is_chosen &= tree_.probability(receiver, light_) > 0;
+    if (is_chosen) return;
+    ++missed;
+    where = fmt::format("{} at ({}, {}, {})", lights_[light_].name, p.x, p.y, p.z);
+  }
+
+  const std::vector<LocalLight>& lights_;
+  LightTree tree_;
+  double size_;
+  RandomU random_;
+  std::uint32_t light_ = 0;
+  LightBounds<double> bounds_;
+  Vec2<double> u_;
+  Vec3<double> wi_;
+};
+
+TEST(LightTreeExtremes, ReceiversAtTheVeryEdge) {
+  Sweep sweep(13, "light tree of all local lights, receivers at edges of cones, in planes, grazed",
+              "sizes 1e-30 ... 1e30 m, 0 ... 1e6 sizes from zero, edges to the last bit",
+              "receivers where light arrives from a light that is never chosen");
+  std::int64_t missed = 0, asked = 0, dark = 0, textbook = 0;
+  RandomU random(13);
+  for (const double size : {1e-30, 1e-6, 1., 1e30})
+    for (const double spread : {3., 1e6}) {
+      const std::vector<LocalLight> lights = LocalLights(random_place(random, size, spread)).take();
+      EdgeSearch edges(lights, size, 1300 + asked);
+      for (std::uint32_t i = 0; i < lights.size(); ++i) edges.search(i, 4000);
+      EXPECT_EQ(edges.missed, 0) << edges.where;
+      missed += edges.missed;
+      asked += edges.asked;
+      dark += edges.dark;
+      textbook += edges.missed_by_textbook;
+    }
+  EXPECT_GT(asked, 1000000);
+  EXPECT_LT(dark, asked * 2 / 3);
+  sweep.textbook_count(textbook);
+  sweep.expect_none(missed, asked, dark);
+}
+
+/// Of two lights, the share of the first in floats, as it is where the squared distance is held to
+/// be no less than half the diagonal of the box.  [Pharr23, 12.6.3]
+float textbook_share(const LightTree::Item (&items)[2], const Vec3<double>& position) {
+  float weight[2];
+  for (int i = 0; i < 2; ++i) {
+    const Vec3<float> low(items[i].bounds.lower), high(items[i].bounds.upper), p(position);
+    const Vec3<float> way = p - (low + high) * 0.5F;
+    weight[i] =
+        static_cast<float>(items[i].power) / std::fmax(dot(way, way), length(high - low) / 2);
+  }
+  return weight[0] / (weight[0] + weight[1]);
+}
+
+TEST(LightTreeExtremes, ScenesOfAnyScale) {
+  Sweep sweep(14, "scenes of local lights, scaled with their receivers",
+              "by 2^-20 ... 2^20 and to 1e-30 and 1e30 m, powers by 2^-99 ... 2^99",
+              "choices and probabilities of which a bit changed");
+  std::int64_t changed = 0, asked = 0, changed_in_textbook = 0;
+  RandomU random(14);
+  for (int scene = 0; scene < 4; ++scene) {
+    std::vector<LightTree::Item> items;
+    for (int i = 0; i < 5; ++i)
+      for (const LocalLight& l : LocalLights(random_place(random, 1, 4)).take())
+        items.push_back({bounds_of(l.light), power_of(l.light)});
+    const LightTree tree = *LightTree::create(items);
+    for (const int exponent : {-100, -60, -20, -10, -1, 1, 10, 20, 60, 96})
+      for (const int of_power : {-99, 0, 1, 99}) {
+        std::vector<LightTree::Item> other = items;
+        for (LightTree::Item& item : other) {
+          item.bounds.lower = scaled(item.bounds.lower, exponent);
+          item.bounds.upper = scaled(item.bounds.upper, exponent);
+          item.power = std::scalbn(item.power, of_power);
+        }
+        const LightTree scaled_tree = *LightTree::create(other);
+        for (int i = 0; i < 200; ++i) {
+          const auto number = [&] { return 5 * (2.0 * random.next() - 1); };
+          Receiver<double> here(Vec3<double>{number(), number(), number()});
+          if (i % 2 == 0) here.normal = normalized(Vec3<double>{number(), number(), number()});
+          Receiver<double> there = here;
+          there.position = scaled(here.position, exponent);
+          const double u = random_u(random);
+          const auto a = tree.choose(here, u), b = scaled_tree.choose(there, u);
+          ++asked;
+          if (a.has_value() != b.has_value() ||
+              (a && (a->light != b->light || a->probability != b->probability ||
+                     scaled_tree.probability(there, a->light) != a->probability)))
+            ++changed;
+          const std::size_t k = i % (items.size() - 1);
+          const float share = textbook_share({items[k], items[k + 1]}, here.position);
+          const float same = textbook_share({other[k], other[k + 1]}, there.position);
+          if (std::fabs(share - same) > 1e-5F || std::isnan(same)) ++changed_in_textbook;
+        }
+      }
+  }
+  sweep.textbook_count(changed_in_textbook);
+  sweep.expect_none(changed, asked, 0);
+}
+
+TEST(LightTreeExtremes, AMillionLightsInALine) {
+  Sweep sweep(15, "a million lights in a line, each by the same factor farther off than the last",
+              "distances 2^-100 ... 1, 1e-30 ... 1e30 m; powers alike and as distance squared",
+              "choices that are invalid or are not told with their own probability");
+  std::int64_t wrong = 0, asked = 0;
+  RandomU random(15);
+  // Powers that fall with the distance: each split then leaves most of the extent to one side, and
+  // the tree is 130 nodes deep and more.
+  struct Line {
+    std::uint32_t count;
+    double first, last, power_exponent;
+  };
+  for (const Line& line : {Line{1'000'000, 0x1p-100, 1, 2}, Line{30'000, 1e-30, 1e30, 0},
+                           Line{30'000, 1e-30, 1e30, 2}}) {
+    std::vector<LightTree::Item> lamps(line.count);
+    for (std::uint32_t i = 0; i < line.count; ++i) {
+      const double share = i / (line.count - 1.0);
+      const double x = line.first * std::pow(line.last / line.first, share);
+      const Vec3<double> at{x, 0, 0};
+      lamps[i] = {{.lower = at, .upper = at, .cone_rad = kPi},
+                  std::pow(x / line.last, line.power_exponent)};
+    }
+    const auto tree = LightTree::create(lamps);
+    ASSERT_TRUE(tree.ok()) << tree.status();
+    EXPECT_EQ(tree->size(), line.count);
+    for (int i = 0; i < 30000; ++i) {
+      const double y = line.first * std::pow(line.last / line.first, random.next());
+      const Receiver<double> receiver(Vec3<double>{0, y, 0});
+      const double u = i == 0 ? 0 : i == 1 ? 1 - 0x1p-48 : random_u(random);
+      const auto choice = tree->choose(receiver, u);
+      ++asked;
+      if (!choice || choice->light >= line.count || !(choice->probability > 0) ||
+          tree->probability(receiver, choice->light) != choice->probability)
+        ++wrong;
+      // And those that are seldom chosen are so with a probability.
+      const auto any = static_cast<std::uint32_t>(random.next() * line.count);
+      if (!(tree->probability(receiver, any) > 0)) ++wrong;
+    }
+    if (line.count > 100000) continue;
+    double sum = 0;
+    const Receiver<double> receiver(Vec3<double>{0, std::sqrt(line.first * line.last), 0});
+    for (std::uint32_t i = 0; i < line.count; ++i) sum += tree->probability(receiver, i);
+    EXPECT_NEAR(sum, 1, 1e-12);
+  }
+  sweep.expect_none(wrong, asked, 0);
+}
+
+TEST(LightTreeExtremes, EveryOneOfManyLightsIsReached) {
+  // 4096 lamps that have between them what 4096 of so many lights have: one bright lamp takes what
+  // the others would.  It stands at either end, so that theirs are the least values of u, or the
+  // greatest.
+  constexpr std::uint32_t kLamps = 4096;
+  Sweep sweep(16, "4096 lights, each as probable as one of many, chosen by a u of 48 bits",
+              "of 2^24 ... 2^32 lights", "lights that no u leads to");
+  std::int64_t unreached = 0, asked = 0, unreached_by_float = 0;
+  RandomU random(16);
+  for (const int bits : {24, 26, 28, 30, 32})
+    for (const bool is_bright_first : {false, true}) {
+      std::vector<LightTree::Item> lamps(kLamps + 1);
+      for (LightTree::Item& lamp : lamps) {
+        const Vec3<double> at{random.next(), random.next(), random.next()};
+        lamp = {{.lower = at, .upper = at, .cone_rad = kPi}, 1};
+      }
+      const Vec3<double> aside{is_bright_first ? -2. : 3., 0, 0};
+      lamps[kLamps] = {{.lower = aside, .upper = aside, .cone_rad = kPi}, std::ldexp(1.0, bits)};
+      const LightTree tree = *LightTree::create(lamps);
+      const Receiver<double> far(Vec3<double>{0, 0, 1e9});
+      std::vector<bool> reached(kLamps), reached_by_float(kLamps);
+      // Twice what they have between them, in 2^18 steps: 32 for each.
+      constexpr int kSteps = 1 << 18;
+      for (int i = 0; i < kSteps; ++i) {
+        const double below = std::ldexp(2.0 * kLamps * i / kSteps, -bits);
+        const double u = std::floor((is_bright_first ? 1 - below : below) * 0x1p48) * 0x1p-48;
+        if (!(u < 1)) continue;
+        const std::uint32_t light = tree.choose(far, u)->light;
+        if (light < kLamps) reached[light] = true;
+        // What a float keeps of a value in [0, 1) whose steps are all alike.
+        const std::uint32_t other = tree.choose(far, std::floor(u * 0x1p24) * 0x1p-24)->light;
+        if (other < kLamps) reached_by_float[other] = true;
+      }
+      asked += kLamps;
+      for (std::uint32_t i = 0; i < kLamps; ++i) {
+        EXPECT_GT(tree.probability(far, i), std::ldexp(0.5, -bits));
+        unreached += reached[i] ? 0 : 1;
+        unreached_by_float += reached_by_float[i] ? 0 : 1;
+      }
+    }
+  sweep.textbook_count(unreached_by_float);
+  sweep.expect_none(unreached, asked, 0);
+}
+
+}  // namespace
+}  // namespace lucerna::testing

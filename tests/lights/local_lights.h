@@ -1,0 +1,168 @@
+// One light of every local kind, and receivers where its light begins and ends, for the tests of
+// what chooses among lights.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "lights/light.h"
+#include "lights/light_tree.h"
+#include "tests/lights/statistics.h"
+
+namespace lucerna::testing {
+
+struct LocalLight {
+  std::string name;
+  Light<double> light;
+};
+
+/// Their sizes are about that of the map; the map keeps angles.  About 30 lights.
+class LocalLights {
+ public:
+  explicit LocalLights(const Transform& world_from_light) : at_(world_from_light) {
+    add_points();
+    add_shapes(false);
+    add_shapes(true);
+  }
+  std::vector<LocalLight> take() { return std::move(lights_); }
+
+ private:
+  Vec3<double> point(double x, double y, double z) const { return at_.point({x, y, z}); }
+  double size() const { return *at_.uniform_scale(); }
+  Frame<double> axes() const {
+    return {at_.vector({1, 0, 0}), at_.vector({0, 1, 0}), at_.vector({0, 0, 1})};
+  }
+  template <typename L>
+  void add(std::string name, absl::StatusOr<L> light) {
+    EXPECT_TRUE(light.ok()) << name << ": " << light.status();
+    lights_.push_back({std::move(name), *std::move(light)});
+  }
+
+  void add_points() {
+    const Rgb<double> cd(3);
+    add("point", PointLight<double>::create({point(1, 2, 3), cd}));
+    for (const double half : {1e-6, 0.01, 0.5, 1.5, 3.0})
+      for (const double start : {1.0, 0.5})
+        add(fmt::format("spot of {}, from {}", half, half * start),
+            SpotLight<double>::create(
+                {point(1, 2, 3), at_.vector({0, 0, 1}), cd, half, half * start}));
+    const auto goniometric = [&](const char* name, std::vector<double> vertical_deg,
+                                 std::vector<double> candela) {
+      GoniometricLightParams params;
+      params.position_m = point(-1, 0, 2);
+      params.axes = axes();
+      params.intensity = Rgb<double>(1);
+      params.web = *PhotometricWeb::create(
+          {PhotometricType::kC, std::move(vertical_deg), {0}, std::move(candela)});
+      add(name, GoniometricLight<double>::create(params));
+    };
+    goniometric("luminaire that shines down", {0, 30, 60, 65, 90}, {9, 5, 1, 0, 0});
+    goniometric("luminaire that shines up and down", {0, 60, 90, 150, 180}, {9, 0, 0, 0, 3});
+    ProjectionLightParams projection;
+    projection.position_m = point(2, 0, 0);
+    projection.axes = axes();
+    projection.intensity_cd = cd;
+    projection.picture = *ProjectedPicture::create({.fov_rad = 1.1, .aspect = 1.5});
+    add("projection", ProjectionLight<double>::create(projection));
+    BeamLightParams beam;
+    beam.position_m = point(0, 2, 0);
+    beam.axes = axes();
+    beam.width_m = 2 * size();
+    beam.height_m = size();
+    beam.illuminance_lx = Rgb<double>(2);
+    add("beam", BeamLight<double>::create(beam));
+  }
+
+  void add_shapes(bool two_sided) {
+    const DiffuseEmission emission{Rgb<double>(2), two_sided};
+    const auto named = [&](const char* shape) {
+      return fmt::format("{}{}", shape, two_sided ? ", two-sided" : "");
+    };
+    const auto triangle = *TriangleMesh<double>::create(
+        {{point(0, 0, 0), point(1, 0.25, 0.5), point(0.5, 1, -0.25)}});
+    const auto bent =
+        *TriangleMesh<double>::create({{point(0, 0, 0), point(1, 0, 0), point(0, 1, 0)},
+                                       {point(1, 0, 0), point(1, 1, 0.5), point(0, 1, 0)}});
+    const auto rectangle = *PatchMesh<double>::create(
+        {{point(0, 0, 0), point(2, 0, 0), point(0, 1, 0), point(2, 1, 0)}});
+    const auto saddle = *PatchMesh<double>::create(
+        {{point(0, 0, 0), point(1, 0, 0.25), point(0, 1, 0.5), point(1, 1, 0)}});
+    DiskParams disk_params;
+    disk_params.radius_m = 0.75;
+    disk_params.world_from_object = at_;
+    const auto disk = *Disk<double>::create(disk_params);
+    SphereParams ball;
+    ball.radius_m = 0.5;
+    ball.world_from_object = at_;
+    SphereParams cap = ball;
+    cap.z_min_m = 0.25;
+    CylinderParams tube;
+    tube.radius_m = 0.25;
+    tube.phi_max_rad = 2;
+    tube.world_from_object = at_;
+    const auto sphere = *Sphere<double>::create(ball);
+    const auto cylinder = *Cylinder<double>::create(tube);
+    add(named("triangle"), TriangleMeshLight<double>::create(emission, triangle));
+    add(named("bent mesh"), TriangleMeshLight<double>::create(emission, bent));
+    add(named("rectangle"), PatchMeshLight<double>::create(emission, rectangle));
+    add(named("saddle"), PatchMeshLight<double>::create(emission, saddle));
+    add(named("disk"), DiskLight<double>::create(emission, disk));
+    add(named("sphere"), SphereLight<double>::create(emission, sphere));
+    add(named("cap"), SphereLight<double>::create(emission, *Sphere<double>::create(cap)));
+    add(named("cylinder"), CylinderLight<double>::create(emission, cylinder));
+
+    PanelProfile profile;
+    profile.web =
+        *PhotometricWeb::create({PhotometricType::kC, {0, 40, 80, 90}, {0}, {9, 6, 1, 0}});
+    profile.tangent = at_.vector({1, 0.5, 0});
+    add(named("panel"), PanelPatchMeshLight<double>::create(
+                            emission, *PanelPatchMesh<double>::create(rectangle, profile)));
+    add(named("round panel"),
+        PanelDiskLight<double>::create(emission, *PanelDisk<double>::create(disk, profile)));
+    const Picture picture{
+        *Image::create(2, 2, {Rgb<float>(1), Rgb<float>(0), Rgb<float>(2), Rgb<float>(0.5F)}),
+        ImageFilter::kNearest, "partly black"};
+    add(named("painted rectangle"),
+        PaintedPatchMeshLight<double>::create(
+            emission, *PaintedPatchMesh<double>::create(rectangle, picture)));
+    add(named("painted sphere"), PaintedSphereLight<double>::create(
+                                     emission, *PaintedSphere<double>::create(sphere, picture)));
+    add(named("painted cylinder"),
+        PaintedCylinderLight<double>::create(emission,
+                                             *PaintedCylinder<double>::create(cylinder, picture)));
+  }
+
+  Transform at_;
+  std::vector<LocalLight> lights_;
+};
+
+inline LightBounds<double> bounds_of(const Light<double>& light) {
+  return std::visit([](const auto& l) { return *l.bounds(); }, light);
+}
+inline double power_of(const Light<double>& light) {
+  return std::visit([](const auto& l) { return l.power({}).lumens.max_component(); }, light);
+}
+inline LightTree tree_of(const std::vector<LocalLight>& lights) {
+  std::vector<LightTree::Item> items;
+  for (const LocalLight& l : lights) items.push_back({bounds_of(l.light), power_of(l.light)});
+  return *LightTree::create(items);
+}
+inline LightSample<double> sample_of(const Light<double>& light, const Receiver<double>& receiver,
+                                     Vec2<double> u) {
+  return std::visit([&](const auto& l) { return l.sample_li(receiver, u); }, light);
+}
+
+/// A map that turns at random, scales by `size` and puts the origin within `size * spread` of zero.
+inline Transform random_place(RandomU& random, double size, double spread) {
+  const auto number = [&] { return 2.0 * random.next() - 1; };
+  const Vec3<double> shift{number(), number(), number()};
+  return Transform::translate(shift * (size * spread)) *
+         *Transform::rotate(3 * number(), {number(), number(), 1.5}) *
+         *Transform::scale({size, size, size});
+}
+
+}  // namespace lucerna::testing
