@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "lights/emission.h"
+#include "lights/irradiance.h"
 #include "lights/sampling.h"
 #include "lights/validation.h"
 
@@ -171,6 +172,14 @@ SolidAnglePdf<Real> AreaLight<Real, Shape>::pdf_li(const Receiver<Real>& receive
     return {0};
   const SolidAnglePdf<Real> pdf = shape_.pdf(receiver, point);
   return is_density(pdf) ? pdf : SolidAnglePdf<Real>{0};
+}
+
+template <std::floating_point Real, template <typename> typename Shape>
+std::optional<Rgb<Real>> AreaLight<Real, Shape>::irradiance(
+    const Receiver<Real>& receiver) const requires HasProjectedSolidAngle<Real, Shape<Real>> {
+  return irradiance_of(Rgb<double>(radiance_), receiver, [&](const Vec3<double>& normal) {
+    return shape_.projected_solid_angle_sr(receiver.position, normal, emission_.two_sided);
+  });
 }
 
 template <std::floating_point Real, template <typename> typename Shape>

@@ -26,6 +26,14 @@ struct DiffuseEmission {
   bool two_sided = false;
 };
 
+/// Shapes of which a receiver's projected solid angle has a closed form.
+template <typename Real, typename Shape>
+concept HasProjectedSolidAngle = requires(const Shape& shape, const Vec3<Real>& p,
+                                          const Vec3<double>& n) {
+  shape.projected_solid_angle_sr(p, n, true);
+  shape.hides_itself();
+};
+
 /// `Shape` owes: `area()`, `emissive_error()`, `sample(receiver, u)`, `pdf(receiver,
 /// surface_point)`, `for_each_hit(receiver.position, wi, f)`, `touches(receiver.position,
 /// primitive)`, and for rays that leave it `pdf_area(surface_point)`, `locate(position)`,
@@ -61,6 +69,16 @@ class AreaLight {
   /// The density with which sample_li chooses this very point; 0 where its emitting side is turned
   /// away.  What a ray that found the point weighs itself with.
   SolidAnglePdf<Real> pdf_li(const Receiver<Real>& receiver, const SurfacePoint<Real>& point) const;
+
+  /// On the side that `receiver` faces, with nothing in the way, not even parts of the light itself
+  /// [lx]: the mean of what samples by solid angle say, in closed form.  Nothing for pictures,
+  /// panels, shapes without such a form, and where the receiver faces nowhere or is not finite.
+  std::optional<Rgb<Real>> irradiance(const Receiver<Real>& receiver) const requires
+      HasProjectedSolidAngle<Real, Shape<Real>>;
+  /// Whether parts of it may stand before others: `irradiance` is then more than there is.
+  bool hides_itself() const requires HasProjectedSolidAngle<Real, Shape<Real>> {
+    return shape_.hides_itself();
+  }
 
   /// Radiance [cd/m2] leaving `point` towards the vector `w` of any length; 0 on the dark side and
   /// along the surface.

@@ -85,6 +85,8 @@ class Cylinder {
   std::pair<Vec3<Real>, Vec3<Real>> bounds() const;
   std::size_t bytes() const { return sizeof(*this); }
   const CylinderParams& params() const { return params_; }
+  /// About the origin that it was created with, not the world's.
+  const Transform& world_from_object() const { return world_from_object_; }
 
  private:
   Cylinder(const CylinderParams& params, const Vec3<double>& origin_m);

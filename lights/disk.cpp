@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "lights/projected_solid_angle.h"
 #include "lights/spherical_ellipse.h"
 #include "lights/triple_product.h"
 
@@ -82,6 +83,20 @@ bool Disk<Real>::touches(const Vec3<Real>& p, std::uint32_t) const {
   const double r = std::hypot(q.x, q.y);
   return r >= params_.inner_radius_m * (1 - kEdge) && r <= params_.radius_m * (1 + kEdge) &&
          (r == 0 || is_swept(q, params_.phi_max_rad));
+}
+
+template <typename Real>
+std::optional<double> Disk<Real>::projected_solid_angle_sr(const Vec3<Real>& position,
+                                                           const Vec3<double>& normal,
+                                                           bool two_sided) const {
+  if (!is_circle_) return std::nullopt;
+  const double height = height_of(position);
+  if (!two_sided && !(height > 0)) return 0;
+  const Vec3<double> middle = world_from_object_.point({0, 0, params_.height_m});
+  const double scale = length(world_from_object_.vector({1, 0, 0}));
+  return disk_projected_solid_angle(middle - Vec3<double>(position),
+                                    normalized(world_from_object_.normal({0, 0, 1})),
+                                    params_.radius_m * scale, height, normal);
 }
 
 /// A disk as a receiver sees it; a whole one in object space: in its plane the unit vector (x, y)

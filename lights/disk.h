@@ -67,6 +67,12 @@ class Disk {
   /// Whether `p`, 0 above the plane, is within the disk or on its edges to 1e-14.
   bool touches(const Vec3<Real>& p, std::uint32_t primitive = 0) const;
 
+  /// The projected solid angle [sr] of the sides that emit towards `position`, above the horizon of
+  /// the unit vector `normal`; nothing for what is no whole circle.
+  std::optional<double> projected_solid_angle_sr(const Vec3<Real>& position,
+                                                 const Vec3<double>& normal, bool two_sided) const;
+  bool hides_itself() const { return false; }
+
   /// Density of points by area alone; 1 / area.
   AreaPdf<double> pdf_area(const SurfacePoint<Real>&) const { return {1 / area_m2_}; }
   /// The point of the surface at `position`, where there is one to within rounding and `slack_m`.
@@ -85,6 +91,8 @@ class Disk {
   std::pair<Vec3<Real>, Vec3<Real>> bounds() const;
   std::size_t bytes() const { return sizeof(*this); }
   const DiskParams& params() const { return params_; }
+  /// About the origin that it was created with, not the world's.
+  const Transform& world_from_object() const { return world_from_object_; }
 
  private:
   Disk(const DiskParams& params, const Vec3<double>& origin_m);

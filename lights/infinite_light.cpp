@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "lights/emission.h"
+#include "lights/irradiance.h"
 #include "lights/sampling.h"
 #include "lights/validation.h"
 
@@ -44,6 +45,13 @@ SolidAnglePdf<Real> UniformInfiniteLight<Real>::pdf_li(const Receiver<Real>& rec
                                                        const Vec3<Real>& wi) const {
   if (!is_finite(receiver.position) || !is_finite(wi) || radiance_.is_black()) return {};
   return uniform_sphere_pdf<Real>();
+}
+
+template <std::floating_point Real>
+std::optional<Rgb<Real>> UniformInfiniteLight<Real>::irradiance(
+    const Receiver<Real>& receiver) const {
+  return irradiance_of(params_.radiance_cd_m2, receiver,
+                       [](const Vec3<double>&) { return std::numbers::pi; });
 }
 
 template <std::floating_point Real>

@@ -25,6 +25,10 @@ class UniformInfiniteLight {
   /// Uniform over the sphere, density 1 / (4 pi); distance infinite.
   LightSample<Real> sample_li(const Receiver<Real>& receiver, Vec2<Real> u) const;
   SolidAnglePdf<Real> pdf_li(const Receiver<Real>& receiver, const Vec3<Real>& wi) const;
+  /// On the side that `receiver` faces, with nothing in the way, pi L [lx].  Nothing where it faces
+  /// nowhere or is not finite.
+  std::optional<Rgb<Real>> irradiance(const Receiver<Real>& receiver) const;
+  bool hides_itself() const { return false; }
   /// Radiance [cd/m2] that a ray from `origin` that leaves the scene towards `w`
   /// meets.
   Rgb<Real> le_escaped(const Vec3<Real>& origin, const Vec3<Real>& w) const;

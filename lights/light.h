@@ -12,6 +12,7 @@
 #include "lights/goniometric_light.h"
 #include "lights/image_infinite_light.h"
 #include "lights/infinite_light.h"
+#include "lights/irradiance.h"
 #include "lights/mesh.h"
 #include "lights/point_light.h"
 #include "lights/portal_light.h"
@@ -59,6 +60,14 @@ using Light =
                  PaintedSphereLight<Real>, PaintedDiskLight<Real>, PaintedCylinderLight<Real>,
                  PanelTriangleMeshLight<Real>, PanelPatchMeshLight<Real>, PanelDiskLight<Real>,
                  GoniometricLight<Real>, ProjectionLight<Real>, BeamLight<Real>, PortalLight<Real>>;
+
+// Said here, so that a change of the signature is an error and not an estimate where there was a
+// closed form.
+static_assert(HasIrradiance<TriangleMeshLight<double>> && HasIrradiance<PatchMeshLight<double>> &&
+              HasIrradiance<SphereLight<double>> && HasIrradiance<DiskLight<double>> &&
+              HasIrradiance<SunLight<double>> && HasIrradiance<UniformInfiniteLight<double>> &&
+              HasIrradiance<PortalLight<double>> && !HasIrradiance<PaintedDiskLight<double>> &&
+              !HasIrradiance<PanelDiskLight<double>> && !HasIrradiance<CylinderLight<double>>);
 
 /// Lights that rays which leave the scene meet, wherever they started.
 template <typename L>

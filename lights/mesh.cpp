@@ -4,12 +4,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
 #include <type_traits>
 
+#include "lights/projected_solid_angle.h"
 #include "lights/sobol.h"
 
 namespace lucerna {
@@ -23,6 +25,16 @@ template <typename Real>
 double refined(Vec2<Real> u) {
   const auto bits = std::bit_cast<std::uint64_t>(static_cast<double>(u.y));
   return u.x + std::ldexp(static_cast<double>(mix_bits(bits) >> 40), -48);
+}
+
+/// Corners in order around it.
+template <typename Real>
+std::array<Vec3<double>, 3> around(const Triangle<Real>& t) {
+  return {Vec3<double>(t.a), Vec3<double>(t.b), Vec3<double>(t.c)};
+}
+template <typename Real>
+std::array<Vec3<double>, 4> around(const BilinearPatch<Real>& p) {
+  return {Vec3<double>(p.p00), Vec3<double>(p.p10), Vec3<double>(p.p11), Vec3<double>(p.p01)};
 }
 
 }  // namespace
@@ -148,6 +160,40 @@ std::size_t Mesh<Real, Primitive>::bytes() const {
   return sizeof(*this) + primitives_.capacity() * sizeof(Primitive<Real>) +
          cumulative_area_.capacity() * sizeof(double) +
          (rectangles_.capacity() + flat_.capacity()) / 8;
+}
+
+template <typename Real, template <typename> typename Primitive>
+std::optional<double> Mesh<Real, Primitive>::projected_solid_angle_sr(const Vec3<Real>& position,
+                                                                      const Vec3<double>& normal,
+                                                                      bool two_sided) const {
+  double sum = 0;
+  for (std::size_t i = 0; i < primitives_.size(); ++i) {
+    if (!(share(i) > 0)) continue;
+    if (!is_flat(i)) return std::nullopt;
+    const double height = primitives_[i].height_of(position);
+    if (two_sided || height > 0)
+      sum += polygon_projected_solid_angle(around(primitives_[i]), Vec3<double>(position), normal,
+                                           height);
+  }
+  return sum;
+}
+
+template <typename Real, template <typename> typename Primitive>
+bool Mesh<Real, Primitive>::hides_itself() const {
+  // Its plane is the best known.
+  std::size_t largest = 0;
+  for (std::size_t i = 1; i < size(); ++i)
+    if (share(i) > share(largest)) largest = i;
+  const auto [lower, upper] = bounds();
+  const double rounding = 8 * double{std::numeric_limits<Real>::epsilon()} *
+                          (double{max_abs(lower)} + double{max_abs(upper)});
+  for (std::size_t i = 0; i < size(); ++i) {
+    if (!(share(i) > 0)) continue;
+    if (!is_flat(i)) return true;
+    for (const Vec3<double>& corner : around(primitives_[i]))
+      if (!(std::fabs(primitives_[largest].height_of(Vec3<Real>(corner))) <= rounding)) return true;
+  }
+  return false;
 }
 
 template <typename Real, template <typename> typename Primitive>

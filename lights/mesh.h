@@ -80,6 +80,15 @@ class Mesh {
     }
   }
 
+  /// The projected solid angle [sr] of all sides that emit towards `position`, above the horizon of
+  /// the unit vector `normal`, as if no primitive stood before another.  Nothing where one with
+  /// area is not flat.
+  std::optional<double> projected_solid_angle_sr(const Vec3<Real>& position,
+                                                 const Vec3<double>& normal, bool two_sided) const;
+  /// Whether a part of it may stand before another: false where all of it is in one plane, to
+  /// within the rounding of its corners.  Looks at each primitive.
+  bool hides_itself() const;
+
   /// Density of points by area alone: of triangles 1 / area, of patches as they share theirs out.
   AreaPdf<double> pdf_area(const SurfacePoint<Real>& point) const;
   /// The point of the mesh at `position`, where there is one to within rounding and `slack_m`: of

@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "lights/emission.h"
+#include "lights/irradiance.h"
+#include "lights/projected_solid_angle.h"
 #include "lights/rectified_map.h"
 #include "lights/validation.h"
 
@@ -231,6 +233,16 @@ SolidAnglePdf<Real> PortalLight<Real>::pdf_li(const Receiver<Real>& receiver,
   if (radiance(wi).is_black()) return {};
   const Real pdf = static_cast<Real>(density(seen, wi));
   return {pdf >= std::numeric_limits<Real>::min() && std::isfinite(pdf) ? pdf : 0};
+}
+
+template <std::floating_point Real>
+std::optional<Rgb<Real>> PortalLight<Real>::irradiance(const Receiver<Real>& receiver) const {
+  if (params_.map != nullptr) return std::nullopt;
+  return irradiance_of(params_.radiance_cd_m2, receiver, [&](const Vec3<double>& normal) {
+    const Vec3<double> p(receiver.position);
+    const double depth = dot(corner_ - p, z_);
+    return depth > 0 ? polygon_projected_solid_angle(corners_m(), p, normal, depth) : 0;
+  });
 }
 
 template <std::floating_point Real>

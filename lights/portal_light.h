@@ -62,6 +62,10 @@ class PortalLight {
   LightSample<Real> sample_li(const Receiver<Real>& receiver, Vec2<Real> u) const;
   /// Beyond the portal's edges 0.
   SolidAnglePdf<Real> pdf_li(const Receiver<Real>& receiver, const Vec3<Real>& wi) const;
+  /// On the side that `receiver` faces, with nothing in the way [lx].  Nothing with a map, and
+  /// where the receiver faces nowhere or is not finite.
+  std::optional<Rgb<Real>> irradiance(const Receiver<Real>& receiver) const;
+  bool hides_itself() const { return false; }
   /// Radiance [cd/m2] that a ray from `origin` towards the unit vector `w` meets: 0 where it does
   /// not leave through the portal.
   Rgb<Real> le_escaped(const Vec3<Real>& origin, const Vec3<Real>& w) const;
@@ -87,6 +91,13 @@ class PortalLight {
   /// Nothing: it is at infinity.
   std::optional<LightBounds<Real>> bounds() const { return std::nullopt; }
 
+  /// The rectangle that is used, about the scene's origin.
+  std::array<Vec3<double>, 4> corners_m() const {
+    const Vec3<double> x = x_ * width_, y = y_ * height_;
+    return {corner_, corner_ + x, corner_ + x + y, corner_ + y};
+  }
+  /// Unit, out through the portal.
+  const Vec3<double>& to_sky() const { return z_; }
   double portal_area_m2() const { return width_ * height_; }
   const Params& params() const { return params_; }
   /// Of what this light alone made: the table that it samples and the picture it resampled.

@@ -33,6 +33,14 @@ class Posed {
     return s;
   }
 
+  std::optional<Rgb<Real>> irradiance(const Receiver<Real>& receiver) const requires
+      requires(const L& l) {
+    l.irradiance(receiver);
+  }
+  { return light_.irradiance(to_light(receiver)); }
+  bool hides_itself() const requires requires(const L& l) { l.hides_itself(); }
+  { return light_.hides_itself(); }
+
   SolidAnglePdf<Real> pdf_li(const Receiver<Real>& receiver, const Vec3<Real>& wi) const {
     return light_.pdf_li(to_light(receiver), inverse_vector(wi));
   }

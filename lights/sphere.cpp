@@ -8,6 +8,7 @@
 #include <limits>
 #include <numbers>
 
+#include "lights/projected_solid_angle.h"
 #include "lights/sampling.h"
 
 namespace lucerna {
@@ -378,6 +379,20 @@ SurfacePoint<Real> Sphere<Real>::at_shares(Vec2<double> shares) const {
   const double phi = params_.phi_max_rad * shares.x;
   const double ring = std::sqrt((params_.radius_m - z) * (params_.radius_m + z));
   return surface_point({ring * std::cos(phi), ring * std::sin(phi), z});
+}
+
+template <typename Real>
+std::optional<double> Sphere<Real>::projected_solid_angle_sr(const Vec3<Real>& position,
+                                                             const Vec3<double>& normal,
+                                                             bool two_sided) const {
+  if (!is_whole_ || touches(position)) return std::nullopt;
+  const Vec3<double> to_center = center_m_ - Vec3<double>(position);
+  const double r = world_radius_m_, d = length(to_center);
+  const bool is_inside = d < r;
+  if (!two_sided && is_inside != params_.reverse_orientation) return 0;
+  if (is_inside) return std::numbers::pi;
+  return cap_projected_solid_angle(to_center / d, r / d,
+                                   std::sqrt((d - r) / d) * std::sqrt((d + r) / d), normal);
 }
 
 template <typename Real>

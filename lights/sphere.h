@@ -68,6 +68,14 @@ class Sphere {
   /// Whether `p` lies on it, as far as doubles tell.
   bool touches(const Vec3<Real>& p, std::uint32_t primitive = 0) const;
 
+  /// The projected solid angle [sr] of the sides that emit towards `position`, above the horizon of
+  /// the unit vector `normal`: of the near side from outside, of all from inside.  Nothing for cut
+  /// spheres, nor on the surface as far as doubles tell.
+  std::optional<double> projected_solid_angle_sr(const Vec3<Real>& position,
+                                                 const Vec3<double>& normal, bool two_sided) const;
+  /// Its near side is no shadow on its near side.
+  bool hides_itself() const { return false; }
+
   /// Density of points by area alone; 1 / area.
   AreaPdf<double> pdf_area(const SurfacePoint<Real>&) const { return {1 / area_m2_}; }
   /// The point of the surface at `position`, where there is one to within rounding and `slack_m`.
@@ -86,6 +94,8 @@ class Sphere {
   std::pair<Vec3<Real>, Vec3<Real>> bounds() const;
   std::size_t bytes() const { return sizeof(*this); }
   const SphereParams& params() const { return params_; }
+  /// About the origin that it was created with, not the world's.
+  const Transform& world_from_object() const { return world_from_object_; }
 
  private:
   /// Where a ray meets the whole sphere, in object space.

@@ -4,6 +4,8 @@
 #include <numbers>
 
 #include "lights/emission.h"
+#include "lights/irradiance.h"
+#include "lights/projected_solid_angle.h"
 #include "lights/sampling.h"
 #include "lights/validation.h"
 
@@ -90,6 +92,14 @@ SolidAnglePdf<Real> SunLight<Real>::pdf_li(const Receiver<Real>& receiver,
   if (!contains(wi)) return {};
   const auto pdf = static_cast<Real>(uniform_cone_pdf(one_minus_cos_).per_sr);
   return {std::isfinite(pdf) ? pdf : 0};
+}
+
+template <std::floating_point Real>
+std::optional<Rgb<Real>> SunLight<Real>::irradiance(const Receiver<Real>& receiver) const {
+  const double half = params_.angular_diameter_rad / 2;
+  return irradiance_of(radiance_cd_m2_, receiver, [&](const Vec3<double>& normal) {
+    return cap_projected_solid_angle(unit_axis_, std::sin(half), std::cos(half), normal);
+  });
 }
 
 template <std::floating_point Real>

@@ -31,6 +31,10 @@ class SunLight {
   /// illuminance E on a surface facing its centre is E / (pi sin^2 h).
   LightSample<Real> sample_li(const Receiver<Real>& receiver, Vec2<Real> u) const;
   SolidAnglePdf<Real> pdf_li(const Receiver<Real>& receiver, const Vec3<Real>& wi) const;
+  /// On the side that `receiver` faces, with nothing in the way [lx].  Nothing where it faces
+  /// nowhere or is not finite.
+  std::optional<Rgb<Real>> irradiance(const Receiver<Real>& receiver) const;
+  bool hides_itself() const { return false; }
   /// Radiance [cd/m2] that a ray leaving the scene towards `w` meets.
   Rgb<Real> le_escaped(const Vec3<Real>& origin, const Vec3<Real>& w) const;
   /// The same of a ray that enters the scene towards `w`.

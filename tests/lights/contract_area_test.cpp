@@ -8,6 +8,7 @@
 #include "tests/lights/area_helpers.h"
 #include "tests/lights/contract.h"
 #include "tests/lights/contract_emission.h"
+#include "tests/lights/contract_irradiance.h"
 
 namespace lucerna::testing {
 namespace {
@@ -379,6 +380,36 @@ INSTANTIATE_TYPED_TEST_SUITE_P(Area, EmittingLight, AreaCases);
 INSTANTIATE_TYPED_TEST_SUITE_P(Area, EmittingDirections, AreaCases);
 INSTANTIATE_TYPED_TEST_SUITE_P(Area, BoundedLight, AreaCases);
 INSTANTIATE_TYPED_TEST_SUITE_P(Area, EmittingSurface, AreaCases);
+
+using AreasInClosedForm = ::testing::Types<TriangleCase, SphereCase, InwardSphereCase, BoxCase>;
+INSTANTIATE_TYPED_TEST_SUITE_P(Area, LightWithIrradiance, AreasInClosedForm);
+
+template <typename Case>
+bool has_irradiance() {
+  Receiver<double> receiver(Case::receivers().front());
+  receiver.normal = {0, 0, 1};
+  return Case::template make<double>({}).irradiance(receiver).has_value();
+}
+
+TEST(LightWithIrradiance, WhatIsCutOrBentHasNone) {
+  EXPECT_TRUE(has_irradiance<SphereCase>());
+  EXPECT_FALSE(has_irradiance<CapCase>());
+  EXPECT_FALSE(has_irradiance<DiskCase>());
+  EXPECT_FALSE(has_irradiance<PatchCase>());
+}
+
+TEST(LightWithIrradiance, OnlyWhatIsInSeveralPlanesHidesItself) {
+  EXPECT_TRUE(BoxCase::make<double>({}).hides_itself());
+  // Turned and shifted, so that no corner is quite in the plane of the others.
+  EXPECT_FALSE(TriangleCase::make<double>(moved()).hides_itself());
+  EXPECT_FALSE(DiskCase::make<double>({}).hides_itself());
+  EXPECT_FALSE(SphereCase::make<double>({}).hides_itself());
+  for (const double bend : {1e-12, 1e-6, 0.5}) {
+    const auto mesh = *TriangleMesh<double>::create(
+        {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{1, 0, 0}, {1, 1, bend}, {0, 1, 0}}});
+    EXPECT_TRUE(mesh.hides_itself()) << bend;
+  }
+}
 
 }  // namespace
 }  // namespace lucerna::testing

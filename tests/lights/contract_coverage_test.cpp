@@ -44,6 +44,17 @@ void expect_all_take_part(const std::variant<Models...>*,
   (expect_takes_part_in_one_of<Models>(suites), ...);
 }
 
+template <typename Model>
+void expect_closed_form_takes_part() {
+  if constexpr (requires(const Model& light, const Receiver<float>& r) { light.irradiance(r); })
+    expect_takes_part_in_one_of<Model>({"LightWithIrradiance"});
+}
+
+template <typename... Models>
+void expect_closed_forms_take_part(const std::variant<Models...>*) {
+  (expect_closed_form_takes_part<Models>(), ...);
+}
+
 TEST(Contract, EveryLightTakesPart) {
   constexpr const Light<float>* kAll = nullptr;
   expect_all_take_part(kAll, {"AnyLight"});
@@ -54,6 +65,7 @@ TEST(Contract, EveryLightTakesPart) {
   expect_all_take_part(kAll, {"LocalLight", "UnboundedLight"});
   expect_what_spreads_of_all_takes_part(kAll);
   expect_all_take_part(kAll, {"MovingLight"});
+  expect_closed_forms_take_part(kAll);
 }
 
 }  // namespace

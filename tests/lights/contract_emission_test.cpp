@@ -2,6 +2,7 @@
 // companions that show what its checkers reject.
 #include "tests/lights/contract_emission.h"
 
+#include "tests/lights/contract_irradiance.h"
 #include "tests/lights/delta_cases.h"
 
 namespace lucerna::testing {
@@ -30,6 +31,7 @@ INSTANTIATE_TYPED_TEST_SUITE_P(Far, EmittingLight, FarCases);
 INSTANTIATE_TYPED_TEST_SUITE_P(Far, EmittingSurface, FarCases);
 INSTANTIATE_TYPED_TEST_SUITE_P(Far, UnboundedLight, FarCases);
 INSTANTIATE_TYPED_TEST_SUITE_P(Infinite, EmittingDirections, EmittingInfinite);
+INSTANTIATE_TYPED_TEST_SUITE_P(Infinite, LightWithIrradiance, InfiniteCase);
 
 // ---- Companions: rays that are right by construction, and ways of being wrong. ----
 

@@ -2,6 +2,7 @@
 // at infinity, which have no bounds.
 #include "lights/portal_light.h"
 #include "tests/lights/contract_emission.h"
+#include "tests/lights/contract_irradiance.h"
 #include "tests/lights/map_cases.h"
 
 namespace lucerna::testing {
@@ -102,6 +103,13 @@ INSTANTIATE_TYPED_TEST_SUITE_P(Portals, EmittingLight, PortalCases);
 INSTANTIATE_TYPED_TEST_SUITE_P(Portals, EmittingSurface, PortalCases);
 INSTANTIATE_TYPED_TEST_SUITE_P(Portals, EmittingDirections, PortalCases);
 INSTANTIATE_TYPED_TEST_SUITE_P(Portals, UnboundedLight, PortalCases);
+INSTANTIATE_TYPED_TEST_SUITE_P(Portals, LightWithIrradiance, PortalCase<ConstantSky>);
+
+TEST(LightWithIrradiance, PortalsWithAMapHaveNone) {
+  Receiver<double> receiver(0, 0, 0);
+  receiver.normal = {0, 0, 1};
+  EXPECT_FALSE(PortalCase<RectifiedSky>::make<double>({}).irradiance(receiver));
+}
 
 }  // namespace
 }  // namespace lucerna::testing

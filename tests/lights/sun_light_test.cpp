@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/lights/contract_emission.h"
+#include "tests/lights/contract_irradiance.h"
 #include "tests/lights/delta_cases.h"
 
 namespace lucerna::testing {
@@ -44,6 +45,7 @@ struct SunCase : CaseDefaults, SceneDiskCase {
 };
 using SunCases = ::testing::Types<SunCase<200>, SunCase<3000>>;
 INSTANTIATE_TYPED_TEST_SUITE_P(Sun, AnyLight, SunCases);
+INSTANTIATE_TYPED_TEST_SUITE_P(Sun, LightWithIrradiance, SunCases);
 INSTANTIATE_TYPED_TEST_SUITE_P(Sun, LightWithDensity, SunCases);
 INSTANTIATE_TYPED_TEST_SUITE_P(Sun, EmittingLight, SunCases);
 INSTANTIATE_TYPED_TEST_SUITE_P(Sun, EmittingSurface, SunCases);

@@ -1,0 +1,188 @@
+"""Rows 1, 4, 5, 6, 8: lights that the receiver's horizon cuts, by slices of azimuth.
+
+What reaches a receiver from the slice between two meridians, from the horizon up to the height z on the unit sphere, is
+z^2 / 2 times the angle between them: so irradiance is half the integral of z^2 dphi along the edge of what is seen, in
+which the horizon itself counts nothing; or pi less that where the zenith is seen.  The edges are integrated numerically,
+and none of them passes near the zenith, where the angle turns.
+"""
+from mpmath import acos, asin, cos, mpf, pi, quad, sin, sqrt, workdps
+
+from polygons import coordinates, cross, dot, norm, sub, unit, vec
+from table import Table
+
+
+def along(point, slope, n, ends):
+    """The integral of z^2 dphi over points of a path and their derivatives."""
+    def integrand(t):
+        p, aside = point(t), cross(n, point(t))
+        return dot(p, n) ** 2 / dot(p, p) * dot(n, cross(p, slope(t))) / dot(aside, aside)
+    return quad(integrand, ends, method="gauss-legendre")
+
+
+def polygon(corners, receiver, normal):
+    """Of the part above the horizon, which does not hold the zenith."""
+    n = [x / norm(vec(normal)) for x in vec(normal)]
+    p = [sub(vec(c), vec(receiver)) for c in corners]
+    total = mpf(0)
+    for i, a in enumerate(p):
+        b = p[(i + 1) % len(p)]
+        ua, ub = dot(a, n), dot(b, n)
+        if ua <= 0 and ub <= 0:
+            continue
+        e = sub(b, a)
+        crossing = ua / (ua - ub) if (ua < 0) != (ub < 0) else None
+        first = crossing if ua < 0 else mpf(0)
+        last = crossing if ub < 0 else mpf(1)
+        def point(t): return [x + t * y for x, y in zip(a, e)]
+        # Finer towards where the edge is nearest, which may be very near.
+        nearest = min(max(-dot(a, e) / dot(e, e), first), last)
+        share = norm(point(nearest)) / norm(e)
+        ends = {first, last, nearest}
+        while share < 1:
+            ends |= {x for x in (nearest - share, nearest + share) if first < x < last}
+            share *= 4
+        total += along(point, lambda t: e, n, sorted(ends))
+    return abs(total) / 2
+
+
+def add_polygon(table, name, size, corners, receiver, normal):
+    table.add(name, size, *[float(x) for c in corners for x in c], *receiver, *normal,
+              polygon([corners[0], corners[1], corners[3], corners[2]], receiver, normal),
+              polygon(corners[:3], receiver, normal))
+
+
+def polygons():
+    table = Table("horizon_polygons", f"""
+Rectangles and triangles (the first three corners) of which the receiver's horizon leaves a part: small ones; wide ones
+of which a corner or a strip of the size that is said is left; such as are seen from so far above their plane; and a
+wide one that the receiver all but turns its back to.
+""", f"name size {coordinates('p00 p10 p01 p11 receiver normal')} irradiance_lx triangle_irradiance_lx")
+    zenith, origin = [0.0, 0.0, 1.0], [0.0, 0.0, 0.0]
+
+    def rectangle(corner, x, y):
+        return [corner, [a + b for a, b in zip(corner, x)], [a + b for a, b in zip(corner, y)],
+                [a + b + c for a, b, c in zip(corner, x, y)]]
+
+    for k in range(0, 49, 4):
+        s = 2.0**-k
+        add_polygon(table, "small", s, rectangle([1.0, -0.5 * s, -0.25 * s], [0.0, s, 0.25 * s], [0.0, -0.25 * s, s]),
+                    origin, zenith)
+        add_polygon(table, "slanted", s, rectangle([1.0, -0.5 * s, -0.75 * s], [s, s, 0.0], [0.0, 0.0, s]), origin,
+                    zenith)
+    tilt = unit([0.3, -0.5, 0.81])
+    for k in range(0, 13, 4):
+        s = 2.0**-k
+        corner = [c - 0.5 * s for c in unit([0.81, 0.0, -0.3])]
+        add_polygon(table, "tilted", s, rectangle(corner, [0.25 * s, s, 0.0], [-0.25 * s, 0.125 * s, s]), origin, tilt)
+    for k in range(1, 13, 2):
+        s = 2.0**(-3 * k)
+        add_polygon(table, "strip", s, rectangle([1.0, -2.0, -1.0], [0.5, 4.0, 0.0], [0.0, 0.0, 1.0 + s]), origin, zenith)
+        add_polygon(table, "corner", s, rectangle([1.0, 0.5, s], [0.5, -1.0, -1.0], [0.0, 1.0, -2.0]), origin, zenith)
+        add_polygon(table, "grazing", s, rectangle([1.0, -0.5, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]), [0.0, 0.0, s],
+                    [0.28, 0.96, 0.0])
+        add_polygon(table, "beside", s, rectangle([0.0625, -0.5, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]), [0.0, 0.0, s],
+                    [-0.6, 0.8, 0.0])
+    for k in range(1, 9):
+        s = 2.0**-k
+        add_polygon(table, "turned_away", s, rectangle([-1.0, -1.0, 1.0], [600.0, 0.0, 0.0], [0.0, 600.0, 0.0]), origin,
+                    unit([s, 0.25 * s, -1.0]))
+    return table
+
+
+def round_edge(center, x, y, n, whole):
+    """Of the disk about `center` between the radii x, which rises, and y, along the horizon."""
+    rise, up = dot(x, n), dot(center, n)
+    # The arc beyond a small corner of the turn is as small: 1 - cos by the half angle.
+    end = pi if whole else 2 * asin(sqrt((rise + up) / (2 * rise)))
+    def point(t): return [a + b * cos(t) + c * sin(t) for a, b, c in zip(center, x, y)]
+    def slope(t): return [c * cos(t) - b * sin(t) for b, c in zip(x, y)]
+    return abs(along(point, slope, n, [-end, -end / 2, 0, end / 2, end])) / 2
+
+
+def disk(radius, center, axis, normal):
+    """The receiver at the origin; what is seen does not hold the zenith."""
+    n, axis = vec(normal), vec(axis)
+    n, axis = [c / norm(n) for c in n], [c / norm(axis) for c in axis]
+    rising = [a - b * dot(n, axis) for a, b in zip(n, axis)]
+    x = [mpf(radius) * c / norm(rising) for c in rising]
+    return round_edge(vec(center), x, cross(axis, x), n, False)
+
+
+def disks():
+    table = Table("horizon_disks", f"""
+Disks about a centre in the plane of a normal, the axis, seen from the origin by a receiver whose horizon cuts them.
+""", f"name size radius_m {coordinates('center axis normal')} irradiance_lx")
+
+    def add(name, size, radius, center, axis, normal):
+        table.add(name, size, radius, *center, *axis, *normal, disk(radius, center, axis, normal))
+
+    down = [0.0, 0.0, -1.0]
+    for k in range(1, 46, 8):
+        s = 2.0**-k
+        for share in (-0.75, -0.25, 0.5):
+            add("small", s, s, [share * s, 0.25, 1.0], down, [1.0, 0.0, 0.0])
+    for k in range(1, 13):
+        s = 2.0**(-3 * k)
+        add("peeking", s, 1.0, [s - 1.0, 0.25, 1.0], down, [1.0, 0.0, 0.0])
+        add("grazing", s, 1.0, [0.25, 2.0, s], down, [1.0, 0.0, 0.0])
+        add("beside", s, 1.0, [0.25, 1.0625, s], down, [1.0, 0.0, 0.0])
+    for k in range(0, 9):
+        s = 2.0**-k
+        add("tilted", s, s, unit([2.0, -1.0, 0.125 * s]), unit([-2.0, 1.5, 1.0]), unit([0.0, 0.25 * s, 1.0]))
+    for k in range(1, 9):
+        s = 2.0**-k
+        add("turned_away", s, 600.0, [0.0, 0.0, 1.0], down, unit([s, 0.0, -1.0]))
+    return table
+
+
+def cap(axis, half, normal):
+    n, axis = vec(normal), [c / norm(vec(axis)) for c in vec(axis)]
+    rising = [a - b * dot(n, axis) for a, b in zip(n, axis)]
+    x = [sin(half) * c / norm(rising) for c in rising]
+    lx = round_edge([cos(half) * c for c in axis], x, cross(axis, x), n, False)
+    return pi - lx if dot(axis, n) > cos(half) else lx
+
+
+def shares():
+    """How far above the horizon the middle is, in half-angles' sines."""
+    return [-(1 - 2.0**-20), -0.875, -0.25, 0.0, 0.25, 0.5]
+
+
+def spheres():
+    table = Table("horizon_spheres", """
+Spheres about (x, 0, z) seen from the origin by a receiver that faces along +z, whose horizon cuts them.
+""", "radius_m x z irradiance_lx")
+    for k in range(1, 42, 8):
+        for share in shares():
+            radius = 2.0**-k
+            center = [1.0, 0.0, share * radius]
+            table.add(radius, center[0], center[2], cap(center, asin(radius / norm(vec(center))), [0.0, 0.0, 1.0]))
+    for k in range(1, 13, 2):
+        for x, z in ((0.96, -0.28), (0.8, -0.6), (0.28, -0.96), (0.96, 0.28), (0.6, 0.8)):
+            center = [x * (1 + 2.0**(-3 * k)), 0.0, z * (1 + 2.0**(-3 * k))]
+            if abs(z) * (1 + 2.0**(-3 * k)) < 1:
+                table.add(1.0, center[0], center[2], cap(center, asin(1 / norm(vec(center))), [0.0, 0.0, 1.0]))
+    return table
+
+
+def suns():
+    table = Table("horizon_suns", """
+Suns towards (x, 0, z) of the illuminance 1 lx on what faces them, seen by a receiver that faces along +z, whose horizon
+cuts them.
+""", "diameter_rad x z irradiance_lx")
+    for diameter in [10.0**-k for k in range(0, 15, 2)] + [2.0, 3.0, 3.1, 3.141592653589793]:
+        for share in shares():
+            half = mpf(diameter) / 2
+            x, z = 1.0, float(share * sin(half)) if diameter < 3.14 else share
+            if share == 0 and diameter >= 2:  # whose edge is near the zenith
+                continue
+            if abs(z) / sqrt(x * x + mpf(z) ** 2) >= sin(half):
+                continue
+            table.add(diameter, x, z, cap([x, 0.0, z], half, [0.0, 0.0, 1.0]) / (pi * sin(half) ** 2))
+    return table
+
+
+def tables():
+    # Whose quadrature takes what is below the last digit of 1 for nothing.
+    with workdps(60):
+        yield from (polygons(), disks(), spheres(), suns())
