@@ -340,6 +340,14 @@ const GeometryInstance& Accelerator::instance(std::uint32_t i) const {
   return state_->instances[i];
 }
 
+std::uint32_t Accelerator::object_count() const {
+  return static_cast<std::uint32_t>(state_->objects.size());
+}
+
+std::uint32_t Accelerator::instance_count() const {
+  return static_cast<std::uint32_t>(state_->instances.size());
+}
+
 bool Accelerator::empty() const { return state_->scene.empty() && state_->instances.empty(); }
 
 std::size_t Accelerator::bytes() const {

@@ -90,6 +90,8 @@ class Accelerator {
   const GeometrySet& scene() const;
   const GeometrySet& object(std::uint32_t i) const;
   const GeometryInstance& instance(std::uint32_t i) const;
+  std::uint32_t object_count() const;
+  std::uint32_t instance_count() const;
   bool empty() const;
   std::size_t bytes() const;  ///< Embree's own memory and the geometry it reads
   /// Kernels in use, e.g. "avx2".

@@ -123,6 +123,9 @@ class Scene {
   std::string isa() const;
 
   std::optional<SurfaceHit> closest_hit(const Ray& ray) const;
+  const Accelerator& accelerator() const { return *accelerator_; }
+  /// Of the scene's own geometry.
+  const SurfaceTable& surfaces() const { return surfaces_; }
   bool occluded(const Ray& ray) const { return accelerator_->occluded(ray); }
   void occluded(std::span<const Ray> rays, std::span<std::uint8_t> bits) const {
     accelerator_->occluded(rays, bits);

@@ -1,0 +1,193 @@
+// What a shaft costs and how often it is seen to be empty: a Cornell box, and rooms with furniture
+// and lamps.  Times are medians of the same receivers, one after the other in turn.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <functional>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "lights/sobol.h"
+#include "server/denormals.h"
+#include "server/shaft.h"
+#include "tests/server/scenes.h"
+
+namespace lucerna {
+namespace {
+
+using testing::emissive;
+using testing::patch;
+using Vector = Vec3<double>;
+
+/// A quadrilateral by its corners in order around it.
+ShapeDescription around(const Vector& a, const Vector& b, const Vector& c, const Vector& d) {
+  return patch(a, b, d, c);
+}
+
+/// The measured box, in metres: https://www.graphics.cornell.edu/online/box/data.html
+SceneDescription cornell_box() {
+  SceneDescription d = testing::description();
+  const auto add = [&](std::initializer_list<Vector> corners) {
+    std::vector<Vector> v;
+    for (const Vector& c : corners) v.push_back(c * 1e-3);
+    d.shapes.push_back(around(v[0], v[1], v[2], v[3]));
+  };
+  add({{552.8, 0, 0}, {0, 0, 0}, {0, 0, 559.2}, {549.6, 0, 559.2}});
+  add({{556, 548.8, 0}, {556, 548.8, 559.2}, {0, 548.8, 559.2}, {0, 548.8, 0}});
+  add({{549.6, 0, 559.2}, {0, 0, 559.2}, {0, 548.8, 559.2}, {556, 548.8, 559.2}});
+  add({{0, 0, 559.2}, {0, 0, 0}, {0, 548.8, 0}, {0, 548.8, 559.2}});
+  add({{552.8, 0, 0}, {549.6, 0, 559.2}, {556, 548.8, 559.2}, {556, 548.8, 0}});
+  const auto block = [&](double height, const std::array<Vector, 4>& foot) {
+    const Vector up{0, height, 0};
+    add({foot[0] + up, foot[1] + up, foot[2] + up, foot[3] + up});
+    for (int i = 0; i < 4; ++i)
+      add({foot[i], foot[i] + up, foot[(i + 1) % 4] + up, foot[(i + 1) % 4]});
+  };
+  block(165, {Vector{130, 0, 65}, {82, 0, 225}, {240, 0, 272}, {290, 0, 114}});
+  block(330, {Vector{423, 0, 247}, {265, 0, 296}, {314, 0, 456}, {472, 0, 406}});
+  d.shapes.push_back(
+      emissive(around(Vector{343, 548.7, 227} * 1e-3, Vector{343, 548.7, 332} * 1e-3,
+                      Vector{213, 548.7, 332} * 1e-3, Vector{213, 548.7, 227} * 1e-3),
+               1, true));
+  return d;
+}
+
+/// 12 x 8 x 3 m with lamps of three kinds and so many boxes as furniture.
+SceneDescription room(int boxes) {
+  SceneDescription d = testing::description();
+  const auto box = [&](const Vector& low, const Vector& high) {
+    const auto c = [&](int i) {
+      return Vector{i & 1 ? high.x : low.x, i & 2 ? high.y : low.y, i & 4 ? high.z : low.z};
+    };
+    for (const auto& f : {std::array{0, 1, 3, 2}, std::array{4, 5, 7, 6}, std::array{0, 1, 5, 4},
+                          std::array{2, 3, 7, 6}, std::array{0, 2, 6, 4}, std::array{1, 3, 7, 5}})
+      d.shapes.push_back(around(c(f[0]), c(f[1]), c(f[2]), c(f[3])));
+  };
+  box({0, 0, 0}, {12, 8, 3});
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> u(0, 1);
+  for (int i = 0; i < boxes; ++i) {
+    const Vector low{11 * u(random), 7 * u(random), 0};
+    box(low, low + Vector{0.3 + u(random), 0.3 + u(random), 0.4 + 0.6 * u(random)});
+  }
+  for (int i = 0; i < 6; ++i) {
+    const double x = 1 + 2 * i, z = 2.98;
+    d.shapes.push_back(
+        emissive(around({x, 2, z}, {x, 2.6, z}, {x + 0.6, 2.6, z}, {x + 0.6, 2, z}), 1, true));
+    d.shapes.push_back(
+        emissive(testing::shape(DiskParams{.radius_m = 0.15,
+                                           .world_from_object = Transform::translate({x, 5, z})}),
+                 1, true));
+    d.shapes.push_back(
+        emissive(testing::shape(SphereParams{
+                     .radius_m = 0.1, .world_from_object = Transform::translate({x, 6.5, 2.4})}),
+                 1));
+  }
+  return d;
+}
+
+double median_ns(std::vector<double> v) {
+  std::ranges::nth_element(v, v.begin() + v.size() / 2);
+  return v[v.size() / 2];
+}
+
+void measure(const std::string& name, SceneDescription description, const Vector& lower,
+             const Vector& upper) {
+  using Clock = std::chrono::steady_clock;
+  const DenormalsAreZero denormals;
+  const auto scene = testing::build(std::move(description));
+  const auto begin = Clock::now();
+  const Shafts shafts(*scene);
+  const double build_ms = std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
+
+  constexpr std::uint32_t kSamples = 256;
+  constexpr int kRepeats = 8;
+  int pairs = 0, open = 0, empty = 0, wrong = 0;
+  std::vector<double> form, empty_ns, full_ns, ray_ns, samples_ns;
+  volatile double sink = 0;
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> u(0, 1);
+  for (int i = 0; i < 400; ++i) {
+    const Vector from =
+        lower + Vector{u(random) * (upper.x - lower.x), u(random) * (upper.y - lower.y),
+                       u(random) * (upper.z - lower.z)};
+    const Vector w = normalized(Vector{u(random) - 0.5, u(random) - 0.5, u(random) - 0.5});
+    const auto hit = scene->closest_hit({Vec3<float>(from), Vec3<float>(w)});
+    if (!hit || hit->light >= 0) continue;
+    SurfaceHit r = *hit;
+    if (dot(r.ng, w) > 0) r.ng = -r.ng;
+    r.ns = Vec3<float>(r.ng);
+    Receiver<double> receiver(r.position);
+    receiver.normal = Vector(r.ns);
+    for (std::uint32_t l = 0; l < scene->lights().size(); ++l) {
+      const auto timed = [&](int repeats, const auto& f) {
+        const auto start = Clock::now();
+        for (int k = 0; k < repeats; ++k) f();
+        return std::chrono::duration<double, std::nano>(Clock::now() - start).count() / repeats;
+      };
+      double lx = 0;
+      const double form_ns = timed(kRepeats, [&] {
+        visit_light(scene->lights()[l], 0, [&](const auto& model) {
+          if constexpr (requires { model.irradiance(receiver); })
+            lx = model.irradiance(receiver).value_or(Rgb<double>()).g;
+        });
+      });
+      if (!(lx > 0)) continue;
+      form.push_back(form_ns);
+      bool is_empty = false;
+      const double ns = timed(kRepeats, [&] { is_empty = shafts.is_empty(r, r.ns, l); });
+      (is_empty ? empty_ns : full_ns).push_back(ns);
+      std::uint32_t lit = 0, blocked = 0;
+      double sum = 0, one_ray = 0;
+      samples_ns.push_back(timed(1, [&] {
+        const SobolSequence sequence(1, static_cast<std::uint64_t>(i), l);
+        for (std::uint32_t k = 0; k < kSamples; ++k) {
+          const Vec2<float> v = sequence.pair(k, 0);
+          const auto s = visit_light(scene->lights()[l], 0, [&](const auto& model) {
+            return model.sample_li(receiver, {v.x, v.y});
+          });
+          const double cosine = dot(receiver.normal, s.wi);
+          if (s.reason != NoLight::kNone || !(cosine > 0)) continue;
+          ++lit;
+          const Ray ray = shadow_ray(r, s);
+          if (scene->occluded(ray)) {
+            ++blocked;
+            if (k == 0) one_ray = 0;
+          } else {
+            sum += s.value.g * cosine / s.pdf.per_sr;
+          }
+        }
+      }));
+      const auto s = visit_light(scene->lights()[l], 0, [&](const auto& model) {
+        return model.sample_li(receiver, {0.5, 0.5});
+      });
+      const Ray ray = shadow_ray(r, s);
+      ray_ns.push_back(timed(kRepeats, [&] { one_ray += scene->occluded(ray); }));
+      sink = sink + sum + one_ray;
+      ++pairs, open += lit > 0 && blocked == 0, empty += is_empty;
+      wrong += is_empty && blocked > 0;
+    }
+  }
+  fmt::print(
+      "{}: built in {:.3f} ms, {} bytes for {} primitives; {} receivers and lights, {} open by {} "
+      "rays, {} empty ({:.1f}%), {} wrong\n"
+      "  median ns: closed form {:.0f}, shaft if empty {:.0f}, if not {:.0f}, a shadow ray {:.0f}, "
+      "{} "
+      "samples {:.0f}\n",
+      name, build_ms, shafts.bytes(), scene->primitive_count(), pairs, open, kSamples, empty,
+      100.0 * empty / std::max(1, open), wrong, median_ns(form),
+      empty_ns.empty() ? 0 : median_ns(empty_ns), full_ns.empty() ? 0 : median_ns(full_ns),
+      median_ns(ray_ns), kSamples, median_ns(samples_ns));
+}
+
+}  // namespace
+}  // namespace lucerna
+
+int main() {
+  lucerna::measure("Cornell box", lucerna::cornell_box(), {0.01, 0.01, 0.01}, {0.54, 0.54, 0.55});
+  for (const int boxes : {0, 20, 200, 5000})
+    lucerna::measure(fmt::format("room, {} boxes", boxes), lucerna::room(boxes), {0.1, 0.1, 1},
+                     {11.9, 7.9, 2.9});
+}
