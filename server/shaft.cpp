@@ -150,23 +150,33 @@ class SetBoxes {
   bool may_reach(const Item& item, std::span<const HalfSpace> planes, const ShaftRegion& shaft,
                  const Transform* scene_from_object) const {
     const std::uint32_t i = item.primitive;
+    // Of what is not clipped one plane must tell that it is outside, or the shaft's box, which has
+    // no place in an object's space.
+    const auto is_beside = [&](const auto& shape) {
+      const auto [lower, upper] = shape.bounds();
+      return scene_from_object == nullptr && !shaft.box.empty() &&
+             !overlaps(FloatBox::around(lower, upper), shaft.box);
+    };
+    const auto round_may_reach = [&](const auto& shape) {
+      return !is_beside(shape) && !round_of(shape).is_outside(planes);
+    };
     switch (item.kind) {
       case HitKind::kTriangle:
         break;
       case HitKind::kPatch: {
         // Within the hull of its corners.
         const auto& p = set_.patches[i];
-        return std::ranges::none_of(planes, [&](const HalfSpace& h) {
+        return !is_beside(p) && std::ranges::none_of(planes, [&](const HalfSpace& h) {
           return std::min({dot(h.n, p.p00), dot(h.n, p.p10), dot(h.n, p.p01), dot(h.n, p.p11)}) >
                  h.at;
         });
       }
       case HitKind::kSphere:
-        return !round_of(set_.spheres[i]).is_outside(planes);
+        return round_may_reach(set_.spheres[i]);
       case HitKind::kDisk:
-        return !round_of(set_.disks[i]).is_outside(planes);
+        return round_may_reach(set_.disks[i]);
       case HitKind::kCylinder:
-        return !round_of(set_.cylinders[i]).is_outside(planes);
+        return round_may_reach(set_.cylinders[i]);
     }
     Clipped left;
     left.count = 3;

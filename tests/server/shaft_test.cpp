@@ -261,7 +261,7 @@ TEST_P(ShaftProperty, NoRayMeetsAnythingWhereItIsEmpty) {
   std::mt19937 random(5);
   std::uniform_real_distribution<float> u(0, 1);
   int asked = 0, said = 0, open = 0;
-  for (int s = 0; s < 12; ++s) {
+  for (int s = 0; s < 6; ++s) {
     const auto scene = build(clutter(random, scale, offset));
     const Shafts shafts(*scene);
     for (int i = 0; i < 60; ++i) {
