@@ -16,8 +16,8 @@ import modelling
 
 WIDTH, DEPTH, GRID = 14.0, 9.0, 7.2  # of the stage; height of its bridges.  The curtain's line is y = 0.
 REFLECTANCES = {
-    "boards": (0.2, 0.15, 0.11),
-    "boards_dark": (0.16, 0.12, 0.09),
+    "boards": (0.36, 0.28, 0.21),
+    "boards_dark": (0.31, 0.235, 0.175),
     "backdrop": (0.75, 0.75, 0.75),
     "velvet": (0.34, 0.03, 0.04),
     "gold": (0.6, 0.42, 0.14),
@@ -230,8 +230,8 @@ def lights(model):
         )
     projectors = [
         ("slide.png", (0.9, 0.98, 1.25), 14000, (0.0, 1.9, GRID), (0.0, DEPTH - 0.4, 3.9), 62, "bilinear"),
-        ("leaves.png", (0.8, 1.15, 0.5), 7000, (-3.4, 1.4, GRID), (-1.0, 2.9, 0.0), 42, "bilinear"),
-        ("window.png", (1.25, 0.98, 0.6), 9000, (6.6, 3.6, GRID), (3.1, 2.0, 0.0), 26, "nearest"),
+        ("leaves.png", (0.8, 1.15, 0.5), 15000, (-3.4, 1.4, GRID), (-1.0, 2.9, 0.0), 42, "bilinear"),
+        ("window.png", (1.25, 0.98, 0.6), 12000, (6.6, 3.6, GRID), (3.1, 2.0, 0.0), 26, "nearest"),
     ]
     for name, colour, candela, at, to, fov, edges in projectors:
         housing(model, at, to)
