@@ -1,0 +1,21 @@
+#!/usr/bin/env bash
+# Renders the pictures of the shipped scenes, docs/scenes/NAME.png.
+# Usage: deploy/scene_pictures.sh [BUILD_DIR [SAMPLES [NAME...]]]; without SAMPLES as many as the scenes say.
+set -euo pipefail
+root=$(cd "$(dirname "$0")/.." && pwd)
+build=$(cd "${1:-$root/build/release}" && pwd)
+samples=(${2:+--samples "$2"})
+shift $(($# < 2 ? $# : 2))
+[ $# -gt 0 ] || set -- cornell meadow room stage street
+export LUCERNA_SERVER=127.0.0.1:${LUCERNA_PORT:-50762}
+"$build/server/lucernad" --listen "$LUCERNA_SERVER" --scene-root "$root/scenes" &
+server=$!
+trap 'kill $server; wait $server || true' EXIT
+for _ in $(seq 100); do
+  "$build/client/lucerna" info > /dev/null 2>&1 && break
+  sleep 0.1
+done
+mkdir -p "$root/docs/scenes"
+for scene in "$@"; do
+  "$build/client/lucerna" render "$scene/scene.pbrt" -o "$root/docs/scenes/$scene.png" "${samples[@]}"
+done
