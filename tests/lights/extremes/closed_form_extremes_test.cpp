@@ -144,6 +144,21 @@ TEST(ClosedFormExtremes, SmallLowAndGrazingDisks) {
   sweep.expect_within(1e-13);
 }
 
+TEST(ClosedFormExtremes, DisksLevelWithTheReceiver) {
+  Sweep sweep(8, "disk light all but in the plane of the receiver's surface, closed form",
+              "height / distance 1e-8 ... 1e-20", "irradiance");
+  for (int k = 8; k <= 20; ++k) {
+    // Both cosines are h / r: h^2 times the integral of 1 / r^4, pi R^2 / (o^2 - R^2)^2, to h^2.
+    const double h = std::pow(10, -k), r = 0.5, o = 2;
+    Receiver<Served> receiver(0, 0, 0);
+    receiver.normal = {0, 0, 1};
+    const double between = (o - r) * (o + r);
+    sweep.compare(served(disk_light(r, Transform::translate({o, 0, h})), receiver),
+                  std::numbers::pi * (r * h / between) * (r * h / between), std::to_string(k));
+  }
+  sweep.expect_within(1e-13);
+}
+
 /// The map that takes z to the unit vector `axis` and 0 to `center`.
 Transform placed(const Vec3<double>& center, const Vec3<double>& axis) {
   const auto frame = Frame<double>::around(axis);
