@@ -27,9 +27,11 @@ wire: deps
 	@cmake --build --preset asan --target wire_property_test
 	@LUCERNA_WIRE_ITEMS=$(ITEMS) build/asan/tests/server/extremes/wire_property_test
 
-# The same for ten minutes, and ten times the rays that shadows are tested with.
+# The same for ten minutes, ten times the rays that shadows are tested with, and four times the questions that
+# intervals are tested with.
 soak: release
-	@cmake --build --preset release --target server_extremes_test
+	@cmake --build --preset release --target server_extremes_test coverage_test
+	@LUCERNA_REPEATS=4000 build/release/tests/server/coverage_test
 	@LUCERNA_RAYS_TIMES=10 build/release/tests/server/extremes/server_extremes_test \
 	  --gtest_filter='ShadowExtremes.*:SeamExtremes.*:CoarseExtremes.*'
 	@$(MAKE) --no-print-directory wire ITEMS=10000000

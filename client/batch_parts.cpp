@@ -302,7 +302,16 @@ void append(const v1::EstimateIrradianceResponse& next, v1::EstimateIrradianceRe
   append_all(next.illuminance_lx(), whole->mutable_illuminance_lx());
   append_all(next.standard_error_lx(), whole->mutable_standard_error_lx());
   append_all(next.zero_bound_lx(), whole->mutable_zero_bound_lx());
+  append_all(next.lower_lx(), whole->mutable_lower_lx());
+  append_all(next.upper_lx(), whole->mutable_upper_lx());
   append_all(next.spectral_irradiance(), whole->mutable_spectral_irradiance());
+  append_all(next.spectral_standard_error(), whole->mutable_spectral_standard_error());
+  if (next.has_item_costs()) {
+    v1::ItemCosts* costs = whole->mutable_item_costs();
+    append_all(next.item_costs().samples(), costs->mutable_samples());
+    append_all(next.item_costs().rays(), costs->mutable_rays());
+    append_all(next.item_costs().time_s(), costs->mutable_time_s());
+  }
   // Every batch names the same lights in the same order.
   for (int i = 0; i < next.shares_size(); ++i) {
     v1::LightShare* share =
@@ -310,8 +319,10 @@ void append(const v1::EstimateIrradianceResponse& next, v1::EstimateIrradianceRe
     share->set_light_id(next.shares(i).light_id());
     append_all(next.shares(i).illuminance_lx(), share->mutable_illuminance_lx());
     append_all(next.shares(i).standard_error_lx(), share->mutable_standard_error_lx());
+    append_all(next.shares(i).lower_lx(), share->mutable_lower_lx());
+    append_all(next.shares(i).upper_lx(), share->mutable_upper_lx());
   }
-  whole->set_samples(next.samples());
+  whole->set_samples(std::max(whole->samples(), next.samples()));
   append_cost(next.cost(), whole->mutable_cost());
 }
 

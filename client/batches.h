@@ -49,7 +49,8 @@ absl::StatusOr<v1::LeResponse> le_in_batches(const Client& client, const v1::LeR
 absl::StatusOr<v1::TestVisibilityResponse> test_visibility_in_batches(
     const Client& client, const v1::TestVisibilityRequest& request,
     const BatchOptions& options = {});
-/// With `per_light` the scene is asked for (GetScene) how many lights it has.
+/// With `per_light` the scene is asked for (GetScene) how many lights it has.  With a time budget
+/// it is one request.
 absl::StatusOr<v1::EstimateIrradianceResponse> estimate_irradiance_in_batches(
     const Client& client, const v1::EstimateIrradianceRequest& request,
     const BatchOptions& options = {});

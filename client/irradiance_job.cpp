@@ -199,7 +199,7 @@ class Irradiance final : public Work {
     if (absl::Status s = results_.write(run.first, rows_); !s.ok()) return s;
     count_statuses();
     add_cost(response.cost());
-    samples_ = response.samples();
+    samples_ = std::max(samples_, response.samples());
     return journal_ ? journal_->add(JournalRecord{run, sum_of(rows_)}.bytes()) : absl::OkStatus();
   }
 
@@ -219,7 +219,8 @@ class Irradiance final : public Work {
   std::string name(const v1::SceneSummary& scene, const v1::GetServerInfoResponse& server) const {
     v1::EstimateIrradianceRequest named = options_.request;
     named.set_scene_id(scene.scene_id());
-    named.mutable_accuracy()->set_samples(samples_of(options_.request));
+    if (!named.accuracy().has_target_error())
+      named.mutable_accuracy()->set_samples(samples_of(options_.request));
     std::string job = named.SerializeAsString() + survey_.digest;
     if (!options_.job.allow_mixed) job += server.fingerprint().digest();
     return hexadecimal(sha256(job));

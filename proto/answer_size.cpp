@@ -58,10 +58,12 @@ AnswerSize answer_size(const v1::TestVisibilityRequest&) { return {.per_item = k
 
 AnswerSize answer_size(const v1::EstimateIrradianceRequest& request, std::uint64_t lights) {
   const std::uint64_t shares = request.per_light() ? lights : 0;
-  // RGB, illuminance, error, bound; of each share illuminance and error, both arrays.
-  return {
-      .fixed = AnswerSize::kFixed + shares * (3 * (kTag + kLength) + kTag + kId),
-      .per_item = (3 + 3) * kFloat + kStatus + shares * 2 * kFloat + kFloat * wavelengths(request)};
+  // Illuminance, error and interval, of each share too; RGB and bound.
+  const std::uint64_t estimate = 4 * kFloat;
+  const std::uint64_t cost = request.accuracy().has_target_error() ? 2 * kId + kFloat : 0;
+  return {.fixed = AnswerSize::kFixed + shares * (5 * (kTag + kLength) + kTag + kId),
+          .per_item = estimate + (3 + 1) * kFloat + kStatus + cost + shares * estimate +
+                      2 * kFloat * wavelengths(request)};
 }
 
 // Sum and squared deviation of each channel.

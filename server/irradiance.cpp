@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <mutex>
 #include <numbers>
@@ -21,52 +22,99 @@ constexpr std::uint32_t kSamplesBetweenPolls = 64;
 // Of one chunk of points: about a millisecond.
 constexpr std::uint64_t kSamplesPerChunk = 1024;
 
+// How many samples a point needs is found from samples of its own, which are then left out: a count
+// that depends on the samples it counts would make their mean biased. [Kirk91]
+constexpr std::uint64_t kPilotBlocks = std::uint64_t{1} << 32;  ///< their first block's number
+/// Twice as many as of an answer: where they scatter less by luck, too few samples are taken.
+constexpr std::uint32_t kPilotBlockCount = 32;
+constexpr std::uint32_t kFirstPilot = 2;  ///< samples a block
+/// Pilots grow by this until no more than this many times their samples are needed: together they
+/// take a third of those at most.
+constexpr std::uint32_t kPilotGrowth = 4;
+
 /// One number being estimated: the total, or one light's share of it.
 struct Estimate {
-  BlockStream<3> blocks{0};
-  SampleSum block_sum;            // [lx], of the samples of the current block
+  BlockStream<4> blocks{0};       // R, G, B and luminance [lx]
+  SampleSum block_sum;            // of the samples of the current block
   Rgb<double> exact;              // what needs no sampling [lx]
+  double sum_of_squares = 0;      // of samples' illuminances
   double largest_unshadowed = 0;  // of one sample's illuminance had nothing been in the way [lx]
   bool sampled = false;
 
   void add(const LightEstimate& e) {
     block_sum.add(e.value);
+    const double lux = luminance(e.value);
+    sum_of_squares += lux * lux;
     largest_unshadowed = std::max(largest_unshadowed, luminance(e.unshadowed));
   }
   void end_block(std::uint32_t samples) {
     const Rgb<double> v = block_sum.value() / samples;
-    blocks.add({v.r, v.g, v.b});
+    blocks.add({v.r, v.g, v.b, luminance(v)});
     block_sum = {};
   }
-  IrradianceEstimate result(double block_count, double samples_per_block) const;
+  IrradianceEstimate result(double block_count, const IntervalRule& rule) const;
 };
 
-IrradianceEstimate Estimate::result(double block_count, double samples_per_block) const {
+IrradianceEstimate Estimate::result(double block_count, const IntervalRule& rule) const {
   IrradianceEstimate e;
   e.irradiance_lx = exact;
   e.exact = !sampled;
+  const double exact_lx = luminance(exact);
+  e.illuminance_lx = {exact_lx, exact_lx};
   if (!sampled) return e;
   const auto total = blocks.total();
   const auto mean = [&](int i) { return total[i].sum / block_count; };
-  const Rgb<double> sampled_mean{mean(0), mean(1), mean(2)};
-  e.irradiance_lx += sampled_mean;
   const auto standard_error = [&](int i) {
     return block_count > 1 ? std::sqrt(total[i].deviation / (block_count * (block_count - 1)))
                            : std::numeric_limits<double>::infinity();
   };
+  e.irradiance_lx += {mean(0), mean(1), mean(2)};
   e.standard_error_lx = {standard_error(0), standard_error(1), standard_error(2)};
-  // Rule of three: where N samples were all 0, with 95% confidence fewer than 3/N of all samples
-  // are not; none of them seen could have been larger than the largest without its obstacle.
+  e.illuminance_error_lx = standard_error(3);
+  const Interval sampled_lx =
+      rule.interval({mean(3), standard_error(3), sum_of_squares, largest_unshadowed});
+  e.illuminance_lx = {exact_lx + sampled_lx.lower, exact_lx + sampled_lx.upper};
   // Where nothing was in the way of anything, there was nothing to miss.
-  if (sampled_mean.is_black() && largest_unshadowed > 0)
-    e.zero_bound_lx = luminance(exact) +
-                      std::min(1.0, 3 / (block_count * samples_per_block)) * largest_unshadowed;
+  if (!(mean(3) > 0) && largest_unshadowed > 0) e.zero_bound_lx = e.illuminance_lx.upper;
   return e;
 }
 
-/// Light of one point by the spectrum of the lights that it came from [lx]: [0] from lights that
-/// were given RGB, [1 + k] from those of the scene's spectrum k.  Empty where nobody asks.
-using BySpectrum = std::vector<SampleSum>;
+/// Light of some samples by the spectrum of the lights that it came from [lx].  Nobody asks where
+/// the number of wavelengths is 0.
+class BySpectrum {
+ public:
+  /// Of lights that were given RGB: group 0; of those of the scene's spectrum k: group 1 + k.
+  explicit BySpectrum(std::size_t groups) : sums_(groups) {}
+
+  bool wanted() const { return !sums_.empty(); }
+  void add(std::size_t group, const Rgb<double>& lx) {
+    if (lx.is_black()) return;
+    if (sums_[group].value().is_black()) lit_.push_back(group);
+    sums_[group].add(lx);
+  }
+  /// Adds what the sums times `scale` are at each wavelength, and begins anew.
+  void put(SpectralValues& spectral, double scale, std::span<double> at) {
+    for (const std::size_t g : lit_) {
+      std::optional<std::uint32_t> spectrum;
+      if (g > 0) spectrum = static_cast<std::uint32_t>(g - 1);
+      spectral.add(spectrum, sums_[g].value() * scale, at);
+      sums_[g] = {};
+    }
+    lit_.clear();
+  }
+
+ private:
+  std::vector<SampleSum> sums_;
+  std::vector<std::size_t> lit_;  // those that are not 0
+};
+
+/// All that the samples of one point say.
+struct PointEstimates {
+  Estimate total;
+  std::vector<Estimate> shares;                // of each light, where wanted
+  BySpectrum by_spectrum;                      // of the current block
+  std::vector<BlockStream<1>> at_wavelengths;  // [W/m2/nm]
+};
 
 class IrradianceJob {
  public:
@@ -83,6 +131,7 @@ class IrradianceJob {
         gather_indirect_(settings.bounces.value_or(1) > 0 && !scene.empty() &&
                          !scene.lights().empty()),
         gather_(gather_indirect_ || scene.has_visible_lights()),
+        confidence_(settings.target ? settings.target->confidence : settings.confidence),
         spectral_([this] { return SpectralValues(scene_, settings_.wavelengths_nm); }) {}
 
   void range(std::size_t begin, std::size_t end) {
@@ -101,6 +150,7 @@ class IrradianceJob {
       stopped_ = true;
       return;
     }
+    const auto start = std::chrono::steady_clock::now();
     SurfaceHit receiver;
     receiver.position = points_[p].position;
     receiver.position_error = points_[p].position_error;
@@ -109,48 +159,118 @@ class IrradianceJob {
     receiver.time_s = settings_.time_s;
 
     const std::size_t lights = scene_.lights().size();
-    Estimate total;
-    std::vector<Estimate> shares(settings_.per_light ? lights : 0);
-    BySpectrum exact(settings_.wavelengths_nm.empty() ? 0 : scene_.spectra().size() + 1);
-    BySpectrum sampled(exact.size());
-    if (visit_all_) exact_lights(receiver, total, shares, exact, work);
-    total.sampled = gather_ || (!visit_all_ && lights > 0);
-    for (std::uint32_t b = 0; total.sampled && b < settings_.block_count; ++b) {
-      const SobolSequence sequence(settings_.seed, settings_.first_item + p, b);
-      for (std::uint32_t i = 0; i < settings_.samples_per_block; ++i) {
+    WorkCounts spent;
+    PointEstimates e =
+        no_samples(settings_.per_light ? lights : 0, settings_.wavelengths_nm.size());
+    if (visit_all_) exact_lights(receiver, e, spent);
+    const std::span<double> exact_at = put_exact_spectral(p, e);
+    e.total.sampled = gather_ || (!visit_all_ && lights > 0);
+    std::uint32_t per_block = settings_.samples_per_block;
+    if (e.total.sampled) {
+      if (settings_.target) per_block = needed_samples(p, receiver, e.total.exact, spent);
+      blocks(p, receiver, {0, settings_.block_count, per_block}, e, spent);
+      if (stopped_) return;
+    }
+    const std::uint64_t samples =
+        e.total.sampled ? std::uint64_t{per_block} * settings_.block_count : 0;
+    const IntervalRule rule(confidence_, settings_.block_count,
+                            std::max<std::uint64_t>(samples, 1));
+    const double count = settings_.block_count;
+    result_.points[p] = e.total.result(count, rule);
+    for (std::size_t l = 0; l < e.shares.size(); ++l)
+      result_.per_light[p * lights + l] = e.shares[l].result(count, rule);
+    for (std::size_t k = 0; e.total.sampled && k < e.at_wavelengths.size(); ++k) {
+      const BlockStatistics at = e.at_wavelengths[k].total()[0];
+      exact_at[k] += at.sum / count;
+      if (count > 1)
+        result_.spectral_error[p * exact_at.size() + k] =
+            std::sqrt(at.deviation / (count * (count - 1)));
+    }
+    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+    result_.costs[p] = {samples, spent.indirect_rays + spent.shadow_rays, took.count()};
+    work += spent;
+  }
+
+  PointEstimates no_samples(std::size_t shares, std::size_t wavelengths) const {
+    return {{},
+            std::vector<Estimate>(shares),
+            BySpectrum(wavelengths > 0 ? scene_.spectra().size() + 1 : 0),
+            std::vector<BlockStream<1>>(wavelengths, BlockStream<1>(0))};
+  }
+
+  /// Blocks of independent points.
+  struct Blocks {
+    std::uint64_t first;
+    std::uint32_t count, samples;
+  };
+  void blocks(std::size_t p, const SurfaceHit& receiver, const Blocks& these, PointEstimates& e,
+              WorkCounts& work) {
+    for (std::uint32_t b = 0; b < these.count; ++b) {
+      const SobolSequence sequence(settings_.seed, settings_.first_item + p, these.first + b);
+      for (std::uint32_t i = 0; i < these.samples; ++i) {
         if (i % kSamplesBetweenPolls == 0 && stop_.stop_requested()) {
           stopped_ = true;
           return;
         }
-        sample(receiver, {sequence, i}, total, shares, sampled, work);
+        sample(receiver, {sequence, i}, e, work);
       }
-      work.samples += settings_.samples_per_block;
-      total.end_block(settings_.samples_per_block);
-      for (Estimate& share : shares)
-        if (share.sampled) share.end_block(settings_.samples_per_block);
+      work.samples += these.samples;
+      e.total.end_block(these.samples);
+      for (Estimate& share : e.shares)
+        if (share.sampled) share.end_block(these.samples);
+      if (!e.at_wavelengths.empty()) end_spectral_block(these.samples, e);
     }
-    result_.points[p] = total.result(settings_.block_count, settings_.samples_per_block);
-    for (std::size_t l = 0; l < shares.size(); ++l)
-      result_.per_light[p * lights + l] =
-          shares[l].result(settings_.block_count, settings_.samples_per_block);
-    if (!exact.empty()) put_spectral(p, exact, sampled);
   }
 
-  void put_spectral(std::size_t p, const BySpectrum& exact, const BySpectrum& sampled) {
+  void end_spectral_block(std::uint32_t samples, PointEstimates& e) {
     SpectralValues& spectral = spectral_.local();
-    const std::span<double> at(result_.spectral.data() + p * spectral.size(), spectral.size());
-    const double samples = double(settings_.block_count) * settings_.samples_per_block;
-    for (std::uint32_t g = 0; g < exact.size(); ++g) {
-      std::optional<std::uint32_t> spectrum;
-      if (g > 0) spectrum = g - 1;
-      spectral.add(spectrum, exact[g].value() + sampled[g].value() / samples, at);
+    std::vector<double> at(e.at_wavelengths.size());
+    e.by_spectrum.put(spectral, 1.0 / samples, at);
+    for (std::size_t k = 0; k < at.size(); ++k) e.at_wavelengths[k].add({at[k]});
+  }
+
+  /// How many samples a block this point needs for the target error.
+  std::uint32_t needed_samples(std::size_t p, const SurfaceHit& receiver, const Rgb<double>& exact,
+                               WorkCounts& work) {
+    const TargetError& target = *settings_.target;
+    const std::uint32_t replicates = settings_.block_count;
+    for (std::uint64_t n = kFirstPilot;; n *= kPilotGrowth) {
+      const std::uint64_t samples = n * kPilotBlockCount;
+      const std::uint64_t most = std::max<std::uint64_t>(1, target.max_samples / replicates);
+      if (samples * kPilotGrowth > target.max_samples) return static_cast<std::uint32_t>(most);
+      PointEstimates pilot = no_samples(0, 0);
+      pilot.total.exact = exact;
+      pilot.total.sampled = true;
+      blocks(p, receiver, {kPilotBlocks, kPilotBlockCount, static_cast<std::uint32_t>(n)}, pilot,
+             work);
+      if (stopped_) return 1;
+      // Of as many samples as this pilot has, in the replicates of an answer.
+      const IrradianceEstimate e =
+          pilot.total.result(kPilotBlockCount, IntervalRule(confidence_, replicates, samples));
+      const double allowed =
+          std::max(target.relative * luminance(e.irradiance_lx), target.absolute_floor);
+      const double error = (e.illuminance_lx.upper - e.illuminance_lx.lower) / 2;
+      // By the rate of independent samples, which is the slowest.
+      const double off = error / allowed, times = std::fmax(1, off * off);
+      if (error <= allowed || times <= kPilotGrowth)
+        return static_cast<std::uint32_t>(
+            std::min(static_cast<double>(most),
+                     std::ceil(static_cast<double>(samples) * times / replicates)));
     }
+  }
+
+  /// Begins the sums at wavelengths with what is exact; returns those of point `p`.
+  std::span<double> put_exact_spectral(std::size_t p, PointEstimates& e) {
+    const std::size_t n = e.at_wavelengths.size();
+    const std::span<double> at(result_.spectral.data() + p * n, n);
+    if (n > 0) e.by_spectrum.put(spectral_.local(), 1, at);
+    return at;
   }
 
   void add_to(BySpectrum& groups, std::uint32_t light, const Rgb<double>& lx) const {
-    if (groups.empty()) return;
+    if (!groups.wanted()) return;
     const auto number = scene_.spectrum_number(light);
-    groups[number ? *number + 1 : 0].add(lx);
+    groups.add(number ? *number + 1 : 0, lx);
   }
 
   bool is_delta(std::size_t light) const {
@@ -158,23 +278,22 @@ class IrradianceJob {
   }
 
   // Delta lights have one direction each: one ray answers for them.
-  void exact_lights(const SurfaceHit& receiver, Estimate& total, std::vector<Estimate>& shares,
-                    BySpectrum& exact, WorkCounts& work) const {
+  void exact_lights(const SurfaceHit& receiver, PointEstimates& to, WorkCounts& work) const {
     for (std::uint32_t l = 0; l < scene_.lights().size(); ++l) {
       if (is_delta(l)) {
         const Rgb<double> e =
             tracer_.direct(receiver, receiver.ns, l, 1, {}, work).value * std::numbers::pi;
-        total.exact += e;
-        add_to(exact, l, e);
-        if (!shares.empty()) shares[l].exact = e;
-      } else if (!shares.empty()) {
-        shares[l].sampled = true;
+        to.total.exact += e;
+        add_to(to.by_spectrum, l, e);
+        if (!to.shares.empty()) to.shares[l].exact = e;
+      } else if (!to.shares.empty()) {
+        to.shares[l].sampled = true;
       }
     }
   }
 
-  void sample(const SurfaceHit& receiver, const PathSample& s, Estimate& total,
-              std::vector<Estimate>& shares, BySpectrum& sampled, WorkCounts& work) const {
+  void sample(const SurfaceHit& receiver, const PathSample& s, PointEstimates& to,
+              WorkCounts& work) const {
     constexpr double kPi = std::numbers::pi;
     const Vec3<float>& n = receiver.ns;
     LightEstimate sum;
@@ -182,8 +301,8 @@ class IrradianceJob {
       const LightEstimate lx{e.value * kPi, e.unshadowed * kPi};
       sum.value += lx.value;
       sum.unshadowed += lx.unshadowed;
-      if (!shares.empty()) shares[light].add(lx);
-      add_to(sampled, light, lx.value);
+      if (!to.shares.empty()) to.shares[light].add(lx);
+      add_to(to.by_spectrum, light, lx.value);
     };
     if (visit_all_) {
       for (std::uint32_t l = 0; l < scene_.lights().size(); ++l)
@@ -221,7 +340,7 @@ class IrradianceJob {
         sum.unshadowed += e.unshadowed * kPi;
       }
     }
-    total.add(sum);
+    to.total.add(sum);
   }
 
   const Scene& scene_;
@@ -231,6 +350,7 @@ class IrradianceJob {
   const std::stop_token& stop_;
   IrradianceResult& result_;
   const bool visit_all_, gather_indirect_, gather_;
+  const double confidence_;
   /// One for each thread that takes part, as looking spectra up takes longer than using them.
   tbb::enumerable_thread_specific<SpectralValues> spectral_;
   std::mutex mutex_;
@@ -244,11 +364,14 @@ IrradianceResult estimate_irradiance(const Scene& scene, std::span<const Irradia
   IrradianceResult result;
   result.points.resize(points.size());
   if (settings.per_light) result.per_light.resize(points.size() * scene.lights().size());
+  result.costs.resize(points.size());
   result.spectral.resize(points.size() * settings.wavelengths_nm.size());
+  result.spectral_error.resize(result.spectral.size());
   IrradianceJob job(scene, points, settings, stop, result);
   const std::uint64_t samples_per_point =
       std::uint64_t{settings.block_count} * settings.samples_per_block;
-  const std::size_t grain = std::max<std::uint64_t>(1, kSamplesPerChunk / samples_per_point);
+  const std::size_t grain =
+      settings.target ? 1 : std::max<std::uint64_t>(1, kSamplesPerChunk / samples_per_point);
   parallel_chunks(points.size(), grain, stop,
                   [&](std::size_t begin, std::size_t end) { job.range(begin, end); });
   result.stopped = job.stopped() || stop.stop_requested();

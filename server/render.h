@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "proto/tile_statistics.h"
+#include "server/confidence.h"
 #include "server/scene.h"
 
 namespace lucerna {
@@ -63,9 +64,12 @@ struct IrradiancePoint {
 
 struct IrradianceSettings {
   std::uint64_t seed = 0;
-  std::uint64_t first_item = 0;            ///< number of points[0] in the caller's set
-  std::uint32_t samples_per_block = 1;     ///< a power of two
-  std::uint32_t block_count = 1;           ///< independent replicates; 1: no standard error
+  std::uint64_t first_item = 0;         ///< number of points[0] in the caller's set
+  std::uint32_t samples_per_block = 1;  ///< at most 2^28
+  std::uint32_t block_count = 1;        ///< independent replicates; 1: no standard error
+  double confidence = 0.95;             ///< of intervals, in (0, 1)
+  /// Set: `samples_per_block` is each point's own, as many as this takes; its `confidence` counts.
+  std::optional<TargetError> target{};
   std::optional<std::uint32_t> bounces{};  ///< 0: direct light only; unset: all
   bool per_light = false;                  ///< direct light by light beside the total
   double time_s = 0;
@@ -79,18 +83,30 @@ struct IrradianceEstimate {
   Rgb<double> irradiance_lx;
   Rgb<double> standard_error_lx;  ///< of each channel; infinite where block_count is 1 and the
                                   ///< answer not exact
-  /// Upper bound on the illuminance where every sample was 0 but light may be missed (95%), else 0.
+  double illuminance_error_lx{};  ///< standard error of the luminance, likewise
+  /// Holds the converged illuminance with the confidence that was asked for.
+  Interval illuminance_lx;
+  /// Upper bound on the illuminance where every sample was 0 but light may be missed, else 0.
   double zero_bound_lx = 0;
   bool exact = false;  ///< standard error 0 because nothing was sampled
+};
+
+/// What one point took.
+struct PointCost {
+  std::uint64_t samples = 0;  ///< that the estimate is made of; others only said how many to take
+  std::uint64_t rays = 0;     ///< of all kinds, for all samples
+  double time_s = 0;          ///< on one thread
 };
 
 struct IrradianceResult {
   std::vector<IrradianceEstimate> points;
   /// Direct light of light l at point p, [p * lights + l]; empty unless asked for.
   std::vector<IrradianceEstimate> per_light;
+  std::vector<PointCost> costs;  ///< of each point
   /// At wavelength k, of point p: [p * wavelengths + k] [W/m2/nm].  Of the same samples as the
   /// total.
   std::vector<double> spectral;
+  std::vector<double> spectral_error;  ///< standard errors; of one block 0
   WorkCounts work;
   bool stopped = false;
 };

@@ -68,7 +68,7 @@ absl::Status write_map(const std::string& path, const client::ResultFile& result
   for (const double nm : options.request.wavelengths_nm())
     names.push_back(fmt::format("irradiance.{}nm", nm));
   // A column of NaN tells nobody anything, and pictures of NaN upset programs.
-  const bool has_error = options.samples > 1;
+  const bool has_error = options.samples != 1;
   std::vector<std::string> channels = names;
   if (!has_error) channels.erase(channels.begin() + client::kStandardErrorColumn);
   auto file = client::MapWriter::create(path, window, channels, options.description);

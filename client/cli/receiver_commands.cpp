@@ -1,6 +1,7 @@
 // visible, irradiance.
 #include <fmt/core.h>
 
+#include <cmath>
 #include <memory>
 
 #include "client/batch_parts.h"
@@ -10,6 +11,7 @@
 #include "client/cli/output.h"
 #include "client/cli/points.h"
 #include "client/cli/session.h"
+#include "client/cli/stop_option.h"
 #include "client/cli/time_option.h"
 #include "client/cli/validators.h"
 #include "client/cli/wavelengths.h"
@@ -81,7 +83,7 @@ struct IrradianceOptions {
   PointOptions points;
   TripleOption normals;
   std::optional<std::uint32_t> bounces;
-  std::optional<std::uint32_t> samples;
+  StopOption stop;
   std::uint64_t seed = 0;
   bool per_light = false;
   AreaSamplingOption area_sampling;
@@ -98,10 +100,22 @@ std::string error_text(const google::protobuf::RepeatedField<float>& errors,
   return errors[i] == 0 ? "exact" : number(errors[i]);
 }
 
+/// The interval of an answer to a target error: half its width, or both its ends where the estimate
+/// is not in its middle.
+std::string interval_text(double value, double lower, double upper) {
+  if (lower == upper) return "exact";
+  if (value == 0) return fmt::format("< {}", number(upper));
+  const double above = upper - value, below = value - lower;
+  if (std::fabs(above - below) <= 1e-3 * above) return number(above);
+  return fmt::format("{} ... {}", number(lower), number(upper));
+}
+
 void print_irradiance(const v1::EstimateIrradianceResponse& response, const PointSet& set,
-                      const WavelengthOption& wavelengths) {
+                      const WavelengthOption& wavelengths, const StopOption& stop) {
   std::vector<Table::Column> columns = {
       {"x [m]"}, {"y [m]"}, {"z [m]"}, {"illuminance [lx]"}, {"± [lx]"}, {"RGB [lx]", true}};
+  const bool by_target = response.has_item_costs();
+  if (by_target) columns.insert(columns.end() - 1, {{"samples"}, {"rays"}, {"time [ms]"}});
   if (wavelengths.given()) columns.push_back({wavelengths.header("W/m2/nm"), true});
   columns.push_back({"", true});
   Table table(columns);
@@ -114,8 +128,16 @@ void print_irradiance(const v1::EstimateIrradianceResponse& response, const Poin
         number(y),
         number(z),
         number(response.illuminance_lx(i)),
-        status.empty() ? error_text(response.standard_error_lx(), response.zero_bound_lx(), i) : "",
+        !status.empty() ? ""
+        : by_target
+            ? interval_text(response.illuminance_lx(i), response.lower_lx(i), response.upper_lx(i))
+            : error_text(response.standard_error_lx(), response.zero_bound_lx(), i),
         3 * i + 2 < rgb.size() ? triple(rgb[3 * i], rgb[3 * i + 1], rgb[3 * i + 2]) : ""};
+    if (by_target) {
+      const v1::ItemCosts& costs = response.item_costs();
+      row.insert(row.end() - 1, {std::to_string(costs.samples(i)), std::to_string(costs.rays(i)),
+                                 number(1e3 * costs.time_s(i))});
+    }
     if (wavelengths.given()) row.push_back(wavelengths.values(response.spectral_irradiance(), i));
     row.push_back(status);
     table.add(std::move(row));
@@ -132,6 +154,11 @@ void print_irradiance(const v1::EstimateIrradianceResponse& response, const Poin
     }
     fmt::print("\n{}", shares.to_string());
   }
+  if (by_target) {
+    fmt::print("± and < hold with {:g}% confidence; {}\n", 100 * stop.confidence(),
+               describe(response.cost()));
+    return;
+  }
   fmt::print("{} samples a point; ± is one standard error, < a bound with 95% confidence; {}\n",
              response.samples(), describe(response.cost()));
 }
@@ -141,11 +168,13 @@ void irradiance(Session& session, const IrradianceOptions& options) {
   if (options.bounces) request.set_bounces(*options.bounces);
   request.set_per_light(options.per_light);
   request.mutable_seed()->set_seed(options.seed);
-  if (options.samples) request.mutable_accuracy()->set_samples(*options.samples);
+  options.stop.put(request);
   options.area_sampling.put(request);
   options.time.put(request);
   options.wavelengths.put(request);
   if (options.files.given()) {
+    if (options.stop.budget_s)
+      wrong_use("--budget: answers into files are asked in pieces, which have no common time");
     return options.files.run(session, options.scene, options.points, options.normals, request);
   }
   options.files.check();
@@ -158,7 +187,7 @@ void irradiance(Session& session, const IrradianceOptions& options) {
   request.set_scene_id(session.scene_id(options.scene));
   ask_and_print(session, request, client::estimate_irradiance_in_batches,
                 [&](const v1::EstimateIrradianceResponse& response) {
-                  print_irradiance(response, set, options.wavelengths);
+                  print_irradiance(response, set, options.wavelengths, options.stop);
                 });
 }
 
@@ -188,6 +217,7 @@ void add_receiver_commands(CLI::App& app, Session& session) {
   command = app.add_subcommand("irradiance", "Light that arrives on small surfaces");
   command->footer(
       "Example:\n  lucerna irradiance room.pbrt --point 0,0,0.8 --normal 0,0,1 --samples 1024\n"
+      "  lucerna irradiance room.pbrt --points desks.csv --error 1%\n"
       "  lucerna irradiance room.pbrt --points desks.csv --bounces 0 --per-light\n"
       "  lucerna irradiance room.pbrt --points desks.csv --bounces 0 --wavelength 450,555\n"
       "  lucerna irradiance room.pbrt --points baked.exr -o light.exr --servers a:50051,b:50051");
@@ -199,8 +229,7 @@ void add_receiver_commands(CLI::App& app, Session& session) {
       ->add_option("--bounces", meter->bounces,
                    "Reflections that light may take, 0 for direct light; default: all")
       ->check(whole(0));
-  command->add_option("--samples", meter->samples, "Samples for each point; default 256")
-      ->check(whole(1));
+  meter->stop.add(*command, "point", "256");
   command->add_option("--seed", meter->seed, "Seed of the sample values")->capture_default_str();
   command->add_flag("--per-light", meter->per_light, "Also the direct light of each light");
   meter->area_sampling.add(*command);

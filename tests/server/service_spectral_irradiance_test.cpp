@@ -56,6 +56,7 @@ TEST_F(SpectraServiceTest, AskingForWavelengthsChangesNothingElse) {
     ASSERT_TRUE(call(q, &without).ok());
     EXPECT_EQ(without.spectral_irradiance_size(), 0);
     with.clear_spectral_irradiance();
+    with.clear_spectral_standard_error();
     with.clear_cost();
     without.clear_cost();
     EXPECT_EQ(with.SerializeAsString(), without.SerializeAsString());

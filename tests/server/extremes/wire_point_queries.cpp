@@ -43,6 +43,20 @@ void WireQueries::visibility() {
       hold(!bit(r.visible(), i), "TestVisibility", i, "visible without an answer");
 }
 
+void WireQueries::stop_rule(v1::Accuracy* accuracy) {
+  if (n_.chance(0.8)) {
+    accuracy->set_samples(static_cast<std::uint32_t>(1 + n_.below(4)));
+  } else if (n_.chance(0.7)) {
+    v1::TargetError* target = accuracy->mutable_target_error();
+    target->set_relative(n_.magnitude());
+    if (n_.chance(0.5)) target->set_absolute_floor(n_.magnitude());
+    if (n_.chance(0.5)) target->set_confidence(n_.uniform() * 0.999 + 0.0005);
+    target->set_max_samples(64U << n_.below(4));
+  } else {
+    accuracy->set_time_budget_s(1e-6 * (1 + n_.below(1000)));
+  }
+}
+
 void WireQueries::irradiance() {
   v1::EstimateIrradianceRequest q;
   q.set_scene_id(scene_id_);
@@ -58,7 +72,7 @@ void WireQueries::irradiance() {
   if (n_.chance(0.5)) q.mutable_seed()->set_first_item(n_.seed() >> n_.below(64));
   if (n_.chance(0.5)) q.set_time_s(n_.scalar());
   if (n_.chance(0.2)) q.set_position_error_m(static_cast<float>(n_.magnitude()));
-  if (!by_default) q.mutable_accuracy()->set_samples(static_cast<std::uint32_t>(1 + n_.below(4)));
+  if (!by_default) stop_rule(q.mutable_accuracy());
   area_sampling(q.mutable_accuracy());
   v1::EstimateIrradianceResponse r;
   const grpc::Status s =
@@ -70,6 +84,16 @@ void WireQueries::irradiance() {
   expect("EstimateIrradiance", r.illuminance_lx_size(), n, "illuminance_lx");
   expect("EstimateIrradiance", r.standard_error_lx_size(), r.samples() > 1 ? n : 0,
          "standard_error_lx");
+  for (const int size : {r.lower_lx_size(), r.upper_lx_size()})
+    expect("EstimateIrradiance", size, r.standard_error_lx_size(), "bounds");
+  for (const int size :
+       {r.item_costs().samples_size(), r.item_costs().rays_size(), r.item_costs().time_s_size()})
+    expect("EstimateIrradiance", size, q.accuracy().has_target_error() ? n : 0, "item_costs");
+  expect("EstimateIrradiance", r.spectral_standard_error_size(),
+         r.standard_error_lx().empty() ? 0 : n * spectral, "spectral_standard_error");
+  for (int i = 0; i < r.lower_lx_size(); ++i)
+    hold(r.lower_lx(i) <= r.illuminance_lx(i) && r.illuminance_lx(i) <= r.upper_lx(i),
+         "EstimateIrradiance", i, "the estimate is not within its bounds");
   expect("EstimateIrradiance", r.zero_bound_lx_size(), n, "zero_bound_lx");
   expect("EstimateIrradiance", r.shares_size(), q.per_light() ? lights_.size() : 0, "shares");
   expect("EstimateIrradiance", r.spectral_irradiance_size(), n * spectral, "spectral_irradiance");

@@ -1,0 +1,25 @@
+// When a computation stops, as a request has it.
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include <optional>
+
+#include "lucerna/v1/accuracy.pb.h"
+#include "server/confidence.h"
+#include "server/rpc/task.h"
+
+namespace lucerna::rpc {
+
+/// One of the three.
+struct StopRule {
+  std::uint32_t samples = 0;  ///< 0: one of the others
+  std::optional<TargetError> target{};
+  std::optional<double> time_budget_s{};
+};
+
+/// `fallback`: samples where nothing is said.  INVALID_ARGUMENT for what is out of range.
+absl::StatusOr<StopRule> check_stop_rule(const Context& context, const v1::Accuracy& accuracy,
+                                         std::uint32_t fallback);
+
+}  // namespace lucerna::rpc

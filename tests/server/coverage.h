@@ -1,0 +1,75 @@
+// Whether intervals hold what they say they hold: many answers to the same question, with different
+// seeds, against the converged value.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+
+#include "server/confidence.h"
+#include "tests/server/extremes/wire_settings.h"
+
+namespace lucerna::testing {
+
+/// How often each question is repeated: 1000 times, or as the environment says (`make soak`: 4000).
+inline std::uint64_t repeats() {
+  const absl::StatusOr<std::uint64_t> n = whole_number_of("LUCERNA_REPEATS", 1000, 1000);
+  if (!n.ok()) throw std::runtime_error(std::string(n.status().message()));
+  return *n;
+}
+
+/// Answers to one question, whose converged value is `truth`.
+class Coverage {
+ public:
+  explicit Coverage(double truth) : truth_(truth) {}
+
+  void add(double estimate, const Interval& interval) {
+    ++count_;
+    const double off = (estimate - mean_) / static_cast<double>(count_);
+    squares_ += (estimate - mean_) * (estimate - mean_ - off);
+    mean_ += off;
+    held_ += interval.lower <= truth_ && truth_ <= interval.upper;
+  }
+
+  double held() const { return static_cast<double>(held_) / static_cast<double>(count_); }
+  /// Of `share`, when it is that of so many repeats: four of these happen once in 16000 times.
+  double deviation_of(double share) const {
+    return std::sqrt(share * (1 - share) / static_cast<double>(count_));
+  }
+  /// At least 93%, as far as so many repeats can tell.
+  bool holds_enough() const { return held() >= 0.93 - slack(); }
+  /// At most 97%: wider intervals were not needed.
+  bool holds_no_more() const { return held() <= 0.97 + slack(); }
+  /// The mean of the answers, in their own standard errors off the converged value.
+  double bias() const {
+    const double n = static_cast<double>(count_);
+    return (mean_ - truth_) / std::sqrt(squares_ / (n * (n - 1)));
+  }
+
+ private:
+  /// 4000 repeats are held to 93% and 97% themselves: an interval of just 95% is 5.8 of their
+  /// standard deviations away.  Fewer are allowed what keeps it so.
+  double slack() const { return std::max(0.0, 5.8 * deviation_of(0.95) - 0.02); }
+
+  double truth_;
+  std::uint64_t count_ = 0, held_ = 0;
+  double mean_ = 0, squares_ = 0;
+};
+
+/// For questions that many samples answer.
+inline void expect_covered(const Coverage& c, const std::string& what) {
+  EXPECT_TRUE(c.holds_enough()) << what << ": " << c.held();
+  EXPECT_TRUE(c.holds_no_more()) << what << ": " << c.held();
+  EXPECT_LE(std::fabs(c.bias()), 4) << what;
+}
+
+/// For those of which few samples tell anything: intervals may be too wide.
+inline void expect_covered_at_least(const Coverage& c, const std::string& what) {
+  EXPECT_TRUE(c.holds_enough()) << what << ": " << c.held();
+  EXPECT_LE(std::fabs(c.bias()), 4) << what;
+}
+
+}  // namespace lucerna::testing

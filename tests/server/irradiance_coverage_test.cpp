@@ -1,0 +1,194 @@
+// The intervals of irradiance, over repeats: with a number of samples and with a target error, on
+// scenes that are smooth and on one whose light one sample in a thousand finds.
+#include <gtest/gtest.h>
+
+#include <numbers>
+#include <vector>
+
+#include "server/render.h"
+#include "tests/lights/closed_forms.h"
+#include "tests/server/coverage.h"
+#include "tests/server/scenes.h"
+
+namespace lucerna::testing {
+namespace {
+
+using std::numbers::pi;
+
+struct Question {
+  std::string name;
+  std::shared_ptr<const Scene> scene;
+  Vec3<double> receiver;
+  Vec3<float> normal{0, 0, 1};
+  double truth;  // [lx]
+  std::optional<std::uint32_t> bounces = 0;
+};
+
+double of_patch(double radiance, double half_side, double z) {
+  const double h = half_side;
+  return radiance *
+         polygon_irradiance({{-h, -h, z}, {h, -h, z}, {h, h, z}, {-h, h, z}}, {}, {0, 0, 1});
+}
+
+/// A lamp of 2 m x 2 m, 2 m above a floor.
+Question lamp() {
+  SceneDescription d = description(0);
+  d.shapes = {floor(9), emissive(patch({-1, -1, 2}, {-1, 1, 2}, {1, -1, 2}, {1, 1, 2}), 5)};
+  return {.name = "lamp", .scene = build(std::move(d)), .receiver = {}, .truth = of_patch(5, 1, 2)};
+}
+
+/// Half of a sky behind a wall: light ends at an edge.
+Question half_a_sky() {
+  SceneDescription d = description(0);
+  d.shapes = {patch({0, -1e4, 0}, {0, 1e4, 0}, {0, -1e4, 1e4}, {0, 1e4, 1e4})};
+  d.lights = {{UniformInfiniteLightParams{Rgb<double>(3, 2, 1)}, {}}};
+  // What the wall leaves free, above and beside it, is 1e-5 of a share of that.
+  return {.name = "half a sky",
+          .scene = build(std::move(d)),
+          .receiver = {0.1, 0, 0.1},
+          .truth = luminance(Rgb<double>(3, 2, 1)) * pi / 2};
+}
+
+/// A closed room of which all surfaces emit 2 cd/m2 and reflect half: 4 pi lx everywhere.
+Question furnace() {
+  SceneDescription d = description(0.5);
+  d.shapes = {emissive(shape(room()), 2, true)};
+  return {.name = "furnace",
+          .scene = build(std::move(d)),
+          .receiver = {0.1, 0.2, -0.3},
+          .truth = 4 * pi,
+          .bounces = std::nullopt};
+}
+
+/// A lamp of 2 m x 2 m at 4 m behind a lid at 2 m with a hole in its middle, through which a
+/// thousandth of the lamp is seen.
+Question pinhole() {
+  const double seen = std::sqrt(1e-3), hole = seen / 2, far = 30;
+  SceneDescription d = description(0);
+  d.shapes = {floor(9),
+              emissive(patch({-1, -1, 4}, {-1, 1, 4}, {1, -1, 4}, {1, 1, 4}), 1000),
+              patch({-far, -far, 2}, {far, -far, 2}, {-far, -hole, 2}, {far, -hole, 2}),
+              patch({-far, hole, 2}, {far, hole, 2}, {-far, far, 2}, {far, far, 2}),
+              patch({-far, -hole, 2}, {-hole, -hole, 2}, {-far, hole, 2}, {-hole, hole, 2}),
+              patch({hole, -hole, 2}, {far, -hole, 2}, {hole, hole, 2}, {far, hole, 2})};
+  return {.name = "pinhole",
+          .scene = build(std::move(d)),
+          .receiver = {},
+          .truth = of_patch(1000, seen, 4)};
+}
+
+/// `widened`: intervals are, about their estimates.
+Coverage asked(const Question& q, IrradianceSettings settings, double widened = 1) {
+  settings.bounces = q.bounces;
+  settings.seed = 6;
+  const std::vector<IrradiancePoint> points(
+      repeats(), {q.receiver - q.scene->origin(), {1e-6F, 1e-6F, 1e-6F}, q.normal});
+  const IrradianceResult r = estimate_irradiance(*q.scene, points, settings, {});
+  Coverage c(q.truth);
+  for (const IrradianceEstimate& e : r.points) {
+    const double value = luminance(e.irradiance_lx);
+    c.add(value, {value - widened * (value - e.illuminance_lx.lower),
+                  value + widened * (e.illuminance_lx.upper - value)});
+  }
+  return c;
+}
+
+TEST(IrradianceCoverage, OfSmoothLightByACount) {
+  for (const Question& q : {lamp(), half_a_sky(), furnace()})
+    for (const std::uint32_t each : {4U, 16U, 64U})
+      expect_covered(asked(q, {.samples_per_block = each, .block_count = 16}),
+                     q.name + ", " + std::to_string(each) + " samples a replicate");
+}
+
+TEST(IrradianceCoverage, OfSmoothLightByATarget) {
+  for (const Question& q : {lamp(), half_a_sky(), furnace()})
+    for (const double relative : {0.1, 0.02})
+      expect_covered(asked(q, {.block_count = 16, .target = TargetError{.relative = relative}}),
+                     q.name + " within " + std::to_string(relative));
+}
+
+TEST(IrradianceCoverage, OfLightThroughAPinholeByACount) {
+  const Question q = pinhole();
+  for (const std::uint32_t each : {1U, 16U, 64U, 256U, 1024U})
+    expect_covered_at_least(asked(q, {.samples_per_block = each, .block_count = 16}),
+                            std::to_string(each) + " samples a replicate");
+}
+
+TEST(IrradianceCoverage, OfLightThroughAPinholeByATarget) {
+  const Question q = pinhole();
+  for (const double relative : {1.0})
+    expect_covered_at_least(
+        asked(q, {.block_count = 16, .target = TargetError{.relative = relative}}),
+        "within " + std::to_string(relative));
+}
+
+// What intervals of a wrong variance come to.
+TEST(IrradianceCoverage, SeesIntervalsThatAreTooNarrowOrTooWide) {
+  const IrradianceSettings settings{.samples_per_block = 4, .block_count = 16};
+  const Coverage narrow = asked(lamp(), settings, 0.6), wide = asked(lamp(), settings, 1.8);
+  EXPECT_FALSE(narrow.holds_enough()) << narrow.held();
+  EXPECT_FALSE(wide.holds_no_more()) << wide.held();
+}
+
+// A mean over samples whose number they had a say in is off.
+TEST(IrradianceCoverage, SeesABias) {
+  Coverage c(1);
+  for (std::uint64_t i = 0; i < repeats(); ++i) c.add(1.1 + 0.4 * ((i % 5) - 2.0), {0, 2});
+  EXPECT_GT(std::fabs(c.bias()), 3);
+}
+
+TEST(IrradianceTarget, IsReached) {
+  for (const Question& q : {lamp(), half_a_sky(), furnace()}) {
+    const std::vector<IrradiancePoint> points(
+        400, {q.receiver - q.scene->origin(), {1e-6F, 1e-6F, 1e-6F}, q.normal});
+    const IrradianceSettings settings{
+        .block_count = 16, .target = TargetError{.relative = 0.02}, .bounces = q.bounces};
+    const IrradianceResult r = estimate_irradiance(*q.scene, points, settings, {});
+    int within = 0;
+    for (const IrradianceEstimate& e : r.points)
+      within += std::fabs(luminance(e.irradiance_lx) - q.truth) <= 0.02 * q.truth;
+    EXPECT_GE(within, 367) << q.name;  // of 380, three standard deviations less
+  }
+}
+
+TEST(IrradianceTarget, GivesTheBitsOfTheCountThatItTook) {
+  for (const Question& q : {lamp(), furnace(), pinhole()}) {
+    const std::vector<IrradiancePoint> points(
+        20, {q.receiver - q.scene->origin(), {1e-6F, 1e-6F, 1e-6F}, q.normal});
+    IrradianceSettings settings{
+        .seed = 5, .block_count = 16, .target = TargetError{.relative = 0.1}, .bounces = q.bounces};
+    const IrradianceResult r = estimate_irradiance(*q.scene, points, settings, {});
+    settings.target.reset();
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      EXPECT_EQ(r.costs[i].samples % 16, 0U);
+      EXPECT_GE(r.costs[i].samples, 64U);
+      settings.samples_per_block = static_cast<std::uint32_t>(r.costs[i].samples / 16);
+      settings.first_item = i;
+      const auto again = estimate_irradiance(*q.scene, std::span(&points[i], 1), settings, {});
+      EXPECT_EQ(again.points[0].irradiance_lx, r.points[i].irradiance_lx) << q.name;
+      EXPECT_EQ(again.points[0].illuminance_lx.upper, r.points[i].illuminance_lx.upper) << q.name;
+    }
+  }
+}
+
+TEST(IrradianceTarget, EndsAtTheMostSamples) {
+  // Nothing comes through a closed lid, however often one looks.
+  SceneDescription d = description(0);
+  d.shapes = {floor(9), floor(9, 2),
+              emissive(patch({-1, -1, 4}, {-1, 1, 4}, {1, -1, 4}, {1, 1, 4}), 7)};
+  const auto scene = build(std::move(d));
+  const IrradiancePoint point{-scene->origin(), {1e-6F, 1e-6F, 1e-6F}, {0, 0, 1}};
+  IrradianceSettings settings{
+      .block_count = 16, .target = TargetError{.relative = 0.1, .max_samples = 1024}, .bounces = 0};
+  auto r = estimate_irradiance(*scene, std::span(&point, 1), settings, {});
+  EXPECT_EQ(r.costs[0].samples, 1024U);
+  EXPECT_GT(r.points[0].illuminance_lx.upper, 0);
+  EXPECT_EQ(r.points[0].zero_bound_lx, r.points[0].illuminance_lx.upper);
+  // Unless that little is enough.
+  settings.target->absolute_floor = 1;
+  r = estimate_irradiance(*scene, std::span(&point, 1), settings, {});
+  EXPECT_EQ(r.costs[0].samples, 64U);
+}
+
+}  // namespace
+}  // namespace lucerna::testing
