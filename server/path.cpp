@@ -11,6 +11,10 @@ namespace {
 
 constexpr double kInvPi = std::numbers::inv_pi;
 
+/// Reflections from which on Russian roulette ends paths however many were asked for: between
+/// surfaces that absorb nothing 2^32 of them would take minutes.
+constexpr std::uint32_t kLongDepth = 256;
+
 /// The power heuristic's weight of the strategy with density `a` against `b`, without overflow.
 double power_weight(double a, double b) {
   if (!(a > 0)) return 0;
@@ -152,7 +156,7 @@ LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3<float>& 
 
     const bool last = depth >= last_depth_;
     if (last && !scene_.has_visible_lights()) return sum;
-    if (endless_ && depth >= kSafeDepth) {
+    if (depth >= (endless_ ? kSafeDepth : kLongDepth)) {
       // Below 1 even where nothing is absorbed, so that every path ends.
       const double survival = std::min(0.95, throughput.max_component());
       if (sample.at(depth, PathSample::kSurvival).x >= survival) return sum;

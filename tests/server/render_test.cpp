@@ -178,6 +178,19 @@ TEST(RenderTile, ShowsEmissionTimesTheFilmsScale) {
   EXPECT_EQ(tile.channels[0].deviation, 0);
 }
 
+TEST(RenderTile, EndsBetweenWhiteWallsHoweverManyBouncesAreAskedFor) {
+  // Nothing is absorbed: light goes on for 2^32 reflections.
+  SceneDescription d = testing::description(1);
+  d.shapes = {testing::shape(testing::room())};
+  d.lights = {testing::point_light({0, 0, 0.5}, 1)};
+  const auto scene = build(std::move(d));
+  TileSettings settings{.rect = {0, 0, 8, 8}, .seed = 3, .bounces = 0xFFFFFFFF};
+  const TileResult r = render_tile(*scene, settings, {});
+  // Paths go on for 1 / (1 - 0.95) = 20 reflections more.
+  EXPECT_GT(r.work.indirect_rays, 64 * 256U);
+  EXPECT_LT(r.work.indirect_rays, 64 * 300U);
+}
+
 TEST(RenderTile, IsBlackWithoutLights) {
   SceneDescription d = testing::description();
   d.shapes = {{testing::room()}};
