@@ -43,17 +43,17 @@ void WireQueries::visibility() {
       hold(!bit(r.visible(), i), "TestVisibility", i, "visible without an answer");
 }
 
-void WireQueries::stop_rule(v1::Accuracy* accuracy) {
+void WireQueries::stop_rule(v1::Accuracy* out) {
   if (n_.chance(0.8)) {
-    accuracy->set_samples(static_cast<std::uint32_t>(1 + n_.below(4)));
+    out->set_samples(static_cast<std::uint32_t>(1 + n_.below(4)));
   } else if (n_.chance(0.7)) {
-    v1::TargetError* target = accuracy->mutable_target_error();
+    v1::TargetError* target = out->mutable_target_error();
     target->set_relative(n_.magnitude());
     if (n_.chance(0.5)) target->set_absolute_floor(n_.magnitude());
     if (n_.chance(0.5)) target->set_confidence(n_.uniform() * 0.999 + 0.0005);
     target->set_max_samples(64U << n_.below(4));
   } else {
-    accuracy->set_time_budget_s(1e-6 * (1 + n_.below(1000)));
+    out->set_time_budget_s(1e-6 * (1 + n_.below(1000)));
   }
 }
 
@@ -82,7 +82,7 @@ void WireQueries::irradiance() {
   const auto spectral = static_cast<std::size_t>(q.wavelengths_nm_size());
   expect("EstimateIrradiance", r.irradiance_lx_size(), 3 * n, "irradiance_lx");
   expect("EstimateIrradiance", r.illuminance_lx_size(), n, "illuminance_lx");
-  expect("EstimateIrradiance", r.standard_error_lx_size(), r.samples() > 1 ? n : 0,
+  expect("EstimateIrradiance", r.standard_error_lx_size(), q.accuracy().samples() == 1 ? 0 : n,
          "standard_error_lx");
   for (const int size : {r.lower_lx_size(), r.upper_lx_size()})
     expect("EstimateIrradiance", size, r.standard_error_lx_size(), "bounds");
