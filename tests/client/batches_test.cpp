@@ -151,16 +151,19 @@ TEST(Batches, OfManyLightsAndWavelengthsFitTheServersMessages) {
     EXPECT_EQ(request.seed().first_item(), 100U + receivers);
     response->mutable_irradiance_lx()->Resize(3 * n, 1);
     for (auto* array : {response->mutable_illuminance_lx(), response->mutable_standard_error_lx(),
-                        response->mutable_zero_bound_lx()}) {
+                        response->mutable_zero_bound_lx(), response->mutable_lower_lx(),
+                        response->mutable_upper_lx()}) {
       array->Resize(n, 1);
     }
     response->mutable_spectral_irradiance()->Resize(128 * n, 1);
+    response->mutable_spectral_standard_error()->Resize(128 * n, 1);
     response->mutable_status()->Resize(n, v1::ITEM_STATUS_OUT_OF_RANGE);
     for (int l = 0; l < kLights; ++l) {
       v1::LightShare* share = response->add_shares();
       share->set_light_id(l + 1);
-      share->mutable_illuminance_lx()->Resize(n, 1);
-      share->mutable_standard_error_lx()->Resize(n, 1);
+      for (auto* array : {share->mutable_illuminance_lx(), share->mutable_standard_error_lx(),
+                          share->mutable_lower_lx(), share->mutable_upper_lx()})
+        array->Resize(n, 1);
     }
     EXPECT_LE(response->ByteSizeLong(), server.max_message_bytes);
     // Nor are there many more batches than there must be.
@@ -177,12 +180,12 @@ TEST(Batches, OfManyLightsAndWavelengthsFitTheServersMessages) {
   const auto split = estimate_irradiance_in_batches(client, request);
   ASSERT_TRUE(split.ok()) << split.status();
   EXPECT_EQ(receivers, kReceivers);
-  EXPECT_EQ(batches, 3);
+  EXPECT_EQ(batches, 6);
   EXPECT_EQ(split->shares(kLights - 1).illuminance_lx_size(), kReceivers);
   // Also where it is said how many items a batch has.
   receivers = batches = 0;
   ASSERT_TRUE(estimate_irradiance_in_batches(client, request, {.max_items = 1000}).ok());
-  EXPECT_EQ(batches, 3);
+  EXPECT_EQ(batches, 6);
   // A receiver whose answer is larger is asked about alone, for the server to judge.
   server.get_scene = scene_of(1000000);
   server.irradiance = [&](auto&, const v1::EstimateIrradianceRequest& one, auto*) {
