@@ -46,6 +46,8 @@ auto within_time(double budget_s, std::uint32_t most, const std::stop_token& sto
   constexpr double kPlanned = 0.9;
   // Short runs tell little of long ones.
   constexpr double kMostGrowth = 16;
+  // What clocks can add to now: 30 years.
+  constexpr double kForEver = 1e9;
   using Clock = StopAt::Clock;
   const auto begin = Clock::now();
   const auto since = [](Clock::time_point t) {
@@ -54,8 +56,9 @@ auto within_time(double budget_s, std::uint32_t most, const std::stop_token& sto
   std::pair best(run(1U, stop), 1U);
   double took_s = since(begin);
   while (best.first && best.second < most) {
-    const double left_s = budget_s - since(begin);
-    const double fits = std::min(kPlanned * left_s / took_s, kMostGrowth) * best.second;
+    const double left_s = std::min(budget_s, kForEver) - since(begin);
+    const double fits =
+        std::min(kPlanned * left_s / std::max(took_s, 1e-9), kMostGrowth) * best.second;
     const auto n = static_cast<std::uint32_t>(std::clamp<double>(fits, 0, most));
     if (n <= best.second) break;
     const StopAt in_time(Clock::now() + std::chrono::duration_cast<Clock::duration>(

@@ -27,7 +27,6 @@ constexpr double kLookUpSeconds = 200e-9;  // a spectrum at a wavelength
 constexpr std::uint32_t kDefaultSamples = 256;
 // Replicates of an estimate: its standard error is then known to about a fifth.
 constexpr std::uint32_t kReplicates = 16;
-constexpr std::uint32_t kMostSamplesPerReplicate = 1U << 28;
 
 /// The least number of equal replicates, kReplicates or more, that `samples` fall into; as many as
 /// there are where they are fewer.
@@ -95,6 +94,7 @@ struct IrradianceWork {
   std::span<const float> normals;
   std::optional<float> position_error_m;
   StopRule stop_rule;
+  std::uint32_t most_samples = 0;  ///< with a time budget: so many can be asked for by number
   IrradianceSettings settings;
 
   absl::Status operator()(const std::stop_token& stop,
@@ -171,7 +171,7 @@ absl::Status IrradianceWork::operator()(const std::stop_token& stop,
   std::optional<Results> results;
   if (stop_rule.time_budget_s) {
     std::tie(results, samples_per_block) =
-        within_time(*stop_rule.time_budget_s, kMostSamplesPerReplicate, stop,
+        within_time(*stop_rule.time_budget_s, most_samples / settings.block_count, stop,
                     [&](std::uint32_t each, const std::stop_token& in_time) {
                       return estimate(all, each, in_time);
                     });
@@ -274,6 +274,7 @@ Prepared estimate_irradiance(const Context& context, const v1::EstimateIrradianc
   const auto rule = check_stop_rule(context, request.accuracy(), kDefaultSamples);
   if (!rule.ok()) return rule.status();
   work.stop_rule = *rule;
+  work.most_samples = context.limits.max_samples;
   if (auto s = check_answer_size(context, "receivers", n,
                                  answer_size(request, (*scene)->lights().size()));
       !s.ok()) {

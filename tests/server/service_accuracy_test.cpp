@@ -91,6 +91,21 @@ TEST_F(AccuracyTest, ATimeTellsTheCountThatItAllowed) {
   }
 }
 
+TEST_F(AccuracyTest, MoreTimeThanThereIsEndsAtTheMostSamplesThatCanBeAskedFor) {
+  // One lamp that needs no sample: a run takes no time however many there are.
+  v1::EstimateIrradianceRequest q = question();
+  q.set_scene_id(service_.load("point.pbrt"));
+  q.set_bounces(0);
+  q.mutable_accuracy()->set_time_budget_s(1e300);
+  v1::EstimateIrradianceResponse r, same;
+  ASSERT_TRUE(ask(q, &r).ok());
+  EXPECT_EQ(r.samples(), rpc::RequestLimits().max_samples);
+  q.mutable_accuracy()->set_samples(r.samples());
+  ASSERT_TRUE(ask(q, &same).ok());
+  r.clear_cost(), same.clear_cost();
+  EXPECT_EQ(r.SerializeAsString(), same.SerializeAsString());
+}
+
 TEST_F(AccuracyTest, AnyCountIsTaken) {
   v1::EstimateIrradianceRequest q = question();
   for (const std::uint32_t n : {1U, 2U, 15U, 16U, 17U, 31U, 34U, 100U, 101U, 255U, 1000U}) {
