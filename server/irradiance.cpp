@@ -124,7 +124,7 @@ class IrradianceJob {
       : scene_(scene),
         points_(points),
         settings_(settings),
-        tracer_(scene, settings.bounces, settings.area_sampling),
+        tracer_(scene, settings.bounces, settings.methods),
         stop_(stop),
         result_(result),
         visit_all_(settings.per_light || tracer_.visits_all()),

@@ -36,7 +36,7 @@ Vec3<float> PathTracer::cosine_direction(const Vec3<float>& ns, const Vec3<float
 Receiver<double> PathTracer::receiver(const SurfaceHit& hit, const Vec3<float>& wo) const {
   Receiver<double> r(hit.position);
   r.normal = Vec3<double>(dot(hit.ns, wo) < 0 ? -hit.ns : hit.ns);
-  r.area_sampling = area_sampling_;
+  r.area_sampling = methods_.area_sampling;
   // Wherever a light is sampled here a direction of the surface is too, and both are weighed.
   r.incomplete = true;
   return r;

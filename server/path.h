@@ -56,10 +56,10 @@ struct LightEstimate {
 /// Immutable; one may serve any number of threads.
 class PathTracer {
  public:
-  /// `bounces`, `area_sampling`: as TileSettings has them.
-  PathTracer(const Scene& scene, std::optional<std::uint32_t> bounces, AreaSampling area_sampling)
+  /// `bounces`, `methods`: as TileSettings has them.
+  PathTracer(const Scene& scene, std::optional<std::uint32_t> bounces, const Methods& methods)
       : scene_(scene),
-        area_sampling_(area_sampling),
+        methods_(methods),
         last_depth_(bounces.value_or(std::numeric_limits<std::uint32_t>::max())),
         endless_(!bounces) {}
 
@@ -131,7 +131,7 @@ class PathTracer {
   Receiver<double> receiver(const SurfaceHit& hit, const Vec3<float>& wo) const;
 
   const Scene& scene_;
-  AreaSampling area_sampling_;
+  Methods methods_;
   std::uint32_t last_depth_;
   bool endless_;
 };

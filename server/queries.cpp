@@ -131,7 +131,8 @@ class LiSampler {
       visit_light(scene_.lights()[light], q_.time_s, [&]<typename L>(const L& l) {
         for (; k < order.size() && chunk[order[k]].light == light; ++k) {
           Pending& p = chunk[order[k]];
-          const Receiver<double> receiver = receiver_of(p.receiver, p.normal, q_.area_sampling);
+          const Receiver<double> receiver =
+              receiver_of(p.receiver, p.normal, q_.methods.area_sampling);
           p.sample = l.sample_li(receiver, p.u);
           if constexpr (SeenBeyond<L>) tell_direction(l, receiver, p.sample);
           p.sampled = true;

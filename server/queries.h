@@ -91,7 +91,7 @@ struct SampleLiQuery {
   bool test_visibility = false;
   std::span<const float> normals{};  ///< three a receiver, or none
   std::optional<float> position_error_m{};
-  AreaSampling area_sampling = AreaSampling::kAutomatic;
+  Methods methods{};
   std::span<const double> wavelengths_nm{};
 };
 

@@ -31,7 +31,7 @@ class TileJob {
         settings_(settings),
         shutter_(settings.shutter.value_or(
             Shutter{scene.hints().shutter_open_s, scene.hints().shutter_close_s})),
-        tracer_(scene, settings.bounces, settings.area_sampling),
+        tracer_(scene, settings.bounces, settings.methods),
         stop_(stop),
         result_(result) {}
 

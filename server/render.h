@@ -10,6 +10,7 @@
 
 #include "proto/tile_statistics.h"
 #include "server/confidence.h"
+#include "server/methods.h"
 #include "server/scene.h"
 
 namespace lucerna {
@@ -43,7 +44,7 @@ struct TileSettings {
   std::optional<std::uint32_t> bounces{};
   std::optional<double> time_s{};    ///< unset: all the time that the shutter is open
   std::optional<Shutter> shutter{};  ///< unset: as the scene file says
-  AreaSampling area_sampling = AreaSampling::kAutomatic;
+  Methods methods{};
 };
 
 struct TileResult {
@@ -73,7 +74,7 @@ struct IrradianceSettings {
   std::optional<std::uint32_t> bounces{};  ///< 0: direct light only; unset: all
   bool per_light = false;                  ///< direct light by light beside the total
   double time_s = 0;
-  AreaSampling area_sampling = AreaSampling::kAutomatic;
+  Methods methods{};
   /// Direct light at these wavelengths beside the total.  Requires bounces = 0, as surfaces have no
   /// spectra.
   std::span<const double> wavelengths_nm{};

@@ -7,8 +7,8 @@
 
 #include "client/batch_parts.h"
 #include "client/cli/answer.h"
-#include "client/cli/area_sampling.h"
 #include "client/cli/light_table.h"
+#include "client/cli/method_options.h"
 #include "client/cli/output.h"
 #include "client/cli/points.h"
 #include "client/cli/session.h"

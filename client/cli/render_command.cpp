@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "absl/cleanup/cleanup.h"
-#include "client/cli/area_sampling.h"
 #include "client/cli/frames.h"
+#include "client/cli/method_options.h"
 #include "client/cli/output.h"
 #include "client/cli/preview.h"
 #include "client/cli/progress.h"
@@ -31,7 +31,7 @@ struct RenderOptions {
   std::vector<std::string> outputs;
   std::string error_output;
   std::optional<std::uint32_t> samples;
-  AreaSamplingOption area_sampling;
+  MethodOptions methods;
   TimeOption time;
   std::uint64_t seed = 0;
   std::optional<std::uint32_t> bounces;
@@ -115,7 +115,7 @@ void render(Session& session, const RenderOptions& options, Preview& preview) {
   if (options.bounces) request.set_bounces(*options.bounces);
   if (options.tile_size) request.set_tile_size(*options.tile_size);
   if (options.samples) request.mutable_accuracy()->set_samples(*options.samples);
-  options.area_sampling.put(request);
+  options.methods.put(request);
   options.time.put(request);
   if (options.frame != nullptr) options.frame->put(request);
   request.set_final_only(!preview);
@@ -204,7 +204,7 @@ void add_render_command(CLI::App& app, Session& session) {
       ->add_option("--samples", options->samples,
                    "Samples for each pixel; default: as the scene file says")
       ->check(whole(1));
-  options->area_sampling.add(*command);
+  options->methods.add(*command);
   options->time.add(*command, "all the time that the shutter is open");
   command->add_option("--seed", options->seed, "Seed of the sample values")->capture_default_str();
   command

@@ -119,33 +119,6 @@ absl::Status check_answer_size(const Context& context, const std::string& field,
                     most);
 }
 
-absl::StatusOr<AreaSampling> check_area_sampling(const v1::Accuracy& accuracy) {
-  switch (accuracy.area_sampling()) {
-    case v1::AREA_SAMPLING_UNSPECIFIED:
-      return AreaSampling::kAutomatic;
-    case v1::AREA_SAMPLING_SQUARE_ROOT:
-      return AreaSampling::kSquareRoot;
-    case v1::AREA_SAMPLING_KRAEMER:
-      return AreaSampling::kKraemer;
-    case v1::AREA_SAMPLING_PARALLELOGRAM:
-      return AreaSampling::kParallelogram;
-    case v1::AREA_SAMPLING_REJECTION:
-      return AreaSampling::kRejection;
-    case v1::AREA_SAMPLING_LOW_DISTORTION:
-      return AreaSampling::kLowDistortion;
-    case v1::AREA_SAMPLING_SOLID_ANGLE:
-      return AreaSampling::kSolidAngle;
-    case v1::AREA_SAMPLING_COSINE_SOLID_ANGLE:
-      return AreaSampling::kCosineSolidAngle;
-    default:
-      break;
-  }
-  return bad_field(
-      "accuracy.area_sampling", fmt::format("{}", static_cast<int>(accuracy.area_sampling())),
-      fmt::format("[{}, {}], the numbers of AreaSampling", static_cast<int>(v1::AreaSampling_MIN),
-                  static_cast<int>(v1::AreaSampling_MAX)));
-}
-
 std::uint8_t* fill_bits(std::string* bits, std::size_t n) {
   bits->assign((n + 7) / 8, '\0');
   return reinterpret_cast<std::uint8_t*>(bits->data());

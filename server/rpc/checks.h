@@ -58,9 +58,6 @@ absl::StatusOr<std::uint32_t> check_samples(const Context& context, const v1::Ac
 absl::Status check_answer_size(const Context& context, const std::string& field,
                                std::uint64_t items, const AnswerSize& size);
 
-/// kAutomatic where nothing is said.
-absl::StatusOr<AreaSampling> check_area_sampling(const v1::Accuracy& accuracy);
-
 inline std::span<const float> view(const google::protobuf::RepeatedField<float>& v) {
   return {v.data(), static_cast<std::size_t>(v.size())};
 }

@@ -12,6 +12,7 @@
 #include "server/rpc/checks.h"
 #include "server/rpc/errors.h"
 #include "server/rpc/lighting.h"
+#include "server/rpc/methods.h"
 #include "server/rpc/stop_rule.h"
 #include "server/spectral_values.h"
 #include "server/time_budget.h"
@@ -288,9 +289,9 @@ Prepared estimate_irradiance(const Context& context, const v1::EstimateIrradianc
   if (request.has_bounces()) work.settings.bounces = request.bounces();
   work.settings.per_light = request.per_light();
   work.settings.time_s = request.time_s();
-  const auto way = check_area_sampling(request.accuracy());
-  if (!way.ok()) return way.status();
-  work.settings.area_sampling = *way;
+  const auto methods = check_methods(request.accuracy());
+  if (!methods.ok()) return methods.status();
+  work.settings.methods = *methods;
 
   Task task;
   const bool direct = work.settings.bounces == 0U;

@@ -9,6 +9,7 @@
 #include "server/rpc/checks.h"
 #include "server/rpc/errors.h"
 #include "server/rpc/lighting.h"
+#include "server/rpc/methods.h"
 #include "server/rpc/paging.h"
 #include "server/rpc/randomness.h"
 #include "server/sample_sum.h"
@@ -143,9 +144,9 @@ Prepared sample_li(const Context& context, const v1::SampleLiRequest& request,
       check_position_error(request.has_position_error_m(), request.position_error_m());
   if (!error.ok()) return error.status();
   query.position_error_m = *error;
-  const auto way = check_area_sampling(request.accuracy());
-  if (!way.ok()) return way.status();
-  query.area_sampling = *way;
+  const auto methods = check_methods(request.accuracy());
+  if (!methods.ok()) return methods.status();
+  query.methods = *methods;
 
   Task task;
   task.predicted_s = static_cast<double>(n) *
@@ -175,13 +176,13 @@ Prepared pdf_li(const Context& context, const v1::PdfLiRequest& request,
   if (!light.ok()) return light.status();
   if (auto s = check_time(request.has_time_s(), request.time_s()); !s.ok()) return s;
   if (auto s = check_triples("normals", request.normals(), n, "receivers", true); !s.ok()) return s;
-  const auto way = check_area_sampling(request.accuracy());
-  if (!way.ok()) return way.status();
+  const auto methods = check_methods(request.accuracy());
+  if (!methods.ok()) return methods.status();
   const PdfLiQuery query{.light = *light,
                          .receivers = *receivers,
                          .wi = view(request.wi()),
                          .normals = view(request.normals()),
-                         .area_sampling = *way,
+                         .area_sampling = methods->area_sampling,
                          .time_s = request.time_s()};
 
   Task task;

@@ -10,6 +10,7 @@
 #include "server/queries.h"
 #include "server/rpc/checks.h"
 #include "server/rpc/errors.h"
+#include "server/rpc/methods.h"
 
 namespace lucerna::rpc {
 namespace {
@@ -115,12 +116,12 @@ absl::StatusOr<RenderQuery> check_render(const Context& context, const Scene& sc
   if (!samples.ok()) return samples.status();
   const auto block = check_block(*samples, request);
   if (!block.ok()) return block.status();
-  const auto way = check_area_sampling(request.accuracy());
-  if (!way.ok()) return way.status();
+  const auto methods = check_methods(request.accuracy());
+  if (!methods.ok()) return methods.status();
   RenderQuery query;
   query.samples = *samples;
   query.settings.samples_per_block = *block;
-  query.settings.area_sampling = *way;
+  query.settings.methods = *methods;
   query.settings.seed = request.seed();
   if (request.has_time_s()) query.settings.time_s = request.time_s();
   query.settings.shutter = *shutter;

@@ -73,7 +73,7 @@ void WireQueries::irradiance() {
   if (n_.chance(0.5)) q.set_time_s(n_.scalar());
   if (n_.chance(0.2)) q.set_position_error_m(static_cast<float>(n_.magnitude()));
   if (!by_default) stop_rule(q.mutable_accuracy());
-  area_sampling(q.mutable_accuracy());
+  methods(q.mutable_accuracy());
   v1::EstimateIrradianceResponse r;
   const grpc::Status s =
       call([&](auto* c) { return service_.lighting.EstimateIrradiance(c, q, &r); });

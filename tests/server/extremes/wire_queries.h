@@ -80,7 +80,7 @@ class WireQueries {
   void normals(Floats* out, Items& items);
   void sample_values(v1::SampleValues* out, int each, bool named, Items& items);
   void wavelengths(google::protobuf::RepeatedField<double>* out);
-  void area_sampling(v1::Accuracy* out);
+  void methods(v1::Accuracy* out);
   void stop_rule(v1::Accuracy* out);
   /// Reflections: a few, several, or unset for all.
   template <typename Request>

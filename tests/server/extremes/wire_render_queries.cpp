@@ -39,7 +39,7 @@ void WireQueries::tile() {
   q.set_scene_id(scene_id_);
   q.set_seed(n_.seed());
   bounces(&q);
-  area_sampling(q.mutable_accuracy());
+  methods(q.mutable_accuracy());
   render_time(&q);
   // What the scene file proposes is a few.
   if (!summary_.has_samples_per_pixel() || n_.chance(0.5)) {
@@ -74,7 +74,7 @@ void WireQueries::image() {
   q.set_scene_id(scene_id_);
   q.set_seed(n_.seed());
   bounces(&q);
-  area_sampling(q.mutable_accuracy());
+  methods(q.mutable_accuracy());
   render_time(&q);
   if (!summary_.has_samples_per_pixel() || n_.chance(0.5)) {
     const auto blocks = static_cast<std::uint32_t>(1 + n_.below(7));
