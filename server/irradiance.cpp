@@ -12,6 +12,7 @@
 #include "server/denormals.h"
 #include "server/parallel.h"
 #include "server/path.h"
+#include "server/render.h"
 #include "server/sample_sum.h"
 #include "server/spectral_values.h"
 
@@ -114,6 +115,8 @@ struct PointEstimates {
   std::vector<Estimate> shares;                // of each light, where wanted
   BySpectrum by_spectrum;                      // of the current block
   std::vector<BlockStream<1>> at_wavelengths;  // [W/m2/nm]
+  LightSet settled{};                          // whose direct light is part of what is exact
+  bool gathers = false;                        // by directions of the receiver too
 };
 
 class IrradianceJob {
@@ -127,10 +130,10 @@ class IrradianceJob {
         tracer_(scene, settings.bounces, settings.methods),
         stop_(stop),
         result_(result),
-        visit_all_(settings.per_light || tracer_.visits_all()),
+        direct_(tracer_.direct()),
+        spending_(settings.per_light ? Spending::kEach : direct_.spending_at_receiver()),
         gather_indirect_(settings.bounces.value_or(1) > 0 && !scene.empty() &&
                          !scene.lights().empty()),
-        gather_(gather_indirect_ || scene.has_visible_lights()),
         confidence_(settings.target ? settings.target->confidence : settings.confidence),
         spectral_([this] { return SpectralValues(scene_, settings_.wavelengths_nm); }) {}
 
@@ -162,12 +165,13 @@ class IrradianceJob {
     WorkCounts spent;
     PointEstimates e =
         no_samples(settings_.per_light ? lights : 0, settings_.wavelengths_nm.size());
-    if (visit_all_) exact_lights(receiver, e, spent);
+    if (spending_ == Spending::kEach) exact_lights(receiver, e, spent);
     const std::span<double> exact_at = put_exact_spectral(p, e);
-    e.total.sampled = gather_ || (!visit_all_ && lights > 0);
+    e.total.sampled = gather_indirect_ || samples_lights(e.settled);
+    e.gathers = gather_indirect_ || (direct_.finds_lights() && e.total.sampled);
     std::uint32_t per_block = settings_.samples_per_block;
     if (e.total.sampled) {
-      if (settings_.target) per_block = needed_samples(p, receiver, e.total.exact, spent);
+      if (settings_.target) per_block = needed_samples(p, receiver, e, spent);
       blocks(p, receiver, {0, settings_.block_count, per_block}, e, spent);
       if (stopped_) return;
     }
@@ -206,7 +210,8 @@ class IrradianceJob {
   void blocks(std::size_t p, const SurfaceHit& receiver, const Blocks& these, PointEstimates& e,
               WorkCounts& work) {
     for (std::uint32_t b = 0; b < these.count; ++b) {
-      const SobolSequence sequence(settings_.seed, settings_.first_item + p, these.first + b);
+      const SampleSequence sequence(settings_.methods.sampler, settings_.seed,
+                                    settings_.first_item + p, these.first + b);
       for (std::uint32_t i = 0; i < these.samples; ++i) {
         if (i % kSamplesBetweenPolls == 0 && stop_.stop_requested()) {
           stopped_ = true;
@@ -230,8 +235,8 @@ class IrradianceJob {
   }
 
   /// How many samples a block this point needs for the target error.
-  std::uint32_t needed_samples(std::size_t p, const SurfaceHit& receiver, const Rgb<double>& exact,
-                               WorkCounts& work) {
+  std::uint32_t needed_samples(std::size_t p, const SurfaceHit& receiver,
+                               const PointEstimates& point, WorkCounts& work) {
     const TargetError& target = *settings_.target;
     const std::uint32_t replicates = settings_.block_count;
     for (std::uint64_t n = kFirstPilot;; n *= kPilotGrowth) {
@@ -239,8 +244,10 @@ class IrradianceJob {
       const std::uint64_t most = std::max<std::uint64_t>(1, target.max_samples / replicates);
       if (samples * kPilotGrowth > target.max_samples) return static_cast<std::uint32_t>(most);
       PointEstimates pilot = no_samples(0, 0);
-      pilot.total.exact = exact;
+      pilot.total.exact = point.total.exact;
       pilot.total.sampled = true;
+      pilot.settled = point.settled;
+      pilot.gathers = point.gathers;
       blocks(p, receiver, {kPilotBlocks, kPilotBlockCount, static_cast<std::uint32_t>(n)}, pilot,
              work);
       if (stopped_) return 1;
@@ -273,16 +280,19 @@ class IrradianceJob {
     groups.add(number ? *number + 1 : 0, lx);
   }
 
-  bool is_delta(std::size_t light) const {
-    return std::visit([](const auto& l) { return l.kDelta; }, scene_.lights()[light].light);
+  /// Whether lights remain to be sampled at the receiver.
+  bool samples_lights(const LightSet& settled) const {
+    for (std::uint32_t l = 0; l < scene_.lights().size(); ++l)
+      if (!settled.has(l)) return true;
+    return false;
   }
 
   // Delta lights have one direction each: one ray answers for them.
   void exact_lights(const SurfaceHit& receiver, PointEstimates& to, WorkCounts& work) const {
     for (std::uint32_t l = 0; l < scene_.lights().size(); ++l) {
-      if (is_delta(l)) {
-        const Rgb<double> e =
-            tracer_.direct(receiver, receiver.ns, l, 1, {}, work).value * std::numbers::pi;
+      if (const auto all = direct_.of_one_direction(receiver, receiver.ns, l, work)) {
+        const Rgb<double> e = *all * std::numbers::pi;
+        to.settled.add(l);
         to.total.exact += e;
         add_to(to.by_spectrum, l, e);
         if (!to.shares.empty()) to.shares[l].exact = e;
@@ -304,36 +314,31 @@ class IrradianceJob {
       if (!to.shares.empty()) to.shares[light].add(lx);
       add_to(to.by_spectrum, light, lx.value);
     };
-    if (visit_all_) {
-      for (std::uint32_t l = 0; l < scene_.lights().size(); ++l)
-        if (!is_delta(l))
-          add(l, tracer_.direct(receiver, n, l, 1, s.pair(PathSample::kFirstVisited + l), work));
-    } else {
-      const auto chosen = tracer_.direct_of_chosen(receiver, n, 0, s, work);
-      add(chosen.light, chosen.estimate);
-    }
-    if (gather_) {
+    direct_.sample(spending_, receiver, n, 0, s, to.settled, work, add);
+    if (to.gathers) {
       const Vec3<float> wi = PathTracer::cosine_direction(n, n, s.at(0, PathSample::kDirection));
       const double pdf = dot(n, wi) * std::numbers::inv_pi;
       const Ray ray = spawn_ray(receiver, wi);
       ++work.indirect_rays;
       const std::optional<SurfaceHit> hit = scene_.closest_hit(ray);
-      tracer_.for_each_emitter(ray, hit, [&](std::uint32_t light, const Rgb<double>& le) {
-        const double probability = visit_all_ ? 1 : tracer_.candidate_probability(light);
-        const Rgb<double> e =
-            le * tracer_.found_weight(receiver, n, ray, hit, light, probability, pdf);
-        add(light, {e, e});
-      });
-      // What lies behind an obstacle counts as hidden: a light that is sampled by what exceeds its
-      // mean may have nothing else to show.
-      if (hit)
-        tracer_.for_each_emitter(
-            ray, std::nullopt, [&](std::uint32_t light, const Rgb<double>& le) {
-              const double probability = visit_all_ ? 1 : tracer_.candidate_probability(light);
-              add(light, {{},
-                          le * tracer_.found_weight(receiver, n, ray, std::nullopt, light,
-                                                    probability, pdf)});
-            });
+      const auto weight = [&](std::uint32_t light, const std::optional<SurfaceHit>& end) {
+        return to.settled.has(light)
+                   ? 0.0
+                   : direct_.found_weight(spending_, receiver, n, ray, end, light, pdf);
+      };
+      if (direct_.finds_lights()) {
+        tracer_.for_each_emitter(ray, hit, [&](std::uint32_t light, const Rgb<double>& le) {
+          const Rgb<double> e = le * weight(light, hit);
+          add(light, {e, e});
+        });
+        // What lies behind an obstacle counts as hidden: a light that is sampled by what exceeds
+        // its mean may have nothing else to show.
+        if (hit)
+          tracer_.for_each_emitter(ray, std::nullopt,
+                                   [&](std::uint32_t light, const Rgb<double>& le) {
+                                     add(light, {{}, le * weight(light, std::nullopt)});
+                                   });
+      }
       if (hit && gather_indirect_) {
         const LightEstimate e = tracer_.reflected(*hit, -wi, 1, s, work);
         sum.value += e.value * kPi;
@@ -349,7 +354,9 @@ class IrradianceJob {
   PathTracer tracer_;
   const std::stop_token& stop_;
   IrradianceResult& result_;
-  const bool visit_all_, gather_indirect_, gather_;
+  const DirectLight& direct_;
+  const Spending spending_;
+  const bool gather_indirect_;
   const double confidence_;
   /// One for each thread that takes part, as looking spectra up takes longer than using them.
   tbb::enumerable_thread_specific<SpectralValues> spectral_;

@@ -57,7 +57,7 @@ struct Pending {
   ScenePoint receiver;
   Vec3<double> normal;
   Vec2<double> u;
-  std::uint32_t light = 0;
+  std::optional<std::uint32_t> light{};  // none: none can be chosen
   bool sampled = false;
   LightSample<double> sample;
 };
@@ -75,7 +75,7 @@ class LiSampler {
   std::uint64_t run(std::size_t begin, std::size_t end) const {
     std::vector<Pending> chunk(end - begin);
     for (std::size_t i = begin; i < end; ++i) prepare(i, chunk[i - begin]);
-    if (!scene_.lights().empty()) sample(chunk);
+    sample(chunk);
     for (std::size_t i = begin; i < end; ++i) put(i, chunk[i - begin]);
     if (!q_.wavelengths_nm.empty()) put_spectral(begin, chunk);
     return q_.test_visibility ? test(begin, chunk) : 0;
@@ -108,10 +108,14 @@ class LiSampler {
         u_light = 0;
       }
     }
-    const auto light =
-        q_.light ? q_.light
-                 : choose_light(scene_, u_light, i, a_.light_ids, a_.selection_probability);
-    if (light) p.light = *light;
+    p.light = q_.light;
+    if (q_.light) return;
+    std::optional<LightChoice> choice;
+    if (!scene_.lights().empty() && p.receiver.result == ItemResult::kOk)
+      choice = choose_light(scene_, q_.methods.light_selection,
+                            receiver_of(p.receiver, p.normal, q_.methods.area_sampling), u_light);
+    put_choice(scene_, choice, i, a_.light_ids, a_.selection_probability);
+    if (choice) p.light = choice->light;
   }
 
   /// Visits each light once for all samples of the chunk that chose it.
@@ -119,7 +123,7 @@ class LiSampler {
     std::vector<std::uint32_t> order;
     order.reserve(chunk.size());
     for (std::uint32_t k = 0; k < chunk.size(); ++k) {
-      if (chunk[k].receiver.result == ItemResult::kOk) order.push_back(k);
+      if (chunk[k].receiver.result == ItemResult::kOk && chunk[k].light) order.push_back(k);
     }
     if (!q_.light) {
       std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
@@ -127,7 +131,7 @@ class LiSampler {
       });
     }
     for (std::size_t k = 0; k < order.size();) {
-      const std::uint32_t light = chunk[order[k]].light;
+      const std::uint32_t light = *chunk[order[k]].light;
       visit_light(scene_.lights()[light], q_.time_s, [&]<typename L>(const L& l) {
         for (; k < order.size() && chunk[order[k]].light == light; ++k) {
           Pending& p = chunk[order[k]];
@@ -183,7 +187,7 @@ class LiSampler {
       Pending& p = chunk[k];
       if (p.receiver.result != ItemResult::kOk) continue;
       std::ranges::fill(at, 0);
-      values.add(p.light, Rgb<double>(p.sample.value), at);
+      values.add(*p.light, Rgb<double>(p.sample.value), at);
       const std::size_t i = begin + k;
       if (store_spectral(at, a_.spectral_value + i * values.size())) continue;
       store(a_.value, i, {});
@@ -202,7 +206,7 @@ class LiSampler {
     items.reserve(chunk.size());
     for (std::size_t k = 0; k < chunk.size(); ++k) {
       if (chunk[k].receiver.result != ItemResult::kOk) continue;
-      const float reach_m = chunk[k].sampled ? scene_.lights()[chunk[k].light].reach_m : 0;
+      const float reach_m = chunk[k].sampled ? scene_.lights()[*chunk[k].light].reach_m : 0;
       rays.push_back(light_ray(chunk[k].receiver, Vec3<float>(chunk[k].normal), chunk[k].sample,
                                q_.time_s, reach_m));
       LooseEnds& e = ends.emplace_back();
@@ -269,16 +273,10 @@ ScenePoint ToScene::operator()(std::size_t i) const {
   return p;
 }
 
-std::optional<std::uint32_t> choose_light(const Scene& scene, double u_light, std::size_t i,
-                                          std::uint64_t* light_ids, double* selection_probability) {
-  if (scene.lights().empty()) {
-    selection_probability[i] = 1;
-    return std::nullopt;
-  }
-  const LightChoice choice = choose_light(scene, u_light);
-  light_ids[i] = scene.lights()[choice.light].id;
-  selection_probability[i] = choice.probability;
-  return choice.light;
+void put_choice(const Scene& scene, const std::optional<LightChoice>& choice, std::size_t i,
+                std::uint64_t* light_ids, double* selection_probability) {
+  selection_probability[i] = choice ? choice->probability : 1;
+  if (choice) light_ids[i] = scene.lights()[choice->light].id;
 }
 
 WorkCounts sample_li(const Scene& scene, const SampleLiQuery& query, const SampleLiAnswer& answer,

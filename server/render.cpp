@@ -65,14 +65,15 @@ class TileJob {
     BlockStream<3> stream(settings_.first_block);
     const std::uint64_t end = settings_.first_block + settings_.block_count;
     for (std::uint64_t b = settings_.first_block; b < end; ++b) {
-      const Rgb<double> mean = block(x, y, SobolSequence(settings_.seed, item, b), work);
+      const Rgb<double> mean =
+          block(x, y, SampleSequence(settings_.methods.sampler, settings_.seed, item, b), work);
       if (stopped_) return {};
       stream.add({mean.r, mean.g, mean.b});
     }
     return stream.total();
   }
 
-  Rgb<double> block(int x, int y, const SobolSequence& sequence, WorkCounts& work) {
+  Rgb<double> block(int x, int y, const SampleSequence& sequence, WorkCounts& work) {
     SampleSum sum;
     const std::uint32_t n = settings_.samples_per_block;
     for (std::uint32_t i = 0; i < n; ++i) {
@@ -114,14 +115,6 @@ class TileJob {
 };
 
 }  // namespace
-
-WorkCounts& WorkCounts::operator+=(const WorkCounts& w) {
-  samples += w.samples;
-  camera_rays += w.camera_rays;
-  indirect_rays += w.indirect_rays;
-  shadow_rays += w.shadow_rays;
-  return *this;
-}
 
 TileResult render_tile(const Scene& scene, const TileSettings& settings, std::stop_token stop) {
   TileResult result;

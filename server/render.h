@@ -12,17 +12,9 @@
 #include "server/confidence.h"
 #include "server/methods.h"
 #include "server/scene.h"
+#include "server/work_counts.h"
 
 namespace lucerna {
-
-/// What was spent on an answer.
-struct WorkCounts {
-  std::uint64_t samples = 0;
-  std::uint64_t camera_rays = 0;
-  std::uint64_t indirect_rays = 0;  ///< rays that look for the next surface of a path
-  std::uint64_t shadow_rays = 0;
-  WorkCounts& operator+=(const WorkCounts& w);
-};
 
 struct PixelRect {
   int x0, y0, x1, y1;  ///< half-open, within the film

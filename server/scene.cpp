@@ -26,7 +26,7 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::Builder::build(const std::st
   if (absl::Status s = place(); !s.ok()) return s;
   if (absl::Status s = build_lights(); !s.ok()) return s;
   if (absl::Status s = build_geometry(isa); !s.ok()) return s;
-  if (absl::Status s = choose_by_power(); !s.ok()) return s;
+  if (absl::Status s = prepare_choice(); !s.ok()) return s;
   scene_->id_ = scene_id(in_.assets);
   scene_->camera_ = Camera(in_.camera, in_.film, scene_->origin_);
   scene_->hints_ = in_.hints;
@@ -80,9 +80,17 @@ std::uint64_t Scene::primitive_count() const {
 
 std::string Scene::isa() const { return accelerator_->isa(); }
 
-LightChoice choose_light(const Scene& scene, double u) {
-  if (scene.light_distribution().empty()) return {0, 1};
-  return scene.light_distribution().choose(u);
+std::optional<LightChoice> choose_light(const Scene& scene, LightSelection how,
+                                        const Receiver<double>& receiver, double u) {
+  if (scene.lights().size() == 1) return LightChoice{0, 1};
+  // Of all, each has its turn alike.
+  if (how == LightSelection::kAll) how = LightSelection::kUniform;
+  return scene.light_selector().choose(how, receiver, u);
+}
+
+LightChoice choose_emitter(const Scene& scene, double u) {
+  if (scene.lights().size() == 1) return {0, 1};
+  return scene.light_selector().by_flux().choose(u);
 }
 
 }  // namespace lucerna

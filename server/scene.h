@@ -15,7 +15,7 @@
 #include "lights/posed_light.h"
 #include "server/accelerator.h"
 #include "server/camera.h"
-#include "server/light_choice.h"
+#include "server/light_selector.h"
 #include "server/ray.h"
 #include "server/scene_description.h"
 #include "server/surface_table.h"
@@ -36,6 +36,7 @@ struct SceneLight {
   /// Its light has a direction and no place: of `motion` it takes the turns, not the shifts, which
   /// are as long as the scene is far from where it turns.
   bool only_turns = false;
+  std::uint32_t samples = 1;  ///< points that each sample takes on it, where the query does not say
 
   /// Requires `motion`.
   Pose pose_at(double time_s) const {
@@ -100,11 +101,8 @@ class Scene {
   std::optional<std::uint32_t> find_light(std::uint64_t id) const;
   /// Indices of lights that rays leaving the scene meet.
   std::span<const std::uint32_t> infinite_lights() const { return infinite_lights_; }
-  /// The probability with which choose_light chooses the light of this index.
-  double light_probability(std::uint32_t light) const {
-    return light_distribution_.empty() ? 1 : light_distribution_.probability(light);
-  }
-  const LightDistribution& light_distribution() const { return light_distribution_; }
+  /// Requires two lights or more.
+  const LightSelector& light_selector() const { return *light_selector_; }
   /// True where a light, shape, instance or the camera moves: pictures then depend on time.
   bool moves() const { return moves_; }
   /// True where some light is not a delta light: rays may find it.
@@ -145,9 +143,9 @@ class Scene {
   std::vector<std::int32_t> light_spectra_;  // of each light, into spectra_; -1: RGB
   std::vector<DiffuseMaterial> materials_;
   std::unique_ptr<Accelerator> accelerator_;
-  SurfaceTable surfaces_;                      // of the scene's own geometry
-  std::vector<SurfaceTable> object_surfaces_;  // of each object's, then of each moving shape
-  LightDistribution light_distribution_;       // empty where there are fewer than two lights
+  SurfaceTable surfaces_;                        // of the scene's own geometry
+  std::vector<SurfaceTable> object_surfaces_;    // of each object's, then of each moving shape
+  std::optional<LightSelector> light_selector_;  // none where there are fewer than two lights
   bool has_visible_lights_ = false;
   bool moves_ = false;
   Camera camera_;
@@ -161,9 +159,12 @@ class Scene {
 /// order, 64 hexadecimal digits.
 std::string scene_id(const std::vector<Asset>& assets);
 
-/// Chooses a light by its power (light_choice.h); the probability is not part of any density.  `u`
-/// in [0, 1), with as many bits as the number of lights asks for: 24 bits reach 2^24 of them.
-/// Requires at least one light.
-LightChoice choose_light(const Scene& scene, double u);
+/// A light for a receiver (LightSelector); the probability is not part of any density.  `u` in
+/// [0, 1).  Nothing where no light that `u` is left with reaches the receiver.  Requires at least
+/// one light.
+std::optional<LightChoice> choose_light(const Scene& scene, LightSelection how,
+                                        const Receiver<double>& receiver, double u);
+/// One for a ray that leaves a light, by flux.
+LightChoice choose_emitter(const Scene& scene, double u);
 
 }  // namespace lucerna

@@ -51,7 +51,7 @@ class Scene::Builder {
   /// Beside the lights and not in them: where all are given RGB, nothing is kept.
   void keep_spectra();
   void report_shared_by_lights(const Stopwatch& watch);
-  absl::Status choose_by_power();
+  absl::Status prepare_choice();
 
   absl::Status build_geometry(const std::string& isa);
   void report_motion(const std::vector<GeometryInstance>& instances);
