@@ -145,9 +145,12 @@ LightEstimate DirectLight::shadowed(const SurfaceHit& hit, std::uint32_t light,
   return {scene_.occluded(ray) ? Rgb<double>{} : value, value};
 }
 
-Rgb<double> DirectLight::of_delta(const SurfaceHit& hit, const Vec3<float>& wo, std::uint32_t light,
-                                  WorkCounts& work) const {
+std::optional<Rgb<double>> DirectLight::of_one_direction(const SurfaceHit& hit,
+                                                         const Vec3<float>& wo, std::uint32_t light,
+                                                         WorkCounts& work) const {
+  if (!is_delta(light) && !methods_.far_light_radii) return std::nullopt;
   const Candidate c = candidate(hit, wo, {light, 1}, 1, {});
+  if (!c.sample.delta) return std::nullopt;
   return shadowed(hit, light, c.sample, c.value, work).value;
 }
 

@@ -219,11 +219,14 @@ TEST(Scene, ChoosesLightsByPower) {
   SceneDescription d = testing::description();
   d.lights = {testing::point_light({0, 0, 1}, 3), testing::point_light({0, 1, 1}, 1)};
   const auto scene = build(d);
-  EXPECT_NEAR(scene->light_probability(0), 0.9 * 0.75 + 0.05, 1e-12);
-  EXPECT_EQ(choose_light(*scene, 0.99).light, 1u);
-  EXPECT_EQ(choose_light(*scene, 0.99).probability, scene->light_probability(1));
+  const Receiver<double> r;
+  const auto how = LightSelection::kAutomatic;
+  EXPECT_NEAR(scene->light_selector().probability(how, r, 0), 0.9 * 0.75 + 0.05, 1e-12);
+  EXPECT_EQ(choose_light(*scene, how, r, 0.99)->light, 1u);
+  EXPECT_EQ(choose_emitter(*scene, 0.99).light, 1u);
   d.lights.pop_back();
-  EXPECT_EQ(choose_light(*build(d), 0.99).probability, 1);
+  EXPECT_EQ(choose_light(*build(d), how, r, 0.99)->probability, 1);
+  EXPECT_EQ(choose_emitter(*build(d), 0.99).probability, 1);
 }
 
 TEST(Scene, ChoosesLightsFromInfinitelyFarWhereItIsButAPoint) {
@@ -232,8 +235,9 @@ TEST(Scene, ChoosesLightsFromInfinitelyFarWhereItIsButAPoint) {
   d.lights[1].params = DistantLightParams{{0, 0, 1}, Rgb<double>(5)};
   const auto scene = build(d);
   EXPECT_EQ(scene->sphere().radius_m, 0);
-  EXPECT_GT(scene->light_probability(1), 0.05);
-  EXPECT_EQ(choose_light(*scene, 0.99).light, 1u);
+  EXPECT_EQ(choose_light(*scene, LightSelection::kAutomatic, {}, 0.01)->light, 1u);
+  EXPECT_EQ(choose_light(*scene, LightSelection::kAutomatic, {}, 0.01)->probability, 0.5);
+  EXPECT_EQ(choose_emitter(*scene, 0.99).light, 1u);
 }
 
 TEST(Scene, HasASphereAroundGeometryAndLocalLights) {

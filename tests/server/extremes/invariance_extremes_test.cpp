@@ -71,8 +71,10 @@ Answers answers_of(const SceneDescription& description, double s, std::uint32_t 
     for (int k = 0; k < 3; ++k)
       a.samples.insert(a.samples.end(), {value[3 * i + k], wi[3 * i + k]});
   }
+  const Receiver<double> receiver(kEveryLightMiddle * s - scene->origin());
   for (std::uint32_t l = 0; l < scene->lights().size(); ++l)
-    a.choices.push_back(scene->light_probability(l));
+    for (const LightSelection how : {LightSelection::kPower, LightSelection::kBvh})
+      a.choices.push_back(scene->light_selector().probability(how, receiver, l));
   return a;
 }
 
