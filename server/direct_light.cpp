@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "server/light_choice.h"
+#include "server/shaft.h"
 
 namespace lucerna {
 namespace {
@@ -152,6 +153,32 @@ std::optional<Rgb<double>> DirectLight::of_one_direction(const SurfaceHit& hit,
   const Candidate c = candidate(hit, wo, {light, 1}, 1, {});
   if (!c.sample.delta) return std::nullopt;
   return shadowed(hit, light, c.sample, c.value, work).value;
+}
+
+bool DirectLight::uses_closed_forms(bool at_receiver) const {
+  if (methods_.closed_forms != ClosedForms::kAutomatic)
+    return methods_.closed_forms != ClosedForms::kOff;
+  return at_receiver && scene_.lights().size() <= kFewLights;
+}
+
+std::optional<Rgb<double>> DirectLight::in_closed_form(const SurfaceHit& hit, const Vec3<float>& wo,
+                                                       std::uint32_t light) const {
+  const SceneLight& of = scene_.lights()[light];
+  if (of.motion) return std::nullopt;
+  return std::visit(
+      [&]<typename L>(const L& l) -> std::optional<Rgb<double>> {
+        if constexpr (HasIrradiance<L>) {
+          if (l.hides_itself()) return std::nullopt;
+          const Receiver<double> r = receiver(hit, wo);
+          if (!scene_.shafts().is_empty(hit, Vec3<float>(r.normal), light)) return std::nullopt;
+          const std::optional<Rgb<double>> lx = l.irradiance(r);
+          if (!lx) return std::nullopt;
+          return *lx * kInvPi;
+        } else {
+          return std::nullopt;
+        }
+      },
+      of.light);
 }
 
 void DirectLight::sample(Spending spending, const SurfaceHit& hit, const Vec3<float>& wo,

@@ -86,6 +86,13 @@ class DirectLight {
   std::optional<Rgb<double>> of_one_direction(const SurfaceHit& hit, const Vec3<float>& wo,
                                               std::uint32_t light, WorkCounts& work) const;
 
+  /// All light of a light that is known without sampling and without a ray: in closed form, where
+  /// nothing is in the way for certain.  Nothing of others.  Requires `uses_closed_forms`.
+  std::optional<Rgb<double>> in_closed_form(const SurfaceHit& hit, const Vec3<float>& wo,
+                                            std::uint32_t light) const;
+  /// Whether those are wanted, at receivers or at the first vertex of paths.
+  bool uses_closed_forms(bool at_receiver) const;
+
   /// Whether directions of surfaces may find lights that count.
   bool finds_lights() const {
     return methods_.combination != Combination::kLights && scene_.has_visible_lights();

@@ -165,7 +165,7 @@ class IrradianceJob {
     WorkCounts spent;
     PointEstimates e =
         no_samples(settings_.per_light ? lights : 0, settings_.wavelengths_nm.size());
-    if (spending_ == Spending::kEach) exact_lights(receiver, e, spent);
+    settle_lights(receiver, e, spent);
     const std::span<double> exact_at = put_exact_spectral(p, e);
     e.total.sampled = gather_indirect_ || samples_lights(e.settled);
     e.gathers = gather_indirect_ || (direct_.finds_lights() && e.total.sampled);
@@ -287,15 +287,21 @@ class IrradianceJob {
     return false;
   }
 
-  // Delta lights have one direction each: one ray answers for them.
-  void exact_lights(const SurfaceHit& receiver, PointEstimates& to, WorkCounts& work) const {
+  /// What needs no samples: lights of one direction, where each light is visited, and those that a
+  /// closed form answers for.
+  void settle_lights(const SurfaceHit& receiver, PointEstimates& to, WorkCounts& work) const {
+    const Vec3<float>& n = receiver.ns;
+    const bool closed_forms = direct_.uses_closed_forms(true);
     for (std::uint32_t l = 0; l < scene_.lights().size(); ++l) {
-      if (const auto all = direct_.of_one_direction(receiver, receiver.ns, l, work)) {
-        const Rgb<double> e = *all * std::numbers::pi;
+      std::optional<Rgb<double>> all;
+      if (spending_ == Spending::kEach) all = direct_.of_one_direction(receiver, n, l, work);
+      if (!all && closed_forms) all = direct_.in_closed_form(receiver, n, l);
+      if (all) {
+        const Rgb<double> lx = *all * std::numbers::pi;
         to.settled.add(l);
-        to.total.exact += e;
-        add_to(to.by_spectrum, l, e);
-        if (!to.shares.empty()) to.shares[l].exact = e;
+        to.total.exact += lx;
+        add_to(to.by_spectrum, l, lx);
+        if (!to.shares.empty()) to.shares[l].exact = lx;
       } else if (!to.shares.empty()) {
         to.shares[l].sampled = true;
       }

@@ -1,11 +1,13 @@
 #include "server/light_selector.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
-#include <utility>
+#include <memory>
 
 namespace lucerna {
 
-LightSelector::LightSelector(std::vector<Item> items) : lazy_(std::make_unique<Lazy>()) {
+LightSelector::LightSelector(std::vector<Item> items) {
   std::vector<double> all, lux, lumens;
   for (std::uint32_t i = 0; i < items.size(); ++i) {
     const Item& item = items[i];
@@ -13,7 +15,7 @@ LightSelector::LightSelector(std::vector<Item> items) : lazy_(std::make_unique<L
     if (item.bounds) {
       local_.lights.push_back(i);
       lumens.push_back(item.lumens);
-      lazy_->items.push_back({*item.bounds, item.lumens});
+      items_.push_back({*item.bounds, item.lumens});
     } else {
       beside_.lights.push_back(i);
       lux.push_back(item.lux);
@@ -44,13 +46,20 @@ LightChoice LightSelector::Group::choose(double u) const {
 }
 
 const LightTree& LightSelector::tree() const {
-  std::call_once(lazy_->once, [this] {
-    // It refuses numbers that no light of a scene has.
-    lazy_->tree = LightTree::create(lazy_->items).value();
-    lazy_->items = {};
-    lazy_->bytes = lazy_->tree->bytes();
-  });
-  return *lazy_->tree;
+  return tree_.get(
+      // It refuses numbers that no light of a scene has.
+      [this] { return std::make_unique<const LightTree>(LightTree::create(items_).value()); },
+      [this](const LightTree&) {
+        return items_.size() < kTreeFrom
+                   ? fmt::format("{} local lights, and a question that named it", items_.size())
+                   : fmt::format("{} local lights, {} or more", items_.size(), kTreeFrom);
+      });
+}
+
+void LightSelector::build_tree_if_used() {
+  if (automatic() != LightSelection::kBvh) return;
+  tree();
+  items_ = {};
 }
 
 LightSelection LightSelector::automatic() const {
@@ -98,8 +107,7 @@ std::size_t LightSelector::bytes() const {
   std::size_t sum = by_flux_.bytes() + beside_.distribution.bytes() + local_.distribution.bytes();
   for (const Group* group : {&beside_, &local_})
     sum += group->lights.capacity() * sizeof(std::uint32_t);
-  if (lazy_ && tree_bytes() == 0) sum += lazy_->items.capacity() * sizeof(LightTree::Item);
-  return sum;
+  return sum + items_.capacity() * sizeof(LightTree::Item);
 }
 
 }  // namespace lucerna

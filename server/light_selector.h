@@ -1,11 +1,8 @@
 // Which light of a scene a sample is spent on.
 #pragma once
 
-#include <atomic>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
-#include <mutex>
 #include <optional>
 #include <span>
 #include <vector>
@@ -13,6 +10,7 @@
 #include "lights/light_tree.h"
 #include "server/light_choice.h"
 #include "server/methods.h"
+#include "server/scene_part.h"
 
 namespace lucerna {
 
@@ -22,7 +20,8 @@ namespace lucerna {
 /// as large as it likes.  They are chosen among themselves by the illuminance that they give, half
 /// of all times where there are lights of both kinds.
 ///
-/// Immutable but for the tree, which is built at its first use; safe to share between threads.
+/// The tree is built with the scene where there are enough lights for it to win, else where a
+/// question names it.  Safe to share between threads.
 class LightSelector {
  public:
   /// A light as the selector is told of it.
@@ -33,11 +32,9 @@ class LightSelector {
     std::optional<LightBounds<double>> bounds;
   };
 
-  /// From so many local lights on the tree is made with the scene, and chosen by unless a question
-  /// says otherwise.
+  /// From so many local lights on the tree is used unless a question says otherwise.
   static constexpr std::size_t kTreeFrom = 9;
 
-  LightSelector() = default;
   /// Two items or more.
   explicit LightSelector(std::vector<Item> items);
 
@@ -58,9 +55,9 @@ class LightSelector {
 
   /// Without the tree.
   std::size_t bytes() const;
-  void build_tree() const { tree(); }
-  /// 0 while it is not built.
-  std::size_t tree_bytes() const { return lazy_ ? lazy_->bytes.load() : 0; }
+  /// Builds the tree where questions that say nothing use it.
+  void build_tree_if_used();
+  const LazyPart<LightTree>& tree_part() const { return tree_; }
 
  private:
   /// Lights of one kind, by number.
@@ -71,19 +68,13 @@ class LightSelector {
     std::optional<std::uint32_t> place(std::uint32_t light) const;
     LightChoice choose(double u) const;
   };
-  /// The tree, and what it is built from until it is.
-  struct Lazy {
-    std::once_flag once;
-    std::vector<LightTree::Item> items;
-    std::optional<LightTree> tree;
-    std::atomic<std::size_t> bytes = 0;
-  };
   const LightTree& tree() const;
 
   LightDistribution by_flux_;
   Group beside_, local_;
-  double beside_share_ = 0;  // the probability of lights beside the local ones
-  std::unique_ptr<Lazy> lazy_;
+  double beside_share_ = 0;             // the probability of lights beside the local ones
+  std::vector<LightTree::Item> items_;  // of local lights, where the tree is not built yet
+  LazyPart<LightTree> tree_{"light BVH"};
 };
 
 }  // namespace lucerna

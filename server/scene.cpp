@@ -7,6 +7,7 @@
 #include "proto/sha256.h"
 #include "server/denormals.h"
 #include "server/scene_builder.h"
+#include "server/shaft.h"
 
 namespace lucerna {
 
@@ -76,6 +77,30 @@ std::uint64_t Scene::primitive_count() const {
   for (std::uint32_t i = 0; i < object_surfaces_.size(); ++i)
     sum += primitives(accelerator_->object(i));
   return sum;
+}
+
+std::vector<ScenePart> Scene::parts() const {
+  std::vector<ScenePart> all = parts_;
+  if (light_selector_)
+    if (auto tree = light_selector_->tree_part().told()) all.push_back(*std::move(tree));
+  if (auto shafts = shafts_.told()) all.push_back(*std::move(shafts));
+  return all;
+}
+
+std::uint64_t Scene::bytes() const {
+  std::uint64_t sum = shafts_.bytes();
+  if (light_selector_) sum += light_selector_->tree_part().bytes();
+  for (const ScenePart& part : parts_) sum += part.bytes;
+  return sum;
+}
+
+const Shafts& Scene::shafts() const {
+  return shafts_.get(
+      [this] {
+        const DenormalsAreZero denormals;
+        return std::make_unique<const Shafts>(*this);
+      },
+      [](const Shafts&) { return "closed forms were asked for"; });
 }
 
 std::string Scene::isa() const { return accelerator_->isa(); }

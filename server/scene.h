@@ -18,9 +18,12 @@
 #include "server/light_selector.h"
 #include "server/ray.h"
 #include "server/scene_description.h"
+#include "server/scene_part.h"
 #include "server/surface_table.h"
 
 namespace lucerna {
+
+class Shafts;
 
 /// One light as the scene holds it.
 struct SceneLight {
@@ -59,14 +62,6 @@ auto visit_light(const SceneLight& light, double time_s, F&& f) {
       },
       light.light);
 }
-
-/// One thing that was built, for GetScene.
-struct ScenePart {
-  std::string name;  ///< "bvh", "vertices", "lights", ...
-  std::uint64_t bytes;
-  double build_ms;
-  std::string why;  ///< what of the scene asked for it
-};
 
 /// All const members may be called from any thread.
 class Scene {
@@ -114,7 +109,10 @@ class Scene {
   const RenderHints& hints() const { return hints_; }
   const std::vector<Remark>& remarks() const { return remarks_; }
   const std::vector<Asset>& assets() const { return assets_; }
-  std::span<const ScenePart> parts() const { return parts_; }
+  /// What was built so far: with the scene, and since then because somebody asked for it.
+  std::vector<ScenePart> parts() const;
+  /// Memory of all of them.
+  std::uint64_t bytes() const;
   std::uint64_t shape_count() const;  ///< shapes, each instance counting its object's once
   std::uint64_t primitive_count()
       const;  ///< triangles, patches, spheres, disks and cylinders held in memory
@@ -128,6 +126,9 @@ class Scene {
   void occluded(std::span<const Ray> rays, std::span<std::uint8_t> bits) const {
     accelerator_->occluded(rays, bits);
   }
+
+  /// Made when it is first asked for: LazyPart says what that asks of callers.
+  const Shafts& shafts() const;
 
  private:
   Scene() = default;
@@ -152,7 +153,8 @@ class Scene {
   RenderHints hints_;
   std::vector<Remark> remarks_;
   std::vector<Asset> assets_;
-  std::vector<ScenePart> parts_;
+  std::vector<ScenePart> parts_;  // what was built with the scene
+  LazyPart<Shafts> shafts_{"shafts"};
 };
 
 /// The id of a scene that was read from these files: SHA-256 over their names and digests, in

@@ -4,7 +4,6 @@
 
 #include <absl/status/status.h>
 
-#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <stop_token>
@@ -15,17 +14,6 @@
 #include "server/scene.h"
 
 namespace lucerna {
-
-class Stopwatch {
- public:
-  double ms() const {
-    return std::chrono::duration<double, std::milli>(Clock::now() - start_).count();
-  }
-
- private:
-  using Clock = std::chrono::steady_clock;
-  Clock::time_point start_ = Clock::now();
-};
 
 /// Triangles, patches, spheres, disks and cylinders.
 std::uint64_t primitives(const GeometrySet& s);

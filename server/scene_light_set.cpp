@@ -200,13 +200,9 @@ absl::Status Scene::Builder::prepare_choice() {
   }
   const std::size_t count = items.size();
   scene_->light_selector_.emplace(std::move(items));
+  scene_->light_selector_->build_tree_if_used();
   part("light choice", scene_->light_selector_->bytes(), watch,
        fmt::format("{} lights to choose from", count));
-  if (scene_->light_selector_->automatic() != LightSelection::kBvh) return absl::OkStatus();
-  const Stopwatch tree_watch;
-  scene_->light_selector_->build_tree();
-  part("light BVH", scene_->light_selector_->tree_bytes(), tree_watch,
-       fmt::format("{} local lights or more", LightSelector::kTreeFrom));
   return absl::OkStatus();
 }
 

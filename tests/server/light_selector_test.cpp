@@ -108,9 +108,9 @@ TEST(LightSelector, HasNoTreeWhereNobodyAsksForIt) {
   EXPECT_EQ(few.automatic(), LightSelection::kPower);
   EXPECT_EQ(many.automatic(), LightSelection::kBvh);
   (void)few.choose(LightSelection::kAutomatic, floor_at(0), 0.3);
-  EXPECT_EQ(few.tree_bytes(), 0u);
+  EXPECT_EQ(few.tree_part().bytes(), 0u);
   (void)few.choose(LightSelection::kBvh, floor_at(0), 0.9);
-  EXPECT_GT(few.tree_bytes(), 0u);
+  EXPECT_GT(few.tree_part().bytes(), 0u);
 }
 
 TEST(LightSelector, EmittersAreChosenByFluxAlone) {

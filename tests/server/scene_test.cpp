@@ -208,8 +208,9 @@ TEST(Scene, HoldsEachSpectrumOnceAndTellsItsBytes) {
   EXPECT_EQ(scene->spectrum(2), samples.get());
   EXPECT_EQ(scene->spectrum(3), samples.get());  // the area light comes last
   EXPECT_EQ(scene->spectrum_number(2), scene->spectrum_number(3));
-  const auto part = std::ranges::find(scene->parts(), "spectra", &ScenePart::name);
-  ASSERT_NE(part, scene->parts().end());
+  const std::vector<ScenePart> parts = scene->parts();
+  const auto part = std::ranges::find(parts, "spectra", &ScenePart::name);
+  ASSERT_NE(part, parts.end());
   EXPECT_EQ(part->why, "2 spectra of 3 lights");
   // Each once; where they are; which of them each of the four lights has.
   EXPECT_EQ(part->bytes, samples->bytes() + body->bytes() + 2 * sizeof samples + 4 * 4);
