@@ -37,7 +37,7 @@ class LightSet {
     if (light / 64 >= bits_.size()) bits_.resize(light / 64 + 1);
     bits_[light / 64] |= std::uint64_t{1} << light % 64;
   }
-  bool empty() const { return bits_.empty(); }
+  void clear() { bits_.clear(); }
 
  private:
   std::vector<std::uint64_t> bits_;

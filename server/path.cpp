@@ -34,11 +34,20 @@ LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3<float>& 
   SurfaceHit hit = first;
   Vec3<float> wo = first_wo;
   Rgb<double> throughput{1};
+  LightSet settled;
   for (;; ++depth) {
     throughput = throughput * scene_.materials()[hit.material].reflectance;
     if (throughput.is_black()) return sum;
+    if (depth == 0 && direct_.uses_closed_forms(false)) {
+      for (std::uint32_t l = 0; l < scene_.lights().size(); ++l) {
+        const auto all = direct_.in_closed_form(hit, wo, l);
+        if (!all) continue;
+        settled.add(l);
+        sum += {throughput * *all, throughput * *all};
+      }
+    }
 
-    direct_.sample(direct_.spending(), hit, wo, depth, sample, {}, work,
+    direct_.sample(direct_.spending(), hit, wo, depth, sample, settled, work,
                    [&](std::uint32_t, const LightEstimate& e) {
                      sum.value += throughput * e.value;
                      sum.unshadowed += throughput * e.unshadowed;
@@ -59,6 +68,7 @@ LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3<float>& 
     ++work.indirect_rays;
     const std::optional<SurfaceHit> next = scene_.closest_hit(ray);
     const auto found = [&](std::uint32_t light, const Rgb<double>& le) {
+      if (settled.has(light)) return;
       const double weight =
           direct_.found_weight(direct_.spending(), hit, wo, ray, next, light, pdf);
       sum.value += throughput * le * weight;
@@ -68,6 +78,7 @@ LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3<float>& 
     if (!next || last) return sum;
     hit = *next;
     wo = -wi;
+    settled.clear();
   }
 }
 

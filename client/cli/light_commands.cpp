@@ -29,6 +29,7 @@ struct SampleOptions {
   std::uint32_t samples = 1;
   bool visibility = false;
   AreaSamplingOption area_sampling;
+  LightSelectionOption light_selection;
   TimeOption time;
   WavelengthOption wavelengths;
 };
@@ -108,6 +109,7 @@ void sample(Session& session, const SampleOptions& options) {
   fill(options.normals.given() ? options.normals.read(set.points.size()) : set.seconds,
        request.mutable_normals());
   options.area_sampling.put(request);
+  options.light_selection.put(request);
   options.time.put(request);
   if (options.samples != 1) request.mutable_accuracy()->set_samples(options.samples);
   options.wavelengths.put(request);
@@ -250,6 +252,7 @@ void add_light_commands(CLI::App& app, Session& session) {
   command->add_flag("--visible", sampling->visibility, "Also test whether nothing stands between");
   sampling->normals.add(*command, "--normal", "The surface normal x,y,z at the point");
   sampling->area_sampling.add(*command);
+  sampling->light_selection.add(*command);
   sampling->time.add(*command);
   sampling->wavelengths.add(*command);
   command->callback([sampling, &session] { sample(session, *sampling); });

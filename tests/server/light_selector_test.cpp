@@ -82,8 +82,9 @@ TEST(LightSelector, OfOneKindAloneHasNoHalves) {
   near.push_back(lamp(1, 2));
   for (auto* items : {&far, &near}) {
     const LightSelector selector(*items);
+    // The tree's boxes are some roundings of floats wider than the lights.
     for (const LightSelection how : kWays)
-      EXPECT_NEAR(selector.probability(how, floor_at(0.5), 0), 0.5, 1e-15);
+      EXPECT_NEAR(selector.probability(how, floor_at(0.5), 0), 0.5, 1e-8);
   }
 }
 

@@ -38,17 +38,17 @@ std::string name_of(const Methods& m) {
          ", points " + std::to_string(m.samples_per_light.value_or(0));
 }
 
+/// Of which each setting of each method is one, if not together with each of the others.
 std::vector<Methods> all_methods() {
   std::vector<Methods> all;
   for (const LightSelection selection : kSelections)
     for (const Combination combination : kCombinations)
-      for (const Sampler sampler : {Sampler::kSobol, Sampler::kIndependent})
-        for (const std::optional<std::uint32_t> points : {std::optional<std::uint32_t>(), {3}})
-          all.push_back({.light_selection = selection,
-                         .samples_per_light = points,
-                         .sampler = sampler,
-                         .combination = combination,
-                         .closed_forms = ClosedForms::kOff});
+      for (const std::optional<std::uint32_t> points : {std::optional<std::uint32_t>(), {3}})
+        all.push_back({.light_selection = selection,
+                       .samples_per_light = points,
+                       .sampler = points ? Sampler::kIndependent : Sampler::kSobol,
+                       .combination = combination,
+                       .closed_forms = ClosedForms::kOff});
   return all;
 }
 
@@ -63,14 +63,15 @@ IrradianceEstimate ask(const Scene& scene, const Vec3<double>& world, const Meth
   return estimate_irradiance(scene, std::span(&point, 1), settings, {}).points[0];
 }
 
-/// Directions alone, which find small lamps once in a thousand samples, scatter as they like: the
-/// error of so few finds is known to no better than that.
 void expect_same_irradiance(const Scene& scene, const Vec3<double>& at,
-                            std::optional<std::uint32_t> bounces, std::uint32_t samples) {
+                            std::optional<std::uint32_t> bounces, std::uint32_t samples,
+                            bool small_lamps = false) {
   const IrradianceEstimate truth =
       ask(scene, at, {.light_selection = LightSelection::kAll, .closed_forms = ClosedForms::kOff},
           16 * samples, bounces);
   for (const Methods& m : all_methods()) {
+    // What directions find once in a thousand samples tells too little of its own scatter.
+    if (small_lamps && m.combination == Combination::kSurfaces) continue;
     const IrradianceEstimate e = ask(scene, at, m, samples, bounces);
     const double error = std::hypot(e.illuminance_error_lx, truth.illuminance_error_lx);
     EXPECT_NEAR(luminance(e.irradiance_lx), luminance(truth.irradiance_lx), 4.5 * error)
@@ -80,15 +81,17 @@ void expect_same_irradiance(const Scene& scene, const Vec3<double>& at,
 }
 
 TEST(Methods, GiveTheSameDirectLightOfFewLights) {
-  expect_same_irradiance(*few_lights(), {1, 0.2, 0}, 0, 16384);
+  expect_same_irradiance(*few_lights(), {1, 0.2, 0}, 0, 4096);
 }
 
 TEST(Methods, GiveTheSameReflectedLightOfFewLights) {
-  expect_same_irradiance(*few_lights(), {1, 0.2, 0}, 2, 16384);
+  expect_same_irradiance(*few_lights(), {1, 0.2, 0}, 2, 4096);
 }
 
 TEST(Methods, GiveTheSameDirectLightOfEveryKindOfLight) {
-  expect_same_irradiance(*build(testing::invariant_scene()), testing::kEveryLightMiddle, 0, 65536);
+  // Not just below the luminaires.
+  expect_same_irradiance(*build(testing::invariant_scene()),
+                         testing::kEveryLightMiddle + Vec3<double>{0.37, 0.21, 0}, 0, 16384, true);
 }
 
 TEST(Methods, GiveTheSamePicture) {
