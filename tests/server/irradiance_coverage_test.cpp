@@ -81,6 +81,7 @@ Question pinhole() {
 Coverage asked(const Question& q, IrradianceSettings settings, double widened = 1) {
   settings.bounces = q.bounces;
   settings.seed = 6;
+  settings.methods.closed_forms = ClosedForms::kOff;
   const std::vector<IrradiancePoint> points(
       repeats(), {q.receiver - q.scene->origin(), {1e-6F, 1e-6F, 1e-6F}, q.normal});
   const IrradianceResult r = estimate_irradiance(*q.scene, points, settings, {});
@@ -141,8 +142,10 @@ TEST(IrradianceTarget, IsReached) {
   for (const Question& q : {lamp(), half_a_sky(), furnace()}) {
     const std::vector<IrradiancePoint> points(
         400, {q.receiver - q.scene->origin(), {1e-6F, 1e-6F, 1e-6F}, q.normal});
-    const IrradianceSettings settings{
-        .block_count = 16, .target = TargetError{.relative = 0.02}, .bounces = q.bounces};
+    const IrradianceSettings settings{.block_count = 16,
+                                      .target = TargetError{.relative = 0.02},
+                                      .bounces = q.bounces,
+                                      .methods = {.closed_forms = ClosedForms::kOff}};
     const IrradianceResult r = estimate_irradiance(*q.scene, points, settings, {});
     int within = 0;
     for (const IrradianceEstimate& e : r.points)

@@ -47,14 +47,43 @@ TEST(Irradiance, BehindAnObstacleIsExactlyZeroForPointLights) {
   EXPECT_EQ(e.zero_bound_lx, 0);
 }
 
+/// The same, of which nothing is known in closed form.
+IrradianceSettings sampled(std::uint32_t samples = 16, std::uint32_t blocks = 16) {
+  IrradianceSettings settings = direct(samples, blocks);
+  settings.methods.closed_forms = ClosedForms::kOff;
+  return settings;
+}
+
 TEST(Irradiance, UnderAUniformSkyIsPiTimesItsRadiance) {
   SceneDescription d = testing::description();
   d.shapes = {testing::floor(9)};
   d.lights = {{UniformInfiniteLightParams{Rgb<double>(2)}, {}}};
-  const IrradianceEstimate e = one(*build(std::move(d)), at(0, 0, 0), direct(64));
+  const auto scene = build(std::move(d));
+  const IrradianceEstimate e = one(*scene, at(0, 0, 0), sampled(64));
   EXPECT_NEAR(e.irradiance_lx.g, 2 * pi, 5 * e.standard_error_lx.g);
   EXPECT_LT(e.standard_error_lx.g, 0.01 * 2 * pi);
   EXPECT_FALSE(e.exact);
+  const IrradianceEstimate known = one(*scene, at(0, 0, 0));
+  EXPECT_NEAR(known.irradiance_lx.g, 2 * pi, 1e-12);
+  EXPECT_EQ(known.standard_error_lx.g, 0);
+  EXPECT_TRUE(known.exact);
+}
+
+// A board hides the lamp from one point of the floor and not from another.
+TEST(Irradiance, IsExactOnlyWhereNothingStandsBetween) {
+  SceneDescription d = testing::description();
+  d.shapes = {testing::floor(9), testing::patch({1, -9, 1}, {9, -9, 1}, {1, 9, 1}, {9, 9, 1}),
+              testing::emissive(testing::patch({-1, -1, 2}, {-1, 1, 2}, {1, -1, 2}, {1, 1, 2}), 5)};
+  const auto scene = build(std::move(d));
+  const IrradianceEstimate open = one(*scene, at(0, 0, 0)), shaded = one(*scene, at(1.5F, 0, 0));
+  EXPECT_TRUE(open.exact);
+  EXPECT_FALSE(shaded.exact);
+  const IrradianceEstimate asked = one(*scene, at(0, 0, 0), sampled(256));
+  EXPECT_NEAR(open.irradiance_lx.g, asked.irradiance_lx.g, 5 * asked.standard_error_lx.g);
+  // What is reflected is sampled all the same.
+  IrradianceSettings all = direct();
+  all.bounces = 1;
+  EXPECT_FALSE(one(*scene, at(0, 0, 0), all).exact);
 }
 
 TEST(Irradiance, UnderADiskIsPiLSineSquared) {
@@ -174,7 +203,7 @@ TEST(Irradiance, BoundsWhatSamplesMayHaveMissedBesideLightThatIsExact) {
 TEST(Irradiance, HasNoStandardErrorFromOneReplicate) {
   SceneDescription d = testing::description();
   d.lights = {{UniformInfiniteLightParams{Rgb<double>(2)}, {}}};
-  const IrradianceEstimate e = one(*build(std::move(d)), at(0, 0, 0), direct(16, 1));
+  const IrradianceEstimate e = one(*build(std::move(d)), at(0, 0, 0), sampled(16, 1));
   EXPECT_TRUE(std::isinf(e.standard_error_lx.g));
 }
 
