@@ -56,6 +56,7 @@ std::optional<LightSample<double>> far_sample(const L& light, const Receiver<dou
 
 DirectLight::DirectLight(const Scene& scene, const Methods& methods)
     : scene_(scene), methods_(methods) {
+  for (std::uint32_t l = 0; l < scene.lights().size(); ++l) deltas_ += is_delta(l) ? 1 : 0;
   const bool few = scene.lights().size() <= kFewLights;
   switch (methods.light_selection) {
     case LightSelection::kAll:
@@ -97,8 +98,18 @@ std::uint32_t DirectLight::points_on(std::uint32_t light) const {
   return is_delta(light) ? 1 : methods_.samples_per_light.value_or(scene_.lights()[light].samples);
 }
 
-std::optional<LightChoice> DirectLight::choose(const Receiver<double>& receiver, double u) const {
-  return scene_.light_selector().choose(methods_.light_selection, receiver, u);
+const LightSelector& DirectLight::selector(Spending spending) const {
+  return spending == Spending::kAreasDrawn ? scene_.area_selector() : scene_.light_selector();
+}
+
+std::uint64_t DirectLight::settling_samples() const {
+  return (deltas_ + kSettledPerSample - 1) / kSettledPerSample;
+}
+
+Spending DirectLight::spending_at_receiver(std::uint64_t samples) const {
+  if (methods_.light_selection != LightSelection::kAutomatic) return spending_;
+  if (samples < settling_samples()) return Spending::kDrawn;
+  return scene_.lights().size() - deltas_ <= kFewAreas ? Spending::kEach : Spending::kAreasDrawn;
 }
 
 DirectLight::Candidate DirectLight::candidate(const SurfaceHit& hit, const Vec3<float>& wo,
@@ -158,7 +169,7 @@ std::optional<Rgb<double>> DirectLight::of_one_direction(const SurfaceHit& hit,
 bool DirectLight::uses_closed_forms(bool at_receiver) const {
   if (methods_.closed_forms != ClosedForms::kAutomatic)
     return methods_.closed_forms != ClosedForms::kOff;
-  return at_receiver && scene_.lights().size() <= kFewLights;
+  return at_receiver && scene_.lights().size() - deltas_ <= kFewAreas;
 }
 
 std::optional<Rgb<double>> DirectLight::in_closed_form(const SurfaceHit& hit, const Vec3<float>& wo,
@@ -192,9 +203,9 @@ void DirectLight::sample(Spending spending, const SurfaceHit& hit, const Vec3<fl
         sample_points(v, {l, 1}, s, PathSample::kFirstVisited + depth * lights + l);
     return;
   }
-  if (spending == Spending::kDrawn && candidates_ == 1) {
+  if (spending != Spending::kResampled && candidates_ == 1) {
     const double u = choosing_value(s.at(depth, PathSample::kLight));
-    const auto choice = choose(receiver(hit, wo), u);
+    const auto choice = selector(spending).choose(methods_.light_selection, receiver(hit, wo), u);
     if (choice && !settled.has(choice->light))
       sample_points(v, *choice, s, 1 + 4 * depth + PathSample::kLightPoint);
     return;
@@ -246,9 +257,11 @@ void DirectLight::sample_one_of(const Vertex& v, Spending spending, const PathSa
       if (!v.settled.has(l)) weigh(l, candidate(v.hit, v.wo, {l, 1}, 1, point));
   } else {
     const Receiver<double> from = receiver(v.hit, v.wo);
+    const LightSelector& lights = selector(spending);
     for (std::uint32_t j = 0; j < candidates_; ++j) {
       const PathSample part = s.part(j, candidates_);
-      const auto choice = choose(from, choosing_value(part.at(v.depth, PathSample::kLight)));
+      const auto choice = lights.choose(methods_.light_selection, from,
+                                        choosing_value(part.at(v.depth, PathSample::kLight)));
       if (!choice || v.settled.has(choice->light)) continue;
       weigh(choice->light,
             candidate(v.hit, v.wo, *choice, 1, part.at(v.depth, PathSample::kLightPoint)));
@@ -279,8 +292,8 @@ double DirectLight::found_weight(Spending spending, const SurfaceHit& from, cons
   if (pdf.per_sr == kCertain) return 0;
   if (methods_.combination == Combination::kSurfaces) return 1;
   double times = 1;  // points that stand for the light, each as likely as that
-  if (spending == Spending::kDrawn)
-    times = scene_.light_selector().probability(methods_.light_selection, r, light);
+  if (spending == Spending::kDrawn || spending == Spending::kAreasDrawn)
+    times = selector(spending).probability(methods_.light_selection, r, light);
   if (spending == Spending::kEach || candidates_ == 1) times *= points_on(light);
   return weight(direction_pdf, pdf.per_sr * times);
 }

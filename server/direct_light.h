@@ -53,6 +53,8 @@ enum class Spending {
   /// Points on lights that are drawn by a LightSelector: one light, or of several candidates one,
   /// taken as above.
   kDrawn,
+  /// The same of all lights but delta lights.
+  kAreasDrawn,
 };
 
 /// All estimates are of the radiance [cd/m2] that a diffuse surface of reflectance 1 at `hit` sends
@@ -62,18 +64,23 @@ class DirectLight {
  public:
   DirectLight(const Scene& scene, const Methods& methods);
 
-  /// Where the lights are so few that each is a candidate, kResampled is better than drawing.
+  /// Up to so many lights kResampled is better than drawing.
   static constexpr std::size_t kFewLights = 8;
   /// Candidates for each shadow ray where lights are drawn and nobody said how.
-  static constexpr std::uint32_t kCandidates = 8;
+  static constexpr std::uint32_t kCandidates = 4;
+  /// Up to so many lights that are not delta lights are sampled each at a receiver.
+  static constexpr std::size_t kFewAreas = 16;
+  /// Delta lights that are settled in the time of one sample of drawn lights.
+  static constexpr std::uint64_t kSettledPerSample = 16;
 
   /// At the vertices of paths.
   Spending spending() const { return spending_; }
-  /// At a receiver that many samples are taken at: each light by itself where they are few, unless
-  /// something else was asked for.
-  Spending spending_at_receiver() const {
-    return spending_ == Spending::kResampled ? Spending::kEach : spending_;
-  }
+  /// At a receiver that so many samples are taken at.  Unless something else was asked for, delta
+  /// lights are settled by a ray each where that costs no more than the samples, and samples are
+  /// spent on the others alone.
+  Spending spending_at_receiver(std::uint64_t samples) const;
+  /// So many samples settle delta lights at a receiver.
+  std::uint64_t settling_samples() const;
 
   /// Told of each light that was sampled; all estimates of one call add up to one of all light.
   using Found = absl::FunctionRef<void(std::uint32_t light, const LightEstimate&)>;
@@ -131,7 +138,7 @@ class DirectLight {
                          const LightSample<double>& sample, const Rgb<double>& value,
                          WorkCounts& work) const;
   bool is_delta(std::uint32_t light) const;
-  std::optional<LightChoice> choose(const Receiver<double>& receiver, double u) const;
+  const LightSelector& selector(Spending spending) const;
   std::uint32_t points_on(std::uint32_t light) const;
   /// The heuristic's weight of the strategy with density `a` against `b`.
   double weight(double a, double b) const;
@@ -142,6 +149,7 @@ class DirectLight {
   const Scene& scene_;
   Methods methods_;
   Spending spending_;
+  std::size_t deltas_ = 0;
   std::uint32_t candidates_ = 1;
 };
 

@@ -117,6 +117,7 @@ struct PointEstimates {
   std::vector<BlockStream<1>> at_wavelengths;  // [W/m2/nm]
   LightSet settled{};                          // whose direct light is part of what is exact
   bool gathers = false;                        // by directions of the receiver too
+  Spending spending{};
 };
 
 class IrradianceJob {
@@ -131,7 +132,6 @@ class IrradianceJob {
         stop_(stop),
         result_(result),
         direct_(tracer_.direct()),
-        spending_(settings.per_light ? Spending::kEach : direct_.spending_at_receiver()),
         gather_indirect_(settings.bounces.value_or(1) > 0 && !scene.empty() &&
                          !scene.lights().empty()),
         confidence_(settings.target ? settings.target->confidence : settings.confidence),
@@ -163,20 +163,24 @@ class IrradianceJob {
 
     const std::size_t lights = scene_.lights().size();
     WorkCounts spent;
-    PointEstimates e =
-        no_samples(settings_.per_light ? lights : 0, settings_.wavelengths_nm.size());
-    settle_lights(receiver, e, spent);
-    const std::span<double> exact_at = put_exact_spectral(p, e);
-    e.total.sampled = gather_indirect_ || samples_lights(e.settled);
-    e.gathers = gather_indirect_ || (direct_.finds_lights() && e.total.sampled);
     std::uint32_t per_block = settings_.samples_per_block;
-    if (e.total.sampled) {
-      if (settings_.target) per_block = needed_samples(p, receiver, e, spent);
-      blocks(p, receiver, {0, settings_.block_count, per_block}, e, spent);
-      if (stopped_) return;
+    PointEstimates e =
+        settled(receiver, samples_of(settings_.target ? kFirstPilot : per_block), spent);
+    if (settings_.target && e.total.sampled) {
+      per_block = needed_samples(p, receiver, e, spent);
+      if (!stopped_ && e.spending != spending(samples_of(per_block))) {
+        // So many samples that delta lights are settled for less.
+        e = settled(receiver, direct_.settling_samples(), spent);
+        if (e.total.sampled) per_block = needed_samples(p, receiver, e, spent);
+        const std::uint64_t least = direct_.settling_samples();
+        while (samples_of(per_block) < least) ++per_block;
+      }
     }
-    const std::uint64_t samples =
-        e.total.sampled ? std::uint64_t{per_block} * settings_.block_count : 0;
+    const std::span<double> exact_at = put_exact_spectral(p, e);
+    if (e.total.sampled && !stopped_)
+      blocks(p, receiver, {0, settings_.block_count, per_block}, e, spent);
+    if (stopped_) return;
+    const std::uint64_t samples = e.total.sampled ? samples_of(per_block) : 0;
     const IntervalRule rule(confidence_, settings_.block_count,
                             std::max<std::uint64_t>(samples, 1));
     const double count = settings_.block_count;
@@ -193,6 +197,24 @@ class IrradianceJob {
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
     result_.costs[p] = {samples, spent.indirect_rays + spent.shadow_rays, took.count()};
     work += spent;
+  }
+
+  std::uint64_t samples_of(std::uint32_t per_block) const {
+    return std::uint64_t{per_block} * settings_.block_count;
+  }
+  Spending spending(std::uint64_t samples) const {
+    return settings_.per_light ? Spending::kEach : direct_.spending_at_receiver(samples);
+  }
+  /// A point that so many samples are to be taken at, with all that needs none.
+  PointEstimates settled(const SurfaceHit& receiver, std::uint64_t samples,
+                         WorkCounts& work) const {
+    PointEstimates e = no_samples(settings_.per_light ? scene_.lights().size() : 0,
+                                  settings_.wavelengths_nm.size());
+    e.spending = spending(samples);
+    settle_lights(receiver, e, work);
+    e.total.sampled = gather_indirect_ || samples_lights(e.settled);
+    e.gathers = gather_indirect_ || (direct_.finds_lights() && e.total.sampled);
+    return e;
   }
 
   PointEstimates no_samples(std::size_t shares, std::size_t wavelengths) const {
@@ -248,6 +270,7 @@ class IrradianceJob {
       pilot.total.sampled = true;
       pilot.settled = point.settled;
       pilot.gathers = point.gathers;
+      pilot.spending = point.spending;
       blocks(p, receiver, {kPilotBlocks, kPilotBlockCount, static_cast<std::uint32_t>(n)}, pilot,
              work);
       if (stopped_) return 1;
@@ -294,7 +317,8 @@ class IrradianceJob {
     const bool closed_forms = direct_.uses_closed_forms(true);
     for (std::uint32_t l = 0; l < scene_.lights().size(); ++l) {
       std::optional<Rgb<double>> all;
-      if (spending_ == Spending::kEach) all = direct_.of_one_direction(receiver, n, l, work);
+      if (to.spending == Spending::kEach || to.spending == Spending::kAreasDrawn)
+        all = direct_.of_one_direction(receiver, n, l, work);
       if (!all && closed_forms) all = direct_.in_closed_form(receiver, n, l);
       if (all) {
         const Rgb<double> lx = *all * std::numbers::pi;
@@ -320,7 +344,7 @@ class IrradianceJob {
       if (!to.shares.empty()) to.shares[light].add(lx);
       add_to(to.by_spectrum, light, lx.value);
     };
-    direct_.sample(spending_, receiver, n, 0, s, to.settled, work, add);
+    direct_.sample(to.spending, receiver, n, 0, s, to.settled, work, add);
     if (to.gathers) {
       const Vec3<float> wi = PathTracer::cosine_direction(n, n, s.at(0, PathSample::kDirection));
       const double pdf = dot(n, wi) * std::numbers::inv_pi;
@@ -330,7 +354,7 @@ class IrradianceJob {
       const auto weight = [&](std::uint32_t light, const std::optional<SurfaceHit>& end) {
         return to.settled.has(light)
                    ? 0.0
-                   : direct_.found_weight(spending_, receiver, n, ray, end, light, pdf);
+                   : direct_.found_weight(to.spending, receiver, n, ray, end, light, pdf);
       };
       if (direct_.finds_lights()) {
         tracer_.for_each_emitter(ray, hit, [&](std::uint32_t light, const Rgb<double>& le) {
@@ -361,7 +385,6 @@ class IrradianceJob {
   const std::stop_token& stop_;
   IrradianceResult& result_;
   const DirectLight& direct_;
-  const Spending spending_;
   const bool gather_indirect_;
   const double confidence_;
   /// One for each thread that takes part, as looking spectra up takes longer than using them.

@@ -9,15 +9,14 @@ namespace lucerna {
 
 LightSelector::LightSelector(std::vector<Item> items) {
   std::vector<double> all, lux, lumens;
-  for (std::uint32_t i = 0; i < items.size(); ++i) {
-    const Item& item = items[i];
+  for (const Item& item : items) {
     all.push_back(item.lumens);
     if (item.bounds) {
-      local_.lights.push_back(i);
+      local_.lights.push_back(item.light);
       lumens.push_back(item.lumens);
       items_.push_back({*item.bounds, item.lumens});
     } else {
-      beside_.lights.push_back(i);
+      beside_.lights.push_back(item.light);
       lux.push_back(item.lux);
     }
   }
@@ -72,7 +71,10 @@ std::optional<LightChoice> LightSelector::choose(LightSelection how,
   const std::size_t count = beside_.lights.size() + local_.lights.size();
   if (how == LightSelection::kUniform) {
     const auto n = static_cast<double>(count);
-    return LightChoice{static_cast<std::uint32_t>(std::min(u * n, n - 1)), 1 / n};
+    const auto i = static_cast<std::size_t>(std::min(u * n, n - 1));
+    return LightChoice{
+        i < beside_.lights.size() ? beside_.lights[i] : local_.lights[i - beside_.lights.size()],
+        1 / n};
   }
   if (u < beside_share_) {
     LightChoice choice = beside_.choose(u / beside_share_);
@@ -104,7 +106,8 @@ double LightSelector::probability(LightSelection how, const Receiver<double>& re
 }
 
 std::size_t LightSelector::bytes() const {
-  std::size_t sum = by_flux_.bytes() + beside_.distribution.bytes() + local_.distribution.bytes();
+  std::size_t sum =
+      tree_.bytes() + by_flux_.bytes() + beside_.distribution.bytes() + local_.distribution.bytes();
   for (const Group* group : {&beside_, &local_})
     sum += group->lights.capacity() * sizeof(std::uint32_t);
   return sum + items_.capacity() * sizeof(LightTree::Item);

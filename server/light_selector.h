@@ -26,8 +26,9 @@ class LightSelector {
  public:
   /// A light as the selector is told of it.
   struct Item {
-    double lumens;  ///< the largest channel of its flux, finite
-    double lux;     ///< the same of its illuminance, of lights without bounds
+    std::uint32_t light;  ///< index; items ascend by it
+    double lumens;        ///< the largest channel of its flux, finite
+    double lux;           ///< the same of its illuminance, of lights without bounds
     /// Of lights that fall off with the distance, at all times that they move through.
     std::optional<LightBounds<double>> bounds;
   };
@@ -35,7 +36,6 @@ class LightSelector {
   /// From so many local lights on the tree is used unless a question says otherwise.
   static constexpr std::size_t kTreeFrom = 9;
 
-  /// Two items or more.
   explicit LightSelector(std::vector<Item> items);
 
   /// A light for `u` in [0, 1), with as many bits as the number of lights asks for: 24 bits reach
@@ -50,10 +50,10 @@ class LightSelector {
   /// What kAutomatic is.
   LightSelection automatic() const;
 
-  /// By flux alone, of all lights: for rays that leave lights, wherever they go.
+  /// By flux alone, of all items: for rays that leave lights, wherever they go.
   const LightDistribution& by_flux() const { return by_flux_; }
 
-  /// Without the tree.
+  /// With the tree where that is built.
   std::size_t bytes() const;
   /// Builds the tree where questions that say nothing use it.
   void build_tree_if_used();

@@ -7,6 +7,7 @@
 #include "proto/sha256.h"
 #include "server/denormals.h"
 #include "server/scene_builder.h"
+#include "server/scene_lights.h"
 #include "server/shaft.h"
 
 namespace lucerna {
@@ -83,15 +84,26 @@ std::vector<ScenePart> Scene::parts() const {
   std::vector<ScenePart> all = parts_;
   if (light_selector_)
     if (auto tree = light_selector_->tree_part().told()) all.push_back(*std::move(tree));
+  if (auto areas = area_selector_.told()) all.push_back(*std::move(areas));
   if (auto shafts = shafts_.told()) all.push_back(*std::move(shafts));
   return all;
 }
 
 std::uint64_t Scene::bytes() const {
-  std::uint64_t sum = shafts_.bytes();
+  std::uint64_t sum = area_selector_.bytes() + shafts_.bytes();
   if (light_selector_) sum += light_selector_->tree_part().bytes();
   for (const ScenePart& part : parts_) sum += part.bytes;
   return sum;
+}
+
+const LightSelector& Scene::area_selector() const {
+  return area_selector_.get(
+      [this] {
+        auto made = std::make_unique<LightSelector>(selector_items(*this, true));
+        made->build_tree_if_used();
+        return std::unique_ptr<const LightSelector>(std::move(made));
+      },
+      [](const LightSelector&) { return "irradiance beside that of delta lights was asked for"; });
 }
 
 const Shafts& Scene::shafts() const {

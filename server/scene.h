@@ -98,6 +98,8 @@ class Scene {
   std::span<const std::uint32_t> infinite_lights() const { return infinite_lights_; }
   /// Requires two lights or more.
   const LightSelector& light_selector() const { return *light_selector_; }
+  /// The same of all lights but delta lights.  Made when it is first asked for.
+  const LightSelector& area_selector() const;
   /// True where a light, shape, instance or the camera moves: pictures then depend on time.
   bool moves() const { return moves_; }
   /// True where some light is not a delta light: rays may find it.
@@ -154,6 +156,7 @@ class Scene {
   std::vector<Remark> remarks_;
   std::vector<Asset> assets_;
   std::vector<ScenePart> parts_;  // what was built with the scene
+  LazyPart<LightSelector> area_selector_{"area light choice"};
   LazyPart<Shafts> shafts_{"shafts"};
 };
 

@@ -182,27 +182,32 @@ std::optional<LightBounds<double>> bounds_of(const SceneLight& light) {
 
 }  // namespace
 
-absl::Status Scene::Builder::prepare_choice() {
-  if (scene_->lights_.size() < 2) return absl::OkStatus();
-  const Stopwatch watch;
+std::vector<LightSelector::Item> selector_items(const Scene& scene, bool areas_alone) {
   // Light from infinitely far arrives at receivers even where the scene is but a point.
-  SceneSphere sphere = scene_->sphere_;
+  SceneSphere sphere = scene.sphere();
   if (!(sphere.radius_m > 0)) sphere.radius_m = 1;
   std::vector<LightSelector::Item> items;
-  for (const SceneLight& l : scene_->lights_) {
+  for (std::uint32_t i = 0; i < scene.lights().size(); ++i) {
+    const SceneLight& l = scene.lights()[i];
+    if (areas_alone && std::visit([](const auto& m) { return m.kDelta; }, l.light)) continue;
     const Power power = visit_light(l, -std::numeric_limits<double>::infinity(),
                                     [&](const auto& m) { return m.power(sphere); });
     // The largest channel, not the luminance: a light of one channel has its share of noise too.
     const double lumens = std::fmin(power.lumens.max_component(), 1e300);
     auto bounds = bounds_of(l);
     const double lux = bounds ? 0 : std::fmin(lumens / cross_section_m2(l.light, sphere), 1e300);
-    items.push_back({lumens, lux, std::move(bounds)});
+    items.push_back({i, lumens, lux, std::move(bounds)});
   }
-  const std::size_t count = items.size();
-  scene_->light_selector_.emplace(std::move(items));
-  scene_->light_selector_->build_tree_if_used();
+  return items;
+}
+
+absl::Status Scene::Builder::prepare_choice() {
+  if (scene_->lights_.size() < 2) return absl::OkStatus();
+  const Stopwatch watch;
+  scene_->light_selector_.emplace(selector_items(*scene_, false));
   part("light choice", scene_->light_selector_->bytes(), watch,
-       fmt::format("{} lights to choose from", count));
+       fmt::format("{} lights to choose from", scene_->lights_.size()));
+  scene_->light_selector_->build_tree_if_used();
   return absl::OkStatus();
 }
 

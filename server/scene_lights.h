@@ -6,11 +6,15 @@
 #include <cstdint>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "lights/light.h"
+#include "server/light_selector.h"
 #include "server/scene_description.h"
 
 namespace lucerna {
+
+class Scene;
 
 using Box = std::pair<Vec3<double>, Vec3<double>>;  ///< lower and upper corner [m, world]
 
@@ -36,6 +40,9 @@ absl::StatusOr<Light<double>> create_area_light(const ShapeDescription& shape,
 
 /// What its surface is made of; 1 where it has none.
 std::uint64_t primitive_count(const Light<double>& light);
+
+/// All lights, or all but delta lights, as they are chosen from.
+std::vector<LightSelector::Item> selector_items(const Scene& scene, bool areas_alone);
 
 /// The picture that a light uses, null where there is none.
 const Image* picture_of(const Light<double>& light);

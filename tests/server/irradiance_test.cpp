@@ -118,19 +118,59 @@ SceneDescription lamps(int n) {
   return d;
 }
 
-TEST(Irradiance, OfManyLightsIsTheSumOfEach) {
-  double expected = 0;
-  for (int i = 0; i < 12; ++i) expected += 10.0 * (i + 1) * 4 / std::pow(double(i) * i + 16, 1.5);
-  const auto scene = build(lamps(12));
-  IrradianceEstimate e = one(*scene, at(0, 0, 0), direct(64));
-  EXPECT_FALSE(e.exact);
-  EXPECT_NEAR(e.irradiance_lx.g, expected, 5 * e.standard_error_lx.g);
-  EXPECT_LT(e.standard_error_lx.g, 0.02 * expected);
-  IrradianceSettings settings = direct();
-  settings.per_light = true;
-  e = one(*scene, at(0, 0, 0), settings);
+double of_lamps(int n) {
+  double sum = 0;
+  for (int i = 0; i < n; ++i) sum += 10.0 * (i + 1) * 4 / std::pow(double(i) * i + 16, 1.5);
+  return sum;
+}
+
+TEST(Irradiance, OfManyDeltaLightsIsExactWhereSamplesCostMore) {
+  const auto scene = build(lamps(64));
+  // A sample of lights that are drawn costs as much as 16 of them.
+  const IrradianceEstimate e = one(*scene, at(0, 0, 0), direct(1, 4));
   EXPECT_TRUE(e.exact);
-  EXPECT_NEAR(e.irradiance_lx.g, expected, 1e-5 * expected);
+  EXPECT_NEAR(e.irradiance_lx.g, of_lamps(64), 1e-9 * of_lamps(64));
+  EXPECT_FALSE(one(*scene, at(0, 0, 0), direct(1, 3)).exact);
+  IrradianceSettings settings = direct(1, 3);
+  settings.per_light = true;
+  EXPECT_TRUE(one(*scene, at(0, 0, 0), settings).exact);
+}
+
+TEST(Irradiance, OfManyLightsThatAreDrawnIsTheSumOfEach) {
+  const auto scene = build(lamps(12));
+  for (const LightSelection how :
+       {LightSelection::kUniform, LightSelection::kPower, LightSelection::kBvh}) {
+    IrradianceSettings settings = direct(256);
+    settings.methods.light_selection = how;
+    const IrradianceEstimate e = one(*scene, at(0, 0, 0), settings);
+    EXPECT_FALSE(e.exact);
+    EXPECT_NEAR(e.irradiance_lx.g, of_lamps(12), 5 * e.standard_error_lx.g);
+    EXPECT_LT(e.standard_error_lx.g, 0.02 * of_lamps(12));
+  }
+}
+
+// Many lamps beside a sky and a panel: what is settled for a target, and what is drawn, is what a
+// count of samples makes of it.
+TEST(Irradiance, OfATargetIsThatOfItsCount) {
+  SceneDescription d = lamps(3000);
+  for (LightDescription& l : d.lights) std::get<PointLightParams>(l.params).position_m.x *= 0.01;
+  d.lights.push_back({UniformInfiniteLightParams{Rgb<double>(1, 2, 3)}, {}});
+  d.shapes.push_back(
+      testing::emissive({DiskParams{.height_m = 5, .reverse_orientation = true}}, 500));
+  d.shapes.push_back(testing::patch({1, -1, 1}, {2, -1, 1}, {1, 1, 1}, {2, 1, 1}));
+  const auto scene = build(std::move(d));
+  for (const double relative : {0.3, 0.1, 0.01, 0.001}) {
+    IrradianceSettings settings = direct(1, 16);
+    settings.target = TargetError{.relative = relative};
+    const IrradiancePoint point = at(0.5F, 0, 0);
+    const IrradianceResult r = estimate_irradiance(*scene, std::span(&point, 1), settings, {});
+    ASSERT_GT(r.costs[0].samples, 0u);
+    settings.target = {};
+    settings.samples_per_block = static_cast<std::uint32_t>(r.costs[0].samples / 16);
+    const IrradianceEstimate e = one(*scene, point, settings);
+    EXPECT_EQ(r.points[0].irradiance_lx, e.irradiance_lx) << relative;
+    EXPECT_EQ(r.points[0].illuminance_error_lx, e.illuminance_error_lx) << relative;
+  }
 }
 
 TEST(Irradiance, IsTheSumOfItsShares) {

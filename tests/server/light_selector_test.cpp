@@ -18,10 +18,16 @@ LightSelector::Item lamp(double x, double lumens) {
   const Vec3<double> at{x, 0, 3};
   LightBounds<double> bounds{.lower = at, .upper = at};
   bounds.cone_rad = bounds.normals_rad = std::numbers::pi;
-  return {lumens, 0, bounds};
+  return {0, lumens, 0, bounds};
 }
 
-LightSelector::Item sky(double lumens, double lux) { return {lumens, lux, std::nullopt}; }
+LightSelector::Item sky(double lumens, double lux) { return {0, lumens, lux, std::nullopt}; }
+
+/// Lights numbered as they come.
+std::vector<LightSelector::Item> numbered(std::vector<LightSelector::Item> items) {
+  for (std::uint32_t i = 0; i < items.size(); ++i) items[i].light = i;
+  return items;
+}
 
 /// Lamps in a row, and two lights from afar: one between them, one behind.
 LightSelector row_of_lamps(int lamps) {
@@ -31,7 +37,7 @@ LightSelector row_of_lamps(int lamps) {
     if (i == lamps / 2) items.push_back(sky(1e6, 30));
   }
   items.push_back(sky(1e5, 10));
-  return LightSelector(std::move(items));
+  return LightSelector(numbered(std::move(items)));
 }
 
 Receiver<double> floor_at(double x) {
@@ -81,7 +87,7 @@ TEST(LightSelector, OfOneKindAloneHasNoHalves) {
   near.push_back(lamp(0, 2));
   near.push_back(lamp(1, 2));
   for (auto* items : {&far, &near}) {
-    const LightSelector selector(*items);
+    const LightSelector selector(numbered(*items));
     // The tree's boxes are some roundings of floats wider than the lights.
     for (const LightSelection how : kWays)
       EXPECT_NEAR(selector.probability(how, floor_at(0.5), 0), 0.5, 1e-8);
@@ -89,7 +95,7 @@ TEST(LightSelector, OfOneKindAloneHasNoHalves) {
 }
 
 TEST(LightSelector, SpendsNothingOnBlackLightsFromAfar) {
-  const LightSelector selector({lamp(0, 1), sky(0, 0), lamp(1, 1)});
+  const LightSelector selector(numbered({lamp(0, 1), sky(0, 0), lamp(1, 1)}));
   for (const LightSelection how : {LightSelection::kPower, LightSelection::kBvh})
     EXPECT_EQ(selector.probability(how, floor_at(0), 1), 0);
 }
@@ -114,8 +120,24 @@ TEST(LightSelector, HasNoTreeWhereNobodyAsksForIt) {
   EXPECT_GT(few.tree_part().bytes(), 0u);
 }
 
+TEST(LightSelector, KnowsLightsByTheirOwnNumbers) {
+  std::vector<LightSelector::Item> items = {lamp(0, 1), sky(1, 1), lamp(1, 3)};
+  items[0].light = 4, items[1].light = 7, items[2].light = 9;
+  const LightSelector selector(std::move(items));
+  for (const LightSelection how : kWays) {
+    double sum = 0;
+    for (const std::uint32_t light : {4U, 7U, 9U})
+      sum += selector.probability(how, floor_at(0), light);
+    EXPECT_NEAR(sum, 1, 1e-12);
+    for (int i = 0; i < 64; ++i) {
+      const auto choice = selector.choose(how, floor_at(0), i / 64.0);
+      EXPECT_TRUE(choice->light == 4 || choice->light == 7 || choice->light == 9);
+    }
+  }
+}
+
 TEST(LightSelector, EmittersAreChosenByFluxAlone) {
-  const LightSelector selector({lamp(0, 3), sky(1, 1e6)});
+  const LightSelector selector(numbered({lamp(0, 3), sky(1, 1e6)}));
   EXPECT_NEAR(selector.by_flux().probability(0), 0.9 * 0.75 + 0.05, 1e-15);
 }
 
