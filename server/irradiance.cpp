@@ -132,6 +132,9 @@ class IrradianceJob {
                          !scene.lights().empty()),
         gather_(gather_indirect_ || scene.has_visible_lights()),
         confidence_(settings.target ? settings.target->confidence : settings.confidence),
+        rule_(confidence_, settings.block_count,
+              std::max<std::uint64_t>(
+                  std::uint64_t{settings.samples_per_block} * settings.block_count, 1)),
         spectral_([this] { return SpectralValues(scene_, settings_.wavelengths_nm); }) {}
 
   void range(std::size_t begin, std::size_t end) {
@@ -150,7 +153,9 @@ class IrradianceJob {
       stopped_ = true;
       return;
     }
-    const auto start = std::chrono::steady_clock::now();
+    // Nobody asks what points took that take equally many samples.
+    std::chrono::steady_clock::time_point start;
+    if (settings_.target) start = std::chrono::steady_clock::now();
     SurfaceHit receiver;
     receiver.position = points_[p].position;
     receiver.position_error = points_[p].position_error;
@@ -173,8 +178,9 @@ class IrradianceJob {
     }
     const std::uint64_t samples =
         e.total.sampled ? std::uint64_t{per_block} * settings_.block_count : 0;
-    const IntervalRule rule(confidence_, settings_.block_count,
-                            std::max<std::uint64_t>(samples, 1));
+    std::optional<IntervalRule> own;
+    if (settings_.target && samples > 0) own.emplace(confidence_, settings_.block_count, samples);
+    const IntervalRule& rule = own ? *own : rule_;
     const double count = settings_.block_count;
     result_.points[p] = e.total.result(count, rule);
     for (std::size_t l = 0; l < e.shares.size(); ++l)
@@ -186,7 +192,8 @@ class IrradianceJob {
         result_.spectral_error[p * exact_at.size() + k] =
             std::sqrt(at.deviation / (count * (count - 1)));
     }
-    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+    std::chrono::duration<double> took{};
+    if (settings_.target) took = std::chrono::steady_clock::now() - start;
     result_.costs[p] = {samples, spent.indirect_rays + spent.shadow_rays, took.count()};
     work += spent;
   }
@@ -351,6 +358,7 @@ class IrradianceJob {
   IrradianceResult& result_;
   const bool visit_all_, gather_indirect_, gather_;
   const double confidence_;
+  const IntervalRule rule_;  ///< of points that take as many samples as all others
   /// One for each thread that takes part, as looking spectra up takes longer than using them.
   tbb::enumerable_thread_specific<SpectralValues> spectral_;
   std::mutex mutex_;

@@ -68,9 +68,9 @@ LightEstimate PathTracer::shadowed(const SurfaceHit& hit, std::uint32_t light,
                                    const LightSample<double>& sample, const Rgb<double>& value,
                                    WorkCounts& work) const {
   if (value.is_black()) return {};
-  ++work.shadow_rays;
   const Ray ray = shadow_ray(hit, sample, scene_.lights()[light].reach_m);
-  return {scene_.occluded(ray) ? Rgb<double>{} : value, value};
+  const bool occluded = visibility_.is_occluded(light, hit.position, hit.ng, ray, work);
+  return {occluded ? Rgb<double>{} : value, value};
 }
 
 LightEstimate PathTracer::direct(const SurfaceHit& hit, const Vec3<float>& wo, std::uint32_t light,

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "lights/sobol.h"
+#include "server/light_visibility.h"
 #include "server/render.h"
 #include "server/scene.h"
 
@@ -60,6 +61,7 @@ class PathTracer {
   PathTracer(const Scene& scene, std::optional<std::uint32_t> bounces, const Methods& methods)
       : scene_(scene),
         methods_(methods),
+        visibility_(scene, methods.visibility),
         last_depth_(bounces.value_or(std::numeric_limits<std::uint32_t>::max())),
         endless_(!bounces) {}
 
@@ -132,6 +134,7 @@ class PathTracer {
 
   const Scene& scene_;
   Methods methods_;
+  LightVisibility visibility_;
   std::uint32_t last_depth_;
   bool endless_;
 };

@@ -120,6 +120,9 @@ WorkCounts& WorkCounts::operator+=(const WorkCounts& w) {
   camera_rays += w.camera_rays;
   indirect_rays += w.indirect_rays;
   shadow_rays += w.shadow_rays;
+  map_lookups += w.map_lookups;
+  map_compared += w.map_compared;
+  map_disagreed += w.map_disagreed;
   return *this;
 }
 

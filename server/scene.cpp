@@ -7,6 +7,7 @@
 #include "proto/sha256.h"
 #include "server/denormals.h"
 #include "server/scene_builder.h"
+#include "server/shadow_maps.h"
 #include "server/shaft.h"
 
 namespace lucerna {
@@ -82,11 +83,14 @@ std::uint64_t Scene::primitive_count() const {
 std::vector<ScenePart> Scene::parts() const {
   std::vector<ScenePart> all = parts_;
   if (auto shafts = shafts_.told()) all.push_back(*std::move(shafts));
+  if (const ShadowMaps* maps = shadow_maps_.made())
+    if (auto part = maps->part()) all.push_back(*std::move(part));
   return all;
 }
 
 std::uint64_t Scene::bytes() const {
   std::uint64_t sum = shafts_.bytes();
+  if (const ShadowMaps* maps = shadow_maps_.made()) sum += maps->bytes();
   for (const ScenePart& part : parts_) sum += part.bytes;
   return sum;
 }
@@ -98,6 +102,11 @@ const Shafts& Scene::shafts() const {
         return std::make_unique<const Shafts>(*this);
       },
       [](const Shafts&) { return "closed forms were asked for"; });
+}
+
+const ShadowMaps& Scene::shadow_maps() const {
+  return shadow_maps_.get([this] { return std::make_unique<const ShadowMaps>(*this); },
+                          [](const ShadowMaps&) { return "shadow maps were asked for"; });
 }
 
 std::string Scene::isa() const { return accelerator_->isa(); }
