@@ -72,7 +72,8 @@ class LiSampler {
         a_(answer),
         visibility_(scene,
                     query.test_visibility ? query.methods.visibility : VisibilityMethod::kRays),
-        to_scene_(scene, query.receivers, query.position_error_m),
+        // Rays alone ask how far off receivers may be.
+        to_scene_(scene, query.receivers, query.test_visibility ? query.position_error_m : 0.0F),
         light_shift_(scene.origin() - query.receivers.origin_m) {}
 
   /// Returns the shadow rays and look-ups that it took.
@@ -305,9 +306,10 @@ ScenePoint ToScene::operator()(std::size_t i) const {
   }
   constexpr float kRelative =
       static_cast<float>(kDefaultUlps) * std::numeric_limits<float>::epsilon();
-  p.error = position_error_m_.value_or(
-      kRelative * std::fmax(max_abs(offset), static_cast<float>(max_abs(p.position))) +
-      static_cast<float>(origin_error_m_));
+  p.error = position_error_m_
+                ? *position_error_m_
+                : kRelative * std::fmax(max_abs(offset), static_cast<float>(max_abs(p.position))) +
+                      static_cast<float>(origin_error_m_);
   return p;
 }
 
