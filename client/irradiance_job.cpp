@@ -291,6 +291,9 @@ class Irradiance final : public Work {
   void add_cost(const v1::Cost& cost) {
     cost_.set_indirect_rays(cost_.indirect_rays() + cost.indirect_rays());
     cost_.set_shadow_rays(cost_.shadow_rays() + cost.shadow_rays());
+    cost_.set_shadow_map_lookups(cost_.shadow_map_lookups() + cost.shadow_map_lookups());
+    cost_.set_shadow_map_compared(cost_.shadow_map_compared() + cost.shadow_map_compared());
+    cost_.set_shadow_map_disagreed(cost_.shadow_map_disagreed() + cost.shadow_map_disagreed());
     cost_.set_samples(cost_.samples() + cost.samples());
     cost_.set_cpu_time_s(cost_.cpu_time_s() + cost.cpu_time_s());
     cost_.set_queue_time_s(cost_.queue_time_s() + cost.queue_time_s());

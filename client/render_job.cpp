@@ -95,6 +95,11 @@ class Render final : public Work {
     cost_.set_camera_rays(cost_.camera_rays() + response.cost().camera_rays());
     cost_.set_indirect_rays(cost_.indirect_rays() + response.cost().indirect_rays());
     cost_.set_shadow_rays(cost_.shadow_rays() + response.cost().shadow_rays());
+    cost_.set_shadow_map_lookups(cost_.shadow_map_lookups() + response.cost().shadow_map_lookups());
+    cost_.set_shadow_map_compared(cost_.shadow_map_compared() +
+                                  response.cost().shadow_map_compared());
+    cost_.set_shadow_map_disagreed(cost_.shadow_map_disagreed() +
+                                   response.cost().shadow_map_disagreed());
     cost_.set_samples(cost_.samples() + response.cost().samples());
     cost_.set_cpu_time_s(cost_.cpu_time_s() + response.cost().cpu_time_s());
     cost_.set_queue_time_s(cost_.queue_time_s() + response.cost().queue_time_s());

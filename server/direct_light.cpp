@@ -55,7 +55,7 @@ std::optional<LightSample<double>> far_sample(const L& light, const Receiver<dou
 }  // namespace
 
 DirectLight::DirectLight(const Scene& scene, const Methods& methods)
-    : scene_(scene), methods_(methods) {
+    : scene_(scene), methods_(methods), visibility_(scene, methods.visibility) {
   for (std::uint32_t l = 0; l < scene.lights().size(); ++l) deltas_ += is_delta(l) ? 1 : 0;
   const bool few = scene.lights().size() <= kFewLights;
   switch (methods.light_selection) {
@@ -152,9 +152,9 @@ LightEstimate DirectLight::shadowed(const SurfaceHit& hit, std::uint32_t light,
                                     const LightSample<double>& sample, const Rgb<double>& value,
                                     WorkCounts& work) const {
   if (value.is_black()) return {};
-  ++work.shadow_rays;
   const Ray ray = shadow_ray(hit, sample, scene_.lights()[light].reach_m);
-  return {scene_.occluded(ray) ? Rgb<double>{} : value, value};
+  const bool occluded = visibility_.is_occluded(light, hit.position, hit.ng, ray, work);
+  return {occluded ? Rgb<double>{} : value, value};
 }
 
 std::optional<Rgb<double>> DirectLight::of_one_direction(const SurfaceHit& hit,

@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "server/light_visibility.h"
 #include "server/methods.h"
 #include "server/path_sample.h"
 #include "server/scene.h"
@@ -148,6 +149,7 @@ class DirectLight {
 
   const Scene& scene_;
   Methods methods_;
+  LightVisibility visibility_;
   Spending spending_;
   std::size_t deltas_ = 0;
   std::uint32_t candidates_ = 1;

@@ -135,6 +135,8 @@ class IrradianceJob {
         gather_indirect_(settings.bounces.value_or(1) > 0 && !scene.empty() &&
                          !scene.lights().empty()),
         confidence_(settings.target ? settings.target->confidence : settings.confidence),
+        rule_(confidence_, settings.block_count,
+              std::max<std::uint64_t>(samples_of(settings.samples_per_block), 1)),
         spectral_([this] { return SpectralValues(scene_, settings_.wavelengths_nm); }) {}
 
   void range(std::size_t begin, std::size_t end) {
@@ -153,7 +155,9 @@ class IrradianceJob {
       stopped_ = true;
       return;
     }
-    const auto start = std::chrono::steady_clock::now();
+    // Nobody asks what points took that take equally many samples.
+    std::chrono::steady_clock::time_point start;
+    if (settings_.target) start = std::chrono::steady_clock::now();
     SurfaceHit receiver;
     receiver.position = points_[p].position;
     receiver.position_error = points_[p].position_error;
@@ -181,8 +185,9 @@ class IrradianceJob {
       blocks(p, receiver, {0, settings_.block_count, per_block}, e, spent);
     if (stopped_) return;
     const std::uint64_t samples = e.total.sampled ? samples_of(per_block) : 0;
-    const IntervalRule rule(confidence_, settings_.block_count,
-                            std::max<std::uint64_t>(samples, 1));
+    std::optional<IntervalRule> own;
+    if (settings_.target && samples > 0) own.emplace(confidence_, settings_.block_count, samples);
+    const IntervalRule& rule = own ? *own : rule_;
     const double count = settings_.block_count;
     result_.points[p] = e.total.result(count, rule);
     for (std::size_t l = 0; l < e.shares.size(); ++l)
@@ -194,7 +199,8 @@ class IrradianceJob {
         result_.spectral_error[p * exact_at.size() + k] =
             std::sqrt(at.deviation / (count * (count - 1)));
     }
-    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+    std::chrono::duration<double> took{};
+    if (settings_.target) took = std::chrono::steady_clock::now() - start;
     result_.costs[p] = {samples, spent.indirect_rays + spent.shadow_rays, took.count()};
     work += spent;
   }
@@ -387,6 +393,7 @@ class IrradianceJob {
   const DirectLight& direct_;
   const bool gather_indirect_;
   const double confidence_;
+  const IntervalRule rule_;  ///< of points that take as many samples as all others
   /// One for each thread that takes part, as looking spectra up takes longer than using them.
   tbb::enumerable_thread_specific<SpectralValues> spectral_;
   std::mutex mutex_;

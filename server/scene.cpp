@@ -8,6 +8,7 @@
 #include "server/denormals.h"
 #include "server/scene_builder.h"
 #include "server/scene_lights.h"
+#include "server/shadow_maps.h"
 #include "server/shaft.h"
 
 namespace lucerna {
@@ -86,12 +87,16 @@ std::vector<ScenePart> Scene::parts() const {
     if (auto tree = light_selector_->tree_part().told()) all.push_back(*std::move(tree));
   if (auto areas = area_selector_.told()) all.push_back(*std::move(areas));
   if (auto shafts = shafts_.told()) all.push_back(*std::move(shafts));
+  if (const ShadowMaps* maps = shadow_maps_.made())
+    if (auto part = maps->part()) all.push_back(*std::move(part));
   return all;
 }
 
 std::uint64_t Scene::bytes() const {
   std::uint64_t sum = area_selector_.bytes() + shafts_.bytes();
   if (light_selector_) sum += light_selector_->tree_part().bytes();
+  std::uint64_t sum = shafts_.bytes();
+  if (const ShadowMaps* maps = shadow_maps_.made()) sum += maps->bytes();
   for (const ScenePart& part : parts_) sum += part.bytes;
   return sum;
 }
@@ -113,6 +118,11 @@ const Shafts& Scene::shafts() const {
         return std::make_unique<const Shafts>(*this);
       },
       [](const Shafts&) { return "closed forms were asked for"; });
+}
+
+const ShadowMaps& Scene::shadow_maps() const {
+  return shadow_maps_.get([this] { return std::make_unique<const ShadowMaps>(*this); },
+                          [](const ShadowMaps&) { return "shadow maps were asked for"; });
 }
 
 std::string Scene::isa() const { return accelerator_->isa(); }

@@ -24,6 +24,7 @@
 namespace lucerna {
 
 class Shafts;
+class ShadowMaps;
 
 /// One light as the scene holds it.
 struct SceneLight {
@@ -131,6 +132,8 @@ class Scene {
 
   /// Made when it is first asked for: LazyPart says what that asks of callers.
   const Shafts& shafts() const;
+  /// Likewise, and so are the maps in it, light by light.
+  const ShadowMaps& shadow_maps() const;
 
  private:
   Scene() = default;
@@ -158,6 +161,7 @@ class Scene {
   std::vector<ScenePart> parts_;  // what was built with the scene
   LazyPart<LightSelector> area_selector_{"area light choice"};
   LazyPart<Shafts> shafts_{"shafts"};
+  LazyPart<ShadowMaps> shadow_maps_{"shadow maps"};
 };
 
 /// The id of a scene that was read from these files: SHA-256 over their names and digests, in

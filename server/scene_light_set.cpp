@@ -107,9 +107,18 @@ absl::Status Scene::Builder::build_lights() {
     scene_->lights_.back().samples = s.emission->samples;
   }
   if (scene_->lights_.empty()) return absl::OkStatus();
-  std::uint64_t bytes = scene_->lights_.capacity() * sizeof(SceneLight);
-  for (const SceneLight& l : scene_->lights_) bytes += light_bytes(l.light);
+  std::uint64_t bytes = scene_->lights_.capacity() * sizeof(SceneLight), table_bytes = 0;
+  std::size_t tables = 0;
+  for (const SceneLight& l : scene_->lights_) {
+    const std::uint64_t table = distribution_bytes(l.light);
+    bytes += light_bytes(l.light) - table;
+    table_bytes += table;
+    tables += table > 0;
+  }
   part("lights", bytes, watch, fmt::format("{} lights", scene_->lights_.size()));
+  if (tables > 0)
+    part("image distributions", table_bytes, watch,
+         fmt::format("to draw points and directions from the pictures of {} lights", tables));
   keep_spectra();
   report_shared_by_lights(watch);
   return absl::OkStatus();

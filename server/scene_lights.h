@@ -49,5 +49,7 @@ const Image* picture_of(const Light<double>& light);
 
 /// Memory beside the object itself, without the picture.
 std::uint64_t light_bytes(const Light<double>& light);
+/// Of these, what points or directions are drawn with by the light's picture.
+std::uint64_t distribution_bytes(const Light<double>& light);
 
 }  // namespace lucerna

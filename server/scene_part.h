@@ -61,6 +61,8 @@ class LazyPart {
     return *part_;
   }
 
+  /// Null where it was not made yet, as below.
+  const T* made() const { return made_.load(std::memory_order_acquire); }
   /// Nothing where it was not made yet.  Does not wait for who is making it.
   std::optional<ScenePart> told() const {
     if (made_.load(std::memory_order_acquire) == nullptr) return std::nullopt;

@@ -139,6 +139,9 @@ void set_counts(v1::Cost* cost, const WorkCounts& work) {
   cost->set_camera_rays(work.camera_rays);
   cost->set_indirect_rays(work.indirect_rays);
   cost->set_shadow_rays(work.shadow_rays);
+  cost->set_shadow_map_lookups(work.map_lookups);
+  cost->set_shadow_map_compared(work.map_compared);
+  cost->set_shadow_map_disagreed(work.map_disagreed);
 }
 
 }  // namespace lucerna::rpc

@@ -301,6 +301,7 @@ Prepared estimate_irradiance(const Context& context, const v1::EstimateIrradianc
   task.predicted_s = static_cast<double>(n) * static_cast<double>(samples) *
                      (direct ? kDirectSampleSeconds : kPathSampleSeconds) * std::max(1.0, lights);
   if (rule->time_budget_s) task.predicted_s = *rule->time_budget_s;
+  task.predicted_s += first_use_seconds(**scene, work.settings.methods);
   // Light is told by spectrum: each of them is looked up once, and is a value of each point.
   const double spectra = static_cast<double>((*scene)->spectra().size() + 1);
   task.predicted_s += spectra * static_cast<double>(wavelengths->size()) *

@@ -152,6 +152,7 @@ Prepared sample_li(const Context& context, const v1::SampleLiRequest& request,
   task.predicted_s = static_cast<double>(n) *
                      (kSampleSeconds + (query.test_visibility ? kShadowRaySeconds : 0) +
                       kWavelengthSeconds * static_cast<double>(query.wavelengths_nm.size()));
+  if (query.test_visibility) task.predicted_s += first_use_seconds(**scene, query.methods);
   task.cost = response->mutable_cost();
   task.run = [scene = *scene, query, n, &request, response](const std::stop_token& stop) {
     if (auto s = check_u(request.u()); !s.ok()) return s;

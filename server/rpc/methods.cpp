@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "server/rpc/errors.h"
+#include "server/shadow_maps.h"
 
 namespace lucerna::rpc {
 namespace {
@@ -81,6 +82,11 @@ absl::StatusOr<Methods> check_methods(const v1::Accuracy& accuracy) {
     m.far_light_radii = accuracy.far_light_radii();
   }
   return m;
+}
+
+double first_use_seconds(const Scene& scene, const Methods& methods) {
+  return methods.visibility == VisibilityMethod::kShadowMaps ? scene.shadow_maps().seconds_left()
+                                                             : 0;
 }
 
 }  // namespace lucerna::rpc

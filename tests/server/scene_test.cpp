@@ -168,14 +168,14 @@ TEST(Scene, ReportsOnlyWhatItBuilt) {
   d.shapes = {testing::floor(1)};
   d.lights = {testing::point_light({0, 0, 1}, 1)};
   EXPECT_THAT(part_names(*build(d)),
-              ElementsAre("lights", "vertices", "triangles", "surfaces", "bvh"));
+              ElementsAre("lights", "vertices", "triangles", "surfaces", "materials", "bvh"));
   d.lights.push_back(testing::point_light({0, 1, 1}, 1));
   EXPECT_THAT(part_names(*build(d)),
-              ElementsAre("lights", "vertices", "triangles", "surfaces", "bvh", "light choice"));
+              ElementsAre("lights", "vertices", "triangles", "surfaces", "materials", "bvh", "light choice"));
   d.shapes = {{SphereParams{}}};
   d.lights.clear();
   const auto scene = build(d);
-  EXPECT_THAT(part_names(*scene), ElementsAre("spheres", "surfaces", "bvh"));
+  EXPECT_THAT(part_names(*scene), ElementsAre("spheres", "surfaces", "materials", "bvh"));
   for (const ScenePart& p : scene->parts()) EXPECT_GT(p.bytes, 0u) << p.name;
 }
 
