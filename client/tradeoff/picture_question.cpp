@@ -14,8 +14,9 @@ namespace lucerna::tradeoff {
 namespace {
 
 constexpr std::uint32_t kMaxSamples = 1 << 14;
-// So large that FLIP, which looks 10 pixels far, has an inside to look at.
-constexpr std::uint32_t kTile = 64;
+// So large that FLIP, which looks 10 pixels far, has an inside to look at; so small that a question
+// of one sample takes a fraction of a second.
+constexpr std::uint32_t kTile = 32;
 constexpr std::uint32_t kColumns = 3, kRows = 2;
 
 /// One tile in the middle of each of kColumns x kRows parts; all of a picture no larger than them.

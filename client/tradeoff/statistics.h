@@ -58,12 +58,15 @@ std::optional<double> fitted_rate(std::span<const Measured> curve);
 
 /// When a setting's error is `error` > 0, linearly in logarithms between the first two neighbours
 /// (by time) of which the later one is that good; beyond the last by the rate of the last three,
-/// where that is below kSlowestRate.  Nothing where it never is.
+/// where that is below kSlowestRate, up to kFarthest times its time.  Nothing where it
+/// never is.
 std::optional<Reached> time_to_error(std::vector<Measured> curve, double error,
                                      bool extrapolate = true);
 
 /// Slower progress than this is none: independent samples have -0.5, biased answers 0.
 inline constexpr double kSlowestRate = -0.2;
+/// A decade of error, by the rate of independent samples.
+inline constexpr double kFarthest = 100;
 
 /// Which of the points no other one beats in time and error both, in order of time.  Of equal ones
 /// the first.

@@ -15,14 +15,13 @@ namespace lucerna::tradeoff {
 namespace {
 
 // The first heat's share of the time, and the most of the whole that a single question may take.
-constexpr double kFirstHeat = 0.4, kLongestQuestion = 0.03;
+// (Target errors begin with pilots, and tell of questions that are larger anyway.)
+constexpr double kFirstHeat = 0.4, kLongestQuestion = 0.03, kLongestTarget = 0.1;
 // The rounds a heat is planned for; there are more of them where time is left.
 constexpr double kPlannedRounds = 4;
 // An amount's next takes up to four times as long, next target errors ten times.
 constexpr double kGrowth = 4, kTargetGrowth = 10;
 constexpr std::uint32_t kMostRounds = 40;
-// Samples of the question by which settings are told apart.
-constexpr double kTellingSamples = 4;
 
 bool says_no(const absl::Status& status) {
   return absl::IsUnimplemented(status) || absl::IsInvalidArgument(status) ||
@@ -80,7 +79,7 @@ class Sweep {
     for (std::size_t i = 0; i < settings_.size(); ++i) {
       const Amount telling = settings_[i].by_target || ladders_[i].size() == 1
                                  ? ladders_[i][0]
-                                 : Amount{.target = false, .value = kTellingSamples};
+                                 : Amount{.target = false, .value = options_.telling_samples};
       const auto run = ask(i, telling, mixed_seed(options_.seed, 0), 0);
       if (!run.ok()) {
         if (!says_no(run.status()) || i == 0) return run.status();
@@ -97,7 +96,8 @@ class Sweep {
         continue;
       }
       if (!settings_[i].by_target) digests[i] = run->digest;
-      if (i > 0 && run->seconds > kLongestQuestion * options_.seconds) {
+      const double longest = settings_[i].by_target ? kLongestTarget : kLongestQuestion;
+      if (i > 0 && run->seconds > longest * options_.seconds) {
         leave(i, Course::Fate::kSkipped,
               fmt::format("skipped, {} take {:.2g} s, too long for this budget", telling.text(),
                           run->seconds));

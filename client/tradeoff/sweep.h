@@ -41,6 +41,8 @@ struct SweepOptions {
   std::function<absl::StatusOr<Run>(std::size_t setting, const Amount& amount, std::uint64_t seed,
                                     std::uint32_t round)>
       ask{};
+  /// Of the question by which settings are told apart.
+  double telling_samples = 4;
   /// What is told of the way.
   std::function<void(const std::string&)> on_event = [](const std::string&) {};
 };

@@ -70,6 +70,8 @@ absl::StatusOr<Record> measure_trade(Question& question, const TradeOptions& opt
                              .seed = options.seed,
                              .clock = options.clock};
   sweep_options.on_event = options.on_event;
+  // Pictures have so many values that one sample tells settings apart.
+  if (pictures) sweep_options.telling_samples = 1;
   sweep_options.ask = [&](std::size_t setting, const Amount& amount, std::uint64_t seed,
                           std::uint32_t round) -> absl::StatusOr<Run> {
     const auto answer = question.ask(record.settings[setting], amount, seed);

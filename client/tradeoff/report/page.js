@@ -12,7 +12,7 @@ const time = (s) => {
   if (s >= 1e-3) return `${digits(1e3 * s)} ms`;
   return `${digits(1e6 * s)} µs`;
 };
-const amount = (a) => (a.kind === "error" ? `error ${percent(a.value)}` : `${a.value} samples`);
+const amount = (a) => (a.kind === "error" ? `error ${percent(a.value)}` : `${a.value} ${a.value === 1 ? "sample" : "samples"}`);
 
 function element(tag, content = "", attributes = {}) {
   const e = document.createElement(tag);
@@ -230,6 +230,11 @@ function drawMeasures() {
   byId("error-note").textContent =
     "Bands: 95% intervals from repeats with different seeds. Dashed: the Pareto front, the least error that any setting " +
     "has by that time. Each point is one amount of work; median time of its runs, in rounds shuffled over all settings.";
+  const exact = swept.filter((i) => settings[i].cells.some((c) => c.relative_error.mean === 0));
+  if (exact.length > 0) {
+    byId("error-note").textContent += " Without error, and so not in this plot: " +
+      `${exact.map((i) => `${settings[i].name} (${time(settings[i].cells[0].seconds.median)})`).join("; ")}.`;
+  }
 }
 
 const whiskers = {
