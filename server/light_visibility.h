@@ -8,7 +8,7 @@
 
 #include "lights/sobol.h"
 #include "server/methods.h"
-#include "server/render.h"
+#include "server/work_counts.h"
 #include "server/scene.h"
 #include "server/shadow_maps.h"
 
