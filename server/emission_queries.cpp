@@ -123,7 +123,7 @@ ItemResult sample_ray(const Scene& scene, const SampleLeQuery& q, SpectralValues
 WorkCounts le(const Scene& scene, const LeQuery& query, const LeAnswer& answer,
               std::stop_token stop) {
   const ToScene to_scene(scene, query.points, std::nullopt);
-  const PathTracer tracer(scene, 0, AreaSampling::kAutomatic);
+  const PathTracer tracer(scene, 0, Methods{});
   std::atomic<std::uint64_t> rays = 0;
   parallel_chunks(query.points.size(), kGrain, stop, [&](std::size_t begin, std::size_t end) {
     const DenormalsAreZero denormals;
