@@ -66,7 +66,10 @@ AnswerSize answer_size(const v1::EstimateIrradianceRequest& request, std::uint64
                       2 * kFloat * wavelengths(request)};
 }
 
-// Sum and squared deviation of each channel.
-AnswerSize tile_size() { return {.per_item = std::uint64_t{2} * 3 * kDouble}; }
+AnswerSize tile_size(const v1::Accuracy& accuracy) {
+  // Sum and squared deviation of each channel; samples and interval.
+  const std::uint64_t target = accuracy.has_target_error() ? 3 * kFloat : 0;
+  return {.per_item = std::uint64_t{2} * 3 * kDouble + target};
+}
 
 }  // namespace lucerna

@@ -12,6 +12,7 @@
 #include "server/denormals.h"
 #include "server/parallel.h"
 #include "server/path.h"
+#include "server/pilots.h"
 #include "server/render.h"
 #include "server/sample_sum.h"
 #include "server/spectral_values.h"
@@ -22,16 +23,6 @@ namespace {
 constexpr std::uint32_t kSamplesBetweenPolls = 64;
 // Of one chunk of points: about a millisecond.
 constexpr std::uint64_t kSamplesPerChunk = 1024;
-
-// How many samples a point needs is found from samples of its own, which are then left out: a count
-// that depends on the samples it counts would make their mean biased. [Kirk91]
-constexpr std::uint64_t kPilotBlocks = std::uint64_t{1} << 32;  ///< their first block's number
-/// Twice as many as of an answer: where they scatter less by luck, too few samples are taken.
-constexpr std::uint32_t kPilotBlockCount = 32;
-constexpr std::uint32_t kFirstPilot = 2;  ///< samples a block
-/// Pilots grow by this until no more than this many times their samples are needed: together they
-/// take a third of those at most.
-constexpr std::uint32_t kPilotGrowth = 4;
 
 /// One number being estimated: the total, or one light's share of it.
 struct Estimate {
@@ -169,16 +160,16 @@ class IrradianceJob {
     WorkCounts spent;
     std::uint32_t per_block = settings_.samples_per_block;
     PointEstimates e =
-        settled(receiver, samples_of(settings_.target ? kFirstPilot : per_block), spent);
+        settled(receiver, settings_.target ? kFirstPilotSamples : samples_of(per_block), spent);
     if (settings_.target && e.total.sampled) {
-      per_block = needed_samples(p, receiver, e, spent);
-      if (!stopped_ && e.spending != spending(samples_of(per_block))) {
-        // So many samples that delta lights are settled for less.
-        e = settled(receiver, direct_.settling_samples(), spent);
-        if (e.total.sampled) per_block = needed_samples(p, receiver, e, spent);
-        const std::uint64_t least = direct_.settling_samples();
-        while (samples_of(per_block) < least) ++per_block;
+      per_block = needed_per_block(p, receiver, e, spent);
+      if (e.spending == Spending::kDrawn && spending(samples_of(per_block)) != e.spending) {
+        // So many that it costs less to settle delta lights.
+        e = settled(receiver, samples_of(per_block), spent);
+        if (e.total.sampled) per_block = needed_per_block(p, receiver, e, spent);
       }
+      // Of the same count without a target the same is settled.
+      while (spending(samples_of(per_block)) != e.spending) ++per_block;
     }
     const std::span<double> exact_at = put_exact_spectral(p, e);
     if (e.total.sampled && !stopped_)
@@ -230,14 +221,9 @@ class IrradianceJob {
             std::vector<BlockStream<1>>(wavelengths, BlockStream<1>(0))};
   }
 
-  /// Blocks of independent points.
-  struct Blocks {
-    std::uint64_t first;
-    std::uint32_t count, samples;
-  };
   void blocks(std::size_t p, const SurfaceHit& receiver, const Blocks& these, PointEstimates& e,
               WorkCounts& work) {
-    for (std::uint32_t b = 0; b < these.count; ++b) {
+    for (std::uint64_t b = 0; b < these.count; ++b) {
       const SampleSequence sequence(settings_.methods.sampler, settings_.seed,
                                     settings_.first_item + p, these.first + b);
       for (std::uint32_t i = 0; i < these.samples; ++i) {
@@ -263,36 +249,27 @@ class IrradianceJob {
   }
 
   /// How many samples a block this point needs for the target error.
-  std::uint32_t needed_samples(std::size_t p, const SurfaceHit& receiver,
-                               const PointEstimates& point, WorkCounts& work) {
-    const TargetError& target = *settings_.target;
+  std::uint32_t needed_per_block(std::size_t p, const SurfaceHit& receiver,
+                                 const PointEstimates& point, WorkCounts& work) {
     const std::uint32_t replicates = settings_.block_count;
-    for (std::uint64_t n = kFirstPilot;; n *= kPilotGrowth) {
-      const std::uint64_t samples = n * kPilotBlockCount;
-      const std::uint64_t most = std::max<std::uint64_t>(1, target.max_samples / replicates);
-      if (samples * kPilotGrowth > target.max_samples) return static_cast<std::uint32_t>(most);
-      PointEstimates pilot = no_samples(0, 0);
-      pilot.total.exact = point.total.exact;
-      pilot.total.sampled = true;
-      pilot.settled = point.settled;
-      pilot.gathers = point.gathers;
-      pilot.spending = point.spending;
-      blocks(p, receiver, {kPilotBlocks, kPilotBlockCount, static_cast<std::uint32_t>(n)}, pilot,
-             work);
-      if (stopped_) return 1;
-      // Of as many samples as this pilot has, in the replicates of an answer.
-      const IrradianceEstimate e =
-          pilot.total.result(kPilotBlockCount, IntervalRule(confidence_, replicates, samples));
-      const double allowed =
-          std::max(target.relative * luminance(e.irradiance_lx), target.absolute_floor);
-      const double error = (e.illuminance_lx.upper - e.illuminance_lx.lower) / 2;
-      // By the rate of independent samples, which is the slowest.
-      const double off = error / allowed, times = std::fmax(1, off * off);
-      if (error <= allowed || times <= kPilotGrowth)
-        return static_cast<std::uint32_t>(
-            std::min(static_cast<double>(most),
-                     std::ceil(static_cast<double>(samples) * times / replicates)));
-    }
+    const auto needed =
+        needed_samples(*settings_.target, [&](const Blocks& these) -> std::optional<PilotEstimate> {
+          PointEstimates pilot = no_samples(0, 0);
+          pilot.total.exact = point.total.exact;
+          pilot.total.sampled = true;
+          pilot.settled = point.settled;
+          pilot.gathers = point.gathers;
+          pilot.spending = point.spending;
+          blocks(p, receiver, these, pilot, work);
+          if (stopped_) return std::nullopt;
+          const IntervalRule rule(confidence_, replicates, these.count * these.samples);
+          const IrradianceEstimate e = pilot.total.result(static_cast<double>(these.count), rule);
+          return PilotEstimate{luminance(e.irradiance_lx), e.illuminance_lx};
+        });
+    const std::uint64_t most =
+        std::max<std::uint64_t>(1, settings_.target->max_samples / replicates);
+    return static_cast<std::uint32_t>(
+        std::min(static_cast<double>(most), std::ceil(needed.value_or(1) / replicates)));
   }
 
   /// Begins the sums at wavelengths with what is exact; returns those of point `p`.

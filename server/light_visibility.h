@@ -8,9 +8,9 @@
 
 #include "lights/sobol.h"
 #include "server/methods.h"
-#include "server/work_counts.h"
 #include "server/scene.h"
 #include "server/shadow_maps.h"
+#include "server/work_counts.h"
 
 namespace lucerna {
 

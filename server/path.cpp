@@ -82,13 +82,15 @@ LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3<float>& 
   }
 }
 
-Rgb<double> PathTracer::radiance(const Ray& ray, const PathSample& sample, WorkCounts& work) const {
+LightEstimate PathTracer::radiance(const Ray& ray, const PathSample& sample,
+                                   WorkCounts& work) const {
   ++work.camera_rays;
   const std::optional<SurfaceHit> hit = scene_.closest_hit(ray);
-  Rgb<double> sum;
-  for_each_emitter(ray, hit, [&](std::uint32_t, const Rgb<double>& le) { sum += le; });
-  if (hit) sum += reflected(*hit, -ray.direction, 0, sample, work).value;
-  return sum;
+  Rgb<double> seen;
+  for_each_emitter(ray, hit, [&](std::uint32_t, const Rgb<double>& le) { seen += le; });
+  if (!hit) return {seen, seen};
+  const LightEstimate e = reflected(*hit, -ray.direction, 0, sample, work);
+  return {seen + e.value, seen + e.unshadowed};
 }
 
 }  // namespace lucerna

@@ -38,7 +38,7 @@ class PathTracer {
   const DirectLight& direct() const { return direct_; }
 
   /// Radiance [cd/m2] along a ray from the camera.
-  Rgb<double> radiance(const Ray& ray, const PathSample& sample, WorkCounts& work) const;
+  LightEstimate radiance(const Ray& ray, const PathSample& sample, WorkCounts& work) const;
 
   /// Radiance [cd/m2] that the surface at `hit` reflects towards the unit vector `wo`; `depth`
   /// counts the reflections between it and the eye.

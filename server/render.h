@@ -37,11 +37,18 @@ struct TileSettings {
   std::optional<double> time_s{};    ///< unset: all the time that the shutter is open
   std::optional<Shutter> shutter{};  ///< unset: as the scene file says
   Methods methods{};
+  /// Set: `samples_per_block` is each pixel's own, a power of two, as many as this takes of its
+  /// luminance, and `first_block` is 0.  At most max_samples / block_count, which is 1 or more.
+  std::optional<TargetError> target{};
 };
 
 struct TileResult {
   /// Three channels (R, G, B) a pixel, rows from the top; radiance [cd/m2] times the film's scale.
   std::vector<BlockStatistics> channels;
+  /// Of each pixel, with a target error: samples that it is made of, and what holds its converged
+  /// luminance, in the unit of the channels, with the confidence that was asked for.
+  std::vector<std::uint32_t> samples;
+  std::vector<Interval> intervals;
   WorkCounts work;
   bool stopped = false;  ///< `stop` was asked for; the rest is not to be used
 };

@@ -229,7 +229,7 @@ void add_receiver_commands(CLI::App& app, Session& session) {
       ->add_option("--bounces", meter->bounces,
                    "Reflections that light may take, 0 for direct light; default: all")
       ->check(whole(0));
-  meter->stop.add(*command, "point", "256");
+  meter->stop.add(*command, "point", "256", "lx");
   command->add_option("--seed", meter->seed, "Seed of the sample values")->capture_default_str();
   command->add_flag("--per-light", meter->per_light, "Also the direct light of each light");
   meter->methods.add(*command);
