@@ -6,10 +6,10 @@
 #include <mutex>
 #include <vector>
 
-#include "lights/sobol.h"
 #include "server/denormals.h"
 #include "server/light_visibility.h"
 #include "server/parallel.h"
+#include "server/path_sample.h"
 #include "server/spectral_values.h"
 #include "server/told_direction.h"
 #include "server/visibility.h"
@@ -104,7 +104,8 @@ class LiSampler {
     }
     double u_light = 0;
     if (q_.seed) {
-      const SobolSequence points(q_.seed->seed, q_.seed->first_item + receiver);
+      const SampleSequence points(q_.methods.sampler, q_.seed->seed, q_.seed->first_item + receiver,
+                                  0);
       const auto index = static_cast<std::uint32_t>(i % q_.samples);
       const Vec2<float> u = points.pair(index, 0);
       p.u = {u.x, u.y};

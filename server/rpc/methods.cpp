@@ -66,6 +66,11 @@ absl::StatusOr<Methods> check_methods(const v1::Accuracy& accuracy) {
         take(accuracy.visibility(), "visibility", "Visibility", kVisibility, m.visibility)}) {
     if (!s.ok()) return s;
   }
+  if (m.closed_forms == ClosedForms::kControl) {
+    return unimplemented(
+        "accuracy.closed_forms = CLOSED_FORMS_CONTROL is not answered yet: ask for "
+        "CLOSED_FORMS_EMPTY_SHAFTS");
+  }
   if (accuracy.has_samples_per_light()) {
     if (accuracy.samples_per_light() < 1 || accuracy.samples_per_light() > kMostSamplesPerLight) {
       return bad_field("accuracy.samples_per_light",
