@@ -22,10 +22,10 @@ struct Picture {
   /// samples, which gives none.
   std::vector<float> standard_error;
   /// Samples of each pixel, width * height.
-  std::vector<std::uint32_t> samples;
+  std::vector<std::uint32_t> samples{};
   /// Of each pixel, where all were asked for with a target error, else empty: the converged
   /// luminance lies between these with the confidence of the target.
-  std::vector<float> lower, upper;
+  std::vector<float> lower{}, upper{};
 };
 
 /// Writes the pixels of a rectangle within the picture: three floats each, rows from the top.

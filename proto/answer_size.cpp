@@ -46,10 +46,12 @@ AnswerSize answer_size(const v1::LeRequest& request) {
 }
 
 AnswerSize answer_size(const v1::EstimatePowerRequest& request) {
-  // RGB within its message, flux, error and watts, and the array of wavelengths.
+  // RGB within its message, flux, error and watts, the array of wavelengths; of samples error,
+  // interval and count.
   const std::uint64_t rgb = kTag + kLength + 3 * (kTag + kDouble);
   const std::uint64_t power = kTag + kLength + kTag + kId + rgb + 3 * (kTag + kDouble) + kTag +
-                              kLength + kDouble * wavelengths(request);
+                              kLength + kDouble * wavelengths(request) + 3 * (kTag + kDouble) +
+                              kTag + kId;
   // The total is one more.
   return {.fixed = AnswerSize::kFixed + power, .per_item = power};
 }

@@ -98,13 +98,12 @@ absl::StatusOr<std::uint32_t> check_samples(const Context& context, const v1::Ac
       }
       return accuracy.samples();
     case v1::Accuracy::kTargetError:
-      return unimplemented(
-          "accuracy.target_error is not answered yet: ask for accuracy.samples and look at the "
-          "standard error of the answer");
+      return bad_field("accuracy.target_error",
+                       fmt::format("{}", accuracy.target_error().relative()),
+                       "accuracy.samples alone, as nothing is estimated here");
     case v1::Accuracy::kTimeBudgetS:
-      return unimplemented(
-          "accuracy.time_budget_s is not answered yet: ask for accuracy.samples, and set a "
-          "deadline");
+      return bad_field("accuracy.time_budget_s", fmt::format("{} s", accuracy.time_budget_s()),
+                       "accuracy.samples alone, as nothing is estimated here");
     case v1::Accuracy::STOP_NOT_SET:
       break;
   }

@@ -153,7 +153,7 @@ void ImageRender::end() {
 
 std::uint64_t ImageRender::next_pass() const {
   const std::uint64_t doubled = std::min(pass_end_, blocks_ - pass_end_);
-  if (is_waited_for()) return doubled;
+  if (!is_timed() || pass_end_ < kWaitedForBlocks) return doubled;
   // What is left is never planned to the last moment.
   constexpr double kPlanned = 0.9;
   const std::chrono::duration<double> took = Clock::now() - pass_start_;

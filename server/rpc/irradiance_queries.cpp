@@ -26,20 +26,6 @@ constexpr double kDirectSampleSeconds = 2e-6;
 constexpr double kPathSampleSeconds = 8e-6;
 constexpr double kLookUpSeconds = 200e-9;  // a spectrum at a wavelength
 constexpr std::uint32_t kDefaultSamples = 256;
-// Replicates of an estimate: its standard error is then known to about a fifth.
-constexpr std::uint32_t kReplicates = 16;
-
-/// The least number of equal replicates, kReplicates or more, that `samples` fall into; as many as
-/// there are where they are fewer.
-std::uint32_t replicates_of(std::uint32_t samples) {
-  if (samples <= kReplicates) return samples;
-  for (std::uint32_t n = kReplicates; n <= samples / n; ++n)
-    if (samples % n == 0) return n;
-  for (std::uint32_t each = kReplicates; each > 1; --each)
-    if (samples % each == 0 && samples / each >= kReplicates) return samples / each;
-  return samples;
-}
-
 /// Estimates as a response holds them; null: not wanted, or not known from a single sample.
 struct EstimateArrays {
   float* rgb;

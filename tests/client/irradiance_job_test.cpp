@@ -165,6 +165,9 @@ TEST_F(IrradianceJobTest, WhatCannotBeIsTold) {
   options_.request.set_per_light(true);
   EXPECT_THAT(run(1).status().message(), HasSubstr("per_light"));
   options_.request.set_per_light(false);
+  options_.request.mutable_accuracy()->set_time_budget_s(1);
+  EXPECT_THAT(run(1).status().message(), HasSubstr("time_budget_s"));
+  options_.request.clear_accuracy();
   short_by_ = 1;
   options_.items_per_piece = 0;
   const auto result = run(10);
