@@ -1,5 +1,5 @@
 # Writes OUT: the bytes of FILES as arrays of C++, in the order that tradeoff/report.cpp names them.
-set(names kPage kStyle kScript kLibrary kLicence)
+set(names kPage kStyle kSharedScript kPlotsScript kPageScript kLibrary kLicence)
 set(text "// Made by tradeoff/embed.cmake.\n#include \"client/tradeoff/report_files.h\"\n\n")
 string(APPEND text "namespace lucerna::tradeoff {\n")
 foreach(name file IN ZIP_LISTS names FILES)

@@ -158,7 +158,9 @@ std::string to_html(const Record& record) {
                                                   {"{{licence}}", std::string(kLicence)},
                                                   {"{{library}}", std::string(kLibrary)},
                                                   {"{{data}}", text},
-                                                  {"{{script}}", std::string(kScript)}});
+                                                  {"{{shared}}", std::string(kSharedScript)},
+                                                  {"{{plots}}", std::string(kPlotsScript)},
+                                                  {"{{page}}", std::string(kPageScript)}});
 }
 
 }  // namespace lucerna::tradeoff

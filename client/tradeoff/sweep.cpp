@@ -17,8 +17,6 @@ namespace {
 // The first heat's share of the time, and the most of the whole that a single question may take.
 // (Target errors begin with pilots, and tell of questions that are larger anyway.)
 constexpr double kFirstHeat = 0.4, kLongestQuestion = 0.03, kLongestTarget = 0.1;
-// The rounds a heat is planned for; there are more of them where time is left.
-constexpr double kPlannedRounds = 4;
 // An amount's next takes up to four times as long, next target errors ten times.
 constexpr double kGrowth = 4, kTargetGrowth = 10;
 constexpr std::uint32_t kMostRounds = 40;
@@ -139,10 +137,10 @@ class Sweep {
     double share = 0;
     for (std::size_t i = 0; i < settings_.size(); ++i) {
       // A ladder costs its longest question and, below it, the sum of a geometric series; once to
-      // climb and once a round.
+      // climb and once a round; where time is left there are more rounds.
       if (races(i)) share += growth(i) / (growth(i) - 1);
     }
-    if (const absl::Status s = climb(left / (share * (1 + kPlannedRounds))); !s.ok()) return s;
+    if (const absl::Status s = climb(left / (share * (1 + kFewestRounds))); !s.ok()) return s;
     for (std::uint32_t n = 0; n < kMostRounds; ++n) {
       std::vector<std::pair<std::size_t, std::size_t>> cells;
       double predicted = 0;
@@ -168,7 +166,8 @@ class Sweep {
     return absl::OkStatus();
   }
 
-  std::vector<Measured> curve(std::size_t i) const {
+  /// With the mean errors, or those at the lower ends of their intervals.
+  std::vector<Measured> curve(std::size_t i, bool favourable) const {
     std::vector<Measured> result;
     for (std::size_t k = 0; k < rungs_[i].size(); ++k) {
       std::vector<double> seconds, squares;
@@ -178,8 +177,8 @@ class Sweep {
         squares.push_back(run.errors.relative_mse);
       }
       if (seconds.empty()) continue;
-      // The side that speaks for the setting.
-      const double error = root_mean_interval(squares).lower;
+      const Interval interval = root_mean_interval(squares);
+      const double error = favourable ? interval.lower : interval.mean;
       result.push_back(
           {.seconds = quartiles(seconds).median, .error = error, .samples = ladders_[i][k].value});
     }
@@ -188,13 +187,15 @@ class Sweep {
 
   void drop_far_behind() {
     std::vector<std::vector<Measured>> curves;
-    for (std::size_t i = 0; i < settings_.size(); ++i) curves.push_back(curve(i));
+    for (std::size_t i = 0; i < settings_.size(); ++i) curves.push_back(curve(i, false));
     for (std::size_t i = 1; i < settings_.size(); ++i) {
       if (!races(i) || curves[i].size() < 2) continue;
+      // What is dropped has the benefit of the doubt.
+      const std::vector<Measured> own = curve(i, true);
       // At either of its two largest amounts it may be near.
       double behind = std::numeric_limits<double>::infinity();
       std::size_t winner = 0;
-      for (const Measured& cell : std::span(curves[i]).last(2)) {
+      for (const Measured& cell : std::span(own).last(2)) {
         double most = 0;
         for (std::size_t j = 0; j < settings_.size(); ++j) {
           if (j == i || !races(j) || cell.error <= 0) continue;

@@ -29,7 +29,7 @@ class TradeoffSweep : public ::testing::Test {
     for (std::size_t i = 0; i < kinds.size(); ++i) {
       settings_.push_back({.flags = i == 0 ? std::vector<std::string>{}
                                            : std::vector<std::string>{"--way", std::to_string(i)}});
-      ladders_.push_back(amounts(settings_.back(), 4096));
+      ladders_.push_back(amounts(settings_.back(), 1 << 20));
     }
     SweepOptions options{.seconds = seconds, .seed = 1};
     options.clock = [this] { return now_; };
@@ -70,7 +70,9 @@ TEST_F(TradeoffSweep, KeepsToItsTimeAndRepeatsEveryCell) {
     EXPECT_GE(runs, static_cast<int>(kFewestRounds));
   std::set<std::uint64_t> seeds;
   for (const tradeoff::Run& run : result->runs)
-    if (run.round > 0) EXPECT_TRUE(seeds.insert(run.seed).second) << "the same seed again";
+    if (run.round > 0) {
+      EXPECT_TRUE(seeds.insert(run.seed).second) << "the same seed again";
+    }
 }
 
 TEST_F(TradeoffSweep, RoundsAskEveryCellOnceInAnOrderOfTheirOwn) {
