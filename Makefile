@@ -50,8 +50,9 @@ test-slurm: programs
 	@/usr/bin/python3 tests/slurm/slurm_test.py build/release
 
 bench: release
-	@cmake --build --preset release --target bench
+	@cmake --build --preset release --target bench one_light_bench
 	@build/release/tests/bench/bench
+	@build/release/tests/bench/one_light_bench
 
 # Error against time in the five scenes.  Wants a machine that does nothing else.
 BUDGET ?= 240s

@@ -48,10 +48,11 @@ class LightVisibility {
     return *told;
   }
 
-  /// Rays cost about ten times as much as look-ups: these take a sixth of the look-ups' time.
+  /// One in as many look-ups is compared: enough that a picture has hundreds, while their rays add
+  /// some hundredth to the time.
   static constexpr std::uint64_t kComparedOneIn = 64;
-  /// Whether a ray is to be traced beside the look-up: for one in 64, by the bits of the ray, so
-  /// that which they are, and with them the counts, is a function of the question alone.
+  /// Whether a ray is to be traced beside the look-up: by the bits of the ray, so that which they
+  /// are, and with them the counts, is a function of the question alone.
   static bool is_compared(const Ray& ray) {
     const auto both = [](float a, float b) {
       return std::uint64_t{std::bit_cast<std::uint32_t>(a)} << 32 | std::bit_cast<std::uint32_t>(b);

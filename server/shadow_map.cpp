@@ -21,8 +21,8 @@ constexpr double kMargin = 1 + 0x1p-10;
 
 /// How far in front of a surface something must stand to shadow it, in widths of a texel there.  A
 /// texel holds the depth at its centre, up to 0.71 widths from where it is asked about.  What that
-/// does to a plane is worked out, so this is for what is not one: edges between faces, curves.
-/// Figures for a half, one and two are in docs/shadow_maps.md.
+/// does to a plane is worked out, so this is for what is not one: edges between faces, curves, that
+/// rise by 55 degrees or less from there to here.
 constexpr double kBiasTexels = 1;
 /// The same where the surface's normal is not told: as much as a plane that the light meets at
 /// 76 degrees from its normal rises over a texel's width.

@@ -10,7 +10,7 @@ namespace lucerna {
 namespace {
 
 // Rounded up from what one core took on the scenes of scenes/.
-constexpr double kTexelSeconds = 2e-6;
+constexpr double kTexelSeconds = 1e-6;
 
 bool has_moving_surfaces(const Accelerator& accelerator) {
   for (std::uint32_t i = 0; i < accelerator.instance_count(); ++i)
