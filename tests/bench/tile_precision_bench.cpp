@@ -122,9 +122,7 @@ double answer(const std::vector<Light<Real>>& lights, const Question<Real>& q) {
 class Walker {
  public:
   Walker(const Scene& scene, const TileSettings& settings)
-      : scene_(scene),
-        settings_(settings),
-        tracer_(scene, settings.bounces, settings.methods) {}
+      : scene_(scene), settings_(settings), tracer_(scene, settings.bounces, settings.methods) {}
 
   /// All paths of a pixel, their questions at the end of `questions`.
   void walk(int x, int y, std::vector<Question<double>>& questions) {
