@@ -20,6 +20,8 @@ constexpr double kFirstHeat = 0.4, kLongestQuestion = 0.03, kLongestTarget = 0.1
 // An amount's next takes up to four times as long, next target errors ten times.
 constexpr double kGrowth = 4, kTargetGrowth = 10;
 constexpr std::uint32_t kMostRounds = 40;
+// Target errors take no less.
+constexpr double kPilotSamples = 64;
 
 bool says_no(const absl::Status& status) {
   return absl::IsUnimplemented(status) || absl::IsInvalidArgument(status) ||
@@ -46,6 +48,11 @@ class Sweep {
       return s;
     drop_far_behind();
     if (const absl::Status s = heat(begin_ + options_.seconds, "second"); !s.ok()) return s;
+    if (round_ == 0) {
+      return absl::DeadlineExceededError(
+          fmt::format("what {} settings cost is all that could be found out in {:.2g} s",
+                      settings_.size(), options_.seconds));
+    }
     return std::move(result_);
   }
 
@@ -78,6 +85,19 @@ class Sweep {
       const Amount telling = settings_[i].by_target || ladders_[i].size() == 1
                                  ? ladders_[i][0]
                                  : Amount{.target = false, .value = options_.telling_samples};
+      const double longest =
+          options_.seconds * (settings_[i].by_target ? kLongestTarget : kLongestQuestion);
+      if (settings_[i].by_target && i > 0) {
+        const Run& automatic = result_.runs[0];
+        const double pilot = automatic.seconds * kPilotSamples / automatic.amount.value;
+        if (pilot > longest) {
+          leave(i, Course::Fate::kSkipped,
+                fmt::format("skipped, it begins with {} samples, which take about {:.2g} s, too "
+                            "long for this budget",
+                            kPilotSamples, pilot));
+          continue;
+        }
+      }
       const auto run = ask(i, telling, mixed_seed(options_.seed, 0), 0);
       if (!run.ok()) {
         if (!says_no(run.status()) || i == 0) return run.status();
@@ -94,14 +114,17 @@ class Sweep {
         continue;
       }
       if (!settings_[i].by_target) digests[i] = run->digest;
-      const double longest = settings_[i].by_target ? kLongestTarget : kLongestQuestion;
-      if (i > 0 && run->seconds > longest * options_.seconds) {
+      // What the least amount takes, where more was asked for.
+      const double least = settings_[i].by_target
+                               ? run->seconds
+                               : run->seconds * ladders_[i][0].value / telling.value;
+      if (i > 0 && least > longest) {
         leave(i, Course::Fate::kSkipped,
               fmt::format("skipped, {} take {:.2g} s, too long for this budget", telling.text(),
                           run->seconds));
         continue;
       }
-      round += run->seconds;
+      round += least;
       if (options_.clock() - begin_ + kFewestRounds * round > options_.seconds) {
         return absl::DeadlineExceededError(
             fmt::format("{} of {} settings alone take {:.2g} s a round, of {} rounds at least, and "

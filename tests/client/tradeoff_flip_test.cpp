@@ -84,6 +84,26 @@ TEST(Flip, EdgeCountsMoreThanItsColours) {
   EXPECT_EQ(row[5], 0);
 }
 
+// Against the same formulas without what is separated or summed in parts here: each filter as one
+// square of weights, in numpy.
+TEST(Flip, AgreesWithFiltersThatAreNotSeparated) {
+  const auto picture = [](std::uint32_t k) {
+    std::vector<float> rgb;
+    for (std::uint32_t y = 0; y < kHeight; ++y) {
+      for (std::uint32_t x = 0; x < kWidth; ++x) {
+        for (std::uint32_t c = 0; c < 3; ++c)
+          rgb.push_back(static_cast<float>((x * 7 + y * 13 + c * 5 + k * x * y) % 17) / 16);
+      }
+    }
+    return rgb;
+  };
+  const std::vector<float> seen = flip_of(picture(0), picture(1));
+  EXPECT_NEAR(seen[0], 0.0657893, 1e-6);
+  EXPECT_NEAR(seen[20 * kWidth + 24], 0.1813712, 1e-6);
+  EXPECT_NEAR(seen.back(), 0.2736534, 1e-6);
+  EXPECT_NEAR(std::accumulate(seen.begin(), seen.end(), 0.0) / seen.size(), 0.3599121, 1e-6);
+}
+
 // From farther away, more pixels a degree, single wrong pixels are seen less.
 TEST(Flip, DistanceBlursNoise) {
   const std::vector<float> grey = plain({0.4F, 0.4F, 0.4F});
