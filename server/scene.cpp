@@ -95,7 +95,6 @@ std::vector<ScenePart> Scene::parts() const {
 std::uint64_t Scene::bytes() const {
   std::uint64_t sum = area_selector_.bytes() + shafts_.bytes();
   if (light_selector_) sum += light_selector_->tree_part().bytes();
-  std::uint64_t sum = shafts_.bytes();
   if (const ShadowMaps* maps = shadow_maps_.made()) sum += maps->bytes();
   for (const ScenePart& part : parts_) sum += part.bytes;
   return sum;

@@ -214,9 +214,13 @@ absl::Status Scene::Builder::prepare_choice() {
   if (scene_->lights_.size() < 2) return absl::OkStatus();
   const Stopwatch watch;
   scene_->light_selector_.emplace(selector_items(*scene_, false));
-  part("light choice", scene_->light_selector_->bytes(), watch,
-       fmt::format("{} lights to choose from", scene_->lights_.size()));
-  scene_->light_selector_->build_tree_if_used();
+  LightSelector& selector = *scene_->light_selector_;
+  selector.build_tree_if_used();
+  // The tree is a part of its own.
+  const auto tree = selector.tree_part().told();
+  const double own_ms = watch.ms() - (tree ? tree->build_ms : 0);
+  scene_->parts_.push_back({"light choice", selector.bytes() - selector.tree_part().bytes(), own_ms,
+                            fmt::format("{} lights to choose from", scene_->lights_.size())});
   return absl::OkStatus();
 }
 
