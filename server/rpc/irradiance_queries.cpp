@@ -24,6 +24,7 @@ namespace {
 // Processor time [s], rounded up from what one core took on the reference scenes.
 constexpr double kDirectSampleSeconds = 2e-6;
 constexpr double kPathSampleSeconds = 8e-6;
+constexpr double kFirstShaftsSeconds = 1e-3;
 constexpr double kLookUpSeconds = 200e-9;  // a spectrum at a wavelength
 constexpr std::uint32_t kDefaultSamples = 256;
 /// Estimates as a response holds them; null: not wanted, or not known from a single sample.
@@ -292,6 +293,9 @@ Prepared estimate_irradiance(const Context& context, const v1::EstimateIrradianc
   const double spectra = static_cast<double>((*scene)->spectra().size() + 1);
   task.predicted_s += spectra * static_cast<double>(wavelengths->size()) *
                       (kLookUpSeconds + static_cast<double>(n) * kWavelengthSeconds);
+  // Whoever is first has the shafts made: not a thread of gRPC's.
+  if ((*scene)->has_visible_lights() && work.settings.methods.closed_forms != ClosedForms::kOff)
+    task.predicted_s += kFirstShaftsSeconds;
   task.cost = response->mutable_cost();
   task.run = [work, response](const std::stop_token& stop) { return work(stop, response); };
   return task;
