@@ -45,6 +45,9 @@ std::optional<double> needed_samples(const TargetError& target, Pilot&& pilot) {
   // Pilots grow by this until no more than this many times their samples are needed: together they
   // take a third of those at most.
   constexpr std::uint32_t kGrowth = 4;
+  // Where samples are skewed more are taken than their scatter asks for, up to this many times the
+  // pilot's: with 4 times, 92.8% of the intervals of a furnace's pixels held instead of 95%.
+  constexpr std::uint32_t kMostForShape = 8;
   const auto most = static_cast<double>(target.max_samples);
   for (std::uint64_t n = kFirst;; n *= kGrowth) {
     const std::uint64_t samples = n * kBlockCount;
@@ -57,9 +60,9 @@ std::optional<double> needed_samples(const TargetError& target, Pilot&& pilot) {
     // By the rate of independent samples, which is the slowest.
     const double off = error / allowed, times = std::fmax(1, off * off);
     if (error <= allowed || times <= kGrowth)
-      return std::min(most,
-                      std::max(static_cast<double>(samples) * times,
-                               std::min(e->least_samples, static_cast<double>(samples) * kGrowth)));
+      return std::min(
+          most, std::max(static_cast<double>(samples) * times,
+                         std::min(e->least_samples, static_cast<double>(samples) * kMostForShape)));
   }
 }
 
