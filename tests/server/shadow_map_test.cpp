@@ -216,7 +216,7 @@ IrradianceResult irradiance(const Scene& scene, VisibilityMethod visibility) {
     points.push_back({hit.position, hit.position_error, hit.ns});
   });
   IrradianceSettings settings{.seed = 3, .samples_per_block = 1, .block_count = 2, .bounces = 0};
-  settings.methods.visibility = visibility;
+  settings.methods = {.closed_forms = ClosedForms::kOff, .visibility = visibility};
   return estimate_irradiance(scene, points, settings, {});
 }
 
