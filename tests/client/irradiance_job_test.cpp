@@ -93,7 +93,10 @@ class IrradianceJobTest : public ::testing::Test {
   absl::StatusOr<IrradianceJobResult> run(std::uint64_t count, std::uint32_t samples = 1) {
     Line line(count);
     options_.receivers = &line;
-    options_.request.mutable_accuracy()->set_samples(samples);
+    // Unless something else is asked for.
+    v1::Accuracy& accuracy = *options_.request.mutable_accuracy();
+    if (!accuracy.has_target_error() && !accuracy.has_time_budget_s())
+      accuracy.set_samples(samples);
     sizes_.clear();
     firsts_.clear();
     return run_irradiance_job(options_);

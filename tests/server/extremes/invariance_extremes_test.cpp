@@ -152,13 +152,8 @@ SceneDescription small_room() {
 
 std::vector<double> picture_of(const SceneDescription& d, double s, std::uint32_t samples) {
   const auto scene = build(scaled_scene(d, s));
-  const TileResult tile = render_tile(*scene,
-                                      {.rect = {0, 0, 32, 24},
-                                       .seed = 3,
-                                       .samples_per_block = samples,
-                                       .bounces = 2,
-                                       .methods = methods},
-                                      {});
+  const TileResult tile = render_tile(
+      *scene, {.rect = {0, 0, 32, 24}, .seed = 3, .samples_per_block = samples, .bounces = 2}, {});
   std::vector<double> picture;
   for (const BlockStatistics& c : tile.channels) picture.push_back(c.sum);
   return picture;
