@@ -170,8 +170,8 @@ TEST(Scene, ReportsOnlyWhatItBuilt) {
   EXPECT_THAT(part_names(*build(d)),
               ElementsAre("lights", "vertices", "triangles", "surfaces", "materials", "bvh"));
   d.lights.push_back(testing::point_light({0, 1, 1}, 1));
-  EXPECT_THAT(part_names(*build(d)),
-              ElementsAre("lights", "vertices", "triangles", "surfaces", "materials", "bvh", "light choice"));
+  EXPECT_THAT(part_names(*build(d)), ElementsAre("lights", "vertices", "triangles", "surfaces",
+                                                 "materials", "bvh", "light choice"));
   d.shapes = {{SphereParams{}}};
   d.lights.clear();
   const auto scene = build(d);
