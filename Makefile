@@ -1,6 +1,6 @@
-# make demo | test | soak | extremes | mutants | test-slurm | bench | distributed | precision | format: each installs what is missing, configures, builds and runs.
+# make demo | test | soak | extremes | mutants | test-slurm | bench | tradeoff | automatic | distributed | precision | format: each installs what is missing, configures, builds and runs.
 .DEFAULT_GOAL := demo
-.PHONY: deps release programs demo test wire soak extremes mutants test-slurm bench distributed precision format
+.PHONY: deps release programs demo test wire soak extremes mutants test-slurm bench tradeoff automatic distributed precision format
 
 deps:
 	@deploy/install-deps.sh
@@ -50,8 +50,20 @@ test-slurm: programs
 	@/usr/bin/python3 tests/slurm/slurm_test.py build/release
 
 bench: release
-	@cmake --build --preset release --target bench
+	@cmake --build --preset release --target bench one_light_bench
 	@build/release/tests/bench/bench
+	@build/release/tests/bench/one_light_bench
+
+# Error against time in the five scenes.  Wants a machine that does nothing else.
+BUDGET ?= 240s
+tradeoff: programs
+	@deploy/install-deps.sh chromium
+	@deploy/tradeoff.sh build/release docs/tradeoff $(BUDGET)
+
+# What automatic takes against the best setting, with seeds of this second.  Wants a machine that does nothing else.
+automatic: programs
+	@deploy/tradeoff.sh build/release build/automatic $(BUDGET) $$(date +%s)
+	@tests/bench/automatic_table.py build/automatic docs/tradeoff
 
 # Wants a machine that does nothing else.
 distributed: release

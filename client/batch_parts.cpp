@@ -63,6 +63,9 @@ void append_cost(const v1::Cost& next, v1::Cost* whole) {
   whole->set_camera_rays(whole->camera_rays() + next.camera_rays());
   whole->set_indirect_rays(whole->indirect_rays() + next.indirect_rays());
   whole->set_shadow_rays(whole->shadow_rays() + next.shadow_rays());
+  whole->set_shadow_map_lookups(whole->shadow_map_lookups() + next.shadow_map_lookups());
+  whole->set_shadow_map_compared(whole->shadow_map_compared() + next.shadow_map_compared());
+  whole->set_shadow_map_disagreed(whole->shadow_map_disagreed() + next.shadow_map_disagreed());
   whole->set_cpu_time_s(whole->cpu_time_s() + next.cpu_time_s());
   whole->set_wall_time_s(whole->wall_time_s() + next.wall_time_s());
   whole->set_queue_time_s(whole->queue_time_s() + next.queue_time_s());

@@ -260,7 +260,8 @@ class Irradiance final : public Work {
   }
 
   absl::Status to_rows(const v1::EstimateIrradianceResponse& response, std::size_t count) {
-    const std::size_t wavelengths = results_.columns() - kIrradianceColumns;
+    const auto wavelengths = static_cast<std::size_t>(options_.request.wavelengths_nm_size());
+    const bool target = options_.request.accuracy().has_target_error();
     const auto has = [count](int size, std::size_t per_item) {
       return static_cast<std::size_t>(size) == count * per_item;
     };
@@ -268,6 +269,8 @@ class Irradiance final : public Work {
         !has(response.zero_bound_lx_size(), 1) ||
         !(response.standard_error_lx().empty() || has(response.standard_error_lx_size(), 1)) ||
         !(response.status().empty() || has(response.status_size(), 1)) ||
+        (target && (!has(response.lower_lx_size(), 1) || !has(response.upper_lx_size(), 1) ||
+                    !has(response.item_costs().samples_size(), 1))) ||
         !has(response.spectral_irradiance_size(), wavelengths))
       return absl::InternalError(
           "a server answered with another number of receivers than were "
@@ -282,6 +285,11 @@ class Irradiance final : public Work {
       *row++ = response.zero_bound_lx(i);
       *row++ = static_cast<float>(response.status().empty() ? int{v1::ITEM_STATUS_OK}
                                                             : int{response.status(i)});
+      if (target) {
+        *row++ = response.lower_lx(i);
+        *row++ = response.upper_lx(i);
+        *row++ = static_cast<float>(response.item_costs().samples(i));
+      }
       for (std::size_t w = 0; w < wavelengths; ++w)
         *row++ = response.spectral_irradiance(static_cast<int>(i * wavelengths + w));
     }
@@ -291,6 +299,9 @@ class Irradiance final : public Work {
   void add_cost(const v1::Cost& cost) {
     cost_.set_indirect_rays(cost_.indirect_rays() + cost.indirect_rays());
     cost_.set_shadow_rays(cost_.shadow_rays() + cost.shadow_rays());
+    cost_.set_shadow_map_lookups(cost_.shadow_map_lookups() + cost.shadow_map_lookups());
+    cost_.set_shadow_map_compared(cost_.shadow_map_compared() + cost.shadow_map_compared());
+    cost_.set_shadow_map_disagreed(cost_.shadow_map_disagreed() + cost.shadow_map_disagreed());
     cost_.set_samples(cost_.samples() + cost.samples());
     cost_.set_cpu_time_s(cost_.cpu_time_s() + cost.cpu_time_s());
     cost_.set_queue_time_s(cost_.queue_time_s() + cost.queue_time_s());
@@ -319,7 +330,8 @@ class Irradiance final : public Work {
 }  // namespace
 
 std::size_t irradiance_columns(const v1::EstimateIrradianceRequest& request) {
-  return kIrradianceColumns + static_cast<std::size_t>(request.wavelengths_nm_size());
+  return kIrradianceColumns + (request.accuracy().has_target_error() ? kTargetColumns : 0) +
+         static_cast<std::size_t>(request.wavelengths_nm_size());
 }
 
 absl::StatusOr<IrradianceJobResult> run_irradiance_job(const IrradianceJobOptions& options) {
@@ -328,6 +340,10 @@ absl::StatusOr<IrradianceJobResult> run_irradiance_job(const IrradianceJobOption
   if (count == 0) return absl::InvalidArgumentError("there are no receivers");
   if (options.request.per_light())
     return absl::InvalidArgumentError("per_light = true: results have no place for shares");
+  if (options.request.accuracy().has_time_budget_s())
+    return absl::InvalidArgumentError(
+        "accuracy.time_budget_s: not of a job, whose pieces wait for their turn; ask for samples "
+        "or for a target error");
   auto results = open_results(options);
   if (!results.ok()) return results.status();
   auto surveyed = survey(*options.receivers);

@@ -50,9 +50,11 @@ struct IrradianceJobOptions {
 /// Of a receiver's results, in this order:
 ///   illuminance [lx]; irradiance R, G, B [lx]; standard error of the illuminance [lx], NaN where a
 ///   single sample gives none; zero bound [lx]; status (lucerna.v1.ItemStatus, 1 where all is
-///   well); then the irradiance at each of the request's wavelengths [W/m2/nm]
+///   well); with a target error the ends of the interval that holds the illuminance [lx] and the
+///   samples; then the irradiance at each of the request's wavelengths [W/m2/nm]
 /// as EstimateIrradianceResponse describes them.
 inline constexpr std::size_t kIrradianceColumns = 7;
+inline constexpr std::size_t kTargetColumns = 3;  ///< lower, upper, samples
 inline constexpr std::size_t kStandardErrorColumn = 4, kStatusColumn = 6;
 std::size_t irradiance_columns(const v1::EstimateIrradianceRequest& request);
 
@@ -70,9 +72,9 @@ struct IrradianceJobResult {
 /// Reads all receivers once before it asks any server.
 ///
 /// Errors: those of run_job and of the receivers; INVALID_ARGUMENT where there are none, or too
-/// many for so small pieces (2^24); FAILED_PRECONDITION for the journal of another job, whose
-/// results stay as they are; UNKNOWN where the journal or the results cannot be written, or another
-/// job has them.
+/// many for so small pieces (2^24), and for a time budget; FAILED_PRECONDITION for the journal of
+/// another job, whose results stay as they are; UNKNOWN where the journal or the results cannot be
+/// written, or another job has them.
 absl::StatusOr<IrradianceJobResult> run_irradiance_job(const IrradianceJobOptions& options);
 
 }  // namespace lucerna::client

@@ -51,7 +51,27 @@ absl::Status check(const v1::Tile& tile) {
         name + ": sum and deviation have " + std::to_string(tile.sum().size()) + " and " +
         std::to_string(tile.deviation().size()) + " bytes, must be " + std::to_string(bytes));
   }
+  const std::size_t each = pixel_count(rect) * sizeof(std::uint32_t);
+  for (const std::string* plane : {&tile.samples(), &tile.lower(), &tile.upper()}) {
+    if (tile.samples().empty() ? !plane->empty() : plane->size() != each)
+      return absl::InvalidArgumentError(
+          name + ": samples, lower and upper have " + std::to_string(tile.samples().size()) + ", " +
+          std::to_string(tile.lower().size()) + " and " + std::to_string(tile.upper().size()) +
+          " bytes, must be 0 or " + std::to_string(each) + ", all of them");
+  }
+  if (!tile.samples().empty() && tile.first_block() != 0)
+    return absl::InvalidArgumentError(name +
+                                      ": first_block = " + std::to_string(tile.first_block()) +
+                                      ", allowed with a target error: 0");
   return absl::OkStatus();
+}
+
+/// Empty where the tile has none.
+template <typename Number>
+std::vector<Number> plane(const std::string& bytes) {
+  std::vector<Number> result(bytes.size() / sizeof(Number));
+  if (!result.empty()) std::memcpy(result.data(), bytes.data(), bytes.size());
+  return result;
 }
 
 std::vector<BlockStatistics> statistics(const v1::Tile& tile) {
@@ -75,6 +95,9 @@ struct Piece {
   std::uint64_t first_block = 0;
   std::uint64_t blocks = 0;
   std::vector<BlockStatistics> total;
+  /// Of each pixel; empty where there was no target error.
+  std::vector<std::uint32_t> samples;
+  std::vector<float> lower, upper;
   /// Once there was something to merge.
   std::optional<BlockMerger> merger;
 };
@@ -85,12 +108,16 @@ Piece make_piece(const v1::Tile& tile) {
           .first_block = tile.first_block(),
           .blocks = tile.block_count(),
           .total = statistics(tile),
+          .samples = plane<std::uint32_t>(tile.samples()),
+          .lower = plane<float>(tile.lower()),
+          .upper = plane<float>(tile.upper()),
           .merger = std::nullopt};
 }
 
 /// False where the tile does not continue the piece, which then is unchanged.
 bool merge_into(const v1::Tile& tile, Piece* piece) {
   if (tile.samples_per_block() != piece->samples_per_block) return false;
+  if (!piece->samples.empty()) return false;
   std::optional<BlockMerger> merger = piece->merger;
   if (!merger) {
     merger.emplace(piece->first_block, piece->total.size());
@@ -196,14 +223,21 @@ absl::StatusOr<Picture> PictureAssembler::picture() const {
     return absl::FailedPreconditionError("the picture has " + std::to_string(state.owned) + " of " +
                                          std::to_string(state.owner.size()) + " pixels");
   }
-  Picture result{.width = state.width, .height = state.height, .pixels = {}, .standard_error = {}};
+  Picture result;
+  result.width = state.width;
+  result.height = state.height;
   result.pixels.resize(state.owner.size() * 3);
   result.standard_error.resize(result.pixels.size());
-  bool has_error = true;
+  result.samples.resize(state.owner.size());
+  result.lower.resize(state.owner.size());
+  result.upper.resize(state.owner.size());
+  bool has_error = true, has_interval = true;
   for (const Piece& piece : state.pieces) {
     const auto n = static_cast<double>(piece.blocks);
     has_error = has_error && piece.blocks > 1;
+    has_interval = has_interval && !piece.samples.empty();
     const BlockStatistics* from = piece.total.data();
+    std::size_t pixel = 0;
     for (std::size_t y = piece.rect.y0(); y < piece.rect.y1(); ++y) {
       const std::size_t row = 3 * (y * state.width + piece.rect.x0());
       const std::size_t end = 3 * (y * state.width + piece.rect.x1());
@@ -213,9 +247,22 @@ absl::StatusOr<Picture> PictureAssembler::picture() const {
           result.standard_error[i] = static_cast<float>(std::sqrt(from->deviation / (n * (n - 1))));
         }
       }
+      for (std::size_t i = row / 3; i < end / 3; ++i, ++pixel) {
+        if (piece.samples.empty()) {
+          result.samples[i] = static_cast<std::uint32_t>(piece.blocks * piece.samples_per_block);
+          continue;
+        }
+        result.samples[i] = piece.samples[pixel];
+        result.lower[i] = piece.lower[pixel];
+        result.upper[i] = piece.upper[pixel];
+      }
     }
   }
   if (!has_error) result.standard_error.clear();
+  if (!has_interval) {
+    result.lower.clear();
+    result.upper.clear();
+  }
   return result;
 }
 

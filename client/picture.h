@@ -21,6 +21,11 @@ struct Picture {
   /// Standard error of each entry of `pixels`; empty where some pixel has a single block of
   /// samples, which gives none.
   std::vector<float> standard_error;
+  /// Samples of each pixel, width * height.
+  std::vector<std::uint32_t> samples{};
+  /// Of each pixel, where all were asked for with a target error, else empty: the converged
+  /// luminance lies between these with the confidence of the target.
+  std::vector<float> lower{}, upper{};
 };
 
 /// Writes the pixels of a rectangle within the picture: three floats each, rows from the top.
@@ -39,7 +44,7 @@ class PictureAssembler {
   /// continues its blocks (RenderTile of a sample range), which gives the same bits as if all had
   /// been one tile. INVALID_ARGUMENT, and nothing changes, for a tile that is not whole in itself
   /// (rectangle, plane sizes), of a picture of another size, that overlaps others in part, or does
-  /// not continue.
+  /// not continue; nothing continues a tile of a target error, whose pixels have samples enough.
   absl::Status add(const v1::Tile& tile);
 
   /// What the pixels of a tile are so far, as put_pixels() takes them.  NOT_FOUND where no tile of

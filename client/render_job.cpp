@@ -33,6 +33,19 @@ class Render final : public Work {
                      const v1::GetServerInfoResponse& server) override {
     scene_ = scene;
     const v1::RenderImageRequest& request = options_.request;
+    const std::uint32_t edge = request.has_tile_size() ? request.tile_size() : kDefaultTileSize;
+    if (edge == 0) return absl::InvalidArgumentError("tile_size = 0, allowed: at least 1");
+    v1::RenderImageRequest named = request;
+    named.set_scene_id(scene_.scene_id());
+    named.set_tile_size(edge);
+    if (request.accuracy().has_time_budget_s())
+      return absl::InvalidArgumentError(
+          "accuracy.time_budget_s: not of a job, whose tiles wait for their turn; ask for samples "
+          "or for a target error");
+    if (request.accuracy().has_target_error()) {
+      if (absl::Status s = lay_out_by_area(edge); !s.ok()) return s;
+      return open_journal(named, server);
+    }
     const std::uint32_t hint =
         scene_.samples_per_pixel() > 0 ? scene_.samples_per_pixel() : kDefaultSamples;
     const std::uint32_t samples =
@@ -45,16 +58,16 @@ class Render final : public Work {
       return absl::InvalidArgumentError("samples_per_block = " + std::to_string(per_block_) +
                                         ", allowed: a power of two that divides " +
                                         std::to_string(samples) + " samples");
-    const std::uint32_t edge = request.has_tile_size() ? request.tile_size() : kDefaultTileSize;
-    if (edge == 0) return absl::InvalidArgumentError("tile_size = 0, allowed: at least 1");
     if (absl::Status s = lay_out(samples / per_block_, edge); !s.ok()) return s;
-    if (options_.journal.empty()) return absl::OkStatus();
-
-    v1::RenderImageRequest named = request;
-    named.set_scene_id(scene_.scene_id());
     named.mutable_accuracy()->set_samples(samples);
     named.set_samples_per_block(per_block_);
-    named.set_tile_size(edge);
+    return open_journal(named, server);
+  }
+
+  /// Leaves to be done what the journal of this job does not tell of.
+  absl::Status open_journal(const v1::RenderImageRequest& named,
+                            const v1::GetServerInfoResponse& server) {
+    if (options_.journal.empty()) return absl::OkStatus();
     std::string job = named.SerializeAsString() + std::to_string(options_.samples_per_piece);
     if (!options_.job.allow_mixed) job += server.fingerprint().digest();
     auto journal =
@@ -79,9 +92,15 @@ class Render final : public Work {
     if (options_.request.has_time_s()) request.set_time_s(options_.request.time_s());
     if (options_.request.has_shutter()) *request.mutable_shutter() = options_.request.shutter();
     *request.mutable_accuracy() = options_.request.accuracy();
-    request.mutable_accuracy()->set_samples(static_cast<std::uint32_t>(piece.blocks * per_block_));
-    request.set_samples_per_block(per_block_);
-    request.set_first_sample(piece.first_block * per_block_);
+    if (by_area_) {
+      if (options_.request.has_samples_per_block())
+        request.set_samples_per_block(options_.request.samples_per_block());
+    } else {
+      request.mutable_accuracy()->set_samples(
+          static_cast<std::uint32_t>(piece.blocks * per_block_));
+      request.set_samples_per_block(per_block_);
+      request.set_first_sample(piece.first_block * per_block_);
+    }
     client.render_tile(request, options, answer_as<v1::RenderTileResponse>(std::move(done)));
   }
 
@@ -90,11 +109,16 @@ class Render final : public Work {
     const Piece piece = this->piece(to_do_[number]);
     if (!same(response.tile().rect(), piece.rect) ||
         response.tile().first_block() != piece.first_block ||
-        response.tile().block_count() != piece.blocks)
+        !has_blocks_of(response.tile(), piece))
       return absl::InternalError("a server answered with another tile than was asked for");
     cost_.set_camera_rays(cost_.camera_rays() + response.cost().camera_rays());
     cost_.set_indirect_rays(cost_.indirect_rays() + response.cost().indirect_rays());
     cost_.set_shadow_rays(cost_.shadow_rays() + response.cost().shadow_rays());
+    cost_.set_shadow_map_lookups(cost_.shadow_map_lookups() + response.cost().shadow_map_lookups());
+    cost_.set_shadow_map_compared(cost_.shadow_map_compared() +
+                                  response.cost().shadow_map_compared());
+    cost_.set_shadow_map_disagreed(cost_.shadow_map_disagreed() +
+                                   response.cost().shadow_map_disagreed());
     cost_.set_samples(cost_.samples() + response.cost().samples());
     cost_.set_cpu_time_s(cost_.cpu_time_s() + response.cost().cpu_time_s());
     cost_.set_queue_time_s(cost_.queue_time_s() + response.cost().queue_time_s());
@@ -132,6 +156,10 @@ class Render final : public Work {
     return piece;
   }
 
+  bool has_blocks_of(const v1::Tile& tile, const Piece& piece) const {
+    return by_area_ ? !tile.samples().empty() : tile.block_count() == piece.blocks;
+  }
+
   /// The piece that a tile is; nothing where it is none.
   std::optional<std::size_t> number_of(const v1::Tile& tile) const {
     const auto before = [](const Run& run, std::uint64_t first) { return run.first < first; };
@@ -142,8 +170,18 @@ class Render final : public Work {
     const auto number = static_cast<std::size_t>(
         (static_cast<std::uint64_t>(run - runs_.begin()) * down_ + y) * across_ + x);
     const Piece piece = this->piece(number);
-    if (!same(piece.rect, tile.rect()) || piece.blocks != tile.block_count()) return std::nullopt;
+    if (!same(piece.rect, tile.rect()) || !has_blocks_of(tile, piece)) return std::nullopt;
     return number;
+  }
+
+  /// Each pixel of a target error decides by itself how long its blocks are.
+  absl::Status lay_out_by_area(std::uint32_t edge) {
+    if (options_.samples_per_piece > 0)
+      return absl::InvalidArgumentError(
+          "samples_per_piece = " + std::to_string(options_.samples_per_piece) +
+          ", allowed with a target error: 0, as its tiles are merged by area alone");
+    by_area_ = true;
+    return lay_out(1, edge);
   }
 
   absl::Status lay_out(std::uint64_t blocks, std::uint32_t edge) {
@@ -201,6 +239,7 @@ class Render final : public Work {
   const RenderJobOptions& options_;
   v1::SceneSummary scene_;
   std::uint32_t per_block_ = 1;
+  bool by_area_ = false;   // each tile is one piece, whatever its blocks
   std::vector<Run> runs_;  // of blocks, in order
   std::uint32_t edge_ = 1;
   std::uint64_t across_ = 0, down_ = 0;  // tiles

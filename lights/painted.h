@@ -49,6 +49,10 @@ class Painted : public Covered<Painted<Real, Surface>, Real, Surface<Real>> {
   AreaPdf<double> pdf_area(const SurfacePoint<Real>& point) const;
   /// Without the picture, which lights share.
   std::size_t bytes() const;
+  /// Of these, what points are chosen with; 0 where they are chosen without the picture.
+  std::size_t distribution_bytes() const {
+    return data_->distribution ? data_->distribution->bytes() : 0;
+  }
 
   /// What the picture shows at a point of the surface.
   Rgb<double> tint(const SurfacePoint<Real>& point) const { return data_->picture.at(uv(point)); }

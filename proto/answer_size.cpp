@@ -46,10 +46,12 @@ AnswerSize answer_size(const v1::LeRequest& request) {
 }
 
 AnswerSize answer_size(const v1::EstimatePowerRequest& request) {
-  // RGB within its message, flux, error and watts, and the array of wavelengths.
+  // RGB within its message, flux, error and watts, the array of wavelengths; of samples error,
+  // interval and count.
   const std::uint64_t rgb = kTag + kLength + 3 * (kTag + kDouble);
   const std::uint64_t power = kTag + kLength + kTag + kId + rgb + 3 * (kTag + kDouble) + kTag +
-                              kLength + kDouble * wavelengths(request);
+                              kLength + kDouble * wavelengths(request) + 3 * (kTag + kDouble) +
+                              kTag + kId;
   // The total is one more.
   return {.fixed = AnswerSize::kFixed + power, .per_item = power};
 }
@@ -66,7 +68,10 @@ AnswerSize answer_size(const v1::EstimateIrradianceRequest& request, std::uint64
                       2 * kFloat * wavelengths(request)};
 }
 
-// Sum and squared deviation of each channel.
-AnswerSize tile_size() { return {.per_item = std::uint64_t{2} * 3 * kDouble}; }
+AnswerSize tile_size(const v1::Accuracy& accuracy) {
+  // Sum and squared deviation of each channel; samples and interval.
+  const std::uint64_t target = accuracy.has_target_error() ? 3 * kFloat : 0;
+  return {.per_item = std::uint64_t{2} * 3 * kDouble + target};
+}
 
 }  // namespace lucerna

@@ -34,6 +34,6 @@ AnswerSize answer_size(const v1::TestVisibilityRequest& request);
 /// `lights`: of the scene; read where the request asks `per_light`.
 AnswerSize answer_size(const v1::EstimateIrradianceRequest& request, std::uint64_t lights);
 /// An item is a pixel, in tiles of either call.
-AnswerSize tile_size();
+AnswerSize tile_size(const v1::Accuracy& accuracy);
 
 }  // namespace lucerna

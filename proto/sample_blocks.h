@@ -21,6 +21,9 @@ inline std::uint32_t default_samples_per_block(std::uint32_t samples, std::uint3
 
 /// Of tiles and pictures, whose blocks hold an eighth of the samples each at most.
 inline constexpr std::uint32_t kTileReplicates = 8;
+/// Of pixels of a target error: beside edges the means of blocks take few values, and of 8 or 16
+/// blocks all are often equal, which tells a standard error of 0.
+inline constexpr std::uint32_t kTargetReplicates = 32;
 
 /// The largest aligned run of a power of two blocks that begins at `first` and ends by `end`.
 inline std::uint64_t aligned_run(std::uint64_t first, std::uint64_t end) {

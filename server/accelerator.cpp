@@ -286,9 +286,17 @@ absl::StatusOr<std::unique_ptr<Accelerator>> Accelerator::build(
   state->stop = std::move(stop);
   if (absl::Status s = state->measure(); !s.ok()) return s;
   if (absl::Status s = state->open(isa); !s.ok()) return s;
+  if (state->scene.empty() && state->instances.empty()) {
+    // Nothing to hit: all that is left to know is which kernels there are.
+    state->device.reset();
+    if (absl::Status s = state->status(); !s.ok()) return s;
+    return std::unique_ptr<Accelerator>(new Accelerator(std::move(state)));
+  }
   state->analytic.resize(1 + state->objects.size());
   for (std::size_t i = 0; i < state->objects.size(); ++i) {
-    state->object_scenes.push_back(state->commit(state->objects[i], state->analytic[1 + i], false));
+    auto& scene = state->object_scenes.emplace_back();
+    if (state->objects[i].empty()) continue;  // nothing places it
+    scene = state->commit(state->objects[i], state->analytic[1 + i], false);
     if (absl::Status s = state->status(); !s.ok()) return s;
   }
   state->top = state->commit(state->scene, state->analytic[0], true);
@@ -297,6 +305,7 @@ absl::StatusOr<std::unique_ptr<Accelerator>> Accelerator::build(
 }
 
 std::optional<RawHit> Accelerator::closest_hit(const Ray& ray) const {
+  if (state_->top == nullptr) return std::nullopt;
   const std::optional<UnitRay> start = unit_ray(ray, state_->space);
   if (!start) return std::nullopt;
   alignas(16) RTCRayHit query;
@@ -318,6 +327,7 @@ std::optional<RawHit> Accelerator::closest_hit(const Ray& ray) const {
 }
 
 bool Accelerator::occluded(const Ray& ray) const {
+  if (state_->top == nullptr) return false;
   const std::optional<UnitRay> start = unit_ray(ray, state_->space);
   if (!start) return false;
   alignas(16) RTCRay query = embree_ray(*start);

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <vector>
 
 #include "proto/tile_statistics.h"
 
@@ -21,20 +22,20 @@ class BlockStream {
   void add(const std::array<double, N>& values) {
     Run run{next_++, 1, {}};
     for (std::size_t i = 0; i < N; ++i) run.channels[i] = {values[i], 0};
-    while (count_ > 0) {
-      const Run& low = runs_[count_ - 1];
+    while (!runs_.empty()) {
+      const Run& low = runs_.back();
       if (low.blocks != run.blocks || low.first % (2 * low.blocks) != 0) break;
       run = joined(low, run);
-      --count_;
+      runs_.pop_back();
     }
-    runs_[count_++] = run;
+    runs_.push_back(run);
   }
 
   /// All blocks so far.
   Channels total() const {
-    if (count_ == 0) return {};
+    if (runs_.empty()) return {};
     Run sum = runs_[0];
-    for (int i = 1; i < count_; ++i) sum = joined(sum, runs_[i]);
+    for (std::size_t i = 1; i < runs_.size(); ++i) sum = joined(sum, runs_[i]);
     return sum.channels;
   }
 
@@ -52,9 +53,9 @@ class BlockStream {
   }
 
   std::uint64_t next_;
-  int count_ = 0;
-  // Sizes of runs rise to the largest and fall again: twice the digits of a block count.
-  std::array<Run, 128> runs_;
+  // Sizes of runs rise to the largest and fall again.  Not an array of as many as there may be,
+  // twice the digits of a block count: that would be 10 kB to clear for each exact answer.
+  std::vector<Run> runs_;
 };
 
 }  // namespace lucerna

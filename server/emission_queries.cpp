@@ -105,9 +105,11 @@ ItemResult sample_ray(const Scene& scene, const SampleLeQuery& q, SpectralValues
   const RayValues u = values_of(q, i);
   std::uint32_t light = q.light.value_or(0);
   if (!q.light) {
-    const auto chosen = choose_light(scene, u.light, i, a.light_ids, a.selection_probability);
-    if (!chosen) return u.valid ? ItemResult::kBlack : ItemResult::kInvalidInput;
-    light = *chosen;
+    std::optional<LightChoice> choice;
+    if (!scene.lights().empty()) choice = choose_emitter(scene, u.light);
+    put_choice(scene, choice, i, a.light_ids, a.selection_probability);
+    if (!choice) return u.valid ? ItemResult::kBlack : ItemResult::kInvalidInput;
+    light = choice->light;
   }
   if (!u.valid) return ItemResult::kInvalidInput;
   return visit_light(scene.lights()[light], q.time_s, [&]<typename L>(const L& l) {
@@ -123,7 +125,7 @@ ItemResult sample_ray(const Scene& scene, const SampleLeQuery& q, SpectralValues
 WorkCounts le(const Scene& scene, const LeQuery& query, const LeAnswer& answer,
               std::stop_token stop) {
   const ToScene to_scene(scene, query.points, std::nullopt);
-  const PathTracer tracer(scene, 0, AreaSampling::kAutomatic);
+  const PathTracer tracer(scene, 0, {});
   std::atomic<std::uint64_t> rays = 0;
   parallel_chunks(query.points.size(), kGrain, stop, [&](std::size_t begin, std::size_t end) {
     const DenormalsAreZero denormals;

@@ -8,11 +8,12 @@
 #include <mutex>
 #include <numbers>
 
-#include "server/block_stream.h"
 #include "server/denormals.h"
+#include "server/irradiance_estimate.h"
 #include "server/parallel.h"
 #include "server/path.h"
-#include "server/sample_sum.h"
+#include "server/pilots.h"
+#include "server/render.h"
 #include "server/spectral_values.h"
 
 namespace lucerna {
@@ -22,98 +23,15 @@ constexpr std::uint32_t kSamplesBetweenPolls = 64;
 // Of one chunk of points: about a millisecond.
 constexpr std::uint64_t kSamplesPerChunk = 1024;
 
-// How many samples a point needs is found from samples of its own, which are then left out: a count
-// that depends on the samples it counts would make their mean biased. [Kirk91]
-constexpr std::uint64_t kPilotBlocks = std::uint64_t{1} << 32;  ///< their first block's number
-/// Twice as many as of an answer: where they scatter less by luck, too few samples are taken.
-constexpr std::uint32_t kPilotBlockCount = 32;
-constexpr std::uint32_t kFirstPilot = 2;  ///< samples a block
-/// Pilots grow by this until no more than this many times their samples are needed: together they
-/// take a third of those at most.
-constexpr std::uint32_t kPilotGrowth = 4;
-
-/// One number being estimated: the total, or one light's share of it.
-struct Estimate {
-  BlockStream<4> blocks{0};       // R, G, B and luminance [lx]
-  SampleSum block_sum;            // of the samples of the current block
-  Rgb<double> exact;              // what needs no sampling [lx]
-  double sum_of_squares = 0;      // of samples' illuminances
-  double largest_unshadowed = 0;  // of one sample's illuminance had nothing been in the way [lx]
-  bool sampled = false;
-
-  void add(const LightEstimate& e) {
-    block_sum.add(e.value);
-    const double lux = luminance(e.value);
-    sum_of_squares += lux * lux;
-    largest_unshadowed = std::max(largest_unshadowed, luminance(e.unshadowed));
-  }
-  void end_block(std::uint32_t samples) {
-    const Rgb<double> v = block_sum.value() / samples;
-    blocks.add({v.r, v.g, v.b, luminance(v)});
-    block_sum = {};
-  }
-  IrradianceEstimate result(double block_count, const IntervalRule& rule) const;
-};
-
-IrradianceEstimate Estimate::result(double block_count, const IntervalRule& rule) const {
-  IrradianceEstimate e;
-  e.irradiance_lx = exact;
-  e.exact = !sampled;
-  const double exact_lx = luminance(exact);
-  e.illuminance_lx = {exact_lx, exact_lx};
-  if (!sampled) return e;
-  const auto total = blocks.total();
-  const auto mean = [&](int i) { return total[i].sum / block_count; };
-  const auto standard_error = [&](int i) {
-    return block_count > 1 ? std::sqrt(total[i].deviation / (block_count * (block_count - 1)))
-                           : std::numeric_limits<double>::infinity();
-  };
-  e.irradiance_lx += {mean(0), mean(1), mean(2)};
-  e.standard_error_lx = {standard_error(0), standard_error(1), standard_error(2)};
-  e.illuminance_error_lx = standard_error(3);
-  const Interval sampled_lx =
-      rule.interval({mean(3), standard_error(3), sum_of_squares, largest_unshadowed});
-  e.illuminance_lx = {exact_lx + sampled_lx.lower, exact_lx + sampled_lx.upper};
-  // Where nothing was in the way of anything, there was nothing to miss.
-  if (!(mean(3) > 0) && largest_unshadowed > 0) e.zero_bound_lx = e.illuminance_lx.upper;
-  return e;
-}
-
-/// Light of some samples by the spectrum of the lights that it came from [lx].  Nobody asks where
-/// the number of wavelengths is 0.
-class BySpectrum {
- public:
-  /// Of lights that were given RGB: group 0; of those of the scene's spectrum k: group 1 + k.
-  explicit BySpectrum(std::size_t groups) : sums_(groups) {}
-
-  bool wanted() const { return !sums_.empty(); }
-  void add(std::size_t group, const Rgb<double>& lx) {
-    if (lx.is_black()) return;
-    if (sums_[group].value().is_black()) lit_.push_back(group);
-    sums_[group].add(lx);
-  }
-  /// Adds what the sums times `scale` are at each wavelength, and begins anew.
-  void put(SpectralValues& spectral, double scale, std::span<double> at) {
-    for (const std::size_t g : lit_) {
-      std::optional<std::uint32_t> spectrum;
-      if (g > 0) spectrum = static_cast<std::uint32_t>(g - 1);
-      spectral.add(spectrum, sums_[g].value() * scale, at);
-      sums_[g] = {};
-    }
-    lit_.clear();
-  }
-
- private:
-  std::vector<SampleSum> sums_;
-  std::vector<std::size_t> lit_;  // those that are not 0
-};
-
 /// All that the samples of one point say.
 struct PointEstimates {
   Estimate total;
   std::vector<Estimate> shares;                // of each light, where wanted
   BySpectrum by_spectrum;                      // of the current block
   std::vector<BlockStream<1>> at_wavelengths;  // [W/m2/nm]
+  LightSet settled{};                          // whose direct light is part of what is exact
+  bool gathers = false;                        // by directions of the receiver too
+  Spending spending{};
 };
 
 class IrradianceJob {
@@ -124,14 +42,15 @@ class IrradianceJob {
       : scene_(scene),
         points_(points),
         settings_(settings),
-        tracer_(scene, settings.bounces, settings.area_sampling),
+        tracer_(scene, settings.bounces, settings.methods),
         stop_(stop),
         result_(result),
-        visit_all_(settings.per_light || tracer_.visits_all()),
+        direct_(tracer_.direct()),
         gather_indirect_(settings.bounces.value_or(1) > 0 && !scene.empty() &&
                          !scene.lights().empty()),
-        gather_(gather_indirect_ || scene.has_visible_lights()),
         confidence_(settings.target ? settings.target->confidence : settings.confidence),
+        rule_(confidence_, settings.block_count,
+              std::max<std::uint64_t>(samples_of(settings.samples_per_block), 1)),
         spectral_([this] { return SpectralValues(scene_, settings_.wavelengths_nm); }) {}
 
   void range(std::size_t begin, std::size_t end) {
@@ -150,7 +69,9 @@ class IrradianceJob {
       stopped_ = true;
       return;
     }
-    const auto start = std::chrono::steady_clock::now();
+    // Nobody asks what points took that take equally many samples.
+    std::chrono::steady_clock::time_point start;
+    if (settings_.target) start = std::chrono::steady_clock::now();
     SurfaceHit receiver;
     receiver.position = points_[p].position;
     receiver.position_error = points_[p].position_error;
@@ -160,21 +81,27 @@ class IrradianceJob {
 
     const std::size_t lights = scene_.lights().size();
     WorkCounts spent;
-    PointEstimates e =
-        no_samples(settings_.per_light ? lights : 0, settings_.wavelengths_nm.size());
-    if (visit_all_) exact_lights(receiver, e, spent);
-    const std::span<double> exact_at = put_exact_spectral(p, e);
-    e.total.sampled = gather_ || (!visit_all_ && lights > 0);
     std::uint32_t per_block = settings_.samples_per_block;
-    if (e.total.sampled) {
-      if (settings_.target) per_block = needed_samples(p, receiver, e.total.exact, spent);
-      blocks(p, receiver, {0, settings_.block_count, per_block}, e, spent);
-      if (stopped_) return;
+    PointEstimates e =
+        settled(receiver, settings_.target ? kFirstPilotSamples : samples_of(per_block), spent);
+    if (settings_.target && e.total.sampled) {
+      per_block = needed_per_block(p, receiver, e, spent);
+      if (e.spending == Spending::kDrawn && spending(samples_of(per_block)) != e.spending) {
+        // So many that it costs less to settle delta lights.
+        e = settled(receiver, samples_of(per_block), spent);
+        if (e.total.sampled) per_block = needed_per_block(p, receiver, e, spent);
+      }
+      // Of the same count without a target the same is settled.
+      while (spending(samples_of(per_block)) != e.spending) ++per_block;
     }
-    const std::uint64_t samples =
-        e.total.sampled ? std::uint64_t{per_block} * settings_.block_count : 0;
-    const IntervalRule rule(confidence_, settings_.block_count,
-                            std::max<std::uint64_t>(samples, 1));
+    const std::span<double> exact_at = put_exact_spectral(p, e);
+    if (e.total.sampled && !stopped_)
+      blocks(p, receiver, {0, settings_.block_count, per_block}, e, spent);
+    if (stopped_) return;
+    const std::uint64_t samples = e.total.sampled ? samples_of(per_block) : 0;
+    std::optional<IntervalRule> own;
+    if (settings_.target && samples > 0) own.emplace(confidence_, settings_.block_count, samples);
+    const IntervalRule& rule = own ? *own : rule_;
     const double count = settings_.block_count;
     result_.points[p] = e.total.result(count, rule);
     for (std::size_t l = 0; l < e.shares.size(); ++l)
@@ -186,9 +113,28 @@ class IrradianceJob {
         result_.spectral_error[p * exact_at.size() + k] =
             std::sqrt(at.deviation / (count * (count - 1)));
     }
-    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+    std::chrono::duration<double> took{};
+    if (settings_.target) took = std::chrono::steady_clock::now() - start;
     result_.costs[p] = {samples, spent.indirect_rays + spent.shadow_rays, took.count()};
     work += spent;
+  }
+
+  std::uint64_t samples_of(std::uint32_t per_block) const {
+    return std::uint64_t{per_block} * settings_.block_count;
+  }
+  Spending spending(std::uint64_t samples) const {
+    return settings_.per_light ? Spending::kEach : direct_.spending_at_receiver(samples);
+  }
+  /// A point that so many samples are to be taken at, with all that needs none.
+  PointEstimates settled(const SurfaceHit& receiver, std::uint64_t samples,
+                         WorkCounts& work) const {
+    PointEstimates e = no_samples(settings_.per_light ? scene_.lights().size() : 0,
+                                  settings_.wavelengths_nm.size());
+    e.spending = spending(samples);
+    settle_lights(receiver, e, work);
+    e.total.sampled = gather_indirect_ || samples_lights(e.settled);
+    e.gathers = gather_indirect_ || (direct_.finds_lights() && e.total.sampled);
+    return e;
   }
 
   PointEstimates no_samples(std::size_t shares, std::size_t wavelengths) const {
@@ -198,15 +144,11 @@ class IrradianceJob {
             std::vector<BlockStream<1>>(wavelengths, BlockStream<1>(0))};
   }
 
-  /// Blocks of independent points.
-  struct Blocks {
-    std::uint64_t first;
-    std::uint32_t count, samples;
-  };
   void blocks(std::size_t p, const SurfaceHit& receiver, const Blocks& these, PointEstimates& e,
               WorkCounts& work) {
-    for (std::uint32_t b = 0; b < these.count; ++b) {
-      const SobolSequence sequence(settings_.seed, settings_.first_item + p, these.first + b);
+    for (std::uint64_t b = 0; b < these.count; ++b) {
+      const SampleSequence sequence(settings_.methods.sampler, settings_.seed,
+                                    settings_.first_item + p, these.first + b);
       for (std::uint32_t i = 0; i < these.samples; ++i) {
         if (i % kSamplesBetweenPolls == 0 && stop_.stop_requested()) {
           stopped_ = true;
@@ -230,33 +172,27 @@ class IrradianceJob {
   }
 
   /// How many samples a block this point needs for the target error.
-  std::uint32_t needed_samples(std::size_t p, const SurfaceHit& receiver, const Rgb<double>& exact,
-                               WorkCounts& work) {
-    const TargetError& target = *settings_.target;
+  std::uint32_t needed_per_block(std::size_t p, const SurfaceHit& receiver,
+                                 const PointEstimates& point, WorkCounts& work) {
     const std::uint32_t replicates = settings_.block_count;
-    for (std::uint64_t n = kFirstPilot;; n *= kPilotGrowth) {
-      const std::uint64_t samples = n * kPilotBlockCount;
-      const std::uint64_t most = std::max<std::uint64_t>(1, target.max_samples / replicates);
-      if (samples * kPilotGrowth > target.max_samples) return static_cast<std::uint32_t>(most);
-      PointEstimates pilot = no_samples(0, 0);
-      pilot.total.exact = exact;
-      pilot.total.sampled = true;
-      blocks(p, receiver, {kPilotBlocks, kPilotBlockCount, static_cast<std::uint32_t>(n)}, pilot,
-             work);
-      if (stopped_) return 1;
-      // Of as many samples as this pilot has, in the replicates of an answer.
-      const IrradianceEstimate e =
-          pilot.total.result(kPilotBlockCount, IntervalRule(confidence_, replicates, samples));
-      const double allowed =
-          std::max(target.relative * luminance(e.irradiance_lx), target.absolute_floor);
-      const double error = (e.illuminance_lx.upper - e.illuminance_lx.lower) / 2;
-      // By the rate of independent samples, which is the slowest.
-      const double off = error / allowed, times = std::fmax(1, off * off);
-      if (error <= allowed || times <= kPilotGrowth)
-        return static_cast<std::uint32_t>(
-            std::min(static_cast<double>(most),
-                     std::ceil(static_cast<double>(samples) * times / replicates)));
-    }
+    const auto needed =
+        needed_samples(*settings_.target, [&](const Blocks& these) -> std::optional<PilotEstimate> {
+          PointEstimates pilot = no_samples(0, 0);
+          pilot.total.exact = point.total.exact;
+          pilot.total.sampled = true;
+          pilot.settled = point.settled;
+          pilot.gathers = point.gathers;
+          pilot.spending = point.spending;
+          blocks(p, receiver, these, pilot, work);
+          if (stopped_) return std::nullopt;
+          const IntervalRule rule(confidence_, replicates, these.count * these.samples);
+          const IrradianceEstimate e = pilot.total.result(static_cast<double>(these.count), rule);
+          return PilotEstimate{luminance(e.irradiance_lx), e.illuminance_lx};
+        });
+    const std::uint64_t most =
+        std::max<std::uint64_t>(1, settings_.target->max_samples / replicates);
+    return static_cast<std::uint32_t>(
+        std::min(static_cast<double>(most), std::ceil(needed.value_or(1) / replicates)));
   }
 
   /// Begins the sums at wavelengths with what is exact; returns those of point `p`.
@@ -273,19 +209,29 @@ class IrradianceJob {
     groups.add(number ? *number + 1 : 0, lx);
   }
 
-  bool is_delta(std::size_t light) const {
-    return std::visit([](const auto& l) { return l.kDelta; }, scene_.lights()[light].light);
+  /// Whether lights remain to be sampled at the receiver.
+  bool samples_lights(const LightSet& settled) const {
+    for (std::uint32_t l = 0; l < scene_.lights().size(); ++l)
+      if (!settled.has(l)) return true;
+    return false;
   }
 
-  // Delta lights have one direction each: one ray answers for them.
-  void exact_lights(const SurfaceHit& receiver, PointEstimates& to, WorkCounts& work) const {
+  /// What needs no samples: lights of one direction, where each light is visited, and those that a
+  /// closed form answers for.
+  void settle_lights(const SurfaceHit& receiver, PointEstimates& to, WorkCounts& work) const {
+    const Vec3<float>& n = receiver.ns;
+    const bool closed_forms = direct_.uses_closed_forms(true);
     for (std::uint32_t l = 0; l < scene_.lights().size(); ++l) {
-      if (is_delta(l)) {
-        const Rgb<double> e =
-            tracer_.direct(receiver, receiver.ns, l, 1, {}, work).value * std::numbers::pi;
-        to.total.exact += e;
-        add_to(to.by_spectrum, l, e);
-        if (!to.shares.empty()) to.shares[l].exact = e;
+      std::optional<Rgb<double>> all;
+      if (to.spending == Spending::kEach || to.spending == Spending::kAreasDrawn)
+        all = direct_.of_one_direction(receiver, n, l, work);
+      if (!all && closed_forms) all = direct_.in_closed_form(receiver, n, l);
+      if (all) {
+        const Rgb<double> lx = *all * std::numbers::pi;
+        to.settled.add(l);
+        to.total.exact += lx;
+        add_to(to.by_spectrum, l, lx);
+        if (!to.shares.empty()) to.shares[l].exact = lx;
       } else if (!to.shares.empty()) {
         to.shares[l].sampled = true;
       }
@@ -304,36 +250,31 @@ class IrradianceJob {
       if (!to.shares.empty()) to.shares[light].add(lx);
       add_to(to.by_spectrum, light, lx.value);
     };
-    if (visit_all_) {
-      for (std::uint32_t l = 0; l < scene_.lights().size(); ++l)
-        if (!is_delta(l))
-          add(l, tracer_.direct(receiver, n, l, 1, s.pair(PathSample::kFirstVisited + l), work));
-    } else {
-      const auto chosen = tracer_.direct_of_chosen(receiver, n, 0, s, work);
-      add(chosen.light, chosen.estimate);
-    }
-    if (gather_) {
+    direct_.sample(to.spending, receiver, n, 0, s, to.settled, work, add);
+    if (to.gathers) {
       const Vec3<float> wi = PathTracer::cosine_direction(n, n, s.at(0, PathSample::kDirection));
       const double pdf = dot(n, wi) * std::numbers::inv_pi;
       const Ray ray = spawn_ray(receiver, wi);
       ++work.indirect_rays;
       const std::optional<SurfaceHit> hit = scene_.closest_hit(ray);
-      tracer_.for_each_emitter(ray, hit, [&](std::uint32_t light, const Rgb<double>& le) {
-        const double probability = visit_all_ ? 1 : tracer_.candidate_probability(light);
-        const Rgb<double> e =
-            le * tracer_.found_weight(receiver, n, ray, hit, light, probability, pdf);
-        add(light, {e, e});
-      });
-      // What lies behind an obstacle counts as hidden: a light that is sampled by what exceeds its
-      // mean may have nothing else to show.
-      if (hit)
-        tracer_.for_each_emitter(
-            ray, std::nullopt, [&](std::uint32_t light, const Rgb<double>& le) {
-              const double probability = visit_all_ ? 1 : tracer_.candidate_probability(light);
-              add(light, {{},
-                          le * tracer_.found_weight(receiver, n, ray, std::nullopt, light,
-                                                    probability, pdf)});
-            });
+      const auto weight = [&](std::uint32_t light, const std::optional<SurfaceHit>& end) {
+        return to.settled.has(light)
+                   ? 0.0
+                   : direct_.found_weight(to.spending, receiver, n, ray, end, light, pdf);
+      };
+      if (direct_.finds_lights()) {
+        tracer_.for_each_emitter(ray, hit, [&](std::uint32_t light, const Rgb<double>& le) {
+          const Rgb<double> e = le * weight(light, hit);
+          add(light, {e, e});
+        });
+        // What lies behind an obstacle counts as hidden: a light that is sampled by what exceeds
+        // its mean may have nothing else to show.
+        if (hit)
+          tracer_.for_each_emitter(ray, std::nullopt,
+                                   [&](std::uint32_t light, const Rgb<double>& le) {
+                                     add(light, {{}, le * weight(light, std::nullopt)});
+                                   });
+      }
       if (hit && gather_indirect_) {
         const LightEstimate e = tracer_.reflected(*hit, -wi, 1, s, work);
         sum.value += e.value * kPi;
@@ -349,8 +290,10 @@ class IrradianceJob {
   PathTracer tracer_;
   const std::stop_token& stop_;
   IrradianceResult& result_;
-  const bool visit_all_, gather_indirect_, gather_;
+  const DirectLight& direct_;
+  const bool gather_indirect_;
   const double confidence_;
+  const IntervalRule rule_;  ///< of points that take as many samples as all others
   /// One for each thread that takes part, as looking spectra up takes longer than using them.
   tbb::enumerable_thread_specific<SpectralValues> spectral_;
   std::mutex mutex_;

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "lights/light_tree.h"
 #include "lights/vec.h"
 
 namespace lucerna {
@@ -12,11 +13,6 @@ namespace lucerna {
 /// What chooses a light, of the 48 bits of a pair: 24 would leave some of more than 2^24 lights
 /// without a sample.
 inline double choosing_value(const Vec2<float>& u) { return double{u.x} + double{u.y} * 0x1p-24; }
-
-struct LightChoice {
-  std::uint32_t light;
-  double probability;
-};
 
 /// The discrete distribution over n lights that gives nine tenths by power and one tenth equally to
 /// all lights whose power is not 0: a light of little power may be the only one that a receiver

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <mutex>
 #include <vector>
 
-#include "lights/sobol.h"
 #include "server/denormals.h"
+#include "server/light_visibility.h"
 #include "server/parallel.h"
+#include "server/path_sample.h"
 #include "server/spectral_values.h"
 #include "server/told_direction.h"
 #include "server/visibility.h"
@@ -57,7 +59,7 @@ struct Pending {
   ScenePoint receiver;
   Vec3<double> normal;
   Vec2<double> u;
-  std::uint32_t light = 0;
+  std::optional<std::uint32_t> light{};  // none: none can be chosen
   bool sampled = false;
   LightSample<double> sample;
 };
@@ -68,17 +70,24 @@ class LiSampler {
       : scene_(scene),
         q_(query),
         a_(answer),
-        to_scene_(scene, query.receivers, query.position_error_m),
+        visibility_(scene,
+                    query.test_visibility ? query.methods.visibility : VisibilityMethod::kRays),
+        // Rays alone ask how far off receivers may be.
+        to_scene_(scene, query.receivers, query.test_visibility ? query.position_error_m : 0.0F),
         light_shift_(scene.origin() - query.receivers.origin_m) {}
 
-  /// Returns the number of shadow rays.
-  std::uint64_t run(std::size_t begin, std::size_t end) const {
+  /// Returns the shadow rays and look-ups that it took.
+  WorkCounts run(std::size_t begin, std::size_t end) const {
+    if (q_.light && !q_.test_visibility && q_.wavelengths_nm.empty()) {
+      sample_alone(begin, end);
+      return {};
+    }
     std::vector<Pending> chunk(end - begin);
     for (std::size_t i = begin; i < end; ++i) prepare(i, chunk[i - begin]);
-    if (!scene_.lights().empty()) sample(chunk);
+    sample(chunk);
     for (std::size_t i = begin; i < end; ++i) put(i, chunk[i - begin]);
     if (!q_.wavelengths_nm.empty()) put_spectral(begin, chunk);
-    return q_.test_visibility ? test(begin, chunk) : 0;
+    return q_.test_visibility ? test(begin, chunk) : WorkCounts{};
   }
 
  private:
@@ -95,7 +104,8 @@ class LiSampler {
     }
     double u_light = 0;
     if (q_.seed) {
-      const SobolSequence points(q_.seed->seed, q_.seed->first_item + receiver);
+      const SampleSequence points(q_.methods.sampler, q_.seed->seed, q_.seed->first_item + receiver,
+                                  0);
       const auto index = static_cast<std::uint32_t>(i % q_.samples);
       const Vec2<float> u = points.pair(index, 0);
       p.u = {u.x, u.y};
@@ -108,10 +118,35 @@ class LiSampler {
         u_light = 0;
       }
     }
-    const auto light =
-        q_.light ? q_.light
-                 : choose_light(scene_, u_light, i, a_.light_ids, a_.selection_probability);
-    if (light) p.light = *light;
+    p.light = q_.light;
+    if (q_.light) return;
+    std::optional<LightChoice> choice;
+    if (!scene_.lights().empty() && p.receiver.result == ItemResult::kOk)
+      choice = choose_light(scene_, q_.methods.light_selection,
+                            receiver_of(p.receiver, p.normal, q_.methods.area_sampling), u_light);
+    put_choice(scene_, choice, i, a_.light_ids, a_.selection_probability);
+    if (choice) p.light = choice->light;
+  }
+
+  /// Samples of one light of which nothing else is asked: one by one, without a chunk of them in
+  /// between, which takes more time than a point light does.
+  void sample_alone(std::size_t begin, std::size_t end) const {
+    visit_light(scene_.lights()[*q_.light], q_.time_s, [&](const auto& l) {
+      for (std::size_t i = begin; i < end; ++i) {
+        Pending p;
+        prepare(i, p);
+        if (p.receiver.result == ItemResult::kOk) sample(l, p);
+        put(i, p);
+      }
+    });
+  }
+
+  template <typename L>
+  void sample(const L& l, Pending& p) const {
+    const Receiver<double> receiver = receiver_of(p.receiver, p.normal, q_.methods.area_sampling);
+    p.sample = l.sample_li(receiver, p.u);
+    if constexpr (SeenBeyond<L>) tell_direction(l, receiver, p.sample);
+    p.sampled = true;
   }
 
   /// Visits each light once for all samples of the chunk that chose it.
@@ -119,7 +154,7 @@ class LiSampler {
     std::vector<std::uint32_t> order;
     order.reserve(chunk.size());
     for (std::uint32_t k = 0; k < chunk.size(); ++k) {
-      if (chunk[k].receiver.result == ItemResult::kOk) order.push_back(k);
+      if (chunk[k].receiver.result == ItemResult::kOk && chunk[k].light) order.push_back(k);
     }
     if (!q_.light) {
       std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
@@ -127,15 +162,9 @@ class LiSampler {
       });
     }
     for (std::size_t k = 0; k < order.size();) {
-      const std::uint32_t light = chunk[order[k]].light;
-      visit_light(scene_.lights()[light], q_.time_s, [&]<typename L>(const L& l) {
-        for (; k < order.size() && chunk[order[k]].light == light; ++k) {
-          Pending& p = chunk[order[k]];
-          const Receiver<double> receiver = receiver_of(p.receiver, p.normal, q_.area_sampling);
-          p.sample = l.sample_li(receiver, p.u);
-          if constexpr (SeenBeyond<L>) tell_direction(l, receiver, p.sample);
-          p.sampled = true;
-        }
+      const std::uint32_t light = *chunk[order[k]].light;
+      visit_light(scene_.lights()[light], q_.time_s, [&](const auto& l) {
+        for (; k < order.size() && chunk[order[k]].light == light; ++k) sample(l, chunk[order[k]]);
       });
     }
   }
@@ -182,7 +211,7 @@ class LiSampler {
       Pending& p = chunk[k];
       if (p.receiver.result != ItemResult::kOk) continue;
       std::ranges::fill(at, 0);
-      values.add(p.light, Rgb<double>(p.sample.value), at);
+      values.add(*p.light, Rgb<double>(p.sample.value), at);
       const std::size_t i = begin + k;
       if (store_spectral(at, a_.spectral_value + i * values.size())) continue;
       store(a_.value, i, {});
@@ -191,7 +220,8 @@ class LiSampler {
     }
   }
 
-  std::uint64_t test(std::size_t begin, const std::vector<Pending>& chunk) const {
+  WorkCounts test(std::size_t begin, const std::vector<Pending>& chunk) const {
+    WorkCounts work;
     std::vector<Ray> rays;
     std::vector<LooseEnds> ends;
     std::vector<std::uint32_t> items;
@@ -201,20 +231,40 @@ class LiSampler {
     items.reserve(chunk.size());
     for (std::size_t k = 0; k < chunk.size(); ++k) {
       if (chunk[k].receiver.result != ItemResult::kOk) continue;
-      const float reach_m = chunk[k].sampled ? scene_.lights()[chunk[k].light].reach_m : 0;
-      rays.push_back(light_ray(chunk[k].receiver, Vec3<float>(chunk[k].normal), chunk[k].sample,
-                               q_.time_s, reach_m));
+      const float reach_m = chunk[k].sampled ? scene_.lights()[*chunk[k].light].reach_m : 0;
+      const Ray ray = light_ray(chunk[k].receiver, Vec3<float>(chunk[k].normal), chunk[k].sample,
+                                q_.time_s, reach_m);
+      std::optional<bool> told;
+      if (chunk[k].light)
+        told = visibility_.by_map(*chunk[k].light, chunk[k].receiver.position, chunk[k].normal);
+      if (told) {
+        ++work.map_lookups;
+        if (!*told) set_bit(a_.visible, begin + k);
+        if (LightVisibility::is_compared(ray)) {
+          const bool occluded =
+              scene_.occluded(ray) &&
+              (!loose || first_other_surface(scene_, ray, {start_of(chunk[k]), {}}));
+          ++work.shadow_rays;
+          LightVisibility::compare(*told, occluded, work);
+        }
+        continue;
+      }
+      rays.push_back(ray);
       LooseEnds& e = ends.emplace_back();
-      if (loose) e.start = {chunk[k].receiver.position, chunk[k].receiver.error};
+      if (loose) e.start = start_of(chunk[k]);
       items.push_back(static_cast<std::uint32_t>(begin + k));
     }
     mark_visible(scene_, rays, ends, items, a_.visible);
-    return rays.size();
+    work.shadow_rays += rays.size();
+    return work;
   }
+
+  static LooseEnd start_of(const Pending& p) { return {p.receiver.position, p.receiver.error}; }
 
   const Scene& scene_;
   const SampleLiQuery& q_;
   const SampleLiAnswer& a_;
+  LightVisibility visibility_;
   ToScene to_scene_;
   Vec3<double> light_shift_;  // the scene's origin about the receivers'
 };
@@ -262,36 +312,32 @@ ScenePoint ToScene::operator()(std::size_t i) const {
   }
   constexpr float kRelative =
       static_cast<float>(kDefaultUlps) * std::numeric_limits<float>::epsilon();
-  p.error = position_error_m_.value_or(
-      kRelative * std::fmax(max_abs(offset), static_cast<float>(max_abs(p.position))) +
-      static_cast<float>(origin_error_m_));
+  p.error = position_error_m_
+                ? *position_error_m_
+                : kRelative * std::fmax(max_abs(offset), static_cast<float>(max_abs(p.position))) +
+                      static_cast<float>(origin_error_m_);
   return p;
 }
 
-std::optional<std::uint32_t> choose_light(const Scene& scene, double u_light, std::size_t i,
-                                          std::uint64_t* light_ids, double* selection_probability) {
-  if (scene.lights().empty()) {
-    selection_probability[i] = 1;
-    return std::nullopt;
-  }
-  const LightChoice choice = choose_light(scene, u_light);
-  light_ids[i] = scene.lights()[choice.light].id;
-  selection_probability[i] = choice.probability;
-  return choice.light;
+void put_choice(const Scene& scene, const std::optional<LightChoice>& choice, std::size_t i,
+                std::uint64_t* light_ids, double* selection_probability) {
+  selection_probability[i] = choice ? choice->probability : 1;
+  if (choice) light_ids[i] = scene.lights()[choice->light].id;
 }
 
 WorkCounts sample_li(const Scene& scene, const SampleLiQuery& query, const SampleLiAnswer& answer,
                      std::stop_token stop) {
   const LiSampler sampler(scene, query, answer);
   const std::size_t n = query.receivers.size() * query.samples;
-  std::atomic<std::uint64_t> shadow_rays = 0;
+  std::mutex mutex;
+  WorkCounts work;
   parallel_chunks(n, kGrain, stop, [&](std::size_t begin, std::size_t end) {
     const DenormalsAreZero denormals;
-    shadow_rays += sampler.run(begin, end);
+    const WorkCounts spent = sampler.run(begin, end);
+    const std::lock_guard lock(mutex);
+    work += spent;
   });
-  WorkCounts work;
   work.samples = n;
-  work.shadow_rays = shadow_rays;
   return work;
 }
 

@@ -75,10 +75,10 @@ struct SeedRange {
   std::uint64_t first_item = 0;
 };
 
-/// The light that item `i` is spent on, of which id and probability are put down.  Nothing in a
-/// scene without lights: the id stays 0, the probability is 1, so that nobody divides by 0.
-std::optional<std::uint32_t> choose_light(const Scene& scene, double u_light, std::size_t i,
-                                          std::uint64_t* light_ids, double* selection_probability);
+/// Puts down id and probability of the light that item `i` is spent on; where there is none, the id
+/// stays 0 and the probability is 1, so that nobody divides by 0.
+void put_choice(const Scene& scene, const std::optional<LightChoice>& choice, std::size_t i,
+                std::uint64_t* light_ids, double* selection_probability);
 
 struct SampleLiQuery {
   PointArray receivers;
@@ -91,7 +91,7 @@ struct SampleLiQuery {
   bool test_visibility = false;
   std::span<const float> normals{};  ///< three a receiver, or none
   std::optional<float> position_error_m{};
-  AreaSampling area_sampling = AreaSampling::kAutomatic;
+  Methods methods{};
   std::span<const double> wavelengths_nm{};
 };
 
@@ -112,7 +112,8 @@ struct SampleLiAnswer {
   float* spectral_value = nullptr;  ///< one for each wavelength, sample by sample
 };
 
-/// In a scene without lights every sample is kBlack, its light 0, chosen with certainty.  A sample
+/// Where no light can be chosen, in a scene without lights or where those that are left reach the
+/// receiver in no way, a sample is kBlack, its light 0, chosen with certainty.  A sample
 /// of which the value at a wavelength does not fit a float is kOutOfRange, its value 0.
 /// Stops early (the answer is then of no use) where `stop` is asked for.
 WorkCounts sample_li(const Scene& scene, const SampleLiQuery& query, const SampleLiAnswer& answer,

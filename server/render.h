@@ -10,18 +10,11 @@
 
 #include "proto/tile_statistics.h"
 #include "server/confidence.h"
+#include "server/methods.h"
 #include "server/scene.h"
+#include "server/work_counts.h"
 
 namespace lucerna {
-
-/// What was spent on an answer.
-struct WorkCounts {
-  std::uint64_t samples = 0;
-  std::uint64_t camera_rays = 0;
-  std::uint64_t indirect_rays = 0;  ///< rays that look for the next surface of a path
-  std::uint64_t shadow_rays = 0;
-  WorkCounts& operator+=(const WorkCounts& w);
-};
 
 struct PixelRect {
   int x0, y0, x1, y1;  ///< half-open, within the film
@@ -43,12 +36,19 @@ struct TileSettings {
   std::optional<std::uint32_t> bounces{};
   std::optional<double> time_s{};    ///< unset: all the time that the shutter is open
   std::optional<Shutter> shutter{};  ///< unset: as the scene file says
-  AreaSampling area_sampling = AreaSampling::kAutomatic;
+  Methods methods{};
+  /// Set: `samples_per_block` is each pixel's own, a power of two, as many as this takes of its
+  /// luminance, and `first_block` is 0.  At most max_samples / block_count, which is 1 or more.
+  std::optional<TargetError> target{};
 };
 
 struct TileResult {
   /// Three channels (R, G, B) a pixel, rows from the top; radiance [cd/m2] times the film's scale.
   std::vector<BlockStatistics> channels;
+  /// Of each pixel, with a target error: samples that it is made of, and what holds its converged
+  /// luminance, in the unit of the channels, with the confidence that was asked for.
+  std::vector<std::uint32_t> samples;
+  std::vector<Interval> intervals;
   WorkCounts work;
   bool stopped = false;  ///< `stop` was asked for; the rest is not to be used
 };
@@ -73,7 +73,7 @@ struct IrradianceSettings {
   std::optional<std::uint32_t> bounces{};  ///< 0: direct light only; unset: all
   bool per_light = false;                  ///< direct light by light beside the total
   double time_s = 0;
-  AreaSampling area_sampling = AreaSampling::kAutomatic;
+  Methods methods{};
   /// Direct light at these wavelengths beside the total.  Requires bounces = 0, as surfaces have no
   /// spectra.
   std::span<const double> wavelengths_nm{};

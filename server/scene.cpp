@@ -7,6 +7,9 @@
 #include "proto/sha256.h"
 #include "server/denormals.h"
 #include "server/scene_builder.h"
+#include "server/scene_lights.h"
+#include "server/shadow_maps.h"
+#include "server/shaft.h"
 
 namespace lucerna {
 
@@ -26,7 +29,7 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::Builder::build(const std::st
   if (absl::Status s = place(); !s.ok()) return s;
   if (absl::Status s = build_lights(); !s.ok()) return s;
   if (absl::Status s = build_geometry(isa); !s.ok()) return s;
-  if (absl::Status s = choose_by_power(); !s.ok()) return s;
+  if (absl::Status s = prepare_choice(); !s.ok()) return s;
   scene_->id_ = scene_id(in_.assets);
   scene_->camera_ = Camera(in_.camera, in_.film, scene_->origin_);
   scene_->hints_ = in_.hints;
@@ -78,11 +81,62 @@ std::uint64_t Scene::primitive_count() const {
   return sum;
 }
 
+std::vector<ScenePart> Scene::parts() const {
+  std::vector<ScenePart> all = parts_;
+  if (light_selector_)
+    if (auto tree = light_selector_->tree_part().told()) all.push_back(*std::move(tree));
+  if (auto areas = area_selector_.told()) all.push_back(*std::move(areas));
+  if (auto shafts = shafts_.told()) all.push_back(*std::move(shafts));
+  if (const ShadowMaps* maps = shadow_maps_.made())
+    if (auto part = maps->part()) all.push_back(*std::move(part));
+  return all;
+}
+
+std::uint64_t Scene::bytes() const {
+  std::uint64_t sum = area_selector_.bytes() + shafts_.bytes();
+  if (light_selector_) sum += light_selector_->tree_part().bytes();
+  if (const ShadowMaps* maps = shadow_maps_.made()) sum += maps->bytes();
+  for (const ScenePart& part : parts_) sum += part.bytes;
+  return sum;
+}
+
+const LightSelector& Scene::area_selector() const {
+  return area_selector_.get(
+      [this] {
+        auto made = std::make_unique<LightSelector>(selector_items(*this, true));
+        made->build_tree_if_used();
+        return std::unique_ptr<const LightSelector>(std::move(made));
+      },
+      [](const LightSelector&) { return "irradiance beside that of delta lights was asked for"; });
+}
+
+const Shafts& Scene::shafts() const {
+  return shafts_.get(
+      [this] {
+        const DenormalsAreZero denormals;
+        return std::make_unique<const Shafts>(*this);
+      },
+      [](const Shafts&) { return "closed forms were asked for"; });
+}
+
+const ShadowMaps& Scene::shadow_maps() const {
+  return shadow_maps_.get([this] { return std::make_unique<const ShadowMaps>(*this); },
+                          [](const ShadowMaps&) { return "shadow maps were asked for"; });
+}
+
 std::string Scene::isa() const { return accelerator_->isa(); }
 
-LightChoice choose_light(const Scene& scene, double u) {
-  if (scene.light_distribution().empty()) return {0, 1};
-  return scene.light_distribution().choose(u);
+std::optional<LightChoice> choose_light(const Scene& scene, LightSelection how,
+                                        const Receiver<double>& receiver, double u) {
+  if (scene.lights().size() == 1) return LightChoice{0, 1};
+  // Of all, each has its turn alike.
+  if (how == LightSelection::kAll) how = LightSelection::kUniform;
+  return scene.light_selector().choose(how, receiver, u);
+}
+
+LightChoice choose_emitter(const Scene& scene, double u) {
+  if (scene.lights().size() == 1) return {0, 1};
+  return scene.light_selector().by_flux().choose(u);
 }
 
 }  // namespace lucerna

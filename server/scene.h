@@ -15,12 +15,16 @@
 #include "lights/posed_light.h"
 #include "server/accelerator.h"
 #include "server/camera.h"
-#include "server/light_choice.h"
+#include "server/light_selector.h"
 #include "server/ray.h"
 #include "server/scene_description.h"
+#include "server/scene_part.h"
 #include "server/surface_table.h"
 
 namespace lucerna {
+
+class Shafts;
+class ShadowMaps;
 
 /// One light as the scene holds it.
 struct SceneLight {
@@ -36,6 +40,7 @@ struct SceneLight {
   /// Its light has a direction and no place: of `motion` it takes the turns, not the shifts, which
   /// are as long as the scene is far from where it turns.
   bool only_turns = false;
+  std::uint32_t samples = 1;  ///< points that each sample takes on it, where the query does not say
 
   /// Requires `motion`.
   Pose pose_at(double time_s) const {
@@ -58,14 +63,6 @@ auto visit_light(const SceneLight& light, double time_s, F&& f) {
       },
       light.light);
 }
-
-/// One thing that was built, for GetScene.
-struct ScenePart {
-  std::string name;  ///< "bvh", "vertices", "lights", ...
-  std::uint64_t bytes;
-  double build_ms;
-  std::string why;  ///< what of the scene asked for it
-};
 
 /// All const members may be called from any thread.
 class Scene {
@@ -100,11 +97,10 @@ class Scene {
   std::optional<std::uint32_t> find_light(std::uint64_t id) const;
   /// Indices of lights that rays leaving the scene meet.
   std::span<const std::uint32_t> infinite_lights() const { return infinite_lights_; }
-  /// The probability with which choose_light chooses the light of this index.
-  double light_probability(std::uint32_t light) const {
-    return light_distribution_.empty() ? 1 : light_distribution_.probability(light);
-  }
-  const LightDistribution& light_distribution() const { return light_distribution_; }
+  /// Requires two lights or more.
+  const LightSelector& light_selector() const { return *light_selector_; }
+  /// The same of all lights but delta lights.  Made when it is first asked for.
+  const LightSelector& area_selector() const;
   /// True where a light, shape, instance or the camera moves: pictures then depend on time.
   bool moves() const { return moves_; }
   /// True where some light is not a delta light: rays may find it.
@@ -116,7 +112,10 @@ class Scene {
   const RenderHints& hints() const { return hints_; }
   const std::vector<Remark>& remarks() const { return remarks_; }
   const std::vector<Asset>& assets() const { return assets_; }
-  std::span<const ScenePart> parts() const { return parts_; }
+  /// What was built so far: with the scene, and since then because somebody asked for it.
+  std::vector<ScenePart> parts() const;
+  /// Memory of all of them.
+  std::uint64_t bytes() const;
   std::uint64_t shape_count() const;  ///< shapes, each instance counting its object's once
   std::uint64_t primitive_count()
       const;  ///< triangles, patches, spheres, disks and cylinders held in memory
@@ -130,6 +129,11 @@ class Scene {
   void occluded(std::span<const Ray> rays, std::span<std::uint8_t> bits) const {
     accelerator_->occluded(rays, bits);
   }
+
+  /// Made when it is first asked for: LazyPart says what that asks of callers.
+  const Shafts& shafts() const;
+  /// Likewise, and so are the maps in it, light by light.
+  const ShadowMaps& shadow_maps() const;
 
  private:
   Scene() = default;
@@ -145,25 +149,31 @@ class Scene {
   std::vector<std::int32_t> light_spectra_;  // of each light, into spectra_; -1: RGB
   std::vector<DiffuseMaterial> materials_;
   std::unique_ptr<Accelerator> accelerator_;
-  SurfaceTable surfaces_;                      // of the scene's own geometry
-  std::vector<SurfaceTable> object_surfaces_;  // of each object's, then of each moving shape
-  LightDistribution light_distribution_;       // empty where there are fewer than two lights
+  SurfaceTable surfaces_;                        // of the scene's own geometry
+  std::vector<SurfaceTable> object_surfaces_;    // of each object's, then of each moving shape
+  std::optional<LightSelector> light_selector_;  // none where there are fewer than two lights
   bool has_visible_lights_ = false;
   bool moves_ = false;
   Camera camera_;
   RenderHints hints_;
   std::vector<Remark> remarks_;
   std::vector<Asset> assets_;
-  std::vector<ScenePart> parts_;
+  std::vector<ScenePart> parts_;  // what was built with the scene
+  LazyPart<LightSelector> area_selector_{"area light choice"};
+  LazyPart<Shafts> shafts_{"shafts"};
+  LazyPart<ShadowMaps> shadow_maps_{"shadow maps"};
 };
 
 /// The id of a scene that was read from these files: SHA-256 over their names and digests, in
 /// order, 64 hexadecimal digits.
 std::string scene_id(const std::vector<Asset>& assets);
 
-/// Chooses a light by its power (light_choice.h); the probability is not part of any density.  `u`
-/// in [0, 1), with as many bits as the number of lights asks for: 24 bits reach 2^24 of them.
-/// Requires at least one light.
-LightChoice choose_light(const Scene& scene, double u);
+/// A light for a receiver (LightSelector); the probability is not part of any density.  `u` in
+/// [0, 1).  Nothing where no light that `u` is left with reaches the receiver.  Requires at least
+/// one light.
+std::optional<LightChoice> choose_light(const Scene& scene, LightSelection how,
+                                        const Receiver<double>& receiver, double u);
+/// One for a ray that leaves a light, by flux.
+LightChoice choose_emitter(const Scene& scene, double u);
 
 }  // namespace lucerna

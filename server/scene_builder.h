@@ -4,7 +4,6 @@
 
 #include <absl/status/status.h>
 
-#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <stop_token>
@@ -15,17 +14,6 @@
 #include "server/scene.h"
 
 namespace lucerna {
-
-class Stopwatch {
- public:
-  double ms() const {
-    return std::chrono::duration<double, std::milli>(Clock::now() - start_).count();
-  }
-
- private:
-  using Clock = std::chrono::steady_clock;
-  Clock::time_point start_ = Clock::now();
-};
 
 /// Triangles, patches, spheres, disks and cylinders.
 std::uint64_t primitives(const GeometrySet& s);
@@ -51,7 +39,7 @@ class Scene::Builder {
   /// Beside the lights and not in them: where all are given RGB, nothing is kept.
   void keep_spectra();
   void report_shared_by_lights(const Stopwatch& watch);
-  absl::Status choose_by_power();
+  absl::Status prepare_choice();
 
   absl::Status build_geometry(const std::string& isa);
   void report_motion(const std::vector<GeometryInstance>& instances);

@@ -81,6 +81,7 @@ struct ShapeDescription {
     std::shared_ptr<const Spectrum> spectrum{};  ///< null where it was given RGB
     std::optional<Picture> picture{};            ///< what `radiance_cd_m2` is multiplied with
     std::optional<PanelProfile> panel{};         ///< what `radiance_cd_m2` multiplies
+    std::uint32_t samples = 1;                   ///< as SceneLight has it
   };
   std::optional<Emission> emission{};
   SourceLocation where{};
@@ -112,6 +113,7 @@ struct LightDescription {
   std::shared_ptr<const Spectrum> spectrum{};  ///< null where it was given RGB
   /// World to world, where it moves: `params` then are those of the first key frame.
   std::shared_ptr<const Motion> motion{};
+  std::uint32_t samples = 1;  ///< as SceneLight has it
 };
 
 /// A pinhole camera.  Camera space is left-handed: +x right, +y up, +z forward.

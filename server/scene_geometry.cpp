@@ -51,12 +51,16 @@ absl::Status Scene::Builder::build_geometry(const std::string& isa) {
       instances.push_back(
           {static_cast<std::uint32_t>(object), Transform(), about_scene(*s.motion, origin)});
   }
-  for (std::size_t i = 0; i < in_.objects.size(); ++i)
+  std::vector<bool> is_placed(in_.objects.size());
+  for (const auto& i : in_.instances) is_placed[i.object] = true;
+  for (std::size_t i = 0; i < in_.objects.size(); ++i) {
+    if (!is_placed[i]) continue;
     for (const auto& s : in_.objects[i].shapes)
       if (absl::Status status =
               append_shape(s, object_origins_[i], -1, objects[i], scene_->object_surfaces_[i]);
           !status.ok())
         return status;
+  }
   for (const auto& i : in_.instances) {
     if (primitives(objects[i.object]) == 0) continue;
     const Transform scene_from_object = Transform::translate(-scene_->origin_) *
@@ -68,7 +72,7 @@ absl::Status Scene::Builder::build_geometry(const std::string& isa) {
       instances.push_back({i.object, rounded_to_float(scene_from_object)});
   }
   report_motion(instances);
-  scene_->materials_ = std::move(in_.materials);
+  if (!set.empty() || !instances.empty()) scene_->materials_ = std::move(in_.materials);
   report_geometry(set, objects, watch);
   in_.shapes.clear();
   in_.objects.clear();
@@ -132,8 +136,11 @@ void Scene::Builder::report_geometry(const GeometrySet& set,
       read_by_embree_ += bytes[i];
     }
   if (surface_bytes > 0)
-    part("surfaces", surface_bytes + scene_->materials_.capacity() * sizeof(DiffuseMaterial), watch,
-         "materials, shading normals and lights of what is hit");
+    part("surfaces", surface_bytes, watch,
+         "materials' numbers, shading normals and lights of what is hit");
+  if (!scene_->materials_.empty())
+    part("materials", scene_->materials_.capacity() * sizeof(DiffuseMaterial), watch,
+         fmt::format("{} diffuse reflectances", scene_->materials_.size()));
 }
 
 }  // namespace lucerna

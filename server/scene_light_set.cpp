@@ -5,7 +5,10 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numbers>
+#include <optional>
 #include <set>
+#include <tuple>
 
 #include "server/scene_builder.h"
 #include "server/scene_lights.h"
@@ -85,6 +88,7 @@ absl::Status Scene::Builder::build_lights() {
         !s.ok())
       return s;
     scene_->lights_.back().only_turns = !anchor;
+    scene_->lights_.back().samples = l.samples;
   }
   std::size_t moving_shape = 0;
   for (const auto& s : in_.shapes) {
@@ -100,11 +104,21 @@ absl::Status Scene::Builder::build_lights() {
             add_light(create_area_light(s, origin), s.emission->where, origin, std::move(motion));
         !status.ok())
       return status;
+    scene_->lights_.back().samples = s.emission->samples;
   }
   if (scene_->lights_.empty()) return absl::OkStatus();
-  std::uint64_t bytes = scene_->lights_.capacity() * sizeof(SceneLight);
-  for (const SceneLight& l : scene_->lights_) bytes += light_bytes(l.light);
+  std::uint64_t bytes = scene_->lights_.capacity() * sizeof(SceneLight), table_bytes = 0;
+  std::size_t tables = 0;
+  for (const SceneLight& l : scene_->lights_) {
+    const std::uint64_t table = distribution_bytes(l.light);
+    bytes += light_bytes(l.light) - table;
+    table_bytes += table;
+    tables += table > 0;
+  }
   part("lights", bytes, watch, fmt::format("{} lights", scene_->lights_.size()));
+  if (tables > 0)
+    part("image distributions", table_bytes, watch,
+         fmt::format("to draw points and directions from the pictures of {} lights", tables));
   keep_spectra();
   report_shared_by_lights(watch);
   return absl::OkStatus();
@@ -145,22 +159,68 @@ void Scene::Builder::report_shared_by_lights(const Stopwatch& watch) {
          fmt::format("to draw directions from {} pictures", maps.size()));
 }
 
-absl::Status Scene::Builder::choose_by_power() {
-  if (scene_->lights_.size() < 2) return absl::OkStatus();
-  const Stopwatch watch;
+namespace {
+
+/// The area that the flux of a light without bounds passes through, in a scene of this sphere [m2].
+double cross_section_m2(const Light<double>& light, const SceneSphere& sphere) {
+  return std::visit(
+      [&](const auto& l) {
+        if constexpr (requires { l.params().width_m; }) {
+          return l.params().width_m * l.params().height_m;
+        } else if constexpr (requires { l.corners_m(); }) {
+          const auto corners = l.corners_m();
+          return length(cross(corners[1] - corners[0], corners[3] - corners[0]));
+        } else {
+          return std::numbers::pi * sphere.radius_m * sphere.radius_m;
+        }
+      },
+      light);
+}
+
+/// Where the light may be and shine to, at any time; nothing where its illuminance does not fall
+/// off with the distance.
+std::optional<LightBounds<double>> bounds_of(const SceneLight& light) {
+  if (std::holds_alternative<BeamLight<double>>(light.light)) return std::nullopt;
+  auto bounds = std::visit([](const auto& l) { return l.bounds(); }, light.light);
+  if (!bounds || !light.motion) return bounds;
+  LightBounds<double> swept = *bounds;
+  swept.cone_rad = swept.normals_rad = std::numbers::pi;
+  std::tie(swept.lower, swept.upper) = light.motion->bounds(bounds->lower, bounds->upper);
+  return swept;
+}
+
+}  // namespace
+
+std::vector<LightSelector::Item> selector_items(const Scene& scene, bool areas_alone) {
   // Light from infinitely far arrives at receivers even where the scene is but a point.
-  SceneSphere sphere = scene_->sphere_;
+  SceneSphere sphere = scene.sphere();
   if (!(sphere.radius_m > 0)) sphere.radius_m = 1;
-  std::vector<double> lumens;
-  for (const SceneLight& l : scene_->lights_) {
+  std::vector<LightSelector::Item> items;
+  for (std::uint32_t i = 0; i < scene.lights().size(); ++i) {
+    const SceneLight& l = scene.lights()[i];
+    if (areas_alone && std::visit([](const auto& m) { return m.kDelta; }, l.light)) continue;
     const Power power = visit_light(l, -std::numeric_limits<double>::infinity(),
                                     [&](const auto& m) { return m.power(sphere); });
     // The largest channel, not the luminance: a light of one channel has its share of noise too.
-    lumens.push_back(std::fmin(power.lumens.max_component(), 1e300));
+    const double lumens = std::fmin(power.lumens.max_component(), 1e300);
+    auto bounds = bounds_of(l);
+    const double lux = bounds ? 0 : std::fmin(lumens / cross_section_m2(l.light, sphere), 1e300);
+    items.push_back({i, lumens, lux, std::move(bounds)});
   }
-  scene_->light_distribution_ = LightDistribution(lumens);
-  part("light choice", scene_->light_distribution_.bytes(), watch,
-       fmt::format("{} lights to choose from by power", lumens.size()));
+  return items;
+}
+
+absl::Status Scene::Builder::prepare_choice() {
+  if (scene_->lights_.size() < 2) return absl::OkStatus();
+  const Stopwatch watch;
+  scene_->light_selector_.emplace(selector_items(*scene_, false));
+  LightSelector& selector = *scene_->light_selector_;
+  selector.build_tree_if_used();
+  // The tree is a part of its own.
+  const auto tree = selector.tree_part().told();
+  const double own_ms = watch.ms() - (tree ? tree->build_ms : 0);
+  scene_->parts_.push_back({"light choice", selector.bytes() - selector.tree_part().bytes(), own_ms,
+                            fmt::format("{} lights to choose from", scene_->lights_.size())});
   return absl::OkStatus();
 }
 

@@ -188,6 +188,19 @@ std::uint64_t light_bytes(const Light<double>& light) {
       light);
 }
 
+std::uint64_t distribution_bytes(const Light<double>& light) {
+  return std::visit(
+      [](const auto& l) -> std::uint64_t {
+        if constexpr (requires { l.shape().distribution_bytes(); })
+          return l.shape().distribution_bytes();
+        else if constexpr (requires { l.table_bytes(); })
+          return l.table_bytes();
+        else
+          return 0;
+      },
+      light);
+}
+
 const Image* picture_of(const Light<double>& light) {
   return std::visit(
       [](const auto& l) -> const Image* {

@@ -6,11 +6,15 @@
 #include <cstdint>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "lights/light.h"
+#include "server/light_selector.h"
 #include "server/scene_description.h"
 
 namespace lucerna {
+
+class Scene;
 
 using Box = std::pair<Vec3<double>, Vec3<double>>;  ///< lower and upper corner [m, world]
 
@@ -37,10 +41,15 @@ absl::StatusOr<Light<double>> create_area_light(const ShapeDescription& shape,
 /// What its surface is made of; 1 where it has none.
 std::uint64_t primitive_count(const Light<double>& light);
 
+/// All lights, or all but delta lights, as they are chosen from.
+std::vector<LightSelector::Item> selector_items(const Scene& scene, bool areas_alone);
+
 /// The picture that a light uses, null where there is none.
 const Image* picture_of(const Light<double>& light);
 
 /// Memory beside the object itself, without the picture.
 std::uint64_t light_bytes(const Light<double>& light);
+/// Of these, what points or directions are drawn with by the light's picture.
+std::uint64_t distribution_bytes(const Light<double>& light);
 
 }  // namespace lucerna

@@ -79,7 +79,7 @@ class Turns {
 
 struct Entry {
   StoredScene stored;
-  std::uint64_t bytes = 0;
+  std::uint64_t bytes = 0;                  // when it was last looked at: it may grow since
   std::uint64_t used = 0;                   // the larger, the later
   std::map<std::string, TimePoint> leases;  // when they run out, by id
 };
@@ -99,6 +99,7 @@ struct SceneStore::State {
   std::map<std::string, Entry> scenes;           // by id
   std::map<std::string, std::string> by_source;  // ids
   std::uint64_t uses = 0, builds = 0;
+  std::uint64_t held = 0;  // bytes of all entries, each as it was last looked at
 
   // All below are called with the lock held.
 
@@ -131,14 +132,34 @@ struct SceneStore::State {
   void remove(std::map<std::string, Entry>::iterator entry,
               std::vector<std::shared_ptr<const Scene>>& gone) {
     std::erase_if(by_source, [&](const auto& s) { return s.second == entry->first; });
+    held -= entry->second.bytes;
     gone.push_back(std::move(entry->second.stored.scene));
     scenes.erase(entry);
   }
 
-  std::uint64_t bytes() const {
-    std::uint64_t sum = 0;
-    for (const auto& [id, entry] : scenes) sum += entry.bytes;
-    return sum;
+  /// Counts what was built in a scene since it was last looked at.
+  void measure(Entry& entry) {
+    const std::uint64_t now = entry.stored.scene->bytes();
+    held += now - entry.bytes;
+    entry.bytes = now;
+  }
+  void measure_all() {
+    for (auto& [id, entry] : scenes) measure(entry);
+  }
+
+  /// Lets scenes without a lease go, the longest unused first, until all have at most `most` bytes;
+  /// never `keep`.
+  void shrink(std::uint64_t most, const std::string& keep,
+              std::vector<std::shared_ptr<const Scene>>& gone) {
+    while (held > most) {
+      auto oldest = scenes.end();
+      for (auto s = scenes.begin(); s != scenes.end(); ++s) {
+        if (s->first == keep || leased_until(s->second)) continue;
+        if (oldest == scenes.end() || s->second.used < oldest->second.used) oldest = s;
+      }
+      if (oldest == scenes.end()) return;
+      remove(oldest, gone);
+    }
   }
 
   /// Lets scenes go until there is room for `more`; none at all where that would not do.
@@ -148,6 +169,7 @@ struct SceneStore::State {
     if (more > budget)
       return absl::ResourceExhaustedError(
           fmt::format("the scene takes {} bytes, this server keeps at most {}", more, budget));
+    measure_all();
     std::uint64_t leased = 0;
     std::optional<TimePoint> soonest;
     for (auto& [id, entry] : scenes) {
@@ -165,16 +187,7 @@ struct SceneStore::State {
                       absl::Cord(std::to_string(std::max<std::int64_t>(wait.count(), 1))));
       return full;
     }
-    for (std::uint64_t sum = bytes(); sum + more > budget;) {
-      auto oldest = scenes.end();
-      for (auto s = scenes.begin(); s != scenes.end(); ++s) {
-        if (s->second.leases.empty() &&
-            (oldest == scenes.end() || s->second.used < oldest->second.used))
-          oldest = s;
-      }
-      sum -= oldest->second.bytes;
-      remove(oldest, gone);
-    }
+    shrink(budget - more, "", gone);
     return absl::OkStatus();
   }
 
@@ -281,21 +294,28 @@ absl::StatusOr<LoadedScene> SceneStore::build_once(SceneDescription description,
   if (!scene.ok()) return scene.status();
   Entry entry;
   entry.stored = {.scene = *scene, .path = path};
-  for (const ScenePart& part : (*scene)->parts()) entry.bytes += part.bytes;
+  entry.bytes = (*scene)->bytes();
   std::vector<std::shared_ptr<const Scene>> gone;  // destroyed outside of the lock
   const std::lock_guard lock(state_->mutex);
   if (absl::Status s = state_->make_room(entry.bytes, gone); !s.ok()) return s;
   ++state_->builds;
+  state_->held += entry.bytes;
   const auto place = state_->scenes.emplace(id, std::move(entry)).first;
   return state_->answer(place->second, key, options, false);
 }
 
 std::shared_ptr<const Scene> SceneStore::find(const std::string& id) const {
+  std::vector<std::shared_ptr<const Scene>> gone;  // destroyed outside of the lock
   const std::lock_guard lock(state_->mutex);
   const auto found = state_->scenes.find(id);
   if (found == state_->scenes.end()) return nullptr;
   found->second.used = ++state_->uses;
-  return found->second.stored.scene;
+  std::shared_ptr<const Scene> scene = found->second.stored.scene;
+  if (const std::uint64_t budget = state_->options.memory_budget_bytes; budget > 0) {
+    state_->measure(found->second);
+    state_->shrink(budget, id, gone);
+  }
+  return scene;
 }
 
 std::vector<StoredScene> SceneStore::list(const std::string& after, std::size_t count) const {
@@ -353,7 +373,8 @@ std::size_t SceneStore::size() const {
 
 std::uint64_t SceneStore::bytes() const {
   const std::lock_guard lock(state_->mutex);
-  return state_->bytes();
+  state_->measure_all();
+  return state_->held;
 }
 
 std::uint64_t SceneStore::builds() const {

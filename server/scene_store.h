@@ -74,7 +74,8 @@ class SceneStore {
   /// ask for one scene at the same time one builds and the others wait.  Nothing stays of a failed
   /// load.
   ///
-  /// Where scenes exceed the budget, those without a lease go, the longest unused first.
+  /// Where scenes exceed the budget, those without a lease go, the longest unused first.  A scene
+  /// counts with what was built in it since it was loaded; the next `find` of it lets others go.
   ///
   /// Errors: those of load_pbrt and Scene::build; CANCELLED; RESOURCE_EXHAUSTED where leases leave
   /// no room (with kRetryAfterPayload) and where there will never be any.

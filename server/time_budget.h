@@ -39,9 +39,10 @@ class StopAt {
 /// was stopped, for larger and larger n until `budget_s` is over; returns the last answer and its
 /// n.  A count is chosen by the clock before its samples are taken, so they have no say in it.
 /// The first answer, of one sample, is waited for.  Nothing where `stop` was asked for.
-template <typename Run>
-auto within_time(double budget_s, std::uint32_t most, const std::stop_token& stop, Run&& run)
-    -> decltype(std::pair(run(1U, stop), 1U)) {
+/// `round` takes a count down to one that can be asked for, of which 1 is one.
+template <typename Run, typename Round = std::identity>
+auto within_time(double budget_s, std::uint32_t most, const std::stop_token& stop, Run&& run,
+                 Round&& round = {}) -> decltype(std::pair(run(1U, stop), 1U)) {
   // What is left of the budget is never planned to the last moment.
   constexpr double kPlanned = 0.9;
   // Short runs tell little of long ones.
@@ -59,7 +60,7 @@ auto within_time(double budget_s, std::uint32_t most, const std::stop_token& sto
     const double left_s = std::min(budget_s, kForEver) - since(begin);
     const double fits =
         std::min(kPlanned * left_s / std::max(took_s, 1e-9), kMostGrowth) * best.second;
-    const auto n = static_cast<std::uint32_t>(std::clamp<double>(fits, 0, most));
+    const std::uint32_t n = round(static_cast<std::uint32_t>(std::clamp<double>(fits, 0, most)));
     if (n <= best.second) break;
     const StopAt in_time(Clock::now() + std::chrono::duration_cast<Clock::duration>(
                                             std::chrono::duration<double>(left_s)),

@@ -150,11 +150,12 @@ void Frame::put(v1::RenderImageRequest& request) const {
 
 void FramesOption::add(CLI::App& command) {
   command
-      .add_option("--frames", frames,
-                  "Pictures of an animation: N, A-B or A-B:STEP.  -o, --stderr and --journal name "
-                  "them with %d, or %04d for four digits.  Where SCENE has one too, each frame has "
-                  "its own file, shutter and all; else frame 1 is the scene as it is, and the "
-                  "shutter opens 1/fps later for each further frame")
+      .add_option(
+          "--frames", frames,
+          "Pictures of an animation: N, A-B or A-B:STEP.  -o, --stderr, --counts and --journal "
+          "name them with %d, or %04d for four digits.  Where SCENE has one too, each frame has "
+          "its own file, shutter and all; else frame 1 is the scene as it is, and the "
+          "shutter opens 1/fps later for each further frame")
       ->type_name("RANGE");
   command
       .add_option(
@@ -183,7 +184,7 @@ void FramesOption::check() const {
 std::vector<Frame> FramesOption::plan(const FrameNames& names, bool at_moment) const {
   const auto range = FrameRange::parse(frames);
   if (!range.ok()) wrong_use("--frames: " + std::string(range.status().message()));
-  std::optional<FramePattern> scene, error, journal;
+  std::optional<FramePattern> scene, error, counts, journal;
   if (names.scene.find('%') != std::string::npos) {
     scene = pattern("SCENE", names.scene);
     const auto alone = [](bool given, const char* name) {
@@ -199,6 +200,7 @@ std::vector<Frame> FramesOption::plan(const FrameNames& names, bool at_moment) c
   std::vector<FramePattern> outputs;
   for (const std::string& path : names.outputs) outputs.push_back(pattern("--output", path));
   if (!names.error_output.empty()) error = pattern("--stderr", names.error_output);
+  if (!names.counts_output.empty()) counts = pattern("--counts", names.counts_output);
   if (!names.journal.empty()) journal = pattern("--journal", names.journal);
 
   std::vector<Frame> planned;
@@ -214,6 +216,7 @@ std::vector<Frame> FramesOption::plan(const FrameNames& names, bool at_moment) c
     for (const FramePattern& p : outputs)
       written.add(frame.outputs.emplace_back(p.name(n)), n, true);
     if (error) written.add(frame.error_output = error->name(n), n, true);
+    if (counts) written.add(frame.counts_output = counts->name(n), n, true);
     if (journal) written.add(frame.journal = journal->name(n), n, false);
   }
   return planned;
@@ -225,7 +228,8 @@ bool FrameRun::is_there(const Frame& frame) const {
     return fs::is_regular_file(path, ignored);
   };
   return std::all_of(frame.outputs.begin(), frame.outputs.end(), exists) &&
-         (frame.error_output.empty() || exists(frame.error_output));
+         (frame.error_output.empty() || exists(frame.error_output)) &&
+         (frame.counts_output.empty() || exists(frame.counts_output));
 }
 
 const Frame* FrameRun::next() {

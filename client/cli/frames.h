@@ -44,6 +44,7 @@ struct Frame {
   bool own_scene = false;  ///< a file for this frame alone
   std::vector<std::string> outputs;
   std::string error_output;         ///< empty: none
+  std::string counts_output;        ///< empty: none
   std::string journal;              ///< empty: none
   double later_s = 0;               ///< than frame 1
   std::optional<double> shutter_s;  ///< unset: as long as the scene file says
@@ -58,6 +59,7 @@ struct FrameNames {
   std::string scene;
   std::vector<std::string> outputs;
   std::string error_output;
+  std::string counts_output;
   std::string journal;
 };
 

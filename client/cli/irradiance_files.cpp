@@ -157,11 +157,11 @@ std::string describe_statuses(const client::IrradianceJobResult& result) {
 
 void IrradianceFilesOption::add(CLI::App& command) {
   command
-      .add_option(
-          "-o,--output", output_,
-          "Into a file, of points from a file of any length: .npy (one row of float32 a "
-          "point: illuminance, R, G, B, standard error, zero bound, status), .csv, or where "
-          "the points are a map .exr")
+      .add_option("-o,--output", output_,
+                  "Into a file, of points from a file of any length: .npy (one row of float32 a "
+                  "point: illuminance, R, G, B, standard error, zero bound, status; with --error "
+                  "also lower and upper end, samples), .csv, or where "
+                  "the points are a map .exr")
       ->type_name("FILE");
   command
       .add_option("--normals", normals_,

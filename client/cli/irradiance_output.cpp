@@ -31,6 +31,8 @@ absl::Status write_csv(const std::string& path, const client::ResultFile& result
   fmt::format_to(to,
                  "x,y,z,illuminance_lx,red_lx,green_lx,blue_lx,standard_error_lx,"
                  "zero_bound_lx,status");
+  if (options.request.accuracy().has_target_error())
+    fmt::format_to(to, ",lower_lx,upper_lx,samples");
   for (const double nm : options.request.wavelengths_nm())
     fmt::format_to(to, ",irradiance_{}nm_w_m2_nm", nm);
   std::vector<client::Double3> points;
@@ -65,6 +67,8 @@ absl::Status write_map(const std::string& path, const client::ResultFile& result
                        const IrradianceOutput& options, const client::MapWindow& window) {
   std::vector<std::string> names = {"illuminance.Y", "R",       "G", "B", "standard_error.Y",
                                     "zero_bound.Y",  "status.Y"};
+  if (options.request.accuracy().has_target_error())
+    names.insert(names.end(), {"lower.Y", "upper.Y", "samples.Y"});
   for (const double nm : options.request.wavelengths_nm())
     names.push_back(fmt::format("irradiance.{}nm", nm));
   // A column of NaN tells nobody anything, and pictures of NaN upset programs.

@@ -26,8 +26,9 @@ std::string status_name(float status);
 ///   x,y,z,illuminance_lx,red_lx,green_lx,blue_lx,standard_error_lx,zero_bound_lx,status
 /// for each receiver, numbers with as many digits as tell every bit, status by name.  .exr:
 /// channels R, G, B, illuminance.Y, standard_error.Y (where there is more than a sample),
-/// zero_bound.Y and status.Y in `window`.  Of both, wavelengths follow.  UNKNOWN where it cannot be
-/// written.
+/// zero_bound.Y and status.Y in `window`.  Of both, with a target error the ends of the interval
+/// and the samples follow (lower_lx,upper_lx,samples; lower.Y, upper.Y, samples.Y), then
+/// wavelengths.  UNKNOWN where it cannot be written.
 absl::Status write_irradiance(const IrradianceOutput& options, client::ReceiverSource& receivers,
                               const client::MapWindow* window);
 

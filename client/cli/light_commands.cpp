@@ -7,11 +7,12 @@
 
 #include "client/batch_parts.h"
 #include "client/cli/answer.h"
-#include "client/cli/area_sampling.h"
 #include "client/cli/light_table.h"
+#include "client/cli/method_options.h"
 #include "client/cli/output.h"
 #include "client/cli/points.h"
 #include "client/cli/session.h"
+#include "client/cli/stop_option.h"
 #include "client/cli/time_option.h"
 #include "client/cli/validators.h"
 #include "client/cli/wavelengths.h"
@@ -29,6 +30,7 @@ struct SampleOptions {
   std::uint32_t samples = 1;
   bool visibility = false;
   AreaSamplingOption area_sampling;
+  LightSelectionOption light_selection;
   TimeOption time;
   WavelengthOption wavelengths;
 };
@@ -108,6 +110,7 @@ void sample(Session& session, const SampleOptions& options) {
   fill(options.normals.given() ? options.normals.read(set.points.size()) : set.seconds,
        request.mutable_normals());
   options.area_sampling.put(request);
+  options.light_selection.put(request);
   options.time.put(request);
   if (options.samples != 1) request.mutable_accuracy()->set_samples(options.samples);
   options.wavelengths.put(request);
@@ -155,6 +158,8 @@ struct PowerOptions {
   std::string scene;
   std::vector<std::uint64_t> lights;
   std::string method = "exact";
+  StopOption stop;
+  std::uint64_t seed = 0;
   WavelengthOption wavelengths;
 };
 
@@ -166,11 +171,20 @@ v1::EstimatePowerResponse all_powers(Session& session, v1::EstimatePowerRequest 
       return client.estimate_power(request, session.call_options());
     });
     request.set_page_token(page.next_page_token());
+    // A time is that of one page: the others take as many samples, so that one total is of all.
+    if (request.accuracy().has_time_budget_s() && page.lights_size() > 0)
+      request.mutable_accuracy()->set_samples(static_cast<std::uint32_t>(page.lights(0).samples()));
     all.mutable_lights()->MergeFrom(page.lights());
     all.mutable_total()->Swap(page.mutable_total());
     all.mutable_cost()->Swap(page.mutable_cost());
   } while (!request.page_token().empty());
   return all;
+}
+
+/// Half the interval that holds a sampled flux.
+std::string interval_text(const v1::LightPower& light) {
+  if (!light.has_upper_lm()) return "unknown";
+  return number((light.upper_lm() - light.lower_lm()) / 2);
 }
 
 void power(Session& session, const PowerOptions& options) {
@@ -179,6 +193,14 @@ void power(Session& session, const PowerOptions& options) {
   for (const std::uint64_t id : options.lights) request.add_light_ids(id);
   if (options.method == "approximate") {
     request.set_method(v1::EstimatePowerRequest::METHOD_APPROXIMATE);
+  }
+  const bool sampled = options.method == "sampled";
+  if (sampled) {
+    request.set_method(v1::EstimatePowerRequest::METHOD_SAMPLED);
+    request.set_seed(options.seed);
+    options.stop.put(request);
+  } else if (options.stop.samples || options.stop.error || options.stop.budget_s) {
+    wrong_use("--samples, --error and --budget go with --method sampled");
   }
   options.wavelengths.put(request);
   const v1::EstimatePowerResponse response = all_powers(session, request);
@@ -192,6 +214,7 @@ void power(Session& session, const PowerOptions& options) {
   const bool watts = std::any_of(response.lights().begin(), response.lights().end(),
                                  [](const v1::LightPower& light) { return light.has_power_w(); });
   std::vector<Table::Column> columns = {{"id"}, {"type", true}, {"flux [lm]"}, {"± [lm]"}};
+  if (sampled) columns.push_back({"samples"});
   if (watts) columns.push_back({"flux [W]"});
   columns.push_back({"RGB [lm]", true});
   if (options.wavelengths.given()) columns.push_back({options.wavelengths.header("W/nm"), true});
@@ -200,7 +223,10 @@ void power(Session& session, const PowerOptions& options) {
                        bool from_infinity) {
     const v1::Rgb& rgb = light.rgb_lm();
     std::vector<std::string> row = {id, type, flux_text(light.power_lm(), from_infinity),
-                                    light.error_lm() == 0 ? "exact" : number(light.error_lm())};
+                                    sampled                 ? interval_text(light)
+                                    : light.error_lm() == 0 ? "exact"
+                                                            : number(light.error_lm())};
+    if (sampled) row.push_back(std::to_string(light.samples()));
     if (watts) row.push_back(light.has_power_w() ? number(light.power_w()) : "unknown");
     row.push_back(triple(rgb.r(), rgb.g(), rgb.b()));
     if (options.wavelengths.given()) {
@@ -220,6 +246,9 @@ void power(Session& session, const PowerOptions& options) {
   add("all", "", response.total(), any_from_infinity);
   fmt::print("{}", table.to_string());
   if (any_from_infinity) fmt::print("{}; \"all\" includes it\n", kFluxFromInfinity);
+  if (sampled)
+    fmt::print("± holds with {:g}% confidence; {}\n", 100 * options.stop.confidence(),
+               describe(response.cost()));
 }
 
 }  // namespace
@@ -250,6 +279,7 @@ void add_light_commands(CLI::App& app, Session& session) {
   command->add_flag("--visible", sampling->visibility, "Also test whether nothing stands between");
   sampling->normals.add(*command, "--normal", "The surface normal x,y,z at the point");
   sampling->area_sampling.add(*command);
+  sampling->light_selection.add(*command);
   sampling->time.add(*command);
   sampling->wavelengths.add(*command);
   command->callback([sampling, &session] { sample(session, *sampling); });
@@ -269,7 +299,8 @@ void add_light_commands(CLI::App& app, Session& session) {
   command = app.add_subcommand("power", "Luminous and radiant flux of lights");
   command->footer(
       "Example:\n  lucerna power room.pbrt --light 1 --light 2\n"
-      "  lucerna power room.pbrt --wavelength 450,555,650");
+      "  lucerna power room.pbrt --wavelength 450,555,650\n"
+      "  lucerna power room.pbrt --method sampled --error 0.1%");
   const auto powers = std::make_shared<PowerOptions>();
   command->add_option("SCENE", powers->scene, "Path or id")->required();
   command->add_option("--light", powers->lights, "Id of a light; may be given again; default: all")
@@ -277,8 +308,12 @@ void add_light_commands(CLI::App& app, Session& session) {
       ->allow_extra_args(false);
   command
       ->add_option("--method", powers->method,
-                   "exact; or approximate: the books' formulas, ± how far they are off")
-      ->check(one_of({"exact", "approximate"}))
+                   "exact; or approximate: the books' formulas, ± how far they are off; or "
+                   "sampled: the mean of rays that leave the light")
+      ->check(one_of({"exact", "approximate", "sampled"}))
+      ->capture_default_str();
+  powers->stop.add(*command, "light", "4096; with --method sampled, as are the others", "lm");
+  command->add_option("--seed", powers->seed, "With --method sampled: seed of the sample values")
       ->capture_default_str();
   powers->wavelengths.add(*command);
   command->callback([powers, &session] { power(session, *powers); });

@@ -57,6 +57,7 @@ int run(int argc, char** argv) {
   lucerna::cli::add_emission_commands(app, session);
   lucerna::cli::add_receiver_commands(app, session);
   lucerna::cli::add_render_command(app, session);
+  lucerna::cli::add_tradeoff_command(app, session, LUCERNA_VERSION);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -101,6 +101,10 @@ std::string describe(const v1::Cost& cost) {
   if (cost.samples() > 0) result += fmt::format(", {} samples", cost.samples());
   const std::uint64_t rays = cost.camera_rays() + cost.indirect_rays() + cost.shadow_rays();
   if (rays > 0) result += fmt::format(", {} rays", rays);
+  if (cost.shadow_map_lookups() > 0)
+    result += fmt::format(
+        ", {} look-ups in shadow maps, of which {} of {} compared disagree with rays",
+        cost.shadow_map_lookups(), cost.shadow_map_disagreed(), cost.shadow_map_compared());
   return result;
 }
 

@@ -6,8 +6,8 @@
 
 #include "client/batch_parts.h"
 #include "client/cli/answer.h"
-#include "client/cli/area_sampling.h"
 #include "client/cli/irradiance_files.h"
+#include "client/cli/method_options.h"
 #include "client/cli/output.h"
 #include "client/cli/points.h"
 #include "client/cli/session.h"
@@ -86,7 +86,7 @@ struct IrradianceOptions {
   StopOption stop;
   std::uint64_t seed = 0;
   bool per_light = false;
-  AreaSamplingOption area_sampling;
+  MethodOptions methods;
   TimeOption time;
   WavelengthOption wavelengths;
   IrradianceFilesOption files;
@@ -169,7 +169,7 @@ void irradiance(Session& session, const IrradianceOptions& options) {
   request.set_per_light(options.per_light);
   request.mutable_seed()->set_seed(options.seed);
   options.stop.put(request);
-  options.area_sampling.put(request);
+  options.methods.put(request);
   options.time.put(request);
   options.wavelengths.put(request);
   if (options.files.given()) {
@@ -229,10 +229,10 @@ void add_receiver_commands(CLI::App& app, Session& session) {
       ->add_option("--bounces", meter->bounces,
                    "Reflections that light may take, 0 for direct light; default: all")
       ->check(whole(0));
-  meter->stop.add(*command, "point", "256");
+  meter->stop.add(*command, "point", "256", "lx");
   command->add_option("--seed", meter->seed, "Seed of the sample values")->capture_default_str();
   command->add_flag("--per-light", meter->per_light, "Also the direct light of each light");
-  meter->area_sampling.add(*command);
+  meter->methods.add(*command);
   meter->time.add(*command);
   meter->wavelengths.add(*command);
   meter->files.add(*command);

@@ -1,6 +1,8 @@
 // render.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -9,13 +11,14 @@
 #include <utility>
 
 #include "absl/cleanup/cleanup.h"
-#include "client/cli/area_sampling.h"
 #include "client/cli/frames.h"
+#include "client/cli/method_options.h"
 #include "client/cli/output.h"
 #include "client/cli/preview.h"
 #include "client/cli/progress.h"
 #include "client/cli/render_servers.h"
 #include "client/cli/session.h"
+#include "client/cli/stop_option.h"
 #include "client/cli/time_option.h"
 #include "client/cli/validators.h"
 #include "client/picture.h"
@@ -29,9 +32,9 @@ using client::PictureFile;
 struct RenderOptions {
   std::string scene;
   std::vector<std::string> outputs;
-  std::string error_output;
-  std::optional<std::uint32_t> samples;
-  AreaSamplingOption area_sampling;
+  std::string error_output, counts_output;
+  StopOption stop;
+  MethodOptions methods;
   TimeOption time;
   std::uint64_t seed = 0;
   std::optional<std::uint32_t> bounces;
@@ -50,6 +53,34 @@ PictureFile create(const std::string& path) {
   return *std::move(file);
 }
 
+/// How far a picture is: by its samples, by its time, or by its pixels.
+class PictureProgress {
+ public:
+  explicit PictureProgress(std::optional<double> budget_s) : budget_s_(budget_s) {}
+
+  void update(const v1::RenderImageResponse& response) {
+    const v1::PixelRect& rect = response.tile().rect();
+    if (response.samples_total() > 0) {
+      bar_.update(response.samples_done(), response.samples_total());
+    } else if (budget_s_) {
+      const std::chrono::duration<double> since = std::chrono::steady_clock::now() - begin_;
+      constexpr double kSteps = 1000;
+      const double share = std::min(1.0, since.count() / *budget_s_);
+      bar_.update(static_cast<std::uint64_t>(kSteps * share), static_cast<std::uint64_t>(kSteps));
+    } else {
+      pixels_ += std::uint64_t{rect.x1() - rect.x0()} * (rect.y1() - rect.y0());
+      bar_.update(pixels_,
+                  std::uint64_t{response.tile().image_width()} * response.tile().image_height());
+    }
+  }
+
+ private:
+  ProgressBar bar_;
+  std::optional<double> budget_s_;
+  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+  std::uint64_t pixels_ = 0;
+};
+
 /// The whole picture, and the last message less its tile.
 std::pair<client::Picture, v1::RenderImageResponse> render_picture(
     Session& session, const v1::RenderImageRequest& request, Preview& preview) {
@@ -57,13 +88,15 @@ std::pair<client::Picture, v1::RenderImageResponse> render_picture(
   v1::RenderImageResponse last;
   absl::Status bad_tile;
   {
-    ProgressBar bar;
+    PictureProgress progress(request.accuracy().has_time_budget_s()
+                                 ? std::optional(request.accuracy().time_budget_s())
+                                 : std::nullopt);
     const absl::Status status = session.client().render_image(
         request,
         [&](const v1::RenderImageResponse& response) {
           bad_tile = assembler.add(response.tile());
           if (bad_tile.ok()) preview.update(response.tile(), assembler);
-          bar.update(response.samples_done(), response.samples_total());
+          progress.update(response);
           last.set_samples_done(response.samples_done());
           last.set_samples_total(response.samples_total());
           *last.mutable_cost() = response.cost();
@@ -84,25 +117,46 @@ void write(PictureFile file, const client::Picture& picture, const std::vector<f
   if (!status.ok()) throw CommandError(kServerSaidNo, std::string(status.message()));
 }
 
-void render(Session& session, const RenderOptions& options, Preview& preview) {
+/// Of the pixels' samples: "64 samples a pixel at least, 256 in the middle, 4096 at most".
+std::string describe_samples(std::vector<std::uint32_t> samples) {
+  const auto [least, most] = std::minmax_element(samples.begin(), samples.end());
+  const std::string ends[] = {fmt::format("{}", *least), fmt::format("{}", *most)};
+  const auto middle = samples.begin() + static_cast<std::ptrdiff_t>((samples.size() - 1) / 2);
+  std::nth_element(samples.begin(), middle, samples.end());
+  return fmt::format("{} samples a pixel at least, {} in the middle, {} at most", ends[0], *middle,
+                     ends[1]);
+}
+
+/// Ends the program for what does not go together.
+void check(const RenderOptions& options) {
   options.servers.check();
+  if (options.servers && options.stop.budget_s)
+    wrong_use("--budget: not with --servers, whose tiles wait for their turn; --error stops too");
+  if (options.servers.samples_per_piece > 0 && options.stop.error)
+    wrong_use("--split-samples: not with --error, where each pixel has samples of its own");
+  if (!options.error_output.empty() && options.stop.samples == 1U)
+    wrong_use("--stderr: a single sample gives no standard error, --samples must be 2 or more");
+  const auto format = client::picture_format(options.counts_output);
+  if (!options.counts_output.empty() && format.ok() && *format == client::PictureFormat::kPng)
+    wrong_use("--counts " + options.counts_output +
+              ": 8 bits hold no counts, must be .exr or .pfm");
+}
+
+void render(Session& session, const RenderOptions& options, Preview& preview) {
+  check(options);
   if (!options.servers) session.need_one_server("pictures by several are for --servers");
-  if (!options.error_output.empty()) {
-    if (options.samples == 1U) {
-      wrong_use("--stderr: a single sample gives no standard error, --samples must be 2 or more");
-    }
-  }
   std::vector<PictureFile> files;
   std::set<std::filesystem::path> names;
   const auto add = [&](const std::string& path) {
     if (!names.insert(std::filesystem::absolute(path).lexically_normal()).second) {
-      wrong_use("-o and --stderr: " + path + " is given twice");
+      wrong_use("-o, --stderr and --counts: " + path + " is given twice");
     }
     return create(path);
   };
   for (const std::string& path : options.outputs) files.push_back(add(path));
-  std::optional<PictureFile> error_file;
+  std::optional<PictureFile> error_file, counts_file;
   if (!options.error_output.empty()) error_file = add(options.error_output);
+  if (!options.counts_output.empty()) counts_file = add(options.counts_output);
   // --skip-existing would take it for the picture.
   if (options.frame != nullptr) {
     for (PictureFile& file : files) file.keep_no_preview();
@@ -114,8 +168,8 @@ void render(Session& session, const RenderOptions& options, Preview& preview) {
   request.set_seed(options.seed);
   if (options.bounces) request.set_bounces(*options.bounces);
   if (options.tile_size) request.set_tile_size(*options.tile_size);
-  if (options.samples) request.mutable_accuracy()->set_samples(*options.samples);
-  options.area_sampling.put(request);
+  options.stop.put(request);
+  options.methods.put(request);
   options.time.put(request);
   if (options.frame != nullptr) options.frame->put(request);
   request.set_final_only(!preview);
@@ -146,24 +200,34 @@ void render(Session& session, const RenderOptions& options, Preview& preview) {
     write(*std::move(error_file), picture, picture.standard_error, description,
           options.exposure_ev);
   }
+  if (counts_file) {
+    // Grey, as pictures have three channels.
+    std::vector<float> counts;
+    counts.reserve(picture.pixels.size());
+    for (const std::uint32_t n : picture.samples)
+      counts.insert(counts.end(), 3, static_cast<float>(n));
+    write(*std::move(counts_file), picture, counts, description, 0);
+  }
   preview.finish();
   if (session.json()) {
     fmt::print("{}", to_json(last));
   } else {
-    fmt::print("{}: {} x {} pixels; {}\n", fmt::join(options.outputs, ", "), picture.width,
-               picture.height, describe(last.cost()));
+    const std::string counts =
+        options.stop.error || options.stop.budget_s ? describe_samples(picture.samples) + "; " : "";
+    fmt::print("{}: {} x {} pixels; {}{}\n", fmt::join(options.outputs, ", "), picture.width,
+               picture.height, counts, describe(last.cost()));
   }
   std::fflush(stdout);  // whoever waits for frames sees each
 }
 
 /// Each as `render` renders it alone.
 void render_frames(Session& session, const RenderOptions& options) {
-  options.servers.check();
+  check(options);
   if (options.preview.redraw_s > 0 && options.frames.skip_existing)
     wrong_use("--preview and --skip-existing: what is redrawn is there before it is done");
   Preview preview(options.preview, options.outputs);
   const FrameNames names{options.scene, options.outputs, options.error_output,
-                         options.servers.journal};
+                         options.counts_output, options.servers.journal};
   RenderOptions one = options;  // outlives the run, whose loads refer to it
   FrameRun run(session, options.frames.plan(names, options.time.given()),
                options.frames.skip_existing, static_cast<bool>(options.servers));
@@ -172,6 +236,7 @@ void render_frames(Session& session, const RenderOptions& options) {
     if (one.scene != frame->scene) one.scene = frame->scene;
     one.outputs = frame->outputs;
     one.error_output = frame->error_output;
+    one.counts_output = frame->counts_output;
     one.servers.journal = frame->journal;
     one.servers.held = &run.held();
     render(session, one, preview);
@@ -185,6 +250,7 @@ void add_render_command(CLI::App& app, Session& session) {
   CLI::App* command = app.add_subcommand("render", "Renders the picture of the scene's camera");
   command->footer(
       "Example:\n  lucerna render room.pbrt -o room.png --samples 256 --exposure -2\n"
+      "  lucerna render room.pbrt -o room.exr --error 1% --floor 0.01 --counts samples.exr\n"
       "  lucerna render --servers a:50051,b:50051 --upload room.pbrt -o room.exr\n"
       "  lucerna render room.pbrt -o room.png --preview=5 --tev localhost\n"
       "  lucerna render flight.pbrt --frames 1-240 --fps 24 -o flight.%04d.exr\n"
@@ -200,11 +266,11 @@ void add_render_command(CLI::App& app, Session& session) {
       ->required();
   command->add_option("--stderr", options->error_output,
                       "Also a picture of each pixel's standard error");
-  command
-      ->add_option("--samples", options->samples,
-                   "Samples for each pixel; default: as the scene file says")
-      ->check(whole(1));
-  options->area_sampling.add(*command);
+  command->add_option("--counts", options->counts_output,
+                      "Also a picture of each pixel's number of samples: .exr or .pfm");
+  // A pixel's luminance is in this unit.
+  options->stop.add(*command, "pixel", "as the scene file says", "cd/m2 times the film's scale");
+  options->methods.add(*command);
   options->time.add(*command, "all the time that the shutter is open");
   command->add_option("--seed", options->seed, "Seed of the sample values")->capture_default_str();
   command

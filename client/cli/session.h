@@ -115,5 +115,7 @@ void add_light_commands(CLI::App& app, Session& session);     // sample pdf powe
 void add_emission_commands(CLI::App& app, Session& session);  // emit emit-pdf le
 void add_receiver_commands(CLI::App& app, Session& session);  // visible irradiance
 void add_render_command(CLI::App& app, Session& session);     // render
+/// tradeoff; `version` is told in what it writes.
+void add_tradeoff_command(CLI::App& app, Session& session, const std::string& version);
 
 }  // namespace lucerna::cli

@@ -29,14 +29,18 @@ struct StopOption {
   std::optional<std::uint32_t> samples;
   std::optional<double> error, budget_s;
 
-  void add(CLI::App& command, const std::string& of, const std::string& otherwise) {
+  /// `of`: what has samples; `otherwise`: how many by default; `unit`: of the answer.
+  void add(CLI::App& command, const std::string& of, const std::string& otherwise,
+           const std::string& unit) {
     auto* count = command.add_option("--samples", samples,
                                      "Samples for each " + of + "; default " + otherwise);
     count->check(whole(1));
     auto* target = command.add_option(
         "--error", error, "As many samples as each " + of + " needs for this error, as 1% or 0.01");
     target->transform(share())->excludes(count);
-    command.add_option("--floor", floor_, "With --error: no smaller error is asked for [lx]")
+    command
+        .add_option("--floor", floor_,
+                    fmt::format("With --error: no smaller error is asked for [{}]", unit))
         ->check(not_negative())
         ->needs(target);
     command

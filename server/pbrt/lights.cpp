@@ -8,6 +8,7 @@
 
 #include "lights/bilinear_patch.h"
 #include "lights/triangle.h"
+#include "server/methods.h"
 #include "server/pbrt/area_lights.h"
 #include "server/pbrt/image_lights.h"
 #include "server/pbrt/levels.h"
@@ -167,6 +168,15 @@ double area_of(const Place& place, const CylinderParams& params) {
   return cylinder->area();
 }
 
+/// Points that each sample takes on it: not pbrt-v4's but pbrt-v3's.
+std::uint32_t samples_of(const ParameterSet& params) {
+  const int samples = params.integer("samples", 1);
+  if (samples < 1 || samples > static_cast<int>(kMostSamplesPerLight))
+    fail(params.find("samples", {"integer"})->place,
+         fmt::format("\"integer samples\" = {}, allowed [1, {}]", samples, kMostSamplesPerLight));
+  return static_cast<std::uint32_t>(samples);
+}
+
 std::size_t primitives_of(const Geometry& geometry) {
   if (const auto* mesh = std::get_if<TriangleMeshData>(&geometry)) return mesh->indices.size() / 3;
   if (const auto* mesh = std::get_if<PatchMeshData>(&geometry)) return mesh->indices.size() / 4;
@@ -180,6 +190,7 @@ std::optional<LightDescription> make_light(Context& context, const std::string& 
                                            const Transform& world_from_light) {
   LightDescription light;
   light.where = location(place);
+  light.samples = samples_of(params);
   if (type == "point") {
     PointLightParams point;
     point.position_m = world_from_light.point(params.point("from", {0, 0, 0}));
@@ -287,6 +298,7 @@ std::optional<ShapeDescription::Emission> make_emission(Context& context,
   emission.picture = area_picture(context, light.params);
   emission.two_sided = light.params.boolean("twosided", false);
   emission.where = location(light.place);
+  emission.samples = samples_of(light.params);
   const double area =
       std::visit([&](const auto& shape) { return area_of(shape_place, shape); }, geometry);
   if (!(area > 0)) {

@@ -98,13 +98,12 @@ absl::StatusOr<std::uint32_t> check_samples(const Context& context, const v1::Ac
       }
       return accuracy.samples();
     case v1::Accuracy::kTargetError:
-      return unimplemented(
-          "accuracy.target_error is not answered yet: ask for accuracy.samples and look at the "
-          "standard error of the answer");
+      return bad_field("accuracy.target_error",
+                       fmt::format("{}", accuracy.target_error().relative()),
+                       "accuracy.samples alone, as nothing is estimated here");
     case v1::Accuracy::kTimeBudgetS:
-      return unimplemented(
-          "accuracy.time_budget_s is not answered yet: ask for accuracy.samples, and set a "
-          "deadline");
+      return bad_field("accuracy.time_budget_s", fmt::format("{} s", accuracy.time_budget_s()),
+                       "accuracy.samples alone, as nothing is estimated here");
     case v1::Accuracy::STOP_NOT_SET:
       break;
   }
@@ -117,33 +116,6 @@ absl::Status check_answer_size(const Context& context, const std::string& field,
   if (items <= most) return absl::OkStatus();
   return over_limit(fmt::format("{}, each answered in {} bytes,", field, size.per_item), items,
                     most);
-}
-
-absl::StatusOr<AreaSampling> check_area_sampling(const v1::Accuracy& accuracy) {
-  switch (accuracy.area_sampling()) {
-    case v1::AREA_SAMPLING_UNSPECIFIED:
-      return AreaSampling::kAutomatic;
-    case v1::AREA_SAMPLING_SQUARE_ROOT:
-      return AreaSampling::kSquareRoot;
-    case v1::AREA_SAMPLING_KRAEMER:
-      return AreaSampling::kKraemer;
-    case v1::AREA_SAMPLING_PARALLELOGRAM:
-      return AreaSampling::kParallelogram;
-    case v1::AREA_SAMPLING_REJECTION:
-      return AreaSampling::kRejection;
-    case v1::AREA_SAMPLING_LOW_DISTORTION:
-      return AreaSampling::kLowDistortion;
-    case v1::AREA_SAMPLING_SOLID_ANGLE:
-      return AreaSampling::kSolidAngle;
-    case v1::AREA_SAMPLING_COSINE_SOLID_ANGLE:
-      return AreaSampling::kCosineSolidAngle;
-    default:
-      break;
-  }
-  return bad_field(
-      "accuracy.area_sampling", fmt::format("{}", static_cast<int>(accuracy.area_sampling())),
-      fmt::format("[{}, {}], the numbers of AreaSampling", static_cast<int>(v1::AreaSampling_MIN),
-                  static_cast<int>(v1::AreaSampling_MAX)));
 }
 
 std::uint8_t* fill_bits(std::string* bits, std::size_t n) {
@@ -166,6 +138,9 @@ void set_counts(v1::Cost* cost, const WorkCounts& work) {
   cost->set_camera_rays(work.camera_rays);
   cost->set_indirect_rays(work.indirect_rays);
   cost->set_shadow_rays(work.shadow_rays);
+  cost->set_shadow_map_lookups(work.map_lookups);
+  cost->set_shadow_map_compared(work.map_compared);
+  cost->set_shadow_map_disagreed(work.map_disagreed);
 }
 
 }  // namespace lucerna::rpc

@@ -47,8 +47,8 @@ absl::StatusOr<std::span<const double>> check_wavelengths(
 inline constexpr std::size_t kMostWavelengths = 128;
 /// Processor time of one value at one wavelength [s], rounded up.
 inline constexpr double kWavelengthSeconds = 5e-9;
-/// `samples`, or `fallback` where nothing is said.  Of calls that answer neither a target error nor
-/// a time budget.
+/// `samples`, or `fallback` where nothing is said.  INVALID_ARGUMENT for a target error and a time
+/// budget, of calls that estimate nothing.
 absl::StatusOr<std::uint32_t> check_samples(const Context& context, const v1::Accuracy& accuracy,
                                             std::uint32_t fallback);
 
@@ -57,9 +57,6 @@ absl::StatusOr<std::uint32_t> check_samples(const Context& context, const v1::Ac
 /// `field`: what the items are, as the request has them.
 absl::Status check_answer_size(const Context& context, const std::string& field,
                                std::uint64_t items, const AnswerSize& size);
-
-/// kAutomatic where nothing is said.
-absl::StatusOr<AreaSampling> check_area_sampling(const v1::Accuracy& accuracy);
 
 inline std::span<const float> view(const google::protobuf::RepeatedField<float>& v) {
   return {v.data(), static_cast<std::size_t>(v.size())};

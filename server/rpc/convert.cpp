@@ -26,9 +26,7 @@ void set_summary(const StoredScene& stored, v1::SceneSummary* out) {
   if (const Motion* motion = scene.camera().motion()) {
     set_motion(*motion, scene.origin(), out->mutable_camera_motion());
   }
-  std::uint64_t bytes = 0;
-  for (const ScenePart& part : scene.parts()) bytes += part.bytes;
-  out->set_bytes(bytes);
+  out->set_bytes(scene.bytes());
   out->set_leased_s(stored.leased_s);
 }
 

@@ -270,6 +270,7 @@ void set_motion(const Motion& motion, const Vec3<double>& origin_m, v1::Motion* 
 void set_light(const Scene& scene, std::uint32_t light, v1::Light* out) {
   const SceneLight& entry = scene.lights()[light];
   out->set_id(entry.id);
+  out->set_samples_per_light(entry.samples);
   out->set_source(fmt::format("{}:{}:{}", entry.where.file, entry.where.line, entry.where.column));
   std::visit(
       [&]<typename L>(const L& l) {

@@ -78,7 +78,7 @@ void ImageStream::render_next(const JobStart& start) {
     const std::lock_guard lock(mutex_);
     job_ = false;
     if (status.ok()) {
-      ready_.push_back(std::move(response));
+      if (response.has_tile()) ready_.push_back(std::move(response));
       complete_ = render_->done();
     } else {
       error_ = status;

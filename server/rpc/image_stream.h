@@ -11,8 +11,8 @@
 #include <optional>
 
 #include "lucerna/v1/render.pb.h"
+#include "server/rpc/image_render.h"
 #include "server/rpc/runtime.h"
-#include "server/rpc/tiles.h"
 
 namespace lucerna::rpc {
 

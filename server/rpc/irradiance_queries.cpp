@@ -12,6 +12,7 @@
 #include "server/rpc/checks.h"
 #include "server/rpc/errors.h"
 #include "server/rpc/lighting.h"
+#include "server/rpc/methods.h"
 #include "server/rpc/stop_rule.h"
 #include "server/spectral_values.h"
 #include "server/time_budget.h"
@@ -23,22 +24,9 @@ namespace {
 // Processor time [s], rounded up from what one core took on the reference scenes.
 constexpr double kDirectSampleSeconds = 2e-6;
 constexpr double kPathSampleSeconds = 8e-6;
+constexpr double kFirstShaftsSeconds = 1e-3;
 constexpr double kLookUpSeconds = 200e-9;  // a spectrum at a wavelength
 constexpr std::uint32_t kDefaultSamples = 256;
-// Replicates of an estimate: its standard error is then known to about a fifth.
-constexpr std::uint32_t kReplicates = 16;
-
-/// The least number of equal replicates, kReplicates or more, that `samples` fall into; as many as
-/// there are where they are fewer.
-std::uint32_t replicates_of(std::uint32_t samples) {
-  if (samples <= kReplicates) return samples;
-  for (std::uint32_t n = kReplicates; n <= samples / n; ++n)
-    if (samples % n == 0) return n;
-  for (std::uint32_t each = kReplicates; each > 1; --each)
-    if (samples % each == 0 && samples / each >= kReplicates) return samples / each;
-  return samples;
-}
-
 /// Estimates as a response holds them; null: not wanted, or not known from a single sample.
 struct EstimateArrays {
   float* rgb;
@@ -288,9 +276,9 @@ Prepared estimate_irradiance(const Context& context, const v1::EstimateIrradianc
   if (request.has_bounces()) work.settings.bounces = request.bounces();
   work.settings.per_light = request.per_light();
   work.settings.time_s = request.time_s();
-  const auto way = check_area_sampling(request.accuracy());
-  if (!way.ok()) return way.status();
-  work.settings.area_sampling = *way;
+  const auto methods = check_methods(request.accuracy());
+  if (!methods.ok()) return methods.status();
+  work.settings.methods = *methods;
 
   Task task;
   const bool direct = work.settings.bounces == 0U;
@@ -300,10 +288,14 @@ Prepared estimate_irradiance(const Context& context, const v1::EstimateIrradianc
   task.predicted_s = static_cast<double>(n) * static_cast<double>(samples) *
                      (direct ? kDirectSampleSeconds : kPathSampleSeconds) * std::max(1.0, lights);
   if (rule->time_budget_s) task.predicted_s = *rule->time_budget_s;
+  task.predicted_s += first_use_seconds(**scene, work.settings.methods);
   // Light is told by spectrum: each of them is looked up once, and is a value of each point.
   const double spectra = static_cast<double>((*scene)->spectra().size() + 1);
   task.predicted_s += spectra * static_cast<double>(wavelengths->size()) *
                       (kLookUpSeconds + static_cast<double>(n) * kWavelengthSeconds);
+  // Whoever is first has the shafts made: not a thread of gRPC's.
+  if ((*scene)->has_visible_lights() && work.settings.methods.closed_forms != ClosedForms::kOff)
+    task.predicted_s += kFirstShaftsSeconds;
   task.cost = response->mutable_cost();
   task.run = [work, response](const std::stop_token& stop) { return work(stop, response); };
   return task;

@@ -44,6 +44,15 @@ absl::StatusOr<TargetError> check_target(const Context& context, const v1::Targe
 
 }  // namespace
 
+std::uint32_t replicates_of(std::uint32_t samples) {
+  if (samples <= kReplicates) return samples;
+  for (std::uint32_t n = kReplicates; n <= samples / n; ++n)
+    if (samples % n == 0) return n;
+  for (std::uint32_t each = kReplicates; each > 1; --each)
+    if (samples % each == 0 && samples / each >= kReplicates) return samples / each;
+  return samples;
+}
+
 absl::StatusOr<StopRule> check_stop_rule(const Context& context, const v1::Accuracy& accuracy,
                                          std::uint32_t fallback) {
   StopRule rule;

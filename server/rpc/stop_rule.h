@@ -22,4 +22,10 @@ struct StopRule {
 absl::StatusOr<StopRule> check_stop_rule(const Context& context, const v1::Accuracy& accuracy,
                                          std::uint32_t fallback);
 
+/// Replicates of an estimate: its standard error is then known to about a fifth.
+inline constexpr std::uint32_t kReplicates = 16;
+/// The least number of equal replicates, kReplicates or more, that `samples` fall into; as many as
+/// there are where they are fewer.
+std::uint32_t replicates_of(std::uint32_t samples);
+
 }  // namespace lucerna::rpc

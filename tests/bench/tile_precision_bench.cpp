@@ -122,9 +122,7 @@ double answer(const std::vector<Light<Real>>& lights, const Question<Real>& q) {
 class Walker {
  public:
   Walker(const Scene& scene, const TileSettings& settings)
-      : scene_(scene),
-        settings_(settings),
-        tracer_(scene, settings.bounces, settings.area_sampling) {}
+      : scene_(scene), settings_(settings), tracer_(scene, settings.bounces, settings.methods) {}
 
   /// All paths of a pixel, their questions at the end of `questions`.
   void walk(int x, int y, std::vector<Question<double>>& questions) {
@@ -155,7 +153,7 @@ class Walker {
       if (scene_.materials()[hit->material].reflectance.is_black()) return;
       Receiver<double> receiver(hit->position);
       receiver.normal = Vec3<double>(dot(hit->ns, wo) < 0 ? -hit->ns : hit->ns);
-      receiver.area_sampling = settings_.area_sampling;
+      receiver.area_sampling = settings_.methods.area_sampling;
       receiver.incomplete = true;
       sample_lights(receiver, depth, sample, questions);
       const bool last = depth >= *settings_.bounces;

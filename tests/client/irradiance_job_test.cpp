@@ -93,7 +93,10 @@ class IrradianceJobTest : public ::testing::Test {
   absl::StatusOr<IrradianceJobResult> run(std::uint64_t count, std::uint32_t samples = 1) {
     Line line(count);
     options_.receivers = &line;
-    options_.request.mutable_accuracy()->set_samples(samples);
+    // Unless something else is asked for.
+    v1::Accuracy& accuracy = *options_.request.mutable_accuracy();
+    if (!accuracy.has_target_error() && !accuracy.has_time_budget_s())
+      accuracy.set_samples(samples);
     sizes_.clear();
     firsts_.clear();
     return run_irradiance_job(options_);
@@ -165,6 +168,9 @@ TEST_F(IrradianceJobTest, WhatCannotBeIsTold) {
   options_.request.set_per_light(true);
   EXPECT_THAT(run(1).status().message(), HasSubstr("per_light"));
   options_.request.set_per_light(false);
+  options_.request.mutable_accuracy()->set_time_budget_s(1);
+  EXPECT_THAT(run(1).status().message(), HasSubstr("time_budget_s"));
+  options_.request.clear_accuracy();
   short_by_ = 1;
   options_.items_per_piece = 0;
   const auto result = run(10);

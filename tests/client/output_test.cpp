@@ -34,7 +34,8 @@ TEST(Json, HasTheNamesOfTheContractAndAllPlainFields) {
             R"({"scene_id":"ab","already_loaded":false,)"
             R"("remarks":[{"file":"","line":3,"column":0,"what":"","instead":""}],"missing":[],)"
             R"("cost":{"samples":"5","camera_rays":"0","indirect_rays":"0","shadow_rays":"0",)"
-            R"("cpu_time_s":0,"wall_time_s":0,"queue_time_s":0},)"
+            R"("cpu_time_s":0,"wall_time_s":0,"queue_time_s":0,"shadow_map_lookups":"0",)"
+            R"("shadow_map_compared":"0","shadow_map_disagreed":"0"},)"
             R"("lease_id":"","lease_s":0})"
             "\n");
 }
@@ -43,6 +44,19 @@ TEST(Json, WritesFloatsThatReadBackTheSame) {
   v1::PdfLiResponse response;
   response.add_pdf_per_sr(0.1F);
   EXPECT_NE(cli::to_json(response).find(R"("pdf_per_sr":[0.1])"), std::string::npos);
+}
+
+TEST(Cost, TellsOfShadowMapsWhereTheyWereAsked) {
+  v1::Cost cost;
+  cost.set_wall_time_s(0.25);
+  cost.set_shadow_rays(100);
+  EXPECT_EQ(cli::describe(cost), "0.25 s, 100 rays");
+  cost.set_shadow_map_lookups(6400);
+  cost.set_shadow_map_compared(100);
+  cost.set_shadow_map_disagreed(3);
+  EXPECT_EQ(cli::describe(cost),
+            "0.25 s, 100 rays, 6400 look-ups in shadow maps, of which 3 of 100 compared disagree "
+            "with rays");
 }
 
 TEST(ItemStatus, IsNamedWithoutItsPrefix) {

@@ -18,6 +18,8 @@ struct TileParams {
   std::uint32_t x0 = 0, y0 = 0, x1 = 2, y1 = 1;
   std::uint64_t first_block = 0, blocks = 2;
   std::vector<double> sum, deviation;
+  std::vector<std::uint32_t> samples{};
+  std::vector<float> lower{}, upper{};
 };
 
 /// Of a picture of 2 x 2 pixels; planes of one value a pixel, the same in all channels.
@@ -45,6 +47,13 @@ v1::Tile tile(const TileParams& params) {
   };
   result.set_sum(plane(params.sum));
   result.set_deviation(plane(params.deviation));
+  const auto bytes = [](const auto& numbers) {
+    return std::string(reinterpret_cast<const char*>(numbers.data()),
+                       numbers.size() * sizeof numbers[0]);
+  };
+  result.set_samples(bytes(params.samples));
+  result.set_lower(bytes(params.lower));
+  result.set_upper(bytes(params.upper));
   return result;
 }
 
@@ -60,6 +69,63 @@ TEST(PictureAssembler, PutsTilesWhereTheyBelong) {
   EXPECT_EQ(picture->height, 2U);
   EXPECT_THAT(picture->pixels, ElementsAre(1, 1, 1, 2, 2, 2, 3, 3, 3, 4, 4, 4));
   EXPECT_THAT(picture->standard_error, ElementsAre(2, 2, 2, 3, 3, 3, 0, 0, 0, 1, 1, 1));
+}
+
+TEST(PictureAssembler, CountsSamplesWhereTilesTellThemAndWhereNot) {
+  PictureAssembler assembler;
+  const TileParams told{.sum = {2, 4},
+                        .deviation = {8, 18},
+                        .samples = {64, 4096},
+                        .lower = {0.5, 1.5},
+                        .upper = {1.5, 2.5}};
+  ASSERT_TRUE(assembler.add(tile(told)).ok());
+  TileParams below = told;
+  below.y0 = 1;
+  below.y1 = 2;
+  below.samples = {128, 256};
+  below.lower = {0, 1};
+  below.upper = {2, 3};
+  ASSERT_TRUE(assembler.add(tile(below)).ok());
+  Picture picture = *assembler.picture();
+  EXPECT_THAT(picture.samples, ElementsAre(64, 4096, 128, 256));
+  EXPECT_THAT(picture.lower, ElementsAre(0.5, 1.5, 0, 1));
+  EXPECT_THAT(picture.upper, ElementsAre(1.5, 2.5, 2, 3));
+  EXPECT_THAT(picture.standard_error, ElementsAre(2, 2, 2, 3, 3, 3, 2, 2, 2, 3, 3, 3));
+  // One without intervals: 2 blocks of 8 samples.
+  ASSERT_TRUE(assembler.add(tile({.y0 = 1, .y1 = 2, .sum = {6, 8}, .deviation = {0, 2}})).ok());
+  picture = *assembler.picture();
+  EXPECT_THAT(picture.samples, ElementsAre(64, 4096, 16, 16));
+  EXPECT_THAT(picture.lower, IsEmpty());
+  EXPECT_THAT(picture.upper, IsEmpty());
+}
+
+TEST(PictureAssembler, TilesOfATargetErrorAreMergedByAreaAlone) {
+  PictureAssembler assembler;
+  const TileParams first{.sum = {2, 4},
+                         .deviation = {8, 18},
+                         .samples = {64, 4096},
+                         .lower = {0.5, 1.5},
+                         .upper = {1.5, 2.5}};
+  TileParams next = first;
+  next.first_block = 2;
+  ASSERT_TRUE(assembler.add(tile(first)).ok());
+  EXPECT_THAT(std::string(assembler.add(tile(next)).message()),
+              HasSubstr("first_block = 2, allowed with a target error: 0"));
+  EXPECT_THAT(
+      std::string(
+          assembler.add(tile({.first_block = 2, .sum = {6, 8}, .deviation = {0, 0}})).message()),
+      HasSubstr("do not continue"));
+  // Another answer takes its place.
+  ASSERT_TRUE(assembler.add(tile(first)).ok());
+  // Planes that are no planes.
+  for (auto spoil :
+       {+[](TileParams& t) { t.samples.pop_back(); }, +[](TileParams& t) { t.lower.pop_back(); },
+        +[](TileParams& t) { t.upper.clear(); }, +[](TileParams& t) { t.samples.clear(); }}) {
+    TileParams bad = first;
+    spoil(bad);
+    EXPECT_THAT(std::string(assembler.add(tile(bad)).message()),
+                HasSubstr("bytes, must be 0 or 8, all of them"));
+  }
 }
 
 TEST(PictureAssembler, SingleBlockHasNoStandardError) {

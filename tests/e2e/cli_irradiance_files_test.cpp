@@ -172,6 +172,52 @@ TEST_F(CliIrradianceFiles, TheTerminalsNumbersToTheBit) {
                                                        "a.csv", "a.npy", "c.npy", "my.pbrt"));
 }
 
+TEST_F(CliIrradianceFiles, ATargetErrorTellsIntervalsAndSamples) {
+  write("points.csv", "x,y,z,nx,ny,nz\n1000.1,0.2,0.1,0,0,1\n1001,-0.3,0.2,0,1,1\n");
+  const std::vector<std::string> ask = {"irradiance", "sky.pbrt", "--points", path("points.csv"),
+                                        "--error",    "5%",       "-o"};
+  const auto into = [&](const std::string& name) {
+    std::vector<std::string> arguments = ask;
+    arguments.push_back(path(name));
+    return lucerna(arguments);
+  };
+  const Outcome csv = into("a.csv");
+  ASSERT_EQ(csv.status, 0) << csv.err;
+  std::istringstream lines(bytes("a.csv"));
+  std::string line;
+  std::getline(lines, line);
+  EXPECT_THAT(line, ::testing::EndsWith(",zero_bound_lx,status,lower_lx,upper_lx,samples"));
+  std::vector<float> rows;
+  while (std::getline(lines, line)) {
+    std::istringstream fields(line);
+    std::vector<std::string> values;
+    for (std::string field; std::getline(fields, field, ',');) values.push_back(field);
+    ASSERT_EQ(values.size(), 13U) << line;
+    const float lux = std::stof(values[3]), lower = std::stof(values[10]),
+                upper = std::stof(values[11]), samples = std::stof(values[12]);
+    EXPECT_LE(lower, lux);
+    EXPECT_GE(upper, lux);
+    EXPECT_GE(samples, 64);
+    rows.insert(rows.end(), {lower, upper, samples});
+  }
+  ASSERT_EQ(rows.size(), 6U);
+  ASSERT_EQ(into("a.npy").status, 0);
+  const std::string npy = bytes("a.npy");
+  EXPECT_THAT(npy, HasSubstr("(2, 10)"));
+  std::vector<float> numbers(20);
+  std::memcpy(numbers.data(), npy.data() + npy.size() - 80, 80);
+  for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(numbers[i / 3 * 10 + 7 + i % 3], rows[i]) << i;
+  // As channels of a map.
+  write_exr("points.exr", {"P.X", "P.Y", "P.Z", "N.X", "N.Y", "N.Z"}, map(true, true));
+  const Outcome exr = lucerna({"irradiance", "plane.pbrt", "--points", path("points.exr"),
+                               "--error", "5%", "-o", path("a.exr")});
+  ASSERT_EQ(exr.status, 0) << exr.err;
+  const auto in = OIIO::ImageInput::open(path("a.exr"));
+  ASSERT_NE(in, nullptr);
+  for (const char* name : {"lower.Y", "upper.Y", "samples.Y"})
+    EXPECT_NE(in->spec().channelindex(name), -1) << name;
+}
+
 TEST_F(CliIrradianceFiles, ALightMapIsTheClosedForm) {
   write_exr("map.exr", {"P.X", "P.Y", "P.Z", "N.X", "N.Y", "N.Z"}, map(true, true));
   write_exr("points.exr", {"R", "G", "B"}, map(true, false));

@@ -11,6 +11,24 @@ using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
+TEST_F(Cli, PowerIsSampledToACountAnErrorOrATime) {
+  const std::vector<std::string> sampled = {"power", "sphere.pbrt", "--method", "sampled"};
+  const auto with = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), sampled.begin(), sampled.end());
+    return lucerna(more);
+  };
+  const Outcome count = with({"--samples", "1000", "--seed", "7"});
+  EXPECT_EQ(count.status, 0) << count.err;
+  EXPECT_THAT(count.out, ContainsRegex("id +type +flux \\[lm\\] +± \\[lm\\] +samples +RGB"));
+  EXPECT_THAT(count.out, ContainsRegex(" 1  area +58\\.0[0-9]* +[0-9.e-]+ +1000 "));
+  EXPECT_THAT(count.out, HasSubstr("± holds with 95% confidence; "));
+  const Outcome error = with({"--error", "0.1%", "--confidence", "99%"});
+  EXPECT_THAT(error.out, HasSubstr("± holds with 99% confidence; "));
+  EXPECT_THAT(with({"--budget", "0.01"}).out, HasSubstr("area"));
+  expect_wrong_use(lucerna({"power", "sphere.pbrt", "--error", "1%"}),
+                   "--error and --budget go with --method sampled");
+}
+
 TEST_F(Cli, LightsAreListedWithKindPlaceAndFlux) {
   const Outcome outcome = lucerna({"lights", "point.pbrt"});
   EXPECT_EQ(outcome.status, 0) << outcome.err;

@@ -1,4 +1,7 @@
 // lucerna render.
+#include <algorithm>
+#include <vector>
+
 #include "tests/e2e/cli_fixture.h"
 
 namespace lucerna {
@@ -40,6 +43,78 @@ TEST_F(Cli, RenderFindsOutBeforehandWhatItCannotWrite) {
   expect_wrong_use(render({}), "--output");
   expect_no(render({"-o", path("a.exr")}), "cannot reach");
   EXPECT_EQ(files(), before);
+}
+
+/// The values of a PFM's first channel, rows from the bottom.
+std::vector<float> first_channel(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::string header;
+  for (int i = 0; i < 3; ++i) std::getline(in, header);
+  std::vector<float> values;
+  for (float rgb[3]; in.read(reinterpret_cast<char*>(rgb), sizeof rgb);) values.push_back(rgb[0]);
+  return values;
+}
+
+TEST_F(Cli, RenderStopsEachPixelAtAnError) {
+  const Outcome outcome = lucerna(
+      {"render",      "sphere.pbrt", "-o",           path("a.pfm"), "--error",       "20%",
+       "--floor",     "0.01",        "--confidence", "90%",         "--max-samples", "512",
+       "--bounces",   "0",           "--counts",     path("n.pfm"), "--stderr",      path("e.pfm"),
+       "--tile-size", "50"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const std::vector<float> counts = first_channel(path("n.pfm"));
+  ASSERT_EQ(counts.size(), 160U * 120);
+  const auto [least, most] = std::minmax_element(counts.begin(), counts.end());
+  EXPECT_EQ(*least, 64);
+  EXPECT_LE(*most, 512);
+  EXPECT_GT(*most, 64);
+  std::vector<float> sorted = counts;
+  std::sort(sorted.begin(), sorted.end());
+  EXPECT_THAT(
+      outcome.out,
+      HasSubstr("160 x 120 pixels; 64 samples a pixel at least, " +
+                std::to_string(static_cast<int>(sorted[(sorted.size() - 1) / 2])) +
+                " in the middle, " + std::to_string(static_cast<int>(*most)) + " at most; "));
+  // Whatever the tiles.
+  ASSERT_EQ(lucerna({"render", "sphere.pbrt", "-o", path("b.pfm"), "--error", "20%", "--floor",
+                     "0.01", "--confidence", "90%", "--max-samples", "512", "--bounces", "0",
+                     "--stderr", path("f.pfm")})
+                .status,
+            0);
+  EXPECT_EQ(first_channel(path("a.pfm")), first_channel(path("b.pfm")));
+  EXPECT_EQ(first_channel(path("e.pfm")), first_channel(path("f.pfm")));
+  for (const char* name : {"a.pfm", "b.pfm", "e.pfm", "f.pfm", "n.pfm"}) fs::remove(path(name));
+}
+
+TEST_F(Cli, RenderStopsWhenTheTimeIsOver) {
+  const Outcome outcome = lucerna(
+      {"render", "point.pbrt", "-o", path("a.exr"), "--budget", "0.2", "--counts", path("n.pfm")});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const std::vector<float> counts = first_channel(path("n.pfm"));
+  const auto [least, most] = std::minmax_element(counts.begin(), counts.end());
+  EXPECT_GE(*least, 16);
+  EXPECT_THAT(outcome.out,
+              HasSubstr(std::to_string(static_cast<int>(*least)) + " samples a pixel at least, "));
+  EXPECT_THAT(outcome.out, HasSubstr(std::to_string(static_cast<int>(*most)) + " at most; "));
+  for (const char* name : {"a.exr", "n.pfm"}) fs::remove(path(name));
+}
+
+TEST_F(Cli, RenderSaysWhichRulesOfStoppingDoNotGoTogether) {
+  const auto render = [](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(),
+                     {"render", "point.pbrt", "--server", "127.0.0.1:1", "-o", path("a.exr")});
+    return lucerna(std::move(arguments));
+  };
+  expect_wrong_use(render({"--error", "1%", "--samples", "4"}), "--samples");
+  expect_wrong_use(render({"--error", "1%", "--budget", "4"}), "--budget");
+  expect_wrong_use(render({"--error", "-1%"}), "share above 0");
+  expect_wrong_use(render({"--floor", "1"}), "--error");
+  expect_wrong_use(render({"--servers", "127.0.0.1:1", "--budget", "4"}),
+                   "--budget: not with --servers");
+  expect_wrong_use(render({"--servers", "127.0.0.1:1", "--error", "1%", "--split-samples", "8"}),
+                   "--split-samples: not with --error");
+  expect_wrong_use(render({"--counts", path("n.png")}), "must be .exr or .pfm");
+  expect_wrong_use(render({"--counts", path("a.exr")}), "is given twice");
 }
 
 TEST_F(Cli, TimeoutEndsARenderAndLeavesNothing) {

@@ -102,6 +102,10 @@ class IrradianceJob : public ::testing::Test {
       rows.push_back(answer.standard_error_lx(i));
       rows.push_back(answer.zero_bound_lx(i));
       rows.push_back(static_cast<float>(answer.status(i)));
+      if (!answer.has_item_costs()) continue;
+      rows.push_back(answer.lower_lx(i));
+      rows.push_back(answer.upper_lx(i));
+      rows.push_back(static_cast<float>(answer.item_costs().samples(i)));
     }
     return rows;
   }
@@ -230,6 +234,29 @@ TEST_F(IrradianceJob, ASingleSampleHasNoErrorAndWavelengthsFollow) {
   EXPECT_GT(rows[7], 0);
   EXPECT_GT(rows[8], 0);
   EXPECT_LT(rows[8], rows[0] / 100);
+}
+
+TEST_F(IrradianceJob, ATargetErrorTellsIntervalsAndSamplesOfEachReceiver) {
+  add_server();
+  request_.mutable_accuracy()->mutable_target_error()->set_relative(0.2);
+  request_.mutable_accuracy()->mutable_target_error()->set_max_samples(512);
+  expected_ = one_request();
+  options_.request = request_;
+  options_.journal = (directory_ / "journal").string();
+  options_.items_per_piece = 64;
+  expect_the_same_bits(client::run_irradiance_job(options_));
+  const auto again = client::run_irradiance_job(options_);
+  expect_the_same_bits(again);
+  EXPECT_EQ(again->from_journal, kPoints);
+  const std::vector<float> rows = results();
+  ASSERT_EQ(rows.size(), 10 * kPoints);
+  EXPECT_LT(rows[7], rows[0]);
+  EXPECT_GT(rows[8], rows[0]);
+  EXPECT_GE(rows[9], 64);
+  // Without it the rows are others, which do not take their place.
+  options_.request.mutable_accuracy()->set_samples(48);
+  EXPECT_EQ(client::run_irradiance_job(options_).status().code(),
+            absl::StatusCode::kFailedPrecondition);
 }
 
 TEST_F(IrradianceJob, ReceiversThatCannotBeReadEndIt) {

@@ -191,6 +191,54 @@ TEST_F(RenderJob, AnInterruptedJobGoesOnFromItsJournal) {
             absl::StatusCode::kFailedPrecondition);
 }
 
+TEST_F(RenderJob, PixelsOfATargetErrorAreTheSameFromAnyServersAndTiles) {
+  v1::TargetError* target = request_.mutable_accuracy()->mutable_target_error();
+  target->set_relative(0.3);
+  target->set_max_samples(256);
+  request_.set_bounces(0);
+  client::PictureAssembler whole;
+  ASSERT_TRUE(servers_[0]
+                  ->client()
+                  .render_image(request_,
+                                [&](const v1::RenderImageResponse& response) {
+                                  return whole.add(response.tile()).ok();
+                                })
+                  .ok());
+  expected_ = whole.picture().value();
+  ASSERT_EQ(expected_.upper.size(), expected_.pixels.size() / 3);
+  options_.request = request_;
+  add_server();
+  for (const std::uint32_t tile : {13U, 64U, 1000U}) {
+    options_.request.set_tile_size(tile);
+    options_.journal = (directory_ / ("journal" + std::to_string(tile))).string();
+    for (const bool again : {false, true}) {
+      const auto result = client::run_render_job(options_);
+      expect_the_same_bits(result);
+      EXPECT_EQ(result->picture.samples, expected_.samples);
+      EXPECT_EQ(result->picture.lower, expected_.lower);
+      EXPECT_EQ(result->picture.upper, expected_.upper);
+      EXPECT_EQ(result->from_journal, again ? result->pieces : 0);
+    }
+  }
+  // Another error is another job.
+  options_.request.mutable_accuracy()->mutable_target_error()->set_relative(0.2);
+  EXPECT_EQ(client::run_render_job(options_).status().code(),
+            absl::StatusCode::kFailedPrecondition);
+}
+
+TEST_F(RenderJob, ATargetErrorIsNotSplitBySamplesAndATimeIsNoJob) {
+  options_.samples_per_piece = 8;
+  options_.request.mutable_accuracy()->mutable_target_error()->set_relative(0.3);
+  auto result = client::run_render_job(options_);
+  EXPECT_EQ(result.status().code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(std::string(result.status().message()), HasSubstr("samples_per_piece = 8"));
+  options_.samples_per_piece = 0;
+  options_.request.mutable_accuracy()->set_time_budget_s(1);
+  result = client::run_render_job(options_);
+  EXPECT_EQ(result.status().code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(std::string(result.status().message()), HasSubstr("accuracy.time_budget_s"));
+}
+
 TEST_F(RenderJob, MorePiecesThanAJobMayHaveAreRefused) {
   options_.request.set_tile_size(1);
   options_.request.mutable_accuracy()->set_samples(1U << 31);

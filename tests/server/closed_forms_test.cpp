@@ -27,7 +27,7 @@ void expect_irradiance(const Scene& scene, const Vec3<double>& receiver, const V
   IrradianceSettings settings{
       .seed = 11, .samples_per_block = 256, .block_count = 64, .bounces = 0};
   for (const AreaSampling way : kWays) {
-    settings.area_sampling = way;
+    settings.methods.area_sampling = way;
     const auto e = estimate_irradiance(scene, std::span(&point, 1), settings, {}).points[0];
     EXPECT_NEAR(e.irradiance_lx.g, expected, 7 * e.standard_error_lx.g + 1e-6 * expected)
         << int(way);

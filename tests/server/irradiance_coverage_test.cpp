@@ -6,9 +6,8 @@
 #include <vector>
 
 #include "server/render.h"
-#include "tests/lights/closed_forms.h"
 #include "tests/server/coverage.h"
-#include "tests/server/scenes.h"
+#include "tests/server/coverage_scenes.h"
 
 namespace lucerna::testing {
 namespace {
@@ -24,17 +23,9 @@ struct Question {
   std::optional<std::uint32_t> bounces = 0;
 };
 
-double of_patch(double radiance, double half_side, double z) {
-  const double h = half_side;
-  return radiance *
-         polygon_irradiance({{-h, -h, z}, {h, -h, z}, {h, h, z}, {-h, h, z}}, {}, {0, 0, 1});
-}
-
-/// A lamp of 2 m x 2 m, 2 m above a floor.
 Question lamp() {
-  SceneDescription d = description(0);
-  d.shapes = {floor(9), emissive(patch({-1, -1, 2}, {-1, 1, 2}, {1, -1, 2}, {1, 1, 2}), 5)};
-  return {.name = "lamp", .scene = build(std::move(d)), .receiver = {}, .truth = of_patch(5, 1, 2)};
+  return {
+      .name = "lamp", .scene = build(below_a_lamp(0)), .receiver = {}, .truth = lux_below_a_lamp()};
 }
 
 /// Half of a sky behind a wall: light ends at an edge.
@@ -49,38 +40,26 @@ Question half_a_sky() {
           .truth = luminance(Rgb<double>(3, 2, 1)) * pi / 2};
 }
 
-/// A closed room of which all surfaces emit 2 cd/m2 and reflect half: 4 pi lx everywhere.
 Question furnace() {
-  SceneDescription d = description(0.5);
-  d.shapes = {emissive(shape(room()), 2, true)};
   return {.name = "furnace",
-          .scene = build(std::move(d)),
+          .scene = build(in_a_furnace()),
           .receiver = {0.1, 0.2, -0.3},
-          .truth = 4 * pi,
+          .truth = kFurnaceRadiance * pi,
           .bounces = std::nullopt};
 }
 
-/// A lamp of 2 m x 2 m at 4 m behind a lid at 2 m with a hole in its middle, through which a
-/// thousandth of the lamp is seen.
 Question pinhole() {
-  const double seen = std::sqrt(1e-3), hole = seen / 2, far = 30;
-  SceneDescription d = description(0);
-  d.shapes = {floor(9),
-              emissive(patch({-1, -1, 4}, {-1, 1, 4}, {1, -1, 4}, {1, 1, 4}), 1000),
-              patch({-far, -far, 2}, {far, -far, 2}, {-far, -hole, 2}, {far, -hole, 2}),
-              patch({-far, hole, 2}, {far, hole, 2}, {-far, far, 2}, {far, far, 2}),
-              patch({-far, -hole, 2}, {-hole, -hole, 2}, {-far, hole, 2}, {-hole, hole, 2}),
-              patch({hole, -hole, 2}, {far, -hole, 2}, {hole, hole, 2}, {far, hole, 2})};
   return {.name = "pinhole",
-          .scene = build(std::move(d)),
+          .scene = build(below_a_pinhole(0)),
           .receiver = {},
-          .truth = of_patch(1000, seen, 4)};
+          .truth = lux_below_a_pinhole()};
 }
 
 /// `widened`: intervals are, about their estimates.
 Coverage asked(const Question& q, IrradianceSettings settings, double widened = 1) {
   settings.bounces = q.bounces;
   settings.seed = 6;
+  settings.methods.closed_forms = ClosedForms::kOff;
   const std::vector<IrradiancePoint> points(
       repeats(), {q.receiver - q.scene->origin(), {1e-6F, 1e-6F, 1e-6F}, q.normal});
   const IrradianceResult r = estimate_irradiance(*q.scene, points, settings, {});
@@ -141,8 +120,10 @@ TEST(IrradianceTarget, IsReached) {
   for (const Question& q : {lamp(), half_a_sky(), furnace()}) {
     const std::vector<IrradiancePoint> points(
         400, {q.receiver - q.scene->origin(), {1e-6F, 1e-6F, 1e-6F}, q.normal});
-    const IrradianceSettings settings{
-        .block_count = 16, .target = TargetError{.relative = 0.02}, .bounces = q.bounces};
+    const IrradianceSettings settings{.block_count = 16,
+                                      .target = TargetError{.relative = 0.02},
+                                      .bounces = q.bounces,
+                                      .methods = {.closed_forms = ClosedForms::kOff}};
     const IrradianceResult r = estimate_irradiance(*q.scene, points, settings, {});
     int within = 0;
     for (const IrradianceEstimate& e : r.points)
@@ -173,10 +154,7 @@ TEST(IrradianceTarget, GivesTheBitsOfTheCountThatItTook) {
 
 TEST(IrradianceTarget, EndsAtTheMostSamples) {
   // Nothing comes through a closed lid, however often one looks.
-  SceneDescription d = description(0);
-  d.shapes = {floor(9), floor(9, 2),
-              emissive(patch({-1, -1, 4}, {-1, 1, 4}, {1, -1, 4}, {1, 1, 4}), 7)};
-  const auto scene = build(std::move(d));
+  const auto scene = build(below_a_lid(0));
   const IrradiancePoint point{-scene->origin(), {1e-6F, 1e-6F, 1e-6F}, {0, 0, 1}};
   IrradianceSettings settings{
       .block_count = 16, .target = TargetError{.relative = 0.1, .max_samples = 1024}, .bounces = 0};

@@ -47,14 +47,43 @@ TEST(Irradiance, BehindAnObstacleIsExactlyZeroForPointLights) {
   EXPECT_EQ(e.zero_bound_lx, 0);
 }
 
+/// The same, of which nothing is known in closed form.
+IrradianceSettings sampled(std::uint32_t samples = 16, std::uint32_t blocks = 16) {
+  IrradianceSettings settings = direct(samples, blocks);
+  settings.methods.closed_forms = ClosedForms::kOff;
+  return settings;
+}
+
 TEST(Irradiance, UnderAUniformSkyIsPiTimesItsRadiance) {
   SceneDescription d = testing::description();
   d.shapes = {testing::floor(9)};
   d.lights = {{UniformInfiniteLightParams{Rgb<double>(2)}, {}}};
-  const IrradianceEstimate e = one(*build(std::move(d)), at(0, 0, 0), direct(64));
+  const auto scene = build(std::move(d));
+  const IrradianceEstimate e = one(*scene, at(0, 0, 0), sampled(64));
   EXPECT_NEAR(e.irradiance_lx.g, 2 * pi, 5 * e.standard_error_lx.g);
   EXPECT_LT(e.standard_error_lx.g, 0.01 * 2 * pi);
   EXPECT_FALSE(e.exact);
+  const IrradianceEstimate known = one(*scene, at(0, 0, 0));
+  EXPECT_NEAR(known.irradiance_lx.g, 2 * pi, 1e-12);
+  EXPECT_EQ(known.standard_error_lx.g, 0);
+  EXPECT_TRUE(known.exact);
+}
+
+// A board hides the lamp from one point of the floor and not from another.
+TEST(Irradiance, IsExactOnlyWhereNothingStandsBetween) {
+  SceneDescription d = testing::description();
+  d.shapes = {testing::floor(9), testing::patch({1, -9, 1}, {9, -9, 1}, {1, 9, 1}, {9, 9, 1}),
+              testing::emissive(testing::patch({-1, -1, 2}, {-1, 1, 2}, {1, -1, 2}, {1, 1, 2}), 5)};
+  const auto scene = build(std::move(d));
+  const IrradianceEstimate open = one(*scene, at(0, 0, 0)), shaded = one(*scene, at(1.5F, 0, 0));
+  EXPECT_TRUE(open.exact);
+  EXPECT_FALSE(shaded.exact);
+  const IrradianceEstimate asked = one(*scene, at(0, 0, 0), sampled(256));
+  EXPECT_NEAR(open.irradiance_lx.g, asked.irradiance_lx.g, 5 * asked.standard_error_lx.g);
+  // What is reflected is sampled all the same.
+  IrradianceSettings all = direct();
+  all.bounces = 1;
+  EXPECT_FALSE(one(*scene, at(0, 0, 0), all).exact);
 }
 
 TEST(Irradiance, UnderADiskIsPiLSineSquared) {
@@ -89,19 +118,59 @@ SceneDescription lamps(int n) {
   return d;
 }
 
-TEST(Irradiance, OfManyLightsIsTheSumOfEach) {
-  double expected = 0;
-  for (int i = 0; i < 12; ++i) expected += 10.0 * (i + 1) * 4 / std::pow(double(i) * i + 16, 1.5);
-  const auto scene = build(lamps(12));
-  IrradianceEstimate e = one(*scene, at(0, 0, 0), direct(64));
-  EXPECT_FALSE(e.exact);
-  EXPECT_NEAR(e.irradiance_lx.g, expected, 5 * e.standard_error_lx.g);
-  EXPECT_LT(e.standard_error_lx.g, 0.02 * expected);
-  IrradianceSettings settings = direct();
-  settings.per_light = true;
-  e = one(*scene, at(0, 0, 0), settings);
+double of_lamps(int n) {
+  double sum = 0;
+  for (int i = 0; i < n; ++i) sum += 10.0 * (i + 1) * 4 / std::pow(double(i) * i + 16, 1.5);
+  return sum;
+}
+
+TEST(Irradiance, OfManyDeltaLightsIsExactWhereSamplesCostMore) {
+  const auto scene = build(lamps(64));
+  // A sample of lights that are drawn costs as much as 16 of them.
+  const IrradianceEstimate e = one(*scene, at(0, 0, 0), direct(1, 4));
   EXPECT_TRUE(e.exact);
-  EXPECT_NEAR(e.irradiance_lx.g, expected, 1e-5 * expected);
+  EXPECT_NEAR(e.irradiance_lx.g, of_lamps(64), 1e-9 * of_lamps(64));
+  EXPECT_FALSE(one(*scene, at(0, 0, 0), direct(1, 3)).exact);
+  IrradianceSettings settings = direct(1, 3);
+  settings.per_light = true;
+  EXPECT_TRUE(one(*scene, at(0, 0, 0), settings).exact);
+}
+
+TEST(Irradiance, OfManyLightsThatAreDrawnIsTheSumOfEach) {
+  const auto scene = build(lamps(12));
+  for (const LightSelection how :
+       {LightSelection::kUniform, LightSelection::kPower, LightSelection::kBvh}) {
+    IrradianceSettings settings = direct(256);
+    settings.methods.light_selection = how;
+    const IrradianceEstimate e = one(*scene, at(0, 0, 0), settings);
+    EXPECT_FALSE(e.exact);
+    EXPECT_NEAR(e.irradiance_lx.g, of_lamps(12), 5 * e.standard_error_lx.g);
+    EXPECT_LT(e.standard_error_lx.g, 0.02 * of_lamps(12));
+  }
+}
+
+// Many lamps beside a sky and a panel: what is settled for a target, and what is drawn, is what a
+// count of samples makes of it.
+TEST(Irradiance, OfATargetIsThatOfItsCount) {
+  SceneDescription d = lamps(3000);
+  for (LightDescription& l : d.lights) std::get<PointLightParams>(l.params).position_m.x *= 0.01;
+  d.lights.push_back({UniformInfiniteLightParams{Rgb<double>(1, 2, 3)}, {}});
+  d.shapes.push_back(
+      testing::emissive({DiskParams{.height_m = 5, .reverse_orientation = true}}, 500));
+  d.shapes.push_back(testing::patch({1, -1, 1}, {2, -1, 1}, {1, 1, 1}, {2, 1, 1}));
+  const auto scene = build(std::move(d));
+  for (const double relative : {0.3, 0.1, 0.01, 0.001}) {
+    IrradianceSettings settings = direct(1, 16);
+    settings.target = TargetError{.relative = relative};
+    const IrradiancePoint point = at(0.5F, 0, 0);
+    const IrradianceResult r = estimate_irradiance(*scene, std::span(&point, 1), settings, {});
+    ASSERT_GT(r.costs[0].samples, 0u);
+    settings.target = {};
+    settings.samples_per_block = static_cast<std::uint32_t>(r.costs[0].samples / 16);
+    const IrradianceEstimate e = one(*scene, point, settings);
+    EXPECT_EQ(r.points[0].irradiance_lx, e.irradiance_lx) << relative;
+    EXPECT_EQ(r.points[0].illuminance_error_lx, e.illuminance_error_lx) << relative;
+  }
 }
 
 TEST(Irradiance, IsTheSumOfItsShares) {
@@ -174,7 +243,7 @@ TEST(Irradiance, BoundsWhatSamplesMayHaveMissedBesideLightThatIsExact) {
 TEST(Irradiance, HasNoStandardErrorFromOneReplicate) {
   SceneDescription d = testing::description();
   d.lights = {{UniformInfiniteLightParams{Rgb<double>(2)}, {}}};
-  const IrradianceEstimate e = one(*build(std::move(d)), at(0, 0, 0), direct(16, 1));
+  const IrradianceEstimate e = one(*build(std::move(d)), at(0, 0, 0), sampled(16, 1));
   EXPECT_TRUE(std::isinf(e.standard_error_lx.g));
 }
 

@@ -167,7 +167,7 @@ TEST(MovingPrecision, LightsDoNotHideTheirOwnPoints) {
   q.seed = SeedRange{};
   q.test_visibility = true;
   q.time_s = 1;
-  q.area_sampling = AreaSampling::kSolidAngle;
+  q.methods.area_sampling = AreaSampling::kSolidAngle;
   sample_li(*scene, q,
             {value.data(), wi.data(), distance.data(), point.data(), normal.data(), pdf.data(),
              delta.data(), visible.data(), nullptr, nullptr, status.data()},

@@ -198,14 +198,14 @@ TEST(PbrtProjection, APictureThatLightsShareIsReadAndCountedOnce) {
   EXPECT_EQ(description->assets.size(), 2U);  // the scene and the picture
   const auto scene = Scene::build(*std::move(description));
   ASSERT_TRUE(scene.ok()) << scene.status();
-  std::uint64_t images = 0, lights = 0;
+  std::uint64_t images = 0, tables = 0;
   for (const ScenePart& part : (*scene)->parts()) {
     if (part.name == "images") images += part.bytes;
-    if (part.name == "lights") lights += part.bytes;
+    if (part.name == "image distributions") tables += part.bytes;
   }
   EXPECT_GE(images, 64U * 64 * 12);
   EXPECT_LT(images, 2U * 64 * 64 * 12);
-  EXPECT_GT(lights, 3U * 64 * 64 * 8);  // the tables that each samples by
+  EXPECT_GT(tables, 3U * 64 * 64 * 8);  // the tables that each samples by
 }
 
 TEST(PbrtProjection, TheScenesSphereHoldsABeamsRectangle) {

@@ -154,7 +154,9 @@ TEST(SampleLi, AChosenLightAnswersAsIfItWereNamed) {
       if (chosen.ids[i] != scene->lights()[light].id) continue;
       ++found;
       EXPECT_EQ(chosen.value[3 * i], named.value[3 * i]);
-      EXPECT_EQ(chosen.probability[i], scene->light_probability(light));
+      const Receiver<double> receiver(0.1F * float(i), 0, 0.5);
+      EXPECT_EQ(chosen.probability[i],
+                scene->light_selector().probability(LightSelection::kAutomatic, receiver, light));
     }
     EXPECT_GT(found, 0) << light;
   }

@@ -168,14 +168,14 @@ TEST(Scene, ReportsOnlyWhatItBuilt) {
   d.shapes = {testing::floor(1)};
   d.lights = {testing::point_light({0, 0, 1}, 1)};
   EXPECT_THAT(part_names(*build(d)),
-              ElementsAre("lights", "vertices", "triangles", "surfaces", "bvh"));
+              ElementsAre("lights", "vertices", "triangles", "surfaces", "materials", "bvh"));
   d.lights.push_back(testing::point_light({0, 1, 1}, 1));
-  EXPECT_THAT(part_names(*build(d)),
-              ElementsAre("lights", "vertices", "triangles", "surfaces", "bvh", "light choice"));
+  EXPECT_THAT(part_names(*build(d)), ElementsAre("lights", "vertices", "triangles", "surfaces",
+                                                 "materials", "bvh", "light choice"));
   d.shapes = {{SphereParams{}}};
   d.lights.clear();
   const auto scene = build(d);
-  EXPECT_THAT(part_names(*scene), ElementsAre("spheres", "surfaces", "bvh"));
+  EXPECT_THAT(part_names(*scene), ElementsAre("spheres", "surfaces", "materials", "bvh"));
   for (const ScenePart& p : scene->parts()) EXPECT_GT(p.bytes, 0u) << p.name;
 }
 
@@ -208,8 +208,9 @@ TEST(Scene, HoldsEachSpectrumOnceAndTellsItsBytes) {
   EXPECT_EQ(scene->spectrum(2), samples.get());
   EXPECT_EQ(scene->spectrum(3), samples.get());  // the area light comes last
   EXPECT_EQ(scene->spectrum_number(2), scene->spectrum_number(3));
-  const auto part = std::ranges::find(scene->parts(), "spectra", &ScenePart::name);
-  ASSERT_NE(part, scene->parts().end());
+  const std::vector<ScenePart> parts = scene->parts();
+  const auto part = std::ranges::find(parts, "spectra", &ScenePart::name);
+  ASSERT_NE(part, parts.end());
   EXPECT_EQ(part->why, "2 spectra of 3 lights");
   // Each once; where they are; which of them each of the four lights has.
   EXPECT_EQ(part->bytes, samples->bytes() + body->bytes() + 2 * sizeof samples + 4 * 4);
@@ -219,11 +220,14 @@ TEST(Scene, ChoosesLightsByPower) {
   SceneDescription d = testing::description();
   d.lights = {testing::point_light({0, 0, 1}, 3), testing::point_light({0, 1, 1}, 1)};
   const auto scene = build(d);
-  EXPECT_NEAR(scene->light_probability(0), 0.9 * 0.75 + 0.05, 1e-12);
-  EXPECT_EQ(choose_light(*scene, 0.99).light, 1u);
-  EXPECT_EQ(choose_light(*scene, 0.99).probability, scene->light_probability(1));
+  const Receiver<double> r;
+  const auto how = LightSelection::kAutomatic;
+  EXPECT_NEAR(scene->light_selector().probability(how, r, 0), 0.9 * 0.75 + 0.05, 1e-12);
+  EXPECT_EQ(choose_light(*scene, how, r, 0.99)->light, 1u);
+  EXPECT_EQ(choose_emitter(*scene, 0.99).light, 1u);
   d.lights.pop_back();
-  EXPECT_EQ(choose_light(*build(d), 0.99).probability, 1);
+  EXPECT_EQ(choose_light(*build(d), how, r, 0.99)->probability, 1);
+  EXPECT_EQ(choose_emitter(*build(d), 0.99).probability, 1);
 }
 
 TEST(Scene, ChoosesLightsFromInfinitelyFarWhereItIsButAPoint) {
@@ -232,8 +236,9 @@ TEST(Scene, ChoosesLightsFromInfinitelyFarWhereItIsButAPoint) {
   d.lights[1].params = DistantLightParams{{0, 0, 1}, Rgb<double>(5)};
   const auto scene = build(d);
   EXPECT_EQ(scene->sphere().radius_m, 0);
-  EXPECT_GT(scene->light_probability(1), 0.05);
-  EXPECT_EQ(choose_light(*scene, 0.99).light, 1u);
+  EXPECT_EQ(choose_light(*scene, LightSelection::kAutomatic, {}, 0.01)->light, 1u);
+  EXPECT_EQ(choose_light(*scene, LightSelection::kAutomatic, {}, 0.01)->probability, 0.5);
+  EXPECT_EQ(choose_emitter(*scene, 0.99).light, 1u);
 }
 
 TEST(Scene, HasASphereAroundGeometryAndLocalLights) {

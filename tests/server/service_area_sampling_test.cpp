@@ -74,6 +74,7 @@ class AreaSamplingTest : public ::testing::Test {
     Request q;
     q.set_scene_id(service_.load(p.scene));
     q.mutable_accuracy()->set_area_sampling(way);
+    q.mutable_accuracy()->set_closed_forms(v1::CLOSED_FORMS_OFF);
     for (int i = 0; i < kItems; ++i)
       for (int c = 0; c < 3; ++c) {
         q.mutable_receivers()->add_offsets_m(static_cast<float>(p.receiver[c]));
@@ -214,6 +215,7 @@ TEST_F(AreaSamplingTest, TilesAgreeInTheirMeanEachWay) {
   std::vector<std::string> planes;
   for (const v1::AreaSampling way : kWays) {
     q.mutable_accuracy()->set_area_sampling(way);
+    q.mutable_accuracy()->set_closed_forms(v1::CLOSED_FORMS_OFF);
     v1::RenderTileResponse r;
     ASSERT_TRUE(ask([&](auto* c) { return service_.render.RenderTile(c, q, &r); }).ok());
     ASSERT_EQ(r.tile().block_count(), 16U);

@@ -148,7 +148,7 @@ TEST(AnswerSizes, AreBoundsOfDensitiesBitsAndTiles) {
   tile.mutable_accuracy()->set_samples(1);
   v1::RenderTileResponse picture;
   ASSERT_TRUE(ask([&](auto* c) { return service.render.RenderTile(c, tile, &picture); }).ok());
-  expect_bounded(picture, tile_size(), 40 * 25);
+  expect_bounded(picture, tile_size({}), 40 * 25);
 }
 
 /// A server of small messages.

@@ -94,8 +94,8 @@ struct Estimates {
 
 Estimates estimates(const Scene& scene, const SurfaceHit& hit, const Vec3<float>& wo) {
   constexpr std::uint32_t kSamples = 1 << 15;
-  const PathTracer tracer(scene, 0, AreaSampling::kAutomatic);
-  const SobolSequence sequence(7, 0);
+  const PathTracer tracer(scene, 0, {});
+  const SampleSequence sequence(Sampler::kSobol, 7, 0, 0);
   Estimates sum;
   for (std::uint32_t i = 0; i < kSamples; ++i) {
     const PathSample s{sequence, i};

@@ -22,11 +22,16 @@ struct Answers {
 };
 
 Answers answers_of(const SceneDescription& description, double s, std::uint32_t samples,
-                   std::uint32_t samples_per_point) {
+                   std::uint32_t samples_per_point, const Methods& methods = {}) {
   const auto scene = build(scaled_scene(description, s));
   Answers a;
-  const TileResult tile = render_tile(
-      *scene, {.rect = {0, 0, 32, 24}, .seed = 3, .samples_per_block = samples, .bounces = 2}, {});
+  const TileResult tile = render_tile(*scene,
+                                      {.rect = {0, 0, 32, 24},
+                                       .seed = 3,
+                                       .samples_per_block = samples,
+                                       .bounces = 2,
+                                       .methods = methods},
+                                      {});
   for (const BlockStatistics& c : tile.channels) a.picture.push_back(c.sum);
 
   std::vector<IrradiancePoint> points;
@@ -44,8 +49,10 @@ Answers answers_of(const SceneDescription& description, double s, std::uint32_t 
     points.push_back(point);
   }
   for (const IrradianceEstimate& e :
-       estimate_irradiance(*scene, points,
-                           {.seed = 4, .samples_per_block = samples_per_point, .bounces = 1}, {})
+       estimate_irradiance(
+           *scene, points,
+           {.seed = 4, .samples_per_block = samples_per_point, .bounces = 1, .methods = methods},
+           {})
            .points)
     a.irradiance.insert(a.irradiance.end(),
                         {e.irradiance_lx.r, e.irradiance_lx.g, e.irradiance_lx.b});
@@ -71,8 +78,10 @@ Answers answers_of(const SceneDescription& description, double s, std::uint32_t 
     for (int k = 0; k < 3; ++k)
       a.samples.insert(a.samples.end(), {value[3 * i + k], wi[3 * i + k]});
   }
+  const Receiver<double> receiver(kEveryLightMiddle * s - scene->origin());
   for (std::uint32_t l = 0; l < scene->lights().size(); ++l)
-    a.choices.push_back(scene->light_probability(l));
+    for (const LightSelection how : {LightSelection::kPower, LightSelection::kBvh})
+      a.choices.push_back(scene->light_selector().probability(how, receiver, l));
   return a;
 }
 
@@ -109,9 +118,12 @@ TEST(InvarianceExtremes, MillimetresAndKilometresKeepTheMean) {
   Sweep sweep(9, "scene with every light, in other units", "mm, km",
               "mean of picture, irradiances");
   const SceneDescription d = invariant_scene();
-  const Answers metres = answers_of(d, 1, 64, 1024);
+  // A tree of lights that are as near to each other as others may be split elsewhere, and so be
+  // other samples.
+  const Methods by_power{.light_selection = LightSelection::kPower};
+  const Answers metres = answers_of(d, 1, 64, 1024, by_power);
   for (const double s : {1e3, 1e-3}) {
-    const Answers other = answers_of(d, s, 64, 1024);
+    const Answers other = answers_of(d, s, 64, 1024, by_power);
     sweep.compare(mean(other.picture), mean(metres.picture), "picture " + std::to_string(s));
     sweep.compare(mean(other.irradiance), mean(metres.irradiance), "lx " + std::to_string(s));
   }

@@ -35,6 +35,7 @@ TEST(QuerySumsExtremes, IrradianceOfSamplesThatAreAlike) {
       settings.block_count = blocks;
       settings.bounces = 0;
       settings.per_light = true;
+      settings.methods.closed_forms = ClosedForms::kOff;
       settings.wavelengths_nm = wavelengths_nm;
       const IrradianceResult result =
           estimate_irradiance(*scene, std::span(&point, 1), settings, {});

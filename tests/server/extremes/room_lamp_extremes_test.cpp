@@ -65,7 +65,8 @@ Answer sample_at(const Scene& scene, const Vec3<double>& p, AreaSampling way) {
   std::vector<std::uint64_t> ids(1);
   std::vector<double> chance(1);
   std::vector<int> status(1);
-  sample_li(scene, {.receivers = {p, offset}, .light = 0, .u = u, .area_sampling = way},
+  sample_li(scene,
+            {.receivers = {p, offset}, .light = 0, .u = u, .methods = {.area_sampling = way}},
             {.value = value.data(),
              .wi = wi.data(),
              .distance_m = distance.data(),

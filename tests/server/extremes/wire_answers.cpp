@@ -22,6 +22,7 @@ bool holds_no_numbers(const FieldDescriptor& field) {
       "lucerna.v1.SampleLiResponse.delta",                    // bits
       "lucerna.v1.SampleLiResponse.visible",                  // bits
       "lucerna.v1.TestVisibilityResponse.visible",            // bits
+      "lucerna.v1.Tile.samples",                              // whole numbers
       "lucerna.v1.NamedAsset.sha256",                         // a digest
       "lucerna.v1.FindMissingAssetsResponse.missing_sha256",  // digests
   };
@@ -76,17 +77,24 @@ class Walk {
 
   void bytes(const Message& m, const google::protobuf::Reflection& r, const FieldDescriptor& f) {
     if (holds_no_numbers(f)) return;
-    if (f.is_repeated() || !holds_doubles(f)) {
+    if (f.is_repeated() || (!holds_doubles(f) && !holds_floats(f))) {
       wrong_.push_back(fmt::format("{}: bytes of unknown meaning", f.full_name()));
       return;
     }
-    const std::string doubles = r.GetString(m, &f);
-    if (doubles.size() % sizeof(double) != 0)
-      wrong_.push_back(fmt::format("{}: {} bytes are no doubles", f.full_name(), doubles.size()));
-    for (std::size_t i = 0; i + sizeof(double) <= doubles.size(); i += sizeof(double)) {
-      double v = 0;
-      std::memcpy(&v, doubles.data() + i, sizeof v);
-      number(f, static_cast<int>(i / sizeof v), v);
+    if (holds_doubles(f))
+      numbers<double>(f, r.GetString(m, &f), "doubles");
+    else
+      numbers<float>(f, r.GetString(m, &f), "floats");
+  }
+
+  template <typename Number>
+  void numbers(const FieldDescriptor& f, const std::string& plane, const char* what) {
+    if (plane.size() % sizeof(Number) != 0)
+      wrong_.push_back(fmt::format("{}: {} bytes are no {}", f.full_name(), plane.size(), what));
+    for (std::size_t i = 0; i + sizeof(Number) <= plane.size(); i += sizeof(Number)) {
+      Number v = 0;
+      std::memcpy(&v, plane.data() + i, sizeof v);
+      number(f, static_cast<int>(i / sizeof v), double{v});
     }
   }
 
@@ -124,6 +132,11 @@ const std::map<std::string, std::string>& signed_fields() {
 bool holds_doubles(const FieldDescriptor& field) {
   return field.full_name() == "lucerna.v1.Tile.sum" ||
          field.full_name() == "lucerna.v1.Tile.deviation";
+}
+
+bool holds_floats(const FieldDescriptor& field) {
+  return field.full_name() == "lucerna.v1.Tile.lower" ||
+         field.full_name() == "lucerna.v1.Tile.upper";
 }
 
 std::vector<std::string> wrong_numbers(const Message& message) {

@@ -18,8 +18,9 @@ std::vector<std::string> wrong_numbers(const google::protobuf::Message& message)
 /// of vectors, and times, as lucerna/v1/accuracy.proto says.  No field may hold NaN or an infinity.
 const std::map<std::string, std::string>& signed_fields();
 
-/// Whether a field of bytes holds little-endian doubles.
+/// Whether a field of bytes holds little-endian doubles, or floats.
 bool holds_doubles(const google::protobuf::FieldDescriptor& field);
+bool holds_floats(const google::protobuf::FieldDescriptor& field);
 
 /// How many numbers `wrong_numbers` looked at so far.
 std::uint64_t numbers_seen();

@@ -28,9 +28,10 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 const std::vector<double> kNeverRight{kNan, kInfinity, -kInfinity};
 
-std::string bytes_of(const std::vector<double>& doubles) {
-  std::string bytes(doubles.size() * sizeof(double), '\0');
-  std::memcpy(bytes.data(), doubles.data(), bytes.size());
+template <typename Number = double>
+std::string bytes_of(const std::vector<Number>& numbers) {
+  std::string bytes(numbers.size() * sizeof(Number), '\0');
+  std::memcpy(bytes.data(), numbers.data(), bytes.size());
   return bytes;
 }
 
@@ -83,20 +84,32 @@ TEST(WrongNumbers, AreSeenInTheBytesOfTilesAndStreamedPictures) {
   v1::RenderImageResponse picture;
   for (v1::Tile* t : {tile.mutable_tile(), picture.mutable_tile()}) {
     const Message& whole = t == &tile.tile() ? static_cast<const Message&>(tile) : picture;
-    t->set_sum(bytes_of({1, 2, 3}));
-    t->set_deviation(bytes_of({0, 0, 0}));
+    t->set_sum(bytes_of<double>({1, 2, 3}));
+    t->set_deviation(bytes_of<double>({0, 0, 0}));
     EXPECT_THAT(wrong_numbers(whole), IsEmpty());
     for (const double v : {kNan, kInfinity, -1.0}) {
-      t->set_sum(bytes_of({1, 2, v}));
+      t->set_sum(bytes_of<double>({1, 2, v}));
       EXPECT_THAT(wrong_numbers(whole), ElementsAre(fmt::format("lucerna.v1.Tile.sum[2] = {}", v)));
-      t->set_sum(bytes_of({1, 2, 3}));
-      t->set_deviation(bytes_of({v, 0, 0}));
+      t->set_sum(bytes_of<double>({1, 2, 3}));
+      t->set_deviation(bytes_of<double>({v, 0, 0}));
       EXPECT_THAT(wrong_numbers(whole),
                   ElementsAre(fmt::format("lucerna.v1.Tile.deviation[0] = {}", v)));
-      t->set_deviation(bytes_of({0, 0, 0}));
+      t->set_deviation(bytes_of<double>({0, 0, 0}));
     }
-    t->set_sum(t->sum().substr(1));
+    const std::string sum = t->sum();
+    t->set_sum(sum.substr(1));
     EXPECT_THAT(wrong_numbers(whole), ElementsAre("lucerna.v1.Tile.sum: 23 bytes are no doubles"));
+    t->set_sum(sum);
+    for (const float v : {float(kNan), float(kInfinity), -1.0F}) {
+      const std::string one = bytes_of<float>({v});
+      t->set_upper(one);
+      EXPECT_THAT(wrong_numbers(whole),
+                  ElementsAre(fmt::format("lucerna.v1.Tile.upper[0] = {}", v)));
+      t->set_upper(one.substr(1));
+      EXPECT_THAT(wrong_numbers(whole),
+                  ElementsAre("lucerna.v1.Tile.upper: 3 bytes are no floats"));
+      t->clear_upper();
+    }
   }
 }
 
@@ -142,8 +155,10 @@ void plant(Message* m, const Path& path, double v) {
     put<float>(m, f, static_cast<float>(v), &R::SetFloat, &R::AddFloat);
   else if (f->cpp_type() == FieldDescriptor::CPPTYPE_DOUBLE)
     put<double>(m, f, v, &R::SetDouble, &R::AddDouble);
+  else if (holds_floats(*f))
+    m->GetReflection()->SetString(m, f, bytes_of<float>({0, static_cast<float>(v)}));
   else
-    m->GetReflection()->SetString(m, f, bytes_of({0, v}));
+    m->GetReflection()->SetString(m, f, bytes_of<double>({0, v}));
 }
 
 TEST(WrongNumbers, AreSeenInEveryFieldOfEveryAnswer) {

@@ -111,10 +111,19 @@ void WireQueries::wavelengths(google::protobuf::RepeatedField<double>* out) {
   for (const double nm : {100.0, 555.0, n_.magnitude(100, 1e6)}) out->Add(nm);
 }
 
-void WireQueries::area_sampling(v1::Accuracy* out) {
-  if (n_.chance(0.5))
-    out->set_area_sampling(
-        static_cast<v1::AreaSampling>(n_.below(v1::AreaSampling_MAX + std::uint64_t{1})));
+void WireQueries::methods(v1::Accuracy* out) {
+  // Where it does not say it is automatic, as mostly it will be.
+  const auto pick = [&](int most) {
+    return n_.chance(0.5) ? 0 : static_cast<int>(n_.below(static_cast<std::uint64_t>(most) + 1));
+  };
+  out->set_area_sampling(static_cast<v1::AreaSampling>(pick(v1::AreaSampling_MAX)));
+  out->set_light_selection(static_cast<v1::LightSelection>(pick(v1::LightSelection_MAX)));
+  out->set_sampler(static_cast<v1::Sampler>(pick(v1::Sampler_MAX)));
+  out->set_combination(static_cast<v1::Combination>(pick(v1::Combination_MAX)));
+  out->set_closed_forms(static_cast<v1::ClosedForms>(pick(v1::ClosedForms_MAX)));
+  out->set_visibility(static_cast<v1::Visibility>(pick(v1::Visibility_MAX)));
+  if (n_.chance(0.2)) out->set_samples_per_light(1 + static_cast<std::uint32_t>(n_.below(4)));
+  if (n_.chance(0.2)) out->set_far_light_radii(n_.magnitude(1e-3, 1e3));
 }
 
 std::vector<v1::ItemStatus> WireQueries::statuses(

@@ -21,7 +21,7 @@ void WireQueries::sample_li(const v1::Light* light) {
   if (n_.chance(0.4)) normals(q.mutable_normals(), items);
   q.set_test_visibility(n_.chance(0.4));
   if (n_.chance(0.2)) q.set_position_error_m(static_cast<float>(n_.magnitude()));
-  area_sampling(q.mutable_accuracy());
+  methods(q.mutable_accuracy());
   wavelengths(q.mutable_wavelengths_nm());
 
   Items of_samples;
@@ -79,7 +79,7 @@ void WireQueries::pdf_li(const v1::Light& light) {
   directions(q.mutable_wi(), items, &q.receivers());
   if (n_.chance(0.5)) q.set_time_s(n_.scalar());
   if (n_.chance(0.4)) normals(q.mutable_normals(), items);
-  area_sampling(q.mutable_accuracy());
+  methods(q.mutable_accuracy());
   v1::PdfLiResponse r;
   const grpc::Status s = call([&](auto* c) { return service_.lighting.PdfLi(c, q, &r); });
   if (!answered("PdfLi", s, q, r)) return;

@@ -23,7 +23,8 @@ std::vector<const google::protobuf::MethodDescriptor*> all_methods() {
 
 bool holds_numbers(const FieldDescriptor& field) {
   return field.cpp_type() == FieldDescriptor::CPPTYPE_FLOAT ||
-         field.cpp_type() == FieldDescriptor::CPPTYPE_DOUBLE || holds_doubles(field);
+         field.cpp_type() == FieldDescriptor::CPPTYPE_DOUBLE || holds_doubles(field) ||
+         holds_floats(field);
 }
 
 bool holds_numbers(const Descriptor& type) {

@@ -46,7 +46,13 @@ void WireQueries::visibility() {
 void WireQueries::stop_rule(v1::Accuracy* out) {
   if (n_.chance(0.8)) {
     out->set_samples(static_cast<std::uint32_t>(1 + n_.below(4)));
-  } else if (n_.chance(0.7)) {
+  } else {
+    target_or_time(out);
+  }
+}
+
+void WireQueries::target_or_time(v1::Accuracy* out) {
+  if (n_.chance(0.7)) {
     v1::TargetError* target = out->mutable_target_error();
     target->set_relative(n_.magnitude());
     if (n_.chance(0.5)) target->set_absolute_floor(n_.magnitude());
@@ -73,7 +79,7 @@ void WireQueries::irradiance() {
   if (n_.chance(0.5)) q.set_time_s(n_.scalar());
   if (n_.chance(0.2)) q.set_position_error_m(static_cast<float>(n_.magnitude()));
   if (!by_default) stop_rule(q.mutable_accuracy());
-  area_sampling(q.mutable_accuracy());
+  methods(q.mutable_accuracy());
   v1::EstimateIrradianceResponse r;
   const grpc::Status s =
       call([&](auto* c) { return service_.lighting.EstimateIrradiance(c, q, &r); });

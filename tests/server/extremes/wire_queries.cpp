@@ -72,6 +72,8 @@ void WireQueries::power(bool all) {
     for (const v1::Light& light : lights_) asked.push_back(light.id());
   q.set_method(static_cast<v1::EstimatePowerRequest::Method>(
       n_.below(v1::EstimatePowerRequest::Method_MAX + std::uint64_t{1})));
+  stop_rule(q.mutable_accuracy());
+  q.set_seed(n_.seed());
   if (n_.chance(0.5)) q.set_page_size(static_cast<std::uint32_t>(1 + n_.below(12)));
   wavelengths(q.mutable_wavelengths_nm());
   std::size_t listed = 0;

@@ -80,8 +80,9 @@ class WireQueries {
   void normals(Floats* out, Items& items);
   void sample_values(v1::SampleValues* out, int each, bool named, Items& items);
   void wavelengths(google::protobuf::RepeatedField<double>* out);
-  void area_sampling(v1::Accuracy* out);
+  void methods(v1::Accuracy* out);
   void stop_rule(v1::Accuracy* out);
+  void target_or_time(v1::Accuracy* out);
   /// Reflections: a few, several, or unset for all.
   template <typename Request>
   void bounces(Request* out);
@@ -113,7 +114,8 @@ class WireQueries {
   void hold(bool what, const std::string& name, std::size_t item, const std::string& words);
   void is_probability(const std::string& name, std::size_t item, double p);
   void is_light(const std::string& name, std::size_t item, std::uint64_t id);
-  void tile_holds(const std::string& name, const v1::Tile& tile, const v1::PixelRect& rect);
+  void tile_holds(const std::string& name, const v1::Tile& tile, const v1::PixelRect& rect,
+                  bool target);
   void is_unit(const std::string& name, std::size_t item, const Floats& v);
   void is_zero(const std::string& name, std::size_t item, const Floats& v, std::size_t each);
   void expect(const std::string& name, std::size_t size, std::size_t expected,

@@ -24,12 +24,15 @@ void WireQueries::render_time(Request* out) {
 }
 
 void WireQueries::tile_holds(const std::string& name, const v1::Tile& tile,
-                             const v1::PixelRect& rect) {
+                             const v1::PixelRect& rect, bool target) {
   hold(tile.rect().SerializeAsString() == rect.SerializeAsString(), name, 0,
        fmt::format("{}, not {}", tile.rect().ShortDebugString(), rect.ShortDebugString()));
   const std::size_t pixels = std::size_t{rect.x1() - rect.x0()} * (rect.y1() - rect.y0());
   expect(name, tile.sum().size(), 3 * sizeof(double) * pixels, "bytes of sum");
   expect(name, tile.deviation().size(), 3 * sizeof(double) * pixels, "bytes of deviation");
+  const std::size_t told = target ? sizeof(float) * pixels : 0;
+  for (const std::string* plane : {&tile.samples(), &tile.lower(), &tile.upper()})
+    expect(name, plane->size(), told, "bytes of samples or intervals");
   hold(tile.block_count() > 0, name, 0, "no blocks");
   count(name, pixels);
 }
@@ -39,10 +42,12 @@ void WireQueries::tile() {
   q.set_scene_id(scene_id_);
   q.set_seed(n_.seed());
   bounces(&q);
-  area_sampling(q.mutable_accuracy());
+  methods(q.mutable_accuracy());
   render_time(&q);
   // What the scene file proposes is a few.
-  if (!summary_.has_samples_per_pixel() || n_.chance(0.5)) {
+  if (n_.chance(0.2)) {
+    target_or_time(q.mutable_accuracy());
+  } else if (!summary_.has_samples_per_pixel() || n_.chance(0.5)) {
     const std::uint32_t samples = 1U << n_.below(4);
     q.mutable_accuracy()->set_samples(samples);
     if (n_.chance(0.5)) q.set_samples_per_block(samples >> n_.below(4));
@@ -66,7 +71,8 @@ void WireQueries::tile() {
   }
   v1::RenderTileResponse r;
   const grpc::Status s = call([&](auto* c) { return service_.render.RenderTile(c, q, &r); });
-  if (answered("RenderTile", s, q, r)) tile_holds("RenderTile", r.tile(), rect);
+  if (answered("RenderTile", s, q, r))
+    tile_holds("RenderTile", r.tile(), rect, q.accuracy().has_target_error());
 }
 
 void WireQueries::image() {
@@ -74,9 +80,11 @@ void WireQueries::image() {
   q.set_scene_id(scene_id_);
   q.set_seed(n_.seed());
   bounces(&q);
-  area_sampling(q.mutable_accuracy());
+  methods(q.mutable_accuracy());
   render_time(&q);
-  if (!summary_.has_samples_per_pixel() || n_.chance(0.5)) {
+  if (n_.chance(0.2)) {
+    target_or_time(q.mutable_accuracy());
+  } else if (!summary_.has_samples_per_pixel() || n_.chance(0.5)) {
     const auto blocks = static_cast<std::uint32_t>(1 + n_.below(7));
     const std::uint32_t block = 1U << n_.below(2);
     q.mutable_accuracy()->set_samples(blocks * block);
@@ -96,15 +104,20 @@ void WireQueries::image() {
       hold(rect.x0() < rect.x1() && rect.x1() <= width && rect.y0() < rect.y1() &&
                rect.y1() <= height,
            "RenderImage", 0, rect.ShortDebugString() + " is not within the picture");
-      tile_holds("RenderImage", r.tile(), rect);
-      hold(r.samples_done() > done, "RenderImage", 0, "nothing was done");
+      tile_holds("RenderImage", r.tile(), rect, q.accuracy().has_target_error());
+      // What a time has overtaken, or what was kept until the end, is sent as it was.
+      hold(r.samples_done() > done || q.accuracy().has_time_budget_s(), "RenderImage", 0,
+           "nothing was done");
       done = r.samples_done();
       total = r.samples_total();
     }
     return stream->Finish();
   });
   hold(s.ok(), "RenderImage", 0, fmt::format("{} {}", int(s.error_code()), s.error_message()));
-  hold(done == total, "RenderImage", 0, fmt::format("{} of {} samples are done", done, total));
+  const bool counted = q.accuracy().stop_case() != v1::Accuracy::kTargetError &&
+                       q.accuracy().stop_case() != v1::Accuracy::kTimeBudgetS;
+  hold(counted ? done == total : total == 0, "RenderImage", 0,
+       fmt::format("{} of {} samples are done", done, total));
 }
 
 }  // namespace lucerna::testing

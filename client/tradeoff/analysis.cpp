@@ -1,0 +1,167 @@
+#include "client/tradeoff/analysis.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace lucerna::tradeoff {
+namespace {
+
+// Errors within this of the reference's own say more about the reference.
+constexpr double kResolved = 2;
+
+double median(std::vector<double> numbers) { return quartiles(std::move(numbers)).median; }
+
+std::vector<Cell> cells_of(std::size_t setting, const std::vector<Run>& runs) {
+  std::vector<Cell> cells;
+  for (const Run& run : runs) {
+    if (run.setting != setting || run.round == 0) continue;
+    if (std::none_of(cells.begin(), cells.end(),
+                     [&](const Cell& c) { return c.amount == run.amount; }))
+      cells.emplace_back().amount = run.amount;
+  }
+  for (Cell& cell : cells) {
+    std::vector<double> seconds, relative, squares, flips, samples, rays;
+    for (const Run& run : runs) {
+      if (run.setting != setting || run.round == 0 || !(run.amount == cell.amount)) continue;
+      seconds.push_back(run.seconds);
+      relative.push_back(run.errors.relative_mse);
+      squares.push_back(run.errors.rmse * run.errors.rmse);
+      if (run.errors.flip) flips.push_back(*run.errors.flip);
+      samples.push_back(run.samples);
+      rays.push_back(run.rays);
+    }
+    cell.runs = seconds.size();
+    cell.seconds = quartiles(seconds);
+    cell.error = root_mean_interval(relative);
+    cell.rmse = root_mean_interval(squares);
+    if (!flips.empty()) cell.flip = mean_interval(flips);
+    cell.samples = median(samples);
+    cell.rays = median(rays);
+  }
+  std::sort(cells.begin(), cells.end(), [](const Cell& a, const Cell& b) {
+    return a.amount.target ? a.amount.value > b.amount.value : a.amount.value < b.amount.value;
+  });
+  return cells;
+}
+
+void judge_efficiency(Curve& curve, double reference_error) {
+  // The largest amount whose error is not the reference's; the least where all are.
+  for (std::size_t k = curve.cells.size(); k-- > 0;) {
+    const Interval& e = curve.cells[k].error;
+    if (e.mean <= 0 || (k > 0 && e.mean < kResolved * reference_error)) continue;
+    const double t = curve.cells[k].seconds.median;
+    curve.efficient_at = k;
+    curve.efficiency = Interval{.mean = 1 / (e.mean * e.mean * t),
+                                .lower = 1 / (e.upper * e.upper * t),
+                                .upper = 1 / (e.lower * e.lower * t)};
+    return;
+  }
+}
+
+Recommendation recommend(std::size_t level, const std::vector<Setting>& settings,
+                         const std::vector<Curve>& curves, const Reference& reference) {
+  Recommendation r;
+  r.error = kLevels[level];
+  r.below_reference = kLevels[level] < kResolved * reference.relative_error;
+  // What was measured comes before what was not.
+  const auto rank = [](const Reached& x) {
+    return std::pair(x.how == Reached::How::kExtrapolated, x.seconds);
+  };
+  for (const Curve& curve : curves) {
+    const auto& reached = curve.levels[level];
+    if (!reached || (r.setting && rank(*reached) >= rank(r.reached))) continue;
+    r.setting = curve.setting;
+    r.reached = *reached;
+  }
+  if (!r.setting) return r;
+  r.amount = practical(settings[*r.setting].by_target, r.reached.samples);
+  if (const auto& automatic = curves[0].levels[level]) {
+    r.automatic_ratio = automatic->seconds / r.reached.seconds;
+    r.automatic_extrapolated = automatic->how == Reached::How::kExtrapolated;
+  }
+  return r;
+}
+
+void compare(const std::vector<Setting>& settings, Analysis& a) {
+  // As much time as every setting that stayed was given.
+  double least = std::numeric_limits<double>::infinity();
+  for (const Curve& curve : a.curves)
+    if (!curve.cells.empty()) least = std::min(least, curve.cells.back().seconds.median);
+  a.comparison_s = std::isinf(least) ? 0 : least;
+  a.compared.resize(settings.size());
+  for (std::size_t i = 0; i < a.curves.size(); ++i) {
+    double nearest = std::numeric_limits<double>::infinity();
+    for (std::size_t k = 0; k < a.curves[i].cells.size(); ++k) {
+      const double distance =
+          std::fabs(std::log(a.curves[i].cells[k].seconds.median / a.comparison_s));
+      if (distance >= nearest) continue;
+      nearest = distance;
+      a.compared[i] = k;
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<Measured> Curve::measured() const {
+  std::vector<Measured> result;
+  result.reserve(cells.size());
+  for (const Cell& cell : cells) {
+    result.push_back(
+        {.seconds = cell.seconds.median, .error = cell.error.mean, .samples = cell.amount.value});
+  }
+  return result;
+}
+
+Amount practical(bool by_target, double value) {
+  if (by_target) {
+    const double digit = std::pow(10, std::floor(std::log10(value)) - 1);
+    // The addend forgives what rounding made of a number of two digits.
+    return {.target = true, .value = std::floor(value / digit + 1e-9) * digit};
+  }
+  const double whole = std::ceil(value - 1e-9);
+  return {.target = false, .value = whole > 16 ? 16 * std::ceil(whole / 16) : whole};
+}
+
+Analysis analyse(const std::vector<Setting>& settings, const SweepResult& sweep,
+                 const Reference& reference) {
+  Analysis a;
+  std::vector<Measured> all;
+  std::vector<std::pair<std::size_t, std::size_t>> places;
+  double least_error = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < settings.size(); ++i) {
+    Curve curve;
+    curve.setting = i;
+    curve.cells = cells_of(i, sweep.runs);
+    const std::vector<Measured> measured = curve.measured();
+    curve.rate =
+        measured.size() < 2
+            ? std::nullopt
+            : fitted_rate(std::span(measured).last(std::min<std::size_t>(3, measured.size())));
+    judge_efficiency(curve, reference.relative_error);
+    for (std::size_t level = 0; level < kLevels.size(); ++level)
+      curve.levels[level] = time_to_error(measured, kLevels[level]);
+    for (std::size_t k = 0; k < measured.size(); ++k) {
+      all.push_back(measured[k]);
+      places.emplace_back(i, k);
+      least_error = std::min(least_error, measured[k].error);
+    }
+    a.curves.push_back(std::move(curve));
+  }
+  for (const std::size_t i : pareto_front(all)) a.front.push_back(places[i]);
+  for (std::size_t level = 0; level < kLevels.size(); ++level)
+    a.levels[level] = recommend(level, settings, a.curves, reference);
+  compare(settings, a);
+  if (!reference.exact && reference.relative_error * kReferenceMargin > least_error) {
+    a.warnings.push_back(fmt::format(
+        "The reference's own error, {:.3g}%, is not {:g} times below the best setting's, {:.3g}%: "
+        "errors near it are in part the reference's.  A larger --budget makes it better.",
+        100 * reference.relative_error, kReferenceMargin, 100 * least_error));
+  }
+  return a;
+}
+
+}  // namespace lucerna::tradeoff

@@ -1,0 +1,13 @@
+# Writes OUT: the bytes of FILES as arrays of C++, in the order that tradeoff/report.cpp names them.
+set(names kPage kStyle kSharedScript kPlotsScript kPageScript kLibrary kLicence)
+set(text "// Made by tradeoff/embed.cmake.\n#include \"client/tradeoff/report_files.h\"\n\n")
+string(APPEND text "namespace lucerna::tradeoff {\n")
+foreach(name file IN ZIP_LISTS names FILES)
+  file(READ ${file} bytes HEX)
+  string(REGEX REPLACE "(..)" "0x\\1," bytes "${bytes}")
+  string(APPEND text "static const unsigned char ${name}Bytes[] = {${bytes}};\n")
+  string(APPEND text "const std::string_view ${name}(reinterpret_cast<const char*>(${name}Bytes), ")
+  string(APPEND text "sizeof(${name}Bytes));\n")
+endforeach()
+string(APPEND text "}  // namespace lucerna::tradeoff\n")
+file(WRITE ${OUT} "${text}")

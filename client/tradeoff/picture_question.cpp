@@ -1,0 +1,159 @@
+// Pixels of a picture: all of a small one, else of tiles spread over it.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "client/tradeoff/flip.h"
+#include "client/tradeoff/question.h"
+#include "client/tradeoff/stopwatch.h"
+#include "lucerna/client/picture.h"
+
+namespace lucerna::tradeoff {
+namespace {
+
+constexpr std::uint32_t kMaxSamples = 1 << 14;
+// So large that FLIP, which looks 10 pixels far, has an inside to look at; so small that a question
+// of one sample takes a fraction of a second.
+constexpr std::uint32_t kTile = 32;
+constexpr std::uint32_t kColumns = 3, kRows = 2;
+
+/// One tile in the middle of each of kColumns x kRows parts; all of a picture no larger than them.
+std::vector<v1::PixelRect> spread_tiles(std::uint32_t width, std::uint32_t height) {
+  std::vector<v1::PixelRect> tiles;
+  const auto add = [&](std::uint32_t x, std::uint32_t y, std::uint32_t w, std::uint32_t h) {
+    v1::PixelRect rect;
+    rect.set_x0(x);
+    rect.set_y0(y);
+    rect.set_x1(x + w);
+    rect.set_y1(y + h);
+    tiles.push_back(rect);
+  };
+  if (std::uint64_t{width} * height <= std::uint64_t{kTile} * kTile * kColumns * kRows) {
+    // In rows of their own where one tile of it were more than a server must take.
+    for (std::uint32_t y = 0; y < height; y += kTile)
+      for (std::uint32_t x = 0; x < width; x += kTile)
+        add(x, y, std::min(kTile, width - x), std::min(kTile, height - y));
+    return tiles;
+  }
+  for (std::uint32_t row = 0; row < kRows; ++row) {
+    for (std::uint32_t column = 0; column < kColumns; ++column) {
+      const std::uint32_t w = std::min(kTile, width / kColumns),
+                          h = std::min(kTile, height / kRows);
+      add((2 * column + 1) * width / (2 * kColumns) - w / 2,
+          (2 * row + 1) * height / (2 * kRows) - h / 2, w, h);
+    }
+  }
+  return tiles;
+}
+
+class PictureQuestion : public Question {
+ public:
+  PictureQuestion(const client::Client& client, const QuestionOptions& options,
+                  const v1::SceneSummary& scene)
+      : client_(client), options_(options), lights_(scene.lights()) {
+    layout_.tiles = spread_tiles(scene.image_width(), scene.image_height());
+    request_.set_scene_id(options.scene_id);
+    if (options.bounces) request_.set_bounces(*options.bounces);
+  }
+
+  Query query() const override { return Query::kRender; }
+  std::string quantity() const override { return "pixels, linear RGB [cd/m2 x film scale]"; }
+  const Layout& layout() const override { return layout_; }
+  std::vector<Setting> settings() const override {
+    return tradeoff::settings(query(), {.lights = lights_});
+  }
+  std::vector<Amount> amounts_of(const Setting& setting) const override {
+    return amounts(setting, kMaxSamples);
+  }
+  absl::StatusOr<Answer> ask(const Setting& setting, const Amount& amount,
+                             std::uint64_t seed) const override {
+    return answer(accuracy_of(setting, amount, dark_ * amount.value), seed);
+  }
+  std::vector<std::string> reference_ways() const override { return reference_ways_for(lights_); }
+  absl::StatusOr<Answer> ask_reference(std::size_t way, std::uint32_t samples,
+                                       std::uint64_t seed) const override {
+    v1::Accuracy accuracy = reference_accuracy(way);
+    accuracy.set_samples(samples);
+    return answer(accuracy, seed);
+  }
+
+  Errors errors(const std::vector<double>& values, const std::vector<double>& reference,
+                double dark) const override {
+    Errors result = measure(values, reference, dark);
+    const double exposure = std::exp2(options_.exposure_ev);
+    const auto exposed = [&](const std::vector<double>& v, std::size_t first, std::size_t count) {
+      std::vector<float> rgb(count);
+      for (std::size_t i = 0; i < count; ++i) rgb[i] = static_cast<float>(exposure * v[first + i]);
+      return rgb;
+    };
+    double sum = 0;
+    std::size_t first = 0;
+    for (const v1::PixelRect& tile : layout_.tiles) {
+      const std::uint32_t w = tile.x1() - tile.x0(), h = tile.y1() - tile.y0();
+      const std::size_t count = std::size_t{3} * w * h;
+      for (const float d :
+           flip(exposed(reference, first, count), exposed(values, first, count), w, h))
+        sum += static_cast<double>(d);
+      first += count;
+    }
+    result.flip = sum / (static_cast<double>(first) / 3);
+    return result;
+  }
+
+  std::string command(const Setting& setting, const Amount& amount) const override {
+    std::string text = fmt::format("lucerna render {} -o picture.exr", options_.scene);
+    if (options_.bounces) text += fmt::format(" --bounces {}", *options_.bounces);
+    return text + join_flags(setting, amount);
+  }
+
+ private:
+  absl::StatusOr<Answer> answer(const v1::Accuracy& accuracy, std::uint64_t seed) const {
+    v1::RenderTileRequest request = request_;
+    *request.mutable_accuracy() = accuracy;
+    request.set_seed(seed);
+    std::vector<v1::RenderTileResponse> responses;
+    const Stopwatch watch;
+    for (const v1::PixelRect& tile : layout_.tiles) {
+      *request.mutable_rect() = tile;
+      auto response = client_.render_tile(request, options_.call);
+      if (!response.ok()) return response.status();
+      responses.push_back(*std::move(response));
+    }
+    Answer answer{.values = {}, .seconds = watch.seconds()};
+    for (const v1::RenderTileResponse& response : responses) {
+      client::PictureAssembler assembler;
+      const absl::Status added = assembler.add(response.tile());
+      if (!added.ok()) return added;
+      const auto pixels = assembler.pixels(response.tile().rect());
+      if (!pixels.ok()) return pixels.status();
+      answer.values.insert(answer.values.end(), pixels->begin(), pixels->end());
+      answer.samples += static_cast<double>(response.cost().samples());
+      answer.rays += rays_of(response.cost());
+    }
+    return answer;
+  }
+
+  const client::Client& client_;
+  QuestionOptions options_;
+  std::uint64_t lights_;
+  Layout layout_;
+  v1::RenderTileRequest request_;
+};
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<Question>> make_picture_question(const client::Client& client,
+                                                                const QuestionOptions& options) {
+  v1::GetSceneRequest request;
+  request.set_scene_id(options.scene_id);
+  const auto scene = client.get_scene(request, options.call);
+  if (!scene.ok()) return scene.status();
+  if (scene->summary().image_width() == 0) {
+    return absl::InvalidArgumentError("--query render: the scene has no camera");
+  }
+  return std::make_unique<PictureQuestion>(client, options, scene->summary());
+}
+
+}  // namespace lucerna::tradeoff

@@ -1,0 +1,166 @@
+// The power of lights: known, by the books' formulas, or by rays that leave them.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "client/tradeoff/question.h"
+#include "client/tradeoff/stopwatch.h"
+#include "lucerna/client/batches.h"
+
+namespace lucerna::tradeoff {
+namespace {
+
+// As many calls as lights, each of at most as many rays.
+constexpr std::uint64_t kMostLights = 64;
+constexpr std::uint32_t kMaxRays = 1 << 18;
+
+// Settings of their own: not flags of methods.
+constexpr char kApproximate[] = "approximate", kRays[] = "emitted rays";
+
+class PowerQuestion : public Question {
+ public:
+  PowerQuestion(const client::Client& client, const QuestionOptions& options,
+                std::vector<std::uint64_t> lights, const v1::EstimatePowerResponse& exact)
+      : client_(client), options_(options), lights_(std::move(lights)) {
+    for (const v1::LightPower& light : exact.lights()) {
+      layout_.labels.push_back(fmt::format("light {}", light.light_id()));
+      exact_.push_back(light.power_lm());
+      bounds_.push_back(light.error_lm());
+    }
+  }
+
+  Query query() const override { return Query::kPower; }
+  std::string quantity() const override { return "luminous flux of a light [lm]"; }
+  const Layout& layout() const override { return layout_; }
+  std::vector<Setting> settings() const override {
+    return {{.flags = {}, .accuracy = {}},
+            {.flags = {"--method", kApproximate}, .accuracy = {}},
+            {.flags = {kRays}, .accuracy = {}}};
+  }
+  std::vector<Amount> amounts_of(const Setting& setting) const override {
+    if (!by_rays(setting)) return {{.target = false, .value = 1}};
+    return amounts(setting, kMaxRays);
+  }
+  absl::StatusOr<Answer> ask(const Setting& setting, const Amount& amount,
+                             std::uint64_t seed) const override {
+    if (by_rays(setting)) return emitted(static_cast<std::uint32_t>(amount.value), seed);
+    return known(setting.flags.empty() ? v1::EstimatePowerRequest::METHOD_EXACT
+                                       : v1::EstimatePowerRequest::METHOD_APPROXIMATE);
+  }
+  std::vector<std::string> reference_ways() const override {
+    return {"closed forms and quadrature with a stated bound (METHOD_EXACT)"};
+  }
+  bool reference_is_exact() const override { return true; }
+  absl::StatusOr<Answer> ask_reference(std::size_t, std::uint32_t, std::uint64_t) const override {
+    Answer answer{.values = exact_};
+    return answer;
+  }
+  std::vector<double> reference_bounds() const override { return bounds_; }
+  /// Of what the reference was made by: the bound that it states, since compared with itself it is
+  /// right.
+  Errors errors(const std::vector<double>& values, const std::vector<double>& reference,
+                double dark) const override {
+    if (values != exact_) return measure(values, reference, dark);
+    std::vector<double> off = exact_;
+    for (std::size_t i = 0; i < off.size(); ++i) off[i] += bounds_[i];
+    return measure(off, reference, dark);
+  }
+  std::string command(const Setting& setting, const Amount& amount) const override {
+    if (by_rays(setting)) {
+      return fmt::format("lucerna emit {} --light ID --count {:.0f}", options_.scene, amount.value);
+    }
+    return fmt::format("lucerna power {}", options_.scene) +
+           (setting.flags.empty() ? "" : " --method approximate");
+  }
+
+ private:
+  static bool by_rays(const Setting& setting) {
+    return !setting.flags.empty() && setting.flags[0] == kRays;
+  }
+
+  absl::StatusOr<Answer> known(v1::EstimatePowerRequest::Method method) const {
+    v1::EstimatePowerRequest request;
+    request.set_scene_id(options_.scene_id);
+    request.mutable_light_ids()->Add(lights_.begin(), lights_.end());
+    request.set_method(method);
+    const Stopwatch watch;
+    const auto response = client_.estimate_power(request, options_.call);
+    if (!response.ok()) return response.status();
+    Answer answer{.values = {}, .seconds = watch.seconds()};
+    for (const v1::LightPower& light : response->lights())
+      answer.values.push_back(light.power_lm());
+    return answer;
+  }
+
+  absl::StatusOr<Answer> emitted(std::uint32_t count, std::uint64_t seed) const {
+    Answer answer;
+    const Stopwatch watch;
+    for (const std::uint64_t light : lights_) {
+      v1::SampleLeRequest request;
+      request.set_scene_id(options_.scene_id);
+      request.set_light_id(light);
+      request.set_count(count);
+      request.mutable_seed()->set_seed(seed);
+      const auto rays =
+          client::sample_le_in_batches(client_, request, {.max_items = 0, .call = options_.call});
+      if (!rays.ok()) return rays.status();
+      double sum = 0;
+      for (int i = 0; i < rays->directions_size() / 3; ++i) {
+        if (!rays->status().empty() && rays->status(i) != v1::ITEM_STATUS_OK) continue;
+        const auto dot = [&](int k) {
+          return rays->light_normals(3 * i + k) * rays->directions(3 * i + k);
+        };
+        const bool surface = rays->light_normals(3 * i) != 0 ||
+                             rays->light_normals(3 * i + 1) != 0 ||
+                             rays->light_normals(3 * i + 2) != 0;
+        double weight = surface ? std::fabs(dot(0) + dot(1) + dot(2)) : 1;
+        if (rays->pdf_position_per_m2(i) > 0) weight /= rays->pdf_position_per_m2(i);
+        if (rays->pdf_direction_per_sr(i) > 0) weight /= rays->pdf_direction_per_sr(i);
+        sum += luminance(rays->value().data() + 3 * static_cast<std::ptrdiff_t>(i)) * weight;
+      }
+      answer.values.push_back(sum / count);
+      answer.samples += count;
+    }
+    answer.seconds = watch.seconds();
+    return answer;
+  }
+
+  const client::Client& client_;
+  QuestionOptions options_;
+  std::vector<std::uint64_t> lights_;
+  Layout layout_;
+  std::vector<double> exact_, bounds_;
+};
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<Question>> make_power_question(const client::Client& client,
+                                                              const QuestionOptions& options) {
+  std::vector<std::uint64_t> all;
+  v1::ListLightsRequest list;
+  list.set_scene_id(options.scene_id);
+  do {
+    const auto page = client.list_lights(list, options.call);
+    if (!page.ok()) return page.status();
+    for (const v1::Light& light : page->lights()) all.push_back(light.id());
+    list.set_page_token(page->next_page_token());
+  } while (!list.page_token().empty());
+  if (all.empty()) {
+    return absl::InvalidArgumentError("--query power: the scene has no lights");
+  }
+  // Of many some, evenly over the list, so that every kind is likely to be there.
+  const std::uint64_t count = std::min<std::uint64_t>(all.size(), kMostLights);
+  v1::EstimatePowerRequest request;
+  request.set_scene_id(options.scene_id);
+  request.set_method(v1::EstimatePowerRequest::METHOD_EXACT);
+  std::vector<std::uint64_t> some;
+  for (std::uint64_t i = 0; i < count; ++i) some.push_back(all[i * all.size() / count]);
+  request.mutable_light_ids()->Add(some.begin(), some.end());
+  const auto exact = client.estimate_power(request, options.call);
+  if (!exact.ok()) return exact.status();
+  return std::make_unique<PowerQuestion>(client, options, std::move(some), *exact);
+}
+
+}  // namespace lucerna::tradeoff

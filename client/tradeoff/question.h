@@ -1,0 +1,116 @@
+// What is asked again and again: a query, its items, and how a client asks it.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "client/tradeoff/errors.h"
+#include "client/tradeoff/settings.h"
+#include "lucerna/client/client.h"
+#include "lucerna/client/points.h"
+
+namespace lucerna::tradeoff {
+
+struct Answer {
+  /// One (of pictures three) an item; not a number where the item has none.
+  std::vector<double> values{};
+  double seconds = 0;  ///< of wall time, from before the question to after the answer
+  double samples = 0;  ///< over all items
+  double rays = 0;     ///< of all kinds
+};
+
+/// What is drawn of the items.
+struct Layout {
+  /// Points, where items are points.
+  std::vector<client::Double3> points;
+  /// Tiles of a picture in the order of the values, where items are pixels.
+  std::vector<v1::PixelRect> tiles;
+  /// Names of items, where they have some.
+  std::vector<std::string> labels;
+};
+
+/// Not thread-safe.
+class Question {
+ public:
+  virtual ~Question() = default;
+
+  virtual Query query() const = 0;
+  /// "illuminance [lx]": what the values are.
+  virtual std::string quantity() const = 0;
+  virtual const Layout& layout() const = 0;
+  virtual std::vector<Setting> settings() const = 0;
+  virtual std::vector<Amount> amounts_of(const Setting& setting) const = 0;
+  virtual absl::StatusOr<Answer> ask(const Setting& setting, const Amount& amount,
+                                     std::uint64_t seed) const = 0;
+
+  /// The ways to make a reference, in words, each an estimator that no setting is; the first says
+  /// all where there is one.
+  virtual std::vector<std::string> reference_ways() const = 0;
+  /// Whether the reference is known, and not estimated.
+  virtual bool reference_is_exact() const { return false; }
+  virtual absl::StatusOr<Answer> ask_reference(std::size_t way, std::uint32_t samples,
+                                               std::uint64_t seed) const = 0;
+  /// Of an exact reference: bounds on the error of each value.
+  virtual std::vector<double> reference_bounds() const { return {}; }
+
+  /// What a difference is, beyond what `measure` finds.
+  virtual Errors errors(const std::vector<double>& values, const std::vector<double>& reference,
+                        double dark) const {
+    return measure(values, reference, dark);
+  }
+  /// The level below which relative errors are absolute ones: what is asked for by target error has
+  /// the same.
+  void set_dark_level(double dark) { dark_ = dark; }
+
+  /// The command of a setting, as a user types it.
+  virtual std::string command(const Setting& setting, const Amount& amount) const = 0;
+
+ protected:
+  double dark_ = 0;
+};
+
+/// Where questions come from.
+struct QuestionOptions {
+  std::string scene{};  ///< as the user named it
+  std::string scene_id{};
+  std::string points_file{};
+  std::vector<client::Double3> points{}, normals{};
+  std::optional<std::uint32_t> bounces{};
+  double exposure_ev = 0;
+  client::CallOptions call{};
+};
+
+/// INVALID_ARGUMENT where the query cannot be asked of this scene.
+absl::StatusOr<std::unique_ptr<Question>> make_irradiance_question(const client::Client& client,
+                                                                   const QuestionOptions& options);
+absl::StatusOr<std::unique_ptr<Question>> make_picture_question(const client::Client& client,
+                                                                const QuestionOptions& options);
+absl::StatusOr<std::unique_ptr<Question>> make_sample_question(const client::Client& client,
+                                                               const QuestionOptions& options);
+absl::StatusOr<std::unique_ptr<Question>> make_power_question(const client::Client& client,
+                                                              const QuestionOptions& options);
+absl::StatusOr<std::unique_ptr<Question>> make_visibility_question(const client::Client& client,
+                                                                   const QuestionOptions& options);
+
+/// Of a reference by paths: independent samples, by the balance heuristic, of points by area in a
+/// map of little distortion, without closed forms; of every light, or of one chosen by chance or by
+/// power.  `way` counts these.
+v1::Accuracy reference_accuracy(std::size_t way);
+/// Their names, for a scene with so many lights.
+std::vector<std::string> reference_ways_for(std::uint64_t lights);
+
+/// Flags as they follow a command, with a space before each.
+std::string join_flags(const Setting& setting, const Amount& amount);
+
+/// With a setting's methods and an amount.
+v1::Accuracy accuracy_of(const Setting& setting, const Amount& amount, double floor = 0);
+
+/// The luminance of three floats of RGB.
+double luminance(const float* rgb);
+double rays_of(const v1::Cost& cost);
+
+}  // namespace lucerna::tradeoff

@@ -1,0 +1,138 @@
+#include "client/tradeoff/reference.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace lucerna::tradeoff {
+namespace {
+
+// Of the time for the reference: what is spent to find the best way, and what one answer of it
+// takes, so that there are dozens of them.
+constexpr double kPilotShare = 0.25, kAnswerShare = 0.03;
+constexpr std::uint32_t kMostSamples = 1 << 16;
+
+/// What sets the reference's seeds apart from those of the sweep.
+constexpr std::uint64_t kReferenceSeeds = 0x5eed0f7e;
+
+void finish(const Replicates& replicates, Reference& r) {
+  r.values = replicates.mean();
+  r.standard_error = replicates.standard_error();
+  r.replicates = replicates.count();
+  r.dark = dark_level(r.values);
+  std::vector<double> off = r.values;
+  for (std::size_t i = 0; i < off.size(); ++i) off[i] += r.standard_error[i];
+  const Errors own = measure(off, r.values, r.dark);
+  r.relative_error = std::sqrt(own.relative_mse);
+  r.rmse = own.rmse;
+}
+
+struct Pilot {
+  double merit = 0;  ///< squared error times time of one answer, the less the better
+  std::uint32_t samples = 1;
+  double seconds = 0;  ///< of an answer
+};
+
+/// Doubles the samples until one answer takes `seconds`, then judges by two.
+absl::StatusOr<Pilot> try_way(const Question& question, std::size_t way, double seconds,
+                              std::uint64_t seed) {
+  Pilot pilot;
+  std::uint64_t number = 0;
+  for (;;) {
+    const auto a = question.ask_reference(way, pilot.samples, mixed_seed(seed, number++));
+    if (!a.ok()) return a.status();
+    pilot.seconds = a->seconds;
+    if (2 * a->seconds < seconds && pilot.samples < kMostSamples) {
+      // At most eightfold at once: short answers say little about long ones.
+      const double factor = std::min(8.0, seconds / std::max(a->seconds, 1e-6));
+      const int doublings = std::max(1, static_cast<int>(std::log2(factor)));
+      pilot.samples = std::min(kMostSamples, pilot.samples << doublings);
+      continue;
+    }
+    const auto b = question.ask_reference(way, pilot.samples, mixed_seed(seed, number++));
+    if (!b.ok()) return b.status();
+    Replicates both(a->values.size());
+    both.add(a->values);
+    both.add(b->values);
+    Reference r;
+    finish(both, r);
+    pilot.seconds = (a->seconds + b->seconds) / 2;
+    pilot.merit = r.relative_error * r.relative_error * pilot.seconds;
+    return pilot;
+  }
+}
+
+}  // namespace
+
+std::uint64_t mixed_seed(std::uint64_t seed, std::uint64_t number) {
+  std::uint64_t z = seed + (number + 1) * 0x9e3779b97f4a7c15;
+  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9;
+  z = (z ^ (z >> 27)) * 0x94d049bb133111eb;
+  return z ^ (z >> 31);
+}
+
+absl::StatusOr<Reference> make_reference(const Question& question, double seconds,
+                                         std::uint64_t seed, const Clock& clock) {
+  const double begin = clock();
+  const std::vector<std::string> ways = question.reference_ways();
+  Reference result;
+  if (question.reference_is_exact()) {
+    const auto answer = question.ask_reference(0, 1, 0);
+    if (!answer.ok()) return answer.status();
+    Replicates one(answer->values.size());
+    one.add(answer->values);
+    finish(one, result);
+    result.exact = true;
+    result.way = ways[0];
+    result.standard_error = question.reference_bounds();
+    std::vector<double> off = result.values;
+    for (std::size_t i = 0; i < off.size(); ++i) off[i] += result.standard_error[i];
+    const Errors own = measure(off, result.values, result.dark);
+    result.relative_error = std::sqrt(own.relative_mse);
+    result.rmse = own.rmse;
+    result.seconds = clock() - begin;
+    return result;
+  }
+  seed = mixed_seed(seed, kReferenceSeeds);
+  std::size_t best_way = 0;
+  Pilot best{.merit = std::numeric_limits<double>::infinity()};
+  bool any = false;
+  for (std::size_t way = 0; way < ways.size(); ++way) {
+    // A way after the first is not begun when time is short.
+    if (any && clock() - begin > kPilotShare * seconds) break;
+    const auto pilot = try_way(question, way, kAnswerShare * seconds, mixed_seed(seed, way));
+    if (!pilot.ok()) {
+      if (way + 1 < ways.size() || any) continue;  // others may do
+      return pilot.status();
+    }
+    if (!any || pilot->merit < best.merit) {
+      best = *pilot;
+      best_way = way;
+    }
+    any = true;
+  }
+  const double needed = clock() - begin + kFewestReplicates * best.seconds;
+  if (needed > seconds) {
+    return absl::DeadlineExceededError(
+        fmt::format("the reference takes {:.1f} s at least, and gets {:.1f} s", needed, seconds));
+  }
+  std::unique_ptr<Replicates> replicates;
+  for (std::uint64_t i = 0;; ++i) {
+    const auto answer = question.ask_reference(best_way, best.samples,
+                                               mixed_seed(mixed_seed(seed, ways.size()), i));
+    if (!answer.ok()) return answer.status();
+    if (!replicates) replicates = std::make_unique<Replicates>(answer->values.size());
+    replicates->add(answer->values);
+    result.seconds = clock() - begin;
+    if (replicates->count() < kFewestReplicates) continue;
+    finish(*replicates, result);
+    if (result.seconds + answer->seconds > seconds || result.relative_error < kGoodReference) break;
+  }
+  result.way = ways[best_way];
+  result.samples_each = best.samples;
+  return result;
+}
+
+}  // namespace lucerna::tradeoff

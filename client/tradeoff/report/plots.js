@@ -1,0 +1,355 @@
+"use strict";
+// The plots.
+
+const measures = {
+  relative_error: { title: "relative error (root mean square)", tell: percent },
+  rmse: { title: `RMSE, ${data.quantity}`, tell: (v) => digits(v) },
+};
+if (settings.some((s) => s.cells.some((c) => c.flip))) {
+  measures.flip = { title: "mean FLIP", tell: (v) => digits(v) };
+}
+let measure = "relative_error";
+const shown = new Set(swept.filter(important));
+let pointed = null;
+
+// Powers of ten, and where these are few 2 and 5 between.
+function ticks(axis) {
+  const decades = Math.log10(axis.max / axis.min);
+  const values = [];
+  for (let e = Math.floor(Math.log10(axis.min)); e <= Math.ceil(Math.log10(axis.max)); e++) {
+    for (const f of decades < 2.5 ? [1, 2, 5] : [1]) {
+      const v = f * 10 ** e;
+      if (v >= axis.min * 0.999 && v <= axis.max * 1.001) values.push({ value: v });
+    }
+  }
+  axis.ticks = values;
+}
+const logarithmic = (title, tell) => ({
+  type: "logarithmic",
+  title: { display: true, text: title, color: "#5b6475", font: { size: 13 } },
+  afterBuildTicks: ticks,
+  ticks: { callback: (v) => tell(v), color: "#5b6475", autoSkip: false, maxRotation: 0 },
+  grid: { color: "#edf0f4" },
+});
+
+// Lines across the whole plot, with a word at their right end.
+const lines = {
+  id: "lines",
+  beforeDatasetsDraw(chart, _, options) {
+    const { ctx, chartArea: area, scales: { y } } = chart;
+    for (const { at, text, colour } of options.list || []) {
+      const py = y.getPixelForValue(at);
+      if (py < area.top || py > area.bottom) continue;
+      ctx.save();
+      ctx.strokeStyle = ctx.fillStyle = colour;
+      ctx.setLineDash([3, 4]);
+      ctx.beginPath();
+      ctx.moveTo(area.left, py);
+      ctx.lineTo(area.right, py);
+      ctx.stroke();
+      ctx.font = "12px sans-serif";
+      ctx.textAlign = "right";
+      ctx.fillText(text, area.right - 4, py - 4);
+      ctx.restore();
+    }
+  },
+};
+
+function errorDatasets() {
+  const sets = [];
+  for (const i of swept) {
+    if (!shown.has(i) && pointed !== i) continue;
+    const strong = pointed === i || (pointed === null && important(i));
+    const cells = settings[i].cells.filter((c) => c[measure] && c[measure].mean > 0);
+    const curve = (key) => cells.filter((c) => c[measure][key] > 0 && c[measure].upper !== null)
+      .map((c) => ({ x: c.seconds.median, y: c[measure][key] }));
+    sets.push({
+      setting: i, cells, label: settings[i].name, borderColor: colours[i], backgroundColor: colours[i],
+      data: cells.map((c) => ({ x: c.seconds.median, y: c[measure].mean })),
+      borderWidth: pointed === i ? 3.5 : i === 0 ? 3 : important(i) ? 2 : 1.2,
+      pointRadius: strong ? 3.5 : 2, order: i === 0 ? 1 : important(i) ? 2 : 3,
+    });
+    if (!strong && !important(i)) continue;
+    const band = { band: true, borderWidth: 0, pointRadius: 0, pointHitRadius: 0, order: 4,
+      backgroundColor: `${colours[i]}26` };
+    sets.push({ ...band, data: curve("lower"), fill: false });
+    sets.push({ ...band, data: curve("upper"), fill: "-1" });
+  }
+  if (measure === "relative_error") {
+    sets.push({
+      label: "Pareto front", borderColor: "#11172299", borderDash: [6, 5], borderWidth: 1.5, pointRadius: 0,
+      pointHitRadius: 0, order: 0, band: true, stepped: "before", fill: false,
+      data: front.map(([s, c]) => ({ x: settings[s].cells[c].seconds.median, y: settings[s].cells[c].relative_error.mean }))
+        .filter((p) => p.y > 0),
+    });
+  }
+  return sets;
+}
+
+let errorPlot = null;
+function drawErrors() {
+  if (errorPlot) errorPlot.destroy();
+  const list = measure === "relative_error"
+    ? [...data.levels.map((l) => ({ at: l.error, text: percent(l.error), colour: "#9aa3b2" })),
+      { at: data.reference.relative_error, text: "the reference's own error", colour: "#c23b3b" }]
+    : measure === "rmse" ? [{ at: data.reference.rmse, text: "the reference's own error", colour: "#c23b3b" }] : [];
+  errorPlot = new Chart(byId("error-plot"), {
+    type: "line",
+    data: { datasets: errorDatasets() },
+    plugins: [lines],
+    options: {
+      animation: false, parsing: false, responsive: true, maintainAspectRatio: false,
+      interaction: { mode: "nearest", intersect: true },
+      scales: {
+        x: logarithmic("wall time of a question, as the client sees it (median)", time),
+        y: logarithmic(measures[measure].title, measures[measure].tell),
+      },
+      plugins: {
+        legend: { display: false },
+        lines: { list },
+        tooltip: {
+          filter: (item) => !item.dataset.band,
+          callbacks: {
+            title: (items) => items.map((item) => item.dataset.label),
+            label: (item) => {
+              const c = item.dataset.cells[item.dataIndex];
+              const e = c[measure];
+              return [
+                `${amount(c.amount)}: ${measures[measure].tell(e.mean)} ` +
+                  `(${measures[measure].tell(e.lower)} to ${measures[measure].tell(e.upper)})`,
+                `${time(c.seconds.median)} (${time(c.seconds.lower)} to ${time(c.seconds.upper)}), ${c.runs} runs`,
+              ];
+            },
+          },
+        },
+      },
+    },
+  });
+}
+
+function drawLegend() {
+  const legend = byId("legend");
+  const entry = (i) => {
+    const box = element("input", "", { type: "checkbox" });
+    box.checked = shown.has(i);
+    box.addEventListener("change", () => { box.checked ? shown.add(i) : shown.delete(i); drawErrors(); });
+    const label = element("label", [box, element("span", "", { class: "swatch", style: `background:${colours[i]}` }),
+      element("span", settings[i].name)]);
+    label.addEventListener("mouseenter", () => { pointed = i; drawErrors(); });
+    label.addEventListener("mouseleave", () => { pointed = null; drawErrors(); });
+    legend.append(label);
+  };
+  legend.append(element("h3", "automatic, and the best at some time (Pareto front)"));
+  swept.filter(important).forEach(entry);
+  const rest = swept.filter((i) => !important(i));
+  if (rest.length === 0) return;
+  legend.append(element("h3", "others: tick to show, point to look"));
+  rest.forEach(entry);
+}
+
+function drawMeasures() {
+  const box = byId("measures");
+  for (const [key, { title }] of Object.entries(measures)) {
+    const button = element("input", "", { type: "radio", name: "measure" });
+    button.checked = key === measure;
+    button.addEventListener("change", () => { measure = key; drawErrors(); });
+    box.append(element("label", [button, " ", title]));
+  }
+  byId("error-note").textContent =
+    "Bands: 95% intervals from repeats with different seeds. Dashed: the Pareto front, the least error that any setting " +
+    "has by that time. Each point is one amount of work; median time of its runs, in rounds shuffled over all settings.";
+  const exact = swept.filter((i) => settings[i].cells.some((c) => c.relative_error.mean === 0));
+  if (exact.length > 0) {
+    byId("error-note").textContent += " Without error, and so not in this plot: " +
+      `${exact.map((i) => `${settings[i].name} (${time(settings[i].cells[0].seconds.median)})`).join("; ")}.`;
+  }
+}
+
+const whiskers = {
+  id: "whiskers",
+  afterDatasetsDraw(chart) {
+    const { ctx, scales: { x } } = chart;
+    const set = chart.data.datasets[0];
+    chart.getDatasetMeta(0).data.forEach((bar, k) => {
+      const { lower, upper } = set.intervals[k];
+      if (!(lower > 0) || upper === null) return;
+      const a = x.getPixelForValue(lower), b = x.getPixelForValue(upper);
+      ctx.save();
+      ctx.strokeStyle = "#111722";
+      ctx.lineWidth = 1.2;
+      ctx.beginPath();
+      ctx.moveTo(a, bar.y);
+      ctx.lineTo(b, bar.y);
+      for (const p of [a, b]) { ctx.moveTo(p, bar.y - 4); ctx.lineTo(p, bar.y + 4); }
+      ctx.stroke();
+      ctx.restore();
+    });
+  },
+};
+
+function drawEfficiency() {
+  const ranked = swept.filter((i) => settings[i].efficiency_per_s)
+    .sort((a, b) => settings[b].efficiency_per_s.mean - settings[a].efficiency_per_s.mean);
+  if (ranked.length === 0) { byId("efficiency").style.display = "none"; return; }
+  const unit = (settings[0].efficiency_per_s || settings[ranked[0]].efficiency_per_s).mean;
+  byId("efficiency-box").style.height = `${70 + 24 * ranked.length}px`;
+  const of = (i, key) => {
+    const v = settings[i].efficiency_per_s[key];
+    return v === null ? null : v / unit;
+  };
+  const values = ranked.flatMap((i) => ["mean", "lower", "upper"].map((k) => of(i, k))).filter((v) => v > 0);
+  new Chart(byId("efficiency-plot"), {
+    type: "bar",
+    data: {
+      labels: ranked.map((i) => settings[i].name),
+      datasets: [{
+        data: ranked.map((i) => of(i, "mean")), base: 1,
+        intervals: ranked.map((i) => ({ lower: of(i, "lower"), upper: of(i, "upper") })),
+        backgroundColor: ranked.map((i) => (i === 0 ? "#111722" : `${colours[i]}cc`)), barThickness: 13, minBarLength: 2,
+      }],
+    },
+    plugins: [whiskers],
+    options: {
+      indexAxis: "y", animation: false, responsive: true, maintainAspectRatio: false,
+      scales: {
+        x: { ...logarithmic("efficiency, automatic = 1", (v) => `${digits(v)} ×`),
+          min: Math.min(0.5, ...values) * 0.8, max: Math.max(2, ...values) * 1.25 },
+        y: { ticks: { color: "#1c2230", autoSkip: false }, grid: { display: false } },
+      },
+      plugins: {
+        legend: { display: false },
+        tooltip: {
+          callbacks: {
+            label: (item) => {
+              const s = settings[ranked[item.dataIndex]];
+              const c = s.cells[s.efficiency_at];
+              return [`${digits(of(ranked[item.dataIndex], "mean"))} × automatic`,
+                `${digits(s.efficiency_per_s.mean)} /s at ${amount(c.amount)}: ${percent(c.relative_error.mean)} in ${time(c.seconds.median)}`];
+            },
+          },
+        },
+      },
+    },
+  });
+}
+
+// Dark to light with equal steps to the eye.
+const ramp = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];
+function ramped(t) {
+  const at = Math.min(Math.max(t, 0), 1) * (ramp.length - 1);
+  const k = Math.min(Math.floor(at), ramp.length - 2);
+  return `rgb(${ramp[k].map((v, c) => Math.round(v + (ramp[k + 1][c] - v) * (at - k))).join(",")})`;
+}
+
+function drawPoints() {
+  const items = data.items;
+  const points = data.points;
+  const extent = [0, 1, 2].map((k) => Math.max(...points.map((p) => p[k])) - Math.min(...points.map((p) => p[k])));
+  const [u, v] = [0, 1, 2].sort((a, b) => extent[b] - extent[a]).slice(0, 2).sort();
+  const axes = ["x [m]", "y [m]", "z [m]"];
+  byId("differences-note").textContent =
+    `Every point's error (root mean square over runs, relative) when each setting has about the same time, ` +
+    `${time(data.comparison_s)} for all points.`;
+  const select = element("select");
+  items.forEach((item, k) => select.append(element("option", `${settings[item.setting].name} (${item.amount}, ${time(item.seconds)})`, { value: k })));
+  const all = items.flatMap((item) => item.errors).filter((e) => e > 0).sort((a, b) => a - b);
+  const low = all[Math.floor(0.02 * all.length)] || 1e-6;
+  const high = Math.max(all[Math.floor(0.995 * all.length)] || 1, 1.01 * low);
+  const scale = element("span", "", { class: "scale" });
+  scale.style.background = `linear-gradient(to right, ${ramp.map((c) => `rgb(${c.join(",")})`).join(",")})`;
+  byId("differences-controls").append(element("label", ["setting ", select]), percent(low), scale, percent(high));
+  const box = element("div", element("canvas"), { class: "plot" });
+  const width = Math.min(900, 1100), ratio = Math.max(extent[v], 1e-9) / Math.max(extent[u], 1e-9);
+  box.style.height = `${Math.min(Math.max(ratio * width, 240), 560)}px`;
+  byId("differences-body").append(box);
+  let chart = null;
+  const draw = () => {
+    const item = items[Number(select.value)];
+    if (chart) chart.destroy();
+    chart = new Chart(box.firstChild, {
+      type: "scatter",
+      data: {
+        datasets: [{
+          data: points.map((p) => ({ x: p[u], y: p[v] })), pointRadius: 5.5, borderWidth: 0,
+          pointBackgroundColor: item.errors.map((e) => ramped(Math.log(Math.max(e, low) / low) / Math.log(high / low))),
+        }],
+      },
+      options: {
+        animation: false, responsive: true, maintainAspectRatio: false,
+        scales: { x: { title: { display: true, text: axes[u] } }, y: { title: { display: true, text: axes[v] } } },
+        plugins: {
+          legend: { display: false },
+          tooltip: {
+            callbacks: {
+              label: (t) => [`(${points[t.dataIndex].join(", ")}): error ${percent(item.errors[t.dataIndex])}`,
+                `reference ${digits(data.reference.values[t.dataIndex], 4)} ± ${digits(data.reference.standard_error[t.dataIndex], 2)}`],
+            },
+          },
+        },
+      },
+    });
+  };
+  select.addEventListener("change", draw);
+  draw();
+  itemTable((i) => `(${points[i].map((x) => digits(x, 4)).join(", ")})`);
+}
+
+// Items by how far apart the best and the worst setting are.
+function itemTable(nameOf) {
+  const items = data.items;
+  if (items.length < 2) return;
+  const rows = data.reference.values.map((reference, i) => {
+    const order = items.map((item) => item).sort((a, b) => a.errors[i] - b.errors[i]);
+    const best = order[0], worst = order[order.length - 1];
+    // An error that is below the reference's own is not told apart from it.
+    const floor = reference ? data.reference.standard_error[i] / Math.abs(reference) : 0;
+    return { i, reference, best, worst, ratio: worst.errors[i] / Math.max(best.errors[i], floor, 1e-9) };
+  }).filter((r) => r.reference).sort((a, b) => b.ratio - a.ratio).slice(0, 8);
+  const table = element("table");
+  row(table, ["item", `reference, ${data.quantity}`, "best setting", "error", "worst setting", "error"], "th", [1, 3, 5]);
+  for (const r of rows) {
+    row(table, [nameOf(r.i), `${digits(r.reference, 4)} ± ${digits(data.reference.standard_error[r.i], 2)}`,
+      settings[r.best.setting].name, percent(r.best.errors[r.i]), settings[r.worst.setting].name,
+      percent(r.worst.errors[r.i])], "td", [1, 3, 5]);
+  }
+  byId("differences-body").append(element("div", table, { class: "wide" }));
+}
+
+function bytes(text) {
+  return Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
+}
+function pictureOf(width, height, colour) {
+  const canvas = element("canvas", "", { width, height });
+  canvas.style.width = `${Math.round(200 * Math.min(1, width / height))}px`;
+  const context = canvas.getContext("2d");
+  const image = context.createImageData(width, height);
+  for (let k = 0; k < width * height; k++) image.data.set([...colour(k), 255], 4 * k);
+  context.putImageData(image, 0, 0);
+  return canvas;
+}
+function drawPictures() {
+  byId("differences-note").textContent =
+    `The tiles in which settings differ most when each has about the same time (${time(data.comparison_s)} for all tiles): ` +
+    `the reference; then answers, and below each its FLIP, dark where it looks alike. Shown at ${data.exposure_ev} EV.`;
+  for (const tile of data.pictures) {
+    const line = element("div", "", { class: "pictures" });
+    const figure = (canvases, caption) => line.append(element("figure", [...canvases, element("figcaption", caption)]));
+    const rgb = (text) => { const b = bytes(text); return pictureOf(tile.width, tile.height, (k) => b.slice(3 * k, 3 * k + 3)); };
+    figure([rgb(tile.reference)], `reference, pixels from (${tile.x}, ${tile.y})`);
+    for (const answer of tile.answers) {
+      const b = bytes(answer.difference);
+      const map = pictureOf(tile.width, tile.height, (k) => ramped(b[k] / 255).match(/\d+/g).map(Number));
+      const cell = settings[answer.setting].cells;
+      figure([rgb(answer.picture), map], `${settings[answer.setting].name}: FLIP ${digits(answer.flip)}`);
+    }
+    byId("differences-body").append(line);
+  }
+}
+
+function drawDifferences() {
+  if (data.pictures) return drawPictures();
+  if (!data.items || data.items.length === 0) { byId("differences").style.display = "none"; return; }
+  if (data.points) return drawPoints();
+  byId("differences-note").textContent = "Errors of single items when each setting has about the same time.";
+  itemTable((i) => data.labels[i]);
+}

@@ -1,0 +1,40 @@
+// What the page is about, and how it is told.
+"use strict";
+const data = JSON.parse(document.getElementById("data").textContent);
+const byId = (id) => document.getElementById(id);
+
+// How numbers are told.
+const digits = (v, n = 3) => (v === null || v === undefined ? "" : Number(v.toPrecision(n)).toString());
+const percent = (v) => (v === null || v === undefined ? "" : `${digits(100 * v)}%`);
+const time = (s) => {
+  if (s === null || s === undefined) return "";
+  if (s >= 120) return `${digits(s / 60)} min`;
+  if (s >= 1) return `${digits(s)} s`;
+  if (s >= 1e-3) return `${digits(1e3 * s)} ms`;
+  return `${digits(1e6 * s)} µs`;
+};
+const amount = (a) => (a.kind === "error" ? `error ${percent(a.value)}` : `${a.value} ${a.value === 1 ? "sample" : "samples"}`);
+
+function element(tag, content = "", attributes = {}) {
+  const e = document.createElement(tag);
+  for (const [name, value] of Object.entries(attributes)) e.setAttribute(name, value);
+  for (const part of [].concat(content)) e.append(part);
+  return e;
+}
+function row(table, cells, tag = "td", numbers = []) {
+  const tr = element("tr");
+  cells.forEach((cell, i) => tr.append(element(tag, cell, numbers.includes(i) ? { class: "number" } : {})));
+  table.append(tr);
+}
+
+const settings = data.settings;
+const swept = settings.map((s, i) => i).filter((i) => settings[i].cells.length > 0);
+const front = data.pareto_front;
+const onFront = new Set(front.map(([setting]) => setting));
+
+// Automatic is black, settings that are best somewhere have a colour, the rest is grey until asked for.
+const palette = ["#0b6bcb", "#d1495b", "#2a9d5c", "#8a5cd1", "#e08a00", "#00929b", "#b0417e", "#6b7d1e"];
+const colours = settings.map(() => "#a9b1bf");
+colours[0] = "#111722";
+[...onFront].filter((i) => i !== 0).forEach((i, k) => { colours[i] = palette[k % palette.length]; });
+const important = (i) => i === 0 || onFront.has(i);

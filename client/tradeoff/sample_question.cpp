@@ -1,0 +1,241 @@
+// What sampled light says of direct illuminance, and of how much of the lights is visible, where
+// the caller adds up the samples.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "client/batch_parts.h"
+#include "client/cli/points.h"
+#include "client/tradeoff/question.h"
+#include "client/tradeoff/stopwatch.h"
+#include "lucerna/client/batches.h"
+
+namespace lucerna::tradeoff {
+namespace {
+
+// An answer is 70 bytes a sample, and is held at once.
+constexpr std::uint32_t kMaxSamples = 1 << 10;
+constexpr double kMostAnswers = 1 << 20;
+
+class SampleQuestion : public Question {
+ public:
+  SampleQuestion(const client::Client& client, const QuestionOptions& options, std::uint64_t lights,
+                 bool visibility)
+      : client_(client), options_(options), lights_(lights), visibility_(visibility) {
+    layout_.points = options.points;
+    request_.set_scene_id(options.scene_id);
+    *request_.mutable_receivers() = client::make_points(options.points);
+    cli::fill(options.normals, request_.mutable_normals());
+    request_.set_test_visibility(true);
+    for (const client::Double3& n : options.normals) {
+      const double length = std::hypot(n[0], n[1], n[2]);
+      unit_normals_.push_back({n[0] / length, n[1] / length, n[2] / length});
+    }
+  }
+
+  Query query() const override { return visibility_ ? Query::kVisibility : Query::kSample; }
+  std::string quantity() const override {
+    return visibility_ ? "share of the lights that is visible" : "direct illuminance [lx]";
+  }
+  const Layout& layout() const override { return layout_; }
+  std::vector<Setting> settings() const override {
+    return tradeoff::settings(query(), {.lights = lights_});
+  }
+  std::vector<Amount> amounts_of(const Setting& setting) const override {
+    const double most = kMostAnswers / static_cast<double>(layout_.points.size());
+    return amounts(setting, static_cast<std::uint32_t>(std::clamp<double>(most, 1, kMaxSamples)));
+  }
+  absl::StatusOr<Answer> ask(const Setting& setting, const Amount& amount,
+                             std::uint64_t seed) const override {
+    v1::Accuracy accuracy = accuracy_of(setting, amount);
+    if (visibility_ && accuracy.area_sampling() == v1::AREA_SAMPLING_UNSPECIFIED) {
+      accuracy.set_area_sampling(v1::AREA_SAMPLING_SQUARE_ROOT);
+    }
+    return sampled(accuracy, seed);
+  }
+
+  std::vector<std::string> reference_ways() const override {
+    if (!visibility_) return reference_ways_for(lights_);
+    return {
+        "points on lights by area (parallelogram) from independent samples, each looked for by "
+        "TestVisibility: exact rays"};
+  }
+  absl::StatusOr<Answer> ask_reference(std::size_t way, std::uint32_t samples,
+                                       std::uint64_t seed) const override {
+    return visibility_ ? seen(samples, seed) : estimated(way, samples, seed);
+  }
+
+  std::string command(const Setting& setting, const Amount& amount) const override {
+    return fmt::format("lucerna sample {} --points {} --visible", options_.scene,
+                       options_.points_file) +
+           join_flags(setting, amount);
+  }
+
+ private:
+  absl::StatusOr<v1::SampleLiResponse> samples_of_light(const v1::Accuracy& accuracy,
+                                                        std::uint64_t seed, bool visibility) const {
+    v1::SampleLiRequest request = request_;
+    *request.mutable_accuracy() = accuracy;
+    request.mutable_seed()->set_seed(seed);
+    request.set_test_visibility(visibility);
+    return client::sample_li_in_batches(client_, request, {.max_items = 0, .call = options_.call});
+  }
+
+  static bool ok(const v1::SampleLiResponse& r, int i) {
+    return r.status().empty() || r.status(i) == v1::ITEM_STATUS_OK;
+  }
+  static double chosen_with(const v1::SampleLiResponse& r, int i) {
+    return i < r.selection_probability_size() ? r.selection_probability(i) : 1;
+  }
+
+  /// One answer's estimate of what is asked for, at receiver `point`.
+  double value(const v1::SampleLiResponse& r, int i, std::size_t point) const {
+    if (!ok(r, i) || !client::bit(r.visible(), i)) return 0;
+    if (visibility_) return 1 / (chosen_with(r, i) * static_cast<double>(lights_));
+    const client::Double3& n = unit_normals_[point];
+    const double cosine = n[0] * r.wi(3 * i) + n[1] * r.wi(3 * i + 1) + n[2] * r.wi(3 * i + 2);
+    const double density = client::bit(r.delta(), i) ? 1 : r.pdf_per_sr(i);
+    return luminance(r.value().data() + 3 * static_cast<std::ptrdiff_t>(i)) *
+           std::max(0.0, cosine) / (density * chosen_with(r, i));
+  }
+
+  absl::StatusOr<Answer> sampled(const v1::Accuracy& accuracy, std::uint64_t seed) const {
+    const Stopwatch watch;
+    const auto response = samples_of_light(accuracy, seed, true);
+    if (!response.ok()) return response.status();
+    const std::size_t points = layout_.points.size();
+    const std::size_t each = static_cast<std::size_t>(response->pdf_per_sr_size()) / points;
+    Answer answer{.values = std::vector<double>(points)};
+    for (std::size_t k = 0; k < points * each; ++k) {
+      // By the number that was asked for: a server that samples every light answers more.
+      answer.values[k / each] +=
+          value(*response, static_cast<int>(k), k / each) / static_cast<double>(accuracy.samples());
+    }
+    answer.seconds = watch.seconds();  // the caller's sum is part of what a client sees
+    answer.samples = static_cast<double>(response->cost().samples());
+    answer.rays = rays_of(response->cost());
+    return answer;
+  }
+
+  absl::StatusOr<Answer> estimated(std::size_t way, std::uint32_t samples,
+                                   std::uint64_t seed) const {
+    v1::EstimateIrradianceRequest request;
+    request.set_scene_id(options_.scene_id);
+    *request.mutable_receivers() = request_.receivers();
+    *request.mutable_normals() = request_.normals();
+    request.set_bounces(0);
+    *request.mutable_accuracy() = reference_accuracy(way);
+    request.mutable_accuracy()->set_samples(samples);
+    request.mutable_seed()->set_seed(seed);
+    const Stopwatch watch;
+    const auto response = client::estimate_irradiance_in_batches(
+        client_, request, {.max_items = 0, .call = options_.call});
+    if (!response.ok()) return response.status();
+    Answer answer{.values = {}, .seconds = watch.seconds()};
+    for (int i = 0; i < response->illuminance_lx_size(); ++i) {
+      const bool has = response->status().empty() || response->status(i) == v1::ITEM_STATUS_OK;
+      answer.values.push_back(has ? static_cast<double>(response->illuminance_lx(i))
+                                  : std::numeric_limits<double>::quiet_NaN());
+    }
+    return answer;
+  }
+
+  /// What of the samples of lights is seen, asked of another call.
+  absl::StatusOr<Answer> seen(std::uint32_t samples, std::uint64_t seed) const {
+    v1::Accuracy accuracy;
+    accuracy.set_samples(samples);
+    accuracy.set_area_sampling(v1::AREA_SAMPLING_PARALLELOGRAM);
+    accuracy.set_sampler(v1::SAMPLER_INDEPENDENT);
+    const Stopwatch watch;
+    const auto response = samples_of_light(accuracy, seed, false);
+    if (!response.ok()) return response.status();
+    const std::size_t points = layout_.points.size();
+    const std::size_t each = static_cast<std::size_t>(response->pdf_per_sr_size()) / points;
+    std::vector<client::Double3> from, to, start, along, from_normals, start_normals;
+    std::vector<int> segments, rays;
+    const v1::Vector3& o = request_.receivers().origin_m();
+    for (int i = 0; i < response->pdf_per_sr_size(); ++i) {
+      if (!ok(*response, i)) continue;
+      const std::size_t point = static_cast<std::size_t>(i) / each;
+      const auto three = [i](const google::protobuf::RepeatedField<float>& v) {
+        return client::Double3{v[3 * i], v[3 * i + 1], v[3 * i + 2]};
+      };
+      if (response->distance_m(i) > 0) {
+        const client::Double3 offset = three(response->light_offsets_m());
+        from.push_back(layout_.points[point]);
+        to.push_back({o.x() + offset[0], o.y() + offset[1], o.z() + offset[2]});
+        from_normals.push_back(unit_normals_[point]);
+        segments.push_back(i);
+      } else {
+        start.push_back(layout_.points[point]);
+        along.push_back(three(response->wi()));
+        start_normals.push_back(unit_normals_[point]);
+        rays.push_back(i);
+      }
+    }
+    Answer answer{.values = std::vector<double>(points)};
+    const auto look = [&](v1::TestVisibilityRequest& request,
+                          const std::vector<client::Double3>& normals,
+                          const std::vector<int>& items) -> absl::Status {
+      if (items.empty()) return absl::OkStatus();
+      request.set_scene_id(options_.scene_id);
+      cli::fill(normals, request.mutable_normals());
+      const auto visible = client::test_visibility_in_batches(
+          client_, request, {.max_items = 0, .call = options_.call});
+      if (!visible.ok()) return visible.status();
+      for (std::size_t k = 0; k < items.size(); ++k) {
+        if (!client::bit(visible->visible(), k)) continue;
+        answer.values[static_cast<std::size_t>(items[k]) / each] +=
+            1 / (chosen_with(*response, items[k]) * static_cast<double>(lights_) * samples);
+      }
+      return absl::OkStatus();
+    };
+    v1::TestVisibilityRequest between, beyond;
+    *between.mutable_segments()->mutable_from() = client::make_points(from);
+    *between.mutable_segments()->mutable_to() = client::make_points(to);
+    *beyond.mutable_rays()->mutable_from() = client::make_points(start);
+    cli::fill(along, beyond.mutable_rays()->mutable_directions());
+    if (const auto status = look(between, from_normals, segments); !status.ok()) return status;
+    if (const auto status = look(beyond, start_normals, rays); !status.ok()) return status;
+    answer.seconds = watch.seconds();
+    return answer;
+  }
+
+  const client::Client& client_;
+  QuestionOptions options_;
+  std::uint64_t lights_;
+  bool visibility_;
+  Layout layout_;
+  v1::SampleLiRequest request_;
+  std::vector<client::Double3> unit_normals_;
+};
+
+absl::StatusOr<std::unique_ptr<Question>> make(const client::Client& client,
+                                               const QuestionOptions& options, bool visibility) {
+  v1::GetSceneRequest request;
+  request.set_scene_id(options.scene_id);
+  const auto scene = client.get_scene(request, options.call);
+  if (!scene.ok()) return scene.status();
+  if (scene->summary().lights() == 0) {
+    return absl::InvalidArgumentError("--query: the scene has no lights to sample");
+  }
+  return std::make_unique<SampleQuestion>(client, options, scene->summary().lights(), visibility);
+}
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<Question>> make_sample_question(const client::Client& client,
+                                                               const QuestionOptions& options) {
+  return make(client, options, false);
+}
+
+absl::StatusOr<std::unique_ptr<Question>> make_visibility_question(const client::Client& client,
+                                                                   const QuestionOptions& options) {
+  return make(client, options, true);
+}
+
+}  // namespace lucerna::tradeoff

@@ -1,0 +1,260 @@
+#include "client/tradeoff/sweep.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <random>
+#include <utility>
+
+#include "client/tradeoff/statistics.h"
+
+namespace lucerna::tradeoff {
+namespace {
+
+// The first heat's share of the time, and the most of the whole that a single question may take.
+// (Target errors begin with pilots, and tell of questions that are larger anyway.)
+constexpr double kFirstHeat = 0.4, kLongestQuestion = 0.03, kLongestTarget = 0.1;
+// An amount's next takes up to four times as long, next target errors ten times.
+constexpr double kGrowth = 4, kTargetGrowth = 10;
+constexpr std::uint32_t kMostRounds = 40;
+// Target errors take no less.
+constexpr double kPilotSamples = 64;
+
+bool says_no(const absl::Status& status) {
+  return absl::IsUnimplemented(status) || absl::IsInvalidArgument(status) ||
+         absl::IsFailedPrecondition(status) || absl::IsResourceExhausted(status) ||
+         absl::IsOutOfRange(status);
+}
+
+class Sweep {
+ public:
+  Sweep(const std::vector<Setting>& settings, const std::vector<std::vector<Amount>>& ladders,
+        const SweepOptions& options)
+      : settings_(settings),
+        ladders_(ladders),
+        options_(options),
+        begin_(options.clock()),
+        shuffle_(mixed_seed(options.seed, 1)) {
+    result_.courses.resize(settings.size());
+    rungs_.resize(settings.size());
+  }
+
+  absl::StatusOr<SweepResult> run() {
+    if (const absl::Status s = tell_apart(); !s.ok()) return s;
+    if (const absl::Status s = heat(begin_ + kFirstHeat * options_.seconds, "first"); !s.ok())
+      return s;
+    drop_far_behind();
+    if (const absl::Status s = heat(begin_ + options_.seconds, "second"); !s.ok()) return s;
+    if (round_ == 0) {
+      return absl::DeadlineExceededError(
+          fmt::format("what {} settings cost is all that could be found out in {:.2g} s",
+                      settings_.size(), options_.seconds));
+    }
+    return std::move(result_);
+  }
+
+ private:
+  bool races(std::size_t i) const { return result_.courses[i].fate == Course::Fate::kSwept; }
+  void leave(std::size_t i, Course::Fate fate, const std::string& why) {
+    result_.courses[i].fate = fate;
+    result_.courses[i].why = why;
+    options_.on_event(fmt::format("{}: {}", settings_[i].name(), why));
+  }
+
+  absl::StatusOr<Run> ask(std::size_t i, const Amount& amount, std::uint64_t seed,
+                          std::uint32_t round) {
+    auto run = options_.ask(i, amount, seed, round);
+    if (!run.ok()) return run.status();
+    run->setting = i;
+    run->amount = amount;
+    run->seed = seed;
+    run->round = round;
+    result_.runs.push_back(*run);
+    return run;
+  }
+  std::uint64_t fresh_seed() { return mixed_seed(options_.seed, 2 + seeds_++); }
+
+  /// Every setting the same question, of the same seed: who says no, and who are the same.
+  absl::Status tell_apart() {
+    std::vector<std::optional<std::uint64_t>> digests(settings_.size());
+    double round = 0;
+    for (std::size_t i = 0; i < settings_.size(); ++i) {
+      const Amount telling = settings_[i].by_target || ladders_[i].size() == 1
+                                 ? ladders_[i][0]
+                                 : Amount{.target = false, .value = options_.telling_samples};
+      const double longest =
+          options_.seconds * (settings_[i].by_target ? kLongestTarget : kLongestQuestion);
+      if (settings_[i].by_target && i > 0) {
+        const Run& automatic = result_.runs[0];
+        const double pilot = automatic.seconds * kPilotSamples / automatic.amount.value;
+        if (pilot > longest) {
+          leave(i, Course::Fate::kSkipped,
+                fmt::format("skipped, it begins with {} samples, which take about {:.2g} s, too "
+                            "long for this budget",
+                            kPilotSamples, pilot));
+          continue;
+        }
+      }
+      const auto run = ask(i, telling, mixed_seed(options_.seed, 0), 0);
+      if (!run.ok()) {
+        if (!says_no(run.status()) || i == 0) return run.status();
+        leave(i, Course::Fate::kSkipped,
+              fmt::format("skipped, the server said: {}", std::string(run.status().message())));
+        continue;
+      }
+      const auto same = std::find(digests.begin(), digests.begin() + static_cast<std::ptrdiff_t>(i),
+                                  std::optional(run->digest));
+      if (same != digests.begin() + static_cast<std::ptrdiff_t>(i) && !settings_[i].by_target) {
+        result_.courses[i].same_as = static_cast<std::size_t>(same - digests.begin());
+        leave(i, Course::Fate::kSame,
+              fmt::format("same bits as {}", settings_[result_.courses[i].same_as].name()));
+        continue;
+      }
+      if (!settings_[i].by_target) digests[i] = run->digest;
+      // What the least amount takes, where more was asked for.
+      const double least = settings_[i].by_target
+                               ? run->seconds
+                               : run->seconds * ladders_[i][0].value / telling.value;
+      if (i > 0 && least > longest) {
+        leave(i, Course::Fate::kSkipped,
+              fmt::format("skipped, {} take {:.2g} s, too long for this budget", telling.text(),
+                          run->seconds));
+        continue;
+      }
+      round += least;
+      if (options_.clock() - begin_ + kFewestRounds * round > options_.seconds) {
+        return absl::DeadlineExceededError(
+            fmt::format("{} of {} settings alone take {:.2g} s a round, of {} rounds at least, and "
+                        "{:.2g} s are left for them",
+                        i + 1, settings_.size(), round, kFewestRounds, options_.seconds));
+      }
+    }
+    return absl::OkStatus();
+  }
+
+  double growth(std::size_t i) const { return settings_[i].by_target ? kTargetGrowth : kGrowth; }
+
+  /// Climbs each setting's ladder as far as a question may last; these runs do not count.
+  absl::Status climb(double longest) {
+    for (std::size_t i = 0; i < settings_.size(); ++i) {
+      if (!races(i)) continue;
+      std::vector<double>& seconds = rungs_[i];
+      while (seconds.size() < ladders_[i].size()) {
+        if (!seconds.empty() && seconds.back() * growth(i) > longest) break;
+        const auto run = ask(i, ladders_[i][seconds.size()], fresh_seed(), 0);
+        if (!run.ok()) {
+          if (!says_no(run.status())) return run.status();
+          break;
+        }
+        seconds.push_back(run->seconds);
+      }
+    }
+    return absl::OkStatus();
+  }
+
+  absl::Status heat(double end, const char* which) {
+    const double left = end - options_.clock();
+    double share = 0;
+    for (std::size_t i = 0; i < settings_.size(); ++i) {
+      // A ladder costs its longest question and, below it, the sum of a geometric series; once to
+      // climb and once a round; where time is left there are more rounds.
+      if (races(i)) share += growth(i) / (growth(i) - 1);
+    }
+    if (const absl::Status s = climb(left / (share * (1 + kFewestRounds))); !s.ok()) return s;
+    for (std::uint32_t n = 0; n < kMostRounds; ++n) {
+      std::vector<std::pair<std::size_t, std::size_t>> cells;
+      double predicted = 0;
+      for (std::size_t i = 0; i < settings_.size(); ++i) {
+        if (!races(i)) continue;
+        for (std::size_t k = 0; k < rungs_[i].size(); ++k) {
+          cells.emplace_back(i, k);
+          predicted += rungs_[i][k];
+        }
+      }
+      const double now = options_.clock();
+      if (n >= kFewestRounds && now + predicted > end) break;
+      // The promised rounds are finished even where prediction was wrong, but not at any price.
+      if (now > end + 0.25 * options_.seconds) break;
+      ++round_;
+      std::shuffle(cells.begin(), cells.end(), shuffle_);
+      for (const auto& [i, k] : cells) {
+        const auto run = ask(i, ladders_[i][k], fresh_seed(), round_);
+        if (!run.ok()) return run.status();
+      }
+    }
+    options_.on_event(fmt::format("{} heat: {} rounds so far", which, round_));
+    return absl::OkStatus();
+  }
+
+  /// With the mean errors, or those at the lower ends of their intervals.
+  std::vector<Measured> curve(std::size_t i, bool favourable) const {
+    std::vector<Measured> result;
+    for (std::size_t k = 0; k < rungs_[i].size(); ++k) {
+      std::vector<double> seconds, squares;
+      for (const Run& run : result_.runs) {
+        if (run.setting != i || run.round == 0 || !(run.amount == ladders_[i][k])) continue;
+        seconds.push_back(run.seconds);
+        squares.push_back(run.errors.relative_mse);
+      }
+      if (seconds.empty()) continue;
+      const Interval interval = root_mean_interval(squares);
+      const double error = favourable ? interval.lower : interval.mean;
+      result.push_back(
+          {.seconds = quartiles(seconds).median, .error = error, .samples = ladders_[i][k].value});
+    }
+    return result;
+  }
+
+  void drop_far_behind() {
+    std::vector<std::vector<Measured>> curves;
+    for (std::size_t i = 0; i < settings_.size(); ++i) curves.push_back(curve(i, false));
+    for (std::size_t i = 1; i < settings_.size(); ++i) {
+      if (!races(i) || curves[i].size() < 2) continue;
+      // What is dropped has the benefit of the doubt.
+      const std::vector<Measured> own = curve(i, true);
+      // At either of its two largest amounts it may be near.
+      double behind = std::numeric_limits<double>::infinity();
+      std::size_t winner = 0;
+      for (const Measured& cell : std::span(own).last(2)) {
+        double most = 0;
+        for (std::size_t j = 0; j < settings_.size(); ++j) {
+          if (j == i || !races(j) || cell.error <= 0) continue;
+          const auto other = time_to_error(curves[j], cell.error, false);
+          if (!other || cell.seconds / other->seconds <= most) continue;
+          most = cell.seconds / other->seconds;
+          winner = j;
+        }
+        behind = std::min(behind, most);
+      }
+      if (behind > kFarBehind) {
+        leave(i, Course::Fate::kDropped,
+              fmt::format("dropped after {} rounds: {:.0f} times slower than {}", round_, behind,
+                          settings_[winner].name()));
+      }
+    }
+  }
+
+  const std::vector<Setting>& settings_;
+  const std::vector<std::vector<Amount>>& ladders_;
+  const SweepOptions& options_;
+  const double begin_;
+  std::mt19937_64 shuffle_;
+  std::uint64_t seeds_ = 0;
+  std::uint32_t round_ = 0;
+  /// Of each setting, what its amounts took when they were tried first.
+  std::vector<std::vector<double>> rungs_;
+  SweepResult result_;
+};
+
+}  // namespace
+
+absl::StatusOr<SweepResult> sweep(const std::vector<Setting>& settings,
+                                  const std::vector<std::vector<Amount>>& ladders,
+                                  const SweepOptions& options) {
+  return Sweep(settings, ladders, options).run();
+}
+
+}  // namespace lucerna::tradeoff

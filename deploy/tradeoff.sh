@@ -1,0 +1,46 @@
+#!/usr/bin/env bash
+# Measures error against time in the shipped scenes, through a server of its own: OUT/NAME/{report.html,tradeoff.csv,tradeoff.json}.
+#   deploy/tradeoff.sh BUILD_DIR OUT [BUDGET [SEED [NAME...]]]
+# BUDGET: for each scene, default 120s.  With QUERY in the environment, of that query and not of irradiance.
+# Where chromium is, also OUT/NAME/errors.png, a picture of the page's first plot.
+set -euo pipefail
+
+root=$(cd "$(dirname "$0")/.." && pwd)
+build=$(cd "${1:?usage: deploy/tradeoff.sh BUILD_DIR OUT [BUDGET [SEED [NAME...]]]}" && pwd)
+mkdir -p "${2:?usage: deploy/tradeoff.sh BUILD_DIR OUT [BUDGET [SEED [NAME...]]]}"
+out=$(cd "$2" && pwd)
+budget=${3:-120s}
+seed=${4:-1}
+shift $(($# < 4 ? $# : 4))
+[ $# -gt 0 ] || set -- cornell meadow room stage street
+scratch=$(mktemp -d)
+: >"$scratch/out"
+
+"$build/server/lucernad" --listen 127.0.0.1:0 --scene-root "$root/scenes" >"$scratch/out" 2>"$scratch/log" &
+server=$!
+stop() {
+  kill "$server" 2>/dev/null || true
+  wait "$server" 2>/dev/null || true
+  rm -rf "$scratch"
+}
+trap stop EXIT
+target=
+for _ in $(seq 300); do
+  target=$(sed -n 's/^listening on //p' "$scratch/out")
+  [ -z "$target" ] || break
+  kill -0 "$server" 2>/dev/null || { echo "lucernad did not start:"; cat "$scratch/log"; exit 1; } >&2
+  sleep 0.05
+done
+[ -n "$target" ] || { echo "lucernad does not tell where it listens" >&2; exit 1; }
+export LUCERNA_SERVER=$target
+
+# Paths in the reports are those of the sources.
+cd "$root"
+for scene in "$@"; do
+  printf '\n%s\n' "$scene"
+  "$build/client/lucerna" tradeoff "$scene/scene.pbrt" --query "${QUERY:-irradiance}" --budget "$budget" \
+    --seed "$seed" --out "$out/$scene"
+  command -v chromium >/dev/null || continue
+  chromium --headless --no-sandbox --disable-gpu --hide-scrollbars --force-device-scale-factor=1.5 --window-size=1000,660 \
+    --screenshot="$out/$scene/errors.png" "file://$out/$scene/report.html#only=errors" 2>"$scratch/chromium" || cat "$scratch/chromium" >&2
+done

@@ -1,0 +1,29 @@
+// What was spent on an answer.
+#pragma once
+
+#include <cstdint>
+
+namespace lucerna {
+
+struct WorkCounts {
+  std::uint64_t samples = 0;
+  std::uint64_t camera_rays = 0;
+  std::uint64_t indirect_rays = 0;  ///< rays that look for the next surface of a path
+  std::uint64_t shadow_rays = 0;
+  std::uint64_t map_lookups = 0;    ///< in shadow maps, instead of a shadow ray
+  std::uint64_t map_compared = 0;   ///< of these: beside which a ray was traced all the same
+  std::uint64_t map_disagreed = 0;  ///< of these: where the ray told otherwise
+
+  WorkCounts& operator+=(const WorkCounts& w) {
+    samples += w.samples;
+    camera_rays += w.camera_rays;
+    indirect_rays += w.indirect_rays;
+    shadow_rays += w.shadow_rays;
+    map_lookups += w.map_lookups;
+    map_compared += w.map_compared;
+    map_disagreed += w.map_disagreed;
+    return *this;
+  }
+};
+
+}  // namespace lucerna

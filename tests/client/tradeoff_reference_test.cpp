@@ -1,0 +1,152 @@
+// Errors, settings and references, of a question that is made up.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+#include <set>
+
+#include "client/tradeoff/reference.h"
+
+namespace lucerna::tradeoff {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+TEST(TradeoffErrors, AreThoseOfTheirDefinition) {
+  // Mean 10; a dark level of 0.1.
+  const std::vector<double> reference = {20, 10, 0};
+  const double dark = dark_level(reference);
+  EXPECT_DOUBLE_EQ(dark, 0.1);
+  const Errors e = measure(std::vector<double>{22, 9, 0.1}, reference, dark);
+  EXPECT_DOUBLE_EQ(e.rmse, std::sqrt((4 + 1 + 0.01) / 3));
+  EXPECT_DOUBLE_EQ(e.relative_mse, (4 / 400.01 + 1 / 100.01 + 1) / 3);
+}
+
+TEST(TradeoffErrors, ItemsWithoutAReferenceDoNotCount) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const std::vector<double> reference = {nan, 10};
+  EXPECT_DOUBLE_EQ(dark_level(reference), 0.1);
+  EXPECT_DOUBLE_EQ(measure(std::vector<double>{5, 11}, reference, 0.1).rmse, 1);
+  EXPECT_DOUBLE_EQ(measure(std::vector<double>{5, nan}, reference, 0.1).rmse, 10);
+  EXPECT_EQ(dark_level(std::vector<double>{0, nan}), 1);
+}
+
+TEST(TradeoffErrors, ReplicatesHaveTheMeanAndItsStandardError) {
+  Replicates r(2);
+  for (const double x : {1.0, 2.0, 3.0, 6.0}) r.add(std::vector<double>{x, 1e9 + x});
+  EXPECT_THAT(r.mean(), ElementsAre(3, 1e9 + 3));
+  // Deviations -2, -1, 0, 3: 14 / (4 x 3).
+  EXPECT_NEAR(r.standard_error()[0], std::sqrt(14.0 / 12), 1e-12);
+  EXPECT_NEAR(r.standard_error()[1], std::sqrt(14.0 / 12), 1e-6);
+}
+
+TEST(TradeoffSettings, AreWhatTheirFlagsSay) {
+  const Setting s = make_setting({"--light-selection", "bvh", "--samples-per-light", "4"});
+  EXPECT_EQ(s.name(), "light-selection bvh + samples-per-light 4");
+  EXPECT_EQ(s.accuracy.light_selection(), v1::LIGHT_SELECTION_BVH);
+  EXPECT_EQ(s.accuracy.samples_per_light(), 4);
+  EXPECT_EQ(make_setting({}).name(), "automatic");
+  EXPECT_EQ((Amount{.target = true, .value = 0.03}).flags(), "--error 3%");
+  EXPECT_EQ((Amount{.target = false, .value = 1}).text(), "1 sample");
+}
+
+TEST(TradeoffSettings, HaveEveryChoiceAndNoneTwice) {
+  for (const Query query :
+       {Query::kIrradiance, Query::kRender, Query::kSample, Query::kVisibility}) {
+    std::set<std::string> names;
+    for (const Setting& s : settings(query, {.lights = 9}))
+      EXPECT_TRUE(names.insert(s.name()).second) << s.name();
+    EXPECT_TRUE(names.contains("automatic"));
+    EXPECT_TRUE(names.contains("light-selection bvh"));
+    EXPECT_TRUE(names.contains("sampler independent"));
+    EXPECT_TRUE(names.contains("visibility shadow-maps"));
+    // Of one light there is nothing to choose.
+    for (const Setting& s : settings(query, {.lights = 1}))
+      EXPECT_THAT(s.name(), ::testing::Not(HasSubstr("light-selection"))) << name(query);
+  }
+}
+
+TEST(TradeoffSettings, AmountsArePowersOfFour) {
+  std::vector<double> values;
+  for (const Amount& a : amounts(make_setting({}), 300)) values.push_back(a.value);
+  EXPECT_THAT(values, ElementsAre(1, 4, 16, 64, 256));
+}
+
+/// Two ways: normal errors of `spread` per sample about 5 and 10, at `cost` seconds a sample.
+class MadeUp : public Question {
+ public:
+  struct Way {
+    double spread, cost;
+  };
+  MadeUp(std::vector<Way> ways, double* now) : ways_(std::move(ways)), now_(now) {}
+
+  Query query() const override { return Query::kIrradiance; }
+  std::string quantity() const override { return "what there is"; }
+  const Layout& layout() const override { return layout_; }
+  std::vector<Setting> settings() const override { return {}; }
+  std::vector<Amount> amounts_of(const Setting&) const override { return {}; }
+  absl::StatusOr<Answer> ask(const Setting&, const Amount&, std::uint64_t) const override {
+    return absl::InternalError("not asked");
+  }
+  std::vector<std::string> reference_ways() const override {
+    return std::vector<std::string>{"first", "second"};
+  }
+  absl::StatusOr<Answer> ask_reference(std::size_t way, std::uint32_t samples,
+                                       std::uint64_t seed) const override {
+    EXPECT_TRUE(seeds_.insert(seed).second) << "the same seed again";
+    std::mt19937_64 bits(seed);
+    std::normal_distribution<double> normal(0, ways_[way].spread / std::sqrt(samples));
+    Answer answer{.values = {5 + normal(bits), 10 + normal(bits)},
+                  .seconds = ways_[way].cost * samples};
+    *now_ += answer.seconds;
+    return answer;
+  }
+  std::string command(const Setting&, const Amount&) const override { return {}; }
+
+ private:
+  std::vector<Way> ways_;
+  double* now_;
+  Layout layout_;
+  mutable std::set<std::uint64_t> seeds_;
+};
+
+TEST(TradeoffReference, TakesTheBetterWayWithinItsTimeAndKnowsItsError) {
+  double now = 7;
+  const MadeUp question({{3, 1e-3}, {0.3, 1e-3}}, &now);
+  const auto r = make_reference(question, 10, 1, [&] { return now; });
+  ASSERT_TRUE(r.ok()) << r.status();
+  EXPECT_EQ(r->way, "second");
+  EXPECT_LE(now, 17);
+  EXPECT_GT(now, 15);
+  EXPECT_GE(r->replicates, 10U);
+  // All samples together tell the error; the scatter of dozens tells it to a third, by far.
+  const double samples = double(r->replicates) * r->samples_each;
+  EXPECT_NEAR(r->rmse, 0.3 / std::sqrt(samples), 0.1 / std::sqrt(samples));
+  // Five of these.
+  EXPECT_NEAR(r->values[0], 5, 1.5 / std::sqrt(samples));
+  EXPECT_NEAR(r->values[1], 10, 1.5 / std::sqrt(samples));
+  EXPECT_FALSE(r->exact);
+}
+
+TEST(TradeoffReference, StopsWhereItIsGoodEnough) {
+  double now = 0;
+  const MadeUp question({{1e-5, 1e-3}, {1e-5, 1e-3}}, &now);
+  const auto r = make_reference(question, 100, 1, [&] { return now; });
+  ASSERT_TRUE(r.ok()) << r.status();
+  EXPECT_EQ(r->replicates, kFewestReplicates);
+  EXPECT_LT(r->relative_error, kGoodReference);
+}
+
+TEST(TradeoffReference, TooLittleTimeIsToldWithHowMuchItTakes) {
+  double now = 0;
+  const MadeUp question({{1, 1}, {1, 1}}, &now);
+  const auto r = make_reference(question, 3, 1, [&] { return now; });
+  EXPECT_TRUE(absl::IsDeadlineExceeded(r.status())) << r.status();
+  EXPECT_THAT(std::string(r.status().message()), HasSubstr("gets 3.0 s"));
+}
+
+}  // namespace
+}  // namespace lucerna::tradeoff

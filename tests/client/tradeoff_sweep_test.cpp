@@ -1,0 +1,185 @@
+// Which questions are asked, of a server that is made up, by a clock that its answers move.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "client/tradeoff/analysis.h"
+#include "client/tradeoff/sweep.h"
+
+namespace lucerna::tradeoff {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// Settings whose error is `error` / sqrt(samples), at `cost` seconds a sample and a call of 1 ms.
+struct Kind {
+  double error, cost;
+  std::uint64_t digest;
+  absl::Status says = absl::OkStatus();
+};
+
+class TradeoffSweep : public ::testing::Test {
+ protected:
+  absl::StatusOr<SweepResult> run(const std::vector<Kind>& kinds, double seconds) {
+    settings_.clear();
+    ladders_.clear();
+    for (std::size_t i = 0; i < kinds.size(); ++i) {
+      settings_.push_back({.flags = i == 0 ? std::vector<std::string>{}
+                                           : std::vector<std::string>{"--way", std::to_string(i)}});
+      ladders_.push_back(amounts(settings_.back(), 1 << 20));
+    }
+    SweepOptions options{.seconds = seconds, .seed = 1};
+    options.clock = [this] { return now_; };
+    options.ask = [&, this](std::size_t i, const Amount& amount, std::uint64_t seed,
+                            std::uint32_t) -> absl::StatusOr<tradeoff::Run> {
+      if (!kinds[i].says.ok()) return kinds[i].says;
+      tradeoff::Run run{.seconds = 1e-3 + kinds[i].cost * amount.value, .samples = amount.value};
+      now_ += run.seconds;
+      // Within 10%, by the seed.
+      const double luck = 0.9 + 0.2 * static_cast<double>(seed % 1000) / 1000;
+      run.errors.relative_mse = luck * kinds[i].error * kinds[i].error / amount.value;
+      run.errors.rmse = std::sqrt(run.errors.relative_mse);
+      run.digest = kinds[i].digest;
+      return run;
+    };
+    options.on_event = [this](const std::string& event) { events_ += event + "\n"; };
+    return sweep(settings_, ladders_, options);
+  }
+  static std::map<std::pair<std::size_t, double>, int> counted(const SweepResult& result) {
+    std::map<std::pair<std::size_t, double>, int> runs;
+    for (const tradeoff::Run& run : result.runs)
+      if (run.round > 0) ++runs[{run.setting, run.amount.value}];
+    return runs;
+  }
+
+  double now_ = 100;
+  std::vector<Setting> settings_;
+  std::vector<std::vector<Amount>> ladders_;
+  std::string events_;
+};
+
+TEST_F(TradeoffSweep, KeepsToItsTimeAndRepeatsEveryCell) {
+  const auto result = run({{1, 1e-4, 1}, {1.2, 1e-4, 2}, {0.9, 2e-4, 3}}, 20);
+  ASSERT_TRUE(result.ok()) << result.status();
+  EXPECT_LT(now_ - 100, 20.5);
+  EXPECT_GT(now_ - 100, 15);
+  for (const auto& [cell, runs] : counted(*result))
+    EXPECT_GE(runs, static_cast<int>(kFewestRounds));
+  std::set<std::uint64_t> seeds;
+  for (const tradeoff::Run& run : result->runs)
+    if (run.round > 0) {
+      EXPECT_TRUE(seeds.insert(run.seed).second) << "the same seed again";
+    }
+}
+
+TEST_F(TradeoffSweep, RoundsAskEveryCellOnceInAnOrderOfTheirOwn) {
+  const auto result = run({{1, 1e-4, 1}, {1.2, 1e-4, 2}}, 5);
+  ASSERT_TRUE(result.ok()) << result.status();
+  std::map<std::uint32_t, std::vector<std::pair<std::size_t, double>>> rounds;
+  for (const tradeoff::Run& run : result->runs)
+    if (run.round > 0) rounds[run.round].emplace_back(run.setting, run.amount.value);
+  ASSERT_GE(rounds.size(), 2 * kFewestRounds);
+  for (const auto& [round, cells] : rounds) {
+    EXPECT_EQ(std::set(cells.begin(), cells.end()).size(), cells.size());
+  }
+  EXPECT_NE(rounds[1], rounds[2]);
+  EXPECT_EQ(std::multiset(rounds[1].begin(), rounds[1].end()),
+            std::multiset(rounds[2].begin(), rounds[2].end()));
+}
+
+TEST_F(TradeoffSweep, TellsSettingsOfTheSameBitsAndThoseWithoutAnAnswer) {
+  const auto result = run(
+      {{1, 1e-4, 1}, {1, 1e-4, 1}, {1, 1e-4, 2, absl::UnimplementedError("not yet")}, {1, 1e-4, 4}},
+      5);
+  ASSERT_TRUE(result.ok()) << result.status();
+  EXPECT_EQ(result->courses[1].fate, Course::Fate::kSame);
+  EXPECT_EQ(result->courses[1].same_as, 0);
+  EXPECT_EQ(result->courses[2].fate, Course::Fate::kSkipped);
+  EXPECT_THAT(result->courses[2].why, HasSubstr("not yet"));
+  EXPECT_EQ(result->courses[3].fate, Course::Fate::kSwept);
+  for (const auto& [cell, runs] : counted(*result)) EXPECT_TRUE(cell.first == 0 || cell.first == 3);
+}
+
+TEST_F(TradeoffSweep, WhatEndsTheConnectionEndsIt) {
+  const auto result = run({{1, 1e-4, 1}, {1, 1e-4, 2, absl::UnavailableError("gone")}}, 5);
+  EXPECT_TRUE(absl::IsUnavailable(result.status())) << result.status();
+}
+
+TEST_F(TradeoffSweep, DropsWhatIsFarBehindAndGivesTheOthersMore) {
+  // Thirty times the error is nine hundred times the work.
+  const auto result =
+      run({{1, 1e-4, 1}, {30, 1e-4, 2}, {30, 1e-4, 3}, {30, 1e-4, 4}, {1.3, 1e-4, 5}}, 20);
+  ASSERT_TRUE(result.ok()) << result.status();
+  for (const std::size_t i : {1, 2, 3}) {
+    EXPECT_EQ(result->courses[i].fate, Course::Fate::kDropped);
+    EXPECT_THAT(result->courses[i].why, HasSubstr("slower than automatic"));
+  }
+  EXPECT_EQ(result->courses[4].fate, Course::Fate::kSwept);
+  std::map<std::size_t, double> largest;
+  for (const auto& [cell, runs] : counted(*result))
+    largest[cell.first] = std::max(largest[cell.first], cell.second);
+  EXPECT_GT(largest[0], largest[1]);
+}
+
+TEST_F(TradeoffSweep, NoTimeIsToldWithHowMuchItTakes) {
+  const auto result = run({{1, 0.5, 1}, {1, 0.5, 2}, {1, 0.5, 3}}, 2);
+  EXPECT_TRUE(absl::IsDeadlineExceeded(result.status())) << result.status();
+  EXPECT_THAT(std::string(result.status().message()), HasSubstr("3 rounds at least"));
+}
+
+/// A reference without error, of as many values as matter here.
+Reference good_reference() {
+  Reference reference;
+  reference.values = {1};
+  reference.standard_error = {0};
+  reference.exact = true;
+  return reference;
+}
+
+TEST_F(TradeoffSweep, AnalysisRecommendsTheFastestAndTellsAutomaticsShare) {
+  // The second has a quarter of the squared error: it takes a quarter of the samples.
+  const auto result = run({{1, 1e-4, 1}, {0.5, 1e-4, 2}}, 40);
+  ASSERT_TRUE(result.ok()) << result.status();
+  const Analysis a = analyse(settings_, *result, good_reference());
+  // 10%: 100 samples or 25, and a call of 1 ms.
+  const Recommendation& ten = a.levels[0];
+  ASSERT_TRUE(ten.setting);
+  EXPECT_EQ(*ten.setting, 1);
+  EXPECT_EQ(ten.reached.how, Reached::How::kBetween);
+  EXPECT_NEAR(ten.reached.samples, 25, 4);
+  EXPECT_EQ(ten.amount.value, 32);
+  EXPECT_NEAR(ten.automatic_ratio.value(), (1e-3 + 100e-4) / (1e-3 + 25e-4), 0.4);
+  EXPECT_EQ(a.levels[2].reached.how, Reached::How::kExtrapolated);
+  ASSERT_TRUE(a.curves[1].efficiency);
+  // 1 / (0.25 / N x (1 ms + N 0.1 ms)).
+  EXPECT_NEAR(a.curves[1].efficiency->mean, 40000, 6000);
+  EXPECT_LT(a.curves[1].efficiency->lower, a.curves[1].efficiency->mean);
+  EXPECT_TRUE(a.warnings.empty());
+}
+
+TEST_F(TradeoffSweep, AnalysisSaysWhereTheReferenceIsTheLimit) {
+  const auto result = run({{1, 1e-4, 1}, {0.5, 1e-4, 2}}, 40);
+  ASSERT_TRUE(result.ok()) << result.status();
+  Reference poor = good_reference();
+  poor.exact = false;
+  poor.relative_error = 0.05;
+  const Analysis a = analyse(settings_, *result, poor);
+  ASSERT_EQ(a.warnings.size(), 1);
+  EXPECT_THAT(a.warnings[0], HasSubstr("not 3 times below"));
+  EXPECT_FALSE(a.levels[0].below_reference);
+  EXPECT_TRUE(a.levels[1].below_reference);
+}
+
+TEST(TradeoffAnalysis, AmountsAreThoseThatCanBeAskedFor) {
+  EXPECT_EQ(practical(false, 3.2).value, 4);
+  EXPECT_EQ(practical(false, 16).value, 16);
+  EXPECT_EQ(practical(false, 16.5).value, 32);
+  EXPECT_NEAR(practical(true, 0.0478).value, 0.047, 1e-12);
+  EXPECT_NEAR(practical(true, 0.01).value, 0.01, 1e-12);
+}
+
+}  // namespace
+}  // namespace lucerna::tradeoff

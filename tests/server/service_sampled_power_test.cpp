@@ -1,0 +1,144 @@
+// EstimatePower by sampling, of each kind of light; and that exact answers take any rule of
+// stopping.
+#include <vector>
+
+#include "every_light.h"
+
+namespace lucerna::testing {
+namespace {
+
+class SampledPowerTest : public EveryLightTest {
+ protected:
+  v1::EstimatePowerRequest request(v1::EstimatePowerRequest::Method method) const {
+    v1::EstimatePowerRequest q;
+    q.set_scene_id(scene_);
+    q.set_method(method);
+    return q;
+  }
+  v1::EstimatePowerResponse answer(const v1::EstimatePowerRequest& q) {
+    v1::EstimatePowerResponse r;
+    const grpc::Status status = power(q, &r);
+    EXPECT_TRUE(status.ok()) << status.error_message();
+    return r;
+  }
+};
+
+TEST_F(SampledPowerTest, HoldsTheExactOne) {
+  const auto exact = answer(request(v1::EstimatePowerRequest::METHOD_EXACT));
+  v1::EstimatePowerRequest q = request(v1::EstimatePowerRequest::METHOD_SAMPLED);
+  // Once in 1e8 a light's interval does not.
+  q.mutable_accuracy()->mutable_target_error()->set_relative(0.02);
+  q.mutable_accuracy()->mutable_target_error()->set_confidence(1 - 1e-8);
+  const auto rays = answer(q);
+  ASSERT_EQ(rays.lights_size(), exact.lights_size());
+  std::uint64_t samples = 0;
+  for (int i = 0; i < exact.lights_size(); ++i) {
+    const v1::LightPower &e = exact.lights(i), &r = rays.lights(i);
+    EXPECT_EQ(r.light_id(), e.light_id());
+    // What is exact is off by roundings, of flux that pictures hold in floats too.
+    const double slack = e.error_lm() + 1e-6 * e.power_lm();
+    EXPECT_LE(r.lower_lm(), e.power_lm() + slack) << lights_.lights(i).ShortDebugString();
+    EXPECT_GE(r.upper_lm(), e.power_lm() - slack) << lights_.lights(i).ShortDebugString();
+    EXPECT_GE(r.samples(), 64U);
+    EXPECT_EQ(r.error_lm(), 0);
+    EXPECT_FALSE(e.has_upper_lm());
+    EXPECT_FALSE(e.has_samples());
+    samples += r.samples();
+    // The same count, the same bits.
+    v1::EstimatePowerRequest again = q;
+    again.add_light_ids(e.light_id());
+    again.mutable_accuracy()->set_samples(static_cast<std::uint32_t>(r.samples()));
+    EXPECT_EQ(answer(again).lights(0).power_lm(), r.power_lm());
+  }
+  EXPECT_EQ(rays.total().samples(), samples);
+  EXPECT_GT(rays.cost().samples(), samples);  // pilots, too
+  EXPECT_LE(rays.total().lower_lm(), exact.total().power_lm());
+  EXPECT_GE(rays.total().upper_lm(), exact.total().power_lm());
+  EXPECT_GT(rays.total().standard_error_lm(), 0);
+}
+
+TEST_F(SampledPowerTest, StopsAtACountOrATimeAndDependsOnItsSeed) {
+  v1::EstimatePowerRequest q = request(v1::EstimatePowerRequest::METHOD_SAMPLED);
+  const auto by_default = answer(q);
+  EXPECT_EQ(by_default.lights(0).samples(), 4096U);
+  q.set_seed(7);
+  EXPECT_NE(answer(q).total().power_lm(), by_default.total().power_lm());
+  for (const std::uint32_t n : {1U, 2U, 15U, 100U}) {
+    q.mutable_accuracy()->set_samples(n);
+    const auto r = answer(q);
+    EXPECT_EQ(r.lights(0).samples(), n);
+    EXPECT_EQ(r.lights(0).has_upper_lm(), n > 1);
+    EXPECT_EQ(r.lights(0).has_standard_error_lm(), n > 1);
+  }
+  for (const double budget : {1e-9, 0.1}) {
+    q.mutable_accuracy()->set_time_budget_s(budget);
+    const auto r = answer(q);
+    const std::uint64_t n = r.lights(0).samples();
+    EXPECT_GE(n, 16U);
+    if (budget < 1e-6) {
+      EXPECT_EQ(n, 16U);
+    }
+    v1::EstimatePowerRequest again = q;
+    again.mutable_accuracy()->set_samples(static_cast<std::uint32_t>(n));
+    EXPECT_EQ(answer(again).total().SerializeAsString(), r.total().SerializeAsString());
+  }
+  v1::EstimatePowerResponse r;
+  q.mutable_accuracy()->mutable_target_error()->set_relative(-1);
+  expect_bad_field(power(q, &r), "accuracy.target_error.relative");
+}
+
+// Their answers are exact: there is nothing to stop.
+TEST_F(SampledPowerTest, WhatIsExactTakesAnyRuleOfStopping) {
+  std::vector<v1::Accuracy> rules(3);
+  rules[0].set_samples(5);
+  rules[1].mutable_target_error()->set_relative(0.1);
+  rules[2].set_time_budget_s(1);
+  for (const v1::Accuracy& rule : rules) {
+    for (const auto method :
+         {v1::EstimatePowerRequest::METHOD_EXACT, v1::EstimatePowerRequest::METHOD_APPROXIMATE}) {
+      v1::EstimatePowerRequest q = request(method), plain = q;
+      *q.mutable_accuracy() = rule;
+      EXPECT_EQ(answer(q).total().power_lm(), answer(plain).total().power_lm());
+    }
+    v1::SampleLeRequest emit = rays(4);
+    *emit.mutable_accuracy() = rule;
+    v1::SampleLeResponse emitted;
+    EXPECT_TRUE(sample(emit, &emitted).ok());
+    EXPECT_EQ(emitted.value_size(), 12);
+    v1::PdfLeRequest leave;
+    leave.set_scene_id(scene_);
+    leave.set_light_id(lights_.lights(0).id());
+    leave.mutable_points()->mutable_offsets_m()->Resize(3, 0.5F);
+    leave.mutable_directions()->Resize(3, 1);
+    *leave.mutable_accuracy() = rule;
+    v1::PdfLeResponse left;
+    EXPECT_TRUE(pdf(leave, &left).ok());
+    v1::PdfLiRequest density;
+    density.set_scene_id(scene_);
+    density.set_light_id(lights_.lights(0).id());
+    *density.mutable_receivers() = leave.points();
+    density.mutable_wi()->Resize(3, 1);
+    *density.mutable_accuracy() = rule;
+    v1::PdfLiResponse arrived;
+    EXPECT_TRUE(ask([&](auto* c) { return service_.lighting.PdfLi(c, density, &arrived); }).ok());
+    v1::LeRequest seen;
+    seen.set_scene_id(scene_);
+    *seen.mutable_points() = leave.points();
+    seen.mutable_directions()->Resize(3, 1);
+    *seen.mutable_accuracy() = rule;
+    v1::LeResponse radiance;
+    EXPECT_TRUE(ask([&](auto* c) { return service_.lighting.Le(c, seen, &radiance); }).ok());
+    v1::TestVisibilityRequest between;
+    between.set_scene_id(scene_);
+    *between.mutable_segments()->mutable_from() = leave.points();
+    *between.mutable_segments()->mutable_to() = leave.points();
+    between.mutable_segments()->mutable_to()->mutable_origin_m()->set_x(1);
+    *between.mutable_accuracy() = rule;
+    v1::TestVisibilityResponse visible;
+    EXPECT_TRUE(
+        ask([&](auto* c) { return service_.lighting.TestVisibility(c, between, &visible); }).ok());
+  }
+}
+
+}  // namespace
+}  // namespace lucerna::testing
