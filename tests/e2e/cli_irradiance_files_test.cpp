@@ -81,7 +81,8 @@ class CliIrradianceFiles : public Cli {
 
   static Outcome irradiance(std::vector<std::string> more,
                             const std::string& scene = "plane.pbrt") {
-    more.insert(more.begin(), {"irradiance", scene, "--samples", "16"});
+    // All is sampled, so that there are errors to tell.
+    more.insert(more.begin(), {"irradiance", scene, "--samples", "16", "--closed-forms", "off"});
     return lucerna(more);
   }
 };
