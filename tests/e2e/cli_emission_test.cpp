@@ -164,7 +164,7 @@ TEST_F(CliEmission, PowerByTheBooksTellsHowFarItIsOff) {
   EXPECT_THAT(said({"power", kScene, "--light", "3", "--method", "approximate", "--json"}),
               ContainsRegex("\"power_lm\":22\\.98.*\"error_lm\":6\\.41"));
   expect_wrong_use(lucerna({"power", kScene, "--method", "best"}),
-                   "--method: best is not one of exact, approximate\n");
+                   "--method: best is not one of exact, approximate, sampled\n");
 }
 
 TEST_F(CliEmission, LightsOfEachKindAreRowsOfUnits) {

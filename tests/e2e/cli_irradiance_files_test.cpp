@@ -81,7 +81,8 @@ class CliIrradianceFiles : public Cli {
 
   static Outcome irradiance(std::vector<std::string> more,
                             const std::string& scene = "plane.pbrt") {
-    more.insert(more.begin(), {"irradiance", scene, "--samples", "16"});
+    // All is sampled, so that there are errors to tell.
+    more.insert(more.begin(), {"irradiance", scene, "--samples", "16", "--closed-forms", "off"});
     return lucerna(more);
   }
 };
@@ -161,9 +162,9 @@ TEST_F(CliIrradianceFiles, TheTerminalsNumbersToTheBit) {
   // Of a scene that the server is sent.
   fs::copy_file(path("scenes/sky.pbrt"), path("my.pbrt"));
   for (const char* option : {"--server", "--servers"}) {
-    const Outcome sent =
-        lucerna({"irradiance", path("my.pbrt"), "--upload", "--samples", "16", "--points",
-                 path("points.npy"), "-o", path("b.npy"), option, server_->target()});
+    const Outcome sent = lucerna({"irradiance", path("my.pbrt"), "--upload", "--samples", "16",
+                                  "--closed-forms", "off", "--points", path("points.npy"), "-o",
+                                  path("b.npy"), option, server_->target()});
     EXPECT_EQ(sent.status, 1) << sent.err;
     EXPECT_EQ(bytes("a.npy"), bytes("b.npy"));
     fs::remove(path("b.npy"));

@@ -48,7 +48,10 @@ void WireQueries::sample_li(const v1::Light* light) {
     const int k = static_cast<int>(i);
     if (light == nullptr) {
       is_probability("SampleLi", i, r.selection_probability(k));
-      is_light("SampleLi", i, r.light_ids(k));
+      // None reaches the receiver, or there is no receiver to look from.
+      const bool none = r.light_ids(k) == 0 && status[i] != v1::ITEM_STATUS_OK;
+      if (!none) is_light("SampleLi", i, r.light_ids(k));
+      if (none) hold(r.selection_probability(k) == 1, "SampleLi", i, "a chance of no light");
     }
     if (!bit(r.delta(), i))
       hold(r.pdf_per_sr(k) > 0, "SampleLi", i, "without a density and no delta light");
