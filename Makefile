@@ -34,7 +34,7 @@ soak: release
 	@LUCERNA_REPEATS=4000 build/release/tests/server/coverage_test
 	@LUCERNA_RAYS_TIMES=10 build/release/tests/server/extremes/server_extremes_test \
 	  --gtest_filter='ShadowExtremes.*:SeamExtremes.*:CoarseExtremes.*'
-	@$(MAKE) --no-print-directory wire ITEMS=3000000
+	@$(MAKE) --no-print-directory wire ITEMS=10000000
 
 extremes: release
 	@cmake --build --preset release --target lights_extremes_test server_extremes_test
