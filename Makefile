@@ -17,7 +17,7 @@ demo: programs
 test: release
 	@cmake --build --preset release
 	@ctest --preset release
-	@$(MAKE) --no-print-directory wire ITEMS=300000
+	@$(MAKE) --no-print-directory wire
 
 # Random extreme items to every light and every query of a server with AddressSanitizer and
 # UndefinedBehaviorSanitizer.

@@ -197,6 +197,19 @@ Triangles of corners up to 1e9 seen from above a point of them, down to 1e-20 of
     return table
 
 
+def slivers():
+    table = Table("sliver_triangles", """
+Triangles as long as 2 and down to 1e-15 high, seen from about as far away as they are high and nearly from within their
+plane, by a receiver that faces them.
+""", f"name {coordinates('a b c receiver normal')} solid_angle_sr irradiance_lx")
+    for exponent in range(5, 51, 5):
+        high = 2.0**-exponent
+        corners = [[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.25, high, 0.0]]
+        for beside in (1, 8):
+            add_polygon(table, ["beside"], corners, [0.125, -beside * high, high * 2.0**-12], [0.0, 0.0, -1.0])
+    return table
+
+
 def grazing():
     table = Table("grazing_polygons", """
 Rectangles and triangles (the first three corners) seen from beside, h above their plane, by a receiver that faces them.
@@ -224,4 +237,5 @@ def tables():
     yield small_quadrilaterals()
     yield edge_on_rectangles()
     yield hemispheres()
+    yield slivers()
     yield grazing()

@@ -77,6 +77,17 @@ TEST(ClosedFormExtremes, TrianglesAsWideAsTheHemisphere) {
   sweep.expect_within(1e-12);
 }
 
+// Parts of a sliver that are cut alike in both directions would be up to 1e15.
+TEST(ClosedFormExtremes, Slivers) {
+  Sweep sweep(34, "triangle light 2 m long, closed form",
+              "3e-2 ... 1e-15 m high, seen from as near", "irradiance");
+  const ReferenceTable table("sliver_triangles");
+  for (const auto& row : table.rows())
+    compare_triangle(row, {vector_in(row, "a"), vector_in(row, "b"), vector_in(row, "c")},
+                     "irradiance_lx", row.text("receiver_y"), sweep);
+  sweep.expect_within(1e-12);
+}
+
 TEST(ClosedFormExtremes, SmallQuadrilaterals) {
   Sweep sweep(6, "rectangle or trapezoid light, closed form", "1e-1 ... 1e-36 sr", "irradiance");
   for (const char* name : {"small_rectangles", "small_quadrilaterals"}) {
