@@ -13,7 +13,7 @@ namespace lucerna {
 enum class LightSelection { kAutomatic, kAll, kUniform, kPower, kBvh };
 enum class Sampler { kSobol, kIndependent };
 enum class Combination { kPowerHeuristic, kBalanceHeuristic, kLights, kSurfaces };
-enum class ClosedForms { kAutomatic, kOff, kEmptyShafts, kControl };
+enum class ClosedForms { kAutomatic, kOff, kEmptyShafts };
 enum class VisibilityMethod { kRays, kShadowMaps };
 
 /// Points of one light that one sample may ask for.

@@ -44,12 +44,12 @@ struct TileSettings {
 
 struct TileResult {
   /// Three channels (R, G, B) a pixel, rows from the top; radiance [cd/m2] times the film's scale.
-  std::vector<BlockStatistics> channels;
+  std::vector<BlockStatistics> channels{};
   /// Of each pixel, with a target error: samples that it is made of, and what holds its converged
   /// luminance, in the unit of the channels, with the confidence that was asked for.
-  std::vector<std::uint32_t> samples;
-  std::vector<Interval> intervals;
-  WorkCounts work;
+  std::vector<std::uint32_t> samples{};
+  std::vector<Interval> intervals{};
+  WorkCounts work{};
   bool stopped = false;  ///< `stop` was asked for; the rest is not to be used
 };
 

@@ -136,9 +136,7 @@ class MethodOptions {
   WayOption<v1::ClosedForms> closed_forms_{
       "--closed-forms",
       "What is made of light that is known without sampling where nothing is in its way",
-      {{"off", v1::CLOSED_FORMS_OFF},
-       {"empty-shafts", v1::CLOSED_FORMS_EMPTY_SHAFTS},
-       {"control", v1::CLOSED_FORMS_CONTROL}}};
+      {{"off", v1::CLOSED_FORMS_OFF}, {"empty-shafts", v1::CLOSED_FORMS_EMPTY_SHAFTS}}};
   WayOption<v1::Visibility> visibility_{
       "--visibility",
       "How it is found out whether lights are visible",

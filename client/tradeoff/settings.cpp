@@ -26,19 +26,23 @@ const std::vector<Flags> kLightSelections = {
     {"--light-selection", "bvh"},
 };
 const std::vector<Flags> kEstimates = {
-    {"--closed-forms", "off"},       {"--closed-forms", "empty-shafts"},
-    {"--closed-forms", "control"},   {"--combination", "balance-heuristic"},
-    {"--combination", "lights"},     {"--combination", "surfaces"},
-    {"--sampler", "independent"},    {"--samples-per-light", "1"},
-    {"--samples-per-light", "4"},    {"--far-light", "5"},
+    {"--closed-forms", "off"},
+    {"--closed-forms", "empty-shafts"},
+    {"--combination", "balance-heuristic"},
+    {"--combination", "lights"},
+    {"--combination", "surfaces"},
+    {"--sampler", "independent"},
+    {"--samples-per-light", "1"},
+    {"--samples-per-light", "4"},
+    {"--far-light", "5"},
     {"--visibility", "shadow-maps"},
 };
 // Whether all lights are asked or one of them decides what a closed form is worth.
 const std::vector<Flags> kPairs = {
     {"--light-selection", "all", "--closed-forms", "off"},
-    {"--light-selection", "all", "--closed-forms", "control"},
+    {"--light-selection", "all", "--closed-forms", "empty-shafts"},
     {"--light-selection", "bvh", "--closed-forms", "off"},
-    {"--light-selection", "bvh", "--closed-forms", "control"},
+    {"--light-selection", "bvh", "--closed-forms", "empty-shafts"},
 };
 // By area: shares of light samples that are visible mean the same under them.
 const std::vector<Flags> kByArea = {

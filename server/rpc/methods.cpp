@@ -44,7 +44,7 @@ constexpr std::array kCombination = {Combination::kPowerHeuristic, Combination::
 static_assert(kCombination.size() == v1::Combination_ARRAYSIZE);
 
 constexpr std::array kClosedForms = {ClosedForms::kAutomatic, ClosedForms::kOff,
-                                     ClosedForms::kEmptyShafts, ClosedForms::kControl};
+                                     ClosedForms::kEmptyShafts};
 static_assert(kClosedForms.size() == v1::ClosedForms_ARRAYSIZE);
 
 constexpr std::array kVisibility = {VisibilityMethod::kRays, VisibilityMethod::kRays,
@@ -65,11 +65,6 @@ absl::StatusOr<Methods> check_methods(const v1::Accuracy& accuracy) {
         take(accuracy.closed_forms(), "closed_forms", "ClosedForms", kClosedForms, m.closed_forms),
         take(accuracy.visibility(), "visibility", "Visibility", kVisibility, m.visibility)}) {
     if (!s.ok()) return s;
-  }
-  if (m.closed_forms == ClosedForms::kControl) {
-    return unimplemented(
-        "accuracy.closed_forms = CLOSED_FORMS_CONTROL is not answered yet: ask for "
-        "CLOSED_FORMS_EMPTY_SHAFTS");
   }
   if (accuracy.has_samples_per_light()) {
     if (accuracy.samples_per_light() < 1 || accuracy.samples_per_light() > kMostSamplesPerLight) {

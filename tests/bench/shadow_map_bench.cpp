@@ -5,42 +5,17 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
-#include <fstream>
 #include <functional>
-#include <sstream>
 #include <string>
 #include <vector>
 
-#include "server/asset_reader.h"
 #include "server/light_visibility.h"
 #include "server/parallel.h"
-#include "server/pbrt/load.h"
 #include "server/render.h"
+#include "tests/bench/shipped_scene.h"
 
 namespace lucerna {
 namespace {
-
-std::shared_ptr<const Scene> load(const std::string& name) {
-  auto assets = AssetReader::open(LUCERNA_SCENES);
-  return *Scene::build(*load_pbrt(*assets, name + "/scene.pbrt", {}));
-}
-
-/// x, y, z, nx, ny, nz a line.
-std::vector<IrradiancePoint> points(const Scene& scene, const std::string& name) {
-  std::ifstream file(LUCERNA_SCENES "/" + name + "/points.csv");
-  std::vector<IrradiancePoint> out;
-  for (std::string line; std::getline(file, line);) {
-    std::ranges::replace(line, ',', ' ');
-    std::istringstream in(line);
-    Vec3<double> p, n{0, 0, 1};
-    if (!(in >> p.x >> p.y >> p.z)) continue;  // the header
-    in >> n.x >> n.y >> n.z;
-    const Vec3<double> at = p - scene.origin();
-    const auto error = static_cast<float>(max_abs(at) * 0x1p-21);
-    out.push_back({at, {error, error, error}, Vec3<float>(normalized(n))});
-  }
-  return out;
-}
 
 double median(std::vector<double> v) {
   std::ranges::sort(v);
@@ -127,8 +102,8 @@ int run(int runs) {
       "|---|---|---|---|---|---|---|---|\n");
   std::string built;
   for (const char* name : {"cornell", "meadow", "room", "stage", "street"}) {
-    const auto scene = load(name);
-    const std::vector<IrradiancePoint> receivers = points(*scene, name);
+    const auto scene = load_shipped(name);
+    const std::vector<IrradiancePoint> receivers = shipped_points(*scene, name);
     compare(name, "irradiance", runs, [&](VisibilityMethod visibility) {
       IrradianceSettings settings{.seed = 1, .samples_per_block = 4, .block_count = 16};
       settings.bounces = 0;

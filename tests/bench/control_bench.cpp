@@ -1,0 +1,150 @@
+// What a closed form is worth as a control where a light is partly hidden, on scenes of scenes/:
+// squared error of 64 samples of one light at one receiver, relative to the irradiance without
+// obstacles.  [Heitz18]
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "lights/sobol.h"
+#include "server/denormals.h"
+#include "server/path.h"
+#include "tests/bench/shipped_scene.h"
+
+namespace lucerna {
+namespace {
+
+/// Illuminance by samples of a light, by samples of it and of directions of the surface, and by
+/// what samples of it say about a closed form: less what is hidden, or times the share that is not.
+enum Estimator { kLights, kBoth, kLess, kTimes, kEstimators };
+constexpr std::array kNames = {"lights alone", "lights and directions", "closed form less hidden",
+                               "closed form times visible"};
+using Estimates = std::array<double, kEstimators>;
+
+/// One light at one receiver.
+class Pair {
+  template <typename F>
+  auto visit(const F& f) const {
+    return visit_light(scene_.lights()[light_], 0, f);
+  }
+
+ public:
+  Pair(const Scene& scene, const SurfaceHit& hit, std::uint32_t light)
+      : scene_(scene), hit_(hit), light_(light), receiver_(hit.position) {
+    receiver_.normal = Vec3<double>(hit.ns);
+    visit([&]<typename L>(const L& l) {
+      if constexpr (HasIrradiance<L> && SeenOnSurface<L>) {
+        if (!l.hides_itself())
+          unshadowed_lx_ = luminance(l.irradiance(receiver_).value_or(Rgb<double>()));
+      }
+    });
+  }
+
+  /// 0 where there is no closed form.
+  double unshadowed_lx() const { return unshadowed_lx_; }
+
+  Estimates estimate(AreaSampling way, std::uint64_t seed, std::uint32_t samples) const {
+    const SobolSequence sequence(seed, 0, 0);
+    Receiver<double> receiver = receiver_;
+    receiver.area_sampling = way;
+    double all = 0, visible = 0, weighed = 0;
+    for (std::uint32_t i = 0; i < samples; ++i) {
+      const Vec2<float> u = sequence.pair(i, 0);
+      const auto s = visit([&](const auto& l) {
+        return l.sample_li(receiver, {double{u.x}, double{u.y}});
+      });
+      const double cosine = dot(receiver.normal, s.wi);
+      if (s.reason == NoLight::kNone && cosine > 0) {
+        const double lx = luminance(s.value) * cosine / s.pdf.per_sr;
+        all += lx;
+        if (!scene_.occluded(shadow_ray(hit_, s, scene_.lights()[light_].reach_m))) {
+          visible += lx;
+          weighed += lx * weight(s.pdf.per_sr, cosine);
+        }
+      }
+      weighed += found(receiver, sequence.pair(i, 1));
+    }
+    const double n = samples;
+    return {visible / n, weighed / n, unshadowed_lx_ - (all - visible) / n,
+            all > 0 ? unshadowed_lx_ * visible / all : 0};
+  }
+
+ private:
+  /// By the power heuristic, against directions by the cosine.
+  static double weight(double light_pdf, double cosine) {
+    const double ratio = cosine * std::numbers::inv_pi / light_pdf;
+    return 1 / (1 + ratio * ratio);
+  }
+  /// What a direction by the cosine finds of the light.
+  double found(const Receiver<double>& receiver, const Vec2<float>& u) const {
+    const Vec3<float> wi = PathTracer::cosine_direction(hit_.ns, hit_.ns, u);
+    const auto hit = scene_.closest_hit(spawn_ray(hit_, wi));
+    if (!hit || hit->light != static_cast<std::int32_t>(light_)) return 0;
+    return visit([&]<typename L>(const L& l) {
+      if constexpr (SeenOnSurface<L>) {
+        const double light_pdf = l.pdf_li(receiver, hit->on_light()).per_sr;
+        return std::numbers::pi * luminance(l.le(hit->on_light(), Vec3<double>(-wi))) *
+               (1 - weight(light_pdf, dot(hit_.ns, wi)));
+      } else {
+        return 0.0;
+      }
+    });
+  }
+
+  const Scene& scene_;
+  const SurfaceHit& hit_;
+  std::uint32_t light_;
+  Receiver<double> receiver_;
+  double unshadowed_lx_ = 0;
+};
+
+void measure(const std::string& name) {
+  constexpr std::uint32_t kSamples = 64, kConverged = 1 << 16;
+  constexpr int kRepeats = 16, kMostPairs = 150;
+  constexpr std::array kWays = {AreaSampling::kAutomatic, AreaSampling::kCosineSolidAngle};
+  const DenormalsAreZero denormals;
+  const auto scene = load_shipped(name);
+  std::array<Estimates, kWays.size()> squares{};
+  int pairs = 0;
+  for (const IrradiancePoint& point : shipped_points(*scene, name)) {
+    SurfaceHit hit;
+    hit.position = point.position;
+    hit.position_error = point.position_error;
+    hit.ns = point.normal;
+    hit.ng = Vec3<double>(point.normal);
+    for (std::uint32_t l = 0; l < scene->lights().size() && pairs < kMostPairs; ++l) {
+      const Pair pair(*scene, hit, l);
+      const double all = pair.unshadowed_lx();
+      if (!(all > 0)) continue;
+      // Partly hidden, as far as a few samples tell; the closed form less what is hidden then
+      // converges on the truth.
+      const double share = pair.estimate(AreaSampling::kAutomatic, 1, kSamples)[kTimes] / all;
+      if (!(share > 0.02 && share < 0.98)) continue;
+      ++pairs;
+      const double truth = pair.estimate(AreaSampling::kAutomatic, 2, kConverged)[kLess];
+      for (std::size_t w = 0; w < kWays.size(); ++w)
+        for (int r = 0; r < kRepeats; ++r) {
+          const Estimates e =
+              pair.estimate(kWays[w], 100 + static_cast<std::uint64_t>(r), kSamples);
+          for (int k = 0; k < kEstimators; ++k)
+            squares[w][k] += (e[k] - truth) * (e[k] - truth) / (all * all) / kRepeats;
+        }
+    }
+  }
+  for (int k = 0; k < kEstimators; ++k)
+    fmt::print("| {} | {} | {:.3g} | {:.3g} |\n", fmt::format("{}, {} pairs", name, pairs),
+               kNames[k], squares[0][k] / pairs, squares[1][k] / pairs);
+}
+
+}  // namespace
+}  // namespace lucerna
+
+int main() {
+  fmt::print(
+      "| scene | estimator | points by the default | by projected solid angle "
+      "|\n|---|---|---|---|\n");
+  for (const char* name : {"cornell", "street"}) lucerna::measure(name);
+}

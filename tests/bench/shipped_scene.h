@@ -1,0 +1,40 @@
+// The scenes of scenes/ and the points that come with them.
+#pragma once
+
+#include <algorithm>
+#include <fstream>
+#include <memory>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "server/asset_reader.h"
+#include "server/pbrt/load.h"
+#include "server/render.h"
+#include "server/scene.h"
+
+namespace lucerna {
+
+inline std::shared_ptr<const Scene> load_shipped(const std::string& name) {
+  auto assets = AssetReader::open(LUCERNA_SCENES);
+  return *Scene::build(*load_pbrt(*assets, name + "/scene.pbrt", {}));
+}
+
+/// Its points.csv: x, y, z, nx, ny, nz a line.
+inline std::vector<IrradiancePoint> shipped_points(const Scene& scene, const std::string& name) {
+  std::ifstream file(LUCERNA_SCENES "/" + name + "/points.csv");
+  std::vector<IrradiancePoint> out;
+  for (std::string line; std::getline(file, line);) {
+    std::ranges::replace(line, ',', ' ');
+    std::istringstream in(line);
+    Vec3<double> p, n{0, 0, 1};
+    if (!(in >> p.x >> p.y >> p.z)) continue;  // the header
+    in >> n.x >> n.y >> n.z;
+    const Vec3<double> at = p - scene.origin();
+    const auto error = static_cast<float>(max_abs(at) * 0x1p-21);
+    out.push_back({at, {error, error, error}, Vec3<float>(normalized(n))});
+  }
+  return out;
+}
+
+}  // namespace lucerna
