@@ -94,7 +94,7 @@ std::optional<Reached> time_to_error(std::vector<Measured> curve, double error, 
   const auto rate = fitted_rate(tail);
   if (!rate || *rate > kSlowestRate) return std::nullopt;
   const Measured& last = curve.back();
-  const double factor = std::pow(error / last.error, 1 / *rate);
+  const double factor = std::pow(error / last.error, 1 / kRate);
   if (factor > kFarthest) return std::nullopt;
   // Work grows with the time as it did over the tail: less than in proportion where calls have a
   // cost of their own.

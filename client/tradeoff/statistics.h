@@ -45,7 +45,7 @@ struct Reached {
   enum class How {
     kBetween,       ///< between two measurements
     kWithFewest,    ///< the fastest measurement is that good already: no less was tried
-    kExtrapolated,  ///< beyond the last one, by the rate of the last
+    kExtrapolated,  ///< beyond the last one, by the rate of independent samples
   };
   How how = How::kBetween;
   double seconds = 0;
@@ -57,14 +57,15 @@ struct Reached {
 std::optional<double> fitted_rate(std::span<const Measured> curve);
 
 /// When a setting's error is `error` > 0, linearly in logarithms between the first two neighbours
-/// (by time) of which the later one is that good; beyond the last by the rate of the last three,
-/// where that is below kSlowestRate, up to kFarthest times its time.  Nothing where it
-/// never is.
+/// (by time) of which the later one is that good; beyond the last as errors of independent
+/// samples fall, with the root of the time, up to kFarthest times its time: what few measurements
+/// say of a rate would decide alone, so far from them.  Nothing where it never is, or where the
+/// last three fall more slowly than kSlowestRate.
 std::optional<Reached> time_to_error(std::vector<Measured> curve, double error,
                                      bool extrapolate = true);
 
-/// Slower progress than this is none: independent samples have -0.5, biased answers 0.
-inline constexpr double kSlowestRate = -0.2;
+/// Of error with time in logarithms: independent samples have -0.5, biased answers 0 in the end.
+inline constexpr double kRate = -0.5, kSlowestRate = -0.35;
 /// A decade of error, by the rate of independent samples.
 inline constexpr double kFarthest = 100;
 

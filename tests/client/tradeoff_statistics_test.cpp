@@ -82,7 +82,7 @@ TEST(TradeoffStatistics, RateIsTheSlopeInLogarithms) {
   EXPECT_FALSE(fitted_rate(curve));
 }
 
-TEST(TradeoffStatistics, TimeToErrorGoesThroughMeasurementsAndOnByTheirRate) {
+TEST(TradeoffStatistics, TimeToErrorGoesThroughMeasurementsAndOnByTheRootOfTime) {
   const std::vector<Measured> curve = {{4, 0.05, 400}, {1, 0.1, 100}, {16, 0.025, 1600}};
   const auto between = time_to_error(curve, 0.05 / std::sqrt(2));
   ASSERT_TRUE(between);
@@ -98,12 +98,17 @@ TEST(TradeoffStatistics, TimeToErrorGoesThroughMeasurementsAndOnByTheirRate) {
   EXPECT_EQ(beyond->how, Reached::How::kExtrapolated);
   EXPECT_NEAR(beyond->seconds, 64, 1e-9);
   EXPECT_NEAR(beyond->samples, 6400, 1e-6);
+  // No faster beyond them, as few measurements tell no rate.
+  const auto fast = time_to_error({{1, 0.1, 100}, {4, 0.02, 400}, {16, 0.004, 1600}}, 0.002);
+  ASSERT_TRUE(fast);
+  EXPECT_NEAR(fast->seconds, 64, 1e-9);
   EXPECT_FALSE(time_to_error(curve, 0.0125, false));
   EXPECT_FALSE(time_to_error(curve, 0.0001)) << "62500 times farther than it was measured";
 }
 
 TEST(TradeoffStatistics, WhatDoesNotConvergeNeverArrives) {
   EXPECT_FALSE(time_to_error({{1, 0.1, 1}, {4, 0.099, 4}, {16, 0.1, 16}}, 0.01));
+  EXPECT_FALSE(time_to_error({{1, 0.1, 1}, {4, 0.066, 4}, {16, 0.0435, 16}}, 0.01)) << "rate -0.3";
   EXPECT_FALSE(time_to_error({{1, 0.1, 1}}, 0.01));
   EXPECT_FALSE(time_to_error({}, 0.01));
 }
