@@ -230,6 +230,21 @@ v1::EstimateIrradianceRequest part(const v1::EstimateIrradianceRequest& request,
   return result;
 }
 
+namespace {
+
+void append(const v1::ReceiverEstimates& next, v1::ReceiverEstimates* whole) {
+  append_status(next.status(), next.samples_size(), whole->samples_size(), whole->mutable_status());
+  append_all(next.samples(), whole->mutable_samples());
+  append_all(next.illuminance_lx(), whole->mutable_illuminance_lx());
+  append_all(next.standard_error_lx(), whole->mutable_standard_error_lx());
+  append_all(next.lower_lx(), whole->mutable_lower_lx());
+  append_all(next.upper_lx(), whole->mutable_upper_lx());
+  append_all(next.spectral_irradiance(), whole->mutable_spectral_irradiance());
+  append_all(next.spectral_standard_error(), whole->mutable_spectral_standard_error());
+}
+
+}  // namespace
+
 void append(const v1::SampleLiResponse& next, v1::SampleLiResponse* whole) {
   const std::size_t before = whole->pdf_per_sr_size();
   const std::size_t count = next.pdf_per_sr_size();
@@ -245,6 +260,7 @@ void append(const v1::SampleLiResponse& next, v1::SampleLiResponse* whole) {
   append_all(next.selection_probability(), whole->mutable_selection_probability());
   append_status(next.status(), count, before, whole->mutable_status());
   append_all(next.spectral_value(), whole->mutable_spectral_value());
+  if (next.has_estimates()) append(next.estimates(), whole->mutable_estimates());
   append_cost(next.cost(), whole->mutable_cost());
 }
 

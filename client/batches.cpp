@@ -9,6 +9,9 @@
 namespace lucerna::client {
 namespace {
 
+/// Unless a request says how many: TargetError.max_samples.
+constexpr std::uint64_t kMostSamplesToATarget = 65536;
+
 /// What one batch may hold.
 struct BatchLimits {
   std::uint64_t items, bytes;
@@ -60,11 +63,43 @@ absl::StatusOr<Response> in_batches(
 
 }  // namespace
 
+namespace {
+
+/// Batches of receivers that have at most so many samples each.
+absl::StatusOr<v1::SampleLiResponse> sample_li_to_a_target(const Client& client,
+                                                           const v1::SampleLiRequest& request,
+                                                           const BatchOptions& options) {
+  const std::uint64_t most = request.accuracy().target_error().max_samples();
+  // What is told of each receiver is counted with its samples.
+  AnswerSize size = answer_size(part(request, 0, 0));
+  const std::uint64_t receiver = answer_size(part(request, 0, 1)).fixed - size.fixed;
+  size.per_item += (receiver + most - 1) / std::max<std::uint64_t>(1, most);
+  return in_batches(client, request, std::max<std::uint64_t>(1, most), size, options,
+                    &Client::sample_li);
+}
+
+}  // namespace
+
 absl::StatusOr<v1::SampleLiResponse> sample_li_in_batches(const Client& client,
                                                           const v1::SampleLiRequest& request,
                                                           const BatchOptions& options) {
-  return in_batches(client, request, std::max(1U, request.accuracy().samples()),
-                    answer_size(request), options, &Client::sample_li);
+  // A time is that of one request.
+  if (request.accuracy().has_time_budget_s()) return client.sample_li(request, options.call);
+  if (!request.accuracy().has_target_error() || item_count(request) <= 1) {
+    return in_batches(client, request, std::max(1U, request.accuracy().samples()),
+                      answer_size(request), options, &Client::sample_li);
+  }
+  if (request.accuracy().target_error().has_max_samples())
+    return sample_li_to_a_target(client, request, options);
+  // Else how many each receiver may have would depend on how many are asked about at once.
+  const auto info = client.get_server_info({}, options.call);
+  if (!info.ok()) return info.status();
+  v1::SampleLiRequest limited = request;
+  v1::TargetError* target = limited.mutable_accuracy()->mutable_target_error();
+  target->set_max_samples(static_cast<std::uint32_t>(std::min<std::uint64_t>(
+      {kMostSamplesToATarget, info->limits().max_batch_items(), info->limits().max_samples(),
+       answer_size(part(request, 0, 1)).items_within(info->limits().max_message_bytes())})));
+  return sample_li_to_a_target(client, limited, options);
 }
 
 absl::StatusOr<v1::PdfLiResponse> pdf_li_in_batches(const Client& client,

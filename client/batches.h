@@ -30,7 +30,9 @@ struct BatchOptions {
   CallOptions call = {};
 };
 
-/// Here an item is a sample: a batch holds max_items / samples receivers, and one at least.
+/// Here an item is a sample: a batch holds max_items / samples receivers, and one at least.  With a
+/// target error samples are max_samples; where that is unset each receiver may have as many as if
+/// it were asked about alone.  With a time budget it is one request.
 absl::StatusOr<v1::SampleLiResponse> sample_li_in_batches(const Client& client,
                                                           const v1::SampleLiRequest& request,
                                                           const BatchOptions& options = {});

@@ -8,6 +8,7 @@ constexpr std::uint64_t kBit = 1;
 constexpr std::uint64_t kFloat = 4;
 constexpr std::uint64_t kDouble = 8;
 constexpr std::uint64_t kId = 10;     // a 64-bit varint
+constexpr std::uint64_t kCount = 5;   // a 32-bit varint
 constexpr std::uint64_t kStatus = 1;  // a varint below 128
 constexpr std::uint64_t kTag = 1;     // of a field below 16
 constexpr std::uint64_t kLength = 5;  // a 31-bit varint
@@ -28,7 +29,15 @@ std::uint64_t wavelengths(const Request& request) {
 AnswerSize answer_size(const v1::SampleLiRequest& request) {
   // Value, wi, distance, point, normal, density; delta and visible.
   const std::uint64_t sample = (3 + 3 + 1 + 3 + 3 + 1) * kFloat + 2 * kBit + kStatus;
-  return {.per_item = sample + choice(request) + kFloat * wavelengths(request)};
+  std::uint64_t estimates = 0;
+  if (request.accuracy().has_target_error() || request.accuracy().has_time_budget_s()) {
+    // Count, illuminance, error and interval, wavelengths and their errors.
+    const std::uint64_t receiver =
+        kCount + 4 * kFloat + 2 * kFloat * wavelengths(request) + kStatus;
+    estimates = static_cast<std::uint64_t>(request.receivers().offsets_m_size()) / 3 * receiver;
+  }
+  return {.fixed = AnswerSize::kFixed + estimates,
+          .per_item = sample + choice(request) + kFloat * wavelengths(request)};
 }
 
 AnswerSize answer_size(const v1::PdfLiRequest&) { return {.per_item = kFloat + kStatus}; }

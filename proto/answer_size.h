@@ -22,7 +22,8 @@ struct AnswerSize {
   }
 };
 
-/// An item is a sample, of which a receiver has `accuracy.samples`.
+/// An item is a sample, of which a receiver has `accuracy.samples`, or as many as it is found to
+/// need; what is told of each receiver is among what is fixed.
 AnswerSize answer_size(const v1::SampleLiRequest& request);
 AnswerSize answer_size(const v1::PdfLiRequest& request);
 AnswerSize answer_size(const v1::SampleLeRequest& request);

@@ -90,24 +90,12 @@ absl::StatusOr<std::span<const double>> check_wavelengths(
 
 absl::StatusOr<std::uint32_t> check_samples(const Context& context, const v1::Accuracy& accuracy,
                                             std::uint32_t fallback) {
-  switch (accuracy.stop_case()) {
-    case v1::Accuracy::kSamples:
-      if (accuracy.samples() == 0 || accuracy.samples() > context.limits.max_samples) {
-        return bad_field("accuracy.samples", fmt::format("{}", accuracy.samples()),
-                         fmt::format("[1, {}]", context.limits.max_samples));
-      }
-      return accuracy.samples();
-    case v1::Accuracy::kTargetError:
-      return bad_field("accuracy.target_error",
-                       fmt::format("{}", accuracy.target_error().relative()),
-                       "accuracy.samples alone, as nothing is estimated here");
-    case v1::Accuracy::kTimeBudgetS:
-      return bad_field("accuracy.time_budget_s", fmt::format("{} s", accuracy.time_budget_s()),
-                       "accuracy.samples alone, as nothing is estimated here");
-    case v1::Accuracy::STOP_NOT_SET:
-      break;
+  if (!accuracy.has_samples()) return fallback;
+  if (accuracy.samples() == 0 || accuracy.samples() > context.limits.max_samples) {
+    return bad_field("accuracy.samples", fmt::format("{}", accuracy.samples()),
+                     fmt::format("[1, {}]", context.limits.max_samples));
   }
-  return fallback;
+  return accuracy.samples();
 }
 
 absl::Status check_answer_size(const Context& context, const std::string& field,

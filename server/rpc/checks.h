@@ -47,8 +47,7 @@ absl::StatusOr<std::span<const double>> check_wavelengths(
 inline constexpr std::size_t kMostWavelengths = 128;
 /// Processor time of one value at one wavelength [s], rounded up.
 inline constexpr double kWavelengthSeconds = 5e-9;
-/// `samples`, or `fallback` where nothing is said.  INVALID_ARGUMENT for a target error and a time
-/// budget, of calls that estimate nothing.
+/// `samples`, or `fallback` where they are not set.  INVALID_ARGUMENT for what is out of range.
 absl::StatusOr<std::uint32_t> check_samples(const Context& context, const v1::Accuracy& accuracy,
                                             std::uint32_t fallback);
 

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "server/denormals.h"
@@ -11,6 +10,7 @@
 #include "server/render.h"
 #include "server/rpc/checks.h"
 #include "server/rpc/errors.h"
+#include "server/rpc/estimate_arrays.h"
 #include "server/rpc/lighting.h"
 #include "server/rpc/methods.h"
 #include "server/rpc/stop_rule.h"
@@ -27,48 +27,6 @@ constexpr double kPathSampleSeconds = 8e-6;
 constexpr double kFirstShaftsSeconds = 1e-3;
 constexpr double kLookUpSeconds = 200e-9;  // a spectrum at a wavelength
 constexpr std::uint32_t kDefaultSamples = 256;
-/// Estimates as a response holds them; null: not wanted, or not known from a single sample.
-struct EstimateArrays {
-  float* rgb;
-  float* illuminance;
-  float* standard_error;
-  float *lower, *upper;
-  float* zero_bound;
-
-  /// False where a number does not fit a float; nothing is written then.
-  bool put(std::size_t i, const IrradianceEstimate& e) const {
-    const Rgb<float> value(e.irradiance_lx);
-    const auto lux = static_cast<float>(luminance(e.irradiance_lx));
-    const auto error = static_cast<float>(e.illuminance_error_lx);
-    if (!is_finite(value) || !std::isfinite(lux)) return false;
-    if (standard_error != nullptr && !std::isfinite(error)) return false;
-    if (rgb != nullptr) {
-      rgb[3 * i] = value.r;
-      rgb[3 * i + 1] = value.g;
-      rgb[3 * i + 2] = value.b;
-    }
-    // A bound that no float holds, or of squares that no double held, is still one.
-    const auto held = [](double v) {
-      constexpr float kLargest = std::numeric_limits<float>::max();
-      return v < kLargest ? static_cast<float>(v) : kLargest;
-    };
-    illuminance[i] = lux;
-    if (standard_error != nullptr) {
-      standard_error[i] = error;
-      lower[i] = e.illuminance_lx.lower > 0 ? held(e.illuminance_lx.lower) : 0;
-      upper[i] = held(e.illuminance_lx.upper);
-    }
-    if (zero_bound != nullptr) zero_bound[i] = held(e.zero_bound_lx);
-    return true;
-  }
-
-  void clear(std::size_t i) const {
-    if (rgb != nullptr) std::fill_n(rgb + 3 * i, 3, 0.0F);
-    for (float* const array : {illuminance, standard_error, lower, upper, zero_bound}) {
-      if (array != nullptr) array[i] = 0;
-    }
-  }
-};
 
 /// Points with neighbouring numbers, which are estimated together.
 struct Run {

@@ -11,9 +11,6 @@
 namespace lucerna::rpc {
 namespace {
 
-// Fewer tell too little of how many are needed.
-constexpr std::uint32_t kLeastMostSamples = 64;
-
 absl::StatusOr<TargetError> check_target(const Context& context, const v1::TargetError& error) {
   const auto bad = [](const char* field, const auto& value, const std::string& allowed) {
     return bad_field(fmt::format("accuracy.target_error.{}", field), fmt::format("{}", value),

@@ -112,6 +112,7 @@ class FakeServer : v1::LightingService::Service,
                              v1::GetServerInfoResponse* response) override {
     ++info_calls;
     response->mutable_limits()->set_max_batch_items(max_batch_items);
+    response->mutable_limits()->set_max_samples(1 << 20);
     response->mutable_limits()->set_max_message_bytes(max_message_bytes);
     response->mutable_fingerprint()->set_digest(fingerprint);
     return grpc::Status::OK;

@@ -3,11 +3,13 @@
 #pragma once
 
 #include <gtest/gtest.h>
+#include <tbb/parallel_for.h>
 
 #include <cmath>
 #include <cstdint>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "server/confidence.h"
 #include "tests/server/extremes/wire_settings.h"
@@ -58,6 +60,27 @@ class Coverage {
   std::uint64_t count_ = 0, held_ = 0;
   double mean_ = 0, squares_ = 0;
 };
+
+/// The interval as a wrong variance would have it: so many times as wide to either side.
+inline Interval widened_about(double value, const Interval& interval, double times) {
+  return {value - times * (value - interval.lower), value + times * (interval.upper - value)};
+}
+
+/// An answer to a question: an estimate and the interval about it.
+struct Answer {
+  double value = 0;
+  Interval interval;
+};
+
+/// The i-th of repeats() answers is `ask(i)`; intervals are made `widened` times as wide.
+template <typename Ask>
+Coverage repeated(double truth, double widened, const Ask& ask) {
+  std::vector<Answer> answers(repeats());
+  tbb::parallel_for(std::size_t{0}, answers.size(), [&](std::size_t i) { answers[i] = ask(i); });
+  Coverage c(truth);
+  for (const Answer& a : answers) c.add(a.value, widened_about(a.value, a.interval, widened));
+  return c;
+}
 
 /// For questions that many samples answer.
 inline void expect_covered(const Coverage& c, const std::string& what) {

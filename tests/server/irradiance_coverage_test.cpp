@@ -2,58 +2,14 @@
 // scenes that are smooth and on one whose light one sample in a thousand finds.
 #include <gtest/gtest.h>
 
-#include <numbers>
 #include <vector>
 
 #include "server/render.h"
 #include "tests/server/coverage.h"
-#include "tests/server/coverage_scenes.h"
+#include "tests/server/irradiance_questions.h"
 
 namespace lucerna::testing {
 namespace {
-
-using std::numbers::pi;
-
-struct Question {
-  std::string name;
-  std::shared_ptr<const Scene> scene;
-  Vec3<double> receiver;
-  Vec3<float> normal{0, 0, 1};
-  double truth;  // [lx]
-  std::optional<std::uint32_t> bounces = 0;
-};
-
-Question lamp() {
-  return {
-      .name = "lamp", .scene = build(below_a_lamp(0)), .receiver = {}, .truth = lux_below_a_lamp()};
-}
-
-/// Half of a sky behind a wall: light ends at an edge.
-Question half_a_sky() {
-  SceneDescription d = description(0);
-  d.shapes = {patch({0, -1e4, 0}, {0, 1e4, 0}, {0, -1e4, 1e4}, {0, 1e4, 1e4})};
-  d.lights = {{UniformInfiniteLightParams{Rgb<double>(3, 2, 1)}, {}}};
-  // What the wall leaves free, above and beside it, is 1e-5 of a share of that.
-  return {.name = "half a sky",
-          .scene = build(std::move(d)),
-          .receiver = {0.1, 0, 0.1},
-          .truth = luminance(Rgb<double>(3, 2, 1)) * pi / 2};
-}
-
-Question furnace() {
-  return {.name = "furnace",
-          .scene = build(in_a_furnace()),
-          .receiver = {0.1, 0.2, -0.3},
-          .truth = kFurnaceRadiance * pi,
-          .bounces = std::nullopt};
-}
-
-Question pinhole() {
-  return {.name = "pinhole",
-          .scene = build(below_a_pinhole(0)),
-          .receiver = {},
-          .truth = lux_below_a_pinhole()};
-}
 
 /// `widened`: intervals are, about their estimates.
 Coverage asked(const Question& q, IrradianceSettings settings, double widened = 1) {
@@ -66,8 +22,7 @@ Coverage asked(const Question& q, IrradianceSettings settings, double widened = 
   Coverage c(q.truth);
   for (const IrradianceEstimate& e : r.points) {
     const double value = luminance(e.irradiance_lx);
-    c.add(value, {value - widened * (value - e.illuminance_lx.lower),
-                  value + widened * (e.illuminance_lx.upper - value)});
+    c.add(value, widened_about(value, e.illuminance_lx, widened));
   }
   return c;
 }

@@ -53,8 +53,7 @@ std::vector<Coverage> asked(const Scene& scene, SampledPowerSettings settings, d
     for (std::size_t l = 0; l < coverage.size(); ++l) {
       const SampledPower& p = l < all.size() ? r.lights[l] : r.total;
       const double value = luminance(p.lumens);
-      coverage[l].add(value, {value - widened * (value - p.interval_lm.lower),
-                              value + widened * (p.interval_lm.upper - value)});
+      coverage[l].add(value, widened_about(value, p.interval_lm, widened));
     }
   return coverage;
 }

@@ -65,11 +65,6 @@ Question pinhole() {
   return {"pinhole", build(std::move(d)), 0.5 * lux_below_a_pinhole() / pi};
 }
 
-struct Answer {
-  double luminance;
-  Interval interval;
-};
-
 /// One repeat.
 Answer answer(const Question& q, TileSettings settings, std::uint64_t seed) {
   settings.rect = {0, 0, 1, 1};
@@ -88,14 +83,7 @@ Answer answer(const Question& q, TileSettings settings, std::uint64_t seed) {
 
 /// `widened`: intervals are, about their estimates.
 Coverage asked(const Question& q, const TileSettings& settings, double widened = 1) {
-  std::vector<Answer> answers(repeats());
-  tbb::parallel_for(std::size_t{0}, answers.size(),
-                    [&](std::size_t i) { answers[i] = answer(q, settings, i); });
-  Coverage c(q.truth);
-  for (const auto& [value, interval] : answers)
-    c.add(value,
-          {value - widened * (value - interval.lower), value + widened * (interval.upper - value)});
-  return c;
+  return repeated(q.truth, widened, [&](std::uint64_t i) { return answer(q, settings, i); });
 }
 
 TileSettings within(double relative) {
@@ -151,7 +139,7 @@ TEST(RenderTarget, IsReached) {
     tbb::parallel_for(std::size_t{0}, answers.size(),
                       [&](std::size_t i) { answers[i] = answer(q, within(0.02), 5000 + i); });
     int reached = 0;
-    for (const Answer& a : answers) reached += std::fabs(a.luminance - q.truth) <= 0.02 * q.truth;
+    for (const Answer& a : answers) reached += std::fabs(a.value - q.truth) <= 0.02 * q.truth;
     EXPECT_GE(reached, 367) << q.name;  // of 380, three standard deviations less
   }
 }

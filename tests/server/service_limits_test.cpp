@@ -77,6 +77,13 @@ TEST(AnswerSizes, AreBoundsOfTheAnswersToEachCall) {
   v1::SampleLiResponse samples;
   ASSERT_TRUE(ask([&](auto* c) { return service.lighting.SampleLi(c, sample, &samples); }).ok());
   expect_bounded(samples, answer_size(sample), kItems);
+  // With what is told of each receiver.
+  sample.mutable_accuracy()->mutable_target_error()->set_relative(1);
+  sample.mutable_receivers()->mutable_offsets_m()->Truncate(3 * 100);
+  sample.mutable_accuracy()->mutable_target_error()->set_max_samples(64);
+  ASSERT_TRUE(ask([&](auto* c) { return service.lighting.SampleLi(c, sample, &samples); }).ok());
+  ASSERT_EQ(samples.estimates().spectral_standard_error_size(), 128 * 100);
+  expect_bounded(samples, answer_size(sample), samples.pdf_per_sr_size());
 
   v1::LeRequest look = le(scene, kItems);
   spoil(look.mutable_points());

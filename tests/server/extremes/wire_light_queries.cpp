@@ -7,11 +7,21 @@ void WireQueries::sample_li(const v1::Light* light) {
   v1::SampleLiRequest q;
   q.set_scene_id(scene_id_);
   int samples = 1;
+  bool estimated = false;
   Items items = points(batch(), q.mutable_receivers());
   if (light != nullptr) q.set_light_id(light->id());
   if (n_.chance(0.3)) {
     samples = 1 + static_cast<int>(n_.below(3));
-    q.mutable_accuracy()->set_samples(static_cast<std::uint32_t>(samples));
+    estimated = items.size() <= 64 && n_.chance(0.3);
+    if (!estimated) {
+      q.mutable_accuracy()->set_samples(static_cast<std::uint32_t>(samples));
+    } else if (n_.chance(0.5)) {
+      v1::TargetError* target = q.mutable_accuracy()->mutable_target_error();
+      target->set_relative(n_.magnitude(0.1, 10));
+      target->set_max_samples(256);
+    } else {
+      q.mutable_accuracy()->set_time_budget_s(1e-9);
+    }
     q.mutable_seed()->set_seed(n_.seed());
     q.mutable_seed()->set_first_item(n_.seed() >> n_.below(64));
   } else {
@@ -24,12 +34,18 @@ void WireQueries::sample_li(const v1::Light* light) {
   methods(q.mutable_accuracy());
   wavelengths(q.mutable_wavelengths_nm());
 
-  Items of_samples;
-  for (const Item item : items) of_samples.insert(of_samples.end(), samples, item);
-  const std::size_t n = of_samples.size();
   v1::SampleLiResponse r;
   const grpc::Status s = call([&](auto* c) { return service_.lighting.SampleLi(c, q, &r); });
   if (!answered("SampleLi", s, q, r)) return;
+  expect("SampleLi", r.has_estimates(), estimated, "messages of estimates");
+  if (estimated) expect("SampleLi", r.estimates().samples_size(), items.size(), "counts");
+  if (!failures_.empty()) return;
+  Items of_samples;
+  for (std::size_t p = 0; p < items.size(); ++p) {
+    const std::uint32_t own = estimated ? r.estimates().samples(static_cast<int>(p)) : samples;
+    of_samples.insert(of_samples.end(), own, items[p]);
+  }
+  const std::size_t n = of_samples.size();
   const auto spectral = static_cast<std::size_t>(q.wavelengths_nm_size());
   expect("SampleLi", r.value_size(), 3 * n, "value");
   expect("SampleLi", r.wi_size(), 3 * n, "wi");
@@ -66,11 +82,43 @@ void WireQueries::sample_li(const v1::Light* light) {
     }
     is_unit("SampleLi", i, r.wi());
   }
+  if (estimated && failures_.empty()) estimates(r.estimates(), items, spectral);
   if (failures_.empty() && n_.chance(0.3)) {
     v1::Points found;
     *found.mutable_origin_m() = q.receivers().origin_m();
     *found.mutable_offsets_m() = r.light_offsets_m();
     keep(found);
+  }
+}
+
+void WireQueries::estimates(const v1::ReceiverEstimates& r, const Items& items,
+                            std::size_t wavelengths) {
+  const std::string name = "SampleLi.estimates";
+  const std::size_t n = items.size();
+  expect(name, r.illuminance_lx_size(), n, "illuminance_lx");
+  expect(name, r.standard_error_lx_size(), n, "standard_error_lx");
+  expect(name, r.lower_lx_size(), n, "lower_lx");
+  expect(name, r.upper_lx_size(), n, "upper_lx");
+  expect(name, r.spectral_irradiance_size(), n * wavelengths, "spectral_irradiance");
+  expect(name, r.spectral_standard_error_size(), n * wavelengths, "spectral_standard_error");
+  const std::vector<v1::ItemStatus> status = statuses(name, r.status(), items, false);
+  for (std::size_t i = 0; i < n && failures_.empty(); ++i) {
+    const int k = static_cast<int>(i);
+    hold(r.samples(k) == 1 || (r.samples(k) >= 16 && r.samples(k) % 16 == 0), name, i,
+         "samples in no replicates");
+    hold(r.lower_lx(k) <= r.upper_lx(k), name, i, "an interval that ends before it begins");
+    if (status[i] == v1::ITEM_STATUS_OK) {
+      // Each is rounded by itself, and the luminance of sums is not quite the sum of luminances.
+      const double rounding = r.illuminance_lx(k) * 2e-7, lux = r.illuminance_lx(k);
+      hold(lux <= r.upper_lx(k) + rounding && r.lower_lx(k) <= lux + rounding, name, i,
+           "an estimate beside its interval");
+      continue;
+    }
+    for (const auto* numbers :
+         {&r.illuminance_lx(), &r.standard_error_lx(), &r.lower_lx(), &r.upper_lx()})
+      is_zero(name, i, *numbers, 1);
+    is_zero(name, i, r.spectral_irradiance(), wavelengths);
+    is_zero(name, i, r.spectral_standard_error(), wavelengths);
   }
 }
 

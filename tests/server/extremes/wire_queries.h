@@ -62,6 +62,7 @@ class WireQueries {
   using Floats = google::protobuf::RepeatedField<float>;
 
   void sample_li(const v1::Light* light);
+  void estimates(const v1::ReceiverEstimates& r, const Items& items, std::size_t wavelengths);
   void pdf_li(const v1::Light& light);
   void sample_le(const v1::Light* light);
   void pdf_le(const v1::Light& light);

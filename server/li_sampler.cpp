@@ -1,0 +1,352 @@
+#include "server/li_sampler.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <mutex>
+
+#include "server/denormals.h"
+#include "server/parallel.h"
+#include "server/path_sample.h"
+#include "server/spectral_values.h"
+#include "server/told_direction.h"
+#include "server/visibility.h"
+
+namespace lucerna {
+namespace {
+
+void set_bit(std::uint8_t* bits, std::size_t i) {
+  bits[i / 8] |= static_cast<std::uint8_t>(1u << (i % 8));
+}
+
+bool bit(const std::uint8_t* bits, std::size_t i) { return (bits[i / 8] >> (i % 8) & 1) != 0; }
+
+/// Whether a density has all of its digits in a float: one that underflows would divide by 0.
+bool is_normal_float(double density) {
+  const auto rounded = static_cast<float>(density);
+  return rounded >= std::numeric_limits<float>::min() && std::isfinite(rounded);
+}
+
+/// Makes of a sample of a light that has directions alone one of the direction that the answer
+/// tells: PdfLi and Le of that are what the sample says.
+template <SeenBeyond L>
+void tell_direction(const L& light, const Receiver<double>& receiver, LightSample<double>& sample) {
+  if (sample.reason != NoLight::kNone || sample.delta) return;
+  const auto told = told_direction(sample.wi, [&](const Vec3<double>& wi) {
+    const Rgb<double> value = light.le_escaped(receiver.position, wi);
+    const SolidAnglePdf<double> pdf = light.pdf_li(receiver, wi);
+    if (value.is_black() || !(pdf.per_sr > 0)) return false;
+    sample.value = value;
+    sample.pdf = pdf;
+    return true;
+  });
+  if (told) sample.wi = Vec3<double>(*told);
+}
+
+}  // namespace
+
+LiLayout::LiLayout(std::span<const std::uint32_t> samples_per_replicate, std::uint32_t replicates)
+    : replicates_(replicates) {
+  begins_.reserve(samples_per_replicate.size() + 1);
+  for (const std::uint32_t each : samples_per_replicate) {
+    begins_.push_back(size_);
+    size_ += each > 0 ? std::size_t{each} * replicates : 1;
+  }
+  begins_.push_back(size_);
+}
+
+LiPlace LiLayout::own_place(std::size_t i) const {
+  const auto receiver =
+      static_cast<std::size_t>(std::ranges::upper_bound(begins_, i) - begins_.begin() - 1);
+  const std::size_t each =
+      std::max<std::size_t>(1, (begins_[receiver + 1] - begins_[receiver]) / replicates_);
+  const std::size_t of_receiver = i - begins_[receiver];
+  return {receiver, of_receiver / each, static_cast<std::uint32_t>(of_receiver % each)};
+}
+
+/// One sample of a chunk on its way.
+struct LiSampler::Pending {
+  ScenePoint receiver;
+  Vec3<double> normal;
+  Vec2<double> u;
+  std::optional<LightChoice> choice{};   // where the light is not named; none: none can be chosen
+  std::optional<std::uint32_t> light{};  // none: none can be chosen
+  bool sampled = false;
+  LightSample<double> sample;
+
+  LooseEnd start() const { return {receiver.position, receiver.error}; }
+};
+
+LiSampler::LiSampler(const Scene& scene, const SampleLiQuery& query)
+    : scene_(scene),
+      q_(query),
+      visibility_(scene,
+                  query.test_visibility ? query.methods.visibility : VisibilityMethod::kRays),
+      // Rays alone ask how far off receivers may be.
+      to_scene_(scene, query.receivers, query.test_visibility ? query.position_error_m : 0.0F),
+      light_shift_(scene.origin() - query.receivers.origin_m) {}
+
+bool LiSampler::says_all_at_once() const { return one_sample_says_all(scene_, q_.light); }
+
+WorkCounts LiSampler::fill(const LiLayout& layout, std::size_t begin, std::size_t end,
+                           const SampleLiAnswer& answer, LiShare* shares) const {
+  At at_receiver;
+  std::optional<std::size_t> receiver;
+  const auto prepare_next = [&](std::size_t i, Pending& p) {
+    const LiPlace place = layout.place(i);
+    if (place.receiver != receiver) {
+      at_receiver = at(place.receiver);
+      receiver = place.receiver;
+    }
+    prepare(place, at_receiver, i, p);
+  };
+  if (q_.light && !q_.test_visibility && q_.wavelengths_nm.empty()) {
+    // Samples of one light of which nothing else is asked: one by one, without a chunk of them in
+    // between, which takes more time than a point light does.
+    visit_light(scene_.lights()[*q_.light], q_.time_s, [&](const auto& l) {
+      for (std::size_t i = begin; i < end; ++i) {
+        Pending p;
+        prepare_next(i, p);
+        if (p.receiver.result == ItemResult::kOk) sample(l, p);
+        put(i, p, answer);
+        if (shares != nullptr) shares[i] = share(p, true);
+      }
+    });
+    return {};
+  }
+  std::vector<Pending> chunk(end - begin);
+  for (std::size_t i = begin; i < end; ++i) prepare_next(i, chunk[i - begin]);
+  sample(chunk);
+  for (std::size_t i = begin; i < end; ++i) put(i, chunk[i - begin], answer);
+  if (!q_.wavelengths_nm.empty()) put_spectral(begin, chunk, answer);
+  WorkCounts work;
+  if (q_.test_visibility) work = test(begin, chunk, answer.visible);
+  for (std::size_t i = begin; shares != nullptr && i < end; ++i)
+    shares[i] = share(chunk[i - begin], !q_.test_visibility || bit(answer.visible, i));
+  return work;
+}
+
+WorkCounts LiSampler::take(std::span<const LiPlace> places, std::span<LiShare> shares) const {
+  std::vector<Pending> chunk(places.size());
+  At at_receiver;
+  for (std::size_t k = 0; k < chunk.size(); ++k) {
+    if (k == 0 || places[k].receiver != places[k - 1].receiver)
+      at_receiver = at(places[k].receiver);
+    prepare(places[k], at_receiver, k, chunk[k]);
+  }
+  sample(chunk);
+  WorkCounts work;
+  std::vector<std::uint8_t> visible((chunk.size() + 7) / 8);
+  for (Pending& p : chunk)
+    if (p.receiver.result == ItemResult::kOk)
+      p.receiver.result = p.sampled ? item_result(p.sample.reason) : ItemResult::kBlack;
+  if (q_.test_visibility) work = test(0, chunk, visible.data());
+  for (std::size_t k = 0; k < chunk.size(); ++k)
+    shares[k] = share(chunk[k], !q_.test_visibility || bit(visible.data(), k));
+  return work;
+}
+
+LiSampler::At LiSampler::at(std::size_t receiver) const {
+  At at{.point = to_scene_(receiver)};
+  if (q_.normals.empty()) return at;
+  const Vec3<float> n = triple(q_.normals, receiver);
+  if (!is_direction(n)) at.point.result = ItemResult::kInvalidInput;
+  at.normal = normalized(Vec3<double>(n));
+  if (q_.test_visibility && !q_.position_error_m && at.point.result == ItemResult::kOk)
+    at.point = on_surface(scene_, at.point, Vec3<float>(at.normal), q_.time_s);
+  return at;
+}
+
+/// What a light is told.
+Receiver<double> LiSampler::receiver_of(const Pending& p) const {
+  Receiver<double> r(p.receiver.position);
+  r.normal = p.normal;
+  r.area_sampling = q_.methods.area_sampling;
+  return r;
+}
+
+void LiSampler::prepare(const LiPlace& place, const At& at, std::size_t i, Pending& p) const {
+  p.receiver = at.point;
+  p.normal = at.normal;
+  double u_light = 0;
+  if (q_.seed) {
+    const SampleSequence points(q_.methods.sampler, q_.seed->seed,
+                                q_.seed->first_item + place.receiver, place.replicate);
+    const Vec2<float> u = points.pair(place.index, 0);
+    p.u = {u.x, u.y};
+    if (!q_.light) u_light = choosing_value(points.pair(place.index, 1));
+  } else {
+    p.u = {q_.u[2 * i], q_.u[2 * i + 1]};
+    if (!q_.light) u_light = q_.u_light[i];
+    if (!std::isfinite(p.u.x) || !std::isfinite(p.u.y) || !std::isfinite(u_light)) {
+      p.receiver.result = ItemResult::kInvalidInput;
+      u_light = 0;
+    }
+  }
+  p.light = q_.light;
+  if (q_.light) return;
+  if (!scene_.lights().empty() && p.receiver.result == ItemResult::kOk)
+    p.choice = choose_light(scene_, q_.methods.light_selection, receiver_of(p), u_light);
+  if (p.choice) p.light = p.choice->light;
+}
+
+template <typename L>
+void LiSampler::sample(const L& light, Pending& p) const {
+  const Receiver<double> receiver = receiver_of(p);
+  p.sample = light.sample_li(receiver, p.u);
+  if constexpr (SeenBeyond<L>) tell_direction(light, receiver, p.sample);
+  p.sampled = true;
+}
+
+/// Visits each light once for all samples of the chunk that chose it.
+void LiSampler::sample(std::vector<Pending>& chunk) const {
+  std::vector<std::uint32_t> order;
+  order.reserve(chunk.size());
+  for (std::uint32_t k = 0; k < chunk.size(); ++k) {
+    if (chunk[k].receiver.result == ItemResult::kOk && chunk[k].light) order.push_back(k);
+  }
+  if (!q_.light) {
+    std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+      return chunk[a].light != chunk[b].light ? chunk[a].light < chunk[b].light : a < b;
+    });
+  }
+  for (std::size_t k = 0; k < order.size();) {
+    const std::uint32_t light = *chunk[order[k]].light;
+    visit_light(scene_.lights()[light], q_.time_s, [&](const auto& l) {
+      for (; k < order.size() && chunk[order[k]].light == light; ++k) sample(l, chunk[order[k]]);
+    });
+  }
+}
+
+LiShare LiSampler::share(const Pending& p, bool visible) const {
+  if (p.receiver.result != ItemResult::kOk) return {};
+  const LightSample<double>& s = p.sample;
+  LiShare result;
+  result.weight = 1 / (p.choice ? p.choice->probability : 1);
+  if (!s.delta) result.weight /= s.pdf.per_sr;
+  if (!q_.normals.empty()) result.weight *= std::fmax(0, dot(p.normal, s.wi));
+  result.lx.unshadowed = Rgb<double>(s.value) * result.weight;
+  if (visible)
+    result.lx.value = result.lx.unshadowed;
+  else
+    result.weight = 0;
+  return result;
+}
+
+void LiSampler::put(std::size_t i, Pending& p, const SampleLiAnswer& a) const {
+  if (!q_.light) put_choice(scene_, p.choice, i, a.light_ids, a.selection_probability);
+  if (!p.sampled) {
+    if (p.receiver.result == ItemResult::kOk) p.receiver.result = ItemResult::kBlack;
+    a.status[i] = static_cast<int>(p.receiver.result);
+    a.pdf_per_sr[i] = 1;
+    return;
+  }
+  const LightSample<double>& s = p.sample;
+  if (s.delta) set_bit(a.delta, i);
+  // Where there is no light there may be no direction, and no density either.
+  if (const Vec3<float> wi(s.wi); is_finite(wi)) store(a.wi, i, wi);
+  if (!s.delta)
+    a.pdf_per_sr[i] = is_normal_float(s.pdf.per_sr) ? static_cast<float>(s.pdf.per_sr) : 1.0F;
+  if (const Vec3<float> normal(s.normal); is_finite(normal)) store(a.light_normals, i, normal);
+  const Vec3<float> point(s.point + light_shift_);
+  const auto distance = static_cast<float>(s.distance);
+  const bool is_far = std::isinf(s.distance);
+  if (!is_far && std::isfinite(distance)) {
+    a.distance_m[i] = distance;
+    if (is_finite(point)) store(a.light_offsets_m, i, point);
+  }
+  NoLight reason = s.reason;
+  if (reason == NoLight::kNone) {
+    const Vec3<float> value(Vec3<double>(s.value.r, s.value.g, s.value.b));
+    const bool has_place = is_far || (std::isfinite(distance) && is_finite(point));
+    const bool has_density = s.delta || is_normal_float(s.pdf.per_sr);
+    if (is_finite(value) && has_place && has_density)
+      store(a.value, i, value);
+    else
+      reason = NoLight::kOutOfRange;
+  }
+  p.receiver.result = item_result(reason);
+  a.status[i] = static_cast<int>(p.receiver.result);
+}
+
+void LiSampler::put_spectral(std::size_t begin, std::vector<Pending>& chunk,
+                             const SampleLiAnswer& a) const {
+  SpectralValues values(scene_, q_.wavelengths_nm);
+  std::vector<double> at(values.size());
+  for (std::size_t k = 0; k < chunk.size(); ++k) {
+    Pending& p = chunk[k];
+    if (p.receiver.result != ItemResult::kOk) continue;
+    std::ranges::fill(at, 0);
+    values.add(*p.light, Rgb<double>(p.sample.value), at);
+    const std::size_t i = begin + k;
+    if (store_spectral(at, a.spectral_value + i * values.size())) continue;
+    store(a.value, i, {});
+    p.receiver.result = ItemResult::kOutOfRange;
+    a.status[i] = static_cast<int>(p.receiver.result);
+  }
+}
+
+WorkCounts LiSampler::test(std::size_t begin, const std::vector<Pending>& chunk,
+                           std::uint8_t* visible) const {
+  WorkCounts work;
+  std::vector<Ray> rays;
+  std::vector<LooseEnds> ends;
+  std::vector<std::uint32_t> items;
+  const bool loose = q_.normals.empty() && !q_.position_error_m;
+  rays.reserve(chunk.size());
+  ends.reserve(chunk.size());
+  items.reserve(chunk.size());
+  for (std::size_t k = 0; k < chunk.size(); ++k) {
+    if (chunk[k].receiver.result != ItemResult::kOk) continue;
+    const float reach_m = chunk[k].sampled ? scene_.lights()[*chunk[k].light].reach_m : 0;
+    const Ray ray = light_ray(chunk[k].receiver, Vec3<float>(chunk[k].normal), chunk[k].sample,
+                              q_.time_s, reach_m);
+    std::optional<bool> told;
+    if (chunk[k].light)
+      told = visibility_.by_map(*chunk[k].light, chunk[k].receiver.position, chunk[k].normal);
+    if (told) {
+      ++work.map_lookups;
+      if (!*told) set_bit(visible, begin + k);
+      if (LightVisibility::is_compared(ray)) {
+        const bool occluded = scene_.occluded(ray) &&
+                              (!loose || first_other_surface(scene_, ray, {chunk[k].start(), {}}));
+        ++work.shadow_rays;
+        LightVisibility::compare(*told, occluded, work);
+      }
+      continue;
+    }
+    rays.push_back(ray);
+    LooseEnds& e = ends.emplace_back();
+    if (loose) e.start = chunk[k].start();
+    items.push_back(static_cast<std::uint32_t>(begin + k));
+  }
+  mark_visible(scene_, rays, ends, items, visible);
+  work.shadow_rays += rays.size();
+  return work;
+}
+
+bool one_sample_says_all(const Scene& scene, std::optional<std::uint32_t> light) {
+  const auto& lights = scene.lights();
+  if (lights.empty()) return true;
+  if (!light && lights.size() > 1) return false;
+  return std::visit([](const auto& l) { return l.kDelta; }, lights[light.value_or(0)].light);
+}
+
+WorkCounts fill_samples(const LiSampler& sampler, const LiLayout& layout,
+                        const SampleLiAnswer& answer, std::span<LiShare> shares,
+                        const std::stop_token& stop) {
+  constexpr std::size_t kGrain = 512;  // a multiple of 8, as chunks write bits
+  std::mutex mutex;
+  WorkCounts work;
+  parallel_chunks(layout.size(), kGrain, stop, [&](std::size_t begin, std::size_t end) {
+    const DenormalsAreZero denormals;
+    const WorkCounts spent =
+        sampler.fill(layout, begin, end, answer, shares.empty() ? nullptr : shares.data());
+    const std::lock_guard lock(mutex);
+    work += spent;
+  });
+  work.samples = layout.size();
+  return work;
+}
+
+}  // namespace lucerna
