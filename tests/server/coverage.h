@@ -26,12 +26,14 @@ class Coverage {
  public:
   explicit Coverage(double truth) : truth_(truth) {}
 
-  void add(double estimate, const Interval& interval) {
+  /// `widened`: the interval is, about its estimate.
+  void add(double estimate, const Interval& interval, double widened = 1) {
     ++count_;
     const double off = (estimate - mean_) / static_cast<double>(count_);
     squares_ += (estimate - mean_) * (estimate - mean_ - off);
     mean_ += off;
-    held_ += interval.lower <= truth_ && truth_ <= interval.upper;
+    held_ += estimate - widened * (estimate - interval.lower) <= truth_ &&
+             truth_ <= estimate + widened * (interval.upper - estimate);
   }
 
   double held() const { return static_cast<double>(held_) / static_cast<double>(count_); }
@@ -70,6 +72,22 @@ inline void expect_covered(const Coverage& c, const std::string& what) {
 inline void expect_covered_at_least(const Coverage& c, const std::string& what) {
   EXPECT_TRUE(c.holds_enough()) << what << ": " << c.held();
   EXPECT_LE(std::fabs(c.bias()), 4) << what;
+}
+
+/// That intervals of a wrong variance are seen: `asked(widened)` has each that much wider.
+template <typename Asked>
+void expect_sees_wrong_widths(Asked&& asked) {
+  const Coverage narrow = asked(0.6), wide = asked(1.8);
+  EXPECT_FALSE(narrow.holds_enough()) << narrow.held();
+  EXPECT_FALSE(wide.holds_no_more()) << wide.held();
+}
+
+/// That answers within 2% of 400 questions are: `estimate(i)` is one.
+template <typename Estimate>
+void expect_reached(double truth, Estimate&& estimate, const std::string& what) {
+  int reached = 0;
+  for (std::size_t i = 0; i < 400; ++i) reached += std::fabs(estimate(i) - truth) <= 0.02 * truth;
+  EXPECT_GE(reached, 367) << what;  // of 380, three standard deviations less
 }
 
 }  // namespace lucerna::testing
