@@ -10,31 +10,11 @@ output=${2:-$root/build/demo}
 samples=(${3:+--samples "$3"})
 mkdir -p "$output"
 output=$(cd "$output" && pwd)
-lucernad=$build/server/lucernad
 export PATH=$build/client:$PATH
-scratch=$(mktemp -d)
-: >"$scratch/out"
-
+source "$root/deploy/local_server.sh"
 # -k: killed where it does not stop; the bound is for a demo that is itself killed.
-timeout -k 5 120 "$lucernad" --listen 127.0.0.1:0 --scene-root "$root/scenes" \
-  >"$scratch/out" 2>"$scratch/log" &
-server=$!
-stop() {
-  kill "$server" 2>/dev/null || true
-  wait "$server" 2>/dev/null || true
-  rm -rf "$scratch"
-}
-trap stop EXIT
-
-for _ in $(seq 300); do
-  target=$(sed -n 's/^listening on //p' "$scratch/out")
-  [ -z "$target" ] || break
-  kill -0 "$server" 2>/dev/null || { echo "lucernad did not start:"; cat "$scratch/log"; exit 1; } >&2
-  sleep 0.05
-done
-[ -n "$target" ] || { echo "lucernad does not tell where it listens" >&2; exit 1; }
-export LUCERNA_SERVER=$target
-echo "lucernad runs at $target, scene root scenes/."
+start_server "$build" "$root/scenes" timeout -k 5 120
+echo "lucernad runs at $LUCERNA_SERVER, scene root scenes/."
 
 ask() { printf '\n$ lucerna %s\n' "$*"; lucerna "$@"; }
 

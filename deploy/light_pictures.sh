@@ -5,21 +5,15 @@
 set -euo pipefail
 root=$(cd "$(dirname "$0")/.." && pwd)
 build=$(cd "${1:-$root/build/release}" && pwd)
-export LUCERNA_SERVER=127.0.0.1:${LUCERNA_PORT:-50761}
-scenes=$(mktemp -d)
+source "$root/deploy/local_server.sh"
+scenes=$scratch/scenes
 mkdir -p "$scenes/tests/data"
 cp -r "$root/scenes" "$scenes"
 cp -r "$root/tests/data/reference" "$scenes/tests/data"
 with() { sed "$3" "$scenes/tests/data/reference/$2.pbrt" > "$scenes/tests/data/reference/$1.pbrt"; }  # NAME FROM EXPRESSION
 with sun distant 's/LightSource "distant"/& "float angulardiameter" [8]/'
 with beam projection 's/"float fov" .38. "float scale" .60./"string projection" ["orthographic"] "float extent" [1.6] "float scale" [5]/'
-"$build/server/lucernad" --listen "$LUCERNA_SERVER" --scene-root "$scenes" &
-server=$!
-trap 'kill $server; wait $server || true; rm -r "$scenes"' EXIT
-for _ in $(seq 100); do
-  "$build/client/lucerna" info > /dev/null 2>&1 && break
-  sleep 0.1
-done
+start_server "$build" "$scenes"
 mkdir -p "$root/docs/lights"
 for scene in point spot projection beam distant sun infinite environment triangle rectangle sphere disk cylinder textured; do
   "$build/client/lucerna" render tests/data/reference/$scene.pbrt -o "$root/docs/lights/$scene.png" --samples 64

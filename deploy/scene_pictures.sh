@@ -7,14 +7,8 @@ build=$(cd "${1:-$root/build/release}" && pwd)
 samples=(${2:+--samples "$2"})
 shift $(($# < 2 ? $# : 2))
 [ $# -gt 0 ] || set -- cornell meadow room stage street
-export LUCERNA_SERVER=127.0.0.1:${LUCERNA_PORT:-50762}
-"$build/server/lucernad" --listen "$LUCERNA_SERVER" --scene-root "$root/scenes" &
-server=$!
-trap 'kill $server; wait $server || true' EXIT
-for _ in $(seq 100); do
-  "$build/client/lucerna" info > /dev/null 2>&1 && break
-  sleep 0.1
-done
+source "$root/deploy/local_server.sh"
+start_server "$build" "$root/scenes"
 mkdir -p "$root/docs/scenes"
 for scene in "$@"; do
   "$build/client/lucerna" render "$scene/scene.pbrt" -o "$root/docs/scenes/$scene.png" "${samples[@]}"

@@ -13,26 +13,8 @@ budget=${3:-120s}
 seed=${4:-1}
 shift $(($# < 4 ? $# : 4))
 [ $# -gt 0 ] || set -- cornell meadow room stage street
-scratch=$(mktemp -d)
-: >"$scratch/out"
-
-"$build/server/lucernad" --listen 127.0.0.1:0 --scene-root "$root/scenes" >"$scratch/out" 2>"$scratch/log" &
-server=$!
-stop() {
-  kill "$server" 2>/dev/null || true
-  wait "$server" 2>/dev/null || true
-  rm -rf "$scratch"
-}
-trap stop EXIT
-target=
-for _ in $(seq 300); do
-  target=$(sed -n 's/^listening on //p' "$scratch/out")
-  [ -z "$target" ] || break
-  kill -0 "$server" 2>/dev/null || { echo "lucernad did not start:"; cat "$scratch/log"; exit 1; } >&2
-  sleep 0.05
-done
-[ -n "$target" ] || { echo "lucernad does not tell where it listens" >&2; exit 1; }
-export LUCERNA_SERVER=$target
+source "$root/deploy/local_server.sh"
+start_server "$build" "$root/scenes"
 
 # Paths in the reports are those of the sources.
 cd "$root"

@@ -10,6 +10,7 @@
 
 #include "lights/projected_solid_angle.h"
 #include "lights/sampling.h"
+#include "lights/seen_sphere.h"
 
 namespace lucerna {
 
@@ -96,57 +97,6 @@ absl::Status Sphere<Real>::emissive_error() const {
 }
 
 template <typename Real>
-double Sphere<Real>::one_minus_cos_cone(double distance) const {
-  const double r = world_radius_m_;
-  const double sin_cone = r / distance;
-  const double cos_cone = std::sqrt((distance - r) * (distance + r)) / distance;
-  // sin^2 / (1 + cos): 1 - cos itself cancels for small spheres, a quarter of it at 3e-4 in float.
-  return sin_cone / (1 + cos_cone) * sin_cone;
-}
-
-template <typename Real>
-ShapeSample<Real> Sphere<Real>::sample_cone(const Vec3<double>& to_center, double distance,
-                                            Vec2<Real> u) const {
-  const double r = world_radius_m_;
-  const double d = distance;
-  const double a = std::clamp(static_cast<double>(u.x), 0.0, 1.0);
-  const double phi = kTurnRad * u.y;
-  const double cone = one_minus_cos_cone(d);
-
-  // theta: at the receiver, between the centre and the sampled direction; 1 - cos uniform.
-  const double one_minus_cos = a * cone;
-  const double cos_theta = 1 - one_minus_cos;
-  const double sin_theta = std::sqrt(one_minus_cos * (2 - one_minus_cos));
-  // Half the chord that the direction cuts, in radii: sqrt(1 - (d sin_theta / r)^2) with both
-  // differences worked out by hand, so that it is right at the rim.
-  const double half_chord = std::sqrt((1 - a) * (2 - cone * (1 + a)) / (2 - cone));
-  // To the near intersection: the far root divides the product of both, (d - r)(d + r).
-  const double t = (d - r) * (d + r) / (d * cos_theta + r * half_chord);
-
-  // alpha: at the centre, between the receiver and the point.  Its sine from the height of the
-  // point over the axis (right close to the sphere), its cosine from the chord (right far from it).
-  const double height = t * sin_theta / r;
-  const double along = sin_theta * sin_theta * d / r + cos_theta * half_chord;
-  const double norm = std::sqrt(height * height + along * along);
-  const double sin_alpha = height / norm;
-  const double cos_alpha = along / norm;
-
-  const auto frame = Frame<double>::around(-(to_center / d));
-  const Vec3<double> outward =
-      frame.world_from_local({sin_alpha * std::cos(phi), sin_alpha * std::sin(phi), cos_alpha});
-  ShapeSample<Real> s;
-  s.point.position = Vec3<Real>(center_m_ + outward * r);
-  s.point.normal = Vec3<Real>(params_.reverse_orientation ? -outward : outward);
-  s.pdf = {static_cast<Real>(1 / (kTurnRad * cone))};
-  // Just above the surface rounding moves points by more than they are away.
-  constexpr double kNear = 1e-3;
-  if (d - r < kNear * r)
-    s.to_point = frame.world_from_local(
-        {t * sin_theta * std::cos(phi), t * sin_theta * std::sin(phi), -t * cos_theta});
-  return s;
-}
-
-template <typename Real>
 typename Sphere<Real>::Way Sphere<Real>::way_at(double distance,
                                                 const Receiver<Real>& receiver) const {
   if (!is_whole_) return Way::kArea;
@@ -158,35 +108,21 @@ typename Sphere<Real>::Way Sphere<Real>::way_at(double distance,
 }
 
 template <typename Real>
-ShapeSample<Real> Sphere<Real>::sample_inside(const Vec3<double>& to_center, double distance,
-                                              Vec2<Real> u) const {
-  const double r = world_radius_m_;
-  const Vec3<double> w = sample_uniform_sphere(Vec2<double>{u.x, u.y});
-  // The roots of t^2 - 2 t (w.c) - (r - d)(r + d) have different signs; the positive one, by the
-  // quotient where it would cancel.
-  const double along = dot(w, to_center);
-  const double product = (r - distance) * (r + distance);
-  const double root = std::sqrt(along * along + product);
-  const double t = along > 0 ? along + root : product / (root - along);
-  const Vec3<double> outward = (w * t - to_center) / r;
-  ShapeSample<Real> s;
-  s.point.position = Vec3<Real>(center_m_ + outward * r);
-  s.point.normal = Vec3<Real>(normalized(params_.reverse_orientation ? -outward : outward));
-  s.pdf = uniform_sphere_pdf<Real>();
-  return s;
-}
-
-template <typename Real>
 ShapeSample<Real> Sphere<Real>::sample(const Receiver<Real>& receiver, Vec2<Real> u) const {
   const Vec3<double> to_center = center_m_ - Vec3<double>(receiver.position);
-  const double distance = length(to_center);
-  switch (way_at(distance, receiver)) {
-    case Way::kCone:
-      return sample_cone(to_center, distance, u);
-    case Way::kInside:
-      return sample_inside(to_center, distance, u);
-    case Way::kArea:
-      break;
+  const SeenSphere seen{to_center, length(to_center), world_radius_m_};
+  const Way way = way_at(seen.distance, receiver);
+  if (way != Way::kArea) {
+    const bool is_outside = way == Way::kCone;
+    const Vec2<double> v{u.x, u.y};
+    const SeenSphere::Point p = is_outside ? seen.from_outside(v) : seen.from_within(v);
+    ShapeSample<Real> s;
+    s.point.position = Vec3<Real>(center_m_ + p.from_center);
+    s.point.normal = Vec3<Real>(params_.reverse_orientation ? -p.normal : p.normal);
+    s.pdf = is_outside ? SolidAnglePdf<Real>{static_cast<Real>(seen.pdf_from_outside())}
+                       : uniform_sphere_pdf<Real>();
+    s.to_point = p.to_point;
+    return s;
   }
 
   // Equal shares of z have equal areas (Archimedes), whatever the cuts.
@@ -214,7 +150,8 @@ SolidAnglePdf<Real> Sphere<Real>::pdf(const Receiver<Real>& receiver,
   const Vec3<double> n(point.normal);
   const double cos_alpha = dot(params_.reverse_orientation ? -n : n, to_receiver) / distance;
   if (!(cos_alpha >= world_radius_m_ / distance - kRounding)) return {0};
-  return {static_cast<Real>(1 / (kTurnRad * one_minus_cos_cone(distance)))};
+  return {
+      static_cast<Real>(SeenSphere{-to_receiver, distance, world_radius_m_}.pdf_from_outside())};
 }
 
 template <typename Real>

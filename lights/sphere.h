@@ -111,11 +111,6 @@ class Sphere {
   enum class Way { kArea, kCone, kInside };
   /// The one test of inside and outside, for sampling and density.
   Way way_at(double distance, const Receiver<Real>& receiver) const;
-  /// 1 - cos of the half-angle that the whole sphere subtends at `distance` from its centre.
-  double one_minus_cos_cone(double distance) const;
-  ShapeSample<Real> sample_cone(const Vec3<double>& to_center, double distance, Vec2<Real> u) const;
-  ShapeSample<Real> sample_inside(const Vec3<double>& to_center, double distance,
-                                  Vec2<Real> u) const;
 
   SphereParams params_;
   Transform world_from_object_, object_from_world_;  // about the scene's origin

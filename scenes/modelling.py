@@ -224,7 +224,7 @@ def main(script, make):
             path.write_bytes(content)
         elif not path.exists() or path.read_bytes() != content:
             stale.append(name)
-    by_hand = {"scene.pbrt", pathlib.Path(script).name}
+    by_hand = {"scene.pbrt", *(p.name for p in folder.glob("*.py"))}
     stale += [p.name for p in folder.iterdir() if p.is_file() and p.name not in files and p.name not in by_hand]
     if stale and check:
         sys.exit(f"{folder.name}: not what make.py makes: " + ", ".join(sorted(stale)))

@@ -9,11 +9,14 @@ struct Interval {
   double lower = 0, upper = 0;
 };
 
+/// Of intervals for which nobody asked for another.
+inline constexpr double kConfidence = 0.95;
+
 /// When an estimate is good enough.
 struct TargetError {
-  double relative = 0;        ///< of the estimate, > 0
-  double absolute_floor = 0;  ///< no smaller error is asked for; in the estimate's unit
-  double confidence = 0.95;   ///< of the interval, in (0, 1)
+  double relative = 0;              ///< of the estimate, > 0
+  double absolute_floor = 0;        ///< no smaller error is asked for; in the estimate's unit
+  double confidence = kConfidence;  ///< of the interval, in (0, 1)
   std::uint64_t max_samples = 1U << 16;
 };
 

@@ -48,7 +48,7 @@ class IrradianceJob {
         direct_(tracer_.direct()),
         gather_indirect_(settings.bounces.value_or(1) > 0 && !scene.empty() &&
                          !scene.lights().empty()),
-        confidence_(settings.target ? settings.target->confidence : settings.confidence),
+        confidence_(settings.target ? settings.target->confidence : kConfidence),
         rule_(confidence_, settings.block_count,
               std::max<std::uint64_t>(samples_of(settings.samples_per_block), 1)),
         spectral_([this] { return SpectralValues(scene_, settings_.wavelengths_nm); }) {}
@@ -82,8 +82,10 @@ class IrradianceJob {
     const std::size_t lights = scene_.lights().size();
     WorkCounts spent;
     std::uint32_t per_block = settings_.samples_per_block;
-    PointEstimates e =
-        settled(receiver, settings_.target ? kFirstPilotSamples : samples_of(per_block), spent);
+    const std::uint64_t expected = settings_.target
+                                       ? std::min(kFirstPilotSamples, samples_of(most_per_block()))
+                                       : samples_of(per_block);
+    PointEstimates e = settled(receiver, expected, spent);
     if (settings_.target && e.total.sampled) {
       per_block = needed_per_block(p, receiver, e, spent);
       if (e.spending == Spending::kDrawn && spending(samples_of(per_block)) != e.spending) {
@@ -91,8 +93,9 @@ class IrradianceJob {
         e = settled(receiver, samples_of(per_block), spent);
         if (e.total.sampled) per_block = needed_per_block(p, receiver, e, spent);
       }
-      // Of the same count without a target the same is settled.
-      while (spending(samples_of(per_block)) != e.spending) ++per_block;
+      // Of the same count without a target the same is settled: so many at least, which are no more
+      // than it was settled for.
+      if (spending(samples_of(per_block)) != e.spending) per_block = settling_per_block();
     }
     const std::span<double> exact_at = put_exact_spectral(p, e);
     if (e.total.sampled && !stopped_)
@@ -121,6 +124,16 @@ class IrradianceJob {
 
   std::uint64_t samples_of(std::uint32_t per_block) const {
     return std::uint64_t{per_block} * settings_.block_count;
+  }
+  /// For a target.
+  std::uint32_t most_per_block() const {
+    return static_cast<std::uint32_t>(
+        std::max<std::uint64_t>(1, settings_.target->max_samples / settings_.block_count));
+  }
+  /// The least that delta lights are settled for.
+  std::uint32_t settling_per_block() const {
+    return static_cast<std::uint32_t>((direct_.settling_samples() + settings_.block_count - 1) /
+                                      settings_.block_count);
   }
   Spending spending(std::uint64_t samples) const {
     return settings_.per_light ? Spending::kEach : direct_.spending_at_receiver(samples);
@@ -189,10 +202,8 @@ class IrradianceJob {
           const IrradianceEstimate e = pilot.total.result(static_cast<double>(these.count), rule);
           return PilotEstimate{luminance(e.irradiance_lx), e.illuminance_lx};
         });
-    const std::uint64_t most =
-        std::max<std::uint64_t>(1, settings_.target->max_samples / replicates);
-    return static_cast<std::uint32_t>(
-        std::min(static_cast<double>(most), std::ceil(needed.value_or(1) / replicates)));
+    return static_cast<std::uint32_t>(std::min(static_cast<double>(most_per_block()),
+                                               std::ceil(needed.value_or(1) / replicates)));
   }
 
   /// Begins the sums at wavelengths with what is exact; returns those of point `p`.

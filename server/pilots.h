@@ -34,6 +34,11 @@ inline constexpr std::uint64_t kFirstPilotSamples = 64;
 ///
 /// They are found from samples of their own, which are then left out: a count that depends on the
 /// samples it counts would make their mean biased. [Kirk91]
+///
+/// A pilot of more than a quarter of max_samples is not taken: where none smaller suffices, and
+/// with a max_samples of less than 256 always, the answer is max_samples.  Those may be more than
+/// needed, but are a count that no sample decided about: their mean and interval hold as of any
+/// count.
 template <typename Pilot>
 std::optional<double> needed_samples(const TargetError& target, Pilot&& pilot) {
   // No answer has so many blocks.

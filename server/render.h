@@ -67,8 +67,9 @@ struct IrradianceSettings {
   std::uint64_t first_item = 0;         ///< number of points[0] in the caller's set
   std::uint32_t samples_per_block = 1;  ///< at most 2^28
   std::uint32_t block_count = 1;        ///< independent replicates; 1: no standard error
-  double confidence = 0.95;             ///< of intervals, in (0, 1)
-  /// Set: `samples_per_block` is each point's own, as many as this takes; its `confidence` counts.
+  /// Set: `samples_per_block` is each point's own, as many as this takes, at most
+  /// max_samples / block_count, which is 1 or more.  Intervals are of its `confidence`, else of
+  /// kConfidence.
   std::optional<TargetError> target{};
   std::optional<std::uint32_t> bounces{};  ///< 0: direct light only; unset: all
   bool per_light = false;                  ///< direct light by light beside the total
@@ -84,7 +85,7 @@ struct IrradianceEstimate {
   Rgb<double> standard_error_lx;  ///< of each channel; infinite where block_count is 1 and the
                                   ///< answer not exact
   double illuminance_error_lx{};  ///< standard error of the luminance, likewise
-  /// Holds the converged illuminance with the confidence that was asked for.
+  /// Holds the converged illuminance with that confidence.
   Interval illuminance_lx;
   /// Upper bound on the illuminance where every sample was 0 but light may be missed, else 0.
   double zero_bound_lx = 0;

@@ -43,7 +43,7 @@ class PowerJob {
   PowerJob(const Scene& scene, const SampledPowerSettings& settings, const std::stop_token& stop)
       : scene_(scene),
         settings_(settings),
-        confidence_(settings.target ? settings.target->confidence : settings.confidence),
+        confidence_(settings.target ? settings.target->confidence : kConfidence),
         stop_(stop) {}
 
   /// Also tells the means of the blocks [lm].

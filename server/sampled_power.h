@@ -17,8 +17,9 @@ struct SampledPowerSettings {
   std::uint64_t seed = 0;
   std::uint32_t samples_per_block = 1;  ///< at most 2^28
   std::uint32_t block_count = 16;       ///< independent replicates; 1: no standard error
-  double confidence = 0.95;             ///< of intervals, in (0, 1)
-  /// Set: `samples_per_block` is each light's own, as many as this takes; its `confidence` counts.
+  /// Set: `samples_per_block` is each light's own, as many as this takes, at most
+  /// max_samples / block_count, which is 1 or more.  Intervals are of its `confidence`, else of
+  /// kConfidence.
   std::optional<TargetError> target{};
 };
 

@@ -41,46 +41,41 @@ class WayOption {
   std::string name_ = "automatic";
 };
 
-/// --area-sampling alone, of what has no other choice.
-class AreaSamplingOption {
+/// One that a command may have without the others: `kSet` tells a request of it.
+template <typename Way, void (v1::Accuracy::*kSet)(Way)>
+class LoneWayOption : public WayOption<Way> {
  public:
-  void add(CLI::App& command) { ways_.add(command); }
+  using WayOption<Way>::WayOption;
 
   /// Leaves a request that asks for nothing as it is.
   template <typename Request>
   void put(Request& request) const {
-    if (const auto way = ways_.way()) request.mutable_accuracy()->set_area_sampling(*way);
+    if (const auto way = this->way()) (request.mutable_accuracy()->*kSet)(*way);
   }
+};
 
- private:
-  WayOption<v1::AreaSampling> ways_{"--area-sampling",
-                                    "How points of area lights are chosen",
-                                    {{"square-root", v1::AREA_SAMPLING_SQUARE_ROOT},
-                                     {"kraemer", v1::AREA_SAMPLING_KRAEMER},
-                                     {"parallelogram", v1::AREA_SAMPLING_PARALLELOGRAM},
-                                     {"rejection", v1::AREA_SAMPLING_REJECTION},
-                                     {"low-distortion", v1::AREA_SAMPLING_LOW_DISTORTION},
-                                     {"solid-angle", v1::AREA_SAMPLING_SOLID_ANGLE},
-                                     {"cosine-solid-angle", v1::AREA_SAMPLING_COSINE_SOLID_ANGLE}}};
+/// --area-sampling alone, of what has no other choice.
+struct AreaSamplingOption : LoneWayOption<v1::AreaSampling, &v1::Accuracy::set_area_sampling> {
+  AreaSamplingOption()
+      : LoneWayOption("--area-sampling", "How points of area lights are chosen",
+                      {{"square-root", v1::AREA_SAMPLING_SQUARE_ROOT},
+                       {"kraemer", v1::AREA_SAMPLING_KRAEMER},
+                       {"parallelogram", v1::AREA_SAMPLING_PARALLELOGRAM},
+                       {"rejection", v1::AREA_SAMPLING_REJECTION},
+                       {"low-distortion", v1::AREA_SAMPLING_LOW_DISTORTION},
+                       {"solid-angle", v1::AREA_SAMPLING_SOLID_ANGLE},
+                       {"cosine-solid-angle", v1::AREA_SAMPLING_COSINE_SOLID_ANGLE}}) {}
 };
 
 /// --light-selection, of what spends samples on lights that it chooses.
-class LightSelectionOption {
- public:
-  void add(CLI::App& command) { ways_.add(command); }
-
-  template <typename Request>
-  void put(Request& request) const {
-    if (const auto way = ways_.way()) request.mutable_accuracy()->set_light_selection(*way);
-  }
-
- private:
-  WayOption<v1::LightSelection> ways_{"--light-selection",
-                                      "Which light a sample is spent on",
-                                      {{"all", v1::LIGHT_SELECTION_ALL},
-                                       {"uniform", v1::LIGHT_SELECTION_UNIFORM},
-                                       {"power", v1::LIGHT_SELECTION_POWER},
-                                       {"bvh", v1::LIGHT_SELECTION_BVH}}};
+struct LightSelectionOption
+    : LoneWayOption<v1::LightSelection, &v1::Accuracy::set_light_selection> {
+  LightSelectionOption()
+      : LoneWayOption("--light-selection", "Which light a sample is spent on",
+                      {{"all", v1::LIGHT_SELECTION_ALL},
+                       {"uniform", v1::LIGHT_SELECTION_UNIFORM},
+                       {"power", v1::LIGHT_SELECTION_POWER},
+                       {"bvh", v1::LIGHT_SELECTION_BVH}}) {}
 };
 
 /// All of them, of estimates.

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "client/cli/points.h"
-#include "client/tradeoff/question.h"
+#include "client/tradeoff/estimate_question.h"
 #include "client/tradeoff/stopwatch.h"
 #include "lucerna/client/batches.h"
 
@@ -14,11 +14,11 @@ namespace {
 
 constexpr std::uint32_t kMaxSamples = 1 << 16;
 
-class IrradianceQuestion : public Question {
+class IrradianceQuestion : public EstimateQuestion {
  public:
   IrradianceQuestion(const client::Client& client, const QuestionOptions& options,
                      std::uint64_t lights)
-      : client_(client), options_(options), lights_(lights) {
+      : EstimateQuestion(client, options, lights, kMaxSamples) {
     layout_.points = options.points;
     request_.set_scene_id(options.scene_id);
     *request_.mutable_receivers() = client::make_points(options.points);
@@ -28,35 +28,13 @@ class IrradianceQuestion : public Question {
 
   Query query() const override { return Query::kIrradiance; }
   std::string quantity() const override { return "illuminance [lx]"; }
-  const Layout& layout() const override { return layout_; }
-  std::vector<Setting> settings() const override {
-    return tradeoff::settings(query(), {.lights = lights_});
-  }
-  std::vector<Amount> amounts_of(const Setting& setting) const override {
-    return amounts(setting, kMaxSamples);
-  }
-  absl::StatusOr<Answer> ask(const Setting& setting, const Amount& amount,
-                             std::uint64_t seed) const override {
-    return answer(accuracy_of(setting, amount, dark_ * amount.value), seed);
-  }
-  std::vector<std::string> reference_ways() const override { return reference_ways_for(lights_); }
-  absl::StatusOr<Answer> ask_reference(std::size_t way, std::uint32_t samples,
-                                       std::uint64_t seed) const override {
-    v1::Accuracy accuracy = reference_accuracy(way);
-    accuracy.set_samples(samples);
-    return answer(accuracy, seed);
-  }
   std::string command(const Setting& setting, const Amount& amount) const override {
-    std::string text =
-        fmt::format("lucerna irradiance {} --points {}", options_.scene, options_.points_file);
-    if (options_.bounces) text += fmt::format(" --bounces {}", *options_.bounces);
-    text += join_flags(setting, amount);
-    if (amount.target) text += fmt::format(" --floor {:.3g}", dark_ * amount.value);
-    return text;
+    return fmt::format("lucerna irradiance {} --points {}", options_.scene, options_.points_file) +
+           flags(setting, amount);
   }
 
  private:
-  absl::StatusOr<Answer> answer(const v1::Accuracy& accuracy, std::uint64_t seed) const {
+  absl::StatusOr<Answer> answer(const v1::Accuracy& accuracy, std::uint64_t seed) const override {
     v1::EstimateIrradianceRequest request = request_;
     *request.mutable_accuracy() = accuracy;
     request.mutable_seed()->set_seed(seed);
@@ -77,10 +55,6 @@ class IrradianceQuestion : public Question {
     return answer;
   }
 
-  const client::Client& client_;
-  QuestionOptions options_;
-  std::uint64_t lights_;
-  Layout layout_;
   v1::EstimateIrradianceRequest request_;
 };
 

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "client/tradeoff/estimate_question.h"
 #include "client/tradeoff/flip.h"
-#include "client/tradeoff/question.h"
 #include "client/tradeoff/stopwatch.h"
 #include "lucerna/client/picture.h"
 
@@ -48,11 +48,11 @@ std::vector<v1::PixelRect> spread_tiles(std::uint32_t width, std::uint32_t heigh
   return tiles;
 }
 
-class PictureQuestion : public Question {
+class PictureQuestion : public EstimateQuestion {
  public:
   PictureQuestion(const client::Client& client, const QuestionOptions& options,
                   const v1::SceneSummary& scene)
-      : client_(client), options_(options), lights_(scene.lights()) {
+      : EstimateQuestion(client, options, scene.lights(), kMaxSamples) {
     layout_.tiles = spread_tiles(scene.image_width(), scene.image_height());
     request_.set_scene_id(options.scene_id);
     if (options.bounces) request_.set_bounces(*options.bounces);
@@ -60,24 +60,6 @@ class PictureQuestion : public Question {
 
   Query query() const override { return Query::kRender; }
   std::string quantity() const override { return "pixels, linear RGB [cd/m2 x film scale]"; }
-  const Layout& layout() const override { return layout_; }
-  std::vector<Setting> settings() const override {
-    return tradeoff::settings(query(), {.lights = lights_});
-  }
-  std::vector<Amount> amounts_of(const Setting& setting) const override {
-    return amounts(setting, kMaxSamples);
-  }
-  absl::StatusOr<Answer> ask(const Setting& setting, const Amount& amount,
-                             std::uint64_t seed) const override {
-    return answer(accuracy_of(setting, amount, dark_ * amount.value), seed);
-  }
-  std::vector<std::string> reference_ways() const override { return reference_ways_for(lights_); }
-  absl::StatusOr<Answer> ask_reference(std::size_t way, std::uint32_t samples,
-                                       std::uint64_t seed) const override {
-    v1::Accuracy accuracy = reference_accuracy(way);
-    accuracy.set_samples(samples);
-    return answer(accuracy, seed);
-  }
 
   Errors errors(const std::vector<double>& values, const std::vector<double>& reference,
                 double dark) const override {
@@ -103,13 +85,11 @@ class PictureQuestion : public Question {
   }
 
   std::string command(const Setting& setting, const Amount& amount) const override {
-    std::string text = fmt::format("lucerna render {} -o picture.exr", options_.scene);
-    if (options_.bounces) text += fmt::format(" --bounces {}", *options_.bounces);
-    return text + join_flags(setting, amount);
+    return fmt::format("lucerna render {} -o picture.exr", options_.scene) + flags(setting, amount);
   }
 
  private:
-  absl::StatusOr<Answer> answer(const v1::Accuracy& accuracy, std::uint64_t seed) const {
+  absl::StatusOr<Answer> answer(const v1::Accuracy& accuracy, std::uint64_t seed) const override {
     v1::RenderTileRequest request = request_;
     *request.mutable_accuracy() = accuracy;
     request.set_seed(seed);
@@ -135,10 +115,6 @@ class PictureQuestion : public Question {
     return answer;
   }
 
-  const client::Client& client_;
-  QuestionOptions options_;
-  std::uint64_t lights_;
-  Layout layout_;
   v1::RenderTileRequest request_;
 };
 

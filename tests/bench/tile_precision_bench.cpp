@@ -128,7 +128,8 @@ class Walker {
   void walk(int x, int y, std::vector<Question<double>>& questions) {
     const auto item = static_cast<std::uint64_t>(y * scene_.camera().width() + x);
     for (std::uint64_t b = 0; b < settings_.block_count; ++b) {
-      const SobolSequence sequence(settings_.seed, item, settings_.first_block + b);
+      const SampleSequence sequence(settings_.methods.sampler, settings_.seed, item,
+                                    settings_.first_block + b);
       for (std::uint32_t i = 0; i < settings_.samples_per_block; ++i) {
         const PathSample sample{sequence, i};
         const Vec2<float> film = sample.pair(PathSample::kFilm);
@@ -176,15 +177,16 @@ class Walker {
       q.receiver = receiver;
       q.u = {u.x, u.y};
     };
-    if (tracer_.visits_all()) {
+    if (tracer_.direct().spending() != Spending::kDrawn) {
       const Vec2<float> u = sample.at(depth, PathSample::kLightPoint);
       for (std::uint32_t l = 0; l < scene_.lights().size(); ++l) ask(l, u);
       return;
     }
-    for (std::uint32_t j = 0; j < PathTracer::kCandidates; ++j) {
-      const PathSample s = sample.part(j, PathTracer::kCandidates);
-      const double v = choosing_value(s.at(depth, PathSample::kLight));
-      ask(choose_light(scene_, v).light, s.at(depth, PathSample::kLightPoint));
+    for (std::uint32_t j = 0; j < DirectLight::kCandidates; ++j) {
+      const PathSample s = sample.part(j, DirectLight::kCandidates);
+      const auto choice = scene_.light_selector().choose(
+          LightSelection::kAutomatic, receiver, choosing_value(s.at(depth, PathSample::kLight)));
+      if (choice) ask(choice->light, s.at(depth, PathSample::kLightPoint));
     }
   }
 

@@ -5,14 +5,12 @@
 #include <utility>
 
 #include "lights/light.h"
-#include "tests/lights/area_helpers.h"
-#include "tests/lights/contract.h"
+#include "tests/lights/area_cases.h"
 #include "tests/lights/contract_emission.h"
 
 namespace lucerna::testing {
 namespace {
 
-constexpr Rgb<double> kLevel{1, 2, 4};
 constexpr double kRadius = 0.5, kHalfHeight = 0.75;
 
 /// Both t at which the line from `r` along `wi` meets the endless cylinder, with the slack of a
@@ -64,16 +62,12 @@ struct QuarterTubeCase : CaseDefaults {
     return {(p.z / kHalfHeight + 1) / 2, std::atan2(p.y, p.x) / kSweep};
   }
   static double emission_area_m2() { return kSweep * kRadius * 2 * kHalfHeight; }
-  static Region emission_region(const Vec3<double>& p) {
-    return {normalized(Vec3<double>{p.x, p.y, 0}), kPi / 2};
-  }
+  static Region emission_region(const Vec3<double>& p) { return hemisphere({p.x, p.y, 0}); }
   static constexpr bool kConfined = true;
   static Vec3<double> far_direction() { return normalized(Vec3<double>{1, 1, 0.5}); }
-  /// pi L A: the cosine over the hemisphere, times the quarter of 2 pi r h.
+  /// Of the quarter of 2 pi r h.
   static Rgb<double> power_by_quadrature() {
-    const double area = kPi / 2 * kRadius * 2 * kHalfHeight;
-    return integrate(Region{{0, 0, 1}, kPi / 2}, 1000,
-                     [&](const Vec3<double>& w) { return kLevel * (area * w.z); });
+    return lambertian_power(kPi / 2 * kRadius * 2 * kHalfHeight);
   }
 };
 
@@ -110,9 +104,7 @@ struct InwardTubeCase : QuarterTubeCase {
   }
   static double emission_area_m2() { return 4 * QuarterTubeCase::emission_area_m2(); }
   static Vec3<double> emission_direction(const Vec3<double>& p) { return emission_region(p).axis; }
-  static Region emission_region(const Vec3<double>& p) {
-    return {normalized(Vec3<double>{-p.x, -p.y, 0}), kPi / 2};
-  }
+  static Region emission_region(const Vec3<double>& p) { return hemisphere({-p.x, -p.y, 0}); }
   static constexpr bool kConfined = false;
   static Rgb<double> power_by_quadrature() { return QuarterTubeCase::power_by_quadrature() * 4.0; }
 };

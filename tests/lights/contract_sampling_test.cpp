@@ -1,13 +1,10 @@
 // The ways to choose points of area lights put through the contract of all lights: each way is a
 // light of its own here, whose receivers ask for it.
 #include "lights/light.h"
-#include "tests/lights/area_helpers.h"
-#include "tests/lights/contract.h"
+#include "tests/lights/area_cases.h"
 
 namespace lucerna::testing {
 namespace {
-
-constexpr Rgb<double> kLevel{1, 2, 4};
 
 /// A light together with what its receivers ask for.
 template <typename Real, typename Light>
@@ -36,17 +33,6 @@ class Asked {
   AreaSampling way_;
   Vec3<Real> normal_;
 };
-
-Rgb<double> lambertian_power(double area) {
-  return integrate(Region{{0, 0, 1}, kPi / 2}, 1000,
-                   [&](const Vec3<double>& w) { return kLevel * (area * w.z); });
-}
-
-/// Where the ray from `r` along `wi` meets the plane z = 0, from above; nothing otherwise.
-std::optional<Vec3<double>> from_above(const Vec3<double>& r, const Vec3<double>& wi) {
-  if (!(r.z > 0 && wi.z < 0)) return std::nullopt;
-  return r - wi * (r.z / wi.z);
-}
 
 /// Facing the light aslant: some corners weigh more than others.
 constexpr Vec3<double> kNormal{0.6, 0, -0.8};

@@ -28,12 +28,14 @@ class Coverage {
  public:
   explicit Coverage(double truth) : truth_(truth) {}
 
-  void add(double estimate, const Interval& interval) {
+  /// `widened`: the interval is, about its estimate.
+  void add(double estimate, const Interval& interval, double widened = 1) {
     ++count_;
     const double off = (estimate - mean_) / static_cast<double>(count_);
     squares_ += (estimate - mean_) * (estimate - mean_ - off);
     mean_ += off;
-    held_ += interval.lower <= truth_ && truth_ <= interval.upper;
+    held_ += estimate - widened * (estimate - interval.lower) <= truth_ &&
+             truth_ <= estimate + widened * (interval.upper - estimate);
   }
 
   double held() const { return static_cast<double>(held_) / static_cast<double>(count_); }
@@ -61,11 +63,6 @@ class Coverage {
   double mean_ = 0, squares_ = 0;
 };
 
-/// The interval as a wrong variance would have it: so many times as wide to either side.
-inline Interval widened_about(double value, const Interval& interval, double times) {
-  return {value - times * (value - interval.lower), value + times * (interval.upper - value)};
-}
-
 /// An answer to a question: an estimate and the interval about it.
 struct Answer {
   double value = 0;
@@ -78,7 +75,7 @@ Coverage repeated(double truth, double widened, const Ask& ask) {
   std::vector<Answer> answers(repeats());
   tbb::parallel_for(std::size_t{0}, answers.size(), [&](std::size_t i) { answers[i] = ask(i); });
   Coverage c(truth);
-  for (const Answer& a : answers) c.add(a.value, widened_about(a.value, a.interval, widened));
+  for (const Answer& a : answers) c.add(a.value, a.interval, widened);
   return c;
 }
 
@@ -93,6 +90,22 @@ inline void expect_covered(const Coverage& c, const std::string& what) {
 inline void expect_covered_at_least(const Coverage& c, const std::string& what) {
   EXPECT_TRUE(c.holds_enough()) << what << ": " << c.held();
   EXPECT_LE(std::fabs(c.bias()), 4) << what;
+}
+
+/// That intervals of a wrong variance are seen: `asked(widened)` has each that much wider.
+template <typename Asked>
+void expect_sees_wrong_widths(Asked&& asked) {
+  const Coverage narrow = asked(0.6), wide = asked(1.8);
+  EXPECT_FALSE(narrow.holds_enough()) << narrow.held();
+  EXPECT_FALSE(wide.holds_no_more()) << wide.held();
+}
+
+/// That answers within 2% of 400 questions are: `estimate(i)` is one.
+template <typename Estimate>
+void expect_reached(double truth, Estimate&& estimate, const std::string& what) {
+  int reached = 0;
+  for (std::size_t i = 0; i < 400; ++i) reached += std::fabs(estimate(i) - truth) <= 0.02 * truth;
+  EXPECT_GE(reached, 367) << what;  // of 380, three standard deviations less
 }
 
 }  // namespace lucerna::testing

@@ -87,4 +87,21 @@ class EveryLightTest : public ::testing::Test {
   v1::SceneSummary summary_;
 };
 
+/// EstimatePower, asked of them.
+class PowerTest : public EveryLightTest {
+ protected:
+  v1::EstimatePowerRequest request(v1::EstimatePowerRequest::Method method) const {
+    v1::EstimatePowerRequest q;
+    q.set_scene_id(scene_);
+    q.set_method(method);
+    return q;
+  }
+  v1::EstimatePowerResponse answer(const v1::EstimatePowerRequest& q) {
+    v1::EstimatePowerResponse r;
+    const grpc::Status status = power(q, &r);
+    EXPECT_TRUE(status.ok()) << status.error_message();
+    return r;
+  }
+};
+
 }  // namespace lucerna::testing

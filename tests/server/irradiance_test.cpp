@@ -149,6 +149,22 @@ TEST(Irradiance, OfManyLightsThatAreDrawnIsTheSumOfEach) {
   }
 }
 
+/// What a target took at a point, of 16 replicates; its answer is that of as many samples without
+/// one.
+std::uint64_t samples_for(const TargetError& target, const Scene& scene,
+                          const IrradiancePoint& point) {
+  IrradianceSettings settings = direct(1, 16);
+  settings.target = target;
+  const IrradianceResult r = estimate_irradiance(scene, std::span(&point, 1), settings, {});
+  const std::uint64_t samples = r.costs[0].samples;
+  EXPECT_LE(samples, target.max_samples);
+  const IrradianceEstimate e =
+      one(scene, point, direct(static_cast<std::uint32_t>(samples / 16), 16));
+  EXPECT_EQ(r.points[0].irradiance_lx, e.irradiance_lx) << target.relative;
+  EXPECT_EQ(r.points[0].illuminance_error_lx, e.illuminance_error_lx) << target.relative;
+  return samples;
+}
+
 // Many lamps beside a sky and a panel: what is settled for a target, and what is drawn, is what a
 // count of samples makes of it.
 TEST(Irradiance, OfATargetIsThatOfItsCount) {
@@ -159,18 +175,30 @@ TEST(Irradiance, OfATargetIsThatOfItsCount) {
       testing::emissive({DiskParams{.height_m = 5, .reverse_orientation = true}}, 500));
   d.shapes.push_back(testing::patch({1, -1, 1}, {2, -1, 1}, {1, 1, 1}, {2, 1, 1}));
   const auto scene = build(std::move(d));
-  for (const double relative : {0.3, 0.1, 0.01, 0.001}) {
-    IrradianceSettings settings = direct(1, 16);
-    settings.target = TargetError{.relative = relative};
-    const IrradiancePoint point = at(0.5F, 0, 0);
-    const IrradianceResult r = estimate_irradiance(*scene, std::span(&point, 1), settings, {});
-    ASSERT_GT(r.costs[0].samples, 0u);
-    settings.target = {};
-    settings.samples_per_block = static_cast<std::uint32_t>(r.costs[0].samples / 16);
-    const IrradianceEstimate e = one(*scene, point, settings);
-    EXPECT_EQ(r.points[0].irradiance_lx, e.irradiance_lx) << relative;
-    EXPECT_EQ(r.points[0].illuminance_error_lx, e.illuminance_error_lx) << relative;
-  }
+  for (const double relative : {0.3, 0.1, 0.01, 0.001})
+    EXPECT_GT(samples_for({.relative = relative}, *scene, at(0.5F, 0, 0)), 0u);
+}
+
+// 3008 lamps are settled from 188 samples on.  As long as they are drawn they ask for more than
+// that; once they are settled, the sky alone asks for 64.
+TEST(Irradiance, OfATargetTakesNoFewerSamplesThanItWasSettledFor) {
+  SceneDescription d = lamps(3008);
+  for (LightDescription& l : d.lights) std::get<PointLightParams>(l.params).position_m.x *= 0.01;
+  d.lights.push_back({UniformInfiniteLightParams{Rgb<double>(1)}, {}});
+  d.shapes.push_back(testing::patch({1, -1, 1}, {2, -1, 1}, {1, 1, 1}, {2, 1, 1}));
+  const auto scene = build(std::move(d));
+  EXPECT_EQ(samples_for({.relative = 0.05}, *scene, at(0.5F, 0, 0)), 192u);
+  // With fewer than settle the lamps, they are drawn.
+  EXPECT_EQ(samples_for({.relative = 0.001, .max_samples = 160}, *scene, at(0.5F, 0, 0)), 160u);
+}
+
+// 512 lamps are settled from 32 samples on, of which the first pilot has more.
+TEST(Irradiance, OfATargetTakesNoMoreSamplesThanItMay) {
+  SceneDescription d = lamps(512);
+  d.lights.push_back({UniformInfiniteLightParams{Rgb<double>(1)}, {}});
+  d.shapes.push_back(testing::patch({1, -1, 1}, {2, -1, 1}, {1, 1, 1}, {2, 1, 1}));
+  const auto scene = build(std::move(d));
+  EXPECT_EQ(samples_for({.relative = 0.1, .max_samples = 16}, *scene, at(0, 0, 0)), 16u);
 }
 
 TEST(Irradiance, IsTheSumOfItsShares) {

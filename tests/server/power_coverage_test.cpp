@@ -52,8 +52,7 @@ std::vector<Coverage> asked(const Scene& scene, SampledPowerSettings settings, d
   for (const SampledPowers& r : answers)
     for (std::size_t l = 0; l < coverage.size(); ++l) {
       const SampledPower& p = l < all.size() ? r.lights[l] : r.total;
-      const double value = luminance(p.lumens);
-      coverage[l].add(value, widened_about(value, p.interval_lm, widened));
+      coverage[l].add(luminance(p.lumens), p.interval_lm, widened);
     }
   return coverage;
 }
@@ -79,8 +78,8 @@ TEST(PowerCoverage, ByATarget) {
 // What intervals of a wrong variance come to.
 TEST(PowerCoverage, SeesIntervalsThatAreTooNarrowOrTooWide) {
   const auto scene = lamps();
-  EXPECT_FALSE(asked(*scene, {.samples_per_block = 8}, 0.6)[0].holds_enough());
-  EXPECT_FALSE(asked(*scene, {.samples_per_block = 8}, 1.8)[0].holds_no_more());
+  expect_sees_wrong_widths(
+      [&](double widened) { return asked(*scene, {.samples_per_block = 8}, widened)[0]; });
 }
 
 // Rays by the intensity, or by the cosine, all say the same.

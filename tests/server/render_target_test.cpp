@@ -8,21 +8,17 @@
 
 #include "server/render.h"
 #include "tests/server/coverage_scenes.h"
+#include "tests/server/tiles.h"
 
 namespace lucerna {
 namespace {
 
 using testing::build;
+using testing::same;
 
 /// Bright and dark, edges, shadows and reflections.
 std::shared_ptr<const Scene> scene() {
-  SceneDescription d = testing::description(0.7);
-  d.shapes = {testing::floor(3),
-              {SphereParams{.world_from_object = Transform::translate({0, 0, 1})}},
-              testing::emissive({DiskParams{.radius_m = 0.5,
-                                            .reverse_orientation = true,
-                                            .world_from_object = Transform::translate({1, 1, 3})}},
-                                20)};
+  SceneDescription d = testing::ball_under_a_lamp(3);
   d.film.scale = 0.25;
   d.camera.world_from_camera = *Transform::look_at({0, -6, 3}, {0, 0, 1}, {0, 0, 1});
   return build(std::move(d));
@@ -34,10 +30,6 @@ TileSettings within(const Scene& scene, double relative, std::uint64_t max_sampl
           .block_count = 32,
           .bounces = 2,
           .target = TargetError{.relative = relative, .max_samples = max_samples}};
-}
-
-bool same(const BlockStatistics& a, const BlockStatistics& b) {
-  return a.sum == b.sum && a.deviation == b.deviation;
 }
 
 double luminance_of(const TileResult& r, std::size_t i) {
@@ -78,7 +70,7 @@ TEST(RenderTarget, IsTheSameWhateverTheTilesAndThreads) {
   tbb::task_arena alone(1);
   const TileResult all = alone.execute([&] { return render_tile(*s, settings, {}); });
   WorkCounts work;
-  for (const PixelRect& r : {PixelRect{0, 0, 7, 5}, {7, 0, 16, 5}, {0, 5, 16, 6}, {0, 6, 16, 12}}) {
+  for (const PixelRect& r : testing::kTiles) {
     TileSettings part = settings;
     part.rect = r;
     const TileResult tile = render_tile(*s, part, {});

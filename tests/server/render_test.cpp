@@ -3,22 +3,17 @@
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>
 
-#include "tests/server/scenes.h"
+#include "tests/server/tiles.h"
 
 namespace lucerna {
 namespace {
 
 using testing::build;
+using testing::same;
 
 // Something of everything that light can do: several lights of several kinds, bounces, shadows.
 std::shared_ptr<const Scene> busy_scene() {
-  SceneDescription d = testing::description(0.7);
-  d.shapes = {testing::floor(4),
-              {SphereParams{.world_from_object = Transform::translate({0, 0, 1})}},
-              testing::emissive({DiskParams{.radius_m = 0.5,
-                                            .reverse_orientation = true,
-                                            .world_from_object = Transform::translate({1, 1, 3})}},
-                                20)};
+  SceneDescription d = testing::ball_under_a_lamp(4);
   d.lights = {testing::point_light({-2, -1, 3}, 10),
               {UniformInfiniteLightParams{Rgb<double>(0.2, 0.3, 0.5)}, {}}};
   d.camera.world_from_camera = *Transform::look_at({0, -6, 3}, {0, 0, 0.5}, {0, 0, 1});
@@ -33,17 +28,13 @@ TileSettings whole(const Scene& scene) {
           .block_count = 8};
 }
 
-bool same(const BlockStatistics& a, const BlockStatistics& b) {
-  return a.sum == b.sum && a.deviation == b.deviation;
-}
-
 TEST(RenderTile, GivesTheSameBitsForAnyTiling) {
   const auto scene = busy_scene();
   const TileSettings settings = whole(*scene);
   const TileResult all = render_tile(*scene, settings, {});
   const int width = scene->camera().width();
   std::uint64_t samples = 0;
-  for (const PixelRect& r : {PixelRect{0, 0, 7, 5}, {7, 0, 16, 5}, {0, 5, 16, 6}, {0, 6, 16, 12}}) {
+  for (const PixelRect& r : testing::kTiles) {
     TileSettings part = settings;
     part.rect = r;
     const TileResult tile = render_tile(*scene, part, {});

@@ -70,22 +70,6 @@ double by_hand(const v1::Light& light, double radius) {
   }
 }
 
-class PowerTest : public EveryLightTest {
- protected:
-  v1::EstimatePowerRequest request(v1::EstimatePowerRequest::Method method) const {
-    v1::EstimatePowerRequest q;
-    q.set_scene_id(scene_);
-    q.set_method(method);
-    return q;
-  }
-  v1::EstimatePowerResponse answer(const v1::EstimatePowerRequest& q) {
-    v1::EstimatePowerResponse r;
-    const grpc::Status status = power(q, &r);
-    EXPECT_TRUE(status.ok()) << status.error_message();
-    return r;
-  }
-};
-
 TEST_F(PowerTest, ExactPowersAreThoseDerivedByHand) {
   const auto exact = answer(request(v1::EstimatePowerRequest::METHOD_EXACT));
   ASSERT_EQ(exact.lights_size(), lights_.lights_size());

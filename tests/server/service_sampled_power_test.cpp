@@ -7,21 +7,7 @@
 namespace lucerna::testing {
 namespace {
 
-class SampledPowerTest : public EveryLightTest {
- protected:
-  v1::EstimatePowerRequest request(v1::EstimatePowerRequest::Method method) const {
-    v1::EstimatePowerRequest q;
-    q.set_scene_id(scene_);
-    q.set_method(method);
-    return q;
-  }
-  v1::EstimatePowerResponse answer(const v1::EstimatePowerRequest& q) {
-    v1::EstimatePowerResponse r;
-    const grpc::Status status = power(q, &r);
-    EXPECT_TRUE(status.ok()) << status.error_message();
-    return r;
-  }
-};
+class SampledPowerTest : public PowerTest {};
 
 TEST_F(SampledPowerTest, HoldsTheExactOne) {
   const auto exact = answer(request(v1::EstimatePowerRequest::METHOD_EXACT));

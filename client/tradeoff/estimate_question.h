@@ -1,0 +1,60 @@
+// What questions have in common whose settings are methods of an estimate.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <string>
+#include <vector>
+
+#include "client/tradeoff/question.h"
+
+namespace lucerna::tradeoff {
+
+/// `client` must outlive it.
+class EstimateQuestion : public Question {
+ public:
+  const Layout& layout() const override { return layout_; }
+  std::vector<Setting> settings() const override {
+    return tradeoff::settings(query(), {.lights = lights_});
+  }
+  std::vector<Amount> amounts_of(const Setting& setting) const override {
+    return amounts(setting, max_samples_);
+  }
+  absl::StatusOr<Answer> ask(const Setting& setting, const Amount& amount,
+                             std::uint64_t seed) const override {
+    return answer(accuracy_of(setting, amount, dark_ * amount.value), seed);
+  }
+  std::vector<std::string> reference_ways() const override { return reference_ways_for(lights_); }
+  absl::StatusOr<Answer> ask_reference(std::size_t way, std::uint32_t samples,
+                                       std::uint64_t seed) const override {
+    v1::Accuracy accuracy = reference_accuracy(way);
+    accuracy.set_samples(samples);
+    return answer(accuracy, seed);
+  }
+
+ protected:
+  /// `lights`: of the scene; `max_samples`: of an item, in the sweep.
+  EstimateQuestion(const client::Client& client, const QuestionOptions& options,
+                   std::uint64_t lights, std::uint32_t max_samples)
+      : client_(client), options_(options), lights_(lights), max_samples_(max_samples) {}
+
+  virtual absl::StatusOr<Answer> answer(const v1::Accuracy& accuracy, std::uint64_t seed) const = 0;
+
+  /// What follows a command's scene and items, so that it asks the same.
+  std::string flags(const Setting& setting, const Amount& amount) const {
+    std::string text = options_.bounces ? fmt::format(" --bounces {}", *options_.bounces) : "";
+    text += join_flags(setting, amount);
+    if (amount.target) text += fmt::format(" --floor {:.3g}", dark_ * amount.value);
+    return text;
+  }
+
+  const client::Client& client_;
+  QuestionOptions options_;
+  Layout layout_;
+
+ private:
+  std::uint64_t lights_;
+  std::uint32_t max_samples_;
+};
+
+}  // namespace lucerna::tradeoff
