@@ -39,17 +39,20 @@ double weighted_counts_quantile(double mean, double variance, double below) {
 IntervalRule::IntervalRule(double confidence, std::uint64_t replicates, std::uint64_t samples)
     : confidence_(confidence),
       samples_(static_cast<double>(samples)),
-      student_(student_quantile(confidence, replicates)) {}
+      student_(student_quantile(confidence, replicates)),
+      rare_(-std::log1p(-confidence)) {}
 
 Interval IntervalRule::interval(const EstimateMoments& m) const {
   if (!(m.mean > 0)) {
     // Of all samples at most this share is not 0.
-    const double share = std::min(1.0, -std::log1p(-confidence_) / samples_);
+    const double share = std::min(1.0, rare_ / samples_);
     return {0, m.largest > 0 ? share * m.largest : 0};
   }
   if (std::isinf(student_)) return {0, student_};
-  Interval result{m.mean - student_ * m.standard_error, m.mean + student_ * m.standard_error};
   const double mean_square = m.sum_of_squares / samples_;
+  double off = student_ * m.standard_error;
+  if (m.partly_hidden) off = std::hypot(off, rare_ * (mean_square / m.mean) / samples_);
+  Interval result{m.mean - off, m.mean + off};
   const double counting = samples_ * (m.mean / mean_square * m.mean);
   if (counting < std::min(kMany, kCommon * samples_)) {
     const double tail = (1 - confidence_) / 2;

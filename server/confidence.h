@@ -27,6 +27,8 @@ struct EstimateMoments {
   double sum_of_squares = 0;  ///< over all samples
   /// No sample that may have been missed is larger, as far as is known.
   double largest = 0;
+  /// Something was in the way of some samples.
+  bool partly_hidden = false;
 };
 
 /// Intervals of estimates that take equally many samples; immutable.
@@ -44,6 +46,13 @@ class IntervalRule {
   /// [Fay97] gives an interval that may be too wide but not too narrow; the answer is then what
   /// holds both.  Where all were 0 that is what is left of the rule of three.
   ///
+  /// Where something was in the way of some samples, replicates of low-discrepancy points have
+  /// nearly as many of those each: their means are then a few values apart by one sample, and those
+  /// that came up may be all alike.  So the interval is as wide as the rule of three says of a
+  /// value that none of the replicates had, and Student's together.  Of obstacles that no sample
+  /// met, it knows nothing: with 95% confidence they hide less than three samples' share of the
+  /// light.
+  ///
   /// Infinite above where there is but one replicate, and some light.
   Interval interval(const EstimateMoments& m) const;
 
@@ -51,6 +60,7 @@ class IntervalRule {
   double confidence_;
   double samples_;
   double student_;  ///< quantile for so many replicates; infinite for one
+  double rare_;     ///< events that are expected where none came up, at most
 };
 
 }  // namespace lucerna

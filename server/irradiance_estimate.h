@@ -26,13 +26,16 @@ struct Estimate {
   Rgb<double> exact;              // what needs no sampling [lx]
   double sum_of_squares = 0;      // of samples' illuminances
   double largest_unshadowed = 0;  // of one sample's illuminance had nothing been in the way [lx]
+  bool partly_hidden = false;     // something was in the way of some sample
   bool sampled = false;
 
   void add(const LightEstimate& e) {
     block_sum.add(e.value);
     const double lux = luminance(e.value);
     sum_of_squares += lux * lux;
-    largest_unshadowed = std::max(largest_unshadowed, luminance(e.unshadowed));
+    const double unshadowed = luminance(e.unshadowed);
+    largest_unshadowed = std::max(largest_unshadowed, unshadowed);
+    partly_hidden |= lux < unshadowed;
   }
   void end_block(std::uint32_t samples) {
     const Rgb<double> v = block_sum.value() / samples;
@@ -58,8 +61,8 @@ inline IrradianceEstimate Estimate::result(double block_count, const IntervalRul
   e.irradiance_lx += {mean(0), mean(1), mean(2)};
   e.standard_error_lx = {standard_error(0), standard_error(1), standard_error(2)};
   e.illuminance_error_lx = standard_error(3);
-  const Interval sampled_lx =
-      rule.interval({mean(3), standard_error(3), sum_of_squares, largest_unshadowed});
+  const Interval sampled_lx = rule.interval(
+      {mean(3), standard_error(3), sum_of_squares, largest_unshadowed, partly_hidden});
   e.illuminance_lx = {exact_lx + sampled_lx.lower, exact_lx + sampled_lx.upper};
   // Where nothing was in the way of anything, there was nothing to miss.
   if (!(mean(3) > 0) && largest_unshadowed > 0) e.zero_bound_lx = e.illuminance_lx.upper;

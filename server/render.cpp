@@ -70,12 +70,14 @@ class TileJob {
   struct Moments {
     double sum = 0, sum_of_squares = 0, sum_of_cubes = 0;
     double largest_unshadowed = 0;
+    bool partly_hidden = false;
 
     void add(double value, double unshadowed) {
       sum += value;
       sum_of_squares += value * value;
       sum_of_cubes += value * value * value;
       largest_unshadowed = std::max(largest_unshadowed, unshadowed);
+      partly_hidden |= value < unshadowed;
     }
     /// Samples from which on a mean is so near to normal that 95% intervals hold in 94%: 25 times
     /// the square of the samples' skewness.  [Cochran77, 2.15]
@@ -120,7 +122,8 @@ class TileJob {
     const auto count = static_cast<double>(these.count);
     const IntervalRule rule(settings_.target->confidence, replicates, these.count * these.samples);
     return rule.interval({total.sum / count, std::sqrt(total.deviation / (count * (count - 1))),
-                          moments.sum_of_squares, moments.largest_unshadowed});
+                          moments.sum_of_squares, moments.largest_unshadowed,
+                          moments.partly_hidden});
   }
 
   void pixel_within_target(int x, int y, std::size_t i, WorkCounts& work) {

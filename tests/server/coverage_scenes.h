@@ -25,6 +25,20 @@ inline SceneDescription below_a_lamp(double reflectance) {
 }
 inline double lux_below_a_lamp() { return of_patch(5, 1, 2); }
 
+/// A lamp of 1 m x 1 m, 2 m above the origin, of which a plate halfway leaves the part left of
+/// `end` [m].
+inline SceneDescription partly_hidden_lamp(double end) {
+  SceneDescription d = description(0);
+  d.shapes = {floor(9),
+              emissive(patch({-0.5, -0.5, 2}, {-0.5, 0.5, 2}, {0.5, -0.5, 2}, {0.5, 0.5, 2}), 20),
+              patch({end / 2, -3, 1}, {3, -3, 1}, {end / 2, 3, 1}, {3, 3, 1})};
+  return d;
+}
+inline double lux_of_partly_hidden_lamp(double end) {
+  return 20 * polygon_irradiance({{-0.5, -0.5, 2}, {end, -0.5, 2}, {end, 0.5, 2}, {-0.5, 0.5, 2}},
+                                 {}, {0, 0, 1});
+}
+
 /// A closed room of which all surfaces emit 2 cd/m2 and reflect half: 4 cd/m2 everywhere.
 inline SceneDescription in_a_furnace() {
   SceneDescription d = description(0.5);

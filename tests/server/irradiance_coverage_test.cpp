@@ -26,17 +26,42 @@ Coverage asked(const Question& q, IrradianceSettings settings, double widened = 
 }
 
 TEST(IrradianceCoverage, OfSmoothLightByACount) {
-  for (const Question& q : {lamp(), half_a_sky(), furnace()})
+  for (const Question& q : {lamp(), furnace()})
     for (const std::uint32_t each : {4U, 16U, 64U})
       expect_covered(asked(q, {.samples_per_block = each, .block_count = 16}),
                      q.name + ", " + std::to_string(each) + " samples a replicate");
 }
 
 TEST(IrradianceCoverage, OfSmoothLightByATarget) {
-  for (const Question& q : {lamp(), half_a_sky(), furnace()})
+  for (const Question& q : {lamp(), furnace()})
     for (const double relative : {0.1, 0.02})
       expect_covered(asked(q, {.block_count = 16, .target = TargetError{.relative = relative}}),
                      q.name + " within " + std::to_string(relative));
+}
+
+std::vector<Question> at_edges() {
+  std::vector<Question> result = {half_a_sky()};
+  for (const double end : {-0.45, -0.3, 0.0, 0.01, 0.06, 0.2, 0.45})
+    result.push_back(partly_hidden(end));
+  return result;
+}
+
+// Of low-discrepancy points along a straight edge nearly as many are hidden in every replicate:
+// their means take few values, of which those that came up tell little about the others, so
+// intervals may be too wide.
+TEST(IrradianceCoverage, OfLightAtAnEdgeByACount) {
+  for (const Question& q : at_edges())
+    for (const std::uint32_t each : {8U, 16U, 32U, 64U})
+      expect_covered_at_least(asked(q, {.samples_per_block = each, .block_count = 16}),
+                              q.name + ", " + std::to_string(each) + " samples a replicate");
+}
+
+TEST(IrradianceCoverage, OfLightAtAnEdgeByATarget) {
+  for (const Question& q : at_edges())
+    for (const double relative : {0.1, 0.02})
+      expect_covered_at_least(
+          asked(q, {.block_count = 16, .target = TargetError{.relative = relative}}),
+          q.name + " within " + std::to_string(relative));
 }
 
 TEST(IrradianceCoverage, OfLightThroughAPinholeByACount) {

@@ -39,6 +39,13 @@ inline Question half_a_sky() {
           .truth = luminance(Rgb<double>(3, 2, 1)) * std::numbers::pi / 2};
 }
 
+inline Question partly_hidden(double end) {
+  return {.name = "lamp to " + std::to_string(end) + " m",
+          .scene = build(partly_hidden_lamp(end)),
+          .receiver = {},
+          .truth = lux_of_partly_hidden_lamp(end)};
+}
+
 inline Question furnace() {
   return {.name = "furnace",
           .scene = build(in_a_furnace()),

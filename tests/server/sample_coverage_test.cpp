@@ -92,7 +92,7 @@ TEST(SampleCoverage, OfSmoothLightByATarget) {
   for (const double relative : {0.1, 0.02}) {
     const std::string within = " within " + std::to_string(relative);
     const Asked asked{.target = TargetError{.relative = relative}};
-    for (const Question& q : {lamp(), half_a_sky(), two_lamps()})
+    for (const Question& q : {lamp(), two_lamps()})
       expect_covered(covered(q, asked), q.name + within);
     Asked by_power = asked, as_a_sphere = asked;
     by_power.light_selection = LightSelection::kPower;
@@ -103,10 +103,20 @@ TEST(SampleCoverage, OfSmoothLightByATarget) {
 }
 
 TEST(SampleCoverage, OfSmoothLightByACount) {
-  for (const Question& q : {lamp(), half_a_sky(), two_lamps()})
+  for (const Question& q : {lamp(), two_lamps()})
     for (const std::uint32_t each : {4U, 64U})
       expect_covered(covered(q, {.samples_per_replicate = each}),
                      q.name + ", " + std::to_string(each) + " samples a replicate");
+}
+
+// As in tests/server/irradiance_coverage_test.cpp.
+TEST(SampleCoverage, OfLightAtAnEdge) {
+  for (const Question& q : {half_a_sky(), partly_hidden(0.01), partly_hidden(0.2)}) {
+    for (const double relative : {0.1, 0.02})
+      expect_covered_at_least(covered(q, {.target = TargetError{.relative = relative}}),
+                              q.name + " within " + std::to_string(relative));
+    expect_covered_at_least(covered(q, {.samples_per_replicate = 16}), q.name);
+  }
 }
 
 TEST(SampleCoverage, OfLightThroughAPinholeByATarget) {
