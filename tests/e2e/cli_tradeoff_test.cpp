@@ -32,9 +32,20 @@ class CliTradeoff : public Cli {
     for (const std::string& name : files()) fs::remove_all(path(name));
   }
 
-  static Outcome tradeoff(std::vector<std::string> more) {
-    more.insert(more.begin(), {"tradeoff", "lamp_over_table.pbrt", "--out", path("out")});
+  static Outcome tradeoff(std::vector<std::string> more,
+                          const std::string& scene = "lamp_over_table.pbrt") {
+    more.insert(more.begin(), {"tradeoff", scene, "--out", path("out")});
     return lucerna(more);
+  }
+  /// Of a time that is doubled where the machine is so busy that it is too short.
+  static Outcome measured(std::vector<std::string> more, int budget_s,
+                          const std::string& scene = "lamp_over_table.pbrt") {
+    more.insert(more.end(), {"--budget", ""});
+    for (;; budget_s *= 2) {
+      more.back() = std::to_string(budget_s) + "s";
+      Outcome outcome = tradeoff(more, scene);
+      if (budget_s >= 32 || outcome.err.find("is too short") == std::string::npos) return outcome;
+    }
   }
   static std::string text(const std::string& name) {
     std::ifstream file(path(name), std::ios::binary);
@@ -77,8 +88,7 @@ class CliTradeoff : public Cli {
 };
 
 TEST_F(CliTradeoff, IrradianceIsMeasuredAndReported) {
-  const Outcome outcome =
-      tradeoff({"--query", "irradiance", "--points", path("points.csv"), "--budget", "5s"});
+  const Outcome outcome = measured({"--query", "irradiance", "--points", path("points.csv")}, 5);
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("Its own error: "));
   EXPECT_THAT(outcome.out, HasSubstr("lucerna irradiance lamp_over_table.pbrt --points "));
@@ -87,7 +97,6 @@ TEST_F(CliTradeoff, IrradianceIsMeasuredAndReported) {
   const json all = json::parse(text("out/tradeoff.json"));
   EXPECT_EQ(all["reference"]["values"].size(), 30);
   EXPECT_EQ(all["points"].size(), 30);
-  EXPECT_LT(all["circumstances"]["spent_s"], 10);
   // More samples, less error: the answers are compared with what they converge to.
   const auto& cells = all["settings"][0]["cells"];
   ASSERT_GE(cells.size(), 2);
@@ -95,11 +104,12 @@ TEST_F(CliTradeoff, IrradianceIsMeasuredAndReported) {
   const double last = cells[cells.size() - 1]["relative_error"]["mean"];
   const double reference = all["reference"]["relative_error"];
   EXPECT_TRUE(last < first || last < 5 * reference) << first << ' ' << last << ' ' << reference;
-  EXPECT_LT(last, 0.2);
+  // Answers a tenth off are seen.
+  EXPECT_LT(last, 0.05);
 }
 
 TEST_F(CliTradeoff, PicturesHaveFlip) {
-  const Outcome outcome = tradeoff({"--query", "render", "--budget", "8s", "--quiet"});
+  const Outcome outcome = measured({"--query", "render", "--quiet"}, 8);
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_EQ(outcome.err, "");
   expect_report("render");
@@ -107,11 +117,13 @@ TEST_F(CliTradeoff, PicturesHaveFlip) {
   const auto& cell = all["settings"][0]["cells"][0];
   EXPECT_GT(cell["flip"]["mean"], 0);
   EXPECT_LT(cell["flip"]["mean"], 1);
+  const auto& cells = all["settings"][0]["cells"];
+  EXPECT_LT(cells[cells.size() - 1]["flip"]["mean"], cell["flip"]["mean"]);
   EXPECT_THAT(text("out/report.html"), HasSubstr("\"pictures\":[{"));
 }
 
 TEST_F(CliTradeoff, PowerIsComparedWithWhatIsKnown) {
-  const Outcome outcome = tradeoff({"--query", "power", "--budget", "2s"});
+  const Outcome outcome = measured({"--query", "power"}, 2);
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   expect_report("power");
   const json all = json::parse(text("out/tradeoff.json"));
@@ -129,8 +141,7 @@ TEST_F(CliTradeoff, PowerIsComparedWithWhatIsKnown) {
 
 TEST_F(CliTradeoff, SamplesAndVisibilityConvergeToTheirReferences) {
   for (const std::string query : {"sample", "visibility"}) {
-    const Outcome outcome =
-        tradeoff({"--query", query, "--points", path("points.csv"), "--budget", "5s"});
+    const Outcome outcome = measured({"--query", query, "--points", path("points.csv")}, 5);
     ASSERT_EQ(outcome.status, 0) << outcome.err;
     expect_report(query);
     const json all = json::parse(text("out/tradeoff.json"));
@@ -167,8 +178,7 @@ TEST_F(CliTradeoff, TakesThePointsBesideTheScene) {
   fs::copy_file(path("points.csv"), path("scenes/place/points.csv"));
   const fs::path before = fs::current_path();
   fs::current_path(path("."));
-  const Outcome outcome = lucerna(
-      {"tradeoff", "place/scene.pbrt", "--budget", "4s", "--bounces", "0", "--out", path("out")});
+  const Outcome outcome = measured({"--bounces", "0"}, 4, "place/scene.pbrt");
   fs::current_path(before);
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("--points scenes/place/points.csv --bounces 0 --samples"));
