@@ -24,7 +24,11 @@ void ask_and_print(Session& session, const Request& request,
   } else {
     print(response);
   }
-  if (any_failed(response.status())) session.set_exit_status(kServerSaidNo);
+  bool failed = any_failed(response.status());
+  if constexpr (requires { response.estimates(); }) {
+    failed |= any_failed(response.estimates().status());
+  }
+  if (failed) session.set_exit_status(kServerSaidNo);
 }
 
 }  // namespace lucerna::cli

@@ -27,17 +27,18 @@ struct SampleOptions {
   std::optional<std::uint64_t> light;
   std::uint64_t seed = 0;
   std::vector<std::string> u;
-  std::uint32_t samples = 1;
+  StopOption stop;
   bool visibility = false;
-  AreaSamplingOption area_sampling;
-  LightSelectionOption light_selection;
+  SampleMethodOptions methods;
   TimeOption time;
   WavelengthOption wavelengths;
 };
 
 /// "u1,u2" where the light is named, "u1,u2,u_light" where it is not; one for all or one a point.
 v1::SampleValues sample_values(const SampleOptions& options, std::size_t points) {
-  if (options.samples != 1) wrong_use("--u and --samples: only one of them");
+  if (options.stop.samples.value_or(1) != 1) wrong_use("--u and --samples: only one of them");
+  if (options.stop.error) wrong_use("--u and --error: only one of them");
+  if (options.stop.budget_s) wrong_use("--u and --budget: only one of them");
   if (options.u.size() != 1 && options.u.size() != points) {
     wrong_use(fmt::format("--u: given {} times for {} points, must be once or once for each",
                           options.u.size(), points));
@@ -55,6 +56,7 @@ v1::SampleValues sample_values(const SampleOptions& options, std::size_t points)
 }
 
 void print_samples(const v1::SampleLiResponse& response, const SampleOptions& options) {
+  const std::uint32_t samples = options.stop.samples.value_or(1);
   std::vector<Table::Column> columns = {{"point"}, {"light"}};
   if (!options.light) columns.push_back({"chosen with"});
   columns.insert(columns.end(),
@@ -67,7 +69,7 @@ void print_samples(const v1::SampleLiResponse& response, const SampleOptions& op
   Table table(columns);
   for (int i = 0; i < response.pdf_per_sr_size(); ++i) {
     const bool delta = client::bit(response.delta(), i);
-    std::vector<std::string> row = {std::to_string(i / options.samples + 1)};
+    std::vector<std::string> row = {std::to_string(i / samples + 1)};
     row.push_back(std::to_string(
         options.light.value_or(i < response.light_ids_size() ? response.light_ids(i) : 0)));
     if (!options.light) {
@@ -96,6 +98,41 @@ void print_samples(const v1::SampleLiResponse& response, const SampleOptions& op
   fmt::print("{}", table.to_string());
 }
 
+/// What the samples of each point say.
+void print_estimates(const v1::SampleLiResponse& response, const SampleOptions& options,
+                     const PointSet& set, bool on_surfaces) {
+  const v1::ReceiverEstimates& estimates = response.estimates();
+  std::vector<Table::Column> columns = {
+      {"x [m]"},  {"y [m]"},
+      {"z [m]"},  {on_surfaces ? "illuminance [lx]" : "spherical illuminance [lx]"},
+      {"± [lx]"}, {"samples"}};
+  if (options.wavelengths.given()) columns.push_back({options.wavelengths.header("W/m2/nm"), true});
+  columns.push_back({"", true});
+  Table table(columns);
+  for (int i = 0; i < estimates.samples_size(); ++i) {
+    const auto& [x, y, z] = set.points.at(i);
+    const std::string status = item_status(estimates.status(), i);
+    const double lower = estimates.lower_lx(i), upper = estimates.upper_lx(i);
+    // Several samples that are all alike say nothing of what they missed.
+    const std::string error = !status.empty() ? ""
+                              : lower == upper && estimates.samples(i) > 1
+                                  ? number(0)
+                                  : interval_text(estimates.illuminance_lx(i), lower, upper);
+    std::vector<std::string> row = {number(x), number(y),
+                                    number(z), number(estimates.illuminance_lx(i)),
+                                    error,     std::to_string(estimates.samples(i))};
+    if (options.wavelengths.given())
+      row.push_back(options.wavelengths.values(estimates.spectral_irradiance(), i));
+    row.push_back(status);
+    table.add(std::move(row));
+  }
+  fmt::print("{}", table.to_string());
+  fmt::print("± and < hold with {:g}% confidence, of {}; {}\n", 100 * options.stop.confidence(),
+             options.visibility ? "visible lights"
+                                : "lights as though nothing stood between (else: --visible)",
+             describe(response.cost()));
+}
+
 void sample(Session& session, const SampleOptions& options) {
   const PointSet set = options.points.read();
   v1::SampleLiRequest request;
@@ -109,14 +146,19 @@ void sample(Session& session, const SampleOptions& options) {
   request.set_test_visibility(options.visibility);
   fill(options.normals.given() ? options.normals.read(set.points.size()) : set.seconds,
        request.mutable_normals());
-  options.area_sampling.put(request);
-  options.light_selection.put(request);
+  options.stop.put(request);
+  options.methods.put(request);
   options.time.put(request);
-  if (options.samples != 1) request.mutable_accuracy()->set_samples(options.samples);
   options.wavelengths.put(request);
   request.set_scene_id(session.scene_id(options.scene));
   ask_and_print(session, request, client::sample_li_in_batches,
-                [&](const v1::SampleLiResponse& response) { print_samples(response, options); });
+                [&](const v1::SampleLiResponse& response) {
+                  if (response.has_estimates()) {
+                    print_estimates(response, options, set, request.normals_size() > 0);
+                  } else {
+                    print_samples(response, options);
+                  }
+                });
 }
 
 struct PdfOptions {
@@ -257,7 +299,8 @@ void add_light_commands(CLI::App& app, Session& session) {
   CLI::App* command =
       app.add_subcommand("sample", "Samples the light that arrives at points (SampleLi)");
   command->footer(
-      "Example:\n  lucerna sample room.pbrt --point 0,0,0 --light 1 --samples 4 --visible");
+      "Example:\n  lucerna sample room.pbrt --point 0,0,0 --light 1 --samples 4 --visible\n"
+      "  lucerna sample room.pbrt --points desks.csv --visible --error 1% --max-samples 4096");
   const auto sampling = std::make_shared<SampleOptions>();
   command->add_option("SCENE", sampling->scene, "Path or id")->required();
   sampling->points.add(*command, "normals");
@@ -273,13 +316,10 @@ void add_light_commands(CLI::App& app, Session& session) {
           "all points, or once for each")
       ->allow_extra_args(false)
       ->excludes("--seed");
-  command->add_option("--samples", sampling->samples, "Samples for each point")
-      ->check(whole(1))
-      ->capture_default_str();
+  sampling->stop.add(*command, "point", "1; --error and --budget tell what the samples say", "lx");
   command->add_flag("--visible", sampling->visibility, "Also test whether nothing stands between");
   sampling->normals.add(*command, "--normal", "The surface normal x,y,z at the point");
-  sampling->area_sampling.add(*command);
-  sampling->light_selection.add(*command);
+  sampling->methods.add(*command);
   sampling->time.add(*command);
   sampling->wavelengths.add(*command);
   command->callback([sampling, &session] { sample(session, *sampling); });

@@ -78,12 +78,43 @@ struct LightSelectionOption
                        {"bvh", v1::LIGHT_SELECTION_BVH}}) {}
 };
 
-/// All of them, of estimates.
-class MethodOptions {
+/// Those that single samples of light have.
+class SampleMethodOptions {
  public:
   void add(CLI::App& command) {
     area_sampling_.add(command);
     light_selection_.add(command);
+    sampler_.add(command);
+    visibility_.add(command);
+  }
+
+  /// Leaves a request that asks for nothing as it is.
+  template <typename Request>
+  void put(Request& request) const {
+    area_sampling_.put(request);
+    light_selection_.put(request);
+    if (const auto way = sampler_.way()) request.mutable_accuracy()->set_sampler(*way);
+    if (const auto way = visibility_.way()) request.mutable_accuracy()->set_visibility(*way);
+  }
+
+ private:
+  AreaSamplingOption area_sampling_;
+  LightSelectionOption light_selection_;
+  WayOption<v1::Sampler> sampler_{
+      "--sampler",
+      "Where sample values come from",
+      {{"sobol", v1::SAMPLER_SOBOL}, {"independent", v1::SAMPLER_INDEPENDENT}}};
+  WayOption<v1::Visibility> visibility_{
+      "--visibility",
+      "How it is found out whether lights are visible",
+      {{"rays", v1::VISIBILITY_RAYS}, {"shadow-maps", v1::VISIBILITY_SHADOW_MAPS}}};
+};
+
+/// All of them, of estimates.
+class MethodOptions {
+ public:
+  void add(CLI::App& command) {
+    samples_.add(command);
     command
         .add_option("--samples-per-light", samples_per_light_,
                     "Points of each light that a sample takes; default: as the scene says, or 1")
@@ -93,34 +124,24 @@ class MethodOptions {
                     "Area lights farther away than so many of their radii count as points; "
                     "default: none does")
         ->check(positive());
-    sampler_.add(command);
     combination_.add(command);
     closed_forms_.add(command);
-    visibility_.add(command);
   }
 
   /// Leaves a request that asks for nothing as it is.
   template <typename Request>
   void put(Request& request) const {
-    area_sampling_.put(request);
-    light_selection_.put(request);
+    samples_.put(request);
     if (samples_per_light_) request.mutable_accuracy()->set_samples_per_light(*samples_per_light_);
     if (far_light_radii_) request.mutable_accuracy()->set_far_light_radii(*far_light_radii_);
-    if (const auto way = sampler_.way()) request.mutable_accuracy()->set_sampler(*way);
     if (const auto way = combination_.way()) request.mutable_accuracy()->set_combination(*way);
     if (const auto way = closed_forms_.way()) request.mutable_accuracy()->set_closed_forms(*way);
-    if (const auto way = visibility_.way()) request.mutable_accuracy()->set_visibility(*way);
   }
 
  private:
-  AreaSamplingOption area_sampling_;
-  LightSelectionOption light_selection_;
+  SampleMethodOptions samples_;
   std::optional<std::uint32_t> samples_per_light_;
   std::optional<double> far_light_radii_;
-  WayOption<v1::Sampler> sampler_{
-      "--sampler",
-      "Where sample values come from",
-      {{"sobol", v1::SAMPLER_SOBOL}, {"independent", v1::SAMPLER_INDEPENDENT}}};
   WayOption<v1::Combination> combination_{
       "--combination",
       "How samples of lights and directions of surfaces are weighed",
@@ -132,10 +153,6 @@ class MethodOptions {
       "--closed-forms",
       "What is made of light that is known without sampling where nothing is in its way",
       {{"off", v1::CLOSED_FORMS_OFF}, {"empty-shafts", v1::CLOSED_FORMS_EMPTY_SHAFTS}}};
-  WayOption<v1::Visibility> visibility_{
-      "--visibility",
-      "How it is found out whether lights are visible",
-      {{"rays", v1::VISIBILITY_RAYS}, {"shadow-maps", v1::VISIBILITY_SHADOW_MAPS}}};
 };
 
 }  // namespace lucerna::cli

@@ -52,6 +52,14 @@ std::string Table::to_string() const {
 
 std::string number(double value) { return fmt::format("{:.6g}", value); }
 
+std::string interval_text(double value, double lower, double upper) {
+  if (lower == upper) return "exact";
+  if (value == 0) return fmt::format("< {}", number(upper));
+  const double above = upper - value, below = value - lower;
+  if (std::fabs(above - below) <= 1e-3 * above) return number(above);
+  return fmt::format("{} ... {}", number(lower), number(upper));
+}
+
 std::string triple(double a, double b, double c) {
   return number(a) + " " + number(b) + " " + number(c);
 }

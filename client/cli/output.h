@@ -31,6 +31,9 @@ class Table {
 
 /// Six significant digits.
 std::string number(double value);
+/// The interval of an answer to a target error: half its width, or both its ends where the estimate
+/// is not in its middle.
+std::string interval_text(double value, double lower, double upper);
 /// "a b c"
 std::string triple(double a, double b, double c);
 /// The unit vector along `v` to four decimals, which is 0.003 degrees: "0 0.7071 -0.7071".

@@ -1,7 +1,6 @@
 // visible, irradiance.
 #include <fmt/core.h>
 
-#include <cmath>
 #include <memory>
 
 #include "client/batch_parts.h"
@@ -98,16 +97,6 @@ std::string error_text(const google::protobuf::RepeatedField<float>& errors,
   if (i < bounds.size() && bounds[i] > 0) return fmt::format("< {}", number(bounds[i]));
   if (i >= errors.size()) return "unknown";
   return errors[i] == 0 ? "exact" : number(errors[i]);
-}
-
-/// The interval of an answer to a target error: half its width, or both its ends where the estimate
-/// is not in its middle.
-std::string interval_text(double value, double lower, double upper) {
-  if (lower == upper) return "exact";
-  if (value == 0) return fmt::format("< {}", number(upper));
-  const double above = upper - value, below = value - lower;
-  if (std::fabs(above - below) <= 1e-3 * above) return number(above);
-  return fmt::format("{} ... {}", number(lower), number(upper));
 }
 
 void print_irradiance(const v1::EstimateIrradianceResponse& response, const PointSet& set,

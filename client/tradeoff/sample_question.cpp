@@ -1,5 +1,5 @@
 // What sampled light says of direct illuminance, and of how much of the lights is visible, where
-// the caller adds up the samples.
+// the caller adds up the samples; with a target error the server tells what they say.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -20,6 +20,8 @@ namespace {
 // An answer is 70 bytes a sample, and is held at once.
 constexpr std::uint32_t kMaxSamples = 1 << 10;
 constexpr double kMostAnswers = 1 << 20;
+constexpr std::uint32_t kLeastMostSamples = 64;  // of TargetError
+constexpr double kBatch = 65536;                 // samples that a server takes at once by default
 
 class SampleQuestion : public Question {
  public:
@@ -46,15 +48,14 @@ class SampleQuestion : public Question {
     return tradeoff::settings(query(), {.lights = lights_});
   }
   std::vector<Amount> amounts_of(const Setting& setting) const override {
-    const double most = kMostAnswers / static_cast<double>(layout_.points.size());
-    return amounts(setting, static_cast<std::uint32_t>(std::clamp<double>(most, 1, kMaxSamples)));
+    return amounts(setting, std::max(1U, most_samples()));
   }
   absl::StatusOr<Answer> ask(const Setting& setting, const Amount& amount,
                              std::uint64_t seed) const override {
-    v1::Accuracy accuracy = accuracy_of(setting, amount);
-    if (visibility_ && accuracy.area_sampling() == v1::AREA_SAMPLING_UNSPECIFIED) {
-      accuracy.set_area_sampling(v1::AREA_SAMPLING_SQUARE_ROOT);
-    }
+    v1::Accuracy accuracy = accuracy_of(setting, amount, dark_ * amount.value);
+    if (by_area(setting)) accuracy.set_area_sampling(v1::AREA_SAMPLING_SQUARE_ROOT);
+    if (amount.target)
+      accuracy.mutable_target_error()->set_max_samples(std::max(kLeastMostSamples, most_samples()));
     return sampled(accuracy, seed);
   }
 
@@ -70,12 +71,30 @@ class SampleQuestion : public Question {
   }
 
   std::string command(const Setting& setting, const Amount& amount) const override {
-    return fmt::format("lucerna sample {} --points {} --visible", options_.scene,
-                       options_.points_file) +
-           join_flags(setting, amount);
+    std::string text = fmt::format("lucerna sample {} --points {} --visible", options_.scene,
+                                   options_.points_file) +
+                       join_flags(setting, amount);
+    if (by_area(setting)) text += " --area-sampling square-root";
+    if (amount.target) {
+      text += fmt::format(" --floor {:.3g} --max-samples {}", dark_ * amount.value,
+                          std::max(kLeastMostSamples, most_samples()));
+    } else if (amount.value > kBatch) {
+      text += "  # of a server with more than its own --max-batch-items";
+    }
+    return text;
   }
 
  private:
+  /// Of each point, as all answers are held at once.
+  std::uint32_t most_samples() const {
+    const double most = kMostAnswers / static_cast<double>(layout_.points.size());
+    return static_cast<std::uint32_t>(std::min<double>(most, kMaxSamples));
+  }
+  /// Shares of light samples that are visible mean the same where points are chosen by area alone.
+  bool by_area(const Setting& setting) const {
+    return visibility_ && setting.accuracy.area_sampling() == v1::AREA_SAMPLING_UNSPECIFIED;
+  }
+
   absl::StatusOr<v1::SampleLiResponse> samples_of_light(const v1::Accuracy& accuracy,
                                                         std::uint64_t seed, bool visibility) const {
     v1::SampleLiRequest request = request_;
@@ -108,12 +127,20 @@ class SampleQuestion : public Question {
     const auto response = samples_of_light(accuracy, seed, true);
     if (!response.ok()) return response.status();
     const std::size_t points = layout_.points.size();
-    const std::size_t each = static_cast<std::size_t>(response->pdf_per_sr_size()) / points;
     Answer answer{.values = std::vector<double>(points)};
-    for (std::size_t k = 0; k < points * each; ++k) {
-      // By the number that was asked for: a server that samples every light answers more.
-      answer.values[k / each] +=
-          value(*response, static_cast<int>(k), k / each) / static_cast<double>(accuracy.samples());
+    if (response->has_estimates()) {
+      const v1::ReceiverEstimates& e = response->estimates();
+      for (int i = 0; i < e.illuminance_lx_size(); ++i) {
+        const bool has = e.status().empty() || e.status(i) == v1::ITEM_STATUS_OK;
+        answer.values[static_cast<std::size_t>(i)] =
+            has ? double{e.illuminance_lx(i)} : std::numeric_limits<double>::quiet_NaN();
+      }
+    } else {
+      const std::size_t each = static_cast<std::size_t>(response->pdf_per_sr_size()) / points;
+      for (std::size_t k = 0; k < points * each; ++k) {
+        answer.values[k / each] += value(*response, static_cast<int>(k), k / each) /
+                                   static_cast<double>(accuracy.samples());
+      }
     }
     answer.seconds = watch.seconds();  // the caller's sum is part of what a client sees
     answer.samples = static_cast<double>(response->cost().samples());

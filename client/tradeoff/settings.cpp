@@ -114,6 +114,7 @@ std::vector<Setting> settings(Query query, const SceneFacts& facts) {
       add(kPairs);
       break;
     case Query::kSample:
+      result.push_back(make_setting({}, true));
       add(kLightSelections);
       add(kAreaSamplings);
       add({{"--sampler", "independent"}, {"--visibility", "shadow-maps"}});

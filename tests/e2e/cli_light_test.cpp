@@ -112,6 +112,40 @@ TEST_F(Cli, SampleOfAPointLightIsItsIlluminance) {
   EXPECT_THAT(chosen.out, ContainsRegex("chosen with"));
 }
 
+TEST_F(Cli, SamplesToAnErrorOrATimeTellWhatTheySay) {
+  // Straight below the sphere's centre, 2.6 m: pi 12 (0.35 / 2.6)^2 = 0.683163 lx, and into a small
+  // sphere 12 2 pi (1 - sqrt(1 - (0.35 / 2.6)^2)) = 0.686293 lx.
+  const auto sample = [](std::vector<std::string> more) {
+    more.insert(more.begin(), {"sample", "sphere.pbrt", "--point", "0.7,-1.2,0"});
+    return lucerna(more);
+  };
+  const Outcome error = sample({"--normal", "0,0,1", "--error", "1%", "--confidence", "99%"});
+  EXPECT_EQ(error.status, 0) << error.err;
+  EXPECT_THAT(
+      error.out,
+      ContainsRegex("x \\[m\\] +y \\[m\\] +z \\[m\\] +illuminance \\[lx\\] +± \\[lx\\] +samples"));
+  EXPECT_THAT(error.out,
+              ContainsRegex("0\\.7 +-1\\.2 +0 +0\\.68[23][0-9]* +[0-9.e-]+ +[0-9]+ *\n"));
+  EXPECT_THAT(error.out, HasSubstr("± and < hold with 99% confidence, of lights as though"));
+  const Outcome around = sample({"--error", "1%", "--visible", "--floor", "0.001"});
+  EXPECT_THAT(around.out, HasSubstr("spherical illuminance [lx]"));
+  EXPECT_THAT(around.out, ContainsRegex(" 0\\.68[67][0-9]* "));
+  EXPECT_THAT(around.out, HasSubstr("of visible lights; "));
+  const Outcome most =
+      sample({"--error", "1e-9", "--max-samples", "128", "--area-sampling", "square-root"});
+  EXPECT_THAT(most.out, ContainsRegex(" 128 *\n"));
+  EXPECT_THAT(sample({"--budget", "0.01", "--sampler", "independent"}).out,
+              ContainsRegex(" 0\\.[67][0-9]* "));
+  EXPECT_THAT(sample({"--error", "10%", "--wavelength", "555", "--visibility", "shadow-maps"}).out,
+              HasSubstr("W/m2/nm"));
+  const Outcome json = sample({"--error", "10%", "--json"});
+  EXPECT_THAT(json.out, ContainsRegex("\"estimates\": ?\\{\"samples\": ?\\[[0-9]+\\],"));
+  EXPECT_THAT(json.out, HasSubstr("\"standard_error_lx\""));
+  expect_wrong_use(sample({"--u", "0.5,0.5,0.5", "--error", "1%"}), "--u and --error: only one");
+  expect_wrong_use(sample({"--u", "0.5,0.5,0.5", "--budget", "1"}), "--u and --budget: only one");
+  EXPECT_NE(sample({"--samples", "4", "--error", "1%"}).status, 0);
+}
+
 TEST_F(Cli, PdfIsZeroBesideALightAndNotTowardsIt) {
   // Straight below the sphere's centre.
   const Outcome outcome = lucerna({"pdf", "sphere.pbrt", "--light", "1", "--points", "-"},

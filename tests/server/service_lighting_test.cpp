@@ -114,15 +114,6 @@ TEST_F(LightingServiceTest, UnknownScenesAndLightsAreNotFound) {
   EXPECT_EQ(detail<google::rpc::ErrorInfo>(s).reason(), "NO_SUCH_LIGHT");
 }
 
-TEST_F(LightingServiceTest, SamplesHaveNoErrorAndTakeNoTime) {
-  v1::SampleLiResponse r;
-  v1::SampleLiRequest q = sample_request();
-  q.mutable_accuracy()->set_time_budget_s(1);
-  expect_bad_field(sample(q, &r), "accuracy.time_budget_s");
-  q.mutable_accuracy()->mutable_target_error()->set_relative(0.1);
-  expect_bad_field(sample(q, &r), "accuracy.target_error");
-}
-
 TEST_F(LightingServiceTest, TooLargeABatchIsExhaustedAndNotWorthARetry) {
   v1::SampleLiResponse r;
   v1::SampleLiRequest q = sample_request();

@@ -145,7 +145,7 @@ TEST_F(SampleAccuracy, LessErrorOrMoreConfidenceTakesMoreSamples) {
     return answer(q).estimates().samples(0);
   };
   const std::uint32_t coarse = samples(0.02, 0.95);
-  EXPECT_GT(samples(0.004, 0.95), 4 * coarse);
+  EXPECT_GT(samples(0.001, 0.95), 4 * coarse);
   EXPECT_GT(samples(0.02, 0.9999), coarse);
 }
 
