@@ -26,12 +26,12 @@ enum class AreaSampling : std::uint8_t {
 
 /// How points of a triangle or rectangle are chosen, where `asked` for: kAutomatic by the one rule,
 /// the cosine's way not where there is no normal (zero).  Never kAutomatic.  `corners` relative to
-/// the receiver, in any unit of length.
+/// the receiver, in any unit of length.  `incomplete` as in Receiver.
 AreaSampling way_for_corners(AreaSampling asked, std::span<const Vec3<double>> corners,
-                             const Vec3<double>& normal);
+                             const Vec3<double>& normal, bool incomplete = false);
 /// The same for a disk, by the points of its rim nearest to the receiver and farthest from it.
 AreaSampling way_for_disk(AreaSampling asked, const Vec3<double>& nearest,
-                          const Vec3<double>& farthest);
+                          const Vec3<double>& farthest, bool incomplete = false);
 /// The same for a whole sphere.
 AreaSampling way_for_sphere(AreaSampling asked);
 

@@ -214,7 +214,7 @@ struct Seen {
       : normal(receiver.normal), height(patch.height_of(receiver.position)) {
     const Vec3<double> r(receiver.position);
     for (int i = 0; i < 4; ++i) corner[i] = p.at(i & 1, i >> 1) - r;
-    way = way_for_corners(receiver.area_sampling, corner, normal);
+    way = way_for_corners(receiver.area_sampling, corner, normal, receiver.incomplete);
     if (is_by_area(way) || height == 0) return;
     const Vec3<double> around[] = {corner[0], corner[1], corner[3], corner[2]};
     fan = SphericalFan::create(around, normalized(cross(p.e, p.f)), height);

@@ -119,7 +119,7 @@ auto Disk<Real>::seen_from(const Receiver<Real>& receiver) const -> Seen {
   if (offset > 0) seen.x = -r.x / offset, seen.y = -r.y / offset;
   const AreaSampling way =
       way_for_disk(receiver.area_sampling, {offset - params_.radius_m, 0, height},
-                   {offset + params_.radius_m, 0, height});
+                   {offset + params_.radius_m, 0, height}, receiver.incomplete);
   if (!is_by_area(way)) seen.ellipse = SphericalEllipse::create(offset, height, params_.radius_m);
   return seen;
 }

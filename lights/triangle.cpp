@@ -43,7 +43,7 @@ struct Seen {
                Vec3<double>(t.c) - Vec3<double>(receiver.position)},
         normal(receiver.normal),
         height(t.height_of(receiver.position)),
-        way(way_for_corners(receiver.area_sampling, corner, normal)) {
+        way(way_for_corners(receiver.area_sampling, corner, normal, receiver.incomplete)) {
     if (is_by_area(way) || height == 0) return;
     low = LowTriangle::create(corner, normalized(area_vector(t)), height);
     if (!low)

@@ -13,12 +13,6 @@ namespace {
 
 constexpr double kInvPi = std::numbers::inv_pi;
 
-/// Whether somebody wants several points on some light.
-bool wants_points(const Scene& scene, const Methods& methods) {
-  if (methods.samples_per_light) return *methods.samples_per_light > 1;
-  return std::ranges::any_of(scene.lights(), [](const SceneLight& l) { return l.samples > 1; });
-}
-
 /// The sample of an area light as a point where it is seen from afar; nothing where it is nearer
 /// than `radii` of its own, or has no closed form.
 template <typename L>
@@ -57,16 +51,12 @@ std::optional<LightSample<double>> far_sample(const L& light, const Receiver<dou
 DirectLight::DirectLight(const Scene& scene, const Methods& methods)
     : scene_(scene), methods_(methods), visibility_(scene, methods.visibility) {
   for (std::uint32_t l = 0; l < scene.lights().size(); ++l) deltas_ += is_delta(l) ? 1 : 0;
-  const bool few = scene.lights().size() <= kFewLights;
   switch (methods.light_selection) {
     case LightSelection::kAll:
       spending_ = Spending::kEach;
       break;
     case LightSelection::kAutomatic:
-      spending_ = !few ? Spending::kDrawn
-                  : scene.lights().size() < 2 || wants_points(scene, methods)
-                      ? Spending::kEach
-                      : Spending::kResampled;
+      spending_ = scene.lights().size() <= kFewLights ? Spending::kEach : Spending::kDrawn;
       candidates_ = kCandidates;
       break;
     default:
@@ -103,6 +93,7 @@ const LightSelector& DirectLight::selector(Spending spending) const {
 }
 
 std::uint64_t DirectLight::settling_samples() const {
+  if (scene_.lights().size() <= kFewLights) return 0;
   return (deltas_ + kSettledPerSample - 1) / kSettledPerSample;
 }
 
@@ -203,7 +194,7 @@ void DirectLight::sample(Spending spending, const SurfaceHit& hit, const Vec3<fl
         sample_points(v, {l, 1}, s, PathSample::kFirstVisited + depth * lights + l);
     return;
   }
-  if (spending != Spending::kResampled && candidates_ == 1) {
+  if (candidates_ == 1) {
     const double u = choosing_value(s.at(depth, PathSample::kLight));
     const auto choice = selector(spending).choose(methods_.light_selection, receiver(hit, wo), u);
     if (choice && !settled.has(choice->light))
@@ -250,24 +241,17 @@ void DirectLight::sample_one_of(const Vertex& v, Spending spending, const PathSa
       u = (u - part) / (1 - part);
     }
   };
-  if (spending == Spending::kResampled) {
-    // The same point for all: they need not be independent, since one of them is kept.
-    const Vec2<float> point = s.at(v.depth, PathSample::kLightPoint);
-    for (std::uint32_t l = 0; l < scene_.lights().size(); ++l)
-      if (!v.settled.has(l)) weigh(l, candidate(v.hit, v.wo, {l, 1}, 1, point));
-  } else {
-    const Receiver<double> from = receiver(v.hit, v.wo);
-    const LightSelector& lights = selector(spending);
-    for (std::uint32_t j = 0; j < candidates_; ++j) {
-      const PathSample part = s.part(j, candidates_);
-      const auto choice = lights.choose(methods_.light_selection, from,
-                                        choosing_value(part.at(v.depth, PathSample::kLight)));
-      if (!choice || v.settled.has(choice->light)) continue;
-      weigh(choice->light,
-            candidate(v.hit, v.wo, *choice, 1, part.at(v.depth, PathSample::kLightPoint)));
-    }
-    share /= candidates_;
+  const Receiver<double> from = receiver(v.hit, v.wo);
+  const LightSelector& lights = selector(spending);
+  for (std::uint32_t j = 0; j < candidates_; ++j) {
+    const PathSample part = s.part(j, candidates_);
+    const auto choice = lights.choose(methods_.light_selection, from,
+                                      choosing_value(part.at(v.depth, PathSample::kLight)));
+    if (!choice || v.settled.has(choice->light)) continue;
+    weigh(choice->light,
+          candidate(v.hit, v.wo, *choice, 1, part.at(v.depth, PathSample::kLightPoint)));
   }
+  share /= candidates_;
   if (!(sum > 0 && std::isfinite(sum))) return;
   const double scale = share * (sum / kept.value.max_component());
   v.found(light, shadowed(v.hit, light, kept.sample, kept.value * scale, v.work));
