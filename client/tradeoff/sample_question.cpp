@@ -51,11 +51,13 @@ class SampleQuestion : public Question {
   }
   absl::StatusOr<Answer> ask(const Setting& setting, const Amount& amount,
                              std::uint64_t seed) const override {
-    v1::Accuracy accuracy = accuracy_of(setting, amount);
-    if (visibility_ && accuracy.area_sampling() == v1::AREA_SAMPLING_UNSPECIFIED) {
-      accuracy.set_area_sampling(v1::AREA_SAMPLING_SQUARE_ROOT);
+    // What cannot be asked for in a command cannot be recommended.
+    for (const std::string& flag : setting.flags) {
+      if (!flag.starts_with("--") || !options_.sample_takes || options_.sample_takes(flag))
+        continue;
+      return absl::UnimplementedError("lucerna sample has no " + flag);
     }
-    return sampled(accuracy, seed);
+    return sampled(accuracy_of(with_area(setting), amount), seed);
   }
 
   std::vector<std::string> reference_ways() const override {
@@ -70,12 +72,22 @@ class SampleQuestion : public Question {
   }
 
   std::string command(const Setting& setting, const Amount& amount) const override {
-    return fmt::format("lucerna sample {} --points {} --visible", options_.scene,
-                       options_.points_file) +
-           join_flags(setting, amount);
+    return command_line(options_, "sample",
+                        fmt::format(" --points {} --visible{}", shell_word(options_.points_file),
+                                    join_flags(with_area(setting), amount)));
   }
 
  private:
+  /// Of visibility: points of lights by area, where nothing else was asked for, so that shares mean
+  /// the same.
+  Setting with_area(const Setting& setting) const {
+    if (!visibility_ || setting.accuracy.area_sampling() != v1::AREA_SAMPLING_UNSPECIFIED)
+      return setting;
+    std::vector<std::string> flags = setting.flags;
+    flags.insert(flags.end(), {"--area-sampling", "square-root"});
+    return make_setting(std::move(flags), setting.by_target);
+  }
+
   absl::StatusOr<v1::SampleLiResponse> samples_of_light(const v1::Accuracy& accuracy,
                                                         std::uint64_t seed, bool visibility) const {
     v1::SampleLiRequest request = request_;
