@@ -111,8 +111,12 @@ Recommendation recommend(std::size_t level, const std::vector<Setting>& settings
   const Curve& chosen = curves[*r.setting];
   r.reached = *chosen.levels[level];
   r.exact = chosen.exact().has_value();
-  r.amount = r.exact ? Amount{.target = settings[*r.setting].by_target, .value = 0}
-                     : practical(settings[*r.setting].by_target, r.reached.samples);
+  if (r.exact) {
+    const Cell& cell = chosen.cells[*chosen.exact()];
+    r.reached.seconds = cell.seconds.median;
+    r.reached.samples = cell.amount.value;
+  }
+  r.amount = practical(settings[*r.setting].by_target, r.reached.samples);
   if (const auto& automatic = curves[0].levels[level]) {
     r.automatic_ratio = automatic->seconds / r.best_reached.seconds;
     r.automatic_extrapolated = automatic->how == Reached::How::kExtrapolated;
@@ -147,6 +151,7 @@ std::optional<std::size_t> Curve::exact() const {
   std::optional<std::size_t> fastest;
   for (std::size_t k = 0; k < cells.size(); ++k) {
     if (!cells[k].exact) continue;
+    if (cells.size() > 1 && !cells[k].amount.target && cells[k].amount.value < 2) continue;
     if (!fastest || cells[k].seconds.median < cells[*fastest].seconds.median) fastest = k;
   }
   return fastest;

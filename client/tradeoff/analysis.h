@@ -52,7 +52,8 @@ struct Curve {
   /// their upper quartiles [s].
   std::array<std::optional<double>, kLevels.size()> latest{};
 
-  /// Of what is exact the cell that takes least time.
+  /// Of what is exact the cell that takes least time, of more than one sample where there is a
+  /// choice: a single one tells no error, and so not that it is exact.
   std::optional<std::size_t> exact() const;
   std::vector<Measured> measured() const;
 };
@@ -62,7 +63,6 @@ struct Recommendation {
   /// What to ask for: the best, or the simplest command that is not told apart from it.
   std::optional<std::size_t> setting;
   Reached reached;
-  /// 0 where any will do.
   Amount amount;
   bool exact = false;
   /// Of least time, those beyond what was measured counted kExtrapolatedCounts times.

@@ -82,8 +82,7 @@ class PowerQuestion : public Question {
       for (const std::uint64_t light : lights_) ids += fmt::format(" {}", light);
       return fmt::format(
           "for id in{}; do {}; done", ids,
-          command_line(options_, "emit",
-                       fmt::format(" --light $id --count {:.0f}", std::max(amount.value, 1.0))));
+          command_line(options_, "emit", fmt::format(" --light $id --count {:.0f}", amount.value)));
     }
     if (sampled(setting)) {
       return command_line(options_, "power",

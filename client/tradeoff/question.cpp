@@ -48,7 +48,7 @@ std::string command_line(const QuestionOptions& options, const std::string& comm
 }
 
 std::string join_flags(const Setting& setting, const Amount& amount) {
-  std::string result = amount.value > 0 ? " " + amount.flags() : "";
+  std::string result = " " + amount.flags();
   for (const std::string& flag : setting.flags) result += " " + flag;
   return result;
 }

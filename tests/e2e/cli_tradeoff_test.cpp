@@ -157,7 +157,6 @@ TEST_F(CliTradeoff, WhatIsKnownIsTheReference) {
     EXPECT_THAT(outcome.out, HasSubstr("Reference: closed forms"));
     EXPECT_THAT(outcome.out, HasSubstr("Its own error: 0, but for rounding."));
     EXPECT_THAT(outcome.out, HasSubstr("any error: automatic"));
-    EXPECT_THAT(outcome.out, Not(HasSubstr("--samples")));
     expect_report(query[0]);
     const json all = json::parse(text("out/tradeoff.json"));
     EXPECT_EQ(all["reference"]["exact"], true);
