@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <ctime>
 #include <filesystem>
 #include <fstream>
@@ -106,7 +107,15 @@ absl::StatusOr<std::unique_ptr<tradeoff::Question>> make_question(
   return absl::InternalError("no such query");
 }
 
-void trade(Session& session, const TradeoffOptions& options, const std::string& version) {
+/// Whether commands that name no server ask this one.
+bool is_default_server(const CLI::App& app, const std::string& server) {
+  const CLI::Option* option = app.get_option("--server");
+  const char* named = std::getenv(option->get_envname().c_str());
+  return server == (named == nullptr ? option->get_default_str() : named);
+}
+
+void trade(const CLI::App& app, Session& session, const TradeoffOptions& options,
+           const std::string& version) {
   session.need_one_server("times are those of one server");
   const Query query = query_of(options.query);
   tradeoff::QuestionOptions asked = question_options(options, query);
@@ -114,6 +123,7 @@ void trade(Session& session, const TradeoffOptions& options, const std::string& 
     wrong_use(std::string(made.message()));
   asked.scene_id = session.scene_id(options.scene);
   asked.call = session.call_options();
+  if (!is_default_server(app, session.server())) asked.server = session.server();
   const auto question = make_question(query, session.client(), asked);
   if (absl::IsInvalidArgument(question.status())) session.fail_here(question.status(), kWrongUse);
   if (!question.ok()) session.fail(question.status());
@@ -187,7 +197,7 @@ void add_tradeoff_command(CLI::App& app, Session& session, const std::string& ve
       ->capture_default_str();
   command->add_option("--out", trading->directory, "Directory for what it writes")->required();
   command->add_flag("--quiet", trading->quiet, "Tell nothing on the way");
-  command->callback([trading, &session, version] { trade(session, *trading, version); });
+  command->callback([trading, &app, &session, version] { trade(app, session, *trading, version); });
 }
 
 }  // namespace lucerna::cli

@@ -14,7 +14,8 @@ constexpr double kResolved = 2;
 
 double median(std::vector<double> numbers) { return quartiles(std::move(numbers)).median; }
 
-std::vector<Cell> cells_of(std::size_t setting, const std::vector<Run>& runs) {
+std::vector<Cell> cells_of(std::size_t setting, const std::vector<Run>& runs,
+                           const Reference& reference) {
   std::vector<Cell> cells;
   for (const Run& run : runs) {
     if (run.setting != setting || run.round == 0) continue;
@@ -41,6 +42,14 @@ std::vector<Cell> cells_of(std::size_t setting, const std::vector<Run>& runs) {
     cell.samples = median(samples);
     cell.rays = median(rays);
   }
+  // What samples at any amount may come as near by their number alone.
+  const bool exact = reference.relative_error <= kRounding &&
+                     std::all_of(cells.begin(), cells.end(),
+                                 [](const Cell& cell) { return cell.error.mean <= kRounding; });
+  for (Cell& cell : cells) {
+    cell.exact = exact;
+    if (exact) cell.error = {};
+  }
   std::sort(cells.begin(), cells.end(), [](const Cell& a, const Cell& b) {
     return a.amount.target ? a.amount.value > b.amount.value : a.amount.value < b.amount.value;
   });
@@ -61,43 +70,75 @@ void judge_efficiency(Curve& curve, double reference_error) {
   }
 }
 
+double counted(const Reached& reached) {
+  return reached.seconds * (reached.how == Reached::How::kExtrapolated ? kExtrapolatedCounts : 1);
+}
+
+/// When the upper ends of errors' intervals come down to `error`, at the upper quartiles of times.
+std::optional<double> latest_time(const Curve& curve, double error) {
+  std::vector<Measured> late;
+  for (const Cell& cell : curve.cells) {
+    if (!std::isfinite(cell.error.upper)) continue;
+    late.push_back(
+        {.seconds = cell.seconds.upper, .error = cell.error.upper, .samples = cell.amount.value});
+  }
+  const auto reached = time_to_error(late, error);
+  if (!reached) return std::nullopt;
+  return counted(*reached);
+}
+
 Recommendation recommend(std::size_t level, const std::vector<Setting>& settings,
                          const std::vector<Curve>& curves, const Reference& reference) {
   Recommendation r;
   r.error = kLevels[level];
   r.below_reference = kLevels[level] < kResolved * reference.relative_error;
-  // What was measured comes before what was not.
-  const auto rank = [](const Reached& x) {
-    return std::pair(x.how == Reached::How::kExtrapolated, x.seconds);
-  };
   for (const Curve& curve : curves) {
     const auto& reached = curve.levels[level];
-    if (!reached || (r.setting && rank(*reached) >= rank(r.reached))) continue;
-    r.setting = curve.setting;
-    r.reached = *reached;
+    if (!reached || (r.setting && counted(*reached) >= counted(r.best_reached))) continue;
+    r.setting = r.best = curve.setting;
+    r.best_reached = *reached;
   }
   if (!r.setting) return r;
+  // Who need not choose asks for the least: automatic, by samples before by target error.
+  const double latest = curves[r.best].latest[level].value_or(counted(r.best_reached));
+  for (const Curve& curve : curves) {
+    const auto& reached = curve.levels[level];
+    if (!settings[curve.setting].flags.empty() || !reached) continue;
+    if (curve.setting != r.best && counted(*reached) > latest) continue;
+    r.setting = curve.setting;
+    break;
+  }
+  const Curve& chosen = curves[*r.setting];
+  r.reached = *chosen.levels[level];
+  r.exact = chosen.exact().has_value();
+  if (r.exact) {
+    const Cell& cell = chosen.cells[*chosen.exact()];
+    r.reached.seconds = cell.seconds.median;
+    r.reached.samples = cell.amount.value;
+  }
   r.amount = practical(settings[*r.setting].by_target, r.reached.samples);
   if (const auto& automatic = curves[0].levels[level]) {
-    r.automatic_ratio = automatic->seconds / r.reached.seconds;
+    r.automatic_ratio = automatic->seconds / r.best_reached.seconds;
     r.automatic_extrapolated = automatic->how == Reached::How::kExtrapolated;
   }
   return r;
 }
 
 void compare(const std::vector<Setting>& settings, Analysis& a) {
-  // As much time as every setting that stayed was given.
+  // As much time as every setting that stayed was given.  What is exact has nothing to compare.
   double least = std::numeric_limits<double>::infinity();
   for (const Curve& curve : a.curves)
-    if (!curve.cells.empty()) least = std::min(least, curve.cells.back().seconds.median);
+    if (!curve.cells.empty() && !curve.cells.back().exact)
+      least = std::min(least, curve.cells.back().seconds.median);
   a.comparison_s = std::isinf(least) ? 0 : least;
   a.compared.resize(settings.size());
+  if (a.comparison_s == 0) return;
   for (std::size_t i = 0; i < a.curves.size(); ++i) {
-    double nearest = std::numeric_limits<double>::infinity();
+    double nearest = std::log(kAboutTheSame);
     for (std::size_t k = 0; k < a.curves[i].cells.size(); ++k) {
-      const double distance =
-          std::fabs(std::log(a.curves[i].cells[k].seconds.median / a.comparison_s));
-      if (distance >= nearest) continue;
+      const Cell& cell = a.curves[i].cells[k];
+      const double distance = std::fabs(std::log(cell.seconds.median / a.comparison_s));
+      if (cell.exact || distance > nearest) continue;
       nearest = distance;
       a.compared[i] = k;
     }
@@ -105,6 +146,16 @@ void compare(const std::vector<Setting>& settings, Analysis& a) {
 }
 
 }  // namespace
+
+std::optional<std::size_t> Curve::exact() const {
+  std::optional<std::size_t> fastest;
+  for (std::size_t k = 0; k < cells.size(); ++k) {
+    if (!cells[k].exact) continue;
+    if (cells.size() > 1 && !cells[k].amount.target && cells[k].amount.value < 2) continue;
+    if (!fastest || cells[k].seconds.median < cells[*fastest].seconds.median) fastest = k;
+  }
+  return fastest;
+}
 
 std::vector<Measured> Curve::measured() const {
   std::vector<Measured> result;
@@ -135,7 +186,7 @@ Analysis analyse(const std::vector<Setting>& settings, const SweepResult& sweep,
   for (std::size_t i = 0; i < settings.size(); ++i) {
     Curve curve;
     curve.setting = i;
-    curve.cells = cells_of(i, sweep.runs);
+    curve.cells = cells_of(i, sweep.runs, reference);
     const std::vector<Measured> measured = curve.measured();
     curve.rate =
         measured.size() < 2
@@ -144,10 +195,12 @@ Analysis analyse(const std::vector<Setting>& settings, const SweepResult& sweep,
     judge_efficiency(curve, reference.relative_error);
     for (std::size_t level = 0; level < kLevels.size(); ++level)
       curve.levels[level] = time_to_error(measured, kLevels[level]);
+    for (std::size_t level = 0; level < kLevels.size(); ++level)
+      curve.latest[level] = latest_time(curve, kLevels[level]);
     for (std::size_t k = 0; k < measured.size(); ++k) {
       all.push_back(measured[k]);
       places.emplace_back(i, k);
-      least_error = std::min(least_error, measured[k].error);
+      if (!curve.cells[k].exact) least_error = std::min(least_error, measured[k].error);
     }
     a.curves.push_back(std::move(curve));
   }
@@ -155,7 +208,9 @@ Analysis analyse(const std::vector<Setting>& settings, const SweepResult& sweep,
   for (std::size_t level = 0; level < kLevels.size(); ++level)
     a.levels[level] = recommend(level, settings, a.curves, reference);
   compare(settings, a);
-  if (!reference.exact && reference.relative_error * kReferenceMargin > least_error) {
+  if (!reference.warning.empty()) a.warnings.push_back(reference.warning);
+  if (reference.relative_error > kRounding && !reference.exact &&
+      reference.relative_error * kReferenceMargin > least_error) {
     a.warnings.push_back(fmt::format(
         "The reference's own error, {:.3g}%, is not {:g} times below the best setting's, {:.3g}%: "
         "errors near it are in part the reference's.  A larger --budget makes it better.",

@@ -19,10 +19,20 @@ inline constexpr std::array<double, 3> kLevels = {0.1, 0.01, 0.001};
 /// A reference that is not so many times better than the best setting is told to be the limit.
 inline constexpr double kReferenceMargin = 3;
 
+/// A time beyond what was measured counts so many times when settings are ranked: it grows with the
+/// root of the time at best, and what was measured is known.
+inline constexpr double kExtrapolatedCounts = 2;
+
+/// Settings are compared item by item where they have an amount of a time within this factor.
+inline constexpr double kAboutTheSame = 2;
+
 /// All counted runs of one amount of one setting.
 struct Cell {
   Amount amount;
   std::size_t runs = 0;
+  /// As are all of its setting: the reference to rounding (kRounding), where that has no error of
+  /// its own.  Then 0 is told.
+  bool exact = false;
   Quartiles seconds;
   Interval error;  ///< relative: root of the mean over runs of the relative MSE
   Interval rmse;
@@ -38,16 +48,27 @@ struct Curve {
   std::optional<Interval> efficiency;
   std::size_t efficient_at = 0;
   std::array<std::optional<Reached>, kLevels.size()> levels;
+  /// When it comes down to them where errors are at the upper ends of their intervals and times at
+  /// their upper quartiles [s].
+  std::array<std::optional<double>, kLevels.size()> latest{};
 
+  /// Of what is exact the cell that takes least time, of more than one sample where there is a
+  /// choice: a single one tells no error, and so not that it is exact.
+  std::optional<std::size_t> exact() const;
   std::vector<Measured> measured() const;
 };
 
 struct Recommendation {
   double error = 0;
+  /// What to ask for: the best, or the simplest command that is not told apart from it.
   std::optional<std::size_t> setting;
   Reached reached;
   Amount amount;
-  /// Time of automatic over that of the setting.
+  bool exact = false;
+  /// Of least time, those beyond what was measured counted kExtrapolatedCounts times.
+  std::size_t best = 0;
+  Reached best_reached;
+  /// Time of automatic over that of the best.
   std::optional<double> automatic_ratio;
   bool automatic_extrapolated = false;
   bool below_reference = false;  ///< the reference does not tell errors so small

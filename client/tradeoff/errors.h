@@ -12,6 +12,10 @@ namespace lucerna::tradeoff {
 /// without it a nearly dark item would decide alone what a relative error is.
 inline constexpr double kDark = 0.01;
 
+/// Relative errors below this are those of single precision, in which answers come, and of sums in
+/// it: some ten of its last places.
+inline constexpr double kRounding = 1e-6;
+
 struct Errors {
   double rmse = 0;               ///< in the unit of the values
   double relative_mse = 0;       ///< mean of (value - reference)^2 / (reference^2 + dark^2)

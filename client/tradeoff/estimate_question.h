@@ -43,9 +43,7 @@ class EstimateQuestion : public Question {
   /// What follows a command's scene and items, so that it asks the same.
   std::string flags(const Setting& setting, const Amount& amount) const {
     std::string text = options_.bounces ? fmt::format(" --bounces {}", *options_.bounces) : "";
-    text += join_flags(setting, amount);
-    if (amount.target) text += fmt::format(" --floor {:.3g}", dark_ * amount.value);
-    return text;
+    return text + join_flags(setting, amount) + floor_flag(amount, dark_);
   }
 
   const client::Client& client_;

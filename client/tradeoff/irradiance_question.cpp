@@ -13,6 +13,8 @@ namespace lucerna::tradeoff {
 namespace {
 
 constexpr std::uint32_t kMaxSamples = 1 << 16;
+// Whole replicates, so that an answer of them has errors.
+constexpr std::uint32_t kTellingSamples = 64;
 
 class IrradianceQuestion : public EstimateQuestion {
  public:
@@ -28,31 +30,57 @@ class IrradianceQuestion : public EstimateQuestion {
 
   Query query() const override { return Query::kIrradiance; }
   std::string quantity() const override { return "illuminance [lx]"; }
+  absl::StatusOr<std::optional<std::vector<double>>> closed_form(
+      std::uint64_t seed) const override {
+    v1::Accuracy accuracy;
+    accuracy.set_samples(kTellingSamples);
+    const auto response = respond(accuracy, seed);
+    if (!response.ok()) return response.status();
+    std::optional<std::vector<double>> result = values(*response);
+    for (int i = 0; i < response->illuminance_lx_size(); ++i) {
+      const float value = response->illuminance_lx(i);
+      const bool exact = response->standard_error_lx(i) == 0 && response->zero_bound_lx(i) == 0 &&
+                         response->lower_lx(i) == value && response->upper_lx(i) == value;
+      if (has(*response, i) && !exact) return std::nullopt;
+    }
+    return result;
+  }
   std::string command(const Setting& setting, const Amount& amount) const override {
-    return fmt::format("lucerna irradiance {} --points {}", options_.scene, options_.points_file) +
-           flags(setting, amount);
+    return command_line(options_, "irradiance",
+                        " --points " + shell_word(options_.points_file) + flags(setting, amount));
   }
 
  private:
-  absl::StatusOr<Answer> answer(const v1::Accuracy& accuracy, std::uint64_t seed) const override {
+  absl::StatusOr<v1::EstimateIrradianceResponse> respond(const v1::Accuracy& accuracy,
+                                                         std::uint64_t seed) const {
     v1::EstimateIrradianceRequest request = request_;
     *request.mutable_accuracy() = accuracy;
     request.mutable_seed()->set_seed(seed);
+    return client::estimate_irradiance_in_batches(client_, request,
+                                                  {.max_items = 0, .call = options_.call});
+  }
+
+  static bool has(const v1::EstimateIrradianceResponse& response, int i) {
+    return response.status().empty() || response.status(i) == v1::ITEM_STATUS_OK;
+  }
+  static std::vector<double> values(const v1::EstimateIrradianceResponse& response) {
+    std::vector<double> result;
+    for (int i = 0; i < response.illuminance_lx_size(); ++i) {
+      result.push_back(has(response, i) ? static_cast<double>(response.illuminance_lx(i))
+                                        : std::numeric_limits<double>::quiet_NaN());
+    }
+    return result;
+  }
+
+  absl::StatusOr<Answer> answer(const v1::Accuracy& accuracy, std::uint64_t seed) const override {
     const Stopwatch watch;
-    const auto response = client::estimate_irradiance_in_batches(
-        client_, request, {.max_items = 0, .call = options_.call});
+    const auto response = respond(accuracy, seed);
     const double seconds = watch.seconds();
     if (!response.ok()) return response.status();
-    Answer answer{.values = {},
+    return Answer{.values = values(*response),
                   .seconds = seconds,
                   .samples = static_cast<double>(response->cost().samples()),
                   .rays = rays_of(response->cost())};
-    for (int i = 0; i < response->illuminance_lx_size(); ++i) {
-      const bool ok = response->status().empty() || response->status(i) == v1::ITEM_STATUS_OK;
-      answer.values.push_back(ok ? static_cast<double>(response->illuminance_lx(i))
-                                 : std::numeric_limits<double>::quiet_NaN());
-    }
-    return answer;
   }
 
   v1::EstimateIrradianceRequest request_;

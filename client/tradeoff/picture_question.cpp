@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <limits>
 #include <utility>
 
 #include "client/tradeoff/estimate_question.h"
@@ -17,6 +19,9 @@ constexpr std::uint32_t kMaxSamples = 1 << 14;
 // So large that FLIP, which looks 10 pixels far, has an inside to look at; so small that a question
 // of one sample takes a fraction of a second.
 constexpr std::uint32_t kTile = 32;
+// By which it is found out whether pixels are known: the fewest that a target error takes.
+constexpr std::uint32_t kTellingSamples = 64;
+constexpr double kTellingError = 0.1;
 constexpr std::uint32_t kColumns = 3, kRows = 2;
 
 /// One tile in the middle of each of kColumns x kRows parts; all of a picture no larger than them.
@@ -46,6 +51,19 @@ std::vector<v1::PixelRect> spread_tiles(std::uint32_t width, std::uint32_t heigh
     }
   }
   return tiles;
+}
+
+/// Whether each pixel's interval is a point: the same float at both ends, or, as they are rounded
+/// outwards, its neighbour.
+bool are_points(const v1::Tile& tile) {
+  if (tile.lower().empty() || tile.lower().size() != tile.upper().size()) return false;
+  for (std::size_t i = 0; i + sizeof(float) <= tile.lower().size(); i += sizeof(float)) {
+    float lower = 0, upper = 0;
+    std::memcpy(&lower, tile.lower().data() + i, sizeof lower);
+    std::memcpy(&upper, tile.upper().data() + i, sizeof upper);
+    if (!(upper <= std::nextafter(lower, std::numeric_limits<float>::max()))) return false;
+  }
+  return true;
 }
 
 class PictureQuestion : public EstimateQuestion {
@@ -84,31 +102,74 @@ class PictureQuestion : public EstimateQuestion {
     return result;
   }
 
+  absl::StatusOr<std::optional<std::vector<double>>> closed_form(
+      std::uint64_t seed) const override {
+    // Blocks that do not scatter may all have missed something: only where that is so everywhere a
+    // target error is asked for, which tells an interval of each pixel.
+    v1::Accuracy accuracy;
+    accuracy.set_samples(kTellingSamples);
+    auto responses = respond(accuracy, seed);
+    if (!responses.ok()) return responses.status();
+    const auto scatters = [](const v1::RenderTileResponse& response) {
+      const std::string& deviation = response.tile().deviation();
+      return std::any_of(deviation.begin(), deviation.end(), [](char c) { return c != 0; });
+    };
+    if (std::any_of(responses->begin(), responses->end(), scatters)) return std::nullopt;
+    accuracy.mutable_target_error()->set_relative(kTellingError);
+    accuracy.mutable_target_error()->set_max_samples(kTellingSamples);
+    responses = respond(accuracy, seed);
+    if (!responses.ok()) return responses.status();
+    for (const v1::RenderTileResponse& response : *responses) {
+      const v1::Tile& tile = response.tile();
+      if (scatters(response) || !are_points(tile)) return std::nullopt;
+    }
+    auto known = values(*responses);
+    if (!known.ok()) return known.status();
+    return std::optional(*std::move(known));
+  }
   std::string command(const Setting& setting, const Amount& amount) const override {
-    return fmt::format("lucerna render {} -o picture.exr", options_.scene) + flags(setting, amount);
+    return command_line(options_, "render", " -o picture.exr" + flags(setting, amount));
   }
 
  private:
-  absl::StatusOr<Answer> answer(const v1::Accuracy& accuracy, std::uint64_t seed) const override {
+  absl::StatusOr<std::vector<v1::RenderTileResponse>> respond(const v1::Accuracy& accuracy,
+                                                              std::uint64_t seed) const {
     v1::RenderTileRequest request = request_;
     *request.mutable_accuracy() = accuracy;
     request.set_seed(seed);
     std::vector<v1::RenderTileResponse> responses;
-    const Stopwatch watch;
     for (const v1::PixelRect& tile : layout_.tiles) {
       *request.mutable_rect() = tile;
       auto response = client_.render_tile(request, options_.call);
       if (!response.ok()) return response.status();
       responses.push_back(*std::move(response));
     }
-    Answer answer{.values = {}, .seconds = watch.seconds()};
+    return responses;
+  }
+
+  static absl::StatusOr<std::vector<double>> values(
+      const std::vector<v1::RenderTileResponse>& responses) {
+    std::vector<double> result;
     for (const v1::RenderTileResponse& response : responses) {
       client::PictureAssembler assembler;
       const absl::Status added = assembler.add(response.tile());
       if (!added.ok()) return added;
       const auto pixels = assembler.pixels(response.tile().rect());
       if (!pixels.ok()) return pixels.status();
-      answer.values.insert(answer.values.end(), pixels->begin(), pixels->end());
+      result.insert(result.end(), pixels->begin(), pixels->end());
+    }
+    return result;
+  }
+
+  absl::StatusOr<Answer> answer(const v1::Accuracy& accuracy, std::uint64_t seed) const override {
+    const Stopwatch watch;
+    const auto responses = respond(accuracy, seed);
+    const double seconds = watch.seconds();
+    if (!responses.ok()) return responses.status();
+    auto pixels = values(*responses);
+    if (!pixels.ok()) return pixels.status();
+    Answer answer{.values = *std::move(pixels), .seconds = seconds};
+    for (const v1::RenderTileResponse& response : *responses) {
       answer.samples += static_cast<double>(response.cost().samples());
       answer.rays += rays_of(response.cost());
     }

@@ -17,7 +17,7 @@ constexpr std::uint64_t kMostLights = 64;
 constexpr std::uint32_t kMaxRays = 1 << 18;
 
 // Settings of their own: not flags of methods.
-constexpr char kApproximate[] = "approximate", kRays[] = "emitted rays";
+constexpr char kApproximate[] = "approximate", kSampled[] = "sampled", kRays[] = "emitted rays";
 
 class PowerQuestion : public Question {
  public:
@@ -37,17 +37,26 @@ class PowerQuestion : public Question {
   std::vector<Setting> settings() const override {
     return {{.flags = {}, .accuracy = {}},
             {.flags = {"--method", kApproximate}, .accuracy = {}},
+            {.flags = {"--method", kSampled}, .accuracy = {}},
+            {.flags = {"--method", kSampled}, .accuracy = {}, .by_target = true},
             {.flags = {kRays}, .accuracy = {}}};
   }
   std::vector<Amount> amounts_of(const Setting& setting) const override {
-    if (!by_rays(setting)) return {{.target = false, .value = 1}};
+    if (!by_rays(setting) && !sampled(setting)) return {{.target = false, .value = 1}};
     return amounts(setting, kMaxRays);
   }
   absl::StatusOr<Answer> ask(const Setting& setting, const Amount& amount,
                              std::uint64_t seed) const override {
     if (by_rays(setting)) return emitted(static_cast<std::uint32_t>(amount.value), seed);
-    return known(setting.flags.empty() ? v1::EstimatePowerRequest::METHOD_EXACT
-                                       : v1::EstimatePowerRequest::METHOD_APPROXIMATE);
+    v1::EstimatePowerRequest request;
+    request.set_method(setting.flags.empty() ? v1::EstimatePowerRequest::METHOD_EXACT
+                       : sampled(setting)    ? v1::EstimatePowerRequest::METHOD_SAMPLED
+                                             : v1::EstimatePowerRequest::METHOD_APPROXIMATE);
+    if (sampled(setting)) {
+      *request.mutable_accuracy() = accuracy_of(setting, amount, dark_ * amount.value);
+      request.set_seed(seed);
+    }
+    return told(std::move(request));
   }
   std::vector<std::string> reference_ways() const override {
     return {"closed forms and quadrature with a stated bound (METHOD_EXACT)"};
@@ -69,10 +78,25 @@ class PowerQuestion : public Question {
   }
   std::string command(const Setting& setting, const Amount& amount) const override {
     if (by_rays(setting)) {
-      return fmt::format("lucerna emit {} --light ID --count {:.0f}", options_.scene, amount.value);
+      std::string ids;
+      for (const std::uint64_t light : lights_) ids += fmt::format(" {}", light);
+      return fmt::format(
+          "for id in{}; do {}; done", ids,
+          command_line(options_, "emit", fmt::format(" --light $id --count {:.0f}", amount.value)));
     }
-    return fmt::format("lucerna power {}", options_.scene) +
-           (setting.flags.empty() ? "" : " --method approximate");
+    if (sampled(setting)) {
+      return command_line(options_, "power",
+                          join_flags(setting, amount) + floor_flag(amount, dark_));
+    }
+    return command_line(options_, "power", setting.flags.empty() ? "" : " --method approximate");
+  }
+  std::string about(const Setting& setting) const override {
+    if (by_rays(setting))
+      return "rays that leave the light, asked of SampleLe, whose flux the caller adds up";
+    if (sampled(setting))
+      return "the mean over rays that leave the light, which the server takes and adds up";
+    if (setting.flags.empty()) return "--method exact: closed forms, or quadrature with a bound";
+    return "the books' formulas";
   }
 
  private:
@@ -80,17 +104,21 @@ class PowerQuestion : public Question {
     return !setting.flags.empty() && setting.flags[0] == kRays;
   }
 
-  absl::StatusOr<Answer> known(v1::EstimatePowerRequest::Method method) const {
-    v1::EstimatePowerRequest request;
+  static bool sampled(const Setting& setting) {
+    return setting.flags.size() == 2 && setting.flags[1] == kSampled;
+  }
+
+  absl::StatusOr<Answer> told(v1::EstimatePowerRequest request) const {
     request.set_scene_id(options_.scene_id);
     request.mutable_light_ids()->Add(lights_.begin(), lights_.end());
-    request.set_method(method);
     const Stopwatch watch;
     const auto response = client_.estimate_power(request, options_.call);
     if (!response.ok()) return response.status();
     Answer answer{.values = {}, .seconds = watch.seconds()};
-    for (const v1::LightPower& light : response->lights())
+    for (const v1::LightPower& light : response->lights()) {
       answer.values.push_back(light.power_lm());
+      answer.samples += static_cast<double>(light.samples());
+    }
     return answer;
   }
 

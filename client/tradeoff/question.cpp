@@ -1,5 +1,13 @@
 #include "client/tradeoff/question.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cstring>
+
+#include "absl/strings/str_replace.h"
+
 namespace lucerna::tradeoff {
 
 v1::Accuracy reference_accuracy(std::size_t way) {
@@ -24,10 +32,30 @@ std::vector<std::string> reference_ways_for(std::uint64_t lights) {
           "one light by chance, " + common};
 }
 
+std::string shell_word(const std::string& word) {
+  const bool plain = !word.empty() && std::all_of(word.begin(), word.end(), [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) || std::strchr("_-./:@%+=,", c);
+  });
+  if (plain) return word;
+  return "'" + absl::StrReplaceAll(word, {{"'", "'\\''"}}) + "'";
+}
+
+std::string command_line(const QuestionOptions& options, const std::string& command,
+                         const std::string& rest) {
+  const std::string server =
+      options.server.empty() ? "" : " --server " + shell_word(options.server);
+  return fmt::format("lucerna {} {}{}{}", command, shell_word(options.scene), rest, server);
+}
+
 std::string join_flags(const Setting& setting, const Amount& amount) {
   std::string result = " " + amount.flags();
   for (const std::string& flag : setting.flags) result += " " + flag;
   return result;
+}
+
+std::string floor_flag(const Amount& amount, double dark) {
+  if (!amount.target || !(dark * amount.value > 0)) return "";
+  return fmt::format(" --floor {:.3g}", dark * amount.value);
 }
 
 v1::Accuracy accuracy_of(const Setting& setting, const Amount& amount, double floor) {
@@ -41,8 +69,12 @@ v1::Accuracy accuracy_of(const Setting& setting, const Amount& amount, double fl
   return accuracy;
 }
 
-// Rec. 709.
-double luminance(const float* rgb) { return 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2]; }
+// The Y row of the matrix that follows from the Rec. 709 primaries and the D65 white point
+// (0.3127, 0.3290), to as many digits as the server has it: the four that are usual are off by
+// 2e-5, which would be an error of the setting.  [BT709]
+double luminance(const float* rgb) {
+  return 0.2126390058715104 * rgb[0] + 0.7151686787677559 * rgb[1] + 0.0721923153607337 * rgb[2];
+}
 
 double rays_of(const v1::Cost& cost) {
   return static_cast<double>(cost.camera_rays() + cost.indirect_rays() + cost.shadow_rays());

@@ -54,6 +54,11 @@ class Question {
   virtual bool reference_is_exact() const { return false; }
   virtual absl::StatusOr<Answer> ask_reference(std::size_t way, std::uint32_t samples,
                                                std::uint64_t seed) const = 0;
+  /// Automatic's values where its answer says of all that they are exact, which is checked before
+  /// they are believed; else nothing.
+  virtual absl::StatusOr<std::optional<std::vector<double>>> closed_form(std::uint64_t) const {
+    return std::nullopt;
+  }
   /// Of an exact reference: bounds on the error of each value.
   virtual std::vector<double> reference_bounds() const { return {}; }
 
@@ -66,6 +71,8 @@ class Question {
   /// the same.
   void set_dark_level(double dark) { dark_ = dark; }
 
+  /// What a setting is, in words, where its name does not tell.
+  virtual std::string about(const Setting&) const { return {}; }
   /// The command of a setting, as a user types it.
   virtual std::string command(const Setting& setting, const Amount& amount) const = 0;
 
@@ -75,7 +82,8 @@ class Question {
 
 /// Where questions come from.
 struct QuestionOptions {
-  std::string scene{};  ///< as the user named it
+  std::string scene{};   ///< as the user named it
+  std::string server{};  ///< likewise; empty where it is the one that commands ask anyway
   std::string scene_id{};
   std::string points_file{};
   std::vector<client::Double3> points{}, normals{};
@@ -103,8 +111,16 @@ v1::Accuracy reference_accuracy(std::size_t way);
 /// Their names, for a scene with so many lights.
 std::vector<std::string> reference_ways_for(std::uint64_t lights);
 
+/// A word as a shell takes it: quoted where it must be.
+std::string shell_word(const std::string& word);
+/// "lucerna COMMAND SCENE", and what follows: words with a space before each, and the server.
+std::string command_line(const QuestionOptions& options, const std::string& command,
+                         const std::string& rest);
 /// Flags as they follow a command, with a space before each.
 std::string join_flags(const Setting& setting, const Amount& amount);
+
+/// " --floor X" of a target error, where items below `dark` have an absolute one.
+std::string floor_flag(const Amount& amount, double dark);
 
 /// With a setting's methods and an amount.
 v1::Accuracy accuracy_of(const Setting& setting, const Amount& amount, double floor = 0);

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cmath>
@@ -67,6 +68,7 @@ Json cell_json(const Cell& cell) {
                {"runs", cell.runs},
                {"seconds", to_json(cell.seconds)},
                {"relative_error", to_json(cell.error)},
+               {"exact", cell.exact},
                {"rmse", to_json(cell.rmse)}};
   if (cell.flip) json["flip"] = to_json(*cell.flip);
   json["samples"] = number(cell.samples);
@@ -80,11 +82,14 @@ Json setting_json(const Record& record, std::size_t i) {
   Json json = {{"name", record.settings[i].name()},
                {"flags", record.settings[i].flags},
                {"fate", name(course.fate)}};
+  const std::string about = record.question->about(record.settings[i]);
+  if (!about.empty()) json["about"] = about;
   if (!course.why.empty()) json["why"] = course.why;
   if (course.fate == Course::Fate::kSame) json["same_as"] = course.same_as;
   Json cells = Json::array();
   for (const Cell& cell : curve.cells) cells.push_back(cell_json(cell));
   json["cells"] = cells;
+  if (curve.exact()) json["exact_at"] = *curve.exact();
   json["rate"] = curve.rate ? number(*curve.rate) : nullptr;
   if (curve.efficiency) {
     json["efficiency_per_s"] = to_json(*curve.efficiency);
@@ -111,6 +116,10 @@ Json recommendation_json(const Record& record, const Recommendation& r) {
   json["seconds"] = number(r.reached.seconds);
   json["how"] = name(r.reached.how);
   json["command"] = record.question->command(record.settings[*r.setting], r.amount);
+  json["exact"] = r.exact;
+  json["best"] = record.settings[r.best].name();
+  json["best_seconds"] = number(r.best_reached.seconds);
+  json["best_how"] = name(r.best_reached.how);
   json["automatic_over_best"] = r.automatic_ratio ? number(*r.automatic_ratio) : nullptr;
   json["automatic_extrapolated"] = r.automatic_extrapolated;
   return json;
@@ -157,7 +166,8 @@ Json to_json(const Record& record, bool with_runs) {
                {"circumstances", circumstances_json(record.circumstances)}};
   json["relative_error"] = {
       {"definition", "sqrt(mean of (value - reference)^2 / (reference^2 + dark^2))"},
-      {"dark", number(ref.dark)}};
+      {"dark", number(ref.dark)},
+      {"rounding", kRounding}};
   json["reference"] = {{"way", ref.way},
                        {"exact", ref.exact},
                        {"relative_error", number(ref.relative_error)},
@@ -208,25 +218,39 @@ std::string to_text(const Record& record) {
   const Reference& ref = record.reference;
   std::string text =
       fmt::format("Reference: {}.\n", ref.way) +
-      (ref.exact ? fmt::format("Its own error is at most {:.2g}%.\n", 100 * ref.relative_error)
-                 : fmt::format("Its own error: {:.2g}% ({:.3g} as RMSE), from the scatter of {} "
-                               "answers of {} samples with different seeds, {:.1f} s.\n",
-                               100 * ref.relative_error, ref.rmse, ref.replicates, ref.samples_each,
-                               ref.seconds));
-  for (const Recommendation& r : record.analysis.levels) {
+      (ref.exact && ref.relative_error == 0 ? "Its own error: 0, but for rounding.\n"
+       : ref.exact ? fmt::format("Its own error: at most {:.2g}%.\n", 100 * ref.relative_error)
+                   : fmt::format("Its own error: {:.2g}% ({:.3g} as RMSE), from the scatter of {} "
+                                 "answers of {} samples with different seeds, {:.1f} s.\n",
+                                 100 * ref.relative_error, ref.rmse, ref.replicates,
+                                 ref.samples_each, ref.seconds));
+  const auto& levels = record.analysis.levels;
+  // What is exact does for every error where nothing that is not is faster.
+  const bool any_error = std::all_of(levels.begin(), levels.end(), [&](const Recommendation& r) {
+    return r.exact && r.setting == levels[0].setting;
+  });
+  for (const Recommendation& r : levels) {
+    if (any_error && &r != &levels[0]) break;
     if (!r.setting) {
       text += fmt::format("{:g}%: no setting came near within this budget.\n", 100 * r.error);
       continue;
     }
-    text += fmt::format("{:g}%: {}, {:.3g} s{}", 100 * r.error, record.settings[*r.setting].name(),
-                        r.reached.seconds,
-                        r.reached.how == Reached::How::kExtrapolated ? " (extrapolated)"
-                        : r.reached.how == Reached::How::kWithFewest ? " (or less: the fewest "
-                                                                       "samples are that good)"
-                                                                     : "");
-    if (r.automatic_ratio) {
+    const auto beyond = [](bool extrapolated) { return extrapolated ? " (extrapolated)" : ""; };
+    const auto is_beyond = [](const Reached& x) { return x.how == Reached::How::kExtrapolated; };
+    text += fmt::format(
+        "{}: {}, {:.3g} s{}", any_error ? "any error" : fmt::format("{:g}%", 100 * r.error),
+        record.settings[*r.setting].name(), r.reached.seconds,
+        r.exact                                      ? ", exact"
+        : r.reached.how == Reached::How::kWithFewest ? " (or less: the fewest "
+                                                       "samples are that good)"
+                                                     : beyond(is_beyond(r.reached)));
+    if (r.best != *r.setting) {
+      text += fmt::format("; not told apart from the fastest, {}, {:.3g} s{}",
+                          record.settings[r.best].name(), r.best_reached.seconds,
+                          beyond(is_beyond(r.best_reached)));
+    } else if (r.automatic_ratio && r.best != 0) {
       text += fmt::format("; automatic takes {:.2f} times that{}", *r.automatic_ratio,
-                          r.automatic_extrapolated ? " (extrapolated)" : "");
+                          beyond(r.automatic_extrapolated));
     }
     if (r.below_reference) text += "; the reference is not good enough to tell";
     text += "\n  " + record.question->command(record.settings[*r.setting], r.amount) + "\n";

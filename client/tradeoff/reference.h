@@ -19,6 +19,7 @@ struct Reference {
   double rmse = 0;                     ///< in the unit of the values
   bool exact = false;
   std::string way;             ///< in words
+  std::string warning{};       ///< in words, where there is something amiss
   std::size_t replicates = 0;  ///< answers to different seeds that it is the mean of
   std::uint32_t samples_each = 0;
   double seconds = 0;  ///< that making it took, pilots and all
@@ -32,9 +33,15 @@ inline constexpr std::size_t kFewestReplicates = 4;
 /// Seconds on a clock that only goes forward.
 using Clock = std::function<double()>;
 
+/// The chance that a closed form that is right is refused, by luck of what it is compared with.
+inline constexpr double kRefusal = 1e-3;
+
 /// Takes the way of `question` that promises most for its time by two answers each, and then the
 /// mean of as many answers to different seeds as fit into `seconds`, or as make it kGoodReference.
 /// DEADLINE_EXCEEDED, telling how long it would take, where kFewestReplicates do not fit.
+///
+/// Where automatic knows all in closed form, that is the reference, without an error of its own, if
+/// every value lies within Student's interval of what was sampled; else that stays, and warns.
 absl::StatusOr<Reference> make_reference(const Question& question, double seconds,
                                          std::uint64_t seed, const Clock& clock);
 

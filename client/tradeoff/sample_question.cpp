@@ -71,16 +71,15 @@ class SampleQuestion : public Question {
   }
 
   std::string command(const Setting& setting, const Amount& amount) const override {
-    std::string text = fmt::format("lucerna sample {} --points {} --visible", options_.scene,
-                                   options_.points_file) +
-                       join_flags(setting, amount);
-    if (by_area(setting)) text += " --area-sampling square-root";
-    if (amount.target) {
-      text += fmt::format(" --floor {:.3g} --max-samples {}", dark_ * amount.value,
-                          std::max(kLeastMostSamples, most_samples()));
-    } else if (amount.value > kBatch) {
+    std::string rest = fmt::format(" --points {} --visible{}", shell_word(options_.points_file),
+                                   join_flags(setting, amount));
+    if (by_area(setting)) rest += " --area-sampling square-root";
+    rest += floor_flag(amount, dark_);
+    if (amount.target)
+      rest += fmt::format(" --max-samples {}", std::max(kLeastMostSamples, most_samples()));
+    std::string text = command_line(options_, "sample", rest);
+    if (!amount.target && amount.value > kBatch)
       text += "  # of a server with more than its own --max-batch-items";
-    }
     return text;
   }
 

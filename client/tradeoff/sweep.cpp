@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <optional>
 #include <random>
 #include <utility>
@@ -22,6 +23,9 @@ constexpr double kGrowth = 4, kTargetGrowth = 10;
 constexpr std::uint32_t kMostRounds = 40;
 // Target errors take no less.
 constexpr double kPilotSamples = 64;
+// Few samples of few items may be the same by chance: settings that seem to be one are asked again
+// with so many, or as many powers of four fewer as keep a question within this share of the time.
+constexpr double kSecondLookSamples = 64, kSecondLook = 0.01;
 
 bool says_no(const absl::Status& status) {
   return absl::IsUnimplemented(status) || absl::IsInvalidArgument(status) ||
@@ -39,6 +43,7 @@ class Sweep {
         begin_(options.clock()),
         shuffle_(mixed_seed(options.seed, 1)) {
     result_.courses.resize(settings.size());
+    first_.resize(settings.size());
     rungs_.resize(settings.size());
   }
 
@@ -77,9 +82,59 @@ class Sweep {
   }
   std::uint64_t fresh_seed() { return mixed_seed(options_.seed, 2 + seeds_++); }
 
+  struct SecondLook {
+    bool same = true;
+    std::optional<Amount> of;  ///< not affordable where there is none
+  };
+
+  /// Whether answers of i are those of j to a question of another seed and, where affordable, of
+  /// more samples.
+  absl::StatusOr<SecondLook> look_again(std::size_t i, std::size_t j) {
+    const Run &a = *first_[i], &b = *first_[j];
+    const double most = std::min(kSecondLookSamples, ladders_[i].back().value);
+    const double each = std::max(a.seconds, b.seconds) / a.amount.value;
+    const double longest = kSecondLook * options_.seconds;
+    Amount amount = a.amount;
+    if (amount.value * each > longest) return SecondLook{};
+    while (4 * amount.value <= most && 4 * amount.value * each <= longest) amount.value *= 4;
+    const std::uint64_t seed = mixed_seed(mixed_seed(options_.seed, 0), 1);
+    const auto digest = [&](std::size_t k) -> absl::StatusOr<std::uint64_t> {
+      const auto known = second_.find({k, amount.value});
+      if (known != second_.end()) return known->second;
+      const auto run = ask(k, amount, seed, 0);
+      if (!run.ok()) return run.status();
+      return second_[{k, amount.value}] = run->digest;
+    };
+    const auto x = digest(i), y = digest(j);
+    for (const auto& one : {x, y}) {
+      if (!one.ok() && !says_no(one.status())) return one.status();
+    }
+    return SecondLook{.same = x.ok() && y.ok() && *x == *y, .of = amount};
+  }
+
+  /// Leaves where its answers are those of a setting before it.
+  absl::Status leave_if_same(std::size_t i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      if (settings_[j].by_target || !first_[j] || first_[j]->digest != first_[i]->digest) continue;
+      if (result_.courses[j].fate == Course::Fate::kSame) continue;  // as is what it is the same as
+      const auto again = look_again(i, j);
+      if (!again.ok()) return again.status();
+      if (!again->same) continue;
+      result_.courses[i].same_as = j;
+      const std::string of =
+          !again->of ? fmt::format("of {}; to look again takes too long for this budget",
+                                   first_[i]->amount.text())
+          : ladders_[i].size() == 1 ? "to both of two questions"
+                                    : fmt::format("of {} and, with another seed, of {}",
+                                                  first_[i]->amount.text(), again->of->text());
+      leave(i, Course::Fate::kSame, fmt::format("same bits as {}, {}", settings_[j].name(), of));
+      break;
+    }
+    return absl::OkStatus();
+  }
+
   /// Every setting the same question, of the same seed: who says no, and who are the same.
   absl::Status tell_apart() {
-    std::vector<std::optional<std::uint64_t>> digests(settings_.size());
     double round = 0;
     for (std::size_t i = 0; i < settings_.size(); ++i) {
       const Amount telling = settings_[i].by_target || ladders_[i].size() == 1
@@ -102,18 +157,14 @@ class Sweep {
       if (!run.ok()) {
         if (!says_no(run.status()) || i == 0) return run.status();
         leave(i, Course::Fate::kSkipped,
-              fmt::format("skipped, the server said: {}", std::string(run.status().message())));
+              fmt::format("skipped: {}", std::string(run.status().message())));
         continue;
       }
-      const auto same = std::find(digests.begin(), digests.begin() + static_cast<std::ptrdiff_t>(i),
-                                  std::optional(run->digest));
-      if (same != digests.begin() + static_cast<std::ptrdiff_t>(i) && !settings_[i].by_target) {
-        result_.courses[i].same_as = static_cast<std::size_t>(same - digests.begin());
-        leave(i, Course::Fate::kSame,
-              fmt::format("same bits as {}", settings_[result_.courses[i].same_as].name()));
-        continue;
+      first_[i] = *run;
+      if (!settings_[i].by_target) {
+        if (const absl::Status s = leave_if_same(i); !s.ok()) return s;
+        if (!races(i)) continue;
       }
-      if (!settings_[i].by_target) digests[i] = run->digest;
       // What the least amount takes, where more was asked for.
       const double least = settings_[i].by_target
                                ? run->seconds
@@ -244,6 +295,9 @@ class Sweep {
   std::mt19937_64 shuffle_;
   std::uint64_t seeds_ = 0;
   std::uint32_t round_ = 0;
+  /// By which settings are told apart: of each the first run, and digests of those of more samples.
+  std::vector<std::optional<Run>> first_;
+  std::map<std::pair<std::size_t, double>, std::uint64_t> second_;
   /// Of each setting, what its amounts took when they were tried first.
   std::vector<std::vector<double>> rungs_;
   SweepResult result_;

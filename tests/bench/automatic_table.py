@@ -45,9 +45,9 @@ def main():
     for scene, report in fresh.items():
         for level, entry in enumerate(report["levels"]):
             automatic = reached(report, "automatic", level)
-            best = entry.get("name")
+            best = entry.get("best")
             before = chosen.get(scene)
-            earlier = before["levels"][level].get("name") if before else None
+            earlier = before["levels"][level].get("best") if before else None
             below = " (below the reference's error)" if entry["below_reference"] else ""
             rows.append((scene, f"{100 * entry['error']:g}%", f"{automatic[0]:.3g}" if automatic else "-",
                          ratio(report, best, level), (best or "none came near") + below,

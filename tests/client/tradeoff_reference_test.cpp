@@ -105,6 +105,11 @@ class MadeUp : public Question {
     return answer;
   }
   std::string command(const Setting&, const Amount&) const override { return {}; }
+  absl::StatusOr<std::optional<std::vector<double>>> closed_form(std::uint64_t) const override {
+    return closed;
+  }
+
+  std::optional<std::vector<double>> closed;
 
  private:
   std::vector<Way> ways_;
@@ -129,6 +134,35 @@ TEST(TradeoffReference, TakesTheBetterWayWithinItsTimeAndKnowsItsError) {
   EXPECT_NEAR(r->values[0], 5, 1.5 / std::sqrt(samples));
   EXPECT_NEAR(r->values[1], 10, 1.5 / std::sqrt(samples));
   EXPECT_FALSE(r->exact);
+}
+
+TEST(TradeoffReference, IsTheClosedFormWhereTheSampledOneAgrees) {
+  double now = 0;
+  MadeUp question({{3, 1e-3}, {0.3, 1e-3}}, &now);
+  question.closed = {5, 10};
+  const auto r = make_reference(question, 10, 1, [&] { return now; });
+  ASSERT_TRUE(r.ok()) << r.status();
+  EXPECT_TRUE(r->exact);
+  EXPECT_THAT(r->values, ElementsAre(5, 10));
+  EXPECT_THAT(r->standard_error, ElementsAre(0, 0));
+  EXPECT_EQ(r->relative_error, 0);
+  EXPECT_EQ(r->rmse, 0);
+  EXPECT_EQ(r->warning, "");
+  EXPECT_THAT(r->way, HasSubstr("closed forms"));
+  EXPECT_THAT(r->way, HasSubstr("(second)"));
+}
+
+TEST(TradeoffReference, IsNoClosedFormThatTheSampledOneContradicts) {
+  double now = 0;
+  MadeUp question({{3, 1e-3}, {0.3, 1e-3}}, &now);
+  // A standard error is 0.3 / sqrt(some 8000 samples): 0.0033, of which this is thirty.
+  question.closed = {5, 10.1};
+  const auto r = make_reference(question, 10, 1, [&] { return now; });
+  ASSERT_TRUE(r.ok()) << r.status();
+  EXPECT_FALSE(r->exact);
+  EXPECT_EQ(r->way, "second");
+  EXPECT_GT(r->relative_error, 0);
+  EXPECT_THAT(r->warning, HasSubstr("item 2 is 10.1, and "));
 }
 
 TEST(TradeoffReference, StopsWhereItIsGoodEnough) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <tuple>
 
 #include "client/tradeoff/analysis.h"
 #include "client/tradeoff/sweep.h"
@@ -19,6 +20,8 @@ struct Kind {
   double error, cost;
   std::uint64_t digest;
   absl::Status says = absl::OkStatus();
+  /// From so many samples on the bits are its own.
+  double own_from = 1e9;
 };
 
 class TradeoffSweep : public ::testing::Test {
@@ -42,7 +45,7 @@ class TradeoffSweep : public ::testing::Test {
       const double luck = 0.9 + 0.2 * static_cast<double>(seed % 1000) / 1000;
       run.errors.relative_mse = luck * kinds[i].error * kinds[i].error / amount.value;
       run.errors.rmse = std::sqrt(run.errors.relative_mse);
-      run.digest = kinds[i].digest;
+      run.digest = amount.value < kinds[i].own_from ? kinds[i].digest : 1000 + i;
       return run;
     };
     options.on_event = [this](const std::string& event) { events_ += event + "\n"; };
@@ -101,6 +104,31 @@ TEST_F(TradeoffSweep, TellsSettingsOfTheSameBitsAndThoseWithoutAnAnswer) {
   EXPECT_THAT(result->courses[2].why, HasSubstr("not yet"));
   EXPECT_EQ(result->courses[3].fate, Course::Fate::kSwept);
   for (const auto& [cell, runs] : counted(*result)) EXPECT_TRUE(cell.first == 0 || cell.first == 3);
+}
+
+TEST_F(TradeoffSweep, FewEqualBitsAreNoReasonToLeave) {
+  const auto result = run(
+      {{1, 1e-4, 1}, {1, 1e-4, 1, absl::OkStatus(), 64}, {1, 1e-4, 1, absl::OkStatus(), 1024}}, 5);
+  ASSERT_TRUE(result.ok()) << result.status();
+  EXPECT_EQ(result->courses[1].fate, Course::Fate::kSwept);
+  EXPECT_EQ(result->courses[2].fate, Course::Fate::kSame);
+  EXPECT_EQ(result->courses[2].same_as, 0);
+  EXPECT_THAT(result->courses[2].why, HasSubstr("of 4 samples and, with another seed, of 64 sam"));
+  // What was answered once is not asked again.
+  std::set<std::tuple<std::size_t, double, std::uint64_t>> asked;
+  for (const tradeoff::Run& run : result->runs)
+    EXPECT_TRUE(asked.emplace(run.setting, run.amount.value, run.seed).second);
+}
+
+TEST_F(TradeoffSweep, WhatIsSaidOfEqualBitsIsWhatWasAffordable) {
+  // 64 samples take 0.26 s and 16 of them 65 ms, of which a hundredth of the time is 50 ms.
+  const auto result = run({{1, 4e-3, 1}, {1, 4e-3, 1, absl::OkStatus(), 16}}, 5);
+  ASSERT_TRUE(result.ok()) << result.status();
+  EXPECT_EQ(result->courses[1].fate, Course::Fate::kSame);
+  EXPECT_THAT(result->courses[1].why, HasSubstr("of 4 samples and, with another seed, of 4 sam"));
+  const auto slow = run({{1, 2e-2, 1}, {1, 2e-2, 1}}, 5);
+  ASSERT_TRUE(slow.ok()) << slow.status();
+  EXPECT_THAT(slow->courses[1].why, HasSubstr("of 4 samples; to look again takes too long"));
 }
 
 TEST_F(TradeoffSweep, WhatEndsTheConnectionEndsIt) {

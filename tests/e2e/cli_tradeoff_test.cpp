@@ -134,11 +134,86 @@ TEST_F(CliTradeoff, PowerIsComparedWithWhatIsKnown) {
   // 4 pi I; pi A L of both sides.
   EXPECT_NEAR(all["reference"]["values"][0], 4 * M_PI * 10, 1e-3);
   EXPECT_NEAR(all["reference"]["values"][1], 2 * M_PI * 3, 1e-3);
-  const auto& rays = all["settings"][2];
-  EXPECT_EQ(rays["name"], "emitted rays");
-  const auto& cells = rays["cells"];
-  ASSERT_GE(cells.size(), 2);
-  EXPECT_LT(cells[cells.size() - 1]["relative_error"]["mean"], 0.01);
+  const auto named = [&](const std::string& name) {
+    for (const auto& setting : all["settings"])
+      if (setting["name"] == name) return setting;
+    return json();
+  };
+  for (const std::string name : {"emitted rays", "method sampled"}) {
+    const json setting = named(name);
+    const auto& cells = setting["cells"];
+    ASSERT_GE(cells.size(), 2) << name;
+    EXPECT_LT(cells[cells.size() - 1]["relative_error"]["mean"], 0.01) << name;
+    EXPECT_GT(cells[cells.size() - 1]["relative_error"]["mean"], 0) << name;
+    EXPECT_THAT(setting["about"].get<std::string>(), HasSubstr("rays"));
+  }
+  EXPECT_EQ(named("method sampled, by target error")["fate"], "swept");
+  EXPECT_EQ(all["settings"][0]["exact_at"], 0);
+  EXPECT_EQ(all["settings"][0]["cells"][0]["exact"], true);
+}
+
+TEST_F(CliTradeoff, WhatIsKnownIsTheReference) {
+  // 10 cd one metre above a floor that nothing else lights, and no light that the floor reflects.
+  std::ofstream(path("scenes/one_lamp.pbrt"))
+      << "Film \"rgb\" \"integer xresolution\" 8 \"integer yresolution\" 8\n"
+         "LookAt 0 0 3  0 0 0  0 1 0\nCamera \"perspective\" \"float fov\" 20\nWorldBegin\n"
+         "LightSource \"distant\" \"rgb L\" [3 3 3] \"point3 from\" [0 0 1] \"point3 to\" [0 0 0]\n"
+         "Shape \"bilinearmesh\" \"point3 P\" [-4 -4 0  4 -4 0  -4 4 0  4 4 0]\n";
+  std::ofstream(path("three.csv")) << "0,0,0,0,0,1\n1,0,0,0,0,1\n0,2,0,0,3,4\n";
+  for (const std::vector<std::string>& query :
+       {std::vector<std::string>{"irradiance", "--points", path("three.csv")}, {"render"}}) {
+    std::vector<std::string> asked = {
+        "tradeoff", "one_lamp.pbrt", "--out", path("out"), "--bounces",
+        "0",        "--budget",      "4s",    "--query"};
+    asked.insert(asked.end(), query.begin(), query.end());
+    const Outcome outcome = lucerna(asked);
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_THAT(outcome.out, HasSubstr("Reference: closed forms"));
+    EXPECT_THAT(outcome.out, HasSubstr("Its own error: 0, but for rounding."));
+    EXPECT_THAT(outcome.out, HasSubstr("any error: automatic"));
+    expect_report(query[0]);
+    const json all = json::parse(text("out/tradeoff.json"));
+    EXPECT_EQ(all["reference"]["exact"], true);
+    EXPECT_EQ(all["reference"]["relative_error"], 0);
+    EXPECT_TRUE(all["settings"][0].contains("exact_at"));
+    if (query[0] == "irradiance") {
+      EXPECT_NEAR(all["reference"]["values"][0], 3, 1e-5);
+      EXPECT_NEAR(all["reference"]["values"][2], 3 * 0.8, 1e-5);
+    }
+  }
+}
+
+TEST_F(CliTradeoff, CommandsWorkAsTheyArePrinted) {
+  fs::copy_file(path("points.csv"), path("my points.csv"));
+  for (const std::string query : {"irradiance", "render", "sample", "visibility", "power"}) {
+    std::vector<std::string> asked = {LUCERNA_CLI,
+                                      "tradeoff",
+                                      "lamp_over_table.pbrt",
+                                      "--server",
+                                      server_->target(),
+                                      "--out",
+                                      path("out"),
+                                      "--query",
+                                      query,
+                                      "--budget",
+                                      query == "render" ? "8s" : "4s"};
+    if (query != "render" && query != "power")
+      asked.insert(asked.end(), {"--points", path("my points.csv")});
+    const Outcome outcome = run_program(asked);
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    std::size_t commands = 0;
+    for (const auto& level : json::parse(text("out/tradeoff.json"))["levels"]) {
+      if (!level.contains("command")) continue;
+      ++commands;
+      const std::string command = level["command"];
+      EXPECT_THAT(command, HasSubstr(" --server " + server_->target()));
+      const Outcome again = run_program(
+          {"/bin/sh", "-c",
+           "cd '" + path(".") + "' && lucerna() { '" LUCERNA_CLI "' \"$@\"; } && " + command});
+      EXPECT_EQ(again.status, 0) << command << '\n' << again.err;
+    }
+    EXPECT_GT(commands, 0) << query;
+  }
 }
 
 TEST_F(CliTradeoff, SamplesAndVisibilityConvergeToTheirReferences) {

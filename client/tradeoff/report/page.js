@@ -13,22 +13,31 @@ function tellHeader() {
 function tellLevels() {
   const table = byId("levels");
   row(table, ["error", "setting", "time", "automatic takes", "", "command"], "th", [2, 3]);
-  for (const level of data.levels) {
+  // What is exact does for every error where nothing that is not is faster.
+  const anyError = data.levels.every((l) => l.exact && l.setting === data.levels[0].setting);
+  for (const level of anyError ? data.levels.slice(0, 1) : data.levels) {
     if (level.setting === undefined) {
       row(table, [percent(level.error), "no setting came near within the budget", "", "", "", ""]);
       continue;
     }
-    const how = level.how === "extrapolated"
+    const how = level.exact ? element("span", "exact", { class: "tag" })
+      : level.how === "extrapolated"
       ? element("span", "extrapolated", { class: "tag beyond" })
       : element("span", level.how, { class: "tag" });
     const tags = [how];
     if (level.below_reference) {
       tags.push(" ", element("span", "below the reference's own error", { class: "tag beyond" }));
     }
-    const ratio = level.automatic_over_best;
+    // Of the fastest; where another is recommended, that is told with its name.
+    const ratio = level.name === level.best && level.setting !== 0 ? level.automatic_over_best : null;
+    const name = [level.name];
+    if (level.name !== level.best) {
+      name.push(element("small", `not told apart from the fastest, ${level.best}, ${time(level.best_seconds)}` +
+        `${level.best_how === "extrapolated" ? " (extrapolated)" : ""}`));
+    }
     row(table, [
-      element("b", percent(level.error)), level.name,
-      (level.how.startsWith("with") ? "≤ " : "") + time(level.seconds),
+      element("b", anyError ? "any" : percent(level.error)), name,
+      (!level.exact && level.how.startsWith("with") ? "≤ " : "") + time(level.seconds),
       ratio === null ? "" : `${digits(ratio)} ×${level.automatic_extrapolated ? " (extrapolated)" : ""}`,
       tags, element("code", level.command),
     ], "td", [2, 3]);
@@ -46,14 +55,22 @@ function tellCells() {
   row(table, heads, "th", numbers);
   for (const i of swept) {
     for (const c of settings[i].cells) {
-      const interval = (e, tell) => `${tell(e.mean)} (${tell(e.lower)} – ${e.upper === null ? "?" : tell(e.upper)})`;
-      const cells = [settings[i].name, amount(c.amount),
-        `${time(c.seconds.median)} (${time(c.seconds.lower)} – ${time(c.seconds.upper)})`,
-        interval(c.relative_error, percent), interval(c.rmse, digits)];
+      // The interval below its middle: beside it, tables of pictures would be wider than a page.
+      const two = (middle, lower, upper) => [middle, element("small", `${lower} – ${upper}`)];
+      const interval = (e, tell) => two(tell(e.mean), tell(e.lower), e.upper === null ? "?" : tell(e.upper));
+      const cells = [settings[i].name, c.samples > 0 ? amount(c.amount) : "",
+        two(time(c.seconds.median), time(c.seconds.lower), time(c.seconds.upper)),
+        c.exact ? "exact" : interval(c.relative_error, percent), interval(c.rmse, digits)];
       if (withFlip) cells.push(interval(c.flip, digits));
       cells.push(c.samples.toLocaleString("en"), c.rays.toLocaleString("en"), String(c.runs));
       row(table, cells, "td", numbers);
     }
+  }
+  const told = swept.filter((i) => settings[i].about);
+  if (told.length > 0) {
+    const list = element("ul");
+    for (const i of told) list.append(element("li", [element("b", settings[i].name), `: ${settings[i].about}`]));
+    byId("others").append(element("h2", "What the settings are"), list);
   }
   const others = settings.filter((s) => s.fate !== "swept");
   if (others.length === 0) return;
@@ -66,11 +83,17 @@ function tellMethod() {
   const c = data.circumstances, r = data.reference;
   const list = element("ul");
   const say = (...parts) => list.append(element("li", parts));
-  say(element("b", "Reference: "), r.exact ? `${r.way}; its error is at most ${percent(r.relative_error)} (its own bound, which is what is shown as the error of asking for it).`
+  say(element("b", "Reference: "), r.exact && r.relative_error === 0 ? `${r.way}. It has no error of its own but rounding.`
+    : r.exact ? `${r.way}; its error is at most ${percent(r.relative_error)} (its own bound, which is what is shown as the error of asking for it).`
     : `${r.way}. Mean of ${r.replicates} answers of ${r.samples_each} samples with different seeds, ${time(r.seconds)}. ` +
       `Its own relative error, from their scatter: ${percent(r.relative_error)}. It is another estimator than any that was swept.`);
   say(element("b", "Relative error: "), `${data.relative_error.definition}, dark = ${digits(data.relative_error.dark)} (a hundredth of the reference's mean). ` +
       `Of several runs: the root of the mean of their squares. Intervals: Student's t of that mean, in logarithms.`);
+  if (r.relative_error <= data.relative_error.rounding) {
+    say(element("b", "Exact: "), `relative error below ${digits(data.relative_error.rounding)}, as answers come in single precision.`);
+  }
+  say(element("b", "Recommended: "), "what comes down to the error first, where a time beyond what was measured counts twice; automatic, the " +
+      "simplest command, where its time is not beyond the fastest's at the upper ends of that one's 95% intervals and the upper quartiles of its times.");
   if (measures.flip) {
     say(element("b", "FLIP: "), `mean over the tiles' pixels, of values clamped to what a screen shows at ${data.exposure_ev} EV, 67 pixels per degree ` +
         `(Andersson et al. 2020).`);

@@ -9,7 +9,7 @@ if (settings.some((s) => s.cells.some((c) => c.flip))) {
   measures.flip = { title: "mean FLIP", tell: (v) => digits(v) };
 }
 let measure = "relative_error";
-const shown = new Set(swept.filter(important));
+const shown = new Set(drawn.filter(important));
 let pointed = null;
 
 // Powers of ten, and where these are few 2 and 5 between.
@@ -32,14 +32,18 @@ const logarithmic = (title, tell) => ({
   grid: { color: "#edf0f4" },
 });
 
-// Lines across the whole plot, with a word at their right end.
+// Lines across the whole plot, with a word right of it, where it hides no points.
 const lines = {
   id: "lines",
   beforeDatasetsDraw(chart, _, options) {
     const { ctx, chartArea: area, scales: { y } } = chart;
+    const taken = [];
     for (const { at, text, colour } of options.list || []) {
       const py = y.getPixelForValue(at);
-      if (py < area.top || py > area.bottom) continue;
+      if (!(py >= area.top && py <= area.bottom)) continue;
+      // Below those that are there already.
+      let line = py;
+      while (taken.some((t) => Math.abs(t - line) < 14)) line += 14;
       ctx.save();
       ctx.strokeStyle = ctx.fillStyle = colour;
       ctx.setLineDash([3, 4]);
@@ -48,8 +52,11 @@ const lines = {
       ctx.lineTo(area.right, py);
       ctx.stroke();
       ctx.font = "12px sans-serif";
-      ctx.textAlign = "right";
-      ctx.fillText(text, area.right - 4, py - 4);
+      ctx.textBaseline = "middle";
+      text.split("\n").forEach((part, k) => {
+        ctx.fillText(part, area.right + 6, line + 14 * k);
+        taken.push(line + 14 * k);
+      });
       ctx.restore();
     }
   },
@@ -57,10 +64,10 @@ const lines = {
 
 function errorDatasets() {
   const sets = [];
-  for (const i of swept) {
+  for (const i of drawn) {
     if (!shown.has(i) && pointed !== i) continue;
     const strong = pointed === i || (pointed === null && important(i));
-    const cells = settings[i].cells.filter((c) => c[measure] && c[measure].mean > 0);
+    const cells = settings[i].cells.filter((c) => !c.exact && c[measure] && c[measure].mean > 0);
     const curve = (key) => cells.filter((c) => c[measure][key] > 0 && c[measure].upper !== null)
       .map((c) => ({ x: c.seconds.median, y: c[measure][key] }));
     sets.push({
@@ -79,20 +86,22 @@ function errorDatasets() {
     sets.push({
       label: "Pareto front", borderColor: "#11172299", borderDash: [6, 5], borderWidth: 1.5, pointRadius: 0,
       pointHitRadius: 0, order: 0, band: true, stepped: "before", fill: false,
-      data: front.map(([s, c]) => ({ x: settings[s].cells[c].seconds.median, y: settings[s].cells[c].relative_error.mean }))
-        .filter((p) => p.y > 0),
+      data: front.map(([s, c]) => settings[s].cells[c]).filter((c) => !c.exact)
+        .map((c) => ({ x: c.seconds.median, y: c.relative_error.mean })),
     });
   }
   return sets;
 }
 
+const referenceText = "the reference's\nown error";
 let errorPlot = null;
 function drawErrors() {
+  if (drawn.length === 0) return;
   if (errorPlot) errorPlot.destroy();
   const list = measure === "relative_error"
     ? [...data.levels.map((l) => ({ at: l.error, text: percent(l.error), colour: "#9aa3b2" })),
-      { at: data.reference.relative_error, text: "the reference's own error", colour: "#c23b3b" }]
-    : measure === "rmse" ? [{ at: data.reference.rmse, text: "the reference's own error", colour: "#c23b3b" }] : [];
+      { at: data.reference.relative_error, text: referenceText, colour: "#c23b3b" }]
+    : measure === "rmse" ? [{ at: data.reference.rmse, text: referenceText, colour: "#c23b3b" }] : [];
   errorPlot = new Chart(byId("error-plot"), {
     type: "line",
     data: { datasets: errorDatasets() },
@@ -100,6 +109,7 @@ function drawErrors() {
     options: {
       animation: false, parsing: false, responsive: true, maintainAspectRatio: false,
       interaction: { mode: "nearest", intersect: true },
+      layout: { padding: { right: 95 } },
       scales: {
         x: logarithmic("wall time of a question, as the client sees it (median)", time),
         y: logarithmic(measures[measure].title, measures[measure].tell),
@@ -128,6 +138,7 @@ function drawErrors() {
 }
 
 function drawLegend() {
+  if (drawn.length === 0) return;
   const legend = byId("legend");
   const entry = (i) => {
     const box = element("input", "", { type: "checkbox" });
@@ -139,15 +150,25 @@ function drawLegend() {
     label.addEventListener("mouseleave", () => { pointed = null; drawErrors(); });
     legend.append(label);
   };
-  legend.append(element("h3", "automatic, and the best at some time (Pareto front)"));
-  swept.filter(important).forEach(entry);
-  const rest = swept.filter((i) => !important(i));
+  if (exact.length > 0) {
+    legend.append(element("h3", "exact, without a place in the plot"));
+    for (const i of exact) legend.append(element("div", nameTime(i, settings[i].cells[settings[i].exact_at])));
+  }
+  const best = drawn.filter(important);
+  if (best.length > 0) legend.append(element("h3", `${best.includes(0) ? "automatic, and " : ""}the best at some time (Pareto front)`));
+  best.forEach(entry);
+  const rest = drawn.filter((i) => !important(i));
   if (rest.length === 0) return;
   legend.append(element("h3", "others: tick to show, point to look"));
   rest.forEach(entry);
 }
 
 function drawMeasures() {
+  if (drawn.length === 0) {
+    byId("error-box").style.display = "none";
+    byId("error-note").textContent = `Every setting is exact: ${tellExact()}.`;
+    return;
+  }
   const box = byId("measures");
   for (const [key, { title }] of Object.entries(measures)) {
     const button = element("input", "", { type: "radio", name: "measure" });
@@ -158,11 +179,7 @@ function drawMeasures() {
   byId("error-note").textContent =
     "Bands: 95% intervals from repeats with different seeds. Dashed: the Pareto front, the least error that any setting " +
     "has by that time. Each point is one amount of work; median time of its runs, in rounds shuffled over all settings.";
-  const exact = swept.filter((i) => settings[i].cells.some((c) => c.relative_error.mean === 0));
-  if (exact.length > 0) {
-    byId("error-note").textContent += " Without error, and so not in this plot: " +
-      `${exact.map((i) => `${settings[i].name} (${time(settings[i].cells[0].seconds.median)})`).join("; ")}.`;
-  }
+  if (exact.length > 0) byId("error-note").textContent += ` Exact, and so not in this plot: ${tellExact()}.`;
 }
 
 const whiskers = {
@@ -190,8 +207,12 @@ const whiskers = {
 function drawEfficiency() {
   const ranked = swept.filter((i) => settings[i].efficiency_per_s)
     .sort((a, b) => settings[b].efficiency_per_s.mean - settings[a].efficiency_per_s.mean);
-  if (ranked.length === 0) { byId("efficiency").style.display = "none"; return; }
-  const unit = (settings[0].efficiency_per_s || settings[ranked[0]].efficiency_per_s).mean;
+  // One alone is compared with nothing.
+  if (ranked.length < 2) { byId("efficiency").style.display = "none"; return; }
+  const first = ranked.includes(0) ? 0 : ranked[0];
+  const unit = settings[first].efficiency_per_s.mean;
+  byId("efficiency-unit").textContent = settings[first].name;
+  if (exact.length > 0) byId("efficiency-note").append(` Exact, and so beyond all of these: ${tellExact()}.`);
   byId("efficiency-box").style.height = `${70 + 24 * ranked.length}px`;
   const of = (i, key) => {
     const v = settings[i].efficiency_per_s[key];
@@ -212,7 +233,7 @@ function drawEfficiency() {
     options: {
       indexAxis: "y", animation: false, responsive: true, maintainAspectRatio: false,
       scales: {
-        x: { ...logarithmic("efficiency, automatic = 1", (v) => `${digits(v)} ×`),
+        x: { ...logarithmic(`efficiency, ${settings[first].name} = 1`, (v) => `${digits(v)} ×`),
           min: Math.min(0.5, ...values) * 0.8, max: Math.max(2, ...values) * 1.25 },
         y: { ticks: { color: "#1c2230", autoSkip: false }, grid: { display: false } },
       },
@@ -223,7 +244,7 @@ function drawEfficiency() {
             label: (item) => {
               const s = settings[ranked[item.dataIndex]];
               const c = s.cells[s.efficiency_at];
-              return [`${digits(of(ranked[item.dataIndex], "mean"))} × automatic`,
+              return [`${digits(of(ranked[item.dataIndex], "mean"))} × ${settings[first].name}`,
                 `${digits(s.efficiency_per_s.mean)} /s at ${amount(c.amount)}: ${percent(c.relative_error.mean)} in ${time(c.seconds.median)}`];
             },
           },
@@ -249,7 +270,7 @@ function drawPoints() {
   const axes = ["x [m]", "y [m]", "z [m]"];
   byId("differences-note").textContent =
     `Every point's error (root mean square over runs, relative) when each setting has about the same time, ` +
-    `${time(data.comparison_s)} for all points.`;
+    `${time(data.comparison_s)} for all points; settings without an amount of within twice that time, and exact ones, are not here.`;
   const select = element("select");
   items.forEach((item, k) => select.append(element("option", `${settings[item.setting].name} (${item.amount}, ${time(item.seconds)})`, { value: k })));
   const all = items.flatMap((item) => item.errors).filter((e) => e > 0).sort((a, b) => a - b);
@@ -347,9 +368,11 @@ function drawPictures() {
 }
 
 function drawDifferences() {
+  const some = data.pictures || data.items;
+  if (!some || some.length === 0) { byId("differences").style.display = "none"; return; }
   if (data.pictures) return drawPictures();
-  if (!data.items || data.items.length === 0) { byId("differences").style.display = "none"; return; }
   if (data.points) return drawPoints();
-  byId("differences-note").textContent = "Errors of single items when each setting has about the same time.";
+  byId("differences-note").textContent = `Errors of single items when each setting has about the same time, ${time(data.comparison_s)}; settings without an amount of within ` +
+    "twice that time, and exact ones, are not here.";
   itemTable((i) => data.labels[i]);
 }

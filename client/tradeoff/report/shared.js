@@ -13,6 +13,7 @@ const time = (s) => {
   if (s >= 1e-3) return `${digits(1e3 * s)} ms`;
   return `${digits(1e6 * s)} µs`;
 };
+const nameTime = (i, c) => `${settings[i].name}, ${time(c.seconds.median)}`;
 const amount = (a) => (a.kind === "error" ? `error ${percent(a.value)}` : `${a.value} ${a.value === 1 ? "sample" : "samples"}`);
 
 function element(tag, content = "", attributes = {}) {
@@ -29,7 +30,17 @@ function row(table, cells, tag = "td", numbers = []) {
 
 const settings = data.settings;
 const swept = settings.map((s, i) => i).filter((i) => settings[i].cells.length > 0);
-const front = data.pareto_front;
+// No logarithm has a place for what has no error: it is told in words, and the others are drawn.
+const exact = swept.filter((i) => settings[i].exact_at !== undefined);
+const drawn = swept.filter((i) => settings[i].exact_at === undefined);
+const tellExact = () => exact.map((i) => nameTime(i, settings[i].cells[settings[i].exact_at])).join("; ");
+// What is exact ends the Pareto front; that of the others is drawn.
+const front = exact.length === 0 ? data.pareto_front : frontOf(drawn);
+function frontOf(some) {
+  const places = some.flatMap((i) => settings[i].cells.map((c, k) => ({ i, k, t: c.seconds.median, e: c.relative_error.mean })));
+  let best = Infinity;
+  return places.sort((a, b) => a.t - b.t || a.e - b.e).filter((p) => p.e < best && ((best = p.e), true)).map((p) => [p.i, p.k]);
+}
 const onFront = new Set(front.map(([setting]) => setting));
 
 // Automatic is black, settings that are best somewhere have a colour, the rest is grey until asked for.
