@@ -7,6 +7,7 @@
 
 #include "client/batch_parts.h"
 #include "client/cli/answer.h"
+#include "client/cli/certainty.h"
 #include "client/cli/light_table.h"
 #include "client/cli/method_options.h"
 #include "client/cli/output.h"
@@ -204,8 +205,16 @@ void power(Session& session, const PowerOptions& options) {
   }
   options.wavelengths.put(request);
   const v1::EstimatePowerResponse response = all_powers(session, request);
+  const auto& target = request.accuracy().target_error();
+  TargetCheck check(target);
+  std::vector<bool> reached;
+  if (request.accuracy().has_target_error()) {
+    for (const v1::LightPower& light : response.lights())
+      reached.push_back(check.add(light.power_lm(), light.lower_lm(), light.upper_lm(),
+                                  light.samples() + kReplicates));
+  }
   if (session.json()) {
-    fmt::print("{}", to_json(response));
+    fmt::print("{}", to_json(response, reached.empty() ? "" : json_of("reached", reached)));
     return;
   }
   std::map<std::uint64_t, const v1::Light*> by_id;
@@ -247,8 +256,8 @@ void power(Session& session, const PowerOptions& options) {
   fmt::print("{}", table.to_string());
   if (any_from_infinity) fmt::print("{}; \"all\" includes it\n", kFluxFromInfinity);
   if (sampled)
-    fmt::print("± holds with {:g}% confidence; {}\n", 100 * options.stop.confidence(),
-               describe(response.cost()));
+    fmt::print("± holds with {}% confidence; {}{}\n", percent(options.stop.confidence()),
+               check.describe("lights"), describe(response.cost()));
 }
 
 }  // namespace
@@ -264,8 +273,10 @@ void add_light_commands(CLI::App& app, Session& session) {
   command
       ->add_option("--light", sampling->light,
                    "Id of the light; default: one is chosen for each sample")
-      ->check(whole(1));
-  command->add_option("--seed", sampling->seed, "Seed of the sample values")->capture_default_str();
+      ->check(whole64(1));
+  command->add_option("--seed", sampling->seed, "Seed of the sample values")
+      ->check(whole64())
+      ->capture_default_str();
   command
       ->add_option(
           "--u", sampling->u,
@@ -290,7 +301,7 @@ void add_light_commands(CLI::App& app, Session& session) {
   command->add_option("SCENE", density->scene, "Path or id")->required();
   density->points.add(*command, "directions");
   density->directions.add(*command, "--direction", "The direction x,y,z from the point");
-  command->add_option("--light", density->light, "Id of the light")->check(whole(1))->required();
+  command->add_option("--light", density->light, "Id of the light")->check(whole64(1))->required();
   density->normals.add(*command, "--normal", "The surface normal x,y,z at the point");
   density->area_sampling.add(*command);
   density->time.add(*command);
@@ -300,11 +311,13 @@ void add_light_commands(CLI::App& app, Session& session) {
   command->footer(
       "Example:\n  lucerna power room.pbrt --light 1 --light 2\n"
       "  lucerna power room.pbrt --wavelength 450,555,650\n"
-      "  lucerna power room.pbrt --method sampled --error 0.1%");
+      "  lucerna power room.pbrt --method sampled --error 0.1%\n"
+      "With --json: EstimatePowerResponse; with --error also `reached`, whether each light is as "
+      "certain as that.");
   const auto powers = std::make_shared<PowerOptions>();
   command->add_option("SCENE", powers->scene, "Path or id")->required();
   command->add_option("--light", powers->lights, "Id of a light; may be given again; default: all")
-      ->check(whole(1))
+      ->check(whole64(1))
       ->allow_extra_args(false);
   command
       ->add_option("--method", powers->method,
@@ -314,6 +327,7 @@ void add_light_commands(CLI::App& app, Session& session) {
       ->capture_default_str();
   powers->stop.add(*command, "light", "4096; with --method sampled, as are the others", "lm");
   command->add_option("--seed", powers->seed, "With --method sampled: seed of the sample values")
+      ->check(whole64())
       ->capture_default_str();
   powers->wavelengths.add(*command);
   command->callback([powers, &session] { power(session, *powers); });
