@@ -269,27 +269,27 @@ class Irradiance final : public Work {
         !has(response.zero_bound_lx_size(), 1) ||
         !(response.standard_error_lx().empty() || has(response.standard_error_lx_size(), 1)) ||
         !(response.status().empty() || has(response.status_size(), 1)) ||
-        (target && (!has(response.lower_lx_size(), 1) || !has(response.upper_lx_size(), 1) ||
-                    !has(response.item_costs().samples_size(), 1))) ||
+        !(response.lower_lx().empty() || has(response.lower_lx_size(), 1)) ||
+        response.upper_lx_size() != response.lower_lx_size() ||
+        (target &&
+         (response.lower_lx().empty() || !has(response.item_costs().samples_size(), 1))) ||
         !has(response.spectral_irradiance_size(), wavelengths))
       return absl::InternalError(
           "a server answered with another number of receivers than were "
           "asked about");
+    constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
     rows_.resize(count * results_.columns());
     float* row = rows_.data();
     for (int i = 0; i < static_cast<int>(count); ++i) {
       *row++ = response.illuminance_lx(i);
       for (int c = 0; c < 3; ++c) *row++ = response.irradiance_lx(3 * i + c);
-      *row++ = response.standard_error_lx().empty() ? std::numeric_limits<float>::quiet_NaN()
-                                                    : response.standard_error_lx(i);
+      *row++ = response.standard_error_lx().empty() ? kUnknown : response.standard_error_lx(i);
       *row++ = response.zero_bound_lx(i);
       *row++ = static_cast<float>(response.status().empty() ? int{v1::ITEM_STATUS_OK}
                                                             : int{response.status(i)});
-      if (target) {
-        *row++ = response.lower_lx(i);
-        *row++ = response.upper_lx(i);
-        *row++ = static_cast<float>(response.item_costs().samples(i));
-      }
+      *row++ = response.lower_lx().empty() ? kUnknown : response.lower_lx(i);
+      *row++ = response.upper_lx().empty() ? kUnknown : response.upper_lx(i);
+      if (target) *row++ = static_cast<float>(response.item_costs().samples(i));
       for (std::size_t w = 0; w < wavelengths; ++w)
         *row++ = response.spectral_irradiance(static_cast<int>(i * wavelengths + w));
     }
@@ -330,7 +330,7 @@ class Irradiance final : public Work {
 }  // namespace
 
 std::size_t irradiance_columns(const v1::EstimateIrradianceRequest& request) {
-  return kIrradianceColumns + (request.accuracy().has_target_error() ? kTargetColumns : 0) +
+  return kIrradianceColumns + (request.accuracy().has_target_error() ? 1 : 0) +
          static_cast<std::size_t>(request.wavelengths_nm_size());
 }
 

@@ -50,12 +50,13 @@ struct IrradianceJobOptions {
 /// Of a receiver's results, in this order:
 ///   illuminance [lx]; irradiance R, G, B [lx]; standard error of the illuminance [lx], NaN where a
 ///   single sample gives none; zero bound [lx]; status (lucerna.v1.ItemStatus, 1 where all is
-///   well); with a target error the ends of the interval that holds the illuminance [lx] and the
-///   samples; then the irradiance at each of the request's wavelengths [W/m2/nm]
+///   well); the ends of the interval that holds the illuminance [lx], NaN likewise; with a target
+///   error the samples; then the irradiance at each of the request's wavelengths [W/m2/nm]
 /// as EstimateIrradianceResponse describes them.
-inline constexpr std::size_t kIrradianceColumns = 7;
-inline constexpr std::size_t kTargetColumns = 3;  ///< lower, upper, samples
-inline constexpr std::size_t kStandardErrorColumn = 4, kStatusColumn = 6;
+inline constexpr std::size_t kIrradianceColumns = 9;
+inline constexpr std::size_t kStandardErrorColumn = 4, kStatusColumn = 6, kLowerColumn = 7,
+                             kUpperColumn = 8;
+inline constexpr std::size_t kSamplesColumn = 9;  ///< with a target error
 std::size_t irradiance_columns(const v1::EstimateIrradianceRequest& request);
 
 struct IrradianceJobResult {

@@ -63,8 +63,8 @@ class DirectLight {
  public:
   DirectLight(const Scene& scene, const Methods& methods);
 
-  /// Up to so many lights are sampled each at the vertices of paths.  Squared error times time, as a
-  /// multiple of that of 4 candidates that are drawn: 1.2, 2 and 7 for the first 16, 32 and 64
+  /// Up to so many lights are sampled each at the vertices of paths.  Squared error times time, as
+  /// a multiple of that of 4 candidates that are drawn: 1.2, 2 and 7 for the first 16, 32 and 64
   /// points of tests/data/reference/many_points.pbrt, which all reach most of what is seen; 0.4 for
   /// the 17 spots of scenes/stage, most of which do not.
   static constexpr std::size_t kFewLights = 20;

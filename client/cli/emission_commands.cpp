@@ -55,7 +55,7 @@ void le(Session& session, const LeOptions& options) {
       row.push_back(item_status(response.status(), i));
       table.add(std::move(row));
     }
-    fmt::print("{}", table.to_string());
+    fmt::print("{}{}\n", table.to_string(), describe(response.cost()));
   });
 }
 
@@ -150,7 +150,7 @@ void print_rays(const v1::SampleLeResponse& response, const EmitOptions& options
     row.push_back(status);
     table.add(std::move(row));
   }
-  fmt::print("{}", table.to_string());
+  fmt::print("{}{}\n", table.to_string(), describe(response.cost()));
 }
 
 void emit(Session& session, const EmitOptions& options) {
@@ -206,7 +206,7 @@ void emit_pdf(Session& session, const EmitPdfOptions& options) {
                      number(response.pdf_position_per_m2(i)),
                      number(response.pdf_direction_per_sr(i)), item_status(response.status(), i)});
         }
-        fmt::print("{}", table.to_string());
+        fmt::print("{}{}\n", table.to_string(), describe(response.cost()));
       });
 }
 
@@ -220,11 +220,13 @@ void add_emission_commands(CLI::App& app, Session& session) {
   command
       ->add_option("--light", emission->light,
                    "Id of the light; default: one is chosen for each ray, by power")
-      ->check(whole(1));
+      ->check(whole64(1));
   command->add_option("--count", emission->count, "How many rays")
       ->check(whole(1))
       ->capture_default_str();
-  command->add_option("--seed", emission->seed, "Seed of the sample values")->capture_default_str();
+  command->add_option("--seed", emission->seed, "Seed of the sample values")
+      ->check(whole64())
+      ->capture_default_str();
   command
       ->add_option("--u", emission->u,
                    "Sample values of your own, u1,u2 for the position and u3,u4 for the direction, "
@@ -243,7 +245,7 @@ void add_emission_commands(CLI::App& app, Session& session) {
   density->points.add(*command, "directions");
   density->directions.add(*command, "--direction",
                           "The ray's direction x,y,z, away from the light");
-  command->add_option("--light", density->light, "Id of the light")->check(whole(1))->required();
+  command->add_option("--light", density->light, "Id of the light")->check(whole64(1))->required();
   density->time.add(*command);
   command->callback([density, &session] { emit_pdf(session, *density); });
 
@@ -256,7 +258,7 @@ void add_emission_commands(CLI::App& app, Session& session) {
   looking->points.add(*command, "directions");
   looking->directions.add(*command, "--direction", "The ray's direction x,y,z");
   command->add_option("--light", looking->light, "Id of the only light to tell of; default: any")
-      ->check(whole(1));
+      ->check(whole64(1));
   looking->time.add(*command);
   looking->wavelengths.add(*command);
   command->callback([looking, &session] { le(session, *looking); });

@@ -13,6 +13,7 @@
 #include <optional>
 #include <utility>
 
+#include "client/cli/certainty.h"
 #include "client/cli/irradiance_output.h"
 #include "client/cli/output.h"
 #include "client/cli/progress.h"
@@ -157,11 +158,12 @@ std::string describe_statuses(const client::IrradianceJobResult& result) {
 
 void IrradianceFilesOption::add(CLI::App& command) {
   command
-      .add_option("-o,--output", output_,
-                  "Into a file, of points from a file of any length: .npy (one row of float32 a "
-                  "point: illuminance, R, G, B, standard error, zero bound, status; with --error "
-                  "also lower and upper end, samples), .csv, or where "
-                  "the points are a map .exr")
+      .add_option(
+          "-o,--output", output_,
+          "Into a file, of points from a file of any length: .npy (one row of float32 a "
+          "point: illuminance, R, G, B, standard error, zero bound, status, ends of the interval "
+          "that holds the illuminance; with --error also samples), .csv, or where "
+          "the points are a map .exr")
       ->type_name("FILE");
   command
       .add_option("--normals", normals_,
@@ -225,13 +227,17 @@ void IrradianceFilesOption::run(Session& session, const std::string& scene,
   const std::string mixed = describe_mixed(result->report);
   if (!mixed.empty()) fmt::print(stderr, "{}\n", mixed);
 
-  const absl::Status written = write_irradiance({.output = output_,
-                                                 .results = part.path(),
-                                                 .format = *format,
-                                                 .request = request,
-                                                 .samples = result->samples,
-                                                 .description = mixed},
-                                                receivers, receivers.window());
+  const IrradianceOutput output{.output = output_,
+                                .results = part.path(),
+                                .format = *format,
+                                .request = request,
+                                .samples = result->samples,
+                                .description = mixed};
+  const v1::Accuracy& accuracy = request.accuracy();
+  absl::StatusOr<TargetCheck> target(accuracy.target_error());
+  if (accuracy.has_target_error()) target = check_results(output, options.header, receivers.size());
+  if (!target.ok()) session.fail_here(target.status(), kServerSaidNo);
+  const absl::Status written = write_irradiance(output, receivers, receivers.window());
   if (!written.ok()) {
     throw CommandError(kServerSaidNo, "cannot write " + std::string(written.message()));
   }
@@ -241,12 +247,16 @@ void IrradianceFilesOption::run(Session& session, const std::string& scene,
   told.set_samples(result->samples);
   *told.mutable_cost() = result->cost;
   if (session.json()) {
-    fmt::print("{}", to_json(told));
+    std::string more = json_of_approximate(accuracy);
+    if (accuracy.has_target_error())
+      more += fmt::format(",\"points_not_reached\":{}", target->missed());
+    fmt::print("{}", to_json(told, more));
   } else {
     const std::string before =
         result->from_journal > 0 ? fmt::format(", {} of them before", result->from_journal) : "";
-    fmt::print("{}: {} points{}{}; {}\n", output_, receivers.size(), before,
-               describe_statuses(*result), describe(told.cost()));
+    fmt::print("{}: {} points{}{}; {}{}{}\n", output_, receivers.size(), before,
+               describe_statuses(*result), target->describe("points"), describe(told.cost()),
+               describe_approximations(accuracy, told.cost()));
   }
   // A map has texels that belong to no surface.
   const auto failed = [&](std::size_t status) {

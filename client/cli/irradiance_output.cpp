@@ -23,6 +23,13 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kRowsPerRead = 4096;
 
+/// With a target error; false where the receiver has no answer.
+bool add_row(const float* row, TargetCheck& check) {
+  return row[client::kStatusColumn] == v1::ITEM_STATUS_OK &&
+         check.add(row[0], row[client::kLowerColumn], row[client::kUpperColumn],
+                   static_cast<std::uint64_t>(row[client::kSamplesColumn]) + kReplicates);
+}
+
 absl::Status write_csv(const std::string& path, const client::ResultFile& results,
                        const IrradianceOutput& options, client::ReceiverSource& receivers) {
   std::ofstream file(path, std::ios::binary);
@@ -30,9 +37,11 @@ absl::Status write_csv(const std::string& path, const client::ResultFile& result
   const auto to = std::back_inserter(text);
   fmt::format_to(to,
                  "x,y,z,illuminance_lx,red_lx,green_lx,blue_lx,standard_error_lx,"
-                 "zero_bound_lx,status");
-  if (options.request.accuracy().has_target_error())
-    fmt::format_to(to, ",lower_lx,upper_lx,samples");
+                 "zero_bound_lx,status,lower_lx,upper_lx,approximate");
+  const v1::Accuracy& accuracy = options.request.accuracy();
+  const bool approximate = is_approximate(accuracy);
+  TargetCheck check(accuracy.target_error());
+  if (accuracy.has_target_error()) fmt::format_to(to, ",samples,reached");
   for (const double nm : options.request.wavelengths_nm())
     fmt::format_to(to, ",irradiance_{}nm_w_m2_nm", nm);
   std::vector<client::Double3> points;
@@ -45,13 +54,16 @@ absl::Status write_csv(const std::string& path, const client::ResultFile& result
     if (absl::Status s = results.read(first, rows); !s.ok()) return s;
     for (std::size_t i = 0; i < count; ++i) {
       fmt::format_to(to, "\n{},{},{}", points[i][0], points[i][1], points[i][2]);
+      const float* row = rows.data() + i * columns;
       for (std::size_t c = 0; c < columns; ++c) {
-        const float value = rows[i * columns + c];
         if (c == client::kStatusColumn) {
-          fmt::format_to(to, ",{}", status_name(value));
+          fmt::format_to(to, ",{}", status_name(row[c]));
         } else {
-          fmt::format_to(to, ",{}", value);
+          fmt::format_to(to, ",{}", row[c]);
         }
+        if (c == client::kUpperColumn) fmt::format_to(to, ",{}", approximate);
+        if (c == client::kSamplesColumn && accuracy.has_target_error())
+          fmt::format_to(to, ",{}", add_row(row, check));
       }
     }
     file.write(text.data(), static_cast<std::streamsize>(text.size()));
@@ -65,16 +77,22 @@ absl::Status write_csv(const std::string& path, const client::ResultFile& result
 
 absl::Status write_map(const std::string& path, const client::ResultFile& results,
                        const IrradianceOutput& options, const client::MapWindow& window) {
-  std::vector<std::string> names = {"illuminance.Y", "R",       "G", "B", "standard_error.Y",
-                                    "zero_bound.Y",  "status.Y"};
-  if (options.request.accuracy().has_target_error())
-    names.insert(names.end(), {"lower.Y", "upper.Y", "samples.Y"});
+  std::vector<std::string> names = {
+      "illuminance.Y", "R",        "G",       "B",      "standard_error.Y",
+      "zero_bound.Y",  "status.Y", "lower.Y", "upper.Y"};
+  if (options.request.accuracy().has_target_error()) names.emplace_back("samples.Y");
   for (const double nm : options.request.wavelengths_nm())
     names.push_back(fmt::format("irradiance.{}nm", nm));
   // A column of NaN tells nobody anything, and pictures of NaN upset programs.
   const bool has_error = options.samples != 1;
-  std::vector<std::string> channels = names;
-  if (!has_error) channels.erase(channels.begin() + client::kStandardErrorColumn);
+  const auto kept_column = [has_error](std::size_t c) {
+    return has_error || (c != client::kStandardErrorColumn && c != client::kLowerColumn &&
+                         c != client::kUpperColumn);
+  };
+  std::vector<std::string> channels;
+  for (std::size_t c = 0; c < names.size(); ++c) {
+    if (kept_column(c)) channels.push_back(names[c]);
+  }
   auto file = client::MapWriter::create(path, window, channels, options.description);
   if (!file.ok()) return file.status();
   const auto width = static_cast<std::size_t>(window.width);
@@ -85,7 +103,7 @@ absl::Status write_map(const std::string& path, const client::ResultFile& result
     if (!has_error) {
       std::size_t at = 0, kept = 0;
       for (; at < row.size(); ++at) {
-        if (at % results.columns() != client::kStandardErrorColumn) row[kept++] = row[at];
+        if (kept_column(at % results.columns())) row[kept++] = row[at];
       }
       row.resize(kept);
     }
@@ -101,6 +119,22 @@ std::string status_name(float status) {
   if (!v1::ItemStatus_IsValid(number)) return fmt::format("{}", number);
   const std::string name = v1::ItemStatus_Name(static_cast<v1::ItemStatus>(number));
   return name.substr(std::string_view("ITEM_STATUS_").size());
+}
+
+absl::StatusOr<TargetCheck> check_results(const IrradianceOutput& options,
+                                          const std::string& header, std::uint64_t rows) {
+  const auto results = client::ResultFile::open(options.results, header, rows,
+                                                client::irradiance_columns(options.request));
+  if (!results.ok()) return results.status();
+  TargetCheck check(options.request.accuracy().target_error());
+  std::vector<float> values;
+  for (std::uint64_t first = 0; first < rows; first += kRowsPerRead) {
+    const std::size_t count = std::min<std::uint64_t>(kRowsPerRead, rows - first);
+    values.resize(count * results->columns());
+    if (absl::Status s = results->read(first, values); !s.ok()) return s;
+    for (std::size_t i = 0; i < count; ++i) add_row(values.data() + i * results->columns(), check);
+  }
+  return check;
 }
 
 absl::Status write_irradiance(const IrradianceOutput& options, client::ReceiverSource& receivers,

@@ -5,6 +5,8 @@
 #include <string>
 
 #include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "client/cli/certainty.h"
 #include "client/irradiance_job.h"
 #include "client/vector_file.h"
 
@@ -23,13 +25,17 @@ struct IrradianceOutput {
 std::string status_name(float status);
 
 /// Of .npy the results are the file already.  .csv: a line of
-///   x,y,z,illuminance_lx,red_lx,green_lx,blue_lx,standard_error_lx,zero_bound_lx,status
+///   x,y,z,illuminance_lx,red_lx,green_lx,blue_lx,standard_error_lx,zero_bound_lx,status,
+///   lower_lx,upper_lx,approximate
 /// for each receiver, numbers with as many digits as tell every bit, status by name.  .exr:
-/// channels R, G, B, illuminance.Y, standard_error.Y (where there is more than a sample),
-/// zero_bound.Y and status.Y in `window`.  Of both, with a target error the ends of the interval
-/// and the samples follow (lower_lx,upper_lx,samples; lower.Y, upper.Y, samples.Y), then
-/// wavelengths.  UNKNOWN where it cannot be written.
+/// channels R, G, B, illuminance.Y, zero_bound.Y, status.Y and, where there is more than a sample,
+/// standard_error.Y, lower.Y and upper.Y in `window`.  Of both, with a target error the samples
+/// follow (samples,reached; samples.Y), then wavelengths.  UNKNOWN where it cannot be written.
 absl::Status write_irradiance(const IrradianceOutput& options, client::ReceiverSource& receivers,
                               const client::MapWindow* window);
+
+/// Of the rows that have an answer; `options` with a target error.  `header`: of the results.
+absl::StatusOr<TargetCheck> check_results(const IrradianceOutput& options,
+                                          const std::string& header, std::uint64_t rows);
 
 }  // namespace lucerna::cli

@@ -7,6 +7,7 @@
 
 #include "client/batch_parts.h"
 #include "client/cli/answer.h"
+#include "client/cli/certainty.h"
 #include "client/cli/light_table.h"
 #include "client/cli/method_options.h"
 #include "client/cli/output.h"
@@ -55,7 +56,8 @@ v1::SampleValues sample_values(const SampleOptions& options, std::size_t points)
   return values;
 }
 
-void print_samples(const v1::SampleLiResponse& response, const SampleOptions& options) {
+void print_samples(const v1::SampleLiResponse& response, const SampleOptions& options,
+                   const v1::Accuracy& accuracy) {
   const std::uint32_t samples = options.stop.samples.value_or(1);
   std::vector<Table::Column> columns = {{"point"}, {"light"}};
   if (!options.light) columns.push_back({"chosen with"});
@@ -95,13 +97,29 @@ void print_samples(const v1::SampleLiResponse& response, const SampleOptions& op
     row.push_back(status);
     table.add(std::move(row));
   }
-  fmt::print("{}", table.to_string());
+  fmt::print("{}{}{}\n", table.to_string(), describe(response.cost()),
+             describe_approximations(accuracy, response.cost()));
+}
+
+/// Of the points that have an answer.
+TargetCheck check_target(const v1::ReceiverEstimates& estimates, const v1::TargetError& target,
+                         std::vector<bool>* reached = nullptr) {
+  TargetCheck check(target);
+  for (int i = 0; i < estimates.samples_size(); ++i) {
+    const bool good = item_status(estimates.status(), i).empty() &&
+                      check.add(estimates.illuminance_lx(i), estimates.lower_lx(i),
+                                estimates.upper_lx(i), estimates.samples(i) + kReplicates);
+    if (reached != nullptr) reached->push_back(good);
+  }
+  return check;
 }
 
 /// What the samples of each point say.
 void print_estimates(const v1::SampleLiResponse& response, const SampleOptions& options,
-                     const PointSet& set, bool on_surfaces) {
+                     const PointSet& set, const v1::SampleLiRequest& request) {
+  const v1::Accuracy& accuracy = request.accuracy();
   const v1::ReceiverEstimates& estimates = response.estimates();
+  const bool on_surfaces = request.normals_size() > 0;
   std::vector<Table::Column> columns = {
       {"x [m]"},  {"y [m]"},
       {"z [m]"},  {on_surfaces ? "illuminance [lx]" : "spherical illuminance [lx]"},
@@ -112,12 +130,12 @@ void print_estimates(const v1::SampleLiResponse& response, const SampleOptions& 
   for (int i = 0; i < estimates.samples_size(); ++i) {
     const auto& [x, y, z] = set.points.at(i);
     const std::string status = item_status(estimates.status(), i);
-    const double lower = estimates.lower_lx(i), upper = estimates.upper_lx(i);
     // Several samples that are all alike say nothing of what they missed.
-    const std::string error = !status.empty() ? ""
-                              : lower == upper && estimates.samples(i) > 1
-                                  ? number(0)
-                                  : interval_text(estimates.illuminance_lx(i), lower, upper);
+    const bool approximate = is_approximate(accuracy) || estimates.samples(i) > 1;
+    const std::string error =
+        status.empty() ? interval_text(estimates.illuminance_lx(i), estimates.lower_lx(i),
+                                       estimates.upper_lx(i), approximate)
+                       : "";
     std::vector<std::string> row = {number(x), number(y),
                                     number(z), number(estimates.illuminance_lx(i)),
                                     error,     std::to_string(estimates.samples(i))};
@@ -127,10 +145,14 @@ void print_estimates(const v1::SampleLiResponse& response, const SampleOptions& 
     table.add(std::move(row));
   }
   fmt::print("{}", table.to_string());
-  fmt::print("± and < hold with {:g}% confidence, of {}; {}\n", 100 * options.stop.confidence(),
+  fmt::print("± and < hold with {}% confidence, of {}; {}{}{}\n",
+             percent(options.stop.confidence()),
              options.visibility ? "visible lights"
                                 : "lights as though nothing stood between (else: --visible)",
-             describe(response.cost()));
+             accuracy.has_target_error()
+                 ? check_target(estimates, accuracy.target_error()).describe("points")
+                 : "",
+             describe(response.cost()), describe_approximations(accuracy, response.cost()));
 }
 
 void sample(Session& session, const SampleOptions& options) {
@@ -151,14 +173,24 @@ void sample(Session& session, const SampleOptions& options) {
   options.time.put(request);
   options.wavelengths.put(request);
   request.set_scene_id(session.scene_id(options.scene));
-  ask_and_print(session, request, client::sample_li_in_batches,
-                [&](const v1::SampleLiResponse& response) {
-                  if (response.has_estimates()) {
-                    print_estimates(response, options, set, request.normals_size() > 0);
-                  } else {
-                    print_samples(response, options);
-                  }
-                });
+  const v1::Accuracy& accuracy = request.accuracy();
+  using Response = v1::SampleLiResponse;
+  ask_and_print<v1::SampleLiRequest, Response>(
+      session, request, client::sample_li_in_batches,
+      [&](const Response& response) {
+        if (response.has_estimates()) {
+          print_estimates(response, options, set, request);
+        } else {
+          print_samples(response, options, accuracy);
+        }
+      },
+      [&](const Response& response) {
+        std::string more = json_of_approximate(accuracy);
+        if (!accuracy.has_target_error()) return more;
+        std::vector<bool> reached;
+        check_target(response.estimates(), accuracy.target_error(), &reached);
+        return more + "," + json_of("reached", reached);
+      });
 }
 
 struct PdfOptions {
@@ -192,7 +224,7 @@ void pdf(Session& session, const PdfOptions& options) {
           table.add({number(x), number(y), number(z), triple(wx, wy, wz),
                      number(response.pdf_per_sr(i)), item_status(response.status(), i)});
         }
-        fmt::print("{}", table.to_string());
+        fmt::print("{}{}\n", table.to_string(), describe(response.cost()));
       });
 }
 
@@ -246,8 +278,16 @@ void power(Session& session, const PowerOptions& options) {
   }
   options.wavelengths.put(request);
   const v1::EstimatePowerResponse response = all_powers(session, request);
+  const auto& target = request.accuracy().target_error();
+  TargetCheck check(target);
+  std::vector<bool> reached;
+  if (request.accuracy().has_target_error()) {
+    for (const v1::LightPower& light : response.lights())
+      reached.push_back(check.add(light.power_lm(), light.lower_lm(), light.upper_lm(),
+                                  light.samples() + kReplicates));
+  }
   if (session.json()) {
-    fmt::print("{}", to_json(response));
+    fmt::print("{}", to_json(response, reached.empty() ? "" : json_of("reached", reached)));
     return;
   }
   std::map<std::uint64_t, const v1::Light*> by_id;
@@ -289,8 +329,8 @@ void power(Session& session, const PowerOptions& options) {
   fmt::print("{}", table.to_string());
   if (any_from_infinity) fmt::print("{}; \"all\" includes it\n", kFluxFromInfinity);
   if (sampled)
-    fmt::print("± holds with {:g}% confidence; {}\n", 100 * options.stop.confidence(),
-               describe(response.cost()));
+    fmt::print("± holds with {}% confidence; {}{}\n", percent(options.stop.confidence()),
+               check.describe("lights"), describe(response.cost()));
 }
 
 }  // namespace
@@ -307,8 +347,10 @@ void add_light_commands(CLI::App& app, Session& session) {
   command
       ->add_option("--light", sampling->light,
                    "Id of the light; default: one is chosen for each sample")
-      ->check(whole(1));
-  command->add_option("--seed", sampling->seed, "Seed of the sample values")->capture_default_str();
+      ->check(whole64(1));
+  command->add_option("--seed", sampling->seed, "Seed of the sample values")
+      ->check(whole64())
+      ->capture_default_str();
   command
       ->add_option(
           "--u", sampling->u,
@@ -330,7 +372,7 @@ void add_light_commands(CLI::App& app, Session& session) {
   command->add_option("SCENE", density->scene, "Path or id")->required();
   density->points.add(*command, "directions");
   density->directions.add(*command, "--direction", "The direction x,y,z from the point");
-  command->add_option("--light", density->light, "Id of the light")->check(whole(1))->required();
+  command->add_option("--light", density->light, "Id of the light")->check(whole64(1))->required();
   density->normals.add(*command, "--normal", "The surface normal x,y,z at the point");
   density->area_sampling.add(*command);
   density->time.add(*command);
@@ -340,11 +382,13 @@ void add_light_commands(CLI::App& app, Session& session) {
   command->footer(
       "Example:\n  lucerna power room.pbrt --light 1 --light 2\n"
       "  lucerna power room.pbrt --wavelength 450,555,650\n"
-      "  lucerna power room.pbrt --method sampled --error 0.1%");
+      "  lucerna power room.pbrt --method sampled --error 0.1%\n"
+      "With --json: EstimatePowerResponse; with --error also `reached`, whether each light is as "
+      "certain as that.");
   const auto powers = std::make_shared<PowerOptions>();
   command->add_option("SCENE", powers->scene, "Path or id")->required();
   command->add_option("--light", powers->lights, "Id of a light; may be given again; default: all")
-      ->check(whole(1))
+      ->check(whole64(1))
       ->allow_extra_args(false);
   command
       ->add_option("--method", powers->method,
@@ -354,6 +398,7 @@ void add_light_commands(CLI::App& app, Session& session) {
       ->capture_default_str();
   powers->stop.add(*command, "light", "4096; with --method sampled, as are the others", "lm");
   command->add_option("--seed", powers->seed, "With --method sampled: seed of the sample values")
+      ->check(whole64())
       ->capture_default_str();
   powers->wavelengths.add(*command);
   command->callback([powers, &session] { power(session, *powers); });

@@ -118,11 +118,13 @@ class MethodOptions {
     command
         .add_option("--samples-per-light", samples_per_light_,
                     "Points of each light that a sample takes; default: as the scene says, or 1")
-        ->check(whole(1));
+        ->check(whole(1, 1024));
     command
-        .add_option("--far-light", far_light_radii_,
-                    "Area lights farther away than so many of their radii count as points; "
-                    "default: none does")
+        .add_option(
+            "--far-light", far_light_radii_,
+            "Area lights farther away than so many of their radii count as points, a radius "
+            "being half the diagonal of the light's bounding box: five times the largest "
+            "dimension of a square luminaire is 7.1; default: none does")
         ->check(positive());
     combination_.add(command);
     closed_forms_.add(command);

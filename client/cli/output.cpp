@@ -52,14 +52,6 @@ std::string Table::to_string() const {
 
 std::string number(double value) { return fmt::format("{:.6g}", value); }
 
-std::string interval_text(double value, double lower, double upper) {
-  if (lower == upper) return "exact";
-  if (value == 0) return fmt::format("< {}", number(upper));
-  const double above = upper - value, below = value - lower;
-  if (std::fabs(above - below) <= 1e-3 * above) return number(above);
-  return fmt::format("{} ... {}", number(lower), number(upper));
-}
-
 std::string triple(double a, double b, double c) {
   return number(a) + " " + number(b) + " " + number(c);
 }
@@ -71,13 +63,14 @@ std::string direction(const v1::Vector3& v) {
   return triple(rounded(v.x()), rounded(v.y()), rounded(v.z()));
 }
 
-std::string to_json(const google::protobuf::Message& message) {
+std::string to_json(const google::protobuf::Message& message, const std::string& more) {
   google::protobuf::util::JsonPrintOptions options;
   options.preserve_proto_field_names = true;
   options.always_print_primitive_fields = true;
   std::string result;
   const auto status = google::protobuf::util::MessageToJsonString(message, &result, options);
   if (!status.ok()) throw std::runtime_error("no JSON of the answer: " + status.ToString());
+  if (!more.empty()) result.insert(result.size() - 1, (result == "{}" ? "" : ",") + more);
   return result + "\n";
 }
 
@@ -110,9 +103,7 @@ std::string describe(const v1::Cost& cost) {
   const std::uint64_t rays = cost.camera_rays() + cost.indirect_rays() + cost.shadow_rays();
   if (rays > 0) result += fmt::format(", {} rays", rays);
   if (cost.shadow_map_lookups() > 0)
-    result += fmt::format(
-        ", {} look-ups in shadow maps, of which {} of {} compared disagree with rays",
-        cost.shadow_map_lookups(), cost.shadow_map_disagreed(), cost.shadow_map_compared());
+    result += fmt::format(", {} look-ups in shadow maps", cost.shadow_map_lookups());
   return result;
 }
 

@@ -5,6 +5,7 @@
 
 #include "client/batch_parts.h"
 #include "client/cli/answer.h"
+#include "client/cli/certainty.h"
 #include "client/cli/irradiance_files.h"
 #include "client/cli/method_options.h"
 #include "client/cli/output.h"
@@ -73,7 +74,7 @@ void visible(Session& session, const VisibleOptions& options) {
                      : client::bit(response.visible(), i) ? "yes"
                                                           : "no"});
         }
-        fmt::print("{}", table.to_string());
+        fmt::print("{}{}\n", table.to_string(), describe(response.cost()));
       });
 }
 
@@ -91,16 +92,43 @@ struct IrradianceOptions {
   IrradianceFilesOption files;
 };
 
-/// A standard error, or the bound that stands for it where every sample was zero.
-std::string error_text(const google::protobuf::RepeatedField<float>& errors,
-                       const google::protobuf::RepeatedField<float>& bounds, int i) {
-  if (i < bounds.size() && bounds[i] > 0) return fmt::format("< {}", number(bounds[i]));
-  if (i >= errors.size()) return "unknown";
-  return errors[i] == 0 ? "exact" : number(errors[i]);
+/// What stands under ± for item `i`.  `bound`: where all samples were zero, else 0; a single sample
+/// tells nothing else.
+template <typename Answer>
+std::string error_text(const Answer& answer, int i, double bound, bool approximate) {
+  if (bound > 0) return fmt::format("< {}", number(bound));
+  if (i >= answer.upper_lx_size()) return "unknown";
+  return interval_text(answer.illuminance_lx(i), answer.lower_lx(i), answer.upper_lx(i),
+                       approximate);
+}
+
+/// Of the items that have an answer.
+TargetCheck check_target(const v1::EstimateIrradianceResponse& response,
+                         const v1::TargetError& target, std::vector<bool>* reached = nullptr) {
+  TargetCheck check(target);
+  for (int i = 0; i < response.item_costs().samples_size(); ++i) {
+    const bool good =
+        item_status(response.status(), i).empty() &&
+        check.add(response.illuminance_lx(i), response.lower_lx(i), response.upper_lx(i),
+                  response.item_costs().samples(i) + kReplicates);
+    if (reached != nullptr) reached->push_back(good);
+  }
+  return check;
+}
+
+/// "1024 samples a point", of equally many for each.
+std::string samples_text(const v1::EstimateIrradianceResponse& response) {
+  if (response.cost().samples() == 0) return "no samples taken";
+  const auto points = static_cast<std::uint64_t>(response.illuminance_lx_size());
+  return fmt::format(
+      "{} samples a point{}", response.samples(),
+      response.cost().samples() < response.samples() * points ? " that needed any" : "");
 }
 
 void print_irradiance(const v1::EstimateIrradianceResponse& response, const PointSet& set,
-                      const WavelengthOption& wavelengths, const StopOption& stop) {
+                      const WavelengthOption& wavelengths, const StopOption& stop,
+                      const v1::Accuracy& accuracy) {
+  const bool approximate = is_approximate(accuracy);
   std::vector<Table::Column> columns = {
       {"x [m]"}, {"y [m]"}, {"z [m]"}, {"illuminance [lx]"}, {"± [lx]"}, {"RGB [lx]", true}};
   const bool by_target = response.has_item_costs();
@@ -117,10 +145,7 @@ void print_irradiance(const v1::EstimateIrradianceResponse& response, const Poin
         number(y),
         number(z),
         number(response.illuminance_lx(i)),
-        !status.empty() ? ""
-        : by_target
-            ? interval_text(response.illuminance_lx(i), response.lower_lx(i), response.upper_lx(i))
-            : error_text(response.standard_error_lx(), response.zero_bound_lx(), i),
+        status.empty() ? error_text(response, i, response.zero_bound_lx(i), approximate) : "",
         3 * i + 2 < rgb.size() ? triple(rgb[3 * i], rgb[3 * i + 1], rgb[3 * i + 2]) : ""};
     if (by_target) {
       const v1::ItemCosts& costs = response.item_costs();
@@ -138,18 +163,15 @@ void print_irradiance(const v1::EstimateIrradianceResponse& response, const Poin
       for (int i = 0; i < share.illuminance_lx_size(); ++i) {
         const auto& [x, y, z] = set.points.at(i);
         shares.add({std::to_string(share.light_id()), number(x), number(y), number(z),
-                    number(share.illuminance_lx(i)), error_text(share.standard_error_lx(), {}, i)});
+                    number(share.illuminance_lx(i)), error_text(share, i, 0, approximate)});
       }
     }
     fmt::print("\n{}", shares.to_string());
   }
-  if (by_target) {
-    fmt::print("± and < hold with {:g}% confidence; {}\n", 100 * stop.confidence(),
-               describe(response.cost()));
-    return;
-  }
-  fmt::print("{} samples a point; ± is one standard error, < a bound with 95% confidence; {}\n",
-             response.samples(), describe(response.cost()));
+  fmt::print("{}± and < hold with {}% confidence; {}{}{}\n",
+             by_target ? "" : samples_text(response) + "; ", percent(stop.confidence()),
+             by_target ? check_target(response, accuracy.target_error()).describe("points") : "",
+             describe(response.cost()), describe_approximations(accuracy, response.cost()));
 }
 
 void irradiance(Session& session, const IrradianceOptions& options) {
@@ -174,10 +196,20 @@ void irradiance(Session& session, const IrradianceOptions& options) {
   *request.mutable_receivers() = client::make_points(set.points);
   fill(normals, request.mutable_normals());
   request.set_scene_id(session.scene_id(options.scene));
-  ask_and_print(session, request, client::estimate_irradiance_in_batches,
-                [&](const v1::EstimateIrradianceResponse& response) {
-                  print_irradiance(response, set, options.wavelengths, options.stop);
-                });
+  const v1::Accuracy& accuracy = request.accuracy();
+  using Response = v1::EstimateIrradianceResponse;
+  ask_and_print<v1::EstimateIrradianceRequest, Response>(
+      session, request, client::estimate_irradiance_in_batches,
+      [&](const Response& response) {
+        print_irradiance(response, set, options.wavelengths, options.stop, accuracy);
+      },
+      [&](const Response& response) {
+        std::string more = json_of_approximate(accuracy);
+        if (!response.has_item_costs()) return more;
+        std::vector<bool> reached;
+        check_target(response, accuracy.target_error(), &reached);
+        return more + "," + json_of("reached", reached);
+      });
 }
 
 }  // namespace
@@ -209,7 +241,10 @@ void add_receiver_commands(CLI::App& app, Session& session) {
       "  lucerna irradiance room.pbrt --points desks.csv --error 1%\n"
       "  lucerna irradiance room.pbrt --points desks.csv --bounces 0 --per-light\n"
       "  lucerna irradiance room.pbrt --points desks.csv --bounces 0 --wavelength 450,555\n"
-      "  lucerna irradiance room.pbrt --points baked.exr -o light.exr --servers a:50051,b:50051");
+      "  lucerna irradiance room.pbrt --points baked.exr -o light.exr --servers a:50051,b:50051\n"
+      "With --json: EstimateIrradianceResponse and `approximate`, whether approximations were\n"
+      "asked for (--far-light, --visibility shadow-maps); with --error `reached`, whether each\n"
+      "point is as certain as that.");
   const auto meter = std::make_shared<IrradianceOptions>();
   command->add_option("SCENE", meter->scene, "Path or id")->required();
   meter->points.add(*command, "normals");
@@ -219,7 +254,9 @@ void add_receiver_commands(CLI::App& app, Session& session) {
                    "Reflections that light may take, 0 for direct light; default: all")
       ->check(whole(0));
   meter->stop.add(*command, "point", "256", "lx");
-  command->add_option("--seed", meter->seed, "Seed of the sample values")->capture_default_str();
+  command->add_option("--seed", meter->seed, "Seed of the sample values")
+      ->check(whole64())
+      ->capture_default_str();
   command->add_flag("--per-light", meter->per_light, "Also the direct light of each light");
   meter->methods.add(*command);
   meter->time.add(*command);

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "absl/cleanup/cleanup.h"
+#include "client/cli/certainty.h"
 #include "client/cli/frames.h"
 #include "client/cli/method_options.h"
 #include "client/cli/output.h"
@@ -127,6 +128,20 @@ std::string describe_samples(std::vector<std::uint32_t> samples) {
                      ends[1]);
 }
 
+/// Which pixels' luminances are as certain as was asked for.
+TargetCheck check_target(const client::Picture& picture, const v1::TargetError& target) {
+  TargetCheck check(target);
+  for (std::size_t i = 0; i < picture.upper.size(); ++i) {
+    const float* rgb = picture.pixels.data() + 3 * i;
+    // Of Rec. 709 with D65, as the server's.
+    const double luminance =
+        0.2126390058715104 * rgb[0] + 0.7151686787677559 * rgb[1] + 0.0721923153607337 * rgb[2];
+    // Of as many samples as are a power of two.
+    check.add(luminance, picture.lower[i], picture.upper[i], 2ULL * picture.samples[i]);
+  }
+  return check;
+}
+
 /// Ends the program for what does not go together.
 void check(const RenderOptions& options) {
   options.servers.check();
@@ -209,13 +224,19 @@ void render(Session& session, const RenderOptions& options, Preview& preview) {
     write(*std::move(counts_file), picture, counts, description, 0);
   }
   preview.finish();
+  const v1::Accuracy& accuracy = request.accuracy();
+  const TargetCheck target = check_target(picture, accuracy.target_error());
   if (session.json()) {
-    fmt::print("{}", to_json(last));
+    std::string more = json_of_approximate(accuracy);
+    if (accuracy.has_target_error())
+      more += fmt::format(",\"pixels_not_reached\":{}", target.missed());
+    fmt::print("{}", to_json(last, more));
   } else {
     const std::string counts =
         options.stop.error || options.stop.budget_s ? describe_samples(picture.samples) + "; " : "";
-    fmt::print("{}: {} x {} pixels; {}{}\n", fmt::join(options.outputs, ", "), picture.width,
-               picture.height, counts, describe(last.cost()));
+    fmt::print("{}: {} x {} pixels; {}{}{}{}\n", fmt::join(options.outputs, ", "), picture.width,
+               picture.height, counts, target.describe("pixels"), describe(last.cost()),
+               describe_approximations(accuracy, last.cost()));
   }
   std::fflush(stdout);  // whoever waits for frames sees each
 }
@@ -254,7 +275,9 @@ void add_render_command(CLI::App& app, Session& session) {
       "  lucerna render --servers a:50051,b:50051 --upload room.pbrt -o room.exr\n"
       "  lucerna render room.pbrt -o room.png --preview=5 --tev localhost\n"
       "  lucerna render flight.pbrt --frames 1-240 --fps 24 -o flight.%04d.exr\n"
-      "With --json: the last RenderImageResponse, without its tile; one line a frame.");
+      "With --json: the last RenderImageResponse, without its tile, and `approximate`, whether "
+      "approximations were asked for\n(--far-light, --visibility shadow-maps); with --error "
+      "`pixels_not_reached`, how many are less certain than that; one line a frame.");
   const auto options = std::make_shared<RenderOptions>();
   command->add_option("SCENE", options->scene, "Path or id")->required();
   command
@@ -272,7 +295,9 @@ void add_render_command(CLI::App& app, Session& session) {
   options->stop.add(*command, "pixel", "as the scene file says", "cd/m2 times the film's scale");
   options->methods.add(*command);
   options->time.add(*command, "all the time that the shutter is open");
-  command->add_option("--seed", options->seed, "Seed of the sample values")->capture_default_str();
+  command->add_option("--seed", options->seed, "Seed of the sample values")
+      ->check(whole64())
+      ->capture_default_str();
   command
       ->add_option("--bounces", options->bounces,
                    "Reflections after the first surface, 0 for direct light; default: as the "

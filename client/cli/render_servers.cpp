@@ -29,7 +29,7 @@ void ServersOption::add(CLI::App& command, bool pictures) {
     command
         .add_option("--split-samples", samples_per_piece,
                     "With --servers: split tiles by samples too, into runs of at most so many")
-        ->check(whole(1));
+        ->check(whole64(1));
   }
   command
       .add_option("--journal", journal,

@@ -1,4 +1,4 @@
-// load, scenes, lights, release, info.
+// load, scenes, scene, lights, lease, release, info.
 #include <fmt/core.h>
 #include <unistd.h>
 
@@ -89,6 +89,27 @@ void scenes(Session& session) {
                scene.path()});
   }
   fmt::print("{}", table.to_string());
+}
+
+void scene(Session& session, const std::string& name) {
+  session.need_one_server("what was built is one server's");
+  v1::GetSceneRequest request;
+  request.set_scene_id(session.scene_id(name));
+  const auto response = session.ask(session.client().get_scene(request, session.call_options()));
+  if (session.json()) {
+    fmt::print("{}", to_json(response));
+    return;
+  }
+  const v1::SceneSummary& summary = response.summary();
+  fmt::print("{}  {}: {} lights, {} primitives, {:.0f} kB\n", summary.scene_id(), summary.path(),
+             summary.lights(), summary.primitives(), static_cast<double>(summary.bytes()) / 1000);
+  Table table({{"part", true}, {"memory [kB]"}, {"built in [ms]"}, {"why", true}});
+  for (const v1::ScenePart& part : response.parts()) {
+    table.add({part.name(), fmt::format("{:.1f}", static_cast<double>(part.bytes()) / 1000),
+               fmt::format("{:.3g}", part.build_ms()), part.why()});
+  }
+  fmt::print("{}", table.to_string());
+  print_remarks(response.remarks());
 }
 
 void lights(Session& session, const std::string& scene) {
@@ -219,6 +240,10 @@ void add_scene_commands(CLI::App& app, Session& session) {
   add_load_command(app, session);
   add_command(app, "scenes", "Lists the loaded scenes", nullptr, "", "lucerna scenes --json",
               [&session](const std::string&) { scenes(session); });
+  add_command(app, "scene",
+              "Tells what was built for a scene: memory, time and reason of each part", "SCENE",
+              "Path or id", "lucerna scene room.pbrt",
+              [&session](const std::string& name) { scene(session, name); });
   add_command(app, "lights", "Lists a scene's lights", "SCENE", "Path or id",
               "lucerna lights room.pbrt",
               [&session](const std::string& scene) { lights(session, scene); });

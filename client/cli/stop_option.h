@@ -18,8 +18,9 @@ inline CLI::Validator share() {
   return {[](std::string& text) -> std::string {
             const bool percent = text.ends_with('%');
             std::string number = percent ? text.substr(0, text.size() - 1) : text;
-            if (!positive()(number).empty()) return text + " is not a share above 0, as 1% or 0.01";
-            if (percent) text = fmt::format("{}", std::stod(number) / 100);
+            const auto value = read_number<double>(number);
+            if (!value || *value <= 0) return text + " is not a share above 0, as 1% or 0.01";
+            if (percent) text = fmt::format("{}", *value / 100);
             return {};
           },
           "SHARE"};
@@ -34,7 +35,7 @@ struct StopOption {
            const std::string& unit) {
     auto* count = command.add_option("--samples", samples,
                                      "Samples for each " + of + "; default " + otherwise);
-    count->check(whole(1));
+    count->check(sample_count());
     auto* target = command.add_option(
         "--error", error, "As many samples as each " + of + " needs for this error, as 1% or 0.01");
     target->transform(share())->excludes(count);
@@ -50,11 +51,14 @@ struct StopOption {
         ->needs(target);
     command
         .add_option("--max-samples", max_samples_,
-                    "With --error: for each " + of + " at most; default 65536")
-        ->check(whole(1))
+                    "With --error: for each " + of +
+                        " at most, from 64 to the server's limit; default 65536")
+        ->check(sample_count(64))
         ->needs(target);
-    command.add_option("--budget", budget_s, "As many samples as this time allows [s]")
-        ->check(positive())
+    command
+        .add_option("--budget", budget_s,
+                    "As many samples as this time allows [s]; or as 10s, 2m, 500ms")
+        ->transform(duration())
         ->excludes(count)
         ->excludes(target);
   }

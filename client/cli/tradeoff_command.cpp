@@ -35,18 +35,6 @@ struct TradeoffOptions {
   bool quiet = false;
 };
 
-/// A time as 60, 60s or 2m, which become seconds.
-CLI::Validator duration() {
-  return {[](std::string& text) -> std::string {
-            const bool minutes = text.ends_with('m'), seconds = text.ends_with('s');
-            std::string number = minutes || seconds ? text.substr(0, text.size() - 1) : text;
-            if (!positive()(number).empty()) return text + " is not a time above 0, as 60s or 2m";
-            text = fmt::format("{}", std::stod(number) * (minutes ? 60 : 1));
-            return {};
-          },
-          "TIME"};
-}
-
 Query query_of(const std::string& name) {
   const auto& names = tradeoff::query_names();
   return static_cast<Query>(std::find(names.begin(), names.end(), name) - names.begin());
@@ -194,6 +182,7 @@ void add_tradeoff_command(CLI::App& app, Session& session, const std::string& ve
                    "Of pictures, before FLIP looks at them [EV]; default 0, as they are rendered")
       ->check(checked_number("a finite number", [](double) { return true; }));
   command->add_option("--seed", trading->seed, "Seed of all seeds and of the order")
+      ->check(whole64())
       ->capture_default_str();
   command->add_option("--out", trading->directory, "Directory for what it writes")->required();
   command->add_flag("--quiet", trading->quiet, "Tell nothing on the way");

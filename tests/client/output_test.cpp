@@ -1,7 +1,9 @@
 #include "client/cli/output.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "client/cli/certainty.h"
 #include "client/cli/progress.h"
 #include "lucerna/v1/scene.pb.h"
 
@@ -46,6 +48,58 @@ TEST(Json, WritesFloatsThatReadBackTheSame) {
   EXPECT_NE(cli::to_json(response).find(R"("pdf_per_sr":[0.1])"), std::string::npos);
 }
 
+TEST(Json, TellsWhatTheMessageDoesNotHold) {
+  v1::PdfLiResponse response;
+  response.add_pdf_per_sr(1);
+  const std::string more = cli::json_of("reached", {true, false});
+  EXPECT_THAT(cli::to_json(response, more), ::testing::EndsWith(",\"reached\":[true,false]}\n"));
+  EXPECT_EQ(cli::to_json(v1::Points(), "\"a\":1"), "{\"offsets_m\":[],\"a\":1}\n");
+}
+
+TEST(Interval, IsToldAsHalfItsWidthOrByItsEnds) {
+  EXPECT_EQ(cli::interval_text(10, 8, 12, false), "2");
+  EXPECT_EQ(cli::interval_text(10, 9, 12, false), "9 ... 12");
+  EXPECT_EQ(cli::interval_text(0, 0, 3, false), "< 3");
+  EXPECT_EQ(cli::interval_text(10, 10, 10, false), "exact");
+  EXPECT_EQ(cli::interval_text(10, 10, 10, true), "no scatter");
+  EXPECT_EQ(cli::interval_text(0, 0, 0, true), "no scatter");
+  // The ends are floats, half a unit in the last place off.
+  EXPECT_EQ(cli::interval_text(1e6F, 1e6F - 0.5F, 1e6F + 0.5625F, false), "0.53125");
+}
+
+TEST(Percent, HasTheDigitsThatTellItFromNoneAndAll) {
+  EXPECT_EQ(cli::percent(0.95), "95");
+  EXPECT_EQ(cli::percent(0.999), "99.9");
+  EXPECT_EQ(cli::percent(0.999999999), "99.9999999");
+  EXPECT_EQ(cli::percent(1e-9), "1e-07");
+  EXPECT_EQ(cli::percent(1 - 0x1p-53), "99.99999999999999");
+}
+
+TEST(TargetCheck, CountsWhatIsLessCertainThanAskedFor) {
+  v1::TargetError target;
+  target.set_relative(0.01);
+  target.set_absolute_floor(0.5);
+  target.set_max_samples(256);
+  cli::TargetCheck check(target);
+  EXPECT_TRUE(check.add(100, 99, 101, 80));
+  EXPECT_TRUE(check.add(1, 0.5, 1.5, 80));
+  EXPECT_EQ(check.describe("points"), "");
+  EXPECT_FALSE(check.add(100, 98, 102, 256));
+  EXPECT_EQ(check.describe("points"),
+            "1 of 3 points are less certain than asked for (2 times at worst); ");
+  EXPECT_FALSE(check.add(100, 97, 103, 257));
+  EXPECT_EQ(check.describe("points"),
+            "2 of 4 points are less certain than asked for (3 times at worst), --max-samples "
+            "reached by 1; ");
+  EXPECT_EQ(check.missed(), 2U);
+  // No error at all was allowed, so there is no number of times.
+  target.clear_absolute_floor();
+  cli::TargetCheck dark(target);
+  EXPECT_FALSE(dark.add(0, 0, 1, 1000));
+  EXPECT_EQ(dark.describe("pixels"),
+            "1 of 1 pixels are less certain than asked for, --max-samples reached; ");
+}
+
 TEST(Cost, TellsOfShadowMapsWhereTheyWereAsked) {
   v1::Cost cost;
   cost.set_wall_time_s(0.25);
@@ -54,9 +108,14 @@ TEST(Cost, TellsOfShadowMapsWhereTheyWereAsked) {
   cost.set_shadow_map_lookups(6400);
   cost.set_shadow_map_compared(100);
   cost.set_shadow_map_disagreed(3);
-  EXPECT_EQ(cli::describe(cost),
-            "0.25 s, 100 rays, 6400 look-ups in shadow maps, of which 3 of 100 compared disagree "
-            "with rays");
+  EXPECT_EQ(cli::describe(cost), "0.25 s, 100 rays, 6400 look-ups in shadow maps");
+  v1::Accuracy accuracy;
+  EXPECT_EQ(cli::describe_approximations(accuracy, cost), "");
+  accuracy.set_visibility(v1::VISIBILITY_SHADOW_MAPS);
+  accuracy.set_far_light_radii(7.1);
+  EXPECT_EQ(cli::describe_approximations(accuracy, cost),
+            "; approximated: area lights as points beyond 7.1 radii"
+            "; approximated: shadow maps, 3 of 100 compared disagree");
 }
 
 TEST(ItemStatus, IsNamedWithoutItsPrefix) {

@@ -121,22 +121,27 @@ TEST_F(CliIrradianceFiles, TheTerminalsNumbersToTheBit) {
   std::string line;
   std::getline(lines, line);
   EXPECT_EQ(line,
-            "x,y,z,illuminance_lx,red_lx,green_lx,blue_lx,standard_error_lx,zero_bound_lx,status");
-  std::vector<float> illuminance, errors;
+            "x,y,z,illuminance_lx,red_lx,green_lx,blue_lx,standard_error_lx,zero_bound_lx,status,"
+            "lower_lx,upper_lx,approximate");
+  std::vector<float> illuminance, errors, lower, upper;
   int invalid = 0;
   while (std::getline(lines, line)) {
     std::istringstream fields(line);
     std::vector<std::string> values;
     for (std::string field; std::getline(fields, field, ',');) values.push_back(field);
-    ASSERT_EQ(values.size(), 10U) << line;
+    ASSERT_EQ(values.size(), 13U) << line;
     illuminance.push_back(std::stof(values[3]));
     errors.push_back(std::stof(values[7]));
+    lower.push_back(std::stof(values[10]));
+    upper.push_back(std::stof(values[11]));
     EXPECT_TRUE(values[9] == "OK" || values[9] == "INVALID_INPUT") << line;
     invalid += values[9] == "OK" ? 0 : 1;
   }
   EXPECT_EQ(invalid, 1);
   EXPECT_EQ(illuminance, array("illuminance_lx"));
   EXPECT_EQ(errors, array("standard_error_lx"));
+  EXPECT_EQ(lower, array("lower_lx"));
+  EXPECT_EQ(upper, array("upper_lx"));
   EXPECT_GT(illuminance[0], 1);
   EXPECT_GT(errors[0], 0);
 
@@ -147,7 +152,7 @@ TEST_F(CliIrradianceFiles, TheTerminalsNumbersToTheBit) {
                                      "--servers", server_->target(), "--journal", path("journal")},
                                     "sky.pbrt");
   EXPECT_EQ(listed.status, 1) << listed.err;
-  EXPECT_EQ(bytes("a.npy").size(), 128U + 150 * 7 * 4);
+  EXPECT_EQ(bytes("a.npy").size(), 128U + 150 * 9 * 4);
   EXPECT_EQ(bytes("a.npy"), bytes("b.npy"));
   // Of normals of their own file, too.
   std::vector<double> points, normals;
@@ -187,15 +192,15 @@ TEST_F(CliIrradianceFiles, ATargetErrorTellsIntervalsAndSamples) {
   std::istringstream lines(bytes("a.csv"));
   std::string line;
   std::getline(lines, line);
-  EXPECT_THAT(line, ::testing::EndsWith(",zero_bound_lx,status,lower_lx,upper_lx,samples"));
+  EXPECT_THAT(line, ::testing::EndsWith(",status,lower_lx,upper_lx,approximate,samples,reached"));
   std::vector<float> rows;
   while (std::getline(lines, line)) {
     std::istringstream fields(line);
     std::vector<std::string> values;
     for (std::string field; std::getline(fields, field, ',');) values.push_back(field);
-    ASSERT_EQ(values.size(), 13U) << line;
+    ASSERT_EQ(values.size(), 15U) << line;
     const float lux = std::stof(values[3]), lower = std::stof(values[10]),
-                upper = std::stof(values[11]), samples = std::stof(values[12]);
+                upper = std::stof(values[11]), samples = std::stof(values[13]);
     EXPECT_LE(lower, lux);
     EXPECT_GE(upper, lux);
     EXPECT_GE(samples, 64);
@@ -234,11 +239,11 @@ TEST_F(CliIrradianceFiles, ALightMapIsTheClosedForm) {
   ASSERT_EQ(spec.height, kHeight);
   EXPECT_THAT(spec.channelnames,
               ::testing::UnorderedElementsAre("R", "G", "B", "illuminance.Y", "standard_error.Y",
-                                              "zero_bound.Y", "status.Y"));
-  std::vector<float> values(std::size_t{kWidth} * kHeight * 7);
-  ASSERT_TRUE(file->read_image(0, 0, 0, 7, OIIO::TypeDesc::FLOAT, values.data()));
+                                              "zero_bound.Y", "status.Y", "lower.Y", "upper.Y"));
+  std::vector<float> values(std::size_t{kWidth} * kHeight * 9);
+  ASSERT_TRUE(file->read_image(0, 0, 0, 9, OIIO::TypeDesc::FLOAT, values.data()));
   const auto at = [&](int u, int v, const char* channel) {
-    return values[(static_cast<std::size_t>(v) * kWidth + u) * 7 + spec.channelindex(channel)];
+    return values[(static_cast<std::size_t>(v) * kWidth + u) * 9 + spec.channelindex(channel)];
   };
   for (int v = 0; v < kHeight; ++v) {
     for (int u = 0; u < kWidth; ++u) {
@@ -250,6 +255,8 @@ TEST_F(CliIrradianceFiles, ALightMapIsTheClosedForm) {
       for (const char* channel : {"R", "G", "B", "illuminance.Y"})
         EXPECT_NEAR(at(u, v, channel), expected, 2e-6 * expected) << u << ' ' << v;
       EXPECT_EQ(at(u, v, "standard_error.Y"), 0);
+      EXPECT_EQ(at(u, v, "lower.Y"), at(u, v, "illuminance.Y"));
+      EXPECT_EQ(at(u, v, "upper.Y"), at(u, v, "illuminance.Y"));
       EXPECT_EQ(at(u, v, "status.Y"), surface ? 1 : 7);
     }
   }
@@ -261,7 +268,7 @@ TEST_F(CliIrradianceFiles, ALightMapIsTheClosedForm) {
   const auto two = OIIO::ImageInput::open(path("two.exr"));
   ASSERT_TRUE(two);
   std::vector<float> others(values.size());
-  ASSERT_TRUE(two->read_image(0, 0, 0, 7, OIIO::TypeDesc::FLOAT, others.data()));
+  ASSERT_TRUE(two->read_image(0, 0, 0, 9, OIIO::TypeDesc::FLOAT, others.data()));
   EXPECT_EQ(values, others);
   // A single sample has no error, so there is no picture of it.
   EXPECT_EQ(lucerna({"irradiance", "plane.pbrt", "--samples", "1", "--points", path("points.exr"),
@@ -270,7 +277,8 @@ TEST_F(CliIrradianceFiles, ALightMapIsTheClosedForm) {
             0);
   const auto one = OIIO::ImageInput::open(path("one.exr"));
   ASSERT_TRUE(one);
-  EXPECT_EQ(one->spec().channelindex("standard_error.Y"), -1);
+  for (const char* name : {"standard_error.Y", "lower.Y", "upper.Y"})
+    EXPECT_EQ(one->spec().channelindex(name), -1) << name;
   EXPECT_GE(one->spec().channelindex("status.Y"), 0);
 }
 

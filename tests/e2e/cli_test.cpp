@@ -1,4 +1,6 @@
 // The program lucerna: help, wrong use, scenes, JSON.
+#include <nlohmann/json.hpp>
+
 #include "tests/e2e/cli_fixture.h"
 
 namespace lucerna {
@@ -18,8 +20,8 @@ TEST_F(Cli, TellsItsVersion) {
 
 TEST_F(Cli, HelpOfEachSubcommandHasAnExample) {
   for (const char* command :
-       {"load", "scenes", "lights", "lease", "release", "info", "sample", "pdf", "emit", "emit-pdf",
-        "le", "power", "visible", "irradiance", "render"}) {
+       {"load", "scenes", "scene", "lights", "lease", "release", "info", "sample", "pdf", "emit",
+        "emit-pdf", "le", "power", "visible", "irradiance", "render"}) {
     const Outcome outcome = lucerna({command, "--help"});
     EXPECT_EQ(outcome.status, 0) << command;
     EXPECT_THAT(outcome.out, HasSubstr(std::string("Example:\n  lucerna ") + command));
@@ -42,7 +44,7 @@ TEST_F(Cli, WrongFlagsAndNumbersAreWrongUse) {
   expect_wrong_use(lucerna({"render", "point.pbrt", "-o", "x.png", "--exposure", "nan"}),
                    "nan is not a number from -100 to 100");
   expect_wrong_use(lucerna({"render", "point.pbrt", "-o", "x.png", "--samples", "5000000000"}),
-                   "5000000000 is not a whole number from 1 to 4294967295");
+                   "5000000000 is not a whole number from 1 to the server's limit (1048576");
   expect_wrong_use(lucerna({"power", ""}), "SCENE is empty");
   expect_wrong_use(lucerna({"sample", "point.pbrt"}), "no points");
   expect_wrong_use(lucerna({"sample", "point.pbrt", "--point", "1,2"}), "\"1,2\"");
@@ -91,6 +93,33 @@ TEST_F(Cli, ScenesAreNamedByPathIdAndPrefix) {
   EXPECT_THAT(lucerna({"release", id.substr(0, 12)}).out, HasSubstr("released"));
   expect_no(lucerna({"power", id}), "not_found");
   expect_no(lucerna({"power", id.substr(0, 12)}), "no id of a loaded scene begins so");
+}
+
+TEST_F(Cli, SceneTellsWhatWasBuiltAndWhy) {
+  const auto parts = [] {
+    const Outcome outcome = lucerna({"scene", "point.pbrt", "--json"});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return nlohmann::json::parse(outcome.out)["parts"];
+  };
+  const std::size_t before = parts().size();
+  ASSERT_EQ(lucerna({"irradiance", "point.pbrt", "--point", "1.2,-1.5,0", "--normal", "0,0,1",
+                     "--bounces", "0", "--visibility", "shadow-maps"})
+                .status,
+            0);
+  const auto after = parts();
+  EXPECT_GT(after.size(), before);
+  const Outcome outcome = lucerna({"scene", "point.pbrt"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out,
+              AllOf(MatchesRegex("[0-9a-f]+  point\\.pbrt: 1 lights, [0-9]+ "
+                                 "primitives, [0-9]+ kB\n(.|\n)*"),
+                    ContainsRegex("\npart +memory \\[kB\\] +built in \\[ms\\] +why\n")));
+  for (const auto& part : after) {
+    const auto name = part["name"].get<std::string>(), why = part["why"].get<std::string>();
+    EXPECT_THAT(outcome.out, ContainsRegex("\n" + name + " +[0-9.]+ +[-0-9.e+]+ +")) << name;
+    EXPECT_THAT(outcome.out, HasSubstr("  " + why + "\n")) << name;
+  }
+  expect_no(lucerna({"scene", "missing.pbrt"}), "not_found");
 }
 
 TEST_F(Cli, ScenesThatCannotBeLoadedAreTheServersNo) {

@@ -261,7 +261,7 @@ TEST_F(CliTradeoff, RefusesWhatCannotBeMeasured) {
   expect_wrong_use(tradeoff({"--points", path("bare.csv")}), "no normals, must have six columns");
   expect_wrong_use(tradeoff({"--points", points, "--budget", "0s"}), "is not a time above 0");
   expect_wrong_use(tradeoff({"--points", points, "--budget", "1ms", "--quiet"}),
-                   "1ms is not a time above 0");
+                   "--budget 0.001s is too short");
   expect_wrong_use(tradeoff({"--points", points, "--budget", "0.001s", "--quiet"}),
                    "--budget 0.001s is too short");
   std::ofstream(path("a_file")) << "\n";

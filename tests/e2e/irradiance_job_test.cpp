@@ -228,14 +228,16 @@ TEST_F(IrradianceJob, ASingleSampleHasNoErrorAndWavelengthsFollow) {
   options_.request.add_wavelengths_nm(555);
   ASSERT_TRUE(client::run_irradiance_job(options_).ok());
   const std::vector<float> rows = results();
-  ASSERT_EQ(rows.size(), 9 * kPoints);
-  EXPECT_TRUE(std::isnan(rows[client::kStandardErrorColumn]));
+  ASSERT_EQ(rows.size(), 11 * kPoints);
+  for (const std::size_t c :
+       {client::kStandardErrorColumn, client::kLowerColumn, client::kUpperColumn})
+    EXPECT_TRUE(std::isnan(rows[c])) << c;
   EXPECT_GT(rows[0], 0);
   EXPECT_EQ(rows[client::kStatusColumn], 1);
   // In W/m2/nm; the white light has most of its watts in the middle.
-  EXPECT_GT(rows[7], 0);
-  EXPECT_GT(rows[8], 0);
-  EXPECT_LT(rows[8], rows[0] / 100);
+  EXPECT_GT(rows[9], 0);
+  EXPECT_GT(rows[10], 0);
+  EXPECT_LT(rows[10], rows[0] / 100);
 }
 
 TEST_F(IrradianceJob, ATargetErrorTellsIntervalsAndSamplesOfEachReceiver) {

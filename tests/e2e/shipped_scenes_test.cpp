@@ -29,8 +29,8 @@ std::vector<std::vector<double>> numbers(const std::string& path) {
     if (line.empty() || line[0] == '#' || line[0] == 'x') continue;
     std::vector<double>& row = rows.emplace_back();
     std::istringstream fields(line);
-    for (std::string field; std::getline(fields, field, ',');)
-      if (field != "OK") row.push_back(std::stod(field));
+    for (std::string field; std::getline(fields, field, ',') && field != "OK";)
+      row.push_back(std::stod(field));
   }
   return rows;
 }

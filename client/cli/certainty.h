@@ -1,0 +1,58 @@
+// How certain an answer is, in words: intervals, targets that were missed, approximations.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "lucerna/v1/accuracy.pb.h"
+
+namespace lucerna::cli {
+
+/// A share in (0, 1) in percent, with as many digits as tell it from 0% and 100%: "95",
+/// "99.9999999".
+std::string percent(double share);
+
+/// What stands under ±: half the width of the interval; both its ends where the value is not in its
+/// middle; "< upper" where the value is 0.  Of no width: "exact", or "no scatter" of an answer that
+/// is `approximate`.
+std::string interval_text(double value, double lower, double upper, bool approximate);
+
+/// Whether approximations were asked for that no interval knows of.
+bool is_approximate(const v1::Accuracy& accuracy);
+/// "; approximated: area lights as points beyond 7.1 radii; ..." for the end of a footer.  Empty
+/// where nothing is.
+std::string describe_approximations(const v1::Accuracy& accuracy, const v1::Cost& cost);
+
+/// Which answers to a target error are as certain as was asked for.
+class TargetCheck {
+ public:
+  explicit TargetCheck(const v1::TargetError& target);
+
+  /// An item's answer.  `more_samples`: how many it would have taken had it taken more.  Whether
+  /// half the width of the interval is no more than was asked for.
+  bool add(double value, double lower, double upper, std::uint64_t more_samples);
+
+  /// How many are not.
+  std::uint64_t missed() const { return missed_; }
+  /// "3 of 8 points are less certain than asked for (1.5 times at worst), --max-samples reached; ".
+  /// Empty where none is.
+  std::string describe(const std::string& items) const;
+
+ private:
+  double relative_, floor_;
+  std::uint64_t max_samples_;
+  std::uint64_t items_ = 0, missed_ = 0, capped_ = 0;
+  double worst_ = 1;  // of those that were allowed any error
+};
+
+/// Equal samples are added to irradiance and power in this many replicates, so that counts are its
+/// multiples.
+inline constexpr std::uint64_t kReplicates = 16;
+
+/// `"name":[true,false]`, for to_json().
+std::string json_of(const char* name, const std::vector<bool>& values);
+/// `"approximate":true`.
+std::string json_of_approximate(const v1::Accuracy& accuracy);
+
+}  // namespace lucerna::cli
