@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Measures error against time in the shipped scenes, through a server of its own: OUT/NAME/{report.html,tradeoff.csv,tradeoff.json}.
 #   deploy/tradeoff.sh BUILD_DIR OUT [BUDGET [SEED [NAME...]]]
-# BUDGET: for each scene, default 120s.  With QUERY in the environment, of that query and not of irradiance.
+# BUDGET: for each scene, default 120s.  With QUERY in the environment, of that query and not of irradiance; with SCENES, of
+# that folder's scenes and not of scenes/: NAME/scene.pbrt, with points.csv beside it, or NAME.pbrt.
 # Where chromium is, also OUT/NAME/errors.png, a picture of the page's first plot.
 set -euo pipefail
 
@@ -13,15 +14,18 @@ budget=${3:-120s}
 seed=${4:-1}
 shift $(($# < 4 ? $# : 4))
 [ $# -gt 0 ] || set -- cornell meadow room stage street
+scenes=${SCENES:-$root/scenes}
 source "$root/deploy/local_server.sh"
-start_server "$build" "$root/scenes"
+start_server "$build" "$scenes"
 
 # Paths in the reports are those of the sources.
 cd "$root"
 for scene in "$@"; do
   printf '\n%s\n' "$scene"
-  "$build/client/lucerna" tradeoff "$scene/scene.pbrt" --query "${QUERY:-irradiance}" --budget "$budget" \
-    --seed "$seed" --out "$out/$scene"
+  file=$scene/scene.pbrt
+  [ -f "$scenes/$file" ] || file=$scene.pbrt
+  "$build/client/lucerna" tradeoff "$file" --query "${QUERY:-irradiance}" --points "$scenes/$(dirname "$file")/points.csv" \
+    --budget "$budget" --seed "$seed" --out "$out/$scene"
   command -v chromium >/dev/null || continue
   chromium --headless --no-sandbox --disable-gpu --hide-scrollbars --force-device-scale-factor=1.5 --window-size=1000,660 \
     --screenshot="$out/$scene/errors.png" "file://$out/$scene/report.html#only=errors" 2>"$scratch/chromium" || cat "$scratch/chromium" >&2

@@ -26,6 +26,11 @@ class CliCertainty : public Cli {
     EXPECT_EQ(outcome.status, 0) << outcome.err;
     return outcome.out;
   }
+  /// A field of the answer in JSON.
+  static json answered(std::vector<std::string> words, const char* name) {
+    words.emplace_back("--json");
+    return json::parse(said(std::move(words)))[name];
+  }
 
   /// Of a sphere that shines, where everything is sampled.
   static std::vector<std::string> irradiance(const std::vector<std::string>& more) {
@@ -131,13 +136,9 @@ TEST_F(CliCertainty, WhatIsLessCertainThanAskedForIsMarked) {
   EXPECT_THAT(said(irradiance({"--error", "60%"})), Not(HasSubstr("less certain")));
   EXPECT_THAT(said(irradiance({"--error", "0.01%", "--max-samples", "64", "--floor", "1000"})),
               Not(HasSubstr("less certain")));
-  const auto reached = [](std::vector<std::string> words, const char* name) {
-    words.emplace_back("--json");
-    return json::parse(said(std::move(words)))[name];
-  };
-  EXPECT_EQ(reached(irradiance(hard), "reached"), json({false}));
-  EXPECT_EQ(reached(irradiance({"--error", "60%"}), "reached"), json({true}));
-  EXPECT_TRUE(reached(irradiance({"--samples", "4"}), "reached").is_null());
+  EXPECT_EQ(answered(irradiance(hard), "reached"), json({false}));
+  EXPECT_EQ(answered(irradiance({"--error", "60%"}), "reached"), json({true}));
+  EXPECT_TRUE(answered(irradiance({"--samples", "4"}), "reached").is_null());
 
   // A bent patch, whose points are not even by area.
   std::ofstream(path("scenes/bent.pbrt"))
@@ -147,19 +148,19 @@ TEST_F(CliCertainty, WhatIsLessCertainThanAskedForIsMarked) {
                                     "--max-samples", "64",        "--error",  "0.00001%"};
   EXPECT_THAT(said(power), ContainsRegex("; 1 of 1 lights are less certain than asked for .*, "
                                          "--max-samples reached; "));
-  EXPECT_EQ(reached(power, "reached"), json({false}));
+  EXPECT_EQ(answered(power, "reached"), json({false}));
   power.back() = "50%";
   EXPECT_THAT(said(power), Not(HasSubstr("less certain")));
-  EXPECT_EQ(reached(power, "reached"), json({true}));
+  EXPECT_EQ(answered(power, "reached"), json({true}));
 
   std::vector<std::string> render = {"render", "sphere.pbrt",   "-o", path("a.pfm"), "--bounces",
                                      "0",      "--max-samples", "64", "--error",     "0.01%"};
   EXPECT_THAT(said(render),
               ContainsRegex("; [1-9][0-9]* of [1-9][0-9]* pixels are less certain than "
                             "asked for .*, --max-samples reached"));
-  EXPECT_GT(reached(render, "pixels_not_reached"), 10);
+  EXPECT_GT(answered(render, "pixels_not_reached"), 10);
   render.insert(render.end(), {"--floor", "1e9"});
-  EXPECT_EQ(reached(render, "pixels_not_reached"), 0);
+  EXPECT_EQ(answered(render, "pixels_not_reached"), 0);
 
   // In the columns of a file.
   std::ofstream(path("p.csv")) << "0.1,-1.3,0,0.2,0,1\n0.1,-1.3,0,0,0,-1\n";
@@ -184,6 +185,39 @@ TEST_F(CliCertainty, FootersSayWhatWasDone) {
                                           "--normal",   "0,0,1",      "--bounces", "0"};
   EXPECT_THAT(said(point), AllOf(HasSubstr("\nno samples taken; "), Not(HasSubstr("256"))));
   EXPECT_THAT(said(irradiance({"--samples", "32"})), HasSubstr("\n32 samples a point; "));
+}
+
+TEST_F(CliCertainty, EveryAnswerIsPrintedWithItsCost) {
+  const std::vector<std::vector<std::string>> asks = {
+      {"visible", "point.pbrt", "--point", "0,0,0", "--to", "0,0,1"},
+      {"sample", "point.pbrt", "--point", "0,0,0"},
+      {"sample", "point.pbrt", "--point", "0,0,0", "--error", "5%"},
+      {"pdf", "sphere.pbrt", "--light", "1", "--point", "0,0,0", "--direction", "0,0,1"},
+      {"le", "sphere.pbrt", "--point", "0,0,0", "--direction", "0,0,1"},
+      {"emit", "point.pbrt"},
+      {"emit-pdf", "sphere.pbrt", "--light", "1", "--point", "0,0,0", "--direction", "0,0,1"},
+      {"power", "point.pbrt", "--method", "sampled"},
+      {"irradiance", "point.pbrt", "--point", "0,0,0", "--normal", "0,0,1"},
+      {"render", "point.pbrt", "-o", path("a.pfm"), "--samples", "1"}};
+  for (const std::vector<std::string>& ask : asks)
+    EXPECT_THAT(said(ask), ContainsRegex("[0-9] s(, [0-9]+ samples)?(, [0-9]+ rays)?\n$"))
+        << ask[0];
+}
+
+TEST_F(CliCertainty, SamplesTellMissedTargetsAndApproximations) {
+  std::vector<std::string> ask = {
+      "sample", "rectangle_near.pbrt", "--error",     "0.01%",   "--max-samples",
+      "64",     "--area-sampling",     "square-root", "--point", "-1.25,-0.75,1.25"};
+  EXPECT_THAT(said(ask), ContainsRegex("; 1 of 1 points are less certain than asked for .*, "
+                                       "--max-samples reached; "));
+  EXPECT_EQ(answered(ask, "reached"), json({false}));
+  EXPECT_EQ(answered(ask, "approximate"), json(false));
+  ask[3] = "1000%";
+  EXPECT_THAT(said(ask), Not(HasSubstr("less certain")));
+  EXPECT_EQ(answered(ask, "reached"), json({true}));
+  ask.insert(ask.end(), {"--visible", "--visibility", "shadow-maps"});
+  EXPECT_EQ(answered(ask, "approximate"), json(true));
+  EXPECT_THAT(said(ask), HasSubstr("; approximated: shadow maps, "));
 }
 
 TEST_F(CliCertainty, NumbersBeyondTheirRangeAreRefused) {

@@ -348,7 +348,7 @@ TEST_F(CliIrradianceFiles, NothingStaysOfAJobThatFailed) {
   EXPECT_THAT(files(), ::testing::UnorderedElementsAre("six.csv", "out.npy"));
   EXPECT_EQ(bytes("out.npy"), "old");
   EXPECT_EQ(irradiance({"--points", path("six.csv"), "-o", path("out.npy")}).status, 0);
-  EXPECT_EQ(bytes("out.npy").size(), 128U + 7 * 4);
+  EXPECT_EQ(bytes("out.npy").size(), 128U + 9 * 4);
 }
 
 }  // namespace

@@ -186,7 +186,7 @@ TEST_F(Cli, SamplesFollowTheNormalThatIsGivenWithoutAskingForVisibility) {
     words.insert(words.end(), more.begin(), more.end());
     const Outcome outcome = lucerna(words, "-1.25,-0.75,1.25,1,0,0.25\n");
     EXPECT_EQ(outcome.status, 0) << outcome.err;
-    return outcome.out;
+    return without_cost(outcome.out);
   };
   const std::vector<std::string> point = {"--point", "-1.25,-0.75,1.25"};
   const std::vector<std::string> with_normal = {"--point", "-1.25,-0.75,1.25", "--normal",

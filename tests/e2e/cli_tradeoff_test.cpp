@@ -1,9 +1,11 @@
 // lucerna tradeoff: what it writes, and what it refuses.
+#include <algorithm>
 #include <cmath>
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <regex>
 #include <sstream>
+#include <vector>
 
 #include "tests/e2e/cli_fixture.h"
 
@@ -11,6 +13,8 @@ namespace lucerna {
 namespace {
 
 using nlohmann::json;
+using ::testing::DoubleNear;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -106,8 +110,9 @@ TEST_F(CliTradeoff, IrradianceIsMeasuredAndReported) {
   const double last = cells[cells.size() - 1]["relative_error"]["mean"];
   const double reference = all["reference"]["relative_error"];
   EXPECT_TRUE(last < first || last < 5 * reference) << first << ' ' << last << ' ' << reference;
-  // Answers a tenth off are seen.
-  EXPECT_LT(last, 0.05);
+  // Answers a tenth off are seen, but on a machine so busy that there was time for few samples.
+  const double samples = cells[cells.size() - 1]["amount"]["value"];
+  EXPECT_LT(last, std::max(0.05, 0.6 / std::sqrt(samples)));
 }
 
 TEST_F(CliTradeoff, PicturesHaveFlip) {
@@ -125,15 +130,23 @@ TEST_F(CliTradeoff, PicturesHaveFlip) {
 }
 
 TEST_F(CliTradeoff, PowerIsComparedWithWhatIsKnown) {
-  const Outcome outcome = measured({"--query", "power"}, 2);
+  // Two lights whose every ray tells their flux, and a window: what comes through it is sampled.
+  std::ofstream(path("scenes/lamps_and_window.pbrt"))
+      << "WorldBegin\nLightSource \"point\" \"rgb I\" [10 10 10]\n"
+         "LightSource \"infinite\" \"rgb L\" [1 1 1]\n"
+         "  \"point3 portal\" [-1 -1 4  1 -1 4  1 1 4  -1 1 4]\n"
+         "AttributeBegin\nAreaLightSource \"diffuse\" \"rgb L\" [3 3 3] \"bool twosided\" true\n"
+         "Shape \"bilinearmesh\" \"point3 P\" [-1 -1 2  0 -1 2  -1 0 2  0 0 2]\nAttributeEnd\n";
+  const Outcome outcome = measured({"--query", "power"}, 2, "lamps_and_window.pbrt");
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   expect_report("power");
   const json all = json::parse(text("out/tradeoff.json"));
   EXPECT_EQ(all["reference"]["exact"], true);
-  ASSERT_EQ(all["reference"]["values"].size(), 2);
-  // 4 pi I; pi A L of both sides.
-  EXPECT_NEAR(all["reference"]["values"][0], 4 * M_PI * 10, 1e-3);
-  EXPECT_NEAR(all["reference"]["values"][1], 2 * M_PI * 3, 1e-3);
+  // 4 pi I; pi A L of the window, of both sides of the panel.
+  std::vector<double> values = all["reference"]["values"];
+  std::ranges::sort(values);
+  EXPECT_THAT(values, ElementsAre(DoubleNear(4 * M_PI, 1e-3), DoubleNear(2 * M_PI * 3, 1e-3),
+                                  DoubleNear(4 * M_PI * 10, 1e-3)));
   const auto named = [&](const std::string& name) {
     for (const auto& setting : all["settings"])
       if (setting["name"] == name) return setting;
@@ -147,7 +160,7 @@ TEST_F(CliTradeoff, PowerIsComparedWithWhatIsKnown) {
     EXPECT_GT(cells[cells.size() - 1]["relative_error"]["mean"], 0) << name;
     EXPECT_THAT(setting["about"].get<std::string>(), HasSubstr("rays"));
   }
-  EXPECT_EQ(named("method sampled, by target error")["fate"], "swept");
+  EXPECT_FALSE(named("method sampled, by target error")["cells"].empty());
   EXPECT_EQ(all["settings"][0]["exact_at"], 0);
   EXPECT_EQ(all["settings"][0]["cells"][0]["exact"], true);
 }
@@ -202,7 +215,8 @@ TEST_F(CliTradeoff, CommandsWorkAsTheyArePrinted) {
     const Outcome outcome = run_program(asked);
     ASSERT_EQ(outcome.status, 0) << outcome.err;
     std::size_t commands = 0;
-    for (const auto& level : json::parse(text("out/tradeoff.json"))["levels"]) {
+    const json all = json::parse(text("out/tradeoff.json"));
+    for (const auto& level : all["levels"]) {
       if (!level.contains("command")) continue;
       ++commands;
       const std::string command = level["command"];

@@ -102,9 +102,9 @@ class IrradianceJob : public ::testing::Test {
       rows.push_back(answer.standard_error_lx(i));
       rows.push_back(answer.zero_bound_lx(i));
       rows.push_back(static_cast<float>(answer.status(i)));
-      if (!answer.has_item_costs()) continue;
       rows.push_back(answer.lower_lx(i));
       rows.push_back(answer.upper_lx(i));
+      if (!answer.has_item_costs()) continue;
       rows.push_back(static_cast<float>(answer.item_costs().samples(i)));
     }
     return rows;

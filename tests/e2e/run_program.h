@@ -22,4 +22,10 @@ Outcome run_program(std::vector<std::string> arguments, const std::string& input
                     const std::map<std::string, std::string>& environment = {},
                     const std::function<void(pid_t)>& meanwhile = {});
 
+/// What a command printed of an answer, without the last line: that tells the answer's cost, which
+/// is not the same twice.
+inline std::string without_cost(const std::string& out) {
+  return out.substr(0, out.rfind('\n', out.size() - 2) + 1);
+}
+
 }  // namespace lucerna
