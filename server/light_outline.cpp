@@ -12,7 +12,6 @@ namespace {
 using Vector = Vec3<double>;
 
 /// So many corners that their polygon is hardly larger than what is round, and few planes.
-constexpr int kCorners = 12;
 
 /// The convex hull of points in a plane of unit normal `n`, in order around it; where that has too
 /// many corners a rectangle about it.  [Andrew79]
@@ -45,7 +44,7 @@ std::vector<Vector> hull(const std::vector<Vector>& points, const Vector& n) {
     if (!is_upper) std::ranges::reverse(sorted);
   }
   std::vector<Vector> corners;
-  if (chain.size() <= kCorners) {
+  if (chain.size() <= kOutlineCorners) {
     for (const Point& p : chain) corners.push_back(points[p.number]);
     return corners;
   }
@@ -86,9 +85,10 @@ LightOutline of_light(const DiskLight<double>& l) {
   const Transform& t = l.shape().world_from_object();
   LightOutline outline{LightOutline::Kind::kFlat};
   outline.axis = normalized(t.normal({0, 0, 1}));
-  outline.corners =
+  const auto corners =
       polygon_around(t.point({0, 0, params.height_m}), t.vector({params.radius_m, 0, 0}),
                      t.vector({0, params.radius_m, 0}));
+  outline.corners.assign(corners.begin(), corners.end());
   return outline;
 }
 LightOutline of_light(const SphereLight<double>& l) {
@@ -131,13 +131,18 @@ LightOutline outline_of(const SceneLight& light) {
       light.light);
 }
 
-std::vector<Vector> polygon_around(const Vector& center, const Vector& x, const Vector& y) {
-  constexpr double kStep = 2 * std::numbers::pi / kCorners;
-  const double outside = 1 / std::cos(kStep / 2);
-  std::vector<Vector> corners;
-  for (int i = 0; i < kCorners; ++i)
-    corners.push_back(center + x * (outside * std::cos(i * kStep)) +
-                      y * (outside * std::sin(i * kStep)));
+std::array<Vector, kOutlineCorners> polygon_around(const Vector& center, const Vector& x,
+                                                   const Vector& y) {
+  static const auto kUnit = [] {
+    constexpr double kStep = 2 * std::numbers::pi / kOutlineCorners;
+    const double outside = 1 / std::cos(kStep / 2);
+    std::array<Vec2<double>, kOutlineCorners> corners;
+    for (int i = 0; i < kOutlineCorners; ++i)
+      corners[i] = {outside * std::cos(i * kStep), outside * std::sin(i * kStep)};
+    return corners;
+  }();
+  std::array<Vector, kOutlineCorners> corners;
+  for (int i = 0; i < kOutlineCorners; ++i) corners[i] = center + x * kUnit[i].x + y * kUnit[i].y;
   return corners;
 }
 

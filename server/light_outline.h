@@ -1,6 +1,7 @@
 // What of a light a receiver must have in view, so that all of its light arrives.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -9,6 +10,9 @@
 namespace lucerna {
 
 struct SceneLight;
+
+/// Of what is round, and at most.
+inline constexpr int kOutlineCorners = 12;
 
 /// About the scene's origin [m].
 struct LightOutline {
@@ -33,7 +37,8 @@ struct LightOutline {
 LightOutline outline_of(const SceneLight& light);
 
 /// A regular polygon around the circle or ellipse whose half-axes from `center` are `x` and `y`.
-std::vector<Vec3<double>> polygon_around(const Vec3<double>& center, const Vec3<double>& x,
-                                         const Vec3<double>& y);
+std::array<Vec3<double>, kOutlineCorners> polygon_around(const Vec3<double>& center,
+                                                         const Vec3<double>& x,
+                                                         const Vec3<double>& y);
 
 }  // namespace lucerna

@@ -239,8 +239,8 @@ struct Shafts::State {
     own.emplace(accelerator.scene(), instance_boxes);
     for (const SceneLight& light : scene.lights()) outlines.push_back(outline_of(light));
     if (!own->tree().empty()) {
-      const FloatBox& box = own->tree().box();
-      reach_m = std::fmax(max_abs(box.lower), max_abs(box.upper));
+      hittable.add(Vector(own->tree().box().lower));
+      hittable.add(Vector(own->tree().box().upper));
     }
   }
 
@@ -284,7 +284,7 @@ struct Shafts::State {
   std::vector<FloatBox> instance_boxes;
   std::optional<SetBoxes> own;  ///< and the instances
   std::vector<LightOutline> outlines;
-  double reach_m = 0;  ///< the largest coordinate of what can be hit
+  Bounds hittable;  ///< of all that can be hit
 };
 
 Shafts::Shafts(const Scene& scene) : state_(std::make_unique<State>(scene)) {}
@@ -296,7 +296,7 @@ bool Shafts::has_outline(std::uint32_t light) const {
 
 bool Shafts::is_empty(const SurfaceHit& receiver, const Vec3<float>& normal,
                       std::uint32_t light) const {
-  const auto region = shaft_region(state_->outlines[light], receiver, normal, state_->reach_m);
+  const auto region = shaft_region(state_->outlines[light], receiver, normal, state_->hittable);
   return region && !state_->meets(*region, light);
 }
 

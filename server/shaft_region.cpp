@@ -55,6 +55,24 @@ void add_box(std::span<const Vector> corners, double slack, ShaftRegion& shaft) 
   shaft.box.add(box.lower - around), shaft.box.add(box.upper + around);
 }
 
+/// Of rays along any vector within `steps`, as far as they are within `hittable`.
+void add_infinite_box(const Bounds& steps, const Bounds& hittable, double slack,
+                      ShaftRegion& shaft) {
+  double last = Bounds::kInfinity;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto leaves = [&](double at, double step) {
+      last = std::fmin(last, std::fmax(0, (at - shaft.apex[axis]) / step));
+    };
+    if (steps.lower[axis] > 0) leaves(hittable.upper[axis] + 2 * slack, steps.lower[axis]);
+    if (steps.upper[axis] < 0) leaves(hittable.lower[axis] - 2 * slack, steps.upper[axis]);
+  }
+  if (std::isinf(last)) return;
+  const Vector around{slack, slack, slack};
+  shaft.box.add(shaft.apex - around), shaft.box.add(shaft.apex + around);
+  for (const Vector& end : {steps.lower * last, steps.upper * last})
+    shaft.box.add(shaft.apex + end - around), shaft.box.add(shaft.apex + end + around);
+}
+
 double slack_for(double largest_m) { return kOff * 2 * largest_m + 64 * double{kLeastError}; }
 
 /// No component of any of the corners' hull is smaller than this in all of its points.
@@ -99,7 +117,7 @@ bool add_sphere(const LightOutline& light, ShaftRegion& shaft) {
   return true;
 }
 
-bool add_sun(const LightOutline& light, double slack, ShaftRegion& shaft) {
+bool add_sun(const LightOutline& light, const Bounds& hittable, double slack, ShaftRegion& shaft) {
   // Wider ones may be anywhere above the horizon.
   constexpr double kWide = 1.3, kRounded = 1e-6;
   if (light.half_angle_rad > kWide) return true;
@@ -108,8 +126,12 @@ bool add_sun(const LightOutline& light, double slack, ShaftRegion& shaft) {
   // About zero, as directions: no coordinate is lost in those of the apex.
   const Vector apex = std::exchange(shaft.apex, {});
   const int first = shaft.count;
-  add_sides(polygon_around(light.axis, frame.s * t, frame.t * t), 0, shaft);
+  const auto directions = polygon_around(light.axis, frame.s * t, frame.t * t);
+  add_sides(directions, 0, shaft);
   shaft.apex = apex;
+  Bounds steps;
+  for (const Vector& d : directions) steps.add(d);
+  add_infinite_box(steps, hittable, slack, shaft);
   for (int i = first; i < shaft.count; ++i)
     shaft.planes[i].at = dot(shaft.planes[i].n, apex) + slack;
   return true;
@@ -141,7 +163,7 @@ ShaftRegion in_object(const ShaftRegion& shaft, const Transform& scene_from_obje
 }
 
 std::optional<ShaftRegion> shaft_region(const LightOutline& light, const SurfaceHit& receiver,
-                                        const Vec3<float>& normal, double reach_m) {
+                                        const Vec3<float>& normal, const Bounds& hittable) {
   ShaftRegion shaft;
   shaft.normal = Vector(normal);
   shaft.up = dot(receiver.ng, Vector(normal)) < 0 ? -receiver.ng : receiver.ng;
@@ -149,6 +171,8 @@ std::optional<ShaftRegion> shaft_region(const LightOutline& light, const Surface
   shaft.apex = Vector(offset_origin(Vec3<float>(receiver.position), receiver.position_error,
                                     receiver.ng, shaft.up));
   if (!is_finite(shaft.apex) || shaft.up == Vector{}) return std::nullopt;
+  const double reach_m =
+      hittable.empty() ? 0 : std::fmax(max_abs(hittable.lower), max_abs(hittable.upper));
   shaft.largest_m = 2 * (max_abs(shaft.apex) + reach_m);  // of what is infinitely far
   const double infinite_slack = slack_for(shaft.largest_m);
   bool is_known = true;
@@ -162,11 +186,16 @@ std::optional<ShaftRegion> shaft_region(const LightOutline& light, const Surface
       is_known = add_sphere(light, shaft);
       break;
     case Kind::kSun:
-      is_known = add_sun(light, infinite_slack, shaft);
+      is_known = add_sun(light, hittable, infinite_slack, shaft);
       break;
     case Kind::kPortal:
       is_known = dot(light.axis, light.corners[0] - shaft.apex) > infinite_slack;
-      if (is_known) add_sides(light.corners, infinite_slack, shaft);
+      if (is_known) {
+        add_sides(light.corners, infinite_slack, shaft);
+        Bounds steps;
+        for (const Vector& c : light.corners) steps.add(c - shaft.apex);
+        add_infinite_box(steps, hittable, infinite_slack, shaft);
+      }
       break;
     case Kind::kSky:
       break;

@@ -26,7 +26,7 @@ struct ShaftRegion {
   Vec3<double> apex;        ///< where shadow rays start
   Vec3<double> up, normal;  ///< the receiver's, geometric and as light is counted; unit
   double lowest = -1;       ///< sine of the lowest corner over either one's horizon
-  Bounds box;               ///< of a shaft that ends; empty: none
+  Bounds box;               ///< of what of it may hold anything; empty: not known
   double largest_m = 0;     ///< coordinate within
 
   void add(const Vec3<double>& n, double at, bool is_side = false) {
@@ -37,10 +37,10 @@ struct ShaftRegion {
   }
 };
 
-/// Of the rays from `receiver` on the side of `normal`; `reach_m`: the largest coordinate of what
-/// can be hit.  Nothing where it is not known, as Shafts::is_empty says.
+/// Of the rays from `receiver` on the side of `normal`; `hittable`: what can be hit is within,
+/// empty where nothing can.  Nothing where it is not known, as Shafts::is_empty says.
 std::optional<ShaftRegion> shaft_region(const LightOutline& light, const SurfaceHit& receiver,
-                                        const Vec3<float>& normal, double reach_m);
+                                        const Vec3<float>& normal, const Bounds& hittable);
 
 /// The same in the space of an instance's object, but for apex, normals and box.
 ShaftRegion in_object(const ShaftRegion& region, const Transform& scene_from_object);

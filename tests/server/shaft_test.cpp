@@ -184,6 +184,21 @@ TEST(Shaft, OfInfiniteLights) {
   EXPECT_FALSE(is_empty(*build(std::move(d)), receiver));
 }
 
+// The lowest rays to a wide sun go farthest before they leave the scene above its walls.
+TEST(Shaft, OfAWideSunSeesWhatOnlyItsLowestRaysMeet) {
+  const auto scene_of = [](double top) {
+    SceneDescription d = testing::description();
+    d.shapes = {testing::floor(8),
+                patch({4, -1, top - 0.4}, {4, 1, top - 0.4}, {4, -1, top}, {4, 1, top})};
+    // From 22 to 68 degrees over the horizon: 1.6 m over it at the wall.
+    d.lights = {{SunLightParams{{1, 0, 1}, 0.8, Rgb<double>(1)}, {}}};
+    return build(std::move(d));
+  };
+  const SurfaceHit receiver = receiver_at({0, 0, 0}, {0, 0, 1});
+  EXPECT_FALSE(is_empty(*scene_of(2), receiver));
+  EXPECT_TRUE(is_empty(*scene_of(1.5), receiver));
+}
+
 TEST(Shaft, IsNotKnownOfLightsWithoutAClosedFormAndOfWhatMoves) {
   SceneDescription d = testing::description();
   d.shapes = {emissive(shape(CylinderParams{}), 1),
