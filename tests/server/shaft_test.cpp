@@ -188,8 +188,11 @@ TEST(Shaft, OfInfiniteLights) {
 TEST(Shaft, OfAWideSunSeesWhatOnlyItsLowestRaysMeet) {
   const auto scene_of = [](double top) {
     SceneDescription d = testing::description();
-    d.shapes = {testing::floor(8),
-                patch({4, -1, top - 0.4}, {4, 1, top - 0.4}, {4, -1, top}, {4, 1, top})};
+    d.shapes = {testing::floor(8)};
+    // Boxes of their own.
+    for (double y = -1; y < 1; y += 0.125)
+      d.shapes.push_back(
+          patch({4, y, top - 0.4}, {4, y + 0.125, top - 0.4}, {4, y, top}, {4, y + 0.125, top}));
     // From 22 to 68 degrees over the horizon: 1.6 m over it at the wall.
     d.lights = {{SunLightParams{{1, 0, 1}, 0.8, Rgb<double>(1)}, {}}};
     return build(std::move(d));
