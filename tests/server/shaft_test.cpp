@@ -188,8 +188,7 @@ TEST(Shaft, OfInfiniteLights) {
 TEST(Shaft, OfAWideSunSeesWhatOnlyItsLowestRaysMeet) {
   const auto scene_of = [](double top) {
     SceneDescription d = testing::description();
-    d.shapes = {testing::floor(8)};
-    // Boxes of their own.
+    // More than one box holds, and none that reaches to the receiver.
     for (double y = -1; y < 1; y += 0.125)
       d.shapes.push_back(
           patch({4, y, top - 0.4}, {4, y + 0.125, top - 0.4}, {4, y, top}, {4, y + 0.125, top}));
