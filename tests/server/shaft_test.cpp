@@ -196,9 +196,10 @@ TEST(Shaft, OfAWideSunSeesWhatOnlyItsLowestRaysMeet) {
     d.lights = {{SunLightParams{{1, 0, 1}, 0.8, Rgb<double>(1)}, {}}};
     return build(std::move(d));
   };
-  const SurfaceHit receiver = receiver_at({0, 0, 0}, {0, 0, 1});
-  EXPECT_FALSE(is_empty(*scene_of(2), receiver));
-  EXPECT_TRUE(is_empty(*scene_of(1.5), receiver));
+  for (const double top : {2.0, 1.5}) {
+    const auto scene = scene_of(top);
+    EXPECT_EQ(is_empty(*scene, receiver_at(-scene->origin(), {0, 0, 1})), top == 1.5);
+  }
 }
 
 TEST(Shaft, IsNotKnownOfLightsWithoutAClosedFormAndOfWhatMoves) {
