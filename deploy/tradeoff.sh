@@ -14,17 +14,18 @@ budget=${3:-120s}
 seed=${4:-1}
 shift $(($# < 4 ? $# : 4))
 [ $# -gt 0 ] || set -- cornell meadow room stage street
-scenes=${SCENES:-$root/scenes}
+# Paths in the reports are those of the sources.
+scenes=$(realpath --relative-to="$root" "${SCENES:-$root/scenes}")
+cd "$root"
 source "$root/deploy/local_server.sh"
 start_server "$build" "$scenes"
 
-# Paths in the reports are those of the sources.
-cd "$root"
 for scene in "$@"; do
   printf '\n%s\n' "$scene"
   file=$scene/scene.pbrt
-  [ -f "$scenes/$file" ] || file=$scene.pbrt
-  "$build/client/lucerna" tradeoff "$file" --query "${QUERY:-irradiance}" --points "$scenes/$(dirname "$file")/points.csv" \
+  points=$scenes/$scene/points.csv
+  [ -f "$scenes/$file" ] || { file=$scene.pbrt; points=$scenes/points.csv; }
+  "$build/client/lucerna" tradeoff "$file" --query "${QUERY:-irradiance}" --points "$points" \
     --budget "$budget" --seed "$seed" --out "$out/$scene"
   command -v chromium >/dev/null || continue
   chromium --headless --no-sandbox --disable-gpu --hide-scrollbars --force-device-scale-factor=1.5 --window-size=1000,660 \

@@ -9,10 +9,20 @@
 namespace lucerna::tradeoff {
 namespace {
 
-// Errors within this of the reference's own say more about the reference.
-constexpr double kResolved = 2;
+// Errors below this times the reference's own are what is left of a difference of larger numbers.
+constexpr double kResolved = 0.5;
 
 double median(std::vector<double> numbers) { return quartiles(std::move(numbers)).median; }
+
+/// What of an error remains without the reference's own: that is of other samples, so that their
+/// squares add.  Of none a quarter of what is resolved.
+Interval without(double reference_error, const Interval& e) {
+  const auto rest = [&](double error) {
+    const double least = kResolved / 4 * reference_error;
+    return std::sqrt(std::fmax(error * error - reference_error * reference_error, least * least));
+  };
+  return {.mean = rest(e.mean), .lower = rest(e.lower), .upper = rest(e.upper)};
+}
 
 std::vector<Cell> cells_of(std::size_t setting, const std::vector<Run>& runs,
                            const Reference& reference) {
@@ -38,6 +48,10 @@ std::vector<Cell> cells_of(std::size_t setting, const std::vector<Run>& runs,
     cell.seconds = quartiles(seconds);
     cell.error = root_mean_interval(relative);
     cell.rmse = root_mean_interval(squares);
+    if (!reference.exact) {
+      cell.error = without(reference.relative_error, cell.error);
+      cell.rmse = without(reference.rmse, cell.rmse);
+    }
     if (!flips.empty()) cell.flip = mean_interval(flips);
     cell.samples = median(samples);
     cell.rays = median(rays);
@@ -57,7 +71,7 @@ std::vector<Cell> cells_of(std::size_t setting, const std::vector<Run>& runs,
 }
 
 void judge_efficiency(Curve& curve, double reference_error) {
-  // The largest amount whose error is not the reference's; the least where all are.
+  // The largest amount whose error is told apart from the reference's; the least where none is.
   for (std::size_t k = curve.cells.size(); k-- > 0;) {
     const Interval& e = curve.cells[k].error;
     if (e.mean <= 0 || (k > 0 && e.mean < kResolved * reference_error)) continue;
@@ -213,7 +227,7 @@ Analysis analyse(const std::vector<Setting>& settings, const SweepResult& sweep,
       reference.relative_error * kReferenceMargin > least_error) {
     a.warnings.push_back(fmt::format(
         "The reference's own error, {:.3g}%, is not {:g} times below the best setting's, {:.3g}%: "
-        "errors near it are in part the reference's.  A larger --budget makes it better.",
+        "what is left of small errors without it is uncertain.  A larger --budget makes it better.",
         100 * reference.relative_error, kReferenceMargin, 100 * least_error));
   }
   return a;

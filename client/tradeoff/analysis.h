@@ -34,7 +34,8 @@ struct Cell {
   /// its own.  Then 0 is told.
   bool exact = false;
   Quartiles seconds;
-  Interval error;  ///< relative: root of the mean over runs of the relative MSE
+  /// Relative: root of the mean over runs of the relative MSE, without the reference's own.
+  Interval error;
   Interval rmse;
   std::optional<Interval> flip;
   double samples = 0, rays = 0;  ///< medians, over all items

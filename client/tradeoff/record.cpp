@@ -165,7 +165,9 @@ Json to_json(const Record& record, bool with_runs) {
                {"quantity", record.question->quantity()},
                {"circumstances", circumstances_json(record.circumstances)}};
   json["relative_error"] = {
-      {"definition", "sqrt(mean of (value - reference)^2 / (reference^2 + dark^2))"},
+      {"definition",
+       "sqrt(mean of (value - reference)^2 / (reference^2 + dark^2) less the square of the "
+       "reference's own)"},
       {"dark", number(ref.dark)},
       {"rounding", kRounding}};
   json["reference"] = {{"way", ref.way},

@@ -125,6 +125,29 @@ TEST(TradeoffAnalysis, WhatIsExactIsToldApart) {
   EXPECT_FALSE(analyse(made_settings(2), sweep, sampled).curves[0].exact());
 }
 
+// Squares of errors that have nothing to do with each other add.
+TEST(TradeoffAnalysis, TheReferencesOwnErrorIsNotTheSettings) {
+  Reference sampled = known();
+  sampled.exact = false;
+  sampled.relative_error = sampled.rmse = 0.03;
+  SweepResult sweep;
+  add_runs(sweep, 0, 1, 1e-3, 0.05, 0);
+  add_runs(sweep, 0, 4, 4e-3, 0.03, 0);
+  const Analysis a = analyse(made_settings(1), sweep, sampled);
+  const std::vector<Cell>& cells = a.curves[0].cells;
+  ASSERT_EQ(cells.size(), 2U);
+  EXPECT_NEAR(cells[0].error.mean, 0.04, 1e-12);
+  EXPECT_NEAR(cells[0].rmse.mean, 0.04, 1e-12);
+  EXPECT_LE(cells[1].error.mean, 0.03 / 2) << "and nobody knows how much less";
+  EXPECT_GT(cells[1].error.mean, 0);
+  EXPECT_EQ(a.curves[0].efficient_at, 0U);
+  EXPECT_FALSE(a.levels[0].below_reference);
+  EXPECT_TRUE(a.levels[1].below_reference);
+  // What is known is not scattered, and its bound no part of an error.
+  sampled.exact = true;
+  EXPECT_NEAR(analyse(made_settings(1), sweep, sampled).curves[0].cells[0].error.mean, 0.05, 1e-12);
+}
+
 TEST(TradeoffAnalysis, TellsOfAReferenceThatWarns) {
   SweepResult sweep;
   add_runs(sweep, 0, 1, 1e-3, 0.1);

@@ -26,7 +26,7 @@ function tellLevels() {
       : element("span", level.how, { class: "tag" });
     const tags = [how];
     if (level.below_reference) {
-      tags.push(" ", element("span", "below the reference's own error", { class: "tag beyond" }));
+      tags.push(" ", element("span", "below half the reference's own error", { class: "tag beyond" }));
     }
     // Of the fastest; where another is recommended, that is told with its name.
     const ratio = level.name === level.best && level.setting !== 0 ? level.automatic_over_best : null;
@@ -88,7 +88,8 @@ function tellMethod() {
     : `${r.way}. Mean of ${r.replicates} answers of ${r.samples_each} samples with different seeds, ${time(r.seconds)}. ` +
       `Its own relative error, from their scatter: ${percent(r.relative_error)}. It is another estimator than any that was swept.`);
   say(element("b", "Relative error: "), `${data.relative_error.definition}, dark = ${digits(data.relative_error.dark)} (a hundredth of the reference's mean). ` +
-      `Of several runs: the root of the mean of their squares. Intervals: Student's t of that mean, in logarithms.`);
+      `Of several runs: the root of the mean of their squares. Intervals: Student's t of that mean, in logarithms.` +
+      (r.exact ? "" : " Less the reference's own, whose square is part of each: what is below half of that is uncertain."));
   if (r.relative_error <= data.relative_error.rounding) {
     say(element("b", "Exact: "), `relative error below ${digits(data.relative_error.rounding)}, as answers come in single precision.`);
   }
