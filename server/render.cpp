@@ -22,8 +22,8 @@ namespace {
 // A path is a few rays: between two looks at the stop token lie a few hundred.
 constexpr std::uint32_t kSamplesBetweenPolls = 64;
 
-// Samples of one chunk of pixels: about a millisecond.
-constexpr std::uint64_t kSamplesPerChunk = 1024;
+// Samples of one chunk of pixels: 0.1 to 10 ms.
+constexpr std::uint64_t kSamplesPerChunk = 256;
 
 class TileJob {
  public:
