@@ -20,9 +20,10 @@ namespace lucerna {
 namespace {
 
 constexpr std::uint32_t kSamplesBetweenPolls = 64;
-// Of one chunk of points: 0.1 to 10 ms, as a sample takes 0.5 to 40 us.  Closed forms and shafts
-// take a point as long as some samples do.
-constexpr std::uint64_t kSamplesPerChunk = 256, kSamplesPerShafts = 4;
+// Closed forms and shafts take a point as long as so many samples.
+constexpr std::uint64_t kSamplesPerShafts = 4;
+// Of one chunk of points: 0.1 to 10 ms, as a sample takes 0.5 to 40 us.
+constexpr std::uint64_t kSamplesPerChunk = 256;
 
 /// All that the samples of one point say.
 struct PointEstimates {
@@ -145,7 +146,7 @@ class IrradianceJob {
     PointEstimates e = no_samples(settings_.per_light ? scene_.lights().size() : 0,
                                   settings_.wavelengths_nm.size());
     e.spending = spending(samples);
-    settle_lights(receiver, e, work);
+    settle_lights(receiver, samples, e, work);
     e.total.sampled = gather_indirect_ || samples_lights(e.settled);
     e.gathers = gather_indirect_ || (direct_.finds_lights() && e.total.sampled);
     return e;
@@ -228,11 +229,19 @@ class IrradianceJob {
     return false;
   }
 
+  /// Not of fewer samples than they take the time of, where reflected light has an error anyway.
+  bool uses_closed_forms(std::uint64_t samples) const {
+    if (!direct_.uses_closed_forms(true)) return false;
+    return settings_.methods.closed_forms != ClosedForms::kAutomatic || !gather_indirect_ ||
+           samples >= kSamplesPerShafts;
+  }
+
   /// What needs no samples: lights of one direction, where each light is visited, and those that a
   /// closed form answers for.
-  void settle_lights(const SurfaceHit& receiver, PointEstimates& to, WorkCounts& work) const {
+  void settle_lights(const SurfaceHit& receiver, std::uint64_t samples, PointEstimates& to,
+                     WorkCounts& work) const {
     const Vec3<float>& n = receiver.ns;
-    const bool closed_forms = direct_.uses_closed_forms(true);
+    const bool closed_forms = uses_closed_forms(samples);
     for (std::uint32_t l = 0; l < scene_.lights().size(); ++l) {
       std::optional<Rgb<double>> all;
       if (to.spending == Spending::kEach || to.spending == Spending::kAreasDrawn)

@@ -86,6 +86,26 @@ TEST(Irradiance, IsExactOnlyWhereNothingStandsBetween) {
   EXPECT_FALSE(one(*scene, at(0, 0, 0), all).exact);
 }
 
+// Shafts take the time of a few samples: fewer are better spent on sampling, unless the answer
+// would be exact.
+TEST(Irradiance, ClosedFormsAreUsedFromAFewSamplesOn) {
+  SceneDescription d = testing::description(0.6);
+  d.shapes = {testing::floor(9),
+              testing::emissive(testing::patch({-1, -1, 2}, {-1, 1, 2}, {1, -1, 2}, {1, 1, 2}), 5)};
+  const auto scene = build(std::move(d));
+  const auto asked = [&](std::uint32_t samples, std::uint32_t bounces, ClosedForms closed_forms) {
+    IrradianceSettings settings = direct(samples, 1);
+    settings.bounces = bounces;
+    settings.methods.closed_forms = closed_forms;
+    return one(*scene, at(0.3F, 0.2F, 0), settings).irradiance_lx.g;
+  };
+  EXPECT_EQ(asked(3, 2, ClosedForms::kAutomatic), asked(3, 2, ClosedForms::kOff));
+  EXPECT_NE(asked(3, 2, ClosedForms::kEmptyShafts), asked(3, 2, ClosedForms::kOff));
+  EXPECT_EQ(asked(4, 2, ClosedForms::kAutomatic), asked(4, 2, ClosedForms::kEmptyShafts));
+  EXPECT_NE(asked(4, 2, ClosedForms::kEmptyShafts), asked(4, 2, ClosedForms::kOff));
+  EXPECT_EQ(asked(1, 0, ClosedForms::kAutomatic), asked(1, 0, ClosedForms::kEmptyShafts));
+}
+
 TEST(Irradiance, UnderADiskIsPiLSineSquared) {
   // Radius 1, 2 m above: sin^2 of the half angle is 1/5.
   SceneDescription d = testing::description();
