@@ -44,7 +44,8 @@ function frontOf(some) {
 const onFront = new Set(front.map(([setting]) => setting));
 
 // Automatic is black, settings that are best somewhere have a colour, the rest is grey until asked for.
-const palette = ["#0b6bcb", "#d1495b", "#2a9d5c", "#8a5cd1", "#e08a00", "#00929b", "#b0417e", "#6b7d1e"];
+const palette = ["#0b6bcb", "#d1495b", "#2a9d5c", "#8a5cd1", "#e08a00", "#00929b", "#b0417e", "#6b7d1e",
+  "#7a4a2b", "#5aa9e6", "#c8a415", "#ef7fb1", "#3f7d73", "#9a8cff"];
 const colours = settings.map(() => "#a9b1bf");
 colours[0] = "#111722";
 [...onFront].filter((i) => i !== 0).forEach((i, k) => { colours[i] = palette[k % palette.length]; });
