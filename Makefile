@@ -1,6 +1,6 @@
-# make demo | test | soak | extremes | mutants | test-slurm | bench | tradeoff | automatic | distributed | precision | format: each installs what is missing, configures, builds and runs.
+# make demo | test | soak | extremes | mutants | test-slurm | bench | tradeoff | automatic | fit | distributed | precision | format: each installs what is missing, configures, builds and runs.
 .DEFAULT_GOAL := demo
-.PHONY: deps release programs demo test wire soak extremes mutants test-slurm bench tradeoff automatic distributed precision format
+.PHONY: deps release programs demo test wire soak extremes mutants test-slurm bench tradeoff automatic fit distributed precision format
 
 deps:
 	@deploy/install-deps.sh
@@ -64,6 +64,12 @@ tradeoff: programs
 automatic: programs
 	@deploy/tradeoff.sh build/release build/automatic $(BUDGET) $$(date +%s)
 	@tests/bench/automatic_table.py build/automatic docs/tradeoff
+
+# The same on the small scenes that automatic's rules were fitted on.
+fit: programs
+	@SCENES=tests/data/reference deploy/tradeoff.sh build/release build/fit 30s 1 \
+	  $(notdir $(basename $(wildcard tests/data/reference/*.pbrt)))
+	@tests/bench/automatic_table.py build/fit
 
 # Wants a machine that does nothing else.
 distributed: release

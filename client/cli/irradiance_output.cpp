@@ -25,7 +25,7 @@ constexpr std::size_t kRowsPerRead = 4096;
 
 /// With a target error; false where the receiver has no answer.
 bool add_row(const float* row, TargetCheck& check) {
-  return row[client::kStatusColumn] == v1::ITEM_STATUS_OK &&
+  return row[client::kStatusColumn] == float{v1::ITEM_STATUS_OK} &&
          check.add(row[0], row[client::kLowerColumn], row[client::kUpperColumn],
                    static_cast<std::uint64_t>(row[client::kSamplesColumn]) + kReplicates);
 }

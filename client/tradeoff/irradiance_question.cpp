@@ -47,7 +47,8 @@ class IrradianceQuestion : public EstimateQuestion {
   }
   std::string command(const Setting& setting, const Amount& amount) const override {
     return command_line(options_, "irradiance",
-                        " --points " + shell_word(options_.points_file) + flags(setting, amount));
+                        " --points " + shell_word(options_.points_file) + flags(setting, amount)) +
+           for_which_server(amount, kServerSamples, "--max-samples");
   }
 
  private:

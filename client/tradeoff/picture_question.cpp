@@ -128,7 +128,8 @@ class PictureQuestion : public EstimateQuestion {
     return std::optional(*std::move(known));
   }
   std::string command(const Setting& setting, const Amount& amount) const override {
-    return command_line(options_, "render", " -o picture.exr" + flags(setting, amount));
+    return command_line(options_, "render", " -o picture.exr" + flags(setting, amount)) +
+           for_which_server(amount, kServerSamples, "--max-samples");
   }
 
  private:

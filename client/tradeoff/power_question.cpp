@@ -80,13 +80,15 @@ class PowerQuestion : public Question {
     if (by_rays(setting)) {
       std::string ids;
       for (const std::uint64_t light : lights_) ids += fmt::format(" {}", light);
-      return fmt::format(
-          "for id in{}; do {}; done", ids,
-          command_line(options_, "emit", fmt::format(" --light $id --count {:.0f}", amount.value)));
+      const std::string emit =
+          command_line(options_, "emit", fmt::format(" --light $id --count {:.0f}", amount.value));
+      return fmt::format("for id in{}; do {}; done", ids, emit) +
+             for_which_server(amount, kServerBatch, "--max-batch-items");
     }
     if (sampled(setting)) {
       return command_line(options_, "power",
-                          join_flags(setting, amount) + floor_flag(amount, dark_));
+                          join_flags(setting, amount) + floor_flag(amount, dark_)) +
+             for_which_server(amount, kServerSamples, "--max-samples");
     }
     return command_line(options_, "power", setting.flags.empty() ? "" : " --method approximate");
   }

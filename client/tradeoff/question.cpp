@@ -47,6 +47,11 @@ std::string command_line(const QuestionOptions& options, const std::string& comm
   return fmt::format("lucerna {} {}{}{}", command, shell_word(options.scene), rest, server);
 }
 
+std::string for_which_server(const Amount& amount, double most, const std::string& option) {
+  if (amount.target || amount.value <= most) return "";
+  return "  # of a server with more than its own " + option;
+}
+
 std::string join_flags(const Setting& setting, const Amount& amount) {
   std::string result = " " + amount.flags();
   for (const std::string& flag : setting.flags) result += " " + flag;

@@ -116,6 +116,11 @@ std::string shell_word(const std::string& word);
 /// "lucerna COMMAND SCENE", and what follows: words with a space before each, and the server.
 std::string command_line(const QuestionOptions& options, const std::string& command,
                          const std::string& rest);
+/// What servers take by default: samples of an item, and of all items where each has an answer.
+inline constexpr double kServerSamples = 1 << 20, kServerBatch = 1 << 16;
+/// Behind a command: that it is for a server with more than its own `option`, where that is `most`
+/// by default and the amount is beyond.
+std::string for_which_server(const Amount& amount, double most, const std::string& option);
 /// Flags as they follow a command, with a space before each.
 std::string join_flags(const Setting& setting, const Amount& amount);
 

@@ -21,7 +21,6 @@ namespace {
 constexpr std::uint32_t kMaxSamples = 1 << 10;
 constexpr double kMostAnswers = 1 << 20;
 constexpr std::uint32_t kLeastMostSamples = 64;  // of TargetError
-constexpr double kBatch = 65536;                 // samples that a server takes at once by default
 
 class SampleQuestion : public Question {
  public:
@@ -77,10 +76,8 @@ class SampleQuestion : public Question {
     rest += floor_flag(amount, dark_);
     if (amount.target)
       rest += fmt::format(" --max-samples {}", std::max(kLeastMostSamples, most_samples()));
-    std::string text = command_line(options_, "sample", rest);
-    if (!amount.target && amount.value > kBatch)
-      text += "  # of a server with more than its own --max-batch-items";
-    return text;
+    return command_line(options_, "sample", rest) +
+           for_which_server(amount, kServerBatch, "--max-batch-items");
   }
 
  private:

@@ -221,6 +221,9 @@ TEST_F(CliTradeoff, CommandsWorkAsTheyArePrinted) {
       ++commands;
       const std::string command = level["command"];
       EXPECT_THAT(command, HasSubstr(" --server " + server_->target()));
+      // Of far extrapolations: not of this server.
+      if (command.find("  # of a server with more than its own --max-") != std::string::npos)
+        continue;
       const Outcome again = run_program(
           {"/bin/sh", "-c",
            "cd '" + path(".") + "' && lucerna() { '" LUCERNA_CLI "' \"$@\"; } && " + command});
