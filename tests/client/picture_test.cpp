@@ -17,7 +17,7 @@ using ::testing::IsEmpty;
 struct TileParams {
   std::uint32_t x0 = 0, y0 = 0, x1 = 2, y1 = 1;
   std::uint64_t first_block = 0, blocks = 2;
-  std::vector<double> sum, deviation;
+  std::vector<double> sum{}, deviation{};
   std::vector<std::uint32_t> samples{};
   std::vector<float> lower{}, upper{};
 };
