@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "client/cli/output.h"
 #include "lucerna/v1/accuracy.pb.h"
 
 namespace lucerna::cli {
@@ -46,9 +47,25 @@ class TargetCheck {
   double worst_ = 1;  // of those that were allowed any error
 };
 
-/// Equal samples are added to irradiance and power in this many replicates, so that counts are its
+/// Samples of a receiver and of a light come in this many replicates, so that counts are its
 /// multiples.
 inline constexpr std::uint64_t kReplicates = 16;
+
+/// Of the receivers that have an answer.  `samples` of each; `reached`: whether each is as certain
+/// as was asked for, false of those that have none.
+template <typename Answers>
+TargetCheck check_target(const Answers& answers,
+                         const google::protobuf::RepeatedField<std::uint32_t>& samples,
+                         const v1::TargetError& target, std::vector<bool>* reached = nullptr) {
+  TargetCheck check(target);
+  for (int i = 0; i < samples.size(); ++i) {
+    const bool good = item_status(answers.status(), i).empty() &&
+                      check.add(answers.illuminance_lx(i), answers.lower_lx(i), answers.upper_lx(i),
+                                samples[i] + kReplicates);
+    if (reached != nullptr) reached->push_back(good);
+  }
+  return check;
+}
 
 /// `"name":[true,false]`, for to_json().
 std::string json_of(const char* name, const std::vector<bool>& values);

@@ -54,6 +54,7 @@ int run(int argc, char** argv) {
   session.add_options(app);
   lucerna::cli::add_scene_commands(app, session);
   lucerna::cli::add_light_commands(app, session);
+  lucerna::cli::add_power_command(app, session);
   lucerna::cli::add_emission_commands(app, session);
   lucerna::cli::add_receiver_commands(app, session);
   lucerna::cli::add_render_command(app, session);

@@ -102,20 +102,6 @@ std::string error_text(const Answer& answer, int i, double bound, bool approxima
                        approximate);
 }
 
-/// Of the items that have an answer.
-TargetCheck check_target(const v1::EstimateIrradianceResponse& response,
-                         const v1::TargetError& target, std::vector<bool>* reached = nullptr) {
-  TargetCheck check(target);
-  for (int i = 0; i < response.item_costs().samples_size(); ++i) {
-    const bool good =
-        item_status(response.status(), i).empty() &&
-        check.add(response.illuminance_lx(i), response.lower_lx(i), response.upper_lx(i),
-                  response.item_costs().samples(i) + kReplicates);
-    if (reached != nullptr) reached->push_back(good);
-  }
-  return check;
-}
-
 /// "1024 samples a point", of equally many for each.
 std::string samples_text(const v1::EstimateIrradianceResponse& response) {
   if (response.cost().samples() == 0) return "no samples taken";
@@ -170,7 +156,10 @@ void print_irradiance(const v1::EstimateIrradianceResponse& response, const Poin
   }
   fmt::print("{}± and < hold with {}% confidence; {}{}{}\n",
              by_target ? "" : samples_text(response) + "; ", percent(stop.confidence()),
-             by_target ? check_target(response, accuracy.target_error()).describe("points") : "",
+             by_target
+                 ? check_target(response, response.item_costs().samples(), accuracy.target_error())
+                       .describe("points")
+                 : "",
              describe(response.cost()), describe_approximations(accuracy, response.cost()));
 }
 
@@ -207,7 +196,7 @@ void irradiance(Session& session, const IrradianceOptions& options) {
         std::string more = json_of_approximate(accuracy);
         if (!response.has_item_costs()) return more;
         std::vector<bool> reached;
-        check_target(response, accuracy.target_error(), &reached);
+        check_target(response, response.item_costs().samples(), accuracy.target_error(), &reached);
         return more + "," + json_of("reached", reached);
       });
 }

@@ -110,8 +110,9 @@ v1::ListLightsResponse list_lights(Session& session, const std::string& scene_id
 std::string describe(const v1::Remark& remark);
 
 // One function a family of subcommands.
-void add_scene_commands(CLI::App& app, Session& session);     // load scenes scene lights ...
-void add_light_commands(CLI::App& app, Session& session);     // sample pdf power
+void add_scene_commands(CLI::App& app, Session& session);  // load scenes scene lights ...
+void add_light_commands(CLI::App& app, Session& session);  // sample pdf
+void add_power_command(CLI::App& app, Session& session);
 void add_emission_commands(CLI::App& app, Session& session);  // emit emit-pdf le
 void add_receiver_commands(CLI::App& app, Session& session);  // visible irradiance
 void add_render_command(CLI::App& app, Session& session);     // render

@@ -1,0 +1,153 @@
+// power.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <map>
+#include <memory>
+
+#include "client/cli/certainty.h"
+#include "client/cli/light_table.h"
+#include "client/cli/output.h"
+#include "client/cli/session.h"
+#include "client/cli/stop_option.h"
+#include "client/cli/validators.h"
+#include "client/cli/wavelengths.h"
+
+namespace lucerna::cli {
+namespace {
+
+struct PowerOptions {
+  std::string scene;
+  std::vector<std::uint64_t> lights;
+  std::string method = "exact";
+  StopOption stop;
+  std::uint64_t seed = 0;
+  WavelengthOption wavelengths;
+};
+
+/// All pages; the total is of all lights on every page.
+v1::EstimatePowerResponse all_powers(Session& session, v1::EstimatePowerRequest request) {
+  v1::EstimatePowerResponse all;
+  do {
+    auto page = session.ask_about_scene([&](const client::Client& client) {
+      return client.estimate_power(request, session.call_options());
+    });
+    request.set_page_token(page.next_page_token());
+    // A time is that of one page: the others take as many samples, so that one total is of all.
+    if (request.accuracy().has_time_budget_s() && page.lights_size() > 0)
+      request.mutable_accuracy()->set_samples(static_cast<std::uint32_t>(page.lights(0).samples()));
+    all.mutable_lights()->MergeFrom(page.lights());
+    all.mutable_total()->Swap(page.mutable_total());
+    all.mutable_cost()->Swap(page.mutable_cost());
+  } while (!request.page_token().empty());
+  return all;
+}
+
+/// Half the interval that holds a sampled flux.
+std::string interval_text(const v1::LightPower& light) {
+  if (!light.has_upper_lm()) return "unknown";
+  return number((light.upper_lm() - light.lower_lm()) / 2);
+}
+
+void power(Session& session, const PowerOptions& options) {
+  v1::EstimatePowerRequest request;
+  request.set_scene_id(session.scene_id(options.scene));
+  for (const std::uint64_t id : options.lights) request.add_light_ids(id);
+  if (options.method == "approximate") {
+    request.set_method(v1::EstimatePowerRequest::METHOD_APPROXIMATE);
+  }
+  const bool sampled = options.method == "sampled";
+  if (sampled) {
+    request.set_method(v1::EstimatePowerRequest::METHOD_SAMPLED);
+    request.set_seed(options.seed);
+    options.stop.put(request);
+  } else if (options.stop.samples || options.stop.error || options.stop.budget_s) {
+    wrong_use("--samples, --error and --budget go with --method sampled");
+  }
+  options.wavelengths.put(request);
+  const v1::EstimatePowerResponse response = all_powers(session, request);
+  const auto& target = request.accuracy().target_error();
+  TargetCheck check(target);
+  std::vector<bool> reached;
+  if (request.accuracy().has_target_error()) {
+    for (const v1::LightPower& light : response.lights())
+      reached.push_back(check.add(light.power_lm(), light.lower_lm(), light.upper_lm(),
+                                  light.samples() + kReplicates));
+  }
+  if (session.json()) {
+    fmt::print("{}", to_json(response, reached.empty() ? "" : json_of("reached", reached)));
+    return;
+  }
+  std::map<std::uint64_t, const v1::Light*> by_id;
+  const v1::ListLightsResponse lights = list_lights(session, request.scene_id());
+  for (const v1::Light& light : lights.lights()) by_id[light.id()] = &light;
+  const bool watts = std::any_of(response.lights().begin(), response.lights().end(),
+                                 [](const v1::LightPower& light) { return light.has_power_w(); });
+  std::vector<Table::Column> columns = {{"id"}, {"type", true}, {"flux [lm]"}, {"± [lm]"}};
+  if (sampled) columns.push_back({"samples"});
+  if (watts) columns.push_back({"flux [W]"});
+  columns.push_back({"RGB [lm]", true});
+  if (options.wavelengths.given()) columns.push_back({options.wavelengths.header("W/nm"), true});
+  Table table(columns);
+  const auto add = [&](const std::string& id, const std::string& type, const v1::LightPower& light,
+                       bool from_infinity) {
+    const v1::Rgb& rgb = light.rgb_lm();
+    std::vector<std::string> row = {id, type, flux_text(light.power_lm(), from_infinity),
+                                    sampled                 ? interval_text(light)
+                                    : light.error_lm() == 0 ? "exact"
+                                                            : number(light.error_lm())};
+    if (sampled) row.push_back(std::to_string(light.samples()));
+    if (watts) row.push_back(light.has_power_w() ? number(light.power_w()) : "unknown");
+    row.push_back(triple(rgb.r(), rgb.g(), rgb.b()));
+    if (options.wavelengths.given()) {
+      row.push_back(options.wavelengths.values(light.spectral_w_per_nm(), 0));
+    }
+    table.add(std::move(row));
+  };
+  bool any_from_infinity = false;
+  for (const v1::LightPower& power : response.lights()) {
+    const auto light = by_id.find(power.light_id());
+    const bool known = light != by_id.end();
+    const bool from_infinity = known && is_at_infinity(*light->second);
+    any_from_infinity |= from_infinity;
+    add(std::to_string(power.light_id()), known ? type_of(*light->second) : "", power,
+        from_infinity);
+  }
+  add("all", "", response.total(), any_from_infinity);
+  fmt::print("{}", table.to_string());
+  if (any_from_infinity) fmt::print("{}; \"all\" includes it\n", kFluxFromInfinity);
+  if (sampled)
+    fmt::print("± holds with {}% confidence; {}{}\n", percent(options.stop.confidence()),
+               check.describe("lights"), describe(response.cost()));
+}
+
+}  // namespace
+
+void add_power_command(CLI::App& app, Session& session) {
+  CLI::App* command = app.add_subcommand("power", "Luminous and radiant flux of lights");
+  command->footer(
+      "Example:\n  lucerna power room.pbrt --light 1 --light 2\n"
+      "  lucerna power room.pbrt --wavelength 450,555,650\n"
+      "  lucerna power room.pbrt --method sampled --error 0.1%\n"
+      "With --json: EstimatePowerResponse; with --error also `reached`, whether each light is as "
+      "certain as that.");
+  const auto powers = std::make_shared<PowerOptions>();
+  command->add_option("SCENE", powers->scene, "Path or id")->required();
+  command->add_option("--light", powers->lights, "Id of a light; may be given again; default: all")
+      ->check(whole64(1))
+      ->allow_extra_args(false);
+  command
+      ->add_option("--method", powers->method,
+                   "exact; or approximate: the books' formulas, ± how far they are off; or "
+                   "sampled: the mean of rays that leave the light")
+      ->check(one_of({"exact", "approximate", "sampled"}))
+      ->capture_default_str();
+  powers->stop.add(*command, "light", "4096; with --method sampled, as are the others", "lm");
+  command->add_option("--seed", powers->seed, "With --method sampled: seed of the sample values")
+      ->check(whole64())
+      ->capture_default_str();
+  powers->wavelengths.add(*command);
+  command->callback([powers, &session] { power(session, *powers); });
+}
+
+}  // namespace lucerna::cli
