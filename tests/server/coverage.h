@@ -100,12 +100,17 @@ void expect_sees_wrong_widths(Asked&& asked) {
   EXPECT_FALSE(wide.holds_no_more()) << wide.held();
 }
 
-/// That answers within 2% of 400 questions are: `estimate(i)` is one.
+/// Of a question with a target error.
+inline constexpr std::size_t kTargetQuestions = 4000;
+
+/// That answers within 2% with 95% confidence are, for certain: of 95% just met, three standard
+/// deviations more.  `estimate(i)` is one of kTargetQuestions.
 template <typename Estimate>
 void expect_reached(double truth, Estimate&& estimate, const std::string& what) {
-  int reached = 0;
-  for (std::size_t i = 0; i < 400; ++i) reached += std::fabs(estimate(i) - truth) <= 0.02 * truth;
-  EXPECT_GE(reached, 367) << what;  // of 380, three standard deviations less
+  std::size_t reached = 0;
+  for (std::size_t i = 0; i < kTargetQuestions; ++i)
+    reached += std::fabs(estimate(i) - truth) <= 0.02 * truth;
+  EXPECT_GE(static_cast<double>(reached) / kTargetQuestions, 0.9603) << what;
 }
 
 }  // namespace lucerna::testing

@@ -95,7 +95,7 @@ TEST(IrradianceCoverage, SeesABias) {
 TEST(IrradianceTarget, IsReached) {
   for (const Question& q : {lamp(), half_a_sky(), furnace()}) {
     const std::vector<IrradiancePoint> points(
-        400, {q.receiver - q.scene->origin(), {1e-6F, 1e-6F, 1e-6F}, q.normal});
+        kTargetQuestions, {q.receiver - q.scene->origin(), {1e-6F, 1e-6F, 1e-6F}, q.normal});
     const IrradianceSettings settings{.block_count = 16,
                                       .target = TargetError{.relative = 0.02},
                                       .bounces = q.bounces,

@@ -132,7 +132,7 @@ TEST(RenderCoverage, SeesIntervalsThatAreTooNarrowOrTooWide) {
 
 TEST(RenderTarget, IsReached) {
   for (const Question& q : {lamp(), edge(), furnace()}) {
-    std::vector<Answer> answers(400);
+    std::vector<Answer> answers(kTargetQuestions);
     tbb::parallel_for(std::size_t{0}, answers.size(),
                       [&](std::size_t i) { answers[i] = answer(q, within(0.02), 5000 + i); });
     expect_reached(
