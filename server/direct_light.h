@@ -66,8 +66,8 @@ class DirectLight {
   /// Up to so many lights are sampled each at the vertices of paths.  Squared error times time, as
   /// a multiple of that of 4 candidates that are drawn: 1.2, 2 and 7 for the first 16, 32 and 64
   /// points of tests/data/reference/many_points.pbrt, which all reach most of what is seen; 0.4 for
-  /// the 17 spots of scenes/stage, most of which do not.  Of whole pictures: 0.3 of scenes/stage, 0.4
-  /// of the four lights of scenes/demo.pbrt, 0.7 of scenes/meadow, 1.0 of scenes/room.
+  /// the 17 spots of scenes/stage, most of which do not.  Of whole pictures: 0.3 of scenes/stage,
+  /// 0.4 of the four lights of scenes/demo.pbrt, 0.7 of scenes/meadow, 1.0 of scenes/room.
   static constexpr std::size_t kFewLights = 20;
   /// Candidates for each shadow ray where lights are drawn and nobody said how.
   static constexpr std::uint32_t kCandidates = 4;
