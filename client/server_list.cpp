@@ -11,6 +11,7 @@
 #include <memory>
 #include <string_view>
 
+#include "absl/strings/str_cat.h"
 #include "client/patience.h"
 
 namespace lucerna::client {
@@ -123,7 +124,7 @@ absl::StatusOr<Targets> look_up(const std::string& host, const std::string& port
     char name[NI_MAXHOST];
     if (getnameinfo(a->ai_addr, a->ai_addrlen, name, sizeof name, nullptr, 0, NI_NUMERICHOST) != 0)
       continue;
-    const std::string address = a->ai_family == AF_INET6 ? "[" + std::string(name) + "]" : name;
+    const std::string address = a->ai_family == AF_INET6 ? absl::StrCat("[", name, "]") : name;
     targets.push_back(address + ":" + port);
   }
   return targets;

@@ -99,11 +99,12 @@ bool any_failed(const google::protobuf::RepeatedField<int>& statuses) {
 
 std::string describe(const v1::Cost& cost) {
   std::string result = fmt::format("{:.3g} s", cost.wall_time_s());
-  if (cost.samples() > 0) result += fmt::format(", {} samples", cost.samples());
-  const std::uint64_t rays = cost.camera_rays() + cost.indirect_rays() + cost.shadow_rays();
-  if (rays > 0) result += fmt::format(", {} rays", rays);
-  if (cost.shadow_map_lookups() > 0)
-    result += fmt::format(", {} look-ups in shadow maps", cost.shadow_map_lookups());
+  const auto add = [&](std::uint64_t count, const char* one, const char* many) {
+    if (count > 0) result += fmt::format(", {} {}", count, count == 1 ? one : many);
+  };
+  add(cost.samples(), "sample", "samples");
+  add(cost.camera_rays() + cost.indirect_rays() + cost.shadow_rays(), "ray", "rays");
+  add(cost.shadow_map_lookups(), "look-up in shadow maps", "look-ups in shadow maps");
   return result;
 }
 

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "client/cli/certainty.h"
+
 namespace lucerna::tradeoff {
 namespace {
 
@@ -88,31 +90,43 @@ double counted(const Reached& reached) {
   return reached.seconds * (reached.how == Reached::How::kExtrapolated ? kExtrapolatedCounts : 1);
 }
 
-/// When the upper ends of errors' intervals come down to `error`, at the upper quartiles of times.
-std::optional<double> latest_time(const Curve& curve, double error) {
-  std::vector<Measured> late;
-  for (const Cell& cell : curve.cells) {
-    if (!std::isfinite(cell.error.upper)) continue;
-    late.push_back(
-        {.seconds = cell.seconds.upper, .error = cell.error.upper, .samples = cell.amount.value});
+/// By medians of times and means of errors; or `late`, by their upper quartiles and the upper ends
+/// of their intervals.
+std::vector<Measured> measured(const std::vector<Cell>& cells, bool late) {
+  std::vector<Measured> result;
+  for (const Cell& cell : cells) {
+    if (late && !std::isfinite(cell.error.upper)) continue;
+    result.push_back({.seconds = late ? cell.seconds.upper : cell.seconds.median,
+                      .error = late ? cell.error.upper : cell.error.mean,
+                      .samples = cell.amount.value});
   }
-  const auto reached = time_to_error(late, error);
-  if (!reached) return std::nullopt;
-  return counted(*reached);
+  return result;
+}
+
+/// When a setting with these cells comes down to `error`.  Errors that the reference does not tell
+/// are extrapolated from those that it does; those of approximations never, as no number of samples
+/// makes them smaller.
+std::optional<Reached> reach(std::vector<Measured> curve, double error, const Setting& setting,
+                             const Reference& reference) {
+  const double told = reference.exact ? 0 : kResolved * reference.relative_error;
+  if (error < told) std::erase_if(curve, [&](const Measured& m) { return m.error < told; });
+  return time_to_error(std::move(curve), error, !cli::is_approximate(setting.accuracy));
 }
 
 Recommendation recommend(std::size_t level, const std::vector<Setting>& settings,
                          const std::vector<Curve>& curves, const Reference& reference) {
   Recommendation r;
   r.error = kLevels[level];
-  r.below_reference = kLevels[level] < kResolved * reference.relative_error;
   for (const Curve& curve : curves) {
     const auto& reached = curve.levels[level];
     if (!reached || (r.setting && counted(*reached) >= counted(r.best_reached))) continue;
     r.setting = r.best = curve.setting;
     r.best_reached = *reached;
   }
-  if (!r.setting) return r;
+  if (!r.setting) {
+    r.below_reference = !reference.exact && r.error < kResolved * reference.relative_error;
+    return r;
+  }
   // Who need not choose asks for the least: automatic, by samples before by target error.
   const double latest = curves[r.best].latest[level].value_or(counted(r.best_reached));
   for (const Curve& curve : curves) {
@@ -171,16 +185,6 @@ std::optional<std::size_t> Curve::exact() const {
   return fastest;
 }
 
-std::vector<Measured> Curve::measured() const {
-  std::vector<Measured> result;
-  result.reserve(cells.size());
-  for (const Cell& cell : cells) {
-    result.push_back(
-        {.seconds = cell.seconds.median, .error = cell.error.mean, .samples = cell.amount.value});
-  }
-  return result;
-}
-
 Amount practical(bool by_target, double value) {
   if (by_target) {
     const double digit = std::pow(10, std::floor(std::log10(value)) - 1);
@@ -201,20 +205,21 @@ Analysis analyse(const std::vector<Setting>& settings, const SweepResult& sweep,
     Curve curve;
     curve.setting = i;
     curve.cells = cells_of(i, sweep.runs, reference);
-    const std::vector<Measured> measured = curve.measured();
-    curve.rate =
-        measured.size() < 2
-            ? std::nullopt
-            : fitted_rate(std::span(measured).last(std::min<std::size_t>(3, measured.size())));
+    const std::vector<Measured> middle = measured(curve.cells, false),
+                                late = measured(curve.cells, true);
+    curve.rate = middle.size() < 2
+                     ? std::nullopt
+                     : fitted_rate(std::span(middle).last(std::min<std::size_t>(3, middle.size())));
     judge_efficiency(curve, reference.relative_error);
-    for (std::size_t level = 0; level < kLevels.size(); ++level)
-      curve.levels[level] = time_to_error(measured, kLevels[level]);
-    for (std::size_t level = 0; level < kLevels.size(); ++level)
-      curve.latest[level] = latest_time(curve, kLevels[level]);
-    for (std::size_t k = 0; k < measured.size(); ++k) {
-      all.push_back(measured[k]);
+    for (std::size_t level = 0; level < kLevels.size(); ++level) {
+      curve.levels[level] = reach(middle, kLevels[level], settings[i], reference);
+      if (const auto reached = reach(late, kLevels[level], settings[i], reference))
+        curve.latest[level] = counted(*reached);
+    }
+    for (std::size_t k = 0; k < middle.size(); ++k) {
+      all.push_back(middle[k]);
       places.emplace_back(i, k);
-      if (!curve.cells[k].exact) least_error = std::min(least_error, measured[k].error);
+      if (!curve.cells[k].exact) least_error = std::min(least_error, middle[k].error);
     }
     a.curves.push_back(std::move(curve));
   }

@@ -56,7 +56,6 @@ struct Curve {
   /// Of what is exact the cell that takes least time, of more than one sample where there is a
   /// choice: a single one tells no error, and so not that it is exact.
   std::optional<std::size_t> exact() const;
-  std::vector<Measured> measured() const;
 };
 
 struct Recommendation {
@@ -72,7 +71,8 @@ struct Recommendation {
   /// Time of automatic over that of the best.
   std::optional<double> automatic_ratio;
   bool automatic_extrapolated = false;
-  bool below_reference = false;  ///< the reference does not tell errors so small
+  /// That no setting is told, as the reference does not tell errors so small.
+  bool below_reference = false;
 };
 
 struct Analysis {

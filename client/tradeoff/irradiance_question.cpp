@@ -58,7 +58,7 @@ class IrradianceQuestion : public EstimateQuestion {
     *request.mutable_accuracy() = accuracy;
     request.mutable_seed()->set_seed(seed);
     return client::estimate_irradiance_in_batches(client_, request,
-                                                  {.max_items = 0, .call = options_.call});
+                                                  {.max_items = 0, .call = call()});
   }
 
   static bool has(const v1::EstimateIrradianceResponse& response, int i) {

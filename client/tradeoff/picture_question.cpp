@@ -141,7 +141,7 @@ class PictureQuestion : public EstimateQuestion {
     std::vector<v1::RenderTileResponse> responses;
     for (const v1::PixelRect& tile : layout_.tiles) {
       *request.mutable_rect() = tile;
-      auto response = client_.render_tile(request, options_.call);
+      auto response = client_.render_tile(request, call());
       if (!response.ok()) return response.status();
       responses.push_back(*std::move(response));
     }

@@ -114,7 +114,7 @@ class PowerQuestion : public Question {
     request.set_scene_id(options_.scene_id);
     request.mutable_light_ids()->Add(lights_.begin(), lights_.end());
     const Stopwatch watch;
-    const auto response = client_.estimate_power(request, options_.call);
+    const auto response = client_.estimate_power(request, call());
     if (!response.ok()) return response.status();
     Answer answer{.values = {}, .seconds = watch.seconds()};
     for (const v1::LightPower& light : response->lights()) {
@@ -134,7 +134,7 @@ class PowerQuestion : public Question {
       request.set_count(count);
       request.mutable_seed()->set_seed(seed);
       const auto rays =
-          client::sample_le_in_batches(client_, request, {.max_items = 0, .call = options_.call});
+          client::sample_le_in_batches(client_, request, {.max_items = 0, .call = call()});
       if (!rays.ok()) return rays.status();
       double sum = 0;
       for (int i = 0; i < rays->directions_size() / 3; ++i) {

@@ -37,7 +37,7 @@ std::string shell_word(const std::string& word) {
     return std::isalnum(static_cast<unsigned char>(c)) || std::strchr("_-./:@%+=,", c);
   });
   if (plain) return word;
-  return "'" + absl::StrReplaceAll(word, {{"'", "'\\''"}}) + "'";
+  return fmt::format("'{}'", absl::StrReplaceAll(word, {{"'", "'\\''"}}));
 }
 
 std::string command_line(const QuestionOptions& options, const std::string& command,
@@ -53,7 +53,7 @@ std::string for_which_server(const Amount& amount, double most, const std::strin
 }
 
 std::string join_flags(const Setting& setting, const Amount& amount) {
-  std::string result = " " + amount.flags();
+  std::string result = fmt::format(" {}", amount.flags());
   for (const std::string& flag : setting.flags) result += " " + flag;
   return result;
 }

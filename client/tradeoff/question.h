@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -70,6 +71,9 @@ class Question {
   /// The level below which relative errors are absolute ones: what is asked for by target error has
   /// the same.
   void set_dark_level(double dark) { dark_ = dark; }
+  /// How long calls may take from now on.
+  void set_call(client::CallOptions call) { call_ = std::move(call); }
+  const client::CallOptions& call() const { return call_; }
 
   /// What a setting is, in words, where its name does not tell.
   virtual std::string about(const Setting&) const { return {}; }
@@ -78,6 +82,9 @@ class Question {
 
  protected:
   double dark_ = 0;
+
+ private:
+  client::CallOptions call_;
 };
 
 /// Where questions come from.

@@ -234,7 +234,9 @@ std::string to_text(const Record& record) {
   for (const Recommendation& r : levels) {
     if (any_error && &r != &levels[0]) break;
     if (!r.setting) {
-      text += fmt::format("{:g}%: no setting came near within this budget.\n", 100 * r.error);
+      text += fmt::format("{:g}%: {}.\n", 100 * r.error,
+                          r.below_reference ? "the reference does not tell errors so small"
+                                            : "no setting came near within this budget");
       continue;
     }
     const auto beyond = [](bool extrapolated) { return extrapolated ? " (extrapolated)" : ""; };
@@ -254,7 +256,6 @@ std::string to_text(const Record& record) {
       text += fmt::format("; automatic takes {:.2f} times that{}", *r.automatic_ratio,
                           beyond(r.automatic_extrapolated));
     }
-    if (r.below_reference) text += "; the reference is not good enough to tell";
     text += "\n  " + record.question->command(record.settings[*r.setting], r.amount) + "\n";
   }
   for (const std::string& warning : record.analysis.warnings) text += "Note: " + warning + "\n";

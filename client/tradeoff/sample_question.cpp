@@ -97,7 +97,7 @@ class SampleQuestion : public Question {
     *request.mutable_accuracy() = accuracy;
     request.mutable_seed()->set_seed(seed);
     request.set_test_visibility(visibility);
-    return client::sample_li_in_batches(client_, request, {.max_items = 0, .call = options_.call});
+    return client::sample_li_in_batches(client_, request, {.max_items = 0, .call = call()});
   }
 
   static bool ok(const v1::SampleLiResponse& r, int i) {
@@ -155,8 +155,8 @@ class SampleQuestion : public Question {
     request.mutable_accuracy()->set_samples(samples);
     request.mutable_seed()->set_seed(seed);
     const Stopwatch watch;
-    const auto response = client::estimate_irradiance_in_batches(
-        client_, request, {.max_items = 0, .call = options_.call});
+    const auto response =
+        client::estimate_irradiance_in_batches(client_, request, {.max_items = 0, .call = call()});
     if (!response.ok()) return response.status();
     Answer answer{.values = {}, .seconds = watch.seconds()};
     for (int i = 0; i < response->illuminance_lx_size(); ++i) {
@@ -207,8 +207,8 @@ class SampleQuestion : public Question {
       if (items.empty()) return absl::OkStatus();
       request.set_scene_id(options_.scene_id);
       cli::fill(normals, request.mutable_normals());
-      const auto visible = client::test_visibility_in_batches(
-          client_, request, {.max_items = 0, .call = options_.call});
+      const auto visible =
+          client::test_visibility_in_batches(client_, request, {.max_items = 0, .call = call()});
       if (!visible.ok()) return visible.status();
       for (std::size_t k = 0; k < items.size(); ++k) {
         if (!client::bit(visible->visible(), k)) continue;

@@ -66,8 +66,8 @@ std::optional<Reached> time_to_error(std::vector<Measured> curve, double error,
 
 /// Of error with time in logarithms: independent samples have -0.5, biased answers 0 in the end.
 inline constexpr double kRate = -0.5, kSlowestRate = -0.35;
-/// A decade and a half of error, by the rate of independent samples.
-inline constexpr double kFarthest = 1000;
+/// Two decades of error, by the rate of independent samples.
+inline constexpr double kFarthest = 1e4;
 
 /// Which of the points no other one beats in time and error both, in order of time.  Of equal ones
 /// the first.

@@ -70,8 +70,8 @@ class Sweep {
   }
 
   absl::StatusOr<Run> ask(std::size_t i, const Amount& amount, std::uint64_t seed,
-                          std::uint32_t round) {
-    auto run = options_.ask(i, amount, seed, round);
+                          std::uint32_t round, std::optional<double> longest_s = std::nullopt) {
+    auto run = options_.ask(i, amount, seed, round, longest_s);
     if (!run.ok()) return run.status();
     run->setting = i;
     run->amount = amount;
@@ -153,7 +153,17 @@ class Sweep {
           continue;
         }
       }
-      const auto run = ask(i, telling, mixed_seed(options_.seed, 0), 0);
+      // What the least amount takes is all that must not take too long.  Automatic may: all others
+      // are compared with it.
+      const double least_share = settings_[i].by_target ? 1 : ladders_[i][0].value / telling.value;
+      const auto limit = i > 0 ? std::optional(longest / least_share) : std::nullopt;
+      const auto run = ask(i, telling, mixed_seed(options_.seed, 0), 0, limit);
+      if (limit && absl::IsDeadlineExceeded(run.status())) {
+        leave(i, Course::Fate::kSkipped,
+              fmt::format("skipped, no answer to {} within {:.2g} s: too long for this budget",
+                          telling.text(), *limit));
+        continue;
+      }
       if (!run.ok()) {
         if (!says_no(run.status()) || i == 0) return run.status();
         leave(i, Course::Fate::kSkipped,
@@ -166,13 +176,11 @@ class Sweep {
         if (!races(i)) continue;
       }
       // What the least amount takes, where more was asked for.
-      const double least = settings_[i].by_target
-                               ? run->seconds
-                               : run->seconds * ladders_[i][0].value / telling.value;
+      const double least = run->seconds * least_share;
       if (i > 0 && least > longest) {
         leave(i, Course::Fate::kSkipped,
-              fmt::format("skipped, {} take {:.2g} s, too long for this budget", telling.text(),
-                          run->seconds));
+              fmt::format("skipped, {:.2g} s for {}: too long for this budget", run->seconds,
+                          telling.text()));
         continue;
       }
       round += least;

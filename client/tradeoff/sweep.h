@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -37,9 +38,10 @@ struct SweepOptions {
   double seconds = 30;
   std::uint64_t seed = 0;
   Clock clock{};
-  /// Answers with the run, less what the sweep knows of it.
+  /// Answers with the run, less what the sweep knows of it; DEADLINE_EXCEEDED where that would take
+  /// longer than `longest_s`.
   std::function<absl::StatusOr<Run>(std::size_t setting, const Amount& amount, std::uint64_t seed,
-                                    std::uint32_t round)>
+                                    std::uint32_t round, std::optional<double> longest_s)>
       ask{};
   /// Of the question by which settings are told apart.
   double telling_samples = 4;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <map>
@@ -72,8 +73,11 @@ absl::StatusOr<Record> measure_trade(Question& question, const TradeOptions& opt
   sweep_options.on_event = options.on_event;
   // Pictures have so many values that one sample tells settings apart.
   if (pictures) sweep_options.telling_samples = 1;
+  const client::CallOptions call = question.call();
   sweep_options.ask = [&](std::size_t setting, const Amount& amount, std::uint64_t seed,
-                          std::uint32_t round) -> absl::StatusOr<Run> {
+                          std::uint32_t round,
+                          std::optional<double> longest_s) -> absl::StatusOr<Run> {
+    question.set_call(longest_s ? call.at_most(std::chrono::duration<double>(*longest_s)) : call);
     const auto answer = question.ask(record.settings[setting], amount, seed);
     if (!answer.ok()) return answer.status();
     Run run{.seconds = answer->seconds, .samples = answer->samples, .rays = answer->rays};

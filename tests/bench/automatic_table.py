@@ -48,7 +48,7 @@ def main():
             best = entry.get("best")
             before = chosen.get(scene)
             earlier = before["levels"][level].get("best") if before else None
-            below = " (below the reference's error)" if entry["below_reference"] else ""
+            below = " (the reference does not tell)" if entry["below_reference"] else ""
             rows.append((scene, f"{100 * entry['error']:g}%", f"{automatic[0]:.3g}" if automatic else "-",
                          ratio(report, best, level), (best or "none came near") + below,
                          ratio(report, earlier, level) if earlier else "-", earlier or "-"))

@@ -105,6 +105,9 @@ TEST(Cost, TellsOfShadowMapsWhereTheyWereAsked) {
   cost.set_wall_time_s(0.25);
   cost.set_shadow_rays(100);
   EXPECT_EQ(cli::describe(cost), "0.25 s, 100 rays");
+  cost.set_samples(1);
+  EXPECT_EQ(cli::describe(cost), "0.25 s, 1 sample, 100 rays");
+  cost.set_samples(0);
   cost.set_shadow_map_lookups(6400);
   cost.set_shadow_map_compared(100);
   cost.set_shadow_map_disagreed(3);

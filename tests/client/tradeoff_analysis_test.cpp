@@ -142,10 +142,48 @@ TEST(TradeoffAnalysis, TheReferencesOwnErrorIsNotTheSettings) {
   EXPECT_GT(cells[1].error.mean, 0);
   EXPECT_EQ(a.curves[0].efficient_at, 0U);
   EXPECT_FALSE(a.levels[0].below_reference);
+  EXPECT_FALSE(a.levels[1].setting) << "one error that is told makes no rate";
   EXPECT_TRUE(a.levels[1].below_reference);
   // What is known is not scattered, and its bound no part of an error.
   sampled.exact = true;
   EXPECT_NEAR(analyse(made_settings(1), sweep, sampled).curves[0].cells[0].error.mean, 0.05, 1e-12);
+}
+
+TEST(TradeoffAnalysis, ErrorsThatTheReferenceDoesNotTellAreExtrapolated) {
+  Reference sampled = known();
+  sampled.exact = false;
+  sampled.relative_error = sampled.rmse = 0.03;
+  SweepResult sweep;
+  const auto add = [&](double samples, double error) {
+    add_runs(sweep, 0, samples, 1e-3 * samples, std::hypot(error, 0.03), 0);
+  };
+  add(1, 0.08);
+  add(4, 0.04);
+  add(16, 0.02);
+  // Nothing is left of this one, or anything.
+  add(64, 0.0001);
+  const Analysis a = analyse(made_settings(1), sweep, sampled);
+  const Recommendation& one = a.levels[1];
+  ASSERT_EQ(one.setting, 0U);
+  EXPECT_EQ(one.reached.how, Reached::How::kExtrapolated);
+  EXPECT_NEAR(one.reached.seconds, 64e-3, 1e-9);
+  EXPECT_FALSE(one.below_reference);
+}
+
+TEST(TradeoffAnalysis, ApproximationsAreNotExtrapolated) {
+  SweepResult sweep;
+  std::vector<Setting> settings = {make_setting({}), make_setting({"--far-light", "5"}),
+                                   make_setting({"--visibility", "shadow-maps"}),
+                                   make_setting({"--visibility", "rays"})};
+  for (std::size_t i = 0; i < settings.size(); ++i)
+    for (const double samples : {1, 4, 16})
+      add_runs(sweep, i, samples, 1e-3 * samples, 0.1 / std::sqrt(samples));
+  const Analysis a = analyse(settings, sweep, known());
+  for (const std::size_t i : {0, 1, 2, 3}) {
+    EXPECT_TRUE(a.curves[i].levels[0]) << "was measured";
+    EXPECT_EQ(a.curves[i].levels[1].has_value(), i == 0 || i == 3) << i;
+    EXPECT_EQ(a.curves[i].latest[1].has_value(), i == 0 || i == 3) << i;
+  }
 }
 
 TEST(TradeoffAnalysis, TellsOfAReferenceThatWarns) {

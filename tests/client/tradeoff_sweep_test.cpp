@@ -36,10 +36,14 @@ class TradeoffSweep : public ::testing::Test {
     }
     SweepOptions options{.seconds = seconds, .seed = 1};
     options.clock = [this] { return now_; };
-    options.ask = [&, this](std::size_t i, const Amount& amount, std::uint64_t seed,
-                            std::uint32_t) -> absl::StatusOr<tradeoff::Run> {
+    options.ask = [&, this](std::size_t i, const Amount& amount, std::uint64_t seed, std::uint32_t,
+                            std::optional<double> longest_s) -> absl::StatusOr<tradeoff::Run> {
       if (!kinds[i].says.ok()) return kinds[i].says;
       tradeoff::Run run{.seconds = 1e-3 + kinds[i].cost * amount.value, .samples = amount.value};
+      if (longest_s && run.seconds > *longest_s) {
+        now_ += *longest_s;
+        return absl::DeadlineExceededError("no answer by then");
+      }
       now_ += run.seconds;
       // Within 10%, by the seed.
       const double luck = 0.9 + 0.2 * static_cast<double>(seed % 1000) / 1000;
@@ -158,6 +162,15 @@ TEST_F(TradeoffSweep, NoTimeIsToldWithHowMuchItTakes) {
   EXPECT_THAT(std::string(result.status().message()), HasSubstr("3 rounds at least"));
 }
 
+TEST_F(TradeoffSweep, WhatTakesTooLongIsNotWaitedFor) {
+  const auto result = run({{1, 1e-4, 1}, {1, 50, 2}, {1, 0.4, 3}}, 40);
+  ASSERT_TRUE(result.ok()) << result.status();
+  EXPECT_EQ(result->courses[1].fate, Course::Fate::kSkipped);
+  EXPECT_THAT(result->courses[1].why, HasSubstr("no answer to 4 samples within 4.8 s"));
+  EXPECT_NE(result->courses[2].fate, Course::Fate::kSkipped) << "one sample does not take too long";
+  EXPECT_LT(now_ - 100, 41);
+}
+
 /// A reference without error, of as many values as matter here.
 Reference good_reference() {
   Reference reference;
@@ -197,8 +210,8 @@ TEST_F(TradeoffSweep, AnalysisSaysWhereTheReferenceIsTheLimit) {
   const Analysis a = analyse(settings_, *result, poor);
   ASSERT_EQ(a.warnings.size(), 1);
   EXPECT_THAT(a.warnings[0], HasSubstr("not 3 times below"));
-  EXPECT_FALSE(a.levels[0].below_reference);
-  EXPECT_TRUE(a.levels[1].below_reference);
+  EXPECT_EQ(a.levels[0].reached.how, Reached::How::kBetween);
+  EXPECT_EQ(a.levels[1].reached.how, Reached::How::kExtrapolated);
 }
 
 TEST(TradeoffAnalysis, AmountsAreThoseThatCanBeAskedFor) {

@@ -17,17 +17,14 @@ function tellLevels() {
   const anyError = data.levels.every((l) => l.exact && l.setting === data.levels[0].setting);
   for (const level of anyError ? data.levels.slice(0, 1) : data.levels) {
     if (level.setting === undefined) {
-      row(table, [percent(level.error), "no setting came near within the budget", "", "", "", ""]);
+      row(table, [percent(level.error), level.below_reference ? "the reference does not tell errors so small"
+        : "no setting came near within the budget", "", "", "", ""]);
       continue;
     }
     const how = level.exact ? element("span", "exact", { class: "tag" })
       : level.how === "extrapolated"
       ? element("span", "extrapolated", { class: "tag beyond" })
       : element("span", level.how, { class: "tag" });
-    const tags = [how];
-    if (level.below_reference) {
-      tags.push(" ", element("span", "below half the reference's own error", { class: "tag beyond" }));
-    }
     // Of the fastest; where another is recommended, that is told with its name.
     const ratio = level.name === level.best && level.setting !== 0 ? level.automatic_over_best : null;
     const name = [level.name];
@@ -39,7 +36,7 @@ function tellLevels() {
       element("b", anyError ? "any" : percent(level.error)), name,
       (!level.exact && level.how.startsWith("with") ? "≤ " : "") + time(level.seconds),
       ratio === null ? "" : `${digits(ratio)} ×${level.automatic_extrapolated ? " (extrapolated)" : ""}`,
-      tags, element("code", level.command),
+      how, element("code", level.command),
     ], "td", [2, 3]);
   }
   for (const warning of data.warnings) byId("warnings").append(element("p", warning, { class: "warning" }));
