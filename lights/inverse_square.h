@@ -38,8 +38,9 @@ Way find_way(const Vec3<Real>& position, const Vec3<Real>& receiver, LightSample
     way.distance_m = std::sqrt(dot(difference, difference));
     way.wi = difference * (1 / way.distance_m);
   } else {
-    way.distance_m = length(difference);
-    way.wi = normalized(difference);
+    const double squared = dot(difference, difference);
+    way.distance_m = is_safe_square(squared) ? std::sqrt(squared) : scaled_length(difference);
+    way.wi = is_safe_square(squared) ? difference / way.distance_m : scaled_direction(difference);
   }
   sample.wi = Vec3<Real>(way.wi);
   sample.distance = static_cast<Real>(way.distance_m);

@@ -2,8 +2,10 @@
 // normal by its name; frames are said in names too (`wi_world`, `n_light`).
 #pragma once
 
+#include <bit>
 #include <cmath>
 #include <concepts>
+#include <cstdint>
 #include <limits>
 
 namespace lucerna {
@@ -66,9 +68,20 @@ bool is_finite(const Vec3<Real>& v) {
 /// what positions and directions may be off by, relative to their largest coordinate.
 inline constexpr double kInputRounding = std::numeric_limits<float>::epsilon();
 
+/// std::ilogb of a number > 0, without a call where it is a normal one.
+inline int exponent_of(double x) {
+  const auto biased = static_cast<int>(std::bit_cast<std::uint64_t>(x) >> 52);
+  return biased > 0 ? biased - 1023 : std::ilogb(x);
+}
+
 /// `v` times 2^exponent.
 template <std::floating_point Real>
 Vec3<Real> scaled(const Vec3<Real>& v, int exponent) {
+  if constexpr (sizeof(Real) == sizeof(double)) {
+    // The same bits as from three calls.
+    if (exponent >= -1022 && exponent <= 1023)
+      return v * std::bit_cast<double>(static_cast<std::uint64_t>(exponent + 1023) << 52);
+  }
   return {std::scalbn(v.x, exponent), std::scalbn(v.y, exponent), std::scalbn(v.z, exponent)};
 }
 
@@ -77,6 +90,29 @@ template <std::floating_point Real>
 inline constexpr Real kSafeSquare = std::numeric_limits<Real>::min() /
                                     (std::numeric_limits<Real>::epsilon() *
                                      std::numeric_limits<Real>::epsilon());
+
+template <std::floating_point Real>
+bool is_safe_square(Real squared) {
+  return squared >= kSafeSquare<Real> && squared <= std::numeric_limits<Real>::max();
+}
+
+/// length() where the square is not safe; not inlined, so that what is mostly taken is.
+template <std::floating_point Real>
+[[gnu::noinline]] Real scaled_length(const Vec3<Real>& v) {
+  const Real largest = max_abs(v);
+  if (!(largest > 0) || !is_finite(v)) return std::fabs(v.x) + std::fabs(v.y) + std::fabs(v.z);
+  const int exponent = std::ilogb(largest);
+  const Vec3<Real> s = scaled(v, -exponent);
+  return std::scalbn(std::sqrt(dot(s, s)), exponent);
+}
+
+/// normalized() of a vector that is not zero, likewise.
+template <std::floating_point Real>
+[[gnu::noinline]] Vec3<Real> scaled_direction(const Vec3<Real>& v) {
+  if (!is_finite(v)) return v * std::numeric_limits<Real>::quiet_NaN();
+  const Vec3<Real> s = scaled(v, -std::ilogb(max_abs(v)));
+  return s / std::sqrt(dot(s, s));
+}
 
 /// Euclidean length.  Squares of any float fit a double; a double is scaled by a power of two
 /// first. So no square over- or underflows, and scaling by 2^k changes no bit of the result but its
@@ -90,13 +126,7 @@ Real length(const Vec3<Real>& v) {
     // The plain sum where it cannot overflow, and where what underflows is too little to round it
     // otherwise: the same bits at a tenth of the cost.
     const Real squared = dot(v, v);
-    if (squared >= kSafeSquare<Real> && squared <= std::numeric_limits<Real>::max())
-      return std::sqrt(squared);
-    const Real largest = max_abs(v);
-    if (!(largest > 0) || !is_finite(v)) return std::fabs(v.x) + std::fabs(v.y) + std::fabs(v.z);
-    const int exponent = std::ilogb(largest);
-    const Vec3<Real> s = scaled(v, -exponent);
-    return std::scalbn(std::sqrt(dot(s, s)), exponent);
+    return is_safe_square(squared) ? std::sqrt(squared) : scaled_length(v);
   }
 }
 
@@ -111,12 +141,7 @@ Vec3<Real> normalized(const Vec3<Real>& v) {
   } else {
     // As in `length`.
     const Real squared = dot(v, v);
-    if (squared >= kSafeSquare<Real> && squared <= std::numeric_limits<Real>::max())
-      return v / std::sqrt(squared);
-    const Real largest = max_abs(v);
-    if (!is_finite(v)) return v * std::numeric_limits<Real>::quiet_NaN();
-    const Vec3<Real> s = scaled(v, -std::ilogb(largest));
-    return s / std::sqrt(dot(s, s));
+    return is_safe_square(squared) ? v / std::sqrt(squared) : scaled_direction(v);
   }
 }
 

@@ -2,11 +2,11 @@
 // points, and how their samples are weighed against directions of the surface that find lights too.
 #pragma once
 
+#include <absl/container/inlined_vector.h>
 #include <absl/functional/function_ref.h>
 
 #include <cstdint>
 #include <optional>
-#include <vector>
 
 #include "server/light_visibility.h"
 #include "server/methods.h"
@@ -41,7 +41,7 @@ class LightSet {
   void clear() { bits_.clear(); }
 
  private:
-  std::vector<std::uint64_t> bits_;
+  absl::InlinedVector<std::uint64_t, 1> bits_;  // every receiver has a set
 };
 
 /// How the samples of a vertex are spent on several lights.

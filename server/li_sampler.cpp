@@ -64,13 +64,17 @@ LiPlace LiLayout::own_place(std::size_t i) const {
   return {receiver, of_receiver / each, static_cast<std::uint32_t>(of_receiver % each)};
 }
 
-/// One sample of a chunk on its way.
-struct LiSampler::Pending {
+/// What is asked of a light.
+struct LiSampler::Asked {
   ScenePoint receiver;
   Vec3<double> normal;
   Vec2<double> u;
   std::optional<LightChoice> choice{};   // where the light is not named; none: none can be chosen
   std::optional<std::uint32_t> light{};  // none: none can be chosen
+};
+
+/// One sample of a chunk on its way.
+struct LiSampler::Pending : Asked {
   bool sampled = false;
   LightSample<double> sample;
 
@@ -92,24 +96,29 @@ WorkCounts LiSampler::fill(const LiLayout& layout, std::size_t begin, std::size_
                            const SampleLiAnswer& answer, LiShare* shares) const {
   At at_receiver;
   std::optional<std::size_t> receiver;
-  const auto prepare_next = [&](std::size_t i, Pending& p) {
+  const auto prepare_next = [&](std::size_t i, Asked& asked) {
     const LiPlace place = layout.place(i);
     if (place.receiver != receiver) {
       at_receiver = at(place.receiver);
       receiver = place.receiver;
     }
-    prepare(place, at_receiver, i, p);
+    prepare(place, at_receiver, i, asked);
   };
   if (q_.light && !q_.test_visibility && q_.wavelengths_nm.empty()) {
     // Samples of one light of which nothing else is asked: one by one, without a chunk of them in
     // between, which takes more time than a point light does.
     visit_light(scene_.lights()[*q_.light], q_.time_s, [&](const auto& l) {
       for (std::size_t i = begin; i < end; ++i) {
-        Pending p;
-        prepare_next(i, p);
-        if (p.receiver.result == ItemResult::kOk) sample(l, p);
-        put(i, p, answer);
-        if (shares != nullptr) shares[i] = share(p, true);
+        Asked asked;
+        prepare_next(i, asked);
+        if (asked.receiver.result != ItemResult::kOk) {
+          put_none(i, asked, answer);
+          if (shares != nullptr) shares[i] = {};
+          continue;
+        }
+        const LightSample<double> s = sample(l, asked);
+        put(i, asked, s, answer);
+        if (shares != nullptr) shares[i] = share(asked, s, true);
       }
     });
     return {};
@@ -117,12 +126,16 @@ WorkCounts LiSampler::fill(const LiLayout& layout, std::size_t begin, std::size_
   std::vector<Pending> chunk(end - begin);
   for (std::size_t i = begin; i < end; ++i) prepare_next(i, chunk[i - begin]);
   sample(chunk);
-  for (std::size_t i = begin; i < end; ++i) put(i, chunk[i - begin], answer);
+  for (std::size_t i = begin; i < end; ++i) {
+    Pending& p = chunk[i - begin];
+    p.sampled ? put(i, p, p.sample, answer) : put_none(i, p, answer);
+  }
   if (!q_.wavelengths_nm.empty()) put_spectral(begin, chunk, answer);
   WorkCounts work;
   if (q_.test_visibility) work = test(begin, chunk, answer.visible);
   for (std::size_t i = begin; shares != nullptr && i < end; ++i)
-    shares[i] = share(chunk[i - begin], !q_.test_visibility || bit(answer.visible, i));
+    shares[i] = share(chunk[i - begin], chunk[i - begin].sample,
+                      !q_.test_visibility || bit(answer.visible, i));
   return work;
 }
 
@@ -142,7 +155,7 @@ WorkCounts LiSampler::take(std::span<const LiPlace> places, std::span<LiShare> s
       p.receiver.result = p.sampled ? item_result(p.sample.reason) : ItemResult::kBlack;
   if (q_.test_visibility) work = test(0, chunk, visible.data());
   for (std::size_t k = 0; k < chunk.size(); ++k)
-    shares[k] = share(chunk[k], !q_.test_visibility || bit(visible.data(), k));
+    shares[k] = share(chunk[k], chunk[k].sample, !q_.test_visibility || bit(visible.data(), k));
   return work;
 }
 
@@ -158,14 +171,14 @@ LiSampler::At LiSampler::at(std::size_t receiver) const {
 }
 
 /// What a light is told.
-Receiver<double> LiSampler::receiver_of(const Pending& p) const {
-  Receiver<double> r(p.receiver.position);
-  r.normal = p.normal;
+Receiver<double> LiSampler::receiver_of(const Asked& asked) const {
+  Receiver<double> r(asked.receiver.position);
+  r.normal = asked.normal;
   r.area_sampling = q_.methods.area_sampling;
   return r;
 }
 
-void LiSampler::prepare(const LiPlace& place, const At& at, std::size_t i, Pending& p) const {
+void LiSampler::prepare(const LiPlace& place, const At& at, std::size_t i, Asked& p) const {
   p.receiver = at.point;
   p.normal = at.normal;
   double u_light = 0;
@@ -191,11 +204,11 @@ void LiSampler::prepare(const LiPlace& place, const At& at, std::size_t i, Pendi
 }
 
 template <typename L>
-void LiSampler::sample(const L& light, Pending& p) const {
-  const Receiver<double> receiver = receiver_of(p);
-  p.sample = light.sample_li(receiver, p.u);
-  if constexpr (SeenBeyond<L>) tell_direction(light, receiver, p.sample);
-  p.sampled = true;
+LightSample<double> LiSampler::sample(const L& light, const Asked& asked) const {
+  const Receiver<double> receiver = receiver_of(asked);
+  LightSample<double> s = light.sample_li(receiver, asked.u);
+  if constexpr (SeenBeyond<L>) tell_direction(light, receiver, s);
+  return s;
 }
 
 /// Visits each light once for all samples of the chunk that chose it.
@@ -213,14 +226,17 @@ void LiSampler::sample(std::vector<Pending>& chunk) const {
   for (std::size_t k = 0; k < order.size();) {
     const std::uint32_t light = *chunk[order[k]].light;
     visit_light(scene_.lights()[light], q_.time_s, [&](const auto& l) {
-      for (; k < order.size() && chunk[order[k]].light == light; ++k) sample(l, chunk[order[k]]);
+      for (; k < order.size() && chunk[order[k]].light == light; ++k) {
+        Pending& p = chunk[order[k]];
+        p.sample = sample(l, p);
+        p.sampled = true;
+      }
     });
   }
 }
 
-LiShare LiSampler::share(const Pending& p, bool visible) const {
+LiShare LiSampler::share(const Asked& p, const LightSample<double>& s, bool visible) const {
   if (p.receiver.result != ItemResult::kOk) return {};
-  const LightSample<double>& s = p.sample;
   LiShare result;
   result.weight = 1 / (p.choice ? p.choice->probability : 1);
   if (!s.delta) result.weight /= s.pdf.per_sr;
@@ -233,15 +249,17 @@ LiShare LiSampler::share(const Pending& p, bool visible) const {
   return result;
 }
 
-void LiSampler::put(std::size_t i, Pending& p, const SampleLiAnswer& a) const {
+/// Of what no light was asked for.
+void LiSampler::put_none(std::size_t i, Asked& p, const SampleLiAnswer& a) const {
   if (!q_.light) put_choice(scene_, p.choice, i, a.light_ids, a.selection_probability);
-  if (!p.sampled) {
-    if (p.receiver.result == ItemResult::kOk) p.receiver.result = ItemResult::kBlack;
-    a.status[i] = static_cast<int>(p.receiver.result);
-    a.pdf_per_sr[i] = 1;
-    return;
-  }
-  const LightSample<double>& s = p.sample;
+  if (p.receiver.result == ItemResult::kOk) p.receiver.result = ItemResult::kBlack;
+  a.status[i] = static_cast<int>(p.receiver.result);
+  a.pdf_per_sr[i] = 1;
+}
+
+void LiSampler::put(std::size_t i, Asked& p, const LightSample<double>& s,
+                    const SampleLiAnswer& a) const {
+  if (!q_.light) put_choice(scene_, p.choice, i, a.light_ids, a.selection_probability);
   if (s.delta) set_bit(a.delta, i);
   // Where there is no light there may be no direction, and no density either.
   if (const Vec3<float> wi(s.wi); is_finite(wi)) store(a.wi, i, wi);

@@ -30,8 +30,9 @@ class LiLayout {
 
   std::size_t size() const { return size_; }
   LiPlace place(std::size_t i) const {
-    if (begins_.empty()) return {i / each_, 0, static_cast<std::uint32_t>(i % each_)};
-    return own_place(i);
+    if (!begins_.empty()) return own_place(i);
+    if (each_ == 1) return {i, 0, 0};  // a division takes longer than a point light
+    return {i / each_, 0, static_cast<std::uint32_t>(i % each_)};
   }
   /// The samples of receiver `r` are [begin(r), begin(r + 1)).
   std::size_t begin(std::size_t r) const { return begins_.empty() ? r * each_ : begins_[r]; }
@@ -76,16 +77,19 @@ class LiSampler {
     ScenePoint point;
     Vec3<double> normal{};  // unit or zero
   };
+  struct Asked;
   struct Pending;
 
   At at(std::size_t receiver) const;
-  Receiver<double> receiver_of(const Pending& p) const;
-  void prepare(const LiPlace& place, const At& at, std::size_t i, Pending& p) const;
+  Receiver<double> receiver_of(const Asked& asked) const;
+  void prepare(const LiPlace& place, const At& at, std::size_t i, Asked& asked) const;
   template <typename L>
-  void sample(const L& light, Pending& p) const;
+  LightSample<double> sample(const L& light, const Asked& asked) const;
   void sample(std::vector<Pending>& chunk) const;
-  LiShare share(const Pending& p, bool visible) const;
-  void put(std::size_t i, Pending& p, const SampleLiAnswer& answer) const;
+  LiShare share(const Asked& asked, const LightSample<double>& s, bool visible) const;
+  void put(std::size_t i, Asked& asked, const LightSample<double>& s,
+           const SampleLiAnswer& answer) const;
+  void put_none(std::size_t i, Asked& asked, const SampleLiAnswer& answer) const;
   void put_spectral(std::size_t begin, std::vector<Pending>& chunk,
                     const SampleLiAnswer& answer) const;
   WorkCounts test(std::size_t first_bit, const std::vector<Pending>& chunk,

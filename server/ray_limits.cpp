@@ -17,7 +17,7 @@ std::optional<UnitRay> unit_ray(const Vec3<double>& origin_m, const Vec3<double>
   if (!is_finite(origin_m) || !is_finite(direction) || !(longest > 0) || std::isnan(t_min) ||
       std::isnan(t_max))
     return std::nullopt;
-  const int exponent = space.direction_exponent - std::ilogb(longest);
+  const int exponent = space.direction_exponent - exponent_of(longest);
   const Vec3<double> d = scaled(direction, exponent);
   Vec3<double> o = origin_m;
   UnitRay ray{};

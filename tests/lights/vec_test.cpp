@@ -40,6 +40,18 @@ TEST(Vec3, LengthHoldsWhereSquaresDoNot) {
   }
 }
 
+// As if each number were scaled by a call, also where results are subnormal or leave doubles.
+TEST(Vec3, ScalingIsByPowersOfTwoAtEveryMagnitude) {
+  for (const int of : {-1074, -1060, -1023, -1022, -537, -1, 0, 1, 511, 1000, 1023}) {
+    const double x = std::scalbn(of < -1022 ? 1 : 1.37, of);
+    EXPECT_EQ(exponent_of(x), std::ilogb(x));
+    for (const int by : {-2200, -1074, -1023, -1022, -600, -1, 0, 1, 537, 1023, 1024, 2046, 2200}) {
+      const Vec3<double> v = scaled(Vec3<double>{x, -x / 3, 0}, by);
+      EXPECT_EQ(v, (Vec3<double>{std::scalbn(x, by), std::scalbn(-x / 3, by), 0})) << of << by;
+    }
+  }
+}
+
 TEST(Vec3, LengthOfWhatIsNoNumberIsNone) {
   EXPECT_FALSE(std::isfinite(length(V(NAN, 0, 0))));
   EXPECT_FALSE(std::isfinite(length(V(1, 0, INFINITY))));
