@@ -160,7 +160,7 @@ absl::StatusOr<Reference> make_reference(const Question& question, double second
   const double needed = clock() - begin + kFewestReplicates * best.seconds;
   if (needed > seconds) {
     return absl::DeadlineExceededError(
-        fmt::format("the reference takes {:.1f} s at least, and gets {:.1f} s", needed, seconds));
+        fmt::format("the reference takes {:.3g} s at least, and gets {:.3g} s", needed, seconds));
   }
   std::unique_ptr<Replicates> replicates;
   for (std::uint64_t i = 0;; ++i) {

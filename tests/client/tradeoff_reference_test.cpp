@@ -1,4 +1,5 @@
 // Errors, settings and references, of a question that is made up.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -175,11 +176,13 @@ TEST(TradeoffReference, StopsWhereItIsGoodEnough) {
 }
 
 TEST(TradeoffReference, TooLittleTimeIsToldWithHowMuchItTakes) {
-  double now = 0;
-  const MadeUp question({{1, 1}, {1, 1}}, &now);
-  const auto r = make_reference(question, 3, 1, [&] { return now; });
-  EXPECT_TRUE(absl::IsDeadlineExceeded(r.status())) << r.status();
-  EXPECT_THAT(std::string(r.status().message()), HasSubstr("gets 3.0 s"));
+  for (const double seconds : {0.01, 3.0}) {
+    double now = 0;
+    const MadeUp question({{1, 1}, {1, 1}}, &now);
+    const auto r = make_reference(question, seconds, 1, [&] { return now; });
+    EXPECT_TRUE(absl::IsDeadlineExceeded(r.status())) << r.status();
+    EXPECT_THAT(std::string(r.status().message()), HasSubstr(fmt::format("gets {} s", seconds)));
+  }
 }
 
 }  // namespace

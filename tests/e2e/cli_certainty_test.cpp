@@ -200,7 +200,7 @@ TEST_F(CliCertainty, EveryAnswerIsPrintedWithItsCost) {
       {"irradiance", "point.pbrt", "--point", "0,0,0", "--normal", "0,0,1"},
       {"render", "point.pbrt", "-o", path("a.pfm"), "--samples", "1"}};
   for (const std::vector<std::string>& ask : asks)
-    EXPECT_THAT(said(ask), ContainsRegex("[0-9] s(, [0-9]+ samples)?(, [0-9]+ rays)?\n$"))
+    EXPECT_THAT(said(ask), ContainsRegex("[0-9] s(, [0-9]+ samples?)?(, [0-9]+ rays?)?\n$"))
         << ask[0];
 }
 

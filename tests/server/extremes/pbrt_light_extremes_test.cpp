@@ -118,8 +118,7 @@ TEST(PbrtLightExtremes, SidesThatEmitUnderMirrors) {
   for (const auto& row : table.rows()) {
     std::string text = "Transform [";
     for (int column = 0; column < 4; ++column) {
-      for (int r = 0; r < 3; ++r)
-        text += row.text("m" + std::to_string(r) + std::to_string(column)) + " ";
+      for (int r = 0; r < 3; ++r) text += row.text(fmt::format("m{}{}", r, column)) + " ";
       text += column < 3 ? "0 " : "1] ";
     }
     if (row["reversed"] > 0) text += "ReverseOrientation ";
