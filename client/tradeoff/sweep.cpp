@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -69,6 +70,15 @@ class Sweep {
     options_.on_event(fmt::format("{}: {}", settings_[i].name(), why));
   }
 
+  double longest_of(std::size_t i) const {
+    return options_.seconds * (settings_[i].by_target ? kLongestTarget : kLongestQuestion);
+  }
+  void leave_for_time(std::size_t i, double seconds, const Amount& amount) {
+    leave(
+        i, Course::Fate::kSkipped,
+        fmt::format("skipped, {:.2g} s for {}: too long for this budget", seconds, amount.text()));
+  }
+
   absl::StatusOr<Run> ask(std::size_t i, const Amount& amount, std::uint64_t seed,
                           std::uint32_t round, std::optional<double> longest_s = std::nullopt) {
     auto run = options_.ask(i, amount, seed, round, longest_s);
@@ -80,7 +90,11 @@ class Sweep {
     result_.runs.push_back(*run);
     return run;
   }
-  std::uint64_t fresh_seed() { return mixed_seed(options_.seed, 2 + seeds_++); }
+  /// Of an amount in the present round, for every setting.
+  std::uint64_t seed_of(const Amount& amount) const {
+    const std::uint64_t round = mixed_seed(options_.seed, 2 + round_);
+    return mixed_seed(round, std::bit_cast<std::uint64_t>(amount.value));
+  }
 
   struct SecondLook {
     bool same = true;
@@ -140,8 +154,7 @@ class Sweep {
       const Amount telling = settings_[i].by_target || ladders_[i].size() == 1
                                  ? ladders_[i][0]
                                  : Amount{.target = false, .value = options_.telling_samples};
-      const double longest =
-          options_.seconds * (settings_[i].by_target ? kLongestTarget : kLongestQuestion);
+      const double longest = longest_of(i);
       if (settings_[i].by_target && i > 0) {
         const Run& automatic = result_.runs[0];
         const double pilot = automatic.seconds * kPilotSamples / automatic.amount.value;
@@ -178,9 +191,7 @@ class Sweep {
       // What the least amount takes, where more was asked for.
       const double least = run->seconds * least_share;
       if (i > 0 && least > longest) {
-        leave(i, Course::Fate::kSkipped,
-              fmt::format("skipped, {:.2g} s for {}: too long for this budget", run->seconds,
-                          telling.text()));
+        leave_for_time(i, run->seconds, telling);
         continue;
       }
       round += least;
@@ -203,9 +214,15 @@ class Sweep {
       std::vector<double>& seconds = rungs_[i];
       while (seconds.size() < ladders_[i].size()) {
         if (!seconds.empty() && seconds.back() * growth(i) > longest) break;
-        const auto run = ask(i, ladders_[i][seconds.size()], fresh_seed(), 0);
+        const Amount& amount = ladders_[i][seconds.size()];
+        const auto run = ask(i, amount, seed_of(amount), 0);
         if (!run.ok()) {
           if (!says_no(run.status())) return run.status();
+          break;
+        }
+        // A question that asks for less may cost as much.
+        if (seconds.empty() && i > 0 && run->seconds > longest_of(i)) {
+          leave_for_time(i, run->seconds, amount);
           break;
         }
         seconds.push_back(run->seconds);
@@ -240,7 +257,8 @@ class Sweep {
       ++round_;
       std::shuffle(cells.begin(), cells.end(), shuffle_);
       for (const auto& [i, k] : cells) {
-        const auto run = ask(i, ladders_[i][k], fresh_seed(), round_);
+        const Amount& amount = ladders_[i][k];
+        const auto run = ask(i, amount, seed_of(amount), round_);
         if (!run.ok()) return run.status();
       }
     }
@@ -271,13 +289,13 @@ class Sweep {
     std::vector<std::vector<Measured>> curves;
     for (std::size_t i = 0; i < settings_.size(); ++i) curves.push_back(curve(i, false));
     for (std::size_t i = 1; i < settings_.size(); ++i) {
-      if (!races(i) || curves[i].size() < 2) continue;
+      if (!races(i)) continue;
       // What is dropped has the benefit of the doubt.
       const std::vector<Measured> own = curve(i, true);
-      // At either of its two largest amounts it may be near.
+      // At either of its two largest amounts, where it has two, it may be near.
       double behind = std::numeric_limits<double>::infinity();
       std::size_t winner = 0;
-      for (const Measured& cell : std::span(own).last(2)) {
+      for (const Measured& cell : std::span(own).last(std::min<std::size_t>(2, own.size()))) {
         double most = 0;
         for (std::size_t j = 0; j < settings_.size(); ++j) {
           if (j == i || !races(j) || cell.error <= 0) continue;
@@ -301,7 +319,6 @@ class Sweep {
   const SweepOptions& options_;
   const double begin_;
   std::mt19937_64 shuffle_;
-  std::uint64_t seeds_ = 0;
   std::uint32_t round_ = 0;
   /// By which settings are told apart: of each the first run, and digests of those of more samples.
   std::vector<std::optional<Run>> first_;

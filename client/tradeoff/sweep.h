@@ -1,9 +1,11 @@
 // Which questions are asked in which order, for how long.
 //
 // Rounds: in each, every cell (an amount of a setting) that is still in the race is asked once, in
-// an order shuffled anew, so that a machine that drifts hurts all alike.  The first heat is for all
-// settings; settings that are far behind after it leave, and the second heat gives what is left of
-// the time to the others, in larger amounts.  Knows no server and reads no clock: it is told both.
+// an order shuffled anew, so that a machine that drifts hurts all alike, and with a seed that all
+// settings share, so that luck that all have is no difference between them (common random numbers).
+// The first heat is for all settings; settings that are far behind after it leave, and the second
+// heat gives what is left of the time to the others, in larger amounts.  Knows no server and reads
+// no clock: it is told both.
 #pragma once
 
 #include <cstdint>

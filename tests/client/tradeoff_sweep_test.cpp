@@ -15,13 +15,14 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// Settings whose error is `error` / sqrt(samples), at `cost` seconds a sample and a call of 1 ms.
+/// Settings whose error is `error` / sqrt(samples), at `cost` seconds a sample and `call` a call.
 struct Kind {
   double error, cost;
   std::uint64_t digest;
   absl::Status says = absl::OkStatus();
   /// From so many samples on the bits are its own.
   double own_from = 1e9;
+  double call = 1e-3;
 };
 
 class TradeoffSweep : public ::testing::Test {
@@ -39,7 +40,8 @@ class TradeoffSweep : public ::testing::Test {
     options.ask = [&, this](std::size_t i, const Amount& amount, std::uint64_t seed, std::uint32_t,
                             std::optional<double> longest_s) -> absl::StatusOr<tradeoff::Run> {
       if (!kinds[i].says.ok()) return kinds[i].says;
-      tradeoff::Run run{.seconds = 1e-3 + kinds[i].cost * amount.value, .samples = amount.value};
+      tradeoff::Run run{.seconds = kinds[i].call + kinds[i].cost * amount.value,
+                        .samples = amount.value};
       if (longest_s && run.seconds > *longest_s) {
         now_ += *longest_s;
         return absl::DeadlineExceededError("no answer by then");
@@ -75,11 +77,20 @@ TEST_F(TradeoffSweep, KeepsToItsTimeAndRepeatsEveryCell) {
   EXPECT_GT(now_ - 100, 15);
   for (const auto& [cell, runs] : counted(*result))
     EXPECT_GE(runs, static_cast<int>(kFewestRounds));
-  std::set<std::uint64_t> seeds;
-  for (const tradeoff::Run& run : result->runs)
-    if (run.round > 0) {
-      EXPECT_TRUE(seeds.insert(run.seed).second) << "the same seed again";
-    }
+}
+
+TEST_F(TradeoffSweep, SettingsShareTheSeedsOfARound) {
+  const auto result = run({{1, 1e-4, 1}, {1.2, 1e-4, 2}, {0.9, 2e-4, 3}}, 20);
+  ASSERT_TRUE(result.ok()) << result.status();
+  std::map<std::pair<std::uint32_t, double>, std::uint64_t> seeds;
+  for (const tradeoff::Run& run : result->runs) {
+    if (run.round == 0) continue;
+    EXPECT_EQ(seeds.emplace(std::pair(run.round, run.amount.value), run.seed).first->second,
+              run.seed);
+  }
+  std::set<std::uint64_t> distinct;
+  for (const auto& [cell, seed] : seeds)
+    EXPECT_TRUE(distinct.insert(seed).second) << "the same seed again";
 }
 
 TEST_F(TradeoffSweep, RoundsAskEveryCellOnceInAnOrderOfTheirOwn) {
@@ -156,6 +167,15 @@ TEST_F(TradeoffSweep, DropsWhatIsFarBehindAndGivesTheOthersMore) {
   EXPECT_GT(largest[0], largest[1]);
 }
 
+TEST_F(TradeoffSweep, OneAmountIsEnoughToBeFarBehind) {
+  // Half a second for what the first does in two milliseconds, and for four samples too long.
+  const auto result = run({{1, 1e-4, 1}, {1, 0.5, 2}, {0.02, 0.5, 3}}, 20);
+  ASSERT_TRUE(result.ok()) << result.status();
+  EXPECT_EQ(result->courses[1].fate, Course::Fate::kDropped);
+  EXPECT_THAT(result->courses[1].why, HasSubstr("slower than automatic"));
+  EXPECT_EQ(result->courses[2].fate, Course::Fate::kSwept) << "an error of 2% takes others 0.25 s";
+}
+
 TEST_F(TradeoffSweep, NoTimeIsToldWithHowMuchItTakes) {
   const auto result = run({{1, 0.5, 1}, {1, 0.5, 2}, {1, 0.5, 3}}, 2);
   EXPECT_TRUE(absl::IsDeadlineExceeded(result.status())) << result.status();
@@ -169,6 +189,14 @@ TEST_F(TradeoffSweep, WhatTakesTooLongIsNotWaitedFor) {
   EXPECT_THAT(result->courses[1].why, HasSubstr("no answer to 4 samples within 4.8 s"));
   EXPECT_NE(result->courses[2].fate, Course::Fate::kSkipped) << "one sample does not take too long";
   EXPECT_LT(now_ - 100, 41);
+}
+
+TEST_F(TradeoffSweep, WhatTakesLongForTheLeastToDoLeaves) {
+  // Four samples are expected to take four times as long as one: both take 2 s.
+  const auto result = run({{1, 1e-4, 1}, {1, 0, 2, absl::OkStatus(), 1e9, 2}}, 40);
+  ASSERT_TRUE(result.ok()) << result.status();
+  EXPECT_EQ(result->courses[1].fate, Course::Fate::kSkipped);
+  EXPECT_THAT(result->courses[1].why, HasSubstr("2 s for 1 sample: too long for this budget"));
 }
 
 /// A reference without error, of as many values as matter here.

@@ -97,7 +97,7 @@ function tellMethod() {
         `(Andersson et al. 2020).`);
   }
   say(element("b", "Times: "), `wall time around the call in the client, over loopback or the network there was; median and quartiles over runs. ` +
-      `Every run has a seed of its own. Each round asks every amount of every setting once, shuffled. After the first rounds, settings far behind ` +
+      `Each round asks every amount of every setting once, shuffled; the settings share its seeds, and no two rounds do. After the first rounds, settings far behind ` +
       `are dropped, and what is left of the budget goes to the others. Runs by which the sweep learnt what amounts cost are in tradeoff.csv as round 0 and count for nothing.`);
   say(element("b", "Time to an error: "), "between measurements linearly in logarithms; beyond them with the root of the time, as errors of independent samples fall, which is marked as extrapolated; not where the last three fall more slowly.");
   const table = element("table");
