@@ -24,10 +24,10 @@ class EstimateQuestion : public Question {
                              std::uint64_t seed) const override {
     return answer(accuracy_of(setting, amount, dark_ * amount.value), seed);
   }
-  std::vector<std::string> reference_ways() const override { return reference_ways_for(lights_); }
+  std::vector<ReferenceWay> reference_ways() const override { return reference_ways_for(lights_); }
   absl::StatusOr<Answer> ask_reference(std::size_t way, std::uint32_t samples,
                                        std::uint64_t seed) const override {
-    v1::Accuracy accuracy = reference_accuracy(way);
+    v1::Accuracy accuracy = reference_accuracy(way, lights_);
     accuracy.set_samples(samples);
     return answer(accuracy, seed);
   }

@@ -58,8 +58,8 @@ class PowerQuestion : public Question {
     }
     return told(std::move(request));
   }
-  std::vector<std::string> reference_ways() const override {
-    return {"closed forms and quadrature with a stated bound (METHOD_EXACT)"};
+  std::vector<ReferenceWay> reference_ways() const override {
+    return {{"closed forms and quadrature with a stated bound (METHOD_EXACT)"}};
   }
   bool reference_is_exact() const override { return true; }
   absl::StatusOr<Answer> ask_reference(std::size_t, std::uint32_t, std::uint64_t) const override {

@@ -9,27 +9,49 @@
 #include "absl/strings/str_replace.h"
 
 namespace lucerna::tradeoff {
+namespace {
 
-v1::Accuracy reference_accuracy(std::size_t way) {
+// Of fewer, every light is better than one chosen well.
+constexpr std::uint64_t kManyLights = 64;
+
+struct Selection {
+  v1::LightSelection selection;
+  const char* words;
+};
+
+/// What may take long comes last: it is begun where there is time.
+std::vector<Selection> reference_selections(std::uint64_t lights) {
+  const Selection all{v1::LIGHT_SELECTION_ALL, "every light, "};
+  const Selection power{v1::LIGHT_SELECTION_POWER, "one light by power, "};
+  const Selection tree{v1::LIGHT_SELECTION_BVH, "one light by the light BVH, "};
+  const Selection chance{v1::LIGHT_SELECTION_UNIFORM, "one light by chance, "};
+  if (lights < 2) return {{v1::LIGHT_SELECTION_ALL, ""}};
+  if (lights < kManyLights) return {all, power, chance};
+  return {all, power, tree, chance};
+}
+
+}  // namespace
+
+v1::Accuracy reference_accuracy(std::size_t way, std::uint64_t lights) {
   v1::Accuracy accuracy;
   accuracy.set_sampler(v1::SAMPLER_INDEPENDENT);
   accuracy.set_combination(v1::COMBINATION_BALANCE_HEURISTIC);
   accuracy.set_area_sampling(v1::AREA_SAMPLING_LOW_DISTORTION);
   accuracy.set_closed_forms(v1::CLOSED_FORMS_OFF);
   accuracy.set_visibility(v1::VISIBILITY_RAYS);
-  constexpr v1::LightSelection kWays[] = {v1::LIGHT_SELECTION_ALL, v1::LIGHT_SELECTION_POWER,
-                                          v1::LIGHT_SELECTION_UNIFORM};
-  accuracy.set_light_selection(kWays[way]);
+  accuracy.set_light_selection(reference_selections(lights)[way].selection);
   return accuracy;
 }
 
-std::vector<std::string> reference_ways_for(std::uint64_t lights) {
-  const std::string common =
-      "independent samples, points by area (low distortion), balance heuristic, no closed forms, "
-      "exact rays";
-  if (lights < 2) return {common};
-  return {"every light, " + common, "one light by power, " + common,
-          "one light by chance, " + common};
+std::vector<ReferenceWay> reference_ways_for(std::uint64_t lights) {
+  std::vector<ReferenceWay> ways;
+  for (const auto& [selection, words] : reference_selections(lights)) {
+    ways.push_back({.words = words + std::string("independent samples, points by area (low "
+                                                 "distortion), balance heuristic, no closed "
+                                                 "forms, exact rays"),
+                    .shares = selection == v1::LIGHT_SELECTION_BVH});
+  }
+  return ways;
 }
 
 std::string shell_word(const std::string& word) {

@@ -24,6 +24,14 @@ struct Answer {
   double rays = 0;     ///< of all kinds
 };
 
+/// An estimator to make a reference with.
+struct ReferenceWay {
+  std::string words;
+  /// Whether something in it is also in what is swept, so that its mean is held against that of a
+  /// way of which this is not so.
+  bool shares = false;
+};
+
 /// What is drawn of the items.
 struct Layout {
   /// Points, where items are points.
@@ -48,9 +56,9 @@ class Question {
   virtual absl::StatusOr<Answer> ask(const Setting& setting, const Amount& amount,
                                      std::uint64_t seed) const = 0;
 
-  /// The ways to make a reference, in words, each an estimator that no setting is; the first says
-  /// all where there is one.
-  virtual std::vector<std::string> reference_ways() const = 0;
+  /// The ways to make a reference, each an estimator that no setting is; one at least shares
+  /// nothing.
+  virtual std::vector<ReferenceWay> reference_ways() const = 0;
   /// Whether the reference is known, and not estimated.
   virtual bool reference_is_exact() const { return false; }
   virtual absl::StatusOr<Answer> ask_reference(std::size_t way, std::uint32_t samples,
@@ -112,11 +120,11 @@ absl::StatusOr<std::unique_ptr<Question>> make_visibility_question(const client:
                                                                    const QuestionOptions& options);
 
 /// Of a reference by paths: independent samples, by the balance heuristic, of points by area in a
-/// map of little distortion, without closed forms; of every light, or of one chosen by chance or by
-/// power.  `way` counts these.
-v1::Accuracy reference_accuracy(std::size_t way);
-/// Their names, for a scene with so many lights.
-std::vector<std::string> reference_ways_for(std::uint64_t lights);
+/// map of little distortion, without closed forms; of every light, or of one chosen by chance, by
+/// power or, where there are many, by the light BVH (which settings have too).  `lights`: of the
+/// scene; `way`: of those of reference_ways_for().
+v1::Accuracy reference_accuracy(std::size_t way, std::uint64_t lights);
+std::vector<ReferenceWay> reference_ways_for(std::uint64_t lights);
 
 /// A word as a shell takes it: quoted where it must be.
 std::string shell_word(const std::string& word);

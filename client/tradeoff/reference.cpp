@@ -6,6 +6,8 @@
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <limits>
+#include <numeric>
+#include <optional>
 
 namespace lucerna::tradeoff {
 namespace {
@@ -13,6 +15,10 @@ namespace {
 // Of the time for the reference: what is spent to find the best way, and what one answer of it
 // takes, so that there are dozens of them.
 constexpr double kPilotShare = 0.25, kAnswerShare = 0.03;
+// And what is spent on answers of a way that shares nothing, where the best does; no more of them
+// than tell how they scatter.
+constexpr double kCheckShare = 0.25;
+constexpr std::size_t kMostChecks = 16;
 constexpr std::uint32_t kMostSamples = 1 << 16;
 
 /// What sets the reference's seeds apart from those of the sweep.
@@ -73,8 +79,55 @@ void take_closed_form(const std::vector<double>& values, Reference& r) {
   r.exact = true;
 }
 
+/// Answers of a way that shares nothing with what is swept.
+struct Check {
+  std::vector<std::vector<double>> answers{};
+  std::string way{};
+  std::uint32_t samples_each = 0;
+};
+
+/// Keeps what was sampled where `check` agrees with it in the mean, or takes the check in its
+/// place.
+void compare(const Check& check, Reference& r) {
+  // By the better of the two, so that no value is divided by itself.
+  double items = 0, own = 0;
+  std::vector<double> differences(check.answers.size());
+  for (std::size_t i = 0; i < r.values.size(); ++i) {
+    if (std::isnan(r.values[i])) continue;
+    const double level = std::hypot(r.values[i], r.dark);
+    ++items;
+    own += r.standard_error[i] / level;  // as if all errors were one
+    for (std::size_t k = 0; k < differences.size(); ++k)
+      differences[k] += (check.answers[k][i] - r.values[i]) / level;
+  }
+  if (items == 0) return;
+  const auto n = static_cast<double>(differences.size());
+  const double mean = std::accumulate(differences.begin(), differences.end(), 0.0) / n / items;
+  double squares = 0;
+  for (const double d : differences) squares += (d / items - mean) * (d / items - mean);
+  const double error = std::hypot(std::sqrt(squares / (n * (n - 1))), own / items);
+  const double allowed = quantile(boost::math::students_t(n - 1), 1 - kRefusal / 2) * error;
+  const std::string told = fmt::format(
+      "{} answers of {} samples by another ({}) differ from it by {:.2g} "
+      "+- {:.2g}% (standard error) in the mean of all items",
+      check.answers.size(), check.samples_each, check.way, 100 * mean, 100 * error);
+  if (std::fabs(mean) <= allowed) {
+    r.way += "; " + told;
+    return;
+  }
+  r.warning =
+      fmt::format("A reference ({}) was not believed, and the other kept: {}.", r.way, told);
+  Replicates replicates(check.answers[0].size());
+  for (const std::vector<double>& answer : check.answers) replicates.add(answer);
+  finish(replicates, r);
+  r.way = check.way;
+  r.samples_each = check.samples_each;
+}
+
 struct Pilot {
-  double merit = 0;  ///< squared error times time of one answer, the less the better
+  std::size_t way = 0;
+  double merit = std::numeric_limits<double>::infinity();  ///< squared error times time of one
+                                                           ///< answer, the less the better
   std::uint32_t samples = 1;
   double seconds = 0;  ///< of an answer
 };
@@ -82,7 +135,7 @@ struct Pilot {
 /// Doubles the samples until one answer takes `seconds`, then judges by two.
 absl::StatusOr<Pilot> try_way(const Question& question, std::size_t way, double seconds,
                               std::uint64_t seed) {
-  Pilot pilot;
+  Pilot pilot{.way = way};
   std::uint64_t number = 0;
   for (;;) {
     const auto a = question.ask_reference(way, pilot.samples, mixed_seed(seed, number++));
@@ -108,6 +161,46 @@ absl::StatusOr<Pilot> try_way(const Question& question, std::size_t way, double 
   }
 }
 
+struct Ways {
+  Pilot best;
+  Pilot independent;  ///< of those that share nothing, the best
+};
+
+absl::StatusOr<Ways> try_ways(const Question& question, const std::vector<ReferenceWay>& ways,
+                              double seconds, std::uint64_t seed, const Clock& clock) {
+  const double begin = clock();
+  std::optional<Pilot> best, independent;
+  absl::Status refused;
+  for (std::size_t way = 0; way < ways.size(); ++way) {
+    // A way after the first is not begun when time is short.
+    if (independent && clock() - begin > kPilotShare * seconds) break;
+    const auto pilot = try_way(question, way, kAnswerShare * seconds, mixed_seed(seed, way));
+    if (!pilot.ok()) {
+      if (!ways[way].shares) refused = pilot.status();
+      continue;  // others may do
+    }
+    if (!best || pilot->merit < best->merit) best = *pilot;
+    if (!ways[way].shares && (!independent || pilot->merit < independent->merit))
+      independent = *pilot;
+  }
+  if (!independent) return refused;
+  return Ways{.best = *best, .independent = *independent};
+}
+
+absl::StatusOr<Check> make_check(const Question& question, const Pilot& way, double seconds,
+                                 std::uint64_t seed, const Clock& clock) {
+  Check check{.way = question.reference_ways()[way.way].words, .samples_each = way.samples};
+  const double end = clock() + seconds;
+  while (check.answers.size() < kFewestReplicates ||
+         (check.answers.size() < kMostChecks && clock() + way.seconds < end)) {
+    const auto answer =
+        question.ask_reference(way.way, way.samples, mixed_seed(seed, check.answers.size()));
+    if (!answer.ok()) return answer.status();
+    check.answers.push_back(answer->values);
+  }
+  return check;
+}
+
 }  // namespace
 
 std::uint64_t mixed_seed(std::uint64_t seed, std::uint64_t number) {
@@ -120,7 +213,7 @@ std::uint64_t mixed_seed(std::uint64_t seed, std::uint64_t number) {
 absl::StatusOr<Reference> make_reference(const Question& question, double seconds,
                                          std::uint64_t seed, const Clock& clock) {
   const double begin = clock();
-  const std::vector<std::string> ways = question.reference_ways();
+  const std::vector<ReferenceWay> ways = question.reference_ways();
   Reference result;
   if (question.reference_is_exact()) {
     const auto answer = question.ask_reference(0, 1, 0);
@@ -129,7 +222,7 @@ absl::StatusOr<Reference> make_reference(const Question& question, double second
     one.add(answer->values);
     finish(one, result);
     result.exact = true;
-    result.way = ways[0];
+    result.way = ways[0].words;
     result.standard_error = question.reference_bounds();
     std::vector<double> off = result.values;
     for (std::size_t i = 0; i < off.size(); ++i) off[i] += result.standard_error[i];
@@ -140,31 +233,28 @@ absl::StatusOr<Reference> make_reference(const Question& question, double second
     return result;
   }
   seed = mixed_seed(seed, kReferenceSeeds);
-  std::size_t best_way = 0;
-  Pilot best{.merit = std::numeric_limits<double>::infinity()};
-  bool any = false;
-  for (std::size_t way = 0; way < ways.size(); ++way) {
-    // A way after the first is not begun when time is short.
-    if (any && clock() - begin > kPilotShare * seconds) break;
-    const auto pilot = try_way(question, way, kAnswerShare * seconds, mixed_seed(seed, way));
-    if (!pilot.ok()) {
-      if (way + 1 < ways.size() || any) continue;  // others may do
-      return pilot.status();
-    }
-    if (!any || pilot->merit < best.merit) {
-      best = *pilot;
-      best_way = way;
-    }
-    any = true;
-  }
-  const double needed = clock() - begin + kFewestReplicates * best.seconds;
+  const auto ways_tried = try_ways(question, ways, seconds, seed, clock);
+  if (!ways_tried.ok()) return ways_tried.status();
+  const Pilot& other = ways_tried->independent;
+  const double tried = clock() - begin;
+  const bool both =
+      tried + kFewestReplicates * (ways_tried->best.seconds + other.seconds) < seconds;
+  const Pilot& best = both ? ways_tried->best : other;
+  const double needed = tried + kFewestReplicates * best.seconds;
   if (needed > seconds) {
     return absl::DeadlineExceededError(
         fmt::format("the reference takes {:.3g} s at least, and gets {:.3g} s", needed, seconds));
   }
+  std::optional<Check> check;
+  if (ways[best.way].shares) {
+    auto made = make_check(question, other, kCheckShare * seconds,
+                           mixed_seed(seed, ways.size() + 2), clock);
+    if (!made.ok()) return made.status();
+    check = *std::move(made);
+  }
   std::unique_ptr<Replicates> replicates;
   for (std::uint64_t i = 0;; ++i) {
-    const auto answer = question.ask_reference(best_way, best.samples,
+    const auto answer = question.ask_reference(best.way, best.samples,
                                                mixed_seed(mixed_seed(seed, ways.size()), i));
     if (!answer.ok()) return answer.status();
     if (!replicates) replicates = std::make_unique<Replicates>(answer->values.size());
@@ -174,8 +264,9 @@ absl::StatusOr<Reference> make_reference(const Question& question, double second
     finish(*replicates, result);
     if (result.seconds + answer->seconds > seconds || result.relative_error < kGoodReference) break;
   }
-  result.way = ways[best_way];
+  result.way = ways[best.way].words;
   result.samples_each = best.samples;
+  if (check) compare(*check, result);
   const auto closed = question.closed_form(mixed_seed(seed, ways.size() + 1));
   if (!closed.ok()) return closed.status();
   if (*closed) take_closed_form(**closed, result);

@@ -58,11 +58,11 @@ class SampleQuestion : public Question {
     return sampled(accuracy, seed);
   }
 
-  std::vector<std::string> reference_ways() const override {
+  std::vector<ReferenceWay> reference_ways() const override {
     if (!visibility_) return reference_ways_for(lights_);
     return {
-        "points on lights by area (parallelogram) from independent samples, each looked for by "
-        "TestVisibility: exact rays"};
+        {"points on lights by area (parallelogram) from independent samples, each looked for by "
+         "TestVisibility: exact rays"}};
   }
   absl::StatusOr<Answer> ask_reference(std::size_t way, std::uint32_t samples,
                                        std::uint64_t seed) const override {
@@ -151,7 +151,7 @@ class SampleQuestion : public Question {
     *request.mutable_receivers() = request_.receivers();
     *request.mutable_normals() = request_.normals();
     request.set_bounces(0);
-    *request.mutable_accuracy() = reference_accuracy(way);
+    *request.mutable_accuracy() = reference_accuracy(way, lights_);
     request.mutable_accuracy()->set_samples(samples);
     request.mutable_seed()->set_seed(seed);
     const Stopwatch watch;

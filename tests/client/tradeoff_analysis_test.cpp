@@ -206,7 +206,7 @@ class Named : public Question {
   absl::StatusOr<Answer> ask(const Setting&, const Amount&, std::uint64_t) const override {
     return absl::InternalError("not asked");
   }
-  std::vector<std::string> reference_ways() const override { return {}; }
+  std::vector<ReferenceWay> reference_ways() const override { return {}; }
   absl::StatusOr<Answer> ask_reference(std::size_t, std::uint32_t, std::uint64_t) const override {
     return absl::InternalError("not asked");
   }

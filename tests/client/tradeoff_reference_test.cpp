@@ -92,15 +92,16 @@ class MadeUp : public Question {
   absl::StatusOr<Answer> ask(const Setting&, const Amount&, std::uint64_t) const override {
     return absl::InternalError("not asked");
   }
-  std::vector<std::string> reference_ways() const override {
-    return std::vector<std::string>{"first", "second"};
+  std::vector<ReferenceWay> reference_ways() const override {
+    return {{"first"}, {.words = "second", .shares = shares}};
   }
   absl::StatusOr<Answer> ask_reference(std::size_t way, std::uint32_t samples,
                                        std::uint64_t seed) const override {
     EXPECT_TRUE(seeds_.insert(seed).second) << "the same seed again";
     std::mt19937_64 bits(seed);
     std::normal_distribution<double> normal(0, ways_[way].spread / std::sqrt(samples));
-    Answer answer{.values = {5 + normal(bits), 10 + normal(bits)},
+    const double off = way == 1 ? bias : 0;
+    Answer answer{.values = {5 + normal(bits), 10 + off + normal(bits)},
                   .seconds = ways_[way].cost * samples};
     *now_ += answer.seconds;
     return answer;
@@ -111,6 +112,9 @@ class MadeUp : public Question {
   }
 
   std::optional<std::vector<double>> closed;
+  /// Of the second way.
+  bool shares = false;
+  double bias = 0;
 
  private:
   std::vector<Way> ways_;
@@ -164,6 +168,65 @@ TEST(TradeoffReference, IsNoClosedFormThatTheSampledOneContradicts) {
   EXPECT_EQ(r->way, "second");
   EXPECT_GT(r->relative_error, 0);
   EXPECT_THAT(r->warning, HasSubstr("item 2 is 10.1, and "));
+}
+
+TEST(TradeoffReference, WhatSharesSomethingIsComparedWithWhatDoesNot) {
+  double now = 0;
+  MadeUp question({{3, 1e-3}, {0.3, 1e-3}}, &now);
+  question.shares = true;
+  const auto r = make_reference(question, 10, 1, [&] { return now; });
+  ASSERT_TRUE(r.ok()) << r.status();
+  EXPECT_THAT(r->way, ::testing::StartsWith("second; "));
+  EXPECT_THAT(r->way, HasSubstr("by another (first) differ from it by"));
+  EXPECT_EQ(r->warning, "");
+  EXPECT_LE(now, 10);
+  // 3 s of the 10 went to the first way, at the most.
+  EXPECT_LT(r->rmse, 0.3 / std::sqrt(5000));
+}
+
+TEST(TradeoffReference, WhatSharesSomethingAndDiffersIsNotBelieved) {
+  double now = 0;
+  MadeUp question({{3, 1e-3}, {0.3, 1e-3}}, &now);
+  question.shares = true;
+  // The first way's standard error is 3 / sqrt(some 2500 samples) = 0.06 of each value; this is 5%
+  // in the mean of the two, where its error is some 0.7%.
+  question.bias = 1;
+  const auto r = make_reference(question, 10, 1, [&] { return now; });
+  ASSERT_TRUE(r.ok()) << r.status();
+  EXPECT_EQ(r->way, "first");
+  EXPECT_THAT(r->warning, HasSubstr("(second) was not believed"));
+  EXPECT_NEAR(r->values[1], 10, 0.3);
+  EXPECT_GE(r->replicates, kFewestReplicates);
+  // What shares nothing needs no other.
+  question.shares = false;
+  const auto unshared = make_reference(question, 10, 2, [&] { return now; });
+  ASSERT_TRUE(unshared.ok()) << unshared.status();
+  EXPECT_EQ(unshared->way, "second");
+}
+
+TEST(TradeoffReference, WithoutTimeForBothTheOneThatSharesNothingIsTaken) {
+  double now = 0;
+  MadeUp question({{3, 1}, {0.3, 1}}, &now);
+  question.shares = true;
+  const auto r = make_reference(question, 9, 1, [&] { return now; });
+  ASSERT_TRUE(r.ok()) << r.status();
+  EXPECT_EQ(r->way, "first");
+  EXPECT_LE(now, 9);
+}
+
+TEST(TradeoffReference, ManyLightsAreAlsoChosenByTheTree) {
+  for (const std::uint64_t lights : {1, 2, 3000}) {
+    const std::vector<ReferenceWay> ways = reference_ways_for(lights);
+    bool tree = false;
+    for (std::size_t i = 0; i < ways.size(); ++i) {
+      const bool by_tree =
+          reference_accuracy(i, lights).light_selection() == v1::LIGHT_SELECTION_BVH;
+      EXPECT_EQ(ways[i].shares, by_tree);
+      EXPECT_EQ(ways[i].words.find("light BVH") != std::string::npos, by_tree);
+      tree = tree || by_tree;
+    }
+    EXPECT_EQ(tree, lights == 3000);
+  }
 }
 
 TEST(TradeoffReference, StopsWhereItIsGoodEnough) {
