@@ -207,26 +207,39 @@ class Sweep {
 
   double growth(std::size_t i) const { return settings_[i].by_target ? kTargetGrowth : kGrowth; }
 
-  /// Climbs each setting's ladder as far as a question may last; these runs do not count.
+  /// Climbs each setting's ladder as far as a question may last, and the amounts that others come
+  /// to where they last at most twice as long: what is compared is compared at the same amounts.
+  /// These runs do not count.
   absl::Status climb(double longest) {
+    std::size_t highest = 0;
     for (std::size_t i = 0; i < settings_.size(); ++i) {
-      if (!races(i)) continue;
-      std::vector<double>& seconds = rungs_[i];
-      while (seconds.size() < ladders_[i].size()) {
-        if (!seconds.empty() && seconds.back() * growth(i) > longest) break;
-        const Amount& amount = ladders_[i][seconds.size()];
-        const auto run = ask(i, amount, seed_of(amount), 0);
-        if (!run.ok()) {
-          if (!says_no(run.status())) return run.status();
-          break;
-        }
-        // A question that asks for less may cost as much.
-        if (seconds.empty() && i > 0 && run->seconds > longest_of(i)) {
-          leave_for_time(i, run->seconds, amount);
-          break;
-        }
-        seconds.push_back(run->seconds);
+      if (const absl::Status s = climb(i, longest, ladders_[i].size()); !s.ok()) return s;
+      if (!settings_[i].by_target) highest = std::max(highest, rungs_[i].size());
+    }
+    for (std::size_t i = 0; i < settings_.size(); ++i) {
+      if (settings_[i].by_target) continue;
+      const std::size_t most = std::min(highest, ladders_[i].size());
+      if (const absl::Status s = climb(i, 2 * longest, most); !s.ok()) return s;
+    }
+    return absl::OkStatus();
+  }
+
+  absl::Status climb(std::size_t i, double longest, std::size_t most) {
+    std::vector<double>& seconds = rungs_[i];
+    while (races(i) && seconds.size() < most) {
+      if (!seconds.empty() && seconds.back() * growth(i) > longest) break;
+      const Amount& amount = ladders_[i][seconds.size()];
+      const auto run = ask(i, amount, seed_of(amount), 0);
+      if (!run.ok()) {
+        if (!says_no(run.status())) return run.status();
+        break;
       }
+      // A question that asks for less may cost as much.
+      if (seconds.empty() && i > 0 && run->seconds > longest_of(i)) {
+        leave_for_time(i, run->seconds, amount);
+        break;
+      }
+      seconds.push_back(run->seconds);
     }
     return absl::OkStatus();
   }

@@ -167,6 +167,21 @@ TEST_F(TradeoffSweep, DropsWhatIsFarBehindAndGivesTheOthersMore) {
   EXPECT_GT(largest[0], largest[1]);
 }
 
+TEST_F(TradeoffSweep, WhatIsAlikeIsComparedAtTheSameAmounts) {
+  // Whatever the time is, a tenth more for each sample is no reason to end an amount before others.
+  for (double seconds = 9; seconds < 40; seconds *= 1.05) {
+    const auto result = run({{1, 1.1e-4, 1}, {1, 1e-4, 2}, {1, 1.05e-4, 3}}, seconds);
+    ASSERT_TRUE(result.ok()) << result.status();
+    std::map<std::size_t, double> largest;
+    for (const auto& [cell, runs] : counted(*result))
+      largest[cell.first] = std::max(largest[cell.first], cell.second);
+    EXPECT_EQ(largest[0], largest[1]) << seconds << " s";
+    EXPECT_EQ(largest[2], largest[1]) << seconds << " s";
+    EXPECT_LT(now_ - 100, 1.1 * seconds);
+    now_ = 100;
+  }
+}
+
 TEST_F(TradeoffSweep, OneAmountIsEnoughToBeFarBehind) {
   // Half a second for what the first does in two milliseconds, and for four samples too long.
   const auto result = run({{1, 1e-4, 1}, {1, 0.5, 2}, {0.02, 0.5, 3}}, 20);
