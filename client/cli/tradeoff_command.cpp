@@ -126,7 +126,7 @@ void trade(const CLI::App& app, Session& session, const TradeoffOptions& options
   auto record = tradeoff::measure_trade(**question, trade_options);
   if (absl::IsDeadlineExceeded(record.status()) &&
       std::string(record.status().message()).starts_with("--budget")) {
-    session.fail_here(record.status(), kWrongUse);
+    wrong_use(std::string(record.status().message()));
   }
   if (!record.ok()) session.fail(record.status());
 

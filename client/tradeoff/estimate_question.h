@@ -36,9 +36,11 @@ class EstimateQuestion : public Question {
   /// `lights`: of the scene; `max_samples`: of an item, in the sweep.
   EstimateQuestion(const client::Client& client, const QuestionOptions& options,
                    std::uint64_t lights, std::uint32_t max_samples)
-      : client_(client), options_(options), lights_(lights), max_samples_(max_samples) {
-    set_call(options.call);
-  }
+      : Question(options.call),
+        client_(client),
+        options_(options),
+        lights_(lights),
+        max_samples_(max_samples) {}
 
   virtual absl::StatusOr<Answer> answer(const v1::Accuracy& accuracy, std::uint64_t seed) const = 0;
 

@@ -23,7 +23,7 @@ class PowerQuestion : public Question {
  public:
   PowerQuestion(const client::Client& client, const QuestionOptions& options,
                 std::vector<std::uint64_t> lights, const v1::EstimatePowerResponse& exact)
-      : client_(client), options_(options), lights_(std::move(lights)) {
+      : Question(options.call), client_(client), options_(options), lights_(std::move(lights)) {
     for (const v1::LightPower& light : exact.lights()) {
       layout_.labels.push_back(fmt::format("light {}", light.light_id()));
       exact_.push_back(light.power_lm());

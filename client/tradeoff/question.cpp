@@ -11,15 +11,15 @@
 namespace lucerna::tradeoff {
 namespace {
 
-// Of fewer, every light is better than one chosen well.
-constexpr std::uint64_t kManyLights = 64;
+// Fewer are each sampled by automatic too (DirectLight::kFewLights).
+constexpr std::uint64_t kManyLights = 21;
 
 struct Selection {
   v1::LightSelection selection;
   const char* words;
 };
 
-/// What may take long comes last: it is begun where there is time.
+/// Those after the first two are tried where there is time.
 std::vector<Selection> reference_selections(std::uint64_t lights) {
   const Selection all{v1::LIGHT_SELECTION_ALL, "every light, "};
   const Selection power{v1::LIGHT_SELECTION_POWER, "one light by power, "};
@@ -27,7 +27,7 @@ std::vector<Selection> reference_selections(std::uint64_t lights) {
   const Selection chance{v1::LIGHT_SELECTION_UNIFORM, "one light by chance, "};
   if (lights < 2) return {{v1::LIGHT_SELECTION_ALL, ""}};
   if (lights < kManyLights) return {all, power, chance};
-  return {all, power, tree, chance};
+  return {power, tree, all, chance};
 }
 
 }  // namespace
@@ -49,7 +49,7 @@ std::vector<ReferenceWay> reference_ways_for(std::uint64_t lights) {
     ways.push_back({.words = words + std::string("independent samples, points by area (low "
                                                  "distortion), balance heuristic, no closed "
                                                  "forms, exact rays"),
-                    .shares = selection == v1::LIGHT_SELECTION_BVH});
+                    .checked = selection == v1::LIGHT_SELECTION_BVH});
   }
   return ways;
 }

@@ -27,9 +27,9 @@ struct Answer {
 /// An estimator to make a reference with.
 struct ReferenceWay {
   std::string words;
-  /// Whether something in it is also in what is swept, so that its mean is held against that of a
-  /// way of which this is not so.
-  bool shares = false;
+  /// It draws lights by the light BVH, as settings do: a light that the tree gives no chance would
+  /// be missing from both, so its mean is held against that of a way without.
+  bool checked = false;
 };
 
 /// What is drawn of the items.
@@ -56,8 +56,8 @@ class Question {
   virtual absl::StatusOr<Answer> ask(const Setting& setting, const Amount& amount,
                                      std::uint64_t seed) const = 0;
 
-  /// The ways to make a reference, each an estimator that no setting is; one at least shares
-  /// nothing.
+  /// The ways to make a reference, each an estimator that no setting is; one at least is
+  /// not `checked`.
   virtual std::vector<ReferenceWay> reference_ways() const = 0;
   /// Whether the reference is known, and not estimated.
   virtual bool reference_is_exact() const { return false; }
@@ -89,6 +89,8 @@ class Question {
   virtual std::string command(const Setting& setting, const Amount& amount) const = 0;
 
  protected:
+  explicit Question(client::CallOptions call) : call_(std::move(call)) {}
+
   double dark_ = 0;
 
  private:

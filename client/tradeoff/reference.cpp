@@ -15,7 +15,7 @@ namespace {
 // Of the time for the reference: what is spent to find the best way, and what one answer of it
 // takes, so that there are dozens of them.
 constexpr double kPilotShare = 0.25, kAnswerShare = 0.03;
-// And what is spent on answers of a way that shares nothing, where the best does; no more of them
+// And what is spent on answers that the best way is checked by, where it is to be; no more of them
 // than tell how they scatter.
 constexpr double kCheckShare = 0.25;
 constexpr std::size_t kMostChecks = 16;
@@ -61,7 +61,8 @@ void take_closed_form(const std::vector<double>& values, Reference& r) {
     where = i;
   }
   if (farthest > 1) {
-    r.warning = fmt::format(
+    if (!r.warning.empty()) r.warning += "  ";
+    r.warning += fmt::format(
         "Automatic's answers say that they are exact, and differ from the reference by more than "
         "its errors allow: item {} is {:.6g}, and {:.6g} +- {:.2g} (standard error) in the "
         "reference, which was kept.",
@@ -79,7 +80,7 @@ void take_closed_form(const std::vector<double>& values, Reference& r) {
   r.exact = true;
 }
 
-/// Answers of a way that shares nothing with what is swept.
+/// Answers of a way that needs no check.
 struct Check {
   std::vector<std::vector<double>> answers{};
   std::string way{};
@@ -91,8 +92,11 @@ struct Check {
 void compare(const Check& check, Reference& r) {
   // By the better of the two, so that no value is divided by itself.
   double items = 0, own = 0;
+  bool same_items = true;
   std::vector<double> differences(check.answers.size());
   for (std::size_t i = 0; i < r.values.size(); ++i) {
+    for (const std::vector<double>& answer : check.answers)
+      same_items = same_items && std::isnan(answer[i]) == std::isnan(r.values[i]);
     if (std::isnan(r.values[i])) continue;
     const double level = std::hypot(r.values[i], r.dark);
     ++items;
@@ -100,23 +104,30 @@ void compare(const Check& check, Reference& r) {
     for (std::size_t k = 0; k < differences.size(); ++k)
       differences[k] += (check.answers[k][i] - r.values[i]) / level;
   }
-  if (items == 0) return;
+  if (items == 0 && same_items) return;
   const auto n = static_cast<double>(differences.size());
   const double mean = std::accumulate(differences.begin(), differences.end(), 0.0) / n / items;
   double squares = 0;
   for (const double d : differences) squares += (d / items - mean) * (d / items - mean);
   const double error = std::hypot(std::sqrt(squares / (n * (n - 1))), own / items);
-  const double allowed = quantile(boost::math::students_t(n - 1), 1 - kRefusal / 2) * error;
-  const std::string told = fmt::format(
-      "{} answers of {} samples by another ({}) differ from it by {:.2g} "
-      "+- {:.2g}% (standard error) in the mean of all items",
-      check.answers.size(), check.samples_each, check.way, 100 * mean, 100 * error);
-  if (std::fabs(mean) <= allowed) {
+  // Sums of floats may be off where nothing scatters.
+  const double allowed =
+      quantile(boost::math::students_t(n - 1), 1 - kRefusal / 2) * error + 10 * kRounding;
+  const std::string difference =
+      same_items ? fmt::format(
+                       "differ from it by {:.2g} +- {:.2g}% (standard error) in the mean of "
+                       "all items",
+                       100 * mean, 100 * error)
+                 : "are of other items";
+  const std::string told =
+      fmt::format("{} answers of {} samples by another ({}) {}", check.answers.size(),
+                  check.samples_each, check.way, difference);
+  if (same_items && std::fabs(mean) <= allowed) {
     r.way += "; " + told;
     return;
   }
-  r.warning =
-      fmt::format("A reference ({}) was not believed, and the other kept: {}.", r.way, told);
+  r.warning = fmt::format("A reference ({}) was not believed: {}, and were taken in its place.",
+                          r.way, told);
   Replicates replicates(check.answers[0].size());
   for (const std::vector<double>& answer : check.answers) replicates.add(answer);
   finish(replicates, r);
@@ -126,8 +137,7 @@ void compare(const Check& check, Reference& r) {
 
 struct Pilot {
   std::size_t way = 0;
-  double merit = std::numeric_limits<double>::infinity();  ///< squared error times time of one
-                                                           ///< answer, the less the better
+  double merit = 0;  ///< squared error times time of one answer, the less the better
   std::uint32_t samples = 1;
   double seconds = 0;  ///< of an answer
 };
@@ -163,28 +173,27 @@ absl::StatusOr<Pilot> try_way(const Question& question, std::size_t way, double 
 
 struct Ways {
   Pilot best;
-  Pilot independent;  ///< of those that share nothing, the best
+  Pilot unchecked;  ///< of those that need no check, the best
 };
 
 absl::StatusOr<Ways> try_ways(const Question& question, const std::vector<ReferenceWay>& ways,
                               double seconds, std::uint64_t seed, const Clock& clock) {
   const double begin = clock();
-  std::optional<Pilot> best, independent;
+  std::optional<Pilot> best, unchecked;
   absl::Status refused;
   for (std::size_t way = 0; way < ways.size(); ++way) {
     // A way after the first is not begun when time is short.
-    if (independent && clock() - begin > kPilotShare * seconds) break;
+    if (unchecked && clock() - begin > kPilotShare * seconds) break;
     const auto pilot = try_way(question, way, kAnswerShare * seconds, mixed_seed(seed, way));
     if (!pilot.ok()) {
-      if (!ways[way].shares) refused = pilot.status();
+      if (!ways[way].checked) refused = pilot.status();
       continue;  // others may do
     }
     if (!best || pilot->merit < best->merit) best = *pilot;
-    if (!ways[way].shares && (!independent || pilot->merit < independent->merit))
-      independent = *pilot;
+    if (!ways[way].checked && (!unchecked || pilot->merit < unchecked->merit)) unchecked = *pilot;
   }
-  if (!independent) return refused;
-  return Ways{.best = *best, .independent = *independent};
+  if (!unchecked) return refused;
+  return Ways{.best = *best, .unchecked = *unchecked};
 }
 
 absl::StatusOr<Check> make_check(const Question& question, const Pilot& way, double seconds,
@@ -235,7 +244,7 @@ absl::StatusOr<Reference> make_reference(const Question& question, double second
   seed = mixed_seed(seed, kReferenceSeeds);
   const auto ways_tried = try_ways(question, ways, seconds, seed, clock);
   if (!ways_tried.ok()) return ways_tried.status();
-  const Pilot& other = ways_tried->independent;
+  const Pilot& other = ways_tried->unchecked;
   const double tried = clock() - begin;
   const bool both =
       tried + kFewestReplicates * (ways_tried->best.seconds + other.seconds) < seconds;
@@ -246,8 +255,9 @@ absl::StatusOr<Reference> make_reference(const Question& question, double second
         fmt::format("the reference takes {:.3g} s at least, and gets {:.3g} s", needed, seconds));
   }
   std::optional<Check> check;
-  if (ways[best.way].shares) {
-    auto made = make_check(question, other, kCheckShare * seconds,
+  if (ways[best.way].checked) {
+    const double spare = seconds - tried - kFewestReplicates * best.seconds;
+    auto made = make_check(question, other, std::min(kCheckShare * seconds, spare),
                            mixed_seed(seed, ways.size() + 2), clock);
     if (!made.ok()) return made.status();
     check = *std::move(made);

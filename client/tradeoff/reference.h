@@ -41,9 +41,9 @@ inline constexpr double kRefusal = 1e-3;
 /// mean of as many answers to different seeds as fit into `seconds`, or as make it kGoodReference.
 /// DEADLINE_EXCEEDED, telling how long it would take, where kFewestReplicates do not fit.
 ///
-/// Where that way shares something with what is swept, a part of the time goes to the best that
-/// does not: if the mean of all values, each over its reference, differs by more than Student's
-/// interval, its answers are the reference, and it warns.
+/// Where that way is to be checked, a part of the time goes to the best of the others: if the mean
+/// of all values, each over its reference, differs by more than Student's interval, its answers are
+/// the reference, and it warns.
 ///
 /// Where automatic knows all in closed form, that is the reference, without an error of its own, if
 /// every value lies within Student's interval of what was sampled; else that stays, and warns.

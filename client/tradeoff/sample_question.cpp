@@ -26,7 +26,11 @@ class SampleQuestion : public Question {
  public:
   SampleQuestion(const client::Client& client, const QuestionOptions& options, std::uint64_t lights,
                  bool visibility)
-      : client_(client), options_(options), lights_(lights), visibility_(visibility) {
+      : Question(options.call),
+        client_(client),
+        options_(options),
+        lights_(lights),
+        visibility_(visibility) {
     layout_.points = options.points;
     request_.set_scene_id(options.scene_id);
     *request_.mutable_receivers() = client::make_points(options.points);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <optional>
 #include <random>
 #include <utility>
@@ -27,6 +28,9 @@ constexpr double kPilotSamples = 64;
 // Few samples of few items may be the same by chance: settings that seem to be one are asked again
 // with so many, or as many powers of four fewer as keep a question within this share of the time.
 constexpr double kSecondLookSamples = 64, kSecondLook = 0.01;
+// What all settings together may wait for answers that do not come, of which one takes at most half
+// of what is left; and what each may wait anyway.
+constexpr double kWaiting = 0.3, kLeastWaiting = 0.01;
 
 bool says_no(const absl::Status& status) {
   return absl::IsUnimplemented(status) || absl::IsInvalidArgument(status) ||
@@ -70,13 +74,11 @@ class Sweep {
     options_.on_event(fmt::format("{}: {}", settings_[i].name(), why));
   }
 
+  void leave_for(std::size_t i, const absl::Status& no) {
+    leave(i, Course::Fate::kSkipped, fmt::format("skipped: {}", std::string(no.message())));
+  }
   double longest_of(std::size_t i) const {
     return options_.seconds * (settings_[i].by_target ? kLongestTarget : kLongestQuestion);
-  }
-  void leave_for_time(std::size_t i, double seconds, const Amount& amount) {
-    leave(
-        i, Course::Fate::kSkipped,
-        fmt::format("skipped, {:.2g} s for {}: too long for this budget", seconds, amount.text()));
   }
 
   absl::StatusOr<Run> ask(std::size_t i, const Amount& amount, std::uint64_t seed,
@@ -149,7 +151,7 @@ class Sweep {
 
   /// Every setting the same question, of the same seed: who says no, and who are the same.
   absl::Status tell_apart() {
-    double round = 0;
+    double round = 0, waited = 0;
     for (std::size_t i = 0; i < settings_.size(); ++i) {
       const Amount telling = settings_[i].by_target || ladders_[i].size() == 1
                                  ? ladders_[i][0]
@@ -169,9 +171,13 @@ class Sweep {
       // What the least amount takes is all that must not take too long.  Automatic may: all others
       // are compared with it.
       const double least_share = settings_[i].by_target ? 1 : ladders_[i][0].value / telling.value;
-      const auto limit = i > 0 ? std::optional(longest / least_share) : std::nullopt;
+      const double patience =
+          std::max(kLeastWaiting * options_.seconds, (kWaiting * options_.seconds - waited) / 2);
+      const auto limit =
+          i > 0 ? std::optional(std::min(longest / least_share, patience)) : std::nullopt;
       const auto run = ask(i, telling, mixed_seed(options_.seed, 0), 0, limit);
       if (limit && absl::IsDeadlineExceeded(run.status())) {
+        waited += *limit;
         leave(i, Course::Fate::kSkipped,
               fmt::format("skipped, no answer to {} within {:.2g} s: too long for this budget",
                           telling.text(), *limit));
@@ -179,8 +185,7 @@ class Sweep {
       }
       if (!run.ok()) {
         if (!says_no(run.status()) || i == 0) return run.status();
-        leave(i, Course::Fate::kSkipped,
-              fmt::format("skipped: {}", std::string(run.status().message())));
+        leave_for(i, run.status());
         continue;
       }
       first_[i] = *run;
@@ -188,13 +193,7 @@ class Sweep {
         if (const absl::Status s = leave_if_same(i); !s.ok()) return s;
         if (!races(i)) continue;
       }
-      // What the least amount takes, where more was asked for.
-      const double least = run->seconds * least_share;
-      if (i > 0 && least > longest) {
-        leave_for_time(i, run->seconds, telling);
-        continue;
-      }
-      round += least;
+      round += run->seconds * least_share;
       if (options_.clock() - begin_ + kFewestRounds * round > options_.seconds) {
         return absl::DeadlineExceededError(
             fmt::format("{} of {} settings alone take {:.2g} s a round, of {} rounds at least, and "
@@ -208,9 +207,9 @@ class Sweep {
   double growth(std::size_t i) const { return settings_[i].by_target ? kTargetGrowth : kGrowth; }
 
   /// Climbs each setting's ladder as far as a question may last, and the amounts that others come
-  /// to where they last at most twice as long: what is compared is compared at the same amounts.
-  /// These runs do not count.
-  absl::Status climb(double longest) {
+  /// to where they last at most twice as long and there is time for all: what is compared is
+  /// compared at the same amounts.  These runs do not count.
+  absl::Status climb(double longest, double end) {
     std::size_t highest = 0;
     for (std::size_t i = 0; i < settings_.size(); ++i) {
       if (const absl::Status s = climb(i, longest, ladders_[i].size()); !s.ok()) return s;
@@ -219,7 +218,9 @@ class Sweep {
     for (std::size_t i = 0; i < settings_.size(); ++i) {
       if (settings_[i].by_target) continue;
       const std::size_t most = std::min(highest, ladders_[i].size());
-      if (const absl::Status s = climb(i, 2 * longest, most); !s.ok()) return s;
+      const double spare = end - options_.clock() - kFewestRounds * round_takes();
+      const double longer = std::min(2 * longest, spare / (1 + kFewestRounds));
+      if (const absl::Status s = climb(i, longer, most); !s.ok()) return s;
     }
     return absl::OkStatus();
   }
@@ -231,17 +232,28 @@ class Sweep {
       const Amount& amount = ladders_[i][seconds.size()];
       const auto run = ask(i, amount, seed_of(amount), 0);
       if (!run.ok()) {
-        if (!says_no(run.status())) return run.status();
+        if (!says_no(run.status()) || (seconds.empty() && i == 0)) return run.status();
+        if (seconds.empty()) leave_for(i, run.status());
         break;
       }
       // A question that asks for less may cost as much.
       if (seconds.empty() && i > 0 && run->seconds > longest_of(i)) {
-        leave_for_time(i, run->seconds, amount);
+        leave(i, Course::Fate::kSkipped,
+              fmt::format("skipped, {:.2g} s for {}: too long for this budget", run->seconds,
+                          amount.text()));
         break;
       }
       seconds.push_back(run->seconds);
     }
     return absl::OkStatus();
+  }
+
+  /// Of all that races, as predicted.
+  double round_takes() const {
+    double sum = 0;
+    for (std::size_t i = 0; i < settings_.size(); ++i)
+      if (races(i)) sum += std::accumulate(rungs_[i].begin(), rungs_[i].end(), 0.0);
+    return sum;
   }
 
   absl::Status heat(double end, const char* which) {
@@ -252,19 +264,15 @@ class Sweep {
       // climb and once a round; where time is left there are more rounds.
       if (races(i)) share += growth(i) / (growth(i) - 1);
     }
-    if (const absl::Status s = climb(left / (share * (1 + kFewestRounds))); !s.ok()) return s;
+    if (const absl::Status s = climb(left / (share * (1 + kFewestRounds)), end); !s.ok()) return s;
     for (std::uint32_t n = 0; n < kMostRounds; ++n) {
       std::vector<std::pair<std::size_t, std::size_t>> cells;
-      double predicted = 0;
       for (std::size_t i = 0; i < settings_.size(); ++i) {
         if (!races(i)) continue;
-        for (std::size_t k = 0; k < rungs_[i].size(); ++k) {
-          cells.emplace_back(i, k);
-          predicted += rungs_[i][k];
-        }
+        for (std::size_t k = 0; k < rungs_[i].size(); ++k) cells.emplace_back(i, k);
       }
       const double now = options_.clock();
-      if (n >= kFewestRounds && now + predicted > end) break;
+      if (n >= kFewestRounds && now + round_takes() > end) break;
       // The promised rounds are finished even where prediction was wrong, but not at any price.
       if (now > end + 0.25 * options_.seconds) break;
       ++round_;
@@ -305,6 +313,7 @@ class Sweep {
       if (!races(i)) continue;
       // What is dropped has the benefit of the doubt.
       const std::vector<Measured> own = curve(i, true);
+      if (own.empty()) continue;
       // At either of its two largest amounts, where it has two, it may be near.
       double behind = std::numeric_limits<double>::infinity();
       std::size_t winner = 0;

@@ -46,8 +46,10 @@ void add(const std::vector<double>& values, const Reference& reference, bool pic
 
 absl::StatusOr<Record> measure_trade(Question& question, const TradeOptions& options) {
   const double begin = options.clock();
+  const client::CallOptions call = question.call();
   const auto too_short = [&](const absl::Status& status) -> absl::Status {
     if (!absl::IsDeadlineExceeded(status)) return status;
+    if (client::CallOptions::Clock::now() >= call.deadline) return status;  // the caller's own
     return absl::DeadlineExceededError(fmt::format(
         "--budget {:g}s is too short: {}", options.budget_s, std::string(status.message())));
   };
@@ -73,7 +75,6 @@ absl::StatusOr<Record> measure_trade(Question& question, const TradeOptions& opt
   sweep_options.on_event = options.on_event;
   // Pictures have so many values that one sample tells settings apart.
   if (pictures) sweep_options.telling_samples = 1;
-  const client::CallOptions call = question.call();
   sweep_options.ask = [&](std::size_t setting, const Amount& amount, std::uint64_t seed,
                           std::uint32_t round,
                           std::optional<double> longest_s) -> absl::StatusOr<Run> {

@@ -198,6 +198,7 @@ TEST(TradeoffAnalysis, TellsOfAReferenceThatWarns) {
 /// Asks nothing; its command is "ask", and flags.
 class Named : public Question {
  public:
+  Named() : Question({}) {}
   Query query() const override { return Query::kIrradiance; }
   std::string quantity() const override { return "what there is"; }
   const Layout& layout() const override { return layout_; }

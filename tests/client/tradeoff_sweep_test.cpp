@@ -23,6 +23,7 @@ struct Kind {
   /// From so many samples on the bits are its own.
   double own_from = 1e9;
   double call = 1e-3;
+  double fewest = 0;  ///< samples that it has an answer to
 };
 
 class TradeoffSweep : public ::testing::Test {
@@ -40,6 +41,7 @@ class TradeoffSweep : public ::testing::Test {
     options.ask = [&, this](std::size_t i, const Amount& amount, std::uint64_t seed, std::uint32_t,
                             std::optional<double> longest_s) -> absl::StatusOr<tradeoff::Run> {
       if (!kinds[i].says.ok()) return kinds[i].says;
+      if (amount.value < kinds[i].fewest) return absl::InvalidArgumentError("not so few");
       tradeoff::Run run{.seconds = kinds[i].call + kinds[i].cost * amount.value,
                         .samples = amount.value};
       if (longest_s && run.seconds > *longest_s) {
@@ -204,6 +206,38 @@ TEST_F(TradeoffSweep, WhatTakesTooLongIsNotWaitedFor) {
   EXPECT_THAT(result->courses[1].why, HasSubstr("no answer to 4 samples within 4.8 s"));
   EXPECT_NE(result->courses[2].fate, Course::Fate::kSkipped) << "one sample does not take too long";
   EXPECT_LT(now_ - 100, 41);
+}
+
+TEST_F(TradeoffSweep, ManyThatTakeTooLongLeaveTimeForTheOthers) {
+  std::vector<Kind> kinds = {{1, 1e-4, 1}};
+  for (std::uint64_t i = 0; i < 9; ++i) kinds.push_back({1, 50, 2 + i});
+  kinds.push_back({0.9, 1e-4, 20});
+  const auto result = run(kinds, 40);
+  ASSERT_TRUE(result.ok()) << result.status();
+  for (std::size_t i = 1; i < 10; ++i) EXPECT_EQ(result->courses[i].fate, Course::Fate::kSkipped);
+  EXPECT_EQ(result->courses[10].fate, Course::Fate::kSwept) << result->courses[10].why;
+  EXPECT_LT(now_ - 100, 41);
+}
+
+TEST_F(TradeoffSweep, WhatSaysNoToItsLeastAmountIsNotSlow) {
+  std::vector<Kind> kinds = {{1, 1e-4, 1}, {1, 1e-4, 2}};
+  kinds[1].fewest = 4;
+  const auto result = run(kinds, 10);
+  ASSERT_TRUE(result.ok()) << result.status();
+  EXPECT_EQ(result->courses[1].fate, Course::Fate::kSkipped);
+  EXPECT_THAT(result->courses[1].why, HasSubstr("skipped: not so few"));
+}
+
+TEST_F(TradeoffSweep, ComparingAtTheSameAmountsKeepsToTheTime) {
+  // One that is nearly twice as fast comes to amounts that twenty others have no time for.
+  for (double seconds = 20; seconds < 80; seconds *= 1.1) {
+    std::vector<Kind> kinds = {{1, 1e-4, 1}};
+    for (std::uint64_t i = 0; i < 20; ++i) kinds.push_back({1, 1.9e-4, 2 + i});
+    now_ = 100;
+    const auto result = run(kinds, seconds);
+    ASSERT_TRUE(result.ok()) << result.status();
+    EXPECT_LT(now_ - 100, 1.05 * seconds);
+  }
 }
 
 TEST_F(TradeoffSweep, WhatTakesLongForTheLeastToDoLeaves) {

@@ -281,6 +281,8 @@ TEST_F(CliTradeoff, RefusesWhatCannotBeMeasured) {
                    "--budget 0.001s is too short");
   expect_wrong_use(tradeoff({"--points", points, "--budget", "0.001s", "--quiet"}),
                    "--budget 0.001s is too short");
+  expect_wrong_use(tradeoff({"--points", points, "--budget", "1ms", "--quiet", "--timeout", "600"}),
+                   "--budget 0.001s is too short");
   std::ofstream(path("a_file")) << "\n";
   expect_wrong_use(
       lucerna({"tradeoff", "lamp_over_table.pbrt", "--points", points, "--out", path("a_file/x")}),
@@ -288,6 +290,16 @@ TEST_F(CliTradeoff, RefusesWhatCannotBeMeasured) {
   expect_no(lucerna({"tradeoff", "nowhere.pbrt", "--points", points, "--out", path("out")}),
             "nowhere.pbrt");
   EXPECT_FALSE(fs::exists(path("out/report.html")));
+}
+
+TEST_F(CliTradeoff, EveryQueryEndsWithItsTimeout) {
+  for (const char* query : {"irradiance", "render", "sample", "visibility", "power"}) {
+    const Outcome outcome = tradeoff({"--points", path("points.csv"), "--query", query, "--quiet",
+                                      "--budget", "10s", "--timeout", "1"});
+    expect_no(outcome, "no answer within --timeout 1 s");
+    EXPECT_FALSE(fs::exists(path("out/report.html"))) << query;
+    fs::remove_all(path("out"));
+  }
 }
 
 TEST_F(CliTradeoff, TakesThePointsBesideTheScene) {

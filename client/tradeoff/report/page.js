@@ -99,7 +99,7 @@ function tellMethod() {
   say(element("b", "Times: "), `wall time around the call in the client, over loopback or the network there was; median and quartiles over runs. ` +
       `Each round asks every amount of every setting once, shuffled; the settings share its seeds, and no two rounds do. After the first rounds, settings far behind ` +
       `are dropped, and what is left of the budget goes to the others. Runs by which the sweep learnt what amounts cost are in tradeoff.csv as round 0 and count for nothing.`);
-  say(element("b", "Time to an error: "), "between measurements linearly in logarithms; beyond them with the root of the time, as errors of independent samples fall, which is marked as extrapolated; not where the last three fall more slowly.");
+  say(element("b", "Time to an error: "), "between measurements linearly in logarithms; beyond them with the root of the time, as errors of independent samples fall, which is marked as extrapolated; not where the last three fall more slowly, and not of approximations (far lights as points, shadow maps), whose errors level off. Errors below half the reference's own are left out, as it does not tell them.");
   const table = element("table");
   for (const [name, value] of [["scene", c.scene], ["scene id", c.scene_id], ["server", `lucernad ${c.server_version}, ${c.server_threads} compute threads`],
     ["client", c.client_version], ["numeric fingerprint", c.fingerprint], ["build", c.build], ["Embree", c.embree],
