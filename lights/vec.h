@@ -68,7 +68,7 @@ bool is_finite(const Vec3<Real>& v) {
 /// what positions and directions may be off by, relative to their largest coordinate.
 inline constexpr double kInputRounding = std::numeric_limits<float>::epsilon();
 
-/// std::ilogb of a number > 0, without a call where it is a normal one.
+/// std::ilogb of a finite number > 0, without a call where it is a normal one.
 inline int exponent_of(double x) {
   const auto biased = static_cast<int>(std::bit_cast<std::uint64_t>(x) >> 52);
   return biased > 0 ? biased - 1023 : std::ilogb(x);

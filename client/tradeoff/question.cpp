@@ -19,7 +19,7 @@ struct Selection {
   const char* words;
 };
 
-/// Those after the first two are tried where there is time.
+/// Those after the first are tried where there is time.
 std::vector<Selection> reference_selections(std::uint64_t lights) {
   const Selection all{v1::LIGHT_SELECTION_ALL, "every light, "};
   const Selection power{v1::LIGHT_SELECTION_POWER, "one light by power, "};
