@@ -103,6 +103,17 @@ TEST(Frame, IsOrthonormalAndRightHandedForEveryNormal) {
   check(normalized(V(1e-4F, 1e-4F, -1)));
 }
 
+[[gnu::noinline]] Vec3<double> from_rounded(const Vec3<double>& at, const Vec3<float>& to) {
+  return Vec3<double>(to) - Vec3<double>(Vec3<float>(at));
+}
+
+// Answers tell floats of what is computed in double, and are asked again at those.
+TEST(Vec3, RoundingToFloatsIsNotForgotten) {
+  volatile double x = 1.1;  // not known to the compiler
+  volatile float told = 1.1F;
+  EXPECT_EQ(from_rounded({x, x, x}, {told, told, told}), Vec3<double>());
+}
+
 // Rec. 709: white of (1, 1, 1) has luminance 1; green weighs most.
 TEST(Rgb, LuminanceOfWhiteIsOne) {
   EXPECT_DOUBLE_EQ(luminance(Rgb<double>(1)), 1);
