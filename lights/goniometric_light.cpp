@@ -93,7 +93,7 @@ LightSample<Real> GoniometricLight<Real>::sample_li(const Receiver<Real>& receiv
   }
   const double towards = share(-way.wi);
   if (towards > 0)
-    set_inverse_square(params_.intensity * towards, way.distance_m, sample);
+    set_inverse_square(params_.intensity * towards, way, sample);
   else
     sample.reason = NoLight::kOutsideCone;
   return sample;

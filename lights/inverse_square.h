@@ -16,13 +16,22 @@ bool same_float(const Vec3<Real>& a, const Vec3<Real>& b) {
 struct Way {
   Vec3<double> wi;
   double distance_m{};
+  /// distance_m squared where that is safe [m2]; else 0.
+  double squared_m2{};
 };
+
+/// The way along a vector that is not zero and whose square is not safe; not inlined, so that what
+/// is mostly taken is.
+[[gnu::noinline]] inline Way scaled_way(const Vec3<double>& difference) {
+  return {scaled_direction(difference), scaled_length(difference), 0};
+}
 
 /// Starts the sample of a delta light at `position`: all but `value` where there is a way to it,
 /// else the reason.  kOutOfRange where the receiver is not finite or too far, kDegenerate where it
 /// is the position itself.
 template <std::floating_point Real>
-Way find_way(const Vec3<Real>& position, const Vec3<Real>& receiver, LightSample<Real>& sample) {
+[[gnu::always_inline]] inline Way find_way(const Vec3<Real>& position, const Vec3<Real>& receiver,
+                                           LightSample<Real>& sample) {
   sample.delta = true;
   if (!is_finite(receiver)) {
     sample.reason = NoLight::kOutOfRange;
@@ -34,13 +43,15 @@ Way find_way(const Vec3<Real>& position, const Vec3<Real>& receiver, LightSample
     return {};
   }
   Way way;
-  if constexpr (sizeof(Real) < sizeof(double)) {
-    way.distance_m = std::sqrt(dot(difference, difference));
-    way.wi = difference * (1 / way.distance_m);
+  if (const double squared = dot(difference, difference); is_safe_square(squared)) [[likely]] {
+    way.squared_m2 = squared;
+    way.distance_m = std::sqrt(squared);
+    if constexpr (sizeof(Real) < sizeof(double))
+      way.wi = difference * (1 / way.distance_m);
+    else
+      way.wi = difference / way.distance_m;
   } else {
-    const double squared = dot(difference, difference);
-    way.distance_m = is_safe_square(squared) ? std::sqrt(squared) : scaled_length(difference);
-    way.wi = is_safe_square(squared) ? difference / way.distance_m : scaled_direction(difference);
+    way = scaled_way(difference);
   }
   sample.wi = Vec3<Real>(way.wi);
   sample.distance = static_cast<Real>(way.distance_m);
@@ -53,14 +64,15 @@ Way find_way(const Vec3<Real>& position, const Vec3<Real>& receiver, LightSample
 /// `Real`, or the reason why it is none: kBlack for no intensity, kOutOfRange where the quotient
 /// overflows.
 template <std::floating_point Real>
-void set_inverse_square(const Rgb<double>& intensity_cd, double distance_m,
+void set_inverse_square(const Rgb<double>& intensity_cd, const Way& way,
                         LightSample<Real>& sample) {
   if (intensity_cd.is_black()) {
     sample.reason = NoLight::kBlack;
     return;
   }
-  // One division at a time: distance^2 overflows before the quotient does.
-  const Rgb<Real> value(intensity_cd / distance_m / distance_m);
+  // Where the square overflows, or loses digits, the quotient by one after the other need not.
+  const Rgb<Real> value(way.squared_m2 > 0 ? intensity_cd / way.squared_m2
+                                           : intensity_cd / way.distance_m / way.distance_m);
   if (!is_finite(value)) {
     sample.reason = NoLight::kOutOfRange;
     return;

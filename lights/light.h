@@ -1,7 +1,12 @@
 // The closed set of light models.  The one place that names them all; everything that depends on
-// which light it is visits the variant, and the compiler names whoever forgot one.
+// which light it is visits a Light, and the compiler names whoever forgot one.
 #pragma once
 
+#include <concepts>
+#include <cstdint>
+#include <memory>
+#include <type_traits>
+#include <utility>
 #include <variant>
 
 #include "lights/area_light.h"
@@ -50,9 +55,9 @@ using PanelPatchMeshLight = AreaLight<Real, PanelPatchMesh>;
 template <std::floating_point Real>
 using PanelDiskLight = AreaLight<Real, PanelDisk>;
 
-/// Scenes hold them in double; float is what docs/precision.md and the contracts compare with.
+/// All of them, as a list.
 template <std::floating_point Real>
-using Light =
+using LightModels =
     std::variant<PointLight<Real>, SpotLight<Real>, DistantLight<Real>, SunLight<Real>,
                  UniformInfiniteLight<Real>, ImageInfiniteLight<Real>, TriangleMeshLight<Real>,
                  PatchMeshLight<Real>, SphereLight<Real>, DiskLight<Real>, CylinderLight<Real>,
@@ -60,6 +65,72 @@ using Light =
                  PaintedSphereLight<Real>, PaintedDiskLight<Real>, PaintedCylinderLight<Real>,
                  PanelTriangleMeshLight<Real>, PanelPatchMeshLight<Real>, PanelDiskLight<Real>,
                  GoniometricLight<Real>, ProjectionLight<Real>, BeamLight<Real>, PortalLight<Real>>;
+
+/// A light of one of the models, immutable.  Models larger than a point light lie beside it, so
+/// that a table of lights has entries of a point light's size and not of the largest model's, which
+/// is ten times that.  Copies share them.
+///
+/// Scenes hold lights in double; float is what docs/precision.md and the contracts compare with.
+template <std::floating_point Real>
+class Light {
+ public:
+  template <typename Model>
+  // NOLINTNEXTLINE(google-explicit-constructor): a model is a light.
+  Light(Model model) : stored_(stored(std::move(model))) {}
+
+  /// `f` called with the model.
+  template <typename F>
+  friend decltype(auto) visit(F&& f, const Light& light) {
+    return std::visit([&](const auto& stored) -> decltype(auto) { return f(model_in(stored)); },
+                      light.stored_);
+  }
+
+  /// Null where the light is of another model.
+  template <typename Model>
+  const Model* get_if() const {
+    const auto* stored = std::get_if<Stored<Model>>(&stored_);
+    return stored != nullptr ? &model_in(*stored) : nullptr;
+  }
+
+  /// Memory of what lies beside it.
+  std::uint64_t bytes_beside() const {
+    return std::visit(
+        []<typename S>(const S& stored) -> std::uint64_t {
+          using Model = std::decay_t<decltype(model_in(stored))>;
+          return std::is_same_v<S, Model> ? 0 : sizeof(Model);
+        },
+        stored_);
+  }
+
+ private:
+  template <typename Model>
+  using Stored = std::conditional_t<sizeof(Model) <= sizeof(PointLight<Real>), Model,
+                                    std::shared_ptr<const Model>>;
+  template <typename Models>
+  struct Storage;
+  template <typename... Models>
+  struct Storage<std::variant<Models...>> {
+    using type = std::variant<Stored<Models>...>;
+  };
+
+  template <typename Model>
+  static Stored<Model> stored(Model&& model) {
+    if constexpr (std::is_same_v<Stored<Model>, Model>)
+      return std::move(model);
+    else
+      return std::make_shared<const Model>(std::move(model));
+  }
+  template <typename Model>
+  static const Model& model_in(const Model& model) {
+    return model;
+  }
+  template <typename Model>
+  static const Model& model_in(const std::shared_ptr<const Model>& model) {
+    return *model;
+  }
+
+  typename Storage<LightModels<Real>>::type stored_;
+};
 
 // Said here, so that a change of the signature is an error and not an estimate where there was a
 // closed form.

@@ -25,16 +25,6 @@ PointLight<Real>::PointLight(const Params& params, const Vec3<double>& origin_m)
     : params_(params), position_(params.position_m - origin_m) {}
 
 template <std::floating_point Real>
-LightSample<Real> PointLight<Real>::sample_li(const Receiver<Real>& receiver, Vec2<Real>) const {
-  LightSample<Real> sample;
-  const Way way = find_way(position_, receiver.position, sample);
-  if (sample.reason == NoLight::kNone) {
-    set_inverse_square(params_.intensity_cd, way.distance_m, sample);
-  }
-  return sample;
-}
-
-template <std::floating_point Real>
 SolidAnglePdf<Real> PointLight<Real>::pdf_li(const Receiver<Real>&, const Vec3<Real>&) const {
   return {};
 }

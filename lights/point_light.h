@@ -5,6 +5,7 @@
 
 #include <optional>
 
+#include "lights/inverse_square.h"
 #include "lights/light_bounds.h"
 #include "lights/light_sample.h"
 
@@ -26,7 +27,13 @@ class PointLight {
 
   /// Intensity over distance squared along `wi`.  kDegenerate where the receiver is the light's own
   /// position, kOutOfRange where the quotient is no finite number.  [Pharr23, 12.2]
-  LightSample<Real> sample_li(const Receiver<Real>& receiver, Vec2<Real> u) const;
+  LightSample<Real> sample_li(const Receiver<Real>& receiver, Vec2<Real> /*u*/) const {
+    // Here, for loops over receivers to see it: a call takes longer than the light.
+    LightSample<Real> sample;
+    const Way way = find_way(position_, receiver.position, sample);
+    if (sample.reason == NoLight::kNone) set_inverse_square(params_.intensity_cd, way, sample);
+    return sample;
+  }
 
   /// Delta: 0 everywhere.
   SolidAnglePdf<Real> pdf_li(const Receiver<Real>& receiver, const Vec3<Real>& wi) const;

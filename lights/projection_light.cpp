@@ -57,7 +57,7 @@ LightSample<Real> ProjectionLight<Real>::sample_li(const Receiver<Real>& receive
   if (intensity_cd.is_black())
     sample.reason = NoLight::kOutsideCone;
   else
-    set_inverse_square(intensity_cd, way.distance_m, sample);
+    set_inverse_square(intensity_cd, way, sample);
   return sample;
 }
 

@@ -178,7 +178,7 @@ LightSample<Real> SpotLight<Real>::sample_li(const Receiver<Real>& receiver, Vec
   const double share =
       falloff(is_narrow_ ? Vec3<double>(receiver.position) - Vec3<double>(position_) : -way.wi);
   if (share > 0 || params_.intensity_cd.is_black()) {
-    set_inverse_square(params_.intensity_cd * share, way.distance_m, sample);
+    set_inverse_square(params_.intensity_cd * share, way, sample);
   } else {
     sample.reason = NoLight::kOutsideCone;
   }

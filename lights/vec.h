@@ -53,10 +53,12 @@ Vec3<Real> cross(const Vec3<Real>& a, const Vec3<Real>& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
-/// Largest absolute component.
+/// Largest absolute component, of those that are numbers.
 template <std::floating_point Real>
 Real max_abs(const Vec3<Real>& v) {
-  return std::fmax(std::fabs(v.x), std::fmax(std::fabs(v.y), std::fabs(v.z)));
+  // std::fmax is a call.
+  const auto larger = [](Real a, Real b) { return a > b || std::isnan(b) ? a : b; };
+  return larger(std::fabs(v.x), larger(std::fabs(v.y), std::fabs(v.z)));
 }
 
 template <std::floating_point Real>
@@ -74,13 +76,24 @@ inline int exponent_of(double x) {
   return biased > 0 ? biased - 1023 : std::ilogb(x);
 }
 
-/// `v` times 2^exponent.
+/// Whether 2^exponent is a normal double.
+inline bool is_normal_power(int exponent) { return exponent >= -1022 && exponent <= 1023; }
+
+/// 2^exponent of one that is.
+inline double power_of_two(int exponent) {
+  return std::bit_cast<double>(static_cast<std::uint64_t>(exponent + 1023) << 52);
+}
+
+/// `x` times 2^exponent: the same bits as std::scalbn, mostly without its call.
+inline double scaled(double x, int exponent) {
+  return is_normal_power(exponent) ? x * power_of_two(exponent) : std::scalbn(x, exponent);
+}
+
+/// The same of a vector.
 template <std::floating_point Real>
 Vec3<Real> scaled(const Vec3<Real>& v, int exponent) {
   if constexpr (sizeof(Real) == sizeof(double)) {
-    // The same bits as from three calls.
-    if (exponent >= -1022 && exponent <= 1023)
-      return v * std::bit_cast<double>(static_cast<std::uint64_t>(exponent + 1023) << 52);
+    if (is_normal_power(exponent)) return v * power_of_two(exponent);
   }
   return {std::scalbn(v.x, exponent), std::scalbn(v.y, exponent), std::scalbn(v.z, exponent)};
 }

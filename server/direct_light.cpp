@@ -46,6 +46,14 @@ std::optional<LightSample<double>> far_sample(const L& light, const Receiver<dou
   }
 }
 
+/// Cosine over pi of the light that a sample finds, as the surface sends it towards `wo`; 0 where
+/// there is none.
+double reflected(const SurfaceHit& hit, const Vec3<float>& wo, const LightSample<double>& sample) {
+  if (sample.reason != NoLight::kNone) return 0;
+  const double cos_i = dot(Vec3<double>(hit.ns), sample.wi);
+  return cos_i * dot(hit.ns, wo) > 0 ? std::fabs(cos_i) * kInvPi : 0;
+}
+
 }  // namespace
 
 DirectLight::DirectLight(const Scene& scene, const Methods& methods)
@@ -81,7 +89,7 @@ Receiver<double> DirectLight::receiver(const SurfaceHit& hit, const Vec3<float>&
 }
 
 bool DirectLight::is_delta(std::uint32_t light) const {
-  return std::visit([](const auto& l) { return l.kDelta; }, scene_.lights()[light].light);
+  return visit([](const auto& l) { return l.kDelta; }, scene_.lights()[light].light);
 }
 
 std::uint32_t DirectLight::points_on(std::uint32_t light) const {
@@ -117,10 +125,8 @@ DirectLight::Candidate DirectLight::candidate(const SurfaceHit& hit, const Vec3<
               {},
               {}};
   const LightSample<double>& s = c.sample;
-  if (s.reason != NoLight::kNone) return c;
-  const double cos_i = dot(Vec3<double>(hit.ns), s.wi);
-  if (!(cos_i * dot(hit.ns, wo) > 0)) return c;
-  const double f = std::fabs(cos_i) * kInvPi;  // also the density of cosine_direction
+  const double f = reflected(hit, wo, s);  // also the density of cosine_direction
+  if (!(f > 0)) return c;
   if (s.delta) {
     c.value = s.value * (f / choice.probability);
     return c;
@@ -143,7 +149,8 @@ LightEstimate DirectLight::shadowed(const SurfaceHit& hit, std::uint32_t light,
                                     const LightSample<double>& sample, const Rgb<double>& value,
                                     WorkCounts& work) const {
   if (value.is_black()) return {};
-  const Ray ray = shadow_ray(hit, sample, scene_.lights()[light].reach_m);
+  if (scene_.empty()) return {value, value};
+  const Ray ray = shadow_ray(hit, sample, scene_.lights()[light].reach_m());
   const bool occluded = visibility_.is_occluded(light, hit.position, hit.ng, ray, work);
   return {occluded ? Rgb<double>{} : value, value};
 }
@@ -151,10 +158,40 @@ LightEstimate DirectLight::shadowed(const SurfaceHit& hit, std::uint32_t light,
 std::optional<Rgb<double>> DirectLight::of_one_direction(const SurfaceHit& hit,
                                                          const Vec3<float>& wo, std::uint32_t light,
                                                          WorkCounts& work) const {
-  if (!is_delta(light) && !methods_.far_light_radii) return std::nullopt;
-  const Candidate c = candidate(hit, wo, {light, 1}, 1, {});
-  if (!c.sample.delta) return std::nullopt;
-  return shadowed(hit, light, c.sample, c.value, work).value;
+  return visit_light(
+      scene_.lights()[light], hit.time_s,
+      [&]<typename L>(const L& l) -> std::optional<Rgb<double>> {
+        const auto arriving = [&](const LightSample<double>& s) {
+          return shadowed(hit, light, s, s.value * reflected(hit, wo, s), work).value;
+        };
+        if (methods_.far_light_radii)
+          if (const auto s = far_sample(l, receiver(hit, wo), *methods_.far_light_radii))
+            return arriving(*s);
+        if constexpr (L::kDelta)
+          return arriving(l.sample_li(receiver(hit, wo), {}));
+        else
+          return std::nullopt;
+      });
+}
+
+void DirectLight::of_one_direction(
+    std::span<const SurfaceHit> receivers, std::uint32_t light, WorkCounts& work,
+    absl::FunctionRef<void(std::size_t, const Rgb<double>&)> found) const {
+  if (receivers.empty()) return;
+  visit_light(scene_.lights()[light], receivers[0].time_s, [&]<typename L>(const L& l) {
+    if constexpr (L::kDelta) {
+      for (std::size_t k = 0; k < receivers.size(); ++k) {
+        const SurfaceHit& hit = receivers[k];
+        const LightSample<double> s = l.sample_li(receiver(hit, hit.ns), {});
+        const Rgb<double> value = s.value * reflected(hit, hit.ns, s);
+        if (value.is_black() || scene_.empty()) {
+          found(k, value);
+        } else {
+          found(k, shadowed(hit, light, s, value, work).value);
+        }
+      }
+    }
+  });
 }
 
 bool DirectLight::uses_closed_forms(bool at_receiver) const {
@@ -166,8 +203,8 @@ bool DirectLight::uses_closed_forms(bool at_receiver) const {
 std::optional<Rgb<double>> DirectLight::in_closed_form(const SurfaceHit& hit, const Vec3<float>& wo,
                                                        std::uint32_t light) const {
   const SceneLight& of = scene_.lights()[light];
-  if (of.motion) return std::nullopt;
-  return std::visit(
+  if (of.moving != nullptr) return std::nullopt;
+  return visit(
       [&]<typename L>(const L& l) -> std::optional<Rgb<double>> {
         if constexpr (HasIrradiance<L>) {
           if (l.hides_itself()) return std::nullopt;

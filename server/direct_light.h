@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 
 #include "server/light_visibility.h"
 #include "server/methods.h"
@@ -95,6 +96,17 @@ class DirectLight {
   /// is far enough to count as one.  Nothing of others.
   std::optional<Rgb<double>> of_one_direction(const SurfaceHit& hit, const Vec3<float>& wo,
                                               std::uint32_t light, WorkCounts& work) const;
+
+  /// The same at each of some receivers, on the side of their normals: `found` is called for one
+  /// after the other.  Requires `settles_all`.
+  void of_one_direction(std::span<const SurfaceHit> receivers, std::uint32_t light,
+                        WorkCounts& work,
+                        absl::FunctionRef<void(std::size_t, const Rgb<double>&)> found) const;
+
+  /// Whether those say all of every light, at any receiver.
+  bool settles_all() const {
+    return deltas_ == scene_.lights().size() && spending_ == Spending::kEach;
+  }
 
   /// All light of a light that is known without sampling and without a ray: in closed form, where
   /// nothing is in the way for certain.  Nothing of others.  Requires `uses_closed_forms`.

@@ -25,15 +25,23 @@ constexpr std::uint64_t kSamplesPerShafts = 4;
 // Of one chunk of points: 0.1 to 10 ms, as a sample takes 0.5 to 40 us.
 constexpr std::uint64_t kSamplesPerChunk = 256;
 
+/// What is known of a point without samples, and what they are to add.
+struct Settled {
+  Rgb<double> exact;                // [lx]
+  LightSet lights{};                // whose direct light is part of it
+  std::vector<Rgb<double>> shares;  // of each light, where wanted [lx]
+  BySpectrum by_spectrum;           // of what is exact
+  Spending spending{};
+  bool needs_samples = false;
+  bool gathers = false;  // by directions of the receiver too
+};
+
 /// All that the samples of one point say.
-struct PointEstimates {
+struct Sampled {
   Estimate total;
   std::vector<Estimate> shares;                // of each light, where wanted
   BySpectrum by_spectrum;                      // of the current block
   std::vector<BlockStream<1>> at_wavelengths;  // [W/m2/nm]
-  LightSet settled{};                          // whose direct light is part of what is exact
-  bool gathers = false;                        // by directions of the receiver too
-  Spending spending{};
 };
 
 class IrradianceJob {
@@ -50,6 +58,7 @@ class IrradianceJob {
         direct_(tracer_.direct()),
         gather_indirect_(settings.bounces.value_or(1) > 0 && !scene.empty() &&
                          !scene.lights().empty()),
+        settles_all_(!gather_indirect_ && settings.wavelengths_nm.empty() && direct_.settles_all()),
         confidence_(settings.target ? settings.target->confidence : kConfidence),
         rule_(confidence_, settings.block_count,
               std::max<std::uint64_t>(samples_of(settings.samples_per_block), 1)),
@@ -58,12 +67,22 @@ class IrradianceJob {
   void range(std::size_t begin, std::size_t end) {
     const DenormalsAreZero denormals;
     WorkCounts work;
-    for (std::size_t p = begin; p < end && !stopped_; ++p) point(p, work);
+    if (settles_all_)
+      settle_all(begin, end, work);
+    else
+      for (std::size_t p = begin; p < end && !stopped_; ++p) point(p, work);
     const std::lock_guard lock(mutex_);
     result_.work += work;
   }
 
   bool stopped() const { return stopped_; }
+
+  /// Without a target.
+  std::uint64_t samples_in_time_of_point() const {
+    // Receivers of a chunk should fit the processor's first cache.
+    return settles_all_ ? 4 * std::max<std::uint64_t>(1, scene_.lights().size())
+                        : samples_of(settings_.samples_per_block) + kSamplesPerShafts;
+  }
 
  private:
   void point(std::size_t p, WorkCounts& work) {
@@ -74,54 +93,115 @@ class IrradianceJob {
     // Nobody asks what points took that take equally many samples.
     std::chrono::steady_clock::time_point start;
     if (settings_.target) start = std::chrono::steady_clock::now();
+    const std::uint64_t rays_before = work.indirect_rays + work.shadow_rays;
     SurfaceHit receiver;
+    set_receiver(p, receiver);
+    const std::uint64_t samples = put_estimate(p, receiver, work);
+    if (stopped_) return;
+    std::chrono::duration<double> took{};
+    if (settings_.target) took = std::chrono::steady_clock::now() - start;
+    result_.costs[p] = {samples, work.indirect_rays + work.shadow_rays - rays_before, took.count()};
+  }
+
+  void set_receiver(std::size_t p, SurfaceHit& receiver) const {
     receiver.position = points_[p].position;
     receiver.position_error = points_[p].position_error;
     receiver.ns = points_[p].normal;
     receiver.ng = Vec3<double>(receiver.ns);
     receiver.time_s = settings_.time_s;
+  }
 
+  /// Points where each light is settled by itself and there is nothing else to ask: light by light,
+  /// as finding out which model it is takes as long as asking it.
+  void settle_all(std::size_t begin, std::size_t end, WorkCounts& work) {
+    if (stop_.stop_requested()) {
+      stopped_ = true;
+      return;
+    }
+    const auto start = std::chrono::steady_clock::now();
+    std::vector<SurfaceHit> receivers(end - begin);
+    for (std::size_t p = begin; p < end; ++p) set_receiver(p, receivers[p - begin]);
     const std::size_t lights = scene_.lights().size();
-    WorkCounts spent;
+    for (std::uint32_t l = 0; l < lights; ++l) {
+      std::uint64_t rays = work.shadow_rays;
+      direct_.of_one_direction(receivers, l, work, [&](std::size_t k, const Rgb<double>& cd_m2) {
+        const std::size_t p = begin + k;
+        const Rgb<double> lx = cd_m2 * std::numbers::pi;
+        result_.points[p].irradiance_lx += lx;
+        result_.costs[p].rays += work.shadow_rays - rays;
+        rays = work.shadow_rays;
+        if (settings_.per_light) set_exact(lx, result_.per_light[p * lights + l]);
+      });
+    }
+    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+    for (std::size_t p = begin; p < end; ++p) {
+      set_exact(result_.points[p].irradiance_lx, result_.points[p]);
+      // As points that are estimated, of which nobody asks it without a target.
+      if (settings_.target)
+        result_.costs[p].time_s = took.count() / static_cast<double>(end - begin);
+    }
+  }
+
+  /// Returns the samples that the estimate is made of.
+  std::uint64_t put_estimate(std::size_t p, const SurfaceHit& receiver, WorkCounts& work) {
     std::uint32_t per_block = settings_.samples_per_block;
     const std::uint64_t expected = settings_.target
                                        ? std::min(kFirstPilotSamples, samples_of(most_per_block()))
                                        : samples_of(per_block);
-    PointEstimates e = settled(receiver, expected, spent);
-    if (settings_.target && e.total.sampled) {
-      per_block = needed_per_block(p, receiver, e, spent);
-      if (e.spending == Spending::kDrawn && spending(samples_of(per_block)) != e.spending) {
+    Settled settled = settle(receiver, expected, work);
+    if (settings_.target && settled.needs_samples) {
+      per_block = needed_per_block(p, receiver, settled, work);
+      if (settled.spending == Spending::kDrawn &&
+          spending(samples_of(per_block)) != settled.spending) {
         // So many that it costs less to settle delta lights.
-        e = settled(receiver, samples_of(per_block), spent);
-        if (e.total.sampled) per_block = needed_per_block(p, receiver, e, spent);
+        settled = settle(receiver, samples_of(per_block), work);
+        if (settled.needs_samples) per_block = needed_per_block(p, receiver, settled, work);
       }
       // Of the same count without a target the same is settled: so many at least, which are no more
       // than it was settled for.
-      if (spending(samples_of(per_block)) != e.spending) per_block = settling_per_block();
+      if (spending(samples_of(per_block)) != settled.spending) per_block = settling_per_block();
     }
-    const std::span<double> exact_at = put_exact_spectral(p, e);
-    if (e.total.sampled && !stopped_)
-      blocks(p, receiver, {0, settings_.block_count, per_block}, e, spent);
+    put_exact(p, settled);
+    if (!settled.needs_samples || stopped_) return 0;
+    put_sampled(p, receiver, settled, per_block, work);
+    return samples_of(per_block);
+  }
+
+  void put_exact(std::size_t p, Settled& settled) {
+    set_exact(settled.exact, result_.points[p]);
+    for (std::size_t l = 0; l < settled.shares.size(); ++l)
+      set_exact(settled.shares[l], result_.per_light[p * settled.shares.size() + l]);
+    if (settled.by_spectrum.wanted()) settled.by_spectrum.put(spectral_.local(), 1, spectral(p));
+  }
+
+  /// Samples what remains; the answer then holds both.
+  void put_sampled(std::size_t p, const SurfaceHit& receiver, const Settled& settled,
+                   std::uint32_t per_block, WorkCounts& work) {
+    Sampled e = no_samples(settled.shares.size(), settings_.wavelengths_nm.size());
+    blocks(p, receiver, {0, settings_.block_count, per_block}, settled, e, work);
     if (stopped_) return;
-    const std::uint64_t samples = e.total.sampled ? samples_of(per_block) : 0;
     std::optional<IntervalRule> own;
-    if (settings_.target && samples > 0) own.emplace(confidence_, settings_.block_count, samples);
+    if (settings_.target) own.emplace(confidence_, settings_.block_count, samples_of(per_block));
     const IntervalRule& rule = own ? *own : rule_;
     const double count = settings_.block_count;
-    result_.points[p] = e.total.result(count, rule);
-    for (std::size_t l = 0; l < e.shares.size(); ++l)
-      result_.per_light[p * lights + l] = e.shares[l].result(count, rule);
-    for (std::size_t k = 0; e.total.sampled && k < e.at_wavelengths.size(); ++k) {
+    result_.points[p] = e.total.result(settled.exact, count, rule);
+    for (std::uint32_t l = 0; l < e.shares.size(); ++l)
+      if (!settled.lights.has(l))
+        result_.per_light[p * e.shares.size() + l] = e.shares[l].result({}, count, rule);
+    const std::span<double> at_wavelengths = spectral(p);
+    for (std::size_t k = 0; k < at_wavelengths.size(); ++k) {
       const BlockStatistics at = e.at_wavelengths[k].total()[0];
-      exact_at[k] += at.sum / count;
+      at_wavelengths[k] += at.sum / count;
       if (count > 1)
-        result_.spectral_error[p * exact_at.size() + k] =
+        result_.spectral_error[p * at_wavelengths.size() + k] =
             std::sqrt(at.deviation / (count * (count - 1)));
     }
-    std::chrono::duration<double> took{};
-    if (settings_.target) took = std::chrono::steady_clock::now() - start;
-    result_.costs[p] = {samples, spent.indirect_rays + spent.shadow_rays, took.count()};
-    work += spent;
+  }
+
+  /// Of point `p`, at each wavelength.
+  std::span<double> spectral(std::size_t p) {
+    const std::size_t n = settings_.wavelengths_nm.size();
+    return {result_.spectral.data() + p * n, n};
   }
 
   std::uint64_t samples_of(std::uint32_t per_block) const {
@@ -140,27 +220,29 @@ class IrradianceJob {
   Spending spending(std::uint64_t samples) const {
     return settings_.per_light ? Spending::kEach : direct_.spending_at_receiver(samples);
   }
-  /// A point that so many samples are to be taken at, with all that needs none.
-  PointEstimates settled(const SurfaceHit& receiver, std::uint64_t samples,
-                         WorkCounts& work) const {
-    PointEstimates e = no_samples(settings_.per_light ? scene_.lights().size() : 0,
-                                  settings_.wavelengths_nm.size());
-    e.spending = spending(samples);
-    settle_lights(receiver, samples, e, work);
-    e.total.sampled = gather_indirect_ || samples_lights(e.settled);
-    e.gathers = gather_indirect_ || (direct_.finds_lights() && e.total.sampled);
-    return e;
+  /// Of a point that so many samples are to be taken at.
+  Settled settle(const SurfaceHit& receiver, std::uint64_t samples, WorkCounts& work) const {
+    Settled s{.exact = {},
+              .shares = std::vector<Rgb<double>>(settings_.per_light ? scene_.lights().size() : 0),
+              .by_spectrum = no_spectra(settings_.wavelengths_nm.size()),
+              .spending = spending(samples)};
+    s.needs_samples = !settle_lights(receiver, samples, s, work) || gather_indirect_;
+    s.gathers = gather_indirect_ || (direct_.finds_lights() && s.needs_samples);
+    return s;
   }
 
-  PointEstimates no_samples(std::size_t shares, std::size_t wavelengths) const {
+  Sampled no_samples(std::size_t shares, std::size_t wavelengths) const {
     return {{},
             std::vector<Estimate>(shares),
-            BySpectrum(wavelengths > 0 ? scene_.spectra().size() + 1 : 0),
+            no_spectra(wavelengths),
             std::vector<BlockStream<1>>(wavelengths, BlockStream<1>(0))};
   }
+  BySpectrum no_spectra(std::size_t wavelengths) const {
+    return BySpectrum(wavelengths > 0 ? scene_.spectra().size() + 1 : 0);
+  }
 
-  void blocks(std::size_t p, const SurfaceHit& receiver, const Blocks& these, PointEstimates& e,
-              WorkCounts& work) {
+  void blocks(std::size_t p, const SurfaceHit& receiver, const Blocks& these,
+              const Settled& settled, Sampled& e, WorkCounts& work) {
     for (std::uint64_t b = 0; b < these.count; ++b) {
       const SampleSequence sequence(settings_.methods.sampler, settings_.seed,
                                     settings_.first_item + p, these.first + b);
@@ -169,17 +251,17 @@ class IrradianceJob {
           stopped_ = true;
           return;
         }
-        sample(receiver, {sequence, i}, e, work);
+        sample(receiver, {sequence, i}, settled, e, work);
       }
       work.samples += these.samples;
       e.total.end_block(these.samples);
-      for (Estimate& share : e.shares)
-        if (share.sampled) share.end_block(these.samples);
+      for (std::uint32_t l = 0; l < e.shares.size(); ++l)
+        if (!settled.lights.has(l)) e.shares[l].end_block(these.samples);
       if (!e.at_wavelengths.empty()) end_spectral_block(these.samples, e);
     }
   }
 
-  void end_spectral_block(std::uint32_t samples, PointEstimates& e) {
+  void end_spectral_block(std::uint32_t samples, Sampled& e) {
     SpectralValues& spectral = spectral_.local();
     std::vector<double> at(e.at_wavelengths.size());
     e.by_spectrum.put(spectral, 1.0 / samples, at);
@@ -187,46 +269,27 @@ class IrradianceJob {
   }
 
   /// How many samples a block this point needs for the target error.
-  std::uint32_t needed_per_block(std::size_t p, const SurfaceHit& receiver,
-                                 const PointEstimates& point, WorkCounts& work) {
+  std::uint32_t needed_per_block(std::size_t p, const SurfaceHit& receiver, const Settled& settled,
+                                 WorkCounts& work) {
     const std::uint32_t replicates = settings_.block_count;
     const auto needed =
         needed_samples(*settings_.target, [&](const Blocks& these) -> std::optional<PilotEstimate> {
-          PointEstimates pilot = no_samples(0, 0);
-          pilot.total.exact = point.total.exact;
-          pilot.total.sampled = true;
-          pilot.settled = point.settled;
-          pilot.gathers = point.gathers;
-          pilot.spending = point.spending;
-          blocks(p, receiver, these, pilot, work);
+          Sampled pilot = no_samples(0, 0);
+          blocks(p, receiver, these, settled, pilot, work);
           if (stopped_) return std::nullopt;
           const IntervalRule rule(confidence_, replicates, these.count * these.samples);
-          const IrradianceEstimate e = pilot.total.result(static_cast<double>(these.count), rule);
+          const IrradianceEstimate e =
+              pilot.total.result(settled.exact, static_cast<double>(these.count), rule);
           return PilotEstimate{luminance(e.irradiance_lx), e.illuminance_lx};
         });
     return static_cast<std::uint32_t>(std::min(static_cast<double>(most_per_block()),
                                                std::ceil(needed.value_or(1) / replicates)));
   }
 
-  /// Begins the sums at wavelengths with what is exact; returns those of point `p`.
-  std::span<double> put_exact_spectral(std::size_t p, PointEstimates& e) {
-    const std::size_t n = e.at_wavelengths.size();
-    const std::span<double> at(result_.spectral.data() + p * n, n);
-    if (n > 0) e.by_spectrum.put(spectral_.local(), 1, at);
-    return at;
-  }
-
   void add_to(BySpectrum& groups, std::uint32_t light, const Rgb<double>& lx) const {
     if (!groups.wanted()) return;
     const auto number = scene_.spectrum_number(light);
     groups.add(number ? *number + 1 : 0, lx);
-  }
-
-  /// Whether lights remain to be sampled at the receiver.
-  bool samples_lights(const LightSet& settled) const {
-    for (std::uint32_t l = 0; l < scene_.lights().size(); ++l)
-      if (!settled.has(l)) return true;
-    return false;
   }
 
   /// Not of fewer samples than they take the time of, where reflected light has an error anyway.
@@ -237,11 +300,12 @@ class IrradianceJob {
   }
 
   /// What needs no samples: lights of one direction, where each light is visited, and those that a
-  /// closed form answers for.
-  void settle_lights(const SurfaceHit& receiver, std::uint64_t samples, PointEstimates& to,
+  /// closed form answers for.  False where lights remain.
+  bool settle_lights(const SurfaceHit& receiver, std::uint64_t samples, Settled& to,
                      WorkCounts& work) const {
     const Vec3<float>& n = receiver.ns;
     const bool closed_forms = uses_closed_forms(samples);
+    bool all_settled = true;
     for (std::uint32_t l = 0; l < scene_.lights().size(); ++l) {
       std::optional<Rgb<double>> all;
       if (to.spending == Spending::kEach || to.spending == Spending::kAreasDrawn)
@@ -249,17 +313,18 @@ class IrradianceJob {
       if (!all && closed_forms) all = direct_.in_closed_form(receiver, n, l);
       if (all) {
         const Rgb<double> lx = *all * std::numbers::pi;
-        to.settled.add(l);
-        to.total.exact += lx;
+        to.lights.add(l);
+        to.exact += lx;
         add_to(to.by_spectrum, l, lx);
-        if (!to.shares.empty()) to.shares[l].exact = lx;
-      } else if (!to.shares.empty()) {
-        to.shares[l].sampled = true;
+        if (!to.shares.empty()) to.shares[l] = lx;
+      } else {
+        all_settled = false;
       }
     }
+    return all_settled;
   }
 
-  void sample(const SurfaceHit& receiver, const PathSample& s, PointEstimates& to,
+  void sample(const SurfaceHit& receiver, const PathSample& s, const Settled& settled, Sampled& to,
               WorkCounts& work) const {
     constexpr double kPi = std::numbers::pi;
     const Vec3<float>& n = receiver.ns;
@@ -271,17 +336,17 @@ class IrradianceJob {
       if (!to.shares.empty()) to.shares[light].add(lx);
       add_to(to.by_spectrum, light, lx.value);
     };
-    direct_.sample(to.spending, receiver, n, 0, s, to.settled, work, add);
-    if (to.gathers) {
+    direct_.sample(settled.spending, receiver, n, 0, s, settled.lights, work, add);
+    if (settled.gathers) {
       const Vec3<float> wi = PathTracer::cosine_direction(n, n, s.at(0, PathSample::kDirection));
       const double pdf = dot(n, wi) * std::numbers::inv_pi;
       const Ray ray = spawn_ray(receiver, wi);
       ++work.indirect_rays;
       const std::optional<SurfaceHit> hit = scene_.closest_hit(ray);
       const auto weight = [&](std::uint32_t light, const std::optional<SurfaceHit>& end) {
-        return to.settled.has(light)
+        return settled.lights.has(light)
                    ? 0.0
-                   : direct_.found_weight(to.spending, receiver, n, ray, end, light, pdf);
+                   : direct_.found_weight(settled.spending, receiver, n, ray, end, light, pdf);
       };
       if (direct_.finds_lights()) {
         tracer_.for_each_emitter(ray, hit, [&](std::uint32_t light, const Rgb<double>& le) {
@@ -313,6 +378,7 @@ class IrradianceJob {
   IrradianceResult& result_;
   const DirectLight& direct_;
   const bool gather_indirect_;
+  const bool settles_all_;
   const double confidence_;
   const IntervalRule rule_;  ///< of points that take as many samples as all others
   /// One for each thread that takes part, as looking spectra up takes longer than using them.
@@ -332,13 +398,8 @@ IrradianceResult estimate_irradiance(const Scene& scene, std::span<const Irradia
   result.spectral.resize(points.size() * settings.wavelengths_nm.size());
   result.spectral_error.resize(result.spectral.size());
   IrradianceJob job(scene, points, settings, stop, result);
-  const std::uint64_t samples_per_point =
-      std::uint64_t{settings.block_count} * settings.samples_per_block;
-  const std::size_t grain =
-      settings.target
-          ? 1
-          : std::max<std::uint64_t>(1, kSamplesPerChunk / (samples_per_point + kSamplesPerShafts));
-  parallel_chunks(points.size(), grain, stop,
+  const std::size_t grain = settings.target ? 1 : kSamplesPerChunk / job.samples_in_time_of_point();
+  parallel_chunks(points.size(), std::max<std::size_t>(1, grain), stop,
                   [&](std::size_t begin, std::size_t end) { job.range(begin, end); });
   result.stopped = job.stopped() || stop.stop_requested();
   return result;

@@ -23,11 +23,9 @@ namespace lucerna {
 struct Estimate {
   BlockStream<4> blocks{0};       // R, G, B and luminance [lx]
   SampleSum block_sum;            // of the samples of the current block
-  Rgb<double> exact;              // what needs no sampling [lx]
   double sum_of_squares = 0;      // of samples' illuminances
   double largest_unshadowed = 0;  // of one sample's illuminance had nothing been in the way [lx]
   bool partly_hidden = false;     // something was in the way of some sample
-  bool sampled = false;
 
   void add(const LightEstimate& e) {
     block_sum.add(e.value);
@@ -42,16 +40,24 @@ struct Estimate {
     blocks.add({v.r, v.g, v.b, luminance(v)});
     block_sum = {};
   }
-  IrradianceEstimate result(double block_count, const IntervalRule& rule) const;
+  /// `exact`: what is beside it that needed no sampling [lx].
+  IrradianceEstimate result(const Rgb<double>& exact, double block_count,
+                            const IntervalRule& rule) const;
 };
 
-inline IrradianceEstimate Estimate::result(double block_count, const IntervalRule& rule) const {
-  IrradianceEstimate e;
+/// Makes of an empty answer one that needed no sampling [lx].
+inline void set_exact(const Rgb<double>& exact, IrradianceEstimate& e) {
   e.irradiance_lx = exact;
-  e.exact = !sampled;
+  e.exact = true;
   const double exact_lx = luminance(exact);
   e.illuminance_lx = {exact_lx, exact_lx};
-  if (!sampled) return e;
+}
+
+inline IrradianceEstimate Estimate::result(const Rgb<double>& exact, double block_count,
+                                           const IntervalRule& rule) const {
+  IrradianceEstimate e;
+  e.irradiance_lx = exact;
+  const double exact_lx = luminance(exact);
   const auto total = blocks.total();
   const auto mean = [&](int i) { return total[i].sum / block_count; };
   const auto standard_error = [&](int i) {

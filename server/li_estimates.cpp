@@ -20,14 +20,13 @@ constexpr std::size_t kSamplesAtOnce = 512;
 IrradianceEstimate estimate(std::span<const LiShare> shares, std::size_t samples_per_block,
                             const IntervalRule& rule) {
   Estimate e;
-  e.sampled = true;
   const std::size_t blocks = shares.size() / samples_per_block;
   for (std::size_t i = 0; i < shares.size(); ++i) {
     e.add(shares[i].lx);
     if ((i + 1) % samples_per_block == 0)
       e.end_block(static_cast<std::uint32_t>(samples_per_block));
   }
-  return e.result(static_cast<double>(blocks), rule);
+  return e.result({}, static_cast<double>(blocks), rule);
 }
 
 /// Finds out how many samples receivers need.
@@ -137,9 +136,7 @@ LiEstimates estimates_of(const LiLayout& layout, std::size_t receivers, std::uin
     const std::span<const LiShare> own = shares.subspan(begin, n);
     const bool exact = n < replicates;
     if (exact) {
-      Estimate e;
-      e.exact = own[0].lx.value;
-      all.points[r] = e.result(1, IntervalRule(confidence, 1, 1));
+      set_exact(own[0].lx.value, all.points[r]);
     } else {
       if (rule_is_of != n) rule.emplace(confidence, replicates, n);
       rule_is_of = n;

@@ -64,17 +64,13 @@ LiPlace LiLayout::own_place(std::size_t i) const {
   return {receiver, of_receiver / each, static_cast<std::uint32_t>(of_receiver % each)};
 }
 
-/// What is asked of a light.
-struct LiSampler::Asked {
+/// One sample of a chunk on its way.
+struct LiSampler::Pending {
   ScenePoint receiver;
   Vec3<double> normal;
   Vec2<double> u;
   std::optional<LightChoice> choice{};   // where the light is not named; none: none can be chosen
   std::optional<std::uint32_t> light{};  // none: none can be chosen
-};
-
-/// One sample of a chunk on its way.
-struct LiSampler::Pending : Asked {
   bool sampled = false;
   LightSample<double> sample;
 
@@ -94,48 +90,36 @@ bool LiSampler::says_all_at_once() const { return one_sample_says_all(scene_, q_
 
 WorkCounts LiSampler::fill(const LiLayout& layout, std::size_t begin, std::size_t end,
                            const SampleLiAnswer& answer, LiShare* shares) const {
+  if (q_.light && !q_.test_visibility && q_.wavelengths_nm.empty()) {
+    visit_light(scene_.lights()[*q_.light], q_.time_s,
+                [&](const auto& l) { fill_from(l, layout, begin, end, answer, shares); });
+    return {};
+  }
+  std::vector<Pending> chunk(end - begin);
   At at_receiver;
   std::optional<std::size_t> receiver;
-  const auto prepare_next = [&](std::size_t i, Asked& asked) {
+  for (std::size_t i = begin; i < end; ++i) {
     const LiPlace place = layout.place(i);
     if (place.receiver != receiver) {
       at_receiver = at(place.receiver);
       receiver = place.receiver;
     }
-    prepare(place, at_receiver, i, asked);
-  };
-  if (q_.light && !q_.test_visibility && q_.wavelengths_nm.empty()) {
-    // Samples of one light of which nothing else is asked: one by one, without a chunk of them in
-    // between, which takes more time than a point light does.
-    visit_light(scene_.lights()[*q_.light], q_.time_s, [&](const auto& l) {
-      for (std::size_t i = begin; i < end; ++i) {
-        Asked asked;
-        prepare_next(i, asked);
-        if (asked.receiver.result != ItemResult::kOk) {
-          put_none(i, asked, answer);
-          if (shares != nullptr) shares[i] = {};
-          continue;
-        }
-        const LightSample<double> s = sample(l, asked);
-        put(i, asked, s, answer);
-        if (shares != nullptr) shares[i] = share(asked, s, true);
-      }
-    });
-    return {};
+    prepare(place, at_receiver, i, chunk[i - begin]);
   }
-  std::vector<Pending> chunk(end - begin);
-  for (std::size_t i = begin; i < end; ++i) prepare_next(i, chunk[i - begin]);
   sample(chunk);
   for (std::size_t i = begin; i < end; ++i) {
     Pending& p = chunk[i - begin];
-    p.sampled ? put(i, p, p.sample, answer) : put_none(i, p, answer);
+    if (!q_.light) put_choice(scene_, p.choice, i, answer.light_ids, answer.selection_probability);
+    if (p.sampled)
+      p.receiver.result = put(i, p.sample, answer);
+    else
+      p.receiver.result = put_none(i, p.receiver.result, answer);
   }
   if (!q_.wavelengths_nm.empty()) put_spectral(begin, chunk, answer);
   WorkCounts work;
   if (q_.test_visibility) work = test(begin, chunk, answer.visible);
   for (std::size_t i = begin; shares != nullptr && i < end; ++i)
-    shares[i] = share(chunk[i - begin], chunk[i - begin].sample,
-                      !q_.test_visibility || bit(answer.visible, i));
+    shares[i] = share(chunk[i - begin], !q_.test_visibility || bit(answer.visible, i));
   return work;
 }
 
@@ -155,11 +139,13 @@ WorkCounts LiSampler::take(std::span<const LiPlace> places, std::span<LiShare> s
       p.receiver.result = p.sampled ? item_result(p.sample.reason) : ItemResult::kBlack;
   if (q_.test_visibility) work = test(0, chunk, visible.data());
   for (std::size_t k = 0; k < chunk.size(); ++k)
-    shares[k] = share(chunk[k], chunk[k].sample, !q_.test_visibility || bit(visible.data(), k));
+    shares[k] = share(chunk[k], !q_.test_visibility || bit(visible.data(), k));
   return work;
 }
 
-LiSampler::At LiSampler::at(std::size_t receiver) const {
+// What is always inlined here belongs to the loop over samples of one light: calls take longer than
+// a point light does.
+[[gnu::always_inline]] inline LiSampler::At LiSampler::at(std::size_t receiver) const {
   At at{.point = to_scene_(receiver)};
   if (q_.normals.empty()) return at;
   const Vec3<float> n = triple(q_.normals, receiver);
@@ -170,45 +156,91 @@ LiSampler::At LiSampler::at(std::size_t receiver) const {
   return at;
 }
 
+ItemResult LiSampler::receiver_result(std::size_t receiver) const {
+  return at(receiver).point.result;
+}
+
 /// What a light is told.
-Receiver<double> LiSampler::receiver_of(const Asked& asked) const {
-  Receiver<double> r(asked.receiver.position);
-  r.normal = asked.normal;
+Receiver<double> LiSampler::receiver_of(const ScenePoint& point, const Vec3<double>& normal) const {
+  Receiver<double> r(point.position);
+  r.normal = normal;
   r.area_sampling = q_.methods.area_sampling;
   return r;
 }
 
-void LiSampler::prepare(const LiPlace& place, const At& at, std::size_t i, Asked& p) const {
+SampleSequence LiSampler::sequence_of(const LiPlace& place) const {
+  return {q_.methods.sampler, q_.seed->seed, q_.seed->first_item + place.receiver, place.replicate};
+}
+
+/// What places sample `i` on its light; nothing where the query's numbers are none.
+[[gnu::always_inline]] inline std::optional<Vec2<double>> LiSampler::point_of(const LiPlace& place,
+                                                                              std::size_t i) const {
+  if (q_.seed) {
+    const Vec2<float> u = sequence_of(place).pair(place.index, 0);
+    return Vec2<double>{u.x, u.y};
+  }
+  const Vec2<double> u{q_.u[2 * i], q_.u[2 * i + 1]};
+  if (!std::isfinite(u.x) || !std::isfinite(u.y)) return std::nullopt;
+  return u;
+}
+
+void LiSampler::prepare(const LiPlace& place, const At& at, std::size_t i, Pending& p) const {
   p.receiver = at.point;
   p.normal = at.normal;
-  double u_light = 0;
-  if (q_.seed) {
-    const SampleSequence points(q_.methods.sampler, q_.seed->seed,
-                                q_.seed->first_item + place.receiver, place.replicate);
-    const Vec2<float> u = points.pair(place.index, 0);
-    p.u = {u.x, u.y};
-    if (!q_.light) u_light = choosing_value(points.pair(place.index, 1));
-  } else {
-    p.u = {q_.u[2 * i], q_.u[2 * i + 1]};
-    if (!q_.light) u_light = q_.u_light[i];
-    if (!std::isfinite(p.u.x) || !std::isfinite(p.u.y) || !std::isfinite(u_light)) {
-      p.receiver.result = ItemResult::kInvalidInput;
-      u_light = 0;
-    }
-  }
+  if (const auto u = point_of(place, i))
+    p.u = *u;
+  else
+    p.receiver.result = ItemResult::kInvalidInput;
   p.light = q_.light;
   if (q_.light) return;
+  double u_light = 0;
+  if (q_.seed) {
+    u_light = choosing_value(sequence_of(place).pair(place.index, 1));
+  } else if (std::isfinite(q_.u_light[i])) {
+    u_light = q_.u_light[i];
+  } else {
+    p.receiver.result = ItemResult::kInvalidInput;
+  }
   if (!scene_.lights().empty() && p.receiver.result == ItemResult::kOk)
-    p.choice = choose_light(scene_, q_.methods.light_selection, receiver_of(p), u_light);
+    p.choice = choose_light(scene_, q_.methods.light_selection, receiver_of(p.receiver, p.normal),
+                            u_light);
   if (p.choice) p.light = p.choice->light;
 }
 
 template <typename L>
-LightSample<double> LiSampler::sample(const L& light, const Asked& asked) const {
-  const Receiver<double> receiver = receiver_of(asked);
-  LightSample<double> s = light.sample_li(receiver, asked.u);
+[[gnu::always_inline]] inline LightSample<double> LiSampler::sample(
+    const L& light, const Receiver<double>& receiver, Vec2<double> u) const {
+  LightSample<double> s = light.sample_li(receiver, u);
   if constexpr (SeenBeyond<L>) tell_direction(light, receiver, s);
   return s;
+}
+
+/// Samples of one light of which nothing else is asked: one by one, without a chunk of them in
+/// between, which takes more time than a point light does.
+template <typename L>
+void LiSampler::fill_from(const L& light, const LiLayout& layout, std::size_t begin,
+                          std::size_t end, const SampleLiAnswer& answer, LiShare* shares) const {
+  At at_receiver;
+  Receiver<double> told;
+  std::optional<std::size_t> receiver;
+  for (std::size_t i = begin; i < end; ++i) {
+    const LiPlace place = layout.place(i);
+    if (place.receiver != receiver) {
+      receiver = place.receiver;
+      at_receiver = at(*receiver);
+      told = receiver_of(at_receiver.point, at_receiver.normal);
+    }
+    const std::optional<Vec2<double>> u = point_of(place, i);
+    const ItemResult asked = u ? at_receiver.point.result : ItemResult::kInvalidInput;
+    if (shares != nullptr) shares[i] = {};
+    if (asked != ItemResult::kOk) {
+      put_none(i, asked, answer);
+      continue;
+    }
+    const LightSample<double> s = sample(light, told, *u);
+    if (put(i, s, answer) == ItemResult::kOk && shares != nullptr)
+      shares[i] = share(at_receiver.normal, 1, s, true);
+  }
 }
 
 /// Visits each light once for all samples of the chunk that chose it.
@@ -228,19 +260,26 @@ void LiSampler::sample(std::vector<Pending>& chunk) const {
     visit_light(scene_.lights()[light], q_.time_s, [&](const auto& l) {
       for (; k < order.size() && chunk[order[k]].light == light; ++k) {
         Pending& p = chunk[order[k]];
-        p.sample = sample(l, p);
+        p.sample = sample(l, receiver_of(p.receiver, p.normal), p.u);
         p.sampled = true;
       }
     });
   }
 }
 
-LiShare LiSampler::share(const Asked& p, const LightSample<double>& s, bool visible) const {
+LiShare LiSampler::share(const Pending& p, bool visible) const {
   if (p.receiver.result != ItemResult::kOk) return {};
+  return share(p.normal, p.choice ? p.choice->probability : 1, p.sample, visible);
+}
+
+[[gnu::always_inline]] inline LiShare LiSampler::share(const Vec3<double>& normal,
+                                                       double probability,
+                                                       const LightSample<double>& s,
+                                                       bool visible) const {
   LiShare result;
-  result.weight = 1 / (p.choice ? p.choice->probability : 1);
+  result.weight = 1 / probability;
   if (!s.delta) result.weight /= s.pdf.per_sr;
-  if (!q_.normals.empty()) result.weight *= std::fmax(0, dot(p.normal, s.wi));
+  if (!q_.normals.empty()) result.weight *= std::fmax(0, dot(normal, s.wi));
   result.lx.unshadowed = Rgb<double>(s.value) * result.weight;
   if (visible)
     result.lx.value = result.lx.unshadowed;
@@ -250,16 +289,16 @@ LiShare LiSampler::share(const Asked& p, const LightSample<double>& s, bool visi
 }
 
 /// Of what no light was asked for.
-void LiSampler::put_none(std::size_t i, Asked& p, const SampleLiAnswer& a) const {
-  if (!q_.light) put_choice(scene_, p.choice, i, a.light_ids, a.selection_probability);
-  if (p.receiver.result == ItemResult::kOk) p.receiver.result = ItemResult::kBlack;
-  a.status[i] = static_cast<int>(p.receiver.result);
+ItemResult LiSampler::put_none(std::size_t i, ItemResult of_receiver,
+                               const SampleLiAnswer& a) const {
+  const ItemResult result = of_receiver == ItemResult::kOk ? ItemResult::kBlack : of_receiver;
+  a.status[i] = static_cast<int>(result);
   a.pdf_per_sr[i] = 1;
+  return result;
 }
 
-void LiSampler::put(std::size_t i, Asked& p, const LightSample<double>& s,
-                    const SampleLiAnswer& a) const {
-  if (!q_.light) put_choice(scene_, p.choice, i, a.light_ids, a.selection_probability);
+[[gnu::always_inline]] inline ItemResult LiSampler::put(std::size_t i, const LightSample<double>& s,
+                                                        const SampleLiAnswer& a) const {
   if (s.delta) set_bit(a.delta, i);
   // Where there is no light there may be no direction, and no density either.
   if (const Vec3<float> wi(s.wi); is_finite(wi)) store(a.wi, i, wi);
@@ -283,8 +322,9 @@ void LiSampler::put(std::size_t i, Asked& p, const LightSample<double>& s,
     else
       reason = NoLight::kOutOfRange;
   }
-  p.receiver.result = item_result(reason);
-  a.status[i] = static_cast<int>(p.receiver.result);
+  const ItemResult result = item_result(reason);
+  a.status[i] = static_cast<int>(result);
+  return result;
 }
 
 void LiSampler::put_spectral(std::size_t begin, std::vector<Pending>& chunk,
@@ -316,7 +356,7 @@ WorkCounts LiSampler::test(std::size_t begin, const std::vector<Pending>& chunk,
   items.reserve(chunk.size());
   for (std::size_t k = 0; k < chunk.size(); ++k) {
     if (chunk[k].receiver.result != ItemResult::kOk) continue;
-    const float reach_m = chunk[k].sampled ? scene_.lights()[*chunk[k].light].reach_m : 0;
+    const float reach_m = chunk[k].sampled ? scene_.lights()[*chunk[k].light].reach_m() : 0;
     const Ray ray = light_ray(chunk[k].receiver, Vec3<float>(chunk[k].normal), chunk[k].sample,
                               q_.time_s, reach_m);
     std::optional<bool> told;
@@ -347,7 +387,7 @@ bool one_sample_says_all(const Scene& scene, std::optional<std::uint32_t> light)
   const auto& lights = scene.lights();
   if (lights.empty()) return true;
   if (!light && lights.size() > 1) return false;
-  return std::visit([](const auto& l) { return l.kDelta; }, lights[light.value_or(0)].light);
+  return visit([](const auto& l) { return l.kDelta; }, lights[light.value_or(0)].light);
 }
 
 WorkCounts fill_samples(const LiSampler& sampler, const LiLayout& layout,

@@ -70,26 +70,32 @@ class LiSampler {
   /// one_sample_says_all() of what is asked.
   bool says_all_at_once() const;
   /// What is wrong with a receiver, before any sample.
-  ItemResult receiver_result(std::size_t receiver) const { return at(receiver).point.result; }
+  ItemResult receiver_result(std::size_t receiver) const;
 
  private:
   struct At {
     ScenePoint point;
     Vec3<double> normal{};  // unit or zero
   };
-  struct Asked;
   struct Pending;
 
   At at(std::size_t receiver) const;
-  Receiver<double> receiver_of(const Asked& asked) const;
-  void prepare(const LiPlace& place, const At& at, std::size_t i, Asked& asked) const;
+  Receiver<double> receiver_of(const ScenePoint& point, const Vec3<double>& normal) const;
+  SampleSequence sequence_of(const LiPlace& place) const;
+  std::optional<Vec2<double>> point_of(const LiPlace& place, std::size_t i) const;
+  void prepare(const LiPlace& place, const At& at, std::size_t i, Pending& p) const;
   template <typename L>
-  LightSample<double> sample(const L& light, const Asked& asked) const;
+  LightSample<double> sample(const L& light, const Receiver<double>& receiver,
+                             Vec2<double> u) const;
+  template <typename L>
+  void fill_from(const L& light, const LiLayout& layout, std::size_t begin, std::size_t end,
+                 const SampleLiAnswer& answer, LiShare* shares) const;
   void sample(std::vector<Pending>& chunk) const;
-  LiShare share(const Asked& asked, const LightSample<double>& s, bool visible) const;
-  void put(std::size_t i, Asked& asked, const LightSample<double>& s,
-           const SampleLiAnswer& answer) const;
-  void put_none(std::size_t i, Asked& asked, const SampleLiAnswer& answer) const;
+  LiShare share(const Pending& sampled, bool visible) const;
+  LiShare share(const Vec3<double>& normal, double probability, const LightSample<double>& s,
+                bool visible) const;
+  ItemResult put(std::size_t i, const LightSample<double>& s, const SampleLiAnswer& answer) const;
+  ItemResult put_none(std::size_t i, ItemResult of_receiver, const SampleLiAnswer& answer) const;
   void put_spectral(std::size_t begin, std::vector<Pending>& chunk,
                     const SampleLiAnswer& answer) const;
   WorkCounts test(std::size_t first_bit, const std::vector<Pending>& chunk,

@@ -117,8 +117,8 @@ LightOutline of_light(const UniformInfiniteLight<double>&) { return {LightOutlin
 }  // namespace
 
 LightOutline outline_of(const SceneLight& light) {
-  if (light.motion != nullptr) return {};
-  return std::visit(
+  if (light.moving != nullptr) return {};
+  return visit(
       []<typename L>(const L& l) -> LightOutline {
         if constexpr (HasIrradiance<L>) {
           // What has no form at one place has none at any other.

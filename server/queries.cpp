@@ -12,8 +12,6 @@
 namespace lucerna {
 namespace {
 
-constexpr double kDefaultUlps = 4;
-
 /// What a light is told; `normal`: unit or zero.
 Receiver<double> receiver_of(const ScenePoint& p, const Vec3<double>& normal, AreaSampling way) {
   Receiver<double> r(p.position);
@@ -24,24 +22,6 @@ Receiver<double> receiver_of(const ScenePoint& p, const Vec3<double>& normal, Ar
 
 }  // namespace
 
-ItemResult item_result(NoLight reason) {
-  switch (reason) {
-    case NoLight::kNone:
-      return ItemResult::kOk;
-    case NoLight::kBehind:
-      return ItemResult::kBehind;
-    case NoLight::kOutsideCone:
-      return ItemResult::kOutsideCone;
-    case NoLight::kDegenerate:
-      return ItemResult::kDegenerate;
-    case NoLight::kBlack:
-      return ItemResult::kBlack;
-    case NoLight::kOutOfRange:
-      return ItemResult::kOutOfRange;
-  }
-  return ItemResult::kOutOfRange;
-}
-
 ToScene::ToScene(const Scene& scene, const PointArray& points,
                  std::optional<float> position_error_m)
     : offsets_m_(points.offsets_m),
@@ -49,28 +29,6 @@ ToScene::ToScene(const Scene& scene, const PointArray& points,
       origin_error_m_(kDefaultUlps * std::numeric_limits<double>::epsilon() *
                       max_abs(points.origin_m)),
       position_error_m_(position_error_m) {}
-
-ScenePoint ToScene::operator()(std::size_t i) const {
-  ScenePoint p;
-  const Vec3<float> offset = triple(offsets_m_, i);
-  if (!is_finite(offset)) {
-    p.result = ItemResult::kInvalidInput;
-    return p;
-  }
-  p.position = shift_m_ + Vec3<double>(offset);
-  if (!is_finite(Vec3<float>(p.position))) {
-    p.position = {};
-    p.result = ItemResult::kOutOfRange;
-    return p;
-  }
-  constexpr float kRelative =
-      static_cast<float>(kDefaultUlps) * std::numeric_limits<float>::epsilon();
-  p.error = position_error_m_
-                ? *position_error_m_
-                : kRelative * std::fmax(max_abs(offset), static_cast<float>(max_abs(p.position))) +
-                      static_cast<float>(origin_error_m_);
-  return p;
-}
 
 void put_choice(const Scene& scene, const std::optional<LightChoice>& choice, std::size_t i,
                 std::uint64_t* light_ids, double* selection_probability) {

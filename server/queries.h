@@ -3,7 +3,10 @@
 // alone.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
+#include <iterator>
+#include <limits>
 #include <optional>
 #include <span>
 #include <stop_token>
@@ -23,7 +26,13 @@ enum class ItemResult : int {
   kOutOfRange,
   kInvalidInput,
 };
-ItemResult item_result(NoLight reason);
+inline ItemResult item_result(NoLight reason) {
+  constexpr ItemResult kResults[] = {ItemResult::kOk,          ItemResult::kBehind,
+                                     ItemResult::kOutsideCone, ItemResult::kDegenerate,
+                                     ItemResult::kBlack,       ItemResult::kOutOfRange};
+  static_assert(std::size(kResults) == static_cast<std::size_t>(NoLight::kOutOfRange) + 1);
+  return kResults[static_cast<std::size_t>(reason)];
+}
 
 /// World points as messages hold them: offsets x, y, z interleaved [m] from one origin [m].
 struct PointArray {
@@ -61,9 +70,31 @@ class ToScene {
   ToScene(const Scene& scene, const PointArray& points, std::optional<float> position_error_m);
 
   /// kInvalidInput where an offset is not finite, kOutOfRange where no float holds the result.
-  ScenePoint operator()(std::size_t i) const;
+  [[gnu::always_inline]] ScenePoint operator()(std::size_t i) const {
+    ScenePoint p;
+    const Vec3<float> offset = triple(offsets_m_, i);
+    if (!is_finite(offset)) {
+      p.result = ItemResult::kInvalidInput;
+      return p;
+    }
+    p.position = shift_m_ + Vec3<double>(offset);
+    if (!is_finite(Vec3<float>(p.position))) {
+      p.position = {};
+      p.result = ItemResult::kOutOfRange;
+      return p;
+    }
+    constexpr float kRelative =
+        static_cast<float>(kDefaultUlps) * std::numeric_limits<float>::epsilon();
+    p.error = position_error_m_ ? *position_error_m_
+                                : kRelative * std::fmax(max_abs(offset),
+                                                        static_cast<float>(max_abs(p.position))) +
+                                      static_cast<float>(origin_error_m_);
+    return p;
+  }
 
  private:
+  static constexpr double kDefaultUlps = 4;
+
   std::span<const float> offsets_m_;
   Vec3<double> shift_m_;  ///< the points' origin about the scene's
   double origin_error_m_;

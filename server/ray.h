@@ -47,7 +47,7 @@ Ray spawn_ray(const SurfaceHit& from, const Vec3<float>& direction);
 
 /// The ray whose t in (0, 1) is the open way from a surface point to a sampled point of a light; to
 /// infinity where the light is infinitely far.  Both ends are moved off their surfaces.
-/// `light_reach_m`: SceneLight::reach_m.
+/// `light_reach_m`: LightMotion::reach_m.
 Ray shadow_ray(const SurfaceHit& from, const LightSample<double>& to, float light_reach_m = 0);
 
 }  // namespace lucerna

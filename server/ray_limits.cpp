@@ -21,7 +21,7 @@ std::optional<UnitRay> unit_ray(const Vec3<double>& origin_m, const Vec3<double>
   const Vec3<double> d = scaled(direction, exponent);
   Vec3<double> o = origin_m;
   UnitRay ray{};
-  ray.units = std::scalbn(space.unit_m, exponent);
+  ray.units = scaled(space.unit_m, exponent);
   if (max_abs(o) > kFar * space.reach_m) [[unlikely]] {
     // A sphere about zero that holds all: from where the ray enters it.
     const double largest = max_abs(o);

@@ -26,40 +26,48 @@ namespace lucerna {
 class Shafts;
 class ShadowMaps;
 
-/// One light as the scene holds it.
-struct SceneLight {
-  std::uint64_t id;     ///< stable, from 1, never reused
-  Light<double> light;  ///< about the scene's origin; where it moves, about one of its own
-  SourceLocation where;
-  /// From the light's own coordinates at its first key frame to the scene's; null: it rests.
-  std::shared_ptr<const Motion> motion{};
-  Vec3<double> origin_m{};  ///< world position of its own coordinates' zero
-  /// Of a surface that moves: its largest coordinate about its own zero, where it is found by rays
-  /// no better than floats tell them apart there [m].  Else 0.
+/// How a light moves.
+struct LightMotion {
+  Motion motion;          ///< from its own coordinates at its first key frame to the scene's
+  Vec3<double> origin_m;  ///< world position of its own coordinates' zero
+  /// Of a surface: its largest coordinate about its own zero, where it is found by rays no better
+  /// than floats tell them apart there [m].  Else 0.
   float reach_m = 0;
-  /// Its light has a direction and no place: of `motion` it takes the turns, not the shifts, which
-  /// are as long as the scene is far from where it turns.
+  /// It has a direction and no place: of `motion` it takes the turns, not the shifts, which are as
+  /// long as the scene is far from where it turns.
   bool only_turns = false;
-  std::uint32_t samples = 1;  ///< points that each sample takes on it, where the query does not say
 
-  /// Requires `motion`.
-  Pose pose_at(double time_s) const {
-    Pose pose = motion->at(time_s);
+  Pose at(double time_s) const {
+    Pose pose = motion.at(time_s);
     if (only_turns) pose.shift_m = {};
     return pose;
   }
+};
+
+/// One light as the scene holds it.
+struct SceneLight {
+  std::uint64_t id;                           ///< stable, from 1, never reused
+  Light<double> light;                        ///< about the scene's origin; where it moves, its own
+  std::unique_ptr<const LightMotion> moving;  ///< null: it rests
+  std::uint32_t samples = 1;  ///< points that each sample takes on it, where the query does not say
+  // Where the scene asks for it, as SourceLocation says; the file as one of Scene's.
+  std::uint32_t file = 0;
+  int line = 0, column = 0;
+
+  /// LightMotion's.
+  float reach_m() const { return moving != nullptr ? moving->reach_m : 0; }
 };
 
 /// Calls `f` with the light as it is at `time_s`, about the scene's origin: the model itself or,
 /// where it moves, its Posed form.
 template <typename F>
 auto visit_light(const SceneLight& light, double time_s, F&& f) {
-  return std::visit(
+  return visit(
       [&](const auto& model) {
-        if (light.motion == nullptr) [[likely]]
+        if (light.moving == nullptr) [[likely]]
           return f(model);
         using Model = std::decay_t<decltype(model)>;
-        return f(Posed<double, Model>(model, light.pose_at(time_s)));
+        return f(Posed<double, Model>(model, light.moving->at(time_s)));
       },
       light.light);
 }
@@ -82,6 +90,13 @@ class Scene {
   const SceneSphere& sphere() const { return sphere_; }
 
   std::span<const SceneLight> lights() const { return lights_; }
+  SourceLocation source_of(const SceneLight& light) const {
+    return {files_[light.file], light.line, light.column};
+  }
+  /// World position of the zero of the coordinates that the light is in.
+  const Vec3<double>& origin_of(const SceneLight& light) const {
+    return light.moving != nullptr ? light.moving->origin_m : origin_;
+  }
   /// The spectrum that the light of this index was given; null where it was given RGB.
   const Spectrum* spectrum(std::uint32_t light) const {
     const auto number = spectrum_number(light);
@@ -143,6 +158,7 @@ class Scene {
   Vec3<double> origin_;
   SceneSphere sphere_;
   std::vector<SceneLight> lights_;
+  std::vector<std::string> files_;  // that lights are asked for in
   std::vector<std::uint32_t> infinite_lights_;
   // Both empty where no light was given a spectrum.
   std::vector<std::shared_ptr<const Spectrum>> spectra_;

@@ -8,6 +8,7 @@
 #include <memory>
 #include <stop_token>
 #include <string>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -33,9 +34,11 @@ class Scene::Builder {
   absl::Status place();
 
   absl::Status build_lights();
-  /// `light`: about `origin`, from where `motion` leads to the scene's coordinates.
+  /// `moving`: null where it rests; what only the light knows of it is filled in.
   absl::Status add_light(absl::StatusOr<Light<double>> light, const SourceLocation& where,
-                         const Vec3<double>& origin, std::shared_ptr<const Motion> motion);
+                         std::uint32_t samples, std::unique_ptr<LightMotion> moving);
+  /// The number of a file among those that lights are asked for in.
+  std::uint32_t file_number(const std::string& file);
   /// Beside the lights and not in them: where all are given RGB, nothing is kept.
   void keep_spectra();
   void report_shared_by_lights(const Stopwatch& watch);
@@ -56,6 +59,7 @@ class Scene::Builder {
   SceneDescription& in_;
   std::stop_token stop_;
   std::shared_ptr<Scene> scene_;
+  std::unordered_map<std::string, std::uint32_t> file_numbers_;
   std::vector<Vec3<double>> object_origins_;
   std::vector<Vec3<double>> moving_origins_;  ///< of each moving shape
   std::uint64_t read_by_embree_ = 0;          ///< the geometry's, which its own count holds too

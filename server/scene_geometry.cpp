@@ -94,9 +94,9 @@ absl::Status Scene::Builder::build_geometry(const std::string& isa) {
 void Scene::Builder::report_motion(const std::vector<GeometryInstance>& instances) {
   std::uint64_t lights = 0, surfaces = 0, bytes = 0;
   for (const SceneLight& l : scene_->lights_) {
-    if (!l.motion) continue;
+    if (l.moving == nullptr) continue;
     ++lights;
-    bytes += sizeof(Motion) + l.motion->bytes();
+    bytes += sizeof(LightMotion) + l.moving->motion.bytes();
   }
   for (const GeometryInstance& i : instances) {
     if (!i.motion) continue;

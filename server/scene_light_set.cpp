@@ -15,28 +15,35 @@
 
 namespace lucerna {
 
+std::uint32_t Scene::Builder::file_number(const std::string& file) {
+  const auto [entry, is_new] =
+      file_numbers_.try_emplace(file, static_cast<std::uint32_t>(scene_->files_.size()));
+  if (is_new) scene_->files_.push_back(file);
+  return entry->second;
+}
+
 absl::Status Scene::Builder::add_light(absl::StatusOr<Light<double>> light,
-                                       const SourceLocation& where, const Vec3<double>& origin,
-                                       std::shared_ptr<const Motion> motion) {
+                                       const SourceLocation& where, std::uint32_t samples,
+                                       std::unique_ptr<LightMotion> moving) {
   if (!light.ok()) return located(light.status(), where);
   const auto index = static_cast<std::uint32_t>(scene_->lights_.size());
-  std::visit(
+  visit(
       [&]<typename L>(const L& l) {
         if constexpr (SeenBeyond<L>) scene_->infinite_lights_.push_back(index);
         scene_->has_visible_lights_ |= !l.kDelta;
+        if constexpr (requires { l.shape(); })
+          if (moving != nullptr)
+            moving->reach_m =
+                std::fmax(max_abs(l.shape().bounds().first), max_abs(l.shape().bounds().second));
       },
       *light);
-  float reach_m = 0;
-  if (motion)
-    std::visit(
-        [&](const auto& l) {
-          if constexpr (requires { l.shape(); })
-            reach_m =
-                std::fmax(max_abs(l.shape().bounds().first), max_abs(l.shape().bounds().second));
-        },
-        *light);
-  scene_->lights_.push_back(
-      {index + 1u, *std::move(light), where, std::move(motion), origin, reach_m});
+  scene_->lights_.push_back({.id = index + 1u,
+                             .light = *std::move(light),
+                             .moving = std::move(moving),
+                             .samples = samples,
+                             .file = file_number(where.file),
+                             .line = where.line,
+                             .column = where.column});
   return absl::OkStatus();
 }
 
@@ -77,41 +84,40 @@ absl::Status Scene::Builder::build_lights() {
   const Stopwatch watch;
   for (const auto& l : in_.lights) {
     Vec3<double> origin = scene_->origin_;
-    std::shared_ptr<const Motion> motion;
-    const std::optional<Vec3<double>> anchor = anchor_of(l);
+    std::unique_ptr<LightMotion> moving;
     if (l.motion) {
+      const std::optional<Vec3<double>> anchor = anchor_of(l);
       // About itself: its coordinates are then exact wherever it moves to.
       if (anchor) origin = *anchor;
-      motion = about_scene(*l.motion, origin);
+      moving = std::make_unique<LightMotion>(l.motion->about(origin, scene_->origin_), origin);
+      moving->only_turns = !anchor;
     }
-    if (absl::Status s = add_light(create_light(l, origin), l.where, origin, std::move(motion));
+    if (absl::Status s = add_light(create_light(l, origin), l.where, l.samples, std::move(moving));
         !s.ok())
       return s;
-    scene_->lights_.back().only_turns = !anchor;
-    scene_->lights_.back().samples = l.samples;
   }
   std::size_t moving_shape = 0;
   for (const auto& s : in_.shapes) {
     Vec3<double> origin = scene_->origin_;
-    std::shared_ptr<const Motion> motion;
-    if (s.motion) {
-      // As the surface that rays hit.
-      origin = moving_origins_[moving_shape++];
-      motion = about_scene(*s.motion, origin);
-    }
+    // As the surface that rays hit.
+    if (s.motion) origin = moving_origins_[moving_shape++];
     if (!s.emission) continue;
-    if (absl::Status status =
-            add_light(create_area_light(s, origin), s.emission->where, origin, std::move(motion));
+    std::unique_ptr<LightMotion> moving;
+    if (s.motion)
+      moving = std::make_unique<LightMotion>(s.motion->about(origin, scene_->origin_), origin);
+    if (absl::Status status = add_light(create_area_light(s, origin), s.emission->where,
+                                        s.emission->samples, std::move(moving));
         !status.ok())
       return status;
-    scene_->lights_.back().samples = s.emission->samples;
   }
   if (scene_->lights_.empty()) return absl::OkStatus();
-  std::uint64_t bytes = scene_->lights_.capacity() * sizeof(SceneLight), table_bytes = 0;
+  scene_->lights_.shrink_to_fit();
+  std::uint64_t bytes = scene_->lights_.size() * sizeof(SceneLight), table_bytes = 0;
+  for (const std::string& file : scene_->files_) bytes += sizeof file + file.capacity();
   std::size_t tables = 0;
   for (const SceneLight& l : scene_->lights_) {
     const std::uint64_t table = distribution_bytes(l.light);
-    bytes += light_bytes(l.light) - table;
+    bytes += l.light.bytes_beside() + light_bytes(l.light) - table;
     table_bytes += table;
     tables += table > 0;
   }
@@ -138,7 +144,7 @@ void Scene::Builder::report_shared_by_lights(const Stopwatch& watch) {
   std::set<std::shared_ptr<const PhotometricWeb>> webs;
   std::set<std::shared_ptr<const IntensityMap>> maps;
   for (const SceneLight& l : scene_->lights_) {
-    std::visit(
+    visit(
         [&](const auto& m) {
           if constexpr (requires { m.shape().profile(); }) webs.insert(m.shape().profile().web);
           if constexpr (requires { webs.insert(m.params().web); }) webs.insert(m.params().web);
@@ -163,7 +169,7 @@ namespace {
 
 /// The area that the flux of a light without bounds passes through, in a scene of this sphere [m2].
 double cross_section_m2(const Light<double>& light, const SceneSphere& sphere) {
-  return std::visit(
+  return visit(
       [&](const auto& l) {
         if constexpr (requires { l.params().width_m; }) {
           return l.params().width_m * l.params().height_m;
@@ -180,12 +186,12 @@ double cross_section_m2(const Light<double>& light, const SceneSphere& sphere) {
 /// Where the light may be and shine to, at any time; nothing where its illuminance does not fall
 /// off with the distance.
 std::optional<LightBounds<double>> bounds_of(const SceneLight& light) {
-  if (std::holds_alternative<BeamLight<double>>(light.light)) return std::nullopt;
-  auto bounds = std::visit([](const auto& l) { return l.bounds(); }, light.light);
-  if (!bounds || !light.motion) return bounds;
+  if (light.light.get_if<BeamLight<double>>() != nullptr) return std::nullopt;
+  auto bounds = visit([](const auto& l) { return l.bounds(); }, light.light);
+  if (!bounds || light.moving == nullptr) return bounds;
   LightBounds<double> swept = *bounds;
   swept.cone_rad = swept.normals_rad = std::numbers::pi;
-  std::tie(swept.lower, swept.upper) = light.motion->bounds(bounds->lower, bounds->upper);
+  std::tie(swept.lower, swept.upper) = light.moving->motion.bounds(bounds->lower, bounds->upper);
   return swept;
 }
 
@@ -198,7 +204,7 @@ std::vector<LightSelector::Item> selector_items(const Scene& scene, bool areas_a
   std::vector<LightSelector::Item> items;
   for (std::uint32_t i = 0; i < scene.lights().size(); ++i) {
     const SceneLight& l = scene.lights()[i];
-    if (areas_alone && std::visit([](const auto& m) { return m.kDelta; }, l.light)) continue;
+    if (areas_alone && visit([](const auto& m) { return m.kDelta; }, l.light)) continue;
     const Power power = visit_light(l, -std::numeric_limits<double>::infinity(),
                                     [&](const auto& m) { return m.power(sphere); });
     // The largest channel, not the luminance: a light of one channel has its share of noise too.

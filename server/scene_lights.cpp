@@ -69,7 +69,7 @@ absl::StatusOr<Light<double>> create_light(const LightDescription& light,
       [&]<typename Params>(const Params& params) -> absl::StatusOr<Light<double>> {
         for (const std::optional<Box>& box : {box_of(light), portal_box_of(light)})
           if (auto s = check_place(box, origin); !s.ok()) return s;
-        auto made = ModelOf<Params, Light<double>>::type::create(params, origin);
+        auto made = ModelOf<Params, LightModels<double>>::type::create(params, origin);
         if (!made.ok()) return made.status();
         return Light<double>(*std::move(made));
       },
@@ -165,7 +165,7 @@ absl::StatusOr<Light<double>> create_area_light(const ShapeDescription& shape,
 }
 
 std::uint64_t primitive_count(const Light<double>& light) {
-  return std::visit(
+  return visit(
       [](const auto& l) -> std::uint64_t {
         if constexpr (requires { l.shape().size(); })
           return l.shape().size();
@@ -176,7 +176,7 @@ std::uint64_t primitive_count(const Light<double>& light) {
 }
 
 std::uint64_t light_bytes(const Light<double>& light) {
-  return std::visit(
+  return visit(
       [](const auto& l) -> std::uint64_t {
         if constexpr (requires { l.shape().bytes(); })
           return l.shape().bytes();
@@ -189,7 +189,7 @@ std::uint64_t light_bytes(const Light<double>& light) {
 }
 
 std::uint64_t distribution_bytes(const Light<double>& light) {
-  return std::visit(
+  return visit(
       [](const auto& l) -> std::uint64_t {
         if constexpr (requires { l.shape().distribution_bytes(); })
           return l.shape().distribution_bytes();
@@ -202,7 +202,7 @@ std::uint64_t distribution_bytes(const Light<double>& light) {
 }
 
 const Image* picture_of(const Light<double>& light) {
-  return std::visit(
+  return visit(
       [](const auto& l) -> const Image* {
         if constexpr (requires { l.params().map->image(); })
           return l.params().map ? &l.params().map->image() : nullptr;

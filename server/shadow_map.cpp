@@ -38,8 +38,8 @@ ShadowMapView::Face face_about(const Vec3<double>& forward) {
 }  // namespace
 
 std::optional<ShadowMapView> shadow_map_view(const SceneLight& light, const SceneSphere& sphere) {
-  if (light.motion) return std::nullopt;
-  return std::visit(
+  if (light.moving != nullptr) return std::nullopt;
+  return visit(
       [&]<typename L>(const L& l) -> std::optional<ShadowMapView> {
         ShadowMapView view{};
         if constexpr (std::is_same_v<L, DistantLight<double>>) {

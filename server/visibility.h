@@ -29,7 +29,7 @@ ScenePoint on_surface(const Scene& scene, ScenePoint point, const Vec3<float>& n
 std::optional<Ray> segment_ray(const ScenePoint& from, const Vec3<float>& normal,
                                const ScenePoint& to);
 
-/// The way from a point to a sampled point of a light.  `light_reach_m`: SceneLight::reach_m.
+/// The way from a point to a sampled point of a light.  `light_reach_m`: LightMotion::reach_m.
 Ray light_ray(const ScenePoint& from, const Vec3<float>& normal, const LightSample<double>& to,
               double time_s = 0, float light_reach_m = 0);
 

@@ -271,14 +271,16 @@ void set_light(const Scene& scene, std::uint32_t light, v1::Light* out) {
   const SceneLight& entry = scene.lights()[light];
   out->set_id(entry.id);
   out->set_samples_per_light(entry.samples);
-  out->set_source(fmt::format("{}:{}:{}", entry.where.file, entry.where.line, entry.where.column));
-  std::visit(
+  const SourceLocation where = scene.source_of(entry);
+  out->set_source(fmt::format("{}:{}:{}", where.file, where.line, where.column));
+  const Vec3<double>& origin_m = scene.origin_of(entry);
+  visit(
       [&]<typename L>(const L& l) {
         out->set_delta(L::kDelta);
         if constexpr (requires { l.area_m2(); }) out->set_area_m2(l.area_m2());
         if (const auto bounds = l.bounds()) {
-          Vec3<double> lower = entry.origin_m + Vec3<double>(bounds->lower);
-          Vec3<double> upper = entry.origin_m + Vec3<double>(bounds->upper);
+          Vec3<double> lower = origin_m + Vec3<double>(bounds->lower);
+          Vec3<double> upper = origin_m + Vec3<double>(bounds->upper);
           // A point is where the scene file puts it, not where a float can.
           if constexpr (requires { l.params().position_m; }) {
             if (lower == upper) lower = upper = l.params().position_m;
@@ -291,13 +293,14 @@ void set_light(const Scene& scene, std::uint32_t light, v1::Light* out) {
           }
         }
         if constexpr (requires { l.emission(); }) {
-          set_kind(l, entry.origin_m, out);
+          set_kind(l, origin_m, out);
         } else {
           set_kind(l, out);
         }
       },
       entry.light);
-  if (entry.motion) set_motion(*entry.motion, scene.origin(), out->mutable_motion());
+  if (entry.moving != nullptr)
+    set_motion(entry.moving->motion, scene.origin(), out->mutable_motion());
   const Power power = light_power(scene, light);
   out->set_power_lm(luminance(power.lumens));
   out->set_power_error_lm(power.error_lumens);

@@ -1,6 +1,8 @@
 // What a scene with one point light pays for all that other scenes can have: bytes, and nanoseconds
-// a sample, against loops written by hand for that light alone, at the same flags and with the same
-// answers.  Medians of paired runs on one thread.
+// a sample, against loops written by hand for that light alone, at the same flags.  Twice: bare,
+// for receivers that are all well, and with whole answers, as queries promise them: each item's
+// status, whatever its input, and each point's error and cost.  Medians of paired runs on one
+// thread.
 #include <fmt/format.h>
 #include <tbb/task_arena.h>
 
@@ -46,8 +48,8 @@ struct Arrays {
   }
 };
 
-/// SampleLi for one point light: the same arrays, the same numbers to a rounding.
-void sample_by_hand(const Lamp& lamp, const std::vector<float>& receivers, Arrays& a) {
+/// SampleLi for one point light where nothing can be wrong: the same numbers to a rounding.
+void sample_bare(const Lamp& lamp, const std::vector<float>& receivers, Arrays& a) {
   for (std::size_t i = 0; i < kReceivers; ++i) {
     const Vec3<double> to = lamp.position - Vec3<double>(triple(receivers, i));
     const double squared = dot(to, to), distance = std::sqrt(squared), inverse = 1 / squared;
@@ -63,9 +65,57 @@ void sample_by_hand(const Lamp& lamp, const std::vector<float>& receivers, Array
   }
 }
 
+bool is_float(const Vec3<double>& v) { return is_finite(Vec3<float>(v)); }
+
+/// The same with all that SampleLi promises of any input.
+void sample_whole(const Lamp& lamp, const PointArray& receivers, const Vec3<double>& scene_origin,
+                  const std::vector<float>& u, Arrays& a) {
+  const Vec3<double> shift = receivers.origin_m - scene_origin;
+  const bool is_black = lamp.intensity.is_black();
+  for (std::size_t i = 0; i < kReceivers; ++i) {
+    const auto put = [&](ItemResult result) { a.status[i] = static_cast<int>(result); };
+    a.pdf[i] = 1;
+    const Vec3<float> offset = triple(receivers.offsets_m, i);
+    if (!is_finite(offset) || !std::isfinite(u[2 * i]) || !std::isfinite(u[2 * i + 1])) {
+      put(ItemResult::kInvalidInput);
+      continue;
+    }
+    const Vec3<double> position = shift + Vec3<double>(offset);
+    if (!is_float(position)) {
+      put(ItemResult::kOutOfRange);
+      continue;
+    }
+    a.delta[i / 8] |= static_cast<std::uint8_t>(1u << (i % 8));
+    const Vec3<double> to = lamp.position - position;
+    if (to == Vec3<double>{}) {
+      put(ItemResult::kDegenerate);
+      continue;
+    }
+    const double squared = dot(to, to);
+    const double distance = is_safe_square(squared) ? std::sqrt(squared) : length(to);
+    store(a.wi.data(), i, Vec3<float>(to / distance));
+    const Vec3<float> point(lamp.position - shift);
+    const auto told_distance = static_cast<float>(distance);
+    const bool has_place = std::isfinite(told_distance) && is_finite(point);
+    if (std::isfinite(told_distance)) a.distance[i] = told_distance;
+    if (has_place) store(a.offsets.data(), i, point);
+    const Rgb<double> lux =
+        is_safe_square(squared) ? lamp.intensity / squared : lamp.intensity / distance / distance;
+    const Vec3<float> value(Vec3<double>(lux.r, lux.g, lux.b));
+    if (is_black) {
+      put(ItemResult::kBlack);
+    } else if (!is_finite(value) || !has_place) {
+      put(ItemResult::kOutOfRange);
+    } else {
+      store(a.value.data(), i, value);
+      put(ItemResult::kOk);
+    }
+  }
+}
+
 /// EstimateIrradiance for one point light; a ray where there is a scene to hit.
-void irradiance_by_hand(const Lamp& lamp, const std::vector<IrradiancePoint>& points,
-                        const Scene* scene, std::vector<Rgb<double>>& answer) {
+void irradiance_bare(const Lamp& lamp, const std::vector<IrradiancePoint>& points,
+                     const Scene* scene, std::vector<Rgb<double>>& answer) {
   for (std::size_t i = 0; i < points.size(); ++i) {
     const IrradiancePoint& p = points[i];
     const Vec3<double> to = lamp.position - p.position;
@@ -82,6 +132,39 @@ void irradiance_by_hand(const Lamp& lamp, const std::vector<IrradiancePoint>& po
   }
 }
 
+/// The same with all that EstimateIrradiance says of each point.
+IrradianceResult irradiance_whole(const Lamp& lamp, const std::vector<IrradiancePoint>& points,
+                                  const Scene* scene) {
+  IrradianceResult answer;
+  answer.points.resize(points.size());
+  answer.costs.resize(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const IrradiancePoint& p = points[i];
+    IrradianceEstimate& e = answer.points[i];
+    e.exact = true;
+    const Vec3<double> to = lamp.position - p.position;
+    const double squared = dot(to, to);
+    if (!(squared > 0)) continue;
+    const double distance = is_safe_square(squared) ? std::sqrt(squared) : length(to);
+    const double cosine = dot(Vec3<double>(p.normal), to / distance);
+    if (!(cosine > 0)) continue;
+    if (scene != nullptr) {
+      ++answer.work.shadow_rays;
+      answer.costs[i].rays = 1;
+      const Vec3<float> start =
+          offset_origin(Vec3<float>(p.position), p.position_error, Vec3<double>(p.normal), to);
+      if (scene->occluded({start, Vec3<float>(lamp.position) - start, 0, 1})) continue;
+    }
+    const Rgb<double> lux =
+        is_safe_square(squared) ? lamp.intensity / squared : lamp.intensity / distance / distance;
+    if (!is_finite(lux)) continue;
+    e.irradiance_lx = lux * cosine;
+    const double illuminance = luminance(e.irradiance_lx);
+    e.illuminance_lx = {illuminance, illuminance};
+  }
+  return answer;
+}
+
 double nanoseconds(const std::function<void()>& f) {
   const auto start = std::chrono::steady_clock::now();
   f();
@@ -95,16 +178,17 @@ double median(std::vector<double> v) {
   return v[v.size() / 2];
 }
 
-void compare(const char* what, const std::function<void()>& by_hand,
-             const std::function<void()>& by_scene) {
-  std::vector<double> hand, scene, ratio;
+void compare(const char* what, const std::function<void()>& bare,
+             const std::function<void()>& whole, const std::function<void()>& by_scene) {
+  std::vector<double> of_bare, of_whole, of_scene, ratio;
   for (int i = 0; i < kRuns; ++i) {
-    hand.push_back(nanoseconds(by_hand));
-    scene.push_back(nanoseconds(by_scene));
-    ratio.push_back(scene.back() / hand.back());
+    of_bare.push_back(nanoseconds(bare));
+    of_whole.push_back(nanoseconds(whole));
+    of_scene.push_back(nanoseconds(by_scene));
+    ratio.push_back(of_scene.back() / of_whole.back());
   }
-  fmt::print("| {} | {:.1f} | {:.1f} | {:.2f} |\n", what, median(hand), median(scene),
-             median(ratio));
+  fmt::print("| {} | {:.1f} | {:.1f} | {:.1f} | {:.2f} |\n", what, median(of_bare),
+             median(of_whole), median(of_scene), median(ratio));
 }
 
 void run() {
@@ -133,7 +217,8 @@ void run() {
   fmt::print("bytes: the light {}, the scene {}", sizeof(Lamp), bare->bytes());
   for (const ScenePart& part : bare->parts()) fmt::print("; {} {}", part.name, part.bytes);
   fmt::print("; one entry of its table of lights {}\n\n", sizeof(SceneLight));
-  fmt::print("| ns a sample | by hand | by the scene | ratio |\n|---|---|---|---|\n");
+  fmt::print("| ns a sample | by hand, bare | by hand, whole | by the scene | over whole |\n");
+  fmt::print("|---|---|---|---|---|\n");
 
   Arrays by_hand, by_scene;
   const std::vector<float> numbers(2 * kReceivers, 0.5f);
@@ -143,21 +228,28 @@ void run() {
   query.u = numbers;
   const Lamp of_bare = lamp_in(*bare), of_floor = lamp_in(*with_floor);
   compare(
-      "SampleLi", [&] { sample_by_hand(of_bare, receivers, by_hand); },
+      "SampleLi", [&] { sample_bare(of_bare, receivers, by_hand); },
+      [&] { sample_whole(of_bare, query.receivers, bare->origin(), numbers, by_hand); },
       [&] { sample_li(*bare, query, by_scene.answer(), {}); });
   std::vector<Rgb<double>> answer(kReceivers);
+  IrradianceResult whole, estimate;
   IrradianceSettings settings{.block_count = 16, .bounces = 0};
   compare(
-      "irradiance, nothing to hit", [&] { irradiance_by_hand(of_bare, points, nullptr, answer); },
-      [&] { estimate_irradiance(*bare, points, settings, {}); });
+      "irradiance, nothing to hit", [&] { irradiance_bare(of_bare, points, nullptr, answer); },
+      [&] { whole = irradiance_whole(of_bare, points, nullptr); },
+      [&] { estimate = estimate_irradiance(*bare, points, settings, {}); });
   compare(
       "irradiance over a floor, with a shadow ray",
-      [&] { irradiance_by_hand(of_floor, floor_points, with_floor.get(), answer); },
-      [&] { estimate_irradiance(*with_floor, floor_points, settings, {}); });
-  double off = 0;
+      [&] { irradiance_bare(of_floor, floor_points, with_floor.get(), answer); },
+      [&] { whole = irradiance_whole(of_floor, floor_points, with_floor.get()); },
+      [&] { estimate = estimate_irradiance(*with_floor, floor_points, settings, {}); });
+  double off = 0, lux_off = 0;
   for (std::size_t i = 0; i < by_hand.value.size(); ++i)
     off = std::max(off, std::fabs(1.0 - by_hand.value[i] / by_scene.value[i]));
-  fmt::print("\nvalues of SampleLi differ by {:.1e} of them at most\n", off);
+  for (std::size_t i = 0; i < whole.points.size(); ++i)
+    lux_off = std::max(lux_off, std::fabs(1 - whole.points[i].irradiance_lx.g /
+                                                  estimate.points[i].irradiance_lx.g));
+  fmt::print("\nvalues differ by {:.1e} of them at most, irradiances by {:.1e}\n", off, lux_off);
 }
 
 }  // namespace

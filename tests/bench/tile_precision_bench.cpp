@@ -96,7 +96,7 @@ struct Question {
 
 template <std::floating_point Real>
 double answer(const std::vector<Light<Real>>& lights, const Question<Real>& q) {
-  return std::visit(
+  return visit(
       [&]<typename L>(const L& light) -> double {
         switch (q.kind) {
           case Question<Real>::kSample:
@@ -248,8 +248,8 @@ class Tile {
     scene_ = value_of(Scene::build(value_of(load_pbrt(assets, name, {}))));
     for (const SceneLight& l : scene_->lights()) {
       in_double_.push_back(l.light);
-      in_float_.push_back(std::visit(
-          [&](const auto& light) { return in_float(light, scene_->origin()); }, l.light));
+      in_float_.push_back(
+          visit([&](const auto& light) { return in_float(light, scene_->origin()); }, l.light));
     }
     settings_.rect = {48, 28, 112, 92};
     settings_.samples_per_block = 4;

@@ -56,7 +56,7 @@ void expect_closed_forms_take_part(const std::variant<Models...>*) {
 }
 
 TEST(Contract, EveryLightTakesPart) {
-  constexpr const Light<float>* kAll = nullptr;
+  constexpr const LightModels<float>* kAll = nullptr;
   expect_all_take_part(kAll, {"AnyLight"});
   expect_all_take_part(kAll, {"LightWithDensity", "DeltaLight"});
   expect_all_take_part(kAll, {"EmittingLight"});

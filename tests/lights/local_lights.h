@@ -141,10 +141,10 @@ class LocalLights {
 };
 
 inline LightBounds<double> bounds_of(const Light<double>& light) {
-  return std::visit([](const auto& l) { return *l.bounds(); }, light);
+  return visit([](const auto& l) { return *l.bounds(); }, light);
 }
 inline double power_of(const Light<double>& light) {
-  return std::visit([](const auto& l) { return l.power({}).lumens.max_component(); }, light);
+  return visit([](const auto& l) { return l.power({}).lumens.max_component(); }, light);
 }
 inline LightTree tree_of(const std::vector<LocalLight>& lights) {
   std::vector<LightTree::Item> items;
@@ -153,7 +153,7 @@ inline LightTree tree_of(const std::vector<LocalLight>& lights) {
 }
 inline LightSample<double> sample_of(const Light<double>& light, const Receiver<double>& receiver,
                                      Vec2<double> u) {
-  return std::visit([&](const auto& l) { return l.sample_li(receiver, u); }, light);
+  return visit([&](const auto& l) { return l.sample_li(receiver, u); }, light);
 }
 
 /// A map that turns at random, scales by `size` and puts the origin within `size * spread` of zero.

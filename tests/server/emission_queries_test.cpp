@@ -45,7 +45,7 @@ SceneDescription panels() {
 
 std::uint64_t id_of_area_light(const Scene& scene) {
   for (const SceneLight& l : scene.lights()) {
-    if (std::holds_alternative<PatchMeshLight<double>>(l.light)) return l.id;
+    if (l.light.get_if<PatchMeshLight<double>>() != nullptr) return l.id;
   }
   return 0;
 }

@@ -56,7 +56,7 @@ double sampled(const Params& params, bool incomplete = false) {
   constexpr int kSide = 64;
   const auto light = create_light({.params = params, .where = {}}, {});
   EXPECT_TRUE(light.ok()) << light.status();
-  std::visit(
+  visit(
       [&](const auto& l) {
         Receiver<double> receiver(0, 0, 0);
         receiver.incomplete = incomplete;
@@ -127,7 +127,7 @@ TEST(SkyExtremes, BlackGivesNoLightAndSaysSo) {
     ASSERT_TRUE(scene.ok()) << scene.status();
     const auto light = create_light(scene->lights.at(0), {});
     ASSERT_TRUE(light.ok());
-    std::visit(
+    visit(
         [](const auto& l) {
           EXPECT_EQ(l.sample_li(Receiver<double>(0, 0, 0), {0.5, 0.5}).reason, NoLight::kBlack);
           EXPECT_TRUE(l.power({{}, 1}).lumens.is_black());

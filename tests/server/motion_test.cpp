@@ -157,7 +157,7 @@ TEST(MovingLights, ScenesWithoutMotionHaveNoTraceOfIt) {
   const auto still = build(moving_point(false)), moves = build(moving_point());
   EXPECT_FALSE(has_motion(*still));
   EXPECT_FALSE(still->moves());
-  EXPECT_EQ(still->lights()[0].motion, nullptr);
+  EXPECT_EQ(still->lights()[0].moving, nullptr);
   EXPECT_TRUE(has_motion(*moves));
   EXPECT_TRUE(moves->moves());
   // Nor do its answers depend on time: the same bits with and without one.

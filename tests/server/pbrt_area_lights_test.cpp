@@ -46,7 +46,7 @@ const std::string kImage =
 
 /// What the first light shows at a point, towards its front.
 float shown(const Scene& scene, const Vec3<double>& world) {
-  return std::visit(
+  return visit(
       [&]<typename L>(const L& light) -> float {
         if constexpr (SeenOnSurface<L>) {
           const Vec3<double> p = world - scene.origin();
@@ -133,8 +133,8 @@ TEST(PbrtAreaImages, TheDefaultFilterIsPbrt4s) {
 
 TEST(PbrtAreaImages, PowerIsThatOfTheWholeAsPbrt4HasIt) {
   const auto lumens = [](const Scene& scene) {
-    return std::visit([&](const auto& l) { return luminance(l.power(scene.sphere()).lumens); },
-                      scene.lights()[0].light);
+    return visit([&](const auto& l) { return luminance(l.power(scene.sphere()).lumens); },
+                 scene.lights()[0].light);
   };
   // Of level 1: pi A times the mean of 2.5.
   EXPECT_NEAR(lumens(*scene_of(kImage + kPatch)), 2.5 * kPi, 1e-6);
@@ -216,7 +216,7 @@ const std::string kProfile = "AreaLightSource \"diffuse\" \"string profile\" \"l
 
 /// Luminous intensity of the whole panel towards the unit vector `w` [cd].
 double intensity(const Scene& scene, const Vec3<double>& w) {
-  return std::visit(
+  return visit(
       [&]<typename L>(const L& light) -> double {
         if constexpr (requires { light.shape().profile(); }) {
           const auto s = light.shape().sample(Vec3<double>{0.1, 0.2, 50}, {0.5, 0.5});
@@ -274,8 +274,8 @@ TEST(PbrtPanels, ChartsOfAnySizeTurnTheFile) {
 TEST(PbrtPanels, LevelsMultiplyTheFilesCandela) {
   const std::string disk = "Shape \"disk\"";
   const auto lumens = [](const Scene& scene) {
-    return std::visit([&](const auto& l) { return luminance(l.power(scene.sphere()).lumens); },
-                      scene.lights()[0].light);
+    return visit([&](const auto& l) { return luminance(l.power(scene.sphere()).lumens); },
+                 scene.lights()[0].light);
   };
   const double front = lumens(*panel_scene(kProfile + disk));
   const double both = lumens(*panel_scene(kProfile + "\"bool twosided\" true " + disk));

@@ -182,7 +182,7 @@ TEST_P(SelfShadowing, DoesNotHideALampFromWhatItLights) {
             {Vec3<float>(scene_from_object.point({x, y, from})),
              Vec3<float>(scene_from_object.vector({0, 0, l == 2 ? 1.0 : -1.0}))});
         ASSERT_TRUE(hit);
-        const LightSample<double> s = std::visit(
+        const LightSample<double> s = visit(
             [&](const auto& light) {
               return light.sample_li(hit->position, {u(random), u(random)});
             },
@@ -215,7 +215,7 @@ TEST(ShadowRay, IsBlockedByWhatIsBetweenAndByNothingElse) {
     const auto hit = scene->closest_hit({Vec3<float>{100, 100, 0.25f}, {0, 0, -1}});
     ASSERT_TRUE(hit);
     const auto s =
-        std::get<PointLight<double>>(scene->lights()[0].light).sample_li(hit->position, {});
+        scene->lights()[0].light.get_if<PointLight<double>>()->sample_li(hit->position, {});
     EXPECT_EQ(scene->occluded(shadow_ray(*hit, s)), z < 1e4) << z;
   }
 }

@@ -48,7 +48,7 @@ TEST(Scene, MovesItsOriginToGeometryFarAway) {
   EXPECT_EQ(scene->origin().x, 1000000);
   EXPECT_EQ(scene->origin().y, 4);
   EXPECT_EQ(scene->origin().z, 0);
-  const auto s = std::get<PointLight<double>>(scene->lights()[0].light).sample_li({1, 0, 0}, {});
+  const auto s = scene->lights()[0].light.get_if<PointLight<double>>()->sample_li({1, 0, 0}, {});
   EXPECT_FLOAT_EQ(s.distance, 1e-3f);
 }
 
@@ -65,8 +65,8 @@ TEST(Scene, NumbersLightsFromOneFirstThoseThatAreNoShape) {
   }
   EXPECT_FALSE(scene->find_light(0));
   EXPECT_FALSE(scene->find_light(5));
-  EXPECT_TRUE(std::holds_alternative<PatchMeshLight<double>>(scene->lights()[2].light));
-  EXPECT_TRUE(std::holds_alternative<SphereLight<double>>(scene->lights()[3].light));
+  EXPECT_NE(scene->lights()[2].light.get_if<PatchMeshLight<double>>(), nullptr);
+  EXPECT_NE(scene->lights()[3].light.get_if<SphereLight<double>>(), nullptr);
   EXPECT_THAT(std::vector(scene->infinite_lights().begin(), scene->infinite_lights().end()),
               ElementsAre(1u));
   EXPECT_EQ(hit_below(*scene, 0.9f, 0.9f, 0.5f).light, -1);

@@ -56,7 +56,7 @@ Rays shoot(const Scene& scene, const SurfaceHit& receiver, std::uint32_t light, 
       if (s.reason != NoLight::kNone || !(dot(r.normal, s.wi) > 0)) continue;
       ++rays.lit;
       // A ray to the very rim of a sphere may meet the sphere itself: nothing that is in the way.
-      const auto hit = scene.closest_hit(shadow_ray(receiver, s, l.reach_m));
+      const auto hit = scene.closest_hit(shadow_ray(receiver, s, l.reach_m()));
       rays.blocked += hit && hit->light != static_cast<std::int32_t>(light) ? 1 : 0;
     }
   });

@@ -133,7 +133,7 @@ TEST(DegenerateExtremes, PrimitivesWithoutArea) {
     ASSERT_TRUE(loaded.status.ok()) << loaded.status;
     EXPECT_NE(loaded.remarks.find("of this mesh have no area"), std::string::npos) << mesh.shape;
     EXPECT_NEAR(flux_lm(*loaded.scene), kPi * mesh.area, 1e-6);
-    std::visit(
+    visit(
         [&](const auto& light) {
           using Real = decltype(light.sample_li({}, {}).distance);
           for (const double u :

@@ -38,8 +38,8 @@ inline FileScene scene_of(const std::string& text,
 inline double flux_lm(const Scene& scene) {
   double sum = 0;
   for (const SceneLight& l : scene.lights())
-    sum += std::visit(
-        [&](const auto& light) { return luminance(light.power(scene.sphere()).lumens); }, l.light);
+    sum += visit([&](const auto& light) { return luminance(light.power(scene.sphere()).lumens); },
+                 l.light);
   return sum;
 }
 
@@ -47,8 +47,8 @@ inline double flux_lm(const Scene& scene) {
 inline double flux_error_lm(const Scene& scene) {
   double sum = 0;
   for (const SceneLight& l : scene.lights())
-    sum += std::visit([&](const auto& light) { return light.power(scene.sphere()).error_lumens; },
-                      l.light);
+    sum +=
+        visit([&](const auto& light) { return light.power(scene.sphere()).error_lumens; }, l.light);
   return sum;
 }
 

@@ -33,11 +33,11 @@ Light<Served> light_in(const std::string& text) {
 
 LightSample<Served> sample(const Light<Served>& light, const Receiver<Served>& receiver,
                            Vec2<Served> u = {0.5, 0.5}) {
-  return std::visit([&](const auto& l) { return l.sample_li(receiver, u); }, light);
+  return visit([&](const auto& l) { return l.sample_li(receiver, u); }, light);
 }
 
 double power(const Light<Served>& light) {
-  return std::visit([](const auto& l) { return l.power({}).lumens.g; }, light);
+  return visit([](const auto& l) { return l.power({}).lumens.g; }, light);
 }
 
 std::string spot(double cone_deg, double delta_deg) {

@@ -116,8 +116,11 @@ constexpr std::array<double, 11> kValues{0,   0x1p-149,      0x1p-24, 0.25,     
 /// What a light computes in.
 template <typename L>
 using RealOf = std::decay_t<decltype(std::declval<const L&>().sample_li({}, {}).distance)>;
+/// What served lights compute in.
+template <std::floating_point Real>
+Real real_of(const Light<Real>& light);
+using ServedReal = decltype(real_of(std::declval<SceneLight>().light));
 /// So many roundings of it, of coordinates up to a hundred sizes.
-using ServedReal = RealOf<std::variant_alternative_t<0, decltype(SceneLight::light)>>;
 constexpr double kRoundings = 512 * double{std::numeric_limits<ServedReal>::epsilon()};
 
 constexpr char kSwept[] = "0, 2^-149, 2^-24, ... 1 - 2^-24, 1";
@@ -162,7 +165,7 @@ TEST(SampleValueExtremes, PointsLieOnTheirLights) {
   const Quad3 origin(scene->origin());
   for (const SceneLight& l : scene->lights()) {
     const std::string at = "light " + std::to_string(l.id);
-    std::visit(
+    visit(
         [&](const auto& light) {
           using Real = RealOf<std::decay_t<decltype(light)>>;
           if constexpr (requires { light.shape(); }) {
@@ -200,7 +203,7 @@ TEST(SampleValueExtremes, DensitiesAreThoseAskedFor) {
   const auto scene = every_light();
   for (const SceneLight& l : scene->lights()) {
     const std::string at = "light " + std::to_string(l.id);
-    std::visit(
+    visit(
         [&](const auto& light) {
           using Real = RealOf<std::decay_t<decltype(light)>>;
           for_each_pair([&](Vec2<double> pair) {
@@ -245,7 +248,7 @@ TEST(SampleValueExtremes, DensitiesOfRaysThatLeave) {
   const auto scene = every_light();
   for (const SceneLight& l : scene->lights()) {
     const std::string at = "light " + std::to_string(l.id);
-    std::visit(
+    visit(
         [&](const auto& light) {
           using Real = RealOf<std::decay_t<decltype(light)>>;
           for_each_pair([&](Vec2<double> pair) {

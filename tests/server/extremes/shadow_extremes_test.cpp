@@ -138,7 +138,7 @@ void bounce(const Everything& e, Random& random, Count& count) {
                     .from_normal = dot(hit->ng, q - p) < 0 ? -hit->ng : hit->ng};
     const Vec3<float> start = world_float(e, p), way = world_float(e, q) - start;
     count.add(exact.along(shadow),
-              scene.occluded(shadow_ray(*hit, sample, scene.lights()[light].reach_m)),
+              scene.occluded(shadow_ray(*hit, sample, scene.lights()[light].reach_m())),
               scene.occluded({start, way, kEpsilon / length(way), 1 - kEpsilon}));
   });
 }

@@ -119,7 +119,7 @@ void compare_unrounded(Sweep& sweep, const L& light, const SceneSphere& sphere) 
 std::vector<std::uint32_t> lights_without_surface(const Scene& scene) {
   std::vector<std::uint32_t> found;
   for (std::uint32_t l = 0; l < scene.lights().size(); ++l)
-    std::visit(
+    visit(
         [&]<typename L>(const L&) {
           if constexpr (!SeenOnSurface<L>) found.push_back(l);
         },
@@ -193,8 +193,8 @@ TEST(ToldExtremes, RaysOfEveryLight) {
   const auto scene = every_light();
   for (std::uint32_t light = 0; light < scene->lights().size(); ++light) {
     compare_rays(sweep, *scene, light, 0);
-    std::visit([&](const auto& l) { compare_unrounded(sweep, l, scene->sphere()); },
-               scene->lights()[light].light);
+    visit([&](const auto& l) { compare_unrounded(sweep, l, scene->sphere()); },
+          scene->lights()[light].light);
   }
   sweep.expect_within(0);
 }
@@ -232,8 +232,8 @@ TEST(ToldExtremes, LightsNarrowerThanFloats) {
         "\"point3 to\" [0 0 0] \"float angulardiameter\" " + cone);
     ASSERT_TRUE(file.status.ok()) << file.status;
     const Scene& scene = *file.scene;
-    const double lumens = std::visit(
-        [&](const auto& l) { return l.power(scene.sphere()).lumens.g; }, scene.lights()[0].light);
+    const double lumens = visit([&](const auto& l) { return l.power(scene.sphere()).lumens.g; },
+                                scene.lights()[0].light);
     const Told rays = rays_of(scene, 0, 200);
     const Told samples = samples_of(scene, 1, {{}, here}, 200);
     for (std::size_t i = 0; i < rays.n; ++i) {
@@ -287,8 +287,8 @@ TEST(ToldExtremes, NarrowSpots) {
         ASSERT_TRUE(t.has_light(i));
         sweep.compare(t.per_sr[i], asked.per_sr[i], cone);
       }
-      std::visit([&](const auto& l) { compare_unrounded(sweep, l, file.scene->sphere()); },
-                 file.scene->lights()[0].light);
+      visit([&](const auto& l) { compare_unrounded(sweep, l, file.scene->sphere()); },
+            file.scene->lights()[0].light);
     }
   }
   sweep.expect_within(0);
