@@ -66,6 +66,11 @@ using LightModels =
                  PanelTriangleMeshLight<Real>, PanelPatchMeshLight<Real>, PanelDiskLight<Real>,
                  GoniometricLight<Real>, ProjectionLight<Real>, BeamLight<Real>, PortalLight<Real>>;
 
+template <typename T, typename Types>
+inline constexpr bool kIsOneOf = false;
+template <typename T, typename... Types>
+inline constexpr bool kIsOneOf<T, std::variant<Types...>> = (std::is_same_v<T, Types> || ...);
+
 /// A light of one of the models, immutable.  Models larger than a point light lie beside it, so
 /// that a table of lights has entries of a point light's size and not of the largest model's, which
 /// is ten times that.  Copies share them.
@@ -75,6 +80,7 @@ template <std::floating_point Real>
 class Light {
  public:
   template <typename Model>
+  requires kIsOneOf<Model, LightModels<Real>>
   // NOLINTNEXTLINE(google-explicit-constructor): a model is a light.
   Light(Model model) : stored_(stored(std::move(model))) {}
 
@@ -114,9 +120,9 @@ class Light {
   };
 
   template <typename Model>
-  static Stored<Model> stored(Model&& model) {
+  static Stored<Model> stored(Model model) {
     if constexpr (std::is_same_v<Stored<Model>, Model>)
-      return std::move(model);
+      return model;
     else
       return std::make_shared<const Model>(std::move(model));
   }

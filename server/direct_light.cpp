@@ -46,9 +46,10 @@ std::optional<LightSample<double>> far_sample(const L& light, const Receiver<dou
   }
 }
 
-/// Cosine over pi of the light that a sample finds, as the surface sends it towards `wo`; 0 where
-/// there is none.
-double reflected(const SurfaceHit& hit, const Vec3<float>& wo, const LightSample<double>& sample) {
+/// What of a sample's light a surface of reflectance 1 sends towards `wo`: cosine over pi; 0 where
+/// there is no light, or it is on the other side.
+double reflected_share(const SurfaceHit& hit, const Vec3<float>& wo,
+                       const LightSample<double>& sample) {
   if (sample.reason != NoLight::kNone) return 0;
   const double cos_i = dot(Vec3<double>(hit.ns), sample.wi);
   return cos_i * dot(hit.ns, wo) > 0 ? std::fabs(cos_i) * kInvPi : 0;
@@ -125,7 +126,7 @@ DirectLight::Candidate DirectLight::candidate(const SurfaceHit& hit, const Vec3<
               {},
               {}};
   const LightSample<double>& s = c.sample;
-  const double f = reflected(hit, wo, s);  // also the density of cosine_direction
+  const double f = reflected_share(hit, wo, s);  // also the density of cosine_direction
   if (!(f > 0)) return c;
   if (s.delta) {
     c.value = s.value * (f / choice.probability);
@@ -149,7 +150,7 @@ LightEstimate DirectLight::shadowed(const SurfaceHit& hit, std::uint32_t light,
                                     const LightSample<double>& sample, const Rgb<double>& value,
                                     WorkCounts& work) const {
   if (value.is_black()) return {};
-  if (scene_.empty()) return {value, value};
+  if (scene_.empty()) return {value, value};  // no ray is needed, and none is counted
   const Ray ray = shadow_ray(hit, sample, scene_.lights()[light].reach_m());
   const bool occluded = visibility_.is_occluded(light, hit.position, hit.ng, ray, work);
   return {occluded ? Rgb<double>{} : value, value};
@@ -162,7 +163,8 @@ std::optional<Rgb<double>> DirectLight::of_one_direction(const SurfaceHit& hit,
       scene_.lights()[light], hit.time_s,
       [&]<typename L>(const L& l) -> std::optional<Rgb<double>> {
         const auto arriving = [&](const LightSample<double>& s) {
-          return shadowed(hit, light, s, s.value * reflected(hit, wo, s), work).value;
+          const double share = reflected_share(hit, wo, s);
+          return share > 0 ? shadowed(hit, light, s, s.value * share, work).value : Rgb<double>{};
         };
         if (methods_.far_light_radii)
           if (const auto s = far_sample(l, receiver(hit, wo), *methods_.far_light_radii))
@@ -183,7 +185,7 @@ void DirectLight::of_one_direction(
       for (std::size_t k = 0; k < receivers.size(); ++k) {
         const SurfaceHit& hit = receivers[k];
         const LightSample<double> s = l.sample_li(receiver(hit, hit.ns), {});
-        const Rgb<double> value = s.value * reflected(hit, hit.ns, s);
+        const Rgb<double> value = s.value * reflected_share(hit, hit.ns, s);
         if (value.is_black() || scene_.empty()) {
           found(k, value);
         } else {

@@ -97,13 +97,13 @@ class DirectLight {
   std::optional<Rgb<double>> of_one_direction(const SurfaceHit& hit, const Vec3<float>& wo,
                                               std::uint32_t light, WorkCounts& work) const;
 
-  /// The same at each of some receivers, on the side of their normals: `found` is called for one
-  /// after the other.  Requires `settles_all`.
+  /// The same at each of some receivers at one time, on the side of their normals: `found` is
+  /// called for one after the other with its index and the light [cd/m2].  Requires `settles_all`.
   void of_one_direction(std::span<const SurfaceHit> receivers, std::uint32_t light,
                         WorkCounts& work,
                         absl::FunctionRef<void(std::size_t, const Rgb<double>&)> found) const;
 
-  /// Whether those say all of every light, at any receiver.
+  /// Whether `of_one_direction` says all of every light, at any receiver.
   bool settles_all() const {
     return deltas_ == scene_.lights().size() && spending_ == Spending::kEach;
   }

@@ -45,8 +45,8 @@ struct Estimate {
                             const IntervalRule& rule) const;
 };
 
-/// Makes of an empty answer one that needed no sampling [lx].
-inline void set_exact(const Rgb<double>& exact, IrradianceEstimate& e) {
+/// Makes of an answer without samples one that needed none [lx].
+inline void set_exact(Rgb<double> exact, IrradianceEstimate& e) {
   e.irradiance_lx = exact;
   e.exact = true;
   const double exact_lx = luminance(exact);

@@ -79,22 +79,23 @@ class LiSampler {
   };
   struct Pending;
 
-  At at(std::size_t receiver) const;
+  inline At at(std::size_t receiver) const;
   Receiver<double> receiver_of(const ScenePoint& point, const Vec3<double>& normal) const;
   SampleSequence sequence_of(const LiPlace& place) const;
-  std::optional<Vec2<double>> point_of(const LiPlace& place, std::size_t i) const;
+  inline std::optional<Vec2<double>> point_of(const LiPlace& place, std::size_t i) const;
   void prepare(const LiPlace& place, const At& at, std::size_t i, Pending& p) const;
   template <typename L>
-  LightSample<double> sample(const L& light, const Receiver<double>& receiver,
-                             Vec2<double> u) const;
+  inline LightSample<double> sample(const L& light, const Receiver<double>& receiver,
+                                    Vec2<double> u) const;
   template <typename L>
   void fill_from(const L& light, const LiLayout& layout, std::size_t begin, std::size_t end,
                  const SampleLiAnswer& answer, LiShare* shares) const;
   void sample(std::vector<Pending>& chunk) const;
   LiShare share(const Pending& sampled, bool visible) const;
-  LiShare share(const Vec3<double>& normal, double probability, const LightSample<double>& s,
-                bool visible) const;
-  ItemResult put(std::size_t i, const LightSample<double>& s, const SampleLiAnswer& answer) const;
+  inline LiShare share(const Vec3<double>& normal, double probability, const LightSample<double>& s,
+                       bool visible) const;
+  inline ItemResult put(std::size_t i, const LightSample<double>& s,
+                        const SampleLiAnswer& answer) const;
   ItemResult put_none(std::size_t i, ItemResult of_receiver, const SampleLiAnswer& answer) const;
   void put_spectral(std::size_t begin, std::vector<Pending>& chunk,
                     const SampleLiAnswer& answer) const;

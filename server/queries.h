@@ -5,7 +5,6 @@
 
 #include <cmath>
 #include <cstdint>
-#include <iterator>
 #include <limits>
 #include <optional>
 #include <span>
@@ -27,11 +26,15 @@ enum class ItemResult : int {
   kInvalidInput,
 };
 inline ItemResult item_result(NoLight reason) {
-  constexpr ItemResult kResults[] = {ItemResult::kOk,          ItemResult::kBehind,
-                                     ItemResult::kOutsideCone, ItemResult::kDegenerate,
-                                     ItemResult::kBlack,       ItemResult::kOutOfRange};
-  static_assert(std::size(kResults) == static_cast<std::size_t>(NoLight::kOutOfRange) + 1);
-  return kResults[static_cast<std::size_t>(reason)];
+  // In the same order: no call and no table in the loop over samples of a point light.
+  constexpr auto kRank = [](ItemResult r) { return static_cast<int>(r) - 1; };
+  static_assert(kRank(ItemResult::kOk) == static_cast<int>(NoLight::kNone) &&
+                kRank(ItemResult::kBehind) == static_cast<int>(NoLight::kBehind) &&
+                kRank(ItemResult::kOutsideCone) == static_cast<int>(NoLight::kOutsideCone) &&
+                kRank(ItemResult::kDegenerate) == static_cast<int>(NoLight::kDegenerate) &&
+                kRank(ItemResult::kBlack) == static_cast<int>(NoLight::kBlack) &&
+                kRank(ItemResult::kOutOfRange) == static_cast<int>(NoLight::kOutOfRange));
+  return static_cast<ItemResult>(static_cast<int>(reason) + 1);
 }
 
 /// World points as messages hold them: offsets x, y, z interleaved [m] from one origin [m].

@@ -52,6 +52,11 @@ class Scene::Builder {
   std::shared_ptr<const Motion> about_scene(const Motion& motion, const Vec3<double>& from) const {
     return std::make_shared<const Motion>(motion.about(from, scene_->origin_));
   }
+  /// Of a light about `from`.
+  std::unique_ptr<LightMotion> light_motion(const Motion& motion, const Vec3<double>& from) const {
+    return std::make_unique<LightMotion>(
+        LightMotion{.motion = motion.about(from, scene_->origin_), .origin_m = from});
+  }
   void part(std::string name, std::uint64_t bytes, const Stopwatch& watch, std::string why) {
     scene_->parts_.push_back({std::move(name), bytes, watch.ms(), std::move(why)});
   }

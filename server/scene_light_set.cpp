@@ -89,7 +89,7 @@ absl::Status Scene::Builder::build_lights() {
       const std::optional<Vec3<double>> anchor = anchor_of(l);
       // About itself: its coordinates are then exact wherever it moves to.
       if (anchor) origin = *anchor;
-      moving = std::make_unique<LightMotion>(l.motion->about(origin, scene_->origin_), origin);
+      moving = light_motion(*l.motion, origin);
       moving->only_turns = !anchor;
     }
     if (absl::Status s = add_light(create_light(l, origin), l.where, l.samples, std::move(moving));
@@ -103,8 +103,7 @@ absl::Status Scene::Builder::build_lights() {
     if (s.motion) origin = moving_origins_[moving_shape++];
     if (!s.emission) continue;
     std::unique_ptr<LightMotion> moving;
-    if (s.motion)
-      moving = std::make_unique<LightMotion>(s.motion->about(origin, scene_->origin_), origin);
+    if (s.motion) moving = light_motion(*s.motion, origin);
     if (absl::Status status = add_light(create_area_light(s, origin), s.emission->where,
                                         s.emission->samples, std::move(moving));
         !status.ok())
@@ -113,7 +112,7 @@ absl::Status Scene::Builder::build_lights() {
   if (scene_->lights_.empty()) return absl::OkStatus();
   scene_->lights_.shrink_to_fit();
   std::uint64_t bytes = scene_->lights_.size() * sizeof(SceneLight), table_bytes = 0;
-  for (const std::string& file : scene_->files_) bytes += sizeof file + file.capacity();
+  for (const std::string& file : scene_->files_) bytes += sizeof file + file.size();
   std::size_t tables = 0;
   for (const SceneLight& l : scene_->lights_) {
     const std::uint64_t table = distribution_bytes(l.light);

@@ -47,7 +47,7 @@ std::vector<LightSelector::Item> selector_items(const Scene& scene, bool areas_a
 /// The picture that a light uses, null where there is none.
 const Image* picture_of(const Light<double>& light);
 
-/// Memory beside the object itself, without the picture.
+/// Memory beside the model itself, without the picture.
 std::uint64_t light_bytes(const Light<double>& light);
 /// Of these, what points or directions are drawn with by the light's picture.
 std::uint64_t distribution_bytes(const Light<double>& light);

@@ -68,5 +68,15 @@ TEST(Contract, EveryLightTakesPart) {
   expect_closed_forms_take_part(kAll);
 }
 
+// Tables of lights are as small as point lights let them, whatever the largest model is.
+TEST(Light, IsAsLargeAsAPointLightAndItsKind) {
+  EXPECT_LE(sizeof(Light<double>), sizeof(PointLight<double>) + alignof(PointLight<double>));
+  EXPECT_EQ(Light<double>(*PointLight<double>::create({})).bytes_beside(), 0U);
+  const Light<double> spot(*SpotLight<double>::create({.cone_half_angle_rad = 1}));
+  EXPECT_EQ(spot.bytes_beside(), sizeof(SpotLight<double>));
+  EXPECT_NE(spot.get_if<SpotLight<double>>(), nullptr);
+  EXPECT_EQ(spot.get_if<PointLight<double>>(), nullptr);
+}
+
 }  // namespace
 }  // namespace lucerna::testing

@@ -48,8 +48,18 @@ TEST(Vec3, ScalingIsByPowersOfTwoAtEveryMagnitude) {
     for (const int by : {-2200, -1074, -1023, -1022, -600, -1, 0, 1, 537, 1023, 1024, 2046, 2200}) {
       const Vec3<double> v = scaled(Vec3<double>{x, -x / 3, 0}, by);
       EXPECT_EQ(v, (Vec3<double>{std::scalbn(x, by), std::scalbn(-x / 3, by), 0})) << of << by;
+      EXPECT_EQ(scaled(x, by), std::scalbn(x, by)) << of << by;
     }
   }
+}
+
+TEST(Vec3, LargestComponentIsOfThoseThatAreNumbers) {
+  EXPECT_EQ(max_abs(V(1, -3, 2)), 3);
+  EXPECT_EQ(max_abs(V(-0.0F, 0, 0)), 0);
+  for (const V& v : {V(NAN, 2, -3), V(2, NAN, -3), V(-3, 2, NAN), V(NAN, NAN, 3), V(3, NAN, NAN)})
+    EXPECT_EQ(max_abs(v), 3) << v.x << " " << v.y << " " << v.z;
+  EXPECT_EQ(max_abs(V(NAN, -INFINITY, 3)), INFINITY);
+  EXPECT_TRUE(std::isnan(max_abs(V(NAN, NAN, NAN))));
 }
 
 TEST(Vec3, LengthOfWhatIsNoNumberIsNone) {

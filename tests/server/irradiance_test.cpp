@@ -144,6 +144,47 @@ double of_lamps(int n) {
   return sum;
 }
 
+// Asked light by light, where nothing else is to be done, as point by point.
+TEST(Irradiance, OfLightsThatAreSettledIsTheSameHoweverTheyAreAsked) {
+  SceneDescription d = testing::description();
+  d.shapes = {testing::floor(9), testing::floor(1, 2)};
+  d.lights = {testing::point_light({3, 0, 4}, 100),
+              testing::point_light({0, 0, 5}, 70),
+              {DistantLightParams{.to_light = {1, 2, 3}, .illuminance_lx = Rgb<double>(40)}, {}},
+              {SpotLightParams{.position_m = {-2, 1, 3},
+                               .axis = {0, 0, -1},
+                               .intensity_cd = Rgb<double>(30),
+                               .cone_half_angle_rad = 0.8},
+               {}}};
+  const auto scene = build(std::move(d));
+  std::vector<IrradiancePoint> points;
+  for (int i = 0; i < 150; ++i)
+    points.push_back(at(static_cast<float>(i % 13) - 6, static_cast<float>(i % 11) - 5, 0,
+                        i % 5 == 0 ? Vec3<float>{0, 0, -1} : Vec3<float>{0, 0, 1}));
+  IrradianceSettings settings = direct();
+  settings.per_light = true;
+  const IrradianceResult by_light = estimate_irradiance(*scene, points, settings, {});
+  const std::vector<double> wavelengths{555};
+  settings.wavelengths_nm = wavelengths;  // which are asked for point by point
+  const IrradianceResult by_point = estimate_irradiance(*scene, points, settings, {});
+  settings.wavelengths_nm = {};
+  settings.target = TargetError{.relative = 0.01};
+  const IrradianceResult of_target = estimate_irradiance(*scene, points, settings, {});
+  EXPECT_GT(by_light.work.shadow_rays, points.size());
+  for (const IrradianceResult& other : {by_point, of_target}) {
+    EXPECT_EQ(by_light.work.shadow_rays, other.work.shadow_rays);
+    for (std::size_t p = 0; p < points.size(); ++p) {
+      EXPECT_TRUE(other.points[p].exact);
+      EXPECT_EQ(by_light.points[p].irradiance_lx, other.points[p].irradiance_lx) << p;
+      EXPECT_EQ(by_light.points[p].illuminance_lx.upper, other.points[p].illuminance_lx.upper);
+      EXPECT_EQ(by_light.costs[p].rays, other.costs[p].rays) << p;
+      EXPECT_EQ(other.costs[p].samples, 0U);
+      for (std::size_t l = p * 4; l < p * 4 + 4; ++l)
+        EXPECT_EQ(by_light.per_light[l].irradiance_lx, other.per_light[l].irradiance_lx) << l;
+    }
+  }
+}
+
 TEST(Irradiance, OfManyDeltaLightsIsExactWhereSamplesCostMore) {
   const auto scene = build(lamps(64));
   // A sample of lights that are drawn costs as much as 16 of them.

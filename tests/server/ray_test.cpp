@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
 #include <random>
 
 #include "lights/sampling.h"
@@ -27,6 +29,20 @@ TEST(OffsetOrigin, LeavesTheErrorBoxOnTheSideOfTheDirection) {
     }
     // And not far beyond: |n| . error is 4.7e-6, and rounding adds an ulp of each coordinate.
     EXPECT_LT(length(o - Vec3<double>(p)), 5.5e-6);
+  }
+}
+
+TEST(OffsetOrigin, GoesToTheNextFloatOutwards) {
+  constexpr float kLeast = std::numeric_limits<float>::denorm_min();
+  constexpr float kMost = std::numeric_limits<float>::max();
+  for (const float p : {0.0F, -0.0F, kLeast, -kLeast, 0x1p-126F, -0x1p-126F, 1.0F, -1.0F, 0.7F,
+                        kMost, -kMost, INFINITY, -INFINITY}) {
+    const Vec3<float> up = offset_origin({p, p, p}, {kLeast, kLeast, kLeast}, {1, 0, 0}, {1, 0, 0});
+    EXPECT_EQ(up.x, std::nextafter(p + kLeast, INFINITY)) << p;
+    EXPECT_EQ(up.y, p);
+    const Vec3<float> down =
+        offset_origin({p, p, p}, {kLeast, kLeast, kLeast}, {1, 0, 0}, {-1, 0, 0});
+    EXPECT_EQ(down.x, std::nextafter(p - kLeast, -INFINITY)) << p;
   }
 }
 
