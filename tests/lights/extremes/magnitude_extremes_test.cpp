@@ -59,6 +59,35 @@ TEST(MagnitudeExtremes, PointLights) {
   sweep.expect_within(kRoundings);
 }
 
+TEST(MagnitudeExtremes, DistancesWhoseSquaresAreNoNumbers) {
+  Sweep sweep(9, "point, spot and projection lights of 1e-300 cd near and 1e300 cd far",
+              "1e-161 ... 1e-100 m, 1e100 ... 1e161 m", "value");
+  SpotLightParams spot;
+  spot.cone_half_angle_rad = 1;
+  ProjectedPictureParams square;
+  square.fov_rad = 2.4;
+  ProjectionLightParams projection;
+  projection.picture = *ProjectedPicture::create(square);
+  for (int e = -161; e <= 161; e += e == -100 ? 200 : 1) {
+    const double distance = 3 * std::pow(10.0, e), intensity = e < 0 ? 1e-300 : 1e300;
+    // Their exponents go to 2^16384.
+    const long double square_m2 = static_cast<long double>(distance) * distance;
+    const double value = static_cast<double>(intensity / square_m2);
+    const auto compare = [&](const auto& light) {
+      const auto sample = light->sample_li(Vec3<double>{0, 0, distance}, {});
+      EXPECT_EQ(sample.reason, NoLight::kNone) << distance;
+      sweep.compare(sample.value.r, value, std::to_string(e));
+    };
+    PointLightParams point;
+    point.intensity_cd = spot.intensity_cd = projection.intensity_cd = Rgb<double>(intensity);
+    compare(PointLight<Served>::create(point));
+    compare(SpotLight<Served>::create(spot));
+    compare(ProjectionLight<Served>::create(projection));
+    sweep.compare_textbook(intensity / (distance * distance), value);
+  }
+  sweep.expect_within(kRoundings);
+}
+
 TEST(MagnitudeExtremes, ValuesThatUnderflowAreZero) {
   Sweep sweep(9, "point, spot and projection lights of 1e-300 cd", "1e13 ... 1e150 m", "value");
   const Rgb<double> faint(1e-300);
