@@ -1,6 +1,8 @@
 // What lights at a point share: the way from a receiver to the point, and the inverse square law.
 #pragma once
 
+#include <optional>
+
 #include "lights/light_sample.h"
 
 namespace lucerna {
@@ -19,6 +21,18 @@ struct Way {
   /// distance_m squared where that is safe [m2]; else 0.
   double squared_m2{};
 };
+
+/// The way along a vector, finite and not zero, whose square is safe; nothing of others.
+template <std::floating_point Real>
+[[gnu::always_inline]] inline std::optional<Way> plain_way(const Vec3<double>& difference) {
+  const double squared = dot(difference, difference);
+  if (!is_safe_square(squared)) return std::nullopt;
+  const double distance = std::sqrt(squared);
+  if constexpr (sizeof(Real) < sizeof(double))
+    return Way{difference * (1 / distance), distance, squared};
+  else
+    return Way{difference / distance, distance, squared};
+}
 
 /// The way along a vector that is not zero and whose square is not safe; not inlined, so that what
 /// is mostly taken is.
@@ -43,16 +57,10 @@ template <std::floating_point Real>
     return {};
   }
   Way way;
-  if (const double squared = dot(difference, difference); is_safe_square(squared)) [[likely]] {
-    way.squared_m2 = squared;
-    way.distance_m = std::sqrt(squared);
-    if constexpr (sizeof(Real) < sizeof(double))
-      way.wi = difference * (1 / way.distance_m);
-    else
-      way.wi = difference / way.distance_m;
-  } else {
+  if (const auto plain = plain_way<Real>(difference)) [[likely]]
+    way = *plain;
+  else
     way = scaled_way(difference);
-  }
   sample.wi = Vec3<Real>(way.wi);
   sample.distance = static_cast<Real>(way.distance_m);
   sample.point = position;

@@ -165,6 +165,13 @@ static_assert(LeavesFreely<SpotLight<double>> && LeavesFreely<GoniometricLight<d
               LeavesFreely<SunLight<double>> && LeavesFreely<ImageInfiniteLight<double>> &&
               LeavesFreely<PortalLight<double>>);
 
+/// Lights most of whose samples can be had without all that samples can be.
+template <typename L>
+concept HasPlainSamples = requires(const L& light, const Vec3<double>& v) {
+  light.plain_sample_li(v);
+};
+static_assert(HasPlainSamples<PointLight<double>>);
+
 /// Lights with a surface that rays may hit.
 template <typename L>
 concept SeenOnSurface = requires(const L& light, const SurfacePoint<double>& p,

@@ -13,6 +13,13 @@ struct Rgb {
   Real r{}, g{}, b{};
 
   Rgb() = default;
+  // By components, as a Vec3.
+  constexpr Rgb(const Rgb& c) : r(c.r), g(c.g), b(c.b) {}
+  constexpr Rgb& operator=(const Rgb& c) {
+    r = c.r, g = c.g, b = c.b;
+    return *this;
+  }
+  ~Rgb() = default;
   constexpr Rgb(Real r, Real g, Real b) : r(r), g(g), b(b) {}
   constexpr explicit Rgb(Real grey) : r(grey), g(grey), b(grey) {}
   template <std::floating_point Other>
@@ -41,6 +48,9 @@ Real luminance(const Rgb<Real>& c) {
 
 template <std::floating_point Real>
 bool is_finite(const Rgb<Real>& c) {
+  // As of a Vec3.
+  if (std::isfinite(c.r + c.g + c.b)) [[likely]]
+    return true;
   return std::isfinite(c.r) && std::isfinite(c.g) && std::isfinite(c.b);
 }
 

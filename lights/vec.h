@@ -22,6 +22,14 @@ struct Vec3 {
   Real x{}, y{}, z{};
 
   Vec3() = default;
+  // Copied by components, as they are written: what is copied at once in wider parts has to wait
+  // until all of it is there, which takes as long as a root.
+  constexpr Vec3(const Vec3& v) : x(v.x), y(v.y), z(v.z) {}
+  constexpr Vec3& operator=(const Vec3& v) {
+    x = v.x, y = v.y, z = v.z;
+    return *this;
+  }
+  ~Vec3() = default;
   constexpr Vec3(Real x, Real y, Real z) : x(x), y(y), z(z) {}
   template <std::floating_point Other>
   constexpr explicit Vec3(const Vec3<Other>& v)
@@ -53,16 +61,20 @@ Vec3<Real> cross(const Vec3<Real>& a, const Vec3<Real>& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
-/// Largest absolute component, of those that are numbers.
+/// Largest absolute component, of those that are numbers; 0 where none is.
 template <std::floating_point Real>
 Real max_abs(const Vec3<Real>& v) {
-  // std::fmax is a call.
-  const auto larger = [](Real a, Real b) { return a > b || std::isnan(b) ? a : b; };
-  return larger(std::fabs(v.x), larger(std::fabs(v.y), std::fabs(v.z)));
+  // One instruction each, with this order of operands, where std::fmax is a call: which component
+  // is the largest no processor foresees.
+  const auto larger = [](Real a, Real most) { return a > most ? a : most; };
+  return larger(std::fabs(v.x), larger(std::fabs(v.y), larger(std::fabs(v.z), 0)));
 }
 
 template <std::floating_point Real>
 bool is_finite(const Vec3<Real>& v) {
+  // One comparison mostly: a sum is finite only where all terms are, but may overflow.
+  if (std::isfinite(v.x + v.y + v.z)) [[likely]]
+    return true;
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 

@@ -166,8 +166,7 @@ absl::Status Accelerator::State::measure() {
     for (Vec3<float>& v : set.vertices) v = Vec3<float>(Vec3<double>(v) / in.unit_m);
   };
   for (GeometrySet& object : objects) {
-    const double reach = reach_of(object_boxes.emplace_back(box_of(object)));
-    object_spaces.push_back({.unit_m = unit_for(reach), .reach_m = reach});
+    object_spaces.emplace_back(reach_of(object_boxes.emplace_back(box_of(object))));
     rescale(object, object_spaces.back());
   }
   Bounds all = box_of(scene);
@@ -184,7 +183,7 @@ absl::Status Accelerator::State::measure() {
                                     : std::pair{placed.lower, placed.upper};
     all.add(lower), all.add(upper);
   }
-  space = {.unit_m = unit_for(reach_of(all)), .reach_m = reach_of(all)};
+  space = RaySpace(reach_of(all));
   rescale(scene, space);
   double magnified = 1;
   for (std::size_t i = 0; i < instances.size(); ++i) {

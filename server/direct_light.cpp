@@ -176,26 +176,6 @@ std::optional<Rgb<double>> DirectLight::of_one_direction(const SurfaceHit& hit,
       });
 }
 
-void DirectLight::of_one_direction(
-    std::span<const SurfaceHit> receivers, std::uint32_t light, WorkCounts& work,
-    absl::FunctionRef<void(std::size_t, const Rgb<double>&)> found) const {
-  if (receivers.empty()) return;
-  visit_light(scene_.lights()[light], receivers[0].time_s, [&]<typename L>(const L& l) {
-    if constexpr (L::kDelta) {
-      for (std::size_t k = 0; k < receivers.size(); ++k) {
-        const SurfaceHit& hit = receivers[k];
-        const LightSample<double> s = l.sample_li(receiver(hit, hit.ns), {});
-        const Rgb<double> value = s.value * reflected_share(hit, hit.ns, s);
-        if (value.is_black() || scene_.empty()) {
-          found(k, value);
-        } else {
-          found(k, shadowed(hit, light, s, value, work).value);
-        }
-      }
-    }
-  });
-}
-
 bool DirectLight::uses_closed_forms(bool at_receiver) const {
   if (methods_.closed_forms != ClosedForms::kAutomatic)
     return methods_.closed_forms != ClosedForms::kOff;

@@ -7,7 +7,6 @@
 
 #include <cstdint>
 #include <optional>
-#include <span>
 
 #include "server/light_visibility.h"
 #include "server/methods.h"
@@ -100,12 +99,6 @@ class DirectLight {
   /// is far enough to count as one.  Nothing of others.
   std::optional<Rgb<double>> of_one_direction(const SurfaceHit& hit, const Vec3<float>& wo,
                                               std::uint32_t light, WorkCounts& work) const;
-
-  /// The same at each of some receivers at one time, on the side of their normals: `found` is
-  /// called for one after the other with its index and the light [cd/m2].  Requires `settles_all`.
-  void of_one_direction(std::span<const SurfaceHit> receivers, std::uint32_t light,
-                        WorkCounts& work,
-                        absl::FunctionRef<void(std::size_t, const Rgb<double>&)> found) const;
 
   /// Whether `of_one_direction` says all of every light, at any receiver.
   bool settles_all() const {

@@ -8,6 +8,7 @@
 #include <mutex>
 #include <numbers>
 
+#include "server/delta_irradiance.h"
 #include "server/denormals.h"
 #include "server/irradiance_estimate.h"
 #include "server/parallel.h"
@@ -24,10 +25,6 @@ constexpr std::uint32_t kSamplesBetweenPolls = 64;
 constexpr std::uint64_t kSamplesPerShafts = 4;
 // Of one chunk of points: 0.1 to 10 ms, as a sample takes 0.5 to 40 us.
 constexpr std::uint64_t kSamplesPerChunk = 256;
-// The same of lights that are settled at points, as one takes 0.05 to 5 us.
-constexpr std::size_t kSettledPerChunk = 2048;
-// Points that are asked of each light in a row: as many as the processor's first cache holds.
-constexpr std::size_t kSettledAtOnce = 64;
 
 /// What is known of a point without samples, and what they are to add.
 struct Settled {
@@ -62,30 +59,18 @@ class IrradianceJob {
         direct_(tracer_.direct()),
         gather_indirect_(settings.bounces.value_or(1) > 0 && !scene.empty() &&
                          !scene.lights().empty()),
-        settles_all_(!gather_indirect_ && settings.wavelengths_nm.empty() && direct_.settles_all()),
         confidence_(settings.target ? settings.target->confidence : kConfidence),
         rule_(confidence_, settings.block_count,
               std::max<std::uint64_t>(samples_of(settings.samples_per_block), 1)),
         spectral_([this] { return SpectralValues(scene_, settings_.wavelengths_nm); }) {}
 
-  void range(std::size_t begin, std::size_t end) {
-    const DenormalsAreZero denormals;
+  WorkCounts range(std::size_t begin, std::size_t end) {
     WorkCounts work;
-    if (settles_all_)
-      for (std::size_t p = begin; p < end && !stopped_; p += kSettledAtOnce)
-        settle_all(p, std::min(p + kSettledAtOnce, end), work);
-    else
-      for (std::size_t p = begin; p < end && !stopped_; ++p) point(p, work);
-    const std::lock_guard lock(mutex_);
-    result_.work += work;
+    for (std::size_t p = begin; p < end && !stopped_; ++p) point(p, work);
+    return work;
   }
 
-  bool stopped() const { return stopped_; }
-
   std::size_t points_per_chunk() const {
-    if (settles_all_)
-      return std::max<std::size_t>(
-          1, kSettledPerChunk / std::max<std::size_t>(1, scene_.lights().size()));
     if (settings_.target) return 1;
     return std::max<std::size_t>(
         1, kSamplesPerChunk / (samples_of(settings_.samples_per_block) + kSamplesPerShafts));
@@ -101,52 +86,12 @@ class IrradianceJob {
     std::chrono::steady_clock::time_point start;
     if (settings_.target) start = std::chrono::steady_clock::now();
     const std::uint64_t rays_before = work.indirect_rays + work.shadow_rays;
-    SurfaceHit receiver;
-    set_receiver(p, receiver);
+    const SurfaceHit receiver = surface_at(points_[p], settings_.time_s);
     const std::uint64_t samples = put_estimate(p, receiver, work);
     if (stopped_) return;
     std::chrono::duration<double> took{};
     if (settings_.target) took = std::chrono::steady_clock::now() - start;
     result_.costs[p] = {samples, work.indirect_rays + work.shadow_rays - rays_before, took.count()};
-  }
-
-  void set_receiver(std::size_t p, SurfaceHit& receiver) const {
-    receiver.position = points_[p].position;
-    receiver.position_error = points_[p].position_error;
-    receiver.ns = points_[p].normal;
-    receiver.ng = Vec3<double>(receiver.ns);
-    receiver.time_s = settings_.time_s;
-  }
-
-  /// Points where each light is settled by itself and there is nothing else to ask: light by light,
-  /// as finding out which model it is takes as long as asking it.
-  void settle_all(std::size_t begin, std::size_t end, WorkCounts& work) {
-    if (stop_.stop_requested()) {
-      stopped_ = true;
-      return;
-    }
-    const auto start = std::chrono::steady_clock::now();
-    std::vector<SurfaceHit> receivers(end - begin);
-    for (std::size_t p = begin; p < end; ++p) set_receiver(p, receivers[p - begin]);
-    const std::size_t lights = scene_.lights().size();
-    for (std::uint32_t l = 0; l < lights; ++l) {
-      std::uint64_t rays = work.shadow_rays;
-      direct_.of_one_direction(receivers, l, work, [&](std::size_t k, const Rgb<double>& cd_m2) {
-        const std::size_t p = begin + k;
-        const Rgb<double> lx = cd_m2 * std::numbers::pi;
-        result_.points[p].irradiance_lx += lx;
-        result_.costs[p].rays += work.shadow_rays - rays;
-        rays = work.shadow_rays;
-        if (settings_.per_light) set_exact(lx, result_.per_light[p * lights + l]);
-      });
-    }
-    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-    for (std::size_t p = begin; p < end; ++p) {
-      set_exact(result_.points[p].irradiance_lx, result_.points[p]);
-      // Of all that were asked at once alike; nobody asks it without a target.
-      if (settings_.target)
-        result_.costs[p].time_s = took.count() / static_cast<double>(end - begin);
-    }
   }
 
   /// Returns the samples that the estimate is made of.
@@ -385,12 +330,10 @@ class IrradianceJob {
   IrradianceResult& result_;
   const DirectLight& direct_;
   const bool gather_indirect_;
-  const bool settles_all_;
   const double confidence_;
   const IntervalRule rule_;  ///< of points that take as many samples as all others
   /// One for each thread that takes part, as looking spectra up takes longer than using them.
   tbb::enumerable_thread_specific<SpectralValues> spectral_;
-  std::mutex mutex_;
   std::atomic<bool> stopped_ = false;
 };
 
@@ -404,10 +347,21 @@ IrradianceResult estimate_irradiance(const Scene& scene, std::span<const Irradia
   result.costs.resize(points.size());
   result.spectral.resize(points.size() * settings.wavelengths_nm.size());
   result.spectral_error.resize(result.spectral.size());
-  IrradianceJob job(scene, points, settings, stop, result);
-  parallel_chunks(points.size(), job.points_per_chunk(), stop,
-                  [&](std::size_t begin, std::size_t end) { job.range(begin, end); });
-  result.stopped = job.stopped() || stop.stop_requested();
+  std::mutex mutex;
+  const auto run = [&](auto job) {
+    parallel_chunks(points.size(), job.points_per_chunk(), stop,
+                    [&](std::size_t begin, std::size_t end) {
+                      const DenormalsAreZero denormals;
+                      const WorkCounts work = job.range(begin, end);
+                      const std::lock_guard lock(mutex);
+                      result.work += work;
+                    });
+  };
+  if (DeltaIrradiance::answers(scene, settings))
+    run(DeltaIrradiance(scene, points, settings, stop, result));
+  else
+    run(IrradianceJob(scene, points, settings, stop, result));
+  result.stopped = stop.stop_requested();
   return result;
 }
 

@@ -5,6 +5,7 @@
 #include <limits>
 #include <mutex>
 
+#include "server/bits.h"
 #include "server/denormals.h"
 #include "server/parallel.h"
 #include "server/path_sample.h"
@@ -14,18 +15,6 @@
 
 namespace lucerna {
 namespace {
-
-void set_bit(std::uint8_t* bits, std::size_t i) {
-  bits[i / 8] |= static_cast<std::uint8_t>(1u << (i % 8));
-}
-
-bool bit(const std::uint8_t* bits, std::size_t i) { return (bits[i / 8] >> (i % 8) & 1) != 0; }
-
-/// Whether a density has all of its digits in a float: one that underflows would divide by 0.
-bool is_normal_float(double density) {
-  const auto rounded = static_cast<float>(density);
-  return rounded >= std::numeric_limits<float>::min() && std::isfinite(rounded);
-}
 
 /// Makes of a sample of a light that has directions alone one of the direction that the answer
 /// tells: PdfLi and Le of that are what the sample says.
@@ -44,25 +33,6 @@ void tell_direction(const L& light, const Receiver<double>& receiver, LightSampl
 }
 
 }  // namespace
-
-LiLayout::LiLayout(std::span<const std::uint32_t> samples_per_replicate, std::uint32_t replicates)
-    : replicates_(replicates) {
-  begins_.reserve(samples_per_replicate.size() + 1);
-  for (const std::uint32_t each : samples_per_replicate) {
-    begins_.push_back(size_);
-    size_ += each > 0 ? std::size_t{each} * replicates : 1;
-  }
-  begins_.push_back(size_);
-}
-
-LiPlace LiLayout::own_place(std::size_t i) const {
-  const auto receiver =
-      static_cast<std::size_t>(std::ranges::upper_bound(begins_, i) - begins_.begin() - 1);
-  const std::size_t each =
-      std::max<std::size_t>(1, (begins_[receiver + 1] - begins_[receiver]) / replicates_);
-  const std::size_t of_receiver = i - begins_[receiver];
-  return {receiver, of_receiver / each, static_cast<std::uint32_t>(of_receiver % each)};
-}
 
 /// One sample of a chunk on its way.
 struct LiSampler::Pending {
@@ -84,15 +54,25 @@ LiSampler::LiSampler(const Scene& scene, const SampleLiQuery& query)
                   query.test_visibility ? query.methods.visibility : VisibilityMethod::kRays),
       // Rays alone ask how far off receivers may be.
       to_scene_(scene, query.receivers, query.test_visibility ? query.position_error_m : 0.0F),
-      light_shift_(scene.origin() - query.receivers.origin_m) {}
+      light_shift_m_(scene.origin() - query.receivers.origin_m) {}
 
 bool LiSampler::says_all_at_once() const { return one_sample_says_all(scene_, q_.light); }
 
 WorkCounts LiSampler::fill(const LiLayout& layout, std::size_t begin, std::size_t end,
                            const SampleLiAnswer& answer, LiShare* shares) const {
+  const LiAnswerWriter writer(answer, light_shift_m_);
   if (q_.light && !q_.test_visibility && q_.wavelengths_nm.empty()) {
-    visit_light(scene_.lights()[*q_.light], q_.time_s,
-                [&](const auto& l) { fill_from(l, layout, begin, end, answer, shares); });
+    visit_light(scene_.lights()[*q_.light], q_.time_s, [&]<typename L>(const L& l) {
+      if constexpr (HasPlainSamples<L>) {
+        if (shares == nullptr && q_.normals.empty()) {
+          for (std::size_t i = begin; i < end; ++i)
+            if (!put_plain(l, layout.place(i).receiver, i, writer))
+              fill_from(l, layout, i, i + 1, writer, nullptr);
+          return;
+        }
+      }
+      fill_from(l, layout, begin, end, writer, shares);
+    });
     return {};
   }
   std::vector<Pending> chunk(end - begin);
@@ -111,9 +91,9 @@ WorkCounts LiSampler::fill(const LiLayout& layout, std::size_t begin, std::size_
     Pending& p = chunk[i - begin];
     if (!q_.light) put_choice(scene_, p.choice, i, answer.light_ids, answer.selection_probability);
     if (p.sampled)
-      p.receiver.result = put(i, p.sample, answer);
+      p.receiver.result = writer.put(i, p.sample);
     else
-      p.receiver.result = put_none(i, p.receiver.result, answer);
+      p.receiver.result = writer.put_none(i, p.receiver.result);
   }
   if (!q_.wavelengths_nm.empty()) put_spectral(begin, chunk, answer);
   WorkCounts work;
@@ -179,9 +159,9 @@ SampleSequence LiSampler::sequence_of(const LiPlace& place) const {
     const Vec2<float> u = sequence_of(place).pair(place.index, 0);
     return Vec2<double>{u.x, u.y};
   }
-  const Vec2<double> u{q_.u[2 * i], q_.u[2 * i + 1]};
-  if (!std::isfinite(u.x) || !std::isfinite(u.y)) return std::nullopt;
-  return u;
+  const float x = q_.u[2 * i], y = q_.u[2 * i + 1];
+  if (!std::isfinite(x) || !std::isfinite(y)) return std::nullopt;
+  return Vec2<double>{x, y};
 }
 
 void LiSampler::prepare(const LiPlace& place, const At& at, std::size_t i, Pending& p) const {
@@ -215,11 +195,24 @@ template <typename L>
   return s;
 }
 
+/// The sample of a receiver where nothing is out of the ordinary; false, with nothing put down,
+/// elsewhere.
+template <typename L>
+[[gnu::always_inline]] inline bool LiSampler::put_plain(const L& light, std::size_t receiver,
+                                                        std::size_t i,
+                                                        const LiAnswerWriter& writer) const {
+  if (!q_.seed && !std::isfinite(q_.u[2 * i] + q_.u[2 * i + 1])) return false;
+  const ScenePoint at = to_scene_(receiver);
+  if (at.result != ItemResult::kOk) return false;
+  const auto s = light.plain_sample_li(at.position);
+  return s && writer.put_plain(i, s->wi, s->distance, s->value, light.position());
+}
+
 /// Samples of one light of which nothing else is asked: one by one, without a chunk of them in
 /// between, which takes more time than a point light does.
 template <typename L>
 void LiSampler::fill_from(const L& light, const LiLayout& layout, std::size_t begin,
-                          std::size_t end, const SampleLiAnswer& answer, LiShare* shares) const {
+                          std::size_t end, const LiAnswerWriter& writer, LiShare* shares) const {
   At at_receiver;
   Receiver<double> told;
   std::optional<std::size_t> receiver;
@@ -234,11 +227,11 @@ void LiSampler::fill_from(const L& light, const LiLayout& layout, std::size_t be
     const ItemResult asked = u ? at_receiver.point.result : ItemResult::kInvalidInput;
     if (shares != nullptr) shares[i] = {};
     if (asked != ItemResult::kOk) {
-      put_none(i, asked, answer);
+      writer.put_none(i, asked);
       continue;
     }
     const LightSample<double> s = sample(light, told, *u);
-    if (put(i, s, answer) == ItemResult::kOk && shares != nullptr)
+    if (writer.put(i, s) == ItemResult::kOk && shares != nullptr)
       shares[i] = share(at_receiver.normal, 1, s, true);
   }
 }
@@ -285,45 +278,6 @@ LiShare LiSampler::share(const Pending& p, bool visible) const {
     result.lx.value = result.lx.unshadowed;
   else
     result.weight = 0;
-  return result;
-}
-
-/// Of what no light was asked for.
-ItemResult LiSampler::put_none(std::size_t i, ItemResult of_receiver,
-                               const SampleLiAnswer& a) const {
-  const ItemResult result = of_receiver == ItemResult::kOk ? ItemResult::kBlack : of_receiver;
-  a.status[i] = static_cast<int>(result);
-  a.pdf_per_sr[i] = 1;
-  return result;
-}
-
-[[gnu::always_inline]] inline ItemResult LiSampler::put(std::size_t i, const LightSample<double>& s,
-                                                        const SampleLiAnswer& a) const {
-  if (s.delta) set_bit(a.delta, i);
-  // Where there is no light there may be no direction, and no density either.
-  if (const Vec3<float> wi(s.wi); is_finite(wi)) store(a.wi, i, wi);
-  if (!s.delta)
-    a.pdf_per_sr[i] = is_normal_float(s.pdf.per_sr) ? static_cast<float>(s.pdf.per_sr) : 1.0F;
-  if (const Vec3<float> normal(s.normal); is_finite(normal)) store(a.light_normals, i, normal);
-  const Vec3<float> point(s.point + light_shift_);
-  const auto distance = static_cast<float>(s.distance);
-  const bool is_far = std::isinf(s.distance);
-  if (!is_far && std::isfinite(distance)) {
-    a.distance_m[i] = distance;
-    if (is_finite(point)) store(a.light_offsets_m, i, point);
-  }
-  NoLight reason = s.reason;
-  if (reason == NoLight::kNone) {
-    const Vec3<float> value(Vec3<double>(s.value.r, s.value.g, s.value.b));
-    const bool has_place = is_far || (std::isfinite(distance) && is_finite(point));
-    const bool has_density = s.delta || is_normal_float(s.pdf.per_sr);
-    if (is_finite(value) && has_place && has_density)
-      store(a.value, i, value);
-    else
-      reason = NoLight::kOutOfRange;
-  }
-  const ItemResult result = item_result(reason);
-  a.status[i] = static_cast<int>(result);
   return result;
 }
 

@@ -7,44 +7,12 @@
 #include <vector>
 
 #include "server/direct_light.h"
+#include "server/li_answer_writer.h"
+#include "server/li_layout.h"
 #include "server/light_visibility.h"
 #include "server/queries.h"
 
 namespace lucerna {
-
-/// Which sample an entry of an answer is: point `index` of that replicate of the receiver's points.
-struct LiPlace {
-  std::size_t receiver;
-  std::uint64_t replicate;
-  std::uint32_t index;
-};
-
-/// Which samples an answer holds: those of each receiver one behind the other.
-class LiLayout {
- public:
-  /// As many of each receiver, of one replicate.
-  LiLayout(std::size_t receivers, std::uint32_t samples)
-      : replicates_(1), each_(samples), size_(receivers * samples) {}
-  /// `replicates` of samples_per_replicate[r] samples of receiver r; where that is 0, one sample.
-  LiLayout(std::span<const std::uint32_t> samples_per_replicate, std::uint32_t replicates);
-
-  std::size_t size() const { return size_; }
-  LiPlace place(std::size_t i) const {
-    if (!begins_.empty()) return own_place(i);
-    if (each_ == 1) return {i, 0, 0};  // a division takes longer than a point light
-    return {i / each_, 0, static_cast<std::uint32_t>(i % each_)};
-  }
-  /// The samples of receiver `r` are [begin(r), begin(r + 1)).
-  std::size_t begin(std::size_t r) const { return begins_.empty() ? r * each_ : begins_[r]; }
-
- private:
-  LiPlace own_place(std::size_t i) const;
-
-  std::uint32_t replicates_;
-  std::size_t each_ = 0;               // where all receivers have as many
-  std::vector<std::size_t> begins_{};  // of each receiver, and the end; where they do not
-  std::size_t size_ = 0;
-};
 
 /// What one sample says of the light at its receiver.
 struct LiShare {
@@ -88,15 +56,15 @@ class LiSampler {
   inline LightSample<double> sample(const L& light, const Receiver<double>& receiver,
                                     Vec2<double> u) const;
   template <typename L>
+  [[gnu::always_inline]] inline bool put_plain(const L& light, std::size_t receiver, std::size_t i,
+                                               const LiAnswerWriter& writer) const;
+  template <typename L>
   void fill_from(const L& light, const LiLayout& layout, std::size_t begin, std::size_t end,
-                 const SampleLiAnswer& answer, LiShare* shares) const;
+                 const LiAnswerWriter& writer, LiShare* shares) const;
   void sample(std::vector<Pending>& chunk) const;
   LiShare share(const Pending& sampled, bool visible) const;
   inline LiShare share(const Vec3<double>& normal, double probability, const LightSample<double>& s,
                        bool visible) const;
-  inline ItemResult put(std::size_t i, const LightSample<double>& s,
-                        const SampleLiAnswer& answer) const;
-  ItemResult put_none(std::size_t i, ItemResult of_receiver, const SampleLiAnswer& answer) const;
   void put_spectral(std::size_t begin, std::vector<Pending>& chunk,
                     const SampleLiAnswer& answer) const;
   WorkCounts test(std::size_t first_bit, const std::vector<Pending>& chunk,
@@ -106,7 +74,7 @@ class LiSampler {
   const SampleLiQuery& q_;
   LightVisibility visibility_;
   ToScene to_scene_;
-  Vec3<double> light_shift_;  // the scene's origin about the receivers'
+  Vec3<double> light_shift_m_;  // the scene's origin about the receivers'
 };
 
 /// Whether all samples of a receiver are the same: those of a scene without lights, and of a delta

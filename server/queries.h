@@ -76,14 +76,10 @@ class ToScene {
   [[gnu::always_inline]] ScenePoint operator()(std::size_t i) const {
     ScenePoint p;
     const Vec3<float> offset = triple(offsets_m_, i);
-    if (!is_finite(offset)) {
-      p.result = ItemResult::kInvalidInput;
-      return p;
-    }
     p.position = shift_m_ + Vec3<double>(offset);
-    if (!is_finite(Vec3<float>(p.position))) {
+    if (!is_finite(Vec3<float>(p.position))) [[unlikely]] {
       p.position = {};
-      p.result = ItemResult::kOutOfRange;
+      p.result = is_finite(offset) ? ItemResult::kOutOfRange : ItemResult::kInvalidInput;
       return p;
     }
     constexpr float kRelative =

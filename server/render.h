@@ -62,6 +62,17 @@ struct IrradiancePoint {
   Vec3<float> normal;          ///< unit
 };
 
+/// The surface that it stands for.
+inline SurfaceHit surface_at(const IrradiancePoint& point, double time_s) {
+  SurfaceHit hit;
+  hit.position = point.position;
+  hit.position_error = point.position_error;
+  hit.ns = point.normal;
+  hit.ng = Vec3<double>(hit.ns);
+  hit.time_s = time_s;
+  return hit;
+}
+
 struct IrradianceSettings {
   std::uint64_t seed = 0;
   std::uint64_t first_item = 0;         ///< number of points[0] in the caller's set

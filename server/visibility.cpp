@@ -4,6 +4,7 @@
 #include <limits>
 #include <vector>
 
+#include "server/bits.h"
 #include "server/denormals.h"
 #include "server/error_bounds.h"
 #include "server/parallel.h"
@@ -196,10 +197,10 @@ void mark_visible(const Scene& scene, std::span<const Ray> rays, std::span<const
   std::vector<std::uint8_t> occluded((rays.size() + 7) / 8);
   scene.occluded(rays, occluded);
   for (std::size_t k = 0; k < rays.size(); ++k) {
-    const bool free = (occluded[k / 8] >> (k % 8) & 1) == 0;
+    const bool free = !bit(occluded.data(), k);
     const bool loose = ends[k].start.error >= 0 || ends[k].end.error >= 0;
     if (free || (loose && !first_other_surface(scene, rays[k], ends[k]))) {
-      visible[items[k] / 8] |= static_cast<std::uint8_t>(1u << (items[k] % 8));
+      set_bit(visible, items[k]);
     }
   }
 }
@@ -228,7 +229,7 @@ WorkCounts test_visibility(const Scene& scene, const VisibilityQuery& query, std
         ends.push_back(loose);
         items.push_back(static_cast<std::uint32_t>(i));
       } else if (result == ItemResult::kOk) {
-        visible[i / 8] |= static_cast<std::uint8_t>(1u << (i % 8));
+        set_bit(visible, i);
       }
     }
     mark_visible(scene, rays, ends, items, visible);

@@ -75,7 +75,7 @@ void spot_with_edge(benchmark::State& state, const Share& share) {
       const Vec3<double> chord = -way.wi - Vec3<double>{0, 0, -1};
       const double inside = one_minus_cos_cone - dot(chord, chord) / 2;
       const double x = std::clamp(share(inside), 0.0, 1.0);
-      if (x > 0) set_inverse_square(Rgb<double>(1) * (x * x * (3 - 2 * x)), way.distance_m, sample);
+      if (x > 0) set_inverse_square(Rgb<double>(1) * (x * x * (3 - 2 * x)), way, sample);
       sum += sample.value.g;
     }
     benchmark::DoNotOptimize(sum);

@@ -116,14 +116,14 @@ TEST(AreaLight, ReceiverOnTheLightIsDegenerate) {
   const auto light = square<double>();
   const auto point = light.sample_li(by_area(Vec3<double>{0, 0, 1}), {0.25, 0.5}).point;
   EXPECT_EQ(light.sample_li(point, {0.25, 0.5}).reason, NoLight::kDegenerate);
-  for (const Vec3<double> r : {Vec3<double>{1, 1, 0}, {0, -1, 0}, {0.3, 0.2, 0}, {0, 0, 0}}) {
+  for (const Vec3<double>& r : {Vec3<double>{1, 1, 0}, {0, -1, 0}, {0.3, 0.2, 0}, {0, 0, 0}}) {
     const auto s = light.sample_li(r, {0.125, 0.75});
     EXPECT_EQ(s.reason, NoLight::kDegenerate);
     EXPECT_TRUE(is_finite(s.wi) && is_finite(s.value));
     EXPECT_EQ(light.pdf_li(r, Vec3<double>{0, 0, -1}).per_sr, 0);
   }
   // Beside the sampled triangle in its plane, be it on the other one, and a hair beneath it.
-  for (const Vec3<double> r :
+  for (const Vec3<double>& r :
        {Vec3<double>{0, 1, 0}, {3, 0.2, 0}, {-1.001, 0, 0}, {0.3, 0.2, -1e-20}})
     EXPECT_EQ(light.sample_li(r, {0.125, 0.75}).reason, NoLight::kBehind) << r.x;
 }

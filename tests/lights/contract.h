@@ -118,7 +118,7 @@ TYPED_TEST_P(AnyLight, ExtremeSampleValuesGiveValidSamples) {
 TYPED_TEST_P(AnyLight, ReceiversThatAreNoNumbersGiveAReason) {
   const auto light = TypeParam::template make<float>({});
   for (const float bad : {NAN, INFINITY, -INFINITY}) {
-    for (const Vec3<float> r : {Vec3<float>{bad, 0, 0}, {0, bad, 0}, {0, 0, bad}}) {
+    for (const Vec3<float>& r : {Vec3<float>{bad, 0, 0}, {0, bad, 0}, {0, 0, bad}}) {
       const auto s = light.sample_li(r, {0.5F, 0.5F});
       EXPECT_TRUE(s.reason == NoLight::kOutOfRange || s.reason == NoLight::kDegenerate);
       EXPECT_TRUE(check_well_formed(s).ok());

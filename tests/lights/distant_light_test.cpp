@@ -13,7 +13,7 @@ using ::testing::HasSubstr;
 TEST(DistantLight, SampleIsTheSameEverywhere) {
   const auto light =
       *DistantLight<float>::create({.to_light = {0, 30, 40}, .illuminance_lx = {1, 2, 3}});
-  for (const Vec3<float> receiver : {Vec3<float>{0, 0, 0}, {1e30F, -5, 1e-30F}}) {
+  for (const Vec3<float>& receiver : {Vec3<float>{0, 0, 0}, {1e30F, -5, 1e-30F}}) {
     const auto s = light.sample_li(receiver, {0, 1});
     EXPECT_EQ(s.reason, NoLight::kNone);
     EXPECT_TRUE(s.delta);

@@ -205,7 +205,7 @@ TEST(PanelLight, ShapesThatAreNotFlatAreRefused) {
   const auto status = PanelPatchMesh<double>::create(bent, profile(web())).status();
   EXPECT_THAT(std::string(status.message()), ::testing::HasSubstr("allowed for a profile: flat"));
   const auto flat = *PatchMesh<double>::create({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}});
-  for (const Vec3<double> tangent : {Vec3<double>{0, 0, 1}, {0, 0, 0}, {NAN, 0, 0}})
+  for (const Vec3<double>& tangent : {Vec3<double>{0, 0, 1}, {0, 0, 0}, {NAN, 0, 0}})
     EXPECT_FALSE(PanelPatchMesh<double>::create(flat, profile(web(), tangent)).ok());
 }
 

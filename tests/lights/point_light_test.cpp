@@ -5,6 +5,8 @@
 
 #include <cmath>
 #include <numbers>
+#include <optional>
+#include <random>
 
 #include "tests/lights/contract_checks.h"
 
@@ -89,6 +91,66 @@ TEST(PointLight, ValuesThatFloatCannotHoldAreOutOfRangeOrZero) {
   const auto s = light_at({-3e38, 0, 0}, 3e38).sample_li({3e38F, 0, 0}, {});
   EXPECT_EQ(s.reason, NoLight::kOutOfRange);
   EXPECT_TRUE(testing::check_well_formed(s).ok());
+}
+
+/// What a plain sample says, as a sample; of none one that says nothing.
+template <typename Real>
+std::optional<LightSample<Real>> plain_sample(const PointLight<Real>& light,
+                                              const Vec3<Real>& receiver) {
+  const auto plain = light.plain_sample_li(receiver);
+  if (!plain) return std::nullopt;
+  LightSample<Real> s;
+  s.delta = true;
+  s.wi = plain->wi, s.distance = plain->distance, s.value = plain->value;
+  s.point = light.position();
+  return s;
+}
+
+template <typename Real>
+void expect_same_bits(const LightSample<Real>& a, const LightSample<Real>& b, Real at) {
+  EXPECT_EQ(a.reason, b.reason) << at;
+  EXPECT_EQ(a.value, b.value) << at;
+  EXPECT_EQ(a.wi, b.wi) << at;
+  EXPECT_EQ(a.distance, b.distance) << at;
+  EXPECT_EQ(a.point, b.point) << at;
+  EXPECT_EQ(a.delta, b.delta) << at;
+}
+
+template <typename Real>
+void expect_plain_samples(double least, double most) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> component(-1, 1);
+  const auto light =
+      *PointLight<Real>::create({.position_m = {1, -2, 0.5}, .intensity_cd = {1, 20, 300}});
+  int plain = 0, all = 0;
+  for (double size = least; size <= most; size *= 10)
+    for (int k = 0; k < 20; ++k) {
+      const Vec3<double> v{component(random), component(random), component(random)};
+      const Vec3<Real> receiver(v * size);
+      const auto s = plain_sample(light, receiver);
+      if (s) expect_same_bits(*s, light.sample_li(receiver, {}), static_cast<Real>(size));
+      if (size >= 1e-6 && size <= 1e6) ++all, plain += s ? 1 : 0;
+    }
+  EXPECT_EQ(plain, all);  // where nothing is out of the ordinary
+  for (const Real no : {Real(NAN), Real(INFINITY)}) EXPECT_FALSE(light.plain_sample_li({1, no, 0}));
+  EXPECT_FALSE(light.plain_sample_li(light.position()));
+}
+
+TEST(PointLight, PlainSamplesHaveTheBitsOfSamples) {
+  expect_plain_samples<float>(1e-45, 1e38);
+  expect_plain_samples<double>(1e-300, 1e300);
+}
+
+TEST(PointLight, PlainSamplesAreOfLightThatNumbersHold) {
+  const auto at_zero = [](double intensity) {
+    return *PointLight<double>::create({.position_m = {}, .intensity_cd = Rgb<double>(intensity)});
+  };
+  EXPECT_FALSE(at_zero(0).plain_sample_li({0, 0, 1}));
+  EXPECT_FALSE(at_zero(1e-300).plain_sample_li({0, 0, 1e30}));  // underflows
+  EXPECT_FALSE(at_zero(1e300).plain_sample_li({0, 0, 1e-30}));  // overflows
+  EXPECT_FALSE(at_zero(1).plain_sample_li({0, 0, 1e-150}));     // the square has lost digits
+  EXPECT_FALSE(at_zero(1e300).plain_sample_li({0, 0, 1e160}));  // the square overflows
+  EXPECT_TRUE(at_zero(1).plain_sample_li({0, 0, 1e-130}));
 }
 
 TEST(PointLight, CreateNamesFieldValueAndWhatIsAllowed) {

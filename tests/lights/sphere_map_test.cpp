@@ -31,7 +31,7 @@ TEST(SphereMapping, GoesThereAndBack) {
     }
     // A hair's breadth from the poles too.
     for (const double tiny : {1e-3, 1e-8, 1e-12}) {
-      for (const Vec3<double> w :
+      for (const Vec3<double>& w :
            {Vec3<double>{tiny, -tiny, 1}, {tiny, tiny, -1}, {-tiny, 1, tiny}, {tiny, -1, tiny}}) {
         const Vec3<double> unit = normalized(w);
         const Vec3<double> back =
@@ -101,7 +101,7 @@ TEST(SphereMap, BilinearLookupIsContinuousAcrossSeamsAndPoles) {
     // Along a meridian over the pole.
     const double phi = kPi * t;
     const Vec3<double> s{kStep * std::cos(phi), 0, kStep * std::sin(phi)};
-    for (const Vec3<double> pole : {Vec3<double>{0, 1, 0}, {0, -1, 0}})
+    for (const Vec3<double>& pole : {Vec3<double>{0, 1, 0}, {0, -1, 0}})
       EXPECT_LT(std::fabs(luminance(latlong->lookup(pole + s) - latlong->lookup(pole - s))), 1e-6);
   }
 }

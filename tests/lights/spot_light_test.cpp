@@ -146,7 +146,7 @@ TEST(SpotLight, FullSphereIsAPointLight) {
     const auto w = testing::Region{}.at(random.next(), random.next());
     EXPECT_EQ(light.intensity(Vec3<float>(w)).r, 1);
   }
-  for (const Vec3<double> axis : {Vec3<double>{1, 1, 1}, {1, 2, 3}, {-0.1, 0.7, 0.3}}) {
+  for (const Vec3<double>& axis : {Vec3<double>{1, 1, 1}, {1, 2, 3}, {-0.1, 0.7, 0.3}}) {
     auto params = spot(kPi, kPi);
     params.axis = axis;
     const auto turned = *SpotLight<float>::create(params);

@@ -90,7 +90,7 @@ TEST(Triangle, RayHitsWhereItWasAimed) {
 TEST(Triangle, EdgesAndVerticesBelongToIt) {
   const Triangle<float> t{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   const Triangle<float> turned{t.a, t.c, t.b};
-  for (const Vec3<float> p :
+  for (const Vec3<float>& p :
        {Vec3<float>{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.5F, 0, 0}, {0, 0.25F, 0}, {0.5F, 0.5F, 0}})
     for (const auto& triangle : {t, turned})
       EXPECT_TRUE(triangle.intersect(p + Vec3<float>{0, 0, 1}, {0, 0, -1}, 0, INFINITY))

@@ -59,7 +59,16 @@ TEST(Vec3, LargestComponentIsOfThoseThatAreNumbers) {
   for (const V& v : {V(NAN, 2, -3), V(2, NAN, -3), V(-3, 2, NAN), V(NAN, NAN, 3), V(3, NAN, NAN)})
     EXPECT_EQ(max_abs(v), 3) << v.x << " " << v.y << " " << v.z;
   EXPECT_EQ(max_abs(V(NAN, -INFINITY, 3)), INFINITY);
-  EXPECT_TRUE(std::isnan(max_abs(V(NAN, NAN, NAN))));
+  EXPECT_EQ(max_abs(V(NAN, NAN, NAN)), 0);
+}
+
+TEST(Vec3, FiniteIsWhatHasFiniteComponents) {
+  constexpr float kMax = std::numeric_limits<float>::max(), kInf = INFINITY;
+  for (const V& v : {V(1, -3, 2), V(0, 0, 0), V(kMax, kMax, 0), V(-kMax, -kMax, -kMax)})
+    EXPECT_TRUE(is_finite(v)) << v.x << " " << v.y << " " << v.z;
+  for (const V& v : {V(kInf, 0, 0), V(0, -kInf, 0), V(0, 0, NAN), V(kInf, -kInf, 0),
+                     V(kMax, kMax, kInf), V(-kMax, -kMax, NAN)})
+    EXPECT_FALSE(is_finite(v)) << v.x << " " << v.y << " " << v.z;
 }
 
 TEST(Vec3, LengthOfWhatIsNoNumberIsNone) {
@@ -109,7 +118,7 @@ TEST(Frame, IsOrthonormalAndRightHandedForEveryNormal) {
     EXPECT_NEAR(length(f.local_from_world(f.world_from_local(v)) - v), 0, 1e-6);
   };
   for (int i = 0; i < 1000; ++i) check(V(testing::Region{}.at(random.next(), random.next())));
-  for (const V n : {V(0, 0, 1), V(0, 0, -1), V(1, 0, 0.F), V(1, 0, -0.F), V(0, -1, 0)}) check(n);
+  for (const V& n : {V(0, 0, 1), V(0, 0, -1), V(1, 0, 0.F), V(1, 0, -0.F), V(0, -1, 0)}) check(n);
   check(normalized(V(1e-4F, 1e-4F, -1)));
 }
 

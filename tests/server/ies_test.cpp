@@ -145,7 +145,7 @@ TEST(Ies, MissingPlanesAreFilledBySymmetry) {
   f.angles = "0 90\n0 90\n";
   f.candela = "10 20\n10 40\n";
   auto web = ies(f.text()).web;
-  for (const Vec3<double> w : {Vec3<double>{0, 1, 0}, {0, -1, 0}})
+  for (const Vec3<double>& w : {Vec3<double>{0, 1, 0}, {0, -1, 0}})
     EXPECT_NEAR(web->at(w + Vec3<double>{0, 0, 1e-9}), 40, 1e-6);
   EXPECT_NEAR(web->at({-1, 0, 1e-9}), 20, 1e-6);
   f.angles = "0 90\n0 180\n";

@@ -246,7 +246,7 @@ TEST(PbrtLights, GoniometricLightsWithoutAFileTakeAnyTransform) {
       std::get<GoniometricLightParams>(scene->lights.at(0).params));
   ASSERT_TRUE(made.ok()) << made.status();
   EXPECT_EQ(made->params().position_m, Vec3<double>(1, 2, 3));
-  for (const Vec3<double> way : {Vec3<double>{1, 0, 0}, {0, .6, -.8}, {0, 0, 1}})
+  for (const Vec3<double>& way : {Vec3<double>{1, 0, 0}, {0, .6, -.8}, {0, 0, 1}})
     EXPECT_NEAR(made->intensity(way).g, 100 / (4 * std::numbers::pi), 1e-12);
 }
 

@@ -268,7 +268,8 @@ SceneDescription clutter(std::mt19937& random, double scale, const Vector& offse
   const auto around = [&](Vector p) { return offset + p * scale; };
   d.shapes.push_back(
       patch(around({-4, -4, -3}), around({4, -4, -3}), around({-4, 4, -3}), around({4, 4, -3})));
-  d.lights.push_back({SunLightParams{vector(), 0.05, Rgb<double>(1)}, {}});
+  const SunLightParams sun{vector(), 0.05, Rgb<double>(1)};
+  d.lights.emplace_back().params = sun;
   return d;
 }
 

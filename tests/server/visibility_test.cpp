@@ -107,7 +107,7 @@ Tilted tilted(double scale, const Vec3<double>& center) {
 
 TEST(TestVisibility, PointsTypedOnASurfaceDoNotShadowThemselves) {
   for (const double scale : {1e-4, 1.0, 1e4}) {
-    for (const Vec3<double> center : {Vec3<double>{}, Vec3<double>{3, 5, -7} * scale}) {
+    for (const Vec3<double>& center : {Vec3<double>{}, Vec3<double>{3, 5, -7} * scale}) {
       const Tilted t = tilted(scale, center);
       VisibilityQuery query{.from = {{}, t.points}, .directions = t.up};
       const Seen free = ask(*t.scene, query);

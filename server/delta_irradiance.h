@@ -1,0 +1,52 @@
+// Irradiance of scenes whose lights are all seen in one direction: a ray each, and no samples.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <stop_token>
+
+#include "server/light_visibility.h"
+#include "server/render.h"
+
+namespace lucerna {
+
+/// Immutable but for the answers; ranges may be asked for on several threads at once.
+class DeltaIrradiance {
+ public:
+  /// Fills `result`, whose arrays have their sizes and are zeros; all outlive it.
+  DeltaIrradiance(const Scene& scene, std::span<const IrradiancePoint> points,
+                  const IrradianceSettings& settings, const std::stop_token& stop,
+                  IrradianceResult& result)
+      : scene_(scene),
+        points_(points),
+        settings_(settings),
+        stop_(stop),
+        visibility_(scene, settings.methods.visibility),
+        result_(result) {}
+
+  /// Whether that is all: direct light alone, and each light is asked.
+  static bool answers(const Scene& scene, const IrradianceSettings& settings);
+
+  std::size_t points_per_chunk() const;
+
+  /// Answers points [begin, end); where `stop` is asked for, not all of them.
+  WorkCounts range(std::size_t begin, std::size_t end) const;
+
+ private:
+  void settle(std::size_t begin, std::size_t end, WorkCounts& work) const;
+  template <typename L>
+  void add(const L& light, std::uint32_t index, std::size_t begin, std::size_t end,
+           WorkCounts& work) const;
+  template <typename MakeRay>
+  inline void add(std::uint32_t light, std::size_t point, const Rgb<double>& lx, bool needs_ray,
+                  WorkCounts& work, const MakeRay& ray) const;
+
+  const Scene& scene_;
+  std::span<const IrradiancePoint> points_;
+  const IrradianceSettings& settings_;
+  const std::stop_token& stop_;
+  LightVisibility visibility_;
+  IrradianceResult& result_;
+};
+
+}  // namespace lucerna
