@@ -277,12 +277,13 @@ TEST_F(CliTradeoff, RefusesWhatCannotBeMeasured) {
   std::ofstream(path("bare.csv")) << "0,0,0\n";
   expect_wrong_use(tradeoff({"--points", path("bare.csv")}), "no normals, must have six columns");
   expect_wrong_use(tradeoff({"--points", points, "--budget", "0s"}), "is not a time above 0");
-  expect_wrong_use(tradeoff({"--points", points, "--budget", "1ms", "--quiet"}),
-                   "--budget 0.001s is too short");
-  expect_wrong_use(tradeoff({"--points", points, "--budget", "0.001s", "--quiet"}),
-                   "--budget 0.001s is too short");
-  expect_wrong_use(tradeoff({"--points", points, "--budget", "1ms", "--quiet", "--timeout", "600"}),
-                   "--budget 0.001s is too short");
+  expect_wrong_use(tradeoff({"--points", points, "--budget", "1e-6ms", "--quiet"}),
+                   "--budget 1e-09s is too short");
+  expect_wrong_use(tradeoff({"--points", points, "--budget", "1e-9s", "--quiet"}),
+                   "--budget 1e-09s is too short");
+  expect_wrong_use(
+      tradeoff({"--points", points, "--budget", "1e-6ms", "--quiet", "--timeout", "600"}),
+      "--budget 1e-09s is too short");
   std::ofstream(path("a_file")) << "\n";
   expect_wrong_use(
       lucerna({"tradeoff", "lamp_over_table.pbrt", "--points", points, "--out", path("a_file/x")}),
