@@ -72,7 +72,10 @@ AreaPdf<Real> scene_disk_pdf(const Vec3<Real>& position, const Vec3<Real>& direc
 /// Whether two unit vectors are the same to within their roundings.
 template <std::floating_point Real>
 bool same_direction(const Vec3<Real>& a, const Vec3<Real>& b) {
-  return max_abs(a - b) <= static_cast<Real>(4 * kInputRounding);
+  const auto same = [](Real a, Real b) {
+    return std::fabs(a - b) <= static_cast<Real>(4 * kInputRounding);  // of numbers alone
+  };
+  return same(a.x, b.x) && same(a.y, b.y) && same(a.z, b.z);
 }
 
 }  // namespace lucerna

@@ -165,7 +165,7 @@ static_assert(LeavesFreely<SpotLight<double>> && LeavesFreely<GoniometricLight<d
               LeavesFreely<SunLight<double>> && LeavesFreely<ImageInfiniteLight<double>> &&
               LeavesFreely<PortalLight<double>>);
 
-/// Lights most of whose samples can be had without all that samples can be.
+/// Lights most of whose samples are told by direction, distance and value alone.
 template <typename L>
 concept HasPlainSamples = requires(const L& light, const Vec3<double>& v) {
   light.plain_sample_li(v);

@@ -35,9 +35,9 @@ class PointLight {
     return sample;
   }
 
-  /// What most samples are, as these take a fraction of the time without all that they can be: the
-  /// same bits as sample_li where there is light and no square over- or underflows; nothing
-  /// elsewhere.
+  /// All that most samples say.  plain_sample_li tells it in a fraction of the time, with the bits
+  /// of sample_li, where there is light and neither the square of the distance nor the value over-
+  /// or underflows; nothing elsewhere.
   struct PlainSample {
     Vec3<Real> wi;
     Real distance;

@@ -13,7 +13,7 @@ struct Rgb {
   Real r{}, g{}, b{};
 
   Rgb() = default;
-  // By components, as a Vec3.
+  // By components, and for what, as Vec3 says.
   constexpr Rgb(const Rgb& c) : r(c.r), g(c.g), b(c.b) {}
   constexpr Rgb& operator=(const Rgb& c) {
     r = c.r, g = c.g, b = c.b;
@@ -48,7 +48,7 @@ Real luminance(const Rgb<Real>& c) {
 
 template <std::floating_point Real>
 bool is_finite(const Rgb<Real>& c) {
-  // As of a Vec3.
+  // One comparison mostly, as of a Vec3.
   if (std::isfinite(c.r + c.g + c.b)) [[likely]]
     return true;
   return std::isfinite(c.r) && std::isfinite(c.g) && std::isfinite(c.b);

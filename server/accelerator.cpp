@@ -10,6 +10,7 @@
 #include <mutex>
 #include <utility>
 
+#include "server/bits.h"
 #include "server/denormals.h"
 #include "server/isa.h"
 #include "server/ray_limits.h"
@@ -337,9 +338,8 @@ bool Accelerator::occluded(const Ray& ray) const {
 
 void Accelerator::occluded(std::span<const Ray> rays, std::span<std::uint8_t> bits) const {
   for (std::size_t i = 0; i < rays.size(); ++i) {
-    const auto bit = static_cast<std::uint8_t>(1u << (i % 8));
     if (i % 8 == 0) bits[i / 8] = 0;
-    if (occluded(rays[i])) bits[i / 8] |= bit;
+    if (occluded(rays[i])) set_bit(bits.data(), i);
   }
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <stop_token>
 
@@ -9,6 +10,11 @@
 #include "server/render.h"
 
 namespace lucerna {
+
+/// Whether reflected light is part of the answer.
+inline bool gathers_reflected_light(const Scene& scene, const IrradianceSettings& settings) {
+  return settings.bounces.value_or(1) > 0 && !scene.empty() && !scene.lights().empty();
+}
 
 /// Immutable but for the answers; ranges may be asked for on several threads at once.
 class DeltaIrradiance {
@@ -35,8 +41,8 @@ class DeltaIrradiance {
  private:
   void settle(std::size_t begin, std::size_t end, WorkCounts& work) const;
   template <typename L>
-  void add(const L& light, std::uint32_t index, std::size_t begin, std::size_t end,
-           WorkCounts& work) const;
+  void add_light(const L& light, std::uint32_t index, std::size_t begin, std::size_t end,
+                 WorkCounts& work) const;
   template <typename MakeRay>
   inline void add(std::uint32_t light, std::size_t point, const Rgb<double>& lx, bool needs_ray,
                   WorkCounts& work, const MakeRay& ray) const;

@@ -57,8 +57,7 @@ class IrradianceJob {
         stop_(stop),
         result_(result),
         direct_(tracer_.direct()),
-        gather_indirect_(settings.bounces.value_or(1) > 0 && !scene.empty() &&
-                         !scene.lights().empty()),
+        gather_indirect_(gathers_reflected_light(scene, settings)),
         confidence_(settings.target ? settings.target->confidence : kConfidence),
         rule_(confidence_, settings.block_count,
               std::max<std::uint64_t>(samples_of(settings.samples_per_block), 1)),

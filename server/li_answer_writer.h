@@ -9,8 +9,8 @@
 
 namespace lucerna {
 
-/// Puts samples down in the floats that an answer has, or why they do not fit.  Always inlined, as
-/// calls take longer than a point light does.
+/// Puts samples down in the floats that an answer has, or why they do not fit.  What is called for
+/// each of them is always inlined, as calls take longer than a point light does.
 class LiAnswerWriter {
  public:
   /// `light_shift_m`: the scene's origin about the receivers'.
@@ -60,7 +60,7 @@ class LiAnswerWriter {
     store(a_.light_offsets_m, i, offset);
     a_.distance_m[i] = distance;
     put_result(i, ItemResult::kOk);
-    set_bit(a_.delta, i);  // last: bytes may be part of anything, so that all is read anew
+    set_bit(a_.delta, i);  // last: a byte may alias anything, so that all is loaded anew
     return true;
   }
 

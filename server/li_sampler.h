@@ -32,6 +32,8 @@ class LiSampler {
   /// `shares`: null, or one for each entry.  Returns the shadow rays and look-ups that it took.
   WorkCounts fill(const LiLayout& layout, std::size_t begin, std::size_t end,
                   const SampleLiAnswer& answer, LiShare* shares) const;
+  /// So many entries make a chunk; a multiple of 8.
+  std::size_t grain() const;
   /// What samples say that no answer holds.
   WorkCounts take(std::span<const LiPlace> places, std::span<LiShare> shares) const;
 
@@ -47,6 +49,8 @@ class LiSampler {
   };
   struct Pending;
 
+  /// Whether one light is asked, and of its samples nothing beside.
+  bool asks_one_light() const;
   inline At at(std::size_t receiver) const;
   Receiver<double> receiver_of(const ScenePoint& point, const Vec3<double>& normal) const;
   SampleSequence sequence_of(const LiPlace& place) const;

@@ -77,7 +77,7 @@ inline Ray spawn_ray(const SurfaceHit& from, const Vec3<float>& direction) {
   return ray;
 }
 
-/// The ray whose t in (0, 1) is the open way from a surface point to `end`, where no surface is.
+/// The ray whose t in (0, 1) is the open way from a surface point to `end`, which is on no surface.
 /// `direction`: which way that is.
 inline Ray ray_to_point(const SurfaceHit& from, const Vec3<double>& direction,
                         const Vec3<float>& end) {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 namespace lucerna {
+
 std::optional<Entry> entry_from_afar(const Vec3<double>& origin_m, const Vec3<double>& direction,
                                      double reach_m) {
   const double largest = max_abs(origin_m);

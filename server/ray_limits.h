@@ -52,7 +52,7 @@ std::optional<Entry> entry_from_afar(const Vec3<double>& origin_m, const Vec3<do
 /// their distance from a ray's origin.
 inline std::optional<UnitRay> unit_ray(Vec3<double> origin_m, const Vec3<double>& direction,
                                        double t_min, double t_max, const RaySpace& space) {
-  // Here, as every ray pays for it.
+  // Inline, as every ray pays for it.
   constexpr double kFar = 16;  // beyond so many times the reach rays are moved
   const double longest = max_abs(direction);
   if (!is_finite(origin_m) || !is_finite(direction) || !(longest > 0) || std::isnan(t_min) ||

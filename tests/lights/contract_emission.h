@@ -129,9 +129,11 @@ TYPED_TEST_P(EmittingLight, RaysOfOthersHaveNoDensity) {
     const Vec2<float> u = random.pair();
     const auto s = light.sample_le(u, random.pair(), scene);
     EXPECT_EQ(light.pdf_le(s.origin + Vec3<float>{20, 30, -50}, s.direction, scene), none);
-    const Vec3<float> nowhere{NAN, 0, 1};
-    EXPECT_EQ(light.pdf_le(nowhere, s.direction, scene), none);
-    EXPECT_EQ(light.pdf_le(s.origin, nowhere, scene), none);
+    for (const Vec3<float>& nowhere :
+         {Vec3<float>{NAN, 0, 1}, {NAN, s.direction.y, s.direction.z}, {NAN, NAN, NAN}}) {
+      EXPECT_EQ(light.pdf_le(nowhere, s.direction, scene), none);
+      EXPECT_EQ(light.pdf_le(s.origin, nowhere, scene), none);
+    }
   }
 }
 

@@ -185,6 +185,33 @@ TEST(Irradiance, OfLightsThatAreSettledIsTheSameHoweverTheyAreAsked) {
   }
 }
 
+TEST(Irradiance, OfAPointLightIsTheSameHoweverItIsAskedAtAnyDistance) {
+  for (const double candela : {0.0, 1e-30, 18.0, 1e30}) {
+    SceneDescription d = testing::description();
+    d.lights = {testing::point_light({1, -2, 0.5}, candela)};
+    const auto scene = build(std::move(d));
+    const Vec3<double> light = Vec3<double>{1, -2, 0.5} - scene->origin();
+    std::vector<IrradiancePoint> points{{light, {}, {0, 0, 1}}};
+    for (double size = 1e-200; size < 1e200; size *= 1e5)
+      for (const Vec3<double>& way : {Vec3<double>{1, 2, -3}, {-1, 0, 0}, {0, 0.3, 1}})
+        for (const float up : {-1.0F, 1.0F})
+          points.push_back({light + way * size, {kError, kError, kError}, {0, 0, up}});
+    IrradianceSettings settings = direct();
+    const IrradianceResult by_light = estimate_irradiance(*scene, points, settings, {});
+    const std::vector<double> wavelengths{555};
+    settings.wavelengths_nm = wavelengths;  // which are asked for point by point
+    const IrradianceResult by_point = estimate_irradiance(*scene, points, settings, {});
+    std::size_t lit = 0;
+    for (std::size_t p = 0; p < points.size(); ++p) {
+      EXPECT_EQ(by_light.points[p].irradiance_lx, by_point.points[p].irradiance_lx) << p;
+      EXPECT_TRUE(by_light.points[p].exact);
+      if (!by_light.points[p].irradiance_lx.is_black()) ++lit;
+    }
+    EXPECT_EQ(by_light.work.shadow_rays, 0U);
+    EXPECT_EQ(lit > 0, candela > 0);
+  }
+}
+
 TEST(Irradiance, OfManyDeltaLightsIsExactWhereSamplesCostMore) {
   const auto scene = build(lamps(64));
   // A sample of lights that are drawn costs as much as 12 of them.

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -159,6 +160,61 @@ TEST(SampleLi, AChosenLightAnswersAsIfItWereNamed) {
                 scene->light_selector().probability(LightSelection::kAutomatic, receiver, light));
     }
     EXPECT_GT(found, 0) << light;
+  }
+}
+
+/// Receivers at all distances from a light, on it, and where no float tells them; sample values for
+/// each, of which some are none.
+struct Receivers {
+  std::vector<float> offsets, normals, u;
+  std::vector<double> u_light;
+
+  explicit Receivers(const Vec3<float>& light) {
+    constexpr float kInf = INFINITY, kMost = std::numeric_limits<float>::max();
+    for (float size = 1e-42F; size < 1e38F; size *= 7)
+      for (const Vec3<float>& way : {Vec3<float>{1, 2, -3}, {-1, 0, 0}, {0, 0.3F, 1}})
+        add(light + way * size);
+    for (const Vec3<float>& at : {light,
+                                  Vec3<float>{kNan, 0, 0},
+                                  {0, kInf, 0},
+                                  {0, -kInf, kInf},
+                                  {kMost, kMost, kMost},
+                                  {kMost, -kMost, 0},
+                                  {0, 0, 0}})
+      add(at);
+    for (const std::size_t bad : {std::size_t{20}, u.size() - 1}) u[bad] = bad == 20 ? kNan : kInf;
+  }
+  void add(const Vec3<float>& at) {
+    offsets.insert(offsets.end(), {at.x, at.y, at.z});
+    normals.insert(normals.end(), {0, 0, 1});
+    u.insert(u.end(), {0.25F, 0.75F});
+    u_light.push_back(0.5);
+  }
+};
+
+TEST(SampleLi, OfAPointLightIsTheSameHoweverItIsAsked) {
+  const Vec3<float> at{1, -2, 0.5F};
+  for (const double candela : {0.0, 1e-30, 18.0, 1e30}) {
+    SceneDescription d = description();
+    d.lights = {testing::point_light(Vec3<double>(at), candela)};
+    const auto scene = build(d);
+    const Receivers r(at);
+    for (const Vec3<double>& origin : {Vec3<double>{}, {0.1, 0, -3e5}}) {
+      SampleLiQuery query{.receivers = {origin, r.offsets}, .light = 0, .u = r.u};
+      const Arrays plain = ask(*scene, query);
+      query.normals = r.normals;  // with which each sample is made whole
+      const Arrays whole = ask(*scene, query);
+      EXPECT_EQ(plain, whole) << candela;
+      query.normals = {};
+      query.light = {};
+      query.u_light = r.u_light;
+      Arrays chosen = ask(*scene, query);
+      chosen.ids = plain.ids, chosen.probability = plain.probability;
+      EXPECT_EQ(plain, chosen) << candela;
+      const auto ok = std::ranges::count(plain.status, static_cast<int>(ItemResult::kOk));
+      if (candela == 18) EXPECT_GT(ok, 150);
+      if (candela == 0) EXPECT_EQ(ok, 0);
+    }
   }
 }
 
