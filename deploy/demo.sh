@@ -10,7 +10,7 @@ output=${2:-$root/build/demo}
 samples=(${3:+--samples "$3"})
 mkdir -p "$output"
 output=$(cd "$output" && pwd)
-export PATH=$build/client:$PATH
+export PATH=$build/bin:$PATH
 source "$root/deploy/local_server.sh"
 # -k: killed where it does not stop; the bound is for a demo that is itself killed.
 start_server "$build" "$root/scenes" timeout -k 5 120

@@ -16,15 +16,15 @@ with beam projection 's/"float fov" .38. "float scale" .60./"string projection" 
 start_server "$build" "$scenes"
 mkdir -p "$root/docs/lights"
 for scene in point spot projection beam distant sun infinite environment triangle rectangle sphere disk cylinder textured; do
-  "$build/client/lucerna" render tests/data/reference/$scene.pbrt -o "$root/docs/lights/$scene.png" --samples 64
+  "$build/bin/lucerna" render tests/data/reference/$scene.pbrt -o "$root/docs/lights/$scene.png" --samples 64
 done
 # Dark or bright ones, and what is not among the reference scenes.
-"$build/client/lucerna" render tests/data/reference/goniometric.pbrt -o "$root/docs/lights/goniometric.png" \
+"$build/bin/lucerna" render tests/data/reference/goniometric.pbrt -o "$root/docs/lights/goniometric.png" \
   --samples 64 --exposure 2
-"$build/client/lucerna" render tests/data/reference/portal.pbrt -o "$root/docs/lights/portal.png" \
+"$build/bin/lucerna" render tests/data/reference/portal.pbrt -o "$root/docs/lights/portal.png" \
   --samples 256 --exposure 1
-"$build/client/lucerna" render scenes/wallwasher.pbrt -o "$root/docs/lights/wallwasher.png" \
+"$build/bin/lucerna" render scenes/wallwasher.pbrt -o "$root/docs/lights/wallwasher.png" \
   --samples 256 --exposure -7
-"$build/client/lucerna" render scenes/panel.pbrt -o "$root/docs/lights/panel.png" \
+"$build/bin/lucerna" render scenes/panel.pbrt -o "$root/docs/lights/panel.png" \
   --samples 256 --exposure -7
-"$build/client/lucerna" render scenes/moving.pbrt -o "$root/docs/lights/moving.png" --samples 256 --exposure -1
+"$build/bin/lucerna" render scenes/moving.pbrt -o "$root/docs/lights/moving.png" --samples 256 --exposure -1

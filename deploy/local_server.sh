@@ -16,7 +16,7 @@ start_server() {
   local build=$1 scenes=$2
   shift 2
   : >"$scratch/out"
-  "$@" "$build/server/lucernad" --listen 127.0.0.1:0 --scene-root "$scenes" >"$scratch/out" 2>"$scratch/log" &
+  "$@" "$build/bin/lucernad" --listen 127.0.0.1:0 --scene-root "$scenes" >"$scratch/out" 2>"$scratch/log" &
   server=$!
   LUCERNA_SERVER=
   for _ in $(seq 300); do

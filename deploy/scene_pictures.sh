@@ -11,5 +11,5 @@ source "$root/deploy/local_server.sh"
 start_server "$build" "$root/scenes"
 mkdir -p "$root/docs/scenes"
 for scene in "$@"; do
-  "$build/client/lucerna" render "$scene/scene.pbrt" -o "$root/docs/scenes/$scene.png" "${samples[@]}"
+  "$build/bin/lucerna" render "$scene/scene.pbrt" -o "$root/docs/scenes/$scene.png" "${samples[@]}"
 done

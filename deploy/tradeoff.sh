@@ -25,7 +25,7 @@ for scene in "$@"; do
   file=$scene/scene.pbrt
   points=$scenes/$scene/points.csv
   [ -f "$scenes/$file" ] || { file=$scene.pbrt; points=$scenes/points.csv; }
-  "$build/client/lucerna" tradeoff "$file" --query "${QUERY:-irradiance}" --points "$points" \
+  "$build/bin/lucerna" tradeoff "$file" --query "${QUERY:-irradiance}" --points "$points" \
     --budget "$budget" --seed "$seed" --out "$out/$scene"
   command -v chromium >/dev/null || continue
   chromium --headless --no-sandbox --disable-gpu --hide-scrollbars --force-device-scale-factor=1.5 --window-size=1000,660 \

@@ -3,9 +3,9 @@
 
     tests/extremes_page.py BUILD_DIR [--check]
 
-Runs both test programs; where a test fails there is no page.  With --check nothing is written: exits 1 where the
-page that is there says something else, or says nothing of a row of ROWS.  Relative errors are rounded up to one
-digit, and count as the same within a factor of two: libm takes other instructions on other processors.
+Runs both test programs.  Where a test fails, it writes no page.  With --check it writes nothing, and exits 1 where the
+page differs or lacks a row of ROWS.  Relative errors are rounded up to one digit, and count as equal within a factor of
+two: libm takes other instructions on other processors.
 """
 import argparse
 import json
@@ -31,19 +31,21 @@ MEASURED_COLUMNS = (5, 7)  # Lucerna's and the textbook's, after the empty one b
 HEAD = """\
 # Right at the extremes
 
-Inputs that are known to break renderers, each with what Lucerna answers.  Every line is a test that sweeps over the magnitudes named, holds
-the answer to the worst relative error that is allowed (or to the reason that it must give), and tells here how far off it was at worst.
-Beside it stands what the formula of the textbooks, in floats, makes of the same inputs.
+This page lists inputs that are known to break renderers, and what Lucerna answers.  Each line is a test that sweeps over the magnitudes named
+("swept").  The test compares the answer with the worst relative error allowed, or with the reason that it must give.  The column "Lucerna" has the worst
+error that occurred.  The column "textbook, in float" has the worst error of the usual formula in floats, for the same inputs.
 
-`make extremes` runs the tests and writes this page; `.ci/run` fails where it is not current.  References have 30 digits: the tables in
-[tests/data/extremes](../tests/data/extremes) are worked out in 60 by mpmath, with other formulas than the code's, by the scripts beside
-them; where a test says so, they are closed forms.  Densities of samples are also held to what PdfLi and PdfLe say of them, and scenes to the
-same scene in other units: there the code is compared with itself.  Answers in words are the reasons that samples without light carry (`NoLightReason`), or
-say what happened.  A [mutant](../tests/mutants) takes out what a row is owed to: `make mutants` sees its test fail.
-
-Figures of `tests/lights` are those of lights in double, as the server computes them; answers then tell floats, whose rounding adds up to
-6e-8.  Errors are rounded up to one digit.  "Exact" means that no bit differs from the reference; an infinite error is an answer that is infinite,
-or not 0 where 0 is right.  Rows 13 to 17 and 19 are about choosing among many lights: they come with the light BVH.
+- `make extremes` runs the tests and writes this page.  `.ci/run` fails where the page is not current.
+- References have 30 digits.  The tables in [tests/data/extremes](../tests/data/extremes) are computed with 60 digits by mpmath, by other formulas than the
+  code's.  The scripts beside them make them.  Where a test says so, the reference is a closed form.
+- Densities of samples are also compared with the answers of PdfLi and PdfLe, and scenes with the same scene in other units.  There the code is compared
+  with itself.
+- Answers in words are the reasons of samples without light (`NoLightReason`), or describe what happened.
+- A [mutant](../tests/mutants) removes the fix behind a row.  `make mutants` checks that the test of the row then fails.
+- Figures of `tests/lights` are those of lights in double, as the server computes them.  Answers are floats, and this rounding adds up to 6e-8.
+- Errors are rounded up to one digit.  "Exact" means that no bit differs from the reference.  An infinite error is an answer that is infinite, or not 0
+  where 0 is right.
+- Rows 13 to 17 and 19 are about choosing among many lights.
 
 """
 
@@ -52,7 +54,7 @@ def results(build):
     """The tests of both programs, as GoogleTest reports them."""
     for program in PROGRAMS:
         if not (build / program).is_file():
-            sys.exit(f"extremes: {build / program} is not there, allowed: a folder that it was built in, as build/release")
+            sys.exit(f"extremes: {build / program} does not exist, allowed: a build folder, such as build/release")
     with tempfile.TemporaryDirectory() as folder:
         reports = [pathlib.Path(folder) / f"{i}.json" for i in range(len(PROGRAMS))]
         runs = [subprocess.Popen([build / program, "--gtest_brief=1", f"--gtest_output=json:{report}"])
@@ -65,7 +67,7 @@ def results(build):
 
 
 def rounded_up(text):
-    """One digit: 0 is exact, as is what no double could be nearer to."""
+    """One digit.  0 is exact."""
     value = float(text)
     if value == 0:
         return "exact"
@@ -77,7 +79,7 @@ def rounded_up(text):
 
 
 def line(test, mutants):
-    """A line of the table.  What a test has only in words has no figure, and the other way round."""
+    """A line of the table.  A test with an answer in words has no figure, and the other way round."""
     served = [test["answers"]] if "answers" in test else []
     if "worst" in test:
         served.append(rounded_up(test["worst"]))
@@ -106,7 +108,7 @@ def page(tests):
 
 
 def same_cell(there, made):
-    """Whether two measured cells say the same, figures within a factor of SAME_WITHIN; what is exact here may be a
+    """Whether two measured cells agree, figures within a factor of SAME_WITHIN.  An exact figure here may be a
     rounding elsewhere."""
     def figures(cell):
         return [0 if f == "exact" else float(f) for f in MEASURED.findall(cell)]
@@ -116,7 +118,7 @@ def same_cell(there, made):
 
 
 def same(there, made):
-    """Whether two pages say the same: to the letter, but for what was measured."""
+    """Whether two pages agree: to the letter, except measured figures."""
     there, made = there.splitlines(), made.splitlines()
     if len(there) != len(made):
         return False
@@ -144,7 +146,7 @@ def main():
     else:
         PAGE.write_text(made)
     if missing:
-        sys.exit("docs/extremes.md has no line of rows " + ", ".join(map(str, missing)))
+        sys.exit("docs/extremes.md has no line for rows " + ", ".join(map(str, missing)))
 
 
 if __name__ == "__main__":

@@ -14,7 +14,7 @@
 #include <string>
 #include <utility>
 
-#include "lights/light_sample.h"
+#include "lights/sampling/light_sample.h"
 
 namespace lucerna::testing {
 

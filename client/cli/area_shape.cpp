@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "client/cli/output.h"
+#include "client/terminal/output.h"
 
 namespace lucerna::cli {
 namespace {

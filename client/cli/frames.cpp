@@ -10,8 +10,8 @@
 #include <set>
 #include <utility>
 
-#include "client/cli/validators.h"
-#include "client/write_picture.h"
+#include "client/files/write_picture.h"
+#include "client/terminal/validators.h"
 
 namespace lucerna::cli {
 namespace {

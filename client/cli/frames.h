@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "client/cli/held_scene.h"
-#include "client/cli/session.h"
+#include "client/jobs/held_scene.h"
+#include "client/terminal/session.h"
 #include "lucerna/v1/render.pb.h"
 
 namespace lucerna::cli {
@@ -90,7 +90,7 @@ class FrameRun {
   const Frame* next();
   /// What `next` gave last is written.
   void done();
-  HeldScene& held() { return held_; }
+  client::HeldScene& held() { return held_; }
 
  private:
   bool is_there(const Frame& frame) const;
@@ -101,7 +101,7 @@ class FrameRun {
   bool skip_existing_, many_;
   std::size_t next_ = 0;
   Frame current_;
-  HeldScene held_;
+  client::HeldScene held_;
 };
 
 }  // namespace lucerna::cli

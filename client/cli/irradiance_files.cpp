@@ -13,13 +13,13 @@
 #include <optional>
 #include <utility>
 
-#include "client/cli/certainty.h"
 #include "client/cli/irradiance_output.h"
-#include "client/cli/output.h"
-#include "client/cli/progress.h"
-#include "client/irradiance_job.h"
-#include "client/npy_file.h"
-#include "client/vector_file.h"
+#include "client/files/npy_file.h"
+#include "client/files/vector_file.h"
+#include "client/jobs/irradiance_job.h"
+#include "client/terminal/certainty.h"
+#include "client/terminal/output.h"
+#include "client/terminal/progress.h"
 
 namespace lucerna::cli {
 namespace {

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "client/cli/points.h"
 #include "client/cli/render_servers.h"
-#include "client/cli/session.h"
+#include "client/terminal/point_options.h"
+#include "client/terminal/session.h"
 #include "lucerna/v1/lighting.pb.h"
 
 namespace lucerna::cli {

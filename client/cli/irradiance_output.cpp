@@ -13,8 +13,8 @@
 #include <utility>
 #include <vector>
 
-#include "client/map_file.h"
-#include "client/result_file.h"
+#include "client/files/map_file.h"
+#include "client/jobs/result_file.h"
 
 namespace lucerna::cli {
 namespace {

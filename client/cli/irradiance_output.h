@@ -6,9 +6,9 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "client/cli/certainty.h"
-#include "client/irradiance_job.h"
-#include "client/vector_file.h"
+#include "client/files/vector_file.h"
+#include "client/jobs/irradiance_job.h"
+#include "client/terminal/certainty.h"
 
 namespace lucerna::cli {
 

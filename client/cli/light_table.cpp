@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "client/cli/area_shape.h"
-#include "client/cli/output.h"
+#include "client/terminal/output.h"
 
 namespace lucerna::cli {
 namespace {
@@ -32,7 +32,7 @@ std::string level(const v1::Rgb& c, const std::string& unit = {}) {
                      b);
 }
 
-std::string describe(const v1::ImageInfo& image, const char* mapping = nullptr) {
+std::string describe_light(const v1::ImageInfo& image, const char* mapping = nullptr) {
   std::string how = fmt::format("{} x {} px", image.width(), image.height());
   if (mapping != nullptr) how += std::string(", ") + mapping;
   if (image.filter() == v1::IMAGE_FILTER_NEAREST) how += ", nearest";
@@ -40,22 +40,22 @@ std::string describe(const v1::ImageInfo& image, const char* mapping = nullptr) 
   return fmt::format("image{}{} ({})", image.name().empty() ? "" : " ", image.name(), how);
 }
 
-std::string describe(const v1::SphereImage& map) {
+std::string describe_light(const v1::SphereImage& map) {
   switch (map.mapping()) {
     case v1::SPHERE_MAPPING_EQUAL_AREA:
-      return describe(map.image(), "equal-area");
+      return describe_light(map.image(), "equal-area");
     case v1::SPHERE_MAPPING_LATITUDE_LONGITUDE:
-      return describe(map.image(), "latitude-longitude");
+      return describe_light(map.image(), "latitude-longitude");
     default:
-      return describe(map.image());
+      return describe_light(map.image());
   }
 }
 
-std::string describe(const v1::PhotometricFile& file) {
+std::string describe_light(const v1::PhotometricFile& file) {
   return fmt::format("{} ({}, {} lm)", file.name(), file.format(), number(file.flux_lm()));
 }
 
-std::string describe(const v1::Spectrum& spectrum) {
+std::string describe_light(const v1::Spectrum& spectrum) {
   switch (spectrum.kind_case()) {
     case v1::Spectrum::kBlackBodyK:
       return fmt::format("black body {} K", number(spectrum.black_body_k()));
@@ -71,7 +71,7 @@ std::string describe(const v1::Spectrum& spectrum) {
   }
 }
 
-std::string describe(const v1::SpotLight& spot) {
+std::string describe_light(const v1::SpotLight& spot) {
   const double edge = spot.cone_half_angle_rad() - spot.falloff_start_rad();
   std::string text = "half angle " + degrees(spot.cone_half_angle_rad());
   text += edge > 0 ? ", edge " + degrees(edge) : ", hard edge";
@@ -79,13 +79,13 @@ std::string describe(const v1::SpotLight& spot) {
   return text + ", " + level(spot.intensity_cd(), "cd");
 }
 
-std::string describe(const v1::GoniometricLight& light) {
+std::string describe_light(const v1::GoniometricLight& light) {
   switch (light.distribution_case()) {
     case v1::GoniometricLight::kImage:
-      return fmt::format("{}, {} at 1", describe(light.image()), level(light.intensity(), "cd"));
+      return fmt::format("{}, {} at 1", describe_light(light.image()), level(light.intensity(), "cd"));
     case v1::GoniometricLight::kPhotometricFile: {
       const std::string times = level(light.intensity());
-      const std::string text = describe(light.photometric_file());
+      const std::string text = describe_light(light.photometric_file());
       return times == "1" ? text : text + ", times " + times;
     }
     default:
@@ -107,17 +107,17 @@ std::string flux_of_panel(const v1::DiffuseAreaLight& area, double area_m2) {
   return text == "1" ? "" : ", flux times " + text;
 }
 
-std::string describe(const v1::DiffuseAreaLight& area, double area_m2) {
+std::string describe_light(const v1::DiffuseAreaLight& area, double area_m2) {
   std::string text = describe_shape(area) + ", " + level(area.radiance_cd_m2(), "cd/m2");
-  if (area.has_image()) text += " at 1, " + describe(area.image());
+  if (area.has_image()) text += " at 1, " + describe_light(area.image());
   if (area.has_profile()) {
-    text += ", profile " + describe(area.profile()) + flux_of_panel(area, area_m2);
+    text += ", profile " + describe_light(area.profile()) + flux_of_panel(area, area_m2);
   }
   return area.two_sided() ? text + ", two-sided" : text;
 }
 
 std::string with_image(std::string text, bool has, const v1::ImageInfo& image) {
-  return has ? text + " at 1, " + describe(image) : text;
+  return has ? text + " at 1, " + describe_light(image) : text;
 }
 
 std::string describe_kind(const v1::Light& light) {
@@ -125,13 +125,13 @@ std::string describe_kind(const v1::Light& light) {
     case v1::Light::kPoint:
       return level(light.point().intensity_cd(), "cd");
     case v1::Light::kSpot:
-      return describe(light.spot());
+      return describe_light(light.spot());
     case v1::Light::kDistant:
       return level(light.distant().illuminance_lx(), "lx");
     case v1::Light::kUniformInfinite:
       return level(light.uniform_infinite().radiance_cd_m2(), "cd/m2");
     case v1::Light::kDiffuseArea:
-      return describe(light.diffuse_area(), light.area_m2());
+      return describe_light(light.diffuse_area(), light.area_m2());
     case v1::Light::kProjection: {
       const v1::ProjectionLight& p = light.projection();
       return with_image(fmt::format("{} on the shorter side, aspect {}, {}", degrees(p.fov_rad()),
@@ -145,14 +145,14 @@ std::string describe_kind(const v1::Light& light) {
                         b.has_image(), b.image());
     }
     case v1::Light::kGoniometric:
-      return describe(light.goniometric());
+      return describe_light(light.goniometric());
     case v1::Light::kSun:
       return fmt::format("{} across, {}", degrees(light.sun().angular_diameter_rad()),
                          level(light.sun().illuminance_lx(), "lx"));
     case v1::Light::kImageInfinite: {
       const v1::ImageInfiniteLight& sky = light.image_infinite();
       const std::string radiance = level(sky.radiance_cd_m2(), "cd/m2");
-      return (sky.has_map() ? fmt::format("{}, {} at 1", describe(sky.map()), radiance)
+      return (sky.has_map() ? fmt::format("{}, {} at 1", describe_light(sky.map()), radiance)
                             : radiance) +
              (sky.portal_m_size() > 0 ? ", through a portal" : "");
     }
@@ -271,9 +271,9 @@ std::string type_of(const v1::Light& light) {
   return "unknown";
 }
 
-std::string describe(const v1::Light& light) {
+std::string describe_light(const v1::Light& light) {
   std::string text = describe_kind(light);
-  if (light.has_spectrum()) text += ", " + describe(light.spectrum());
+  if (light.has_spectrum()) text += ", " + describe_light(light.spectrum());
   if (light.has_power_w()) text += fmt::format(", {} W", number(light.power_w()));
   if (const auto& frames = light.motion().key_frames(); frames.size() > 1) {
     text += fmt::format(", moves from {} to {} s", number(frames[0].time_s()),
@@ -339,7 +339,7 @@ std::string light_table(const google::protobuf::RepeatedPtrField<v1::Light>& lig
   bool any_from_infinity = false;
   for (const v1::Light& light : lights) {
     any_from_infinity |= is_at_infinity(light);
-    table.add({std::to_string(light.id()), type_of(light), describe(light), place_of(light),
+    table.add({std::to_string(light.id()), type_of(light), describe_light(light), place_of(light),
                light.has_area_m2() ? number(light.area_m2()) : "",
                flux_text(light.power_lm(), is_at_infinity(light)),
                light.power_error_lm() == 0 ? "exact" : number(light.power_error_lm()),

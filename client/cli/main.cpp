@@ -10,7 +10,7 @@
 #include <stop_token>
 #include <thread>
 
-#include "client/cli/session.h"
+#include "client/terminal/session.h"
 
 namespace {
 

@@ -5,13 +5,13 @@
 #include <map>
 #include <memory>
 
-#include "client/cli/certainty.h"
 #include "client/cli/light_table.h"
-#include "client/cli/output.h"
-#include "client/cli/session.h"
-#include "client/cli/stop_option.h"
-#include "client/cli/validators.h"
-#include "client/cli/wavelengths.h"
+#include "client/terminal/certainty.h"
+#include "client/terminal/output.h"
+#include "client/terminal/session.h"
+#include "client/terminal/stop_option.h"
+#include "client/terminal/validators.h"
+#include "client/terminal/wavelengths.h"
 
 namespace lucerna::cli {
 namespace {
@@ -44,7 +44,7 @@ v1::EstimatePowerResponse all_powers(Session& session, v1::EstimatePowerRequest 
 }
 
 /// Half the interval that holds a sampled flux.
-std::string interval_text(const v1::LightPower& light) {
+std::string flux_interval_text(const v1::LightPower& light) {
   if (!light.has_upper_lm()) return "unknown";
   return number((light.upper_lm() - light.lower_lm()) / 2);
 }
@@ -93,7 +93,7 @@ void power(Session& session, const PowerOptions& options) {
                        bool from_infinity) {
     const v1::Rgb& rgb = light.rgb_lm();
     std::vector<std::string> row = {id, type, flux_text(light.power_lm(), from_infinity),
-                                    sampled                 ? interval_text(light)
+                                    sampled                 ? flux_interval_text(light)
                                     : light.error_lm() == 0 ? "exact"
                                                             : number(light.error_lm())};
     if (sampled) row.push_back(std::to_string(light.samples()));

@@ -12,8 +12,8 @@
 #include <thread>
 #include <utility>
 
-#include "client/cli/session.h"
-#include "client/cli/validators.h"
+#include "client/terminal/session.h"
+#include "client/terminal/validators.h"
 
 namespace lucerna::cli {
 namespace {

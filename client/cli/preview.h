@@ -1,7 +1,7 @@
 // render --tev, --preview: who looks on while a picture is rendered.
 //
-// Neither holds up the rendering: tev has a thread that sends to it (client/tev.h), files one that
-// draws them, and both keep what is newest and no more.
+// Neither holds up the rendering: tev has a thread that sends to it (client/view/tev.h), files one
+// that draws them, and both keep what is newest and no more.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "client/picture.h"
-#include "client/tev.h"
-#include "client/write_picture.h"
+#include "client/files/write_picture.h"
+#include "client/jobs/picture.h"
+#include "client/view/tev.h"
 
 namespace lucerna::cli {
 

@@ -3,18 +3,18 @@
 
 #include <memory>
 
-#include "client/batch_parts.h"
-#include "client/cli/answer.h"
-#include "client/cli/certainty.h"
 #include "client/cli/irradiance_files.h"
-#include "client/cli/method_options.h"
-#include "client/cli/output.h"
-#include "client/cli/points.h"
-#include "client/cli/session.h"
-#include "client/cli/stop_option.h"
-#include "client/cli/time_option.h"
-#include "client/cli/validators.h"
-#include "client/cli/wavelengths.h"
+#include "client/rpc/batch_parts.h"
+#include "client/terminal/answer.h"
+#include "client/terminal/certainty.h"
+#include "client/terminal/method_options.h"
+#include "client/terminal/output.h"
+#include "client/terminal/point_options.h"
+#include "client/terminal/session.h"
+#include "client/terminal/stop_option.h"
+#include "client/terminal/time_option.h"
+#include "client/terminal/validators.h"
+#include "client/terminal/wavelengths.h"
 
 namespace lucerna::cli {
 namespace {

@@ -11,19 +11,19 @@
 #include <utility>
 
 #include "absl/cleanup/cleanup.h"
-#include "client/cli/certainty.h"
 #include "client/cli/frames.h"
-#include "client/cli/method_options.h"
-#include "client/cli/output.h"
 #include "client/cli/preview.h"
-#include "client/cli/progress.h"
 #include "client/cli/render_servers.h"
-#include "client/cli/session.h"
-#include "client/cli/stop_option.h"
-#include "client/cli/time_option.h"
-#include "client/cli/validators.h"
-#include "client/picture.h"
-#include "client/write_picture.h"
+#include "client/files/write_picture.h"
+#include "client/jobs/picture.h"
+#include "client/terminal/certainty.h"
+#include "client/terminal/method_options.h"
+#include "client/terminal/output.h"
+#include "client/terminal/progress.h"
+#include "client/terminal/session.h"
+#include "client/terminal/stop_option.h"
+#include "client/terminal/time_option.h"
+#include "client/terminal/validators.h"
 
 namespace lucerna::cli {
 namespace {

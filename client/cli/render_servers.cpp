@@ -2,10 +2,10 @@
 
 #include <fmt/format.h>
 
-#include "client/cli/progress.h"
-#include "client/cli/validators.h"
-#include "client/server_list.h"
-#include "client/upload.h"
+#include "client/rpc/server_list.h"
+#include "client/rpc/upload.h"
+#include "client/terminal/progress.h"
+#include "client/terminal/validators.h"
 
 namespace lucerna::cli {
 

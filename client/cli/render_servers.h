@@ -4,11 +4,11 @@
 #include <CLI/CLI.hpp>
 #include <string>
 
-#include "client/cli/held_scene.h"
 #include "client/cli/preview.h"
-#include "client/cli/progress.h"
-#include "client/cli/session.h"
-#include "client/render_job.h"
+#include "client/jobs/held_scene.h"
+#include "client/jobs/render_job.h"
+#include "client/terminal/progress.h"
+#include "client/terminal/session.h"
 
 namespace lucerna::cli {
 
@@ -18,7 +18,7 @@ struct ServersOption {
   std::string asset_root;
   std::uint64_t samples_per_piece = 0;
   std::string journal;
-  HeldScene* held = nullptr;  ///< who brings the scene, where pictures follow each other
+  client::HeldScene* held = nullptr;  ///< who brings the scene, where pictures follow each other
 
   /// --servers and what goes with them; `pictures`: with --split-samples.
   void add(CLI::App& command, bool pictures = true);

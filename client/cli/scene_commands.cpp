@@ -7,9 +7,9 @@
 #include <utility>
 
 #include "client/cli/light_table.h"
-#include "client/cli/output.h"
-#include "client/cli/session.h"
-#include "client/cli/validators.h"
+#include "client/terminal/output.h"
+#include "client/terminal/session.h"
+#include "client/terminal/validators.h"
 #include "lucerna/client/upload.h"
 
 namespace lucerna::cli {

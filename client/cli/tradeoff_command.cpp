@@ -11,9 +11,9 @@
 #include <memory>
 #include <utility>
 
-#include "client/cli/points.h"
-#include "client/cli/session.h"
-#include "client/cli/validators.h"
+#include "client/terminal/point_options.h"
+#include "client/terminal/session.h"
+#include "client/terminal/validators.h"
 #include "client/tradeoff/stopwatch.h"
 #include "client/tradeoff/trade.h"
 

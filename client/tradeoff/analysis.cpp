@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "client/cli/certainty.h"
+#include "client/terminal/certainty.h"
 
 namespace lucerna::tradeoff {
 namespace {

@@ -4,7 +4,7 @@
 #include <limits>
 #include <utility>
 
-#include "client/cli/points.h"
+#include "client/terminal/point_options.h"
 #include "client/tradeoff/estimate_question.h"
 #include "client/tradeoff/stopwatch.h"
 #include "lucerna/client/batches.h"
@@ -12,15 +12,15 @@
 namespace lucerna::tradeoff {
 namespace {
 
-constexpr std::uint32_t kMaxSamples = 1 << 16;
+constexpr std::uint32_t kMostPointSamples = 1 << 16;
 // Whole replicates, so that an answer of them has errors.
-constexpr std::uint32_t kTellingSamples = 64;
+constexpr std::uint32_t kTellingPointSamples = 64;
 
 class IrradianceQuestion : public EstimateQuestion {
  public:
   IrradianceQuestion(const client::Client& client, const QuestionOptions& options,
                      std::uint64_t lights)
-      : EstimateQuestion(client, options, lights, kMaxSamples) {
+      : EstimateQuestion(client, options, lights, kMostPointSamples) {
     layout_.points = options.points;
     request_.set_scene_id(options.scene_id);
     *request_.mutable_receivers() = client::make_points(options.points);
@@ -33,7 +33,7 @@ class IrradianceQuestion : public EstimateQuestion {
   absl::StatusOr<std::optional<std::vector<double>>> closed_form(
       std::uint64_t seed) const override {
     v1::Accuracy accuracy;
-    accuracy.set_samples(kTellingSamples);
+    accuracy.set_samples(kTellingPointSamples);
     const auto response = respond(accuracy, seed);
     if (!response.ok()) return response.status();
     std::optional<std::vector<double>> result = values(*response);

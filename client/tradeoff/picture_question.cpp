@@ -15,12 +15,12 @@
 namespace lucerna::tradeoff {
 namespace {
 
-constexpr std::uint32_t kMaxSamples = 1 << 14;
+constexpr std::uint32_t kMostPixelSamples = 1 << 14;
 // So large that FLIP, which looks 10 pixels far, has an inside to look at; so small that a question
 // of one sample takes a fraction of a second.
 constexpr std::uint32_t kTile = 32;
 // By which it is found out whether pixels are known: the fewest that a target error takes.
-constexpr std::uint32_t kTellingSamples = 64;
+constexpr std::uint32_t kTellingPixelSamples = 64;
 constexpr double kTellingError = 0.1;
 constexpr std::uint32_t kColumns = 3, kRows = 2;
 
@@ -70,7 +70,7 @@ class PictureQuestion : public EstimateQuestion {
  public:
   PictureQuestion(const client::Client& client, const QuestionOptions& options,
                   const v1::SceneSummary& scene)
-      : EstimateQuestion(client, options, scene.lights(), kMaxSamples) {
+      : EstimateQuestion(client, options, scene.lights(), kMostPixelSamples) {
     layout_.tiles = spread_tiles(scene.image_width(), scene.image_height());
     request_.set_scene_id(options.scene_id);
     if (options.bounces) request_.set_bounces(*options.bounces);
@@ -107,7 +107,7 @@ class PictureQuestion : public EstimateQuestion {
     // Blocks that do not scatter may all have missed something: only where that is so everywhere a
     // target error is asked for, which tells an interval of each pixel.
     v1::Accuracy accuracy;
-    accuracy.set_samples(kTellingSamples);
+    accuracy.set_samples(kTellingPixelSamples);
     auto responses = respond(accuracy, seed);
     if (!responses.ok()) return responses.status();
     const auto scatters = [](const v1::RenderTileResponse& response) {
@@ -116,7 +116,7 @@ class PictureQuestion : public EstimateQuestion {
     };
     if (std::any_of(responses->begin(), responses->end(), scatters)) return std::nullopt;
     accuracy.mutable_target_error()->set_relative(kTellingError);
-    accuracy.mutable_target_error()->set_max_samples(kTellingSamples);
+    accuracy.mutable_target_error()->set_max_samples(kTellingPixelSamples);
     responses = respond(accuracy, seed);
     if (!responses.ok()) return responses.status();
     for (const v1::RenderTileResponse& response : *responses) {

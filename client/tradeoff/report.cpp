@@ -6,10 +6,10 @@
 
 #include "absl/strings/escaping.h"
 #include "absl/strings/str_replace.h"
+#include "client/files/write_picture.h"
 #include "client/tradeoff/flip.h"
 #include "client/tradeoff/record.h"
 #include "client/tradeoff/report_files.h"
-#include "client/write_picture.h"
 
 namespace lucerna::tradeoff {
 namespace {

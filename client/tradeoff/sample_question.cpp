@@ -8,8 +8,8 @@
 #include <limits>
 #include <utility>
 
-#include "client/batch_parts.h"
-#include "client/cli/points.h"
+#include "client/rpc/batch_parts.h"
+#include "client/terminal/point_options.h"
 #include "client/tradeoff/question.h"
 #include "client/tradeoff/stopwatch.h"
 #include "lucerna/client/batches.h"
@@ -18,7 +18,7 @@ namespace lucerna::tradeoff {
 namespace {
 
 // An answer is 70 bytes a sample, and is held at once.
-constexpr std::uint32_t kMaxSamples = 1 << 10;
+constexpr std::uint32_t kMostLightSamples = 1 << 10;
 constexpr double kMostAnswers = 1 << 20;
 constexpr std::uint32_t kLeastMostSamples = 64;  // of TargetError
 
@@ -88,7 +88,7 @@ class SampleQuestion : public Question {
   /// Of each point, as all answers are held at once.
   std::uint32_t most_samples() const {
     const double most = kMostAnswers / static_cast<double>(layout_.points.size());
-    return static_cast<std::uint32_t>(std::min<double>(most, kMaxSamples));
+    return static_cast<std::uint32_t>(std::min<double>(most, kMostLightSamples));
   }
   /// Shares of light samples that are visible mean the same where points are chosen by area alone.
   bool by_area(const Setting& setting) const {

@@ -5,7 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 
-#include "client/cli/method_options.h"
+#include "client/terminal/method_options.h"
 #include "lucerna/v1/lighting.pb.h"
 
 namespace lucerna::tradeoff {

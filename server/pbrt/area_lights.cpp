@@ -5,8 +5,8 @@
 #include <array>
 #include <cmath>
 
-#include "lights/bilinear_patch.h"
-#include "lights/triangle.h"
+#include "lights/shapes/bilinear_patch.h"
+#include "lights/shapes/triangle.h"
 #include "server/pbrt/image_lights.h"
 #include "server/pbrt/photometric_lights.h"
 

@@ -8,7 +8,7 @@
 
 #include <optional>
 
-#include "lights/panel.h"
+#include "lights/models/panel.h"
 #include "server/pbrt/images.h"
 #include "server/pbrt/shapes.h"
 

@@ -12,13 +12,13 @@
 #include <tuple>
 #include <utility>
 
-#include "lights/image.h"
-#include "lights/intensity_map.h"
-#include "lights/spectrum.h"
-#include "server/asset_reader.h"
+#include "lights/pictures/image.h"
+#include "lights/pictures/intensity_map.h"
+#include "lights/spectra/spectrum.h"
+#include "server/assets/asset_reader.h"
+#include "server/description/scene_description.h"
+#include "server/formats/photometric_file.h"
 #include "server/pbrt/place.h"
-#include "server/photometric_file.h"
-#include "server/scene_description.h"
 
 namespace lucerna::pbrt {
 

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "server/pbrt/levels.h"
 #include "server/pbrt/scales.h"
@@ -12,7 +11,6 @@
 namespace lucerna::pbrt {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 
 /// What pbrt-v4 divides "illuminance" by: the sum over the texels above the light's xy plane of
 /// luminance times cosine, each of 2 pi over their number - half of their solid angle.

@@ -5,8 +5,8 @@
 // and a latlong one (bilinear by itself), it is looked at directly.
 #pragma once
 
-#include "lights/image_infinite_light.h"
-#include "lights/portal_light.h"
+#include "lights/models/image_infinite_light.h"
+#include "lights/models/portal_light.h"
 #include "server/pbrt/images.h"
 
 namespace lucerna::pbrt {

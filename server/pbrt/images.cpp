@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "server/image_reader.h"
+#include "server/formats/image_reader.h"
 
 namespace lucerna::pbrt {
 

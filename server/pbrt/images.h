@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "lights/image.h"
+#include "lights/pictures/image.h"
 #include "server/pbrt/params.h"
 
 namespace lucerna::pbrt {

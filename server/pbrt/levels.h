@@ -3,7 +3,7 @@
 
 #include <string_view>
 
-#include "lights/rgb.h"
+#include "lights/spectra/rgb.h"
 #include "server/pbrt/params.h"
 
 namespace lucerna::pbrt {

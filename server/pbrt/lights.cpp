@@ -3,12 +3,10 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <numbers>
 #include <utility>
 
-#include "lights/bilinear_patch.h"
-#include "lights/triangle.h"
-#include "server/methods.h"
+#include "lights/shapes/bilinear_patch.h"
+#include "lights/shapes/triangle.h"
 #include "server/pbrt/area_lights.h"
 #include "server/pbrt/image_lights.h"
 #include "server/pbrt/levels.h"
@@ -20,7 +18,6 @@
 namespace lucerna::pbrt {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kRadPerDegree = kPi / 180;
 
 /// A `power` or `illuminance` that a light may be given, and what it is without.

@@ -6,8 +6,8 @@
 #include <stop_token>
 #include <string>
 
-#include "server/asset_reader.h"
-#include "server/scene_description.h"
+#include "server/assets/asset_reader.h"
+#include "server/description/scene_description.h"
 
 namespace lucerna {
 

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "lights/vec.h"
+#include "lights/maths/vec.h"
 #include "server/pbrt/context.h"
 #include "server/pbrt/place.h"
 

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <utility>
 
-#include "server/byte_order_mark.h"
+#include "server/formats/byte_order_mark.h"
 
 namespace lucerna::pbrt {
 namespace {

@@ -5,8 +5,8 @@
 #include <tuple>
 #include <utility>
 
-#include "server/eulumdat.h"
-#include "server/ies.h"
+#include "server/formats/eulumdat.h"
+#include "server/formats/ies.h"
 #include "server/pbrt/image_lights.h"
 #include "server/pbrt/images.h"
 #include "server/pbrt/scales.h"

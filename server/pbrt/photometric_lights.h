@@ -12,8 +12,8 @@
 
 #include <string>
 
+#include "server/formats/photometric_file.h"
 #include "server/pbrt/params.h"
-#include "server/photometric_file.h"
 
 namespace lucerna::pbrt {
 

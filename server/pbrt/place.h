@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "server/scene_description.h"
+#include "server/description/scene_description.h"
 
 namespace lucerna::pbrt {
 

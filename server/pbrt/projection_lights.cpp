@@ -7,7 +7,7 @@
 #include <numbers>
 #include <utility>
 
-#include "lights/axes.h"
+#include "lights/maths/axes.h"
 #include "server/pbrt/image_lights.h"
 #include "server/pbrt/scales.h"
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "lights/transform.h"
+#include "lights/maths/transform.h"
 #include "server/pbrt/place.h"
 
 namespace lucerna::pbrt {

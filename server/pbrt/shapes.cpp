@@ -8,7 +8,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "server/ply.h"
+#include "server/formats/ply.h"
 
 namespace lucerna::pbrt {
 namespace {

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <utility>
 
-#include "server/byte_order_mark.h"
+#include "server/formats/byte_order_mark.h"
 
 namespace lucerna::pbrt {
 namespace {

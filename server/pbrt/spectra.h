@@ -3,8 +3,8 @@
 
 #include <memory>
 
-#include "lights/rgb.h"
-#include "lights/spectrum.h"
+#include "lights/spectra/rgb.h"
+#include "lights/spectra/spectrum.h"
 #include "server/pbrt/params.h"
 
 namespace lucerna::pbrt {

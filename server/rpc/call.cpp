@@ -3,8 +3,8 @@
 #include <fmt/core.h>
 #include <spdlog/spdlog.h>
 
-#include "server/parallel.h"
-#include "server/rpc/errors.h"
+#include "server/rpc/messages/errors.h"
+#include "server/runtime/parallel.h"
 
 namespace lucerna::rpc {
 namespace {

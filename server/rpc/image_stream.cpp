@@ -2,9 +2,9 @@
 
 #include <utility>
 
-#include "server/parallel.h"
 #include "server/rpc/call.h"
-#include "server/rpc/errors.h"
+#include "server/rpc/messages/errors.h"
+#include "server/runtime/parallel.h"
 
 namespace lucerna::rpc {
 namespace {

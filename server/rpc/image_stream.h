@@ -11,7 +11,7 @@
 #include <optional>
 
 #include "lucerna/v1/render.pb.h"
-#include "server/rpc/image_render.h"
+#include "server/rpc/handlers/image_render.h"
 #include "server/rpc/runtime.h"
 
 namespace lucerna::rpc {

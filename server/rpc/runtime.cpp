@@ -3,7 +3,7 @@
 #include <exception>
 #include <new>
 
-#include "server/rpc/errors.h"
+#include "server/rpc/messages/errors.h"
 
 namespace lucerna::rpc {
 

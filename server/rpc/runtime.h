@@ -9,9 +9,9 @@
 #include <utility>
 
 #include "lucerna/v1/admin.pb.h"
-#include "server/lanes.h"
-#include "server/rpc/task.h"
-#include "server/scene_store.h"
+#include "server/rpc/messages/task.h"
+#include "server/runtime/lanes.h"
+#include "server/store/scene_store.h"
 
 namespace lucerna::rpc {
 

@@ -13,9 +13,10 @@
 #include <limits>
 #include <utility>
 
-#include "server/fingerprint.h"
+#include "server/rays/accelerator.h"
 #include "server/rpc/address.h"
 #include "server/rpc/services.h"
+#include "server/runtime/fingerprint.h"
 
 namespace lucerna::rpc {
 
@@ -132,13 +133,13 @@ absl::StatusOr<std::unique_ptr<Server>> Server::start(const ServerOptions& optio
   if (!assets.ok()) return assets.status();
   auto scenes = SceneStore::open(options.scenes, assets->get());
   if (!scenes.ok()) return scenes.status();
-  const auto fingerprint = numeric_fingerprint(options.scenes.isa);
-  if (!fingerprint.ok()) return fingerprint.status();
+  const auto embree = embree_kernels(options.scenes.isa);
+  if (!embree.ok()) return embree.status();
   auto state = std::make_unique<State>(options.lanes);
   state->runtime.limits = options.limits;
   state->runtime.assets = *std::move(assets);
   state->runtime.scenes = *std::move(scenes);
-  set_info(options, *fingerprint, state->lanes.threads(), state->runtime.info);
+  set_info(options, numeric_fingerprint(*embree), state->lanes.threads(), state->runtime.info);
   for (const std::string& path : options.load) {
     if (absl::Status s = state->load(path, stop); !s.ok()) return s;
   }

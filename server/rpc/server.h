@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "server/lanes.h"
-#include "server/rpc/task.h"
+#include "server/rpc/messages/task.h"
+#include "server/runtime/lanes.h"
 
 namespace lucerna::rpc {
 

@@ -5,11 +5,11 @@
 #include "lucerna/v1/render.grpc.pb.h"
 #include "lucerna/v1/scene.grpc.pb.h"
 #include "server/rpc/call.h"
-#include "server/rpc/errors.h"
+#include "server/rpc/handlers/lighting.h"
+#include "server/rpc/handlers/scenes.h"
+#include "server/rpc/handlers/tiles.h"
 #include "server/rpc/image_stream.h"
-#include "server/rpc/lighting.h"
-#include "server/rpc/scenes.h"
-#include "server/rpc/tiles.h"
+#include "server/rpc/messages/errors.h"
 #include "server/rpc/upload_stream.h"
 
 namespace lucerna::rpc {

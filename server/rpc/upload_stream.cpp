@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "server/rpc/call.h"
-#include "server/rpc/errors.h"
+#include "server/rpc/messages/errors.h"
 
 namespace lucerna::rpc {
 namespace {

@@ -9,7 +9,7 @@
 #include <optional>
 
 #include "lucerna/v1/scene.pb.h"
-#include "server/asset_store.h"
+#include "server/assets/asset_store.h"
 #include "server/rpc/runtime.h"
 
 namespace lucerna::rpc {

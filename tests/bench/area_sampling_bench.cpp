@@ -1,5 +1,5 @@
 // What each way to choose points of area lights is worth: variance and time, side by side.  Not a
-// test.  lights/area_sampling.cpp holds the rule that was read off these tables.
+// test.  lights/sampling/area_sampling.cpp holds the rule that was read off these tables.
 //
 //     ninja -C build/release area_sampling_bench && build/release/tests/bench/area_sampling_bench
 //
@@ -15,8 +15,8 @@
 #include <string>
 #include <vector>
 
-#include "lights/light.h"
-#include "lights/sobol.h"
+#include "lights/models/light.h"
+#include "lights/sampling/sobol.h"
 
 namespace lucerna {
 namespace {

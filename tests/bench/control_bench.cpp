@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "lights/sobol.h"
-#include "server/denormals.h"
-#include "server/path.h"
+#include "lights/sampling/sobol.h"
+#include "server/estimate/paths/path.h"
+#include "server/runtime/denormals.h"
 #include "tests/bench/shipped_scene.h"
 
 namespace lucerna {

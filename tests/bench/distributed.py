@@ -3,10 +3,10 @@
 
     tests/bench/distributed.py BUILD_DIR [--repeats N] [--samples N] [--page docs/distributed.md]
 
-Servers are real and pinned to processor cores, so that what survives has a capacity that is known:
-A has a core of its own, B and C share another.  What a job would ideally take follows from the
-times that the same picture takes on either core alone, in the same repeat.  Medians of all repeats.
-With --page the tables in that page are written anew.
+Servers are real and pinned to processor cores, so that the surviving servers have a known capacity:
+A has a core of its own, B and C share another.  The ideal time of a job follows from the times of
+the same picture on either core alone, in the same repeat.  Medians of all repeats.
+With --page it writes the tables into that page.
 """
 import argparse
 import contextlib
@@ -34,7 +34,7 @@ class Server:
     """A lucernad on one core."""
 
     def __init__(self, build, core, port=0):
-        self.command = ["taskset", "-c", str(core), str(build / "server/lucernad"), "--threads", "1",
+        self.command = ["taskset", "-c", str(core), str(build / "bin/lucernad"), "--threads", "1",
                         "--scene-root", str(SCENES), "--listen"]
         self.start(port)
 
@@ -72,7 +72,7 @@ class Job:
         names = servers if isinstance(servers, str) else ",".join(s.target for s in servers)
         self.begun = time.monotonic()
         self.process = subprocess.Popen(
-            [str(bench.build / "client/lucerna"), "render", SCENE, "--servers", names,
+            [str(bench.build / "bin/lucerna"), "render", SCENE, "--servers", names,
              "--samples", str(samples or bench.samples), "--tile-size", str(tile),
              "-o", str(self.output)],
             stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
@@ -302,13 +302,13 @@ def measured(bench, repeats):
                      f"{spread([t / i for t, i in pairs])} | {factor} x ideal"
                      f"{f' + {slack} s' if slack else ''} | {kept} of {len(pairs)} |")
     lines.append(f"| all gone, then back: from then to the end | {spread([t for t, _ in gone], '{:.1f}')} | "
-                 f"{spread([i for _, i in gone], '{:.1f}')} | | says that it waits, goes on | "
+                 f"{spread([i for _, i in gone], '{:.1f}')} | | reports that it waits, then continues | "
                  f"{len(gone)} of {len(gone)} |")
-    lines += ["", "| | measured | asked for |", "|---|---|---|",
+    lines += ["", "| | measured | target |", "|---|---|---|",
               f"| 2 servers of one core against 1 of one core: times as fast | {spread(speedups)} | at least 1.9 |",
               f"| attempts at a dead server in its first minute | {dead} | fewer than 50 |",
               f"| the client's CPU, {pieces} pieces of one pixel and one sample | {cpu_us:.0f} us a piece | |",
-              f"| the client's memory with them, most | {memory_mib:.0f} MiB | |",
+              f"| the client's peak memory with these pieces | {memory_mib:.0f} MiB | |",
               f"| all pictures of this page | {'the same bits' if bench.same_bits else 'DIFFERENT BITS'} | the same bits |"]
     return lines
 
@@ -320,11 +320,11 @@ def simulated(build, scratch):
                     f"--gtest_output=json:{report}"], check=True, stdout=subprocess.DEVNULL)
     test = json.loads(report.read_text())["testsuites"][0]["testsuite"][0]
     return ["| | |", "|---|---|",
-            f"| reached, of ideal (asked for: at least 0.9) | {float(test['share_of_ideal']):.3f} |",
-            f"| simulated time; servers that died meanwhile | {float(test['simulated_s']):.0f} s; {test['deaths']} |",
-            f"| results that came second | {test['duplicates']} |",
+            f"| reached, as a share of the ideal (target: at least 0.9) | {float(test['share_of_ideal']):.3f} |",
+            f"| simulated time; servers that died during it | {float(test['simulated_s']):.0f} s; {test['deaths']} |",
+            f"| duplicate results | {test['duplicates']} |",
             f"| the schedule's CPU | {float(test['schedule_us_per_piece']):.2f} us a piece |",
-            f"| memory of schedule and simulator, most | {test['peak_rss_mib']} MiB |"]
+            f"| peak memory of schedule and simulator | {test['peak_rss_mib']} MiB |"]
 
 
 def on_slurm(build):

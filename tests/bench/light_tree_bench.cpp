@@ -5,8 +5,8 @@
 #include <numbers>
 #include <vector>
 
-#include "lights/light_tree.h"
-#include "lights/sobol.h"
+#include "lights/choice/light_tree.h"
+#include "lights/sampling/sobol.h"
 
 namespace lucerna {
 namespace {

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <vector>
 
-#include "lights/inverse_square.h"
-#include "lights/light.h"
-#include "lights/sobol.h"
+#include "lights/models/inverse_square.h"
+#include "lights/models/light.h"
+#include "lights/sampling/sobol.h"
 
 namespace lucerna {
 namespace {

@@ -14,10 +14,10 @@
 #include <string>
 #include <vector>
 
-#include "server/denormals.h"
-#include "server/queries.h"
-#include "server/render.h"
-#include "tests/server/scenes.h"
+#include "server/estimate/paths/render.h"
+#include "server/estimate/queries/queries.h"
+#include "server/runtime/denormals.h"
+#include "tests/server/scene/scenes.h"
 
 namespace lucerna {
 namespace {

@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
-#include "lights/gauss.h"
-#include "lights/light.h"
-#include "lights/sobol.h"
+#include "lights/maths/gauss.h"
+#include "lights/models/light.h"
+#include "lights/sampling/sobol.h"
 #include "tests/reference_table.h"
 
 namespace lucerna {

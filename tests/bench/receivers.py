@@ -28,7 +28,7 @@ ROWS = 1 << 20  # written at once
 class Server:
     def __init__(self, build, root):
         self.process = subprocess.Popen(
-            [str(build / "server/lucernad"), "--scene-root", str(root), "--threads", "1",
+            [str(build / "bin/lucernad"), "--scene-root", str(root), "--threads", "1",
              "--listen", "127.0.0.1:0"],
             stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
         line = self.process.stdout.readline()
@@ -79,7 +79,7 @@ def run(build, points, output, servers, halt=None):
     journal = output.with_suffix(".journal")
     begun = time.monotonic()
     process = subprocess.Popen(
-        [str(build / "client/lucerna"), "irradiance", "floor.pbrt", "--points", str(points), "-o",
+        [str(build / "bin/lucerna"), "irradiance", "floor.pbrt", "--points", str(points), "-o",
          str(output), "--servers", ",".join(s.target for s in servers), "--bounces", "0",
          "--samples", "1", "--journal", str(journal), "--timeout", str(DEADLINE_S)],
         stdout=subprocess.DEVNULL)

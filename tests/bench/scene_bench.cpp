@@ -1,10 +1,10 @@
 // Rays, tiles and irradiance on a scene with a ball, a box and a room around them.
 #include <benchmark/benchmark.h>
 
-#include "server/asset_reader.h"
+#include "server/assets/asset_reader.h"
+#include "server/estimate/paths/render.h"
 #include "server/pbrt/load.h"
-#include "server/render.h"
-#include "server/scene.h"
+#include "server/scene/scene.h"
 
 namespace lucerna {
 namespace {

@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "server/light_visibility.h"
-#include "server/parallel.h"
-#include "server/render.h"
+#include "server/estimate/lights/light_visibility.h"
+#include "server/estimate/paths/render.h"
+#include "server/runtime/parallel.h"
 #include "tests/bench/shipped_scene.h"
 
 namespace lucerna {
@@ -60,7 +60,7 @@ std::string by_itself(const Scene& scene, const std::vector<IrradiancePoint>& re
     hit.position = p.position, hit.position_error = p.position_error;
     hit.ns = p.normal, hit.ng = Vec3<double>(p.normal);
     for (std::uint32_t l = 0; l < scene.lights().size(); ++l) {
-      if (scene.shadow_maps().map(l) == nullptr) continue;
+      if (shadow_maps(scene).map(l) == nullptr) continue;
       const auto sample = visit_light(scene.lights()[l], 0, [&](const auto& light) {
         return light.sample_li(Receiver<double>(p.position), {0.5, 0.5});
       });

@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "lights/sobol.h"
-#include "server/denormals.h"
-#include "server/shaft.h"
-#include "tests/server/scenes.h"
+#include "lights/sampling/sobol.h"
+#include "server/runtime/denormals.h"
+#include "server/shadows/shaft.h"
+#include "tests/server/scene/scenes.h"
 
 namespace lucerna {
 namespace {

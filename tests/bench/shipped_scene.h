@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "server/asset_reader.h"
+#include "server/assets/asset_reader.h"
+#include "server/estimate/paths/render.h"
 #include "server/pbrt/load.h"
-#include "server/render.h"
-#include "server/scene.h"
+#include "server/scene/scene.h"
 
 namespace lucerna {
 

@@ -17,15 +17,15 @@
 #include <variant>
 #include <vector>
 
-#include "lights/light.h"
-#include "server/asset_reader.h"
-#include "server/denormals.h"
-#include "server/light_choice.h"
-#include "server/parallel.h"
-#include "server/path.h"
+#include "lights/models/light.h"
+#include "server/assets/asset_reader.h"
+#include "server/estimate/paths/path.h"
+#include "server/estimate/paths/render.h"
 #include "server/pbrt/load.h"
-#include "server/render.h"
-#include "server/scene.h"
+#include "server/runtime/denormals.h"
+#include "server/runtime/parallel.h"
+#include "server/scene/light_choice.h"
+#include "server/scene/scene.h"
 
 namespace lucerna {
 namespace {

@@ -19,7 +19,7 @@
 #include <utility>
 #include <vector>
 
-#include "lights/vec.h"
+#include "lights/maths/vec.h"
 
 namespace lucerna {
 namespace {

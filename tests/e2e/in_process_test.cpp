@@ -6,10 +6,10 @@
 
 #include "lucerna/client/render_job.h"
 #include "lucerna/client/testing/local_server.h"
-#include "server/asset_reader.h"
+#include "server/assets/asset_reader.h"
+#include "server/estimate/paths/render.h"
 #include "server/pbrt/load.h"
-#include "server/render.h"
-#include "server/scene.h"
+#include "server/scene/scene.h"
 
 namespace lucerna {
 namespace {

@@ -10,7 +10,7 @@
 
 #include "lucerna/client/points.h"
 #include "lucerna/client/testing/local_server.h"
-#include "tests/client/fake_server.h"
+#include "tests/client/rpc/fake_server.h"
 #include "tests/e2e/run_program.h"
 
 namespace lucerna {

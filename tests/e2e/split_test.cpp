@@ -1,8 +1,8 @@
 // A set of points has the same answers, to the bit, in one batch and in many.
 #include <gtest/gtest.h>
 
-#include "client/batches.h"
-#include "client/points.h"
+#include "client/rpc/batches.h"
+#include "client/rpc/points.h"
 #include "client/testing/local_server.h"
 
 namespace lucerna {

@@ -4,8 +4,8 @@
 #include <fstream>
 #include <string>
 
+#include "server/formats/ply.h"
 #include "server/pbrt/load.h"
-#include "server/ply.h"
 #include "tests/temp_directory.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

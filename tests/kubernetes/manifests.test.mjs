@@ -88,7 +88,7 @@ test("what containers mount is a volume of theirs", () => {
 test("the programs know the options that they are given", () => {
   const help = (...command) =>
     execFileSync(`${root}build/release/${command[0]}`, [...command.slice(1), "--help"], { encoding: "utf8" });
-  const texts = { Deployment: help("server/lucernad"), Job: help("client/lucerna", "render") };
+  const texts = { Deployment: help("bin/lucernad"), Job: help("bin/lucerna", "render") };
   for (const [kind, text] of Object.entries(texts)) {
     const options = pod(find(kind)).containers[0].args.filter((argument) => argument.startsWith("--"));
     assert.ok(options.length > 3);

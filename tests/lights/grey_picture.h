@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "lights/picture.h"
+#include "lights/shapes/picture.h"
 
 namespace lucerna::testing {
 

@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "lights/light.h"
-#include "lights/light_tree.h"
+#include "lights/choice/light_tree.h"
+#include "lights/models/light.h"
 #include "tests/lights/statistics.h"
 
 namespace lucerna::testing {

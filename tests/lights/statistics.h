@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "lights/vec.h"
+#include "lights/maths/vec.h"
 
 namespace lucerna::testing {
 

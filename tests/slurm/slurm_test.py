@@ -224,6 +224,6 @@ PATH=${PATH#*:} exec lucernad "$@"
 
 if __name__ == "__main__":
     build = pathlib.Path(sys.argv.pop(1)).resolve()
-    os.environ["PATH"] = f"{build}/client:{build}/server:{os.environ['PATH']}"
+    os.environ["PATH"] = f"{build}/bin:{os.environ['PATH']}"
     signal.signal(signal.SIGTERM, lambda *_: sys.exit("ended by SIGTERM"))  # leaves no cluster behind
     unittest.main(verbosity=2)

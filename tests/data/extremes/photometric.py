@@ -119,7 +119,7 @@ Luminaires as photometric files have them, and their flux [lm]: photometric type
 """, "type vertical horizontal candela flux_lm")
     values = Table("photometric_intensity", """
 Intensities [cd] of the same towards (x, y, z), of which +z is down and, of types C and A, +x horizontal; as
-lights/photometric_web.h says.
+lights/pictures/photometric_web.h says.
 """, "type vertical horizontal candela x y z intensity_cd")
     for kind, vertical, horizontal, candela in grids():
         words = kind, joined(vertical), joined(horizontal), joined(candela)

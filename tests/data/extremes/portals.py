@@ -1,4 +1,4 @@
-"""Portals that are tiny, huge or far, or seen from nearly in their plane: the density that lights/portal_light.h says.
+"""Portals that are tiny, huge or far, or seen from nearly in their plane: the density that lights/models/portal_light.h says.
 
 A portal's table is over two angles, alpha about y and beta about x, of 64 x 64 cells; a cell weighs the solid angle
 of its 4 x 4 parts, each as its middle, in whole numbers of which the largest is 2^40.  Of a window of it a share of the

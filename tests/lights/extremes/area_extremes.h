@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "lights/gauss.h"
-#include "lights/light.h"
+#include "lights/maths/gauss.h"
+#include "lights/models/light.h"
 #include "tests/reference_table.h"
 #include "tests/sweep.h"
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "lights/light.h"
-#include "lights/sampling.h"
+#include "lights/models/light.h"
+#include "lights/sampling/sampling.h"
 #include "tests/sweep.h"
 
 namespace lucerna::testing {

@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "lights/goniometric_light.h"
-#include "lights/image_infinite_light.h"
+#include "lights/models/goniometric_light.h"
+#include "lights/models/image_infinite_light.h"
 #include "tests/reference_table.h"
 #include "tests/sweep.h"
 

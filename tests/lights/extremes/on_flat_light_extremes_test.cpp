@@ -6,7 +6,7 @@
 #include <numbers>
 #include <random>
 
-#include "lights/light.h"
+#include "lights/models/light.h"
 #include "tests/lights/extremes/on_light.h"
 
 namespace lucerna::testing {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "lights/light_sample.h"
+#include "lights/sampling/light_sample.h"
 #include "tests/lights/extremes/area_extremes.h"
 #include "tests/sweep.h"
 

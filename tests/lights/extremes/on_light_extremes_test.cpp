@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "lights/light.h"
+#include "lights/models/light.h"
 #include "tests/lights/extremes/on_light.h"
 
 namespace lucerna::testing {

@@ -4,7 +4,7 @@
 #include <map>
 #include <string>
 
-#include "lights/portal_light.h"
+#include "lights/models/portal_light.h"
 #include "tests/lights/statistics.h"
 #include "tests/reference_table.h"
 #include "tests/sweep.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "lights/light.h"
+#include "lights/models/light.h"
 #include "tests/lights/extremes/map_pictures.h"
 
 namespace lucerna::testing {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lights/projection_light.h"
+#include "lights/models/projection_light.h"
 #include "tests/lights/extremes/map_pictures.h"
 
 namespace lucerna::testing {

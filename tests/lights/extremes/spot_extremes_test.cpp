@@ -7,7 +7,7 @@
 #include <numbers>
 #include <string>
 
-#include "lights/spot_light.h"
+#include "lights/models/spot_light.h"
 #include "tests/reference_table.h"
 #include "tests/sweep.h"
 

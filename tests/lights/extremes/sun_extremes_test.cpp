@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "lights/sun_light.h"
+#include "lights/models/sun_light.h"
 #include "tests/reference_table.h"
 #include "tests/sweep.h"
 

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "lights/area_light.h"
+#include "lights/models/area_light.h"
 #include "tests/reference_table.h"
 #include "tests/server/extremes/file_scenes.h"
 #include "tests/sweep.h"

@@ -6,9 +6,9 @@
 #include <limits>
 #include <numbers>
 
-#include "server/render.h"
+#include "server/estimate/paths/render.h"
 #include "tests/server/extremes/file_scenes.h"
-#include "tests/server/scenes.h"
+#include "tests/server/scene/scenes.h"
 #include "tests/sweep.h"
 
 namespace lucerna::testing {

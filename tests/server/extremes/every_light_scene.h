@@ -4,9 +4,9 @@
 #include <memory>
 #include <stdexcept>
 
-#include "server/asset_reader.h"
+#include "server/assets/asset_reader.h"
 #include "server/pbrt/load.h"
-#include "server/scene.h"
+#include "server/scene/scene.h"
 
 namespace lucerna::testing {
 

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "server/scene.h"
+#include "server/scene/scene.h"
 #include "tests/server/extremes/exact_rays.h"
-#include "tests/server/scenes.h"
+#include "tests/server/scene/scenes.h"
 
 namespace lucerna::testing {
 

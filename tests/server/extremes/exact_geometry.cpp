@@ -15,7 +15,7 @@ void ExactGeometry::triangle(const Point& a, const Point& b, const Point& c) {
   const Point n = cross(b - a, c - a);
   p.normal = normalized(n);
   const double ab = length(b - a), bc = length(c - b), ca = length(a - c);
-  // As server/scene_hit.cpp has it: in a needle the plane is known less well.
+  // As server/scene/scene_hit.cpp has it: in a needle the plane is known less well.
   const double longest = std::max({ab, bc, ca});
   p.slack = std::clamp(ab * bc * ca / longest / length(n), 1.0, 16.0);
   p.shortest = std::min({ab, bc, ca});

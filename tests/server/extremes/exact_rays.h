@@ -1,6 +1,6 @@
 // What rays meet, worked out in double for one primitive after the other and by other formulas than
 // the server's; with it what nobody can tell who has rays and vertices in floats: what passes an
-// edge, a silhouette or an end within the error bounds that server/error_bounds.h states.
+// edge, a silhouette or an end within the error bounds that server/rays/error_bounds.h states.
 #pragma once
 
 #include <algorithm>
@@ -10,8 +10,8 @@
 #include <limits>
 #include <vector>
 
-#include "lights/vec.h"
-#include "server/error_bounds.h"
+#include "lights/maths/vec.h"
+#include "server/rays/error_bounds.h"
 
 namespace lucerna::testing {
 

@@ -8,8 +8,8 @@
 #include <limits>
 #include <vector>
 
-#include "tests/server/photometric_texts.h"
-#include "tests/server/picture_texts.h"
+#include "tests/server/formats/photometric_texts.h"
+#include "tests/server/formats/picture_texts.h"
 
 namespace lucerna::testing {
 namespace {

@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-#include "lights/vec.h"
+#include "lights/maths/vec.h"
 
 namespace lucerna::testing {
 

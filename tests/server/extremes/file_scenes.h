@@ -5,8 +5,8 @@
 #include <memory>
 #include <string>
 
-#include "server/scene.h"
-#include "tests/server/pbrt_fixture.h"
+#include "server/scene/scene.h"
+#include "tests/server/pbrt/pbrt_fixture.h"
 
 namespace lucerna::testing {
 

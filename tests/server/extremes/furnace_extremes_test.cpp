@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "server/path.h"
-#include "server/render.h"
-#include "tests/server/scenes.h"
+#include "server/estimate/paths/path.h"
+#include "server/estimate/paths/render.h"
+#include "tests/server/scene/scenes.h"
 #include "tests/sweep.h"
 
 namespace lucerna::testing {

@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "server/queries.h"
-#include "server/render.h"
+#include "server/estimate/paths/render.h"
+#include "server/estimate/queries/queries.h"
 #include "tests/server/extremes/invariant_scene.h"
 #include "tests/server/extremes/scaled_scene.h"
-#include "tests/server/scenes.h"
+#include "tests/server/scene/scenes.h"
 #include "tests/sweep.h"
 
 namespace lucerna::testing {

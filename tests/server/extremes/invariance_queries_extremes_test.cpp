@@ -6,13 +6,13 @@
 #include <string>
 #include <vector>
 
-#include "server/emission_queries.h"
-#include "server/queries.h"
-#include "server/render.h"
-#include "server/visibility.h"
+#include "server/estimate/paths/render.h"
+#include "server/estimate/queries/emission_queries.h"
+#include "server/estimate/queries/queries.h"
+#include "server/estimate/queries/visibility.h"
 #include "tests/server/extremes/invariant_scene.h"
 #include "tests/server/extremes/scaled_scene.h"
-#include "tests/server/scenes.h"
+#include "tests/server/scene/scenes.h"
 #include "tests/sweep.h"
 
 namespace lucerna::testing {

@@ -5,9 +5,9 @@
 #include <string>
 #include <utility>
 
-#include "server/asset_reader.h"
+#include "server/assets/asset_reader.h"
 #include "server/pbrt/load.h"
-#include "tests/server/scenes.h"
+#include "tests/server/scene/scenes.h"
 
 namespace lucerna::testing {
 

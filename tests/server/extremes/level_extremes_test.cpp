@@ -5,8 +5,8 @@
 #include <numbers>
 
 #include "tests/server/extremes/file_scenes.h"
-#include "tests/server/photometric_texts.h"
-#include "tests/server/picture_texts.h"
+#include "tests/server/formats/photometric_texts.h"
+#include "tests/server/formats/picture_texts.h"
 #include "tests/sweep.h"
 
 namespace lucerna::testing {

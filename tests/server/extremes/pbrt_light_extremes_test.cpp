@@ -11,9 +11,9 @@
 #include <variant>
 #include <vector>
 
-#include "server/scene_lights.h"
+#include "server/scene/scene_lights.h"
 #include "tests/reference_table.h"
-#include "tests/server/pbrt_fixture.h"
+#include "tests/server/pbrt/pbrt_fixture.h"
 #include "tests/sweep.h"
 
 namespace lucerna::testing {

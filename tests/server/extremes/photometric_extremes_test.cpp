@@ -11,11 +11,11 @@
 #include <numbers>
 #include <sstream>
 
-#include "server/eulumdat.h"
-#include "server/ies.h"
+#include "server/formats/eulumdat.h"
+#include "server/formats/ies.h"
 #include "tests/reference_table.h"
 #include "tests/server/extremes/file_scenes.h"
-#include "tests/server/photometric_texts.h"
+#include "tests/server/formats/photometric_texts.h"
 #include "tests/sweep.h"
 
 namespace lucerna::testing {

@@ -9,7 +9,7 @@
 
 #include "tests/reference_table.h"
 #include "tests/server/extremes/file_scenes.h"
-#include "tests/server/picture_texts.h"
+#include "tests/server/formats/picture_texts.h"
 #include "tests/sweep.h"
 
 namespace lucerna::testing {

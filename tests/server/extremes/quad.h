@@ -1,7 +1,7 @@
 // Vectors of 113 bits, 34 digits: truths of what doubles are given.
 #pragma once
 
-#include "lights/vec.h"
+#include "lights/maths/vec.h"
 
 namespace lucerna::testing {
 

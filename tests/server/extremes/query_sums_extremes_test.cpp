@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "server/render.h"
-#include "tests/server/scenes.h"
-#include "tests/server/service_fixture.h"
+#include "server/estimate/paths/render.h"
+#include "tests/server/rpc/service_fixture.h"
+#include "tests/server/scene/scenes.h"
 #include "tests/sweep.h"
 #include "tests/temp_directory.h"
 

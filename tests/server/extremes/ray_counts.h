@@ -9,8 +9,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "server/denormals.h"
-#include "server/parallel.h"
+#include "server/runtime/denormals.h"
+#include "server/runtime/parallel.h"
 #include "tests/server/extremes/everything.h"
 #include "tests/server/extremes/wire_settings.h"
 #include "tests/sweep.h"

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "server/queries.h"
+#include "server/estimate/queries/queries.h"
 #include "tests/server/extremes/file_scenes.h"
 #include "tests/server/extremes/quad.h"
 #include "tests/sweep.h"

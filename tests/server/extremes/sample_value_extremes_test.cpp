@@ -9,7 +9,7 @@
 #include <utility>
 #include <variant>
 
-#include "lights/sampling.h"
+#include "lights/sampling/sampling.h"
 #include "tests/server/extremes/every_light_scene.h"
 #include "tests/server/extremes/quad.h"
 #include "tests/sweep.h"

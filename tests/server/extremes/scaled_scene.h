@@ -7,7 +7,7 @@
 #include <utility>
 #include <variant>
 
-#include "server/scene_description.h"
+#include "server/description/scene_description.h"
 
 namespace lucerna::testing {
 

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <vector>
 
-#include "lights/sobol.h"
-#include "server/queries.h"
-#include "server/render.h"
-#include "tests/server/scenes.h"
+#include "lights/sampling/sobol.h"
+#include "server/estimate/paths/render.h"
+#include "server/estimate/queries/queries.h"
+#include "tests/server/scene/scenes.h"
 #include "tests/sweep.h"
 
 namespace lucerna::testing {

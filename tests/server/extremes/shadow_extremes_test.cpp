@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "server/visibility.h"
+#include "server/estimate/queries/visibility.h"
 #include "tests/server/extremes/ray_counts.h"
 
 namespace lucerna::testing {

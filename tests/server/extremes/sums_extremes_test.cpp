@@ -7,12 +7,12 @@
 #include <map>
 #include <vector>
 
-#include "proto/tile_statistics.h"
-#include "server/block_stream.h"
-#include "server/render.h"
-#include "server/sample_sum.h"
+#include "proto/common/tile_statistics.h"
+#include "server/estimate/paths/render.h"
+#include "server/estimate/statistics/block_stream.h"
+#include "server/estimate/statistics/sample_sum.h"
 #include "tests/reference_table.h"
-#include "tests/server/scenes.h"
+#include "tests/server/scene/scenes.h"
 #include "tests/sweep.h"
 
 namespace lucerna::testing {

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "lights/sobol.h"
-#include "server/emission_queries.h"
-#include "server/queries.h"
+#include "lights/sampling/sobol.h"
+#include "server/estimate/queries/emission_queries.h"
+#include "server/estimate/queries/queries.h"
 #include "tests/server/extremes/every_light_scene.h"
 #include "tests/server/extremes/file_scenes.h"
 #include "tests/sweep.h"

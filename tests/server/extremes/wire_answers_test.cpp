@@ -13,7 +13,7 @@
 
 #include "server/rpc/services.h"
 #include "tests/server/extremes/wire_methods.h"
-#include "tests/server/service_fixture.h"
+#include "tests/server/rpc/service_fixture.h"
 
 namespace lucerna::testing {
 namespace {

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "tests/server/extremes/extreme_numbers.h"
-#include "tests/server/service_fixture.h"
+#include "tests/server/rpc/service_fixture.h"
 
 namespace lucerna::testing {
 

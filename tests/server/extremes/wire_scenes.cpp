@@ -8,7 +8,7 @@
 #include <regex>
 #include <set>
 
-#include "proto/sha256.h"
+#include "proto/common/sha256.h"
 #include "tests/server/extremes/extreme_files.h"
 #include "tests/server/extremes/wire_answers.h"
 

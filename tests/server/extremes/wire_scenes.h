@@ -9,7 +9,7 @@
 
 #include "tests/server/extremes/extreme_numbers.h"
 #include "tests/server/extremes/extreme_scenes.h"
-#include "tests/server/service_fixture.h"
+#include "tests/server/rpc/service_fixture.h"
 
 namespace lucerna::testing {
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "server/photometric_file.h"
+#include "server/formats/photometric_file.h"
 
 namespace lucerna::testing {
 

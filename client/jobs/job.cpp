@@ -1,0 +1,284 @@
+#include "lucerna/client/job.h"
+
+#include <google/protobuf/message.h>
+
+#include <algorithm>
+#include <condition_variable>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <random>
+#include <thread>
+#include <unordered_map>
+#include <utility>
+#include <variant>
+
+#include "client/jobs/job_schedule.h"
+
+namespace lucerna::client {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using ServerId = JobSchedule::ServerId;
+using AttemptId = JobSchedule::AttemptId;
+
+constexpr std::chrono::seconds kAskForServers(2);
+// Calls that only ask; who takes longer is not there.
+constexpr std::chrono::seconds kAnswerTime(10);
+
+/// A server that has the scene.
+struct Ready {
+  Client client;
+  v1::GetServerInfoResponse info;
+  v1::SceneSummary scene;
+  std::string lease_id;
+};
+
+struct Listed {
+  absl::StatusOr<std::vector<std::string>> targets;
+};
+struct PreparedEvent {
+  ServerId server;
+  absl::StatusOr<Ready> answer;
+};
+struct Renewed {
+  ServerId server;
+  absl::Status answer;
+};
+struct Finished {
+  AttemptId attempt;
+  absl::StatusOr<Work::Result> answer;
+};
+using Event = std::variant<Listed, PreparedEvent, Renewed, Finished>;
+
+/// What other threads tell the job's own.
+class Events {
+ public:
+  void post(Event event) {
+    const std::lock_guard lock(mutex_);
+    events_.push_back(std::move(event));
+    changed_.notify_one();
+  }
+  void wake() {
+    const std::lock_guard lock(mutex_);
+    woken_ = true;
+    changed_.notify_one();
+  }
+  /// Those that came since; waits for one until `until`.
+  std::vector<Event> wait(Clock::time_point until) {
+    std::unique_lock lock(mutex_);
+    const auto any = [this] { return woken_ || !events_.empty(); };
+    if (until == Clock::time_point::max()) {
+      changed_.wait(lock, any);
+    } else {
+      changed_.wait_until(lock, until, any);
+    }
+    woken_ = false;
+    return std::exchange(events_, {});
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::vector<Event> events_;
+  bool woken_ = false;
+};
+
+/// Runs a schedule over gRPC.  All but the posting of events happens in the thread of run().
+class Job final : JobSchedule::Channel {
+ public:
+  Job(Work& work, const JobOptions& options)
+      : work_(work),
+        options_(options),
+        schedule_({.window = std::max(options.window, 1),
+                   .allow_mixed = options.allow_mixed,
+                   .seed = std::random_device{}()},
+                  *this, begun_) {}
+
+  absl::StatusOr<JobReport> run() {
+    const std::stop_callback stopped(options_.call.stop, [this] { events_.wake(); });
+    const std::jthread lister([this](const std::stop_token& stop) { ask_for_servers(stop); });
+    while (!schedule_.over() && work_status_.ok()) {
+      const Clock::time_point due = schedule_.advance(Clock::now());
+      for (Event& event : events_.wait(std::min(due, deadline())))
+        std::visit([this](auto& e) { take(e); }, event);
+      if (options_.call.stop.stop_requested())
+        schedule_.end(absl::CancelledError("the job was stopped"));
+      if (CallOptions::Clock::now() >= options_.call.deadline)
+        schedule_.end(
+            absl::DeadlineExceededError("the deadline passed before all pieces were done"));
+    }
+    if (!work_status_.ok()) return work_status_;
+    if (!schedule_.status().ok()) return schedule_.status();
+    return JobReport{schedule_.fingerprints(), schedule_.duplicates()};
+  }
+
+  /// Stops what is under way, and waits for it to be over: it holds on to the work.
+  ~Job() {
+    preparing_.request_stop();
+    for (auto& [id, attempt] : attempts_) attempt.stop.request_stop();
+    while (under_way_ > 0) {
+      for (const Event& event : events_.wait(Clock::time_point::max()))
+        under_way_ -= std::holds_alternative<Listed>(event) ? 0 : 1;
+    }
+  }
+
+ private:
+  struct Server {
+    std::optional<Ready> ready;
+    std::jthread preparing;
+  };
+  /// A call that is under way.  With the client, which else might end in the thread that answers
+  /// the call, when the server is made ready anew meanwhile (see Client::Done).
+  struct Attempt {
+    std::stop_source stop;
+    Client client;
+  };
+
+  /// Of the job as a whole, by the clock that waiting goes by.
+  Clock::time_point deadline() const {
+    if (options_.call.deadline == CallOptions::Clock::time_point::max())
+      return Clock::time_point::max();
+    return Clock::now() + std::chrono::duration_cast<Clock::duration>(options_.call.deadline -
+                                                                      CallOptions::Clock::now());
+  }
+  CallOptions call(const std::stop_source& stop) const {
+    return {.deadline = options_.call.deadline, .stop = stop.get_token()};
+  }
+
+  void ask_for_servers(const std::stop_token& stop) {
+    std::mutex mutex;
+    std::condition_variable_any stopped;
+    std::unique_lock lock(mutex);
+    while (!stop.stop_requested()) {
+      events_.post(Listed{options_.servers()});
+      stopped.wait_for(lock, stop, kAskForServers, [] { return false; });
+    }
+  }
+
+  // What the schedule has done.
+
+  void prepare(ServerId id, const std::string& target) override {
+    ++under_way_;
+    Server& server = servers_[id];
+    server.ready.reset();
+    // In a thread of its own, since it may take as long as the upload of a scene.
+    server.preparing = std::jthread([this, id, target] {
+      events_.post(PreparedEvent{id, make_ready(target, call(preparing_))});
+    });
+  }
+
+  absl::StatusOr<Ready> make_ready(const std::string& target, const CallOptions& call) const {
+    auto client = Client::connect({.target = target, .retry = false});
+    if (!client.ok()) return client.status();
+    auto info = client->get_server_info({}, call.at_most(kAnswerTime));
+    if (!info.ok()) return info.status();
+    const auto loaded = options_.load(*client, call);
+    if (!loaded.ok()) return loaded.status();
+    v1::GetSceneRequest request;
+    request.set_scene_id(loaded->scene_id());
+    auto scene = client->get_scene(request, call.at_most(kAnswerTime));
+    if (!scene.ok()) return scene.status();
+    return Ready{*std::move(client), *std::move(info), std::move(*scene->mutable_summary()),
+                 loaded->lease_id()};
+  }
+
+  void renew(ServerId id) override {
+    ++under_way_;
+    const Ready& ready = *servers_[id].ready;
+    v1::RenewLeaseRequest request;
+    request.set_scene_id(ready.scene.scene_id());
+    request.set_lease_id(ready.lease_id);
+    request.set_lease_s(static_cast<double>(kJobLease.count()));
+    renewals_.insert_or_assign(id, ready.client);
+    ready.client.renew_lease(request, call(preparing_).at_most(kAnswerTime),
+                             [this, id](const auto& answer) {
+                               events_.post(Renewed{id, answer.status()});
+                             });
+  }
+
+  void start(AttemptId attempt, ServerId id, std::size_t piece) override {
+    ++under_way_;
+    const Ready& ready = *servers_[id].ready;
+    const Attempt& begun = attempts_.emplace(attempt, Attempt{{}, ready.client}).first->second;
+    work_.start(piece, begun.client, ready.scene.scene_id(), call(begun.stop),
+                [this, attempt](absl::StatusOr<Work::Result> answer) {
+                  events_.post(Finished{attempt, std::move(answer)});
+                });
+  }
+
+  void cancel(AttemptId attempt) override { attempts_.at(attempt).stop.request_stop(); }
+
+  void say(const std::string& event) override {
+    if (options_.on_event) options_.on_event(event);
+  }
+
+  // What others tell.
+
+  void take(Listed& event) { schedule_.list(event.targets, Clock::now()); }
+
+  void take(PreparedEvent& event) {
+    --under_way_;
+    absl::StatusOr<JobSchedule::Prepared> answer;
+    if (event.answer.ok()) {
+      const Ready& ready = *event.answer;
+      answer = JobSchedule::Prepared{ready.info.fingerprint().digest(), ready.scene.scene_id()};
+      if (!begun_work_) begin_work(ready);
+      servers_[event.server].ready.emplace(*std::move(event.answer));
+    } else {
+      answer = event.answer.status();
+    }
+    schedule_.prepared(event.server, answer, Clock::now());
+    progress();
+  }
+
+  void begin_work(const Ready& ready) {
+    begun_work_ = true;
+    work_status_ = work_.begin(ready.scene, ready.info);
+    if (work_status_.ok()) schedule_.set_pieces(work_.size());
+  }
+
+  void take(Renewed& event) {
+    --under_way_;
+    renewals_.erase(event.server);
+    schedule_.renewed(event.server, event.answer, Clock::now());
+  }
+
+  void take(Finished& event) {
+    --under_way_;
+    const std::size_t piece = schedule_.pieces().attempt(event.attempt).piece;
+    attempts_.erase(event.attempt);
+    // First the server gets its next piece, then this one is taken.
+    if (schedule_.finished(event.attempt, event.answer.status(), Clock::now()) && work_status_.ok())
+      work_status_ = work_.accept(piece, *std::move(event.answer));
+    progress();
+  }
+
+  void progress() const {
+    if (!options_.on_progress) return;
+    const JobPieces& pieces = schedule_.pieces();
+    options_.on_progress(
+        {pieces.done_count(), pieces.count(), schedule_.answering(), Clock::now() - begun_});
+  }
+
+  Work& work_;
+  const JobOptions& options_;
+  const Clock::time_point begun_ = Clock::now();
+  Events events_;
+  std::stop_source preparing_;
+  std::unordered_map<AttemptId, Attempt> attempts_;
+  std::unordered_map<ServerId, Client> renewals_;  // under way, likewise
+  std::size_t under_way_ = 0;                      // answers that are still to come
+  bool begun_work_ = false;
+  absl::Status work_status_;
+  JobSchedule schedule_;
+  std::map<ServerId, Server> servers_;  // the last: its threads use the above
+};
+
+}  // namespace
+
+absl::StatusOr<JobReport> run_job(Work& work, const JobOptions& options) {
+  return Job(work, options).run();
+}
+
+}  // namespace lucerna::client

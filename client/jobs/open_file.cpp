@@ -1,0 +1,88 @@
+#include "client/jobs/open_file.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+
+namespace lucerna::client {
+
+absl::StatusOr<OpenFile> OpenFile::open(const std::string& path, const std::string& taken,
+                                        int flags) {
+  OpenFile result(path, ::open(path.c_str(), O_CREAT | O_RDWR | O_CLOEXEC | flags, 0666));
+  if (result.file_ < 0) return result.failed(std::strerror(errno));
+  if (::flock(result.file_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
+    return result.failed(taken);
+  return result;
+}
+
+OpenFile::~OpenFile() {
+  if (file_ >= 0) ::close(file_);
+}
+
+absl::Status OpenFile::failed(const std::string& why) const {
+  return absl::UnknownError(path_ + ": " + why);
+}
+
+absl::StatusOr<std::uint64_t> OpenFile::size() const {
+  struct stat now {};
+  if (::fstat(file_, &now) != 0) return failed(std::strerror(errno));
+  return static_cast<std::uint64_t>(now.st_size);
+}
+
+absl::Status OpenFile::resize(std::uint64_t size) {
+  return ::ftruncate(file_, static_cast<off_t>(size)) == 0 ? absl::OkStatus()
+                                                           : failed(std::strerror(errno));
+}
+
+absl::Status OpenFile::reserve(std::uint64_t size) {
+  if (absl::Status s = resize(0); !s.ok()) return s;
+  int error = 0;
+  do {
+    error = ::fallocate(file_, 0, 0, static_cast<off_t>(size)) == 0 ? 0 : errno;
+  } while (error == EINTR);
+  if (error == 0) return absl::OkStatus();
+  absl::Status status = failed(std::to_string(size) + " bytes: " + std::strerror(error));
+  // Of these the file system says that it does not know how; it fails later, when it is full.
+  if (error == EOPNOTSUPP || error == ENOSYS || error == EINVAL) status = resize(size);
+  // What was reserved of it is given back, and nobody takes the length for what is there.
+  if (!status.ok()) resize(0).IgnoreError();
+  return status;
+}
+
+/// All of `size` bytes, or what went wrong.  `transfer(done)` moves some from `done` on.
+template <class Transfer>
+absl::Status OpenFile::all_of(std::size_t size, Transfer transfer) const {
+  for (std::size_t done = 0; done < size;) {
+    const ssize_t n = transfer(done);
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) return failed(std::strerror(errno));
+    if (n == 0) return failed("is shorter than it was");
+    done += static_cast<std::size_t>(n);
+  }
+  return absl::OkStatus();
+}
+
+absl::Status OpenFile::read(std::uint64_t offset, char* bytes, std::size_t size) const {
+  return all_of(size, [&](std::size_t done) {
+    return ::pread(file_, bytes + done, size - done, static_cast<off_t>(offset + done));
+  });
+}
+
+absl::Status OpenFile::write(std::uint64_t offset, std::string_view bytes) {
+  return all_of(bytes.size(), [&](std::size_t done) {
+    return ::pwrite(file_, bytes.data() + done, bytes.size() - done,
+                    static_cast<off_t>(offset + done));
+  });
+}
+
+absl::Status OpenFile::append(std::string_view bytes) {
+  return all_of(bytes.size(), [&](std::size_t done) {
+    return ::write(file_, bytes.data() + done, bytes.size() - done);
+  });
+}
+
+}  // namespace lucerna::client

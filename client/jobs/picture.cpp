@@ -1,0 +1,269 @@
+#include "client/jobs/picture.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "proto/common/tile_statistics.h"
+
+namespace lucerna::client {
+bool same_rect(const v1::PixelRect& a, const v1::PixelRect& b) {
+  return a.x0() == b.x0() && a.y0() == b.y0() && a.x1() == b.x1() && a.y1() == b.y1();
+}
+
+namespace {
+
+// The planes are copied as they come.
+static_assert(std::endian::native == std::endian::little);
+
+constexpr std::uint64_t kMaxPixels = std::uint64_t{1} << 30;
+
+std::string describe(const v1::PixelRect& rect) {
+  return "tile [" + std::to_string(rect.x0()) + ", " + std::to_string(rect.x1()) + ") x [" +
+         std::to_string(rect.y0()) + ", " + std::to_string(rect.y1()) + ")";
+}
+
+std::size_t pixel_count(const v1::PixelRect& rect) {
+  return std::size_t{rect.x1() - rect.x0()} * (rect.y1() - rect.y0());
+}
+
+/// What is wrong with a tile by itself.
+absl::Status check(const v1::Tile& tile) {
+  const v1::PixelRect& rect = tile.rect();
+  const std::string name = describe(rect);
+  if (std::uint64_t{tile.image_width()} * tile.image_height() > kMaxPixels) {
+    return absl::InvalidArgumentError(name + ": the picture has more than 2^30 pixels");
+  }
+  if (rect.x0() >= rect.x1() || rect.y0() >= rect.y1() || rect.x1() > tile.image_width() ||
+      rect.y1() > tile.image_height()) {
+    return absl::InvalidArgumentError(name + ": empty, or not within the picture of " +
+                                      std::to_string(tile.image_width()) + " x " +
+                                      std::to_string(tile.image_height()) + " pixels");
+  }
+  if (tile.block_count() == 0) return absl::InvalidArgumentError(name + ": block_count = 0");
+  const std::size_t bytes = pixel_count(rect) * 3 * sizeof(double);
+  if (tile.sum().size() != bytes || tile.deviation().size() != bytes) {
+    return absl::InvalidArgumentError(
+        name + ": sum and deviation have " + std::to_string(tile.sum().size()) + " and " +
+        std::to_string(tile.deviation().size()) + " bytes, must be " + std::to_string(bytes));
+  }
+  const std::size_t each = pixel_count(rect) * sizeof(std::uint32_t);
+  for (const std::string* plane : {&tile.samples(), &tile.lower(), &tile.upper()}) {
+    if (tile.samples().empty() ? !plane->empty() : plane->size() != each)
+      return absl::InvalidArgumentError(
+          name + ": samples, lower and upper have " + std::to_string(tile.samples().size()) + ", " +
+          std::to_string(tile.lower().size()) + " and " + std::to_string(tile.upper().size()) +
+          " bytes, must be 0 or " + std::to_string(each) + ", all of them");
+  }
+  if (!tile.samples().empty() && tile.first_block() != 0)
+    return absl::InvalidArgumentError(name +
+                                      ": first_block = " + std::to_string(tile.first_block()) +
+                                      ", allowed with a target error: 0");
+  return absl::OkStatus();
+}
+
+/// Empty where the tile has none.
+template <typename Number>
+std::vector<Number> plane(const std::string& bytes) {
+  std::vector<Number> result(bytes.size() / sizeof(Number));
+  if (!result.empty()) std::memcpy(result.data(), bytes.data(), bytes.size());
+  return result;
+}
+
+std::vector<BlockStatistics> statistics(const v1::Tile& tile) {
+  std::vector<BlockStatistics> result(pixel_count(tile.rect()) * 3);
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    std::memcpy(&result[i].sum, tile.sum().data() + i * sizeof(double), sizeof(double));
+    std::memcpy(&result[i].deviation, tile.deviation().data() + i * sizeof(double), sizeof(double));
+  }
+  return result;
+}
+
+/// The value of a pixel's channel, of so many blocks.
+float mean(const BlockStatistics& total, double blocks) {
+  return static_cast<float>(total.sum / blocks);
+}
+
+/// One rectangle of the picture with all blocks so far.
+struct Piece {
+  v1::PixelRect rect;
+  std::uint32_t samples_per_block = 0;
+  std::uint64_t first_block = 0;
+  std::uint64_t blocks = 0;
+  std::vector<BlockStatistics> total;
+  /// Of each pixel; empty where there was no target error.
+  std::vector<std::uint32_t> samples;
+  std::vector<float> lower, upper;
+  /// Once there was something to merge.
+  std::optional<BlockMerger> merger;
+};
+
+Piece make_piece(const v1::Tile& tile) {
+  return {.rect = tile.rect(),
+          .samples_per_block = tile.samples_per_block(),
+          .first_block = tile.first_block(),
+          .blocks = tile.block_count(),
+          .total = statistics(tile),
+          .samples = plane<std::uint32_t>(tile.samples()),
+          .lower = plane<float>(tile.lower()),
+          .upper = plane<float>(tile.upper()),
+          .merger = std::nullopt};
+}
+
+/// False where the tile does not continue the piece, which then is unchanged.
+bool merge_into(const v1::Tile& tile, Piece* piece) {
+  if (tile.samples_per_block() != piece->samples_per_block) return false;
+  if (!piece->samples.empty()) return false;
+  std::optional<BlockMerger> merger = piece->merger;
+  if (!merger) {
+    merger.emplace(piece->first_block, piece->total.size());
+    if (!merger->add(piece->first_block, piece->blocks, piece->total)) return false;
+  }
+  if (!merger->add(tile.first_block(), tile.block_count(), statistics(tile))) return false;
+  piece->merger = std::move(merger);
+  piece->blocks = piece->merger->blocks();
+  piece->total = piece->merger->total();
+  return true;
+}
+
+}  // namespace
+
+void put_pixels(const v1::PixelRect& rect, std::span<const float> rgb, Picture* picture) {
+  const std::size_t row = 3 * (std::size_t{rect.x1()} - rect.x0());
+  for (std::size_t y = rect.y0(); y < rect.y1(); ++y, rgb = rgb.subspan(row)) {
+    std::copy_n(rgb.begin(), row,
+                picture->pixels.begin() +
+                    static_cast<std::ptrdiff_t>(3 * (y * picture->width + rect.x0())));
+  }
+}
+
+struct PictureAssembler::State {
+  std::uint32_t width = 0;
+  std::uint32_t height = 0;
+  std::vector<Piece> pieces;
+  /// For each pixel 1 + the index of its piece, or 0.
+  std::vector<std::uint32_t> owner;
+  std::size_t owned = 0;
+
+  const Piece* find(const v1::PixelRect& rect) const {
+    if (rect.x0() >= width || rect.y0() >= height) return nullptr;
+    const std::uint32_t index = owner[std::size_t{rect.y0()} * width + rect.x0()];
+    if (index == 0 || !same_rect(pieces[index - 1].rect, rect)) return nullptr;
+    return &pieces[index - 1];
+  }
+  Piece* find(const v1::PixelRect& rect) {
+    return const_cast<Piece*>(std::as_const(*this).find(rect));
+  }
+
+  template <class Visit>
+  void for_each_owner(const v1::PixelRect& rect, Visit visit) {
+    for (std::size_t y = rect.y0(); y < rect.y1(); ++y) {
+      for (std::size_t x = rect.x0(); x < rect.x1(); ++x) visit(owner[y * width + x]);
+    }
+  }
+};
+
+PictureAssembler::PictureAssembler() : state_(std::make_unique<State>()) {}
+PictureAssembler::PictureAssembler(PictureAssembler&&) noexcept = default;
+PictureAssembler& PictureAssembler::operator=(PictureAssembler&&) noexcept = default;
+PictureAssembler::~PictureAssembler() = default;
+
+absl::Status PictureAssembler::add(const v1::Tile& tile) {
+  if (absl::Status status = check(tile); !status.ok()) return status;
+  State& state = *state_;
+  const v1::PixelRect& rect = tile.rect();
+  if (state.pieces.empty()) {
+    state.width = tile.image_width();
+    state.height = tile.image_height();
+    state.owner.assign(std::size_t{state.width} * state.height, 0);
+  } else if (tile.image_width() != state.width || tile.image_height() != state.height) {
+    return absl::InvalidArgumentError(
+        describe(rect) + ": of a picture of " + std::to_string(tile.image_width()) + " x " +
+        std::to_string(tile.image_height()) + " pixels, others of " + std::to_string(state.width) +
+        " x " + std::to_string(state.height));
+  }
+  if (Piece* piece = state.find(rect)) {
+    if (tile.first_block() == 0) {
+      *piece = make_piece(tile);
+    } else if (!merge_into(tile, piece)) {
+      return absl::InvalidArgumentError(describe(rect) + ": blocks from " +
+                                        std::to_string(tile.first_block()) +
+                                        " do not continue those before, which end at " +
+                                        std::to_string(piece->first_block + piece->blocks));
+    }
+    return absl::OkStatus();
+  }
+  bool free = true;
+  state.for_each_owner(rect, [&](std::uint32_t owner) { free = free && owner == 0; });
+  if (!free) return absl::InvalidArgumentError(describe(rect) + ": overlaps another in part");
+  state.pieces.push_back(make_piece(tile));
+  const auto index = static_cast<std::uint32_t>(state.pieces.size());
+  state.for_each_owner(rect, [&](std::uint32_t& owner) { owner = index; });
+  state.owned += pixel_count(rect);
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::vector<float>> PictureAssembler::pixels(const v1::PixelRect& rect) const {
+  const Piece* piece = std::as_const(*state_).find(rect);
+  if (piece == nullptr) return absl::NotFoundError(describe(rect) + ": not added");
+  std::vector<float> result(piece->total.size());
+  const auto n = static_cast<double>(piece->blocks);
+  std::transform(piece->total.begin(), piece->total.end(), result.begin(),
+                 [n](const BlockStatistics& total) { return mean(total, n); });
+  return result;
+}
+
+absl::StatusOr<Picture> PictureAssembler::picture() const {
+  const State& state = *state_;
+  if (state.owned == 0 || state.owned < state.owner.size()) {
+    return absl::FailedPreconditionError("the picture has " + std::to_string(state.owned) + " of " +
+                                         std::to_string(state.owner.size()) + " pixels");
+  }
+  Picture result;
+  result.width = state.width;
+  result.height = state.height;
+  result.pixels.resize(state.owner.size() * 3);
+  result.standard_error.resize(result.pixels.size());
+  result.samples.resize(state.owner.size());
+  result.lower.resize(state.owner.size());
+  result.upper.resize(state.owner.size());
+  bool has_error = true, has_interval = true;
+  for (const Piece& piece : state.pieces) {
+    const auto n = static_cast<double>(piece.blocks);
+    has_error = has_error && piece.blocks > 1;
+    has_interval = has_interval && !piece.samples.empty();
+    const BlockStatistics* from = piece.total.data();
+    std::size_t pixel = 0;
+    for (std::size_t y = piece.rect.y0(); y < piece.rect.y1(); ++y) {
+      const std::size_t row = 3 * (y * state.width + piece.rect.x0());
+      const std::size_t end = 3 * (y * state.width + piece.rect.x1());
+      for (std::size_t i = row; i < end; ++i, ++from) {
+        result.pixels[i] = mean(*from, n);
+        if (has_error) {
+          result.standard_error[i] = static_cast<float>(std::sqrt(from->deviation / (n * (n - 1))));
+        }
+      }
+      for (std::size_t i = row / 3; i < end / 3; ++i, ++pixel) {
+        if (piece.samples.empty()) {
+          result.samples[i] = static_cast<std::uint32_t>(piece.blocks * piece.samples_per_block);
+          continue;
+        }
+        result.samples[i] = piece.samples[pixel];
+        result.lower[i] = piece.lower[pixel];
+        result.upper[i] = piece.upper[pixel];
+      }
+    }
+  }
+  if (!has_error) result.standard_error.clear();
+  if (!has_interval) {
+    result.lower.clear();
+    result.upper.clear();
+  }
+  return result;
+}
+
+}  // namespace lucerna::client

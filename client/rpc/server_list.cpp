@@ -1,0 +1,197 @@
+#include "lucerna/client/server_list.h"
+
+#include <netdb.h>
+#include <sys/socket.h>
+
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <cstdlib>
+#include <fstream>
+#include <memory>
+#include <string_view>
+
+#include "absl/strings/str_cat.h"
+#include "client/rpc/patience.h"
+
+namespace lucerna::client {
+namespace {
+
+using Targets = std::vector<std::string>;
+
+// A name server that is dead keeps getaddrinfo() for half a minute and more, and it cannot be
+// stopped.
+constexpr std::chrono::seconds kLookUpTime(5);
+
+bool is_port(std::string_view text) {
+  unsigned port = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), port);
+  return error == std::errc() && end == text.data() + text.size() && port >= 1 && port <= 65535;
+}
+
+absl::Status check_target(const std::string& target) {
+  const std::size_t colon = target.rfind(':');
+  if (target.starts_with("unix:") || (colon != std::string::npos && colon > 0 &&
+                                      is_port(std::string_view(target).substr(colon + 1))))
+    return absl::OkStatus();
+  return absl::InvalidArgumentError("server \"" + target + "\", must be HOST:PORT");
+}
+
+absl::StatusOr<Targets> split(const std::string& text) {
+  Targets targets;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    targets.push_back(text.substr(begin, end - begin));
+    if (absl::Status s = check_target(targets.back()); !s.ok()) return s;
+    begin = end + 1;
+  }
+  return targets;
+}
+
+absl::StatusOr<Targets> lines(const std::string& path) {
+  std::ifstream in(path);
+  if (!in) return absl::UnavailableError(path + ": cannot be read");
+  Targets targets;
+  for (std::string line; std::getline(in, line);) {
+    line = line.substr(0, line.find('#'));
+    const std::size_t begin = line.find_first_not_of(" \t\r");
+    if (begin == std::string::npos) continue;
+    line = line.substr(begin, line.find_last_not_of(" \t\r") + 1 - begin);
+    if (absl::Status s = check_target(line); !s.ok())
+      return absl::InvalidArgumentError(path + ": " + std::string(s.message()));
+    targets.push_back(line);
+  }
+  return targets;
+}
+
+/// The items of "a,b[1-2,5],c": commas within brackets divide nothing.
+absl::StatusOr<Targets> items(const std::string& text) {
+  Targets all{""};
+  bool inside = false;
+  for (const char c : text) {
+    if (c == '[' && inside) return absl::InvalidArgumentError("");
+    if (c == '[') inside = true;
+    if (c == ']' && !inside) return absl::InvalidArgumentError("");
+    if (c == ']') inside = false;
+    if (c == ',' && !inside) {
+      all.emplace_back();
+    } else {
+      all.back() += c;
+    }
+  }
+  if (inside) return absl::InvalidArgumentError("");
+  return all;
+}
+
+/// Puts the numbers of "1-3,07" after each of `heads`.
+absl::Status append_numbers(const std::string& ranges, Targets& heads) {
+  constexpr std::size_t kMostNodes = 100'000;
+  Targets result;
+  for (const std::string& head : heads) {
+    for (std::size_t begin = 0; begin <= ranges.size();) {
+      const std::size_t end = std::min(ranges.find(',', begin), ranges.size());
+      const std::string range = ranges.substr(begin, end - begin);
+      begin = end + 1;
+      const std::size_t dash = std::min(range.find('-'), range.size());
+      const std::string first = range.substr(0, dash);
+      const std::string last = dash < range.size() ? range.substr(dash + 1) : first;
+      const auto is_number = [](const std::string& s) {
+        return !s.empty() && s.size() < 10 &&
+               s.find_first_not_of("0123456789") == std::string::npos;
+      };
+      if (!is_number(first) || !is_number(last)) return absl::InvalidArgumentError("");
+      for (unsigned long n = std::stoul(first); n <= std::stoul(last); ++n) {
+        if (result.size() == kMostNodes) return absl::InvalidArgumentError("");
+        const std::string digits = std::to_string(n);
+        const std::size_t zeros = first.size() > digits.size() ? first.size() - digits.size() : 0;
+        result.push_back(head + std::string(zeros, '0') + digits);
+      }
+    }
+  }
+  heads = std::move(result);
+  return absl::OkStatus();
+}
+
+absl::StatusOr<Targets> look_up(const std::string& host, const std::string& port) {
+  addrinfo hints{};
+  hints.ai_socktype = SOCK_STREAM;
+  addrinfo* found = nullptr;
+  if (const int error = getaddrinfo(host.c_str(), port.c_str(), &hints, &found); error != 0)
+    return absl::UnavailableError(host + ": " + gai_strerror(error));
+  const std::unique_ptr<addrinfo, decltype(&freeaddrinfo)> all(found, &freeaddrinfo);
+  Targets targets;
+  for (const addrinfo* a = found; a != nullptr; a = a->ai_next) {
+    char name[NI_MAXHOST];
+    if (getnameinfo(a->ai_addr, a->ai_addrlen, name, sizeof name, nullptr, 0, NI_NUMERICHOST) != 0)
+      continue;
+    const std::string address = a->ai_family == AF_INET6 ? absl::StrCat("[", name, "]") : name;
+    targets.push_back(address + ":" + port);
+  }
+  return targets;
+}
+
+}  // namespace
+
+absl::StatusOr<Targets> numeric_addresses(const std::string& target) {
+  const std::size_t colon = target.rfind(':');
+  if (colon == std::string::npos) return check_target(target);
+  const bool brackets = target.starts_with('[') && colon > 1 && target[colon - 1] == ']';
+  const std::string host = brackets ? target.substr(1, colon - 2) : target.substr(0, colon);
+  return look_up_within(kLookUpTime, host,
+                        [host, port = target.substr(colon + 1)] { return look_up(host, port); });
+}
+
+absl::StatusOr<Targets> expand_host_list(const std::string& text) {
+  const absl::Status bad =
+      absl::InvalidArgumentError("host list \"" + text + "\", must be as in n[1-3,07],login");
+  const absl::StatusOr<Targets> all = items(text);
+  if (!all.ok()) return bad;
+  Targets hosts;
+  for (const std::string& item : *all) {
+    Targets expanded{""};
+    for (std::size_t at = 0; at < item.size();) {
+      const std::size_t open = std::min(item.find('[', at), item.size());
+      for (std::string& host : expanded) host += item.substr(at, open - at);
+      if (open == item.size()) break;
+      const std::size_t close = item.find(']', open);
+      if (!append_numbers(item.substr(open + 1, close - open - 1), expanded).ok()) return bad;
+      at = close + 1;
+    }
+    if (expanded.front().empty()) return bad;
+    hosts.insert(hosts.end(), expanded.begin(), expanded.end());
+  }
+  return hosts;
+}
+
+absl::StatusOr<ServerList> server_list(const std::string& text) {
+  if (text.starts_with('@')) {
+    const std::string path = text.substr(1);
+    if (absl::StatusOr<Targets> now = lines(path); absl::IsInvalidArgument(now.status()))
+      return now.status();
+    return ServerList([path] { return lines(path); });
+  }
+  if (text.starts_with("dns:///")) {
+    const std::string name = text.substr(7);
+    if (absl::Status s = check_target(name); !s.ok()) return s;
+    return ServerList([name] { return numeric_addresses(name); });
+  }
+  if (text.starts_with("slurm:")) {
+    const std::string port = text.substr(6);
+    if (!is_port(port))
+      return absl::InvalidArgumentError("servers \"" + text + "\", must be slurm:PORT");
+    const char* nodes = std::getenv("SLURM_JOB_NODELIST");
+    if (nodes == nullptr)
+      return absl::InvalidArgumentError("servers \"" + text +
+                                        "\": SLURM_JOB_NODELIST is not set, this is no Slurm job");
+    absl::StatusOr<Targets> hosts = expand_host_list(nodes);
+    if (!hosts.ok()) return hosts.status();
+    for (std::string& host : *hosts) host += ":" + port;
+    return ServerList([hosts = *std::move(hosts)]() -> absl::StatusOr<Targets> { return hosts; });
+  }
+  absl::StatusOr<Targets> targets = split(text);
+  if (!targets.ok()) return targets.status();
+  return ServerList(
+      [targets = *std::move(targets)]() -> absl::StatusOr<Targets> { return targets; });
+}
+
+}  // namespace lucerna::client

@@ -1,0 +1,39 @@
+// What commands about many items do with the answer.
+#pragma once
+
+#include <fmt/core.h>
+
+#include <functional>
+#include <string>
+
+#include "client/rpc/batches.h"
+#include "client/terminal/output.h"
+#include "client/terminal/session.h"
+
+namespace lucerna::cli {
+
+/// Asks by `in_batches` of client/rpc/batches.h and prints the answer, for machines where that is
+/// wanted, with what `json_more` makes of it as to_json() takes it, else by `print`.  Where an item
+/// has no answer, that is the program's exit status.
+template <class Request, class Response, class Print>
+void ask_and_print(Session& session, const Request& request,
+                   absl::StatusOr<Response> (*in_batches)(const client::Client&, const Request&,
+                                                          const client::BatchOptions&),
+                   Print&& print,
+                   const std::function<std::string(const Response&)>& json_more = {}) {
+  const Response response = session.ask_about_scene([&](const client::Client& client) {
+    return in_batches(client, request, {.max_items = 0, .call = session.call_options()});
+  });
+  if (session.json()) {
+    fmt::print("{}", to_json(response, json_more ? json_more(response) : ""));
+  } else {
+    print(response);
+  }
+  bool failed = any_failed(response.status());
+  if constexpr (requires { response.estimates(); }) {
+    failed |= any_failed(response.estimates().status());
+  }
+  if (failed) session.set_exit_status(kServerSaidNo);
+}
+
+}  // namespace lucerna::cli

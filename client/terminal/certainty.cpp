@@ -1,0 +1,83 @@
+#include "client/terminal/certainty.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "client/terminal/output.h"
+
+namespace lucerna::cli {
+
+std::string percent(double share) {
+  const double rest = std::min(share, 1 - share);
+  std::string text;
+  for (int digits = 6; digits <= std::numeric_limits<double>::max_digits10; ++digits) {
+    text = fmt::format("{:.{}g}", 100 * share, digits);
+    if (std::fabs(std::stod(text) / 100 - share) <= 1e-3 * rest) break;
+  }
+  return text;
+}
+
+std::string interval_text(double value, double lower, double upper, bool approximate) {
+  if (lower == upper) return approximate ? "no scatter" : "exact";
+  if (value == 0) return fmt::format("< {}", number(upper));
+  const double above = upper - value, below = value - lower;
+  // All three were rounded to floats.
+  const double rounding = 2 * double{std::numeric_limits<float>::epsilon()} * upper;
+  if (std::fabs(above - below) <= 1e-3 * above + rounding) return number((upper - lower) / 2);
+  return fmt::format("{} ... {}", number(lower), number(upper));
+}
+
+bool is_approximate(const v1::Accuracy& accuracy) {
+  return accuracy.has_far_light_radii() || accuracy.visibility() == v1::VISIBILITY_SHADOW_MAPS;
+}
+
+std::string describe_approximations(const v1::Accuracy& accuracy, const v1::Cost& cost) {
+  std::string text;
+  if (accuracy.has_far_light_radii())
+    text += fmt::format("; approximated: area lights as points beyond {} radii",
+                        number(accuracy.far_light_radii()));
+  if (accuracy.visibility() == v1::VISIBILITY_SHADOW_MAPS)
+    text += fmt::format("; approximated: shadow maps, {} of {} compared disagree",
+                        cost.shadow_map_disagreed(), cost.shadow_map_compared());
+  return text;
+}
+
+TargetCheck::TargetCheck(const v1::TargetError& target)
+    : relative_(target.relative()),
+      floor_(target.absolute_floor()),
+      max_samples_(target.has_max_samples() ? target.max_samples() : 65536) {}
+
+bool TargetCheck::add(double value, double lower, double upper, std::uint64_t more_samples) {
+  ++items_;
+  const double allowed = std::max(relative_ * value, floor_), error = (upper - lower) / 2;
+  const double rounding = double{std::numeric_limits<float>::epsilon()} * upper;
+  if (error <= allowed + rounding) return true;
+  ++missed_;
+  if (more_samples > max_samples_) ++capped_;
+  if (allowed > 0) worst_ = std::max(worst_, error / allowed);
+  return false;
+}
+
+std::string TargetCheck::describe(const std::string& items) const {
+  if (missed_ == 0) return {};
+  std::string text =
+      fmt::format("{} of {} {} are less certain than asked for", missed_, items_, items);
+  if (worst_ > 1) text += fmt::format(" ({:.3g} times at worst)", worst_);
+  if (capped_ > 0) text += ", --max-samples reached";
+  if (capped_ > 0 && capped_ < missed_) text += fmt::format(" by {}", capped_);
+  return text + "; ";
+}
+
+std::string json_of(const char* name, const std::vector<bool>& values) {
+  return fmt::format("\"{}\":[{}]", name, fmt::join(values, ","));
+}
+
+std::string json_of_approximate(const v1::Accuracy& accuracy) {
+  return fmt::format("\"approximate\":{}", is_approximate(accuracy));
+}
+
+}  // namespace lucerna::cli

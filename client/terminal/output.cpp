@@ -1,0 +1,111 @@
+#include "client/terminal/output.h"
+
+#include <fmt/core.h>
+#include <google/protobuf/util/json_util.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace lucerna::cli {
+namespace {
+
+/// Characters of UTF-8, each taken as one column wide.
+std::size_t width(const std::string& text) {
+  return std::count_if(text.begin(), text.end(),
+                       [](unsigned char c) { return (c & 0xc0) != 0x80; });
+}
+
+}  // namespace
+
+Table::Table(std::vector<Column> columns) : columns_(std::move(columns)) {}
+
+void Table::add(std::vector<std::string> row) {
+  row.resize(columns_.size());
+  rows_.push_back(std::move(row));
+}
+
+std::string Table::to_string() const {
+  std::vector<std::size_t> widths;
+  for (std::size_t i = 0; i < columns_.size(); ++i) {
+    widths.push_back(width(columns_[i].header));
+    for (const auto& row : rows_) widths[i] = std::max(widths[i], width(row[i]));
+  }
+  std::string result;
+  const auto add_line = [&](const auto& entry) {
+    std::string line;
+    for (std::size_t i = 0; i < columns_.size(); ++i) {
+      const std::string& text = entry(i);
+      const std::string space(widths[i] - width(text), ' ');
+      line += columns_[i].text ? text + space : space + text;
+      line += "  ";
+    }
+    line.erase(line.find_last_not_of(' ') + 1);
+    result += line + "\n";
+  };
+  add_line([&](std::size_t i) -> const std::string& { return columns_[i].header; });
+  for (const auto& row : rows_) {
+    add_line([&](std::size_t i) -> const std::string& { return row[i]; });
+  }
+  return result;
+}
+
+std::string number(double value) { return fmt::format("{:.6g}", value); }
+
+std::string triple(double a, double b, double c) {
+  return number(a) + " " + number(b) + " " + number(c);
+}
+
+std::string direction(const v1::Vector3& v) {
+  const double length = std::hypot(v.x(), v.y(), v.z());
+  // + 0.0: no -0 where roundings leave a little below it.
+  const auto rounded = [&](double x) { return std::round(x / length * 1e4) / 1e4 + 0.0; };
+  return triple(rounded(v.x()), rounded(v.y()), rounded(v.z()));
+}
+
+std::string to_json(const google::protobuf::Message& message, const std::string& more) {
+  google::protobuf::util::JsonPrintOptions options;
+  options.preserve_proto_field_names = true;
+  options.always_print_primitive_fields = true;
+  std::string result;
+  const auto status = google::protobuf::util::MessageToJsonString(message, &result, options);
+  if (!status.ok()) throw std::runtime_error("no JSON of the answer: " + status.ToString());
+  if (!more.empty()) result.insert(result.size() - 1, (result == "{}" ? "" : ",") + more);
+  return result + "\n";
+}
+
+std::string item_status(const google::protobuf::RepeatedField<int>& statuses, std::size_t item) {
+  if (item >= static_cast<std::size_t>(statuses.size())) return "";
+  const int status = statuses[static_cast<int>(item)];
+  if (status == v1::ITEM_STATUS_OK) return "";
+  const std::string name = v1::ItemStatus_Name(status);
+  constexpr std::string_view kPrefix = "ITEM_STATUS_";
+  return name.starts_with(kPrefix) ? name.substr(kPrefix.size()) : fmt::format("status {}", status);
+}
+
+bool any_failed(const google::protobuf::RepeatedField<int>& statuses) {
+  return std::any_of(statuses.begin(), statuses.end(), [](int status) {
+    switch (status) {
+      case v1::ITEM_STATUS_OK:
+      case v1::ITEM_STATUS_BEHIND:
+      case v1::ITEM_STATUS_OUTSIDE_CONE:
+      case v1::ITEM_STATUS_BLACK:
+        return false;
+      default:
+        return true;
+    }
+  });
+}
+
+std::string describe(const v1::Cost& cost) {
+  std::string result = fmt::format("{:.3g} s", cost.wall_time_s());
+  const auto add = [&](std::uint64_t count, const char* one, const char* many) {
+    if (count > 0) result += fmt::format(", {} {}", count, count == 1 ? one : many);
+  };
+  add(cost.samples(), "sample", "samples");
+  add(cost.camera_rays() + cost.indirect_rays() + cost.shadow_rays(), "ray", "rays");
+  add(cost.shadow_map_lookups(), "look-up in shadow maps", "look-ups in shadow maps");
+  return result;
+}
+
+}  // namespace lucerna::cli

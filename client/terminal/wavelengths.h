@@ -1,0 +1,57 @@
+// --wavelength: what to tell of light beside its RGB.
+#pragma once
+
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+#include "client/terminal/output.h"
+#include "client/terminal/validators.h"
+
+namespace lucerna::cli {
+
+class WavelengthOption {
+ public:
+  void add(CLI::App& command) {
+    command
+        .add_option("--wavelength", nm_,
+                    "Also the value at this wavelength [nm]; may be given again, or as a list "
+                    "with commas")
+        ->delimiter(',')
+        ->allow_extra_args(false)
+        ->check(positive());
+  }
+
+  bool given() const { return !nm_.empty(); }
+
+  template <typename Request>
+  void put(Request& request) const {
+    request.mutable_wavelengths_nm()->Add(nm_.begin(), nm_.end());
+  }
+
+  /// "at 450 555 nm", with a unit "at 450 555 nm [W/nm]".
+  std::string header(const std::string& unit = {}) const {
+    std::string text = "at";
+    for (const double nm : nm_) text += " " + number(nm);
+    return text + (unit.empty() ? " nm" : fmt::format(" nm [{}]", unit));
+  }
+
+  /// The values of item `i`, with spaces between them.
+  template <typename T>
+  std::string values(const google::protobuf::RepeatedField<T>& all, int i) const {
+    std::string text;
+    const int count = static_cast<int>(nm_.size());
+    for (int k = i * count; k < (i + 1) * count && k < all.size(); ++k) {
+      if (!text.empty()) text += ' ';
+      text += number(all[k]);
+    }
+    return text;
+  }
+
+ private:
+  std::vector<double> nm_;
+};
+
+}  // namespace lucerna::cli

@@ -1,0 +1,255 @@
+// How a light tree is built: from the root down, each node's lights split where the surface area
+// orientation heuristic, over bins along each axis, says that both parts cost least. [Conty18, 4.4]
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+#include "lights/choice/light_cluster.h"
+#include "lights/choice/light_tree.h"
+#include "lights/shapes/shape.h"
+
+namespace lucerna {
+namespace {
+
+// Floats of a node's cone, and as much again for what lights and receivers round: in a tree cones
+// are so much wider.
+constexpr double kConeSlackRad = 0x1p-21;
+// Within so much of all directions it is all of them.
+constexpr double kNearlyAllRad = 0x1p-10;
+// Of what lights round, relative to their coordinates; and what is never less, so that squares of a
+// box's size are no denormal numbers.
+constexpr double kBoxSlack = 16 * std::numeric_limits<double>::epsilon();
+constexpr double kLeastBox = 0x1p-100;
+constexpr double kLeastPower = 0x1p-100;
+constexpr int kMostBins = 16;
+
+}  // namespace
+
+class LightTree::Builder {
+ public:
+  explicit Builder(std::span<const Item> items) : items_(items) {}
+
+  absl::Status check() const;
+  LightTree build();
+
+ private:
+  /// The lights order_[begin, end), of which node `node` is to be made.
+  struct Task {
+    std::uint32_t begin, end, node;
+    LightCluster cluster;
+  };
+  struct Split {
+    std::uint32_t middle;  ///< where order_ is split
+    LightCluster left, right;
+  };
+  /// Lights go to bins by the place of their middles along an axis.
+  struct Binning {
+    int axis, count;
+    double from, per_extent;
+
+    int operator()(const LightCluster& light) const {
+      const double at = (middle(light, axis) - from) * per_extent;
+      return std::clamp(static_cast<int>(at), 0, count - 1);
+    }
+  };
+
+  static double middle(const LightCluster& light, int axis) {
+    return light.lower[axis] * 0.5 + light.upper[axis] * 0.5;
+  }
+  void take_lights(double scale);
+  LightCluster cluster_of(std::span<const std::uint32_t> lights) const;
+  /// Fills bins_; nothing where all lights are at one place of the axis.
+  std::optional<Binning> fill_bins(int axis, const Task& task);
+  Split split(const Task& task);
+  Split split_in_half(const Task& task) const;
+
+  std::span<const Item> items_;
+  std::vector<LightCluster> lights_;  // of each item, in the tree's coordinates
+  std::vector<std::uint32_t> order_;  // items that can be chosen, each node's side by side
+  std::array<LightCluster, kMostBins> bins_, after_;  // of an axis; from a bin to the last one
+};
+
+absl::Status LightTree::Builder::check() const {
+  if (items_.size() > kMaxLights)
+    return absl::ResourceExhaustedError(
+        fmt::format("light tree of {} lights, allowed: up to {}", items_.size(), kMaxLights));
+  for (std::size_t i = 0; i < items_.size(); ++i) {
+    const LightBounds<double>& b = items_[i].bounds;
+    if (!is_finite(b.lower) || !is_finite(b.upper) || !is_finite(b.axis) ||
+        !(b.cone_rad >= 0 && b.normals_rad >= 0))
+      return absl::InvalidArgumentError(
+          fmt::format("light tree: bounds of light {}, allowed: finite ones", i));
+    if (!(items_[i].power >= 0) || !std::isfinite(items_[i].power))
+      return absl::InvalidArgumentError(fmt::format(
+          "light tree: power {} of light {}, allowed: finite, not negative", items_[i].power, i));
+  }
+  return absl::OkStatus();
+}
+
+void LightTree::Builder::take_lights(double scale) {
+  double most = 0;
+  for (const Item& item : items_) most = std::max(most, item.power);
+  const bool all_black = !(most > 0);
+  const int exponent = all_black ? 0 : -std::ilogb(most);
+  lights_.resize(items_.size());
+  for (std::size_t i = 0; i < items_.size(); ++i) {
+    if (!all_black && !(items_[i].power > 0)) continue;
+    order_.push_back(static_cast<std::uint32_t>(i));
+    const LightBounds<double>& b = items_[i].bounds;
+    LightCluster& light = lights_[i];
+    const Vec3<double> lower = b.lower * scale, upper = b.upper * scale;
+    const double pad = std::max(kBoxSlack * std::max(max_abs(lower), max_abs(upper)), kLeastBox);
+    light.lower = lower - Vec3<double>{pad, pad, pad};
+    light.upper = upper + Vec3<double>{pad, pad, pad};
+    light.axis = normalized(b.axis);
+    light.has_cosine = b.two_sided || b.normals_rad < b.cone_rad;
+    light.two_sided = b.two_sided;
+    // Narrower than the hemisphere about a normal is a cone only where there is no cosine.
+    const double theta_o = b.two_sided        ? b.normals_rad
+                           : light.has_cosine ? std::max(b.normals_rad, b.cone_rad - kPi / 2)
+                                              : b.cone_rad;
+    const double all = b.two_sided ? kPi / 2 : kPi;
+    light.theta_o_rad = theta_o + kConeSlackRad;
+    if (light.theta_o_rad > all - kNearlyAllRad || light.axis == Vec3<double>{})
+      light.theta_o_rad = kPi;
+    light.power = all_black ? 1 : std::max(std::scalbn(items_[i].power, exponent), kLeastPower);
+  }
+}
+
+LightCluster LightTree::Builder::cluster_of(std::span<const std::uint32_t> lights) const {
+  LightCluster all;
+  for (const std::uint32_t i : lights) all.add(lights_[i]);
+  return all;
+}
+
+LightTree::Node LightTree::node_of(const LightCluster& cluster) {
+  Node node{};
+  const auto [lower, upper] = rounded_outwards<float>(cluster.lower, cluster.upper);
+  for (int axis = 0; axis < 3; ++axis) {
+    node.axis[axis] = cluster.axis[axis];
+    node.lower[axis] = lower[axis];
+    node.upper[axis] = upper[axis];
+  }
+  const bool all_directions = cluster.theta_o_rad > kPi - kNearlyAllRad;
+  node.cos_o = all_directions ? -1 : static_cast<float>(std::cos(cluster.theta_o_rad));
+  node.sin_o = all_directions ? 0 : static_cast<float>(std::sin(cluster.theta_o_rad));
+  node.has_cosine = cluster.has_cosine ? 1 : 0;
+  node.two_sided = cluster.two_sided ? 1 : 0;
+  node.intensity = static_cast<float>(cluster.power / cluster.solid_angle_sr());
+  return node;
+}
+
+std::optional<LightTree::Builder::Binning> LightTree::Builder::fill_bins(int axis,
+                                                                         const Task& task) {
+  double from = LightCluster::kInfinity, to = -from;
+  for (std::uint32_t i = task.begin; i < task.end; ++i) {
+    const double at = middle(lights_[order_[i]], axis);
+    from = std::min(from, at);
+    to = std::max(to, at);
+  }
+  // Closer together than boxes are large they lie at one place.
+  if (!(to - from > kLeastBox)) return std::nullopt;
+  const int count = static_cast<int>(std::min<std::uint32_t>(kMostBins, task.end - task.begin));
+  const Binning bin_of{axis, count, from, count / (to - from)};
+  std::fill_n(bins_.begin(), count, LightCluster{});
+  for (std::uint32_t i = task.begin; i < task.end; ++i) {
+    const LightCluster& light = lights_[order_[i]];
+    bins_[bin_of(light)].add(light);
+  }
+  return bin_of;
+}
+
+LightTree::Builder::Split LightTree::Builder::split_in_half(const Task& task) const {
+  const std::uint32_t middle = task.begin + (task.end - task.begin) / 2;
+  const std::span<const std::uint32_t> order(order_);
+  return {middle, cluster_of(order.subspan(task.begin, middle - task.begin)),
+          cluster_of(order.subspan(middle, task.end - middle))};
+}
+
+LightTree::Builder::Split LightTree::Builder::split(const Task& task) {
+  if (task.end - task.begin == 2) return split_in_half(task);
+  const Vec3<double> extent = task.cluster.upper - task.cluster.lower;
+  double least = LightCluster::kInfinity;
+  Binning best{};
+  int first_right = 0;
+  Split found{};
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::optional<Binning> bin_of = fill_bins(axis, task);
+    if (!bin_of) continue;
+    const int last = bin_of->count - 1;
+    after_[last] = bins_[last];
+    for (int i = last - 1; i > 0; --i) {
+      after_[i] = after_[i + 1];
+      after_[i].add(bins_[i]);
+    }
+    // Rather across the longest side: parts are then no thin slices.
+    const double across = max_abs(extent) / extent[axis];
+    LightCluster before;
+    for (int i = 1; i <= last; ++i) {
+      before.add(bins_[i - 1]);
+      const double cost = across * (before.cost() + after_[i].cost());
+      if (!(cost < least)) continue;
+      least = cost;
+      best = *bin_of;
+      first_right = i;
+      found.left = before;
+      found.right = after_[i];
+    }
+  }
+  // All at one place: no part is better than another.
+  if (first_right == 0) return split_in_half(task);
+  const auto first = order_.begin();
+  const auto middle =
+      std::partition(first + task.begin, first + task.end,
+                     [&](std::uint32_t light) { return best(lights_[light]) < first_right; });
+  found.middle = static_cast<std::uint32_t>(middle - first);
+  return found;
+}
+
+LightTree LightTree::Builder::build() {
+  LightTree tree;
+  double largest = 0;
+  for (const Item& item : items_)
+    largest = std::max({largest, max_abs(item.bounds.lower), max_abs(item.bounds.upper)});
+  if (largest > 0) tree.scale_ = std::scalbn(1.0, std::clamp(-std::ilogb(largest), -500, 500));
+  take_lights(tree.scale_);
+  tree.leaf_of_.assign(items_.size(), kNoLeaf);
+  if (order_.empty()) return tree;
+  tree.nodes_.reserve(2 * order_.size() - 1);
+  tree.parents_.reserve(order_.size() - 1);
+  tree.nodes_.emplace_back();
+  // A stack of its own: as deep as lights in a line make it, which calls are not.
+  std::vector<Task> tasks;
+  tasks.push_back({0, static_cast<std::uint32_t>(order_.size()), 0, cluster_of(order_)});
+  while (!tasks.empty()) {
+    const Task task = tasks.back();
+    tasks.pop_back();
+    Node node = node_of(task.cluster);
+    if (task.end - task.begin == 1) {
+      node.is_leaf = 1;
+      node.index = order_[task.begin];
+      tree.leaf_of_[node.index] = task.node;
+    } else {
+      const Split parts = split(task);
+      const auto left = static_cast<std::uint32_t>(tree.nodes_.size());
+      node.index = left;
+      tree.parents_.push_back(task.node);
+      tree.nodes_.resize(left + 2);
+      tasks.push_back({parts.middle, task.end, left + 1, parts.right});
+      tasks.push_back({task.begin, parts.middle, left, parts.left});
+    }
+    tree.nodes_[task.node] = node;
+  }
+  return tree;
+}
+
+absl::StatusOr<LightTree> LightTree::create(std::span<const Item> items) {
+  Builder builder(items);
+  if (absl::Status s = builder.check(); !s.ok()) return s;
+  return builder.build();
+}
+
+}  // namespace lucerna

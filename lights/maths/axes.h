@@ -1,0 +1,34 @@
+// The three axes of lights that are not alike all around.
+#pragma once
+
+#include "lights/maths/validation.h"
+
+namespace lucerna {
+
+/// OK where the three are directions at right angles, of any lengths and either handedness.
+inline absl::Status check_right_angles(std::string_view field, const Frame<double>& axes) {
+  for (const Vec3<double>& axis : {axes.s, axes.t, axes.n})
+    if (auto s = check_direction(field, axis); !s.ok()) return s;
+  const Vec3<double> s = normalized(axes.s), t = normalized(axes.t), n = normalized(axes.n);
+  // What is left of products of rotations in double is far below; written in a file with six
+  // digits, they are this close.
+  constexpr double kTolerance = 1e-5;
+  if (std::fabs(dot(s, t)) <= kTolerance && std::fabs(dot(t, n)) <= kTolerance &&
+      std::fabs(dot(n, s)) <= kTolerance)
+    return absl::OkStatus();
+  return absl::InvalidArgumentError(fmt::format(
+      "{} = ({}, {}, {}), ({}, {}, {}), ({}, {}, {}), allowed: at right angles to each other",
+      field, axes.s.x, axes.s.y, axes.s.z, axes.t.x, axes.t.y, axes.t.z, axes.n.x, axes.n.y,
+      axes.n.z));
+}
+
+/// Unit vectors exactly at right angles, the last axis as it is and handedness kept.
+inline Frame<double> orthonormal(const Frame<double>& axes) {
+  const Vec3<double> n = normalized(axes.n);
+  const Vec3<double> s0 = normalized(axes.s);
+  const Vec3<double> s = normalized(s0 - n * dot(s0, n));
+  const Vec3<double> t = cross(n, s);
+  return {s, dot(t, axes.t) < 0 ? -t : t, n};
+}
+
+}  // namespace lucerna

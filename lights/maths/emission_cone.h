@@ -1,0 +1,15 @@
+// What a distribution of intensity tells of the directions that it shines in.
+#pragma once
+
+#include "lights/maths/vec.h"
+
+namespace lucerna {
+
+/// All directions with light lie within `half_angle_rad` of `axis`, in the distribution's own axes.
+/// A little too large rather than too small.
+struct EmissionCone {
+  Vec3<double> axis{0, 0, 1};  ///< unit
+  double half_angle_rad{};
+};
+
+}  // namespace lucerna

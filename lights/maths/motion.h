@@ -1,0 +1,97 @@
+// Rigid motion between key frames: where what moves is at a time, and what it sweeps.
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include <array>
+#include <cstddef>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "lights/maths/transform.h"
+
+namespace lucerna {
+
+/// A rigid map: a rotation R about zero, then a shift.  In double throughout.
+struct Pose {
+  using Rotation = std::array<Vec3<double>, 3>;  ///< rows
+
+  Rotation r{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+  Vec3<double> shift_m;
+
+  Vec3<double> vector(const Vec3<double>& v) const {
+    return {dot(r[0], v), dot(r[1], v), dot(r[2], v)};
+  }
+  Vec3<double> point(const Vec3<double>& p) const { return vector(p) + shift_m; }
+  /// The same way back.
+  Vec3<double> inverse_vector(const Vec3<double>& v) const {
+    return r[0] * v.x + r[1] * v.y + r[2] * v.z;
+  }
+  Vec3<double> inverse_point(const Vec3<double>& p) const { return inverse_vector(p - shift_m); }
+
+  bool operator==(const Pose&) const = default;
+};
+
+/// Where something stands at a time.
+struct KeyTransform {
+  double time_s{};
+  Transform world_from_light;
+};
+
+/// Between two key frames the light-space origin moves along a straight line and the rotation turns
+/// about one axis, both at constant speed; before the first and after the last it rests.  The same
+/// as pbrt-v4's decomposition where nothing is scaled or sheared on the way.  [Shoemake85]
+/// Immutable, so safe to share between threads.
+class Motion {
+ public:
+  struct KeyFrame {
+    double time_s{};
+    Vec3<double> position_m;                 ///< of the light-space origin
+    std::array<double, 4> turn{1, 0, 0, 0};  ///< since the first frame: a unit quaternion, w first
+
+    /// How far it is turned since the first frame, in [0, pi], and about which unit axis (+z where
+    /// it is not turned).
+    std::pair<double, Vec3<double>> angle_and_axis() const;
+  };
+
+  /// Two key frames or more.  Errors: fewer; times that are not finite or do not ascend; a motion
+  /// that scales, shears or mirrors: one whose linear part relative to the first frame is no
+  /// rotation to within 1e-6; positions that are not finite.
+  static absl::StatusOr<Motion> create(std::span<const KeyTransform> frames);
+
+  /// The same motion from coordinates about `from_m` (of things at the first key frame) to
+  /// coordinates about `to_m`, both world [m].
+  Motion about(const Vec3<double>& from_m, const Vec3<double>& to_m) const;
+
+  /// Takes where things are at the first key frame to where they are at `time_s`.  The identity up
+  /// to the first key frame, unless it was moved to other coordinates by `about`.
+  Pose at(double time_s) const;
+
+  /// A box that holds all that the box {lower, upper} of the first key frame sweeps.
+  std::pair<Vec3<double>, Vec3<double>> bounds(const Vec3<double>& lower,
+                                               const Vec3<double>& upper) const;
+
+  /// Positions in the coordinates that `at` leads to.
+  std::span<const KeyFrame> key_frames() const { return frames_; }
+  std::size_t bytes() const {
+    return frames_.capacity() * sizeof(KeyFrame) + turns_.capacity() * sizeof(Turn);
+  }
+
+ private:
+  /// From one frame to the next, the shorter way.
+  struct Turn {
+    double angle_rad{};
+    Vec3<double> axis;
+  };
+
+  Motion() = default;
+  Pose pose(const std::array<double, 4>& turn, const Vec3<double>& position) const;
+  Pose between(std::size_t frame, double part) const;
+
+  std::vector<KeyFrame> frames_;
+  std::vector<Turn> turns_;
+  Vec3<double> pivot_;  // the light-space origin at the first key frame, where `at` starts from
+};
+
+}  // namespace lucerna

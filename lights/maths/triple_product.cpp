@@ -1,0 +1,107 @@
+#include "lights/maths/triple_product.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace lucerna {
+
+namespace {
+
+/// hi + lo, where lo is no more than half of the last digit of hi.
+struct Two {
+  double hi = 0, lo = 0;
+};
+
+/// a + b, with what rounding it lost.
+Two two_sum(double a, double b) {
+  const double sum = a + b;
+  const double of_b = sum - a;
+  return {sum, (a - (sum - of_b)) + (b - of_b)};
+}
+
+/// The same where a is the larger one.
+Two normal(double a, double b) {
+  const double sum = a + b;
+  return {sum, b - (sum - a)};
+}
+
+Two operator+(Two a, Two b) {
+  const Two hi = two_sum(a.hi, b.hi), lo = two_sum(a.lo, b.lo);
+  const Two sum = normal(hi.hi, hi.lo + lo.hi);
+  return normal(sum.hi, sum.lo + lo.lo);
+}
+
+Two operator-(Two a, Two b) { return a + Two{-b.hi, -b.lo}; }
+
+Two operator*(Two a, Two b) {
+  const double product = a.hi * b.hi;
+  return normal(product, std::fma(a.hi, b.hi, -product) + (a.hi * b.lo + a.lo * b.hi));
+}
+
+struct TwoVec {
+  Two x, y, z;
+};
+
+TwoVec difference(const Vec3<double>& a, const Vec3<double>& b) {
+  return {two_sum(a.x, -b.x), two_sum(a.y, -b.y), two_sum(a.z, -b.z)};
+}
+
+double triple_product_in_twos(const TwoVec& a, const TwoVec& e, const TwoVec& f) {
+  return (a.x * (e.y * f.z - e.z * f.y) + a.y * (e.z * f.x - e.x * f.z) +
+          a.z * (e.x * f.y - e.y * f.x))
+      .hi;
+}
+
+/// Whether rounding has left the plain product what it should be.  Differences are off by half an
+/// epsilon of themselves, and so is each step from there: less than six of each of six terms.
+bool is_good(double product, const Vec3<double>& a, const Vec3<double>& e, const Vec3<double>& f) {
+  constexpr double kAllowed = 1e-11;
+  constexpr double kOff = 36 * std::numeric_limits<double>::epsilon() / kAllowed;
+  return std::fabs(product) >= kOff * max_abs(a) * max_abs(e) * max_abs(f);
+}
+
+/// A power of two that brings the longest of them to about 1, so that products of three neither
+/// over- nor underflow.
+double unit_for(const Vec3<double>& a, const Vec3<double>& e, const Vec3<double>& f) {
+  const double largest = std::max({max_abs(a), max_abs(e), max_abs(f)});
+  if (!(largest > 0) || !std::isfinite(largest)) return 1;
+  return std::ldexp(1.0, std::clamp(-std::ilogb(largest), -1000, 1000));
+}
+
+}  // namespace
+
+double triple_product(const Vec3<double>& p, const Vec3<double>& a, const Vec3<double>& e,
+                      const Vec3<double>& f) {
+  const Vec3<double> to_a = a - p;
+  const double plain = dot(to_a, cross(e, f));
+  if (is_good(plain, to_a, e, f)) return plain;
+  const auto exact = [](const Vec3<double>& v) { return TwoVec{{v.x}, {v.y}, {v.z}}; };
+  return triple_product_in_twos(difference(a, p), exact(e), exact(f));
+}
+
+double triple_product_of_corners(const Vec3<double>& p, const Vec3<double>& a,
+                                 const Vec3<double>& b, const Vec3<double>& c) {
+  const Vec3<double> to_a = a - p, e = b - a, f = c - a;
+  const double plain = dot(to_a, cross(e, f));
+  if (is_good(plain, to_a, e, f)) return plain;
+  if (p == b || p == c) return 0;  // of which two doubles would leave some last digit
+  return triple_product_in_twos(difference(a, p), difference(b, a), difference(c, a));
+}
+
+double height_over(const Vec3<double>& p, const Vec3<double>& a, const Vec3<double>& b,
+                   const Vec3<double>& c) {
+  const Vec3<double> e = b - a, f = c - a;
+  const double unit = unit_for(a - p, e, f);
+  const double volume = triple_product_of_corners(p * unit, a * unit, b * unit, c * unit);
+  return volume == 0 ? 0 : -volume / length(cross(e * unit, f * unit)) / unit;
+}
+
+double height_over_edges(const Vec3<double>& p, const Vec3<double>& a, const Vec3<double>& e,
+                         const Vec3<double>& f) {
+  const double unit = unit_for(a - p, e, f);
+  const double volume = triple_product(p * unit, a * unit, e * unit, f * unit);
+  return volume == 0 ? 0 : -volume / length(cross(e * unit, f * unit)) / unit;
+}
+
+}  // namespace lucerna

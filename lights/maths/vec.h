@@ -1,0 +1,195 @@
+// Vectors of three components, on any floating-point type.  A Vec3 is a point, a direction or a
+// normal by its name; frames are said in names too (`wi_world`, `n_light`).
+#pragma once
+
+#include <bit>
+#include <cmath>
+#include <concepts>
+#include <cstdint>
+#include <limits>
+#include <numbers>
+
+namespace lucerna {
+
+inline constexpr double kPi = std::numbers::pi;
+
+/// A point of the unit square: two sample values in [0, 1), or surface coordinates.
+template <std::floating_point Real>
+struct Vec2 {
+  Real x{}, y{};
+  bool operator==(const Vec2&) const = default;
+};
+
+template <std::floating_point Real>
+struct Vec3 {
+  Real x{}, y{}, z{};
+
+  Vec3() = default;
+  // Not defaulted, though that costs triviality: GCC 12 copies 16 bytes at once, and a load of what
+  // was just stored in parts waits until all of it is in the cache, which takes as long as a root.
+  constexpr Vec3(const Vec3& v) : x(v.x), y(v.y), z(v.z) {}
+  constexpr Vec3& operator=(const Vec3& v) {
+    x = v.x, y = v.y, z = v.z;
+    return *this;
+  }
+  ~Vec3() = default;
+  constexpr Vec3(Real x, Real y, Real z) : x(x), y(y), z(z) {}
+  template <std::floating_point Other>
+  constexpr explicit Vec3(const Vec3<Other>& v)
+      : x(static_cast<Real>(v.x)), y(static_cast<Real>(v.y)), z(static_cast<Real>(v.z)) {}
+
+  bool operator==(const Vec3&) const = default;
+  Real operator[](int axis) const { return axis == 0 ? x : axis == 1 ? y : z; }
+
+  Vec3 operator-() const { return {-x, -y, -z}; }
+  Vec3 operator+(const Vec3& v) const { return {x + v.x, y + v.y, z + v.z}; }
+  Vec3 operator-(const Vec3& v) const { return {x - v.x, y - v.y, z - v.z}; }
+  Vec3 operator*(Real s) const { return {x * s, y * s, z * s}; }
+  Vec3 operator/(Real s) const { return {x / s, y / s, z / s}; }
+  Vec3& operator+=(const Vec3& v) { return *this = *this + v; }
+};
+
+template <std::floating_point Real>
+Vec3<Real> operator*(Real s, const Vec3<Real>& v) {
+  return v * s;
+}
+
+template <std::floating_point Real>
+Real dot(const Vec3<Real>& a, const Vec3<Real>& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+template <std::floating_point Real>
+Vec3<Real> cross(const Vec3<Real>& a, const Vec3<Real>& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+/// Largest absolute component, of those that are numbers; 0 where none is.
+template <std::floating_point Real>
+Real max_abs(const Vec3<Real>& v) {
+  // With this order of operands mostly x86's own maximum, where std::fmax is a call and a branch is
+  // one that no processor foresees.
+  const auto larger = [](Real a, Real most) { return a > most ? a : most; };
+  return larger(std::fabs(v.x), larger(std::fabs(v.y), larger(std::fabs(v.z), 0)));
+}
+
+template <std::floating_point Real>
+bool is_finite(const Vec3<Real>& v) {
+  // One comparison mostly: a sum is finite only where all terms are, but may overflow.
+  if (std::isfinite(v.x + v.y + v.z)) [[likely]]
+    return true;
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+/// One rounding of what comes from rays and requests, which are floats whatever lights compute in:
+/// what positions and directions may be off by, relative to their largest coordinate.
+inline constexpr double kInputRounding = std::numeric_limits<float>::epsilon();
+
+/// std::ilogb of a finite number > 0, without a call where it is a normal one.
+inline int exponent_of(double x) {
+  const auto biased = static_cast<int>(std::bit_cast<std::uint64_t>(x) >> 52);
+  return biased > 0 ? biased - 1023 : std::ilogb(x);
+}
+
+/// Whether 2^exponent is a normal double.
+inline bool is_normal_power(int exponent) { return exponent >= -1022 && exponent <= 1023; }
+
+/// 2^exponent of one that is.
+inline double power_of_two(int exponent) {
+  return std::bit_cast<double>(static_cast<std::uint64_t>(exponent + 1023) << 52);
+}
+
+/// `x` times 2^exponent: the same bits as std::scalbn, mostly without its call.
+inline double scaled(double x, int exponent) {
+  return is_normal_power(exponent) ? x * power_of_two(exponent) : std::scalbn(x, exponent);
+}
+
+/// The same of a vector.
+template <std::floating_point Real>
+Vec3<Real> scaled(const Vec3<Real>& v, int exponent) {
+  if constexpr (sizeof(Real) == sizeof(double)) {
+    if (is_normal_power(exponent)) return v * power_of_two(exponent);
+  }
+  return {std::scalbn(v.x, exponent), std::scalbn(v.y, exponent), std::scalbn(v.z, exponent)};
+}
+
+/// Sums of squares from here on lose nothing to the terms that underflow in them.
+template <std::floating_point Real>
+inline constexpr Real kSafeSquare = std::numeric_limits<Real>::min() /
+                                    (std::numeric_limits<Real>::epsilon() *
+                                     std::numeric_limits<Real>::epsilon());
+
+template <std::floating_point Real>
+bool is_safe_square(Real squared) {
+  return squared >= kSafeSquare<Real> && squared <= std::numeric_limits<Real>::max();
+}
+
+/// length() where the square is not safe; not inlined, so that what is mostly taken is.
+template <std::floating_point Real>
+[[gnu::noinline]] Real scaled_length(const Vec3<Real>& v) {
+  const Real largest = max_abs(v);
+  if (!(largest > 0) || !is_finite(v)) return std::fabs(v.x) + std::fabs(v.y) + std::fabs(v.z);
+  const int exponent = std::ilogb(largest);
+  const Vec3<Real> s = scaled(v, -exponent);
+  return std::scalbn(std::sqrt(dot(s, s)), exponent);
+}
+
+/// normalized() of a vector that is not zero, likewise.
+template <std::floating_point Real>
+[[gnu::noinline]] Vec3<Real> scaled_direction(const Vec3<Real>& v) {
+  if (!is_finite(v)) return v * std::numeric_limits<Real>::quiet_NaN();
+  const Vec3<Real> s = scaled(v, -std::ilogb(max_abs(v)));
+  return s / std::sqrt(dot(s, s));
+}
+
+/// Euclidean length.  Squares of any float fit a double; a double is scaled by a power of two
+/// first. So no square over- or underflows, and scaling by 2^k changes no bit of the result but its
+/// exponent.
+template <std::floating_point Real>
+Real length(const Vec3<Real>& v) {
+  if constexpr (sizeof(Real) < sizeof(double)) {
+    const Vec3<double> wide(v);
+    return static_cast<Real>(std::sqrt(dot(wide, wide)));
+  } else {
+    // The plain sum where it cannot overflow, and where what underflows is too little to round it
+    // otherwise: the same bits at a tenth of the cost.
+    const Real squared = dot(v, v);
+    return is_safe_square(squared) ? std::sqrt(squared) : scaled_length(v);
+  }
+}
+
+/// `v` divided by its length; the zero vector where `v` is zero; not a number where `v` is not
+/// finite.
+template <std::floating_point Real>
+Vec3<Real> normalized(const Vec3<Real>& v) {
+  if (v == Vec3<Real>{}) return {};
+  if constexpr (sizeof(Real) < sizeof(double)) {
+    const Vec3<double> wide(v);
+    return Vec3<Real>(wide * (1 / std::sqrt(dot(wide, wide))));
+  } else {
+    // As in `length`.
+    const Real squared = dot(v, v);
+    return is_safe_square(squared) ? v / std::sqrt(squared) : scaled_direction(v);
+  }
+}
+
+/// An orthonormal right-handed frame (s, t, n).
+template <std::floating_point Real>
+struct Frame {
+  Vec3<Real> s, t, n;
+
+  /// Any frame about the unit vector `n`.  [Duff17]
+  static Frame around(const Vec3<Real>& n) {
+    const Real sign = std::copysign(Real(1), n.z);
+    const Real a = -1 / (sign + n.z);
+    const Real b = n.x * n.y * a;
+    return {{1 + sign * n.x * n.x * a, sign * b, -sign * n.x}, {b, sign + n.y * n.y * a, -n.y}, n};
+  }
+
+  Vec3<Real> world_from_local(const Vec3<Real>& v) const { return s * v.x + t * v.y + n * v.z; }
+  Vec3<Real> local_from_world(const Vec3<Real>& v) const {
+    return {dot(v, s), dot(v, t), dot(v, n)};
+  }
+};
+
+}  // namespace lucerna

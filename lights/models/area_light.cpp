@@ -1,0 +1,358 @@
+#include "lights/models/area_light.h"
+
+#include <absl/status/status.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+#include "lights/models/emission.h"
+#include "lights/models/irradiance.h"
+#include "lights/sampling/sampling.h"
+#include "lights/spectra/level_validation.h"
+
+namespace lucerna {
+
+namespace {
+
+template <typename Real>
+bool is_density(SolidAnglePdf<Real> pdf) {
+  return pdf.per_sr > 0 && std::isfinite(pdf.per_sr);
+}
+
+/// Bound on the error of a shape's area, where that is not exact [m2].
+template <typename Shape>
+double area_error_m2(const Shape& shape) {
+  if constexpr (requires { shape.area_error_m2(); }) return shape.area_error_m2();
+  return 0;
+}
+
+/// The normal that `locate` finds at a position, as it is rounded, of the primitive it was chosen
+/// on.
+template <typename Shape, typename Real>
+Vec3<Real> located_normal(const Shape& shape, const SurfacePoint<Real>& p) {
+  if constexpr (requires { shape.surface(); }) {
+    return located_normal(shape.surface(), p);
+  } else if constexpr (requires { shape.primitive(0).locate(p.position); }) {
+    const auto& patch = shape.primitive(p.primitive);
+    return patch.normal(patch.locate(p.position));
+  } else if constexpr (requires { shape.primitive(0); }) {
+    return p.normal;
+  } else {
+    const auto found = shape.locate(p.position);
+    return found ? found->normal : p.normal;
+  }
+}
+
+}  // namespace
+
+template <std::floating_point Real, template <typename> typename Shape>
+AreaLight<Real, Shape>::AreaLight(const DiffuseEmission& emission, Shape<Real> shape)
+    : emission_(emission), radiance_(emission.radiance_cd_m2), shape_(std::move(shape)) {}
+
+template <std::floating_point Real, template <typename> typename Shape>
+absl::StatusOr<AreaLight<Real, Shape>> AreaLight<Real, Shape>::create(
+    const DiffuseEmission& emission, Shape<Real> shape) {
+  if (absl::Status status =
+          check_light_value<Real>("area.radiance", emission.radiance_cd_m2, "cd/m2");
+      !status.ok())
+    return status;
+  if constexpr (kPainted) {
+    if (absl::Status status =
+            check_light_value<Real>("area.radiance of the brightest texel",
+                                    emission.radiance_cd_m2 * shape.picture().brightest(), "cd/m2");
+        !status.ok())
+      return status;
+  }
+  if (absl::Status status = shape.emissive_error(); !status.ok()) return status;
+  if (const double area = shape.area(); !(area > 0) || !std::isfinite(area))
+    return absl::InvalidArgumentError(
+        fmt::format("area.area_m2 = {} m2, allowed: finite and > 0", area));
+  return AreaLight(emission, std::move(shape));
+}
+
+template <std::floating_point Real, template <typename> typename Shape>
+bool AreaLight<Real, Shape>::emits_towards(const SurfacePoint<Real>& point,
+                                           const Vec3<double>& w) const {
+  return emits_to_side(dot(Vec3<double>(point.normal), w));
+}
+
+template <std::floating_point Real, template <typename> typename Shape>
+bool AreaLight<Real, Shape>::emits_towards(const SurfacePoint<Real>& point, const Vec3<double>& w,
+                                           const Vec3<Real>& receiver) const {
+  const double side = dot(Vec3<double>(point.normal), w);
+  if constexpr (requires { shape_.height_over(point, receiver); }) {
+    // Nearly along the surface the sign is that of what rounding left of point and normal.
+    constexpr double kNearly = 8 * double{std::numeric_limits<Real>::epsilon()};
+    const double scale = std::fmax(max_abs(w), max_abs(Vec3<double>(point.position)));
+    if (std::fabs(side) <= kNearly * scale)
+      return emits_to_side(shape_.height_over(point, receiver).value_or(side));
+  }
+  return emits_to_side(side);
+}
+
+template <std::floating_point Real, template <typename> typename Shape>
+bool AreaLight<Real, Shape>::is_black() const {
+  if constexpr (kPanel)
+    if (!(shape_.flux_lm(true) > 0)) return true;
+  return emission_.radiance_cd_m2.is_black();
+}
+
+template <std::floating_point Real, template <typename> typename Shape>
+Rgb<Real> AreaLight<Real, Shape>::radiance_at(const SurfacePoint<Real>& point,
+                                              const Vec3<double>& w) const {
+  if constexpr (kPainted) {
+    return Rgb<Real>(emission_.radiance_cd_m2 * shape_.tint(point));
+  } else if constexpr (kPanel) {
+    const Rgb<Real> radiance(emission_.radiance_cd_m2 *
+                             shape_.radiance(normalized(w), Vec3<double>(point.normal)));
+    return is_finite(radiance) ? radiance : Rgb<Real>{};
+  } else {
+    return radiance_;
+  }
+}
+
+template <std::floating_point Real, template <typename> typename Shape>
+LightSample<Real> AreaLight<Real, Shape>::sample_li(const Receiver<Real>& receiver,
+                                                    Vec2<Real> u) const {
+  LightSample<Real> sample;
+  sample.pdf = {1};
+  sample.reason = NoLight::kOutOfRange;
+  if (!is_finite(receiver.position)) return sample;
+
+  const ShapeSample<Real> chosen = shape_.sample(receiver, u);
+  sample.point = chosen.point.position;
+  sample.normal = chosen.point.normal;
+  sample.primitive = chosen.point.primitive;
+  const Vec3<double> to_light = chosen.to_point != Vec3<double>{}
+                                    ? chosen.to_point
+                                    : Vec3<double>(sample.point) - Vec3<double>(receiver.position);
+  sample.distance = static_cast<Real>(length(to_light));
+  if (to_light == Vec3<double>{}) {
+    sample.reason = NoLight::kDegenerate;
+    return sample;
+  }
+  sample.wi = Vec3<Real>(normalized(to_light));
+  if (is_density(chosen.pdf)) sample.pdf = chosen.pdf;
+
+  const bool emits = emits_towards(chosen.point, -to_light, receiver.position);
+  if (is_black()) {
+    sample.reason = NoLight::kBlack;
+  } else if (emits && is_density(chosen.pdf)) {
+    sample.value = radiance_at(chosen.point, -to_light);
+    sample.reason = sample.value.is_black() ? kWithout : NoLight::kNone;
+  } else if (shape_.touches(receiver.position, chosen.point.primitive)) {
+    sample.reason = NoLight::kDegenerate;
+  } else if (!emits) {
+    sample.reason = NoLight::kBehind;
+  }
+  return sample;
+}
+
+template <std::floating_point Real, template <typename> typename Shape>
+SolidAnglePdf<Real> AreaLight<Real, Shape>::pdf_li(const Receiver<Real>& receiver,
+                                                   const Vec3<Real>& wi) const {
+  if (!is_finite(receiver.position) || !is_finite(wi)) return {0};
+  SolidAnglePdf<Real> sum;
+  shape_.for_each_hit(receiver.position, wi, [&](const SurfacePoint<Real>& point) {
+    sum.per_sr += pdf_li(receiver, point).per_sr;
+  });
+  return is_density(sum) ? sum : SolidAnglePdf<Real>{0};
+}
+
+template <std::floating_point Real, template <typename> typename Shape>
+SolidAnglePdf<Real> AreaLight<Real, Shape>::pdf_li(const Receiver<Real>& receiver,
+                                                   const SurfacePoint<Real>& point) const {
+  if (!is_finite(receiver.position) ||
+      !emits_towards(point, Vec3<double>(receiver.position) - Vec3<double>(point.position),
+                     receiver.position))
+    return {0};
+  const SolidAnglePdf<Real> pdf = shape_.pdf(receiver, point);
+  return is_density(pdf) ? pdf : SolidAnglePdf<Real>{0};
+}
+
+template <std::floating_point Real, template <typename> typename Shape>
+std::optional<Rgb<Real>> AreaLight<Real, Shape>::irradiance(
+    const Receiver<Real>& receiver) const requires HasProjectedSolidAngle<Real, Shape<Real>> {
+  return irradiance_of(Rgb<double>(radiance_), receiver, [&](const Vec3<double>& normal) {
+    return shape_.projected_solid_angle_sr(receiver.position, normal, emission_.two_sided);
+  });
+}
+
+template <std::floating_point Real, template <typename> typename Shape>
+Rgb<Real> AreaLight<Real, Shape>::le(const SurfacePoint<Real>& point, const Vec3<Real>& w) const {
+  const Vec3<double> v(w);
+  return emits_towards(point, v) ? radiance_at(point, v) : Rgb<Real>{};
+}
+
+template <std::floating_point Real, template <typename> typename Shape>
+Power AreaLight<Real, Shape>::power(const SceneSphere&) const {
+  const double sides = emission_.two_sided ? 2 : 1;
+  if constexpr (kPainted) {
+    const PaintedArea& painted = shape_.painted_area();
+    return {emission_.radiance_cd_m2 * painted.m2 * (sides * std::numbers::pi),
+            luminance(emission_.radiance_cd_m2) * painted.error_m2 * (sides * std::numbers::pi)};
+  } else if constexpr (kPanel) {
+    // The radiance is the file's intensity over the area, which each point's true one multiplies.
+    const Rgb<double> lumens = emission_.radiance_cd_m2 * shape_.flux_lm(emission_.two_sided);
+    const double of_area = area_error_m2(shape_.surface()) / area_m2();
+    const double of_bend =
+        luminance(emission_.radiance_cd_m2) * shape_.flux_error_lm(emission_.two_sided);
+    return {lumens, luminance(lumens) * of_area + of_bend * (1 + of_area)};
+  } else {
+    const double sr = sides * std::numbers::pi;
+    return {emission_.radiance_cd_m2 * (sr * area_m2()),
+            luminance(emission_.radiance_cd_m2) * sr * area_error_m2(shape_)};
+  }
+}
+
+template <std::floating_point Real, template <typename> typename Shape>
+Power AreaLight<Real, Shape>::power_approximate(const SceneSphere& scene) const {
+  if constexpr (kPainted) {
+    const double sides = emission_.two_sided ? 2 : 1;
+    const Rgb<double> mean = emission_.radiance_cd_m2 * shape_.picture().image->mean();
+    return approximate_power(mean * (sides * std::numbers::pi * area_m2()), power(scene));
+  } else {
+    return power(scene);
+  }
+}
+
+template <std::floating_point Real, template <typename> typename Shape>
+EmissionPdf<Real> AreaLight<Real, Shape>::emission_pdf(const SurfacePoint<Real>& point,
+                                                       const Vec3<Real>& direction) const {
+  const Vec3<double> w(direction);
+  if (!emits_towards(point, w)) return {};
+  if constexpr (kPanel)
+    return {{static_cast<Real>(shape_.pdf_area(point).per_m2)},
+            {static_cast<Real>(shape_.pdf_direction(w).per_sr)}};
+  const double cosine = std::fabs(dot(Vec3<double>(point.normal), w));
+  const double sides = emission_.two_sided ? 2 : 1;
+  return {{static_cast<Real>(shape_.pdf_area(point).per_m2)},
+          {static_cast<Real>(cosine * std::numbers::inv_pi / sides)}};
+}
+
+template <std::floating_point Real, template <typename> typename Shape>
+Vec3<double> AreaLight<Real, Shape>::emission_direction(const SurfacePoint<Real>& point,
+                                                        Vec2<Real> u_direction) const {
+  Vec2<double> u{u_direction.x, u_direction.y};
+  if constexpr (kPanel) return shape_.sample_direction(u);
+  double side = 1;
+  if (emission_.two_sided) {
+    side = u.x < 0.5 ? 1 : -1;
+    u.x = u.x < 0.5 ? 2 * u.x : 2 * u.x - 1;
+  }
+  const Vec2<double> d = sample_concentric_disk(u);
+  // Squares go to circles: the point's distance to the disk's edge is that of u to the square's,
+  // and 1 - d.x^2 - d.y^2, which cancels there, is this.
+  const double m = 2 * std::min({u.x, 1 - u.x, u.y, 1 - u.y});
+  // At the edge itself by so many roundings off the surface that the direction, once told in
+  // floats, leaves it to its side and with a density.
+  constexpr double kLeast = 16 * kInputRounding;
+  const double cosine = std::sqrt(std::max(kLeast * kLeast, m * (2 - m)));
+  return Frame<double>::around(Vec3<double>(point.normal))
+      .world_from_local({d.x, d.y, side * cosine});
+}
+
+template <std::floating_point Real, template <typename> typename Shape>
+EmissionSample<Real> AreaLight<Real, Shape>::sample_le(Vec2<Real> u_position,
+                                                       Vec2<Real> u_direction,
+                                                       const SceneSphere&) const {
+  // By area: what the shape does for a receiver that asks for it, from where no other way exists
+  // for a sphere either: its inside.
+  const auto [lower, upper] = shape_.bounds();
+  Receiver<Real> by_area(Vec3<Real>((Vec3<double>(lower) + Vec3<double>(upper)) * 0.5));
+  by_area.area_sampling = AreaSampling::kLowDistortion;
+  const SurfacePoint<Real> point = shape_.sample(by_area, u_position).point;
+  return ray_from(point, Vec3<Real>(normalized(emission_direction(point, u_direction))));
+}
+
+template <std::floating_point Real, template <typename> typename Shape>
+EmissionSample<Real> AreaLight<Real, Shape>::ray_from(SurfacePoint<Real> point,
+                                                      const Vec3<Real>& direction) const {
+  // What pdf_le will find: along the surface, the cosines to two normals that differ by a rounding
+  // have no digit in common.
+  point.normal = located_normal(shape_, point);
+  EmissionSample<Real> sample;
+  sample.origin = point.position;
+  sample.normal = point.normal;
+  sample.primitive = point.primitive;
+  sample.direction = direction;
+  const EmissionPdf<Real> pdf = emission_pdf(point, sample.direction);
+  sample.pdf_position = pdf.position;
+  sample.pdf_direction = pdf.direction;
+  if (is_black()) {
+    sample.reason = NoLight::kBlack;
+  } else if (!emits_towards(point, Vec3<double>(sample.direction))) {
+    sample.reason = NoLight::kBehind;
+  } else if (!is_density(pdf.direction) || !(pdf.position.per_m2 > 0) ||
+             !std::isfinite(pdf.position.per_m2)) {
+    sample.reason = NoLight::kOutOfRange;
+  } else {
+    sample.value = radiance_at(point, Vec3<double>(sample.direction));
+    if (sample.value.is_black()) sample.reason = kWithout;
+  }
+  if (!std::isfinite(pdf.position.per_m2)) sample.pdf_position = {};
+  return sample;
+}
+
+template <std::floating_point Real, template <typename> typename Shape>
+EmissionPdf<Real> AreaLight<Real, Shape>::pdf_le(const Vec3<Real>& position,
+                                                 const Vec3<Real>& direction, const SceneSphere&,
+                                                 double slack_m) const {
+  if (!is_finite(position) || !is_finite(direction)) return {};
+  const auto point = shape_.locate(position, slack_m);
+  if (!point) return {};
+  const EmissionPdf<Real> pdf = emission_pdf(*point, direction);
+  const bool good =
+      is_density(pdf.direction) && pdf.position.per_m2 > 0 && std::isfinite(pdf.position.per_m2);
+  return good ? pdf : EmissionPdf<Real>{};
+}
+
+template <std::floating_point Real, template <typename> typename Shape>
+std::optional<LightBounds<Real>> AreaLight<Real, Shape>::bounds() const {
+  const auto [lower, upper] = shape_.bounds();
+  const NormalCone<Real> normals = shape_.normals();
+  if constexpr (kPanel) {
+    const NormalCone<Real> cone = shape_.directions(emission_.two_sided);
+    return LightBounds<Real>{lower, upper, cone.axis, cone.half_angle_rad};
+  }
+  const double cone = emission_.two_sided ? kPi : std::min(kPi, normals.half_angle_rad + kPi / 2);
+  return LightBounds<Real>{.lower = lower,
+                           .upper = upper,
+                           .axis = normals.axis,
+                           .cone_rad = cone,
+                           .normals_rad = normals.half_angle_rad,
+                           .two_sided = emission_.two_sided};
+}
+
+template class AreaLight<float, TriangleMesh>;
+template class AreaLight<double, TriangleMesh>;
+template class AreaLight<float, PatchMesh>;
+template class AreaLight<double, PatchMesh>;
+template class AreaLight<float, Sphere>;
+template class AreaLight<double, Sphere>;
+template class AreaLight<float, Disk>;
+template class AreaLight<double, Disk>;
+template class AreaLight<float, Cylinder>;
+template class AreaLight<double, Cylinder>;
+template class AreaLight<float, PaintedTriangleMesh>;
+template class AreaLight<double, PaintedTriangleMesh>;
+template class AreaLight<float, PaintedPatchMesh>;
+template class AreaLight<double, PaintedPatchMesh>;
+template class AreaLight<float, PaintedSphere>;
+template class AreaLight<double, PaintedSphere>;
+template class AreaLight<float, PaintedDisk>;
+template class AreaLight<double, PaintedDisk>;
+template class AreaLight<float, PaintedCylinder>;
+template class AreaLight<double, PaintedCylinder>;
+template class AreaLight<float, PanelTriangleMesh>;
+template class AreaLight<double, PanelTriangleMesh>;
+template class AreaLight<float, PanelPatchMesh>;
+template class AreaLight<double, PanelPatchMesh>;
+template class AreaLight<float, PanelDisk>;
+template class AreaLight<double, PanelDisk>;
+
+}  // namespace lucerna

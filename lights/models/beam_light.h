@@ -1,0 +1,98 @@
+// The beam: parallel rays from a rectangle, with a picture or even; the projection light whose
+// projection is orthographic.
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "lights/models/light_bounds.h"
+#include "lights/pictures/image.h"
+#include "lights/pictures/image_distribution.h"
+#include "lights/sampling/light_sample.h"
+
+namespace lucerna {
+
+struct BeamLightParams {
+  Vec3<double> position_m{};  ///< the rectangle's middle, world
+  /// World directions, of any lengths but 0 and at right angles: the rectangle's right, its upper
+  /// edge, and where the light points.
+  Frame<double> axes{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  double width_m{}, height_m{};                ///< positive
+  Rgb<double> illuminance_lx{};                ///< on a surface that faces it, where the picture's
+                                               ///< value is 1; finite, not negative
+  std::shared_ptr<const Image> image{};        ///< null: value 1 all over
+  ImageFilter filter = ImageFilter::kNearest;  ///< the border goes on
+  std::string image_name{};                    ///< told by ListLights, else unused
+};
+
+/// The least box that holds the rectangle: its corners {lower, upper}, world [m].
+std::pair<Vec3<double>, Vec3<double>> bounding_box(const BeamLightParams& params);
+
+/// Its direction is certain, where its rays start is not.
+template <std::floating_point Real>
+class BeamLight {
+ public:
+  using Params = BeamLightParams;
+  static constexpr bool kDelta = true;
+
+  /// Errors: a field out of its domain; corners that `Real` does not hold; the illuminance of the
+  /// brightest texel likewise.
+  static absl::StatusOr<BeamLight> create(const Params& params, const Vec3<double>& origin_m = {});
+
+  /// The illuminance that the receiver's place in the rectangle says, whatever the distance along
+  /// the beam; `point` is where in the rectangle the ray starts.  kBehind behind the rectangle and
+  /// in its plane, kOutsideCone beside the beam and where the picture is black.
+  LightSample<Real> sample_li(const Receiver<Real>& receiver, Vec2<Real> u) const;
+  /// Delta: 0 everywhere.
+  SolidAnglePdf<Real> pdf_li(const Receiver<Real>& receiver, const Vec3<Real>& wi) const;
+
+  /// Positions of the rectangle by luminance, density exact for the filter; direction certain.
+  EmissionSample<Real> sample_le(Vec2<Real> u_position, Vec2<Real> u_direction,
+                                 const SceneSphere& scene) const;
+  /// Illuminance [lx] that a ray from `position` carries; 0 beside the rectangle, as pdf_le has it.
+  Rgb<Real> le_leaving(const Vec3<Real>& position, const Vec3<Real>& direction,
+                       double slack_m = 0) const;
+  /// Both 0 where `position` is not in the rectangle, to within rounding and `slack_m`.
+  EmissionPdf<Real> pdf_le(const Vec3<Real>& position, const Vec3<Real>& direction,
+                           const SceneSphere& scene, double slack_m = 0) const;
+
+  /// Illuminance times area times the picture's mean; exact for either filter.
+  Power power(const SceneSphere& scene) const;
+  /// The same: no book has another formula.
+  Power power_approximate(const SceneSphere& scene) const { return power(scene); }
+
+  /// The rectangle's box; one direction, to within roundings.
+  std::optional<LightBounds<Real>> bounds() const;
+
+  const Params& params() const { return params_; }
+  /// Of what was made for sampling.
+  std::size_t table_bytes() const { return distribution_ ? distribution_->bytes() : 0; }
+
+ private:
+  explicit BeamLight(const Params& params, const Vec3<double>& origin_m);
+  /// The point of the unit square, (0, 0) the upper left corner, that lies at `x` and `y` [m] from
+  /// the middle; nothing where that is more than `slack_m` beside the rectangle.
+  std::optional<Vec2<double>> in_square(double x, double y, double slack_m) const;
+  /// That of a position on the light, to within the rounding of its coordinates and `slack_m`.
+  std::optional<Vec2<double>> locate(const Vec3<Real>& position, double slack_m = 0) const;
+  Rgb<double> value_at(const Vec2<double>& p) const;
+  double per_m2(const Vec2<double>& p) const;
+  bool is_black() const { return params_.illuminance_lx.is_black() || !(mean_luminance_ > 0); }
+
+  Params params_;
+  Vec3<double> middle_;  ///< about the scene's origin
+  Frame<double> axes_;   ///< of length 1
+  Vec3<Real> direction_;
+  Rgb<double> mean_;  ///< of the picture
+  double mean_luminance_;
+  std::shared_ptr<const ImageDistribution> distribution_;  ///< null without a picture
+};
+
+extern template class BeamLight<float>;
+extern template class BeamLight<double>;
+
+}  // namespace lucerna

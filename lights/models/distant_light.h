@@ -1,0 +1,48 @@
+// The distant light: parallel rays from one direction.
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include <optional>
+
+#include "lights/models/light_bounds.h"
+#include "lights/sampling/light_sample.h"
+
+namespace lucerna {
+
+struct DistantLightParams {
+  Vec3<double> to_light{0, 0, 1};  ///< world, any length but 0: from the scene to the light
+  Rgb<double> illuminance_lx{};  ///< on a surface that faces it, per channel, finite, not negative
+};
+
+template <std::floating_point Real>
+class DistantLight {
+ public:
+  using Params = DistantLightParams;
+  static constexpr bool kDelta = true;
+
+  static absl::StatusOr<DistantLight> create(const Params& params,
+                                             const Vec3<double>& origin_m = {});
+  LightSample<Real> sample_li(const Receiver<Real>& receiver, Vec2<Real> u) const;
+  SolidAnglePdf<Real> pdf_li(const Receiver<Real>& receiver, const Vec3<Real>& wi) const;
+  /// Flux through the scene's bounding disk, E pi R^2.
+  Power power(const SceneSphere& scene) const;
+  /// The same: the book's formula is that flux.  [Pharr23, 12.3]
+  Power power_approximate(const SceneSphere& scene) const;
+  /// From the disk of the scene's sphere that faces the light; direction certain.
+  EmissionSample<Real> sample_le(Vec2<Real> u_position, Vec2<Real> u_direction,
+                                 const SceneSphere& scene) const;
+  EmissionPdf<Real> pdf_le(const Vec3<Real>& position, const Vec3<Real>& direction,
+                           const SceneSphere& scene) const;
+  /// None: it is infinitely far.
+  std::optional<LightBounds<Real>> bounds() const { return std::nullopt; }
+  const Params& params() const { return params_; }
+
+ private:
+  explicit DistantLight(const Params& params);
+  Params params_;
+  Vec3<Real> to_light_;
+  Rgb<Real> illuminance_;
+};
+
+}  // namespace lucerna

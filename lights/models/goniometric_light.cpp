@@ -1,0 +1,170 @@
+#include "lights/models/goniometric_light.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "lights/maths/axes.h"
+#include "lights/maths/validation.h"
+#include "lights/models/emission.h"
+#include "lights/models/inverse_square.h"
+#include "lights/sampling/sampling.h"
+#include "lights/spectra/level_validation.h"
+
+namespace lucerna {
+namespace {
+
+absl::Status check_axes(const Frame<double>& axes) {
+  for (const Vec3<double>& axis : {axes.s, axes.t, axes.n})
+    if (auto s = check_direction("goniometric.axes", axis); !s.ok()) return s;
+  const double longest = std::fmax(length(axes.s), std::fmax(length(axes.t), length(axes.n)));
+  const Vec3<double> s = axes.s / longest, t = axes.t / longest, n = axes.n / longest;
+  // What is left of products of rotations in double is far below; written in a file with six
+  // digits, they are this close.
+  constexpr double kTolerance = 1e-5;
+  const bool good = std::fabs(dot(s, t)) <= kTolerance && std::fabs(dot(t, n)) <= kTolerance &&
+                    std::fabs(dot(n, s)) <= kTolerance && length(s) >= 1 - kTolerance &&
+                    length(t) >= 1 - kTolerance && length(n) >= 1 - kTolerance;
+  if (good) return absl::OkStatus();
+  return absl::InvalidArgumentError(fmt::format(
+      "goniometric.axes = ({}, {}, {}), ({}, {}, {}), ({}, {}, {}), allowed: at right angles and "
+      "of "
+      "equal length (rotations, mirrors, equal scale on all axes)",
+      axes.s.x, axes.s.y, axes.s.z, axes.t.x, axes.t.y, axes.t.z, axes.n.x, axes.n.y, axes.n.z));
+}
+
+}  // namespace
+
+double flux_of_unit_intensity_lm(const GoniometricLightParams& params) {
+  if (params.web) return params.web->flux_lm();
+  if (params.map) return params.map->flux_lm();
+  return 4 * std::numbers::pi;
+}
+
+template <std::floating_point Real>
+absl::StatusOr<GoniometricLight<Real>> GoniometricLight<Real>::create(
+    const Params& params, const Vec3<double>& origin_m) {
+  if (auto s = check_position<Real>("goniometric.position", params.position_m, origin_m); !s.ok())
+    return s;
+  if (auto s = check_axes(params.axes); !s.ok()) return s;
+  if (params.web && params.map)
+    return absl::InvalidArgumentError("goniometric.web and goniometric.map, allowed: one of them");
+  const std::string_view unit = params.web ? "" : "cd";
+  if (auto s = check_light_value<Real>("goniometric.intensity", params.intensity, unit); !s.ok())
+    return s;
+  if (params.web || params.map) {
+    const double max_cd = params.web ? params.web->max_cd() : params.map->max_cd();
+    const Rgb<double> largest = params.intensity * max_cd;
+    if (auto s = check_light_value<Real>("goniometric.intensity times the largest of the file",
+                                         largest, "cd");
+        !s.ok())
+      return s;
+  }
+  return GoniometricLight(params, origin_m);
+}
+
+template <std::floating_point Real>
+GoniometricLight<Real>::GoniometricLight(const Params& params, const Vec3<double>& origin_m)
+    : params_(params), position_(params.position_m - origin_m), axes_(orthonormal(params.axes)) {}
+
+template <std::floating_point Real>
+double GoniometricLight<Real>::share(const Vec3<double>& w) const {
+  return distribution(1.0, [&](const auto& d) { return d.at(axes_.local_from_world(w)); });
+}
+
+template <std::floating_point Real>
+bool GoniometricLight<Real>::is_black() const {
+  return params_.intensity.is_black() || !(flux_of_unit_intensity_lm(params_) > 0);
+}
+
+template <std::floating_point Real>
+Rgb<Real> GoniometricLight<Real>::intensity(const Vec3<Real>& w) const {
+  if (!is_finite(w) || w == Vec3<Real>{}) return {};
+  return Rgb<Real>(params_.intensity * share(Vec3<double>(w)));
+}
+
+template <std::floating_point Real>
+LightSample<Real> GoniometricLight<Real>::sample_li(const Receiver<Real>& receiver,
+                                                    Vec2<Real>) const {
+  LightSample<Real> sample;
+  const Way way = find_way(position_, receiver.position, sample);
+  if (sample.reason != NoLight::kNone) return sample;
+  if (is_black()) {
+    sample.reason = NoLight::kBlack;
+    return sample;
+  }
+  const double towards = share(-way.wi);
+  if (towards > 0)
+    set_inverse_square(params_.intensity * towards, way, sample);
+  else
+    sample.reason = NoLight::kOutsideCone;
+  return sample;
+}
+
+template <std::floating_point Real>
+SolidAnglePdf<Real> GoniometricLight<Real>::pdf_li(const Receiver<Real>&, const Vec3<Real>&) const {
+  return {};
+}
+
+template <std::floating_point Real>
+SolidAnglePdf<double> GoniometricLight<Real>::direction_pdf(const Vec3<double>& w) const {
+  return distribution(uniform_sphere_pdf<double>(),
+                      [&](const auto& d) { return d.pdf(axes_.local_from_world(w)); });
+}
+
+template <std::floating_point Real>
+EmissionSample<Real> GoniometricLight<Real>::sample_le(Vec2<Real>, Vec2<Real> u_direction,
+                                                       const SceneSphere&) const {
+  EmissionSample<Real> sample;
+  sample.origin = position_;
+  if (is_black()) {
+    sample.reason = NoLight::kBlack;
+    return sample;
+  }
+  const Vec2<double> u{u_direction.x, u_direction.y};
+  const Vec3<double> w = axes_.world_from_local(
+      distribution(sample_uniform_sphere(u), [&](const auto& d) { return d.sample(u); }));
+  sample.direction = Vec3<Real>(w);
+  // Value and density of the direction as it is rounded, which pdf_le will be asked for.
+  const Vec3<double> rounded(sample.direction);
+  sample.pdf_direction = {static_cast<Real>(direction_pdf(rounded).per_sr)};
+  sample.value = Rgb<Real>(params_.intensity * share(rounded));
+  settle(sample.pdf_direction.per_sr, sample);
+  return sample;
+}
+
+template <std::floating_point Real>
+EmissionPdf<Real> GoniometricLight<Real>::pdf_le(const Vec3<Real>& position,
+                                                 const Vec3<Real>& direction,
+                                                 const SceneSphere&) const {
+  if (!same_float(position, position_) || !is_finite(direction) || direction == Vec3<Real>{} ||
+      is_black())
+    return {};
+  return {{}, {static_cast<Real>(direction_pdf(Vec3<double>(direction)).per_sr)}};
+}
+
+template <std::floating_point Real>
+Power GoniometricLight<Real>::power(const SceneSphere&) const {
+  return {params_.intensity * flux_of_unit_intensity_lm(params_), 0};
+}
+
+template <std::floating_point Real>
+Power GoniometricLight<Real>::power_approximate(const SceneSphere& scene) const {
+  if (!params_.map) return power(scene);
+  return approximate_power(params_.intensity * (params_.map->mean_cd() * (4 * std::numbers::pi)),
+                           power(scene));
+}
+
+template <std::floating_point Real>
+std::optional<LightBounds<Real>> GoniometricLight<Real>::bounds() const {
+  LightBounds<Real> bounds{.lower = position_, .upper = position_};
+  const EmissionCone everywhere{.half_angle_rad = std::numbers::pi};
+  const EmissionCone cone = distribution(everywhere, [](const auto& d) { return d.cone(); });
+  bounds.axis = Vec3<Real>(axes_.world_from_local(cone.axis));
+  bounds.cone_rad = bounds.normals_rad = cone.half_angle_rad;
+  return bounds;
+}
+
+template class GoniometricLight<float>;
+template class GoniometricLight<double>;
+
+}  // namespace lucerna

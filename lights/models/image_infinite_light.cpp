@@ -1,0 +1,149 @@
+#include "lights/models/image_infinite_light.h"
+
+#include <limits>
+
+#include "lights/models/emission.h"
+#include "lights/spectra/level_validation.h"
+
+namespace lucerna {
+namespace {
+
+
+/// Whether `x` is positive and has all of its digits.
+template <std::floating_point Real>
+bool is_positive_normal(Real x) {
+  return x >= std::numeric_limits<Real>::min() && std::isfinite(x);
+}
+
+}  // namespace
+
+template <std::floating_point Real>
+absl::StatusOr<ImageInfiniteLight<Real>> ImageInfiniteLight<Real>::create(const Params& params,
+                                                                          const Vec3<double>&) {
+  if (params.map == nullptr) return absl::InvalidArgumentError("infinite.map is missing");
+  if (auto s = check_light_value<Real>("infinite.radiance", params.radiance_cd_m2, "cd/m2");
+      !s.ok())
+    return s;
+  if (auto s = check_light_value<Real>("infinite.radiance of the brightest texel",
+                                       params.map->brightest() * params.radiance_cd_m2, "cd/m2");
+      !s.ok())
+    return s;
+  if (!params.world_from_map.uniform_scale())
+    return absl::InvalidArgumentError(
+        "infinite.world_from_map has unequal scale, allowed: equal scale on all axes");
+  return ImageInfiniteLight(params);
+}
+
+template <std::floating_point Real>
+ImageInfiniteLight<Real>::ImageInfiniteLight(const Params& params)
+    : params_(params), axes_(params.world_from_map) {
+  complete_ = std::make_shared<const SphereDistribution>(*params.map);
+  const double mean = luminance(params.map->integral()) / (4 * kPi);
+  auto compensated = std::make_shared<const SphereDistribution>(*params.map, mean);
+  compensated_ = compensated->empty() ? complete_ : std::move(compensated);
+}
+
+// Not inlined: GCC 12 at -O2 keeps a direction in double where it has just been rounded to float.
+template <std::floating_point Real>
+[[gnu::noinline]] typename ImageInfiniteLight<Real>::Seen ImageInfiniteLight<Real>::look(
+    const SphereDistribution& distribution, const Vec3<Real>& w) const {
+  const Vec3<double> direction = axes_.map_from_world(Vec3<double>(w));
+  return {params_.map->lookup(direction) * params_.radiance_cd_m2, distribution.per_sr(direction)};
+}
+
+template <std::floating_point Real>
+LightSample<Real> ImageInfiniteLight<Real>::sample_li(const Receiver<Real>& receiver,
+                                                      Vec2<Real> u) const {
+  LightSample<Real> sample;
+  if (!is_finite(receiver.position)) {
+    sample.reason = NoLight::kOutOfRange;
+    return sample;
+  }
+  if (complete_->empty() || params_.radiance_cd_m2.is_black()) {
+    sample.reason = NoLight::kBlack;
+    return sample;
+  }
+  const auto s = distribution(receiver).sample({double{u.x}, double{u.y}});
+  sample.wi = Vec3<Real>(axes_.world_from_map(s.direction));
+  sample.distance = std::numeric_limits<Real>::infinity();
+  const Seen seen = look(distribution(receiver), sample.wi);
+  sample.pdf.per_sr = static_cast<Real>(seen.per_sr);
+  sample.value = Rgb<Real>(seen.radiance);
+  if (seen.radiance.is_black())
+    sample.reason = NoLight::kOutsideCone;
+  else if (!is_positive_normal(sample.pdf.per_sr) || !is_finite(sample.value) ||
+           !is_positive_normal(sample.value.max_component()))
+    sample.reason = NoLight::kOutOfRange;
+  if (sample.reason != NoLight::kNone) {
+    sample.value = {};
+    sample.pdf.per_sr = 1;
+  }
+  return sample;
+}
+
+template <std::floating_point Real>
+SolidAnglePdf<Real> ImageInfiniteLight<Real>::pdf_li(const Receiver<Real>& receiver,
+                                                     const Vec3<Real>& wi) const {
+  const Vec3<double> w = axes_.map_from_world(Vec3<double>(wi));
+  if (!is_finite(receiver.position) || !is_finite(w) || complete_->empty() ||
+      params_.radiance_cd_m2.is_black())
+    return {};
+  const Real density = static_cast<Real>(distribution(receiver).per_sr(w));
+  return {is_positive_normal(density) ? density : 0};
+}
+
+template <std::floating_point Real>
+Rgb<Real> ImageInfiniteLight<Real>::le_escaped(const Vec3<Real>&, const Vec3<Real>& w) const {
+  const Vec3<double> direction = axes_.map_from_world(Vec3<double>(w));
+  if (!is_finite(direction)) return {};
+  return Rgb<Real>(params_.map->lookup(direction) * params_.radiance_cd_m2);
+}
+
+template <std::floating_point Real>
+EmissionSample<Real> ImageInfiniteLight<Real>::sample_le(Vec2<Real> u_position,
+                                                         Vec2<Real> u_direction,
+                                                         const SceneSphere& scene) const {
+  EmissionSample<Real> sample;
+  const LightSample<Real> towards = sample_li(Vec3<Real>(), u_direction);
+  sample.reason = towards.reason;
+  if (sample.reason != NoLight::kNone) return sample;
+  start_on_scene_disk(u_position, -normalized(Vec3<double>(towards.wi)), scene, sample);
+  sample.pdf_direction = towards.pdf;
+  if (sample.reason == NoLight::kNone) sample.value = towards.value;
+  return sample;
+}
+
+template <std::floating_point Real>
+EmissionPdf<Real> ImageInfiniteLight<Real>::pdf_le(const Vec3<Real>& position,
+                                                   const Vec3<Real>& direction,
+                                                   const SceneSphere& scene) const {
+  const AreaPdf<Real> at = scene_disk_pdf(position, direction, scene);
+  if (!(at.per_m2 > 0)) return {};
+  return {at, pdf_li(Vec3<Real>(), -direction)};
+}
+
+template <std::floating_point Real>
+Power ImageInfiniteLight<Real>::power(const SceneSphere& scene) const {
+  const Rgb<double> integral = params_.map->integral() * params_.radiance_cd_m2;
+  if (integral.is_black()) return {};
+  return {integral * (kPi * scene.radius_m * scene.radius_m), 0};
+}
+
+template <std::floating_point Real>
+Power ImageInfiniteLight<Real>::power_approximate(const SceneSphere& scene) const {
+  const Power exact = power(scene);
+  if (params_.map->mapping() == SphereMapping::kEqualArea || exact.lumens.is_black()) return exact;
+  const Rgb<double> lumens = params_.map->image().mean() * params_.radiance_cd_m2 *
+                             (kPi * scene.radius_m * scene.radius_m);
+  return approximate_power(lumens, exact);
+}
+
+template <std::floating_point Real>
+std::size_t ImageInfiniteLight<Real>::table_bytes() const {
+  return complete_->bytes() + (compensated_ == complete_ ? 0 : compensated_->bytes());
+}
+
+template class ImageInfiniteLight<float>;
+template class ImageInfiniteLight<double>;
+
+}  // namespace lucerna

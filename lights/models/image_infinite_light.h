@@ -1,0 +1,93 @@
+// The infinite light whose radiance a picture around the scene tells.
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "lights/maths/transform.h"
+#include "lights/models/light_bounds.h"
+#include "lights/pictures/sphere_map.h"
+#include "lights/sampling/light_sample.h"
+
+namespace lucerna {
+
+struct ImageInfiniteLightParams {
+  std::shared_ptr<const SphereMap> map;
+  std::string image_name{};    ///< told by ListLights, else unused
+  Transform world_from_map{};  ///< rotation, mirror and equal scale; its translation is not used
+  Rgb<double> radiance_cd_m2{1.0};  ///< of a texel of value 1, per channel, finite, not negative
+};
+
+template <std::floating_point Real>
+class ImageInfiniteLight {
+ public:
+  using Params = ImageInfiniteLightParams;
+  static constexpr bool kDelta = false;
+
+  /// Errors: no map, a transform of unequal scale, a radiance that is none, also where the
+  /// brightest texel's is beyond what `Real` holds.
+  static absl::StatusOr<ImageInfiniteLight> create(const Params& params,
+                                                   const Vec3<double>& origin_m = {});
+
+  /// By the map's luminance, density as SphereDistribution has it; distance infinite.  For an
+  /// `incomplete` receiver by max(0, luminance - its mean over the sphere), which is 0 where the
+  /// receiver's own directions serve as well (a map that is nowhere above its mean: by luminance).
+  /// Value and density are those of `wi` as it is rounded, which at a pole may show another texel.
+  /// kBlack where the map or the radiance is black, kOutsideCone where rounding led into the dark,
+  /// kOutOfRange where value or density are no positive normal `Real`.  [Karlik19]
+  LightSample<Real> sample_li(const Receiver<Real>& receiver, Vec2<Real> u) const;
+  SolidAnglePdf<Real> pdf_li(const Receiver<Real>& receiver, const Vec3<Real>& wi) const;
+  /// Radiance [cd/m2] that a ray from anywhere, leaving the scene towards the unit vector `w`,
+  /// meets.
+  Rgb<Real> le_escaped(const Vec3<Real>& origin, const Vec3<Real>& w) const;
+  /// The same of a ray that enters the scene towards `w`.
+  Rgb<Real> le_leaving(const Vec3<Real>& origin, const Vec3<Real>& w) const {
+    return le_escaped(origin, -w);
+  }
+
+  /// From the disk of the scene's sphere that faces the sampled direction; kDegenerate where the
+  /// sphere has no extent.
+  EmissionSample<Real> sample_le(Vec2<Real> u_position, Vec2<Real> u_direction,
+                                 const SceneSphere& scene) const;
+  EmissionPdf<Real> pdf_le(const Vec3<Real>& position, const Vec3<Real>& direction,
+                           const SceneSphere& scene) const;
+
+  /// Flux through the scene's bounding disk from all directions: pi R^2 times the integral of the
+  /// radiance, exact.
+  Power power(const SceneSphere& scene) const;
+  /// Equal-area maps: 4 pi^2 R^2 times the mean texel, which is exact.  Latitude-longitude maps: pi
+  /// R^2 times the mean texel, as pbrt-v2 and pbrt-v3 have it, without the 4 pi of the sphere and
+  /// the sines of the rows.
+  Power power_approximate(const SceneSphere& scene) const;
+
+  /// Nothing: it is at infinity.
+  std::optional<LightBounds<Real>> bounds() const { return std::nullopt; }
+
+  const Params& params() const { return params_; }
+  /// Of what this light alone made: the tables that it samples.
+  std::size_t table_bytes() const;
+
+ private:
+  explicit ImageInfiniteLight(const Params& params);
+  /// Of a direction as its type rounds it.
+  struct Seen {
+    Rgb<double> radiance;
+    double per_sr;
+  };
+  Seen look(const SphereDistribution& distribution, const Vec3<Real>& w) const;
+  const SphereDistribution& distribution(const Receiver<Real>& receiver) const {
+    return receiver.incomplete ? *compensated_ : *complete_;
+  }
+
+  Params params_;
+  MapAxes axes_;
+  std::shared_ptr<const SphereDistribution> complete_, compensated_;
+};
+
+extern template class ImageInfiniteLight<float>;
+extern template class ImageInfiniteLight<double>;
+
+}  // namespace lucerna

@@ -1,0 +1,54 @@
+// The uniform infinite light: radiance L from every direction that geometry leaves open.
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include <optional>
+
+#include "lights/models/light_bounds.h"
+#include "lights/sampling/light_sample.h"
+
+namespace lucerna {
+
+struct UniformInfiniteLightParams {
+  Rgb<double> radiance_cd_m2{};  ///< per channel, finite, not negative
+};
+
+template <std::floating_point Real>
+class UniformInfiniteLight {
+ public:
+  using Params = UniformInfiniteLightParams;
+  static constexpr bool kDelta = false;
+
+  static absl::StatusOr<UniformInfiniteLight> create(const Params& params,
+                                                     const Vec3<double>& origin_m = {});
+  /// Uniform over the sphere, density 1 / (4 pi); distance infinite.
+  LightSample<Real> sample_li(const Receiver<Real>& receiver, Vec2<Real> u) const;
+  SolidAnglePdf<Real> pdf_li(const Receiver<Real>& receiver, const Vec3<Real>& wi) const;
+  /// On the side that `receiver` faces, with nothing in the way, pi L [lx].  Nothing where it faces
+  /// nowhere or is not finite.
+  std::optional<Rgb<Real>> irradiance(const Receiver<Real>& receiver) const;
+  bool hides_itself() const { return false; }
+  /// Radiance [cd/m2] that a ray from `origin` that leaves the scene towards `w`
+  /// meets.
+  Rgb<Real> le_escaped(const Vec3<Real>& origin, const Vec3<Real>& w) const;
+  /// Flux through the scene's bounding disk from all directions, 4 pi L pi R^2.
+  Power power(const SceneSphere& scene) const;
+  /// The same: the book's formula is that flux.  [Pharr23, 12.5]
+  Power power_approximate(const SceneSphere& scene) const;
+  /// Uniform over directions, from the disk of the scene's sphere that faces each.
+  EmissionSample<Real> sample_le(Vec2<Real> u_position, Vec2<Real> u_direction,
+                                 const SceneSphere& scene) const;
+  EmissionPdf<Real> pdf_le(const Vec3<Real>& position, const Vec3<Real>& direction,
+                           const SceneSphere& scene) const;
+  /// None: it is infinitely far.
+  std::optional<LightBounds<Real>> bounds() const { return std::nullopt; }
+  const Params& params() const { return params_; }
+
+ private:
+  explicit UniformInfiniteLight(const Params& params);
+  Params params_;
+  Rgb<Real> radiance_;
+};
+
+}  // namespace lucerna

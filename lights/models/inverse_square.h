@@ -1,0 +1,91 @@
+// What lights at a point share: the way from a receiver to the point, and the inverse square law.
+#pragma once
+
+#include <optional>
+
+#include "lights/sampling/light_sample.h"
+
+namespace lucerna {
+
+/// Whether two positions are the same as requests and rays tell them.
+template <std::floating_point Real>
+bool same_float(const Vec3<Real>& a, const Vec3<Real>& b) {
+  return Vec3<float>(a) == Vec3<float>(b);
+}
+
+/// From a receiver to a point: unit direction and distance [m], in double, where no square of a
+/// float over- or underflows.
+struct Way {
+  Vec3<double> wi;
+  double distance_m{};
+  /// distance_m squared where that is safe [m2]; else 0.
+  double squared_m2{};
+};
+
+/// The way along a vector, finite and not zero, whose square is safe; nothing of others.
+template <std::floating_point Real>
+[[gnu::always_inline]] inline std::optional<Way> plain_way(const Vec3<double>& difference) {
+  const double squared = dot(difference, difference);
+  if (!is_safe_square(squared)) return std::nullopt;
+  const double distance = std::sqrt(squared);
+  if constexpr (sizeof(Real) < sizeof(double))
+    return Way{difference * (1 / distance), distance, squared};
+  else
+    return Way{difference / distance, distance, squared};
+}
+
+/// The way along a vector that is not zero and whose square is not safe; not inlined, so that what
+/// is mostly taken is.
+[[gnu::noinline]] inline Way scaled_way(const Vec3<double>& difference) {
+  return {scaled_direction(difference), scaled_length(difference), 0};
+}
+
+/// Starts the sample of a delta light at `position`: all but `value` where there is a way to it,
+/// else the reason.  kOutOfRange where the receiver is not finite or too far, kDegenerate where it
+/// is the position itself.
+template <std::floating_point Real>
+[[gnu::always_inline]] inline Way find_way(const Vec3<Real>& position, const Vec3<Real>& receiver,
+                                           LightSample<Real>& sample) {
+  sample.delta = true;
+  if (!is_finite(receiver)) {
+    sample.reason = NoLight::kOutOfRange;
+    return {};
+  }
+  const Vec3<double> difference = Vec3<double>(position) - Vec3<double>(receiver);
+  if (difference == Vec3<double>{}) {
+    sample.reason = NoLight::kDegenerate;
+    return {};
+  }
+  Way way;
+  if (const auto plain = plain_way<Real>(difference)) [[likely]]
+    way = *plain;
+  else
+    way = scaled_way(difference);
+  sample.wi = Vec3<Real>(way.wi);
+  sample.distance = static_cast<Real>(way.distance_m);
+  sample.point = position;
+  if (!std::isfinite(sample.distance)) sample.reason = NoLight::kOutOfRange;
+  return way;
+}
+
+/// Sets the value of a started sample to intensity over distance squared, 0 where that underflows
+/// `Real`, or the reason why it is none: kBlack for no intensity, kOutOfRange where the quotient
+/// overflows.
+template <std::floating_point Real>
+void set_inverse_square(const Rgb<double>& intensity_cd, const Way& way,
+                        LightSample<Real>& sample) {
+  if (intensity_cd.is_black()) {
+    sample.reason = NoLight::kBlack;
+    return;
+  }
+  // Where the square overflows, or loses digits, the quotient by one after the other need not.
+  const Rgb<Real> value(way.squared_m2 > 0 ? intensity_cd / way.squared_m2
+                                           : intensity_cd / way.distance_m / way.distance_m);
+  if (!is_finite(value)) {
+    sample.reason = NoLight::kOutOfRange;
+    return;
+  }
+  sample.value = value;
+}
+
+}  // namespace lucerna

@@ -1,0 +1,50 @@
+#include "lights/models/light_bounds.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace lucerna {
+
+// Two conditions that each direction from the box to `position` in the cone fulfils: the angle to
+// the box's bounding sphere, sharp far away and for narrow cones; and the heights above the box's
+// corners, sharp for flat boxes, whose sphere is far too large.  Comparisons are written such that
+// what is no number reaches.
+template <std::floating_point Real>
+bool LightBounds<Real>::reaches(const Vec3<Real>& position) const {
+  constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+  const Vec3<double> p(position), low(lower), high(upper);
+  // A float's rounding of its length would be an error of every height.
+  const Vec3<double> n = normalized(Vec3<double>(axis));
+  // Sums of a few products of these lengths, each rounded once or twice.
+  const double slack = 16 * kEpsilon * (max_abs(p) + max_abs(low) + max_abs(high));
+
+  const Vec3<double> to_p = p - (low * 0.5 + high * 0.5);
+  const double distance = length(to_p);
+  const double radius = length(high * 0.5 - low * 0.5) + slack;
+  if (distance > radius) {
+    const double angle = std::atan2(length(cross(n, to_p)), dot(n, to_p));
+    if (angle - std::asin(radius / distance) > cone_rad + 16 * kEpsilon) return false;
+  }
+
+  // The largest height of `position` above a point of the box, along the axis; its least and
+  // largest distance.
+  double height = 0;
+  Vec3<double> near, far;
+  const auto along = [&](double at, double a, double b, double cos, double& least, double& most) {
+    height += std::max((at - a) * cos, (at - b) * cos);
+    least = std::max({0.0, a - at, at - b});
+    most = std::max(std::fabs(at - a), std::fabs(at - b));
+  };
+  along(p.x, low.x, high.x, n.x, near.x, far.x);
+  along(p.y, low.y, high.y, n.y, near.y, far.y);
+  along(p.z, low.z, high.z, n.z, near.z, far.z);
+  const double cos = std::cos(std::min(cone_rad, std::numbers::pi));
+  return !(height < cos * length(cos > 0 ? near : far) - slack);
+}
+
+template struct LightBounds<float>;
+template struct LightBounds<double>;
+
+}  // namespace lucerna

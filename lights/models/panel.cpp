@@ -1,0 +1,89 @@
+#include "lights/models/panel.h"
+
+#include <absl/status/status.h>
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace lucerna {
+
+template <typename Real, template <typename> typename Surface>
+absl::StatusOr<Panel<Real, Surface>> Panel<Real, Surface>::create(Surface<Real> surface,
+                                                                  PanelProfile profile) {
+  // A thousandth turns the photometry by less than its own angles are measured to.
+  constexpr double kFlat = 1e-3;
+  const NormalCone<Real> normals = surface.normals();
+  if (!(normals.half_angle_rad <= kFlat))
+    return absl::InvalidArgumentError(
+        fmt::format("panel.surface has normals up to {:.3g} rad from their mean, allowed for a "
+                    "profile: flat, up to {} rad",
+                    normals.half_angle_rad, kFlat));
+  const Vec3<double> n = normalized(Vec3<double>(normals.axis));
+  const Vec3<double>& t = profile.tangent;
+  const Vec3<double> along = normalized(t);
+  const Vec3<double> s = along - n * dot(along, n);
+  if (!is_finite(t) || !(length(s) > kFlat))
+    return absl::InvalidArgumentError(fmt::format(
+        "panel.tangent = ({}, {}, {}), allowed: finite, not along the normal ({}, {}, {})", t.x,
+        t.y, t.z, n.x, n.y, n.z));
+  Frame<double> axes;
+  axes.n = n;
+  axes.s = normalized(s);
+  axes.t = profile.mirrored ? cross(axes.s, n) : cross(n, axes.s);
+  return Panel(Data{std::move(surface), std::move(profile), axes});
+}
+
+template <typename Real, template <typename> typename Surface>
+double Panel<Real, Surface>::radiance(const Vec3<double>& w, const Vec3<double>& normal) const {
+  const double cd = data_->profile.web->at(data_->axes.local_from_world(w));
+  // By the point's own cosine: that of the shape as a whole is 0 elsewhere, if by a hair.
+  return cd > 0 ? cd / std::fabs(dot(w, normal)) / this->area() : 0;
+}
+
+template <typename Real, template <typename> typename Surface>
+Vec3<double> Panel<Real, Surface>::sample_direction(Vec2<double> u) const {
+  return data_->axes.world_from_local(data_->profile.web->sample(u));
+}
+
+template <typename Real, template <typename> typename Surface>
+SolidAnglePdf<double> Panel<Real, Surface>::pdf_direction(const Vec3<double>& w) const {
+  return data_->profile.web->pdf(data_->axes.local_from_world(w));
+}
+
+template <typename Real, template <typename> typename Surface>
+double Panel<Real, Surface>::flux_lm(bool two_sided) const {
+  const PhotometricWeb& web = *data_->profile.web;
+  return two_sided ? web.flux_lm() : web.downward_flux_lm();
+}
+
+template <typename Real, template <typename> typename Surface>
+double Panel<Real, Surface>::flux_error_lm(bool two_sided) const {
+  // A flat shape's normals are a few roundings of its vertices apart, and so is their mean.
+  constexpr double kRounding = 16 * kInputRounding;
+  const double lean = data_->surface.normals().half_angle_rad;
+  // A point's own hemisphere lacks what the mean one has between both planes on one side, and has
+  // as much more on the other.
+  return two_sided || lean <= kRounding ? 0 : data_->profile.web->horizon_flux_bound_lm(lean);
+}
+
+template <typename Real, template <typename> typename Surface>
+NormalCone<Real> Panel<Real, Surface>::directions(bool two_sided) const {
+  const EmissionCone& cone = data_->profile.web->cone();
+  const NormalCone<Real> whole{Vec3<Real>(data_->axes.world_from_local(cone.axis)),
+                               cone.half_angle_rad};
+  // Normals that differ leave each its hemisphere.
+  const double hemisphere = std::numbers::pi / 2 + data_->surface.normals().half_angle_rad;
+  if (two_sided || whole.half_angle_rad <= hemisphere) return whole;
+  return {Vec3<Real>(data_->axes.n), hemisphere};
+}
+
+template class Panel<float, TriangleMesh>;
+template class Panel<double, TriangleMesh>;
+template class Panel<float, PatchMesh>;
+template class Panel<double, PatchMesh>;
+template class Panel<float, Disk>;
+template class Panel<double, Disk>;
+
+}  // namespace lucerna

@@ -1,0 +1,319 @@
+#include "lights/models/portal_light.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "lights/maths/validation.h"
+#include "lights/models/emission.h"
+#include "lights/models/irradiance.h"
+#include "lights/pictures/rectified_map.h"
+#include "lights/sampling/projected_solid_angle.h"
+#include "lights/spectra/level_validation.h"
+
+namespace lucerna {
+namespace {
+
+
+/// Cells along a side of the table: about as fine as the picture, each the mean of a few looks.
+int table_size(const SphereMap* map) {
+  return map == nullptr ? 64 : std::clamp(map->image().height(), 64, 1024);
+}
+
+template <std::floating_point Real>
+absl::Status check_corners(const std::array<Vec3<double>, 4>& c, const Vec3<double>& origin_m) {
+  for (const Vec3<double>& corner : c)
+    if (auto s = check_position<Real>("infinite.portal", corner, origin_m); !s.ok()) return s;
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+template <std::floating_point Real>
+auto PortalLight<Real>::rectangle(const Params& params, const Vec3<double>& origin_m)
+    -> absl::StatusOr<Rectangle> {
+  if (auto s = check_light_value<Real>("infinite.radiance", params.radiance_cd_m2, "cd/m2");
+      !s.ok())
+    return s;
+  if (params.map != nullptr)
+    if (auto s = check_light_value<Real>("infinite.radiance of the brightest texel",
+                                         params.map->brightest() * params.radiance_cd_m2, "cd/m2");
+        !s.ok())
+      return s;
+  if (!params.world_from_map.uniform_scale())
+    return absl::InvalidArgumentError(
+        "infinite.world_from_map has unequal scale, allowed: equal scale on all axes");
+  if (auto s = check_corners<Real>(params.corners_m, origin_m); !s.ok()) return s;
+
+  std::array<Vec3<double>, 4> c;
+  for (std::size_t i = 0; i < 4; ++i) c[i] = params.corners_m[i] - origin_m;
+  // Halved before they are added: no sum overflows.
+  const Vec3<double> along_x = (c[3] * 0.5 - c[0] * 0.5) + (c[2] * 0.5 - c[1] * 0.5);
+  const Vec3<double> along_y = (c[1] * 0.5 - c[0] * 0.5) + (c[2] * 0.5 - c[3] * 0.5);
+  const Vec3<double> x = normalized(along_x);
+  const Vec3<double> y = normalized(along_y - x * dot(along_y, x));
+  const double width = length(along_x), height = dot(along_y, y);
+  const Vec3<double> centre = (c[0] * 0.5 + c[2] * 0.5) * 0.5 + (c[1] * 0.5 + c[3] * 0.5) * 0.5;
+  const Vec3<double> corner = centre - x * (width / 2) - y * (height / 2);
+  const auto off = [&](std::size_t i, double u, double v) {
+    return length(c[i] - (corner + x * (u * width) + y * (v * height)));
+  };
+  const double worst = std::max({off(0, 0, 0), off(1, 0, 1), off(2, 1, 1), off(3, 1, 0)});
+  const double area = width * height;
+  if (!(area > 0 && std::isfinite(area) && worst <= kRectangleTolerance * std::min(width, height)))
+    return absl::InvalidArgumentError(fmt::format(
+        "infinite.portal = ({}, {}, {}), ({}, {}, {}), ({}, {}, {}), ({}, {}, {}) m, allowed: four "
+        "corners one after another around a rectangle, to {:g} of its shorter side",
+        params.corners_m[0].x, params.corners_m[0].y, params.corners_m[0].z, params.corners_m[1].x,
+        params.corners_m[1].y, params.corners_m[1].z, params.corners_m[2].x, params.corners_m[2].y,
+        params.corners_m[2].z, params.corners_m[3].x, params.corners_m[3].y, params.corners_m[3].z,
+        kRectangleTolerance));
+  return Rectangle{corner, x, y, width, height};
+}
+
+template <std::floating_point Real>
+absl::Status PortalLight<Real>::check(const Params& params, const Vec3<double>& origin_m) {
+  return rectangle(params, origin_m).status();
+}
+
+template <std::floating_point Real>
+absl::StatusOr<PortalLight<Real>> PortalLight<Real>::create(const Params& params,
+                                                            const Vec3<double>& origin_m) {
+  const auto r = rectangle(params, origin_m);
+  if (!r.ok()) return r.status();
+  return PortalLight(params, *r);
+}
+
+template <std::floating_point Real>
+PortalLight<Real>::PortalLight(const Params& params, const Rectangle& r)
+    : params_(params),
+      map_axes_(params.world_from_map),
+      corner_(r.corner),
+      x_(r.x),
+      y_(r.y),
+      z_(cross(r.x, r.y)),
+      width_(r.width),
+      height_(r.height) {
+  const SphereMap* map = params.map.get();
+  const auto in_map = [&](const Vec3<double>& v) { return map_axes_.map_from_world(v); };
+  if (map == nullptr) {
+    on_portal_ = {params.radiance_cd_m2 * kPi, 0, params.radiance_cd_m2 * (2 * kPi)};
+  } else if (params.rectified) {
+    rectified_ = std::make_shared<const RectifiedMap>(*map, in_map(x_), in_map(y_), in_map(z_));
+    on_portal_ = rectified_->illuminance(params.radiance_cd_m2);
+  } else {
+    on_portal_ = illuminance_of(*map, params.radiance_cd_m2, in_map(z_));
+  }
+  const int n = table_size(map);
+  // As many looks as the picture has rows, so that none is overlooked; but where it is much higher
+  // than wide, not many more than it has texels.  What is overlooked then keeps the uniform share
+  // of the samples.
+  const int rows = map == nullptr ? 1 : map->image().height();
+  const int most =
+      map == nullptr
+          ? 1
+          : std::max(2048,
+                     static_cast<int>(std::sqrt(static_cast<double>(rows) * map->image().width())));
+  const int looks = std::max(std::clamp(1024 / n, 1, 4), (std::min(rows, most) + n - 1) / n);
+  std::vector<double> weights(static_cast<std::size_t>(n) * static_cast<std::size_t>(n));
+  for (int j = 0; j < n * looks; ++j)
+    for (int i = 0; i < n * looks; ++i) {
+      const Vec2<double> p{(i + 0.5) / (n * looks), (j + 0.5) / (n * looks)};
+      const Vec3<double> w = rectified_from_square(p);
+      weights[static_cast<std::size_t>(j / looks) * static_cast<std::size_t>(n) +
+              static_cast<std::size_t>(i / looks)] += luminance(sky(w)) * sr_per_square(w);
+    }
+  table_ = std::make_shared<const WindowedDistribution>(n, weights);
+}
+
+template <std::floating_point Real>
+NoLight PortalLight<Real>::window(const Vec3<Real>& position, Window& window) const {
+  if (!is_finite(position)) return NoLight::kOutOfRange;
+  const Vec3<double> p = local(Vec3<double>(position) - corner_);
+  const double depth = -p.z;
+  if (depth == 0 && p.x >= 0 && p.x <= width_ && p.y >= 0 && p.y <= height_)
+    return NoLight::kDegenerate;
+  if (!(depth > 0)) return NoLight::kBehind;
+  // The angle between two directions by their product and not as a difference, which cancels where
+  // the portal is far.
+  const auto begin = [&](double from) { return std::atan2(from, depth) / kPi + 0.5; };
+  const auto extent = [&](double from, double side) {
+    return std::atan2(side * depth, depth * depth + from * (from + side)) / kPi;
+  };
+  window = {begin(-p.x), begin(-p.y), extent(-p.x, width_), extent(-p.y, height_)};
+  return window.width > 0 && window.height > 0 ? NoLight::kNone : NoLight::kOutOfRange;
+}
+
+template <std::floating_point Real>
+Rgb<double> PortalLight<Real>::sky(const Vec3<double>& l) const {
+  if (params_.map == nullptr) return Rgb<double>(1);
+  if (rectified_ != nullptr)
+    return l.z > 0 ? rectified_->lookup(square_from_rectified(l)) : Rgb<double>();
+  return params_.map->lookup(map_axes_.map_from_world(x_ * l.x + y_ * l.y + z_ * l.z));
+}
+
+template <std::floating_point Real>
+Rgb<Real> PortalLight<Real>::radiance(const Vec3<Real>& w) const {
+  const Rgb<Real> value(sky(local(Vec3<double>(w))) * params_.radiance_cd_m2);
+  if (!is_finite(value) || !(value.max_component() >= std::numeric_limits<Real>::min())) return {};
+  return value;
+}
+
+template <std::floating_point Real>
+double PortalLight<Real>::density(const Window& window, const Vec3<Real>& w) const {
+  const Vec3<double> l = normalized(local(Vec3<double>(w)));
+  if (!(l.z > 0)) return 0;
+  const Vec2<double> p = square_from_rectified(l);
+  // A direction and the window hold roundings of `Real`, which turn an angle about an axis the
+  // further the nearer the direction is to that axis.
+  constexpr double kRounding = 2 * double{std::numeric_limits<Real>::epsilon()};
+  const auto within = [&](double at, double begin, double extent, double from_axis) {
+    const double slack = kRounding / from_axis;
+    return at >= begin - slack && at <= begin + extent + slack;
+  };
+  if (!within(p.x, window.x, window.width, std::hypot(l.x, l.z)) ||
+      !within(p.y, window.y, window.height, std::hypot(l.y, l.z)))
+    return 0;
+  const auto inside = [](double at, double begin, double extent) {
+    return std::clamp(at, begin, begin + extent);
+  };
+  return table_->pdf(window,
+                     {inside(p.x, window.x, window.width), inside(p.y, window.y, window.height)}) /
+         sr_per_square(l);
+}
+
+template <std::floating_point Real>
+NoLight PortalLight<Real>::sample(const Window& window, Vec2<Real> u, Vec3<Real>& wi,
+                                  Rgb<Real>& value, SolidAnglePdf<Real>& pdf) const {
+  const auto s = table_->sample(window, {double{u.x}, double{u.y}});
+  // So far within the edges that the direction, once rounded, leads through the portal.
+  const auto within = [](double at, double begin, double extent) {
+    const double slack = std::min(8 * double{std::numeric_limits<Real>::epsilon()}, extent * 0.5);
+    return std::clamp(at, begin + slack, std::max(begin + slack, begin + extent - slack));
+  };
+  const Vec3<double> l = rectified_from_square({within(s.position.x, window.x, window.width),
+                                                within(s.position.y, window.y, window.height)});
+  wi = Vec3<Real>(x_ * l.x + y_ * l.y + z_ * l.z);
+  value = radiance(wi);
+  if (value.is_black()) return NoLight::kBlack;
+  pdf.per_sr = static_cast<Real>(density(window, wi));
+  if (pdf.per_sr >= std::numeric_limits<Real>::min() && std::isfinite(pdf.per_sr))
+    return NoLight::kNone;
+  value = {};
+  return NoLight::kOutOfRange;
+}
+
+template <std::floating_point Real>
+LightSample<Real> PortalLight<Real>::sample_li(const Receiver<Real>& receiver, Vec2<Real> u) const {
+  LightSample<Real> s;
+  s.pdf.per_sr = 1;
+  Window seen;
+  s.reason = window(receiver.position, seen);
+  if (s.reason != NoLight::kNone) return s;
+  s.distance = std::numeric_limits<Real>::infinity();
+  s.reason = sample(seen, u, s.wi, s.value, s.pdf);
+  // A portal that is narrower than the rounding of a direction.
+  if (s.reason == NoLight::kNone && le_escaped(receiver.position, s.wi).is_black()) {
+    s.value = {};
+    s.reason = NoLight::kOutOfRange;
+  }
+  if (s.reason != NoLight::kNone) s.pdf.per_sr = 1;
+  return s;
+}
+
+template <std::floating_point Real>
+SolidAnglePdf<Real> PortalLight<Real>::pdf_li(const Receiver<Real>& receiver,
+                                              const Vec3<Real>& wi) const {
+  Window seen;
+  if (!is_finite(wi) || window(receiver.position, seen) != NoLight::kNone) return {};
+  if (radiance(wi).is_black()) return {};
+  const Real pdf = static_cast<Real>(density(seen, wi));
+  return {pdf >= std::numeric_limits<Real>::min() && std::isfinite(pdf) ? pdf : 0};
+}
+
+template <std::floating_point Real>
+std::optional<Rgb<Real>> PortalLight<Real>::irradiance(const Receiver<Real>& receiver) const {
+  if (params_.map != nullptr) return std::nullopt;
+  return irradiance_of(params_.radiance_cd_m2, receiver, [&](const Vec3<double>& normal) {
+    const Vec3<double> p(receiver.position);
+    const double depth = dot(corner_ - p, z_);
+    return depth > 0 ? polygon_projected_solid_angle(corners_m(), p, normal, depth) : 0;
+  });
+}
+
+template <std::floating_point Real>
+Rgb<Real> PortalLight<Real>::le_escaped(const Vec3<Real>& origin, const Vec3<Real>& w) const {
+  const Vec3<double> p = local(Vec3<double>(origin) - corner_);
+  const Vec3<double> l = local(Vec3<double>(w));
+  if (!is_finite(l) || !(p.z < 0) || !(l.z > 0)) return {};
+  // Where it crosses the plane, times l.z: nothing is divided.
+  const auto crosses = [&](double at, double slope, double side) {
+    const double x = at * l.z - slope * p.z;
+    return x >= 0 && x <= side * l.z;
+  };
+  if (!crosses(p.x, l.x, width_) || !crosses(p.y, l.y, height_)) return {};
+  return radiance(w);
+}
+
+template <std::floating_point Real>
+EmissionSample<Real> PortalLight<Real>::sample_le(Vec2<Real> u_position, Vec2<Real> u_direction,
+                                                  const SceneSphere&) const {
+  EmissionSample<Real> s;
+  Vec3<Real> wi;
+  Rgb<Real> value;
+  s.reason = sample({}, u_direction, wi, value, s.pdf_direction);
+  s.pdf_position.per_m2 = static_cast<Real>(1 / portal_area_m2());
+  s.origin = Vec3<Real>(corner_ + x_ * (double{u_position.x} * width_) +
+                        y_ * (double{u_position.y} * height_));
+  s.direction = -wi;
+  s.normal = Vec3<Real>(-z_);
+  if (s.reason == NoLight::kNone &&
+      !(is_finite(s.origin) && s.pdf_position.per_m2 > 0 && std::isfinite(s.pdf_position.per_m2)))
+    s.reason = NoLight::kOutOfRange;
+  if (s.reason == NoLight::kNone)
+    s.value = value;
+  else
+    s.pdf_position = {}, s.pdf_direction = {};
+  return s;
+}
+
+template <std::floating_point Real>
+EmissionPdf<Real> PortalLight<Real>::pdf_le(const Vec3<Real>& position, const Vec3<Real>& direction,
+                                            const SceneSphere&, double slack_m) const {
+  const Vec3<double> p = local(Vec3<double>(position) - corner_);
+  // A position holds a rounding for each of its coordinates, the portal those of its own.
+  const double slack =
+      slack_m +
+      8 * kInputRounding * (max_abs(Vec3<double>(position)) + max_abs(corner_) + width_ + height_);
+  const auto within = [&](double at, double side) { return at >= -slack && at <= side + slack; };
+  if (!within(p.x, width_) || !within(p.y, height_) || !(std::fabs(p.z) <= slack)) return {};
+  if (!is_finite(direction) || radiance(-direction).is_black()) return {};
+  const EmissionPdf<Real> pdf{{static_cast<Real>(1 / portal_area_m2())},
+                              {static_cast<Real>(density({}, -direction))}};
+  const auto usable = [](Real d) { return d > 0 && std::isfinite(d); };
+  if (!usable(pdf.position.per_m2) || !usable(pdf.direction.per_sr)) return {};
+  return pdf;
+}
+
+template <std::floating_point Real>
+Power PortalLight<Real>::power(const SceneSphere&) const {
+  return {on_portal_.lx * portal_area_m2(), on_portal_.error_lx * portal_area_m2()};
+}
+
+template <std::floating_point Real>
+Power PortalLight<Real>::power_approximate(const SceneSphere& scene) const {
+  return approximate_power(on_portal_.without_cosine * portal_area_m2(), power(scene));
+}
+
+template <std::floating_point Real>
+std::size_t PortalLight<Real>::table_bytes() const {
+  return table_->bytes() + (rectified_ == nullptr ? 0 : rectified_->bytes());
+}
+
+template class PortalLight<float>;
+template class PortalLight<double>;
+
+}  // namespace lucerna

@@ -1,0 +1,141 @@
+// The infinite light that comes in through a rectangular opening only, such as the sky through a
+// window: a picture around the scene, or the same radiance from everywhere.
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "lights/maths/transform.h"
+#include "lights/models/light_bounds.h"
+#include "lights/pictures/map_illuminance.h"
+#include "lights/pictures/sphere_map.h"
+#include "lights/sampling/light_sample.h"
+#include "lights/sampling/windowed_distribution.h"
+
+namespace lucerna {
+
+class RectifiedMap;
+
+struct PortalLightParams {
+  std::shared_ptr<const SphereMap> map{};  ///< null: the same radiance from all directions
+  std::string image_name{};                ///< told by ListLights, else unused
+  /// Of the map a RectifiedMap is seen, as with pbrt-v4; else the map itself.
+  bool rectified = false;
+  Transform world_from_map{};  ///< rotation, mirror and equal scale; its translation is not used
+  Rgb<double> radiance_cd_m2{1.0};  ///< of a texel of value 1, per channel, finite, not negative
+  /// World, one after another around the rectangle.  Light comes from the side to which
+  /// cross(corner 3 - corner 0, corner 1 - corner 0) points.
+  std::array<Vec3<double>, 4> corners_m{};
+};
+
+/// A receiver sees a rectangle of the directions (tan alpha, tan beta, 1) in the portal's axes,
+/// whose sides run along alpha and beta: that window of a table over both angles is what it
+/// samples.  [Bitterli15]
+template <std::floating_point Real>
+class PortalLight {
+ public:
+  using Params = PortalLightParams;
+  static constexpr bool kDelta = false;
+  /// How far each corner may be off a rectangle, relative to its shorter side; the one that is used
+  /// has the same centre and the mean of opposite edges.
+  static constexpr double kRectangleTolerance = 1e-3;
+
+  /// Errors: corners that are no rectangle, without extent, or beyond what `Real` holds; a
+  /// transform of unequal scale; a radiance that is none, also where the brightest texel's is
+  /// beyond what `Real` holds.
+  static absl::StatusOr<PortalLight> create(const Params& params,
+                                            const Vec3<double>& origin_m = {});
+  /// The same errors, without making the light's table.
+  static absl::Status check(const Params& params, const Vec3<double>& origin_m = {});
+
+  /// A direction through the portal, distance infinite: what is behind it may still hide the sky.
+  /// The density is that of the rounded direction, and so is the value.
+  ///
+  /// kBehind on the portal's other side and in its plane beside it, kDegenerate on the portal,
+  /// kBlack where the map or the radiance is (or is below any normal `Real`), also for samples of
+  /// black parts of the map; kOutOfRange where the density is no positive normal `Real`, and where
+  /// the portal is seen narrower than the rounding of a direction.
+  LightSample<Real> sample_li(const Receiver<Real>& receiver, Vec2<Real> u) const;
+  /// Beyond the portal's edges 0.
+  SolidAnglePdf<Real> pdf_li(const Receiver<Real>& receiver, const Vec3<Real>& wi) const;
+  /// On the side that `receiver` faces, with nothing in the way [lx].  Nothing with a map, and
+  /// where the receiver faces nowhere or is not finite.
+  std::optional<Rgb<Real>> irradiance(const Receiver<Real>& receiver) const;
+  bool hides_itself() const { return false; }
+  /// Radiance [cd/m2] that a ray from `origin` towards the unit vector `w` meets: 0 where it does
+  /// not leave through the portal.
+  Rgb<Real> le_escaped(const Vec3<Real>& origin, const Vec3<Real>& w) const;
+  /// The same of a ray that enters towards `w`, which starts in the portal.
+  Rgb<Real> le_leaving(const Vec3<Real>&, const Vec3<Real>& w) const { return radiance(-w); }
+
+  /// Rays that enter: a point of the portal by area, a direction by the whole table; `normal` is
+  /// the portal's, to the inside.  The scene's sphere plays no part.
+  EmissionSample<Real> sample_le(Vec2<Real> u_position, Vec2<Real> u_direction,
+                                 const SceneSphere& scene) const;
+  /// `slack_m`: how far off the portal's plane `position` may have been rounded, beyond what `Real`
+  /// makes of it.
+  EmissionPdf<Real> pdf_le(const Vec3<Real>& position, const Vec3<Real>& direction,
+                           const SceneSphere& scene, double slack_m = 0) const;
+
+  /// Flux through the portal: its area times the illuminance of the sky on it.  Exact without a map
+  /// and for a rectified one; else by quadrature, its bound stated.
+  Power power(const SceneSphere& scene) const;
+  /// The area times the integral of the radiance over the directions above it, without the cosine,
+  /// as pbrt-v4 has it.
+  Power power_approximate(const SceneSphere& scene) const;
+
+  /// Nothing: it is at infinity.
+  std::optional<LightBounds<Real>> bounds() const { return std::nullopt; }
+
+  /// The rectangle that is used, about the scene's origin.
+  std::array<Vec3<double>, 4> corners_m() const {
+    const Vec3<double> x = x_ * width_, y = y_ * height_;
+    return {corner_, corner_ + x, corner_ + x + y, corner_ + y};
+  }
+  /// Unit, out through the portal.
+  const Vec3<double>& to_sky() const { return z_; }
+  double portal_area_m2() const { return width_ * height_; }
+  const Params& params() const { return params_; }
+  /// Of what this light alone made: the table that it samples and the picture it resampled.
+  std::size_t table_bytes() const;
+
+ private:
+  using Window = WindowedDistribution::Window;
+  struct Rectangle {
+    Vec3<double> corner;  ///< about the scene's origin [m]
+    Vec3<double> x, y;    ///< unit
+    double width, height;
+  };
+  static absl::StatusOr<Rectangle> rectangle(const Params& params, const Vec3<double>& origin_m);
+  PortalLight(const Params& params, const Rectangle& r);
+  Vec3<double> local(const Vec3<double>& v) const { return {dot(x_, v), dot(y_, v), dot(z_, v)}; }
+  /// The window that `position` sees, or why there is none.
+  NoLight window(const Vec3<Real>& position, Window& window) const;
+  /// The map towards `l` in the portal's axes; 1 where there is none.
+  Rgb<double> sky(const Vec3<double>& l) const;
+  /// Radiance from the unit vector `w`; 0 where a positive normal `Real` does not hold it.
+  Rgb<Real> radiance(const Vec3<Real>& w) const;
+  /// Density per solid angle at the unit vector `w`; 0 outside of the window.
+  double density(const Window& window, const Vec3<Real>& w) const;
+  /// A direction of the window into `wi`, with value and density; or why there is none.
+  NoLight sample(const Window& window, Vec2<Real> u, Vec3<Real>& wi, Rgb<Real>& value,
+                 SolidAnglePdf<Real>& pdf) const;
+
+  Params params_;
+  MapAxes map_axes_;
+  Vec3<double> corner_;       ///< about the scene's origin [m]
+  Vec3<double> x_, y_, z_;    ///< the portal's axes, unit; z to where light comes from
+  double width_, height_;     ///< along x_ and y_ [m]
+  MapIlluminance on_portal_;  ///< [lx]
+  std::shared_ptr<const RectifiedMap> rectified_;  ///< null: the map itself, or none
+  std::shared_ptr<const WindowedDistribution> table_;
+};
+
+extern template class PortalLight<float>;
+extern template class PortalLight<double>;
+
+}  // namespace lucerna

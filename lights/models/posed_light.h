@@ -1,0 +1,180 @@
+// A light that moves, at one moment: evaluated where it stands at its first key frame.
+#pragma once
+
+#include <algorithm>
+#include <limits>
+#include <numbers>
+#include <optional>
+#include <tuple>
+
+#include "lights/maths/motion.h"
+#include "lights/models/inverse_square.h"
+#include "lights/models/light_bounds.h"
+#include "lights/sampling/light_sample.h"
+#include "lights/shapes/shape.h"
+
+namespace lucerna {
+
+/// Light `L` under a rigid map, with the interface of `L`.  Receivers go to the light's space by
+/// the inverse of `pose`, samples come back by it, rounded once each way.  Under the identity the
+/// bits are those of `L`, but for `bounds`.  Refers to the light: to be used while that lives.
+template <std::floating_point Real, typename L>
+class Posed {
+ public:
+  static constexpr bool kDelta = L::kDelta;
+
+  Posed(const L& light, const Pose& pose) : light_(light), pose_(pose) {}
+
+  LightSample<Real> sample_li(const Receiver<Real>& receiver, Vec2<Real> u) const {
+    LightSample<Real> s = light_.sample_li(to_light(receiver), u);
+    s.wi = vector(s.wi);
+    if (std::isfinite(s.distance)) s.point = point(s.point);
+    s.normal = vector(s.normal);
+    return s;
+  }
+
+  std::optional<Rgb<Real>> irradiance(const Receiver<Real>& receiver) const requires
+      requires(const L& l) {
+    l.irradiance(receiver);
+  }
+  { return light_.irradiance(to_light(receiver)); }
+  bool hides_itself() const requires requires(const L& l) { l.hides_itself(); }
+  { return light_.hides_itself(); }
+
+  SolidAnglePdf<Real> pdf_li(const Receiver<Real>& receiver, const Vec3<Real>& wi) const {
+    return light_.pdf_li(to_light(receiver), inverse_vector(wi));
+  }
+
+  SolidAnglePdf<Real> pdf_li(const Receiver<Real>& receiver,
+                             const SurfacePoint<Real>& point) const requires requires(const L& l) {
+    l.pdf_li(receiver, point);
+  }
+  { return light_.pdf_li(to_light(receiver), to_light(point)); }
+
+  Rgb<Real> le(const SurfacePoint<Real>& point, const Vec3<Real>& w) const requires
+      requires(const L& l) {
+    l.le(point, w);
+  }
+  { return light_.le(to_light(point), inverse_vector(w)); }
+
+  Rgb<Real> le_escaped(const Vec3<Real>& origin, const Vec3<Real>& w) const requires
+      requires(const L& l) {
+    l.le_escaped(origin, w);
+  }
+  { return light_.le_escaped(inverse_point(origin), inverse_vector(w)); }
+
+  Rgb<Real> le_leaving(const Vec3<Real>& origin, const Vec3<Real>& w) const requires
+      requires(const L& l) {
+    l.le_leaving(origin, w);
+  }
+  {
+    const Vec3<Real> o = inverse_point(origin), d = inverse_vector(w);
+    if constexpr (requires { light_.le_leaving(o, d, 0.0); })
+      return light_.le_leaving(o, d, slack_m(origin));
+    else
+      return light_.le_leaving(o, d);
+  }
+
+  EmissionSample<Real> sample_le(Vec2<Real> u_position, Vec2<Real> u_direction,
+                                 const SceneSphere& scene) const requires requires(const L& l) {
+    l.sample_le(u_position, u_direction, scene);
+  }
+  { return from_light(light_.sample_le(u_position, u_direction, to_light(scene))); }
+
+  EmissionSample<Real> ray_from(const SurfacePoint<Real>& point,
+                                const Vec3<Real>& direction) const requires requires(const L& l) {
+    l.ray_from(point, direction);
+  }
+  { return from_light(light_.ray_from(to_light(point), inverse_vector(direction))); }
+
+  /// Positions are taken to be on the light to within their own rounding, which is that of where
+  /// the light stands now and may be far more than that of the light about its own origin.
+  EmissionPdf<Real> pdf_le(const Vec3<Real>& position, const Vec3<Real>& direction,
+                           const SceneSphere& scene) const requires requires(const L& l) {
+    l.pdf_le(position, direction, scene);
+  }
+  {
+    const Vec3<Real> w = inverse_vector(direction), p = inverse_point(position);
+    const SceneSphere local = to_light(scene);
+    if constexpr (requires { light_.pdf_le(p, w, local, 0.0); }) {
+      return light_.pdf_le(p, w, local, slack_m(position));
+    } else {
+      // A light that shines from one point knows it by its bits.
+      const auto own = light_.bounds();
+      if (own && own->lower == own->upper)
+        return same_float(position, point(own->lower)) ? light_.pdf_le(own->lower, w, local)
+                                                       : EmissionPdf<Real>{};
+      return light_.pdf_le(p, w, local);
+    }
+  }
+
+  Power power(const SceneSphere& scene) const { return light_.power(to_light(scene)); }
+  Power power_approximate(const SceneSphere& scene) const {
+    return light_.power_approximate(to_light(scene));
+  }
+
+  /// Those of `L`, its box turned with it and put into another along the axes; wider by what
+  /// rounding may move.
+  std::optional<LightBounds<Real>> bounds() const {
+    std::optional<LightBounds<Real>> b = light_.bounds();
+    if (!b) return b;
+    b->axis = vector(b->axis);
+    for (double* angle : {&b->cone_rad, &b->normals_rad})
+      *angle = std::min(*angle + 8 * kInputRounding, std::numbers::pi);
+    if (b->lower == b->upper) {
+      b->lower = b->upper = point(b->lower);
+      return b;
+    }
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    Vec3<double> low{kInfinity, kInfinity, kInfinity}, high = -low;
+    for (int c = 0; c < 8; ++c) {
+      const Vec3<double> p = pose_.point({(c & 1) != 0 ? b->upper.x : b->lower.x,
+                                          (c & 2) != 0 ? b->upper.y : b->lower.y,
+                                          (c & 4) != 0 ? b->upper.z : b->lower.z});
+      low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+      high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+    }
+    const double pad = 8 * std::numeric_limits<double>::epsilon() *
+                       (std::max(max_abs(low), max_abs(high)) + max_abs(pose_.shift_m));
+    const Vec3<double> around{pad, pad, pad};
+    std::tie(b->lower, b->upper) = rounded_outwards<Real>(low - around, high + around);
+    return b;
+  }
+
+ private:
+  /// How far off the light a position on it may be rounded, where it stands now.
+  static double slack_m(const Vec3<Real>& position) {
+    return 8 * kInputRounding * max_abs(position);
+  }
+  Vec3<Real> vector(const Vec3<Real>& v) const { return Vec3<Real>(pose_.vector(Vec3<double>(v))); }
+  Vec3<Real> point(const Vec3<Real>& p) const { return Vec3<Real>(pose_.point(Vec3<double>(p))); }
+  Vec3<Real> inverse_vector(const Vec3<Real>& v) const {
+    return Vec3<Real>(pose_.inverse_vector(Vec3<double>(v)));
+  }
+  Vec3<Real> inverse_point(const Vec3<Real>& p) const {
+    return Vec3<Real>(pose_.inverse_point(Vec3<double>(p)));
+  }
+  EmissionSample<Real> from_light(EmissionSample<Real> s) const {
+    s.origin = point(s.origin);
+    s.direction = vector(s.direction);
+    s.normal = vector(s.normal);
+    return s;
+  }
+  Receiver<Real> to_light(const Receiver<Real>& receiver) const {
+    Receiver<Real> r = receiver;
+    r.position = inverse_point(receiver.position);
+    r.normal = inverse_vector(receiver.normal);
+    return r;
+  }
+  SurfacePoint<Real> to_light(const SurfacePoint<Real>& p) const {
+    return {inverse_point(p.position), inverse_vector(p.normal), p.primitive};
+  }
+  SceneSphere to_light(const SceneSphere& scene) const {
+    return {pose_.inverse_point(scene.center_m), scene.radius_m};
+  }
+
+  const L& light_;
+  Pose pose_;
+};
+
+}  // namespace lucerna

@@ -1,0 +1,281 @@
+#include "lights/models/spot_light.h"
+
+#include <algorithm>
+#include <limits>
+#include <numbers>
+
+#include "lights/maths/validation.h"
+#include "lights/models/emission.h"
+#include "lights/models/inverse_square.h"
+#include "lights/spectra/level_validation.h"
+
+namespace lucerna {
+namespace {
+
+/// Without the cancellation of 1 - cos, which is 0 in float below 0.02 degrees.
+double one_minus_cos(double angle_rad) {
+  const double s = std::sin(angle_rad / 2);
+  return 2 * s * s;
+}
+
+double profile_at(SpotProfile profile, double x) {
+  return profile == SpotProfile::kSmoothstep ? x * x * (3 - 2 * x) : x * x * x * x;
+}
+
+/// Over x in [0, 1].
+double profile_mean(SpotProfile profile) { return profile == SpotProfile::kSmoothstep ? 0.5 : 0.2; }
+
+/// The x below which the share `u` of the integral of smoothstep lies: the root of
+/// 2 x^3 - x^4 = u, by Newton's method, which a convex function lets converge from any start.
+double invert_smoothstep_integral(double u) {
+  double x = std::cbrt(u / 2);
+  for (int i = 0; i < 6 && x > 0; ++i) {
+    const double f = x * x * x * (2 - x) - u;
+    x = std::min(1.0, x - f / (x * x * (6 - 4 * x)));
+  }
+  return x;
+}
+
+/// The x below which the share `u` of the profile's integral lies.
+double invert_profile_integral(SpotProfile profile, double u) {
+  return profile == SpotProfile::kSmoothstep ? invert_smoothstep_integral(u) : std::pow(u, 0.2);
+}
+
+/// pi - angle, with the digits of pi that a double lacks; the double nearest to pi means pi.
+double from_the_back(double angle_rad) {
+  constexpr double kRestOfPi = 1.2246467991473532e-16;
+  return angle_rad < std::numbers::pi ? (std::numbers::pi - angle_rad) + kRestOfPi : 0;
+}
+
+/// Whether the edge is nearer to where the light does not point.
+bool is_wide(const SpotLightParams& params) {
+  return params.cone_half_angle_rad > std::numbers::pi / 2;
+}
+
+/// Of the edge, from the nearer end of the axis.
+double from_pole(const SpotLightParams& params) {
+  const double cone = params.cone_half_angle_rad;
+  return is_wide(params) ? from_the_back(cone) : cone;
+}
+
+/// cos s - cos c = 2 sin((c + s) / 2) sin((c - s) / 2): does not cancel for a narrow edge.
+double edge_of(const SpotLightParams& params) {
+  const double c = params.cone_half_angle_rad, s = params.falloff_start_rad;
+  const double twice_middle = is_wide(params) ? from_the_back(c) + from_the_back(s) : c + s;
+  return 2 * std::sin(twice_middle / 2) * std::sin((c - s) / 2);
+}
+
+/// a b - c d, right to two roundings however much of it cancels.  [Jeannerod13]
+double difference_of_products(double a, double b, double c, double d) {
+  const double cd = c * d;
+  return std::fma(a, b, -cd) + std::fma(-c, d, cd);
+}
+
+/// `v` with a largest component of 1 to 2: the same digits.
+Vec3<double> of_size_one(const Vec3<double>& v) { return scaled(v, -std::ilogb(max_abs(v))); }
+
+/// With any mean of the profile.
+double solid_angle_sr(const SpotLightParams& params, double mean) {
+  return 2 * std::numbers::pi * (one_minus_cos(params.falloff_start_rad) + edge_of(params) * mean);
+}
+
+absl::Status check_angles(const SpotLightParams& params) {
+  const double cone = params.cone_half_angle_rad;
+  if (!(cone > 0 && cone <= std::numbers::pi)) {
+    return absl::InvalidArgumentError(
+        fmt::format("spot.cone_half_angle = {} rad, allowed (0, pi]", cone));
+  }
+  const double start = params.falloff_start_rad;
+  if (!(start >= 0 && start <= cone)) {
+    return absl::InvalidArgumentError(fmt::format(
+        "spot.falloff_start = {} rad, allowed [0, {}], the cone's half angle", start, cone));
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+double effective_solid_angle_sr(const SpotLightParams& params) {
+  return solid_angle_sr(params, profile_mean(params.profile));
+}
+
+template <std::floating_point Real>
+absl::StatusOr<SpotLight<Real>> SpotLight<Real>::create(const Params& params,
+                                                        const Vec3<double>& origin_m) {
+  if (auto s = check_position<Real>("spot.position", params.position_m, origin_m); !s.ok()) {
+    return s;
+  }
+  if (auto s = check_direction("spot.axis", params.axis); !s.ok()) return s;
+  if (auto s = check_light_value<Real>("spot.intensity", params.intensity_cd, "cd"); !s.ok()) {
+    return s;
+  }
+  if (auto s = check_angles(params); !s.ok()) return s;
+  return SpotLight(params, origin_m);
+}
+
+template <std::floating_point Real>
+SpotLight<Real>::SpotLight(const Params& params, const Vec3<double>& origin_m)
+    : params_(params),
+      position_(params.position_m - origin_m),
+      axis_(normalized(params.axis)),
+      is_wide_(is_wide(params)),
+      pole_(is_wide_ ? -axis_ : axis_),
+      to_cone_(one_minus_cos(from_pole(params))),
+      is_narrow_(from_pole(params) < 1e-3),
+      pole_as_given_(of_size_one(is_wide_ ? -params.axis : params.axis)),
+      one_minus_cos_start_(one_minus_cos(params.falloff_start_rad)),
+      effective_sr_(effective_solid_angle_sr(params)),
+      edge_(edge_of(params)),
+      per_edge_(edge_ > 0 ? 1 / edge_ : 0) {
+  // An edge too narrow for its reciprocal is hard.
+  if (!std::isfinite(per_edge_)) edge_ = per_edge_ = 0;
+}
+
+template <std::floating_point Real>
+double SpotLight<Real>::one_minus_cos_to_pole(const Vec3<double>& w) const {
+  // A unit vector has an error of 1e-16, which narrow cones are no wider than: so the sine from the
+  // vectors as they were given, and 1 - cos = sin^2 / (1 + cos).
+  const Vec3<double> a = pole_as_given_, v = of_size_one(w);
+  const Vec3<double> across{difference_of_products(v.y, a.z, v.z, a.y),
+                            difference_of_products(v.z, a.x, v.x, a.z),
+                            difference_of_products(v.x, a.y, v.y, a.x)};
+  const double lengths = std::sqrt(dot(a, a) * dot(v, v));
+  const double cos = dot(a, v) / lengths;
+  if (cos < 0) return 1 - cos;
+  const double sin = length(across) / lengths;
+  return sin / (1 + cos) * sin;
+}
+
+template <std::floating_point Real>
+double SpotLight<Real>::falloff(const Vec3<double>& w) const {
+  // 1 - cos of the angle between unit vectors is half their chord's square: exact near the pole.
+  const Vec3<double> chord = w - pole_;
+  const double to_w = is_narrow_ ? one_minus_cos_to_pole(w) : std::min(2.0, dot(chord, chord) / 2);
+  const double inside = is_wide_ ? to_w - to_cone_ : to_cone_ - to_w;
+  if (edge_ <= 0) return inside >= 0 ? 1 : 0;
+  return profile_at(params_.profile, std::clamp(inside * per_edge_, 0.0, 1.0));
+}
+
+// Not inlined: GCC 12 at -O2 keeps the direction in double where it has just been rounded to float
+// (SLP vectorization), and the density told with a sample is another than the one told for it.
+template <std::floating_point Real>
+[[gnu::noinline]] double SpotLight<Real>::falloff_as_rounded(const Vec3<Real>& w) const {
+  return falloff(told(Vec3<double>(w)));
+}
+
+template <std::floating_point Real>
+Rgb<Real> SpotLight<Real>::intensity(const Vec3<Real>& w) const {
+  // To unit length in double: a float's error of length is as large as the narrowest cones.
+  const Vec3<double> direction = told(Vec3<double>(w));
+  if (!is_finite(direction) || direction == Vec3<double>{}) return {};
+  return Rgb<Real>(params_.intensity_cd * falloff(direction));
+}
+
+template <std::floating_point Real>
+LightSample<Real> SpotLight<Real>::sample_li(const Receiver<Real>& receiver, Vec2<Real>) const {
+  LightSample<Real> sample;
+  const Way way = find_way(position_, receiver.position, sample);
+  if (sample.reason != NoLight::kNone) return sample;
+  const double share =
+      falloff(is_narrow_ ? Vec3<double>(receiver.position) - Vec3<double>(position_) : -way.wi);
+  if (share > 0 || params_.intensity_cd.is_black()) {
+    set_inverse_square(params_.intensity_cd * share, way, sample);
+  } else {
+    sample.reason = NoLight::kOutsideCone;
+  }
+  return sample;
+}
+
+template <std::floating_point Real>
+SolidAnglePdf<Real> SpotLight<Real>::pdf_li(const Receiver<Real>&, const Vec3<Real>&) const {
+  return {};
+}
+
+template <std::floating_point Real>
+Power SpotLight<Real>::power(const SceneSphere&) const {
+  return {params_.intensity_cd * effective_sr_, 0};
+}
+
+template <std::floating_point Real>
+Power SpotLight<Real>::power_approximate(const SceneSphere& scene) const {
+  return approximate_power(params_.intensity_cd * solid_angle_sr(params_, 0.5), power(scene));
+}
+
+template <std::floating_point Real>
+EmissionSample<Real> SpotLight<Real>::sample_le(Vec2<Real>, Vec2<Real> u_direction,
+                                                const SceneSphere&) const {
+  EmissionSample<Real> sample;
+  sample.origin = position_;
+  if (params_.intensity_cd.is_black()) {
+    sample.reason = NoLight::kBlack;
+    return sample;
+  }
+  // The share of the intensity that lies at full light comes first, then the edge from within.
+  // Not the very end of a soft edge, where there is no light.
+  const double u = std::min(double{u_direction.x}, 1 - 0x1p-53);
+  const double full = 2 * std::numbers::pi * one_minus_cos_start_ / effective_sr_;
+  double h = one_minus_cos_start_, share = 1;
+  if (u <= full) {
+    h *= full > 0 ? u / full : 0;
+  } else {
+    const double x = invert_profile_integral(params_.profile, std::min(1.0, (1 - u) / (1 - full)));
+    h += (1 - x) * edge_;
+    share = profile_at(params_.profile, x);
+  }
+  const double phi = 2 * std::numbers::pi * u_direction.y;
+  const auto radius = [](double h) { return std::sqrt(std::max(0.0, h * (2 - h))); };
+  const auto at = [&](double h) {
+    const Vec3<double> local{radius(h) * std::cos(phi), radius(h) * std::sin(phi), 1 - h};
+    return Vec3<Real>(Frame<double>::around(axis_).world_from_local(local));
+  };
+  sample.direction = at(h);
+  double rounded = falloff_as_rounded(sample.direction);
+  // Rounded beyond the edge: in by a few roundings, where the cone is that wide.
+  constexpr double kInwards = 8 * double{std::numeric_limits<Real>::epsilon()};
+  if (share > 0 && !(rounded > 0) && radius(h) > kInwards) {
+    const Vec3<Real> within = at(h - kInwards * radius(h));
+    rounded = falloff_as_rounded(within);
+    if (rounded > 0) sample.direction = within;
+  }
+  // What pdf_le will say of the direction as it is rounded; a cone so narrow that rounding leaves
+  // it keeps its samples.
+  if (rounded > 0) share = rounded;
+  sample.value = Rgb<Real>(params_.intensity_cd * share);
+  sample.pdf_direction = {static_cast<Real>(share / effective_sr_)};
+  if (!(share > 0)) sample.reason = NoLight::kOutsideCone;
+  if (!(sample.pdf_direction.per_sr > 0) || sample.value.is_black() ||
+      !std::isfinite(sample.pdf_direction.per_sr)) {
+    if (sample.reason == NoLight::kNone) sample.reason = NoLight::kOutOfRange;
+    sample.value = {};
+  }
+  return sample;
+}
+
+template <std::floating_point Real>
+EmissionPdf<Real> SpotLight<Real>::pdf_le(const Vec3<Real>& position, const Vec3<Real>& direction,
+                                          const SceneSphere&) const {
+  const Vec3<double> w = told(Vec3<double>(direction));
+  if (!same_float(position, position_) || !is_finite(w) || w == Vec3<double>{} ||
+      params_.intensity_cd.is_black())
+    return {};
+  return {{}, {static_cast<Real>(falloff(w) / effective_sr_)}};
+}
+
+template <std::floating_point Real>
+std::optional<LightBounds<Real>> SpotLight<Real>::bounds() const {
+  // By what roundings turn the axis and a direction; and near pi, where cosines tell angles worst.
+  double turned = 4 * kInputRounding;
+  if (params_.cone_half_angle_rad > std::numbers::pi / 2)
+    turned += 16 * std::numeric_limits<double>::epsilon() /
+              std::max(std::sin(params_.cone_half_angle_rad), 1e-8);
+  return LightBounds<Real>{
+      .lower = position_,
+      .upper = position_,
+      .axis = Vec3<Real>(axis_),
+      .cone_rad = std::min(params_.cone_half_angle_rad + turned, std::numbers::pi)};
+}
+
+template class SpotLight<float>;
+template class SpotLight<double>;
+
+}  // namespace lucerna

@@ -1,0 +1,74 @@
+// The sun: a disk of uniform radiance, infinitely far, that is seen under an angle.
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include <optional>
+
+#include "lights/models/light_bounds.h"
+#include "lights/sampling/light_sample.h"
+
+namespace lucerna {
+
+struct SunLightParams {
+  Vec3<double> to_light{0, 0, 1};  ///< world, any length but 0: from the scene to its centre
+  double angular_diameter_rad{};   ///< (0, pi]
+  /// On a surface that faces its centre, with nothing in the way, per channel, finite, not
+  /// negative.
+  Rgb<double> illuminance_lx{};
+};
+
+template <std::floating_point Real>
+class SunLight {
+ public:
+  using Params = SunLightParams;
+  static constexpr bool kDelta = false;
+
+  /// Errors: a field out of its domain; a radiance that does not fit `Real`.
+  static absl::StatusOr<SunLight> create(const Params& params, const Vec3<double>& origin_m = {});
+
+  /// Uniform over the disk's solid angle.  The radiance of a disk of half angle h that gives the
+  /// illuminance E on a surface facing its centre is E / (pi sin^2 h).
+  LightSample<Real> sample_li(const Receiver<Real>& receiver, Vec2<Real> u) const;
+  SolidAnglePdf<Real> pdf_li(const Receiver<Real>& receiver, const Vec3<Real>& wi) const;
+  /// On the side that `receiver` faces, with nothing in the way [lx].  Nothing where it faces
+  /// nowhere or is not finite.
+  std::optional<Rgb<Real>> irradiance(const Receiver<Real>& receiver) const;
+  bool hides_itself() const { return false; }
+  /// Radiance [cd/m2] that a ray leaving the scene towards `w` meets.
+  Rgb<Real> le_escaped(const Vec3<Real>& origin, const Vec3<Real>& w) const;
+  /// The same of a ray that enters the scene towards `w`.
+  Rgb<Real> le_leaving(const Vec3<Real>& origin, const Vec3<Real>& w) const {
+    return le_escaped(origin, -w);
+  }
+
+  /// Flux through the scene's bounding disk from each of the sun's directions, the disk facing it:
+  /// radiance times solid angle times pi R^2.
+  Power power(const SceneSphere& scene) const;
+  /// As if all came from the centre, E pi R^2.  [Pharr23, 12.3]
+  Power power_approximate(const SceneSphere& scene) const;
+  /// From the disk of the scene's sphere that faces each direction.
+  EmissionSample<Real> sample_le(Vec2<Real> u_position, Vec2<Real> u_direction,
+                                 const SceneSphere& scene) const;
+  EmissionPdf<Real> pdf_le(const Vec3<Real>& position, const Vec3<Real>& direction,
+                           const SceneSphere& scene) const;
+  /// None: it is infinitely far.
+  std::optional<LightBounds<Real>> bounds() const { return std::nullopt; }
+  const Params& params() const { return params_; }
+
+ private:
+  explicit SunLight(const Params& params, const Rgb<double>& radiance_cd_m2);
+  /// Whether `w`, of any length but 0, meets the disk.
+  bool contains(const Vec3<Real>& w) const;
+  /// Towards the disk.
+  Vec3<Real> sample_direction(Vec2<Real> u) const;
+
+  Params params_;
+  Vec3<Real> axis_;
+  Vec3<double>
+      unit_axis_;  ///< of what `Real` makes of it: the axis itself is in the narrowest cone
+  double one_minus_cos_;
+  Rgb<double> radiance_cd_m2_;
+};
+
+}  // namespace lucerna

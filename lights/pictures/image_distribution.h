@@ -1,0 +1,77 @@
+// Points of the unit square with a density proportional to a picture's texels as a filter shows
+// them: constant over each texel, or bilinear between the centres of texels.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "lights/maths/vec.h"
+#include "lights/pictures/image.h"
+
+namespace lucerna {
+
+/// Immutable.  Sums and cumulative distributions are in double: one texel of 1e9 in a picture of 1
+/// leaves the others their share.
+///
+/// The square is cut into rows of cells: the texels for the nearest filter, for the bilinear one
+/// the squares between centres, of which those at the border are halves.  Each row counts with a
+/// measure of its own, its height unless said otherwise.
+class ImageDistribution {
+ public:
+  struct Sample {
+    Vec2<double> position;  ///< in the closed unit square
+    double pdf;             ///< with respect to the square's area; 0: all weights are 0
+  };
+
+  /// `weights`: width times height, rows from the top, finite, not negative.  `row_measures`: of
+  /// each row of cells (height of them for the nearest filter, height + 1 for the bilinear one),
+  /// not negative; empty: their heights.
+  ImageDistribution(int width, int height, std::vector<double> weights, ImageFilter filter,
+                    ImageBorder border, std::vector<double> row_measures = {});
+  /// By the luminance of an image.
+  ImageDistribution(const Image& image, ImageFilter filter, ImageBorder border);
+
+  /// For any u of the closed unit square.
+  Sample sample(Vec2<double> u) const;
+  /// The density with which `sample` gives points of the closed unit square, with respect to area.
+  double pdf(Vec2<double> position) const;
+  /// The weights as the filter shows them, times the measure of their row relative to its height:
+  /// the integral over the square.  With the default measures the mean weight.
+  double integral() const { return rows_.back(); }
+
+  std::size_t bytes() const;
+
+ private:
+  /// Of one axis: a cell spans [begin, end] of the square and shares [share_begin, share_end] of
+  /// the way between two centres.
+  struct Span {
+    double begin, end, share_begin, share_end;
+  };
+  /// The weights at the corners of a cell: w[j][i] in row j, column i.
+  struct Corners {
+    double w[2][2];
+    double mean() const { return (w[0][0] + w[0][1] + w[1][0] + w[1][1]) / 4; }
+  };
+
+  double weight(int x, int y) const {
+    return weights_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
+                    static_cast<std::size_t>(x)];
+  }
+  bool nearest() const { return filter_ == ImageFilter::kNearest; }
+  Span span(int cell, int texels) const;
+  Corners corners(int column, int row) const;
+  const double* columns(int row) const {
+    return columns_.data() + static_cast<std::size_t>(row) * static_cast<std::size_t>(across_ + 1);
+  }
+
+  int width_, height_;
+  ImageFilter filter_;
+  ImageBorder border_;
+  int across_, down_;  ///< numbers of cells
+  std::vector<double> weights_;
+  std::vector<double> row_densities_;  ///< measure over height of each row of cells
+  std::vector<double> columns_;        ///< for each row of cells the sums up to each, from 0
+  std::vector<double> rows_;           ///< the sums of rows up to each, from 0
+};
+
+}  // namespace lucerna

@@ -1,0 +1,97 @@
+#include "lights/pictures/intensity_map.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+#include "lights/maths/normal_cone.h"
+
+namespace lucerna {
+namespace {
+
+
+/// The image with the mean of each texel's channels in all of them; itself where that is so.
+std::shared_ptr<const Image> grey(std::shared_ptr<const Image> image) {
+  if (is_grey(*image)) return image;
+  std::vector<Rgb<float>> texels;
+  texels.reserve(static_cast<std::size_t>(image->width()) *
+                 static_cast<std::size_t>(image->height()));
+  for (int y = 0; y < image->height(); ++y)
+    for (int x = 0; x < image->width(); ++x) {
+      const Rgb<double> t(image->texel(x, y));
+      texels.emplace_back(static_cast<float>((t.r + t.g + t.b) / 3));
+    }
+  // Means of what an image holds: nothing that another could refuse.
+  return *Image::create(image->width(), image->height(), std::move(texels));
+}
+
+/// How far what a texel lights reaches from the direction of its centre, at most [rad]: half a
+/// texel to each side with the nearest filter, a whole one with the bilinear one.
+double reach(const SphereMap& map) {
+  const double texels = map.filter() == ImageFilter::kNearest ? 0.5 : 1;
+  if (map.mapping() == SphereMapping::kLatitudeLongitude)
+    return std::hypot(kPi * texels / map.image().height(), 2 * kPi * texels / map.image().width());
+  // Steps du, dv <= h in [-1, 1]^2 change r = |u| + |v| by 2 h at most and the azimuth's share of
+  // its quadrant by 2 h / r.  With sin(theta / 2) = r / sqrt(2) they turn by 2 / sqrt(2 - r^2) <= 2
+  // times the former along a meridian, and by sin(theta) pi / 4 = r sqrt(2 - r^2) pi / 4 times the
+  // latter across.  Over folds and edges the map goes on without a jump.
+  const double h = 2 * texels / map.image().width();
+  return h * std::hypot(4, kPi / std::numbers::sqrt2);
+}
+
+}  // namespace
+
+bool is_grey(const Image& image) {
+  for (int y = 0; y < image.height(); ++y)
+    for (int x = 0; x < image.width(); ++x)
+      if (const Rgb<float>& t = image.texel(x, y); t.r != t.g || t.g != t.b) return false;
+  return true;
+}
+
+absl::StatusOr<std::shared_ptr<const IntensityMap>> IntensityMap::create(
+    std::shared_ptr<const Image> image, SphereMapping mapping, ImageFilter filter) {
+  if (image != nullptr) image = grey(std::move(image));
+  auto map = SphereMap::create(std::move(image), mapping, filter);
+  if (!map.ok()) return map.status();
+  return std::shared_ptr<const IntensityMap>(new IntensityMap(*std::move(map)));
+}
+
+IntensityMap::IntensityMap(std::shared_ptr<const SphereMap> map)
+    : map_(std::move(map)), distribution_(*map_) {
+  bound();
+}
+
+void IntensityMap::bound() {
+  const Image& image = map_->image();
+  const auto for_each_lit = [&](auto&& f) {
+    for (int y = 0; y < image.height(); ++y)
+      for (int x = 0; x < image.width(); ++x)
+        if (const double cd = image.texel(x, y).r; cd > 0)
+          f(cd, direction_from_square(map_->mapping(),
+                                      {(x + 0.5) / image.width(), (y + 0.5) / image.height()}));
+  };
+  // Any axis will do, so the rows of a latitude-longitude map need no weights.
+  Vec3<double> mean;
+  for_each_lit([&](double cd, const Vec3<double>& w) {
+    max_cd_ = std::max(max_cd_, cd);
+    mean += w * cd;
+  });
+  if (const Vec3<double> axis = normalized(mean); is_finite(axis) && axis != Vec3<double>{})
+    cone_.axis = axis;
+  for_each_lit([&](double, const Vec3<double>& w) {
+    cone_.half_angle_rad = std::max(cone_.half_angle_rad, angle_between(cone_.axis, w));
+  });
+  // What rounding of directions in float may turn.
+  constexpr double kSlack = 1e-6;
+  cone_.half_angle_rad = std::min(kPi, cone_.half_angle_rad + reach(*map_) + kSlack);
+}
+
+double IntensityMap::at(const Vec3<double>& w) const { return map_->lookup(normalized(w)).r; }
+
+SolidAnglePdf<double> IntensityMap::pdf(const Vec3<double>& w) const {
+  return {distribution_.per_sr(normalized(w))};
+}
+
+}  // namespace lucerna

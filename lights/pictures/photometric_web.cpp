@@ -1,0 +1,366 @@
+#include "lights/pictures/photometric_web.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+
+namespace lucerna {
+namespace {
+
+constexpr double kRadPerDegree = kPi / 180;
+
+/// The axes of a type's grid in light space.
+struct Axes {
+  Vec3<double> pole, zero, ninety;
+};
+
+Axes axes_of(PhotometricType type) {
+  switch (type) {
+    case PhotometricType::kA:
+      return {{0, 0, -1}, {1, 0, 0}, {0, 1, 0}};
+    case PhotometricType::kB:
+      return {{1, 0, 0}, {0, 0, 1}, {0, 1, 0}};
+    case PhotometricType::kC:
+      break;
+  }
+  return {{0, 0, 1}, {1, 0, 0}, {0, -1, 0}};
+}
+
+absl::Status check_ascending(std::string_view field, const std::vector<double>& angles) {
+  for (std::size_t i = 0; i < angles.size(); ++i) {
+    const bool good = std::isfinite(angles[i]) && std::fabs(angles[i]) <= 360 &&
+                      (i == 0 || angles[i] > angles[i - 1]);
+    if (!good)
+      return absl::InvalidArgumentError(fmt::format(
+          "{}[{}] = {} degrees, allowed: ascending, within 360 degrees of 0", field, i, angles[i]));
+  }
+  return absl::OkStatus();
+}
+
+/// The integrals of sin(a) over [a, b] times the two linear functions that are 1 at one end and 0
+/// at the other: sin(m) sin(d) -+ cos(m) (sin(d) - d cos(d)) / d, m the middle and d half of the
+/// length.
+struct EndWeights {
+  double lower, upper;
+};
+
+EndWeights end_weights(double a, double b) {
+  const double m = a + (b - a) / 2, d = (b - a) / 2;
+  // (sin d - d cos d) / d cancels; below 0.1 its series is exact to 1e-16 of its first term.
+  const double d2 = d * d;
+  const double slope =
+      d < 0.1
+          ? d2 * (1.0 / 3 - d2 * (1.0 / 30 - d2 * (1.0 / 840 - d2 * (1.0 / 45360 - d2 / 3991680))))
+          : std::sin(d) / d - std::cos(d);
+  const double even = std::sin(m) * std::sin(d), odd = std::cos(m) * slope;
+  return {even - odd, even + odd};
+}
+
+/// Half of 1 - cos: uniform in solid angle, and without cancellation at its pole.
+double half_one_minus_cos(double angle) {
+  const double s = std::sin(angle / 2);
+  return s * s;
+}
+
+}  // namespace
+
+absl::Status check_vertical_angles(PhotometricType type, const std::vector<double>& degrees) {
+  const auto& v = degrees;
+  if (v.size() < 2)
+    return absl::InvalidArgumentError(
+        fmt::format("{} vertical angles, allowed: 2 or more", v.size()));
+  if (auto s = check_ascending("vertical angle", v); !s.ok()) return s;
+  const double first = v.front(), last = v.back();
+  if (type == PhotometricType::kC) {
+    if ((first == 0 || first == 90) && (last == 90 || last == 180)) return absl::OkStatus();
+    return absl::InvalidArgumentError(fmt::format(
+        "vertical angles from {} to {} degrees, allowed for type C: from 0 or 90 to 90 or 180",
+        first, last));
+  }
+  if ((first == -90 || first == 0) && last == 90) return absl::OkStatus();
+  return absl::InvalidArgumentError(fmt::format(
+      "vertical angles from {} to {} degrees, allowed for types A and B: from -90 or 0 to 90",
+      first, last));
+}
+
+absl::Status check_horizontal_angles(PhotometricType type, const std::vector<double>& degrees) {
+  const auto& h = degrees;
+  if (h.empty()) return absl::InvalidArgumentError("0 horizontal angles, allowed: 1 or more");
+  if (auto s = check_ascending("horizontal angle", h); !s.ok()) return s;
+  const double first = h.front(), last = h.back();
+  if (type == PhotometricType::kC) {
+    const bool good = (first == 0 && (last == 0 || last == 90 || last == 180 || last == 360)) ||
+                      (first == 90 && last == 270) || (first == -90 && last == 90);
+    if (good) return absl::OkStatus();
+    return absl::InvalidArgumentError(
+        fmt::format("horizontal angles from {} to {} degrees, allowed for type C: 0 alone, 0 to "
+                    "90, 0 to 180, 90 to 270, 0 to 360",
+                    first, last));
+  }
+  if ((first == 0 || first == -90) && last == 90) return absl::OkStatus();
+  return absl::InvalidArgumentError(fmt::format(
+      "horizontal angles from {} to {} degrees, allowed for types A and B: from 0 or -90 to 90",
+      first, last));
+}
+
+absl::StatusOr<std::shared_ptr<const PhotometricWeb>> PhotometricWeb::create(
+    const PhotometricWebParams& params) {
+  if (auto s = check_vertical_angles(params.type, params.vertical_deg); !s.ok()) return s;
+  if (auto s = check_horizontal_angles(params.type, params.horizontal_deg); !s.ok()) return s;
+  const std::size_t points = params.vertical_deg.size() * params.horizontal_deg.size();
+  if (params.intensity_cd.size() != points)
+    return absl::InvalidArgumentError(
+        fmt::format("{} intensities, allowed: {}, that of the grid's points",
+                    params.intensity_cd.size(), points));
+  for (std::size_t i = 0; i < points; ++i) {
+    // The bound leaves room for the sums over the sphere.
+    if (!(params.intensity_cd[i] >= 0 && params.intensity_cd[i] <= 1e300))
+      return absl::InvalidArgumentError(
+          fmt::format("intensity {} at horizontal angle {} and vertical angle {} = {} cd, allowed: "
+                      "finite, not negative",
+                      i, params.horizontal_deg[i / params.vertical_deg.size()],
+                      params.vertical_deg[i % params.vertical_deg.size()], params.intensity_cd[i]));
+  }
+  return std::shared_ptr<const PhotometricWeb>(new PhotometricWeb(params));
+}
+
+PhotometricWeb::PhotometricWeb(const PhotometricWebParams& params) : type_(params.type) {
+  write_out(params);
+  max_cd_ = *std::max_element(cd_.begin(), cd_.end());
+  integrate();
+  bound();
+}
+
+// The file's grid with its symmetries written out: polar angles from the pole, azimuths over all
+// that is lit.
+void PhotometricWeb::write_out(const PhotometricWebParams& params) {
+  const std::size_t n = params.vertical_deg.size();
+  const bool from_pole = type_ == PhotometricType::kC;
+  polar_rad_.resize(n);
+  for (std::size_t j = 0; j < n; ++j)
+    polar_rad_[j] =
+        (from_pole ? params.vertical_deg[j] : 90 - params.vertical_deg[n - 1 - j]) * kRadPerDegree;
+
+  // A plane of the result: its azimuth, and the file's plane that it repeats.
+  struct Plane {
+    double deg;
+    std::size_t of;
+  };
+  std::vector<Plane> planes;
+  const auto& h = params.horizontal_deg;
+  for (std::size_t i = 0; i < h.size(); ++i) planes.push_back({h[i], i});
+  // Repeats all planes mirrored at the last one.
+  const auto mirror = [&] {
+    const double last = planes.back().deg;
+    for (std::size_t i = planes.size() - 1; i-- > 0;)
+      planes.push_back({2 * last - planes[i].deg, planes[i].of});
+  };
+  if (type_ == PhotometricType::kC) {
+    if (h.size() == 1) {
+      planes.push_back({360, 0});
+    } else {
+      while (planes.back().deg - planes.front().deg < 360) mirror();
+    }
+  } else if (h.front() == 0) {
+    for (std::size_t i = 1; i < h.size(); ++i) planes.insert(planes.begin(), {-h[i], i});
+  }
+  cd_.reserve(planes.size() * n);
+  for (const Plane& plane : planes) {
+    azimuth_rad_.push_back(plane.deg * kRadPerDegree);
+    for (std::size_t j = 0; j < n; ++j)
+      cd_.push_back(params.intensity_cd[plane.of * n + (from_pole ? j : n - 1 - j)]);
+  }
+}
+
+double PhotometricWeb::cell_flux(std::size_t row, std::size_t column) const {
+  // Over the azimuth the mean of a bilinear function is that of its two ends.
+  const EndWeights w = end_weights(polar_rad_[column], polar_rad_[column + 1]);
+  const double lower = (value(row, column) + value(row + 1, column)) / 2;
+  const double upper = (value(row, column + 1) + value(row + 1, column + 1)) / 2;
+  return (azimuth_rad_[row + 1] - azimuth_rad_[row]) * (lower * w.lower + upper * w.upper);
+}
+
+void PhotometricWeb::integrate() {
+  cumulative_.reserve(rows() * columns());
+  for (std::size_t i = 0; i < rows(); ++i)
+    for (std::size_t j = 0; j < columns(); ++j) cumulative_.push_back(flux_lm_ += cell_flux(i, j));
+}
+
+double PhotometricWeb::flux_between(double from, double to) const {
+  double sum = 0;
+  for (std::size_t i = 0; i < rows(); ++i)
+    for (std::size_t j = 0; j < columns(); ++j) {
+      // The part of the cell between them, linear in the angle as all of it is.
+      const double p = polar_rad_[j], q = polar_rad_[j + 1];
+      const double a = std::max(p, from), b = std::min(q, to);
+      if (!(a < b)) continue;
+      const double first = (value(i, j) + value(i + 1, j)) / 2;
+      const double last = (value(i, j + 1) + value(i + 1, j + 1)) / 2;
+      const auto at = [&](double angle) { return std::lerp(first, last, (angle - p) / (q - p)); };
+      const EndWeights w = end_weights(a, b);
+      sum += (azimuth_rad_[i + 1] - azimuth_rad_[i]) * (at(a) * w.lower + at(b) * w.upper);
+    }
+  return sum;
+}
+
+double PhotometricWeb::downward_flux_lm() const {
+  if (type_ == PhotometricType::kB) return flux_lm_;
+  return type_ == PhotometricType::kC ? flux_between(0, kPi / 2) : flux_between(kPi / 2, kPi);
+}
+
+double PhotometricWeb::horizon_flux_bound_lm(double width_rad) const {
+  if (!(width_rad > 0)) return 0;
+  if (type_ != PhotometricType::kB)
+    return std::max(flux_between(kPi / 2 - width_rad, kPi / 2),
+                    flux_between(kPi / 2, kPi / 2 + width_rad));
+  // All of type B is on one side, its height above the horizon sin(polar) cos(azimuth).  In a cell
+  // the band lies within so much of either angle from the ends of its range, and the intensity,
+  // linear in each, is largest at an end of one of these pieces.
+  const double height = std::sin(width_rad);
+  const auto ends = [](double begin, double end, double middle, double off) {
+    std::vector<double> at;
+    for (const double angle : {begin, end})
+      if (std::fabs(angle - middle) >= off) at.push_back(angle);
+    for (const double angle : {middle - off, middle + off})
+      if (begin < angle && angle < end) at.push_back(angle);
+    return at;
+  };
+  const auto least_off = [&](double least_of_other) {
+    return std::acos(std::min(1.0, height / std::max(0.0, least_of_other)));
+  };
+  double largest = 0;
+  for (std::size_t i = 0; i < rows(); ++i)
+    for (std::size_t j = 0; j < columns(); ++j) {
+      const double a = azimuth_rad_[i], b = azimuth_rad_[i + 1];
+      const double p = polar_rad_[j], q = polar_rad_[j + 1];
+      const double from_zero = least_off(std::min(std::sin(p), std::sin(q)));
+      const double from_equator = least_off(std::min(std::cos(a), std::cos(b)));
+      for (const double azimuth : ends(a, b, 0, from_zero))
+        for (const double polar : ends(p, q, kPi / 2, from_equator)) {
+          const double s = (azimuth - a) / (b - a), t = (polar - p) / (q - p);
+          largest =
+              std::max(largest, std::lerp(std::lerp(value(i, j), value(i, j + 1), t),
+                                          std::lerp(value(i + 1, j), value(i + 1, j + 1), t), s));
+        }
+    }
+  return 2 * kPi * height * largest;
+}
+
+void PhotometricWeb::bound() {
+  double from_pole = 0, from_other_pole = 0;
+  // Grids of type C go all around; those of the others lie in the half towards `zero`.
+  double from_zero = type_ == PhotometricType::kC ? kPi : 0;
+  for (std::size_t i = 0; i < rows(); ++i) {
+    for (std::size_t j = 0; j < columns(); ++j) {
+      if (std::max({value(i, j), value(i + 1, j), value(i, j + 1), value(i + 1, j + 1)}) == 0)
+        continue;
+      from_pole = std::max(from_pole, polar_rad_[j + 1]);
+      from_other_pole = std::max(from_other_pole, kPi - polar_rad_[j]);
+      // The cosine of the angle is a product of two, each least at an end: one of the corners is
+      // the farthest point.
+      if (type_ == PhotometricType::kC) continue;
+      for (const std::size_t row : {i, i + 1})
+        for (const std::size_t column : {j, j + 1}) {
+          const double cos = std::sin(polar_rad_[column]) * std::cos(azimuth_rad_[row]);
+          from_zero = std::max(from_zero, std::acos(std::clamp(cos, -1.0, 1.0)));
+        }
+    }
+  }
+  const Axes axes = axes_of(type_);
+  cone_ = {axes.pole, from_pole};
+  if (from_other_pole < cone_.half_angle_rad) cone_ = {-axes.pole, from_other_pole};
+  if (from_zero < cone_.half_angle_rad) cone_ = {axes.zero, from_zero};
+  // What rounding of angles and of directions in float may turn.
+  constexpr double kSlack = 1e-6;
+  cone_.half_angle_rad = std::min(kPi, cone_.half_angle_rad + kSlack);
+}
+
+PhotometricWeb::Place PhotometricWeb::find(const Vec3<double>& w) const {
+  const Axes axes = axes_of(type_);
+  const double x = dot(w, axes.zero), y = dot(w, axes.ninety), z = dot(w, axes.pole);
+  const double polar = std::atan2(std::hypot(x, y), z);
+  double azimuth = std::atan2(y, x);
+  if (azimuth < azimuth_rad_.front()) azimuth += 2 * kPi;
+  // A grid that goes all around has no gap, whatever rounding made of its ends.
+  const bool around = azimuth_rad_.back() - azimuth_rad_.front() > 6.28;
+  const bool inside =
+      polar >= polar_rad_.front() && polar <= polar_rad_.back() &&
+      (around || (azimuth >= azimuth_rad_.front() && azimuth <= azimuth_rad_.back()));
+  Place place{0, 0, 0, 0, inside};
+  if (!inside) return place;
+  const auto locate = [](const std::vector<double>& grid, double at, std::size_t& cell,
+                         double& within) {
+    const auto next = std::upper_bound(grid.begin() + 1, grid.end() - 1, at);
+    cell = static_cast<std::size_t>(next - grid.begin()) - 1;
+    within = std::clamp((at - grid[cell]) / (grid[cell + 1] - grid[cell]), 0.0, 1.0);
+  };
+  locate(azimuth_rad_, azimuth, place.row, place.s);
+  locate(polar_rad_, polar, place.column, place.t);
+  return place;
+}
+
+double PhotometricWeb::at(const Vec3<double>& w) const {
+  const Place p = find(w);
+  if (!p.inside) return 0;
+  const double lower = value(p.row, p.column) * (1 - p.s) + value(p.row + 1, p.column) * p.s;
+  const double upper =
+      value(p.row, p.column + 1) * (1 - p.s) + value(p.row + 1, p.column + 1) * p.s;
+  return lower * (1 - p.t) + upper * p.t;
+}
+
+double PhotometricWeb::solid_angle(std::size_t row, std::size_t column) const {
+  const double a = polar_rad_[column], b = polar_rad_[column + 1];
+  return (azimuth_rad_[row + 1] - azimuth_rad_[row]) * 2 * std::sin((a + b) / 2) *
+         std::sin((b - a) / 2);
+}
+
+Vec3<double> PhotometricWeb::sample(Vec2<double> u) const {
+  // The row of cells by `u.x`, whose rest is the place in it; the cell by `u.y` likewise.  Of cells
+  // without flux none is chosen, u = 1 included.
+  const auto pick = [](std::size_t count, double from, double to, double u, auto&& end,
+                       double& rest) {
+    const double target = from + u * (to - from);
+    std::size_t low = 0, high = count - 1;
+    while (low < high) {
+      const std::size_t middle = (low + high) / 2;
+      if (end(middle) > target || end(middle) >= to)
+        high = middle;
+      else
+        low = middle + 1;
+    }
+    const double before = low == 0 ? from : end(low - 1);
+    rest = std::clamp((target - before) / (end(low) - before), 0.0, 1.0);
+    return low;
+  };
+  double s = 0, t = 0;
+  const auto row_end = [&](std::size_t i) { return cumulative_[(i + 1) * columns() - 1]; };
+  const std::size_t row = pick(rows(), 0, flux_lm_, u.x, row_end, s);
+  const auto cell_end = [&](std::size_t j) { return cumulative_[row * columns() + j]; };
+  const std::size_t column =
+      pick(columns(), row == 0 ? 0 : row_end(row - 1), row_end(row), u.y, cell_end, t);
+
+  const double azimuth = azimuth_rad_[row] + s * (azimuth_rad_[row + 1] - azimuth_rad_[row]);
+  const double h0 = half_one_minus_cos(polar_rad_[column]);
+  const double h1 = half_one_minus_cos(polar_rad_[column + 1]);
+  const double h = std::clamp(h0 + t * (h1 - h0), 0.0, 1.0);
+  const double r = 2 * std::sqrt(h * (1 - h));
+  const Axes axes = axes_of(type_);
+  return normalized(axes.zero * (r * std::cos(azimuth)) + axes.ninety * (r * std::sin(azimuth)) +
+                    axes.pole * (1 - 2 * h));
+}
+
+SolidAnglePdf<double> PhotometricWeb::pdf(const Vec3<double>& w) const {
+  const Place p = find(w);
+  if (!p.inside || !(flux_lm_ > 0)) return {};
+  // From the cell itself: a difference of sums would lose a faint one beside bright ones.
+  return {cell_flux(p.row, p.column) / flux_lm_ / solid_angle(p.row, p.column)};
+}
+
+std::uint64_t PhotometricWeb::bytes() const {
+  return sizeof(*this) + sizeof(double) * (polar_rad_.capacity() + azimuth_rad_.capacity() +
+                                           cd_.capacity() + cumulative_.capacity());
+}
+
+}  // namespace lucerna

@@ -1,0 +1,112 @@
+// The photometric web: luminous intensity measured on a grid of angles about a luminaire, as IES
+// LM-63 and EULUMDAT files hold it.
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "lights/maths/emission_cone.h"
+#include "lights/sampling/light_sample.h"
+
+namespace lucerna {
+
+/// Where the poles of the grid lie.  In light space +z is photometric zero of a luminaire as it
+/// hangs, straight down (as a spot shines along +z), and +x the photometric horizontal; so +y is
+/// horizontal too, on the right of who looks along +x with the sky above.  V and H are the file's
+/// vertical and horizontal angles.  [LM63, 3], and for what turns which way [Blut22]
+enum class PhotometricType : std::uint8_t {
+  kC,  ///< V from +z (0) to -z (180); H about that axis, counter-clockwise seen from above: at V 90
+       ///< H = 0 is +x and H = 90 is -y
+  kB,  ///< V the latitude about a horizontal axis, V = 90 is +x; at V 0 H = 0 is +z, H = 90 is +y
+  kA,  ///< V the latitude about the vertical axis, V = 90 is -z; at V 0 H = 0 is +x, H = 90 is +y
+};
+
+struct PhotometricWebParams {
+  PhotometricType type = PhotometricType::kC;
+  /// Ascending [degrees], as files give them.  Type C from 0 or 90 to 90 or 180; types A and B from
+  /// -90 or 0 to 90.  What lies outside is dark.
+  std::vector<double> vertical_deg;
+  /// Ascending [degrees].  Type C: 0 alone (symmetric about the axis), 0 to 90 (in each quadrant),
+  /// 0 to 180 (about the plane 0-180), 90 to 270 or -90 to 90 (about the plane 90-270), 0 to 360.
+  /// Types A and B: 0 to 90 (symmetric about H = 0), -90 to 90; beyond 90 it is dark.
+  std::vector<double> horizontal_deg;
+  /// All vertical angles at the first horizontal angle, then at the next.  Finite, not negative.
+  std::vector<double> intensity_cd;
+};
+
+/// OK where `degrees` are as PhotometricWebParams says of them.
+absl::Status check_vertical_angles(PhotometricType type, const std::vector<double>& degrees);
+absl::Status check_horizontal_angles(PhotometricType type, const std::vector<double>& degrees);
+
+/// Intensity bilinear in the two angles between grid points.  Immutable; lights share it.
+class PhotometricWeb {
+ public:
+  /// Errors: angles that are none of the above, a number of intensities that is not that of the
+  /// grid, an intensity that is negative or not finite.
+  static absl::StatusOr<std::shared_ptr<const PhotometricWeb>> create(
+      const PhotometricWebParams& params);
+
+  /// Luminous intensity [cd] towards `w`, of any length but 0, light space.
+  double at(const Vec3<double>& w) const;
+
+  /// Luminous flux [lm]: the integral of `at` over the sphere, in closed form for each cell.
+  double flux_lm() const { return flux_lm_; }
+  /// What of it goes towards +z, downwards [lm]; likewise in closed form.
+  double downward_flux_lm() const;
+  /// A bound on what goes within so much of the horizon, on one side of it or on the other [lm]. Of
+  /// types A and C it is that flux, on whichever side there is more.
+  double horizon_flux_bound_lm(double width_rad) const;
+  /// The largest intensity [cd].
+  double max_cd() const { return max_cd_; }
+
+  /// A cell by its flux, and in it a direction uniform in solid angle.  Unit, light space.
+  /// Meaningless where the flux is 0.
+  Vec3<double> sample(Vec2<double> u) const;
+  /// The density of `sample`: positive wherever the intensity is.
+  SolidAnglePdf<double> pdf(const Vec3<double>& w) const;
+
+  /// About a pole of the grid or, for types A and B, about V = H = 0: whichever is narrowest.
+  const EmissionCone& cone() const { return cone_; }
+
+  PhotometricType type() const { return type_; }
+  /// Grid after its symmetries are written out.
+  std::size_t polar_angles() const { return polar_rad_.size(); }
+  std::size_t azimuths() const { return azimuth_rad_.size(); }
+  std::uint64_t bytes() const;
+
+ private:
+  /// A place on the grid: the cell, and where in it, from 0 to 1.
+  struct Place {
+    std::size_t row, column;
+    double s, t;
+    bool inside;
+  };
+  explicit PhotometricWeb(const PhotometricWebParams& params);
+  void write_out(const PhotometricWebParams& params);
+  void integrate();
+  void bound();
+  Place find(const Vec3<double>& w) const;
+  double value(std::size_t row, std::size_t column) const {
+    return cd_[row * polar_rad_.size() + column];
+  }
+  /// The flux of a cell [lm] and its solid angle [sr].
+  double cell_flux(std::size_t row, std::size_t column) const;
+  double solid_angle(std::size_t row, std::size_t column) const;
+  /// The flux between two polar angles [lm].
+  double flux_between(double from, double to) const;
+  std::size_t rows() const { return azimuth_rad_.size() - 1; }
+  std::size_t columns() const { return polar_rad_.size() - 1; }
+
+  PhotometricType type_;
+  std::vector<double> polar_rad_;    ///< from the pole, ascending within [0, pi]
+  std::vector<double> azimuth_rad_;  ///< ascending, over 2 pi at most
+  std::vector<double> cd_;           ///< all polar angles at the first azimuth, then at the next
+  std::vector<double> cumulative_;   ///< flux of the cells up to and with each [lm]
+  double flux_lm_ = 0, max_cd_ = 0;
+  EmissionCone cone_;
+};
+
+}  // namespace lucerna

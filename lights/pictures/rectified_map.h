@@ -1,0 +1,54 @@
+// The picture that a portal shows, in the coordinates in which every view of the portal is a
+// rectangle; and those coordinates.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "lights/pictures/map_illuminance.h"
+#include "lights/pictures/sphere_map.h"
+
+namespace lucerna {
+
+/// Directions w with w.z > 0 in a portal's axes, as points of the unit square: (alpha, beta) / pi +
+/// 1/2, where w is along (tan alpha, tan beta, 1).  [Bitterli15]
+Vec2<double> square_from_rectified(const Vec3<double>& w);
+/// The unit vector of a point, which is clamped to the square.
+Vec3<double> rectified_from_square(Vec2<double> p);
+/// Solid angle per area of the square at the unit vector w.
+double sr_per_square(const Vec3<double>& w);
+
+/// What each of n x n cells of the square sends onto the portal.
+class RectifiedCells {
+ public:
+  explicit RectifiedCells(int n);
+  /// Of the cells of row j, under radiance 1 [lx]: each to within 1e-13 of itself, those along the
+  /// edges too, which are the smallest.
+  std::vector<double> row(int j) const;
+
+ private:
+  static constexpr std::size_t kNodes = 5;
+  int n_;
+  std::vector<double> squared_sine_;  ///< at the nodes of the first half of cells along a side
+};
+
+/// A map as pbrt-v4 looks at it through a portal: n x n cells of the square, n the map's rows of
+/// texels, each with what the bilinear filter shows towards its middle.  Immutable.
+class RectifiedMap {
+ public:
+  /// `x`, `y`, `z`: the portal's axes in the map's own.
+  RectifiedMap(const SphereMap& map, const Vec3<double>& x, const Vec3<double>& y,
+               const Vec3<double>& z);
+
+  Rgb<double> lookup(Vec2<double> p) const;
+  /// On the portal itself: cell by cell to rounding, by RectifiedCells.  `without_cosine` as
+  /// pbrt-v4 has it, by the middles of cells.
+  MapIlluminance illuminance(const Rgb<double>& radiance) const;
+  std::size_t bytes() const { return sizeof(*this) + texels_.capacity() * sizeof texels_[0]; }
+
+ private:
+  int n_;
+  std::vector<Rgb<double>> texels_;
+};
+
+}  // namespace lucerna

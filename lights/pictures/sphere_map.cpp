@@ -1,0 +1,238 @@
+#include "lights/pictures/sphere_map.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace lucerna {
+namespace {
+
+
+Vec2<double> equal_area_square(const Vec3<double>& w) {
+  // 1 - |z| without its cancellation about the poles.
+  const double r = std::sqrt((w.x * w.x + w.y * w.y) / (1 + std::fabs(w.z)));
+  const double share = std::atan2(std::fabs(w.y), std::fabs(w.x)) * (2 / kPi);
+  double v = share * r;
+  double u = r - v;
+  if (w.z < 0) {
+    // The lower half is folded outwards over the diagonals.
+    std::swap(u, v);
+    u = 1 - u;
+    v = 1 - v;
+  }
+  return {std::clamp((std::copysign(u, w.x) + 1) / 2, 0.0, 1.0),
+          std::clamp((std::copysign(v, w.y) + 1) / 2, 0.0, 1.0)};
+}
+
+Vec3<double> equal_area_direction(Vec2<double> p) {
+  const double u = 2 * p.x - 1;
+  const double v = 2 * p.y - 1;
+  const double inside = 1 - (std::fabs(u) + std::fabs(v));
+  const double r = 1 - std::fabs(inside);
+  const double phi = r > 0 ? ((std::fabs(v) - std::fabs(u)) / r + 1) * (kPi / 4) : kPi / 4;
+  const double rho = r * std::sqrt(2 - r * r);
+  return {std::copysign(std::cos(phi), u) * rho, std::copysign(std::sin(phi), v) * rho,
+          std::copysign(1 - r * r, inside)};
+}
+
+Vec2<double> latitude_longitude_square(const Vec3<double>& w) {
+  double turn = std::atan2(w.z, w.x) / (2 * kPi);
+  if (turn < 0) turn = std::min(turn + 1, 1.0);
+  return {turn, std::atan2(std::sqrt(w.x * w.x + w.z * w.z), w.y) / kPi};
+}
+
+Vec3<double> from_longitude(double turn, double sin_theta, double cos_theta) {
+  const double phi = 2 * kPi * turn;
+  return {sin_theta * std::cos(phi), cos_theta, sin_theta * std::sin(phi)};
+}
+
+/// cos(pi begin) - cos(pi end), without cancellation.
+double height_between(double begin, double end) {
+  return 2 * std::sin(kPi * (begin + end) / 2) * std::sin(kPi * (end - begin) / 2);
+}
+
+/// sin d - d cos d, by its series where the difference cancels.
+double sin_less_d_cos(double d) {
+  if (d > 0.02) return std::sin(d) - d * std::cos(d);
+  const double d2 = d * d;
+  return d * d2 * (1.0 / 3 - d2 * (1.0 / 30 - d2 / 840));
+}
+
+/// The integral over the sphere of a latitude-longitude picture: each row of texels counts with
+/// the integral of its share of the filter over its latitudes.
+Rgb<double> integrate_rows(const Image& image, ImageFilter filter) {
+  const int height = image.height();
+  std::vector<double> measures(static_cast<std::size_t>(height));
+  if (filter == ImageFilter::kNearest) {
+    for (int y = 0; y < height; ++y)
+      measures[static_cast<std::size_t>(y)] =
+          height_between(static_cast<double>(y) / height, (y + 1.0) / height);
+  } else {
+    // Between the centres of two rows the share is linear in the polar angle theta = m + t; at the
+    // poles both are the same row (turned, which the sum over it does not see).
+    for (int strip = 0; strip <= height; ++strip) {
+      const double begin = std::max(0.0, (strip - 0.5) / height);
+      const double end = std::min(1.0, (strip + 0.5) / height);
+      const double m = kPi * (begin + end) / 2;
+      const double d = kPi * (end - begin) / 2;
+      const double constant = 2 * std::sin(m) * std::sin(d);
+      const double linear = 2 * std::cos(m) * sin_less_d_cos(d);
+      const double share = (begin + end) / 2 * height + 0.5 - strip;
+      const double below = share * constant + height / kPi * linear;
+      measures[static_cast<std::size_t>(std::min(strip, height - 1))] += below;
+      measures[static_cast<std::size_t>(std::max(strip - 1, 0))] += constant - below;
+    }
+  }
+  Rgb<double> sum;
+  for (int y = 0; y < height; ++y) {
+    Rgb<double> row;
+    for (int x = 0; x < image.width(); ++x) row += Rgb<double>(image.texel(x, y));
+    sum += row * measures[static_cast<std::size_t>(y)];
+  }
+  return sum * (2 * kPi / image.width());
+}
+
+}  // namespace
+
+Vec2<double> square_from_direction(SphereMapping mapping, const Vec3<double>& w) {
+  return mapping == SphereMapping::kEqualArea ? equal_area_square(w) : latitude_longitude_square(w);
+}
+
+Vec3<double> direction_from_square(SphereMapping mapping, Vec2<double> p) {
+  if (mapping == SphereMapping::kEqualArea) return equal_area_direction(p);
+  return from_longitude(p.x, std::sin(kPi * p.y), std::cos(kPi * p.y));
+}
+
+absl::StatusOr<std::shared_ptr<const SphereMap>> SphereMap::create(
+    std::shared_ptr<const Image> image, SphereMapping mapping, ImageFilter filter) {
+  if (image == nullptr) return absl::InvalidArgumentError("a sphere map without an image");
+  if (mapping == SphereMapping::kEqualArea && image->width() != image->height())
+    return absl::InvalidArgumentError(
+        fmt::format("an equal-area map of {} x {} texels, allowed: square (others may be "
+                    "latitude-longitude maps)",
+                    image->width(), image->height()));
+  return std::shared_ptr<const SphereMap>(new SphereMap(std::move(image), mapping, filter));
+}
+
+SphereMap::SphereMap(std::shared_ptr<const Image> image, SphereMapping mapping, ImageFilter filter)
+    : image_(std::move(image)),
+      mapping_(mapping),
+      filter_(filter),
+      integral_(mapping == SphereMapping::kEqualArea ? image_->mean() * (4 * kPi)
+                                                     : integrate_rows(*image_, filter)) {}
+
+ImageBorder SphereMap::border() const {
+  return mapping_ == SphereMapping::kEqualArea ? ImageBorder::kOctahedral
+                                               : ImageBorder::kLatitudeLongitude;
+}
+
+Rgb<double> SphereMap::lookup(const Vec3<double>& w) const {
+  return lookup(square_from_direction(mapping_, w));
+}
+
+Rgb<double> SphereMap::brightest() const {
+  Rgb<double> most;
+  for (int y = 0; y < image_->height(); ++y)
+    for (int x = 0; x < image_->width(); ++x) {
+      const Rgb<double> t(image_->texel(x, y));
+      most = {std::max(most.r, t.r), std::max(most.g, t.g), std::max(most.b, t.b)};
+    }
+  return most;
+}
+
+MapAxes::MapAxes(const Transform& world_from_map)
+    : x_(normalized(world_from_map.vector({1, 0, 0}))),
+      y_(normalized(world_from_map.vector({0, 1, 0}))) {
+  // At right angles to the last digit, and mirrored where the transform is.
+  y_ = normalized(y_ - x_ * dot(x_, y_));
+  z_ = cross(x_, y_);
+  if (world_from_map.swaps_handedness()) z_ = -z_;
+}
+
+namespace {
+
+ImageDistribution distribution_of(const SphereMap& map, double subtract) {
+  const Image& image = map.image();
+  std::vector<double> weights;
+  weights.reserve(static_cast<std::size_t>(image.width()) *
+                  static_cast<std::size_t>(image.height()));
+  for (int y = 0; y < image.height(); ++y)
+    for (int x = 0; x < image.width(); ++x)
+      weights.push_back(std::max(0.0, luminance(Rgb<double>(image.texel(x, y))) - subtract));
+  std::vector<double> measures;
+  if (map.mapping() == SphereMapping::kLatitudeLongitude) {
+    const double h = image.height();
+    if (map.filter() == ImageFilter::kNearest)
+      for (int y = 0; y < image.height(); ++y)
+        measures.push_back(height_between(y / h, (y + 1) / h) / 2);
+    else
+      for (int y = 0; y <= image.height(); ++y)
+        measures.push_back(
+            height_between(std::max(0.0, (y - 0.5) / h), std::min(1.0, (y + 0.5) / h)) / 2);
+  }
+  return {image.width(), image.height(), std::move(weights),
+          map.filter(),  map.border(),   std::move(measures)};
+}
+
+}  // namespace
+
+/// A row of cells of a latitude-longitude map.
+struct SphereDistribution::Strip {
+  double begin, end;  ///< of the square
+  double height;      ///< in the cosine of the polar angle
+  /// Density per solid angle from that per area of the square whose strips are straightened.
+  double sr_from_square() const { return 1 / (2 * kPi * height / (end - begin)); }
+};
+
+SphereDistribution::SphereDistribution(const SphereMap& map, double subtract)
+    : mapping_(map.mapping()),
+      filter_(map.filter()),
+      height_(map.image().height()),
+      squares_(distribution_of(map, subtract)) {}
+
+int SphereDistribution::row_of(double y) const {
+  if (filter_ == ImageFilter::kNearest)
+    return std::clamp(static_cast<int>(y * height_), 0, height_ - 1);
+  return between_centres(y, height_).first + 1;
+}
+
+SphereDistribution::Strip SphereDistribution::strip(int row) const {
+  const double n = height_;
+  const double half = filter_ == ImageFilter::kNearest ? 0 : 0.5;
+  const double begin = std::max(0.0, (row - half) / n);
+  const double end = std::min(1.0, (row + 1 - half) / n);
+  return {begin, end, height_between(begin, end)};
+}
+
+SphereDistribution::Sample SphereDistribution::sample(Vec2<double> u) const {
+  const ImageDistribution::Sample s = squares_.sample(u);
+  if (mapping_ == SphereMapping::kEqualArea)
+    return {equal_area_direction(s.position), s.position, s.pdf / (4 * kPi)};
+  const Strip row = strip(row_of(s.position.y));
+  const double share = std::clamp((s.position.y - row.begin) / (row.end - row.begin), 0.0, 1.0);
+  // From the nearer pole, of the half angle: nothing cancels at either.
+  const double sin_begin = std::sin(kPi * row.begin / 2);
+  const double cos_end = std::cos(kPi * row.end / 2);
+  const double sin2 = sin_begin * sin_begin + share * row.height / 2;
+  const double cos2 = cos_end * cos_end + (1 - share) * row.height / 2;
+  const double theta = 2 * std::atan2(std::sqrt(sin2), std::sqrt(cos2));
+  // Rounding may not carry it into the next row.
+  const double inside = (row.end - row.begin) * 0x1p-32;
+  const double y = std::clamp(theta / kPi, row.begin + inside, row.end - inside);
+  return {from_longitude(s.position.x, 2 * std::sqrt(sin2 * cos2), cos2 - sin2),
+          {s.position.x, y},
+          s.pdf * row.sr_from_square()};
+}
+
+double SphereDistribution::per_sr(const Vec3<double>& w) const {
+  Vec2<double> p = square_from_direction(mapping_, w);
+  if (mapping_ == SphereMapping::kEqualArea) return squares_.pdf(p) / (4 * kPi);
+  const Strip row = strip(row_of(p.y));
+  const double share = std::clamp(height_between(row.begin, p.y) / row.height, 0.0, 1.0);
+  if (filter_ == ImageFilter::kBilinear) p.y = row.begin * (1 - share) + row.end * share;
+  return squares_.pdf(p) * row.sr_from_square();
+}
+
+}  // namespace lucerna

@@ -1,0 +1,115 @@
+// A picture around the sphere of directions, and directions drawn by its luminance.
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "lights/maths/transform.h"
+#include "lights/pictures/image.h"
+#include "lights/pictures/image_distribution.h"
+
+namespace lucerna {
+
+/// How a picture covers the sphere.  Directions are unit vectors in the map's own axes.
+enum class SphereMapping : std::uint8_t {
+  /// Equal areas are equal solid angles; +z in the middle, -z at all four corners, +x to the right,
+  /// +y downwards, as pbrt-v4 has it.  Square pictures only.  [Clarberg08]
+  kEqualArea,
+  /// +y at the top, longitude to the right, from +x at the left edge by +z; seen from inside, in a
+  /// right-handed frame, the picture is not mirrored.
+  kLatitudeLongitude,
+};
+
+/// The point of the closed unit square that shows the direction `w`, a unit vector.
+Vec2<double> square_from_direction(SphereMapping mapping, const Vec3<double>& w);
+/// The unit vector that a point of the closed unit square stands for.
+Vec3<double> direction_from_square(SphereMapping mapping, Vec2<double> p);
+
+/// Immutable, shared by the lights that use it.
+class SphereMap {
+ public:
+  /// Errors: no image; a picture that is not square for the equal-area mapping.
+  static absl::StatusOr<std::shared_ptr<const SphereMap>> create(std::shared_ptr<const Image> image,
+                                                                 SphereMapping mapping,
+                                                                 ImageFilter filter);
+
+  /// Towards the unit vector `w`.  Across seams and poles the filter takes the texels that are
+  /// neighbours on the sphere (beyond a pole of a latitude-longitude picture of odd width those
+  /// half a texel off).
+  Rgb<double> lookup(const Vec3<double>& w) const;
+  /// At the point of the square that shows it.
+  Rgb<double> lookup(Vec2<double> p) const { return image_->lookup(p, filter_, border()); }
+
+  /// Integral of `lookup` over all directions [sr]: closed form, 4 pi for a picture of 1.
+  Rgb<double> integral() const { return integral_; }
+  /// The largest value of each channel, of whichever texel.
+  Rgb<double> brightest() const;
+
+  const Image& image() const { return *image_; }
+  SphereMapping mapping() const { return mapping_; }
+  ImageFilter filter() const { return filter_; }
+  ImageBorder border() const;
+  std::size_t bytes() const { return sizeof(*this) + image_->bytes(); }
+
+ private:
+  SphereMap(std::shared_ptr<const Image> image, SphereMapping mapping, ImageFilter filter);
+  std::shared_ptr<const Image> image_;
+  SphereMapping mapping_;
+  ImageFilter filter_;
+  Rgb<double> integral_;
+};
+
+/// A map's own axes in the world, of unit length and at right angles.
+class MapAxes {
+ public:
+  /// Rotation, mirror and equal scale of `world_from_map`; its translation is not used.
+  explicit MapAxes(const Transform& world_from_map);
+  /// Unit; not a number where `w` is not finite.
+  Vec3<double> map_from_world(const Vec3<double>& w) const {
+    return normalized(Vec3<double>{dot(x_, w), dot(y_, w), dot(z_, w)});
+  }
+  Vec3<double> world_from_map(const Vec3<double>& w) const {
+    return x_ * w.x + y_ * w.y + z_ * w.z;
+  }
+
+ private:
+  Vec3<double> x_, y_, z_;
+};
+
+/// Directions with a density that is positive wherever the map's luminance is (beyond what is
+/// subtracted): for the nearest filter proportional to it, with respect to solid angle; for the
+/// bilinear one within the strips between rows of centres linear in the square's height
+/// (equal-area) or in the cosine of the polar angle (latitude-longitude), so that it stays bounded
+/// at the poles.  Immutable.
+class SphereDistribution {
+ public:
+  struct Sample {
+    Vec3<double> direction;  ///< unit, in the map's axes
+    Vec2<double> position;   ///< the point of the square that shows it
+    double per_sr;           ///< density with respect to solid angle; 0: nothing to sample
+  };
+
+  /// By the luminance less `subtract` where it is more.
+  explicit SphereDistribution(const SphereMap& map, double subtract = 0);
+
+  Sample sample(Vec2<double> u) const;
+  double per_sr(const Vec3<double>& w) const;
+  bool empty() const { return !(squares_.integral() > 0); }
+  std::size_t bytes() const { return sizeof(*this) + squares_.bytes(); }
+
+ private:
+  struct Strip;
+  Strip strip(int row) const;
+  int row_of(double y) const;
+
+  SphereMapping mapping_;
+  ImageFilter filter_;
+  int height_;
+  ImageDistribution squares_;
+};
+
+}  // namespace lucerna

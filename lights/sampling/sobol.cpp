@@ -1,0 +1,64 @@
+#include "lights/sampling/sobol.h"
+
+namespace lucerna {
+namespace {
+
+std::uint32_t reverse_bits(std::uint32_t v) {
+  v = __builtin_bswap32(v);
+  v = (v & 0x0F0F0F0FU) << 4 | (v >> 4 & 0x0F0F0F0FU);
+  v = (v & 0x33333333U) << 2 | (v >> 2 & 0x33333333U);
+  return (v & 0x55555555U) << 1 | (v >> 1 & 0x55555555U);
+}
+
+/// Permutes so that every bit is flipped or not by a hash of the bits below it and `seed`: nested
+/// uniform scrambling of a number whose digits run from the lowest bit upwards.  The idea is
+/// [Laine11]'s, the constants are [Vegdahl21]'s.
+std::uint32_t scramble_upwards(std::uint32_t v, std::uint32_t seed) {
+  v ^= v * 0x3D20ADEAU;
+  v += seed;
+  v *= (seed >> 16) | 1;
+  v ^= v * 0x05526C56U;
+  v ^= v * 0x53A22864U;
+  return v;
+}
+
+/// The second Sobol dimension, digits from the lowest bit upwards as those of `index` are: digit j
+/// is the parity of all index bits i with binomial(i, j) odd, which Lucas' theorem says are those
+/// where i has all the bits of j.  A sum over supersets, so five steps do.
+std::uint32_t pascal(std::uint32_t index) {
+  index ^= index >> 16;
+  index ^= index >> 8 & 0x00FF00FFU;
+  index ^= index >> 4 & 0x0F0F0F0FU;
+  index ^= index >> 2 & 0x33333333U;
+  return index ^ (index >> 1 & 0x55555555U);
+}
+
+float to_unit(std::uint32_t bits) { return static_cast<float>(bits >> 8) * 0x1p-24F; }
+
+constexpr std::uint64_t kGolden = 0x9E3779B97F4A7C15U;
+
+}  // namespace
+
+// The finaliser "Mix13" of the SplitMix generator.  [Steele14]
+std::uint64_t mix_bits(std::uint64_t v) {
+  v = (v ^ v >> 30) * 0xBF58476D1CE4E5B9U;
+  v = (v ^ v >> 27) * 0x94D049BB133111EBU;
+  return v ^ v >> 31;
+}
+
+SobolSequence::SobolSequence(std::uint64_t seed, std::uint64_t item, std::uint64_t replicate)
+    : key_(mix_bits(mix_bits(mix_bits(seed + kGolden) + item + kGolden) + replicate + kGolden)) {}
+
+Vec2<float> SobolSequence::pair(std::uint32_t index, std::uint32_t pair) const {
+  const std::uint64_t order = mix_bits(key_ + (2 * std::uint64_t{pair} + 1) * kGolden);
+  const std::uint64_t digits = mix_bits(key_ + (2 * std::uint64_t{pair} + 2) * kGolden);
+  // Nested scrambling of the index keeps every aligned block of 2^m points together.  [Burley20]
+  const std::uint32_t shuffled =
+      reverse_bits(scramble_upwards(reverse_bits(index), static_cast<std::uint32_t>(order >> 32)));
+  const auto x_seed = static_cast<std::uint32_t>(digits);
+  const auto y_seed = static_cast<std::uint32_t>(digits >> 32);
+  return {to_unit(reverse_bits(scramble_upwards(shuffled, x_seed))),
+          to_unit(reverse_bits(scramble_upwards(pascal(shuffled), y_seed)))};
+}
+
+}  // namespace lucerna

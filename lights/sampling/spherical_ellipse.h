@@ -1,0 +1,67 @@
+// The spherical ellipse: what a disk covers of the sphere of directions, and points of the disk
+// chosen nearly uniformly in it.
+//
+// As [Guillen17] this goes out from the middle of the ellipse, uniform in 1 - cos along each
+// meridian.  There the choice of the meridian is uniform in solid angle too, which takes the
+// inverse of an elliptic integral: tables or iterations, and a density no more exact than they are.
+// Here meridians are chosen uniformly by the angle t of the ellipse's edge in the form
+//
+//   (sin alpha cos t, sin beta sin t, n(t)),   n(t)^2 = 1 - sin^2 alpha cos^2 t - sin^2 beta sin^2
+//   t,
+//
+// unit vectors about the middle, alpha and beta the half-angles of its axes.  The density of a
+// direction is then in closed form, with t that of its meridian:
+//
+//   p = (1 + n(t)) / (2 pi sin alpha sin beta).
+//
+// It is uniform for circles, nearly so for what is small or round, and never varies by more than
+// (1 + cos beta) / (1 + cos alpha), less than 2.  (Along the meridian of azimuth phi the density of
+// 1 - cos is 1 / (1 - n), and dt / dphi / (2 pi) = (1 - n^2) / (2 pi sin alpha sin beta).)
+#pragma once
+
+#include <optional>
+
+#include "lights/maths/vec.h"
+
+namespace lucerna {
+
+/// A value; no call allocates.
+class SphericalEllipse {
+ public:
+  /// A disk of `radius` in a plane `height` above the receiver, its centre `offset` aside; not
+  /// negative, in any unit of length.  Nothing where the half-angle beta of the short axis is below
+  /// 1e-5, nor where alpha is within 1e-5 of a right angle and beta not within 1e-3 of one, where
+  /// points are to be chosen by area: the one threshold for sampling and density.  Smaller disks
+  /// are either so far that all ways are alike or seen from so nearly within their plane that the
+  /// height has lost what digits `float` points hold; larger ones are seen from just over their
+  /// rim.
+  static std::optional<SphericalEllipse> create(double offset, double height, double radius);
+
+  /// A point of the disk: x along the offset (away from the receiver), y across.
+  struct Point {
+    Vec2<double> from_center;
+    Vec2<double> from_foot;  ///< below the receiver; right however near that is
+  };
+  Point choose(Vec2<double> u) const;
+  /// The same from the centre alone.
+  Vec2<double> sample(Vec2<double> u) const { return choose(u).from_center; }
+
+  /// Density with respect to solid angle at a point of the disk [1/sr].
+  double pdf(Vec2<double> point) const;
+
+ private:
+  SphericalEllipse() = default;
+
+  /// n(t)^2 of the meridian through (sin alpha x, sin beta y).
+  double squared_edge(double x, double y) const;
+
+  int exponent_;  // of the unit of length that the rest is in
+  double radius_, height_;
+  double axis_, foot_axis_;  // where the middle's direction meets the plane, x; and from the foot
+  double to_axis_;           // and how far that is from the receiver
+  double sin_alpha_, cos_alpha_;  // across
+  double sin_beta_, cos_beta_;    // along
+  double sin_tilt_, cos_tilt_;    // of the middle, off the disk's normal
+};
+
+}  // namespace lucerna

@@ -1,0 +1,78 @@
+// The spherical triangle: what a triangle covers of the sphere of directions, and points of the
+// triangle chosen uniformly in it.
+//
+// Well-conditioned from 1e-30 sr to nearly the hemisphere: solid angle and sampling come from the
+// triple product of the corners by way of the edges, and no angle is ever a difference of angles.
+#pragma once
+
+#include <cmath>
+#include <optional>
+
+#include "lights/maths/vec.h"
+
+namespace lucerna {
+
+/// Beyond this a triangle or rectangle covers the hemisphere: its edges lie in the receiver's horizon
+/// to within the rounding of what follows [sr].
+inline constexpr double kMaxSolidAngle = 2 * kPi - 1e-6;
+
+/// `x` within [0, 1]; 0 for NaN, which rounding makes of a fraction between equals.
+inline double clamp_unit(double x) { return std::fmin(std::fmax(x, 0), 1); }
+
+/// The solid angle [sr] of the triangle with a corner at `a` and edges `ab`, `ac` from there, as
+/// seen from the origin; in [0, 2 pi].  0 from within its plane.  Any unit of length.
+/// [Oosterom83]
+double triangle_solid_angle(const Vec3<double>& a, const Vec3<double>& ab, const Vec3<double>& ac);
+/// The same by all three corners, where `determinant`, dot(a, cross(b, c)), is known better than
+/// they tell.
+double triangle_solid_angle(const Vec3<double>& a, const Vec3<double>& b, const Vec3<double>& c,
+                            double determinant);
+
+/// A value; no call allocates.
+class SphericalTriangle {
+ public:
+  /// Corners, and the receiver in the same frame; any unit of length.  Edges are told from the
+  /// corners as they are, so that what a small triangle loses by its distance is its direction
+  /// alone.  Nothing where no density by solid angle exists: the receiver within the plane, on a
+  /// corner, or so near to the triangle that it covers the hemisphere but for 1e-6 sr; not finite.
+  static std::optional<SphericalTriangle> create(const Vec3<double>& a, const Vec3<double>& b,
+                                                 const Vec3<double>& c,
+                                                 const Vec3<double>& receiver = {});
+
+  /// The same from corners relative to the receiver, where dot(a, cross(b - a, c - a)) is known
+  /// better than they tell.
+  static std::optional<SphericalTriangle> create_seen(const Vec3<double>& a, const Vec3<double>& b,
+                                                      const Vec3<double>& c, double determinant);
+
+  double solid_angle_sr() const { return solid_angle_; }
+
+  /// Barycentric coordinates (of a, b, c) of a point, uniform in solid angle; not negative, sum 1.
+  /// `u` in [0, 1]^2: u.y = 0 is b; u.y = 1 the edge from a (u.x = 0) to c (u.x = 1).  [Arvo95]
+  Vec3<double> sample(Vec2<double> u) const;
+
+  /// The `u` that leads to the point of these barycentric coordinates.
+  Vec2<double> invert(const Vec3<double>& barycentric) const;
+
+ private:
+  SphericalTriangle() = default;
+  static std::optional<SphericalTriangle> create(const Vec3<double>& a, const Vec3<double>& b,
+                                                 const Vec3<double>& ab, const Vec3<double>& ac,
+                                                 double determinant);
+
+  /// The arc from b to the point c' of the edge ac at `t`: in units of |b|, b + s m.
+  struct Arc {
+    double sine, cosine;  ///< of the angle between b and m, times |m|
+
+    /// 1 - cos of the angle between b and b + s m.
+    double one_minus_cos(double s) const;
+  };
+  Arc arc_to(double t) const;
+
+  Vec3<double> unit_a_, unit_b_, ac_, ba_;  // ac_ in units of |a|; ba_ in units of |b|
+  Vec3<double> bisector_;                   // unit_a_ + unit_b_
+  double a_by_b_;                           // |a| / |b|
+  double determinant_;                      // of unit_a_, unit_b_, ac_; positive
+  double solid_angle_;
+};
+
+}  // namespace lucerna

@@ -1,0 +1,399 @@
+#include "lights/shapes/bilinear_patch.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "lights/maths/triple_product.h"
+#include "lights/sampling/sampling.h"
+#include "lights/sampling/spherical_fan.h"
+#include "lights/sampling/spherical_rectangle.h"
+#include "lights/shapes/bilinear_form.h"
+
+namespace lucerna {
+
+namespace {
+
+/// The sampling density in (u, v) is proportional to |dp/du x dp/dv| at the corners, bilinear
+/// between them; by the triangle inequality it is 0 nowhere that the share of area is not.
+struct CornerWeights : BilinearWeights {
+  bool flat_convex;
+
+  explicit CornerWeights(const BilinearForm& p) {
+    if (p.g == Vec3<double>{}) {  // a parallelogram, as most are
+      w00 = w10 = w01 = w11 = length(cross(p.e, p.f));
+      flat_convex = w00 > 0;
+      return;
+    }
+    const Vec3<double> n[4] = {p.area_vector(0, 0), p.area_vector(1, 0), p.area_vector(0, 1),
+                               p.area_vector(1, 1)};
+    w00 = length(n[0]), w10 = length(n[1]), w01 = length(n[2]), w11 = length(n[3]);
+    // Normals that differ by an angle a change the area by a^2 / 2; corners rounded to float turn
+    // them by 1e-7.
+    constexpr double kFlat = 1e-6;
+    const Vec3<double> sum = (n[0] + n[1]) + (n[2] + n[3]);
+    // To length 1 first: squares of areas leave double's range.  A sum of 0, of a patch that folds
+    // over by halves, makes it no number, which is not flat.
+    const double to_unit = 1 / length(sum);
+    const Vec3<double> side = sum * to_unit;
+    flat_convex = true;
+    for (const auto& corner : n) {
+      const Vec3<double> c = corner * to_unit, off = cross(c, side);
+      flat_convex = flat_convex && dot(c, side) >= -kFlat && dot(off, off) <= kFlat * kFlat;
+    }
+  }
+};
+
+/// The real roots of a x^2 + b x + c, neither of them by a difference that cancels.
+int solve_quadratic(double a, double b, double c, double (&x)[2]) {
+  const double discriminant = b * b - 4 * a * c;
+  if (!(discriminant >= 0)) return 0;
+  const double q = -(b + std::copysign(std::sqrt(discriminant), b)) / 2;
+  int count = 0;
+  if (q != 0) x[count++] = c / q;
+  if (a != 0) x[count++] = q / a;
+  return count == 2 && x[0] == x[1] ? 1 : count;
+}
+
+/// The (u, v) whose points are `position`, up to its rounding by `tolerance_m`: two where a patch
+/// folds over itself, else one, the best there is.
+int invert(const BilinearForm& p, const Vec3<double>& position, double tolerance_m,
+           Vec2<double> (&uv)[2]) {
+  // Along the mean normal onto the coordinate plane that it is steepest to.
+  Vec3<double> n = cross(p.e + p.f + p.g, p.f - p.e);
+  if (!(max_abs(n) > 0)) n = p.area_vector(0, 0);
+  const Vec3<double> size{std::fabs(n.x), std::fabs(n.y), std::fabs(n.z)};
+  const int drop = size.x > size.y ? (size.x > size.z ? 0 : 2) : (size.y > size.z ? 1 : 2);
+  const auto cross2 = [i = (drop + 1) % 3, j = (drop + 2) % 3](const Vec3<double>& a,
+                                                               const Vec3<double>& b) {
+    return a[i] * b[j] - a[j] * b[i];
+  };
+  // q - u e is parallel to f + u g.
+  const Vec3<double> q = position - p.p00;
+  double root[2];
+  int count =
+      solve_quadratic(-cross2(p.e, p.g), cross2(q, p.g) - cross2(p.e, p.f), cross2(q, p.f), root);
+  // Rounding may take a point of the fold over its edge: the vertex of the parabola is nearest.
+  if (count == 0) {
+    root[0] = (cross2(q, p.g) - cross2(p.e, p.f)) / (2 * cross2(p.e, p.g));
+    count = 1;
+  }
+  double error[2];
+  for (int i = 0; i < count; ++i) {
+    const double u = std::isfinite(root[i]) ? std::clamp(root[i], 0.0, 1.0) : 0.5;
+    const Vec3<double> line = p.f + p.g * u;
+    const double v = dot(q - p.e * u, line) / dot(line, line);
+    uv[i] = {u, std::isfinite(v) ? std::clamp(v, 0.0, 1.0) : 0.5};
+    error[i] = length(p.at(uv[i].x, uv[i].y) - position);
+  }
+  if (count == 2) {
+    if (error[1] < error[0]) {
+      std::swap(uv[0], uv[1]);
+      std::swap(error[0], error[1]);
+    }
+    if (!(error[1] <= tolerance_m) || uv[0] == uv[1]) count = 1;
+  }
+  return count;
+}
+
+// Not inlined: GCC 12 at -O2 keeps a point in double where it has just been rounded to float.
+template <typename Real>
+[[gnu::noinline]] SurfacePoint<Real> sample_area(const BilinearForm& p,
+                                                 const CornerWeights& weights, Vec2<Real> u) {
+  const auto [s, t] = weights.sample({u.x, u.y});
+  return {Vec3<Real>(p.at(s, t)), Vec3<Real>(normalized(p.area_vector(s, t)))};
+}
+
+template <typename Real>
+AreaPdf<double> pdf_area(const BilinearPatch<Real>& patch, const BilinearForm& p,
+                         const CornerWeights& weights, const Vec3<Real>& position) {
+  const double uniform = 1 / weights.mean();
+  if (weights.flat_convex) return {uniform};
+  const auto [lower, upper] = patch.bounds();
+  const double tolerance_m =
+      8 * kInputRounding * (static_cast<double>(max_abs(lower)) + max_abs(upper));
+  Vec2<double> uv[2];
+  const int count = invert(p, Vec3<double>(position), tolerance_m, uv);
+  double sum = 0;
+  for (int i = 0; i < count; ++i)
+    sum += weights.at(uv[i].x, uv[i].y) / length(p.area_vector(uv[i].x, uv[i].y));
+  return {sum * uniform};
+}
+
+/// The corners' weights are worked out once for a point and its density.
+template <typename Real>
+ChosenPoint<Real> sample_area_from(const BilinearPatch<Real>& patch, const BilinearForm& p,
+                                   const Receiver<Real>& receiver, Vec2<Real> u) {
+  const CornerWeights weights(p);
+  const SurfacePoint<Real> point = sample_area(p, weights, u);
+  return {point,
+          pdf_seen_from(receiver.position, point, pdf_area(patch, p, weights, point.position))};
+}
+
+}  // namespace
+
+template <typename Real>
+BilinearPatchArea BilinearPatch<Real>::measure() const {
+  const BilinearForm p(*this);
+  const CornerWeights weights(p);
+  if (weights.flat_convex) return {weights.mean(), 0};
+  constexpr double kRelative = 1e-8;
+  return integrate_area(p, kRelative * weights.mean());
+}
+
+template <typename Real>
+Vec3<Real> BilinearPatch<Real>::at(Vec2<Real> uv) const {
+  return Vec3<Real>(BilinearForm(*this).at(uv.x, uv.y));
+}
+
+template <typename Real>
+Vec3<Real> BilinearPatch<Real>::normal(Vec2<Real> uv) const {
+  return Vec3<Real>(normalized(BilinearForm(*this).area_vector(uv.x, uv.y)));
+}
+
+template <typename Real>
+SurfacePoint<Real> BilinearPatch<Real>::sample_area(Vec2<Real> u) const {
+  const BilinearForm p(*this);
+  return lucerna::sample_area(p, CornerWeights(p), u);
+}
+
+template <typename Real>
+double BilinearPatch<Real>::area_element(Vec2<double> uv) const {
+  return length(BilinearForm(*this).area_vector(uv.x, uv.y));
+}
+
+template <typename Real>
+double BilinearPatch<Real>::least_area_element() const {
+  const BilinearForm p(*this);
+  const Vec3<double> n[4] = {p.area_vector(0, 0), p.area_vector(1, 0), p.area_vector(0, 1),
+                             p.area_vector(1, 1)};
+  const Vec3<double> side = normalized((n[0] + n[1]) + (n[2] + n[3]));
+  return std::max(0.0,
+                  std::min({dot(n[0], side), dot(n[1], side), dot(n[2], side), dot(n[3], side)}));
+}
+
+template <typename Real>
+bool BilinearPatch<Real>::is_unfolded() const {
+  const BilinearForm p(*this);
+  const Vec3<double> n[4] = {p.area_vector(0, 0), p.area_vector(1, 0), p.area_vector(0, 1),
+                             p.area_vector(1, 1)};
+  const Vec3<double> sum = (n[0] + n[1]) + (n[2] + n[3]);
+  const Vec3<double> side = normalized(sum);
+  // A corner without area, as of a triangle, is no fold, but has no density.
+  constexpr double kLeast = 1e-6;
+  for (const auto& corner : n)
+    if (!(dot(corner, side) > kLeast * length(sum))) return false;
+  return true;
+}
+
+template <typename Real>
+bool BilinearPatch<Real>::is_rectangle() const {
+  const BilinearForm p(*this);
+  const double x = length(p.e);
+  const double y = length(p.f);
+  // By as much as corners rounded to float at eight times the size: the density of a patch taken
+  // for a rectangle is off by no more.
+  constexpr double kSquare = 1e-6;
+  return x > 0 && y > 0 && std::fabs(dot(p.e / x, p.f / y)) <= kSquare &&
+         length(p.g) <= kSquare * std::fmin(x, y);
+}
+
+namespace {
+
+/// A rectangle as a receiver sees it, and how its points are chosen.
+struct Seen {
+  Vec3<double> corner[4];  // 00, 10, 01, 11; from the receiver
+  Vec3<double> normal;     // the receiver's
+  double height;           // of the receiver
+  AreaSampling way;
+  std::optional<SphericalFan> fan;  // comes first
+  std::optional<SphericalRectangle> spherical;
+
+  template <typename Real>
+  Seen(const BilinearPatch<Real>& patch, const BilinearForm& p, const Receiver<Real>& receiver)
+      : normal(receiver.normal), height(patch.height_of(receiver.position)) {
+    const Vec3<double> r(receiver.position);
+    for (int i = 0; i < 4; ++i) corner[i] = p.at(i & 1, i >> 1) - r;
+    way = way_for_corners(receiver.area_sampling, corner, normal, receiver.incomplete);
+    if (is_by_area(way) || height == 0) return;
+    const Vec3<double> around[] = {corner[0], corner[1], corner[3], corner[2]};
+    fan = SphericalFan::create(around, normalized(cross(p.e, p.f)), height);
+    if (!fan) spherical = SphericalRectangle::create(corner[0], p.e, p.f, height);
+  }
+
+  BilinearWeights cosines() const {
+    const auto weight = [&](int i) { return cosine_weight(normal, corner[i]); };
+    return {weight(0), weight(1), weight(2), weight(3)};
+  }
+};
+
+template <typename Real>
+SolidAnglePdf<double> pdf_of(const BilinearPatch<Real>& patch, const BilinearForm& p,
+                             const Seen& seen, const Receiver<Real>& receiver,
+                             const SurfacePoint<Real>& point) {
+  if (seen.fan) return {1 / seen.fan->solid_angle_sr()};
+  if (!seen.spherical)
+    return pdf_seen_from(receiver.position, point, patch.pdf_area(point.position), seen.height);
+  const double uniform = 1 / seen.spherical->solid_angle_sr();
+  if (seen.way != AreaSampling::kCosineSolidAngle) return {uniform};
+  const Vec3<double> q = Vec3<double>(point.position) - p.p00;
+  const Vec2<double> shares{dot(q, p.e) / dot(p.e, p.e), dot(q, p.f) / dot(p.f, p.f)};
+  return {uniform * seen.cosines().pdf(seen.spherical->invert(shares))};
+}
+
+}  // namespace
+
+template <typename Real>
+bool BilinearPatch<Real>::is_flat() const {
+  const BilinearForm form(*this);
+  if (!CornerWeights(form).flat_convex || !(length(cross(form.e, form.f)) > 0)) return false;
+  // A rounding of each coordinate of each corner.
+  const auto [lower, upper] = bounds();
+  const double rounding =
+      4 * double{std::numeric_limits<Real>::epsilon()} * (double{max_abs(lower)} + max_abs(upper));
+  return std::fabs(height_over(Vec3<double>(p11), Vec3<double>(p00), Vec3<double>(p10),
+                               Vec3<double>(p01))) <= rounding;
+}
+
+template <typename Real>
+double BilinearPatch<Real>::height_of(const Vec3<Real>& p) const {
+  if (p == p11) return 0;  // which rounding may have put next to the plane of the others
+  return height_over(Vec3<double>(p), Vec3<double>(p00), Vec3<double>(p10), Vec3<double>(p01));
+}
+
+template <typename Real>
+bool BilinearPatch<Real>::touches(const Vec3<Real>& p) const {
+  if (height_of(p) != 0) return false;
+  if (p == p10 || p == p01 || p == p11) return true;
+  const BilinearForm form(*this);
+  const Vec3<double> side = normalized(cross(form.e, form.f));
+  const Vec3<double> around[] = {Vec3<double>(p00), Vec3<double>(p10), Vec3<double>(p11),
+                                 Vec3<double>(p01)};
+  const double edge = 1e-14 * (length(form.e) + length(form.f));
+  for (int i = 0; i < 4; ++i) {
+    const Vec3<double> way = around[(i + 1) % 4] - around[i];
+    if (way == Vec3<double>{}) continue;
+    if (dot(cross(normalized(way), Vec3<double>(p) - around[i]), side) < -edge) return false;
+  }
+  return true;
+}
+
+template <typename Real>
+ChosenPoint<Real> BilinearPatch<Real>::sample(const Receiver<Real>& receiver, Vec2<Real> u) const {
+  const BilinearForm p(*this);
+  const Seen seen(*this, p, receiver);
+  SurfacePoint<Real> point;
+  Vec3<double> to_point;
+  if (seen.fan) {
+    to_point = seen.fan->sample({u.x, u.y});
+    point = {Vec3<Real>(Vec3<double>(receiver.position) + to_point),
+             Vec3<Real>(normalized(cross(p.e, p.f)))};
+  } else if (seen.spherical) {
+    Vec2<double> v{u.x, u.y};
+    if (seen.way == AreaSampling::kCosineSolidAngle) v = seen.cosines().sample(v);
+    const auto [s, t] = seen.spherical->sample(v);
+    point = {Vec3<Real>(p.at(s, t)), Vec3<Real>(normalized(p.area_vector(s, t)))};
+  } else {
+    point = lucerna::sample_area(p, CornerWeights(p), u);
+  }
+  return {point, pdf_of(*this, p, seen, receiver, point), to_point};
+}
+
+template <typename Real>
+ChosenPoint<Real> BilinearPatch<Real>::sample_area(const Receiver<Real>& receiver,
+                                                   Vec2<Real> u) const {
+  return sample_area_from(*this, BilinearForm(*this), receiver, u);
+}
+
+template <typename Real>
+SolidAnglePdf<double> BilinearPatch<Real>::pdf(const Receiver<Real>& receiver,
+                                               const SurfacePoint<Real>& point) const {
+  const BilinearForm p(*this);
+  return pdf_of(*this, p, Seen(*this, p, receiver), receiver, point);
+}
+
+template <typename Real>
+AreaPdf<double> BilinearPatch<Real>::pdf_area(const Vec3<Real>& position) const {
+  const BilinearForm p(*this);
+  return lucerna::pdf_area(*this, p, CornerWeights(p), position);
+}
+
+template <typename Real>
+ShapeHits<Real> BilinearPatch<Real>::hits(const Vec3<Real>& origin, const Vec3<Real>& direction,
+                                          Real t_min, Real t_max,
+                                          std::array<Vec2<Real>, 2>* uv_hits) const {
+  const BilinearForm p(*this);
+  const Vec3<double> d(direction);
+  const double dd = dot(d, d);
+  ShapeHits<Real> found;
+  if (!(dd > 0)) return found;
+  // From the point of the ray nearest to a corner, so that far origins do not cancel below.
+  const double t_near = dot(p.p00 - Vec3<double>(origin), d) / dd;
+  const Vec3<double> a = p.p00 - (Vec3<double>(origin) + d * t_near);
+
+  // The line of constant u meets the ray's line where a + u e, f + u g and d lie in one plane.
+  const Vec3<double> fd = cross(p.f, d);
+  const Vec3<double> gd = cross(p.g, d);
+  double root[2];
+  const int count = solve_quadratic(dot(p.e, gd), dot(p.e, fd) + dot(a, gd), dot(a, fd), root);
+
+  // Edges belong to the patch, and by this much (u, v) may miss them: rounding in double.
+  constexpr double kEdge = 1e-10;
+  const auto on_patch = [](double x) { return x >= -kEdge && x <= 1 + kEdge; };
+  double t_of[2];
+  for (int i = 0; i < count; ++i) {
+    if (!on_patch(root[i])) continue;
+    const double u = std::clamp(root[i], 0.0, 1.0);
+    const Vec3<double> line = p.f + p.g * u;
+    const Vec3<double> w = a + p.e * u;  // t d - v line = w
+    const Vec3<double> n = cross(d, line);
+    const double nn = dot(n, n);
+    if (!(nn > 0)) continue;
+    const double v = dot(cross(w, d), n) / nn;
+    const double t = t_near + dot(cross(w, line), n) / nn;
+    if (!on_patch(v) || !(t > t_min && t < t_max)) continue;
+    const Vec2<Real> uv{static_cast<Real>(u), static_cast<Real>(std::clamp(v, 0.0, 1.0))};
+    const SurfacePoint<Real> point{Vec3<Real>(p.at(u, std::clamp(v, 0.0, 1.0))),
+                                   Vec3<Real>(normalized(p.area_vector(u, v)))};
+    t_of[found.count] = t;
+    if (uv_hits) (*uv_hits)[found.count] = uv;
+    found.add(static_cast<Real>(t), point);
+  }
+  if (found.count == 2 && t_of[1] < t_of[0]) {
+    std::swap(found.hit[0], found.hit[1]);
+    if (uv_hits) std::swap((*uv_hits)[0], (*uv_hits)[1]);
+  }
+  return found;
+}
+
+template <typename Real>
+std::optional<ShapeHit<Real>> BilinearPatch<Real>::intersect(const Vec3<Real>& origin,
+                                                             const Vec3<Real>& direction,
+                                                             Real t_min, Real t_max,
+                                                             Vec2<Real>* uv_hit) const {
+  std::array<Vec2<Real>, 2> uv;
+  const auto found = hits(origin, direction, t_min, t_max, &uv);
+  if (found.count == 0) return std::nullopt;
+  if (uv_hit) *uv_hit = uv[0];
+  return found.hit[0];
+}
+
+template <typename Real>
+std::pair<Vec3<Real>, Vec3<Real>> BilinearPatch<Real>::bounds() const {
+  return {{std::min({p00.x, p10.x, p01.x, p11.x}), std::min({p00.y, p10.y, p01.y, p11.y}),
+           std::min({p00.z, p10.z, p01.z, p11.z})},
+          {std::max({p00.x, p10.x, p01.x, p11.x}), std::max({p00.y, p10.y, p01.y, p11.y}),
+           std::max({p00.z, p10.z, p01.z, p11.z})}};
+}
+
+template <typename Real>
+Vec2<Real> BilinearPatch<Real>::locate(const Vec3<Real>& position) const {
+  Vec2<double> uv[2];
+  invert(BilinearForm(*this), Vec3<double>(position), 0, uv);
+  return {static_cast<Real>(uv[0].x), static_cast<Real>(uv[0].y)};
+}
+
+template struct BilinearPatch<float>;
+template struct BilinearPatch<double>;
+
+}  // namespace lucerna

@@ -1,0 +1,47 @@
+// What a shape with something on it, a picture or a luminaire's photometry, has from the shape that
+// is under it.
+#pragma once
+
+#include <absl/status/status.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <utility>
+
+#include "lights/maths/normal_cone.h"
+#include "lights/shapes/shape.h"
+
+namespace lucerna {
+
+/// `Shape` has `surface()`, a `Surface` of `Real`.
+template <typename Shape, typename Real, typename Surface>
+class Covered {
+ public:
+  double area() const { return under().area(); }
+  absl::Status emissive_error() const { return under().emissive_error(); }
+  template <typename F>
+  void for_each_hit(const Vec3<Real>& receiver, const Vec3<Real>& wi, F&& f) const {
+    under().for_each_hit(receiver, wi, std::forward<F>(f));
+  }
+  std::optional<double> height_over(const SurfacePoint<Real>& point,
+                                    const Vec3<Real>& p) const requires requires(const Surface& s) {
+    s.height_over(point, p);
+  }
+  { return under().height_over(point, p); }
+  std::optional<SurfacePoint<Real>> locate(const Vec3<Real>& position, double slack_m = 0) const {
+    return under().locate(position, slack_m);
+  }
+  bool touches(const Vec3<Real>& p, std::uint32_t primitive) const {
+    return under().touches(p, primitive);
+  }
+  NormalCone<Real> normals() const { return under().normals(); }
+  std::pair<Vec3<Real>, Vec3<Real>> bounds() const { return under().bounds(); }
+  std::size_t size() const requires requires(const Surface& s) { s.size(); }
+  { return under().size(); }
+
+ private:
+  const Surface& under() const { return static_cast<const Shape&>(*this).surface(); }
+};
+
+}  // namespace lucerna

@@ -1,0 +1,275 @@
+#include "lights/shapes/mesh.h"
+
+#include <absl/status/status.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <type_traits>
+
+#include "lights/sampling/projected_solid_angle.h"
+#include "lights/sampling/sobol.h"
+
+namespace lucerna {
+
+namespace {
+
+/// u.x with more digits below its 24, from u.y.  A float has too few to choose among millions of
+/// primitives and a place within; scattered by a hash, those of u.y are as good as independent of
+/// u.y itself, and an equal shift of all u.x at one u.y leaves u.x uniform.
+template <typename Real>
+double refined(Vec2<Real> u) {
+  const auto bits = std::bit_cast<std::uint64_t>(static_cast<double>(u.y));
+  return u.x + std::ldexp(static_cast<double>(mix_bits(bits) >> 40), -48);
+}
+
+/// Corners in order around it.
+template <typename Real>
+std::array<Vec3<double>, 3> around(const Triangle<Real>& t) {
+  return {Vec3<double>(t.a), Vec3<double>(t.b), Vec3<double>(t.c)};
+}
+template <typename Real>
+std::array<Vec3<double>, 4> around(const BilinearPatch<Real>& p) {
+  return {Vec3<double>(p.p00), Vec3<double>(p.p10), Vec3<double>(p.p11), Vec3<double>(p.p01)};
+}
+
+}  // namespace
+
+template <typename Real, template <typename> typename Primitive>
+Mesh<Real, Primitive>::Mesh(std::vector<Primitive<Real>> primitives,
+                            std::vector<double> cumulative_area, double area_error_m2,
+                            std::vector<bool> rectangles, std::vector<bool> flat)
+    : primitives_(std::move(primitives)),
+      cumulative_area_(std::move(cumulative_area)),
+      area_error_m2_(area_error_m2),
+      rectangles_(std::move(rectangles)),
+      flat_(std::move(flat)) {}
+
+template <typename Real, template <typename> typename Primitive>
+absl::StatusOr<Mesh<Real, Primitive>> Mesh<Real, Primitive>::create(
+    std::vector<Primitive<Real>> primitives) {
+  if (primitives.empty())
+    return absl::InvalidArgumentError("mesh.primitives has 0 entries, allowed: at least 1");
+  if (primitives.size() > std::numeric_limits<std::uint32_t>::max())
+    return absl::InvalidArgumentError(
+        fmt::format("mesh.primitives has {} entries, allowed: less than 2^32", primitives.size()));
+  std::vector<double> cumulative;
+  cumulative.reserve(primitives.size());
+  std::vector<bool> rectangles, flat;
+  double sum = 0, error = 0;
+  for (std::size_t i = 0; i < primitives.size(); ++i) {
+    double area = 0;
+    if constexpr (kAlwaysHasWays) {
+      area = primitives[i].area();
+    } else {
+      const BilinearPatchArea measured = primitives[i].measure();
+      area = measured.m2, error += measured.error_m2;
+    }
+    const auto [lower, upper] = primitives[i].bounds();
+    if (!std::isfinite(area) || !is_finite(lower) || !is_finite(upper))
+      return absl::InvalidArgumentError(fmt::format(
+          "mesh.primitives[{}] has a vertex that is not finite or too large, allowed: finite "
+          "vertices and area",
+          i));
+    sum += area;
+    cumulative.push_back(sum);
+    if constexpr (!kAlwaysHasWays) {
+      rectangles.push_back(primitives[i].is_rectangle());
+      flat.push_back(rectangles.back() || primitives[i].is_flat());
+    }
+  }
+  if (!(sum > 0) || !std::isfinite(sum))
+    return absl::InvalidArgumentError(
+        fmt::format("mesh.area = {} m2, allowed: finite and > 0", sum));
+  return Mesh(std::move(primitives), std::move(cumulative), error, std::move(rectangles),
+              std::move(flat));
+}
+
+template <typename Real, template <typename> typename Primitive>
+typename Mesh<Real, Primitive>::Choice Mesh<Real, Primitive>::choose(Vec2<Real> u) const {
+  if (primitives_.size() == 1) return {0, u};
+  const double wide = refined(u);
+  const double target = (wide < 1 ? wide : wide - std::floor(wide)) * area();
+  // The first sum beyond the target belongs to a primitive that added to it: one with an area.
+  auto chosen = std::upper_bound(cumulative_area_.begin(), cumulative_area_.end(), target);
+  if (chosen == cumulative_area_.end())
+    chosen = std::lower_bound(cumulative_area_.begin(), cumulative_area_.end(), area());
+  const auto i = static_cast<std::size_t>(chosen - cumulative_area_.begin());
+  const double before = i == 0 ? 0 : cumulative_area_[i - 1];
+  u.x = static_cast<Real>(std::clamp((target - before) / (*chosen - before), 0.0, 1.0));
+  return {i, u};
+}
+
+template <typename Real, template <typename> typename Primitive>
+ShapeSample<Real> Mesh<Real, Primitive>::sample(const Receiver<Real>& receiver,
+                                                Vec2<Real> u) const {
+  const auto [i, within] = choose(u);
+  const auto choose_point = [&, i = i, within = within] {
+    if constexpr (!kAlwaysHasWays)
+      if (!has_ways(i)) {
+        ChosenPoint<Real> by_area = primitives_[i].sample_area(receiver, within);
+        by_area.point.primitive = static_cast<std::uint32_t>(i);
+        if (is_flat(i)) by_area.pdf = {pdf_by_area(receiver, by_area.point)};
+        return by_area;
+      }
+    return primitives_[i].sample(receiver, within);
+  };
+  const ChosenPoint<Real> chosen = choose_point();
+  ShapeSample<Real> s{
+      chosen.point, {static_cast<Real>(share(i) * chosen.pdf.per_sr)}, chosen.to_point};
+  s.point.primitive = static_cast<std::uint32_t>(i);
+  return s;
+}
+
+template <typename Real, template <typename> typename Primitive>
+double Mesh<Real, Primitive>::pdf_by_area(const Receiver<Real>& receiver,
+                                          const SurfacePoint<Real>& point) const {
+  const AreaPdf<double> by_area = primitives_[point.primitive].pdf_area(point.position);
+  if (const auto height = height_over(point, receiver.position))
+    return pdf_seen_from(receiver.position, point, by_area, *height).per_sr;
+  return pdf_seen_from(receiver.position, point, by_area).per_sr;
+}
+
+template <typename Real, template <typename> typename Primitive>
+SolidAnglePdf<Real> Mesh<Real, Primitive>::pdf(const Receiver<Real>& receiver,
+                                               const SurfacePoint<Real>& point) const {
+  if (point.primitive >= primitives_.size()) return {0};
+  const std::size_t i = point.primitive;
+  const double pdf =
+      has_ways(i) ? primitives_[i].pdf(receiver, point).per_sr : pdf_by_area(receiver, point);
+  return {static_cast<Real>(share(i) * pdf)};
+}
+
+template <typename Real, template <typename> typename Primitive>
+std::pair<Vec3<Real>, Vec3<Real>> Mesh<Real, Primitive>::bounds() const {
+  auto [lower, upper] = primitives_.front().bounds();
+  for (const auto& primitive : primitives_) {
+    const auto [l, h] = primitive.bounds();
+    lower = {std::min(lower.x, l.x), std::min(lower.y, l.y), std::min(lower.z, l.z)};
+    upper = {std::max(upper.x, h.x), std::max(upper.y, h.y), std::max(upper.z, h.z)};
+  }
+  return {lower, upper};
+}
+
+template <typename Real, template <typename> typename Primitive>
+std::size_t Mesh<Real, Primitive>::bytes() const {
+  return sizeof(*this) + primitives_.capacity() * sizeof(Primitive<Real>) +
+         cumulative_area_.capacity() * sizeof(double) +
+         (rectangles_.capacity() + flat_.capacity()) / 8;
+}
+
+template <typename Real, template <typename> typename Primitive>
+std::optional<double> Mesh<Real, Primitive>::projected_solid_angle_sr(const Vec3<Real>& position,
+                                                                      const Vec3<double>& normal,
+                                                                      bool two_sided) const {
+  double sum = 0;
+  for (std::size_t i = 0; i < primitives_.size(); ++i) {
+    if (!(share(i) > 0)) continue;
+    if (!is_flat(i)) return std::nullopt;
+    const double height = primitives_[i].height_of(position);
+    if (two_sided || height > 0)
+      sum += polygon_projected_solid_angle(around(primitives_[i]), Vec3<double>(position), normal,
+                                           height);
+  }
+  return sum;
+}
+
+template <typename Real, template <typename> typename Primitive>
+bool Mesh<Real, Primitive>::hides_itself() const {
+  // Its plane is the best known.
+  std::size_t largest = 0;
+  for (std::size_t i = 1; i < size(); ++i)
+    if (share(i) > share(largest)) largest = i;
+  const auto [lower, upper] = bounds();
+  const double rounding = 8 * double{std::numeric_limits<Real>::epsilon()} *
+                          (double{max_abs(lower)} + double{max_abs(upper)});
+  for (std::size_t i = 0; i < size(); ++i) {
+    if (!(share(i) > 0)) continue;
+    if (!is_flat(i)) return true;
+    for (const Vec3<double>& corner : around(primitives_[i]))
+      if (!(std::fabs(primitives_[largest].height_of(Vec3<Real>(corner))) <= rounding)) return true;
+  }
+  return false;
+}
+
+template <typename Real, template <typename> typename Primitive>
+AreaPdf<double> Mesh<Real, Primitive>::pdf_area(const SurfacePoint<Real>& point) const {
+  const std::size_t i = point.primitive;
+  if (i >= primitives_.size()) return {0};
+  if constexpr (std::is_same_v<Primitive<Real>, Triangle<Real>>) {
+    return {1 / area()};
+  } else {
+    return {share(i) * primitives_[i].pdf_area(point.position).per_m2};
+  }
+}
+
+template <typename Real, template <typename> typename Primitive>
+std::optional<SurfacePoint<Real>> Mesh<Real, Primitive>::locate(const Vec3<Real>& position,
+                                                                double slack_m) const {
+  double nearest = rounding_m<Real>(bounds()) + slack_m;
+  std::optional<SurfacePoint<Real>> found;
+  for (std::size_t i = 0; i < primitives_.size(); ++i) {
+    // What has no area is no part of the light.
+    if (cumulative_area_[i] == (i == 0 ? 0 : cumulative_area_[i - 1])) continue;
+    const auto& primitive = primitives_[i];
+    const auto index = static_cast<std::uint32_t>(i);
+    const auto keep = [&](double distance, const auto& normal) {
+      if (!(found ? distance < nearest : distance <= nearest)) return;
+      nearest = distance;
+      found = SurfacePoint<Real>{position, normal(), index};
+    };
+    if constexpr (std::is_same_v<Primitive<Real>, Triangle<Real>>) {
+      keep(primitive.distance_to(position), [&] { return primitive.normal(); });
+    } else {
+      const Vec2<Real> uv = primitive.locate(position);
+      keep(length(Vec3<double>(primitive.at(uv)) - Vec3<double>(position)),
+           [&] { return primitive.normal(uv); });
+    }
+  }
+  return found;
+}
+
+template <typename Real, template <typename> typename Primitive>
+NormalCone<Real> Mesh<Real, Primitive>::normals() const {
+  // The normals of a bilinear patch are sums of those at its corners, none of them negative: within
+  // each cone, no wider than a hemisphere, that holds these.
+  const auto for_each_normal = [this](const auto& f) {
+    for (std::size_t i = 0; i < primitives_.size(); ++i) {
+      const double area = cumulative_area_[i] - (i == 0 ? 0 : cumulative_area_[i - 1]);
+      if (!(area > 0)) continue;
+      if constexpr (std::is_same_v<Primitive<Real>, Triangle<Real>>) {
+        f(Vec3<double>(primitives_[i].normal()), area);
+      } else {
+        for (const Vec2<Real> uv : {Vec2<Real>{0, 0}, Vec2<Real>{1, 0}, Vec2<Real>{0, 1},
+                                    Vec2<Real>{1, 1}, Vec2<Real>{Real(0.5), Real(0.5)}})
+          f(Vec3<double>(primitives_[i].normal(uv)), area);
+      }
+    }
+  };
+  Vec3<double> mean;
+  for_each_normal([&](const Vec3<double>& n, double a) { mean = mean + n * (a / area()); });
+  NormalCone<Real> cone;
+  const Vec3<Real> axis(normalized(mean));
+  if (!(length(mean) > 1e-6)) return cone;
+  double widest = 0;
+  for_each_normal([&](const Vec3<double>& n, double) {
+    if (n != Vec3<double>{}) widest = std::max(widest, angle_between(Vec3<double>(axis), n));
+  });
+  constexpr bool kTriangles = std::is_same_v<Primitive<Real>, Triangle<Real>>;
+  if (!kTriangles && widest > 0) widest += 4 * kInputRounding;
+  if (!kTriangles && widest > std::numbers::pi / 2) return cone;
+  cone.axis = axis;
+  cone.half_angle_rad = std::min(widest, std::numbers::pi);
+  return cone;
+}
+
+template class Mesh<float, Triangle>;
+template class Mesh<double, Triangle>;
+template class Mesh<float, BilinearPatch>;
+template class Mesh<double, BilinearPatch>;
+
+}  // namespace lucerna

@@ -1,0 +1,145 @@
+// What the shapes of area lights share: the words of sampling and intersecting, and the way from a
+// density by area to one by solid angle.
+//
+// Shapes keep their numbers in `Real` or double and compute in double.  A point is rounded to
+// `Real` first, and its density is that of the rounded point: what a sample says of itself is then
+// bit for bit what `pdf` says of its point later.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+#include "lights/sampling/light_sample.h"
+
+namespace lucerna {
+
+/// What a shape's sampling answers: a point, and the density of its direction from the receiver.
+template <std::floating_point Real>
+struct ShapeSample {
+  SurfacePoint<Real> point;
+  SolidAnglePdf<Real> pdf;  ///< not positive or not finite: no direction exists for this point
+  /// From the receiver, before the point was rounded; zero: the difference is as good.  Where the
+  /// receiver is all but on the light, rounding moves the point by more than there is between.
+  Vec3<double> to_point{};
+};
+
+/// The same of a primitive of a mesh.
+template <std::floating_point Real>
+struct ChosenPoint {
+  SurfacePoint<Real> point;
+  SolidAnglePdf<double> pdf;
+  Vec3<double> to_point{};
+};
+
+/// Where a ray meets a shape.
+template <std::floating_point Real>
+struct ShapeHit {
+  Real t{};  ///< along the ray, in units of its direction
+  SurfacePoint<Real> point;
+};
+
+/// All the places where a ray meets a surface of second order, by increasing t.
+template <std::floating_point Real>
+struct ShapeHits {
+  std::array<ShapeHit<Real>, 2> hit;
+  int count = 0;
+
+  void add(Real t, const SurfacePoint<Real>& point) { hit[count++] = {t, point}; }
+};
+
+/// The density by solid angle at `receiver` of choosing `point` with density `pdf` by area.
+/// Infinite where the receiver is in the plane of the point; 0 where it is the point, or not
+/// finite.
+template <std::floating_point Real>
+SolidAnglePdf<double> pdf_seen_from(const Vec3<Real>& receiver, const SurfacePoint<Real>& point,
+                                    AreaPdf<double> pdf) {
+  const Vec3<double> to_receiver = Vec3<double>(receiver) - Vec3<double>(point.position);
+  const double distance = length(to_receiver);
+  if (!(distance > 0) || !std::isfinite(distance)) return {0};
+  const double cos_light = std::fabs(dot(Vec3<double>(point.normal), to_receiver)) / distance;
+  return to_solid_angle(pdf, distance, cos_light);
+}
+/// The same of a flat shape, `height` above whose plane the receiver is, to either side: for a
+/// receiver all but in the plane the point, rounded, is not.
+template <std::floating_point Real>
+SolidAnglePdf<double> pdf_seen_from(const Vec3<Real>& receiver, const SurfacePoint<Real>& point,
+                                    AreaPdf<double> pdf, double height) {
+  const double distance = length(Vec3<double>(receiver) - Vec3<double>(point.position));
+  if (!(distance > 0) || !std::isfinite(distance)) return {0};
+  return to_solid_angle(pdf, distance, std::fabs(height) / distance);
+}
+/// The same in `Real`.
+template <std::floating_point Real>
+SolidAnglePdf<Real> as_seen_from(const Vec3<Real>& receiver, const SurfacePoint<Real>& point,
+                                 AreaPdf<double> pdf) {
+  return {static_cast<Real>(pdf_seen_from(receiver, point, pdf).per_sr)};
+}
+template <std::floating_point Real>
+SolidAnglePdf<Real> as_seen_from(const Vec3<Real>& receiver, const SurfacePoint<Real>& point,
+                                 AreaPdf<double> pdf, double height) {
+  return {static_cast<Real>(pdf_seen_from(receiver, point, pdf, height).per_sr)};
+}
+
+/// What a corner of a light, `to_corner` from a receiver with `normal`, weighs in
+/// kCosineSolidAngle.
+inline double cosine_weight(const Vec3<double>& normal, const Vec3<double>& to_corner) {
+  return std::fmax(kCosineFloor, dot(normalized(to_corner), normal));
+}
+
+inline constexpr double kTurnRad = 2 * std::numbers::pi;
+
+/// The angle of `p` about +z from +x, in [0, 2 pi].
+inline double azimuth(const Vec3<double>& p) {
+  const double phi = std::atan2(p.y, p.x);
+  return phi < 0 ? phi + kTurnRad : phi;
+}
+/// Whether a sweep of `phi_max_rad` about +z from +x holds `p`.
+inline bool is_swept(const Vec3<double>& p, double phi_max_rad) {
+  return !(phi_max_rad < kTurnRad) || azimuth(p) <= phi_max_rad;
+}
+/// Whether of the sweep's two edges the last is nearer to an angle beyond it.
+inline bool is_nearer_to_last(double azimuth_rad, double phi_max_rad) {
+  return azimuth_rad - phi_max_rad < kTurnRad - azimuth_rad;
+}
+/// `p`, or where the sweep does not hold it the point of its nearer edge at the same height and
+/// distance from the axis.
+inline Vec3<double> nearest_swept(const Vec3<double>& p, double phi_max_rad) {
+  if (is_swept(p, phi_max_rad)) return p;
+  const double edge = is_nearer_to_last(azimuth(p), phi_max_rad) ? phi_max_rad : 0;
+  const double across = std::hypot(p.x, p.y);
+  return {across * std::cos(edge), across * std::sin(edge), p.z};
+}
+/// The angle of `p` as a share of a sweep; beyond it, where only rounding leads, that of its nearer
+/// edge.
+inline double share_of_sweep(const Vec3<double>& p, double phi_max_rad) {
+  const double phi = azimuth(p);
+  if (phi <= phi_max_rad) return phi / phi_max_rad;
+  return is_nearer_to_last(phi, phi_max_rad) ? 1 : 0;
+}
+
+/// A band across a picture from side to side, in shares of its height, which add up to 1: none of
+/// them a difference of the others, so that thin bands keep their digits at either end.
+struct Band {
+  double above, height, below;
+};
+
+/// What of a surface's area a band of its picture covers.
+struct BandArea {
+  double share;  ///< of the whole
+  double tilt;   ///< the integral over it, in such shares, of what runs from -1 above to 1 below
+};
+
+/// The box {lower, upper} in `Real`, widened so that rounding cuts nothing off.
+template <std::floating_point Real>
+std::pair<Vec3<Real>, Vec3<Real>> rounded_outwards(const Vec3<double>& lower,
+                                                   const Vec3<double>& upper) {
+  constexpr Real kInfinity = std::numeric_limits<Real>::infinity();
+  const auto down = [](double v) { return std::nextafter(static_cast<Real>(v), -kInfinity); };
+  const auto up = [](double v) { return std::nextafter(static_cast<Real>(v), kInfinity); };
+  return {{down(lower.x), down(lower.y), down(lower.z)}, {up(upper.x), up(upper.y), up(upper.z)}};
+}
+
+}  // namespace lucerna

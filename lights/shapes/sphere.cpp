@@ -1,0 +1,346 @@
+#include "lights/shapes/sphere.h"
+
+#include <absl/status/status.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "lights/sampling/projected_solid_angle.h"
+#include "lights/sampling/sampling.h"
+#include "lights/shapes/seen_sphere.h"
+
+namespace lucerna {
+
+namespace {
+
+absl::Status check(const SphereParams& p) {
+  const auto refuse = [](const char* field, double value, const std::string& allowed) {
+    return absl::InvalidArgumentError(
+        fmt::format("sphere.{} = {}, allowed {}", field, value, allowed));
+  };
+  if (!(p.radius_m > 0) || !std::isfinite(p.radius_m))
+    return refuse("radius_m", p.radius_m, "finite and > 0");
+  if (!(p.phi_max_rad > 0 && p.phi_max_rad <= kTurnRad))
+    return refuse("phi_max_rad", p.phi_max_rad, "(0, 2 pi]");
+  if (!(p.z_min_m < p.radius_m))
+    return refuse("z_min_m", p.z_min_m, fmt::format("less than the radius, {}", p.radius_m));
+  if (!(p.z_max_m > -p.radius_m))
+    return refuse("z_max_m", p.z_max_m, fmt::format("more than {}", -p.radius_m));
+  if (!(p.z_max_m > p.z_min_m))
+    return refuse("z_max_m", p.z_max_m, fmt::format("more than z_min_m, {}", p.z_min_m));
+  return absl::OkStatus();
+}
+
+/// Of the circle at height `z` of a sphere, from +z.
+double polar_angle(double z, double radius) {
+  return std::atan2(std::sqrt((radius - z) * (radius + z)), z);
+}
+
+/// sin(h) / h - cos(h) for h in [0, pi / 2], by its series where the two are alike.
+double sinc_minus_cos(double h) {
+  if (h > 0.5) return std::sin(h) / h - std::cos(h);
+  double sum = 0, term = 1;  // term: (-h^2)^k / (2 k + 1)!
+  for (int k = 1; k <= 8; ++k) {
+    term *= -h * h / (2 * k * (2 * k + 1));
+    sum -= 2 * k * term;
+  }
+  return sum;
+}
+
+}  // namespace
+
+template <typename Real>
+Sphere<Real>::Sphere(const SphereParams& params, const Vec3<double>& origin_m)
+    : params_(params),
+      world_from_object_(params.world_from_object.about(origin_m)),
+      object_from_world_(world_from_object_.inverse()),
+      z_min_m_(std::max(params.z_min_m, -params.radius_m)),
+      z_max_m_(std::min(params.z_max_m, params.radius_m)),
+      is_cut_in_z_(z_min_m_ > -params.radius_m || z_max_m_ < params.radius_m),
+      is_cut_in_phi_(params.phi_max_rad < kTurnRad),
+      is_whole_(!is_cut_in_z_ && !is_cut_in_phi_),
+      center_m_(world_from_object_.point({0, 0, 0})) {
+  if (const auto scale = params.world_from_object.uniform_scale()) {
+    world_radius_m_ = params.radius_m * *scale;
+    area_m2_ = params.phi_max_rad * world_radius_m_ * (z_max_m_ - z_min_m_) * *scale;
+  }
+}
+
+template <typename Real>
+absl::StatusOr<Sphere<Real>> Sphere<Real>::create(const SphereParams& params,
+                                                  const Vec3<double>& origin_m) {
+  if (absl::Status status = check(params); !status.ok()) return status;
+  const Sphere sphere(params, origin_m);
+  const auto [lower, upper] = sphere.bounds();
+  if (!is_finite(lower) || !is_finite(upper))
+    return absl::InvalidArgumentError(
+        fmt::format("sphere.world_from_object puts the sphere about ({}, {}, {}), "
+                    "allowed: finite bounds, in {} bits",
+                    sphere.center_m_.x, sphere.center_m_.y, sphere.center_m_.z, 8 * sizeof(Real)));
+  return sphere;
+}
+
+template <typename Real>
+absl::Status Sphere<Real>::emissive_error() const {
+  if (world_radius_m_ > 0) return absl::OkStatus();
+  const auto& m = params_.world_from_object.matrix();
+  const auto factor = [&m](int column) {
+    return length(Vec3<double>{m[0][column], m[1][column], m[2][column]});
+  };
+  return absl::InvalidArgumentError(fmt::format(
+      "sphere.world_from_object scales x, y, z by ({}, {}, {}), allowed for an emissive "
+      "sphere: equal factors, no shear",
+      factor(0), factor(1), factor(2)));
+}
+
+template <typename Real>
+typename Sphere<Real>::Way Sphere<Real>::way_at(double distance,
+                                                const Receiver<Real>& receiver) const {
+  if (!is_whole_) return Way::kArea;
+  if (is_by_area(way_for_sphere(receiver.area_sampling))) return Way::kArea;
+  if (distance > world_radius_m_) return Way::kCone;
+  // Nearer to the surface, half of all directions end where no float tells point from receiver.
+  constexpr double kDepth = 1e-3;
+  return distance < (1 - kDepth) * world_radius_m_ ? Way::kInside : Way::kArea;
+}
+
+template <typename Real>
+ShapeSample<Real> Sphere<Real>::sample(const Receiver<Real>& receiver, Vec2<Real> u) const {
+  const Vec3<double> to_center = center_m_ - Vec3<double>(receiver.position);
+  const SeenSphere seen{to_center, length(to_center), world_radius_m_};
+  const Way way = way_at(seen.distance, receiver);
+  if (way != Way::kArea) {
+    const bool is_outside = way == Way::kCone;
+    const Vec2<double> v{u.x, u.y};
+    const SeenSphere::Point p = is_outside ? seen.from_outside(v) : seen.from_within(v);
+    ShapeSample<Real> s;
+    s.point.position = Vec3<Real>(center_m_ + p.from_center);
+    s.point.normal = Vec3<Real>(params_.reverse_orientation ? -p.normal : p.normal);
+    s.pdf = is_outside ? SolidAnglePdf<Real>{static_cast<Real>(seen.pdf_from_outside())}
+                       : uniform_sphere_pdf<Real>();
+    s.to_point = p.to_point;
+    return s;
+  }
+
+  // Equal shares of z have equal areas (Archimedes), whatever the cuts.
+  const double z = std::min(z_min_m_ + (z_max_m_ - z_min_m_) * u.x, z_max_m_);
+  const double phi = params_.phi_max_rad * u.y;
+  const double ring = std::sqrt((params_.radius_m - z) * (params_.radius_m + z));
+  ShapeSample<Real> s;
+  s.point = surface_point({ring * std::cos(phi), ring * std::sin(phi), z});
+  s.pdf = as_seen_from(receiver.position, s.point, AreaPdf<double>{1 / area_m2_});
+  return s;
+}
+
+template <typename Real>
+SolidAnglePdf<Real> Sphere<Real>::pdf(const Receiver<Real>& receiver,
+                                      const SurfacePoint<Real>& point) const {
+  const Vec3<double> to_receiver = Vec3<double>(receiver.position) - center_m_;
+  const double distance = length(to_receiver);
+  const Way way = way_at(distance, receiver);
+  if (way == Way::kArea)
+    return as_seen_from(receiver.position, point, AreaPdf<double>{1 / area_m2_});
+  if (way == Way::kInside) return uniform_sphere_pdf<Real>();
+  // The near side by the normal, which says where on the sphere the point is however far the sphere
+  // is from the origin; less the rounding of both vectors, so that no sample at the rim falls off.
+  constexpr double kRounding = 4 * kInputRounding;
+  const Vec3<double> n(point.normal);
+  const double cos_alpha = dot(params_.reverse_orientation ? -n : n, to_receiver) / distance;
+  if (!(cos_alpha >= world_radius_m_ / distance - kRounding)) return {0};
+  return {
+      static_cast<Real>(SeenSphere{-to_receiver, distance, world_radius_m_}.pdf_from_outside())};
+}
+
+template <typename Real>
+int Sphere<Real>::roots(const Vec3<Real>& origin, const Vec3<Real>& direction,
+                        Root (&out)[2]) const {
+  const double r = params_.radius_m;
+  const Vec3<double> o = object_from_world_.point(Vec3<double>(origin));
+  const Vec3<double> d = object_from_world_.vector(Vec3<double>(direction));
+  const double dd = dot(d, d);
+  if (!(dd > 0)) return 0;
+  // The discriminant from the point of closest approach, not as b^2 - 4 a c, which cancels for far
+  // origins and small spheres.  [Haines19]
+  const double closest = -dot(o, d) / dd;
+  const Vec3<double> approach = o + d * closest;
+  const double approach_distance = std::sqrt(dot(approach, approach));
+  if (!(approach_distance <= r)) return 0;
+  const double half_chord = std::sqrt((r - approach_distance) * (r + approach_distance) / dd);
+  // The root that would cancel follows from the other and their product.
+  const double large = closest + std::copysign(half_chord, closest);
+  const double origin_distance = std::sqrt(dot(o, o));
+  const double small = large == 0 ? 0 : (origin_distance - r) * (origin_distance + r) / dd / large;
+
+  const auto on_sphere = [r](const Vec3<double>& p) { return p * (r / std::sqrt(dot(p, p))); };
+  const Vec3<double> step = d * half_chord;
+  out[0] = {std::min(small, large), on_sphere(approach - step)};
+  out[1] = {std::max(small, large), on_sphere(approach + step)};
+  return 2;
+}
+
+template <typename Real>
+bool Sphere<Real>::is_cut_away(const Vec3<double>& p) const {
+  if (is_cut_in_z_ && (p.z < z_min_m_ || p.z > z_max_m_)) return true;
+  return !is_swept(p, params_.phi_max_rad);
+}
+
+template <typename Real>
+SurfacePoint<Real> Sphere<Real>::surface_point(const Vec3<double>& p) const {
+  const Vec3<double> n = normalized(world_from_object_.normal(p));
+  return {Vec3<Real>(world_from_object_.point(p)),
+          Vec3<Real>(params_.reverse_orientation ? -n : n)};
+}
+
+template <typename Real>
+ShapeHits<Real> Sphere<Real>::hits(const Vec3<Real>& origin, const Vec3<Real>& direction,
+                                   Real t_min, Real t_max) const {
+  ShapeHits<Real> found;
+  Root root[2];
+  const int count = roots(origin, direction, root);
+  for (int i = 0; i < count; ++i)
+    if (root[i].t > t_min && root[i].t < t_max && !is_cut_away(root[i].p))
+      found.add(static_cast<Real>(root[i].t), surface_point(root[i].p));
+  return found;
+}
+
+template <typename Real>
+std::optional<ShapeHit<Real>> Sphere<Real>::intersect(const Vec3<Real>& origin,
+                                                      const Vec3<Real>& direction, Real t_min,
+                                                      Real t_max) const {
+  Root root[2];
+  const int count = roots(origin, direction, root);
+  for (int i = 0; i < count; ++i)
+    if (root[i].t > t_min && root[i].t < t_max && !is_cut_away(root[i].p))
+      return ShapeHit<Real>{static_cast<Real>(root[i].t), surface_point(root[i].p)};
+  return std::nullopt;
+}
+
+template <typename Real>
+std::pair<Vec3<Real>, Vec3<Real>> Sphere<Real>::bounds() const {
+  const auto& m = world_from_object_.matrix();
+  // The widest ring that is left, for the box of a cut sphere.
+  const double r = params_.radius_m;
+  const double z = std::clamp(0.0, z_min_m_, z_max_m_);
+  const double ring = std::sqrt((r - z) * (r + z));
+  const double z_middle = (z_min_m_ + z_max_m_) / 2;
+  const double z_half = (z_max_m_ - z_min_m_) / 2;
+  const auto extent = [&](int row) {
+    // Two bounds that both hold: the whole ellipsoid, and the image of the box about what is left.
+    const double ellipsoid = r * length(Vec3<double>{m[row][0], m[row][1], m[row][2]});
+    const double box =
+        ring * (std::fabs(m[row][0]) + std::fabs(m[row][1])) + z_half * std::fabs(m[row][2]);
+    const double middle = m[row][3] + m[row][2] * z_middle;
+    return std::pair{std::max(m[row][3] - ellipsoid, middle - box),
+                     std::min(m[row][3] + ellipsoid, middle + box)};
+  };
+  const auto x = extent(0);
+  const auto y = extent(1);
+  const auto w = extent(2);
+  return rounded_outwards<Real>({x.first, y.first, w.first}, {x.second, y.second, w.second});
+}
+
+template <typename Real>
+std::optional<SurfacePoint<Real>> Sphere<Real>::locate(const Vec3<Real>& position,
+                                                       double slack_m) const {
+  const double r = params_.radius_m;
+  Vec3<double> q = normalized(object_from_world_.point(Vec3<double>(position))) * r;
+  if (!is_finite(q)) return std::nullopt;
+  if (q.z < z_min_m_ || q.z > z_max_m_) {
+    const double z = std::clamp(q.z, z_min_m_, z_max_m_);
+    const double to_ring = std::sqrt((r - z) * (r + z)) / std::hypot(q.x, q.y);
+    q = {q.x * to_ring, q.y * to_ring, z};
+  }
+  q = nearest_swept(q, params_.phi_max_rad);
+  const Vec3<double> nearest = world_from_object_.point(q);
+  if (!(length(nearest - Vec3<double>(position)) <= rounding_m<Real>(bounds()) + slack_m))
+    return std::nullopt;
+  return SurfacePoint<Real>{position, surface_point(q).normal};
+}
+
+template <typename Real>
+NormalCone<Real> Sphere<Real>::normals() const {
+  if (!is_cut_in_z_) return {};
+  // About +z from the lower cut, about -z from the upper one; the narrower of both.
+  const double up = polar_angle(z_min_m_, params_.radius_m);
+  const double down = polar_angle(-z_max_m_, params_.radius_m);
+  const bool is_up = up <= down;
+  const Vec3<double> axis = world_from_object_.normal({0, 0, is_up ? 1.0 : -1.0});
+  return {Vec3<Real>(normalized(params_.reverse_orientation ? -axis : axis)),
+          std::min(std::min(up, down) + kNormalSlackRad, std::numbers::pi)};
+}
+
+template <typename Real>
+Vec2<double> Sphere<Real>::uv(const Vec3<Real>& position) const {
+  const Vec3<double> p = object_from_world_.point(Vec3<double>(position));
+  // atan2: the arccosine of z loses half of its digits near the poles.
+  const double theta = std::atan2(std::hypot(p.x, p.y), p.z);
+  const double bottom = polar_angle(z_min_m_, params_.radius_m);
+  const double top = polar_angle(z_max_m_, params_.radius_m);
+  const double v = top == bottom ? 0.5 : std::clamp((theta - bottom) / (top - bottom), 0.0, 1.0);
+  return {share_of_sweep(p, params_.phi_max_rad), v};
+}
+
+template <typename Real>
+BandArea Sphere<Real>::area_of(const Band& band) const {
+  // Polar angles from the pole that the middle is nearer to, and cosines' differences as products:
+  // cos(m - h) - cos(m + h) = 2 sin m sin h.
+  const double r = params_.radius_m;
+  const double top = polar_angle(z_max_m_, r), bottom = polar_angle(-z_min_m_, r);
+  const bool is_northern = z_min_m_ + z_max_m_ >= 0;
+  const double sweep =
+      is_northern ? polar_angle(z_min_m_, r) - top : polar_angle(-z_max_m_, r) - bottom;
+  struct Middle {
+    double sin, cos;
+  };
+  const auto middle_of = [&](const Band& b) -> Middle {
+    const double from_top = top + (b.above + b.height / 2) * sweep;
+    if (from_top <= std::numbers::pi / 2) return {std::sin(from_top), std::cos(from_top)};
+    const double from_bottom = bottom + (b.below + b.height / 2) * sweep;
+    return {std::sin(from_bottom), -std::cos(from_bottom)};
+  };
+  const double whole = middle_of({0, 1, 0}).sin * std::sin(sweep / 2);
+  // A zone so thin that its angles do not tell its edges apart is as good as a cylinder.
+  if (!(whole > 0)) return {band.height, 0};
+  const double half = band.height * sweep / 2;
+  const Middle middle = middle_of(band);
+  // The integral of x sin(m + h x) from -1 to 1 is 2 cos(m) (sin(h) / h - cos(h)) / h.
+  return {middle.sin * std::sin(half) / whole, middle.cos * sinc_minus_cos(half) / whole};
+}
+
+template <typename Real>
+SurfacePoint<Real> Sphere<Real>::at_shares(Vec2<double> shares) const {
+  const double z = std::clamp(std::lerp(z_min_m_, z_max_m_, shares.y), z_min_m_, z_max_m_);
+  const double phi = params_.phi_max_rad * shares.x;
+  const double ring = std::sqrt((params_.radius_m - z) * (params_.radius_m + z));
+  return surface_point({ring * std::cos(phi), ring * std::sin(phi), z});
+}
+
+template <typename Real>
+std::optional<double> Sphere<Real>::projected_solid_angle_sr(const Vec3<Real>& position,
+                                                             const Vec3<double>& normal,
+                                                             bool two_sided) const {
+  if (!is_whole_ || touches(position)) return std::nullopt;
+  const Vec3<double> to_center = center_m_ - Vec3<double>(position);
+  const double r = world_radius_m_, d = length(to_center);
+  const bool is_inside = d < r;
+  if (!two_sided && is_inside != params_.reverse_orientation) return 0;
+  if (is_inside) return std::numbers::pi;
+  return cap_projected_solid_angle(to_center / d, r / d,
+                                   std::sqrt((d - r) / d) * std::sqrt((d + r) / d), normal);
+}
+
+template <typename Real>
+bool Sphere<Real>::touches(const Vec3<Real>& p, std::uint32_t) const {
+  constexpr double kRounding = 8 * std::numeric_limits<double>::epsilon();
+  const Vec3<double> from_center = Vec3<double>(p) - center_m_;
+  return std::fabs(length(from_center) - world_radius_m_) <= kRounding * world_radius_m_ &&
+         (is_whole_ || !is_cut_away(object_from_world_.vector(from_center)));
+}
+
+template class Sphere<float>;
+template class Sphere<double>;
+
+}  // namespace lucerna

@@ -1,0 +1,57 @@
+// The triangle: area sampling, density, intersection.
+#pragma once
+
+#include <optional>
+#include <utility>
+
+#include "lights/sampling/light_sample.h"
+#include "lights/shapes/shape.h"
+
+namespace lucerna {
+
+/// Normal: cross(b - a, c - a).
+template <typename Real>
+struct Triangle {
+  Vec3<Real> a, b, c;
+
+  /// [m2].  In double, for needles of 1 : 1e7 and for coordinates whose squares leave `Real`.
+  double area() const;
+  /// Unit normal; zero for a triangle without area.
+  Vec3<Real> normal() const;
+  /// How far `p` is above the plane, on the side of the normal [m]; right to 1e-11 and to its sign
+  /// even where that is 1e-20 of the triangle's size.  0 for a triangle without area.
+  double height_of(const Vec3<Real>& p) const;
+  /// Uniform by area, by any of the five maps of lights/sampling/sampling.h.  `u` in [0, 1]^2.
+  SurfacePoint<Real> sample_area(Vec2<Real> u,
+                                 AreaSampling way = AreaSampling::kLowDistortion) const;
+  /// Density of sample_area at a point of the triangle: 1 / area.
+  AreaPdf<double> pdf_area(const Vec3<Real>& position) const;
+  /// The way that `receiver` asks for; by area where there is no density by solid angle, and
+  /// without the cosine's warp where lights/sampling/low_triangle.h has one.  With the density of
+  /// the point, bit for bit that of `pdf`.  [Arvo95]
+  ChosenPoint<Real> sample(const Receiver<Real>& receiver, Vec2<Real> u) const;
+  /// Density of `sample` at a point of the triangle.
+  SolidAnglePdf<double> pdf(const Receiver<Real>& receiver, const SurfacePoint<Real>& point) const;
+  /// The hit, if its t is in (t_min, t_max); `direction` of any length.  Edges and vertices belong
+  /// to the triangle, and a ray through the common edge of two triangles hits at least one.
+  /// [Woop13]
+  std::optional<ShapeHit<Real>> intersect(const Vec3<Real>& origin, const Vec3<Real>& direction,
+                                          Real t_min, Real t_max) const;
+  /// The same as a list.
+  ShapeHits<Real> hits(const Vec3<Real>& origin, const Vec3<Real>& direction, Real t_min,
+                       Real t_max) const;
+  /// How much of the edges from a to b and from a to c leads from a to `position`, a point of the
+  /// triangle up to its rounding; 0 of needles beyond all digits, of which any point is as good.
+  Vec2<double> shares_at(const Vec3<Real>& position) const;
+  /// How far `position` is from the triangle [m]: off its plane, or off its edges within it.
+  double distance_to(const Vec3<Real>& position) const;
+  /// Whether `p`, 0 above the plane (`height_of`), is within the edges or on them to 1e-14.
+  bool touches(const Vec3<Real>& p) const;
+  /// {lower, upper}
+  std::pair<Vec3<Real>, Vec3<Real>> bounds() const;
+};
+
+extern template struct Triangle<float>;
+extern template struct Triangle<double>;
+
+}  // namespace lucerna

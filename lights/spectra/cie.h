@@ -1,0 +1,39 @@
+// The tables of the CIE, as Debian's colord-data has them; they become C++ when the project is
+// built.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string_view>
+
+#include "lights/maths/vec.h"
+
+namespace lucerna::cie {
+
+/// The luminous efficacy of light of 540 THz (555 nm), which defines the lumen [lm/W].
+inline constexpr double kLumensPerWatt = 683;
+
+inline constexpr double kObserverFirstNm = 360;
+inline constexpr double kObserverStepNm = 5;
+inline constexpr std::size_t kObserverSize = 95;
+
+/// Colour matching functions of the 1931 standard observer (2 degrees), entry k at 360 + 5 k nm,
+/// to 830 nm.  [CIE15]
+std::span<const Vec3<double>, kObserverSize> observer();
+
+/// Relative spectral power of an illuminant, equally spaced.  [CIE15]
+struct Illuminant {
+  std::string_view name;  ///< "A", "D65", "F2"
+  double first_nm;
+  double step_nm;
+  std::span<const double> values;
+};
+std::span<const Illuminant> illuminants();
+
+/// Null for a name that is not among `illuminants()`.
+const Illuminant* find_illuminant(std::string_view name);
+
+/// Linear between entries, 0 beyond them.
+double value_at(const Illuminant& illuminant, double nm);
+
+}  // namespace lucerna::cie

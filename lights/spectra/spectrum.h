@@ -1,0 +1,99 @@
+// Spectra of lights, and the light of a given RGB wavelength by wavelength.
+//
+// Lights compute in RGB.  A spectrum says how a light's luminance is spread over wavelengths: a
+// light value of luminance Y has the spectral value Y s(nm), where s is the spectrum per lumen.
+//
+// Integrals against the CIE 1931 observer, of which the tables have an entry every 5 nm: of smooth
+// spectra and of the CIE's illuminants the sum over the table's wavelengths, times 5 nm [CIE15]; of
+// samples, which may be finer than the table, the integral of the product, both taken as linear
+// between their entries, exact.  The observer is 0 beyond 360 and 830 nm.
+#pragma once
+
+#include <absl/status/status.h>
+#include <absl/status/statusor.h>
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "lights/maths/vec.h"
+#include "lights/spectra/rgb.h"
+
+namespace lucerna {
+
+struct BlackBody {
+  double kelvin;
+};
+
+/// Linear between samples, 0 beyond them.
+struct SampledSpectrum {
+  std::vector<double> wavelengths_nm;
+  std::vector<double> values;
+};
+
+/// Errors: lengths that differ, or none; wavelengths that are negative, infinite or do not ascend;
+/// values that are negative or infinite.
+absl::Status check_samples(const SampledSpectrum& samples);
+
+struct CieIlluminant {
+  std::string name;  ///< "A", "D65", "F2"
+};
+
+/// Spectra have no more than this: its product with the flux of any light whose values are floats
+/// is a double.  (A black body of 100 K, as dark as they may be, has 4e72.)
+inline constexpr double kMostWattsPerLumen = 1e100;
+
+/// Immutable.  All that can fail fails in the `create` functions.
+class Spectrum {
+ public:
+  using Source = std::variant<BlackBody, CieIlluminant, SampledSpectrum>;
+
+  /// Errors: a temperature outside of [100, 1e7] K.
+  static absl::StatusOr<Spectrum> create(const BlackBody& source);
+  /// Errors: a name that colord-data has no table of.
+  static absl::StatusOr<Spectrum> create(const CieIlluminant& source);
+  /// Errors: those of check_samples; nothing that the eye sees, which are less than
+  /// 1 / kMostWattsPerLumen [lm/W] (FAILED_PRECONDITION).
+  static absl::StatusOr<Spectrum> create(SampledSpectrum source);
+
+  const Source& source() const { return source_; }
+  /// s(nm) [W/nm per lm]: 683 lm/W times the integral of s y is 1.  Finite.
+  double per_lumen(double nm) const;
+  /// Of the whole spectrum, a black body's over all wavelengths [W per lm].
+  double watts_per_lumen() const { return watts_per_lumen_; }
+  /// Its colour at luminance 1, no channel negative.
+  const Rgb<double>& rgb() const { return rgb_; }
+  /// True where the colour is outside of RGB: channels below 0 were set to 0.
+  bool clipped() const { return clipped_; }
+  /// Memory, with the object itself.
+  std::uint64_t bytes() const;
+
+ private:
+  Spectrum(Source source, const Vec3<double>& xyz);
+
+  Source source_;
+  double log_per_lumen_ = 0;  // of black bodies: what makes Planck's logarithm one of s
+  double largest_ = 1;        // of samples
+  double scale_ = 1;          // of the others: W/nm per lm for each unit of value / largest
+  double watts_per_lumen_ = 0;
+  Rgb<double> rgb_;
+  bool clipped_ = false;
+};
+
+/// X, Y and Z of samples, linear between them and 0 beyond, wavelengths ascending: the integral
+/// against the observer [nm times the unit of the values].
+Vec3<double> tristimulus(std::span<const double> wavelengths_nm, std::span<const double> values);
+
+/// Linear RGB of a colour in XYZ: primaries of Rec. 709, and the white of the D65 table, of which
+/// the chromaticity (0.31271, 0.32901) is that of Rec. 709 to 5 digits and not exactly; so X and Z
+/// are scaled first, by less than 3e-4, and D65 is (1, 1, 1).  [BT709]
+Rgb<double> rgb_from_xyz(const Vec3<double>& xyz);
+
+/// For RGB lights: the light of RGB c has at `nm` the spectral value c.r b.r + c.g b.g + c.b b.b
+/// [W/nm per lm].  Three smooth spectra, D65 times reflectances that add up to 1: white is D65, and
+/// the sum over the observer's table gives back c, to 1e-9.  [Mallett19]
+Rgb<double> rgb_basis_per_lumen(double nm);
+
+}  // namespace lucerna

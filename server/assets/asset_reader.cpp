@@ -1,0 +1,140 @@
+#include "server/assets/asset_reader.h"
+
+#include <fmt/format.h>
+#include <zlib.h>
+
+#include <algorithm>
+#include <string_view>
+#include <utility>
+
+#include "proto/common/sha256.h"
+#include "server/assets/directory_source.h"
+
+namespace lucerna {
+namespace {
+
+constexpr std::size_t kChunkBytes = 1 << 20;
+
+std::string joined(const std::vector<std::string>& parts) {
+  return fmt::format("{}", fmt::join(parts, "/"));
+}
+
+absl::Status too_much(const std::string& name, std::uint64_t limit) {
+  return absl::ResourceExhaustedError(fmt::format(
+      "file \"{}\": the scene's files exceed {} bytes together, which is the limit", name, limit));
+}
+
+}  // namespace
+
+AssetReader::AssetReader(std::unique_ptr<FileSource> source, const AssetReaderOptions& options)
+    : source_(std::move(source)),
+      max_total_bytes_(options.max_total_bytes),
+      remaining_bytes_(options.max_total_bytes) {}
+
+absl::StatusOr<AssetReader> AssetReader::open(const std::string& root,
+                                              const AssetReaderOptions& options) {
+  auto source = DirectorySource::open_root(root, {.use_openat2 = options.use_openat2});
+  if (!source.ok()) return source.status();
+  return AssetReader(*std::move(source), options);
+}
+
+absl::StatusOr<std::string> AssetReader::resolve(const std::string& name,
+                                                 const std::string& relative_to) const {
+  if (name.empty()) return absl::InvalidArgumentError("file name \"\" is empty");
+  if (name.find('\0') != std::string::npos)
+    return absl::InvalidArgumentError("file name holds a zero byte");
+  if (name.front() == '/') return leaves_root(name);
+  std::vector<std::string> path = path_components(relative_to);
+  if (!path.empty()) path.pop_back();
+  for (std::string& part : path_components(name)) {
+    if (part.empty() || part == ".") continue;
+    if (part != "..") {
+      path.push_back(std::move(part));
+    } else if (path.empty()) {
+      return leaves_root(name);
+    } else {
+      path.pop_back();
+    }
+  }
+  if (path.empty())
+    return absl::InvalidArgumentError(fmt::format("\"{}\" is not a regular file", name));
+  return joined(path);
+}
+
+absl::StatusOr<AssetContent> AssetReader::read(const std::string& name,
+                                               const std::string& relative_to) {
+  auto path = resolve(name, relative_to);
+  if (!path.ok()) return path.status();
+  auto file = source_->open(*path, name);
+  if (!file.ok()) return file.status();
+  if (file->size > remaining_bytes_) return too_much(name, max_total_bytes_);
+
+  AssetContent content{*path, std::string(file->size, '\0')};
+  const std::int64_t n = read_fully(file->fd.get(), content.bytes.data(), content.bytes.size());
+  if (n < 0) return unreadable(name);
+  content.bytes.resize(static_cast<std::size_t>(n));
+  remaining_bytes_ -= content.bytes.size();
+
+  if (seen_.insert(content.name).second) {
+    assets_.push_back({content.name, sha256(content.bytes), content.bytes.size()});
+  }
+  return content;
+}
+
+absl::StatusOr<AssetContent> AssetReader::read_unpacked(const std::string& name,
+                                                        const std::string& relative_to) {
+  auto packed = read(name, relative_to);
+  if (!packed.ok() || packed->bytes.compare(0, 2, "\x1f\x8b") != 0) return packed;
+
+  z_stream stream{};
+  constexpr int kGzipOnly = 15 + 16;
+  if (inflateInit2(&stream, kGzipOnly) != Z_OK) return unreadable(name);
+  const std::unique_ptr<z_stream, int (*)(z_stream*)> end(&stream, &inflateEnd);
+  std::string& in = packed->bytes;
+  std::string out;
+  std::string chunk(kChunkBytes, '\0');
+  std::size_t consumed = 0;
+  int result = Z_OK;
+  while (result == Z_OK) {
+    // zlib counts in 32 bits; hand it a part at a time.
+    const std::size_t part = std::min<std::size_t>(in.size() - consumed, std::size_t{1} << 30);
+    stream.next_in = reinterpret_cast<Bytef*>(in.data() + consumed);
+    stream.avail_in = static_cast<uInt>(part);
+    stream.next_out = reinterpret_cast<Bytef*>(chunk.data());
+    stream.avail_out = static_cast<uInt>(chunk.size());
+    result = inflate(&stream, Z_NO_FLUSH);
+    consumed += part - stream.avail_in;
+    const std::size_t produced = chunk.size() - stream.avail_out;
+    if (produced > remaining_bytes_) return too_much(name, max_total_bytes_);
+    remaining_bytes_ -= produced;
+    out.append(chunk, 0, produced);
+  }
+  if (result != Z_STREAM_END)
+    return absl::InvalidArgumentError(
+        fmt::format("file \"{}\": its gzip data are broken or cut off", name));
+  packed->bytes = std::move(out);
+  return packed;
+}
+
+absl::StatusOr<std::vector<Asset>> AssetReader::rehash(const std::vector<Asset>& assets) {
+  std::vector<Asset> now;
+  std::string chunk(kChunkBytes, '\0');
+  for (const Asset& asset : assets) {
+    auto path = resolve(asset.name, "");
+    if (!path.ok()) return path.status();
+    auto file = source_->open(*path, asset.name);
+    if (!file.ok()) return file.status();
+    Sha256 sha;
+    std::uint64_t bytes = 0;
+    for (std::int64_t n = 1; n > 0;) {
+      n = read_fully(file->fd.get(), chunk.data(), chunk.size());
+      if (n < 0) return unreadable(asset.name);
+      sha.add(std::string_view(chunk).substr(0, static_cast<std::size_t>(n)));
+      bytes += static_cast<std::uint64_t>(n);
+    }
+    now.push_back({asset.name, sha.finish(), bytes});
+  }
+  return now;
+}
+
+}  // namespace lucerna

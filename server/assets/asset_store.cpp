@@ -1,0 +1,321 @@
+#include "server/assets/asset_store.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <filesystem>
+#include <map>
+#include <mutex>
+#include <system_error>
+#include <utility>
+
+namespace lucerna {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+constexpr std::size_t kReadBytes = std::size_t{1} << 20;
+constexpr char kPart[] = ".part";
+
+bool is_digest(const std::string& name) {
+  return name.size() == 2 * kSha256Bytes &&
+         name.find_first_not_of("0123456789abcdef") == std::string::npos;
+}
+
+std::string bytes_of(const std::string& hexadecimal) {
+  std::string bytes;
+  for (std::size_t i = 0; i < hexadecimal.size(); i += 2)
+    bytes += static_cast<char>(std::stoi(hexadecimal.substr(i, 2), nullptr, 16));
+  return bytes;
+}
+
+absl::Status disk_error(int error) {
+  const std::string why = std::generic_category().message(error);
+  if (error == ENOSPC || error == EDQUOT)
+    return absl::ResourceExhaustedError("no space on the disk that keeps uploaded assets");
+  return absl::InternalError("cannot write an uploaded asset: " + why);
+}
+
+int write_fully(int fd, std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t n = ::write(fd, bytes.data(), bytes.size());
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) return errno;
+    bytes.remove_prefix(static_cast<std::size_t>(n));
+  }
+  return 0;
+}
+
+struct Entry {
+  std::uint64_t bytes = 0;     // on disk
+  std::uint64_t reserved = 0;  // what a writer said that it will send, else `bytes`
+  bool whole = false;
+  std::size_t pins = 0;
+  std::uint64_t writer = 0;  // 0: none
+  Clock::time_point written{};
+  std::uint64_t used = 0;  // the larger, the later
+};
+
+}  // namespace
+
+struct AssetStore::State {
+  AssetStoreOptions options;
+  fs::path directory;
+  bool temporary = false;
+  Descriptor lock{-1};
+
+  mutable std::mutex mutex;
+  std::map<std::string, Entry> entries;
+  std::uint64_t uses = 0, writers = 0;
+
+  fs::path whole(const std::string& digest) const { return directory / hexadecimal(digest); }
+  fs::path part(const std::string& digest) const { return whole(digest) += kPart; }
+
+  // All below are called with the lock held.
+
+  std::uint64_t reserved() const {
+    std::uint64_t sum = 0;
+    for (const auto& [digest, e] : entries) sum += e.reserved;
+    return sum;
+  }
+
+  void remove(std::map<std::string, Entry>::iterator entry) {
+    std::error_code ignored;
+    fs::remove(entry->second.whole ? whole(entry->first) : part(entry->first), ignored);
+    entries.erase(entry);
+  }
+
+  bool make_room(std::uint64_t size) {
+    const auto in_use = [](const Entry& e) { return e.pins > 0 || e.writer != 0; };
+    std::uint64_t sum = reserved(), needed = size;
+    for (const auto& [digest, e] : entries) needed += in_use(e) ? e.reserved : 0;
+    if (needed > options.budget_bytes) return false;  // nothing goes in vain
+    while (sum + size > options.budget_bytes) {
+      auto oldest = entries.end();
+      for (auto e = entries.begin(); e != entries.end(); ++e) {
+        if (!in_use(e->second) && (oldest == entries.end() || e->second.used < oldest->second.used))
+          oldest = e;
+      }
+      sum -= oldest->second.reserved;
+      remove(oldest);
+    }
+    return true;
+  }
+
+  /// The entry that `writer` writes; null where another took over or it was dropped.
+  Entry* entry_of(const std::string& digest, std::uint64_t writer) {
+    const auto found = entries.find(digest);
+    return found == entries.end() || found->second.writer != writer ? nullptr : &found->second;
+  }
+};
+
+absl::StatusOr<std::unique_ptr<AssetStore>> AssetStore::open(const AssetStoreOptions& options) {
+  auto state = std::make_unique<State>();
+  state->options = options;
+  std::error_code error;
+  if (options.directory.empty()) {
+    std::string name = (fs::temp_directory_path(error) / "lucernad-assets-XXXXXX").string();
+    if (error || mkdtemp(name.data()) == nullptr)
+      return absl::InvalidArgumentError("no temporary directory can be made for uploaded assets");
+    state->directory = name;
+    state->temporary = true;
+  } else {
+    state->directory = options.directory;
+    fs::create_directories(state->directory, error);
+  }
+  state->lock = Descriptor(
+      ::open((state->directory / "lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600));
+  if (state->lock.get() < 0)
+    return absl::InvalidArgumentError(
+        fmt::format("asset directory \"{}\" cannot be written to", options.directory));
+  if (flock(state->lock.get(), LOCK_EX | LOCK_NB) != 0)
+    return absl::FailedPreconditionError(
+        fmt::format("asset directory \"{}\" is in use by another server", options.directory));
+  for (const fs::directory_entry& file : fs::directory_iterator(state->directory, error)) {
+    const std::string name = file.path().stem().string(), extension = file.path().extension();
+    if (!is_digest(name) || !(extension.empty() || extension == kPart)) continue;
+    Entry entry;
+    entry.whole = extension.empty();
+    entry.bytes = entry.reserved = file.file_size(error);
+    // Where the end came between the two: the whole one is good.
+    const auto [place, is_new] = state->entries.try_emplace(bytes_of(name), entry);
+    if (!is_new && entry.whole) place->second = entry;
+  }
+  if (!state->make_room(0)) return absl::InternalError("assets that nobody uses do not make room");
+  return std::unique_ptr<AssetStore>(new AssetStore(std::move(state)));
+}
+
+AssetStore::AssetStore(std::unique_ptr<State> state) : state_(std::move(state)) {}
+AssetStore::~AssetStore() {
+  if (!state_->temporary) return;
+  std::error_code ignored;
+  fs::remove_all(state_->directory, ignored);
+}
+
+AssetStore::Held AssetStore::held(const std::string& digest) const {
+  const std::lock_guard lock(state_->mutex);
+  const auto found = state_->entries.find(digest);
+  if (found == state_->entries.end()) return {};
+  // Asking is a sign that it is about to be used.
+  found->second.used = ++state_->uses;
+  return {found->second.whole, found->second.bytes};
+}
+
+absl::StatusOr<AssetUpload> AssetStore::upload(const std::string& digest, std::uint64_t size,
+                                               std::uint64_t offset) {
+  if (size > state_->options.max_asset_bytes)
+    return absl::ResourceExhaustedError(fmt::format("an asset of {} bytes, this store takes {}",
+                                                    size, state_->options.max_asset_bytes));
+  std::uint64_t writer = 0;
+  {
+    const std::lock_guard lock(state_->mutex);
+    Entry& entry = state_->entries[digest];
+    if (entry.whole) return absl::FailedPreconditionError("the asset is held already");
+    if (entry.writer != 0 && Clock::now() - entry.written < state_->options.patience)
+      return absl::FailedPreconditionError("the asset is being uploaded by another client");
+    if (offset > entry.bytes || offset > size) {
+      const std::uint64_t held = std::min(entry.bytes, size);
+      if (entry.bytes == 0) state_->entries.erase(digest);
+      return absl::InvalidArgumentError(fmt::format(
+          "header.offset_bytes = {}, allowed: [0, {}], what is held of it", offset, held));
+    }
+    entry.writer = writer = ++state_->writers;  // nobody makes room with this one
+    entry.reserved = entry.bytes;
+    const std::uint64_t more = size > entry.bytes ? size - entry.bytes : 0;
+    if (!state_->make_room(more)) {
+      entry.writer = 0;
+      if (entry.bytes == 0) state_->entries.erase(digest);
+      return absl::ResourceExhaustedError(
+          fmt::format("no room for an asset of {} bytes: assets in use fill this server's {}", size,
+                      state_->options.budget_bytes));
+    }
+    entry.reserved = entry.bytes + more;
+    entry.written = Clock::now();
+    entry.used = ++state_->uses;
+  }
+  AssetUpload upload(*this, digest, size, writer,
+                     Descriptor(::open(state_->part(digest).c_str(),
+                                       O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600)));
+  if (upload.file_.get() < 0) return disk_error(errno);
+  std::string chunk(kReadBytes, '\0');
+  while (upload.bytes_ < offset) {
+    const std::int64_t n = read_fully(
+        upload.file_.get(), chunk.data(),
+        static_cast<std::size_t>(std::min<std::uint64_t>(kReadBytes, offset - upload.bytes_)));
+    if (n <= 0) return absl::InternalError("what was uploaded of an asset cannot be read again");
+    upload.sha_.add(std::string_view(chunk).substr(0, static_cast<std::size_t>(n)));
+    upload.bytes_ += static_cast<std::uint64_t>(n);
+  }
+  if (ftruncate(upload.file_.get(), static_cast<off_t>(offset)) != 0) return disk_error(errno);
+  const std::lock_guard lock(state_->mutex);
+  if (Entry* entry = state_->entry_of(digest, writer)) entry->bytes = offset;
+  return upload;
+}
+
+absl::Status AssetUpload::append(std::string_view chunk) {
+  AssetStore::State& state = *store_->state_;
+  const auto taken_over = [] {
+    return absl::FailedPreconditionError("another client took over the upload of this asset");
+  };
+  {
+    const std::lock_guard lock(state.mutex);
+    if (state.entry_of(digest_, writer_) == nullptr) return taken_over();
+  }
+  // Not under the lock.  Should somebody take over meanwhile, the digest tells.
+  const int error = write_fully(file_.get(), chunk);
+  const std::lock_guard lock(state.mutex);
+  Entry* entry = state.entry_of(digest_, writer_);
+  if (entry == nullptr) return taken_over();
+  if (error != 0) return disk_error(error);
+  sha_.add(chunk);
+  bytes_ += chunk.size();
+  entry->bytes = bytes_;
+  entry->written = Clock::now();
+  return absl::OkStatus();
+}
+
+absl::Status AssetUpload::finish() {
+  AssetStore::State& state = *store_->state_;
+  const std::string found = sha_.finish();
+  if (found != digest_) {
+    std::exchange(store_, nullptr)->drop(digest_);
+    return absl::InvalidArgumentError(hexadecimal(found));
+  }
+  const std::lock_guard lock(state.mutex);
+  Entry* entry = state.entry_of(digest_, writer_);
+  if (entry == nullptr)
+    return absl::FailedPreconditionError("another client took over the upload of this asset");
+  std::error_code error;
+  fs::rename(state.part(digest_), state.whole(digest_), error);
+  if (error) return disk_error(error.value());
+  entry->whole = true;
+  entry->reserved = entry->bytes;
+  entry->writer = 0;
+  store_ = nullptr;
+  return absl::OkStatus();
+}
+
+AssetUpload::~AssetUpload() {
+  if (store_ == nullptr) return;
+  AssetStore::State& state = *store_->state_;
+  const std::lock_guard lock(state.mutex);
+  Entry* entry = state.entry_of(digest_, writer_);
+  if (entry == nullptr) return;
+  entry->writer = 0;
+  entry->reserved = entry->bytes;
+  if (entry->bytes == 0) state.remove(state.entries.find(digest_));
+}
+
+absl::StatusOr<OpenFile> AssetStore::read(const std::string& digest) {
+  const std::lock_guard lock(state_->mutex);
+  const auto found = state_->entries.find(digest);
+  if (found == state_->entries.end() || !found->second.whole)
+    return absl::NotFoundError("the asset is not held");
+  Descriptor file(::open(state_->whole(digest).c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
+  if (file.get() < 0) {
+    // Somebody cleaned the directory.
+    state_->entries.erase(found);
+    return absl::NotFoundError("the asset is not held");
+  }
+  found->second.used = ++state_->uses;
+  return OpenFile{std::move(file), found->second.bytes};
+}
+
+void AssetStore::drop(const std::string& digest) {
+  const std::lock_guard lock(state_->mutex);
+  const auto found = state_->entries.find(digest);
+  if (found != state_->entries.end()) state_->remove(found);
+}
+
+AssetStore::Pins::Pins(AssetStore& store, std::vector<std::string> digests) : store_(store) {
+  const std::lock_guard lock(store_.state_->mutex);
+  for (std::string& digest : digests) {
+    const auto found = store_.state_->entries.find(digest);
+    if (found == store_.state_->entries.end()) continue;
+    ++found->second.pins;
+    digests_.push_back(std::move(digest));
+  }
+}
+
+AssetStore::Pins::~Pins() {
+  const std::lock_guard lock(store_.state_->mutex);
+  for (const std::string& digest : digests_) {
+    const auto found = store_.state_->entries.find(digest);
+    // Dropped meanwhile, or even uploaded anew.
+    if (found != store_.state_->entries.end() && found->second.pins > 0) --found->second.pins;
+  }
+}
+
+std::uint64_t AssetStore::max_asset_bytes() const { return state_->options.max_asset_bytes; }
+
+std::uint64_t AssetStore::bytes() const {
+  const std::lock_guard lock(state_->mutex);
+  return state_->reserved();
+}
+
+}  // namespace lucerna

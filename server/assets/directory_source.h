@@ -1,0 +1,41 @@
+// Files beneath one directory: nothing outside of it can be reached, by `..`, by an absolute name
+// or through a symbolic link.
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include <memory>
+#include <string>
+
+#include "server/assets/file_source.h"
+
+namespace lucerna {
+
+struct DirectorySourceOptions {
+  /// Let the kernel keep path resolution beneath the root (openat2, Linux 5.6), where it can.
+  /// Without it symbolic links are refused altogether.
+  bool use_openat2 = true;
+};
+
+class DirectorySource final : public FileSource {
+ public:
+  /// NOT_FOUND for what is no directory that can be opened.
+  static absl::StatusOr<std::unique_ptr<DirectorySource>> open_root(
+      const std::string& root, const DirectorySourceOptions& options = {});
+
+  absl::StatusOr<OpenFile> open(const std::string& path, const std::string& name) override;
+
+ private:
+  DirectorySource(Descriptor root, const DirectorySourceOptions& options)
+      : root_(std::move(root)), options_(options) {}
+
+  Descriptor root_;
+  DirectorySourceOptions options_;
+};
+
+/// INVALID_ARGUMENT for a name that leads out of a scene's files.
+absl::Status leaves_root(const std::string& name);
+/// INVALID_ARGUMENT for a file that is there and gives no bytes.
+absl::Status unreadable(const std::string& name);
+
+}  // namespace lucerna

@@ -1,0 +1,304 @@
+#include "server/estimate/lights/direct_light.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "server/scene/light_choice.h"
+#include "server/shadows/shaft.h"
+
+namespace lucerna {
+namespace {
+
+constexpr double kInvPi = std::numbers::inv_pi;
+
+/// The sample of an area light as a point where it is seen from afar; nothing where it is nearer
+/// than `radii` of its own, or has no closed form.
+template <typename L>
+std::optional<LightSample<double>> far_sample(const L& light, const Receiver<double>& receiver,
+                                              double radii) {
+  if constexpr (SeenOnSurface<L> && HasIrradiance<L>) {
+    const auto bounds = light.bounds();
+    if (!bounds || light.hides_itself()) return std::nullopt;
+    const Vec3<double> middle = bounds->lower * 0.5 + bounds->upper * 0.5;
+    const Vec3<double> away = receiver.position - middle;
+    const double distance = length(away);
+    if (!(distance > std::fmax(radii, 1) * length(bounds->upper - middle))) return std::nullopt;
+    // Ten bits farther off its size is lost in a millionth; what falls off by the square of the
+    // distance on the way is put back.
+    constexpr double kFarther = 1024;
+    Receiver<double> from = receiver;
+    from.position = middle + away * kFarther;
+    from.normal = away * (-1 / distance);
+    const auto lx = light.irradiance(from);
+    if (!lx) return std::nullopt;
+    // A point of the light for the shadow ray to end at.
+    LightSample<double> s = light.sample_li(receiver, {0.5, 0.5});
+    s.delta = true;
+    s.pdf = {};
+    s.wi = from.normal;
+    s.value = *lx * (kFarther * kFarther);
+    if (s.reason == NoLight::kNone && s.value.is_black()) s.reason = NoLight::kBlack;
+    return s;
+  } else {
+    return std::nullopt;
+  }
+}
+
+/// What of a sample's light a surface of reflectance 1 sends towards `wo`: cosine over pi; 0 where
+/// there is no light, or it is on the other side.
+double reflected_share(const SurfaceHit& hit, const Vec3<float>& wo,
+                       const LightSample<double>& sample) {
+  if (sample.reason != NoLight::kNone) return 0;
+  const double cos_i = dot(Vec3<double>(hit.ns), sample.wi);
+  return cos_i * dot(hit.ns, wo) > 0 ? std::fabs(cos_i) * kInvPi : 0;
+}
+
+}  // namespace
+
+DirectLight::DirectLight(const Scene& scene, const Methods& methods)
+    : scene_(scene), methods_(methods), visibility_(scene, methods.visibility) {
+  for (std::uint32_t l = 0; l < scene.lights().size(); ++l) deltas_ += is_delta(l) ? 1 : 0;
+  switch (methods.light_selection) {
+    case LightSelection::kAll:
+      spending_ = Spending::kEach;
+      break;
+    case LightSelection::kAutomatic:
+      spending_ = scene.lights().size() <= kFewLights ? Spending::kEach : Spending::kDrawn;
+      candidates_ = kCandidates;
+      break;
+    default:
+      // There is nothing to choose from one.
+      spending_ = scene.lights().size() < 2 ? Spending::kEach : Spending::kDrawn;
+  }
+}
+
+double DirectLight::weight(double a, double b) const {
+  if (!(a > 0)) return 0;
+  const double ratio = b / a;  // without overflow
+  return 1 / (1 + (methods_.combination == Combination::kBalanceHeuristic ? ratio : ratio * ratio));
+}
+
+Receiver<double> DirectLight::receiver(const SurfaceHit& hit, const Vec3<float>& wo) const {
+  Receiver<double> r(hit.position);
+  r.normal = Vec3<double>(dot(hit.ns, wo) < 0 ? -hit.ns : hit.ns);
+  r.area_sampling = methods_.area_sampling;
+  // Wherever a light is sampled here a direction of the surface is too, and both are weighed.
+  r.incomplete = methods_.combination != Combination::kLights;
+  return r;
+}
+
+bool DirectLight::is_delta(std::uint32_t light) const {
+  return visit([](const auto& l) { return l.kDelta; }, scene_.lights()[light].light);
+}
+
+std::uint32_t DirectLight::points_on(std::uint32_t light) const {
+  return is_delta(light) ? 1 : methods_.samples_per_light.value_or(scene_.lights()[light].samples);
+}
+
+const LightSelector& DirectLight::selector(Spending spending) const {
+  return spending == Spending::kAreasDrawn ? scene_.area_selector() : scene_.light_selector();
+}
+
+std::uint64_t DirectLight::settling_samples() const {
+  if (scene_.lights().size() <= kFewLights) return 0;
+  return (deltas_ + kSettledPerSample - 1) / kSettledPerSample;
+}
+
+Spending DirectLight::spending_at_receiver(std::uint64_t samples) const {
+  if (methods_.light_selection != LightSelection::kAutomatic) return spending_;
+  if (samples < settling_samples()) return Spending::kDrawn;
+  return scene_.lights().size() - deltas_ <= kFewAreas ? Spending::kEach : Spending::kAreasDrawn;
+}
+
+DirectLight::Candidate DirectLight::candidate(const SurfaceHit& hit, const Vec3<float>& wo,
+                                              const LightChoice& choice, std::uint32_t points,
+                                              Vec2<float> u) const {
+  Candidate c{visit_light(scene_.lights()[choice.light], hit.time_s,
+                          [&](const auto& l) {
+                            const Receiver<double> r = receiver(hit, wo);
+                            if (methods_.far_light_radii)
+                              if (const auto s = far_sample(l, r, *methods_.far_light_radii))
+                                return *s;
+                            return l.sample_li(r, {u.x, u.y});
+                          }),
+              {},
+              {}};
+  const LightSample<double>& s = c.sample;
+  const double f = reflected_share(hit, wo, s);  // also the density of cosine_direction
+  if (!(f > 0)) return c;
+  if (s.delta) {
+    c.value = s.value * (f / choice.probability);
+    return c;
+  }
+  const double light_pdf = s.pdf.per_sr * choice.probability;
+  switch (methods_.combination) {
+    case Combination::kSurfaces:
+      c.found = s.value;
+      break;
+    case Combination::kLights:
+      c.value = s.value * (f / light_pdf);
+      break;
+    default:
+      c.value = s.value * (f * weight(points * light_pdf, f) / light_pdf);
+  }
+  return c;
+}
+
+LightEstimate DirectLight::shadowed(const SurfaceHit& hit, std::uint32_t light,
+                                    const LightSample<double>& sample, const Rgb<double>& value,
+                                    WorkCounts& work) const {
+  if (value.is_black()) return {};
+  if (scene_.empty()) return {value, value};  // no ray is needed, and none is counted
+  const Ray ray = shadow_ray(hit, sample, scene_.lights()[light].reach_m());
+  const bool occluded = visibility_.is_occluded(light, hit.position, hit.ng, ray, work);
+  return {occluded ? Rgb<double>{} : value, value};
+}
+
+std::optional<Rgb<double>> DirectLight::of_one_direction(const SurfaceHit& hit,
+                                                         const Vec3<float>& wo, std::uint32_t light,
+                                                         WorkCounts& work) const {
+  return visit_light(
+      scene_.lights()[light], hit.time_s,
+      [&]<typename L>(const L& l) -> std::optional<Rgb<double>> {
+        const auto arriving = [&](const LightSample<double>& s) {
+          const double share = reflected_share(hit, wo, s);
+          return share > 0 ? shadowed(hit, light, s, s.value * share, work).value : Rgb<double>{};
+        };
+        if (methods_.far_light_radii)
+          if (const auto s = far_sample(l, receiver(hit, wo), *methods_.far_light_radii))
+            return arriving(*s);
+        if constexpr (L::kDelta)
+          return arriving(l.sample_li(receiver(hit, wo), {}));
+        else
+          return std::nullopt;
+      });
+}
+
+bool DirectLight::uses_closed_forms(bool at_receiver) const {
+  if (methods_.closed_forms != ClosedForms::kAutomatic)
+    return methods_.closed_forms != ClosedForms::kOff;
+  return at_receiver && scene_.lights().size() - deltas_ <= kFewAreas;
+}
+
+std::optional<Rgb<double>> DirectLight::in_closed_form(const SurfaceHit& hit, const Vec3<float>& wo,
+                                                       std::uint32_t light) const {
+  const SceneLight& of = scene_.lights()[light];
+  if (of.moving != nullptr) return std::nullopt;
+  return visit(
+      [&]<typename L>(const L& l) -> std::optional<Rgb<double>> {
+        if constexpr (HasIrradiance<L>) {
+          if (l.hides_itself()) return std::nullopt;
+          const Receiver<double> r = receiver(hit, wo);
+          if (!shafts(scene_).is_empty(hit, Vec3<float>(r.normal), light)) return std::nullopt;
+          const std::optional<Rgb<double>> lx = l.irradiance(r);
+          if (!lx) return std::nullopt;
+          return *lx * kInvPi;
+        } else {
+          return std::nullopt;
+        }
+      },
+      of.light);
+}
+
+void DirectLight::sample(Spending spending, const SurfaceHit& hit, const Vec3<float>& wo,
+                         std::uint32_t depth, const PathSample& s, const LightSet& settled,
+                         WorkCounts& work, Found found) const {
+  const Vertex v{hit, wo, depth, settled, work, found};
+  if (spending == Spending::kEach) {
+    const auto lights = static_cast<std::uint32_t>(scene_.lights().size());
+    for (std::uint32_t l = 0; l < lights; ++l)
+      if (!settled.has(l))
+        sample_points(v, {l, 1}, s, PathSample::kFirstVisited + depth * lights + l);
+    return;
+  }
+  if (candidates_ == 1) {
+    const double u = choosing_value(s.at(depth, PathSample::kLight));
+    const auto choice = selector(spending).choose(methods_.light_selection, receiver(hit, wo), u);
+    if (choice && !settled.has(choice->light))
+      sample_points(v, *choice, s, 1 + 4 * depth + PathSample::kLightPoint);
+    return;
+  }
+  const std::uint32_t times = methods_.samples_per_light.value_or(1);
+  for (std::uint32_t k = 0; k < times; ++k)
+    sample_one_of(v, spending, s.part(k, times), 1.0 / times);
+}
+
+void DirectLight::sample_points(const Vertex& v, const LightChoice& choice, const PathSample& s,
+                                std::uint32_t dimension) const {
+  const std::uint32_t points = points_on(choice.light);
+  LightEstimate sum;
+  for (std::uint32_t j = 0; j < points; ++j) {
+    const Candidate c = candidate(v.hit, v.wo, choice, points, s.part(j, points).pair(dimension));
+    sum += shadowed(v.hit, choice.light, c.sample, c.value, v.work);
+    sum.unshadowed += c.found;
+  }
+  const double share = 1.0 / points;
+  v.found(choice.light, {sum.value * share, sum.unshadowed * share});
+}
+
+void DirectLight::sample_one_of(const Vertex& v, Spending spending, const PathSample& s,
+                                double share) const {
+  // One pass over the candidates, each replacing the one kept so far with the probability of its
+  // share in the sum.  [Chao82]
+  double u = s.at(v.depth, PathSample::kSurvival).y;
+  double sum = 0;
+  std::uint32_t light = 0;
+  Candidate kept{};
+  const auto weigh = [&](std::uint32_t of, const Candidate& c) {
+    if (!c.found.is_black()) v.found(of, {{}, c.found * share});
+    const double importance = c.value.max_component();
+    if (!(importance > 0)) return;
+    sum += importance;
+    const double part = importance / sum;
+    if (u < part) {
+      u /= part;
+      kept = c;
+      light = of;
+    } else {
+      u = (u - part) / (1 - part);
+    }
+  };
+  const Receiver<double> from = receiver(v.hit, v.wo);
+  const LightSelector& lights = selector(spending);
+  for (std::uint32_t j = 0; j < candidates_; ++j) {
+    const PathSample part = s.part(j, candidates_);
+    const auto choice = lights.choose(methods_.light_selection, from,
+                                      choosing_value(part.at(v.depth, PathSample::kLight)));
+    if (!choice || v.settled.has(choice->light)) continue;
+    weigh(choice->light,
+          candidate(v.hit, v.wo, *choice, 1, part.at(v.depth, PathSample::kLightPoint)));
+  }
+  share /= candidates_;
+  if (!(sum > 0 && std::isfinite(sum))) return;
+  const double scale = share * (sum / kept.value.max_component());
+  v.found(light, shadowed(v.hit, light, kept.sample, kept.value * scale, v.work));
+}
+
+double DirectLight::found_weight(Spending spending, const SurfaceHit& from, const Vec3<float>& wo,
+                                 const Ray& ray, const std::optional<SurfaceHit>& hit,
+                                 std::uint32_t light, double direction_pdf) const {
+  if (methods_.combination == Combination::kSurfaces && !methods_.far_light_radii) return 1;
+  const Receiver<double> r = receiver(from, wo);
+  // The density of a light that counts as a point: no direction finds it.
+  constexpr double kCertain = std::numeric_limits<double>::infinity();
+  const SolidAnglePdf<double> pdf =
+      visit_light(scene_.lights()[light], ray.time_s, [&]<typename L>(const L& l) {
+        if (methods_.far_light_radii && far_sample(l, r, *methods_.far_light_radii))
+          return SolidAnglePdf<double>{kCertain};
+        if constexpr (SeenOnSurface<L>)
+          return hit ? l.pdf_li(r, hit->on_light()) : SolidAnglePdf<double>{};
+        else
+          return l.pdf_li(r, Vec3<double>(ray.direction));
+      });
+  if (pdf.per_sr == kCertain) return 0;
+  if (methods_.combination == Combination::kSurfaces) return 1;
+  double times = 1;  // points that stand for the light, each as likely as that
+  if (spending == Spending::kDrawn || spending == Spending::kAreasDrawn)
+    times = selector(spending).probability(methods_.light_selection, r, light);
+  if (spending == Spending::kEach || candidates_ == 1) times *= points_on(light);
+  return weight(direction_pdf, pdf.per_sr * times);
+}
+
+}  // namespace lucerna

@@ -1,0 +1,96 @@
+#include "server/estimate/paths/path.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "lights/sampling/sampling.h"
+
+namespace lucerna {
+namespace {
+
+constexpr double kInvPi = std::numbers::inv_pi;
+
+/// Reflections from which on Russian roulette ends paths however many were asked for: between
+/// surfaces that absorb nothing 2^32 of them would take minutes.
+constexpr std::uint32_t kLongDepth = 256;
+
+}  // namespace
+
+Vec3<float> PathTracer::cosine_direction(const Vec3<float>& ns, const Vec3<float>& wo,
+                                         Vec2<float> u) {
+  const Vec2<float> d = sample_concentric_disk(u);
+  // At least one ulp above the surface: the density of a direction within it is 0.
+  const float z = std::max(std::sqrt(std::max(0.0f, 1 - d.x * d.x - d.y * d.y)), 0x1p-24f);
+  const Vec3<float> n = dot(ns, wo) < 0 ? -ns : ns;
+  return Frame<float>::around(n).world_from_local({d.x, d.y, z});
+}
+
+LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3<float>& first_wo,
+                                    std::uint32_t depth, const PathSample& sample,
+                                    WorkCounts& work) const {
+  LightEstimate sum;
+  if (scene_.lights().empty()) return sum;
+  SurfaceHit hit = first;
+  Vec3<float> wo = first_wo;
+  Rgb<double> throughput{1};
+  LightSet settled;
+  for (;; ++depth) {
+    throughput = throughput * scene_.materials()[hit.material].reflectance;
+    if (throughput.is_black()) return sum;
+    if (depth == 0 && direct_.uses_closed_forms(false)) {
+      for (std::uint32_t l = 0; l < scene_.lights().size(); ++l) {
+        const auto all = direct_.in_closed_form(hit, wo, l);
+        if (!all) continue;
+        settled.add(l);
+        sum += {throughput * *all, throughput * *all};
+      }
+    }
+
+    direct_.sample(direct_.spending(), hit, wo, depth, sample, settled, work,
+                   [&](std::uint32_t, const LightEstimate& e) {
+                     sum.value += throughput * e.value;
+                     sum.unshadowed += throughput * e.unshadowed;
+                   });
+
+    const bool last = depth >= last_depth_;
+    if (last && !direct_.finds_lights()) return sum;
+    if (depth >= (endless_ ? kSafeDepth : kLongDepth)) {
+      // Below 1 even where nothing is absorbed, so that every path ends.
+      const double survival = std::min(0.95, throughput.max_component());
+      if (sample.at(depth, PathSample::kSurvival).x >= survival) return sum;
+      throughput = throughput / survival;
+    }
+
+    const Vec3<float> wi = cosine_direction(hit.ns, wo, sample.at(depth, PathSample::kDirection));
+    const double pdf = std::fabs(dot(hit.ns, wi)) * kInvPi;
+    const Ray ray = spawn_ray(hit, wi);
+    ++work.indirect_rays;
+    const std::optional<SurfaceHit> next = scene_.closest_hit(ray);
+    const auto found = [&](std::uint32_t light, const Rgb<double>& le) {
+      if (settled.has(light)) return;
+      const double weight =
+          direct_.found_weight(direct_.spending(), hit, wo, ray, next, light, pdf);
+      sum.value += throughput * le * weight;
+      sum.unshadowed += throughput * le * weight;
+    };
+    if (direct_.finds_lights()) for_each_emitter(ray, next, found);
+    if (!next || last) return sum;
+    hit = *next;
+    wo = -wi;
+    settled.clear();
+  }
+}
+
+LightEstimate PathTracer::radiance(const Ray& ray, const PathSample& sample,
+                                   WorkCounts& work) const {
+  ++work.camera_rays;
+  const std::optional<SurfaceHit> hit = scene_.closest_hit(ray);
+  Rgb<double> seen;
+  for_each_emitter(ray, hit, [&](std::uint32_t, const Rgb<double>& le) { seen += le; });
+  if (!hit) return {seen, seen};
+  const LightEstimate e = reflected(*hit, -ray.direction, 0, sample, work);
+  return {seen + e.value, seen + e.unshadowed};
+}
+
+}  // namespace lucerna

@@ -1,0 +1,220 @@
+#include "server/estimate/paths/render.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <mutex>
+#include <vector>
+
+#include "server/estimate/paths/path.h"
+#include "server/estimate/statistics/block_stream.h"
+#include "server/estimate/statistics/pilots.h"
+#include "server/estimate/statistics/sample_sum.h"
+#include "server/runtime/denormals.h"
+#include "server/runtime/parallel.h"
+
+namespace lucerna {
+namespace {
+
+// A path is a few rays: between two looks at the stop token lie a few hundred.
+constexpr std::uint32_t kSamplesBetweenPolls = 64;
+
+// Samples of one chunk of pixels: 0.1 to 10 ms.
+constexpr std::uint64_t kSamplesPerChunk = 256;
+
+class TileJob {
+ public:
+  TileJob(const Scene& scene, const TileSettings& settings, const std::stop_token& stop,
+          TileResult& result)
+      : scene_(scene),
+        settings_(settings),
+        shutter_(settings.shutter.value_or(
+            Shutter{scene.hints().shutter_open_s, scene.hints().shutter_close_s})),
+        tracer_(scene, settings.bounces, settings.methods),
+        stop_(stop),
+        result_(result) {}
+
+  std::size_t width() const {
+    return static_cast<std::size_t>(settings_.rect.x1 - settings_.rect.x0);
+  }
+  std::size_t height() const {
+    return static_cast<std::size_t>(settings_.rect.y1 - settings_.rect.y0);
+  }
+
+  // Pixels of the tile in row order.
+  void pixels(std::size_t begin, std::size_t end) {
+    const DenormalsAreZero denormals;
+    WorkCounts work;
+    for (std::size_t i = begin; i < end && !stopped_; ++i) {
+      const int x = settings_.rect.x0 + static_cast<int>(i % width()),
+                y = settings_.rect.y0 + static_cast<int>(i / width());
+      if (settings_.target) {
+        pixel_within_target(x, y, i, work);
+      } else {
+        const Blocks these{settings_.first_block, static_cast<std::uint32_t>(settings_.block_count),
+                           settings_.samples_per_block};
+        put(i, pixel<3>(x, y, these, nullptr, work));
+      }
+    }
+    const std::lock_guard lock(mutex_);
+    result_.work += work;
+  }
+
+  bool stopped() const { return stopped_; }
+
+ private:
+  /// What intervals ask beside the blocks' scatter, of samples' luminances.
+  struct Moments {
+    double sum = 0, sum_of_squares = 0, sum_of_cubes = 0;
+    double largest_unshadowed = 0;
+    bool partly_hidden = false;
+
+    void add(double value, double unshadowed) {
+      sum += value;
+      sum_of_squares += value * value;
+      sum_of_cubes += value * value * value;
+      largest_unshadowed = std::max(largest_unshadowed, unshadowed);
+      partly_hidden |= value < unshadowed;
+    }
+    /// Samples from which on a mean is so near to normal that 95% intervals hold in 94%: 25 times
+    /// the square of the samples' skewness.  [Cochran77, 2.15]
+    double least_samples(double count) const {
+      const double mean = sum / count, square = sum_of_squares / count;
+      const double variance = square - mean * mean;
+      // What is left of rounding has no shape.
+      if (!(variance > 1e-9 * square)) return 0;
+      const double third = sum_of_cubes / count - mean * (3 * square - 2 * mean * mean);
+      const double skewness = third / (variance * std::sqrt(variance));
+      return std::isfinite(skewness) ? 25 * skewness * skewness : 0;
+    }
+  };
+
+  template <std::size_t n>
+  void put(std::size_t i, const std::array<BlockStatistics, n>& channels) {
+    std::copy_n(channels.begin(), 3, result_.channels.begin() + static_cast<std::ptrdiff_t>(3 * i));
+  }
+
+  /// Statistics of R, G and B and, where n is 4, luminance.
+  template <std::size_t n>
+  std::array<BlockStatistics, n> pixel(int x, int y, const Blocks& these, Moments* moments,
+                                       WorkCounts& work) {
+    const auto item =
+        static_cast<std::uint64_t>(y) * static_cast<std::uint64_t>(scene_.camera().width()) +
+        static_cast<std::uint64_t>(x);
+    BlockStream<n> stream(these.first);
+    for (std::uint64_t b = these.first; b < these.first + these.count; ++b) {
+      const SampleSequence sequence(settings_.methods.sampler, settings_.seed, item, b);
+      const Rgb<double> mean = block(x, y, sequence, these.samples, moments, work);
+      if (stopped_) return {};
+      std::array<double, n> values{mean.r, mean.g, mean.b};
+      if constexpr (n == 4) values[3] = luminance(mean);
+      stream.add(values);
+    }
+    return stream.total();
+  }
+
+  /// Of a pixel's luminance, by `replicates` of an answer as large.
+  Interval interval(const BlockStatistics& total, const Blocks& these, const Moments& moments,
+                    std::uint64_t replicates) const {
+    const auto count = static_cast<double>(these.count);
+    const IntervalRule rule(settings_.target->confidence, replicates, these.count * these.samples);
+    return rule.interval({total.sum / count, std::sqrt(total.deviation / (count * (count - 1))),
+                          moments.sum_of_squares, moments.largest_unshadowed,
+                          moments.partly_hidden});
+  }
+
+  void pixel_within_target(int x, int y, std::size_t i, WorkCounts& work) {
+    const std::uint64_t replicates = settings_.block_count;
+    const auto needed =
+        needed_samples(*settings_.target, [&](const Blocks& these) -> std::optional<PilotEstimate> {
+          Moments moments;
+          const auto total = pixel<4>(x, y, these, &moments, work);
+          if (stopped_) return std::nullopt;
+          const auto count = static_cast<double>(these.count);
+          return PilotEstimate{total[3].sum / count, interval(total[3], these, moments, replicates),
+                               moments.least_samples(count * these.samples)};
+        });
+    if (!needed) return;
+    // A tile can be asked for with powers of two alone.
+    const std::uint64_t samples =
+        std::min(std::bit_ceil(static_cast<std::uint64_t>(std::ceil(*needed))),
+                 std::bit_floor(settings_.target->max_samples));
+    const Blocks these{0, replicates, static_cast<std::uint32_t>(samples / replicates)};
+    Moments moments;
+    const auto total = pixel<4>(x, y, these, &moments, work);
+    if (stopped_) return;
+    put(i, total);
+    result_.samples[i] = static_cast<std::uint32_t>(samples);
+    result_.intervals[i] = interval(total[3], these, moments, replicates);
+  }
+
+  /// The mean of a block of n samples.
+  Rgb<double> block(int x, int y, const SampleSequence& sequence, std::uint32_t n, Moments* moments,
+                    WorkCounts& work) {
+    const double scale = scene_.camera().film_scale();
+    SampleSum sum;
+    for (std::uint32_t i = 0; i < n; ++i) {
+      if (i % kSamplesBetweenPolls == 0 && stop_.stop_requested()) {
+        stopped_ = true;
+        return {};
+      }
+      const PathSample sample{sequence, i};
+      const Vec2<float> film = sample.pair(PathSample::kFilm);
+      const Ray ray = scene_.camera().ray(static_cast<float>(x) + film.x,
+                                          static_cast<float>(y) + film.y, time(sample));
+      const LightEstimate e = tracer_.radiance(ray, sample, work);
+      sum.add(e.value);
+      if (moments == nullptr) continue;
+      moments->add(luminance(e.value) * scale, luminance(e.unshadowed) * scale);
+    }
+    work.samples += n;
+    // Squares of differences are summed too: what no float holds counts as the largest.
+    const auto held = [](double v) {
+      constexpr double kLargest = std::numeric_limits<float>::max();
+      return v > kLargest ? kLargest : v;
+    };
+    const Rgb<double> mean = sum.value() * (scale / n);
+    return {held(mean.r), held(mean.g), held(mean.b)};
+  }
+
+  double time(const PathSample& sample) const {
+    if (settings_.time_s) return *settings_.time_s;
+    if (!scene_.moves()) return 0;
+    const double u = sample.pair(PathSample::kTime).x;
+    return shutter_.open_s * (1 - u) + shutter_.close_s * u;
+  }
+
+  const Scene& scene_;
+  const TileSettings& settings_;
+  const Shutter shutter_;
+  PathTracer tracer_;
+  const std::stop_token& stop_;
+  TileResult& result_;
+  std::mutex mutex_;
+  std::atomic<bool> stopped_ = false;
+};
+
+}  // namespace
+
+TileResult render_tile(const Scene& scene, const TileSettings& settings, std::stop_token stop) {
+  TileResult result;
+  TileJob job(scene, settings, stop, result);
+  const std::size_t pixels = job.width() * job.height();
+  result.channels.resize(3 * pixels);
+  if (settings.target) {
+    result.samples.resize(pixels);
+    result.intervals.resize(pixels);
+  }
+  const std::uint64_t samples_per_pixel = settings.block_count * settings.samples_per_block;
+  const std::size_t grain =
+      settings.target ? 1 : std::max<std::uint64_t>(1, kSamplesPerChunk / samples_per_pixel);
+  parallel_chunks(pixels, grain, stop,
+                  [&](std::size_t begin, std::size_t end) { job.pixels(begin, end); });
+  result.stopped = job.stopped() || stop.stop_requested();
+  return result;
+}
+
+}  // namespace lucerna

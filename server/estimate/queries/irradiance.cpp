@@ -1,0 +1,366 @@
+// Irradiance at points: the first vertex of a path whose surface reflects everything, times pi.
+#include <tbb/enumerable_thread_specific.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <mutex>
+#include <numbers>
+
+#include "server/estimate/paths/path.h"
+#include "server/estimate/paths/render.h"
+#include "server/estimate/queries/delta_irradiance.h"
+#include "server/estimate/queries/irradiance_estimate.h"
+#include "server/estimate/queries/spectral_values.h"
+#include "server/estimate/statistics/pilots.h"
+#include "server/runtime/denormals.h"
+#include "server/runtime/parallel.h"
+
+namespace lucerna {
+namespace {
+
+constexpr std::uint32_t kSamplesBetweenPolls = 64;
+// Closed forms and shafts take a point as long as so many samples.
+constexpr std::uint64_t kSamplesPerShafts = 4;
+// Of one chunk of points: 0.1 to 10 ms, as a sample takes 0.5 to 40 us.
+constexpr std::uint64_t kSamplesPerChunk = 256;
+
+/// What is known of a point without samples, and what they are to add.
+struct Settled {
+  Rgb<double> exact;                // [lx]
+  LightSet lights{};                // whose direct light is part of it
+  std::vector<Rgb<double>> shares;  // of each light, where wanted [lx]
+  BySpectrum by_spectrum;           // of what is exact
+  Spending spending{};
+  bool needs_samples = false;
+  bool gathers = false;  // by directions of the receiver too
+};
+
+/// All that the samples of one point say.
+struct Sampled {
+  Estimate total;
+  std::vector<Estimate> shares;                // of each light, where wanted
+  BySpectrum by_spectrum;                      // of the current block
+  std::vector<BlockStream<1>> at_wavelengths;  // [W/m2/nm]
+};
+
+class IrradianceJob {
+ public:
+  IrradianceJob(const Scene& scene, std::span<const IrradiancePoint> points,
+                const IrradianceSettings& settings, const std::stop_token& stop,
+                IrradianceResult& result)
+      : scene_(scene),
+        points_(points),
+        settings_(settings),
+        tracer_(scene, settings.bounces, settings.methods),
+        stop_(stop),
+        result_(result),
+        direct_(tracer_.direct()),
+        gather_indirect_(gathers_reflected_light(scene, settings)),
+        confidence_(settings.target ? settings.target->confidence : kConfidence),
+        rule_(confidence_, settings.block_count,
+              std::max<std::uint64_t>(samples_of(settings.samples_per_block), 1)),
+        spectral_([this] { return SpectralValues(scene_, settings_.wavelengths_nm); }) {}
+
+  WorkCounts range(std::size_t begin, std::size_t end) {
+    WorkCounts work;
+    for (std::size_t p = begin; p < end && !stopped_; ++p) point(p, work);
+    return work;
+  }
+
+  std::size_t points_per_chunk() const {
+    if (settings_.target) return 1;
+    return std::max<std::size_t>(
+        1, kSamplesPerChunk / (samples_of(settings_.samples_per_block) + kSamplesPerShafts));
+  }
+
+ private:
+  void point(std::size_t p, WorkCounts& work) {
+    if (stop_.stop_requested()) {
+      stopped_ = true;
+      return;
+    }
+    // Nobody asks what points took that take equally many samples.
+    std::chrono::steady_clock::time_point start;
+    if (settings_.target) start = std::chrono::steady_clock::now();
+    const std::uint64_t rays_before = work.indirect_rays + work.shadow_rays;
+    const SurfaceHit receiver = surface_at(points_[p], settings_.time_s);
+    const std::uint64_t samples = put_estimate(p, receiver, work);
+    if (stopped_) return;
+    std::chrono::duration<double> took{};
+    if (settings_.target) took = std::chrono::steady_clock::now() - start;
+    result_.costs[p] = {samples, work.indirect_rays + work.shadow_rays - rays_before, took.count()};
+  }
+
+  /// Returns the samples that the estimate is made of.
+  std::uint64_t put_estimate(std::size_t p, const SurfaceHit& receiver, WorkCounts& work) {
+    std::uint32_t per_block = settings_.samples_per_block;
+    const std::uint64_t expected = settings_.target
+                                       ? std::min(kFirstPilotSamples, samples_of(most_per_block()))
+                                       : samples_of(per_block);
+    Settled settled = settle(receiver, expected, work);
+    if (settings_.target && settled.needs_samples) {
+      per_block = needed_per_block(p, receiver, settled, work);
+      if (settled.spending == Spending::kDrawn &&
+          spending(samples_of(per_block)) != settled.spending) {
+        // So many that it costs less to settle delta lights.
+        settled = settle(receiver, samples_of(per_block), work);
+        if (settled.needs_samples) per_block = needed_per_block(p, receiver, settled, work);
+      }
+      // Of the same count without a target the same is settled: so many at least, which are no more
+      // than it was settled for.
+      if (spending(samples_of(per_block)) != settled.spending) per_block = settling_per_block();
+    }
+    put_exact(p, settled);
+    if (!settled.needs_samples || stopped_) return 0;
+    put_sampled(p, receiver, settled, per_block, work);
+    return samples_of(per_block);
+  }
+
+  void put_exact(std::size_t p, Settled& settled) {
+    set_exact(settled.exact, result_.points[p]);
+    for (std::size_t l = 0; l < settled.shares.size(); ++l)
+      set_exact(settled.shares[l], result_.per_light[p * settled.shares.size() + l]);
+    if (settled.by_spectrum.wanted()) settled.by_spectrum.put(spectral_.local(), 1, spectral(p));
+  }
+
+  /// Samples what remains; the answer then holds both.
+  void put_sampled(std::size_t p, const SurfaceHit& receiver, const Settled& settled,
+                   std::uint32_t per_block, WorkCounts& work) {
+    Sampled e = no_samples(settled.shares.size(), settings_.wavelengths_nm.size());
+    blocks(p, receiver, {0, settings_.block_count, per_block}, settled, e, work);
+    if (stopped_) return;
+    std::optional<IntervalRule> own;
+    if (settings_.target) own.emplace(confidence_, settings_.block_count, samples_of(per_block));
+    const IntervalRule& rule = own ? *own : rule_;
+    const double count = settings_.block_count;
+    result_.points[p] = e.total.result(settled.exact, count, rule);
+    for (std::uint32_t l = 0; l < e.shares.size(); ++l)
+      if (!settled.lights.has(l))
+        result_.per_light[p * e.shares.size() + l] = e.shares[l].result({}, count, rule);
+    const std::span<double> at_wavelengths = spectral(p);
+    for (std::size_t k = 0; k < at_wavelengths.size(); ++k) {
+      const BlockStatistics at = e.at_wavelengths[k].total()[0];
+      at_wavelengths[k] += at.sum / count;
+      if (count > 1)
+        result_.spectral_error[p * at_wavelengths.size() + k] =
+            std::sqrt(at.deviation / (count * (count - 1)));
+    }
+  }
+
+  /// Of point `p`, at each wavelength.
+  std::span<double> spectral(std::size_t p) {
+    const std::size_t n = settings_.wavelengths_nm.size();
+    return {result_.spectral.data() + p * n, n};
+  }
+
+  std::uint64_t samples_of(std::uint32_t per_block) const {
+    return std::uint64_t{per_block} * settings_.block_count;
+  }
+  /// For a target.
+  std::uint32_t most_per_block() const {
+    return static_cast<std::uint32_t>(
+        std::max<std::uint64_t>(1, settings_.target->max_samples / settings_.block_count));
+  }
+  /// The least that delta lights are settled for.
+  std::uint32_t settling_per_block() const {
+    return static_cast<std::uint32_t>((direct_.settling_samples() + settings_.block_count - 1) /
+                                      settings_.block_count);
+  }
+  Spending spending(std::uint64_t samples) const {
+    return settings_.per_light ? Spending::kEach : direct_.spending_at_receiver(samples);
+  }
+  /// Of a point that so many samples are to be taken at.
+  Settled settle(const SurfaceHit& receiver, std::uint64_t samples, WorkCounts& work) const {
+    Settled s{.exact = {},
+              .shares = std::vector<Rgb<double>>(settings_.per_light ? scene_.lights().size() : 0),
+              .by_spectrum = no_spectra(settings_.wavelengths_nm.size()),
+              .spending = spending(samples)};
+    s.needs_samples = !settle_lights(receiver, samples, s, work) || gather_indirect_;
+    s.gathers = gather_indirect_ || (direct_.finds_lights() && s.needs_samples);
+    return s;
+  }
+
+  Sampled no_samples(std::size_t shares, std::size_t wavelengths) const {
+    return {{},
+            std::vector<Estimate>(shares),
+            no_spectra(wavelengths),
+            std::vector<BlockStream<1>>(wavelengths, BlockStream<1>(0))};
+  }
+  BySpectrum no_spectra(std::size_t wavelengths) const {
+    return BySpectrum(wavelengths > 0 ? scene_.spectra().size() + 1 : 0);
+  }
+
+  void blocks(std::size_t p, const SurfaceHit& receiver, const Blocks& these,
+              const Settled& settled, Sampled& e, WorkCounts& work) {
+    for (std::uint64_t b = 0; b < these.count; ++b) {
+      const SampleSequence sequence(settings_.methods.sampler, settings_.seed,
+                                    settings_.first_item + p, these.first + b);
+      for (std::uint32_t i = 0; i < these.samples; ++i) {
+        if (i % kSamplesBetweenPolls == 0 && stop_.stop_requested()) {
+          stopped_ = true;
+          return;
+        }
+        sample(receiver, {sequence, i}, settled, e, work);
+      }
+      work.samples += these.samples;
+      e.total.end_block(these.samples);
+      for (std::uint32_t l = 0; l < e.shares.size(); ++l)
+        if (!settled.lights.has(l)) e.shares[l].end_block(these.samples);
+      if (!e.at_wavelengths.empty()) end_spectral_block(these.samples, e);
+    }
+  }
+
+  void end_spectral_block(std::uint32_t samples, Sampled& e) {
+    SpectralValues& spectral = spectral_.local();
+    std::vector<double> at(e.at_wavelengths.size());
+    e.by_spectrum.put(spectral, 1.0 / samples, at);
+    for (std::size_t k = 0; k < at.size(); ++k) e.at_wavelengths[k].add({at[k]});
+  }
+
+  /// How many samples a block this point needs for the target error.
+  std::uint32_t needed_per_block(std::size_t p, const SurfaceHit& receiver, const Settled& settled,
+                                 WorkCounts& work) {
+    const std::uint32_t replicates = settings_.block_count;
+    const auto needed =
+        needed_samples(*settings_.target, [&](const Blocks& these) -> std::optional<PilotEstimate> {
+          Sampled pilot = no_samples(0, 0);
+          blocks(p, receiver, these, settled, pilot, work);
+          if (stopped_) return std::nullopt;
+          const IntervalRule rule(confidence_, replicates, these.count * these.samples);
+          const IrradianceEstimate e =
+              pilot.total.result(settled.exact, static_cast<double>(these.count), rule);
+          return PilotEstimate{luminance(e.irradiance_lx), e.illuminance_lx};
+        });
+    return static_cast<std::uint32_t>(std::min(static_cast<double>(most_per_block()),
+                                               std::ceil(needed.value_or(1) / replicates)));
+  }
+
+  void add_to(BySpectrum& groups, std::uint32_t light, const Rgb<double>& lx) const {
+    if (!groups.wanted()) return;
+    const auto number = scene_.spectrum_number(light);
+    groups.add(number ? *number + 1 : 0, lx);
+  }
+
+  /// Not of fewer samples than they take the time of, where reflected light has an error anyway.
+  bool uses_closed_forms(std::uint64_t samples) const {
+    if (!direct_.uses_closed_forms(true)) return false;
+    return settings_.methods.closed_forms != ClosedForms::kAutomatic || !gather_indirect_ ||
+           samples >= kSamplesPerShafts;
+  }
+
+  /// What needs no samples: lights of one direction, where each light is visited, and those that a
+  /// closed form answers for.  False where lights remain.
+  bool settle_lights(const SurfaceHit& receiver, std::uint64_t samples, Settled& to,
+                     WorkCounts& work) const {
+    const Vec3<float>& n = receiver.ns;
+    const bool closed_forms = uses_closed_forms(samples);
+    bool all_settled = true;
+    for (std::uint32_t l = 0; l < scene_.lights().size(); ++l) {
+      std::optional<Rgb<double>> all;
+      if (to.spending == Spending::kEach || to.spending == Spending::kAreasDrawn)
+        all = direct_.of_one_direction(receiver, n, l, work);
+      if (!all && closed_forms) all = direct_.in_closed_form(receiver, n, l);
+      if (all) {
+        const Rgb<double> lx = *all * std::numbers::pi;
+        to.lights.add(l);
+        to.exact += lx;
+        add_to(to.by_spectrum, l, lx);
+        if (!to.shares.empty()) to.shares[l] = lx;
+      } else {
+        all_settled = false;
+      }
+    }
+    return all_settled;
+  }
+
+  void sample(const SurfaceHit& receiver, const PathSample& s, const Settled& settled, Sampled& to,
+              WorkCounts& work) const {
+    const Vec3<float>& n = receiver.ns;
+    LightEstimate sum;
+    const auto add = [&](std::uint32_t light, const LightEstimate& e) {
+      const LightEstimate lx{e.value * kPi, e.unshadowed * kPi};
+      sum.value += lx.value;
+      sum.unshadowed += lx.unshadowed;
+      if (!to.shares.empty()) to.shares[light].add(lx);
+      add_to(to.by_spectrum, light, lx.value);
+    };
+    direct_.sample(settled.spending, receiver, n, 0, s, settled.lights, work, add);
+    if (settled.gathers) {
+      const Vec3<float> wi = PathTracer::cosine_direction(n, n, s.at(0, PathSample::kDirection));
+      const double pdf = dot(n, wi) * std::numbers::inv_pi;
+      const Ray ray = spawn_ray(receiver, wi);
+      ++work.indirect_rays;
+      const std::optional<SurfaceHit> hit = scene_.closest_hit(ray);
+      const auto weight = [&](std::uint32_t light, const std::optional<SurfaceHit>& end) {
+        return settled.lights.has(light)
+                   ? 0.0
+                   : direct_.found_weight(settled.spending, receiver, n, ray, end, light, pdf);
+      };
+      if (direct_.finds_lights()) {
+        tracer_.for_each_emitter(ray, hit, [&](std::uint32_t light, const Rgb<double>& le) {
+          const Rgb<double> e = le * weight(light, hit);
+          add(light, {e, e});
+        });
+        // What lies behind an obstacle counts as hidden: a light that is sampled by what exceeds
+        // its mean may have nothing else to show.
+        if (hit)
+          tracer_.for_each_emitter(ray, std::nullopt,
+                                   [&](std::uint32_t light, const Rgb<double>& le) {
+                                     add(light, {{}, le * weight(light, std::nullopt)});
+                                   });
+      }
+      if (hit && gather_indirect_) {
+        const LightEstimate e = tracer_.reflected(*hit, -wi, 1, s, work);
+        sum.value += e.value * kPi;
+        sum.unshadowed += e.unshadowed * kPi;
+      }
+    }
+    to.total.add(sum);
+  }
+
+  const Scene& scene_;
+  std::span<const IrradiancePoint> points_;
+  const IrradianceSettings& settings_;
+  PathTracer tracer_;
+  const std::stop_token& stop_;
+  IrradianceResult& result_;
+  const DirectLight& direct_;
+  const bool gather_indirect_;
+  const double confidence_;
+  const IntervalRule rule_;  ///< of points that take as many samples as all others
+  /// One for each thread that takes part, as looking spectra up takes longer than using them.
+  tbb::enumerable_thread_specific<SpectralValues> spectral_;
+  std::atomic<bool> stopped_ = false;
+};
+
+}  // namespace
+
+IrradianceResult estimate_irradiance(const Scene& scene, std::span<const IrradiancePoint> points,
+                                     const IrradianceSettings& settings, std::stop_token stop) {
+  IrradianceResult result;
+  result.points.resize(points.size());
+  if (settings.per_light) result.per_light.resize(points.size() * scene.lights().size());
+  result.costs.resize(points.size());
+  result.spectral.resize(points.size() * settings.wavelengths_nm.size());
+  result.spectral_error.resize(result.spectral.size());
+  std::mutex mutex;
+  const auto run = [&](auto job) {
+    parallel_chunks(points.size(), job.points_per_chunk(), stop,
+                    [&](std::size_t begin, std::size_t end) {
+                      const DenormalsAreZero denormals;
+                      const WorkCounts work = job.range(begin, end);
+                      const std::lock_guard lock(mutex);
+                      result.work += work;
+                    });
+  };
+  if (DeltaIrradiance::answers(scene, settings))
+    run(DeltaIrradiance(scene, points, settings, stop, result));
+  else
+    run(IrradianceJob(scene, points, settings, stop, result));
+  result.stopped = stop.stop_requested();
+  return result;
+}
+
+}  // namespace lucerna

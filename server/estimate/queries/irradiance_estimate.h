@@ -1,0 +1,107 @@
+// Sums over the samples of one point that irradiance is estimated at.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "server/estimate/lights/direct_light.h"
+#include "server/estimate/paths/render.h"
+#include "server/estimate/queries/spectral_values.h"
+#include "server/estimate/statistics/block_stream.h"
+#include "server/estimate/statistics/confidence.h"
+#include "server/estimate/statistics/sample_sum.h"
+
+namespace lucerna {
+
+/// One number being estimated: the total, or one light's share of it.
+struct Estimate {
+  BlockStream<4> blocks{0};       // R, G, B and luminance [lx]
+  SampleSum block_sum;            // of the samples of the current block
+  double sum_of_squares = 0;      // of samples' illuminances
+  double largest_unshadowed = 0;  // of one sample's illuminance had nothing been in the way [lx]
+  bool partly_hidden = false;     // something was in the way of some sample
+
+  void add(const LightEstimate& e) {
+    block_sum.add(e.value);
+    const double lux = luminance(e.value);
+    sum_of_squares += lux * lux;
+    const double unshadowed = luminance(e.unshadowed);
+    largest_unshadowed = std::max(largest_unshadowed, unshadowed);
+    partly_hidden |= lux < unshadowed;
+  }
+  void end_block(std::uint32_t samples) {
+    const Rgb<double> v = block_sum.value() / samples;
+    blocks.add({v.r, v.g, v.b, luminance(v)});
+    block_sum = {};
+  }
+  /// `exact`: what is beside it that needed no sampling [lx].
+  IrradianceEstimate result(const Rgb<double>& exact, double block_count,
+                            const IntervalRule& rule) const;
+};
+
+/// Makes of an answer without samples one that needed none [lx].
+inline void set_exact(Rgb<double> exact, IrradianceEstimate& e) {
+  e.irradiance_lx = exact;
+  e.exact = true;
+  const double exact_lx = luminance(exact);
+  e.illuminance_lx = {exact_lx, exact_lx};
+}
+
+inline IrradianceEstimate Estimate::result(const Rgb<double>& exact, double block_count,
+                                           const IntervalRule& rule) const {
+  IrradianceEstimate e;
+  e.irradiance_lx = exact;
+  const double exact_lx = luminance(exact);
+  const auto total = blocks.total();
+  const auto mean = [&](int i) { return total[i].sum / block_count; };
+  const auto standard_error = [&](int i) {
+    return block_count > 1 ? std::sqrt(total[i].deviation / (block_count * (block_count - 1)))
+                           : std::numeric_limits<double>::infinity();
+  };
+  e.irradiance_lx += {mean(0), mean(1), mean(2)};
+  e.standard_error_lx = {standard_error(0), standard_error(1), standard_error(2)};
+  e.illuminance_error_lx = standard_error(3);
+  const Interval sampled_lx = rule.interval(
+      {mean(3), standard_error(3), sum_of_squares, largest_unshadowed, partly_hidden});
+  e.illuminance_lx = {exact_lx + sampled_lx.lower, exact_lx + sampled_lx.upper};
+  // Where nothing was in the way of anything, there was nothing to miss.
+  if (!(mean(3) > 0) && largest_unshadowed > 0) e.zero_bound_lx = e.illuminance_lx.upper;
+  return e;
+}
+
+/// Light of some samples by the spectrum of the lights that it came from [lx].  Nobody asks where
+/// the number of wavelengths is 0.
+class BySpectrum {
+ public:
+  /// Of lights that were given RGB: group 0; of those of the scene's spectrum k: group 1 + k.
+  explicit BySpectrum(std::size_t groups) : sums_(groups) {}
+
+  bool wanted() const { return !sums_.empty(); }
+  void add(std::size_t group, const Rgb<double>& lx) {
+    if (lx.is_black()) return;
+    if (sums_[group].value().is_black()) lit_.push_back(group);
+    sums_[group].add(lx);
+  }
+  /// Adds what the sums times `scale` are at each wavelength, and begins anew.
+  void put(SpectralValues& spectral, double scale, std::span<double> at) {
+    for (const std::size_t g : lit_) {
+      std::optional<std::uint32_t> spectrum;
+      if (g > 0) spectrum = static_cast<std::uint32_t>(g - 1);
+      spectral.add(spectrum, sums_[g].value() * scale, at);
+      sums_[g] = {};
+    }
+    lit_.clear();
+  }
+
+ private:
+  std::vector<SampleSum> sums_;
+  std::vector<std::size_t> lit_;  // those that are not 0
+};
+
+}  // namespace lucerna

@@ -1,0 +1,165 @@
+#include "server/estimate/queries/li_estimates.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <mutex>
+
+#include "server/estimate/queries/irradiance_estimate.h"
+#include "server/estimate/statistics/pilots.h"
+#include "server/runtime/denormals.h"
+#include "server/runtime/parallel.h"
+
+namespace lucerna {
+namespace {
+
+// Between two looks at the stop token: a tenth of a millisecond.
+constexpr std::size_t kSamplesAtOnce = 512;
+
+/// The estimate of blocks of so many samples each.
+IrradianceEstimate estimate(std::span<const LiShare> shares, std::size_t samples_per_block,
+                            const IntervalRule& rule) {
+  Estimate e;
+  const std::size_t blocks = shares.size() / samples_per_block;
+  for (std::size_t i = 0; i < shares.size(); ++i) {
+    e.add(shares[i].lx);
+    if ((i + 1) % samples_per_block == 0)
+      e.end_block(static_cast<std::uint32_t>(samples_per_block));
+  }
+  return e.result({}, static_cast<double>(blocks), rule);
+}
+
+/// Finds out how many samples receivers need.
+class Pilots {
+ public:
+  Pilots(const LiSampler& sampler, const TargetError& target, std::uint32_t replicates,
+         const std::stop_token& stop)
+      : sampler_(sampler), target_(target), replicates_(replicates), stop_(stop) {}
+
+  /// Samples of each replicate of an answer.
+  std::uint32_t needed(std::size_t receiver, WorkCounts& work) {
+    if (sampler_.receiver_result(receiver) != ItemResult::kOk) return 0;
+    const auto needed =
+        needed_samples(target_, [&](const Blocks& these) -> std::optional<PilotEstimate> {
+          const std::vector<LiShare> shares = pilot(receiver, these, work);
+          if (stopped_) return std::nullopt;
+          const IrradianceEstimate e = estimate(
+              shares, these.samples, IntervalRule(target_.confidence, replicates_, shares.size()));
+          return PilotEstimate{luminance(e.irradiance_lx), e.illuminance_lx};
+        });
+    const std::uint64_t most = std::max<std::uint64_t>(1, target_.max_samples / replicates_);
+    return static_cast<std::uint32_t>(
+        std::min(static_cast<double>(most), std::ceil(needed.value_or(1) / replicates_)));
+  }
+  bool stopped() const { return stopped_; }
+
+ private:
+  std::vector<LiShare> pilot(std::size_t receiver, const Blocks& these, WorkCounts& work) {
+    const std::size_t n = these.count * these.samples;
+    std::vector<LiShare> shares(n);
+    std::vector<LiPlace> places;
+    places.reserve(std::min(n, kSamplesAtOnce));
+    for (std::size_t i = 0; i < n; ++i) {
+      places.push_back({receiver, these.first + i / these.samples,
+                        static_cast<std::uint32_t>(i % these.samples)});
+      if (places.size() < kSamplesAtOnce && i + 1 < n) continue;
+      if (stop_.stop_requested()) {
+        stopped_ = true;
+        return shares;
+      }
+      work +=
+          sampler_.take(places, std::span(shares).subspan(i + 1 - places.size(), places.size()));
+      work.samples += places.size();
+      places.clear();
+    }
+    return shares;
+  }
+
+  const LiSampler& sampler_;
+  const TargetError& target_;
+  const std::uint32_t replicates_;
+  const std::stop_token& stop_;
+  std::atomic<bool> stopped_ = false;
+};
+
+}  // namespace
+
+std::optional<std::vector<std::uint32_t>> samples_needed(
+    const LiSampler& sampler, std::size_t receivers, const TargetError& target,
+    std::uint32_t replicates, const std::stop_token& stop, WorkCounts& work) {
+  std::vector<std::uint32_t> needed(receivers);
+  if (sampler.says_all_at_once()) return needed;
+  Pilots pilots(sampler, target, replicates, stop);
+  std::mutex mutex;
+  parallel_chunks(receivers, 1, stop, [&](std::size_t begin, std::size_t end) {
+    const DenormalsAreZero denormals;
+    WorkCounts spent;
+    for (std::size_t r = begin; r < end && !pilots.stopped(); ++r)
+      needed[r] = pilots.needed(r, spent);
+    const std::lock_guard lock(mutex);
+    work += spent;
+  });
+  if (pilots.stopped() || stop.stop_requested()) return std::nullopt;
+  return needed;
+}
+
+std::vector<std::uint32_t> equally_many(const LiSampler& sampler, std::size_t receivers,
+                                        std::uint32_t samples_per_replicate) {
+  std::vector<std::uint32_t> each(receivers);
+  if (sampler.says_all_at_once()) return each;
+  for (std::size_t r = 0; r < receivers; ++r)
+    if (sampler.receiver_result(r) == ItemResult::kOk) each[r] = samples_per_replicate;
+  return each;
+}
+
+LiEstimates estimates_of(const LiLayout& layout, std::size_t receivers, std::uint32_t replicates,
+                         double confidence, std::span<const LiShare> shares,
+                         std::span<const int> status, std::span<const float> spectral_value,
+                         std::size_t wavelengths) {
+  const DenormalsAreZero denormals;
+  LiEstimates all;
+  all.points.resize(receivers);
+  all.results.assign(receivers, ItemResult::kOk);
+  all.spectral.resize(receivers * wavelengths);
+  all.spectral_error.resize(receivers * wavelengths);
+  // Student's quantile takes longer than some tens of samples do.
+  std::optional<IntervalRule> rule;
+  std::size_t rule_is_of = 0;
+  for (std::size_t r = 0; r < receivers; ++r) {
+    const std::size_t begin = layout.begin(r), n = layout.begin(r + 1) - begin;
+    for (std::size_t i = begin; i < begin + n; ++i) {
+      const auto result = static_cast<ItemResult>(status[i]);
+      if (result == ItemResult::kInvalidInput || result == ItemResult::kOutOfRange)
+        all.results[r] = result;
+    }
+    if (all.results[r] != ItemResult::kOk) continue;
+    const std::span<const LiShare> own = shares.subspan(begin, n);
+    const bool exact = n < replicates;
+    if (exact) {
+      set_exact(own[0].lx.value, all.points[r]);
+    } else {
+      if (rule_is_of != n) rule.emplace(confidence, replicates, n);
+      rule_is_of = n;
+      all.points[r] = estimate(own, n / replicates, *rule);
+    }
+    const std::size_t blocks = exact ? 1 : replicates, each = n / blocks;
+    const auto count = static_cast<double>(blocks);
+    for (std::size_t k = 0; k < wavelengths; ++k) {
+      BlockStream<1> at(0);
+      for (std::size_t b = 0; b < blocks; ++b) {
+        CompensatedSum sum;
+        for (std::size_t i = b * each; i < (b + 1) * each; ++i)
+          sum.add(own[i].weight * spectral_value[(begin + i) * wavelengths + k]);
+        at.add({sum.value() / static_cast<double>(each)});
+      }
+      const BlockStatistics total = at.total()[0];
+      all.spectral[r * wavelengths + k] = total.sum / count;
+      if (!exact)
+        all.spectral_error[r * wavelengths + k] =
+            std::sqrt(total.deviation / (count * (count - 1)));
+    }
+  }
+  return all;
+}
+
+}  // namespace lucerna

@@ -1,0 +1,371 @@
+#include "server/estimate/queries/li_sampler.h"
+
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+
+#include "server/estimate/lights/path_sample.h"
+#include "server/estimate/lights/told_direction.h"
+#include "server/estimate/queries/spectral_values.h"
+#include "server/estimate/queries/visibility.h"
+#include "server/runtime/bits.h"
+#include "server/runtime/denormals.h"
+#include "server/runtime/parallel.h"
+
+namespace lucerna {
+namespace {
+
+/// Makes of a sample of a light that has directions alone one of the direction that the answer
+/// tells: PdfLi and Le of that are what the sample says.
+template <SeenBeyond L>
+void tell_direction(const L& light, const Receiver<double>& receiver, LightSample<double>& sample) {
+  if (sample.reason != NoLight::kNone || sample.delta) return;
+  const auto told = told_direction(sample.wi, [&](const Vec3<double>& wi) {
+    const Rgb<double> value = light.le_escaped(receiver.position, wi);
+    const SolidAnglePdf<double> pdf = light.pdf_li(receiver, wi);
+    if (value.is_black() || !(pdf.per_sr > 0)) return false;
+    sample.value = value;
+    sample.pdf = pdf;
+    return true;
+  });
+  if (told) sample.wi = Vec3<double>(*told);
+}
+
+}  // namespace
+
+/// One sample of a chunk on its way.
+struct LiSampler::Pending {
+  ScenePoint receiver;
+  Vec3<double> normal;
+  Vec2<double> u;
+  std::optional<LightChoice> choice{};   // where the light is not named; none: none can be chosen
+  std::optional<std::uint32_t> light{};  // none: none can be chosen
+  bool sampled = false;
+  LightSample<double> sample;
+
+  LooseEnd start() const { return {receiver.position, receiver.error}; }
+};
+
+LiSampler::LiSampler(const Scene& scene, const SampleLiQuery& query)
+    : scene_(scene),
+      q_(query),
+      visibility_(scene,
+                  query.test_visibility ? query.methods.visibility : VisibilityMethod::kRays),
+      // Rays alone ask how far off receivers may be.
+      to_scene_(scene, query.receivers, query.test_visibility ? query.position_error_m : 0.0F),
+      light_shift_m_(scene.origin() - query.receivers.origin_m) {}
+
+bool LiSampler::says_all_at_once() const { return one_sample_says_all(scene_, q_.light); }
+
+bool LiSampler::asks_one_light() const {
+  return q_.light && !q_.test_visibility && q_.wavelengths_nm.empty();
+}
+
+std::size_t LiSampler::grain() const {
+  // 0.1 to 5 ms of 0.01 to 0.6 us each, and of 0.2 to 5 us, which take memory on their way too.
+  return asks_one_light() ? 8192 : 512;
+}
+
+WorkCounts LiSampler::fill(const LiLayout& layout, std::size_t begin, std::size_t end,
+                           const SampleLiAnswer& answer, LiShare* shares) const {
+  const LiAnswerWriter writer(answer, light_shift_m_);
+  if (asks_one_light()) {
+    visit_light(scene_.lights()[*q_.light], q_.time_s, [&]<typename L>(const L& l) {
+      if constexpr (HasPlainSamples<L>) {
+        if (shares == nullptr && q_.normals.empty()) {
+          for (std::size_t i = begin; i < end; ++i)
+            if (!put_plain(l, layout.place(i).receiver, i, writer))
+              fill_from(l, layout, i, i + 1, writer, nullptr);
+          return;
+        }
+      }
+      fill_from(l, layout, begin, end, writer, shares);
+    });
+    return {};
+  }
+  std::vector<Pending> chunk(end - begin);
+  At at_receiver;
+  std::optional<std::size_t> receiver;
+  for (std::size_t i = begin; i < end; ++i) {
+    const LiPlace place = layout.place(i);
+    if (place.receiver != receiver) {
+      at_receiver = at(place.receiver);
+      receiver = place.receiver;
+    }
+    prepare(place, at_receiver, i, chunk[i - begin]);
+  }
+  sample(chunk);
+  for (std::size_t i = begin; i < end; ++i) {
+    Pending& p = chunk[i - begin];
+    if (!q_.light) put_choice(scene_, p.choice, i, answer.light_ids, answer.selection_probability);
+    if (p.sampled)
+      p.receiver.result = writer.put(i, p.sample);
+    else
+      p.receiver.result = writer.put_none(i, p.receiver.result);
+  }
+  if (!q_.wavelengths_nm.empty()) put_spectral(begin, chunk, answer);
+  WorkCounts work;
+  if (q_.test_visibility) work = test(begin, chunk, answer.visible);
+  for (std::size_t i = begin; shares != nullptr && i < end; ++i)
+    shares[i] = share(chunk[i - begin], !q_.test_visibility || bit(answer.visible, i));
+  return work;
+}
+
+WorkCounts LiSampler::take(std::span<const LiPlace> places, std::span<LiShare> shares) const {
+  std::vector<Pending> chunk(places.size());
+  At at_receiver;
+  for (std::size_t k = 0; k < chunk.size(); ++k) {
+    if (k == 0 || places[k].receiver != places[k - 1].receiver)
+      at_receiver = at(places[k].receiver);
+    prepare(places[k], at_receiver, k, chunk[k]);
+  }
+  sample(chunk);
+  WorkCounts work;
+  std::vector<std::uint8_t> visible((chunk.size() + 7) / 8);
+  for (Pending& p : chunk)
+    if (p.receiver.result == ItemResult::kOk)
+      p.receiver.result = p.sampled ? item_result(p.sample.reason) : ItemResult::kBlack;
+  if (q_.test_visibility) work = test(0, chunk, visible.data());
+  for (std::size_t k = 0; k < chunk.size(); ++k)
+    shares[k] = share(chunk[k], !q_.test_visibility || bit(visible.data(), k));
+  return work;
+}
+
+// What is always inlined here belongs to the loop over samples of one light: calls take longer than
+// a point light does.
+[[gnu::always_inline]] inline LiSampler::At LiSampler::at(std::size_t receiver) const {
+  At at{.point = to_scene_(receiver)};
+  if (q_.normals.empty()) return at;
+  const Vec3<float> n = triple(q_.normals, receiver);
+  if (!is_direction(n)) at.point.result = ItemResult::kInvalidInput;
+  at.normal = normalized(Vec3<double>(n));
+  if (q_.test_visibility && !q_.position_error_m && at.point.result == ItemResult::kOk)
+    at.point = on_surface(scene_, at.point, Vec3<float>(at.normal), q_.time_s);
+  return at;
+}
+
+ItemResult LiSampler::receiver_result(std::size_t receiver) const {
+  return at(receiver).point.result;
+}
+
+/// What a light is told.
+Receiver<double> LiSampler::receiver_of(const ScenePoint& point, const Vec3<double>& normal) const {
+  Receiver<double> r(point.position);
+  r.normal = normal;
+  r.area_sampling = q_.methods.area_sampling;
+  return r;
+}
+
+SampleSequence LiSampler::sequence_of(const LiPlace& place) const {
+  return {q_.methods.sampler, q_.seed->seed, q_.seed->first_item + place.receiver, place.replicate};
+}
+
+/// What places sample `i` on its light; nothing where the query's numbers are none.
+[[gnu::always_inline]] inline std::optional<Vec2<double>> LiSampler::point_of(const LiPlace& place,
+                                                                              std::size_t i) const {
+  if (q_.seed) {
+    const Vec2<float> u = sequence_of(place).pair(place.index, 0);
+    return Vec2<double>{u.x, u.y};
+  }
+  const float x = q_.u[2 * i], y = q_.u[2 * i + 1];
+  if (!std::isfinite(x) || !std::isfinite(y)) return std::nullopt;
+  return Vec2<double>{x, y};
+}
+
+void LiSampler::prepare(const LiPlace& place, const At& at, std::size_t i, Pending& p) const {
+  p.receiver = at.point;
+  p.normal = at.normal;
+  if (const auto u = point_of(place, i))
+    p.u = *u;
+  else
+    p.receiver.result = ItemResult::kInvalidInput;
+  p.light = q_.light;
+  if (q_.light) return;
+  double u_light = 0;
+  if (q_.seed) {
+    u_light = choosing_value(sequence_of(place).pair(place.index, 1));
+  } else if (std::isfinite(q_.u_light[i])) {
+    u_light = q_.u_light[i];
+  } else {
+    p.receiver.result = ItemResult::kInvalidInput;
+  }
+  if (!scene_.lights().empty() && p.receiver.result == ItemResult::kOk)
+    p.choice = choose_light(scene_, q_.methods.light_selection, receiver_of(p.receiver, p.normal),
+                            u_light);
+  if (p.choice) p.light = p.choice->light;
+}
+
+template <typename L>
+[[gnu::always_inline]] inline LightSample<double> LiSampler::sample(
+    const L& light, const Receiver<double>& receiver, Vec2<double> u) const {
+  LightSample<double> s = light.sample_li(receiver, u);
+  if constexpr (SeenBeyond<L>) tell_direction(light, receiver, s);
+  return s;
+}
+
+/// The sample of a receiver where nothing is out of the ordinary; false, with nothing put down,
+/// elsewhere.
+template <typename L>
+[[gnu::always_inline]] inline bool LiSampler::put_plain(const L& light, std::size_t receiver,
+                                                        std::size_t i,
+                                                        const LiAnswerWriter& writer) const {
+  if (!q_.seed && !std::isfinite(q_.u[2 * i] + q_.u[2 * i + 1])) return false;
+  const ScenePoint at = to_scene_(receiver);
+  if (at.result != ItemResult::kOk) return false;
+  const auto s = light.plain_sample_li(at.position);
+  return s && writer.put_plain(i, s->wi, s->distance, s->value, light.position());
+}
+
+/// Samples of one light of which nothing else is asked: one by one, without a chunk of them in
+/// between, which takes more time than a point light does.
+template <typename L>
+void LiSampler::fill_from(const L& light, const LiLayout& layout, std::size_t begin,
+                          std::size_t end, const LiAnswerWriter& writer, LiShare* shares) const {
+  At at_receiver;
+  Receiver<double> told;
+  std::optional<std::size_t> receiver;
+  for (std::size_t i = begin; i < end; ++i) {
+    const LiPlace place = layout.place(i);
+    if (place.receiver != receiver) {
+      receiver = place.receiver;
+      at_receiver = at(*receiver);
+      told = receiver_of(at_receiver.point, at_receiver.normal);
+    }
+    const std::optional<Vec2<double>> u = point_of(place, i);
+    const ItemResult asked = u ? at_receiver.point.result : ItemResult::kInvalidInput;
+    if (shares != nullptr) shares[i] = {};
+    if (asked != ItemResult::kOk) {
+      writer.put_none(i, asked);
+      continue;
+    }
+    const LightSample<double> s = sample(light, told, *u);
+    if (writer.put(i, s) == ItemResult::kOk && shares != nullptr)
+      shares[i] = share(at_receiver.normal, 1, s, true);
+  }
+}
+
+/// Visits each light once for all samples of the chunk that chose it.
+void LiSampler::sample(std::vector<Pending>& chunk) const {
+  std::vector<std::uint32_t> order;
+  order.reserve(chunk.size());
+  for (std::uint32_t k = 0; k < chunk.size(); ++k) {
+    if (chunk[k].receiver.result == ItemResult::kOk && chunk[k].light) order.push_back(k);
+  }
+  if (!q_.light) {
+    std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+      return chunk[a].light != chunk[b].light ? chunk[a].light < chunk[b].light : a < b;
+    });
+  }
+  for (std::size_t k = 0; k < order.size();) {
+    const std::uint32_t light = *chunk[order[k]].light;
+    visit_light(scene_.lights()[light], q_.time_s, [&](const auto& l) {
+      for (; k < order.size() && chunk[order[k]].light == light; ++k) {
+        Pending& p = chunk[order[k]];
+        p.sample = sample(l, receiver_of(p.receiver, p.normal), p.u);
+        p.sampled = true;
+      }
+    });
+  }
+}
+
+LiShare LiSampler::share(const Pending& p, bool visible) const {
+  if (p.receiver.result != ItemResult::kOk) return {};
+  return share(p.normal, p.choice ? p.choice->probability : 1, p.sample, visible);
+}
+
+[[gnu::always_inline]] inline LiShare LiSampler::share(const Vec3<double>& normal,
+                                                       double probability,
+                                                       const LightSample<double>& s,
+                                                       bool visible) const {
+  LiShare result;
+  result.weight = 1 / probability;
+  if (!s.delta) result.weight /= s.pdf.per_sr;
+  if (!q_.normals.empty()) result.weight *= std::fmax(0, dot(normal, s.wi));
+  result.lx.unshadowed = Rgb<double>(s.value) * result.weight;
+  if (visible)
+    result.lx.value = result.lx.unshadowed;
+  else
+    result.weight = 0;
+  return result;
+}
+
+void LiSampler::put_spectral(std::size_t begin, std::vector<Pending>& chunk,
+                             const SampleLiAnswer& a) const {
+  SpectralValues values(scene_, q_.wavelengths_nm);
+  std::vector<double> at(values.size());
+  for (std::size_t k = 0; k < chunk.size(); ++k) {
+    Pending& p = chunk[k];
+    if (p.receiver.result != ItemResult::kOk) continue;
+    std::ranges::fill(at, 0);
+    values.add(*p.light, Rgb<double>(p.sample.value), at);
+    const std::size_t i = begin + k;
+    if (store_spectral(at, a.spectral_value + i * values.size())) continue;
+    store(a.value, i, {});
+    p.receiver.result = ItemResult::kOutOfRange;
+    a.status[i] = static_cast<int>(p.receiver.result);
+  }
+}
+
+WorkCounts LiSampler::test(std::size_t begin, const std::vector<Pending>& chunk,
+                           std::uint8_t* visible) const {
+  WorkCounts work;
+  std::vector<Ray> rays;
+  std::vector<LooseEnds> ends;
+  std::vector<std::uint32_t> items;
+  const bool loose = q_.normals.empty() && !q_.position_error_m;
+  rays.reserve(chunk.size());
+  ends.reserve(chunk.size());
+  items.reserve(chunk.size());
+  for (std::size_t k = 0; k < chunk.size(); ++k) {
+    if (chunk[k].receiver.result != ItemResult::kOk) continue;
+    const float reach_m = chunk[k].sampled ? scene_.lights()[*chunk[k].light].reach_m() : 0;
+    const Ray ray = light_ray(chunk[k].receiver, Vec3<float>(chunk[k].normal), chunk[k].sample,
+                              q_.time_s, reach_m);
+    std::optional<bool> told;
+    if (chunk[k].light)
+      told = visibility_.by_map(*chunk[k].light, chunk[k].receiver.position, chunk[k].normal);
+    if (told) {
+      ++work.map_lookups;
+      if (!*told) set_bit(visible, begin + k);
+      if (LightVisibility::is_compared(ray)) {
+        const bool occluded = scene_.occluded(ray) &&
+                              (!loose || first_other_surface(scene_, ray, {chunk[k].start(), {}}));
+        ++work.shadow_rays;
+        LightVisibility::compare(*told, occluded, work);
+      }
+      continue;
+    }
+    rays.push_back(ray);
+    LooseEnds& e = ends.emplace_back();
+    if (loose) e.start = chunk[k].start();
+    items.push_back(static_cast<std::uint32_t>(begin + k));
+  }
+  mark_visible(scene_, rays, ends, items, visible);
+  work.shadow_rays += rays.size();
+  return work;
+}
+
+bool one_sample_says_all(const Scene& scene, std::optional<std::uint32_t> light) {
+  const auto& lights = scene.lights();
+  if (lights.empty()) return true;
+  if (!light && lights.size() > 1) return false;
+  return visit([](const auto& l) { return l.kDelta; }, lights[light.value_or(0)].light);
+}
+
+WorkCounts fill_samples(const LiSampler& sampler, const LiLayout& layout,
+                        const SampleLiAnswer& answer, std::span<LiShare> shares,
+                        const std::stop_token& stop) {
+  std::mutex mutex;
+  WorkCounts work;
+  parallel_chunks(layout.size(), sampler.grain(), stop, [&](std::size_t begin, std::size_t end) {
+    const DenormalsAreZero denormals;
+    const WorkCounts spent =
+        sampler.fill(layout, begin, end, answer, shares.empty() ? nullptr : shares.data());
+    const std::lock_guard lock(mutex);
+    work += spent;
+  });
+  work.samples = layout.size();
+  return work;
+}
+
+}  // namespace lucerna

@@ -1,0 +1,94 @@
+// Samples of the light that arrives at receivers, some hundreds at a time.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <stop_token>
+#include <vector>
+
+#include "server/estimate/lights/direct_light.h"
+#include "server/estimate/lights/light_visibility.h"
+#include "server/estimate/queries/li_answer_writer.h"
+#include "server/estimate/queries/li_layout.h"
+#include "server/estimate/queries/queries.h"
+
+namespace lucerna {
+
+/// What one sample says of the light at its receiver.
+struct LiShare {
+  /// cosine / (pdf p), for delta lights cosine / p; without a cosine where there is no normal; 0
+  /// where the light is not visible.
+  double weight = 0;
+  /// Irradiance, or without a normal spherical irradiance [lx].
+  LightEstimate lx{};
+};
+
+/// Immutable; one may serve any number of threads.
+class LiSampler {
+ public:
+  LiSampler(const Scene& scene, const SampleLiQuery& query);
+
+  /// Fills entries [begin, end) of an answer; `begin` is a multiple of 8, as it writes bits.
+  /// `shares`: null, or one for each entry.  Returns the shadow rays and look-ups that it took.
+  WorkCounts fill(const LiLayout& layout, std::size_t begin, std::size_t end,
+                  const SampleLiAnswer& answer, LiShare* shares) const;
+  /// So many entries make a chunk; a multiple of 8.
+  std::size_t grain() const;
+  /// What samples say that no answer holds.
+  WorkCounts take(std::span<const LiPlace> places, std::span<LiShare> shares) const;
+
+  /// one_sample_says_all() of what is asked.
+  bool says_all_at_once() const;
+  /// What is wrong with a receiver, before any sample.
+  ItemResult receiver_result(std::size_t receiver) const;
+
+ private:
+  struct At {
+    ScenePoint point;
+    Vec3<double> normal{};  // unit or zero
+  };
+  struct Pending;
+
+  /// Whether one light is asked, and of its samples nothing beside.
+  bool asks_one_light() const;
+  inline At at(std::size_t receiver) const;
+  Receiver<double> receiver_of(const ScenePoint& point, const Vec3<double>& normal) const;
+  SampleSequence sequence_of(const LiPlace& place) const;
+  inline std::optional<Vec2<double>> point_of(const LiPlace& place, std::size_t i) const;
+  void prepare(const LiPlace& place, const At& at, std::size_t i, Pending& p) const;
+  template <typename L>
+  inline LightSample<double> sample(const L& light, const Receiver<double>& receiver,
+                                    Vec2<double> u) const;
+  template <typename L>
+  [[gnu::always_inline]] inline bool put_plain(const L& light, std::size_t receiver, std::size_t i,
+                                               const LiAnswerWriter& writer) const;
+  template <typename L>
+  void fill_from(const L& light, const LiLayout& layout, std::size_t begin, std::size_t end,
+                 const LiAnswerWriter& writer, LiShare* shares) const;
+  void sample(std::vector<Pending>& chunk) const;
+  LiShare share(const Pending& sampled, bool visible) const;
+  inline LiShare share(const Vec3<double>& normal, double probability, const LightSample<double>& s,
+                       bool visible) const;
+  void put_spectral(std::size_t begin, std::vector<Pending>& chunk,
+                    const SampleLiAnswer& answer) const;
+  WorkCounts test(std::size_t first_bit, const std::vector<Pending>& chunk,
+                  std::uint8_t* visible) const;
+
+  const Scene& scene_;
+  const SampleLiQuery& q_;
+  LightVisibility visibility_;
+  ToScene to_scene_;
+  Vec3<double> light_shift_m_;  // the scene's origin about the receivers'
+};
+
+/// Whether all samples of a receiver are the same: those of a scene without lights, and of a delta
+/// light that is named or alone.  `light`: as in SampleLiQuery.
+bool one_sample_says_all(const Scene& scene, std::optional<std::uint32_t> light);
+
+/// Fills an answer of `layout`.  `shares`: none, or one for each sample.  Runs in the oneTBB arena
+/// of the caller; stops early where `stop` is asked for.
+WorkCounts fill_samples(const LiSampler& sampler, const LiLayout& layout,
+                        const SampleLiAnswer& answer, std::span<LiShare> shares,
+                        const std::stop_token& stop);
+
+}  // namespace lucerna

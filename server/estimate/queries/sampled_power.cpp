@@ -1,0 +1,181 @@
+#include "server/estimate/queries/sampled_power.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <limits>
+#include <mutex>
+
+#include "lights/sampling/sobol.h"
+#include "server/estimate/statistics/block_stream.h"
+#include "server/estimate/statistics/pilots.h"
+#include "server/estimate/statistics/sample_sum.h"
+#include "server/runtime/denormals.h"
+#include "server/runtime/parallel.h"
+
+namespace lucerna {
+namespace {
+
+// A ray takes about a tenth of a microsecond: between two looks at the stop token lie some tens.
+constexpr std::uint32_t kSamplesBetweenPolls = 256;
+// Of one chunk of lights: about a millisecond.
+constexpr std::uint64_t kSamplesPerChunk = 8192;
+
+/// What one ray says of its light's power [lm].
+Rgb<double> power_of(const EmissionSample<double>& s) {
+  if (s.reason != NoLight::kNone) return {};
+  Rgb<double> power = s.value;
+  if (s.normal != Vec3<double>{}) power = power * std::fabs(dot(s.normal, s.direction));
+  // A density of 0 is one of what is certain.
+  if (s.pdf_position.per_m2 > 0) power = power / s.pdf_position.per_m2;
+  if (s.pdf_direction.per_sr > 0) power = power / s.pdf_direction.per_sr;
+  return power;
+}
+
+struct LightRun {
+  BlockStream<4> stream{0};        // R, G, B and luminance [lm]
+  std::vector<double> block_lm{};  // of each block
+  double sum_of_squares = 0, largest = 0;
+};
+
+class PowerJob {
+ public:
+  PowerJob(const Scene& scene, const SampledPowerSettings& settings, const std::stop_token& stop)
+      : scene_(scene),
+        settings_(settings),
+        confidence_(settings.target ? settings.target->confidence : kConfidence),
+        stop_(stop) {}
+
+  /// Also tells the means of the blocks [lm].
+  SampledPower light(std::uint32_t light, std::vector<double>& block_lm) {
+    const DenormalsAreZero denormals;
+    std::uint32_t each = settings_.samples_per_block;
+    if (settings_.target) {
+      const auto needed = needed_samples(
+          *settings_.target, [&](const Blocks& these) -> std::optional<PilotEstimate> {
+            const LightRun pilot = run(light, these);
+            if (stopped_) return std::nullopt;
+            const SampledPower e = estimate(pilot, these, settings_.block_count);
+            return PilotEstimate{luminance(e.lumens), e.interval_lm};
+          });
+      const std::uint64_t most =
+          std::max<std::uint64_t>(1, settings_.target->max_samples / settings_.block_count);
+      each = static_cast<std::uint32_t>(std::min(
+          static_cast<double>(most), std::ceil(needed.value_or(1) / settings_.block_count)));
+    }
+    const Blocks these{0, settings_.block_count, each};
+    LightRun answer = run(light, these);
+    if (stopped_) return {};
+    block_lm = std::move(answer.block_lm);
+    return estimate(answer, these, settings_.block_count);
+  }
+
+  /// Of the means of blocks of independent samples.
+  Interval interval(const EstimateMoments& moments, std::uint64_t replicates,
+                    std::uint64_t samples) const {
+    return IntervalRule(confidence_, replicates, samples).interval(moments);
+  }
+
+  bool stopped() const { return stopped_; }
+  std::uint64_t samples() const { return samples_; }
+
+ private:
+  LightRun run(std::uint32_t light, const Blocks& these) {
+    return visit_light(
+        scene_.lights()[light], -std::numeric_limits<double>::infinity(), [&](const auto& l) {
+          LightRun result;
+          const SceneSphere sphere = scene_.sphere();
+          for (std::uint64_t b = these.first; b < these.first + these.count; ++b) {
+            const SobolSequence points(settings_.seed, scene_.lights()[light].id, b);
+            SampleSum sum;
+            for (std::uint32_t i = 0; i < these.samples; ++i) {
+              if (i % kSamplesBetweenPolls == 0 && stop_.stop_requested()) {
+                stopped_ = true;
+                return result;
+              }
+              const Vec2<float> position = points.pair(i, 0), direction = points.pair(i, 1);
+              const Rgb<double> power = power_of(
+                  l.sample_le({position.x, position.y}, {direction.x, direction.y}, sphere));
+              sum.add(power);
+              const double lumens = luminance(power);
+              result.sum_of_squares += lumens * lumens;
+              result.largest = std::max(result.largest, lumens);
+            }
+            const Rgb<double> mean = sum.value() / these.samples;
+            result.stream.add({mean.r, mean.g, mean.b, luminance(mean)});
+            result.block_lm.push_back(luminance(mean));
+          }
+          samples_ += these.count * these.samples;
+          return result;
+        });
+  }
+
+  SampledPower estimate(const LightRun& run, const Blocks& these, std::uint64_t replicates) const {
+    const auto count = static_cast<double>(these.count);
+    const auto total = run.stream.total();
+    SampledPower e;
+    e.lumens = {total[0].sum / count, total[1].sum / count, total[2].sum / count};
+    e.standard_error_lm = these.count > 1 ? std::sqrt(total[3].deviation / (count * (count - 1)))
+                                          : std::numeric_limits<double>::infinity();
+    e.samples = these.count * these.samples;
+    e.interval_lm =
+        interval({total[3].sum / count, e.standard_error_lm, run.sum_of_squares, run.largest},
+                 replicates, e.samples);
+    return e;
+  }
+
+  const Scene& scene_;
+  const SampledPowerSettings& settings_;
+  const double confidence_;
+  const std::stop_token& stop_;
+  std::atomic<bool> stopped_ = false;
+  std::atomic<std::uint64_t> samples_ = 0;
+};
+
+}  // namespace
+
+SampledPowers sample_powers(const Scene& scene, std::span<const std::uint32_t> lights,
+                            const SampledPowerSettings& settings, std::stop_token stop) {
+  SampledPowers result;
+  result.lights.resize(lights.size());
+  std::vector<std::vector<double>> block_lm(lights.size());
+  PowerJob job(scene, settings, stop);
+  const std::uint64_t each = std::uint64_t{settings.block_count} * settings.samples_per_block;
+  const std::size_t grain =
+      settings.target ? 1 : std::max<std::uint64_t>(1, kSamplesPerChunk / each);
+  parallel_chunks(lights.size(), grain, stop, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end && !job.stopped(); ++i)
+      result.lights[i] = job.light(lights[i], block_lm[i]);
+  });
+  result.stopped = job.stopped() || stop.stop_requested();
+  result.work.samples = job.samples();
+  if (result.stopped) return result;
+
+  // Lights are independent, and so are the sums of their blocks of the same number.
+  BlockStream<1> stream(0);
+  for (std::uint32_t b = 0; b < settings.block_count; ++b) {
+    CompensatedSum sum;
+    for (const std::vector<double>& of_light : block_lm) sum.add(of_light[b]);
+    stream.add({sum.value()});
+  }
+  SampleSum lumens;
+  for (const SampledPower& light : result.lights) {
+    lumens.add(light.lumens);
+    result.total.samples += light.samples;
+  }
+  const double count = settings.block_count;
+  const BlockStatistics total = stream.total()[0];
+  const double mean = total.sum / count;
+  result.total.lumens = lumens.value();
+  result.total.standard_error_lm = settings.block_count > 1
+                                       ? std::sqrt(total.deviation / (count * (count - 1)))
+                                       : std::numeric_limits<double>::infinity();
+  // Rays of all lights together are no rare events: as if all said the same.
+  const std::uint64_t samples = std::max<std::uint64_t>(1, result.total.samples);
+  result.total.interval_lm = job.interval(
+      {mean, result.total.standard_error_lm, mean * mean * static_cast<double>(samples), mean},
+      settings.block_count, samples);
+  return result;
+}
+
+}  // namespace lucerna

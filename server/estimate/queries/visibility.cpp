@@ -1,0 +1,244 @@
+#include "server/estimate/queries/visibility.h"
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "server/rays/error_bounds.h"
+#include "server/runtime/bits.h"
+#include "server/runtime/denormals.h"
+#include "server/runtime/parallel.h"
+
+namespace lucerna {
+namespace {
+
+constexpr std::size_t kGrain = 1024;  // a multiple of 8, as chunks write bits
+
+/// Where a ray starts: off its surface along `normal`, or where it is, to begin later.
+Vec3<float> start_of(const ScenePoint& from, const Vec3<float>& normal,
+                     const Vec3<float>& direction) {
+  return offset_origin(Vec3<float>(from.position), {from.error, from.error, from.error},
+                       Vec3<double>(normal), Vec3<double>(direction));
+}
+
+bool has_normal(const Vec3<float>& normal) { return normal != Vec3<float>{}; }
+
+/// The ray of item `i`; nothing where its status says why, or where it is visible without one.
+std::optional<Ray> ray_of(const Scene& scene, const VisibilityQuery& q, const ToScene& from_scene,
+                          const std::optional<ToScene>& to_scene, std::size_t i, ItemResult& result,
+                          LooseEnds& ends) {
+  ScenePoint from = from_scene(i);
+  result = from.result;
+  Vec3<float> normal;
+  if (!q.normals.empty()) {
+    normal = triple(q.normals, i);
+    if (!is_finite(normal) || !has_normal(normal)) result = ItemResult::kInvalidInput;
+    normal = normalized(normal);
+    if (result == ItemResult::kOk && !q.position_error_m)
+      from = on_surface(scene, from, normal, q.time_s);
+  } else if (!q.position_error_m) {
+    ends.start = {from.position, from.error};
+  }
+  if (to_scene) {
+    const ScenePoint to = (*to_scene)(i);
+    if (result == ItemResult::kOk) result = to.result;
+    if (to.result == ItemResult::kInvalidInput) result = to.result;
+    if (result != ItemResult::kOk) return std::nullopt;
+    if (!q.position_error_m) ends.end = {to.position, to.error};
+    std::optional<Ray> segment = segment_ray(from, normal, to);
+    if (segment) segment->time_s = q.time_s;
+    return segment;
+  }
+  const Vec3<float> direction = triple(q.directions, i);
+  const float length = q.lengths_m.empty() ? INFINITY : q.lengths_m[i];
+  if (!is_direction(direction) || !(length > 0) ||
+      (!q.lengths_m.empty() && !std::isfinite(length))) {
+    result = ItemResult::kInvalidInput;
+  }
+  if (result != ItemResult::kOk) return std::nullopt;
+  Ray ray{start_of(from, normal, direction), normalized(direction), 0, length};
+  ray.time_s = q.time_s;
+  if (!has_normal(normal)) ray.t_min = kStartWithoutNormal * from.error;
+  if (!(ray.t_min < ray.t_max)) return std::nullopt;
+  return ray;
+}
+
+/// No coordinate of a surface is larger than this, so none is rounded by more than a few of its
+/// ulps.
+double largest_coordinate(const Scene& scene) {
+  return max_abs(scene.sphere().center_m) + scene.sphere().radius_m;
+}
+
+/// How well it is known where the surface is: to one rounding of its vertices.  (Rays find it no
+/// better than to `position_error`.)
+double rounding_of(const SurfaceHit& hit) {
+  return kFloatRoundoff * max_abs(hit.position) +
+         max_abs(hit.position_error) * (kFloatRoundoff / kTraversalBound);
+}
+
+/// Whether the plane of `hit` passes `point` within `error` and the rounding of its vertices, twice
+/// each.
+bool plane_passes(const SurfaceHit& hit, const Vec3<double>& point, double error) {
+  return std::fabs(dot(hit.ng, hit.position - point)) <= 2 * (error + rounding_of(hit));
+}
+
+/// Whether two hits are on one surface: a shape's own, or on one plane, as the floors of two rooms.
+bool continues(const SurfaceHit& a, const SurfaceHit& b) {
+  return a.shape == b.shape || (plane_passes(a, b.position, rounding_of(b)) &&
+                                plane_passes(b, a.position, rounding_of(a)));
+}
+
+/// Whether the surface of `hit` is at `place` too, within `reach` along its normal.
+bool is_found_at(const Scene& scene, const Vec3<double>& place, double reach, const LooseEnd& end,
+                 const SurfaceHit& hit) {
+  // There may be others as near, a carpet or a sheet of paper.
+  constexpr int kMostSurfaces = 16;
+  Ray ray{Vec3<float>(place + hit.ng * reach), -Vec3<float>(hit.ng), 0,
+          static_cast<float>(2 * reach), hit.time_s};
+  for (int i = 0; i < kMostSurfaces; ++i) {
+    const auto found = scene.closest_hit(ray);
+    if (!found) return false;
+    if (plane_passes(*found, end.position, end.error) && continues(*found, hit)) return true;
+    ray.t_min = std::nextafter(found->t, INFINITY);
+  }
+  return false;
+}
+
+/// Whether the surface that was met is one that the point lies on.  Its plane must pass the point,
+/// and it must be near the point itself: a way that grazes the point's surface comes within the
+/// errors of it long before its end, but a shelf far off that is level with the point is no surface
+/// of the point's, however coarsely that is told.
+bool lies_on(const Scene& scene, const LooseEnd& end, const SurfaceHit& hit) {
+  if (!(end.error >= 0) || !plane_passes(hit, end.position, end.error)) return false;
+  const Vec3<double> apart = hit.position - end.position;
+  const double near = kStartWithoutNormal * (end.error + max_abs(hit.position_error));
+  if (length(apart) <= near) return true;
+  // A point at the rim of its surface may be told beyond it: towards the hit is inside.
+  const Vec3<double> inwards = normalized(apart) * near;
+  return is_found_at(scene, end.position, near, end, hit) ||
+         is_found_at(scene, end.position + inwards, near, end, hit);
+}
+
+}  // namespace
+
+// What looks like an obstacle may be the surface of an end: it is rounded with its vertices, and a
+// point near zero has next to no error of its own.
+std::optional<SurfaceHit> first_other_surface(const Scene& scene, Ray ray, const LooseEnds& ends) {
+  // A ray through a vertex may meet as many triangles; few vertices have more.
+  constexpr int kMostSurfaces = 16;
+  // Beyond a surface met at 0: by this part of the error in finding it, and of the scene, so that t
+  // is no denormal, which Embree takes for 0.
+  constexpr double kStep = 0x1p-10, kLeast = 0x1p-90;
+  constexpr float kLeastT = std::numeric_limits<float>::min();
+  std::optional<SurfaceHit> hit;
+  for (int i = 0; i < kMostSurfaces; ++i) {
+    hit = scene.closest_hit(ray);
+    if (!hit || (!lies_on(scene, ends.start, *hit) && !lies_on(scene, ends.end, *hit))) return hit;
+    const double step_m =
+        std::fmax(kStep * max_abs(hit->position_error), kLeast * largest_coordinate(scene));
+    ray.t_min = std::fmax(std::fmax(std::nextafter(hit->t, INFINITY), kLeastT),
+                          static_cast<float>(step_m / max_abs(ray.direction)));
+    if (!(ray.t_min < ray.t_max)) return std::nullopt;
+  }
+  return hit;
+}
+
+ScenePoint on_surface(const Scene& scene, ScenePoint point, const Vec3<float>& normal,
+                      double time_s) {
+  if (!has_normal(normal)) return point;
+  const auto largest = static_cast<float>(largest_coordinate(scene));
+  const float reach = kStartWithoutNormal * (point.error + kTraversalError * largest);
+  const auto hit = scene.closest_hit(
+      {Vec3<float>(point.position + Vec3<double>(normal * reach)), -normal, 0, 2 * reach, time_s});
+  if (!hit) return point;
+  const float away = std::fabs(hit->t - reach);
+  const float error = max_abs(hit->position_error);
+  // Farther off it is another surface, which the point does not lie on.
+  if (away <= 2 * (point.error + error)) point.error += away + error;
+  return point;
+}
+
+std::optional<Ray> segment_ray(const ScenePoint& from, const Vec3<float>& normal,
+                               const ScenePoint& to) {
+  Ray ray;
+  ray.origin = start_of(from, normal, Vec3<float>(to.position - from.position));
+  const Vec3<double> direction = to.position - Vec3<double>(ray.origin);
+  const double distance = length(direction);
+  if (!(distance > 0)) return std::nullopt;
+  ray.direction = Vec3<float>(direction);
+  if (!is_direction(ray.direction)) return std::nullopt;
+  if (!has_normal(normal)) {
+    ray.t_min = static_cast<float>(kStartWithoutNormal * from.error / distance);
+  }
+  ray.t_max = static_cast<float>(1 - kStartWithoutNormal * to.error / distance);
+  if (!(ray.t_min < ray.t_max)) return std::nullopt;
+  return ray;
+}
+
+Ray light_ray(const ScenePoint& from, const Vec3<float>& normal, const LightSample<double>& to,
+              double time_s, float light_reach_m) {
+  SurfaceHit hit;
+  hit.position = from.position;
+  hit.position_error = {from.error, from.error, from.error};
+  hit.ng = Vec3<double>(normal), hit.ns = normal;
+  hit.time_s = time_s;
+  Ray ray = shadow_ray(hit, to, light_reach_m);
+  if (!has_normal(normal)) {
+    const float distance = length(ray.direction);
+    if (distance > 0) {
+      ray.t_min = std::fmin(kStartWithoutNormal * from.error / distance, ray.t_max);
+    }
+  }
+  return ray;
+}
+
+void mark_visible(const Scene& scene, std::span<const Ray> rays, std::span<const LooseEnds> ends,
+                  std::span<const std::uint32_t> items, std::uint8_t* visible) {
+  std::vector<std::uint8_t> occluded((rays.size() + 7) / 8);
+  scene.occluded(rays, occluded);
+  for (std::size_t k = 0; k < rays.size(); ++k) {
+    const bool free = !bit(occluded.data(), k);
+    const bool loose = ends[k].start.error >= 0 || ends[k].end.error >= 0;
+    if (free || (loose && !first_other_surface(scene, rays[k], ends[k]))) {
+      set_bit(visible, items[k]);
+    }
+  }
+}
+
+WorkCounts test_visibility(const Scene& scene, const VisibilityQuery& query, std::uint8_t* visible,
+                           int* status, std::stop_token stop) {
+  const ToScene from(scene, query.from, query.position_error_m);
+  std::optional<ToScene> to;
+  if (query.to) to.emplace(scene, *query.to, query.position_error_m);
+  std::atomic<std::uint64_t> shadow_rays = 0;
+  parallel_chunks(query.from.size(), kGrain, stop, [&](std::size_t begin, std::size_t end) {
+    const DenormalsAreZero denormals;
+    std::vector<Ray> rays;
+    std::vector<LooseEnds> ends;
+    std::vector<std::uint32_t> items;
+    rays.reserve(end - begin);
+    ends.reserve(end - begin);
+    items.reserve(end - begin);
+    for (std::size_t i = begin; i < end; ++i) {
+      ItemResult result = ItemResult::kOk;
+      LooseEnds loose;
+      const std::optional<Ray> ray = ray_of(scene, query, from, to, i, result, loose);
+      status[i] = static_cast<int>(result);
+      if (ray) {
+        rays.push_back(*ray);
+        ends.push_back(loose);
+        items.push_back(static_cast<std::uint32_t>(i));
+      } else if (result == ItemResult::kOk) {
+        set_bit(visible, i);
+      }
+    }
+    mark_visible(scene, rays, ends, items, visible);
+    shadow_rays += rays.size();
+  });
+  WorkCounts work;
+  work.samples = query.from.size();
+  work.shadow_rays = shadow_rays;
+  return work;
+}
+
+}  // namespace lucerna

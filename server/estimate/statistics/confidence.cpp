@@ -1,0 +1,69 @@
+#include "server/estimate/statistics/confidence.h"
+
+#include <algorithm>
+#include <boost/math/distributions/chi_squared.hpp>
+#include <boost/math/distributions/students_t.hpp>
+#include <cmath>
+#include <limits>
+
+namespace lucerna {
+namespace {
+
+/// Samples that count: from here on, sums of rare events are normal enough.
+constexpr double kMany = 64;
+/// And where more than this share of all samples counts, none of them is rare.
+constexpr double kCommon = 0.25;
+
+// What is no distribution (of numbers that overflowed) has no interval, and is no error.
+using Quiet = boost::math::policies::policy<
+    boost::math::policies::domain_error<boost::math::policies::ignore_error>,
+    boost::math::policies::overflow_error<boost::math::policies::ignore_error>,
+    boost::math::policies::evaluation_error<boost::math::policies::ignore_error>>;
+using StudentsT = boost::math::students_t_distribution<double, Quiet>;
+using ChiSquared = boost::math::chi_squared_distribution<double, Quiet>;
+
+double student_quantile(double confidence, std::uint64_t replicates) {
+  if (replicates < 2) return std::numeric_limits<double>::infinity();
+  return quantile(complement(StudentsT(static_cast<double>(replicates - 1)), (1 - confidence) / 2));
+}
+
+/// Below which the sum of weighted Poisson counts of this mean and variance lies with probability
+/// `below`, as a scaled chi-squared variable of the same mean and variance has it.
+double weighted_counts_quantile(double mean, double variance, double below) {
+  const double scale = variance / mean;
+  return scale / 2 * quantile(ChiSquared(2 * (mean / scale)), below);
+}
+
+}  // namespace
+
+IntervalRule::IntervalRule(double confidence, std::uint64_t replicates, std::uint64_t samples)
+    : confidence_(confidence),
+      samples_(static_cast<double>(samples)),
+      student_(student_quantile(confidence, replicates)),
+      rare_(-std::log1p(-confidence)) {}
+
+Interval IntervalRule::interval(const EstimateMoments& m) const {
+  if (!(m.mean > 0)) {
+    // Of all samples at most this share is not 0.
+    const double share = std::min(1.0, rare_ / samples_);
+    return {0, m.largest > 0 ? share * m.largest : 0};
+  }
+  if (std::isinf(student_)) return {0, student_};
+  const double mean_square = m.sum_of_squares / samples_;
+  double off = student_ * m.standard_error;
+  if (m.partly_hidden) off = std::hypot(off, rare_ * (mean_square / m.mean) / samples_);
+  Interval result{m.mean - off, m.mean + off};
+  const double counting = samples_ * (m.mean / mean_square * m.mean);
+  if (counting < std::min(kMany, kCommon * samples_)) {
+    const double tail = (1 - confidence_) / 2;
+    const double weight = m.largest / samples_, variance = mean_square / samples_;
+    result.lower = std::min(result.lower, weighted_counts_quantile(m.mean, variance, tail));
+    result.upper =
+        std::max(result.upper,
+                 weighted_counts_quantile(m.mean + weight, variance + weight * weight, 1 - tail));
+  }
+  result.lower = std::max(result.lower, 0.0);
+  return result;
+}
+
+}  // namespace lucerna

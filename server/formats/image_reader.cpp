@@ -1,0 +1,252 @@
+#include "server/formats/image_reader.h"
+
+#include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imageio.h>
+#include <fmt/format.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <optional>
+#include <string_view>
+#include <utility>
+
+namespace lucerna {
+namespace {
+
+constexpr int kMaxChannels = 64;
+
+absl::Status bad(const AssetContent& content, const std::string& what) {
+  return absl::InvalidArgumentError(content.name + ": " + what);
+}
+
+/// Lower case, with its dot; empty for what is not read.  OpenImageIO knows more formats, among
+/// them films and archives: a server opens no more of them than it needs.
+std::string known_extension(const std::string& name) {
+  std::string extension = std::filesystem::path(name).extension().string();
+  std::ranges::transform(extension, extension.begin(), [](unsigned char c) {
+    return static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
+  });
+  constexpr std::array<std::string_view, 8> kKnown{".exr", ".hdr",  ".pfm", ".png",
+                                                   ".tif", ".tiff", ".jpg", ".jpeg"};
+  return std::ranges::find(kKnown, extension) != kKnown.end() ? extension : "";
+}
+
+/// What a file itself says, as it may stand in a message.
+std::string shown(std::string text) {
+  std::ranges::replace_if(
+      text, [](char c) { return c < ' ' || c > '~'; }, '?');
+  return text.substr(0, 200);
+}
+
+/// OpenImageIO's messages name files that only it knows of, quote what these hold, and may be many
+/// lines long.
+std::string first_line(const std::string& text) { return shown(text.substr(0, text.find('\n'))); }
+
+/// With what OpenImageIO says of it, which may be nothing.
+absl::Status unreadable(const AssetContent& content, const std::string& extension,
+                        const std::string& why) {
+  return bad(content, fmt::format("cannot be read as an image{}{}, allowed: a whole {} file",
+                                  why.empty() ? "" : ": ", first_line(why), extension));
+}
+
+/// A file without a name that holds `bytes`, for formats that OpenImageIO reads by name only.
+class MemoryFile {
+ public:
+  explicit MemoryFile(const std::string& bytes) : fd_(::memfd_create("image", MFD_CLOEXEC)) {
+    std::size_t done = 0;
+    while (fd_ >= 0 && done < bytes.size()) {
+      const ssize_t n = ::write(fd_, bytes.data() + done, bytes.size() - done);
+      if (n < 0 && errno == EINTR) continue;
+      if (n <= 0) break;
+      done += static_cast<std::size_t>(n);
+    }
+    ok_ = fd_ >= 0 && done == bytes.size();
+  }
+  MemoryFile(const MemoryFile&) = delete;
+  MemoryFile& operator=(const MemoryFile&) = delete;
+  ~MemoryFile() {
+    if (fd_ >= 0) ::close(fd_);
+  }
+  bool ok() const { return ok_; }
+  std::string path() const { return fmt::format("/proc/self/fd/{}", fd_); }
+
+ private:
+  int fd_;
+  bool ok_;
+};
+
+/// What an open file needs to live on.
+struct OpenImage {
+  std::unique_ptr<OIIO::Filesystem::IOMemReader> memory;
+  std::unique_ptr<MemoryFile> file;
+  std::unique_ptr<OIIO::ImageInput> input;  // last, closed first
+  OIIO::ImageSpec spec;
+};
+
+absl::StatusOr<OpenImage> open_image(const AssetContent& content) {
+  const std::string extension = known_extension(content.name);
+  if (extension.empty())
+    return bad(content,
+               "unknown kind of image, allowed: .exr .hdr .pfm .png .tif .tiff .jpg .jpeg");
+  OpenImage open;
+  const std::string name = "image" + extension;
+  // By the kind alone: given a name, it looks for such a file.
+  open.input = OIIO::ImageInput::create(extension.substr(1));
+  if (!open.input) return absl::InternalError(content.name + ": " + first_line(OIIO::geterror()));
+  OIIO::ImageSpec config;
+  // Colours as they are written, not multiplied by alpha.
+  config.attribute("oiio:UnassociatedAlpha", 1);
+  bool ok;
+  if (open.input->supports("ioproxy")) {
+    // OpenImageIO 2.4 takes what it only reads as not constant.
+    open.memory = std::make_unique<OIIO::Filesystem::IOMemReader>(
+        const_cast<char*>(content.bytes.data()),  // NOLINT(cppcoreguidelines-pro-type-const-cast)
+        content.bytes.size());
+    OIIO::Filesystem::IOProxy* proxy = open.memory.get();
+    config.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, static_cast<void*>(&proxy));
+    ok = open.input->open(name, open.spec, config);
+  } else {
+    open.file = std::make_unique<MemoryFile>(content.bytes);
+    if (!open.file->ok())
+      return absl::ResourceExhaustedError(content.name + ": " + std::strerror(errno));
+    ok = open.input->open(open.file->path(), open.spec, config);
+  }
+  if (!ok) return unreadable(content, extension, open.input->geterror());
+  return open;
+}
+
+/// The channels that red, green and blue are read from.
+std::optional<std::array<int, 3>> colour_channels(const OIIO::ImageSpec& spec) {
+  if (spec.nchannels <= 2) return std::array{0, 0, 0};
+  std::array<int, 3> channels{};
+  for (std::size_t c = 0; c < 3; ++c) {
+    const auto& names = spec.channelnames;
+    const auto found = std::ranges::find(names, std::string(1, "RGB"[c]));
+    if (found == names.end()) return std::nullopt;
+    channels[c] = static_cast<int>(found - names.begin());
+  }
+  return channels;
+}
+
+std::vector<ImageRemark> remarks_on(OpenImage& open, const std::string& name) {
+  std::vector<ImageRemark> remarks;
+  const OIIO::ImageSpec& spec = open.spec;
+  const bool grey_alpha = spec.nchannels == 2;
+  const bool alpha = grey_alpha || std::ranges::count(spec.channelnames, "A") > 0;
+  if (alpha) remarks.push_back({name + " has an alpha channel", "alpha is ignored"});
+  const int used = spec.nchannels <= 2 ? 1 : 3;
+  if (const int rest = spec.nchannels - used - (alpha ? 1 : 0); rest > 0)
+    remarks.push_back(
+        {fmt::format("{} has {} channels besides R, G, B and A", name, rest), "they are ignored"});
+  if (spec.x != spec.full_x || spec.y != spec.full_y || spec.width != spec.full_width ||
+      spec.height != spec.full_height)
+    remarks.push_back({name + " has a data window other than its display window",
+                       "the data window is the picture"});
+  if (spec.get_int_attribute("Orientation", 1) != 1)
+    remarks.push_back({name + " asks to be turned", "the picture as it is stored"});
+  std::array<float, 8> c{};
+  constexpr std::array kRec709{0.64F, 0.33F, 0.30F, 0.60F, 0.15F, 0.06F, 0.3127F, 0.3290F};
+  if (spec.getattribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), c.data()) &&
+      !std::ranges::equal(c, kRec709, [](float a, float b) { return std::fabs(a - b) <= 2e-3F; }))
+    remarks.push_back({name + " has primaries other than Rec. 709", "taken as Rec. 709"});
+  if (open.input->seek_subimage(1, 0))
+    remarks.push_back({name + " holds several pictures", "the first is taken"});
+  open.input->seek_subimage(0, 0);
+  return remarks;
+}
+
+/// [IEC61966]
+float linear_from_srgb(float coded) {
+  const double c = coded;
+  return static_cast<float>(c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4));
+}
+
+absl::Status check_spec(const AssetContent& content, const OIIO::ImageSpec& spec,
+                        std::uint64_t max_texels) {
+  if (spec.width < 1 || spec.height < 1 || spec.depth > 1 || spec.nchannels < 1)
+    return bad(content, fmt::format("{} x {} texels of {} channels, allowed: at least 1 x 1 of 1, "
+                                    "in one plane",
+                                    spec.width, spec.height, spec.nchannels));
+  const auto texels =
+      static_cast<std::uint64_t>(spec.width) * static_cast<std::uint64_t>(spec.height);
+  if (texels > max_texels)
+    return absl::ResourceExhaustedError(fmt::format("{}: {} x {} texels, allowed: {} in all",
+                                                    content.name, spec.width, spec.height,
+                                                    max_texels));
+  if (spec.nchannels > kMaxChannels)
+    return bad(content, fmt::format("{} channels, allowed: 1 to {}", spec.nchannels, kMaxChannels));
+  return absl::OkStatus();
+}
+
+/// Whether a channel holds sRGB codes; nothing for a type that is not read.
+std::optional<bool> is_coded(const OIIO::TypeDesc& type) {
+  if (type == OIIO::TypeDesc::UINT8 || type == OIIO::TypeDesc::UINT16) return true;
+  if (type == OIIO::TypeDesc::HALF || type == OIIO::TypeDesc::FLOAT ||
+      type == OIIO::TypeDesc::DOUBLE)
+    return false;
+  return std::nullopt;
+}
+
+}  // namespace
+
+absl::StatusOr<DecodedImage> decode_image(const AssetContent& content, std::uint64_t max_texels) {
+  auto open = open_image(content);
+  if (!open.ok()) return open.status();
+  const OIIO::ImageSpec spec = open->spec;
+  if (absl::Status s = check_spec(content, spec, max_texels); !s.ok()) return s;
+  const auto channels = colour_channels(spec);
+  if (!channels) {
+    std::string names;
+    for (const std::string& n : spec.channelnames) names += " " + n;
+    return bad(content, "channels" + shown(names) + ", allowed: one or two, or R, G and B");
+  }
+  for (const int c : *channels)
+    if (!is_coded(spec.channelformat(c)))
+      return bad(content, fmt::format("texels of type {}, allowed: 8- and 16-bit integers without "
+                                      "sign, half, float, double",
+                                      spec.channelformat(c).c_str()));
+  DecodedImage decoded;
+  decoded.remarks = remarks_on(*open, content.name);
+
+  const auto [low, high] = std::minmax({(*channels)[0], (*channels)[1], (*channels)[2]});
+  const auto read = static_cast<std::size_t>(high - low + 1);
+  const std::size_t count =
+      static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height);
+  std::vector<float> values(count * read);
+  if (!open->input->read_image(0, 0, low, high + 1, OIIO::TypeDesc::FLOAT, values.data()))
+    return unreadable(content, known_extension(content.name), open->input->geterror());
+  std::vector<Rgb<float>> texels(count);
+  std::size_t negative = 0;
+  const std::array coded{*is_coded(spec.channelformat((*channels)[0])),
+                         *is_coded(spec.channelformat((*channels)[1])),
+                         *is_coded(spec.channelformat((*channels)[2]))};
+  for (std::size_t i = 0; i < count; ++i) {
+    bool below = false;
+    const auto value = [&](std::size_t c) {
+      const float v = values[i * read + static_cast<std::size_t>((*channels)[c] - low)];
+      if (coded[c]) return linear_from_srgb(v);
+      // Not a number and -infinity stay, to be found by Image::create.
+      if (!(v < 0) || std::isinf(v)) return v;
+      below = true;
+      return 0.0F;
+    };
+    texels[i] = {value(0), value(1), value(2)};
+    negative += below;
+  }
+  if (negative > 0)
+    decoded.remarks.push_back({fmt::format("{} has {} texel{} with a value below 0", content.name,
+                                           negative, negative == 1 ? "" : "s"),
+                               "taken as 0"});
+  auto image = Image::create(spec.width, spec.height, std::move(texels));
+  if (!image.ok()) return bad(content, std::string(image.status().message()));
+  decoded.image = *std::move(image);
+  return decoded;
+}
+
+}  // namespace lucerna

@@ -1,0 +1,45 @@
+// What the readers of photometric files share: their result, lines, numbers and errors.
+#pragma once
+
+#include <absl/status/status.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "lights/pictures/photometric_web.h"
+
+namespace lucerna {
+
+/// The largest magnitude that a number of a file may have.
+inline constexpr double kAny = 1e300;
+
+struct PhotometricFile {
+  std::shared_ptr<const PhotometricWeb> web;
+  std::string format;  ///< "IES LM-63-2002, type C", "EULUMDAT"
+  /// What of the file is not modelled, and what was done instead.
+  struct Note {
+    int line;
+    std::string what, instead;
+  };
+  std::vector<Note> notes;
+};
+
+/// The lines of a text, ended by CR LF, LF or CR, the last one maybe by nothing.
+std::vector<std::string_view> split_lines(std::string_view text);
+
+/// Without spaces and tabs at its ends.
+std::string_view trimmed(std::string_view text);
+
+/// A finite number that is all of `text`, with an optional sign.
+std::optional<double> parse_number(std::string_view text);
+
+/// "file:line: what", with what cannot be printed replaced.
+absl::Status photometric_error(std::string_view file, int line, std::string_view what);
+
+/// The beginning of a file's own text, for a message.
+std::string excerpt(std::string_view text);
+
+}  // namespace lucerna

@@ -1,0 +1,279 @@
+#include "server/formats/ply.h"
+
+#include <absl/status/status.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <cstdlib>
+#include <string>
+
+#include "server/formats/ply_header.h"
+
+namespace lucerna::ply {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "reads little-endian data as they are");
+
+/// Takes one number after the other from the data.
+class Numbers {
+ public:
+  Numbers(std::string_view data, Encoding encoding) : data_(data), encoding_(encoding) {}
+
+  std::size_t bytes_left() const { return data_.size(); }
+
+  /// The fewest bytes that `count` numbers of `type` can take.
+  std::uint64_t least_bytes(Type type) const {
+    return encoding_ == Encoding::kAscii ? 1 : size_of(type);
+  }
+
+  /// False where the data end or hold no number.
+  bool next(Type type, double& value) {
+    return encoding_ == Encoding::kAscii ? next_ascii(value) : next_binary(type, value);
+  }
+
+ private:
+  bool next_ascii(double& value) {
+    while (!data_.empty() && is_space(data_.front())) data_.remove_prefix(1);
+    if (!data_.empty() && data_.front() == '+') data_.remove_prefix(1);
+    const char* end = data_.data() + data_.size();
+    const auto [rest, code] = std::from_chars(data_.data(), end, value);
+    if (code == std::errc::result_out_of_range) {
+      value = std::strtod(std::string(data_.data(), rest).c_str(), nullptr);  // 0 or infinity
+    } else if (code != std::errc{}) {
+      return false;
+    }
+    data_.remove_prefix(static_cast<std::size_t>(rest - data_.data()));
+    return data_.empty() || is_space(data_.front());
+  }
+
+  template <typename T>
+  double raw() {
+    std::array<char, sizeof(T)> bytes;
+    for (std::size_t i = 0; i < sizeof(T); ++i)
+      bytes[i] = data_[encoding_ == Encoding::kBigEndian ? sizeof(T) - 1 - i : i];
+    data_.remove_prefix(sizeof(T));
+    return static_cast<double>(std::bit_cast<T>(bytes));
+  }
+
+  bool next_binary(Type type, double& value) {
+    if (data_.size() < size_of(type)) return false;
+    switch (type) {
+      case Type::kInt8:
+        value = raw<std::int8_t>();
+        break;
+      case Type::kUint8:
+        value = raw<std::uint8_t>();
+        break;
+      case Type::kInt16:
+        value = raw<std::int16_t>();
+        break;
+      case Type::kUint16:
+        value = raw<std::uint16_t>();
+        break;
+      case Type::kInt32:
+        value = raw<std::int32_t>();
+        break;
+      case Type::kUint32:
+        value = raw<std::uint32_t>();
+        break;
+      case Type::kFloat:
+        value = raw<float>();
+        break;
+      case Type::kDouble:
+        value = raw<double>();
+        break;
+    }
+    return true;
+  }
+
+  std::string_view data_;
+  Encoding encoding_;
+};
+
+/// What becomes of a property's numbers.
+enum Role : std::uint8_t { kX, kY, kZ, kNx, kNy, kNz, kU, kV, kCorners, kSkip };
+
+class Reader {
+ public:
+  Reader(const Header& header, std::stop_token stop)
+      : header_(header), numbers_(header.data, header.encoding), stop_(std::move(stop)) {}
+
+  absl::StatusOr<PlyMesh> read() {
+    bool has_vertices = false;
+    bool has_faces = false;
+    for (const Element& element : header_.elements) {
+      bool& seen = element.name == "vertex" ? has_vertices : has_faces;
+      const bool known = element.name == "vertex" || element.name == "face";
+      if (known && seen) return error(fmt::format("element \"{}\" twice", element.name));
+      if (auto status = read_element(element); !status.ok()) return status;
+      if (known) seen = true;
+      has_vertices_ = has_vertices;
+    }
+    if (!has_vertices) return error("no element \"vertex\"");
+    if (!has_faces) return error("no element \"face\"");
+    // Again for faces that stand before the vertices that they name.
+    for (const std::uint32_t index : mesh_.indices)
+      if (index >= mesh_.positions.size())
+        return error(
+            fmt::format("a face names vertex {}, there are {}", index, mesh_.positions.size()));
+    return std::move(mesh_);
+  }
+
+ private:
+  absl::StatusOr<std::vector<Role>> roles(const Element& element) {
+    constexpr std::array<std::string_view, 6> kNames{"x", "y", "z", "nx", "ny", "nz"};
+    // The names that pbrt-v4 looks for, in its order; the first pair that is there counts.
+    constexpr std::array<std::array<std::string_view, 2>, 4> kUvNames{
+        {{"u", "v"}, {"s", "t"}, {"texture_u", "texture_v"}, {"texture_s", "texture_t"}}};
+    const auto has = [&](std::string_view name) {
+      return std::ranges::any_of(
+          element.properties, [&](const Property& p) { return !p.count_type && p.name == name; });
+    };
+    const auto uv_names = std::ranges::find_if(
+        kUvNames, [&](const auto& pair) { return has(pair[0]) && has(pair[1]); });
+    std::vector<Role> result(element.properties.size(), kSkip);
+    std::array<bool, kSkip> found{};
+    for (std::size_t i = 0; i < result.size(); ++i) {
+      const Property& property = element.properties[i];
+      if (element.name == "face" && property.count_type &&
+          (property.name == "vertex_indices" || property.name == "vertex_index"))
+        result[i] = kCorners;
+      for (std::uint8_t role = kX; element.name == "vertex" && role <= kNz; ++role)
+        if (!property.count_type && property.name == kNames[role]) result[i] = Role(role);
+      if (element.name == "vertex" && uv_names != kUvNames.end() && !property.count_type)
+        for (std::size_t k = 0; k < 2; ++k)
+          if (property.name == (*uv_names)[k]) result[i] = k == 0 ? kU : kV;
+      if (result[i] != kSkip && found[result[i]])
+        return error(fmt::format("property \"{}\" twice", property.name));
+      found[result[i]] = true;
+    }
+    if (element.name == "vertex" && !(found[kX] && found[kY] && found[kZ]))
+      return error("element \"vertex\" lacks x, y or z");
+    if (element.name == "face" && !found[kCorners])
+      return error("element \"face\" lacks the list \"vertex_indices\"");
+    has_normals_ = element.name == "vertex" ? found[kNx] && found[kNy] && found[kNz] : has_normals_;
+    if (element.name == "vertex") has_uv_ = uv_names != kUvNames.end();
+    return result;
+  }
+
+  absl::Status read_element(const Element& element) {
+    auto role = roles(element);
+    if (!role.ok()) return role.status();
+    if (element.properties.empty() && element.count > 0)
+      return error(fmt::format("element \"{}\" has no properties", element.name));
+    std::uint64_t least = 0;
+    for (const Property& property : element.properties)
+      least += numbers_.least_bytes(property.count_type.value_or(property.type));
+    if (element.count > 0 && element.count > numbers_.bytes_left() / least)
+      return error(fmt::format("{} elements \"{}\" are claimed, the data are too short for them",
+                               element.count, element.name));
+    if (element.name == "vertex") {
+      mesh_.positions.reserve(element.count);
+      if (has_normals_) mesh_.normals.reserve(element.count);
+      if (has_uv_) mesh_.uv.reserve(element.count);
+    } else if (element.name == "face") {
+      mesh_.indices.reserve(3 * element.count);
+    }
+    for (std::uint64_t i = 0; i < element.count; ++i) {
+      if ((i & 0xffff) == 0 && stop_.stop_requested())
+        return absl::CancelledError("loading was cancelled");
+      if (auto status = read_one(element, *role, i); !status.ok()) return status;
+    }
+    return absl::OkStatus();
+  }
+
+  absl::Status read_one(const Element& element, const std::vector<Role>& role, std::uint64_t i) {
+    std::array<double, kCorners> value{};
+    for (std::size_t p = 0; p < role.size(); ++p) {
+      const Property& property = element.properties[p];
+      if (role[p] == kCorners) {
+        if (auto status = read_face(property, i); !status.ok()) return status;
+        continue;
+      }
+      double n = 0;
+      const bool ok = property.count_type
+                          ? numbers_.next(*property.count_type, n) && skip(property.type, n)
+                          : numbers_.next(property.type, n);
+      if (!ok) return cut_off(element.name, i);
+      if (role[p] < kCorners) value[role[p]] = n;
+    }
+    if (element.name != "vertex") return absl::OkStatus();
+    const Vec3<double> position{value[kX], value[kY], value[kZ]};
+    if (!is_finite(position)) return error(fmt::format("vertex {} is not finite", i));
+    mesh_.positions.push_back(position);
+    if (has_uv_) {
+      const Vec2<float> uv{static_cast<float>(value[kU]), static_cast<float>(value[kV])};
+      if (!std::isfinite(uv.x) || !std::isfinite(uv.y))
+        return error(fmt::format("the u, v of vertex {} are not finite", i));
+      mesh_.uv.push_back(uv);
+    }
+    if (!has_normals_) return absl::OkStatus();
+    const Vec3<float> normal{Vec3<double>{value[kNx], value[kNy], value[kNz]}};
+    if (!is_finite(normal)) return error(fmt::format("the normal of vertex {} is not finite", i));
+    mesh_.normals.push_back(normal);
+    return absl::OkStatus();
+  }
+
+  absl::Status read_face(const Property& property, std::uint64_t face) {
+    double count = 0;
+    if (!numbers_.next(*property.count_type, count)) return cut_off("face", face);
+    if (count != 3 && count != 4)
+      return error(fmt::format("face {} has {} corners, allowed 3 and 4", face, count));
+    std::array<std::uint32_t, 4> corner{};
+    for (int k = 0; k < static_cast<int>(count); ++k) {
+      double index = 0;
+      if (!numbers_.next(property.type, index)) return cut_off("face", face);
+      if (!(index >= 0 && index <= 4294967295.0) || index != std::floor(index))
+        return error(fmt::format("face {} names vertex {}", face, index));
+      corner[k] = static_cast<std::uint32_t>(index);
+      if (has_vertices_ && corner[k] >= mesh_.positions.size())
+        return error(fmt::format("face {} names vertex {}, there are {}", face, corner[k],
+                                 mesh_.positions.size()));
+    }
+    mesh_.indices.insert(mesh_.indices.end(), {corner[0], corner[1], corner[2]});
+    if (count == 4) {
+      mesh_.indices.insert(mesh_.indices.end(), {corner[0], corner[2], corner[3]});
+      ++mesh_.split_quads;
+    }
+    return absl::OkStatus();
+  }
+
+  bool skip(Type type, double count) {
+    const auto least = static_cast<double>(numbers_.least_bytes(type));
+    if (!(count >= 0) || count != std::floor(count) ||
+        count * least > static_cast<double>(numbers_.bytes_left()))
+      return false;
+    double ignored = 0;
+    for (auto left = static_cast<std::uint64_t>(count); left > 0; --left)
+      if (!numbers_.next(type, ignored)) return false;
+    return true;
+  }
+
+  static absl::Status cut_off(const std::string& element, std::uint64_t i) {
+    return error(fmt::format("{} {}: the data end, or hold no number", element, i));
+  }
+
+  const Header& header_;
+  Numbers numbers_;
+  std::stop_token stop_;
+  PlyMesh mesh_;
+  bool has_vertices_ = false;
+  bool has_normals_ = false, has_uv_ = false;
+};
+
+}  // namespace
+}  // namespace lucerna::ply
+
+namespace lucerna {
+
+absl::StatusOr<PlyMesh> parse_ply(std::string_view bytes, std::stop_token stop) {
+  const auto header = ply::parse_header(bytes);
+  if (!header.ok()) return header.status();
+  return ply::Reader(*header, std::move(stop)).read();
+}
+
+}  // namespace lucerna

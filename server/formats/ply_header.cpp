@@ -1,0 +1,121 @@
+#include "server/formats/ply_header.h"
+
+#include <absl/status/status.h>
+#include <fmt/format.h>
+
+#include <array>
+#include <charconv>
+#include <utility>
+
+namespace lucerna::ply {
+namespace {
+
+absl::Status header_error(int line, const std::string& what) {
+  return error(fmt::format("header line {}: {}", line, what));
+}
+
+std::optional<Type> type_named(std::string_view name) {
+  if (name == "char" || name == "int8") return Type::kInt8;
+  if (name == "uchar" || name == "uint8") return Type::kUint8;
+  if (name == "short" || name == "int16") return Type::kInt16;
+  if (name == "ushort" || name == "uint16") return Type::kUint16;
+  if (name == "int" || name == "int32") return Type::kInt32;
+  if (name == "uint" || name == "uint32") return Type::kUint32;
+  if (name == "float" || name == "float32") return Type::kFloat;
+  if (name == "double" || name == "float64") return Type::kDouble;
+  return std::nullopt;
+}
+
+std::vector<std::string_view> words(std::string_view line) {
+  std::vector<std::string_view> result;
+  std::size_t at = 0;
+  while (at < line.size()) {
+    while (at < line.size() && is_space(line[at])) ++at;
+    const std::size_t begin = at;
+    while (at < line.size() && !is_space(line[at])) ++at;
+    if (at > begin) result.push_back(line.substr(begin, at - begin));
+  }
+  return result;
+}
+
+absl::Status add_property(const std::vector<std::string_view>& line, int number, Header& header) {
+  if (header.elements.empty()) return header_error(number, "a property before any element");
+  Property property;
+  const bool list = line.size() == 5 && line[1] == "list";
+  if (!list && line.size() != 3)
+    return header_error(number,
+                        "expected \"property TYPE NAME\" or \"property list TYPE TYPE NAME\"");
+  if (list) {
+    property.count_type = type_named(line[2]);
+    if (!property.count_type || *property.count_type >= Type::kFloat)
+      return header_error(number, fmt::format("\"{}\" cannot count a list", line[2]));
+  }
+  const auto type = type_named(line[list ? 3 : 1]);
+  if (!type) return header_error(number, fmt::format("type \"{}\" is unknown", line[list ? 3 : 1]));
+  property.type = *type;
+  property.name = std::string(line.back());
+  header.elements.back().properties.push_back(std::move(property));
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+std::size_t size_of(Type type) {
+  constexpr std::array<std::size_t, 8> kSizes{1, 1, 2, 2, 4, 4, 4, 8};
+  return kSizes[static_cast<std::size_t>(type)];
+}
+
+bool is_space(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
+
+absl::Status error(const std::string& what) { return absl::InvalidArgumentError("PLY: " + what); }
+
+absl::StatusOr<Header> parse_header(std::string_view bytes) {
+  Header header;
+  bool has_format = false;
+  for (int number = 1;; ++number) {
+    const std::size_t end = bytes.find('\n');
+    if (end == std::string_view::npos)
+      return header_error(number, "the file ends before \"end_header\"");
+    const auto line = words(bytes.substr(0, end));
+    bytes.remove_prefix(end + 1);
+    if (number == 1) {
+      if (line.size() != 1 || line[0] != "ply") return header_error(1, "expected \"ply\"");
+      continue;
+    }
+    if (line.empty() || line[0] == "comment" || line[0] == "obj_info") continue;
+    if (line[0] == "end_header") {
+      if (!has_format) return header_error(number, "no \"format\" before \"end_header\"");
+      header.data = bytes;
+      return header;
+    }
+    if (line[0] == "format") {
+      if (line.size() != 3 || line[2] != "1.0")
+        return header_error(number, "expected \"format ENCODING 1.0\"");
+      if (line[1] == "ascii") {
+        header.encoding = Encoding::kAscii;
+      } else if (line[1] == "binary_little_endian") {
+        header.encoding = Encoding::kLittleEndian;
+      } else if (line[1] == "binary_big_endian") {
+        header.encoding = Encoding::kBigEndian;
+      } else {
+        return header_error(number, fmt::format("format \"{}\" is unknown", line[1]));
+      }
+      has_format = true;
+    } else if (line[0] == "element") {
+      Element element;
+      if (line.size() != 3) return header_error(number, "expected \"element NAME COUNT\"");
+      element.name = std::string(line[1]);
+      const auto [rest, code] =
+          std::from_chars(line[2].data(), line[2].data() + line[2].size(), element.count);
+      if (code != std::errc{} || rest != line[2].data() + line[2].size())
+        return header_error(number, fmt::format("\"{}\" is not a count", line[2]));
+      header.elements.push_back(std::move(element));
+    } else if (line[0] == "property") {
+      if (auto status = add_property(line, number, header); !status.ok()) return status;
+    } else {
+      return header_error(number, fmt::format("keyword \"{}\" is unknown", line[0]));
+    }
+  }
+}
+
+}  // namespace lucerna::ply

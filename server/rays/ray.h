@@ -1,0 +1,107 @@
+// Rays and what they find, about the scene's origin [m]: rays in floats, as Embree takes them, what
+// is known of surfaces in double.
+#pragma once
+
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+#include "lights/maths/vec.h"
+#include "lights/sampling/light_sample.h"
+#include "server/rays/error_bounds.h"
+
+namespace lucerna {
+
+struct Ray {
+  Vec3<float> origin;
+  Vec3<float> direction;  ///< any length but 0; t is in units of it
+  float t_min = 0;
+  float t_max = std::numeric_limits<float>::infinity();
+  double time_s = 0;  ///< when: without effect where nothing moves
+};
+
+/// A point on the scene's surfaces with all that shading needs.
+struct SurfaceHit {
+  float t{};
+  Vec3<double> position;
+  /// The surface passes, and rays find it, within this box about `position` as floats hold it [m].
+  Vec3<float> position_error;
+  /// Geometric normal, unit, outside.  In double: which side a ray leaves to that all but grazes
+  /// the surface is a sign that floats do not know.
+  Vec3<double> ng;
+  Vec3<float> ns;                   ///< shading normal, unit, on the side of ng
+  std::uint32_t material{};         ///< index into Scene::materials()
+  std::int32_t light = -1;          ///< index into Scene::lights() where the surface emits
+  std::uint32_t light_primitive{};  ///< which primitive of that light's shape
+  std::uint64_t shape{};            ///< the same for all hits on one shape of one instance
+  double time_s = 0;                ///< of the ray that found it
+
+  SurfacePoint<double> on_light() const { return {position, ng, light_primitive}; }
+};
+
+/// std::nextafter(x, INFINITY), whose call takes longer than the rest of an offset.
+inline float next_up(float x) {
+  if (!(x < INFINITY)) return x;
+  const auto bits = std::bit_cast<std::uint32_t>(x);
+  if (bits << 1 == 0) return std::bit_cast<float>(std::uint32_t{1});
+  return std::bit_cast<float>(bits >> 31 == 0 ? bits + 1 : bits - 1);
+}
+
+/// `position` moved along `normal`, to the side that `direction` leaves to, just far enough that
+/// nothing within `position_error` of the surface can be hit again.  [Pharr23, 6.8.6]
+inline Vec3<float> offset_origin(const Vec3<float>& position, const Vec3<float>& position_error,
+                                 const Vec3<double>& normal, const Vec3<double>& direction) {
+  const auto moved_outwards = [](float p, float offset) {
+    const float q = p + offset;
+    if (offset > 0) return next_up(q);
+    if (offset < 0) return -next_up(-q);
+    return q;
+  };
+  const Vec3<float> n(normal);
+  // The box of the error reaches this far along the normal.
+  const float distance = std::fabs(n.x) * position_error.x + std::fabs(n.y) * position_error.y +
+                         std::fabs(n.z) * position_error.z;
+  const float signed_distance = dot(direction, normal) < 0 ? -distance : distance;
+  return {moved_outwards(position.x, signed_distance * n.x),
+          moved_outwards(position.y, signed_distance * n.y),
+          moved_outwards(position.z, signed_distance * n.z)};
+}
+
+/// The ray that leaves a surface point towards `direction`.
+inline Ray spawn_ray(const SurfaceHit& from, const Vec3<float>& direction) {
+  Ray ray{offset_origin(Vec3<float>(from.position), from.position_error, from.ng,
+                        Vec3<double>(direction)),
+          direction};
+  ray.time_s = from.time_s;
+  return ray;
+}
+
+/// The ray whose t in (0, 1) is the open way from a surface point to `end`, which is on no surface.
+/// `direction`: which way that is.
+inline Ray ray_to_point(const SurfaceHit& from, const Vec3<double>& direction,
+                        const Vec3<float>& end) {
+  const Vec3<float> origin =
+      offset_origin(Vec3<float>(from.position), from.position_error, from.ng, direction);
+  return {origin, end - origin, 0, 1, from.time_s};
+}
+
+/// The ray whose t in (0, 1) is the open way from a surface point to a sampled point of a light; to
+/// infinity where the light is infinitely far.  Both ends are moved off their surfaces.
+/// `light_reach_m`: LightMotion::reach_m.
+inline Ray shadow_ray(const SurfaceHit& from, const LightSample<double>& to,
+                      float light_reach_m = 0) {
+  if (!std::isfinite(to.distance)) return spawn_ray(from, Vec3<float>(to.wi));
+  Vec3<float> end(to.point);
+  if (to.normal != Vec3<double>{}) {
+    // The point itself is rounded, and so is the ray's own test against the light's surface, whose
+    // vertices it sees from `distance` away; where the light moves, in coordinates of its own.
+    const float error =
+        kTraversalError * (max_abs(end) + static_cast<float>(to.distance) + light_reach_m) +
+        kLeastError;
+    end = offset_origin(end, {error, error, error}, to.normal, -to.wi);
+  }
+  return ray_to_point(from, to.wi, end);
+}
+
+}  // namespace lucerna

@@ -1,0 +1,250 @@
+#include "server/rays/surface_table.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/rays/error_bounds.h"
+
+namespace lucerna {
+namespace {
+
+absl::Status not_finite(std::size_t i, const Vec3<double>& p) {
+  return absl::InvalidArgumentError(fmt::format(
+      "vertex {} at ({}, {}, {}) m, allowed are coordinates up to 1e30", i, p.x, p.y, p.z));
+}
+
+absl::Status append_mesh(const std::vector<Vec3<double>>& positions,
+                         const std::vector<std::uint32_t>& indices, const Vec3<double>& origin,
+                         GeometrySet& set) {
+  constexpr std::size_t kMaximum = std::numeric_limits<std::uint32_t>::max();
+  if (set.vertices.size() + positions.size() > kMaximum ||
+      set.triangles.size() / 3 + indices.size() > kMaximum)
+    return absl::ResourceExhaustedError("more than 2^32 - 1 vertices or triangles");
+  for (const std::uint32_t i : indices)
+    if (i >= positions.size())
+      return absl::InvalidArgumentError(
+          fmt::format("vertex number {}, allowed below {}", i, positions.size()));
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    const Vec3<float> p = about(positions[i], origin);
+    if (!is_finite(p) || max_abs(p) > Accelerator::kMaxCoordinate)
+      return not_finite(i, positions[i]);
+    set.vertices.push_back(p);
+  }
+  return absl::OkStatus();
+}
+
+void append_normals(const std::vector<Vec3<float>>& normals, std::size_t base, std::size_t count,
+                    std::vector<Vec3<float>>& out) {
+  if (normals.empty() && out.empty()) return;
+  out.resize(base);  // meshes before this one were flat
+  if (normals.empty())
+    out.resize(base + count);
+  else
+    out.insert(out.end(), normals.begin(), normals.end());
+}
+
+class Appender {
+ public:
+  Appender(const Vec3<double>& origin, std::uint32_t surface, GeometrySet& set, SurfaceTable& table)
+      : origin_(origin), surface_(surface), set_(set), table_(table) {}
+
+  absl::Status operator()(const TriangleMeshData& mesh) {
+    const std::size_t base = set_.vertices.size();
+    if (!mesh.normals.empty() && mesh.normals.size() != mesh.positions.size())
+      return absl::InvalidArgumentError(
+          fmt::format("{} normals, allowed are 0 or one a vertex ({})", mesh.normals.size(),
+                      mesh.positions.size()));
+    if (absl::Status s = append_mesh(mesh.positions, mesh.indices, origin_, set_); !s.ok())
+      return s;
+    append_normals(mesh.normals, base, mesh.positions.size(), table_.vertex_normals);
+    begin_run(HitKind::kTriangle, set_.triangles.size() / 3, 0, 1);
+    for (const std::uint32_t i : mesh.indices)
+      set_.triangles.push_back(static_cast<std::uint32_t>(base) + i);
+    return absl::OkStatus();
+  }
+
+  absl::Status operator()(const PatchMeshData& mesh) {
+    const auto base = static_cast<std::uint32_t>(set_.vertices.size());
+    if (!mesh.normals.empty() && mesh.normals.size() != mesh.positions.size())
+      return absl::InvalidArgumentError(
+          fmt::format("{} normals, allowed are 0 or one a vertex ({})", mesh.normals.size(),
+                      mesh.positions.size()));
+    if (absl::Status s = append_mesh(mesh.positions, mesh.indices, origin_, set_); !s.ok())
+      return s;
+    HitKind kind = HitKind::kTriangle;
+    bool any_flat = false;
+    for (std::size_t i = 0; i < mesh.indices.size(); i += 4) {
+      const std::uint32_t* v = &mesh.indices[i];
+      std::array<Vec3<double>, 4> c;
+      for (int k = 0; k < 4; ++k) c[k] = Vec3<double>(set_.vertices[base + v[k]]);
+      const bool flat = mesh.normals.empty() && is_flat_and_convex(c);
+      any_flat |= flat;
+      const HitKind this_kind = flat ? HitKind::kTriangle : HitKind::kPatch;
+      if (i == 0 || this_kind != kind)
+        begin_run(this_kind, flat ? set_.triangles.size() / 3 : set_.patches.size(), i / 4,
+                  flat ? 2 : 1);
+      kind = this_kind;
+      if (flat)
+        for (const int k : {0, 1, 2, 1, 3, 2}) set_.triangles.push_back(base + v[k]);
+      else
+        append_patch(mesh, v, c);
+    }
+    if (any_flat)
+      append_normals({}, base, mesh.positions.size(), table_.vertex_normals);
+    else
+      set_.vertices.resize(base);  // nothing refers to them
+    return absl::OkStatus();
+  }
+
+  absl::Status operator()(const SphereParams& params) {
+    absl::StatusOr<Sphere<double>> sphere = Sphere<double>::create(params, origin_);
+    if (!sphere.ok()) return sphere.status();
+    begin_run(HitKind::kSphere, set_.spheres.size(), 0, 1);
+    set_.spheres.push_back(*std::move(sphere));
+    return absl::OkStatus();
+  }
+
+  absl::Status operator()(const DiskParams& params) {
+    absl::StatusOr<Disk<double>> disk = Disk<double>::create(params, origin_);
+    if (!disk.ok()) return disk.status();
+    begin_run(HitKind::kDisk, set_.disks.size(), 0, 1);
+    set_.disks.push_back(*std::move(disk));
+    return absl::OkStatus();
+  }
+
+  absl::Status operator()(const CylinderParams& params) {
+    absl::StatusOr<Cylinder<double>> cylinder = Cylinder<double>::create(params, origin_);
+    if (!cylinder.ok()) return cylinder.status();
+    begin_run(HitKind::kCylinder, set_.cylinders.size(), 0, 1);
+    set_.cylinders.push_back(*std::move(cylinder));
+    return absl::OkStatus();
+  }
+
+ private:
+  void begin_run(HitKind kind, std::size_t first, std::size_t light_primitive,
+                 std::uint32_t per_light_primitive) {
+    table_.runs[static_cast<int>(kind)].push_back({static_cast<std::uint32_t>(first), surface_,
+                                                   static_cast<std::uint32_t>(light_primitive),
+                                                   per_light_primitive});
+  }
+
+  void append_patch(const PatchMeshData& mesh, const std::uint32_t* v,
+                    const std::array<Vec3<double>, 4>& c) {
+    if (!mesh.normals.empty() || !table_.patch_normals.empty()) {
+      table_.patch_normals.resize(set_.patches.size() + 1);
+      for (int k = 0; k < 4 && !mesh.normals.empty(); ++k)
+        table_.patch_normals.back()[k] = mesh.normals[v[k]];
+    }
+    set_.patches.push_back({c[0], c[1], c[2], c[3]});
+  }
+
+  const Vec3<double>& origin_;
+  std::uint32_t surface_;
+  GeometrySet& set_;
+  SurfaceTable& table_;
+};
+
+/// One overload a shape and none for all, so that a new shape does not compile until it has its
+/// own.
+class BoundsAdder {
+ public:
+  explicit BoundsAdder(Bounds& bounds) : bounds_(bounds) {}
+
+  absl::Status operator()(const TriangleMeshData& mesh) { return add_vertices(mesh.positions); }
+  absl::Status operator()(const PatchMeshData& mesh) { return add_vertices(mesh.positions); }
+  absl::Status operator()(const SphereParams& params) {
+    return add_analytic(Sphere<double>::create(params));
+  }
+  absl::Status operator()(const DiskParams& params) {
+    return add_analytic(Disk<double>::create(params));
+  }
+  absl::Status operator()(const CylinderParams& params) {
+    return add_analytic(Cylinder<double>::create(params));
+  }
+
+ private:
+  absl::Status add_vertices(const std::vector<Vec3<double>>& positions) {
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+      const Vec3<double>& p = positions[i];
+      if (!is_finite(p) || max_abs(p) > Accelerator::kMaxCoordinate) return not_finite(i, p);
+      bounds_.add(p);
+    }
+    return absl::OkStatus();
+  }
+
+  template <typename Shape>
+  absl::Status add_analytic(const absl::StatusOr<Shape>& created) {
+    if (!created.ok()) return created.status();
+    const auto box = created->bounds();
+    const double reach = std::max(max_abs(box.first), max_abs(box.second));
+    if (!(reach <= Accelerator::kMaxCoordinate))
+      return absl::InvalidArgumentError(
+          fmt::format("shape reaching to {} m, allowed are coordinates up to 1e30", reach));
+    bounds_.add(box.first);
+    bounds_.add(box.second);
+    return absl::OkStatus();
+  }
+
+  Bounds& bounds_;
+};
+
+}  // namespace
+
+const PrimitiveRun& SurfaceTable::run(HitKind kind, std::uint32_t primitive) const {
+  const auto& of_kind = runs[static_cast<int>(kind)];
+  return *(std::ranges::upper_bound(of_kind, primitive, {}, &PrimitiveRun::first) - 1);
+}
+
+std::size_t SurfaceTable::bytes() const {
+  std::size_t sum = surfaces.capacity() * sizeof(Surface) +
+                    vertex_normals.capacity() * sizeof(Vec3<float>) +
+                    patch_normals.capacity() * sizeof(std::array<Vec3<float>, 4>);
+  for (const auto& r : runs) sum += r.capacity() * sizeof(PrimitiveRun);
+  return sum;
+}
+
+void Bounds::add(const Vec3<double>& p) {
+  lower = {std::fmin(lower.x, p.x), std::fmin(lower.y, p.y), std::fmin(lower.z, p.z)};
+  upper = {std::fmax(upper.x, p.x), std::fmax(upper.y, p.y), std::fmax(upper.z, p.z)};
+}
+
+absl::StatusOr<Bounds> shape_bounds(const ShapeDescription& shape) {
+  Bounds bounds;
+  if (absl::Status s = std::visit(BoundsAdder(bounds), shape.geometry); !s.ok())
+    return located(s, shape.where);
+  return bounds;
+}
+
+bool is_flat_and_convex(const std::array<Vec3<double>, 4>& c) {
+  const std::array<Vec3<double>, 4> around{c[0], c[1], c[3], c[2]};
+  const Vec3<double> n = cross(c[3] - c[0], c[2] - c[1]);  // of the diagonals
+  const double size = length(n);
+  if (!(size > 0)) return false;
+  double largest = 0;
+  for (const auto& p : c) largest = std::fmax(largest, max_abs(p));
+  // Both diagonals are perpendicular to n: the distance between them is how far from flat it is.
+  if (std::fabs(dot(c[1] - c[0], n)) > 2 * kFloatRoundoff * largest * size) return false;
+  for (int i = 0; i < 4; ++i) {
+    const Vec3<double> turn =
+        cross(around[(i + 1) % 4] - around[i], around[(i + 2) % 4] - around[(i + 1) % 4]);
+    if (!(dot(turn, n) > 1e-6 * size * size)) return false;
+  }
+  return true;
+}
+
+absl::Status append_shape(const ShapeDescription& shape, const Vec3<double>& origin,
+                          std::int32_t light, GeometrySet& set, SurfaceTable& table) {
+  const auto surface = static_cast<std::uint32_t>(table.surfaces.size());
+  table.surfaces.push_back({shape.material, light});
+  return located(std::visit(Appender(origin, surface, set, table), shape.geometry), shape.where);
+}
+
+absl::Status located(const absl::Status& status, const SourceLocation& where) {
+  if (status.ok()) return status;
+  return {status.code(), fmt::format("{}:{}:{}: {}", where.file, where.line, where.column,
+                                     std::string(status.message()))};
+}
+
+}  // namespace lucerna

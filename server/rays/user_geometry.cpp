@@ -1,0 +1,210 @@
+#include "server/rays/user_geometry.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "server/rays/ray_limits.h"
+
+namespace lucerna {
+namespace {
+
+struct AnalyticHit {
+  ShapeHit<double> hit;
+  Vec2<double> uv;
+};
+
+std::optional<AnalyticHit> intersect(const AnalyticShapes& shapes, unsigned primitive,
+                                     const RTCRay& ray, double t_max) {
+  const double unit_m = shapes.set->unit_m;
+  const Vec3<double> o = Vec3<double>{ray.org_x, ray.org_y, ray.org_z} * unit_m;
+  const Vec3<double> d = Vec3<double>{ray.dir_x, ray.dir_y, ray.dir_z} * unit_m;
+  AnalyticHit found;
+  std::optional<ShapeHit<double>> hit;
+  switch (shapes.kind) {
+    case HitKind::kPatch:
+      hit = shapes.set->patches[primitive].intersect(o, d, ray.tnear, t_max, &found.uv);
+      break;
+    case HitKind::kSphere:
+      hit = shapes.set->spheres[primitive].intersect(o, d, ray.tnear, t_max);
+      break;
+    case HitKind::kDisk:
+      hit = shapes.set->disks[primitive].intersect(o, d, ray.tnear, t_max);
+      break;
+    case HitKind::kCylinder:
+      hit = shapes.set->cylinders[primitive].intersect(o, d, ray.tnear, t_max);
+      break;
+    case HitKind::kTriangle:
+      break;
+  }
+  if (!hit || !(hit->t > ray.tnear && hit->t < t_max)) return std::nullopt;
+  found.hit = *hit;
+  return found;
+}
+
+/// In units of `unit_m`, rounded outwards.
+RTCBounds rounded(const std::pair<Vec3<double>, Vec3<double>>& box, double unit_m) {
+  const auto down = [&](double v) {
+    return std::nextafter(static_cast<float>(v / unit_m), -INFINITY);
+  };
+  const auto up = [&](double v) {
+    return std::nextafter(static_cast<float>(v / unit_m), INFINITY);
+  };
+  RTCBounds out{};
+  out.lower_x = down(box.first.x), out.lower_y = down(box.first.y), out.lower_z = down(box.first.z);
+  out.upper_x = up(box.second.x), out.upper_y = up(box.second.y), out.upper_z = up(box.second.z);
+  return out;
+}
+
+void analytic_bounds(const RTCBoundsFunctionArguments* args) {
+  const auto& shapes = *static_cast<const AnalyticShapes*>(args->geometryUserPtr);
+  std::pair<Vec3<double>, Vec3<double>> box;
+  switch (shapes.kind) {
+    case HitKind::kPatch:
+      box = shapes.set->patches[args->primID].bounds();
+      break;
+    case HitKind::kSphere:
+      box = shapes.set->spheres[args->primID].bounds();
+      break;
+    case HitKind::kDisk:
+      box = shapes.set->disks[args->primID].bounds();
+      break;
+    case HitKind::kCylinder:
+      box = shapes.set->cylinders[args->primID].bounds();
+      break;
+    case HitKind::kTriangle:
+      break;
+  }
+  *args->bounds_o = rounded(box, shapes.set->unit_m);
+}
+
+// Queries are single rays, so N is 1 here.
+void intersect_analytic(const RTCIntersectFunctionNArguments* args) {
+  if (args->valid[0] == 0) return;
+  const auto& shapes = *static_cast<const AnalyticShapes*>(args->geometryUserPtr);
+  auto& query = *reinterpret_cast<RTCRayHit*>(args->rayhit);
+  const auto found = intersect(shapes, args->primID, query.ray, query.ray.tfar);
+  if (!found) return;
+  query.ray.tfar = static_cast<float>(found->hit.t);
+  query.hit.u = static_cast<float>(found->uv.x);
+  query.hit.v = static_cast<float>(found->uv.y);
+  query.hit.geomID = args->geomID;
+  query.hit.primID = args->primID;
+  query.hit.instID[0] = args->context->instID[0];
+  auto& context = *reinterpret_cast<QueryContext*>(args->context);
+  context.position = found->hit.point.position;
+  context.normal = found->hit.point.normal;
+}
+
+void occluded_analytic(const RTCOccludedFunctionNArguments* args) {
+  if (args->valid[0] == 0) return;
+  const auto& shapes = *static_cast<const AnalyticShapes*>(args->geometryUserPtr);
+  auto& ray = *reinterpret_cast<RTCRay*>(args->ray);
+  if (intersect(shapes, args->primID, ray, ray.tfar)) ray.tfar = -INFINITY;
+}
+
+/// A ray of the scene's space in the object's, as Embree takes it.
+struct ObjectRay {
+  RTCRay ray;
+  double units, start;  // as UnitRay has them
+};
+
+/// Nothing where the ray passes by.
+std::optional<ObjectRay> to_object(const MovingInstance& instance,
+                                   const RTCIntersectContext* context, const RTCRay& ray) {
+  const Pose pose = instance.motion->at(reinterpret_cast<const QueryContext*>(context)->time_s);
+  const double unit_m = instance.scene_unit_m;
+  const Vec3<double> o = Vec3<double>{ray.org_x, ray.org_y, ray.org_z} * unit_m;
+  const Vec3<double> d = Vec3<double>{ray.dir_x, ray.dir_y, ray.dir_z} * unit_m;
+  const std::optional<UnitRay> there =
+      unit_ray(instance.object_from_start.point(pose.inverse_point(o)),
+               instance.object_from_start.vector(pose.inverse_vector(d)), ray.tnear, ray.tfar,
+               instance.space);
+  if (!there) return std::nullopt;
+  ObjectRay r{ray, there->units, there->start};
+  r.ray.org_x = there->origin.x, r.ray.org_y = there->origin.y, r.ray.org_z = there->origin.z;
+  r.ray.dir_x = there->direction.x, r.ray.dir_y = there->direction.y;
+  r.ray.dir_z = there->direction.z;
+  r.ray.tnear = there->t_min, r.ray.tfar = there->t_max;
+  return r;
+}
+
+void moving_bounds(const RTCBoundsFunctionArguments* args) {
+  const auto& instances = *static_cast<const std::vector<MovingInstance>*>(args->geometryUserPtr);
+  *args->bounds_o = instances[args->primID].swept;
+}
+
+void intersect_moving(const RTCIntersectFunctionNArguments* args) {
+  if (args->valid[0] == 0) return;
+  const auto& instance =
+      (*static_cast<const std::vector<MovingInstance>*>(args->geometryUserPtr))[args->primID];
+  auto& query = *reinterpret_cast<RTCRayHit*>(args->rayhit);
+  const std::optional<ObjectRay> start = to_object(instance, args->context, query.ray);
+  if (!start) return;
+  alignas(16) RTCRayHit local;
+  local.ray = start->ray;
+  local.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  local.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  args->context->instID[0] = instance.number;
+  rtcIntersect1(instance.object, args->context, &local);
+  args->context->instID[0] = RTC_INVALID_GEOMETRY_ID;
+  if (local.hit.geomID == RTC_INVALID_GEOMETRY_ID) return;
+  query.ray.tfar = static_cast<float>(local.ray.tfar * start->units + start->start);
+  query.hit = local.hit;
+  query.hit.instID[0] = instance.number;
+}
+
+void occluded_moving(const RTCOccludedFunctionNArguments* args) {
+  if (args->valid[0] == 0) return;
+  const auto& instance =
+      (*static_cast<const std::vector<MovingInstance>*>(args->geometryUserPtr))[args->primID];
+  auto& ray = *reinterpret_cast<RTCRay*>(args->ray);
+  const std::optional<ObjectRay> start = to_object(instance, args->context, ray);
+  if (!start) return;
+  alignas(16) RTCRay local = start->ray;
+  rtcOccluded1(instance.object, args->context, &local);
+  if (local.tfar < 0) ray.tfar = -INFINITY;
+}
+
+RTCGeometry user_geometry(RTCDevice device, std::size_t count, void* data, RTCBoundsFunction bounds,
+                          RTCIntersectFunctionN intersect, RTCOccludedFunctionN occluded) {
+  RTCGeometry g = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
+  rtcSetGeometryUserPrimitiveCount(g, static_cast<unsigned>(count));
+  rtcSetGeometryUserData(g, data);
+  rtcSetGeometryBoundsFunction(g, bounds, nullptr);
+  rtcSetGeometryIntersectFunction(g, intersect);
+  rtcSetGeometryOccludedFunction(g, occluded);
+  return g;
+}
+
+}  // namespace
+
+MovingInstance::MovingInstance(const GeometryInstance& instance, RTCScene object,
+                               const RaySpace& space, const Bounds& box, double scene_unit_m,
+                               unsigned number)
+    : object(object),
+      number(number),
+      motion(instance.motion),
+      object_from_start(instance.scene_from_object.inverse()),
+      space(space),
+      scene_unit_m(scene_unit_m) {
+  Bounds placed;
+  for (int corner = 0; corner < 8; ++corner)
+    placed.add(instance.scene_from_object.point({corner & 1 ? box.upper.x : box.lower.x,
+                                                 corner & 2 ? box.upper.y : box.lower.y,
+                                                 corner & 4 ? box.upper.z : box.lower.z}));
+  swept = rounded(motion->bounds(placed.lower, placed.upper), scene_unit_m);
+}
+
+RTCGeometry analytic_geometry(RTCDevice device, AnalyticShapes* shapes, std::size_t count) {
+  return user_geometry(device, count, shapes, analytic_bounds, intersect_analytic,
+                       occluded_analytic);
+}
+
+RTCGeometry moving_geometry(RTCDevice device, std::vector<MovingInstance>* instances) {
+  return user_geometry(device, instances->size(), instances, moving_bounds, intersect_moving,
+                       occluded_moving);
+}
+
+}  // namespace lucerna

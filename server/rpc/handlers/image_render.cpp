@@ -1,0 +1,174 @@
+#include "server/rpc/handlers/image_render.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+
+#include "proto/common/sample_blocks.h"
+#include "server/rpc/messages/checks.h"
+#include "server/rpc/messages/errors.h"
+#include "server/runtime/time_budget.h"
+
+namespace lucerna::rpc {
+namespace {
+
+constexpr std::uint32_t kDefaultTileSize = 64;
+// With a time budget: two of them are the fewest samples that are promised, and scatter.
+constexpr std::uint32_t kTimedBlock = 8;
+constexpr std::uint64_t kWaitedForBlocks = 2;
+
+}  // namespace
+
+absl::StatusOr<ImageRender> ImageRender::create(const Context& context,
+                                                const v1::RenderImageRequest& request) {
+  const auto scene = find_scene(context, request.scene_id());
+  if (!scene.ok()) return scene.status();
+  const auto query = check_render(context, **scene, request, proposed_samples(context, **scene));
+  if (!query.ok()) return query.status();
+  const std::uint64_t edge = request.has_tile_size() ? request.tile_size() : kDefaultTileSize;
+  if (edge == 0 || edge * edge > context.limits.max_tile_pixels) {
+    return bad_field(
+        "tile_size", fmt::format("{}", edge),
+        fmt::format("at least 1, its square at most {}", context.limits.max_tile_pixels));
+  }
+  const int width = (*scene)->camera().width(), height = (*scene)->camera().height();
+  // The statistics of so many pixels take 3 GiB; larger pictures are asked for tile by tile.
+  constexpr std::uint64_t kMaxPixels = std::uint64_t{1} << 26;
+  const std::uint64_t pixels =
+      static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
+  if (pixels > kMaxPixels) return over_limit("pixels of the picture", pixels, kMaxPixels);
+  const std::uint64_t tile_pixels =
+      std::min<std::uint64_t>(edge, width) * std::min<std::uint64_t>(edge, height);
+  if (auto s = check_answer_size(context, "pixels of a tile", tile_pixels,
+                                 tile_size(request.accuracy()));
+      !s.ok()) {
+    return s;
+  }
+  // Each has a message and a header of its own.
+  constexpr std::uint64_t kMaxTiles = 1 << 16;
+  const auto across = [edge](int size) {
+    return (static_cast<std::uint64_t>(size) + edge - 1) / edge;
+  };
+  if (const std::uint64_t tiles = across(width) * across(height); tiles > kMaxTiles) {
+    return bad_field(
+        "tile_size", fmt::format("{}", edge),
+        fmt::format("such that the picture has at most {} tiles, not {}", kMaxTiles, tiles));
+  }
+
+  ImageRender render;
+  render.scene_ = *scene;
+  render.query_ = *query;
+  render.final_only_ = request.final_only();
+  TileSettings& settings = render.query_.settings;
+  render.blocks_ = settings.block_count;
+  if (render.is_timed()) {
+    settings.samples_per_block =
+        query->samples_per_block.value_or(std::min(kTimedBlock, query->most_samples));
+    render.blocks_ = query->most_samples / settings.samples_per_block;
+  } else if (!settings.target) {
+    render.samples_total_ = pixels * render.blocks_ * settings.samples_per_block;
+  }
+  const bool at_once = settings.target || (request.final_only() && !render.is_timed());
+  render.pass_end_ = at_once ? render.blocks_ : 1;
+  const int step = static_cast<int>(edge);
+  for (int y = 0; y < height; y += step) {
+    for (int x = 0; x < width; x += step) {
+      const PixelRect rect{x, y, std::min(x + step, width), std::min(y + step, height)};
+      render.tiles_.push_back(rect);
+      if (!settings.target) render.merged_.emplace_back(0, 3 * area(rect));
+    }
+  }
+  return render;
+}
+
+absl::Status ImageRender::next(const std::stop_token& stop, v1::RenderImageResponse* response) {
+  TileSettings& settings = query_.settings;
+  settings.rect = tiles_[tile_];
+  if (!begin_) begin_ = pass_start_ = Clock::now();
+  if (settings.target) {
+    const TileResult result = lucerna::render_tile(*scene_, settings, stop);
+    if (result.stopped) return absl::CancelledError("stopped");
+    work_ += result.work;
+    for (const std::uint32_t n : result.samples) samples_done_ += n;
+    set_tile(*scene_, settings, 0, settings.block_count, result, response->mutable_tile());
+  } else {
+    if (!sending_) {
+      if (auto s = add_blocks(stop); !s.ok()) return s;
+    }
+    const BlockMerger& merged = merged_[tile_];
+    if (sending_ || !is_timed() || !final_only_)
+      set_tile(*scene_, settings, 0, merged.blocks(), {.channels = merged.total()},
+               response->mutable_tile());
+  }
+  response->set_samples_done(samples_done_);
+  response->set_samples_total(samples_total_);
+  set_counts(response->mutable_cost(), work_);
+  ++tile_;
+  if (settings.target || sending_) return absl::OkStatus();
+  if (!is_waited_for() && left_s() <= 0) {
+    end();
+  } else if (tile_ == tiles_.size()) {
+    end_pass();
+  }
+  return absl::OkStatus();
+}
+
+absl::Status ImageRender::add_blocks(const std::stop_token& stop) {
+  TileSettings& settings = query_.settings;
+  BlockMerger& merged = merged_[tile_];
+  std::optional<StopAt> in_time;
+  if (!is_waited_for())
+    in_time.emplace(Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                                       std::chrono::duration<double>(std::max(0.0, left_s()))),
+                    stop);
+  while (merged.blocks() < pass_end_) {
+    settings.first_block = merged.blocks();
+    settings.block_count = aligned_run(settings.first_block, pass_end_);
+    TileResult result = lucerna::render_tile(*scene_, settings, in_time ? in_time->token() : stop);
+    if (result.stopped && (!in_time || stop.stop_requested()))
+      return absl::CancelledError("stopped");
+    if (result.stopped) break;
+    work_ += result.work;
+    samples_done_ += result.work.samples;
+    if (!merged.add(settings.first_block, settings.block_count, std::move(result.channels)))
+      return absl::InternalError("tiles do not follow each other");
+  }
+  return absl::OkStatus();
+}
+
+void ImageRender::end_pass() {
+  const std::uint64_t more = next_pass();
+  if (more == 0) return end();
+  tile_ = 0;
+  pass_begin_ = pass_end_;
+  pass_end_ += more;
+  pass_start_ = Clock::now();
+}
+
+void ImageRender::end() {
+  // What was kept back so far.
+  sending_ = is_timed() && final_only_;
+  tile_ = sending_ ? 0 : tiles_.size();
+}
+
+std::uint64_t ImageRender::next_pass() const {
+  const std::uint64_t doubled = std::min(pass_end_, blocks_ - pass_end_);
+  if (!is_timed() || pass_end_ < kWaitedForBlocks) return doubled;
+  // What is left is never planned to the last moment.
+  constexpr double kPlanned = 0.9;
+  const std::chrono::duration<double> took = Clock::now() - pass_start_;
+  const double block_s = took.count() / static_cast<double>(pass_end_ - pass_begin_);
+  const double fits = kPlanned * left_s() / std::max(block_s, 1e-9);
+  return static_cast<std::uint64_t>(std::clamp(fits, 0.0, static_cast<double>(doubled)));
+}
+
+bool ImageRender::is_waited_for() const { return !is_timed() || pass_begin_ < kWaitedForBlocks; }
+
+double ImageRender::left_s() const {
+  // What clocks can add to now: 30 years.
+  constexpr double kForEver = 1e9;
+  const std::chrono::duration<double> since = Clock::now() - *begin_;
+  return std::min(*query_.rule.time_budget_s, kForEver) - since.count();
+}
+
+}  // namespace lucerna::rpc

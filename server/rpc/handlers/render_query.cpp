@@ -1,0 +1,200 @@
+#include "server/rpc/handlers/render_query.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <string>
+
+#include "proto/common/sample_blocks.h"
+#include "server/estimate/queries/queries.h"
+#include "server/rpc/messages/checks.h"
+#include "server/rpc/messages/errors.h"
+#include "server/rpc/messages/requested_methods.h"
+
+namespace lucerna::rpc {
+namespace {
+
+// Where neither the request nor the scene file says.
+constexpr std::uint32_t kPixelSamples = 64;
+// With a time budget; as EstimateIrradiance takes.
+constexpr std::uint32_t kLeastSamples = 16;
+
+/// `samples_per_block`, where asked for, is a number of samples that a block can have.
+template <typename Request>
+absl::Status check_block(const Request& request) {
+  const std::uint32_t block = request.samples_per_block();
+  if (!request.has_samples_per_block() ||
+      (std::has_single_bit(block) && block <= kMostSamplesPerBlock))
+    return absl::OkStatus();
+  return bad_field("samples_per_block", fmt::format("{}", block),
+                   fmt::format("a power of two in [1, {}]", kMostSamplesPerBlock));
+}
+
+/// Puts the blocks of exactly so many samples, or of the target error, into the query.
+template <typename Request>
+absl::Status put_blocks(const Request& request, RenderQuery& query) {
+  if (auto s = check_block(request); !s.ok()) return s;
+  TileSettings& settings = query.settings;
+  const std::uint32_t block = request.samples_per_block();
+  if (query.rule.target) {
+    if (request.has_samples_per_block())
+      return bad_field("samples_per_block", fmt::format("{}", block),
+                       "unset with accuracy.target_error, where each pixel has its own");
+    settings.target = query.rule.target;
+    settings.block_count =
+        std::min<std::uint64_t>(kTargetReplicates, std::bit_floor(query.rule.target->max_samples));
+    return absl::OkStatus();
+  }
+  if (query.rule.time_budget_s) {
+    if (request.has_samples_per_block()) {
+      if (block > query.most_samples)
+        return bad_field("samples_per_block", fmt::format("{}", block),
+                         fmt::format("at most {}, the most samples", query.most_samples));
+      query.samples_per_block = block;
+    }
+    return absl::OkStatus();
+  }
+  const std::uint32_t samples = query.rule.samples;
+  if (request.has_samples_per_block() && samples % block != 0)
+    return bad_field("accuracy.samples", fmt::format("{}", samples),
+                     fmt::format("a multiple of samples_per_block = {}", block));
+  settings.samples_per_block =
+      request.has_samples_per_block() ? block : default_samples_per_block(samples, kTileReplicates);
+  settings.block_count = samples / settings.samples_per_block;
+  return absl::OkStatus();
+}
+
+/// Nothing where the scene file's is meant.
+template <typename Request>
+absl::StatusOr<std::optional<Shutter>> check_shutter(const Scene& scene, const Request& request) {
+  if (!request.has_shutter()) return std::optional<Shutter>();
+  if (request.has_time_s()) {
+    return bad_field("shutter", "a shutter beside time_s", "one of both");
+  }
+  const v1::Shutter& s = request.shutter();
+  const RenderHints& hints = scene.hints();
+  Shutter shutter{hints.shutter_open_s + s.offset_s(), hints.shutter_close_s + s.offset_s()};
+  if (!std::isfinite(shutter.open_s) || !std::isfinite(shutter.close_s)) {
+    return bad_field("shutter.offset_s", fmt::format("{}", s.offset_s()),
+                     "such that the shutter opens and closes at finite times");
+  }
+  if (s.has_length_s()) {
+    if (!(s.length_s() >= 0)) {
+      return bad_field("shutter.length_s", fmt::format("{}", s.length_s()), "[0, inf)");
+    }
+    shutter.close_s = shutter.open_s + s.length_s();
+    if (!std::isfinite(shutter.close_s)) {
+      return bad_field("shutter.length_s", fmt::format("{}", s.length_s()),
+                       "such that the shutter closes at a finite time");
+    }
+  }
+  return std::optional<Shutter>(shutter);
+}
+
+template <typename Request>
+absl::StatusOr<RenderQuery> check(const Context& context, const Scene& scene,
+                                  const Request& request, std::uint32_t proposed) {
+  if (auto s = check_time(request.has_time_s(), request.time_s()); !s.ok()) return s;
+  const auto shutter = check_shutter(scene, request);
+  if (!shutter.ok()) return shutter.status();
+  const auto rule = check_stop_rule(context, request.accuracy(), proposed);
+  if (!rule.ok()) return rule.status();
+  RenderQuery query;
+  query.rule = *rule;
+  query.most_samples = std::bit_floor(context.limits.max_samples);
+  if (auto s = put_blocks(request, query); !s.ok()) return s;
+  const auto methods = check_methods(request.accuracy());
+  if (!methods.ok()) return methods.status();
+  query.settings.methods = *methods;
+  query.settings.seed = request.seed();
+  if (request.has_time_s()) query.settings.time_s = request.time_s();
+  query.settings.shutter = *shutter;
+  query.settings.bounces =
+      request.has_bounces() ? std::optional(request.bounces()) : hinted_bounces(scene);
+  return query;
+}
+
+/// The bytes of a plane of n numbers, made by `number(i)`.
+template <typename F>
+void set_plane(std::string* plane, std::size_t n, F&& number) {
+  static_assert(std::endian::native == std::endian::little);
+  using Number = decltype(number(n));
+  plane->resize(n * sizeof(Number));
+  for (std::size_t i = 0; i < n; ++i) {
+    const Number v = number(i);
+    std::memcpy(plane->data() + i * sizeof v, &v, sizeof v);
+  }
+}
+
+/// The float at or below `v`, or at or above: an interval still holds what it held.
+float rounded_down(double v) {
+  const auto f = static_cast<float>(v);
+  return f > v ? std::nextafter(f, -1.0F) : f;
+}
+float rounded_up(double v) {
+  constexpr float kLargest = std::numeric_limits<float>::max();
+  // What no float holds is still a bound, and so is one of squares that no double held.
+  if (!(v < kLargest)) return kLargest;
+  const auto f = static_cast<float>(v);
+  return f < v ? std::nextafter(f, kLargest) : f;
+}
+
+}  // namespace
+
+absl::StatusOr<RenderQuery> check_render(const Context& context, const Scene& scene,
+                                         const v1::RenderTileRequest& request,
+                                         std::uint32_t proposed) {
+  return check(context, scene, request, proposed);
+}
+absl::StatusOr<RenderQuery> check_render(const Context& context, const Scene& scene,
+                                         const v1::RenderImageRequest& request,
+                                         std::uint32_t proposed) {
+  return check(context, scene, request, proposed);
+}
+
+std::uint32_t proposed_samples(const Context& context, const Scene& scene) {
+  const auto hint = static_cast<std::uint32_t>(scene.hints().samples_per_pixel.value_or(0));
+  return std::min(hint > 0 ? hint : kPixelSamples, context.limits.max_samples);
+}
+
+std::uint32_t least_samples(const RenderQuery& query) {
+  return std::max(std::min(kLeastSamples, query.most_samples), query.samples_per_block.value_or(1));
+}
+
+std::uint64_t area(const PixelRect& rect) {
+  return static_cast<std::uint64_t>(rect.x1 - rect.x0) *
+         static_cast<std::uint64_t>(rect.y1 - rect.y0);
+}
+
+void set_tile(const Scene& scene, const TileSettings& settings, std::uint64_t first_block,
+              std::uint64_t blocks, const TileResult& result, v1::Tile* out) {
+  out->mutable_rect()->set_x0(static_cast<std::uint32_t>(settings.rect.x0));
+  out->mutable_rect()->set_y0(static_cast<std::uint32_t>(settings.rect.y0));
+  out->mutable_rect()->set_x1(static_cast<std::uint32_t>(settings.rect.x1));
+  out->mutable_rect()->set_y1(static_cast<std::uint32_t>(settings.rect.y1));
+  out->set_image_width(static_cast<std::uint32_t>(scene.camera().width()));
+  out->set_image_height(static_cast<std::uint32_t>(scene.camera().height()));
+  if (!settings.target) out->set_samples_per_block(settings.samples_per_block);
+  out->set_first_block(first_block);
+  out->set_block_count(blocks);
+  const auto& channels = result.channels;
+  set_plane(out->mutable_sum(), channels.size(), [&](std::size_t i) { return channels[i].sum; });
+  set_plane(out->mutable_deviation(), channels.size(),
+            [&](std::size_t i) { return channels[i].deviation; });
+  const auto& intervals = result.intervals;
+  set_plane(out->mutable_samples(), result.samples.size(),
+            [&](std::size_t i) { return result.samples[i]; });
+  set_plane(out->mutable_lower(), intervals.size(), [&](std::size_t i) {
+    return intervals[i].lower > 0
+               ? std::min(rounded_down(intervals[i].lower), rounded_up(intervals[i].upper))
+               : 0.0F;
+  });
+  set_plane(out->mutable_upper(), intervals.size(),
+            [&](std::size_t i) { return rounded_up(intervals[i].upper); });
+}
+
+}  // namespace lucerna::rpc

@@ -1,0 +1,145 @@
+#include "server/rpc/handlers/tiles.h"
+
+#include <fmt/core.h>
+
+#include <bit>
+
+#include "proto/common/sample_blocks.h"
+#include "server/rpc/handlers/render_query.h"
+#include "server/rpc/messages/checks.h"
+#include "server/rpc/messages/errors.h"
+#include "server/runtime/time_budget.h"
+
+namespace lucerna::rpc {
+namespace {
+
+std::string text(const v1::PixelRect& r) {
+  return fmt::format("[{}, {}) x [{}, {})", r.x0(), r.x1(), r.y0(), r.y1());
+}
+
+absl::StatusOr<PixelRect> check_rect(const Context& context, const Scene& scene,
+                                     const v1::RenderTileRequest& request) {
+  const int width = scene.camera().width(), height = scene.camera().height();
+  PixelRect rect{0, 0, width, height};
+  if (request.has_rect()) {
+    const v1::PixelRect& r = request.rect();
+    if (r.x0() >= r.x1() || r.y0() >= r.y1() || r.x1() > static_cast<std::uint32_t>(width) ||
+        r.y1() > static_cast<std::uint32_t>(height)) {
+      return bad_field("rect", text(r),
+                       fmt::format("not empty and within [0, {}) x [0, {})", width, height));
+    }
+    rect = {static_cast<int>(r.x0()), static_cast<int>(r.y0()), static_cast<int>(r.x1()),
+            static_cast<int>(r.y1())};
+  }
+  if (area(rect) > context.limits.max_tile_pixels) {
+    return over_limit("pixels of rect", area(rect), context.limits.max_tile_pixels);
+  }
+  if (auto s =
+          check_answer_size(context, "pixels of rect", area(rect), tile_size(request.accuracy()));
+      !s.ok()) {
+    return s;
+  }
+  return rect;
+}
+
+/// Puts the run of blocks that the request names into the settings.
+absl::Status put_run(const v1::RenderTileRequest& request, const RenderQuery& query,
+                     TileSettings& settings) {
+  const std::uint64_t first = request.first_sample();
+  if (query.rule.samples == 0) {
+    if (first == 0) return absl::OkStatus();
+    return bad_field("first_sample", fmt::format("{}", first),
+                     "0 with accuracy.target_error or accuracy.time_budget_s, where nobody knows "
+                     "beforehand which samples would come next");
+  }
+  const std::uint32_t samples = query.rule.samples, block = settings.samples_per_block;
+  if (!std::has_single_bit(samples / block)) {
+    return bad_field("accuracy.samples", fmt::format("{}", samples),
+                     fmt::format("a power of two times samples_per_block = {}; a picture of other "
+                                 "counts is made of several tiles",
+                                 block));
+  }
+  if (first % samples != 0) {
+    return bad_field("first_sample", fmt::format("{}", first),
+                     fmt::format("a multiple of accuracy.samples = {}", samples));
+  }
+  // Samples are numbered in 32 bits within the sampler's sequences.
+  constexpr std::uint64_t kMaxFirst = std::uint64_t{1} << 40;
+  if (first > kMaxFirst) {
+    return bad_field("first_sample", fmt::format("{}", first), fmt::format("[0, {}]", kMaxFirst));
+  }
+  settings.first_block = first / block;
+  return absl::OkStatus();
+}
+
+struct TileWork {
+  std::shared_ptr<const Scene> scene;
+  RenderQuery query;
+
+  absl::Status operator()(const std::stop_token& stop, v1::RenderTileResponse* response) const;
+
+ private:
+  /// Nothing where it was stopped.
+  std::optional<TileResult> render(const TileSettings& settings,
+                                   const std::stop_token& stop) const {
+    TileResult result = lucerna::render_tile(*scene, settings, stop);
+    if (result.stopped) return std::nullopt;
+    return result;
+  }
+  /// With so many samples, a power of two.
+  TileSettings with(std::uint32_t samples) const {
+    TileSettings settings = query.settings;
+    settings.samples_per_block =
+        query.samples_per_block.value_or(default_samples_per_block(samples, kTileReplicates));
+    settings.block_count = samples / settings.samples_per_block;
+    return settings;
+  }
+};
+
+absl::Status TileWork::operator()(const std::stop_token& stop,
+                                  v1::RenderTileResponse* response) const {
+  TileSettings settings = query.settings;
+  std::optional<TileResult> result;
+  if (query.rule.time_budget_s) {
+    const std::uint32_t least = least_samples(query);
+    std::uint32_t times = 1;
+    std::tie(result, times) = within_time(
+        *query.rule.time_budget_s, query.most_samples / least, stop,
+        [&](std::uint32_t n, const std::stop_token& in_time) {
+          return render(with(n * least), in_time);
+        },
+        [](std::uint32_t n) { return std::bit_floor(n); });
+    settings = with(times * least);
+  } else {
+    result = render(settings, stop);
+  }
+  if (!result) return absl::CancelledError("stopped");
+  set_tile(*scene, settings, settings.first_block, settings.block_count, *result,
+           response->mutable_tile());
+  set_counts(response->mutable_cost(), result->work);
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+Prepared render_tile(const Context& context, const v1::RenderTileRequest& request,
+                     v1::RenderTileResponse* response) {
+  const auto scene = find_scene(context, request.scene_id());
+  if (!scene.ok()) return scene.status();
+  const auto rect = check_rect(context, **scene, request);
+  if (!rect.ok()) return rect.status();
+  const auto query =
+      check_render(context, **scene, request, std::bit_floor(proposed_samples(context, **scene)));
+  if (!query.ok()) return query.status();
+  TileWork work{*scene, *query};
+  work.query.settings.rect = *rect;
+  if (auto s = put_run(request, *query, work.query.settings); !s.ok()) return s;
+
+  Task task;
+  task.bulk = true;
+  task.cost = response->mutable_cost();
+  task.run = [work, response](const std::stop_token& stop) { return work(stop, response); };
+  return task;
+}
+
+}  // namespace lucerna::rpc

@@ -1,0 +1,134 @@
+#include "server/rpc/messages/checks.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/rpc/messages/errors.h"
+#include "server/scene/scene_lights.h"
+
+namespace lucerna::rpc {
+
+absl::StatusOr<std::shared_ptr<const Scene>> find_scene(const Context& context,
+                                                        const std::string& scene_id) {
+  if (scene_id.empty()) return bad_field("scene_id", "\"\"", "the id that LoadScene answered");
+  auto scene = context.scenes.find(scene_id);
+  if (scene == nullptr) return unknown_scene(scene_id);
+  return scene;
+}
+
+absl::StatusOr<std::uint32_t> find_light(const Scene& scene, std::uint64_t light_id) {
+  const std::optional<std::uint32_t> light = scene.find_light(light_id);
+  if (!light) return unknown_light(light_id);
+  return *light;
+}
+
+absl::StatusOr<std::uint32_t> find_required_light(const Scene& scene, std::uint64_t light_id) {
+  if (light_id == 0) return bad_field("light_id", "0", "the id of a light");
+  return find_light(scene, light_id);
+}
+
+absl::StatusOr<PointArray> check_points(const Context& context, const std::string& field,
+                                        const v1::Points& points) {
+  const int n = points.offsets_m_size();
+  if (n % 3 != 0) {
+    return bad_field(field + ".offsets_m", fmt::format("{} numbers", n), "three a point");
+  }
+  const auto items = static_cast<std::uint64_t>(n / 3);
+  if (items > context.limits.max_batch_items) {
+    return over_limit(field + " points", items, context.limits.max_batch_items);
+  }
+  const v1::Vector3& o = points.origin_m();
+  const auto is_bad = [](double v) { return !std::isfinite(v); };
+  if (is_bad(o.x())) return bad_field(field + ".origin_m.x", fmt::format("{}", o.x()), "finite");
+  if (is_bad(o.y())) return bad_field(field + ".origin_m.y", fmt::format("{}", o.y()), "finite");
+  if (is_bad(o.z())) return bad_field(field + ".origin_m.z", fmt::format("{}", o.z()), "finite");
+  return PointArray{{o.x(), o.y(), o.z()}, view(points.offsets_m())};
+}
+
+absl::Status check_triples(const std::string& field,
+                           const google::protobuf::RepeatedField<float>& v, std::size_t items,
+                           const std::string& of, bool optional) {
+  if (optional && v.empty()) return absl::OkStatus();
+  const auto length = static_cast<std::size_t>(v.size());
+  if (length == 3 * items) return absl::OkStatus();
+  return bad_length(
+      field, length, 3 * items,
+      fmt::format("three for each of the {} {}{}", items, of, optional ? ", or none" : ""));
+}
+
+absl::Status check_time(bool has, double time_s) {
+  if (!has || std::isfinite(time_s)) return absl::OkStatus();
+  return bad_field("time_s", fmt::format("{}", time_s), "finite");
+}
+
+absl::StatusOr<std::optional<float>> check_position_error(bool has, float position_error_m) {
+  if (!has) return std::optional<float>();
+  if (!std::isfinite(position_error_m) || position_error_m < 0) {
+    return bad_field("position_error_m", fmt::format("{}", position_error_m), "[0, inf)");
+  }
+  return std::optional<float>(position_error_m);
+}
+
+absl::StatusOr<std::span<const double>> check_wavelengths(
+    const google::protobuf::RepeatedField<double>& wavelengths_nm) {
+  const std::span<const double> nm(wavelengths_nm.data(),
+                                   static_cast<std::size_t>(wavelengths_nm.size()));
+  if (nm.size() > kMostWavelengths) {
+    return bad_field("wavelengths_nm", fmt::format("{} numbers", nm.size()),
+                     fmt::format("at most {} in one request", kMostWavelengths));
+  }
+  for (std::size_t i = 0; i < nm.size(); ++i) {
+    if (!(nm[i] >= 100 && nm[i] <= 1e6)) {
+      return bad_field(fmt::format("wavelengths_nm[{}]", i), fmt::format("{}", nm[i]),
+                       "[100, 1e6] nm");
+    }
+  }
+  return nm;
+}
+
+absl::StatusOr<std::uint32_t> check_samples(const Context& context, const v1::Accuracy& accuracy,
+                                            std::uint32_t fallback) {
+  if (!accuracy.has_samples()) return fallback;
+  if (accuracy.samples() == 0 || accuracy.samples() > context.limits.max_samples) {
+    return bad_field("accuracy.samples", fmt::format("{}", accuracy.samples()),
+                     fmt::format("[1, {}]", context.limits.max_samples));
+  }
+  return accuracy.samples();
+}
+
+absl::Status check_answer_size(const Context& context, const std::string& field,
+                               std::uint64_t items, const AnswerSize& size) {
+  const std::uint64_t most = size.items_within(context.limits.max_message_bytes);
+  if (items <= most) return absl::OkStatus();
+  return over_limit(fmt::format("{}, each answered in {} bytes,", field, size.per_item), items,
+                    most);
+}
+
+std::uint8_t* fill_bits(std::string* bits, std::size_t n) {
+  bits->assign((n + 7) / 8, '\0');
+  return reinterpret_cast<std::uint8_t*>(bits->data());
+}
+
+void drop_if_all_ok(google::protobuf::RepeatedField<int>* status) {
+  const auto ok = static_cast<int>(ItemResult::kOk);
+  if (std::all_of(status->begin(), status->end(), [&](int s) { return s == ok; })) status->Clear();
+}
+
+double pdf_seconds(const Light<double>& light) {
+  // Rounded up from what one core took on the reference scenes.
+  return 200e-9 + 20e-9 * static_cast<double>(primitive_count(light));
+}
+
+void set_counts(v1::Cost* cost, const WorkCounts& work) {
+  cost->set_samples(work.samples);
+  cost->set_camera_rays(work.camera_rays);
+  cost->set_indirect_rays(work.indirect_rays);
+  cost->set_shadow_rays(work.shadow_rays);
+  cost->set_shadow_map_lookups(work.map_lookups);
+  cost->set_shadow_map_compared(work.map_compared);
+  cost->set_shadow_map_disagreed(work.map_disagreed);
+}
+
+}  // namespace lucerna::rpc

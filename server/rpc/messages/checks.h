@@ -1,0 +1,84 @@
+// What all requests have in common: fields that are checked the same way everywhere.
+#pragma once
+
+#include <absl/status/statusor.h>
+#include <google/protobuf/repeated_field.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "lucerna/v1/accuracy.pb.h"
+#include "proto/common/answer_size.h"
+#include "server/estimate/queries/queries.h"
+#include "server/rpc/messages/task.h"
+
+namespace lucerna::rpc {
+
+/// NOT_FOUND where it is not loaded.
+absl::StatusOr<std::shared_ptr<const Scene>> find_scene(const Context& context,
+                                                        const std::string& scene_id);
+absl::StatusOr<std::uint32_t> find_light(const Scene& scene, std::uint64_t light_id);
+/// Of a request that must name one: INVALID_ARGUMENT for 0, a field that was left out.
+absl::StatusOr<std::uint32_t> find_required_light(const Scene& scene, std::uint64_t light_id);
+/// Of a request whose `light_id` may be left out.
+template <typename Request>
+absl::StatusOr<std::optional<std::uint32_t>> find_light_if_named(const Scene& scene,
+                                                                 const Request& request) {
+  if (!request.has_light_id()) return std::optional<std::uint32_t>();
+  const auto light = find_light(scene, request.light_id());
+  if (!light.ok()) return light.status();
+  return std::optional<std::uint32_t>(*light);
+}
+
+/// `field`: the name of the Points field.  Offsets are not looked at, but for their number.
+absl::StatusOr<PointArray> check_points(const Context& context, const std::string& field,
+                                        const v1::Points& points);
+/// Either none, where `optional`, or three for each of `items`.
+absl::Status check_triples(const std::string& field,
+                           const google::protobuf::RepeatedField<float>& v, std::size_t items,
+                           const std::string& of, bool optional);
+absl::Status check_time(bool has, double time_s);
+/// Unset: the default of the query.  Set: finite and not negative.
+absl::StatusOr<std::optional<float>> check_position_error(bool has, float position_error_m);
+/// At most kMostWavelengths, each in [100, 1e6] nm; in any order.  A view of the request.
+absl::StatusOr<std::span<const double>> check_wavelengths(
+    const google::protobuf::RepeatedField<double>& wavelengths_nm);
+inline constexpr std::size_t kMostWavelengths = 128;
+/// Processor time of one value at one wavelength [s], rounded up.
+inline constexpr double kWavelengthSeconds = 5e-9;
+/// `samples`, or `fallback` where they are not set.  INVALID_ARGUMENT for what is out of range.
+absl::StatusOr<std::uint32_t> check_samples(const Context& context, const v1::Accuracy& accuracy,
+                                            std::uint32_t fallback);
+
+/// RESOURCE_EXHAUSTED where the answer to so many `items` is larger than a message may be: nothing
+/// is computed that cannot be sent, and no array of an answer is longer than an int counts.
+/// `field`: what the items are, as the request has them.
+absl::Status check_answer_size(const Context& context, const std::string& field,
+                               std::uint64_t items, const AnswerSize& size);
+
+inline std::span<const float> view(const google::protobuf::RepeatedField<float>& v) {
+  return {v.data(), static_cast<std::size_t>(v.size())};
+}
+
+/// Zeros, `n` of them; check_answer_size() sees to it that an int counts them.
+template <typename T>
+T* fill(google::protobuf::RepeatedField<T>* field, std::size_t n) {
+  field->Resize(static_cast<int>(n), T{});
+  return field->mutable_data();
+}
+
+/// Bytes of `n` zero bits.
+std::uint8_t* fill_bits(std::string* bits, std::size_t n);
+
+/// The field stays empty where every item is OK.
+void drop_if_all_ok(google::protobuf::RepeatedField<int>* status);
+
+/// Upper estimate of the processor time of one density of a light [s]: it looks for the point, or
+/// for where the direction goes, among all of its primitives.
+double pdf_seconds(const Light<double>& light);
+
+/// Counts of the work, without times.
+void set_counts(v1::Cost* cost, const WorkCounts& work);
+
+}  // namespace lucerna::rpc

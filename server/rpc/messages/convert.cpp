@@ -1,0 +1,59 @@
+#include "server/rpc/messages/convert.h"
+
+#include "server/estimate/queries/queries.h"
+
+namespace lucerna::rpc {
+
+void set_summary(const StoredScene& stored, v1::SceneSummary* out) {
+  const Scene& scene = *stored.scene;
+  out->set_scene_id(scene.id());
+  out->set_path(stored.path);
+  out->set_shapes(scene.shape_count());
+  out->set_primitives(scene.primitive_count());
+  out->set_lights(scene.lights().size());
+  set(scene.origin(), out->mutable_origin_m());
+  set(scene.origin() + scene.sphere().center_m, out->mutable_center_m());
+  out->set_radius_m(scene.sphere().radius_m);
+  out->set_image_width(static_cast<std::uint32_t>(scene.camera().width()));
+  out->set_image_height(static_cast<std::uint32_t>(scene.camera().height()));
+  const RenderHints& hints = scene.hints();
+  if (hints.samples_per_pixel) {
+    out->set_samples_per_pixel(static_cast<std::uint32_t>(*hints.samples_per_pixel));
+  }
+  if (const auto bounces = hinted_bounces(scene)) out->set_bounces(*bounces);
+  out->set_shutter_open_s(hints.shutter_open_s);
+  out->set_shutter_close_s(hints.shutter_close_s);
+  if (const Motion* motion = scene.camera().motion()) {
+    set_motion(*motion, scene.origin(), out->mutable_camera_motion());
+  }
+  out->set_bytes(scene.bytes());
+  out->set_leased_s(stored.leased_s);
+}
+
+void add_remarks(const Scene& scene, google::protobuf::RepeatedPtrField<v1::Remark>* out) {
+  for (const Remark& remark : scene.remarks()) {
+    v1::Remark* r = out->Add();
+    r->set_file(remark.where.file);
+    r->set_line(static_cast<std::uint32_t>(remark.where.line));
+    r->set_column(static_cast<std::uint32_t>(remark.where.column));
+    r->set_what(remark.what);
+    r->set_instead(remark.instead);
+  }
+}
+
+void set_parts(const Scene& scene, v1::GetSceneResponse* out) {
+  for (const ScenePart& part : scene.parts()) {
+    v1::ScenePart* p = out->add_parts();
+    p->set_name(part.name);
+    p->set_bytes(part.bytes);
+    p->set_build_ms(part.build_ms);
+    p->set_why(part.why);
+  }
+  for (const Asset& asset : scene.assets()) {
+    v1::NamedAsset* a = out->add_assets();
+    a->set_name(asset.name);
+    a->set_sha256(asset.sha256);
+  }
+}
+
+}  // namespace lucerna::rpc

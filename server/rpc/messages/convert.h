@@ -1,0 +1,32 @@
+// Lights and scenes as messages.
+#pragma once
+
+#include "lights/maths/vec.h"
+#include "lights/spectra/rgb.h"
+#include "lucerna/v1/light.pb.h"
+#include "lucerna/v1/scene.pb.h"
+#include "server/store/scene_store.h"
+
+namespace lucerna::rpc {
+
+inline void set(const Vec3<double>& v, v1::Vector3* out) {
+  out->set_x(v.x);
+  out->set_y(v.y);
+  out->set_z(v.z);
+}
+
+inline void set(const Rgb<double>& c, v1::Rgb* out) {
+  out->set_r(c.r);
+  out->set_g(c.g);
+  out->set_b(c.b);
+}
+
+/// `motion`: positions about `origin_m`.
+void set_motion(const Motion& motion, const Vec3<double>& origin_m, v1::Motion* out);
+/// Requires an index below the number of lights.
+void set_light(const Scene& scene, std::uint32_t light, v1::Light* out);
+void set_summary(const StoredScene& stored, v1::SceneSummary* out);
+void add_remarks(const Scene& scene, google::protobuf::RepeatedPtrField<v1::Remark>* out);
+void set_parts(const Scene& scene, v1::GetSceneResponse* out);
+
+}  // namespace lucerna::rpc

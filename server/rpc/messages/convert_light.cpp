@@ -1,0 +1,313 @@
+// Lights as messages, one function a kind.
+#include <fmt/core.h>
+
+#include <cmath>
+#include <numbers>
+#include <type_traits>
+
+#include "server/estimate/queries/queries.h"
+#include "server/rpc/messages/convert.h"
+
+namespace lucerna::rpc {
+namespace {
+
+using rpc::set;  // beside those here
+
+/// Of any lengths.
+void set(const Frame<double>& axes, v1::Axes* out) {
+  set(normalized(axes.s), out->mutable_x());
+  set(normalized(axes.t), out->mutable_y());
+  set(normalized(axes.n), out->mutable_z());
+}
+
+/// Where the axes of space go, of any lengths.
+Frame<double> axes_of(const Transform& map) {
+  return {map.vector({1, 0, 0}), map.vector({0, 1, 0}), map.vector({0, 0, 1})};
+}
+
+void set_kind(const PointLight<double>& l, v1::Light* out) {
+  set(l.params().position_m, out->mutable_point()->mutable_position_m());
+  set(l.params().intensity_cd, out->mutable_point()->mutable_intensity_cd());
+}
+
+void set_kind(const SpotLight<double>& l, v1::Light* out) {
+  v1::SpotLight* spot = out->mutable_spot();
+  set(l.params().position_m, spot->mutable_position_m());
+  set(l.params().axis, spot->mutable_axis());
+  set(l.params().intensity_cd, spot->mutable_intensity_cd());
+  spot->set_cone_half_angle_rad(l.params().cone_half_angle_rad);
+  spot->set_falloff_start_rad(l.params().falloff_start_rad);
+  spot->set_profile(l.params().profile == SpotProfile::kQuartic ? v1::SPOT_PROFILE_QUARTIC
+                                                                : v1::SPOT_PROFILE_SMOOTHSTEP);
+}
+
+void set_kind(const DistantLight<double>& l, v1::Light* out) {
+  set(l.params().to_light, out->mutable_distant()->mutable_to_light());
+  set(l.params().illuminance_lx, out->mutable_distant()->mutable_illuminance_lx());
+}
+
+void set_kind(const SunLight<double>& l, v1::Light* out) {
+  v1::SunLight* sun = out->mutable_sun();
+  set(l.params().to_light, sun->mutable_to_light());
+  set(l.params().illuminance_lx, sun->mutable_illuminance_lx());
+  sun->set_angular_diameter_rad(l.params().angular_diameter_rad);
+}
+
+void set_kind(const UniformInfiniteLight<double>& l, v1::Light* out) {
+  set(l.params().radiance_cd_m2, out->mutable_uniform_infinite()->mutable_radiance_cd_m2());
+}
+
+void set(const Image& image, ImageFilter filter, const std::string& name, v1::ImageInfo* out) {
+  out->set_name(name);
+  out->set_width(static_cast<std::uint32_t>(image.width()));
+  out->set_height(static_cast<std::uint32_t>(image.height()));
+  out->set_filter(filter == ImageFilter::kNearest ? v1::IMAGE_FILTER_NEAREST
+                                                  : v1::IMAGE_FILTER_BILINEAR);
+}
+
+void set(const SphereMap& map, const std::string& name, v1::SphereImage* out) {
+  set(map.image(), map.filter(), name, out->mutable_image());
+  out->set_mapping(map.mapping() == SphereMapping::kEqualArea
+                       ? v1::SPHERE_MAPPING_EQUAL_AREA
+                       : v1::SPHERE_MAPPING_LATITUDE_LONGITUDE);
+}
+
+void set_kind(const ImageInfiniteLight<double>& l, v1::Light* out) {
+  v1::ImageInfiniteLight* infinite = out->mutable_image_infinite();
+  set(*l.params().map, l.params().image_name, infinite->mutable_map());
+  set(axes_of(l.params().world_from_map), infinite->mutable_axes());
+  set(l.params().radiance_cd_m2, infinite->mutable_radiance_cd_m2());
+}
+
+void set_kind(const PortalLight<double>& l, v1::Light* out) {
+  v1::ImageInfiniteLight* infinite = out->mutable_image_infinite();
+  if (l.params().map != nullptr) {
+    set(*l.params().map, l.params().image_name, infinite->mutable_map());
+    set(axes_of(l.params().world_from_map), infinite->mutable_axes());
+  }
+  if (l.params().rectified) infinite->mutable_map()->mutable_image()->clear_filter();
+  set(l.params().radiance_cd_m2, infinite->mutable_radiance_cd_m2());
+  for (const Vec3<double>& corner : l.params().corners_m) set(corner, infinite->add_portal_m());
+}
+
+void set(const PhotometricWeb& web, const std::string& name, const std::string& format,
+         v1::PhotometricFile* out) {
+  out->set_name(name);
+  out->set_format(format);
+  out->set_flux_lm(web.flux_lm());
+}
+
+void set_kind(const GoniometricLight<double>& l, v1::Light* out) {
+  v1::GoniometricLight* goniometric = out->mutable_goniometric();
+  set(l.params().position_m, goniometric->mutable_position_m());
+  set(l.params().intensity, goniometric->mutable_intensity());
+  if (l.params().web) {
+    set(*l.params().web, l.params().file, l.params().format,
+        goniometric->mutable_photometric_file());
+  } else if (l.params().map) {
+    set(l.params().map->sphere_map(), l.params().file, goniometric->mutable_image());
+  }
+  if (l.params().web || l.params().map) set(l.params().axes, goniometric->mutable_axes());
+}
+
+/// Where a projector points, and its picture's sides.
+template <typename Message>
+void set_axes(const Frame<double>& axes, Message* out) {
+  set(normalized(axes.n), out->mutable_axis());
+  set(normalized(axes.s), out->mutable_right());
+  set(normalized(axes.t), out->mutable_up());
+}
+
+void set_kind(const ProjectionLight<double>& l, v1::Light* out) {
+  v1::ProjectionLight* projection = out->mutable_projection();
+  const ProjectedPictureParams& picture = l.params().picture->params();
+  set(l.params().position_m, projection->mutable_position_m());
+  set_axes(l.params().axes, projection);
+  projection->set_fov_rad(picture.fov_rad);
+  projection->set_aspect(picture.aspect);
+  set(l.params().intensity_cd, projection->mutable_intensity_cd());
+  if (picture.image)
+    set(*picture.image, picture.filter, l.params().image_name, projection->mutable_image());
+}
+
+void set_kind(const BeamLight<double>& l, v1::Light* out) {
+  v1::BeamLight* beam = out->mutable_beam();
+  set(l.params().position_m, beam->mutable_position_m());
+  set_axes(l.params().axes, beam);
+  beam->set_width_m(l.params().width_m);
+  beam->set_height_m(l.params().height_m);
+  set(l.params().illuminance_lx, beam->mutable_illuminance_lx());
+  if (l.params().image)
+    set(*l.params().image, l.params().filter, l.params().image_name, beam->mutable_image());
+}
+
+template <template <typename> typename Primitive>
+void set_shape(const Mesh<double, Primitive>& mesh, const Vec3<double>& origin_m,
+               v1::DiffuseAreaLight* out) {
+  constexpr bool kTriangles = std::is_same_v<Primitive<double>, Triangle<double>>;
+  out->set_shape(kTriangles ? v1::AREA_SHAPE_TRIANGLE_MESH : v1::AREA_SHAPE_BILINEAR_MESH);
+  out->set_primitives(mesh.size());
+  if (mesh.size() != 1) return;
+  const auto add = [&](const Vec3<double>& corner) {
+    set(origin_m + corner, out->add_corners_m());
+  };
+  const auto& p = mesh.primitive(0);
+  if constexpr (kTriangles) {
+    for (const auto& corner : {p.a, p.b, p.c}) add(corner);
+  } else {
+    for (const auto& corner : {p.p00, p.p10, p.p01, p.p11}) add(corner);
+  }
+}
+
+/// What the three round shapes have in common; lengths along z are `along`, those across `across`
+/// times as long in the world.
+struct RoundScale {
+  double across, along;
+};
+template <typename Params>
+RoundScale set_round(const Params& params, const Vec3<double>& center, v1::RoundShape* out) {
+  const Frame<double> axes = axes_of(params.world_from_object);
+  const RoundScale scale{length(axes.s), length(axes.n)};
+  set(axes, out->mutable_axes());
+  set(params.world_from_object.point(center), out->mutable_center_m());
+  out->set_radius_m(scale.across * params.radius_m);
+  out->set_phi_max_rad(params.phi_max_rad);
+  out->set_reverse_orientation(params.reverse_orientation);
+  return scale;
+}
+
+void set_shape(const Sphere<double>& sphere, const Vec3<double>&, v1::DiffuseAreaLight* out) {
+  const SphereParams& p = sphere.params();
+  out->set_shape(v1::AREA_SHAPE_SPHERE);
+  out->set_primitives(1);
+  const double scale = set_round(p, {}, out->mutable_round()).along;
+  out->mutable_round()->set_z_min_m(scale * std::fmax(p.z_min_m, -p.radius_m));
+  out->mutable_round()->set_z_max_m(scale * std::fmin(p.z_max_m, p.radius_m));
+}
+
+void set_shape(const Disk<double>& disk, const Vec3<double>&, v1::DiffuseAreaLight* out) {
+  const DiskParams& p = disk.params();
+  out->set_shape(v1::AREA_SHAPE_DISK);
+  out->set_primitives(1);
+  v1::RoundShape* round = out->mutable_round();
+  round->set_inner_radius_m(set_round(p, {0, 0, p.height_m}, round).across * p.inner_radius_m);
+  const Frame<double> axes = axes_of(p.world_from_object);
+  const double x = length(axes.s), y = length(axes.t);
+  // Rounding aside, as `Transform::uniform_scale` has it.
+  const bool is_circle =
+      std::fabs(x - y) <= 1e-6 * x && std::fabs(dot(axes.s, axes.t)) <= 1e-6 * x * y;
+  if (!is_circle) round->set_radius_y_m(y * p.radius_m);
+}
+
+void set_shape(const Cylinder<double>& cylinder, const Vec3<double>&, v1::DiffuseAreaLight* out) {
+  const CylinderParams& p = cylinder.params();
+  out->set_shape(v1::AREA_SHAPE_CYLINDER);
+  out->set_primitives(1);
+  const double scale = set_round(p, {}, out->mutable_round()).along;
+  out->mutable_round()->set_z_min_m(scale * p.z_min_m);
+  out->mutable_round()->set_z_max_m(scale * p.z_max_m);
+}
+
+/// What carries a picture or a profile, where the shape does.
+template <typename Shape>
+const auto& surface_of(const Shape& shape) {
+  if constexpr (requires { shape.surface(); }) {
+    return shape.surface();
+  } else {
+    return shape;
+  }
+}
+
+template <template <typename> typename Shape>
+void set_kind(const AreaLight<double, Shape>& l, const Vec3<double>& origin_m, v1::Light* out) {
+  v1::DiffuseAreaLight* area = out->mutable_diffuse_area();
+  set(l.emission().radiance_cd_m2, area->mutable_radiance_cd_m2());
+  area->set_two_sided(l.emission().two_sided);
+  set_shape(surface_of(l.shape()), origin_m, area);
+  if constexpr (requires { l.shape().picture(); }) {
+    const Picture& picture = l.shape().picture();
+    set(*picture.image, picture.filter, picture.name, area->mutable_image());
+  } else if constexpr (requires { l.shape().profile(); }) {
+    const PanelProfile& profile = l.shape().profile();
+    set(*profile.web, profile.file, profile.format, area->mutable_profile());
+    const Vec3<double> down = normalized(Vec3<double>(l.shape().normals().axis));
+    const Vec3<double> c0 = normalized(profile.tangent - down * dot(down, profile.tangent));
+    const Vec3<double> c90 = profile.mirrored ? cross(c0, down) : cross(down, c0);
+    set({c0, c90, down}, area->mutable_profile_axes());
+    // That of a surface that shines alike in all directions with the same flux.
+    const double sides = l.emission().two_sided ? 2 : 1;
+    set(l.power({}).lumens / (sides * std::numbers::pi * l.area_m2()),
+        area->mutable_radiance_cd_m2());
+  }
+}
+
+void set_spectrum(const Spectrum& spectrum, v1::Spectrum* out) {
+  if (const auto* body = std::get_if<BlackBody>(&spectrum.source())) {
+    out->set_black_body_k(body->kelvin);
+  } else if (const auto* illuminant = std::get_if<CieIlluminant>(&spectrum.source())) {
+    out->set_illuminant(illuminant->name);
+  } else {
+    const auto& s = std::get<SampledSpectrum>(spectrum.source());
+    v1::SampledSpectrum* sampled = out->mutable_sampled();
+    sampled->mutable_wavelengths_nm()->Add(s.wavelengths_nm.begin(), s.wavelengths_nm.end());
+    sampled->mutable_values()->Add(s.values.begin(), s.values.end());
+  }
+}
+
+}  // namespace
+
+void set_motion(const Motion& motion, const Vec3<double>& origin_m, v1::Motion* out) {
+  for (const Motion::KeyFrame& key : motion.key_frames()) {
+    v1::KeyFrame* frame = out->add_key_frames();
+    const auto [angle_rad, axis] = key.angle_and_axis();
+    frame->set_time_s(key.time_s);
+    set(origin_m + key.position_m, frame->mutable_position_m());
+    set(axis, frame->mutable_axis());
+    frame->set_angle_rad(angle_rad);
+  }
+}
+
+void set_light(const Scene& scene, std::uint32_t light, v1::Light* out) {
+  const SceneLight& entry = scene.lights()[light];
+  out->set_id(entry.id);
+  out->set_samples_per_light(entry.samples);
+  const SourceLocation where = scene.source_of(entry);
+  out->set_source(fmt::format("{}:{}:{}", where.file, where.line, where.column));
+  const Vec3<double>& origin_m = scene.origin_of(entry);
+  visit(
+      [&]<typename L>(const L& l) {
+        out->set_delta(L::kDelta);
+        if constexpr (requires { l.area_m2(); }) out->set_area_m2(l.area_m2());
+        if (const auto bounds = l.bounds()) {
+          Vec3<double> lower = origin_m + Vec3<double>(bounds->lower);
+          Vec3<double> upper = origin_m + Vec3<double>(bounds->upper);
+          // A point is where the scene file puts it, not where a float can.
+          if constexpr (requires { l.params().position_m; }) {
+            if (lower == upper) lower = upper = l.params().position_m;
+          }
+          set(lower, out->mutable_bounds()->mutable_lower_m());
+          set(upper, out->mutable_bounds()->mutable_upper_m());
+          if (bounds->cone_rad < std::numbers::pi) {
+            set(Vec3<double>(bounds->axis), out->mutable_directions()->mutable_axis());
+            out->mutable_directions()->set_half_angle_rad(bounds->cone_rad);
+          }
+        }
+        if constexpr (requires { l.emission(); }) {
+          set_kind(l, origin_m, out);
+        } else {
+          set_kind(l, out);
+        }
+      },
+      entry.light);
+  if (entry.moving != nullptr)
+    set_motion(entry.moving->motion, scene.origin(), out->mutable_motion());
+  const Power power = light_power(scene, light);
+  out->set_power_lm(luminance(power.lumens));
+  out->set_power_error_lm(power.error_lumens);
+  if (const Spectrum* spectrum = scene.spectrum(light)) {
+    set_spectrum(*spectrum, out->mutable_spectrum());
+    out->set_power_w(out->power_lm() * spectrum->watts_per_lumen());
+  }
+}
+
+}  // namespace lucerna::rpc

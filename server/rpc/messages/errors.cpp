@@ -1,0 +1,173 @@
+#include "server/rpc/messages/errors.h"
+
+#include <fmt/core.h>
+#include <google/protobuf/duration.pb.h>
+#include <google/rpc/error_details.pb.h>
+#include <google/rpc/status.pb.h>
+
+#include <algorithm>
+#include <array>
+
+#include "server/store/scene_store.h"
+
+namespace lucerna::rpc {
+namespace {
+
+constexpr char kTypePrefix[] = "type.googleapis.com/";
+constexpr char kDomain[] = "lucerna";
+// gRPC drops an error whose headers exceed 8 KiB.  The message goes as itself, three bytes for one
+// at worst, and again in the details, with the fields that it finds fault with.
+constexpr std::size_t kMostMessage = 800;
+constexpr std::size_t kMostValue = 200;
+
+std::string type_url(const google::protobuf::Message& m) {
+  return kTypePrefix + m.GetDescriptor()->full_name();
+}
+
+void attach(absl::Status& status, const google::protobuf::Message& detail) {
+  status.SetPayload(type_url(detail), absl::Cord(detail.SerializeAsString()));
+}
+
+absl::Status with_reason(absl::Status status, const std::string& reason) {
+  google::rpc::ErrorInfo info;
+  info.set_reason(reason);
+  info.set_domain(kDomain);
+  attach(status, info);
+  return status;
+}
+
+struct Row {
+  absl::StatusCode code;
+  int grpc_code;       // as in grpc/status.h
+  const char* reason;  // of ErrorInfo, where the error brings none of its own
+};
+// The error table.  UNAVAILABLE is the only code that clients retry by themselves.
+constexpr std::array kTable{
+    Row{absl::StatusCode::kCancelled, 1, "CANCELLED"},
+    Row{absl::StatusCode::kInvalidArgument, 3, "INVALID_INPUT"},
+    Row{absl::StatusCode::kDeadlineExceeded, 4, "DEADLINE_PASSED"},
+    Row{absl::StatusCode::kNotFound, 5, "NOT_FOUND"},
+    Row{absl::StatusCode::kPermissionDenied, 7, "NOT_ALLOWED"},
+    Row{absl::StatusCode::kResourceExhausted, 8, "RESOURCE_EXHAUSTED"},
+    Row{absl::StatusCode::kFailedPrecondition, 9, "WRONG_STATE"},
+    Row{absl::StatusCode::kUnimplemented, 12, "NOT_IMPLEMENTED"},
+    Row{absl::StatusCode::kInternal, 13, "INTERNAL"},
+    Row{absl::StatusCode::kUnavailable, 14, "UNAVAILABLE"},
+    Row{absl::StatusCode::kUnauthenticated, 16, "UNAUTHENTICATED"},
+};
+
+}  // namespace
+
+std::string shortened(const std::string& text, std::size_t most) {
+  if (text.size() <= most) return text;
+  const auto within = [&](std::size_t i) { return (text[i] & 0xC0) == 0x80; };
+  std::size_t head = 2 * most / 3, tail = text.size() - most / 3;
+  while (head > 0 && within(head)) --head;
+  while (tail < text.size() && within(tail)) ++tail;
+  return text.substr(0, head) + "..." + text.substr(tail);
+}
+
+absl::Status bad_field(const std::string& field, const std::string& value,
+                       const std::string& allowed) {
+  const std::string description =
+      fmt::format("{} = {}, allowed: {}", field, shortened(value, kMostValue), allowed);
+  absl::Status status = absl::InvalidArgumentError(description);
+  google::rpc::BadRequest bad;
+  auto* violation = bad.add_field_violations();
+  violation->set_field(field);
+  violation->set_description(description);
+  attach(status, bad);
+  return with_reason(std::move(status), "BAD_FIELD");
+}
+
+absl::Status bad_length(const std::string& field, std::size_t length, std::size_t expected_length,
+                        const std::string& expected) {
+  return bad_field(field, fmt::format("{} numbers", length),
+                   fmt::format("{} numbers, {}", expected_length, expected));
+}
+
+absl::Status unknown_scene(const std::string& id) {
+  return with_reason(absl::NotFoundError(fmt::format("scene_id = \"{}\", which is not loaded",
+                                                     shortened(id, kMostValue))),
+                     "SCENE_NOT_LOADED");
+}
+
+absl::Status unknown_light(std::uint64_t id) {
+  return with_reason(
+      absl::NotFoundError(fmt::format("light_id = {}, which the scene does not have", id)),
+      "NO_SUCH_LIGHT");
+}
+
+absl::Status unimplemented(const std::string& sentence) {
+  return with_reason(absl::UnimplementedError(sentence), "NOT_IMPLEMENTED");
+}
+
+absl::Status over_limit(const std::string& field, std::uint64_t value, std::uint64_t limit) {
+  return with_reason(absl::ResourceExhaustedError(
+                         fmt::format("{} = {}, this server takes at most {}", field, value, limit)),
+                     "OVER_LIMIT");
+}
+
+absl::Status retry_after(absl::Status status, const std::string& reason,
+                         std::chrono::milliseconds delay) {
+  google::rpc::RetryInfo retry;
+  retry.mutable_retry_delay()->set_seconds(delay.count() / 1000);
+  retry.mutable_retry_delay()->set_nanos(static_cast<int>(delay.count() % 1000) * 1'000'000);
+  attach(status, retry);
+  return with_reason(std::move(status), reason);
+}
+
+absl::Status load_error(absl::Status status) {
+  const absl::optional<absl::Cord> delay = status.GetPayload(kRetryAfterPayload);
+  if (!delay) return status;
+  const std::chrono::milliseconds wait(std::stoll(std::string(*delay)));
+  status.ErasePayload(kRetryAfterPayload);
+  return retry_after(std::move(status), "MEMORY_LEASED", wait);
+}
+
+absl::Status draining() {
+  return with_reason(absl::UnavailableError("the server is shutting down"), "DRAINING");
+}
+
+WireError to_wire(const absl::Status& status) {
+  const auto* row = std::find_if(kTable.begin(), kTable.end(),
+                                 [&](const Row& r) { return r.code == status.code(); });
+  WireError error;
+  google::rpc::Status wire;
+  if (row == kTable.end() || row->code == absl::StatusCode::kInternal) {
+    const absl::Status hidden =
+        with_reason(absl::InternalError("internal error; the server's log tells more"), "INTERNAL");
+    error.code = 13;
+    error.message = std::string(hidden.message());
+    hidden.ForEachPayload([&](absl::string_view url, const absl::Cord& payload) {
+      auto* detail = wire.add_details();
+      detail->set_type_url(std::string(url));
+      detail->set_value(std::string(payload));
+    });
+  } else {
+    error.code = row->grpc_code;
+    error.message = shortened(std::string(status.message()), kMostMessage);
+    absl::Status full = status;
+    if (!full.GetPayload(type_url(google::rpc::ErrorInfo()))) {
+      full = with_reason(std::move(full), row->reason);
+    }
+    full.ForEachPayload([&](absl::string_view url, const absl::Cord& payload) {
+      auto* detail = wire.add_details();
+      detail->set_type_url(std::string(url));
+      detail->set_value(std::string(payload));
+    });
+    if (const auto payload = full.GetPayload(type_url(google::rpc::RetryInfo()))) {
+      google::rpc::RetryInfo retry;
+      if (retry.ParseFromString(std::string(*payload))) {
+        error.pushback = std::chrono::milliseconds(retry.retry_delay().seconds() * 1000 +
+                                                   retry.retry_delay().nanos() / 1'000'000);
+      }
+    }
+  }
+  wire.set_code(error.code);
+  wire.set_message(error.message);
+  error.details = wire.SerializeAsString();
+  return error;
+}
+
+}  // namespace lucerna::rpc

@@ -1,0 +1,56 @@
+// Estimates of irradiance in the arrays of an answer.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+
+#include "server/estimate/paths/render.h"
+
+namespace lucerna::rpc {
+
+/// Estimates as a response holds them; null: not wanted, or not known from a single sample.
+struct EstimateArrays {
+  float* rgb;
+  float* illuminance;
+  float* standard_error;
+  float *lower, *upper;
+  float* zero_bound;
+
+  /// False where a number does not fit a float; nothing is written then.
+  bool put(std::size_t i, const IrradianceEstimate& e) const {
+    const Rgb<float> value(e.irradiance_lx);
+    const auto lux = static_cast<float>(luminance(e.irradiance_lx));
+    const auto error = static_cast<float>(e.illuminance_error_lx);
+    if (!is_finite(value) || !std::isfinite(lux)) return false;
+    if (standard_error != nullptr && !std::isfinite(error)) return false;
+    if (rgb != nullptr) {
+      rgb[3 * i] = value.r;
+      rgb[3 * i + 1] = value.g;
+      rgb[3 * i + 2] = value.b;
+    }
+    // A bound that no float holds, or of squares that no double held, is still one.
+    const auto held = [](double v) {
+      constexpr float kLargest = std::numeric_limits<float>::max();
+      return v < kLargest ? static_cast<float>(v) : kLargest;
+    };
+    illuminance[i] = lux;
+    if (standard_error != nullptr) {
+      standard_error[i] = error;
+      lower[i] = e.illuminance_lx.lower > 0 ? held(e.illuminance_lx.lower) : 0;
+      upper[i] = held(e.illuminance_lx.upper);
+    }
+    if (zero_bound != nullptr) zero_bound[i] = held(e.zero_bound_lx);
+    return true;
+  }
+
+  void clear(std::size_t i) const {
+    if (rgb != nullptr) std::fill_n(rgb + 3 * i, 3, 0.0F);
+    for (float* const array : {illuminance, standard_error, lower, upper, zero_bound}) {
+      if (array != nullptr) array[i] = 0;
+    }
+  }
+};
+
+}  // namespace lucerna::rpc

@@ -1,0 +1,63 @@
+#include "server/rpc/messages/randomness.h"
+
+#include <fmt/core.h>
+
+#include <cmath>
+
+#include "server/rpc/messages/checks.h"
+#include "server/rpc/messages/errors.h"
+
+namespace lucerna::rpc {
+
+absl::StatusOr<Randomness> check_sample_values(const v1::SampleValues& values,
+                                               const SampleValuesWanted& wanted) {
+  const std::size_t n = wanted.samples;
+  const auto u_length = static_cast<std::size_t>(values.u_size());
+  if (u_length != wanted.per_sample * n) {
+    return bad_length(
+        "u.u", u_length, wanted.per_sample * n,
+        fmt::format("{} for each of {} {}", wanted.per_sample == 2 ? "two" : "four", n, wanted.of));
+  }
+  const std::size_t u_light = wanted.light_named ? 0 : n;
+  const auto u_light_length = static_cast<std::size_t>(values.u_light_size());
+  if (u_light_length != u_light) {
+    return bad_length("u.u_light", u_light_length, u_light,
+                      wanted.light_named ? "as light_id is set"
+                                         : fmt::format("one for each of {} {}", n, wanted.of));
+  }
+  return Randomness{
+      .seed = std::nullopt, .u = view(values.u()), .u_light = {values.u_light().data(), u_light}};
+}
+
+template <typename Request>
+absl::StatusOr<Randomness> check_randomness(const Request& request,
+                                            const SampleValuesWanted& wanted) {
+  if (request.has_u()) return check_sample_values(request.u(), wanted);
+  if (!request.has_seed()) return bad_field("randomness", "unset", "u or seed");
+  return Randomness{.seed = SeedRange{request.seed().seed(), request.seed().first_item()},
+                    .u = {},
+                    .u_light = {}};
+}
+
+template absl::StatusOr<Randomness> check_randomness(const v1::SampleLiRequest&,
+                                                     const SampleValuesWanted&);
+template absl::StatusOr<Randomness> check_randomness(const v1::SampleLeRequest&,
+                                                     const SampleValuesWanted&);
+
+absl::Status check_u(const v1::SampleValues& values) {
+  for (int i = 0; i < values.u_size(); ++i) {
+    const float u = values.u(i);
+    if ((u < 0 || u > 1) && std::isfinite(u)) {
+      return bad_field(fmt::format("u.u[{}]", i), fmt::format("{}", u), "[0, 1]");
+    }
+  }
+  for (int i = 0; i < values.u_light_size(); ++i) {
+    const double u = values.u_light(i);
+    if ((u < 0 || u >= 1) && std::isfinite(u)) {
+      return bad_field(fmt::format("u.u_light[{}]", i), fmt::format("{}", u), "[0, 1)");
+    }
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace lucerna::rpc

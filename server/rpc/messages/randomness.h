@@ -1,0 +1,48 @@
+// Where the sample values of a request come from.
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include <optional>
+#include <span>
+#include <string>
+
+#include "lucerna/v1/lighting.pb.h"
+#include "server/estimate/queries/queries.h"
+
+namespace lucerna::rpc {
+
+/// Either a seed, or views of the request's own values.
+struct Randomness {
+  std::optional<SeedRange> seed;
+  std::span<const float> u;
+  std::span<const double> u_light;
+};
+
+/// What a request asks for.
+struct SampleValuesWanted {
+  std::size_t samples;
+  std::size_t per_sample;  ///< entries of `u`
+  bool light_named;        ///< then there is no `u_light`, else one a sample
+  std::string of;          ///< what the samples are called: "samples", "rays"
+};
+
+/// INVALID_ARGUMENT for lengths that do not fit.  The values themselves are not looked at.
+absl::StatusOr<Randomness> check_sample_values(const v1::SampleValues& values,
+                                               const SampleValuesWanted& wanted);
+
+/// INVALID_ARGUMENT where neither values nor a seed are set, and as above.
+template <typename Request>
+absl::StatusOr<Randomness> check_randomness(const Request& request,
+                                            const SampleValuesWanted& wanted);
+
+/// INVALID_ARGUMENT for a value outside of [0, 1], or of [0, 1) for `u_light`; one that is not a
+/// number is its item's own trouble.
+absl::Status check_u(const v1::SampleValues& values);
+
+extern template absl::StatusOr<Randomness> check_randomness(const v1::SampleLiRequest&,
+                                                            const SampleValuesWanted&);
+extern template absl::StatusOr<Randomness> check_randomness(const v1::SampleLeRequest&,
+                                                            const SampleValuesWanted&);
+
+}  // namespace lucerna::rpc

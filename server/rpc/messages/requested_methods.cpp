@@ -1,0 +1,92 @@
+#include "server/rpc/messages/requested_methods.h"
+
+#include <fmt/core.h>
+
+#include <array>
+#include <cmath>
+#include <string_view>
+
+#include "server/rpc/messages/errors.h"
+#include "server/shadows/shadow_maps.h"
+
+namespace lucerna::rpc {
+namespace {
+
+/// `ways`: what each number of the message's enum is to the server, from 0 on.
+template <typename Way, std::size_t n>
+absl::Status take(int asked, std::string_view field, std::string_view type,
+                  const std::array<Way, n>& ways, Way& to) {
+  if (asked < 0 || asked >= static_cast<int>(n)) {
+    return bad_field(fmt::format("accuracy.{}", field), fmt::format("{}", asked),
+                     fmt::format("[0, {}], the numbers of {}", n - 1, type));
+  }
+  to = ways[static_cast<std::size_t>(asked)];
+  return absl::OkStatus();
+}
+
+constexpr std::array kAreaSampling = {AreaSampling::kAutomatic,  AreaSampling::kSquareRoot,
+                                      AreaSampling::kKraemer,    AreaSampling::kParallelogram,
+                                      AreaSampling::kRejection,  AreaSampling::kLowDistortion,
+                                      AreaSampling::kSolidAngle, AreaSampling::kCosineSolidAngle};
+static_assert(kAreaSampling.size() == v1::AreaSampling_ARRAYSIZE);
+
+constexpr std::array kLightSelection = {LightSelection::kAutomatic, LightSelection::kAll,
+                                        LightSelection::kUniform, LightSelection::kPower,
+                                        LightSelection::kBvh};
+static_assert(kLightSelection.size() == v1::LightSelection_ARRAYSIZE);
+
+constexpr std::array kSampler = {Sampler::kSobol, Sampler::kSobol, Sampler::kIndependent};
+static_assert(kSampler.size() == v1::Sampler_ARRAYSIZE);
+
+constexpr std::array kCombination = {Combination::kPowerHeuristic, Combination::kPowerHeuristic,
+                                     Combination::kBalanceHeuristic, Combination::kLights,
+                                     Combination::kSurfaces};
+static_assert(kCombination.size() == v1::Combination_ARRAYSIZE);
+
+constexpr std::array kClosedForms = {ClosedForms::kAutomatic, ClosedForms::kOff,
+                                     ClosedForms::kEmptyShafts};
+static_assert(kClosedForms.size() == v1::ClosedForms_ARRAYSIZE);
+
+constexpr std::array kVisibility = {VisibilityMethod::kRays, VisibilityMethod::kRays,
+                                    VisibilityMethod::kShadowMaps};
+static_assert(kVisibility.size() == v1::Visibility_ARRAYSIZE);
+
+}  // namespace
+
+absl::StatusOr<Methods> check_methods(const v1::Accuracy& accuracy) {
+  Methods m;
+  for (const absl::Status& s :
+       {take(accuracy.area_sampling(), "area_sampling", "AreaSampling", kAreaSampling,
+             m.area_sampling),
+        take(accuracy.light_selection(), "light_selection", "LightSelection", kLightSelection,
+             m.light_selection),
+        take(accuracy.sampler(), "sampler", "Sampler", kSampler, m.sampler),
+        take(accuracy.combination(), "combination", "Combination", kCombination, m.combination),
+        take(accuracy.closed_forms(), "closed_forms", "ClosedForms", kClosedForms, m.closed_forms),
+        take(accuracy.visibility(), "visibility", "Visibility", kVisibility, m.visibility)}) {
+    if (!s.ok()) return s;
+  }
+  if (accuracy.has_samples_per_light()) {
+    if (accuracy.samples_per_light() < 1 || accuracy.samples_per_light() > kMostSamplesPerLight) {
+      return bad_field("accuracy.samples_per_light",
+                       fmt::format("{}", accuracy.samples_per_light()),
+                       fmt::format("[1, {}]", kMostSamplesPerLight));
+    }
+    m.samples_per_light = accuracy.samples_per_light();
+  }
+  if (accuracy.has_far_light_radii()) {
+    if (!(accuracy.far_light_radii() > 0) || !std::isfinite(accuracy.far_light_radii())) {
+      return bad_field("accuracy.far_light_radii", fmt::format("{}", accuracy.far_light_radii()),
+                       "finite and more than 0");
+    }
+    m.far_light_radii = accuracy.far_light_radii();
+  }
+  return m;
+}
+
+double first_use_seconds(const Scene& scene, const Methods& methods) {
+  return methods.visibility == VisibilityMethod::kShadowMaps ? shadow_maps(scene).seconds_left()
+                                                             : 0;
+}
+
+}  // namespace lucerna::rpc

@@ -1,0 +1,34 @@
+// When a computation stops, as a request has it.
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include <optional>
+
+#include "lucerna/v1/accuracy.pb.h"
+#include "server/estimate/statistics/confidence.h"
+#include "server/rpc/messages/task.h"
+
+namespace lucerna::rpc {
+
+/// One of the three.
+struct StopRule {
+  std::uint32_t samples = 0;  ///< 0: one of the others
+  std::optional<TargetError> target{};
+  std::optional<double> time_budget_s{};
+};
+
+/// `fallback`: samples where nothing is said.  INVALID_ARGUMENT for what is out of range.
+absl::StatusOr<StopRule> check_stop_rule(const Context& context, const v1::Accuracy& accuracy,
+                                         std::uint32_t fallback);
+
+/// The least number that an item may have at most, with a target error: fewer tell too little of
+/// how many are needed.
+inline constexpr std::uint32_t kLeastMostSamples = 64;
+/// Replicates of an estimate: its standard error is then known to about a fifth.
+inline constexpr std::uint32_t kReplicates = 16;
+/// The least number of equal replicates, kReplicates or more, that `samples` fall into; as many as
+/// there are where they are fewer.
+std::uint32_t replicates_of(std::uint32_t samples);
+
+}  // namespace lucerna::rpc

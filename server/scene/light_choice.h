@@ -1,0 +1,39 @@
+// Which light a sample is spent on: with a probability that follows luminous power.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "lights/choice/light_tree.h"
+#include "lights/maths/vec.h"
+
+namespace lucerna {
+
+/// What chooses a light, of the 48 bits of a pair: 24 would leave some of more than 2^24 lights
+/// without a sample.
+inline double choosing_value(const Vec2<float>& u) { return double{u.x} + double{u.y} * 0x1p-24; }
+
+/// The discrete distribution over n lights that gives nine tenths by power and one tenth equally to
+/// all lights whose power is not 0: a light of little power may be the only one that a receiver
+/// sees, and the flux of distant and infinite lights depends on the size of the scene.  A light of
+/// power 0 is never chosen, unless all are black: then all are equally likely.
+class LightDistribution {
+ public:
+  LightDistribution() = default;
+  /// `lumens`: one power a light, finite, not negative.
+  explicit LightDistribution(std::span<const double> lumens);
+
+  bool empty() const { return cumulative_.empty(); }
+  /// `u` in [0, 1).
+  LightChoice choose(double u) const;
+  double probability(std::uint32_t light) const {
+    return cumulative_[light] - (light > 0 ? cumulative_[light - 1] : 0);
+  }
+  std::size_t bytes() const { return cumulative_.capacity() * sizeof(double); }
+
+ private:
+  std::vector<double> cumulative_;  // ends in exactly 1
+};
+
+}  // namespace lucerna

@@ -1,0 +1,131 @@
+#include "server/scene/scene.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "proto/common/sha256.h"
+#include "server/runtime/denormals.h"
+#include "server/scene/scene_builder.h"
+#include "server/scene/scene_lights.h"
+
+namespace lucerna {
+
+std::string scene_id(const std::vector<Asset>& assets) {
+  std::string text;
+  for (const Asset& a : assets) {
+    // Lengths first: no two lists of assets give the same bytes.
+    text += fmt::format("{}:{}{}:", a.name.size(), a.name, a.sha256.size());
+    text += a.sha256;
+  }
+  return hexadecimal(sha256(text));
+}
+
+absl::StatusOr<std::shared_ptr<const Scene>> Scene::Builder::build(const std::string& isa) {
+  const DenormalsAreZero denormals;
+  if (absl::Status s = check_references(); !s.ok()) return s;
+  if (absl::Status s = place(); !s.ok()) return s;
+  if (absl::Status s = build_lights(); !s.ok()) return s;
+  if (absl::Status s = build_geometry(isa); !s.ok()) return s;
+  if (absl::Status s = prepare_choice(); !s.ok()) return s;
+  scene_->id_ = scene_id(in_.assets);
+  scene_->camera_ = Camera(in_.camera, in_.film, scene_->origin_);
+  scene_->hints_ = in_.hints;
+  scene_->remarks_ = std::move(in_.remarks);
+  scene_->assets_ = std::move(in_.assets);
+  return scene_;
+}
+
+absl::Status Scene::Builder::check_references() const {
+  const auto check = [&](const ShapeDescription& s) -> absl::Status {
+    if (s.material < in_.materials.size()) return absl::OkStatus();
+    return located(absl::InvalidArgumentError(fmt::format("material number {}, allowed below {}",
+                                                          s.material, in_.materials.size())),
+                   s.where);
+  };
+  for (const auto& s : in_.shapes)
+    if (absl::Status status = check(s); !status.ok()) return status;
+  for (const auto& o : in_.objects)
+    for (const auto& s : o.shapes)
+      if (absl::Status status = check(s); !status.ok()) return status;
+  for (const auto& i : in_.instances)
+    if (i.object >= in_.objects.size())
+      return absl::InvalidArgumentError(
+          fmt::format("object number {}, allowed below {}", i.object, in_.objects.size()));
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::shared_ptr<const Scene>> Scene::build(SceneDescription description,
+                                                          const std::string& isa,
+                                                          std::stop_token stop) {
+  return Builder(description, std::move(stop)).build(isa);
+}
+
+std::optional<std::uint32_t> Scene::find_light(std::uint64_t id) const {
+  if (id == 0 || id > lights_.size()) return std::nullopt;
+  return static_cast<std::uint32_t>(id - 1);
+}
+
+std::uint64_t Scene::shape_count() const {
+  std::uint64_t sum = surfaces_.surfaces.size();
+  for (const SurfaceTable& o : object_surfaces_) sum += o.surfaces.size();
+  return sum;
+}
+
+std::uint64_t Scene::primitive_count() const {
+  std::uint64_t sum = primitives(accelerator_->scene());
+  for (std::uint32_t i = 0; i < object_surfaces_.size(); ++i)
+    sum += primitives(accelerator_->object(i));
+  return sum;
+}
+
+std::vector<ScenePart> Scene::parts() const {
+  std::vector<ScenePart> all = parts_;
+  if (light_selector_)
+    if (auto tree = light_selector_->tree_part().told()) all.push_back(*std::move(tree));
+  if (auto areas = area_selector_.told()) all.push_back(*std::move(areas));
+  const auto attached_from = static_cast<std::ptrdiff_t>(all.size());
+  attached_.for_each([&](const AttachedPart& attached) {
+    if (auto part = attached.report()) all.push_back(*std::move(part));
+  });
+  // By name, so that the order of first uses does not show.
+  std::sort(all.begin() + attached_from, all.end(),
+            [](const ScenePart& a, const ScenePart& b) { return a.name > b.name; });
+  return all;
+}
+
+std::uint64_t Scene::bytes() const {
+  std::uint64_t sum = area_selector_.bytes();
+  if (light_selector_) sum += light_selector_->tree_part().bytes();
+  attached_.for_each([&](const AttachedPart& attached) { sum += attached.bytes(); });
+  for (const ScenePart& part : parts_) sum += part.bytes;
+  return sum;
+}
+
+const LightSelector& Scene::area_selector() const {
+  return area_selector_.get(
+      [this] {
+        auto made = std::make_unique<LightSelector>(selector_items(*this, true));
+        made->build_tree_if_used();
+        return std::unique_ptr<const LightSelector>(std::move(made));
+      },
+      [](const LightSelector&) { return "irradiance beside that of delta lights was asked for"; });
+}
+
+std::string Scene::isa() const { return accelerator_->isa(); }
+
+std::optional<LightChoice> choose_light(const Scene& scene, LightSelection how,
+                                        const Receiver<double>& receiver, double u) {
+  if (scene.lights().size() == 1) return LightChoice{0, 1};
+  // Of all, each has its turn alike.
+  if (how == LightSelection::kAll) how = LightSelection::kUniform;
+  return scene.light_selector().choose(how, receiver, u);
+}
+
+LightChoice choose_emitter(const Scene& scene, double u) {
+  if (scene.lights().size() == 1) return {0, 1};
+  return scene.light_selector().by_flux().choose(u);
+}
+
+}  // namespace lucerna

@@ -1,0 +1,73 @@
+// How a scene is compiled from its description, step by step.  Known to scene.cpp and the files
+// that hold the steps: scene_place.cpp, scene_light_set.cpp and scene_geometry.cpp.
+#pragma once
+
+#include <absl/status/status.h>
+
+#include <cstdint>
+#include <memory>
+#include <stop_token>
+#include <string>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "server/scene/scene.h"
+
+namespace lucerna {
+
+/// Triangles, patches, spheres, disks and cylinders.
+std::uint64_t primitives(const GeometrySet& s);
+
+class Scene::Builder {
+ public:
+  /// Takes from `description`, which outlives it, as it goes.
+  Builder(SceneDescription& description, std::stop_token stop)
+      : in_(description), stop_(std::move(stop)), scene_(new Scene) {}
+
+  absl::StatusOr<std::shared_ptr<const Scene>> build(const std::string& isa);
+
+ private:
+  absl::Status check_references() const;
+
+  /// Bounds, origins and the scene's sphere.  Errors: shapes without bounds, motion beyond rays.
+  absl::Status place();
+
+  absl::Status build_lights();
+  /// `moving`: null where it rests; what only the light knows of it is filled in.
+  absl::Status add_light(absl::StatusOr<Light<double>> light, const SourceLocation& where,
+                         std::uint32_t samples, std::unique_ptr<LightMotion> moving);
+  /// The number of a file among those that lights are asked for in.
+  std::uint32_t file_number(const std::string& file);
+  /// Beside the lights and not in them: where all are given RGB, nothing is kept.
+  void keep_spectra();
+  void report_shared_by_lights(const Stopwatch& watch);
+  absl::Status prepare_choice();
+
+  absl::Status build_geometry(const std::string& isa);
+  void report_motion(const std::vector<GeometryInstance>& instances);
+  void report_geometry(const GeometrySet& set, const std::vector<GeometrySet>& objects,
+                       const Stopwatch& watch);
+
+  std::shared_ptr<const Motion> about_scene(const Motion& motion, const Vec3<double>& from) const {
+    return std::make_shared<const Motion>(motion.about(from, scene_->origin_));
+  }
+  /// Of a light about `from`.
+  std::unique_ptr<LightMotion> light_motion(const Motion& motion, const Vec3<double>& from) const {
+    return std::make_unique<LightMotion>(
+        LightMotion{.motion = motion.about(from, scene_->origin_), .origin_m = from});
+  }
+  void part(std::string name, std::uint64_t bytes, const Stopwatch& watch, std::string why) {
+    scene_->parts_.push_back({std::move(name), bytes, watch.ms(), std::move(why)});
+  }
+
+  SceneDescription& in_;
+  std::stop_token stop_;
+  std::shared_ptr<Scene> scene_;
+  std::unordered_map<std::string, std::uint32_t> file_numbers_;
+  std::vector<Vec3<double>> object_origins_;
+  std::vector<Vec3<double>> moving_origins_;  ///< of each moving shape
+  std::uint64_t read_by_embree_ = 0;          ///< the geometry's, which its own count holds too
+};
+
+}  // namespace lucerna

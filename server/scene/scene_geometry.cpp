@@ -1,0 +1,146 @@
+// The surfaces of a scene, made ready for rays.
+#include <fmt/format.h>
+
+#include <array>
+
+#include "server/scene/scene_builder.h"
+
+namespace lucerna {
+namespace {
+
+// Entries as Embree will hold them: exactly what its float matrices say.
+Transform rounded_to_float(const Transform& t) {
+  Transform::Matrix m = t.matrix();
+  for (auto& row : m)
+    for (double& v : row) v = static_cast<float>(v);
+  return Transform::from_matrix(m).value_or(t);
+}
+
+}  // namespace
+
+std::uint64_t primitives(const GeometrySet& s) {
+  return s.triangles.size() / 3 + s.patches.size() + s.spheres.size() + s.disks.size() +
+         s.cylinders.size();
+}
+
+absl::Status Scene::Builder::build_geometry(const std::string& isa) {
+  Stopwatch watch;
+  GeometrySet set;
+  std::vector<GeometrySet> objects(in_.objects.size() + moving_origins_.size());
+  std::vector<GeometryInstance> instances;
+  scene_->object_surfaces_.resize(objects.size());
+  auto light = static_cast<std::int32_t>(in_.lights.size());
+  std::size_t moving_shape = 0;
+  for (const auto& s : in_.shapes) {
+    if (stop_.stop_requested()) return absl::CancelledError("the build was cancelled");
+    const std::int32_t emitter = s.emission ? light++ : -1;
+    if (!s.motion) {
+      if (absl::Status status = append_shape(s, scene_->origin_, emitter, set, scene_->surfaces_);
+          !status.ok())
+        return status;
+      continue;
+    }
+    // An object of its own, about its own origin, with one instance.
+    const Vec3<double>& origin = moving_origins_[moving_shape];
+    const std::size_t object = in_.objects.size() + moving_shape++;
+    if (absl::Status status =
+            append_shape(s, origin, emitter, objects[object], scene_->object_surfaces_[object]);
+        !status.ok())
+      return status;
+    if (primitives(objects[object]) > 0)
+      instances.push_back(
+          {static_cast<std::uint32_t>(object), Transform(), about_scene(*s.motion, origin)});
+  }
+  std::vector<bool> is_placed(in_.objects.size());
+  for (const auto& i : in_.instances) is_placed[i.object] = true;
+  for (std::size_t i = 0; i < in_.objects.size(); ++i) {
+    if (!is_placed[i]) continue;
+    for (const auto& s : in_.objects[i].shapes)
+      if (absl::Status status =
+              append_shape(s, object_origins_[i], -1, objects[i], scene_->object_surfaces_[i]);
+          !status.ok())
+        return status;
+  }
+  for (const auto& i : in_.instances) {
+    if (primitives(objects[i.object]) == 0) continue;
+    const Transform scene_from_object = Transform::translate(-scene_->origin_) *
+                                        i.world_from_object *
+                                        Transform::translate(object_origins_[i.object]);
+    if (i.motion)
+      instances.push_back({i.object, scene_from_object, about_scene(*i.motion, scene_->origin_)});
+    else
+      instances.push_back({i.object, rounded_to_float(scene_from_object)});
+  }
+  report_motion(instances);
+  if (!set.empty() || !instances.empty()) scene_->materials_ = std::move(in_.materials);
+  report_geometry(set, objects, watch);
+  in_.shapes.clear();
+  in_.objects.clear();
+
+  watch = Stopwatch();
+  const std::size_t instance_count = instances.size();
+  auto accelerator =
+      Accelerator::build(std::move(set), std::move(objects), std::move(instances), isa, stop_);
+  if (!accelerator.ok()) return accelerator.status();
+  scene_->accelerator_ = *std::move(accelerator);
+  if (scene_->accelerator_->empty()) return absl::OkStatus();
+  const std::uint64_t all = scene_->accelerator_->bytes();
+  part("bvh", all > read_by_embree_ ? all - read_by_embree_ : 0, watch,
+       fmt::format("rays against {} primitives{}", scene_->primitive_count(),
+                   instance_count > 0 ? fmt::format(", {} instances", instance_count) : ""));
+  return absl::OkStatus();
+}
+
+void Scene::Builder::report_motion(const std::vector<GeometryInstance>& instances) {
+  std::uint64_t lights = 0, surfaces = 0, bytes = 0;
+  for (const SceneLight& l : scene_->lights_) {
+    if (l.moving == nullptr) continue;
+    ++lights;
+    bytes += sizeof(LightMotion) + l.moving->motion.bytes();
+  }
+  for (const GeometryInstance& i : instances) {
+    if (!i.motion) continue;
+    ++surfaces;
+    bytes += sizeof(Motion) + i.motion->bytes();
+  }
+  if (in_.camera.motion) bytes += sizeof(Motion) + in_.camera.motion->bytes();
+  if (lights + surfaces == 0 && !in_.camera.motion) return;
+  scene_->moves_ = true;
+  part("motion", bytes, Stopwatch(),
+       fmt::format("{} lights, {} shapes and instances{} move", lights, surfaces,
+                   in_.camera.motion ? " and the camera" : ""));
+}
+
+void Scene::Builder::report_geometry(const GeometrySet& set,
+                                     const std::vector<GeometrySet>& objects,
+                                     const Stopwatch& watch) {
+  GeometrySet all;  // only counted
+  std::array<std::uint64_t, 6> counts{}, bytes{};
+  std::uint64_t surface_bytes = scene_->surfaces_.bytes();
+  const auto count = [&](const GeometrySet& s) {
+    const auto add = [&](int kind, const auto& v, std::size_t per) {
+      counts[kind] += v.size() / per;
+      bytes[kind] += v.capacity() * sizeof v[0];
+    };
+    add(0, s.vertices, 1), add(1, s.triangles, 3), add(2, s.patches, 1);
+    add(3, s.spheres, 1), add(4, s.disks, 1), add(5, s.cylinders, 1);
+  };
+  count(set);
+  for (const auto& o : objects) count(o);
+  for (const auto& t : scene_->object_surfaces_) surface_bytes += t.bytes();
+  static constexpr std::array<const char*, 6> kNames{"vertices", "triangles", "patches",
+                                                     "spheres",  "disks",     "cylinders"};
+  for (int i = 0; i < 6; ++i)
+    if (counts[i] > 0) {
+      part(kNames[i], bytes[i], watch, fmt::format("{} {}", counts[i], kNames[i]));
+      read_by_embree_ += bytes[i];
+    }
+  if (surface_bytes > 0)
+    part("surfaces", surface_bytes, watch,
+         "materials' numbers, shading normals and lights of what is hit");
+  if (!scene_->materials_.empty())
+    part("materials", scene_->materials_.capacity() * sizeof(DiffuseMaterial), watch,
+         fmt::format("{} diffuse reflectances", scene_->materials_.size()));
+}
+
+}  // namespace lucerna

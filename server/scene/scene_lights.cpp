@@ -1,0 +1,223 @@
+#include "server/scene/scene_lights.h"
+
+#include <concepts>
+#include <utility>
+
+#include "lights/maths/validation.h"
+#include "server/rays/surface_table.h"
+
+namespace lucerna {
+
+namespace {
+
+/// The light of the closed set that is made from `Params`.
+template <typename Params, typename Lights>
+struct ModelOf;
+template <typename Params, typename L, typename... Rest>
+struct ModelOf<Params, std::variant<L, Rest...>> : ModelOf<Params, std::variant<Rest...>> {};
+template <typename Params, typename L, typename... Rest>
+requires std::same_as<typename L::Params, Params>
+struct ModelOf<Params, std::variant<L, Rest...>> {
+  using type = L;
+};
+
+}  // namespace
+
+std::optional<Vec3<double>> anchor_of(const LightDescription& light) {
+  return std::visit(
+      [](const auto& params) -> std::optional<Vec3<double>> {
+        if constexpr (requires { params.position_m; })
+          return params.position_m;
+        else if constexpr (requires { params.corners_m; })
+          return params.corners_m[0];
+        else
+          return std::nullopt;
+      },
+      light.params);
+}
+
+std::optional<Box> box_of(const LightDescription& light) {
+  if (const auto* beam = std::get_if<BeamLightParams>(&light.params)) return bounding_box(*beam);
+  if (std::holds_alternative<PortalLightParams>(light.params)) return std::nullopt;
+  if (const auto p = anchor_of(light)) return std::pair{*p, *p};
+  return std::nullopt;
+}
+
+std::optional<Box> portal_box_of(const LightDescription& light) {
+  const auto* portal = std::get_if<PortalLightParams>(&light.params);
+  if (portal == nullptr) return std::nullopt;
+  Bounds bounds;
+  for (const Vec3<double>& corner : portal->corners_m) bounds.add(corner);
+  return std::pair{bounds.lower, bounds.upper};
+}
+
+namespace {
+
+/// OK where floats, which answers tell places in, hold all of a light about the scene's origin.
+absl::Status check_place(const std::optional<Box>& box, const Vec3<double>& origin) {
+  if (!box) return absl::OkStatus();
+  for (const Vec3<double>& corner : {box->first, box->second})
+    if (auto s = check_position<float>("light.position", corner, origin); !s.ok()) return s;
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::StatusOr<Light<double>> create_light(const LightDescription& light,
+                                           const Vec3<double>& origin) {
+  return std::visit(
+      [&]<typename Params>(const Params& params) -> absl::StatusOr<Light<double>> {
+        for (const std::optional<Box>& box : {box_of(light), portal_box_of(light)})
+          if (auto s = check_place(box, origin); !s.ok()) return s;
+        auto made = ModelOf<Params, LightModels<double>>::type::create(params, origin);
+        if (!made.ok()) return made.status();
+        return Light<double>(*std::move(made));
+      },
+      light.params);
+}
+
+namespace {
+
+template <template <typename> typename Shape, template <typename> typename Painted>
+absl::StatusOr<Light<double>> as_area_light(const ShapeDescription::Emission& emission,
+                                            absl::StatusOr<Shape<double>> shape,
+                                            const std::vector<Vec2<float>>& corner_uv = {}) {
+  if (!shape.ok()) return shape.status();
+  if (absl::Status s = shape->emissive_error(); !s.ok()) return s;
+  const DiffuseEmission diffuse{emission.radiance_cd_m2, emission.two_sided};
+  if (emission.picture) {
+    auto painted = Painted<double>::create(*std::move(shape), *emission.picture, corner_uv);
+    if (!painted.ok()) return painted.status();
+    auto light = AreaLight<double, Painted>::create(diffuse, *std::move(painted));
+    if (!light.ok()) return light.status();
+    return Light<double>(*std::move(light));
+  }
+  auto light = AreaLight<double, Shape>::create(diffuse, *std::move(shape));
+  if (!light.ok()) return light.status();
+  return Light<double>(*std::move(light));
+}
+
+/// Of a shape that can be flat.
+template <template <typename> typename Shape, template <typename> typename Painted,
+          template <typename> typename Panel>
+absl::StatusOr<Light<double>> as_flat_light(const ShapeDescription::Emission& emission,
+                                            absl::StatusOr<Shape<double>> shape,
+                                            const std::vector<Vec2<float>>& corner_uv = {}) {
+  if (!emission.panel || !shape.ok())
+    return as_area_light<Shape, Painted>(emission, std::move(shape), corner_uv);
+  auto panel = Panel<double>::create(*std::move(shape), *emission.panel);
+  if (!panel.ok()) return panel.status();
+  auto light = AreaLight<double, Panel>::create({emission.radiance_cd_m2, emission.two_sided},
+                                                *std::move(panel));
+  if (!light.ok()) return light.status();
+  return Light<double>(*std::move(light));
+}
+
+/// One overload a shape and none for all, so that a new shape does not compile until it has its
+/// own.
+class AreaLightMaker {
+ public:
+  AreaLightMaker(const ShapeDescription::Emission& emission, const Vec3<double>& origin)
+      : emission_(emission), origin_(origin) {}
+
+  absl::StatusOr<Light<double>> operator()(const TriangleMeshData& mesh) const {
+    const auto vertex = [&](std::size_t i) { return mesh.positions[mesh.indices[i]] - origin_; };
+    std::vector<Triangle<double>> triangles(mesh.indices.size() / 3);
+    for (std::size_t i = 0; i < triangles.size(); ++i)
+      triangles[i] = {vertex(3 * i), vertex(3 * i + 1), vertex(3 * i + 2)};
+    return as_flat_light<TriangleMesh, PaintedTriangleMesh, PanelTriangleMesh>(
+        emission_, TriangleMesh<double>::create(std::move(triangles)), mesh.corner_uv);
+  }
+
+  absl::StatusOr<Light<double>> operator()(const PatchMeshData& mesh) const {
+    const auto vertex = [&](std::size_t i) { return mesh.positions[mesh.indices[i]] - origin_; };
+    std::vector<BilinearPatch<double>> patches(mesh.indices.size() / 4);
+    for (std::size_t i = 0; i < patches.size(); ++i)
+      patches[i] = {vertex(4 * i), vertex(4 * i + 1), vertex(4 * i + 2), vertex(4 * i + 3)};
+    return as_flat_light<PatchMesh, PaintedPatchMesh, PanelPatchMesh>(
+        emission_, PatchMesh<double>::create(std::move(patches)), mesh.corner_uv);
+  }
+
+  absl::StatusOr<Light<double>> operator()(const SphereParams& sphere) const {
+    return as_area_light<Sphere, PaintedSphere>(emission_, Sphere<double>::create(sphere, origin_));
+  }
+
+  absl::StatusOr<Light<double>> operator()(const DiskParams& disk) const {
+    return as_flat_light<Disk, PaintedDisk, PanelDisk>(emission_,
+                                                       Disk<double>::create(disk, origin_));
+  }
+
+  absl::StatusOr<Light<double>> operator()(const CylinderParams& cylinder) const {
+    return as_area_light<Cylinder, PaintedCylinder>(emission_,
+                                                    Cylinder<double>::create(cylinder, origin_));
+  }
+
+ private:
+  const ShapeDescription::Emission& emission_;
+  const Vec3<double>& origin_;
+};
+
+}  // namespace
+
+absl::StatusOr<Light<double>> create_area_light(const ShapeDescription& shape,
+                                                const Vec3<double>& origin) {
+  return std::visit(AreaLightMaker(*shape.emission, origin), shape.geometry);
+}
+
+std::uint64_t primitive_count(const Light<double>& light) {
+  return visit(
+      [](const auto& l) -> std::uint64_t {
+        if constexpr (requires { l.shape().size(); })
+          return l.shape().size();
+        else
+          return 1;
+      },
+      light);
+}
+
+std::uint64_t light_bytes(const Light<double>& light) {
+  return visit(
+      [](const auto& l) -> std::uint64_t {
+        if constexpr (requires { l.shape().bytes(); })
+          return l.shape().bytes();
+        else if constexpr (requires { l.table_bytes(); })
+          return l.table_bytes();
+        else
+          return 0;
+      },
+      light);
+}
+
+std::uint64_t distribution_bytes(const Light<double>& light) {
+  return visit(
+      [](const auto& l) -> std::uint64_t {
+        if constexpr (requires { l.shape().distribution_bytes(); })
+          return l.shape().distribution_bytes();
+        else if constexpr (requires { l.table_bytes(); })
+          return l.table_bytes();
+        else
+          return 0;
+      },
+      light);
+}
+
+const Image* picture_of(const Light<double>& light) {
+  return visit(
+      [](const auto& l) -> const Image* {
+        if constexpr (requires { l.params().map->image(); })
+          return l.params().map ? &l.params().map->image() : nullptr;
+        else if constexpr (requires { l.params().map->sphere_map(); })
+          return l.params().map ? &l.params().map->sphere_map().image() : nullptr;
+        else if constexpr (requires { l.params().picture->params().image; })
+          return l.params().picture->params().image.get();
+        else if constexpr (requires { l.params().image.get(); })
+          return l.params().image.get();
+        else if constexpr (requires { l.shape().picture().image.get(); })
+          return l.shape().picture().image.get();
+        else
+          return nullptr;
+      },
+      light);
+}
+
+}  // namespace lucerna

@@ -1,0 +1,121 @@
+// Where a scene's coordinates have their zero, and the sphere around it.
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "server/scene/scene_builder.h"
+#include "server/scene/scene_lights.h"
+
+namespace lucerna {
+namespace {
+
+// Rounded to a multiple of the least power of two that is not less than the extent.
+Vec3<double> origin_for(const Bounds& bounds) {
+  if (bounds.empty()) return {};
+  const double extent = max_abs(bounds.upper - bounds.lower);
+  if (!std::isfinite(extent)) return {};
+  const Vec3<double> centre = bounds.lower * 0.5 + bounds.upper * 0.5;
+  // A single point has no extent: its own coordinate, rounded to a metre, does.
+  const double step = extent > 0 ? std::exp2(std::ceil(std::log2(extent))) : 1;
+  const auto snap = [&](double c) { return std::nearbyint(c / step) * step + 0.0; };
+  return {snap(centre.x), snap(centre.y), snap(centre.z)};
+}
+
+// Floats about a place differ by 1.2e-38 m or not at all (kLeastError): shapes that reach over less
+// than this would be answered from what is left of them, off by more than a millionth.
+absl::Status check_extent(const Bounds& bounds, const SourceLocation& where) {
+  constexpr double kLeastExtent = 1e-32;
+  if (bounds.empty()) return absl::OkStatus();
+  const double extent = max_abs(bounds.upper - bounds.lower);
+  if (extent == 0 || extent >= kLeastExtent) return absl::OkStatus();
+  return located(absl::InvalidArgumentError(
+                     fmt::format("this shape and the others reach over {:g} m, allowed: 0, or from "
+                                 "{:g} on",
+                                 extent, kLeastExtent)),
+                 where);
+}
+
+}  // namespace
+
+absl::Status Scene::Builder::place() {
+  std::vector<Bounds> object_bounds(in_.objects.size());
+  const auto grow = [](Bounds& bounds, const ShapeDescription& shape) -> absl::Status {
+    const absl::StatusOr<Bounds> b = shape_bounds(shape);
+    if (!b.ok()) return b.status();
+    if (!b->empty()) bounds.add(b->lower), bounds.add(b->upper);
+    return absl::OkStatus();
+  };
+  // What `motion` sweeps, within what rays can be asked about.
+  const auto sweep = [](const Bounds& still, const Motion& motion, const SourceLocation& where,
+                        Bounds& swept) -> absl::Status {
+    if (still.empty()) return absl::OkStatus();
+    const auto [lower, upper] = motion.bounds(still.lower, still.upper);
+    const double reach = std::fmax(max_abs(lower), max_abs(upper));
+    if (!(reach <= Accelerator::kMaxCoordinate))
+      return located(absl::InvalidArgumentError(fmt::format(
+                         "motion reaching to {} m, allowed are coordinates up to 1e30", reach)),
+                     where);
+    swept.add(lower), swept.add(upper);
+    return absl::OkStatus();
+  };
+  Bounds world;
+  for (const auto& s : in_.shapes) {
+    Bounds still;
+    if (absl::Status status = grow(s.motion ? still : world, s); !status.ok()) return status;
+    if (!s.motion) continue;
+    if (absl::Status status = sweep(still, *s.motion, s.where, world); !status.ok()) return status;
+    moving_origins_.push_back(origin_for(still));
+  }
+  for (std::size_t i = 0; i < in_.objects.size(); ++i) {
+    for (const auto& s : in_.objects[i].shapes)
+      if (absl::Status status = grow(object_bounds[i], s); !status.ok()) return status;
+    object_origins_.push_back(origin_for(object_bounds[i]));
+    if (in_.objects[i].shapes.empty()) continue;
+    if (absl::Status s = check_extent(object_bounds[i], in_.objects[i].shapes.front().where);
+        !s.ok())
+      return s;
+  }
+  for (const auto& instance : in_.instances) {
+    const Bounds& b = object_bounds[instance.object];
+    Bounds placed;
+    for (int corner = 0; corner < 8 && !b.empty(); ++corner)
+      placed.add(instance.world_from_object.point({corner & 1 ? b.upper.x : b.lower.x,
+                                                   corner & 2 ? b.upper.y : b.lower.y,
+                                                   corner & 4 ? b.upper.z : b.lower.z}));
+    if (instance.motion) {
+      if (absl::Status s = sweep(placed, *instance.motion, instance.where, world); !s.ok())
+        return s;
+    } else if (!placed.empty()) {
+      world.add(placed.lower), world.add(placed.upper);
+    }
+  }
+  if (!in_.shapes.empty() || !in_.instances.empty()) {
+    const SourceLocation& first =
+        in_.shapes.empty() ? in_.instances.front().where : in_.shapes.front().where;
+    if (absl::Status s = check_extent(world, first); !s.ok()) return s;
+  }
+  // A light far off must not coarsen the geometry: the origin is the geometry's, if there is any.
+  Bounds with_lights = world, portals;
+  const auto hold = [&](const LightDescription& light, const std::optional<Box>& box,
+                        Bounds& bounds) -> absl::Status {
+    if (!box || !is_finite(box->first) || !is_finite(box->second)) return absl::OkStatus();
+    Bounds still;
+    still.add(box->first), still.add(box->second);
+    if (light.motion) return sweep(still, *light.motion, light.where, bounds);
+    bounds.add(box->first), bounds.add(box->second);
+    return absl::OkStatus();
+  };
+  for (const auto& light : in_.lights) {
+    if (absl::Status s = hold(light, box_of(light), with_lights); !s.ok()) return s;
+    if (absl::Status s = hold(light, portal_box_of(light), portals); !s.ok()) return s;
+  }
+  const Bounds& of_lights = with_lights.empty() ? portals : with_lights;
+  scene_->origin_ = origin_for(world.empty() ? of_lights : world);
+  if (!with_lights.empty()) {
+    const Vec3<double> centre = with_lights.lower * 0.5 + with_lights.upper * 0.5;
+    scene_->sphere_ = {centre - scene_->origin_, length(with_lights.upper - centre)};
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace lucerna

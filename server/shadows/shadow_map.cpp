@@ -1,0 +1,154 @@
+#include "server/shadows/shadow_map.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <type_traits>
+
+#include "server/rays/error_bounds.h"
+#include "server/runtime/denormals.h"
+#include "server/runtime/parallel.h"
+
+namespace lucerna {
+namespace {
+
+/// Wider cones look through a cube: a square that holds this one has texels 3 times as wide at its
+/// middle as at its corners.
+constexpr double kWidestCone = std::numbers::pi / 3;
+/// A cone's square is a little wider, so that none of its light falls on the very edge.
+constexpr double kMargin = 1 + 0x1p-10;
+
+/// How far in front of a surface something must stand to shadow it, in widths of a texel there.  A
+/// texel holds the depth at its centre, up to 0.71 widths from where it is asked about.  What that
+/// does to a plane is worked out, so this is for what is not one: edges between faces, curves, that
+/// rise by 55 degrees or less from there to here.
+constexpr double kBiasTexels = 1;
+/// The same where the surface's normal is not told: as much as a plane that the light meets at
+/// 76 degrees from its normal rises over a texel's width.
+constexpr double kBiasTexelsWithoutNormal = 4;
+
+constexpr std::size_t kRaysPerChunk = 2048;
+
+ShadowMapView::Face face_about(const Vec3<double>& forward) {
+  const auto frame = Frame<double>::around(forward);
+  return {frame.s, frame.t, forward};
+}
+
+}  // namespace
+
+std::optional<ShadowMapView> shadow_map_view(const SceneLight& light, const SceneSphere& sphere) {
+  if (light.moving != nullptr) return std::nullopt;
+  return visit(
+      [&]<typename L>(const L& l) -> std::optional<ShadowMapView> {
+        ShadowMapView view{};
+        if constexpr (std::is_same_v<L, DistantLight<double>>) {
+          if (!(sphere.radius_m > 0)) return std::nullopt;
+          view.from = sphere.center_m;
+          view.faces[0] = face_about(-normalized(l.params().to_light));
+          view.face_count = 1;
+          view.half = sphere.radius_m * kMargin;
+          view.is_distant = true;
+          return view;
+        }
+        const auto bounds = l.bounds();
+        if (!L::kDelta || !bounds || bounds->lower != bounds->upper) return std::nullopt;
+        view.from = bounds->lower;
+        if (bounds->cone_rad <= kWidestCone) {
+          view.faces[0] = face_about(bounds->axis);
+          view.face_count = 1;
+          view.half = std::tan(bounds->cone_rad) * kMargin;
+          return view;
+        }
+        for (const Vec3<double>& forward :
+             {Vec3<double>{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}})
+          view.faces[view.face_count++] = face_about(forward);
+        view.half = kMargin;
+        return view;
+      },
+      light.light);
+}
+
+ShadowMap::ShadowMap(const Scene& scene, const ShadowMapView& view, std::uint32_t side)
+    : view_(view), side_(side) {
+  rounding_m_ = 4 * kTraversalBound * (max_abs(view.from) + (view.is_distant ? view.half : 0));
+  const std::size_t per_face = std::size_t{side} * side;
+  depths_.resize(view.face_count * per_face);
+  parallel_chunks(depths_.size(), kRaysPerChunk, {}, [&](std::size_t begin, std::size_t end) {
+    const DenormalsAreZero denormals;
+    for (std::size_t i = begin; i < end; ++i) {
+      const ShadowMapView::Face& f = view.faces[i / per_face];
+      const std::size_t in_face = i % per_face;
+      const auto centre = [&](std::size_t k) {
+        return view.half * ((2 * static_cast<double>(k) + 1) / side - 1);
+      };
+      const Vec3<double> across = f.right * centre(in_face % side) + f.up * centre(in_face / side);
+      Ray ray;
+      if (view.is_distant) {
+        ray.origin = Vec3<float>(view.from + across - f.forward * view.half);
+        ray.direction = Vec3<float>(f.forward);
+      } else {
+        // A step of 1 along `forward`, so that t is the depth.
+        ray.origin = Vec3<float>(view.from);
+        ray.direction = Vec3<float>(f.forward + across);
+      }
+      const auto hit = scene.accelerator().closest_hit(ray);
+      depths_[i] = hit ? hit->t : std::numeric_limits<float>::infinity();
+    }
+  });
+}
+
+std::optional<ShadowMap::Texel> ShadowMap::texel(std::uint32_t face, double x, double y) const {
+  if (!(std::fabs(x) <= 1 && std::fabs(y) <= 1)) return std::nullopt;
+  const auto number = [&](double c) {
+    return std::min(static_cast<std::uint32_t>((c + 1) / 2 * side_), side_ - 1);
+  };
+  const auto centre = [&](std::uint32_t k) { return (2.0 * k + 1) / side_ - 1; };
+  const std::uint32_t i = number(x), j = number(y);
+  return Texel{(std::size_t{face} * side_ + j) * side_ + i, centre(i), centre(j)};
+}
+
+std::optional<bool> ShadowMap::is_occluded(const Vec3<double>& position,
+                                           const Vec3<double>& normal) const {
+  const Vec3<double> w = position - view_.from;
+  const bool has_normal = normal != Vec3<double>{};
+  // `plane`: the depth at which the texel's own ray meets the plane of the surface, which the map
+  // holds where the surface is a plane and nothing is in front of it.  Where that is farther off,
+  // or the ray runs along the plane, what is in front of the receiver counts.  [Isidoro06]
+  const auto before = [&](double map, double depth, double plane, double texel_m) {
+    const double texels = has_normal ? kBiasTexels : kBiasTexelsWithoutNormal;
+    return map <
+           std::fmin(plane, depth) - texels * texel_m - rounding_m_ - 4 * kTraversalBound * depth;
+  };
+  if (view_.is_distant) {
+    const ShadowMapView::Face& f = view_.faces[0];
+    const double x = dot(w, f.right), y = dot(w, f.up);
+    const auto at = texel(0, x / view_.half, y / view_.half);
+    if (!at) return std::nullopt;
+    const double depth = dot(w, f.forward) + view_.half;
+    const double rise = dot(normal, f.right) * (at->x * view_.half - x) +
+                        dot(normal, f.up) * (at->y * view_.half - y);
+    const double facing = dot(normal, f.forward);
+    const double plane = facing != 0 ? depth - rise / facing : depth;
+    return before(depths_[at->number], depth, plane, 2 * view_.half / side_);
+  }
+  std::uint32_t face = 0;
+  double depth = dot(w, view_.faces[0].forward);
+  for (std::uint32_t f = 1; f < view_.face_count; ++f) {
+    const double along = dot(w, view_.faces[f].forward);
+    if (along > depth) face = f, depth = along;
+  }
+  if (!(depth > 0)) return std::nullopt;
+  const ShadowMapView::Face& f = view_.faces[face];
+  const double scale = 1 / (depth * view_.half);
+  const auto at = texel(face, dot(w, f.right) * scale, dot(w, f.up) * scale);
+  if (!at) return std::nullopt;
+  const Vec3<double> ray = f.forward + f.right * (at->x * view_.half) + f.up * (at->y * view_.half);
+  const double facing = dot(normal, ray);
+  // Below 0 where the texel's ray has passed the plane's horizon.
+  const double plane = facing != 0 ? dot(normal, w) / facing : depth;
+  return before(depths_[at->number], depth, plane > 0 ? plane : depth,
+                2 * view_.half / side_ * depth);
+}
+
+}  // namespace lucerna

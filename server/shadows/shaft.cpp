@@ -1,0 +1,340 @@
+#include "server/shadows/shaft.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "server/rays/box_tree.h"
+#include "server/rays/error_bounds.h"
+#include "server/runtime/denormals.h"
+#include "server/scene/scene.h"
+#include "server/shadows/shaft_region.h"
+
+namespace lucerna {
+namespace {
+
+using Vector = Vec3<double>;
+
+/// The least sine that a ray has over a horizon that floats can tell it from.
+constexpr double kLeastRise = 4 * kFloatRoundoff;
+
+bool is_outside(const FloatBox& box, std::span<const HalfSpace> planes) {
+  for (const HalfSpace& h : planes) {
+    const auto least = [](double n, double low, double high) { return n * (n > 0 ? low : high); };
+    if (least(h.n.x, box.lower.x, box.upper.x) + least(h.n.y, box.lower.y, box.upper.y) +
+            least(h.n.z, box.lower.z, box.upper.z) >
+        h.at)
+      return true;
+  }
+  return false;
+}
+
+bool overlaps(const FloatBox& box, const Bounds& other) {
+  return box.lower.x <= other.upper.x && box.upper.x >= other.lower.x &&
+         box.lower.y <= other.upper.y && box.upper.y >= other.lower.y &&
+         box.lower.z <= other.upper.z && box.upper.z >= other.lower.z;
+}
+
+/// A convex polygon.  Each plane cuts one corner more from it than it had; where rounding has it
+/// pass a plane time and again, half as many.
+struct Clipped {
+  static constexpr int kMostCorners = 48;
+  std::array<Vector, kMostCorners> corner;
+  int count = 0;
+};
+
+/// [Sutherland74]
+void clip(Clipped& polygon, const HalfSpace& h) {
+  // Uncut it is larger, not smaller.
+  if (polygon.count > Clipped::kMostCorners * 2 / 3) return;
+  std::array<double, Clipped::kMostCorners> beyond;
+  bool is_cut = false;
+  for (int i = 0; i < polygon.count; ++i) {
+    beyond[i] = dot(h.n, polygon.corner[i]) - h.at;
+    is_cut = is_cut || beyond[i] > 0;
+  }
+  if (!is_cut) return;
+  Clipped kept;
+  for (int i = 0; i < polygon.count; ++i) {
+    const int next = (i + 1) % polygon.count;
+    const Vector &a = polygon.corner[i], &b = polygon.corner[next];
+    if (beyond[i] <= 0) kept.corner[kept.count++] = a;
+    if ((beyond[i] <= 0) != (beyond[next] <= 0))
+      kept.corner[kept.count++] = a + (b - a) * (beyond[i] / (beyond[i] - beyond[next]));
+  }
+  polygon = kept;
+}
+
+/// Whether all that is left lies so low above the horizon, and so far off, that no ray passes it.
+bool is_level(const Clipped& polygon, const ShaftRegion& shaft,
+              const Transform* scene_from_object) {
+  double highest = 0;
+  Bounds box;
+  for (int i = 0; i < polygon.count; ++i) {
+    const Vector p =
+        scene_from_object ? scene_from_object->point(polygon.corner[i]) : polygon.corner[i];
+    highest = std::fmax(highest, dot(shaft.up, p - shaft.apex));
+    box.add(p);
+  }
+  double nearest = 0;  // along one axis at least
+  for (int axis = 0; axis < 3; ++axis)
+    nearest = std::fmax(
+        nearest, std::fmax(box.lower[axis] - shaft.apex[axis], shaft.apex[axis] - box.upper[axis]));
+  return highest <= kLeastRise * nearest;
+}
+
+/// A sphere, disk or cylinder: its middle, and half-axes that it is an ellipsoid, an ellipse or
+/// (the last one) a prism of.
+struct Round {
+  Vector center, x, y, z;
+  bool is_prism;
+
+  bool is_outside(std::span<const HalfSpace> planes) const {
+    return std::ranges::any_of(planes, [&](const HalfSpace& h) {
+      const double a = dot(h.n, x), b = dot(h.n, y), c = dot(h.n, z);
+      const double reach =
+          is_prism ? std::sqrt(a * a + b * b) + std::fabs(c) : std::sqrt(a * a + b * b + c * c);
+      return dot(h.n, center) - reach > h.at;
+    });
+  }
+};
+
+Round round_of(const Sphere<double>& s) {
+  const Transform& t = s.world_from_object();
+  const double r = s.params().radius_m;
+  return {t.point({0, 0, 0}), t.vector({r, 0, 0}), t.vector({0, r, 0}), t.vector({0, 0, r}), false};
+}
+Round round_of(const Disk<double>& d) {
+  const Transform& t = d.world_from_object();
+  const double r = d.params().radius_m;
+  return {t.point({0, 0, d.params().height_m}), t.vector({r, 0, 0}), t.vector({0, r, 0}), {}, true};
+}
+Round round_of(const Cylinder<double>& c) {
+  const Transform& t = c.world_from_object();
+  const auto& p = c.params();
+  return {t.point({0, 0, (p.z_min_m + p.z_max_m) / 2}), t.vector({p.radius_m, 0, 0}),
+          t.vector({0, p.radius_m, 0}), t.vector({0, 0, (p.z_max_m - p.z_min_m) / 2}), true};
+}
+
+/// The primitives of a GeometrySet, numbered one kind after the other, and boxes about them.
+class SetBoxes {
+ public:
+  /// `others`: boxes of what is no primitive, numbered from first_other() on.
+  explicit SetBoxes(const GeometrySet& set, std::span<const FloatBox> others = {}) : set_(set) {
+    std::vector<FloatBox> boxes;
+    add_to(boxes);
+    boxes.insert(boxes.end(), others.begin(), others.end());
+    tree_ = BoxTree(boxes);
+  }
+
+  struct Item {
+    HitKind kind;
+    std::uint32_t primitive;
+  };
+  /// Requires less than first_other().
+  Item item(std::uint32_t number) const {
+    const std::size_t counts[] = {set_.triangles.size() / 3, set_.patches.size(),
+                                  set_.spheres.size(), set_.disks.size(), set_.cylinders.size()};
+    int kind = 0;
+    while (number >= counts[kind]) number -= static_cast<std::uint32_t>(counts[kind++]);
+    return {static_cast<HitKind>(kind), number};
+  }
+  std::size_t first_other() const {
+    return set_.triangles.size() / 3 + set_.patches.size() + set_.spheres.size() +
+           set_.disks.size() + set_.cylinders.size();
+  }
+
+  /// Whether the item may reach into the shaft, whose planes are those of the set's space.
+  bool may_reach(const Item& item, std::span<const HalfSpace> planes, const ShaftRegion& shaft,
+                 const Transform* scene_from_object) const {
+    const std::uint32_t i = item.primitive;
+    // Of what is not clipped one plane must tell that it is outside, or the shaft's box, which has
+    // no place in an object's space.
+    const auto is_beside = [&](const auto& shape) {
+      const auto [lower, upper] = shape.bounds();
+      return scene_from_object == nullptr && !shaft.box.empty() &&
+             !overlaps(FloatBox::around(lower, upper), shaft.box);
+    };
+    const auto round_may_reach = [&](const auto& shape) {
+      return !is_beside(shape) && !round_of(shape).is_outside(planes);
+    };
+    switch (item.kind) {
+      case HitKind::kTriangle:
+        break;
+      case HitKind::kPatch: {
+        // Within the hull of its corners.
+        const auto& p = set_.patches[i];
+        return !is_beside(p) && std::ranges::none_of(planes, [&](const HalfSpace& h) {
+          return std::min({dot(h.n, p.p00), dot(h.n, p.p10), dot(h.n, p.p01), dot(h.n, p.p11)}) >
+                 h.at;
+        });
+      }
+      case HitKind::kSphere:
+        return round_may_reach(set_.spheres[i]);
+      case HitKind::kDisk:
+        return round_may_reach(set_.disks[i]);
+      case HitKind::kCylinder:
+        return round_may_reach(set_.cylinders[i]);
+    }
+    Clipped left;
+    left.count = 3;
+    for (int k = 0; k < 3; ++k) left.corner[k] = vertex(3 * std::size_t{i} + k);
+    for (const HalfSpace& h : planes)
+      if (clip(left, h); left.count == 0) return false;
+    return !is_level(left, shaft, scene_from_object);
+  }
+
+  const BoxTree& tree() const { return tree_; }
+
+ private:
+  Vector vertex(std::size_t corner) const {
+    return Vector(set_.vertices[set_.triangles[corner]]) * set_.unit_m;
+  }
+
+  void add_to(std::vector<FloatBox>& boxes) const {
+    for (std::size_t t = 0; t < set_.triangles.size(); t += 3) {
+      Bounds box;
+      for (std::size_t k = 0; k < 3; ++k) box.add(vertex(t + k));
+      boxes.push_back(FloatBox::around(box.lower, box.upper));
+    }
+    const auto add = [&](const auto& shapes) {
+      for (const auto& shape : shapes) {
+        const auto [lower, upper] = shape.bounds();
+        boxes.push_back(FloatBox::around(lower, upper));
+      }
+    };
+    add(set_.patches), add(set_.spheres), add(set_.disks), add(set_.cylinders);
+  }
+
+  const GeometrySet& set_;
+  BoxTree tree_;
+};
+
+/// Of an object where an instance puts it, over all time.
+FloatBox box_of(const GeometryInstance& instance, const FloatBox& object) {
+  Bounds placed;
+  for (int corner = 0; corner < 8; ++corner)
+    placed.add(
+        instance.scene_from_object.point({(corner & 1) != 0 ? object.upper.x : object.lower.x,
+                                          (corner & 2) != 0 ? object.upper.y : object.lower.y,
+                                          (corner & 4) != 0 ? object.upper.z : object.lower.z}));
+  if (!instance.motion) return FloatBox::around(placed.lower, placed.upper);
+  const auto [lower, upper] = instance.motion->bounds(placed.lower, placed.upper);
+  return FloatBox::around(lower, upper);
+}
+
+}  // namespace
+
+struct Shafts::State {
+  explicit State(const Scene& scene)
+      : accelerator(scene.accelerator()), surfaces(scene.surfaces()) {
+    for (std::uint32_t i = 0; i < accelerator.object_count(); ++i)
+      objects.emplace_back(accelerator.object(i));
+    for (std::uint32_t i = 0; i < accelerator.instance_count(); ++i) {
+      const GeometryInstance& instance = accelerator.instance(i);
+      instance_boxes.push_back(box_of(instance, objects[instance.object].tree().box()));
+    }
+    own.emplace(accelerator.scene(), instance_boxes);
+    for (const SceneLight& light : scene.lights()) outlines.push_back(outline_of(light));
+    if (!own->tree().empty()) {
+      hittable.add(Vector(own->tree().box().lower));
+      hittable.add(Vector(own->tree().box().upper));
+    }
+  }
+
+  static bool may_hold(const FloatBox& box, const ShaftRegion& shaft) {
+    return (shaft.box.empty() || overlaps(box, shaft.box)) && !is_outside(box, shaft.half_spaces());
+  }
+
+  bool meets_instance(std::size_t number, const ShaftRegion& shaft) const {
+    if (!may_hold(instance_boxes[number], shaft)) return false;
+    const GeometryInstance& instance = accelerator.instance(static_cast<std::uint32_t>(number));
+    if (instance.motion) return true;
+    const ShaftRegion there = in_object(shaft, instance.scene_from_object);
+    const SetBoxes& object = objects[instance.object];
+    return object.tree().any(
+        [&](const FloatBox& box) { return !is_outside(box, there.half_spaces()); },
+        [&](std::uint32_t number) {
+          return object.may_reach(object.item(number), there.half_spaces(), shaft,
+                                  &instance.scene_from_object);
+        });
+  }
+
+  bool is_of_light(const SetBoxes::Item& item, std::uint32_t light) const {
+    const PrimitiveRun& run = surfaces.run(item.kind, item.primitive);
+    return surfaces.surfaces[run.surface].light == static_cast<std::int32_t>(light);
+  }
+
+  bool meets(const ShaftRegion& shaft, std::uint32_t light) const {
+    return own->tree().any([&](const FloatBox& box) { return may_hold(box, shaft); },
+                           [&](std::uint32_t number) {
+                             if (number >= own->first_other())
+                               return meets_instance(number - own->first_other(), shaft);
+                             const SetBoxes::Item item = own->item(number);
+                             return own->may_reach(item, shaft.half_spaces(), shaft, nullptr) &&
+                                    !is_of_light(item, light);
+                           });
+  }
+
+  const Accelerator& accelerator;
+  const SurfaceTable& surfaces;
+  std::vector<SetBoxes> objects;
+  std::vector<FloatBox> instance_boxes;
+  std::optional<SetBoxes> own;  ///< and the instances
+  std::vector<LightOutline> outlines;
+  Bounds hittable;  ///< of all that can be hit
+};
+
+Shafts::Shafts(const Scene& scene) : state_(std::make_unique<State>(scene)) {}
+Shafts::~Shafts() = default;
+
+bool Shafts::has_outline(std::uint32_t light) const {
+  return state_->outlines[light].kind != LightOutline::Kind::kNone;
+}
+
+bool Shafts::is_empty(const SurfaceHit& receiver, const Vec3<float>& normal,
+                      std::uint32_t light) const {
+  const auto region = shaft_region(state_->outlines[light], receiver, normal, state_->hittable);
+  return region && !state_->meets(*region, light);
+}
+
+std::size_t Shafts::bytes() const {
+  std::size_t sum = sizeof *this + sizeof(State) + state_->own->tree().bytes() +
+                    state_->objects.capacity() * sizeof(SetBoxes) +
+                    state_->instance_boxes.capacity() * sizeof(FloatBox) +
+                    state_->outlines.capacity() * sizeof(LightOutline);
+  for (const SetBoxes& o : state_->objects) sum += o.tree().bytes();
+  for (const LightOutline& o : state_->outlines) sum += o.corners.capacity() * sizeof(Vector);
+  return sum;
+}
+
+namespace {
+
+class AttachedShafts : public AttachedPart {
+ public:
+  explicit AttachedShafts(const Scene& scene) : scene_(scene) {}
+
+  const Shafts& get() const {
+    return shafts_.get(
+        [this] {
+          const DenormalsAreZero denormals;
+          return std::make_unique<const Shafts>(scene_);
+        },
+        [](const Shafts&) { return "closed forms were asked for"; });
+  }
+  std::optional<ScenePart> report() const override { return shafts_.told(); }
+  std::uint64_t bytes() const override { return shafts_.bytes(); }
+
+ private:
+  const Scene& scene_;
+  LazyPart<Shafts> shafts_{"shafts"};
+};
+
+}  // namespace
+
+const Shafts& shafts(const Scene& scene) { return scene.attached<AttachedShafts>().get(); }
+
+}  // namespace lucerna

@@ -1,0 +1,385 @@
+#include "server/store/scene_store.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <condition_variable>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <random>
+#include <set>
+#include <utility>
+
+#include "proto/common/sha256.h"
+#include "server/assets/asset_reader.h"
+#include "server/pbrt/load.h"
+
+namespace lucerna {
+namespace {
+
+using TimePoint = std::chrono::steady_clock::time_point;
+
+bool same_files(const std::vector<Asset>& a, const std::vector<Asset>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const Asset& x, const Asset& y) {
+    return x.name == y.name && x.sha256 == y.sha256;
+  });
+}
+
+/// Different from every path, as no path holds a zero byte.
+std::string key_of(const Manifest& manifest) {
+  std::string text = manifest.main + '\0';
+  for (const auto& [name, digest] : manifest.assets) text += name + '\0' + digest + '\0';
+  return '\0' + sha256(text);
+}
+
+/// Hard to guess: whoever knows it may end the lease.
+std::string new_lease_id() {
+  std::random_device random;
+  std::string id;
+  for (int i = 0; i < 4; ++i) id += fmt::format("{:08x}", random());
+  return id;
+}
+
+/// One at a time of those that share a key.
+class Turns {
+ public:
+  class Turn {
+   public:
+    Turn(Turns& turns, std::string key) : turns_(turns), key_(std::move(key)) {}
+    ~Turn() {
+      {
+        const std::lock_guard lock(turns_.mutex_);
+        turns_.taken_.erase(key_);
+      }
+      turns_.over_.notify_all();
+    }
+    Turn(const Turn&) = delete;
+    Turn& operator=(const Turn&) = delete;
+
+   private:
+    Turns& turns_;
+    std::string key_;
+  };
+
+  /// Null where `stop` came first.
+  std::unique_ptr<Turn> take(const std::string& key, const std::stop_token& stop) {
+    std::unique_lock lock(mutex_);
+    if (!over_.wait(lock, stop, [&] { return !taken_.contains(key); })) return nullptr;
+    taken_.insert(key);
+    return std::make_unique<Turn>(*this, key);
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable_any over_;
+  std::set<std::string> taken_;
+};
+
+struct Entry {
+  StoredScene stored;
+  std::uint64_t bytes = 0;                  // when it was last looked at: it may grow since
+  std::uint64_t used = 0;                   // the larger, the later
+  std::map<std::string, TimePoint> leases;  // when they run out, by id
+};
+
+absl::Status cancelled() { return absl::CancelledError("cancelled while the scene was loading"); }
+
+absl::Status not_loaded() { return absl::NotFoundError("the scene is not loaded"); }
+
+}  // namespace
+
+struct SceneStore::State {
+  SceneStoreOptions options;
+  AssetStore* assets;
+  Turns sources, builds_turns;  // by key of source; by id of scene
+
+  mutable std::mutex mutex;
+  std::map<std::string, Entry> scenes;           // by id
+  std::map<std::string, std::string> by_source;  // ids
+  std::uint64_t uses = 0, builds = 0;
+  std::uint64_t held = 0;  // bytes of all entries, each as it was last looked at
+
+  // All below are called with the lock held.
+
+  /// When the last lease of the scene runs out; nothing where none runs.
+  std::optional<TimePoint> leased_until(Entry& entry) const {
+    const TimePoint now = options.now();
+    std::erase_if(entry.leases, [&](const auto& lease) { return lease.second <= now; });
+    std::optional<TimePoint> last;
+    for (const auto& [id, until] : entry.leases) last = std::max(last.value_or(until), until);
+    return last;
+  }
+
+  StoredScene tell(Entry& entry) const {
+    StoredScene stored = entry.stored;
+    if (const auto until = leased_until(entry)) {
+      stored.leased_s = std::chrono::duration<double>(*until - options.now()).count();
+    }
+    return stored;
+  }
+
+  Lease give_lease(Entry& entry, const std::string& id, double seconds) const {
+    if (!(seconds > 0)) return {};
+    const double granted = std::min(seconds, options.max_lease_s);
+    const std::string name = id.empty() ? new_lease_id() : id;
+    entry.leases[name] = options.now() + std::chrono::duration_cast<std::chrono::nanoseconds>(
+                                             std::chrono::duration<double>(granted));
+    return {name, granted};
+  }
+
+  void remove(std::map<std::string, Entry>::iterator entry,
+              std::vector<std::shared_ptr<const Scene>>& gone) {
+    std::erase_if(by_source, [&](const auto& s) { return s.second == entry->first; });
+    held -= entry->second.bytes;
+    gone.push_back(std::move(entry->second.stored.scene));
+    scenes.erase(entry);
+  }
+
+  /// Counts what was built in a scene since it was last looked at.
+  void measure(Entry& entry) {
+    const std::uint64_t now = entry.stored.scene->bytes();
+    held += now - entry.bytes;
+    entry.bytes = now;
+  }
+  void measure_all() {
+    for (auto& [id, entry] : scenes) measure(entry);
+  }
+
+  /// Lets scenes without a lease go, the longest unused first, until all have at most `most` bytes;
+  /// never `keep`.
+  void shrink(std::uint64_t most, const std::string& keep,
+              std::vector<std::shared_ptr<const Scene>>& gone) {
+    while (held > most) {
+      auto oldest = scenes.end();
+      for (auto s = scenes.begin(); s != scenes.end(); ++s) {
+        if (s->first == keep || leased_until(s->second)) continue;
+        if (oldest == scenes.end() || s->second.used < oldest->second.used) oldest = s;
+      }
+      if (oldest == scenes.end()) return;
+      remove(oldest, gone);
+    }
+  }
+
+  /// Lets scenes go until there is room for `more`; none at all where that would not do.
+  absl::Status make_room(std::uint64_t more, std::vector<std::shared_ptr<const Scene>>& gone) {
+    const std::uint64_t budget = options.memory_budget_bytes;
+    if (budget == 0) return absl::OkStatus();
+    if (more > budget)
+      return absl::ResourceExhaustedError(
+          fmt::format("the scene takes {} bytes, this server keeps at most {}", more, budget));
+    measure_all();
+    std::uint64_t leased = 0;
+    std::optional<TimePoint> soonest;
+    for (auto& [id, entry] : scenes) {
+      const std::optional<TimePoint> until = leased_until(entry);
+      if (!until) continue;
+      leased += entry.bytes;
+      soonest = std::min(soonest.value_or(*until), *until);
+    }
+    if (leased + more > budget) {
+      absl::Status full = absl::ResourceExhaustedError(fmt::format(
+          "the scene takes {} bytes, and {} of the {} that this server keeps are leased", more,
+          leased, budget));
+      const auto wait = std::chrono::ceil<std::chrono::milliseconds>(*soonest - options.now());
+      full.SetPayload(kRetryAfterPayload,
+                      absl::Cord(std::to_string(std::max<std::int64_t>(wait.count(), 1))));
+      return full;
+    }
+    shrink(budget - more, "", gone);
+    return absl::OkStatus();
+  }
+
+  /// A scene that is loaded, as the answer to a load from `key`.
+  LoadedScene answer(Entry& entry, const std::string& key, const LoadOptions& load,
+                     bool already_loaded) {
+    by_source[key] = entry.stored.scene->id();
+    entry.used = ++uses;
+    return {entry.stored, already_loaded, give_lease(entry, "", load.lease_s), {}};
+  }
+};
+
+absl::StatusOr<std::unique_ptr<SceneStore>> SceneStore::open(SceneStoreOptions options,
+                                                             AssetStore* assets) {
+  const absl::StatusOr<AssetReader> reader = AssetReader::open(options.root);
+  if (!reader.ok()) return reader.status();
+  auto state = std::make_unique<State>();
+  state->options = std::move(options);
+  state->assets = assets;
+  return std::unique_ptr<SceneStore>(new SceneStore(std::move(state)));
+}
+
+SceneStore::SceneStore(std::unique_ptr<State> state) : state_(std::move(state)) {}
+SceneStore::~SceneStore() = default;
+
+absl::StatusOr<LoadedScene> SceneStore::load(const std::string& path, const LoadOptions& options) {
+  return load_once(path, path, options);
+}
+
+absl::StatusOr<LoadedScene> SceneStore::load(const Manifest& manifest, const LoadOptions& options) {
+  return load_once(manifest, key_of(manifest), options);
+}
+
+absl::StatusOr<LoadedScene> SceneStore::load_once(const Source& source, const std::string& key,
+                                                  const LoadOptions& options) {
+  // Whoever waited looks for itself: the other's load may have failed or have been cancelled.
+  const auto turn = state_->sources.take(key, options.stop);
+  if (turn == nullptr) return cancelled();
+  return load_alone(source, key, options);
+}
+
+absl::StatusOr<LoadedScene> SceneStore::load_alone(const Source& source, const std::string& key,
+                                                   const LoadOptions& options) {
+  std::optional<StoredScene> known;
+  {
+    const std::lock_guard lock(state_->mutex);
+    if (const auto id = state_->by_source.find(key); id != state_->by_source.end()) {
+      Entry& entry = state_->scenes.at(id->second);
+      // What a manifest names cannot have changed.
+      if (std::holds_alternative<Manifest>(source))
+        return state_->answer(entry, key, options, true);
+      known = entry.stored;
+    }
+  }
+  if (const auto* manifest = std::get_if<Manifest>(&source)) {
+    LoadedScene incomplete;
+    AssetReader reader(
+        std::make_unique<ManifestSource>(*manifest, *state_->assets, incomplete.missing));
+    absl::StatusOr<SceneDescription> description = load_pbrt(reader, manifest->main, options.stop);
+    if (absl::IsCancelled(description.status())) return description.status();
+    if (!incomplete.missing.empty()) return incomplete;
+    if (!description.ok()) return description.status();
+    for (const Asset& asset : description->assets) {
+      const std::string& digest = manifest->assets.at(asset.name);
+      if (asset.sha256 == digest) continue;
+      // Its bytes changed on the disk.
+      state_->assets->drop(digest);
+      incomplete.missing.push_back({asset.name, digest});
+    }
+    if (!incomplete.missing.empty()) return incomplete;
+    return build_once(*std::move(description), key, manifest->main, options);
+  }
+  const std::string& path = std::get<std::string>(source);
+  absl::StatusOr<AssetReader> reader = AssetReader::open(state_->options.root);
+  if (!reader.ok()) return absl::InternalError(reader.status().ToString());
+  if (known) {
+    const absl::StatusOr<std::vector<Asset>> now = reader->rehash(known->scene->assets());
+    // Where a file is gone, loading says which and where it is asked for.
+    if (now.ok() && same_files(*now, known->scene->assets())) {
+      // Let go while its files were read: it is loaded again all the same.
+      const std::lock_guard lock(state_->mutex);
+      const auto found = state_->scenes.find(known->scene->id());
+      if (found != state_->scenes.end()) return state_->answer(found->second, key, options, true);
+    }
+  }
+  absl::StatusOr<SceneDescription> description = load_pbrt(*reader, path, options.stop);
+  if (!description.ok()) return description.status();
+  return build_once(*std::move(description), key, path, options);
+}
+
+absl::StatusOr<LoadedScene> SceneStore::build_once(SceneDescription description,
+                                                   const std::string& key, const std::string& path,
+                                                   const LoadOptions& options) {
+  const std::string id = scene_id(description.assets);
+  const auto turn = state_->builds_turns.take(id, options.stop);
+  if (turn == nullptr) return cancelled();
+  {
+    const std::lock_guard lock(state_->mutex);
+    const auto same = state_->scenes.find(id);
+    if (same != state_->scenes.end()) return state_->answer(same->second, key, options, true);
+  }
+  const absl::StatusOr<std::shared_ptr<const Scene>> scene =
+      Scene::build(std::move(description), state_->options.isa, options.stop);
+  if (!scene.ok()) return scene.status();
+  Entry entry;
+  entry.stored = {.scene = *scene, .path = path};
+  entry.bytes = (*scene)->bytes();
+  std::vector<std::shared_ptr<const Scene>> gone;  // destroyed outside of the lock
+  const std::lock_guard lock(state_->mutex);
+  if (absl::Status s = state_->make_room(entry.bytes, gone); !s.ok()) return s;
+  ++state_->builds;
+  state_->held += entry.bytes;
+  const auto place = state_->scenes.emplace(id, std::move(entry)).first;
+  return state_->answer(place->second, key, options, false);
+}
+
+std::shared_ptr<const Scene> SceneStore::find(const std::string& id) const {
+  std::vector<std::shared_ptr<const Scene>> gone;  // destroyed outside of the lock
+  const std::lock_guard lock(state_->mutex);
+  const auto found = state_->scenes.find(id);
+  if (found == state_->scenes.end()) return nullptr;
+  found->second.used = ++state_->uses;
+  std::shared_ptr<const Scene> scene = found->second.stored.scene;
+  if (const std::uint64_t budget = state_->options.memory_budget_bytes; budget > 0) {
+    state_->measure(found->second);
+    state_->shrink(budget, id, gone);
+  }
+  return scene;
+}
+
+std::vector<StoredScene> SceneStore::list(const std::string& after, std::size_t count) const {
+  const std::lock_guard lock(state_->mutex);
+  std::vector<StoredScene> out;
+  for (auto s = state_->scenes.upper_bound(after); s != state_->scenes.end(); ++s) {
+    if (out.size() == count) break;
+    out.push_back(state_->tell(s->second));
+  }
+  return out;
+}
+
+std::optional<StoredScene> SceneStore::stored(const std::string& id) const {
+  const std::lock_guard lock(state_->mutex);
+  const auto found = state_->scenes.find(id);
+  if (found == state_->scenes.end()) return std::nullopt;
+  return state_->tell(found->second);
+}
+
+absl::StatusOr<Lease> SceneStore::lease(const std::string& id, const std::string& lease,
+                                        double seconds) {
+  const std::lock_guard lock(state_->mutex);
+  const auto found = state_->scenes.find(id);
+  if (found == state_->scenes.end()) return not_loaded();
+  state_->leased_until(found->second);  // forgets what ran out
+  if (!lease.empty() && !found->second.leases.contains(lease))
+    return absl::NotFoundError("the scene has no such lease, or not any more");
+  return state_->give_lease(found->second, lease, seconds);
+}
+
+absl::StatusOr<bool> SceneStore::release(const std::string& id, const std::string& lease) {
+  std::vector<std::shared_ptr<const Scene>> gone;  // destroyed outside of the lock
+  const std::lock_guard lock(state_->mutex);
+  const auto found = state_->scenes.find(id);
+  if (found == state_->scenes.end()) return not_loaded();
+  Entry& entry = found->second;
+  state_->leased_until(entry);
+  if (!lease.empty() && entry.leases.erase(lease) == 0)
+    return absl::NotFoundError("the scene has no such lease, or not any more");
+  if (const auto until = state_->leased_until(entry)) {
+    if (!lease.empty()) return false;
+    const std::chrono::duration<double> left = *until - state_->options.now();
+    return absl::FailedPreconditionError(
+        fmt::format("the scene is leased for another {:.0f} s: release the lease, or wait",
+                    std::ceil(left.count())));
+  }
+  state_->remove(found, gone);
+  return true;
+}
+
+std::size_t SceneStore::size() const {
+  const std::lock_guard lock(state_->mutex);
+  return state_->scenes.size();
+}
+
+std::uint64_t SceneStore::bytes() const {
+  const std::lock_guard lock(state_->mutex);
+  state_->measure_all();
+  return state_->held;
+}
+
+std::uint64_t SceneStore::builds() const {
+  const std::lock_guard lock(state_->mutex);
+  return state_->builds;
+}
+
+}  // namespace lucerna

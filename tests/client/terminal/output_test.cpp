@@ -1,0 +1,160 @@
+#include "client/terminal/output.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "client/terminal/certainty.h"
+#include "client/terminal/progress.h"
+#include "lucerna/v1/scene.pb.h"
+
+namespace lucerna {
+namespace {
+
+using namespace std::chrono_literals;
+
+TEST(Table, AlignsNumbersRightAndTextLeft) {
+  cli::Table table({{"id"}, {"type", true}, {"± [lm]"}});
+  table.add({"1", "point", "0.5"});
+  table.add({"12", "spot", "1000.25"});
+  EXPECT_EQ(table.to_string(),
+            "id  type    ± [lm]\n"
+            " 1  point      0.5\n"
+            "12  spot   1000.25\n");
+}
+
+TEST(Table, OfNothingIsItsHeader) {
+  EXPECT_EQ(cli::Table({{"id"}, {"", true}}).to_string(), "id\n");
+}
+
+TEST(Json, HasTheNamesOfTheContractAndAllPlainFields) {
+  v1::LoadSceneResponse response;
+  response.set_scene_id("ab");
+  response.add_remarks()->set_line(3);
+  // uint64 is a string in the JSON of protocol buffers, uint32 a number.
+  response.mutable_cost()->set_samples(5);
+  EXPECT_EQ(cli::to_json(response),
+            R"({"scene_id":"ab","already_loaded":false,)"
+            R"("remarks":[{"file":"","line":3,"column":0,"what":"","instead":""}],"missing":[],)"
+            R"("cost":{"samples":"5","camera_rays":"0","indirect_rays":"0","shadow_rays":"0",)"
+            R"("cpu_time_s":0,"wall_time_s":0,"queue_time_s":0,"shadow_map_lookups":"0",)"
+            R"("shadow_map_compared":"0","shadow_map_disagreed":"0"},)"
+            R"("lease_id":"","lease_s":0})"
+            "\n");
+}
+
+TEST(Json, WritesFloatsThatReadBackTheSame) {
+  v1::PdfLiResponse response;
+  response.add_pdf_per_sr(0.1F);
+  EXPECT_NE(cli::to_json(response).find(R"("pdf_per_sr":[0.1])"), std::string::npos);
+}
+
+TEST(Json, TellsWhatTheMessageDoesNotHold) {
+  v1::PdfLiResponse response;
+  response.add_pdf_per_sr(1);
+  const std::string more = cli::json_of("reached", {true, false});
+  EXPECT_THAT(cli::to_json(response, more), ::testing::EndsWith(",\"reached\":[true,false]}\n"));
+  EXPECT_EQ(cli::to_json(v1::Points(), "\"a\":1"), "{\"offsets_m\":[],\"a\":1}\n");
+}
+
+TEST(Interval, IsToldAsHalfItsWidthOrByItsEnds) {
+  EXPECT_EQ(cli::interval_text(10, 8, 12, false), "2");
+  EXPECT_EQ(cli::interval_text(10, 9, 12, false), "9 ... 12");
+  EXPECT_EQ(cli::interval_text(0, 0, 3, false), "< 3");
+  EXPECT_EQ(cli::interval_text(10, 10, 10, false), "exact");
+  EXPECT_EQ(cli::interval_text(10, 10, 10, true), "no scatter");
+  EXPECT_EQ(cli::interval_text(0, 0, 0, true), "no scatter");
+  // The ends are floats, half a unit in the last place off.
+  EXPECT_EQ(cli::interval_text(1e6F, 1e6F - 0.5F, 1e6F + 0.5625F, false), "0.53125");
+}
+
+TEST(Percent, HasTheDigitsThatTellItFromNoneAndAll) {
+  EXPECT_EQ(cli::percent(0.95), "95");
+  EXPECT_EQ(cli::percent(0.999), "99.9");
+  EXPECT_EQ(cli::percent(0.999999999), "99.9999999");
+  EXPECT_EQ(cli::percent(1e-9), "1e-07");
+  EXPECT_EQ(cli::percent(1 - 0x1p-53), "99.99999999999999");
+}
+
+TEST(TargetCheck, CountsWhatIsLessCertainThanAskedFor) {
+  v1::TargetError target;
+  target.set_relative(0.01);
+  target.set_absolute_floor(0.5);
+  target.set_max_samples(256);
+  cli::TargetCheck check(target);
+  EXPECT_TRUE(check.add(100, 99, 101, 80));
+  EXPECT_TRUE(check.add(1, 0.5, 1.5, 80));
+  EXPECT_EQ(check.describe("points"), "");
+  EXPECT_FALSE(check.add(100, 98, 102, 256));
+  EXPECT_EQ(check.describe("points"),
+            "1 of 3 points are less certain than asked for (2 times at worst); ");
+  EXPECT_FALSE(check.add(100, 97, 103, 257));
+  EXPECT_EQ(check.describe("points"),
+            "2 of 4 points are less certain than asked for (3 times at worst), --max-samples "
+            "reached by 1; ");
+  EXPECT_EQ(check.missed(), 2U);
+  // No error at all was allowed, so there is no number of times.
+  target.clear_absolute_floor();
+  cli::TargetCheck dark(target);
+  EXPECT_FALSE(dark.add(0, 0, 1, 1000));
+  EXPECT_EQ(dark.describe("pixels"),
+            "1 of 1 pixels are less certain than asked for, --max-samples reached; ");
+}
+
+TEST(Cost, TellsOfShadowMapsWhereTheyWereAsked) {
+  v1::Cost cost;
+  cost.set_wall_time_s(0.25);
+  cost.set_shadow_rays(100);
+  EXPECT_EQ(cli::describe(cost), "0.25 s, 100 rays");
+  cost.set_samples(1);
+  EXPECT_EQ(cli::describe(cost), "0.25 s, 1 sample, 100 rays");
+  cost.set_samples(0);
+  cost.set_shadow_map_lookups(6400);
+  cost.set_shadow_map_compared(100);
+  cost.set_shadow_map_disagreed(3);
+  EXPECT_EQ(cli::describe(cost), "0.25 s, 100 rays, 6400 look-ups in shadow maps");
+  v1::Accuracy accuracy;
+  EXPECT_EQ(cli::describe_approximations(accuracy, cost), "");
+  accuracy.set_visibility(v1::VISIBILITY_SHADOW_MAPS);
+  accuracy.set_far_light_radii(7.1);
+  EXPECT_EQ(cli::describe_approximations(accuracy, cost),
+            "; approximated: area lights as points beyond 7.1 radii"
+            "; approximated: shadow maps, 3 of 100 compared disagree");
+}
+
+TEST(ItemStatus, IsNamedWithoutItsPrefix) {
+  google::protobuf::RepeatedField<int> statuses;
+  EXPECT_EQ(cli::item_status(statuses, 0), "");
+  statuses.Add(v1::ITEM_STATUS_OK);
+  statuses.Add(v1::ITEM_STATUS_INVALID_INPUT);
+  statuses.Add(99);
+  EXPECT_EQ(cli::item_status(statuses, 0), "");
+  EXPECT_EQ(cli::item_status(statuses, 1), "INVALID_INPUT");
+  EXPECT_EQ(cli::item_status(statuses, 2), "status 99");
+}
+
+TEST(ItemStatus, NoLightIsAnAnswerAndNoAnswerIsNot) {
+  const auto failed = [](v1::ItemStatus status) {
+    google::protobuf::RepeatedField<int> statuses;
+    statuses.Add(v1::ITEM_STATUS_OK);
+    statuses.Add(status);
+    return cli::any_failed(statuses);
+  };
+  EXPECT_FALSE(failed(v1::ITEM_STATUS_BEHIND));
+  EXPECT_FALSE(failed(v1::ITEM_STATUS_OUTSIDE_CONE));
+  EXPECT_FALSE(failed(v1::ITEM_STATUS_BLACK));
+  EXPECT_TRUE(failed(v1::ITEM_STATUS_DEGENERATE));
+  EXPECT_TRUE(failed(v1::ITEM_STATUS_OUT_OF_RANGE));
+  EXPECT_TRUE(failed(v1::ITEM_STATUS_INVALID_INPUT));
+}
+
+TEST(Progress, TellsPartAndTimeLeft) {
+  EXPECT_EQ(cli::progress_line(0, 100, 5s), "[--------------------]   0%");
+  // A quarter took 25 s, three quarters take 75 s.
+  EXPECT_EQ(cli::progress_line(25, 100, 25s), "[#####---------------]  25%  ETA 1:15");
+  EXPECT_EQ(cli::progress_line(100, 100, 5s), "[####################] 100%");
+  EXPECT_EQ(cli::progress_line(999, 1000, 990s), "[###################-]  99%  ETA 0:01");
+  EXPECT_EQ(cli::progress_line(0, 0, 5s), "[--------------------]   0%");
+}
+
+}  // namespace
+}  // namespace lucerna

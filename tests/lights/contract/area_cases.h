@@ -1,0 +1,54 @@
+// What cases of area lights in the contract of all lights have in common.
+#pragma once
+
+#include <cmath>
+#include <optional>
+
+#include "tests/lights/contract/area_helpers.h"
+#include "tests/lights/contract/contract.h"
+
+namespace lucerna::testing {
+
+inline constexpr Rgb<double> kLevel{1, 2, 4};
+
+struct AreaCase : CaseDefaults {
+  /// Directions hold four roundings to float; densities of grazing ones magnify them.
+  static constexpr double kTolerance = 1e-5;
+  /// All of the light as seen from `receiver`: it lies within kSize of the origin.
+  static Region region(const Vec3<double>& receiver) {
+    return {normalized(-receiver), 1.05 * std::asin(1.5 / length(receiver))};
+  }
+  static Rgb<double> emitted(const Vec3<double>&, const Vec3<double>&) { return kLevel; }
+  static constexpr bool kConfined = true;
+};
+
+/// The hemisphere about `n`.
+inline Region hemisphere(const Vec3<double>& n) { return {normalized(n), kPi / 2}; }
+
+/// An angle about z as a share of `whole`.
+inline double share_of_turn(const Vec3<double>& p, double whole) {
+  const double phi = std::atan2(p.y, p.x);
+  return (phi < -1e-6 ? phi + 2 * kPi : phi) / whole;
+}
+
+/// pi L A by directions: cosine-weighted over the hemisphere, times the area.
+inline Rgb<double> lambertian_power(double area) {
+  return integrate(Region{{0, 0, 1}, kPi / 2}, 1000,
+                   [&](const Vec3<double>& w) { return kLevel * (area * w.z); });
+}
+
+/// Where the ray from `r` along `wi` meets the plane z = 0, from above; nothing otherwise.
+inline std::optional<Vec3<double>> from_above(const Vec3<double>& r, const Vec3<double>& wi) {
+  if (!(r.z > 0 && wi.z < 0)) return std::nullopt;
+  return r - wi * (r.z / wi.z);
+}
+
+/// Whether the light of a case has a closed form at its first receiver.
+template <typename Case>
+bool has_irradiance() {
+  Receiver<double> receiver(Case::receivers().front());
+  receiver.normal = {0, 0, 1};
+  return Case::template make<double>({}).irradiance(receiver).has_value();
+}
+
+}  // namespace lucerna::testing

@@ -1,0 +1,96 @@
+// What the tests of shapes and area lights share: illuminance by sampling, closed forms to hold it
+// against, and a test of uniformity.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "lights/models/area_light.h"
+#include "tests/lights/statistics.h"
+
+namespace lucerna::testing {
+
+inline constexpr double kPi = std::numbers::pi;
+
+/// A receiver for which points are chosen uniformly by area, whatever the light.
+template <typename Real>
+Receiver<Real> by_area(const Vec3<Real>& position) {
+  Receiver<Real> receiver(position);
+  receiver.area_sampling = AreaSampling::kLowDistortion;
+  return receiver;
+}
+
+/// A mean with its standard error.
+struct Estimate {
+  double mean = 0, standard_error = 0;
+};
+
+/// Unshadowed illuminance of the red channel at a surface with normal `n`, by `samples` independent
+/// samples of the light.
+template <typename Light, typename Real>
+Estimate illuminance(const Light& light, const Receiver<Real>& receiver, const Vec3<double>& n,
+                     std::uint64_t seed, int samples = 40000) {
+  RandomU random(seed);
+  double sum = 0, squares = 0;
+  for (int i = 0; i < samples; ++i) {
+    const auto s = light.sample_li(receiver, random.pair<Real>());
+    const double e = s.value.r * std::fmax(0, dot(n, Vec3<double>(s.wi))) / s.pdf.per_sr;
+    sum += e, squares += e * e;
+  }
+  const double mean = sum / samples;
+  const double variance = std::fmax(0, squares / samples - mean * mean);
+  return {mean, std::sqrt(variance / samples)};
+}
+/// The same at a place that says no more of itself.
+template <typename Light, typename Real>
+Estimate illuminance(const Light& light, const Vec3<Real>& receiver, const Vec3<double>& n,
+                     std::uint64_t seed, int samples = 40000) {
+  return illuminance(light, Receiver<Real>(receiver), n, seed, samples);
+}
+
+/// Passes where `e` is within 5.5 standard errors (by luck outside once in 2e7) and 1e-6 of the
+/// closed form, and where the standard error itself is below `relative` of it: a test that sees.
+inline void expect_estimates(const Estimate& e, double closed_form, double relative) {
+  EXPECT_LT(e.standard_error, relative * closed_form);
+  EXPECT_LE(std::fabs(e.mean - closed_form), 5.5 * e.standard_error + 1e-6 * closed_form)
+      << e.mean << " +- " << e.standard_error << ", should be " << closed_form;
+}
+
+/// Illuminance from a flat polygon of radiance 1 that lies wholly above the receiver's horizon:
+/// half the sum over its edges of the angle that the edge subtends times the cosine between the
+/// receiver's normal and that of the plane through edge and receiver.  (Lambert, Photometria, 1760)
+inline double lambert_polygon(const std::vector<Vec3<double>>& corners,
+                              const Vec3<double>& receiver, const Vec3<double>& n) {
+  double sum = 0;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const Vec3<double> a = corners[i] - receiver;
+    const Vec3<double> b = corners[(i + 1) % corners.size()] - receiver;
+    const Vec3<double> c = cross(a, b);
+    sum += std::atan2(length(c), dot(a, b)) * dot(normalized(c), n);
+  }
+  return std::fabs(sum) / 2;
+}
+
+/// The chance that values of [0, 1)^2 which should be uniform fall into 16 x 16 bins as they do.
+/// `next()` gives one.
+template <typename Next>
+double uniformity_p_value(Next&& next, int samples = 50000) {
+  constexpr int kBins = 16;
+  std::vector<double> observed(kBins * kBins),
+      expected(kBins * kBins, double(samples) / (kBins * kBins));
+  for (int i = 0; i < samples; ++i) {
+    const Vec2<double> p = next();
+    const auto bin = [](double x) { return std::min(std::max(int(x * kBins), 0), kBins - 1); };
+    ++observed[bin(p.x) * kBins + bin(p.y)];
+  }
+  return chi_square_p_value(observed, expected);
+}
+
+/// What a right sampler falls below once in 1e7.
+inline constexpr double kUnlikely = 1e-7;
+
+}  // namespace lucerna::testing

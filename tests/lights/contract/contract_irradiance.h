@@ -1,0 +1,146 @@
+// What lights owe that know their irradiance in closed form, as one typed suite; cases as those of
+// contract.h.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "lights/models/irradiance.h"
+#include "lights/sampling/sobol.h"
+#include "tests/lights/contract/contract.h"
+
+namespace lucerna::testing {
+
+template <typename Case>
+class LightWithIrradiance : public ::testing::Test {
+ public:
+  /// Facing the light's middle, beside it, and so that the horizon may cut it.
+  static std::vector<Receiver<double>> receivers() {
+    std::vector<Receiver<double>> all;
+    for (const Vec3<double>& position : Case::receivers()) {
+      const Vec3<double> to = normalized(Case::centre() - position);
+      const auto frame = Frame<double>::around(to == Vec3<double>{} ? Vec3<double>{0, 0, 1} : to);
+      for (const Vec3<double>& local : {Vec3<double>{0, 0, 1},
+                                        {0.6, 0, 0.8},
+                                        {0.8, -0.6, 0.125},
+                                        {-0.6, 0.8, -0.0625},
+                                        {0, 1, -0.375},
+                                        {0, 0, -1}}) {
+        Receiver<double> receiver(position);
+        receiver.normal = normalized(frame.world_from_local(local));
+        all.push_back(receiver);
+      }
+    }
+    return all;
+  }
+
+ protected:
+  LightWithIrradiance() { static_cast<void>(kTakesPart); }
+  static inline const bool kTakesPart =
+      takes_part<typename Case::template Light<float>>("LightWithIrradiance");
+};
+TYPED_TEST_SUITE_P(LightWithIrradiance);
+
+/// The mean over Sobol points of what samples say, with the standard error that independent
+/// randomisations of the points show, of the green channel.
+template <typename Light>
+std::pair<double, double> mean_of_samples(const Light& light, const Receiver<double>& receiver,
+                                          std::uint64_t item) {
+  constexpr int kReplicates = 16;
+  constexpr std::uint32_t kSamples = 4096;
+  double sum = 0, squares = 0;
+  for (int r = 0; r < kReplicates; ++r) {
+    const SobolSequence sequence(7, item, static_cast<std::uint64_t>(r));
+    double mean = 0;
+    for (std::uint32_t i = 0; i < kSamples; ++i) {
+      const Vec2<float> u = sequence.pair(i, 0);
+      const auto s = light.sample_li(receiver, {u.x, u.y});
+      if (s.reason == NoLight::kNone)
+        mean += s.value.g * std::fmax(0, dot(receiver.normal, s.wi)) / s.pdf.per_sr / kSamples;
+    }
+    sum += mean, squares += mean * mean;
+  }
+  const double mean = sum / kReplicates;
+  const double variance = std::fmax(0, squares / kReplicates - mean * mean) / (kReplicates - 1);
+  return {mean, std::sqrt(variance)};
+}
+
+TYPED_TEST_P(LightWithIrradiance, IsTheMeanOfSamples) {
+  const auto light = TypeParam::template make<double>({});
+  std::uint64_t item = 0;
+  int lit = 0;
+  for (const auto& receiver : TestFixture::receivers()) {
+    const auto lx = light.irradiance(receiver);
+    ASSERT_TRUE(lx);
+    const auto [mean, error] = mean_of_samples(light, receiver, ++item);
+    // Of 16 randomisations, outside of 12 standard errors by luck less than once in 1e8 (Student).
+    EXPECT_LE(std::fabs(lx->g - mean), 12 * error + 1e-9 * mean)
+        << mean << " +- " << error << " at " << item;
+    EXPECT_LE(error, 0.01 * std::fmax(mean, 0.01)) << "a test that sees";
+    lit += lx->g > 0;
+  }
+  EXPECT_GT(lit, 0);
+}
+
+TYPED_TEST_P(LightWithIrradiance, RigidMotionChangesNothing) {
+  const Placement placement = moved();
+  const auto light = TypeParam::template make<double>({});
+  const auto elsewhere = TypeParam::template make<double>(placement);
+  for (const auto& receiver : TestFixture::receivers()) {
+    Receiver<double> there(placement.point(receiver.position));
+    there.normal = placement.direction(receiver.normal);
+    const auto a = light.irradiance(receiver), b = elsewhere.irradiance(there);
+    ASSERT_TRUE(a && b);
+    EXPECT_LE(std::fabs(a->g - b->g), 1e-12 * std::fmax(1, a->g));
+  }
+}
+
+TYPED_TEST_P(LightWithIrradiance, ScalingByPowersOfTwoChangesNoBit) {
+  const auto light = TypeParam::template make<double>({});
+  for (const int k : {-20, -1, 3, 20}) {
+    const Placement placement{{}, k};
+    const auto scaled_light = TypeParam::template make<double>(placement);
+    for (const auto& receiver : TestFixture::receivers()) {
+      Receiver<double> there(placement.point(receiver.position));
+      there.normal = receiver.normal;
+      EXPECT_EQ(light.irradiance(receiver), scaled_light.irradiance(there));
+    }
+  }
+}
+
+TYPED_TEST_P(LightWithIrradiance, FloatAgreesWithDouble) {
+  const auto light = TypeParam::template make<double>({});
+  const auto in_float = TypeParam::template make<float>({});
+  for (const auto& receiver : TestFixture::receivers()) {
+    Receiver<float> rounded(Vec3<float>(receiver.position));
+    rounded.normal = Vec3<float>(receiver.normal);
+    const auto a = light.irradiance(receiver);
+    const auto b = in_float.irradiance(rounded);
+    ASSERT_TRUE(a && b);
+    EXPECT_LE(std::fabs(a->g - b->g), 1e-5 * std::fmax(0.1, a->g));
+  }
+}
+
+TYPED_TEST_P(LightWithIrradiance, HasNoAnswerWhereThereIsNone) {
+  const auto light = TypeParam::template make<double>({});
+  Receiver<double> receiver(TypeParam::receivers().front());
+  EXPECT_FALSE(light.irradiance(receiver)) << "without a normal all directions count alike";
+  receiver.normal = {0, 0, 1};
+  EXPECT_TRUE(light.irradiance(receiver));
+  for (const double bad : {std::nan(""), double{INFINITY}}) {
+    Receiver<double> nowhere = receiver, no_way = receiver;
+    nowhere.position.y = bad, no_way.normal.x = bad;
+    EXPECT_FALSE(light.irradiance(nowhere));
+    EXPECT_FALSE(light.irradiance(no_way));
+  }
+}
+
+REGISTER_TYPED_TEST_SUITE_P(LightWithIrradiance, IsTheMeanOfSamples, RigidMotionChangesNothing,
+                            ScalingByPowersOfTwoChangesNoBit, FloatAgreesWithDouble,
+                            HasNoAnswerWhereThereIsNone);
+
+}  // namespace lucerna::testing

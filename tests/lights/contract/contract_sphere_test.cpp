@@ -1,0 +1,121 @@
+// Spheres, whole and cut, put through the contract of all lights, with what they should answer
+// worked out here from solid geometry, not from the shape's code.
+#include <cmath>
+#include <vector>
+
+#include "lights/models/light.h"
+#include "tests/lights/contract/area_cases.h"
+#include "tests/lights/contract/contract_emission.h"
+#include "tests/lights/contract/contract_irradiance.h"
+
+namespace lucerna::testing {
+namespace {
+
+/// Whether the ray along `wi` passes within `radius` of the origin, with the slack of a float.
+bool meets_ball(const Vec3<double>& r, const Vec3<double>& wi, double radius) {
+  return length(cross(r, wi)) < radius * (1 + 1e-5);
+}
+
+struct SphereCase : AreaCase {
+  template <typename Real>
+  using Light = SphereLight<Real>;
+  template <typename Real>
+  static Light<Real> make(const Placement& at) {
+    return *Light<Real>::create(
+        {kLevel},
+        *Sphere<Real>::create({.radius_m = 0.75, .world_from_object = at.world_from_light()}));
+  }
+  static std::vector<Vec3<double>> receivers() { return {{2, 1, 2}, {0, 0, -1.75}, {0, 80, 60}}; }
+  static Region region(const Vec3<double>& r) {
+    return {normalized(-r), 1.05 * std::asin(0.75 / length(r))};
+  }
+  static Rgb<double> value(const Vec3<double>& r, const Vec3<double>& wi) {
+    return meets_ball(r, wi, 0.75) ? kLevel : Rgb<double>{};
+  }
+  static double distance_to_surface(const Vec3<double>& p) { return std::fabs(length(p) - 0.75); }
+  /// Equal heights of a sphere have equal areas. (Archimedes)
+  static Vec3<double> emission_position(const Vec3<double>&, double x, double y) {
+    const double z = 2 * x - 1, r = std::sqrt(1 - z * z);
+    return Vec3<double>{r * std::cos(2 * kPi * y), r * std::sin(2 * kPi * y), z} * 0.75;
+  }
+  static Vec2<double> emission_where(const Vec3<double>& p, const Vec3<double>&) {
+    return {(p.z / 0.75 + 1) / 2, share_of_turn(p, 2 * kPi)};
+  }
+  static double emission_area_m2() { return 4 * kPi * 0.75 * 0.75; }
+  static Vec3<double> emission_direction(const Vec3<double>& p) { return normalized(p); }
+  static Region emission_region(const Vec3<double>& p) { return hemisphere(p); }
+  static constexpr bool kConfined = false;
+  static Rgb<double> power_by_quadrature() { return lambertian_power(4 * kPi * 0.75 * 0.75); }
+};
+
+/// Seen from within, emitting inwards: none of it comes out.
+struct InwardSphereCase : SphereCase {
+  static constexpr bool kEnclosed = true;
+  template <typename Real>
+  static Light<Real> make(const Placement& at) {
+    return *Light<Real>::create(
+        {kLevel}, *Sphere<Real>::create({.radius_m = 0.75,
+                                         .reverse_orientation = true,
+                                         .world_from_object = at.world_from_light()}));
+  }
+  static std::vector<Vec3<double>> receivers() { return {{0, 0, 0}, {0.25, -0.25, 0.375}}; }
+  static Vec3<double> emission_direction(const Vec3<double>& p) { return normalized(-p); }
+  static Region emission_region(const Vec3<double>& p) { return hemisphere(-p); }
+  static Region region(const Vec3<double>&) { return {}; }
+};
+
+/// The cap z > 0.75 of a sphere of radius 1, emitting outwards.  Seen without its silhouette, where
+/// the density by area has a pole that no quadrature on a grid resolves.
+struct CapCase : AreaCase {
+  template <typename Real>
+  using Light = SphereLight<Real>;
+  template <typename Real>
+  static Light<Real> make(const Placement& at) {
+    return *Light<Real>::create(
+        {kLevel},
+        *Sphere<Real>::create(
+            {.radius_m = 1, .z_min_m = 0.75, .world_from_object = at.world_from_light()}));
+  }
+  static std::vector<Vec3<double>> receivers() { return {{0, 0.5, 3}, {1, 0, 3}}; }
+  static Rgb<double> value(const Vec3<double>& r, const Vec3<double>& wi) {
+    return meets_ball(r, wi, 1) ? kLevel : Rgb<double>{};
+  }
+  static double distance_to_surface(const Vec3<double>& p) {
+    return std::fmax(std::fabs(length(p) - 1), 0.75 - p.z);
+  }
+  static Vec3<double> emission_position(const Vec3<double>&, double x, double y) {
+    const double z = 0.75 + 0.25 * x, r = std::sqrt(1 - z * z);
+    return {r * std::cos(2 * kPi * y), r * std::sin(2 * kPi * y), z};
+  }
+  static Vec2<double> emission_where(const Vec3<double>& p, const Vec3<double>&) {
+    return {(p.z - 0.75) / 0.25, share_of_turn(p, 2 * kPi)};
+  }
+  static double emission_area_m2() { return 2 * kPi * 0.25; }
+  static Vec3<double> emission_direction(const Vec3<double>& p) { return normalized(p); }
+  static Region emission_region(const Vec3<double>& p) { return hemisphere(p); }
+  static Rgb<double> power_by_quadrature() { return lambertian_power(2 * kPi * 0.25); }
+};
+
+using SphereCases = ::testing::Types<SphereCase, InwardSphereCase, CapCase>;
+INSTANTIATE_TYPED_TEST_SUITE_P(Sphere, AnyLight, SphereCases);
+INSTANTIATE_TYPED_TEST_SUITE_P(Sphere, LightWithDensity, SphereCases);
+INSTANTIATE_TYPED_TEST_SUITE_P(Sphere, LocalLight, SphereCases);
+INSTANTIATE_TYPED_TEST_SUITE_P(Sphere, EmittingLight, SphereCases);
+INSTANTIATE_TYPED_TEST_SUITE_P(Sphere, EmittingDirections, SphereCases);
+INSTANTIATE_TYPED_TEST_SUITE_P(Sphere, BoundedLight, SphereCases);
+INSTANTIATE_TYPED_TEST_SUITE_P(Sphere, EmittingSurface, SphereCases);
+
+using SpheresInClosedForm = ::testing::Types<SphereCase, InwardSphereCase>;
+INSTANTIATE_TYPED_TEST_SUITE_P(Sphere, LightWithIrradiance, SpheresInClosedForm);
+
+TEST(LightWithIrradiance, WholeSpheresHaveOneAndCutOnesNone) {
+  EXPECT_TRUE(has_irradiance<SphereCase>());
+  EXPECT_FALSE(has_irradiance<CapCase>());
+}
+
+TEST(LightWithIrradiance, ASphereDoesNotHideItself) {
+  EXPECT_FALSE(SphereCase::make<double>({}).hides_itself());
+}
+
+}  // namespace
+}  // namespace lucerna::testing

@@ -1,0 +1,278 @@
+// The part of the contract that is about time, as a typed suite: a light under a moving transform
+// is, at each moment, the light that was created where it then stands.  A case says how to build
+// the light whose own space is mapped to the world by a rigid map:
+//
+//   struct MyCase : MovingCase {
+//     template <typename Real> static Light<Real> make(const Transform& world_from_light);
+//   };
+//   INSTANTIATE_TYPED_TEST_SUITE_P(MyLight, MovingLight, MyCase);
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "lights/models/light.h"
+#include "lights/models/posed_light.h"
+#include "tests/lights/contract/contract_checks.h"
+#include "tests/lights/contract/takes_part.h"
+
+namespace lucerna::testing {
+
+struct MovingCase {
+  static Rgb<double> level() { return {3, 5, 7}; }
+  /// By how much the radiance at a point may differ from that of the light created there: nothing
+  /// where it is the same all over.
+  static constexpr double kRadianceTolerance = 0;
+};
+
+// Receivers in world coordinates; some see the light at any of the times, none is in the plane of a
+// flat one.
+inline const std::vector<Vec3<double>> kTimeReceivers{
+    {0.1, 0.2, -0.3}, {1, 2.3, 3.7}, {-10, 50.5, 3}, {0.25, -0.5, 4.3}, {3, 3, -4}};
+
+inline std::vector<KeyTransform> keys() {
+  return {{0, Transform::translate({1, 2, 3}) * *Transform::rotate(0.4, {0, 1, 1})},
+          {2, Transform::translate({-1, 0, 1}) * *Transform::rotate(2.4, {1, 1, -2})},
+          {3, Transform::translate({0, 0, 4}) * *Transform::rotate(-1, {3, 0, 1})}};
+}
+
+template <typename Case>
+class MovingLight : public ::testing::Test {
+ protected:
+  MovingLight() { static_cast<void>(kTakesPart); }
+  static inline const bool kTakesPart =
+      takes_part<decltype(Case::template make<float>(Transform()))>("MovingLight");
+};
+TYPED_TEST_SUITE_P(MovingLight);
+
+// Where the light-space axes and origin are at time `t` by the rules themselves: the origin on a
+// line, the rotation R = R0 exp(t w) by repeated halving of the turn from one frame to the next.
+inline Transform transform_at(double t) {
+  const std::vector<KeyTransform> k = keys();
+  const std::size_t i = t < k[1].time_s ? 0 : 1;
+  const double part = (t - k[i].time_s) / (k[i + 1].time_s - k[i].time_s);
+  const Transform step = k[i + 1].world_from_light * k[i].world_from_light.inverse();
+  // Angle and axis from trace and antisymmetric part (none of the turns here is near 0 or pi).
+  const auto& m = step.matrix();
+  const double angle = std::acos((m[0][0] + m[1][1] + m[2][2] - 1) / 2);
+  const Vec3<double> axis{m[2][1] - m[1][2], m[0][2] - m[2][0], m[1][0] - m[0][1]};
+  const Vec3<double> a = k[i].world_from_light.point({}), b = k[i + 1].world_from_light.point({});
+  return Transform::translate(a + (b - a) * part) * *Transform::rotate(angle * part, axis) *
+         Transform::translate(-a) * k[i].world_from_light;
+}
+
+TYPED_TEST_P(MovingLight, EqualsTheLightCreatedWhereItStands) {
+  const Motion motion = *Motion::create(keys());
+  const auto first = TypeParam::template make<double>(keys()[0].world_from_light);
+  using Model = std::remove_const_t<decltype(first)>;
+  int lit = 0;
+  for (const double t : {0.0, 0.7, 2.0, 2.9, 3.0}) {
+    const auto moved = TypeParam::template make<double>(transform_at(t));
+    const Posed<double, Model> posed(first, motion.at(t));
+    RandomU random(11);
+    for (const auto& receiver : kTimeReceivers) {
+      for (int i = 0; i < 200; ++i) {
+        const Vec2<double> u = random.pair<double>();
+        const auto s = posed.sample_li(receiver, u);
+        if (s.reason != NoLight::kNone) {
+          // The frames of the warps may turn with the light: another point, but the same reason.
+          if (s.delta) {
+            EXPECT_EQ(moved.sample_li(receiver, u).reason, s.reason);
+          }
+          continue;
+        }
+        ++lit;
+        EXPECT_NEAR(length(s.wi), 1, 1e-14);
+        if (Model::kDelta) {
+          const auto m = moved.sample_li(receiver, u);
+          ASSERT_EQ(m.reason, NoLight::kNone);
+          EXPECT_LE(relative_difference(s.value, m.value), 1e-11);
+          EXPECT_LE(distance_between(s.wi, m.wi), 1e-12);
+          continue;
+        }
+        // A direction's density is that of all points along it, so no less than the sample's own.
+        const double pdf = moved.pdf_li(receiver, s.wi).per_sr;
+        EXPECT_LE(relative_difference(posed.pdf_li(receiver, s.wi).per_sr, pdf), 1e-7);
+        EXPECT_LE(s.pdf.per_sr, pdf * (1 + 1e-7));
+        if constexpr (requires { moved.le_escaped(receiver, s.wi); }) {
+          EXPECT_LE(relative_difference(s.value, moved.le_escaped(receiver, s.wi)), 1e-12);
+          EXPECT_LE(relative_difference(s.value, posed.le_escaped(receiver, s.wi)), 1e-12);
+        }
+        if constexpr (requires(SurfacePoint<double> p) { moved.le(p, s.wi); }) {
+          const SurfacePoint<double> point{s.point, s.normal, s.primitive};
+          EXPECT_LE(distance_between(receiver + s.wi * s.distance, s.point), 1e-12 * s.distance);
+          constexpr double kTolerance = TypeParam::kRadianceTolerance;
+          EXPECT_LE(relative_difference(s.value, moved.le(point, -s.wi)), kTolerance);
+          EXPECT_LE(relative_difference(s.value, posed.le(point, -s.wi)), kTolerance);
+          EXPECT_LE(relative_difference(posed.pdf_li(receiver, point).per_sr, s.pdf.per_sr), 1e-7);
+          EXPECT_LE(relative_difference(posed.pdf_li(receiver, point).per_sr,
+                                        moved.pdf_li(receiver, point).per_sr),
+                    1e-7);
+        }
+      }
+    }
+    const SceneSphere scene{{1, 2, 3}, 5};
+    EXPECT_LE(relative_difference(posed.power(scene).lumens, moved.power(scene).lumens), 1e-12);
+  }
+  EXPECT_GT(lit, 500);
+}
+
+TYPED_TEST_P(MovingLight, KeepsItsBitsWhereItDoesNotMove) {
+  const auto light = TypeParam::template make<float>(keys()[0].world_from_light);
+  const Posed<float, std::remove_const_t<decltype(light)>> posed(light,
+                                                                 Motion::create(keys())->at(0));
+  RandomU random(12);
+  for (const auto& receiver : kTimeReceivers) {
+    for (int i = 0; i < 200; ++i) {
+      const Vec2<float> u = random.pair();
+      const Vec3<float> r(receiver);
+      const auto s = light.sample_li(r, u), p = posed.sample_li(r, u);
+      EXPECT_EQ(s.reason, p.reason);
+      EXPECT_EQ(s.value, p.value);
+      EXPECT_EQ(s.wi, p.wi);
+      EXPECT_EQ(s.distance, p.distance);
+      EXPECT_EQ(s.point, p.point);
+      EXPECT_EQ(s.normal, p.normal);
+      EXPECT_EQ(s.pdf, p.pdf);
+      EXPECT_EQ(light.pdf_li(r, s.wi), posed.pdf_li(r, s.wi));
+      EXPECT_TRUE(check_well_formed(p).ok());
+    }
+  }
+}
+
+TYPED_TEST_P(MovingLight, ReceiversThatAreNoNumbersGiveAReason) {
+  const auto light = TypeParam::template make<float>(keys()[0].world_from_light);
+  const Posed<float, std::remove_const_t<decltype(light)>> posed(light,
+                                                                 Motion::create(keys())->at(1));
+  for (const float bad : {NAN, INFINITY, -INFINITY, 3e38F}) {
+    const Vec3<float> r{bad, bad, 0};
+    const auto s = posed.sample_li(r, {0.5F, 0.5F});
+    if (bad != 3e38F) {
+      EXPECT_NE(s.reason, NoLight::kNone);
+    }
+    EXPECT_TRUE(check_well_formed(s).ok());
+  }
+}
+
+TYPED_TEST_P(MovingLight, EmitsAsTheLightCreatedWhereItStands) {
+  const Motion motion = *Motion::create(keys());
+  const auto first = TypeParam::template make<double>(keys()[0].world_from_light);
+  using Model = std::remove_const_t<decltype(first)>;
+  const SceneSphere scene{{1, 2, 3}, 9};
+  int lit = 0;
+  for (const double t : {0.0, 0.7, 2.0, 2.9, 3.0}) {
+    const auto moved = TypeParam::template make<double>(transform_at(t));
+    const Posed<double, Model> posed(first, motion.at(t));
+    EXPECT_LE(relative_difference(posed.power_approximate(scene).lumens,
+                                  moved.power_approximate(scene).lumens),
+              1e-12);
+    RandomU random(13);
+    for (int i = 0; i < 200; ++i) {
+      const Vec2<double> u_position = random.pair<double>(), u_direction = random.pair<double>();
+      const auto s = posed.sample_le(u_position, u_direction, scene);
+      if (s.reason != NoLight::kNone) continue;
+      ++lit;
+      // Places are chosen in the light's own space: the same there, whose normal it is.
+      if (s.normal != Vec3<double>{}) {
+        const auto same = moved.sample_le(u_position, u_direction, scene);
+        EXPECT_LE(distance_between(s.origin, same.origin), 1e-13);
+        EXPECT_LE(distance_between(s.normal, same.normal), 1e-13);
+      }
+      if constexpr (requires { moved.shape().locate(s.origin, 1e-13); }) {
+        const auto at = moved.shape().locate(s.origin, 1e-13);
+        ASSERT_TRUE(at.has_value());
+        EXPECT_LE(relative_difference(s.value, moved.le(*at, s.direction)),
+                  TypeParam::kRadianceTolerance);
+      }
+      // Back along the ray lies what it came from.
+      if constexpr (requires { moved.le_escaped(s.origin, s.direction); }) {
+        EXPECT_LE(
+            relative_difference(s.value, moved.le_escaped(s.origin + s.direction, -s.direction)),
+            1e-12);
+      }
+      const EmissionPdf<double> own = posed.pdf_le(s.origin, s.direction, scene);
+      EXPECT_LE(relative_difference(own.position.per_m2, s.pdf_position.per_m2), 1e-7);
+      EXPECT_LE(relative_difference(own.direction.per_sr, s.pdf_direction.per_sr), 1e-7);
+      // Asked of the other light, a position of that light's own: points know theirs by its bits.
+      const auto there = moved.bounds();
+      const bool is_point = there && there->lower == there->upper;
+      if (is_point) {
+        EXPECT_LE(distance_between(s.origin, there->lower), 1e-14);
+      }
+      const Vec3<double> origin = is_point ? there->lower : s.origin;
+      const EmissionPdf<double> other = moved.pdf_le(origin, s.direction, scene);
+      EXPECT_LE(relative_difference(other.position.per_m2, s.pdf_position.per_m2), 1e-7);
+      EXPECT_LE(relative_difference(other.direction.per_sr, s.pdf_direction.per_sr), 1e-7);
+      // And nothing leaves from where it is not, or no longer is.
+      EXPECT_EQ(posed.pdf_le(s.origin + Vec3<double>{20, 30, 5}, s.direction, scene),
+                EmissionPdf<double>{});
+    }
+  }
+  EXPECT_GT(lit, 500);
+}
+
+// A float far from zero is coarser than the light about its own origin by the distance over the
+// light's size: positions must be found all the same.  (Rays from infinity start at the scene's own
+// sphere, which a scene's origin is never far from.)
+TYPED_TEST_P(MovingLight, KnowsItsOwnPositionsFarOff) {
+  const auto first = TypeParam::template make<float>(keys()[0].world_from_light);
+  const bool is_portal = requires { first.params().corners_m; };
+  if (!first.bounds() && !is_portal) return;
+  const Motion motion = Motion::create(keys())->about({}, {-3000, 700, 50});
+  const SceneSphere scene{{3000, -700, -50}, 9};
+  for (const double t : {0.0, 0.7, 2.9}) {
+    const Posed<float, std::remove_const_t<decltype(first)>> posed(first, motion.at(t));
+    RandomU random(14);
+    for (int i = 0; i < 100; ++i) {
+      const auto s = posed.sample_le(random.pair(), random.pair(), scene);
+      if (s.reason != NoLight::kNone) continue;
+      const EmissionPdf<float> own = posed.pdf_le(s.origin, s.direction, scene);
+      EXPECT_EQ(own.position.per_m2 > 0, s.pdf_position.per_m2 > 0);
+      EXPECT_EQ(own.direction.per_sr > 0, s.pdf_direction.per_sr > 0);
+    }
+  }
+}
+
+TYPED_TEST_P(MovingLight, BoundsHoldWhatLeavesItAtTheTime) {
+  const Motion motion = *Motion::create(keys());
+  const auto first = TypeParam::template make<float>(keys()[0].world_from_light);
+  const SceneSphere scene{{1, 2, 3}, 9};
+  for (const double t : {0.0, 0.7, 2.9}) {
+    const Posed<float, std::remove_const_t<decltype(first)>> posed(first, motion.at(t));
+    const auto bounds = posed.bounds();
+    ASSERT_EQ(bounds.has_value(), first.bounds().has_value());
+    if (!bounds) continue;
+    const auto moved = *TypeParam::template make<float>(transform_at(t)).bounds();
+    RandomU random(15);
+    for (int i = 0; i < 500; ++i) {
+      const auto s = posed.sample_le(random.pair(), random.pair(), scene);
+      if (s.reason != NoLight::kNone) continue;
+      for (int axis = 0; axis < 3; ++axis) {
+        EXPECT_GE(s.origin[axis], bounds->lower[axis]);
+        EXPECT_LE(s.origin[axis], bounds->upper[axis]);
+      }
+      EXPECT_LE(std::atan2(length(cross(Vec3<double>(bounds->axis), Vec3<double>(s.direction))),
+                           dot(Vec3<double>(bounds->axis), Vec3<double>(s.direction))),
+                bounds->cone_rad + 1e-12);
+      for (int far = 1; far < 9; far += 7)
+        EXPECT_TRUE(bounds->reaches(s.origin + s.direction * static_cast<float>(far)));
+    }
+    // And no more than a turned box asks for: no longer than the diagonal of the light's own.
+    const double diagonal =
+        distance_between(first.bounds()->lower, first.bounds()->upper) * (1 + 1e-6) + 1e-5;
+    for (int axis = 0; axis < 3; ++axis) {
+      EXPECT_LE(bounds->upper[axis] - bounds->lower[axis], diagonal);
+      EXPECT_GE(moved.upper[axis] + 1e-5, bounds->lower[axis]);
+    }
+    EXPECT_NEAR(bounds->cone_rad, moved.cone_rad, 2e-5);
+  }
+}
+
+REGISTER_TYPED_TEST_SUITE_P(MovingLight, EqualsTheLightCreatedWhereItStands,
+                            KeepsItsBitsWhereItDoesNotMove, ReceiversThatAreNoNumbersGiveAReason,
+                            EmitsAsTheLightCreatedWhereItStands, KnowsItsOwnPositionsFarOff,
+                            BoundsHoldWhatLeavesItAtTheTime);
+
+}  // namespace lucerna::testing

@@ -1,0 +1,156 @@
+// The lights without a surface, as cases of the contract suites: what each should answer, worked
+// out here and not by the lights' code.
+#pragma once
+
+#include <numbers>
+
+#include "lights/models/distant_light.h"
+#include "lights/models/infinite_light.h"
+#include "lights/models/point_light.h"
+#include "lights/models/spot_light.h"
+#include "tests/lights/contract/contract.h"
+
+namespace lucerna::testing {
+
+inline constexpr double kPi = std::numbers::pi;
+inline const Rgb<double> kDeltaLevel{3, 5, 7};
+
+/// Composite Simpson's rule on 2 n intervals.
+template <typename F>
+inline double simpson(double a, double b, int n, F&& f) {
+  const double h = (b - a) / (2 * n);
+  double sum = f(a) + f(b);
+  for (int i = 1; i < 2 * n; ++i) sum += f(a + i * h) * (i % 2 == 1 ? 4 : 2);
+  return sum * h / 3;
+}
+
+/// 0 where `wi` points from `receiver` to `target`, not a number elsewhere: a wrong direction
+/// spoils the expected value.
+inline double zero_if_towards(const Vec3<double>& target, const Vec3<double>& receiver,
+                              const Vec3<double>& wi) {
+  const Vec3<double> d = target - receiver;
+  const bool towards = length(cross(d, wi)) < 1e-6 * length(d) && dot(d, wi) > 0;
+  return towards ? 0 : NAN;
+}
+
+struct LocalDeltaCase : CaseDefaults {
+  static constexpr int kValueLengthPower = -2;
+  static constexpr int kPowerLengthPower = 0;
+  // The light's arithmetic is in double; one rounding to float is left.
+  static constexpr double kTolerance = 0x1p-23;
+  static Vec3<double> position() { return {0.25, -0.5, 1}; }
+  // Distances count from the point itself, so that its 1/d^2 is exact in the far field too, and
+  // directions to it stay the same, however its intensity changes with them.
+  static Vec3<double> centre() { return position(); }
+  static double distance_to_surface(const Vec3<double>& p) { return length(p - position()); }
+};
+
+struct PointCase : LocalDeltaCase {
+  template <typename Real>
+  using Light = PointLight<Real>;
+  template <typename Real>
+  static PointLight<Real> make(const Placement& placement) {
+    return *PointLight<Real>::create(
+        {.position_m = placement.point(position()), .intensity_cd = kDeltaLevel});
+  }
+  static std::vector<Vec3<double>> receivers() {
+    return {{0, 0, 0}, {1, 2, 3}, {-100, 50.5, 3}, {0.25, -0.5, 1 + 0x1p-10}};
+  }
+  static Rgb<double> value(const Vec3<double>& receiver, const Vec3<double>& wi) {
+    const Vec3<double> d = position() - receiver;
+    return kDeltaLevel * (1 / dot(d, d) + zero_if_towards(position(), receiver, wi));
+  }
+  /// The flux through a cube of side 2 about the light: six times that through one face.
+  static Rgb<double> power_by_quadrature() {
+    return kDeltaLevel * (6 * simpson(-1, 1, 100, [](double x) {
+                            return simpson(-1, 1, 100, [x](double y) {
+                              return std::pow(1 + x * x + y * y, -1.5);
+                            });
+                          }));
+  }
+};
+
+/// Angles as a spot's edge; the falloff from pbrt-v4's description: smoothstep in the cosine.
+template <int kConeMilliradians, int kStartMilliradians,
+          SpotProfile kProfile = SpotProfile::kSmoothstep>
+struct SpotCase : LocalDeltaCase {
+  static constexpr double kCone = kConeMilliradians * 1e-3, kStart = kStartMilliradians * 1e-3;
+  template <typename Real>
+  using Light = SpotLight<Real>;
+  static Vec3<double> axis() { return {0, 0, -1}; }
+  static Vec3<double> far_direction() { return axis(); }
+  template <typename Real>
+  static SpotLight<Real> make(const Placement& placement) {
+    return *SpotLight<Real>::create({.position_m = placement.point(position()),
+                                     .axis = placement.direction(axis()) * 2.0,
+                                     .intensity_cd = kDeltaLevel,
+                                     .cone_half_angle_rad = kCone,
+                                     .falloff_start_rad = kStart,
+                                     .profile = kProfile});
+  }
+  static std::vector<Vec3<double>> receivers() {
+    return {{0.25, -0.5, -2}, {0.75, -0.25, -1}, {1, -0.5, -0.5}, {0, 0.5, -100}};
+  }
+  static double falloff(double theta) {
+    if (theta <= kStart) return 1;
+    if (theta >= kCone) return 0;
+    const double t = (std::cos(theta) - std::cos(kCone)) / (std::cos(kStart) - std::cos(kCone));
+    return kProfile == SpotProfile::kQuartic ? std::pow(t, 4) : 3 * t * t - 2 * t * t * t;
+  }
+  static Rgb<double> value(const Vec3<double>& receiver, const Vec3<double>& wi) {
+    const Vec3<double> d = position() - receiver;
+    const double theta = std::atan2(length(cross(-d, axis())), dot(-d, axis()));
+    return kDeltaLevel * (falloff(theta) / dot(d, d) + zero_if_towards(position(), receiver, wi));
+  }
+  static Rgb<double> power_by_quadrature() {
+    const auto ring = [](double theta) { return falloff(theta) * 2 * kPi * std::sin(theta); };
+    // Not across the hard edge itself, where Simpson's rule would be wrong.
+    const double edge = kStart < kCone ? simpson(kStart, kCone, 500, ring) : 0;
+    return kDeltaLevel * (simpson(0, kStart, 500, ring) + edge);
+  }
+};
+using SoftSpotCase = SpotCase<700, 300>;
+using HardSpotCase = SpotCase<600, 600>;
+using QuarticSpotCase = SpotCase<900, 400, SpotProfile::kQuartic>;
+using WideSpotCase = SpotCase<3000, 1800>;
+
+struct DistantCase : CaseDefaults {
+  template <typename Real>
+  using Light = DistantLight<Real>;
+  static Vec3<double> to_light() { return {1, 2, 2}; }
+  template <typename Real>
+  static DistantLight<Real> make(const Placement& placement) {
+    return *DistantLight<Real>::create(
+        {.to_light = placement.direction(to_light()), .illuminance_lx = kDeltaLevel});
+  }
+  static std::vector<Vec3<double>> receivers() { return {{0, 0, 0}, {1e6, -3, 0x1p-40}}; }
+  static Rgb<double> value(const Vec3<double>&, const Vec3<double>& wi) {
+    return kDeltaLevel * (1 + zero_if_towards(to_light(), {}, wi));
+  }
+  /// Through the disk that the scene's sphere of radius 4 covers, ring by ring.
+  static Rgb<double> power_by_quadrature() {
+    return kDeltaLevel * simpson(0, 4, 10, [](double r) { return 2 * kPi * r; });
+  }
+};
+
+struct InfiniteCase : CaseDefaults {
+  template <typename Real>
+  using Light = UniformInfiniteLight<Real>;
+  template <typename Real>
+  static UniformInfiniteLight<Real> make(const Placement&) {
+    return *UniformInfiniteLight<Real>::create({.radiance_cd_m2 = kDeltaLevel});
+  }
+  static std::vector<Vec3<double>> receivers() { return {{0, 0, 0}, {1e6, -3, 5}}; }
+  static Region region(const Vec3<double>&) { return {}; }
+  static Rgb<double> value(const Vec3<double>&, const Vec3<double>&) { return kDeltaLevel; }
+  /// What enters the scene's sphere of radius 4: at each point of its surface the radiance of a
+  /// hemisphere, weighted with the cosine.
+  static Rgb<double> power_by_quadrature() {
+    const Vec3<double> n{0, 0, 1};
+    const double area = 4 * kPi * 4 * 4;
+    return integrate(Region{n, kPi / 2}, 400,
+                     [&](const Vec3<double>& w) { return kDeltaLevel * (area * dot(w, n)); });
+  }
+};
+
+}  // namespace lucerna::testing

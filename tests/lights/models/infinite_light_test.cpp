@@ -1,0 +1,70 @@
+#include "lights/models/infinite_light.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/lights/statistics.h"
+
+namespace lucerna {
+namespace {
+
+using ::testing::HasSubstr;
+
+UniformInfiniteLight<float> light_of(double radiance) {
+  return *UniformInfiniteLight<float>::create({.radiance_cd_m2 = Rgb<double>(radiance)});
+}
+
+TEST(UniformInfiniteLight, DensityIsOneOverFourPiInEveryDirection) {
+  const auto light = light_of(1);
+  EXPECT_FLOAT_EQ(light.pdf_li({0, 0, 0}, {0, 0, 1}).per_sr, 0.07957747F);
+  EXPECT_FLOAT_EQ(light.pdf_li({1, 2, 3}, {0.6F, -0.8F, 0}).per_sr, 0.07957747F);
+  EXPECT_FLOAT_EQ(light.sample_li({}, {0.3F, 0.7F}).pdf.per_sr, 0.07957747F);
+  EXPECT_EQ(light.pdf_li({}, {NAN, 0, 0}).per_sr, 0);
+}
+
+TEST(UniformInfiniteLight, EscapedRaysMeetItsRadiance) {
+  const auto light = *UniformInfiniteLight<float>::create({.radiance_cd_m2 = {1, 2, 3}});
+  EXPECT_EQ(light.le_escaped({5, 6, 7}, {0, 1, 0}), Rgb<float>(1, 2, 3));
+}
+
+// A surface under a uniform sky of radiance L receives pi L.  Of 20000 samples the standard error
+// is L pi sqrt(5/3 / 20000) = 0.0287 L (E[(4 pi cos+)^2] = 16 pi^2 / 6); 5.5 of them are passed
+// less than once in 1e7.
+TEST(UniformInfiniteLight, GivesPiTimesRadianceOnAnOpenSurface) {
+  const auto light = light_of(2);
+  testing::RandomU random(11);
+  constexpr int kSamples = 20000;
+  double sum = 0;
+  for (int i = 0; i < kSamples; ++i) {
+    const auto s = light.sample_li({1, 2, 3}, random.pair());
+    sum += double{s.value.g} * std::fmax(0.F, s.wi.y) / s.pdf.per_sr;
+  }
+  EXPECT_NEAR(sum / kSamples, 2 * 3.14159265, 5.5 * 2 * 0.0287);
+}
+
+// 4 pi^2 L R^2, by hand for L = 1/2, R = 2: 8 pi^2.
+TEST(UniformInfiniteLight, PowerIsTheFluxThroughTheScenesDiskFromAllDirections) {
+  EXPECT_DOUBLE_EQ(light_of(0.5).power({{1, 1, 1}, 2}).lumens.b, 78.95683520871486);
+}
+
+TEST(UniformInfiniteLight, BlackLightSaysSoAndHasNoPowerEvenWithoutBounds) {
+  const auto light = light_of(0);
+  EXPECT_EQ(light.sample_li({}, {}).reason, NoLight::kBlack);
+  EXPECT_EQ(light.pdf_li({}, {0, 0, 1}).per_sr, 0);
+  EXPECT_EQ(light.power({{}, INFINITY}).lumens, Rgb<double>());
+}
+
+TEST(UniformInfiniteLight, CreateNamesFieldValueAndWhatIsAllowed) {
+  const auto status =
+      UniformInfiniteLight<float>::create({.radiance_cd_m2 = {1, 1e39, 1}}).status();
+  EXPECT_EQ(std::string(status.message()),
+            "infinite.radiance = (1, 1e+39, 1) cd/m2, allowed: each channel finite, from 0 to "
+            "3.4e+38");
+  EXPECT_FALSE(UniformInfiniteLight<float>::create({.radiance_cd_m2 = {NAN, 1, 1}}).ok());
+  EXPECT_FALSE(UniformInfiniteLight<float>::create({.radiance_cd_m2 = {1, 1, -1e-30}}).ok());
+}
+
+}  // namespace
+}  // namespace lucerna

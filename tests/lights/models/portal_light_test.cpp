@@ -1,0 +1,212 @@
+#include "lights/models/portal_light.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "tests/lights/statistics.h"
+
+namespace lucerna {
+namespace {
+
+using testing::RandomU;
+
+constexpr double kPi = std::numbers::pi;
+
+/// Around [0, width] x [0, height] at `z`, light from above.
+std::array<Vec3<double>, 4> window(double width, double height, double z) {
+  return {{{0, 0, z}, {0, height, z}, {width, height, z}, {width, 0, z}}};
+}
+
+template <typename Real = float>
+PortalLight<Real> portal(const std::array<Vec3<double>, 4>& corners,
+                         std::shared_ptr<const SphereMap> map = nullptr) {
+  return *PortalLight<Real>::create({.map = std::move(map), .corners_m = corners});
+}
+
+std::shared_ptr<const SphereMap> square_map(std::vector<Rgb<float>> texels) {
+  const int n = static_cast<int>(std::lround(std::sqrt(double(texels.size()))));
+  return *SphereMap::create(*Image::create(n, n, std::move(texels)), SphereMapping::kEqualArea,
+                            ImageFilter::kNearest);
+}
+
+/// The illuminance on a surface that faces +z, by n samples, and its standard error.
+struct Mean {
+  double lx, error;
+};
+template <typename Real>
+Mean illuminance(const PortalLight<Real>& light, const Vec3<Real>& receiver, int n) {
+  RandomU random(7);
+  double sum = 0, squares = 0;
+  for (int i = 0; i < n; ++i) {
+    const auto s = light.sample_li(receiver, random.pair<Real>());
+    if (s.reason != NoLight::kNone) continue;
+    const double x = double{luminance(s.value)} * s.wi.z / s.pdf.per_sr;
+    sum += x;
+    squares += x * x;
+  }
+  const double mean = sum / n;
+  return {mean, std::sqrt(std::fmax(0, squares / n - mean * mean) / n)};
+}
+
+TEST(PortalLight, AUniformSkyThroughAWindowGivesLambertsFormFactor) {
+  // A rectangle above one of its corners: with a = width / d and b = height / d,
+  // E = L / 2 (a / sqrt(1 + a^2) atan(b / sqrt(1 + a^2)) + the same with a and b exchanged).
+  for (const double d : {0.01, 0.5, 1.0, 30.0, 1e4}) {
+    const auto light = portal(window(2, 3, d));
+    const auto part = [](double a, double b) {
+      const double s = std::sqrt(1 + a * a);
+      return a / s * std::atan(b / s) / 2;
+    };
+    const double expected = part(2 / d, 3 / d) + part(3 / d, 2 / d);
+    const Mean got = illuminance(light, Vec3<float>(0, 0, 0), 100000);
+    // 5.5 standard errors: by luck less than once in 1e7.
+    EXPECT_NEAR(got.lx, expected, 5.5 * got.error + 1e-5 * expected) << d;
+    EXPECT_LE(got.error, 0.01 * expected) << d;
+  }
+}
+
+TEST(PortalLight, FarPortalsHaveTheDensityOfTheirSolidAngle) {
+  for (const double d : {1e3, 1e6, 1e9, 1e15}) {
+    const auto light = portal(window(2, 3, d));
+    const auto s = light.sample_li({1, 1.5F, 0}, {0.75F, 0.25F});
+    ASSERT_EQ(s.reason, NoLight::kNone);
+    EXPECT_NEAR(s.pdf.per_sr * (6 / d / d), 1, 1e-5) << d;
+    EXPECT_EQ(light.pdf_li({1, 1.5F, 0}, s.wi), s.pdf);
+  }
+}
+
+TEST(PortalLight, OnlyWhatGoesThroughTheRectangleFromInsideMeetsTheSky) {
+  const auto light = portal(window(2, 3, 1));
+  const Vec3<float> inside{1, 1, 0};
+  const auto towards = [&](float x, float y) { return normalized(Vec3<float>{x, y, 1} - inside); };
+  EXPECT_EQ(light.le_escaped(inside, towards(0.001F, 0.001F)), Rgb<float>(1));
+  EXPECT_EQ(light.le_escaped(inside, towards(1.999F, 2.999F)), Rgb<float>(1));
+  for (const Vec3<float>& w : {towards(-0.001F, 1), towards(2.001F, 1), towards(1, -0.001F),
+                               towards(1, 3.001F), -towards(1, 1), Vec3<float>{1, 0, 0}}) {
+    EXPECT_TRUE(light.le_escaped(inside, w).is_black());
+    EXPECT_EQ(light.pdf_li(inside, w).per_sr, 0);
+  }
+  // From the other side, outwards and inwards.
+  EXPECT_TRUE(light.le_escaped({1, 1, 2}, {0, 0, 1}).is_black());
+  EXPECT_TRUE(light.le_escaped({1, 1, 2}, {0, 0, -1}).is_black());
+}
+
+TEST(PortalLight, ReceiversThatSeeNoneOfItGetAReason) {
+  const auto light = portal(window(2, 3, 1));
+  const auto reason = [&](const Vec3<float>& r) {
+    const auto s = light.sample_li(r, {0.5F, 0.5F});
+    EXPECT_TRUE(s.value.is_black());
+    EXPECT_EQ(light.pdf_li(r, {0, 0, 1}).per_sr, 0);
+    return s.reason;
+  };
+  EXPECT_EQ(reason({1, 1, 2}), NoLight::kBehind);
+  EXPECT_EQ(reason({-1, 1, 1}), NoLight::kBehind);  // in its plane, beside it
+  EXPECT_EQ(reason({1, 1, 1}), NoLight::kDegenerate);
+  EXPECT_EQ(reason({0, 0, 1}), NoLight::kDegenerate);
+  EXPECT_EQ(reason({NAN, 0, 0}), NoLight::kOutOfRange);
+  // 1e-30 m below the plane the window is the whole hemisphere: still an answer.
+  const auto near = portal<double>(window(2, 3, 1e-30));
+  EXPECT_NEAR(illuminance(near, Vec3<double>(1, 1, 0), 100000).lx, kPi, 0.1);
+}
+
+TEST(PortalLight, PowerIsTheFluxThroughItWhateverTheScene) {
+  const auto light = portal(window(2, 3, 1));
+  for (const SceneSphere& scene : {SceneSphere{}, SceneSphere{{1, 2, 3}, 1e6}}) {
+    const Power power = light.power(scene);
+    EXPECT_NEAR(power.lumens.r, kPi * 6, 1e-12);
+    EXPECT_EQ(power.error_lumens, 0);
+    const Power approximate = light.power_approximate(scene);
+    EXPECT_NEAR(approximate.lumens.r, 2 * kPi * 6, 1e-12);
+    EXPECT_NEAR(approximate.error_lumens, kPi * 6, 1e-9);
+  }
+}
+
+TEST(PortalLight, ABlackMapAndBlackPartsOfItSaySo) {
+  const auto black = portal(window(2, 3, 1), square_map(std::vector<Rgb<float>>(16)));
+  EXPECT_EQ(black.sample_li({1, 1, 0}, {0.5F, 0.5F}).reason, NoLight::kBlack);
+  EXPECT_EQ(black.pdf_li({1, 1, 0}, {0, 0, 1}).per_sr, 0);
+  EXPECT_EQ(black.sample_le({0.5F, 0.5F}, {0.5F, 0.5F}, {}).reason, NoLight::kBlack);
+  EXPECT_TRUE(black.power({}).lumens.is_black());
+  // Lit below the horizon only: nothing of it comes through.
+  std::vector<Rgb<float>> below(16, Rgb<float>(1));
+  for (const int i : {5, 6, 9, 10}) below[static_cast<std::size_t>(i)] = {};
+  const auto dark = portal(window(2, 3, 100), square_map(below));
+  EXPECT_EQ(dark.sample_li({1, 1, 0}, {0.5F, 0.5F}).reason, NoLight::kBlack);
+}
+
+TEST(PortalLight, ATexelOfABillionAndItsNeighboursBothCount) {
+  // The texel about +z from x, y > 0 is 1e9 brighter than the other three that the window shows.
+  std::vector<Rgb<float>> texels(16, Rgb<float>(1));
+  texels[10] = Rgb<float>(1e9F);
+  const auto light = portal({{{-1, -1, 4}, {-1, 1, 4}, {1, 1, 4}, {1, -1, 4}}}, square_map(texels));
+  // A quarter of the window's form factor is the bright one.
+  const double a = 0.25, s = std::sqrt(1 + a * a);
+  const double quarter = a / s * std::atan(a / s);
+  const Mean got = illuminance(light, Vec3<float>(0, 0, 0), 200000);
+  EXPECT_NEAR(got.lx, quarter * (1e9 + 3), 5.5 * got.error);
+  EXPECT_LE(got.error, 1e-3 * quarter * 1e9);
+  // From where only the others are seen it is as if it did not shine.
+  const Mean others = illuminance(light, Vec3<float>(8, 8, 0), 20000);
+  EXPECT_LE(others.lx, kPi);
+  EXPECT_LE(others.error, 0.01 * others.lx);
+}
+
+TEST(PortalLight, CornersThatAreNearlyARectangleAreTakenAsTheirMean) {
+  auto corners = window(2, 3, 1);
+  corners[2].x += 0.001;
+  const auto light = portal<double>(corners);
+  EXPECT_NEAR(light.portal_area_m2(), 6.0015, 1e-5);
+}
+
+TEST(PortalLight, CreateNamesWhatIsWrong) {
+  const auto error = [](PortalLightParams p) {
+    return std::string(PortalLight<float>::create(p).status().message());
+  };
+  const PortalLightParams good{.corners_m = window(2, 3, 1)};
+  EXPECT_TRUE(PortalLight<float>::create(good).ok());
+  PortalLightParams p = good;
+  p.corners_m[2].x += 0.01;
+  EXPECT_THAT(error(p), ::testing::HasSubstr("(2.01, 3, 1)"));
+  EXPECT_THAT(error(p), ::testing::HasSubstr("around a rectangle"));
+  p = good;
+  std::swap(p.corners_m[1], p.corners_m[2]);
+  EXPECT_THAT(error(p), ::testing::HasSubstr("one after another"));
+  p = good;
+  p.corners_m = window(0, 3, 1);
+  EXPECT_THAT(error(p), ::testing::HasSubstr("around a rectangle"));
+  p = good;
+  p.corners_m[0].z = NAN;
+  EXPECT_THAT(error(p), ::testing::HasSubstr("infinite.portal"));
+  p = good;
+  p.radiance_cd_m2 = {1, -2, 1};
+  EXPECT_THAT(error(p), ::testing::HasSubstr("-2"));
+  p = good;
+  p.map = square_map({Rgb<float>(4)});
+  p.radiance_cd_m2 = Rgb<double>(3e38);
+  EXPECT_THAT(error(p), ::testing::HasSubstr("brightest texel"));
+  p = good;
+  p.world_from_map = *Transform::scale({1, 2, 1});
+  EXPECT_THAT(error(p), ::testing::HasSubstr("unequal scale"));
+}
+
+TEST(PortalLight, NoSampleIsLostWhereItIsSeenFlat) {
+  // 0.02 m by 1 m seen from 100 m beside its short edge, 0.01 m below its plane, so that all its
+  // directions are within 2e-4 of its axis y; in a frame in which rounding turns all three.
+  const Vec3<double> x = normalized(Vec3<double>{2, 3, 6}), y = normalized(Vec3<double>{-6, -2, 3}),
+                     z = cross(x, y);
+  const Vec3<double> corner = y * 100 - x * 0.01 + z * 0.01;
+  const auto light =
+      portal({{corner, corner + y * 1.0, corner + y * 1.0 + x * 0.02, corner + x * 0.02}});
+  RandomU random(11);
+  for (int i = 0; i < 10000; ++i) {
+    const auto s = light.sample_li(Vec3<float>{}, random.pair<float>());
+    ASSERT_EQ(s.reason, NoLight::kNone) << i;
+    ASSERT_EQ(light.pdf_li(Vec3<float>{}, s.wi), s.pdf);
+  }
+}
+
+}  // namespace
+}  // namespace lucerna

@@ -1,0 +1,268 @@
+#include "lights/shapes/bilinear_patch.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/lights/contract/area_helpers.h"
+
+namespace lucerna::testing {
+namespace {
+
+constexpr double kFar = std::numeric_limits<double>::infinity();
+
+/// z = x y over the unit square: a saddle, whose normal is (-y, -x, 1).
+const BilinearPatch<double> kSaddle{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 1}};
+/// A trapezoid in the plane x = 2, from base y = 0..4 to top y = 1..2 at height 3.
+const BilinearPatch<double> kTrapezoid{{2, 0, 0}, {2, 4, 0}, {2, 1, 3}, {2, 2, 3}};
+
+TEST(BilinearPatch, AreaOfFlatPatchesIsExact) {
+  const BilinearPatch<float> rectangle{{1, 1, 1}, {4, 1, 1}, {1, 3, 1}, {4, 3, 1}};
+  EXPECT_EQ(rectangle.area(), 6);
+  EXPECT_DOUBLE_EQ(kTrapezoid.area(), 7.5);
+  // A corner on a corner: the triangle with legs 2 and 1.
+  const BilinearPatch<float> triangle{{0, 0, 0}, {2, 0, 0}, {0, 1, 0}, {0, 1, 0}};
+  EXPECT_DOUBLE_EQ(triangle.area(), 1);
+  const BilinearPatch<float> line{{0, 0, 0}, {2, 0, 0}, {0, 0, 0}, {2, 0, 0}};
+  EXPECT_EQ(line.area(), 0);
+}
+
+TEST(BilinearPatch, AreaOfTheSaddleAgreesWithAFineGrid) {
+  constexpr int kGrid = 2000;
+  double sum = 0;
+  for (int i = 0; i < kGrid; ++i)
+    for (int j = 0; j < kGrid; ++j) {
+      const double x = (i + 0.5) / kGrid, y = (j + 0.5) / kGrid;
+      sum += std::sqrt(1 + x * x + y * y);
+    }
+  EXPECT_NEAR(kSaddle.area() / (sum / kGrid / kGrid), 1, 1e-6);
+}
+
+TEST(BilinearPatch, AreaOfAConcaveQuadrangleCountsItsFold) {
+  // The corner (1/4, 1/4) is dented within the triangle of the others: dp/du x dp/dv is
+  // 1 - 3/4 (u + v), the integral of its absolute value 1/4 + 2 (integral of the negative part);
+  // that is over the triangle u + v > 4/3 of legs 2/3: 3/4 (2/3)^3 / 6 = 1/27.
+  const BilinearPatch<double> dart{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.25, 0.25, 0}};
+  EXPECT_NEAR(dart.area(), 0.25 + 2. / 27, 1e-6);
+}
+
+TEST(BilinearPatch, AreaOfABowTieCountsBothLoops) {
+  // Its sides cross in the middle: two triangles of base 1 and height 1/2, one of each orientation.
+  const BilinearPatch<double> bow{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+  const BilinearPatchArea area = bow.measure();
+  EXPECT_NEAR(area.m2, 0.5, 1e-12);
+  EXPECT_LE(std::fabs(area.m2 - 0.5), area.error_m2 + 1e-15);
+  // Points are chosen by the weights at the corners, here all alike, and crowd towards the middle:
+  // dp/du x dp/dv is 1 - 2 v, 1/2 a quarter of the way up.
+  EXPECT_NEAR(bow.pdf_area({0.5, 0.25, 0}).per_m2, 2, 1e-12);
+}
+
+/// The area of a patch apart from the code's way: in long double, along u in closed form, along v
+/// by two Gauss points in each of many strips.
+double area_by_strips(const BilinearPatch<double>& p) {
+  using Wide = Vec3<long double>;
+  const Wide p00(p.p00), p10(p.p10), p01(p.p01), p11(p.p11);
+  const Wide twist = p11 - p10 - p01 + p00;
+  const Wide change = cross(p10 - p00, twist);  // of dp/du x dp/dv along u
+  const long double a = dot(change, change);
+  // The integral of sqrt(a t^2 + d2) from 0 to t.
+  const auto root = [a](long double t, long double d2) {
+    const long double s = std::sqrt(a * t * t + d2);
+    const long double more = d2 > 0 ? d2 / std::sqrt(a) * std::asinh(std::sqrt(a / d2) * t) : 0;
+    return (t * s + more) / 2;
+  };
+  constexpr int kStrips = 20000;
+  const long double node = 0.5L / std::sqrt(3.0L);
+  long double sum = 0;
+  for (int i = 0; i < 2 * kStrips; ++i) {
+    const long double v = (i / 2 + 0.5L + (i % 2 == 0 ? -node : node)) / kStrips;
+    const Wide n = cross(p10 - p00 + twist * v, p01 - p00);
+    const Wide off = cross(n, change);
+    const long double nearest = -dot(n, change) / a, d2 = dot(off, off) / a;
+    sum += root(1 - nearest, d2) - root(-nearest, d2);
+  }
+  return static_cast<double>(sum / (2 * kStrips));
+}
+
+TEST(BilinearPatch, AreaByQuadratureIsWithinItsError) {
+  RandomU random(46);
+  const auto coordinate = [&] { return 4.0 * random.next() - 2; };
+  int precise = 0;
+  for (int i = 0; i < 100; ++i) {
+    BilinearPatch<double> p;
+    for (auto* corner : {&p.p00, &p.p10, &p.p01, &p.p11})
+      *corner = {coordinate(), coordinate(), coordinate()};
+    const BilinearPatchArea area = p.measure();
+    EXPECT_GT(area.error_m2, 0);
+    EXPECT_NEAR(area.m2, area_by_strips(p), area.error_m2 + 1e-12 * area.m2) << i;
+    precise += area.error_m2 <= 1e-8 * area.m2 ? 1 : 0;
+  }
+  EXPECT_GE(precise, 90);
+  const BilinearPatchArea saddle = kSaddle.measure();
+  EXPECT_GT(saddle.error_m2, 0);
+  EXPECT_NEAR(saddle.m2, area_by_strips(kSaddle), saddle.error_m2);
+  EXPECT_LE(saddle.error_m2, 1e-8 * saddle.m2);
+  // Folded along a line: less precise, and it says so.
+  const BilinearPatchArea dart =
+      BilinearPatch<double>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.25, 0.25, 0}}.measure();
+  EXPECT_NEAR(dart.m2, 0.25 + 2. / 27, dart.error_m2);
+  EXPECT_LE(dart.error_m2, 1e-4 * dart.m2);
+  EXPECT_EQ(kTrapezoid.measure().error_m2, 0);
+}
+
+TEST(BilinearPatch, WhatIsFlatOrBentIsSoAtAnySize) {
+  for (const double size : {1e-90, 1e-45, 1.0, 1e40, 1e85}) {
+    const auto scaled = [size](BilinearPatch<double> p) {
+      for (auto* corner : {&p.p00, &p.p10, &p.p01, &p.p11}) *corner = *corner * size;
+      return p;
+    };
+    const double saddle = scaled(kSaddle).area() / (size * size);
+    EXPECT_NEAR(saddle, kSaddle.area(), 1e-12) << size;
+    EXPECT_GT(scaled(kSaddle).measure().error_m2, 0) << size;
+    EXPECT_NEAR(scaled(kTrapezoid).area() / (size * size), 7.5, 1e-12) << size;
+    EXPECT_EQ(scaled(kTrapezoid).measure().error_m2, 0) << size;
+    EXPECT_TRUE(scaled(kSaddle).is_unfolded()) << size;
+  }
+}
+
+TEST(BilinearPatch, NormalIsTheCrossProductOfTheDerivatives) {
+  const Vec3<double> expected = normalized(Vec3<double>(-0.75, -0.25, 1));
+  EXPECT_LT(length(kSaddle.normal({0.25, 0.75}) - expected), 1e-15);
+  EXPECT_LT(length(kTrapezoid.normal({0.5, 0.5}) - Vec3<double>(1, 0, 0)), 1e-15);
+  EXPECT_EQ(kSaddle.at({0.25, 0.75}), Vec3<double>(0.25, 0.75, 0.1875));
+}
+
+TEST(BilinearPatch, SamplesOfATrapezoidAreUniformByArea) {
+  // Shares of area: below the height z lie z (4 + (4 - z)) / 2 of 7.5, z / 3 along each side.
+  RandomU random(41);
+  const auto share = [](const Vec3<double>& p) {
+    const double t = p.z / 3, left = t, right = 4 - 2 * t;
+    return Vec2<double>{p.z * (8 - p.z) / 15, (p.y - left) / (right - left)};
+  };
+  EXPECT_GT(uniformity_p_value(
+                [&] { return share(kTrapezoid.sample_area(random.pair<double>()).position); }),
+            kUnlikely);
+  // The companion: (u, v) itself crowds the short side.
+  EXPECT_LT(uniformity_p_value([&] { return share(kTrapezoid.at(random.pair<double>())); }),
+            kUnlikely);
+}
+
+/// The chance of the saddle's samples under `density(x, y)` by area, in 16 x 16 cells of (x, y).
+template <typename Density>
+double saddle_p_value(Density&& density) {
+  constexpr int kBins = 16, kSub = 8, kSamples = 100000;
+  std::vector<double> observed(kBins * kBins), expected(kBins * kBins);
+  RandomU random(42);
+  for (int i = 0; i < kSamples; ++i) {
+    const auto p = kSaddle.sample_area(random.pair<double>()).position;
+    ++observed[std::min(int(p.x * kBins), kBins - 1) * kBins +
+               std::min(int(p.y * kBins), kBins - 1)];
+  }
+  constexpr int kFine = kBins * kSub;
+  for (int i = 0; i < kFine; ++i)
+    for (int j = 0; j < kFine; ++j) {
+      const double x = (i + 0.5) / kFine, y = (j + 0.5) / kFine;
+      expected[i / kSub * kBins + j / kSub] +=
+          density(x, y) * std::sqrt(1 + x * x + y * y) * kSamples / (kFine * kFine);
+    }
+  return chi_square_p_value(observed, expected);
+}
+
+TEST(BilinearPatch, SamplesOfTheSaddleFollowTheirDensity) {
+  EXPECT_GT(saddle_p_value([](double x, double y) {
+              return kSaddle.pdf_area({x, y, x * y}).per_m2;
+            }),
+            kUnlikely);
+  // The companion: as if (u, v) were uniform.
+  EXPECT_LT(saddle_p_value([](double x, double y) { return 1 / std::sqrt(1 + x * x + y * y); }),
+            kUnlikely);
+}
+
+TEST(BilinearPatch, DensityFindsItsPointForPatchesOfManyForms) {
+  // Weights at the corners over the share of area, both known at (u, v) itself.
+  RandomU random(43);
+  const auto coordinate = [&] { return 4.0 * random.next() - 2; };
+  for (int patch = 0; patch < 200; ++patch) {
+    BilinearPatch<double> p;
+    for (auto* corner : {&p.p00, &p.p10, &p.p01, &p.p11})
+      *corner = {coordinate(), coordinate(), coordinate()};
+    const auto derivative_cross = [&](double u, double v) {
+      const auto du = (p.p10 - p.p00) * (1 - v) + (p.p11 - p.p01) * v;
+      const auto dv = (p.p01 - p.p00) * (1 - u) + (p.p11 - p.p10) * u;
+      return length(cross(du, dv));
+    };
+    const double w[4] = {derivative_cross(0, 0), derivative_cross(1, 0), derivative_cross(0, 1),
+                         derivative_cross(1, 1)};
+    for (int i = 0; i < 50; ++i) {
+      const double u = random.next(), v = random.next();
+      const double weight = (1 - v) * ((1 - u) * w[0] + u * w[1]) + v * ((1 - u) * w[2] + u * w[3]);
+      const double expected = weight / ((w[0] + w[1] + w[2] + w[3]) / 4) / derivative_cross(u, v);
+      EXPECT_NEAR(p.pdf_area(p.at({u, v})).per_m2 / expected, 1, 1e-6) << patch;
+    }
+  }
+}
+
+TEST(BilinearPatch, DensityWhereAPatchFoldsOverItselfCountsBothLayers) {
+  // On the diagonal x = u - 3/4 u^2, which u = 1/2 and u = 5/6 share.  There |dp/du x dp/dv| =
+  // |1 - 3/2 u| is 1/4 both times; at the corners it is 1, 1/4, 1/4, 1/2, of mean 1/2; the weights
+  // between them are 1/2 and 4/9.
+  const BilinearPatch<double> dart{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.25, 0.25, 0}};
+  const double expected = (0.5 + 4. / 9) / 0.25 / 0.5;
+  EXPECT_NEAR(dart.pdf_area(dart.at({0.5, 0.5})).per_m2 / expected, 1, 1e-9);
+  EXPECT_NEAR(dart.pdf_area(dart.at({5. / 6, 5. / 6})).per_m2 / expected, 1, 1e-9);
+}
+
+TEST(BilinearPatch, RaysHitTheSaddleWhereItIs) {
+  RandomU random(44);
+  for (int i = 0; i < 2000; ++i) {
+    const double x = 1.5 * random.next() - 0.25, y = 1.5 * random.next() - 0.25;
+    Vec2<double> uv;
+    const auto hit = kSaddle.intersect({x, y, 9}, {0, 0, -3}, 0, kFar, &uv);
+    ASSERT_EQ(hit.has_value(), x >= 0 && y >= 0 && x <= 1 && y <= 1);
+    if (!hit) continue;
+    EXPECT_NEAR(hit->t, (9 - x * y) / 3, 1e-14);
+    EXPECT_NEAR(hit->point.position.z, x * y, 1e-15);
+    EXPECT_NEAR(uv.x, x, 1e-14);
+    EXPECT_NEAR(uv.y, y, 1e-14);
+    EXPECT_LT(length(hit->point.normal - normalized(Vec3<double>(-y, -x, 1))), 1e-14);
+  }
+}
+
+TEST(BilinearPatch, RaysMayHitTwiceAndTheNearestComesFirst) {
+  // Along x = y at z = 1/4 + t/8: t^2 = z twice, from whichever end.
+  const Vec3<double> origin{-1, -1, 0.0625}, direction{1, 1, 0.125};
+  // Points s (1, 1, 1/8) + origin: (s - 1)^2 = 1/16 + s/8: s = 17/16 -+ sqrt((17/16)^2 - 15/16).
+  const double root = std::sqrt(17. * 17 / 256 - 15. / 16);
+  const auto found = kSaddle.hits(origin, direction, 0, kFar);
+  ASSERT_EQ(found.count, 1);  // the other lies at x = s - 1 < 0
+  EXPECT_NEAR(found.hit[0].t, 17. / 16 + root, 1e-14);
+  const BilinearPatch<double> wide{{-1, -1, 1}, {1, -1, -1}, {-1, 1, -1}, {1, 1, 1}};  // z = x y
+  for (const double sign : {1., -1.}) {
+    const auto both = wide.hits({-2 * sign, -2 * sign, 0.25}, {sign, sign, 0}, 0, kFar);
+    ASSERT_EQ(both.count, 2);  // x = y = -+ 1/2
+    EXPECT_NEAR(both.hit[0].t, 1.5, 1e-14);
+    EXPECT_NEAR(both.hit[1].t, 2.5, 1e-14);
+  }
+}
+
+TEST(BilinearPatch, EdgesBelongToItAndFarRaysStillHit) {
+  const BilinearPatch<float> square{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}};
+  for (const float x : {0.F, 0.5F, 1.F})
+    for (const float y : {0.F, 0.25F, 1.F})
+      for (const float z : {1.F, 1e6F})
+        EXPECT_TRUE(square.intersect({x, y, z}, {0, 0, -1}, 0, INFINITY)) << x << y << z;
+  EXPECT_FALSE(square.intersect({1.0001F, 0.5F, 1}, {0, 0, -1}, 0, INFINITY));
+  EXPECT_FALSE(square.intersect({-1, 0.5F, 0}, {1, 0, 0}, 0, INFINITY));
+  EXPECT_FALSE(square.intersect({0.5F, 0.5F, NAN}, {0, 0, -1}, 0, INFINITY));
+  EXPECT_FALSE(square.intersect({0.5F, 0.5F, 1}, {0, 0, 0}, 0, INFINITY));
+}
+
+TEST(BilinearPatch, SamplesLieOnThePatchForExtremeSampleValues) {
+  for (const double x : {0., 1 - 0x1p-24, 1.})
+    for (const double y : {0., 1 - 0x1p-24, 1.}) {
+      const auto p = kSaddle.sample_area({x, y}).position;
+      EXPECT_NEAR(p.z, p.x * p.y, 1e-15);
+      EXPECT_TRUE(p.x >= 0 && p.x <= 1 && p.y >= 0 && p.y <= 1);
+    }
+}
+
+}  // namespace
+}  // namespace lucerna::testing

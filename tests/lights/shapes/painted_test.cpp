@@ -1,0 +1,303 @@
+#include "lights/shapes/painted.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "lights/models/light.h"
+#include "tests/lights/contract/area_helpers.h"
+#include "tests/lights/grey_picture.h"
+
+namespace lucerna::testing {
+namespace {
+
+using ::testing::HasSubstr;
+
+PaintedPatchMesh<double> screen(Picture picture, std::vector<Vec2<float>> corner_uv = {}) {
+  return *PaintedPatchMesh<double>::create(
+      *PatchMesh<double>::create({{{0, 0, 0}, {2, 0, 0}, {0, 1, 0}, {2, 1, 0}}}),
+      std::move(picture), std::move(corner_uv));
+}
+
+/// Value over density of position is the same for all rays: nothing varies but the cosine, which
+/// is taken as it comes.
+template <typename Shape>
+void expect_no_variance(const Shape& shape) {
+  RandomU random(3);
+  double first = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const auto s = shape.sample({Vec3<double>{0.3, 0.2, 5}}, random.pair<double>());
+    const double ratio = luminance(shape.tint(s.point)) / shape.pdf_area(s.point).per_m2;
+    if (i == 0) first = ratio;
+    EXPECT_NEAR(ratio, first, 1e-9 * first);
+  }
+  EXPECT_NEAR(first, luminance(shape.painted_area().m2), 1e-9 * first);
+}
+
+TEST(Painted, PointsAreChosenInProportionWhereTheMapKeepsArea) {
+  const std::vector<float> values{1, 5, 0.25F, 3, 9, 2};
+  for (const ImageFilter filter : {ImageFilter::kNearest, ImageFilter::kBilinear}) {
+    expect_no_variance(screen(grey(3, 2, values, filter)));
+    expect_no_variance(*PaintedCylinder<double>::create(
+        *Cylinder<double>::create({.radius_m = 0.5, .reverse_orientation = true}),
+        grey(3, 2, values, filter)));
+  }
+  // Texel by texel on curved shapes too.
+  expect_no_variance(
+      *PaintedDisk<double>::create(*Disk<double>::create({.radius_m = 2}), grey(3, 2, values)));
+  expect_no_variance(
+      *PaintedSphere<double>::create(*Sphere<double>::create({}), grey(3, 2, values)));
+}
+
+TEST(Painted, CoordinatesAreThoseOfPbrt4) {
+  const auto uv_on = [](const auto& shape, const Vec3<double>& p) {
+    return shape.uv({p, {0, 0, 1}});
+  };
+  const Picture one = grey(1, 1, {1});
+  const auto expect_uv = [](Vec2<double> uv, double u, double v) {
+    EXPECT_NEAR(uv.x, u, 1e-12);
+    EXPECT_NEAR(uv.y, v, 1e-12);
+  };
+  const auto disk = *PaintedDisk<double>::create(
+      *Disk<double>::create({.radius_m = 2, .inner_radius_m = 1}), one);
+  expect_uv(uv_on(disk, {0, 2, 0}), 0.25, 0);
+  expect_uv(uv_on(disk, {-1.5, 0, 0}), 0.5, 0.5);
+  const auto sphere = *PaintedSphere<double>::create(*Sphere<double>::create({}), one);
+  expect_uv(uv_on(sphere, {0, 0, -1}), 0, 0);
+  expect_uv(uv_on(sphere, {0, -1, 0}), 0.75, 0.5);
+  expect_uv(uv_on(sphere, {std::sqrt(0.5), 0, std::sqrt(0.5)}), 0, 0.75);
+  const auto tube = *PaintedCylinder<double>::create(
+      *Cylinder<double>::create({.z_min_m = 1, .z_max_m = 3, .phi_max_rad = kPi}), one);
+  expect_uv(uv_on(tube, {0, 1, 2.5}), 0.5, 0.75);
+  expect_uv(uv_on(screen(one), {1.5, 0.25, 0}), 0.75, 0.25);
+}
+
+TEST(Painted, TheFirstRowOfThePictureIsAtTheTop) {
+  const auto shape = screen(grey(2, 2, {1, 2, 3, 4}));
+  EXPECT_EQ(shape.tint({{0.5, 0.75, 0}, {0, 0, 1}}).r, 1);
+  EXPECT_EQ(shape.tint({{1.5, 0.75, 0}, {0, 0, 1}}).r, 2);
+  EXPECT_EQ(shape.tint({{0.5, 0.25, 0}, {0, 0, 1}}).r, 3);
+  EXPECT_EQ(shape.tint({{1.5, 0.25, 0}, {0, 0, 1}}).r, 4);
+}
+
+TEST(Painted, BlackTexelsAreNeverChosen) {
+  const auto shape = screen(grey(4, 1, {0, 1e9F, 1, 0}));
+  RandomU random(4);
+  int faint = 0;
+  for (int i = 0; i < 10000; ++i) {
+    const auto s = shape.sample(Vec3<double>{1, 1, 1}, random.pair<double>());
+    EXPECT_GT(s.point.position.x, 0.5);
+    EXPECT_LT(s.point.position.x, 1.5);
+    faint += s.point.position.x > 1 ? 1 : 0;
+  }
+  EXPECT_LE(faint, 1);  // 1e-5 expected
+  // And one that does not vanish beside 1e9 is found where u says so.
+  const auto s = shape.sample(Vec3<double>{1, 1, 1}, Vec2<double>{1, 0.5});
+  EXPECT_GT(s.point.position.x, 1);
+  EXPECT_GT(s.pdf.per_sr, 0);
+}
+
+TEST(Painted, ABlackPictureIsABlackLight) {
+  const auto light =
+      *AreaLight<double, PaintedPatchMesh>::create({Rgb<double>(1)}, screen(grey(2, 1, {0, 0})));
+  const auto s = light.sample_li(Vec3<double>{1, 0.5, 1}, {0.25, 0.5});
+  EXPECT_EQ(s.reason, NoLight::kBlack);
+  EXPECT_GT(s.pdf.per_sr, 0);
+  EXPECT_EQ(light.sample_le({0.5, 0.5}, {0.5, 0.5}, {}).reason, NoLight::kBlack);
+  EXPECT_TRUE(light.power({}).lumens.is_black());
+}
+
+TEST(Painted, PowerOfADiskWeighsRowsByTheirRings) {
+  // v = 1 - r on a whole disk: the upper row is the inner half of the radius, a quarter of area.
+  const auto light = *AreaLight<double, PaintedDisk>::create(
+      {Rgb<double>(10)},
+      *PaintedDisk<double>::create(*Disk<double>::create({}), grey(1, 2, {4, 1})));
+  EXPECT_NEAR(light.power({}).lumens.g, 10 * kPi * kPi * (4 * 0.25 + 1 * 0.75), 1e-10);
+  EXPECT_EQ(light.power({}).error_lumens, 0);
+  // pbrt's Phi takes half of each.
+  const Power phi = light.power_approximate({});
+  EXPECT_NEAR(phi.lumens.g, 10 * kPi * kPi * 2.5, 1e-10);
+  EXPECT_NEAR(phi.error_lumens, 10 * kPi * kPi * 0.75, 1e-10);
+}
+
+TEST(Painted, PowerOfASphereWeighsRowsByTheirZones) {
+  // Zones of 45 degrees, the polar ones of 1 - cos(45 degrees) of the hemisphere each.
+  const auto light = *AreaLight<double, PaintedSphere>::create(
+      {Rgb<double>(1)},
+      *PaintedSphere<double>::create(*Sphere<double>::create({}), grey(1, 4, {3, 1, 5, 7})));
+  const double polar = (1 - std::sqrt(0.5)) / 2, equatorial = std::sqrt(0.5) / 2;
+  EXPECT_NEAR(light.power({}).lumens.r, 4 * kPi * kPi * ((3 + 7) * polar + (1 + 5) * equatorial),
+              1e-10);
+}
+
+/// The mean of `weight` with the density `area` on [from, to], by Simpson's rule in long double;
+/// both are polynomials or nearly so in between.
+template <typename Weight, typename Area>
+long double integral(long double from, long double to, const Weight& weight, const Area& area) {
+  constexpr int kSteps = 100;
+  long double sum = 0;
+  for (int i = 0; i <= kSteps; ++i) {
+    const long double at = from + (to - from) * i / kSteps;
+    sum += weight(at) * area(at) * (i == 0 || i == kSteps ? 1 : i % 2 == 1 ? 4 : 2);
+  }
+  return sum * (to - from) / (3 * kSteps);
+}
+
+TEST(Painted, OneRowOfManyIsWeighedToTheLastDigits) {
+  // The row's part runs over its own height, or for the bilinear filter from the centre above to
+  // the centre below.  `area`: the share of the surface in a unit of the row coordinate, in rows
+  // from the end `upper`.
+  const auto row_share = [](ImageFilter filter, int k, const auto& area) {
+    const auto one = [](long double) { return 1.0L; };
+    if (filter == ImageFilter::kNearest) return integral(k, k + 1.0L, one, area);
+    const long double middle = k + 0.5L;
+    const auto tent = [middle](long double at) { return 1 - std::fabs(at - middle); };
+    return (k == 0 ? integral(0, middle, one, area) : integral(middle - 1, middle, tent, area)) +
+           integral(middle, middle + 1, tent, area);
+  };
+  constexpr long double kWidePi = std::numbers::pi_v<long double>;
+  for (const int n : {4096, 32768})
+    for (const ImageFilter filter : {ImageFilter::kNearest, ImageFilter::kBilinear})
+      for (const int k : {0, 1, n / 8})
+        for (const bool from_top : {true, false}) {
+          std::vector<float> rows(static_cast<std::size_t>(n));
+          rows[static_cast<std::size_t>(from_top ? k : n - 1 - k)] = 1;
+          const Picture picture = grey(1, n, rows, filter);
+          const std::string where =
+              fmt::format("row {} of {} from the {}", k, n, from_top ? "top" : "bottom");
+          const double sphere = PaintedSphere<double>::create(*Sphere<double>::create({}), picture)
+                                    ->painted_area()
+                                    .m2.g /
+                                (4 * kPi);
+          const long double zone = row_share(filter, k, [n](long double at) {
+            return std::sin(kWidePi * at / n) * kWidePi / (2 * n);
+          });
+          EXPECT_NEAR(sphere / static_cast<double>(zone), 1, 2e-15) << where;
+          // The top row of a picture is at the disk's inner edge.
+          const double disk =
+              PaintedDisk<double>::create(*Disk<double>::create({}), picture)->painted_area().m2.g /
+              kPi;
+          const long double ring = row_share(
+              filter, k, [&](long double at) { return 2 * (from_top ? at : n - at) / n / n; });
+          EXPECT_NEAR(disk / static_cast<double>(ring), 1, 2e-15) << where;
+        }
+}
+
+TEST(Painted, PowerOfASaddleIsWithinItsError) {
+  const auto p = [](double x, double y) { return Vec3<double>{x, y, x * y}; };
+  const Picture picture = grey(2, 2, {1, 6, 3, 2}, ImageFilter::kBilinear);
+  const auto saddle = *PaintedPatchMesh<double>::create(
+      *PatchMesh<double>::create({{p(-1, -1), p(1, -1), p(-1, 1), p(1, 1)}}), picture);
+  constexpr int kGrid = 2000;
+  double sum = 0;
+  for (int i = 0; i < kGrid; ++i)
+    for (int j = 0; j < kGrid; ++j) {
+      const double u = (i + 0.5) / kGrid, v = (j + 0.5) / kGrid;
+      const double x = 2 * u - 1, y = 2 * v - 1;
+      sum += picture.at({u, v}).r * std::sqrt(1 + x * x + y * y) * 4 / (double(kGrid) * kGrid);
+    }
+  const PaintedArea& area = saddle.painted_area();
+  EXPECT_GT(area.error_m2, 0);
+  EXPECT_LT(area.error_m2, 1e-3 * sum);
+  EXPECT_NEAR(area.m2.r, sum, area.error_m2 + 1e-6 * sum);
+}
+
+TEST(Painted, PatchesThatShowAPartAreSampledByAreaAndMeasuredByPoints) {
+  // The right half of the picture on a square: texels 5 and 9.
+  const auto shape = screen(grey(2, 2, {1, 5, 2, 9}), {{0.5F, 0}, {1, 0}, {0.5F, 1}, {1, 1}});
+  EXPECT_FALSE(shape.is_by_picture());
+  const PaintedArea& area = shape.painted_area();
+  EXPECT_NEAR(area.m2.r, 5 + 9, area.error_m2);
+  EXPECT_LT(area.error_m2, 0.02 * 14);
+}
+
+TEST(Painted, PartsFinerThanThePointsAreMeasuredWithinTheirError) {
+  // Half of a picture whose every other column is lit, the first or the second; and of one texel.
+  std::vector<float> even(1024), odd(1024), one(1024);
+  for (std::size_t x = 0; x < 1024; ++x) (x % 2 == 0 ? even : odd)[x] = 1;
+  one[301] = 1;
+  const auto measured = [](const std::vector<float>& texels) {
+    return screen(grey(1024, 1, texels), {{0, 0}, {1, 0}, {0, 0.5F}, {1, 0.5F}}).painted_area();
+  };
+  for (const auto& texels : {even, odd}) {
+    const PaintedArea area = measured(texels);
+    EXPECT_NEAR(area.m2.r, 1, area.error_m2);
+    EXPECT_GT(area.m2.r, 0);
+  }
+  const PaintedArea area = measured(one);
+  EXPECT_NEAR(area.m2.r, 2.0 / 1024, area.error_m2);
+  EXPECT_GT(area.m2.r, 0);  // a light that shines must be found
+}
+
+TEST(Painted, TwoTrianglesThatShowItTogetherAreSampledByThePicture) {
+  const std::vector<float> values{1, 5, 0.25F, 3, 9, 2};
+  const auto two = [&](std::vector<Vec2<float>> uv) {
+    return *PaintedTriangleMesh<double>::create(
+        *TriangleMesh<double>::create(
+            {{{0, 0, 0}, {2, 0, 0}, {2, 1, 0}}, {{0, 0, 0}, {2, 1, 0}, {0, 1, 0}}}),
+        grey(3, 2, values), std::move(uv));
+  };
+  expect_no_variance(two({{0, 0}, {1, 0}, {1, 1}, {0, 0}, {1, 1}, {0, 1}}));
+  expect_no_variance(two({{1, 1}, {1, 0}, {0, 0}, {1, 1}, {0, 0}, {0, 1}}));
+  // The same half twice, and a part.
+  EXPECT_FALSE(two({{0, 0}, {1, 0}, {1, 1}, {0, 0}, {1, 0}, {1, 1}}).is_by_picture());
+  EXPECT_FALSE(two({{0, 0}, {0.5F, 0}, {1, 1}, {0, 0}, {1, 1}, {0, 1}}).is_by_picture());
+}
+
+TEST(Painted, TrianglesOfAnySizeShowThePictureAtItsPlace) {
+  for (const double size : {1e-100, 1e-70, 1.0, 1e78, 1e100, 1e150}) {
+    const auto shape = *PaintedTriangleMesh<double>::create(
+        *TriangleMesh<double>::create({{{0, 0, 0}, {2 * size, 0, 0}, {0, size, 0}}}),
+        grey(2, 1, {1, 5}), {{0, 0}, {1, 0}, {0, 1}});
+    const Vec2<double> uv = shape.uv({{0.5 * size, 0.25 * size, 0}, {0, 0, 1}});
+    EXPECT_NEAR(uv.x, 0.25, 1e-14) << size;
+    EXPECT_NEAR(uv.y, 0.25, 1e-14) << size;
+  }
+}
+
+TEST(Painted, AZoneThinnerThanItsAnglesTellIsAPicturesToo) {
+  for (double z = 0.4; z < 0.6; z += 0.01) {
+    const auto sphere = *Sphere<double>::create({.z_min_m = z, .z_max_m = std::nextafter(z, 1.0)});
+    const auto shape = *PaintedSphere<double>::create(sphere, grey(1, 2, {2, 2}));
+    EXPECT_NEAR(shape.painted_area().m2.r, 2 * sphere.area(), 1e-12 * sphere.area()) << z;
+    const auto s = shape.sample({Vec3<double>{0, 0, 3}}, {0.25, 0.75});
+    EXPECT_EQ(shape.tint(s.point).r, 2) << z;
+    EXPECT_TRUE(std::isfinite(shape.uv(s.point).y)) << z;
+    EXPECT_GT(s.pdf.per_sr, 0) << z;
+  }
+}
+
+TEST(Painted, AFoldedPatchIsSampledByArea) {
+  // A bow tie: its sides cross.
+  const auto bow = *PaintedPatchMesh<double>::create(
+      *PatchMesh<double>::create({{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}}),
+      grey(2, 1, {1, 2}));
+  EXPECT_FALSE(bow.is_by_picture());
+}
+
+TEST(Painted, CornersThatAreNoneAreRefused) {
+  const auto mesh = *TriangleMesh<float>::create({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}});
+  const auto without = PaintedTriangleMesh<float>::create(mesh, grey(1, 1, {1}));
+  EXPECT_THAT(std::string(without.status().message()),
+              HasSubstr("corner_uv has 0 entries, allowed: one for each of 3 corners"));
+  const auto bad =
+      PaintedTriangleMesh<float>::create(mesh, grey(1, 1, {1}), {{0, 0}, {1, 0}, {0, INFINITY}});
+  EXPECT_THAT(std::string(bad.status().message()), HasSubstr("corner_uv[2]"));
+}
+
+TEST(Painted, ATexelTimesTheLevelMustFit) {
+  const auto light = AreaLight<float, PaintedDisk>::create(
+      {Rgb<double>(1e30)},
+      *PaintedDisk<float>::create(*Disk<float>::create({}), grey(1, 1, {1e10F})));
+  EXPECT_THAT(std::string(light.status().message()),
+              HasSubstr("area.radiance of the brightest texel = (1"));
+}
+
+// ---- Integrals of pictures. ----
+
+}  // namespace
+}  // namespace lucerna::testing

@@ -1,0 +1,129 @@
+#include "lights/shapes/triangle.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "tests/lights/contract/area_helpers.h"
+
+namespace lucerna::testing {
+namespace {
+
+constexpr double kFar = std::numeric_limits<double>::infinity();
+
+/// Barycentric coordinates (of b and of c) in the triangle a = 0, b = (2, 0, 1), c = (0, 4, 0).
+const Triangle<double> kSkewed{{0, 0, 0}, {2, 0, 1}, {0, 4, 0}};
+Vec2<double> barycentric(const Vec3<double>& p) { return {p.x / 2, p.y / 4}; }
+
+/// Equal areas of the triangle x, y > 0, x + y < 1 as equal areas of the unit square: the share of
+/// area to the left of the line, and how far along it.
+Vec2<double> flattened(const Vec2<double>& b) {
+  return {1 - (1 - b.x) * (1 - b.x), b.y / (1 - b.x)};
+}
+
+TEST(Triangle, AreaAndNormalFollowFromTheCrossProduct) {
+  // (2, 0, 1) x (0, 4, 0) = (-4, 0, 8), of length sqrt(80).
+  EXPECT_DOUBLE_EQ(kSkewed.area(), std::sqrt(20.0));
+  const Vec3<double> n = kSkewed.normal();
+  EXPECT_DOUBLE_EQ(n.x, -1 / std::sqrt(5.0));
+  EXPECT_EQ(n.y, 0);
+  EXPECT_DOUBLE_EQ(n.z, 2 / std::sqrt(5.0));
+}
+
+TEST(Triangle, AreaOfTinyHugeAndNeedleTrianglesIsExact) {
+  for (const float s : {1e-23F, 1.F, 1e19F}) {
+    const Triangle<float> t{{0, 0, 0}, {s, 0, 0}, {0, s, 0}};
+    EXPECT_NEAR(t.area() / (0.5 * double{s} * s), 1, 1e-14);
+    EXPECT_EQ(t.normal(), Vec3<float>(0, 0, 1));
+  }
+  const Triangle<float> needle{{1, 1, 1}, {1e7F + 1, 1, 1}, {1, 2, 1}};
+  EXPECT_DOUBLE_EQ(needle.area(), 0.5e7);
+  const Triangle<float> none{{1, 2, 3}, {2, 4, 6}, {3, 6, 9}};
+  EXPECT_EQ(none.area(), 0);
+  EXPECT_EQ(none.normal(), Vec3<float>());
+}
+
+TEST(Triangle, SamplesAreUniformByArea) {
+  RandomU random(11);
+  const double p = uniformity_p_value(
+      [&] { return flattened(barycentric(kSkewed.sample_area(random.pair<double>()).position)); });
+  EXPECT_GT(p, kUnlikely);
+}
+
+TEST(Triangle, UniformityTestRejectsASamplerThatScalesOneCoordinate) {
+  RandomU random(11);
+  const double p = uniformity_p_value([&] {
+    const auto u = random.pair<double>();
+    return flattened({u.x, u.y * (1 - u.x)});  // uniform in x: dense at the vertex x = 1
+  });
+  EXPECT_LT(p, kUnlikely);
+}
+
+TEST(Triangle, SamplesLieOnTheTriangleForExtremeSampleValues) {
+  for (const float x : {0.F, 1 - 0x1p-24F, 1.F})
+    for (const float y : {0.F, 1 - 0x1p-24F, 1.F}) {
+      const auto p = kSkewed.sample_area({x, y}).position;
+      const auto b = barycentric(p);
+      EXPECT_GE(b.x, 0);
+      EXPECT_GE(b.y, 0);
+      EXPECT_LE(b.x + b.y, 1 + 1e-15);
+      EXPECT_NEAR(p.z, p.x / 2, 1e-15);
+    }
+  EXPECT_DOUBLE_EQ(kSkewed.pdf_area({}).per_m2, 1 / std::sqrt(20.0));
+}
+
+TEST(Triangle, RayHitsWhereItWasAimed) {
+  RandomU random(12);
+  for (int i = 0; i < 2000; ++i) {
+    const double x = 1.5 * random.next() - 0.25;
+    const double y = 1.5 * random.next() - 0.25;
+    const Vec3<double> target{2 * x, 4 * y, x};
+    const Vec3<double> origin{10.0 * random.next() - 5, 10.0 * random.next() - 5, 7};
+    const auto hit = kSkewed.intersect(origin, (target - origin) * 0.25, 0, kFar);
+    ASSERT_EQ(hit.has_value(), x > 0 && y > 0 && x + y < 1) << x << " " << y;
+    if (!hit) continue;
+    EXPECT_NEAR(hit->t, 4, 1e-13);
+    EXPECT_LT(length(hit->point.position - target), 1e-14);
+  }
+}
+
+TEST(Triangle, EdgesAndVerticesBelongToIt) {
+  const Triangle<float> t{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  const Triangle<float> turned{t.a, t.c, t.b};
+  for (const Vec3<float>& p :
+       {Vec3<float>{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.5F, 0, 0}, {0, 0.25F, 0}, {0.5F, 0.5F, 0}})
+    for (const auto& triangle : {t, turned})
+      EXPECT_TRUE(triangle.intersect(p + Vec3<float>{0, 0, 1}, {0, 0, -1}, 0, INFINITY))
+          << p.x << " " << p.y;
+}
+
+TEST(Triangle, RaysThroughACommonEdgeHitAtLeastOneOfTwo) {
+  // Vertices and rays that no binary fraction holds.
+  const Vec3<float> a{0.1F, 0.7F, 0.3F}, b{-0.9F, 0.13F, 0.77F}, c{1.3F, 0.2F, -0.4F},
+      d{-0.3F, -1.1F, 0.2F};
+  const Triangle<float> left{a, b, d}, right{a, d, c};
+  RandomU random(13);
+  for (int i = 0; i < 20000; ++i) {
+    const float s = random.next();
+    const Vec3<float> target = a * (1 - s) + d * s;
+    const Vec3<float> origin{random.next(), random.next(), 9};
+    const auto direction = target - origin;
+    ASSERT_TRUE(left.intersect(origin, direction, 0, INFINITY) ||
+                right.intersect(origin, direction, 0, INFINITY));
+  }
+}
+
+TEST(Triangle, HitsOutsideOfTheRangeInThePlaneOrOfNoNumberAreNone) {
+  const Triangle<double> t{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  EXPECT_TRUE(t.intersect({0.25, 0.25, 2}, {0, 0, -1}, 1, 3));
+  EXPECT_FALSE(t.intersect({0.25, 0.25, 2}, {0, 0, -1}, 2, 3));
+  EXPECT_FALSE(t.intersect({0.25, 0.25, 2}, {0, 0, -1}, 1, 2));
+  EXPECT_FALSE(t.intersect({0.25, 0.25, 2}, {0, 0, 1}, 0, kFar));
+  EXPECT_FALSE(t.intersect({-1, 0.25, 0}, {1, 0, 0}, 0, kFar));
+  EXPECT_FALSE(t.intersect({0.25, 0.25, 2}, {0, 0, 0}, 0, kFar));
+  EXPECT_FALSE(t.intersect({NAN, 0.25, 2}, {0, 0, -1}, 0, kFar));
+  EXPECT_FALSE(t.intersect({0.25, 0.25, 2}, {0, 0, NAN}, 0, kFar));
+}
+
+}  // namespace
+}  // namespace lucerna::testing

@@ -1,0 +1,185 @@
+#include "server/assets/asset_reader.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <zlib.h>
+
+#include "pbrt_fixture.h"
+
+namespace lucerna {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using testing::message;
+using ::testing::Not;
+using testing::SceneFiles;
+
+std::string hex(const std::string& bytes) {
+  std::string result;
+  for (const unsigned char c : bytes) {
+    constexpr char kDigits[] = "0123456789abcdef";
+    result += {kDigits[c >> 4], kDigits[c & 15]};
+  }
+  return result;
+}
+
+std::string gzipped(const std::string& bytes) {
+  z_stream stream{};
+  EXPECT_EQ(deflateInit2(&stream, 9, Z_DEFLATED, 15 + 16, 9, Z_DEFAULT_STRATEGY), Z_OK);
+  std::string out(deflateBound(&stream, bytes.size()), '\0');
+  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
+  stream.avail_in = static_cast<uInt>(bytes.size());
+  stream.next_out = reinterpret_cast<Bytef*>(out.data());
+  stream.avail_out = static_cast<uInt>(out.size());
+  EXPECT_EQ(deflate(&stream, Z_FINISH), Z_STREAM_END);
+  out.resize(stream.total_out);
+  deflateEnd(&stream);
+  return out;
+}
+
+/// With openat2 and with the way that older kernels leave.
+class Containment : public ::testing::TestWithParam<bool> {
+ protected:
+  Containment() {
+    files_.write("root/a.pbrt", "inside");
+    files_.write("root/sub/b.pbrt", "deeper");
+    files_.write("secret.txt", "SECRET WORDS");
+    std::filesystem::create_symlink("../secret.txt", files_.path() / "root/to_file");
+    std::filesystem::create_symlink("../nothing.txt", files_.path() / "root/to_nothing");
+    std::filesystem::create_symlink(files_.path() / "secret.txt", files_.path() / "root/absolute");
+    std::filesystem::create_directory_symlink("..", files_.path() / "root/to_directory");
+  }
+  AssetReader reader() const {
+    AssetReaderOptions options;
+    options.use_openat2 = GetParam();
+    return *AssetReader::open((files_.path() / "root").string(), options);
+  }
+  SceneFiles files_;
+};
+INSTANTIATE_TEST_SUITE_P(Kernels, Containment, ::testing::Bool());
+
+TEST_P(Containment, ReadsBeneathTheRootRelativeToTheNamingFile) {
+  AssetReader assets = reader();
+  EXPECT_EQ(assets.read("a.pbrt")->bytes, "inside");
+  EXPECT_EQ(assets.read("b.pbrt", "sub/x.pbrt")->bytes, "deeper");
+  EXPECT_EQ(assets.read("../a.pbrt", "sub/x.pbrt")->name, "a.pbrt");
+  EXPECT_EQ(assets.read("./sub//b.pbrt")->name, "sub/b.pbrt");
+}
+
+TEST_P(Containment, RefusesEveryWayOutWithTheSameErrorWhetherTheFileExistsOrNot) {
+  AssetReader assets = reader();
+  const std::pair<std::string, std::string> kExistingAndMissing[] = {
+      {"../secret.txt", "../nothing.txt"},
+      {"sub/../../secret.txt", "sub/../../nothing.txt"},
+      {(files_.path() / "secret.txt").string(), (files_.path() / "nothing.txt").string()},
+      {(files_.path() / "root/a.pbrt").string(), (files_.path() / "root/nothing").string()},
+      {"to_file", "to_nothing"},
+      {"to_directory/secret.txt", "to_directory/nothing.txt"},
+      {"absolute", "absolute"},
+  };
+  for (const auto& [existing, missing] : kExistingAndMissing) {
+    for (const std::string& name : {existing, missing}) {
+      const auto content = assets.read(name);
+      EXPECT_EQ(content.status().code(), absl::StatusCode::kInvalidArgument) << name;
+      EXPECT_EQ(message(content.status()),
+                "file name \"" + name + "\" leaves the scene root, allowed: files beneath it");
+    }
+  }
+  EXPECT_TRUE(assets.assets().empty());
+}
+
+TEST_P(Containment, MissingFilesAreNotFound) {
+  AssetReader assets = reader();
+  EXPECT_TRUE(absl::IsNotFound(assets.read("nothing.pbrt").status()));
+  EXPECT_TRUE(absl::IsNotFound(assets.read("a.pbrt/b").status()));
+  EXPECT_FALSE(assets.read("").ok());
+  EXPECT_FALSE(assets.read(".").ok());
+}
+
+TEST_P(Containment, OpensNothingButRegularFilesAndDoesNotWaitForAPipe) {
+  ASSERT_EQ(mkfifo((files_.path() / "root/pipe").c_str(), 0600), 0);
+  AssetReader assets = reader();
+  EXPECT_THAT(message(assets.read("pipe").status()), HasSubstr("not a regular file"));
+  EXPECT_THAT(message(assets.read("sub").status()), HasSubstr("not a regular file"));
+}
+
+TEST_P(Containment, LinksThatStayInsideAreFollowedWhereTheKernelChecksThem) {
+  std::filesystem::create_symlink("sub/b.pbrt", files_.path() / "root/inner");
+  AssetReader assets = reader();
+  const auto content = assets.read("inner");
+  if (content.ok()) {
+    EXPECT_EQ(content->bytes, "deeper");
+  } else {
+    EXPECT_THAT(message(content.status()), HasSubstr("leaves the scene root"));
+  }
+}
+
+TEST(AssetReader, DigestsAreSha256AndKeptOncePerFileInOrder) {
+  const SceneFiles files;
+  files.write("b", "abc");
+  files.write("a", "");
+  AssetReader assets = *AssetReader::open(files.path().string());
+  for (const char* name : {"b", "a", "b"}) ASSERT_TRUE(assets.read(name).ok());
+  ASSERT_EQ(assets.assets().size(), 2U);
+  EXPECT_EQ(assets.assets()[0].name, "b");
+  EXPECT_EQ(assets.assets()[0].bytes, 3U);
+  // FIPS 180-2, appendix B.1, and the digest of nothing.
+  EXPECT_EQ(hex(assets.assets()[0].sha256),
+            "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+  EXPECT_EQ(hex(assets.assets()[1].sha256),
+            "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
+}
+
+TEST(AssetReader, RehashSeesWhatChanged) {
+  const SceneFiles files;
+  files.write("a", "one");
+  files.write("b", "two");
+  AssetReader assets = *AssetReader::open(files.path().string());
+  ASSERT_TRUE(assets.read("a").ok() && assets.read("b").ok());
+  files.write("b", "three");
+  const auto now = assets.rehash(assets.assets());
+  ASSERT_TRUE(now.ok());
+  EXPECT_EQ((*now)[0].sha256, assets.assets()[0].sha256);
+  EXPECT_NE((*now)[1].sha256, assets.assets()[1].sha256);
+  EXPECT_EQ((*now)[1].bytes, 5U);
+  std::filesystem::remove(files.path() / "a");
+  EXPECT_TRUE(absl::IsNotFound(assets.rehash(assets.assets()).status()));
+}
+
+TEST(AssetReader, AllReadsTogetherStayBelowTheLimit) {
+  const SceneFiles files;
+  files.write("a", std::string(600, 'a'));
+  AssetReaderOptions options;
+  options.max_total_bytes = 1000;
+  AssetReader assets = *AssetReader::open(files.path().string(), options);
+  EXPECT_TRUE(assets.read("a").ok());
+  const auto second = assets.read("a");
+  EXPECT_TRUE(absl::IsResourceExhausted(second.status()));
+  EXPECT_THAT(message(second.status()), HasSubstr("1000 bytes"));
+}
+
+TEST(AssetReader, UnpacksGzipWithinTheLimit) {
+  const SceneFiles files;
+  const std::string text(3'000'000, 'z');
+  files.write("z.gz", gzipped(text));
+  files.write("plain", "plain");
+  files.write("cut.gz", gzipped("some text that is cut").substr(0, 24));
+  AssetReader assets = *AssetReader::open(files.path().string());
+  EXPECT_EQ(assets.read_unpacked("z.gz")->bytes, text);
+  EXPECT_EQ(assets.read_unpacked("plain")->bytes, "plain");
+  EXPECT_THAT(message(assets.read_unpacked("cut.gz").status()), HasSubstr("broken or cut off"));
+
+  AssetReaderOptions options;
+  options.max_total_bytes = 1'000'000;
+  AssetReader small = *AssetReader::open(files.path().string(), options);
+  EXPECT_TRUE(absl::IsResourceExhausted(small.read_unpacked("z.gz").status()));
+}
+
+TEST(AssetReader, MissingRootIsAnError) {
+  EXPECT_TRUE(absl::IsNotFound(AssetReader::open("/nonexistent/root").status()));
+}
+
+}  // namespace
+}  // namespace lucerna

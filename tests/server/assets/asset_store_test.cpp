@@ -1,0 +1,239 @@
+#include "server/assets/asset_store.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "pbrt_fixture.h"
+
+namespace lucerna {
+namespace {
+
+using ::testing::IsEmpty;
+using testing::message;
+using ::testing::Not;
+using testing::SceneFiles;
+
+constexpr auto kForever = std::chrono::hours(1);
+
+class AssetStoreTest : public ::testing::Test {
+ protected:
+  void SetUp() override { open({}); }
+
+  /// With `options`, in this test's directory.
+  void open(AssetStoreOptions options) {
+    store_.reset();
+    options.directory = (files_.path() / "assets").string();
+    auto store = AssetStore::open(options);
+    ASSERT_TRUE(store.ok()) << store.status();
+    store_ = *std::move(store);
+  }
+
+  /// Sends `bytes` whole.
+  absl::Status put(const std::string& bytes) const {
+    auto upload = store_->upload(sha256(bytes), bytes.size(), 0);
+    if (!upload.ok()) return upload.status();
+    if (absl::Status s = upload->append(bytes); !s.ok()) return s;
+    return upload->finish();
+  }
+
+  /// What is held under the digest of `bytes`.
+  std::string get(const std::string& bytes) const {
+    auto file = store_->read(sha256(bytes));
+    if (!file.ok()) return message(file.status());
+    std::string found(file->size + 1, '\0');
+    found.resize(static_cast<std::size_t>(read_fully(file->fd.get(), found.data(), found.size())));
+    return found;
+  }
+
+  std::vector<std::string> names() const {
+    std::vector<std::string> all;
+    for (const auto& file : std::filesystem::directory_iterator(files_.path() / "assets"))
+      if (file.path().filename() != "lock") all.push_back(file.path().filename());
+    return all;
+  }
+
+  SceneFiles files_;
+  std::unique_ptr<AssetStore> store_;
+};
+
+TEST_F(AssetStoreTest, KeepsWhatItIsGivenUnderItsDigest) {
+  const std::string bytes("one\0two\n", 8);
+  EXPECT_FALSE(store_->held(sha256(bytes)).whole);
+  ASSERT_TRUE(put(bytes).ok());
+  EXPECT_TRUE(store_->held(sha256(bytes)).whole);
+  EXPECT_EQ(get(bytes), bytes);
+  EXPECT_EQ(store_->bytes(), 8U);
+  EXPECT_EQ(store_->read(sha256("other")).status().code(), absl::StatusCode::kNotFound);
+  // The same again is not taken.
+  EXPECT_EQ(put(bytes).code(), absl::StatusCode::kFailedPrecondition);
+  EXPECT_EQ(store_->bytes(), 8U);
+}
+
+TEST_F(AssetStoreTest, KeepsEmptyFilesToo) {
+  ASSERT_TRUE(put("").ok());
+  EXPECT_TRUE(store_->held(sha256("")).whole);
+  EXPECT_EQ(get(""), "");
+}
+
+TEST_F(AssetStoreTest, GoesOnWhereAnUploadBroke) {
+  const std::string digest = sha256("abcdef");
+  {
+    auto upload = store_->upload(digest, 6, 0);
+    ASSERT_TRUE(upload.ok());
+    ASSERT_TRUE(upload->append("abc").ok());
+    ASSERT_TRUE(upload->append("X").ok());
+  }
+  EXPECT_FALSE(store_->held(digest).whole);
+  EXPECT_EQ(store_->held(digest).bytes, 4U);
+  EXPECT_EQ(store_->bytes(), 4U);
+  // From before the end: what lies beyond is forgotten.
+  auto upload = store_->upload(digest, 6, 3);
+  ASSERT_TRUE(upload.ok()) << upload.status();
+  EXPECT_EQ(upload->bytes(), 3U);
+  ASSERT_TRUE(upload->append("def").ok());
+  ASSERT_TRUE(upload->complete());
+  ASSERT_TRUE(upload->finish().ok());
+  EXPECT_EQ(get("abcdef"), "abcdef");
+}
+
+TEST_F(AssetStoreTest, DoesNotGoOnBeyondWhatItHolds) {
+  EXPECT_EQ(store_->upload(sha256("abcdef"), 6, 1).status().code(),
+            absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(names(), IsEmpty());
+  EXPECT_TRUE(put("abcdef").ok());
+}
+
+TEST_F(AssetStoreTest, NothingStaysOfBytesThatHaveAnotherDigest) {
+  const std::string digest = sha256("right");
+  auto upload = store_->upload(digest, 5, 0);
+  ASSERT_TRUE(upload.ok());
+  ASSERT_TRUE(upload->append("wrong").ok());
+  const absl::Status status = upload->finish();
+  EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_EQ(message(status), hexadecimal(sha256("wrong")));
+  EXPECT_EQ(store_->held(digest).bytes, 0U);
+  EXPECT_THAT(names(), IsEmpty());
+  EXPECT_TRUE(put("right").ok());
+}
+
+TEST_F(AssetStoreTest, OneWriterAtATime) {
+  const std::string digest = sha256("abcdef");
+  auto first = store_->upload(digest, 6, 0);
+  ASSERT_TRUE(first.ok());
+  ASSERT_TRUE(first->append("abc").ok());
+  EXPECT_EQ(store_->upload(digest, 6, 0).status().code(), absl::StatusCode::kFailedPrecondition);
+  ASSERT_TRUE(first->append("def").ok());
+  EXPECT_TRUE(first->finish().ok());
+}
+
+TEST_F(AssetStoreTest, AWriterThatSendsNothingGivesWay) {
+  open({.patience = std::chrono::milliseconds(0)});
+  const std::string digest = sha256("abcdef");
+  auto first = store_->upload(digest, 6, 0);
+  ASSERT_TRUE(first.ok());
+  ASSERT_TRUE(first->append("abc").ok());
+  auto second = store_->upload(digest, 6, 3);
+  ASSERT_TRUE(second.ok()) << second.status();
+  EXPECT_EQ(first->append("XYZ").code(), absl::StatusCode::kFailedPrecondition);
+  { const AssetUpload gone = *std::move(first); }
+  ASSERT_TRUE(second->append("def").ok());
+  ASSERT_TRUE(second->finish().ok());
+  EXPECT_EQ(get("abcdef"), "abcdef");
+}
+
+TEST_F(AssetStoreTest, TheLongestUnneededGoFirst) {
+  open({.budget_bytes = 10});
+  ASSERT_TRUE(put("aaaa").ok());
+  ASSERT_TRUE(put("bbbb").ok());
+  EXPECT_TRUE(store_->held(sha256("aaaa")).whole);  // asked for: newer than b now
+  ASSERT_TRUE(put("cccc").ok());
+  EXPECT_EQ(get("aaaa"), "aaaa");
+  EXPECT_NE(get("bbbb"), "bbbb");
+  EXPECT_EQ(store_->bytes(), 8U);
+  // What is broken off goes as well.
+  (void)store_->upload(sha256("ddd"), 3, 0)->append("d");
+  EXPECT_TRUE(put("0123456789").ok());
+  EXPECT_EQ(names().size(), 1U);
+}
+
+TEST_F(AssetStoreTest, NothingThatIsInUseGoes) {
+  open({.budget_bytes = 10});
+  ASSERT_TRUE(put("aaaa").ok());
+  auto writer = store_->upload(sha256("bbbb"), 4, 0);
+  ASSERT_TRUE(writer.ok());
+  {
+    const AssetStore::Pins pins(*store_, {sha256("aaaa"), sha256("no such")});
+    EXPECT_EQ(put("cccc").code(), absl::StatusCode::kResourceExhausted);
+    EXPECT_EQ(get("aaaa"), "aaaa");
+  }
+  EXPECT_TRUE(put("cccc").ok());
+  EXPECT_NE(get("aaaa"), "aaaa");
+  ASSERT_TRUE(writer->append("bbbb").ok());
+  EXPECT_TRUE(writer->finish().ok());
+}
+
+TEST_F(AssetStoreTest, RefusesWhatIsTooLargeAtOnce) {
+  open({.max_asset_bytes = 3});
+  EXPECT_EQ(put("aaaa").code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_TRUE(put("aaa").ok());
+  open({.budget_bytes = 4});
+  EXPECT_EQ(put("aaaaa").code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_EQ(get("aaa"), "aaa");  // nothing went for what would not have fitted
+}
+
+TEST_F(AssetStoreTest, AFileThatIsBeingReadMayGo) {
+  ASSERT_TRUE(put("abc").ok());
+  const auto file = store_->read(sha256("abc"));
+  ASSERT_TRUE(file.ok());
+  store_->drop(sha256("abc"));
+  EXPECT_FALSE(store_->held(sha256("abc")).whole);
+  std::string bytes(3, '\0');
+  EXPECT_EQ(read_fully(file->fd.get(), bytes.data(), 3), 3);
+  EXPECT_EQ(bytes, "abc");
+}
+
+TEST_F(AssetStoreTest, TheNextServerFindsThemAgain) {
+  ASSERT_TRUE(put("abc").ok());
+  (void)store_->upload(sha256("defg"), 4, 0)->append("de");
+  files_.write("assets/README", "of somebody else");
+  open({.patience = kForever});
+  EXPECT_EQ(get("abc"), "abc");
+  EXPECT_EQ(store_->held(sha256("defg")).bytes, 2U);
+  auto upload = store_->upload(sha256("defg"), 4, 2);
+  ASSERT_TRUE(upload.ok());
+  ASSERT_TRUE(upload->append("fg").ok());
+  EXPECT_TRUE(upload->finish().ok());
+  EXPECT_EQ(store_->bytes(), 7U);
+  EXPECT_TRUE(std::filesystem::exists(files_.path() / "assets/README"));
+}
+
+TEST_F(AssetStoreTest, TwoServersDoNotShareADirectory) {
+  const auto other = AssetStore::open({.directory = (files_.path() / "assets").string()});
+  EXPECT_EQ(other.status().code(), absl::StatusCode::kFailedPrecondition) << other.status();
+  EXPECT_EQ(AssetStore::open({.directory = "/proc/nowhere"}).status().code(),
+            absl::StatusCode::kInvalidArgument);
+}
+
+TEST_F(AssetStoreTest, FilesThatSomebodyRemovedAreNotHeld) {
+  ASSERT_TRUE(put("abc").ok());
+  std::filesystem::remove(files_.path() / "assets" / hexadecimal(sha256("abc")));
+  EXPECT_EQ(store_->read(sha256("abc")).status().code(), absl::StatusCode::kNotFound);
+  EXPECT_TRUE(put("abc").ok());
+  EXPECT_EQ(get("abc"), "abc");
+}
+
+TEST(AssetStore, ATemporaryDirectoryGoesWithTheStore) {
+  const SceneFiles files;
+  ASSERT_EQ(setenv("TMPDIR", files.path().c_str(), 1), 0);
+  auto store = AssetStore::open({});
+  ASSERT_EQ(unsetenv("TMPDIR"), 0);
+  ASSERT_TRUE(store.ok()) << store.status();
+  EXPECT_FALSE(std::filesystem::is_empty(files.path()));
+  store->reset();
+  EXPECT_TRUE(std::filesystem::is_empty(files.path()));
+}
+
+}  // namespace
+}  // namespace lucerna

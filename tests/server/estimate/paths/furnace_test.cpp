@@ -1,0 +1,294 @@
+// Closed white boxes of each shape that carries area lights: walls that emit L everywhere and
+// reflect rho show L / (1 - rho) wherever one looks, and hold pi L / (1 - rho) wherever one
+// measures.  Any light lost or counted twice, in sampling, weighing, or between two walls, shows.
+// A finite number of reflections gives a partial sum of the same series, exactly.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "server/estimate/paths/render.h"
+#include "tests/server/scene/scenes.h"
+
+namespace lucerna {
+namespace {
+
+using testing::build;
+using testing::emissive;
+
+constexpr double kL = 2;
+/// Reflections that are followed: 0.7^25 = 1.3e-4 of the light is left out, of 0.5^25 nothing.
+constexpr std::uint32_t kBounces = 24;
+
+/// L (1 + rho + ... + rho^reflections).
+double series(double rho, std::uint32_t reflections) {
+  return kL * (1 - std::pow(rho, reflections + 1)) / (1 - rho);
+}
+
+/// A box of six quadrilaterals about (1, 2, 3), its inside outwards.  `skew` pulls the corners out
+/// of their cube: sides are bilinear patches then, whose straight edges still meet.
+std::vector<std::array<Vec3<double>, 4>> sides(double skew) {
+  const auto corner = [&](int i) {
+    const Vec3<double> c{i & 1 ? 1.0 : -1.0, i & 2 ? 1.0 : -1.0, i & 4 ? 1.0 : -1.0};
+    const double pull = skew * ((i * 5) % 8) / 8.0;
+    return Vec3<double>{1, 2, 3} + c + Vec3<double>{-c.y, c.z, c.x} * pull;
+  };
+  std::vector<std::array<Vec3<double>, 4>> all;
+  for (const auto& [a, b, c, d] : {std::array{0, 1, 2, 3},
+                                   {4, 6, 5, 7},
+                                   {0, 4, 1, 5},
+                                   {2, 3, 6, 7},
+                                   {0, 2, 4, 6},
+                                   {1, 5, 3, 7}})
+    all.push_back({corner(a), corner(b), corner(c), corner(d)});
+  return all;
+}
+
+std::vector<ShapeDescription> triangles() { return {emissive({testing::room({1, 2, 3})}, kL)}; }
+
+/// Each side a light of its own.
+std::vector<ShapeDescription> rectangles() {
+  std::vector<ShapeDescription> shapes;
+  for (const auto& s : sides(0))
+    shapes.push_back(emissive(testing::patch(s[0], s[1], s[2], s[3]), kL));
+  return shapes;
+}
+
+/// All sides one light.
+std::vector<ShapeDescription> patches() {
+  PatchMeshData mesh;
+  for (const auto& s : sides(0.4))
+    for (const Vec3<double>& p : s) {
+      mesh.indices.push_back(static_cast<std::uint32_t>(mesh.positions.size()));
+      mesh.positions.push_back(p);
+    }
+  return {emissive({mesh}, kL)};
+}
+
+const Transform kPlace =
+    Transform::translate({1, 2, 3}) * *Transform::rotate(0.7, Vec3<double>{1, -2, 0.5});
+
+std::vector<ShapeDescription> sphere() {
+  return {emissive(
+      {SphereParams{.radius_m = 1.25, .reverse_orientation = true, .world_from_object = kPlace}},
+      kL)};
+}
+
+/// Half a sphere, closed by a disk.
+std::vector<ShapeDescription> dome() {
+  return {
+      emissive({SphereParams{.radius_m = 1.25,
+                             .z_min_m = 0,
+                             .reverse_orientation = true,
+                             .world_from_object = kPlace * Transform::translate({0, 0, -0.5})}},
+               kL),
+      emissive({DiskParams{.height_m = -0.5, .radius_m = 1.25, .world_from_object = kPlace}}, kL)};
+}
+
+/// A cylinder closed by a disk and by two: an annulus and what fits into it.
+std::vector<ShapeDescription> drum() {
+  const auto lid = [](double inner, double outer) {
+    return emissive({DiskParams{.height_m = 0.75,
+                                .radius_m = outer,
+                                .inner_radius_m = inner,
+                                .reverse_orientation = true,
+                                .world_from_object = kPlace}},
+                    kL);
+  };
+  return {
+      emissive({CylinderParams{.radius_m = 1.25,
+                               .z_min_m = -0.75,
+                               .z_max_m = 0.75,
+                               .reverse_orientation = true,
+                               .world_from_object = kPlace}},
+               kL),
+      emissive({DiskParams{.height_m = -0.75, .radius_m = 1.25, .world_from_object = kPlace}}, kL),
+      lid(0, 0.5), lid(0.5, 1.25)};
+}
+
+using Shapes = std::vector<ShapeDescription> (*)();
+
+/// The same with a picture of one grey on each light, at a quarter of the level.  Each triangle
+/// shows half of it.
+template <Shapes kOf>
+std::vector<ShapeDescription> painted() {
+  auto shapes = kOf();
+  for (ShapeDescription& s : shapes) {
+    s.emission->radiance_cd_m2 = Rgb<double>(kL / 4);
+    s.emission->picture = Picture{*Image::create(2, 2, std::vector<Rgb<float>>(4, Rgb<float>(4))),
+                                  ImageFilter::kBilinear, "grey"};
+    if (auto* mesh = std::get_if<TriangleMeshData>(&s.geometry))
+      for (std::size_t i = 0; i < mesh->indices.size(); i += 3)
+        mesh->corner_uv.insert(mesh->corner_uv.end(), {{0, 0}, {1, 0}, {1, 1}});
+  }
+  return shapes;
+}
+
+/// A light of `area_m2` with the photometry of a Lambertian one, I(theta) = cos(theta) cd.  A panel
+/// has the radiance I / (A cos(theta)) in each direction, which is 1 / A here, the same in all: it
+/// is the diffuse light, and fills a box as that does.  Between angles a tenth of a degree apart
+/// straight lines are off a cosine by 4e-7 of it (h^2 / 8).
+void make_panel(ShapeDescription& shape, double area_m2) {
+  static const std::shared_ptr<const PhotometricWeb> web = [] {
+    PhotometricWebParams cosine;
+    cosine.horizontal_deg = {0};
+    for (int i = 0; i <= 900; ++i) {
+      cosine.vertical_deg.push_back(i / 10.0);
+      cosine.intensity_cd.push_back(i < 900 ? std::cos(i * std::numbers::pi / 1800) : 0);
+    }
+    return *PhotometricWeb::create(cosine);
+  }();
+  PanelProfile& profile = shape.emission->panel.emplace();
+  profile.web = web;
+  profile.tangent = {1, 2, 3};  // along no side's normal
+  shape.emission->radiance_cd_m2 = Rgb<double>(kL * area_m2);
+}
+
+/// A cube's sides, each a panel of a patch.
+std::vector<ShapeDescription> rectangle_panels() {
+  auto shapes = rectangles();
+  for (ShapeDescription& s : shapes) make_panel(s, 4);
+  return shapes;
+}
+
+/// Each of two triangles.
+std::vector<ShapeDescription> triangle_panels() {
+  const TriangleMeshData room = testing::room({1, 2, 3});
+  std::vector<ShapeDescription> shapes;
+  for (std::size_t i = 0; i < room.indices.size(); i += 6) {
+    TriangleMeshData side;
+    for (std::size_t k = i; k < i + 6; ++k) {
+      side.indices.push_back(static_cast<std::uint32_t>(side.positions.size()));
+      side.positions.push_back(room.positions[room.indices[k]]);
+    }
+    shapes.push_back(emissive({side}, kL));
+    make_panel(shapes.back(), 4);
+  }
+  return shapes;
+}
+
+/// The drum with panels for its disks; its wall, which is not flat, stays diffuse.
+std::vector<ShapeDescription> disk_panels() {
+  auto shapes = drum();
+  for (ShapeDescription& s : shapes)
+    if (const auto* disk = std::get_if<DiskParams>(&s.geometry))
+      make_panel(s, std::numbers::pi * (disk->radius_m * disk->radius_m -
+                                        disk->inner_radius_m * disk->inner_radius_m));
+  return shapes;
+}
+
+struct Box {
+  const char* name;
+  Shapes shapes;
+};
+void PrintTo(const Box& box, std::ostream* out) { *out << box.name; }
+
+class ClosedBox : public ::testing::TestWithParam<std::tuple<Box, double>> {
+ protected:
+  double rho() const { return std::get<1>(GetParam()); }
+  std::shared_ptr<const Scene> scene() const {
+    SceneDescription d = testing::description(rho());
+    d.shapes = std::get<0>(GetParam()).shapes();
+    d.camera.world_from_camera = *Transform::look_at({1.1, 1.8, 2.9}, {2, 3, 3.3}, {0, 0, 1});
+    d.camera.screen_min = {-2, -2};
+    d.camera.screen_max = {2, 2};
+    return build(std::move(d));
+  }
+};
+
+// Blocks of one sample are independent: their mean is as good as normally distributed.  Seven
+// standard errors on each of 192 pixels and five and a half on their mean: by luck once in 1e7.
+TEST_P(ClosedBox, ShowsTheSameEverywhere) {
+  const auto room = scene();
+  constexpr std::uint64_t kBlocks = 128;
+  const TileResult tile = render_tile(
+      *room, {.rect = {0, 0, 16, 12}, .seed = 5, .block_count = kBlocks, .bounces = kBounces}, {});
+  const double expected = series(rho(), kBounces + 1);
+  EXPECT_NEAR(expected, kL / (1 - rho()), 2e-4 * expected);
+  double sum = 0, variance = 0;
+  int pixels = 0;
+  for (std::size_t i = 0; i < tile.channels.size(); i += 3, ++pixels) {
+    const double mean = tile.channels[i].sum / kBlocks;
+    const double v = tile.channels[i].deviation / (kBlocks * (kBlocks - 1.0));
+    EXPECT_NEAR(mean, expected, 7 * std::sqrt(v) + 1e-5 * expected) << "pixel " << pixels;
+    sum += mean, variance += v;
+  }
+  const double error = std::sqrt(variance) / pixels;
+  EXPECT_LT(error, 0.005 * expected);
+  EXPECT_NEAR(sum / pixels, expected, 5.5 * error + 1e-5 * expected);
+}
+
+// Ways to face at points near the middle and near the walls; seven standard errors on each of 24,
+// by luck once in 1e9.
+TEST_P(ClosedBox, HoldsPiTimesItEverywhere) {
+  const auto room = scene();
+  std::vector<IrradiancePoint> points;
+  for (int i = 0; i < 24; ++i) {
+    // Directions all around and 0, 0.2 or 0.4 from the middle: within every box.
+    const double z = (i % 8 + 0.5) / 4 - 1, phi = 2.4 * i, r = std::sqrt(1 - z * z);
+    const Vec3<double> n{r * std::cos(phi), r * std::sin(phi), z};
+    const Vec3<double> off = Vec3<double>{n.y, n.z, n.x} * (0.2 * (i / 8));
+    const Vec3<double> p = Vec3<double>{1, 2, 3} + off - room->origin();
+    points.push_back({p, {1e-6F, 1e-6F, 1e-6F}, Vec3<float>(n)});
+  }
+  const IrradianceResult result =
+      estimate_irradiance(*room, points, {.seed = 6, .block_count = 2048, .bounces = kBounces}, {});
+  const double expected = std::numbers::pi * series(rho(), kBounces);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const IrradianceEstimate& e = result.points[i];
+    EXPECT_NEAR(e.irradiance_lx.g, expected, 7 * e.standard_error_lx.g + 1e-5 * expected)
+        << "point " << i;
+    EXPECT_LT(e.standard_error_lx.g, 0.02 * expected);
+  }
+}
+
+std::string name_of(const ::testing::TestParamInfo<std::tuple<Box, double>>& info) {
+  return std::string(std::get<0>(info.param).name) +
+         (std::get<1>(info.param) < 0.6 ? "_half" : "_most");
+}
+
+// A disk and a cylinder close no box alone, but with each other and with part of a sphere.
+INSTANTIATE_TEST_SUITE_P(
+    Shapes, ClosedBox,
+    ::testing::Combine(::testing::Values(Box{"triangles", triangles}, Box{"rectangles", rectangles},
+                                         Box{"patches", patches}, Box{"sphere", sphere},
+                                         Box{"dome", dome}, Box{"drum", drum}),
+                       ::testing::Values(0.5, 0.7)),
+    name_of);
+
+// What walls reflect has nothing to do with how they emit: one albedo, the higher.
+INSTANTIATE_TEST_SUITE_P(
+    Emissions, ClosedBox,
+    ::testing::Combine(::testing::Values(Box{"painted_triangles", painted<triangles>},
+                                         Box{"painted_rectangles", painted<rectangles>},
+                                         Box{"painted_patches", painted<patches>},
+                                         Box{"painted_sphere", painted<sphere>},
+                                         Box{"painted_dome", painted<dome>},
+                                         Box{"painted_drum", painted<drum>},
+                                         Box{"triangle_panels", triangle_panels},
+                                         Box{"rectangle_panels", rectangle_panels},
+                                         Box{"disk_panels", disk_panels}),
+                       ::testing::Values(0.7)),
+    name_of);
+
+// What sees a box that is not closed: a fortieth of the area missing lets light out.
+TEST(OpenBox, ShowsLess) {
+  SceneDescription d = testing::description(0.5);
+  d.shapes = drum();
+  std::get<DiskParams>(d.shapes[2].geometry).radius_m = 0.25;
+  d.camera.world_from_camera = *Transform::look_at({1.1, 1.8, 2.9}, {2, 3, 3.3}, {0, 0, 1});
+  const IrradiancePoint point{{}, {1e-6F, 1e-6F, 1e-6F}, {0, 0, 1}};
+  const auto room = build(std::move(d));
+  IrradiancePoint p = point;
+  p.position = Vec3<double>{1, 2, 3} - room->origin();
+  const auto e = estimate_irradiance(*room, std::span(&p, 1),
+                                     {.seed = 6, .block_count = 16384, .bounces = kBounces}, {})
+                     .points[0];
+  EXPECT_LT(e.irradiance_lx.g, std::numbers::pi * kL / 0.5 - 7 * e.standard_error_lx.g);
+}
+
+}  // namespace
+}  // namespace lucerna

@@ -1,0 +1,125 @@
+// The scenes that are shipped under scenes/ load as what they are, and are small.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <type_traits>
+
+#include "pbrt_fixture.h"
+#include "server/scene/scene.h"
+
+namespace lucerna {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kScenes[] = {"cornell", "meadow", "room", "stage", "street"};
+
+SceneDescription shipped(const std::string& name) {
+  auto assets = AssetReader::open(LUCERNA_SCENES);
+  EXPECT_TRUE(assets.ok()) << assets.status();
+  auto scene = load_pbrt(*assets, name + "/scene.pbrt");
+  EXPECT_TRUE(scene.ok()) << scene.status();
+  return scene.ok() ? *std::move(scene) : SceneDescription{};
+}
+
+/// How many lights of each kind there are.
+std::map<std::string, int> census(const SceneDescription& scene) {
+  std::map<std::string, int> count;
+  for (const LightDescription& light : scene.lights) {
+    ++count[std::visit(
+        []<typename Params>(const Params&) {
+          if constexpr (std::is_same_v<Params, PointLightParams>) return "point";
+          if constexpr (std::is_same_v<Params, SpotLightParams>) return "spot";
+          if constexpr (std::is_same_v<Params, GoniometricLightParams>) return "goniometric";
+          if constexpr (std::is_same_v<Params, ProjectionLightParams>) return "projection";
+          if constexpr (std::is_same_v<Params, SunLightParams>) return "sun";
+          if constexpr (std::is_same_v<Params, UniformInfiniteLightParams>) return "uniform sky";
+          if constexpr (std::is_same_v<Params, ImageInfiniteLightParams>) return "image sky";
+          if constexpr (std::is_same_v<Params, PortalLightParams>) return "portal";
+          return "other";
+        },
+        light.params)];
+  }
+  for (const ShapeDescription& shape : scene.shapes) {
+    if (!shape.emission) continue;
+    ++count[std::visit(
+        []<typename Shape>(const Shape&) {
+          if constexpr (std::is_same_v<Shape, TriangleMeshData>) return "triangles";
+          if constexpr (std::is_same_v<Shape, PatchMeshData>) return "patches";
+          if constexpr (std::is_same_v<Shape, SphereParams>) return "sphere";
+          if constexpr (std::is_same_v<Shape, CylinderParams>) return "cylinder";
+          return "disk";
+        },
+        shape.geometry)];
+  }
+  return count;
+}
+
+// Of the street by hand: 15 strings of 43 bulbs, 164 about the marquee, 27 doors and 3 trees of 105
+// make the spheres; 5 trees of 105 and 70 under the marquee the points; 27 shops of 5 and two
+// headlamps the spots; 15 + 14 + 18 + 15 strokes of four words the cylinders.  Which windows are
+// lit (patches) is drawn.
+TEST(ShippedScenes, LoadWithoutRemarksAndHaveTheLightsThatTheyStandFor) {
+  using Census = std::map<std::string, int>;
+  const std::map<std::string, Census> expected{
+      {"cornell", {{"patches", 1}}},
+      {"meadow", {{"image sky", 1}, {"sun", 1}}},
+      {"room", {{"goniometric", 8}, {"patches", 3}, {"portal", 1}}},
+      {"stage", {{"projection", 3}, {"spot", 14}}},
+      {"street",
+       {{"cylinder", 62},
+        {"goniometric", 12},
+        {"patches", 785},
+        {"point", 595},
+        {"sphere", 1151},
+        {"spot", 137},
+        {"triangles", 12},
+        {"uniform sky", 1}}},
+  };
+  for (const char* name : kScenes) {
+    SCOPED_TRACE(name);
+    SceneDescription scene = shipped(name);
+    EXPECT_EQ(testing::remarks_of(scene), "");
+    const Census lights = census(scene);
+    EXPECT_EQ(lights, expected.at(name));
+    EXPECT_EQ(scene.film.height, name == std::string("cornell") ? 512 : 400);
+    int sum = 0;
+    for (const auto& [kind, count] : lights) sum += count;
+    const auto built = Scene::build(std::move(scene));
+    ASSERT_TRUE(built.ok()) << built.status();
+    EXPECT_TRUE((*built)->remarks().empty());
+    EXPECT_EQ((*built)->lights().size(), static_cast<std::size_t>(sum));
+  }
+}
+
+TEST(ShippedScenes, AreTogetherUnder10Megabytes) {
+  std::uintmax_t bytes = 0;
+  for (const char* name : kScenes)
+    for (const auto& entry : fs::recursive_directory_iterator(fs::path(LUCERNA_SCENES) / name))
+      if (entry.is_regular_file()) bytes += entry.file_size();
+  EXPECT_LT(bytes, 10'000'000U);
+  EXPECT_GT(bytes, 1'000'000U);
+}
+
+/// Lumens of each photometric file that the scene's point-like luminaires name, as interpolated.
+std::map<std::string, double> lumens_of_files(const SceneDescription& scene) {
+  std::map<std::string, double> lumens;
+  for (const LightDescription& light : scene.lights)
+    if (const auto* luminaire = std::get_if<GoniometricLightParams>(&light.params))
+      lumens[luminaire->file] = flux_of_unit_intensity_lm(*luminaire);
+  return lumens;
+}
+
+// The candela are written with a digit after the point, of some hundreds.
+TEST(ShippedScenes, LuminairesHaveTheLumensOfTheirNames) {
+  const auto room = lumens_of_files(shipped("room")), street = lumens_of_files(shipped("street"));
+  ASSERT_EQ(room.size(), 1U);
+  EXPECT_NEAR(room.begin()->second, 900, 900 * 3e-4);
+  ASSERT_EQ(street.size(), 1U);
+  EXPECT_NEAR(street.begin()->second, 5200, 5200 * 3e-4);
+}
+
+}  // namespace
+}  // namespace lucerna

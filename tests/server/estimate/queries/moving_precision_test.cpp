@@ -1,0 +1,299 @@
+// Surfaces that move, where rounding shows: large about their own zero and near the scene's, small
+// in a large scene, and rays whose t counts in other units there.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "server/estimate/queries/queries.h"
+#include "server/estimate/queries/visibility.h"
+#include "tests/server/estimate/moving_shapes.h"
+
+namespace lucerna::testing {
+namespace {
+
+const Transform kTilt = *Transform::rotate(0.7, {1, 2, 0.5});
+const Transform kStart = *Transform::rotate(1.1, {-1, 0.3, 2});
+
+std::array<Vec3<double>, 4> corners() {
+  return {kStart.point({-64, -64, 0}), kStart.point({64, -64, 0}), kStart.point({-64, 64, 0}),
+          kStart.point({64, 64, 0})};
+}
+
+/// A square of 128 m about its own zero.  A second later its corner is the scene's zero, its sides
+/// along kTilt's x and y: coordinates near that are exact, those that it has itself are rounded by
+/// 4e-6 m.
+ShapeDescription moved_there(ShapeDescription s) {
+  s.motion = moving({{0, kStart}, {1, kTilt * Transform::translate({64, 64, 0})}});
+  return s;
+}
+
+ShapeDescription plate() {
+  const auto c = corners();
+  return moved_there(patch(c[0], c[1], c[2], c[3]));
+}
+
+/// The same as triangles, which Embree meets itself.
+ShapeDescription plate_of_triangles() {
+  const auto c = corners();
+  return moved_there(shape(TriangleMeshData{{c[0], c[1], c[2], c[3]}, {}, {0, 1, 3, 0, 3, 2}}));
+}
+
+Vec3<double> normal_then() { return kTilt.vector({0, 0, 1}); }
+
+/// Points of the plate near its corner, a second later, x y z interleaved.
+std::vector<float> points_of_corner(int count) {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> u(0.01, 0.5);
+  std::vector<float> points;
+  for (int i = 0; i < count; ++i) {
+    const Vec3<float> p(kTilt.point({u(random), u(random), 0}));
+    points.insert(points.end(), {p.x, p.y, p.z});
+  }
+  return points;
+}
+
+std::vector<float> repeated(const Vec3<double>& v, int count) {
+  std::vector<float> all;
+  for (int i = 0; i < count; ++i)
+    for (const double c : {v.x, v.y, v.z}) all.push_back(static_cast<float>(c));
+  return all;
+}
+
+int bits_of(const std::vector<std::uint8_t>& bytes) {
+  int sum = 0;
+  for (std::uint8_t b : bytes)
+    for (; b != 0; b &= static_cast<std::uint8_t>(b - 1)) ++sum;
+  return sum;
+}
+
+TEST(MovingPrecision, PositionsAreWithinTheErrorsThatAreTold) {
+  for (const ShapeDescription& s : {plate(), plate_of_triangles()}) {
+    const auto scene = scene_of(s);
+    ASSERT_EQ(scene->origin(), Vec3<double>{});
+    const Vec3<double> n = normal_then();
+    std::mt19937 random(5);
+    std::uniform_real_distribution<double> u(0.01, 0.5);
+    int hits = 0;
+    double worst = 0;
+    for (int i = 0; i < 2000; ++i) {
+      const Vec3<double> to = kTilt.point({u(random), u(random), 0});
+      const Vec3<double> from =
+          to + n * (1 + u(random)) + Vec3<double>{u(random), u(random), u(random)};
+      Ray ray{Vec3<float>(from), Vec3<float>(to - from)};
+      ray.time_s = 1;
+      const auto hit = scene->closest_hit(ray);
+      if (!hit) continue;
+      ++hits;
+      const double off = std::fabs(dot(Vec3<double>(hit->position), n));
+      const Vec3<float>& e = hit->position_error;
+      EXPECT_LE(off, std::fabs(n.x) * e.x + std::fabs(n.y) * e.y + std::fabs(n.z) * e.z);
+      worst = std::fmax(worst, off);
+    }
+    EXPECT_EQ(hits, 2000);
+    // What rounding does there, so that the bound is put to the test: positions themselves are
+    // rounded by 6e-8 m at most.
+    EXPECT_GT(worst, 2e-7);
+  }
+}
+
+TEST(MovingPrecision, RaysFromPointsOnThemDoNotMeetThem) {
+  constexpr int kPoints = 200;
+  const std::vector<float> points = points_of_corner(kPoints);
+  const std::vector<float> normals = repeated(normal_then(), kPoints);
+  for (const ShapeDescription& s : {plate(), plate_of_triangles()}) {
+    const auto scene = scene_of(s);
+    const Vec3<double> along = kTilt.vector({3, 2, 1});
+    for (const Vec3<double>& towards : {normal_then() * 2.0, along}) {
+      const std::vector<float> directions = repeated(towards, kPoints);
+      std::vector<std::uint8_t> visible((kPoints + 7) / 8);
+      std::vector<int> status(kPoints);
+      test_visibility(
+          *scene, {.from = {{}, points}, .directions = directions, .normals = normals, .time_s = 1},
+          visible.data(), status.data(), {});
+      EXPECT_EQ(bits_of(visible), kPoints);
+    }
+  }
+}
+
+TEST(MovingPrecision, PointsOnThemSeeLightsInFrontOfThem) {
+  constexpr int kPoints = 200;
+  const std::vector<float> points = points_of_corner(kPoints);
+  const std::vector<float> normals = repeated(normal_then(), kPoints);
+  SceneDescription d = description();
+  d.shapes = {plate()};
+  d.lights = {point_light(kTilt.point({4, 3, 1}), 5)};
+  const auto scene = build(std::move(d));
+  ASSERT_EQ(scene->origin(), Vec3<double>{});
+  std::vector<float> value(3 * kPoints), wi(3 * kPoints), point(3 * kPoints), normal(3 * kPoints),
+      distance(kPoints), pdf(kPoints);
+  std::vector<std::uint8_t> delta((kPoints + 7) / 8), visible((kPoints + 7) / 8);
+  std::vector<int> status(kPoints);
+  SampleLiQuery q;
+  q.receivers = {{}, points};
+  q.light = 0;
+  q.seed = SeedRange{};
+  q.test_visibility = true;
+  q.normals = normals;
+  q.time_s = 1;
+  sample_li(*scene, q,
+            {value.data(), wi.data(), distance.data(), point.data(), normal.data(), pdf.data(),
+             delta.data(), visible.data(), nullptr, nullptr, status.data()},
+            {});
+  EXPECT_EQ(bits_of(visible), kPoints);
+}
+
+// A light that lies far from its own zero must not shadow itself: receivers a few centimetres in
+// front of its corner, whose samples are there too.
+TEST(MovingPrecision, LightsDoNotHideTheirOwnPoints) {
+  constexpr int kReceivers = 100;
+  constexpr std::uint32_t kSamples = 16;
+  std::vector<float> receivers = points_of_corner(kReceivers);
+  const Vec3<float> up(normal_then() * 0.02);
+  for (std::size_t i = 0; i < receivers.size(); i += 3)
+    receivers[i] += up.x, receivers[i + 1] += up.y, receivers[i + 2] += up.z;
+  const auto scene = scene_of(emissive(plate(), 1, true));
+  ASSERT_EQ(scene->origin(), Vec3<double>{});
+  const std::size_t n = kReceivers * kSamples;
+  std::vector<float> value(3 * n), wi(3 * n), point(3 * n), normal(3 * n), distance(n), pdf(n);
+  std::vector<std::uint8_t> delta((n + 7) / 8), visible((n + 7) / 8);
+  std::vector<int> status(n);
+  SampleLiQuery q;
+  q.receivers = {{}, receivers};
+  q.samples = kSamples;
+  q.light = 0;
+  q.seed = SeedRange{};
+  q.test_visibility = true;
+  q.time_s = 1;
+  q.methods.area_sampling = AreaSampling::kSolidAngle;
+  sample_li(*scene, q,
+            {value.data(), wi.data(), distance.data(), point.data(), normal.data(), pdf.data(),
+             delta.data(), visible.data(), nullptr, nullptr, status.data()},
+            {});
+  int near = 0, hidden = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    ASSERT_EQ(status[i], static_cast<int>(ItemResult::kOk));
+    near += distance[i] < 0.1F ? 1 : 0;
+    hidden += (visible[i / 8] >> (i % 8) & 1) == 0 ? 1 : 0;
+  }
+  EXPECT_GT(near, 500);
+  EXPECT_EQ(hidden, 0);
+}
+
+// Inside the object t counts in another unit.
+TEST(MovingPrecision, RaysBeginAndEndWhereTheySay) {
+  for (const Kind& kind : {kinds()[0], kinds()[3]}) {
+    SCOPED_TRACE(kind.name);
+    ShapeDescription s = kind.make({});
+    if (auto* sphere = std::get_if<SphereParams>(&s.geometry)) *sphere = SphereParams{};
+    s.motion = sliding({8, 0, 0}, 2);
+    const auto scene = scene_of(s);
+    // From 5 m above the centre of a ball of radius 1, which the ray enters at 4 m and leaves at 6.
+    const Vec3<double> from = Vec3<double>{4.05, 0.1, 5} - scene->origin();
+    const double sag = kind.name == std::string("mesh") ? 0.1 : 0.02;
+    for (const float length : {1e-3F, 0.3F, 1.F, 7.F, 1e3F}) {
+      const auto ask = [&](float begin_m, float end_m) {
+        Ray ray{Vec3<float>(from), {0, 0, -length}, begin_m / length, end_m / length};
+        ray.time_s = 1;
+        const auto hit = scene->closest_hit(ray);
+        EXPECT_EQ(scene->occluded(ray), hit.has_value())
+            << begin_m << " " << end_m << " " << length;
+        return hit ? hit->t * length : -1;
+      };
+      EXPECT_NEAR(ask(0, 9), 4, sag) << length;
+      EXPECT_NEAR(ask(3.5F, 4.5F), 4, sag) << length;
+      EXPECT_EQ(ask(0, 3.5F), -1) << length;
+      EXPECT_NEAR(ask(4.5F, 9), 6, sag) << length;
+      EXPECT_EQ(ask(4.5F, 5.5F), -1) << length;
+      EXPECT_EQ(ask(6.5F, 9), -1) << length;
+    }
+  }
+}
+
+// A nanometre in a scene of ten kilometres.
+TEST(MovingPrecision, SpecksInALargeSceneAreFound) {
+  constexpr double kRadius = 1e-9;
+  SceneDescription d = description();
+  d.shapes.push_back(floor(5000, -1));
+  d.shapes.push_back(shape(ball(2, [](const Vec3<double>& p) { return p * kRadius; })));
+  d.shapes.back().motion = sliding({8e-8, 0, 0}, 1);
+  const auto scene = build(std::move(d));
+  ASSERT_EQ(scene->origin(), Vec3<double>{});
+  std::mt19937 random(2);
+  std::uniform_real_distribution<double> u(-0.6 * kRadius, 0.6 * kRadius);
+  for (int i = 0; i < 200; ++i) {
+    const double x = u(random), y = u(random);
+    Ray ray{Vec3<float>(Vec3<double>{4e-8 + x, y, 1e-8}), {0, 0, -1}};
+    ray.time_s = 0.5;
+    const auto hit = scene->closest_hit(ray);
+    ASSERT_TRUE(hit);
+    // Faces are at most a tenth of the radius within it.
+    const double top = std::sqrt(kRadius * kRadius - x * x - y * y);
+    EXPECT_LE(1e-8 - hit->t, top + 1e-3 * kRadius);
+    EXPECT_GE(1e-8 - hit->t, top - 0.2 * kRadius);
+    // It is convex: no ray that leaves it meets it, however flat.
+    const Frame<double> frame = Frame<double>::around(hit->ng);
+    for (int k = 0; k < 64; ++k) {
+      const double phi = 0.1 * k, up = std::exp2(-k / 4.0);
+      Ray away = spawn_ray(
+          *hit, Vec3<float>(frame.s * std::cos(phi) + frame.t * std::sin(phi) + frame.n * up));
+      away.t_max = 1e-6F;  // not the floor
+      EXPECT_FALSE(scene->occluded(away)) << up;
+    }
+  }
+}
+
+TEST(MovingPrecision, RaysSeeTheTimeThatTheyAreAskedFor) {
+  SceneDescription d = description();
+  d.shapes.push_back(floor(0.5, 1.5));
+  d.shapes.back().motion = sliding({8, 0, 0}, 2);
+  const auto scene = build(std::move(d));
+  const std::vector<float> from{0, 0, 0, 4, 0, 0}, up{0, 0, 1, 0, 0, 1};
+  for (const double t : {0.0, 1.0, 2.0}) {
+    std::uint8_t visible = 0;
+    int status[2];
+    test_visibility(*scene, {.from = {{}, from}, .directions = up, .time_s = t}, &visible, status,
+                    {});
+    EXPECT_EQ(visible, t == 0 ? 2 : t == 1 ? 1 : 3) << t;
+  }
+}
+
+// Light that comes by way of a surface comes by way of where that is.
+TEST(MovingPrecision, BouncesAreOffWhereSurfacesAreAtTheTime) {
+  const auto scene_at = [](double t, bool moves) {
+    SceneDescription d = description(0.9);
+    // Above the meter, which sees it, and the lamp between them; then 40 m aside.
+    d.shapes.push_back(floor(1, 1));
+    if (moves)
+      d.shapes.back().motion = sliding({40, 0, 0}, 1);
+    else
+      for (auto& p : std::get<PatchMeshData>(d.shapes.back().geometry).positions) p.x += 40 * t;
+    d.shapes.push_back(floor(0.1, -3));
+    d.lights.push_back(point_light({0.2, 0, 0.5}, 10));
+    return build(std::move(d));
+  };
+  const auto scene = scene_at(0, true);
+  for (const double t : {0.0, 0.02, 1.0}) {
+    const auto of = [&](const Scene& s, double time_s) {
+      const std::vector<IrradiancePoint> meter{{-s.origin(), {1e-6F, 1e-6F, 1e-6F}, {0, 0, 1}}};
+      return estimate_irradiance(
+                 s, meter,
+                 {.samples_per_block = 64, .block_count = 64, .bounces = 1, .time_s = time_s}, {})
+          .points[0];
+    };
+    const auto moved = of(*scene, t), still = of(*scene_at(t, false), 0);
+    const double error = std::hypot(moved.standard_error_lx.g, still.standard_error_lx.g);
+    // Seven standard errors, themselves known from 64 blocks: by luck less than once in 1e8.
+    EXPECT_NEAR(moved.irradiance_lx.g, still.irradiance_lx.g, 7 * error + 1e-4) << t;
+    const double direct = 10 * 0.5 / std::pow(0.04 + 0.25, 1.5);
+    if (t == 1)
+      EXPECT_NEAR(moved.irradiance_lx.g, direct, 1e-3 * direct);
+    else
+      EXPECT_GT(moved.irradiance_lx.g, 1.05 * direct);
+  }
+}
+
+}  // namespace
+}  // namespace lucerna::testing

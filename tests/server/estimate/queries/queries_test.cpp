@@ -1,0 +1,264 @@
+#include "server/estimate/queries/queries.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "scenes.h"
+
+namespace lucerna {
+namespace {
+
+using ::lucerna::testing::build;
+using ::lucerna::testing::description;
+
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+
+/// Owns what a SampleLiAnswer points into.
+struct Arrays {
+  explicit Arrays(std::size_t n)
+      : value(3 * n),
+        wi(3 * n),
+        distance(n),
+        points(3 * n),
+        normals(3 * n),
+        pdf(n),
+        probability(n),
+        delta((n + 7) / 8),
+        visible((n + 7) / 8),
+        ids(n),
+        status(n) {}
+  SampleLiAnswer answer() {
+    return {value.data(),   wi.data(),          distance.data(), points.data(),
+            normals.data(), pdf.data(),         delta.data(),    visible.data(),
+            ids.data(),     probability.data(), status.data()};
+  }
+  bool operator==(const Arrays&) const = default;
+
+  std::vector<float> value, wi, distance, points, normals, pdf;
+  std::vector<double> probability;
+  std::vector<std::uint8_t> delta, visible;
+  std::vector<std::uint64_t> ids;
+  std::vector<int> status;
+};
+
+Arrays ask(const Scene& scene, const SampleLiQuery& query) {
+  Arrays arrays(query.receivers.size() * query.samples);
+  sample_li(scene, query, arrays.answer(), {});
+  return arrays;
+}
+
+SceneDescription one_point_light() {
+  SceneDescription d = description();
+  d.shapes.push_back(testing::floor(10));
+  d.lights.push_back({PointLightParams{{0, 0, 3}, Rgb<double>(18)}, {"test.pbrt", 2, 1}});
+  return d;
+}
+
+TEST(SampleLi, OfAPointLightIsIntensityOverDistanceSquared) {
+  const auto scene = build(one_point_light());
+  const std::vector<float> points{0, 0, 0, 4, 0, 0};
+  const std::vector<float> u(4, 0.5F);
+  const Arrays a = ask(*scene, {.receivers = {{}, points}, .light = 0, .u = u});
+  EXPECT_FLOAT_EQ(a.value[0], 2);      // 18 cd / (3 m)^2
+  EXPECT_FLOAT_EQ(a.value[3], 0.72F);  // 18 / 25
+  EXPECT_FLOAT_EQ(a.distance[1], 5);
+  EXPECT_FLOAT_EQ(a.wi[3], -0.8F);
+  EXPECT_FLOAT_EQ(a.wi[5], 0.6F);
+  EXPECT_EQ(a.delta[0], 3);
+  EXPECT_EQ(a.pdf[0], 0);
+  EXPECT_EQ(a.status, (std::vector<int>{1, 1}));
+}
+
+TEST(SampleLi, AnswersRelativeToTheOriginThatWasAsked) {
+  SceneDescription d = description();
+  const double far = 1e7;  // where floats are a metre apart
+  d.shapes.push_back(
+      testing::patch({far - 1, -1, 0}, {far + 1, -1, 0}, {far - 1, 1, 0}, {far + 1, 1, 0}));
+  d.lights.push_back({PointLightParams{{far + 0.25, 0, 3}, Rgb<double>(1)}, {}});
+  const auto scene = build(d);
+  const std::vector<float> points{0.25F, 0, 1};
+  const std::vector<float> u(2, 0.5F);
+  const Arrays a = ask(*scene, {.receivers = {{far, 0, 0}, points}, .light = 0, .u = u});
+  EXPECT_EQ(a.points, (std::vector<float>{0.25F, 0, 3}));
+  EXPECT_EQ(a.distance[0], 2);
+  EXPECT_EQ(a.wi, (std::vector<float>{0, 0, 1}));
+}
+
+TEST(SampleLi, ABadItemDoesNotFailItsBatch) {
+  const auto scene = build(one_point_light());
+  const std::vector<float> points{0, 0, 0, kNan, 0, 0, 0, 0, 3, 0, 0, 1, 0, 0, 1};
+  std::vector<float> u(10, 0.5F);
+  u[9] = kNan;
+  const Arrays a = ask(*scene, {.receivers = {{}, points}, .light = 0, .u = u});
+  EXPECT_EQ(a.status, (std::vector<int>{1, 7, 4, 1, 7}));  // invalid, on the light, ok, invalid u
+  for (const float v : a.value) EXPECT_TRUE(std::isfinite(v));
+  EXPECT_EQ(a.value[3], 0);
+  EXPECT_FLOAT_EQ(a.value[9], 4.5F);  // 18 / 2^2
+}
+
+TEST(SampleLi, SaysOutOfRangeWhereNoFloatHoldsThePlace) {
+  const auto scene = build(one_point_light());
+  const std::vector<float> points{0, 0, 0};
+  const std::vector<float> u(2, 0.5F);
+  const Arrays a = ask(*scene, {.receivers = {{1e300, 0, 0}, points}, .light = 0, .u = u});
+  EXPECT_EQ(a.status[0], static_cast<int>(ItemResult::kOutOfRange));
+}
+
+SceneDescription many_lights() {
+  SceneDescription d = one_point_light();
+  for (int i = 0; i < 5; ++i) {
+    d.lights.push_back(testing::point_light({double(i), 1, 2}, 1 + i));
+  }
+  d.shapes.push_back(
+      testing::emissive(testing::patch({-1, -1, 4}, {-1, 1, 4}, {1, -1, 4}, {1, 1, 4}), 5));
+  return d;
+}
+
+TEST(SampleLi, SplittingABatchChangesNothing) {
+  const auto scene = build(many_lights());
+  std::vector<float> points;
+  for (int i = 0; i < 3000; ++i) {
+    points.insert(points.end(), {0.01F * float(i % 60), 0.01F * float(i / 60), 0.5F});
+  }
+  SampleLiQuery query{.receivers = {{}, points}, .samples = 2, .seed = SeedRange{7, 100}};
+  query.test_visibility = true;
+  const Arrays whole = ask(*scene, query);
+  const std::size_t cut = 1003;
+  query.receivers.offsets_m = std::span(points).subspan(3 * cut);
+  query.seed = SeedRange{7, 100 + cut};
+  const Arrays rest = ask(*scene, query);
+  EXPECT_TRUE(std::equal(rest.value.begin(), rest.value.end(), whole.value.begin() + 6 * cut));
+  EXPECT_TRUE(std::equal(rest.ids.begin(), rest.ids.end(), whole.ids.begin() + 2 * cut));
+  EXPECT_TRUE(std::equal(rest.wi.begin(), rest.wi.end(), whole.wi.begin() + 6 * cut));
+  query.seed = SeedRange{8, 100 + cut};  // and the seed is used
+  EXPECT_NE(ask(*scene, query).ids, rest.ids);
+}
+
+TEST(SampleLi, AChosenLightAnswersAsIfItWereNamed) {
+  const auto scene = build(many_lights());
+  std::vector<float> points, u;
+  std::vector<double> u_light;
+  for (int i = 0; i < 100; ++i) {
+    points.insert(points.end(), {0.1F * float(i), 0, 0.5F});
+    u.insert(u.end(), {0.01F * float(i), 0.3F});
+    u_light.push_back(0.01 * i);
+  }
+  const Arrays chosen = ask(*scene, {.receivers = {{}, points}, .u = u, .u_light = u_light});
+  for (std::uint32_t light = 0; light < scene->lights().size(); ++light) {
+    const Arrays named = ask(*scene, {.receivers = {{}, points}, .light = light, .u = u});
+    int found = 0;
+    for (std::size_t i = 0; i < 100; ++i) {
+      if (chosen.ids[i] != scene->lights()[light].id) continue;
+      ++found;
+      EXPECT_EQ(chosen.value[3 * i], named.value[3 * i]);
+      const Receiver<double> receiver(0.1F * float(i), 0, 0.5);
+      EXPECT_EQ(chosen.probability[i],
+                scene->light_selector().probability(LightSelection::kAutomatic, receiver, light));
+    }
+    EXPECT_GT(found, 0) << light;
+  }
+}
+
+/// Receivers at all distances from a light, on it, and where no float tells them; sample values for
+/// each, of which some are none.
+struct Receivers {
+  std::vector<float> offsets, normals, u;
+  std::vector<double> u_light;
+
+  explicit Receivers(const Vec3<float>& light) {
+    constexpr float kInf = INFINITY, kMost = std::numeric_limits<float>::max();
+    for (float size = 1e-42F; size < 1e38F; size *= 7)
+      for (const Vec3<float>& way : {Vec3<float>{1, 2, -3}, {-1, 0, 0}, {0, 0.3F, 1}})
+        add(light + way * size);
+    for (const Vec3<float>& at : {light,
+                                  Vec3<float>{kNan, 0, 0},
+                                  {0, kInf, 0},
+                                  {0, -kInf, kInf},
+                                  {kMost, kMost, kMost},
+                                  {kMost, -kMost, 0},
+                                  {0, 0, 0}})
+      add(at);
+    for (const std::size_t bad : {std::size_t{20}, u.size() - 1}) u[bad] = bad == 20 ? kNan : kInf;
+  }
+  void add(const Vec3<float>& at) {
+    offsets.insert(offsets.end(), {at.x, at.y, at.z});
+    normals.insert(normals.end(), {0, 0, 1});
+    u.insert(u.end(), {0.25F, 0.75F});
+    u_light.push_back(0.5);
+  }
+};
+
+TEST(SampleLi, OfAPointLightIsTheSameHoweverItIsAsked) {
+  const Vec3<float> at{1, -2, 0.5F};
+  for (const double candela : {0.0, 1e-30, 18.0, 1e30}) {
+    SceneDescription d = description();
+    d.lights = {testing::point_light(Vec3<double>(at), candela)};
+    const auto scene = build(d);
+    const Receivers r(at);
+    for (const Vec3<double>& origin : {Vec3<double>{}, {0.1, 0, -3e5}}) {
+      SampleLiQuery query{.receivers = {origin, r.offsets}, .light = 0, .u = r.u};
+      const Arrays plain = ask(*scene, query);
+      query.normals = r.normals;  // with which each sample is made whole
+      const Arrays whole = ask(*scene, query);
+      EXPECT_EQ(plain, whole) << candela;
+      query.normals = {};
+      query.light = {};
+      query.u_light = r.u_light;
+      Arrays chosen = ask(*scene, query);
+      chosen.ids = plain.ids, chosen.probability = plain.probability;
+      EXPECT_EQ(plain, chosen) << candela;
+      const auto ok = std::ranges::count(plain.status, static_cast<int>(ItemResult::kOk));
+      if (candela == 18) EXPECT_GT(ok, 150);
+      if (candela == 0) EXPECT_EQ(ok, 0);
+    }
+  }
+}
+
+TEST(SampleLi, ASceneWithoutLightsIsBlack) {
+  SceneDescription d = description();
+  d.shapes.push_back(testing::floor(1));
+  const auto scene = build(d);
+  const std::vector<float> points{0, 0, 1};
+  const Arrays a = ask(*scene, {.receivers = {{}, points}, .seed = SeedRange{}});
+  EXPECT_EQ(a.status[0], static_cast<int>(ItemResult::kBlack));
+  EXPECT_EQ(a.ids[0], 0U);
+}
+
+TEST(PdfLi, OfAnAreaLightIsThatOfItsSamples) {
+  const auto scene = build(many_lights());
+  const auto light = static_cast<std::uint32_t>(scene->lights().size() - 1);
+  std::vector<float> points;
+  for (int i = 0; i < 64; ++i) points.insert(points.end(), {0.1F * float(i), 0.2F, 0.5F});
+  const Arrays a =
+      ask(*scene, {.receivers = {{}, points}, .light = light, .seed = SeedRange{1, 0}});
+  std::vector<float> pdf(64);
+  std::vector<int> status(64);
+  pdf_li(*scene, {light, {{}, points}, a.wi}, pdf.data(), status.data(), {});
+  for (std::size_t i = 0; i < 64; ++i) {
+    EXPECT_GT(pdf[i], 0);
+    // The direction was rounded to floats: 2^-24 over the smallest cosine to the light, 0.4.
+    EXPECT_NEAR(pdf[i], a.pdf[i], 4e-6 * a.pdf[i]);
+  }
+  std::vector<float> away(3 * 64, 0.0F);
+  for (std::size_t i = 0; i < 64; ++i) away[3 * i + 2] = i == 3 ? kNan : i == 4 ? 0.0F : -1.0F;
+  pdf_li(*scene, {light, {{}, points}, away}, pdf.data(), status.data(), {});
+  EXPECT_EQ(status[0], 1);
+  EXPECT_EQ(status[3], 7);
+  EXPECT_EQ(status[4], 7);
+}
+
+TEST(ToScene, DefaultErrorIsAFewUlpsOfTheCoordinates) {
+  const auto scene = build(one_point_light());
+  const std::vector<float> points{1, 0, 0, 0, -1000, 0};
+  const ToScene to_scene(*scene, {{}, points}, std::nullopt);
+  EXPECT_FLOAT_EQ(to_scene(0).error, 4 * 1.1920929e-7F);  // 4 * 2^-23
+  EXPECT_FLOAT_EQ(to_scene(1).error, 4000 * 1.1920929e-7F);
+  EXPECT_EQ(ToScene(*scene, {{}, points}, 0.25F)(1).error, 0.25F);
+}
+
+}  // namespace
+}  // namespace lucerna

@@ -1,0 +1,169 @@
+// EULUMDAT: the format's readings, and errors that say line and what is allowed.
+#include "server/formats/eulumdat.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "tests/server/formats/photometric_texts.h"
+
+namespace lucerna {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::Ldt;
+using testing::notes;
+using testing::planes;
+using ::testing::StartsWith;
+
+constexpr double kPi = std::numbers::pi;
+
+PhotometricFile ldt(const std::string& text) {
+  auto file = parse_eulumdat(text, "lamp.ldt");
+  EXPECT_TRUE(file.ok()) << file.status();
+  return file.ok() ? *std::move(file) : PhotometricFile{};
+}
+std::string ldt_error(const std::string& text) {
+  const auto file = parse_eulumdat(text, "lamp.ldt");
+  return file.ok() ? "" : std::string(file.status().message());
+}
+
+TEST(Eulumdat, IntensitiesAreForAThousandLumensOfTheLamps) {
+  Ldt f;
+  EXPECT_EQ(ldt(f.text()).web->at({0, 0, 1}), 200);
+  EXPECT_EQ(ldt(f.text()).format, "EULUMDAT");
+  EXPECT_EQ(notes(ldt(f.text())), "");
+  f.conversion = "1,5";
+  EXPECT_NEAR(ldt(f.text()).web->at({0, 0, 1}), 300, 1e-12);
+  f.lamps[0] = "-1";  // absolute photometry
+  EXPECT_NEAR(ldt(f.text()).web->at({0, 0, 1}), 300, 1e-12);
+}
+
+TEST(Eulumdat, WithoutAConversionFactorIntensitiesAreAsTheyStand) {
+  Ldt f;
+  for (const char* blank : {"", "  ", "\t"}) {
+    f.conversion = blank;
+    EXPECT_EQ(ldt(f.text()).web->at({0, 0, 1}), 200);
+    EXPECT_EQ(notes(ldt(f.text())), "24 no conversion factor for intensities -> 1\n");
+  }
+  f.conversion = "x";
+  EXPECT_EQ(ldt_error(f.text()),
+            "lamp.ldt:24: the conversion factor is \"x\", allowed: a finite number");
+  // Where the file ends before it, it is no blank.
+  const std::string text = f.text();
+  EXPECT_THAT(ldt_error(text.substr(0, text.find("x\n"))),
+              HasSubstr("the file ends before the conversion factor (line 24)"));
+}
+
+TEST(Eulumdat, EndsOfLinesAndDecimalCommas) {
+  Ldt f;
+  f.intensities = {"100,5", " 50 ", "1e1"};
+  for (const char* end : {"\n", "\r\n", "\r"}) {
+    f.end = end;
+    const std::string text = f.text();
+    EXPECT_NEAR(ldt(text).web->at({0, 0, 1}), 201, 1e-12);
+    EXPECT_NEAR(ldt(text.substr(0, text.size() - f.end.size())).web->at({0, 0, 1}), 201, 1e-12);
+  }
+}
+
+TEST(Eulumdat, PlanesOfEachSymmetry) {
+  // C90 is towards -y where +z is down.
+  const auto at = [](const Ldt& f, double c_deg) {
+    const double c = c_deg * kPi / 180;
+    return ldt(f.text()).web->at({std::cos(c), -std::sin(c), 0});
+  };
+  const auto expect = [&](const Ldt& f, const std::vector<double>& values) {
+    for (std::size_t i = 0; i < values.size(); ++i)
+      EXPECT_NEAR(at(f, 45. * static_cast<double>(i)), values[i], 1e-9)
+          << "symmetry " << f.symmetry << ", C" << 45 * i;
+  };
+  expect(planes(0, {"1", "2", "3", "4", "5", "6", "7", "8"}), {1, 2, 3, 4, 5, 6, 7, 8});
+  EXPECT_NEAR(at(planes(0, {"1", "2", "3", "4", "5", "6", "7", "8"}), 337.5), 4.5, 1e-9);
+  expect(planes(1, {"3"}), {3, 3, 3, 3, 3, 3, 3, 3});
+  expect(planes(2, {"1", "2", "3", "4", "5"}), {1, 2, 3, 4, 5, 4, 3, 2});
+  // From C270 over C0 to C90; mirrored at that plane.
+  expect(planes(3, {"1", "2", "3", "4", "5"}), {3, 4, 5, 4, 3, 2, 1, 2});
+  expect(planes(4, {"1", "2", "3"}), {1, 2, 3, 2, 1, 2, 3, 2});
+}
+
+TEST(Eulumdat, SetsOfLampsBeyondTheFirstAreLeftOut) {
+  Ldt f;
+  f.sets = "2";
+  const std::vector<std::string> second{"1", "other", "5000", "4000", "80", "50"};
+  f.lamps.insert(f.lamps.end(), second.begin(), second.end());
+  EXPECT_EQ(ldt(f.text()).web->at({0, 0, 1}), 200);
+  EXPECT_EQ(notes(ldt(f.text())), "26 2 sets of lamps -> the first of them\n");
+}
+
+// The description lists the values of all sets field by field (four characters times the number of
+// sets for the numbers of lamps, then the types...); other programs read and write set by set.
+TEST(Eulumdat, SetsOfLampsInEitherOrder) {
+  Ldt f;
+  f.sets = "3";
+  f.lamps = {"1",    "2",    "-1",   "T16 28W", "T16 2x28W", "",   "2000", "5000", "1800",
+             "3000", "3000", "4000", "80",      "80",        "1B", "30",   "60",   ""};
+  EXPECT_EQ(ldt(f.text()).web->at({0, 0, 1}), 200);
+  EXPECT_EQ(notes(ldt(f.text())), "26 3 sets of lamps -> the first of them\n");
+  f.sets = "2";
+  f.lamps = {"1", "1", "28", "28", "2000", "5000", "3000", "3000", "80", "80", "30", "60"};
+  EXPECT_EQ(ldt(f.text()).web->at({0, 0, 1}), 200);
+  EXPECT_EQ(notes(ldt(f.text())),
+            "26 2 sets of lamps -> the first of them\n26 sets of lamps that can be read field by "
+            "field or set by set -> field by field, as the format's description has them\n");
+  f.lamps[0] = "x";
+  EXPECT_THAT(ldt_error(f.text()), StartsWith("lamp.ldt:26: 2 sets of lamps, allowed: numbers"));
+}
+
+// 1000/pi (1 - gamma/90) cd per 1000 lm of lamps make 2000 (1 - 2/pi) = 726.8 lm per 1000 lm.
+TEST(Eulumdat, LightOutputRatioIsComparedWithTheIntensities) {
+  Ldt f;
+  f.intensities = {"318.30989", "159.15494", "0"};
+  f.lorl = "72.7";
+  EXPECT_EQ(notes(ldt(f.text())), "");
+  f.lorl = "60";
+  EXPECT_EQ(notes(ldt(f.text())),
+            "23 a light output ratio of 60%, which makes 1200 lm -> what the intensities make, "
+            "1453.52 lm\n");
+}
+
+TEST(Eulumdat, ErrorsNameLineAndWhatIsAllowed) {
+  Ldt f;
+  f.symmetry = 5;
+  EXPECT_EQ(ldt_error(f.text()), "lamp.ldt:3: the symmetry Isym = 5, allowed: 0, 1, 2, 3 or 4");
+  f = {};
+  f.symmetry = 4;
+  f.mc = 6;
+  EXPECT_EQ(ldt_error(f.text()),
+            "lamp.ldt:4: the number Mc of C-planes = 6, allowed for symmetry 4: multiples of 4");
+  f = {};
+  f.mc = 1000;
+  f.ng = 1000;
+  f.symmetry = 0;
+  EXPECT_THAT(ldt_error(f.text()),
+              StartsWith("lamp.ldt:6: 1000 angles and 1000 planes of 1000 intensities are claimed "
+                         "to follow, allowed: as many"));
+  f.mc = f.ng = 1000000000;
+  EXPECT_THAT(ldt_error(f.text()), HasSubstr("are claimed"));
+  f = {};
+  f.conversion = "0";
+  EXPECT_EQ(ldt_error(f.text()), "lamp.ldt:24: the conversion factor = 0, allowed: positive");
+  f = {};
+  f.sets = "0";
+  EXPECT_THAT(ldt_error(f.text()), StartsWith("lamp.ldt:26: the number of sets of lamps = 0"));
+  f = {};
+  f.lamps[2] = "x";
+  EXPECT_THAT(ldt_error(f.text()),
+              StartsWith("lamp.ldt:29: the luminous flux of the lamps is \"x\""));
+  f = {};
+  f.gamma = {"0", "45", "80"};
+  EXPECT_THAT(ldt_error(f.text()), StartsWith("lamp.ldt:44: vertical angles from 0 to 80"));
+  f = {};
+  f.intensities[1] = "-5";
+  EXPECT_THAT(ldt_error(f.text()), StartsWith("lamp.ldt:48: an intensity per 1000 lm = -5"));
+  EXPECT_THAT(ldt_error("made up\n"), HasSubstr("the file ends before the symmetry Isym (line 3)"));
+}
+
+}  // namespace
+}  // namespace lucerna

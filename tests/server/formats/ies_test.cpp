@@ -1,0 +1,270 @@
+// IES LM-63: the standard's readings, and errors that say line and what is allowed.
+#include "server/formats/ies.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "tests/server/formats/photometric_texts.h"
+
+namespace lucerna {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::Ies;
+using testing::notes;
+using ::testing::StartsWith;
+
+constexpr double kPi = std::numbers::pi;
+
+PhotometricFile ies(const std::string& text) {
+  auto file = parse_ies(text, "lamp.ies");
+  EXPECT_TRUE(file.ok()) << file.status();
+  return file.ok() ? *std::move(file) : PhotometricFile{};
+}
+std::string ies_error(const std::string& text) {
+  const auto file = parse_ies(text, "lamp.ies");
+  return file.ok() ? "" : std::string(file.status().message());
+}
+double down(const std::string& text) {
+  const PhotometricFile file = ies(text);
+  return file.web ? file.web->at({0, 0, 1}) : -1;
+}
+TEST(Ies, ReadsTheIntensities) {
+  const PhotometricFile file = ies(Ies().text());
+  ASSERT_TRUE(file.web);
+  EXPECT_EQ(file.format, "IES LM-63-2002, type C");
+  EXPECT_EQ(notes(file), "");
+  EXPECT_EQ(file.web->at({0, 0, 1}), 100);
+  EXPECT_NEAR(file.web->at({1, 0, 1}), 50, 1e-12);
+  EXPECT_EQ(file.web->at({0, 0, -1}), 0);
+}
+
+TEST(Ies, EditionsByTheirFirstLine) {
+  const auto format = [](const std::string& header) {
+    Ies f;
+    f.header = header;
+    return ies(f.text()).format;
+  };
+  EXPECT_EQ(format(""), "IES LM-63-1986, type C");
+  EXPECT_EQ(format("A lamp of 1987\nfree text\n"), "IES LM-63-1986, type C");
+  EXPECT_EQ(format("IESNA91\n"), "IES LM-63-1991, type C");
+  EXPECT_EQ(format("IESNA:LM-63-1995\n"), "IES LM-63-1995, type C");
+  EXPECT_EQ(format("IES:LM-63-2019\n"), "IES LM-63-2019, type C");
+  Ies odd;
+  odd.header = "IESNA:LM-63-2040\n";
+  EXPECT_EQ(
+      notes(ies(odd.text())),
+      "1 edition \"IESNA:LM-63-2040\" is none of LM-63-1986, 1991, 1995, 2002, 2019 -> read as "
+      "that of 2002\n");
+}
+
+TEST(Ies, LumensScaleNothing) {
+  for (const char* lamps : {"1 -1 1", "2 3500 1", "0 0 1"}) {
+    Ies f;
+    f.lamps = lamps;
+    EXPECT_EQ(down(f.text()), 100) << lamps;
+  }
+}
+
+TEST(Ies, MultipliersApplyOnceEach) {
+  Ies f;
+  f.lamps = "1 -1 2.5";
+  f.ballast = "0.8 0.5 10\n";
+  EXPECT_NEAR(down(f.text()), 100 * 2.5 * 0.8, 1e-12);
+  // Up to 1991 the second number is the ballast-lamp photometric factor.
+  f.header = "";
+  EXPECT_NEAR(down(f.text()), 100 * 2.5 * 0.8 * 0.5, 1e-12);
+  f.header = "IESNA91\n";
+  EXPECT_NEAR(down(f.text()), 100 * 2.5 * 0.8 * 0.5, 1e-12);
+  f.header = "IESNA:LM-63-1995\n";
+  EXPECT_NEAR(down(f.text()), 100 * 2.5 * 0.8, 1e-12);
+}
+
+TEST(Ies, UnitsOfLengthScaleNoCandela) {
+  Ies f;
+  f.units = "1 -0.5 -0.5 0\n";
+  EXPECT_EQ(down(f.text()), 100);
+}
+
+TEST(Ies, TiltTablesAreReadAndTheFactorAtTiltZeroHolds) {
+  Ies f;
+  f.tilt = "TILT=INCLUDE\n1\n3\n0 45 90\n0.5 0.9 0.8\n";
+  EXPECT_EQ(down(f.text()), 50);
+  EXPECT_EQ(notes(ies(f.text())),
+            "5 a table of factors for a tilted luminaire -> the factor at tilt 0, which is 0.5\n");
+  f.tilt = "TILT=INCLUDE\n1\n2\n0 90\n1 1\n";
+  EXPECT_EQ(notes(ies(f.text())), "");
+  f.tilt = "TILT=mh400.tlt\n";
+  EXPECT_EQ(down(f.text()), 100);
+  EXPECT_EQ(notes(ies(f.text())),
+            "4 tilt factors in \"mh400.tlt\" are not read -> 1, that of a luminaire that is not "
+            "tilted\n");
+  f.tilt = "TILT=INCLUDE\n4\n1\n0\n1\n";
+  EXPECT_THAT(ies_error(f.text()),
+              StartsWith("lamp.ies:5: lamp-to-luminaire geometry = 4, allowed"));
+  f.tilt = "TILT=INCLUDE\n1\n2\n10 90\n1 1\n";
+  EXPECT_THAT(ies_error(f.text()),
+              StartsWith("lamp.ies:7: tilt angles from 10 to 90 degrees, allowed: from 0"));
+  f.tilt = "TILT=INCLUDE\n1\n900000000\n0 90\n1 1\n";
+  EXPECT_THAT(ies_error(f.text()),
+              StartsWith("lamp.ies:6: 1800000000 numbers are claimed to follow, allowed: as many"));
+  f.tilt = "TILT=\n";
+  EXPECT_THAT(ies_error(f.text()), StartsWith("lamp.ies:4: TILT= nothing"));
+  f.tilt = "";
+  EXPECT_THAT(ies_error(f.text()), HasSubstr("no line \"TILT=\""));
+}
+
+TEST(Ies, EndsOfLinesOfEveryKind) {
+  const std::string unix_text = Ies().text();
+  for (const char* end : {"\r\n", "\r"}) {
+    std::string text;
+    for (const char c : unix_text) text += c == '\n' ? end : std::string(1, c);
+    EXPECT_EQ(down(text), 100);
+    // The line in an error stays the same.
+    const std::size_t at = text.find("TILT");
+    EXPECT_THAT(ies_error(text.substr(0, at) + "X" + text.substr(at)), StartsWith("lamp.ies:9:"));
+  }
+  EXPECT_EQ(down(unix_text.substr(0, unix_text.size() - 1)), 100);
+  // It is no part of the line that names the edition.
+  EXPECT_EQ(ies("\xef\xbb\xbf" + unix_text).format, "IES LM-63-2002, type C");
+  Ies commas;
+  commas.candela = "100, 50,10";
+  EXPECT_EQ(down(commas.text()), 100);
+  Ies wrapped;
+  wrapped.angles = "0\n45\n\n90 0\n";
+  wrapped.candela = "100\n50\n10";
+  EXPECT_EQ(down(wrapped.text()), 100);
+}
+
+TEST(Ies, MissingPlanesAreFilledBySymmetry) {
+  Ies f;
+  f.counts = "2 2";
+  f.angles = "0 90\n0 90\n";
+  f.candela = "10 20\n10 40\n";
+  auto web = ies(f.text()).web;
+  for (const Vec3<double>& w : {Vec3<double>{0, 1, 0}, {0, -1, 0}})
+    EXPECT_NEAR(web->at(w + Vec3<double>{0, 0, 1e-9}), 40, 1e-6);
+  EXPECT_NEAR(web->at({-1, 0, 1e-9}), 20, 1e-6);
+  f.angles = "0 90\n0 180\n";
+  web = ies(f.text()).web;
+  EXPECT_NEAR(web->at({-1, 0, 1e-9}), 40, 1e-6);
+  EXPECT_NEAR(web->at({0, 1, 1e-9}), 30, 1e-6);
+  EXPECT_NEAR(web->at({0, -1, 1e-9}), 30, 1e-6);
+  f.angles = "0 90\n90 270\n";
+  web = ies(f.text()).web;
+  EXPECT_NEAR(web->at({0, -1, 1e-9}), 20, 1e-6);  // H = 90
+  EXPECT_NEAR(web->at({0, 1, 1e-9}), 40, 1e-6);
+  EXPECT_NEAR(web->at({1, 0, 1e-9}), 30, 1e-6);
+  f.angles = "0 90\n0 345\n";
+  EXPECT_THAT(
+      ies_error(f.text()),
+      StartsWith("lamp.ies:8: horizontal angles from 0 to 345 degrees, allowed for type C"));
+}
+
+TEST(Ies, TypesAAndB) {
+  Ies f;
+  f.counts = "3 2";
+  f.angles = "-90 0 90\n0 90\n";
+  f.candela = "1 50 2\n1 10 2\n";
+  f.type = "2";
+  EXPECT_EQ(ies(f.text()).format, "IES LM-63-2002, type B");
+  EXPECT_NEAR(down(f.text()), 50, 1e-9);
+  f.type = "3";
+  EXPECT_EQ(ies(f.text()).format, "IES LM-63-2002, type A");
+  EXPECT_NEAR(ies(f.text()).web->at({1, 0, 0}), 50, 1e-9);
+  f.type = "4";
+  EXPECT_THAT(ies_error(f.text()), HasSubstr("photometric type = 4, allowed: 1 (type C)"));
+}
+
+// LM-63-1986 has the number 1 for types A and C.
+TEST(Ies, NegativeVerticalAnglesInTheFirstEditionAreTypeA) {
+  Ies f;
+  f.header = "a headlamp\n";
+  f.counts = "3 2";
+  f.angles = "-90 0 90\n-90 90\n";
+  f.candela = "0 50 0\n0 50 0\n";
+  EXPECT_EQ(ies(f.text()).format, "IES LM-63-1986, type A");
+  EXPECT_NEAR(ies(f.text()).web->at({1, 0, 0}), 50, 1e-9);
+  f.header = "IESNA91\n";
+  EXPECT_THAT(ies_error(f.text()),
+              StartsWith("lamp.ies:5: vertical angles from -90 to 90 degrees, allowed for type C"));
+}
+
+// What the edition of 2019 writes there, such as 1.00010 for computer simulations.
+TEST(Ies, HowAFileWasMadeScalesNothing) {
+  Ies f;
+  f.header = "IES:LM-63-2019\n";
+  f.ballast = "1 1.10010 10\n";
+  EXPECT_EQ(down(f.text()), 100);
+  f.ballast = "1 x 10\n";
+  EXPECT_THAT(ies_error(f.text()), StartsWith("lamp.ies:4: the second number after the sizes"));
+}
+
+TEST(Ies, ClaimsAreCheckedBeforeAnythingIsAllocated) {
+  Ies f;
+  f.counts = "1000 1000";
+  EXPECT_THAT(ies_error(f.text()),
+              StartsWith("lamp.ies:6: 1002000 numbers are claimed to follow, allowed: as many"));
+  f.counts = "1000000000 1000000000";
+  EXPECT_THAT(ies_error(f.text()), HasSubstr("numbers are claimed to follow, allowed"));
+}
+
+TEST(Ies, ErrorsNameLineAndWhatIsAllowed) {
+  const auto with = [](std::string Ies::*field, const char* text) {
+    Ies f;
+    f.*field = text;
+    return ies_error(f.text());
+  };
+  EXPECT_EQ(with(&Ies::lamps, "1 -2 1"),
+            "lamp.ies:5: lumens per lamp = -2, allowed: -1 (absolute photometry) or more");
+  EXPECT_EQ(with(&Ies::lamps, "1 -0.5 1"),
+            "lamp.ies:5: lumens per lamp = -0.5, allowed: -1 (absolute photometry), 0 or more");
+  EXPECT_THAT(with(&Ies::lamps, "1 -1 0"), HasSubstr("candela multiplier = 0, allowed: positive"));
+  EXPECT_THAT(with(&Ies::lamps, "1 x 1"),
+              StartsWith("lamp.ies:5: lumens per lamp is \"x\", allowed: a finite number"));
+  EXPECT_THAT(with(&Ies::lamps, "1 nan 1"), HasSubstr("is \"nan\""));
+  EXPECT_THAT(with(&Ies::counts, "2.5 1"), HasSubstr("the number of vertical angles = 2.5"));
+  EXPECT_THAT(with(&Ies::units, "3 0 0 0\n"),
+              HasSubstr("units = 3, allowed: 1 (feet), 2 (metres)"));
+  EXPECT_THAT(with(&Ies::ballast, "0 1 10\n"), StartsWith("lamp.ies:6: ballast factor = 0"));
+  EXPECT_THAT(with(&Ies::angles, "0 45 400\n0\n"),
+              StartsWith("lamp.ies:7: vertical angle 3 = 400, allowed: from -360 to 360"));
+  EXPECT_THAT(with(&Ies::lamps, "1 -1 1e299"),
+              StartsWith("lamp.ies:9: intensity 0 at horizontal angle 0 and vertical angle 0 = "));
+  EXPECT_THAT(with(&Ies::angles, "0 45 40\n0\n"),
+              StartsWith("lamp.ies:7: vertical angle 3 = 40 degrees, allowed: above the one"));
+  EXPECT_THAT(with(&Ies::candela, "100 50 -10\n"),
+              StartsWith("lamp.ies:9: candela value 3 = -10, allowed: finite, not neg"));
+  EXPECT_EQ(with(&Ies::candela, "100 50"), "lamp.ies:9: the file ends before candela value 3");
+  EXPECT_THAT(ies_error(""), StartsWith("lamp.ies:0: no line \"TILT=\""));
+  Ies more;
+  more.candela = "100 50 10\n[BLOCK]\n";
+  EXPECT_EQ(notes(ies(more.text())), "10 more after the last candela value -> left out\n");
+}
+
+// A luminaire whose intensity is 318.3 cos V, each 5 degrees, and the standard's zonal method: the
+// middles of zones of 10 degrees times their solid angles, which for a cosine is 1 / cos(5 degrees)
+// times the integral.  Straight lines 5 degrees apart lose h^2 / 12 of a cosine, to 1e-6.
+TEST(Ies, TotalAgreesWithTheZonalLumenSum) {
+  Ies f;
+  f.counts = "19 1";
+  f.angles = f.candela = "";
+  double zonal = 0;
+  for (int v = 0; v <= 90; v += 5) {
+    const double cd = 318.3 * std::cos(v * kPi / 180);
+    f.angles += fmt::format("{} ", v);
+    f.candela += fmt::format("{:.6f} ", std::fabs(cd));
+    if (v % 10 == 5)
+      zonal += cd * 2 * kPi * (std::cos((v - 5) * kPi / 180) - std::cos((v + 5) * kPi / 180));
+  }
+  f.angles += "\n0\n";
+  const double h = 5 * kPi / 180, lost = h * h / 12;
+  EXPECT_NEAR(ies(f.text()).web->flux_lm() / zonal, std::cos(h) * (1 - lost), 1e-5);
+  EXPECT_NEAR(ies(f.text()).web->flux_lm() / (318.3 * kPi), 1 - lost, 1e-5);
+}
+
+}  // namespace
+}  // namespace lucerna

@@ -1,0 +1,154 @@
+// What becomes of image files that are unusual, and of those that are none.  Files of 32-bit floats
+// are written by hand (.pfm), the others by OpenImageIO.
+#include "server/formats/image_reader.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+
+#include "tests/server/formats/picture_texts.h"
+
+namespace lucerna {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::message;
+using testing::pfm;
+using testing::written;
+
+std::string remarks_of(const DecodedImage& d) {
+  std::string all;
+  for (const ImageRemark& r : d.remarks) all += r.what + " -> " + r.instead + "\n";
+  return all;
+}
+
+TEST(ImageReader, FloatsAreLinearAndRowsFromTheTop) {
+  const auto d = decode_image({"a.pfm", pfm(1, 2, {1, 2, 3, 0.25F, 5e4F, 0})});
+  ASSERT_TRUE(d.ok()) << d.status();
+  EXPECT_EQ(d->image->width(), 1);
+  EXPECT_EQ(d->image->height(), 2);
+  EXPECT_EQ(d->image->texel(0, 0), Rgb<float>(1, 2, 3));
+  EXPECT_EQ(d->image->texel(0, 1), Rgb<float>(0.25F, 5e4F, 0));
+  EXPECT_EQ(remarks_of(*d), "");
+}
+
+TEST(ImageReader, IntegersAreSrgbCoded) {
+  // IEC 61966-2-1: the code 188/255 is 0.5029 of full light, 10/255 is 10/255/12.92.
+  const OIIO::ImageSpec eight(1, 1, 3, OIIO::TypeDesc::UINT8);
+  const auto d8 =
+      decode_image({"a.png", written("a.png", eight, std::vector<std::uint8_t>{188, 10, 255})});
+  ASSERT_TRUE(d8.ok()) << d8.status();
+  EXPECT_NEAR(d8->image->texel(0, 0).r, 0.5029, 1e-4);
+  EXPECT_NEAR(d8->image->texel(0, 0).g, 10 / 255.0 / 12.92, 1e-7);
+  EXPECT_EQ(d8->image->texel(0, 0).b, 1);
+  const OIIO::ImageSpec sixteen(1, 1, 3, OIIO::TypeDesc::UINT16);
+  for (const std::string name : {"a.png", "a.tif"}) {
+    const auto d16 = decode_image(
+        {name, written(name, sixteen, std::vector<std::uint16_t>{188 * 257, 10 * 257, 0})});
+    ASSERT_TRUE(d16.ok()) << d16.status();
+    EXPECT_NEAR(d16->image->texel(0, 0).r, 0.5029, 1e-4);
+    EXPECT_NEAR(d16->image->texel(0, 0).g, 10 / 255.0 / 12.92, 1e-7);
+    EXPECT_EQ(d16->image->texel(0, 0).b, 0);
+  }
+}
+
+TEST(ImageReader, HalfIsLinear) {
+  OIIO::ImageSpec spec(2, 1, 3, OIIO::TypeDesc::HALF);
+  const std::vector<std::uint16_t> halves{0x3c00, 0x3800, 0x7bff, 0, 0x0001, 0x4000};
+  const auto d = decode_image({"a.exr", written("a.exr", spec, halves, spec.format)});
+  ASSERT_TRUE(d.ok()) << d.status();
+  EXPECT_EQ(d->image->texel(0, 0), Rgb<float>(1, 0.5F, 65504));
+  EXPECT_EQ(d->image->texel(1, 0), Rgb<float>(0, 0x1p-24F, 2));
+}
+
+TEST(ImageReader, GreyIsGreyInEveryChannel) {
+  const OIIO::ImageSpec spec(2, 1, 1, OIIO::TypeDesc::FLOAT);
+  const auto d = decode_image({"a.exr", written("a.exr", spec, std::vector<float>{0.5F, 2})});
+  ASSERT_TRUE(d.ok()) << d.status();
+  EXPECT_EQ(d->image->texel(0, 0), Rgb<float>(0.5F));
+  EXPECT_EQ(d->image->texel(1, 0), Rgb<float>(2));
+  EXPECT_EQ(remarks_of(*d), "");
+}
+
+TEST(ImageReader, AlphaIsIgnoredAndRemarkedOn) {
+  const OIIO::ImageSpec spec(1, 1, 4, OIIO::TypeDesc::UINT8);
+  const auto d =
+      decode_image({"a.png", written("a.png", spec, std::vector<std::uint8_t>{255, 0, 255, 51})});
+  ASSERT_TRUE(d.ok()) << d.status();
+  EXPECT_EQ(d->image->texel(0, 0), Rgb<float>(1, 0, 1));  // not 0.2 of it
+  EXPECT_EQ(remarks_of(*d), "a.png has an alpha channel -> alpha is ignored\n");
+  OIIO::ImageSpec exr(1, 1, 4, OIIO::TypeDesc::FLOAT);
+  const auto e = decode_image({"a.exr", written("a.exr", exr, std::vector<float>{3, 2, 1, 0.5F})});
+  ASSERT_TRUE(e.ok()) << e.status();
+  EXPECT_EQ(e->image->texel(0, 0), Rgb<float>(3, 2, 1));
+}
+
+TEST(ImageReader, OtherChannelsAreIgnoredAndRemarkedOnAndWithoutRgbThereIsNoPicture) {
+  OIIO::ImageSpec spec(1, 1, 5, OIIO::TypeDesc::FLOAT);
+  spec.channelnames = {"R", "G", "B", "A", "depth"};
+  spec.alpha_channel = 3;
+  const std::vector<float> values{1, 2, 3, 1, 9};
+  const auto d = decode_image({"a.exr", written("a.exr", spec, values)});
+  ASSERT_TRUE(d.ok()) << d.status();
+  EXPECT_EQ(d->image->texel(0, 0), Rgb<float>(1, 2, 3));
+  EXPECT_THAT(remarks_of(*d), HasSubstr("1 channels besides R, G, B and A"));
+  spec.channelnames = {"n.x", "n.y", "n.z", "u", "v"};
+  spec.alpha_channel = -1;
+  EXPECT_THAT(message(decode_image({"a.exr", written("a.exr", spec, values)}).status()),
+              HasSubstr("allowed: one or two, or R, G and B"));
+}
+
+TEST(ImageReader, OneTexelAndAHundredThousandInARow) {
+  const auto one = decode_image({"a.pfm", pfm(1, 1, {1, 2, 3})});
+  ASSERT_TRUE(one.ok()) << one.status();
+  EXPECT_EQ(one->image->texel(0, 0), Rgb<float>(1, 2, 3));
+  std::vector<float> values(300000, 1);
+  values[3 * 99999] = 7;
+  const OIIO::ImageSpec spec(100000, 1, 3, OIIO::TypeDesc::FLOAT);
+  for (const auto& [name, bytes] : {std::pair{"b.pfm", pfm(100000, 1, values)},
+                                    std::pair{"b.exr", written("b.exr", spec, values)}}) {
+    const auto row = decode_image({name, bytes});
+    ASSERT_TRUE(row.ok()) << row.status();
+    EXPECT_EQ(row->image->width(), 100000);
+    EXPECT_EQ(row->image->texel(99999, 0), Rgb<float>(7, 1, 1));
+  }
+}
+
+TEST(ImageReader, TexelsThatAreNoNumbersAreErrorsThatSayWhere) {
+  for (const float v : {NAN, INFINITY, -INFINITY}) {
+    std::vector<float> values(18, 1);
+    values[3 * (1 * 3 + 2) + 1] = v;
+    const auto status = decode_image({"sky.pfm", pfm(3, 2, values)}).status();
+    EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+    EXPECT_THAT(message(status), HasSubstr("sky.pfm: texel (2, 1)"));
+  }
+}
+
+TEST(ImageReader, NegativeTexelsCountAsZeroAndAreCounted) {
+  const auto d = decode_image({"a.pfm", pfm(3, 1, {-1, 2, -3, 1, 1, 1, 0, -1e-30F, 0})});
+  ASSERT_TRUE(d.ok()) << d.status();
+  EXPECT_EQ(d->image->texel(0, 0), Rgb<float>(0, 2, 0));
+  EXPECT_EQ(d->image->texel(2, 0), Rgb<float>());
+  EXPECT_EQ(remarks_of(*d), "a.pfm has 2 texels with a value below 0 -> taken as 0\n");
+}
+
+TEST(ImageReader, NoTexelsOrTooManyOrNoImageAreErrors) {
+  EXPECT_FALSE(decode_image({"a.pfm", pfm(0, 0, {})}).ok());
+  const auto many = decode_image({"a.pfm", pfm(3, 2, std::vector<float>(18))}, 5).status();
+  EXPECT_EQ(many.code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_THAT(message(many), HasSubstr("a.pfm: 3 x 2 texels, allowed: 5"));
+  // The header claims 4e9 texels: refused before any memory is asked for.
+  EXPECT_EQ(decode_image({"a.pfm", "PF\n64000 64000\n-1.0\n"}).status().code(),
+            absl::StatusCode::kResourceExhausted);
+  for (const std::string name : {"a.exr", "a.hdr", "a.pfm", "a.png", "a.tif", "a.jpg"}) {
+    EXPECT_FALSE(decode_image({name, ""}).ok()) << name;
+    EXPECT_FALSE(decode_image({name, "no picture"}).ok()) << name;
+  }
+  EXPECT_FALSE(decode_image({"a.pfm", pfm(3, 2, std::vector<float>(18)).substr(0, 50)}).ok());
+  EXPECT_THAT(message(decode_image({"a.txt", "words"}).status()), HasSubstr("allowed: .exr"));
+}
+
+}  // namespace
+}  // namespace lucerna

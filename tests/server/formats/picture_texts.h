@@ -1,0 +1,45 @@
+// Picture files for tests, as bytes.
+#pragma once
+
+#include <OpenImageIO/imageio.h>
+
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <vector>
+
+#include "tests/server/pbrt/pbrt_fixture.h"
+
+namespace lucerna::testing {
+
+/// A .pfm: three floats a texel, rows from the top.
+inline std::string pfm(int width, int height, const std::vector<float>& rgb) {
+  std::string bytes = "PF\n" + std::to_string(width) + " " + std::to_string(height) + "\n-1.0\n";
+  const std::size_t row = static_cast<std::size_t>(width) * 3;
+  for (int y = height; y-- > 0;)
+    bytes.append(reinterpret_cast<const char*>(rgb.data() + static_cast<std::size_t>(y) * row),
+                 row * sizeof(float));
+  return bytes;
+}
+
+/// All texels the same.
+inline std::string even_pfm(int width, int height, float value) {
+  return pfm(width, height, std::vector<float>(std::size_t{3} * width * height, value));
+}
+
+/// What OpenImageIO writes for `name`: texels of the type that `spec` names, of values of type
+/// `as`.
+template <typename T>
+std::string written(const std::string& name, const OIIO::ImageSpec& spec,
+                    const std::vector<T>& values,
+                    OIIO::TypeDesc as = OIIO::BaseTypeFromC<T>::value) {
+  const SceneFiles files;
+  const std::string path = (files.path() / name).string();
+  const auto file = OIIO::ImageOutput::create(path);
+  if (!file || !file->open(path, spec) || !file->write_image(as, values.data()) || !file->close())
+    throw std::runtime_error(file ? file->geterror() : OIIO::geterror());
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+}  // namespace lucerna::testing

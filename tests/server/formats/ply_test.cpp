@@ -1,0 +1,174 @@
+#include "server/formats/ply.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+#include <string>
+
+#include "pbrt_fixture.h"
+
+namespace lucerna {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using testing::message;
+
+const std::string kQuadHeader =
+    "element vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+    "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
+
+std::string ascii(const std::string& rest) { return "ply\nformat ascii 1.0\n" + rest; }
+
+std::string error_of(const std::string& bytes) { return message(parse_ply(bytes).status()); }
+
+template <typename T>
+std::string raw(T value, bool big_endian) {
+  std::string bytes(sizeof(T), '\0');
+  std::memcpy(bytes.data(), &value, sizeof(T));
+  if (big_endian) std::reverse(bytes.begin(), bytes.end());
+  return bytes;
+}
+
+std::string binary_quad(bool big_endian, float last = 7) {
+  std::string bytes = "ply\nformat binary_";
+  bytes += big_endian ? "big" : "little";
+  bytes += "_endian 1.0\n" + kQuadHeader;
+  for (const float n : {0.F, 0.F, 0.F, 1.F, 0.F, 0.F, 1.F, 2.F, 0.F, 0.F, 2.F, last})
+    bytes += raw(n, big_endian);
+  bytes += raw(std::uint8_t{4}, big_endian);
+  for (const int i : {0, 1, 2, 3}) bytes += raw(i, big_endian);
+  return bytes;
+}
+
+TEST(Ply, AsciiAndBothBinariesGiveTheSameMeshWithQuadsSplit) {
+  const std::string text = ascii(kQuadHeader) + "0 0 0\n1 0 0\n1 2 0\r\n0 2 7\n4 0 1 2 3\n";
+  for (const std::string& bytes : {text, binary_quad(false), binary_quad(true)}) {
+    const auto mesh = parse_ply(bytes);
+    ASSERT_TRUE(mesh.ok()) << mesh.status();
+    EXPECT_THAT(mesh->positions, ElementsAre(Vec3<double>(0, 0, 0), Vec3<double>(1, 0, 0),
+                                             Vec3<double>(1, 2, 0), Vec3<double>(0, 2, 7)));
+    EXPECT_THAT(mesh->indices, ElementsAre(0, 1, 2, 0, 2, 3));
+    EXPECT_EQ(mesh->split_quads, 1U);
+    EXPECT_TRUE(mesh->normals.empty());
+  }
+}
+
+TEST(Ply, CoordinatesOfPicturesAreReadByAnyOfTheirNames) {
+  for (const auto& [u, v] :
+       {std::pair{"u", "v"}, {"s", "t"}, {"texture_u", "texture_v"}, {"texture_s", "texture_t"}}) {
+    const auto mesh = parse_ply(
+        ascii(std::string("element vertex 3\nproperty float ") + v +
+              "\nproperty float x\nproperty float y\nproperty float z\nproperty float " + u +
+              "\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+              "0.5 0 0 0 0.25\n0 1 0 0 1\n1 0 1 0 0\n3 0 1 2\n"));
+    ASSERT_TRUE(mesh.ok()) << mesh.status();
+    EXPECT_THAT(mesh->uv,
+                ElementsAre(Vec2<float>{0.25F, 0.5F}, Vec2<float>{1, 0}, Vec2<float>{0, 1}));
+  }
+  const auto half =
+      parse_ply(ascii("element vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+                      "property float u\nelement face 1\nproperty list uchar int vertex_indices\n"
+                      "end_header\n0 0 0 1\n1 0 0 1\n0 1 0 1\n3 0 1 2\n"));
+  ASSERT_TRUE(half.ok());
+  EXPECT_TRUE(half->uv.empty());
+  EXPECT_THAT(error_of(ascii("element vertex 1\nproperty float x\nproperty float y\n"
+                             "property float z\nproperty float u\nproperty float v\n"
+                             "element face 0\nproperty list uchar int vertex_indices\n"
+                             "end_header\n0 0 0 1 nan\n")),
+              HasSubstr("the u, v of vertex 0 are not finite"));
+}
+
+TEST(Ply, OtherPropertiesElementsAndTypesAreSkipped) {
+  const auto mesh = parse_ply(ascii(
+      "comment anything\nobj_info anything\n"
+      "element camera 1\nproperty list uint8 float32 matrix\nproperty double zoom\n"
+      "element vertex 3\nproperty uchar red\nproperty double x\nproperty short y\nproperty int8 z\n"
+      "property float nx\nproperty float ny\nproperty float nz\n"
+      "element face 1\nproperty float quality\nproperty list uint uint vertex_index\nend_header\n"
+      "3 1 2 3 0.5\n"
+      "255 0.1 0 0 0 0 2\n0 1 0 0 0 0 2\n0 0 1 -5 0 0 2\n"
+      "0.25 3 2 1 0\n"));
+  ASSERT_TRUE(mesh.ok()) << mesh.status();
+  EXPECT_EQ(mesh->positions[0], Vec3<double>(0.1, 0, 0));
+  EXPECT_EQ(mesh->positions[2], Vec3<double>(0, 1, -5));
+  EXPECT_EQ(mesh->normals[1], Vec3<float>(0, 0, 2));
+  EXPECT_THAT(mesh->indices, ElementsAre(2, 1, 0));
+}
+
+TEST(Ply, FacesMayStandBeforeVertices) {
+  const std::string header =
+      "element face 1\nproperty list uchar int vertex_indices\n"
+      "element vertex 3\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
+  EXPECT_TRUE(parse_ply(ascii(header) + "3 0 1 2\n0 0 0 1 0 0 0 1 0").ok());
+  EXPECT_EQ(error_of(ascii(header) + "3 0 1 3\n0 0 0 1 0 0 0 1 0"),
+            "PLY: a face names vertex 3, there are 3");
+}
+
+TEST(Ply, ErrorsNameTheElement) {
+  const std::string four = "0 0 0 1 0 0 1 1 0 0 1 0 ";
+  EXPECT_EQ(error_of(ascii(kQuadHeader) + four + "5 0 1 2 3 0"),
+            "PLY: face 0 has 5 corners, allowed 3 and 4");
+  EXPECT_EQ(error_of(ascii(kQuadHeader) + four + "3 0 1 4"),
+            "PLY: face 0 names vertex 4, there are 4");
+  EXPECT_EQ(error_of(ascii(kQuadHeader) + four + "3 0 1 -1"), "PLY: face 0 names vertex -1");
+  EXPECT_EQ(error_of(ascii(kQuadHeader) + "0 0 0 1 0 nan 1 1 0 0 1 0 3 0 1 2"),
+            "PLY: vertex 1 is not finite");
+  EXPECT_EQ(error_of(ascii(kQuadHeader) + "0 0 0 1 0 0 1e999 1 0 0 1 0 3 0 1 2"),
+            "PLY: vertex 2 is not finite");
+  EXPECT_EQ(error_of(binary_quad(false, std::numeric_limits<float>::infinity())),
+            "PLY: vertex 3 is not finite");
+  EXPECT_EQ(error_of(ascii(kQuadHeader) + "0 0 0 1 zero 0 1 1 0 0 1 0 3 0 1 2"),
+            "PLY: vertex 1: the data end, or hold no number");
+}
+
+TEST(Ply, ErrorsNameTheHeaderLine) {
+  EXPECT_EQ(error_of(""), "PLY: header line 1: the file ends before \"end_header\"");
+  EXPECT_EQ(error_of("plyx\n"), "PLY: header line 1: expected \"ply\"");
+  EXPECT_THAT(error_of("ply\nformat utf8 1.0\n"), HasSubstr("line 2: format \"utf8\" is unknown"));
+  EXPECT_THAT(error_of(ascii("property float x\n")), HasSubstr("line 3: a property before any"));
+  EXPECT_THAT(error_of(ascii("element vertex -1\n")), HasSubstr("line 3: \"-1\" is not a count"));
+  EXPECT_THAT(error_of(ascii("element vertex 1\nproperty quad x\n")),
+              HasSubstr("line 4: type \"quad\" is unknown"));
+  EXPECT_THAT(error_of(ascii("element face 1\nproperty list float int v\n")),
+              HasSubstr("\"float\" cannot count a list"));
+  EXPECT_EQ(error_of("ply\nend_header\n"),
+            "PLY: header line 2: no \"format\" before \"end_header\"");
+  EXPECT_EQ(error_of(ascii("end_header\n")), "PLY: no element \"vertex\"");
+}
+
+TEST(Ply, SizesThatTheHeaderClaimsAreCheckedBeforeAnythingIsAllocated) {
+  for (const char* format : {"ascii", "binary_little_endian"}) {
+    const std::string start = std::string("ply\nformat ") + format + " 1.0\n";
+    const std::string vertices =
+        "property float x\nproperty float y\nproperty float z\nend_header\n0 0 0\n";
+    EXPECT_THAT(error_of(start + "element vertex 18446744073709551615\n" + vertices),
+                HasSubstr("too short"));
+    EXPECT_THAT(error_of(start + "element vertex 1000000000\n" + vertices), HasSubstr("too short"));
+    EXPECT_THAT(error_of(start + "element dust 1000000000000\nend_header\n"),
+                HasSubstr("has no properties"));
+  }
+  const std::string list =
+      "ply\nformat binary_little_endian 1.0\nelement x 1\nproperty list uint double "
+      "y\nend_header\n";
+  EXPECT_EQ(error_of(list + "\xff\xff\xff\xff"), "PLY: x 0: the data end, or hold no number");
+}
+
+TEST(Ply, EveryTruncationIsAnError) {
+  const std::string whole = binary_quad(true);
+  ASSERT_TRUE(parse_ply(whole).ok());
+  for (std::size_t size = 0; size < whole.size(); ++size)
+    EXPECT_FALSE(parse_ply(whole.substr(0, size)).ok()) << size;
+}
+
+TEST(Ply, StopsWhenAsked) {
+  std::stop_source source;
+  source.request_stop();
+  EXPECT_TRUE(absl::IsCancelled(parse_ply(binary_quad(false), source.get_token()).status()));
+}
+
+}  // namespace
+}  // namespace lucerna

@@ -1,0 +1,188 @@
+// LightSource "infinite" with a picture: what pbrt-v4 makes of it, and what it has no word for.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "server/scene/scene.h"
+#include "tests/server/pbrt/pbrt_fixture.h"
+
+namespace lucerna {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::message;
+using testing::remarks_of;
+using testing::SceneFiles;
+
+constexpr double kPi = std::numbers::pi;
+
+/// A .pfm of `value` in the upper half of its rows and 0 below.
+std::string pfm(int width, int height, float value) {
+  std::string bytes = "PF\n" + std::to_string(width) + " " + std::to_string(height) + "\n-1.0\n";
+  for (int y = 0; y < height; ++y)  // from the bottom
+    for (int i = 0; i < 3 * width; ++i) {
+      const float v = y < height / 2 ? 0 : value;
+      bytes.append(reinterpret_cast<const char*>(&v), sizeof v);
+    }
+  return bytes;
+}
+
+absl::StatusOr<SceneDescription> load(const std::string& parameters, int width, int height,
+                                      float value = 2, const std::string& transform = "") {
+  const SceneFiles files;
+  files.write("sky.pfm", pfm(width, height, value));
+  files.write("scene.pbrt", "WorldBegin " + transform +
+                                "\nLightSource \"infinite\" \"string filename\" \"sky.pfm\" " +
+                                parameters);
+  return files.load("scene.pbrt");
+}
+
+ImageInfiniteLightParams light(const std::string& parameters, int width, int height,
+                               const std::string& transform = "") {
+  auto scene = load(parameters, width, height, 2, transform);
+  if (!scene.ok()) throw std::runtime_error(message(scene.status()));
+  return std::get<ImageInfiniteLightParams>(scene->lights.at(0).params);
+}
+
+TEST(PbrtImageLights, DefaultsArePbrt4s) {
+  const auto p = light("\"float scale\" 3", 4, 4);
+  EXPECT_EQ(p.map->mapping(), SphereMapping::kEqualArea);
+  EXPECT_EQ(p.map->filter(), ImageFilter::kNearest);
+  EXPECT_EQ(p.radiance_cd_m2, Rgb<double>(3));
+  EXPECT_EQ(p.image_name, "sky.pfm");
+  // The picture's upper half is the half of directions with y < 0.
+  EXPECT_EQ(p.map->lookup({0.1, -0.99, 0.1}), Rgb<double>(2));
+  EXPECT_EQ(p.map->lookup({0.1, 0.99, 0.1}), Rgb<double>(0));
+}
+
+TEST(PbrtImageLights, MappingAndFilterAsSaid) {
+  const auto p = light("\"string mapping\" \"latlong\" \"string filter\" \"bilinear\"", 8, 4,
+                       "Rotate 90 1 0 0 Scale 2 2 2");
+  EXPECT_EQ(p.map->mapping(), SphereMapping::kLatitudeLongitude);
+  EXPECT_EQ(p.map->filter(), ImageFilter::kBilinear);
+  const auto made = *ImageInfiniteLight<double>::create(p);
+  EXPECT_EQ(made.le_escaped({}, {0, 0, 1}), Rgb<double>(2));  // turned: +y became +z
+  EXPECT_EQ(made.le_escaped({}, {0, 0, -1}), Rgb<double>(0));
+}
+
+TEST(PbrtImageLights, IlluminanceIsThatFromAboveForLatitudeLongitude) {
+  // The whole upper hemisphere has luminance 2: 2 pi lx, of which 100 are wanted.
+  const auto p = light("\"string mapping\" \"latlong\" \"float illuminance\" 100", 8, 4);
+  EXPECT_NEAR(p.radiance_cd_m2.g, 100 / (2 * kPi), 1e-12);
+}
+
+TEST(PbrtImageLights, IlluminanceOfEqualAreaMapsIsCountedAsPbrt4Counts) {
+  // A picture of 2 in its upper half: of +z's hemisphere (pi lx for luminance 1) one half, and half
+  // of that as pbrt-v4 weighs its texels, to within the sum over the centres of 64 x 64.
+  auto scene = load("\"float illuminance\" 100", 64, 64);
+  ASSERT_TRUE(scene.ok()) << scene.status();
+  const auto p = std::get<ImageInfiniteLightParams>(scene->lights.at(0).params);
+  EXPECT_NEAR(p.radiance_cd_m2.g * (2 * kPi / 4) / 100, 1, 1e-2);
+  EXPECT_THAT(remarks_of(*scene), HasSubstr("gets 200 lx"));
+}
+
+TEST(PbrtImageLights, BadInputIsAnErrorWithItsPlace) {
+  const auto error = [](const std::string& parameters, int width, int height,
+                        const std::string& transform = "") {
+    return message(load(parameters, width, height, 2, transform).status());
+  };
+  EXPECT_THAT(error("", 4, 2), HasSubstr("scene.pbrt:2:24: \"string filename\": sky.pfm: an "
+                                         "equal-area map of 4 x 2 texels, allowed: square"));
+  EXPECT_THAT(error("\"string mapping\" \"cube\"", 4, 4), HasSubstr("equalarea, latlong"));
+  EXPECT_THAT(error("\"string filter\" \"cubic\"", 4, 4), HasSubstr("nearest, bilinear"));
+  EXPECT_THAT(error("\"float scale\" -1", 4, 4), HasSubstr("\"float scale\" = -1"));
+  EXPECT_THAT(error("\"rgb L\" [1 1 1]", 4, 4), HasSubstr("\"L\" beside \"filename\""));
+  EXPECT_THAT(error("", 4, 4, "Scale 1 2 1"), HasSubstr("unequal scale"));
+  EXPECT_THAT(message(load("\"float illuminance\" 5", 4, 4, 0).status()),
+              HasSubstr("cannot have it"));
+  EXPECT_THAT(message(load("", 4, 4, NAN).status()),
+              HasSubstr("scene.pbrt:2:24: \"string filename\": sky.pfm: texel (0, 0)"));
+}
+
+const std::string kPortal = "\"point3 portal\" [0 0 3  0 1 3  2 1 3  2 0 3] ";
+
+PortalLightParams portal(const std::string& parameters, const std::string& transform = "") {
+  auto scene = load(kPortal + parameters, 4, 4, 2, transform);
+  if (!scene.ok()) throw std::runtime_error(message(scene.status()));
+  return std::get<PortalLightParams>(scene->lights.at(0).params);
+}
+
+TEST(PbrtPortals, CornersAreInWorldSpaceAndThePictureIsTurned) {
+  const auto p = portal("\"float scale\" 3", "Translate 5 6 7 Rotate 90 1 0 0");
+  EXPECT_EQ(p.corners_m[2], (Vec3<double>{2, 1, 3}));
+  EXPECT_EQ(p.radiance_cd_m2, Rgb<double>(3));
+  EXPECT_EQ(p.image_name, "sky.pfm");
+  // The picture's bright half, y < 0, was turned to z < 0.
+  const auto upside = *PortalLight<double>::create(p);
+  EXPECT_LT(upside.le_escaped({1, 0.5F, 2.9F}, {0, 0, 1}).g, 1e-6F);
+  const auto still = *PortalLight<double>::create(portal("\"float scale\" 3"));
+  EXPECT_EQ(still.le_escaped({1, 0.3F, 2.9F}, normalized(Vec3<double>{0, -0.8F, 0.2F})).g, 0);
+  EXPECT_EQ(still.le_escaped({1, 0.9F, 2.9F}, normalized(Vec3<double>{0, -0.8F, 0.2F})).g, 6);
+}
+
+TEST(PbrtPortals, AnEqualAreaPictureIsResampledUnlessAFilterIsAskedFor) {
+  EXPECT_TRUE(portal("").rectified);
+  EXPECT_FALSE(portal("\"string filter\" \"nearest\"").rectified);
+  EXPECT_EQ(portal("\"string filter\" \"nearest\"").map->filter(), ImageFilter::kNearest);
+  EXPECT_FALSE(portal("\"string mapping\" \"latlong\"").rectified);
+  EXPECT_EQ(portal("\"string mapping\" \"latlong\"").map->filter(), ImageFilter::kBilinear);
+}
+
+TEST(PbrtPortals, WithoutAPictureTheSkyIsUniform) {
+  const auto of = [](const std::string& parameters) {
+    auto scene = testing::load_text("WorldBegin Scale 1 2 3 LightSource \"infinite\" " + kPortal +
+                                    parameters);
+    if (!scene.ok()) throw std::runtime_error(message(scene.status()));
+    return std::pair{std::get<PortalLightParams>(scene->lights.at(0).params), remarks_of(*scene)};
+  };
+  EXPECT_EQ(of("\"rgb L\" [1 2 3] \"float scale\" 2").first.radiance_cd_m2, Rgb<double>(2, 4, 6));
+  EXPECT_EQ(of("\"rgb L\" [1 2 3]").first.map, nullptr);
+  EXPECT_EQ(of("\"rgb L\" [1 2 3]").second, "");
+  // Through the portal of 2 m2: pi L A.
+  const auto light = *PortalLight<double>::create(of("\"rgb L\" [1 2 3]").first);
+  EXPECT_NEAR(light.power({}).lumens.g, kPi * 2 * 2, 1e-9);
+  // pbrt-v4: the cosine of its one texel's middle is 1, times 2 pi.
+  const auto [lit, remarks] = of("\"float illuminance\" 100");
+  EXPECT_NEAR(lit.radiance_cd_m2.g, 100 / (2 * kPi), 1e-9);
+  EXPECT_THAT(remarks, HasSubstr("half of it"));
+}
+
+TEST(PbrtPortals, BadPortalsAreErrorsWithTheirPlace) {
+  const auto error = [](const std::string& portal) {
+    return message(testing::load_text("WorldBegin\nLightSource \"infinite\" \"point3 portal\" " +
+                                      portal + " \"rgb L\" [1 1 1]")
+                       .status());
+  };
+  EXPECT_THAT(error("[0 0 3  0 1 3  2 1 3]"),
+              HasSubstr("scene.pbrt:2:24: \"point3 portal\" of 3 points, allowed: 4"));
+  const std::string not_flat = error("[0 0 3  0 1 3  2 1 4  2 0 3]");
+  EXPECT_THAT(not_flat,
+              HasSubstr("scene.pbrt:2:24: \"point3 portal\": infinite.portal = (0, 0, 3)"));
+  EXPECT_THAT(not_flat, HasSubstr("(2, 1, 4)"));
+  EXPECT_THAT(not_flat, HasSubstr("allowed: four corners one after another around a rectangle"));
+  EXPECT_THAT(error("[0 0 3  0 1 3  2.5 1 3  2 0 3]"), HasSubstr("rectangle"));  // a trapezium
+  EXPECT_THAT(error("[0 0 3  0 1 3  3 2 3  3 1 3]"), HasSubstr("rectangle"));    // a parallelogram
+  EXPECT_THAT(error("[0 0 3  0 1 3  0 1 3  0 0 3]"), HasSubstr("rectangle"));    // no area
+}
+
+TEST(PbrtImageLights, APictureThatLightsShareIsReadAndCountedOnce) {
+  const SceneFiles files;
+  files.write("sky.pfm", pfm(16, 16, 1));
+  const std::string one = "LightSource \"infinite\" \"string filename\" \"sky.pfm\" ";
+  files.write("scene.pbrt", "WorldBegin " + one + one);
+  auto description = files.load("scene.pbrt");
+  ASSERT_TRUE(description.ok()) << description.status();
+  EXPECT_EQ(description->assets.size(), 2U);  // the scene and the picture
+  const auto scene = Scene::build(*std::move(description));
+  ASSERT_TRUE(scene.ok()) << scene.status();
+  std::uint64_t bytes = 0;
+  for (const ScenePart& part : (*scene)->parts())
+    if (part.name == "images") bytes += part.bytes;
+  EXPECT_GE(bytes, 16U * 16 * 12);
+  EXPECT_LT(bytes, 2U * 16 * 16 * 12);
+}
+
+}  // namespace
+}  // namespace lucerna

@@ -1,0 +1,113 @@
+// Broken files: whatever a file holds, loading ends with a scene or with an error that can be
+// shown.
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "pbrt_fixture.h"
+#include "server/formats/ply.h"
+#include "server/pbrt/place.h"
+
+namespace lucerna {
+namespace {
+
+using testing::message;
+using testing::SceneFiles;
+
+std::string contents(const std::string& name) {
+  std::ifstream file(std::string(LUCERNA_TEST_DATA) + "/" + name, std::ios::binary);
+  EXPECT_TRUE(file.good()) << name;
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+/// Some bytes changed, inserted, removed or moved.
+std::string mutated(std::string text, std::mt19937& random) {
+  const auto below = [&](std::size_t n) { return n == 0 ? 0 : random() % n; };
+  static const char* kWords[] = {
+      "\"", "[",           "]",          "-",   "1e308", "AttributeEnd", "ObjectBegin \"x\"",
+      "\\", "\"float x\"", "4294967295", "nan", "#",     "\xff",         "Include \"scene.pbrt\""};
+  for (std::size_t edits = 1 + below(4); edits > 0; --edits) {
+    const std::size_t at = below(text.size());
+    switch (below(4)) {
+      case 0:
+        text[at] = static_cast<char>(random());
+        break;
+      case 1:
+        text.insert(at, kWords[below(std::size(kWords))]);
+        break;
+      case 2:
+        text.erase(at, 1 + below(20));
+        break;
+      default:
+        text.insert(at, text.substr(below(text.size()), below(40)));
+        break;
+    }
+    if (text.empty()) text.push_back(' ');
+  }
+  return text;
+}
+
+void load_and_check(const SceneFiles& files) {
+  const auto scene = files.load("scene.pbrt");
+  if (scene.ok()) {
+    for (const ShapeDescription& shape : scene->shapes)
+      ASSERT_LT(shape.material, scene->materials.size());
+    for (const InstanceDescription& instance : scene->instances)
+      ASSERT_LT(instance.object, scene->objects.size());
+    for (const Remark& remark : scene->remarks) {
+      ASSERT_TRUE(pbrt::is_printable(remark.what)) << remark.what;
+      ASSERT_TRUE(pbrt::is_printable(remark.instead)) << remark.instead;
+    }
+  } else {
+    ASSERT_NE(message(scene.status()), "");
+    ASSERT_TRUE(pbrt::is_printable(message(scene.status()))) << scene.status();
+  }
+}
+
+TEST(PbrtMutations, BrokenScenesEndWithASceneOrAnError) {
+  std::mt19937 random(20240229);
+  const SceneFiles files;
+  files.write("parts.pbrt", contents("pbrt/parts.pbrt"));
+  files.write("square.ply", contents("pbrt/square.ply"));
+  const std::string whole = contents("pbrt/everything.pbrt");
+  int errors = 0;
+  for (int i = 0; i < 400; ++i) {
+    files.write("scene.pbrt", mutated(whole, random));
+    load_and_check(files);
+    errors += !files.load("scene.pbrt").ok();
+  }
+  EXPECT_GT(errors, 50);
+  for (std::size_t size = 0; size < whole.size(); size += 7) {
+    files.write("scene.pbrt", whole.substr(0, size));
+    load_and_check(files);
+  }
+}
+
+TEST(PbrtMutations, BrokenMeshesEndWithAMeshOrAnError) {
+  std::mt19937 random(20240301);
+  for (const char* name : {"pbrt/square.ply", "reference/ball.ply"}) {
+    // The ball's header and first vertices: what is cut off must be seen too.
+    const std::string whole = contents(name).substr(0, 2000);
+    for (int i = 0; i < 400; ++i) {
+      const auto mesh = parse_ply(mutated(whole, random));
+      if (!mesh.ok()) {
+        ASSERT_TRUE(pbrt::is_printable(pbrt::printable(message(mesh.status()))));
+        continue;
+      }
+      for (const std::uint32_t index : mesh->indices) ASSERT_LT(index, mesh->positions.size());
+    }
+  }
+}
+
+TEST(PbrtMutations, TheUnbrokenSceneLoads) {
+  auto assets = AssetReader::open(std::string(LUCERNA_TEST_DATA) + "/pbrt");
+  const auto scene = load_pbrt(*assets, "everything.pbrt");
+  ASSERT_TRUE(scene.ok()) << scene.status();
+  EXPECT_EQ(testing::remarks_of(*scene), "");
+  EXPECT_EQ(scene->shapes.size(), 7U);
+  EXPECT_EQ(scene->lights.size(), 6U);
+  EXPECT_EQ(scene->instances.size(), 2U);
+}
+
+}  // namespace
+}  // namespace lucerna

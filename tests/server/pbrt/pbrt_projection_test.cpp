@@ -1,0 +1,220 @@
+// LightSource "projection": what pbrt-v4 makes of it, and what it has no word for.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "server/scene/scene.h"
+#include "tests/server/pbrt/pbrt_fixture.h"
+
+namespace lucerna {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::message;
+using testing::remarks_of;
+using testing::SceneFiles;
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kDegree = kPi / 180;
+
+/// A .pfm, red in its upper half of rows and blue below.
+std::string slide_pfm(int width, int height, float value = 1) {
+  std::string bytes = "PF\n" + std::to_string(width) + " " + std::to_string(height) + "\n-1.0\n";
+  for (int y = 0; y < height; ++y)  // from the bottom
+    for (int i = 0; i < 3 * width; ++i) {
+      const float v = i % 3 == (y < height / 2 ? 2 : 0) ? value : 0;
+      bytes.append(reinterpret_cast<const char*>(&v), sizeof v);
+    }
+  return bytes;
+}
+
+absl::StatusOr<SceneDescription> load(const std::string& parameters,
+                                      const std::string& transform = "",
+                                      const std::string& bytes = slide_pfm(4, 2)) {
+  const SceneFiles files;
+  files.write("slide.pfm", bytes);
+  files.write("scene.pbrt",
+              "WorldBegin " + transform + "\nLightSource \"projection\" " + parameters);
+  return files.load("scene.pbrt");
+}
+
+template <typename Params>
+Params light(const std::string& parameters, const std::string& transform = "") {
+  auto scene = load(parameters, transform);
+  if (!scene.ok()) throw std::runtime_error(message(scene.status()));
+  return std::get<Params>(scene->lights.at(0).params);
+}
+
+const std::string kSlide = "\"string filename\" \"slide.pfm\" ";
+const double kHalfPurple = (0.2126390058715104 + 0.0721923153607337) / 2;  // mean luminance
+
+TEST(PbrtProjection, DefaultsArePbrt4s) {
+  const auto p = light<ProjectionLightParams>(kSlide + "\"float scale\" 3", "Translate 1 2 3");
+  EXPECT_EQ(p.position_m, Vec3<double>(1, 2, 3));
+  EXPECT_EQ(p.intensity_cd, Rgb<double>(3));
+  EXPECT_EQ(p.image_name, "slide.pfm");
+  EXPECT_EQ(p.picture->params().fov_rad, 90 * kDegree);
+  EXPECT_EQ(p.picture->params().aspect, 2);
+  EXPECT_EQ(p.picture->params().filter, ImageFilter::kNearest);
+  // Its upper half is where y > 0.
+  const auto made = *ProjectionLight<double>::create(p);
+  EXPECT_EQ(made.intensity({1.9, 0.9, 1}), Rgb<double>(3, 0, 0));
+  EXPECT_EQ(made.intensity({1.9, -0.9, 1}), Rgb<double>(0, 0, 3));
+  EXPECT_EQ(made.intensity({2.1, 0.9, 1}), Rgb<double>());
+}
+
+TEST(PbrtProjection, ScaleAlongTheLightsAxesChangesWhatThePictureCovers) {
+  // Wider by 3, higher by 2, and twice as far: half sides 2 * 3/2 and 1 * 2/2 at distance 1.
+  const auto p = light<ProjectionLightParams>(kSlide, "Rotate 70 1 2 3 Scale 3 2 2");
+  EXPECT_NEAR(p.picture->half().x, 3, 1e-12);
+  EXPECT_NEAR(p.picture->half().y, 1, 1e-12);
+  EXPECT_NEAR(p.picture->params().fov_rad, 90 * kDegree, 1e-12);
+  EXPECT_NEAR(p.picture->params().aspect, 3, 1e-12);
+  // Equal scale changes nothing; a mirror neither, but for the side.
+  const auto q = light<ProjectionLightParams>(kSlide, "Scale -5 5 5");
+  EXPECT_EQ(q.picture->params().fov_rad, 90 * kDegree);
+  EXPECT_EQ(q.axes.s, Vec3<double>(-5, 0, 0));
+  const auto beam = light<BeamLightParams>(
+      kSlide + "\"string projection\" \"orthographic\" \"float extent\" 0.5", "Scale 3 2 7");
+  EXPECT_EQ(beam.width_m, 3);  // 0.5 times the aspect of 2, times 3
+  EXPECT_EQ(beam.height_m, 1);
+}
+
+TEST(PbrtProjection, PowerIsCountedAsPbrt4Counts) {
+  // 90 degrees: the picture covers [-2, 2] x [-1, 1] at distance 1.  Its texels have area 1 and
+  // their centres at x = +-1.5 and +-0.5, y = +-0.5.
+  const double near = std::pow(1.5, -1.5), far = std::pow(3.5, -1.5);
+  const double counted = kHalfPurple * 4 * (near + far);
+  auto scene = load(kSlide + "\"float power\" 100 \"float scale\" 2");
+  ASSERT_TRUE(scene.ok()) << scene.status();
+  const auto p = std::get<ProjectionLightParams>(scene->lights.at(0).params);
+  EXPECT_NEAR(p.intensity_cd.g, 2 * 100 / counted, 1e-9);
+  // The rectangle of half sides 2 and 1 covers 4 asin(2 / sqrt 5 / sqrt 2).
+  const double lumens = p.intensity_cd.g * kHalfPurple * 4 * std::asin(2 / std::sqrt(10.0));
+  EXPECT_THAT(remarks_of(*scene), HasSubstr("from the same intensity as with pbrt-v4"));
+  EXPECT_NEAR(luminance(ProjectionLight<double>::create(p)->power({}).lumens), lumens, 1e-9);
+  EXPECT_THAT(remarks_of(*scene), HasSubstr(std::to_string(lumens).substr(0, 5)));
+}
+
+TEST(PbrtProjection, PowerIsExactWherePbrt4HasNoWord) {
+  const auto bilinear =
+      light<ProjectionLightParams>(kSlide + "\"string filter\" \"bilinear\" \"float power\" 100");
+  EXPECT_NEAR(luminance(ProjectionLight<double>::create(bilinear)->power({}).lumens), 100, 1e-9);
+  const auto even = light<ProjectionLightParams>("\"float power\" 100 \"float fov\" 40");
+  EXPECT_EQ(even.picture->params().image, nullptr);
+  EXPECT_NEAR(luminance(ProjectionLight<double>::create(even)->power({}).lumens), 100, 1e-9);
+  const std::string beam = "\"string projection\" \"orthographic\" \"float power\" 100 ";
+  const auto with_picture = light<BeamLightParams>(kSlide + beam);
+  EXPECT_EQ(with_picture.width_m, 2);
+  EXPECT_EQ(with_picture.height_m, 1);
+  EXPECT_NEAR(luminance(BeamLight<double>::create(with_picture)->power({}).lumens), 100, 1e-9);
+  EXPECT_NEAR(light<BeamLightParams>(beam + "\"float extent\" 2").illuminance_lx.g, 25, 1e-12);
+}
+
+TEST(PbrtProjection, ColourMultipliesThePicture) {
+  const auto p = light<ProjectionLightParams>(kSlide + "\"rgb I\" [1 2 3] \"float scale\" 2");
+  EXPECT_EQ(p.intensity_cd, Rgb<double>(2, 4, 6));
+}
+
+// A slide's texels are RGB, so that there is no spectrum that they could multiply.
+TEST(PbrtProjection, ASpectrumBesideAPictureIsTakenAsRgbAndRemarkedOn) {
+  for (const std::string kind : {"", "\"string projection\" \"orthographic\" "}) {
+    const auto scene = load(kind + kSlide + "\n\"blackbody I\" 2700");
+    ASSERT_TRUE(scene.ok()) << scene.status();
+    EXPECT_EQ(scene->lights[0].spectrum, nullptr);
+    EXPECT_THAT(
+        remarks_of(*scene),
+        ::testing::MatchesRegex(
+            "3:1 blackbody \"I\" beside a picture, whose colours are RGB -> the spectrum is "
+            "taken as RGB \\[1\\.[0-9]+ 0\\.[0-9]+ 0\\.[0-9]+\\] of luminance 1, by "
+            "wavelength too\n"));
+    // Outside of what RGB can show: nothing is said of wavelengths being exact.
+    const auto red = load(kind + kSlide + "\"spectrum I\" [699 0 700 1 701 0]");
+    ASSERT_TRUE(red.ok()) << red.status();
+    EXPECT_THAT(remarks_of(*red), HasSubstr("2:"));
+    EXPECT_THAT(remarks_of(*red), HasSubstr("spectrum \"I\" beside a picture"));
+    EXPECT_THAT(remarks_of(*red), ::testing::Not(HasSubstr("exact")));
+    EXPECT_EQ(remarks_of(*load(kind + kSlide + "\"rgb I\" [1 .5 .2]")), "");
+    const auto without = load(kind + "\"blackbody I\" 2700");
+    ASSERT_TRUE(without.ok()) << without.status();
+    EXPECT_NE(without->lights[0].spectrum, nullptr);
+    EXPECT_EQ(remarks_of(*without), "");
+  }
+}
+
+TEST(PbrtProjection, BadInputIsAnErrorWithItsPlace) {
+  const auto error = [](const std::string& parameters, const std::string& transform = "") {
+    return message(load(parameters, transform).status());
+  };
+  EXPECT_THAT(error("\"float fov\" 180"),
+              HasSubstr("scene.pbrt:2:26: \"float fov\" = 180 degrees, allowed (0, 180)"));
+  EXPECT_THAT(error("\"float fov\" 0"), HasSubstr("\"float fov\" = 0"));
+  EXPECT_THAT(error("\"string projection\" \"fisheye\""), HasSubstr("perspective, orthographic"));
+  EXPECT_THAT(error("\"string projection\" \"orthographic\" \"float extent\" 0"),
+              HasSubstr("\"float extent\" = 0 m, allowed: positive"));
+  EXPECT_THAT(error(kSlide + "\"string filter\" \"cubic\""), HasSubstr("nearest, bilinear"));
+  EXPECT_THAT(error(kSlide + "\"float scale\" -1"), HasSubstr("\"float scale\" = -1"));
+  EXPECT_THAT(error(kSlide + "\"float power\" -2"), HasSubstr("\"float power\" = -2"));
+  EXPECT_THAT(error("\"string filename\" \"none.pfm\""), HasSubstr("none.pfm"));
+  EXPECT_THAT(error(kSlide, "Scale 1 2 1 Rotate 30 0 0 1"),
+              HasSubstr("scene.pbrt:2:1: a projection under a transform that shears"));
+  EXPECT_THAT(error("\"float fov\" 1e-150"),
+              HasSubstr("scene.pbrt:2:26: \"float fov\" = 1e-150 degrees: projection.fov"));
+  const auto with_bytes = [](const std::string& bytes, const std::string& parameters = "") {
+    return message(load(kSlide + parameters, "", bytes).status());
+  };
+  EXPECT_THAT(with_bytes(slide_pfm(2, 2, 0), "\"float power\" 5"),
+              HasSubstr("for a light that lights nothing"));
+  EXPECT_THAT(with_bytes(slide_pfm(2, 2, NAN)),
+              HasSubstr("scene.pbrt:2:26: \"string filename\": slide.pfm: texel (0, 0)"));
+  EXPECT_THAT(with_bytes("PF\n0 0\n-1.0\n"), HasSubstr("slide.pfm"));
+  EXPECT_THAT(with_bytes("no picture"), HasSubstr("slide.pfm"));
+  EXPECT_THAT(with_bytes(slide_pfm(2, 2, 1e30F), "\"float scale\" 1e30"),
+              HasSubstr("scene.pbrt:2:56: projection.intensity of the brightest texel"));
+}
+
+// Row 32 of the inputs that break lights: a picture of one row.
+TEST(PbrtProjection, PicturesOfOneTexelOrOneRowAreWhatTheySay) {
+  auto scene = load(kSlide + "\"float fov\" 1", "", slide_pfm(100000, 1));
+  ASSERT_TRUE(scene.ok()) << scene.status();
+  const auto p = std::get<ProjectionLightParams>(scene->lights.at(0).params);
+  EXPECT_EQ(p.picture->params().aspect, 1e5);
+  // One row, red: a rectangle of half sides a and b.
+  const double b = std::tan(0.5 * kDegree), a = 1e5 * b;
+  const double sr = 4 * std::asin(a / std::hypot(1, a) * b / std::hypot(1, b));
+  EXPECT_NEAR(ProjectionLight<double>::create(p)->power({}).lumens.r, sr, 1e-9 * sr);
+}
+
+TEST(PbrtProjection, APictureThatLightsShareIsReadAndCountedOnce) {
+  const SceneFiles files;
+  files.write("slide.pfm", slide_pfm(64, 64));
+  const std::string one = "LightSource \"projection\" " + kSlide;
+  files.write("scene.pbrt", "WorldBegin " + one + one + "\"string projection\" \"orthographic\" " +
+                                "LightSource \"infinite\" \"string filename\" \"slide.pfm\"");
+  auto description = files.load("scene.pbrt");
+  ASSERT_TRUE(description.ok()) << description.status();
+  EXPECT_EQ(description->assets.size(), 2U);  // the scene and the picture
+  const auto scene = Scene::build(*std::move(description));
+  ASSERT_TRUE(scene.ok()) << scene.status();
+  std::uint64_t images = 0, tables = 0;
+  for (const ScenePart& part : (*scene)->parts()) {
+    if (part.name == "images") images += part.bytes;
+    if (part.name == "image distributions") tables += part.bytes;
+  }
+  EXPECT_GE(images, 64U * 64 * 12);
+  EXPECT_LT(images, 2U * 64 * 64 * 12);
+  EXPECT_GT(tables, 3U * 64 * 64 * 8);  // the tables that each samples by
+}
+
+TEST(PbrtProjection, TheScenesSphereHoldsABeamsRectangle) {
+  auto description = load("\"string projection\" \"orthographic\" \"float extent\" 8");
+  ASSERT_TRUE(description.ok()) << description.status();
+  const auto scene = Scene::build(*std::move(description));
+  ASSERT_TRUE(scene.ok()) << scene.status();
+  EXPECT_NEAR((*scene)->sphere().radius_m, std::sqrt(32.0), 1e-9);
+}
+
+}  // namespace
+}  // namespace lucerna

@@ -1,0 +1,243 @@
+#include "server/rays/accelerator.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "lights/shapes/triangle.h"
+
+namespace lucerna {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::unique_ptr<Accelerator> build(GeometrySet set, std::vector<GeometrySet> objects = {},
+                                   std::vector<GeometryInstance> instances = {}) {
+  auto a = Accelerator::build(std::move(set), std::move(objects), std::move(instances), "", {});
+  EXPECT_TRUE(a.ok()) << a.status();
+  return *std::move(a);
+}
+
+GeometrySet triangle(float z) {
+  return {.vertices = {{0, 0, z}, {1, 0, z}, {0, 1, z}}, .triangles = {0, 1, 2}};
+}
+
+Sphere<double> sphere(double radius, const Vec3<double>& centre) {
+  return *Sphere<double>::create(
+      {.radius_m = radius, .world_from_object = Transform::translate(centre)});
+}
+
+TEST(Accelerator, FindsATriangleAndItsBarycentrics) {
+  const auto a = build(triangle(2));
+  const auto hit = a->closest_hit({{0.25f, 0.5f, 0}, {0, 0, 1}});
+  ASSERT_TRUE(hit);
+  EXPECT_EQ(hit->kind, HitKind::kTriangle);
+  EXPECT_EQ(hit->primitive, 0u);
+  EXPECT_EQ(hit->instance, -1);
+  EXPECT_FLOAT_EQ(hit->t, 2);
+  EXPECT_NEAR(hit->uv.x, 0.25, 1e-6);
+  EXPECT_NEAR(hit->uv.y, 0.5, 1e-6);
+  EXPECT_FALSE(a->closest_hit({{0.75f, 0.5f, 0}, {0, 0, 1}}));
+}
+
+TEST(Accelerator, AnswersTheNearestOfAllKindsOfGeometry) {
+  GeometrySet set = triangle(5);
+  // Along +z at (0.25, 0.25): sphere at 1..2, disk at 3, twisted patch at 4 + 1/16, triangle at 5,
+  // a tube that lies across at 6.5..7.5.
+  set.spheres = {sphere(0.5, {0.25, 0.25, 1.5})};
+  set.disks = {*Disk<double>::create({.height_m = 3, .radius_m = 1})};
+  set.patches = {{{0, 0, 4}, {1, 0, 4}, {0, 1, 4}, {1, 1, 5}}};
+  set.cylinders = {
+      *Cylinder<double>::create({.radius_m = 0.5,
+                                 .world_from_object = Transform::translate({0.25, 0, 7}) *
+                                                      *Transform::rotate(M_PI / 2, {1, 0, 0})})};
+  const auto a = build(std::move(set));
+  const Ray ray{{0.25f, 0.25f, 0}, {0, 0, 1}};
+  struct Expected {
+    float from, t;
+    HitKind kind;
+  };
+  for (const Expected& e : {Expected{0, 1, HitKind::kSphere},
+                            {1.5f, 2, HitKind::kSphere},
+                            {2.5f, 3, HitKind::kDisk},
+                            {3.5f, 4.0625f, HitKind::kPatch},
+                            {4.5f, 5, HitKind::kTriangle},
+                            {5.5f, 6.5f, HitKind::kCylinder},
+                            {7, 7.5f, HitKind::kCylinder}}) {
+    Ray from = ray;
+    from.t_min = e.from;
+    const auto hit = a->closest_hit(from);
+    ASSERT_TRUE(hit) << e.from;
+    EXPECT_EQ(hit->kind, e.kind) << e.from;
+    EXPECT_FLOAT_EQ(hit->t, e.t);
+    if (e.kind != HitKind::kTriangle) {
+      EXPECT_NEAR(hit->position.z, e.t, 1e-14);
+    }
+    // Open interval: from this hit on there is nothing up to just before the next.
+    from.t_max = e.t * (1 - 1e-6f);
+    EXPECT_FALSE(a->closest_hit(from)) << e.from;
+    EXPECT_FALSE(a->occluded(from)) << e.from;
+    from.t_max = e.t * (1 + 1e-6f);
+    EXPECT_TRUE(a->occluded(from)) << e.from;
+  }
+}
+
+TEST(Accelerator, TakesRaysOfAnyLengthInTheirOwnUnits) {
+  GeometrySet set;
+  set.spheres = {sphere(1, {0, 0, 10})};
+  const auto a = build(std::move(set));
+  const auto hit = a->closest_hit({{0, 0, 0}, {0, 0, 4}});
+  ASSERT_TRUE(hit);
+  EXPECT_FLOAT_EQ(hit->t, 9 / 4.0f);
+  EXPECT_NEAR(hit->normal.z, -1, 1e-15);
+}
+
+TEST(Accelerator, PutsOcclusionOfRayIIntoBitI) {
+  const auto a = build(triangle(1));
+  std::vector<Ray> rays;
+  for (int i = 0; i < 19; ++i) rays.push_back({{i % 3 == 0 ? 0.2f : 2.0f, 0.2f, 0}, {0, 0, 1}});
+  std::vector<std::uint8_t> bits(3, 0xff);
+  a->occluded(rays, bits);
+  for (int i = 0; i < 19; ++i) EXPECT_EQ(bits[i / 8] >> (i % 8) & 1, i % 3 == 0 ? 1 : 0) << i;
+}
+
+TEST(Accelerator, SaysWhichInstanceWasHit) {
+  GeometrySet object = triangle(0);
+  object.spheres = {sphere(1, {0, 0, 8})};
+  const Transform twice = *Transform::scale({2, 2, 2});
+  const auto a =
+      build({}, {std::move(object)},
+            {{0, Transform::translate({10, 0, 1})}, {0, Transform::translate({20, 0, 2}) * twice}});
+  auto hit = a->closest_hit({{20.5f, 0.5f, 0}, {0, 0, 1}});
+  ASSERT_TRUE(hit);
+  EXPECT_EQ(hit->instance, 1);
+  EXPECT_EQ(hit->kind, HitKind::kTriangle);
+  EXPECT_FLOAT_EQ(hit->t, 2);
+  hit = a->closest_hit({{20, 0, 3}, {0, 0, 1}});
+  ASSERT_TRUE(hit);
+  EXPECT_EQ(hit->kind, HitKind::kSphere);
+  EXPECT_FLOAT_EQ(hit->t, 2 + 14 - 3);    // centre 2 + 16, radius 2
+  EXPECT_NEAR(hit->position.z, 7, 1e-6);  // in the object's own space
+  EXPECT_FALSE(a->closest_hit({{0.2f, 0.2f, -1}, {0, 0, 1}}));
+}
+
+TEST(Accelerator, AgreesWithTryingEveryTriangle) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<float> u(-1, 1);
+  GeometrySet set;
+  std::vector<Triangle<double>> all;
+  for (std::uint32_t i = 0; i < 500; ++i) {
+    const Vec3<float> a{u(random), u(random), u(random)};
+    const auto near = [&] { return a + Vec3<float>{u(random), u(random), u(random)} * 0.3f; };
+    const Vec3<float> b = near(), c = near();
+    for (const auto& p : {a, b, c}) {
+      set.triangles.push_back(static_cast<std::uint32_t>(set.vertices.size()));
+      set.vertices.push_back(p);
+    }
+    all.push_back({Vec3<double>(a), Vec3<double>(b), Vec3<double>(c)});
+  }
+  const auto accelerator = build(std::move(set));
+  int hits = 0, mismatches = 0;
+  for (int i = 0; i < 5000; ++i) {
+    const Ray ray{{u(random) * 2, u(random) * 2, u(random) * 2}, {u(random), u(random), u(random)}};
+    double nearest = INFINITY;
+    for (const auto& t : all)
+      if (const auto h =
+              t.intersect(Vec3<double>(ray.origin), Vec3<double>(ray.direction), 0, nearest))
+        nearest = h->t;
+    const auto hit = accelerator->closest_hit(ray);
+    hits += hit ? 1 : 0;
+    if (std::isfinite(nearest) != hit.has_value())
+      ++mismatches;  // through an edge
+    else if (hit && std::fabs(hit->t - nearest) > 1e-4 * nearest)
+      ++mismatches;
+    EXPECT_EQ(accelerator->occluded(ray), hit.has_value());
+  }
+  EXPECT_GT(hits, 500);
+  EXPECT_LE(mismatches, 2);
+}
+
+TEST(Accelerator, IsEmptyWithoutGeometry) {
+  const auto a = build({});
+  EXPECT_TRUE(a->empty());
+  EXPECT_FALSE(a->closest_hit({{0, 0, 0}, {0, 0, 1}}));
+  EXPECT_FALSE(a->occluded(Ray{{0, 0, 0}, {0, 0, 1}}));
+}
+
+TEST(Accelerator, TakesDirectionsOfAnyLengthAndRefusesWhatIsNoRay) {
+  const auto a = build(triangle(1));
+  for (const float length : {1e-30f, 1e-10f, 1e10f, 1e30f}) {
+    const auto hit = a->closest_hit({{0.2f, 0.2f, 0}, {0, 0, length}});
+    ASSERT_TRUE(hit) << length;
+    EXPECT_FLOAT_EQ(hit->t, 1 / length);
+  }
+  for (const float bad : {0.0f, INFINITY, NAN}) {
+    EXPECT_FALSE(a->closest_hit({{0.2f, 0.2f, 0}, {0, 0, bad}}));
+    EXPECT_FALSE(a->occluded(Ray{{0.2f, 0.2f, 0}, {0, 0, bad}}));
+  }
+  EXPECT_FALSE(a->closest_hit({{0.2f, NAN, 0}, {0, 0, 1}}));
+}
+
+TEST(Accelerator, TakesRaysFromAnyDistance) {
+  const auto a = build(triangle(1));
+  for (const float z : {-1e3F, -1e10F, -1e20F, -1e30F}) {
+    const auto hit = a->closest_hit({{0.25F, 0.5F, z}, {0, 0, 2}});
+    ASSERT_TRUE(hit) << z;
+    EXPECT_FLOAT_EQ(hit->t, (1 - z) / 2);
+    EXPECT_TRUE(a->occluded(Ray{{0.25F, 0.5F, z}, {0, 0, 2}}));
+    EXPECT_FALSE(a->occluded(Ray{{0.25F, 0.5F, z}, {0, 0, 2}, 0, -z / 4}));
+    EXPECT_FALSE(a->occluded(Ray{{0.25F, 0.5F, z}, {0, 0, 2}, -z}));
+    EXPECT_FALSE(a->occluded(Ray{{0.25F, 0.5F, z}, {0, 0, -2}}));
+    EXPECT_FALSE(a->occluded(Ray{{0.75F, 0.5F, z}, {0, 0, 2}}));
+  }
+  // Where it passes is told by doubles: floats from there would not know the triangle's corners.
+  const auto slanting = a->closest_hit({{-0x1p22F, 0.5F, -0x1p24F}, {0x1p22F, 0, 0x1p24F}});
+  ASSERT_TRUE(slanting);
+  EXPECT_NEAR(slanting->uv.x, 0.25, 1e-6);
+}
+
+TEST(Accelerator, TakesGeometryOfAnySize) {
+  for (const float s : {1e-30F, 1e-20F, 1e-10F, 1e10F, 1e18F, 1e30F}) {
+    const auto a = build({.vertices = {{0, 0, s}, {s, 0, s}, {0, s, s}}, .triangles = {0, 1, 2}});
+    const auto hit = a->closest_hit({{0.25F * s, 0.5F * s, 0}, {0, 0, 1}});
+    ASSERT_TRUE(hit) << s;
+    EXPECT_FLOAT_EQ(hit->t, s);
+    EXPECT_FLOAT_EQ(hit->uv.x, 0.25F);
+    EXPECT_FLOAT_EQ(hit->uv.y, 0.5F);
+  }
+}
+
+TEST(Accelerator, StopsBuildingWhenAsked) {
+  std::stop_source stop;
+  stop.request_stop();
+  const auto a = Accelerator::build(triangle(0), {}, {}, "", stop.get_token());
+  EXPECT_EQ(a.status().code(), absl::StatusCode::kCancelled);
+}
+
+TEST(Accelerator, UsesTheKernelsItIsTold) {
+  const auto a = Accelerator::build(triangle(1), {}, {}, "sse2", {});
+  ASSERT_TRUE(a.ok()) << a.status();
+  EXPECT_EQ((*a)->isa(), "sse2");
+  EXPECT_TRUE((*a)->occluded(Ray{{0.2f, 0.2f, 0}, {0, 0, 1}}));
+  const auto unknown = Accelerator::build(triangle(1), {}, {}, "mmx", {});
+  EXPECT_EQ(unknown.status().code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(std::string(unknown.status().message()), HasSubstr("isa = \"mmx\", allowed"));
+  EXPECT_THAT(std::string(unknown.status().message()), HasSubstr("\"sse2\""));
+}
+
+TEST(Accelerator, CountsEmbreesMemoryAndItsOwn) {
+  GeometrySet many;
+  for (int i = 0; i < 10000; ++i) {
+    const auto x = static_cast<float>(i);
+    for (const auto& p : {Vec3<float>{x, 0, 0}, {x + 1, 0, 0}, {x, 1, 0}}) {
+      many.triangles.push_back(static_cast<std::uint32_t>(many.vertices.size()));
+      many.vertices.push_back(p);
+    }
+  }
+  const std::size_t own = 30000 * (12 + 4);
+  EXPECT_GT(build(std::move(many))->bytes(), own + 10000 * 16);  // at least 16 bytes a triangle
+}
+
+}  // namespace
+}  // namespace lucerna

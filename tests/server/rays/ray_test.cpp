@@ -1,0 +1,240 @@
+// No surface shadows itself, and light reaches what it should, at every scale and place.
+#include "server/rays/ray.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "lights/sampling/sampling.h"
+#include "tests/server/scene/scenes.h"
+
+namespace lucerna {
+namespace {
+
+using testing::build;
+
+TEST(OffsetOrigin, LeavesTheErrorBoxOnTheSideOfTheDirection) {
+  const Vec3<float> p{1, -2, 3}, error{1e-6f, 2e-6f, 4e-6f};
+  const Vec3<double> n = normalized(Vec3<double>{1, 2, -2});
+  // Every corner of the box lies below the plane through the new origin.
+  for (const double side : {1.0, -1.0}) {
+    const Vec3<double> o(offset_origin(p, error, n, n * side));
+    for (int i = 0; i < 8; ++i) {
+      const Vec3<double> corner{p.x + (i & 1 ? 1.0 : -1.0) * error.x,
+                                p.y + (i & 2 ? 1.0 : -1.0) * error.y,
+                                p.z + (i & 4 ? 1.0 : -1.0) * error.z};
+      EXPECT_GE(side * dot(o - corner, n), -1e-12);
+    }
+    // And not far beyond: |n| . error is 4.7e-6, and rounding adds an ulp of each coordinate.
+    EXPECT_LT(length(o - Vec3<double>(p)), 5.5e-6);
+  }
+}
+
+TEST(OffsetOrigin, GoesToTheNextFloatOutwards) {
+  constexpr float kLeast = std::numeric_limits<float>::denorm_min();
+  constexpr float kMost = std::numeric_limits<float>::max();
+  for (const float p : {0.0F, -0.0F, kLeast, -kLeast, 0x1p-126F, -0x1p-126F, 1.0F, -1.0F, 0.7F,
+                        kMost, -kMost, INFINITY, -INFINITY}) {
+    const Vec3<float> up = offset_origin({p, p, p}, {kLeast, kLeast, kLeast}, {1, 0, 0}, {1, 0, 0});
+    EXPECT_EQ(up.x, std::nextafter(p + kLeast, INFINITY)) << p;
+    EXPECT_EQ(up.y, p);
+    const Vec3<float> down =
+        offset_origin({p, p, p}, {kLeast, kLeast, kLeast}, {1, 0, 0}, {-1, 0, 0});
+    EXPECT_EQ(down.x, std::nextafter(p - kLeast, -INFINITY)) << p;
+  }
+}
+
+TEST(OffsetOrigin, MovesAtLeastOneUlpWhereTheOffsetIsLost) {
+  const Vec3<float> p{1e6f, 0, 0};
+  EXPECT_GT(offset_origin(p, {1e-5f, 0, 0}, {1, 0, 0}, {1, 0, 0}).x, 1e6f);
+  EXPECT_LT(offset_origin(p, {1e-5f, 0, 0}, {1, 0, 0}, {-1, 0, 0}).x, 1e6f);
+}
+
+struct Place {
+  double scale;
+  Vec3<double> offset;
+};
+
+class SelfShadowing : public ::testing::TestWithParam<Place> {
+ protected:
+  // A tilted map of equal scale, so that nothing is aligned with an axis.
+  Transform placed() const {
+    const Place& p = GetParam();
+    return Transform::translate(p.offset) * *Transform::rotate(0.7, {1, 2, 3}) *
+           *Transform::scale({p.scale, p.scale, p.scale});
+  }
+
+  /// Shoots at the unit ball in object space from outside; of what is hit, sends rays out into the
+  /// half space above.  Returns how many of them meet the shape again.
+  int shadowed(const Scene& scene, float error_factor = 1) const {
+    std::mt19937 random(11);
+    std::uniform_real_distribution<float> u(0, 1);
+    const Transform scene_from_object = Transform::translate(-scene.origin()) * placed();
+    int hits = 0, shadowed = 0;
+    for (int i = 0; i < 20000; ++i) {
+      const auto from =
+          Vec3<double>(sample_uniform_sphere(Vec2<float>{u(random), u(random)})) * 3.0;
+      const auto to = Vec3<double>(sample_uniform_sphere(Vec2<float>{u(random), u(random)})) * 0.9;
+      const Ray ray{Vec3<float>(scene_from_object.point(from)),
+                    Vec3<float>(scene_from_object.vector(to - from))};
+      auto hit = scene.closest_hit(ray);
+      if (!hit) continue;
+      ++hits;
+      hit->position_error = hit->position_error * error_factor;
+      const Vec3<float> ng(hit->ng), n = dot(ng, ray.direction) < 0 ? ng : -ng;
+      // Grazing directions too, as far as a float direction can tell them from those that enter.
+      const float c = std::max(std::pow(u(random), 4.0f), 1e-6f);
+      const float phi = 2 * std::numbers::pi_v<float> * u(random), r = std::sqrt(1 - c * c);
+      const Vec3<float> w{r * std::cos(phi), r * std::sin(phi), c};
+      const Ray leaving = spawn_ray(*hit, Frame<float>::around(n).world_from_local(w));
+      shadowed += scene.occluded(leaving) ? 1 : 0;
+    }
+    EXPECT_GT(hits, 2000);
+    return shadowed;
+  }
+
+  std::shared_ptr<const Scene> scene_of(ShapeDescription shape) const {
+    SceneDescription d = testing::description();
+    d.shapes.push_back(std::move(shape));
+    return build(std::move(d));
+  }
+};
+
+TEST_P(SelfShadowing, DoesNotHappenOnAConvexMesh) {
+  const Transform t = placed();
+  const auto scene =
+      scene_of({testing::ball(4, [&](const Vec3<double>& p) { return t.point(p); })});
+  EXPECT_EQ(shadowed(*scene), 0);
+}
+
+TEST_P(SelfShadowing, DoesNotHappenOnCoarseTriangles) {
+  const Transform t = placed();
+  const auto scene =
+      scene_of({testing::ball(0, [&](const Vec3<double>& p) { return t.point(p); })});
+  EXPECT_EQ(shadowed(*scene), 0);
+}
+
+TEST_P(SelfShadowing, DoesNotHappenOnASphere) {
+  EXPECT_EQ(shadowed(*scene_of({SphereParams{.world_from_object = placed()}})), 0);
+}
+
+TEST_P(SelfShadowing, DoesNotHappenOnADisk) {
+  EXPECT_EQ(shadowed(*scene_of({DiskParams{.world_from_object = placed()}})), 0);
+}
+
+TEST_P(SelfShadowing, DoesNotHappenOnAFlatPatch) {
+  const Transform t = placed();
+  const auto p = [&](double x, double y) { return t.point({x, y, 0.1}); };
+  EXPECT_EQ(shadowed(*scene_of(testing::patch(p(-1, -1), p(1, -1), p(-1, 1), p(1, 1)))), 0);
+}
+
+TEST_P(SelfShadowing, DoesNotHappenOnAnInstanceStretchedTwofold) {
+  SceneDescription d = testing::description();
+  d.objects = {{"ball",
+                {{testing::ball(3, [](const Vec3<double>& p) { return p * 5.0; })},
+                 {SphereParams{.radius_m = 5}}}}};
+  d.instances = {{0, placed() * *Transform::scale({0.2, 0.1, 0.2})}};
+  EXPECT_EQ(shadowed(*build(std::move(d))), 0);
+}
+
+TEST_P(SelfShadowing, DoesNotHappenOnWhatMoves) {
+  // Made elsewhere, and come to rest here before time 0.
+  const Transform first = *Transform::rotate(2, {1, -1, 0.5}) *
+                          Transform::translate({1e2 * GetParam().scale, 0, 0}) *
+                          *Transform::scale({GetParam().scale, GetParam().scale, GetParam().scale});
+  const std::vector<KeyTransform> keys{{-2, first}, {-1, placed()}};
+  const auto motion = std::make_shared<const Motion>(*Motion::create(keys));
+  for (int kind = 0; kind < 3; ++kind) {
+    SceneDescription d = testing::description();
+    if (kind == 0)
+      d.shapes.push_back({testing::ball(3, [&](const Vec3<double>& p) { return first.point(p); })});
+    if (kind == 1) d.shapes.push_back({SphereParams{.world_from_object = first}});
+    if (kind < 2) d.shapes[0].motion = motion;
+    if (kind == 2) {
+      d.objects = {{"ball", {{testing::ball(3, [](const Vec3<double>& p) { return p * 5.0; })}}}};
+      d.instances = {{0, first * *Transform::scale({0.2, 0.1, 0.2}), motion}};
+    }
+    EXPECT_EQ(shadowed(*build(std::move(d))), 0) << kind;
+  }
+}
+
+TEST_P(SelfShadowing, CompanionHappensWithoutTheErrorBound) {
+  const Transform t = placed();
+  const auto scene =
+      scene_of({testing::ball(0, [&](const Vec3<double>& p) { return t.point(p); })});
+  EXPECT_GT(shadowed(*scene, 0), 20);
+}
+
+// The other end: a lamp seen from a floor, at distances from a hundredth of its size to a thousand.
+TEST_P(SelfShadowing, DoesNotHideALampFromWhatItLights) {
+  const Transform t = placed();
+  const auto p = [&](double x, double y, double z) { return t.point({x, y, z}); };
+  for (const double height : {0.01, 0.3, 10.0, 1000.0}) {
+    SceneDescription d = testing::description();
+    const double h = height;
+    d.shapes = {
+        testing::patch(p(-1, -1, 0), p(1, -1, 0), p(-1, 1, 0), p(1, 1, 0)),
+        testing::emissive(
+            testing::patch(p(-1, 1, h), p(1, 1, h + 0.3), p(-1, -1, h), p(1, -1, h + 0.3)), 1),
+        testing::emissive(
+            testing::patch(p(-1, 1, h + 1), p(1, 1, h + 2), p(-1, -1, h + 2), p(1, -1, h + 1)), 1),
+        testing::emissive({DiskParams{.height_m = -3 - h, .world_from_object = t}}, 1),
+        testing::emissive(
+            {SphereParams{.world_from_object = t * Transform::translate({3, 0, 1 + h})}}, 1)};
+    const auto scene = build(std::move(d));
+    const Transform scene_from_object = Transform::translate(-scene->origin()) * t;
+    std::mt19937 random(3);
+    std::uniform_real_distribution<float> u(0, 1);
+    // The second lamp stands behind the first, the third beneath the floor: only the first and the
+    // fourth are to be seen from above, the third from below.
+    int seen = 0;
+    for (const std::uint32_t l : {0u, 2u, 3u})
+      for (int i = 0; i < 3000; ++i) {
+        const double x = 1.8 * u(random) - 0.9, y = 1.8 * u(random) - 0.9;
+        const double from = l == 2 ? -0.5 : 0.5 * std::min(h, 1.0);
+        const auto hit = scene->closest_hit(
+            {Vec3<float>(scene_from_object.point({x, y, from})),
+             Vec3<float>(scene_from_object.vector({0, 0, l == 2 ? 1.0 : -1.0}))});
+        ASSERT_TRUE(hit);
+        const LightSample<double> s = visit(
+            [&](const auto& light) {
+              return light.sample_li(hit->position, {u(random), u(random)});
+            },
+            scene->lights()[l].light);
+        if (s.reason != NoLight::kNone) continue;
+        const Ray ray = shadow_ray(*hit, s);
+        EXPECT_EQ(ray.t_max, 1);
+        // The sphere may hide behind the first lamp.
+        if (l == 3 && h < 2.5) continue;
+        ++seen;
+        EXPECT_FALSE(scene->occluded(ray)) << "light " << l << " at height " << h;
+      }
+    EXPECT_GT(seen, 2900);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Places, SelfShadowing,
+                         ::testing::Values(Place{1e-3, {}}, Place{1, {}}, Place{1e4, {}},
+                                           Place{1, {1e6, -1e6, 1e6}}, Place{1e-3, {1e6, 0, 7}},
+                                           Place{1e4, {0, 1e6, -1e6}}, Place{1, {5, -3, 4}},
+                                           Place{0x1p-20, {}}, Place{1e7, {}}));
+
+TEST(ShadowRay, IsBlockedByWhatIsBetweenAndByNothingElse) {
+  // A light 1e4 m away; obstacles of 1 cm just before it, just beyond it, just above the floor.
+  for (const double z : {9999.5, 10000.5, 0.5}) {
+    SceneDescription d = testing::description();
+    d.shapes = {testing::floor(1e4), testing::floor(5e3, z)};
+    d.lights = {testing::point_light({0, 0, 1e4}, 1)};
+    const auto scene = build(std::move(d));
+    const auto hit = scene->closest_hit({Vec3<float>{100, 100, 0.25f}, {0, 0, -1}});
+    ASSERT_TRUE(hit);
+    const auto s =
+        scene->lights()[0].light.get_if<PointLight<double>>()->sample_li(hit->position, {});
+    EXPECT_EQ(scene->occluded(shadow_ray(*hit, s)), z < 1e4) << z;
+  }
+}
+
+}  // namespace
+}  // namespace lucerna

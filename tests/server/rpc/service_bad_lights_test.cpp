@@ -1,0 +1,192 @@
+// Lights that cannot be made, over the wire: an error that says where, and nothing of the scene is
+// loaded; what was loaded before stays, and the scene loads once the light is mended.
+#include <cmath>
+
+#include "service_fixture.h"
+#include "tests/server/pbrt/pbrt_fixture.h"
+
+namespace lucerna::testing {
+namespace {
+
+constexpr char kIes[] =
+    "IESNA:LM-63-2002\nTILT=NONE\n1 -1 1 2 1 1 2 0 0 0\n1 1 10\n0 90\n0\n100 100\n";
+
+std::string pfm(float value, const std::string& size = "2 2") {
+  std::string bytes = "PF\n" + size + "\n-1.0\n";
+  for (int i = 0; i < 12; ++i) bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+  return bytes;
+}
+
+/// One way in which a light cannot be made, and how it is mended.
+struct BadLight {
+  const char* name;
+  std::string line, mended;  ///< the third line of the scene
+  const char* file;          ///< that is broken, null where none is
+  std::string bytes, mended_bytes;
+  int column;  ///< of the error
+  const char* what;
+  grpc::StatusCode code = grpc::StatusCode::INVALID_ARGUMENT;
+};
+
+std::vector<BadLight> bad_lights() {
+  const std::string infinite = "LightSource \"infinite\" \"string filename\" \"sky.pfm\"";
+  const std::string luminaire = "LightSource \"goniometric\" \"string filename\" \"lamp.ies\"";
+  const std::string panel =
+      "AreaLightSource \"diffuse\" \"string profile\" \"lamp.ies\" Shape \"disk\"";
+  const std::string screen =
+      "AreaLightSource \"diffuse\" \"string filename\" \"sky.pfm\" Shape \"disk\"";
+  const std::string ies = kIes;
+  const std::string negative = ies.substr(0, ies.size() - 4) + "-1\n";
+  const std::string spot = "LightSource \"spot\"", point = "LightSource \"point\" ";
+  return {
+      {"no picture", "LightSource \"infinite\" \"string filename\" \"none.pfm\"", infinite, nullptr,
+       "", "", 24, "file \"none.pfm\" does not exist", grpc::StatusCode::NOT_FOUND},
+      {"a picture that is none", infinite, infinite, "sky.pfm", "words", pfm(1), 24,
+       "\"string filename\": sky.pfm: "},
+      {"a picture cut off", infinite, infinite, "sky.pfm", pfm(1).substr(0, 30), pfm(1), 24,
+       "\"string filename\": sky.pfm: "},
+      {"a texel that is no number", screen, screen, "sky.pfm", pfm(NAN), pfm(1), 27,
+       "texel (0, 0)"},
+      {"a picture of no texels", screen, screen, "sky.pfm", pfm(1, "0 0"), pfm(1), 27, "sky.pfm: "},
+      {"a huge picture", screen, screen, "sky.pfm", pfm(1, "64000 64000"), pfm(1), 27,
+       "sky.pfm: 64000 x 64000 texels", grpc::StatusCode::RESOURCE_EXHAUSTED},
+      {"photometry cut off", luminaire, luminaire, "lamp.ies", ies.substr(0, 50), ies, 27,
+       "lamp.ies:4: the file ends before "},
+      {"negative candela", panel, panel, "lamp.ies", negative, ies, 27,
+       "lamp.ies:7: candela value 2 = -1, allowed: finite, not negative"},
+      {"no photometry", luminaire, luminaire, "lamp.ies", "", ies, 27,
+       "lamp.ies:0: no line \"TILT=\""},
+      {"unequal scale", "Scale 1 1 2 " + spot, "Scale 2 2 2 " + spot, nullptr, "", "", 13,
+       "a spot under a transform of unequal scales 1, 1 and 2, allowed: equal scale on all axes"},
+      {"a profile on a sphere",
+       "AreaLightSource \"diffuse\" \"string profile\" \"lamp.ies\" Shape \"sphere\"", panel,
+       nullptr, "", "", 55, "a light with \"profile\" on a sphere, allowed: flat shapes"},
+      {"a spectrum in disorder", point + "\"spectrum I\" [500 1 400 1]",
+       point + "\"spectrum I\" [400 1 500 1]", nullptr, "", "", 21, "wavelength 400 follows 500"},
+      {"a black body of ice", point + "\"blackbody I\" 3", point + "\"blackbody I\" 3000", nullptr,
+       "", "", 21, "black body of 3 K, allowed: [100, 1e7] K"},
+      {"an intensity beyond a float", point + "\"float scale\" 1e39", point + "\"float scale\" 1e3",
+       nullptr, "", "", 21, "allowed: each channel finite"},
+      {"an area light too bright",
+       "AreaLightSource \"diffuse\" \"string filename\" \"sky.pfm\" \"float scale\" 1e30 "
+       "Shape \"disk\"",
+       screen, "sky.pfm", pfm(1e30F), pfm(1), 55,
+       "the brightest texel of sky.pfm times the light's level = (1e+60"},
+      {"a portal that is no rectangle",
+       "LightSource \"infinite\" \"point3 portal\" [0 0 1 1 0 1 1 1 2 0 1 1]",
+       "LightSource \"infinite\" \"point3 portal\" [0 0 1 1 0 1 1 1 1 0 1 1]", nullptr, "", "", 24,
+       "\"point3 portal\": infinite.portal = "},
+      {"motion that grows", "ActiveTransform EndTime Scale 2 2 2 " + point,
+       "ActiveTransform EndTime Translate 2 2 2 " + point, nullptr, "", "", 37,
+       "motion that scales or shears"},
+      // Found only when the scene is built.
+      {"motion beyond all rays", "ActiveTransform EndTime Translate 1e31 0 0 " + point,
+       "ActiveTransform EndTime Translate 1 0 0 " + point, nullptr, "", "", 44,
+       "motion reaching to 1"},
+  };
+}
+
+class BadLightsTest : public ::testing::Test {
+ protected:
+  BadLightsTest() {
+    files_.write("sky.pfm", pfm(1));
+    files_.write("lamp.ies", kIes);
+  }
+
+  static rpc::ServerOptions options(const SceneFiles& files) {
+    rpc::ServerOptions o = service_options();
+    o.scenes.root = files.path().string();
+    return o;
+  }
+  /// With a good light before it and a surface and a good one behind it.
+  void write(const std::string& line) const {
+    files_.write("scene.pbrt", "WorldBegin\nLightSource \"point\"\nAttributeBegin\n" + line +
+                                   "\nAttributeEnd\nShape \"sphere\" LightSource \"distant\"\n");
+  }
+  grpc::Status load(v1::LoadSceneResponse* response) {
+    v1::LoadSceneRequest request;
+    request.set_path("scene.pbrt");
+    return ask([&](auto* c) { return service_.scenes.LoadScene(c, request, response); });
+  }
+  /// Ids and paths of what is loaded.
+  std::vector<std::pair<std::string, std::string>> loaded() {
+    v1::ListScenesResponse list;
+    EXPECT_TRUE(ask([&](auto* c) { return service_.scenes.ListScenes(c, {}, &list); }).ok());
+    std::vector<std::pair<std::string, std::string>> all;
+    for (const auto& scene : list.scenes()) all.emplace_back(scene.scene_id(), scene.path());
+    return all;
+  }
+  int lights_of(const std::string& id) {
+    v1::ListLightsRequest request;
+    request.set_scene_id(id);
+    v1::ListLightsResponse lights;
+    EXPECT_TRUE(ask([&](auto* c) { return service_.scenes.ListLights(c, request, &lights); }).ok());
+    return lights.lights_size();
+  }
+  void expect_error(const BadLight& bad, const grpc::Status& status) {
+    EXPECT_EQ(status.error_code(), bad.code) << status.error_message();
+    EXPECT_EQ(status.error_message().find("scene.pbrt:4:" + std::to_string(bad.column) + ": "), 0U)
+        << status.error_message();
+    EXPECT_NE(status.error_message().find(bad.what), std::string::npos) << status.error_message();
+    EXPECT_EQ(detail<google::rpc::ErrorInfo>(status).domain(), "lucerna");
+  }
+
+  const SceneFiles files_;
+  Service service_{options(files_)};
+};
+
+TEST_F(BadLightsTest, LeaveNothingOfTheirSceneAndLoadWhenMended) {
+  for (const BadLight& bad : bad_lights()) {
+    SCOPED_TRACE(bad.name);
+    write(bad.line);
+    if (bad.file != nullptr) files_.write(bad.file, bad.bytes);
+    const std::uint64_t builds = service_.server->scenes().builds();
+    v1::LoadSceneResponse response;
+    expect_error(bad, load(&response));
+    EXPECT_EQ(response.scene_id(), "");
+    EXPECT_EQ(response.remarks_size(), 0);
+    EXPECT_TRUE(loaded().empty());
+    EXPECT_EQ(service_.server->scenes().size(), 0U);
+    EXPECT_EQ(service_.server->scenes().builds(), builds);
+
+    write(bad.mended);
+    if (bad.file != nullptr) files_.write(bad.file, bad.mended_bytes);
+    ASSERT_TRUE(load(&response).ok());
+    EXPECT_FALSE(response.already_loaded());
+    EXPECT_EQ(lights_of(response.scene_id()), 3);
+    ASSERT_EQ(loaded().size(), 1U);
+    EXPECT_EQ(loaded()[0].second, "scene.pbrt");
+    v1::ReleaseSceneRequest release;
+    release.set_scene_id(response.scene_id());
+    v1::ReleaseSceneResponse nothing;
+    ASSERT_TRUE(
+        ask([&](auto* c) { return service_.scenes.ReleaseScene(c, release, &nothing); }).ok());
+  }
+}
+
+TEST_F(BadLightsTest, LeaveTheSceneThatWasLoadedFromTheSamePath) {
+  write("LightSource \"spot\"");
+  v1::LoadSceneResponse good;
+  ASSERT_TRUE(load(&good).ok());
+  const auto before = loaded();
+  ASSERT_EQ(before.size(), 1U);
+  for (const BadLight& bad : bad_lights()) {
+    SCOPED_TRACE(bad.name);
+    write(bad.line);
+    if (bad.file != nullptr) files_.write(bad.file, bad.bytes);
+    v1::LoadSceneResponse response;
+    expect_error(bad, load(&response));
+    EXPECT_EQ(loaded(), before);
+    EXPECT_EQ(lights_of(good.scene_id()), 3);
+    if (bad.file != nullptr) files_.write(bad.file, bad.mended_bytes);
+  }
+  // The path still knows it: the same file again is the same scene.
+  write("LightSource \"spot\"");
+  v1::LoadSceneResponse again;
+  ASSERT_TRUE(load(&again).ok());
+  EXPECT_EQ(again.scene_id(), good.scene_id());
+  EXPECT_TRUE(again.already_loaded());
+}
+
+}  // namespace
+}  // namespace lucerna::testing

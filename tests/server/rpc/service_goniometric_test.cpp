@@ -1,0 +1,77 @@
+// ListLights on goniometric lights: with a picture, with a photometric file, with neither.
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+
+#include "service_fixture.h"
+#include "tests/server/pbrt/pbrt_fixture.h"
+
+namespace lucerna::testing {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+TEST(GoniometricService, ListLightsTellsWhatTheDistributionIs) {
+  const SceneFiles files;
+  std::filesystem::copy_file(std::string(LUCERNA_TEST_DATA) + "/reference/gonio.exr",
+                             files.path() / "gonio.exr");
+  // 100 cd over the lower half: 200 pi lm.
+  files.write("lamps/down.ies",
+              "IESNA:LM-63-1995\nTILT=NONE\n1 -1 1 2 1 1 2 0 0 0\n1 1 10\n0 90\n0\n100 100\n");
+  files.write("scene.pbrt",
+              "WorldBegin\n"
+              "Translate 1 2 3\n"
+              "LightSource \"goniometric\" \"string filename\" \"gonio.exr\" \"rgb I\" [2 2 2]\n"
+              "LightSource \"goniometric\" \"string filename\" \"gonio.exr\"\n"
+              "  \"string mapping\" \"latlong\" \"string filter\" \"bilinear\" \"float power\" 80\n"
+              "LightSource \"goniometric\" \"string filename\" \"lamps/down.ies\" "
+              "\"float scale\" 0.5\n"
+              "LightSource \"goniometric\" \"rgb I\" [7 7 7]\n");
+  rpc::ServerOptions options = service_options();
+  options.scenes.root = files.path().string();
+  Service service(options);
+  v1::ListLightsRequest request;
+  request.set_scene_id(service.load("scene.pbrt"));
+  v1::ListLightsResponse response;
+  ASSERT_TRUE(ask([&](auto* c) { return service.scenes.ListLights(c, request, &response); }).ok());
+  ASSERT_EQ(response.lights_size(), 4);
+  for (const v1::Light& light : response.lights()) {
+    EXPECT_EQ(light.kind_case(), v1::Light::kGoniometric);
+    EXPECT_TRUE(light.delta());
+    EXPECT_FALSE(light.has_area_m2());
+    EXPECT_EQ(light.goniometric().position_m().y(), 2);
+    EXPECT_EQ(light.bounds().lower_m().z(), 3);
+    EXPECT_EQ(light.power_error_lm(), 0);
+  }
+
+  const v1::GoniometricLight& picture = response.lights(0).goniometric();
+  EXPECT_EQ(picture.distribution_case(), v1::GoniometricLight::kImage);
+  EXPECT_EQ(picture.image().image().name(), "gonio.exr");
+  EXPECT_EQ(picture.image().image().width(), 64U);
+  EXPECT_EQ(picture.image().image().height(), 64U);
+  EXPECT_EQ(picture.image().image().filter(), v1::IMAGE_FILTER_NEAREST);
+  EXPECT_EQ(picture.image().mapping(), v1::SPHERE_MAPPING_EQUAL_AREA);
+  EXPECT_DOUBLE_EQ(picture.intensity().g(), 2);
+  EXPECT_GT(response.lights(0).power_lm(), 0);
+
+  const v1::GoniometricLight& other = response.lights(1).goniometric();
+  EXPECT_EQ(other.image().image().filter(), v1::IMAGE_FILTER_BILINEAR);
+  EXPECT_EQ(other.image().mapping(), v1::SPHERE_MAPPING_LATITUDE_LONGITUDE);
+  EXPECT_NEAR(response.lights(1).power_lm(), 80, 1e-9);
+
+  const v1::GoniometricLight& luminaire = response.lights(2).goniometric();
+  EXPECT_EQ(luminaire.distribution_case(), v1::GoniometricLight::kPhotometricFile);
+  EXPECT_EQ(luminaire.photometric_file().name(), "lamps/down.ies");
+  EXPECT_EQ(luminaire.photometric_file().format(), "IES LM-63-1995, type C");
+  EXPECT_NEAR(luminaire.photometric_file().flux_lm(), 200 * kPi, 1e-9);
+  EXPECT_DOUBLE_EQ(luminaire.intensity().g(), 0.5);
+  EXPECT_NEAR(response.lights(2).power_lm(), 100 * kPi, 1e-9);
+
+  const v1::GoniometricLight& isotropic = response.lights(3).goniometric();
+  EXPECT_EQ(isotropic.distribution_case(), v1::GoniometricLight::DISTRIBUTION_NOT_SET);
+  EXPECT_DOUBLE_EQ(isotropic.intensity().b(), 7);
+  EXPECT_NEAR(response.lights(3).power_lm(), 28 * kPi, 1e-9);
+}
+
+}  // namespace
+}  // namespace lucerna::testing

@@ -1,0 +1,199 @@
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "service_fixture.h"
+#include "tests/server/pbrt/pbrt_fixture.h"
+
+namespace lucerna::testing {
+namespace {
+
+class SceneServiceTest : public ::testing::Test {
+ protected:
+  grpc::Status load(const std::string& path, v1::LoadSceneResponse* response) {
+    v1::LoadSceneRequest request;
+    request.set_path(path);
+    return ask([&](auto* c) { return service_.scenes.LoadScene(c, request, response); });
+  }
+  Service service_;
+};
+
+TEST_F(SceneServiceTest, ListsTheImageOfAnAreaLight) {
+  const std::string id = service_.load("textured.pbrt");
+  v1::ListLightsRequest list;
+  list.set_scene_id(id);
+  v1::ListLightsResponse lights;
+  ASSERT_TRUE(ask([&](auto* c) { return service_.scenes.ListLights(c, list, &lights); }).ok());
+  ASSERT_EQ(lights.lights_size(), 1);
+  const v1::Light& light = lights.lights(0);
+  EXPECT_FALSE(light.delta());
+  EXPECT_NEAR(light.area_m2(), 2.4 * 1.6, 1e-6);
+  EXPECT_EQ(light.diffuse_area().shape(), v1::AREA_SHAPE_BILINEAR_MESH);
+  EXPECT_EQ(light.diffuse_area().primitives(), 1U);
+  EXPECT_TRUE(light.diffuse_area().two_sided());
+  EXPECT_EQ(light.diffuse_area().radiance_cd_m2().g(), 5);
+  const v1::ImageInfo& image = light.diffuse_area().image();
+  EXPECT_EQ(image.name(), "screen.exr");
+  EXPECT_EQ(image.filter(), v1::IMAGE_FILTER_BILINEAR);
+  EXPECT_EQ(image.width(), 16U);
+  EXPECT_EQ(image.height(), 16U);
+  EXPECT_GT(light.power_lm(), 0);
+  EXPECT_EQ(light.power_error_lm(), 0);
+
+  v1::GetSceneRequest get;
+  get.set_scene_id(id);
+  v1::GetSceneResponse scene;
+  ASSERT_TRUE(ask([&](auto* c) { return service_.scenes.GetScene(c, get, &scene); }).ok());
+  const auto is_images = [](const v1::ScenePart& part) { return part.name() == "images"; };
+  EXPECT_EQ(std::count_if(scene.parts().begin(), scene.parts().end(), is_images), 1);
+}
+
+TEST_F(SceneServiceTest, LoadsListsAndReleasesAScene) {
+  v1::LoadSceneResponse loaded, again;
+  ASSERT_TRUE(load("point.pbrt", &loaded).ok());
+  EXPECT_EQ(loaded.scene_id().size(), 64U);
+  EXPECT_FALSE(loaded.already_loaded());
+  ASSERT_TRUE(load("point.pbrt", &again).ok());
+  EXPECT_EQ(again.scene_id(), loaded.scene_id());
+  EXPECT_TRUE(again.already_loaded());
+  EXPECT_EQ(service_.server->scenes().builds(), 1U);
+
+  v1::GetSceneRequest get;
+  get.set_scene_id(loaded.scene_id());
+  v1::GetSceneResponse scene;
+  ASSERT_TRUE(ask([&](auto* c) { return service_.scenes.GetScene(c, get, &scene); }).ok());
+  EXPECT_EQ(scene.summary().path(), "point.pbrt");
+  EXPECT_EQ(scene.summary().lights(), 1U);
+  EXPECT_EQ(scene.summary().image_width(), 160U);
+  EXPECT_EQ(scene.summary().samples_per_pixel(), 1024U);
+  EXPECT_EQ(scene.summary().bounces(), 0U);  // maxdepth 1
+  ASSERT_EQ(scene.assets_size(), 2);         // the file and its ball
+  EXPECT_EQ(scene.assets(0).name(), "point.pbrt");
+  EXPECT_EQ(scene.assets(1).name(), "ball.ply");
+  EXPECT_GT(scene.parts_size(), 0);
+
+  v1::ListLightsRequest list;
+  list.set_scene_id(loaded.scene_id());
+  v1::ListLightsResponse lights;
+  ASSERT_TRUE(ask([&](auto* c) { return service_.scenes.ListLights(c, list, &lights); }).ok());
+  ASSERT_EQ(lights.lights_size(), 1);
+  EXPECT_EQ(lights.lights(0).source(), "point.pbrt:10:1");
+  EXPECT_TRUE(lights.lights(0).delta());
+  EXPECT_DOUBLE_EQ(lights.lights(0).point().position_m().y(), -1.5);
+  EXPECT_NEAR(lights.lights(0).power_lm(), 125.66370614359172, 1e-9);  // 4 pi 10 cd
+
+  v1::ReleaseSceneRequest release;
+  release.set_scene_id(loaded.scene_id());
+  v1::ReleaseSceneResponse nothing;
+  EXPECT_TRUE(
+      ask([&](auto* c) { return service_.scenes.ReleaseScene(c, release, &nothing); }).ok());
+  const grpc::Status gone = ask([&](auto* c) { return service_.scenes.GetScene(c, get, &scene); });
+  EXPECT_EQ(gone.error_code(), grpc::StatusCode::NOT_FOUND);
+  EXPECT_EQ(detail<google::rpc::ErrorInfo>(gone).reason(), "SCENE_NOT_LOADED");
+  EXPECT_EQ(
+      ask([&](auto* c) { return service_.scenes.ReleaseScene(c, release, &nothing); }).error_code(),
+      grpc::StatusCode::NOT_FOUND);
+}
+
+TEST_F(SceneServiceTest, ListsInPages) {
+  for (const char* name : {"point.pbrt", "spot.pbrt", "sphere.pbrt"}) service_.load(name);
+  v1::ListScenesRequest request;
+  request.set_page_size(2);
+  v1::ListScenesResponse first, second;
+  ASSERT_TRUE(ask([&](auto* c) { return service_.scenes.ListScenes(c, request, &first); }).ok());
+  EXPECT_EQ(first.scenes_size(), 2);
+  ASSERT_FALSE(first.next_page_token().empty());
+  request.set_page_token(first.next_page_token());
+  ASSERT_TRUE(ask([&](auto* c) { return service_.scenes.ListScenes(c, request, &second); }).ok());
+  ASSERT_EQ(second.scenes_size(), 1);
+  EXPECT_GT(second.scenes(0).scene_id(), first.scenes(1).scene_id());
+  EXPECT_TRUE(second.next_page_token().empty());
+  request.set_page_token("garbage");
+  expect_bad_field(ask([&](auto* c) { return service_.scenes.ListScenes(c, request, &second); }),
+                   "page_token");
+  request.set_page_size(100000);
+  expect_bad_field(ask([&](auto* c) { return service_.scenes.ListScenes(c, request, &second); }),
+                   "page_size");
+}
+
+TEST_F(SceneServiceTest, PathsThatLeaveTheRootAreAllRefusedAlike) {
+  v1::LoadSceneResponse response;
+  for (const char* path : {"../README.md", "/etc/passwd", "/etc/no-such-file", "a/../../x"}) {
+    const grpc::Status s = load(path, &response);
+    EXPECT_EQ(s.error_code(), grpc::StatusCode::INVALID_ARGUMENT) << path;
+    EXPECT_NE(s.error_message().find(path), std::string::npos);
+    EXPECT_NE(s.error_message().find("leaves the scene root"), std::string::npos);
+  }
+  EXPECT_EQ(load("nothing.pbrt", &response).error_code(), grpc::StatusCode::NOT_FOUND);
+  expect_bad_field(load("", &response), "path");
+  EXPECT_TRUE(load("point.pbrt", &response).ok());  // and it serves on
+}
+
+TEST_F(SceneServiceTest, WhatComesLaterIsUnimplementedWithASentence) {
+  v1::EditLightsResponse edited;
+  v1::GetStatsResponse stats;
+  for (const grpc::Status& s :
+       {ask([&](auto* c) { return service_.scenes.EditLights(c, {}, &edited); }),
+        ask([&](auto* c) { return service_.admin.GetStats(c, {}, &stats); })}) {
+    EXPECT_EQ(s.error_code(), grpc::StatusCode::UNIMPLEMENTED);
+    EXPECT_GT(s.error_message().size(), 20U);
+    EXPECT_EQ(detail<google::rpc::ErrorInfo>(s).reason(), "NOT_IMPLEMENTED");
+  }
+}
+
+TEST_F(SceneServiceTest, TellsWhatTheServerIs) {
+  v1::GetServerInfoResponse info;
+  ASSERT_TRUE(ask([&](auto* c) { return service_.admin.GetServerInfo(c, {}, &info); }).ok());
+  EXPECT_EQ(info.version(), "test");
+  EXPECT_EQ(info.threads(), 2U);
+  EXPECT_EQ(info.limits().max_batch_items(), 65536U);
+  EXPECT_EQ(info.fingerprint().digest().size(), 32U);
+  EXPECT_NE(info.fingerprint().embree().find("3.13"), std::string::npos);
+  EXPECT_NE(info.fingerprint().libm().find("glibc"), std::string::npos);
+}
+
+}  // namespace
+TEST(ServicePanel, TellsItsPhotometryAndShowsIt) {
+  const SceneFiles files;
+  // 200 cd towards C0 at 60 degrees, 100 cd straight down, nothing to the other half.
+  files.write("lamp.ies",
+              "TILT=NONE\n1 -1 1 3 3 1 2 0.5 0.5 0\n1 1 10\n0 60 90\n0 90 180\n"
+              "100 200 0\n100 0 0\n100 0 0\n");
+  files.write("scene.pbrt",
+              "WorldBegin\nAreaLightSource \"diffuse\" \"string profile\" \"lamp.ies\" "
+              "Shape \"bilinearmesh\" \"point3 P\" [0 0 0 2 0 0 0 1 0 2 1 0]");
+  rpc::ServerOptions options = service_options();
+  options.scenes.root = files.path().string();
+  Service service(options);
+  const std::string id = service.load("scene.pbrt");
+  v1::ListLightsRequest list;
+  list.set_scene_id(id);
+  v1::ListLightsResponse lights;
+  ASSERT_TRUE(ask([&](auto* c) { return service.scenes.ListLights(c, list, &lights); }).ok());
+  ASSERT_EQ(lights.lights_size(), 1);
+  const v1::DiffuseAreaLight& area = lights.lights(0).diffuse_area();
+  EXPECT_EQ(area.profile().name(), "lamp.ies");
+  EXPECT_EQ(area.profile().format(), "IES LM-63-1986, type C");
+  EXPECT_NEAR(area.profile().flux_lm(), lights.lights(0).power_lm(), 1e-9);
+  EXPECT_EQ(lights.lights(0).power_error_lm(), 0);
+  EXPECT_FALSE(area.has_image());
+  // Flux / (pi A).
+  EXPECT_NEAR(area.radiance_cd_m2().g(), lights.lights(0).power_lm() / (2 * std::numbers::pi),
+              1e-9);
+
+  // Looking at its middle from 60 degrees off its normal, towards C0 and away from it.
+  v1::LeRequest request;
+  request.set_scene_id(id);
+  for (const float x : {1.0F, -1.0F}) {
+    for (const float v : {1 + x * std::sqrt(3.0F), 0.5F, 1.0F})
+      request.mutable_points()->add_offsets_m(v);
+    for (const float v : {-x * std::sqrt(3.0F), 0.0F, -1.0F}) request.add_directions(v);
+  }
+  v1::LeResponse seen;
+  ASSERT_TRUE(ask([&](auto* c) { return service.lighting.Le(c, request, &seen); }).ok());
+  // I / (A cos): 200 / (2 / 2).
+  EXPECT_NEAR(seen.radiance_cd_m2()[1], 200, 1e-3);
+  EXPECT_NEAR(seen.radiance_cd_m2()[4], 0, 1e-3);
+}
+
+}  // namespace lucerna::testing

@@ -1,0 +1,188 @@
+#include "server/runtime/lanes.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <future>
+#include <memory>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "server/runtime/parallel.h"
+
+namespace lucerna {
+namespace {
+
+/// Keeps the two threads of a lane busy until it is released.
+class Blockade {
+ public:
+  Blockade(Lanes& lanes, Lane lane) {
+    const std::shared_future<void> opened = open_.get_future().share();
+    for (int i = 0; i < 2; ++i) {
+      std::promise<void> begun;
+      const absl::Status s = lanes.submit(lane, {.run = [&begun, opened](const JobStart&) {
+                                            begun.set_value();
+                                            opened.wait();
+                                          }});
+      EXPECT_TRUE(s.ok()) << s;
+      begun.get_future().wait();  // one after the other, as the queue may hold one only
+    }
+  }
+  ~Blockade() { release(); }
+  void release() {
+    if (!std::exchange(released_, true)) open_.set_value();
+  }
+
+ private:
+  std::promise<void> open_;
+  bool released_ = false;
+};
+
+absl::StatusCode start_of(Lanes& lanes, Lane lane, Job job) {
+  auto code = std::make_shared<std::promise<absl::StatusCode>>();
+  job.run = [code](const JobStart& start) { code->set_value(start.status.code()); };
+  const absl::Status s = lanes.submit(lane, std::move(job));
+  return s.ok() ? code->get_future().get() : s.code();
+}
+
+TEST(Lanes, RunsAJobOfEachLane) {
+  Lanes lanes({.threads = 2});
+  EXPECT_EQ(start_of(lanes, Lane::kInteractive, {}), absl::StatusCode::kOk);
+  EXPECT_EQ(start_of(lanes, Lane::kBulk, {}), absl::StatusCode::kOk);
+  EXPECT_EQ(lanes.threads(), 2);
+}
+
+TEST(Lanes, SmallQueriesGoOnWhileTheBulkLaneIsBlocked) {
+  for (const int threads : {1, 2}) {
+    Lanes lanes({.threads = threads});
+    Blockade bulk(lanes, Lane::kBulk);
+    std::promise<int> sum;
+    ASSERT_TRUE(lanes
+                    .submit(Lane::kInteractive, {.run =
+                                                     [&](const JobStart&) {
+                                                       std::atomic<int> n = 0;
+                                                       parallel_chunks(100, 1, {},
+                                                                       [&](auto, auto) { ++n; });
+                                                       sum.set_value(n);
+                                                     }})
+                    .ok());
+    EXPECT_EQ(sum.get_future().get(), 100);
+  }
+}
+
+TEST(Lanes, RefusesWhatTheQueueDoesNotHold) {
+  Lanes lanes({.threads = 1, .bulk_queue = 2});
+  std::atomic<int> ran = 0;
+  {
+    Blockade bulk(lanes, Lane::kBulk);
+    const auto count = [&](const JobStart&) { ++ran; };
+    EXPECT_TRUE(lanes.submit(Lane::kBulk, {.run = count}).ok());
+    EXPECT_TRUE(lanes.submit(Lane::kBulk, {.run = count}).ok());
+    const absl::Status refused = lanes.submit(Lane::kBulk, {.run = count});
+    EXPECT_EQ(refused.code(), absl::StatusCode::kResourceExhausted) << refused;
+    EXPECT_EQ(lanes.pending(Lane::kBulk), 4U);  // two run, two wait
+    lanes.resume(Lane::kBulk, {.run = count});  // what was accepted before goes on
+    EXPECT_EQ(lanes.pending(Lane::kBulk), 5U);
+    bulk.release();
+    while (lanes.pending(Lane::kBulk) > 0) std::this_thread::yield();
+  }
+  EXPECT_EQ(ran, 3);
+}
+
+TEST(Lanes, DoNotRunWhatWasCancelledOrIsLate) {
+  Lanes lanes({.threads = 1});
+  std::stop_source stop;
+  stop.request_stop();
+  EXPECT_EQ(start_of(lanes, Lane::kBulk, {.stop = stop.get_token()}), absl::StatusCode::kCancelled);
+  EXPECT_EQ(start_of(lanes, Lane::kInteractive,
+                     {.deadline = Job::Clock::now() - std::chrono::seconds(1)}),
+            absl::StatusCode::kDeadlineExceeded);
+}
+
+TEST(Lanes, AFullQueueMakesRoomWhereNobodyWaitsAnyMore) {
+  Lanes lanes({.threads = 1, .bulk_queue = 1});
+  Blockade bulk(lanes, Lane::kBulk);
+  std::stop_source stop;
+  std::promise<absl::StatusCode> dropped;
+  ASSERT_TRUE(lanes
+                  .submit(Lane::kBulk,
+                          {.run = [&](const JobStart& s) { dropped.set_value(s.status.code()); },
+                           .stop = stop.get_token()})
+                  .ok());
+  const auto nothing = [](const JobStart&) {};
+  EXPECT_FALSE(lanes.submit(Lane::kBulk, {.run = nothing}).ok());
+  stop.request_stop();
+  EXPECT_TRUE(lanes.submit(Lane::kBulk, {.run = nothing}).ok());
+  EXPECT_EQ(dropped.get_future().get(), absl::StatusCode::kCancelled);
+}
+
+TEST(Lanes, AnswerWhatWaitsWhenTheyEnd) {
+  auto lanes = std::make_unique<Lanes>(LaneOptions{.threads = 1});
+  auto bulk = std::make_unique<Blockade>(*lanes, Lane::kBulk);
+  std::promise<absl::StatusCode> waiting;
+  ASSERT_TRUE(lanes
+                  ->submit(Lane::kBulk,
+                           {.run = [&](const JobStart& s) { waiting.set_value(s.status.code()); }})
+                  .ok());
+  std::thread end([&] { lanes.reset(); });
+  EXPECT_EQ(waiting.get_future().get(), absl::StatusCode::kUnavailable);
+  bulk->release();
+  end.join();
+}
+
+TEST(ParallelChunks, VisitEveryItemOnceInAlignedChunks) {
+  Lanes lanes({.threads = 2});
+  std::vector<std::atomic<int>> visits(1001);
+  std::promise<void> done;
+  ASSERT_TRUE(lanes
+                  .submit(Lane::kInteractive,
+                          {.run =
+                               [&](const JobStart&) {
+                                 parallel_chunks(visits.size(), 8, {}, [&](auto begin, auto end) {
+                                   EXPECT_EQ(begin % 8, 0U);
+                                   for (auto i = begin; i < end; ++i) ++visits[i];
+                                 });
+                                 done.set_value();
+                               }})
+                  .ok());
+  done.get_future().wait();
+  for (const auto& v : visits) EXPECT_EQ(v, 1);
+}
+
+TEST(ParallelChunks, LeaveOutWhatComesAfterAStop) {
+  std::stop_source stop;
+  std::atomic<int> chunks = 0;
+  parallel_chunks(1'000'000, 1, stop.get_token(), [&](auto, auto) {
+    ++chunks;
+    stop.request_stop();
+  });
+  EXPECT_GE(chunks, 1);
+  EXPECT_LT(chunks, 1000);  // no more than one a thread
+}
+
+TEST(CpuMeter, CountsTheTimeOfAllThreadsThatHelp) {
+  Lanes lanes({.threads = 2});
+  std::promise<double> seconds;
+  constexpr std::int64_t kChunkNs = 2'000'000;
+  std::atomic<std::int64_t> burnt_ns = 0;
+  ASSERT_TRUE(lanes
+                  .submit(Lane::kInteractive, {.run =
+                                                   [&](const JobStart&) {
+                                                     const CpuMeter meter;
+                                                     parallel_chunks(16, 1, {}, [&](auto, auto) {
+                                                       const std::int64_t begin = thread_cpu_ns();
+                                                       while (thread_cpu_ns() - begin < kChunkNs) {
+                                                       }
+                                                       burnt_ns += thread_cpu_ns() - begin;
+                                                     });
+                                                     seconds.set_value(meter.seconds());
+                                                   }})
+                  .ok());
+  // Processor time, not time: it is counted whole, whoever burnt it and however busy the machine.
+  EXPECT_GE(seconds.get_future().get(), 1e-9 * static_cast<double>(burnt_ns));
+  EXPECT_GE(burnt_ns, 16 * kChunkNs);
+}
+
+}  // namespace
+}  // namespace lucerna

@@ -1,0 +1,139 @@
+// Parts of scenes that are made when they are first asked for.
+#include "server/scene/scene_part.h"
+
+#include <fmt/core.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <new>
+#include <set>
+#include <thread>
+#include <vector>
+
+#include "pbrt_fixture.h"
+#include "scenes.h"
+#include "server/runtime/parallel.h"
+#include "server/shadows/shaft.h"
+#include "server/store/scene_store.h"
+
+namespace lucerna {
+namespace {
+
+struct Table {
+  std::uint64_t size;
+  std::uint64_t bytes() const { return size; }
+};
+
+std::string why(const Table& t) { return fmt::format("a table of {}", t.size); }
+
+TEST(LazyPart, IsToldOnceItIsMade) {
+  const LazyPart<Table> part("table");
+  EXPECT_FALSE(part.told());
+  EXPECT_EQ(part.bytes(), 0u);
+  int made = 0;
+  const auto make = [&] {
+    ++made;
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    return std::make_unique<const Table>(Table{24});
+  };
+  const Table& table = part.get(make, why);
+  EXPECT_EQ(&part.get(make, why), &table);
+  EXPECT_EQ(made, 1);
+  const ScenePart told = part.told().value();
+  EXPECT_EQ(told.name, "table");
+  EXPECT_EQ(told.bytes, 24u);
+  EXPECT_EQ(part.bytes(), 24u);
+  EXPECT_GE(told.build_ms, 2);
+  EXPECT_EQ(told.why, "a table of 24");
+}
+
+TEST(LazyPart, IsMadeAgainWhereMemoryWasShort) {
+  const LazyPart<Table> part("table");
+  const auto fail = []() -> std::unique_ptr<const Table> { throw std::bad_alloc(); };
+  EXPECT_THROW(part.get(fail, why), std::bad_alloc);
+  EXPECT_FALSE(part.told());
+  EXPECT_EQ(part.get([] { return std::make_unique<const Table>(Table{1}); }, why).size, 1u);
+}
+
+// Chunks of one loop ask for a part that is itself made by a loop: whoever makes it must not take
+// up another of those chunks while it waits.
+TEST(LazyPart, IsMadeOnceByTheThreadsOfOneArena) {
+  for (int repeat = 0; repeat < 20; ++repeat) {
+    const LazyPart<Table> part("table");
+    std::atomic<int> made = 0, wrong = 0;
+    parallel_chunks(64, 1, {}, [&](std::size_t, std::size_t) {
+      const Table& table = part.get(
+          [&] {
+            ++made;
+            std::atomic<std::uint64_t> sum = 0;
+            parallel_chunks(256, 1, {}, [&](std::size_t begin, std::size_t) { sum += begin; });
+            return std::make_unique<const Table>(Table{sum});
+          },
+          why);
+      if (table.size != 255 * 256 / 2) ++wrong;
+    });
+    EXPECT_EQ(made, 1);
+    EXPECT_EQ(wrong, 0);
+  }
+}
+
+TEST(LazyPart, OfASceneCountsFromItsFirstUse) {
+  SceneDescription d = testing::description();
+  d.shapes = {testing::emissive(testing::floor(1, 3), 1), testing::floor(4)};
+  const auto scene = testing::build(std::move(d));
+  const std::vector<ScenePart> before = scene->parts();
+  const std::uint64_t bytes = scene->bytes();
+  EXPECT_EQ(std::ranges::count(before, "shafts", &ScenePart::name), 0);
+
+  const Shafts& shafts = scene->shafts();
+  EXPECT_TRUE(shafts.has_outline(0));
+  const std::vector<ScenePart> after = scene->parts();
+  ASSERT_EQ(after.size(), before.size() + 1);
+  EXPECT_EQ(after.back().name, "shafts");
+  EXPECT_EQ(after.back().bytes, shafts.bytes());
+  EXPECT_EQ(after.back().why, "closed forms were asked for");
+  EXPECT_EQ(scene->bytes(), bytes + shafts.bytes());
+  EXPECT_EQ(&scene->shafts(), &shafts);
+}
+
+TEST(LazyPart, CountsForTheBudgetOfAStore) {
+  testing::SceneFiles files;
+  const auto name = [](int i) { return fmt::format("s{}.pbrt", i); };
+  for (int i = 0; i < 3; ++i)
+    files.write(name(i), fmt::format("WorldBegin # {}\nShape \"sphere\"\n", i));
+  std::uint64_t bare = 0, grown = 0;
+  {
+    const auto store = SceneStore::open({.root = files.path().string()}).value();
+    const auto scene = store->load(name(0)).value().stored.scene;
+    bare = store->bytes();
+    scene->shafts();
+    grown = store->bytes();
+    EXPECT_EQ(grown, bare + scene->shafts().bytes());
+    ASSERT_GT(grown, bare);
+  }
+  // Room for two scenes, of which one has shafts, and no more.
+  const auto store =
+      SceneStore::open({.root = files.path().string(), .memory_budget_bytes = bare + grown})
+          .value();
+  const auto load = [&](int i) { return store->load(name(i)).value().stored.scene; };
+  const auto a = load(0), b = load(1);
+  a->shafts();
+  EXPECT_EQ(store->bytes(), bare + grown);
+  EXPECT_NE(store->find(a->id()), nullptr);
+  EXPECT_EQ(store->size(), 2u);
+  // There would have been room for a third, had the first not grown.
+  const auto c = load(2);
+  EXPECT_EQ(store->size(), 2u);
+  EXPECT_EQ(store->find(b->id()), nullptr);
+  // A scene that grows while it is held sends others away when it is next used.
+  c->shafts();
+  EXPECT_EQ(store->size(), 2u);
+  EXPECT_NE(store->find(c->id()), nullptr);
+  EXPECT_EQ(store->size(), 1u);
+  EXPECT_EQ(store->find(a->id()), nullptr);
+  EXPECT_EQ(store->bytes(), grown);
+}
+
+}  // namespace
+}  // namespace lucerna

@@ -1,0 +1,185 @@
+// Scenes of uploaded files.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <thread>
+
+#include "pbrt_fixture.h"
+#include "server/store/scene_store.h"
+
+namespace lucerna {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using testing::message;
+using testing::SceneFiles;
+using ::testing::StartsWith;
+
+constexpr char kPly[] =
+    "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+    "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+    "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+constexpr char kMain[] = R"(WorldBegin
+Shape "plymesh" "string filename" "meshes/a.ply"
+LightSource "point" "rgb I" [10 10 10] "point3 from" [0 0 3]
+Include "parts/more.pbrt"
+Shape "plymesh" "string filename" "meshes/a.ply"
+)";
+constexpr char kMore[] = "Shape \"plymesh\" \"string filename\" \"meshes/b.ply\"\n";
+
+class ManifestTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    assets_ = AssetStore::open({.directory = (files_.path() / "assets").string()}).value();
+    std::filesystem::create_directory(files_.path() / "root");
+    store_ = SceneStore::open({.root = (files_.path() / "root").string()}, assets_.get()).value();
+  }
+
+  /// Uploads `bytes` and names them in the manifest.
+  void put(const std::string& name, const std::string& bytes) {
+    manifest_.assets[name] = sha256(bytes);
+    if (assets_->held(sha256(bytes)).whole) return;
+    auto upload = assets_->upload(sha256(bytes), bytes.size(), 0);
+    ASSERT_TRUE(upload.ok()) << upload.status();
+    ASSERT_TRUE(upload->append(bytes).ok());
+    ASSERT_TRUE(upload->finish().ok());
+  }
+
+  absl::StatusOr<LoadedScene> load() { return store_->load(manifest_); }
+  /// The names that are missing.
+  std::vector<std::string> missing() {
+    std::vector<std::string> names;
+    const auto loaded = load();
+    EXPECT_TRUE(loaded.ok()) << loaded.status();
+    if (!loaded.ok()) return names;
+    EXPECT_EQ(loaded->stored.scene == nullptr, !loaded->missing.empty());
+    for (const MissingAsset& m : loaded->missing) names.push_back(m.name);
+    return names;
+  }
+
+  SceneFiles files_;
+  std::unique_ptr<AssetStore> assets_;
+  std::unique_ptr<SceneStore> store_;
+  Manifest manifest_{.main = "room.pbrt", .assets = {}};
+};
+
+TEST_F(ManifestTest, TellsAllThatIsMissingAtOnce) {
+  manifest_.assets["room.pbrt"] = sha256(kMain);
+  const auto first = load();
+  ASSERT_TRUE(first.ok()) << first.status();
+  ASSERT_EQ(first->missing.size(), 1U);
+  EXPECT_EQ(first->missing[0].digest, sha256(kMain));
+  put("room.pbrt", kMain);
+  const auto second = load();
+  ASSERT_TRUE(second.ok()) << second.status();
+  ASSERT_EQ(second->missing.size(), 2U);  // each once
+  EXPECT_EQ(second->missing[0].name, "meshes/a.ply");
+  EXPECT_EQ(second->missing[0].digest, "");
+  EXPECT_EQ(second->missing[1].name, "parts/more.pbrt");
+  put("parts/more.pbrt", kMore);
+  EXPECT_THAT(missing(), ElementsAre("meshes/a.ply", "meshes/b.ply"));
+  put("meshes/a.ply", kPly);
+  put("meshes/b.ply", kPly);
+  EXPECT_EQ(store_->size(), 0U);
+  EXPECT_THAT(missing(), IsEmpty());
+  EXPECT_EQ(store_->size(), 1U);
+  EXPECT_EQ(store_->list("", 1)[0].path, "room.pbrt");
+  EXPECT_EQ(store_->list("", 1)[0].scene->shape_count(), 3U);
+  EXPECT_TRUE(load()->already_loaded);
+  EXPECT_EQ(store_->builds(), 1U);
+}
+
+TEST_F(ManifestTest, IsTheSameSceneAsTheSameFilesUnderTheRoot) {
+  put("room.pbrt", kMain);
+  put("parts/more.pbrt", kMore);
+  put("meshes/a.ply", kPly);
+  put("meshes/b.ply", kPly);
+  files_.write("root/room.pbrt", kMain);
+  files_.write("root/parts/more.pbrt", kMore);
+  files_.write("root/meshes/a.ply", kPly);
+  files_.write("root/meshes/b.ply", kPly);
+  std::vector<std::string> ids(8);
+  {
+    std::vector<std::jthread> threads;
+    for (std::size_t i = 0; i < ids.size(); ++i) {
+      threads.emplace_back([&, i] {
+        const auto loaded = i % 2 == 0 ? store_->load("room.pbrt") : store_->load(manifest_);
+        if (loaded.ok()) ids[i] = loaded->stored.scene->id();
+      });
+    }
+  }
+  for (const std::string& id : ids) EXPECT_EQ(id, ids[0]);
+  EXPECT_EQ(ids[0].size(), 64U);
+  EXPECT_EQ(store_->builds(), 1U);
+}
+
+TEST_F(ManifestTest, WhatIsNotNeededNeedNotBeThere) {
+  put("room.pbrt", "WorldBegin\n");
+  manifest_.assets["never.ply"] = sha256("never");
+  EXPECT_THAT(missing(), IsEmpty());
+}
+
+TEST_F(ManifestTest, FilesThatTheClientHasNotEitherAreErrorsAtTheirPlace) {
+  put("room.pbrt", kMain);
+  put("parts/more.pbrt", kMore);
+  put("meshes/b.ply", kPly);
+  manifest_.assets["meshes/a.ply"] = "";
+  const absl::Status status = load().status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kNotFound);
+  EXPECT_THAT(message(status), StartsWith("room.pbrt:2:"));
+  EXPECT_THAT(message(status), HasSubstr("\"meshes/a.ply\" does not exist"));
+}
+
+TEST_F(ManifestTest, LooksBesideTheIncludingFileOnlyWhereTheFirstPlaceHasNone) {
+  put("room.pbrt", "WorldBegin\nInclude \"parts/more.pbrt\"\n");
+  put("parts/more.pbrt", kMore);
+  EXPECT_THAT(missing(), ElementsAre("meshes/b.ply"));
+  manifest_.assets["meshes/b.ply"] = "";
+  EXPECT_THAT(missing(), ElementsAre("parts/meshes/b.ply"));
+  put("parts/meshes/b.ply", kPly);
+  EXPECT_THAT(missing(), IsEmpty());
+}
+
+TEST_F(ManifestTest, ErrorsWaitUntilAllFilesAreThere) {
+  // The second line is only wrong because the first was left out.
+  put("room.pbrt",
+      "WorldBegin\nImport \"objects.pbrt\"\nObjectInstance \"lamp\"\nShape \"teapot\"\n");
+  EXPECT_THAT(missing(), ElementsAre("objects.pbrt"));
+  put("objects.pbrt", "ObjectBegin \"lamp\"\nObjectEnd\n");
+  EXPECT_EQ(load().status().code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_EQ(store_->size(), 0U);
+}
+
+TEST_F(ManifestTest, NamesReachNoFileOfTheServer) {
+  files_.write("root/secret.pbrt", "WorldBegin\n");
+  put("room.pbrt", "Include \"secret.pbrt\"\n");
+  EXPECT_THAT(missing(), ElementsAre("secret.pbrt"));
+  for (const char* name : {"../root/secret.pbrt", "/etc/passwd"}) {
+    put("room.pbrt", "Include \"" + std::string(name) + "\"\n");
+    EXPECT_EQ(load().status().code(), absl::StatusCode::kInvalidArgument) << name;
+  }
+}
+
+TEST_F(ManifestTest, FilesThatChangedOnTheDiskAreAskedForAgain) {
+  put("room.pbrt", "WorldBegin\n");
+  files_.write("assets/" + hexadecimal(sha256("WorldBegin\n")), "WorldBeginX");
+  const auto loaded = load();
+  ASSERT_TRUE(loaded.ok() || absl::IsInvalidArgument(loaded.status())) << loaded.status();
+  files_.write("assets/" + hexadecimal(sha256("WorldBegin\n")), "WorldBegin ");
+  EXPECT_THAT(missing(), ElementsAre("room.pbrt"));
+  put("room.pbrt", "WorldBegin\n");
+  EXPECT_THAT(missing(), IsEmpty());
+}
+
+TEST_F(ManifestTest, AReleasedSceneCanBeLoadedAgain) {
+  put("room.pbrt", "WorldBegin\n");
+  EXPECT_THAT(missing(), IsEmpty());
+  ASSERT_TRUE(store_->release(store_->list("", 1)[0].scene->id()).value());
+  EXPECT_FALSE(load()->already_loaded);
+  EXPECT_EQ(store_->builds(), 2U);
+}
+
+}  // namespace
+}  // namespace lucerna

@@ -1,0 +1,137 @@
+#include "server/store/scene_store.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <thread>
+#include <vector>
+
+namespace lucerna {
+namespace {
+
+constexpr char kScene[] = R"(WorldBegin
+LightSource "point" "rgb I" [10 10 10] "point3 from" [0 0 3]
+Shape "bilinearmesh" "point3 P" [-5 -5 0  5 -5 0  -5 3 0  5 3 0]
+)";
+
+class SceneStoreTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    root_ = std::filesystem::temp_directory_path() /
+            ("lucerna_store_" + std::to_string(::getpid()) + "_" +
+             ::testing::UnitTest::GetInstance()->current_test_info()->name());
+    std::filesystem::create_directories(root_);
+    write("a.pbrt", kScene);
+    auto store = SceneStore::open({.root = root_.string()});
+    ASSERT_TRUE(store.ok()) << store.status();
+    store_ = *std::move(store);
+  }
+  void TearDown() override { std::filesystem::remove_all(root_); }
+  void write(const std::string& name, const std::string& text) const {
+    std::ofstream(root_ / name) << text;
+  }
+  LoadedScene load(const std::string& path) {
+    auto loaded = store_->load(path);
+    EXPECT_TRUE(loaded.ok()) << loaded.status();
+    return *std::move(loaded);
+  }
+
+  std::filesystem::path root_;
+  std::unique_ptr<SceneStore> store_;
+};
+
+TEST_F(SceneStoreTest, LoadingAgainIsFreeAndSaysSo) {
+  const LoadedScene first = load("a.pbrt");
+  EXPECT_FALSE(first.already_loaded);
+  EXPECT_EQ(first.stored.scene->id().size(), 64U);
+  const LoadedScene again = load("a.pbrt");
+  EXPECT_TRUE(again.already_loaded);
+  EXPECT_EQ(again.stored.scene, first.stored.scene);
+  EXPECT_EQ(store_->builds(), 1U);
+}
+
+TEST_F(SceneStoreTest, AnotherNameOfTheSameFileIsTheSameScene) {
+  const LoadedScene first = load("a.pbrt");
+  const LoadedScene other = load("./a.pbrt");
+  EXPECT_TRUE(other.already_loaded);
+  EXPECT_EQ(other.stored.scene, first.stored.scene);
+  EXPECT_EQ(store_->builds(), 1U);
+}
+
+TEST_F(SceneStoreTest, AChangedFileIsAnotherScene) {
+  const LoadedScene first = load("a.pbrt");
+  write("a.pbrt", std::string(kScene) + "# changed\n");
+  const LoadedScene changed = load("a.pbrt");
+  EXPECT_FALSE(changed.already_loaded);
+  EXPECT_NE(changed.stored.scene->id(), first.stored.scene->id());
+  EXPECT_EQ(store_->size(), 2U);  // the old one stays until it is released
+}
+
+TEST_F(SceneStoreTest, AChangeOfAnIncludedFileIsSeen) {
+  write("main.pbrt", "Include \"a.pbrt\"\n");
+  const LoadedScene first = load("main.pbrt");
+  write("a.pbrt", std::string(kScene) + "# changed\n");
+  EXPECT_NE(load("main.pbrt").stored.scene->id(), first.stored.scene->id());
+}
+
+TEST_F(SceneStoreTest, NothingStaysOfAFailedLoad) {
+  write("broken.pbrt", "WorldBegin\nShape \"trianglemesh\" \"integer indices\" [0 1\n");
+  const auto broken = store_->load("broken.pbrt");
+  EXPECT_EQ(broken.status().code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_NE(std::string(broken.status().message()).find("broken.pbrt:"), std::string::npos)
+      << broken.status();
+  EXPECT_EQ(store_->load("none.pbrt").status().code(), absl::StatusCode::kNotFound);
+  EXPECT_EQ(store_->load("../a.pbrt").status().code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_EQ(store_->size(), 0U);
+  write("broken.pbrt", kScene);  // and it can be mended
+  EXPECT_FALSE(load("broken.pbrt").already_loaded);
+}
+
+TEST_F(SceneStoreTest, CancelledLoadsLeaveNothing) {
+  std::stop_source stop;
+  stop.request_stop();
+  EXPECT_EQ(store_->load("a.pbrt", {.stop = stop.get_token()}).status().code(),
+            absl::StatusCode::kCancelled);
+  EXPECT_EQ(store_->size(), 0U);
+}
+
+TEST_F(SceneStoreTest, SeveralWhoAskAtTheSameTimeBuildOnce) {
+  std::vector<std::jthread> threads;
+  std::vector<std::string> ids(8);
+  for (auto& id : ids) {
+    threads.emplace_back([&] { id = load("a.pbrt").stored.scene->id(); });
+  }
+  threads.clear();
+  for (const auto& id : ids) EXPECT_EQ(id, ids[0]);
+  EXPECT_EQ(store_->builds(), 1U);
+}
+
+TEST_F(SceneStoreTest, ReleasedScenesLiveAsLongAsSomebodyHoldsThem) {
+  const LoadedScene held = load("a.pbrt");
+  const std::string id = held.stored.scene->id();
+  EXPECT_TRUE(store_->release(id).value());
+  EXPECT_EQ(store_->release(id).status().code(), absl::StatusCode::kNotFound);
+  EXPECT_EQ(store_->find(id), nullptr);
+  EXPECT_EQ(held.stored.scene->lights().size(), 1U);
+  EXPECT_FALSE(load("a.pbrt").already_loaded);
+}
+
+TEST_F(SceneStoreTest, ListsInTheOrderOfIds) {
+  write("b.pbrt", std::string(kScene) + "# b\n");
+  write("c.pbrt", std::string(kScene) + "# c\n");
+  for (const char* name : {"a.pbrt", "b.pbrt", "c.pbrt"}) load(name);
+  const auto first = store_->list("", 2);
+  ASSERT_EQ(first.size(), 2U);
+  EXPECT_LT(first[0].scene->id(), first[1].scene->id());
+  const auto rest = store_->list(first[1].scene->id(), 2);
+  ASSERT_EQ(rest.size(), 1U);
+  EXPECT_LT(first[1].scene->id(), rest[0].scene->id());
+}
+
+TEST(SceneStore, NeedsADirectory) {
+  EXPECT_FALSE(SceneStore::open({.root = "/no/such/directory"}).ok());
+}
+
+}  // namespace
+}  // namespace lucerna
