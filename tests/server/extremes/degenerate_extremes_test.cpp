@@ -1,4 +1,4 @@
-// Row 34: triangles and patches that are degenerate, or nearly.
+// Row 34: triangles and patches that are degenerate or nearly so.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -69,7 +69,7 @@ TEST(DegenerateExtremes, DensityOfNeedles) {
       }
     const Vec3<float> p(point(row, "a")), q(point(row, "b")), r(point(row, "c")),
         eye(point(row, "e"));
-    // Area by Heron over squared distance, with the cosine.
+    // Heron's area over the squared distance, with the cosine.
     const Vec3<float> n = normalized(cross(q - p, r - p)), to = (p + q + r) / 3.0F - eye;
     const float d2 = dot(to, to);
     sweep.compare_textbook(d2 / (textbook_area(row) * std::fabs(dot(n, normalized(to)))),
@@ -78,16 +78,17 @@ TEST(DegenerateExtremes, DensityOfNeedles) {
   sweep.expect_within(1e-7);
 }
 
-/// A mesh of which few primitives are good: triangles or patches in the plane z = 0, lit above.
+/// A mesh with few valid primitives: triangles or patches in the plane z = 0, lit from above.
 struct Mesh {
   std::string shape;
   std::set<std::uint32_t> good;
-  double area;  // of them [m2]
+  double area;  // of the valid primitives [m2]
 };
 
 const std::vector<Mesh>& degenerate_meshes() {
   static const std::vector<Mesh> meshes{
-      // The same vertex twice, three times; on one line; two vertices at one place; at one point.
+      // The same vertex two or three times; vertices on one line; two vertices at one place; all
+      // vertices at one point.
       {"\"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"integer indices\" [0 0 1 2 2 2 0 1 2]",
        {2},
        0.5},
@@ -109,7 +110,7 @@ const std::vector<Mesh>& degenerate_meshes() {
        "3 0 0 0 0 0 1 4 5]",
        {2},
        1},
-      // First, last and between two of the same area.
+      // The valid primitive is first, last, or between two of the same area.
       {"\"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 0] \"integer indices\" [0 0 1 0 1 2 2 "
        "2 "
        "1 1 3 2 3 3 3]",
@@ -138,7 +139,7 @@ TEST(DegenerateExtremes, PrimitivesWithoutArea) {
           using Real = decltype(light.sample_li({}, {}).distance);
           for (const double u :
                {0.0, 1e-30, 0.1, 0.25, 1.0 / 3, 0.5, 0.75, 0.999, 1 - 0x1p-53, 1.0})
-            // At v = 0 u alone chooses: 0, 1/2 and 1 are where areas begin and end.
+            // At v = 0, u alone chooses.  Areas begin and end at 0, 1/2 and 1.
             for (const double v : {0.0, 0.5, 1.0}) {
               const Vec3<Real> above(0.2, 0.3, 2), below(0.2, 0.3, -2);
               for (const auto& receiver : {above, below}) {
@@ -160,8 +161,8 @@ TEST(DegenerateExtremes, PrimitivesWithoutArea) {
   sweep.expect_answers("never sampled; a remark tells");
 }
 
-/// Triangle (0 0 0), (1 0 0), (0 1 `last`) as a PLY file of `type`, its last coordinate's bytes put
-/// in.
+/// Triangle (0 0 0), (1 0 0), (0 1 `last`) as a PLY file of `type`.  The bytes of its last
+/// coordinate are inserted unchanged.
 template <typename T>
 std::string ply(const char* type, T last) {
   const T values[] = {0, 0, 0, 1, 0, 0, 0, 1, last};
@@ -183,7 +184,8 @@ TEST(DegenerateExtremes, VerticesThatAreNone) {
     for (const char* word : {"nan", "-nan", "inf", "-inf", "1e999", "1e300", "-1e31"}) {
       const std::string text =
           light + "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 " + word + "]";
-      // The number where it is none, else the shape that it is too large for.
+      // The error points at the number where it is not valid, otherwise at the shape, which the
+      // number makes too large.
       const FileScene loaded = scene_of(text);
       const bool number =
           std::string(word).find("1e") == std::string::npos || std::string(word) == "1e999";

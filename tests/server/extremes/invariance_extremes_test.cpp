@@ -1,5 +1,5 @@
-// A scene in other units is the same scene: by powers of two to the last bit, by others to within
-// rounding.
+// The same scene in other units gives the same answers: to the last bit for powers of two, to
+// within rounding for other factors.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -16,7 +16,8 @@
 namespace lucerna::testing {
 namespace {
 
-/// All that a scene answers, lengths and what goes by them in units of a scene of factor `s`.
+/// All answers about a scene, with lengths and what scales with them in units of a scene of factor
+/// `s`.
 struct Answers {
   std::vector<double> picture, irradiance, samples, choices;
 };
@@ -118,8 +119,8 @@ TEST(InvarianceExtremes, MillimetresAndKilometresKeepTheMean) {
   Sweep sweep(9, "scene with every light, in other units", "mm, km",
               "mean of picture, irradiances");
   const SceneDescription d = invariant_scene();
-  // A tree of lights that are as near to each other as others may be split elsewhere, and so be
-  // other samples.
+  // Where lights are about equally near to each other, their tree may split differently.  Then the
+  // samples differ.
   const Methods by_power{.light_selection = LightSelection::kPower};
   const Answers metres = answers_of(d, 1, 64, 1024, by_power);
   for (const double s : {1e3, 1e-3}) {
@@ -170,7 +171,7 @@ TEST(InvarianceExtremes, ScenesOfAnySizeLookTheSame) {
   sweep.expect_within(1e-6);
 }
 
-// Where the lamps are many one is chosen of a few that are drawn, by what they would give.
+// With many lamps, a few candidates are drawn, and one is chosen by its contribution.
 TEST(InvarianceExtremes, LightOfAnyStrengthIsChosenAlike) {
   Sweep sweep(9, "room of twelve point lights, all scaled by a power of two", "2^-120 ... 2^120",
               "picture");
@@ -199,7 +200,7 @@ TEST(InvarianceExtremes, WhatMovesIsMetAtAnySize) {
       SceneDescription d = description();
       const KeyTransform keys[] = {{0, Transform()}, {1, Transform::translate({4 * s, 0, 0})}};
       const auto motion = std::make_shared<const Motion>(*Motion::create(keys));
-      // A cube, of which a ray meets a side.
+      // A cube.  The ray meets one of its sides.
       TriangleMeshData cube = room();
       for (Vec3<double>& p : cube.positions) p = p * s;
       if (as_instance) {

@@ -1,4 +1,4 @@
-// Rows 12, 27 and 28: lights that .pbrt files make, under angles, mirrors and scales.
+// Rows 12, 27 and 28: lights from .pbrt files, with extreme angles, mirrors and scales.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -54,7 +54,7 @@ TEST(PbrtLightExtremes, WideSpots) {
   for (const auto& row : table.rows()) {
     const auto light = light_in(spot(row["cone_deg"], row["delta_deg"]));
     const auto s = sample(light, Vec3<Served>{row["x"], 0, row["z"]});
-    // As the wire has it.
+    // In floats, as a request has it.
     sweep.compare(static_cast<float>(s.value.g), row["value_lx"],
                   row.text("cone_deg") + " " + row.text("x"));
     // The slope of a hard edge.
@@ -131,7 +131,8 @@ TEST(PbrtLightExtremes, SidesThatEmitUnderMirrors) {
     }
     const auto light = light_in(text);
     const Vec3<Served> receiver{row["x"], row["y"], row["z"]};
-    // The table's point of a cylinder; of the others all that a receiver samples have its side.
+    // For a cylinder, the point of the table.  For other shapes, all points that a receiver samples
+    // are on the same side.
     const Vec2<Served> u = shape == "cylinder" ? Vec2<Served>{0.5, 0} : Vec2<Served>{0.3, 0.6};
     const bool lit = sample(light, receiver, u).reason == NoLight::kNone;
     sweep.answer(lit == (row["lit"] > 0) ? "as pbrt-v4's rule says" : "not so: " + text);
@@ -165,7 +166,7 @@ TEST(PbrtLightExtremes, PowerUnderScales) {
   for (const auto& row : table.rows()) {
     sweep.compare(power(light_in(scaled(row))), row["power_lm"],
                   row.text("light") + " " + row.text("sx") + " " + row.text("sz"));
-    // Without the scale.
+    // The power without the scale.
     const Row* same = &row;
     for (const auto& other : table.rows())
       if (other.text("light") == row.text("light") && other["sx"] == 1 && other["sz"] == 1)
@@ -188,14 +189,15 @@ TEST(PbrtLightExtremes, DensityUnderScales) {
     if (name == "cylinder") receiver.position = Vec3<Served>{4 * sx, 0, sz / 2}, u = {0.5, 0};
     if (name == "disk") receiver.area_sampling = AreaSampling::kSquareRoot;
     const auto s = sample(light_in(scaled(row)), receiver, u);
-    // As the wire has it.
+    // In floats, as a request has it.
     sweep.compare(static_cast<float>(s.pdf.per_sr), row["per_sr"],
                   name + " " + row.text("sx") + " " + row.text("sz"));
   }
   sweep.expect_within(1e-7);
 }
 
-/// Spot and projection are seen up to 30 degrees off their axis, the projection's picture scaled.
+/// Spot and projection are seen up to 30 degrees off their axis.  The picture of the projection is
+/// scaled.
 TEST(PbrtLightExtremes, ConesUnderScales) {
   Sweep sweep(28, "spot, projection under Scale", kScales,
               "a thousandth within and beyond the cone");

@@ -1,4 +1,4 @@
-// Rows 10 and 33: what answers say of directions and positions holds of the floats that tell them.
+// Rows 10 and 33: an answer's values match the directions and positions that it reports as floats.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -17,7 +17,7 @@
 namespace lucerna::testing {
 namespace {
 
-/// Items of one query of one light, as the wire has them.
+/// Items of one query about one light, in floats as in a request.
 struct Told {
   explicit Told(std::size_t n)
       : n(n),
@@ -46,7 +46,7 @@ struct Told {
   std::vector<int> status;
 };
 
-/// Of a light's own low-discrepancy points, and of all that are made of the ends of [0, 1].
+/// A light's own low-discrepancy points, and all combinations of the ends of [0, 1].
 Told rays_of(const Scene& scene, std::uint32_t light, std::uint32_t n, double time_s = 0) {
   constexpr std::uint32_t kEnds = 16;
   std::vector<float> u;
@@ -95,7 +95,7 @@ Told samples_of(const Scene& scene, std::uint32_t light, const PointArray& recei
   return t;
 }
 
-/// Densities of the rays as they are told.
+/// Densities of the rays as they are reported.
 Told densities_of(const Scene& scene, std::uint32_t light, const Told& rays, double time_s = 0) {
   Told t(rays.n);
   pdf_le(scene, light, {scene.origin(), rays.points}, rays.directions, time_s, t.per_m2.data(),
@@ -103,7 +103,8 @@ Told densities_of(const Scene& scene, std::uint32_t light, const Told& rays, dou
   return t;
 }
 
-/// What a pdf that was not rounded with its direction says of it, at worst: the textbook's way.
+/// Compares the density before the direction was rounded with the density of the rounded direction,
+/// in the worst case: the textbook's way.
 template <typename L>
 void compare_unrounded(Sweep& sweep, const L& light, const SceneSphere& sphere) {
   for (int i = 1; i < 64; ++i) {
@@ -115,7 +116,7 @@ void compare_unrounded(Sweep& sweep, const L& light, const SceneSphere& sphere) 
   }
 }
 
-/// Lights that have no surface, by the numbers in their scene.
+/// Lights without a surface, by their numbers in the scene.
 std::vector<std::uint32_t> lights_without_surface(const Scene& scene) {
   std::vector<std::uint32_t> found;
   for (std::uint32_t l = 0; l < scene.lights().size(); ++l)
@@ -133,7 +134,7 @@ std::string name(const Scene& scene, std::uint32_t light) {
 
 constexpr const char* kFloats = "directions and positions as the wire's floats tell them";
 
-/// Density and radiance along the directions that samples tell.
+/// Density and radiance along the sampled directions.
 Told asked_along(const Scene& scene, std::uint32_t light, const PointArray& receivers,
                  const Told& samples) {
   Told t(samples.n);
@@ -153,7 +154,7 @@ TEST(ToldExtremes, SamplesOfLightsWithoutSurface) {
   Sweep sweep(33, "samples of every light without a surface", kFloats,
               "value and density against Le and PdfLi of the direction told");
   const auto scene = every_light();
-  // Above all that would hide the sky, but below the windows: there the sky is seen.
+  // Above everything that would hide the sky, but below the windows: the sky is visible there.
   const std::vector<float> offsets{-3, -3, 0.5F, -1, 3, 0.3F, 0.2F, 0.1F, 3.6F};
   const Vec3<double> middle(100, -50, 0);
   for (const std::uint32_t light : lights_without_surface(*scene)) {
@@ -174,7 +175,7 @@ TEST(ToldExtremes, SamplesOfLightsWithoutSurface) {
   sweep.expect_within(0);
 }
 
-/// Densities of rays against those of what is told of them.
+/// Densities of rays against those of the reported rays.
 void compare_rays(Sweep& sweep, const Scene& scene, std::uint32_t light, double time_s) {
   const Told t = rays_of(scene, light, 4000, time_s);
   const Told asked = densities_of(scene, light, t, time_s);
@@ -215,11 +216,11 @@ TEST(ToldExtremes, RaysOfLightsThatMove) {
   ASSERT_TRUE(file.status.ok()) << file.status;
   for (std::uint32_t light = 0; light < file.scene->lights().size(); ++light)
     for (const double time_s : {0.0, 0.37, 1.0}) compare_rays(sweep, *file.scene, light, time_s);
-  // The light turns a direction again, by a rounding of doubles.
+  // The light rotates a direction again, with one rounding of doubles.
   sweep.expect_within(1e-6);
 }
 
-/// Where no float direction leads into a light, what is told is what was sampled.
+/// Where no float direction leads into a light, the answer describes the sampled direction.
 TEST(ToldExtremes, LightsNarrowerThanFloats) {
   Sweep sweep(10, "spot, sun, half angle", "1e-9 ... 1e-7 degrees",
               "flux, illuminance by samples whose directions floats do not tell");
@@ -242,11 +243,11 @@ TEST(ToldExtremes, LightsNarrowerThanFloats) {
       sweep.compare(double{samples.value[3 * i + 1]} / samples.per_sr[i], 5, cone);
     }
   }
-  // Of the quotient of two floats.
+  // The rounding of the quotient of two floats.
   sweep.expect_within(1.2e-7);
 }
 
-/// Also at the rim, which rounding leads over.
+/// Also at the rim, which rounding may cross.
 TEST(ToldExtremes, SmallSuns) {
   Sweep sweep(10, "sun, angular diameter", "30 ... 1e-4 degrees",
               "radiance and density against Le and PdfLi of the direction told");
@@ -263,7 +264,7 @@ TEST(ToldExtremes, SmallSuns) {
       ASSERT_TRUE(t.has_light(i));
       sweep.compare(t.per_sr[i], asked.per_sr[i], diameter);
       sweep.compare(t.value[3 * i], asked.value[3 * i], diameter);
-      // Whether it is met by the cosine.
+      // Whether the light is met, judged by the cosine.
       const float half = std::stof(diameter) * std::numbers::pi_v<float> / 360;
       sweep.compare_textbook(dot(triple(t.directions, i), axis) >= std::cos(half) ? 1 : 0, 1);
     }

@@ -16,7 +16,7 @@ using google::protobuf::Message;
 
 std::uint64_t seen = 0;
 
-/// Bytes that hold no numbers.
+/// Bytes that do not hold numbers.
 bool holds_no_numbers(const FieldDescriptor& field) {
   static const std::set<std::string> names{
       "lucerna.v1.SampleLiResponse.delta",                    // bits

@@ -1,5 +1,5 @@
-// That wrong numbers are found, wherever in an answer they are: without this a test that finds none
-// would say nothing.
+// Wrong numbers are found in every field of an answer.  Without these tests, a test that finds no
+// wrong number would prove nothing.
 #include "tests/server/extremes/wire_answers.h"
 
 #include <fmt/format.h>
@@ -113,7 +113,7 @@ TEST(WrongNumbers, AreSeenInTheBytesOfTilesAndStreamedPictures) {
   }
 }
 
-// What follows finds the fields by the types of the answers, not by the answers.
+// The code below finds the fields by the types of the answers, not in the answers.
 
 using Path = std::vector<const FieldDescriptor*>;
 
@@ -138,7 +138,7 @@ void put(Message* m, const FieldDescriptor* f, T v,
   (r->*add)(m, f, v);
 }
 
-/// Puts one number at the end of the path: the second entry of each list on the way.
+/// Puts one number at the end of the path: into the second entry of each list on the way.
 void plant(Message* m, const Path& path, double v) {
   using R = google::protobuf::Reflection;
   for (std::size_t i = 0; i + 1 < path.size(); ++i) {
@@ -186,7 +186,7 @@ TEST(WrongNumbers, AreSeenInEveryFieldOfEveryAnswer) {
     });
   }
   EXPECT_GT(fields.size(), 70u);
-  // An exception that no answer has excepts nothing.
+  // An exception must name a field that exists in some answer.
   for (const auto& [name, why] : signed_fields()) EXPECT_TRUE(met_signed.contains(name)) << name;
 }
 
