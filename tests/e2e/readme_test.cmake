@@ -1,10 +1,10 @@
-# The README shows the examples as they are: cmake -DROOT=... -P readme_test.cmake
+# README.md shows the examples verbatim: cmake -DROOT=... -P readme_test.cmake
 file(READ ${ROOT}/README.md readme)
 foreach(example IN ITEMS docs/examples/cpp/ask.cpp docs/examples/python/ask.py)
   file(READ ${ROOT}/${example} text)
   string(STRIP "${text}" text)
   string(FIND "${readme}" "${text}" at)
   if(at EQUAL -1)
-    message(FATAL_ERROR "README.md does not show ${example} as it is")
+    message(FATAL_ERROR "README.md does not show ${example} verbatim")
   endif()
 endforeach()

@@ -128,7 +128,7 @@ const std::vector<Mesh>& degenerate_meshes() {
 TEST(DegenerateExtremes, PrimitivesWithoutArea) {
   Sweep sweep(34, "meshes of zero-area triangles and patches, and one that has an area",
               "duplicate indices, duplicate vertices, vertices on a line or at one point",
-              "how often they are sampled, and what is told");
+              "how often they are sampled, and the remark");
   for (const Mesh& mesh : degenerate_meshes()) {
     const FileScene loaded = scene_of("AreaLightSource \"diffuse\" Shape " + mesh.shape);
     ASSERT_TRUE(loaded.status.ok()) << loaded.status;
@@ -149,7 +149,8 @@ TEST(DegenerateExtremes, PrimitivesWithoutArea) {
                 const bool sound = mesh.good.contains(s.primitive) && s.reason == seen &&
                                    std::isfinite(s.pdf.per_sr) && s.pdf.per_sr > 0 &&
                                    is_finite(s.value);
-                sweep.answer(sound ? "never sampled; a remark tells" : "sampled: " + mesh.shape);
+                sweep.answer(sound ? "never sampled, and reported in a remark"
+                                   : "sampled: " + mesh.shape);
               }
             }
         },
@@ -158,7 +159,7 @@ TEST(DegenerateExtremes, PrimitivesWithoutArea) {
     sweep.textbook_answer(std::isinf(1 / (0 * static_cast<float>(mesh.area))) ? "infinite density"
                                                                               : "finite");
   }
-  sweep.expect_answers("never sampled; a remark tells");
+  sweep.expect_answers("never sampled, and reported in a remark");
 }
 
 /// Triangle (0 0 0), (1 0 0), (0 1 `last`) as a PLY file of `type`.  The bytes of its last
@@ -176,7 +177,7 @@ std::string ply(const char* type, T last) {
   return bytes;
 }
 
-TEST(DegenerateExtremes, VerticesThatAreNone) {
+TEST(DegenerateExtremes, InvalidVertices) {
   Sweep sweep(34, "vertices with a coordinate of", "NaN, infinity, 1e31 ... 1e300", "answer");
   const std::string same = "error with file, line and column";
   for (const bool emits : {false, true}) {

@@ -54,7 +54,7 @@ TileResult tile(const Scene& scene) {
 }
 
 TEST(EmptyExtremes, Radius) {
-  Sweep sweep(35, "a scene of nothing, of one light, of a floor; one of two lights that are apart",
+  Sweep sweep(35, "an empty scene; scenes of one light, of a floor, of two lights apart",
               "1e-30 ... 1e29 m", "radius");
   sweep.compare(build(description())->sphere().radius_m, 0, "nothing");
   sweep.compare_textbook(textbook_radius({}), 0);

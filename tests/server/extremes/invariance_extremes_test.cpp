@@ -172,7 +172,7 @@ TEST(InvarianceExtremes, ScenesOfAnySizeLookTheSame) {
 }
 
 // With many lamps, a few candidates are drawn, and one is chosen by its contribution.
-TEST(InvarianceExtremes, LightOfAnyStrengthIsChosenAlike) {
+TEST(InvarianceExtremes, LightsOfAnyStrengthAreChosenAlike) {
   Sweep sweep(9, "room of twelve point lights, all scaled by a power of two", "2^-120 ... 2^120",
               "picture");
   const auto picture = [](int exponent) {
@@ -192,7 +192,7 @@ TEST(InvarianceExtremes, LightOfAnyStrengthIsChosenAlike) {
   sweep.expect_within(0);
 }
 
-TEST(InvarianceExtremes, WhatMovesIsMetAtAnySize) {
+TEST(InvarianceExtremes, RaysMeetMovingObjectsOfAnySize) {
   Sweep sweep(9, "ball that moves by twice its size in a second", "1e-30 ... 1e29 m",
               "where a ray meets it at half time");
   for (const double s : {1e-30, 1e-20, 1e-10, 1.0, 1e5, 1e10, 1e15, 1e19, 1e24, 1e29})
@@ -223,8 +223,8 @@ TEST(InvarianceExtremes, WhatMovesIsMetAtAnySize) {
   sweep.expect_within(1e-6);
 }
 
-TEST(InvarianceExtremes, SizesBelowAreRefused) {
-  Sweep sweep(9, "the same room, or an instance of such an object", "1e-300 ... 1e-33 m",
+TEST(InvarianceExtremes, SmallerSizesAreRefused) {
+  Sweep sweep(9, "the same room, or an instance of an object of this size", "1e-300 ... 1e-33 m",
               "answer at load");
   const auto answer = [&](const SceneDescription& d) {
     const auto scene = Scene::build(d);
@@ -242,7 +242,7 @@ TEST(InvarianceExtremes, SizesBelowAreRefused) {
   sweep.expect_answers("allowed: 0, or from 1e-32 on");
 }
 
-TEST(InvarianceExtremes, SizesBeyondAreRefused) {
+TEST(InvarianceExtremes, LargerSizesAreRefused) {
   Sweep sweep(9, "the same room", "1e31 ... 1e300 m", "answer at load");
   for (const double s : {1e31, 1e35, 1e40, 1e100, 1e300}) {
     const auto scene = Scene::build(scaled_scene(small_room(), s));

@@ -34,7 +34,7 @@ void compare_power(Sweep& sweep, const std::string& text, const FileScene& loade
   }
 }
 
-TEST(LevelExtremes, LightsOfNothing) {
+TEST(LevelExtremes, LightsWithAnIntegralOfZero) {
   Sweep sweep(
       18, "power or illuminance of a light whose integral is 0",
       "black levels, scale 0, black pictures, spectra and photometric files, nothing lit on "
@@ -140,7 +140,7 @@ TEST(LevelExtremes, LightsOfNothing) {
 
 TEST(LevelExtremes, PowerOfNarrowSpots) {
   Sweep sweep(18, "power of a spot of half-angle", "180 ... 1e-18 degrees, and 1e-30 refused",
-              "flux as asked for");
+              "flux against the requested flux");
   for (const double degrees : {180.0, 90.0, 30.0, 1.0, 0.05, 0.01, 1e-3, 1e-5, 1e-8, 1e-12, 1e-15,
                                1e-17, 1e-18, 1e-19, 1e-20, 1e-30}) {
     const std::string angle = fmt::format("{}", degrees);
@@ -157,7 +157,8 @@ TEST(LevelExtremes, PowerOfNarrowSpots) {
 }
 
 TEST(LevelExtremes, PowerOfShapesOfAnySize) {
-  Sweep sweep(18, "power of an area light of size", "1e-30 ... 1e29 m", "flux as asked for");
+  Sweep sweep(18, "power of an area light of size", "1e-30 ... 1e29 m",
+              "flux against the requested flux");
   const std::string area = "AreaLightSource \"diffuse\" \"float power\" 100\n";
   for (int exponent = -30; exponent <= 29; ++exponent) {
     const std::string s = fmt::format("1e{}", exponent);
@@ -185,7 +186,8 @@ TEST(LevelExtremes, PowerOfShapesOfAnySize) {
 }
 
 TEST(LevelExtremes, PowerOfMeshesOfAnySize) {
-  Sweep sweep(18, "power of a triangle or patch of size", "1e-30 ... 1e29 m", "flux as asked for");
+  Sweep sweep(18, "power of a triangle or patch of size", "1e-30 ... 1e29 m",
+              "flux against the requested flux");
   const std::string area = "AreaLightSource \"diffuse\" \"float power\" 100\n";
   for (int exponent = -30; exponent <= 29; ++exponent) {
     const std::string s = fmt::format("1e{}", exponent);
@@ -207,7 +209,8 @@ TEST(LevelExtremes, PowerOfMeshesOfAnySize) {
 }
 
 TEST(LevelExtremes, PowerOfDimAndBrightPictures) {
-  Sweep sweep(18, "power of a picture whose texels are", "1e-45 ... 3e38", "flux as asked for");
+  Sweep sweep(18, "power of a picture whose texels are", "1e-45 ... 3e38",
+              "flux against the requested flux");
   struct Case {
     const char* text;
     double integral;  // of texels equal to 1
@@ -244,7 +247,8 @@ TEST(LevelExtremes, PowerOfDimAndBrightPictures) {
 }
 
 TEST(LevelExtremes, PowerOfDimAndBrightLuminaires) {
-  Sweep sweep(18, "power of a photometric file of", "1e-300 ... 1e300 cd", "flux as asked for");
+  Sweep sweep(18, "power of a photometric file of", "1e-300 ... 1e300 cd",
+              "flux against the requested flux");
   for (const int exponent : {-300, -100, -45, -38, -30, -10, 0, 10, 30, 38, 39, 100, 290})
     for (const bool panel : {false, true}) {
       Ies ies;

@@ -118,7 +118,7 @@ TEST(PhotometricExtremes, IntensitiesOfIesFiles) {
 }
 
 TEST(PhotometricExtremes, FluxOfEulumdatFiles) {
-  Sweep sweep(31, "the files of type C all around as EULUMDAT, of lamps of",
+  Sweep sweep(31, "the files of type C with planes all around, as EULUMDAT, lamps of",
               "1e-30 ... 1e30 lm; planes of every symmetry", "flux");
   const ReferenceTable table("photometric_flux");
   for (const auto& row : table.rows()) {
@@ -167,7 +167,7 @@ TEST(PhotometricExtremes, FluxOfEulumdatFiles) {
   sweep.expect_within(1e-7);
 }
 
-TEST(PhotometricExtremes, HowFilesAreWritten) {
+TEST(PhotometricExtremes, WaysToWriteAFile) {
   Sweep sweep(31, "one luminaire written in many ways",
               "lumens -1 ... 1e30, multipliers 1e-30 ... 1e30, tilt tables, CR, CR LF, no final "
               "newline, byte-order mark, five editions",
@@ -257,10 +257,10 @@ class MemoryLimit {
   rlimit before_{};
 };
 
-TEST(PhotometricExtremes, ClaimsBeyondTheFile) {
+TEST(PhotometricExtremes, CountsBeyondTheEndOfTheFile) {
   Sweep sweep(31, "IES and EULUMDAT files of 1 kB that claim to hold", "500 ... 1e18 numbers",
               "answer");
-  const std::string same = "refused at the claim, without memory for it";
+  const std::string same = "refused at the claim, before memory is allocated";
   const auto answer = [&](auto parse, const std::string& text, const std::string& at) {
     EXPECT_NEAR(static_cast<double>(text.size()), 1000, 200);
     std::string said;
@@ -310,8 +310,8 @@ TEST(PhotometricExtremes, ClaimsBeyondTheFile) {
 }
 
 TEST(PhotometricExtremes, FilesThatCannotBeRead) {
-  Sweep sweep(31, "files that claim more than they hold, or what no luminaire has",
-              "1e6 ... 1e18 numbers in 1 kB; angles, candela and factors that are none", "answer");
+  Sweep sweep(31, "files that claim more than they hold, or have invalid values",
+              "1e6 ... 1e18 numbers in 1 kB; invalid angles, candela and factors", "answer");
   std::vector<std::string> files;
   const auto ies = [&](auto change) {
     Ies f;

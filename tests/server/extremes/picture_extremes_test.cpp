@@ -151,9 +151,9 @@ TEST(PictureExtremes, SizesAndValuesThroughPortals) {
 }
 
 // The portal's table of directions cannot be as fine as such a picture.
-TEST(PictureExtremes, RowsThatAPortalMayOverlook) {
+TEST(PictureExtremes, SingleLitRowsThroughAPortal) {
   Sweep sweep(32, "pictures of 1 x 2e4 texels through a portal, one of them lit",
-              "rows of all heights", "density where there is light, against an even one");
+              "rows of all heights", "density where there is light, against an even density");
   for (const int row : {1, 7941}) {
     std::vector<float> values(60'000, 0);
     std::fill_n(values.begin() + 3 * row, 3, 1.0F);
@@ -246,17 +246,17 @@ TEST(PictureExtremes, NegativeTexelsCountAsZero) {
       ASSERT_TRUE(lit.status.ok() && odd.status.ok()) << odd.status;
       const bool same = flux_lm(*odd.scene) == flux_lm(*lit.scene);
       const bool told = odd.remarks.find("8 texels with a value below 0") != std::string::npos;
-      sweep.answer(same && told ? "as 0, which a remark tells" : light.text + odd.remarks);
+      sweep.answer(same && told ? "as 0, with a remark" : light.text + odd.remarks);
     }
     float mean = 0;
     for (const float v : values) mean += v / 48;
     sweep.textbook_answer(mean < 0 ? "negative light" : "too dark");
   }
-  sweep.expect_answers("as 0, which a remark tells");
+  sweep.expect_answers("as 0, with a remark");
 }
 
-TEST(PictureExtremes, PicturesThatAreNone) {
-  Sweep sweep(32, "pictures of no texels, and of texels that are no numbers or infinite",
+TEST(PictureExtremes, InvalidPictures) {
+  Sweep sweep(32, "pictures without texels, and with texels that are NaN or infinite",
               "0 x 0, 4 x 0, NaN, infinity, -infinity; cut short; of too many channels; not as "
               "claimed",
               "answer of every light that takes a picture");

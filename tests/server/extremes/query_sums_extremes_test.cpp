@@ -18,7 +18,7 @@
 namespace lucerna::testing {
 namespace {
 
-TEST(QuerySumsExtremes, IrradianceOfSamplesThatAreAlike) {
+TEST(QuerySumsExtremes, IrradianceOfEqualSamples) {
   Sweep sweep(24, "a receiver below a sun so small that each sample has 0.1 lx",
               "1 ... 2^18 samples a block", "irradiance, light by light and at a wavelength");
   SceneDescription d = description();
@@ -53,9 +53,9 @@ TEST(QuerySumsExtremes, IrradianceOfSamplesThatAreAlike) {
   sweep.expect_within(1e-15);
 }
 
-TEST(QuerySumsExtremes, TotalOfFluxesUnlikeEachOther) {
-  Sweep sweep(24, "a light of 1e6 ... 1e30 cd, then 1000 of 4e-17 of it", "exact and approximate",
-              "total of EstimatePower");
+TEST(QuerySumsExtremes, TotalOfVeryDifferentFluxes) {
+  Sweep sweep(24, "a light of 1e6 ... 1e30 cd, and 1000 of 4e-17 times its intensity",
+              "exact and approximate", "total of EstimatePower");
   const TempDirectory folder;
   auto options = service_options();
   options.scenes.root = folder.path().string();

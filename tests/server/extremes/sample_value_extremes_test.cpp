@@ -198,7 +198,7 @@ TEST(SampleValueExtremes, PointsLieOnTheirLights) {
   sweep.expect_within(kRoundings);
 }
 
-TEST(SampleValueExtremes, DensitiesAreThoseAskedFor) {
+TEST(SampleValueExtremes, DensitiesMatchPdfLi) {
   Sweep sweep(33, "sample values of every light", kSwept, "density of samples against pdf_li");
   const auto scene = every_light();
   for (const SceneLight& l : scene->lights()) {
@@ -242,7 +242,7 @@ TEST(SampleValueExtremes, DensitiesAreThoseAskedFor) {
   sweep.expect_within(kRoundings);
 }
 
-TEST(SampleValueExtremes, DensitiesOfRaysThatLeave) {
+TEST(SampleValueExtremes, RayDensitiesMatchPdfLe) {
   Sweep sweep(33, "sample values of rays that leave every light", kSwept,
               "densities of rays against pdf_le");
   const auto scene = every_light();

@@ -246,7 +246,7 @@ void beneath(const Everything& e, Random& random, Count& count) {
 }
 
 TEST_F(ShadowExtremes, LeaksAndSelfShadowingAtAnySize) {
-  Sweep sweep(22, "rays to, from and between one of everything and its lamps", "1e-4 ... 1e7 m",
+  Sweep sweep(22, "rays to, from and between objects of every kind and lamps", "1e-4 ... 1e7 m",
               "leaks and self-shadowing");
   for (const Place& place : sizes()) {
     const Everything e(place);
@@ -256,7 +256,7 @@ TEST_F(ShadowExtremes, LeaksAndSelfShadowingAtAnySize) {
 }
 
 TEST_F(ShadowExtremes, LeaksAndSelfShadowingFarFromZero) {
-  Sweep sweep(23, "the same of size 1, moved", "1e7 m along x, y, z and all three",
+  Sweep sweep(23, "the same rays in a scene of size 1, moved", "1e7 m along x, y, z and all three",
               "leaks and self-shadowing");
   for (const Place& place : moved()) {
     const Everything e(place);
@@ -280,7 +280,7 @@ TEST_F(ShadowExtremes, TypedPoints) {
   finish(sweep);
 }
 
-TEST_F(ShadowExtremes, LampAHairAboveAFloor) {
+TEST_F(ShadowExtremes, LampJustAboveAFloor) {
   Sweep sweep(22, "lamp 1e-5 of the scene's size above a floor, and that floor",
               "1e-4 ... 1e7 m; moved by 1e7", "hidden, or seen through");
   std::vector<Place> all = sizes();

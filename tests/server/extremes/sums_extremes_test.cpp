@@ -145,7 +145,7 @@ TEST(SumsExtremes, SumsThatOverflowAreInfinite) {
 }
 
 TEST(SumsExtremes, PixelsOfAnEvenSky) {
-  Sweep sweep(24, "a pixel that sees nothing but a sky of 0.1 cd/m2", "1 ... 2^22 samples a block",
+  Sweep sweep(24, "a pixel that sees only a sky of 0.1 cd/m2", "1 ... 2^22 samples a block",
               "mean, through RenderTile");
   SceneDescription d = description();
   d.lights = {{UniformInfiniteLightParams{Rgb<double>(0.1)}, {"test.pbrt", 5, 1}}};
@@ -170,7 +170,7 @@ TEST(SumsExtremes, PixelsOfAnEvenSky) {
 
 TEST(SumsExtremes, TilesOfManyBlocks) {
   Sweep sweep(24, "tiles merged from blocks of 0.1", "1 ... 2^20 blocks, numbered from 0 ... 2^62",
-              "mean, of the server's and the client's merging");
+              "mean, merged by the server and by the client");
   for (int log = 0; log <= 20; ++log)
     for (const std::uint64_t first :
          {std::uint64_t{0}, std::uint64_t{1} << 33, std::uint64_t{1} << 62}) {
@@ -200,9 +200,9 @@ TEST(SumsExtremes, TilesOfManyBlocks) {
   sweep.expect_within(1e-15);
 }
 
-TEST(SumsExtremes, DeviationOfBlocksThatHardlyDiffer) {
+TEST(SumsExtremes, DeviationOfNearlyEqualBlocks) {
   Sweep sweep(24, "blocks of x and x + 1 in turn, x", "1 ... 1e15, 2^2 ... 2^20 blocks",
-              "squared deviation, of which standard errors are made");
+              "squared deviation, from which standard errors follow");
   for (double x = 1; x <= 1e15; x *= 10)
     for (int log = 2; log <= 20; log += 6) {
       const std::uint64_t count = std::uint64_t{1} << log;

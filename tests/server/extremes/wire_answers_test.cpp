@@ -35,7 +35,7 @@ std::string bytes_of(const std::vector<Number>& numbers) {
   return bytes;
 }
 
-TEST(WrongNumbers, AreSeenInAPlainField) {
+TEST(WrongNumbers, AreFoundInAPlainField) {
   v1::RenewLeaseResponse r;
   r.set_lease_s(0);
   EXPECT_THAT(wrong_numbers(r), IsEmpty());
@@ -49,7 +49,7 @@ TEST(WrongNumbers, AreSeenInAPlainField) {
   EXPECT_THAT(wrong_numbers(r), IsEmpty());
 }
 
-TEST(WrongNumbers, AreSeenInANestedMessage) {
+TEST(WrongNumbers, AreFoundInANestedMessage) {
   v1::ListLightsResponse r;
   r.add_lights()->mutable_point()->mutable_intensity_cd()->set_g(1);
   v1::KeyFrame* key = r.add_lights()->mutable_motion()->add_key_frames();
@@ -65,7 +65,7 @@ TEST(WrongNumbers, AreSeenInANestedMessage) {
   EXPECT_THAT(wrong_numbers(r), ElementsAre("lucerna.v1.Vector3.z[0] = nan"));
 }
 
-TEST(WrongNumbers, AreSeenInARepeatedField) {
+TEST(WrongNumbers, AreFoundInARepeatedField) {
   v1::SampleLiResponse r;
   set(r.mutable_value(), 1, 2, 3, 4, 5, 6);
   set(r.mutable_wi(), 0, 0, -1, 0, -1, 0);
@@ -79,7 +79,7 @@ TEST(WrongNumbers, AreSeenInARepeatedField) {
   EXPECT_THAT(wrong_numbers(r), ElementsAre("lucerna.v1.SampleLiResponse.wi[3] = nan"));
 }
 
-TEST(WrongNumbers, AreSeenInTheBytesOfTilesAndStreamedPictures) {
+TEST(WrongNumbers, AreFoundInTheBytesOfTilesAndStreamedPictures) {
   v1::RenderTileResponse tile;
   v1::RenderImageResponse picture;
   for (v1::Tile* t : {tile.mutable_tile(), picture.mutable_tile()}) {
@@ -161,7 +161,7 @@ void plant(Message* m, const Path& path, double v) {
     m->GetReflection()->SetString(m, f, bytes_of<double>({0, v}));
 }
 
-TEST(WrongNumbers, AreSeenInEveryFieldOfEveryAnswer) {
+TEST(WrongNumbers, AreFoundInEveryFieldOfEveryAnswer) {
   std::set<std::string> fields, met_signed;
   for (const google::protobuf::MethodDescriptor* method : all_methods()) {
     const Message* prototype =

@@ -132,7 +132,7 @@ std::string name(const Scene& scene, std::uint32_t light) {
   return "light " + std::to_string(scene.lights()[light].id);
 }
 
-constexpr const char* kFloats = "directions and positions as the wire's floats tell them";
+constexpr const char* kFloats = "directions and positions in the floats of the answer";
 
 /// Density and radiance along the sampled directions.
 Told asked_along(const Scene& scene, std::uint32_t light, const PointArray& receivers,
@@ -150,9 +150,9 @@ Told asked_along(const Scene& scene, std::uint32_t light, const PointArray& rece
   return t;
 }
 
-TEST(ToldExtremes, SamplesOfLightsWithoutSurface) {
+TEST(TransmittedExtremes, SamplesOfLightsWithoutSurface) {
   Sweep sweep(33, "samples of every light without a surface", kFloats,
-              "value and density against Le and PdfLi of the direction told");
+              "value and density against Le and PdfLi of the reported direction");
   const auto scene = every_light();
   // Above everything that would hide the sky, but below the windows: the sky is visible there.
   const std::vector<float> offsets{-3, -3, 0.5F, -1, 3, 0.3F, 0.2F, 0.1F, 3.6F};
@@ -189,8 +189,8 @@ void compare_rays(Sweep& sweep, const Scene& scene, std::uint32_t light, double 
   EXPECT_GT(rays, 1000) << name(scene, light);
 }
 
-TEST(ToldExtremes, RaysOfEveryLight) {
-  Sweep sweep(33, "rays of every light", kFloats, "densities against PdfLe of the ray told");
+TEST(TransmittedExtremes, RaysOfEveryLight) {
+  Sweep sweep(33, "rays of every light", kFloats, "densities against PdfLe of the reported ray");
   const auto scene = every_light();
   for (std::uint32_t light = 0; light < scene->lights().size(); ++light) {
     compare_rays(sweep, *scene, light, 0);
@@ -200,8 +200,9 @@ TEST(ToldExtremes, RaysOfEveryLight) {
   sweep.expect_within(0);
 }
 
-TEST(ToldExtremes, RaysOfLightsThatMove) {
-  Sweep sweep(33, "rays of lights that move", kFloats, "densities against PdfLe of the ray told");
+TEST(TransmittedExtremes, RaysOfLightsThatMove) {
+  Sweep sweep(33, "rays of lights that move", kFloats,
+              "densities against PdfLe of the reported ray");
   const FileScene file = scene_of(
       "ActiveTransform EndTime\nTranslate 7 -3 2\nRotate 40 1 2 3\n"
       "ActiveTransform All\n"
@@ -221,9 +222,9 @@ TEST(ToldExtremes, RaysOfLightsThatMove) {
 }
 
 /// Where no float direction leads into a light, the answer describes the sampled direction.
-TEST(ToldExtremes, LightsNarrowerThanFloats) {
+TEST(TransmittedExtremes, LightsNarrowerThanFloats) {
   Sweep sweep(10, "spot, sun, half angle", "1e-9 ... 1e-7 degrees",
-              "flux, illuminance by samples whose directions floats do not tell");
+              "flux, illuminance by samples whose directions floats cannot hold");
   const std::vector<float> here{0, 0, 0};
   for (const char* cone : {"1e-7", "1e-8", "1e-9"}) {
     const FileScene file = scene_of(
@@ -248,9 +249,9 @@ TEST(ToldExtremes, LightsNarrowerThanFloats) {
 }
 
 /// Also at the rim, which rounding may cross.
-TEST(ToldExtremes, SmallSuns) {
+TEST(TransmittedExtremes, SmallSuns) {
   Sweep sweep(10, "sun, angular diameter", "30 ... 1e-4 degrees",
-              "radiance and density against Le and PdfLi of the direction told");
+              "radiance and density against Le and PdfLi of the reported direction");
   const std::vector<float> here{0, 0, 0};
   const Vec3<float> axis = normalized(Vec3<float>{1, -2, 3});
   for (const char* diameter : {"30", "0.5", "0.01", "1e-3", "1e-4"}) {
@@ -272,9 +273,9 @@ TEST(ToldExtremes, SmallSuns) {
   sweep.expect_within(0);
 }
 
-TEST(ToldExtremes, NarrowSpots) {
+TEST(TransmittedExtremes, NarrowSpots) {
   Sweep sweep(10, "spot, half angle, soft and hard edge", "1 ... 1e-5 degrees",
-              "density of rays against PdfLe of the direction told");
+              "density of rays against PdfLe of the reported direction");
   for (const char* cone : {"1", "0.05", "0.01", "1e-3", "1e-4", "1e-5"}) {
     for (const bool soft : {true, false}) {
       const std::string delta = soft ? cone : "0";
