@@ -1,6 +1,6 @@
 // Row 22: points with coarse coordinates, such as floats far from their origin, and distant
 // surfaces that are level with them to within that error.  The error decides which surface a point
-// lies on. Every other surface occludes, wherever it is.
+// lies on.  Every other surface occludes, wherever it is.
 #include <gtest/gtest.h>
 
 #include <cmath>
