@@ -337,7 +337,8 @@ std::vector<std::string> head_lines(const SceneScale& scale, ExtremeNumbers& num
   const Vec3<double> axis = numbers.direction();
   const double begin = numbers.chance(0.8) ? 0 : numbers.with_sign(numbers.magnitude());
   const Vec3<double>& o = scale.offset_m;
-  std::string turn = "# a camera that rests", sampler = "# as many samples as the server likes";
+  std::string turn = "# a camera that rests",
+              sampler = "# the number of samples is up to the server";
   if (numbers.chance(0.25))
     turn =
         fmt::format("ActiveTransform EndTime Rotate {} 0 1 0 Translate {} 0 0 ActiveTransform All",

@@ -98,7 +98,8 @@ TEST(WrongNumbers, AreFoundInTheBytesOfTilesAndStreamedPictures) {
     }
     const std::string sum = t->sum();
     t->set_sum(sum.substr(1));
-    EXPECT_THAT(wrong_numbers(whole), ElementsAre("lucerna.v1.Tile.sum: 23 bytes are no doubles"));
+    EXPECT_THAT(wrong_numbers(whole),
+                ElementsAre("lucerna.v1.Tile.sum: 23 bytes are not whole doubles"));
     t->set_sum(sum);
     for (const float v : {float(kNan), float(kInfinity), -1.0F}) {
       const std::string one = bytes_of<float>({v});
@@ -107,7 +108,7 @@ TEST(WrongNumbers, AreFoundInTheBytesOfTilesAndStreamedPictures) {
                   ElementsAre(fmt::format("lucerna.v1.Tile.upper[0] = {}", v)));
       t->set_upper(one.substr(1));
       EXPECT_THAT(wrong_numbers(whole),
-                  ElementsAre("lucerna.v1.Tile.upper: 3 bytes are no floats"));
+                  ElementsAre("lucerna.v1.Tile.upper: 3 bytes are not whole floats"));
       t->clear_upper();
     }
   }

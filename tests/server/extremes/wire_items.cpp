@@ -150,7 +150,7 @@ std::vector<v1::ItemStatus> WireQueries::statuses(
     if (items[i] == Item::kInvalid) hold(invalid, name, i, words + " for an invalid item");
     if (!typed)
       hold(s == v1::ITEM_STATUS_OK || s == v1::ITEM_STATUS_OUT_OF_RANGE || invalid, name, i,
-           words + ", which this query has no use for");
+           words + ", which this query never returns");
   }
   return all;
 }
@@ -178,7 +178,7 @@ void WireQueries::is_probability(const std::string& name, std::size_t item, doub
 /// Without lights in the scene nothing is chosen: 0.
 void WireQueries::is_light(const std::string& name, std::size_t item, std::uint64_t id) {
   hold(lights_.empty() ? id == 0 : ids_.contains(id), name, item,
-       fmt::format("{} is no light of the scene", id));
+       fmt::format("{} is not a light of the scene", id));
 }
 
 void WireQueries::is_unit(const std::string& name, std::size_t item, const Floats& v) {

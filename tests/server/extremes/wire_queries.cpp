@@ -84,7 +84,7 @@ void WireQueries::power(bool all) {
     hold(r.has_total(), "EstimatePower", listed, "no total");
     for (const v1::LightPower& power : r.lights()) {
       hold(listed < asked.size() && power.light_id() == asked[listed], "EstimatePower", listed,
-           "not the light that was asked for");
+           "not the requested light");
       expect("EstimatePower", power.spectral_w_per_nm_size(), q.wavelengths_nm_size(),
              "spectral_w_per_nm");
       ++listed;

@@ -107,7 +107,7 @@ void WireQueries::image() {
       tile_holds("RenderImage", r.tile(), rect, q.accuracy().has_target_error());
       // Tiles that a time limit ended, or that were kept until the end, are sent as they were.
       hold(r.samples_done() > done || q.accuracy().has_time_budget_s(), "RenderImage", 0,
-           "nothing was done");
+           "no samples were added");
       done = r.samples_done();
       total = r.samples_total();
     }
