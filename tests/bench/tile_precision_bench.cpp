@@ -341,7 +341,7 @@ double compare(const std::string& root, const std::string& name) {
 
 int run() {
   fmt::print(
-      "| scene | lights | questions to lights a sample | ns a sample of the tile | ns a question, "
+      "| scene | lights | light evaluations a sample | ns a sample of the tile | ns an evaluation, "
       "float | double | share of the tile's time | cost of double |\n"
       "|---|---|---|---|---|---|---|---|\n");
   const std::string reference = LUCERNA_TEST_DATA "/reference";

@@ -1,4 +1,4 @@
-// Runs a program to its end and keeps all that it wrote.
+// Runs a program to its end and keeps its output.
 #pragma once
 
 #include <sys/types.h>
@@ -16,14 +16,14 @@ struct Outcome {
   std::string err;
 };
 
-/// `arguments[0]` is the program.  `environment` is added to this process's own.  `meanwhile` is
-/// called with the program's id once it runs.
+/// `arguments[0]` is the program.  `environment` extends the environment of this process.
+/// `meanwhile` is called with the process id once the program runs.
 Outcome run_program(std::vector<std::string> arguments, const std::string& input = {},
                     const std::map<std::string, std::string>& environment = {},
                     const std::function<void(pid_t)>& meanwhile = {});
 
-/// What a command printed of an answer, without the last line: that tells the answer's cost, which
-/// is not the same twice.
+/// The output of a command without its last line.  That line reports the cost of the answer, which
+/// differs between runs.
 inline std::string without_cost(const std::string& out) {
   return out.substr(0, out.rfind('\n', out.size() - 2) + 1);
 }

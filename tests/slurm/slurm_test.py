@@ -160,7 +160,7 @@ class SlurmTest(unittest.TestCase):
                             environment=[f"LUCERNA_SCENE_ROOT={SCENE.parent}"])
         self.assert_ends(again, "COMPLETED")
         self.assert_went_on(again)
-        self.assert_same_bits("gone on by another job", again, 1)
+        self.assert_same_bits("resumed by another job", again, 1)
 
     def test_servers_that_never_come_are_named_and_done_without(self):
         program = self.directory / "lucernad"
