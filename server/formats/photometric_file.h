@@ -16,6 +16,9 @@ namespace lucerna {
 /// The largest magnitude that a number of a file may have.
 inline constexpr double kAny = 1e300;
 
+/// The largest size of a list that a file may announce.
+inline constexpr int kMostCount = 1'000'000'000;
+
 struct PhotometricFile {
   std::shared_ptr<const PhotometricWeb> web;
   std::string format;  ///< "IES LM-63-2002, type C", "EULUMDAT"

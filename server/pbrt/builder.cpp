@@ -203,13 +203,12 @@ void Builder::shape(const std::string& type, Parameters params, const Place& pla
 void Builder::light_source(const std::string& type, Parameters params, const Place& place) {
   require_world("LightSource", place);
   const ParameterSet set(std::move(params), state_.light_attributes);
-  if (auto light = make_light(context_, type, set, place, state_.world_from_object.start)) {
-    light->motion = motion("LightSource", place);
-    if (light->motion && std::holds_alternative<PortalLightParams>(light->params))
-      context_.remark(place, "a moving light with a portal, which pbrt-v4 leaves where it is",
-                      "the portal moves with the light");
-    context_.scene.lights.push_back(*std::move(light));
-  }
+  LightDescription light = make_light(context_, type, set, place, state_.world_from_object.start);
+  light.motion = motion("LightSource", place);
+  if (light.motion && std::holds_alternative<PortalLightParams>(light.params))
+    context_.remark(place, "a moving light with a portal, which pbrt-v4 keeps in place",
+                    "the portal moves with the light");
+  context_.scene.lights.push_back(std::move(light));
 }
 
 void Builder::area_light_source(const std::string& type, Parameters params, const Place& place) {

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "server/pbrt/area_lights.h"
 #include "server/pbrt/camera.h"
 #include "server/pbrt/lights.h"
 #include "server/pbrt/materials.h"

@@ -14,6 +14,9 @@
 
 namespace lucerna::pbrt {
 
+/// Files give angles in degrees.
+inline constexpr double kRadPerDegree = kPi / 180;
+
 /// One parameter as written.  The number of values is a positive multiple of what its type takes.
 struct Parameter {
   std::string type;  ///< point, vector and normal3 are read as point3, vector3 and normal

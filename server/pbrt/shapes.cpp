@@ -13,8 +13,6 @@
 namespace lucerna::pbrt {
 namespace {
 
-constexpr double kRadPerDegree = std::numbers::pi / 180;
-
 /// Vertices and primitives as a file gives them, `corners` indices a primitive.
 struct RawMesh {
   std::vector<Vec3<double>> positions;

@@ -1,5 +1,4 @@
 // Files of points and normals.  The bytes of NPY files are those that numpy 1.24 writes.
-#include "client/files/vector_file.h"
 
 #include <OpenImageIO/imageio.h>
 #include <gmock/gmock.h>
@@ -15,6 +14,7 @@
 #include "client/files/csv_file.h"
 #include "client/files/map_file.h"
 #include "client/files/npy_file.h"
+#include "client/files/open_vectors.h"
 #include "tests/temp_directory.h"
 
 namespace lucerna::client {
