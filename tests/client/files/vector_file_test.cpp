@@ -117,10 +117,10 @@ TEST_F(VectorFileTest, NpyThatCannotBeTakenIsRefusedWithWhatItIs) {
   for (const char* odd : {"{'descr': '<f4', 'shape': (2, 3), }", "[1, 2]", "{'descr': '<f4",
                           "{'descr': '<f4', 'fortran_order': No, 'shape': (2, 3), }",
                           "{'descr': '<f4', 'fortran_order': False, 'shape': (-2, 3), }"}) {
-    EXPECT_THAT(of(odd, kFloats), HasSubstr("has a header that is none of numpy's")) << odd;
+    EXPECT_THAT(of(odd, kFloats), HasSubstr("has no valid NumPy header")) << odd;
   }
-  EXPECT_EQ(refusal(write("a.npy", "x,y,z\n1,2,3\n")), ": is no NPY file");
-  EXPECT_EQ(refusal(write("a.npy", "")), ": is no NPY file");
+  EXPECT_EQ(refusal(write("a.npy", "x,y,z\n1,2,3\n")), ": is not an NPY file");
+  EXPECT_EQ(refusal(write("a.npy", "")), ": is not an NPY file");
   EXPECT_EQ(refusal(write("a.npy", npy(good, "").substr(0, 60))), ": is cut off within its header");
   std::string version = npy(good, kFloats);
   version[6] = 9;

@@ -19,7 +19,7 @@
 namespace lucerna::client {
 
 /// Piece i asks for a tile of seed i + 1, and is answered with what the server makes of it.
-class Tiles final : public Work {
+class Tiles final : public DistributedWork {
  public:
   explicit Tiles(std::size_t n) : taken_(n) {}
   absl::Status begin(const v1::SceneSummary& scene,

@@ -341,7 +341,7 @@ TEST_F(JobScheduleTest, AnotherBuildIsAnErrorAtTheBeginningAndLeftOutLater) {
   EXPECT_FALSE(schedule_->over());
   ASSERT_EQ(channel_.events.size(), 1U);
   EXPECT_THAT(channel_.events[0], HasSubstr("b (g) and a (f) have different numeric fingerprints"));
-  EXPECT_THAT(channel_.events[0], HasSubstr("goes on without b"));
+  EXPECT_THAT(channel_.events[0], HasSubstr("continuing without b"));
   EXPECT_THAT(channel_.take(1), IsEmpty());
   // The first comes back as another build: nobody is left to wait for.
   schedule_->finished(channel_.take(0).at(0).attempt, absl::UnavailableError("gone"), now_);

@@ -117,11 +117,11 @@ TEST_F(JournalTest, OneJobAtATimeHasIt) {
 }
 
 TEST_F(JournalTest, TellsOnlyOfWhatIsDone) {
-  EXPECT_FALSE(Journal::tells(path_));
+  EXPECT_FALSE(Journal::has_records(path_));
   ASSERT_TRUE(open().ok());
-  EXPECT_FALSE(Journal::tells(path_));
+  EXPECT_FALSE(Journal::has_records(path_));
   ASSERT_TRUE(open()->add("").ok());
-  EXPECT_TRUE(Journal::tells(path_));
+  EXPECT_TRUE(Journal::has_records(path_));
 }
 
 }  // namespace

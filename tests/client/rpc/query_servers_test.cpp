@@ -52,7 +52,7 @@ class QueryServersTest : public ::testing::Test {
     v1::SampleLiRequest request;
     request.set_scene_id(servers.scene_id());
     return servers
-        .ask([&](const Client& client) { return client.sample_li(request, options_.call); })
+        .query([&](const Client& client) { return client.sample_li(request, options_.call); })
         .status();
   }
   /// Until the connections to all of them are there.
@@ -165,12 +165,12 @@ TEST_F(QueryServersTest, WhatIsNotFoundAnywhereIsTold) {
   scenes_ = {"other", "other"};
   v1::SampleLiRequest request;
   request.set_scene_id("no such");
-  const auto answer = servers->ask([&](const Client& client) { return client.sample_li(request); });
+  const auto answer = servers->query([&](const Client& client) { return client.sample_li(request); });
   // The scene's file has changed, which is more than that it is not found.
   EXPECT_EQ(answer.status().code(), absl::StatusCode::kFailedPrecondition);
   scenes_ = {"scene", "scene"};
   EXPECT_EQ(
-      servers->ask([&](const Client& client) { return client.sample_li(request); }).status().code(),
+      servers->query([&](const Client& client) { return client.sample_li(request); }).status().code(),
       absl::StatusCode::kNotFound);
 }
 
@@ -204,7 +204,7 @@ TEST_F(QueryServersTest, OneThatComesBackAsAnotherBuildIsLeftOut) {
   has_scene_[0] = false;
   servers_[0].fingerprint = "g";
   for (int i = 0; i < 10; ++i) EXPECT_TRUE(sample(*servers).ok());
-  EXPECT_THAT(events_, ElementsAre(HasSubstr("goes on without")));
+  EXPECT_THAT(events_, ElementsAre(HasSubstr("continuing without")));
   EXPECT_THAT(servers->fingerprints(), ElementsAre("f"));
   EXPECT_EQ(calls_[0], 1);
 }

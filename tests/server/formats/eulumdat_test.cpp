@@ -111,7 +111,7 @@ TEST(Eulumdat, SetsOfLampsInEitherOrder) {
   EXPECT_EQ(ldt(f.text()).web->at({0, 0, 1}), 200);
   EXPECT_EQ(notes(ldt(f.text())),
             "26 2 sets of lamps -> the first of them\n26 sets of lamps that can be read field by "
-            "field or set by set -> field by field, as the format's description has them\n");
+            "field or set by set -> field by field, the order of the format's description\n");
   f.lamps[0] = "x";
   EXPECT_THAT(ldt_error(f.text()), StartsWith("lamp.ldt:26: 2 sets of lamps, allowed: numbers"));
 }

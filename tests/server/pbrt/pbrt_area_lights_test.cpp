@@ -147,7 +147,7 @@ TEST(PbrtAreaImages, PowerIsThatOfTheWholeAsPbrt4HasIt) {
   EXPECT_NEAR(lumens(*scene_of(disk)), 50 * (3.5 * 0.75 + 1.5 * 0.25) / 2.5, 1e-4);
   EXPECT_THAT(remarks_of(*load(disk)),
               HasSubstr("\"power\" of a picture on a shape that shows its texels on unequal areas "
-                        "-> that of the picture's mean, as pbrt-v4 has it"));
+                        "-> that of the picture's mean, the same as in pbrt-v4"));
 }
 
 TEST(PbrtAreaImages, TheSceneCountsThePictureOnce) {
@@ -284,8 +284,8 @@ TEST(PbrtPanels, LevelsMultiplyTheFilesCandela) {
   EXPECT_NEAR(lumens(*panel_scene(kProfile + "\"float scale\" 3 " + disk)), 3 * front, 1e-9);
   EXPECT_NEAR(lumens(*panel_scene(kProfile + "\"float power\" 800 " + disk)), 800, 1e-9);
   const auto remarks = remarks_of(*load_panel(kProfile + disk));
-  EXPECT_THAT(remarks, HasSubstr("lm go to the back of a panel that shines to its front only -> "
-                                 "left out; \"bool twosided\" true has them"));
+  EXPECT_THAT(remarks, HasSubstr("lm go to the back of a panel that emits from its front only -> "
+                                 "left out; \"bool twosided\" true includes them"));
   EXPECT_EQ(remarks_of(*load_panel(kProfile + "\"bool twosided\" true " + disk)), "");
 }
 

@@ -81,7 +81,7 @@ TEST(PbrtCamera, CoordinateSystemCameraIsWorldFromCamera) {
   EXPECT_EQ(centre(0), Vec3<double>(0, 0, -5));
   EXPECT_EQ(centre(1), Vec3<double>(0, 0, 0));
   EXPECT_EQ(remarks_of(*scene),
-            "1:132 no coordinate system \"none\" was named -> the transform stays as it is\n");
+            "1:132 no coordinate system \"none\" was named -> the transform stays unchanged\n");
 }
 
 TEST(PbrtCamera, FilmScaleIsExposureTimesIsoOverAHundred) {

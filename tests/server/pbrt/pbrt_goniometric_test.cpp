@@ -113,7 +113,7 @@ TEST(PbrtGoniometric, ColoursBecomeTheirMeanWithARemark) {
   ASSERT_TRUE(scene.ok()) << scene.status();
   EXPECT_EQ(remarks_of(*scene),
             "2:27 lamp.pfm has colours, a goniometric light one intensity a direction -> the mean "
-            "of R, G and B, as pbrt-v4 has it\n");
+            "of R, G and B, the same as in pbrt-v4\n");
   const auto& params = std::get<GoniometricLightParams>(scene->lights.at(0).params);
   EXPECT_EQ(params.map->at({0, 0, 1}), 4);  // (2 + 2 + 8) / 3
 }

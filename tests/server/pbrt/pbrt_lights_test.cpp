@@ -59,7 +59,7 @@ TEST(PbrtLights, PowerMultipliesWhatRgbAndScaleSayAndARemarkTellsTheResult) {
   EXPECT_NEAR(light_of<PointLightParams>(text).intensity_cd.g, 2 * 100 / (4 * kPi), 1e-12);
   EXPECT_EQ(
       world_remarks_of(text),
-      "1:65 \"power\" 100 lm multiplies a level of luminance 2 -> 200 lm, as pbrt-v4 has it\n");
+      "1:65 \"power\" 100 lm multiplies a level of luminance 2 -> 200 lm, the same as in pbrt-v4\n");
   EXPECT_EQ(world_remarks_of("LightSource \"point\" \"float power\" 100"), "");
 }
 
@@ -171,9 +171,9 @@ TEST(PbrtLights, BlackBodiesHaveLuminanceOneBeforeScale) {
   EXPECT_NEAR(luminance(power.intensity_cd), 100 / (4 * kPi), 1e-9);
   EXPECT_EQ(world_remarks_of("LightSource \"point\" \"blackbody I\" 2700 \"float power\" 100"), "");
   EXPECT_THAT(world_remarks_of("LightSource \"point\" \"blackbody I\" 1000"),
-              StartsWith("1:32 blackbody \"I\" is outside of what RGB can show -> linear RGB ["));
+              StartsWith("1:32 blackbody \"I\" is outside of the RGB gamut -> linear RGB ["));
   EXPECT_THAT(world_remarks_of("LightSource \"point\" \"spectrum I\" \"metal-Au-k\""),
-              HasSubstr("is no light's -> linear RGB [1 1 1]"));
+              HasSubstr("is not that of a light -> linear RGB [1 1 1]"));
 }
 
 TEST(PbrtLights, EmissionNeverGoesIntoObjects) {
@@ -189,7 +189,7 @@ TEST(PbrtLights, EmissionNeverGoesIntoObjects) {
 TEST(PbrtLights, WhatIsNotModelledIsLeftOutAndRemarkedOn) {
   const std::pair<const char*, const char*> kCases[] = {
       {"LightSource \"point\" \"float power\" 0",
-       "1:32 \"power\" 0 is taken as not given -> the level that \"I\" says\n"},
+       "1:32 \"power\" 0 is taken as not given -> the level of \"I\"\n"},
   };
   for (const auto& [text, expected] : kCases) EXPECT_EQ(world_remarks_of(text), expected) << text;
 }

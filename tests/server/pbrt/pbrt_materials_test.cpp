@@ -64,7 +64,7 @@ TEST(PbrtMaterials, OthersBecomeDiffuseOfTheirNearestParameterAndAreRemarkedOn) 
       {"Material \"dielectric\"", .5,
        "1:12 material \"dielectric\" is not modelled -> diffuse, reflectance 0.5\n"},
       {"Material \"diffuse\" \"rgb reflectance\" [2 2 2]", 1,
-       "1:31 \"reflectance\" = [2 2 2] is no reflectance -> clamped to [1 1 1]\n"},
+       "1:31 \"reflectance\" = [2 2 2] is not a valid reflectance -> clamped to [1 1 1]\n"},
       {"Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"x.png\" Material \"diffuse\" "
        "\"texture reflectance\" \"t\"",
        .5, "1:12 texture \"t\" (imagemap) is not modelled -> constant 0.5\n"},

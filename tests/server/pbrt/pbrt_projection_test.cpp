@@ -93,7 +93,7 @@ TEST(PbrtProjection, PowerIsCountedAsPbrt4Counts) {
   EXPECT_NEAR(p.intensity_cd.g, 2 * 100 / counted, 1e-9);
   // The rectangle of half sides 2 and 1 covers 4 asin(2 / sqrt 5 / sqrt 2).
   const double lumens = p.intensity_cd.g * kHalfPurple * 4 * std::asin(2 / std::sqrt(10.0));
-  EXPECT_THAT(remarks_of(*scene), HasSubstr("from the same intensity as with pbrt-v4"));
+  EXPECT_THAT(remarks_of(*scene), HasSubstr("from the same intensity as in pbrt-v4"));
   EXPECT_NEAR(luminance(ProjectionLight<double>::create(p)->power({}).lumens), lumens, 1e-9);
   EXPECT_THAT(remarks_of(*scene), HasSubstr(std::to_string(lumens).substr(0, 5)));
 }

@@ -240,8 +240,8 @@ TEST(PbrtShapes, WhatIsNotModelledIsRemarkedOn) {
   EXPECT_EQ(remarks_of(*scene),
             "1:12 Shape \"curve\" is not modelled -> left out\n"
             "2:55 \"alpha\" is not modelled -> opaque\n"
-            "3:1 1 of 2 triangles of this mesh have no area -> kept, but neither seen nor a light\n"
-            "4:1 the normal of vertex 0 has no direction -> the mesh is taken without normals\n");
+            "3:1 1 of 2 triangles of this mesh have no area -> kept, but invisible and no light\n"
+            "4:1 the normal of vertex 0 has no direction -> the mesh has no vertex normals\n");
   EXPECT_EQ(scene->shapes.size(), 3U);
 }
 
