@@ -1,8 +1,8 @@
 # shellcheck shell=bash
-# To be sourced: a lucernad on a free port of this machine, for as long as a script runs.
+# Source this file to run a lucernad on a free port of this machine as long as a script runs.
 #   start_server BUILD_DIR SCENE_ROOT [WRAPPER...]
-# Exports LUCERNA_SERVER, where it listens.  $scratch is a folder that goes with the server.  WRAPPER: a command
-# that runs lucernad, such as timeout.
+# Exports LUCERNA_SERVER, the server's address.  $scratch is a temporary folder that is deleted with
+# the server.  WRAPPER: a command that runs lucernad, such as timeout.
 
 scratch=$(mktemp -d)
 server=

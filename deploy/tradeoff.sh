@@ -1,9 +1,11 @@
 #!/usr/bin/env bash
-# Measures error against time in the shipped scenes, through a server of its own: OUT/NAME/{report.html,tradeoff.csv,tradeoff.json}.
+# Measures error against time in the shipped scenes on a server of its own, to
+# OUT/NAME/{report.html,tradeoff.csv,tradeoff.json}.
 #   deploy/tradeoff.sh BUILD_DIR OUT [BUDGET [SEED [NAME...]]]
-# BUDGET: for each scene, default 120s.  With QUERY in the environment, of that query and not of irradiance; with SCENES, of
-# that folder's scenes and not of scenes/: NAME/scene.pbrt, with points.csv beside it, or NAME.pbrt.
-# Where chromium is, also OUT/NAME/errors.png, a picture of the page's first plot.
+# BUDGET: per scene, default 120s.  QUERY in the environment selects another query than irradiance.
+# SCENES selects another folder than scenes/: NAME/scene.pbrt with points.csv beside it, or
+# NAME.pbrt.  If chromium is installed, it also writes OUT/NAME/errors.png, a picture of the page's
+# first plot.
 set -euo pipefail
 
 root=$(cd "$(dirname "$0")/.." && pwd)
@@ -14,7 +16,7 @@ budget=${3:-120s}
 seed=${4:-1}
 shift $(($# < 4 ? $# : 4))
 [ $# -gt 0 ] || set -- cornell meadow room stage street
-# Paths in the reports are those of the sources.
+# The reports have paths relative to the sources.
 scenes=$(realpath --relative-to="$root" "${SCENES:-$root/scenes}")
 cd "$root"
 source "$root/deploy/local_server.sh"

@@ -10,7 +10,7 @@
 #include <string_view>
 
 #include "client/files/csv_file.h"
-#include "client/files/vector_file.h"
+#include "client/files/open_vectors.h"
 #include "client/terminal/session.h"
 
 namespace lucerna::cli {

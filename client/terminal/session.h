@@ -68,7 +68,7 @@ class Session {
   /// several servers are asked it is asked again of one that lost the scene.
   template <class Ask>
   auto ask_about_scene(const Ask& question) {
-    return servers_ ? ask(servers_->ask(question)) : ask(question(client()));
+    return servers_ ? ask(servers_->query(question)) : ask(question(client()));
   }
   [[noreturn]] void fail(const absl::Status& status) const;
   /// Where it is not one server that says it: `exit` with the message as it is.

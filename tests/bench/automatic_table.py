@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Prints, of what deploy/tradeoff.sh measured, automatic's time over the best setting's, for each scene and error.
+"""Prints the time of the automatic setting over that of the best one, per scene and error, from deploy/tradeoff.sh.
 
     tests/bench/automatic_table.py FRESH [CHOSEN]
 
-FRESH holds NAME/tradeoff.json.  The best setting is the fastest of the same sweep, which favours it: of many that are
-equally good, the luckiest is chosen.  With CHOSEN, of other seeds, the best setting is also chosen there, and judged by
-FRESH alone.  A reader judges; 1.5 is what is aimed at.
+FRESH holds NAME/tradeoff.json.  The best setting is the fastest of the same sweep, which favours it: among many that
+are equally good, the luckiest wins.  With CHOSEN, from other seeds, the best setting is also chosen there and measured
+by FRESH alone.  The aim is 1.5; a reader judges.
 """
 
 import json
@@ -19,7 +19,7 @@ def load(directory):
 
 
 def reached(report, setting, level):
-    """Seconds to the level, and whether they were measured; None where it never is."""
+    """Seconds to the level, and whether they were measured; None if it is never reached."""
     for s in report["settings"]:
         if s["name"] == setting:
             entry = s["time_to_error"][level]

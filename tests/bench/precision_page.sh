@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Writes docs/precision.md to standard output, from the output of the benchmarks in a build folder.  Needs an idle machine.
+# Writes docs/precision.md to standard output, from benchmarks in a build folder.  Needs an idle machine.
 set -euo pipefail
 usage="usage: $0 BUILD_FOLDER, such as build/release, in which traversal_bench, precision_bench and tile_precision_bench are built (make precision)"
 [ $# -eq 1 ] || { echo "$0: $# arguments given, allowed: one; $usage" >&2; exit 2; }

@@ -218,7 +218,7 @@ TEST_F(IrradianceJob, AJournalWithoutItsResultsIsNotUsed) {
   const auto result = client::run_irradiance_job(options_);
   expect_the_same_bits(result);
   EXPECT_EQ(result->from_journal, 0U);
-  EXPECT_THAT(events_, Contains(HasSubstr("does not hold 10 of the runs that ")));
+  EXPECT_THAT(events_, Contains(HasSubstr("lacks 10 of the runs in ")));
 }
 
 TEST_F(IrradianceJob, ASingleSampleHasNoErrorAndWavelengthsAreTheLastColumns) {

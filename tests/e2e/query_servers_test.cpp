@@ -60,7 +60,7 @@ TEST_F(QueryServers, AKilledServerChangesNoAnswer) {
   *request.mutable_receivers() = client::make_points(points);
   request.mutable_seed()->set_seed(1);
   const auto ask = [&](const client::Client& client) { return client.sample_li(request); };
-  const auto expected = servers->ask(ask);
+  const auto expected = servers->query(ask);
   ASSERT_TRUE(expected.ok()) << expected.status();
   for (int i = 0; i < 2000; ++i) {
     if (i == 500) ::kill(servers_[0]->process_id(), SIGKILL);
@@ -70,7 +70,7 @@ TEST_F(QueryServers, AKilledServerChangesNoAnswer) {
       servers_[0].reset();
       servers_[0] = start(port);  // without the scene
     }
-    const auto now = servers->ask(ask);
+    const auto now = servers->query(ask);
     ASSERT_TRUE(now.ok()) << i << ": " << now.status();
     ASSERT_THAT(now->value(), ::testing::ElementsAreArray(expected->value()));
   }

@@ -275,7 +275,7 @@ TEST_F(RenderJob, TheCommandLineUploadsAndRendersEverywhere) {
   const Outcome letter = lucerna({"--servers", targets_[0], "point.pbrt", "-o", here, "--journal",
                                   (directory_ / "letter").string()});
   EXPECT_EQ(letter.status, 1);
-  EXPECT_THAT(letter.err, HasSubstr("is the journal of another job, or none"));
+  EXPECT_THAT(letter.err, HasSubstr("is the journal of another job, or not a journal"));
   EXPECT_THAT(letter.err, Not(HasSubstr("the server said")));
   EXPECT_EQ(lucerna({"point.pbrt", "-o", here, "--servers", "nowhere"}).status, 2);
 }

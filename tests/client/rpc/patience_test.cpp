@@ -13,7 +13,7 @@ using std::chrono::seconds;
 using ::testing::ElementsAre;
 using Answer = absl::StatusOr<std::vector<std::string>>;
 
-TEST(Patience, AnAnswerInTimeIsHandedOn) {
+TEST(Patience, AnAnswerInTimeIsReturned) {
   EXPECT_THAT(*look_up_within(seconds(60), "a", [] { return Answer{{"1.2.3.4:5"}}; }),
               ElementsAre("1.2.3.4:5"));
   EXPECT_EQ(look_up_within(seconds(60), "a",
@@ -23,7 +23,7 @@ TEST(Patience, AnAnswerInTimeIsHandedOn) {
             "a: no such name");
 }
 
-TEST(Patience, NobodyWaitsLongerThanThat) {
+TEST(Patience, WaitsNoLongerThanTheLimit) {
   std::promise<void> go, gone;
   auto over = gone.get_future();
   const auto answer =
@@ -36,7 +36,7 @@ TEST(Patience, NobodyWaitsLongerThanThat) {
                      });
   EXPECT_EQ(answer.status(),
             absl::UnavailableError("the name slow is still being looked up after 0 s"));
-  // And who was left behind ends in peace.
+  // The thread that was left behind ends without an error.
   go.set_value();
   EXPECT_EQ(over.wait_for(seconds(60)), std::future_status::ready);
 }

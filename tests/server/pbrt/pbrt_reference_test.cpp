@@ -1,4 +1,4 @@
-// The reference scenes load as what they are.
+// The reference scenes load with the right contents.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -61,7 +61,7 @@ TEST(PbrtReference, ScenesLoadWithoutRemarks) {
   }
 }
 
-TEST(PbrtReference, LightsHaveTheLevelsThatTheScenesSay) {
+TEST(PbrtReference, LightsHaveTheLevelsOfTheFiles) {
   const auto spot = std::get<SpotLightParams>(reference("spot").lights[0].params);
   EXPECT_EQ(spot.intensity_cd, Rgb<double>(40));
   EXPECT_EQ(spot.position_m, Vec3<double>(2, -2.5, 3.5));
