@@ -3,6 +3,7 @@
 
 #include <array>
 #include <span>
+#include <vector>
 
 #include "lucerna/v1/accuracy.pb.h"
 
@@ -31,5 +32,9 @@ class PointOrigin {
 /// The same about an origin that is given: where a set is asked about in parts, they agree to the
 /// bit only about one origin.
 v1::Points make_points(std::span<const Double3> points, const Double3& origin);
+
+/// Sets `to` to the coordinates x, y, z of each vector in turn, as floats: normals and directions
+/// of requests.
+void fill(const std::vector<Double3>& vectors, google::protobuf::RepeatedField<float>* to);
 
 }  // namespace lucerna::client
