@@ -54,20 +54,23 @@ bench: release
 	@build/release/tests/bench/bench
 	@build/release/tests/bench/one_light_bench
 
-# Error against time in the five scenes.  Needs an otherwise idle machine.
+# Error against time in the five scenes.  Needs an idle machine.
 BUDGET ?= 240s
 tradeoff: programs
+	@cmake --build --preset release --target lucerna-tradeoff
 	@deploy/install-deps.sh chromium
 	@deploy/tradeoff.sh build/release docs/tradeoff $(BUDGET)
 
-# Time of the automatic settings against the best setting, with the current second as seed.  QUERY=render measures
-# pictures, which docs/tradeoff does not cover.  Needs an otherwise idle machine.
+# The time of automatic over the time of the best setting, with a new seed.  QUERY=render studies pictures, which
+# docs/tradeoff does not have.  Needs an idle machine.
 automatic: programs
+	@cmake --build --preset release --target lucerna-tradeoff
 	@deploy/tradeoff.sh build/release build/automatic $(BUDGET) $$(date +%s)
 	@tests/bench/automatic_table.py build/automatic $(if $(QUERY),,docs/tradeoff)
 
 # The same on the small scenes that the rules of automatic were fitted to.
 fit: programs
+	@cmake --build --preset release --target lucerna-tradeoff
 	@SCENES=tests/data/reference deploy/tradeoff.sh build/release build/fit 30s 1 \
 	  $(notdir $(basename $(wildcard tests/data/reference/*.pbrt)))
 	@tests/bench/automatic_table.py build/fit

@@ -19,12 +19,12 @@ start_server() {
   "$@" "$build/bin/lucernad" --listen 127.0.0.1:0 --scene-root "$scenes" >"$scratch/out" 2>"$scratch/log" &
   server=$!
   LUCERNA_SERVER=
-  for _ in $(seq 300); do
+  for _ in $(seq 3600); do
     LUCERNA_SERVER=$(sed -n 's/^listening on //p' "$scratch/out")
     [ -z "$LUCERNA_SERVER" ] || break
     kill -0 "$server" 2>/dev/null || { echo "lucernad did not start:"; cat "$scratch/log"; exit 1; } >&2
     sleep 0.05
   done
-  [ -n "$LUCERNA_SERVER" ] || { echo "lucernad does not tell where it listens" >&2; exit 1; }
+  [ -n "$LUCERNA_SERVER" ] || { echo "lucernad did not print its address" >&2; exit 1; }
   export LUCERNA_SERVER
 }

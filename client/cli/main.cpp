@@ -1,43 +1,16 @@
 // lucerna: asks a lucernad from the command line.
 #include <fmt/core.h>
-#include <pthread.h>
-#include <signal.h>
-#include <unistd.h>
 
-#include <atomic>
 #include <cstdio>
 #include <exception>
-#include <stop_token>
-#include <thread>
 
 #include "client/terminal/session.h"
+#include "client/terminal/signals.h"
 
 namespace {
 
-std::atomic<int> interrupted_by = 0;
-
-/// SIGINT and SIGTERM end the call that runs, so that nothing half-done stays; a second one ends
-/// the program where it is.  To be called before there are other threads.
-std::stop_token stop_on_signals() {
-  static std::stop_source source;
-  static sigset_t signals;
-  sigemptyset(&signals);
-  sigaddset(&signals, SIGINT);
-  sigaddset(&signals, SIGTERM);
-  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
-  std::thread([] {
-    int signal = 0;
-    sigwait(&signals, &signal);
-    interrupted_by = signal;
-    source.request_stop();
-    sigwait(&signals, &signal);
-    _exit(lucerna::cli::kSignal + signal);
-  }).detach();
-  return source.get_token();
-}
-
 int run(int argc, char** argv) {
-  lucerna::cli::Session session(stop_on_signals(), interrupted_by);
+  lucerna::cli::Session session(lucerna::cli::stop_on_signals(), lucerna::cli::first_signal());
   CLI::App app(
       "Asks a lucernad about light.\n"
       "A SCENE is a path under the server's scene root, or the id (or its first digits) of one "
@@ -58,8 +31,9 @@ int run(int argc, char** argv) {
   lucerna::cli::add_emission_commands(app, session);
   lucerna::cli::add_receiver_commands(app, session);
   lucerna::cli::add_render_command(app, session);
-  lucerna::cli::add_tradeoff_command(app, session, LUCERNA_VERSION);
+  lucerna::cli::add_tradeoff_command(app);
   try {
+    lucerna::cli::start_tradeoff(app, argc, argv);
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     // CLI11 would only say that a subcommand is required.

@@ -48,4 +48,12 @@ v1::Points make_points(std::span<const Double3> points, const Double3& origin) {
   return result;
 }
 
+void fill(const std::vector<Double3>& vectors, google::protobuf::RepeatedField<float>* to) {
+  to->Resize(static_cast<int>(3 * vectors.size()), 0);
+  float* value = to->mutable_data();
+  for (const Double3& vector : vectors) {
+    for (const double coordinate : vector) *value++ = static_cast<float>(coordinate);
+  }
+}
+
 }  // namespace lucerna::client

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <span>
+#include <vector>
 
 #include "lucerna/v1/accuracy.pb.h"
 
@@ -33,5 +34,9 @@ class PointOrigin {
 
 /// The same with a given origin.  Parts of a set give the bits of the whole only with one origin.
 v1::Points make_points(std::span<const Double3> points, const Double3& origin);
+
+/// Sets `to` to the coordinates x, y, z of each vector in turn, as floats: normals and directions
+/// of requests.
+void fill(const std::vector<Double3>& vectors, google::protobuf::RepeatedField<float>* to);
 
 }  // namespace lucerna::client

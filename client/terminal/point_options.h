@@ -73,7 +73,6 @@ class TripleOption {
 /// Those that `option` gives, or columns 4 to 6; ends the program where there are none.
 std::vector<Double3> read_directions(const TripleOption& option, const PointSet& set);
 
-/// x, y, z interleaved.
-void fill(const std::vector<Double3>& vectors, google::protobuf::RepeatedField<float>* to);
+using client::fill;
 
 }  // namespace lucerna::cli

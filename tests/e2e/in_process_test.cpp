@@ -70,7 +70,7 @@ TEST(InProcess, AJobOnServersGivesTheSameBits) {
       request.set_path(file);
       return client.load_scene(request, call);
     };
-    options.job.call = client::CallOptions::within(std::chrono::seconds(100));
+    options.job.call = client::CallOptions::within(std::chrono::minutes(10));
     const auto result = client::run_render_job(options);
     ASSERT_TRUE(result.ok()) << result.status();
     const client::Picture expected = in_process(file);

@@ -56,7 +56,7 @@ class RenderJob : public ::testing::Test {
       request.set_lease_s(60);
       return client.load_scene(request, call);
     };
-    options_.job.call = client::CallOptions::within(std::chrono::seconds(100));
+    options_.job.call = client::CallOptions::within(std::chrono::minutes(10));
     options_.job.on_event = [this](const std::string& event) { events_.push_back(event); };
   }
 

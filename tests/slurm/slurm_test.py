@@ -32,9 +32,9 @@ def picture_of_one_server(directory):
         try:
             def target():
                 return (directory / "alone").read_text().strip().removeprefix("listening on ")
-            where = wait_until(target, 20, "lucernad's address")
+            where = wait_until(target, 600, "lucernad's address")
             subprocess.run(["lucerna", "render", "--server", where, SCENE.name, *OPTIONS, "-o",
-                            directory / "alone.pfm"], check=True, timeout=120, stdout=subprocess.DEVNULL)
+                            directory / "alone.pfm"], check=True, timeout=600, stdout=subprocess.DEVNULL)
         finally:
             server.terminate()
             server.wait(30)
@@ -53,7 +53,7 @@ class SlurmTest(unittest.TestCase):
 
     def tearDown(self):
         self.cluster.run("scancel", "--user", str(os.getuid()), check=False)
-        wait_until(lambda: not self.cluster.run("squeue", "-h"), 40, "no job left")
+        wait_until(lambda: not self.cluster.run("squeue", "-h"), 600, "no job left")
         self.assertEqual(self.cluster.processes("lucernad"), [], "servers that outlived their job")
 
     def submit(self, *arguments, nodes=3, environment=(), options=("--exclusive",)):
@@ -85,10 +85,10 @@ class SlurmTest(unittest.TestCase):
         def enough_is_done():
             self.assertNotIn(self.cluster.job(job)["JobState"], ("COMPLETED", "FAILED"), self.log(job))
             return self.journal(job).exists() and self.journal(job).stat().st_size > enough
-        wait_until(enough_is_done, 60, f"job {job} renders")
+        wait_until(enough_is_done, 600, f"job {job} renders")
 
     def assert_ends(self, job, state):
-        ended = self.cluster.wait_for(job, 90)
+        ended = self.cluster.wait_for(job, 600)
         self.assertEqual(ended, state, self.log(self.cluster.job(job)["JobId"]))
 
     def assert_same_bits(self, what, job, servers, output="room.pfm"):

@@ -101,7 +101,7 @@ class JobTest : public ::testing::Test {
       request.set_path("room.pbrt");
       return client.load_scene(request, call);
     };
-    options_.call = CallOptions::within(std::chrono::seconds(60));
+    options_.call = CallOptions::within(std::chrono::minutes(10));
     options_.on_event = [this](const std::string& event) { events_.push_back(event); };
     listed_ = {servers_[0].target(), servers_[1].target()};
   }

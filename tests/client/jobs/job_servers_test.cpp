@@ -40,7 +40,7 @@ TEST_F(JobTest, AnAnswerMayComeWhileItsServerIsPreparedAgain) {
   servers_[0].load_scene = [&](auto&, auto&, v1::LoadSceneResponse* response) {
     if (++loads == 2) {
       door_.open();
-      for (int i = 0; i < 1000 && answers(0) == 0; ++i)
+      for (int i = 0; i < 600'000 && answers(0) == 0; ++i)
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
       std::this_thread::sleep_for(std::chrono::milliseconds(100));
     }

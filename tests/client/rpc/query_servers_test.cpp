@@ -41,7 +41,7 @@ class QueryServersTest : public ::testing::Test {
     options_.load = [](const Client& client, const CallOptions& call) {
       return client.load_scene({}, call);
     };
-    options_.call = CallOptions::within(std::chrono::seconds(60));
+    options_.call = CallOptions::within(std::chrono::minutes(10));
     options_.on_event = [this](const std::string& event) { events_.push_back(event); };
   }
 

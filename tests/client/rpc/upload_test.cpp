@@ -83,7 +83,7 @@ class UploadTest : public ::testing::Test {
   }
   absl::StatusOr<v1::LoadSceneResponse> upload(const UploadOptions& options = {}) {
     return upload_scene(server_.client(), (directory_ / "scene/room.pbrt").string(), options,
-                        CallOptions::within(std::chrono::seconds(60)));
+                        CallOptions::within(std::chrono::minutes(10)));
   }
   std::vector<std::string> held() const {
     std::vector<std::string> all;
