@@ -19,7 +19,7 @@ using ::testing::HasSubstr;
 using testing::LocalServer;
 using ::testing::MatchesRegex;
 
-TEST(LocalServer, ServesOnAFreePortAndStopsWhenAsked) {
+TEST(LocalServer, ServesOnAFreePortAndStops) {
   auto first = LocalServer::start();
   ASSERT_TRUE(first.ok()) << first.status();
   auto second = LocalServer::start();
@@ -35,7 +35,7 @@ TEST(LocalServer, ServesOnAFreePortAndStopsWhenAsked) {
   EXPECT_TRUE(second->client().get_server_info().ok());
 }
 
-TEST(LocalServer, IsGoneWithItsObject) {
+TEST(LocalServer, EndsWithItsObject) {
   int process = 0;
   {
     auto server = LocalServer::start();
@@ -46,7 +46,7 @@ TEST(LocalServer, IsGoneWithItsObject) {
   EXPECT_EQ(::kill(process, 0), -1);
 }
 
-TEST(LocalServer, HasLoadedWhatItWasToLoad) {
+TEST(LocalServer, LoadsItsScenesBeforeItServes) {
   const auto server = LocalServer::start(
       {.scene_root = LUCERNA_TEST_DATA "/reference", .load = {"point.pbrt", "spot.pbrt"}});
   ASSERT_TRUE(server.ok()) << server.status();
@@ -55,20 +55,20 @@ TEST(LocalServer, HasLoadedWhatItWasToLoad) {
   EXPECT_EQ(scenes->scenes_size(), 2);
 }
 
-TEST(LocalServer, TellsWhatTheServerSaidWhereItDoesNotStart) {
+TEST(LocalServer, ReportsTheStderrOfAServerThatDoesNotStart) {
   const auto server = LocalServer::start({.scene_root = "/no/such/directory"});
   EXPECT_EQ(server.status().code(), absl::StatusCode::kUnavailable);
   EXPECT_THAT(std::string(server.status().message()), HasSubstr("/no/such/directory"));
 }
 
-TEST(LocalServer, TellsWhereItLookedForTheProgram) {
-  if (std::getenv("LUCERNAD") != nullptr) GTEST_SKIP() << "LUCERNAD goes before the option";
+TEST(LocalServer, ReportsThePathOfAMissingProgram) {
+  if (std::getenv("LUCERNAD") != nullptr) GTEST_SKIP() << "LUCERNAD has priority over the option";
   const auto server = LocalServer::start({.program = "/no/such/lucernad"});
   EXPECT_EQ(server.status().code(), absl::StatusCode::kNotFound);
   EXPECT_THAT(std::string(server.status().message()), HasSubstr("\"/no/such/lucernad\""));
 }
 
-TEST(LocalServer, EnvironmentVariableGoesBeforeTheOption) {
+TEST(LocalServer, EnvironmentVariableHasPriorityOverTheOption) {
   const char* before = std::getenv("LUCERNAD");
   const std::string saved = before == nullptr ? "" : before;
   ::setenv("LUCERNAD", "/no/such/program", 1);
@@ -78,11 +78,11 @@ TEST(LocalServer, EnvironmentVariableGoesBeforeTheOption) {
   EXPECT_THAT(std::string(server.status().message()), HasSubstr("environment variable LUCERNAD"));
 }
 
-/// A program of the test's own in lucernad's place.
+/// A script of the test in the place of lucernad.
 class Impostor : public ::testing::Test {
  protected:
   void SetUp() override {
-    if (std::getenv("LUCERNAD") != nullptr) GTEST_SKIP() << "LUCERNAD goes before the option";
+    if (std::getenv("LUCERNAD") != nullptr) GTEST_SKIP() << "LUCERNAD has priority over the option";
   }
   std::string script(const std::string& text) const {
     const std::string path = (directory_ / "program").string();
@@ -102,7 +102,7 @@ TEST_F(Impostor, ThatEndsAtOnceIsReported) {
   EXPECT_THAT(std::string(server.status().message()), HasSubstr("out of cheese"));
 }
 
-TEST_F(Impostor, ThatNeverServesIsStoppedInTheEnd) {
+TEST_F(Impostor, ThatNeverServesIsStopped) {
   const auto server =
       LocalServer::start({.program = script("echo $$ > \"$0.pid\"; exec sleep 1000"),
                           .patience = std::chrono::seconds(2)});
