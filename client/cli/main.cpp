@@ -1,4 +1,4 @@
-// lucerna: asks a lucernad from the command line.
+// lucerna: queries lucernad from the command line.
 #include <fmt/core.h>
 #include <pthread.h>
 #include <signal.h>
@@ -10,14 +10,15 @@
 #include <stop_token>
 #include <thread>
 
+#include "client/terminal/program.h"
 #include "client/terminal/session.h"
 
 namespace {
 
 std::atomic<int> interrupted_by = 0;
 
-/// SIGINT and SIGTERM end the call that runs, so that nothing half-done stays; a second one ends
-/// the program where it is.  To be called before there are other threads.
+/// SIGINT and SIGTERM end the running call, so that no half-written file stays.  A second signal
+/// ends the program at once.  To be called before other threads start.
 std::stop_token stop_on_signals() {
   static std::stop_source source;
   static sigset_t signals;
@@ -39,18 +40,19 @@ std::stop_token stop_on_signals() {
 int run(int argc, char** argv) {
   lucerna::cli::Session session(stop_on_signals(), interrupted_by);
   CLI::App app(
-      "Asks a lucernad about light.\n"
-      "A SCENE is a path under the server's scene root, or the id (or its first digits) of one "
-      "that "
-      "is loaded.",
+      "Queries a lighting server, lucernad.\n"
+      "A SCENE is a path under the scene root of the server, the id of a loaded scene, or the "
+      "first "
+      "digits of an id.",
       "lucerna");
-  app.set_version_flag("--version", "lucerna " LUCERNA_VERSION);
+  app.set_version_flag("--version", "lucerna " LUCERNA_VERSION, "Print the version and exit");
+  app.set_help_flag("-h,--help", "Print this help and exit");
   app.require_subcommand(1);
   app.fallthrough();
   app.footer(
       "Example:\n  lucerna irradiance room.pbrt --point 0,0,0 --normal 0,0,1\n"
-      "Exit status: 0; 1 the server said no; 2 wrong use; 130 or 143 interrupted (128 + the "
-      "signal).");
+      "Exit status: 0 done; 1 the server refused or cannot be reached; 2 wrong use; 130 or 143 "
+      "interrupted (128 + the signal).");
   session.add_options(app);
   lucerna::cli::add_scene_commands(app, session);
   lucerna::cli::add_light_commands(app, session);
@@ -59,21 +61,7 @@ int run(int argc, char** argv) {
   lucerna::cli::add_receiver_commands(app, session);
   lucerna::cli::add_render_command(app, session);
   lucerna::cli::add_tradeoff_command(app, session, LUCERNA_VERSION);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    // CLI11 would only say that a subcommand is required.
-    if (error.get_exit_code() != 0 && app.get_subcommands().empty() && !app.remaining().empty()) {
-      fmt::print(stderr, "lucerna: no subcommand {}; see lucerna --help\n", app.remaining()[0]);
-      return lucerna::cli::kWrongUse;
-    }
-    return app.exit(error) == 0 ? lucerna::cli::kDone : lucerna::cli::kWrongUse;
-  } catch (const lucerna::cli::CommandError& error) {
-    fmt::print(stderr, "lucerna: {}\n", error.what());
-    return error.status();
-  }
-  if (std::fflush(stdout) != 0) return lucerna::cli::kWrongUse;
-  return session.exit_status();
+  return lucerna::cli::run_program(app, session, argc, argv);
 }
 
 }  // namespace
