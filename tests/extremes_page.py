@@ -1,9 +1,10 @@
 #!/usr/bin/python3
 """Writes docs/extremes.md from what the sweeps of tests/{lights,server}/extremes record.
 
-    tests/extremes_page.py BUILD_DIR [--check]
+    tests/extremes_page.py BUILD_DIR [--check] [--results]
 
-Runs both test programs.  Where a test fails, it writes no page.  With --check it writes nothing, and exits 1 where the
+Runs both test programs, or with --results reads what ctest's run of them left in BUILD_DIR/results.  Where a test
+fails, it writes no page.  With --check it writes nothing, and exits 1 where the
 page differs or lacks a row of ROWS.  Relative errors are rounded up to one digit, and count as equal within a factor of
 two: libm takes other instructions on other processors.
 """
@@ -48,6 +49,23 @@ error that occurred.  The column "textbook, in float" has the worst error of the
 - Rows 13 to 17 and 19 are about choosing among many lights.
 
 """
+
+
+def stored_results(build):
+    """The tests of both programs, as ctest's parts of them left them."""
+    for program in PROGRAMS:
+        name = pathlib.Path(program).name
+        reports = sorted((build / "results").glob(f"{name}.*.json"))
+        if not reports:
+            sys.exit(f"extremes: no results of {name} in {build / 'results'}; run ctest first")
+        for report in reports:
+            if report.stat().st_mtime < (build / program).stat().st_mtime:
+                sys.exit(f"extremes: {report} is older than {name}; run ctest again")
+            for suite in json.loads(report.read_text())["testsuites"]:
+                for test in suite["testsuite"]:
+                    if "failures" in test:
+                        sys.exit(f"extremes: {test['classname']}.{test['name']} failed, so there is no page")
+                    yield test
 
 
 def results(build):
@@ -96,7 +114,7 @@ def line(test, mutants):
 
 def page(tests):
     lines = []
-    by_row = sorted((t for t in tests if "row" in t), key=lambda t: (int(t["row"]), t["classname"], t["file"]))
+    by_row = sorted((t for t in tests if "row" in t), key=lambda t: (int(t["row"]), t["classname"], t["file"], t["line"]))
     for i, test in enumerate(by_row):
         first = i == 0 or by_row[i - 1]["row"] != test["row"]
         patches = sorted(MUTANTS.glob(f"{int(test['row']):02}*.patch")) if first else []
@@ -137,8 +155,9 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("build", type=pathlib.Path)
     parser.add_argument("--check", action="store_true")
+    parser.add_argument("--results", action="store_true")
     options = parser.parse_args()
-    made, rows = page(results(options.build.resolve()))
+    made, rows = page((stored_results if options.results else results)(options.build.resolve()))
     missing = [row for row in ROWS if row not in rows]
     if options.check:
         if not PAGE.exists() or not same(PAGE.read_text(), made):

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "fake_server.h"
+#include "tests/client/rpc/fake_server.h"
 
 namespace lucerna::client {
 namespace {

@@ -11,7 +11,7 @@
 #include <set>
 #include <thread>
 
-#include "fake_server.h"
+#include "tests/client/rpc/fake_server.h"
 #include "tests/temp_directory.h"
 
 namespace lucerna::client {

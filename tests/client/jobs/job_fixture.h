@@ -13,8 +13,8 @@
 #include <utility>
 #include <vector>
 
-#include "fake_server.h"
 #include "lucerna/client/job.h"
+#include "tests/client/rpc/fake_server.h"
 
 namespace lucerna::client {
 

@@ -27,6 +27,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/lights/contract/contract_case.h"
 #include "tests/lights/contract/contract_checks.h"
 #include "tests/lights/contract/takes_part.h"
 
@@ -57,6 +58,31 @@ inline Placement moved() {
   return {Transform::translate({3, -2, 5}) * *Transform::rotate(2, {1, -3, 2}), 0};
 }
 
+// The tests, in contract.cpp.
+namespace any_light {
+void samples_agree_with_evaluation(const LightCase& c);
+void float_agrees_with_double(const LightCase& c);
+void extreme_sample_values_give_valid_samples(const LightCase& c);
+void receivers_that_are_no_numbers_give_a_reason(const LightCase& c);
+void power_equals_quadrature(const LightCase& c);
+void rigid_motion_changes_only_the_frame(const LightCase& c);
+void scaling_by_powers_of_two_changes_no_bit(const LightCase& c);
+}  // namespace any_light
+
+namespace light_with_density {
+void density_integrates_to_the_sampled_probability(const LightCase& c);
+void samples_follow_the_density(const LightCase& c);
+}  // namespace light_with_density
+
+namespace delta_light {
+void has_no_density_and_says_so(const LightCase& c);
+}  // namespace delta_light
+
+namespace local_light {
+void far_field_falls_off_with_the_square_of_distance(const LightCase& c);
+void sampled_points_lie_on_the_light(const LightCase& c);
+}  // namespace local_light
+
 template <typename Case>
 class AnyLight : public ::testing::Test {
  public:
@@ -70,124 +96,31 @@ class AnyLight : public ::testing::Test {
 TYPED_TEST_SUITE_P(AnyLight);
 
 TYPED_TEST_P(AnyLight, SamplesAgreeWithEvaluation) {
-  const auto light = TypeParam::template make<float>({});
-  for (const auto& receiver : TypeParam::receivers()) {
-    const Vec3<float> r(receiver);
-    const Verdict verdict =
-        check_sample_agrees([&](Vec2<float> u) { return light.sample_li(r, u); },
-                            [&](const Vec3<float>& wi) { return light.pdf_li(r, wi).per_sr; },
-                            [&](const Vec3<double>& wi) { return TypeParam::value(receiver, wi); },
-                            TypeParam::kTolerance);
-    EXPECT_TRUE(verdict.ok()) << verdict.failure;
-  }
+  any_light::samples_agree_with_evaluation(light_case<TypeParam>());
 }
 
 TYPED_TEST_P(AnyLight, FloatAgreesWithDouble) {
-  const auto light = TypeParam::template make<float>({});
-  const auto reference = TypeParam::template make<double>({});
-  RandomU random(1);
-  for (const auto& receiver : TypeParam::receivers()) {
-    for (int i = 0; i < 200; ++i) {
-      const Vec2<float> u = random.pair();
-      const auto s = light.sample_li(Vec3<float>(receiver), u);
-      const auto d = reference.sample_li(receiver, {u.x, u.y});
-      ASSERT_EQ(s.reason, d.reason);
-      if (s.reason != NoLight::kNone) continue;
-      EXPECT_LE(relative_difference(s.pdf.per_sr, d.pdf.per_sr), TypeParam::kTolerance);
-      EXPECT_LE(relative_difference(Rgb<double>(s.value), d.value), TypeParam::kTolerance);
-      EXPECT_LE(relative_difference(s.distance, d.distance), TypeParam::kTolerance);
-      EXPECT_LE(distance_between(Vec3<double>(s.wi), d.wi), TypeParam::kTolerance);
-      EXPECT_EQ(s.primitive, d.primitive);
-    }
-  }
+  any_light::float_agrees_with_double(light_case<TypeParam>());
 }
 
 TYPED_TEST_P(AnyLight, ExtremeSampleValuesGiveValidSamples) {
-  const auto light = TypeParam::template make<float>({});
-  for (const auto& receiver : TypeParam::receivers()) {
-    for (const float x : {0.F, 1 - 0x1p-24F, 1.F}) {
-      for (const float y : {0.F, 1 - 0x1p-24F, 1.F}) {
-        const auto s = light.sample_li(Vec3<float>(receiver), {x, y});
-        const Verdict verdict = check_well_formed(s);
-        EXPECT_TRUE(verdict.ok()) << verdict.failure << " at u = (" << x << ", " << y << ")";
-      }
-    }
-  }
+  any_light::extreme_sample_values_give_valid_samples(light_case<TypeParam>());
 }
 
 TYPED_TEST_P(AnyLight, ReceiversThatAreNoNumbersGiveAReason) {
-  const auto light = TypeParam::template make<float>({});
-  for (const float bad : {NAN, INFINITY, -INFINITY}) {
-    for (const Vec3<float>& r : {Vec3<float>{bad, 0, 0}, {0, bad, 0}, {0, 0, bad}}) {
-      const auto s = light.sample_li(r, {0.5F, 0.5F});
-      EXPECT_TRUE(s.reason == NoLight::kOutOfRange || s.reason == NoLight::kDegenerate);
-      EXPECT_TRUE(check_well_formed(s).ok());
-      EXPECT_EQ(light.pdf_li(r, {0, 0, 1}).per_sr, 0);
-    }
-  }
+  any_light::receivers_that_are_no_numbers_give_a_reason(light_case<TypeParam>());
 }
 
 TYPED_TEST_P(AnyLight, PowerEqualsQuadrature) {
-  const auto light = TypeParam::template make<float>({});
-  const Power power = light.power(TypeParam::scene());
-  EXPECT_LE(relative_difference(power.lumens, TypeParam::power_by_quadrature()),
-            TypeParam::kPowerTolerance);
-  EXPECT_GE(power.error_lumens, 0);
+  any_light::power_equals_quadrature(light_case<TypeParam>());
 }
 
 TYPED_TEST_P(AnyLight, RigidMotionChangesOnlyTheFrame) {
-  const Placement placement = moved();
-  const auto light = TypeParam::template make<double>({});
-  const auto elsewhere = TypeParam::template make<double>(placement);
-  RandomU random(2);
-  for (const auto& receiver : TypeParam::receivers()) {
-    for (int i = 0; i < 200; ++i) {
-      // The warps' frames may turn with the motion: the same direction is asked for, not the same
-      // u.
-      const auto s = light.sample_li(receiver, random.pair<double>());
-      const auto m = elsewhere.sample_li(placement.point(receiver), random.pair<double>());
-      ASSERT_TRUE(check_well_formed(m).ok());
-      if (s.reason != NoLight::kNone) continue;
-      const auto wi = placement.direction(s.wi);
-      const double pdf = elsewhere.pdf_li(placement.point(receiver), wi).per_sr;
-      EXPECT_LE(relative_difference(pdf, s.pdf.per_sr), 1e-9);
-      if (m.reason != NoLight::kNone) continue;
-      const Vec3<double> back = placement.rigid.inverse().vector(m.wi);
-      EXPECT_LE(relative_difference(m.value, TypeParam::value(receiver, back)), 1e-9);
-    }
-  }
-  EXPECT_LE(relative_difference(elsewhere.power(TypeParam::scene()).lumens,
-                                light.power(TypeParam::scene()).lumens),
-            1e-12);
+  any_light::rigid_motion_changes_only_the_frame(light_case<TypeParam>());
 }
 
 TYPED_TEST_P(AnyLight, ScalingByPowersOfTwoChangesNoBit) {
-  const auto light = TypeParam::template make<float>({});
-  const SceneSphere scene = TypeParam::scene();
-  for (const int k : {-20, -1, 3, 20}) {
-    const Placement placement{{}, k};
-    const auto scaled_light = TypeParam::template make<float>(placement);
-    RandomU random(3);
-    for (const auto& receiver : TypeParam::receivers()) {
-      for (int i = 0; i < 100; ++i) {
-        const Vec2<float> u = random.pair();
-        const auto s = light.sample_li(Vec3<float>(receiver), u);
-        const auto t = scaled_light.sample_li(Vec3<float>(placement.point(receiver)), u);
-        ASSERT_EQ(s.reason, t.reason);
-        EXPECT_EQ(s.wi, t.wi);
-        EXPECT_EQ(s.normal, t.normal);
-        EXPECT_EQ(s.pdf, t.pdf);
-        EXPECT_EQ(s.primitive, t.primitive);
-        EXPECT_EQ(std::scalbn(s.distance, k), t.distance);
-        EXPECT_EQ(s.value * std::scalbn(1.F, k * TypeParam::kValueLengthPower), t.value);
-      }
-    }
-    const Power power = light.power(scene);
-    const Power scaled_power =
-        scaled_light.power({scaled(scene.center_m, k), std::scalbn(scene.radius_m, k)});
-    EXPECT_EQ(power.lumens * std::scalbn(1., k * TypeParam::kPowerLengthPower),
-              scaled_power.lumens);
-  }
+  any_light::scaling_by_powers_of_two_changes_no_bit(light_case<TypeParam>());
 }
 
 REGISTER_TYPED_TEST_SUITE_P(AnyLight, SamplesAgreeWithEvaluation, FloatAgreesWithDouble,
@@ -205,25 +138,11 @@ class LightWithDensity : public ::testing::Test {
 TYPED_TEST_SUITE_P(LightWithDensity);
 
 TYPED_TEST_P(LightWithDensity, DensityIntegratesToTheSampledProbability) {
-  const auto light = TypeParam::template make<float>({});
-  for (const auto& receiver : TypeParam::receivers()) {
-    const Vec3<float> r(receiver);
-    const Verdict verdict = check_density_integrates(
-        TypeParam::region(receiver), [&](Vec2<float> u) { return light.sample_li(r, u); },
-        [&](const Vec3<double>& w) { return double{light.pdf_li(r, Vec3<float>(w)).per_sr}; });
-    EXPECT_TRUE(verdict.ok()) << verdict.failure;
-  }
+  light_with_density::density_integrates_to_the_sampled_probability(light_case<TypeParam>());
 }
 
 TYPED_TEST_P(LightWithDensity, SamplesFollowTheDensity) {
-  const auto light = TypeParam::template make<float>({});
-  for (const auto& receiver : TypeParam::receivers()) {
-    const Vec3<float> r(receiver);
-    const Verdict verdict = check_samples_follow_density(
-        TypeParam::region(receiver), [&](Vec2<float> u) { return light.sample_li(r, u); },
-        [&](const Vec3<double>& w) { return double{light.pdf_li(r, Vec3<float>(w)).per_sr}; });
-    EXPECT_TRUE(verdict.ok()) << verdict.failure;
-  }
+  light_with_density::samples_follow_the_density(light_case<TypeParam>());
 }
 
 REGISTER_TYPED_TEST_SUITE_P(LightWithDensity, DensityIntegratesToTheSampledProbability,
@@ -239,17 +158,7 @@ class DeltaLight : public ::testing::Test {
 TYPED_TEST_SUITE_P(DeltaLight);
 
 TYPED_TEST_P(DeltaLight, HasNoDensityAndSaysSo) {
-  const auto light = TypeParam::template make<float>({});
-  RandomU random(4);
-  for (const auto& receiver : TypeParam::receivers()) {
-    const Vec3<float> r(receiver);
-    const auto s = light.sample_li(r, random.pair());
-    ASSERT_EQ(s.reason, NoLight::kNone);
-    EXPECT_TRUE(s.delta);
-    EXPECT_EQ(s.pdf.per_sr, 0);
-    EXPECT_EQ(light.pdf_li(r, s.wi).per_sr, 0);
-    EXPECT_EQ(light.sample_li(r, random.pair()).wi, s.wi);
-  }
+  delta_light::has_no_density_and_says_so(light_case<TypeParam>());
 }
 
 REGISTER_TYPED_TEST_SUITE_P(DeltaLight, HasNoDensityAndSaysSo);
@@ -263,57 +172,12 @@ class LocalLight : public ::testing::Test {
 };
 TYPED_TEST_SUITE_P(LocalLight);
 
-/// The mean of value / density over a grid of u: the illuminance on a surface that faces the light.
-template <typename Light>
-double facing_illuminance(const Light& light, const Vec3<double>& receiver,
-                          const Vec3<double>& to_light) {
-  constexpr int kGrid = 64;
-  double sum = 0;
-  for (int i = 0; i < kGrid * kGrid; ++i) {
-    const Vec2<float> u{(i / kGrid + 0.5F) / kGrid, (i % kGrid + 0.5F) / kGrid};
-    const auto s = light.sample_li(Vec3<float>(receiver), u);
-    if (s.reason != NoLight::kNone) continue;
-    const double cos = std::fmax(0, dot(to_light, Vec3<double>(s.wi)));
-    sum += luminance(Rgb<double>(s.value)) * cos / (s.delta ? 1.0 : s.pdf.per_sr);
-  }
-  return sum / (kGrid * kGrid);
-}
-
 TYPED_TEST_P(LocalLight, FarFieldFallsOffWithTheSquareOfDistance) {
-  const auto light = TypeParam::template make<float>({});
-  const Vec3<double> away = TypeParam::far_direction();
-  const auto scaled_illuminance = [&](double d) {
-    return facing_illuminance(light, TypeParam::centre() + away * d, -away) *
-           std::pow(d, -TypeParam::kFarFieldLengthPower);
-  };
-  // Nearer and farther parts of the light differ from its centre's 1/d^2 by up to 2 size / d.
-  const double d = 4096 * TypeParam::kSize;
-  const double reference = scaled_illuminance(d);
-  EXPECT_EQ(reference > 0, !TypeParam::kEnclosed);
-  for (const double factor : {2., 16., 256.}) {
-    EXPECT_LE(relative_difference(scaled_illuminance(factor * d), reference),
-              2 * TypeParam::kSize / d + TypeParam::kTolerance);
-  }
+  local_light::far_field_falls_off_with_the_square_of_distance(light_case<TypeParam>());
 }
 
 TYPED_TEST_P(LocalLight, SampledPointsLieOnTheLight) {
-  const auto light = TypeParam::template make<float>({});
-  RandomU random(5);
-  for (const auto& receiver : TypeParam::receivers()) {
-    for (int i = 0; i < 200; ++i) {
-      // Every fourth sample from the corners and edges of the unit square.
-      const float edge = i % 8 == 0 ? 0.F : 1.F;
-      const Vec2<float> u = i % 4 != 0 ? random.pair() : Vec2<float>{edge, random.next()};
-      const auto s = light.sample_li(Vec3<float>(receiver), u);
-      if (s.reason != NoLight::kNone) continue;
-      const Vec3<double> p(s.point);
-      const double reach = TypeParam::kSize + length(receiver);
-      EXPECT_LE(TypeParam::distance_to_surface(p), TypeParam::kTolerance * reach);
-      // Receiver, direction, distance and point are of one piece.
-      const Vec3<double> along = receiver + Vec3<double>(s.wi) * double{s.distance};
-      EXPECT_LE(distance_between(along, p), TypeParam::kTolerance * reach);
-    }
-  }
+  local_light::sampled_points_lie_on_the_light(light_case<TypeParam>());
 }
 
 REGISTER_TYPED_TEST_SUITE_P(LocalLight, FarFieldFallsOffWithTheSquareOfDistance,

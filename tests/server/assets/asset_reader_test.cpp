@@ -5,7 +5,7 @@
 #include <sys/stat.h>
 #include <zlib.h>
 
-#include "pbrt_fixture.h"
+#include "tests/server/pbrt/pbrt_fixture.h"
 
 namespace lucerna {
 namespace {

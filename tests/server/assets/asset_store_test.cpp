@@ -5,7 +5,7 @@
 
 #include <filesystem>
 
-#include "pbrt_fixture.h"
+#include "tests/server/pbrt/pbrt_fixture.h"
 
 namespace lucerna {
 namespace {

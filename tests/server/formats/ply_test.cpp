@@ -8,7 +8,7 @@
 #include <limits>
 #include <string>
 
-#include "pbrt_fixture.h"
+#include "tests/server/pbrt/pbrt_fixture.h"
 
 namespace lucerna {
 namespace {

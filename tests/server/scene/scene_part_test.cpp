@@ -11,11 +11,11 @@
 #include <thread>
 #include <vector>
 
-#include "pbrt_fixture.h"
 #include "scenes.h"
 #include "server/runtime/parallel.h"
 #include "server/shadows/shaft.h"
 #include "server/store/scene_store.h"
+#include "tests/server/pbrt/pbrt_fixture.h"
 
 namespace lucerna {
 namespace {

@@ -2,8 +2,8 @@
 #include <fmt/core.h>
 #include <gtest/gtest.h>
 
-#include "pbrt_fixture.h"
 #include "server/store/scene_store.h"
+#include "tests/server/pbrt/pbrt_fixture.h"
 
 namespace lucerna {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <thread>
 
-#include "pbrt_fixture.h"
 #include "server/store/scene_store.h"
+#include "tests/server/pbrt/pbrt_fixture.h"
 
 namespace lucerna {
 namespace {

@@ -6,8 +6,8 @@
 #include <string>
 #include <type_traits>
 
-#include "pbrt_fixture.h"
 #include "server/scene/scene.h"
+#include "tests/server/pbrt/pbrt_fixture.h"
 
 namespace lucerna {
 namespace {

@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-#include "scenes.h"
+#include "tests/server/scene/scenes.h"
 
 namespace lucerna {
 namespace {

@@ -1,0 +1,10 @@
+# docs/api.md shows the examples verbatim: cmake -DROOT=... -P pages_examples_test.cmake
+file(READ ${ROOT}/docs/api.md page)
+foreach(example IN ITEMS docs/examples/cpp/ask.cpp docs/examples/python/ask.py)
+  file(READ ${ROOT}/${example} text)
+  string(STRIP "${text}" text)
+  string(FIND "${page}" "${text}" at)
+  if(at EQUAL -1)
+    message(FATAL_ERROR "docs/api.md does not show ${example} as it is")
+  endif()
+endforeach()

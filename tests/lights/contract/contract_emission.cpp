@@ -1,0 +1,248 @@
+#include "tests/lights/contract/contract_emission.h"
+
+namespace lucerna::testing {
+namespace {
+
+template <typename Real>
+void expect_bounds_reach(const LightCase& c, const Placement& placement) {
+  const auto light = c.make<Real>(placement);
+  const auto bounds = light.bounds();
+  ASSERT_TRUE(bounds.has_value());
+  const Vec3<double> center = Vec3<double>(bounds->lower) * 0.5 + Vec3<double>(bounds->upper) * 0.5;
+  const Verdict verdict = check_bounds_reach(
+      *bounds, center, placement.length(c.size), [&](const Vec3<Real>& p, Vec2<float> u) {
+        return light.sample_li(p, {u.x, u.y}).reason == NoLight::kNone;
+      });
+  EXPECT_TRUE(verdict.ok()) << verdict.failure;
+}
+
+}  // namespace
+
+namespace emitting_light {
+
+void rays_agree_with_evaluation(const LightCase& c) {
+  // In double: the value is looked up from the ray's rounded position and direction.
+  const auto light = c.make<double>({});
+  const SceneSphere scene = c.scene();
+  const Verdict verdict = check_emission_agrees(
+      [&](Vec2<float> up, Vec2<float> ud) {
+        return light.sample_le({up.x, up.y}, {ud.x, ud.y}, scene);
+      },
+      [&](const Vec3<double>& p, const Vec3<double>& w) { return light.pdf_le(p, w, scene); },
+      c.emitted, 1e-9);
+  EXPECT_TRUE(verdict.ok()) << verdict.failure;
+}
+
+void float_rays_agree_with_their_densities(const LightCase& c) {
+  const auto light = c.make<float>({});
+  const SceneSphere scene = c.scene();
+  RandomU random(11);
+  for (int i = 0; i < 2000; ++i) {
+    const Vec2<float> u = random.pair();
+    const auto s = light.sample_le(u, random.pair(), scene);
+    ASSERT_TRUE(check_well_formed(s).ok()) << check_well_formed(s).failure;
+    if (s.reason != NoLight::kNone) continue;
+    const auto told = light.pdf_le(s.origin, s.direction, scene);
+    EXPECT_LE(relative_difference(s.pdf_position.per_m2, told.position.per_m2), c.tolerance);
+    EXPECT_LE(relative_difference(s.pdf_direction.per_sr, told.direction.per_sr), c.tolerance);
+  }
+}
+
+void mean_of_rays_is_the_power(const LightCase& c) {
+  const auto light = c.make<float>({});
+  const SceneSphere scene = c.scene();
+  const Power power = light.power(scene);
+  const Verdict verdict = check_emission_mean(
+      [&](Vec2<float> up, Vec2<float> ud) { return light.sample_le(up, ud, scene); }, power.lumens,
+      1e-6 + power.error_lumens / std::fmax(luminance(power.lumens), 1e-300));
+  EXPECT_TRUE(verdict.ok()) << verdict.failure;
+}
+
+void extreme_sample_values_give_valid_rays(const LightCase& c) {
+  const auto light = c.make<float>({});
+  constexpr std::array kExtremes{0.F, 1 - 0x1p-24F, 1.F};
+  for (int i = 0; i < 81; ++i) {
+    const auto at = [&](int n) { return kExtremes[i / n % 3]; };
+    const auto s = light.sample_le({at(27), at(9)}, {at(3), at(1)}, c.scene());
+    const Verdict verdict = check_well_formed(s);
+    EXPECT_TRUE(verdict.ok()) << verdict.failure << " at " << i;
+  }
+}
+
+void rays_of_others_have_no_density(const LightCase& c) {
+  const auto light = c.make<float>({});
+  const SceneSphere scene = c.scene();
+  RandomU random(12);
+  const EmissionPdf<float> none{};
+  for (int i = 0; i < 100; ++i) {
+    const Vec2<float> u = random.pair();
+    const auto s = light.sample_le(u, random.pair(), scene);
+    EXPECT_EQ(light.pdf_le(s.origin + Vec3<float>{20, 30, -50}, s.direction, scene), none);
+    for (const Vec3<float>& nowhere :
+         {Vec3<float>{NAN, 0, 1}, {NAN, s.direction.y, s.direction.z}, {NAN, NAN, NAN}}) {
+      EXPECT_EQ(light.pdf_le(nowhere, s.direction, scene), none);
+      EXPECT_EQ(light.pdf_le(s.origin, nowhere, scene), none);
+    }
+  }
+}
+
+void approximate_power_states_its_error(const LightCase& c) {
+  const auto light = c.make<float>({});
+  const Power approximate = light.power_approximate(c.scene());
+  const Verdict verdict =
+      check_stated_error(approximate, c.power_by_quadrature(), c.power_tolerance);
+  EXPECT_TRUE(verdict.ok()) << verdict.failure;
+  EXPECT_GE(approximate.error_lumens, light.power(c.scene()).error_lumens);
+}
+
+}  // namespace emitting_light
+
+namespace emitting_surface {
+
+void positions_follow_the_density(const LightCase& c) {
+  const auto light = c.make<float>({});
+  const SceneSphere scene = c.scene();
+  RandomU random(0xe3);
+  const Vec2<float> ud{0.25F, 0.625F};
+  // A light that shines in proportion to a picture has one density of positions for all directions
+  // that leave them; so one will do.
+  const Vec3<float> w = light.sample_le({0.5F, 0.5F}, ud, scene).direction;
+  const Verdict verdict = check_follows_on_square(
+      [&]() -> std::optional<Vec2<double>> {
+        const auto s = light.sample_le(random.pair(), ud, scene);
+        if (s.reason != NoLight::kNone) return std::nullopt;
+        return c.emission_where(Vec3<double>(s.origin), Vec3<double>(s.direction));
+      },
+      [&](double x, double y) {
+        const Vec3<double> p = c.emission_position(Vec3<double>(w), x, y);
+        Vec3<float> leaving = w;
+        if (c.emission_direction) leaving = Vec3<float>(c.emission_direction(p));
+        return light.pdf_le(Vec3<float>(p), leaving, scene).position.per_m2 * c.emission_area_m2();
+      });
+  EXPECT_TRUE(verdict.ok()) << verdict.failure;
+}
+
+}  // namespace emitting_surface
+
+namespace emitting_directions {
+
+void directions_follow_the_density(const LightCase& c) {
+  const auto light = c.make<float>({});
+  const SceneSphere scene = c.scene();
+  for (const Vec2<float> up : {Vec2<float>{0.5F, 0.5F}, Vec2<float>{0.125F, 0.75F}}) {
+    RandomU random(0xe4);
+    const auto first = light.sample_le(up, {0.4F, 0.4F}, scene);
+    const Region region = c.emission_region(Vec3<double>(first.origin));
+    const Verdict verdict = check_follows_on_square(
+        [&]() -> std::optional<Vec2<double>> {
+          const auto s = light.sample_le(up, random.pair(), scene);
+          if (s.reason != NoLight::kNone) return std::nullopt;
+          return region.where(Vec3<double>(s.direction));
+        },
+        [&](double x, double y) {
+          const Vec3<double> w = region.at(x, y);
+          Vec3<float> p = first.origin;
+          // From infinitely far, where a ray starts goes with its direction.
+          if (c.enters_by_scene_disk) p = Vec3<float>(c.emission_position(w, 0.5, 0.5));
+          return light.pdf_le(p, Vec3<float>(w), scene).direction.per_sr * region.solid_angle_sr();
+        });
+    EXPECT_TRUE(verdict.ok()) << verdict.failure;
+  }
+}
+
+}  // namespace emitting_directions
+
+namespace bounded_light {
+
+void bounds_reach_wherever_light_arrives(const LightCase& c) {
+  expect_bounds_reach<float>(c, {});
+  expect_bounds_reach<float>(c, moved());
+  expect_bounds_reach<double>(c, moved());
+}
+
+// As in a scene: beside another light, in double.
+void a_tree_chooses_it_wherever_light_arrives(const LightCase& c) {
+  const auto light = c.make<double>(moved());
+  const LightBounds<double> bounds = *light.bounds();
+  EXPECT_LE(bounds.normals_rad, bounds.cone_rad);
+  EXPECT_GE(bounds.normals_rad + std::numbers::pi / 2, bounds.two_sided ? 0 : bounds.cone_rad);
+  const Vec3<double> center = bounds.lower * 0.5 + bounds.upper * 0.5;
+  const double size = moved().length(c.size);
+  const Vec3<double> aside = center + Vec3<double>{size, 3 * size, 0};
+  const LightTree tree = *LightTree::create(std::vector<LightTree::Item>{
+      {bounds, 1}, {{.lower = aside, .upper = aside, .cone_rad = std::numbers::pi}, 1}});
+  const Verdict verdict = check_reach<double>(
+      [&](const Vec3<double>& p) { return tree.probability(p, 0) > 0; }, center, size,
+      [&](const Vec3<double>& p, Vec2<float> u) {
+        return light.sample_li(p, {u.x, u.y}).reason == NoLight::kNone;
+      });
+  EXPECT_TRUE(verdict.ok()) << verdict.failure;
+}
+
+void bounds_hold_the_light(const LightCase& c) {
+  const auto light = c.make<float>(moved());
+  const Verdict verdict = check_bounds_hold(*light.bounds(), [&](Vec2<float> up, Vec2<float> ud) {
+    return light.sample_le(up, ud, c.scene());
+  });
+  EXPECT_TRUE(verdict.ok()) << verdict.failure;
+}
+
+void bounds_leave_out_the_places_that_a_cone_does(const LightCase& c) {
+  const auto light = c.make<float>({});
+  const auto bounds = light.bounds();
+  const Vec3<double> center = Vec3<double>(bounds->lower) * 0.5 + Vec3<double>(bounds->upper) * 0.5;
+  RandomU random(13);
+  int left_out = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const Vec2<double> at = random.pair<double>();
+    left_out +=
+        bounds->reaches(Vec3<float>(center + Region{}.at(at.x, at.y) * (10 * c.size))) ? 0 : 1;
+  }
+  if (c.confined)
+    EXPECT_GT(left_out, 0);
+  else
+    EXPECT_EQ(left_out, 0);
+}
+
+}  // namespace bounded_light
+
+namespace unbounded_light {
+
+// A light at infinity is chosen by the illuminance that its flux gives over its cross-section.
+void has_a_cross_section_and_no_bounds(const LightCase& c) {
+  const auto light = c.make<float>({});
+  EXPECT_FALSE(light.bounds().has_value());
+  const std::optional<double> section_m2 = light.cross_section_m2({{}, 4});
+  ASSERT_TRUE(section_m2.has_value());
+  EXPECT_GT(*section_m2, 0);
+}
+
+// Rays that enter by the scene's sphere have nowhere to start where that is a point; those that
+// start on a portal do not ask for it.
+void a_scene_without_extent_gets_rays_of_portals_only(const LightCase& c) {
+  const auto light = c.make<float>({});
+  const SceneSphere none{{}, 0};
+  RandomU random(16);
+  for (int i = 0; i < 100; ++i) {
+    const Vec2<float> up = random.pair(), ud = random.pair();
+    const auto s = light.sample_le(up, ud, none);
+    ASSERT_TRUE(check_well_formed(s).ok()) << check_well_formed(s).failure;
+    if (c.enters_by_scene_disk) {
+      EXPECT_NE(s.reason, NoLight::kNone);
+      EXPECT_EQ(light.pdf_le({0, 0, 0}, {0, 0, 1}, none), EmissionPdf<float>{});
+    } else {
+      const auto same = light.sample_le(up, ud, c.scene());
+      EXPECT_EQ(s.reason, same.reason);
+      EXPECT_EQ(s.origin, same.origin);
+      EXPECT_EQ(s.direction, same.direction);
+      if (s.reason != NoLight::kNone) continue;
+      const EmissionPdf<float> told = light.pdf_le(s.origin, s.direction, none);
+      EXPECT_EQ(told, light.pdf_le(s.origin, s.direction, c.scene()));
+      EXPECT_GT(told.position.per_m2, 0);
+    }
+  }
+}
+
+}  // namespace unbounded_light
+
+}  // namespace lucerna::testing
