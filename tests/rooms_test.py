@@ -35,7 +35,8 @@ def faults(root):
     names = {str(f.relative_to(root)) for f in files}
     # Public headers of the client have a second name, that of the installation.
     public = {f"lucerna/client/{pathlib.Path(n).name}": n for n in names if n.startswith("client/") and n.endswith(".h")}
-    public["lucerna/client/testing/local_server.h"] = "client/testing/local_server.h"
+    for name in ("local_server.h", "local_server_test.h"):
+        public[f"lucerna/client/testing/{name}"] = f"client/testing/{name}"
     units = {}
     for file in files:
         name = str(file.relative_to(root))

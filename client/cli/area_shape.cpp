@@ -22,7 +22,7 @@ double length(const Vector& v) { return std::hypot(v[0], v[1], v[2]); }
 
 double dot(const Vector& a, const Vector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-/// Six digits of what went through floats, without the digits that floats put behind them.
+/// Six digits of a number that was a float, without the digits of its rounding.
 std::string metres(double v) { return number(static_cast<float>(v)); }
 
 /// Corners at (u, v) = (0, 0), (1, 0), (0, 1), (1, 1).
@@ -31,7 +31,7 @@ std::string describe_patch(const google::protobuf::RepeatedPtrField<v1::Vector3>
   const Vector a = difference(corners[1], corners[0]), b = difference(corners[2], corners[0]);
   const Vector c = difference(corners[3], corners[2]);
   const double width = length(a), height = length(b);
-  // But for the rounding of coordinates to floats, which are about the middle of the scene.
+  // Coordinates are floats relative to the middle of the scene, so small differences are rounding.
   constexpr double kTolerance = 1e-4;
   const double least = kTolerance * std::min(width, height);
   const Vector off = {a[0] - c[0], a[1] - c[1], a[2] - c[2]};

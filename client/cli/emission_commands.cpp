@@ -32,7 +32,7 @@ void le(Session& session, const LeOptions& options) {
   if (options.light) request.set_light_id(*options.light);
   options.time.put(request);
   options.wavelengths.put(request);
-  request.set_scene_id(session.scene_id(options.scene));
+  request.set_scene_id(session.query_scene_id(options.scene));
   ask_and_print(session, request, client::le_in_batches, [&](const v1::LeResponse& response) {
     std::vector<Table::Column> columns = {
         {"x [m]"}, {"y [m]"}, {"z [m]"}, {"direction", true}, {"radiance (RGB) [cd/m2]", true}};
@@ -69,7 +69,7 @@ struct EmitOptions {
   WavelengthOption wavelengths;
 };
 
-/// "u1,u2,u3,u4" where the light is named, with ",u_light" where it is not.
+/// From "u1,u2,u3,u4" with --light and "u1,u2,u3,u4,u_light" without it.
 v1::SampleValues sample_values(const EmitOptions& options) {
   v1::SampleValues values;
   for (const std::string& text : options.u) {
@@ -81,8 +81,8 @@ v1::SampleValues sample_values(const EmitOptions& options) {
   return values;
 }
 
-/// Luminance [cd/m2] of what has a surface, intensity [cd] of a point, illuminance [lx] of a
-/// distant light.
+/// Unit of the value: luminance [cd/m2] of a surface, intensity [cd] of a point, illuminance [lx]
+/// of a distant light.
 const char* unit_of(bool has_normal, float pdf_position, float pdf_direction) {
   if (has_normal) return "cd/m2";
   if (pdf_position == 0) return "cd";
@@ -131,7 +131,7 @@ void print_rays(const v1::SampleLeResponse& response, const EmitOptions& options
     if (status.empty()) {
       const bool surface =
           at(normals, 3 * i) != 0 || at(normals, 3 * i + 1) != 0 || at(normals, 3 * i + 2) != 0;
-      // Six digits of a sum that a float rounded once.
+      // The wire holds floats, so the sum has no more digits than a float.
       row.push_back(triple(static_cast<float>(origin.x() + at(offsets, 3 * i)),
                            static_cast<float>(origin.y() + at(offsets, 3 * i + 1)),
                            static_cast<float>(origin.z() + at(offsets, 3 * i + 2))));
@@ -166,7 +166,7 @@ void emit(Session& session, const EmitOptions& options) {
     request.set_count(static_cast<std::uint32_t>(options.u.size()));
   }
   options.wavelengths.put(request);
-  request.set_scene_id(session.scene_id(options.scene));
+  request.set_scene_id(session.query_scene_id(options.scene));
   ask_and_print(session, request, client::sample_le_in_batches,
                 [&](const v1::SampleLeResponse& response) { print_rays(response, options); });
 }
@@ -187,7 +187,7 @@ void emit_pdf(Session& session, const EmitPdfOptions& options) {
   fill(directions, request.mutable_directions());
   request.set_light_id(options.light);
   options.time.put(request);
-  request.set_scene_id(session.scene_id(options.scene));
+  request.set_scene_id(session.query_scene_id(options.scene));
   ask_and_print(
       session, request, client::pdf_le_in_batches, [&](const v1::PdfLeResponse& response) {
         Table table({{"x [m]"},
@@ -213,51 +213,54 @@ void emit_pdf(Session& session, const EmitPdfOptions& options) {
 }  // namespace
 
 void add_emission_commands(CLI::App& app, Session& session) {
-  CLI::App* command = app.add_subcommand("emit", "Samples rays that leave lights (SampleLe)");
+  CLI::App* command = app.add_subcommand("emit", "Sample rays that leave lights (SampleLe)");
   command->footer("Example:\n  lucerna emit room.pbrt --light 1 --count 4");
   const auto emission = std::make_shared<EmitOptions>();
-  command->add_option("SCENE", emission->scene, "Path or id")->required();
+  command->add_option("SCENE", emission->scene, kSceneHelp)->required();
   command
       ->add_option("--light", emission->light,
-                   "Id of the light; default: one is chosen for each ray, by power")
+                   "Id of the light; default: choose one for each ray by its power")
       ->check(whole64(1));
-  command->add_option("--count", emission->count, "How many rays")
+  command->add_option("--count", emission->count, "Number of rays")
       ->check(whole(1))
       ->capture_default_str();
-  command->add_option("--seed", emission->seed, "Seed of the sample values")
+  command->add_option("--seed", emission->seed, "Random seed of the experiment")
       ->check(whole64())
       ->capture_default_str();
   command
-      ->add_option("--u", emission->u,
-                   "Sample values of your own, u1,u2 for the position and u3,u4 for the direction, "
-                   "without --light also u_light: u1,u2,u3,u4,u_light; once for each ray")
+      ->add_option(
+          "--u", emission->u,
+          "Your own sample values, once for each ray: u1,u2 for the position and u3,u4 for "
+          "the direction; without --light a fifth, u_light")
       ->allow_extra_args(false)
       ->excludes("--seed");
   emission->time.add(*command);
   emission->wavelengths.add(*command);
   command->callback([emission, &session] { emit(session, *emission); });
 
-  command = app.add_subcommand("emit-pdf", "Densities with which `emit` chooses rays (PdfLe)");
+  command =
+      app.add_subcommand("emit-pdf", "Print the densities with which `emit` chooses rays (PdfLe)");
   command->footer(
       "Example:\n  lucerna emit-pdf room.pbrt --light 2 --point 0,0,2.7 --direction 0,0,-1");
   const auto density = std::make_shared<EmitPdfOptions>();
-  command->add_option("SCENE", density->scene, "Path or id")->required();
+  command->add_option("SCENE", density->scene, kSceneHelp)->required();
   density->points.add(*command, "directions");
   density->directions.add(*command, "--direction",
-                          "The ray's direction x,y,z, away from the light");
+                          "Direction x,y,z of the ray, away from the light");
   command->add_option("--light", density->light, "Id of the light")->check(whole64(1))->required();
   density->time.add(*command);
   command->callback([density, &session] { emit_pdf(session, *density); });
 
-  command = app.add_subcommand("le", "Radiance of the lights that rays meet, or of the sky (Le)");
+  command = app.add_subcommand(
+      "le", "Print the radiance of the lights that rays meet, or of the sky (Le)");
   command->footer(
       "Example:\n  lucerna le room.pbrt --point 0,0,1.2 --direction 0,0.3,1\n"
       "  lucerna le room.pbrt --points rays.csv --light 2");
   const auto looking = std::make_shared<LeOptions>();
-  command->add_option("SCENE", looking->scene, "Path or id")->required();
+  command->add_option("SCENE", looking->scene, kSceneHelp)->required();
   looking->points.add(*command, "directions");
-  looking->directions.add(*command, "--direction", "The ray's direction x,y,z");
-  command->add_option("--light", looking->light, "Id of the only light to tell of; default: any")
+  looking->directions.add(*command, "--direction", "Direction x,y,z of the ray");
+  command->add_option("--light", looking->light, "Id of the only light to look for; default: any")
       ->check(whole64(1));
   looking->time.add(*command);
   looking->wavelengths.add(*command);

@@ -22,7 +22,7 @@ constexpr std::uint64_t kMostFrames = 1000000;
 constexpr std::uint64_t kLastFrame = 999999999;
 constexpr double kDefaultFps = 24;
 
-/// The digits at the front of `text`, which are taken off it.
+/// Takes the number at the front off `text`.
 std::optional<std::uint64_t> take_number(std::string_view& text) {
   std::uint64_t value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -43,7 +43,7 @@ FramePattern pattern(const std::string& option, const std::string& text) {
   return *std::move(made);
 }
 
-/// Finds out beforehand which files cannot be written, and which would be written twice.
+/// Finds files that cannot be written, and files that would be written twice, before rendering.
 class Outputs {
  public:
   void add(const std::string& path, std::uint64_t frame, bool is_picture) {
@@ -53,7 +53,7 @@ class Outputs {
       wrong_use(fmt::format("frame {} would write {} twice", frame, path));
     if (!is_new)
       wrong_use(fmt::format("frames {} and {} would both write {}", other->second, frame, path));
-    // Files of one folder and one kind are all alike.
+    // One file of each folder and format is enough to try.
     if (!is_picture || !places_.emplace(name.parent_path(), name.extension()).second) return;
     const auto file = client::PictureFile::create(path);
     if (!file.ok()) wrong_use(std::string(file.status().message()));
@@ -152,23 +152,21 @@ void FramesOption::add(CLI::App& command) {
   command
       .add_option(
           "--frames", frames,
-          "Pictures of an animation: N, A-B or A-B:STEP.  -o, --stderr, --counts and --journal "
-          "name them with %d, or %04d for four digits.  Where SCENE has one too, each frame has "
-          "its own file, shutter and all; else frame 1 is the scene as it is, and the "
-          "shutter opens 1/fps later for each further frame")
+          "Render the frames N, A-B or A-B:STEP of an animation; %d or %04d in file names stands "
+          "for the number of the frame, in SCENE too")
       ->type_name("RANGE");
   command
       .add_option(
           "--fps", fps,
-          fmt::format("With --frames of one scene: frames a second; default {:g}", kDefaultFps))
+          fmt::format("With --frames of one scene: frames per second; default {:g}", kDefaultFps))
       ->check(positive());
   command
       .add_option("--shutter", shutter_s,
-                  "With --frames of one scene: for how long the shutter is open at each [s]; "
-                  "default: as long as the scene file says")
+                  "With --frames of one scene: time that the shutter is open for a frame [s]; "
+                  "default: as in the scene file")
       ->check(positive());
   command.add_flag("--skip-existing", skip_existing,
-                   "With --frames: leave out those whose files are all there, whatever is in them");
+                   "With --frames: skip frames whose files all exist, whatever they hold");
 }
 
 void FramesOption::check() const {
@@ -237,7 +235,7 @@ const Frame* FrameRun::next() {
     current_ = frames_[next_];
     if (skip_existing_ && is_there(current_)) {
       if (!session_.json()) {
-        fmt::print("{}: there already\n", fmt::join(current_.outputs, ", "));
+        fmt::print("{}: exists already\n", fmt::join(current_.outputs, ", "));
         std::fflush(stdout);
       }
       continue;
@@ -255,7 +253,7 @@ const Frame* FrameRun::next() {
 }
 
 void FrameRun::done() {
-  // Its pictures are there, so that nothing will go on from it.
+  // The pictures are written, so the journal is not needed any more.
   std::error_code ignored;
   if (!current_.journal.empty()) fs::remove(current_.journal, ignored);
   if (current_.own_scene) held_.release(true, session_.call_options());

@@ -19,16 +19,16 @@ namespace lucerna::cli {
 struct FrameRange {
   std::uint64_t first = 0, last = 0, step = 1;
 
-  /// INVALID_ARGUMENT for what is none, runs backwards or has more than a million frames.
+  /// INVALID_ARGUMENT for other texts, ranges that run backwards, and more than a million frames.
   static absl::StatusOr<FrameRange> parse(const std::string& text);
   std::uint64_t count() const { return (last - first) / step + 1; }
 };
 
-/// A file name with one place for a frame's number: %d, or %04d for four digits at least; %% stands
-/// for a percent sign.
+/// A file name with one place for the number of a frame: %d, or %04d for at least four digits.  %%
+/// is a percent sign.
 class FramePattern {
  public:
-  /// INVALID_ARGUMENT for none, more than one, and anything else after a percent sign.
+  /// INVALID_ARGUMENT for no place, more than one, and anything else after a percent sign.
   static absl::StatusOr<FramePattern> create(const std::string& text);
   std::string name(std::uint64_t frame) const;
 
@@ -37,24 +37,24 @@ class FramePattern {
   int digits_ = 1;
 };
 
-/// What is rendered from what into what.
+/// One picture of an animation: its scene and its files.
 struct Frame {
   std::uint64_t number = 0;
   std::string scene;
-  bool own_scene = false;  ///< a file for this frame alone
+  bool own_scene = false;  ///< this frame alone has the scene file
   std::vector<std::string> outputs;
   std::string error_output;         ///< empty: none
   std::string counts_output;        ///< empty: none
   std::string journal;              ///< empty: none
-  double later_s = 0;               ///< than frame 1
-  std::optional<double> shutter_s;  ///< unset: as long as the scene file says
+  double later_s = 0;               ///< time after frame 1
+  std::optional<double> shutter_s;  ///< unset: as in the scene file
 
-  /// Moves the moment, or the shutter, to the frame's place in time.  A scene file of the frame's
-  /// own has it already.
+  /// Sets the moment or the shutter to the time of the frame.  A scene file for this frame alone
+  /// has its own shutter, so the request stays unchanged.
   void put(v1::RenderImageRequest& request) const;
 };
 
-/// As the command line has them, with their patterns.
+/// The names on the command line, with their patterns.
 struct FrameNames {
   std::string scene;
   std::vector<std::string> outputs;
@@ -71,24 +71,24 @@ struct FramesOption {
 
   void add(CLI::App& command);
   explicit operator bool() const { return !frames.empty(); }
-  /// Ends the program where the others are given without --frames.
+  /// Ends the program if the other options are given without --frames.
   void check() const;
-  /// All frames in order.  Ends the program for patterns that cannot be, files that cannot be
-  /// written and frames that would write the same one.  `at_moment`: --time is given.
+  /// All frames in order.  Ends the program for wrong patterns, files that cannot be written, and
+  /// frames that write the same file.  `at_moment`: --time is given.
   std::vector<Frame> plan(const FrameNames& names, bool at_moment) const;
 };
 
-/// Goes through the frames: brings each one's scene to where it is rendered, and lets go of it.
+/// Goes through the frames: loads the scene of each, and releases it afterwards.
 class FrameRun {
  public:
-  /// `many`: the scenes go to the servers of a job, by `held()`, and not to the session's.
+  /// `many`: `held()` loads the scenes on the servers of a job, and not the session on its server.
   FrameRun(Session& session, std::vector<Frame> frames, bool skip_existing, bool many)
       : session_(session), frames_(std::move(frames)), skip_existing_(skip_existing), many_(many) {}
 
-  /// The next frame that is to be rendered, null after the last.  Its scene is, where it is not for
-  /// many servers, the id of one that is loaded.
+  /// The next frame to render; null after the last.  Without `many`, its scene is the id of a
+  /// loaded scene.
   const Frame* next();
-  /// What `next` gave last is written.
+  /// To be called when the files of the last frame from next() are written.
   void done();
   client::HeldScene& held() { return held_; }
 

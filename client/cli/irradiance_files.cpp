@@ -35,7 +35,7 @@ std::unique_ptr<VectorFile> open(const std::string& path, VectorKind kind) {
   return *std::move(file);
 }
 
-/// Points of one file, normals of the same, of another or one for all.
+/// Points of one file; normals of the same file, of another file, or one for all.
 class Receivers final : public client::ReceiverSource {
  public:
   Receivers(const std::string& points, const std::string& normals,
@@ -70,7 +70,7 @@ class Receivers final : public client::ReceiverSource {
 
   std::uint64_t size() const override { return points_->rows(); }
   const client::MapWindow* window() const { return points_->window(); }
-  /// Why they could not be read.
+  /// The error of the last read().
   const absl::Status& failed() const { return failed_; }
 
   absl::Status read(std::uint64_t first, std::size_t count, std::vector<Double3>& points,
@@ -101,8 +101,8 @@ class Receivers final : public client::ReceiverSource {
   absl::Status failed_;
 };
 
-/// What the results are written to until they are complete.  Stays where a journal tells what is in
-/// it, and goes with this object otherwise.
+/// The file that holds the results until they are complete.  The destructor deletes it unless there
+/// is a journal of it.
 class PartFile {
  public:
   PartFile(const std::string& output, std::string journal)
@@ -121,13 +121,13 @@ class PartFile {
     if (!journal_.empty() && fs::exists(journal_, error)) return;
     const int file = ::open(path_.c_str(), O_RDONLY | O_CLOEXEC);
     if (file < 0) return;
-    // Not that of another process, which may be why this one ends.
+    // Another process may hold the lock and write to the file; this one then leaves it.
     if (::flock(file, LOCK_EX | LOCK_NB) == 0) ::unlink(path_.c_str());
     ::close(file);
   }
 
   const std::string& path() const { return path_; }
-  /// The results have the name that they were to have: nothing is left to go on from.
+  /// To be called when the results have their final name.  Deletes the journal.
   void done() {
     std::error_code error;
     if (!journal_.empty()) fs::remove(journal_, error);
@@ -160,14 +160,11 @@ void IrradianceFilesOption::add(CLI::App& command) {
   command
       .add_option(
           "-o,--output", output_,
-          "Into a file, of points from a file of any length: .npy (one row of float32 a "
-          "point: illuminance, R, G, B, standard error, zero bound, status, ends of the interval "
-          "that holds the illuminance; with --error also samples), .csv, or where "
-          "the points are a map .exr")
+          "Write the answers of --points to this file: .npy, .csv, or .exr if the points are a map")
       ->type_name("FILE");
   command
       .add_option("--normals", normals_,
-                  "With -o: the normals of --points where these have none, .npy, .csv or .exr")
+                  "With -o: file of the normals if --points has none: .npy, .csv or .exr")
       ->type_name("FILE");
   servers_.add(command, false);
 }
@@ -243,22 +240,23 @@ void IrradianceFilesOption::run(Session& session, const std::string& scene,
   }
   part.done();
 
-  v1::EstimateIrradianceResponse told;
-  told.set_samples(result->samples);
-  *told.mutable_cost() = result->cost;
+  v1::EstimateIrradianceResponse summary;
+  summary.set_samples(result->samples);
+  *summary.mutable_cost() = result->cost;
   if (session.json()) {
     std::string more = json_of_approximate(accuracy);
     if (accuracy.has_target_error())
-      more += fmt::format(",\"points_not_reached\":{}", target->missed());
-    fmt::print("{}", to_json(told, more));
+      more += fmt::format(",\"pointsNotReached\":{}", target->missed());
+    fmt::print("{}", to_json(summary, more));
   } else {
     const std::string before =
         result->from_journal > 0 ? fmt::format(", {} of them before", result->from_journal) : "";
     fmt::print("{}: {} points{}{}; {}{}{}\n", output_, receivers.size(), before,
-               describe_statuses(*result), target->describe("points"), describe(told.cost()),
-               describe_approximations(accuracy, told.cost()));
+               describe_statuses(*result), target->describe("points"), describe(summary.cost()),
+               describe_approximations(accuracy, summary.cost()));
+    session.print_remarks();
   }
-  // A map has texels that belong to no surface.
+  // A map has texels without a surface, whose status is INVALID_INPUT.
   const auto failed = [&](std::size_t status) {
     google::protobuf::RepeatedField<int> statuses;
     statuses.Add(static_cast<int>(status));

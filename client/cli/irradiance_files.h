@@ -1,4 +1,4 @@
-// irradiance -o: from files of any length into a file.
+// irradiance -o: from files of any length to a file.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -16,11 +16,11 @@ class IrradianceFilesOption {
  public:
   void add(CLI::App& command);
   bool given() const { return !output_.empty(); }
-  /// Ends the program where what goes with -o is given without it.
+  /// Ends the program if an option that needs -o is given without it.
   void check() const;
 
-  /// Asks `request` of the receivers of `points` and writes the answers.  `normal`: of all of them,
-  /// where they have no own.
+  /// Sends `request` for the receivers of `points` and writes the answers.  `normal` is for all
+  /// receivers if the files have no normals.
   void run(Session& session, const std::string& scene, const PointOptions& points,
            const TripleOption& normal, const v1::EstimateIrradianceRequest& request) const;
 

@@ -15,6 +15,7 @@
 
 #include "client/files/map_file.h"
 #include "client/jobs/result_file.h"
+#include "proto/common/status_macros.h"
 
 namespace lucerna::cli {
 namespace {
@@ -23,7 +24,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kRowsPerRead = 4096;
 
-/// With a target error; false where the receiver has no answer.
+/// Whether the receiver met the target; false if it has no answer.
 bool add_row(const float* row, TargetCheck& check) {
   return row[client::kStatusColumn] == float{v1::ITEM_STATUS_OK} &&
          check.add(row[0], row[client::kLowerColumn], row[client::kUpperColumn],
@@ -49,9 +50,9 @@ absl::Status write_csv(const std::string& path, const client::ResultFile& result
   const std::size_t columns = results.columns();
   for (std::uint64_t first = 0; first < results.rows() && file;) {
     const std::size_t count = std::min<std::uint64_t>(kRowsPerRead, results.rows() - first);
-    if (absl::Status s = receivers.read(first, count, points, normals); !s.ok()) return s;
+    LUCERNA_RETURN_IF_ERROR(receivers.read(first, count, points, normals));
     rows.resize(count * columns);
-    if (absl::Status s = results.read(first, rows); !s.ok()) return s;
+    LUCERNA_RETURN_IF_ERROR(results.read(first, rows));
     for (std::size_t i = 0; i < count; ++i) {
       fmt::format_to(to, "\n{},{},{}", points[i][0], points[i][1], points[i][2]);
       const float* row = rows.data() + i * columns;
@@ -83,7 +84,7 @@ absl::Status write_map(const std::string& path, const client::ResultFile& result
   if (options.request.accuracy().has_target_error()) names.emplace_back("samples.Y");
   for (const double nm : options.request.wavelengths_nm())
     names.push_back(fmt::format("irradiance.{}nm", nm));
-  // A column of NaN tells nobody anything, and pictures of NaN upset programs.
+  // A single sample has no error: its columns would be NaN, which some programs cannot show.
   const bool has_error = options.samples != 1;
   const auto kept_column = [has_error](std::size_t c) {
     return has_error || (c != client::kStandardErrorColumn && c != client::kLowerColumn &&
@@ -93,13 +94,13 @@ absl::Status write_map(const std::string& path, const client::ResultFile& result
   for (std::size_t c = 0; c < names.size(); ++c) {
     if (kept_column(c)) channels.push_back(names[c]);
   }
-  auto file = client::MapWriter::create(path, window, channels, options.description);
-  if (!file.ok()) return file.status();
+  LUCERNA_ASSIGN_OR_RETURN(const auto file,
+                           client::MapWriter::create(path, window, channels, options.description));
   const auto width = static_cast<std::size_t>(window.width);
   std::vector<float> row(width * results.columns());
   for (std::uint64_t first = 0; first < results.rows(); first += width) {
     row.resize(width * results.columns());
-    if (absl::Status s = results.read(first, row); !s.ok()) return s;
+    LUCERNA_RETURN_IF_ERROR(results.read(first, row));
     if (!has_error) {
       std::size_t at = 0, kept = 0;
       for (; at < row.size(); ++at) {
@@ -107,9 +108,9 @@ absl::Status write_map(const std::string& path, const client::ResultFile& result
       }
       row.resize(kept);
     }
-    if (absl::Status s = (*file)->write_row(row); !s.ok()) return s;
+    LUCERNA_RETURN_IF_ERROR(file->write_row(row));
   }
-  return (*file)->close();
+  return file->close();
 }
 
 }  // namespace
@@ -123,16 +124,16 @@ std::string status_name(float status) {
 
 absl::StatusOr<TargetCheck> check_results(const IrradianceOutput& options,
                                           const std::string& header, std::uint64_t rows) {
-  const auto results = client::ResultFile::open(options.results, header, rows,
-                                                client::irradiance_columns(options.request));
-  if (!results.ok()) return results.status();
+  LUCERNA_ASSIGN_OR_RETURN(const client::ResultFile results,
+                           client::ResultFile::open(options.results, header, rows,
+                                                    client::irradiance_columns(options.request)));
   TargetCheck check(options.request.accuracy().target_error());
   std::vector<float> values;
   for (std::uint64_t first = 0; first < rows; first += kRowsPerRead) {
     const std::size_t count = std::min<std::uint64_t>(kRowsPerRead, rows - first);
-    values.resize(count * results->columns());
-    if (absl::Status s = results->read(first, values); !s.ok()) return s;
-    for (std::size_t i = 0; i < count; ++i) add_row(values.data() + i * results->columns(), check);
+    values.resize(count * results.columns());
+    LUCERNA_RETURN_IF_ERROR(results.read(first, values));
+    for (std::size_t i = 0; i < count; ++i) add_row(values.data() + i * results.columns(), check);
   }
   return check;
 }

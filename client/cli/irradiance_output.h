@@ -1,4 +1,4 @@
-// Results of a job as the file that was asked for.
+// Results of a job in the format of the output file.
 #pragma once
 
 #include <cstdint>
@@ -13,28 +13,31 @@
 namespace lucerna::cli {
 
 struct IrradianceOutput {
-  std::string output;   ///< the name that the file gets once it is complete
-  std::string results;  ///< as run_irradiance_job() left them; gone afterwards
+  std::string output;   ///< name of the file once it is complete
+  std::string results;  ///< file that run_irradiance_job() wrote; deleted afterwards
   client::VectorFormat format;
   v1::EstimateIrradianceRequest request;
   std::uint32_t samples;
-  std::string description = {};  ///< for files that have a place for it
+  std::string description = {};  ///< for formats that hold one
 };
 
-/// "INVALID_INPUT", of a status as it stands in a column.
+/// "INVALID_INPUT", from the number in a column of status.
 std::string status_name(float status);
 
-/// Of .npy the results are the file already.  .csv: a line of
-///   x,y,z,illuminance_lx,red_lx,green_lx,blue_lx,standard_error_lx,zero_bound_lx,status,
-///   lower_lx,upper_lx,approximate
-/// for each receiver, numbers with as many digits as tell every bit, status by name.  .exr:
-/// channels R, G, B, illuminance.Y, zero_bound.Y, status.Y and, where there is more than a sample,
-/// standard_error.Y, lower.Y and upper.Y in `window`.  Of both, with a target error the samples
-/// follow (samples,reached; samples.Y), then wavelengths.  UNKNOWN where it cannot be written.
+/// Writes the output file.
+///   .npy  the results have this format already
+///   .csv  a line for each receiver, numbers with enough digits for every bit, status by name:
+///         x,y,z,illuminance_lx,red_lx,green_lx,blue_lx,standard_error_lx,zero_bound_lx,status,
+///         lower_lx,upper_lx,approximate
+///   .exr  channels R, G, B, illuminance.Y, zero_bound.Y and status.Y in `window`; with two samples
+///         or more also standard_error.Y, lower.Y and upper.Y
+/// With a target error the samples follow (samples,reached; samples.Y), then the wavelengths.
+/// UNKNOWN if the file cannot be written.
 absl::Status write_irradiance(const IrradianceOutput& options, client::ReceiverSource& receivers,
                               const client::MapWindow* window);
 
-/// Of the rows that have an answer; `options` with a target error.  `header`: of the results.
+/// Checks the rows that have an answer.  `options` has a target error; `header` is that of the
+/// results.
 absl::StatusOr<TargetCheck> check_results(const IrradianceOutput& options,
                                           const std::string& header, std::uint64_t rows);
 

@@ -1,6 +1,7 @@
 // sample, pdf.
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <memory>
 
 #include "client/rpc/batch_parts.h"
@@ -32,7 +33,8 @@ struct SampleOptions {
   WavelengthOption wavelengths;
 };
 
-/// "u1,u2" where the light is named, "u1,u2,u_light" where it is not; one for all or one a point.
+/// From "u1,u2" with --light and "u1,u2,u_light" without it; one text for all points, or one for
+/// each.
 v1::SampleValues sample_values(const SampleOptions& options, std::size_t points) {
   if (options.stop.samples.value_or(1) != 1) wrong_use("--u and --samples: only one of them");
   if (options.stop.error) wrong_use("--u and --error: only one of them");
@@ -98,7 +100,12 @@ void print_samples(const v1::SampleLiResponse& response, const SampleOptions& op
              describe_approximations(accuracy, response.cost()));
 }
 
-/// What the samples of each point say.
+std::uint64_t most_samples(const v1::ReceiverEstimates& estimates) {
+  const auto& samples = estimates.samples();
+  return samples.empty() ? 0 : *std::max_element(samples.begin(), samples.end());
+}
+
+/// The estimate of each point.
 void print_estimates(const v1::SampleLiResponse& response, const SampleOptions& options,
                      const PointSet& set, const v1::SampleLiRequest& request) {
   const v1::Accuracy& accuracy = request.accuracy();
@@ -114,7 +121,7 @@ void print_estimates(const v1::SampleLiResponse& response, const SampleOptions& 
   for (int i = 0; i < estimates.samples_size(); ++i) {
     const auto& [x, y, z] = set.points.at(i);
     const std::string status = item_status(estimates.status(), i);
-    // Several samples that are all alike say nothing of what they missed.
+    // Several equal samples do not bound what they missed.
     const bool approximate = is_approximate(accuracy) || estimates.samples(i) > 1;
     const std::string error =
         status.empty() ? interval_text(estimates.illuminance_lx(i), estimates.lower_lx(i),
@@ -130,12 +137,12 @@ void print_estimates(const v1::SampleLiResponse& response, const SampleOptions& 
   }
   fmt::print("{}", table.to_string());
   fmt::print(
-      "± and < hold with {}% confidence, of {}; {}{}{}\n", percent(options.stop.confidence()),
-      options.visibility ? "visible lights"
-                         : "lights as though nothing stood between (else: --visible)",
+      "± and < hold with {}% confidence, of {}; {}{}{}{}\n", percent(options.stop.confidence()),
+      options.visibility ? "visible lights" : "unoccluded lights (--visible tests visibility)",
       accuracy.has_target_error()
           ? check_target(estimates, estimates.samples(), accuracy.target_error()).describe("points")
           : "",
+      describe_overrun(accuracy, response.cost(), most_samples(estimates), "point"),
       describe(response.cost()), describe_approximations(accuracy, response.cost()));
 }
 
@@ -156,7 +163,7 @@ void sample(Session& session, const SampleOptions& options) {
   options.methods.put(request);
   options.time.put(request);
   options.wavelengths.put(request);
-  request.set_scene_id(session.scene_id(options.scene));
+  request.set_scene_id(session.query_scene_id(options.scene));
   const v1::Accuracy& accuracy = request.accuracy();
   using Response = v1::SampleLiResponse;
   ask_and_print<v1::SampleLiRequest, Response>(
@@ -199,7 +206,7 @@ void pdf(Session& session, const PdfOptions& options) {
   options.area_sampling.put(request);
   options.time.put(request);
   request.set_light_id(options.light);
-  request.set_scene_id(session.scene_id(options.scene));
+  request.set_scene_id(session.query_scene_id(options.scene));
   ask_and_print(
       session, request, client::pdf_li_in_batches, [&](const v1::PdfLiResponse& response) {
         Table table({{"x [m]"}, {"y [m]"}, {"z [m]"}, {"wi", true}, {"pdf [1/sr]"}, {"", true}});
@@ -217,43 +224,46 @@ void pdf(Session& session, const PdfOptions& options) {
 
 void add_light_commands(CLI::App& app, Session& session) {
   CLI::App* command =
-      app.add_subcommand("sample", "Samples the light that arrives at points (SampleLi)");
+      app.add_subcommand("sample", "Sample the light that arrives at points (SampleLi)");
   command->footer(
       "Example:\n  lucerna sample room.pbrt --point 0,0,0 --light 1 --samples 4 --visible\n"
       "  lucerna sample room.pbrt --points desks.csv --visible --error 1% --max-samples 4096");
   const auto sampling = std::make_shared<SampleOptions>();
-  command->add_option("SCENE", sampling->scene, "Path or id")->required();
+  command->add_option("SCENE", sampling->scene, kSceneHelp)->required();
   sampling->points.add(*command, "normals");
   command
       ->add_option("--light", sampling->light,
-                   "Id of the light; default: one is chosen for each sample")
+                   "Id of the light; default: choose one for each sample")
       ->check(whole64(1));
-  command->add_option("--seed", sampling->seed, "Seed of the sample values")
+  command->add_option("--seed", sampling->seed, "Random seed of the experiment")
       ->check(whole64())
       ->capture_default_str();
   command
       ->add_option(
           "--u", sampling->u,
-          "Sample values of your own, u1,u2 with --light and u1,u2,u_light without; once for "
-          "all points, or once for each")
+          "Your own sample values: u1,u2 with --light, u1,u2,u_light without; once for all "
+          "points, or once for each")
       ->allow_extra_args(false)
       ->excludes("--seed");
-  sampling->stop.add(*command, "point", "1; --error and --budget tell what the samples say", "lx");
-  command->add_flag("--visible", sampling->visibility, "Also test whether nothing stands between");
-  sampling->normals.add(*command, "--normal", "The surface normal x,y,z at the point");
+  sampling->stop.add(*command, "point", "1; --error and --budget print an estimate for each point",
+                     "lx");
+  command->add_flag("--visible", sampling->visibility,
+                    "Also test whether the light is visible from the point");
+  sampling->normals.add(*command, "--normal", "Surface normal x,y,z at the point");
   sampling->methods.add(*command);
   sampling->time.add(*command);
   sampling->wavelengths.add(*command);
   command->callback([sampling, &session] { sample(session, *sampling); });
 
-  command = app.add_subcommand("pdf", "Density with which `sample` chooses directions (PdfLi)");
+  command =
+      app.add_subcommand("pdf", "Print the density with which `sample` chooses directions (PdfLi)");
   command->footer("Example:\n  lucerna pdf room.pbrt --light 2 --point 0,0,0 --direction 0,0,1");
   const auto density = std::make_shared<PdfOptions>();
-  command->add_option("SCENE", density->scene, "Path or id")->required();
+  command->add_option("SCENE", density->scene, kSceneHelp)->required();
   density->points.add(*command, "directions");
-  density->directions.add(*command, "--direction", "The direction x,y,z from the point");
+  density->directions.add(*command, "--direction", "Direction x,y,z from the point");
   command->add_option("--light", density->light, "Id of the light")->check(whole64(1))->required();
-  density->normals.add(*command, "--normal", "The surface normal x,y,z at the point");
+  density->normals.add(*command, "--normal", "Surface normal x,y,z at the point");
   density->area_sampling.add(*command);
   density->time.add(*command);
   command->callback([density, &session] { pdf(session, *density); });

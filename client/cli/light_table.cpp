@@ -12,7 +12,7 @@
 namespace lucerna::cli {
 namespace {
 
-/// Bounds are rounded outwards: what is flat at 0 reaches to the smallest floats about it.
+/// Bounds are rounded outwards, so a flat bound at 0 reaches to the smallest floats beside 0.
 double coordinate(double x) { return std::fabs(x) < std::numeric_limits<float>::min() ? 0 : x; }
 
 std::string xyz(const v1::Vector3& v) {
@@ -21,8 +21,8 @@ std::string xyz(const v1::Vector3& v) {
 
 std::string degrees(double radians) { return number(radians * 180 / std::numbers::pi) + " deg"; }
 
-/// One number where it is grey in the digits that are printed.  The weights are those of Rec. 709
-/// with white D65, which is what the contract's RGB is.  [ITU-R BT.709]
+/// One number for a level that is grey in the printed digits.  The weights are those of Rec. 709
+/// with white D65, the RGB of the contract.  [ITU-R BT.709]
 std::string level(const v1::Rgb& c, const std::string& unit = {}) {
   const std::string r = number(c.r()), g = number(c.g()), b = number(c.b());
   const std::string behind = unit.empty() ? "" : " " + unit;
@@ -82,7 +82,8 @@ std::string describe_light(const v1::SpotLight& spot) {
 std::string describe_light(const v1::GoniometricLight& light) {
   switch (light.distribution_case()) {
     case v1::GoniometricLight::kImage:
-      return fmt::format("{}, {} at 1", describe_light(light.image()), level(light.intensity(), "cd"));
+      return fmt::format("{}, {} at 1", describe_light(light.image()),
+                         level(light.intensity(), "cd"));
     case v1::GoniometricLight::kPhotometricFile: {
       const std::string times = level(light.intensity());
       const std::string text = describe_light(light.photometric_file());
@@ -93,8 +94,7 @@ std::string describe_light(const v1::GoniometricLight& light) {
   }
 }
 
-/// What a panel gives, by its file's flux: what the light scales the file by and, of one-sided
-/// panels, without what the file has to the back.
+/// The flux of a panel relative to its file.  A one-sided panel has no flux to its back.
 std::string flux_of_panel(const v1::DiffuseAreaLight& area, double area_m2) {
   const double of_1 = (area.two_sided() ? 2 : 1) * std::numbers::pi * area_m2;
   const double file_lm = area.profile().flux_lm();
@@ -177,16 +177,15 @@ bool is_type(const v1::PhotometricFile& file, char type) {
   return file.format().ends_with(std::string(", type ") + type);
 }
 
-/// Which way a luminaire is turned about its straight down.
+/// How a luminaire is turned about its downward axis.
 std::string turn_of_luminaire(const v1::PhotometricFile& file, const v1::Axes& axes) {
-  // What lies along x: a plane of type C, of which EULUMDAT is; the pole of type B; where type A
-  // shines.
+  // The direction of x: plane C0 of type C and EULUMDAT; the pole of type B; the beam of type A.
   const char* x = is_type(file, 'A') ? "V 0 H 0" : is_type(file, 'B') ? "V 90" : "C0";
   return fmt::format(", {} to {}{}", x, direction(axes.x()),
                      is_left_handed(axes) ? ", mirrored" : "");
 }
 
-/// Where a luminaire shines and how it is turned about that.
+/// Direction of a luminaire and its turn about that direction.
 std::string aim_of_luminaire(const v1::PhotometricFile& file, const v1::Axes& axes) {
   if (!is_type(file, 'A')) {
     return " towards " + direction(axes.z()) + turn_of_luminaire(file, axes);
@@ -195,14 +194,14 @@ std::string aim_of_luminaire(const v1::PhotometricFile& file, const v1::Axes& ax
                      is_left_handed(axes) ? ", mirrored" : "");
 }
 
-/// How a picture around something is turned; nothing where it is not.
+/// How a picture around a point is turned; empty if it is not turned.
 std::string turn_of_picture(const v1::Axes& axes) {
   const std::string x = direction(axes.x()), y = direction(axes.y()), z = direction(axes.z());
   if (x == "1 0 0" && y == "0 1 0" && z == "0 0 1") return "";
   return ", +x to " + x + ", +y to " + y + ", +z to " + z;
 }
 
-/// A box; the normal of what shines from one side of a plane; the axis of tubes.
+/// Bounding box; the normal of a one-sided plane; the axis of a tube.
 std::string place_of_area(const v1::Light& light) {
   std::string text = xyz(light.bounds().lower_m()) + " to " + xyz(light.bounds().upper_m());
   constexpr double kHemisphere = std::numbers::pi / 2 + 1e-3;
@@ -226,7 +225,7 @@ std::string place_of_goniometric(const v1::Light& light) {
     text += turn_of_picture(lamp.axes());
   }
   if (!light.has_directions()) return text;
-  // A bound, a little wider than the cone: no more digits than are meant.
+  // A bound that is a little wider than the cone, so two decimals are enough.
   const double half_angle = light.directions().half_angle_rad() * 180 / std::numbers::pi;
   return fmt::format("{}, within {} deg of {}", text, number(std::round(half_angle * 100) / 100),
                      direction(light.directions().axis()));

@@ -25,7 +25,7 @@ struct PowerOptions {
   WavelengthOption wavelengths;
 };
 
-/// All pages; the total is of all lights on every page.
+/// All pages.  The total of every page counts all lights.
 v1::EstimatePowerResponse all_powers(Session& session, v1::EstimatePowerRequest request) {
   v1::EstimatePowerResponse all;
   do {
@@ -33,7 +33,7 @@ v1::EstimatePowerResponse all_powers(Session& session, v1::EstimatePowerRequest 
       return client.estimate_power(request, session.call_options());
     });
     request.set_page_token(page.next_page_token());
-    // A time is that of one page: the others take as many samples, so that one total is of all.
+    // The time is for the first page.  The others take as many samples, so all share one total.
     if (request.accuracy().has_time_budget_s() && page.lights_size() > 0)
       request.mutable_accuracy()->set_samples(static_cast<std::uint32_t>(page.lights(0).samples()));
     all.mutable_lights()->MergeFrom(page.lights());
@@ -43,7 +43,7 @@ v1::EstimatePowerResponse all_powers(Session& session, v1::EstimatePowerRequest 
   return all;
 }
 
-/// Half the interval that holds a sampled flux.
+/// Half the interval of a sampled flux.
 std::string flux_interval_text(const v1::LightPower& light) {
   if (!light.has_upper_lm()) return "unknown";
   return number((light.upper_lm() - light.lower_lm()) / 2);
@@ -51,7 +51,7 @@ std::string flux_interval_text(const v1::LightPower& light) {
 
 void power(Session& session, const PowerOptions& options) {
   v1::EstimatePowerRequest request;
-  request.set_scene_id(session.scene_id(options.scene));
+  request.set_scene_id(session.query_scene_id(options.scene));
   for (const std::uint64_t id : options.lights) request.add_light_ids(id);
   if (options.method == "approximate") {
     request.set_method(v1::EstimatePowerRequest::METHOD_APPROXIMATE);
@@ -116,34 +116,42 @@ void power(Session& session, const PowerOptions& options) {
   add("all", "", response.total(), any_from_infinity);
   fmt::print("{}", table.to_string());
   if (any_from_infinity) fmt::print("{}; \"all\" includes it\n", kFluxFromInfinity);
-  if (sampled)
-    fmt::print("± holds with {}% confidence; {}{}\n", percent(options.stop.confidence()),
-               check.describe("lights"), describe(response.cost()));
+  if (sampled) {
+    std::uint64_t most = 0;
+    for (const v1::LightPower& light : response.lights()) most = std::max(most, light.samples());
+    fmt::print("± holds with {}% confidence; {}{}{}\n", percent(options.stop.confidence()),
+               check.describe("lights"),
+               describe_overrun(request.accuracy(), response.cost(), most, "light"),
+               describe(response.cost()));
+  }
+  session.print_remarks();
 }
 
 }  // namespace
 
 void add_power_command(CLI::App& app, Session& session) {
-  CLI::App* command = app.add_subcommand("power", "Luminous and radiant flux of lights");
+  CLI::App* command = app.add_subcommand("power", "Print the luminous and radiant flux of lights");
   command->footer(
       "Example:\n  lucerna power room.pbrt --light 1 --light 2\n"
       "  lucerna power room.pbrt --wavelength 450,555,650\n"
       "  lucerna power room.pbrt --method sampled --error 0.1%\n"
-      "With --json: EstimatePowerResponse; with --error also `reached`, whether each light is as "
-      "certain as that.");
+      "--json prints EstimatePowerResponse; with --error also `reached`, whether each light met "
+      "the "
+      "target.");
   const auto powers = std::make_shared<PowerOptions>();
-  command->add_option("SCENE", powers->scene, "Path or id")->required();
+  command->add_option("SCENE", powers->scene, kSceneHelp)->required();
   command->add_option("--light", powers->lights, "Id of a light; may be given again; default: all")
       ->check(whole64(1))
       ->allow_extra_args(false);
   command
       ->add_option("--method", powers->method,
-                   "exact; or approximate: the books' formulas, ± how far they are off; or "
-                   "sampled: the mean of rays that leave the light")
+                   "exact; approximate: textbook formulas with their error; sampled: the mean of "
+                   "rays that leave the light")
       ->check(one_of({"exact", "approximate", "sampled"}))
       ->capture_default_str();
-  powers->stop.add(*command, "light", "4096; with --method sampled, as are the others", "lm");
-  command->add_option("--seed", powers->seed, "With --method sampled: seed of the sample values")
+  powers->stop.add(*command, "light", "4096; only with --method sampled", "lm");
+  command
+      ->add_option("--seed", powers->seed, "With --method sampled: random seed of the experiment")
       ->check(whole64())
       ->capture_default_str();
   powers->wavelengths.add(*command);

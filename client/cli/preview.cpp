@@ -23,13 +23,13 @@ using client::PictureFormat;
 
 constexpr double kShortestRedraw_s = 0.1;
 constexpr double kLongestRedraw_s = 86400;
-// A viewer that is well takes all there is in no time.
+// A working viewer takes all bytes within milliseconds.
 constexpr std::chrono::milliseconds kTevPatience(1000);
 
 }  // namespace
 
-/// Draws the newest picture into files, in a thread of its own, which has the picture to itself:
-/// who brings tiles waits for no more than that one is handed over.
+/// Draws the newest picture into files, in its own thread with its own copy of the picture.  The
+/// caller of update() waits only until the tile is handed over.
 class Preview::Redraw {
  public:
   Redraw(std::vector<PictureFile*> files, double exposure_ev, double every_s)
@@ -43,8 +43,7 @@ class Preview::Redraw {
     const std::lock_guard lock(mutex_);
     width_ = tile.image_width();
     height_ = tile.image_height();
-    // Rectangles are the same or apart, and the newest of each is enough, so that no more waits
-    // than a picture.
+    // Rectangles are equal or disjoint, so the newest of each are one picture at most.
     Part& part = waiting_[{rect.x0(), rect.y0()}];
     part.rect = rect;
     part.rgb.swap(rgb);
@@ -72,7 +71,7 @@ class Preview::Redraw {
       const bool drawn = draw(picture);
       lock.lock();
       if (!drawn) return;
-      // From the end of the drawing, so that large pictures do not keep a core busy.
+      // The pause starts when the drawing ends, so that large pictures do not keep a core busy.
       wake_.wait_for(lock, stop, every_, [] { return false; });
     }
   }
@@ -82,7 +81,7 @@ class Preview::Redraw {
       const absl::Status status = file->write_preview(
           {.width = picture.width, .height = picture.height, .rgb = picture.pixels}, exposure_ev_);
       if (status.ok()) continue;
-      fmt::print(stderr, "--preview: {}; draws no more\n", std::string(status.message()));
+      fmt::print(stderr, "--preview: {}; stops redrawing\n", std::string(status.message()));
       return false;
     }
     return true;
@@ -95,23 +94,20 @@ class Preview::Redraw {
   std::condition_variable_any wake_;
   std::uint32_t width_ = 0, height_ = 0;  // of the picture
   Parts waiting_;
-  std::jthread thread_;  // the last: it uses all of the above
+  std::jthread thread_;  // the last member: it uses all others
 };
 
 void PreviewOption::add(CLI::App& command) {
   command
       .add_option("--tev", tev,
-                  fmt::format("Show the picture in the viewer tev as it comes; port {} unless "
-                              "another is said",
+                  fmt::format("Show the unfinished picture in the viewer tev; default port {}",
                               client::kTevPort))
       ->type_name("HOST[:PORT]");
-  // A flag with a value, =SECONDS, which never takes the word after it for one.  CLI11 takes only
-  // whole numbers as the values of flags, and any text.
+  // A flag never takes the next word as its value.  CLI11 reads the values of flags as whole
+  // numbers or as text, so this is text.
   command
-      .add_flag(
-          "--preview{2}", redraw_text,
-          "Redraw the PNGs among the outputs as tiles come, every 2 s, or =SECONDS; what is "
-          "still to come is black.  Where it is interrupted the last one stays, of --frames none")
+      .add_flag("--preview{2}", redraw_text,
+                "Redraw the unfinished PNGs every 2 s, or every =SECONDS; missing tiles are black")
       ->check(checked_number(
           fmt::format("a number of seconds from {} to {}", kShortestRedraw_s, kLongestRedraw_s),
           [](double v) { return v >= kShortestRedraw_s && v <= kLongestRedraw_s; }))
@@ -151,7 +147,7 @@ void Preview::update(const v1::Tile& tile, const client::PictureAssembler& so_fa
   if (!*this) return;
   auto rgb = so_far.pixels(tile.rect());
   if (!rgb.ok()) return;
-  // They fit: the tile has become part of a picture of this size.
+  // The sizes fit, as the tile is part of this picture already.
   if (sender_) {
     if (!std::exchange(begun_, true)) {
       sender_->begin(name_, tile.image_width(), tile.image_height()).IgnoreError();

@@ -1,7 +1,7 @@
-// render --tev, --preview: who looks on while a picture is rendered.
+// render --tev and --preview: shows a picture while it is rendered.
 //
-// Neither holds up the rendering: tev has a thread that sends to it (client/view/tev.h), files one
-// that draws them, and both keep what is newest and no more.
+// Neither slows the rendering.  One thread sends to tev (client/view/tev.h), another draws the
+// files; both keep only the newest pixels.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -16,8 +16,8 @@
 namespace lucerna::cli {
 
 struct PreviewOption {
-  std::string tev{};    ///< empty: not asked for
-  double redraw_s = 0;  ///< 0: not asked for
+  std::string tev{};    ///< empty: not given
+  double redraw_s = 0;  ///< 0: not given
   std::string redraw_text{};
 
   void add(CLI::App& command);
@@ -26,23 +26,23 @@ struct PreviewOption {
 /// Shows one picture after the other.
 class Preview {
  public:
-  /// Ends the program where --tev is no address or --preview has no PNG to redraw.
+  /// Ends the program if --tev is no address or --preview has no PNG to redraw.
   Preview(const PreviewOption& option, const std::vector<std::string>& outputs);
   Preview(const Preview&) = delete;
   Preview& operator=(const Preview&) = delete;
   ~Preview();
 
-  /// Whether anybody looks on; if not, nothing below does anything.
+  /// Whether --tev or --preview is given.  If not, the calls below do nothing.
   explicit operator bool() const { return sender_ != nullptr || redraw_s_ > 0; }
 
-  /// A new picture.  The PNGs among `files` are redrawn, which nobody else may touch until
-  /// files_done().  In tev it has the name of the first file.
+  /// Begins a new picture.  It redraws the PNGs among `files`; the caller must not use them until
+  /// files_done().  In tev the picture has the name of the first file.
   void begin(std::vector<client::PictureFile>& files, double exposure_ev);
-  /// A tile has become part of it.
+  /// To be called when a tile has become part of the picture.
   void update(const v1::Tile& tile, const client::PictureAssembler& so_far);
-  /// The files are not redrawn any more.
+  /// Stops redrawing the files.
   void files_done();
-  /// After the files are written: gives tev a little time to get the rest.
+  /// To be called when the files are written.  Gives tev one second for the rest.
   void finish();
 
  private:
@@ -51,7 +51,7 @@ class Preview {
   double redraw_s_;
   std::unique_ptr<client::TevSender> sender_;
   std::string name_;
-  bool begun_ = false;  // tev knows of the picture
+  bool begun_ = false;  // tev has the picture
   std::unique_ptr<Redraw> redraw_;
 };
 

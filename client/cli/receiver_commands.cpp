@@ -38,7 +38,7 @@ void visible(Session& session, const VisibleOptions& options) {
                                     : options.to.given() ? options.to.read(count)
                                                          : set.seconds;
   if (ends.empty()) {
-    wrong_use("nowhere to look: give --to, --direction, or six columns in --points");
+    wrong_use("no second points: give --to, --direction, or six columns in --points");
   }
   v1::TestVisibilityRequest request;
   if (rays) {
@@ -57,7 +57,7 @@ void visible(Session& session, const VisibleOptions& options) {
     request.set_position_error_m(static_cast<float>(*options.position_error_m));
   }
   options.time.put(request);
-  request.set_scene_id(session.scene_id(options.scene));
+  request.set_scene_id(session.query_scene_id(options.scene));
   ask_and_print(
       session, request, client::test_visibility_in_batches,
       [&](const v1::TestVisibilityResponse& response) {
@@ -92,8 +92,8 @@ struct IrradianceOptions {
   IrradianceFilesOption files;
 };
 
-/// What stands under ± for item `i`.  `bound`: where all samples were zero, else 0; a single sample
-/// tells nothing else.
+/// The text of the column ± for item `i`.  `bound` is above 0 if all samples were zero.  A single
+/// sample has no interval.
 template <typename Answer>
 std::string error_text(const Answer& answer, int i, double bound, bool approximate) {
   if (bound > 0) return fmt::format("< {}", number(bound));
@@ -102,7 +102,7 @@ std::string error_text(const Answer& answer, int i, double bound, bool approxima
                        approximate);
 }
 
-/// "1024 samples a point", of equally many for each.
+/// "1024 samples a point", if all points have equally many.
 std::string samples_text(const v1::EstimateIrradianceResponse& response) {
   if (response.cost().samples() == 0) return "no samples taken";
   const auto points = static_cast<std::uint64_t>(response.illuminance_lx_size());
@@ -154,12 +154,13 @@ void print_irradiance(const v1::EstimateIrradianceResponse& response, const Poin
     }
     fmt::print("\n{}", shares.to_string());
   }
-  fmt::print("{}± and < hold with {}% confidence; {}{}{}\n",
+  fmt::print("{}± and < hold with {}% confidence; {}{}{}{}\n",
              by_target ? "" : samples_text(response) + "; ", percent(stop.confidence()),
              by_target
                  ? check_target(response, response.item_costs().samples(), accuracy.target_error())
                        .describe("points")
                  : "",
+             describe_overrun(accuracy, response.cost(), response.samples(), "point"),
              describe(response.cost()), describe_approximations(accuracy, response.cost()));
 }
 
@@ -174,7 +175,7 @@ void irradiance(Session& session, const IrradianceOptions& options) {
   options.wavelengths.put(request);
   if (options.files.given()) {
     if (options.stop.budget_s)
-      wrong_use("--budget: answers into files are asked in pieces, which have no common time");
+      wrong_use("--budget: not with -o, which sends its points in pieces without a common time");
     return options.files.run(session, options.scene, options.points, options.normals, request);
   }
   options.files.check();
@@ -184,7 +185,7 @@ void irradiance(Session& session, const IrradianceOptions& options) {
   if (normals.empty()) wrong_use("no normals: give --normal, or six columns in --points");
   *request.mutable_receivers() = client::make_points(set.points);
   fill(normals, request.mutable_normals());
-  request.set_scene_id(session.scene_id(options.scene));
+  request.set_scene_id(session.query_scene_id(options.scene));
   const v1::Accuracy& accuracy = request.accuracy();
   using Response = v1::EstimateIrradianceResponse;
   ask_and_print<v1::EstimateIrradianceRequest, Response>(
@@ -205,48 +206,53 @@ void irradiance(Session& session, const IrradianceOptions& options) {
 
 void add_receiver_commands(CLI::App& app, Session& session) {
   CLI::App* command =
-      app.add_subcommand("visible", "Whether anything stands between two points, or along a ray");
+      app.add_subcommand("visible", "Test whether anything is between two points, or along a ray");
   command->footer(
       "Example:\n  lucerna visible room.pbrt --point 0,0,0 --to 1,2,2.5\n"
       "  lucerna visible room.pbrt --point 0,0,0 --direction 0,0,1 --length 10");
   const auto looking = std::make_shared<VisibleOptions>();
-  command->add_option("SCENE", looking->scene, "Path or id")->required();
-  looking->points.add(*command, "where to look to, as --to");
-  looking->to.add(*command, "--to", "The other point x,y,z [m]", Triple::kPoint);
-  looking->directions.add(*command, "--direction", "Along the ray in direction x,y,z");
-  command->add_option("--length", looking->length_m, "How far [m]; default: infinitely")
+  command->add_option("SCENE", looking->scene, kSceneHelp)->required();
+  looking->points.add(*command, "second points, as --to");
+  looking->to.add(*command, "--to", "Second point x,y,z [m]", Triple::kPoint);
+  looking->directions.add(*command, "--direction", "Direction x,y,z of the ray");
+  command
+      ->add_option("--length", looking->length_m,
+                   "With --direction: length of the ray [m]; default: infinite")
       ->check(positive());
-  looking->normals.add(*command, "--normal", "The surface normal x,y,z at the point");
+  looking->normals.add(*command, "--normal", "Surface normal x,y,z at the point");
   command
       ->add_option("--position-error", looking->position_error_m,
-                   "How far each coordinate may be off [m]; default: a few last places")
+                   "Largest error of each coordinate [m]; default: a few units in the last place")
       ->check(not_negative());
   looking->time.add(*command);
   command->callback([looking, &session] { visible(session, *looking); });
 
-  command = app.add_subcommand("irradiance", "Light that arrives on small surfaces");
+  command = app.add_subcommand("irradiance", "Print the light that arrives on small surfaces");
   command->footer(
       "Example:\n  lucerna irradiance room.pbrt --point 0,0,0.8 --normal 0,0,1 --samples 1024\n"
       "  lucerna irradiance room.pbrt --points desks.csv --error 1%\n"
       "  lucerna irradiance room.pbrt --points desks.csv --bounces 0 --per-light\n"
       "  lucerna irradiance room.pbrt --points desks.csv --bounces 0 --wavelength 450,555\n"
       "  lucerna irradiance room.pbrt --points baked.exr -o light.exr --servers a:50051,b:50051\n"
-      "With --json: EstimateIrradianceResponse and `approximate`, whether approximations were\n"
-      "asked for (--far-light, --visibility shadow-maps); with --error `reached`, whether each\n"
-      "point is as certain as that.");
+      "A row of an .npy file has float32 numbers: illuminance, R, G, B, standard error, zero "
+      "bound,\n"
+      "status, both ends of the interval; with --error also samples.\n"
+      "--json prints EstimateIrradianceResponse and `approximate`, whether you chose an\n"
+      "approximation (--far-light, --visibility shadow-maps); with --error also `reached`,\n"
+      "whether each point met the target.");
   const auto meter = std::make_shared<IrradianceOptions>();
-  command->add_option("SCENE", meter->scene, "Path or id")->required();
+  command->add_option("SCENE", meter->scene, kSceneHelp)->required();
   meter->points.add(*command, "normals");
-  meter->normals.add(*command, "--normal", "The surface normal x,y,z, of any length");
+  meter->normals.add(*command, "--normal", "Surface normal x,y,z of any length");
   command
       ->add_option("--bounces", meter->bounces,
-                   "Reflections that light may take, 0 for direct light; default: all")
+                   "Most reflections of the light, 0 for direct light; default: no limit")
       ->check(whole(0));
   meter->stop.add(*command, "point", "256", "lx");
-  command->add_option("--seed", meter->seed, "Seed of the sample values")
+  command->add_option("--seed", meter->seed, "Random seed of the experiment")
       ->check(whole64())
       ->capture_default_str();
-  command->add_flag("--per-light", meter->per_light, "Also the direct light of each light");
+  command->add_flag("--per-light", meter->per_light, "Also print the direct light of each light");
   meter->methods.add(*command);
   meter->time.add(*command);
   meter->wavelengths.add(*command);

@@ -44,17 +44,17 @@ struct RenderOptions {
   ServersOption servers;
   PreviewOption preview;
   FramesOption frames;
-  const Frame* frame = nullptr;  ///< null: the picture stands alone
+  const Frame* frame = nullptr;  ///< null: a single picture
 };
 
-/// Found out before anything is rendered.
+/// Ends the program before rendering if the file cannot be written.
 PictureFile create(const std::string& path) {
   auto file = PictureFile::create(path);
   if (!file.ok()) wrong_use(std::string(file.status().message()));
   return *std::move(file);
 }
 
-/// How far a picture is: by its samples, by its time, or by its pixels.
+/// Progress of a picture: by its samples, by its time, or by its pixels.
 class PictureProgress {
  public:
   explicit PictureProgress(std::optional<double> budget_s) : budget_s_(budget_s) {}
@@ -82,7 +82,7 @@ class PictureProgress {
   std::uint64_t pixels_ = 0;
 };
 
-/// The whole picture, and the last message less its tile.
+/// The whole picture, and the last message without its tile.
 std::pair<client::Picture, v1::RenderImageResponse> render_picture(
     Session& session, const v1::RenderImageRequest& request, Preview& preview) {
   client::PictureAssembler assembler;
@@ -118,7 +118,7 @@ void write(PictureFile file, const client::Picture& picture, const std::vector<f
   if (!status.ok()) throw CommandError(kServerSaidNo, std::string(status.message()));
 }
 
-/// Of the pixels' samples: "64 samples a pixel at least, 256 in the middle, 4096 at most".
+/// "64 samples a pixel at least, 256 in the middle, 4096 at most".
 std::string describe_samples(std::vector<std::uint32_t> samples) {
   const auto [least, most] = std::minmax_element(samples.begin(), samples.end());
   const std::string ends[] = {fmt::format("{}", *least), fmt::format("{}", *most)};
@@ -128,27 +128,27 @@ std::string describe_samples(std::vector<std::uint32_t> samples) {
                      ends[1]);
 }
 
-/// Which pixels' luminances are as certain as was asked for.
+/// Checks the luminance of each pixel.
 TargetCheck check_target(const client::Picture& picture, const v1::TargetError& target) {
   TargetCheck check(target);
   for (std::size_t i = 0; i < picture.upper.size(); ++i) {
     const float* rgb = picture.pixels.data() + 3 * i;
-    // Of Rec. 709 with D65, as the server's.
+    // Rec. 709 with D65, as the server computes it.
     const double luminance =
         0.2126390058715104 * rgb[0] + 0.7151686787677559 * rgb[1] + 0.0721923153607337 * rgb[2];
-    // Of as many samples as are a power of two.
+    // The number of samples of a pixel is a power of two.
     check.add(luminance, picture.lower[i], picture.upper[i], 2ULL * picture.samples[i]);
   }
   return check;
 }
 
-/// Ends the program for what does not go together.
+/// Ends the program for options that exclude each other.
 void check(const RenderOptions& options) {
   options.servers.check();
   if (options.servers && options.stop.budget_s)
-    wrong_use("--budget: not with --servers, whose tiles wait for their turn; --error stops too");
+    wrong_use("--budget: not with --servers, whose tiles wait in queues; use --error or --samples");
   if (options.servers.samples_per_piece > 0 && options.stop.error)
-    wrong_use("--split-samples: not with --error, where each pixel has samples of its own");
+    wrong_use("--split-samples: not with --error, as each pixel then has its own samples");
   if (!options.error_output.empty() && options.stop.samples == 1U)
     wrong_use("--stderr: a single sample gives no standard error, --samples must be 2 or more");
   const auto format = client::picture_format(options.counts_output);
@@ -159,7 +159,7 @@ void check(const RenderOptions& options) {
 
 void render(Session& session, const RenderOptions& options, Preview& preview) {
   check(options);
-  if (!options.servers) session.need_one_server("pictures by several are for --servers");
+  if (!options.servers) session.need_one_server("a picture by several servers needs --servers");
   std::vector<PictureFile> files;
   std::set<std::filesystem::path> names;
   const auto add = [&](const std::string& path) {
@@ -172,7 +172,7 @@ void render(Session& session, const RenderOptions& options, Preview& preview) {
   std::optional<PictureFile> error_file, counts_file;
   if (!options.error_output.empty()) error_file = add(options.error_output);
   if (!options.counts_output.empty()) counts_file = add(options.counts_output);
-  // --skip-existing would take it for the picture.
+  // --skip-existing would take a preview for the picture.
   if (options.frame != nullptr) {
     for (PictureFile& file : files) file.keep_no_preview();
   }
@@ -199,7 +199,7 @@ void render(Session& session, const RenderOptions& options, Preview& preview) {
     description = describe_mixed(result.report);
     if (!description.empty()) fmt::print(stderr, "{}\n", description);
   } else {
-    request.set_scene_id(session.scene_id(options.scene));
+    request.set_scene_id(session.query_scene_id(options.scene));
     std::tie(picture, last) = render_picture(session, request, preview);
   }
   preview.files_done();
@@ -216,7 +216,7 @@ void render(Session& session, const RenderOptions& options, Preview& preview) {
           options.exposure_ev);
   }
   if (counts_file) {
-    // Grey, as pictures have three channels.
+    // Pictures have three channels, so a count becomes grey.
     std::vector<float> counts;
     counts.reserve(picture.pixels.size());
     for (const std::uint32_t n : picture.samples)
@@ -229,14 +229,18 @@ void render(Session& session, const RenderOptions& options, Preview& preview) {
   if (session.json()) {
     std::string more = json_of_approximate(accuracy);
     if (accuracy.has_target_error())
-      more += fmt::format(",\"pixels_not_reached\":{}", target.missed());
+      more += fmt::format(",\"pixelsNotReached\":{}", target.missed());
     fmt::print("{}", to_json(last, more));
   } else {
     const std::string counts =
         options.stop.error || options.stop.budget_s ? describe_samples(picture.samples) + "; " : "";
-    fmt::print("{}: {} x {} pixels; {}{}{}{}\n", fmt::join(options.outputs, ", "), picture.width,
-               picture.height, counts, target.describe("pixels"), describe(last.cost()),
-               describe_approximations(accuracy, last.cost()));
+    const auto most = std::max_element(picture.samples.begin(), picture.samples.end());
+    fmt::print(
+        "{}: {} x {} pixels; {}{}{}{}{}\n", fmt::join(options.outputs, ", "), picture.width,
+        picture.height, counts, target.describe("pixels"),
+        describe_overrun(accuracy, last.cost(), most == picture.samples.end() ? 0 : *most, "pixel"),
+        describe(last.cost()), describe_approximations(accuracy, last.cost()));
+    session.print_remarks();
   }
   std::fflush(stdout);  // whoever waits for frames sees each
 }
@@ -245,11 +249,11 @@ void render(Session& session, const RenderOptions& options, Preview& preview) {
 void render_frames(Session& session, const RenderOptions& options) {
   check(options);
   if (options.preview.redraw_s > 0 && options.frames.skip_existing)
-    wrong_use("--preview and --skip-existing: what is redrawn is there before it is done");
+    wrong_use("--preview and --skip-existing: a preview would count as a finished picture");
   Preview preview(options.preview, options.outputs);
   const FrameNames names{options.scene, options.outputs, options.error_output,
                          options.counts_output, options.servers.journal};
-  RenderOptions one = options;  // outlives the run, whose loads refer to it
+  RenderOptions one = options;  // outlives the run, whose loads refer to its members
   FrameRun run(session, options.frames.plan(names, options.time.given()),
                options.frames.skip_existing, static_cast<bool>(options.servers));
   while (const Frame* frame = run.next()) {
@@ -268,46 +272,52 @@ void render_frames(Session& session, const RenderOptions& options) {
 }  // namespace
 
 void add_render_command(CLI::App& app, Session& session) {
-  CLI::App* command = app.add_subcommand("render", "Renders the picture of the scene's camera");
+  CLI::App* command = app.add_subcommand("render", "Render the picture of the scene's camera");
   command->footer(
       "Example:\n  lucerna render room.pbrt -o room.png --samples 256 --exposure -2\n"
       "  lucerna render room.pbrt -o room.exr --error 1% --floor 0.01 --counts samples.exr\n"
       "  lucerna render --servers a:50051,b:50051 --upload room.pbrt -o room.exr\n"
       "  lucerna render room.pbrt -o room.png --preview=5 --tev localhost\n"
       "  lucerna render flight.pbrt --frames 1-240 --fps 24 -o flight.%04d.exr\n"
-      "With --json: the last RenderImageResponse, without its tile, and `approximate`, whether "
-      "approximations were asked for\n(--far-light, --visibility shadow-maps); with --error "
-      "`pixels_not_reached`, how many are less certain than that; one line a frame.");
+      "If SCENE has a place for the number of the frame, each frame has its own scene file with "
+      "its\n"
+      "own shutter.  Otherwise frame 1 has the shutter of the scene file, and the shutter of each\n"
+      "further frame opens 1/fps later.\n"
+      "--json prints the last RenderImageResponse without its tile, one line for each frame, and\n"
+      "`approximate`, whether you chose an approximation (--far-light, --visibility shadow-maps);\n"
+      "with --error also `pixelsNotReached`, the number of pixels that missed the target.");
   const auto options = std::make_shared<RenderOptions>();
-  command->add_option("SCENE", options->scene, "Path or id")->required();
+  command->add_option("SCENE", options->scene, kSceneHelp)->required();
   command
       ->add_option(
           "-o,--output", options->outputs,
-          "The picture: .exr or .pfm (linear RGB, 32-bit float) or .png (8 bits, sRGB); may "
+          "File of the picture: .exr or .pfm (linear RGB, 32-bit float) or .png (8-bit sRGB); may "
           "be given again")
       ->allow_extra_args(false)
       ->required();
   command->add_option("--stderr", options->error_output,
-                      "Also a picture of each pixel's standard error");
+                      "Also write a picture of the standard error of each pixel");
   command->add_option("--counts", options->counts_output,
-                      "Also a picture of each pixel's number of samples: .exr or .pfm");
+                      "Also write a picture of the number of samples of each pixel: .exr or .pfm");
   // A pixel's luminance is in this unit.
-  options->stop.add(*command, "pixel", "as the scene file says", "cd/m2 times the film's scale");
+  options->stop.add(*command, "pixel", "as in the scene file", "cd/m2 times the film's scale");
   options->methods.add(*command);
-  options->time.add(*command, "all the time that the shutter is open");
-  command->add_option("--seed", options->seed, "Seed of the sample values")
+  options->time.add(*command, "the whole time that the shutter is open");
+  command->add_option("--seed", options->seed, "Random seed of the experiment")
       ->check(whole64())
       ->capture_default_str();
   command
       ->add_option("--bounces", options->bounces,
-                   "Reflections after the first surface, 0 for direct light; default: as the "
-                   "scene file says, or all")
+                   "Most reflections after the first surface, 0 for direct light; default: as in "
+                   "the scene file, or no limit")
       ->check(whole(0));
-  command->add_option("--tile-size", options->tile_size, "Edge of the tiles [pixels]; default 64")
+  command
+      ->add_option("--tile-size", options->tile_size,
+                   "Width and height of a tile [pixels]; default 64")
       ->check(whole(1));
   command
       ->add_option("--exposure", options->exposure_ev,
-                   "PNG only: 2 to this power times as bright [EV]")
+                   "PNG only: multiply the brightness by 2 to this power [EV]")
       ->check(
           checked_number("a number from -100 to 100", [](double v) { return std::fabs(v) <= 100; }))
       ->capture_default_str();

@@ -5,6 +5,7 @@
 #include "client/rpc/server_list.h"
 #include "client/rpc/upload.h"
 #include "client/terminal/progress.h"
+#include "client/terminal/server_address.h"
 #include "client/terminal/validators.h"
 
 namespace lucerna::cli {
@@ -12,30 +13,34 @@ namespace lucerna::cli {
 void ServersOption::add(CLI::App& command, bool pictures) {
   command
       .add_option("--servers", servers,
-                  "Many servers at once: A:PORT,B:PORT; dns:///NAME:PORT; @FILE with one a line; "
-                  "slurm:PORT for the nodes of this Slurm job; of one numeric fingerprint, unless "
-                  "--allow-mixed is given")
+                  "Share the work among servers: A:PORT,B:PORT; dns:///NAME:PORT; @FILE with one "
+                  "in each line; slurm:PORT for the nodes of this Slurm job")
+      ->transform(CLI::Validator(
+          [](std::string& list) {
+            list = with_default_port(list);
+            return std::string();
+          },
+          ""))
       ->type_name("LIST");
-  // Files are always asked about as a job, also where it is of one server.
+  // Points of a file are always a job, with one server too.
   const std::string with = pictures ? "With --servers: " : "With -o: ";
-  command.add_flag("--upload", upload,
-                   with + "SCENE is a file of this machine, which is sent to the servers");
+  command.add_flag("--upload", upload, with + "send SCENE, a file of this machine, to the servers");
   command
       .add_option("--asset-root", asset_root,
-                  "With --upload: send nothing from outside of this directory; default: the scene "
+                  "With --upload: send no file from outside of this directory; default: the scene "
                   "file's")
       ->type_name("DIR");
   if (pictures) {
     command
         .add_option("--split-samples", samples_per_piece,
-                    "With --servers: split tiles by samples too, into runs of at most so many")
+                    "With --servers: split the samples of a tile into runs of at most this many")
         ->check(whole64(1));
   }
   command
       .add_option("--journal", journal,
                   with +
-                      "keep what is done in this file, and go on from it where the job "
-                      "was interrupted")
+                      "record finished pieces in this file, and resume an interrupted job "
+                      "from it")
       ->type_name("FILE");
 }
 
@@ -58,12 +63,12 @@ client::JobOptions ServersOption::job(Session& session, const std::string& scene
   client::JobOptions job;
   std::string id;
   if (servers.empty()) {
-    session.need_one_server("jobs on several are for --servers");
-    // One server that is not there is an error, where of many some may come later.
+    session.need_one_server("a job on several servers needs --servers");
+    // An absent server is an error here; with many servers it may come later.
     if (upload) {
       session.ask(session.client().get_server_info({}, session.call_options()));
     } else {
-      id = session.scene_id(scene);
+      id = session.query_scene_id(scene);
     }
     job.servers = [server = session.server()] { return std::vector<std::string>{server}; };
   } else {
@@ -76,11 +81,17 @@ client::JobOptions ServersOption::job(Session& session, const std::string& scene
   job.on_event = [](const std::string& event) { fmt::print(stderr, "{}\n", event); };
   job.on_progress = [&bar](const client::JobProgress& p) { bar.update(p.done, p.pieces); };
   const auto lease_s = static_cast<double>(client::kJobLease.count());
-  job.load = [this, id, scene, lease_s](
+  job.load = [this, id, scene, lease_s, &session](
                  const client::Client& client,
                  const client::CallOptions& call) -> absl::StatusOr<v1::LoadSceneResponse> {
+    const auto noted = [&](absl::StatusOr<v1::LoadSceneResponse> loaded) {
+      if (!loaded.ok()) return loaded;
+      const absl::Status status = session.note_remarks(scene, loaded->remarks());
+      return status.ok() ? loaded : status;
+    };
     if (upload) {
-      return client::upload_scene(client, scene, {.root = asset_root, .lease_s = lease_s}, call);
+      return noted(
+          client::upload_scene(client, scene, {.root = asset_root, .lease_s = lease_s}, call));
     }
     if (!id.empty()) {
       v1::RenewLeaseRequest lease;
@@ -96,7 +107,7 @@ client::JobOptions ServersOption::job(Session& session, const std::string& scene
     v1::LoadSceneRequest load;
     load.set_path(scene);
     load.set_lease_s(lease_s);
-    return client.load_scene(load, call);
+    return noted(client.load_scene(load, call));
   };
   return job;
 }
@@ -115,7 +126,7 @@ client::RenderJobResult ServersOption::render(Session& session, const std::strin
   options.job = job(session, scene, bar);
   if (held != nullptr) options.job.load = held->through(std::move(options.job.load));
   auto result = client::run_render_job(options);
-  // The message names the server, where it is about one.
+  // The message names the server if it is about one.
   if (!result.ok()) session.fail_here(result.status(), kServerSaidNo);
   return *std::move(result);
 }

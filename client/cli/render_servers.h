@@ -18,24 +18,25 @@ struct ServersOption {
   std::string asset_root;
   std::uint64_t samples_per_piece = 0;
   std::string journal;
-  client::HeldScene* held = nullptr;  ///< who brings the scene, where pictures follow each other
+  client::HeldScene* held =
+      nullptr;  ///< keeps the scene loaded between the pictures of an animation
 
-  /// --servers and what goes with them; `pictures`: with --split-samples.
+  /// Adds --servers and the options that need it; with `pictures` also --split-samples.
   void add(CLI::App& command, bool pictures = true);
   explicit operator bool() const { return !servers.empty(); }
-  /// Ends the program where the others are given without --servers.
+  /// Ends the program if the other options are given without --servers.
   void check() const;
 
-  /// A job of these servers, or of the one that --server names; tells what happens to servers on
-  /// stderr.  This, `bar` and the session outlive it.  Ends the program where `servers` cannot be.
+  /// A job on these servers, or on the server of --server.  It prints what happens to servers to
+  /// stderr.  This, `bar` and the session outlive it.  Ends the program for a wrong list.
   client::JobOptions job(Session& session, const std::string& scene, ProgressBar& bar) const;
 
-  /// The picture, with a bar and what happens to servers on stderr.
+  /// Renders the picture with a progress bar.
   client::RenderJobResult render(Session& session, const std::string& scene,
                                  const v1::RenderImageRequest& request, Preview& preview) const;
 };
 
-/// What is to be said of a picture's bits; empty where they are those of one fingerprint.
+/// A note on the fingerprints of a picture's servers; empty for one fingerprint.
 std::string describe_mixed(const client::JobReport& report);
 
 }  // namespace lucerna::cli

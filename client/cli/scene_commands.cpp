@@ -28,7 +28,7 @@ struct LoadFlags {
   double lease_s = 0;
 };
 
-/// On one line of a terminal, which goes when the next text comes.
+/// Draws on one line of the terminal; the next text replaces it.
 void show(const client::UploadProgress& progress) {
   fmt::print(stderr, "\r\033[K{}: {:.0f} of {:.0f} kB", progress.name,
              static_cast<double>(progress.sent_bytes) / 1000,
@@ -42,12 +42,18 @@ v1::LoadSceneResponse upload(Session& session, const LoadFlags& flags) {
   auto response =
       client::upload_scene(session.client(), flags.path, options, session.call_options());
   if (terminal) fmt::print(stderr, "\r\033[K");
-  // What has no details of a server's is about the files here.
+  // An error without details of the server is about the files here.
   if ((absl::IsNotFound(response.status()) || absl::IsInvalidArgument(response.status())) &&
       !response.status().GetPayload(client::kStatusPayloadUrl)) {
     session.fail_here(response.status(), kWrongUse);
   }
   return session.ask(std::move(response));
+}
+
+/// Ends the program under --strict for a scene with remarks.
+void check_strict(Session& session, const v1::LoadSceneResponse& loaded) {
+  const absl::Status status = session.note_remarks(loaded.scene_id(), loaded.remarks());
+  if (!status.ok()) session.fail_here(status, kServerSaidNo);
 }
 
 void load(Session& session, const LoadFlags& flags) {
@@ -56,7 +62,7 @@ void load(Session& session, const LoadFlags& flags) {
       flags.upload ? upload(session, flags) : load_scene(session, flags.path, flags.lease_s);
   if (session.json()) {
     fmt::print("{}", to_json(response));
-    return;
+    return check_strict(session, response);
   }
   fmt::print("{}  {}\n", response.scene_id(),
              response.already_loaded()
@@ -66,6 +72,7 @@ void load(Session& session, const LoadFlags& flags) {
     fmt::print("lease {} for {:g} s\n", response.lease_id(), response.lease_s());
   }
   print_remarks(response.remarks());
+  check_strict(session, response);
 }
 
 void scenes(Session& session) {
@@ -91,13 +98,17 @@ void scenes(Session& session) {
   fmt::print("{}", table.to_string());
 }
 
-void scene(Session& session, const std::string& name) {
-  session.need_one_server("what was built is one server's");
+void scene(Session& session, const std::string& name, bool remarks_only) {
+  session.need_one_server("each server builds its own parts of a scene");
   v1::GetSceneRequest request;
   request.set_scene_id(session.scene_id(name));
   const auto response = session.ask(session.client().get_scene(request, session.call_options()));
   if (session.json()) {
     fmt::print("{}", to_json(response));
+    return;
+  }
+  if (remarks_only) {
+    for (const v1::Remark& remark : response.remarks()) fmt::print("{}\n", describe(remark));
     return;
   }
   const v1::SceneSummary& summary = response.summary();
@@ -113,16 +124,17 @@ void scene(Session& session, const std::string& name) {
 }
 
 void lights(Session& session, const std::string& scene) {
-  const v1::ListLightsResponse response = list_lights(session, session.scene_id(scene));
+  const v1::ListLightsResponse response = list_lights(session, session.query_scene_id(scene));
   if (session.json()) {
     fmt::print("{}", to_json(response));
     return;
   }
   fmt::print("{}", light_table(response.lights()));
+  session.print_remarks();
 }
 
 void lease(Session& session, const std::string& scene, double seconds, const std::string& id) {
-  session.need_one_server("a lease is one server's");
+  session.need_one_server("each server has its own leases");
   v1::RenewLeaseRequest request;
   request.set_scene_id(session.scene_id(scene));
   request.set_lease_s(seconds);
@@ -136,7 +148,7 @@ void lease(Session& session, const std::string& scene, double seconds, const std
 }
 
 void release(Session& session, const std::string& scene, const std::string& lease) {
-  session.need_one_server("a lease is one server's");
+  session.need_one_server("each server has its own leases");
   v1::ReleaseSceneRequest request;
   request.set_scene_id(session.scene_id(scene));
   request.set_lease_id(lease);
@@ -180,7 +192,7 @@ void info(Session& session) {
   fmt::print("{}", table.to_string());
 }
 
-/// A subcommand whose only argument is a scene.
+/// A command with one argument at most.
 CLI::App* add_command(CLI::App& app, const char* name, const char* what, const char* argument,
                       const char* argument_what, const char* example,
                       std::function<void(const std::string&)> run) {
@@ -194,20 +206,22 @@ CLI::App* add_command(CLI::App& app, const char* name, const char* what, const c
 
 void add_load_command(CLI::App& app, Session& session) {
   CLI::App* command =
-      app.add_subcommand("load", "Loads a scene file; free where it is loaded already");
+      app.add_subcommand("load", "Load a scene file; a loaded scene is not loaded again");
   command->footer("Example:\n  lucerna load room.pbrt\n  lucerna load --upload ~/scenes/room.pbrt");
   const auto flags = std::make_shared<LoadFlags>();
   command
       ->add_option("PATH", flags->path,
-                   "Relative to the server's scene root; with --upload, a file of this machine")
+                   "A path under the scene root; with --upload, a file of this machine")
       ->required();
-  command->add_flag("--upload", flags->upload,
-                    "Send the scene and what it names, as far as the server does not hold it");
+  command->add_flag(
+      "--upload", flags->upload,
+      "Send the scene file and the files that it names, unless the server holds them");
   command
-      ->add_option("--asset-root", flags->asset_root,
-                   "Send nothing from outside of this directory; default: the scene file's")
+      ->add_option(
+          "--asset-root", flags->asset_root,
+          "With --upload: send no file from outside of this directory; default: the scene file's")
       ->type_name("DIR");
-  command->add_option("--lease", flags->lease_s, "Keep it at least so long [s]")
+  command->add_option("--lease", flags->lease_s, "Keep the scene for this time at least [s]")
       ->type_name("SECONDS")
       ->check(positive());
   command->callback([flags, &session] { load(session, *flags); });
@@ -216,21 +230,23 @@ void add_load_command(CLI::App& app, Session& session) {
 void add_lease_commands(CLI::App& app, Session& session) {
   const auto seconds = std::make_shared<double>(0);
   const auto renewed = std::make_shared<std::string>(), ended = std::make_shared<std::string>();
-  CLI::App* renew = add_command(app, "lease", "Keeps a scene from going when memory is needed",
-                                "SCENE", "Path or id", "lucerna lease 3f1c --for 3600",
+  CLI::App* renew = add_command(app, "lease", "Keep a scene loaded when the server needs memory",
+                                "SCENE", kSceneHelp, "lucerna lease 3f1c --for 3600",
                                 [&session, seconds, renewed](const std::string& scene) {
                                   lease(session, scene, *seconds, *renewed);
                                 });
-  renew->add_option("--for", *seconds, "From now [s]")
+  renew->add_option("--for", *seconds, "Time from now [s]")
       ->type_name("SECONDS")
       ->required()
       ->check(positive());
-  renew->add_option("--id", *renewed, "The lease to renew; default: a new one");
+  renew->add_option("--id", *renewed, "Id of the lease to renew; default: a new lease");
 
-  CLI::App* let_go =
-      add_command(app, "release", "Lets a scene go", "SCENE", "Path or id", "lucerna release 3f1c",
+  CLI::App* unload =
+      add_command(app, "release", "Unload a scene", "SCENE", kSceneHelp, "lucerna release 3f1c",
                   [&session, ended](const std::string& scene) { release(session, scene, *ended); });
-  let_go->add_option("--lease", *ended, "End this lease; the scene goes where no other keeps it")
+  unload
+      ->add_option("--lease", *ended,
+                   "End this lease; the scene is unloaded if it has no other lease")
       ->type_name("ID");
 }
 
@@ -238,17 +254,20 @@ void add_lease_commands(CLI::App& app, Session& session) {
 
 void add_scene_commands(CLI::App& app, Session& session) {
   add_load_command(app, session);
-  add_command(app, "scenes", "Lists the loaded scenes", nullptr, "", "lucerna scenes --json",
+  add_command(app, "scenes", "List the loaded scenes", nullptr, "", "lucerna scenes --json",
               [&session](const std::string&) { scenes(session); });
-  add_command(app, "scene",
-              "Tells what was built for a scene: memory, time and reason of each part", "SCENE",
-              "Path or id", "lucerna scene room.pbrt",
-              [&session](const std::string& name) { scene(session, name); });
-  add_command(app, "lights", "Lists a scene's lights", "SCENE", "Path or id",
+  const auto remarks_only = std::make_shared<bool>(false);
+  CLI::App* scene_command = add_command(
+      app, "scene", "Print the parts that were built for a scene, with memory, time and reason",
+      "SCENE", kSceneHelp, "lucerna scene room.pbrt",
+      [&session, remarks_only](const std::string& name) { scene(session, name, *remarks_only); });
+  scene_command->add_flag("--remarks", *remarks_only, "List only what is not modelled");
+  add_command(app, "lights", "List the lights of a scene", "SCENE", kSceneHelp,
               "lucerna lights room.pbrt",
               [&session](const std::string& scene) { lights(session, scene); });
   add_lease_commands(app, session);
-  add_command(app, "info", "Tells the server's version, limits and numeric fingerprint", nullptr,
+  add_command(app, "info",
+              "Print the version, the limits and the numeric fingerprint of the server", nullptr,
               "", "lucerna info --server 10.0.0.7:50051",
               [&session](const std::string&) { info(session); });
 }

@@ -1,4 +1,4 @@
-// What commands about many items do with the answer.
+// Commands that send many items and print one answer.
 #pragma once
 
 #include <fmt/core.h>
@@ -12,9 +12,9 @@
 
 namespace lucerna::cli {
 
-/// Asks by `in_batches` of client/rpc/batches.h and prints the answer, for machines where that is
-/// wanted, with what `json_more` makes of it as to_json() takes it, else by `print`.  Where an item
-/// has no answer, that is the program's exit status.
+/// Sends the request by `in_batches` of client/rpc/batches.h and prints the answer: under --json as
+/// JSON with the members of `json_more` (see to_json()), else by `print` and with the scene's
+/// remarks.  The exit status is 1 if some item has no answer.
 template <class Request, class Response, class Print>
 void ask_and_print(Session& session, const Request& request,
                    absl::StatusOr<Response> (*in_batches)(const client::Client&, const Request&,
@@ -28,6 +28,7 @@ void ask_and_print(Session& session, const Request& request,
     fmt::print("{}", to_json(response, json_more ? json_more(response) : ""));
   } else {
     print(response);
+    session.print_remarks();
   }
   bool failed = any_failed(response.status());
   if constexpr (requires { response.estimates(); }) {

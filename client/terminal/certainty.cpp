@@ -25,7 +25,7 @@ std::string interval_text(double value, double lower, double upper, bool approxi
   if (lower == upper) return approximate ? "no scatter" : "exact";
   if (value == 0) return fmt::format("< {}", number(upper));
   const double above = upper - value, below = value - lower;
-  // All three were rounded to floats.
+  // All three are rounded to floats.
   const double rounding = 2 * double{std::numeric_limits<float>::epsilon()} * upper;
   if (std::fabs(above - below) <= 1e-3 * above + rounding) return number((upper - lower) / 2);
   return fmt::format("{} ... {}", number(lower), number(upper));
@@ -46,6 +46,21 @@ std::string describe_approximations(const v1::Accuracy& accuracy, const v1::Cost
   return text;
 }
 
+std::string describe_overrun(const v1::Accuracy& accuracy, const v1::Cost& cost,
+                             std::uint64_t samples, const std::string& item) {
+  const double budget_s = accuracy.time_budget_s(), time_s = cost.wall_time_s();
+  if (!accuracy.has_time_budget_s() || time_s <= budget_s || samples == 0 ||
+      samples > kReplicates) {
+    return {};
+  }
+  const double sample_s = time_s / static_cast<double>(samples);
+  const double fewer = std::max(1.0, std::floor(budget_s / sample_s));
+  return fmt::format(
+      "over the budget of {} s: each {} takes {} samples at least; --samples {} would take about "
+      "{:.3g} s; ",
+      number(budget_s), item, samples, number(fewer), fewer * sample_s);
+}
+
 TargetCheck::TargetCheck(const v1::TargetError& target)
     : relative_(target.relative()),
       floor_(target.absolute_floor()),
@@ -64,10 +79,9 @@ bool TargetCheck::add(double value, double lower, double upper, std::uint64_t mo
 
 std::string TargetCheck::describe(const std::string& items) const {
   if (missed_ == 0) return {};
-  std::string text =
-      fmt::format("{} of {} {} are less certain than asked for", missed_, items_, items);
-  if (worst_ > 1) text += fmt::format(" ({:.3g} times at worst)", worst_);
-  if (capped_ > 0) text += ", --max-samples reached";
+  std::string text = fmt::format("{} of {} {} missed the target", missed_, items_, items);
+  if (worst_ > 1) text += fmt::format("; the worst interval is {:.3g} times too wide", worst_);
+  if (capped_ > 0) text += "; --max-samples reached";
   if (capped_ > 0 && capped_ < missed_) text += fmt::format(" by {}", capped_);
   return text + "; ";
 }

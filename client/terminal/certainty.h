@@ -1,4 +1,4 @@
-// How certain an answer is, in words: intervals, targets that were missed, approximations.
+// How certain an answer is, in words: intervals, missed targets, budgets and approximations.
 #pragma once
 
 #include <cstdint>
@@ -10,58 +10,61 @@
 
 namespace lucerna::cli {
 
-/// A share in (0, 1) in percent, with as many digits as tell it from 0% and 100%: "95",
-/// "99.9999999".
+/// A share in (0, 1) in percent, with enough digits to differ from 0% and 100%: "95", "99.9999999".
 std::string percent(double share);
 
-/// What stands under ±: half the width of the interval; both its ends where the value is not in its
-/// middle; "< upper" where the value is 0.  Of no width: "exact", or "no scatter" of an answer that
-/// is `approximate`.
+/// The text of the column ±: half the width of the interval; both ends if the value is not in the
+/// middle; "< upper" for the value 0.  An interval without width is "exact", or "no scatter" for an
+/// `approximate` answer.
 std::string interval_text(double value, double lower, double upper, bool approximate);
 
-/// Whether approximations were asked for that no interval knows of.
+/// Whether the request chose an approximation whose error no interval holds.
 bool is_approximate(const v1::Accuracy& accuracy);
 /// "; approximated: area lights as points beyond 7.1 radii; ..." for the end of a footer.  Empty
-/// where nothing is.
+/// without approximations.
 std::string describe_approximations(const v1::Accuracy& accuracy, const v1::Cost& cost);
 
-/// Which answers to a target error are as certain as was asked for.
+/// "over the budget of 3 s: each point takes 16 samples at least; --samples 1 would take about 1.75
+/// s; " for an answer that took more time than its budget with the least number of samples.  Empty
+/// for all other answers.  `samples`: the largest number for one `item`.
+std::string describe_overrun(const v1::Accuracy& accuracy, const v1::Cost& cost,
+                             std::uint64_t samples, const std::string& item);
+
+/// Counts the answers that miss the target error.
 class TargetCheck {
  public:
   explicit TargetCheck(const v1::TargetError& target);
 
-  /// An item's answer.  `more_samples`: how many it would have taken had it taken more.  Whether
-  /// half the width of the interval is no more than was asked for.
+  /// Adds an item's answer.  `more_samples` is the next larger number of samples that the item
+  /// could take.  Returns whether half the width of the interval is within the target.
   bool add(double value, double lower, double upper, std::uint64_t more_samples);
 
-  /// How many are not.
   std::uint64_t missed() const { return missed_; }
-  /// "3 of 8 points are less certain than asked for (1.5 times at worst), --max-samples reached; ".
-  /// Empty where none is.
+  /// "3 of 8 points missed the target; the worst interval is 1.5 times too wide; --max-samples
+  /// reached; ".  Empty if none missed it.
   std::string describe(const std::string& items) const;
 
  private:
   double relative_, floor_;
   std::uint64_t max_samples_;
   std::uint64_t items_ = 0, missed_ = 0, capped_ = 0;
-  double worst_ = 1;  // of those that were allowed any error
+  double worst_ = 1;  // of the items with an allowed error above 0
 };
 
-/// Samples of a receiver and of a light come in this many replicates, so that counts are its
-/// multiples.
+/// Samples of a receiver and of a light come in this many replicates, so counts are its multiples.
 inline constexpr std::uint64_t kReplicates = 16;
 
-/// Of the receivers that have an answer.  `samples` of each; `reached`: whether each is as certain
-/// as was asked for, false of those that have none.
+/// Checks the receivers that have an answer.  `samples` holds the number of each.  `reached` gets
+/// whether each met the target; false for those without an answer.
 template <typename Answers>
 TargetCheck check_target(const Answers& answers,
                          const google::protobuf::RepeatedField<std::uint32_t>& samples,
                          const v1::TargetError& target, std::vector<bool>* reached = nullptr) {
   TargetCheck check(target);
   for (int i = 0; i < samples.size(); ++i) {
-    const bool good = item_status(answers.status(), i).empty() &&
-                      check.add(answers.illuminance_lx(i), answers.lower_lx(i), answers.upper_lx(i),
-                                samples[i] + kReplicates);
+    const bool good =
+        has_answer(answers.status(), i) && check.add(answers.illuminance_lx(i), answers.lower_lx(i),
+                                                     answers.upper_lx(i), samples[i] + kReplicates);
     if (reached != nullptr) reached->push_back(good);
   }
   return check;

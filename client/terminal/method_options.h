@@ -1,4 +1,4 @@
-// The methods that an answer may be made by, as options by name.
+// Options that name the methods of a computation.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -13,7 +13,7 @@
 
 namespace lucerna::cli {
 
-/// One of several ways, by name; "automatic" where none is given.
+/// One of several methods, by name.  The default "automatic" leaves the choice to the server.
 template <typename Way>
 class WayOption {
  public:
@@ -27,7 +27,7 @@ class WayOption {
         ->check(one_of(names));
   }
 
-  /// Nothing where the server is to choose.
+  /// Nothing if the server chooses.
   std::optional<Way> way() const {
     for (const auto& [name, way] : ways_)
       if (name_ == name) return way;
@@ -41,23 +41,23 @@ class WayOption {
   std::string name_ = "automatic";
 };
 
-/// One that a command may have without the others: `kSet` tells a request of it.
+/// A method that a command may have without the others.  `kSet` sets it in a request.
 template <typename Way, void (v1::Accuracy::*kSet)(Way)>
 class LoneWayOption : public WayOption<Way> {
  public:
   using WayOption<Way>::WayOption;
 
-  /// Leaves a request that asks for nothing as it is.
+  /// Sets the methods that are given; the others leave the request unchanged.
   template <typename Request>
   void put(Request& request) const {
     if (const auto way = this->way()) (request.mutable_accuracy()->*kSet)(*way);
   }
 };
 
-/// --area-sampling alone, of what has no other choice.
+/// --area-sampling alone, for commands without the other methods.
 struct AreaSamplingOption : LoneWayOption<v1::AreaSampling, &v1::Accuracy::set_area_sampling> {
   AreaSamplingOption()
-      : LoneWayOption("--area-sampling", "How points of area lights are chosen",
+      : LoneWayOption("--area-sampling", "How to choose points of area lights",
                       {{"square-root", v1::AREA_SAMPLING_SQUARE_ROOT},
                        {"kraemer", v1::AREA_SAMPLING_KRAEMER},
                        {"parallelogram", v1::AREA_SAMPLING_PARALLELOGRAM},
@@ -67,18 +67,18 @@ struct AreaSamplingOption : LoneWayOption<v1::AreaSampling, &v1::Accuracy::set_a
                        {"cosine-solid-angle", v1::AREA_SAMPLING_COSINE_SOLID_ANGLE}}) {}
 };
 
-/// --light-selection, of what spends samples on lights that it chooses.
+/// --light-selection, for commands that choose a light for each sample.
 struct LightSelectionOption
     : LoneWayOption<v1::LightSelection, &v1::Accuracy::set_light_selection> {
   LightSelectionOption()
-      : LoneWayOption("--light-selection", "Which light a sample is spent on",
+      : LoneWayOption("--light-selection", "How to choose the light of a sample",
                       {{"all", v1::LIGHT_SELECTION_ALL},
                        {"uniform", v1::LIGHT_SELECTION_UNIFORM},
                        {"power", v1::LIGHT_SELECTION_POWER},
                        {"bvh", v1::LIGHT_SELECTION_BVH}}) {}
 };
 
-/// Those that single samples of light have.
+/// The methods of single samples of light.
 class SampleMethodOptions {
  public:
   void add(CLI::App& command) {
@@ -88,7 +88,7 @@ class SampleMethodOptions {
     visibility_.add(command);
   }
 
-  /// Leaves a request that asks for nothing as it is.
+  /// Sets the methods that are given; the others leave the request unchanged.
   template <typename Request>
   void put(Request& request) const {
     area_sampling_.put(request);
@@ -102,35 +102,34 @@ class SampleMethodOptions {
   LightSelectionOption light_selection_;
   WayOption<v1::Sampler> sampler_{
       "--sampler",
-      "Where sample values come from",
+      "Generator of the sample values",
       {{"sobol", v1::SAMPLER_SOBOL}, {"independent", v1::SAMPLER_INDEPENDENT}}};
   WayOption<v1::Visibility> visibility_{
       "--visibility",
-      "How it is found out whether lights are visible",
+      "How to test whether lights are visible",
       {{"rays", v1::VISIBILITY_RAYS}, {"shadow-maps", v1::VISIBILITY_SHADOW_MAPS}}};
 };
 
-/// All of them, of estimates.
+/// All methods, for estimates.
 class MethodOptions {
  public:
   void add(CLI::App& command) {
     samples_.add(command);
     command
         .add_option("--samples-per-light", samples_per_light_,
-                    "Points of each light that a sample takes; default: as the scene says, or 1")
+                    "Points that each sample takes on a light; default: as in the scene file, or 1")
         ->check(whole(1, 1024));
     command
         .add_option(
             "--far-light", far_light_radii_,
-            "Area lights farther away than so many of their radii count as points, a radius "
-            "being half the diagonal of the light's bounding box: five times the largest "
-            "dimension of a square luminaire is 7.1; default: none does")
+            "Treat area lights beyond this many radii as points; a radius is half the diagonal "
+            "of the light's bounding box; default: never")
         ->check(positive());
     combination_.add(command);
     closed_forms_.add(command);
   }
 
-  /// Leaves a request that asks for nothing as it is.
+  /// Sets the methods that are given; the others leave the request unchanged.
   template <typename Request>
   void put(Request& request) const {
     samples_.put(request);
@@ -146,14 +145,14 @@ class MethodOptions {
   std::optional<double> far_light_radii_;
   WayOption<v1::Combination> combination_{
       "--combination",
-      "How samples of lights and directions of surfaces are weighed",
+      "How to weigh samples of lights against samples of directions",
       {{"power-heuristic", v1::COMBINATION_POWER_HEURISTIC},
        {"balance-heuristic", v1::COMBINATION_BALANCE_HEURISTIC},
        {"lights", v1::COMBINATION_LIGHTS},
        {"surfaces", v1::COMBINATION_SURFACES}}};
   WayOption<v1::ClosedForms> closed_forms_{
       "--closed-forms",
-      "What is made of light that is known without sampling where nothing is in its way",
+      "Where to use closed forms of unoccluded light instead of samples",
       {{"off", v1::CLOSED_FORMS_OFF}, {"empty-shafts", v1::CLOSED_FORMS_EMPTY_SHAFTS}}};
 };
 

@@ -10,7 +10,7 @@
 namespace lucerna::cli {
 namespace {
 
-/// Characters of UTF-8, each taken as one column wide.
+/// Characters of UTF-8; each counts as one column.
 std::size_t width(const std::string& text) {
   return std::count_if(text.begin(), text.end(),
                        [](unsigned char c) { return (c & 0xc0) != 0x80; });
@@ -58,14 +58,13 @@ std::string triple(double a, double b, double c) {
 
 std::string direction(const v1::Vector3& v) {
   const double length = std::hypot(v.x(), v.y(), v.z());
-  // + 0.0: no -0 where roundings leave a little below it.
+  // + 0.0 turns the -0 of a small negative number into 0.
   const auto rounded = [&](double x) { return std::round(x / length * 1e4) / 1e4 + 0.0; };
   return triple(rounded(v.x()), rounded(v.y()), rounded(v.z()));
 }
 
 std::string to_json(const google::protobuf::Message& message, const std::string& more) {
   google::protobuf::util::JsonPrintOptions options;
-  options.preserve_proto_field_names = true;
   options.always_print_primitive_fields = true;
   std::string result;
   const auto status = google::protobuf::util::MessageToJsonString(message, &result, options);
@@ -81,6 +80,10 @@ std::string item_status(const google::protobuf::RepeatedField<int>& statuses, st
   const std::string name = v1::ItemStatus_Name(status);
   constexpr std::string_view kPrefix = "ITEM_STATUS_";
   return name.starts_with(kPrefix) ? name.substr(kPrefix.size()) : fmt::format("status {}", status);
+}
+
+bool has_answer(const google::protobuf::RepeatedField<int>& statuses, std::size_t item) {
+  return item_status(statuses, item).empty();
 }
 
 bool any_failed(const google::protobuf::RepeatedField<int>& statuses) {

@@ -1,4 +1,4 @@
-// Answers for people, as aligned tables, and for machines, as JSON.
+// Answers as aligned tables for people and as JSON for programs.
 #pragma once
 
 #include <google/protobuf/message.h>
@@ -11,12 +11,12 @@
 
 namespace lucerna::cli {
 
-/// Rows of text under headers, columns as wide as their widest entry, two spaces between.
+/// Rows of text under headers.  Columns are as wide as their widest entry, with two spaces between.
 class Table {
  public:
   struct Column {
     std::string header;
-    bool text = false;  ///< to the left; numbers stand to the right
+    bool text = false;  ///< aligned left; numbers are aligned right
   };
   explicit Table(std::vector<Column> columns);
 
@@ -35,18 +35,20 @@ std::string triple(double a, double b, double c);
 /// The unit vector along `v` to four decimals, which is 0.003 degrees: "0 0.7071 -0.7071".
 std::string direction(const v1::Vector3& v);
 
-/// The message as the protocol-buffers JSON of one line, fields named as in the .proto file, those
-/// without presence always written, and a new line.  `more`: what the message does not hold,
-/// `"name":value` with commas between, behind it.
+/// The message as protocol-buffers JSON on one line, with a new line.  Field names are
+/// lowerCamelCase; fields without presence are always written.  `more` holds further members,
+/// `"name":value` with commas between, which follow.
 std::string to_json(const google::protobuf::Message& message, const std::string& more = {});
 
-/// "INVALID_INPUT"; empty for OK.  `statuses` may be empty, for all OK.
+/// "INVALID_INPUT"; empty for OK.  An empty `statuses` means that all are OK.
 std::string item_status(const google::protobuf::RepeatedField<int>& statuses, std::size_t item);
-/// Where some item has no answer, rather than the answer that there is no light.
+/// Whether the item has an answer.
+bool has_answer(const google::protobuf::RepeatedField<int>& statuses, std::size_t item);
+/// Whether some item has no answer.  Items without light have one.
 bool any_failed(const google::protobuf::RepeatedField<int>& statuses);
 
-/// "1.2 s, 4096 samples, 8192 rays"; how many look-ups in shadow maps are wrong is told by
-/// describe_approximations().
+/// "1.2 s, 4096 samples, 8192 rays".  describe_approximations() reports wrong look-ups in shadow
+/// maps.
 std::string describe(const v1::Cost& cost);
 
 }  // namespace lucerna::cli

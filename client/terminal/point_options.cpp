@@ -28,7 +28,7 @@ absl::StatusOr<Double3> parse_triple(const std::string& text, Triple kind) {
   const bool is_direction = kind == Triple::kDirection;
   std::vector<double> values;
   const absl::Status parsed = client::parse_fields(fields_of(text), values);
-  // The contract's directions are floats.
+  // Directions are floats in the contract.
   const double most =
       is_direction ? std::numeric_limits<float>::max() : std::numeric_limits<double>::max();
   const auto is_finite = [most](double v) { return std::fabs(v) <= most; };
@@ -65,7 +65,7 @@ absl::StatusOr<std::vector<double>> parse_sample_values(const std::string& text,
   }
   for (std::size_t i = 0; i < values->size(); ++i) {
     const double value = (*values)[i];
-    // As NaN is none of these.
+    // False for NaN.
     const bool is_allowed = value >= 0 && (i < count ? value <= 1 : value < 1);
     if (!is_allowed) {
       return absl::InvalidArgumentError(fmt::format(
@@ -90,12 +90,11 @@ absl::StatusOr<PointSet> read_csv(std::istream& input, const std::string& name) 
 }
 
 void PointOptions::add(CLI::App& command, const std::string& second) {
-  command.add_option("--point", points_, "A point x,y,z [m]; may be given again")
+  command.add_option("--point", points_, "Point x,y,z [m]; may be given again")
       ->allow_extra_args(false);
-  command.add_option("--points", file_,
-                     "CSV file of points x,y,z [m], - for standard input; columns 4 to 6, where "
-                     "there are, are " +
-                         second);
+  command.add_option(
+      "--points", file_,
+      "CSV file of points x,y,z [m], or - for standard input; columns 4 to 6 are " + second);
 }
 
 const std::string& PointOptions::file() const {

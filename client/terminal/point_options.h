@@ -15,39 +15,38 @@ using client::Double3;
 
 struct PointSet {
   std::vector<Double3> points;
-  /// What comes with each point, a normal, a direction or another point; empty or one a point.
+  /// A normal, a direction or a second point for each point; may be empty.
   std::vector<Double3> seconds;
 };
 
 enum class Triple { kPoint, kDirection };
 
-/// "1,2,-0.5".  INVALID_ARGUMENT for all that is not three finite numbers, and for directions that
-/// do not fit floats, which the contract's are, or are 0 0 0 as floats.
+/// Reads "1,2,-0.5".  INVALID_ARGUMENT for texts other than three finite numbers.  Directions must
+/// fit floats, as in the contract, and must not be 0 0 0 as floats.
 absl::StatusOr<Double3> parse_triple(const std::string& text, Triple kind);
 
-/// Any number of numbers, NaN and infinities too.  INVALID_ARGUMENT for all else.
+/// Reads any number of numbers, NaN and infinities included.  INVALID_ARGUMENT for other texts.
 absl::StatusOr<std::vector<double>> parse_numbers(const std::string& text);
 
-/// What --u gives for one sample: `count` numbers in [0, 1], two of a direction or four of a ray,
-/// and where `chooses_light` one in [0, 1).  INVALID_ARGUMENT for all else.
+/// Reads the argument of --u for one sample: `count` numbers in [0, 1], two for a direction or four
+/// for a ray; with `chooses_light` one more in [0, 1).  INVALID_ARGUMENT for other texts.
 absl::StatusOr<std::vector<double>> parse_sample_values(const std::string& text, std::size_t count,
                                                         bool chooses_light);
 
-/// Lines of x,y,z or of x,y,z,nx,ny,nz, all alike, after an optional header that begins with x,y,z.
-/// Blank lines and lines that begin with # are nothing.  INVALID_ARGUMENT that begins with
-/// "name:line: ".  NaN, infinities and directions 0 0 0 pass: the server's answer tells them item
-/// by item, so that one of them does not stop a file.
+/// Reads lines of x,y,z or of x,y,z,nx,ny,nz; all lines have the same columns.  A header that
+/// begins with x,y,z may come first.  Blank lines and lines that begin with # are skipped.
+/// INVALID_ARGUMENT with a message that begins with "name:line: ".  NaN, infinities and directions
+/// 0 0 0 are accepted: the server marks such items, so one of them does not stop a file.
 absl::StatusOr<PointSet> read_csv(std::istream& input, const std::string& name);
 
-/// The options by which commands are given points.
+/// The options --point and --points.
 class PointOptions {
  public:
-  /// --point and --points; `second` says what columns 4 to 6 of a file are.
+  /// `second` names columns 4 to 6 of a file.
   void add(CLI::App& command, const std::string& second);
-  /// At least one point; ends the program with what is wrong otherwise.
+  /// One point or more.  Ends the program for wrong points or none.
   PointSet read() const;
-  /// What --points names; empty where it is not given.  --point beside it is told as read() tells
-  /// it.
+  /// The argument of --points; empty if it is not given.  Ends the program if --point is given too.
   const std::string& file() const;
 
  private:
@@ -55,13 +54,13 @@ class PointOptions {
   std::string file_;
 };
 
-/// Triples given by a repeatable option.
+/// A repeatable option whose arguments are triples.
 class TripleOption {
  public:
   void add(CLI::App& command, const std::string& flag, const std::string& what,
            Triple kind = Triple::kDirection);
   bool given() const { return !texts_.empty(); }
-  /// One for each of `count` points: a single one is for all of them.
+  /// One triple for each of `count` points.  A single argument is for all points.
   std::vector<Double3> read(std::size_t count) const;
 
  private:
@@ -70,7 +69,7 @@ class TripleOption {
   std::vector<std::string> texts_;
 };
 
-/// Those that `option` gives, or columns 4 to 6; ends the program where there are none.
+/// The directions of `option`, or columns 4 to 6.  Ends the program if both are absent.
 std::vector<Double3> read_directions(const TripleOption& option, const PointSet& set);
 
 using client::fill;

@@ -1,4 +1,4 @@
-// A progress bar for people who wait.
+// A progress bar.
 #pragma once
 
 #include <chrono>
@@ -7,11 +7,11 @@
 
 namespace lucerna::cli {
 
-/// "[#####---------------]  25%  ETA 1:05"; no ETA before anything is done.
+/// "[#####---------------]  25%  ETA 1:05"; no ETA before the first piece is done.
 std::string progress_line(std::uint64_t done, std::uint64_t total,
                           std::chrono::duration<double> elapsed);
 
-/// Draws on stderr where that is a terminal, at most ten times a second; removes itself.
+/// Draws on stderr if that is a terminal, ten times a second at most.  The destructor removes it.
 class ProgressBar {
  public:
   ProgressBar();

@@ -7,7 +7,9 @@
 #include <cstdio>
 #include <utility>
 
+#include "client/terminal/server_address.h"
 #include "client/terminal/validators.h"
+#include "proto/common/status_macros.h"
 
 namespace lucerna::cli {
 namespace {
@@ -37,10 +39,9 @@ absl::StatusOr<v1::ListScenesResponse> all_scenes(const client::Client& client,
   v1::ListScenesResponse all;
   v1::ListScenesRequest request;
   do {
-    auto page = client.list_scenes(request, call);
-    if (!page.ok()) return page.status();
-    request.set_page_token(page->next_page_token());
-    all.MergeFrom(*page);
+    LUCERNA_ASSIGN_OR_RETURN(const v1::ListScenesResponse page, client.list_scenes(request, call));
+    request.set_page_token(page.next_page_token());
+    all.MergeFrom(page);
   } while (!request.page_token().empty());
   all.clear_next_page_token();
   return all;
@@ -49,10 +50,9 @@ absl::StatusOr<v1::ListScenesResponse> all_scenes(const client::Client& client,
 /// NOT_FOUND for none, INVALID_ARGUMENT for more than one.
 absl::StatusOr<std::string> id_with_prefix(const client::Client& client, const std::string& prefix,
                                            const client::CallOptions& call) {
-  const auto scenes = all_scenes(client, call);
-  if (!scenes.ok()) return scenes.status();
+  LUCERNA_ASSIGN_OR_RETURN(const v1::ListScenesResponse scenes, all_scenes(client, call));
   std::string found;
-  for (const v1::SceneSummary& scene : scenes->scenes()) {
+  for (const v1::SceneSummary& scene : scenes.scenes()) {
     if (!scene.scene_id().starts_with(prefix)) continue;
     if (!found.empty()) {
       return absl::InvalidArgumentError(fmt::format(
@@ -67,48 +67,74 @@ absl::StatusOr<std::string> id_with_prefix(const client::Client& client, const s
       prefix, prefix));
 }
 
-void tell_remarks(const v1::LoadSceneResponse& loaded) {
+/// Prints the remarks of a scene that was loaded just now.
+void print_new_remarks(const v1::LoadSceneResponse& loaded) {
   if (loaded.already_loaded()) return;
   for (const v1::Remark& remark : loaded.remarks()) fmt::print(stderr, "{}\n", describe(remark));
 }
 
-/// A scene that the server has already.
+absl::StatusOr<v1::GetSceneResponse> get_scene(const client::Client& client, const std::string& id,
+                                               const client::CallOptions& call) {
+  v1::GetSceneRequest request;
+  request.set_scene_id(id);
+  return client.get_scene(request, call);
+}
+
+/// A scene that is loaded already: an id or the beginning of one.
 absl::StatusOr<v1::LoadSceneResponse> find_scene(const client::Client& client,
                                                  const std::string& scene,
                                                  const client::CallOptions& call) {
   v1::LoadSceneResponse found;
   found.set_already_loaded(true);
-  if (is_prefix(scene)) {
-    auto id = id_with_prefix(client, lower(scene), call);
-    if (!id.ok()) return id.status();
-    found.set_scene_id(*std::move(id));
-    return found;
-  }
-  v1::GetSceneRequest request;
-  request.set_scene_id(lower(scene));
-  const auto response = client.get_scene(request, call);
-  if (!response.ok()) return response.status();
   found.set_scene_id(lower(scene));
+  if (is_prefix(scene)) {
+    LUCERNA_ASSIGN_OR_RETURN(*found.mutable_scene_id(), id_with_prefix(client, lower(scene), call));
+  }
+  LUCERNA_ASSIGN_OR_RETURN(v1::GetSceneResponse held, get_scene(client, found.scene_id(), call));
+  *found.mutable_remarks() = std::move(*held.mutable_remarks());
   return found;
+}
+
+/// Adds the least length of a prefix to the error, if the name may be one.
+absl::Status with_prefix_length(const std::string& scene, const absl::Status& error) {
+  if (!absl::IsNotFound(error) || !is_hexadecimal(scene) || scene.size() >= kFewestDigits) {
+    return error;
+  }
+  absl::Status result(error.code(),
+                      fmt::format("{}; the first digits of a scene id must be {} or "
+                                  "more, these are {}",
+                                  std::string(error.message()), kFewestDigits, scene.size()));
+  error.ForEachPayload(
+      [&](absl::string_view url, const absl::Cord& payload) { result.SetPayload(url, payload); });
+  return result;
+}
+
+/// The name under which `lucerna scene` finds the scene: of an id, digits enough for a person.
+std::string short_name(const std::string& scene) {
+  constexpr std::size_t kShortId = 12;
+  return is_id(scene) ? lower(scene).substr(0, kShortId) : scene;
 }
 
 }  // namespace
 
-void wrong_use(const std::string& message) { throw CommandError(kWrongUse, message); }
-
 void Session::add_options(CLI::App& app) {
-  app.add_option(
-         "--server", server_,
-         "Where lucernad listens, HOST:PORT; or several, as --servers of render takes them, "
-         "which are asked in turn")
+  app.add_option("--server", server_,
+                 "Address of lucernad, HOST or HOST:PORT; several with commas answer in turn")
+      ->transform(CLI::Validator(
+          [](std::string& servers) {
+            servers = with_default_port(servers);
+            return std::string();
+          },
+          ""))
       ->envname("LUCERNA_SERVER")
       ->capture_default_str();
   app.add_flag("--allow-mixed", allow_mixed_,
-               "With several servers: let in those of different numeric fingerprints");
-  app.add_option("--timeout", timeout_s_, "Give up after this long [s]; default: never")
+               "With several servers: accept servers of different numeric fingerprints");
+  app.add_option("--timeout", timeout_s_, "Give up after this time [s]; default: never")
       ->check(positive());
   app.add_flag("--json", json_,
-               "For machines: the answer as protocol-buffers JSON of its message in lucerna.v1");
+               "Print the answer, or the error, as JSON of the messages in lucerna.v1");
+  app.add_flag("--strict", strict_, "Fail if the scene has anything that is not modelled");
 }
 
 bool Session::several() const {
@@ -127,25 +153,28 @@ void Session::connect_to_all(const std::string& scene) {
   options.allow_mixed = allow_mixed_;
   options.call = call_options();
   options.on_event = [](const std::string& event) { fmt::print(stderr, "{}\n", event); };
-  options.load = [scene](const client::Client& client, const client::CallOptions& call) {
+  options.load = [scene](const client::Client& client,
+                         const client::CallOptions& call) -> absl::StatusOr<v1::LoadSceneResponse> {
     if (is_id(scene) || is_prefix(scene)) return find_scene(client, scene, call);
     v1::LoadSceneRequest load;
     load.set_path(scene);
-    return client.load_scene(load, call);
+    auto loaded = client.load_scene(load, call);
+    if (!loaded.ok()) return with_prefix_length(scene, loaded.status());
+    return loaded;
   };
   auto servers = client::QueryServers::connect(options);
   if (!servers.ok()) fail(servers.status());
   servers_.emplace(*std::move(servers));
   const std::vector<std::string> fingerprints = servers_->fingerprints();
   if (fingerprints.size() > 1) {
-    fmt::print(stderr, "asks servers of different numeric fingerprints: {}\n",
+    fmt::print(stderr, "the servers have different numeric fingerprints: {}\n",
                fmt::join(fingerprints, ", "));
   }
 }
 
 const client::Client& Session::client() {
   if (servers_) return servers_->client();
-  need_one_server("what is not about a scene is for one server");
+  need_one_server("this command is for one server");
   if (!client_) {
     auto client = client::Client::connect({.target = server_});
     if (!client.ok()) wrong_use("--server: " + std::string(client.status().message()));
@@ -170,38 +199,39 @@ void Session::fail_if_ended(const absl::Status& status) const {
     throw CommandError(static_cast<ExitStatus>(kSignal + signal_), "interrupted");
   }
   if (absl::IsDeadlineExceeded(status) && timeout_s_) {
-    throw CommandError(kServerSaidNo, fmt::format("no answer within --timeout {} s", *timeout_s_));
+    throw CommandError(kServerSaidNo, status,
+                       fmt::format("no answer within --timeout {} s", *timeout_s_));
   }
 }
 
 void Session::fail_here(const absl::Status& status, ExitStatus exit) const {
   fail_if_ended(status);
-  throw CommandError(exit, std::string(status.message()));
+  throw CommandError(exit, status, std::string(status.message()));
 }
 
 void Session::fail(const absl::Status& status) const {
   const std::string message(status.message());
   fail_if_ended(status);
   if (absl::IsUnavailable(status) && several()) {
-    throw CommandError(kServerSaidNo,
+    throw CommandError(kServerSaidNo, status,
                        fmt::format("cannot reach any server of {}: {}", server_, message));
   }
   if (absl::IsUnavailable(status)) {
     throw CommandError(
-        kServerSaidNo,
+        kServerSaidNo, status,
         fmt::format("cannot reach a server at {}: {}\nstart one with: lucernad --listen {} "
                     "--scene-root DIR, or name another with --server or LUCERNA_SERVER",
                     server_, message, server_));
   }
   const std::string code = lower(absl::StatusCodeToString(status.code()));
-  throw CommandError(kServerSaidNo, fmt::format("the server said {}: {}", code, message));
+  throw CommandError(kServerSaidNo, status, fmt::format("the server said {}: {}", code, message));
 }
 
 std::string Session::scene_id(const std::string& scene) {
   if (scene.empty()) wrong_use("SCENE is empty, must be an id or a path under the scene root");
   if (several()) {
     connect_to_all(scene);
-    tell_remarks(servers_->loaded());
+    print_new_remarks(servers_->loaded());
     return servers_->scene_id();
   }
   if (is_id(scene)) return lower(scene);
@@ -212,15 +242,49 @@ std::string Session::scene_id(const std::string& scene) {
     return ask(id);
   }
   const v1::LoadSceneResponse response = load_scene(*this, scene);
-  tell_remarks(response);
+  print_new_remarks(response);
+  loaded_remarks_ = response.remarks();
   return response.scene_id();
+}
+
+std::string Session::query_scene_id(const std::string& scene) {
+  loaded_remarks_.reset();
+  std::string id = scene_id(scene);
+  if (json_ && !strict_) return id;
+  Remarks remarks;
+  if (servers_) {
+    remarks = servers_->loaded().remarks();
+  } else if (loaded_remarks_) {
+    remarks = *std::move(loaded_remarks_);
+  } else {
+    remarks = ask(get_scene(client(), id, call_options())).remarks();
+  }
+  if (absl::Status s = note_remarks(scene, remarks); !s.ok()) fail_here(s, kServerSaidNo);
+  return id;
+}
+
+absl::Status Session::note_remarks(const std::string& scene, const Remarks& remarks) {
+  const std::lock_guard lock(remarks_mutex_);
+  remarks_line_.clear();
+  if (remarks.empty()) return absl::OkStatus();
+  remarks_line_ =
+      fmt::format("{}: lucerna scene {} --remarks", count_remarks(remarks), short_name(scene));
+  if (!strict_) return absl::OkStatus();
+  return absl::FailedPreconditionError("not modelled (--strict): " + remarks_line_);
+}
+
+void Session::print_remarks() const {
+  const std::lock_guard lock(remarks_mutex_);
+  if (!remarks_line_.empty()) fmt::print("{}\n", remarks_line_);
 }
 
 v1::LoadSceneResponse load_scene(Session& session, const std::string& path, double lease_s) {
   v1::LoadSceneRequest request;
   request.set_path(path);
   if (lease_s > 0) request.set_lease_s(lease_s);
-  return session.ask(session.client().load_scene(request, session.call_options()));
+  auto response = session.client().load_scene(request, session.call_options());
+  if (!response.ok()) session.fail(with_prefix_length(path, response.status()));
+  return *std::move(response);
 }
 
 v1::ListScenesResponse list_scenes(Session& session) {
@@ -240,12 +304,6 @@ v1::ListLightsResponse list_lights(Session& session, const std::string& scene_id
   } while (!request.page_token().empty());
   all.clear_next_page_token();
   return all;
-}
-
-std::string describe(const v1::Remark& remark) {
-  std::string place = remark.file();
-  if (remark.line() > 0) place += fmt::format(":{}:{}", remark.line(), remark.column());
-  return fmt::format("{}: {}; {}", place, remark.what(), remark.instead());
 }
 
 }  // namespace lucerna::cli

@@ -1,85 +1,79 @@
-// What all subcommands share: the options before them, the connection, how an error ends the
-// program.
+// What all commands share: common options, the connection, and how an error ends the program.
 #pragma once
 
 #include <CLI/CLI.hpp>
 #include <atomic>
+#include <mutex>
 #include <optional>
-#include <stdexcept>
 #include <stop_token>
 #include <string>
 
+#include "client/terminal/error.h"
+#include "client/terminal/remarks.h"
 #include "lucerna/client/client.h"
 #include "lucerna/client/query_servers.h"
 
 namespace lucerna::cli {
 
-/// Exit statuses of the program.
-enum ExitStatus : int {
-  kDone = 0,
-  kServerSaidNo = 1,  ///< or it cannot be reached, or an item has no answer
-  kWrongUse = 2,      ///< flags, numbers or files that cannot be taken
-  kSignal = 128,      ///< and the number of the signal that interrupted it, as shells tell it
-};
-
-/// Ends the program with a message.
-class CommandError : public std::runtime_error {
- public:
-  CommandError(ExitStatus status, const std::string& message)
-      : std::runtime_error(message), status_(status) {}
-  ExitStatus status() const { return status_; }
-
- private:
-  ExitStatus status_;
-};
-
-[[noreturn]] void wrong_use(const std::string& message);
-
-/// Common options, and the server that they name; or the servers, for questions about a scene,
-/// which any of them can answer.
+/// The options of all commands, and the connection to the server that they name.  --server may
+/// name several servers, for questions about a scene: any of them can answer.
 class Session {
  public:
-  /// `signal` is which one it was by the time that `stop` is requested, and outlives the session.
+  /// A request to stop ends every call.  `signal` is the number of the signal that caused it; it
+  /// outlives the session.
   Session(std::stop_token stop, const std::atomic<int>& signal)
       : stop_(std::move(stop)), signal_(signal) {}
 
-  /// --server, --allow-mixed, --timeout and --json, which may stand before or after the subcommand.
+  /// Adds --server, --allow-mixed, --timeout, --json and --strict.  They may stand before or after
+  /// the command.
   void add_options(CLI::App& app);
 
   bool json() const { return json_; }
+  /// The address or the list of --server; each host has a port.
   const std::string& server() const { return server_; }
   /// Whether servers of different numeric fingerprints may share work.
   bool allow_mixed() const { return allow_mixed_; }
-  /// Connects at the first use.  Where --server names several, ends the program unless scene_id()
-  /// was asked before: what is not about a scene is about one server.
+  /// Connects at the first use.  If --server names several servers, scene_id() must come first;
+  /// otherwise this ends the program, as the call is for one server.
   const client::Client& client();
-  /// Ends the program where --server names several: `what` is for one.
+  /// Ends the program if --server names several servers.  `what` says what needs one.
   void need_one_server(const std::string& what) const;
-  /// The deadline is the same for all calls of one run.
+  /// All calls of one run share the deadline.
   const client::CallOptions& call_options();
 
-  /// The answer, or the end of the program with what the server said.
+  /// The answer; an error ends the program with the server's message.
   template <class Response>
   Response ask(absl::StatusOr<Response> response) {
     if (!response.ok()) fail(response.status());
     return *std::move(response);
   }
-  /// The same for a question about the scene of scene_id(), a function of the client; where
-  /// several servers are asked it is asked again of one that lost the scene.
+  /// The same for a question about the scene of scene_id(), a function of the client.  With several
+  /// servers, one that lost the scene gets it again, and the question is repeated.
   template <class Ask>
   auto ask_about_scene(const Ask& question) {
     return servers_ ? ask(servers_->query(question)) : ask(question(client()));
   }
+  /// Ends the program with an error that a server reported.
   [[noreturn]] void fail(const absl::Status& status) const;
-  /// Where it is not one server that says it: `exit` with the message as it is.
+  /// Ends the program with an error of this machine, whose message stays unchanged.
   [[noreturn]] void fail_here(const absl::Status& status, ExitStatus exit) const;
 
-  /// The id that `scene` stands for: an id; a prefix, of four digits or more, of one that is
-  /// loaded; or a path, which is loaded where it is not yet, on each of the servers, with what is
-  /// not modelled told on stderr.
+  /// The id of `scene`, which is an id; the first digits, 4 or more, of the id of a loaded scene;
+  /// or a path.  A path is loaded if need be, on each server, and its remarks are printed to
+  /// stderr.
   std::string scene_id(const std::string& scene);
+  /// The same for a question about light: notes the scene's remarks for print_remarks().
+  std::string query_scene_id(const std::string& scene);
 
-  /// What the program ends with where nothing fails.
+  using Remarks = google::protobuf::RepeatedPtrField<v1::Remark>;
+  /// Keeps the remarks for print_remarks().  FAILED_PRECONDITION for any remark under --strict;
+  /// `scene` names the scene in the message.  Thread-safe.
+  absl::Status note_remarks(const std::string& scene, const Remarks& remarks);
+  /// The last line of an answer: counts what of the scene is not modelled.  Prints nothing for a
+  /// scene without remarks.
+  void print_remarks() const;
+
+  /// Sets the exit status of a run without errors.
   void set_exit_status(ExitStatus status) { exit_status_ = status; }
   ExitStatus exit_status() const { return exit_status_; }
 
@@ -92,6 +86,7 @@ class Session {
   std::string server_ = "127.0.0.1:50051";
   std::optional<double> timeout_s_;
   bool json_ = false;
+  bool strict_ = false;
   std::stop_token stop_;
   const std::atomic<int>& signal_;
   bool allow_mixed_ = false;
@@ -99,17 +94,23 @@ class Session {
   std::optional<client::QueryServers> servers_;
   std::optional<client::CallOptions> call_options_;
   ExitStatus exit_status_ = kDone;
+  std::optional<Remarks> loaded_remarks_;  // of the last scene that scene_id() loaded
+  mutable std::mutex remarks_mutex_;
+  std::string remarks_line_;  // guarded by remarks_mutex_; empty without remarks
 };
 
-/// The scene file of `load`; every scene there is.
+/// Loads a scene file.  `lease_s`: see LoadSceneRequest.
 v1::LoadSceneResponse load_scene(Session& session, const std::string& path, double lease_s = 0);
+/// All loaded scenes, from all pages.
 v1::ListScenesResponse list_scenes(Session& session);
-/// Every light of a scene, from all pages.
+/// All lights of a scene, from all pages.
 v1::ListLightsResponse list_lights(Session& session, const std::string& scene_id);
-/// "file:line:column: what; instead"
-std::string describe(const v1::Remark& remark);
 
-// One function a family of subcommands.
+/// Help of the argument SCENE.
+inline constexpr char kSceneHelp[] =
+    "A path under the scene root, an id, or the first digits of an id";
+
+// One function for each family of commands.
 void add_scene_commands(CLI::App& app, Session& session);  // load scenes scene lights ...
 void add_light_commands(CLI::App& app, Session& session);  // sample pdf
 void add_power_command(CLI::App& app, Session& session);

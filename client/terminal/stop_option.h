@@ -1,4 +1,4 @@
-// --samples, --error and --budget: when a computation may stop.
+// --samples, --error and --budget: when a computation stops.
 #pragma once
 
 #include <fmt/format.h>
@@ -13,13 +13,17 @@
 
 namespace lucerna::cli {
 
-/// A share as 0.01 or as 1%, which becomes 0.01.
+/// A fraction above 0, as 0.01 or as 1%, which becomes 0.01.  A number of 1 or more needs the
+/// percent sign, because it is a percentage without its sign more often than a fraction.
 inline CLI::Validator share() {
   return {[](std::string& text) -> std::string {
             const bool percent = text.ends_with('%');
-            std::string number = percent ? text.substr(0, text.size() - 1) : text;
+            const std::string number = percent ? text.substr(0, text.size() - 1) : text;
             const auto value = read_number<double>(number);
             if (!value || *value <= 0) return text + " is not a share above 0, as 1% or 0.01";
+            if (!percent && *value >= 1) {
+              return fmt::format("{} is {:g}%; did you mean {}%?", text, 100 * *value, text);
+            }
             if (percent) text = fmt::format("{}", *value / 100);
             return {};
           },
@@ -30,34 +34,38 @@ struct StopOption {
   std::optional<std::uint32_t> samples;
   std::optional<double> error, budget_s;
 
-  /// `of`: what has samples; `otherwise`: how many by default; `unit`: of the answer.
+  /// `of` names what has samples ("point"), `otherwise` the default number, `unit` the answer's
+  /// unit.
   void add(CLI::App& command, const std::string& of, const std::string& otherwise,
            const std::string& unit) {
     auto* count = command.add_option("--samples", samples,
-                                     "Samples for each " + of + "; default " + otherwise);
+                                     "Number of samples for each " + of + "; default " + otherwise);
     count->check(sample_count());
     auto* target = command.add_option(
-        "--error", error, "As many samples as each " + of + " needs for this error, as 1% or 0.01");
+        "--error", error,
+        "Take samples until each " + of + " has this relative error, as 1% or 0.01");
     target->transform(share())->excludes(count);
     command
-        .add_option("--floor", floor_,
-                    fmt::format("With --error: no smaller error is asked for [{}]", unit))
+        .add_option(
+            "--floor", floor_,
+            fmt::format("With --error: smallest absolute error that is required [{}]", unit))
         ->check(not_negative())
         ->needs(target);
     command
-        .add_option("--confidence", confidence_,
-                    "With --error: the chance that it holds; default 95%")
+        .add_option(
+            "--confidence", confidence_,
+            "With --error: confidence level of the target and of all intervals; default 95%")
         ->transform(share())
         ->needs(target);
     command
         .add_option("--max-samples", max_samples_,
-                    "With --error: for each " + of +
-                        " at most, from 64 to the server's limit; default 65536")
+                    "With --error: most samples for each " + of +
+                        ", from 64 to the server's limit; default 65536")
         ->check(sample_count(64))
         ->needs(target);
     command
         .add_option("--budget", budget_s,
-                    "As many samples as this time allows [s]; or as 10s, 2m, 500ms")
+                    "Take as many samples as this time allows [s]; also 10s, 2m, 1h30m or 500ms")
         ->transform(duration())
         ->excludes(count)
         ->excludes(target);
@@ -65,7 +73,7 @@ struct StopOption {
 
   double confidence() const { return confidence_.value_or(0.95); }
 
-  /// Leaves a request that asks for nothing as it is.
+  /// Sets the given options; the others leave the request unchanged.
   template <typename Request>
   void put(Request& request) const {
     if (samples) request.mutable_accuracy()->set_samples(*samples);

@@ -1,4 +1,4 @@
-// --time: the moment that is asked about, of scenes where something moves.
+// --time: the moment of a query, for scenes where something moves.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -11,12 +11,14 @@ namespace lucerna::cli {
 
 struct TimeOption {
   void add(CLI::App& command, const std::string& otherwise = "0") {
-    command.add_option("--time", time_s_, "When, where something moves [s]; default: " + otherwise)
+    command
+        .add_option("--time", time_s_,
+                    "Moment of the query in a scene with motion [s]; default: " + otherwise)
         ->check(checked_number("a finite number", [](double) { return true; }));
   }
 
   bool given() const { return time_s_.has_value(); }
-  /// Leaves a request that names no time as it is.
+  /// Sets the moment if it is given.
   template <typename Request>
   void put(Request& request) const {
     if (time_s_) request.set_time_s(*time_s_);

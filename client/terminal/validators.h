@@ -1,5 +1,5 @@
-// Checks of what is on the command line, with words a person can use.  CLI11's own ranges let NaN
-// through and take -1 for a large unsigned number; its own sets of names tell their numbers too.
+// Checks of the words on the command line, with messages for people.  CLI11's own ranges accept NaN
+// and read -1 as a large unsigned number; its own sets of names print their numbers too.
 #pragma once
 
 #include <fmt/format.h>
@@ -9,6 +9,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
 #include <limits>
 #include <optional>
 #include <string>
@@ -18,7 +19,7 @@
 
 namespace lucerna::cli {
 
-/// The whole of `text` as a number that T holds and that is not infinite.
+/// The whole of `text` as a finite number that T holds; nothing for any other text.
 template <typename T>
 std::optional<T> read_number(std::string_view text) {
   T value = 0;
@@ -31,7 +32,7 @@ std::optional<T> read_number(std::string_view text) {
   return value;
 }
 
-/// A finite number for which `allowed` holds; `what` says which those are.
+/// A finite number for which `allowed` holds; `what` describes these numbers.
 template <typename Allowed>
 CLI::Validator checked_number(const std::string& what, Allowed allowed) {
   return {[what, allowed](std::string& text) -> std::string {
@@ -41,7 +42,7 @@ CLI::Validator checked_number(const std::string& what, Allowed allowed) {
           "NUMBER"};
 }
 
-/// One of these names.
+/// One of `names`.
 inline CLI::Validator one_of(const std::vector<std::string>& names) {
   std::string list;
   for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
@@ -60,8 +61,8 @@ inline CLI::Validator not_negative() {
   return checked_number("a finite number of at least 0", [](double v) { return v >= 0; });
 }
 
-/// A whole number from `least` to `most`, which is told as `limit` where there is one.  CLI11 by
-/// itself takes the nearest that there is for one beyond.
+/// A whole number from `least` to `most`.  The message shows `limit` in the place of `most` unless
+/// it is empty.  CLI11's own check takes the nearest allowed number for a larger one.
 inline CLI::Validator whole(std::uint64_t least,
                             std::uint64_t most = std::numeric_limits<std::uint32_t>::max(),
                             const std::string& limit = {}) {
@@ -79,33 +80,47 @@ inline CLI::Validator whole64(std::uint64_t least = 0) {
   return whole(least, std::numeric_limits<std::uint64_t>::max());
 }
 
-/// Numbers of samples, of which the server allows no more than its own limit.
+/// Numbers of samples; the server has a limit of its own.
 inline CLI::Validator sample_count(std::uint64_t least = 1) {
   return whole(least, std::numeric_limits<std::uint32_t>::max(),
-               "the server's limit (1048576, unless `lucerna info` tells another)");
+               "the server's limit (1048576, unless `lucerna info` shows another)");
 }
 
-/// A time as 60, 60s, 2m or 500ms, which becomes seconds.
+/// Seconds of a time as 60, 60s, 2m, 500ms, 1h or 1h30m: a number of seconds, or numbers with the
+/// units h, m, s and ms in this order, each once at most.  Nothing for any other text.
+inline std::optional<double> read_duration(std::string_view text) {
+  if (const auto seconds = read_number<double>(text)) return seconds;
+  // ms stands before m, with which it begins.
+  constexpr std::pair<std::string_view, double> kUnits[] = {
+      {"h", 3600}, {"ms", 1e-3}, {"m", 60}, {"s", 1}};
+  double time_s = 0;
+  double last_unit_s = std::numeric_limits<double>::infinity();
+  while (!text.empty()) {
+    const std::size_t length = std::min(text.find_first_of("hms"), text.size());
+    const auto value = read_number<double>(text.substr(0, length));
+    text.remove_prefix(length);
+    const auto unit = std::find_if(std::begin(kUnits), std::end(kUnits),
+                                   [&](const auto& u) { return text.starts_with(u.first); });
+    if (!value || *value < 0 || unit == std::end(kUnits) || unit->second >= last_unit_s) {
+      return std::nullopt;
+    }
+    text.remove_prefix(unit->first.size());
+    last_unit_s = unit->second;
+    time_s += *value * unit->second;
+  }
+  return time_s;
+}
+
+/// A time above 0 as read_duration() takes it, which becomes seconds.
 inline CLI::Validator duration() {
-  return {
-      [](std::string& text) -> std::string {
-        std::string_view number = text;
-        double unit_s = 1;
-        for (const auto& [name, seconds] : std::initializer_list<std::pair<const char*, double>>{
-                 {"ms", 1e-3}, {"s", 1}, {"m", 60}}) {
-          if (!number.ends_with(name)) continue;
-          number.remove_suffix(std::string_view(name).size());
-          unit_s = seconds;
-          break;
-        }
-        const auto value = read_number<double>(number);
-        const double time_s = value.value_or(0) * unit_s;
-        if (!(time_s > 0) || !std::isfinite(time_s))
-          return text + " is not a time above 0, as 60, 60s, 2m or 500ms";
-        text = fmt::format("{}", time_s);
-        return {};
-      },
-      "TIME"};
+  return {[](std::string& text) -> std::string {
+            const double time_s = read_duration(text).value_or(0);
+            if (!(time_s > 0) || !std::isfinite(time_s))
+              return text + " is not a time above 0, as 60, 60s, 2m, 1h30m or 500ms";
+            text = fmt::format("{}", time_s);
+            return {};
+          },
+          "TIME"};
 }
 
 }  // namespace lucerna::cli

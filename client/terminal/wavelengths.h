@@ -1,4 +1,4 @@
-// --wavelength: what to tell of light beside its RGB.
+// --wavelength: values at single wavelengths, beside RGB.
 #pragma once
 
 #include <fmt/core.h>
@@ -17,11 +17,12 @@ class WavelengthOption {
   void add(CLI::App& command) {
     command
         .add_option("--wavelength", nm_,
-                    "Also the value at this wavelength [nm]; may be given again, or as a list "
-                    "with commas")
+                    "Also print the value at this wavelength [nm]; may be given again, or as a "
+                    "list with commas")
         ->delimiter(',')
         ->allow_extra_args(false)
-        ->check(positive());
+        ->check(checked_number("a wavelength from 100 to 1000000 nm",
+                               [](double nm) { return nm >= 100 && nm <= 1e6; }));
   }
 
   bool given() const { return !nm_.empty(); }

@@ -12,6 +12,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <optional>
 #include <thread>
 #include <utility>
 
@@ -23,7 +24,7 @@ using Clock = std::chrono::steady_clock;
 constexpr char kListening[] = "listening on ";
 constexpr auto kPause = std::chrono::milliseconds(2);
 
-/// A file in memory: unlike a pipe it never fills up and blocks who writes to it.
+/// A file in memory.  Unlike a pipe it never fills up and blocks the writer.
 class Capture {
  public:
   explicit Capture(const char* name) : file_(::memfd_create(name, MFD_CLOEXEC)) {}
@@ -59,7 +60,7 @@ absl::StatusOr<std::string> find_program(const LocalServerOptions& options) {
   return absl::NotFoundError("no program lucernad at \"" + program + "\" (from " +
                              (from_environment ? "the environment variable LUCERNAD"
                                                : "LocalServerOptions.program; the environment "
-                                                 "variable LUCERNAD goes before it") +
+                                                 "variable LUCERNAD has priority") +
                              ")");
 }
 
@@ -85,9 +86,9 @@ class LocalServer::Process {
     id_ = ::fork();
     if (id_ < 0) return failure(std::string("fork: ") + std::strerror(errno));
     if (id_ > 0) return absl::OkStatus();
-    // Only async-signal-safe functions between fork and exec: other threads may have held locks.
+    // Only async-signal-safe functions between fork and exec: other threads may hold locks.
     ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-    if (::getppid() != parent) ::_exit(127);  // it died before the line above
+    if (::getppid() != parent) ::_exit(127);  // the parent died before prctl()
     sigset_t none;
     ::sigemptyset(&none);
     ::sigprocmask(SIG_SETMASK, &none, nullptr);
@@ -97,12 +98,12 @@ class LocalServer::Process {
     ::_exit(127);
   }
 
-  /// Waits for the line that tells the port, then for the server to serve.
+  /// Waits for the line with the port, then until the server serves.
   absl::Status wait_until_serving() {
     const Clock::time_point end = Clock::now() + patience_;
     while (target_.empty()) {
       if (ended()) return failure("it ended with exit status " + std::to_string(*exit_code_));
-      if (Clock::now() > end) return failure("it does not tell where it listens", true);
+      if (Clock::now() > end) return failure("it does not print its address", true);
       const std::string text = output_.text();
       const std::size_t at = text.find(kListening);
       const std::size_t line_end = text.find('\n', at == std::string::npos ? 0 : at);
@@ -197,11 +198,5 @@ const client::Client& LocalServer::client() const { return process_->client(); }
 int LocalServer::process_id() const { return process_->id(); }
 std::string LocalServer::log() const { return process_->log(); }
 int LocalServer::stop() { return process_->stop(); }
-
-void LocalServerTest::SetUp() {
-  auto server = LocalServer::start(options());
-  if (!server.ok()) FAIL() << server.status().message();
-  server_.emplace(*std::move(server));
-}
 
 }  // namespace lucerna::testing

@@ -24,8 +24,8 @@
 
 #include "client/view/tev_packet.h"
 
-// One connected socket that is only written to: a networking library would be more code here than
-// these few calls, and bring its own loop.
+// One connected socket that is only written to.  A networking library would need more code than
+// these calls, and its own event loop.
 
 namespace lucerna::client {
 namespace {
@@ -33,11 +33,11 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr std::uint64_t kMaxPixels = std::uint64_t{1} << 30;
-// A packet of so many pixels squared fits into the mebibyte that tev first receives into.
+// A packet of kMostEdge squared pixels fits into the first receive buffer of tev, one mebibyte.
 constexpr std::uint32_t kMostEdge = 256;
 constexpr milliseconds kTryAgain(2000);
 constexpr milliseconds kConnectPatience(2000);
-// How long it takes at most until a stop is seen.
+// The longest delay before a stop takes effect.
 constexpr int kPollMs = 100;
 
 class Socket {
@@ -53,7 +53,7 @@ class Socket {
     file_ = -1;
   }
 
-  /// Empty, or why not.
+  /// Returns the reason of a failure; empty on success.
   std::string connect(const addrinfo& address, const std::stop_token& stop) {
     file_ = ::socket(address.ai_family, address.ai_socktype | SOCK_NONBLOCK | SOCK_CLOEXEC,
                      address.ai_protocol);
@@ -74,7 +74,7 @@ class Socket {
     return std::strerror(error);
   }
 
-  /// How many bytes went, perhaps none for now; nothing where the connection is no more.
+  /// The number of bytes sent, which may be 0; nothing if the connection ended.
   std::optional<std::size_t> send(std::string_view bytes) {
     const short happened = wait(POLLOUT | POLLRDHUP);
     if ((happened & (POLLERR | POLLHUP | POLLRDHUP | POLLNVAL)) != 0) return std::nullopt;
@@ -96,7 +96,7 @@ class Socket {
 
 using Addresses = std::unique_ptr<addrinfo, decltype(&freeaddrinfo)>;
 
-/// Resolved once: a resolver that hangs cannot be stopped.
+/// Names are resolved once, because a hanging resolver cannot be stopped.
 absl::StatusOr<Addresses> resolve(const std::string& address) {
   const absl::Status bad = absl::InvalidArgumentError("\"" + address +
                                                       "\" is not HOST, HOST:PORT or [IPV6]:PORT, "
@@ -139,7 +139,7 @@ class TevSender::Impl {
         thread_([this](const std::stop_token& stop) { run(stop); }) {}
 
   void begin(const std::string& name, std::uint32_t width, std::uint32_t height) {
-    Canvas black(width, height);  // then the one before, freed without the lock
+    Canvas black(width, height);  // later the picture before, which is freed without the lock
     const std::lock_guard lock(mutex_);
     name_ = name;
     std::swap(picture_, black);
@@ -184,16 +184,16 @@ class TevSender::Impl {
     const Clock::time_point most = Clock::now() + 10 * patience;
     std::unique_lock lock(mutex_);
     std::uint64_t sent = sent_bytes_;
-    // Who was waited for in vain and has taken nothing since is not waited for again.
+    // A viewer that took nothing since the last failure is not waited for again.
     if ((sending_ || has_work()) && stuck_at_ == sent) return false;
     while (sending_ || has_work()) {
       const Clock::time_point until = std::min(most, Clock::now() + patience);
       const bool more = changed_.wait_until(lock, until, [&] {
-        return (told_ && !connected_) || sent_bytes_ > sent || !(sending_ || has_work());
+        return (reported_ && !connected_) || sent_bytes_ > sent || !(sending_ || has_work());
       });
-      if (told_ && !connected_) return false;
+      if (reported_ && !connected_) return false;
       if (!more || Clock::now() >= most) {
-        tell("does not take all of the picture");
+        report("does not take all of the picture");
         stuck_at_ = sent_bytes_;
         return false;
       }
@@ -220,8 +220,8 @@ class TevSender::Impl {
 
   bool has_work() const { return picture_.width > 0 && (!created_ || !waiting_.empty()); }
 
-  void tell(const std::string& what) {
-    if (!std::exchange(told_, true) && on_event_) on_event_("tev at " + address_ + ": " + what);
+  void report(const std::string& what) {
+    if (!std::exchange(reported_, true) && on_event_) on_event_("tev at " + address_ + ": " + what);
   }
 
   std::string next_packet() {
@@ -232,7 +232,7 @@ class TevSender::Impl {
     return update_image(name_, picture_, cell.rect);
   }
 
-  /// The viewer is gone, or is another, which has nothing of the picture.
+  /// The viewer is absent, or a new one that has nothing of the picture yet.
   void lose(const std::string& why) {
     created_ = connected_ = false;
     waiting_.clear();
@@ -240,7 +240,7 @@ class TevSender::Impl {
       cells_[i].waiting = true;
       waiting_.push_back(i);
     }
-    tell(why + "; going on without it");
+    report(why + "; going on without it");
   }
 
   void run(const std::stop_token& stop) {
@@ -260,7 +260,7 @@ class TevSender::Impl {
           changed_.notify_all();
           changed_.wait_for(lock, stop, kTryAgain, [] { return false; });
         }
-        continue;  // what is to be sent may be another picture's by now
+        continue;  // begin() may have replaced the picture meanwhile
       }
       const std::string packet = next_packet();
       sending_ = true;
@@ -290,23 +290,23 @@ class TevSender::Impl {
   const std::string address_;
   const Addresses resolved_;
   const std::function<void(const std::string&)> on_event_;
-  Socket socket_;  // the thread's own
+  Socket socket_;  // only the thread uses it
 
   std::mutex mutex_;
   std::condition_variable_any changed_;
   std::string name_;
   Canvas picture_;
-  std::vector<Cell> cells_;                // all that there is of the picture
-  std::map<Place, std::size_t> by_place_;  // among them
-  std::deque<std::size_t> waiting_;        // among them, to be sent
-  bool created_ = false;                   // the viewer has been told of the picture
+  std::vector<Cell> cells_;                // all rectangles of the picture
+  std::map<Place, std::size_t> by_place_;  // index into cells_
+  std::deque<std::size_t> waiting_;        // indices into cells_ of unsent rectangles
+  bool created_ = false;                   // the viewer has created the picture
   bool sending_ = false;
   bool connected_ = false;
-  bool told_ = false;
+  bool reported_ = false;
   std::uint64_t sent_bytes_ = 0;
-  std::optional<std::uint64_t> stuck_at_;  // of them, when a flush gave up
+  std::optional<std::uint64_t> stuck_at_;  // sent_bytes_ when a flush failed
 
-  std::jthread thread_;  // the last: it uses all of the above
+  std::jthread thread_;  // the last member: it uses all others
 };
 
 TevSender::TevSender(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}

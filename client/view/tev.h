@@ -1,13 +1,12 @@
-// Pictures that come in pieces, shown by the viewer tev (https://github.com/Tom94/tev) as they
-// come.
+// Shows unfinished pictures in the viewer tev (https://github.com/Tom94/tev).
 //
-// The viewer is never waited for: a thread of its own sends what is newest of each piece, and the
-// memory is that of one picture, however slow the viewer is.  One that is not there, or goes away,
-// is tried again every two seconds and then gets all there is.
+// Callers never wait for the viewer.  A thread sends the newest pixels of each piece, and the
+// memory is that of one picture, however slow the viewer is.  An absent viewer is tried again every
+// two seconds; then it gets the whole picture.
 //
-// The protocol is that of tev's README, "Over the Network", and src/Ipc.cpp: packets over TCP, each
-// with its length and kind before it; CreateImage, then UpdateImage (its third version) for
-// rectangles of 32-bit floats.  tev answers nothing.
+// The protocol is that of tev's README, "Over the Network", and src/Ipc.cpp.  Packets go over TCP,
+// each with its length and kind in front: CreateImage, then UpdateImage (its third version) for
+// rectangles of 32-bit floats.  tev sends no answers.
 #pragma once
 
 #include <chrono>
@@ -23,35 +22,35 @@
 
 namespace lucerna::client {
 
-/// Where tev listens unless it is told otherwise.
+/// The port on which tev listens by default.
 inline constexpr std::uint16_t kTevPort = 14158;
 
 /// Shows one picture after the other.  Thread-safe.
 class TevSender {
  public:
-  /// `address`: HOST, HOST:PORT or [IPV6]:PORT; whether somebody listens there matters later.
-  /// `on_event` is told once, in whichever thread, that the viewer cannot be had or does not take
-  /// what it is sent; it must not call this again.
+  /// `address`: HOST, HOST:PORT or [IPV6]:PORT.  No viewer need listen there yet.  `on_event` gets
+  /// one message, in any thread, if the viewer cannot be reached or does not take the bytes.  It
+  /// must not call this object.
   ///
-  /// INVALID_ARGUMENT for what is no address, or a name that cannot be resolved.
+  /// INVALID_ARGUMENT for a text that is no address, or a name that cannot be resolved.
   static absl::StatusOr<std::unique_ptr<TevSender>> create(
       const std::string& address, std::function<void(const std::string&)> on_event = {});
   TevSender(const TevSender&) = delete;
   TevSender& operator=(const TevSender&) = delete;
-  /// Sends no more.
+  /// Stops sending.
   ~TevSender();
 
-  /// A new picture, black so far; it replaces one that the viewer has under this name.  What was
-  /// not yet sent of the picture before is not sent any more.  INVALID_ARGUMENT for an empty
-  /// picture or one of more than 2^30 pixels.
+  /// Begins a new, black picture.  It replaces the viewer's picture of this name.  Unsent pixels of
+  /// the picture before are dropped.  INVALID_ARGUMENT for an empty picture or one of more than
+  /// 2^30 pixels.
   absl::Status begin(const std::string& name, std::uint32_t width, std::uint32_t height);
-  /// Linear Rec. 709 RGB of a rectangle, three floats a pixel, rows from the top.  INVALID_ARGUMENT
-  /// where it is not within the picture, or `rgb` is of another length.
+  /// Sets the linear Rec. 709 RGB of a rectangle: three floats for each pixel, rows from the top.
+  /// INVALID_ARGUMENT if the rectangle is not within the picture, or `rgb` has another length.
   absl::Status update(const v1::PixelRect& rect, std::span<const float> rgb);
 
-  /// Waits until the viewer has been sent everything; false where it takes no byte for `patience`,
-  /// takes more than ten times that in all, or was found not to be there; at once where it has
-  /// taken nothing since such a wait.
+  /// Waits until all pixels are sent.  Returns false if the viewer takes no byte for `patience`,
+  /// needs more than ten times that in all, or is absent.  After such a failure it returns false at
+  /// once until the viewer takes bytes again.
   bool flush(std::chrono::milliseconds patience);
 
  private:

@@ -7,7 +7,7 @@
 namespace lucerna::client {
 namespace {
 
-// Numbers and floats are sent as they are in memory.
+// The protocol is little-endian, like the memory of this machine.
 static_assert(std::endian::native == std::endian::little);
 
 /// One message of the protocol.
@@ -30,7 +30,7 @@ class Packet {
   void put_channels() {
     for (const char* name : {"R", "G", "B"}) put(std::string(name));
   }
-  /// With its length, which counts itself.
+  /// The packet with its length in front, which counts its own bytes.
   std::string finish() && {
     const auto length = static_cast<std::uint32_t>(bytes_.size());
     std::memcpy(bytes_.data(), &length, sizeof length);
@@ -45,7 +45,7 @@ class Packet {
 
 std::string create_image(const std::string& name, const Canvas& picture) {
   Packet packet(Packet::kCreateImage);
-  packet.put(char{1});  // becomes the one that is looked at
+  packet.put(char{1});  // select this picture
   packet.put(name);
   packet.put(static_cast<std::int32_t>(picture.width));
   packet.put(static_cast<std::int32_t>(picture.height));

@@ -1,4 +1,4 @@
-// What the viewer tev is told, message by message.  Not installed.
+// The messages to the viewer tev.  Not installed.
 //
 // The protocol: tev's README and src/Ipc.cpp [github.com/Tom94/tev].
 #pragma once
@@ -14,7 +14,7 @@
 
 namespace lucerna::client {
 
-/// What is to be shown, as Picture has its pixels.
+/// The picture to show, with the pixels in the order of Picture.
 struct Canvas {
   struct Free {
     void operator()(float* p) const { std::free(p); }
@@ -23,8 +23,8 @@ struct Canvas {
   std::unique_ptr<float[], Free> pixels;
 
   Canvas() = default;
-  /// Black; the system clears pages as they are written to, where to clear a large picture at once
-  /// would hold up who begins it.
+  /// A black picture.  The system clears each page at its first use; clearing a large picture at
+  /// once would delay the caller.
   Canvas(std::uint32_t w, std::uint32_t h)
       : width(w),
         height(h),
@@ -36,9 +36,9 @@ struct Canvas {
   }
 };
 
-/// Opens the picture under a name, and makes it the one that is looked at.
+/// Creates the picture under a name and selects it.
 std::string create_image(const std::string& name, const Canvas& picture);
-/// The pixels of a rectangle, which must lie within the picture.
+/// Sends the pixels of a rectangle, which must lie within the picture.
 std::string update_image(const std::string& name, const Canvas& picture, const v1::PixelRect& rect);
 
 }  // namespace lucerna::client

@@ -1,4 +1,4 @@
-// How certain `lucerna` says that answers are: intervals, targets that were missed, approximations.
+// How certain answers of `lucerna` are: intervals, missed targets, approximations.
 #include <nlohmann/json.hpp>
 #include <regex>
 #include <sstream>
@@ -32,7 +32,7 @@ class CliCertainty : public Cli {
     return json::parse(said(std::move(words)))[name];
   }
 
-  /// Of a sphere that shines, where everything is sampled.
+  /// The light of a sphere, all of it sampled.
   static std::vector<std::string> irradiance(const std::vector<std::string>& more) {
     std::vector<std::string> words = {"irradiance",     "sphere.pbrt", "--point",   "0.1,-1.3,0",
                                       "--normal",       "0.2,0,1",     "--bounces", "0",
@@ -42,7 +42,7 @@ class CliCertainty : public Cli {
   }
 };
 
-TEST_F(CliCertainty, PlusMinusIsHalfTheIntervalWhateverStopsTheSamples) {
+TEST_F(CliCertainty, PlusMinusIsHalfTheIntervalForAllStopRules) {
   const std::vector<std::vector<std::string>> stops = {{"--samples", "16"},
                                                        {"--samples", "64"},
                                                        {"--error", "5%"},
@@ -53,23 +53,23 @@ TEST_F(CliCertainty, PlusMinusIsHalfTheIntervalWhateverStopsTheSamples) {
     const std::string text = said(words);
     SCOPED_TRACE(text);
     words.emplace_back("--json");
-    const json told = json::parse(said(words));
+    const json answer = json::parse(said(words));
     std::istringstream lines(text);
     std::string line, x, y, z, value, error;
     std::getline(lines, line);
     std::getline(lines, line);
     std::istringstream(line) >> x >> y >> z >> value >> error;
-    const auto half = [](const json& answer) {
-      return (answer["upper_lx"][0].get<double>() - answer["lower_lx"][0].get<double>()) / 2;
+    const auto half = [](const json& numbers) {
+      return (numbers["upperLx"][0].get<double>() - numbers["lowerLx"][0].get<double>()) / 2;
     };
-    EXPECT_NEAR(std::stod(error) / half(told), 1, 1e-5);
-    EXPECT_GT(std::stod(error), 1.2 * told["standard_error_lx"][0].get<double>());
+    EXPECT_NEAR(std::stod(error) / half(answer), 1, 1e-5);
+    EXPECT_GT(std::stod(error), 1.2 * answer["standardErrorLx"][0].get<double>());
     while (line != "") std::getline(lines, line);
     std::string light;
     std::getline(lines, line);
     std::getline(lines, line);
     std::istringstream(line) >> light >> x >> y >> z >> value >> error;
-    EXPECT_NEAR(std::stod(error) / half(told["shares"][0]), 1, 1e-5);
+    EXPECT_NEAR(std::stod(error) / half(answer["shares"][0]), 1, 1e-5);
     EXPECT_THAT(text, HasSubstr(stop.size() == 4 ? "± and < hold with 80% confidence; "
                                                  : "± and < hold with 95% confidence; "));
   }
@@ -128,57 +128,56 @@ TEST_F(CliCertainty, ApproximationsAreNotExact) {
   }
 }
 
-TEST_F(CliCertainty, WhatIsLessCertainThanAskedForIsMarked) {
+TEST_F(CliCertainty, MissedTargetsAreCounted) {
   const std::vector<std::string> hard = {"--error", "0.01%", "--max-samples", "64"};
   const std::string missed = said(irradiance(hard));
-  EXPECT_THAT(missed, ContainsRegex("; 1 of 1 points are less certain than asked for \\([0-9.e+]+ "
-                                    "times at worst\\), --max-samples reached; "));
-  EXPECT_THAT(said(irradiance({"--error", "60%"})), Not(HasSubstr("less certain")));
+  EXPECT_THAT(missed, ContainsRegex("; 1 of 1 points missed the target; the worst interval is "
+                                    "[0-9.e+]+ times too wide; --max-samples reached; "));
+  EXPECT_THAT(said(irradiance({"--error", "60%"})), Not(HasSubstr("missed the target")));
   EXPECT_THAT(said(irradiance({"--error", "0.01%", "--max-samples", "64", "--floor", "1000"})),
-              Not(HasSubstr("less certain")));
+              Not(HasSubstr("missed the target")));
   EXPECT_EQ(answered(irradiance(hard), "reached"), json({false}));
   EXPECT_EQ(answered(irradiance({"--error", "60%"}), "reached"), json({true}));
   EXPECT_TRUE(answered(irradiance({"--samples", "4"}), "reached").is_null());
 
-  // A bent patch, whose points are not even by area.
+  // A bent patch, whose points are not uniform by area.
   std::ofstream(path("scenes/bent.pbrt"))
       << "WorldBegin\nAreaLightSource \"diffuse\" \"rgb L\" [3 3 3]\n"
          "Shape \"bilinearmesh\" \"point3 P\" [-1 -1 0  1 -1 0  -1 1 0  1 1 1.5]\n";
   std::vector<std::string> power = {"power",         "bent.pbrt", "--method", "sampled",
                                     "--max-samples", "64",        "--error",  "0.00001%"};
-  EXPECT_THAT(said(power), ContainsRegex("; 1 of 1 lights are less certain than asked for .*, "
+  EXPECT_THAT(said(power), ContainsRegex("; 1 of 1 lights missed the target; .*; "
                                          "--max-samples reached; "));
   EXPECT_EQ(answered(power, "reached"), json({false}));
   power.back() = "50%";
-  EXPECT_THAT(said(power), Not(HasSubstr("less certain")));
+  EXPECT_THAT(said(power), Not(HasSubstr("missed the target")));
   EXPECT_EQ(answered(power, "reached"), json({true}));
 
   std::vector<std::string> render = {"render", "sphere.pbrt",   "-o", path("a.pfm"), "--bounces",
                                      "0",      "--max-samples", "64", "--error",     "0.01%"};
-  EXPECT_THAT(said(render),
-              ContainsRegex("; [1-9][0-9]* of [1-9][0-9]* pixels are less certain than "
-                            "asked for .*, --max-samples reached"));
-  EXPECT_GT(answered(render, "pixels_not_reached"), 10);
+  EXPECT_THAT(said(render), ContainsRegex("; [1-9][0-9]* of [1-9][0-9]* pixels missed the target; "
+                                          ".*; --max-samples reached"));
+  EXPECT_GT(answered(render, "pixelsNotReached"), 10);
   render.insert(render.end(), {"--floor", "1e9"});
-  EXPECT_EQ(answered(render, "pixels_not_reached"), 0);
+  EXPECT_EQ(answered(render, "pixelsNotReached"), 0);
 
   // In the columns of a file.
   std::ofstream(path("p.csv")) << "0.1,-1.3,0,0.2,0,1\n0.1,-1.3,0,0,0,-1\n";
   const std::string file = said({"irradiance", "sphere.pbrt", "--points", path("p.csv"),
                                  "--bounces", "0", "--closed-forms", "off", "--error", "0.01%",
                                  "--max-samples", "64", "-o", path("a.csv")});
-  EXPECT_THAT(file, ContainsRegex("2 points; 1 of 2 points are less certain than asked for"));
+  EXPECT_THAT(file, ContainsRegex("2 points; 1 of 2 points missed the target"));
   std::ifstream rows(path("a.csv"));
   std::string line;
   std::getline(rows, line);
   EXPECT_THAT(line, EndsWith(",approximate,samples,reached"));
   std::getline(rows, line);
   EXPECT_THAT(line, EndsWith(",false,64,false"));
-  std::getline(rows, line);  // from below no light is seen
+  std::getline(rows, line);  // no light is visible from below
   EXPECT_THAT(line, EndsWith(",true"));
 }
 
-TEST_F(CliCertainty, FootersSayWhatWasDone) {
+TEST_F(CliCertainty, FootersDescribeTheComputation) {
   EXPECT_THAT(said(irradiance({"--error", "50%", "--confidence", "99.9999999%"})),
               HasSubstr("± and < hold with 99.9999999% confidence; "));
   const std::vector<std::string> point = {"irradiance", "point.pbrt", "--point",   "1.2,-1.5,0",
@@ -188,7 +187,7 @@ TEST_F(CliCertainty, FootersSayWhatWasDone) {
 }
 
 TEST_F(CliCertainty, EveryAnswerIsPrintedWithItsCost) {
-  const std::vector<std::vector<std::string>> asks = {
+  const std::vector<std::vector<std::string>> commands = {
       {"visible", "point.pbrt", "--point", "0,0,0", "--to", "0,0,1"},
       {"sample", "point.pbrt", "--point", "0,0,0"},
       {"sample", "point.pbrt", "--point", "0,0,0", "--error", "5%"},
@@ -199,39 +198,38 @@ TEST_F(CliCertainty, EveryAnswerIsPrintedWithItsCost) {
       {"power", "point.pbrt", "--method", "sampled"},
       {"irradiance", "point.pbrt", "--point", "0,0,0", "--normal", "0,0,1"},
       {"render", "point.pbrt", "-o", path("a.pfm"), "--samples", "1"}};
-  for (const std::vector<std::string>& ask : asks)
-    EXPECT_THAT(said(ask), ContainsRegex("[0-9] s(, [0-9]+ samples?)?(, [0-9]+ rays?)?\n$"))
-        << ask[0];
+  for (const std::vector<std::string>& words : commands)
+    EXPECT_THAT(said(words), ContainsRegex("[0-9] s(, [0-9]+ samples?)?(, [0-9]+ rays?)?\n$"))
+        << words[0];
 }
 
-TEST_F(CliCertainty, SamplesTellMissedTargetsAndApproximations) {
-  std::vector<std::string> ask = {
+TEST_F(CliCertainty, SamplesReportMissedTargetsAndApproximations) {
+  std::vector<std::string> words = {
       "sample", "rectangle_near.pbrt", "--error",     "0.01%",   "--max-samples",
       "64",     "--area-sampling",     "square-root", "--point", "-1.25,-0.75,1.25"};
-  EXPECT_THAT(said(ask), ContainsRegex("; 1 of 1 points are less certain than asked for .*, "
-                                       "--max-samples reached; "));
-  EXPECT_EQ(answered(ask, "reached"), json({false}));
-  EXPECT_EQ(answered(ask, "approximate"), json(false));
-  ask[3] = "1000%";
-  EXPECT_THAT(said(ask), Not(HasSubstr("less certain")));
-  EXPECT_EQ(answered(ask, "reached"), json({true}));
-  ask.insert(ask.end(), {"--visible", "--visibility", "shadow-maps"});
-  EXPECT_EQ(answered(ask, "approximate"), json(true));
-  EXPECT_THAT(said(ask), HasSubstr("; approximated: shadow maps, "));
+  EXPECT_THAT(said(words), ContainsRegex("; 1 of 1 points missed the target; .*; "
+                                         "--max-samples reached; "));
+  EXPECT_EQ(answered(words, "reached"), json({false}));
+  EXPECT_EQ(answered(words, "approximate"), json(false));
+  words[3] = "1000%";
+  EXPECT_THAT(said(words), Not(HasSubstr("missed the target")));
+  EXPECT_EQ(answered(words, "reached"), json({true}));
+  words.insert(words.end(), {"--visible", "--visibility", "shadow-maps"});
+  EXPECT_EQ(answered(words, "approximate"), json(true));
+  EXPECT_THAT(said(words), HasSubstr("; approximated: shadow maps, "));
 }
 
-TEST_F(CliCertainty, NumbersBeyondTheirRangeAreRefused) {
-  const std::vector<std::string> point = {"--point", "0,0,0"};
-  const std::vector<std::vector<std::string>> asks = {
+TEST_F(CliCertainty, NumbersOutsideOfTheirRangeAreRefused) {
+  const std::vector<std::vector<std::string>> commands = {
       {"sample", "point.pbrt", "--point", "0,0,0", "--seed"},
       {"emit", "point.pbrt", "--seed"},
       {"power", "point.pbrt", "--method", "sampled", "--seed"},
       {"irradiance", "point.pbrt", "--point", "0,0,0", "--normal", "0,0,1", "--seed"},
       {"render", "point.pbrt", "-o", path("a.pfm"), "--seed"},
       {"tradeoff", "point.pbrt", "--out", path("out"), "--query", "power", "--seed"}};
-  for (const std::vector<std::string>& ask : asks) {
+  for (const std::vector<std::string>& command : commands) {
     for (const char* seed : {"18446744073709551616", "999999999999999999999", "-1", "1.5"}) {
-      std::vector<std::string> words = ask;
+      std::vector<std::string> words = command;
       words.back() += std::string("=") + seed;
       expect_wrong_use(lucerna(words),
                        std::string(seed) + " is not a whole number from 0 to 18446744073709551615");
@@ -252,7 +250,7 @@ TEST_F(CliCertainty, NumbersBeyondTheirRangeAreRefused) {
     expect_wrong_use(
         lucerna({"irradiance", "point.pbrt", samples}),
         " is not a whole number from 1 to the server's limit (1048576, unless `lucerna "
-        "info` tells another)");
+        "info` shows another)");
   }
   expect_no(lucerna({"irradiance", "point.pbrt", "--point", "0,0,0", "--normal", "0,0,1",
                      "--samples", "1048577"}),
@@ -262,23 +260,39 @@ TEST_F(CliCertainty, NumbersBeyondTheirRangeAreRefused) {
   EXPECT_THAT(said({"irradiance", "--help"}), HasSubstr("from 64 to the server's limit"));
 }
 
-TEST_F(CliCertainty, TimesAreTakenWithUnits) {
+TEST_F(CliCertainty, SharesOfOneOrMoreNeedThePercentSign) {
+  for (const char* share : {"5", "1", "95"}) {
+    for (const char* option : {"--error=", "--confidence="}) {
+      expect_wrong_use(
+          lucerna(irradiance(
+              std::string(option) == "--error="
+                  ? std::vector<std::string>{std::string(option) + share}
+                  : std::vector<std::string>{"--error=1%", std::string(option) + share})),
+          std::string("did you mean ") + share + "%?");
+    }
+  }
+  expect_wrong_use(lucerna(irradiance({"--error", "5"})), "5 is 500%; did you mean 5%?");
+  for (const char* share : {"0.5", "50%", "500%"}) said(irradiance({"--error", share}));
+}
+
+TEST_F(CliCertainty, TimesHaveUnits) {
   std::ofstream(path("p.csv")) << "0.1,-1.3,0,0.2,0,1\n";
-  for (const char* time : {"0.006", "0.006s", "6ms", "0.0001m"}) {
+  for (const char* time : {"0.006", "0.006s", "6ms", "0.0001m", "0h6ms"}) {
     const std::string budget = std::string("--budget=") + time;
     EXPECT_THAT(said(irradiance({budget})), HasSubstr(" samples a point; ")) << time;
     EXPECT_EQ(lucerna({"render", "sphere.pbrt", "-o", path("a.pfm"), budget}).status, 0) << time;
     EXPECT_EQ(lucerna({"power", "sphere.pbrt", "--method", "sampled", budget}).status, 0) << time;
   }
-  // What no call can be answered in: whether more is too short for tradeoff is the machine's.
+  // No machine answers a call in this time.
   for (const char* time : {"6e-9", "6e-9s", "6e-6ms", "1e-10m"})
     expect_wrong_use(lucerna({"tradeoff", "sphere.pbrt", "--points", path("p.csv"), "--out",
                               path("out"), "--quiet", std::string("--budget=") + time}),
                      "--budget 6e-09s is too short");
-  for (const char* time : {"0", "0s", "-1", "ms", "1h", "1 s", "1e308m", "nan", "1sm"}) {
+  for (const char* time : {"0", "0s", "-1", "ms", "1 s", "1e308m", "nan", "1sm", "1s1h"}) {
     for (const char* command : {"irradiance", "render", "power", "tradeoff"}) {
-      expect_wrong_use(lucerna({command, "sphere.pbrt", std::string("--budget=") + time}),
-                       std::string(time) + " is not a time above 0, as 60, 60s, 2m or 500ms");
+      expect_wrong_use(
+          lucerna({command, "sphere.pbrt", std::string("--budget=") + time}),
+          std::string(time) + " is not a time above 0, as 60, 60s, 2m, 1h30m or 500ms");
     }
   }
 }

@@ -29,7 +29,7 @@ class CliEmission : public ::testing::Test {
     arguments.insert(arguments.begin(), LUCERNA_CLI);
     return run_program(std::move(arguments), input, {{"LUCERNA_SERVER", server_->target()}});
   }
-  /// What a command that works prints.
+  /// The output of a command, which must succeed.
   static std::string said(std::vector<std::string> arguments, const std::string& input = {}) {
     const Outcome outcome = lucerna(std::move(arguments), input);
     EXPECT_EQ(outcome.status, 0) << outcome.err;
@@ -37,7 +37,7 @@ class CliEmission : public ::testing::Test {
     return outcome.out;
   }
 
-  /// Of the first light whose row tells `what`.
+  /// The id of the first light whose row contains `what`.
   static std::string id_of(const std::string& what) {
     const std::string table = said({"lights", kScene});
     const std::size_t at = table.find(what);
@@ -52,8 +52,8 @@ class CliEmission : public ::testing::Test {
 
 std::ptrdiff_t lines(const std::string& text) { return std::ranges::count(text, '\n'); }
 
-TEST_F(CliEmission, RaysAreToldWithValueUnitAndDensities) {
-  // A point light: where is certain, all directions are alike, 1 / (4 pi).
+TEST_F(CliEmission, RaysHaveValueUnitAndDensities) {
+  // A point light: the position is certain; all directions have the density 1 / (4 pi).
   const std::string point = without_cost(said({"emit", kScene, "--light", "1", "--count", "3"}));
   EXPECT_EQ(lines(point), 4);
   EXPECT_THAT(point, Not(HasSubstr("chosen with")));
@@ -68,7 +68,7 @@ TEST_F(CliEmission, RaysAreToldWithValueUnitAndDensities) {
   EXPECT_THAT(
       said({"emit", kScene, "--light", rectangle, "--seed", "5"}),
       ContainsRegex(" 3 +[-0-9. e]+ -0\\.[0-9]+ +12 12 12 +cd/m2 +0\\.666667 +0\\.[0-9]+\n"));
-  // The seed counts, and one is given.
+  // The seed changes the rays; there is a default.
   const auto seeded = [](const std::string& seed) {
     return without_cost(said({"emit", kScene, "--light", "1", "--count", "3", "--seed", seed}));
   };
@@ -76,20 +76,20 @@ TEST_F(CliEmission, RaysAreToldWithValueUnitAndDensities) {
   EXPECT_NE(seeded("1"), point);
 }
 
-TEST_F(CliEmission, ChosenLightsAreToldWithTheirProbability) {
+TEST_F(CliEmission, ChosenLightsHaveTheirProbability) {
   const std::string out = said({"emit", kScene, "--count", "20"});
   EXPECT_EQ(lines(without_cost(out)), 21);
   EXPECT_THAT(out, ContainsRegex("\n[0-9.e-]+ s, 20 samples\n$"));
   EXPECT_THAT(out, ContainsRegex("^light  chosen with  from \\[m\\]"));
   EXPECT_THAT(out, ContainsRegex("\n +[0-9]+ +0\\.[0-9]+ "));
   EXPECT_THAT(said({"emit", kScene, "--count", "2", "--json"}),
-              AllOf(StartsWith("{\"points\":{\"origin_m\":{\"x\":"),
-                    ContainsRegex("\"light_ids\":\\[\"[0-9]+\",\"[0-9]+\"\\]"),
-                    ContainsRegex("\"selection_probability\":\\[0\\.[0-9]+,0\\.[0-9]+\\]")));
+              AllOf(StartsWith("{\"points\":{\"originM\":{\"x\":"),
+                    ContainsRegex("\"lightIds\":\\[\"[0-9]+\",\"[0-9]+\"\\]"),
+                    ContainsRegex("\"selectionProbability\":\\[0\\.[0-9]+,0\\.[0-9]+\\]")));
 }
 
-TEST_F(CliEmission, SampleValuesOfOnesOwnAreTaken) {
-  // The same four numbers are the same ray.
+TEST_F(CliEmission, OwnSampleValuesAreUsed) {
+  // The same four numbers give the same ray.
   const std::string sphere = id_of("sphere");
   const auto rays = [&](const std::vector<std::string>& values) {
     std::vector<std::string> words = {"emit", kScene, "--light", sphere};
@@ -100,7 +100,7 @@ TEST_F(CliEmission, SampleValuesOfOnesOwnAreTaken) {
   const std::string once = rays({u}), twice = rays({u, u});
   EXPECT_EQ(twice, once + once.substr(once.find('\n') + 1));
   EXPECT_NE(rays({"0.5,0.5,0.75,0.5"}), once);
-  // Without a light the fifth chooses it; the first one begins at 0.
+  // Without --light the fifth number chooses the light; the first light begins at 0.
   EXPECT_THAT(said({"emit", kScene, "--u", "0.25,0.5,0.75,0.5,0"}),
               ContainsRegex("\n +1 +0\\.[0-9]+ +101\\.2 -51\\.5 3\\.2 "));
 
@@ -110,7 +110,7 @@ TEST_F(CliEmission, SampleValuesOfOnesOwnAreTaken) {
                    "u2 = 2, allowed: [0, 1]");
 }
 
-TEST_F(CliEmission, WrongUseOfEmitIsSaid) {
+TEST_F(CliEmission, WrongUseOfEmitIsRefused) {
   expect_wrong_use(lucerna({"emit", kScene, "--light", "1", "--u", "0.5,0.5"}),
                    "--u \"0.5,0.5\", must be four numbers u1,u2,u3,u4");
   expect_wrong_use(lucerna({"emit", kScene, "--u", "0.5,0.5,0.5,0.5"}),
@@ -142,8 +142,8 @@ TEST_F(CliEmission, DensitiesAreThoseOfTheLight) {
   EXPECT_THAT(said({"emit-pdf", kScene, "--light", "1", "--point", "101.2,-51.5,3.2", "--direction",
                     "0,0,1", "--json"}),
               AllOf(StartsWith("{\"pdf_position_per_m2\":[0]"),
-                    HasSubstr("\"pdf_direction_per_sr\":[0.07957")));
-  // Of a file, the answer tells which.
+                    HasSubstr("\"pdfDirectionPerSr\":[0.07957")));
+  // Points of a file, one with no answer.
   const Outcome bad = lucerna({"emit-pdf", kScene, "--light", rectangle, "--points", "-"},
                               "101.5,-48.5,3,0,0,0\n101.5,-48.5,3,0,0,-1\n");
   EXPECT_EQ(bad.status, 1) << bad.err;
@@ -156,10 +156,10 @@ TEST_F(CliEmission, DensitiesAreThoseOfTheLight) {
                    "no points");
 }
 
-TEST_F(CliEmission, PowerByTheBooksTellsHowFarItIsOff) {
+TEST_F(CliEmission, ApproximatePowerHasItsError) {
   // A spot of 40 cd, full light within 18 degrees, none beyond 30.  The edge, of height
-  // cos 18 - cos 30 = 0.0850311, counts 1/5 where it is quartic and 1/2 by the books: their
-  // difference is 40 2 pi 0.3 0.0850311 lm.
+  // cos 18 - cos 30 = 0.0850311, counts 1/5 if it is quartic and 1/2 in textbooks.  The difference
+  // is 40 2 pi 0.3 0.0850311 lm.
   const std::string exact = said({"power", kScene, "--light", "2", "--light", "3"});
   EXPECT_THAT(exact, ContainsRegex("\n +2  spot +22\\.9862 +exact "));
   EXPECT_THAT(exact, ContainsRegex("\n +3  spot +16\\.575 +exact "));
@@ -170,12 +170,12 @@ TEST_F(CliEmission, PowerByTheBooksTellsHowFarItIsOff) {
   EXPECT_THAT(books, ContainsRegex("\n +3  spot +22\\.9862 +6\\.41119 "));
   EXPECT_THAT(books, ContainsRegex("\nall +45\\.9723 +6\\.41119 "));
   EXPECT_THAT(said({"power", kScene, "--light", "3", "--method", "approximate", "--json"}),
-              ContainsRegex("\"power_lm\":22\\.98.*\"error_lm\":6\\.41"));
+              ContainsRegex("\"powerLm\":22\\.98.*\"errorLm\":6\\.41"));
   expect_wrong_use(lucerna({"power", kScene, "--method", "best"}),
                    "--method: best is not one of exact, approximate, sampled\n");
 }
 
-TEST_F(CliEmission, LightsOfEachKindAreRowsOfUnits) {
+TEST_F(CliEmission, LightsOfEachKindHaveTheirUnits) {
   const std::string out = said({"lights", kScene});
   const auto row = [](const std::string& what, const std::string& where, const std::string& rest) {
     return ContainsRegex("\n *[0-9]+  " + what + " +" + where + " +" + rest + " +lights/every");
@@ -215,7 +215,7 @@ TEST_F(CliEmission, LightsOfEachKindAreRowsOfUnits) {
                        "0\\.753982 +33\\.1619 +exact +no"));
 }
 
-TEST_F(CliEmission, LightsTellHowTheyAreTurned) {
+TEST_F(CliEmission, LightsShowTheirOrientation) {
   const std::string out = said({"lights", kScene});
   const auto row = [](const std::string& what, const std::string& where, const std::string& rest) {
     return ContainsRegex("\n *[0-9]+  " + what + " +" + where + " +" + rest + " +lights/every");

@@ -1,4 +1,4 @@
-// The program lucerna against a lucernad.
+// Runs the program lucerna against a lucernad.
 #pragma once
 
 #include <gmock/gmock.h>
@@ -16,8 +16,8 @@ namespace lucerna {
 
 namespace fs = std::filesystem;
 
-/// One server for all tests.  Its scene root is a temporary directory with the reference scenes and
-/// one scene that cannot be parsed.
+/// One server for all tests.  The scene root is a temporary directory with the reference scenes and a
+/// broken scene.
 class Cli : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -53,7 +53,7 @@ class Cli : public ::testing::Test {
     return run_program(std::move(arguments), input, {{"LUCERNA_SERVER", server_->target()}});
   }
   static std::string path(const std::string& name) { return (directory_->path() / name).string(); }
-  /// All files in the tests' directory, including hidden files.
+  /// All files in the tests' directory, hidden files included.
   static std::vector<std::string> files() {
     std::vector<std::string> names;
     for (const auto& entry : fs::directory_iterator(directory_->path())) {

@@ -7,7 +7,7 @@
 
 #include "tests/e2e/cli_fixture.h"
 
-// After Protobuf's headers, whose names for the swapping of bytes it takes away.
+// This header removes macros that Protobuf's headers need, so it comes last.
 #include <OpenImageIO/imageio.h>
 
 namespace lucerna {
@@ -38,7 +38,7 @@ class CliIrradianceFiles : public Cli {
     std::ofstream(path(name), std::ios::binary) << bytes;
   }
 
-  /// As numpy.save() writes arrays of doubles.
+  /// The format in which numpy.save() writes arrays of doubles.
   static void write_npy(const std::string& name, int columns, const std::vector<double>& values) {
     std::string text = "{'descr': '<f8', 'fortran_order': False, 'shape': (" +
                        std::to_string(values.size() / columns) + ", " + std::to_string(columns) +
@@ -60,7 +60,7 @@ class CliIrradianceFiles : public Cli {
     ASSERT_TRUE(file->close());
   }
 
-  /// Points on the floor, of which texels in a corner are none.
+  /// Points on the floor; texels in a corner have no surface.
   static std::vector<float> map(bool points, bool normals) {
     std::vector<float> values;
     for (int v = 0; v < kHeight; ++v) {
@@ -81,13 +81,13 @@ class CliIrradianceFiles : public Cli {
 
   static Outcome irradiance(std::vector<std::string> more,
                             const std::string& scene = "plane.pbrt") {
-    // All is sampled, so that there are errors to tell.
+    // All light is sampled, so that there are errors.
     more.insert(more.begin(), {"irradiance", scene, "--samples", "16", "--closed-forms", "off"});
     return lucerna(more);
   }
 };
 
-TEST_F(CliIrradianceFiles, TheTerminalsNumbersToTheBit) {
+TEST_F(CliIrradianceFiles, FilesHoldTheNumbersOfTheTableToTheBit) {
   std::string csv = "x,y,z,nx,ny,nz\n";
   std::vector<double> rows;
   for (int i = 0; i < 150; ++i) {
@@ -101,9 +101,9 @@ TEST_F(CliIrradianceFiles, TheTerminalsNumbersToTheBit) {
   csv += text.str();
   write("points.csv", csv);
   write_npy("points.npy", 6, rows);
-  // The scene of the sky: light from everywhere, and shadows.
+  // The scene with the sky has light from everywhere, and shadows.
   const Outcome terminal = irradiance({"--points", path("points.csv"), "--json"}, "sky.pbrt");
-  EXPECT_EQ(terminal.status, 1) << terminal.err;  // one has no answer
+  EXPECT_EQ(terminal.status, 1) << terminal.err;  // one point has no answer
   const auto array = [&](const std::string& name) {
     std::vector<float> values;
     std::string list = terminal.out.substr(terminal.out.find("\"" + name + "\":["));
@@ -145,7 +145,7 @@ TEST_F(CliIrradianceFiles, TheTerminalsNumbersToTheBit) {
   EXPECT_GT(illuminance[0], 1);
   EXPECT_GT(errors[0], 0);
 
-  // Doubles as they are, and by any list of servers.
+  // Files of doubles, and any list of servers.
   EXPECT_EQ(irradiance({"--points", path("points.csv"), "-o", path("a.npy")}, "sky.pbrt").status,
             1);
   const Outcome listed = irradiance({"--points", path("points.npy"), "-o", path("b.npy"),
@@ -154,7 +154,7 @@ TEST_F(CliIrradianceFiles, TheTerminalsNumbersToTheBit) {
   EXPECT_EQ(listed.status, 1) << listed.err;
   EXPECT_EQ(bytes("a.npy").size(), 128U + 150 * 9 * 4);
   EXPECT_EQ(bytes("a.npy"), bytes("b.npy"));
-  // Of normals of their own file, too.
+  // Normals in a file of their own.
   std::vector<double> points, normals;
   for (std::size_t i = 0; i < rows.size(); ++i) (i % 6 < 3 ? points : normals).push_back(rows[i]);
   write_npy("p.npy", 3, points);
@@ -164,7 +164,7 @@ TEST_F(CliIrradianceFiles, TheTerminalsNumbersToTheBit) {
                 .status,
             1);
   EXPECT_EQ(bytes("a.npy"), bytes("c.npy"));
-  // Of a scene that the server is sent.
+  // A scene that is uploaded.
   fs::copy_file(path("scenes/sky.pbrt"), path("my.pbrt"));
   for (const char* option : {"--server", "--servers"}) {
     const Outcome sent = lucerna({"irradiance", path("my.pbrt"), "--upload", "--samples", "16",
@@ -178,7 +178,7 @@ TEST_F(CliIrradianceFiles, TheTerminalsNumbersToTheBit) {
                                                        "a.csv", "a.npy", "c.npy", "my.pbrt"));
 }
 
-TEST_F(CliIrradianceFiles, ATargetErrorTellsIntervalsAndSamples) {
+TEST_F(CliIrradianceFiles, ATargetErrorAddsSamples) {
   write("points.csv", "x,y,z,nx,ny,nz\n1000.1,0.2,0.1,0,0,1\n1001,-0.3,0.2,0,1,1\n");
   const std::vector<std::string> ask = {"irradiance", "sky.pbrt", "--points", path("points.csv"),
                                         "--error",    "5%",       "-o"};
@@ -213,7 +213,7 @@ TEST_F(CliIrradianceFiles, ATargetErrorTellsIntervalsAndSamples) {
   std::vector<float> numbers(20);
   std::memcpy(numbers.data(), npy.data() + npy.size() - 80, 80);
   for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(numbers[i / 3 * 10 + 7 + i % 3], rows[i]) << i;
-  // As channels of a map.
+  // The same in channels of a map.
   write_exr("points.exr", {"P.X", "P.Y", "P.Z", "N.X", "N.Y", "N.Z"}, map(true, true));
   const Outcome exr = lucerna({"irradiance", "plane.pbrt", "--points", path("points.exr"),
                                "--error", "5%", "-o", path("a.exr")});
@@ -264,7 +264,7 @@ TEST_F(CliIrradianceFiles, ALightMapIsTheClosedForm) {
                         path("two.exr"), "--bounces", "0"})
                 .status,
             0);
-  // The files tell when they were made.
+  // The files hold the time of their creation.
   const auto two = OIIO::ImageInput::open(path("two.exr"));
   ASSERT_TRUE(two);
   std::vector<float> others(values.size());
@@ -282,7 +282,7 @@ TEST_F(CliIrradianceFiles, ALightMapIsTheClosedForm) {
   EXPECT_GE(one->spec().channelindex("status.Y"), 0);
 }
 
-TEST_F(CliIrradianceFiles, WhatCannotBeIsSaidBeforeAnyServerIsAsked) {
+TEST_F(CliIrradianceFiles, WrongUseIsRefusedBeforeAnyCall) {
   write("six.csv", "0,0,0,0,0,1\n1,0,0,0,0,1\n");
   write("three.csv", "x,y,z\n0,0,0\n1,0,0\n");
   write("bad.csv", "0,0,0,0,0,1\n1,zero,0,0,0,1\n");
@@ -332,7 +332,7 @@ TEST_F(CliIrradianceFiles, WhatCannotBeIsSaidBeforeAnyServerIsAsked) {
   EXPECT_THAT(files(), ::testing::UnorderedElementsAreArray(before));
 }
 
-TEST_F(CliIrradianceFiles, NothingStaysOfAJobThatFailed) {
+TEST_F(CliIrradianceFiles, AFailedJobLeavesNoFile) {
   write("six.csv", "0,0,0,0,0,1\n");
   write("out.npy", "old");
   const Outcome nobody =

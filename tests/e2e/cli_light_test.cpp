@@ -11,7 +11,7 @@ using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-TEST_F(Cli, PowerIsSampledToACountAnErrorOrATime) {
+TEST_F(Cli, SampledPowerStopsAtACountAnErrorOrATime) {
   const std::vector<std::string> sampled = {"power", "sphere.pbrt", "--method", "sampled"};
   const auto with = [&](std::vector<std::string> more) {
     more.insert(more.begin(), sampled.begin(), sampled.end());
@@ -52,7 +52,7 @@ TEST_F(Cli, PowerIsTheIntegralOfTheIntensity) {
   expect_no(lucerna({"power", "point.pbrt", "--light", "77"}), "77");
 }
 
-TEST_F(Cli, NumbersThatNoPointOrDirectionHasAreWrongUse) {
+TEST_F(Cli, WrongNumbersOfPointsAndDirectionsAreRefused) {
   const std::vector<std::string> pdf = {"pdf", "sphere.pbrt", "--light", "1"};
   const auto with = [](std::vector<std::string> words, const std::vector<std::string>& more) {
     words.insert(words.end(), more.begin(), more.end());
@@ -71,7 +71,7 @@ TEST_F(Cli, NumbersThatNoPointOrDirectionHasAreWrongUse) {
                    "--u \"0,0,1\": u_light = 1, allowed: [0, 1)");
   expect_wrong_use(lucerna({"visible", "sphere.pbrt", "--point", "0,0,0", "--to", "0,nan,0"}),
                    "--to \"0,nan,0\", must be three finite numbers, as");
-  // The world's origin is a point like others.
+  // The world's origin is a valid point.
   EXPECT_EQ(lucerna({"visible", "sphere.pbrt", "--point", "0,0,1", "--to", "0,0,0"}).status, 0);
 }
 
@@ -112,7 +112,7 @@ TEST_F(Cli, SampleOfAPointLightIsItsIlluminance) {
   EXPECT_THAT(chosen.out, ContainsRegex("chosen with"));
 }
 
-TEST_F(Cli, SamplesToAnErrorOrATimeTellWhatTheySay) {
+TEST_F(Cli, SamplesToAnErrorOrATimePrintAnEstimate) {
   // Straight below the sphere's centre, 2.6 m: pi 12 (0.35 / 2.6)^2 = 0.683163 lx, and into a small
   // sphere 12 2 pi (1 - sqrt(1 - (0.35 / 2.6)^2)) = 0.686293 lx.
   const auto sample = [](std::vector<std::string> more) {
@@ -140,7 +140,7 @@ TEST_F(Cli, SamplesToAnErrorOrATimeTellWhatTheySay) {
               HasSubstr("W/m2/nm"));
   const Outcome json = sample({"--error", "10%", "--json"});
   EXPECT_THAT(json.out, ContainsRegex("\"estimates\": ?\\{\"samples\": ?\\[[0-9]+\\],"));
-  EXPECT_THAT(json.out, HasSubstr("\"standard_error_lx\""));
+  EXPECT_THAT(json.out, HasSubstr("\"standardErrorLx\""));
   expect_wrong_use(sample({"--u", "0.5,0.5,0.5", "--error", "1%"}), "--u and --error: only one");
   expect_wrong_use(sample({"--u", "0.5,0.5,0.5", "--budget", "1"}), "--u and --budget: only one");
   EXPECT_NE(sample({"--samples", "4", "--error", "1%"}).status, 0);
@@ -155,7 +155,7 @@ TEST_F(Cli, PdfIsZeroBesideALightAndNotTowardsIt) {
   EXPECT_THAT(outcome.out, ContainsRegex("1 0 0 +0\n"));
 }
 
-TEST_F(Cli, DensityIsThatOfTheWayThatWasAskedFor) {
+TEST_F(Cli, DensityFollowsTheAreaSamplingMethod) {
   const auto pdf = [](const std::string& way) {
     return lucerna({"pdf", "sphere.pbrt", "--light", "1", "--point", "0.7,-1.2,0", "--direction",
                     "0,0,1", "--area-sampling", way})
@@ -177,9 +177,9 @@ TEST_F(Cli, DensityIsThatOfTheWayThatWasAskedFor) {
                    "parallelogram, rejection, low-distortion, solid-angle, cosine-solid-angle\n");
 }
 
-TEST_F(Cli, SamplesFollowTheNormalThatIsGivenWithoutAskingForVisibility) {
-  // Under a light that covers most of the sky: by the cosine samples move to where the surface
-  // looks, and the density that is told with them is what `pdf` tells of their direction.
+TEST_F(Cli, SamplesFollowTheNormalWithoutVisibility) {
+  // Under a light that covers most of the sky, the cosine moves samples towards the normal.  The
+  // density of a sample equals the answer of `pdf` for its direction.
   const auto sample = [](const std::string& way, std::vector<std::string> more) {
     std::vector<std::string> words = {"sample",  "rectangle_near.pbrt", "--light", "1", "--u",
                                       "0.5,0.5", "--area-sampling",     way};
@@ -201,14 +201,14 @@ TEST_F(Cli, SamplesFollowTheNormalThatIsGivenWithoutAskingForVisibility) {
   std::smatch m;
   ASSERT_TRUE(std::regex_search(followed, m, row)) << followed;
   const std::string wi = m[1].str() + "," + m[2].str() + "," + m[3].str();
-  const Outcome told =
+  const Outcome pdf =
       lucerna({"pdf", "rectangle_near.pbrt", "--light", "1", "--point", "-1.25,-0.75,1.25",
                "--direction", wi, "--normal", "1,0,0.25", "--area-sampling", "cosine-solid-angle"});
-  EXPECT_EQ(told.status, 0) << told.err;
+  EXPECT_EQ(pdf.status, 0) << pdf.err;
   std::smatch n;
   const std::regex density(m[3].str() + " +([0-9.]+)\n");
-  ASSERT_TRUE(std::regex_search(told.out, n, density)) << told.out;
-  // Six digits were printed of the direction.
+  ASSERT_TRUE(std::regex_search(pdf.out, n, density)) << pdf.out;
+  // The direction was printed with six digits.
   EXPECT_NEAR(std::stod(n[1]) / std::stod(m[4]), 1, 1e-4);
 }
 
@@ -225,9 +225,10 @@ TEST_F(Cli, LeIsTheRadianceOfTheLightThatARayMeets) {
   expect_wrong_use(lucerna({"le", "sphere.pbrt", "--point", "0,0,1"}), "no directions");
 }
 
-// Flat from 500 to 600 nm.  By adding up the CIE's table, the end entries halved: its mean there is
-// 0.80920, so 1000 lm are 1000 / (683 * 0.80920) = 1.80935 W, a hundredth of it in each nanometre.
-TEST_F(Cli, WattsAndWavelengthsAreToldOfLightsWithSpectra) {
+// A flat spectrum from 500 to 600 nm.  The mean of the CIE's table there is 0.80920, with the end
+// entries halved.  So 1000 lm are 1000 / (683 * 0.80920) = 1.80935 W, a hundredth in each
+// nanometre.
+TEST_F(Cli, LightsWithSpectraHaveWattsAndWavelengths) {
   EXPECT_THAT(lucerna({"power", "lamp.pbrt", "--wavelength", "499,555", "--wavelength", "600"}).out,
               AllOf(HasSubstr("flux [W]"), HasSubstr("at 499 555 600 nm [W/nm]"),
                     ContainsRegex(" 1  point +1000 +exact +1\\.80935 .* 0 0\\.0180935 "
@@ -255,7 +256,10 @@ TEST_F(Cli, WattsAndWavelengthsAreToldOfLightsWithSpectra) {
   expect_no(lucerna({"irradiance", "lamp.pbrt", "--point", "0,0,2", "--normal", "0,0,-1",
                      "--wavelength", "555"}),
             "surfaces have a colour and no spectrum");
-  expect_no(lucerna({"power", "lamp.pbrt", "--wavelength", "20"}), "wavelengths_nm[0] = 20");
+  for (const char* nm : {"20", "99.9", "1000001", "-555", "nan"}) {
+    expect_wrong_use(lucerna({"power", "lamp.pbrt", "--wavelength", nm}),
+                     std::string(nm) + " is not a wavelength from 100 to 1000000 nm");
+  }
   expect_wrong_use(lucerna({"power", "lamp.pbrt", "--wavelength", "blue"}), "blue");
 }
 

@@ -1,7 +1,7 @@
 // lucerna render --tev and --preview.
 #include "tests/e2e/cli_fixture.h"
 #include "tests/tev_receiver.h"
-// After Protobuf's headers, which need macros that this one takes away.
+// This header removes macros that Protobuf's headers need, so it comes last.
 #include <OpenImageIO/imageio.h>
 #include <signal.h>
 
@@ -46,7 +46,7 @@ class CliPreview : public Cli {
     EXPECT_GE(viewer.images()[picture_].updates, updates);
     EXPECT_THAT(viewer.faults(), IsEmpty());
   }
-  /// Of a render that would take minutes, ended by this signal when a preview is there.
+  /// Ends a render of minutes by this signal when a preview exists.
   Outcome interrupt(std::vector<std::string> arguments, const std::string& preview, int signal) {
     arguments.insert(arguments.begin(), {LUCERNA_CLI, "render"});
     arguments.insert(arguments.end(), {"--samples", "16384", "--tile-size", "8", "--preview=0.1"});
@@ -61,15 +61,15 @@ class CliPreview : public Cli {
   const std::string picture_ = path("shown.exr");
 };
 
-TEST_F(CliPreview, TevHasThePictureOfTheExrBitForBit) {
+TEST_F(CliPreview, TevGetsThePictureOfTheExrBitForBit) {
   const TevReceiver viewer;
   const Outcome outcome = render({"--tev", viewer.address(), "--samples", "64"});
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_THAT(outcome.err, IsEmpty());
-  expect_in(viewer, 7);  // coarse ones before the last
+  expect_in(viewer, 7);  // coarse tiles before the last
 }
 
-TEST_F(CliPreview, TheSameFromServersThatSplitTheSamples) {
+TEST_F(CliPreview, TevGetsThePictureOfServersThatSplitTheSamples) {
   const TevReceiver viewer;
   const Outcome outcome =
       render({"--tev", viewer.address(), "--servers", server_->target(), "--split-samples", "4"});
@@ -77,7 +77,7 @@ TEST_F(CliPreview, TheSameFromServersThatSplitTheSamples) {
   expect_in(viewer, 6);
 }
 
-TEST_F(CliPreview, CoarsePicturesChangeNoBitOfTheLast) {
+TEST_F(CliPreview, CoarsePicturesDoNotChangeTheLast) {
   ASSERT_EQ(render({}).status, 0);
   const std::vector<float> plain = pixels(picture_);
   const TevReceiver viewer;
@@ -85,7 +85,7 @@ TEST_F(CliPreview, CoarsePicturesChangeNoBitOfTheLast) {
   EXPECT_TRUE(pixels(picture_) == plain);
 }
 
-TEST_F(CliPreview, ThePictureIsRenderedWhateverTheViewerDoes) {
+TEST_F(CliPreview, TheViewerCannotStopTheRender) {
   ASSERT_EQ(render({}).status, 0);
   const std::vector<float> expected = pixels(picture_);
   int nobody = 0;
@@ -102,7 +102,8 @@ TEST_F(CliPreview, ThePictureIsRenderedWhateverTheViewerDoes) {
   const TevReceiver leaves({.close_after = 5000});
   outcome = render({"--tev", leaves.address()});
   EXPECT_EQ(outcome.status, 0);
-  EXPECT_LE(count(outcome.err, "\n"), 1U) << outcome.err;  // sockets may have taken all by then
+  EXPECT_LE(count(outcome.err, "\n"), 1U)
+      << outcome.err;  // the sockets may have taken all bytes already
   EXPECT_TRUE(pixels(picture_) == expected);
 }
 
@@ -132,10 +133,10 @@ TEST_F(CliPreview, AnAnimationHasAPictureForEachFrameOverOneConnection) {
   for (const char* name : {"f.1.exr", "f.2.exr", "f.3.exr"}) EXPECT_TRUE(fs::remove(path(name)));
 }
 
-TEST_F(CliPreview, AWrongAddressIsFoundOutBefore) {
+TEST_F(CliPreview, AWrongAddressIsRefusedBeforeRendering) {
   const std::vector<std::string> before = files();
   const auto refused = [&](std::vector<std::string> arguments, const std::string& what) {
-    arguments.insert(arguments.end(), {"--server", "127.0.0.1:1"});  // nobody is asked
+    arguments.insert(arguments.end(), {"--server", "127.0.0.1:1"});  // no server is called
     expect_wrong_use(render(std::move(arguments)), what);
   };
   refused({"--tev", "127.0.0.1:0"}, "--tev: \"127.0.0.1:0\" is not HOST");
@@ -146,7 +147,7 @@ TEST_F(CliPreview, AWrongAddressIsFoundOutBefore) {
   EXPECT_EQ(files(), before);
 }
 
-TEST_F(CliPreview, OfARenderThatEndsEarlyThePngStaysAsItWas) {
+TEST_F(CliPreview, AFailedRenderKeepsItsLastPreview) {
   const std::vector<std::string> before = files();
   // The server dies when a preview is there.  The render would take minutes.
   const auto server = testing::LocalServer::start({.scene_root = path("scenes")});
@@ -164,7 +165,7 @@ TEST_F(CliPreview, OfARenderThatEndsEarlyThePngStaysAsItWas) {
   EXPECT_EQ(files(), before);
 }
 
-TEST_F(CliPreview, WhatIsInterruptedEndsWithTheSignalAndItsLastPreviewStays) {
+TEST_F(CliPreview, AnInterruptedRenderEndsWithTheSignalAndKeepsItsPreview) {
   const std::vector<std::string> before = files();
   const std::string png = path("early.png");
   for (const int signal : {SIGINT, SIGTERM}) {
@@ -178,7 +179,7 @@ TEST_F(CliPreview, WhatIsInterruptedEndsWithTheSignalAndItsLastPreviewStays) {
   }
 }
 
-TEST_F(CliPreview, OfAnAnimationOnlyFramesThatAreWholeStay) {
+TEST_F(CliPreview, AnAnimationKeepsOnlyFinishedFrames) {
   const std::vector<std::string> before = files();
   const std::string many = path("f.%d.png");
   for (const std::vector<std::string>& servers :
@@ -192,11 +193,11 @@ TEST_F(CliPreview, OfAnAnimationOnlyFramesThatAreWholeStay) {
   const Outcome again = lucerna(
       {"render", "point.pbrt", "--frames", "1-2", "-o", many, "--skip-existing", "--samples", "1"});
   EXPECT_EQ(again.status, 0) << again.err;
-  EXPECT_EQ(count(again.out, "there already"), 0U) << again.out;
+  EXPECT_EQ(count(again.out, "exists already"), 0U) << again.out;
   for (const char* name : {"f.1.png", "f.2.png"}) EXPECT_TRUE(fs::remove(path(name)));
 }
 
-TEST_F(CliPreview, APngThatIsRedrawnEndsAsOneThatIsNot) {
+TEST_F(CliPreview, ARedrawnPngEndsEqualToOneWithoutPreview) {
   const std::vector<std::string> before = files();
   ASSERT_EQ(render({"-o", path("plain.png"), "--exposure", "-1"}).status, 0);
   const Outcome outcome = render({"-o", path("redrawn.png"), "--exposure", "-1", "--preview=0.1"});

@@ -8,7 +8,7 @@ using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-TEST_F(Cli, VisibilityIsAskedForSegmentsAndRays) {
+TEST_F(Cli, VisibilityOfSegmentsAndRays) {
   // Through the box (half a metre about (0.8, 0.2), 1.2 m high) and over it.
   const Outcome segments = lucerna({"visible", "point.pbrt", "--points", "-"},
                                    "0.8,-1.8,0.5,0.8,2.2,0.5\n0.8,-1.8,1.5,0.8,2.2,1.5\n");
@@ -41,7 +41,7 @@ TEST_F(Cli, ItemWithoutAnswerIsShownInItsRowAndMakesTheStatusOne) {
               ContainsRegex("0\\.97656[23] .*\n.* INVALID_INPUT\n *nan .* INVALID_INPUT\n"));
 }
 
-TEST_F(Cli, WaysToSampleAreAlsoOfIrradianceAndPictures) {
+TEST_F(Cli, IrradianceAndPicturesTakeSamplingMethods) {
   const auto irradiance = [](std::vector<std::string> more) {
     more.insert(more.begin(), {"irradiance", "rectangle_near.pbrt", "--point", "-1.25,-0.75,1.25",
                                "--normal", "0,0,1", "--bounces", "0", "--samples", "16", "--json"});
@@ -51,7 +51,8 @@ TEST_F(Cli, WaysToSampleAreAlsoOfIrradianceAndPictures) {
   };
   const std::string by_area = irradiance({"--area-sampling", "low-distortion"});
   EXPECT_NE(by_area, irradiance({"--area-sampling", "solid-angle"}));
-  EXPECT_EQ(by_area, irradiance({"--area-sampling", "kraemer"}));  // differs on triangles alone
+  EXPECT_EQ(by_area, irradiance({"--area-sampling",
+                                 "kraemer"}));  // methods by area differ on triangles only
   const auto picture = [](const std::string& name, const std::string& way) {
     const Outcome outcome = lucerna({"render", "rectangle_near.pbrt", "-o", path(name), "--samples",
                                      "1", "--bounces", "0", "--area-sampling", way});
@@ -70,7 +71,7 @@ TEST_F(Cli, WaysToSampleAreAlsoOfIrradianceAndPictures) {
                    "sideways");
 }
 
-TEST_F(Cli, TimeIsTheMomentOfWhatMoves) {
+TEST_F(Cli, TimeIsTheMomentOfAMovingLight) {
   // 18 cd at (2 t, 0, 3): at 1 s d^2 = 4 + 9 = 13 m2, and 18 * 3 / 13^1.5 lx on the floor.
   const auto with = [](std::vector<std::string> arguments, const char* time) {
     arguments.insert(arguments.begin() + 1, "moving_point.pbrt");
@@ -84,12 +85,12 @@ TEST_F(Cli, TimeIsTheMomentOfWhatMoves) {
   EXPECT_THAT(with({"irradiance", "--point", "0,0,0", "--normal", "0,0,1", "--bounces", "0"}, "1"),
               HasSubstr("1.15207"));
   EXPECT_THAT(with({"emit", "--light", "1"}, "1"), HasSubstr(" 2 0 3 "));
-  // Densities: of a point light's direction from where it is, 1 / (4 pi), and 0 from elsewhere.
+  // The density of a direction is 1 / (4 pi) at the position of the point light, and 0 elsewhere.
   const std::vector<std::string> emit_pdf = {"emit-pdf", "--light",     "1",     "--point",
                                              "2,0,3",    "--direction", "0,0,-1"};
   EXPECT_THAT(with(emit_pdf, "1"), HasSubstr("0.0795775"));
   EXPECT_THAT(with(emit_pdf, "1.5"), Not(HasSubstr("0.0795775")));
-  // Here time has no effect, but it is taken.
+  // These commands accept a time without effect.
   with({"pdf", "--light", "1", "--point", "0,0,0", "--direction", "0,0,1"}, "1");
   with({"le", "--point", "0,0,1", "--direction", "0,0,1"}, "1");
   with({"visible", "--point", "0,0,1", "--to", "0,0,2"}, "1");

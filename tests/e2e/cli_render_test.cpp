@@ -16,7 +16,7 @@ TEST_F(Cli, RenderWritesPicturesAndNothingElse) {
                                    "--bounces", "0", "--stderr", path("b.pfm")});
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("160 x 120 pixels"));
-  EXPECT_THAT(outcome.err, IsEmpty());  // no progress bar where there is no terminal
+  EXPECT_THAT(outcome.err, IsEmpty());  // no progress bar without a terminal
   EXPECT_EQ(
       lucerna({"render", "point.pbrt", "-o", path("c.png"), "-o", path("d.exr"), "--samples", "1"})
           .status,
@@ -27,9 +27,9 @@ TEST_F(Cli, RenderWritesPicturesAndNothingElse) {
   for (const char* name : {"a.exr", "b.pfm", "c.png", "d.exr"}) fs::remove(path(name));
 }
 
-TEST_F(Cli, RenderFindsOutBeforehandWhatItCannotWrite) {
+TEST_F(Cli, RenderRefusesUnwritableFilesBeforeItStarts) {
   const std::vector<std::string> before = files();
-  // Nobody is asked: the server is not there.
+  // No server is called: there is none.
   const auto render = [](std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), {"render", "point.pbrt", "--server", "127.0.0.1:1"});
     return lucerna(std::move(arguments));
@@ -75,7 +75,7 @@ TEST_F(Cli, RenderStopsEachPixelAtAnError) {
       HasSubstr("160 x 120 pixels; 64 samples a pixel at least, " +
                 std::to_string(static_cast<int>(sorted[(sorted.size() - 1) / 2])) +
                 " in the middle, " + std::to_string(static_cast<int>(*most)) + " at most; "));
-  // Whatever the tiles.
+  // The tiles do not matter.
   ASSERT_EQ(lucerna({"render", "sphere.pbrt", "-o", path("b.pfm"), "--error", "20%", "--floor",
                      "0.01", "--confidence", "90%", "--max-samples", "512", "--bounces", "0",
                      "--stderr", path("f.pfm")})
@@ -99,7 +99,7 @@ TEST_F(Cli, RenderStopsWhenTheTimeIsOver) {
   for (const char* name : {"a.exr", "n.pfm"}) fs::remove(path(name));
 }
 
-TEST_F(Cli, RenderSaysWhichRulesOfStoppingDoNotGoTogether) {
+TEST_F(Cli, RenderRefusesStopRulesThatExcludeEachOther) {
   const auto render = [](std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(),
                      {"render", "point.pbrt", "--server", "127.0.0.1:1", "-o", path("a.exr")});
@@ -117,7 +117,7 @@ TEST_F(Cli, RenderSaysWhichRulesOfStoppingDoNotGoTogether) {
   expect_wrong_use(render({"--counts", path("a.exr")}), "is given twice");
 }
 
-TEST_F(Cli, TimeoutEndsARenderAndLeavesNothing) {
+TEST_F(Cli, TimeoutEndsARenderAndLeavesNoFile) {
   const std::vector<std::string> before = files();
   const Outcome outcome = lucerna(
       {"render", "point.pbrt", "-o", path("a.exr"), "--samples", "32768", "--timeout", "0.3"});

@@ -1,4 +1,4 @@
-// Scenes that the server's machine has never seen.
+// lucerna load --upload: scenes from this machine.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -51,24 +51,24 @@ class CliUpload : public ::testing::Test {
   std::unique_ptr<testing::LocalServer> server_;
 };
 
-TEST_F(CliUpload, LoadsWhatTheServerDoesNotSee) {
+TEST_F(CliUpload, LoadsFilesThatTheServerDoesNotHave) {
   EXPECT_EQ(lucerna({"load", "textured.pbrt"}).status, 1);
   const Outcome first = lucerna({"load", "--upload", path("mine/textured.pbrt")});
   ASSERT_EQ(first.status, 0) << first.err;
   EXPECT_THAT(first.out, MatchesRegex("[0-9a-f]+  loaded in [^\n]* s\n"));
-  EXPECT_THAT(first.err, IsEmpty());  // no terminal, no bar
+  EXPECT_THAT(first.err, IsEmpty());  // no progress bar without a terminal
   const Outcome again = lucerna({"load", "--upload", path("mine/textured.pbrt")});
   EXPECT_THAT(again.out, HasSubstr("was loaded already"));
   const Outcome scenes = lucerna({"scenes"});
   EXPECT_THAT(scenes.out, HasSubstr("textured.pbrt"));
-  // The scene is what the same files are anywhere: the id tells.
+  // The same files give the same id on any machine.
   fs::copy(path("mine"), path("theirs"));
   const Outcome local = lucerna({"load", "textured.pbrt"});
   EXPECT_EQ(local.out.substr(0, 64), first.out.substr(0, 64));
   EXPECT_THAT(local.out, HasSubstr("was loaded already"));
 }
 
-TEST_F(CliUpload, FilesThatAreNotThereAreTheScenesErrors) {
+TEST_F(CliUpload, MissingFilesAreErrorsOfTheScene) {
   fs::remove(directory_ / "mine/screen.exr");
   const Outcome outcome = lucerna({"load", "--upload", path("mine/textured.pbrt")});
   EXPECT_EQ(outcome.status, 1);
@@ -83,7 +83,7 @@ TEST_F(CliUpload, FilesThatAreNotThereAreTheScenesErrors) {
   EXPECT_THAT(flags.err, HasSubstr("--asset-root goes with --upload"));
 }
 
-TEST_F(CliUpload, SendsWhatLiesBesideTheSceneOnlyWhereTold) {
+TEST_F(CliUpload, SendsFilesOutsideOfTheFolderOnlyWithAssetRoot) {
   fs::create_directories(directory_ / "mine/scenes");
   std::ofstream(path("mine/scenes/room.pbrt"))
       << "WorldBegin\nShape \"plymesh\" \"string filename\" \"../ball.ply\"\n";
@@ -95,7 +95,7 @@ TEST_F(CliUpload, SendsWhatLiesBesideTheSceneOnlyWhereTold) {
   EXPECT_EQ(wide.status, 0) << wide.err;
 }
 
-TEST_F(CliUpload, LeasesAreToldRenewedAndEnded) {
+TEST_F(CliUpload, LeasesArePrintedRenewedAndEnded) {
   const Outcome loaded = lucerna({"load", "--upload", path("mine/point.pbrt"), "--lease", "600"});
   ASSERT_EQ(loaded.status, 0) << loaded.err;
   const std::string id = loaded.out.substr(0, 64);
@@ -116,7 +116,7 @@ TEST_F(CliUpload, LeasesAreToldRenewedAndEnded) {
   EXPECT_EQ(lucerna({"lease", id, "--for", "0"}).status, 2);
 }
 
-TEST_F(CliUpload, TheServersLimitsAreToldAndKept) {
+TEST_F(CliUpload, TheServersLimitsArePrintedAndEnforced) {
   start({"--max-asset-bytes", "1KiB", "--asset-budget", "1MiB", "--memory-budget", "64MiB"});
   const Outcome info = lucerna({"info"});
   EXPECT_THAT(info.out, HasSubstr("1024 bytes"));
@@ -127,7 +127,7 @@ TEST_F(CliUpload, TheServersLimitsAreToldAndKept) {
   EXPECT_THAT(refused.err, HasSubstr("header.size_bytes"));
 }
 
-TEST_F(CliUpload, AServerThatStartsAgainHasTheFilesStill) {
+TEST_F(CliUpload, ARestartedServerStillHasTheFiles) {
   ASSERT_EQ(lucerna({"load", "--upload", path("mine/textured.pbrt")}).status, 0);
   const int process = server_->process_id();
   ASSERT_EQ(::kill(process, SIGKILL), 0);
@@ -141,8 +141,8 @@ TEST_F(CliUpload, AServerThatStartsAgainHasTheFilesStill) {
   EXPECT_THAT(sent, IsEmpty());
 }
 
-TEST_F(CliUpload, AnUploadThatWasStoppedGoesOn) {
-  // A picture of 24 MB that no scene could read: only the way there counts.
+TEST_F(CliUpload, AStoppedUploadIsResumed) {
+  // A picture of 24 MB that no scene can read; only the upload matters.
   std::string bytes(24 << 20, '\0');
   for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<char>(i * i >> 7);
   std::ofstream(path("mine/big.pbrt"), std::ios::binary) << bytes;

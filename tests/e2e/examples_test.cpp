@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "client/testing/local_server.h"
+#include "client/testing/local_server_test.h"
 #include "tests/e2e/run_program.h"
 
 namespace lucerna {

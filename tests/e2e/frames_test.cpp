@@ -182,8 +182,8 @@ TEST_F(Frames, ResumeAfterAnInterruption) {
   std::ofstream(path("go.2.pfm")) << kept;
   const Outcome second = render(all);
   ASSERT_EQ(second.status, 0) << second.err;
-  EXPECT_THAT(second.out, HasSubstr("go.2.pfm: there already\n"));
-  EXPECT_THAT(second.out, Not(HasSubstr("go.1.pfm: there already\n")));
+  EXPECT_THAT(second.out, HasSubstr("go.2.pfm: exists already\n"));
+  EXPECT_THAT(second.out, Not(HasSubstr("go.1.pfm: exists already\n")));
   EXPECT_EQ(std::count(second.out.begin(), second.out.end(), '\n'), 4) << second.out;
   EXPECT_EQ(bytes(path("go.2.pfm")), kept);
   for (int n = 1; n <= 4; ++n) {
@@ -194,7 +194,7 @@ TEST_F(Frames, ResumeAfterAnInterruption) {
   const Outcome third =
       render({"moving.pbrt", "--frames", "2", "--fps", "4", "-o", path("go.%d.pfm"), "--json"});
   ASSERT_EQ(third.status, 0) << third.err;
-  EXPECT_THAT(third.out, HasSubstr("samples_total"));
+  EXPECT_THAT(third.out, HasSubstr("samplesTotal"));
   EXPECT_NE(bytes(path("go.2.pfm")), kept);
 }
 

@@ -38,7 +38,7 @@ if(NOT status EQUAL 2)
   message(FATAL_ERROR "exit status ${status} of the example, expected 2")
 endif()
 
-foreach(project ${CMAKE_CURRENT_LIST_DIR}/installed_project ${EXAMPLE})
+foreach(project ${CMAKE_CURRENT_LIST_DIR}/installed_project ${CMAKE_CURRENT_LIST_DIR}/plain_project ${EXAMPLE})
   get_filename_component(name ${project} NAME)
   run(${CMAKE_COMMAND} -G Ninja -S ${project} -B ${WORK_DIR}/${name} -DCMAKE_BUILD_TYPE=Debug
     -DCMAKE_PREFIX_PATH=${WORK_DIR}/prefix -DCMAKE_CXX_FLAGS=${FLAGS} -DSCENES=${SCENES}
@@ -47,5 +47,6 @@ foreach(project ${CMAKE_CURRENT_LIST_DIR}/installed_project ${EXAMPLE})
 endforeach()
 # The test must start the installed server and not one that the environment names.
 unset(ENV{LUCERNAD})
-run(${CMAKE_CTEST_COMMAND} --test-dir ${WORK_DIR}/installed_project --output-on-failure
-  --no-tests=error)
+foreach(name installed_project plain_project)
+  run(${CMAKE_CTEST_COMMAND} --test-dir ${WORK_DIR}/${name} --output-on-failure --no-tests=error)
+endforeach()

@@ -20,7 +20,7 @@ using ::testing::HasSubstr;
 using testing::LocalServer;
 using ::testing::MatchesRegex;
 
-TEST(LocalServer, ServesOnAFreePortUntilItIsStopped) {
+TEST(LocalServer, ServesOnAFreePortAndStops) {
   auto first = LocalServer::start();
   ASSERT_TRUE(first.ok()) << first.status();
   auto second = LocalServer::start();
@@ -36,7 +36,7 @@ TEST(LocalServer, ServesOnAFreePortUntilItIsStopped) {
   EXPECT_TRUE(second->client().get_server_info().ok());
 }
 
-TEST(LocalServer, StopsWhenItsObjectIsDestroyed) {
+TEST(LocalServer, EndsWithItsObject) {
   int process = 0;
   {
     auto server = LocalServer::start();
@@ -47,7 +47,7 @@ TEST(LocalServer, StopsWhenItsObjectIsDestroyed) {
   EXPECT_EQ(::kill(process, 0), -1);
 }
 
-TEST(LocalServer, LoadsTheNamedScenes) {
+TEST(LocalServer, LoadsItsScenesBeforeItServes) {
   const auto server = LocalServer::start(
       {.scene_root = LUCERNA_TEST_DATA "/reference", .load = {"point.pbrt", "spot.pbrt"}});
   ASSERT_TRUE(server.ok()) << server.status();
@@ -56,20 +56,20 @@ TEST(LocalServer, LoadsTheNamedScenes) {
   EXPECT_EQ(scenes->scenes_size(), 2);
 }
 
-TEST(LocalServer, ReportsTheServersMessageWhenItDoesNotStart) {
+TEST(LocalServer, ReportsTheStderrOfAServerThatDoesNotStart) {
   const auto server = LocalServer::start({.scene_root = "/no/such/directory"});
   EXPECT_EQ(server.status().code(), absl::StatusCode::kUnavailable);
   EXPECT_THAT(std::string(server.status().message()), HasSubstr("/no/such/directory"));
 }
 
-TEST(LocalServer, ReportsWhereItLookedForTheProgram) {
-  if (std::getenv("LUCERNAD") != nullptr) GTEST_SKIP() << "LUCERNAD overrides the option";
+TEST(LocalServer, ReportsThePathOfAMissingProgram) {
+  if (std::getenv("LUCERNAD") != nullptr) GTEST_SKIP() << "LUCERNAD has priority over the option";
   const auto server = LocalServer::start({.program = "/no/such/lucernad"});
   EXPECT_EQ(server.status().code(), absl::StatusCode::kNotFound);
   EXPECT_THAT(std::string(server.status().message()), HasSubstr("\"/no/such/lucernad\""));
 }
 
-TEST(LocalServer, EnvironmentVariableOverridesTheOption) {
+TEST(LocalServer, EnvironmentVariableHasPriorityOverTheOption) {
   const char* before = std::getenv("LUCERNAD");
   const std::string saved = before == nullptr ? "" : before;
   ::setenv("LUCERNAD", "/no/such/program", 1);
@@ -79,11 +79,11 @@ TEST(LocalServer, EnvironmentVariableOverridesTheOption) {
   EXPECT_THAT(std::string(server.status().message()), HasSubstr("environment variable LUCERNAD"));
 }
 
-/// A program of the test in place of lucernad.
+/// A script of the test in the place of lucernad.
 class Impostor : public ::testing::Test {
  protected:
   void SetUp() override {
-    if (std::getenv("LUCERNAD") != nullptr) GTEST_SKIP() << "LUCERNAD overrides the option";
+    if (std::getenv("LUCERNAD") != nullptr) GTEST_SKIP() << "LUCERNAD has priority over the option";
   }
   std::string script(const std::string& text) const {
     const std::string path = (directory_ / "program").string();

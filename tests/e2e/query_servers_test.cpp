@@ -142,9 +142,9 @@ TEST_F(QueryServers, CommandsForOneServerRefuseSeveral) {
     EXPECT_EQ(outcome.status, 2) << command[0];
     EXPECT_THAT(outcome.err, HasSubstr("name one")) << command[0];
   }
-  const Outcome outcome = lucerna(irradiance("point.pbrt"), "a:1,b");
+  const Outcome outcome = lucerna(irradiance("point.pbrt"), "a:1,b:x");
   EXPECT_EQ(outcome.status, 2);
-  EXPECT_THAT(outcome.err, HasSubstr("--server: server \"b\", must be HOST:PORT"));
+  EXPECT_THAT(outcome.err, HasSubstr("--server: server \"b:x\", must be HOST:PORT"));
   const Outcome unknown = lucerna(irradiance("no_such.pbrt"), both());
   EXPECT_EQ(unknown.status, 1);
   EXPECT_THAT(unknown.err, HasSubstr("no_such.pbrt"));

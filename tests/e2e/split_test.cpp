@@ -3,7 +3,7 @@
 
 #include "client/rpc/batches.h"
 #include "client/rpc/points.h"
-#include "client/testing/local_server.h"
+#include "client/testing/local_server_test.h"
 
 namespace lucerna {
 namespace {

@@ -1,4 +1,4 @@
-// What --frames and its patterns name.
+// --frames and its patterns.
 #include "client/cli/frames.h"
 
 #include <gmock/gmock.h>
@@ -9,7 +9,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-TEST(FrameRange, IsANumberARunOrEveryFewOfARun) {
+TEST(FrameRange, ReadsANumberARangeOrARangeWithAStep) {
   const auto expect = [](const char* text, std::uint64_t first, std::uint64_t last,
                          std::uint64_t step, std::uint64_t count) {
     const auto range = FrameRange::parse(text);
@@ -27,7 +27,7 @@ TEST(FrameRange, IsANumberARunOrEveryFewOfARun) {
   expect("999000000-999999999", 999000000, 999999999, 1, 1000000);
 }
 
-TEST(FrameRange, WhatIsNoneIsAnError) {
+TEST(FrameRange, RefusesOtherTexts) {
   const auto error = [](const char* text) {
     return std::string(FrameRange::parse(text).status().message());
   };
@@ -52,7 +52,7 @@ TEST(FramePattern, PutsTheNumberInItsPlace) {
   EXPECT_EQ(name("100%%%d", 3), "100%3");
 }
 
-TEST(FramePattern, NeedsOneNumberAndNothingElse) {
+TEST(FramePattern, NeedsExactlyOnePlaceForTheNumber) {
   const auto error = [](const char* text) {
     return std::string(FramePattern::create(text).status().message());
   };

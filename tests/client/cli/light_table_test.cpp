@@ -52,16 +52,16 @@ v1::Light area(v1::AreaShape shape, std::array<double, 3> lower, std::array<doub
   return light;
 }
 
-TEST(LightTable, PointWithColourIsToldByLuminance) {
+TEST(LightTable, ColouredPointLightShowsItsLuminance) {
   v1::Light light;
   set(light.mutable_point()->mutable_position_m(), 1, 2, 3);
   grey(light.mutable_point()->mutable_intensity_cd(), 10);
   expect(light, "point", "10 cd", "1 2 3");
   light.mutable_point()->mutable_intensity_cd()->set_r(0);
   light.mutable_point()->mutable_intensity_cd()->set_b(0);
-  // Green's share of white, 0.715169.
+  // The weight of green in white is 0.715169.
   EXPECT_EQ(describe_light(light), "7.15169 cd (RGB 0 10 0)");
-  // Grey in all that is printed.
+  // Grey in all printed digits.
   grey(light.mutable_point()->mutable_intensity_cd(), 318.31);
   light.mutable_point()->mutable_intensity_cd()->set_g(318.31000001);
   EXPECT_EQ(describe_light(light), "318.31 cd");
@@ -137,7 +137,8 @@ TEST(LightTable, ProjectionAndBeamWithImagesAndWithout) {
   grey(b->mutable_illuminance_lx(), 200);
   expect(light, "beam", "1.5 x 0.5 m, 200 lx", "0 0 2 towards 0 0 -1");
   image(b->mutable_image(), "slide.png", v1::IMAGE_FILTER_NEAREST);
-  EXPECT_EQ(describe_light(light), "1.5 x 0.5 m, 200 lx at 1, image slide.png (64 x 32 px, nearest)");
+  EXPECT_EQ(describe_light(light),
+            "1.5 x 0.5 m, 200 lx at 1, image slide.png (64 x 32 px, nearest)");
 }
 
 TEST(LightTable, GoniometricOfAnyDistribution) {
@@ -170,7 +171,7 @@ TEST(LightTable, GoniometricOfAnyDistribution) {
   set(g->mutable_axes()->mutable_y(), -1, 0, 0);
   EXPECT_EQ(place_of(light),
             "1 1 1 towards 0 0 -1, C0 to 0 1 0, mirrored, within 90 deg of 0 0 -1");
-  // +x is where type A shines, with +z down; type B shines along +z, its pole is +x.
+  // Type A shines along +x, with +z down.  Type B shines along +z; its pole is +x.
   file->set_format("IES LM-63-2002, type A");
   EXPECT_EQ(place_of(light),
             "1 1 1 towards 0 1 0, down to 0 0 -1, mirrored, within 90 deg of 0 0 -1");
@@ -182,7 +183,7 @@ TEST(LightTable, GoniometricOfAnyDistribution) {
   EXPECT_EQ(place_of(light), "1 1 1, +x to 0 1 0, +y to -1 0 0, +z to 0 0 -1");
 }
 
-TEST(LightTable, RectanglesTellTheirSidesHoweverTheyLean) {
+TEST(LightTable, RectanglesShowTheirSidesInAnyOrientation) {
   v1::Light panel = area(v1::AREA_SHAPE_BILINEAR_MESH, {0, 0, 3}, {0.6, 1.2, 3}, 0.72);
   panel.mutable_diffuse_area()->set_two_sided(true);
   const auto corners = [&](std::initializer_list<std::array<double, 3>> list) {
@@ -191,7 +192,7 @@ TEST(LightTable, RectanglesTellTheirSidesHoweverTheyLean) {
   };
   corners({{0, 0, 3}, {0.6, 0, 3}, {0, 1.2, 3}, {0.6, 1.2, 3}});
   expect(panel, "area", "rectangle 1.2 x 0.6 m, 4500 cd/m2, two-sided", "0 0 3 to 0.6 1.2 3");
-  // Sides of (0.6, 0.8, 0) and (0, 0, 0.5); the same with a corner off; a parallelogram.
+  // Sides of (0.6, 0.8, 0) and (0, 0, 0.5); the same with one corner moved; a parallelogram.
   corners({{5, 5, 0}, {5.6, 5.8, 0}, {5, 5, 0.5}, {5.6, 5.8, 0.5}});
   EXPECT_EQ(describe_light(panel), "rectangle 1 x 0.5 m, 4500 cd/m2, two-sided");
   corners({{5, 5, 0}, {5.6, 5.8, 0}, {5, 5, 0.5}, {5.6, 5.8, 0.6}});
@@ -200,7 +201,7 @@ TEST(LightTable, RectanglesTellTheirSidesHoweverTheyLean) {
   EXPECT_EQ(describe_light(panel), "quadrilateral, 4500 cd/m2, two-sided");
 }
 
-TEST(LightTable, MeshesTellHowManyTheyAre) {
+TEST(LightTable, MeshesShowTheirNumberOfPrimitives) {
   EXPECT_EQ(describe_light(area(v1::AREA_SHAPE_BILINEAR_MESH, {0, 0, 0}, {1, 1, 1}, 1, 6)),
             "6 quadrilaterals, 4500 cd/m2");
   EXPECT_EQ(describe_light(area(v1::AREA_SHAPE_TRIANGLE_MESH, {0, 0, 0}, {1, 1, 0}, 0.5)),
@@ -209,7 +210,7 @@ TEST(LightTable, MeshesTellHowManyTheyAre) {
             "2 triangles, 4500 cd/m2");
 }
 
-/// A whole one of radius 0.25 and, where it has one, length 0.5.
+/// A whole shape of radius 0.25; cylinders have length 0.5.
 v1::Light round_light(v1::AreaShape shape) {
   v1::Light light = area(shape, {0, 0, 0}, {0.5, 0.5, 0.5}, 1);
   v1::RoundShape* round = light.mutable_diffuse_area()->mutable_round();
@@ -223,7 +224,7 @@ v1::Light round_light(v1::AreaShape shape) {
   return light;
 }
 
-TEST(LightTable, SpheresTellDiameterAndWhatIsLeft) {
+TEST(LightTable, SpheresShowDiameterAndCuts) {
   v1::Light light = round_light(v1::AREA_SHAPE_SPHERE);
   v1::RoundShape* round = light.mutable_diffuse_area()->mutable_round();
   EXPECT_EQ(describe_light(light), "sphere of diameter 0.5 m, 4500 cd/m2");
@@ -237,20 +238,21 @@ TEST(LightTable, SpheresTellDiameterAndWhatIsLeft) {
             "sphere of diameter 0.5 m, 180 deg of it, shining inwards, 4500 cd/m2");
 }
 
-TEST(LightTable, DisksTellHoleAndSweep) {
+TEST(LightTable, DisksShowHoleAndSweep) {
   v1::Light light = round_light(v1::AREA_SHAPE_DISK);
   v1::RoundShape* round = light.mutable_diffuse_area()->mutable_round();
   EXPECT_EQ(describe_light(light), "disk of diameter 0.5 m, 4500 cd/m2");
   round->set_inner_radius_m(0.1);
   EXPECT_EQ(describe_light(light), "disk of diameter 0.5 m, hole of 0.2 m, 4500 cd/m2");
   round->set_phi_max_rad(kPi / 2);
-  EXPECT_EQ(describe_light(light), "disk of diameter 0.5 m, hole of 0.2 m, 90 deg of it, 4500 cd/m2");
+  EXPECT_EQ(describe_light(light),
+            "disk of diameter 0.5 m, hole of 0.2 m, 90 deg of it, 4500 cd/m2");
   round->set_phi_max_rad(2 * kPi);
   round->set_radius_y_m(1);
   EXPECT_EQ(describe_light(light), "ellipse 2 x 0.5 m, hole of 40%, 4500 cd/m2");
 }
 
-TEST(LightTable, CylindersTellSizeAndAxis) {
+TEST(LightTable, CylindersShowSizeAndAxis) {
   v1::Light light = round_light(v1::AREA_SHAPE_CYLINDER);
   v1::RoundShape* round = light.mutable_diffuse_area()->mutable_round();
   round->set_z_min_m(-1.5);
@@ -262,12 +264,12 @@ TEST(LightTable, CylindersTellSizeAndAxis) {
             "cylinder of diameter 0.5 m, length 1.75 m, 60 deg of it, shining inwards, 4500 cd/m2");
 }
 
-TEST(LightTable, WhatShinesFromOneSideOfAPlaneFacesSomewhere) {
+TEST(LightTable, OneSidedPlanesShowTheirNormal) {
   v1::Light panel = area(v1::AREA_SHAPE_BILINEAR_MESH, {0, 0, 3}, {0.6, 1.2, 3}, 0.72);
   set(panel.mutable_directions()->mutable_axis(), 0, 0, -1);
   panel.mutable_directions()->set_half_angle_rad(kPi / 2);
   EXPECT_EQ(place_of(panel), "0 0 3 to 0.6 1.2 3, facing 0 0 -1");
-  // A dome shines aside of it too.
+  // A dome also shines beside its axis, so it has no normal.
   panel.mutable_directions()->set_half_angle_rad(2);
   EXPECT_EQ(place_of(panel), "0 0 3 to 0.6 1.2 3");
 }
@@ -281,8 +283,8 @@ TEST(LightTable, AreaLightsWithImageAndProfile) {
   a->mutable_profile()->set_name("panel.ldt");
   a->mutable_profile()->set_format("EULUMDAT");
   a->mutable_profile()->set_flux_lm(900);
-  // As much as the file has from 0.5 m2 that shine to one side: 900 / (pi 0.5); then twice that,
-  // and as much again from a second side.
+  // The luminance that gives the 900 lm of the file from one side of 0.5 m2 is 900 / (pi 0.5). Then
+  // twice that, and twice that with a second side.
   grey(a->mutable_radiance_cd_m2(), 900 / (kPi * 0.5));
   EXPECT_EQ(describe_light(light), "triangle, 572.958 cd/m2, profile panel.ldt (EULUMDAT, 900 lm)");
   grey(a->mutable_radiance_cd_m2(), 1800 / (kPi * 0.5));
@@ -323,7 +325,7 @@ TEST(LightTable, SpectraWattsAndMotionFollow) {
   EXPECT_EQ(describe_light(light), "10 cd, moves from 0 to 2 s");
 }
 
-TEST(LightTable, HasARowALight) {
+TEST(LightTable, HasARowForEachLight) {
   v1::ListLightsResponse lights;
   v1::Light* light = lights.add_lights();
   *light = area(v1::AREA_SHAPE_TRIANGLE_MESH, {0, 0, 0}, {1, 1, 0}, 0.5);
@@ -344,7 +346,7 @@ TEST(LightTable, HasARowALight) {
             "13  point  10 cd                 0 0 0                        125.664   exact  yes\n");
 }
 
-TEST(LightTable, LightsAtInfinityHaveAMarkAtTheirFlux) {
+TEST(LightTable, FluxesOfLightsAtInfinityAreMarked) {
   v1::ListLightsResponse lights;
   const auto add = [&] { return lights.add_lights(); };
   add()->mutable_distant();
@@ -363,15 +365,15 @@ TEST(LightTable, LightsAtInfinityHaveAMarkAtTheirFlux) {
   EXPECT_TRUE(table.ends_with(std::string("\n") + kFluxFromInfinity + "\n")) << table;
 }
 
-TEST(LightTable, WhatIsFlatAtZeroHasNoHeight) {
-  const double least = 0x1p-149;  // of floats: bounds are rounded outwards
+TEST(LightTable, FlatShapesAtZeroHaveNoHeight) {
+  const double least = 0x1p-149;  // the smallest float: bounds are rounded outwards
   EXPECT_EQ(place_of(area(v1::AREA_SHAPE_DISK, {-1, -1, -least}, {1, 1, least}, 1)),
             "-1 -1 0 to 1 1 0");
   EXPECT_EQ(place_of(area(v1::AREA_SHAPE_DISK, {-1, -1, -2e-38}, {1, 1, 0}, 1)),
             "-1 -1 -2e-38 to 1 1 0");
 }
 
-TEST(LightTable, AnUnknownKindIsARowToo) { expect(v1::Light(), "unknown", "", ""); }
+TEST(LightTable, AnUnknownKindHasARow) { expect(v1::Light(), "unknown", "", ""); }
 
 }  // namespace
 }  // namespace lucerna::cli

@@ -21,7 +21,7 @@ using cli::Preview;
 using client::PictureFile;
 using ::testing::Each;
 
-/// The row `y` of a picture of 3 x 2 pixels, all of this value.
+/// Row `y` of a picture of 3 x 2 pixels with this value in each.
 v1::Tile row(std::uint32_t y, double value) {
   v1::Tile tile;
   tile.mutable_rect()->set_y0(y);
@@ -46,7 +46,7 @@ class PreviewTest : public ::testing::Test {
     ASSERT_TRUE(assembler_.add(tile).ok());
     preview.update(tile, assembler_);
   }
-  /// The codes of the PNG, which is whole whenever it is there; empty before.
+  /// The codes of the PNG, empty before its first version.  Every version is a whole file.
   std::vector<std::uint8_t> codes(const std::string& name) const {
     if (!fs::exists(path(name))) return {};
     const auto file = OIIO::ImageInput::open(path(name));
@@ -71,13 +71,13 @@ class PreviewTest : public ::testing::Test {
   client::PictureAssembler assembler_;
 };
 
-TEST_F(PreviewTest, PngsAreRedrawnAsTilesComeAndOtherFilesAreNot) {
+TEST_F(PreviewTest, RedrawsPngsAndNoOtherFiles) {
   create({"a.exr", "b.png", "c.PNG"});
   Preview preview({.redraw_s = 0.1}, {path("a.exr"), path("b.png"), path("c.PNG")});
   ASSERT_TRUE(preview);
   preview.begin(files_, 1);
   add(preview, row(1, 0.25));
-  // One stop up takes 0.25 to 0.5, code 188; what is still to come is black.
+  // One stop up makes 0.5 of 0.25, code 188; missing tiles are black.
   EXPECT_TRUE(becomes("b.png", 0, 188));
   EXPECT_TRUE(becomes("c.PNG", 0, 188));
   add(preview, row(0, 0.5));
@@ -95,7 +95,7 @@ TEST_F(PreviewTest, PngsAreRedrawnAsTilesComeAndOtherFilesAreNot) {
   EXPECT_EQ(entries(), 3U);
 }
 
-TEST_F(PreviewTest, OfTilesThatComeFasterThanTheyAreDrawnTheNewestAreShown) {
+TEST_F(PreviewTest, DrawsTheNewestOfTilesThatComeFasterThanItDraws) {
   create({"b.png"});
   Preview preview({.redraw_s = 0.1}, {path("b.png")});
   preview.begin(files_, 0);
@@ -108,7 +108,7 @@ TEST_F(PreviewTest, OfTilesThatComeFasterThanTheyAreDrawnTheNewestAreShown) {
   preview.files_done();
 }
 
-TEST_F(PreviewTest, OfARenderThatEndsEarlyTheLastPreviewStays) {
+TEST_F(PreviewTest, LastPreviewOfAnInterruptedRenderStays) {
   create({"b.png"});
   {
     Preview preview({.redraw_s = 0.1}, {path("b.png")});
@@ -121,7 +121,7 @@ TEST_F(PreviewTest, OfARenderThatEndsEarlyTheLastPreviewStays) {
   EXPECT_EQ(entries(), 1U);
 }
 
-TEST_F(PreviewTest, WhereItIsNotToStayOnlyWhatIsWrittenDoes) {
+TEST_F(PreviewTest, WithoutKeepingOnlyFinishedPicturesStay) {
   create({"whole.png", "half.png"});
   for (PictureFile& file : files_) file.keep_no_preview();
   Preview preview({.redraw_s = 0.1}, {path("whole.png"), path("half.png")});
@@ -137,7 +137,7 @@ TEST_F(PreviewTest, WhereItIsNotToStayOnlyWhatIsWrittenDoes) {
   EXPECT_EQ(entries(), 1U);
 }
 
-TEST_F(PreviewTest, EachPictureIsOneOfItsOwnInTev) {
+TEST_F(PreviewTest, EachPictureHasItsOwnImageInTev) {
   const TevReceiver viewer;
   Preview preview({.tev = viewer.address()}, {path("1.exr")});
   ASSERT_TRUE(preview);
@@ -157,7 +157,7 @@ TEST_F(PreviewTest, EachPictureIsOneOfItsOwnInTev) {
   }
 }
 
-TEST_F(PreviewTest, NobodyLooksOnUnlessAskedTo) {
+TEST_F(PreviewTest, IsOffByDefault) {
   create({"b.png"});
   Preview preview({}, {path("b.png")});
   EXPECT_FALSE(preview);
@@ -168,7 +168,7 @@ TEST_F(PreviewTest, NobodyLooksOnUnlessAskedTo) {
   EXPECT_FALSE(fs::exists(path("b.png")));
 }
 
-TEST_F(PreviewTest, WhatCannotBeIsWrongUse) {
+TEST_F(PreviewTest, RefusesWrongOptions) {
   EXPECT_THROW(Preview({.redraw_s = 2}, {path("a.exr")}), CommandError);
   EXPECT_THROW(Preview({.tev = "localhost:x"}, {path("a.exr")}), CommandError);
 }

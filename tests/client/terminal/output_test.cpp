@@ -26,48 +26,48 @@ TEST(Table, OfNothingIsItsHeader) {
   EXPECT_EQ(cli::Table({{"id"}, {"", true}}).to_string(), "id\n");
 }
 
-TEST(Json, HasTheNamesOfTheContractAndAllPlainFields) {
+TEST(Json, HasLowerCamelCaseNamesAndAllPlainFields) {
   v1::LoadSceneResponse response;
   response.set_scene_id("ab");
   response.add_remarks()->set_line(3);
   // uint64 is a string in the JSON of protocol buffers, uint32 a number.
   response.mutable_cost()->set_samples(5);
   EXPECT_EQ(cli::to_json(response),
-            R"({"scene_id":"ab","already_loaded":false,)"
+            R"({"sceneId":"ab","alreadyLoaded":false,)"
             R"("remarks":[{"file":"","line":3,"column":0,"what":"","instead":""}],"missing":[],)"
-            R"("cost":{"samples":"5","camera_rays":"0","indirect_rays":"0","shadow_rays":"0",)"
-            R"("cpu_time_s":0,"wall_time_s":0,"queue_time_s":0,"shadow_map_lookups":"0",)"
-            R"("shadow_map_compared":"0","shadow_map_disagreed":"0"},)"
-            R"("lease_id":"","lease_s":0})"
+            R"("cost":{"samples":"5","cameraRays":"0","indirectRays":"0","shadowRays":"0",)"
+            R"("cpuTimeS":0,"wallTimeS":0,"queueTimeS":0,"shadowMapLookups":"0",)"
+            R"("shadowMapCompared":"0","shadowMapDisagreed":"0"},)"
+            R"("leaseId":"","leaseS":0})"
             "\n");
 }
 
 TEST(Json, WritesFloatsThatReadBackTheSame) {
   v1::PdfLiResponse response;
   response.add_pdf_per_sr(0.1F);
-  EXPECT_NE(cli::to_json(response).find(R"("pdf_per_sr":[0.1])"), std::string::npos);
+  EXPECT_NE(cli::to_json(response).find(R"("pdfPerSr":[0.1])"), std::string::npos);
 }
 
-TEST(Json, TellsWhatTheMessageDoesNotHold) {
+TEST(Json, HasTheFurtherMembersBehindTheMessage) {
   v1::PdfLiResponse response;
   response.add_pdf_per_sr(1);
   const std::string more = cli::json_of("reached", {true, false});
   EXPECT_THAT(cli::to_json(response, more), ::testing::EndsWith(",\"reached\":[true,false]}\n"));
-  EXPECT_EQ(cli::to_json(v1::Points(), "\"a\":1"), "{\"offsets_m\":[],\"a\":1}\n");
+  EXPECT_EQ(cli::to_json(v1::Points(), "\"a\":1"), "{\"offsetsM\":[],\"a\":1}\n");
 }
 
-TEST(Interval, IsToldAsHalfItsWidthOrByItsEnds) {
+TEST(Interval, IsPrintedAsHalfItsWidthOrAsItsEnds) {
   EXPECT_EQ(cli::interval_text(10, 8, 12, false), "2");
   EXPECT_EQ(cli::interval_text(10, 9, 12, false), "9 ... 12");
   EXPECT_EQ(cli::interval_text(0, 0, 3, false), "< 3");
   EXPECT_EQ(cli::interval_text(10, 10, 10, false), "exact");
   EXPECT_EQ(cli::interval_text(10, 10, 10, true), "no scatter");
   EXPECT_EQ(cli::interval_text(0, 0, 0, true), "no scatter");
-  // The ends are floats, half a unit in the last place off.
+  // The ends are floats, each with an error of half a unit in the last place.
   EXPECT_EQ(cli::interval_text(1e6F, 1e6F - 0.5F, 1e6F + 0.5625F, false), "0.53125");
 }
 
-TEST(Percent, HasTheDigitsThatTellItFromNoneAndAll) {
+TEST(Percent, HasEnoughDigitsToDifferFromNoneAndAll) {
   EXPECT_EQ(cli::percent(0.95), "95");
   EXPECT_EQ(cli::percent(0.999), "99.9");
   EXPECT_EQ(cli::percent(0.999999999), "99.9999999");
@@ -75,7 +75,7 @@ TEST(Percent, HasTheDigitsThatTellItFromNoneAndAll) {
   EXPECT_EQ(cli::percent(1 - 0x1p-53), "99.99999999999999");
 }
 
-TEST(TargetCheck, CountsWhatIsLessCertainThanAskedFor) {
+TEST(TargetCheck, CountsMissedTargets) {
   v1::TargetError target;
   target.set_relative(0.01);
   target.set_absolute_floor(0.5);
@@ -86,21 +86,43 @@ TEST(TargetCheck, CountsWhatIsLessCertainThanAskedFor) {
   EXPECT_EQ(check.describe("points"), "");
   EXPECT_FALSE(check.add(100, 98, 102, 256));
   EXPECT_EQ(check.describe("points"),
-            "1 of 3 points are less certain than asked for (2 times at worst); ");
+            "1 of 3 points missed the target; the worst interval is 2 times too wide; ");
   EXPECT_FALSE(check.add(100, 97, 103, 257));
   EXPECT_EQ(check.describe("points"),
-            "2 of 4 points are less certain than asked for (3 times at worst), --max-samples "
-            "reached by 1; ");
+            "2 of 4 points missed the target; the worst interval is 3 times too wide; "
+            "--max-samples reached by 1; ");
   EXPECT_EQ(check.missed(), 2U);
-  // No error at all was allowed, so there is no number of times.
+  // No error was allowed, so there is no ratio.
   target.clear_absolute_floor();
   cli::TargetCheck dark(target);
   EXPECT_FALSE(dark.add(0, 0, 1, 1000));
-  EXPECT_EQ(dark.describe("pixels"),
-            "1 of 1 pixels are less certain than asked for, --max-samples reached; ");
+  EXPECT_EQ(dark.describe("pixels"), "1 of 1 pixels missed the target; --max-samples reached; ");
 }
 
-TEST(Cost, TellsOfShadowMapsWhereTheyWereAsked) {
+TEST(Overrun, OffersAsManySamplesAsTheBudgetAllows) {
+  v1::Accuracy accuracy;
+  v1::Cost cost;
+  cost.set_wall_time_s(28);
+  EXPECT_EQ(cli::describe_overrun(accuracy, cost, 16, "point"), "");
+  accuracy.set_time_budget_s(3);
+  // 28 s for 16 samples are 1.75 s each: one fits.
+  EXPECT_EQ(cli::describe_overrun(accuracy, cost, 16, "point"),
+            "over the budget of 3 s: each point takes 16 samples at least; --samples 1 would take "
+            "about 1.75 s; ");
+  accuracy.set_time_budget_s(10);
+  EXPECT_THAT(cli::describe_overrun(accuracy, cost, 16, "pixel"),
+              ::testing::HasSubstr("; --samples 5 would take about 8.75 s; "));
+  // Even a single sample takes longer.
+  accuracy.set_time_budget_s(1);
+  EXPECT_THAT(cli::describe_overrun(accuracy, cost, 16, "pixel"),
+              ::testing::HasSubstr("; --samples 1 would take about 1.75 s; "));
+  // More samples than the least: the server chose them.
+  EXPECT_EQ(cli::describe_overrun(accuracy, cost, 32, "point"), "");
+  accuracy.set_time_budget_s(28);
+  EXPECT_EQ(cli::describe_overrun(accuracy, cost, 16, "point"), "");
+}
+
+TEST(Cost, CountsLookUpsInShadowMaps) {
   v1::Cost cost;
   cost.set_wall_time_s(0.25);
   cost.set_shadow_rays(100);
@@ -132,7 +154,7 @@ TEST(ItemStatus, IsNamedWithoutItsPrefix) {
   EXPECT_EQ(cli::item_status(statuses, 2), "status 99");
 }
 
-TEST(ItemStatus, NoLightIsAnAnswerAndNoAnswerIsNot) {
+TEST(ItemStatus, NoLightIsAnAnswer) {
   const auto failed = [](v1::ItemStatus status) {
     google::protobuf::RepeatedField<int> statuses;
     statuses.Add(v1::ITEM_STATUS_OK);
@@ -147,7 +169,7 @@ TEST(ItemStatus, NoLightIsAnAnswerAndNoAnswerIsNot) {
   EXPECT_TRUE(failed(v1::ITEM_STATUS_INVALID_INPUT));
 }
 
-TEST(Progress, TellsPartAndTimeLeft) {
+TEST(Progress, ShowsTheFinishedPartAndTheTimeLeft) {
   EXPECT_EQ(cli::progress_line(0, 100, 5s), "[--------------------]   0%");
   // A quarter took 25 s, three quarters take 75 s.
   EXPECT_EQ(cli::progress_line(25, 100, 25s), "[#####---------------]  25%  ETA 1:15");

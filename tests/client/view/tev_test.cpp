@@ -47,7 +47,7 @@ class Tev : public ::testing::Test {
     EXPECT_TRUE(sender.ok()) << sender.status();
     return *std::move(sender);
   }
-  /// Sends a picture of noise in tiles of this edge, and keeps what it is now.
+  /// Sends a picture of noise in tiles of this edge, and keeps the picture.
   void send_noise(TevSender& sender, std::uint32_t width, std::uint32_t height, std::uint32_t edge,
                   unsigned seed) {
     sent_.width = width;
@@ -75,7 +75,7 @@ class Tev : public ::testing::Test {
   std::vector<std::string> events_;
 };
 
-TEST_F(Tev, PacketsAreThoseOfTheProtocolByteForByte) {
+TEST_F(Tev, PacketsFollowTheProtocolByteForByte) {
   TevReceiver viewer;
   const auto sender = connect(viewer.address());
   ASSERT_TRUE(sender->begin("a.exr", 2, 3).ok());
@@ -100,7 +100,7 @@ TEST_F(Tev, PacketsAreThoseOfTheProtocolByteForByte) {
   EXPECT_THAT(events(), IsEmpty());
 }
 
-TEST_F(Tev, PicturesArriveBitForBitWhateverTheTiles) {
+TEST_F(Tev, PicturesArriveBitForBitForAllTileSizes) {
   TevReceiver viewer;
   const auto sender = connect(viewer.address());
   for (const std::uint32_t edge : {1000U, 64U, 37U}) {
@@ -116,24 +116,24 @@ TEST_F(Tev, PicturesArriveBitForBitWhateverTheTiles) {
   EXPECT_THAT(events(), IsEmpty());
 }
 
-TEST_F(Tev, AViewerThatDoesNotReadHoldsNobodyUpAndGetsWhatIsNewest) {
+TEST_F(Tev, AViewerThatDoesNotReadDelaysNothingAndGetsTheNewestPixels) {
   TevReceiver viewer({.asleep = true});
   const auto sender = connect(viewer.address());
   ASSERT_TRUE(sender->begin("a.exr", 1500, 1500).ok());
   constexpr int kRounds = 12;
   for (int round = 0; round < kRounds; ++round) send_noise(*sender, 1500, 1500, 150, 1000 * round);
   EXPECT_FALSE(sender->flush(milliseconds(500)));
-  EXPECT_FALSE(sender->flush(std::chrono::hours(1)));  // is not waited for again
+  EXPECT_FALSE(sender->flush(std::chrono::hours(1)));  // does not wait again
   EXPECT_THAT(events(), ElementsAre(HasSubstr("does not take all")));
   viewer.read_on();
   EXPECT_TRUE(TevReceiver::wait_for([&] { return viewer.images()["a.exr"].rgb == sent_.pixels; }));
   EXPECT_TRUE(sender->flush(kPatience));
-  // Of each of the 100 tiles the newest, and before that what the sockets' buffers took.
+  // The newest version of each of the 100 tiles, after the packets in the buffers of the sockets.
   EXPECT_LT(viewer.images()["a.exr"].updates, 100U * kRounds / 2);
   EXPECT_THAT(viewer.faults(), IsEmpty());
 }
 
-TEST_F(Tev, WithoutAViewerItGoesOnAndSaysSoOnce) {
+TEST_F(Tev, WithoutAViewerItContinuesAndReportsOnce) {
   int port = 0;
   {
     const TevReceiver gone;
@@ -143,7 +143,7 @@ TEST_F(Tev, WithoutAViewerItGoesOnAndSaysSoOnce) {
   ASSERT_TRUE(sender->begin("a.exr", 100, 80).ok());
   send_noise(*sender, 100, 80, 30, 1);
   EXPECT_FALSE(sender->flush(kPatience));
-  // It comes late, and gets everything.
+  // A late viewer gets the whole picture.
   const TevReceiver viewer({.port = port});
   EXPECT_TRUE(TevReceiver::wait_for([&] { return viewer.images()["a.exr"].rgb == sent_.pixels; }));
   EXPECT_TRUE(sender->flush(kPatience));
@@ -151,7 +151,7 @@ TEST_F(Tev, WithoutAViewerItGoesOnAndSaysSoOnce) {
   EXPECT_THAT(viewer.faults(), IsEmpty());
 }
 
-TEST_F(Tev, AViewerThatGoesAwayWithinAPacketGetsAllOfItAgain) {
+TEST_F(Tev, AViewerThatLeavesWithinAPacketGetsTheWholePictureAgain) {
   TevReceiver viewer({.close_after = 100'001});
   const auto sender = connect(viewer.address());
   ASSERT_TRUE(sender->begin("a.exr", 512, 512).ok());
@@ -163,7 +163,7 @@ TEST_F(Tev, AViewerThatGoesAwayWithinAPacketGetsAllOfItAgain) {
   EXPECT_THAT(viewer.faults(), IsEmpty());
 }
 
-TEST_F(Tev, ANewPictureTakesThePlaceOfWhatIsNotYetSent) {
+TEST_F(Tev, ANewPictureReplacesUnsentPixels) {
   TevReceiver viewer({.asleep = true});
   const auto sender = connect(viewer.address());
   ASSERT_TRUE(sender->begin("a.exr", 2000, 2000).ok());
@@ -178,15 +178,15 @@ TEST_F(Tev, ANewPictureTakesThePlaceOfWhatIsNotYetSent) {
   EXPECT_THAT(viewer.faults(), IsEmpty());
 }
 
-TEST_F(Tev, ItEndsAtOnceWhileAViewerDoesNotRead) {
+TEST_F(Tev, EndsAtOnceWhileAViewerDoesNotRead) {
   TevReceiver viewer({.asleep = true});
   const auto sender = connect(viewer.address());
   ASSERT_TRUE(sender->begin("a.exr", 2000, 2000).ok());
   send_noise(*sender, 2000, 2000, 250, 1);
-  // Its destructor would else wait for ever.
+  // Otherwise the destructor waits forever.
 }
 
-TEST_F(Tev, ListensAtItsOwnPortWhereNoneIsSaid) {
+TEST_F(Tev, DefaultPortIsThatOfTev) {
   std::unique_ptr<TevReceiver> viewer;
   try {
     viewer = std::make_unique<TevReceiver>(TevReceiver::Options{.port = client::kTevPort});
@@ -199,25 +199,25 @@ TEST_F(Tev, ListensAtItsOwnPortWhereNoneIsSaid) {
   EXPECT_TRUE(TevReceiver::wait_for([&] { return viewer->images().contains("a.exr"); }));
 }
 
-TEST_F(Tev, RefusesWhatIsNoAddress) {
+TEST_F(Tev, RefusesWrongAddresses) {
   for (const char* bad : {"", ":14158", "localhost:", "localhost:0", "localhost:65536",
                           "localhost:1x", "[::1", "[::1]14158", "a:b:1", "[]:1"}) {
     const auto sender = TevSender::create(bad);
     EXPECT_EQ(sender.status().code(), absl::StatusCode::kInvalidArgument) << bad;
     EXPECT_THAT(std::string(sender.status().message()), HasSubstr("HOST:PORT")) << bad;
   }
-  const std::string no_name(70, 'x');  // longer than the parts of names may be
+  const std::string no_name(70, 'x');  // parts of names have 63 letters at most
   EXPECT_THAT(std::string(TevSender::create(no_name).status().message()), HasSubstr("xxx: "));
   EXPECT_TRUE(TevSender::create("[::1]:14158").ok());
 }
 
-TEST_F(Tev, RefusesWhatDoesNotFitThePicture) {
+TEST_F(Tev, RefusesRectanglesOutsideOfThePicture) {
   const TevReceiver viewer;
   const auto sender = connect(viewer.address());
   const auto refused = [&](const v1::PixelRect& r, std::size_t numbers) {
     return absl::IsInvalidArgument(sender->update(r, std::vector<float>(numbers)));
   };
-  EXPECT_TRUE(refused(rect(0, 0, 1, 1), 3));  // of no picture
+  EXPECT_TRUE(refused(rect(0, 0, 1, 1), 3));  // before begin()
   EXPECT_FALSE(sender->begin("a.exr", 0, 4).ok());
   EXPECT_FALSE(sender->begin("a.exr", 1 << 16, 1 << 15).ok());
   ASSERT_TRUE(sender->begin("a.exr", 4, 3).ok());

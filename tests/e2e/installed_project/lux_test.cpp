@@ -5,7 +5,7 @@
 #include "lucerna/client/client.h"
 #include "lucerna/client/picture.h"
 #include "lucerna/client/points.h"
-#include "lucerna/client/testing/local_server.h"
+#include "lucerna/client/testing/local_server_test.h"
 
 namespace {
 

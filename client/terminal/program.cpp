@@ -1,0 +1,94 @@
+#include "client/terminal/program.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <exception>
+#include <vector>
+
+#include "client/terminal/suggestion.h"
+
+namespace lucerna::cli {
+namespace {
+
+bool is_option(const std::string& word) { return word.size() > 1 && word.starts_with('-'); }
+
+std::vector<std::string> options_of(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : app.get_options()) {
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  }
+  return names;
+}
+
+std::string unknown_command(const CLI::App& app, const std::string& word) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
+  const std::string nearest = nearest_word(word, names);
+  return fmt::format("no command {}{}", word,
+                     nearest.empty() ? "" : fmt::format("; did you mean {}?", nearest));
+}
+
+std::string unknown_words(const CLI::App& app, const CLI::App& command,
+                          const std::vector<std::string>& words) {
+  std::vector<std::string> known = options_of(command);
+  const std::vector<std::string> common = options_of(app);
+  known.insert(known.end(), common.begin(), common.end());
+  std::string text = fmt::format("unexpected: {}", fmt::join(words, " "));
+  const auto option = std::find_if(words.begin(), words.end(), is_option);
+  if (option == words.end()) return text;
+  const std::string nearest = nearest_word(option->substr(0, option->find('=')), known);
+  return nearest.empty() ? text : fmt::format("{}; did you mean {}?", text, nearest);
+}
+
+}  // namespace
+
+std::string describe(const CLI::App& app, const CLI::ParseError& error) {
+  const std::vector<std::string> words = app.remaining(true);
+  const std::vector<CLI::App*> commands = app.get_subcommands();
+  const CLI::App& command = commands.empty() ? app : *commands.front();
+  std::string name = app.get_name();
+  if (&command != &app) name += " " + command.get_name();
+  // A missing argument is often a misspelt one: name the unknown words first.
+  const bool may_be_misspelt = dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr ||
+                               dynamic_cast<const CLI::RequiredError*>(&error) != nullptr;
+  std::string text = error.what();
+  if (words.empty() && commands.empty() && may_be_misspelt) text = "a command is required";
+  if (!words.empty() && may_be_misspelt) {
+    text = commands.empty() && !is_option(words[0]) ? unknown_command(app, words[0])
+                                                    : unknown_words(app, command, words);
+  }
+  return fmt::format("{} {} --help", text.ends_with('?') ? text + " See" : text + "; see", name);
+}
+
+int run_program(CLI::App& app, Session& session, int argc, char** argv) {
+  // The option may stand behind the word that cannot be parsed.
+  const auto has_json = [&] {
+    return session.json() ||
+           std::find(argv, argv + argc, std::string_view("--json")) != argv + argc;
+  };
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) {
+      app.exit(error);  // prints the help or the version
+      return kDone;
+    }
+    print_error(absl::InvalidArgumentError(describe(app, error)), has_json());
+    return kWrongUse;
+  } catch (const CommandError& error) {
+    print_error(error.status(), session.json());
+    return error.exit_status();
+  } catch (const std::exception& error) {
+    print_error(absl::InternalError(error.what()), session.json());
+    return kServerSaidNo;
+  }
+  if (std::fflush(stdout) != 0) {
+    print_error(absl::UnknownError("cannot write to standard output"), session.json());
+    return kWrongUse;
+  }
+  return session.exit_status();
+}
+
+}  // namespace lucerna::cli

@@ -1,0 +1,18 @@
+// Parses the command line and runs the command.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+#include "client/terminal/session.h"
+
+namespace lucerna::cli {
+
+/// What is wrong with the command line: unknown words in the order typed, with the nearest command
+/// or option, or else the message of CLI11.
+std::string describe(const CLI::App& app, const CLI::ParseError& error);
+
+/// Returns the exit status.  Prints errors and help.
+int run_program(CLI::App& app, Session& session, int argc, char** argv);
+
+}  // namespace lucerna::cli

@@ -1,0 +1,19 @@
+// What a scene file requires and Lucerna does not model, in words.
+#pragma once
+
+#include <google/protobuf/repeated_field.h>
+
+#include <string>
+
+#include "lucerna/v1/scene.pb.h"
+
+namespace lucerna::cli {
+
+/// "file:line:column: what; instead"
+std::string describe(const v1::Remark& remark);
+
+/// Counts remarks by what the server did instead: "2 surfaces left out, 3 materials taken as
+/// diffuse, 1 other remark".  Empty for no remarks.
+std::string count_remarks(const google::protobuf::RepeatedPtrField<v1::Remark>& remarks);
+
+}  // namespace lucerna::cli
