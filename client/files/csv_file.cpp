@@ -57,7 +57,7 @@ class CsvFile final : public VectorFile {
     if (first != next_) {
       reader_.seek(marks_[first / kRowsPerMark]);
       for (next_ = first - first % kRowsPerMark; next_ < first; ++next_) {
-        if (const auto any = reader_.skip(); !any.ok()) return any.status();
+        LUCERNA_RETURN_IF_ERROR(reader_.skip().status());
       }
     }
     for (auto to = values.begin(); to != values.end(); to += static_cast<long>(columns_)) {

@@ -138,11 +138,10 @@ class Irradiance final : public DistributedWork {
                                               ? options_.items_per_piece
                                               : limits_.items_per_piece(options_.request);
     if (!options_.journal.empty()) {
-      auto journal =
-          Journal::open(options_.journal, name(scene, server),
-                        [this](const std::string& record) { return from_journal(record); });
-      if (!journal.ok()) return journal.status();
-      journal_.emplace(*std::move(journal));
+      LUCERNA_ASSIGN_OR_RETURN(journal_, Journal::open(options_.journal, name(scene, server),
+                                                       [this](const std::string& record) {
+                                                         return from_journal(record);
+                                                       }));
     }
     if (lost_ > 0 && options_.job.on_event)
       options_.job.on_event(options_.results + " lacks " + std::to_string(lost_) +

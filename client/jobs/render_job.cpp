@@ -67,11 +67,10 @@ class Render final : public DistributedWork {
     if (options_.journal.empty()) return absl::OkStatus();
     std::string job = named.SerializeAsString() + std::to_string(options_.samples_per_piece);
     if (!options_.job.allow_mixed) job += server.fingerprint().digest();
-    auto journal =
-        Journal::open(options_.journal, hexadecimal(sha256(job)),
-                      [this](const std::string& record) { return from_journal(record); });
-    if (!journal.ok()) return journal.status();
-    journal_.emplace(*std::move(journal));
+    LUCERNA_ASSIGN_OR_RETURN(journal_, Journal::open(options_.journal, hexadecimal(sha256(job)),
+                                                     [this](const std::string& record) {
+                                                       return from_journal(record);
+                                                     }));
     std::erase_if(to_do_, [this](std::size_t piece) { return done_[piece]; });
     return absl::OkStatus();
   }

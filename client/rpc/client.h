@@ -86,8 +86,8 @@ class Client {
   // SceneService
   Result<v1::FindMissingAssetsResponse> find_missing_assets(
       const v1::FindMissingAssetsRequest& request, const CallOptions& options = {}) const;
-  /// Sends the header, then all that `next_chunk` puts into its argument, until it returns false.
-  /// The server may answer before it has read all.
+  /// Uploads a file in the chunks that `next_chunk` puts into its argument, until it returns false.
+  /// The server may answer before it has read everything.
   Result<v1::UploadAssetResponse> upload_asset(const v1::AssetHeader& header,
                                                const std::function<bool(std::string&)>& next_chunk,
                                                const CallOptions& options = {}) const;
@@ -132,8 +132,8 @@ class Client {
                                              const CallOptions& options = {}) const;
   void render_tile(const v1::RenderTileRequest& request, const CallOptions& options,
                    Done<v1::RenderTileResponse> done) const;
-  /// Calls `on_response` in the calling thread for each message as it arrives.  Where it returns
-  /// false, the server is told to stop, and the answer is CANCELLED.
+  /// Calls `on_response` in the calling thread for each message as it arrives.  If it returns
+  /// false, the server is stopped, and the result is CANCELLED.
   absl::Status render_image(const v1::RenderImageRequest& request,
                             const std::function<bool(const v1::RenderImageResponse&)>& on_response,
                             const CallOptions& options = {}) const;

@@ -124,8 +124,7 @@ class Upload {
       const auto name = names_.find(missing.missing_sha256(i));
       if (name == names_.end() || i >= missing.received_bytes_size())
         return absl::InternalError("the server requests a file that it was not offered");
-      const absl::Status s = send(name->second, missing.received_bytes(i));
-      if (!s.ok()) return s;
+      LUCERNA_RETURN_IF_ERROR(send(name->second, missing.received_bytes(i)));
     }
     return absl::OkStatus();
   }
