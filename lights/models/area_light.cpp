@@ -15,7 +15,6 @@
 #include "lights/spectra/level_validation.h"
 
 namespace lucerna {
-
 namespace {
 
 template <typename Real>
@@ -23,35 +22,13 @@ bool is_density(SolidAnglePdf<Real> pdf) {
   return pdf.per_sr > 0 && std::isfinite(pdf.per_sr);
 }
 
-/// Bound on the error of a shape's area, where that is not exact [m2].
-template <typename Shape>
-double area_error_m2(const Shape& shape) {
-  if constexpr (requires { shape.area_error_m2(); }) return shape.area_error_m2();
-  return 0;
-}
-
-/// The normal that `locate` finds at a position, as it is rounded, of the primitive it was chosen
-/// on.
-template <typename Shape, typename Real>
-Vec3<Real> located_normal(const Shape& shape, const SurfacePoint<Real>& p) {
-  if constexpr (requires { shape.surface(); }) {
-    return located_normal(shape.surface(), p);
-  } else if constexpr (requires { shape.primitive(0).locate(p.position); }) {
-    const auto& patch = shape.primitive(p.primitive);
-    return patch.normal(patch.locate(p.position));
-  } else if constexpr (requires { shape.primitive(0); }) {
-    return p.normal;
-  } else {
-    const auto found = shape.locate(p.position);
-    return found ? found->normal : p.normal;
-  }
-}
-
 }  // namespace
 
 template <std::floating_point Real, template <typename> typename Shape>
 AreaLight<Real, Shape>::AreaLight(const DiffuseEmission& emission, Shape<Real> shape)
-    : emission_(emission), radiance_(emission.radiance_cd_m2), shape_(std::move(shape)) {}
+    : emission_(emission), radiance_(emission.radiance_cd_m2), shape_(std::move(shape)) {
+  static_assert(AreaShape<Shape<Real>, Real>);
+}
 
 template <std::floating_point Real, template <typename> typename Shape>
 absl::StatusOr<AreaLight<Real, Shape>> AreaLight<Real, Shape>::create(
@@ -84,13 +61,11 @@ template <std::floating_point Real, template <typename> typename Shape>
 bool AreaLight<Real, Shape>::emits_towards(const SurfacePoint<Real>& point, const Vec3<double>& w,
                                            const Vec3<Real>& receiver) const {
   const double side = dot(Vec3<double>(point.normal), w);
-  if constexpr (requires { shape_.height_over(point, receiver); }) {
-    // Nearly along the surface the sign is that of what rounding left of point and normal.
-    constexpr double kNearly = 8 * double{std::numeric_limits<Real>::epsilon()};
-    const double scale = std::fmax(max_abs(w), max_abs(Vec3<double>(point.position)));
-    if (std::fabs(side) <= kNearly * scale)
-      return emits_to_side(shape_.height_over(point, receiver).value_or(side));
-  }
+  // Nearly along a flat surface the sign comes from the rounding of point and normal.
+  constexpr double kNearly = 8 * double{std::numeric_limits<Real>::epsilon()};
+  const double scale = std::fmax(max_abs(w), max_abs(Vec3<double>(point.position)));
+  if (std::fabs(side) <= kNearly * scale)
+    return emits_to_side(shape_.height_over(point, receiver).value_or(side));
   return emits_to_side(side);
 }
 
@@ -176,7 +151,7 @@ SolidAnglePdf<Real> AreaLight<Real, Shape>::pdf_li(const Receiver<Real>& receive
 
 template <std::floating_point Real, template <typename> typename Shape>
 std::optional<Rgb<Real>> AreaLight<Real, Shape>::irradiance(
-    const Receiver<Real>& receiver) const requires HasProjectedSolidAngle<Real, Shape<Real>> {
+    const Receiver<Real>& receiver) const requires HasProjectedSolidAngle<Shape<Real>, Real> {
   return irradiance_of(Rgb<double>(radiance_), receiver, [&](const Vec3<double>& normal) {
     return shape_.projected_solid_angle_sr(receiver.position, normal, emission_.two_sided);
   });
@@ -198,14 +173,14 @@ Power AreaLight<Real, Shape>::power(const SceneSphere&) const {
   } else if constexpr (kPanel) {
     // The radiance is the file's intensity over the area, which each point's true one multiplies.
     const Rgb<double> lumens = emission_.radiance_cd_m2 * shape_.flux_lm(emission_.two_sided);
-    const double of_area = area_error_m2(shape_.surface()) / area_m2();
+    const double of_area = shape_.area_error_m2() / area_m2();
     const double of_bend =
         luminance(emission_.radiance_cd_m2) * shape_.flux_error_lm(emission_.two_sided);
     return {lumens, luminance(lumens) * of_area + of_bend * (1 + of_area)};
   } else {
     const double sr = sides * std::numbers::pi;
     return {emission_.radiance_cd_m2 * (sr * area_m2()),
-            luminance(emission_.radiance_cd_m2) * sr * area_error_m2(shape_)};
+            luminance(emission_.radiance_cd_m2) * sr * shape_.area_error_m2()};
   }
 }
 
@@ -274,7 +249,7 @@ EmissionSample<Real> AreaLight<Real, Shape>::ray_from(SurfacePoint<Real> point,
                                                       const Vec3<Real>& direction) const {
   // What pdf_le will find: along the surface, the cosines to two normals that differ by a rounding
   // have no digit in common.
-  point.normal = located_normal(shape_, point);
+  point.normal = shape_.located_normal(point);
   EmissionSample<Real> sample;
   sample.origin = point.position;
   sample.normal = point.normal;
@@ -328,31 +303,13 @@ std::optional<LightBounds<Real>> AreaLight<Real, Shape>::bounds() const {
                            .two_sided = emission_.two_sided};
 }
 
-template class AreaLight<float, TriangleMesh>;
-template class AreaLight<double, TriangleMesh>;
-template class AreaLight<float, PatchMesh>;
-template class AreaLight<double, PatchMesh>;
-template class AreaLight<float, Sphere>;
-template class AreaLight<double, Sphere>;
-template class AreaLight<float, Disk>;
-template class AreaLight<double, Disk>;
-template class AreaLight<float, Cylinder>;
-template class AreaLight<double, Cylinder>;
-template class AreaLight<float, PaintedTriangleMesh>;
-template class AreaLight<double, PaintedTriangleMesh>;
-template class AreaLight<float, PaintedPatchMesh>;
-template class AreaLight<double, PaintedPatchMesh>;
-template class AreaLight<float, PaintedSphere>;
-template class AreaLight<double, PaintedSphere>;
-template class AreaLight<float, PaintedDisk>;
-template class AreaLight<double, PaintedDisk>;
-template class AreaLight<float, PaintedCylinder>;
-template class AreaLight<double, PaintedCylinder>;
-template class AreaLight<float, PanelTriangleMesh>;
-template class AreaLight<double, PanelTriangleMesh>;
-template class AreaLight<float, PanelPatchMesh>;
-template class AreaLight<double, PanelPatchMesh>;
-template class AreaLight<float, PanelDisk>;
-template class AreaLight<double, PanelDisk>;
+#define LUCERNA_AREA_LIGHT(Shape)         \
+  template class AreaLight<float, Shape>; \
+  template class AreaLight<double, Shape>;
+#define LUCERNA_PAINTED_LIGHT(Shape) LUCERNA_AREA_LIGHT(Painted##Shape)
+#define LUCERNA_PANEL_LIGHT(Shape) LUCERNA_AREA_LIGHT(Panel##Shape)
+LUCERNA_AREA_SHAPES(LUCERNA_AREA_LIGHT)
+LUCERNA_AREA_SHAPES(LUCERNA_PAINTED_LIGHT)
+LUCERNA_FLAT_SHAPES(LUCERNA_PANEL_LIGHT)
 
 }  // namespace lucerna

@@ -9,13 +9,11 @@
 #include <optional>
 
 #include "lights/models/light_bounds.h"
+#include "lights/models/light_model.h"
 #include "lights/models/panel.h"
 #include "lights/sampling/light_sample.h"
-#include "lights/shapes/cylinder.h"
-#include "lights/shapes/disk.h"
-#include "lights/shapes/mesh.h"
+#include "lights/shapes/area_shape.h"
 #include "lights/shapes/painted.h"
-#include "lights/shapes/sphere.h"
 
 namespace lucerna {
 
@@ -26,26 +24,14 @@ struct DiffuseEmission {
   bool two_sided = false;
 };
 
-/// Shapes of which a receiver's projected solid angle has a closed form.
-template <typename Real, typename Shape>
-concept HasProjectedSolidAngle = requires(const Shape& shape, const Vec3<Real>& p,
-                                          const Vec3<double>& n) {
-  shape.projected_solid_angle_sr(p, n, true);
-  shape.hides_itself();
-};
-
-/// `Shape` owes: `area()`, `emissive_error()`, `sample(receiver, u)`, `pdf(receiver,
-/// surface_point)`, `for_each_hit(receiver.position, wi, f)`, `touches(receiver.position,
-/// primitive)`, and for rays that leave it `pdf_area(surface_point)`, `locate(position)`,
-/// `normals()`, `bounds()`; see lights/shapes/sphere.h and lights/shapes/mesh.h.  One whose area is
-/// not always exact owes `area_error_m2()`.  One with a picture on it owes `tint(surface_point)`
-/// and `painted_area()` too; see lights/shapes/painted.h.  A flat one tells how far a receiver is
-/// above it
-/// (`height_over`). Immutable, so safe to share between threads.
+/// `Shape` is an AreaShape (lights/shapes/area_shape.h).  One with a picture on it also has
+/// `tint(surface_point)`, `painted_area()` and `picture()`; see lights/shapes/painted.h.  A panel
+/// also has the members of lights/models/panel.h.  Immutable, so safe to share between threads.
 template <std::floating_point Real, template <typename> typename Shape>
 class AreaLight {
  public:
   static constexpr bool kDelta = false;
+  static constexpr bool kHasIrradiance = Shape<Real>::kHasProjectedSolidAngle;
 
   /// Errors: radiance negative, not finite or beyond what `Real` holds; a shape that cannot emit
   /// (`emissive_error`); area zero or not finite.
@@ -75,9 +61,9 @@ class AreaLight {
   /// [lx]: the mean of what samples by solid angle say, in closed form.  Nothing for pictures,
   /// panels, shapes without such a form, and where the receiver faces nowhere or is not finite.
   std::optional<Rgb<Real>> irradiance(const Receiver<Real>& receiver) const requires
-      HasProjectedSolidAngle<Real, Shape<Real>>;
+      HasProjectedSolidAngle<Shape<Real>, Real>;
   /// Whether parts of it may stand before others: `irradiance` is then more than there is.
-  bool hides_itself() const requires HasProjectedSolidAngle<Real, Shape<Real>> {
+  bool hides_itself() const requires HasProjectedSolidAngle<Shape<Real>, Real> {
     return shape_.hides_itself();
   }
 
@@ -112,6 +98,19 @@ class AreaLight {
   /// emit; of a panel the cone of its file.
   std::optional<LightBounds<Real>> bounds() const;
 
+  /// None: illuminance falls off with distance.
+  std::optional<double> cross_section_m2(const SceneSphere&) const { return std::nullopt; }
+  LightBytes own_bytes() const {
+    LightBytes bytes{.all = shape_.bytes()};
+    if constexpr (kPainted) bytes.tables = shape_.distribution_bytes();
+    return bytes;
+  }
+  template <typename F>
+  void for_each_shared(F&& f) const {
+    if constexpr (kPainted) f(*shape_.picture().image);
+    if constexpr (kPanel) f(*shape_.profile().web);
+  }
+
   double area_m2() const { return shape_.area(); }
   const DiffuseEmission& emission() const { return emission_; }
   const Shape<Real>& shape() const { return shape_; }
@@ -144,31 +143,19 @@ class AreaLight {
   Shape<Real> shape_;
 };
 
-extern template class AreaLight<float, TriangleMesh>;
-extern template class AreaLight<double, TriangleMesh>;
-extern template class AreaLight<float, PatchMesh>;
-extern template class AreaLight<double, PatchMesh>;
-extern template class AreaLight<float, Sphere>;
-extern template class AreaLight<double, Sphere>;
-extern template class AreaLight<float, Disk>;
-extern template class AreaLight<double, Disk>;
-extern template class AreaLight<float, Cylinder>;
-extern template class AreaLight<double, Cylinder>;
-extern template class AreaLight<float, PaintedTriangleMesh>;
-extern template class AreaLight<double, PaintedTriangleMesh>;
-extern template class AreaLight<float, PaintedPatchMesh>;
-extern template class AreaLight<double, PaintedPatchMesh>;
-extern template class AreaLight<float, PaintedSphere>;
-extern template class AreaLight<double, PaintedSphere>;
-extern template class AreaLight<float, PaintedDisk>;
-extern template class AreaLight<double, PaintedDisk>;
-extern template class AreaLight<float, PaintedCylinder>;
-extern template class AreaLight<double, PaintedCylinder>;
-extern template class AreaLight<float, PanelTriangleMesh>;
-extern template class AreaLight<double, PanelTriangleMesh>;
-extern template class AreaLight<float, PanelPatchMesh>;
-extern template class AreaLight<double, PanelPatchMesh>;
-extern template class AreaLight<float, PanelDisk>;
-extern template class AreaLight<double, PanelDisk>;
+// TriangleMeshLight, PaintedTriangleMeshLight, PanelTriangleMeshLight and so on.
+#define LUCERNA_AREA_LIGHT(Shape)                \
+  template <std::floating_point Real>            \
+  using Shape##Light = AreaLight<Real, Shape>;   \
+  extern template class AreaLight<float, Shape>; \
+  extern template class AreaLight<double, Shape>;
+#define LUCERNA_PAINTED_LIGHT(Shape) LUCERNA_AREA_LIGHT(Painted##Shape)
+#define LUCERNA_PANEL_LIGHT(Shape) LUCERNA_AREA_LIGHT(Panel##Shape)
+LUCERNA_AREA_SHAPES(LUCERNA_AREA_LIGHT)
+LUCERNA_AREA_SHAPES(LUCERNA_PAINTED_LIGHT)
+LUCERNA_FLAT_SHAPES(LUCERNA_PANEL_LIGHT)
+#undef LUCERNA_AREA_LIGHT
+#undef LUCERNA_PAINTED_LIGHT
+#undef LUCERNA_PANEL_LIGHT
 
 }  // namespace lucerna

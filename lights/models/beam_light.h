@@ -9,7 +9,7 @@
 #include <string>
 #include <utility>
 
-#include "lights/models/light_bounds.h"
+#include "lights/models/light_model.h"
 #include "lights/pictures/image.h"
 #include "lights/pictures/image_distribution.h"
 #include "lights/sampling/light_sample.h"
@@ -68,9 +68,23 @@ class BeamLight {
   /// The rectangle's box; one direction, to within roundings.
   std::optional<LightBounds<Real>> bounds() const;
 
+  /// The rectangle's area.
+  std::optional<double> cross_section_m2(const SceneSphere&) const {
+    return params_.width_m * params_.height_m;
+  }
+  static LightPlace place(const Params& params) {
+    return {.anchor_m = params.position_m, .box_m = bounding_box(params)};
+  }
   const Params& params() const { return params_; }
-  /// Of what was made for sampling.
-  std::size_t table_bytes() const { return distribution_ ? distribution_->bytes() : 0; }
+  /// The table from which positions are drawn.
+  LightBytes own_bytes() const {
+    const std::uint64_t tables = distribution_ ? distribution_->bytes() : 0;
+    return {.all = tables, .tables = tables};
+  }
+  template <typename F>
+  void for_each_shared(F&& f) const {
+    if (params_.image) f(*params_.image);
+  }
 
  private:
   explicit BeamLight(const Params& params, const Vec3<double>& origin_m);

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "lights/maths/transform.h"
-#include "lights/models/light_bounds.h"
+#include "lights/models/light_model.h"
 #include "lights/pictures/sphere_map.h"
 #include "lights/sampling/light_sample.h"
 
@@ -26,6 +26,7 @@ class ImageInfiniteLight {
  public:
   using Params = ImageInfiniteLightParams;
   static constexpr bool kDelta = false;
+  static constexpr bool kHasIrradiance = false;
 
   /// Errors: no map, a transform of unequal scale, a radiance that is none, also where the
   /// brightest texel's is beyond what `Real` holds.
@@ -66,9 +67,17 @@ class ImageInfiniteLight {
   /// Nothing: it is at infinity.
   std::optional<LightBounds<Real>> bounds() const { return std::nullopt; }
 
+  std::optional<double> cross_section_m2(const SceneSphere& scene) const {
+    return scene_disk_area_m2(scene);
+  }
+  static LightPlace place(const Params&) { return {}; }
   const Params& params() const { return params_; }
-  /// Of what this light alone made: the tables that it samples.
-  std::size_t table_bytes() const;
+  /// The tables that it samples.
+  LightBytes own_bytes() const;
+  template <typename F>
+  void for_each_shared(F&& f) const {
+    f(params_.map->image());
+  }
 
  private:
   explicit ImageInfiniteLight(const Params& params);

@@ -5,7 +5,7 @@
 
 #include <optional>
 
-#include "lights/models/light_bounds.h"
+#include "lights/models/light_model.h"
 #include "lights/sampling/light_sample.h"
 
 namespace lucerna {
@@ -19,6 +19,8 @@ class UniformInfiniteLight {
  public:
   using Params = UniformInfiniteLightParams;
   static constexpr bool kDelta = false;
+  static constexpr bool kHasIrradiance = true;
+  static constexpr bool kSameForAllRays = true;
 
   static absl::StatusOr<UniformInfiniteLight> create(const Params& params,
                                                      const Vec3<double>& origin_m = {});
@@ -43,6 +45,13 @@ class UniformInfiniteLight {
                            const SceneSphere& scene) const;
   /// None: it is infinitely far.
   std::optional<LightBounds<Real>> bounds() const { return std::nullopt; }
+  std::optional<double> cross_section_m2(const SceneSphere& scene) const {
+    return scene_disk_area_m2(scene);
+  }
+  static LightPlace place(const Params&) { return {}; }
+  LightBytes own_bytes() const { return {}; }
+  template <typename F>
+  void for_each_shared(F&&) const {}
   const Params& params() const { return params_; }
 
  private:

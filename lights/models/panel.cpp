@@ -79,11 +79,10 @@ NormalCone<Real> Panel<Real, Surface>::directions(bool two_sided) const {
   return {Vec3<Real>(data_->axes.n), hemisphere};
 }
 
-template class Panel<float, TriangleMesh>;
-template class Panel<double, TriangleMesh>;
-template class Panel<float, PatchMesh>;
-template class Panel<double, PatchMesh>;
-template class Panel<float, Disk>;
-template class Panel<double, Disk>;
+#define LUCERNA_PANEL(Shape)          \
+  template class Panel<float, Shape>; \
+  template class Panel<double, Shape>;
+LUCERNA_FLAT_SHAPES(LUCERNA_PANEL)
+#undef LUCERNA_PANEL
 
 }  // namespace lucerna

@@ -18,11 +18,9 @@
 #include <string>
 #include <utility>
 
-#include "lights/models/light_bounds.h"
 #include "lights/pictures/photometric_web.h"
+#include "lights/shapes/area_shape.h"
 #include "lights/shapes/covered.h"
-#include "lights/shapes/disk.h"
-#include "lights/shapes/mesh.h"
 
 namespace lucerna {
 
@@ -85,18 +83,13 @@ class Panel : public Covered<Panel<Real, Surface>, Real, Surface<Real>> {
   std::shared_ptr<const Data> data_;
 };
 
-template <typename Real>
-using PanelTriangleMesh = Panel<Real, TriangleMesh>;
-template <typename Real>
-using PanelPatchMesh = Panel<Real, PatchMesh>;
-template <typename Real>
-using PanelDisk = Panel<Real, Disk>;
-
-extern template class Panel<float, TriangleMesh>;
-extern template class Panel<double, TriangleMesh>;
-extern template class Panel<float, PatchMesh>;
-extern template class Panel<double, PatchMesh>;
-extern template class Panel<float, Disk>;
-extern template class Panel<double, Disk>;
+// PanelTriangleMesh and so on.
+#define LUCERNA_PANEL(Shape)                 \
+  template <typename Real>                   \
+  using Panel##Shape = Panel<Real, Shape>;   \
+  extern template class Panel<float, Shape>; \
+  extern template class Panel<double, Shape>;
+LUCERNA_FLAT_SHAPES(LUCERNA_PANEL)
+#undef LUCERNA_PANEL
 
 }  // namespace lucerna

@@ -17,7 +17,6 @@
 namespace lucerna {
 namespace {
 
-
 /// Cells along a side of the table: about as fine as the picture, each the mean of a few looks.
 int table_size(const SphereMap* map) {
   return map == nullptr ? 64 : std::clamp(map->image().height(), 64, 1024);
@@ -309,8 +308,27 @@ Power PortalLight<Real>::power_approximate(const SceneSphere& scene) const {
 }
 
 template <std::floating_point Real>
-std::size_t PortalLight<Real>::table_bytes() const {
-  return table_->bytes() + (rectified_ == nullptr ? 0 : rectified_->bytes());
+LightBytes PortalLight<Real>::own_bytes() const {
+  const std::uint64_t tables = table_->bytes() + (rectified_ == nullptr ? 0 : rectified_->bytes());
+  return {.all = tables, .tables = tables};
+}
+
+template <std::floating_point Real>
+std::optional<double> PortalLight<Real>::cross_section_m2(const SceneSphere&) const {
+  const auto corners = corners_m();
+  return length(cross(corners[1] - corners[0], corners[3] - corners[0]));
+}
+
+template <std::floating_point Real>
+LightPlace PortalLight<Real>::place(const Params& params) {
+  const auto& corners = params.corners_m;
+  Box box{corners[0], corners[0]};
+  for (const Vec3<double>& p : corners) {
+    const auto& [lower, upper] = box;
+    box = {{std::fmin(lower.x, p.x), std::fmin(lower.y, p.y), std::fmin(lower.z, p.z)},
+           {std::fmax(upper.x, p.x), std::fmax(upper.y, p.y), std::fmax(upper.z, p.z)}};
+  }
+  return {.anchor_m = corners[0], .portal_m = box};
 }
 
 template class PortalLight<float>;

@@ -10,7 +10,7 @@
 #include <string>
 
 #include "lights/maths/transform.h"
-#include "lights/models/light_bounds.h"
+#include "lights/models/light_model.h"
 #include "lights/pictures/map_illuminance.h"
 #include "lights/pictures/sphere_map.h"
 #include "lights/sampling/light_sample.h"
@@ -40,6 +40,7 @@ class PortalLight {
  public:
   using Params = PortalLightParams;
   static constexpr bool kDelta = false;
+  static constexpr bool kHasIrradiance = true;
   /// How far each corner may be off a rectangle, relative to its shorter side; the one that is used
   /// has the same centre and the mean of opposite edges.
   static constexpr double kRectangleTolerance = 1e-3;
@@ -99,9 +100,16 @@ class PortalLight {
   /// Unit, out through the portal.
   const Vec3<double>& to_sky() const { return z_; }
   double portal_area_m2() const { return width_ * height_; }
+  /// The portal's area.
+  std::optional<double> cross_section_m2(const SceneSphere& scene) const;
+  static LightPlace place(const Params& params);
   const Params& params() const { return params_; }
-  /// Of what this light alone made: the table that it samples and the picture it resampled.
-  std::size_t table_bytes() const;
+  /// The table that it samples and the picture that it resampled.
+  LightBytes own_bytes() const;
+  template <typename F>
+  void for_each_shared(F&& f) const {
+    if (params_.map) f(params_.map->image());
+  }
 
  private:
   using Window = WindowedDistribution::Window;

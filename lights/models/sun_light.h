@@ -5,7 +5,7 @@
 
 #include <optional>
 
-#include "lights/models/light_bounds.h"
+#include "lights/models/light_model.h"
 #include "lights/sampling/light_sample.h"
 
 namespace lucerna {
@@ -23,6 +23,7 @@ class SunLight {
  public:
   using Params = SunLightParams;
   static constexpr bool kDelta = false;
+  static constexpr bool kHasIrradiance = true;
 
   /// Errors: a field out of its domain; a radiance that does not fit `Real`.
   static absl::StatusOr<SunLight> create(const Params& params, const Vec3<double>& origin_m = {});
@@ -54,6 +55,13 @@ class SunLight {
                            const SceneSphere& scene) const;
   /// None: it is infinitely far.
   std::optional<LightBounds<Real>> bounds() const { return std::nullopt; }
+  std::optional<double> cross_section_m2(const SceneSphere& scene) const {
+    return scene_disk_area_m2(scene);
+  }
+  static LightPlace place(const Params&) { return {}; }
+  LightBytes own_bytes() const { return {}; }
+  template <typename F>
+  void for_each_shared(F&&) const {}
   const Params& params() const { return params_; }
 
  private:

@@ -26,6 +26,8 @@ namespace lucerna {
 template <typename Real, template <typename> typename Primitive>
 class Mesh {
  public:
+  static constexpr bool kHasProjectedSolidAngle = true;
+
   /// Primitives already about the scene's origin.  Errors: none, not finite, no area at all.
   static absl::StatusOr<Mesh> create(std::vector<Primitive<Real>> primitives);
 
@@ -94,6 +96,15 @@ class Mesh {
   /// The point of the mesh at `position`, where there is one to within rounding and `slack_m`: of
   /// the nearest primitive, the first of equally near ones.  Looks at each.
   std::optional<SurfacePoint<Real>> locate(const Vec3<Real>& position, double slack_m = 0) const;
+  /// The normal that `locate` finds at the position of `p`, on the primitive of `p`.
+  Vec3<Real> located_normal(const SurfacePoint<Real>& p) const {
+    if constexpr (kAlwaysHasWays) {
+      return p.normal;
+    } else {
+      const auto& patch = primitives_[p.primitive];
+      return patch.normal(patch.locate(p.position));
+    }
+  }
   /// About the mean normal; exact for flat meshes, all directions for closed ones.
   NormalCone<Real> normals() const;
 

@@ -308,15 +308,10 @@ std::size_t Painted<Real, Surface>::bytes() const {
          (data_->distribution ? data_->distribution->bytes() - sizeof(*data_->distribution) : 0);
 }
 
-template class Painted<float, TriangleMesh>;
-template class Painted<double, TriangleMesh>;
-template class Painted<float, PatchMesh>;
-template class Painted<double, PatchMesh>;
-template class Painted<float, Sphere>;
-template class Painted<double, Sphere>;
-template class Painted<float, Disk>;
-template class Painted<double, Disk>;
-template class Painted<float, Cylinder>;
-template class Painted<double, Cylinder>;
+#define LUCERNA_PAINTED(Shape)          \
+  template class Painted<float, Shape>; \
+  template class Painted<double, Shape>;
+LUCERNA_AREA_SHAPES(LUCERNA_PAINTED)
+#undef LUCERNA_PAINTED
 
 }  // namespace lucerna

@@ -12,12 +12,9 @@
 #include <vector>
 
 #include "lights/pictures/image_distribution.h"
+#include "lights/shapes/area_shape.h"
 #include "lights/shapes/covered.h"
-#include "lights/shapes/cylinder.h"
-#include "lights/shapes/disk.h"
-#include "lights/shapes/mesh.h"
 #include "lights/shapes/picture.h"
-#include "lights/shapes/sphere.h"
 
 namespace lucerna {
 
@@ -89,26 +86,13 @@ class Painted : public Covered<Painted<Real, Surface>, Real, Surface<Real>> {
   std::shared_ptr<const Data> data_;
 };
 
-template <typename Real>
-using PaintedTriangleMesh = Painted<Real, TriangleMesh>;
-template <typename Real>
-using PaintedPatchMesh = Painted<Real, PatchMesh>;
-template <typename Real>
-using PaintedSphere = Painted<Real, Sphere>;
-template <typename Real>
-using PaintedDisk = Painted<Real, Disk>;
-template <typename Real>
-using PaintedCylinder = Painted<Real, Cylinder>;
-
-extern template class Painted<float, TriangleMesh>;
-extern template class Painted<double, TriangleMesh>;
-extern template class Painted<float, PatchMesh>;
-extern template class Painted<double, PatchMesh>;
-extern template class Painted<float, Sphere>;
-extern template class Painted<double, Sphere>;
-extern template class Painted<float, Disk>;
-extern template class Painted<double, Disk>;
-extern template class Painted<float, Cylinder>;
-extern template class Painted<double, Cylinder>;
+// PaintedTriangleMesh, PaintedSphere and so on.
+#define LUCERNA_PAINTED(Shape)                 \
+  template <typename Real>                     \
+  using Painted##Shape = Painted<Real, Shape>; \
+  extern template class Painted<float, Shape>; \
+  extern template class Painted<double, Shape>;
+LUCERNA_AREA_SHAPES(LUCERNA_PAINTED)
+#undef LUCERNA_PAINTED
 
 }  // namespace lucerna

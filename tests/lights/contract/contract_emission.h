@@ -310,8 +310,13 @@ class UnboundedLight : public ::testing::Test {
 };
 TYPED_TEST_SUITE_P(UnboundedLight);
 
-TYPED_TEST_P(UnboundedLight, HasNoBounds) {
-  EXPECT_FALSE(TypeParam::template make<float>({}).bounds().has_value());
+// A light at infinity is chosen by the illuminance that its flux gives over its cross-section.
+TYPED_TEST_P(UnboundedLight, HasACrossSectionAndNoBounds) {
+  const auto light = TypeParam::template make<float>({});
+  EXPECT_FALSE(light.bounds().has_value());
+  const std::optional<double> section_m2 = light.cross_section_m2({{}, 4});
+  ASSERT_TRUE(section_m2.has_value());
+  EXPECT_GT(*section_m2, 0);
 }
 
 // Rays that enter by the scene's sphere have nowhere to start where that is a point; those that
@@ -340,6 +345,7 @@ TYPED_TEST_P(UnboundedLight, ASceneWithoutExtentGetsRaysOfPortalsOnly) {
   }
 }
 
-REGISTER_TYPED_TEST_SUITE_P(UnboundedLight, HasNoBounds, ASceneWithoutExtentGetsRaysOfPortalsOnly);
+REGISTER_TYPED_TEST_SUITE_P(UnboundedLight, HasACrossSectionAndNoBounds,
+                            ASceneWithoutExtentGetsRaysOfPortalsOnly);
 
 }  // namespace lucerna::testing
