@@ -26,9 +26,7 @@ bool is_density(SolidAnglePdf<Real> pdf) {
 
 template <std::floating_point Real, template <typename> typename Shape>
 AreaLight<Real, Shape>::AreaLight(const DiffuseEmission& emission, Shape<Real> shape)
-    : emission_(emission), radiance_(emission.radiance_cd_m2), shape_(std::move(shape)) {
-  static_assert(AreaShape<Shape<Real>, Real>);
-}
+    : emission_(emission), radiance_(emission.radiance_cd_m2), shape_(std::move(shape)) {}
 
 template <std::floating_point Real, template <typename> typename Shape>
 absl::StatusOr<AreaLight<Real, Shape>> AreaLight<Real, Shape>::create(
@@ -171,7 +169,7 @@ Power AreaLight<Real, Shape>::power(const SceneSphere&) const {
     return {emission_.radiance_cd_m2 * painted.m2 * (sides * std::numbers::pi),
             luminance(emission_.radiance_cd_m2) * painted.error_m2 * (sides * std::numbers::pi)};
   } else if constexpr (kPanel) {
-    // The radiance is the file's intensity over the area, which each point's true one multiplies.
+    // The radiance is the file's intensity over the area, and each point's true area multiplies it.
     const Rgb<double> lumens = emission_.radiance_cd_m2 * shape_.flux_lm(emission_.two_sided);
     const double of_area = shape_.area_error_m2() / area_m2();
     const double of_bend =
@@ -220,11 +218,11 @@ Vec3<double> AreaLight<Real, Shape>::emission_direction(const SurfacePoint<Real>
     u.x = u.x < 0.5 ? 2 * u.x : 2 * u.x - 1;
   }
   const Vec2<double> d = sample_concentric_disk(u);
-  // Squares go to circles: the point's distance to the disk's edge is that of u to the square's,
-  // and 1 - d.x^2 - d.y^2, which cancels there, is this.
+  // Squares map to circles.  The point's distance to the disk's edge equals that of u to the
+  // square's edge.  This value is 1 - d.x^2 - d.y^2, which cancels there.
   const double m = 2 * std::min({u.x, 1 - u.x, u.y, 1 - u.y});
-  // At the edge itself by so many roundings off the surface that the direction, once told in
-  // floats, leaves it to its side and with a density.
+  // At the edge the direction stays this many roundings off the surface. Rounded to floats it still
+  // leaves to its side and has a density.
   constexpr double kLeast = 16 * kInputRounding;
   const double cosine = std::sqrt(std::max(kLeast * kLeast, m * (2 - m)));
   return Frame<double>::around(Vec3<double>(point.normal))
@@ -235,8 +233,8 @@ template <std::floating_point Real, template <typename> typename Shape>
 EmissionSample<Real> AreaLight<Real, Shape>::sample_le(Vec2<Real> u_position,
                                                        Vec2<Real> u_direction,
                                                        const SceneSphere&) const {
-  // By area: what the shape does for a receiver that asks for it, from where no other way exists
-  // for a sphere either: its inside.
+  // By area, as the shape samples for a receiver that requests it.  The receiver is inside, from
+  // where a sphere has no other way.
   const auto [lower, upper] = shape_.bounds();
   Receiver<Real> by_area(Vec3<Real>((Vec3<double>(lower) + Vec3<double>(upper)) * 0.5));
   by_area.area_sampling = AreaSampling::kLowDistortion;
@@ -247,8 +245,8 @@ EmissionSample<Real> AreaLight<Real, Shape>::sample_le(Vec2<Real> u_position,
 template <std::floating_point Real, template <typename> typename Shape>
 EmissionSample<Real> AreaLight<Real, Shape>::ray_from(SurfacePoint<Real> point,
                                                       const Vec3<Real>& direction) const {
-  // What pdf_le will find: along the surface, the cosines to two normals that differ by a rounding
-  // have no digit in common.
+  // The normal that pdf_le will use. Along the surface, the cosines to two normals that differ by a
+  // rounding have no digit in common.
   point.normal = shape_.located_normal(point);
   EmissionSample<Real> sample;
   sample.origin = point.position;

@@ -28,9 +28,9 @@ class DistantLight {
   SolidAnglePdf<Real> pdf_li(const Receiver<Real>& receiver, const Vec3<Real>& wi) const;
   /// Flux through the scene's bounding disk, E pi R^2.
   Power power(const SceneSphere& scene) const;
-  /// The same: the book's formula is that flux.  [Pharr23, 12.3]
+  /// The same: the book has this formula.  [Pharr23, 12.3]
   Power power_approximate(const SceneSphere& scene) const;
-  /// From the disk of the scene's sphere that faces the light; direction certain.
+  /// From the disk of the scene's sphere that faces the light.  The direction is certain.
   EmissionSample<Real> sample_le(Vec2<Real> u_position, Vec2<Real> u_direction,
                                  const SceneSphere& scene) const;
   EmissionPdf<Real> pdf_le(const Vec3<Real>& position, const Vec3<Real>& direction,

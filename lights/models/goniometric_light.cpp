@@ -18,8 +18,8 @@ absl::Status check_axes(const Frame<double>& axes) {
     if (auto s = check_direction("goniometric.axes", axis); !s.ok()) return s;
   const double longest = std::fmax(length(axes.s), std::fmax(length(axes.t), length(axes.n)));
   const Vec3<double> s = axes.s / longest, t = axes.t / longest, n = axes.n / longest;
-  // What is left of products of rotations in double is far below; written in a file with six
-  // digits, they are this close.
+  // Products of rotations in double are far below this.  Axes written with six digits are this
+  // close.
   constexpr double kTolerance = 1e-5;
   const bool good = std::fabs(dot(s, t)) <= kTolerance && std::fabs(dot(t, n)) <= kTolerance &&
                     std::fabs(dot(n, s)) <= kTolerance && length(s) >= 1 - kTolerance &&

@@ -1,5 +1,5 @@
-// The goniometric light: a point whose intensity depends on direction, as a photometric web or a
-// picture says.
+// The goniometric light: a point whose intensity depends on direction, by a photometric web or a
+// picture.
 #pragma once
 
 #include <memory>
@@ -14,18 +14,18 @@ namespace lucerna {
 
 struct GoniometricLightParams {
   Vec3<double> position_m{};  ///< world
-  /// World directions of light space's +x, +y and +z: at right angles, of equal length but 0;
-  /// left-handed where the light is mirrored.  +z is where a luminaire's straight down goes, so
-  /// that it shines along +z as a spot does; of a map they are its own axes.
+  /// World directions of light space's +x, +y and +z: at right angles, of equal length but 0.
+  /// Left-handed for a mirrored light. +z is where a luminaire's straight down points, so it shines
+  /// along +z as a spot does.  For a map they are the map's own axes.
   Frame<double> axes{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-  /// [cd] without a file, or of a map's value 1; with a web, what its candela are multiplied by.
-  /// Finite, not negative.
+  /// [cd] without a file, or for a map's value 1.  With a web, the factor of its candela.  Finite,
+  /// not negative.
   Rgb<double> intensity{};
-  /// At most one of them; neither: the same in all directions.
+  /// At most one of them.  Neither: the same intensity in all directions.
   std::shared_ptr<const PhotometricWeb> web{};
   std::shared_ptr<const IntensityMap> map{};
-  std::string file{};    ///< that web or map are from, for people to read
-  std::string format{};  ///< of a web's file
+  std::string file{};    ///< name of the web's or map's file, for people to read
+  std::string format{};  ///< of the web's file
 };
 
 /// The luminous flux [lm] of a goniometric light whose `intensity` is 1.  Exact.

@@ -8,7 +8,7 @@
 namespace lucerna {
 namespace {
 
-/// Whether `x` is positive and has all of its digits.
+/// Whether `x` is a positive normal number.
 template <std::floating_point Real>
 bool is_positive_normal(Real x) {
   return x >= std::numeric_limits<Real>::min() && std::isfinite(x);

@@ -47,6 +47,8 @@ concept IntensityProfile = requires(const P& profile, const typename P::Params& 
 /// A light at one point.  Immutable, so safe to share between threads.
 template <std::floating_point Real, template <typename> typename Profile>
 class IntensityLight {
+  static_assert(IntensityProfile<Profile<Real>, Real>);
+
  public:
   using Params = typename Profile<Real>::Params;
   static constexpr bool kDelta = true;
@@ -57,7 +59,6 @@ class IntensityLight {
   /// Positions are kept relative to `origin_m`.  Errors: a field out of its domain.
   static absl::StatusOr<IntensityLight> create(const Params& params,
                                                const Vec3<double>& origin_m = {}) {
-    static_assert(IntensityProfile<Profile<Real>, Real>);
     if (absl::Status status = Profile<Real>::check(params, origin_m); !status.ok()) return status;
     return IntensityLight(params, origin_m);
   }

@@ -1,4 +1,4 @@
-// The projection light: a picture, or an evenly lit rectangle, thrown from a point, as a slide
+// The projection light: a picture, or an evenly lit rectangle, projected from a point, as a slide
 // projector does.
 #pragma once
 
@@ -14,11 +14,11 @@ namespace lucerna {
 struct ProjectionLightParams {
   Vec3<double> position_m{};  ///< world
   /// World directions, of any lengths but 0 and at right angles: the picture's right, its upper
-  /// edge, and where the light points.
+  /// edge, and the direction of the light.
   Frame<double> axes{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   std::shared_ptr<const ProjectedPicture> picture{};
   Rgb<double> intensity_cd{};  ///< where the picture's value is 1, finite, not negative
-  std::string image_name{};    ///< told by ListLights, else unused
+  std::string image_name{};    ///< reported by ListLights, else unused
 };
 
 template <typename Real>

@@ -25,8 +25,8 @@ double profile_at(SpotProfile profile, double x) {
 /// Over x in [0, 1].
 double profile_mean(SpotProfile profile) { return profile == SpotProfile::kSmoothstep ? 0.5 : 0.2; }
 
-/// The x below which the share `u` of the integral of smoothstep lies: the root of
-/// 2 x^3 - x^4 = u, by Newton's method, which a convex function lets converge from any start.
+/// The x below which the share `u` of the integral of smoothstep lies: the root of 2 x^3 - x^4 = u.
+/// Newton's method converges from any start because the function is convex.
 double invert_smoothstep_integral(double u) {
   double x = std::cbrt(u / 2);
   for (int i = 0; i < 6 && x > 0; ++i) {
@@ -41,18 +41,18 @@ double invert_profile_integral(SpotProfile profile, double u) {
   return profile == SpotProfile::kSmoothstep ? invert_smoothstep_integral(u) : std::pow(u, 0.2);
 }
 
-/// pi - angle, with the digits of pi that a double lacks; the double nearest to pi means pi.
+/// pi - angle, with the digits of pi that a double lacks.  The double nearest to pi counts as pi.
 double from_the_back(double angle_rad) {
   constexpr double kRestOfPi = 1.2246467991473532e-16;
   return angle_rad < std::numbers::pi ? (std::numbers::pi - angle_rad) + kRestOfPi : 0;
 }
 
-/// Whether the edge is nearer to where the light does not point.
+/// Whether the edge is nearer to the back of the light.
 bool is_wide(const SpotLightParams& params) {
   return params.cone_half_angle_rad > std::numbers::pi / 2;
 }
 
-/// Of the edge, from the nearer end of the axis.
+/// The angle of the edge from the nearer end of the axis.
 double from_pole(const SpotLightParams& params) {
   const double cone = params.cone_half_angle_rad;
   return is_wide(params) ? from_the_back(cone) : cone;
@@ -65,7 +65,7 @@ double edge_of(const SpotLightParams& params) {
   return 2 * std::sin(twice_middle / 2) * std::sin((c - s) / 2);
 }
 
-/// a b - c d, right to two roundings however much of it cancels.  [Jeannerod13]
+/// a b - c d, exact to two roundings even under cancellation.  [Jeannerod13]
 double difference_of_products(double a, double b, double c, double d) {
   const double cd = c * d;
   return std::fma(a, b, -cd) + std::fma(-c, d, cd);
@@ -130,8 +130,8 @@ SpotIntensity<Real>::SpotIntensity(const Params& params)
 
 template <typename Real>
 double SpotIntensity<Real>::one_minus_cos_to_pole(const Vec3<double>& w) const {
-  // A unit vector has an error of 1e-16, which narrow cones are no wider than: so the sine from the
-  // vectors as they were given, and 1 - cos = sin^2 / (1 + cos).
+  // A unit vector has an error of 1e-16, and the narrowest cones are no wider.  The sine therefore
+  // comes from the vectors as given, and 1 - cos = sin^2 / (1 + cos).
   const Vec3<double> a = pole_as_given_, v = of_size_one(w);
   const Vec3<double> across{difference_of_products(v.y, a.z, v.z, a.y),
                             difference_of_products(v.z, a.x, v.x, a.z),
@@ -154,7 +154,7 @@ double SpotIntensity<Real>::falloff(const Vec3<double>& w) const {
 }
 
 // Not inlined: GCC 12 at -O2 keeps the direction in double where it has just been rounded to float
-// (SLP vectorization), and the density told with a sample is another than the one told for it.
+// (SLP vectorization).  The density in a sample then differs from the density of its direction.
 template <typename Real>
 [[gnu::noinline]] double SpotIntensity<Real>::falloff_as_rounded(const Vec3<Real>& w) const {
   return falloff(falloff_direction(Vec3<double>(w)));
@@ -162,7 +162,7 @@ template <typename Real>
 
 template <typename Real>
 Rgb<Real> SpotIntensity<Real>::intensity(const Vec3<Real>& w) const {
-  // To unit length in double: a float's error of length is as large as the narrowest cones.
+  // To unit length in double: the narrowest cones are no wider than a float's error of length.
   const Vec3<double> direction = falloff_direction(Vec3<double>(w));
   if (!is_finite(direction) || direction == Vec3<double>{}) return {};
   return Rgb<Real>(params_.intensity_cd * falloff(direction));
@@ -188,8 +188,8 @@ Power SpotIntensity<Real>::power_approximate() const {
 
 template <typename Real>
 void SpotIntensity<Real>::sample(Vec2<Real> u_direction, EmissionSample<Real>& sample) const {
-  // The share of the intensity that lies at full light comes first, then the edge from within.
-  // Not the very end of a soft edge, where there is no light.
+  // The first share of u covers the full light, the rest the edge from within.  The very end of a
+  // soft edge has no light and is left out.
   const double u = std::min(double{u_direction.x}, 1 - 0x1p-53);
   const double full = 2 * std::numbers::pi * one_minus_cos_start_ / effective_sr_;
   double h = one_minus_cos_start_, share = 1;
@@ -208,15 +208,15 @@ void SpotIntensity<Real>::sample(Vec2<Real> u_direction, EmissionSample<Real>& s
   };
   sample.direction = at(h);
   double rounded = falloff_as_rounded(sample.direction);
-  // Rounded beyond the edge: in by a few roundings, where the cone is that wide.
+  // If rounding led beyond the edge: inwards by a few roundings, if the cone is that wide.
   constexpr double kInwards = 8 * double{std::numeric_limits<Real>::epsilon()};
   if (share > 0 && !(rounded > 0) && radius(h) > kInwards) {
     const Vec3<Real> within = at(h - kInwards * radius(h));
     rounded = falloff_as_rounded(within);
     if (rounded > 0) sample.direction = within;
   }
-  // What pdf_le will say of the direction as it is rounded; a cone so narrow that rounding leaves
-  // it keeps its samples.
+  // The density of the rounded direction, as in per_sr.  A cone so narrow that rounding leaves it
+  // keeps its samples.
   if (rounded > 0) share = rounded;
   sample.value = Rgb<Real>(params_.intensity_cd * share);
   sample.pdf_direction = {static_cast<Real>(share / effective_sr_)};

@@ -1,5 +1,4 @@
-// What a shape with something on it, a picture or a luminaire's photometry, has from the shape that
-// is under it.
+// The members that a shape with a picture or with photometry takes from the shape under it.
 #pragma once
 
 #include <absl/status/status.h>

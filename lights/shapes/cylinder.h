@@ -1,5 +1,5 @@
-// The cylinder without caps, whole or swept in part, under any affine map for intersection and
-// under maps that keep its share of area uniform for emission.
+// The cylinder without caps, whole or swept in part.  Rays meet it under any affine map.  It emits
+// under maps that keep shares of area.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -27,20 +27,20 @@ struct CylinderParams {
   Transform world_from_object = {};
 };
 
-/// Normals are geometric and point away from the axis, through mirrors too, unless
-/// `reverse_orientation`.  Immutable, so safe to share between threads; no call allocates but for
+/// Normals are geometric and point away from the axis, also under mirrors, unless
+/// `reverse_orientation`.  Immutable, so safe to share between threads.  Calls allocate only for
 /// error messages.
 template <typename Real>
 class Cylinder : public Quadric<Cylinder<Real>, Real, CylinderParams> {
  public:
   static constexpr bool kHasProjectedSolidAngle = false;
 
-  /// Errors: a field out of its domain, or bounds that `Real` does not hold.
+  /// Errors: a field out of its domain; bounds that `Real` cannot hold.
   static absl::StatusOr<Cylinder> create(const CylinderParams& params,
                                          const Vec3<double>& origin_m = {});
 
-  /// OK where this shape can carry a light: equal factors across the axis, any along it, no shear.
-  /// Else InvalidArgument that names the factors.
+  /// OK where this shape can carry a light: equal factors across the axis, any factor along it, no
+  /// shear.  Else InvalidArgument with the factors.
   absl::Status emissive_error() const;
 
   /// Uniform by area.  [Pharr23, 6.3.3]
@@ -48,20 +48,20 @@ class Cylinder : public Quadric<Cylinder<Real>, Real, CylinderParams> {
   /// The density of `sample` at a point of the surface.
   SolidAnglePdf<Real> pdf(const Receiver<Real>& receiver, const SurfacePoint<Real>& point) const;
 
-  /// Whether `p` lies on it, as far as doubles tell.
+  /// Whether `p` lies on it, to within the rounding of doubles.
   bool touches(const Vec3<Real>& p, std::uint32_t primitive = 0) const;
 
-  /// All directions of a whole cylinder; of a part a cone about its middle.
+  /// All directions for a whole cylinder; for a part a cone around its middle.
   NormalCone<Real> normals() const;
 
-  /// How pictures lie on it: u the share of the sweep, v from the lower end (0) to the upper end
-  /// (1). [Pharr23, 6.3.2]
+  /// The mapping of pictures: u is the share of the sweep, v runs from the lower end (0) to the
+  /// upper end (1).  [Pharr23, 6.3.2]
   Vec2<double> uv(const Vec3<Real>& position) const;
   BandArea area_of(const Band& band) const;
   /// The point at a share of the sweep and a share of the area below it, both in [0, 1].
   SurfacePoint<Real> at_shares(Vec2<double> shares) const;
 
-  /// World bounds about the origin, {lower, upper}; those of the whole cylinder for a part.
+  /// World bounds about the origin, {lower, upper}. A part has the bounds of the whole cylinder.
   std::pair<Vec3<Real>, Vec3<Real>> bounds() const;
   /// None: the cylinder is not flat.
   std::optional<double> height_over(const SurfacePoint<Real>&, const Vec3<Real>&) const {

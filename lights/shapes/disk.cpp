@@ -31,7 +31,7 @@ Disk<Real>::Disk(const DiskParams& params, const Vec3<double>& origin_m)
     : Base(params, origin_m),
       normal_(
           normalized(world_from_object_.normal({0, 0, params.reverse_orientation ? -1.0 : 1.0}))) {
-  // The share of area is what the map does to the unit square of the plane.
+  // The map scales all areas of the plane as it scales the unit square.
   const double stretch =
       length(cross(world_from_object_.vector({1, 0, 0}), world_from_object_.vector({0, 1, 0})));
   area_m2_ = params.phi_max_rad / 2 * (params.radius_m - params.inner_radius_m) *
@@ -60,7 +60,7 @@ double Disk<Real>::height_of(const Vec3<Real>& p) const {
 template <typename Real>
 bool Disk<Real>::touches(const Vec3<Real>& p, std::uint32_t) const {
   if (height_of(p) != 0) return false;
-  // About the middle, so that what is far from the origin loses nothing.
+  // About the middle, so coordinates far from the origin lose no precision.
   const Vec3<double> middle = world_from_object_.point({0, 0, params_.height_m});
   const Vec3<double> q = object_from_world_.vector(Vec3<double>(p) - middle);
   constexpr double kEdge = 1e-14;
@@ -83,8 +83,8 @@ std::optional<double> Disk<Real>::projected_solid_angle_sr(const Vec3<Real>& pos
                                     params_.radius_m * scale, height, normal);
 }
 
-/// A disk as a receiver sees it; a whole one in object space: in its plane the unit vector (x, y)
-/// from below the receiver to the centre.
+/// A disk seen by a receiver, and for whole disks in object space: the unit vector (x, y) in the
+/// plane from below the receiver to the centre.
 template <typename Real>
 struct Disk<Real>::Seen {
   double height_m = 0;                      // of the receiver, in the world
@@ -120,7 +120,7 @@ ShapeSample<Real> Disk<Real>::sample(const Receiver<Real>& receiver, Vec2<Real> 
     const SphericalEllipse::Point chosen = seen.ellipse->choose({u.x, u.y});
     p = turned(chosen.from_center);
     p.z = params_.height_m;
-    // What is below a low receiver is too near to it for positions on the disk to tell.
+    // Points below a low receiver are too near to it for the rounding of positions on the disk.
     constexpr double kLow = 1e-3;
     const double scale = length(world_from_object_.vector({1, 0, 0}));
     if (std::fabs(seen.height_m) < kLow * params_.radius_m * scale)

@@ -30,7 +30,7 @@ absl::Status check(const SphereParams& p) {
   return absl::OkStatus();
 }
 
-/// Of the circle at height `z` of a sphere, from +z.
+/// The polar angle from +z of the circle at height `z` of a sphere.
 double polar_angle(double z, double radius) {
   return std::atan2(std::sqrt((radius - z) * (radius + z)), z);
 }
@@ -82,7 +82,7 @@ typename Sphere<Real>::Way Sphere<Real>::way_at(double distance,
   if (!is_whole_) return Way::kArea;
   if (is_by_area(way_for_sphere(receiver.area_sampling))) return Way::kArea;
   if (distance > world_radius_m_) return Way::kCone;
-  // Nearer to the surface, half of all directions end where no float tells point from receiver.
+  // Nearer to the surface, floats cannot separate half of the sampled points from the receiver.
   constexpr double kDepth = 1e-3;
   return distance < (1 - kDepth) * world_radius_m_ ? Way::kInside : Way::kArea;
 }
@@ -123,8 +123,9 @@ SolidAnglePdf<Real> Sphere<Real>::pdf(const Receiver<Real>& receiver,
   const Way way = way_at(distance, receiver);
   if (way == Way::kArea) return pdf_by_area(receiver, point);
   if (way == Way::kInside) return uniform_sphere_pdf<Real>();
-  // The near side by the normal, which says where on the sphere the point is however far the sphere
-  // is from the origin; less the rounding of both vectors, so that no sample at the rim falls off.
+  // The near side follows from the normal, which gives the place on the sphere exactly however far
+  // the sphere is from the origin. The bound is lowered by the rounding of both vectors, so that no
+  // sample at the rim is lost.
   constexpr double kRounding = 4 * kInputRounding;
   const Vec3<double> n(point.normal);
   const double cos_alpha = dot(params_.reverse_orientation ? -n : n, to_receiver) / distance;
@@ -178,7 +179,8 @@ std::pair<Vec3<Real>, Vec3<Real>> Sphere<Real>::bounds() const {
   const double z_middle = (z_min_m_ + z_max_m_) / 2;
   const double z_half = (z_max_m_ - z_min_m_) / 2;
   const auto extent = [&](int row) {
-    // Two bounds that both hold: the whole ellipsoid, and the image of the box about what is left.
+    // Two bounds are valid: the whole ellipsoid, and the image of the box around the remaining
+    // part.
     const double ellipsoid = r * length(Vec3<double>{m[row][0], m[row][1], m[row][2]});
     const double box =
         ring * (std::fabs(m[row][0]) + std::fabs(m[row][1])) + z_half * std::fabs(m[row][2]);
@@ -247,7 +249,7 @@ BandArea Sphere<Real>::area_of(const Band& band) const {
     return {std::sin(from_bottom), -std::cos(from_bottom)};
   };
   const double whole = middle_of({0, 1, 0}).sin * std::sin(sweep / 2);
-  // A zone so thin that its angles do not tell its edges apart is as good as a cylinder.
+  // In a zone so thin that its angles coincide, a cylinder is as exact.
   if (!(whole > 0)) return {band.height, 0};
   const double half = band.height * sweep / 2;
   const Middle middle = middle_of(band);

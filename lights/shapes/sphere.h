@@ -1,5 +1,5 @@
-// The sphere, whole or cut by two planes and a sweep, under any affine map for intersection and
-// under maps of equal scale for emission.
+// The sphere, whole or cut by two planes and a sweep.  Rays meet it under any affine map.  It emits
+// under maps of equal scale.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -27,45 +27,45 @@ struct SphereParams {
   Transform world_from_object = {};
 };
 
-/// Normals are geometric and point outwards, through mirrors too, unless `reverse_orientation`.
-/// Immutable, so safe to share between threads; no call allocates but for error messages.
+/// Normals are geometric and point outwards, also under mirrors, unless `reverse_orientation`.
+/// Immutable, so safe to share between threads.  Calls allocate only for error messages.
 template <typename Real>
 class Sphere : public Quadric<Sphere<Real>, Real, SphereParams> {
  public:
   static constexpr bool kHasProjectedSolidAngle = true;
 
-  /// Errors: a field out of its domain, nothing left of the sphere, or bounds that `Real` does not
-  /// hold.
+  /// Errors: a field out of its domain; nothing left of the sphere; bounds that `Real` cannot hold.
   static absl::StatusOr<Sphere> create(const SphereParams& params,
                                        const Vec3<double>& origin_m = {});
 
-  /// OK where this shape can carry a light; else InvalidArgument that names the unequal factors.
+  /// OK where this shape can carry a light.  Else InvalidArgument with the unequal factors.
   absl::Status emissive_error() const;
 
-  /// A point seen from `receiver`, in the way that it asks for.  kSolidAngle: a whole sphere by the
-  /// cone that it subtends from outside, by all directions alike from inside; cut spheres and
-  /// receivers within a thousandth of the radius beneath the surface by area.  [Pharr23, 6.2.4]
+  /// A point seen from `receiver`, chosen in the way that it requests. kSolidAngle from outside a
+  /// whole sphere: uniform in the cone that it subtends.  From inside: uniform over all directions.
+  /// Cut spheres, and receivers within a thousandth of the radius beneath the surface: by area.
+  /// [Pharr23, 6.2.4]
   ShapeSample<Real> sample(const Receiver<Real>& receiver, Vec2<Real> u) const;
-  /// The density of `sample` at a point of the surface; 0 on the far side of a whole sphere seen
+  /// The density of `sample` at a point of the surface.  0 on the far side of a whole sphere seen
   /// from outside, which the cone never samples.
   SolidAnglePdf<Real> pdf(const Receiver<Real>& receiver, const SurfacePoint<Real>& point) const;
 
-  /// Whether `p` lies on it, as far as doubles tell.
+  /// Whether `p` lies on it, to within the rounding of doubles.
   bool touches(const Vec3<Real>& p, std::uint32_t primitive = 0) const;
 
   /// The projected solid angle [sr] of the sides that emit towards `position`, above the horizon of
-  /// the unit vector `normal`: of the near side from outside, of all from inside.  Nothing for cut
-  /// spheres, nor on the surface as far as doubles tell.
+  /// the unit vector `normal`. From outside the near side counts, from inside all. Nothing for cut
+  /// spheres, and on the surface to within the rounding of doubles.
   std::optional<double> projected_solid_angle_sr(const Vec3<Real>& position,
                                                  const Vec3<double>& normal, bool two_sided) const;
-  /// Its near side is no shadow on its near side.
+  /// No part of its near side occludes another.
   bool hides_itself() const { return false; }
 
-  /// All directions of a whole sphere; of a part a cone that holds it.
+  /// All directions for a whole sphere; for a part a cone that contains its normals.
   NormalCone<Real> normals() const;
 
-  /// How pictures lie on it: u the share of the sweep, v from the lower end (0) to the upper end
-  /// (1). [Pharr23, 6.2.2]
+  /// The mapping of pictures: u is the share of the sweep, v runs from the lower end (0) to the
+  /// upper end (1).  [Pharr23, 6.2.2]
   Vec2<double> uv(const Vec3<Real>& position) const;
   BandArea area_of(const Band& band) const;
   /// The point at a share of the sweep and a share of the area below it, both in [0, 1].
@@ -86,7 +86,7 @@ class Sphere : public Quadric<Sphere<Real>, Real, SphereParams> {
   std::optional<Vec3<double>> nearest(const Vec3<double>& q) const;
   Vec3<Real> normal_at(const Vec3<double>& p) const { return this->oriented(p); }
   enum class Way { kArea, kCone, kInside };
-  /// The one test of inside and outside, for sampling and density.
+  /// The single test of inside and outside, for sampling and density.
   Way way_at(double distance, const Receiver<Real>& receiver) const;
 
   using Base = Quadric<Sphere<Real>, Real, SphereParams>;
