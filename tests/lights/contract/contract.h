@@ -115,7 +115,7 @@ TYPED_TEST_P(AnyLight, ExtremeSampleValuesGiveValidSamples) {
   }
 }
 
-TYPED_TEST_P(AnyLight, ReceiversThatAreNoNumbersGiveAReason) {
+TYPED_TEST_P(AnyLight, ReceiversThatAreNotFiniteGiveAReason) {
   const auto light = TypeParam::template make<float>({});
   for (const float bad : {NAN, INFINITY, -INFINITY}) {
     for (const Vec3<float>& r : {Vec3<float>{bad, 0, 0}, {0, bad, 0}, {0, 0, bad}}) {
@@ -192,7 +192,7 @@ TYPED_TEST_P(AnyLight, ScalingByPowersOfTwoChangesNoBit) {
 
 REGISTER_TYPED_TEST_SUITE_P(AnyLight, SamplesAgreeWithEvaluation, FloatAgreesWithDouble,
                             ExtremeSampleValuesGiveValidSamples,
-                            ReceiversThatAreNoNumbersGiveAReason, PowerEqualsQuadrature,
+                            ReceiversThatAreNotFiniteGiveAReason, PowerEqualsQuadrature,
                             RigidMotionChangesOnlyTheFrame, ScalingByPowersOfTwoChangesNoBit);
 
 template <typename Case>

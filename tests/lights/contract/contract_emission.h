@@ -120,7 +120,7 @@ TYPED_TEST_P(EmittingLight, ExtremeSampleValuesGiveValidRays) {
   }
 }
 
-TYPED_TEST_P(EmittingLight, RaysOfOthersHaveNoDensity) {
+TYPED_TEST_P(EmittingLight, RaysOfOtherLightsHaveNoDensity) {
   const auto light = TypeParam::template make<float>({});
   const SceneSphere scene = TypeParam::scene();
   RandomU random(12);
@@ -148,7 +148,7 @@ TYPED_TEST_P(EmittingLight, ApproximatePowerStatesItsError) {
 
 REGISTER_TYPED_TEST_SUITE_P(EmittingLight, RaysAgreeWithEvaluation,
                             FloatRaysAgreeWithTheirDensities, MeanOfRaysIsThePower,
-                            ExtremeSampleValuesGiveValidRays, RaysOfOthersHaveNoDensity,
+                            ExtremeSampleValuesGiveValidRays, RaysOfOtherLightsHaveNoDensity,
                             ApproximatePowerStatesItsError);
 
 template <typename Case>
