@@ -12,21 +12,8 @@
 
 #include "lights/maths/motion.h"
 #include "lights/maths/transform.h"
-#include "lights/models/beam_light.h"
-#include "lights/models/distant_light.h"
-#include "lights/models/goniometric_light.h"
-#include "lights/models/image_infinite_light.h"
-#include "lights/models/infinite_light.h"
-#include "lights/models/panel.h"
-#include "lights/models/point_light.h"
-#include "lights/models/portal_light.h"
-#include "lights/models/projection_light.h"
-#include "lights/models/spot_light.h"
-#include "lights/models/sun_light.h"
-#include "lights/shapes/cylinder.h"
-#include "lights/shapes/disk.h"
+#include "lights/models/light.h"
 #include "lights/shapes/picture.h"
-#include "lights/shapes/sphere.h"
 #include "lights/spectra/spectrum.h"
 #include "server/assets/asset.h"
 
@@ -109,10 +96,7 @@ struct InstanceDescription {
 
 /// A light that is not a shape.
 struct LightDescription {
-  std::variant<PointLightParams, SpotLightParams, DistantLightParams, SunLightParams,
-               UniformInfiniteLightParams, ImageInfiniteLightParams, GoniometricLightParams,
-               ProjectionLightParams, BeamLightParams, PortalLightParams>
-      params;
+  LightParams params;
   SourceLocation where;
   std::shared_ptr<const Spectrum> spectrum{};  ///< null for a light given in RGB
   /// World to world; null if it does not move.  `params` are at the first key frame.

@@ -23,32 +23,12 @@ struct ModelOf<Params, std::variant<L, Rest...>> {
 
 }  // namespace
 
-std::optional<Vec3<double>> anchor_of(const LightDescription& light) {
+LightPlace place_of(const LightDescription& light) {
   return std::visit(
-      [](const auto& params) -> std::optional<Vec3<double>> {
-        if constexpr (requires { params.position_m; })
-          return params.position_m;
-        else if constexpr (requires { params.corners_m; })
-          return params.corners_m[0];
-        else
-          return std::nullopt;
+      []<typename Params>(const Params& params) {
+        return ModelOf<Params, LightModels<double>>::type::place(params);
       },
       light.params);
-}
-
-std::optional<Box> box_of(const LightDescription& light) {
-  if (const auto* beam = std::get_if<BeamLightParams>(&light.params)) return bounding_box(*beam);
-  if (std::holds_alternative<PortalLightParams>(light.params)) return std::nullopt;
-  if (const auto p = anchor_of(light)) return std::pair{*p, *p};
-  return std::nullopt;
-}
-
-std::optional<Box> portal_box_of(const LightDescription& light) {
-  const auto* portal = std::get_if<PortalLightParams>(&light.params);
-  if (portal == nullptr) return std::nullopt;
-  Bounds bounds;
-  for (const Vec3<double>& corner : portal->corners_m) bounds.add(corner);
-  return std::pair{bounds.lower, bounds.upper};
 }
 
 namespace {
@@ -67,9 +47,11 @@ absl::StatusOr<Light<double>> create_light(const LightDescription& light,
                                            const Vec3<double>& origin) {
   return std::visit(
       [&]<typename Params>(const Params& params) -> absl::StatusOr<Light<double>> {
-        for (const std::optional<Box>& box : {box_of(light), portal_box_of(light)})
+        using Model = typename ModelOf<Params, LightModels<double>>::type;
+        const LightPlace place = Model::place(params);
+        for (const std::optional<Box>& box : {place.box_m, place.portal_m})
           if (auto s = check_place(box, origin); !s.ok()) return s;
-        auto made = ModelOf<Params, LightModels<double>>::type::create(params, origin);
+        auto made = Model::create(params, origin);
         if (!made.ok()) return made.status();
         return Light<double>(*std::move(made));
       },
@@ -167,55 +149,10 @@ absl::StatusOr<Light<double>> create_area_light(const ShapeDescription& shape,
 std::uint64_t primitive_count(const Light<double>& light) {
   return visit(
       [](const auto& l) -> std::uint64_t {
-        if constexpr (requires { l.shape().size(); })
+        if constexpr (requires { l.shape(); })
           return l.shape().size();
         else
           return 1;
-      },
-      light);
-}
-
-std::uint64_t light_bytes(const Light<double>& light) {
-  return visit(
-      [](const auto& l) -> std::uint64_t {
-        if constexpr (requires { l.shape().bytes(); })
-          return l.shape().bytes();
-        else if constexpr (requires { l.table_bytes(); })
-          return l.table_bytes();
-        else
-          return 0;
-      },
-      light);
-}
-
-std::uint64_t distribution_bytes(const Light<double>& light) {
-  return visit(
-      [](const auto& l) -> std::uint64_t {
-        if constexpr (requires { l.shape().distribution_bytes(); })
-          return l.shape().distribution_bytes();
-        else if constexpr (requires { l.table_bytes(); })
-          return l.table_bytes();
-        else
-          return 0;
-      },
-      light);
-}
-
-const Image* picture_of(const Light<double>& light) {
-  return visit(
-      [](const auto& l) -> const Image* {
-        if constexpr (requires { l.params().map->image(); })
-          return l.params().map ? &l.params().map->image() : nullptr;
-        else if constexpr (requires { l.params().map->sphere_map(); })
-          return l.params().map ? &l.params().map->sphere_map().image() : nullptr;
-        else if constexpr (requires { l.params().picture->params().image; })
-          return l.params().picture->params().image.get();
-        else if constexpr (requires { l.params().image.get(); })
-          return l.params().image.get();
-        else if constexpr (requires { l.shape().picture().image.get(); })
-          return l.shape().picture().image.get();
-        else
-          return nullptr;
       },
       light);
 }

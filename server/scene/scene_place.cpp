@@ -106,8 +106,9 @@ absl::Status Scene::Builder::place() {
     return absl::OkStatus();
   };
   for (const auto& light : in_.lights) {
-    if (absl::Status s = hold(light, box_of(light), with_lights); !s.ok()) return s;
-    if (absl::Status s = hold(light, portal_box_of(light), portals); !s.ok()) return s;
+    const LightPlace place = place_of(light);
+    if (absl::Status s = hold(light, place.box_m, with_lights); !s.ok()) return s;
+    if (absl::Status s = hold(light, place.portal_m, portals); !s.ok()) return s;
   }
   const Bounds& of_lights = with_lights.empty() ? portals : with_lights;
   scene_->origin_ = origin_for(world.empty() ? of_lights : world);
