@@ -71,8 +71,7 @@ TEST(PbrtMaterials, OthersBecomeDiffuseWithARemark) {
       {"Material \"diffuse\" \"spectrum reflectance\" \"x.spd\"", .5,
        "1:31 spectrum \"reflectance\" of a surface is not modelled -> grey 0.5\n"},
       {"Material \"diffuse\" \"string normalmap\" \"x.png\"", .5,
-       "1:31 \"normalmap\" of material \"diffuse\" is not modelled -> the surface as its shape "
-       "gives it\n"},
+       "1:31 \"normalmap\" of material \"diffuse\" is not modelled -> the surface without it\n"},
   };
   for (const auto& [text, expected, remark] : kCases) {
     const auto [reflectance, remarks] = surface(text);

@@ -271,8 +271,8 @@ TEST(PbrtMotion, WithinAnObjectIsRemarkedOn) {
       "ObjectEnd");
   ASSERT_TRUE(scene.ok()) << scene.status();
   EXPECT_EQ(remarks_of(*scene),
-            "3:1 motion of a shape within an object definition is not modelled -> where it is at "
-            "its start\n");
+            "3:1 motion of a shape within an object definition is not modelled -> its position at "
+            "the start\n");
 }
 
 }  // namespace
