@@ -13,19 +13,19 @@
 #include "client/jobs/journal.h"
 #include "client/jobs/result_file.h"
 #include "proto/common/answer_size.h"
+#include "proto/common/defaults.h"
 #include "proto/common/sha256.h"
 
 namespace lucerna::client {
 namespace {
 
-constexpr std::uint32_t kDefaultSamples = 256;  // as EstimateIrradiance's
 // Of one piece: a few seconds of one core where light takes several bounces.
 constexpr std::uint64_t kSamplesPerPiece = std::uint64_t{1} << 20;
 constexpr std::uint64_t kMostPieces = std::uint64_t{1} << 24;
 constexpr std::size_t kItemsPerRead = 8192;  // where a file is read from its beginning to its end
 
 std::uint32_t samples_of(const v1::EstimateIrradianceRequest& request) {
-  return request.accuracy().has_samples() ? request.accuracy().samples() : kDefaultSamples;
+  return request.accuracy().has_samples() ? request.accuracy().samples() : kIrradianceSamples;
 }
 
 /// What is found out of the receivers before anybody is asked about them.

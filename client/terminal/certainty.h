@@ -7,6 +7,7 @@
 
 #include "client/terminal/output.h"
 #include "lucerna/v1/accuracy.pb.h"
+#include "proto/common/defaults.h"
 
 namespace lucerna::cli {
 
@@ -47,10 +48,6 @@ class TargetCheck {
   double worst_ = 1;  // of those that were allowed any error
 };
 
-/// Samples of a receiver and of a light come in this many replicates, so that counts are its
-/// multiples.
-inline constexpr std::uint64_t kReplicates = 16;
-
 /// Of the receivers that have an answer.  `samples` of each; `reached`: whether each is as certain
 /// as was asked for, false of those that have none.
 template <typename Answers>
@@ -61,7 +58,7 @@ TargetCheck check_target(const Answers& answers,
   for (int i = 0; i < samples.size(); ++i) {
     const bool good = item_status(answers.status(), i).empty() &&
                       check.add(answers.illuminance_lx(i), answers.lower_lx(i), answers.upper_lx(i),
-                                samples[i] + kReplicates);
+                                std::uint64_t{samples[i]} + kReplicates);
     if (reached != nullptr) reached->push_back(good);
   }
   return check;
