@@ -13,20 +13,20 @@
 #include "client/jobs/journal.h"
 #include "client/jobs/result_file.h"
 #include "proto/common/answer_size.h"
+#include "proto/common/defaults.h"
 #include "proto/common/sha256.h"
 #include "proto/common/status_macros.h"
 
 namespace lucerna::client {
 namespace {
 
-constexpr std::uint32_t kDefaultSamples = 256;  // the default of EstimateIrradiance
 // Samples of one piece: a few seconds of one core with several bounces.
 constexpr std::uint64_t kSamplesPerPiece = std::uint64_t{1} << 20;
 constexpr std::uint64_t kMostPieces = std::uint64_t{1} << 24;
 constexpr std::size_t kItemsPerRead = 8192;  // for the survey of the whole file
 
 std::uint32_t samples_of(const v1::EstimateIrradianceRequest& request) {
-  return request.accuracy().has_samples() ? request.accuracy().samples() : kDefaultSamples;
+  return request.accuracy().has_samples() ? request.accuracy().samples() : kIrradianceSamples;
 }
 
 /// Properties of all receivers, found before the first call.

@@ -5,13 +5,11 @@
 
 #include "client/rpc/batch_parts.h"
 #include "proto/common/answer_size.h"
+#include "proto/common/defaults.h"
 #include "proto/common/status_macros.h"
 
 namespace lucerna::client {
 namespace {
-
-/// The default of TargetError.max_samples.
-constexpr std::uint64_t kMostSamplesToATarget = 65536;
 
 /// Limits of one batch.
 struct BatchLimits {
@@ -98,7 +96,7 @@ absl::StatusOr<v1::SampleLiResponse> sample_li_in_batches(const Client& client,
   v1::SampleLiRequest limited = request;
   v1::TargetError* target = limited.mutable_accuracy()->mutable_target_error();
   target->set_max_samples(static_cast<std::uint32_t>(std::min<std::uint64_t>(
-      {kMostSamplesToATarget, info.limits().max_batch_items(), info.limits().max_samples(),
+      {std::uint64_t{kTargetSamples}, info.limits().max_batch_items(), info.limits().max_samples(),
        answer_size(part(request, 0, 1)).items_within(info.limits().max_message_bytes())})));
   return sample_li_to_a_target(client, limited, options);
 }

@@ -24,6 +24,7 @@ enum class ItemResult : int {
   kBlack,
   kOutOfRange,
   kInvalidInput,
+  kInsideSolid,
 };
 inline ItemResult item_result(NoLight reason) {
   // In the same order: no call and no table in the loop over samples of a point light.
