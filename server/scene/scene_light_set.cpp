@@ -1,4 +1,4 @@
-// All lights of a scene: where each is kept, what they share, and how one is chosen.
+// The lights of a scene: their storage, what they share, and how one is chosen.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,6 +10,8 @@
 #include <set>
 #include <tuple>
 
+#include "proto/common/status_macros.h"
+#include "server/scene/light_at_time.h"
 #include "server/scene/scene_builder.h"
 #include "server/scene/scene_lights.h"
 
@@ -87,27 +89,24 @@ absl::Status Scene::Builder::build_lights() {
     std::unique_ptr<LightMotion> moving;
     if (l.motion) {
       const std::optional<Vec3<double>> anchor = anchor_of(l);
-      // About itself: its coordinates are then exact wherever it moves to.
+      // About its own position, so that its coordinates are exact wherever it moves.
       if (anchor) origin = *anchor;
       moving = light_motion(*l.motion, origin);
       moving->only_turns = !anchor;
     }
-    if (absl::Status s = add_light(create_light(l, origin), l.where, l.samples, std::move(moving));
-        !s.ok())
-      return s;
+    LUCERNA_RETURN_IF_ERROR(
+        add_light(create_light(l, origin), l.where, l.samples, std::move(moving)));
   }
   std::size_t moving_shape = 0;
   for (const auto& s : in_.shapes) {
     Vec3<double> origin = scene_->origin_;
-    // As the surface that rays hit.
+    // The same origin as that of the surface that rays hit.
     if (s.motion) origin = moving_origins_[moving_shape++];
     if (!s.emission) continue;
     std::unique_ptr<LightMotion> moving;
     if (s.motion) moving = light_motion(*s.motion, origin);
-    if (absl::Status status = add_light(create_area_light(s, origin), s.emission->where,
-                                        s.emission->samples, std::move(moving));
-        !status.ok())
-      return status;
+    LUCERNA_RETURN_IF_ERROR(add_light(create_area_light(s, origin), s.emission->where,
+                                      s.emission->samples, std::move(moving)));
   }
   if (scene_->lights_.empty()) return absl::OkStatus();
   scene_->lights_.shrink_to_fit();
@@ -130,7 +129,7 @@ absl::Status Scene::Builder::build_lights() {
 }
 
 void Scene::Builder::report_shared_by_lights(const Stopwatch& watch) {
-  // Pictures are shared between lights: each counts once.
+  // Lights may share a picture, which counts once.
   std::set<const Image*> images;
   for (const SceneLight& l : scene_->lights_)
     if (const Image* picture = picture_of(l.light)) images.insert(picture);
@@ -138,8 +137,8 @@ void Scene::Builder::report_shared_by_lights(const Stopwatch& watch) {
   for (const Image* image : images) image_bytes += image->bytes();
   if (!images.empty())
     part("images", image_bytes, watch, fmt::format("{} pictures of lights", images.size()));
-  // What goniometric lights and panels draw directions from is shared between lights: each counts
-  // once.
+  // Goniometric lights and panels may share the tables that sample directions.  Each table
+  // counts once.
   std::set<std::shared_ptr<const PhotometricWeb>> webs;
   std::set<std::shared_ptr<const IntensityMap>> maps;
   for (const SceneLight& l : scene_->lights_) {
@@ -151,7 +150,7 @@ void Scene::Builder::report_shared_by_lights(const Stopwatch& watch) {
         },
         l.light);
   }
-  // Of lights that have none.
+  // Entries of lights without one.
   webs.erase(nullptr);
   maps.erase(nullptr);
   std::uint64_t web_bytes = 0, map_bytes = 0;
@@ -166,7 +165,8 @@ void Scene::Builder::report_shared_by_lights(const Stopwatch& watch) {
 
 namespace {
 
-/// The area that the flux of a light without bounds passes through, in a scene of this sphere [m2].
+/// The cross-section that the flux of a light without bounds passes, in a scene with this
+/// sphere [m2].
 double cross_section_m2(const Light<double>& light, const SceneSphere& sphere) {
   return visit(
       [&](const auto& l) {
@@ -182,8 +182,8 @@ double cross_section_m2(const Light<double>& light, const SceneSphere& sphere) {
       light);
 }
 
-/// Where the light may be and shine to, at any time; nothing where its illuminance does not fall
-/// off with the distance.
+/// Bounds of the light's positions and directions at all times.  Nothing where its illuminance
+/// does not fall off with distance.
 std::optional<LightBounds<double>> bounds_of(const SceneLight& light) {
   if (light.light.get_if<BeamLight<double>>() != nullptr) return std::nullopt;
   auto bounds = visit([](const auto& l) { return l.bounds(); }, light.light);
@@ -197,16 +197,17 @@ std::optional<LightBounds<double>> bounds_of(const SceneLight& light) {
 }  // namespace
 
 std::vector<LightSelector::Item> selector_items(const Scene& scene, bool areas_alone) {
-  // Light from infinitely far arrives at receivers even where the scene is but a point.
+  // Light from infinity arrives at receivers even if the scene is a single point.
   SceneSphere sphere = scene.sphere();
   if (!(sphere.radius_m > 0)) sphere.radius_m = 1;
   std::vector<LightSelector::Item> items;
   for (std::uint32_t i = 0; i < scene.lights().size(); ++i) {
     const SceneLight& l = scene.lights()[i];
-    if (areas_alone && visit([](const auto& m) { return m.kDelta; }, l.light)) continue;
-    const Power power = visit_light(l, -std::numeric_limits<double>::infinity(),
-                                    [&](const auto& m) { return m.power(sphere); });
-    // The largest channel, not the luminance: a light of one channel has its share of noise too.
+    const LightAtTime at_start(l, -std::numeric_limits<double>::infinity());
+    if (areas_alone && at_start.is_delta()) continue;
+    const Power power = at_start.power(sphere);
+    // The largest channel and not the luminance, because a light of one channel makes noise
+    // too.
     const double lumens = std::fmin(power.lumens.max_component(), 1e300);
     auto bounds = bounds_of(l);
     const double lux = bounds ? 0 : std::fmin(lumens / cross_section_m2(l.light, sphere), 1e300);
@@ -221,8 +222,8 @@ absl::Status Scene::Builder::prepare_choice() {
   scene_->light_selector_.emplace(selector_items(*scene_, false));
   LightSelector& selector = *scene_->light_selector_;
   selector.build_tree_if_used();
-  // The tree is a part of its own.
-  const auto tree = selector.tree_part().told();
+  // The tree is listed as a separate part.
+  const auto tree = selector.tree_part().report();
   const double own_ms = watch.ms() - (tree ? tree->build_ms : 0);
   scene_->parts_.push_back({"light choice", selector.bytes() - selector.tree_part().bytes(), own_ms,
                             fmt::format("{} lights to choose from", scene_->lights_.size())});

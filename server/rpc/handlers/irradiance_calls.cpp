@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "server/estimate/paths/render.h"
+#include "server/estimate/queries/irradiance.h"
 #include "server/estimate/queries/queries.h"
 #include "server/estimate/queries/spectral_values.h"
 #include "server/estimate/queries/visibility.h"
