@@ -1,4 +1,4 @@
-// All lights of a scene: where each is kept, what they share, and how one is chosen.
+// The lights of a scene: their storage, what they share, and how one is chosen.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,6 +10,8 @@
 #include <set>
 #include <tuple>
 
+#include "proto/common/status_macros.h"
+#include "server/scene/light_at_time.h"
 #include "server/scene/scene_builder.h"
 #include "server/scene/scene_lights.h"
 
@@ -92,22 +94,19 @@ absl::Status Scene::Builder::build_lights() {
       moving = light_motion(*l.motion, origin);
       moving->only_turns = !anchor;
     }
-    if (absl::Status s = add_light(create_light(l, origin), l.where, l.samples, std::move(moving));
-        !s.ok())
-      return s;
+    LUCERNA_RETURN_IF_ERROR(
+        add_light(create_light(l, origin), l.where, l.samples, std::move(moving)));
   }
   std::size_t moving_shape = 0;
   for (const auto& s : in_.shapes) {
     Vec3<double> origin = scene_->origin_;
-    // As the surface that rays hit.
+    // The same origin as that of the surface that rays hit.
     if (s.motion) origin = moving_origins_[moving_shape++];
     if (!s.emission) continue;
     std::unique_ptr<LightMotion> moving;
     if (s.motion) moving = light_motion(*s.motion, origin);
-    if (absl::Status status = add_light(create_area_light(s, origin), s.emission->where,
-                                        s.emission->samples, std::move(moving));
-        !status.ok())
-      return status;
+    LUCERNA_RETURN_IF_ERROR(add_light(create_area_light(s, origin), s.emission->where,
+                                      s.emission->samples, std::move(moving)));
   }
   if (scene_->lights_.empty()) return absl::OkStatus();
   scene_->lights_.shrink_to_fit();
@@ -177,16 +176,17 @@ std::optional<LightBounds<double>> bounds_of(const SceneLight& light) {
 }  // namespace
 
 std::vector<LightSelector::Item> selector_items(const Scene& scene, bool areas_alone) {
-  // Light from infinitely far arrives at receivers even where the scene is but a point.
+  // Light from infinity arrives at receivers even if the scene is a single point.
   SceneSphere sphere = scene.sphere();
   if (!(sphere.radius_m > 0)) sphere.radius_m = 1;
   std::vector<LightSelector::Item> items;
   for (std::uint32_t i = 0; i < scene.lights().size(); ++i) {
     const SceneLight& l = scene.lights()[i];
-    if (areas_alone && visit([](const auto& m) { return m.kDelta; }, l.light)) continue;
-    const Power power = visit_light(l, -std::numeric_limits<double>::infinity(),
-                                    [&](const auto& m) { return m.power(sphere); });
-    // The largest channel, not the luminance: a light of one channel has its share of noise too.
+    const LightAtTime at_start(l, -std::numeric_limits<double>::infinity());
+    if (areas_alone && at_start.is_delta()) continue;
+    const Power power = at_start.power(sphere);
+    // The largest channel and not the luminance, because a light of one channel makes noise
+    // too.
     const double lumens = std::fmin(power.lumens.max_component(), 1e300);
     const std::optional<double> section_m2 =
         visit([&](const auto& m) { return m.cross_section_m2(sphere); }, l.light);
@@ -203,8 +203,8 @@ absl::Status Scene::Builder::prepare_choice() {
   scene_->light_selector_.emplace(selector_items(*scene_, false));
   LightSelector& selector = *scene_->light_selector_;
   selector.build_tree_if_used();
-  // The tree is a part of its own.
-  const auto tree = selector.tree_part().told();
+  // The tree is listed as a separate part.
+  const auto tree = selector.tree_part().report();
   const double own_ms = watch.ms() - (tree ? tree->build_ms : 0);
   scene_->parts_.push_back({"light choice", selector.bytes() - selector.tree_part().bytes(), own_ms,
                             fmt::format("{} lights to choose from", scene_->lights_.size())});

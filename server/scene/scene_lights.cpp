@@ -4,13 +4,14 @@
 #include <utility>
 
 #include "lights/maths/validation.h"
+#include "proto/common/status_macros.h"
 #include "server/rays/surface_table.h"
 
 namespace lucerna {
 
 namespace {
 
-/// The light of the closed set that is made from `Params`.
+/// The model of the closed set that is made from `Params`.
 template <typename Params, typename Lights>
 struct ModelOf;
 template <typename Params, typename L, typename... Rest>
@@ -33,11 +34,11 @@ LightPlace place_of(const LightDescription& light) {
 
 namespace {
 
-/// OK where floats, which answers tell places in, hold all of a light about the scene's origin.
+/// OK where the light's places about the scene's origin fit floats, which answers use.
 absl::Status check_place(const std::optional<Box>& box, const Vec3<double>& origin) {
   if (!box) return absl::OkStatus();
   for (const Vec3<double>& corner : {box->first, box->second})
-    if (auto s = check_position<float>("light.position", corner, origin); !s.ok()) return s;
+    LUCERNA_RETURN_IF_ERROR(check_position<float>("light.position", corner, origin));
   return absl::OkStatus();
 }
 
@@ -64,22 +65,22 @@ template <template <typename> typename Shape, template <typename> typename Paint
 absl::StatusOr<Light<double>> as_area_light(const ShapeDescription::Emission& emission,
                                             absl::StatusOr<Shape<double>> shape,
                                             const std::vector<Vec2<float>>& corner_uv = {}) {
-  if (!shape.ok()) return shape.status();
-  if (absl::Status s = shape->emissive_error(); !s.ok()) return s;
+  LUCERNA_RETURN_IF_ERROR(shape.status());
+  LUCERNA_RETURN_IF_ERROR(shape->emissive_error());
   const DiffuseEmission diffuse{emission.radiance_cd_m2, emission.two_sided};
   if (emission.picture) {
-    auto painted = Painted<double>::create(*std::move(shape), *emission.picture, corner_uv);
-    if (!painted.ok()) return painted.status();
-    auto light = AreaLight<double, Painted>::create(diffuse, *std::move(painted));
-    if (!light.ok()) return light.status();
-    return Light<double>(*std::move(light));
+    LUCERNA_ASSIGN_OR_RETURN(
+        auto painted, Painted<double>::create(*std::move(shape), *emission.picture, corner_uv));
+    LUCERNA_ASSIGN_OR_RETURN(auto light,
+                             (AreaLight<double, Painted>::create(diffuse, std::move(painted))));
+    return Light<double>(std::move(light));
   }
-  auto light = AreaLight<double, Shape>::create(diffuse, *std::move(shape));
-  if (!light.ok()) return light.status();
-  return Light<double>(*std::move(light));
+  LUCERNA_ASSIGN_OR_RETURN(auto light,
+                           (AreaLight<double, Shape>::create(diffuse, *std::move(shape))));
+  return Light<double>(std::move(light));
 }
 
-/// Of a shape that can be flat.
+/// For shapes that can be flat.
 template <template <typename> typename Shape, template <typename> typename Painted,
           template <typename> typename Panel>
 absl::StatusOr<Light<double>> as_flat_light(const ShapeDescription::Emission& emission,
@@ -87,16 +88,15 @@ absl::StatusOr<Light<double>> as_flat_light(const ShapeDescription::Emission& em
                                             const std::vector<Vec2<float>>& corner_uv = {}) {
   if (!emission.panel || !shape.ok())
     return as_area_light<Shape, Painted>(emission, std::move(shape), corner_uv);
-  auto panel = Panel<double>::create(*std::move(shape), *emission.panel);
-  if (!panel.ok()) return panel.status();
-  auto light = AreaLight<double, Panel>::create({emission.radiance_cd_m2, emission.two_sided},
-                                                *std::move(panel));
-  if (!light.ok()) return light.status();
-  return Light<double>(*std::move(light));
+  LUCERNA_ASSIGN_OR_RETURN(auto panel, Panel<double>::create(*std::move(shape), *emission.panel));
+  LUCERNA_ASSIGN_OR_RETURN(
+      auto light, (AreaLight<double, Panel>::create({emission.radiance_cd_m2, emission.two_sided},
+                                                    std::move(panel))));
+  return Light<double>(std::move(light));
 }
 
-/// One overload a shape and none for all, so that a new shape does not compile until it has its
-/// own.
+/// Has one overload for each shape and no template for all.  A new shape does not compile
+/// without its own overload.
 class AreaLightMaker {
  public:
   AreaLightMaker(const ShapeDescription::Emission& emission, const Vec3<double>& origin)

@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "server/estimate/paths/render.h"
+#include "server/estimate/queries/irradiance.h"
 #include "server/estimate/queries/queries.h"
 #include "server/runtime/denormals.h"
 #include "tests/server/scene/scenes.h"

@@ -11,6 +11,7 @@
 
 #include "server/estimate/lights/light_visibility.h"
 #include "server/estimate/paths/render.h"
+#include "server/estimate/queries/irradiance.h"
 #include "server/runtime/parallel.h"
 #include "tests/bench/shipped_scene.h"
 

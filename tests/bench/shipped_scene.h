@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "server/assets/asset_reader.h"
-#include "server/estimate/paths/render.h"
+#include "server/estimate/queries/irradiance.h"
 #include "server/pbrt/load.h"
 #include "server/scene/scene.h"
 

@@ -8,8 +8,8 @@
 
 #include "proto/common/defaults.h"
 #include "proto/common/status_macros.h"
-#include "server/estimate/paths/render.h"
 #include "server/estimate/queries/inside_solid.h"
+#include "server/estimate/queries/irradiance.h"
 #include "server/estimate/queries/predicted_time.h"
 #include "server/estimate/queries/queries.h"
 #include "server/estimate/queries/spectral_values.h"

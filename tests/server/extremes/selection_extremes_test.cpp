@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "lights/sampling/sobol.h"
-#include "server/estimate/paths/render.h"
+#include "server/estimate/queries/irradiance.h"
 #include "server/estimate/queries/queries.h"
 #include "tests/server/scene/scenes.h"
 #include "tests/sweep.h"
