@@ -19,7 +19,7 @@ test: release
 	@ctest --preset release
 	@$(MAKE) --no-print-directory wire
 
-# Random extreme items to every light and every query of a server with AddressSanitizer and
+# Sends random extreme items to every light and every query of a server with AddressSanitizer and
 # UndefinedBehaviorSanitizer.
 ITEMS ?= 1000000
 wire: deps
@@ -27,8 +27,8 @@ wire: deps
 	@cmake --build --preset asan --target wire_property_test
 	@LUCERNA_WIRE_ITEMS=$(ITEMS) build/asan/tests/server/extremes/wire_property_test
 
-# The same for ten minutes, ten times the rays that shadows are tested with, and four times the questions that
-# intervals are tested with.
+# The same for ten minutes, with ten times the rays in the shadow tests and four times the queries in the interval
+# tests.
 soak: release
 	@cmake --build --preset release --target server_extremes_test coverage_test
 	@LUCERNA_REPEATS=4000 build/release/tests/server/coverage_test
@@ -40,11 +40,11 @@ extremes: release
 	@cmake --build --preset release --target lights_extremes_test server_extremes_test
 	@tests/extremes_page.py build/release
 
-# In a copy of the sources: build/mutants.
+# Works in a copy of the sources: build/mutants.
 mutants: release
 	@tests/mutants/run.py
 
-# A cluster of its own on the loopback interface: tests/slurm.
+# Starts its own cluster on the loopback interface: tests/slurm.
 test-slurm: programs
 	@deploy/install-deps.sh slurm-wlm munge
 	@/usr/bin/python3 tests/slurm/slurm_test.py build/release
@@ -54,31 +54,34 @@ bench: release
 	@build/release/tests/bench/bench
 	@build/release/tests/bench/one_light_bench
 
-# Error against time in the five scenes.  Wants a machine that does nothing else.
+# Error against time in the five scenes.  Needs an idle machine.
 BUDGET ?= 240s
 tradeoff: programs
+	@cmake --build --preset release --target lucerna-tradeoff
 	@deploy/install-deps.sh chromium
 	@deploy/tradeoff.sh build/release docs/tradeoff $(BUDGET)
 
-# What automatic takes against the best setting, with seeds of this second; QUERY=render: of pictures, of which docs/tradeoff
-# says nothing.  Wants a machine that does nothing else.
+# The time of automatic over the time of the best setting, with a new seed.  QUERY=render studies pictures, which
+# docs/tradeoff does not have.  Needs an idle machine.
 automatic: programs
+	@cmake --build --preset release --target lucerna-tradeoff
 	@deploy/tradeoff.sh build/release build/automatic $(BUDGET) $$(date +%s)
 	@tests/bench/automatic_table.py build/automatic $(if $(QUERY),,docs/tradeoff)
 
-# The same on the small scenes that automatic's rules were fitted on.
+# The same on the small scenes that the rules of automatic were fitted to.
 fit: programs
+	@cmake --build --preset release --target lucerna-tradeoff
 	@SCENES=tests/data/reference deploy/tradeoff.sh build/release build/fit 30s 1 \
 	  $(notdir $(basename $(wildcard tests/data/reference/*.pbrt)))
 	@tests/bench/automatic_table.py build/fit
 
-# Wants a machine that does nothing else.
+# Needs an otherwise idle machine.
 distributed: release
 	@cmake --build --preset release --target lucernad lucerna client_test
 	@deploy/install-deps.sh slurm-wlm munge
 	@tests/bench/distributed.py build/release --page docs/distributed.md
 
-# Wants a machine that does nothing else.
+# Needs an otherwise idle machine.
 precision: release
 	@cmake --build --preset release --target traversal_bench precision_bench tile_precision_bench
 	@tests/bench/precision_page.sh build/release > build/precision.md && mv build/precision.md docs/precision.md

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Tools that check the sources and that no build or run needs: clang-format, and from npm buf, and
-# what checks Kubernetes manifests.
+# Installs tools that only check the sources: clang-format, and from npm buf and the checkers of
+# Kubernetes manifests.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -9,7 +9,7 @@ command -v clang-format >/dev/null || deploy/install-deps.sh clang-format
 command -v npm >/dev/null || deploy/install-deps.sh npm
 tools=(@bufbuild/buf@1.75.0 kubernetes-models@4.5.1 typescript@5.9.3 yaml@2.8.1)
 [ "$(cat build/tools/installed 2>/dev/null)" = "${tools[*]}" ] || {
-  # All at once: npm takes away what it was not asked for.
+  # All at once: npm removes packages that its command does not name.
   npm install --prefix build/tools --no-save --no-audit --no-fund --loglevel=error "${tools[@]}"
   echo "${tools[*]}" >build/tools/installed
 }

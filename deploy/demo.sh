@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# Starts lucernad with the shipped scenes, asks it four questions, renders a picture, stops it.
+# Starts lucernad with the shipped scenes, runs four queries, renders a picture, and stops the
+# server.
 #   deploy/demo.sh BUILD_DIR [OUTPUT_DIR [SAMPLES]]
-# OUTPUT_DIR: default build/demo.  SAMPLES of each pixel: default as the scene file says.
+# OUTPUT_DIR: default build/demo.  SAMPLES of each pixel: default from the scene file.
 set -euo pipefail
 
 root=$(cd "$(dirname "$0")/.." && pwd)
@@ -12,7 +13,7 @@ mkdir -p "$output"
 output=$(cd "$output" && pwd)
 export PATH=$build/bin:$PATH
 source "$root/deploy/local_server.sh"
-# -k: killed where it does not stop; the bound is for a demo that is itself killed.
+# -k kills it if it does not stop.  The bound is for a demo that is itself killed.
 start_server "$build" "$root/scenes" timeout -k 5 120
 echo "lucernad runs at $LUCERNA_SERVER, scene root scenes/."
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Installs the Debian 12 packages that Lucerna is built, tested and run with, and nothing else; or, given
-# names, just those packages.  Run as root or by someone who may use sudo.  Harmless to run twice: what
-# is there is not asked for again.
+# Installs the Debian 12 packages that are needed to build, test and run Lucerna, and nothing else.
+# With names as arguments it installs just those packages.  Run it as root or with sudo.  It may be
+# run twice: installed packages are skipped.
 set -euo pipefail
 
 packages=(

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Renders the pictures of README's table of lights, docs/lights/NAME.png, from the reference scenes and
-# from scenes/; those of lights that pbrt-v4 has not from scenes of its lights with a parameter more.
-# Usage: deploy/light_pictures.sh [BUILD_DIR]
+# Renders the pictures of the table of lights, docs/lights/NAME.png, from the reference scenes and
+# from scenes/.  Lights that pbrt-v4 lacks use scenes of its lights with an added parameter.  Usage:
+# deploy/light_pictures.sh [BUILD_DIR]
 set -euo pipefail
 root=$(cd "$(dirname "$0")/.." && pwd)
 build=$(cd "${1:-$root/build/release}" && pwd)
@@ -18,7 +18,7 @@ mkdir -p "$root/docs/lights"
 for scene in point spot projection beam distant sun infinite environment triangle rectangle sphere disk cylinder textured; do
   "$build/bin/lucerna" render tests/data/reference/$scene.pbrt -o "$root/docs/lights/$scene.png" --samples 64
 done
-# Dark or bright ones, and what is not among the reference scenes.
+# Dark or bright scenes, and those that are not among the reference scenes.
 "$build/bin/lucerna" render tests/data/reference/goniometric.pbrt -o "$root/docs/lights/goniometric.png" \
   --samples 64 --exposure 2
 "$build/bin/lucerna" render tests/data/reference/portal.pbrt -o "$root/docs/lights/portal.png" \

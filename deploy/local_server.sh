@@ -1,8 +1,8 @@
 # shellcheck shell=bash
-# To be sourced: a lucernad on a free port of this machine, for as long as a script runs.
+# Source this file to run a lucernad on a free port of this machine as long as a script runs.
 #   start_server BUILD_DIR SCENE_ROOT [WRAPPER...]
-# Exports LUCERNA_SERVER, where it listens.  $scratch is a folder that goes with the server.  WRAPPER: a command
-# that runs lucernad, such as timeout.
+# Exports LUCERNA_SERVER, the server's address.  $scratch is a temporary folder that is deleted with
+# the server.  WRAPPER: a command that runs lucernad, such as timeout.
 
 scratch=$(mktemp -d)
 server=
@@ -19,12 +19,12 @@ start_server() {
   "$@" "$build/bin/lucernad" --listen 127.0.0.1:0 --scene-root "$scenes" >"$scratch/out" 2>"$scratch/log" &
   server=$!
   LUCERNA_SERVER=
-  for _ in $(seq 300); do
+  for _ in $(seq 3600); do
     LUCERNA_SERVER=$(sed -n 's/^listening on //p' "$scratch/out")
     [ -z "$LUCERNA_SERVER" ] || break
     kill -0 "$server" 2>/dev/null || { echo "lucernad did not start:"; cat "$scratch/log"; exit 1; } >&2
     sleep 0.05
   done
-  [ -n "$LUCERNA_SERVER" ] || { echo "lucernad does not tell where it listens" >&2; exit 1; }
+  [ -n "$LUCERNA_SERVER" ] || { echo "lucernad did not print its address" >&2; exit 1; }
   export LUCERNA_SERVER
 }

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Renders the pictures of the shipped scenes, docs/scenes/NAME.png.
-# Usage: deploy/scene_pictures.sh [BUILD_DIR [SAMPLES [NAME...]]]; without SAMPLES as many as the scenes say.
+# Usage: deploy/scene_pictures.sh [BUILD_DIR [SAMPLES [NAME...]]].  Default SAMPLES: from the scene files.
 set -euo pipefail
 root=$(cd "$(dirname "$0")/.." && pwd)
 build=$(cd "${1:-$root/build/release}" && pwd)

@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
-# Measures error against time in the shipped scenes, through a server of its own: OUT/NAME/{report.html,tradeoff.csv,tradeoff.json}.
+# Measures error against time in the shipped scenes, through a server of its own: OUT/NAME/tradeoff.json, and
+# OUT/NAME/errors.png, the first plot of the page, if chromium is installed.
 #   deploy/tradeoff.sh BUILD_DIR OUT [BUDGET [SEED [NAME...]]]
-# BUDGET: for each scene, default 120s.  With QUERY in the environment, of that query and not of irradiance; with SCENES, of
-# that folder's scenes and not of scenes/: NAME/scene.pbrt, with points.csv beside it, or NAME.pbrt.
-# Where chromium is, also OUT/NAME/errors.png, a picture of the page's first plot.
+# BUDGET is the time of each scene, default 120s.  QUERY in the environment chooses another query than irradiance.
+# SCENES chooses another folder than scenes/, which holds NAME/scene.pbrt with points.csv beside it, or NAME.pbrt.
+# The page of a scene: lucerna-tradeoff --report OUT/NAME/tradeoff.json --out DIR
 set -euo pipefail
 
 root=$(cd "$(dirname "$0")/.." && pwd)
@@ -14,7 +15,7 @@ budget=${3:-120s}
 seed=${4:-1}
 shift $(($# < 4 ? $# : 4))
 [ $# -gt 0 ] || set -- cornell meadow room stage street
-# Paths in the reports are those of the sources.
+# The reports show paths relative to the sources.
 scenes=$(realpath --relative-to="$root" "${SCENES:-$root/scenes}")
 cd "$root"
 source "$root/deploy/local_server.sh"
@@ -25,9 +26,10 @@ for scene in "$@"; do
   file=$scene/scene.pbrt
   points=$scenes/$scene/points.csv
   [ -f "$scenes/$file" ] || { file=$scene.pbrt; points=$scenes/points.csv; }
-  "$build/bin/lucerna" tradeoff "$file" --query "${QUERY:-irradiance}" --points "$points" \
-    --budget "$budget" --seed "$seed" --out "$out/$scene"
-  command -v chromium >/dev/null || continue
-  chromium --headless --no-sandbox --disable-gpu --hide-scrollbars --force-device-scale-factor=1.5 --window-size=1000,660 \
-    --screenshot="$out/$scene/errors.png" "file://$out/$scene/report.html#only=errors" 2>"$scratch/chromium" || cat "$scratch/chromium" >&2
+  "$build/bin/lucerna-tradeoff" "$file" --query "${QUERY:-irradiance}" --points "$points" \
+    --budget "$budget" --seed "$seed" --out "$scratch/$scene"
+  mkdir -p "$out/$scene"
+  cp "$scratch/$scene/tradeoff.json" "$out/$scene/"
+  "$build/bin/lucerna-tradeoff" --report "$out/$scene/tradeoff.json" --out "$scratch/$scene"
+  [ ! -f "$scratch/$scene/errors.png" ] || cp "$scratch/$scene/errors.png" "$out/$scene/"
 done

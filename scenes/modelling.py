@@ -1,4 +1,4 @@
-"""What the scripts that make the data of the shipped scenes share: models of triangles, and files.
+"""Shared by the scripts that make the data of the shipped scenes: models of triangles, and files.
 
 Debian packages: python3, python3-numpy.  Lengths in metres, z up unless a scene says otherwise.  The same bytes on every
 machine: random numbers are those of random.Random.random(), and what sines and roots are in goes through tidy().
@@ -24,7 +24,7 @@ def tidy(values, per_unit=10000):
 
 
 def number(value, per_unit=10000):
-    """As text, with no more digits than it has."""
+    """Text with no more digits than necessary."""
     return f"{tidy(value, per_unit):.10g}"
 
 
@@ -57,7 +57,7 @@ class Mesh:
 
 
 class Model:
-    """A mesh for each diffuse surface.  What is added is placed by the frames of `placed` that are open."""
+    """A mesh for each diffuse surface.  The open frames of `placed` place everything that is added."""
 
     def __init__(self, reflectances):
         self.reflectances = reflectances
@@ -66,7 +66,7 @@ class Model:
 
     @contextlib.contextmanager
     def placed(self, at=(0, 0, 0), turn=0.0, lean=0.0):
-        """Leant about x by `lean` degrees, turned about z by `turn`, then shifted to `at`."""
+        """Rotates about x by `lean` degrees, about z by `turn`, then shifts to `at`."""
         before = self.turn, self.shift
         c, s = math.cos(math.radians(turn)), math.sin(math.radians(turn))
         k, t = math.cos(math.radians(lean)), math.sin(math.radians(lean))
@@ -107,7 +107,7 @@ class Model:
         self.add(surface, points, np.stack([a, b, c, a, c, d], 1))
 
     def lathe(self, surface, profile, sides=24, at=(0, 0, 0)):
-        """What a line of (radius, height) sweeps about the vertical through `at`; ends of radius 0 close it."""
+        """Rotates a line of (radius, height) about the vertical through `at`; ends of radius 0 close it."""
         angles = np.arange(sides) * (2 * math.pi / sides)
         ring = np.stack([np.cos(angles), np.sin(angles), np.zeros(sides)], 1)
         rows = [ring * (r, r, 0) + np.asarray(at) + (0, 0, z) for r, z in profile]
@@ -115,7 +115,7 @@ class Model:
         for row, ((r, _), (s, _)) in enumerate(zip(profile, profile[1:])):
             for i in range(sides):
                 a, b = row * sides + i, row * sides + (i + 1) % sides
-                # A triangle where one end is on the axis.
+                # A triangle if one end is on the axis.
                 faces += ([(a, b, b + sides)] if r > 0 else []) + ([(a, b + sides, a + sides)] if s > 0 else [])
         self.add(surface, np.concatenate(rows), faces)
 
@@ -126,7 +126,7 @@ class Model:
         self.lathe(surface, profile, sides, centre)
 
     def rod(self, surface, a, b, radius, sides=8, end_radius=None):
-        """A cylinder, or where its end has another radius a cone's frustum, with its ends."""
+        """A closed cylinder, or a frustum of a cone if its end has another radius."""
         a, b = np.asarray(a, float), np.asarray(b, float)
         axis = (b - a) / np.linalg.norm(b - a)
         across = np.cross(axis, (0, 0, 1) if abs(axis[2]) < 0.9 else (1, 0, 0))
@@ -151,13 +151,13 @@ class Model:
 
 
 def csv(receivers):
-    """What `lucerna irradiance --points` reads, of rows x, y, z, nx, ny, nz."""
+    """A file for `lucerna irradiance --points`, from rows x, y, z, nx, ny, nz."""
     text = "# x, y, z [m], normal\n"
     return (text + "".join(",".join(number(v) for v in row) + "\n" for row in receivers)).encode()
 
 
 def png(pixels):
-    """Of bytes, rows by columns or by 3.  Not compressed, as compressors' versions differ."""
+    """From bytes, rows by columns or by 3.  Not compressed, since versions of compressors differ."""
     h, w = pixels.shape[:2]
     raw = b"".join(b"\0" + row.tobytes() for row in np.ascontiguousarray(pixels, np.uint8))
     blocks = [raw[i : i + 65535] for i in range(0, len(raw), 65535)]
@@ -199,7 +199,7 @@ def ies(name, lumens, intensity, vertical, horizontal=(0,), size=(0, 0, 0)):
 
 
 def flux(candela, vertical, horizontal):
-    """Of intensities that are linear between the angles, by the midpoint rule in steps of 0.05 degrees."""
+    """Flux of intensities that are linear between the angles, by the midpoint rule in steps of 0.05 degrees."""
     step = 0.05
     v = np.arange(vertical[0] + step / 2, vertical[-1], step)
     planes = [np.interp(v, vertical, row) for row in candela]
@@ -212,7 +212,7 @@ def flux(candela, vertical, horizontal):
 
 
 def main(script, make):
-    """Writes what `make()` returns, contents by file name, beside the script; with --check only compares."""
+    """Writes the files that `make()` returns (contents by name) beside the script; --check only compares."""
     parser = argparse.ArgumentParser(description=sys.modules["__main__"].__doc__.splitlines()[0])
     parser.add_argument("--check", action="store_true", help="say which files are not what this makes")
     check = parser.parse_args().check

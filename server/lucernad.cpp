@@ -7,9 +7,12 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <csignal>
+#include <cstdint>
 #include <cstdio>
 #include <exception>
 #include <future>
+#include <optional>
+#include <string>
 #include <thread>
 
 #include "server/rpc/server.h"
@@ -19,10 +22,10 @@ namespace {
 // Ends the thread that waits for signals.
 constexpr int kWake = SIGUSR1;
 
-/// Signals are waited for on a thread of its own; nothing runs in a signal handler.
+/// Waits for signals on a thread of its own.  Nothing runs in a signal handler.
 class Signals {
  public:
-  /// To be made before any other thread, which then inherits the mask.
+  /// Construct it before any other thread: threads inherit the mask.
   Signals() {
     std::signal(SIGPIPE, SIG_IGN);
     sigemptyset(&set_);
@@ -35,7 +38,7 @@ class Signals {
         spdlog::info("got {}", signal == SIGTERM ? "SIGTERM" : "SIGINT");
       }
       stop_.request_stop();
-      told_.set_value();
+      signalled_.set_value();
     });
   }
   ~Signals() {
@@ -46,94 +49,145 @@ class Signals {
   Signals& operator=(const Signals&) = delete;
 
   std::stop_token stop() const { return stop_.get_token(); }
-  /// Returns when the process was told to end.
-  void wait() { told_.get_future().wait(); }
+  /// Returns after SIGTERM or SIGINT.
+  void wait() { signalled_.get_future().wait(); }
 
  private:
   sigset_t set_{};
   std::stop_source stop_;
-  std::promise<void> told_;
+  std::promise<void> signalled_;
   std::thread thread_;
 };
+
+/// Bytes for people: "8.0 GiB".
+std::string describe_bytes(std::uint64_t bytes) {
+  constexpr const char* kUnits[] = {"bytes", "KiB", "MiB", "GiB", "TiB"};
+  if (bytes < 1024) return fmt::format("{} bytes", bytes);
+  auto value = static_cast<double>(bytes);
+  int unit = 0;
+  for (; value >= 1024 && unit < 4; ++unit) value /= 1024;
+  return fmt::format("{:.1f} {}", value, kUnits[unit]);
+}
+
+void log_start(const lucerna::rpc::ServerOptions& options, const lucerna::rpc::Server& server) {
+  const lucerna::rpc::ServerSummary serves = server.summary();
+  const std::uint64_t budget = options.scenes.memory_budget_bytes;
+  spdlog::info("lucernad {} listens on {}", options.version, server.address());
+  spdlog::info("scene root {}: {} scene files{}, {} scenes loaded", serves.root,
+               serves.available_scenes, serves.listing_is_incomplete ? " or more" : "",
+               serves.loaded_scenes);
+  spdlog::info("{} threads, memory budget {}", serves.threads,
+               budget > 0 ? describe_bytes(budget) : "without limit");
+}
 
 int serve(const lucerna::rpc::ServerOptions& options, std::chrono::seconds drain_time) {
   Signals signals;
   const auto server = lucerna::rpc::Server::start(options, signals.stop());
   if (!server.ok()) {
-    // Told to end before it began: that is no failure.
+    // A signal that comes before the server serves is no failure.
     if (signals.stop().stop_requested()) return 0;
     fmt::print(stderr, "lucernad: {}\n", std::string(server.status().message()));
     return 1;
   }
+  log_start(options, **server);
   fmt::print("listening on {}\n", (*server)->address());
   std::fflush(stdout);
   signals.wait();
   spdlog::info("draining for at most {} s", drain_time.count());
   (*server)->drain(drain_time);
+  spdlog::info("ended");
   return 0;
 }
 
-int run(int argc, char** argv) {
-  lucerna::rpc::ServerOptions options;
-  options.version = LUCERNA_VERSION;
-  int drain_seconds = 30;
-
-  CLI::App app("Lucerna's server: answers questions about the light in scenes, over gRPC.");
-  app.set_version_flag("--version", "lucernad " LUCERNA_VERSION);
-  app.option_defaults()->always_capture_default();
-  app.footer("Example:\n  lucernad --scene-root scenes --load room.pbrt");
-  app.add_option("--listen", options.listen, "Where to listen; port 0: a free one")
-      ->type_name("HOST:PORT");
-  app.add_option("--scene-root", options.scenes.root, "The directory that scenes are loaded from")
-      ->type_name("DIR");
-  app.add_option("--load", options.load, "Load this scene before serving; may be repeated")
-      ->type_name("PATH")
-      ->expected(1)
-      ->take_all();
-  app.add_option("--threads", options.lanes.threads, "Compute threads; 0: one for each processor")
-      ->check(CLI::Range(0, 1024));
-  app.add_option("--isa", options.scenes.isa, "Pin the kernels: sse2, sse4.2, avx, avx2 or avx512");
-  app.add_option("--max-batch-items", options.limits.max_batch_items, "Items of one batch")
-      ->check(CLI::Range(1024U, 1U << 24));
-  app.add_option("--max-tile-pixels", options.limits.max_tile_pixels, "Pixels of one tile")
-      ->check(CLI::Range(1U, 1U << 26));
-  app.add_option("--max-samples", options.limits.max_samples,
-                 "Samples for each pixel or item of one request")
-      ->check(CLI::Range(1U, 1U << 30));
-  app.add_option("--max-message-bytes", options.limits.max_message_bytes, "Bytes of one message")
-      ->check(CLI::Range(std::uint64_t{1} << 20, std::uint64_t{2147483647}));
-  app.add_option("--memory-budget", options.scenes.memory_budget_bytes,
-                 "Memory of all scenes, as 8GiB; 0: no limit.  To make room, scenes that nobody "
-                 "leases go, the longest unused first")
-      ->transform(CLI::AsSizeValue(false))
-      ->type_name("BYTES");
-  app.add_option("--max-lease", options.scenes.max_lease_s, "The longest lease of a scene [s]")
-      ->check(CLI::Range(1.0, 1e9));
-  app.add_option("--asset-dir", options.assets.directory,
-                 "Where uploaded files are kept, for the next start too; default: a temporary "
-                 "directory")
-      ->type_name("DIR");
-  app.add_option("--asset-budget", options.assets.budget_bytes,
-                 "Disk space of uploaded files; the longest unneeded go first")
-      ->transform(CLI::AsSizeValue(false))
-      ->type_name("BYTES");
-  app.add_option("--max-asset-bytes", options.assets.max_asset_bytes, "Size of one uploaded file")
-      ->transform(CLI::AsSizeValue(false))
-      ->type_name("BYTES");
-  app.add_option("--interactive-queue", options.lanes.interactive_queue,
-                 "Small queries that may wait")
-      ->check(CLI::Range(1U, 1U << 20));
-  app.add_option("--bulk-queue", options.lanes.bulk_queue, "Renders and loads that may wait")
-      ->check(CLI::Range(1U, 1U << 20));
-  app.add_option("--drain-seconds", drain_seconds, "How long calls may run on after SIGTERM")
-      ->check(CLI::Range(0, 86400));
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? 0 : 2;
+/// The command line.  Few types of options, as each costs a second to compile.
+class Arguments {
+ public:
+  Arguments() : app_("Lucerna's server: answers questions about the light in scenes, over gRPC.") {
+    app_.set_version_flag("--version", "lucernad " LUCERNA_VERSION);
+    app_.option_defaults()->always_capture_default();
+    app_.footer("Example:\n  lucernad --scene-root scenes --load room.pbrt");
+    add("--listen", options_.listen, "HOST:PORT", "Where to listen; port 0: a free port");
+    add("--scene-root", options_.scenes.root, "DIR", "The directory that scenes are loaded from");
+    app_.add_option("--load", options_.load, "Load this scene before serving; may be repeated")
+        ->type_name("PATH")
+        ->expected(1)
+        ->take_all();
+    add("--threads", threads_, 0, 1024, "Compute threads; 0: one for each processor");
+    add("--isa", options_.scenes.isa, "TEXT", "Pin the kernels: sse2, sse4.2, avx, avx2 or avx512");
+    add("--max-batch-items", batch_items_, 1024, 1U << 24, "Items of one batch");
+    add("--max-tile-pixels", tile_pixels_, 1, 1U << 26, "Pixels of one tile");
+    add("--max-samples", samples_, 1, 1U << 30, "Samples for each pixel or item of one request");
+    add("--max-message-bytes", options_.limits.max_message_bytes, 1U << 20, 2147483647,
+        "Bytes of one message");
+    add_size("--memory-budget", options_.scenes.memory_budget_bytes,
+             "Memory of all scenes, such as 8GiB; 0: no limit.  Least recently used scenes without "
+             "a lease are unloaded first");
+    app_.add_option("--max-lease", options_.scenes.max_lease_s, "The longest lease of a scene [s]")
+        ->check(CLI::Range(1.0, 1e9));
+    add("--asset-dir", options_.assets.directory, "DIR",
+        "Where uploaded files are kept, for the next start too; default: a temporary directory");
+    add_size("--asset-budget", options_.assets.budget_bytes,
+             "Disk space of uploaded files.  Least recently used files are deleted first");
+    add_size("--max-asset-bytes", options_.assets.max_asset_bytes, "Size of one uploaded file");
+    add("--interactive-queue", interactive_queue_, 1, 1U << 20, "Small queries that may wait");
+    add("--bulk-queue", bulk_queue_, 1, 1U << 20, "Renders and loads that may wait");
+    add("--drain-seconds", drain_seconds_, 0, 86400, "How long calls may run on after SIGTERM");
   }
+
+  /// Nothing if the program should serve; else its exit code.
+  std::optional<int> parse(int argc, char** argv) {
+    try {
+      app_.parse(argc, argv);
+    } catch (const CLI::ParseError& e) {
+      if (e.get_exit_code() == 0) return app_.exit(e);  // --help, --version
+      fmt::print(stderr, "lucernad: {}\nlucernad --help lists the options\n", e.what());
+      return 2;
+    }
+    return std::nullopt;
+  }
+
+  lucerna::rpc::ServerOptions options() const {
+    lucerna::rpc::ServerOptions options = options_;
+    options.version = LUCERNA_VERSION;
+    options.lanes.threads = static_cast<int>(threads_);
+    options.lanes.interactive_queue = static_cast<std::uint32_t>(interactive_queue_);
+    options.lanes.bulk_queue = static_cast<std::uint32_t>(bulk_queue_);
+    options.limits.max_batch_items = static_cast<std::uint32_t>(batch_items_);
+    options.limits.max_tile_pixels = static_cast<std::uint32_t>(tile_pixels_);
+    options.limits.max_samples = static_cast<std::uint32_t>(samples_);
+    return options;
+  }
+  std::chrono::seconds drain_time() const { return std::chrono::seconds(drain_seconds_); }
+
+ private:
+  void add(const char* name, std::string& value, const char* type, const char* help) {
+    app_.add_option(name, value, help)->type_name(type);
+  }
+  void add(const char* name, std::uint64_t& value, std::uint64_t least, std::uint64_t most,
+           const char* help) {
+    app_.add_option(name, value, help)->check(CLI::Range(least, most));
+  }
+  void add_size(const char* name, std::uint64_t& value, const char* help) {
+    app_.add_option(name, value, help)->transform(CLI::AsSizeValue(false))->type_name("BYTES");
+  }
+
+  CLI::App app_;
+  lucerna::rpc::ServerOptions options_;
+  std::uint64_t threads_ = 0, drain_seconds_ = 30;
+  std::uint64_t batch_items_ = options_.limits.max_batch_items;
+  std::uint64_t tile_pixels_ = options_.limits.max_tile_pixels;
+  std::uint64_t samples_ = options_.limits.max_samples;
+  std::uint64_t interactive_queue_ = options_.lanes.interactive_queue;
+  std::uint64_t bulk_queue_ = options_.lanes.bulk_queue;
+};
+
+int run(int argc, char** argv) {
+  Arguments arguments;
+  if (const std::optional<int> code = arguments.parse(argc, argv)) return *code;
   spdlog::set_default_logger(spdlog::stderr_logger_mt("lucernad"));
-  return serve(options, std::chrono::seconds(drain_seconds));
+  // ISO 8601 with the zone's offset, and the level.
+  spdlog::set_pattern("%Y-%m-%dT%H:%M:%S.%e%z [%l] %v");
+  return serve(arguments.options(), arguments.drain_time());
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Tables of tests/data/extremes: numbers worked out in 60 digits and written in 30.
+// Tables of tests/data/extremes: numbers computed with 60 digits and stored with 30.
 #pragma once
 
 #include <cstddef>
@@ -17,7 +17,7 @@ class ReferenceTable {
    public:
     Row(const std::map<std::string, std::size_t>& columns, std::vector<std::string> words)
         : columns_(columns), words_(std::move(words)) {}
-    /// The double nearest to what the column holds.  Throws where there is no such column.
+    /// The double nearest to the value in the column.  Throws if there is no such column.
     double operator[](const std::string& column) const { return std::stod(text(column)); }
     const std::string& text(const std::string& column) const {
       return words_.at(columns_.at(column));
@@ -28,8 +28,9 @@ class ReferenceTable {
     std::vector<std::string> words_;
   };
 
-  /// Reads tests/data/extremes/`name`.txt: lines that begin with # say what it is, the first other
-  /// names the columns.  Throws where it is not there or a line is too short.
+  /// Reads tests/data/extremes/`name`.txt.  Lines that begin with # are comments; the first other
+  /// line names the columns.  Throws if the file does not exist or a line has a wrong number of
+  /// words.
   explicit ReferenceTable(const std::string& name) {
     const std::string path = std::string(LUCERNA_TEST_DATA) + "/extremes/" + name + ".txt";
     std::ifstream file(path);

@@ -1,5 +1,5 @@
-// A line of docs/extremes.md: what a sweep over extreme inputs found.  A test makes one, fills it
-// and ends with expect_within or expect_answers; tests/extremes_page.py reads the lines from
+// A line of docs/extremes.md: the result of a sweep over extreme inputs.  A test creates one, fills
+// it, and ends with expect_within or expect_answers.  tests/extremes_page.py reads the lines from
 // GoogleTest's report.
 #pragma once
 
@@ -21,8 +21,7 @@ namespace lucerna::testing {
 /// The type that the server computes light in.
 using Served = double;
 
-/// |value - truth| / |truth|; infinite where the value is none, or the truth is 0 and the value is
-/// not.
+/// |value - truth| / |truth|.  Infinite if the value is NaN, or if only the truth is 0.
 inline double relative_error(double value, double truth) {
   if (value == truth) return 0;
   const double error = std::fabs(value - truth) / std::fabs(truth);
@@ -31,11 +30,12 @@ inline double relative_error(double value, double truth) {
 
 class Sweep {
  public:
-  /// `row` of the page; the `input`; which magnitudes are `swept`; the `figure` that is compared.
+  /// `row` of the page; the `input`; the `swept` magnitudes; the `figure` that is compared.
   Sweep(int row, std::string input, std::string swept, std::string figure)
       : row_(row), input_(std::move(input)), swept_(std::move(swept)), figure_(std::move(figure)) {}
 
-  /// What is served against a reference; `at` says where in the sweep, for the message.
+  /// Compares a served value with a reference; `at` names the position in the sweep for the
+  /// message.
   void compare(double served, double truth, const std::string& at) {
     ++cases_;
     const double error = relative_error(served, truth);
@@ -43,7 +43,7 @@ class Sweep {
     worst_ = error;
     worst_at_ = at;
   }
-  /// What the formula of the textbooks makes of the same in floats.
+  /// Compares the value of the textbook's formula in floats.
   void compare_textbook(double value, double truth) {
     if (std::isnan(value)) {
       textbook_answer("not a number");
@@ -52,7 +52,7 @@ class Sweep {
     }
   }
 
-  /// An answer in words: a typed reason, a refusal.
+  /// Records an answer in words: a typed reason or an error.
   void answer(const std::string& words) {
     ++cases_;
     answers_.insert(words);
@@ -60,7 +60,7 @@ class Sweep {
   void answer(NoLight reason) { answer(name_of(reason)); }
   void textbook_answer(const std::string& words) { textbook_answers_.insert(words); }
 
-  /// Holds the worst relative error to `allowed`.
+  /// Expects the worst relative error to be at most `allowed`.
   void expect_within(double allowed) {
     EXPECT_GT(cases_, 0);
     EXPECT_LE(worst_, allowed) << figure_ << " at " << worst_at_;
@@ -68,14 +68,14 @@ class Sweep {
     ::testing::Test::RecordProperty("allowed", number(allowed));
     record();
   }
-  /// Holds all answers to the one that is `expected`.
+  /// Expects all answers to be `expected`.
   void expect_answers(const std::string& expected) {
     EXPECT_EQ(answers_, std::set<std::string>{expected}) << figure_;
     record();
   }
   void expect_answers(NoLight expected) { expect_answers(name_of(expected)); }
 
-  /// Holds how many of `of` cases are wrong to none; `left_out` had no right answer.
+  /// Expects that none of `of` cases is wrong; `left_out` of them had no right answer.
   void expect_none(std::int64_t wrong, std::int64_t of, std::int64_t left_out) {
     EXPECT_EQ(wrong, 0) << figure_;
     EXPECT_GT(of, left_out);
@@ -112,7 +112,7 @@ class Sweep {
     std::snprintf(text, sizeof text, "%.17g", value);
     return text;
   }
-  /// One digit: the last ones of a count depend on the processor's libm.
+  /// One digit, since the last digits of a count depend on the processor's libm.
   static std::string count(std::int64_t n) {
     char text[32];
     std::snprintf(text, sizeof text, "%.0e", static_cast<double>(n));

@@ -1,4 +1,4 @@
-// A directory of a test's own.
+// A temporary directory for a test.
 #pragma once
 
 #include <unistd.h>
@@ -9,7 +9,7 @@
 
 namespace lucerna {
 
-/// Empty at first, gone with the object.
+/// Empty at first; the destructor deletes it.
 class TempDirectory {
  public:
   TempDirectory() {

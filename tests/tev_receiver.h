@@ -1,10 +1,10 @@
-// Stands in for the viewer tev: reads its protocol from a socket on loopback and checks every byte.
+// A stand-in for the viewer tev: reads its protocol from a loopback socket and checks every byte.
 //
-// The protocol, of tev's README and src/Ipc.cpp: uint32 length of all of the packet, byte kind,
-// then for kind 4 (CreateImage) byte focus, name\0, int32 width, height, number of channels, their
-// names\0; for kind 6 (UpdateImage, third version) byte focus, name\0, int32 number of channels,
-// their names\0, int32 x, y, width, height, int64 offset of each channel, int64 stride of each,
-// floats.  All little-endian.
+// The protocol is described in tev's README and src/Ipc.cpp: uint32 length of the whole packet,
+// byte kind.  Kind 4 (CreateImage) continues with byte focus, name\0, int32 width, height, number
+// of channels, their names\0.  Kind 6 (UpdateImage, third version) continues with byte focus,
+// name\0, int32 number of channels, their names\0, int32 x, y, width, height, int64 offset of each
+// channel, int64 stride of each, floats.  All numbers are little-endian.
 #pragma once
 
 #include <arpa/inet.h>
@@ -32,14 +32,14 @@ class TevReceiver {
  public:
   struct Image {
     std::int32_t width = 0, height = 0;
-    std::vector<float> rgb;  ///< as of client::Picture
+    std::vector<float> rgb;  ///< the layout of client::Picture
     std::size_t updates = 0;
   };
   struct Options {
     int port = 0;  ///< 0: any
-    /// Closes its first connection when it has read so many bytes of it; 0: does not.
+    /// Closes its first connection after reading this many bytes; 0: never.
     std::size_t close_after = 0;
-    /// Reads nothing until read_on().
+    /// Waits for read_on() before it reads.
     bool asleep = false;
   };
 
@@ -77,7 +77,7 @@ class TevReceiver {
   void read_on() { asleep_ = false; }
 
   std::size_t connections() const { return connections_; }
-  /// All that came over connections that were not closed here.
+  /// All bytes from connections that this side did not close.
   std::string bytes() const {
     const std::lock_guard lock(mutex_);
     return bytes_;
@@ -86,14 +86,14 @@ class TevReceiver {
     const std::lock_guard lock(mutex_);
     return images_;
   }
-  /// What was wrong with packets.
+  /// Errors in packets.
   std::vector<std::string> faults() const {
     const std::lock_guard lock(mutex_);
     return faults_;
   }
-  /// False where it does not come true in half a minute.
+  /// Returns false if the condition is still false after half a minute.
   static bool wait_for(const std::function<bool()>& condition) {
-    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+    const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(10);
     while (!condition()) {
       if (std::chrono::steady_clock::now() > end) return false;
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
@@ -102,7 +102,7 @@ class TevReceiver {
   }
 
  private:
-  /// What is left of a packet.
+  /// The unread rest of a packet.
   struct Reader {
     const std::string& bytes;
     std::size_t at = 0;
@@ -239,7 +239,7 @@ class TevReceiver {
     std::vector<float> data((reader.bytes.size() - reader.at) / sizeof(float));
     for (float& value : data) value = reader.number<float>();
     reader.end();
-    // Exactly as much as the last of all channels needs.
+    // The number of floats that the last channel needs.
     const std::int64_t pixels = std::int64_t{width} * height;
     std::int64_t needed = 0;
     for (int c = 0; c < 3; ++c)

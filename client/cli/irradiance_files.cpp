@@ -15,7 +15,7 @@
 
 #include "client/cli/irradiance_output.h"
 #include "client/files/npy_file.h"
-#include "client/files/vector_file.h"
+#include "client/files/open_vectors.h"
 #include "client/jobs/irradiance_job.h"
 #include "client/terminal/certainty.h"
 #include "client/terminal/output.h"

@@ -1,44 +1,17 @@
 // lucerna: queries lucernad from the command line.
 #include <fmt/core.h>
-#include <pthread.h>
-#include <signal.h>
-#include <unistd.h>
 
-#include <atomic>
 #include <cstdio>
 #include <exception>
-#include <stop_token>
-#include <thread>
 
 #include "client/terminal/program.h"
 #include "client/terminal/session.h"
+#include "client/terminal/signals.h"
 
 namespace {
 
-std::atomic<int> interrupted_by = 0;
-
-/// SIGINT and SIGTERM end the running call, so that no half-written file stays.  A second signal
-/// ends the program at once.  To be called before other threads start.
-std::stop_token stop_on_signals() {
-  static std::stop_source source;
-  static sigset_t signals;
-  sigemptyset(&signals);
-  sigaddset(&signals, SIGINT);
-  sigaddset(&signals, SIGTERM);
-  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
-  std::thread([] {
-    int signal = 0;
-    sigwait(&signals, &signal);
-    interrupted_by = signal;
-    source.request_stop();
-    sigwait(&signals, &signal);
-    _exit(lucerna::cli::kSignal + signal);
-  }).detach();
-  return source.get_token();
-}
-
 int run(int argc, char** argv) {
-  lucerna::cli::Session session(stop_on_signals(), interrupted_by);
+  lucerna::cli::Session session(lucerna::cli::stop_on_signals(), lucerna::cli::first_signal());
   CLI::App app(
       "Queries a lighting server, lucernad.\n"
       "A SCENE is a path under the scene root of the server, the id of a loaded scene, or the "
@@ -60,7 +33,13 @@ int run(int argc, char** argv) {
   lucerna::cli::add_emission_commands(app, session);
   lucerna::cli::add_receiver_commands(app, session);
   lucerna::cli::add_render_command(app, session);
-  lucerna::cli::add_tradeoff_command(app, session, LUCERNA_VERSION);
+  lucerna::cli::add_tradeoff_command(app);
+  try {
+    lucerna::cli::start_tradeoff(app, argc, argv);
+  } catch (const lucerna::cli::CommandError& error) {
+    fmt::print(stderr, "lucerna: {}\n", error.what());
+    return error.status();
+  }
   return lucerna::cli::run_program(app, session, argc, argv);
 }
 

@@ -8,6 +8,8 @@
 #include <fstream>
 #include <utility>
 
+#include "proto/common/status_macros.h"
+
 namespace lucerna::client {
 namespace {
 
@@ -32,17 +34,17 @@ class CsvFile final : public VectorFile {
     if (!in_) return absl::InvalidArgumentError(path_ + ": cannot be read");
     std::error_code error;
     if (!std::filesystem::is_regular_file(path_, error))
-      return absl::InvalidArgumentError(path_ + ": is no file that can be read again");
+      return absl::InvalidArgumentError(path_ +
+                                        ": is not a regular file, so it cannot be read twice");
     for (;;) {
       if (rows_ % kRowsPerMark == 0) marks_.push_back(reader_.place());
-      const auto any = reader_.skip();
-      if (!any.ok()) return any.status();
-      if (!*any) break;
+      LUCERNA_ASSIGN_OR_RETURN(const auto any, reader_.skip());
+      if (!any) break;
       ++rows_;
     }
     columns_ = reader_.columns();
     next_ = rows_;
-    // The number of columns too: all rows have the first one's.
+    // Checks the number of columns too: all rows have that of the first.
     reader_.seek(marks_.front());
     next_ = rows_ > 0 ? 1 : 0;
     return reader_.next().status();
@@ -55,15 +57,14 @@ class CsvFile final : public VectorFile {
     if (first != next_) {
       reader_.seek(marks_[first / kRowsPerMark]);
       for (next_ = first - first % kRowsPerMark; next_ < first; ++next_) {
-        if (const auto any = reader_.skip(); !any.ok()) return any.status();
+        LUCERNA_RETURN_IF_ERROR(reader_.skip().status());
       }
     }
     for (auto to = values.begin(); to != values.end(); to += static_cast<long>(columns_)) {
-      const auto row = reader_.next();
-      if (!row.ok()) return row.status();
-      if (*row == nullptr || (*row)->size() != columns_)
-        return absl::InvalidArgumentError(path_ + ": is shorter than it was");
-      std::copy((*row)->begin(), (*row)->end(), to);
+      LUCERNA_ASSIGN_OR_RETURN(const auto row, reader_.next());
+      if (row == nullptr || row->size() != columns_)
+        return absl::InvalidArgumentError(path_ + ": became shorter while it was read");
+      std::copy(row->begin(), row->end(), to);
       ++next_;
     }
     return absl::OkStatus();
@@ -75,7 +76,7 @@ class CsvFile final : public VectorFile {
   CsvReader reader_;
   std::vector<CsvReader::Place> marks_;
   std::uint64_t rows_ = 0;
-  std::uint64_t next_ = 0;  // the row that the reader is at
+  std::uint64_t next_ = 0;  // the reader's next row
   std::size_t columns_ = 0;
 };
 
@@ -160,9 +161,8 @@ absl::StatusOr<bool> CsvReader::next_fields() {
 absl::StatusOr<bool> CsvReader::skip() { return next_fields(); }
 
 absl::StatusOr<const std::vector<double>*> CsvReader::next() {
-  const auto any = next_fields();
-  if (!any.ok()) return any.status();
-  if (!*any) return nullptr;
+  LUCERNA_ASSIGN_OR_RETURN(const auto any, next_fields());
+  if (!any) return nullptr;
   if (absl::Status s = parse_fields(fields_, numbers_); !s.ok())
     return at_line(std::string(s.message()));
   return &numbers_;
@@ -170,7 +170,7 @@ absl::StatusOr<const std::vector<double>*> CsvReader::next() {
 
 absl::StatusOr<std::unique_ptr<VectorFile>> open_csv(const std::string& path) {
   auto file = std::make_unique<CsvFile>(path);
-  if (absl::Status s = file->open(); !s.ok()) return s;
+  LUCERNA_RETURN_IF_ERROR(file->open());
   return file;
 }
 

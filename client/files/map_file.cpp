@@ -11,6 +11,8 @@
 #include <string_view>
 #include <utility>
 
+#include "proto/common/status_macros.h"
+
 namespace lucerna::client {
 namespace {
 
@@ -29,12 +31,12 @@ struct Triple {
   std::array<int, 3> channels{};
 };
 
-/// What the parts of a file have.
+/// The channels of the parts of a file.
 class Channels {
  public:
   explicit Channels(std::vector<OIIO::ImageSpec> parts) : parts_(std::move(parts)) {}
 
-  /// x, y and z of the layer, or where it is empty those that belong to none.
+  /// x, y and z of the layer; of no layer if its name is empty.
   std::optional<Triple> find(const std::string& layer) const {
     for (const std::string_view names : {"xyz", "rgb"}) {
       for (std::size_t part = 0; part < parts_.size(); ++part) {
@@ -66,7 +68,7 @@ class Channels {
   const OIIO::ImageSpec& part(const Triple& triple) const { return parts_[triple.part]; }
 
  private:
-  /// -1 where there is none.
+  /// -1 if there is none.
   static int index(const OIIO::ImageSpec& part, const std::string& layer, char name) {
     const std::string wanted = layer.empty() ? std::string(1, name) : layer + "." + name;
     const std::string within = '.' + wanted;
@@ -93,7 +95,7 @@ class MapFile final : public VectorFile {
   absl::Status open(VectorKind kind) {
     const auto file = OIIO::ImageInput::open(path_);
     if (!file) return bad(OIIO::geterror());
-    if (std::string_view(file->format_name()) != "openexr") return bad("is no OpenEXR file");
+    if (std::string_view(file->format_name()) != "openexr") return bad("is not an OpenEXR file");
     std::vector<OIIO::ImageSpec> parts;
     while (file->seek_subimage(static_cast<int>(parts.size()), 0)) {
       parts.push_back(file->spec());
@@ -149,7 +151,7 @@ class MapFile final : public VectorFile {
       const std::uint64_t stop = std::min(end, (texel / width + 1) * width);
       const std::size_t count = stop - texel;
       for (std::size_t t = 0; t < triples_.size(); ++t) {
-        if (absl::Status s = read(triples_[t], texel, count, to + 3 * t); !s.ok()) return s;
+        LUCERNA_RETURN_IF_ERROR(read(triples_[t], texel, count, to + 3 * t));
       }
       to += count * columns();
       texel = stop;
@@ -210,7 +212,7 @@ class Writer final : public MapWriter {
 
 absl::StatusOr<std::unique_ptr<VectorFile>> open_map(const std::string& path, VectorKind kind) {
   auto file = std::make_unique<MapFile>(path);
-  if (absl::Status s = file->open(kind); !s.ok()) return s;
+  LUCERNA_RETURN_IF_ERROR(file->open(kind));
   return file;
 }
 

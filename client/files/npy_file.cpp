@@ -14,13 +14,15 @@
 #include <utility>
 #include <vector>
 
+#include "proto/common/status_macros.h"
+
 namespace lucerna::client {
 namespace {
 
 static_assert(std::endian::native == std::endian::little);
 
 constexpr std::string_view kMagic("\x93NUMPY", 6);
-constexpr std::size_t kMostHeaderBytes = 1 << 16;  // those of such arrays have about a hundred
+constexpr std::size_t kMostHeaderBytes = 1 << 16;  // such arrays need about a hundred
 
 struct Header {
   std::string descr;
@@ -28,12 +30,12 @@ struct Header {
   std::vector<std::uint64_t> shape;
 };
 
-/// Reads the literal of a dictionary as numpy writes it.
+/// Parses the dictionary literal in the form that numpy writes.
 class Literal {
  public:
   explicit Literal(std::string_view text) : rest_(text) {}
 
-  /// Nothing where it is no such dictionary.
+  /// The header; nothing if the text is not such a dictionary.
   std::optional<Header> header() {
     Header result;
     unsigned seen = 0;
@@ -90,7 +92,7 @@ class Literal {
     }
     return false;
   }
-  /// Of a structured array it is a list, which is told as it stands.
+  /// A structured array has a list here, which is kept as text.
   bool descr(std::string& to) {
     if (!next_is('[')) return string(to);
     const std::size_t end = rest_.rfind(']');
@@ -129,9 +131,9 @@ class NpyFile final : public VectorFile {
     const std::uint64_t bytes = std::filesystem::file_size(path_, error);
     if (!in_ || error) return bad("cannot be read");
     std::string text;
-    if (absl::Status s = read_header(text); !s.ok()) return s;
+    LUCERNA_RETURN_IF_ERROR(read_header(text));
     const std::optional<Header> header = Literal(text).header();
-    if (!header) return bad("has a header that is none of numpy's: " + text);
+    if (!header) return bad("has no valid NumPy header: " + text);
     if (header->descr != "<f4" && header->descr != "<f8")
       return bad(
           fmt::format("descr = {}, allowed: <f4 or <f8, little-endian floats", header->descr));
@@ -162,7 +164,7 @@ class NpyFile final : public VectorFile {
     in_.read(
         wide_ ? reinterpret_cast<char*>(values.data()) : reinterpret_cast<char*>(narrow_.data()),
         static_cast<std::streamsize>(bytes));
-    if (!in_) return bad("is shorter than it was");
+    if (!in_) return bad("became shorter while it was read");
     if (!wide_) std::copy(narrow_.begin(), narrow_.end(), values.begin());
     return absl::OkStatus();
   }
@@ -177,7 +179,7 @@ class NpyFile final : public VectorFile {
     std::array<char, 8> magic{};
     in_.read(magic.data(), magic.size());
     if (!in_ || std::string_view(magic.data(), kMagic.size()) != kMagic)
-      return bad("is no NPY file");
+      return bad("is not an NPY file");
     const int version = magic[6];
     if (version < 1 || version > 3)
       return bad(fmt::format("is of version {}, allowed: 1 to 3", version));
@@ -201,7 +203,7 @@ class NpyFile final : public VectorFile {
 
 absl::StatusOr<std::unique_ptr<VectorFile>> open_npy(const std::string& path) {
   auto file = std::make_unique<NpyFile>(path);
-  if (absl::Status s = file->open(); !s.ok()) return s;
+  LUCERNA_RETURN_IF_ERROR(file->open());
   return file;
 }
 
@@ -209,7 +211,7 @@ std::string npy_header(std::uint64_t rows, std::size_t columns) {
   constexpr std::size_t kBefore = 10, kAlignment = 64;
   std::string text =
       fmt::format("{{'descr': '<f4', 'fortran_order': False, 'shape': ({}, {}), }}", rows, columns);
-  // Spaces, so that the numbers begin at a multiple of 64, and a new line.
+  // Padding: the numbers begin at a multiple of 64, after a new line.
   const std::size_t used = kBefore + text.size() + 1;
   text += std::string((kAlignment - used % kAlignment) % kAlignment, ' ') + "\n";
   const auto length = static_cast<std::uint16_t>(text.size());

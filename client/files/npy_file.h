@@ -1,4 +1,4 @@
-// NumPy's files of one array: a header that is a Python literal, then the numbers.  [NEP1: A Simple
+// NumPy files of one array: a header that is a Python literal, then the numbers.  [NEP1: A Simple
 // File Format for NumPy Arrays]
 #pragma once
 
@@ -10,11 +10,11 @@
 
 namespace lucerna::client {
 
-/// An array of shape (n, 3) or (n, 6) of little-endian float32 or float64 in C order.
-/// INVALID_ARGUMENT that says which of these it is not, or that the file is cut off.
+/// Opens an array of shape (n, 3) or (n, 6) of little-endian float32 or float64 in C order.
+/// INVALID_ARGUMENT names the requirement that fails, or that the file is cut off.
 absl::StatusOr<std::unique_ptr<VectorFile>> open_npy(const std::string& path);
 
-/// What comes before the numbers of an array of shape (rows, columns) of little-endian float32.
+/// The header of an array of shape (rows, columns) of little-endian float32.
 std::string npy_header(std::uint64_t rows, std::size_t columns);
 
 }  // namespace lucerna::client

@@ -15,6 +15,8 @@
 #include <utility>
 #include <vector>
 
+#include "proto/common/status_macros.h"
+
 namespace lucerna::client {
 namespace {
 
@@ -45,8 +47,8 @@ bool write_with_openimageio(const std::string& path, const PictureView& picture,
   return ok;
 }
 
-// OpenImageIO 2.4 reads PFM and does not write it.  Rows from the bottom; a negative scale says
-// little-endian.
+// OpenImageIO 2.4 reads PFM but does not write it.  Rows start at the bottom; a negative scale
+// marks little-endian data.
 bool write_pfm(const std::string& path, const PictureView& picture, std::string* error) {
   static_assert(std::endian::native == std::endian::little);
   std::ofstream file(path, std::ios::binary);
@@ -73,7 +75,7 @@ absl::StatusOr<PictureFormat> picture_format(const std::string& path) {
 }
 
 std::uint8_t srgb8(float linear) {
-  // Also turns what is not a number into 0.
+  // Also turns NaN into 0.
   const double value = linear > 0 ? std::min(static_cast<double>(linear), 1.0) : 0.0;
   const double coded =
       value <= 0.0031308 ? 12.92 * value : 1.055 * std::pow(value, 1 / 2.4) - 0.055;
@@ -106,19 +108,18 @@ PictureFile::~PictureFile() {
 }
 
 absl::StatusOr<PictureFile> PictureFile::create(const std::string& path) {
-  const auto format = picture_format(path);
-  if (!format.ok()) return format.status();
+  LUCERNA_ASSIGN_OR_RETURN(const auto format, picture_format(path));
   std::error_code error;
   if (std::filesystem::is_directory(path, error)) return cannot_write(path, "it is a directory");
   const std::filesystem::path target(path);
-  // The extension stays, since OpenImageIO chooses by it.
+  // OpenImageIO chooses the format by the extension, so it stays.
   std::string temporary = (target.parent_path() / ("." + target.stem().string() + "." +
                                                    std::to_string(::getpid()) + extension(path)))
                               .string();
   const int file = ::open(temporary.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666);
   if (file < 0) return cannot_write(path, std::strerror(errno));
   ::close(file);
-  return PictureFile(path, std::move(temporary), *format);
+  return PictureFile(path, std::move(temporary), format);
 }
 
 absl::Status PictureFile::write(const PictureView& picture, double exposure_ev) {

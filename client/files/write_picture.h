@@ -1,4 +1,5 @@
-// Pictures into files, and nothing half-done: under a name of its own until it is complete.
+// Writes pictures to files.  An unfinished file has a temporary name, so no half-written picture is
+// ever seen.
 #pragma once
 
 #include <cstdint>
@@ -10,11 +11,11 @@
 
 namespace lucerna::client {
 
-/// What the file's extension says, in any case.
+/// The format that the file's extension names, in upper or lower case.
 enum class PictureFormat {
   kExr,  ///< 32-bit float, linear
   kPfm,  ///< 32-bit float, linear
-  kPng,  ///< 8 bits, exposed and with the curve of sRGB
+  kPng,  ///< 8 bits, exposed, sRGB curve
 };
 
 /// Linear RGB, interleaved, rows from the top.
@@ -22,35 +23,34 @@ struct PictureView {
   std::uint32_t width = 0;
   std::uint32_t height = 0;
   std::span<const float> rgb;
-  /// Put into the file as its description, where the format has a place for it (PFM has not).
+  /// Written as the file's description if the format has one (PFM has none).
   std::string description{};
 };
 
-/// INVALID_ARGUMENT naming the extensions that there are.
+/// INVALID_ARGUMENT lists the extensions.
 absl::StatusOr<PictureFormat> picture_format(const std::string& path);
 
-/// The code of PNG for a linear value: 255 times the curve of sRGB, rounded; clamped to [0, 1]
-/// first. [IEC61966]
+/// The PNG value of a linear value: 255 times the sRGB curve, rounded.  The linear value is clamped
+/// to [0, 1] first.  [IEC61966]
 std::uint8_t srgb8(float linear);
 
-/// A file that is about to be written.
+/// A picture file that is being written.
 class PictureFile {
  public:
-  /// Makes sure that the path can be written, by making a hidden file beside it.
-  /// INVALID_ARGUMENT for an extension that is not known, a directory, or a place that cannot be
-  /// written to.
+  /// Checks that the path can be written, by creating a hidden file beside it.  INVALID_ARGUMENT
+  /// for an unknown extension, a directory, or a place that cannot be written.
   static absl::StatusOr<PictureFile> create(const std::string& path);
   PictureFile(PictureFile&& other) noexcept;
   PictureFile& operator=(PictureFile&& other) noexcept;
-  /// Nothing stays of a file that was not written, but its last preview.
+  /// Removes a file that was not finished, except its last preview.
   ~PictureFile();
-  /// No preview either.
+  /// Removes the preview too.
   void keep_no_preview() { keeps_preview_ = false; }
 
-  /// Writes, then takes its name, replacing what was there.  PNG multiplies by 2^exposure_ev first;
-  /// the others hold what they are given.
+  /// Writes the picture, then renames the file, which replaces an existing one.  PNG multiplies by
+  /// 2^exposure_ev first; the other formats store the values unchanged.
   absl::Status write(const PictureView& picture, double exposure_ev);
-  /// The same for a picture that is not finished: write() follows, or another preview.
+  /// The same for an unfinished picture; write() or another preview follows.
   absl::Status write_preview(const PictureView& picture, double exposure_ev);
 
   const std::string& path() const { return path_; }
@@ -60,10 +60,10 @@ class PictureFile {
   PictureFile(std::string path, std::string temporary, PictureFormat format);
 
   std::string path_;
-  std::string temporary_;  ///< empty once it is not needed any more
+  std::string temporary_;  ///< empty when it is no longer needed
   PictureFormat format_;
   bool keeps_preview_ = true;
-  bool has_preview_ = false;  ///< under its name
+  bool has_preview_ = false;  ///< a preview has the final name
 };
 
 }  // namespace lucerna::client

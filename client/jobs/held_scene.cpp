@@ -5,19 +5,21 @@
 #include <utility>
 #include <vector>
 
+#include "proto/common/status_macros.h"
+
 namespace lucerna::client {
 namespace {
 
-// Who takes longer to answer what only asks is not there.
-constexpr std::chrono::seconds kSceneAnswerTime(10);
-// For who still loads what nobody needs any more.
-constexpr std::chrono::seconds kPatienceAtTheEnd(2);
-// The shortest lease that can be asked for ends one: to release it would unload the scene.
+// A server that does not answer a lease call in this time counts as absent.
+constexpr std::chrono::seconds kLeaseCallTime(10);
+// Wait for servers that still load when the scene is released.
+constexpr std::chrono::seconds kWaitAtTheEnd(2);
+// The shortest lease allowed, which ends a lease.  Releasing the scene would unload it.
 constexpr double kNoLease_s = 1e-3;
 
 client::CallOptions soon(client::CallOptions call) {
   call.deadline = std::min<client::CallOptions::Clock::time_point>(
-      call.deadline, client::CallOptions::Clock::now() + kSceneAnswerTime);
+      call.deadline, client::CallOptions::Clock::now() + kLeaseCallTime);
   return call;
 }
 
@@ -25,7 +27,7 @@ client::CallOptions soon(client::CallOptions call) {
 
 HeldScene::~HeldScene() {
   for (auto& [target, holding] : holdings_) holding.thread.request_stop();
-  // Joined before the mutex and the map go.
+  // Join before the mutex and the map are destroyed.
   for (auto& [target, holding] : holdings_) holding.thread = {};
 }
 
@@ -36,13 +38,13 @@ HeldScene::Load HeldScene::through(Load load) {
   };
 }
 
-void HeldScene::let_go(const Holding& held, bool forget, const client::CallOptions& call) {
+void HeldScene::end_lease(const Holding& held, bool forget, const client::CallOptions& call) {
   if (forget && held.brought) {
     v1::ReleaseSceneRequest request;
     request.set_scene_id(held.scene_id);
     request.set_lease_id(held.lease_id);
     if (!absl::IsNotFound(held.client->release_scene(request, call).status())) return;
-    // The lease ran out in a long frame.
+    // The lease expired during a long frame.
     request.clear_lease_id();
     held.client->release_scene(request, call).status().IgnoreError();
   } else if (!held.lease_id.empty()) {
@@ -74,7 +76,7 @@ absl::StatusOr<std::optional<v1::LoadSceneResponse>> HeldScene::renew(
   }
   request.set_lease_s(static_cast<double>(client::kJobLease.count()));
   const auto renewed = client.renew_lease(request, soon(call));
-  // The lease ran out during a long frame, or the server began anew: it is loaded again.
+  // The lease expired during a long frame, or the server restarted: the scene is loaded again.
   if (absl::IsNotFound(renewed.status())) return std::optional<v1::LoadSceneResponse>();
   if (!renewed.ok()) return renewed.status();
   const std::lock_guard lock(mutex_);
@@ -95,17 +97,17 @@ absl::StatusOr<v1::LoadSceneResponse> HeldScene::load_on(const Load& load,
                                                          const client::Client& client,
                                                          const client::CallOptions& call) {
   std::unique_lock lock(mutex_);
-  Holding& holding = holdings_[client.target()];  // stays where it is
+  Holding& holding = holdings_[client.target()];  // map nodes are stable
   const auto loaded = [&] {
     return changed_.wait(lock, call.stop, [&] { return !holding.loading; });
   };
-  // What an earlier job began may be there by now; no second lease, which nobody would end.
+  // An earlier job may have loaded it meanwhile.  Do not create a second lease, which nobody would
+  // end.
   for (std::string lost; loaded() && holding.lease_id != lost;) {
     lost = holding.lease_id;
     lock.unlock();
-    auto renewed = renew(client, call);
-    if (!renewed.ok()) return renewed.status();
-    if (*renewed) return **std::move(renewed);
+    LUCERNA_ASSIGN_OR_RETURN(auto renewed, renew(client, call));
+    if (renewed) return *std::move(renewed);
     lock.lock();
   }
   if (call.stop.stop_requested()) return absl::CancelledError("the job ended");
@@ -131,7 +133,7 @@ void HeldScene::release(bool forget, const client::CallOptions& call) {
   std::map<std::string, Holding> all;
   {
     std::unique_lock lock(mutex_);
-    changed_.wait_for(lock, call.stop, kPatienceAtTheEnd, [this] {
+    changed_.wait_for(lock, call.stop, kWaitAtTheEnd, [this] {
       return std::none_of(holdings_.begin(), holdings_.end(),
                           [](const auto& h) { return h.second.loading; });
     });
@@ -139,11 +141,11 @@ void HeldScene::release(bool forget, const client::CallOptions& call) {
   }
   for (auto& [target, holding] : holdings_) holding.thread = {};
   all.swap(holdings_);
-  // All at once, for no longer than one of them may take.
+  // In parallel, so that this takes no longer than one call.
   const client::CallOptions end = soon(call);
   std::vector<std::jthread> threads;
   for (const auto& [target, held] : all) {
-    if (held.client) threads.emplace_back([&held, &end, forget] { let_go(held, forget, end); });
+    if (held.client) threads.emplace_back([&held, &end, forget] { end_lease(held, forget, end); });
   }
 }
 

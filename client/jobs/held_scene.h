@@ -1,4 +1,4 @@
-// A scene that is used again and again, perhaps on many servers.
+// Keeps a scene loaded for several uses, perhaps on many servers.
 #pragma once
 
 #include <condition_variable>
@@ -16,51 +16,53 @@ namespace lucerna::client {
 
 /// Loads a scene once on each server, and keeps it leased from one use to the next.
 ///
-/// A job that ends while a server still loads would give that up, and never learn whether it was in
-/// time.  So loading goes on here, for the next job and for `release`.
+/// A job may end while a server still loads the scene.  The job would then give up without knowing
+/// whether loading succeeded.  So loading continues here, for the next job and for `release`.
 class HeldScene {
  public:
-  /// As JobOptions has it: with a lease of client::kJobLease.
+  /// The same as JobOptions::load, with a lease of kJobLease.
   using Load = std::function<absl::StatusOr<v1::LoadSceneResponse>(const client::Client&,
                                                                    const client::CallOptions&)>;
 
   HeldScene() = default;
-  /// Stops what is still loading.  Leases run out.
+  /// Stops loading.  Leases expire by themselves.
   ~HeldScene();
 
-  /// Renews the lease on a server that holds the scene, and calls `load`, in a thread of its own,
-  /// on any other; what `load` refers to must outlive this.  May be called by many threads at once.
+  /// Returns a function that renews the lease on a server that holds the scene.  On any other
+  /// server it calls `load` in a thread of its own.  Objects that `load` refers to must outlive
+  /// this.  The result may be called by many threads at once.
   Load through(Load load);
 
-  /// For a single thread: the lease renewed, nothing where the server does not hold the scene.
+  /// Renews the lease; nothing if the server does not hold the scene.  For one thread at a time.
   absl::StatusOr<std::optional<v1::LoadSceneResponse>> renew(const client::Client& client,
                                                              const client::CallOptions& call);
-  /// And what was loaded otherwise.
+  /// Takes over a scene that was loaded by other means.
   void hold(const client::Client& client, const v1::LoadSceneResponse& loaded);
 
-  /// Ends all leases at once, after waiting a little for what still loads.  Where `forget` is set,
-  /// servers that did not hold the scene before forget it, unless others have leased it meanwhile.
-  /// Who does not answer keeps it until its lease runs out.  Requires that no job is running.
+  /// Ends all leases, after a short wait for servers that still load.  With `forget`, servers that
+  /// did not hold the scene before unload it, unless others have leased it meanwhile.  A server
+  /// that does not answer keeps the scene until its lease expires.  Requires that no job is
+  /// running.
   void release(bool forget, const client::CallOptions& call);
 
  private:
   struct Holding {
-    std::optional<client::Client> client;  // none: nothing is held
+    std::optional<client::Client> client;  // no value: nothing is held
     std::string scene_id, lease_id;
-    bool brought = false;  // the server did not hold it before
+    bool brought = false;  // the server did not hold the scene before
     bool loading = false;
-    absl::Status failure;  // of the last try
+    absl::Status failure;  // of the last attempt to load
     std::jthread thread;
   };
 
   absl::StatusOr<v1::LoadSceneResponse> load_on(const Load& load, const client::Client& client,
                                                 const client::CallOptions& call);
   static v1::LoadSceneResponse answer(const Holding& holding);
-  static void let_go(const Holding& held, bool forget, const client::CallOptions& call);
+  static void end_lease(const Holding& held, bool forget, const client::CallOptions& call);
 
   std::mutex mutex_;
   std::condition_variable_any changed_;
-  std::map<std::string, Holding> holdings_;  // by the server's address
+  std::map<std::string, Holding> holdings_;  // by server address
 };
 
 }  // namespace lucerna::client

@@ -13,22 +13,23 @@
 #include "client/jobs/journal.h"
 #include "client/jobs/result_file.h"
 #include "proto/common/answer_size.h"
+#include "proto/common/defaults.h"
 #include "proto/common/sha256.h"
+#include "proto/common/status_macros.h"
 
 namespace lucerna::client {
 namespace {
 
-constexpr std::uint32_t kDefaultSamples = 256;  // as EstimateIrradiance's
-// Of one piece: a few seconds of one core where light takes several bounces.
+// Samples of one piece: a few seconds of one core with several bounces.
 constexpr std::uint64_t kSamplesPerPiece = std::uint64_t{1} << 20;
 constexpr std::uint64_t kMostPieces = std::uint64_t{1} << 24;
-constexpr std::size_t kItemsPerRead = 8192;  // where a file is read from its beginning to its end
+constexpr std::size_t kItemsPerRead = 8192;  // for the survey of the whole file
 
 std::uint32_t samples_of(const v1::EstimateIrradianceRequest& request) {
-  return request.accuracy().has_samples() ? request.accuracy().samples() : kDefaultSamples;
+  return request.accuracy().has_samples() ? request.accuracy().samples() : kIrradianceSamples;
 }
 
-/// What is found out of the receivers before anybody is asked about them.
+/// Properties of all receivers, found before the first call.
 struct Survey {
   Double3 origin;
   std::string digest;  // of all receivers
@@ -44,7 +45,7 @@ absl::StatusOr<Survey> survey(ReceiverSource& receivers) {
   };
   for (std::uint64_t first = 0; first < receivers.size();) {
     const std::size_t count = std::min<std::uint64_t>(kItemsPerRead, receivers.size() - first);
-    if (absl::Status s = receivers.read(first, count, points, normals); !s.ok()) return s;
+    LUCERNA_RETURN_IF_ERROR(receivers.read(first, count, points, normals));
     for (const Double3& point : points) origin.add(point);
     digest.add(bytes(points));
     digest.add(bytes(normals));
@@ -53,15 +54,14 @@ absl::StatusOr<Survey> survey(ReceiverSource& receivers) {
   return Survey{origin.origin(), digest.finish()};
 }
 
-/// The smallest of the limits of the servers that were asked.
+/// The smallest limits of the servers used so far.
 class Limits {
  public:
-  absl::Status ask(const Client& client, const CallOptions& call) {
-    const auto info = client.get_server_info({}, call);
-    if (!info.ok()) return info.status();
+  absl::Status add(const Client& client, const CallOptions& call) {
+    LUCERNA_ASSIGN_OR_RETURN(const auto info, client.get_server_info({}, call));
     const std::lock_guard lock(mutex_);
-    items_ = std::min<std::uint64_t>(items_, info->limits().max_batch_items());
-    bytes_ = std::min(bytes_, std::uint64_t{info->limits().max_message_bytes()});
+    items_ = std::min<std::uint64_t>(items_, info.limits().max_batch_items());
+    bytes_ = std::min(bytes_, std::uint64_t{info.limits().max_message_bytes()});
     return absl::OkStatus();
   }
 
@@ -89,10 +89,10 @@ struct Run {
   std::uint64_t first, end;
 };
 
-/// What stands in the journal for a run of rows that are in the file of results.
+/// A journal record: a run of rows that are in the file of results.
 struct JournalRecord {
   Run run;
-  std::array<char, 8> sum;  // the beginning of the rows' SHA-256
+  std::array<char, 8> sum;  // first bytes of the rows' SHA-256
 
   std::string bytes() const { return {reinterpret_cast<const char*>(this), sizeof(JournalRecord)}; }
 };
@@ -105,22 +105,23 @@ std::array<char, 8> sum_of(std::span<const float> values) {
   return sum;
 }
 
-/// Results that a journal tells of are not replaced by some of another shape: whoever asks for
-/// these may have mistaken a name.
+/// Opens the file of results.  Results that a journal refers to are not replaced by those of
+/// another shape, since the user may have given a wrong name.
 absl::StatusOr<ResultFile> open_results(const IrradianceJobOptions& options) {
-  const bool told = !options.journal.empty() && Journal::tells(options.journal);
-  auto results = ResultFile::open(options.results, options.header, options.receivers->size(),
-                                  irradiance_columns(options.request),
-                                  told ? ResultFile::Other::kKeep : ResultFile::Other::kReplace);
+  const bool has_records = !options.journal.empty() && Journal::has_records(options.journal);
+  auto results =
+      ResultFile::open(options.results, options.header, options.receivers->size(),
+                       irradiance_columns(options.request),
+                       has_records ? ResultFile::Other::kKeep : ResultFile::Other::kReplace);
   if (absl::IsFailedPrecondition(results.status()))
     return absl::FailedPreconditionError(
-        options.results + ": holds results of other receivers or wavelengths, and the journal " +
-        options.journal + " tells of them: ask for the same, or remove both files");
+        options.results + ": holds results for other receivers or wavelengths, which the journal " +
+        options.journal + " refers to: repeat that job, or remove both files");
   return results;
 }
 
-/// The pieces of one set.
-class Irradiance final : public Work {
+/// The pieces of one set of receivers.
+class Irradiance final : public DistributedWork {
  public:
   Irradiance(const IrradianceJobOptions& options, Survey survey, ResultFile results,
              const Limits& limits)
@@ -130,23 +131,21 @@ class Irradiance final : public Work {
         results_(std::move(results)),
         limits_(limits) {}
 
-  /// Finds out what is still to be done, and cuts it into pieces.
+  /// Cuts the receivers that are not done yet into pieces.
   absl::Status begin(const v1::SceneSummary& scene,
                      const v1::GetServerInfoResponse& server) override {
     const std::uint32_t items_per_piece = options_.items_per_piece > 0
                                               ? options_.items_per_piece
                                               : limits_.items_per_piece(options_.request);
     if (!options_.journal.empty()) {
-      auto journal =
-          Journal::open(options_.journal, name(scene, server),
-                        [this](const std::string& record) { return from_journal(record); });
-      if (!journal.ok()) return journal.status();
-      journal_.emplace(*std::move(journal));
+      LUCERNA_ASSIGN_OR_RETURN(journal_, Journal::open(options_.journal, name(scene, server),
+                                                       [this](const std::string& record) {
+                                                         return from_journal(record);
+                                                       }));
     }
     if (lost_ > 0 && options_.job.on_event)
-      options_.job.on_event(options_.results + " does not hold " + std::to_string(lost_) +
-                            " of the runs that " + options_.journal +
-                            " tells of: they are done again");
+      options_.job.on_event(options_.results + " lacks " + std::to_string(lost_) +
+                            " of the runs in " + options_.journal + ": they are computed again");
     std::sort(done_.begin(), done_.end(),
               [](const Run& a, const Run& b) { return a.first < b.first; });
     std::uint64_t next = 0;
@@ -163,7 +162,7 @@ class Irradiance final : public Work {
       cut_until(run.first);
       if (run.end > next) {
         from_journal_ += run.end - next;
-        if (absl::Status s = count({next, run.end}); !s.ok()) return s;
+        LUCERNA_RETURN_IF_ERROR(count({next, run.end}));
         next = run.end;
       }
     }
@@ -180,7 +179,8 @@ class Irradiance final : public Work {
     const std::size_t count = run.end - run.first;
     if (absl::Status s = receivers_.read(run.first, count, points_, normals_); !s.ok()) {
       failed_ = s;
-      // By its own code it might be the server's, which is tried again.
+      // ABORTED: the original code could look like a failed server, and the piece would be tried
+      // again.
       return done(absl::AbortedError(s.message()));
     }
     v1::EstimateIrradianceRequest request = options_.request;
@@ -195,15 +195,15 @@ class Irradiance final : public Work {
   absl::Status accept(std::size_t number, Result result) override {
     const auto& response = static_cast<v1::EstimateIrradianceResponse&>(*result);
     const Run& run = pieces_[number];
-    if (absl::Status s = to_rows(response, run.end - run.first); !s.ok()) return s;
-    if (absl::Status s = results_.write(run.first, rows_); !s.ok()) return s;
+    LUCERNA_RETURN_IF_ERROR(to_rows(response, run.end - run.first));
+    LUCERNA_RETURN_IF_ERROR(results_.write(run.first, rows_));
     count_statuses();
     add_cost(response.cost());
     samples_ = std::max(samples_, response.samples());
     return journal_ ? journal_->add(JournalRecord{run, sum_of(rows_)}.bytes()) : absl::OkStatus();
   }
 
-  /// Why receivers could not be read.
+  /// The error of reading receivers, if any.
   const absl::Status& failed() const { return failed_; }
 
   void put(IrradianceJobResult& result) const {
@@ -215,7 +215,7 @@ class Irradiance final : public Work {
   }
 
  private:
-  /// What the journal is of.
+  /// Identifies the job in the journal.
   std::string name(const v1::SceneSummary& scene, const v1::GetServerInfoResponse& server) const {
     v1::EstimateIrradianceRequest named = options_.request;
     named.set_scene_id(scene.scene_id());
@@ -226,7 +226,7 @@ class Irradiance final : public Work {
     return hexadecimal(sha256(job));
   }
 
-  /// A record whose rows are not in the file, as after a loss of power, is of no worth.
+  /// Takes a record.  It does not count if its rows are not in the file, as after a power failure.
   absl::Status from_journal(const std::string& bytes) {
     JournalRecord record{};
     const bool fits = bytes.size() == sizeof record;
@@ -234,9 +234,9 @@ class Irradiance final : public Work {
     const Run& run = record.run;
     if (!fits || run.first >= run.end || run.end > results_.rows())
       return absl::FailedPreconditionError(options_.journal +
-                                           ": holds what is no piece of this job");
+                                           ": has a record that is not a piece of this job");
     rows_.resize((run.end - run.first) * results_.columns());
-    if (absl::Status s = results_.read(run.first, rows_); !s.ok()) return s;
+    LUCERNA_RETURN_IF_ERROR(results_.read(run.first, rows_));
     if (sum_of(rows_) == record.sum) {
       done_.push_back(run);
     } else {
@@ -245,10 +245,10 @@ class Irradiance final : public Work {
     return absl::OkStatus();
   }
 
-  /// Of a run that the file holds.
+  /// Counts the statuses of a run that the file holds.
   absl::Status count(const Run& run) {
     rows_.resize((run.end - run.first) * results_.columns());
-    if (absl::Status s = results_.read(run.first, rows_); !s.ok()) return s;
+    LUCERNA_RETURN_IF_ERROR(results_.read(run.first, rows_));
     count_statuses();
     return absl::OkStatus();
   }
@@ -274,9 +274,7 @@ class Irradiance final : public Work {
         (target &&
          (response.lower_lx().empty() || !has(response.item_costs().samples_size(), 1))) ||
         !has(response.spectral_irradiance_size(), wavelengths))
-      return absl::InternalError(
-          "a server answered with another number of receivers than were "
-          "asked about");
+      return absl::InternalError("a server returned another number of receivers than requested");
     constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
     rows_.resize(count * results_.columns());
     float* row = rows_.data();
@@ -313,10 +311,10 @@ class Irradiance final : public Work {
   ResultFile results_;
   const Limits& limits_;
   std::optional<Journal> journal_;
-  std::vector<Run> done_;  // while the journal is read
-  std::size_t lost_ = 0;   // of its records
+  std::vector<Run> done_;  // filled while the journal is read
+  std::size_t lost_ = 0;   // records whose rows are not in the file
   std::vector<Run> pieces_;
-  // Of the piece at hand.
+  // Buffers of the current piece.
   std::vector<Double3> points_;
   std::vector<float> normals_, rows_;
 
@@ -339,24 +337,23 @@ absl::StatusOr<IrradianceJobResult> run_irradiance_job(const IrradianceJobOption
   const std::uint64_t count = options.receivers->size();
   if (count == 0) return absl::InvalidArgumentError("there are no receivers");
   if (options.request.per_light())
-    return absl::InvalidArgumentError("per_light = true: results have no place for shares");
+    return absl::InvalidArgumentError(
+        "per_light = true: the file of results has no columns for shares");
   if (options.request.accuracy().has_time_budget_s())
     return absl::InvalidArgumentError(
-        "accuracy.time_budget_s: not of a job, whose pieces wait for their turn; ask for samples "
-        "or for a target error");
-  auto results = open_results(options);
-  if (!results.ok()) return results.status();
-  auto surveyed = survey(*options.receivers);
-  if (!surveyed.ok()) return surveyed.status();
+        "accuracy.time_budget_s: not allowed in a job, whose pieces wait for servers; set samples "
+        "or a target error");
+  LUCERNA_ASSIGN_OR_RETURN(auto results, open_results(options));
+  LUCERNA_ASSIGN_OR_RETURN(auto surveyed, survey(*options.receivers));
 
   Limits limits;
   JobOptions job = options.job;
   job.load = [&](const Client& client,
                  const CallOptions& call) -> absl::StatusOr<v1::LoadSceneResponse> {
-    if (absl::Status s = limits.ask(client, call); !s.ok()) return s;
+    LUCERNA_RETURN_IF_ERROR(limits.add(client, call));
     return options.job.load(client, call);
   };
-  Irradiance irradiance(options, *std::move(surveyed), *std::move(results), limits);
+  Irradiance irradiance(options, std::move(surveyed), std::move(results), limits);
   auto report = run_job(irradiance, job);
   if (!irradiance.failed().ok()) return irradiance.failed();
   if (!report.ok()) return report.status();

@@ -14,6 +14,7 @@
 #include <variant>
 
 #include "client/jobs/job_schedule.h"
+#include "proto/common/status_macros.h"
 
 namespace lucerna::client {
 namespace {
@@ -22,11 +23,11 @@ using Clock = std::chrono::steady_clock;
 using ServerId = JobSchedule::ServerId;
 using AttemptId = JobSchedule::AttemptId;
 
-constexpr std::chrono::seconds kAskForServers(2);
-// Calls that only ask; who takes longer is not there.
-constexpr std::chrono::seconds kAnswerTime(10);
+constexpr std::chrono::seconds kListInterval(2);
+// Time limit of quick calls.  A server that does not answer in this time counts as absent.
+constexpr std::chrono::seconds kShortCallTime(10);
 
-/// A server that has the scene.
+/// A server that holds the scene.
 struct Ready {
   Client client;
   v1::GetServerInfoResponse info;
@@ -47,11 +48,11 @@ struct Renewed {
 };
 struct Finished {
   AttemptId attempt;
-  absl::StatusOr<Work::Result> answer;
+  absl::StatusOr<DistributedWork::Result> answer;
 };
 using Event = std::variant<Listed, PreparedEvent, Renewed, Finished>;
 
-/// What other threads tell the job's own.
+/// Events from other threads to the thread of the job.
 class Events {
  public:
   void post(Event event) {
@@ -64,7 +65,7 @@ class Events {
     woken_ = true;
     changed_.notify_one();
   }
-  /// Those that came since; waits for one until `until`.
+  /// The events since the last call; waits for one until `until`.
   std::vector<Event> wait(Clock::time_point until) {
     std::unique_lock lock(mutex_);
     const auto any = [this] { return woken_ || !events_.empty(); };
@@ -84,10 +85,11 @@ class Events {
   bool woken_ = false;
 };
 
-/// Runs a schedule over gRPC.  All but the posting of events happens in the thread of run().
-class Job final : JobSchedule::Channel {
+/// Runs a schedule over gRPC.  Everything except the posting of events happens in the thread of
+/// run().
+class JobRunner final : JobSchedule::Channel {
  public:
-  Job(Work& work, const JobOptions& options)
+  JobRunner(DistributedWork& work, const JobOptions& options)
       : work_(work),
         options_(options),
         schedule_({.window = std::max(options.window, 1),
@@ -97,7 +99,7 @@ class Job final : JobSchedule::Channel {
 
   absl::StatusOr<JobReport> run() {
     const std::stop_callback stopped(options_.call.stop, [this] { events_.wake(); });
-    const std::jthread lister([this](const std::stop_token& stop) { ask_for_servers(stop); });
+    const std::jthread lister([this](const std::stop_token& stop) { list_servers(stop); });
     while (!schedule_.over() && work_status_.ok()) {
       const Clock::time_point due = schedule_.advance(Clock::now());
       for (Event& event : events_.wait(std::min(due, deadline())))
@@ -113,8 +115,8 @@ class Job final : JobSchedule::Channel {
     return JobReport{schedule_.fingerprints(), schedule_.duplicates()};
   }
 
-  /// Stops what is under way, and waits for it to be over: it holds on to the work.
-  ~Job() {
+  /// Stops the calls in progress and waits until they end, since they refer to the work.
+  ~JobRunner() {
     preparing_.request_stop();
     for (auto& [id, attempt] : attempts_) attempt.stop.request_stop();
     while (under_way_ > 0) {
@@ -128,14 +130,14 @@ class Job final : JobSchedule::Channel {
     std::optional<Ready> ready;
     std::jthread preparing;
   };
-  /// A call that is under way.  With the client, which else might end in the thread that answers
-  /// the call, when the server is made ready anew meanwhile (see Client::Done).
+  /// A call in progress.  It keeps the client: otherwise the client could be destroyed in the
+  /// thread that answers the call, when the server is prepared again meanwhile (see Client::Done).
   struct Attempt {
     std::stop_source stop;
     Client client;
   };
 
-  /// Of the job as a whole, by the clock that waiting goes by.
+  /// Deadline of the whole job, in the clock that wait() uses.
   Clock::time_point deadline() const {
     if (options_.call.deadline == CallOptions::Clock::time_point::max())
       return Clock::time_point::max();
@@ -146,41 +148,37 @@ class Job final : JobSchedule::Channel {
     return {.deadline = options_.call.deadline, .stop = stop.get_token()};
   }
 
-  void ask_for_servers(const std::stop_token& stop) {
+  void list_servers(const std::stop_token& stop) {
     std::mutex mutex;
     std::condition_variable_any stopped;
     std::unique_lock lock(mutex);
     while (!stop.stop_requested()) {
       events_.post(Listed{options_.servers()});
-      stopped.wait_for(lock, stop, kAskForServers, [] { return false; });
+      stopped.wait_for(lock, stop, kListInterval, [] { return false; });
     }
   }
 
-  // What the schedule has done.
+  // Channel: decisions of the schedule.
 
   void prepare(ServerId id, const std::string& target) override {
     ++under_way_;
     Server& server = servers_[id];
     server.ready.reset();
-    // In a thread of its own, since it may take as long as the upload of a scene.
+    // Uploading a scene may take long, so this gets its own thread.
     server.preparing = std::jthread([this, id, target] {
       events_.post(PreparedEvent{id, make_ready(target, call(preparing_))});
     });
   }
 
   absl::StatusOr<Ready> make_ready(const std::string& target, const CallOptions& call) const {
-    auto client = Client::connect({.target = target, .retry = false});
-    if (!client.ok()) return client.status();
-    auto info = client->get_server_info({}, call.at_most(kAnswerTime));
-    if (!info.ok()) return info.status();
-    const auto loaded = options_.load(*client, call);
-    if (!loaded.ok()) return loaded.status();
+    LUCERNA_ASSIGN_OR_RETURN(auto client, Client::connect({.target = target, .retry = false}));
+    LUCERNA_ASSIGN_OR_RETURN(auto info, client.get_server_info({}, call.at_most(kShortCallTime)));
+    LUCERNA_ASSIGN_OR_RETURN(const auto loaded, options_.load(client, call));
     v1::GetSceneRequest request;
-    request.set_scene_id(loaded->scene_id());
-    auto scene = client->get_scene(request, call.at_most(kAnswerTime));
-    if (!scene.ok()) return scene.status();
-    return Ready{*std::move(client), *std::move(info), std::move(*scene->mutable_summary()),
-                 loaded->lease_id()};
+    request.set_scene_id(loaded.scene_id());
+    LUCERNA_ASSIGN_OR_RETURN(auto scene, client.get_scene(request, call.at_most(kShortCallTime)));
+    return Ready{std::move(client), std::move(info), std::move(*scene.mutable_summary()),
+                 loaded.lease_id()};
   }
 
   void renew(ServerId id) override {
@@ -191,7 +189,7 @@ class Job final : JobSchedule::Channel {
     request.set_lease_id(ready.lease_id);
     request.set_lease_s(static_cast<double>(kJobLease.count()));
     renewals_.insert_or_assign(id, ready.client);
-    ready.client.renew_lease(request, call(preparing_).at_most(kAnswerTime),
+    ready.client.renew_lease(request, call(preparing_).at_most(kShortCallTime),
                              [this, id](const auto& answer) {
                                events_.post(Renewed{id, answer.status()});
                              });
@@ -202,7 +200,7 @@ class Job final : JobSchedule::Channel {
     const Ready& ready = *servers_[id].ready;
     const Attempt& begun = attempts_.emplace(attempt, Attempt{{}, ready.client}).first->second;
     work_.start(piece, begun.client, ready.scene.scene_id(), call(begun.stop),
-                [this, attempt](absl::StatusOr<Work::Result> answer) {
+                [this, attempt](absl::StatusOr<DistributedWork::Result> answer) {
                   events_.post(Finished{attempt, std::move(answer)});
                 });
   }
@@ -213,7 +211,7 @@ class Job final : JobSchedule::Channel {
     if (options_.on_event) options_.on_event(event);
   }
 
-  // What others tell.
+  // Events from other threads.
 
   void take(Listed& event) { schedule_.list(event.targets, Clock::now()); }
 
@@ -248,7 +246,7 @@ class Job final : JobSchedule::Channel {
     --under_way_;
     const std::size_t piece = schedule_.pieces().attempt(event.attempt).piece;
     attempts_.erase(event.attempt);
-    // First the server gets its next piece, then this one is taken.
+    // The server gets its next piece before this result is processed.
     if (schedule_.finished(event.attempt, event.answer.status(), Clock::now()) && work_status_.ok())
       work_status_ = work_.accept(piece, *std::move(event.answer));
     progress();
@@ -261,24 +259,24 @@ class Job final : JobSchedule::Channel {
         {pieces.done_count(), pieces.count(), schedule_.answering(), Clock::now() - begun_});
   }
 
-  Work& work_;
+  DistributedWork& work_;
   const JobOptions& options_;
   const Clock::time_point begun_ = Clock::now();
   Events events_;
   std::stop_source preparing_;
   std::unordered_map<AttemptId, Attempt> attempts_;
-  std::unordered_map<ServerId, Client> renewals_;  // under way, likewise
-  std::size_t under_way_ = 0;                      // answers that are still to come
+  std::unordered_map<ServerId, Client> renewals_;  // keeps the clients of renewals in progress
+  std::size_t under_way_ = 0;                      // number of calls without an answer
   bool begun_work_ = false;
   absl::Status work_status_;
   JobSchedule schedule_;
-  std::map<ServerId, Server> servers_;  // the last: its threads use the above
+  std::map<ServerId, Server> servers_;  // last member: its threads use the others
 };
 
 }  // namespace
 
-absl::StatusOr<JobReport> run_job(Work& work, const JobOptions& options) {
-  return Job(work, options).run();
+absl::StatusOr<JobReport> run_job(DistributedWork& work, const JobOptions& options) {
+  return JobRunner(work, options).run();
 }
 
 }  // namespace lucerna::client

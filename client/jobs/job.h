@@ -1,9 +1,16 @@
-// Work that is shared out among servers, each of which pulls its next piece when it has done one.
+// Runs work on several servers.  The work is cut into pieces; each server takes its next piece when
+// it has finished one.
 //
-// A server that is slow gets less; the pieces of one that is gone are done by others; the last ones
-// are given to a second server when it has nothing else to do, and the first result counts.  That
-// servers give the same bits is what makes this right: so those of other numeric fingerprints are
-// not let in.
+//   class Tiles final : public DistributedWork { ... };  // begin, size, start, accept
+//   Tiles tiles;
+//   const auto list = server_list("a:50051,b:50051");
+//   const auto report = run_job(tiles, {.servers = *list, .load = load_the_scene});
+//   if (!report.ok()) std::cerr << report.status().message() << '\n';
+//
+// A slow server gets fewer pieces.  Pieces of a server that is gone go to others.  When nothing
+// else is left, the last pieces go to a second server too, and the first result counts.  This is
+// correct because servers give the same bits.  Servers with another numeric fingerprint are
+// therefore refused.  Pictures and irradiance have ready jobs: render_job.h and irradiance_job.h.
 #pragma once
 
 #include <chrono>
@@ -22,31 +29,31 @@ class Message;
 
 namespace lucerna::client {
 
-/// Pieces that any server can do, in any order.  All its methods are called by the thread that runs
-/// the job, as are the callbacks of JobOptions but for `servers` and `load`.
-class Work {
+/// Work in pieces that any server can do, in any order.  The thread that runs the job calls all
+/// methods, and all callbacks of JobOptions except `servers` and `load`.
+class DistributedWork {
  public:
   using Result = std::unique_ptr<google::protobuf::Message>;
   using Done = std::function<void(absl::StatusOr<Result>)>;
 
-  virtual ~Work() = default;
-  /// Called once and before the others, as soon as a first server has the scene: finds out what the
-  /// pieces are.  An error ends the job.
+  virtual ~DistributedWork() = default;
+  /// Finds out what the pieces are.  Called once, before the other methods, when the first server
+  /// has the scene.  An error ends the job.
   virtual absl::Status begin(const v1::SceneSummary& scene,
                              const v1::GetServerInfoResponse& server) = 0;
-  /// Pieces that are still to be done then, numbered from 0.
+  /// Number of pieces that are still to be done.  They are numbered from 0.
   virtual std::size_t size() const = 0;
-  /// Begins a piece on one server, which holds the scene, and returns at once; perhaps twice for a
-  /// piece.  `done` is called once, by any thread, soon where `options.stop` asks for it.
+  /// Begins a piece on one server, which holds the scene, and returns at once.  May be called twice
+  /// for a piece.  `done` is called once, by any thread, and soon after `options.stop` requests it.
   virtual void start(std::size_t piece, const Client& client, const std::string& scene_id,
                      const CallOptions& options, Done done) = 0;
-  /// Takes a piece's result: once a piece.  An error ends the job.
+  /// Takes the result of a piece, once per piece.  An error ends the job.
   virtual absl::Status accept(std::size_t piece, Result result) = 0;
 };
 
-/// Hands a call's answer to a piece's `done`.
+/// Adapts a piece's `done` to the response of a call.
 template <class Response>
-Client::Done<Response> answer_as(Work::Done done) {
+Client::Done<Response> answer_as(DistributedWork::Done done) {
   return [done = std::move(done)](absl::StatusOr<Response> response) {
     if (response.ok()) {
       done(std::make_unique<Response>(*std::move(response)));
@@ -56,46 +63,48 @@ Client::Done<Response> answer_as(Work::Done done) {
   };
 }
 
-/// What a job asks for; renewed while it runs, and left to run out at its end.
+/// Lease of the scene on each server [s].  A job renews it while it runs, and lets it expire at its
+/// end.
 inline constexpr std::chrono::seconds kJobLease(60);
 
 struct JobProgress {
   std::size_t done = 0;
   std::size_t pieces = 0;
-  std::size_t servers = 0;  ///< that answer
+  std::size_t servers = 0;  ///< servers that answer now
   std::chrono::duration<double> elapsed{};
 };
 
 struct JobOptions {
-  /// Who is there, asked again every few seconds, in a thread of its own: servers may join and
+  /// Lists the servers.  Called every few seconds in a thread of its own, so servers may join and
   /// leave.
   std::function<absl::StatusOr<std::vector<std::string>>()> servers;
-  /// Brings the scene to a server, with a lease of kJobLease or more.  Called before a server's
-  /// first piece, and again where it has lost the scene; in a thread for each server.
+  /// Loads the scene on a server, with a lease of kJobLease or more.  Called before a server's
+  /// first piece, and again if the server lost the scene, in a thread per server.
   std::function<absl::StatusOr<v1::LoadSceneResponse>(const Client&, const CallOptions&)> load;
-  /// Pieces in flight at one server, at least 1.
+  /// Pieces in flight on one server, at least 1.
   int window = 2;
-  /// Let in servers of any numeric fingerprint.
+  /// Accepts servers of any numeric fingerprint.
   bool allow_mixed = false;
-  /// Of the job as a whole.
+  /// Deadline and stop of the whole job.
   CallOptions call = {};
   std::function<void(const JobProgress&)> on_progress = {};
-  /// What a person may want to know: servers that come, go and fail.
+  /// Messages for a person: servers that join, leave and fail.
   std::function<void(const std::string&)> on_event = {};
 };
 
 struct JobReport {
-  /// Of the servers that did something: one, unless mixing is allowed.
+  /// Of the servers whose results counted: one, unless `allow_mixed` is set.
   std::vector<std::string> fingerprints;
-  std::size_t duplicates = 0;  ///< results that came second
+  std::size_t duplicates = 0;  ///< second results of a piece, which were dropped
 };
 
-/// Runs until every piece is accepted.  Where no server answers it waits and says so.
+/// Runs until every piece is accepted.  While no server answers it waits, and reports that as an
+/// event.
 ///
-/// Errors: the list of servers when it cannot be had at all; FAILED_PRECONDITION for servers of
-/// different fingerprints or whose scenes differ; what servers say of the request or the scene
-/// (INVALID_ARGUMENT, NOT_FOUND, ...); INTERNAL after a piece failed so on three tries; CANCELLED
-/// and DEADLINE_EXCEEDED by `call`; those of Work::begin and Work::accept.
-absl::StatusOr<JobReport> run_job(Work& work, const JobOptions& options);
+/// Errors: that of `servers`, if it never succeeded; FAILED_PRECONDITION for servers of different
+/// fingerprints or with different scenes; errors of a server about the request or the scene
+/// (INVALID_ARGUMENT, NOT_FOUND, ...); INTERNAL after a piece failed with it three times; CANCELLED
+/// and DEADLINE_EXCEEDED through `call`; those of DistributedWork::begin and accept.
+absl::StatusOr<JobReport> run_job(DistributedWork& work, const JobOptions& options);
 
 }  // namespace lucerna::client

@@ -6,7 +6,7 @@
 namespace lucerna::client {
 namespace {
 
-// The same piece at so many servers at once, at most.
+// Most servers that work on a piece at the same time.
 constexpr std::size_t kMostAttempts = 3;
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Which of a job's pieces are done, being done, and next.
+// Keeps track of a job's pieces: pending, in progress, done.
 #pragma once
 
 #include <chrono>
@@ -14,7 +14,7 @@
 
 namespace lucerna::client {
 
-/// Every operation costs the logarithm of the attempts under way, at most.
+/// An operation costs at most the logarithm of the number of attempts in progress.
 class JobPieces {
  public:
   using Time = std::chrono::steady_clock::time_point;
@@ -31,24 +31,25 @@ class JobPieces {
   std::size_t done_count() const { return done_count_; }
   bool done(std::size_t piece) const { return done_[piece]; }
   bool all_done() const { return done_count_ == done_.size(); }
-  /// Whether there is a piece that no server is at.
+  /// Whether a piece waits for a server.
   bool any_pending() const { return !pending_.empty(); }
-  /// Whether there is one that another server could do as well.
+  /// Whether a piece in progress may be given to a second server.
   bool any_to_duplicate() const { return !to_duplicate_.empty(); }
 
-  /// The next piece that no server is at is the server's now.
+  /// Gives the server the next pending piece; nothing if there is none.
   std::optional<AttemptId> begin(ServerId server, Time now);
-  /// As above, for a piece that others are at, which may hang or be slow: the one with the fewest
-  /// attempts, and of those the one that was begun longest ago.  The server is at none itself.
+  /// Gives the server a piece that others are working on, because they may hang or be slow.
+  /// Chooses the piece with the fewest attempts, and of those the one begun first.  The server must
+  /// have no attempt in progress.
   std::optional<AttemptId> begin_duplicate(ServerId server);
   const Attempt& attempt(AttemptId id) const { return attempts_.at(id); }
-  /// The attempts at a piece.
+  /// Attempts of a piece that are in progress.
   std::vector<AttemptId> attempts_at(std::size_t piece) const;
-  /// The attempts of a server.
+  /// Attempts of a server that are in progress.
   std::vector<AttemptId> attempts_of(ServerId server) const;
 
   void complete(std::size_t piece);
-  /// The attempt is over.  A piece that is then neither done nor being done is the next to be
+  /// Ends an attempt.  If the piece is neither done nor in progress elsewhere, it is the next to be
   /// given.
   void end(AttemptId attempt);
 
@@ -59,7 +60,7 @@ class JobPieces {
   };
   using Key = std::tuple<std::size_t, Time, std::size_t>;  // attempts, begun, piece
 
-  /// Puts the piece among those to duplicate, or takes it out.
+  /// Adds the piece to `to_duplicate_`, or removes it.
   void file(std::size_t piece, const Active& active, bool in);
   AttemptId add(std::size_t piece, Active& active, ServerId server);
 

@@ -13,18 +13,18 @@ using std::chrono::milliseconds;
 using std::chrono::seconds;
 
 constexpr milliseconds kFirstBackoff(100);
-// With its jitter fewer than fifty attempts a minute.
+// With jitter this makes fewer than fifty attempts a minute.
 constexpr milliseconds kLongestBackoff(3000);
 constexpr seconds kRenewAfter(20);
-// With servers that start when the job does.
+// Servers may start together with the job; until then, missing servers are not reported.
 constexpr seconds kStartTime(2);
-// A server that has no room for the scene is asked again after so long at most.
+// Longest wait before a server without room for the scene is tried again.
 constexpr seconds kBusy(10);
 constexpr int kMostFailures = 3;
 
-/// Whether it is the server that failed and not the request.
+/// Whether the server failed, not the request.
 bool is_gone(const absl::Status& status) {
-  // gRPC says UNKNOWN of a stream whose server was killed.
+  // gRPC reports UNKNOWN for a stream whose server was killed.
   return absl::IsUnavailable(status) || absl::IsUnknown(status) ||
          absl::IsDeadlineExceeded(status) || absl::IsCancelled(status);
 }
@@ -52,7 +52,7 @@ void JobSchedule::end(const absl::Status& status) {
 void JobSchedule::list(const absl::StatusOr<std::vector<std::string>>& targets, Time now) {
   if (!targets.ok()) {
     if (servers_.empty()) end(targets.status());
-    return;  // those that were there go on
+    return;  // known servers continue
   }
   const std::set<std::string> named(targets->begin(), targets->end());
   for (ServerId id = 0; id < servers_.size(); ++id) {
@@ -87,7 +87,7 @@ void JobSchedule::wake(ServerId id, Time when) {
 
 void JobSchedule::serve(ServerId id, Time now) {
   Server& server = servers_[id];
-  hungry_.erase(id);
+  idle_.erase(id);
   wake(id, Time::max());
   if (over() || !server.listed || server.excluded || server.preparing) return;
   if (now < server.not_before) return wake(id, server.not_before);
@@ -101,7 +101,7 @@ void JobSchedule::serve(ServerId id, Time now) {
   }
   while (server.in_flight < options_.window) {
     if (start_one(id, now)) continue;
-    hungry_.insert(id);
+    idle_.insert(id);
     break;
   }
   if (!server.renewing) wake(id, server.renewed + kRenewAfter);
@@ -110,7 +110,7 @@ void JobSchedule::serve(ServerId id, Time now) {
 bool JobSchedule::start_one(ServerId id, Time now) {
   Server& server = servers_[id];
   std::optional<AttemptId> attempt = pieces_.begin(id, now);
-  // Beside a piece of its own a duplicate would only slow that.
+  // A server with a piece of its own would be slowed by a duplicate.
   if (!attempt && server.in_flight == 0) attempt = pieces_.begin_duplicate(id);
   if (!attempt) return false;
   ++server.in_flight;
@@ -119,9 +119,9 @@ bool JobSchedule::start_one(ServerId id, Time now) {
 }
 
 void JobSchedule::feed(Time now) {
-  for (auto it = hungry_.begin(); it != hungry_.end();) {
+  for (auto it = idle_.begin(); it != idle_.end();) {
     if (!pieces_.any_pending() && !pieces_.any_to_duplicate()) return;
-    serve(*it++, now);  // takes itself out, or puts itself back
+    serve(*it++, now);  // serve() removes and re-inserts the id
   }
 }
 
@@ -129,7 +129,7 @@ void JobSchedule::exclude(Server& server, const std::string& why) {
   server.excluded = true;
   const auto may_help = [](const Server& s) { return s.listed && !s.excluded; };
   if (std::any_of(servers_.begin(), servers_.end(), may_help)) {
-    channel_.say(why + "; goes on without " + server.target);
+    channel_.say(why + "; continuing without " + server.target);
   } else {
     end(absl::FailedPreconditionError(why + "; no other server is left"));
   }
@@ -141,14 +141,14 @@ bool JobSchedule::fits(Server& server, const Prepared& answer) {
   std::string why;
   if (answer.fingerprint != first.fingerprint && !options_.allow_mixed) {
     why = server.target + " (" + answer.fingerprint + ") and " + target + " (" + first.fingerprint +
-          ") have different numeric fingerprints: their results would differ in last places";
+          ") have different numeric fingerprints: their results would differ in the last digits";
   } else if (answer.scene_id != first.scene_id) {
     why = "the scene of " + server.target + " is " + answer.scene_id + ", that of " + target +
           " is " + first.scene_id + ": their files differ";
   }
   if (why.empty()) return true;
   if (server.came_later || !server.fingerprint.empty()) {
-    // A job that runs is done without it.
+    // A running job continues without it.
     exclude(server, why);
   } else {
     end(absl::FailedPreconditionError(why));
@@ -162,11 +162,12 @@ void JobSchedule::prepared(ServerId id, const absl::StatusOr<Prepared>& answer, 
   if (over()) return;
   if (!answer.ok()) return failed(id, answer.status(), now);
   if (!fits(server, *answer)) return;
-  server.is_news = server.told_failure || (server.fingerprint.empty() && pieces_.done_count() > 0);
+  server.is_news =
+      server.failure_reported || (server.fingerprint.empty() && pieces_.done_count() > 0);
   server.fingerprint = answer->fingerprint;
   set(server, &Server::ready, true);
   server.renewed = now;
-  server.told_busy = false;
+  server.busy_reported = false;
   serve(id, now);
 }
 
@@ -191,8 +192,8 @@ bool JobSchedule::finished(AttemptId attempt, const absl::Status& answer, Time n
   const bool counts = answer.ok() && !was_done && !over();
   if (counts) {
     pieces_.complete(piece);
-    // Not before: a server that takes the scene and fails at each piece is no better than a dead
-    // one.
+    // Only a result resets the backoff.  A server that loads the scene and fails at each piece is
+    // no better than a dead one.
     server.backoff = kFirstBackoff;
     for (const AttemptId other : pieces_.attempts_at(piece))
       if (other != attempt) channel_.cancel(other);
@@ -203,7 +204,7 @@ bool JobSchedule::finished(AttemptId attempt, const absl::Status& answer, Time n
   duplicates_ += answer.ok() && was_done ? 1 : 0;
   if (answer.ok() && server.is_news) {
     channel_.say(server.target + " answers");
-    server.is_news = server.told_failure = false;
+    server.is_news = server.failure_reported = false;
   }
   pieces_.end(attempt);
   if (over()) return counts;
@@ -217,11 +218,11 @@ void JobSchedule::failed_piece(ServerId id, std::size_t piece, const absl::Statu
                                Time now) {
   Server& server = servers_[id];
   if (!absl::IsNotFound(status) && !absl::IsInternal(status)) {
-    // Of what was under way at a server that died, the first says all.
+    // When a server dies, all of its calls fail; only the first failure counts.
     if (server.ready || !is_gone(status)) failed(id, status, now);
     return;
   }
-  // It lost the scene, or itself: try anew, here or elsewhere, and not for ever.
+  // The server lost the scene or failed.  Try again, here or elsewhere, but not forever.
   Failures& failures = failures_[piece];
   ++failures.count;
   failures.servers.insert(id);
@@ -230,36 +231,36 @@ void JobSchedule::failed_piece(ServerId id, std::size_t piece, const absl::Statu
   if (failures.count >= kMostFailures && static_cast<std::ptrdiff_t>(failures.servers.size()) >=
                                              std::min<std::ptrdiff_t>(kMostFailures, others))
     return end(from_server(server.target, status));
-  tell_failure(server, " failed: " + std::string(status.message()));
+  report_failure(server, " failed: " + std::string(status.message()));
   set(server, &Server::ready, false);
   back_off(server, now);
 }
 
 void JobSchedule::failed(ServerId id, const absl::Status& status, Time now) {
   Server& server = servers_[id];
-  if (const auto delay = retry_delay(status)) {  // it is there, and busy
-    // With others' leases that may be long; perhaps they are given up before.
+  if (const auto delay = retry_delay(status)) {  // the server is present but busy
+    // Leases of others can make this delay long; they may end earlier.
     server.not_before =
         now + (server.ready ? Time::duration(*delay) : std::min<Time::duration>(*delay, kBusy));
-    if (!server.ready && !server.told_busy) {
+    if (!server.ready && !server.busy_reported) {
       channel_.say(server.target + " cannot take the scene now: " + std::string(status.message()));
-      server.told_busy = true;
+      server.busy_reported = true;
     }
     return serve(id, now);
   }
   if (!is_gone(status)) return end(from_server(server.target, status));
   set(server, &Server::ready, false);
-  // One that was never there may be about to start.
+  // A server that never answered may be about to start.
   if (!server.fingerprint.empty() || now - begun_ > kStartTime)
-    tell_failure(server, " does not answer: " + std::string(status.message()));
+    report_failure(server, " does not answer: " + std::string(status.message()));
   back_off(server, now);
   serve(id, now);
 }
 
-void JobSchedule::tell_failure(Server& server, const std::string& what) {
-  if (server.told_failure || !server.listed) return;
+void JobSchedule::report_failure(Server& server, const std::string& what) {
+  if (server.failure_reported || !server.listed) return;
   channel_.say(server.target + what);
-  server.told_failure = true;
+  server.failure_reported = true;
 }
 
 void JobSchedule::back_off(Server& server, Time now) {
@@ -272,15 +273,15 @@ void JobSchedule::back_off(Server& server, Time now) {
 JobSchedule::Time JobSchedule::advance(Time now) {
   while (!over() && !due_.empty() && due_.begin()->first <= now) serve(due_.begin()->second, now);
   const bool alone = answering_ == 0;
-  if (!alone) told_alone_ = false;
-  if (alone && !told_alone_ && now - begun_ > kStartTime) {
-    const auto is_busy = [](const Server& s) { return s.told_busy && s.listed; };
+  if (!alone) reported_alone_ = false;
+  if (alone && !reported_alone_ && now - begun_ > kStartTime) {
+    const auto is_busy = [](const Server& s) { return s.busy_reported && s.listed; };
     if (std::none_of(servers_.begin(), servers_.end(), is_busy))
       channel_.say("no server answers: waiting");
-    told_alone_ = true;
+    reported_alone_ = true;
   }
   Time next = due_.empty() ? Time::max() : due_.begin()->first;
-  if (alone && !told_alone_) next = std::min(next, begun_ + kStartTime + milliseconds(1));
+  if (alone && !reported_alone_) next = std::min(next, begun_ + kStartTime + milliseconds(1));
   return next;
 }
 

@@ -1,9 +1,9 @@
-// Decides which server does which piece of a job, and when it is asked.
+// Decides which server does which piece of a job, and when.
 //
-// It makes no call, starts no thread and reads no clock: it is told what happened and what time it
-// is, and says through a Channel what is to be done.  So the same code runs a job over gRPC
-// (job.cpp) and a simulated one of a thousand servers (tests/client/jobs/job_simulation_test.cpp).
-// Not safe for several threads at once.
+// The schedule makes no call, starts no thread and reads no clock.  Events and the time come in
+// through its methods; its decisions go out through a Channel.  So the same code runs a job over
+// gRPC (job.cpp) and a simulated job on a thousand servers
+// (tests/client/jobs/job_simulation_test.cpp). Not safe for several threads at once.
 #pragma once
 
 #include <chrono>
@@ -28,20 +28,20 @@ class JobSchedule {
   using ServerId = JobPieces::ServerId;
   using AttemptId = JobPieces::AttemptId;
 
-  /// Does what the schedule decides.  Its methods return at once; what they begin is answered later
-  /// through the method of the schedule that is named, and never from within.
+  /// Carries out the decisions.  Its methods return at once.  What they begin is answered later
+  /// through the method of the schedule that is named here, and never from within the call.
   class Channel {
    public:
     virtual ~Channel() = default;
-    /// Bring the scene to a server: prepared().
+    /// Load the scene on a server; answered by prepared().
     virtual void prepare(ServerId server, const std::string& target) = 0;
-    /// Renew the scene's lease there: renewed().
+    /// Renew the lease of the scene on a server; answered by renewed().
     virtual void renew(ServerId server) = 0;
-    /// Have a piece done: finished().
+    /// Have a piece done; answered by finished().
     virtual void start(AttemptId attempt, ServerId server, std::size_t piece) = 0;
-    /// An attempt is of no more use; finished() still follows.
+    /// Cancel an attempt whose result is not needed; finished() still follows.
     virtual void cancel(AttemptId attempt) = 0;
-    /// Tell a person.
+    /// Report an event to the user.
     virtual void say(const std::string& event) = 0;
   };
 
@@ -51,80 +51,80 @@ class JobSchedule {
   };
 
   struct Options {
-    int window = 2;  ///< pieces in flight at one server, at least 1
+    int window = 2;  ///< pieces in flight on one server, at least 1
     bool allow_mixed = false;
-    /// Of the jitter: jobs that lose a server at once must not come back at once.
+    /// Seed of the jitter.  Jitter keeps jobs that lost a server together from returning together.
     std::uint32_t seed = 0;
   };
 
   JobSchedule(const Options& options, Channel& channel, Time now);
 
-  /// How many pieces there are; called once.  Until then servers are made ready, and the job is not
+  /// Sets the number of pieces; called once.  Before that, servers are prepared, and the job is not
   /// over.
   void set_pieces(std::size_t count);
 
-  /// Who is there now, each once.  An error where that is not known counts only as long as no
-  /// server ever was: then it ends the job.
+  /// The servers that are present now, each once.  An error ends the job if no server was ever
+  /// listed; later errors are ignored.
   void list(const absl::StatusOr<std::vector<std::string>>& targets, Time now);
   void prepared(ServerId server, const absl::StatusOr<Prepared>& answer, Time now);
   void renewed(ServerId server, const absl::Status& answer, Time now);
-  /// Whether the result is the first of its piece, and so the one that counts.
+  /// Returns whether the result is the first of its piece, which is the one that counts.
   bool finished(AttemptId attempt, const absl::Status& answer, Time now);
-  /// Does what is due, and says when to come again if nothing happens before.
+  /// Does what is due.  Returns when to call again if nothing happens before.
   Time advance(Time now);
-  /// The job ends with this, unless it is over.
+  /// Ends the job with this status, unless it is over.
   void end(const absl::Status& status);
 
   bool over() const { return !status_.ok() || (has_pieces_ && pieces_.all_done()); }
-  /// What ended the job; OK while it runs and when all is done.
+  /// The error that ended the job; OK while it runs and after success.
   const absl::Status& status() const { return status_; }
   const JobPieces& pieces() const { return pieces_; }
   std::size_t answering() const { return answering_; }
-  /// Of the servers whose results counted.
+  /// Numeric fingerprints of the servers whose results counted.
   const std::vector<std::string>& fingerprints() const { return fingerprints_; }
-  std::size_t duplicates() const { return duplicates_; }  ///< results that came second
+  std::size_t duplicates() const { return duplicates_; }  ///< second results of a piece
 
  private:
   struct Server {
     std::string target;
-    std::string fingerprint;  // empty before it was first prepared
-    bool listed = true;       // among those that are there
-    bool ready = false;       // has the scene
+    std::string fingerprint;  // empty until it is prepared for the first time
+    bool listed = true;       // in the latest list
+    bool ready = false;       // holds the scene
     bool preparing = false;
     bool renewing = false;
-    bool excluded = false;  // for good: another build than it was
-    bool told_failure = false;
-    bool told_busy = false;
-    bool is_news = false;     // that it answers
-    bool came_later = false;  // than the first list
+    bool excluded = false;  // permanently: its build or its scene does not fit
+    bool failure_reported = false;
+    bool busy_reported = false;
+    bool is_news = false;     // its next result is worth an event
+    bool came_later = false;  // was not in the first list
     int in_flight = 0;
     std::chrono::milliseconds backoff{};
-    Time not_before{};  // no attempt earlier
+    Time not_before{};  // no call before this time
     Time renewed{};
-    Time due = Time::max();  // of its entry in due_
+    Time due = Time::max();  // key of its entry in due_
 
     bool answers() const { return listed && ready; }
   };
 
-  /// At a piece, that may be the piece's own fault.
+  /// Failures of a piece that may be the piece's own fault.
   struct Failures {
     int count = 0;
     std::set<ServerId> servers;
   };
 
-  /// Changes what answers() depends on.
+  /// Changes a flag that answers() depends on, and keeps `answering_` up to date.
   void set(Server& server, bool Server::*flag, bool value);
-  /// Gives the server whatever it can do now.
+  /// Gives the server everything that it can do now.
   void serve(ServerId id, Time now);
-  /// Gives what has become free to servers that have nothing to do.
+  /// Gives pieces that became available to idle servers.
   void feed(Time now);
   void wake(ServerId id, Time when);
   bool start_one(ServerId id, Time now);
-  /// Takes the server's part from it for good; ends the job where no other is left.
+  /// Excludes the server permanently; ends the job if no other server is left.
   void exclude(Server& server, const std::string& why);
-  void tell_failure(Server& server, const std::string& what);
+  void report_failure(Server& server, const std::string& what);
   void back_off(Server& server, Time now);
-  /// Whether the server may take part; if not, what follows from that is done.
+  /// Whether the server may take part.  If not, excludes it or ends the job.
   bool fits(Server& server, const Prepared& answer);
   void failed(ServerId id, const absl::Status& status, Time now);
   void failed_piece(ServerId id, std::size_t piece, const absl::Status& status, Time now);
@@ -137,15 +137,16 @@ class JobSchedule {
   absl::Status status_;
   std::vector<Server> servers_;
   std::map<std::string, ServerId> by_target_;
-  std::set<ServerId> hungry_;                // that could do more than there is
-  std::set<std::pair<Time, ServerId>> due_;  // when a server is to be served again
+  std::set<ServerId> idle_;                  // servers with free capacity
+  std::set<std::pair<Time, ServerId>> due_;  // when to serve a server again
   std::size_t answering_ = 0;
   std::map<std::size_t, Failures> failures_;  // by piece
   std::vector<std::string> fingerprints_;
   std::size_t duplicates_ = 0;
-  bool told_alone_ = false;
+  bool reported_alone_ = false;
   bool listed_once_ = false;
-  std::optional<std::pair<std::string, Prepared>> first_;  // what all others must fit
+  std::optional<std::pair<std::string, Prepared>>
+      first_;  // the first prepared server, which all others must match
   std::minstd_rand random_;
 };
 

@@ -1,4 +1,4 @@
-// What a job has done so far, on disk: a line that says which job, then one record a result.
+// The journal of a job on disk: a line that identifies the job, then one record per result.
 #pragma once
 
 #include <functional>
@@ -11,20 +11,21 @@
 
 namespace lucerna::client {
 
-/// Not thread-safe, and one job at a time has it.
+/// Not thread-safe.  One job at a time may have it open.
 class Journal {
  public:
-  /// Opens or begins the journal of the job called `job` (one line), and calls `on_record` with
-  /// each record that is there.  What was cut off while it was being written is forgotten.
-  /// FAILED_PRECONDITION for another job's, UNKNOWN where the disk does not let or a job that runs
-  /// has it.  Where the file system has no locks, two jobs may have written a record each of the
+  /// Opens or creates the journal of the job called `job` (one line), and calls `on_record` with
+  /// each existing record.  A record that was cut off while being written is dropped.
+  ///
+  /// FAILED_PRECONDITION for the journal of another job; UNKNOWN if the disk fails or a running job
+  /// has it open.  On file systems without locks, two jobs may each have written a record of the
   /// same piece.
   static absl::StatusOr<Journal> open(
       const std::string& path, const std::string& job,
       const std::function<absl::Status(const std::string&)>& on_record);
 
-  /// Whether there is a journal, of whatever job, with more than its first line.
-  static bool tells(const std::string& path);
+  /// Whether the file is a journal, of any job, with at least one record.
+  static bool has_records(const std::string& path);
 
   absl::Status add(const std::string& record);
 

@@ -8,6 +8,8 @@
 #include <cerrno>
 #include <cstring>
 
+#include "proto/common/status_macros.h"
+
 namespace lucerna::client {
 
 absl::StatusOr<OpenFile> OpenFile::open(const std::string& path, const std::string& taken,
@@ -39,28 +41,29 @@ absl::Status OpenFile::resize(std::uint64_t size) {
 }
 
 absl::Status OpenFile::reserve(std::uint64_t size) {
-  if (absl::Status s = resize(0); !s.ok()) return s;
+  LUCERNA_RETURN_IF_ERROR(resize(0));
   int error = 0;
   do {
     error = ::fallocate(file_, 0, 0, static_cast<off_t>(size)) == 0 ? 0 : errno;
   } while (error == EINTR);
   if (error == 0) return absl::OkStatus();
   absl::Status status = failed(std::to_string(size) + " bytes: " + std::strerror(error));
-  // Of these the file system says that it does not know how; it fails later, when it is full.
+  // With these errors the file system does not support allocation; it fails later, when it is full.
   if (error == EOPNOTSUPP || error == ENOSYS || error == EINVAL) status = resize(size);
-  // What was reserved of it is given back, and nobody takes the length for what is there.
+  // Releases the space.  Otherwise the length would suggest that the content exists.
   if (!status.ok()) resize(0).IgnoreError();
   return status;
 }
 
-/// All of `size` bytes, or what went wrong.  `transfer(done)` moves some from `done` on.
+/// Transfers all `size` bytes, or returns the error.  `transfer(done)` moves some of them, from
+/// `done` on.
 template <class Transfer>
 absl::Status OpenFile::all_of(std::size_t size, Transfer transfer) const {
   for (std::size_t done = 0; done < size;) {
     const ssize_t n = transfer(done);
     if (n < 0 && errno == EINTR) continue;
     if (n < 0) return failed(std::strerror(errno));
-    if (n == 0) return failed("is shorter than it was");
+    if (n == 0) return failed("became shorter while it was read");
     done += static_cast<std::size_t>(n);
   }
   return absl::OkStatus();

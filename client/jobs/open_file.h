@@ -1,4 +1,4 @@
-// A file that one process at a time has open, with errors that name it.
+// A file that one process at a time has open.  Errors name the file.
 #pragma once
 
 #include <cstddef>
@@ -12,12 +12,12 @@
 
 namespace lucerna::client {
 
-/// Errors are UNKNOWN, with the file's name and what the system says.  Not thread-safe.
+/// Errors are UNKNOWN, with the file's name and the system's message.  Not thread-safe.
 class OpenFile {
  public:
-  /// Opens or makes `path` to read and write, with further `flags` of open(2).  `taken` is the
-  /// error where it is open as an OpenFile elsewhere, in this process or another; file systems
-  /// without locks do not tell.
+  /// Opens or creates `path` for reading and writing, with additional `flags` of open(2).  `taken`
+  /// is the error if an OpenFile has it open elsewhere, in this process or another.  File systems
+  /// without locks do not detect that.
   static absl::StatusOr<OpenFile> open(const std::string& path, const std::string& taken,
                                        int flags = 0);
   OpenFile(OpenFile&& other) noexcept
@@ -32,13 +32,13 @@ class OpenFile {
   const std::string& path() const { return path_; }
   absl::StatusOr<std::uint64_t> size() const;
   absl::Status resize(std::uint64_t size);
-  /// Empties the file and gives it `size` bytes, with room on the disk for all of them where the
-  /// file system can promise that.  Where it fails, the file is empty.
+  /// Empties the file and gives it `size` bytes.  Allocates disk space for all of them if the file
+  /// system can.  After an error the file is empty.
   absl::Status reserve(std::uint64_t size);
 
   absl::Status read(std::uint64_t offset, char* bytes, std::size_t size) const;
   absl::Status write(std::uint64_t offset, std::string_view bytes);
-  /// Of a file that was opened with O_APPEND.
+  /// Requires that the file was opened with O_APPEND.
   absl::Status append(std::string_view bytes);
 
  private:

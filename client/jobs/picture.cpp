@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "proto/common/status_macros.h"
 #include "proto/common/tile_statistics.h"
 
 namespace lucerna::client {
@@ -17,7 +18,7 @@ bool same_rect(const v1::PixelRect& a, const v1::PixelRect& b) {
 
 namespace {
 
-// The planes are copied as they come.
+// Planes are copied byte by byte.
 static_assert(std::endian::native == std::endian::little);
 
 constexpr std::uint64_t kMaxPixels = std::uint64_t{1} << 30;
@@ -31,7 +32,7 @@ std::size_t pixel_count(const v1::PixelRect& rect) {
   return std::size_t{rect.x1() - rect.x0()} * (rect.y1() - rect.y0());
 }
 
-/// What is wrong with a tile by itself.
+/// The error of a tile that is inconsistent in itself.
 absl::Status check(const v1::Tile& tile) {
   const v1::PixelRect& rect = tile.rect();
   const std::string name = describe(rect);
@@ -66,7 +67,7 @@ absl::Status check(const v1::Tile& tile) {
   return absl::OkStatus();
 }
 
-/// Empty where the tile has none.
+/// The numbers of a plane; empty if the tile has no such plane.
 template <typename Number>
 std::vector<Number> plane(const std::string& bytes) {
   std::vector<Number> result(bytes.size() / sizeof(Number));
@@ -83,22 +84,22 @@ std::vector<BlockStatistics> statistics(const v1::Tile& tile) {
   return result;
 }
 
-/// The value of a pixel's channel, of so many blocks.
+/// The value of a pixel's channel with this number of blocks.
 float mean(const BlockStatistics& total, double blocks) {
   return static_cast<float>(total.sum / blocks);
 }
 
-/// One rectangle of the picture with all blocks so far.
+/// One rectangle of the picture with all blocks added so far.
 struct Piece {
   v1::PixelRect rect;
   std::uint32_t samples_per_block = 0;
   std::uint64_t first_block = 0;
   std::uint64_t blocks = 0;
   std::vector<BlockStatistics> total;
-  /// Of each pixel; empty where there was no target error.
+  /// Per pixel; empty without a target error.
   std::vector<std::uint32_t> samples;
   std::vector<float> lower, upper;
-  /// Once there was something to merge.
+  /// Created at the first merge.
   std::optional<BlockMerger> merger;
 };
 
@@ -114,7 +115,7 @@ Piece make_piece(const v1::Tile& tile) {
           .merger = std::nullopt};
 }
 
-/// False where the tile does not continue the piece, which then is unchanged.
+/// Returns false, without any change, if the tile does not continue the piece.
 bool merge_into(const v1::Tile& tile, Piece* piece) {
   if (tile.samples_per_block() != piece->samples_per_block) return false;
   if (!piece->samples.empty()) return false;
@@ -145,7 +146,7 @@ struct PictureAssembler::State {
   std::uint32_t width = 0;
   std::uint32_t height = 0;
   std::vector<Piece> pieces;
-  /// For each pixel 1 + the index of its piece, or 0.
+  /// 1 + the index of each pixel's piece, or 0.
   std::vector<std::uint32_t> owner;
   std::size_t owned = 0;
 
@@ -173,7 +174,7 @@ PictureAssembler& PictureAssembler::operator=(PictureAssembler&&) noexcept = def
 PictureAssembler::~PictureAssembler() = default;
 
 absl::Status PictureAssembler::add(const v1::Tile& tile) {
-  if (absl::Status status = check(tile); !status.ok()) return status;
+  LUCERNA_RETURN_IF_ERROR(check(tile));
   State& state = *state_;
   const v1::PixelRect& rect = tile.rect();
   if (state.pieces.empty()) {

@@ -1,4 +1,10 @@
-// Pictures from the tiles that RenderImage and RenderTile answer.
+// Assembles a picture from the tiles of RenderImage and RenderTile.
+//
+//   PictureAssembler assembler;
+//   const auto status = client.render_image(request, [&](const auto& response) {
+//     return !response.has_tile() || assembler.add(response.tile()).ok();
+//   });
+//   const auto picture = assembler.picture();
 #pragma once
 
 #include <cstdint>
@@ -15,26 +21,26 @@ namespace lucerna::client {
 /// Whether the rectangles cover the same pixels.
 bool same_rect(const v1::PixelRect& a, const v1::PixelRect& b);
 
-/// Linear Rec. 709 RGB [cd/m2, times the film's scale], interleaved, rows from the top.
+/// A picture in linear Rec.  709 RGB [cd/m2 times the film's scale], interleaved, rows from the
+/// top.
 struct Picture {
   std::uint32_t width = 0;
   std::uint32_t height = 0;
   /// width * height * 3.
   std::vector<float> pixels;
-  /// Standard error of each entry of `pixels`; empty where some pixel has a single block of
-  /// samples, which gives none.
+  /// Standard error of each entry of `pixels`.  Empty if some pixel has a single block of samples.
   std::vector<float> standard_error;
   /// Samples of each pixel, width * height.
   std::vector<std::uint32_t> samples{};
-  /// Of each pixel, where all were asked for with a target error, else empty: the converged
-  /// luminance lies between these with the confidence of the target.
+  /// Interval of the luminance of each pixel, with the confidence of the target error.  Empty
+  /// unless all tiles have a target error.
   std::vector<float> lower{}, upper{};
 };
 
 /// Writes the pixels of a rectangle within the picture: three floats each, rows from the top.
 void put_pixels(const v1::PixelRect& rect, std::span<const float> rgb, Picture* picture);
 
-/// Puts tiles together.  Not thread-safe.
+/// Assembles tiles.  Not thread-safe.
 class PictureAssembler {
  public:
   PictureAssembler();
@@ -42,15 +48,17 @@ class PictureAssembler {
   PictureAssembler& operator=(PictureAssembler&&) noexcept;
   ~PictureAssembler();
 
-  /// A tile whose rectangle is new, or is that of an earlier tile.  In the latter case it replaces
-  /// it where its first block is 0 (as RenderImage sends them), and is merged with it where it
-  /// continues its blocks (RenderTile of a sample range), which gives the same bits as if all had
-  /// been one tile. INVALID_ARGUMENT, and nothing changes, for a tile that is not whole in itself
-  /// (rectangle, plane sizes), of a picture of another size, that overlaps others in part, or does
-  /// not continue; nothing continues a tile of a target error, whose pixels have samples enough.
+  /// Adds a tile whose rectangle is new, or equals that of an earlier tile.  In the latter case it
+  /// replaces the earlier tile if its first block is 0 (from RenderImage).  If it continues the
+  /// earlier blocks (from RenderTile with a sample range), it is merged, with the same bits as a
+  /// single tile.
+  ///
+  /// INVALID_ARGUMENT, without any change, for a tile that is inconsistent (rectangle, plane
+  /// sizes), belongs to a picture of another size, overlaps others in part, or does not continue.
+  /// Nothing continues a tile with a target error, whose pixels have all of their samples.
   absl::Status add(const v1::Tile& tile);
 
-  /// What the pixels of a tile are so far, as put_pixels() takes them.  NOT_FOUND where no tile of
+  /// The current pixels of a tile, in the form that put_pixels() takes.  NOT_FOUND if no tile with
   /// this rectangle was added.
   absl::StatusOr<std::vector<float>> pixels(const v1::PixelRect& rect) const;
 

@@ -11,20 +11,21 @@
 #include "client/jobs/journal.h"
 #include "proto/common/sample_blocks.h"
 #include "proto/common/sha256.h"
+#include "proto/common/status_macros.h"
 
 namespace lucerna::client {
 namespace {
 
 constexpr std::uint32_t kDefaultTileSize = 64;
-constexpr std::uint32_t kDefaultSamples = 64;  // as RenderImage's
+constexpr std::uint32_t kDefaultSamples = 64;  // the default of RenderImage
 constexpr std::uint64_t kMostPieces = std::uint64_t{1} << 24;
 
 /// The pieces of one picture.
-class Render final : public Work {
+class Render final : public DistributedWork {
  public:
   explicit Render(const RenderJobOptions& options) : options_(options) {}
 
-  /// Which pieces there are, and which of them the journal has.
+  /// Lays out the pieces, and finds those that the journal has.
   absl::Status begin(const v1::SceneSummary& scene,
                      const v1::GetServerInfoResponse& server) override {
     scene_ = scene;
@@ -36,10 +37,10 @@ class Render final : public Work {
     named.set_tile_size(edge);
     if (request.accuracy().has_time_budget_s())
       return absl::InvalidArgumentError(
-          "accuracy.time_budget_s: not of a job, whose tiles wait for their turn; ask for samples "
-          "or for a target error");
+          "accuracy.time_budget_s: not allowed in a job, whose tiles wait for servers; set samples "
+          "or a target error");
     if (request.accuracy().has_target_error()) {
-      if (absl::Status s = lay_out_by_area(edge); !s.ok()) return s;
+      LUCERNA_RETURN_IF_ERROR(lay_out_by_area(edge));
       return open_journal(named, server);
     }
     const std::uint32_t hint =
@@ -54,23 +55,22 @@ class Render final : public Work {
       return absl::InvalidArgumentError("samples_per_block = " + std::to_string(per_block_) +
                                         ", allowed: a power of two that divides " +
                                         std::to_string(samples) + " samples");
-    if (absl::Status s = lay_out(samples / per_block_, edge); !s.ok()) return s;
+    LUCERNA_RETURN_IF_ERROR(lay_out(samples / per_block_, edge));
     named.mutable_accuracy()->set_samples(samples);
     named.set_samples_per_block(per_block_);
     return open_journal(named, server);
   }
 
-  /// Leaves to be done what the journal of this job does not tell of.
+  /// Removes the pieces that the journal has from those to do.
   absl::Status open_journal(const v1::RenderImageRequest& named,
                             const v1::GetServerInfoResponse& server) {
     if (options_.journal.empty()) return absl::OkStatus();
     std::string job = named.SerializeAsString() + std::to_string(options_.samples_per_piece);
     if (!options_.job.allow_mixed) job += server.fingerprint().digest();
-    auto journal =
-        Journal::open(options_.journal, hexadecimal(sha256(job)),
-                      [this](const std::string& record) { return from_journal(record); });
-    if (!journal.ok()) return journal.status();
-    journal_.emplace(*std::move(journal));
+    LUCERNA_ASSIGN_OR_RETURN(journal_, Journal::open(options_.journal, hexadecimal(sha256(job)),
+                                                     [this](const std::string& record) {
+                                                       return from_journal(record);
+                                                     }));
     std::erase_if(to_do_, [this](std::size_t piece) { return done_[piece]; });
     return absl::OkStatus();
   }
@@ -106,7 +106,7 @@ class Render final : public Work {
     if (!same_rect(response.tile().rect(), piece.rect) ||
         response.tile().first_block() != piece.first_block ||
         !has_blocks_of(response.tile(), piece))
-      return absl::InternalError("a server answered with another tile than was asked for");
+      return absl::InternalError("a server returned another tile than requested");
     cost_.set_camera_rays(cost_.camera_rays() + response.cost().camera_rays());
     cost_.set_indirect_rays(cost_.indirect_rays() + response.cost().indirect_rays());
     cost_.set_shadow_rays(cost_.shadow_rays() + response.cost().shadow_rays());
@@ -119,7 +119,7 @@ class Render final : public Work {
     cost_.set_cpu_time_s(cost_.cpu_time_s() + response.cost().cpu_time_s());
     cost_.set_queue_time_s(cost_.queue_time_s() + response.cost().queue_time_s());
     if (journal_) {
-      if (absl::Status s = journal_->add(response.tile().SerializeAsString()); !s.ok()) return s;
+      LUCERNA_RETURN_IF_ERROR(journal_->add(response.tile().SerializeAsString()));
     }
     return take(to_do_[number], std::move(*response.mutable_tile()));
   }
@@ -135,10 +135,10 @@ class Render final : public Work {
   struct Piece {
     v1::PixelRect rect;
     std::uint64_t first_block, blocks;
-    std::size_t tile;  // pieces of one tile go to the picture in the order of their blocks
+    std::size_t tile;  // pieces of one tile are added in the order of their blocks
   };
 
-  /// All of the picture with its first samples, then with more.
+  /// Pieces are numbered so that all tiles come with their first samples, then with more.
   Piece piece(std::size_t number) const {
     const std::uint64_t tiles = across_ * down_, tile = number % tiles;
     const Run& run = runs_[static_cast<std::size_t>(number / tiles)];
@@ -156,7 +156,7 @@ class Render final : public Work {
     return by_area_ ? !tile.samples().empty() : tile.block_count() == piece.blocks;
   }
 
-  /// The piece that a tile is; nothing where it is none.
+  /// The number of the piece that a tile is; nothing if it is none.
   std::optional<std::size_t> number_of(const v1::Tile& tile) const {
     const auto before = [](const Run& run, std::uint64_t first) { return run.first < first; };
     const auto run = std::lower_bound(runs_.begin(), runs_.end(), tile.first_block(), before);
@@ -170,7 +170,7 @@ class Render final : public Work {
     return number;
   }
 
-  /// Each pixel of a target error decides by itself how long its blocks are.
+  /// With a target error each pixel has its own block length, so tiles are not split by samples.
   absl::Status lay_out_by_area(std::uint32_t edge) {
     if (options_.samples_per_piece > 0)
       return absl::InvalidArgumentError(
@@ -210,8 +210,8 @@ class Render final : public Work {
     const auto number = tile.ParseFromString(record) ? number_of(tile) : std::nullopt;
     if (!number)
       return absl::FailedPreconditionError(options_.journal +
-                                           ": holds what is no piece of this job");
-    // Of two jobs that shared the journal: the bits are the same.
+                                           ": has a record that is not a piece of this job");
+    // Two jobs that shared the journal give the same bits.
     if (done_[*number]) return absl::OkStatus();
     return take(*number, std::move(tile));
   }
@@ -224,7 +224,7 @@ class Render final : public Work {
     std::uint64_t& next = next_block_[piece.tile];
     while (!waiting.empty() && waiting.begin()->first == next) {
       const v1::Tile& first = waiting.begin()->second;
-      if (absl::Status s = assembler_.add(first); !s.ok()) return s;
+      LUCERNA_RETURN_IF_ERROR(assembler_.add(first));
       if (options_.on_tile) options_.on_tile(first, assembler_);
       next += first.block_count();
       waiting.erase(waiting.begin());
@@ -235,7 +235,7 @@ class Render final : public Work {
   const RenderJobOptions& options_;
   v1::SceneSummary scene_;
   std::uint32_t per_block_ = 1;
-  bool by_area_ = false;   // each tile is one piece, whatever its blocks
+  bool by_area_ = false;   // each tile is one piece with all of its samples
   std::vector<Run> runs_;  // of blocks, in order
   std::uint32_t edge_ = 1;
   std::uint64_t across_ = 0, down_ = 0;  // tiles
@@ -253,11 +253,9 @@ class Render final : public Work {
 absl::StatusOr<RenderJobResult> run_render_job(const RenderJobOptions& options) {
   const auto begun = std::chrono::steady_clock::now();
   Render render(options);
-  auto report = run_job(render, options.job);
-  if (!report.ok()) return report.status();
-  absl::StatusOr<Picture> picture = render.picture();
-  if (!picture.ok()) return picture.status();
-  RenderJobResult result{*std::move(picture), *std::move(report), render.pieces(),
+  LUCERNA_ASSIGN_OR_RETURN(auto report, run_job(render, options.job));
+  LUCERNA_ASSIGN_OR_RETURN(Picture picture, render.picture());
+  RenderJobResult result{std::move(picture), std::move(report), render.pieces(),
                          render.pieces() - render.size(), render.cost()};
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begun;
   result.cost.set_wall_time_s(wall.count());

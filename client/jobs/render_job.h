@@ -1,4 +1,10 @@
-// One picture on many servers.
+// Renders one picture on several servers.
+//
+//   RenderJobOptions options;
+//   options.request.mutable_accuracy()->set_samples(64);
+//   options.job = {.servers = *server_list("a:50051,b:50051"), .load = load_the_scene};
+//   const auto result = run_render_job(options);
+//   if (result.ok()) save(result->picture);
 #pragma once
 
 #include <cstdint>
@@ -11,17 +17,18 @@
 namespace lucerna::client {
 
 struct RenderJobOptions {
-  /// What to render; `scene_id` and `final_only` are of no matter, and there is no time budget. The
-  /// bits of the picture are those that RenderImage answers to it, whatever the servers, their
+  /// The picture to render.  `scene_id` and `final_only` are ignored; a time budget is not allowed.
+  /// The picture has the bits that RenderImage gives for this request, whatever the servers, their
   /// number and the tiles.
   v1::RenderImageRequest request;
-  /// Also split each tile's samples, into runs of at most so many; 0: only as far as their number
-  /// asks for, which must be made of powers of two.  0 with a target error, where pixels have
-  /// samples of their own.
+  /// Splits the samples of each tile into runs of at most this many.  0: splits only into the
+  /// powers of two that their number requires.  Must be 0 with a target error, where each pixel has
+  /// its own number of samples.
   std::uint64_t samples_per_piece = 0;
-  /// What is done is kept here, and a job that was interrupted goes on from it.  Empty: nowhere.
+  /// The file that keeps finished pieces.  An interrupted job continues from it.  Empty: none is
+  /// kept.
   std::string journal = {};
-  /// Each piece of the picture when it has become part of it.
+  /// Called with each piece when it has become part of the picture.
   std::function<void(const v1::Tile&, const PictureAssembler& so_far)> on_tile = {};
   JobOptions job = {};
 };
@@ -30,14 +37,16 @@ struct RenderJobResult {
   Picture picture;
   JobReport report;
   std::size_t pieces = 0;
-  std::size_t from_journal = 0;  ///< of these
-  /// Of the pieces that were rendered now; the wall time is the job's.
+  std::size_t from_journal = 0;  ///< pieces that were done before
+  /// Cost of the pieces that were rendered in this run; the wall time is that of the job.
   v1::Cost cost;
 };
 
-/// Errors: those of run_job; INVALID_ARGUMENT for tiles or runs that no picture can be made of, and
-/// for a time budget;
-/// FAILED_PRECONDITION for a journal of another job, UNKNOWN for one that cannot be written.
+/// Runs the job.
+///
+/// Errors: those of run_job; INVALID_ARGUMENT for tile sizes or runs that cannot form a picture,
+/// and for a time budget; FAILED_PRECONDITION for a journal of another job; UNKNOWN if the journal
+/// cannot be written.
 absl::StatusOr<RenderJobResult> run_render_job(const RenderJobOptions& options);
 
 }  // namespace lucerna::client

@@ -7,7 +7,7 @@ namespace {
 
 using google::protobuf::RepeatedField;
 
-/// Where a request's arrays hold `per_item` entries for each of `items`.
+/// Whether an array holds `per_item` entries for each of `items`.
 bool fits(int size, std::size_t items, std::size_t per_item) {
   return static_cast<std::size_t>(size) == items * per_item;
 }
@@ -16,7 +16,7 @@ bool fits_or_empty(int size, std::size_t items, std::size_t per_item) {
   return size == 0 || fits(size, items, per_item);
 }
 
-/// Items of a batch of points; 0 where its coordinates are not three a point.
+/// Items of a batch of points; 0 if its coordinates are not three per point.
 std::size_t points(const v1::Points& points) {
   return points.offsets_m_size() % 3 == 0 ? points.offsets_m_size() / 3 : 0;
 }
@@ -25,7 +25,7 @@ std::size_t samples_per_item(const v1::SampleLiRequest& request) {
   return std::max<std::size_t>(1, request.accuracy().samples());
 }
 
-/// Keeps the entries of items [first, first + count) of an array that is empty or of all items.
+/// Keeps the entries of items [first, first + count) of an array that is empty or has all items.
 template <class T>
 void keep(std::size_t first, std::size_t count, std::size_t per_item, const RepeatedField<T>& from,
           RepeatedField<T>* to) {
@@ -49,7 +49,7 @@ void append_all(const RepeatedField<T>& next, RepeatedField<T>* whole) {
   whole->Add(next.begin(), next.end());
 }
 
-/// Empty stands for "all OK" in each part and in the whole.
+/// An empty array stands for "all OK", in a part and in the whole.
 void append_status(const RepeatedField<int>& next, std::size_t count, std::size_t whole_count,
                    RepeatedField<int>* whole) {
   if (next.empty() && whole->empty()) return;
@@ -126,8 +126,8 @@ std::size_t item_count(const v1::EstimateIrradianceRequest& request) {
 
 namespace {
 
-/// What a request says once for all of its items.  Field by field: copying a whole request to cut
-/// its arrays would copy them all for each part.
+/// Copies the fields that hold for all items.  It copies field by field: a copy of the whole
+/// request would copy all arrays for each part.
 template <class Request>
 Request without_items(const Request& request) {
   Request result;
@@ -148,8 +148,8 @@ Request without_items(const Request& request) {
   return result;
 }
 
-/// The sample values of items [first, first + count), `per_item` numbers of `u` and `lights` of
-/// `u_light` for each.
+/// Copies the sample values of items [first, first + count): `per_item` numbers of `u` and `lights`
+/// of `u_light` for each.
 template <class Request>
 void keep_randomness(std::size_t first, std::size_t count, std::size_t per_item, std::size_t lights,
                      const Request& from, Request* to) {
@@ -274,7 +274,7 @@ void append(const v1::PdfLiResponse& next, v1::PdfLiResponse* whole) {
 void append(const v1::SampleLeResponse& next, v1::SampleLeResponse* whole) {
   append_status(next.status(), next.pdf_direction_per_sr_size(), whole->pdf_direction_per_sr_size(),
                 whole->mutable_status());
-  // Every batch has the scene's own origin.
+  // Every batch has the origin of the scene.
   if (next.points().has_origin_m()) {
     *whole->mutable_points()->mutable_origin_m() = next.points().origin_m();
   }
@@ -331,7 +331,7 @@ void append(const v1::EstimateIrradianceResponse& next, v1::EstimateIrradianceRe
     append_all(next.item_costs().rays(), costs->mutable_rays());
     append_all(next.item_costs().time_s(), costs->mutable_time_s());
   }
-  // Every batch names the same lights in the same order.
+  // Every batch lists the same lights in the same order.
   for (int i = 0; i < next.shares_size(); ++i) {
     v1::LightShare* share =
         i < whole->shares_size() ? whole->mutable_shares(i) : whole->add_shares();

@@ -1,5 +1,4 @@
-// Taking requests apart into batches and putting their answers together; batches.h asks with it.
-// Not installed.
+// Splits requests into batches and joins the answers, for batches.h.  Not installed.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +8,7 @@
 
 namespace lucerna::client {
 
-/// Receivers, segments or rays of a request; 0 where its arrays do not fit each other.
+/// Receivers, segments or rays of a request; 0 if its arrays do not match each other.
 std::size_t item_count(const v1::SampleLiRequest& request);
 std::size_t item_count(const v1::PdfLiRequest& request);
 std::size_t item_count(const v1::SampleLeRequest& request);
@@ -18,7 +17,7 @@ std::size_t item_count(const v1::LeRequest& request);
 std::size_t item_count(const v1::TestVisibilityRequest& request);
 std::size_t item_count(const v1::EstimateIrradianceRequest& request);
 
-/// The part of a request that asks for items [first, first + count), where item_count() is not 0.
+/// The part of a request with items [first, first + count).  Requires that item_count() is not 0.
 v1::SampleLiRequest part(const v1::SampleLiRequest& request, std::size_t first, std::size_t count);
 v1::PdfLiRequest part(const v1::PdfLiRequest& request, std::size_t first, std::size_t count);
 v1::SampleLeRequest part(const v1::SampleLeRequest& request, std::size_t first, std::size_t count);
@@ -29,7 +28,7 @@ v1::TestVisibilityRequest part(const v1::TestVisibilityRequest& request, std::si
 v1::EstimateIrradianceRequest part(const v1::EstimateIrradianceRequest& request, std::size_t first,
                                    std::size_t count);
 
-/// Puts the answer to the next part behind the answers to those before it.
+/// Appends the answer to the next part to the answers to the parts before it.
 void append(const v1::SampleLiResponse& next, v1::SampleLiResponse* whole);
 void append(const v1::PdfLiResponse& next, v1::PdfLiResponse* whole);
 void append(const v1::SampleLeResponse& next, v1::SampleLeResponse* whole);
@@ -40,7 +39,7 @@ void append(const v1::EstimateIrradianceResponse& next, v1::EstimateIrradianceRe
 
 /// Bit `index` of the contract's bit arrays; false beyond their end.
 bool bit(const std::string& bits, std::size_t index);
-/// Puts the first `count` bits of `next` behind the first `whole_count` of `whole`.
+/// Appends the first `count` bits of `next` to the first `whole_count` bits of `whole`.
 void append_bits(const std::string& next, std::size_t count, std::size_t whole_count,
                  std::string* whole);
 

@@ -5,34 +5,33 @@
 
 #include "client/rpc/batch_parts.h"
 #include "proto/common/answer_size.h"
+#include "proto/common/defaults.h"
+#include "proto/common/status_macros.h"
 
 namespace lucerna::client {
 namespace {
 
-/// Unless a request says how many: TargetError.max_samples.
-constexpr std::uint64_t kMostSamplesToATarget = 65536;
-
-/// What one batch may hold.
+/// Limits of one batch.
 struct BatchLimits {
   std::uint64_t items, bytes;
 };
 
-/// For `items` in all, and messages of `bytes` were they asked for at once.
+/// Limits for `items` in total, whose message would be `bytes` long in one request.
 absl::StatusOr<BatchLimits> batch_limits(const Client& client, std::uint64_t items,
                                          std::uint64_t bytes, const BatchOptions& options) {
-  const bool few = options.max_items > 0 || items <= kItemsNotAskedFor;
-  BatchLimits limits{few ? kItemsNotAskedFor : kGoodBatchItems, kBytesNotAskedFor};
-  if (!few || bytes > kBytesNotAskedFor) {
-    const auto info = client.get_server_info({}, options.call);
-    if (!info.ok()) return info.status();
-    limits.items = std::clamp(info->limits().max_batch_items(), 1U, kGoodBatchItems);
-    limits.bytes = info->limits().max_message_bytes();
+  const bool few = options.max_items > 0 || items <= kItemsAlwaysAllowed;
+  BatchLimits limits{few ? kItemsAlwaysAllowed : kGoodBatchItems, kBytesAlwaysAllowed};
+  if (!few || bytes > kBytesAlwaysAllowed) {
+    LUCERNA_ASSIGN_OR_RETURN(const auto info, client.get_server_info({}, options.call));
+    limits.items = std::clamp(info.limits().max_batch_items(), 1U, kGoodBatchItems);
+    limits.bytes = info.limits().max_message_bytes();
   }
   if (options.max_items > 0) limits.items = options.max_items;
   return limits;
 }
 
-/// `weight`: how many items of the server's limit, and of `answer`, each item counts for.
+/// Sends a request in batches.  `weight`: how many items of the server's limit, and of `answer`,
+/// each item counts for.
 template <class Request, class Response>
 absl::StatusOr<Response> in_batches(
     const Client& client, const Request& request, std::uint64_t weight, const AnswerSize& answer,
@@ -40,23 +39,23 @@ absl::StatusOr<Response> in_batches(
     absl::StatusOr<Response> (Client::*ask)(const Request&, const CallOptions&) const) {
   const std::uint64_t items = item_count(request);
   if (items <= 1) return (client.*ask)(request, options.call);
-  // Of the question or of the answer, whichever is longer.  What a question has but once is counted
-  // for each item and again: too much rather than too little.
+  // The longer of request and response counts.  Fields that a request has once are counted for each
+  // item too, so the estimate is too large rather than too small.
   const std::uint64_t once = answer.fixed + part(request, 0, 0).ByteSizeLong();
   const std::uint64_t each =
       std::max<std::uint64_t>(weight * answer.per_item, request.ByteSizeLong() / items + 1);
-  const auto limits = batch_limits(client, items * weight, once + items * each, options);
-  if (!limits.ok()) return limits.status();
-  const std::uint64_t by_bytes = limits->bytes > once ? (limits->bytes - once) / each : 0;
-  const std::uint64_t size = std::max<std::uint64_t>(1, std::min(limits->items / weight, by_bytes));
+  LUCERNA_ASSIGN_OR_RETURN(const auto limits,
+                           batch_limits(client, items * weight, once + items * each, options));
+  const std::uint64_t by_bytes = limits.bytes > once ? (limits.bytes - once) / each : 0;
+  const std::uint64_t size = std::max<std::uint64_t>(1, std::min(limits.items / weight, by_bytes));
   if (items <= size) return (client.*ask)(request, options.call);
 
   Response whole;
   for (std::uint64_t first = 0; first < items; first += size) {
-    const auto next =
-        (client.*ask)(part(request, first, std::min(size, items - first)), options.call);
-    if (!next.ok()) return next.status();
-    append(*next, &whole);
+    LUCERNA_ASSIGN_OR_RETURN(
+        const auto next,
+        (client.*ask)(part(request, first, std::min(size, items - first)), options.call));
+    append(next, &whole);
   }
   return whole;
 }
@@ -65,12 +64,12 @@ absl::StatusOr<Response> in_batches(
 
 namespace {
 
-/// Batches of receivers that have at most so many samples each.
+/// Sends receivers with at most this many samples each in batches.
 absl::StatusOr<v1::SampleLiResponse> sample_li_to_a_target(const Client& client,
                                                            const v1::SampleLiRequest& request,
                                                            const BatchOptions& options) {
   const std::uint64_t most = request.accuracy().target_error().max_samples();
-  // What is told of each receiver is counted with its samples.
+  // The fields of each receiver are counted with its samples.
   AnswerSize size = answer_size(part(request, 0, 0));
   const std::uint64_t receiver = answer_size(part(request, 0, 1)).fixed - size.fixed;
   size.per_item += (receiver + most - 1) / std::max<std::uint64_t>(1, most);
@@ -83,7 +82,7 @@ absl::StatusOr<v1::SampleLiResponse> sample_li_to_a_target(const Client& client,
 absl::StatusOr<v1::SampleLiResponse> sample_li_in_batches(const Client& client,
                                                           const v1::SampleLiRequest& request,
                                                           const BatchOptions& options) {
-  // A time is that of one request.
+  // A time budget holds for one request.
   if (request.accuracy().has_time_budget_s()) return client.sample_li(request, options.call);
   if (!request.accuracy().has_target_error() || item_count(request) <= 1) {
     return in_batches(client, request, std::max(1U, request.accuracy().samples()),
@@ -91,14 +90,14 @@ absl::StatusOr<v1::SampleLiResponse> sample_li_in_batches(const Client& client,
   }
   if (request.accuracy().target_error().has_max_samples())
     return sample_li_to_a_target(client, request, options);
-  // Else how many each receiver may have would depend on how many are asked about at once.
-  const auto info = client.get_server_info({}, options.call);
-  if (!info.ok()) return info.status();
+  // Otherwise the number of samples of a receiver would depend on the number of receivers in its
+  // request.
+  LUCERNA_ASSIGN_OR_RETURN(const auto info, client.get_server_info({}, options.call));
   v1::SampleLiRequest limited = request;
   v1::TargetError* target = limited.mutable_accuracy()->mutable_target_error();
   target->set_max_samples(static_cast<std::uint32_t>(std::min<std::uint64_t>(
-      {kMostSamplesToATarget, info->limits().max_batch_items(), info->limits().max_samples(),
-       answer_size(part(request, 0, 1)).items_within(info->limits().max_message_bytes())})));
+      {std::uint64_t{kTargetSamples}, info.limits().max_batch_items(), info.limits().max_samples(),
+       answer_size(part(request, 0, 1)).items_within(info.limits().max_message_bytes())})));
   return sample_li_to_a_target(client, limited, options);
 }
 
@@ -133,17 +132,16 @@ absl::StatusOr<v1::TestVisibilityResponse> test_visibility_in_batches(
 absl::StatusOr<v1::EstimateIrradianceResponse> estimate_irradiance_in_batches(
     const Client& client, const v1::EstimateIrradianceRequest& request,
     const BatchOptions& options) {
-  // A time is that of one request: of several each would take other counts of samples.
+  // A time budget holds for one request; several requests would give each other numbers of samples.
   if (request.accuracy().has_time_budget_s())
     return client.estimate_irradiance(request, options.call);
-  // Shares are told of each light, so an item's answer is as long as the scene has lights.
+  // Each item has a share per light, so the answer grows with the number of lights.
   std::uint64_t lights = 0;
   if (request.per_light() && item_count(request) > 1) {
     v1::GetSceneRequest which;
     which.set_scene_id(request.scene_id());
-    const auto scene = client.get_scene(which, options.call);
-    if (!scene.ok()) return scene.status();
-    lights = scene->summary().lights();
+    LUCERNA_ASSIGN_OR_RETURN(const auto scene, client.get_scene(which, options.call));
+    lights = scene.summary().lights();
   }
   return in_batches(client, request, 1, answer_size(request, lights), options,
                     &Client::estimate_irradiance);

@@ -1,9 +1,15 @@
-// Questions about any number of points, asked in batches that the server accepts.
+// Sends requests of any size in batches that the server accepts.
 //
-// The answer is what one batch would have been answered with, to the bit, since the requests say
-// where in the whole set each batch begins (Seed.first_item); only `cost` adds up.  Batches are
-// asked one after the other; the first error ends it, and nothing is answered.  A request whose
-// arrays do not fit each other is sent as it is, for the server to say what is wrong with it.
+//   v1::EstimateIrradianceRequest request;
+//   request.set_scene_id(scene_id);
+//   *request.mutable_receivers() = make_points(a_million_points);
+//   ...
+//   const auto response = estimate_irradiance_in_batches(client, request);
+//
+// The answer has the bits of a single request, since each batch states its position in the whole
+// set (Seed.first_item).  Only `cost` is a sum.  Batches are sent one after the other.  The first
+// error ends the sequence and is the only result.  A request whose arrays do not match each other
+// is sent unchanged, so that the server reports the error.
 #pragma once
 
 #include <cstdint>
@@ -13,33 +19,33 @@
 
 namespace lucerna::client {
 
-/// More items a batch gain nothing (messages of 32 to 256 KiB travel best).
+/// Larger batches gain nothing: messages of 32 to 256 KiB are the fastest.
 inline constexpr std::uint32_t kGoodBatchItems = 8192;
 
-/// What every server takes at once, and its messages may be long; more is asked for with
-/// GetServerInfo.
-inline constexpr std::uint32_t kItemsNotAskedFor = 1024;
-inline constexpr std::uint64_t kBytesNotAskedFor = 1 << 20;
+/// Every server accepts this many items and bytes in a message.  GetServerInfo gives its real
+/// limits.
+inline constexpr std::uint32_t kItemsAlwaysAllowed = 1024;
+inline constexpr std::uint64_t kBytesAlwaysAllowed = 1 << 20;
 
-/// No batch's question or answer is longer than the server's messages may be, unless a single
-/// item's is.
+/// Limits of a batch.  Requests and responses also stay within the server's message limit, unless a
+/// single item exceeds it.
 struct BatchOptions {
   /// Items of one batch, at least 1.  0: the server's limit, at most kGoodBatchItems.
   std::uint32_t max_items = 0;
-  /// `call.deadline` is for all batches together.
+  /// Its deadline holds for all batches together.
   CallOptions call = {};
 };
 
-/// Here an item is a sample: a batch holds max_items / samples receivers, and one at least.  With a
-/// target error samples are max_samples; where that is unset each receiver may have as many as if
-/// it were asked about alone.  With a time budget it is one request.
+/// SampleLi.  An item here is a sample: a batch holds max_items / samples receivers, and at least
+/// one.  With a target error, `max_samples` counts as the number of samples; if that is unset, each
+/// receiver may have as many as in a request of its own.  A time budget makes a single request.
 absl::StatusOr<v1::SampleLiResponse> sample_li_in_batches(const Client& client,
                                                           const v1::SampleLiRequest& request,
                                                           const BatchOptions& options = {});
 absl::StatusOr<v1::PdfLiResponse> pdf_li_in_batches(const Client& client,
                                                     const v1::PdfLiRequest& request,
                                                     const BatchOptions& options = {});
-/// Here an item is a ray.
+/// SampleLe.  An item here is a ray.
 absl::StatusOr<v1::SampleLeResponse> sample_le_in_batches(const Client& client,
                                                           const v1::SampleLeRequest& request,
                                                           const BatchOptions& options = {});
@@ -51,8 +57,8 @@ absl::StatusOr<v1::LeResponse> le_in_batches(const Client& client, const v1::LeR
 absl::StatusOr<v1::TestVisibilityResponse> test_visibility_in_batches(
     const Client& client, const v1::TestVisibilityRequest& request,
     const BatchOptions& options = {});
-/// With `per_light` the scene is asked for (GetScene) how many lights it has.  With a time budget
-/// it is one request.
+/// EstimateIrradiance.  With `per_light`, GetScene is called for the number of lights.  A time
+/// budget makes a single request.
 absl::StatusOr<v1::EstimateIrradianceResponse> estimate_irradiance_in_batches(
     const Client& client, const v1::EstimateIrradianceRequest& request,
     const BatchOptions& options = {});

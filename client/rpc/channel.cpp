@@ -7,10 +7,10 @@
 namespace lucerna::client {
 namespace {
 
-// A server that starts or drains answers UNAVAILABLE; half a second bridges a restart's gap without
-// making a person wait for an address where nobody is.  Uploads go on where they broke (upload.h)
-// and are not sent all over again.  Where calls keep failing nothing is tried again: half of the
-// tokens are what hundreds of calls at once lose by one server's death and no more.
+// A server that starts or drains answers UNAVAILABLE.  Retrying for half a second bridges a restart
+// without a long wait for a wrong address.  Uploads continue where they broke (upload.h) and are
+// not retried as a whole.  Retries stop while calls keep failing: half of the tokens cover hundreds
+// of concurrent calls that one server's death breaks.
 std::string service_config(bool many) {
   std::string config = R"(
   "retryThrottling": {"maxTokens": 1000, "tokenRatio": 1},
@@ -26,8 +26,8 @@ std::string service_config(bool many) {
   }, {
     "name": [{"service": "lucerna.v1.SceneService", "method": "UploadAsset"}]
   }])";
-  // A server that shuts down answers CANCELLED to what it has received and not begun
-  // (https://github.com/grpc/grpc/issues/41785); another will answer.
+  // A server that shuts down answers CANCELLED to requests that it received but did not begin
+  // (https://github.com/grpc/grpc/issues/41785).  Another server can answer them.
   const std::string codes = many ? R"("UNAVAILABLE", "CANCELLED")" : R"("UNAVAILABLE")";
   return config.replace(config.find('@'), 1, codes);
 }
@@ -35,10 +35,10 @@ std::string service_config(bool many) {
 constexpr char kRoundRobin[] = R"("loadBalancingConfig": [{"round_robin": {}}])";
 
 constexpr int kRetryBytes = 64 << 20;
-// The server takes a ping every five seconds.
+// The server allows a ping every five seconds.
 constexpr int kKeepaliveMs = 20'000;
 
-// One that was restarted gets its share again within so long; gRPC would let it wait for minutes.
+// A restarted server gets its share again after at most this time; the default of gRPC is minutes.
 constexpr int kLongestReconnectMs = 10'000;
 
 bool is_list(const std::string& target) {
@@ -62,24 +62,23 @@ std::shared_ptr<grpc::Channel> make_channel(const ConnectOptions& options) {
   std::string config = many ? kRoundRobin : "";
   if (options.retry) {
     config += (config.empty() ? "" : ", ") + service_config(many);
-    // Of a larger request gRPC keeps nothing to send again, and says nothing of that.
+    // gRPC keeps no copy of a larger request for retries, and does not report that.
     arguments.SetInt("grpc.per_rpc_retry_buffer_size", kRetryBytes);
   } else {
     arguments.SetInt(GRPC_ARG_ENABLE_RETRIES, 0);
   }
   arguments.SetServiceConfigJSON("{" + config + "}");
-  // Else the name's TXT records are asked for another configuration, at every client's start.
+  // Otherwise each client looks up TXT records of the name for another configuration.
   arguments.SetInt(GRPC_ARG_SERVICE_CONFIG_DISABLE_RESOLUTION, 1);
   if (many) arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, kLongestReconnectMs);
-  // Else a server that hangs, or a machine that is gone, keeps a call waiting for ever.
+  // Otherwise a call to a server that hangs, or to a machine that is gone, waits forever.
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, kKeepaliveMs);
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, kKeepaliveMs);
   arguments.SetInt(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
-  // Else a client inherits the waiting time of another client's failed attempts at the same
+  // Otherwise a client inherits the backoff of another client's failed attempts at the same
   // address.
   arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
-  // gRPC would ask a proxy from the environment to reach even this machine, or a whole list as if
-  // it were one address.
+  // gRPC would use a proxy from the environment even for this machine, or for a whole list at once.
   if (is_loopback(options.target) || is_list(options.target))
     arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
   return grpc::CreateCustomChannel(options.target, grpc::InsecureChannelCredentials(), arguments);

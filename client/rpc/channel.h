@@ -1,4 +1,4 @@
-// How servers are connected to: retries, keep-alive, several of them in turn.  Not installed.
+// Connections to servers: retries, keep-alive, several servers in turn.  Not installed.
 #pragma once
 
 #include <memory>
@@ -11,7 +11,7 @@ class Channel;
 
 namespace lucerna::client {
 
-/// Nothing is sent yet.
+/// Creates a channel; nothing is sent yet.
 std::shared_ptr<grpc::Channel> make_channel(const ConnectOptions& options);
 
 }  // namespace lucerna::client

@@ -19,7 +19,7 @@
 namespace lucerna::client {
 namespace {
 
-/// A context that keeps to the options for as long as it lives.
+/// A context that applies the options as long as it lives.
 class CallContext {
  public:
   explicit CallContext(const CallOptions& options) : cancel_(options.stop, Cancel{&context_}) {
@@ -70,9 +70,9 @@ void begin(Async* service,
   const auto state = std::make_shared<State>(request, options);
   (service->*method)(state->context->get(), &state->request, &state->response,
                      [state, done = std::move(done)](const grpc::Status& status) {
-                       // It holds on to the channel.  Were the client to go once `done` is called,
-                       // the channel would end here, in a thread that gRPC 1.51 then joins from
-                       // within itself: the process would abort.
+                       // The context keeps the channel alive, so it ends before `done` is called.
+                       // If the client ended in `done`, the channel would end here, in a thread
+                       // that gRPC 1.51 then joins from within itself, and the process would abort.
                        state->context.reset();
                        if (status.ok()) {
                          done(std::move(state->response));
@@ -103,7 +103,7 @@ class Client::Connection {
         channel(channel) {}
 
   const std::string target;
-  // The interfaces, whose methods can be pointed to without ambiguity.
+  // Stub interfaces: pointers to their methods are not ambiguous.
   const std::unique_ptr<v1::SceneService::StubInterface> scene;
   const std::unique_ptr<v1::LightingService::StubInterface> lighting;
   const std::unique_ptr<v1::RenderService::StubInterface> render;
@@ -133,7 +133,7 @@ absl::StatusOr<v1::UploadAssetResponse> Client::upload_asset(
     const CallOptions& options) const {
   CallContext context(options);
   v1::UploadAssetResponse response;
-  // Also where next_chunk throws: no writer may go while its call is alive.
+  // Runs also if next_chunk throws: a writer must not end while its call is alive.
   struct Writer {
     CallContext& context;
     std::unique_ptr<grpc::ClientWriterInterface<v1::UploadAssetRequest>> stream;
@@ -153,7 +153,7 @@ absl::StatusOr<v1::UploadAssetResponse> Client::upload_asset(
   v1::UploadAssetRequest request;
   *request.mutable_header() = header;
   bool open = writer.stream->Write(request);
-  // A write that fails says that the call is over; Finish says how.
+  // A failed write means that the call is over; Finish has the status.
   while (open && next_chunk(*request.mutable_chunk())) open = writer.stream->Write(request);
   if (open) writer.stream->WritesDone();
   const grpc::Status status = writer.finish();
@@ -279,7 +279,7 @@ absl::Status Client::render_image(
     const std::function<bool(const v1::RenderImageResponse&)>& on_response,
     const CallOptions& options) const {
   CallContext context(options);
-  // Also where on_response throws: no reader may go while its call is alive.
+  // Runs also if on_response throws: a reader must not end while its call is alive.
   struct Reader {
     CallContext& context;
     std::unique_ptr<grpc::ClientReaderInterface<v1::RenderImageResponse>> stream;
@@ -301,7 +301,7 @@ absl::Status Client::render_image(
     if (on_response(response)) continue;
     context.cancel();
     reader.finish();
-    return absl::CancelledError("the caller wanted no more of the picture");
+    return absl::CancelledError("the caller stopped the picture");
   }
   return to_absl_status(reader.finish());
 }
@@ -319,14 +319,14 @@ absl::Status Client::check_health(const CallOptions& options) const {
   grpc::TemplatedGenericStub<HealthCheckRequest, HealthCheckResponse> stub(connection_->channel);
   const HealthCheckRequest request;
   HealthCheckResponse response;
-  // Shared: the callback's thread may still be inside set_value() when this one goes on.
+  // Shared, because the callback's thread may still be inside set_value() when this thread goes on.
   const auto done = std::make_shared<std::promise<grpc::Status>>();
   stub.UnaryCall(context.get(), "/grpc.health.v1.Health/Check", {}, &request, &response,
                  [done](grpc::Status status) { done->set_value(std::move(status)); });
   const grpc::Status status = done->get_future().get();
   if (!status.ok()) return to_absl_status(status);
   if (response.status() != HealthCheckResponse::SERVING) {
-    return absl::UnavailableError("the server is up and not serving: " +
+    return absl::UnavailableError("the server runs but does not serve: " +
                                   HealthCheckResponse::ServingStatus_Name(response.status()));
   }
   return absl::OkStatus();

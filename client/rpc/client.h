@@ -1,13 +1,19 @@
-// Asks a lucernad: every call of lucerna.v1 that is answered today, one method a call.  All block,
-// and some have a second form that does not.
+// A client of a lucernad server.  It has one method for each call of lucerna.v1.
 //
-// Requests and responses are the messages of the contract (lucerna/v1/*.proto), where every field
-// is described; nothing is computed here.  batches.h asks in batches that the server accepts,
-// points.h fills in points, picture.h puts tiles together, upload.h sends scenes.
+//   const auto client = Client::connect({.target = "127.0.0.1:50051"});
+//   v1::LoadSceneRequest request;
+//   request.set_path("scenes/demo.pbrt");
+//   const auto loaded = client->load_scene(request);
+//   if (!loaded.ok()) std::cerr << loaded.status().message() << '\n';
 //
-// Thread safety: all methods of one Client may be called from any number of threads at once, and
-// copies share one connection.  Not safe in a child after fork() where the parent has used a
-// Client.
+// All methods block; some have a second form that does not.  Requests and responses are the
+// messages of the contract (lucerna/v1/*.proto), which describes every field; nothing is computed
+// here.  batches.h sends requests in batches that the server accepts, points.h fills in points,
+// picture.h assembles tiles, upload.h sends scenes.
+//
+// Thread safety: all methods of one Client may be called from any number of threads at once.
+// Copies share one connection.  After fork(), the child must not use a Client if the parent has
+// used one.
 #pragma once
 
 #include <chrono>
@@ -25,7 +31,7 @@
 
 namespace lucerna::client {
 
-/// Where absl::Status::GetPayload() has the server's google.rpc.Status, serialised, with all
+/// Key for absl::Status::GetPayload(): the serialised google.rpc.Status of the server with all
 /// details.
 inline constexpr char kStatusPayloadUrl[] = "type.googleapis.com/google.rpc.Status";
 
@@ -33,42 +39,41 @@ struct ConnectOptions {
   /// "HOST:PORT", "[IPV6]:PORT", or any other name that gRPC resolves ("unix:/run/lucernad").
   ///
   /// "dns:///NAME:PORT", "ipv4:A:PORT,B:PORT" and "ipv6:[A]:PORT,..." stand for all servers that
-  /// they name: calls go to them in turn, to those that can be reached (gRPC's round_robin), and
-  /// what is tried again goes to the next.  Scenes are each server's own: query_servers.h brings
-  /// one to all of them.
+  /// they name.  Calls go in turn to the servers that can be reached (gRPC's round_robin), and a
+  /// retry goes to the next one.  Each server has scenes of its own: query_servers.h loads one on
+  /// all of them.
   std::string target = "127.0.0.1:50051";
-  /// Whether UNAVAILABLE is tried again before it is told.
+  /// Whether a call is retried after UNAVAILABLE.
   bool retry = true;
 };
 
-/// How long a call may take, and how to end it sooner.
+/// Time limit and stop of a call.
 struct CallOptions {
   using Clock = std::chrono::system_clock;
 
-  /// When the call fails with DEADLINE_EXCEEDED, however far it is.  Default: never.
+  /// At this time the call fails with DEADLINE_EXCEEDED.  Default: never.
   Clock::time_point deadline = Clock::time_point::max();
-  /// A request to stop ends the call with CANCELLED, from any thread.
+  /// A stop request, from any thread, ends the call with CANCELLED.
   std::stop_token stop = {};
 
-  /// A deadline this long from now.
+  /// Options with a deadline this long from now.
   static CallOptions within(std::chrono::duration<double> time);
-  /// These, with a deadline no later than this long from now.
+  /// A copy with a deadline at most this long from now.
   CallOptions at_most(std::chrono::duration<double> time) const;
 };
 
-/// One connection to one server.
+/// A connection to a server.
 ///
-/// Errors have gRPC's code and the server's message, to which the fields that it found fault with
-/// are added ("...; receivers.offsets_m: must be three a point"), and kStatusPayloadUrl.
-/// UNAVAILABLE is tried up to four times within half a second before it is told; no other error is
-/// tried again. Messages of any size are taken from the server, whose own limit
-/// (Limits.max_message_bytes) binds.
+/// Errors have gRPC's code, the server's message, and kStatusPayloadUrl.  The invalid fields are
+/// added to the message ("...; receivers.offsets_m: must be three a point").  After UNAVAILABLE a
+/// call is retried up to four times within half a second; after other errors it is not.  Responses
+/// may have any size; the limit of the server (Limits.max_message_bytes) applies.
 class Client {
  public:
-  /// Nothing is sent yet: a server that cannot be reached is told by the first call, as
-  /// UNAVAILABLE. INVALID_ARGUMENT for an empty target.
+  /// Creates a client; nothing is sent yet.  If the server cannot be reached, the first call
+  /// returns UNAVAILABLE.  INVALID_ARGUMENT for an empty target.
   static absl::StatusOr<Client> connect(const ConnectOptions& options);
-  /// As ConnectOptions named it.
+  /// The target of ConnectOptions.
   const std::string& target() const;
 
   template <class Response>
@@ -81,8 +86,8 @@ class Client {
   // SceneService
   Result<v1::FindMissingAssetsResponse> find_missing_assets(
       const v1::FindMissingAssetsRequest& request, const CallOptions& options = {}) const;
-  /// Sends the header, then all that `next_chunk` puts into its argument, until it returns false.
-  /// The server may answer before it has read all.
+  /// Uploads a file in the chunks that `next_chunk` puts into its argument, until it returns false.
+  /// The server may answer before it has read everything.
   Result<v1::UploadAssetResponse> upload_asset(const v1::AssetHeader& header,
                                                const std::function<bool(std::string&)>& next_chunk,
                                                const CallOptions& options = {}) const;
@@ -129,8 +134,8 @@ class Client {
                                              const CallOptions& options = {}) const;
   void render_tile(const v1::RenderTileRequest& request, const CallOptions& options,
                    Done<v1::RenderTileResponse> done) const;
-  /// Calls `on_response` in the calling thread for each message as it arrives.  Where it returns
-  /// false, the server is told to stop, and the answer is CANCELLED.
+  /// Calls `on_response` in the calling thread for each message as it arrives.  If it returns
+  /// false, the server is stopped, and the result is CANCELLED.
   absl::Status render_image(const v1::RenderImageRequest& request,
                             const std::function<bool(const v1::RenderImageResponse&)>& on_response,
                             const CallOptions& options = {}) const;
@@ -139,7 +144,7 @@ class Client {
   Result<v1::GetServerInfoResponse> get_server_info(const v1::GetServerInfoRequest& request = {},
                                                     const CallOptions& options = {}) const;
 
-  /// OK where the server says that it serves (grpc.health.v1), UNAVAILABLE where it does not now.
+  /// OK if the server serves (grpc.health.v1), UNAVAILABLE if it does not at present.
   absl::Status check_health(const CallOptions& options = {}) const;
 
  private:

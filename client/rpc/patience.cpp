@@ -8,7 +8,7 @@ namespace lucerna::client {
 
 absl::StatusOr<std::vector<std::string>> look_up_within(std::chrono::seconds patience,
                                                         const std::string& name, LookUp look_up) {
-  // Not std::async, whose future waits for the thread when it ends.
+  // std::async does not work here: the destructor of its future waits for the thread.
   std::packaged_task<absl::StatusOr<std::vector<std::string>>()> task(std::move(look_up));
   auto answer = task.get_future();
   std::thread(std::move(task)).detach();

@@ -1,4 +1,4 @@
-// Waiting for what cannot be told to stop.
+// Waits for functions that cannot be stopped.
 #pragma once
 
 #include <chrono>
@@ -12,8 +12,8 @@ namespace lucerna::client {
 
 using LookUp = std::function<absl::StatusOr<std::vector<std::string>>()>;
 
-/// What `look_up` answers of `name` within `patience`, else UNAVAILABLE.  It runs in a thread of
-/// its own, which may be left behind and must own all that it touches.
+/// Returns look_up(name) if it answers within `patience`, else UNAVAILABLE.  `look_up` runs in a
+/// thread of its own, which may outlive this call, so it must own everything that it uses.
 absl::StatusOr<std::vector<std::string>> look_up_within(std::chrono::seconds patience,
                                                         const std::string& name, LookUp look_up);
 

@@ -18,8 +18,8 @@ void PointOrigin::add(const Double3& point) {
 Double3 PointOrigin::origin() const {
   Double3 result;
   for (int axis = 0; axis < 3; ++axis) {
-    // Where all are alike, the middle is their value.  Else zero loses at most three bits, and
-    // keeps what lies at zero exactly there.
+    // If all are equal, the middle is their value.  Otherwise choosing zero loses at most three
+    // bits, and keeps coordinates that are zero exact.
     const double middle = lower_[axis] / 2 + upper_[axis] / 2;
     const double half = upper_[axis] / 2 - lower_[axis] / 2;
     result[axis] = std::abs(middle) > 8 * half ? middle : 0;
@@ -46,6 +46,14 @@ v1::Points make_points(std::span<const Double3> points, const Double3& origin) {
     for (int axis = 0; axis < 3; ++axis) *offset++ = static_cast<float>(point[axis] - origin[axis]);
   }
   return result;
+}
+
+void fill(const std::vector<Double3>& vectors, google::protobuf::RepeatedField<float>* to) {
+  to->Resize(static_cast<int>(3 * vectors.size()), 0);
+  float* value = to->mutable_data();
+  for (const Double3& vector : vectors) {
+    for (const double coordinate : vector) *value++ = static_cast<float>(coordinate);
+  }
 }
 
 }  // namespace lucerna::client

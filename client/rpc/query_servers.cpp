@@ -8,19 +8,20 @@
 #include <vector>
 
 #include "client/rpc/server_error.h"
+#include "proto/common/status_macros.h"
 
 namespace lucerna::client {
 namespace {
 
-// Who takes longer to say who it is, is not there.
+// A server that does not answer in this time counts as absent.
 constexpr std::chrono::seconds kAnswerTime(10);
 constexpr std::size_t kMostAtOnce = 32;
 
-/// What a server said, at the first of its addresses where one answers.
+/// The answer of a server, from the first of its addresses that answers.
 struct Answer {
   std::string target;
   std::string address;
-  absl::Status status = absl::UnavailableError("it has no address");
+  absl::Status status = absl::UnavailableError("its name has no address");
   std::optional<Client> client;
   std::string fingerprint;
   v1::LoadSceneResponse loaded;
@@ -43,8 +44,8 @@ void make_ready(const QueryServersOptions& options, Answer* answer) {
       continue;
     }
     CallOptions soon = options.call;
-    soon.deadline = std::min<CallOptions::Clock::time_point>(soon.deadline,
-                                                             CallOptions::Clock::now() + kAnswerTime);
+    soon.deadline = std::min<CallOptions::Clock::time_point>(
+        soon.deadline, CallOptions::Clock::now() + kAnswerTime);
     const auto info = client->get_server_info({}, soon);
     answer->status = info.status();
     if (!info.ok()) continue;
@@ -76,7 +77,7 @@ std::vector<Answer> make_all_ready(const QueryServersOptions& options,
   return answers;
 }
 
-/// The target that stands for all of these addresses, in gRPC's own words for lists.
+/// The target for all of these addresses, in gRPC's syntax for lists.
 std::string target_of(const std::set<std::string>& addresses) {
   const bool v6 = std::any_of(addresses.begin(), addresses.end(),
                               [](const std::string& a) { return a.starts_with('['); });
@@ -84,7 +85,7 @@ std::string target_of(const std::set<std::string>& addresses) {
   for (const std::string& address : addresses) {
     if (target.size() > 5) target += ',';
     const std::size_t colon = address.rfind(':');
-    // A list is of one kind; within IPv6 there is all of IPv4 [RFC4291, 2.5.5.2].
+    // A list has one kind of addresses.  IPv6 includes all of IPv4 [RFC4291, 2.5.5.2].
     target += v6 && !address.starts_with('[')
                   ? "[::ffff:" + address.substr(0, colon) + "]" + address.substr(colon)
                   : address;
@@ -99,7 +100,7 @@ struct QueryServers::State {
   std::optional<Client> client;
   v1::LoadSceneResponse loaded;
   std::set<std::string> fingerprints;
-  std::set<std::string> told;  // of whom
+  std::set<std::string> reported;  // servers that were reported as left out
 };
 
 QueryServers::QueryServers(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -110,7 +111,7 @@ QueryServers::~QueryServers() = default;
 absl::StatusOr<QueryServers> QueryServers::connect(const QueryServersOptions& options) {
   QueryServers servers(std::make_unique<State>());
   servers.state_->options = options;
-  if (absl::Status status = servers.bring(); !status.ok()) return status;
+  LUCERNA_RETURN_IF_ERROR(servers.load_everywhere());
   return servers;
 }
 
@@ -121,22 +122,21 @@ std::vector<std::string> QueryServers::fingerprints() const {
   return {state_->fingerprints.begin(), state_->fingerprints.end()};
 }
 
-bool QueryServers::may_help_to_bring(const absl::Status& status) {
+bool QueryServers::scene_may_be_lost(const absl::Status& status) {
   return absl::IsNotFound(status) || absl::IsUnavailable(status) || absl::IsUnknown(status) ||
          absl::IsCancelled(status);
 }
 
-absl::Status QueryServers::bring() {
+absl::Status QueryServers::load_everywhere() {
   State& state = *state_;
   if (state.options.call.stop.stop_requested()) return absl::CancelledError("the caller stopped");
   const bool first_time = !state.client.has_value();
-  const auto targets = state.options.servers();
-  if (!targets.ok()) return targets.status();
-  const std::vector<Answer> answers = make_all_ready(state.options, *targets);
+  LUCERNA_ASSIGN_OR_RETURN(const auto targets, state.options.servers());
+  const std::vector<Answer> answers = make_all_ready(state.options, targets);
 
   const auto leave_out = [&](const Answer& answer, const std::string& why) {
-    if (state.options.on_event && state.told.insert(answer.target).second) {
-      state.options.on_event(answer.target + ": " + why + "; goes on without it");
+    if (state.options.on_event && state.reported.insert(answer.target).second) {
+      state.options.on_event(answer.target + ": " + why + "; continuing without it");
     }
   };
   std::optional<v1::LoadSceneResponse> loaded;
@@ -158,7 +158,8 @@ absl::Status QueryServers::bring() {
         !fingerprints.contains(answer.fingerprint)) {
       const std::string why = "its numeric fingerprint is " + answer.fingerprint + ", that of " +
                               (first == nullptr ? "the servers before" : first->target) + " " +
-                              *fingerprints.begin() + ": their answers would differ in last places";
+                              *fingerprints.begin() +
+                              ": their results would differ in the last digits";
       if (first_time) return absl::FailedPreconditionError(answer.target + ": " + why);
       leave_out(answer, why);
       continue;
@@ -169,7 +170,7 @@ absl::Status QueryServers::bring() {
   }
   if (first == nullptr) {
     if (answers.empty()) return absl::UnavailableError("the list of servers is empty");
-    // Of those that answer something rather than of those that are not there.
+    // Prefers the error of a server that answers over that of one that does not.
     const auto worst = std::find_if(answers.begin(), answers.end(), [](const Answer& answer) {
       return !answer.status.ok() && !absl::IsUnavailable(answer.status);
     });
@@ -188,9 +189,8 @@ absl::Status QueryServers::bring() {
     const bool is_path = std::any_of(addresses.begin(), addresses.end(),
                                      [](const std::string& a) { return a.starts_with("unix:"); });
     if (is_path) return absl::InvalidArgumentError("unix: names one server, not one of several");
-    auto client = Client::connect({.target = target_of(addresses)});
-    if (!client.ok()) return client.status();
-    state.client = *std::move(client);
+    LUCERNA_ASSIGN_OR_RETURN(auto client, Client::connect({.target = target_of(addresses)}));
+    state.client = std::move(client);
   }
   state.loaded = *std::move(loaded);
   state.fingerprints = std::move(fingerprints);

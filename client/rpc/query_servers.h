@@ -1,8 +1,14 @@
-// Several servers that hold one scene, asked as if they were one.
+// Uses several servers that hold one scene as if they were one.
 //
-// For small questions, each of which any server can answer: they go to the servers in turn (gRPC's
-// round_robin), and what a server cannot answer because it stops is asked of another.  Pictures and
-// large sets of points are jobs (job.h), where a slow server gets less to do.
+//   auto servers = QueryServers::connect({.servers = *server_list("a:50051,b:50051"),
+//                                         .load = load_the_scene});
+//   request.set_scene_id(servers->scene_id());
+//   const auto answer = servers->query(
+//       [&](const Client& client) { return client.sample_li(request); });
+//
+// This is for small requests that any server can answer.  They go to the servers in turn (gRPC's
+// round_robin).  If a server stops before it answers, another server gets the request.  Pictures
+// and large sets of points are jobs (job.h), where a slow server gets less work.
 #pragma once
 
 #include <functional>
@@ -17,49 +23,48 @@ namespace lucerna::client {
 
 struct QueryServersOptions {
   ServerList servers;
-  /// Brings the scene to a server.  Called once for each, and again where one has lost the scene,
-  /// by several threads at once.
+  /// Loads the scene on a server.  Called once for each server, and again if a server lost the
+  /// scene, by several threads at once.
   std::function<absl::StatusOr<v1::LoadSceneResponse>(const Client&, const CallOptions&)> load;
-  /// Ask servers of any numeric fingerprint.
+  /// Accepts servers of any numeric fingerprint.
   bool allow_mixed = false;
-  /// Of the calls that make the servers ready.
+  /// Options of the calls that load the scene.
   CallOptions call = {};
-  /// Told once of each server that is left out, and why.
+  /// Called once for each server that is left out, with the reason.
   std::function<void(const std::string&)> on_event = {};
 };
 
 /// Not thread-safe; client() is.
 class QueryServers {
  public:
-  /// Brings the scene to every server of the list that answers; the others are left out.
+  /// Loads the scene on every server of the list that answers; the others are left out.
   ///
-  /// Errors: those of the list; that of a server where there is none that can be asked, named
-  /// before it; FAILED_PRECONDITION for servers of different numeric fingerprints, or where the
-  /// scene is another.
+  /// Errors: those of the list; the error of a server, with its name, if no server can be used;
+  /// FAILED_PRECONDITION for servers of different numeric fingerprints, or with different scenes.
   static absl::StatusOr<QueryServers> connect(const QueryServersOptions& options);
   QueryServers(QueryServers&&) noexcept;
   QueryServers& operator=(QueryServers&&) noexcept;
   ~QueryServers();
 
-  /// For questions about scene_id(), and no others: whatever changes a server (leases, uploads)
-  /// reaches one of them, and who knows which.
+  /// For queries about scene_id() only.  A call that changes a server (leases, uploads) would reach
+  /// an arbitrary one of them.
   const Client& client() const;
   const std::string& scene_id() const;
-  /// What one of the servers said of the scene.
+  /// The answer of one of the servers to LoadScene.
   const v1::LoadSceneResponse& loaded() const;
-  /// More than one only where mixing is allowed.
+  /// More than one only with `allow_mixed`.
   std::vector<std::string> fingerprints() const;
 
-  /// What `ask`, a function of the client to a StatusOr, answers.  It is asked again, twice at
-  /// most, once the scene has been brought to all servers that answer by then: after NOT_FOUND, as
-  /// of a server that was started again and lost the scene; UNAVAILABLE, as where all servers are
-  /// others now; UNKNOWN and CANCELLED, as of one that is killed while it answers.
-  template <class Ask>
-  auto ask(const Ask& ask) -> decltype(ask(std::declval<const Client&>())) {
-    auto answer = ask(client());
-    for (int again = 0; again < 2 && may_help_to_bring(answer.status()); ++again) {
-      if (absl::Status status = bring(); !status.ok()) return status;
-      answer = ask(client());
+  /// Returns question(client()), an absl::StatusOr.  On an error that may mean a lost scene, it
+  /// loads the scene on all servers that answer, and tries again, at most twice.  These errors are
+  /// NOT_FOUND, from a server that was restarted; UNAVAILABLE, if all servers were replaced;
+  /// UNKNOWN and CANCELLED, from a server that was killed while it answered.
+  template <class Question>
+  auto query(const Question& question) -> decltype(question(std::declval<const Client&>())) {
+    auto answer = question(client());
+    for (int again = 0; again < 2 && scene_may_be_lost(answer.status()); ++again) {
+      if (absl::Status status = load_everywhere(); !status.ok()) return status;
+      answer = question(client());
     }
     return answer;
   }
@@ -68,8 +73,8 @@ class QueryServers {
   struct State;
   explicit QueryServers(std::unique_ptr<State> state);
 
-  static bool may_help_to_bring(const absl::Status& status);
-  absl::Status bring();
+  static bool scene_may_be_lost(const absl::Status& status);
+  absl::Status load_everywhere();
 
   std::unique_ptr<State> state_;
 };

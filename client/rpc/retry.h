@@ -1,4 +1,4 @@
-// What a server's error says of trying again.
+// When a server's error allows a retry.
 #pragma once
 
 #include <chrono>
@@ -8,7 +8,7 @@
 
 namespace lucerna::client {
 
-/// The delay of its google.rpc.RetryInfo; nothing where it has none.
+/// The delay of the error's google.rpc.RetryInfo; nothing if it has none.
 std::optional<std::chrono::milliseconds> retry_delay(const absl::Status& status);
 
 }  // namespace lucerna::client

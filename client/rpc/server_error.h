@@ -1,4 +1,4 @@
-// What a server said, told of that server.
+// Names the server in an error.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace lucerna::client {
 
-/// With the server's name before the message; the code and the details stay.
+/// `status` with the server's name before the message; code and details stay.
 inline absl::Status from_server(const std::string& target, const absl::Status& status) {
   absl::Status result(status.code(), target + ": " + std::string(status.message()));
   status.ForEachPayload(

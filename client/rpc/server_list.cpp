@@ -13,14 +13,14 @@
 
 #include "absl/strings/str_cat.h"
 #include "client/rpc/patience.h"
+#include "proto/common/status_macros.h"
 
 namespace lucerna::client {
 namespace {
 
 using Targets = std::vector<std::string>;
 
-// A name server that is dead keeps getaddrinfo() for half a minute and more, and it cannot be
-// stopped.
+// A dead name server keeps getaddrinfo() for half a minute or more, and it cannot be stopped.
 constexpr std::chrono::seconds kLookUpTime(5);
 
 bool is_port(std::string_view text) {
@@ -42,7 +42,7 @@ absl::StatusOr<Targets> split(const std::string& text) {
   for (std::size_t begin = 0; begin <= text.size();) {
     const std::size_t end = std::min(text.find(',', begin), text.size());
     targets.push_back(text.substr(begin, end - begin));
-    if (absl::Status s = check_target(targets.back()); !s.ok()) return s;
+    LUCERNA_RETURN_IF_ERROR(check_target(targets.back()));
     begin = end + 1;
   }
   return targets;
@@ -64,7 +64,7 @@ absl::StatusOr<Targets> lines(const std::string& path) {
   return targets;
 }
 
-/// The items of "a,b[1-2,5],c": commas within brackets divide nothing.
+/// The items of "a,b[1-2,5],c"; commas within brackets do not separate.
 absl::StatusOr<Targets> items(const std::string& text) {
   Targets all{""};
   bool inside = false;
@@ -83,7 +83,7 @@ absl::StatusOr<Targets> items(const std::string& text) {
   return all;
 }
 
-/// Puts the numbers of "1-3,07" after each of `heads`.
+/// Appends the numbers of "1-3,07" to each of `heads`.
 absl::Status append_numbers(const std::string& ranges, Targets& heads) {
   constexpr std::size_t kMostNodes = 100'000;
   Targets result;
@@ -143,7 +143,7 @@ absl::StatusOr<Targets> numeric_addresses(const std::string& target) {
 
 absl::StatusOr<Targets> expand_host_list(const std::string& text) {
   const absl::Status bad =
-      absl::InvalidArgumentError("host list \"" + text + "\", must be as in n[1-3,07],login");
+      absl::InvalidArgumentError("host list \"" + text + "\", must be of the form n[1-3,07],login");
   const absl::StatusOr<Targets> all = items(text);
   if (!all.ok()) return bad;
   Targets hosts;
@@ -172,7 +172,7 @@ absl::StatusOr<ServerList> server_list(const std::string& text) {
   }
   if (text.starts_with("dns:///")) {
     const std::string name = text.substr(7);
-    if (absl::Status s = check_target(name); !s.ok()) return s;
+    LUCERNA_RETURN_IF_ERROR(check_target(name));
     return ServerList([name] { return numeric_addresses(name); });
   }
   if (text.starts_with("slurm:")) {
@@ -181,17 +181,15 @@ absl::StatusOr<ServerList> server_list(const std::string& text) {
       return absl::InvalidArgumentError("servers \"" + text + "\", must be slurm:PORT");
     const char* nodes = std::getenv("SLURM_JOB_NODELIST");
     if (nodes == nullptr)
-      return absl::InvalidArgumentError("servers \"" + text +
-                                        "\": SLURM_JOB_NODELIST is not set, this is no Slurm job");
-    absl::StatusOr<Targets> hosts = expand_host_list(nodes);
-    if (!hosts.ok()) return hosts.status();
-    for (std::string& host : *hosts) host += ":" + port;
-    return ServerList([hosts = *std::move(hosts)]() -> absl::StatusOr<Targets> { return hosts; });
+      return absl::InvalidArgumentError(
+          "servers \"" + text + "\": SLURM_JOB_NODELIST is not set, so this is not a Slurm job");
+    LUCERNA_ASSIGN_OR_RETURN(Targets hosts, expand_host_list(nodes));
+    for (std::string& host : hosts) host += ":" + port;
+    return ServerList([hosts = std::move(hosts)]() -> absl::StatusOr<Targets> { return hosts; });
   }
-  absl::StatusOr<Targets> targets = split(text);
-  if (!targets.ok()) return targets.status();
+  LUCERNA_ASSIGN_OR_RETURN(Targets targets, split(text));
   return ServerList(
-      [targets = *std::move(targets)]() -> absl::StatusOr<Targets> { return targets; });
+      [targets = std::move(targets)]() -> absl::StatusOr<Targets> { return targets; });
 }
 
 }  // namespace lucerna::client

@@ -1,4 +1,10 @@
-// Which servers there are.
+// Lists of servers.
+//
+//   const auto list = server_list("@hosts.txt");
+//   if (!list.ok()) return list.status();
+//   const auto targets = (*list)();  // {"a:50051", "b:50051"}
+//
+// Jobs and QueryServers call the list again and again, so servers may join and leave.
 #pragma once
 
 #include <functional>
@@ -9,23 +15,24 @@
 
 namespace lucerna::client {
 
-/// Says who is there now, as HOST:PORT each.  Errors pass: the list may be there the next time.
+/// Returns the servers that are present now, each as HOST:PORT.  After an error the caller tries
+/// again later.
 using ServerList = std::function<absl::StatusOr<std::vector<std::string>>()>;
 
-/// The list that `text` stands for:
-///   a:50051,b:50051    these
-///   dns:///name:50051  every address that the name has now, asked anew each time
-///   @file              the lines of a file, each HOST:PORT, read anew each time; # is a comment
+/// The list that `text` describes:
+///   a:50051,b:50051    these servers
+///   dns:///name:50051  every address that the name has, looked up at each call
+///   @file              the lines of a file, each HOST:PORT, read at each call; # starts a comment
 ///   slurm:50051        the nodes of this Slurm job (SLURM_JOB_NODELIST), each at this port
 /// INVALID_ARGUMENT for anything else.
 absl::StatusOr<ServerList> server_list(const std::string& text);
 
-/// The addresses of "HOST:PORT", as A.B.C.D:PORT or [IPV6]:PORT.  UNAVAILABLE where the name has
-/// none now, or is not found within 5 s; it is then still looked up in a thread that is left
-/// behind.
+/// The addresses of "HOST:PORT", each as A.B.C.D:PORT or [IPV6]:PORT.  UNAVAILABLE if the name has
+/// none, or if the look-up takes more than 5 s.  The look-up then continues in a thread that is
+/// left behind.
 absl::StatusOr<std::vector<std::string>> numeric_addresses(const std::string& target);
 
-/// The nodes of a Slurm host list, as "n[1-3,07],login".  INVALID_ARGUMENT for what is none.
+/// The nodes of a Slurm host list such as "n[1-3,07],login".  INVALID_ARGUMENT for other text.
 absl::StatusOr<std::vector<std::string>> expand_host_list(const std::string& text);
 
 }  // namespace lucerna::client

@@ -10,7 +10,7 @@
 namespace lucerna::client {
 namespace {
 
-/// What the server's details find fault with, in the form that to_absl_status() adds.
+/// The field violations of the details, in the form that to_absl_status() appends.
 std::string violations(const google::rpc::Status& details, const std::string& message) {
   std::string text;
   for (const google::protobuf::Any& detail : details.details()) {
@@ -36,7 +36,7 @@ absl::Status to_absl_status(const grpc::Status& status) {
   const bool has_details =
       !status.error_details().empty() && details.ParseFromString(status.error_details());
   if (has_details) message += violations(details, message);
-  // Abseil's codes are gRPC's, number by number.
+  // Abseil's codes equal gRPC's, number by number.
   absl::Status result(static_cast<absl::StatusCode>(status.error_code()), message);
   if (has_details) result.SetPayload(kStatusPayloadUrl, absl::Cord(status.error_details()));
   return result;

@@ -1,4 +1,4 @@
-// From gRPC's status to Abseil's.  Not installed: it names gRPC's types.
+// Converts gRPC's status to Abseil's.  Not installed, since it names types of gRPC.
 #pragma once
 
 #include <grpcpp/support/status.h>
@@ -7,8 +7,8 @@
 
 namespace lucerna::client {
 
-/// The same code; the message with the field violations of the details added, each as "; FIELD:
-/// WHAT", unless it has them already; the details' bytes under kStatusPayloadUrl.
+/// The same code.  The field violations of the details are appended to the message, each as ";
+/// FIELD: WHAT", unless it has them already.  kStatusPayloadUrl holds the bytes of the details.
 absl::Status to_absl_status(const grpc::Status& status);
 
 }  // namespace lucerna::client

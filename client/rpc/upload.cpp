@@ -13,6 +13,7 @@
 
 #include "client/rpc/retry.h"
 #include "proto/common/sha256.h"
+#include "proto/common/status_macros.h"
 
 namespace lucerna::client {
 namespace {
@@ -21,10 +22,10 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kChunkBytes = std::size_t{1} << 20;
 constexpr int kTries = 5;  // in a row without progress
-// Files that name files that name files: no scene is deeper.
+// Rounds of files that name further files; no scene is deeper.
 constexpr int kMostRounds = 100;
 
-/// Waits; false where the call is to end.
+/// Waits; returns false if the call should end.
 bool wait(std::chrono::milliseconds time, const CallOptions& options) {
   std::mutex mutex;
   std::unique_lock lock(mutex);
@@ -82,18 +83,18 @@ class Upload {
       std::set<std::string> wanted;  // digests
       for (const v1::NamedAsset& asset : response->missing()) {
         if (!files_.contains(asset.name())) {
-          if (absl::Status s = add(asset.name()); !s.ok()) return s;
+          LUCERNA_RETURN_IF_ERROR(add(asset.name()));
         }
         if (const std::string& digest = files_[asset.name()].digest; !digest.empty())
           wanted.insert(digest);
       }
-      if (absl::Status s = send(wanted); !s.ok()) return s;
+      LUCERNA_RETURN_IF_ERROR(send(wanted));
     }
-    return absl::InternalError("the server keeps asking for more files");
+    return absl::InternalError("the server requests more and more files");
   }
 
  private:
-  /// Puts the file of this name, or that there is none, into the manifest.
+  /// Adds the file of this name to the manifest, or states there that it does not exist.
   absl::Status add(const std::string& name) {
     v1::NamedAsset asset;
     asset.set_name(name);
@@ -101,14 +102,13 @@ class Upload {
     std::error_code error;
     const fs::path path = fs::canonical(root_ / fs::path(name).relative_path(), error);
     if (!error && fs::is_regular_file(path, error)) {
-      // Also where a link leads out.
+      // Symbolic links out of the root are refused too.
       const fs::path within = path.lexically_relative(root_);
       if (within.empty() || *within.begin() == "..")
-        return absl::InvalidArgumentError(name + ": leads out of " + root_.string() +
-                                          ", of which alone files are sent");
-      absl::StatusOr<File> found = hashed(path);
-      if (!found.ok()) return found.status();
-      file = *std::move(found);
+        return absl::InvalidArgumentError(name + ": is outside of " + root_.string() +
+                                          "; only files within it are sent");
+      LUCERNA_ASSIGN_OR_RETURN(File found, hashed(path));
+      file = std::move(found);
       asset.set_sha256(file.digest);
       names_.try_emplace(file.digest, name);
     }
@@ -119,19 +119,17 @@ class Upload {
   absl::Status send(const std::set<std::string>& digests) {
     v1::FindMissingAssetsRequest request;
     for (const std::string& digest : digests) request.add_sha256(digest);
-    const auto missing = client_.find_missing_assets(request, options_);
-    if (!missing.ok()) return missing.status();
-    for (int i = 0; i < missing->missing_sha256_size(); ++i) {
-      const auto name = names_.find(missing->missing_sha256(i));
-      if (name == names_.end() || i >= missing->received_bytes_size())
-        return absl::InternalError("the server asks for what it was not asked about");
-      const absl::Status s = send(name->second, missing->received_bytes(i));
-      if (!s.ok()) return s;
+    LUCERNA_ASSIGN_OR_RETURN(const auto missing, client_.find_missing_assets(request, options_));
+    for (int i = 0; i < missing.missing_sha256_size(); ++i) {
+      const auto name = names_.find(missing.missing_sha256(i));
+      if (name == names_.end() || i >= missing.received_bytes_size())
+        return absl::InternalError("the server requests a file that it was not offered");
+      LUCERNA_RETURN_IF_ERROR(send(name->second, missing.received_bytes(i)));
     }
     return absl::OkStatus();
   }
 
-  /// Until the server has the whole file.
+  /// Sends until the server has the whole file.
   absl::Status send(const std::string& name, std::uint64_t offset) {
     const File& file = files_[name];
     std::chrono::milliseconds pause(50);
@@ -145,7 +143,7 @@ class Upload {
       const bool elsewhere = absl::IsFailedPrecondition(sent.status());
       if (!absl::IsUnavailable(sent.status()) && !elsewhere) return sent.status();
       if (!wait(retry_delay(sent.status()).value_or(pause), options_)) return sent.status();
-      // Where another client is sending the same file its progress counts like our own.
+      // Progress of another client that sends the same file counts too.
       v1::FindMissingAssetsRequest request;
       request.add_sha256(file.digest);
       const auto now = client_.find_missing_assets(request, options_);
@@ -185,8 +183,8 @@ class Upload {
   const CallOptions& options_;
   fs::path root_;
   v1::LoadSceneRequest request_;
-  std::map<std::string, File> files_;  // by name in the manifest; without a digest: none there
-  std::map<std::string, std::string> names_;  // by digest: one of them
+  std::map<std::string, File> files_;         // by name in the manifest; no digest: does not exist
+  std::map<std::string, std::string> names_;  // by digest, one name each
 };
 
 }  // namespace
@@ -195,7 +193,7 @@ absl::StatusOr<v1::LoadSceneResponse> upload_scene(const Client& client, const s
                                                    const UploadOptions& upload,
                                                    const CallOptions& options) {
   Upload run(client, upload, options);
-  if (absl::Status s = run.begin(path); !s.ok()) return s;
+  LUCERNA_RETURN_IF_ERROR(run.begin(path));
   return run.run();
 }
 

@@ -1,5 +1,9 @@
-// Scenes from this machine's files.  Nothing is parsed here: the server says which files it misses,
-// and gets those.
+// Loads a scene from files of this machine on a server that cannot read them.
+//
+//   const auto loaded = upload_scene(client, "scenes/room/scene.pbrt");
+//   if (loaded.ok()) request.set_scene_id(loaded->scene_id());
+//
+// Nothing is parsed here: the server reports the files that it misses, and the client sends them.
 #pragma once
 
 #include <cstdint>
@@ -11,28 +15,28 @@
 namespace lucerna::client {
 
 struct UploadProgress {
-  std::string name;          ///< as the scene calls the file
-  std::uint64_t sent_bytes;  ///< of which the server has these
+  std::string name;          ///< the name of the file in the scene
+  std::uint64_t sent_bytes;  ///< bytes that the server has
   std::uint64_t size_bytes;
 };
 
 struct UploadOptions {
-  /// No file outside of this directory is ever sent, whatever the server asks for; names in the
-  /// scene are relative to it where they do not begin at the scene file.  Empty: the scene file's.
+  /// Only files within this directory are sent, whatever the server requests.  Names in the scene
+  /// are relative to it, unless they start at the scene file.  Empty: the directory of the scene
+  /// file.
   std::string root = {};
-  /// How long the server is to keep the scene at least [s]; 0: until it needs the memory.
+  /// How long the server keeps the scene at least [s].  0: until it needs the memory.
   double lease_s = 0;
-  /// Called as bytes go, in the calling thread.
+  /// Called after each sent chunk, in the calling thread.
   std::function<void(const UploadProgress&)> progress = {};
 };
 
-/// Loads the scene file `path` and all that it names, on a server that need not see any of it.
-/// Only what the server does not hold is sent, each content once; an upload that breaks goes on
-/// where it broke.
+/// Loads the scene file `path` and all files that it names.  Only content that the server does not
+/// hold is sent, once each.  An interrupted upload continues where it broke.
 ///
-/// Errors: NOT_FOUND for a scene file that is not there, INVALID_ARGUMENT for a file outside of the
-/// root or one that changed while it was sent; those of Client::load_scene and
-/// Client::upload_asset.  UNAVAILABLE after several tries in a row without progress.
+/// Errors: NOT_FOUND if the scene file does not exist; INVALID_ARGUMENT for a file outside of the
+/// root or one that changed during the upload; those of Client::load_scene and
+/// Client::upload_asset; UNAVAILABLE after several attempts in a row without progress.
 absl::StatusOr<v1::LoadSceneResponse> upload_scene(const Client& client, const std::string& path,
                                                    const UploadOptions& upload = {},
                                                    const CallOptions& options = {});

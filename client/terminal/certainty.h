@@ -7,6 +7,7 @@
 
 #include "client/terminal/output.h"
 #include "lucerna/v1/accuracy.pb.h"
+#include "proto/common/defaults.h"
 
 namespace lucerna::cli {
 
@@ -51,9 +52,6 @@ class TargetCheck {
   double worst_ = 1;  // of the items with an allowed error above 0
 };
 
-/// Samples of a receiver and of a light come in this many replicates, so counts are its multiples.
-inline constexpr std::uint64_t kReplicates = 16;
-
 /// Checks the receivers that have an answer.  `samples` holds the number of each.  `reached` gets
 /// whether each met the target; false for those without an answer.
 template <typename Answers>
@@ -62,9 +60,9 @@ TargetCheck check_target(const Answers& answers,
                          const v1::TargetError& target, std::vector<bool>* reached = nullptr) {
   TargetCheck check(target);
   for (int i = 0; i < samples.size(); ++i) {
-    const bool good =
-        has_answer(answers.status(), i) && check.add(answers.illuminance_lx(i), answers.lower_lx(i),
-                                                     answers.upper_lx(i), samples[i] + kReplicates);
+    const bool good = has_answer(answers.status(), i) &&
+                      check.add(answers.illuminance_lx(i), answers.lower_lx(i), answers.upper_lx(i),
+                                std::uint64_t{samples[i]} + kReplicates);
     if (reached != nullptr) reached->push_back(good);
   }
   return check;

@@ -7,7 +7,6 @@
 #include <string_view>
 #include <vector>
 
-#include "client/terminal/point_options.h"
 #include "lucerna/v1/lighting.pb.h"
 
 namespace lucerna::cli {

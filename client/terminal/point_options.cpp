@@ -10,7 +10,7 @@
 #include <string_view>
 
 #include "client/files/csv_file.h"
-#include "client/files/vector_file.h"
+#include "client/files/open_vectors.h"
 #include "client/terminal/session.h"
 
 namespace lucerna::cli {
@@ -155,14 +155,6 @@ std::vector<Double3> read_directions(const TripleOption& option, const PointSet&
   const auto result = option.given() ? option.read(set.points.size()) : set.seconds;
   if (result.empty()) wrong_use("no directions: give --direction, or six columns in --points");
   return result;
-}
-
-void fill(const std::vector<Double3>& vectors, google::protobuf::RepeatedField<float>* to) {
-  to->Resize(static_cast<int>(3 * vectors.size()), 0);
-  float* value = to->mutable_data();
-  for (const Double3& vector : vectors) {
-    for (const double coordinate : vector) *value++ = static_cast<float>(coordinate);
-  }
 }
 
 }  // namespace lucerna::cli

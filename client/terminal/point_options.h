@@ -72,7 +72,6 @@ class TripleOption {
 /// The directions of `option`, or columns 4 to 6.  Ends the program if both are absent.
 std::vector<Double3> read_directions(const TripleOption& option, const PointSet& set);
 
-/// Fills `to` with x, y, z of each vector in turn.
-void fill(const std::vector<Double3>& vectors, google::protobuf::RepeatedField<float>* to);
+using client::fill;
 
 }  // namespace lucerna::cli

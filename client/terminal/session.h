@@ -51,7 +51,7 @@ class Session {
   /// servers, one that lost the scene gets it again, and the question is repeated.
   template <class Ask>
   auto ask_about_scene(const Ask& question) {
-    return servers_ ? ask(servers_->ask(question)) : ask(question(client()));
+    return servers_ ? ask(servers_->query(question)) : ask(question(client()));
   }
   /// Ends the program with an error that a server reported.
   [[noreturn]] void fail(const absl::Status& status) const;
@@ -119,7 +119,10 @@ void add_power_command(CLI::App& app, Session& session);
 void add_emission_commands(CLI::App& app, Session& session);  // emit emit-pdf le
 void add_receiver_commands(CLI::App& app, Session& session);  // visible irradiance
 void add_render_command(CLI::App& app, Session& session);     // render
-/// tradeoff; `version` stands in the files that it writes.
-void add_tradeoff_command(CLI::App& app, Session& session, const std::string& version);
+/// Lists tradeoff among the commands.
+void add_tradeoff_command(CLI::App& app);
+/// Replaces this process by lucerna-tradeoff, with all other arguments, if the command is tradeoff.
+/// Ends the program with a message if lucerna-tradeoff is not beside this program.
+void start_tradeoff(const CLI::App& app, int argc, char** argv);
 
 }  // namespace lucerna::cli

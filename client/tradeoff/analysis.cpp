@@ -11,13 +11,13 @@
 namespace lucerna::tradeoff {
 namespace {
 
-// Errors below this times the reference's own are what is left of a difference of larger numbers.
+// Errors below this times the reference's own are not resolved: larger numbers cancel in them.
 constexpr double kResolved = 0.5;
 
 double median(std::vector<double> numbers) { return quartiles(std::move(numbers)).median; }
 
-/// What of an error remains without the reference's own: that is of other samples, so that their
-/// squares add.  Of none a quarter of what is resolved.
+/// An error without the reference's own.  The reference has other samples, so that the squares of
+/// both errors add.  The result is at least a quarter of the resolved error.
 Interval without(double reference_error, const Interval& e) {
   const auto rest = [&](double error) {
     const double least = kResolved / 4 * reference_error;
@@ -58,7 +58,7 @@ std::vector<Cell> cells_of(std::size_t setting, const std::vector<Run>& runs,
     cell.samples = median(samples);
     cell.rays = median(rays);
   }
-  // What samples at any amount may come as near by their number alone.
+  // All amounts must be exact: many samples of a setting that is not exact may come as near.
   const bool exact = reference.relative_error <= kRounding &&
                      std::all_of(cells.begin(), cells.end(),
                                  [](const Cell& cell) { return cell.error.mean <= kRounding; });
@@ -73,7 +73,7 @@ std::vector<Cell> cells_of(std::size_t setting, const std::vector<Run>& runs,
 }
 
 void judge_efficiency(Curve& curve, double reference_error) {
-  // The largest amount whose error is told apart from the reference's; the least where none is.
+  // Takes the largest amount whose error is resolved, or else the least amount.
   for (std::size_t k = curve.cells.size(); k-- > 0;) {
     const Interval& e = curve.cells[k].error;
     if (e.mean <= 0 || (k > 0 && e.mean < kResolved * reference_error)) continue;
@@ -90,8 +90,8 @@ double counted(const Reached& reached) {
   return reached.seconds * (reached.how == Reached::How::kExtrapolated ? kExtrapolatedCounts : 1);
 }
 
-/// By medians of times and means of errors; or `late`, by their upper quartiles and the upper ends
-/// of their intervals.
+/// Medians of times and means of errors.  If `late`, upper quartiles of times and upper ends of the
+/// errors' intervals.
 std::vector<Measured> measured(const std::vector<Cell>& cells, bool late) {
   std::vector<Measured> result;
   for (const Cell& cell : cells) {
@@ -103,13 +103,13 @@ std::vector<Measured> measured(const std::vector<Cell>& cells, bool late) {
   return result;
 }
 
-/// When a setting with these cells comes down to `error`.  Errors that the reference does not tell
-/// are extrapolated from those that it does; those of approximations never, as no number of samples
-/// makes them smaller.
+/// When a setting with these cells reaches `error`.  Errors that are not resolved are extrapolated
+/// from resolved ones.  Approximations are never extrapolated, because more samples do not make
+/// their errors smaller.
 std::optional<Reached> reach(std::vector<Measured> curve, double error, const Setting& setting,
                              const Reference& reference) {
-  const double told = reference.exact ? 0 : kResolved * reference.relative_error;
-  if (error < told) std::erase_if(curve, [&](const Measured& m) { return m.error < told; });
+  const double resolved = reference.exact ? 0 : kResolved * reference.relative_error;
+  if (error < resolved) std::erase_if(curve, [&](const Measured& m) { return m.error < resolved; });
   return time_to_error(std::move(curve), error, !cli::is_approximate(setting.accuracy));
 }
 
@@ -127,7 +127,7 @@ Recommendation recommend(std::size_t level, const std::vector<Setting>& settings
     r.below_reference = !reference.exact && r.error < kResolved * reference.relative_error;
     return r;
   }
-  // Who need not choose asks for the least: automatic, by samples before by target error.
+  // Prefers the simplest command: automatic by samples, then automatic by target error.
   const double latest = curves[r.best].latest[level].value_or(counted(r.best_reached));
   for (const Curve& curve : curves) {
     const auto& reached = curve.levels[level];
@@ -153,7 +153,7 @@ Recommendation recommend(std::size_t level, const std::vector<Setting>& settings
 }
 
 void compare(const std::vector<Setting>& settings, Analysis& a) {
-  // As much time as every setting that stayed was given.  What is exact has nothing to compare.
+  // The time that every remaining setting has spent.  Exact settings have no errors to compare.
   double least = std::numeric_limits<double>::infinity();
   for (const Curve& curve : a.curves)
     if (!curve.cells.empty() && !curve.cells.back().exact)
@@ -188,7 +188,7 @@ std::optional<std::size_t> Curve::exact() const {
 Amount practical(bool by_target, double value) {
   if (by_target) {
     const double digit = std::pow(10, std::floor(std::log10(value)) - 1);
-    // The addend forgives what rounding made of a number of two digits.
+    // The addend absorbs rounding of numbers that have two digits already.
     return {.target = true, .value = std::floor(value / digit + 1e-9) * digit};
   }
   const double whole = std::ceil(value - 1e-9);
@@ -231,8 +231,8 @@ Analysis analyse(const std::vector<Setting>& settings, const SweepResult& sweep,
   if (reference.relative_error > kRounding && !reference.exact &&
       reference.relative_error * kReferenceMargin > least_error) {
     a.warnings.push_back(fmt::format(
-        "The reference's own error, {:.3g}%, is not {:g} times below the best setting's, {:.3g}%: "
-        "what is left of small errors without it is uncertain.  A larger --budget makes it better.",
+        "The reference's own error, {:.3g}%, is not {:g} times below the best setting's, {:.3g}%. "
+        "Small errors are therefore uncertain. A larger --budget makes the reference better.",
         100 * reference.relative_error, kReferenceMargin, 100 * least_error));
   }
   return a;

@@ -1,4 +1,4 @@
-// How far an answer is from the reference.
+// The difference between an answer and the reference.
 #pragma once
 
 #include <cstdint>
@@ -8,33 +8,31 @@
 
 namespace lucerna::tradeoff {
 
-/// Below this share of the reference's mean, differences count as if the reference were this large:
-/// without it a nearly dark item would decide alone what a relative error is.
+/// References below this share of their mean count as this share.  Without it, a nearly dark item
+/// would dominate the relative error.
 inline constexpr double kDark = 0.01;
 
-/// Relative errors below this are those of single precision, in which answers come, and of sums in
-/// it: some ten of its last places.
+/// Relative errors below this come from the single precision of answers and of sums in it: about
+/// ten units in the last place.
 inline constexpr double kRounding = 1e-6;
 
 struct Errors {
   double rmse = 0;               ///< in the unit of the values
   double relative_mse = 0;       ///< mean of (value - reference)^2 / (reference^2 + dark^2)
-  std::optional<double> flip{};  ///< of pictures: mean FLIP, 0 to 1
+  std::optional<double> flip{};  ///< mean FLIP of pictures, 0 to 1
 };
 
-/// kDark times the mean of those that are numbers; 1 where that is 0, so that all can be divided by
-/// it.
+/// kDark times the mean of the absolute values without NaN; 1 if that is 0, so that it can divide.
 double dark_level(std::span<const double> reference);
 
-/// Squared relative error of one value.
+/// Squared relative error of one value: (value - reference)^2 / (reference^2 + dark^2).
 double relative_square(double value, double reference, double dark);
 
-/// Items whose reference is not a number have no answer and do not count; a value that is not one
-/// counts as 0.
+/// Items whose reference is NaN have no answer and do not count.  A value that is NaN counts as 0.
 Errors measure(std::span<const double> values, std::span<const double> reference, double dark);
 
-/// Mean and scatter of answers to different seeds, item by item.  Each is of the same work, so that
-/// they count alike.
+/// Mean and standard error of answers with different seeds, item by item.  All answers have the
+/// same weight.
 class Replicates {
  public:
   explicit Replicates(std::size_t items) : mean_(items), squares_(items) {}
@@ -42,7 +40,7 @@ class Replicates {
   void add(std::span<const double> values);
   std::size_t count() const { return count_; }
   const std::vector<double>& mean() const { return mean_; }
-  /// Standard error of each mean; 0 for fewer than two.
+  /// Standard error of each mean; 0 for fewer than two answers.
   std::vector<double> standard_error() const;
 
  private:

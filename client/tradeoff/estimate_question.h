@@ -1,4 +1,4 @@
-// What questions have in common whose settings are methods of an estimate.
+// The common part of questions whose settings are methods of an estimate.
 #pragma once
 
 #include <fmt/format.h>
@@ -10,7 +10,7 @@
 
 namespace lucerna::tradeoff {
 
-/// `client` must outlive it.
+/// `client` must outlive the question.
 class EstimateQuestion : public Question {
  public:
   const Layout& layout() const override { return layout_; }
@@ -20,20 +20,20 @@ class EstimateQuestion : public Question {
   std::vector<Amount> amounts_of(const Setting& setting) const override {
     return amounts(setting, max_samples_);
   }
-  absl::StatusOr<Answer> ask(const Setting& setting, const Amount& amount,
-                             std::uint64_t seed) const override {
-    return answer(accuracy_of(setting, amount, dark_ * amount.value), seed);
+  absl::StatusOr<Answer> answer(const Setting& setting, const Amount& amount,
+                                std::uint64_t seed) const override {
+    return estimate(accuracy_of(setting, amount, dark_ * amount.value), seed);
   }
   std::vector<ReferenceWay> reference_ways() const override { return reference_ways_for(lights_); }
-  absl::StatusOr<Answer> ask_reference(std::size_t way, std::uint32_t samples,
-                                       std::uint64_t seed) const override {
+  absl::StatusOr<Answer> answer_reference(std::size_t way, std::uint32_t samples,
+                                          std::uint64_t seed) const override {
     v1::Accuracy accuracy = reference_accuracy(way, lights_);
     accuracy.set_samples(samples);
-    return answer(accuracy, seed);
+    return estimate(accuracy, seed);
   }
 
  protected:
-  /// `lights`: of the scene; `max_samples`: of an item, in the sweep.
+  /// `lights` of the scene; `max_samples` of an item in the sweep.
   EstimateQuestion(const client::Client& client, const QuestionOptions& options,
                    std::uint64_t lights, std::uint32_t max_samples)
       : Question(options.call),
@@ -42,9 +42,10 @@ class EstimateQuestion : public Question {
         lights_(lights),
         max_samples_(max_samples) {}
 
-  virtual absl::StatusOr<Answer> answer(const v1::Accuracy& accuracy, std::uint64_t seed) const = 0;
+  virtual absl::StatusOr<Answer> estimate(const v1::Accuracy& accuracy,
+                                          std::uint64_t seed) const = 0;
 
-  /// What follows a command's scene and items, so that it asks the same.
+  /// The flags behind a command's scene and items that make it the same question.
   std::string flags(const Setting& setting, const Amount& amount) const {
     std::string text = options_.bounces ? fmt::format(" --bounces {}", *options_.bounces) : "";
     return text + join_flags(setting, amount) + floor_flag(amount, dark_);

@@ -12,7 +12,7 @@ using std::numbers::pi;
 using Colour = std::array<double, 3>;
 using Plane = std::vector<double>;
 
-// Linear Rec. 709 RGB to XYZ, and back; the white of D65 is what (1, 1, 1) becomes.  [IEC61966]
+// Linear Rec. 709 RGB to XYZ, and back.  (1, 1, 1) becomes the white of D65.  [IEC61966]
 constexpr std::array<Colour, 3> kXyzFromRgb = {
     {{10135552.0 / 24577794, 8788810.0 / 24577794, 4435075.0 / 24577794},
      {2613072.0 / 12288897, 8788810.0 / 12288897, 887015.0 / 12288897},
@@ -42,14 +42,14 @@ std::array<Colour, 3> inverse(const std::array<Colour, 3>& m) {
 const std::array<Colour, 3> kRgbFromXyz = inverse(kXyzFromRgb);
 const Colour kWhite = multiply(kXyzFromRgb, {1, 1, 1});
 
-/// XYZ over that of white.
+/// XYZ over the XYZ of white.
 Colour relative_xyz(const Colour& rgb) {
   Colour xyz = multiply(kXyzFromRgb, rgb);
   for (int i = 0; i < 3; ++i) xyz[i] /= kWhite[i];
   return xyz;
 }
 
-/// Achromatic, red-green and blue-yellow: linear, so that what is filtered in them is light.
+/// Achromatic, red-green and blue-yellow.  Linear in the light, so that it can be filtered.
 Colour ycxcz(const Colour& rgb) {
   const auto [x, y, z] = relative_xyz(rgb);
   return {116 * y - 16, 500 * (x - y), 200 * (y - z)};
@@ -61,7 +61,7 @@ Colour rgb_from_ycxcz(const Colour& c) {
                   {(y + c[1] / 500) * kWhite[0], y * kWhite[1], (y - c[2] / 200) * kWhite[2]});
 }
 
-/// CIELAB with less chroma where it is darker, as Hunt found: dark colours look alike.
+/// CIELAB with less chroma at less lightness, after Hunt: dark colours look alike.
 Colour hunt_lab(const Colour& rgb) {
   const auto f = [](double t) {
     constexpr double kDelta = 6.0 / 29;
@@ -77,7 +77,7 @@ double hyab(const Colour& a, const Colour& b) {
   return std::fabs(a[0] - b[0]) + std::hypot(a[1] - b[1], a[2] - b[2]);
 }
 
-/// Large differences of colour say less than small ones: [0, the largest] by two lines to [0, 1].
+/// Maps [0, the largest difference] to [0, 1] by two lines, which compress large differences.
 double redistributed(double difference) {
   constexpr double kExponent = 0.7, kShare = 0.4, kValue = 0.95;
   static const double largest = std::pow(hyab(hunt_lab({0, 1, 0}), hunt_lab({0, 0, 1})), kExponent);
@@ -87,7 +87,7 @@ double redistributed(double difference) {
   return kValue + (e - knee) / (largest - knee) * (1 - kValue);
 }
 
-/// One dimension of a filter, its middle at size / 2.
+/// One dimension of a filter.  Its middle is at size / 2.
 using Weights = std::vector<double>;
 
 template <typename Function>
@@ -103,7 +103,7 @@ double sum(const Weights& w) {
   return total;
 }
 
-/// A picture's plane through `across` along rows and then `down` along columns.
+/// Filters a plane of a picture by `across` along rows and then by `down` along columns.
 Plane filtered(const Plane& in, int width, int height, const Weights& across, const Weights& down) {
   const int r = static_cast<int>(across.size() / 2), s = static_cast<int>(down.size() / 2);
   Plane between(in.size()), out(in.size());
@@ -125,8 +125,8 @@ Plane filtered(const Plane& in, int width, int height, const Weights& across, co
   return out;
 }
 
-/// What the eye makes of one channel at this distance: a sum of up to two Gaussians
-/// a sqrt(pi / b) exp(-pi^2 d^2 / b), d in degrees, of sum 1.  [Andersson20, table 1]
+/// The eye's response to one channel: a sum of up to two Gaussians a sqrt(pi / b) exp(-pi^2 d^2 /
+/// b) with d in degrees, normalised to 1.  [Andersson20, table 1]
 struct Sensitivity {
   double a1, b1, a2, b2;
 };
@@ -153,7 +153,7 @@ Plane seen(const Plane& in, int width, int height, const Sensitivity& s, double 
 
 struct Seen {
   std::vector<Colour> colours;  // hunt_lab
-  Plane edges, points;          // how strong they are
+  Plane edges, points;          // strengths
 };
 
 Plane magnitude(const Plane& x, const Plane& y) {
@@ -167,7 +167,7 @@ Seen look(std::span<const float> rgb, int width, int height, double per_degree) 
   Plane achromatic;
   for (std::size_t i = 0; i + 2 < rgb.size(); i += 3) {
     Colour c{};
-    // The comparison keeps what is not a number at 0.
+    // The comparison turns NaN into 0.
     for (int k = 0; k < 3; ++k) c[k] = rgb[i + k] > 0 ? std::min<double>(rgb[i + k], 1) : 0;
     const Colour opponent = ycxcz(c);
     for (int k = 0; k < 3; ++k) planes[k].push_back(opponent[k]);
@@ -181,7 +181,7 @@ Seen look(std::span<const float> rgb, int width, int height, double per_degree) 
     for (double& x : c) x = std::clamp(x, 0.0, 1.0);
     result.colours.push_back(hunt_lab(c));
   }
-  // Edges by the first and points by the second derivative of a Gaussian; the positive weights of
+  // The first derivative of a Gaussian finds edges, the second one points.  The positive weights of
   // each sum to 1, the negative ones to -1.
   const double deviation = 0.5 * 0.082 * per_degree;
   const int radius = static_cast<int>(std::ceil(3 * deviation));

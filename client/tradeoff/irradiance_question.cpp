@@ -4,7 +4,6 @@
 #include <limits>
 #include <utility>
 
-#include "client/terminal/point_options.h"
 #include "client/tradeoff/estimate_question.h"
 #include "client/tradeoff/stopwatch.h"
 #include "lucerna/client/batches.h"
@@ -13,8 +12,8 @@ namespace lucerna::tradeoff {
 namespace {
 
 constexpr std::uint32_t kMostPointSamples = 1 << 16;
-// Whole replicates, so that an answer of them has errors.
-constexpr std::uint32_t kTellingPointSamples = 64;
+// A multiple of the replicates, so that an answer has errors.
+constexpr std::uint32_t kClosedFormPointSamples = 64;
 
 class IrradianceQuestion : public EstimateQuestion {
  public:
@@ -24,7 +23,7 @@ class IrradianceQuestion : public EstimateQuestion {
     layout_.points = options.points;
     request_.set_scene_id(options.scene_id);
     *request_.mutable_receivers() = client::make_points(options.points);
-    cli::fill(options.normals, request_.mutable_normals());
+    client::fill(options.normals, request_.mutable_normals());
     if (options.bounces) request_.set_bounces(*options.bounces);
   }
 
@@ -33,7 +32,7 @@ class IrradianceQuestion : public EstimateQuestion {
   absl::StatusOr<std::optional<std::vector<double>>> closed_form(
       std::uint64_t seed) const override {
     v1::Accuracy accuracy;
-    accuracy.set_samples(kTellingPointSamples);
+    accuracy.set_samples(kClosedFormPointSamples);
     const auto response = respond(accuracy, seed);
     if (!response.ok()) return response.status();
     std::optional<std::vector<double>> result = values(*response);
@@ -73,7 +72,7 @@ class IrradianceQuestion : public EstimateQuestion {
     return result;
   }
 
-  absl::StatusOr<Answer> answer(const v1::Accuracy& accuracy, std::uint64_t seed) const override {
+  absl::StatusOr<Answer> estimate(const v1::Accuracy& accuracy, std::uint64_t seed) const override {
     const Stopwatch watch;
     const auto response = respond(accuracy, seed);
     const double seconds = watch.seconds();

@@ -1,4 +1,4 @@
-// Pixels of a picture: all of a small one, else of tiles spread over it.
+// Pixels of a picture: all pixels of a small one, or tiles spread over a large one.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,15 +16,15 @@ namespace lucerna::tradeoff {
 namespace {
 
 constexpr std::uint32_t kMostPixelSamples = 1 << 14;
-// So large that FLIP, which looks 10 pixels far, has an inside to look at; so small that a question
-// of one sample takes a fraction of a second.
+// Large enough that FLIP, which looks 10 pixels far, sees more than edges.  Small enough that a
+// question of one sample takes a fraction of a second.
 constexpr std::uint32_t kTile = 32;
-// By which it is found out whether pixels are known: the fewest that a target error takes.
-constexpr std::uint32_t kTellingPixelSamples = 64;
-constexpr double kTellingError = 0.1;
+// Samples that show whether pixels are exact: the least number of a target error.
+constexpr std::uint32_t kClosedFormPixelSamples = 64;
+constexpr double kClosedFormError = 0.1;
 constexpr std::uint32_t kColumns = 3, kRows = 2;
 
-/// One tile in the middle of each of kColumns x kRows parts; all of a picture no larger than them.
+/// One tile in the middle of each of kColumns x kRows parts, or all of a picture that is no larger.
 std::vector<v1::PixelRect> spread_tiles(std::uint32_t width, std::uint32_t height) {
   std::vector<v1::PixelRect> tiles;
   const auto add = [&](std::uint32_t x, std::uint32_t y, std::uint32_t w, std::uint32_t h) {
@@ -36,7 +36,7 @@ std::vector<v1::PixelRect> spread_tiles(std::uint32_t width, std::uint32_t heigh
     tiles.push_back(rect);
   };
   if (std::uint64_t{width} * height <= std::uint64_t{kTile} * kTile * kColumns * kRows) {
-    // In rows of their own where one tile of it were more than a server must take.
+    // Several tiles, because one tile could exceed the limit of a server.
     for (std::uint32_t y = 0; y < height; y += kTile)
       for (std::uint32_t x = 0; x < width; x += kTile)
         add(x, y, std::min(kTile, width - x), std::min(kTile, height - y));
@@ -53,8 +53,8 @@ std::vector<v1::PixelRect> spread_tiles(std::uint32_t width, std::uint32_t heigh
   return tiles;
 }
 
-/// Whether each pixel's interval is a point: the same float at both ends, or, as they are rounded
-/// outwards, its neighbour.
+/// Whether each pixel's interval is a point.  Both ends are the same float or, because they are
+/// rounded outwards, neighbours.
 bool are_points(const v1::Tile& tile) {
   if (tile.lower().empty() || tile.lower().size() != tile.upper().size()) return false;
   for (std::size_t i = 0; i + sizeof(float) <= tile.lower().size(); i += sizeof(float)) {
@@ -104,10 +104,10 @@ class PictureQuestion : public EstimateQuestion {
 
   absl::StatusOr<std::optional<std::vector<double>>> closed_form(
       std::uint64_t seed) const override {
-    // Blocks that do not scatter may all have missed something: only where that is so everywhere a
-    // target error is asked for, which tells an interval of each pixel.
+    // Blocks without scatter may all have missed a light.  If no block scatters, a target error
+    // gives the interval of each pixel.
     v1::Accuracy accuracy;
-    accuracy.set_samples(kTellingPixelSamples);
+    accuracy.set_samples(kClosedFormPixelSamples);
     auto responses = respond(accuracy, seed);
     if (!responses.ok()) return responses.status();
     const auto scatters = [](const v1::RenderTileResponse& response) {
@@ -115,8 +115,8 @@ class PictureQuestion : public EstimateQuestion {
       return std::any_of(deviation.begin(), deviation.end(), [](char c) { return c != 0; });
     };
     if (std::any_of(responses->begin(), responses->end(), scatters)) return std::nullopt;
-    accuracy.mutable_target_error()->set_relative(kTellingError);
-    accuracy.mutable_target_error()->set_max_samples(kTellingPixelSamples);
+    accuracy.mutable_target_error()->set_relative(kClosedFormError);
+    accuracy.mutable_target_error()->set_max_samples(kClosedFormPixelSamples);
     responses = respond(accuracy, seed);
     if (!responses.ok()) return responses.status();
     for (const v1::RenderTileResponse& response : *responses) {
@@ -162,7 +162,7 @@ class PictureQuestion : public EstimateQuestion {
     return result;
   }
 
-  absl::StatusOr<Answer> answer(const v1::Accuracy& accuracy, std::uint64_t seed) const override {
+  absl::StatusOr<Answer> estimate(const v1::Accuracy& accuracy, std::uint64_t seed) const override {
     const Stopwatch watch;
     const auto responses = respond(accuracy, seed);
     const double seconds = watch.seconds();

@@ -1,4 +1,4 @@
-// The power of lights: known, by the books' formulas, or by rays that leave them.
+// The power of lights: exact, by textbook formulas, or by rays that leave the lights.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,11 +12,11 @@
 namespace lucerna::tradeoff {
 namespace {
 
-// As many calls as lights, each of at most as many rays.
+// There is one call a light, with at most so many rays.
 constexpr std::uint64_t kMostLights = 64;
 constexpr std::uint32_t kMaxRays = 1 << 18;
 
-// Settings of their own: not flags of methods.
+// Settings of this query alone, which are no method flags.
 constexpr char kApproximate[] = "approximate", kSampled[] = "sampled", kRays[] = "emitted rays";
 
 class PowerQuestion : public Question {
@@ -45,8 +45,8 @@ class PowerQuestion : public Question {
     if (!by_rays(setting) && !sampled(setting)) return {{.target = false, .value = 1}};
     return amounts(setting, kMaxRays);
   }
-  absl::StatusOr<Answer> ask(const Setting& setting, const Amount& amount,
-                             std::uint64_t seed) const override {
+  absl::StatusOr<Answer> answer(const Setting& setting, const Amount& amount,
+                                std::uint64_t seed) const override {
     if (by_rays(setting)) return emitted(static_cast<std::uint32_t>(amount.value), seed);
     v1::EstimatePowerRequest request;
     request.set_method(setting.flags.empty() ? v1::EstimatePowerRequest::METHOD_EXACT
@@ -56,19 +56,19 @@ class PowerQuestion : public Question {
       *request.mutable_accuracy() = accuracy_of(setting, amount, dark_ * amount.value);
       request.set_seed(seed);
     }
-    return told(std::move(request));
+    return server_power(std::move(request));
   }
   std::vector<ReferenceWay> reference_ways() const override {
     return {{"closed forms and quadrature with a stated bound (METHOD_EXACT)"}};
   }
   bool reference_is_exact() const override { return true; }
-  absl::StatusOr<Answer> ask_reference(std::size_t, std::uint32_t, std::uint64_t) const override {
+  absl::StatusOr<Answer> answer_reference(std::size_t, std::uint32_t,
+                                          std::uint64_t) const override {
     Answer answer{.values = exact_};
     return answer;
   }
   std::vector<double> reference_bounds() const override { return bounds_; }
-  /// Of what the reference was made by: the bound that it states, since compared with itself it is
-  /// right.
+  /// The exact method equals the reference, which it made.  Its error is the bound that it reports.
   Errors errors(const std::vector<double>& values, const std::vector<double>& reference,
                 double dark) const override {
     if (values != exact_) return measure(values, reference, dark);
@@ -94,11 +94,10 @@ class PowerQuestion : public Question {
   }
   std::string about(const Setting& setting) const override {
     if (by_rays(setting))
-      return "rays that leave the light, asked of SampleLe, whose flux the caller adds up";
-    if (sampled(setting))
-      return "the mean over rays that leave the light, which the server takes and adds up";
+      return "rays of SampleLe that leave the light, whose flux the caller adds up";
+    if (sampled(setting)) return "the mean over rays that leave the light, computed by the server";
     if (setting.flags.empty()) return "--method exact: closed forms, or quadrature with a bound";
-    return "the books' formulas";
+    return "textbook formulas";
   }
 
  private:
@@ -110,7 +109,7 @@ class PowerQuestion : public Question {
     return setting.flags.size() == 2 && setting.flags[1] == kSampled;
   }
 
-  absl::StatusOr<Answer> told(v1::EstimatePowerRequest request) const {
+  absl::StatusOr<Answer> server_power(v1::EstimatePowerRequest request) const {
     request.set_scene_id(options_.scene_id);
     request.mutable_light_ids()->Add(lights_.begin(), lights_.end());
     const Stopwatch watch;
@@ -180,7 +179,7 @@ absl::StatusOr<std::unique_ptr<Question>> make_power_question(const client::Clie
   if (all.empty()) {
     return absl::InvalidArgumentError("--query power: the scene has no lights");
   }
-  // Of many some, evenly over the list, so that every kind is likely to be there.
+  // Of many lights, some are taken evenly from the list, so that every kind is likely among them.
   const std::uint64_t count = std::min<std::uint64_t>(all.size(), kMostLights);
   v1::EstimatePowerRequest request;
   request.set_scene_id(options.scene_id);

@@ -11,7 +11,7 @@
 namespace lucerna::tradeoff {
 namespace {
 
-// Fewer are each sampled by automatic too (DirectLight::kFewLights).
+// Automatic samples each of fewer lights, too (DirectLight::kFewLights).
 constexpr std::uint64_t kManyLights = 21;
 
 struct Selection {
@@ -19,12 +19,12 @@ struct Selection {
   const char* words;
 };
 
-/// Those after the first are tried where there is time.
+/// Selections after the first are tried if the time suffices.
 std::vector<Selection> reference_selections(std::uint64_t lights) {
   const Selection all{v1::LIGHT_SELECTION_ALL, "every light, "};
   const Selection power{v1::LIGHT_SELECTION_POWER, "one light by power, "};
   const Selection tree{v1::LIGHT_SELECTION_BVH, "one light by the light BVH, "};
-  const Selection chance{v1::LIGHT_SELECTION_UNIFORM, "one light by chance, "};
+  const Selection chance{v1::LIGHT_SELECTION_UNIFORM, "one light uniformly, "};
   if (lights < 2) return {{v1::LIGHT_SELECTION_ALL, ""}};
   if (lights < kManyLights) return {all, power, chance};
   return {power, tree, all, chance};
@@ -71,7 +71,7 @@ std::string command_line(const QuestionOptions& options, const std::string& comm
 
 std::string for_which_server(const Amount& amount, double most, const std::string& option) {
   if (amount.target || amount.value <= most) return "";
-  return "  # of a server with more than its own " + option;
+  return "  # needs a server with a larger " + option;
 }
 
 std::string join_flags(const Setting& setting, const Amount& amount) {
@@ -96,9 +96,9 @@ v1::Accuracy accuracy_of(const Setting& setting, const Amount& amount, double fl
   return accuracy;
 }
 
-// The Y row of the matrix that follows from the Rec. 709 primaries and the D65 white point
-// (0.3127, 0.3290), to as many digits as the server has it: the four that are usual are off by
-// 2e-5, which would be an error of the setting.  [BT709]
+// The Y row of the matrix from the Rec. 709 primaries and the D65 white point (0.3127, 0.3290),
+// with as many digits as the server has.  The usual four digits are off by 2e-5, which would count
+// as an error of the setting.  [BT709]
 double luminance(const float* rgb) {
   return 0.2126390058715104 * rgb[0] + 0.7151686787677559 * rgb[1] + 0.0721923153607337 * rgb[2];
 }

@@ -1,4 +1,4 @@
-// What is asked again and again: a query, its items, and how a client asks it.
+// A question that the study repeats: a query, its items, and the calls of a client.
 #pragma once
 
 #include <cstdint>
@@ -17,28 +17,28 @@
 namespace lucerna::tradeoff {
 
 struct Answer {
-  /// One (of pictures three) an item; not a number where the item has none.
+  /// One value an item, three values a pixel.  NaN for items without an answer.
   std::vector<double> values{};
-  double seconds = 0;  ///< of wall time, from before the question to after the answer
+  double seconds = 0;  ///< wall time from before the call to after the answer
   double samples = 0;  ///< over all items
   double rays = 0;     ///< of all kinds
 };
 
-/// An estimator to make a reference with.
+/// An estimator of the reference.
 struct ReferenceWay {
   std::string words;
-  /// It draws lights by the light BVH, as settings do: a light that the tree gives no chance would
-  /// be missing from both, so its mean is held against that of a way without.
+  /// The estimator needs a check, because it draws lights by the light BVH, as settings do.  A
+  /// light without a chance in the tree would be missing from both.
   bool checked = false;
 };
 
-/// What is drawn of the items.
+/// The items as the page draws them.
 struct Layout {
-  /// Points, where items are points.
+  /// Points [m], if items are points.
   std::vector<client::Double3> points;
-  /// Tiles of a picture in the order of the values, where items are pixels.
+  /// Tiles of a picture in the order of the values, if items are pixels.
   std::vector<v1::PixelRect> tiles;
-  /// Names of items, where they have some.
+  /// Names of items, if they have names.
   std::vector<std::string> labels;
 };
 
@@ -48,44 +48,42 @@ class Question {
   virtual ~Question() = default;
 
   virtual Query query() const = 0;
-  /// "illuminance [lx]": what the values are.
+  /// The quantity of the values: "illuminance [lx]".
   virtual std::string quantity() const = 0;
   virtual const Layout& layout() const = 0;
   virtual std::vector<Setting> settings() const = 0;
   virtual std::vector<Amount> amounts_of(const Setting& setting) const = 0;
-  virtual absl::StatusOr<Answer> ask(const Setting& setting, const Amount& amount,
-                                     std::uint64_t seed) const = 0;
+  virtual absl::StatusOr<Answer> answer(const Setting& setting, const Amount& amount,
+                                        std::uint64_t seed) const = 0;
 
-  /// The ways to make a reference, each an estimator that no setting is; one at least is
-  /// not `checked`.
+  /// Estimators of the reference.  None is a setting, and one at least is not `checked`.
   virtual std::vector<ReferenceWay> reference_ways() const = 0;
-  /// Whether the reference is known, and not estimated.
+  /// The reference is computed with a bound, and not estimated.
   virtual bool reference_is_exact() const { return false; }
-  virtual absl::StatusOr<Answer> ask_reference(std::size_t way, std::uint32_t samples,
-                                               std::uint64_t seed) const = 0;
-  /// Automatic's values where its answer says of all that they are exact, which is checked before
-  /// they are believed; else nothing.
+  virtual absl::StatusOr<Answer> answer_reference(std::size_t way, std::uint32_t samples,
+                                                  std::uint64_t seed) const = 0;
+  /// Automatic's values, if its answer reports that all of them are exact; else nothing.  The
+  /// caller checks them.
   virtual absl::StatusOr<std::optional<std::vector<double>>> closed_form(std::uint64_t) const {
     return std::nullopt;
   }
-  /// Of an exact reference: bounds on the error of each value.
+  /// Bounds on the error of each value of an exact reference.
   virtual std::vector<double> reference_bounds() const { return {}; }
 
-  /// What a difference is, beyond what `measure` finds.
+  /// The errors of `values`: those of `measure`, and others that fit the query.
   virtual Errors errors(const std::vector<double>& values, const std::vector<double>& reference,
                         double dark) const {
     return measure(values, reference, dark);
   }
-  /// The level below which relative errors are absolute ones: what is asked for by target error has
-  /// the same.
+  /// Sets the level below which target errors are absolute, as relative errors are.
   void set_dark_level(double dark) { dark_ = dark; }
-  /// How long calls may take from now on.
+  /// Sets the deadline of the next calls.
   void set_call(client::CallOptions call) { call_ = std::move(call); }
   const client::CallOptions& call() const { return call_; }
 
-  /// What a setting is, in words, where its name does not tell.
+  /// An explanation of a setting; empty if its name is enough.
   virtual std::string about(const Setting&) const { return {}; }
-  /// The command of a setting, as a user types it.
+  /// The command line of a setting.
   virtual std::string command(const Setting& setting, const Amount& amount) const = 0;
 
  protected:
@@ -97,10 +95,10 @@ class Question {
   client::CallOptions call_;
 };
 
-/// Where questions come from.
+/// What questions are made from.
 struct QuestionOptions {
-  std::string scene{};   ///< as the user named it
-  std::string server{};  ///< likewise; empty where it is the one that commands ask anyway
+  std::string scene{};   ///< the name that the user typed
+  std::string server{};  ///< the same; empty if commands use this server by default
   std::string scene_id{};
   std::string points_file{};
   std::vector<client::Double3> points{}, normals{};
@@ -109,7 +107,7 @@ struct QuestionOptions {
   client::CallOptions call{};
 };
 
-/// INVALID_ARGUMENT where the query cannot be asked of this scene.
+/// INVALID_ARGUMENT if the scene lacks what the query needs.
 absl::StatusOr<std::unique_ptr<Question>> make_irradiance_question(const client::Client& client,
                                                                    const QuestionOptions& options);
 absl::StatusOr<std::unique_ptr<Question>> make_picture_question(const client::Client& client,
@@ -121,34 +119,34 @@ absl::StatusOr<std::unique_ptr<Question>> make_power_question(const client::Clie
 absl::StatusOr<std::unique_ptr<Question>> make_visibility_question(const client::Client& client,
                                                                    const QuestionOptions& options);
 
-/// Of a reference by paths: independent samples, by the balance heuristic, of points by area in a
-/// map of little distortion, without closed forms; of every light, or of one chosen by chance, by
-/// power or, where there are many, by the light BVH (which settings have too).  `lights`: of the
-/// scene; `way`: of those of reference_ways_for().
+/// The method `way` of reference_ways_for(), for a scene with so many lights.  Independent samples,
+/// balance heuristic, points by area in a map of low distortion, no closed forms.  Every light, or
+/// one light drawn uniformly, by power or, with many lights, by the light BVH.
 v1::Accuracy reference_accuracy(std::size_t way, std::uint64_t lights);
 std::vector<ReferenceWay> reference_ways_for(std::uint64_t lights);
 
-/// A word as a shell takes it: quoted where it must be.
+/// A word for a shell, quoted if necessary.
 std::string shell_word(const std::string& word);
-/// "lucerna COMMAND SCENE", and what follows: words with a space before each, and the server.
+/// "lucerna COMMAND SCENE", then `rest`, where each word has a space before it, then the server.
 std::string command_line(const QuestionOptions& options, const std::string& command,
                          const std::string& rest);
-/// What servers take by default: samples of an item, and of all items where each has an answer.
+/// The default limits of a server: samples of an item, and items of a call.
 inline constexpr double kServerSamples = 1 << 20, kServerBatch = 1 << 16;
-/// Behind a command: that it is for a server with more than its own `option`, where that is `most`
-/// by default and the amount is beyond.
+/// A comment for the end of a command whose amount exceeds `most`, the default of the server's
+/// `option`; empty for other amounts.
 std::string for_which_server(const Amount& amount, double most, const std::string& option);
-/// Flags as they follow a command, with a space before each.
+/// The flags of a command, with a space before each.
 std::string join_flags(const Setting& setting, const Amount& amount);
 
-/// " --floor X" of a target error, where items below `dark` have an absolute one.
+/// " --floor X" for a target error, which is absolute for items below `dark`; else empty.
 std::string floor_flag(const Amount& amount, double dark);
 
-/// With a setting's methods and an amount.
+/// The request for a setting's methods and an amount.
 v1::Accuracy accuracy_of(const Setting& setting, const Amount& amount, double floor = 0);
 
-/// The luminance of three floats of RGB.
+/// The luminance of linear Rec. 709 RGB.
 double luminance(const float* rgb);
+/// Rays of all kinds.
 double rays_of(const v1::Cost& cost);
 
 }  // namespace lucerna::tradeoff

@@ -1,7 +1,6 @@
-// All that is known at the end, and how it is written down.
+// The results of a study, and the files they are written to.
 #pragma once
 
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -11,23 +10,25 @@
 
 namespace lucerna::tradeoff {
 
-/// Where and how it was measured.
+/// Where and how the study was measured.
 struct Circumstances {
   std::string scene, scene_id;
   std::string client_version, server_version, fingerprint, build, embree;
   std::uint32_t server_threads = 0;
-  std::string target;  ///< the server's name
-  std::string date;    ///< UTC, "2026-01-31T12:00:00Z"
-  double budget_s = 0, spent_s = 0;
+  std::string date;     ///< UTC, "2026-01-31T12:00:00Z"
+  double budget_s = 0;  ///< 0 where rounds are set
+  double spent_s = 0;
+  std::uint32_t rounds = 0, max_samples = 0;  ///< 0 where a budget is set
   std::uint64_t seed = 0;
   double exposure_ev = 0;
 };
 
-/// What items of one setting were like at the comparison's time.
+/// The errors of all items under one setting, at the amount that is compared.
 struct ItemErrors {
-  /// Root of the mean over runs of the relative squared error; of pictures a pixel, not a channel.
+  /// Root of the mean over runs of the relative squared error.  Pictures have one value a pixel,
+  /// not one a channel.
   std::vector<float> relative;
-  /// The last answer; of pictures alone.
+  /// The last answer.  Only pictures have it.
   std::vector<float> values;
 };
 
@@ -38,22 +39,22 @@ struct Record {
   Reference reference;
   SweepResult sweep;
   Analysis analysis;
-  std::vector<ItemErrors> items;  ///< one a setting; empty where it was not compared
+  std::vector<ItemErrors> items;  ///< one a setting; empty where it is not compared
 };
 
 /// One row a run.
 std::string to_csv(const Record& record);
-/// Everything; the runs where `with_runs`.
-nlohmann::ordered_json to_json(const Record& record, bool with_runs);
-/// A page that needs nothing but itself.
-std::string to_html(const Record& record);
+/// Everything that the page shows, as one line of JSON; the runs too if `with_runs`.
+std::string to_json(const Record& record, bool with_runs);
 /// Recommendations, warnings and the reference, in words.
 std::string to_text(const Record& record);
 
-/// Makes the directory, and makes sure that it can be written to.  INVALID_ARGUMENT with the
+/// Makes the directory and checks that files can be written to it.  INVALID_ARGUMENT with the
 /// reason.
 absl::Status make_directory(const std::string& path);
-/// Writes tradeoff.csv, tradeoff.json and report.html, each whole or not at all.
+/// Writes the whole file or nothing.  UNKNOWN with the reason.
+absl::Status write_file(const std::string& path, const std::string& text);
+/// Writes tradeoff.csv, tradeoff.json and report.html into `directory`.
 absl::Status write(const Record& record, const std::string& directory);
 
 }  // namespace lucerna::tradeoff

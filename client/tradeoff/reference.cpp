@@ -3,25 +3,28 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <limits>
 #include <numeric>
 #include <optional>
+#include <utility>
+
+#include "client/tradeoff/statistics.h"
+#include "proto/common/status_macros.h"
 
 namespace lucerna::tradeoff {
 namespace {
 
-// Of the time for the reference: what is spent to find the best way, and what one answer of it
-// takes, so that there are dozens of them.
+// Shares of the reference's time: for the search of the best estimator, and for one of its answers,
+// so that there are dozens of answers.
 constexpr double kPilotShare = 0.25, kAnswerShare = 0.03;
-// And what is spent on answers that the best way is checked by, where it is to be; no more of them
-// than tell how they scatter.
+// The share for the answers that check the best estimator.  kMostChecks answers are enough to
+// estimate their scatter.
 constexpr double kCheckShare = 0.25;
 constexpr std::size_t kMostChecks = 16;
 constexpr std::uint32_t kMostSamples = 1 << 16;
 
-/// What sets the reference's seeds apart from those of the sweep.
+/// Keeps the seeds of the reference different from the seeds of the sweep.
 constexpr std::uint64_t kReferenceSeeds = 0x5eed0f7e;
 
 void finish(const Replicates& replicates, Reference& r) {
@@ -36,15 +39,15 @@ void finish(const Replicates& replicates, Reference& r) {
   r.rmse = own.rmse;
 }
 
-/// Takes `values` in the place of what was sampled, or says why not.
+/// Replaces the sampled values by the closed forms `values`, or adds a warning.
 void take_closed_form(const std::vector<double>& values, Reference& r) {
   const auto items =
       std::count_if(values.begin(), values.end(), [](double v) { return !std::isnan(v); });
-  // Bonferroni: any of them may be the one that is out.
-  const double allowed =
-      quantile(boost::math::students_t(static_cast<double>(r.replicates) - 1),
-               1 - kRefusal / (2 * static_cast<double>(std::max<std::ptrdiff_t>(items, 1))));
-  double farthest = 0;  // of what is allowed
+  // Bonferroni: each of the items may be the one outside its interval.
+  const double allowed = student_quantile(
+      static_cast<double>(r.replicates) - 1,
+      1 - kRefusal / (2 * static_cast<double>(std::max<std::ptrdiff_t>(items, 1))));
+  double farthest = 0;  // in multiples of the allowed difference
   std::size_t where = 0;
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (std::isnan(values[i]) != std::isnan(r.values[i])) {
@@ -52,7 +55,7 @@ void take_closed_form(const std::vector<double>& values, Reference& r) {
       where = i;
     }
     if (std::isnan(values[i]) || std::isnan(r.values[i])) continue;
-    // Sums of floats may be off where nothing scatters.
+    // Rounding of sums in single precision does not scatter, so it is added to the bound.
     const double bound =
         allowed * r.standard_error[i] + 10 * kRounding * std::max(std::fabs(r.values[i]), r.dark);
     const double off = std::fabs(values[i] - r.values[i]) / bound;
@@ -63,15 +66,15 @@ void take_closed_form(const std::vector<double>& values, Reference& r) {
   if (farthest > 1) {
     if (!r.warning.empty()) r.warning += "  ";
     r.warning += fmt::format(
-        "Automatic's answers say that they are exact, and differ from the reference by more than "
+        "Automatic reports exact values, but they differ from the sampled reference by more than "
         "its errors allow: item {} is {:.6g}, and {:.6g} +- {:.2g} (standard error) in the "
-        "reference, which was kept.",
+        "reference. The sampled reference was kept.",
         where + 1, values[where], r.values[where], r.standard_error[where]);
     return;
   }
   r.way = fmt::format(
-      "closed forms: automatic's answers say of every item that they are exact; all lie within the "
-      "errors, {:.2g}% together, of {} answers of {} samples by another estimator ({})",
+      "closed forms: automatic reports an exact value of every item; all lie within the errors, "
+      "{:.2g}% together, of {} answers of {} samples by another estimator ({})",
       100 * r.relative_error, r.replicates, r.samples_each, r.way);
   r.values = values;
   r.standard_error.assign(values.size(), 0);
@@ -80,17 +83,16 @@ void take_closed_form(const std::vector<double>& values, Reference& r) {
   r.exact = true;
 }
 
-/// Answers of a way that needs no check.
+/// Answers of an estimator that needs no check.
 struct Check {
   std::vector<std::vector<double>> answers{};
   std::string way{};
   std::uint32_t samples_each = 0;
 };
 
-/// Keeps what was sampled where `check` agrees with it in the mean, or takes the check in its
-/// place.
+/// Keeps the reference if `check` agrees with it in the mean, else replaces it by the check.
 void compare(const Check& check, Reference& r) {
-  // By the better of the two, so that no value is divided by itself.
+  // Divides by the reference, the better of the two, so that no value is divided by itself.
   double items = 0, own = 0;
   bool same_items = true;
   std::vector<double> differences(check.answers.size());
@@ -100,7 +102,7 @@ void compare(const Check& check, Reference& r) {
     if (std::isnan(r.values[i])) continue;
     const double level = std::hypot(r.values[i], r.dark);
     ++items;
-    own += r.standard_error[i] / level;  // as if all errors were one
+    own += r.standard_error[i] / level;  // as if all errors were fully correlated
     for (std::size_t k = 0; k < differences.size(); ++k)
       differences[k] += (check.answers[k][i] - r.values[i]) / level;
   }
@@ -110,24 +112,22 @@ void compare(const Check& check, Reference& r) {
   double squares = 0;
   for (const double d : differences) squares += (d / items - mean) * (d / items - mean);
   const double error = std::hypot(std::sqrt(squares / (n * (n - 1))), own / items);
-  // Sums of floats may be off where nothing scatters.
-  const double allowed =
-      quantile(boost::math::students_t(n - 1), 1 - kRefusal / 2) * error + 10 * kRounding;
+  // Rounding of sums in single precision does not scatter, so it is added to the bound.
+  const double allowed = student_quantile(n - 1, 1 - kRefusal / 2) * error + 10 * kRounding;
   const std::string difference =
       same_items ? fmt::format(
                        "differ from it by {:.2g} +- {:.2g}% (standard error) in the mean of "
                        "all items",
                        100 * mean, 100 * error)
                  : "are of other items";
-  const std::string told =
+  const std::string finding =
       fmt::format("{} answers of {} samples by another ({}) {}", check.answers.size(),
                   check.samples_each, check.way, difference);
   if (same_items && std::fabs(mean) <= allowed) {
-    r.way += "; " + told;
+    r.way += "; " + finding;
     return;
   }
-  r.warning = fmt::format("A reference ({}) was not believed: {}, and were taken in its place.",
-                          r.way, told);
+  r.warning = fmt::format("A reference ({}) was rejected: {}, and replaced it.", r.way, finding);
   Replicates replicates(check.answers[0].size());
   for (const std::vector<double>& answer : check.answers) replicates.add(answer);
   finish(replicates, r);
@@ -137,43 +137,43 @@ void compare(const Check& check, Reference& r) {
 
 struct Pilot {
   std::size_t way = 0;
-  double merit = 0;  ///< squared error times time of one answer, the less the better
+  double cost = 0;  ///< squared error times seconds of one answer
   std::uint32_t samples = 1;
-  double seconds = 0;  ///< of an answer
+  double seconds = 0;  ///< wall time of one answer
 };
 
-/// Doubles the samples until one answer takes `seconds`, then judges by two.
+/// Doubles the samples until one answer takes `seconds`, then takes two answers.
 absl::StatusOr<Pilot> try_way(const Question& question, std::size_t way, double seconds,
                               std::uint64_t seed) {
   Pilot pilot{.way = way};
   std::uint64_t number = 0;
   for (;;) {
-    const auto a = question.ask_reference(way, pilot.samples, mixed_seed(seed, number++));
-    if (!a.ok()) return a.status();
-    pilot.seconds = a->seconds;
-    if (2 * a->seconds < seconds && pilot.samples < kMostSamples) {
-      // At most eightfold at once: short answers say little about long ones.
-      const double factor = std::min(8.0, seconds / std::max(a->seconds, 1e-6));
+    LUCERNA_ASSIGN_OR_RETURN(
+        const Answer a, question.answer_reference(way, pilot.samples, mixed_seed(seed, number++)));
+    pilot.seconds = a.seconds;
+    if (2 * a.seconds < seconds && pilot.samples < kMostSamples) {
+      // At most eightfold at once: short answers predict long ones badly.
+      const double factor = std::min(8.0, seconds / std::max(a.seconds, 1e-6));
       const int doublings = std::max(1, static_cast<int>(std::log2(factor)));
       pilot.samples = std::min(kMostSamples, pilot.samples << doublings);
       continue;
     }
-    const auto b = question.ask_reference(way, pilot.samples, mixed_seed(seed, number++));
-    if (!b.ok()) return b.status();
-    Replicates both(a->values.size());
-    both.add(a->values);
-    both.add(b->values);
+    LUCERNA_ASSIGN_OR_RETURN(
+        const Answer b, question.answer_reference(way, pilot.samples, mixed_seed(seed, number++)));
+    Replicates both(a.values.size());
+    both.add(a.values);
+    both.add(b.values);
     Reference r;
     finish(both, r);
-    pilot.seconds = (a->seconds + b->seconds) / 2;
-    pilot.merit = r.relative_error * r.relative_error * pilot.seconds;
+    pilot.seconds = (a.seconds + b.seconds) / 2;
+    pilot.cost = r.relative_error * r.relative_error * pilot.seconds;
     return pilot;
   }
 }
 
 struct Ways {
   Pilot best;
-  Pilot unchecked;  ///< of those that need no check, the best
+  Pilot unchecked;  ///< the best of the estimators that need no check
 };
 
 absl::StatusOr<Ways> try_ways(const Question& question, const std::vector<ReferenceWay>& ways,
@@ -182,15 +182,15 @@ absl::StatusOr<Ways> try_ways(const Question& question, const std::vector<Refere
   std::optional<Pilot> best, unchecked;
   absl::Status refused;
   for (std::size_t way = 0; way < ways.size(); ++way) {
-    // A way after the first is not begun when time is short.
+    // No further estimator starts when the time is short.
     if (unchecked && clock() - begin > kPilotShare * seconds) break;
     const auto pilot = try_way(question, way, kAnswerShare * seconds, mixed_seed(seed, way));
     if (!pilot.ok()) {
       if (!ways[way].checked) refused = pilot.status();
-      continue;  // others may do
+      continue;  // another estimator may work
     }
-    if (!best || pilot->merit < best->merit) best = *pilot;
-    if (!ways[way].checked && (!unchecked || pilot->merit < unchecked->merit)) unchecked = *pilot;
+    if (!best || pilot->cost < best->cost) best = *pilot;
+    if (!ways[way].checked && (!unchecked || pilot->cost < unchecked->cost)) unchecked = *pilot;
   }
   if (!unchecked) return refused;
   return Ways{.best = *best, .unchecked = *unchecked};
@@ -202,12 +202,60 @@ absl::StatusOr<Check> make_check(const Question& question, const Pilot& way, dou
   const double end = clock() + seconds;
   while (check.answers.size() < kFewestReplicates ||
          (check.answers.size() < kMostChecks && clock() + way.seconds < end)) {
-    const auto answer =
-        question.ask_reference(way.way, way.samples, mixed_seed(seed, check.answers.size()));
-    if (!answer.ok()) return answer.status();
-    check.answers.push_back(answer->values);
+    LUCERNA_ASSIGN_OR_RETURN(
+        Answer answer,
+        question.answer_reference(way.way, way.samples, mixed_seed(seed, check.answers.size())));
+    check.answers.push_back(std::move(answer.values));
   }
   return check;
+}
+
+/// The reference that the server reports with a bound.
+absl::StatusOr<Reference> exact_reference(const Question& question, const Clock& clock) {
+  const double begin = clock();
+  LUCERNA_ASSIGN_OR_RETURN(const Answer answer, question.answer_reference(0, 1, 0));
+  Replicates one(answer.values.size());
+  one.add(answer.values);
+  Reference result;
+  finish(one, result);
+  result.exact = true;
+  result.way = question.reference_ways()[0].words;
+  result.standard_error = question.reference_bounds();
+  std::vector<double> off = result.values;
+  for (std::size_t i = 0; i < off.size(); ++i) off[i] += result.standard_error[i];
+  const Errors own = measure(off, result.values, result.dark);
+  result.relative_error = std::sqrt(own.relative_mse);
+  result.rmse = own.rmse;
+  result.seconds = clock() - begin;
+  return result;
+}
+
+/// Whether the mean of the answers so far is good enough; `last_s` is the time of the last answer.
+using Enough = std::function<bool(const Reference& so_far, double last_s)>;
+
+/// The mean of at least kFewestReplicates answers with different seeds.
+absl::StatusOr<Reference> mean_answer(const Question& question, const Pilot& way,
+                                      std::uint64_t seed, const Enough& enough) {
+  Reference result;
+  std::unique_ptr<Replicates> replicates;
+  for (std::uint64_t i = 0;; ++i) {
+    LUCERNA_ASSIGN_OR_RETURN(const Answer answer,
+                             question.answer_reference(way.way, way.samples, mixed_seed(seed, i)));
+    if (!replicates) replicates = std::make_unique<Replicates>(answer.values.size());
+    replicates->add(answer.values);
+    if (replicates->count() < kFewestReplicates) continue;
+    finish(*replicates, result);
+    if (enough(result, answer.seconds) || result.relative_error < kGoodReference) break;
+  }
+  result.way = question.reference_ways()[way.way].words;
+  result.samples_each = way.samples;
+  return result;
+}
+
+absl::Status try_closed_form(const Question& question, std::uint64_t seed, Reference& r) {
+  LUCERNA_ASSIGN_OR_RETURN(const auto values, question.closed_form(seed));
+  if (values) take_closed_form(*values, r);
+  return absl::OkStatus();
 }
 
 }  // namespace
@@ -221,65 +269,54 @@ std::uint64_t mixed_seed(std::uint64_t seed, std::uint64_t number) {
 
 absl::StatusOr<Reference> make_reference(const Question& question, double seconds,
                                          std::uint64_t seed, const Clock& clock) {
+  if (question.reference_is_exact()) return exact_reference(question, clock);
   const double begin = clock();
   const std::vector<ReferenceWay> ways = question.reference_ways();
-  Reference result;
-  if (question.reference_is_exact()) {
-    const auto answer = question.ask_reference(0, 1, 0);
-    if (!answer.ok()) return answer.status();
-    Replicates one(answer->values.size());
-    one.add(answer->values);
-    finish(one, result);
-    result.exact = true;
-    result.way = ways[0].words;
-    result.standard_error = question.reference_bounds();
-    std::vector<double> off = result.values;
-    for (std::size_t i = 0; i < off.size(); ++i) off[i] += result.standard_error[i];
-    const Errors own = measure(off, result.values, result.dark);
-    result.relative_error = std::sqrt(own.relative_mse);
-    result.rmse = own.rmse;
-    result.seconds = clock() - begin;
-    return result;
-  }
   seed = mixed_seed(seed, kReferenceSeeds);
-  const auto ways_tried = try_ways(question, ways, seconds, seed, clock);
-  if (!ways_tried.ok()) return ways_tried.status();
-  const Pilot& other = ways_tried->unchecked;
-  const double tried = clock() - begin;
+  LUCERNA_ASSIGN_OR_RETURN(const Ways tried, try_ways(question, ways, seconds, seed, clock));
+  const double spent = clock() - begin;
   const bool both =
-      tried + kFewestReplicates * (ways_tried->best.seconds + other.seconds) < seconds;
-  const Pilot& best = both ? ways_tried->best : other;
-  const double needed = tried + kFewestReplicates * best.seconds;
+      spent + kFewestReplicates * (tried.best.seconds + tried.unchecked.seconds) < seconds;
+  const Pilot& best = both ? tried.best : tried.unchecked;
+  const double needed = spent + kFewestReplicates * best.seconds;
   if (needed > seconds) {
     return absl::DeadlineExceededError(
         fmt::format("the reference takes {:.3g} s at least, and gets {:.3g} s", needed, seconds));
   }
   std::optional<Check> check;
   if (ways[best.way].checked) {
-    const double spare = seconds - tried - kFewestReplicates * best.seconds;
-    auto made = make_check(question, other, std::min(kCheckShare * seconds, spare),
-                           mixed_seed(seed, ways.size() + 2), clock);
-    if (!made.ok()) return made.status();
-    check = *std::move(made);
+    const double spare = seconds - spent - kFewestReplicates * best.seconds;
+    LUCERNA_ASSIGN_OR_RETURN(
+        check, make_check(question, tried.unchecked, std::min(kCheckShare * seconds, spare),
+                          mixed_seed(seed, ways.size() + 2), clock));
   }
-  std::unique_ptr<Replicates> replicates;
-  for (std::uint64_t i = 0;; ++i) {
-    const auto answer = question.ask_reference(best.way, best.samples,
-                                               mixed_seed(mixed_seed(seed, ways.size()), i));
-    if (!answer.ok()) return answer.status();
-    if (!replicates) replicates = std::make_unique<Replicates>(answer->values.size());
-    replicates->add(answer->values);
-    result.seconds = clock() - begin;
-    if (replicates->count() < kFewestReplicates) continue;
-    finish(*replicates, result);
-    if (result.seconds + answer->seconds > seconds || result.relative_error < kGoodReference) break;
-  }
-  result.way = ways[best.way].words;
-  result.samples_each = best.samples;
+  const auto enough = [&](const Reference&, double last_s) {
+    return clock() - begin + last_s > seconds;
+  };
+  LUCERNA_ASSIGN_OR_RETURN(Reference result,
+                           mean_answer(question, best, mixed_seed(seed, ways.size()), enough));
+  result.seconds = clock() - begin;
   if (check) compare(*check, result);
-  const auto closed = question.closed_form(mixed_seed(seed, ways.size() + 1));
-  if (!closed.ok()) return closed.status();
-  if (*closed) take_closed_form(**closed, result);
+  LUCERNA_RETURN_IF_ERROR(try_closed_form(question, mixed_seed(seed, ways.size() + 1), result));
+  return result;
+}
+
+absl::StatusOr<Reference> make_counted_reference(const Question& question, std::size_t answers,
+                                                 std::uint32_t samples, std::uint64_t seed,
+                                                 const Clock& clock) {
+  if (question.reference_is_exact()) return exact_reference(question, clock);
+  const double begin = clock();
+  const std::vector<ReferenceWay> ways = question.reference_ways();
+  const auto way =
+      std::find_if(ways.begin(), ways.end(), [](const ReferenceWay& w) { return !w.checked; });
+  const Pilot pilot{.way = static_cast<std::size_t>(way - ways.begin()),
+                    .samples = std::min(samples, kMostSamples)};
+  seed = mixed_seed(seed, kReferenceSeeds);
+  const auto enough = [&](const Reference& so_far, double) { return so_far.replicates >= answers; };
+  LUCERNA_ASSIGN_OR_RETURN(Reference result,
+                           mean_answer(question, pilot, mixed_seed(seed, ways.size()), enough));
+  result.seconds = clock() - begin;
+  LUCERNA_RETURN_IF_ERROR(try_closed_form(question, mixed_seed(seed, ways.size() + 1), result));
   return result;
 }
 

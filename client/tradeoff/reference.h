@@ -1,4 +1,4 @@
-// The answer that all others are compared with.
+// The answer that all other answers are compared with.
 #pragma once
 
 #include <cstdint>
@@ -13,44 +13,51 @@ namespace lucerna::tradeoff {
 
 struct Reference {
   std::vector<double> values;
-  std::vector<double> standard_error;  ///< of each; a bound where it is exact
+  std::vector<double> standard_error;  ///< one a value; a bound where the reference is exact
   double dark = 1;                     ///< dark_level() of the values
-  double relative_error = 0;           ///< its own: root of the mean squared relative one
-  double rmse = 0;                     ///< in the unit of the values
+  double relative_error = 0;           ///< root of the mean squared relative standard error
+  double rmse = 0;                     ///< the same in the unit of the values
   bool exact = false;
-  std::string way;             ///< in words
-  std::string warning{};       ///< in words, where there is something amiss
-  std::size_t replicates = 0;  ///< answers to different seeds that it is the mean of
+  std::string way;             ///< the estimator, in words
+  std::string warning{};       ///< empty if there is no reason for doubt
+  std::size_t replicates = 0;  ///< answers with different seeds in the mean
   std::uint32_t samples_each = 0;
-  double seconds = 0;  ///< that making it took, pilots and all
+  double seconds = 0;  ///< wall time, pilots included
 };
 
-/// Below this there is nothing to win: a tenth of the smallest error that is recommended for.
+/// A smaller relative error is not useful: it is a tenth of the smallest recommended error.
 inline constexpr double kGoodReference = 1e-4;
-/// Fewer tell no error.
+/// Fewer answers do not show an error.
 inline constexpr std::size_t kFewestReplicates = 4;
 
 /// Seconds on a clock that only goes forward.
 using Clock = std::function<double()>;
 
-/// The chance that a closed form or a way that is right is refused, by luck of what it is compared
-/// with.
+/// The chance that the check refuses a correct closed form or a correct estimator.
 inline constexpr double kRefusal = 1e-3;
 
-/// Takes the way of `question` that promises most for its time by two answers each, and then the
-/// mean of as many answers to different seeds as fit into `seconds`, or as make it kGoodReference.
-/// DEADLINE_EXCEEDED, telling how long it would take, where kFewestReplicates do not fit.
+/// Takes two answers by each estimator of `question` and chooses the most efficient estimator.
+/// Averages its answers with different seeds until `seconds` are spent or the relative error is
+/// kGoodReference.  DEADLINE_EXCEEDED, with the time it needs, if kFewestReplicates do not fit.
 ///
-/// Where that way is to be checked, a part of the time goes to the best of the others: if the mean
-/// of all values, each over its reference, differs by more than Student's interval, its answers are
-/// the reference, and it warns.
+/// If the chosen estimator needs a check, part of the time goes to the best estimator that needs
+/// none.  The check compares the mean of all values, each divided by its reference.  If the means
+/// differ by more than Student's interval, the checking answers become the reference, and the
+/// result has a warning.
 ///
-/// Where automatic knows all in closed form, that is the reference, without an error of its own, if
-/// every value lies within Student's interval of what was sampled; else that stays, and warns.
+/// If automatic has closed forms of all values, they become the reference, without error, when
+/// every value lies in Student's interval of the sampled one.  Else the sampled reference stays,
+/// and the result has a warning.
 absl::StatusOr<Reference> make_reference(const Question& question, double seconds,
                                          std::uint64_t seed, const Clock& clock);
 
-/// Different for each pair of numbers, with the bits of splitmix64.  [Steele14]
+/// The same by counts and not by time: the mean of `answers` answers, at least kFewestReplicates,
+/// of `samples` samples, by the first estimator that needs no check.
+absl::StatusOr<Reference> make_counted_reference(const Question& question, std::size_t answers,
+                                                 std::uint32_t samples, std::uint64_t seed,
+                                                 const Clock& clock);
+
+/// Another seed for each pair of numbers, by the mixing function of splitmix64.  [Steele14]
 std::uint64_t mixed_seed(std::uint64_t seed, std::uint64_t number);
 
 }  // namespace lucerna::tradeoff

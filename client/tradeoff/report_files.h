@@ -1,17 +1,17 @@
-// What the page is made of, as it was when the program was built.
+// The parts of the page, embedded into the program when it is built.
 #pragma once
 
 #include <string_view>
 
 namespace lucerna::tradeoff {
 
-/// HTML with the names of the others in it, where they go: {{style}}, {{licence}}, {{library}},
-/// {{data}}, {{shared}}, {{plots}}, {{page}}.
+/// HTML with placeholders for the other parts: {{style}}, {{licence}}, {{library}}, {{data}},
+/// {{shared}}, {{plots}}, {{page}}.
 extern const std::string_view kPage;
 extern const std::string_view kStyle;
-/// In the order in which they run.
+/// The scripts, in the order in which they run.
 extern const std::string_view kSharedScript, kPlotsScript, kPageScript;
-/// Chart.js, and what Debian says of its licence.
+/// Chart.js, and its licence from the Debian package.
 extern const std::string_view kLibrary;
 extern const std::string_view kLicence;
 

@@ -1,5 +1,5 @@
-// What sampled light says of direct illuminance, and of how much of the lights is visible, where
-// the caller adds up the samples; with a target error the server tells what they say.
+// Direct illuminance and the visible share of the lights, from samples of light that the caller
+// adds up.  With a target error, the server adds them up.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "client/rpc/batch_parts.h"
-#include "client/terminal/point_options.h"
 #include "client/tradeoff/question.h"
 #include "client/tradeoff/stopwatch.h"
 #include "lucerna/client/batches.h"
@@ -17,10 +16,10 @@
 namespace lucerna::tradeoff {
 namespace {
 
-// An answer is 70 bytes a sample, and is held at once.
+// An answer takes 70 bytes a sample, all in memory.
 constexpr std::uint32_t kMostLightSamples = 1 << 10;
 constexpr double kMostAnswers = 1 << 20;
-constexpr std::uint32_t kLeastMostSamples = 64;  // of TargetError
+constexpr std::uint32_t kLeastMostSamples = 64;  // the least max_samples of TargetError
 
 class SampleQuestion : public Question {
  public:
@@ -34,7 +33,7 @@ class SampleQuestion : public Question {
     layout_.points = options.points;
     request_.set_scene_id(options.scene_id);
     *request_.mutable_receivers() = client::make_points(options.points);
-    cli::fill(options.normals, request_.mutable_normals());
+    client::fill(options.normals, request_.mutable_normals());
     request_.set_test_visibility(true);
     for (const client::Double3& n : options.normals) {
       const double length = std::hypot(n[0], n[1], n[2]);
@@ -53,8 +52,8 @@ class SampleQuestion : public Question {
   std::vector<Amount> amounts_of(const Setting& setting) const override {
     return amounts(setting, std::max(1U, most_samples()));
   }
-  absl::StatusOr<Answer> ask(const Setting& setting, const Amount& amount,
-                             std::uint64_t seed) const override {
+  absl::StatusOr<Answer> answer(const Setting& setting, const Amount& amount,
+                                std::uint64_t seed) const override {
     v1::Accuracy accuracy = accuracy_of(setting, amount, dark_ * amount.value);
     if (by_area(setting)) accuracy.set_area_sampling(v1::AREA_SAMPLING_SQUARE_ROOT);
     if (amount.target)
@@ -65,11 +64,11 @@ class SampleQuestion : public Question {
   std::vector<ReferenceWay> reference_ways() const override {
     if (!visibility_) return reference_ways_for(lights_);
     return {
-        {"points on lights by area (parallelogram) from independent samples, each looked for by "
+        {"points on lights by area (parallelogram) from independent samples, each tested by "
          "TestVisibility: exact rays"}};
   }
-  absl::StatusOr<Answer> ask_reference(std::size_t way, std::uint32_t samples,
-                                       std::uint64_t seed) const override {
+  absl::StatusOr<Answer> answer_reference(std::size_t way, std::uint32_t samples,
+                                          std::uint64_t seed) const override {
     return visibility_ ? seen(samples, seed) : estimated(way, samples, seed);
   }
 
@@ -85,12 +84,12 @@ class SampleQuestion : public Question {
   }
 
  private:
-  /// Of each point, as all answers are held at once.
+  /// The most samples of each point, because all answers are in memory.
   std::uint32_t most_samples() const {
     const double most = kMostAnswers / static_cast<double>(layout_.points.size());
     return static_cast<std::uint32_t>(std::min<double>(most, kMostLightSamples));
   }
-  /// Shares of light samples that are visible mean the same where points are chosen by area alone.
+  /// Visible shares of light samples estimate the same quantity only if points are chosen by area.
   bool by_area(const Setting& setting) const {
     return visibility_ && setting.accuracy.area_sampling() == v1::AREA_SAMPLING_UNSPECIFIED;
   }
@@ -111,7 +110,7 @@ class SampleQuestion : public Question {
     return i < r.selection_probability_size() ? r.selection_probability(i) : 1;
   }
 
-  /// One answer's estimate of what is asked for, at receiver `point`.
+  /// The estimate of one light sample at receiver `point`.
   double value(const v1::SampleLiResponse& r, int i, std::size_t point) const {
     if (!ok(r, i) || !client::bit(r.visible(), i)) return 0;
     if (visibility_) return 1 / (chosen_with(r, i) * static_cast<double>(lights_));
@@ -142,7 +141,7 @@ class SampleQuestion : public Question {
                                    static_cast<double>(accuracy.samples());
       }
     }
-    answer.seconds = watch.seconds();  // the caller's sum is part of what a client sees
+    answer.seconds = watch.seconds();  // includes the caller's sum
     answer.samples = static_cast<double>(response->cost().samples());
     answer.rays = rays_of(response->cost());
     return answer;
@@ -171,7 +170,7 @@ class SampleQuestion : public Question {
     return answer;
   }
 
-  /// What of the samples of lights is seen, asked of another call.
+  /// The visible share of light samples, by TestVisibility.
   absl::StatusOr<Answer> seen(std::uint32_t samples, std::uint64_t seed) const {
     v1::Accuracy accuracy;
     accuracy.set_samples(samples);
@@ -210,7 +209,7 @@ class SampleQuestion : public Question {
                           const std::vector<int>& items) -> absl::Status {
       if (items.empty()) return absl::OkStatus();
       request.set_scene_id(options_.scene_id);
-      cli::fill(normals, request.mutable_normals());
+      client::fill(normals, request.mutable_normals());
       const auto visible =
           client::test_visibility_in_batches(client_, request, {.max_items = 0, .call = call()});
       if (!visible.ok()) return visible.status();
@@ -225,7 +224,7 @@ class SampleQuestion : public Question {
     *between.mutable_segments()->mutable_from() = client::make_points(from);
     *between.mutable_segments()->mutable_to() = client::make_points(to);
     *beyond.mutable_rays()->mutable_from() = client::make_points(start);
-    cli::fill(along, beyond.mutable_rays()->mutable_directions());
+    client::fill(along, beyond.mutable_rays()->mutable_directions());
     if (const auto status = look(between, from_normals, segments); !status.ok()) return status;
     if (const auto status = look(beyond, start_normals, rays); !status.ok()) return status;
     answer.seconds = watch.seconds();

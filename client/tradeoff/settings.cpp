@@ -37,14 +37,14 @@ const std::vector<Flags> kEstimates = {
     {"--far-light", "5"},
     {"--visibility", "shadow-maps"},
 };
-// Whether all lights are asked or one of them decides what a closed form is worth.
+// The gain of closed forms depends on whether each sample takes all lights or one.
 const std::vector<Flags> kPairs = {
     {"--light-selection", "all", "--closed-forms", "off"},
     {"--light-selection", "all", "--closed-forms", "empty-shafts"},
     {"--light-selection", "bvh", "--closed-forms", "off"},
     {"--light-selection", "bvh", "--closed-forms", "empty-shafts"},
 };
-// By area: shares of light samples that are visible mean the same under them.
+// Methods that sample by area: the visible share of their samples estimates the same quantity.
 const std::vector<Flags> kByArea = {
     {"--area-sampling", "square-root"},
     {"--area-sampling", "kraemer"},
@@ -87,7 +87,7 @@ Setting make_setting(std::vector<std::string> flags, bool by_target) {
   CLI::App app;
   cli::MethodOptions options;
   options.add(app);
-  // CLI11 takes them from the last to the first.
+  // CLI11 takes the arguments from the last to the first.
   app.parse(std::vector<std::string>(flags.rbegin(), flags.rend()));
   v1::EstimateIrradianceRequest request;
   options.put(request);
@@ -98,7 +98,7 @@ std::vector<Setting> settings(Query query, const SceneFacts& facts) {
   std::vector<Setting> result = {make_setting({})};
   const auto add = [&](const std::vector<Flags>& more) {
     for (const Flags& flags : more) {
-      // Of a single light there is nothing to choose.
+      // A single light leaves nothing to select.
       const bool chooses =
           std::find(flags.begin(), flags.end(), "--light-selection") != flags.end();
       if (!chooses || facts.lights > 1) result.push_back(make_setting(flags));

@@ -1,4 +1,4 @@
-// What is swept: ways to make an answer, and how much of each.
+// The settings of a sweep: ways to make an answer, and the amounts of each.
 #pragma once
 
 #include <cstdint>
@@ -11,24 +11,24 @@ namespace lucerna::tradeoff {
 
 enum class Query { kIrradiance, kRender, kSample, kPower, kVisibility };
 
-/// "irradiance" ... "visibility", as --query takes them.
+/// "irradiance" ... "visibility", the names that --query accepts.
 const std::vector<std::string>& query_names();
 std::string name(Query query);
 
 /// One way to make an answer.
 struct Setting {
-  /// As the command line takes it: what is told is what was measured.
+  /// The flags on the command line, so that the report prints the measured setting.
   std::vector<std::string> flags{};
-  /// What these flags ask a server for.
+  /// The request that these flags make.
   v1::Accuracy accuracy{};
-  /// Whether its amounts are target errors and not numbers of samples.
+  /// The amounts are target errors and not numbers of samples.
   bool by_target = false;
 
   /// "automatic", or the flags without dashes before them.
   std::string name() const;
 };
 
-/// How much.
+/// The amount of work of one question.
 struct Amount {
   bool target = false;
   /// Samples of each item, or a relative error.
@@ -41,19 +41,19 @@ struct Amount {
   bool operator==(const Amount&) const = default;
 };
 
-/// What decides which settings make sense.
+/// Facts that decide which settings make sense.
 struct SceneFacts {
   std::uint64_t lights = 0;
 };
 
-/// Automatic first; then one choice at a time beside it, and the pairs that methods are known to
-/// work in.  Not for power, whose methods are not these.
+/// Automatic first.  Then one method that differs from automatic at a time, and the pairs of
+/// methods that affect each other.  Empty but for automatic for power, which has its own methods.
 std::vector<Setting> settings(Query query, const SceneFacts& facts);
 
-/// A setting of these flags of lucerna irradiance; they must be such.
+/// The setting of these flags, which `lucerna irradiance` must accept.
 Setting make_setting(std::vector<std::string> flags, bool by_target = false);
 
-/// Powers of four from 1, or target errors from 30%, falling by about three.
+/// Powers of four from 1 to `max_samples`, or target errors from 30% that fall by about three.
 std::vector<Amount> amounts(const Setting& setting, std::uint32_t max_samples);
 
 }  // namespace lucerna::tradeoff

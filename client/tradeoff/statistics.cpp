@@ -23,7 +23,7 @@ void sort_by_time(std::vector<Measured>& curve) {
                    [](const Measured& a, const Measured& b) { return a.seconds < b.seconds; });
 }
 
-/// At share `t` of the way from a to b in logarithms, which may be beyond b.
+/// The point at share `t` of the way from a to b in logarithms; t > 1 lies after b.
 Reached along(const Measured& a, const Measured& b, double t, Reached::How how) {
   return {.how = how,
           .seconds = a.seconds * std::pow(b.seconds / a.seconds, t),
@@ -39,6 +39,10 @@ Quartiles quartiles(std::vector<double> numbers) {
           .upper = quantile(numbers, 0.75)};
 }
 
+double student_quantile(double freedom, double p) {
+  return quantile(boost::math::students_t(freedom), p);
+}
+
 Interval mean_interval(std::span<const double> numbers) {
   const auto n = static_cast<double>(numbers.size());
   const double mean = std::accumulate(numbers.begin(), numbers.end(), 0.0) / n;
@@ -47,7 +51,7 @@ Interval mean_interval(std::span<const double> numbers) {
   for (const double x : numbers) squares += (x - mean) * (x - mean);
   if (squares == 0) return {.mean = mean, .lower = mean, .upper = mean};
   const double standard_error = std::sqrt(squares / (n - 1) / n);
-  const double t = quantile(boost::math::students_t(n - 1), 0.975);
+  const double t = student_quantile(n - 1, 0.975);
   const double factor = std::exp(t * standard_error / mean);
   return {.mean = mean, .lower = mean / factor, .upper = mean * factor};
 }
@@ -83,7 +87,7 @@ std::optional<Reached> time_to_error(std::vector<Measured> curve, double error, 
   for (std::size_t i = 1; i < curve.size(); ++i) {
     const Measured &a = curve[i - 1], &b = curve[i];
     if (b.error > error) continue;
-    // An exact answer has no place in logarithms.
+    // An exact answer has no logarithm.
     if (b.error == 0) return along(a, b, 1, Reached::How::kBetween);
     return along(a, b, std::log(a.error / error) / std::log(a.error / b.error),
                  Reached::How::kBetween);
@@ -96,8 +100,8 @@ std::optional<Reached> time_to_error(std::vector<Measured> curve, double error, 
   const Measured& last = curve.back();
   const double factor = std::pow(error / last.error, 1 / kRate);
   if (factor > kFarthest) return std::nullopt;
-  // Work grows with the time as it did over the tail: less than in proportion where calls have a
-  // cost of their own.
+  // Work grows with the time as it did over the tail.  That is less than in proportion if calls
+  // have a fixed cost.
   const double growth =
       std::log(last.samples / tail.front().samples) / std::log(last.seconds / tail.front().seconds);
   return Reached{.how = Reached::How::kExtrapolated,

@@ -1,11 +1,11 @@
-// Which questions are asked in which order, for how long.
+// Decides which settings are measured at which amounts, in which order, and for how long.
 //
-// Rounds: in each, every cell (an amount of a setting) that is still in the race is asked once, in
-// an order shuffled anew, so that a machine that drifts hurts all alike, and with a seed that all
-// settings share, so that luck that all have is no difference between them (common random numbers).
-// The first heat is for all settings; settings that are far behind after it leave, and the second
-// heat gives what is left of the time to the others, in larger amounts.  Knows no server and reads
-// no clock: it is told both.
+// The sweep goes in rounds.  Each round measures every cell (one amount of one setting) once, in a
+// new random order, so that a drift of the machine affects all cells alike.  In a round all
+// settings share one seed, so that common random numbers cancel from their differences.  The first
+// heat measures all settings.  Then settings that are far behind leave, and the second heat spends
+// the rest of the time on the others, at larger amounts.  The sweep contacts no server and reads no
+// clock: the caller supplies both.
 #pragma once
 
 #include <cstdint>
@@ -25,57 +25,61 @@ namespace lucerna::tradeoff {
 struct Run {
   std::size_t setting = 0;
   Amount amount{};
-  /// 0: it was asked to learn what it costs, and does not count.
+  /// From 1; 0 for runs that only find out the cost and do not count.
   std::uint32_t round = 0;
   std::uint64_t seed = 0;
   double seconds = 0;
   double samples = 0;
   double rays = 0;
   Errors errors{};
-  /// Of the values: settings of equal bits are one setting.
+  /// Of the values.  Settings of equal digests count as one setting.
   std::uint64_t digest = 0;
 };
 
 struct SweepOptions {
   double seconds = 30;
+  /// If above 0, the sweep ignores `seconds`, measures all amounts of all settings in so many
+  /// rounds, and drops no setting.
+  std::uint32_t rounds = 0;
   std::uint64_t seed = 0;
   Clock clock{};
-  /// Answers with the run, less what the sweep knows of it; DEADLINE_EXCEEDED where that would take
-  /// longer than `longest_s`.
+  /// Measures one question.  The sweep fills in setting, amount, round and seed of the run.
+  /// DEADLINE_EXCEEDED if the answer takes longer than `longest_s`.
   std::function<absl::StatusOr<Run>(std::size_t setting, const Amount& amount, std::uint64_t seed,
                                     std::uint32_t round, std::optional<double> longest_s)>
-      ask{};
-  /// Of the question by which settings are told apart.
-  double telling_samples = 4;
-  /// What is told of the way.
+      answer{};
+  /// Samples of the first question, whose answers show which settings are the same.
+  double first_samples = 4;
+  /// Receives one line of progress.
   std::function<void(const std::string&)> on_event = [](const std::string&) {};
 };
 
-/// What became of a setting.
+/// What happened to a setting.
 struct Course {
   enum class Fate {
     kSwept,
-    kSame,     ///< same bits as the setting `same_as`
-    kSkipped,  ///< the server has no answer, or it takes too long
-    kDropped,  ///< after the first heat, far behind
+    kSame,     ///< has the bits of the setting `same_as`
+    kSkipped,  ///< the server refuses it, or it takes too long
+    kDropped,  ///< was far behind after the first heat
   };
   Fate fate = Fate::kSwept;
   std::size_t same_as = 0;
-  std::string why;  ///< in words, where not kSwept
+  std::string why;  ///< in words; empty for kSwept
 };
 
 struct SweepResult {
-  std::vector<Run> runs;        ///< in the order asked
+  std::vector<Run> runs;        ///< in the order of measurement
   std::vector<Course> courses;  ///< one a setting
 };
 
-/// Rounds that each heat has at least.
+/// Each heat has at least so many rounds.
 inline constexpr std::uint32_t kFewestRounds = 3;
-/// A setting leaves whose largest amounts are so many times slower than the best at their errors.
+/// A setting is dropped if, at its largest amounts, it takes so many times longer than the best
+/// setting takes for the same error.
 inline constexpr double kFarBehind = 4;
 
-/// `ladders` are the amounts of each setting, rising.  DEADLINE_EXCEEDED, telling how long it would
-/// take, where not even the least amounts fit; what ends the connection ends the sweep.
+/// `ladders` holds the amounts of each setting, rising.  DEADLINE_EXCEEDED, with the time it needs,
+/// if the least amounts do not fit.  Other errors of the connection end the sweep.
 absl::StatusOr<SweepResult> sweep(const std::vector<Setting>& settings,
                                   const std::vector<std::vector<Amount>>& ladders,
                                   const SweepOptions& options);

@@ -8,8 +8,17 @@
 #include <map>
 #include <utility>
 
+#include "proto/common/status_macros.h"
+
 namespace lucerna::tradeoff {
 namespace {
+
+// Without a time budget, the reference is the mean of so many answers, each with so many times the
+// samples of the largest amount.  Its error is then an eighth of the error at that amount.
+constexpr std::size_t kCountedAnswers = 16;
+constexpr std::uint32_t kCountedSamples = 4;
+// Smaller target errors take an unknown number of samples.
+constexpr double kLeastCountedTarget = 0.1;
 
 // FNV-1a.
 std::uint64_t digest(const std::vector<double>& values) {
@@ -22,14 +31,14 @@ std::uint64_t digest(const std::vector<double>& values) {
   return hash;
 }
 
-/// Errors of items over the runs of one cell.
+/// Sums of the items' errors over the runs of one cell.
 struct Sums {
   std::size_t runs = 0;
   std::vector<float> relative;  // squared
   std::vector<float> last;
 };
 
-/// One number an item, or a pixel of three.
+/// Adds one error an item.  A pixel is one item of three values.
 void add(const std::vector<double>& values, const Reference& reference, bool pictures, Sums& to) {
   const std::size_t channels = pictures ? 3 : 1;
   to.relative.resize(values.size() / channels);
@@ -42,6 +51,25 @@ void add(const std::vector<double>& values, const Reference& reference, bool pic
   ++to.runs;
 }
 
+absl::StatusOr<Reference> reference_of(const Question& question, const TradeOptions& options) {
+  if (options.rounds == 0)
+    return make_reference(question, options.budget_s / 2, options.seed, options.clock);
+  return make_counted_reference(question, kCountedAnswers, kCountedSamples * options.max_samples,
+                                options.seed, options.clock);
+}
+
+std::vector<Amount> ladder_of(const Question& question, const Setting& setting,
+                              const TradeOptions& options) {
+  std::vector<Amount> amounts = question.amounts_of(setting);
+  if (options.rounds > 0) {
+    std::erase_if(amounts, [&](const Amount& amount) {
+      return amount.target ? amount.value < kLeastCountedTarget
+                           : amount.value > options.max_samples;
+    });
+  }
+  return amounts;
+}
+
 }  // namespace
 
 absl::StatusOr<Record> measure_trade(Question& question, const TradeOptions& options) {
@@ -49,14 +77,14 @@ absl::StatusOr<Record> measure_trade(Question& question, const TradeOptions& opt
   const client::CallOptions call = question.call();
   const auto too_short = [&](const absl::Status& status) -> absl::Status {
     if (!absl::IsDeadlineExceeded(status)) return status;
-    if (client::CallOptions::Clock::now() >= call.deadline) return status;  // the caller's own
+    if (client::CallOptions::Clock::now() >= call.deadline) return status;  // the caller's deadline
     return absl::DeadlineExceededError(fmt::format(
         "--budget {:g}s is too short: {}", options.budget_s, std::string(status.message())));
   };
   Record record;
   record.question = &question;
   record.settings = question.settings();
-  auto reference = make_reference(question, options.budget_s / 2, options.seed, options.clock);
+  auto reference = reference_of(question, options);
   if (!reference.ok()) return too_short(reference.status());
   record.reference = *std::move(reference);
   question.set_dark_level(record.reference.dark);
@@ -66,27 +94,27 @@ absl::StatusOr<Record> measure_trade(Question& question, const TradeOptions& opt
 
   std::vector<std::vector<Amount>> ladders;
   ladders.reserve(record.settings.size());
-  for (const Setting& setting : record.settings) ladders.push_back(question.amounts_of(setting));
+  for (const Setting& setting : record.settings)
+    ladders.push_back(ladder_of(question, setting, options));
   const bool pictures = !question.layout().tiles.empty();
   std::map<std::pair<std::size_t, double>, Sums> sums;
   SweepOptions sweep_options{.seconds = options.budget_s - (options.clock() - begin),
+                             .rounds = options.rounds,
                              .seed = options.seed,
                              .clock = options.clock};
   sweep_options.on_event = options.on_event;
-  // Pictures have so many values that one sample tells settings apart.
-  if (pictures) sweep_options.telling_samples = 1;
-  sweep_options.ask = [&](std::size_t setting, const Amount& amount, std::uint64_t seed,
-                          std::uint32_t round,
-                          std::optional<double> longest_s) -> absl::StatusOr<Run> {
+  // A picture has so many values that one sample shows which settings are the same.
+  if (pictures) sweep_options.first_samples = 1;
+  sweep_options.answer = [&](std::size_t setting, const Amount& amount, std::uint64_t seed,
+                             std::uint32_t round,
+                             std::optional<double> longest_s) -> absl::StatusOr<Run> {
     question.set_call(longest_s ? call.at_most(std::chrono::duration<double>(*longest_s)) : call);
-    const auto answer = question.ask(record.settings[setting], amount, seed);
-    if (!answer.ok()) return answer.status();
-    Run run{.seconds = answer->seconds, .samples = answer->samples, .rays = answer->rays};
-    run.errors = question.errors(answer->values, record.reference.values, record.reference.dark);
-    run.digest = digest(answer->values);
-    if (round > 0) {
-      add(answer->values, record.reference, pictures, sums[{setting, amount.value}]);
-    }
+    LUCERNA_ASSIGN_OR_RETURN(const Answer answer,
+                             question.answer(record.settings[setting], amount, seed));
+    Run run{.seconds = answer.seconds, .samples = answer.samples, .rays = answer.rays};
+    run.errors = question.errors(answer.values, record.reference.values, record.reference.dark);
+    run.digest = digest(answer.values);
+    if (round > 0) add(answer.values, record.reference, pictures, sums[{setting, amount.value}]);
     return run;
   };
   auto swept = sweep(record.settings, ladders, sweep_options);

@@ -1,6 +1,7 @@
-// Reference, sweep and analysis of one question, one after the other.
+// A whole study of one question: reference, sweep, analysis.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <string>
 
@@ -10,15 +11,21 @@
 namespace lucerna::tradeoff {
 
 struct TradeOptions {
-  double budget_s = 60;  ///< for all of it
+  /// Seconds of the study.  The reference gets half of them at most, the sweep the rest.
+  double budget_s = 60;
+  /// If above 0, the study ignores `budget_s` and ends after so many rounds.  Then its amounts are
+  /// 1, 4, 16 ... up to `max_samples` samples and target errors of 30% and 10%, and what it
+  /// measures does not depend on the speed of the machine.
+  std::uint32_t rounds = 0;
+  std::uint32_t max_samples = 64;
   std::uint64_t seed = 0;
   Clock clock{};
+  /// Receives one line of progress.
   std::function<void(const std::string&)> on_event = [](const std::string&) {};
 };
 
-/// Half of the time at most makes the reference, the rest sweeps.  All but the circumstances is
-/// filled in; `question` must outlive the record.  DEADLINE_EXCEEDED, with what is missing, for too
-/// short a budget.
+/// Fills in all of the record but most circumstances.  `question` must outlive the record.
+/// DEADLINE_EXCEEDED, with the time it needs, if the budget is too short.
 absl::StatusOr<Record> measure_trade(Question& question, const TradeOptions& options);
 
 }  // namespace lucerna::tradeoff

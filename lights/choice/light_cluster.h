@@ -1,5 +1,5 @@
-// What a light tree knows of several lights together: where they are, which way they shine, and how
-// much.
+// The data that a light tree stores for several lights together: their place, their directions and
+// their power.
 #pragma once
 
 #include <limits>
@@ -8,9 +8,9 @@
 
 namespace lucerna {
 
-/// The bounds of no light, of one, or of those that were added: a box, a cone of normals and
-/// whether light falls off beyond it by the cosine, which is all of the paper's theta_e that lights
-/// have: pi / 2 on surfaces, none elsewhere.  [Conty18, 4]
+/// The bounds of no light, of one, or of all that were added: a box, a cone of normals, and whether
+/// light beyond the cone falls off by the cosine. The last stands for the paper's theta_e, which is
+/// pi / 2 on surfaces and absent elsewhere.  [Conty18, 4]
 struct LightCluster {
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -25,11 +25,11 @@ struct LightCluster {
   bool empty() const { return theta_o_rad < 0; }
   void add(const LightCluster& other);
 
-  /// The integral over all directions of the cosine to the nearest normal, 1 within the cone [sr]:
-  /// power over this is the intensity towards the middle.  [Conty18, equation 1]
+  /// The integral over all directions of the cosine to the nearest normal, 1 within the cone [sr].
+  /// Power divided by it is the intensity towards the middle.  [Conty18, equation 1]
   double solid_angle_sr() const;
-  /// What a split is to make small: power times the square of the diagonal times solid_angle_sr().
-  /// The paper has the box's area, which is 0 for lights in a line however long it is.
+  /// The quantity that a split minimises: power times the squared diagonal times solid_angle_sr().
+  /// The paper uses the box's area, which is 0 for lights in a line of any length.
   double cost() const;
 
  private:

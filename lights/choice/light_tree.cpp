@@ -42,16 +42,16 @@ double reach_along(const Vec3<double>& w, const Vec3<double>& half) {
 
 }  // namespace
 
-std::optional<LightTree::Asking> LightTree::asking(const Receiver<double>& receiver) const {
+std::optional<LightTree::Query> LightTree::query_from(const Receiver<double>& receiver) const {
   if (nodes_.empty() || !is_finite(receiver.position) || !is_finite(receiver.normal))
     return std::nullopt;
-  Asking from{receiver.position * scale_, receiver.normal, receiver.normal != Vec3<double>{}};
+  Query from{receiver.position * scale_, receiver.normal, receiver.normal != Vec3<double>{}};
   if (max_abs(from.position) > kFarthest)
     from.position = scaled(receiver.position, -std::ilogb(max_abs(receiver.position))) * kFarthest;
   return from;
 }
 
-double LightTree::importance(const Node& node, const Asking& from) {
+double LightTree::importance(const Node& node, const Query& from) {
   const Vec3<double> to_lower = from.position - vec(node.lower);
   const Vec3<double> to_upper = from.position - vec(node.upper);
   const Vec3<double> half = (to_lower - to_upper) * 0.5;
@@ -104,7 +104,7 @@ double LightTree::importance(const Node& node, const Asking& from) {
 }
 
 std::optional<LightChoice> LightTree::choose(const Receiver<double>& receiver, double u) const {
-  const std::optional<Asking> from = asking(receiver);
+  const std::optional<Query> from = query_from(receiver);
   if (!from) return std::nullopt;
   const Node* node = nodes_.data();
   if (node->is_leaf != 0 && !(importance(*node, *from) > 0)) return std::nullopt;
@@ -130,7 +130,7 @@ std::optional<LightChoice> LightTree::choose(const Receiver<double>& receiver, d
 }
 
 double LightTree::probability(const Receiver<double>& receiver, std::uint32_t light) const {
-  const std::optional<Asking> from = asking(receiver);
+  const std::optional<Query> from = query_from(receiver);
   if (!from || leaf_of_[light] == kNoLeaf) return 0;
   std::uint32_t at = leaf_of_[light];
   if (at == 0) return importance(nodes_[0], *from) > 0 ? 1 : 0;

@@ -1,4 +1,4 @@
-// A bounding volume hierarchy over lights, by which a receiver chooses one of many in a few steps.
+// A bounding volume hierarchy over lights.  A receiver chooses one of many lights in a few steps.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -20,15 +20,15 @@ struct LightChoice {
   double probability;
 };
 
-/// Chooses among lights by what each may give to a receiver: down a binary tree, at each node the
-/// child of the greater importance with the greater probability.  Importance is power over the
-/// solid angle it goes to, times bounds on the cosines at light and receiver, over the distances to
-/// the nearest point of the box and to its middle.  [Conty18], which has power itself and the
-/// squared distance to the middle; its splitting into several lights is left out.
+/// Chooses among lights by bounds on their contribution to a receiver. It walks down a binary tree,
+/// and at each node the more important child has the greater probability.  Importance is power over
+/// the solid angle of emission, times bounds on the cosines at light and receiver, over the
+/// distances to the nearest point of the box and to its middle. [Conty18] uses the power itself and
+/// the squared distance to the middle.  Its splitting into several lights is left out.
 ///
-/// Where light of a value above 0 arrives, importance is above 0: cones are 5e-7 rad wider than
-/// they are told, boxes a few roundings.  Where it is 0, bounds prove that none arrives.  Scaling
-/// all bounds and receivers by one power of two, and all powers by another, changes no bit.
+/// Where light above 0 arrives, importance is above 0: cones are 5e-7 rad wider than given, and
+/// boxes a few roundings larger.  Where importance is 0, the bounds prove that no light arrives.
+/// Scaling all bounds and receivers by one power of two, and all powers by another, changes no bit.
 ///
 /// Immutable, so safe to share between threads.
 class LightTree {
@@ -39,20 +39,20 @@ class LightTree {
   };
   static constexpr std::size_t kMaxLights = std::size_t{1} << 28;
 
-  /// Lights of power 0 are left out, unless all are: then all count alike.  A power less than
-  /// 2^-100 of the greatest counts as that.  Errors: more lights than kMaxLights; which item's
-  /// bounds are not finite, or its power not finite or negative.
+  /// Lights of power 0 are left out, unless all powers are 0: then all count equally.  A power less
+  /// than 2^-100 of the largest counts as that.  Errors: more lights than kMaxLights; an item whose
+  /// bounds or power are not finite or whose power is negative, with its number.
   static absl::StatusOr<LightTree> create(std::span<const Item> items);
 
-  /// A light, by its place among the items, for `u` in [0, 1).  Nothing where no light of the node
-  /// that was chosen last can reach the receiver, or it is not finite; that happens with the
-  /// probability which those of all lights leave to 1.  Uses position and normal; with no normal
-  /// (zero) light from all sides counts alike, else only what comes from above.
+  /// A light, by its index among the items, for `u` in [0, 1).  Nothing where no light of the last
+  /// chosen node can reach the receiver, or where the receiver is not finite.  The probability of
+  /// that is 1 minus the sum over all lights.  Uses position and normal.  Without a normal (zero)
+  /// light from all sides counts equally, else only light from above.
   std::optional<LightChoice> choose(const Receiver<double>& receiver, double u) const;
-  /// The probability with which `choose` answers `light`, the same bits.
+  /// The probability with which `choose` returns `light`, with the same bits.
   double probability(const Receiver<double>& receiver, std::uint32_t light) const;
 
-  /// Of lights that can be chosen.
+  /// The number of lights that can be chosen.
   std::size_t size() const { return (nodes_.size() + 1) / 2; }
   bool empty() const { return nodes_.empty(); }
   std::size_t bytes() const;
@@ -60,7 +60,7 @@ class LightTree {
  private:
   class Builder;
 
-  /// A cache line.  Coordinates are the tree's own, in which the largest is about 1.
+  /// A cache line.  Coordinates are the tree's own, with a largest value of about 1.
   struct alignas(64) Node {
     double axis[3];
     float lower[3], upper[3];
@@ -72,14 +72,14 @@ class LightTree {
   static_assert(sizeof(Node) == 64);
 
   /// A receiver in the tree's coordinates.
-  struct Asking {
+  struct Query {
     Vec3<double> position, normal;
     bool has_normal;
   };
 
   static Node node_of(const LightCluster& cluster);
-  std::optional<Asking> asking(const Receiver<double>& receiver) const;
-  static double importance(const Node& node, const Asking& from);
+  std::optional<Query> query_from(const Receiver<double>& receiver) const;
+  static double importance(const Node& node, const Query& from);
 
   std::vector<Node> nodes_;             // the root, then pairs of siblings
   std::vector<std::uint32_t> parents_;  // of each pair

@@ -1,4 +1,4 @@
-// Probability densities that carry their measure in the type, and the one way between them.
+// Probability densities with their measure in the type, and the conversion between them.
 #pragma once
 
 #include <cmath>
@@ -20,12 +20,13 @@ struct AreaPdf {
   bool operator==(const AreaPdf&) const = default;
 };
 
-/// The solid angle that an area A at `distance` [m] subtends is A cos / distance^2, where
-/// `cos_light` is the absolute cosine between the light's normal and the direction to the receiver;
-/// so p_sr = p_area distance^2 / cos.  Infinite where `cos_light` is 0.  [Pharr23, 4.2.3]
+/// The solid angle that an area A at `distance` [m] subtends is A cos / distance^2.  `cos_light` is
+/// the absolute cosine between the light's normal and the direction to the receiver.  So p_sr =
+/// p_area distance^2 / cos.  Infinite where `cos_light` is 0.  [Pharr23, 4.2.3]
 template <std::floating_point Real>
 SolidAnglePdf<Real> to_solid_angle(AreaPdf<Real> pdf, Real distance, Real cos_light) {
-  // One multiplication by distance at a time: distance^2 alone over- or underflows first.
+  // One multiplication by distance at a time, because distance^2 alone overflows or underflows
+  // first.
   return {pdf.per_m2 * distance / cos_light * distance};
 }
 

@@ -1,4 +1,4 @@
-// What a distribution of intensity tells of the directions that it shines in.
+// The cone of directions in which a distribution of intensity has light.
 #pragma once
 
 #include "lights/maths/vec.h"

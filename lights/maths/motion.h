@@ -1,4 +1,4 @@
-// Rigid motion between key frames: where what moves is at a time, and what it sweeps.
+// Rigid motion between key frames: the position at a time, and the swept volume.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -24,7 +24,7 @@ struct Pose {
     return {dot(r[0], v), dot(r[1], v), dot(r[2], v)};
   }
   Vec3<double> point(const Vec3<double>& p) const { return vector(p) + shift_m; }
-  /// The same way back.
+  /// The inverse.
   Vec3<double> inverse_vector(const Vec3<double>& v) const {
     return r[0] * v.x + r[1] * v.y + r[2] * v.z;
   }
@@ -33,15 +33,15 @@ struct Pose {
   bool operator==(const Pose&) const = default;
 };
 
-/// Where something stands at a time.
+/// The transform at a time.
 struct KeyTransform {
   double time_s{};
   Transform world_from_light;
 };
 
-/// Between two key frames the light-space origin moves along a straight line and the rotation turns
-/// about one axis, both at constant speed; before the first and after the last it rests.  The same
-/// as pbrt-v4's decomposition where nothing is scaled or sheared on the way.  [Shoemake85]
+/// Between two key frames the light-space origin moves along a straight line, and the rotation
+/// turns about one axis, both at constant speed.  Before the first and after the last key frame it
+/// rests.  The same as pbrt-v4's decomposition for motion without scale and shear.  [Shoemake85]
 /// Immutable, so safe to share between threads.
 class Motion {
  public:
@@ -50,36 +50,36 @@ class Motion {
     Vec3<double> position_m;                 ///< of the light-space origin
     std::array<double, 4> turn{1, 0, 0, 0};  ///< since the first frame: a unit quaternion, w first
 
-    /// How far it is turned since the first frame, in [0, pi], and about which unit axis (+z where
-    /// it is not turned).
+    /// The angle of rotation since the first frame, in [0, pi], and its unit axis (+z without
+    /// rotation).
     std::pair<double, Vec3<double>> angle_and_axis() const;
   };
 
   /// Two key frames or more.  Errors: fewer; times that are not finite or do not ascend; a motion
-  /// that scales, shears or mirrors: one whose linear part relative to the first frame is no
+  /// that scales, shears or mirrors, whose linear part relative to the first frame is not a
   /// rotation to within 1e-6; positions that are not finite.
   static absl::StatusOr<Motion> create(std::span<const KeyTransform> frames);
 
-  /// The same motion from coordinates about `from_m` (of things at the first key frame) to
-  /// coordinates about `to_m`, both world [m].
+  /// The same motion from coordinates about `from_m`, at the first key frame, to coordinates about
+  /// `to_m`, both world [m].
   Motion about(const Vec3<double>& from_m, const Vec3<double>& to_m) const;
 
-  /// Takes where things are at the first key frame to where they are at `time_s`.  The identity up
-  /// to the first key frame, unless it was moved to other coordinates by `about`.
+  /// The map from positions at the first key frame to positions at `time_s`. The identity up to the
+  /// first key frame, unless `about` changed the coordinates.
   Pose at(double time_s) const;
 
-  /// A box that holds all that the box {lower, upper} of the first key frame sweeps.
+  /// A box around the volume that the box {lower, upper} of the first key frame sweeps.
   std::pair<Vec3<double>, Vec3<double>> bounds(const Vec3<double>& lower,
                                                const Vec3<double>& upper) const;
 
-  /// Positions in the coordinates that `at` leads to.
+  /// Positions in the coordinates to which `at` maps.
   std::span<const KeyFrame> key_frames() const { return frames_; }
   std::size_t bytes() const {
     return frames_.capacity() * sizeof(KeyFrame) + turns_.capacity() * sizeof(Turn);
   }
 
  private:
-  /// From one frame to the next, the shorter way.
+  /// The rotation from one frame to the next, by the smaller angle.
   struct Turn {
     double angle_rad{};
     Vec3<double> axis;

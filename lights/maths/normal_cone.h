@@ -1,5 +1,5 @@
-// What a shape tells of itself for rays that leave it: the directions its normals take, and how far
-// a point may be off it by rounding alone.
+// Data of a shape for rays that leave it: the directions of its normals, and how far rounding may
+// move a point off it.
 #pragma once
 
 #include <cmath>
@@ -18,8 +18,8 @@ struct NormalCone {
   double half_angle_rad = std::numbers::pi;
 };
 
-/// What a normal of a curved shape may be off the cone worked out without its map: maps count as of
-/// equal scale up to 1e-6, which turns normals by no more than twice that, and floats round.
+/// The angle between a normal of a curved shape and its cone without the map.  Maps count as of
+/// equal scale up to 1e-6, which turns normals by at most twice that. Rounding to float adds to it.
 inline constexpr double kNormalSlackRad = 4e-6;
 
 /// The angle between vectors of any length but 0; exact for parallel ones too.
@@ -27,7 +27,7 @@ inline double angle_between(const Vec3<double>& a, const Vec3<double>& b) {
   return std::atan2(length(cross(a, b)), dot(a, b));
 }
 
-/// How far a point computed on a shape within these bounds may be off it, rounded to float [m].
+/// The distance by which rounding to float may move a point off a shape within these bounds [m].
 template <std::floating_point Real>
 double rounding_m(const std::pair<Vec3<Real>, Vec3<Real>>& bounds) {
   return 16 * kInputRounding *

@@ -1,4 +1,4 @@
-// Affine transforms in double precision, kept with their inverse.
+// Affine transforms in double precision, stored with their inverse.
 #pragma once
 
 #include <array>
@@ -22,27 +22,27 @@ class Transform {
   static std::optional<Transform> scale(const Vec3<double>& s);
   /// By `angle_rad` about `axis`, which is not zero; counter-clockwise seen against the axis.
   static std::optional<Transform> rotate(double angle_rad, const Vec3<double>& axis);
-  /// World from camera: left-handed, +z towards `look`, +y up, as .pbrt files mean it.
-  /// Nothing where `eye` is `look` or `up` is parallel to their difference.
+  /// World from camera: left-handed, +z towards `look`, +y up, as in .pbrt files.  Nothing where
+  /// `eye` is `look` or `up` is parallel to their difference.
   static std::optional<Transform> look_at(const Vec3<double>& eye, const Vec3<double>& look,
                                           const Vec3<double>& up);
 
   /// `a * b` applies `b` first.
   Transform operator*(const Transform& b) const;
   Transform inverse() const;
-  /// `translate(-origin) * *this`, its inverse made anew from the product: multiplied from both
-  /// inverses, it would be off by the rounding of the distance to `origin`.
+  /// `translate(-origin) * *this`, with its inverse computed anew from the product.  The product of
+  /// both inverses would be off by the rounding of the distance to `origin`.
   Transform about(const Vec3<double>& origin) const;
 
   Vec3<double> point(const Vec3<double>& p) const;
   Vec3<double> vector(const Vec3<double>& v) const;
-  /// A normal goes by the inverse transpose; its length is not kept.
+  /// Normals transform by the inverse transpose; the length changes.
   Vec3<double> normal(const Vec3<double>& n) const;
 
-  /// True where a right-handed frame comes out left-handed (a mirror).
+  /// True if it turns a right-handed frame into a left-handed one (a mirror).
   bool swaps_handedness() const;
-  /// The common factor of all lengths, where there is one to within 1e-6 (rotations, mirrors,
-  /// translations and equal scales); nothing for any other map.
+  /// The common factor of all lengths, to within 1e-6 (rotations, mirrors, translations and equal
+  /// scales).  Nothing for any other map.
   std::optional<double> uniform_scale() const;
 
   const Matrix& matrix() const { return m_; }

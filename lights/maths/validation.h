@@ -1,5 +1,5 @@
-// Checks that the `create` functions of lights share.  A message names the field, its value and
-// what is allowed.
+// Checks that the `create` functions of lights share.  A message has the field, its value and the
+// allowed range.
 #pragma once
 
 #include <absl/status/status.h>
@@ -12,7 +12,7 @@
 
 namespace lucerna {
 
-/// OK where `v` is finite as a vector of `Real`.
+/// OK where `position_m - origin_m` is finite as a vector of `Real`.
 template <std::floating_point Real>
 absl::Status check_position(std::string_view field, const Vec3<double>& position_m,
                             const Vec3<double>& origin_m) {

@@ -1,5 +1,5 @@
-// Vectors of three components, on any floating-point type.  A Vec3 is a point, a direction or a
-// normal by its name; frames are said in names too (`wi_world`, `n_light`).
+// Vectors of three components, on any floating-point type.  The name of a Vec3 says whether it is a
+// point, a direction or a normal, and its frame (`wi_world`, `n_light`).
 #pragma once
 
 #include <bit>
@@ -25,8 +25,9 @@ struct Vec3 {
   Real x{}, y{}, z{};
 
   Vec3() = default;
-  // Not defaulted, though that costs triviality: GCC 12 copies 16 bytes at once, and a load of what
-  // was just stored in parts waits until all of it is in the cache, which takes as long as a root.
+  // Not defaulted, although this costs triviality.  GCC 12 copies 16 bytes at once.  Loading bytes
+  // that were just stored in parts waits until all of them are in the cache, which takes as long as
+  // a square root.
   constexpr Vec3(const Vec3& v) : x(v.x), y(v.y), z(v.z) {}
   constexpr Vec3& operator=(const Vec3& v) {
     x = v.x, y = v.y, z = v.z;
@@ -64,28 +65,28 @@ Vec3<Real> cross(const Vec3<Real>& a, const Vec3<Real>& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
-/// Largest absolute component, of those that are numbers; 0 where none is.
+/// Largest absolute component; NaN components do not count, and 0 where all are NaN.
 template <std::floating_point Real>
 Real max_abs(const Vec3<Real>& v) {
-  // With this order of operands mostly x86's own maximum, where std::fmax is a call and a branch is
-  // one that no processor foresees.
+  // With this order of operands it usually compiles to x86's own maximum. std::fmax is a call, and
+  // a branch here is unpredictable.
   const auto larger = [](Real a, Real most) { return a > most ? a : most; };
   return larger(std::fabs(v.x), larger(std::fabs(v.y), larger(std::fabs(v.z), 0)));
 }
 
 template <std::floating_point Real>
 bool is_finite(const Vec3<Real>& v) {
-  // One comparison mostly: a sum is finite only where all terms are, but may overflow.
+  // Usually one comparison: a sum is finite only where all terms are, but may overflow.
   if (std::isfinite(v.x + v.y + v.z)) [[likely]]
     return true;
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
-/// One rounding of what comes from rays and requests, which are floats whatever lights compute in:
-/// what positions and directions may be off by, relative to their largest coordinate.
+/// The relative rounding of input from rays and requests, which are floats for lights of any type.
+/// Positions and directions may be off by this, relative to their largest coordinate.
 inline constexpr double kInputRounding = std::numeric_limits<float>::epsilon();
 
-/// std::ilogb of a finite number > 0, without a call where it is a normal one.
+/// std::ilogb of a finite number > 0; without a call for normal numbers.
 inline int exponent_of(double x) {
   const auto biased = static_cast<int>(std::bit_cast<std::uint64_t>(x) >> 52);
   return biased > 0 ? biased - 1023 : std::ilogb(x);
@@ -94,17 +95,17 @@ inline int exponent_of(double x) {
 /// Whether 2^exponent is a normal double.
 inline bool is_normal_power(int exponent) { return exponent >= -1022 && exponent <= 1023; }
 
-/// 2^exponent of one that is.
+/// 2^exponent, which must be a normal double.
 inline double power_of_two(int exponent) {
   return std::bit_cast<double>(static_cast<std::uint64_t>(exponent + 1023) << 52);
 }
 
-/// `x` times 2^exponent: the same bits as std::scalbn, mostly without its call.
+/// `x` times 2^exponent: the bits of std::scalbn, usually without its call.
 inline double scaled(double x, int exponent) {
   return is_normal_power(exponent) ? x * power_of_two(exponent) : std::scalbn(x, exponent);
 }
 
-/// The same of a vector.
+/// The same for a vector.
 template <std::floating_point Real>
 Vec3<Real> scaled(const Vec3<Real>& v, int exponent) {
   if constexpr (sizeof(Real) == sizeof(double)) {
@@ -113,7 +114,7 @@ Vec3<Real> scaled(const Vec3<Real>& v, int exponent) {
   return {std::scalbn(v.x, exponent), std::scalbn(v.y, exponent), std::scalbn(v.z, exponent)};
 }
 
-/// Sums of squares from here on lose nothing to the terms that underflow in them.
+/// The smallest sum of squares that loses nothing to terms that underflow.
 template <std::floating_point Real>
 inline constexpr Real kSafeSquare = std::numeric_limits<Real>::min() /
                                     (std::numeric_limits<Real>::epsilon() *
@@ -124,7 +125,7 @@ bool is_safe_square(Real squared) {
   return squared >= kSafeSquare<Real> && squared <= std::numeric_limits<Real>::max();
 }
 
-/// length() where the square is not safe; not inlined, so that what is mostly taken is.
+/// length() where the square is not safe.  Not inlined, so that the common case is.
 template <std::floating_point Real>
 [[gnu::noinline]] Real scaled_length(const Vec3<Real>& v) {
   const Real largest = max_abs(v);
@@ -134,7 +135,7 @@ template <std::floating_point Real>
   return std::scalbn(std::sqrt(dot(s, s)), exponent);
 }
 
-/// normalized() of a vector that is not zero, likewise.
+/// normalized() of a vector that is not zero and whose square is not safe.  Not inlined either.
 template <std::floating_point Real>
 [[gnu::noinline]] Vec3<Real> scaled_direction(const Vec3<Real>& v) {
   if (!is_finite(v)) return v * std::numeric_limits<Real>::quiet_NaN();
@@ -142,24 +143,23 @@ template <std::floating_point Real>
   return s / std::sqrt(dot(s, s));
 }
 
-/// Euclidean length.  Squares of any float fit a double; a double is scaled by a power of two
-/// first. So no square over- or underflows, and scaling by 2^k changes no bit of the result but its
-/// exponent.
+/// Euclidean length. Squares of any float fit a double; a double is scaled by a power of two first.
+/// So no square overflows or underflows, and scaling by 2^k changes only the exponent of the
+/// result.
 template <std::floating_point Real>
 Real length(const Vec3<Real>& v) {
   if constexpr (sizeof(Real) < sizeof(double)) {
     const Vec3<double> wide(v);
     return static_cast<Real>(std::sqrt(dot(wide, wide)));
   } else {
-    // The plain sum where it cannot overflow, and where what underflows is too little to round it
-    // otherwise: the same bits at a tenth of the cost.
+    // The plain sum where it cannot overflow and where terms that underflow are too small to change
+    // its rounding: the same bits at a tenth of the cost.
     const Real squared = dot(v, v);
     return is_safe_square(squared) ? std::sqrt(squared) : scaled_length(v);
   }
 }
 
-/// `v` divided by its length; the zero vector where `v` is zero; not a number where `v` is not
-/// finite.
+/// `v` divided by its length.  Zero where `v` is zero, NaN where `v` is not finite.
 template <std::floating_point Real>
 Vec3<Real> normalized(const Vec3<Real>& v) {
   if (v == Vec3<Real>{}) return {};

@@ -15,36 +15,11 @@
 #include "lights/spectra/level_validation.h"
 
 namespace lucerna {
-
 namespace {
 
 template <typename Real>
 bool is_density(SolidAnglePdf<Real> pdf) {
   return pdf.per_sr > 0 && std::isfinite(pdf.per_sr);
-}
-
-/// Bound on the error of a shape's area, where that is not exact [m2].
-template <typename Shape>
-double area_error_m2(const Shape& shape) {
-  if constexpr (requires { shape.area_error_m2(); }) return shape.area_error_m2();
-  return 0;
-}
-
-/// The normal that `locate` finds at a position, as it is rounded, of the primitive it was chosen
-/// on.
-template <typename Shape, typename Real>
-Vec3<Real> located_normal(const Shape& shape, const SurfacePoint<Real>& p) {
-  if constexpr (requires { shape.surface(); }) {
-    return located_normal(shape.surface(), p);
-  } else if constexpr (requires { shape.primitive(0).locate(p.position); }) {
-    const auto& patch = shape.primitive(p.primitive);
-    return patch.normal(patch.locate(p.position));
-  } else if constexpr (requires { shape.primitive(0); }) {
-    return p.normal;
-  } else {
-    const auto found = shape.locate(p.position);
-    return found ? found->normal : p.normal;
-  }
 }
 
 }  // namespace
@@ -84,13 +59,11 @@ template <std::floating_point Real, template <typename> typename Shape>
 bool AreaLight<Real, Shape>::emits_towards(const SurfacePoint<Real>& point, const Vec3<double>& w,
                                            const Vec3<Real>& receiver) const {
   const double side = dot(Vec3<double>(point.normal), w);
-  if constexpr (requires { shape_.height_over(point, receiver); }) {
-    // Nearly along the surface the sign is that of what rounding left of point and normal.
-    constexpr double kNearly = 8 * double{std::numeric_limits<Real>::epsilon()};
-    const double scale = std::fmax(max_abs(w), max_abs(Vec3<double>(point.position)));
-    if (std::fabs(side) <= kNearly * scale)
-      return emits_to_side(shape_.height_over(point, receiver).value_or(side));
-  }
+  // Nearly along a flat surface the sign comes from the rounding of point and normal.
+  constexpr double kNearly = 8 * double{std::numeric_limits<Real>::epsilon()};
+  const double scale = std::fmax(max_abs(w), max_abs(Vec3<double>(point.position)));
+  if (std::fabs(side) <= kNearly * scale)
+    return emits_to_side(shape_.height_over(point, receiver).value_or(side));
   return emits_to_side(side);
 }
 
@@ -176,7 +149,7 @@ SolidAnglePdf<Real> AreaLight<Real, Shape>::pdf_li(const Receiver<Real>& receive
 
 template <std::floating_point Real, template <typename> typename Shape>
 std::optional<Rgb<Real>> AreaLight<Real, Shape>::irradiance(
-    const Receiver<Real>& receiver) const requires HasProjectedSolidAngle<Real, Shape<Real>> {
+    const Receiver<Real>& receiver) const requires HasProjectedSolidAngle<Shape<Real>, Real> {
   return irradiance_of(Rgb<double>(radiance_), receiver, [&](const Vec3<double>& normal) {
     return shape_.projected_solid_angle_sr(receiver.position, normal, emission_.two_sided);
   });
@@ -196,16 +169,16 @@ Power AreaLight<Real, Shape>::power(const SceneSphere&) const {
     return {emission_.radiance_cd_m2 * painted.m2 * (sides * std::numbers::pi),
             luminance(emission_.radiance_cd_m2) * painted.error_m2 * (sides * std::numbers::pi)};
   } else if constexpr (kPanel) {
-    // The radiance is the file's intensity over the area, which each point's true one multiplies.
+    // The radiance is the file's intensity over the area, and each point's true area multiplies it.
     const Rgb<double> lumens = emission_.radiance_cd_m2 * shape_.flux_lm(emission_.two_sided);
-    const double of_area = area_error_m2(shape_.surface()) / area_m2();
+    const double of_area = shape_.area_error_m2() / area_m2();
     const double of_bend =
         luminance(emission_.radiance_cd_m2) * shape_.flux_error_lm(emission_.two_sided);
     return {lumens, luminance(lumens) * of_area + of_bend * (1 + of_area)};
   } else {
     const double sr = sides * std::numbers::pi;
     return {emission_.radiance_cd_m2 * (sr * area_m2()),
-            luminance(emission_.radiance_cd_m2) * sr * area_error_m2(shape_)};
+            luminance(emission_.radiance_cd_m2) * sr * shape_.area_error_m2()};
   }
 }
 
@@ -245,11 +218,11 @@ Vec3<double> AreaLight<Real, Shape>::emission_direction(const SurfacePoint<Real>
     u.x = u.x < 0.5 ? 2 * u.x : 2 * u.x - 1;
   }
   const Vec2<double> d = sample_concentric_disk(u);
-  // Squares go to circles: the point's distance to the disk's edge is that of u to the square's,
-  // and 1 - d.x^2 - d.y^2, which cancels there, is this.
+  // Squares map to circles.  The point's distance to the disk's edge equals that of u to the
+  // square's edge.  This value is 1 - d.x^2 - d.y^2, which cancels there.
   const double m = 2 * std::min({u.x, 1 - u.x, u.y, 1 - u.y});
-  // At the edge itself by so many roundings off the surface that the direction, once told in
-  // floats, leaves it to its side and with a density.
+  // At the edge the direction stays this many roundings off the surface. Rounded to floats it still
+  // leaves to its side and has a density.
   constexpr double kLeast = 16 * kInputRounding;
   const double cosine = std::sqrt(std::max(kLeast * kLeast, m * (2 - m)));
   return Frame<double>::around(Vec3<double>(point.normal))
@@ -260,8 +233,8 @@ template <std::floating_point Real, template <typename> typename Shape>
 EmissionSample<Real> AreaLight<Real, Shape>::sample_le(Vec2<Real> u_position,
                                                        Vec2<Real> u_direction,
                                                        const SceneSphere&) const {
-  // By area: what the shape does for a receiver that asks for it, from where no other way exists
-  // for a sphere either: its inside.
+  // By area, as the shape samples for a receiver that requests it.  The receiver is inside, from
+  // where a sphere has no other way.
   const auto [lower, upper] = shape_.bounds();
   Receiver<Real> by_area(Vec3<Real>((Vec3<double>(lower) + Vec3<double>(upper)) * 0.5));
   by_area.area_sampling = AreaSampling::kLowDistortion;
@@ -272,9 +245,9 @@ EmissionSample<Real> AreaLight<Real, Shape>::sample_le(Vec2<Real> u_position,
 template <std::floating_point Real, template <typename> typename Shape>
 EmissionSample<Real> AreaLight<Real, Shape>::ray_from(SurfacePoint<Real> point,
                                                       const Vec3<Real>& direction) const {
-  // What pdf_le will find: along the surface, the cosines to two normals that differ by a rounding
-  // have no digit in common.
-  point.normal = located_normal(shape_, point);
+  // The normal that pdf_le will use. Along the surface, the cosines to two normals that differ by a
+  // rounding have no digit in common.
+  point.normal = shape_.located_normal(point);
   EmissionSample<Real> sample;
   sample.origin = point.position;
   sample.normal = point.normal;
@@ -328,31 +301,13 @@ std::optional<LightBounds<Real>> AreaLight<Real, Shape>::bounds() const {
                            .two_sided = emission_.two_sided};
 }
 
-template class AreaLight<float, TriangleMesh>;
-template class AreaLight<double, TriangleMesh>;
-template class AreaLight<float, PatchMesh>;
-template class AreaLight<double, PatchMesh>;
-template class AreaLight<float, Sphere>;
-template class AreaLight<double, Sphere>;
-template class AreaLight<float, Disk>;
-template class AreaLight<double, Disk>;
-template class AreaLight<float, Cylinder>;
-template class AreaLight<double, Cylinder>;
-template class AreaLight<float, PaintedTriangleMesh>;
-template class AreaLight<double, PaintedTriangleMesh>;
-template class AreaLight<float, PaintedPatchMesh>;
-template class AreaLight<double, PaintedPatchMesh>;
-template class AreaLight<float, PaintedSphere>;
-template class AreaLight<double, PaintedSphere>;
-template class AreaLight<float, PaintedDisk>;
-template class AreaLight<double, PaintedDisk>;
-template class AreaLight<float, PaintedCylinder>;
-template class AreaLight<double, PaintedCylinder>;
-template class AreaLight<float, PanelTriangleMesh>;
-template class AreaLight<double, PanelTriangleMesh>;
-template class AreaLight<float, PanelPatchMesh>;
-template class AreaLight<double, PanelPatchMesh>;
-template class AreaLight<float, PanelDisk>;
-template class AreaLight<double, PanelDisk>;
+#define LUCERNA_AREA_LIGHT(Shape)         \
+  template class AreaLight<float, Shape>; \
+  template class AreaLight<double, Shape>;
+#define LUCERNA_PAINTED_LIGHT(Shape) LUCERNA_AREA_LIGHT(Painted##Shape)
+#define LUCERNA_PANEL_LIGHT(Shape) LUCERNA_AREA_LIGHT(Panel##Shape)
+LUCERNA_AREA_SHAPES(LUCERNA_AREA_LIGHT)
+LUCERNA_AREA_SHAPES(LUCERNA_PAINTED_LIGHT)
+LUCERNA_FLAT_SHAPES(LUCERNA_PANEL_LIGHT)
 
 }  // namespace lucerna

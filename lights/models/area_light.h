@@ -1,6 +1,6 @@
-// The diffuse area light on any shape of this library: radiance L, the same in every direction and
-// everywhere on the surface, on one side or on both.  On a shape with a picture L is what the
-// picture shows.
+// The diffuse area light on any shape of this library.  Its radiance L is the same in every
+// direction and everywhere on the surface, on one side or on both.  On a shape with a picture L
+// follows the picture.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -9,75 +9,65 @@
 #include <optional>
 
 #include "lights/models/light_bounds.h"
+#include "lights/models/light_model.h"
 #include "lights/models/panel.h"
 #include "lights/sampling/light_sample.h"
-#include "lights/shapes/cylinder.h"
-#include "lights/shapes/disk.h"
-#include "lights/shapes/mesh.h"
+#include "lights/shapes/area_shape.h"
 #include "lights/shapes/painted.h"
-#include "lights/shapes/sphere.h"
 
 namespace lucerna {
 
 struct DiffuseEmission {
-  /// Per channel, finite, not negative.  Of a picture: of its 1; of a panel: what its radiance is
-  /// multiplied with, without a unit.
+  /// Per channel, finite, not negative. With a picture, the radiance of its value 1. For a panel, a
+  /// factor of its radiance without a unit.
   Rgb<double> radiance_cd_m2;
   bool two_sided = false;
 };
 
-/// Shapes of which a receiver's projected solid angle has a closed form.
-template <typename Real, typename Shape>
-concept HasProjectedSolidAngle = requires(const Shape& shape, const Vec3<Real>& p,
-                                          const Vec3<double>& n) {
-  shape.projected_solid_angle_sr(p, n, true);
-  shape.hides_itself();
-};
-
-/// `Shape` owes: `area()`, `emissive_error()`, `sample(receiver, u)`, `pdf(receiver,
-/// surface_point)`, `for_each_hit(receiver.position, wi, f)`, `touches(receiver.position,
-/// primitive)`, and for rays that leave it `pdf_area(surface_point)`, `locate(position)`,
-/// `normals()`, `bounds()`; see lights/shapes/sphere.h and lights/shapes/mesh.h.  One whose area is
-/// not always exact owes `area_error_m2()`.  One with a picture on it owes `tint(surface_point)`
-/// and `painted_area()` too; see lights/shapes/painted.h.  A flat one tells how far a receiver is
-/// above it
-/// (`height_over`). Immutable, so safe to share between threads.
+/// `Shape` is an AreaShape (lights/shapes/area_shape.h).  One with a picture on it also has
+/// `tint(surface_point)`, `painted_area()` and `picture()`; see lights/shapes/painted.h.  A panel
+/// also has the members of lights/models/panel.h.  Immutable, so safe to share between threads.
 template <std::floating_point Real, template <typename> typename Shape>
 class AreaLight {
+  static_assert(AreaShape<Shape<Real>, Real>);
+
  public:
   static constexpr bool kDelta = false;
+  static constexpr bool kHasIrradiance = Shape<Real>::kHasProjectedSolidAngle;
 
-  /// Errors: radiance negative, not finite or beyond what `Real` holds; a shape that cannot emit
+  /// Errors: radiance negative, not finite or beyond the range of `Real`; a shape that cannot emit
   /// (`emissive_error`); area zero or not finite.
   static absl::StatusOr<AreaLight> create(const DiffuseEmission& emission, Shape<Real> shape);
 
-  /// A point of the shape as `receiver` sees it, density with respect to solid angle.
+  /// A point of the shape seen from `receiver`, with its density with respect to solid angle.
   ///
-  /// kBehind on the dark side of a one-sided light and in the plane of any, kDegenerate where the
-  /// receiver lies on the sampled point or on the triangle, rectangle or disk that it was sampled
-  /// on (of a sphere or a cylinder: and gets nothing from across), kBlack where L is 0, kOutOfRange
-  /// where the density or L is not a positive `Real` or the receiver is not finite.  The parts of a
-  /// closed mesh that are turned away from the receiver are sampled like all others and answer
-  /// kBehind: the mean over all samples is exact.  Where no density exists, `pdf.per_sr` is 1, so
-  /// that value / pdf is 0; where no direction exists, `wi` is 0.
+  /// Reasons without light:
+  /// - kBehind: on the dark side of a one-sided light, and in the plane of any light.
+  /// - kDegenerate: the receiver lies on the sampled point, or on the triangle, rectangle or disk
+  ///   of the point.  On a sphere or a cylinder only if no light arrives from across.
+  /// - kBlack: L is 0.
+  /// - kOutOfRange: the density or L is not a positive `Real`, or the receiver is not finite.
+  /// The parts of a closed mesh that face away from the receiver are sampled like all others and
+  /// give kBehind, so the mean over all samples is exact.  Without a density `pdf.per_sr` is 1, so
+  /// value / pdf is 0.  Without a direction `wi` is 0.
   LightSample<Real> sample_li(const Receiver<Real>& receiver, Vec2<Real> u) const;
 
-  /// The density with which sample_li chooses directions: the sum over all points of the light that
-  /// lie along `wi`, hidden behind each other or not, and turn an emitting side to the receiver.
-  /// Integrates to the probability of samples that are neither kBehind nor kDegenerate.
+  /// The density with which sample_li chooses directions.  It sums over all points of the light
+  /// along `wi` whose emitting side faces the receiver, including points hidden behind others.  Its
+  /// integral is the probability of samples that are neither kBehind nor kDegenerate.
   SolidAnglePdf<Real> pdf_li(const Receiver<Real>& receiver, const Vec3<Real>& wi) const;
 
-  /// The density with which sample_li chooses this very point; 0 where its emitting side is turned
-  /// away.  What a ray that found the point weighs itself with.
+  /// The density with which sample_li chooses this point; 0 where its emitting side faces away.  A
+  /// ray that found the point uses it as weight.
   SolidAnglePdf<Real> pdf_li(const Receiver<Real>& receiver, const SurfacePoint<Real>& point) const;
 
-  /// On the side that `receiver` faces, with nothing in the way, not even parts of the light itself
-  /// [lx]: the mean of what samples by solid angle say, in closed form.  Nothing for pictures,
-  /// panels, shapes without such a form, and where the receiver faces nowhere or is not finite.
+  /// The irradiance on the side that `receiver` faces without occlusion, also by parts of the light
+  /// itself [lx]: the mean of samples by solid angle, in closed form. Nothing for pictures, panels,
+  /// shapes without such a form, and receivers without a normal or not finite.
   std::optional<Rgb<Real>> irradiance(const Receiver<Real>& receiver) const requires
-      HasProjectedSolidAngle<Real, Shape<Real>>;
-  /// Whether parts of it may stand before others: `irradiance` is then more than there is.
-  bool hides_itself() const requires HasProjectedSolidAngle<Real, Shape<Real>> {
+      HasProjectedSolidAngle<Shape<Real>, Real>;
+  /// Whether parts of it may occlude others: `irradiance` is then an upper bound.
+  bool hides_itself() const requires HasProjectedSolidAngle<Shape<Real>, Real> {
     return shape_.hides_itself();
   }
 
@@ -85,32 +75,45 @@ class AreaLight {
   /// along the surface.
   Rgb<Real> le(const SurfacePoint<Real>& point, const Vec3<Real>& w) const;
 
-  /// pi L A, twice for a two-sided light; of a panel the flux of its file to that side or both.
-  /// Exact, but for bent or folded patches, pictures on patches that are no parallelograms, and
-  /// one-sided panels that are not quite flat.
+  /// pi L A, twice for a two-sided light.  For a panel the flux of its file to that side or both.
+  /// Exact except for bent or folded patches, pictures on patches that are not parallelograms, and
+  /// one-sided panels that are not flat.
   Power power(const SceneSphere& scene) const;
 
-  /// A point by area, a direction by its cosine, to either side alike where both emit, off the
-  /// surface by 16 roundings of floats or more; from a panel by the cells of its file, of which
-  /// those along the surface and behind a one-sided one are kBehind.  The density of direction is
-  /// that of the rounded direction.  kBlack where L is 0, kOutOfRange where a density or L is not a
-  /// positive `Real`.  [Pharr23, 14.1.2]
+  /// A point by area and a direction by its cosine, to either side with equal probability where
+  /// both emit. Directions lie off the surface by at least 16 roundings of floats. For a panel the
+  /// direction follows the cells of its file; directions along the surface and behind a one-sided
+  /// panel give kBehind.  The density of direction is that of the rounded direction. kBlack where L
+  /// is 0. kOutOfRange where a density or L is not a positive `Real`.  [Pharr23, 14.1.2]
   EmissionSample<Real> sample_le(Vec2<Real> u_position, Vec2<Real> u_direction,
                                  const SceneSphere& scene) const;
-  /// The ray of sample_le that leaves `point`, as it may be rounded, towards the unit vector
-  /// `direction`: with what it carries and how densely it is chosen.
+  /// The ray that leaves `point`, which may be rounded, towards the unit vector `direction`, with
+  /// its value and the density of sample_le.
   EmissionSample<Real> ray_from(SurfacePoint<Real> point, const Vec3<Real>& direction) const;
-  /// Both 0 where `position` is not on the light, to within rounding and `slack_m`, or `direction`
-  /// leads to a side that does not emit.  Where parts of the light meet it is the nearest of them
-  /// that counts.
+  /// Both 0 where `position` is not on the light to within rounding and `slack_m`, or where
+  /// `direction` leads to a side that does not emit.  Where parts of the light meet, the nearest
+  /// part counts.
   EmissionPdf<Real> pdf_le(const Vec3<Real>& position, const Vec3<Real>& direction,
                            const SceneSphere& scene, double slack_m = 0) const;
-  /// pbrt's Phi, which is pi L A too: the same.  With a picture L is its mean texel, as if the
-  /// shape showed each on as much of its area.
+  /// pbrt's Phi, which is pi L A too: the same.  With a picture L is its mean texel, as if each
+  /// texel covered the same area.
   Power power_approximate(const SceneSphere& scene) const;
-  /// The shape's box; its normals' cone widened by a hemisphere, all directions where both sides
-  /// emit; of a panel the cone of its file.
+  /// The shape's box. The cone of its normals widened by a hemisphere, or all directions where both
+  /// sides emit.  For a panel the cone of its file.
   std::optional<LightBounds<Real>> bounds() const;
+
+  /// None: illuminance falls off with distance.
+  std::optional<double> cross_section_m2(const SceneSphere&) const { return std::nullopt; }
+  LightBytes own_bytes() const {
+    LightBytes bytes{.all = shape_.bytes()};
+    if constexpr (kPainted) bytes.tables = shape_.distribution_bytes();
+    return bytes;
+  }
+  template <typename F>
+  void for_each_shared(F&& f) const {
+    if constexpr (kPainted) f(*shape_.picture().image);
+    if constexpr (kPanel) f(*shape_.profile().web);
+  }
 
   double area_m2() const { return shape_.area(); }
   const DiffuseEmission& emission() const { return emission_; }
@@ -123,7 +126,7 @@ class AreaLight {
                                  const Vec3<Real>& direction) const;
   Vec3<double> emission_direction(const SurfacePoint<Real>& point, Vec2<Real> u_direction) const;
   bool emits_towards(const SurfacePoint<Real>& point, const Vec3<double>& w) const;
-  /// The same towards a receiver, `w` the way there: one test for samples and densities.
+  /// The same towards a receiver, with `w` the way there: one test for samples and densities.
   bool emits_towards(const SurfacePoint<Real>& point, const Vec3<double>& w,
                      const Vec3<Real>& receiver) const;
   bool emits_to_side(double side) const { return side > 0 || (emission_.two_sided && side < 0); }
@@ -131,7 +134,7 @@ class AreaLight {
     s.tint(p);
   };
   static constexpr bool kPanel = requires(const Shape<Real>& s) { s.profile(); };
-  /// Why nothing comes from a point that is seen, where the light is not black all over.
+  /// The reason why a visible point emits nothing, where the light is not black all over.
   static constexpr NoLight kWithout = kPainted ? NoLight::kBlack
                                       : kPanel ? NoLight::kOutsideCone
                                                : NoLight::kOutOfRange;
@@ -144,31 +147,19 @@ class AreaLight {
   Shape<Real> shape_;
 };
 
-extern template class AreaLight<float, TriangleMesh>;
-extern template class AreaLight<double, TriangleMesh>;
-extern template class AreaLight<float, PatchMesh>;
-extern template class AreaLight<double, PatchMesh>;
-extern template class AreaLight<float, Sphere>;
-extern template class AreaLight<double, Sphere>;
-extern template class AreaLight<float, Disk>;
-extern template class AreaLight<double, Disk>;
-extern template class AreaLight<float, Cylinder>;
-extern template class AreaLight<double, Cylinder>;
-extern template class AreaLight<float, PaintedTriangleMesh>;
-extern template class AreaLight<double, PaintedTriangleMesh>;
-extern template class AreaLight<float, PaintedPatchMesh>;
-extern template class AreaLight<double, PaintedPatchMesh>;
-extern template class AreaLight<float, PaintedSphere>;
-extern template class AreaLight<double, PaintedSphere>;
-extern template class AreaLight<float, PaintedDisk>;
-extern template class AreaLight<double, PaintedDisk>;
-extern template class AreaLight<float, PaintedCylinder>;
-extern template class AreaLight<double, PaintedCylinder>;
-extern template class AreaLight<float, PanelTriangleMesh>;
-extern template class AreaLight<double, PanelTriangleMesh>;
-extern template class AreaLight<float, PanelPatchMesh>;
-extern template class AreaLight<double, PanelPatchMesh>;
-extern template class AreaLight<float, PanelDisk>;
-extern template class AreaLight<double, PanelDisk>;
+// TriangleMeshLight, PaintedTriangleMeshLight, PanelTriangleMeshLight and so on.
+#define LUCERNA_AREA_LIGHT(Shape)                \
+  template <std::floating_point Real>            \
+  using Shape##Light = AreaLight<Real, Shape>;   \
+  extern template class AreaLight<float, Shape>; \
+  extern template class AreaLight<double, Shape>;
+#define LUCERNA_PAINTED_LIGHT(Shape) LUCERNA_AREA_LIGHT(Painted##Shape)
+#define LUCERNA_PANEL_LIGHT(Shape) LUCERNA_AREA_LIGHT(Panel##Shape)
+LUCERNA_AREA_SHAPES(LUCERNA_AREA_LIGHT)
+LUCERNA_AREA_SHAPES(LUCERNA_PAINTED_LIGHT)
+LUCERNA_FLAT_SHAPES(LUCERNA_PANEL_LIGHT)
+#undef LUCERNA_AREA_LIGHT
+#undef LUCERNA_PAINTED_LIGHT
+#undef LUCERNA_PANEL_LIGHT
 
 }  // namespace lucerna

@@ -13,7 +13,7 @@
 namespace lucerna {
 namespace {
 
-/// From the middle to the corner with the largest coordinates of the least box.
+/// From the middle to the corner of the smallest box with the largest coordinates.
 Vec3<double> half_box(const BeamLightParams& params) {
   const Frame<double> axes = orthonormal(params.axes);
   const Vec3<double> x = axes.s * (params.width_m / 2), y = axes.t * (params.height_m / 2);
@@ -44,7 +44,7 @@ absl::StatusOr<BeamLight<Real>> BeamLight<Real>::create(const Params& params,
   if (auto s = check_position<Real>("beam.position", params.position_m, origin_m); !s.ok())
     return s;
   if (auto s = check_right_angles("beam.axes", params.axes); !s.ok()) return s;
-  // Its square, and that over it, must fit.
+  // The square of a side and its reciprocal must fit `Real`.
   const double most = std::sqrt(double{std::numeric_limits<Real>::max()}) / 2;
   const double least = 2 * std::sqrt(double{std::numeric_limits<Real>::min()});
   for (const double side : {params.width_m, params.height_m})
@@ -159,7 +159,7 @@ EmissionSample<Real> BeamLight<Real>::sample_le(Vec2<Real> u_position, Vec2<Real
   if (distribution_) p = distribution_->sample(p).position;
   sample.origin = Vec3<Real>(middle_ + axes_.s * ((p.x - 0.5) * params_.width_m) +
                              axes_.t * ((0.5 - p.y) * params_.height_m));
-  // What pdf_le will say of the position as it is rounded.
+  // The density of the rounded position, as in pdf_le.
   const std::optional<Vec2<double>> rounded = locate(sample.origin);
   if (rounded) {
     sample.value = Rgb<Real>(value_at(*rounded));
@@ -194,7 +194,7 @@ template <std::floating_point Real>
 std::optional<LightBounds<Real>> BeamLight<Real>::bounds() const {
   const Vec3<double> half = half_box(params_);
   const auto [lower, upper] = rounded_outwards<Real>(middle_ - half, middle_ + half);
-  // By what roundings turn the axis.
+  // The rounding of the axis.
   return LightBounds<Real>{
       .lower = lower, .upper = upper, .axis = direction_, .cone_rad = 4 * kInputRounding};
 }

@@ -1,5 +1,5 @@
-// The beam: parallel rays from a rectangle, with a picture or even; the projection light whose
-// projection is orthographic.
+// The beam: parallel rays from a rectangle, with a picture or uniform.  It is the projection light
+// with an orthographic projection.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -9,7 +9,7 @@
 #include <string>
 #include <utility>
 
-#include "lights/models/light_bounds.h"
+#include "lights/models/light_model.h"
 #include "lights/pictures/image.h"
 #include "lights/pictures/image_distribution.h"
 #include "lights/sampling/light_sample.h"
@@ -26,34 +26,35 @@ struct BeamLightParams {
                                                ///< value is 1; finite, not negative
   std::shared_ptr<const Image> image{};        ///< null: value 1 all over
   ImageFilter filter = ImageFilter::kNearest;  ///< the border goes on
-  std::string image_name{};                    ///< told by ListLights, else unused
+  std::string image_name{};                    ///< reported by ListLights, else unused
 };
 
-/// The least box that holds the rectangle: its corners {lower, upper}, world [m].
+/// The smallest box around the rectangle: its corners {lower, upper}, world [m].
 std::pair<Vec3<double>, Vec3<double>> bounding_box(const BeamLightParams& params);
 
-/// Its direction is certain, where its rays start is not.
+/// The direction of its rays is certain.  Their start is not.
 template <std::floating_point Real>
 class BeamLight {
  public:
   using Params = BeamLightParams;
   static constexpr bool kDelta = true;
 
-  /// Errors: a field out of its domain; corners that `Real` does not hold; the illuminance of the
-  /// brightest texel likewise.
+  /// Errors: a field out of its domain; corners that `Real` cannot hold; the illuminance of the
+  /// brightest texel out of its domain.
   static absl::StatusOr<BeamLight> create(const Params& params, const Vec3<double>& origin_m = {});
 
-  /// The illuminance that the receiver's place in the rectangle says, whatever the distance along
-  /// the beam; `point` is where in the rectangle the ray starts.  kBehind behind the rectangle and
-  /// in its plane, kOutsideCone beside the beam and where the picture is black.
+  /// The illuminance at the receiver's place in the rectangle, at any distance along the beam.
+  /// `point` is where in the rectangle the ray starts. kBehind behind the rectangle and in its
+  /// plane. kOutsideCone beside the beam and where the picture is black.
   LightSample<Real> sample_li(const Receiver<Real>& receiver, Vec2<Real> u) const;
   /// Delta: 0 everywhere.
   SolidAnglePdf<Real> pdf_li(const Receiver<Real>& receiver, const Vec3<Real>& wi) const;
 
-  /// Positions of the rectangle by luminance, density exact for the filter; direction certain.
+  /// Positions of the rectangle by luminance, with a density exact for the filter. The direction is
+  /// certain.
   EmissionSample<Real> sample_le(Vec2<Real> u_position, Vec2<Real> u_direction,
                                  const SceneSphere& scene) const;
-  /// Illuminance [lx] that a ray from `position` carries; 0 beside the rectangle, as pdf_le has it.
+  /// Illuminance [lx] that a ray from `position` carries; 0 beside the rectangle, as in pdf_le.
   Rgb<Real> le_leaving(const Vec3<Real>& position, const Vec3<Real>& direction,
                        double slack_m = 0) const;
   /// Both 0 where `position` is not in the rectangle, to within rounding and `slack_m`.
@@ -65,19 +66,33 @@ class BeamLight {
   /// The same: no book has another formula.
   Power power_approximate(const SceneSphere& scene) const { return power(scene); }
 
-  /// The rectangle's box; one direction, to within roundings.
+  /// The rectangle's box and one direction, to within rounding.
   std::optional<LightBounds<Real>> bounds() const;
 
+  /// The rectangle's area.
+  std::optional<double> cross_section_m2(const SceneSphere&) const {
+    return params_.width_m * params_.height_m;
+  }
+  static LightPlace place(const Params& params) {
+    return {.anchor_m = params.position_m, .box_m = bounding_box(params)};
+  }
   const Params& params() const { return params_; }
-  /// Of what was made for sampling.
-  std::size_t table_bytes() const { return distribution_ ? distribution_->bytes() : 0; }
+  /// The table from which positions are drawn.
+  LightBytes own_bytes() const {
+    const std::uint64_t tables = distribution_ ? distribution_->bytes() : 0;
+    return {.all = tables, .tables = tables};
+  }
+  template <typename F>
+  void for_each_shared(F&& f) const {
+    if (params_.image) f(*params_.image);
+  }
 
  private:
   explicit BeamLight(const Params& params, const Vec3<double>& origin_m);
-  /// The point of the unit square, (0, 0) the upper left corner, that lies at `x` and `y` [m] from
-  /// the middle; nothing where that is more than `slack_m` beside the rectangle.
+  /// The point of the unit square, (0, 0) the upper left corner, at `x` and `y` [m] from the
+  /// middle.  Nothing where that is more than `slack_m` beside the rectangle.
   std::optional<Vec2<double>> in_square(double x, double y, double slack_m) const;
-  /// That of a position on the light, to within the rounding of its coordinates and `slack_m`.
+  /// The same for a position on the light, to within the rounding of its coordinates and `slack_m`.
   std::optional<Vec2<double>> locate(const Vec3<Real>& position, double slack_m = 0) const;
   Rgb<double> value_at(const Vec2<double>& p) const;
   double per_m2(const Vec2<double>& p) const;

@@ -5,7 +5,7 @@
 
 #include <optional>
 
-#include "lights/models/light_bounds.h"
+#include "lights/models/light_model.h"
 #include "lights/sampling/light_sample.h"
 
 namespace lucerna {
@@ -20,6 +20,7 @@ class DistantLight {
  public:
   using Params = DistantLightParams;
   static constexpr bool kDelta = true;
+  static constexpr bool kSameForAllRays = true;
 
   static absl::StatusOr<DistantLight> create(const Params& params,
                                              const Vec3<double>& origin_m = {});
@@ -27,15 +28,22 @@ class DistantLight {
   SolidAnglePdf<Real> pdf_li(const Receiver<Real>& receiver, const Vec3<Real>& wi) const;
   /// Flux through the scene's bounding disk, E pi R^2.
   Power power(const SceneSphere& scene) const;
-  /// The same: the book's formula is that flux.  [Pharr23, 12.3]
+  /// The same: the book has this formula.  [Pharr23, 12.3]
   Power power_approximate(const SceneSphere& scene) const;
-  /// From the disk of the scene's sphere that faces the light; direction certain.
+  /// From the disk of the scene's sphere that faces the light.  The direction is certain.
   EmissionSample<Real> sample_le(Vec2<Real> u_position, Vec2<Real> u_direction,
                                  const SceneSphere& scene) const;
   EmissionPdf<Real> pdf_le(const Vec3<Real>& position, const Vec3<Real>& direction,
                            const SceneSphere& scene) const;
   /// None: it is infinitely far.
   std::optional<LightBounds<Real>> bounds() const { return std::nullopt; }
+  std::optional<double> cross_section_m2(const SceneSphere& scene) const {
+    return scene_disk_area_m2(scene);
+  }
+  static LightPlace place(const Params&) { return {}; }
+  LightBytes own_bytes() const { return {}; }
+  template <typename F>
+  void for_each_shared(F&&) const {}
   const Params& params() const { return params_; }
 
  private:

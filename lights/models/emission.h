@@ -1,5 +1,5 @@
-// What lights share when rays leave them: the disk where rays from infinitely far enter the scene,
-// and the error that an approximate power states.
+// Functions that lights share for rays that leave them: the disk where rays from infinity enter the
+// scene, and the error of an approximate power.
 #pragma once
 
 #include <algorithm>
@@ -12,15 +12,15 @@
 
 namespace lucerna {
 
-/// A book's formula for a light's power beside its power: off by their difference, and by as much
-/// as the power itself may be.
+/// A book's formula for a light's power, with its error: the difference from `power`, plus the
+/// error of `power`.
 inline Power approximate_power(const Rgb<double>& lumens, const Power& power) {
   return {lumens, std::fabs(luminance(lumens - power.lumens)) + power.error_lumens};
 }
 
-/// Settles a sample of the `density` (of position or of direction) that it was chosen with, value
-/// and density those of what was rounded: kOutsideCone where that led out of the light or to where
-/// it comes down to 0, kOutOfRange where the density is not a positive `Real`.
+/// Sets the reason of a sample that was chosen with `density` (of position or of direction).  Value
+/// and density are those of the rounded sample. kOutsideCone where rounding led out of the light or
+/// to a value of 0. kOutOfRange where the density is not a positive `Real`.
 template <std::floating_point Real>
 void settle(Real density, EmissionSample<Real>& sample) {
   if (sample.value.is_black()) {
@@ -31,8 +31,8 @@ void settle(Real density, EmissionSample<Real>& sample) {
   }
 }
 
-/// Starts a ray along the unit vector `direction` on the disk that faces it: of the scene's
-/// sphere's radius, touching the sphere.  Sets origin, direction and pdf_position; kDegenerate
+/// Starts a ray along the unit vector `direction` on the disk that faces it, with the radius of the
+/// scene's sphere and touching that sphere.  Sets origin, direction and pdf_position. kDegenerate
 /// where the scene's sphere has no extent.  [Pharr23, 12.5]
 template <std::floating_point Real>
 void start_on_scene_disk(Vec2<Real> u, const Vec3<double>& direction, const SceneSphere& scene,
@@ -52,14 +52,14 @@ void start_on_scene_disk(Vec2<Real> u, const Vec3<double>& direction, const Scen
   if (!is_finite(sample.origin)) sample.reason = NoLight::kOutOfRange;
 }
 
-/// The density with which start_on_scene_disk starts a ray at `position`: 0 off the disk.
+/// The density with which start_on_scene_disk starts a ray at `position`; 0 off the disk.
 template <std::floating_point Real>
 AreaPdf<Real> scene_disk_pdf(const Vec3<Real>& position, const Vec3<Real>& direction,
                              const SceneSphere& scene) {
   const double radius = scene.radius_m;
   const Vec3<double> w(direction);
   const Vec3<double> from_center = Vec3<double>(position) - scene.center_m;
-  // A position holds a rounding for each of its coordinates, a direction one of the radius.
+  // Each coordinate of a position is rounded once.  A direction adds a rounding of the radius.
   const double slack =
       8 * kInputRounding * (radius + max_abs(Vec3<double>(position)) + max_abs(scene.center_m));
   const double along = dot(from_center, w);
@@ -69,7 +69,7 @@ AreaPdf<Real> scene_disk_pdf(const Vec3<Real>& position, const Vec3<Real>& direc
   return {std::isfinite(pdf) ? pdf : 0};
 }
 
-/// Whether two unit vectors are the same to within their roundings.
+/// Whether two unit vectors are equal to within their roundings.
 template <std::floating_point Real>
 bool same_direction(const Vec3<Real>& a, const Vec3<Real>& b) {
   const auto same = [](Real a, Real b) {

@@ -18,8 +18,8 @@ absl::Status check_axes(const Frame<double>& axes) {
     if (auto s = check_direction("goniometric.axes", axis); !s.ok()) return s;
   const double longest = std::fmax(length(axes.s), std::fmax(length(axes.t), length(axes.n)));
   const Vec3<double> s = axes.s / longest, t = axes.t / longest, n = axes.n / longest;
-  // What is left of products of rotations in double is far below; written in a file with six
-  // digits, they are this close.
+  // Products of rotations in double are far below this.  Axes written with six digits are this
+  // close.
   constexpr double kTolerance = 1e-5;
   const bool good = std::fabs(dot(s, t)) <= kTolerance && std::fabs(dot(t, n)) <= kTolerance &&
                     std::fabs(dot(n, s)) <= kTolerance && length(s) >= 1 - kTolerance &&
@@ -40,9 +40,8 @@ double flux_of_unit_intensity_lm(const GoniometricLightParams& params) {
   return 4 * std::numbers::pi;
 }
 
-template <std::floating_point Real>
-absl::StatusOr<GoniometricLight<Real>> GoniometricLight<Real>::create(
-    const Params& params, const Vec3<double>& origin_m) {
+template <typename Real>
+absl::Status GoniometricIntensity<Real>::check(const Params& params, const Vec3<double>& origin_m) {
   if (auto s = check_position<Real>("goniometric.position", params.position_m, origin_m); !s.ok())
     return s;
   if (auto s = check_axes(params.axes); !s.ok()) return s;
@@ -59,112 +58,83 @@ absl::StatusOr<GoniometricLight<Real>> GoniometricLight<Real>::create(
         !s.ok())
       return s;
   }
-  return GoniometricLight(params, origin_m);
+  return absl::OkStatus();
 }
 
-template <std::floating_point Real>
-GoniometricLight<Real>::GoniometricLight(const Params& params, const Vec3<double>& origin_m)
-    : params_(params), position_(params.position_m - origin_m), axes_(orthonormal(params.axes)) {}
+template <typename Real>
+GoniometricIntensity<Real>::GoniometricIntensity(const Params& params)
+    : params_(params), axes_(orthonormal(params.axes)) {}
 
-template <std::floating_point Real>
-double GoniometricLight<Real>::share(const Vec3<double>& w) const {
+template <typename Real>
+double GoniometricIntensity<Real>::share(const Vec3<double>& w) const {
   return distribution(1.0, [&](const auto& d) { return d.at(axes_.local_from_world(w)); });
 }
 
-template <std::floating_point Real>
-bool GoniometricLight<Real>::is_black() const {
+template <typename Real>
+bool GoniometricIntensity<Real>::is_black() const {
   return params_.intensity.is_black() || !(flux_of_unit_intensity_lm(params_) > 0);
 }
 
-template <std::floating_point Real>
-Rgb<Real> GoniometricLight<Real>::intensity(const Vec3<Real>& w) const {
+template <typename Real>
+Rgb<Real> GoniometricIntensity<Real>::intensity(const Vec3<Real>& w) const {
   if (!is_finite(w) || w == Vec3<Real>{}) return {};
   return Rgb<Real>(params_.intensity * share(Vec3<double>(w)));
 }
 
-template <std::floating_point Real>
-LightSample<Real> GoniometricLight<Real>::sample_li(const Receiver<Real>& receiver,
-                                                    Vec2<Real>) const {
-  LightSample<Real> sample;
-  const Way way = find_way(position_, receiver.position, sample);
-  if (sample.reason != NoLight::kNone) return sample;
-  if (is_black()) {
-    sample.reason = NoLight::kBlack;
-    return sample;
-  }
-  const double towards = share(-way.wi);
-  if (towards > 0)
-    set_inverse_square(params_.intensity * towards, way, sample);
-  else
-    sample.reason = NoLight::kOutsideCone;
-  return sample;
+template <typename Real>
+std::optional<Rgb<double>> GoniometricIntensity<Real>::towards(const Vec3<double>& w,
+                                                               const Vec3<double>&) const {
+  const double towards = share(w);
+  if (!(towards > 0)) return std::nullopt;
+  return params_.intensity * towards;
 }
 
-template <std::floating_point Real>
-SolidAnglePdf<Real> GoniometricLight<Real>::pdf_li(const Receiver<Real>&, const Vec3<Real>&) const {
-  return {};
-}
-
-template <std::floating_point Real>
-SolidAnglePdf<double> GoniometricLight<Real>::direction_pdf(const Vec3<double>& w) const {
+template <typename Real>
+SolidAnglePdf<double> GoniometricIntensity<Real>::direction_pdf(const Vec3<double>& w) const {
   return distribution(uniform_sphere_pdf<double>(),
                       [&](const auto& d) { return d.pdf(axes_.local_from_world(w)); });
 }
 
-template <std::floating_point Real>
-EmissionSample<Real> GoniometricLight<Real>::sample_le(Vec2<Real>, Vec2<Real> u_direction,
-                                                       const SceneSphere&) const {
-  EmissionSample<Real> sample;
-  sample.origin = position_;
-  if (is_black()) {
-    sample.reason = NoLight::kBlack;
-    return sample;
-  }
+template <typename Real>
+void GoniometricIntensity<Real>::sample(Vec2<Real> u_direction,
+                                        EmissionSample<Real>& sample) const {
   const Vec2<double> u{u_direction.x, u_direction.y};
   const Vec3<double> w = axes_.world_from_local(
       distribution(sample_uniform_sphere(u), [&](const auto& d) { return d.sample(u); }));
   sample.direction = Vec3<Real>(w);
-  // Value and density of the direction as it is rounded, which pdf_le will be asked for.
+  // Value and density of the rounded direction, as in per_sr.
   const Vec3<double> rounded(sample.direction);
   sample.pdf_direction = {static_cast<Real>(direction_pdf(rounded).per_sr)};
   sample.value = Rgb<Real>(params_.intensity * share(rounded));
   settle(sample.pdf_direction.per_sr, sample);
-  return sample;
 }
 
-template <std::floating_point Real>
-EmissionPdf<Real> GoniometricLight<Real>::pdf_le(const Vec3<Real>& position,
-                                                 const Vec3<Real>& direction,
-                                                 const SceneSphere&) const {
-  if (!same_float(position, position_) || !is_finite(direction) || direction == Vec3<Real>{} ||
-      is_black())
-    return {};
-  return {{}, {static_cast<Real>(direction_pdf(Vec3<double>(direction)).per_sr)}};
+template <typename Real>
+Real GoniometricIntensity<Real>::per_sr(const Vec3<Real>& w) const {
+  if (w == Vec3<Real>{} || is_black()) return 0;
+  return static_cast<Real>(direction_pdf(Vec3<double>(w)).per_sr);
 }
 
-template <std::floating_point Real>
-Power GoniometricLight<Real>::power(const SceneSphere&) const {
+template <typename Real>
+Power GoniometricIntensity<Real>::power() const {
   return {params_.intensity * flux_of_unit_intensity_lm(params_), 0};
 }
 
-template <std::floating_point Real>
-Power GoniometricLight<Real>::power_approximate(const SceneSphere& scene) const {
-  if (!params_.map) return power(scene);
+template <typename Real>
+Power GoniometricIntensity<Real>::power_approximate() const {
+  if (!params_.map) return power();
   return approximate_power(params_.intensity * (params_.map->mean_cd() * (4 * std::numbers::pi)),
-                           power(scene));
+                           power());
 }
 
-template <std::floating_point Real>
-std::optional<LightBounds<Real>> GoniometricLight<Real>::bounds() const {
-  LightBounds<Real> bounds{.lower = position_, .upper = position_};
+template <typename Real>
+EmissionCone GoniometricIntensity<Real>::cone() const {
   const EmissionCone everywhere{.half_angle_rad = std::numbers::pi};
   const EmissionCone cone = distribution(everywhere, [](const auto& d) { return d.cone(); });
-  bounds.axis = Vec3<Real>(axes_.world_from_local(cone.axis));
-  bounds.cone_rad = bounds.normals_rad = cone.half_angle_rad;
-  return bounds;
+  return {axes_.world_from_local(cone.axis), cone.half_angle_rad};
 }
 
-template class GoniometricLight<float>;
-template class GoniometricLight<double>;
+template class GoniometricIntensity<float>;
+template class GoniometricIntensity<double>;
 
 }  // namespace lucerna

@@ -8,8 +8,7 @@
 namespace lucerna {
 namespace {
 
-
-/// Whether `x` is positive and has all of its digits.
+/// Whether `x` is a positive normal number.
 template <std::floating_point Real>
 bool is_positive_normal(Real x) {
   return x >= std::numeric_limits<Real>::min() && std::isfinite(x);
@@ -139,8 +138,10 @@ Power ImageInfiniteLight<Real>::power_approximate(const SceneSphere& scene) cons
 }
 
 template <std::floating_point Real>
-std::size_t ImageInfiniteLight<Real>::table_bytes() const {
-  return complete_->bytes() + (compensated_ == complete_ ? 0 : compensated_->bytes());
+LightBytes ImageInfiniteLight<Real>::own_bytes() const {
+  const std::uint64_t tables =
+      complete_->bytes() + (compensated_ == complete_ ? 0 : compensated_->bytes());
+  return {.all = tables, .tables = tables};
 }
 
 template class ImageInfiniteLight<float>;

@@ -1,4 +1,4 @@
-// The infinite light whose radiance a picture around the scene tells.
+// The infinite light whose radiance comes from a picture around the scene.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -8,7 +8,7 @@
 #include <string>
 
 #include "lights/maths/transform.h"
-#include "lights/models/light_bounds.h"
+#include "lights/models/light_model.h"
 #include "lights/pictures/sphere_map.h"
 #include "lights/sampling/light_sample.h"
 
@@ -16,7 +16,7 @@ namespace lucerna {
 
 struct ImageInfiniteLightParams {
   std::shared_ptr<const SphereMap> map;
-  std::string image_name{};    ///< told by ListLights, else unused
+  std::string image_name{};    ///< reported by ListLights, else unused
   Transform world_from_map{};  ///< rotation, mirror and equal scale; its translation is not used
   Rgb<double> radiance_cd_m2{1.0};  ///< of a texel of value 1, per channel, finite, not negative
 };
@@ -26,22 +26,23 @@ class ImageInfiniteLight {
  public:
   using Params = ImageInfiniteLightParams;
   static constexpr bool kDelta = false;
+  static constexpr bool kHasIrradiance = false;
 
-  /// Errors: no map, a transform of unequal scale, a radiance that is none, also where the
-  /// brightest texel's is beyond what `Real` holds.
+  /// Errors: no map; a transform of unequal scale; a radiance that is negative or not finite; a
+  /// brightest texel beyond the range of `Real`.
   static absl::StatusOr<ImageInfiniteLight> create(const Params& params,
                                                    const Vec3<double>& origin_m = {});
 
-  /// By the map's luminance, density as SphereDistribution has it; distance infinite.  For an
-  /// `incomplete` receiver by max(0, luminance - its mean over the sphere), which is 0 where the
-  /// receiver's own directions serve as well (a map that is nowhere above its mean: by luminance).
-  /// Value and density are those of `wi` as it is rounded, which at a pole may show another texel.
-  /// kBlack where the map or the radiance is black, kOutsideCone where rounding led into the dark,
-  /// kOutOfRange where value or density are no positive normal `Real`.  [Karlik19]
+  /// A direction by the map's luminance, with the density of SphereDistribution; distance infinite.
+  /// For an `incomplete` receiver by max(0, luminance - its mean over the sphere).  That is 0 where
+  /// the receiver's own directions serve as well.  A map that is nowhere above its mean uses its
+  /// luminance.  Value and density belong to the rounded `wi`, which at a pole may show another
+  /// texel. kBlack where the map or the radiance is black. kOutsideCone where rounding led into the
+  /// dark. kOutOfRange where value or density is not a positive normal `Real`.  [Karlik19]
   LightSample<Real> sample_li(const Receiver<Real>& receiver, Vec2<Real> u) const;
   SolidAnglePdf<Real> pdf_li(const Receiver<Real>& receiver, const Vec3<Real>& wi) const;
-  /// Radiance [cd/m2] that a ray from anywhere, leaving the scene towards the unit vector `w`,
-  /// meets.
+  /// Radiance [cd/m2] that a ray from anywhere meets when it leaves the scene towards the unit
+  /// vector `w`.
   Rgb<Real> le_escaped(const Vec3<Real>& origin, const Vec3<Real>& w) const;
   /// The same of a ray that enters the scene towards `w`.
   Rgb<Real> le_leaving(const Vec3<Real>& origin, const Vec3<Real>& w) const {
@@ -59,20 +60,28 @@ class ImageInfiniteLight {
   /// radiance, exact.
   Power power(const SceneSphere& scene) const;
   /// Equal-area maps: 4 pi^2 R^2 times the mean texel, which is exact.  Latitude-longitude maps: pi
-  /// R^2 times the mean texel, as pbrt-v2 and pbrt-v3 have it, without the 4 pi of the sphere and
-  /// the sines of the rows.
+  /// R^2 times the mean texel, as in pbrt-v2 and pbrt-v3, which omit the 4 pi of the sphere and the
+  /// sines of the rows.
   Power power_approximate(const SceneSphere& scene) const;
 
   /// Nothing: it is at infinity.
   std::optional<LightBounds<Real>> bounds() const { return std::nullopt; }
 
+  std::optional<double> cross_section_m2(const SceneSphere& scene) const {
+    return scene_disk_area_m2(scene);
+  }
+  static LightPlace place(const Params&) { return {}; }
   const Params& params() const { return params_; }
-  /// Of what this light alone made: the tables that it samples.
-  std::size_t table_bytes() const;
+  /// The tables that it samples.
+  LightBytes own_bytes() const;
+  template <typename F>
+  void for_each_shared(F&& f) const {
+    f(params_.map->image());
+  }
 
  private:
   explicit ImageInfiniteLight(const Params& params);
-  /// Of a direction as its type rounds it.
+  /// Values of a direction after rounding to `Real`.
   struct Seen {
     Rgb<double> radiance;
     double per_sr;

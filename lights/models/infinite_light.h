@@ -5,7 +5,7 @@
 
 #include <optional>
 
-#include "lights/models/light_bounds.h"
+#include "lights/models/light_model.h"
 #include "lights/sampling/light_sample.h"
 
 namespace lucerna {
@@ -19,22 +19,23 @@ class UniformInfiniteLight {
  public:
   using Params = UniformInfiniteLightParams;
   static constexpr bool kDelta = false;
+  static constexpr bool kHasIrradiance = true;
+  static constexpr bool kSameForAllRays = true;
 
   static absl::StatusOr<UniformInfiniteLight> create(const Params& params,
                                                      const Vec3<double>& origin_m = {});
   /// Uniform over the sphere, density 1 / (4 pi); distance infinite.
   LightSample<Real> sample_li(const Receiver<Real>& receiver, Vec2<Real> u) const;
   SolidAnglePdf<Real> pdf_li(const Receiver<Real>& receiver, const Vec3<Real>& wi) const;
-  /// On the side that `receiver` faces, with nothing in the way, pi L [lx].  Nothing where it faces
-  /// nowhere or is not finite.
+  /// Irradiance on the side that `receiver` faces without occlusion, pi L [lx].  Nothing where it
+  /// has no normal or is not finite.
   std::optional<Rgb<Real>> irradiance(const Receiver<Real>& receiver) const;
   bool hides_itself() const { return false; }
-  /// Radiance [cd/m2] that a ray from `origin` that leaves the scene towards `w`
-  /// meets.
+  /// Radiance [cd/m2] that a ray from `origin` meets when it leaves the scene towards `w`.
   Rgb<Real> le_escaped(const Vec3<Real>& origin, const Vec3<Real>& w) const;
   /// Flux through the scene's bounding disk from all directions, 4 pi L pi R^2.
   Power power(const SceneSphere& scene) const;
-  /// The same: the book's formula is that flux.  [Pharr23, 12.5]
+  /// The same: the book has this formula.  [Pharr23, 12.5]
   Power power_approximate(const SceneSphere& scene) const;
   /// Uniform over directions, from the disk of the scene's sphere that faces each.
   EmissionSample<Real> sample_le(Vec2<Real> u_position, Vec2<Real> u_direction,
@@ -43,6 +44,13 @@ class UniformInfiniteLight {
                            const SceneSphere& scene) const;
   /// None: it is infinitely far.
   std::optional<LightBounds<Real>> bounds() const { return std::nullopt; }
+  std::optional<double> cross_section_m2(const SceneSphere& scene) const {
+    return scene_disk_area_m2(scene);
+  }
+  static LightPlace place(const Params&) { return {}; }
+  LightBytes own_bytes() const { return {}; }
+  template <typename F>
+  void for_each_shared(F&&) const {}
   const Params& params() const { return params_; }
 
  private:

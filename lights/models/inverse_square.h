@@ -1,4 +1,5 @@
-// What lights at a point share: the way from a receiver to the point, and the inverse square law.
+// The geometry that lights at a point share: the way from a receiver to the point, and the inverse
+// square law.
 #pragma once
 
 #include <optional>
@@ -7,14 +8,14 @@
 
 namespace lucerna {
 
-/// Whether two positions are the same as requests and rays tell them.
+/// Whether two positions are equal in floats, as requests and rays store them.
 template <std::floating_point Real>
 bool same_float(const Vec3<Real>& a, const Vec3<Real>& b) {
   return Vec3<float>(a) == Vec3<float>(b);
 }
 
-/// From a receiver to a point: unit direction and distance [m], in double, where no square of a
-/// float over- or underflows.
+/// From a receiver to a point: unit direction and distance [m].  In double, where no square of a
+/// float overflows or underflows.
 struct Way {
   Vec3<double> wi;
   double distance_m{};
@@ -22,7 +23,8 @@ struct Way {
   double squared_m2{};
 };
 
-/// The way along a vector, finite and not zero, whose square is safe; nothing of others.
+/// The way along a finite vector that is not zero and whose square is safe.  Nothing for other
+/// vectors.
 template <std::floating_point Real>
 [[gnu::always_inline]] inline std::optional<Way> plain_way(const Vec3<double>& difference) {
   const double squared = dot(difference, difference);
@@ -34,15 +36,15 @@ template <std::floating_point Real>
     return Way{difference / distance, distance, squared};
 }
 
-/// The way along a vector that is not zero and whose square is not safe; not inlined, so that what
-/// is mostly taken is.
+/// The way along a vector that is not zero and whose square is not safe.  Not inlined, so that the
+/// common case is.
 [[gnu::noinline]] inline Way scaled_way(const Vec3<double>& difference) {
   return {scaled_direction(difference), scaled_length(difference), 0};
 }
 
-/// Starts the sample of a delta light at `position`: all but `value` where there is a way to it,
-/// else the reason.  kOutOfRange where the receiver is not finite or too far, kDegenerate where it
-/// is the position itself.
+/// Starts the sample of a delta light at `position`.  Sets all fields but `value` where there is a
+/// way to it, else the reason. kOutOfRange where the receiver is not finite or too far. kDegenerate
+/// where it is at the position.
 template <std::floating_point Real>
 [[gnu::always_inline]] inline Way find_way(const Vec3<Real>& position, const Vec3<Real>& receiver,
                                            LightSample<Real>& sample) {
@@ -69,7 +71,7 @@ template <std::floating_point Real>
 }
 
 /// Sets the value of a started sample to intensity over distance squared, 0 where that underflows
-/// `Real`, or the reason why it is none: kBlack for no intensity, kOutOfRange where the quotient
+/// `Real`.  Otherwise sets the reason: kBlack for no intensity, kOutOfRange where the quotient
 /// overflows.
 template <std::floating_point Real>
 void set_inverse_square(const Rgb<double>& intensity_cd, const Way& way,
@@ -78,7 +80,7 @@ void set_inverse_square(const Rgb<double>& intensity_cd, const Way& way,
     sample.reason = NoLight::kBlack;
     return;
   }
-  // Where the square overflows, or loses digits, the quotient by one after the other need not.
+  // Where the square overflows or loses digits, two divisions in a row may not.
   const Rgb<Real> value(way.squared_m2 > 0 ? intensity_cd / way.squared_m2
                                            : intensity_cd / way.distance_m / way.distance_m);
   if (!is_finite(value)) {

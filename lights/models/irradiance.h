@@ -1,4 +1,4 @@
-// Irradiance in closed form: what the lights that have one share.
+// Irradiance in closed form, for the lights that have one.
 #pragma once
 
 #include <cmath>
@@ -8,18 +8,18 @@
 
 namespace lucerna {
 
-/// Lights whose irradiance may have a closed form: `irradiance(receiver)` is that on the side that
-/// the receiver faces with nothing in the way [lx], or nothing where there is no such form.  It is
-/// all that arrives unless something, or the light itself (`hides_itself`), stands between.
+/// Lights whose irradiance may have a closed form.  `irradiance(receiver)` is the irradiance on the
+/// side that the receiver faces without occlusion [lx], or nothing where there is no such form. All
+/// of it arrives unless something, or the light itself (`hides_itself`), stands between.
 template <typename L>
 concept HasIrradiance = requires(const L& light, const Receiver<double>& receiver) {
   light.irradiance(receiver);
   light.hides_itself();
 };
 
-/// What `radiance` [cd/m2] from all directions of a projected solid angle comes to [lx];
-/// `projected_sr` says how large that is for the receiver's unit normal, or nothing.  As samples'
-/// cosines, the irradiance is in proportion to the length of the receiver's normal.
+/// The irradiance [lx] from `radiance` [cd/m2] in all directions of a projected solid angle.
+/// `projected_sr` returns that angle for the receiver's unit normal, or nothing.  The irradiance is
+/// proportional to the length of the receiver's normal, like the cosines of samples.
 template <std::floating_point Real, typename F>
 std::optional<Rgb<Real>> irradiance_of(const Rgb<double>& radiance, const Receiver<Real>& receiver,
                                        const F& projected_sr) {

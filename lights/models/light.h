@@ -1,5 +1,5 @@
-// The closed set of light models.  The one place that names them all; everything that depends on
-// which light it is visits a Light, and the compiler names whoever forgot one.
+// The closed set of light models.  This is the one place that names all of them.  Code that depends
+// on the kind of light visits a Light, so code that forgets a kind does not compile.
 #pragma once
 
 #include <concepts>
@@ -15,67 +15,76 @@
 #include "lights/models/goniometric_light.h"
 #include "lights/models/image_infinite_light.h"
 #include "lights/models/infinite_light.h"
-#include "lights/models/irradiance.h"
+#include "lights/models/light_model.h"
 #include "lights/models/point_light.h"
 #include "lights/models/portal_light.h"
 #include "lights/models/projection_light.h"
 #include "lights/models/spot_light.h"
 #include "lights/models/sun_light.h"
-#include "lights/shapes/cylinder.h"
-#include "lights/shapes/disk.h"
-#include "lights/shapes/mesh.h"
-#include "lights/shapes/sphere.h"
 
 namespace lucerna {
 
-template <std::floating_point Real>
-using TriangleMeshLight = AreaLight<Real, TriangleMesh>;
-template <std::floating_point Real>
-using PatchMeshLight = AreaLight<Real, PatchMesh>;
-template <std::floating_point Real>
-using SphereLight = AreaLight<Real, Sphere>;
-template <std::floating_point Real>
-using DiskLight = AreaLight<Real, Disk>;
-template <std::floating_point Real>
-using CylinderLight = AreaLight<Real, Cylinder>;
-template <std::floating_point Real>
-using PaintedTriangleMeshLight = AreaLight<Real, PaintedTriangleMesh>;
-template <std::floating_point Real>
-using PaintedPatchMeshLight = AreaLight<Real, PaintedPatchMesh>;
-template <std::floating_point Real>
-using PaintedSphereLight = AreaLight<Real, PaintedSphere>;
-template <std::floating_point Real>
-using PaintedDiskLight = AreaLight<Real, PaintedDisk>;
-template <std::floating_point Real>
-using PaintedCylinderLight = AreaLight<Real, PaintedCylinder>;
-template <std::floating_point Real>
-using PanelTriangleMeshLight = AreaLight<Real, PanelTriangleMesh>;
-template <std::floating_point Real>
-using PanelPatchMeshLight = AreaLight<Real, PanelPatchMesh>;
-template <std::floating_point Real>
-using PanelDiskLight = AreaLight<Real, PanelDisk>;
-
-/// All of them, as a list.
+// One type for each shape of LUCERNA_AREA_SHAPES: plain, with a picture, and as a panel.
+#define LUCERNA_LIGHT(Shape) , Shape##Light<Real>
+#define LUCERNA_PAINTED_LIGHT(Shape) , Painted##Shape##Light<Real>
+#define LUCERNA_PANEL_LIGHT(Shape) , Panel##Shape##Light<Real>
+/// The list of all of them.
 template <std::floating_point Real>
 using LightModels =
     std::variant<PointLight<Real>, SpotLight<Real>, DistantLight<Real>, SunLight<Real>,
-                 UniformInfiniteLight<Real>, ImageInfiniteLight<Real>, TriangleMeshLight<Real>,
-                 PatchMeshLight<Real>, SphereLight<Real>, DiskLight<Real>, CylinderLight<Real>,
-                 PaintedTriangleMeshLight<Real>, PaintedPatchMeshLight<Real>,
-                 PaintedSphereLight<Real>, PaintedDiskLight<Real>, PaintedCylinderLight<Real>,
-                 PanelTriangleMeshLight<Real>, PanelPatchMeshLight<Real>, PanelDiskLight<Real>,
+                 UniformInfiniteLight<Real>,
+                 ImageInfiniteLight<Real>  //
+                     LUCERNA_AREA_SHAPES(LUCERNA_LIGHT) LUCERNA_AREA_SHAPES(LUCERNA_PAINTED_LIGHT)
+                         LUCERNA_FLAT_SHAPES(LUCERNA_PANEL_LIGHT),
                  GoniometricLight<Real>, ProjectionLight<Real>, BeamLight<Real>, PortalLight<Real>>;
+#undef LUCERNA_LIGHT
+#undef LUCERNA_PAINTED_LIGHT
+#undef LUCERNA_PANEL_LIGHT
+
+// A light that lacks a member does not compile here.  The message names the light and the member.
+template <typename Real, LightModel<Real>... Models>
+constexpr bool are_light_models(const std::variant<Models...>*) {
+  return true;
+}
+template <HasMembersOfItsKind... Models>
+constexpr bool have_members_of_their_kinds(const std::variant<Models...>*) {
+  return true;
+}
+static_assert(are_light_models<double>(static_cast<const LightModels<double>*>(nullptr)) &&
+              are_light_models<float>(static_cast<const LightModels<float>*>(nullptr)) &&
+              have_members_of_their_kinds(static_cast<const LightModels<double>*>(nullptr)));
+// A point light without plain samples would only be slower.
+static_assert(HasPlainSamples<PointLight<double>>);
+
+namespace internal {
+template <typename Found, typename Models>
+struct ParamsOf;
+template <typename... Found>
+struct ParamsOf<std::variant<Found...>, std::variant<>> {
+  using type = std::variant<Found...>;
+};
+template <typename... Found, typename L, typename... Rest>
+struct ParamsOf<std::variant<Found...>, std::variant<L, Rest...>>
+    : ParamsOf<std::variant<Found...>, std::variant<Rest...>> {};
+template <typename... Found, typename L, typename... Rest>
+requires requires { typename L::Params; }
+struct ParamsOf<std::variant<Found...>, std::variant<L, Rest...>>
+    : ParamsOf<std::variant<Found..., typename L::Params>, std::variant<Rest...>> {};
+}  // namespace internal
+
+/// The parameters of each light without a surface, in the order of LightModels.
+using LightParams = internal::ParamsOf<std::variant<>, LightModels<double>>::type;
 
 template <typename T, typename Types>
 inline constexpr bool kIsOneOf = false;
 template <typename T, typename... Types>
 inline constexpr bool kIsOneOf<T, std::variant<Types...>> = (std::is_same_v<T, Types> || ...);
 
-/// A light of one of the models, immutable.  Models larger than a point light lie beside it, so
-/// that a table of lights has entries of a point light's size and not of the largest model's, which
-/// is ten times that.  Copies share them.
+/// A light of one of the models, immutable.  Models larger than a point light are stored beside it,
+/// and copies share them.  Entries in a table of lights then have the size of a point light, not of
+/// the largest model, which is ten times larger.
 ///
-/// Scenes hold lights in double; float is what docs/precision.md and the contracts compare with.
+/// Scenes hold lights in double.  docs/precision.md and the contract tests compare with float.
 template <std::floating_point Real>
 class Light {
  public:
@@ -84,21 +93,21 @@ class Light {
   // NOLINTNEXTLINE(google-explicit-constructor): a model is a light.
   Light(Model model) : stored_(stored(std::move(model))) {}
 
-  /// `f` called with the model.
+  /// The result of `f` called with the model.
   template <typename F>
   friend decltype(auto) visit(F&& f, const Light& light) {
     return std::visit([&](const auto& stored) -> decltype(auto) { return f(model_in(stored)); },
                       light.stored_);
   }
 
-  /// Null where the light is of another model.
+  /// Null if the light is of another model.
   template <typename Model>
   const Model* get_if() const {
     const auto* stored = std::get_if<Stored<Model>>(&stored_);
     return stored != nullptr ? &model_in(*stored) : nullptr;
   }
 
-  /// Memory of what lies beside it.
+  /// Memory of the model that is stored beside it [bytes].
   std::uint64_t bytes_beside() const {
     return std::visit(
         []<typename S>(const S& stored) -> std::uint64_t {
@@ -137,49 +146,5 @@ class Light {
 
   typename Storage<LightModels<Real>>::type stored_;
 };
-
-// Said here, so that a change of the signature is an error and not an estimate where there was a
-// closed form.
-static_assert(HasIrradiance<TriangleMeshLight<double>> && HasIrradiance<PatchMeshLight<double>> &&
-              HasIrradiance<SphereLight<double>> && HasIrradiance<DiskLight<double>> &&
-              HasIrradiance<SunLight<double>> && HasIrradiance<UniformInfiniteLight<double>> &&
-              HasIrradiance<PortalLight<double>> && !HasIrradiance<PaintedDiskLight<double>> &&
-              !HasIrradiance<PanelDiskLight<double>> && !HasIrradiance<CylinderLight<double>>);
-
-/// Lights that rays which leave the scene meet, wherever they started.
-template <typename L>
-concept SeenBeyond = requires(const L& light, const Vec3<double>& v) {
-  light.le_escaped(v, v);
-};
-// Said here, so that a change of the signature is an error and not a black sky.
-static_assert(SeenBeyond<SunLight<double>> && SeenBeyond<UniformInfiniteLight<double>> &&
-              SeenBeyond<ImageInfiniteLight<double>> && SeenBeyond<PortalLight<double>>);
-
-/// Lights without a surface whose rays carry what their start and direction say.
-template <typename L>
-concept LeavesFreely = requires(const L& light, const Vec3<double>& v) {
-  light.le_leaving(v, v);
-};
-static_assert(LeavesFreely<SpotLight<double>> && LeavesFreely<GoniometricLight<double>> &&
-              LeavesFreely<ProjectionLight<double>> && LeavesFreely<BeamLight<double>> &&
-              LeavesFreely<SunLight<double>> && LeavesFreely<ImageInfiniteLight<double>> &&
-              LeavesFreely<PortalLight<double>>);
-
-/// Lights most of whose samples are told by direction, distance and value alone.
-template <typename L>
-concept HasPlainSamples = requires(const L& light, const Vec3<double>& v) {
-  light.plain_sample_li(v);
-};
-static_assert(HasPlainSamples<PointLight<double>>);
-
-/// Lights with a surface that rays may hit.
-template <typename L>
-concept SeenOnSurface = requires(const L& light, const SurfacePoint<double>& p,
-                                 const Vec3<double>& v) {
-  light.le(p, v);
-  light.pdf_li(Receiver<double>(v), p);
-};
-static_assert(SeenOnSurface<TriangleMeshLight<double>> && SeenOnSurface<PaintedDiskLight<double>> &&
-              !SeenOnSurface<PointLight<double>> && !SeenBeyond<SphereLight<double>>);
 
 }  // namespace lucerna

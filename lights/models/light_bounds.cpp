@@ -7,15 +7,15 @@
 
 namespace lucerna {
 
-// Two conditions that each direction from the box to `position` in the cone fulfils: the angle to
-// the box's bounding sphere, sharp far away and for narrow cones; and the heights above the box's
-// corners, sharp for flat boxes, whose sphere is far too large.  Comparisons are written such that
-// what is no number reaches.
+// Two conditions that each direction from the box to `position` in the cone satisfies. The angle to
+// the box's bounding sphere is sharp far away and for narrow cones.  The heights above the box's
+// corners are sharp for flat boxes, whose sphere is far too large.  Comparisons are written such
+// that NaN counts as reached.
 template <std::floating_point Real>
 bool LightBounds<Real>::reaches(const Vec3<Real>& position) const {
   constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
   const Vec3<double> p(position), low(lower), high(upper);
-  // A float's rounding of its length would be an error of every height.
+  // The rounding of its length to float would be an error of every height.
   const Vec3<double> n = normalized(Vec3<double>(axis));
   // Sums of a few products of these lengths, each rounded once or twice.
   const double slack = 16 * kEpsilon * (max_abs(p) + max_abs(low) + max_abs(high));

@@ -1,29 +1,31 @@
-// What a bounding hierarchy of lights keeps of each: a box and a cone of directions, from which it
-// tells how much a receiver may get.
+// The data that a bounding hierarchy of lights stores for each light: a box and a cone of
+// directions.  They bound how much light a receiver may get.
 #pragma once
 
 #include "lights/sampling/light_sample.h"
 
 namespace lucerna {
 
-/// Holds all of a light: every point that emits lies in the box, and every direction that it emits
-/// in lies within `cone_rad` of `axis`.  Bounds, so a little too large rather than too small.
+/// Bounds that contain all of a light.  Every point that emits lies in the box, and every direction
+/// of emission lies within `cone_rad` of `axis`. They are a little too large rather than too small.
 /// [Conty18]
 template <std::floating_point Real>
 struct LightBounds {
   Vec3<Real> lower, upper;   ///< about the scene's origin [m]
   Vec3<Real> axis{0, 0, 1};  ///< unit
-  /// Half angle of the cone, in [0, pi]: that of the normals plus that of emission about a normal.
+  /// Half angle of the cone, in [0, pi]: the angle of the normals plus the angle of emission about
+  /// a normal.
   double cone_rad{};
-  /// Half angle of the cone of the normals alone (theta_o), in [cone_rad - pi / 2, cone_rad]:
-  /// beyond it intensity falls off by the cosine of the angle to the nearest normal.  `cone_rad`
-  /// itself where no cosine is known of, as for all lights without a surface.
+  /// Half angle of the cone of the normals alone (theta_o), in [cone_rad - pi / 2, cone_rad].
+  /// Beyond it intensity falls off with the cosine of the angle to the nearest normal.  It equals
+  /// `cone_rad` where no cosine is known, as for all lights without a surface.
   double normals_rad = cone_rad;
   /// Both sides emit: normals lie within `normals_rad` of `axis` or of its opposite, and `cone_rad`
   /// is pi.
   bool two_sided = false;
 
-  /// False only where no light arrives at `position`: no ray from the box to it lies in the cone.
+  /// False only where no light arrives at `position`, because no ray from the box to it lies in the
+  /// cone.
   bool reaches(const Vec3<Real>& position) const;
 };
 

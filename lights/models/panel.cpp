@@ -12,7 +12,7 @@ namespace lucerna {
 template <typename Real, template <typename> typename Surface>
 absl::StatusOr<Panel<Real, Surface>> Panel<Real, Surface>::create(Surface<Real> surface,
                                                                   PanelProfile profile) {
-  // A thousandth turns the photometry by less than its own angles are measured to.
+  // A thousandth turns the photometry by less than the precision of its own angles.
   constexpr double kFlat = 1e-3;
   const NormalCone<Real> normals = surface.normals();
   if (!(normals.half_angle_rad <= kFlat))
@@ -38,7 +38,8 @@ absl::StatusOr<Panel<Real, Surface>> Panel<Real, Surface>::create(Surface<Real> 
 template <typename Real, template <typename> typename Surface>
 double Panel<Real, Surface>::radiance(const Vec3<double>& w, const Vec3<double>& normal) const {
   const double cd = data_->profile.web->at(data_->axes.local_from_world(w));
-  // By the point's own cosine: that of the shape as a whole is 0 elsewhere, if by a hair.
+  // With the point's own cosine.  The cosine of the mean plane is 0 at slightly different
+  // directions.
   return cd > 0 ? cd / std::fabs(dot(w, normal)) / this->area() : 0;
 }
 
@@ -63,8 +64,8 @@ double Panel<Real, Surface>::flux_error_lm(bool two_sided) const {
   // A flat shape's normals are a few roundings of its vertices apart, and so is their mean.
   constexpr double kRounding = 16 * kInputRounding;
   const double lean = data_->surface.normals().half_angle_rad;
-  // A point's own hemisphere lacks what the mean one has between both planes on one side, and has
-  // as much more on the other.
+  // A point's own hemisphere lacks the directions between both planes on one side, and has as many
+  // more on the other.
   return two_sided || lean <= kRounding ? 0 : data_->profile.web->horizon_flux_bound_lm(lean);
 }
 
@@ -73,17 +74,16 @@ NormalCone<Real> Panel<Real, Surface>::directions(bool two_sided) const {
   const EmissionCone& cone = data_->profile.web->cone();
   const NormalCone<Real> whole{Vec3<Real>(data_->axes.world_from_local(cone.axis)),
                                cone.half_angle_rad};
-  // Normals that differ leave each its hemisphere.
+  // Each normal has its own hemisphere.
   const double hemisphere = std::numbers::pi / 2 + data_->surface.normals().half_angle_rad;
   if (two_sided || whole.half_angle_rad <= hemisphere) return whole;
   return {Vec3<Real>(data_->axes.n), hemisphere};
 }
 
-template class Panel<float, TriangleMesh>;
-template class Panel<double, TriangleMesh>;
-template class Panel<float, PatchMesh>;
-template class Panel<double, PatchMesh>;
-template class Panel<float, Disk>;
-template class Panel<double, Disk>;
+#define LUCERNA_PANEL(Shape)          \
+  template class Panel<float, Shape>; \
+  template class Panel<double, Shape>;
+LUCERNA_FLAT_SHAPES(LUCERNA_PANEL)
+#undef LUCERNA_PANEL
 
 }  // namespace lucerna

@@ -3,68 +3,39 @@
 #include <numbers>
 
 #include "lights/maths/validation.h"
-#include "lights/models/emission.h"
-#include "lights/models/inverse_square.h"
+#include "lights/sampling/sampling.h"
 #include "lights/spectra/level_validation.h"
 
 namespace lucerna {
 
-template <std::floating_point Real>
-absl::StatusOr<PointLight<Real>> PointLight<Real>::create(const Params& params,
-                                                          const Vec3<double>& origin_m) {
-  if (auto s = check_position<Real>("point.position", params.position_m, origin_m); !s.ok()) {
+template <typename Real>
+absl::Status IsotropicProfile<Real>::check(const Params& params, const Vec3<double>& origin_m) {
+  if (auto s = check_position<Real>("point.position", params.position_m, origin_m); !s.ok())
     return s;
-  }
-  if (auto s = check_light_value<Real>("point.intensity", params.intensity_cd, "cd"); !s.ok()) {
-    return s;
-  }
-  return PointLight(params, origin_m);
+  return check_light_value<Real>("point.intensity", params.intensity_cd, "cd");
 }
 
-template <std::floating_point Real>
-PointLight<Real>::PointLight(const Params& params, const Vec3<double>& origin_m)
-    : params_(params), position_(params.position_m - origin_m) {}
-
-template <std::floating_point Real>
-SolidAnglePdf<Real> PointLight<Real>::pdf_li(const Receiver<Real>&, const Vec3<Real>&) const {
-  return {};
-}
-
-template <std::floating_point Real>
-Power PointLight<Real>::power(const SceneSphere&) const {
+template <typename Real>
+Power IsotropicProfile<Real>::power() const {
   return {params_.intensity_cd * (4 * std::numbers::pi), 0};
 }
 
-template <std::floating_point Real>
-Power PointLight<Real>::power_approximate(const SceneSphere& scene) const {
-  return power(scene);
+template <typename Real>
+void IsotropicProfile<Real>::sample(Vec2<Real> u, EmissionSample<Real>& ray) const {
+  ray.direction = sample_uniform_sphere(u);
+  ray.pdf_direction = uniform_sphere_pdf<Real>();
+  ray.value = Rgb<Real>(params_.intensity_cd);
+  if (ray.value.is_black()) ray.reason = NoLight::kBlack;
 }
 
-template <std::floating_point Real>
-EmissionSample<Real> PointLight<Real>::sample_le(Vec2<Real>, Vec2<Real> u_direction,
-                                                 const SceneSphere&) const {
-  EmissionSample<Real> sample;
-  sample.origin = position_;
-  sample.direction = sample_uniform_sphere(u_direction);
-  sample.pdf_direction = uniform_sphere_pdf<Real>();
-  sample.value = Rgb<Real>(params_.intensity_cd);
-  if (sample.value.is_black()) sample.reason = NoLight::kBlack;
-  return sample;
+template <typename Real>
+Real IsotropicProfile<Real>::per_sr(const Vec3<Real>&) const {
+  return uniform_sphere_pdf<Real>().per_sr;
 }
 
-template <std::floating_point Real>
-EmissionPdf<Real> PointLight<Real>::pdf_le(const Vec3<Real>& position, const Vec3<Real>& direction,
-                                           const SceneSphere&) const {
-  if (!same_float(position, position_) || !is_finite(direction)) return {};
-  return {{}, uniform_sphere_pdf<Real>()};
-}
-
-template <std::floating_point Real>
-std::optional<LightBounds<Real>> PointLight<Real>::bounds() const {
-  return LightBounds<Real>{.lower = position_, .upper = position_, .cone_rad = std::numbers::pi};
-}
-
-template class PointLight<float>;
-template class PointLight<double>;
+template class IsotropicProfile<float>;
+template class IsotropicProfile<double>;
+template class IntensityLight<float, IsotropicProfile>;
+template class IntensityLight<double, IsotropicProfile>;
 
 }  // namespace lucerna

@@ -17,8 +17,7 @@
 namespace lucerna {
 namespace {
 
-
-/// Cells along a side of the table: about as fine as the picture, each the mean of a few looks.
+/// Cells along a side of the table: about as fine as the picture, each the mean of a few lookups.
 int table_size(const SphereMap* map) {
   return map == nullptr ? 64 : std::clamp(map->image().height(), 64, 1024);
 }
@@ -108,9 +107,9 @@ PortalLight<Real>::PortalLight(const Params& params, const Rectangle& r)
     on_portal_ = illuminance_of(*map, params.radiance_cd_m2, in_map(z_));
   }
   const int n = table_size(map);
-  // As many looks as the picture has rows, so that none is overlooked; but where it is much higher
-  // than wide, not many more than it has texels.  What is overlooked then keeps the uniform share
-  // of the samples.
+  // One lookup for each row of the picture, so that none is missed.  If the picture is much higher
+  // than wide, not many more lookups than texels.  Texels that are missed keep the uniform share of
+  // the samples.
   const int rows = map == nullptr ? 1 : map->image().height();
   const int most =
       map == nullptr
@@ -137,8 +136,8 @@ NoLight PortalLight<Real>::window(const Vec3<Real>& position, Window& window) co
   if (depth == 0 && p.x >= 0 && p.x <= width_ && p.y >= 0 && p.y <= height_)
     return NoLight::kDegenerate;
   if (!(depth > 0)) return NoLight::kBehind;
-  // The angle between two directions by their product and not as a difference, which cancels where
-  // the portal is far.
+  // The angle between two directions from their product. The difference cancels where the portal is
+  // far.
   const auto begin = [&](double from) { return std::atan2(from, depth) / kPi + 0.5; };
   const auto extent = [&](double from, double side) {
     return std::atan2(side * depth, depth * depth + from * (from + side)) / kPi;
@@ -167,8 +166,8 @@ double PortalLight<Real>::density(const Window& window, const Vec3<Real>& w) con
   const Vec3<double> l = normalized(local(Vec3<double>(w)));
   if (!(l.z > 0)) return 0;
   const Vec2<double> p = square_from_rectified(l);
-  // A direction and the window hold roundings of `Real`, which turn an angle about an axis the
-  // further the nearer the direction is to that axis.
+  // A direction and the window are rounded to `Real`.  The rounding turns an angle about an axis
+  // more, the nearer the direction is to that axis.
   constexpr double kRounding = 2 * double{std::numeric_limits<Real>::epsilon()};
   const auto within = [&](double at, double begin, double extent, double from_axis) {
     const double slack = kRounding / from_axis;
@@ -189,7 +188,7 @@ template <std::floating_point Real>
 NoLight PortalLight<Real>::sample(const Window& window, Vec2<Real> u, Vec3<Real>& wi,
                                   Rgb<Real>& value, SolidAnglePdf<Real>& pdf) const {
   const auto s = table_->sample(window, {double{u.x}, double{u.y}});
-  // So far within the edges that the direction, once rounded, leads through the portal.
+  // Far enough within the edges that the rounded direction leads through the portal.
   const auto within = [](double at, double begin, double extent) {
     const double slack = std::min(8 * double{std::numeric_limits<Real>::epsilon()}, extent * 0.5);
     return std::clamp(at, begin + slack, std::max(begin + slack, begin + extent - slack));
@@ -215,7 +214,7 @@ LightSample<Real> PortalLight<Real>::sample_li(const Receiver<Real>& receiver, V
   if (s.reason != NoLight::kNone) return s;
   s.distance = std::numeric_limits<Real>::infinity();
   s.reason = sample(seen, u, s.wi, s.value, s.pdf);
-  // A portal that is narrower than the rounding of a direction.
+  // The portal is narrower than the rounding of a direction.
   if (s.reason == NoLight::kNone && le_escaped(receiver.position, s.wi).is_black()) {
     s.value = {};
     s.reason = NoLight::kOutOfRange;
@@ -249,7 +248,7 @@ Rgb<Real> PortalLight<Real>::le_escaped(const Vec3<Real>& origin, const Vec3<Rea
   const Vec3<double> p = local(Vec3<double>(origin) - corner_);
   const Vec3<double> l = local(Vec3<double>(w));
   if (!is_finite(l) || !(p.z < 0) || !(l.z > 0)) return {};
-  // Where it crosses the plane, times l.z: nothing is divided.
+  // Where it crosses the plane, times l.z, so that nothing is divided.
   const auto crosses = [&](double at, double slope, double side) {
     const double x = at * l.z - slope * p.z;
     return x >= 0 && x <= side * l.z;
@@ -284,7 +283,7 @@ template <std::floating_point Real>
 EmissionPdf<Real> PortalLight<Real>::pdf_le(const Vec3<Real>& position, const Vec3<Real>& direction,
                                             const SceneSphere&, double slack_m) const {
   const Vec3<double> p = local(Vec3<double>(position) - corner_);
-  // A position holds a rounding for each of its coordinates, the portal those of its own.
+  // Each coordinate of the position and of the portal is rounded once.
   const double slack =
       slack_m +
       8 * kInputRounding * (max_abs(Vec3<double>(position)) + max_abs(corner_) + width_ + height_);
@@ -309,8 +308,27 @@ Power PortalLight<Real>::power_approximate(const SceneSphere& scene) const {
 }
 
 template <std::floating_point Real>
-std::size_t PortalLight<Real>::table_bytes() const {
-  return table_->bytes() + (rectified_ == nullptr ? 0 : rectified_->bytes());
+LightBytes PortalLight<Real>::own_bytes() const {
+  const std::uint64_t tables = table_->bytes() + (rectified_ == nullptr ? 0 : rectified_->bytes());
+  return {.all = tables, .tables = tables};
+}
+
+template <std::floating_point Real>
+std::optional<double> PortalLight<Real>::cross_section_m2(const SceneSphere&) const {
+  const auto corners = corners_m();
+  return length(cross(corners[1] - corners[0], corners[3] - corners[0]));
+}
+
+template <std::floating_point Real>
+LightPlace PortalLight<Real>::place(const Params& params) {
+  const auto& corners = params.corners_m;
+  Box box{corners[0], corners[0]};
+  for (const Vec3<double>& p : corners) {
+    const auto& [lower, upper] = box;
+    box = {{std::fmin(lower.x, p.x), std::fmin(lower.y, p.y), std::fmin(lower.z, p.z)},
+           {std::fmax(upper.x, p.x), std::fmax(upper.y, p.y), std::fmax(upper.z, p.z)}};
+  }
+  return {.anchor_m = corners[0], .portal_m = box};
 }
 
 template class PortalLight<float>;

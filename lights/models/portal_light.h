@@ -1,5 +1,5 @@
-// The infinite light that comes in through a rectangular opening only, such as the sky through a
-// window: a picture around the scene, or the same radiance from everywhere.
+// The infinite light that enters through a rectangular opening only, such as the sky through a
+// window.  Its radiance comes from a picture around the scene or is uniform.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -10,7 +10,7 @@
 #include <string>
 
 #include "lights/maths/transform.h"
-#include "lights/models/light_bounds.h"
+#include "lights/models/light_model.h"
 #include "lights/pictures/map_illuminance.h"
 #include "lights/pictures/sphere_map.h"
 #include "lights/sampling/light_sample.h"
@@ -22,31 +22,32 @@ class RectifiedMap;
 
 struct PortalLightParams {
   std::shared_ptr<const SphereMap> map{};  ///< null: the same radiance from all directions
-  std::string image_name{};                ///< told by ListLights, else unused
-  /// Of the map a RectifiedMap is seen, as with pbrt-v4; else the map itself.
+  std::string image_name{};                ///< reported by ListLights, else unused
+  /// Use a RectifiedMap of the map, as pbrt-v4 does; else the map itself.
   bool rectified = false;
   Transform world_from_map{};  ///< rotation, mirror and equal scale; its translation is not used
   Rgb<double> radiance_cd_m2{1.0};  ///< of a texel of value 1, per channel, finite, not negative
-  /// World, one after another around the rectangle.  Light comes from the side to which
-  /// cross(corner 3 - corner 0, corner 1 - corner 0) points.
+  /// World, in order around the rectangle.  Light comes from the side to which cross(corner 3 -
+  /// corner 0, corner 1 - corner 0) points.
   std::array<Vec3<double>, 4> corners_m{};
 };
 
 /// A receiver sees a rectangle of the directions (tan alpha, tan beta, 1) in the portal's axes,
-/// whose sides run along alpha and beta: that window of a table over both angles is what it
-/// samples.  [Bitterli15]
+/// with sides along alpha and beta.  It samples that window of a table over both angles.
+/// [Bitterli15]
 template <std::floating_point Real>
 class PortalLight {
  public:
   using Params = PortalLightParams;
   static constexpr bool kDelta = false;
-  /// How far each corner may be off a rectangle, relative to its shorter side; the one that is used
+  static constexpr bool kHasIrradiance = true;
+  /// How far each corner may be off a rectangle, relative to its shorter side.  The rectangle used
   /// has the same centre and the mean of opposite edges.
   static constexpr double kRectangleTolerance = 1e-3;
 
-  /// Errors: corners that are no rectangle, without extent, or beyond what `Real` holds; a
-  /// transform of unequal scale; a radiance that is none, also where the brightest texel's is
-  /// beyond what `Real` holds.
+  /// Errors: corners that are not a rectangle, without extent, or beyond the range of `Real`; a
+  /// transform of unequal scale; a radiance that is negative or not finite; a brightest texel
+  /// beyond the range of `Real`.
   static absl::StatusOr<PortalLight> create(const Params& params,
                                             const Vec3<double>& origin_m = {});
   /// The same errors, without making the light's table.
@@ -69,29 +70,29 @@ class PortalLight {
   /// Radiance [cd/m2] that a ray from `origin` towards the unit vector `w` meets: 0 where it does
   /// not leave through the portal.
   Rgb<Real> le_escaped(const Vec3<Real>& origin, const Vec3<Real>& w) const;
-  /// The same of a ray that enters towards `w`, which starts in the portal.
+  /// The same for a ray that enters towards `w` and starts in the portal.
   Rgb<Real> le_leaving(const Vec3<Real>&, const Vec3<Real>& w) const { return radiance(-w); }
 
-  /// Rays that enter: a point of the portal by area, a direction by the whole table; `normal` is
-  /// the portal's, to the inside.  The scene's sphere plays no part.
+  /// Rays that enter: a point of the portal by area, a direction by the whole table.  `normal` is
+  /// the portal's, towards the inside.  The scene's sphere is not used.
   EmissionSample<Real> sample_le(Vec2<Real> u_position, Vec2<Real> u_direction,
                                  const SceneSphere& scene) const;
-  /// `slack_m`: how far off the portal's plane `position` may have been rounded, beyond what `Real`
-  /// makes of it.
+  /// `slack_m`: how far rounding may have moved `position` off the portal's plane, beyond the
+  /// rounding to `Real`.
   EmissionPdf<Real> pdf_le(const Vec3<Real>& position, const Vec3<Real>& direction,
                            const SceneSphere& scene, double slack_m = 0) const;
 
   /// Flux through the portal: its area times the illuminance of the sky on it.  Exact without a map
-  /// and for a rectified one; else by quadrature, its bound stated.
+  /// and for a rectified map; else by quadrature with a bound on the error.
   Power power(const SceneSphere& scene) const;
   /// The area times the integral of the radiance over the directions above it, without the cosine,
-  /// as pbrt-v4 has it.
+  /// as in pbrt-v4.
   Power power_approximate(const SceneSphere& scene) const;
 
   /// Nothing: it is at infinity.
   std::optional<LightBounds<Real>> bounds() const { return std::nullopt; }
 
-  /// The rectangle that is used, about the scene's origin.
+  /// The rectangle that is used, relative to the scene's origin.
   std::array<Vec3<double>, 4> corners_m() const {
     const Vec3<double> x = x_ * width_, y = y_ * height_;
     return {corner_, corner_ + x, corner_ + x + y, corner_ + y};
@@ -99,9 +100,16 @@ class PortalLight {
   /// Unit, out through the portal.
   const Vec3<double>& to_sky() const { return z_; }
   double portal_area_m2() const { return width_ * height_; }
+  /// The portal's area.
+  std::optional<double> cross_section_m2(const SceneSphere& scene) const;
+  static LightPlace place(const Params& params);
   const Params& params() const { return params_; }
-  /// Of what this light alone made: the table that it samples and the picture it resampled.
-  std::size_t table_bytes() const;
+  /// The table that it samples and the picture that it resampled.
+  LightBytes own_bytes() const;
+  template <typename F>
+  void for_each_shared(F&& f) const {
+    if (params_.map) f(params_.map->image());
+  }
 
  private:
   using Window = WindowedDistribution::Window;
@@ -113,15 +121,15 @@ class PortalLight {
   static absl::StatusOr<Rectangle> rectangle(const Params& params, const Vec3<double>& origin_m);
   PortalLight(const Params& params, const Rectangle& r);
   Vec3<double> local(const Vec3<double>& v) const { return {dot(x_, v), dot(y_, v), dot(z_, v)}; }
-  /// The window that `position` sees, or why there is none.
+  /// The window that `position` sees, or the reason why there is none.
   NoLight window(const Vec3<Real>& position, Window& window) const;
-  /// The map towards `l` in the portal's axes; 1 where there is none.
+  /// The map towards `l` in the portal's axes; 1 without a map.
   Rgb<double> sky(const Vec3<double>& l) const;
-  /// Radiance from the unit vector `w`; 0 where a positive normal `Real` does not hold it.
+  /// Radiance from the unit vector `w`; 0 where it is not a positive normal `Real`.
   Rgb<Real> radiance(const Vec3<Real>& w) const;
   /// Density per solid angle at the unit vector `w`; 0 outside of the window.
   double density(const Window& window, const Vec3<Real>& w) const;
-  /// A direction of the window into `wi`, with value and density; or why there is none.
+  /// A direction of the window in `wi`, with value and density; or the reason why there is none.
   NoLight sample(const Window& window, Vec2<Real> u, Vec3<Real>& wi, Rgb<Real>& value,
                  SolidAnglePdf<Real>& pdf) const;
 

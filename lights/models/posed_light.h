@@ -1,4 +1,4 @@
-// A light that moves, at one moment: evaluated where it stands at its first key frame.
+// A moving light at one moment, evaluated where it stands at its first key frame.
 #pragma once
 
 #include <algorithm>
@@ -15,9 +15,9 @@
 
 namespace lucerna {
 
-/// Light `L` under a rigid map, with the interface of `L`.  Receivers go to the light's space by
-/// the inverse of `pose`, samples come back by it, rounded once each way.  Under the identity the
-/// bits are those of `L`, but for `bounds`.  Refers to the light: to be used while that lives.
+/// Light `L` under a rigid map, with the interface of `L`. The inverse of `pose` takes receivers to
+/// the light's space, and `pose` takes samples back. Each direction rounds once. Under the identity
+/// all results but `bounds` have the bits of `L`.  It refers to the light, which must outlive it.
 template <std::floating_point Real, typename L>
 class Posed {
  public:
@@ -87,8 +87,9 @@ class Posed {
   }
   { return from_light(light_.ray_from(to_light(point), inverse_vector(direction))); }
 
-  /// Positions are taken to be on the light to within their own rounding, which is that of where
-  /// the light stands now and may be far more than that of the light about its own origin.
+  /// Positions count as on the light to within their own rounding.  That is the rounding at the
+  /// light's present position, which may be much larger than the rounding of the light about its
+  /// own origin.
   EmissionPdf<Real> pdf_le(const Vec3<Real>& position, const Vec3<Real>& direction,
                            const SceneSphere& scene) const requires requires(const L& l) {
     l.pdf_le(position, direction, scene);
@@ -99,7 +100,7 @@ class Posed {
     if constexpr (requires { light_.pdf_le(p, w, local, 0.0); }) {
       return light_.pdf_le(p, w, local, slack_m(position));
     } else {
-      // A light that shines from one point knows it by its bits.
+      // A light at one point compares the bits of positions.
       const auto own = light_.bounds();
       if (own && own->lower == own->upper)
         return same_float(position, point(own->lower)) ? light_.pdf_le(own->lower, w, local)
@@ -113,8 +114,8 @@ class Posed {
     return light_.power_approximate(to_light(scene));
   }
 
-  /// Those of `L`, its box turned with it and put into another along the axes; wider by what
-  /// rounding may move.
+  /// The bounds of `L`. The box turns with the light and is enclosed by a box along the axes. Both
+  /// are wider by what rounding may move.
   std::optional<LightBounds<Real>> bounds() const {
     std::optional<LightBounds<Real>> b = light_.bounds();
     if (!b) return b;
@@ -142,7 +143,7 @@ class Posed {
   }
 
  private:
-  /// How far off the light a position on it may be rounded, where it stands now.
+  /// How far rounding may move a position off the light, where it stands now.
   static double slack_m(const Vec3<Real>& position) {
     return 8 * kInputRounding * max_abs(position);
   }

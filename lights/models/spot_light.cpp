@@ -25,8 +25,8 @@ double profile_at(SpotProfile profile, double x) {
 /// Over x in [0, 1].
 double profile_mean(SpotProfile profile) { return profile == SpotProfile::kSmoothstep ? 0.5 : 0.2; }
 
-/// The x below which the share `u` of the integral of smoothstep lies: the root of
-/// 2 x^3 - x^4 = u, by Newton's method, which a convex function lets converge from any start.
+/// The x below which the share `u` of the integral of smoothstep lies: the root of 2 x^3 - x^4 = u.
+/// Newton's method converges from any start because the function is convex.
 double invert_smoothstep_integral(double u) {
   double x = std::cbrt(u / 2);
   for (int i = 0; i < 6 && x > 0; ++i) {
@@ -41,18 +41,18 @@ double invert_profile_integral(SpotProfile profile, double u) {
   return profile == SpotProfile::kSmoothstep ? invert_smoothstep_integral(u) : std::pow(u, 0.2);
 }
 
-/// pi - angle, with the digits of pi that a double lacks; the double nearest to pi means pi.
+/// pi - angle, with the digits of pi that a double lacks.  The double nearest to pi counts as pi.
 double from_the_back(double angle_rad) {
   constexpr double kRestOfPi = 1.2246467991473532e-16;
   return angle_rad < std::numbers::pi ? (std::numbers::pi - angle_rad) + kRestOfPi : 0;
 }
 
-/// Whether the edge is nearer to where the light does not point.
+/// Whether the edge is nearer to the back of the light.
 bool is_wide(const SpotLightParams& params) {
   return params.cone_half_angle_rad > std::numbers::pi / 2;
 }
 
-/// Of the edge, from the nearer end of the axis.
+/// The angle of the edge from the nearer end of the axis.
 double from_pole(const SpotLightParams& params) {
   const double cone = params.cone_half_angle_rad;
   return is_wide(params) ? from_the_back(cone) : cone;
@@ -65,7 +65,7 @@ double edge_of(const SpotLightParams& params) {
   return 2 * std::sin(twice_middle / 2) * std::sin((c - s) / 2);
 }
 
-/// a b - c d, right to two roundings however much of it cancels.  [Jeannerod13]
+/// a b - c d, exact to two roundings even under cancellation.  [Jeannerod13]
 double difference_of_products(double a, double b, double c, double d) {
   const double cd = c * d;
   return std::fma(a, b, -cd) + std::fma(-c, d, cd);
@@ -99,9 +99,8 @@ double effective_solid_angle_sr(const SpotLightParams& params) {
   return solid_angle_sr(params, profile_mean(params.profile));
 }
 
-template <std::floating_point Real>
-absl::StatusOr<SpotLight<Real>> SpotLight<Real>::create(const Params& params,
-                                                        const Vec3<double>& origin_m) {
+template <typename Real>
+absl::Status SpotIntensity<Real>::check(const Params& params, const Vec3<double>& origin_m) {
   if (auto s = check_position<Real>("spot.position", params.position_m, origin_m); !s.ok()) {
     return s;
   }
@@ -109,14 +108,12 @@ absl::StatusOr<SpotLight<Real>> SpotLight<Real>::create(const Params& params,
   if (auto s = check_light_value<Real>("spot.intensity", params.intensity_cd, "cd"); !s.ok()) {
     return s;
   }
-  if (auto s = check_angles(params); !s.ok()) return s;
-  return SpotLight(params, origin_m);
+  return check_angles(params);
 }
 
-template <std::floating_point Real>
-SpotLight<Real>::SpotLight(const Params& params, const Vec3<double>& origin_m)
+template <typename Real>
+SpotIntensity<Real>::SpotIntensity(const Params& params)
     : params_(params),
-      position_(params.position_m - origin_m),
       axis_(normalized(params.axis)),
       is_wide_(is_wide(params)),
       pole_(is_wide_ ? -axis_ : axis_),
@@ -131,10 +128,10 @@ SpotLight<Real>::SpotLight(const Params& params, const Vec3<double>& origin_m)
   if (!std::isfinite(per_edge_)) edge_ = per_edge_ = 0;
 }
 
-template <std::floating_point Real>
-double SpotLight<Real>::one_minus_cos_to_pole(const Vec3<double>& w) const {
-  // A unit vector has an error of 1e-16, which narrow cones are no wider than: so the sine from the
-  // vectors as they were given, and 1 - cos = sin^2 / (1 + cos).
+template <typename Real>
+double SpotIntensity<Real>::one_minus_cos_to_pole(const Vec3<double>& w) const {
+  // A unit vector has an error of 1e-16, and the narrowest cones are no wider.  The sine therefore
+  // comes from the vectors as given, and 1 - cos = sin^2 / (1 + cos).
   const Vec3<double> a = pole_as_given_, v = of_size_one(w);
   const Vec3<double> across{difference_of_products(v.y, a.z, v.z, a.y),
                             difference_of_products(v.z, a.x, v.x, a.z),
@@ -146,8 +143,8 @@ double SpotLight<Real>::one_minus_cos_to_pole(const Vec3<double>& w) const {
   return sin / (1 + cos) * sin;
 }
 
-template <std::floating_point Real>
-double SpotLight<Real>::falloff(const Vec3<double>& w) const {
+template <typename Real>
+double SpotIntensity<Real>::falloff(const Vec3<double>& w) const {
   // 1 - cos of the angle between unit vectors is half their chord's square: exact near the pole.
   const Vec3<double> chord = w - pole_;
   const double to_w = is_narrow_ ? one_minus_cos_to_pole(w) : std::min(2.0, dot(chord, chord) / 2);
@@ -157,61 +154,42 @@ double SpotLight<Real>::falloff(const Vec3<double>& w) const {
 }
 
 // Not inlined: GCC 12 at -O2 keeps the direction in double where it has just been rounded to float
-// (SLP vectorization), and the density told with a sample is another than the one told for it.
-template <std::floating_point Real>
-[[gnu::noinline]] double SpotLight<Real>::falloff_as_rounded(const Vec3<Real>& w) const {
-  return falloff(told(Vec3<double>(w)));
+// (SLP vectorization).  The density in a sample then differs from the density of its direction.
+template <typename Real>
+[[gnu::noinline]] double SpotIntensity<Real>::falloff_as_rounded(const Vec3<Real>& w) const {
+  return falloff(falloff_direction(Vec3<double>(w)));
 }
 
-template <std::floating_point Real>
-Rgb<Real> SpotLight<Real>::intensity(const Vec3<Real>& w) const {
-  // To unit length in double: a float's error of length is as large as the narrowest cones.
-  const Vec3<double> direction = told(Vec3<double>(w));
+template <typename Real>
+Rgb<Real> SpotIntensity<Real>::intensity(const Vec3<Real>& w) const {
+  // To unit length in double: the narrowest cones are no wider than a float's error of length.
+  const Vec3<double> direction = falloff_direction(Vec3<double>(w));
   if (!is_finite(direction) || direction == Vec3<double>{}) return {};
   return Rgb<Real>(params_.intensity_cd * falloff(direction));
 }
 
-template <std::floating_point Real>
-LightSample<Real> SpotLight<Real>::sample_li(const Receiver<Real>& receiver, Vec2<Real>) const {
-  LightSample<Real> sample;
-  const Way way = find_way(position_, receiver.position, sample);
-  if (sample.reason != NoLight::kNone) return sample;
-  const double share =
-      falloff(is_narrow_ ? Vec3<double>(receiver.position) - Vec3<double>(position_) : -way.wi);
-  if (share > 0 || params_.intensity_cd.is_black()) {
-    set_inverse_square(params_.intensity_cd * share, way, sample);
-  } else {
-    sample.reason = NoLight::kOutsideCone;
-  }
-  return sample;
+template <typename Real>
+std::optional<Rgb<double>> SpotIntensity<Real>::towards(const Vec3<double>& w,
+                                                        const Vec3<double>& v) const {
+  const double share = falloff(is_narrow_ ? v : w);
+  if (!(share > 0)) return std::nullopt;
+  return params_.intensity_cd * share;
 }
 
-template <std::floating_point Real>
-SolidAnglePdf<Real> SpotLight<Real>::pdf_li(const Receiver<Real>&, const Vec3<Real>&) const {
-  return {};
-}
-
-template <std::floating_point Real>
-Power SpotLight<Real>::power(const SceneSphere&) const {
+template <typename Real>
+Power SpotIntensity<Real>::power() const {
   return {params_.intensity_cd * effective_sr_, 0};
 }
 
-template <std::floating_point Real>
-Power SpotLight<Real>::power_approximate(const SceneSphere& scene) const {
-  return approximate_power(params_.intensity_cd * solid_angle_sr(params_, 0.5), power(scene));
+template <typename Real>
+Power SpotIntensity<Real>::power_approximate() const {
+  return approximate_power(params_.intensity_cd * solid_angle_sr(params_, 0.5), power());
 }
 
-template <std::floating_point Real>
-EmissionSample<Real> SpotLight<Real>::sample_le(Vec2<Real>, Vec2<Real> u_direction,
-                                                const SceneSphere&) const {
-  EmissionSample<Real> sample;
-  sample.origin = position_;
-  if (params_.intensity_cd.is_black()) {
-    sample.reason = NoLight::kBlack;
-    return sample;
-  }
-  // The share of the intensity that lies at full light comes first, then the edge from within.
-  // Not the very end of a soft edge, where there is no light.
+template <typename Real>
+void SpotIntensity<Real>::sample(Vec2<Real> u_direction, EmissionSample<Real>& sample) const {
+  // The first share of u covers the full light, the rest the edge from within.  The very end of a
+  // soft edge has no light and is left out.
   const double u = std::min(double{u_direction.x}, 1 - 0x1p-53);
   const double full = 2 * std::numbers::pi * one_minus_cos_start_ / effective_sr_;
   double h = one_minus_cos_start_, share = 1;
@@ -230,15 +208,15 @@ EmissionSample<Real> SpotLight<Real>::sample_le(Vec2<Real>, Vec2<Real> u_directi
   };
   sample.direction = at(h);
   double rounded = falloff_as_rounded(sample.direction);
-  // Rounded beyond the edge: in by a few roundings, where the cone is that wide.
+  // If rounding led beyond the edge: inwards by a few roundings, if the cone is that wide.
   constexpr double kInwards = 8 * double{std::numeric_limits<Real>::epsilon()};
   if (share > 0 && !(rounded > 0) && radius(h) > kInwards) {
     const Vec3<Real> within = at(h - kInwards * radius(h));
     rounded = falloff_as_rounded(within);
     if (rounded > 0) sample.direction = within;
   }
-  // What pdf_le will say of the direction as it is rounded; a cone so narrow that rounding leaves
-  // it keeps its samples.
+  // The density of the rounded direction, as in per_sr.  A cone so narrow that rounding leaves it
+  // keeps its samples.
   if (rounded > 0) share = rounded;
   sample.value = Rgb<Real>(params_.intensity_cd * share);
   sample.pdf_direction = {static_cast<Real>(share / effective_sr_)};
@@ -248,34 +226,26 @@ EmissionSample<Real> SpotLight<Real>::sample_le(Vec2<Real>, Vec2<Real> u_directi
     if (sample.reason == NoLight::kNone) sample.reason = NoLight::kOutOfRange;
     sample.value = {};
   }
-  return sample;
 }
 
-template <std::floating_point Real>
-EmissionPdf<Real> SpotLight<Real>::pdf_le(const Vec3<Real>& position, const Vec3<Real>& direction,
-                                          const SceneSphere&) const {
-  const Vec3<double> w = told(Vec3<double>(direction));
-  if (!same_float(position, position_) || !is_finite(w) || w == Vec3<double>{} ||
-      params_.intensity_cd.is_black())
-    return {};
-  return {{}, {static_cast<Real>(falloff(w) / effective_sr_)}};
+template <typename Real>
+Real SpotIntensity<Real>::per_sr(const Vec3<Real>& direction) const {
+  const Vec3<double> w = falloff_direction(Vec3<double>(direction));
+  if (!is_finite(w) || w == Vec3<double>{} || is_black()) return 0;
+  return static_cast<Real>(falloff(w) / effective_sr_);
 }
 
-template <std::floating_point Real>
-std::optional<LightBounds<Real>> SpotLight<Real>::bounds() const {
-  // By what roundings turn the axis and a direction; and near pi, where cosines tell angles worst.
+template <typename Real>
+EmissionCone SpotIntensity<Real>::cone() const {
+  // Wider by the rounding of the axis and of a direction.  Near pi also by what cosines lose there.
   double turned = 4 * kInputRounding;
   if (params_.cone_half_angle_rad > std::numbers::pi / 2)
     turned += 16 * std::numeric_limits<double>::epsilon() /
               std::max(std::sin(params_.cone_half_angle_rad), 1e-8);
-  return LightBounds<Real>{
-      .lower = position_,
-      .upper = position_,
-      .axis = Vec3<Real>(axis_),
-      .cone_rad = std::min(params_.cone_half_angle_rad + turned, std::numbers::pi)};
+  return {axis_, std::min(params_.cone_half_angle_rad + turned, std::numbers::pi)};
 }
 
-template class SpotLight<float>;
-template class SpotLight<double>;
+template class SpotIntensity<float>;
+template class SpotIntensity<double>;
 
 }  // namespace lucerna

@@ -1,20 +1,17 @@
-// The spot light: intensity I inside `falloff_start`, 0 outside `cone_half_angle`, and between them
-// a profile of x = (cos theta - cos cone) / (cos start - cos cone).
+// The spot light.  Intensity is I inside `falloff_start` and 0 outside `cone_half_angle`.  Between
+// them it is a profile of x = (cos theta - cos cone) / (cos start - cos cone).
 #pragma once
-
-#include <absl/status/statusor.h>
 
 #include <cstdint>
 #include <optional>
 
-#include "lights/models/light_bounds.h"
-#include "lights/sampling/light_sample.h"
+#include "lights/models/intensity_light.h"
 
 namespace lucerna {
 
 enum class SpotProfile : std::uint8_t {
-  kSmoothstep,  ///< 3 x^2 - 2 x^3, as pbrt-v4 has it
-  kQuartic,     ///< x^4, as pbrt-v1 to pbrt-v3 have it
+  kSmoothstep,  ///< 3 x^2 - 2 x^3, as in pbrt-v4
+  kQuartic,     ///< x^4, as in pbrt-v1 to pbrt-v3
 };
 
 struct SpotLightParams {
@@ -26,72 +23,77 @@ struct SpotLightParams {
   SpotProfile profile = SpotProfile::kSmoothstep;
 };
 
-/// The integral of a spot's share of its intensity over directions [sr]: 2 pi ((1 - cos s) +
-/// (cos s - cos c) m), m the profile's mean over x: 1/2 for smoothstep, 1/5 for x^4.  Exact.
+/// The integral over directions of a spot's intensity relative to its axis [sr]:
+/// 2 pi ((1 - cos s) + (cos s - cos c) m).  m is the mean of the profile over x: 1/2 for
+/// smoothstep, 1/5 for x^4.  Exact.
 double effective_solid_angle_sr(const SpotLightParams& params);
 
-template <std::floating_point Real>
-class SpotLight {
+template <typename Real>
+class SpotIntensity {
  public:
   using Params = SpotLightParams;
-  static constexpr bool kDelta = true;
 
-  static absl::StatusOr<SpotLight> create(const Params& params, const Vec3<double>& origin_m = {});
+  explicit SpotIntensity(const Params& params);
+  static absl::Status check(const Params& params, const Vec3<double>& origin_m);
 
-  /// Luminous intensity [cd] towards the unit vector `w` (world axes, from the light).  Zero
-  /// outside the cone, continuous at its edge unless the edge is hard.  [Pharr23, 12.2.1]
+  /// Luminous intensity [cd] towards the unit vector `w`.  Zero outside the cone, continuous at its
+  /// edge unless the edge is hard.  [Pharr23, 12.2.1]
   Rgb<Real> intensity(const Vec3<Real>& w) const;
-  /// The same, as `value` of the ray that leaves the light towards `w`.
-  Rgb<Real> le_leaving(const Vec3<Real>&, const Vec3<Real>& w) const { return intensity(w); }
 
-  LightSample<Real> sample_li(const Receiver<Real>& receiver, Vec2<Real> u) const;
-  SolidAnglePdf<Real> pdf_li(const Receiver<Real>& receiver, const Vec3<Real>& wi) const;
+  bool is_black() const { return params_.intensity_cd.is_black(); }
+  std::optional<Rgb<double>> towards(const Vec3<double>& w, const Vec3<double>& v) const;
 
-  /// Directions in proportion to intensity; position certain.
-  EmissionSample<Real> sample_le(Vec2<Real> u_position, Vec2<Real> u_direction,
-                                 const SceneSphere& scene) const;
-  EmissionPdf<Real> pdf_le(const Vec3<Real>& position, const Vec3<Real>& direction,
-                           const SceneSphere& scene) const;
+  /// Directions in proportion to intensity.
+  void sample(Vec2<Real> u, EmissionSample<Real>& ray) const;
+  Real per_sr(const Vec3<Real>& w) const;
 
   /// I times effective_solid_angle_sr(), exact.
-  Power power(const SceneSphere& scene) const;
+  Power power() const;
+  /// 2 pi I (1 - (cos s + cos c) / 2) for either profile, as in the books.  Exact for smoothstep,
+  /// too high for x^4.  [Pharr23, 12.2.1]
+  Power power_approximate() const;
+  EmissionCone cone() const;
 
-  /// 2 pi I (1 - (cos s + cos c) / 2) for either profile, as the books have it: exact for
-  /// smoothstep, too high for x^4.  [Pharr23, 12.2.1]
-  Power power_approximate(const SceneSphere& scene) const;
-
-  std::optional<LightBounds<Real>> bounds() const;
+  LightBytes own_bytes() const { return {}; }
+  template <typename F>
+  void for_each_shared(F&&) const {}
 
   const Params& params() const { return params_; }
 
  private:
-  explicit SpotLight(const Params& params, const Vec3<double>& origin_m);
-  /// What `falloff` wants of a direction: as it was given where the cone, or the dark one about the
-  /// back, is narrow, else unit.
-  Vec3<double> told(const Vec3<double>& w) const { return is_narrow_ ? w : normalized(w); }
-  /// The share of the intensity towards `w`, in [0, 1].
+  /// The form of a direction that `falloff` takes.  Where the cone, or the dark cone around the
+  /// back, is narrow: `w` unchanged.  Else a unit vector.
+  Vec3<double> falloff_direction(const Vec3<double>& w) const {
+    return is_narrow_ ? w : normalized(w);
+  }
+  /// Intensity towards `w` relative to the axis, in [0, 1].
   double falloff(const Vec3<double>& w) const;
-  /// Of the angle between the pole and `w`, of any length but 0: exact in all digits.
+  /// 1 - cos of the angle between the pole and `w`, of any length but 0.  Exact in all digits.
   double one_minus_cos_to_pole(const Vec3<double>& w) const;
-  /// The same of a direction as its type rounds it.
+  /// `falloff` of a direction after rounding to `Real`.
   double falloff_as_rounded(const Vec3<Real>& w) const;
 
   Params params_;
-  Vec3<Real> position_;
-  // In double, as the narrowest cones are no wider than the error of a direction in float.
+  // In double: the narrowest cones are no wider than the error of a direction in float.
   Vec3<double> axis_;
   // The cone's edge is measured from the nearer end of the axis.
-  bool is_wide_;       ///< beyond a right angle: that is the back
+  bool is_wide_;       ///< the cone is wider than a right angle: the nearer end is the back
   Vec3<double> pole_;  ///< unit, the nearer end
-  double to_cone_;     ///< 1 - cos of the angle between that and the edge
-  /// Whether that angle is so small that the errors of unit vectors count: below a milliradian, of
-  /// which they are 1e-13.
+  double to_cone_;     ///< 1 - cos of the angle between the pole and the edge
+  /// Whether that angle is so small that the errors of unit vectors matter: below a milliradian.
+  /// The errors are 1e-13 of it.
   bool is_narrow_;
-  Vec3<double> pole_as_given_;  ///< but for a power of two
+  Vec3<double> pole_as_given_;  ///< scaled by a power of two only
   double one_minus_cos_start_;
   double effective_sr_;
   double edge_;      ///< cos(falloff_start) - cos(cone_half_angle); 0 for a hard edge
   double per_edge_;  ///< 1 / edge_; 0 for a hard edge
 };
+
+template <std::floating_point Real>
+using SpotLight = IntensityLight<Real, SpotIntensity>;
+
+extern template class SpotIntensity<float>;
+extern template class SpotIntensity<double>;
 
 }  // namespace lucerna

@@ -1,11 +1,11 @@
-// The sun: a disk of uniform radiance, infinitely far, that is seen under an angle.
+// The sun: a disk of uniform radiance at infinity, seen under an angle.
 #pragma once
 
 #include <absl/status/statusor.h>
 
 #include <optional>
 
-#include "lights/models/light_bounds.h"
+#include "lights/models/light_model.h"
 #include "lights/sampling/light_sample.h"
 
 namespace lucerna {
@@ -13,8 +13,7 @@ namespace lucerna {
 struct SunLightParams {
   Vec3<double> to_light{0, 0, 1};  ///< world, any length but 0: from the scene to its centre
   double angular_diameter_rad{};   ///< (0, pi]
-  /// On a surface that faces its centre, with nothing in the way, per channel, finite, not
-  /// negative.
+  /// On a surface that faces its centre without occlusion, per channel, finite, not negative.
   Rgb<double> illuminance_lx{};
 };
 
@@ -23,6 +22,7 @@ class SunLight {
  public:
   using Params = SunLightParams;
   static constexpr bool kDelta = false;
+  static constexpr bool kHasIrradiance = true;
 
   /// Errors: a field out of its domain; a radiance that does not fit `Real`.
   static absl::StatusOr<SunLight> create(const Params& params, const Vec3<double>& origin_m = {});
@@ -31,8 +31,8 @@ class SunLight {
   /// illuminance E on a surface facing its centre is E / (pi sin^2 h).
   LightSample<Real> sample_li(const Receiver<Real>& receiver, Vec2<Real> u) const;
   SolidAnglePdf<Real> pdf_li(const Receiver<Real>& receiver, const Vec3<Real>& wi) const;
-  /// On the side that `receiver` faces, with nothing in the way [lx].  Nothing where it faces
-  /// nowhere or is not finite.
+  /// Irradiance on the side that `receiver` faces without occlusion [lx].  Nothing where it has no
+  /// normal or is not finite.
   std::optional<Rgb<Real>> irradiance(const Receiver<Real>& receiver) const;
   bool hides_itself() const { return false; }
   /// Radiance [cd/m2] that a ray leaving the scene towards `w` meets.
@@ -42,10 +42,10 @@ class SunLight {
     return le_escaped(origin, -w);
   }
 
-  /// Flux through the scene's bounding disk from each of the sun's directions, the disk facing it:
-  /// radiance times solid angle times pi R^2.
+  /// Flux through the scene's bounding disk, which faces each of the sun's directions: radiance
+  /// times solid angle times pi R^2.
   Power power(const SceneSphere& scene) const;
-  /// As if all came from the centre, E pi R^2.  [Pharr23, 12.3]
+  /// The flux as if all light came from the centre, E pi R^2.  [Pharr23, 12.3]
   Power power_approximate(const SceneSphere& scene) const;
   /// From the disk of the scene's sphere that faces each direction.
   EmissionSample<Real> sample_le(Vec2<Real> u_position, Vec2<Real> u_direction,
@@ -54,6 +54,13 @@ class SunLight {
                            const SceneSphere& scene) const;
   /// None: it is infinitely far.
   std::optional<LightBounds<Real>> bounds() const { return std::nullopt; }
+  std::optional<double> cross_section_m2(const SceneSphere& scene) const {
+    return scene_disk_area_m2(scene);
+  }
+  static LightPlace place(const Params&) { return {}; }
+  LightBytes own_bytes() const { return {}; }
+  template <typename F>
+  void for_each_shared(F&&) const {}
   const Params& params() const { return params_; }
 
  private:

@@ -12,8 +12,8 @@ struct Chosen {
   double share;  ///< of the way through what was chosen, in [0, 1]: u again
 };
 
-/// Which of the intervals between ascending `sums` (n + 1 of them, the first 0, the last positive)
-/// holds u times the last; never one without length.
+/// The index of the interval between ascending `sums` (n + 1 of them, the first 0, the last
+/// positive) that contains u times the last.  Never an interval without length.
 Chosen choose(const double* sums, int n, double u) {
   const double target = u * sums[n];
   const auto after = static_cast<int>(std::upper_bound(sums, sums + n + 1, target) - sums);
@@ -23,8 +23,8 @@ Chosen choose(const double* sums, int n, double u) {
   return {i, std::clamp((target - sums[i]) / (sums[i + 1] - sums[i]), 0.0, 1.0)};
 }
 
-/// The share x of the way from weight a to weight b with density proportional to a (1 - x) + b x.
-/// In this form without cancellation.  An end of weight 0 is not reached, not even by u = 0 and 1:
+/// The fraction x of the way from weight a to weight b, with density proportional to a (1 - x) + b
+/// x.  This form does not cancel.  An end of weight 0 is not reached, not even by u = 0 and 1, so
 /// every sample has a density.  [Pharr23, 2.3.2]
 double sample_linear(double a, double b, double u) {
   if (a == b) return u;
@@ -67,7 +67,7 @@ ImageDistribution::Corners ImageDistribution::corners(int column, int row) const
       const TexelIndex t = at_border(border_, column - 1 + i, row - 1 + j, width_, height_);
       c.w[j][i] = weight(t.x, t.y);
     }
-  // A part of a bilinear patch is one, with the weights at its own corners.
+  // A part of a bilinear patch is bilinear, with the weights at its own corners.
   const Span x = span(column, width_);
   const Span y = span(row, height_);
   Corners part{};
@@ -121,7 +121,7 @@ ImageDistribution::Sample ImageDistribution::sample(Vec2<double> u) const {
     sy = sample_linear(c.w[0][0] + c.w[0][1], c.w[1][0] + c.w[1][1], row.share);
     sx = sample_linear(mix(c.w[0][0], c.w[1][0], sy), mix(c.w[0][1], c.w[1][1], sy), column.share);
   } else {
-    // The edges are the neighbours': rounding may not reach them either.
+    // The edges belong to the neighbours.  Rounding may not reach them.
     sx = std::clamp(sx, 0x1p-30, 1 - 0x1p-30);
     sy = std::clamp(sy, 0x1p-30, 1 - 0x1p-30);
   }

@@ -1,5 +1,5 @@
-// Points of the unit square with a density proportional to a picture's texels as a filter shows
-// them: constant over each texel, or bilinear between the centres of texels.
+// Points of the unit square with a density proportional to a picture's filtered texels: constant
+// over each texel, or bilinear between the centres of texels.
 #pragma once
 
 #include <cstddef>
@@ -10,12 +10,12 @@
 
 namespace lucerna {
 
-/// Immutable.  Sums and cumulative distributions are in double: one texel of 1e9 in a picture of 1
-/// leaves the others their share.
+/// Immutable.  Sums and cumulative distributions are in double, so one texel of 1e9 in a picture of
+/// 1 leaves the others their probability.
 ///
-/// The square is cut into rows of cells: the texels for the nearest filter, for the bilinear one
-/// the squares between centres, of which those at the border are halves.  Each row counts with a
-/// measure of its own, its height unless said otherwise.
+/// The square is cut into rows of cells.  For the nearest filter they are the texels.  For the
+/// bilinear filter they are the squares between centres, and halves at the border.  Each row has a
+/// measure as weight, by default its height.
 class ImageDistribution {
  public:
   struct Sample {
@@ -23,9 +23,9 @@ class ImageDistribution {
     double pdf;             ///< with respect to the square's area; 0: all weights are 0
   };
 
-  /// `weights`: width times height, rows from the top, finite, not negative.  `row_measures`: of
-  /// each row of cells (height of them for the nearest filter, height + 1 for the bilinear one),
-  /// not negative; empty: their heights.
+  /// `weights`: width times height, rows from the top, finite, not negative.  `row_measures`: one
+  /// for each row of cells (height of them for the nearest filter, height + 1 for the bilinear
+  /// one), not negative; empty: their heights.
   ImageDistribution(int width, int height, std::vector<double> weights, ImageFilter filter,
                     ImageBorder border, std::vector<double> row_measures = {});
   /// By the luminance of an image.
@@ -35,15 +35,15 @@ class ImageDistribution {
   Sample sample(Vec2<double> u) const;
   /// The density with which `sample` gives points of the closed unit square, with respect to area.
   double pdf(Vec2<double> position) const;
-  /// The weights as the filter shows them, times the measure of their row relative to its height:
-  /// the integral over the square.  With the default measures the mean weight.
+  /// The integral over the square of the filtered weights, times the measure of each row relative
+  /// to its height.  With the default measures the mean weight.
   double integral() const { return rows_.back(); }
 
   std::size_t bytes() const;
 
  private:
-  /// Of one axis: a cell spans [begin, end] of the square and shares [share_begin, share_end] of
-  /// the way between two centres.
+  /// A cell along one axis: [begin, end] of the square, and [share_begin, share_end] of the way
+  /// between two centres.
   struct Span {
     double begin, end, share_begin, share_end;
   };

@@ -11,8 +11,8 @@
 namespace lucerna {
 namespace {
 
-
-/// The image with the mean of each texel's channels in all of them; itself where that is so.
+/// The image with the mean of each texel's channels in all channels.  The same image if it is grey
+/// already.
 std::shared_ptr<const Image> grey(std::shared_ptr<const Image> image) {
   if (is_grey(*image)) return image;
   std::vector<Rgb<float>> texels;
@@ -23,12 +23,12 @@ std::shared_ptr<const Image> grey(std::shared_ptr<const Image> image) {
       const Rgb<double> t(image->texel(x, y));
       texels.emplace_back(static_cast<float>((t.r + t.g + t.b) / 3));
     }
-  // Means of what an image holds: nothing that another could refuse.
+  // Means of valid texels are valid.
   return *Image::create(image->width(), image->height(), std::move(texels));
 }
 
-/// How far what a texel lights reaches from the direction of its centre, at most [rad]: half a
-/// texel to each side with the nearest filter, a whole one with the bilinear one.
+/// A bound on the angle between the centre of a texel and the directions that it lights [rad]. With
+/// the nearest filter half a texel to each side, with the bilinear filter a whole one.
 double reach(const SphereMap& map) {
   const double texels = map.filter() == ImageFilter::kNearest ? 0.5 : 1;
   if (map.mapping() == SphereMapping::kLatitudeLongitude)
@@ -72,7 +72,7 @@ void IntensityMap::bound() {
           f(cd, direction_from_square(map_->mapping(),
                                       {(x + 0.5) / image.width(), (y + 0.5) / image.height()}));
   };
-  // Any axis will do, so the rows of a latitude-longitude map need no weights.
+  // Any axis is valid, so the rows of a latitude-longitude map need no weights.
   Vec3<double> mean;
   for_each_lit([&](double cd, const Vec3<double>& w) {
     max_cd_ = std::max(max_cd_, cd);
@@ -83,7 +83,7 @@ void IntensityMap::bound() {
   for_each_lit([&](double, const Vec3<double>& w) {
     cone_.half_angle_rad = std::max(cone_.half_angle_rad, angle_between(cone_.axis, w));
   });
-  // What rounding of directions in float may turn.
+  // The angle by which rounding to float may turn a direction.
   constexpr double kSlack = 1e-6;
   cone_.half_angle_rad = std::min(kPi, cone_.half_angle_rad + reach(*map_) + kSlack);
 }

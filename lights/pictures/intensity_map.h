@@ -1,4 +1,4 @@
-// A picture of how much a light shines in which direction: one number a texel.
+// A picture of intensity by direction: one number for each texel.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -15,8 +15,8 @@ namespace lucerna {
 /// Whether the three channels of each texel are the same.
 bool is_grey(const Image& image);
 
-/// A texel's value is the mean of its channels, as pbrt-v4 has it; all numbers here are for a light
-/// of which a value of 1 is 1 cd.  Directions are in the map's own axes (SphereMapping says which).
+/// A texel's value is the mean of its channels, as in pbrt-v4.  All numbers here belong to a light
+/// for which a value of 1 is 1 cd.  Directions are in the map's own axes (see SphereMapping).
 /// Immutable; lights share it.
 class IntensityMap {
  public:
@@ -31,10 +31,10 @@ class IntensityMap {
   double flux_lm() const { return map_->integral().r; }
   /// The largest intensity [cd].
   double max_cd() const { return max_cd_; }
-  /// The mean over the picture [cd], which is that over the sphere for equal-area maps only.
+  /// The mean over the picture [cd]. For equal-area maps only, it is also the mean over the sphere.
   double mean_cd() const { return map_->image().mean().r; }
 
-  /// A direction by the density of SphereDistribution.  Unit.  Meaningless where the flux is 0.
+  /// A unit direction by the density of SphereDistribution.  Undefined where the flux is 0.
   Vec3<double> sample(Vec2<double> u) const { return distribution_.sample(u).direction; }
   /// The density of `sample`: positive wherever the intensity is.
   SolidAnglePdf<double> pdf(const Vec3<double>& w) const;
@@ -43,7 +43,7 @@ class IntensityMap {
   const EmissionCone& cone() const { return cone_; }
 
   const SphereMap& sphere_map() const { return *map_; }
-  /// Memory beside the picture.
+  /// Memory without the picture.
   std::uint64_t table_bytes() const { return sizeof(*this) + distribution_.bytes(); }
 
  private:

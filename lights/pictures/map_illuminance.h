@@ -1,4 +1,4 @@
-// What a picture around the sphere of directions sends onto a plane.
+// The illuminance of a picture around the sphere of directions on a plane.
 #pragma once
 
 #include "lights/pictures/sphere_map.h"
@@ -14,10 +14,10 @@ struct MapIlluminance {
 /// For a texel of value `radiance` [cd/m2] and the plane whose upper side faces `n`, a unit vector
 /// in the map's own axes.
 ///
-/// By the midpoints of cells, on each of which the map is constant (nearest) or bilinear, at least
-/// 2^18 of them where the picture is no strip.  The bound adds up, cell by cell, the second
-/// derivatives of the direction over the picture, and the first ones where the cell lies across a
-/// fold of the mapping or across the plane.
+/// Computed from the midpoints of cells on which the map is constant (nearest) or bilinear.  There
+/// are at least 2^18 cells unless the picture is a strip.  The bound sums over cells the second
+/// derivatives of the direction over the picture. Where a cell crosses a fold of the mapping or the
+/// plane it uses the first derivatives.
 MapIlluminance illuminance_of(const SphereMap& map, const Rgb<double>& radiance,
                               const Vec3<double>& n);
 

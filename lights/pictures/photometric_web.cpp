@@ -175,7 +175,7 @@ void PhotometricWeb::write_out(const PhotometricWebParams& params) {
 }
 
 double PhotometricWeb::cell_flux(std::size_t row, std::size_t column) const {
-  // Over the azimuth the mean of a bilinear function is that of its two ends.
+  // Over the azimuth the mean of a bilinear function equals the mean of its two ends.
   const EndWeights w = end_weights(polar_rad_[column], polar_rad_[column + 1]);
   const double lower = (value(row, column) + value(row + 1, column)) / 2;
   const double upper = (value(row, column + 1) + value(row + 1, column + 1)) / 2;
@@ -272,7 +272,7 @@ void PhotometricWeb::bound() {
   cone_ = {axes.pole, from_pole};
   if (from_other_pole < cone_.half_angle_rad) cone_ = {-axes.pole, from_other_pole};
   if (from_zero < cone_.half_angle_rad) cone_ = {axes.zero, from_zero};
-  // What rounding of angles and of directions in float may turn.
+  // The angle by which rounding of angles and directions to float may turn a direction.
   constexpr double kSlack = 1e-6;
   cone_.half_angle_rad = std::min(kPi, cone_.half_angle_rad + kSlack);
 }
@@ -283,7 +283,7 @@ PhotometricWeb::Place PhotometricWeb::find(const Vec3<double>& w) const {
   const double polar = std::atan2(std::hypot(x, y), z);
   double azimuth = std::atan2(y, x);
   if (azimuth < azimuth_rad_.front()) azimuth += 2 * kPi;
-  // A grid that goes all around has no gap, whatever rounding made of its ends.
+  // A full circle has no gap, even if rounding moved its ends.
   const bool around = azimuth_rad_.back() - azimuth_rad_.front() > 6.28;
   const bool inside =
       polar >= polar_rad_.front() && polar <= polar_rad_.back() &&
@@ -317,8 +317,8 @@ double PhotometricWeb::solid_angle(std::size_t row, std::size_t column) const {
 }
 
 Vec3<double> PhotometricWeb::sample(Vec2<double> u) const {
-  // The row of cells by `u.x`, whose rest is the place in it; the cell by `u.y` likewise.  Of cells
-  // without flux none is chosen, u = 1 included.
+  // `u.x` chooses the row of cells, and its rest is the position in the row. `u.y` chooses the cell
+  // in the same way.  Cells without flux are never chosen, also for u = 1.
   const auto pick = [](std::size_t count, double from, double to, double u, auto&& end,
                        double& rest) {
     const double target = from + u * (to - from);
@@ -354,7 +354,7 @@ Vec3<double> PhotometricWeb::sample(Vec2<double> u) const {
 SolidAnglePdf<double> PhotometricWeb::pdf(const Vec3<double>& w) const {
   const Place p = find(w);
   if (!p.inside || !(flux_lm_ > 0)) return {};
-  // From the cell itself: a difference of sums would lose a faint one beside bright ones.
+  // From the cell itself: a difference of sums would lose a faint cell beside bright ones.
   return {cell_flux(p.row, p.column) / flux_lm_ / solid_angle(p.row, p.column)};
 }
 

@@ -1,5 +1,5 @@
-// The photometric web: luminous intensity measured on a grid of angles about a luminaire, as IES
-// LM-63 and EULUMDAT files hold it.
+// The photometric web: luminous intensity measured on a grid of angles around a luminaire, as in
+// IES LM-63 and EULUMDAT files.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -13,10 +13,10 @@
 
 namespace lucerna {
 
-/// Where the poles of the grid lie.  In light space +z is photometric zero of a luminaire as it
-/// hangs, straight down (as a spot shines along +z), and +x the photometric horizontal; so +y is
-/// horizontal too, on the right of who looks along +x with the sky above.  V and H are the file's
-/// vertical and horizontal angles.  [LM63, 3], and for what turns which way [Blut22]
+/// The poles of the grid.  In light space +z is photometric zero of a hanging luminaire, straight
+/// down, as a spot shines along +z. +x is the photometric horizontal.  So +y is horizontal too, to
+/// the right of an observer who looks along +x with the sky above.  V and H are the file's vertical
+/// and horizontal angles.  [LM63, 3], and for directions of rotation [Blut22]
 enum class PhotometricType : std::uint8_t {
   kC,  ///< V from +z (0) to -z (180); H about that axis, counter-clockwise seen from above: at V 90
        ///< H = 0 is +x and H = 90 is -y
@@ -26,26 +26,26 @@ enum class PhotometricType : std::uint8_t {
 
 struct PhotometricWebParams {
   PhotometricType type = PhotometricType::kC;
-  /// Ascending [degrees], as files give them.  Type C from 0 or 90 to 90 or 180; types A and B from
-  /// -90 or 0 to 90.  What lies outside is dark.
+  /// Ascending [degrees], as in files.  Type C from 0 or 90 to 90 or 180; types A and B from -90 or
+  /// 0 to 90.  Directions outside are dark.
   std::vector<double> vertical_deg;
-  /// Ascending [degrees].  Type C: 0 alone (symmetric about the axis), 0 to 90 (in each quadrant),
-  /// 0 to 180 (about the plane 0-180), 90 to 270 or -90 to 90 (about the plane 90-270), 0 to 360.
-  /// Types A and B: 0 to 90 (symmetric about H = 0), -90 to 90; beyond 90 it is dark.
+  /// Ascending [degrees]. Type C: 0 alone (symmetric about the axis), 0 to 90 (in each quadrant), 0
+  /// to 180 (about the plane 0-180), 90 to 270 or -90 to 90 (about the plane 90-270), 0 to 360.
+  /// Types A and B: 0 to 90 (symmetric about H = 0), -90 to 90; dark beyond 90.
   std::vector<double> horizontal_deg;
   /// All vertical angles at the first horizontal angle, then at the next.  Finite, not negative.
   std::vector<double> intensity_cd;
 };
 
-/// OK where `degrees` are as PhotometricWebParams says of them.
+/// OK where `degrees` satisfy PhotometricWebParams.
 absl::Status check_vertical_angles(PhotometricType type, const std::vector<double>& degrees);
 absl::Status check_horizontal_angles(PhotometricType type, const std::vector<double>& degrees);
 
 /// Intensity bilinear in the two angles between grid points.  Immutable; lights share it.
 class PhotometricWeb {
  public:
-  /// Errors: angles that are none of the above, a number of intensities that is not that of the
-  /// grid, an intensity that is negative or not finite.
+  /// Errors: angles other than those above; a number of intensities that does not fit the grid; an
+  /// intensity that is negative or not finite.
   static absl::StatusOr<std::shared_ptr<const PhotometricWeb>> create(
       const PhotometricWebParams& params);
 
@@ -54,21 +54,21 @@ class PhotometricWeb {
 
   /// Luminous flux [lm]: the integral of `at` over the sphere, in closed form for each cell.
   double flux_lm() const { return flux_lm_; }
-  /// What of it goes towards +z, downwards [lm]; likewise in closed form.
+  /// The part of the flux towards +z, downwards [lm]; in closed form too.
   double downward_flux_lm() const;
-  /// A bound on what goes within so much of the horizon, on one side of it or on the other [lm]. Of
-  /// types A and C it is that flux, on whichever side there is more.
+  /// A bound on the flux within this angle of the horizon, on one side of it or on the other [lm].
+  /// For types A and C it equals that flux on the side with more.
   double horizon_flux_bound_lm(double width_rad) const;
   /// The largest intensity [cd].
   double max_cd() const { return max_cd_; }
 
-  /// A cell by its flux, and in it a direction uniform in solid angle.  Unit, light space.
-  /// Meaningless where the flux is 0.
+  /// A cell by its flux, and in it a direction uniform in solid angle. Unit, light space. Undefined
+  /// where the flux is 0.
   Vec3<double> sample(Vec2<double> u) const;
   /// The density of `sample`: positive wherever the intensity is.
   SolidAnglePdf<double> pdf(const Vec3<double>& w) const;
 
-  /// About a pole of the grid or, for types A and B, about V = H = 0: whichever is narrowest.
+  /// Around a pole of the grid or, for types A and B, around V = H = 0: the narrowest.
   const EmissionCone& cone() const { return cone_; }
 
   PhotometricType type() const { return type_; }
@@ -78,7 +78,7 @@ class PhotometricWeb {
   std::uint64_t bytes() const;
 
  private:
-  /// A place on the grid: the cell, and where in it, from 0 to 1.
+  /// A place on the grid: the cell, and the position in it from 0 to 1.
   struct Place {
     std::size_t row, column;
     double s, t;

@@ -151,7 +151,7 @@ absl::StatusOr<std::shared_ptr<const ProjectedPicture>> ProjectedPicture::create
   const double shorter = std::tan(params.fov_rad / 2);
   const Vec2<double> half = params.aspect >= 1 ? Vec2<double>{shorter * params.aspect, shorter}
                                                : Vec2<double>{shorter, shorter / params.aspect};
-  // Where squares under- or overflow, nothing could be told.
+  // Where squares underflow or overflow, no digit would be left.
   constexpr double kLeast = 1e-140, kMost = 1e140;
   if (!(std::min(half.x, half.y) >= kLeast && std::max(half.x, half.y) <= kMost))
     return absl::InvalidArgumentError(fmt::format(

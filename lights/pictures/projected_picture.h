@@ -1,4 +1,4 @@
-// A picture thrown from a point: what it shows in a direction, its integral over directions, and
+// A picture projected from a point: its value in a direction, its integral over directions, and
 // directions drawn by its luminance.
 #pragma once
 
@@ -15,41 +15,42 @@
 namespace lucerna {
 
 struct ProjectedPictureParams {
-  std::shared_ptr<const Image> image{};        ///< null: value 1 all over
-  ImageFilter filter = ImageFilter::kNearest;  ///< the border goes on
+  std::shared_ptr<const Image> image{};        ///< null: value 1 everywhere
+  ImageFilter filter = ImageFilter::kNearest;  ///< the border texels continue
   double fov_rad{};                            ///< full angle of its shorter side, (0, pi)
   double aspect = 1;                           ///< width over height, positive
 };
 
-/// The picture hangs in the plane z = 1, its middle on the axis, in which its shorter half side is
-/// tan(fov / 2); x leads to its right edge and y to its upper one.  Directions are in these axes.
-/// Immutable, shared by the lights that use it.  [Pharr23, 12.2.2]
+/// The picture lies in the plane z = 1 with its middle on the axis.  Half of its shorter side is
+/// tan(fov / 2). x points to its right edge and y to its upper edge.  Directions are in these axes.
+/// Immutable; lights share it.  [Pharr23, 12.2.2]
 class ProjectedPicture {
  public:
-  /// Errors: fov or aspect out of their domain, also where the picture then has no solid angle or
-  /// no side that a double holds.
+  /// Errors: fov or aspect out of their domain, or such that doubles cannot hold the picture's
+  /// solid angle or a side.
   static absl::StatusOr<std::shared_ptr<const ProjectedPicture>> create(
       const ProjectedPictureParams& params);
 
-  /// The point of the closed unit square, (0, 0) the upper left corner, that the direction `w`
-  /// of any length but 0 leads through; nothing beside the picture and behind it.
+  /// The point of the closed unit square, (0, 0) the upper left corner, in the direction `w` of any
+  /// length but 0.  Nothing beside the picture and behind it.
   std::optional<Vec2<double>> find(const Vec3<double>& w) const;
   /// At a point of the unit square.
   Rgb<double> lookup(Vec2<double> p) const;
 
   /// The integral of the picture's value over directions [sr].  Nearest filter: the sum over texels
-  /// of value times solid angle, each right to the last digits.  Bilinear: cell by cell
-  /// between centres by Gauss's rule of such order that it is off by less than 1e-14 of itself.
+  /// of value times solid angle, each exact to the last digits.  Bilinear: cell by cell between
+  /// centres by Gauss's rule, of an order with a relative error below 1e-14.
   Rgb<double> integral_sr() const { return integral_; }
-  /// A bound on the error of `integral_sr`, of itself: 0 where it is exact, roundings left out.
+  /// A bound on the relative error of `integral_sr`: 0 where it is exact, without roundings.
   double relative_error() const;
-  /// The same as pbrt-v4 sums it: a texel's solid angle is its area in the plane times cos^3 at its
+  /// The same sum as in pbrt-v4: a texel's solid angle is its area in the plane times cos^3 at its
   /// centre.
   Rgb<double> integral_by_centres_sr() const { return integral_by_centres_; }
 
-  /// A unit vector.  Density proportional to the luminance for the nearest filter, where a texel is
-  /// larger than 1e-5 sr (in smaller ones it varies with cos^-3); for the bilinear one a cell by
-  /// its share of the integral, in it bilinear in coordinates that keep solid angle.
+  /// A unit vector.  With the nearest filter its density is proportional to the luminance where a
+  /// texel is larger than 1e-5 sr; in smaller texels it varies with cos^-3.  With the bilinear
+  /// filter a cell is chosen by its share of the integral.  Within it the density is bilinear in
+  /// coordinates that keep solid angle.
   Vec3<double> sample(Vec2<double> u) const;
   /// Its density [1/sr] at a vector of any length but 0; 0 beside the picture.
   double per_sr(const Vec3<double>& w) const;
@@ -59,14 +60,14 @@ class ProjectedPicture {
   const ProjectedPictureParams& params() const { return params_; }
   /// Half sides in the plane.
   Vec2<double> half() const { return half_; }
-  /// Of the largest texel in each channel.
+  /// The largest value in each channel.
   Rgb<double> brightest() const { return brightest_; }
-  /// Of what is not the image.
+  /// Memory without the image.
   std::size_t bytes() const { return sizeof(*this) + cells_.bytes(); }
 
  private:
-  /// A texel, or for the bilinear filter a square between centres (halved at the border), in the
-  /// plane with y downwards as rows go.
+  /// A texel, or for the bilinear filter a square between centres (halved at the border).  In the
+  /// plane, with y downwards like rows.
   struct Cell {
     double x0, x1, y0, y1;
     BilinearWeights luminance;  ///< at its corners

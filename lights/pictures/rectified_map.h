@@ -1,5 +1,5 @@
-// The picture that a portal shows, in the coordinates in which every view of the portal is a
-// rectangle; and those coordinates.
+// The picture that a portal shows, in coordinates in which every view of the portal is a rectangle;
+// and these coordinates.
 #pragma once
 
 #include <cstddef>
@@ -18,12 +18,12 @@ Vec3<double> rectified_from_square(Vec2<double> p);
 /// Solid angle per area of the square at the unit vector w.
 double sr_per_square(const Vec3<double>& w);
 
-/// What each of n x n cells of the square sends onto the portal.
+/// The illuminance of each of n x n cells of the square on the portal.
 class RectifiedCells {
  public:
   explicit RectifiedCells(int n);
-  /// Of the cells of row j, under radiance 1 [lx]: each to within 1e-13 of itself, those along the
-  /// edges too, which are the smallest.
+  /// The cells of row j under radiance 1 [lx], each to within 1e-13 of itself. This holds along the
+  /// edges too, where cells are smallest.
   std::vector<double> row(int j) const;
 
  private:
@@ -32,8 +32,8 @@ class RectifiedCells {
   std::vector<double> squared_sine_;  ///< at the nodes of the first half of cells along a side
 };
 
-/// A map as pbrt-v4 looks at it through a portal: n x n cells of the square, n the map's rows of
-/// texels, each with what the bilinear filter shows towards its middle.  Immutable.
+/// A map seen through a portal as in pbrt-v4: n x n cells of the square, n the map's rows of
+/// texels.  Each cell has the bilinear filter's value towards its middle.  Immutable.
 class RectifiedMap {
  public:
   /// `x`, `y`, `z`: the portal's axes in the map's own.
@@ -41,8 +41,8 @@ class RectifiedMap {
                const Vec3<double>& z);
 
   Rgb<double> lookup(Vec2<double> p) const;
-  /// On the portal itself: cell by cell to rounding, by RectifiedCells.  `without_cosine` as
-  /// pbrt-v4 has it, by the middles of cells.
+  /// The illuminance on the portal: cell by cell to rounding, by RectifiedCells.  `without_cosine`
+  /// as in pbrt-v4, by the middles of cells.
   MapIlluminance illuminance(const Rgb<double>& radiance) const;
   std::size_t bytes() const { return sizeof(*this) + texels_.capacity() * sizeof texels_[0]; }
 

@@ -16,17 +16,17 @@ namespace lucerna {
 
 /// How a picture covers the sphere.  Directions are unit vectors in the map's own axes.
 enum class SphereMapping : std::uint8_t {
-  /// Equal areas are equal solid angles; +z in the middle, -z at all four corners, +x to the right,
-  /// +y downwards, as pbrt-v4 has it.  Square pictures only.  [Clarberg08]
+  /// Equal areas are equal solid angles. +z is in the middle, -z at all four corners, +x to the
+  /// right, +y downwards, as in pbrt-v4.  Square pictures only.  [Clarberg08]
   kEqualArea,
-  /// +y at the top, longitude to the right, from +x at the left edge by +z; seen from inside, in a
-  /// right-handed frame, the picture is not mirrored.
+  /// +y at the top.  Longitude runs to the right, from +x at the left edge through +z.  Seen from
+  /// inside in a right-handed frame, the picture is not mirrored.
   kLatitudeLongitude,
 };
 
 /// The point of the closed unit square that shows the direction `w`, a unit vector.
 Vec2<double> square_from_direction(SphereMapping mapping, const Vec3<double>& w);
-/// The unit vector that a point of the closed unit square stands for.
+/// The unit vector at a point of the closed unit square.
 Vec3<double> direction_from_square(SphereMapping mapping, Vec2<double> p);
 
 /// Immutable, shared by the lights that use it.
@@ -37,16 +37,16 @@ class SphereMap {
                                                                  SphereMapping mapping,
                                                                  ImageFilter filter);
 
-  /// Towards the unit vector `w`.  Across seams and poles the filter takes the texels that are
-  /// neighbours on the sphere (beyond a pole of a latitude-longitude picture of odd width those
-  /// half a texel off).
+  /// The value towards the unit vector `w`.  Across seams and poles the filter uses the texels that
+  /// are neighbours on the sphere. Beyond a pole of a latitude-longitude picture of odd width these
+  /// are half a texel off.
   Rgb<double> lookup(const Vec3<double>& w) const;
-  /// At the point of the square that shows it.
+  /// The value at a point of the square.
   Rgb<double> lookup(Vec2<double> p) const { return image_->lookup(p, filter_, border()); }
 
   /// Integral of `lookup` over all directions [sr]: closed form, 4 pi for a picture of 1.
   Rgb<double> integral() const { return integral_; }
-  /// The largest value of each channel, of whichever texel.
+  /// The largest value of each channel over all texels.
   Rgb<double> brightest() const;
 
   const Image& image() const { return *image_; }
@@ -80,11 +80,11 @@ class MapAxes {
   Vec3<double> x_, y_, z_;
 };
 
-/// Directions with a density that is positive wherever the map's luminance is (beyond what is
-/// subtracted): for the nearest filter proportional to it, with respect to solid angle; for the
-/// bilinear one within the strips between rows of centres linear in the square's height
-/// (equal-area) or in the cosine of the polar angle (latitude-longitude), so that it stays bounded
-/// at the poles.  Immutable.
+/// Directions with a density that is positive wherever the map's luminance exceeds `subtract`.  For
+/// the nearest filter it is proportional to the luminance, with respect to solid angle.  For the
+/// bilinear filter it is linear within the strips between rows of centres: in the square's height
+/// (equal-area) or in the cosine of the polar angle (latitude-longitude).  It therefore stays
+/// bounded at the poles.  Immutable.
 class SphereDistribution {
  public:
   struct Sample {
@@ -93,7 +93,7 @@ class SphereDistribution {
     double per_sr;           ///< density with respect to solid angle; 0: nothing to sample
   };
 
-  /// By the luminance less `subtract` where it is more.
+  /// By the luminance minus `subtract`, where that is positive.
   explicit SphereDistribution(const SphereMap& map, double subtract = 0);
 
   Sample sample(Vec2<double> u) const;

@@ -8,10 +8,11 @@
 
 namespace lucerna {
 
-/// How the points of an area light are chosen.  The first five differ on triangles alone: other
-/// shapes are then sampled uniformly by area.  Each keeps its density exact; what a receiver cannot
-/// use (a solid angle that no float holds, a shape without a way of its own) falls back to area, in
-/// sampling and density alike.  None has an effect where Painted::is_by_picture().
+/// How the points of an area light are chosen.  The first five differ only on triangles; other
+/// shapes use uniform sampling by area for each of them.  Every way has its exact density.  A
+/// receiver that cannot use a way (no float holds the solid angle, or the shape has no such way)
+/// uses area sampling, both for samples and for densities.  No way has an effect where
+/// Painted::is_by_picture().
 enum class AreaSampling : std::uint8_t {
   kAutomatic = 0,     ///< by the rule in lights/sampling/area_sampling.cpp
   kSquareRoot,        ///< uniform by area, by the square root of one value
@@ -24,25 +25,26 @@ enum class AreaSampling : std::uint8_t {
                       ///< its normal and a triangle or rectangle, else kSolidAngle
 };
 
-/// How points of a triangle or rectangle are chosen, where `asked` for: kAutomatic by the one rule,
-/// the cosine's way not where there is no normal (zero).  Never kAutomatic.  `corners` relative to
-/// the receiver, in any unit of length.  `incomplete` as in Receiver.
-AreaSampling way_for_corners(AreaSampling asked, std::span<const Vec3<double>> corners,
+/// The way in which points of a triangle or rectangle are chosen when `requested` is wanted.
+/// kAutomatic is replaced by one rule. kCosineSolidAngle is replaced where `normal` is zero.  Never
+/// kAutomatic.  `corners` are relative to the receiver, in any unit of length.  `incomplete` as in
+/// Receiver.
+AreaSampling way_for_corners(AreaSampling requested, std::span<const Vec3<double>> corners,
                              const Vec3<double>& normal, bool incomplete = false);
 /// The same for a disk, by the points of its rim nearest to the receiver and farthest from it.
-AreaSampling way_for_disk(AreaSampling asked, const Vec3<double>& nearest,
+AreaSampling way_for_disk(AreaSampling requested, const Vec3<double>& nearest,
                           const Vec3<double>& farthest, bool incomplete = false);
 /// The same for a whole sphere.
-AreaSampling way_for_sphere(AreaSampling asked);
+AreaSampling way_for_sphere(AreaSampling requested);
 
-/// Whether `way` is one of the five.
+/// Whether `way` is one of the first five.
 constexpr bool is_by_area(AreaSampling way) {
   return way != AreaSampling::kAutomatic && way != AreaSampling::kSolidAngle &&
          way != AreaSampling::kCosineSolidAngle;
 }
 
-/// The least that a corner of a light weighs in kCosineSolidAngle: light below the horizon of a
-/// corner may be above that of the points near it.  [Pharr23, 6.5.4]
+/// The smallest weight of a light's corner in kCosineSolidAngle.  Light below the horizon of a
+/// corner may be above the horizon of points near it.  [Pharr23, 6.5.4]
 inline constexpr double kCosineFloor = 0.01;
 
 }  // namespace lucerna

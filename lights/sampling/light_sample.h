@@ -1,4 +1,4 @@
-// What sampling a light answers, and the words that lights and shapes share.
+// The result of sampling a light, and the types that lights and shapes share.
 #pragma once
 
 #include <cstdint>
@@ -10,30 +10,30 @@
 
 namespace lucerna {
 
-/// Why a sample carries no light.  An answer, not a failure: its value is 0 and it counts as a
-/// sample in every mean.
+/// Why a sample carries no light.  This is a result and not a failure: the value is 0, and the
+/// sample counts in every mean.
 enum class NoLight : std::uint8_t {
   kNone = 0,     ///< there is light
   kBehind,       ///< the receiver is behind (or exactly in the plane of) a one-sided light
   kOutsideCone,  ///< outside the cone of a spot, beside a picture, or where either is dark
   kDegenerate,   ///< the receiver is exactly on the light: no direction or no density exists
   kBlack,        ///< the light emits nothing
-  kOutOfRange,   ///< the value or the density does not fit the type it is answered in
+  kOutOfRange,   ///< the result type cannot hold the value or the density
 };
 
-/// Where light arrives, and what a light may use of it to place its samples.
+/// The place where light arrives, and the data that a light may use to place its samples.
 template <std::floating_point Real>
 struct Receiver {
   Vec3<Real> position;  ///< about the scene's origin [m]
-  /// Unit, on the side that light is counted on; zero: there is none, all directions count alike.
+  /// Unit, on the side where light counts.  Zero: no normal, and all directions count alike.
   Vec3<Real> normal;
   AreaSampling area_sampling = AreaSampling::kAutomatic;
-  /// The caller finds light by directions of its own too and weighs both: the density may then be 0
-  /// where little light comes from.  [Karlik19]
+  /// The caller also samples directions and weights both kinds of samples.  The density may then be
+  /// 0 where little light comes from.  [Karlik19]
   bool incomplete = false;
 
   Receiver() = default;
-  // NOLINTNEXTLINE(google-explicit-constructor): a point is a receiver that says no more.
+  // NOLINTNEXTLINE(google-explicit-constructor): a point is a receiver without more data.
   Receiver(const Vec3<Real>& position) : position(position) {}
   Receiver(Real x, Real y, Real z) : position(x, y, z) {}
 };
@@ -45,7 +45,7 @@ struct Receiver {
 ///   otherwise:  E = value max(0, n.wi) / pdf.per_sr   [lx]
 template <std::floating_point Real>
 struct LightSample {
-  /// Radiance [cd/m2] arriving along `wi`; for a delta light the illuminance [lx] on a surface
+  /// Radiance [cd/m2] that arrives along `wi`.  For a delta light the illuminance [lx] on a surface
   /// that faces it.  Finite, not negative, 0 unless `reason` is kNone.
   Rgb<Real> value;
   Vec3<Real> wi;    ///< unit, from the receiver to the light, world axes
@@ -62,20 +62,20 @@ struct LightSample {
 
 /// One ray that leaves a light.  The light's power is the mean over samples of
 ///   value |n.direction| / (pdf_position pdf_direction)
-/// where a light without a surface has no cosine, and a density of 0 (of what is certain) is left
-/// out.
+/// A light without a surface has no cosine.  A density of 0 means that the position or direction is
+/// certain, and is left out.
 template <std::floating_point Real>
 struct EmissionSample {
-  /// Radiance [cd/m2]; of a light that shines from one point luminous intensity [cd]; of one that
-  /// shines in one direction illuminance on a surface that faces it [lx].  Finite, not negative, 0
-  /// unless `reason` is kNone.
+  /// Radiance [cd/m2]. For a light that shines from one point luminous intensity [cd]. For a light
+  /// that shines in one direction illuminance on a surface that faces it [lx].  Finite, not
+  /// negative, 0 unless `reason` is kNone.
   Rgb<Real> value;
-  Vec3<Real> origin;     ///< about the scene's origin [m]
-  Vec3<Real> direction;  ///< unit, away from the light
-  Vec3<Real> normal;     ///< of the surface, unit, as LightSample has it; zero where there is none
-  AreaPdf<Real> pdf_position;         ///< 0 where the position is certain
+  Vec3<Real> origin;           ///< about the scene's origin [m]
+  Vec3<Real> direction;        ///< unit, away from the light
+  Vec3<Real> normal;           ///< of the surface, unit, as in LightSample; zero without a surface
+  AreaPdf<Real> pdf_position;  ///< 0 where the position is certain
   SolidAnglePdf<Real> pdf_direction;  ///< 0 where the direction is certain
-  std::uint32_t primitive{};          ///< of the light's shape, as LightSample has it
+  std::uint32_t primitive{};          ///< of the light's shape, as in LightSample
   NoLight reason = NoLight::kNone;
 };
 
@@ -87,7 +87,7 @@ struct EmissionPdf {
   bool operator==(const EmissionPdf&) const = default;
 };
 
-/// A point of a light's own surface, as sampling or a ray found it.
+/// A point of a light's surface, found by sampling or by a ray.
 template <std::floating_point Real>
 struct SurfacePoint {
   Vec3<Real> position;  ///< about the scene's origin [m]
@@ -95,10 +95,10 @@ struct SurfacePoint {
   std::uint32_t primitive{};
 };
 
-/// A power with what is known of it.  Exact is a closed form of the light as its type holds it:
-/// what double rounds in working it out, 1e-12 of it or less, is left out of the error.
-/// Scene-dependent for distant and infinite lights: the flux through the disk of radius
-/// `SceneSphere::radius_m` that faces the light.
+/// A power with a bound on its error.  Exact means a closed form for the light as its type stores
+/// it.  The error does not include the rounding of that computation in double, at most 1e-12 of the
+/// power.  For distant and infinite lights the power depends on the scene: it is the flux through
+/// the disk of radius `SceneSphere::radius_m` that faces the light.
 struct Power {
   Rgb<double> lumens;     ///< per channel; the luminous flux is its luminance [lm]
   double error_lumens{};  ///< bound on the error of the luminous flux; 0 where exact [lm]

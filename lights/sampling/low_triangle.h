@@ -1,7 +1,7 @@
-// A triangle as a receiver sees it that is low above its plane and near to it: from the foot, the
-// point of the plane below the receiver, where the triangle holds it; else from the point of the
-// triangle that is nearest to the foot.  Told from a corner instead, what is seen next to the foot
-// would be lost in the length of the way there.
+// A triangle seen by a receiver that is close to it and low above its plane. Positions are relative
+// to the foot, the point of the plane below the receiver, if the triangle contains it.  Otherwise
+// they are relative to the point of the triangle nearest to the foot.  Relative to a corner, the
+// distance to the corner would hide what is near the foot.
 #pragma once
 
 #include <array>
@@ -17,10 +17,10 @@ namespace lucerna {
 /// A value; no call allocates.
 class LowTriangle {
  public:
-  /// Corners from the receiver, counter-clockwise about the unit normal, and how far the receiver
-  /// is above the plane on the side of the normal, not 0; in one unit of length.  Nothing where the
-  /// receiver is not within a thousandth of the triangle's size of it: there
-  /// lights/sampling/spherical_triangle.h is as good.
+  /// Corners from the receiver, counter-clockwise about the unit normal.  `height` is how far the
+  /// receiver is above the plane on the side of the normal, not 0.  All in one unit of length.
+  /// Nothing where the receiver is farther than a thousandth of the triangle's size:
+  /// lights/sampling/spherical_triangle.h is as good there.
   static std::optional<LowTriangle> create(std::span<const Vec3<double>, 3> corners,
                                            const Vec3<double>& normal, double height);
 
@@ -32,7 +32,8 @@ class LowTriangle {
  private:
   LowTriangle() = default;
 
-  /// Seen from beside: the parts to both sides of the nearest point, which is corner b of each.
+  /// Where the foot is outside: the parts on both sides of the nearest point, which is corner b of
+  /// each.
   struct Part {
     SphericalTriangle seen;
     Vec3<double> to_a, to_c;  ///< from the nearest point

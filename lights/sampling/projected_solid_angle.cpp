@@ -9,11 +9,11 @@
 namespace lucerna {
 namespace {
 
-
-/// Sums that are less than this of their terms have lost three digits, and are not taken.
+/// Sums smaller than this relative to their terms have lost three digits and are not used.
 constexpr double kLeastShare = 1e-3;
 
-/// The integral of `f` from `a` to `b` by Gauss's rule, halved where halves differ from the whole.
+/// The integral of `f` from `a` to `b` by Gauss's rule.  The interval is halved where the halves
+/// differ from the whole.
 template <typename F>
 double integral(const F& f, double a, double b) {
   struct Sum {
@@ -43,8 +43,8 @@ double integral(const F& f, double a, double b) {
   return halved(halved, a, b, all, kDepth);
 }
 
-/// A corner as the receiver sees it, how far it is above the horizon, and the edge from it to the
-/// next: told apart from both, as what a small polygon far off loses is its place alone.
+/// A corner seen by the receiver, its height above the horizon, and the edge from it to the next.
+/// The edge is stored too, because the corners of a small distant polygon lose its digits.
 struct Corner {
   Vec3<double> v;
   double up;
@@ -70,7 +70,7 @@ Polygon above_horizon(const Polygon& whole) {
     const bool a_is_up = a.up > 0, b_is_up = b.up > 0;
     if (a_is_up && b_is_up) kept.add(a);
     if (a_is_up == b_is_up) continue;
-    // From the corner that is above, so that what is small stays exact.
+    // From the corner above the horizon, so that small parts stay exact.
     if (a_is_up) {
       const Vec3<double> down = a.edge * (a.up / (a.up - b.up));
       kept.add({a.v, a.up, down});
@@ -88,7 +88,7 @@ Polygon above_horizon(const Polygon& whole) {
   return kept;
 }
 
-/// What Lambert's sum over the edges comes to, and what its terms are.
+/// The value of Lambert's sum over the edges, and the size of its terms.
 struct EdgeSum {
   double value = 0, terms = 0;
 };
@@ -134,9 +134,9 @@ double by_rule(const Part& t) {
   return sum;
 }
 
-/// The same of any, in units of twice its area: halved across its longest side until its parts are.
-/// Cut in four alike, a sliver's parts stay slivers, and as many lie beside each other where it
-/// comes near as it is longer than that is far.  [Rivara84]
+/// The same for any triangle, in units of twice its area: halved across its longest side until its
+/// parts are small.  Cut in four equal parts, slivers would stay slivers, and very many of them
+/// would be needed near the receiver.  [Rivara84]
 double by_parts(const Part& t, int depth) {
   const Vec3<double> centre = (t.v[0] + t.v[1] + t.v[2]) / 3;
   const auto away = [&](int i) { return dot(t.v[i] - centre, t.v[i] - centre); };
@@ -224,8 +224,9 @@ class CutDisk {
   double slope_, end_;
 };
 
-/// The vector that a disk's projected solid angle is the product of with any normal above whose
-/// horizon it is: away from the receiver along the axis, and along the plane towards the centre.
+/// The vector whose product with a normal is a disk's projected solid angle, for normals whose
+/// horizon the disk is above.  Its components run away from the receiver along the axis, and along
+/// the plane towards the centre.
 struct DiskVector {
   double along_axis, along_plane;
 };
@@ -244,7 +245,7 @@ DiskVector disk_vector(double offset, double height, double radius) {
   return {kPi * r2 * facing / (q * (s + q)), 2 * kPi * height * offset * r2 / (q * (s + q))};
 }
 
-/// Of a cap whose axis is on the horizon or below it.
+/// For a cap whose axis is on the horizon or below it.
 double peeking_cap(double sin_half, double cos_half, double sin_axis, double depth) {
   // Its edge is sin_half sin_axis (cos t - cos T) above the horizon.  What is seen, projected onto
   // the receiver's plane, is between this edge and the unit circle: at either end of each stretch
@@ -271,7 +272,7 @@ double polygon_projected_solid_angle(std::span<const Vec3<double>> corners,
   double farthest = 0;
   for (const Vec3<double>& c : corners) farthest = std::fmax(farthest, max_abs(c - receiver));
   if (!(farthest > 0) || !std::isfinite(farthest)) return 0;
-  // A power of two that brings it to about 1, so that no square leaves doubles.
+  // A power of two that scales it to about 1, so that no square leaves the range of double.
   const int exponent = -std::ilogb(farthest);
   Polygon whole;
   for (std::size_t i = 0; i < corners.size(); ++i) {
@@ -319,7 +320,7 @@ double cap_projected_solid_angle(const Vec3<double>& axis, double sin_half, doub
   const double cos_axis = dot(axis, normal), sin_axis = length(cross(axis, normal));
   const double all_above = kPi * sin_half * sin_half * cos_axis;
   if (cos_half * cos_axis >= sin_half * sin_axis) return std::fmax(all_above, 0);
-  // What is above is what all of it would be, and as much as is below.
+  // The part above equals the whole plus the part below.
   return std::fmax(all_above, 0) + peeking_cap(sin_half, cos_half, sin_axis, std::fabs(cos_axis));
 }
 

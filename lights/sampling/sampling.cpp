@@ -24,9 +24,10 @@ Vec3<double> sample_triangle_parallelogram(Vec2<double> u) {
 }
 
 Vec3<double> sample_triangle_rejection(Vec2<double> u) {
-  // Half of the draws are in the far half: the 64th time with a chance of 2^-64, then folded back.
+  // Half of the draws are in the far half.  The 64th is reached with a chance of 2^-64 and folded
+  // back.
   constexpr int kDraws = 64;
-  // Of the values as floats, so that floats and doubles draw alike.
+  // From the values as floats, so that floats and doubles draw the same.
   const auto bits_of = [](double v) { return std::bit_cast<std::uint32_t>(static_cast<float>(v)); };
   std::uint64_t bits = (std::uint64_t{bits_of(u.x)} << 32) | bits_of(u.y);
   for (int i = 0; i < kDraws && u.x + u.y > 1; ++i) {

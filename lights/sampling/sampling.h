@@ -1,5 +1,5 @@
-// Warps from the unit square to the domains that lights sample, each beside its density.  Every
-// warp takes the closed square: u = 0, 1 - 2^-24 and 1 give points of the domain.
+// Warps from the unit square to the domains that lights sample, each with its density.  Every warp
+// accepts the closed square: u = 0, 1 - 2^-24 and 1 give points of the domain.
 #pragma once
 
 #include <algorithm>
@@ -26,9 +26,9 @@ SolidAnglePdf<Real> uniform_sphere_pdf() {
   return {std::numbers::inv_pi_v<Real> / 4};
 }
 
-/// A unit vector within an angle theta of +z, uniform in solid angle; `one_minus_cos` is
-/// 1 - cos(theta), in [0, 2].  Give it as sin^2 / (1 + cos) or 2 sin^2(theta / 2): the difference
-/// itself cancels for narrow cones.
+/// A unit vector within an angle theta of +z, uniform in solid angle.  `one_minus_cos` is 1 -
+/// cos(theta), in [0, 2].  Compute it as sin^2 / (1 + cos) or 2 sin^2(theta / 2), because the
+/// difference cancels for narrow cones.
 template <std::floating_point Real>
 Vec3<Real> sample_uniform_cone(Vec2<Real> u, Real one_minus_cos) {
   const Real h = u.x * one_minus_cos;
@@ -78,15 +78,15 @@ Vec3<Real> sample_uniform_triangle(Vec2<Real> u) {
 
 /// The same by the square root of one value.  [Turk90]
 Vec3<double> sample_triangle_square_root(Vec2<double> u);
-/// The same by the order of the values, as Kraemer has it: the lengths of a stick broken in two
-/// places.  [Devroye86, V.2]
+/// The same by the order of the values, after Kraemer: the lengths of a stick broken in two places.
+/// [Devroye86, V.2]
 Vec3<double> sample_triangle_kraemer(Vec2<double> u);
 /// The same by a parallelogram, whose far half is turned about its middle.  [Turk90]
 Vec3<double> sample_triangle_parallelogram(Vec2<double> u);
-/// The same by a parallelogram, whose far half is drawn again: from hashes of `u`, so that the
-/// point is a function of `u`, but not a continuous one.
+/// The same by a parallelogram whose far half is drawn again from hashes of `u`.  The point is a
+/// function of `u`, but not a continuous one.
 Vec3<double> sample_triangle_rejection(Vec2<double> u);
-/// Any of the five; sample_uniform_triangle for what is none of them.
+/// Any of the five; sample_uniform_triangle for other ways.
 Vec3<double> sample_triangle(AreaSampling way, Vec2<double> u);
 
 /// For a triangle of area `area_m2`; 1/2 is the triangle of the coordinates themselves.

@@ -1,5 +1,5 @@
-// Owen-scrambled Sobol points, keyed by (seed, item, dimension): any point can be had without those
-// before it, so batches, tiles and threads may be split at will.
+// Owen-scrambled Sobol points with the key (seed, item, dimension).  Any point can be computed
+// without the points before it, so batches, tiles and threads may split them freely.
 #pragma once
 
 #include <cstdint>
@@ -8,11 +8,11 @@
 
 namespace lucerna {
 
-/// The sample points of one pixel or one batch item.  Every pair of dimensions is a (0,2)-sequence
-/// of its own, scrambled by nested uniform (Owen) scrambling from a hash of the key, its order
-/// shuffled so that pairs are independent of each other.  [Burley20]
+/// The sample points of one pixel or one batch item.  Every pair of dimensions is a (0,2)-sequence.
+/// Nested uniform (Owen) scrambling from a hash of the key scrambles it and shuffles its order, so
+/// pairs are independent of each other.  [Burley20]
 ///
-/// Thread-compatible; copying is free.
+/// Thread-compatible; copying is cheap.
 class SobolSequence {
  public:
   /// `replicate` numbers independent randomisations of the same item.
@@ -26,7 +26,7 @@ class SobolSequence {
   std::uint64_t key_;
 };
 
-/// A 64-bit hash with full avalanche; what keys are made with.
+/// A 64-bit hash with full avalanche, used to make keys.
 std::uint64_t mix_bits(std::uint64_t v);
 
 }  // namespace lucerna

@@ -50,7 +50,7 @@ std::optional<SphericalEllipse> SphericalEllipse::create(double offset, double h
 
 double SphericalEllipse::squared_edge(double x, double y) const {
   const double rr = x * x + y * y;
-  // The middle is on all meridians: taken to be on that of the long axis.
+  // The middle is on all meridians and counts as on that of the long axis.
   if (!(rr > 0)) return cos_alpha_ * cos_alpha_;
   return (cos_alpha_ * cos_alpha_ * x * x + cos_beta_ * cos_beta_ * y * y) / rr;
 }
@@ -64,8 +64,8 @@ SphericalEllipse::Point SphericalEllipse::choose(Vec2<double> u) const {
   // across^2 + along^2 = s (1 - n^2).
   const double one_minus_cos = (across * across + along * along) / (1 + n);
   const double stretch = std::sqrt((2 - one_minus_cos) / (1 + n));
-  // Onto the disk's plane, relative to where the middle meets it: no difference but in `climb`,
-  // where both terms are as small as it is.
+  // Onto the disk's plane, relative to where the middle meets it.  The only difference is in
+  // `climb`, where both terms are as small as the result.
   const double climb = (1 - one_minus_cos) * cos_tilt_ - along * stretch * sin_tilt_;
   const double from_axis = to_axis_ * along * stretch / climb;
   const double aside = height_ * across * stretch / climb;

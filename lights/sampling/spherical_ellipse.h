@@ -1,22 +1,23 @@
-// The spherical ellipse: what a disk covers of the sphere of directions, and points of the disk
-// chosen nearly uniformly in it.
+// The spherical ellipse: the directions that a disk covers, and points of the disk chosen nearly
+// uniformly in solid angle.
 //
-// As [Guillen17] this goes out from the middle of the ellipse, uniform in 1 - cos along each
-// meridian.  There the choice of the meridian is uniform in solid angle too, which takes the
-// inverse of an elliptic integral: tables or iterations, and a density no more exact than they are.
-// Here meridians are chosen uniformly by the angle t of the ellipse's edge in the form
+// As in [Guillen17], sampling starts from the middle of the ellipse and is uniform in 1 - cos along
+// each meridian. In [Guillen17] the meridian is also uniform in solid angle. This needs the inverse
+// of an elliptic integral, by tables or iterations, and its density has only their precision.  Here
+// meridians are uniform in the angle t of the ellipse's edge in the form
 //
-//   (sin alpha cos t, sin beta sin t, n(t)),   n(t)^2 = 1 - sin^2 alpha cos^2 t - sin^2 beta sin^2
-//   t,
+//   (sin alpha cos t, sin beta sin t, n(t)),
+//   n(t)^2 = 1 - sin^2 alpha cos^2 t - sin^2 beta sin^2 t,
 //
-// unit vectors about the middle, alpha and beta the half-angles of its axes.  The density of a
-// direction is then in closed form, with t that of its meridian:
+// These are unit vectors about the middle. alpha and beta are the half-angles of the axes.  The
+// density of a direction then has a closed form, with t of its meridian:
 //
 //   p = (1 + n(t)) / (2 pi sin alpha sin beta).
 //
-// It is uniform for circles, nearly so for what is small or round, and never varies by more than
-// (1 + cos beta) / (1 + cos alpha), less than 2.  (Along the meridian of azimuth phi the density of
-// 1 - cos is 1 / (1 - n), and dt / dphi / (2 pi) = (1 - n^2) / (2 pi sin alpha sin beta).)
+// It is uniform for circles and nearly uniform for small or round ellipses. It never varies by more
+// than (1 + cos beta) / (1 + cos alpha), which is less than 2. (Along the meridian of azimuth phi
+// the density of 1 - cos is 1 / (1 - n), and dt / dphi / (2 pi) = (1 - n^2) / (2 pi sin alpha sin
+// beta).)
 #pragma once
 
 #include <optional>
@@ -30,17 +31,16 @@ class SphericalEllipse {
  public:
   /// A disk of `radius` in a plane `height` above the receiver, its centre `offset` aside; not
   /// negative, in any unit of length.  Nothing where the half-angle beta of the short axis is below
-  /// 1e-5, nor where alpha is within 1e-5 of a right angle and beta not within 1e-3 of one, where
-  /// points are to be chosen by area: the one threshold for sampling and density.  Smaller disks
-  /// are either so far that all ways are alike or seen from so nearly within their plane that the
-  /// height has lost what digits `float` points hold; larger ones are seen from just over their
-  /// rim.
+  /// 1e-5.  Nothing where alpha is within 1e-5 of a right angle and beta is not within 1e-3 of one.
+  /// Callers then sample by area; this one threshold decides for sampling and density.  Smaller
+  /// disks are so far away that all ways are equal, or are seen so nearly from within their plane
+  /// that `float` points cannot hold the height.  Larger disks are seen from just above their rim.
   static std::optional<SphericalEllipse> create(double offset, double height, double radius);
 
   /// A point of the disk: x along the offset (away from the receiver), y across.
   struct Point {
     Vec2<double> from_center;
-    Vec2<double> from_foot;  ///< below the receiver; right however near that is
+    Vec2<double> from_foot;  ///< below the receiver; exact at any distance
   };
   Point choose(Vec2<double> u) const;
   /// The same from the centre alone.

@@ -7,8 +7,8 @@ namespace lucerna {
 
 namespace {
 
-/// What the triangle of the foot and an edge at `distance` covers from the edge's nearest point to
-/// `y`; sine and cosine of phi and of asin(k sin phi) combined, so that nothing cancels.
+/// The solid angle of the triangle of the foot and an edge at `distance`, from the edge's nearest
+/// point to `y`.  It combines sine and cosine of phi and of asin(k sin phi), so nothing cancels.
 double covered(double distance, double y, double height) {
   const double rho2 = y * y + distance * distance;
   const double r = std::sqrt(rho2 + height * height);
@@ -61,7 +61,7 @@ Vec3<double> SphericalFan::sample(Vec2<double> u) const {
   const double half = std::sin(covered / 2);
   const double fraction = d * (d / (slant * (slant + h))) - 2 * half * half;
   const double sine = std::sin(covered);
-  // At or beyond a right angle, by rounding alone: the end.
+  // At or beyond a right angle, which only rounding causes: the end.
   const double y = fraction > 0 ? std::clamp(d * (sine / fraction), edge.from, edge.to)
                                 : (sine < 0 ? edge.from : edge.to);
 

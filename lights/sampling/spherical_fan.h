@@ -1,16 +1,16 @@
-// What a flat convex polygon covers of the sphere of directions for a receiver so low above it that
-// this is nearly the hemisphere, and points of the polygon chosen uniformly in it.
+// The directions that a flat convex polygon covers for a receiver so low above it that they are
+// nearly the hemisphere, and points of the polygon chosen uniformly in solid angle.
 //
-// The polygon is cut into triangles from the receiver's foot, the point of it below the receiver.
-// With an edge at the distance d from the foot, h the height, y along the edge from where it is
-// nearest, such a triangle covers from that nearest point to y
+// The polygon is cut into triangles at the receiver's foot, the point of the polygon below the
+// receiver.  An edge has the distance d from the foot; h is the height; y runs along the edge from
+// its point nearest to the foot.  Such a triangle covers, from that nearest point to y,
 //
 //   G(y) = phi - asin(k sin phi),   tan phi = y / d,   k = h / sqrt(h^2 + d^2),
 //
-// and from tan G as a fraction, tan phi = sin G / (cos G - k).  No length is ever told from a
-// corner but from the foot alone, so that heights of 1e-20 of the polygon's size are as good as
-// others.  (Arvo's triangle, told from its corners, loses the square of the ratio: at heights of
-// 1e-8 its samples have nothing to do with its density.)
+// and from tan G as a fraction, tan phi = sin G / (cos G - k).  All lengths are measured from the
+// foot and not from a corner, so heights of 1e-20 of the polygon's size lose no precision. (Arvo's
+// triangle measures from its corners and loses the square of the ratio: at heights of 1e-8 its
+// samples do not follow its density.)
 #pragma once
 
 #include <array>
@@ -24,10 +24,11 @@ namespace lucerna {
 /// A value; no call allocates.
 class SphericalFan {
  public:
-  /// Corners from the receiver, three or four of them, counter-clockwise about the unit normal of
-  /// their plane, and how far the receiver is above it on the side of the normal, not 0; in one
-  /// unit of length.  Nothing where the foot is not within the polygon, nor where the height is
-  /// above a thousandth of the way to the farthest corner, where others are as good.
+  /// Three or four corners from the receiver, counter-clockwise about the unit normal of their
+  /// plane.  `height` is how far the receiver is above it on the side of the normal, not 0.  All in
+  /// one unit of length.  Nothing where the foot is outside the polygon.  Nothing where the height
+  /// exceeds a thousandth of the distance to the farthest corner, because other ways are as good
+  /// there.
   static std::optional<SphericalFan> create(std::span<const Vec3<double>> corners,
                                             const Vec3<double>& normal, double height);
 
@@ -51,7 +52,7 @@ class SphericalFan {
   Vec3<double> to_foot_;
   int count_ = 0;
   std::array<Edge, 4> edge_;
-  std::array<double, 4> up_to_;  ///< what the edges cover with those before them [sr]
+  std::array<double, 4> up_to_;  ///< running sum of what the edges cover [sr]
 };
 
 }  // namespace lucerna

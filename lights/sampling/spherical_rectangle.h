@@ -1,5 +1,5 @@
-// The spherical rectangle: what a rectangle covers of the sphere of directions, and points of the
-// rectangle chosen uniformly in it.
+// The spherical rectangle: the directions that a rectangle covers, and points of the rectangle
+// chosen uniformly in solid angle.
 #pragma once
 
 #include <optional>
@@ -11,15 +11,15 @@ namespace lucerna {
 /// Seen from the origin.  A value; no call allocates.
 class SphericalRectangle {
  public:
-  /// A corner relative to the receiver and the two edges from there, perpendicular to each other;
-  /// any unit of length.  Nothing below 1e-5 sr or above 2 pi - 1e-6 sr, where points are to be
-  /// chosen by area: the one threshold for sampling and density.  Smaller rectangles are either so
-  /// far that all ways are alike, or seen so nearly from within their plane that the cosines below
-  /// lose what tells them apart (at 1e-5 sr ten of sixteen digits are lost).
+  /// A corner relative to the receiver and the two edges from it, perpendicular to each other; any
+  /// unit of length.  Nothing below 1e-5 sr or above 2 pi - 1e-6 sr.  Callers then sample by area;
+  /// this one threshold decides for sampling and density.  Smaller rectangles are so far away that
+  /// all ways are equal, or are seen so nearly from within their plane that the cosines below lose
+  /// digits (at 1e-5 sr ten of sixteen digits are lost).
   static std::optional<SphericalRectangle> create(const Vec3<double>& corner,
                                                   const Vec3<double>& edge_x,
                                                   const Vec3<double>& edge_y);
-  /// The same where the receiver's height above the plane, to either side, is known better.
+  /// The same with a more exact height of the receiver above the plane, to either side.
   static std::optional<SphericalRectangle> create(const Vec3<double>& corner,
                                                   const Vec3<double>& edge_x,
                                                   const Vec3<double>& edge_y, double height);
@@ -27,11 +27,11 @@ class SphericalRectangle {
   /// By two triangles: a sum of four angles cancels.  [Oosterom83]
   double solid_angle_sr() const { return solid_angle_; }
 
-  /// Shares of the edges, in [0, 1]^2, uniform in solid angle.  u = (0, 0) is the corner, u.x leads
-  /// along edge_x, u.y along edge_y.  [Urena13]
+  /// The position along both edges as fractions in [0, 1]^2, uniform in solid angle. u = (0, 0) is
+  /// the corner, u.x runs along edge_x, u.y along edge_y.  [Urena13]
   Vec2<double> sample(Vec2<double> u) const;
 
-  /// The `u` that leads to these shares.
+  /// The `u` that `sample` maps to these fractions.
   Vec2<double> invert(Vec2<double> shares) const;
 
  private:

@@ -12,8 +12,8 @@ namespace {
 
 double norm(const Vec3<double>& v) { return std::sqrt(dot(v, v)); }
 
-/// The power of two that brings the longest of three vectors to about 1: exact to multiply with.  0
-/// where all are 0 or one is not finite.
+/// The power of two that scales the longest of three vectors to about 1, exactly. 0 where all are 0
+/// or one is not finite.
 double unit_for(const Vec3<double>& a, const Vec3<double>& b, const Vec3<double>& c) {
   const double largest = std::max({max_abs(a), max_abs(b), max_abs(c)});
   if (!(largest > 0) || !is_finite(a + b + c)) return 0;
@@ -32,7 +32,8 @@ double triangle_solid_angle(const Vec3<double>& a, const Vec3<double>& b, const 
 }
 
 double triangle_solid_angle(const Vec3<double>& a, const Vec3<double>& ab, const Vec3<double>& ac) {
-  // By the edges: for small triangles the corners are parallel, and their own product cancels.
+  // By the edges.  For small triangles the corners are nearly parallel, and their own product
+  // cancels.
   return triangle_solid_angle(a, a + ab, a + ac, dot(a, cross(ab, ac)));
 }
 

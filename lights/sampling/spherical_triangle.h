@@ -1,8 +1,8 @@
-// The spherical triangle: what a triangle covers of the sphere of directions, and points of the
-// triangle chosen uniformly in it.
+// The spherical triangle: the directions that a triangle covers, and points of the triangle chosen
+// uniformly in solid angle.
 //
-// Well-conditioned from 1e-30 sr to nearly the hemisphere: solid angle and sampling come from the
-// triple product of the corners by way of the edges, and no angle is ever a difference of angles.
+// Well-conditioned from 1e-30 sr to nearly the hemisphere.  Solid angle and samples come from the
+// triple product of the corners through the edges.  No angle is computed as a difference of angles.
 #pragma once
 
 #include <cmath>
@@ -12,8 +12,8 @@
 
 namespace lucerna {
 
-/// Beyond this a triangle or rectangle covers the hemisphere: its edges lie in the receiver's horizon
-/// to within the rounding of what follows [sr].
+/// Above this solid angle a triangle or rectangle covers the hemisphere [sr]. Its edges then lie in
+/// the receiver's horizon to within rounding.
 inline constexpr double kMaxSolidAngle = 2 * kPi - 1e-6;
 
 /// `x` within [0, 1]; 0 for NaN, which rounding makes of a fraction between equals.
@@ -23,24 +23,24 @@ inline double clamp_unit(double x) { return std::fmin(std::fmax(x, 0), 1); }
 /// seen from the origin; in [0, 2 pi].  0 from within its plane.  Any unit of length.
 /// [Oosterom83]
 double triangle_solid_angle(const Vec3<double>& a, const Vec3<double>& ab, const Vec3<double>& ac);
-/// The same by all three corners, where `determinant`, dot(a, cross(b, c)), is known better than
-/// they tell.
+/// The same by all three corners, with `determinant` = dot(a, cross(b, c)) more exact than the
+/// corners give it.
 double triangle_solid_angle(const Vec3<double>& a, const Vec3<double>& b, const Vec3<double>& c,
                             double determinant);
 
 /// A value; no call allocates.
 class SphericalTriangle {
  public:
-  /// Corners, and the receiver in the same frame; any unit of length.  Edges are told from the
-  /// corners as they are, so that what a small triangle loses by its distance is its direction
-  /// alone.  Nothing where no density by solid angle exists: the receiver within the plane, on a
-  /// corner, or so near to the triangle that it covers the hemisphere but for 1e-6 sr; not finite.
+  /// Corners, and the receiver in the same frame; any unit of length.  Edges are computed from the
+  /// given corners, so a small distant triangle loses precision only in its direction.  Nothing
+  /// where no density by solid angle exists: the receiver is within the plane or on a corner, or
+  /// the triangle covers the hemisphere to within 1e-6 sr, or a value is not finite.
   static std::optional<SphericalTriangle> create(const Vec3<double>& a, const Vec3<double>& b,
                                                  const Vec3<double>& c,
                                                  const Vec3<double>& receiver = {});
 
-  /// The same from corners relative to the receiver, where dot(a, cross(b - a, c - a)) is known
-  /// better than they tell.
+  /// The same from corners relative to the receiver, with dot(a, cross(b - a, c - a)) more exact
+  /// than they give it.
   static std::optional<SphericalTriangle> create_seen(const Vec3<double>& a, const Vec3<double>& b,
                                                       const Vec3<double>& c, double determinant);
 
@@ -50,7 +50,7 @@ class SphericalTriangle {
   /// `u` in [0, 1]^2: u.y = 0 is b; u.y = 1 the edge from a (u.x = 0) to c (u.x = 1).  [Arvo95]
   Vec3<double> sample(Vec2<double> u) const;
 
-  /// The `u` that leads to the point of these barycentric coordinates.
+  /// The `u` that `sample` maps to these barycentric coordinates.
   Vec2<double> invert(const Vec3<double>& barycentric) const;
 
  private:

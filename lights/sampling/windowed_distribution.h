@@ -1,4 +1,4 @@
-// Points of a rectangle within the unit square, any rectangle, with a density that follows a grid.
+// Points of any rectangle within the unit square, with a density that follows a grid of weights.
 #pragma once
 
 #include <cstddef>
@@ -9,19 +9,19 @@
 
 namespace lucerna {
 
-/// A grid of n x n cells, each with a weight; points are drawn from a window of the square with a
-/// density proportional to the weights, and a share of them uniformly over the window, so that no
-/// weight that is too small makes a sample much too bright.  Immutable.  [Bitterli15]
+/// A grid of n x n cells, each with a weight.  Points are drawn from a window of the square with a
+/// density proportional to the weights.  A share of them is uniform over the window, so a weight
+/// that is too small does not make a sample much too bright.  Immutable.  [Bitterli15]
 ///
-/// Weights are kept as the sums of integers over all rectangles that begin at the corner.  Their
-/// differences are exact: a window that holds 1e-12 of all weight is sampled as well as the whole.
+/// Weights are stored as sums of integers over all rectangles that begin at the corner.  Their
+/// differences are exact: a window with 1e-12 of all weight is sampled as well as the whole square.
 class WindowedDistribution {
  public:
   /// The part of the samples that is uniform over the window.
   static constexpr double kUniformShare = 1.0 / 16;
 
-  /// [x, x + width] x [y, y + height], within the unit square to within rounding.  Extents beside
-  /// ends: ends would cancel where the window is small.
+  /// [x, x + width] x [y, y + height], within the unit square to within rounding. The window stores
+  /// extents, because ends would cancel where the window is small.
   struct Window {
     double x = 0, y = 0, width = 1, height = 1;
   };
@@ -30,22 +30,22 @@ class WindowedDistribution {
     double pdf;  ///< with respect to the square's area
   };
 
-  /// `weights`: n x n of them, rows of x one after another, finite, not negative; below 2^-40 of
-  /// the largest they count as that.
+  /// `weights`: n x n numbers, rows of x one after another, finite, not negative.  Weights below
+  /// 2^-40 of the largest count as that.
   WindowedDistribution(int n, const std::vector<double>& weights);
 
   /// For any u of the closed unit square and a window of positive extents.
   Sample sample(const Window& window, Vec2<double> u) const;
-  /// The density with which `sample` gives points of the window; not finite where the window is too
-  /// small for numbers to say.
+  /// The density with which `sample` gives points of the window. Not finite where the window is too
+  /// small for doubles.
   double pdf(const Window& window, Vec2<double> position) const;
 
   int size() const { return n_; }
   std::size_t bytes() const { return sizeof(*this) + sums_.capacity() * sizeof(std::uint64_t); }
 
  private:
-  /// The cells that one side of a window covers: of the first `head`, of the last, where that is
-  /// another, `tail`, and all of those between.
+  /// The cells that one side of a window covers: the part `head` of the first, the part `tail` of
+  /// the last if that is another cell, and all cells between.
   struct Span {
     int first, last;
     double head, tail;

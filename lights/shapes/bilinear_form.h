@@ -21,8 +21,8 @@ struct BilinearForm {
   Vec3<double> area_vector(double u, double v) const { return cross(e + g * v, f + g * u); }
 };
 
-/// The area of the patch, by quadrature with a bound on its error, which is `tolerance_m2` or less
-/// but for patches that fold along a line.
+/// The area of the patch, by quadrature with a bound on its error.  The bound is at most
+/// `tolerance_m2`, except for patches that fold along a line.
 BilinearPatchArea integrate_area(const BilinearForm& patch, double tolerance_m2);
 
 }  // namespace lucerna

@@ -15,7 +15,7 @@ namespace lucerna {
 namespace {
 
 /// The sampling density in (u, v) is proportional to |dp/du x dp/dv| at the corners, bilinear
-/// between them; by the triangle inequality it is 0 nowhere that the share of area is not.
+/// between them.  By the triangle inequality it is positive wherever area is.
 struct CornerWeights : BilinearWeights {
   bool flat_convex;
 
@@ -32,8 +32,8 @@ struct CornerWeights : BilinearWeights {
     // them by 1e-7.
     constexpr double kFlat = 1e-6;
     const Vec3<double> sum = (n[0] + n[1]) + (n[2] + n[3]);
-    // To length 1 first: squares of areas leave double's range.  A sum of 0, of a patch that folds
-    // over by halves, makes it no number, which is not flat.
+    // Scaled to length 1 first, because squares of areas leave double's range.  For a patch whose
+    // halves cancel the sum is 0 and gives NaN, which counts as not flat.
     const double to_unit = 1 / length(sum);
     const Vec3<double> side = sum * to_unit;
     flat_convex = true;
@@ -44,7 +44,7 @@ struct CornerWeights : BilinearWeights {
   }
 };
 
-/// The real roots of a x^2 + b x + c, neither of them by a difference that cancels.
+/// The real roots of a x^2 + b x + c, without differences that cancel.
 int solve_quadratic(double a, double b, double c, double (&x)[2]) {
   const double discriminant = b * b - 4 * a * c;
   if (!(discriminant >= 0)) return 0;
@@ -56,10 +56,10 @@ int solve_quadratic(double a, double b, double c, double (&x)[2]) {
 }
 
 /// The (u, v) whose points are `position`, up to its rounding by `tolerance_m`: two where a patch
-/// folds over itself, else one, the best there is.
+/// folds over itself, else the single best one.
 int invert(const BilinearForm& p, const Vec3<double>& position, double tolerance_m,
            Vec2<double> (&uv)[2]) {
-  // Along the mean normal onto the coordinate plane that it is steepest to.
+  // Projected along the mean normal onto the coordinate plane that it is steepest to.
   Vec3<double> n = cross(p.e + p.f + p.g, p.f - p.e);
   if (!(max_abs(n) > 0)) n = p.area_vector(0, 0);
   const Vec3<double> size{std::fabs(n.x), std::fabs(n.y), std::fabs(n.z)};
@@ -73,7 +73,8 @@ int invert(const BilinearForm& p, const Vec3<double>& position, double tolerance
   double root[2];
   int count =
       solve_quadratic(-cross2(p.e, p.g), cross2(q, p.g) - cross2(p.e, p.f), cross2(q, p.f), root);
-  // Rounding may take a point of the fold over its edge: the vertex of the parabola is nearest.
+  // Rounding may move a point of the fold over its edge.  The vertex of the parabola is then
+  // nearest.
   if (count == 0) {
     root[0] = (cross2(q, p.g) - cross2(p.e, p.f)) / (2 * cross2(p.e, p.g));
     count = 1;
@@ -120,7 +121,7 @@ AreaPdf<double> pdf_area(const BilinearPatch<Real>& patch, const BilinearForm& p
   return {sum * uniform};
 }
 
-/// The corners' weights are worked out once for a point and its density.
+/// The corners' weights are computed once for a point and its density.
 template <typename Real>
 ChosenPoint<Real> sample_area_from(const BilinearPatch<Real>& patch, const BilinearForm& p,
                                    const Receiver<Real>& receiver, Vec2<Real> u) {
@@ -179,7 +180,7 @@ bool BilinearPatch<Real>::is_unfolded() const {
                              p.area_vector(1, 1)};
   const Vec3<double> sum = (n[0] + n[1]) + (n[2] + n[3]);
   const Vec3<double> side = normalized(sum);
-  // A corner without area, as of a triangle, is no fold, but has no density.
+  // A corner without area, as in a triangle, is not a fold but has no density.
   constexpr double kLeast = 1e-6;
   for (const auto& corner : n)
     if (!(dot(corner, side) > kLeast * length(sum))) return false;
@@ -191,8 +192,8 @@ bool BilinearPatch<Real>::is_rectangle() const {
   const BilinearForm p(*this);
   const double x = length(p.e);
   const double y = length(p.f);
-  // By as much as corners rounded to float at eight times the size: the density of a patch taken
-  // for a rectangle is off by no more.
+  // The tolerance is the rounding of corners to float at eight times the size.  The density of a
+  // patch taken for a rectangle is off by no more.
   constexpr double kSquare = 1e-6;
   return x > 0 && y > 0 && std::fabs(dot(p.e / x, p.f / y)) <= kSquare &&
          length(p.g) <= kSquare * std::fmin(x, y);
@@ -200,7 +201,7 @@ bool BilinearPatch<Real>::is_rectangle() const {
 
 namespace {
 
-/// A rectangle as a receiver sees it, and how its points are chosen.
+/// A rectangle seen by a receiver, and how its points are chosen.
 struct Seen {
   Vec3<double> corner[4];  // 00, 10, 01, 11; from the receiver
   Vec3<double> normal;     // the receiver's
@@ -337,7 +338,7 @@ ShapeHits<Real> BilinearPatch<Real>::hits(const Vec3<Real>& origin, const Vec3<R
   double root[2];
   const int count = solve_quadratic(dot(p.e, gd), dot(p.e, fd) + dot(a, gd), dot(a, fd), root);
 
-  // Edges belong to the patch, and by this much (u, v) may miss them: rounding in double.
+  // Edges belong to the patch.  Rounding in double may put (u, v) beyond them by this much.
   constexpr double kEdge = 1e-10;
   const auto on_patch = [](double x) { return x >= -kEdge && x <= 1 + kEdge; };
   double t_of[2];

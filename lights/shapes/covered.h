@@ -1,5 +1,4 @@
-// What a shape with something on it, a picture or a luminaire's photometry, has from the shape that
-// is under it.
+// The members that a shape with a picture or with photometry takes from the shape under it.
 #pragma once
 
 #include <absl/status/status.h>
@@ -18,27 +17,28 @@ namespace lucerna {
 template <typename Shape, typename Real, typename Surface>
 class Covered {
  public:
+  static constexpr bool kHasProjectedSolidAngle = false;
+
   double area() const { return under().area(); }
+  double area_error_m2() const { return under().area_error_m2(); }
   absl::Status emissive_error() const { return under().emissive_error(); }
   template <typename F>
   void for_each_hit(const Vec3<Real>& receiver, const Vec3<Real>& wi, F&& f) const {
     under().for_each_hit(receiver, wi, std::forward<F>(f));
   }
-  std::optional<double> height_over(const SurfacePoint<Real>& point,
-                                    const Vec3<Real>& p) const requires requires(const Surface& s) {
-    s.height_over(point, p);
+  std::optional<double> height_over(const SurfacePoint<Real>& point, const Vec3<Real>& p) const {
+    return under().height_over(point, p);
   }
-  { return under().height_over(point, p); }
   std::optional<SurfacePoint<Real>> locate(const Vec3<Real>& position, double slack_m = 0) const {
     return under().locate(position, slack_m);
   }
+  Vec3<Real> located_normal(const SurfacePoint<Real>& p) const { return under().located_normal(p); }
   bool touches(const Vec3<Real>& p, std::uint32_t primitive) const {
     return under().touches(p, primitive);
   }
   NormalCone<Real> normals() const { return under().normals(); }
   std::pair<Vec3<Real>, Vec3<Real>> bounds() const { return under().bounds(); }
-  std::size_t size() const requires requires(const Surface& s) { s.size(); }
-  { return under().size(); }
+  std::size_t size() const { return under().size(); }
 
  private:
   const Surface& under() const { return static_cast<const Shape&>(*this).surface(); }

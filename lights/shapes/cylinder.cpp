@@ -13,18 +13,12 @@ namespace lucerna {
 namespace {
 
 absl::Status check(const CylinderParams& p) {
-  const auto refuse = [](const char* field, double value, const std::string& allowed) {
-    return absl::InvalidArgumentError(
-        fmt::format("cylinder.{} = {}, allowed {}", field, value, allowed));
-  };
-  if (!(p.radius_m > 0) || !std::isfinite(p.radius_m))
-    return refuse("radius_m", p.radius_m, "finite and > 0");
-  if (!std::isfinite(p.z_min_m)) return refuse("z_min_m", p.z_min_m, "finite");
+  if (auto s = check_radius("cylinder", p); !s.ok()) return s;
+  if (!std::isfinite(p.z_min_m)) return refuse_field("cylinder", "z_min_m", p.z_min_m, "finite");
   if (!(p.z_max_m > p.z_min_m) || !std::isfinite(p.z_max_m))
-    return refuse("z_max_m", p.z_max_m, fmt::format("finite, more than z_min_m, {}", p.z_min_m));
-  if (!(p.phi_max_rad > 0 && p.phi_max_rad <= kTurnRad))
-    return refuse("phi_max_rad", p.phi_max_rad, "(0, 2 pi]");
-  return absl::OkStatus();
+    return refuse_field("cylinder", "z_max_m", p.z_max_m,
+                        fmt::format("finite, more than z_min_m, {}", p.z_min_m));
+  return check_sweep("cylinder", p);
 }
 
 Vec3<double> column(const Transform& t, int j) {
@@ -32,8 +26,8 @@ Vec3<double> column(const Transform& t, int j) {
   return {m[0][j], m[1][j], m[2][j]};
 }
 
-/// The factors across and along the axis, where the map keeps the cylinder round and upright, to
-/// within 1e-6 as Transform::uniform_scale has it; nothing otherwise.
+/// The factors across and along the axis, if the map keeps the cylinder round and upright to within
+/// 1e-6, as in Transform::uniform_scale.  Nothing otherwise.
 std::optional<Vec2<double>> scale_of(const Transform& t) {
   constexpr double kTolerance = 1e-6;
   const Vec3<double> x = column(t, 0), y = column(t, 1), z = column(t, 2);
@@ -49,9 +43,7 @@ std::optional<Vec2<double>> scale_of(const Transform& t) {
 
 template <typename Real>
 Cylinder<Real>::Cylinder(const CylinderParams& params, const Vec3<double>& origin_m)
-    : params_(params),
-      world_from_object_(params.world_from_object.about(origin_m)),
-      object_from_world_(world_from_object_.inverse()) {
+    : Base(params, origin_m) {
   if (const auto scale = scale_of(params.world_from_object))
     area_m2_ = params.phi_max_rad * (params.radius_m * scale->x) *
                ((params.z_max_m - params.z_min_m) * scale->y);
@@ -61,26 +53,14 @@ template <typename Real>
 absl::StatusOr<Cylinder<Real>> Cylinder<Real>::create(const CylinderParams& params,
                                                       const Vec3<double>& origin_m) {
   if (absl::Status status = check(params); !status.ok()) return status;
-  const Cylinder cylinder(params, origin_m);
-  const auto [lower, upper] = cylinder.bounds();
-  if (!is_finite(lower) || !is_finite(upper)) {
-    const auto base = cylinder.world_from_object_.point({0, 0, params.z_min_m});
-    return absl::InvalidArgumentError(
-        fmt::format("cylinder.world_from_object puts the cylinder's base about ({}, {}, {}), "
-                    "allowed: finite bounds, in {} bits",
-                    base.x, base.y, base.z, 8 * sizeof(Real)));
-  }
-  return cylinder;
+  return Base::with_finite_bounds(Cylinder(params, origin_m), "cylinder", "the cylinder's base",
+                                  {0, 0, params.z_min_m});
 }
 
 template <typename Real>
 absl::Status Cylinder<Real>::emissive_error() const {
   if (scale_of(params_.world_from_object)) return absl::OkStatus();
-  const auto factor = [this](int j) { return length(column(params_.world_from_object, j)); };
-  return absl::InvalidArgumentError(fmt::format(
-      "cylinder.world_from_object scales x, y, z by ({}, {}, {}), allowed for an emissive "
-      "cylinder: equal factors for x and y, no shear",
-      factor(0), factor(1), factor(2)));
+  return this->refuse_map("cylinder", "equal factors for x and y, no shear");
 }
 
 template <typename Real>
@@ -88,7 +68,7 @@ ShapeSample<Real> Cylinder<Real>::sample(const Receiver<Real>& receiver, Vec2<Re
   const double z = std::lerp(params_.z_min_m, params_.z_max_m, static_cast<double>(u.x));
   const double phi = params_.phi_max_rad * u.y;
   ShapeSample<Real> s;
-  s.point = surface_point({params_.radius_m * std::cos(phi), params_.radius_m * std::sin(phi), z});
+  s.point = surface_point(on_ring(params_.radius_m, phi, z));
   s.pdf = pdf(receiver, s.point);
   return s;
 }
@@ -96,63 +76,44 @@ ShapeSample<Real> Cylinder<Real>::sample(const Receiver<Real>& receiver, Vec2<Re
 template <typename Real>
 SolidAnglePdf<Real> Cylinder<Real>::pdf(const Receiver<Real>& receiver,
                                         const SurfacePoint<Real>& point) const {
-  return as_seen_from(receiver.position, point, AreaPdf<double>{1 / area_m2_});
+  return pdf_by_area(receiver, point);
 }
 
 template <typename Real>
 bool Cylinder<Real>::is_cut_away(const Vec3<double>& p) const {
-  // Put this way round, so that a z that is no number is cut away too.
+  // Negated, so that NaN counts as cut away.
   if (!(p.z >= params_.z_min_m && p.z <= params_.z_max_m)) return true;
   return !is_swept(p, params_.phi_max_rad);
 }
 
 template <typename Real>
-SurfacePoint<Real> Cylinder<Real>::surface_point(const Vec3<double>& p) const {
-  const Vec3<double> n = normalized(world_from_object_.normal({p.x, p.y, 0}));
-  return {Vec3<Real>(world_from_object_.point(p)),
-          Vec3<Real>(params_.reverse_orientation ? -n : n)};
-}
-
-template <typename Real>
-ShapeHits<Real> Cylinder<Real>::hits(const Vec3<Real>& origin, const Vec3<Real>& direction,
-                                     Real t_min, Real t_max) const {
-  ShapeHits<Real> found;
+int Cylinder<Real>::roots(const Vec3<Real>& origin, const Vec3<Real>& direction, Real t_min,
+                          Real t_max, QuadricRoots& out) const {
   const double r = params_.radius_m;
   const Vec3<double> o = object_from_world_.point(Vec3<double>(origin));
   const Vec3<double> d = object_from_world_.vector(Vec3<double>(direction));
   const double dd = d.x * d.x + d.y * d.y;
-  if (!(dd > 0)) return found;
-  // Across the axis as the sphere does it: from the point of closest approach, because b^2 - 4 a c
-  // cancels for far origins and thin tubes.  [Haines19]
+  if (!(dd > 0)) return 0;
+  // Across the axis as for the sphere, from the point of closest approach. b^2 - 4 a c cancels for
+  // far origins and thin tubes.  [Haines19]
   const double closest = -(o.x * d.x + o.y * d.y) / dd;
   const Vec2<double> approach{o.x + d.x * closest, o.y + d.y * closest};
   const double approach_distance = std::hypot(approach.x, approach.y);
-  if (!(approach_distance <= r)) return found;
+  if (!(approach_distance <= r)) return 0;
   const double half_chord = std::sqrt((r - approach_distance) * (r + approach_distance) / dd);
-  // The root that would cancel follows from the other and their product.
-  const double large = closest + std::copysign(half_chord, closest);
-  const double origin_distance = std::hypot(o.x, o.y);
-  const double small = large == 0 ? 0 : (origin_distance - r) * (origin_distance + r) / dd / large;
+  const auto [first, second] = Base::roots_of(closest, half_chord, std::hypot(o.x, o.y), r, dd);
 
+  int count = 0;
   const auto add = [&](double t, double chord) {
     if (!(t > t_min && t < t_max)) return;
     const double x = approach.x + d.x * chord, y = approach.y + d.y * chord;
     const double to_surface = r / std::hypot(x, y);
     const Vec3<double> p{x * to_surface, y * to_surface, o.z + d.z * t};
-    if (!is_cut_away(p)) found.add(static_cast<Real>(t), surface_point(p));
+    if (!is_cut_away(p)) out[count++] = {t, p};
   };
-  add(std::min(small, large), -half_chord);
-  add(std::max(small, large), half_chord);
-  return found;
-}
-
-template <typename Real>
-std::optional<ShapeHit<Real>> Cylinder<Real>::intersect(const Vec3<Real>& origin,
-                                                        const Vec3<Real>& direction, Real t_min,
-                                                        Real t_max) const {
-  const auto found = hits(origin, direction, t_min, t_max);
-  if (found.count == 0) return std::nullopt;
-  return found.hit[0];
+  add(first, -half_chord);
+  add(second, half_chord);
+  return count;
 }
 
 template <typename Real>
@@ -171,18 +132,12 @@ std::pair<Vec3<Real>, Vec3<Real>> Cylinder<Real>::bounds() const {
 }
 
 template <typename Real>
-std::optional<SurfacePoint<Real>> Cylinder<Real>::locate(const Vec3<Real>& position,
-                                                         double slack_m) const {
-  const Vec3<double> p = object_from_world_.point(Vec3<double>(position));
+std::optional<Vec3<double>> Cylinder<Real>::nearest(const Vec3<double>& p) const {
   const double to_surface = params_.radius_m / std::hypot(p.x, p.y);
-  Vec3<double> q{p.x * to_surface, p.y * to_surface,
-                 std::clamp(p.z, params_.z_min_m, params_.z_max_m)};
+  const Vec3<double> q{p.x * to_surface, p.y * to_surface,
+                       std::clamp(p.z, params_.z_min_m, params_.z_max_m)};
   if (!is_finite(q)) return std::nullopt;
-  q = nearest_swept(q, params_.phi_max_rad);
-  const Vec3<double> nearest = world_from_object_.point(q);
-  if (!(length(nearest - Vec3<double>(position)) <= rounding_m<Real>(bounds()) + slack_m))
-    return std::nullopt;
-  return SurfacePoint<Real>{position, surface_point(q).normal};
+  return q;
 }
 
 template <typename Real>
@@ -209,8 +164,8 @@ BandArea Cylinder<Real>::area_of(const Band& band) const {
 template <typename Real>
 SurfacePoint<Real> Cylinder<Real>::at_shares(Vec2<double> shares) const {
   const double phi = params_.phi_max_rad * shares.x;
-  return surface_point({params_.radius_m * std::cos(phi), params_.radius_m * std::sin(phi),
-                        std::lerp(params_.z_min_m, params_.z_max_m, shares.y)});
+  return surface_point(
+      on_ring(params_.radius_m, phi, std::lerp(params_.z_min_m, params_.z_max_m, shares.y)));
 }
 
 template <typename Real>

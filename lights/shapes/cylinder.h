@@ -1,5 +1,5 @@
-// The cylinder without caps, whole or swept in part, under any affine map for intersection and
-// under maps that keep its share of area uniform for emission.
+// The cylinder without caps, whole or swept in part.  Rays meet it under any affine map.  It emits
+// under maps that keep shares of area.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -13,7 +13,7 @@
 #include "lights/maths/normal_cone.h"
 #include "lights/maths/transform.h"
 #include "lights/sampling/light_sample.h"
-#include "lights/shapes/shape.h"
+#include "lights/shapes/quadric.h"
 
 namespace lucerna {
 
@@ -27,20 +27,20 @@ struct CylinderParams {
   Transform world_from_object = {};
 };
 
-/// Normals are geometric and point away from the axis, through mirrors too, unless
-/// `reverse_orientation`.  Immutable, so safe to share between threads; no call allocates but for
+/// Normals are geometric and point away from the axis, also under mirrors, unless
+/// `reverse_orientation`.  Immutable, so safe to share between threads.  Calls allocate only for
 /// error messages.
 template <typename Real>
-class Cylinder {
+class Cylinder : public Quadric<Cylinder<Real>, Real, CylinderParams> {
  public:
-  /// Errors: a field out of its domain, or bounds that `Real` does not hold.
+  static constexpr bool kHasProjectedSolidAngle = false;
+
+  /// Errors: a field out of its domain; bounds that `Real` cannot hold.
   static absl::StatusOr<Cylinder> create(const CylinderParams& params,
                                          const Vec3<double>& origin_m = {});
 
-  /// [m2].  Requires a map that keeps shares of area (`emissive_error` is OK); 0 otherwise.
-  double area() const { return area_m2_; }
-  /// OK where this shape can carry a light: equal factors across the axis, any along it, no shear.
-  /// Else InvalidArgument that names the factors.
+  /// OK where this shape can carry a light: equal factors across the axis, any factor along it, no
+  /// shear.  Else InvalidArgument with the factors.
   absl::Status emissive_error() const;
 
   /// Uniform by area.  [Pharr23, 6.3.3]
@@ -48,54 +48,39 @@ class Cylinder {
   /// The density of `sample` at a point of the surface.
   SolidAnglePdf<Real> pdf(const Receiver<Real>& receiver, const SurfacePoint<Real>& point) const;
 
-  /// First hit with t in (t_min, t_max), `direction` of any length.  The ends are open and what is
-  /// not swept is passed through.  The point is put back on the surface.  Rays along the axis do
-  /// not hit.
-  std::optional<ShapeHit<Real>> intersect(const Vec3<Real>& origin, const Vec3<Real>& direction,
-                                          Real t_min, Real t_max) const;
-  /// All hits with t in (t_min, t_max).
-  ShapeHits<Real> hits(const Vec3<Real>& origin, const Vec3<Real>& direction, Real t_min,
-                       Real t_max) const;
-
-  /// Calls `f(surface_point)` for every point of the surface along the unit vector `wi`.
-  template <typename F>
-  void for_each_hit(const Vec3<Real>& receiver, const Vec3<Real>& wi, F&& f) const {
-    const auto found = hits(receiver, wi, 0, std::numeric_limits<Real>::infinity());
-    for (int i = 0; i < found.count; ++i) f(found.hit[i].point);
-  }
-
-  /// Whether `p` lies on it, as far as doubles tell.
+  /// Whether `p` lies on it, to within the rounding of doubles.
   bool touches(const Vec3<Real>& p, std::uint32_t primitive = 0) const;
 
-  /// Density of points by area alone; 1 / area.
-  AreaPdf<double> pdf_area(const SurfacePoint<Real>&) const { return {1 / area_m2_}; }
-  /// The point of the surface at `position`, where there is one to within rounding and `slack_m`.
-  std::optional<SurfacePoint<Real>> locate(const Vec3<Real>& position, double slack_m = 0) const;
-  /// All directions of a whole cylinder; of a part a cone about its middle.
+  /// All directions for a whole cylinder; for a part a cone around its middle.
   NormalCone<Real> normals() const;
 
-  /// How pictures lie on it: u the share of the sweep, v from the lower end (0) to the upper end
-  /// (1). [Pharr23, 6.3.2]
+  /// The mapping of pictures: u is the share of the sweep, v runs from the lower end (0) to the
+  /// upper end (1).  [Pharr23, 6.3.2]
   Vec2<double> uv(const Vec3<Real>& position) const;
   BandArea area_of(const Band& band) const;
   /// The point at a share of the sweep and a share of the area below it, both in [0, 1].
   SurfacePoint<Real> at_shares(Vec2<double> shares) const;
 
-  /// World bounds about the origin, {lower, upper}; those of the whole cylinder for a part.
+  /// World bounds about the origin, {lower, upper}. A part has the bounds of the whole cylinder.
   std::pair<Vec3<Real>, Vec3<Real>> bounds() const;
-  std::size_t bytes() const { return sizeof(*this); }
-  const CylinderParams& params() const { return params_; }
-  /// About the origin that it was created with, not the world's.
-  const Transform& world_from_object() const { return world_from_object_; }
+  /// None: the cylinder is not flat.
+  std::optional<double> height_over(const SurfacePoint<Real>&, const Vec3<Real>&) const {
+    return std::nullopt;
+  }
 
  private:
   Cylinder(const CylinderParams& params, const Vec3<double>& origin_m);
+  /// The ends are open.  Rays along the axis do not hit.
+  int roots(const Vec3<Real>& origin, const Vec3<Real>& direction, Real t_min, Real t_max,
+            QuadricRoots& out) const;
   bool is_cut_away(const Vec3<double>& p) const;
-  SurfacePoint<Real> surface_point(const Vec3<double>& p) const;
+  std::optional<Vec3<double>> nearest(const Vec3<double>& q) const;
+  Vec3<Real> normal_at(const Vec3<double>& p) const { return this->oriented({p.x, p.y, 0}); }
 
-  CylinderParams params_;
-  Transform world_from_object_, object_from_world_;  // about the scene's origin
-  double area_m2_ = 0;                               // 0 where the map shares area out unevenly
+  using Base = Quadric<Cylinder<Real>, Real, CylinderParams>;
+  friend Base;
+  using Base::area_m2_, Base::object_from_world_, Base::params_, Base::world_from_object_;
+  using Base::on_ring, Base::pdf_by_area, Base::surface_point;
 };
 
 extern template class Cylinder<float>;

@@ -16,30 +16,22 @@ namespace lucerna {
 namespace {
 
 absl::Status check(const DiskParams& p) {
-  const auto refuse = [](const char* field, double value, const std::string& allowed) {
-    return absl::InvalidArgumentError(
-        fmt::format("disk.{} = {}, allowed {}", field, value, allowed));
-  };
-  if (!std::isfinite(p.height_m)) return refuse("height_m", p.height_m, "finite");
-  if (!(p.radius_m > 0) || !std::isfinite(p.radius_m))
-    return refuse("radius_m", p.radius_m, "finite and > 0");
+  if (!std::isfinite(p.height_m)) return refuse_field("disk", "height_m", p.height_m, "finite");
+  if (auto s = check_radius("disk", p); !s.ok()) return s;
   if (!(p.inner_radius_m >= 0 && p.inner_radius_m < p.radius_m))
-    return refuse("inner_radius_m", p.inner_radius_m, fmt::format("[0, radius {})", p.radius_m));
-  if (!(p.phi_max_rad > 0 && p.phi_max_rad <= kTurnRad))
-    return refuse("phi_max_rad", p.phi_max_rad, "(0, 2 pi]");
-  return absl::OkStatus();
+    return refuse_field("disk", "inner_radius_m", p.inner_radius_m,
+                        fmt::format("[0, radius {})", p.radius_m));
+  return check_sweep("disk", p);
 }
 
 }  // namespace
 
 template <typename Real>
 Disk<Real>::Disk(const DiskParams& params, const Vec3<double>& origin_m)
-    : params_(params),
-      world_from_object_(params.world_from_object.about(origin_m)),
-      object_from_world_(world_from_object_.inverse()),
+    : Base(params, origin_m),
       normal_(
           normalized(world_from_object_.normal({0, 0, params.reverse_orientation ? -1.0 : 1.0}))) {
-  // The share of area is what the map does to the unit square of the plane.
+  // The map scales all areas of the plane as it scales the unit square.
   const double stretch =
       length(cross(world_from_object_.vector({1, 0, 0}), world_from_object_.vector({0, 1, 0})));
   area_m2_ = params.phi_max_rad / 2 * (params.radius_m - params.inner_radius_m) *
@@ -52,16 +44,8 @@ template <typename Real>
 absl::StatusOr<Disk<Real>> Disk<Real>::create(const DiskParams& params,
                                               const Vec3<double>& origin_m) {
   if (absl::Status status = check(params); !status.ok()) return status;
-  const Disk disk(params, origin_m);
-  const auto [lower, upper] = disk.bounds();
-  if (!is_finite(lower) || !is_finite(upper)) {
-    const auto center = disk.world_from_object_.point({0, 0, params.height_m});
-    return absl::InvalidArgumentError(
-        fmt::format("disk.world_from_object puts the disk about ({}, {}, {}), "
-                    "allowed: finite bounds, in {} bits",
-                    center.x, center.y, center.z, 8 * sizeof(Real)));
-  }
-  return disk;
+  return Base::with_finite_bounds(Disk(params, origin_m), "disk", "the disk",
+                                  {0, 0, params.height_m});
 }
 
 template <typename Real>
@@ -76,7 +60,7 @@ double Disk<Real>::height_of(const Vec3<Real>& p) const {
 template <typename Real>
 bool Disk<Real>::touches(const Vec3<Real>& p, std::uint32_t) const {
   if (height_of(p) != 0) return false;
-  // About the middle, so that what is far from the origin loses nothing.
+  // About the middle, so coordinates far from the origin lose no precision.
   const Vec3<double> middle = world_from_object_.point({0, 0, params_.height_m});
   const Vec3<double> q = object_from_world_.vector(Vec3<double>(p) - middle);
   constexpr double kEdge = 1e-14;
@@ -99,8 +83,8 @@ std::optional<double> Disk<Real>::projected_solid_angle_sr(const Vec3<Real>& pos
                                     params_.radius_m * scale, height, normal);
 }
 
-/// A disk as a receiver sees it; a whole one in object space: in its plane the unit vector (x, y)
-/// from below the receiver to the centre.
+/// A disk seen by a receiver, and for whole disks in object space: the unit vector (x, y) in the
+/// plane from below the receiver to the centre.
 template <typename Real>
 struct Disk<Real>::Seen {
   double height_m = 0;                      // of the receiver, in the world
@@ -136,7 +120,7 @@ ShapeSample<Real> Disk<Real>::sample(const Receiver<Real>& receiver, Vec2<Real> 
     const SphericalEllipse::Point chosen = seen.ellipse->choose({u.x, u.y});
     p = turned(chosen.from_center);
     p.z = params_.height_m;
-    // What is below a low receiver is too near to it for positions on the disk to tell.
+    // Points below a low receiver are too near to it for the rounding of positions on the disk.
     constexpr double kLow = 1e-3;
     const double scale = length(world_from_object_.vector({1, 0, 0}));
     if (std::fabs(seen.height_m) < kLow * params_.radius_m * scale)
@@ -149,10 +133,9 @@ ShapeSample<Real> Disk<Real>::sample(const Receiver<Real>& receiver, Vec2<Real> 
     const double r =
         std::sqrt(inner * inner + u.x * ((params_.radius_m - inner) * (params_.radius_m + inner)));
     const double phi = params_.phi_max_rad * u.y;
-    p = {r * std::cos(phi), r * std::sin(phi), params_.height_m};
+    p = on_ring(r, phi, params_.height_m);
   }
-  s.point.position = Vec3<Real>(world_from_object_.point(p));
-  s.point.normal = normal_;
+  s.point = surface_point(p);
   s.pdf = pdf(seen, receiver, s.point);
   return s;
 }
@@ -174,22 +157,22 @@ SolidAnglePdf<Real> Disk<Real>::pdf(const Receiver<Real>& receiver,
 }
 
 template <typename Real>
-std::optional<ShapeHit<Real>> Disk<Real>::intersect(const Vec3<Real>& origin,
-                                                    const Vec3<Real>& direction, Real t_min,
-                                                    Real t_max) const {
+int Disk<Real>::roots(const Vec3<Real>& origin, const Vec3<Real>& direction, Real t_min, Real t_max,
+                      QuadricRoots& out) const {
   const Vec3<double> o = object_from_world_.point(Vec3<double>(origin));
   const Vec3<double> d = object_from_world_.vector(Vec3<double>(direction));
-  if (d.z == 0) return std::nullopt;
+  if (d.z == 0) return 0;
   const double t = (params_.height_m - o.z) / d.z;
-  if (!(t > t_min && t < t_max)) return std::nullopt;
+  if (!(t > t_min && t < t_max)) return 0;
   const double x = o.x + d.x * t;
   const double y = o.y + d.y * t;
   const double r2 = x * x + y * y;
-  if (!(r2 <= params_.radius_m * params_.radius_m)) return std::nullopt;
-  if (r2 < params_.inner_radius_m * params_.inner_radius_m) return std::nullopt;
+  if (!(r2 <= params_.radius_m * params_.radius_m)) return 0;
+  if (r2 < params_.inner_radius_m * params_.inner_radius_m) return 0;
   const Vec3<double> p{x, y, params_.height_m};
-  if (!is_swept(p, params_.phi_max_rad)) return std::nullopt;
-  return ShapeHit<Real>{static_cast<Real>(t), {Vec3<Real>(world_from_object_.point(p)), normal_}};
+  if (!is_swept(p, params_.phi_max_rad)) return 0;
+  out[0] = {t, p};
+  return 1;
 }
 
 template <typename Real>
@@ -205,19 +188,13 @@ std::pair<Vec3<Real>, Vec3<Real>> Disk<Real>::bounds() const {
 }
 
 template <typename Real>
-std::optional<SurfacePoint<Real>> Disk<Real>::locate(const Vec3<Real>& position,
-                                                     double slack_m) const {
-  Vec3<double> q = object_from_world_.point(Vec3<double>(position));
-  q.z = params_.height_m;
+std::optional<Vec3<double>> Disk<Real>::nearest(const Vec3<double>& p) const {
+  Vec3<double> q{p.x, p.y, params_.height_m};
   const double r = std::hypot(q.x, q.y);
   const double ring = std::clamp(r, params_.inner_radius_m, params_.radius_m);
   if (!is_finite(q) || (r == 0 && ring > 0)) return std::nullopt;
   if (ring != r) q = {q.x * (ring / r), q.y * (ring / r), q.z};
-  q = nearest_swept(q, params_.phi_max_rad);
-  const Vec3<double> nearest = world_from_object_.point(q);
-  if (!(length(nearest - Vec3<double>(position)) <= rounding_m<Real>(bounds()) + slack_m))
-    return std::nullopt;
-  return SurfacePoint<Real>{position, normal_};
+  return q;
 }
 
 template <typename Real>
@@ -248,9 +225,7 @@ SurfacePoint<Real> Disk<Real>::at_shares(Vec2<double> shares) const {
   const double r = std::sqrt(
       inner * inner + (1 - shares.y) * ((params_.radius_m - inner) * (params_.radius_m + inner)));
   const double phi = params_.phi_max_rad * shares.x;
-  return {Vec3<Real>(
-              world_from_object_.point({r * std::cos(phi), r * std::sin(phi), params_.height_m})),
-          normal_};
+  return surface_point(on_ring(r, phi, params_.height_m));
 }
 
 template class Disk<float>;

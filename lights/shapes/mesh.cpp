@@ -18,9 +18,9 @@ namespace lucerna {
 
 namespace {
 
-/// u.x with more digits below its 24, from u.y.  A float has too few to choose among millions of
-/// primitives and a place within; scattered by a hash, those of u.y are as good as independent of
-/// u.y itself, and an equal shift of all u.x at one u.y leaves u.x uniform.
+/// u.x with additional digits from u.y below its 24.  A float has too few digits to choose among
+/// millions of primitives and a place within one.  A hash scatters the digits of u.y, so they are
+/// nearly independent of u.y.  All u.x with the same u.y shift equally, so u.x stays uniform.
 template <typename Real>
 double refined(Vec2<Real> u) {
   const auto bits = std::bit_cast<std::uint64_t>(static_cast<double>(u.y));
@@ -213,7 +213,7 @@ std::optional<SurfacePoint<Real>> Mesh<Real, Primitive>::locate(const Vec3<Real>
   double nearest = rounding_m<Real>(bounds()) + slack_m;
   std::optional<SurfacePoint<Real>> found;
   for (std::size_t i = 0; i < primitives_.size(); ++i) {
-    // What has no area is no part of the light.
+    // Primitives without area are no part of the light.
     if (cumulative_area_[i] == (i == 0 ? 0 : cumulative_area_[i - 1])) continue;
     const auto& primitive = primitives_[i];
     const auto index = static_cast<std::uint32_t>(i);
@@ -235,8 +235,8 @@ std::optional<SurfacePoint<Real>> Mesh<Real, Primitive>::locate(const Vec3<Real>
 
 template <typename Real, template <typename> typename Primitive>
 NormalCone<Real> Mesh<Real, Primitive>::normals() const {
-  // The normals of a bilinear patch are sums of those at its corners, none of them negative: within
-  // each cone, no wider than a hemisphere, that holds these.
+  // The normals of a bilinear patch are sums of the normals at its corners with positive weights. A
+  // cone no wider than a hemisphere that contains those contains these.
   const auto for_each_normal = [this](const auto& f) {
     for (std::size_t i = 0; i < primitives_.size(); ++i) {
       const double area = cumulative_area_[i] - (i == 0 ? 0 : cumulative_area_[i - 1]);

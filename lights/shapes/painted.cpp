@@ -29,7 +29,7 @@ struct MeshOf<Mesh<Real, Primitive>> : std::true_type {
   static constexpr bool kPatches = !kTriangles;
 };
 
-/// The share of the area that lies above the coordinate y of the picture.
+/// The share of the area above the coordinate y of the picture.
 template <typename Surface>
 double area_above(const Surface& surface, double y) {
   return surface.area_of({0, y, 1 - y}).share;
@@ -158,7 +158,7 @@ PaintedArea Painted<Real, Surface>::measure() const {
     const auto area_of = [this](const Band& band) { return data_->surface.area_of(band); };
     whole = {mean_over_rows(data_->picture, area_of) * this->area(), 0};
   } else if constexpr (MeshOf<Surface<Real>>::kTriangles) {
-    // Meshes repeat the same (u, v) again and again, all of those that give none.
+    // Meshes repeat the same (u, v) often, and all without corner_uv do.
     std::map<std::array<float, 6>, Rgb<double>> known;
     for (std::size_t i = 0; i < data_->surface.size(); ++i) {
       const Vec2<float>* uv = &data_->corner_uv[3 * i];
@@ -222,7 +222,7 @@ std::optional<ImageDistribution> Painted<Real, Surface>::distribution() const {
   }
   if constexpr (MeshOf<Surface<Real>>::kTriangles)
     if (lacked_by_first()) made.emplace(image, data_->picture.filter, ImageBorder::kClamp);
-  // A black picture shows where it is black: anywhere.
+  // A black picture may return any point.
   if (made && !(made->integral() > 0)) made.reset();
   return made;
 }
@@ -234,7 +234,7 @@ ShapeSample<Real> Painted<Real, Surface>::sample(const Receiver<Real>& receiver,
   ShapeSample<Real> s;
   if constexpr (kHasRows<Surface<Real>>) {
     const Vec2<double> at = data_->distribution->sample({u.x, u.y}).position;
-    // Within a row of cells by area: above it lies its share of the row's.
+    // Within a row of cells by area: the part above the point is its share of the row.
     const Band row = row_of_cells(data_->picture, at.y);
     const double share = std::clamp((at.y - row.above) / row.height, 0.0, 1.0);
     const double above =
@@ -248,7 +248,7 @@ ShapeSample<Real> Painted<Real, Surface>::sample(const Receiver<Real>& receiver,
     const auto& patch = data_->surface.primitive(i);
     s.point = {patch.at(rounded), patch.normal(rounded), static_cast<std::uint32_t>(i)};
   } else if constexpr (MeshOf<Surface<Real>>::kTriangles) {
-    // Two triangles: the first has the half of the picture away from the corner that it lacks.
+    // Two triangles: the first shows the half of the picture opposite to the corner that it lacks.
     const Vec2<double> at = data_->distribution->sample({u.x, u.y}).position,
                        lacks = *lacked_by_first();
     const double v = 1 - at.y;
@@ -276,7 +276,7 @@ AreaPdf<double> Painted<Real, Surface>::pdf_area(const SurfacePoint<Real>& point
     const Band row = row_of_cells(data_->picture, y);
     const double measure = data_->surface.area_of(row).share;
     const double within = std::max(0.0, y - row.above);
-    // Not up to the edges, which are the neighbours'.
+    // Not up to the edges, which belong to the neighbours.
     const double share = std::clamp(
         data_->surface.area_of({row.above, within, 1 - y}).share / measure, 0x1p-30, 1 - 0x1p-30);
     const double of_square = data_->distribution->pdf({at.x, row.above + row.height * share});
@@ -308,15 +308,10 @@ std::size_t Painted<Real, Surface>::bytes() const {
          (data_->distribution ? data_->distribution->bytes() - sizeof(*data_->distribution) : 0);
 }
 
-template class Painted<float, TriangleMesh>;
-template class Painted<double, TriangleMesh>;
-template class Painted<float, PatchMesh>;
-template class Painted<double, PatchMesh>;
-template class Painted<float, Sphere>;
-template class Painted<double, Sphere>;
-template class Painted<float, Disk>;
-template class Painted<double, Disk>;
-template class Painted<float, Cylinder>;
-template class Painted<double, Cylinder>;
+#define LUCERNA_PAINTED(Shape)          \
+  template class Painted<float, Shape>; \
+  template class Painted<double, Shape>;
+LUCERNA_AREA_SHAPES(LUCERNA_PAINTED)
+#undef LUCERNA_PAINTED
 
 }  // namespace lucerna

@@ -1,5 +1,5 @@
-// A shape with a picture on it, as the shape of an area light: its points are chosen by what the
-// picture shows there.
+// A shape with a picture on it, as the shape of an area light.  Its points are chosen by the
+// picture's values.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -12,49 +12,49 @@
 #include <vector>
 
 #include "lights/pictures/image_distribution.h"
+#include "lights/shapes/area_shape.h"
 #include "lights/shapes/covered.h"
-#include "lights/shapes/cylinder.h"
-#include "lights/shapes/disk.h"
-#include "lights/shapes/mesh.h"
 #include "lights/shapes/picture.h"
-#include "lights/shapes/sphere.h"
 
 namespace lucerna {
 
-/// `Surface` is one of this library's shapes.  Disks, spheres and cylinders take a picture by their
-/// own (u, v); meshes show all of it on each primitive, or what `corner_uv` says.
+/// `Surface` is one of this library's shapes.  Disks, spheres and cylinders map a picture by their
+/// own (u, v).  Meshes show all of it on each primitive, or the part that `corner_uv` says.
 ///
-/// Points are chosen by the picture's luminance as its filter shows it: with a density that is
-/// proportional to it on cylinders, parallelograms, and up to the curvature within a row of texels
-/// on disks and spheres; on other patches proportional to it in (u, v); likewise two triangles
-/// that show it together.  Other triangles, folded patches and patches whose corners are not those
-/// of the picture are sampled as without it.  The density
-/// is exact in every case.  Immutable, so safe to share between threads; copies share all they
-/// hold, so that lights without pictures are no larger for those that have one.
+/// Points are chosen by the picture's filtered luminance:
+/// - On cylinders and parallelograms the density is proportional to it.
+/// - On disks and spheres too, up to the curvature within a row of texels.
+/// - On other patches it is proportional in (u, v).  The same holds for two triangles that show the
+///   whole picture together.
+/// - Other triangles, folded patches, and patches whose corners are not the picture's corners are
+///   sampled as if they had no picture.
+///
+/// The density is exact in every case.  Immutable, so safe to share between threads.  Copies share
+/// all data, so lights without pictures stay small.
 template <typename Real, template <typename> typename Surface>
 class Painted : public Covered<Painted<Real, Surface>, Real, Surface<Real>> {
  public:
-  /// `corner_uv`: of each primitive's corners in its order, triangles of a mesh need them, patches
-  /// have (0,0), (1,0), (0,1), (1,1) without.  Errors: a number of them that is not that of the
-  /// corners, one that is not finite.
+  /// `corner_uv` has the (u, v) of each primitive's corners, in order. Triangles of a mesh need it.
+  /// Patches without it have (0,0), (1,0), (0,1), (1,1). Errors: a number of entries other than the
+  /// number of corners; an entry that is not finite.
   static absl::StatusOr<Painted> create(Surface<Real> surface, Picture picture,
                                         std::vector<Vec2<float>> corner_uv = {});
 
-  /// By the picture, or as `surface()` does it.
+  /// By the picture, or as `surface()` samples.
   ShapeSample<Real> sample(const Receiver<Real>& receiver, Vec2<Real> u) const;
   /// The density of `sample` at a point of the surface.
   SolidAnglePdf<Real> pdf(const Receiver<Real>& receiver, const SurfacePoint<Real>& point) const;
 
-  /// Density of points that no receiver chooses.
+  /// Density of points chosen without a receiver.
   AreaPdf<double> pdf_area(const SurfacePoint<Real>& point) const;
-  /// Without the picture, which lights share.
+  /// Memory without the picture, which lights share.
   std::size_t bytes() const;
-  /// Of these, what points are chosen with; 0 where they are chosen without the picture.
+  /// The part of `bytes` from which points are drawn; 0 where they are chosen without the picture.
   std::size_t distribution_bytes() const {
     return data_->distribution ? data_->distribution->bytes() : 0;
   }
 
-  /// What the picture shows at a point of the surface.
+  /// The picture's value at a point of the surface.
   Rgb<double> tint(const SurfacePoint<Real>& point) const { return data_->picture.at(uv(point)); }
   /// The integral of the picture over the surface.
   const PaintedArea& painted_area() const { return data_->painted_area; }
@@ -78,37 +78,25 @@ class Painted : public Covered<Painted<Real, Surface>, Real, Surface<Real>> {
   explicit Painted(Data data);
   PaintedArea measure() const;
   std::optional<ImageDistribution> distribution() const;
-  /// The (u, v) of a patch's corner, and back from a (u, v) to where it is on the patch; the
-  /// latter for pictures that cover the patch corner to corner.
+  /// The (u, v) of a patch's corner, and the patch coordinates of a (u, v).  The second requires a
+  /// picture that covers the patch corner to corner.
   Vec2<double> corner(std::size_t patch, std::size_t corner) const;
   Vec2<double> on_patch(std::size_t patch, Vec2<double> uv) const;
   bool is_corner_to_corner(std::size_t patch) const;
-  /// Of two triangles that show the whole picture together: the corner of it that the first lacks.
+  /// For two triangles that show the whole picture together: the picture's corner that the first
+  /// lacks.
   std::optional<Vec2<double>> lacked_by_first() const;
 
   std::shared_ptr<const Data> data_;
 };
 
-template <typename Real>
-using PaintedTriangleMesh = Painted<Real, TriangleMesh>;
-template <typename Real>
-using PaintedPatchMesh = Painted<Real, PatchMesh>;
-template <typename Real>
-using PaintedSphere = Painted<Real, Sphere>;
-template <typename Real>
-using PaintedDisk = Painted<Real, Disk>;
-template <typename Real>
-using PaintedCylinder = Painted<Real, Cylinder>;
-
-extern template class Painted<float, TriangleMesh>;
-extern template class Painted<double, TriangleMesh>;
-extern template class Painted<float, PatchMesh>;
-extern template class Painted<double, PatchMesh>;
-extern template class Painted<float, Sphere>;
-extern template class Painted<double, Sphere>;
-extern template class Painted<float, Disk>;
-extern template class Painted<double, Disk>;
-extern template class Painted<float, Cylinder>;
-extern template class Painted<double, Cylinder>;
+// PaintedTriangleMesh, PaintedSphere and so on.
+#define LUCERNA_PAINTED(Shape)                 \
+  template <typename Real>                     \
+  using Painted##Shape = Painted<Real, Shape>; \
+  extern template class Painted<float, Shape>; \
+  extern template class Painted<double, Shape>;
+LUCERNA_AREA_SHAPES(LUCERNA_PAINTED)
+#undef LUCERNA_PAINTED
 
 }  // namespace lucerna

@@ -11,8 +11,8 @@
 namespace lucerna {
 namespace {
 
-/// Cells of one axis: texels for the nearest filter, else the spaces between their centres, at the
-/// borders halves.
+/// Cells of one axis. For the nearest filter they are texels. Otherwise they are the spaces between
+/// centres of texels, and halves at the borders.
 struct Cells {
   int texels;
   bool nearest;
@@ -35,7 +35,7 @@ struct Cells {
     return {first ? 0 : (cell - 0.5) / n, first || last ? 0.5 / n : 1 / n,
             last ? 0 : (texels - 0.5 - cell) / n};
   }
-  /// The texels that a cell lies between, and how much of the second there is at a coordinate.
+  /// The texels on both sides of a cell, and the weight of the second at a coordinate.
   int first(int cell) const { return nearest ? cell : std::max(cell - 1, 0); }
   int second(int cell) const { return nearest ? cell : std::min(cell, texels - 1); }
   double share(int cell, double at) const {
@@ -51,12 +51,12 @@ struct Cells {
 Cells columns(const Picture& p) { return {p.image->width(), p.filter == ImageFilter::kNearest}; }
 Cells rows(const Picture& p) { return {p.image->height(), p.filter == ImageFilter::kNearest}; }
 
-/// Points of a triangle by their shares of its corners: in these no triangle is thin, and what lies
-/// on one of its edges has a share of exactly 0.
+/// Points of a triangle by their shares of its corners.  In these coordinates no triangle is thin,
+/// and points on an edge have a share of exactly 0.
 using Polygon = std::vector<Vec3<double>>;
 
-/// What of `in` is on the upper side of a line (`sign` 1) or on the lower one (-1), where `off` is
-/// how far the corners are off it.  [Sutherland74]
+/// The part of `in` on the upper side (`sign` 1) or the lower side (-1) of a line.  `off` is the
+/// distance of each corner from the line.  [Sutherland74]
 void clip(const Polygon& in, const Vec3<double>& off, double sign, Polygon& out) {
   out.clear();
   for (std::size_t i = 0; i < in.size(); ++i) {
@@ -123,8 +123,8 @@ Rgb<double> mean_over_triangle(const Picture& picture, const std::array<Vec2<dou
   const Vec3<double> x{uv[0].x, uv[1].x, uv[2].x}, v{uv[0].y, uv[1].y, uv[2].y};
   const Vec3<double> y{1 - v.x, 1 - v.y, 1 - v.z};
   const Cells across = columns(picture), down = rows(picture);
-  // How far the corners are beyond the line where a cell begins: (u, v) in float times a number of
-  // texels is exact, so that it is rounded once, however near the line.
+  // The distance of the corners beyond the line where a cell begins. (u, v) in float times a number
+  // of texels is exact, so only one rounding occurs.
   const auto beyond_column = [&](int cell) {
     const double at = across.line(cell), n = across.texels;
     return Vec3<double>{x.x * n - at, x.y * n - at, x.z * n - at};
@@ -164,8 +164,8 @@ Rgb<double> mean_over_triangle(const Picture& picture, const std::array<Vec2<dou
       left = std::min(left, dot(p, x));
       right = std::max(right, dot(p, x));
     }
-    // One more on either side, as these are rounded; but none beyond the corners' own, which would
-    // count a triangle that lies on the line between two cells once more.
+    // One more cell on either side, because these are rounded.  None beyond the cells of the
+    // corners, which would count a triangle on the line between two cells twice.
     const int end = std::min(across.at(right) + 1, last_column);
     for (int column = std::max(across.at(left) - 1, first_column); column <= end; ++column) {
       b = band;
@@ -200,8 +200,8 @@ std::array<double, kTerms> legendre(double x) {
 template <std::size_t kTerms>
 using Coefficients = std::array<std::array<double, kTerms>, kTerms>;
 
-/// Those of `f` over the square by Legendre polynomials, [degree in u][degree in v]: exact for
-/// polynomials of these degrees.
+/// The moments of `f` over the square by Legendre polynomials, [degree in u][degree in v].  Exact
+/// for polynomials of these degrees.
 template <std::size_t kTerms>
 Coefficients<kTerms> expand(const std::function<double(Vec2<double>)>& f) {
   const Gauss<kTerms>& rule = gauss<kTerms>();
@@ -279,9 +279,9 @@ std::optional<PaintedArea> PictureMoments::times(const std::function<double(Vec2
   double bound = 0;
   for (const auto& row : residual)
     for (double r : row) bound += std::fabs(r);
-  // What is left of a polynomial is rounding.
+  // Differences this small are rounding.
   if (farthest <= 1e-13 * c[0][0]) return sum;
-  // Within it P has no zero: it is positive as its mean is, and |f - P| is that over f + P.
+  // P has no zero within this bound. It is positive as its mean is, and |f - P| is this over f + P.
   if (!(bound < least * least && c[0][0] > 0)) return std::nullopt;
   sum.error_m2 =
       moments_[0][0].max_component() * bound / (least + std::sqrt(least * least - bound));
@@ -290,8 +290,8 @@ std::optional<PaintedArea> PictureMoments::times(const std::function<double(Vec2
 
 namespace {
 
-/// Coordinates from `from` to `to`, so many that the picture has its extremes at them: both ends,
-/// and each texel's middle in between.
+/// Coordinates from `from` to `to` at which the picture has its extremes: both ends, and the middle
+/// of each texel between.
 void put_stops(double from, double to, int texels, std::vector<double>& stops) {
   stops = {from, to};
   const double first = std::ceil(std::clamp(from, 0.0, 1.0) * texels - 0.5);

@@ -29,14 +29,15 @@ SeenSphere::Point SeenSphere::from_outside(Vec2<double> u) const {
   const double one_minus_cos = a * cone;
   const double cos_theta = 1 - one_minus_cos;
   const double sin_theta = std::sqrt(one_minus_cos * (2 - one_minus_cos));
-  // Half the chord that the direction cuts, in radii: sqrt(1 - (d sin_theta / r)^2) with both
-  // differences worked out by hand, so that it is right at the rim.
+  // Half the chord of the direction, in radii: sqrt(1 - (d sin_theta / r)^2) with both differences
+  // expanded, so that it is exact at the rim.
   const double half_chord = std::sqrt((1 - a) * (2 - cone * (1 + a)) / (2 - cone));
-  // To the near intersection: the far root divides the product of both, (d - r)(d + r).
+  // To the near intersection: the product of both, (d - r)(d + r), over the far root.
   const double t = (d - r) * (d + r) / (d * cos_theta + r * half_chord);
 
-  // alpha: at the centre, between the receiver and the point.  Its sine from the height of the
-  // point over the axis (right close to the sphere), its cosine from the chord (right far from it).
+  // alpha: at the centre, between the receiver and the point. Its sine comes from the height of the
+  // point over the axis, which is exact close to the sphere. Its cosine comes from the chord, which
+  // is exact far from it.
   const double height = t * sin_theta / r;
   const double along = sin_theta * sin_theta * d / r + cos_theta * half_chord;
   const double norm = std::sqrt(height * height + along * along);
@@ -47,7 +48,7 @@ SeenSphere::Point SeenSphere::from_outside(Vec2<double> u) const {
   const Vec3<double> outward =
       frame.world_from_local({sin_alpha * std::cos(phi), sin_alpha * std::sin(phi), cos_alpha});
   Point p{outward * r, outward};
-  // Just above the surface rounding moves points by more than they are away.
+  // Just above the surface rounding moves points by more than their distance.
   constexpr double kNear = 1e-3;
   if (d - r < kNear * r)
     p.to_point = frame.world_from_local(
@@ -58,8 +59,8 @@ SeenSphere::Point SeenSphere::from_outside(Vec2<double> u) const {
 SeenSphere::Point SeenSphere::from_within(Vec2<double> u) const {
   const double r = radius_m;
   const Vec3<double> w = sample_uniform_sphere(u);
-  // The roots of t^2 - 2 t (w.c) - (r - d)(r + d) have different signs; the positive one, by the
-  // quotient where it would cancel.
+  // The roots of t^2 - 2 t (w.c) - (r - d)(r + d) have different signs.  This is the positive one,
+  // as a quotient where it would cancel.
   const double along = dot(w, to_center);
   const double product = (r - distance) * (r + distance);
   const double root = std::sqrt(along * along + product);

@@ -1,11 +1,11 @@
-// A whole sphere as it is seen from a point: how points of it are chosen by direction.
+// A whole sphere seen from a point, and points of it chosen by direction.
 #pragma once
 
 #include "lights/maths/vec.h"
 
 namespace lucerna {
 
-/// In double, whatever the type of its light: what that rounds is the answer.
+/// In double for lights of any type.  The caller rounds the result.
 struct SeenSphere {
   Vec3<double> to_center;  ///< from where it is seen [m]
   double distance;         ///< the length of that
@@ -15,19 +15,19 @@ struct SeenSphere {
   struct Point {
     Vec3<double> from_center;  ///< [m]
     Vec3<double> normal;       ///< outwards, unit
-    /// From where it is seen [m]; 0 where the difference of the positions tells it as well.
+    /// From where it is seen [m].  0 where the difference of the positions is as exact.
     Vec3<double> to_point{};
   };
 
-  /// 1 - cos of the half-angle that it subtends.  Requires a distance greater than the radius, as
-  /// the next two do.
+  /// 1 - cos of the half-angle that it subtends.  Requires a distance greater than the radius, and
+  /// so do the next two functions.
   double one_minus_cos_cone() const;
   /// The density of `from_outside` [1/sr].
   double pdf_from_outside() const;
-  /// The point of the near side in a direction of all that meet it alike; u in [0, 1]^2.
-  /// [Pharr23, 6.2.4]
+  /// The point of the near side in a direction chosen uniformly among those that meet the sphere; u
+  /// in [0, 1]^2.  [Pharr23, 6.2.4]
   Point from_outside(Vec2<double> u) const;
-  /// The point in a direction of all alike.  Requires a distance less than the radius.
+  /// The point in a direction chosen uniformly.  Requires a distance less than the radius.
   Point from_within(Vec2<double> u) const;
 };
 

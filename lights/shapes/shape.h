@@ -1,9 +1,9 @@
-// What the shapes of area lights share: the words of sampling and intersecting, and the way from a
-// density by area to one by solid angle.
+// Types and functions that the shapes of area lights share, and the conversion from a density by
+// area to one by solid angle.
 //
-// Shapes keep their numbers in `Real` or double and compute in double.  A point is rounded to
-// `Real` first, and its density is that of the rounded point: what a sample says of itself is then
-// bit for bit what `pdf` says of its point later.
+// Shapes store their numbers in `Real` or double and compute in double.  A point is rounded to
+// `Real` first, and its density is that of the rounded point.  A sample's density then has the same
+// bits as a later call of `pdf` for its point.
 #pragma once
 
 #include <array>
@@ -16,17 +16,17 @@
 
 namespace lucerna {
 
-/// What a shape's sampling answers: a point, and the density of its direction from the receiver.
+/// A sampled point and the density of its direction from the receiver.
 template <std::floating_point Real>
 struct ShapeSample {
   SurfacePoint<Real> point;
   SolidAnglePdf<Real> pdf;  ///< not positive or not finite: no direction exists for this point
-  /// From the receiver, before the point was rounded; zero: the difference is as good.  Where the
-  /// receiver is all but on the light, rounding moves the point by more than there is between.
+  /// From the receiver to the point before rounding.  Zero: the difference of the positions is as
+  /// exact.  Close to the light, rounding moves the point by more than its distance.
   Vec3<double> to_point{};
 };
 
-/// The same of a primitive of a mesh.
+/// The same for a primitive of a mesh.
 template <std::floating_point Real>
 struct ChosenPoint {
   SurfacePoint<Real> point;
@@ -51,8 +51,8 @@ struct ShapeHits {
 };
 
 /// The density by solid angle at `receiver` of choosing `point` with density `pdf` by area.
-/// Infinite where the receiver is in the plane of the point; 0 where it is the point, or not
-/// finite.
+/// Infinite where the receiver is in the plane of the point.  0 where the receiver is the point or
+/// not finite.
 template <std::floating_point Real>
 SolidAnglePdf<double> pdf_seen_from(const Vec3<Real>& receiver, const SurfacePoint<Real>& point,
                                     AreaPdf<double> pdf) {
@@ -62,8 +62,8 @@ SolidAnglePdf<double> pdf_seen_from(const Vec3<Real>& receiver, const SurfacePoi
   const double cos_light = std::fabs(dot(Vec3<double>(point.normal), to_receiver)) / distance;
   return to_solid_angle(pdf, distance, cos_light);
 }
-/// The same of a flat shape, `height` above whose plane the receiver is, to either side: for a
-/// receiver all but in the plane the point, rounded, is not.
+/// The same for a flat shape.  The receiver is `height` above its plane, to either side.  Close to
+/// the plane the rounded point is not exact enough.
 template <std::floating_point Real>
 SolidAnglePdf<double> pdf_seen_from(const Vec3<Real>& receiver, const SurfacePoint<Real>& point,
                                     AreaPdf<double> pdf, double height) {
@@ -83,8 +83,8 @@ SolidAnglePdf<Real> as_seen_from(const Vec3<Real>& receiver, const SurfacePoint<
   return {static_cast<Real>(pdf_seen_from(receiver, point, pdf, height).per_sr)};
 }
 
-/// What a corner of a light, `to_corner` from a receiver with `normal`, weighs in
-/// kCosineSolidAngle.
+/// The weight of a light's corner in kCosineSolidAngle.  `to_corner` starts at a receiver with
+/// `normal`.
 inline double cosine_weight(const Vec3<double>& normal, const Vec3<double>& to_corner) {
   return std::fmax(kCosineFloor, dot(normalized(to_corner), normal));
 }
@@ -96,37 +96,37 @@ inline double azimuth(const Vec3<double>& p) {
   const double phi = std::atan2(p.y, p.x);
   return phi < 0 ? phi + kTurnRad : phi;
 }
-/// Whether a sweep of `phi_max_rad` about +z from +x holds `p`.
+/// Whether a sweep of `phi_max_rad` about +z from +x contains `p`.
 inline bool is_swept(const Vec3<double>& p, double phi_max_rad) {
   return !(phi_max_rad < kTurnRad) || azimuth(p) <= phi_max_rad;
 }
-/// Whether of the sweep's two edges the last is nearer to an angle beyond it.
+/// Whether an angle beyond the sweep is nearer to its last edge than to its first.
 inline bool is_nearer_to_last(double azimuth_rad, double phi_max_rad) {
   return azimuth_rad - phi_max_rad < kTurnRad - azimuth_rad;
 }
-/// `p`, or where the sweep does not hold it the point of its nearer edge at the same height and
-/// distance from the axis.
+/// `p` if the sweep contains it.  Else the point of the nearer edge at the same height and distance
+/// from the axis.
 inline Vec3<double> nearest_swept(const Vec3<double>& p, double phi_max_rad) {
   if (is_swept(p, phi_max_rad)) return p;
   const double edge = is_nearer_to_last(azimuth(p), phi_max_rad) ? phi_max_rad : 0;
   const double across = std::hypot(p.x, p.y);
   return {across * std::cos(edge), across * std::sin(edge), p.z};
 }
-/// The angle of `p` as a share of a sweep; beyond it, where only rounding leads, that of its nearer
-/// edge.
+/// The angle of `p` as a share of a sweep.  Beyond the sweep, where only rounding leads, the share
+/// of its nearer edge.
 inline double share_of_sweep(const Vec3<double>& p, double phi_max_rad) {
   const double phi = azimuth(p);
   if (phi <= phi_max_rad) return phi / phi_max_rad;
   return is_nearer_to_last(phi, phi_max_rad) ? 1 : 0;
 }
 
-/// A band across a picture from side to side, in shares of its height, which add up to 1: none of
-/// them a difference of the others, so that thin bands keep their digits at either end.
+/// A band across a picture from side to side, in shares of its height, which add up to 1. All three
+/// are stored, because differences would lose the digits of thin bands.
 struct Band {
   double above, height, below;
 };
 
-/// What of a surface's area a band of its picture covers.
+/// The part of a surface's area that a band of its picture covers.
 struct BandArea {
   double share;  ///< of the whole
   double tilt;   ///< the integral over it, in such shares, of what runs from -1 above to 1 below

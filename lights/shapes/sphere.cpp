@@ -17,24 +17,20 @@ namespace lucerna {
 namespace {
 
 absl::Status check(const SphereParams& p) {
-  const auto refuse = [](const char* field, double value, const std::string& allowed) {
-    return absl::InvalidArgumentError(
-        fmt::format("sphere.{} = {}, allowed {}", field, value, allowed));
-  };
-  if (!(p.radius_m > 0) || !std::isfinite(p.radius_m))
-    return refuse("radius_m", p.radius_m, "finite and > 0");
-  if (!(p.phi_max_rad > 0 && p.phi_max_rad <= kTurnRad))
-    return refuse("phi_max_rad", p.phi_max_rad, "(0, 2 pi]");
+  if (auto s = check_radius("sphere", p); !s.ok()) return s;
+  if (auto s = check_sweep("sphere", p); !s.ok()) return s;
   if (!(p.z_min_m < p.radius_m))
-    return refuse("z_min_m", p.z_min_m, fmt::format("less than the radius, {}", p.radius_m));
+    return refuse_field("sphere", "z_min_m", p.z_min_m,
+                        fmt::format("less than the radius, {}", p.radius_m));
   if (!(p.z_max_m > -p.radius_m))
-    return refuse("z_max_m", p.z_max_m, fmt::format("more than {}", -p.radius_m));
+    return refuse_field("sphere", "z_max_m", p.z_max_m, fmt::format("more than {}", -p.radius_m));
   if (!(p.z_max_m > p.z_min_m))
-    return refuse("z_max_m", p.z_max_m, fmt::format("more than z_min_m, {}", p.z_min_m));
+    return refuse_field("sphere", "z_max_m", p.z_max_m,
+                        fmt::format("more than z_min_m, {}", p.z_min_m));
   return absl::OkStatus();
 }
 
-/// Of the circle at height `z` of a sphere, from +z.
+/// The polar angle from +z of the circle at height `z` of a sphere.
 double polar_angle(double z, double radius) {
   return std::atan2(std::sqrt((radius - z) * (radius + z)), z);
 }
@@ -54,9 +50,7 @@ double sinc_minus_cos(double h) {
 
 template <typename Real>
 Sphere<Real>::Sphere(const SphereParams& params, const Vec3<double>& origin_m)
-    : params_(params),
-      world_from_object_(params.world_from_object.about(origin_m)),
-      object_from_world_(world_from_object_.inverse()),
+    : Base(params, origin_m),
       z_min_m_(std::max(params.z_min_m, -params.radius_m)),
       z_max_m_(std::min(params.z_max_m, params.radius_m)),
       is_cut_in_z_(z_min_m_ > -params.radius_m || z_max_m_ < params.radius_m),
@@ -73,27 +67,13 @@ template <typename Real>
 absl::StatusOr<Sphere<Real>> Sphere<Real>::create(const SphereParams& params,
                                                   const Vec3<double>& origin_m) {
   if (absl::Status status = check(params); !status.ok()) return status;
-  const Sphere sphere(params, origin_m);
-  const auto [lower, upper] = sphere.bounds();
-  if (!is_finite(lower) || !is_finite(upper))
-    return absl::InvalidArgumentError(
-        fmt::format("sphere.world_from_object puts the sphere about ({}, {}, {}), "
-                    "allowed: finite bounds, in {} bits",
-                    sphere.center_m_.x, sphere.center_m_.y, sphere.center_m_.z, 8 * sizeof(Real)));
-  return sphere;
+  return Base::with_finite_bounds(Sphere(params, origin_m), "sphere", "the sphere", {0, 0, 0});
 }
 
 template <typename Real>
 absl::Status Sphere<Real>::emissive_error() const {
   if (world_radius_m_ > 0) return absl::OkStatus();
-  const auto& m = params_.world_from_object.matrix();
-  const auto factor = [&m](int column) {
-    return length(Vec3<double>{m[0][column], m[1][column], m[2][column]});
-  };
-  return absl::InvalidArgumentError(fmt::format(
-      "sphere.world_from_object scales x, y, z by ({}, {}, {}), allowed for an emissive "
-      "sphere: equal factors, no shear",
-      factor(0), factor(1), factor(2)));
+  return this->refuse_map("sphere", "equal factors, no shear");
 }
 
 template <typename Real>
@@ -102,7 +82,7 @@ typename Sphere<Real>::Way Sphere<Real>::way_at(double distance,
   if (!is_whole_) return Way::kArea;
   if (is_by_area(way_for_sphere(receiver.area_sampling))) return Way::kArea;
   if (distance > world_radius_m_) return Way::kCone;
-  // Nearer to the surface, half of all directions end where no float tells point from receiver.
+  // Nearer to the surface, floats cannot separate half of the sampled points from the receiver.
   constexpr double kDepth = 1e-3;
   return distance < (1 - kDepth) * world_radius_m_ ? Way::kInside : Way::kArea;
 }
@@ -130,8 +110,8 @@ ShapeSample<Real> Sphere<Real>::sample(const Receiver<Real>& receiver, Vec2<Real
   const double phi = params_.phi_max_rad * u.y;
   const double ring = std::sqrt((params_.radius_m - z) * (params_.radius_m + z));
   ShapeSample<Real> s;
-  s.point = surface_point({ring * std::cos(phi), ring * std::sin(phi), z});
-  s.pdf = as_seen_from(receiver.position, s.point, AreaPdf<double>{1 / area_m2_});
+  s.point = surface_point(on_ring(ring, phi, z));
+  s.pdf = pdf_by_area(receiver, s.point);
   return s;
 }
 
@@ -141,11 +121,11 @@ SolidAnglePdf<Real> Sphere<Real>::pdf(const Receiver<Real>& receiver,
   const Vec3<double> to_receiver = Vec3<double>(receiver.position) - center_m_;
   const double distance = length(to_receiver);
   const Way way = way_at(distance, receiver);
-  if (way == Way::kArea)
-    return as_seen_from(receiver.position, point, AreaPdf<double>{1 / area_m2_});
+  if (way == Way::kArea) return pdf_by_area(receiver, point);
   if (way == Way::kInside) return uniform_sphere_pdf<Real>();
-  // The near side by the normal, which says where on the sphere the point is however far the sphere
-  // is from the origin; less the rounding of both vectors, so that no sample at the rim falls off.
+  // The near side follows from the normal, which gives the place on the sphere exactly however far
+  // the sphere is from the origin. The bound is lowered by the rounding of both vectors, so that no
+  // sample at the rim is lost.
   constexpr double kRounding = 4 * kInputRounding;
   const Vec3<double> n(point.normal);
   const double cos_alpha = dot(params_.reverse_orientation ? -n : n, to_receiver) / distance;
@@ -155,67 +135,38 @@ SolidAnglePdf<Real> Sphere<Real>::pdf(const Receiver<Real>& receiver,
 }
 
 template <typename Real>
-int Sphere<Real>::roots(const Vec3<Real>& origin, const Vec3<Real>& direction,
-                        Root (&out)[2]) const {
+int Sphere<Real>::roots(const Vec3<Real>& origin, const Vec3<Real>& direction, Real t_min,
+                        Real t_max, QuadricRoots& out) const {
   const double r = params_.radius_m;
   const Vec3<double> o = object_from_world_.point(Vec3<double>(origin));
   const Vec3<double> d = object_from_world_.vector(Vec3<double>(direction));
   const double dd = dot(d, d);
   if (!(dd > 0)) return 0;
-  // The discriminant from the point of closest approach, not as b^2 - 4 a c, which cancels for far
-  // origins and small spheres.  [Haines19]
+  // The discriminant from the point of closest approach.  b^2 - 4 a c would cancel for far origins
+  // and small spheres.  [Haines19]
   const double closest = -dot(o, d) / dd;
   const Vec3<double> approach = o + d * closest;
   const double approach_distance = std::sqrt(dot(approach, approach));
   if (!(approach_distance <= r)) return 0;
   const double half_chord = std::sqrt((r - approach_distance) * (r + approach_distance) / dd);
-  // The root that would cancel follows from the other and their product.
-  const double large = closest + std::copysign(half_chord, closest);
-  const double origin_distance = std::sqrt(dot(o, o));
-  const double small = large == 0 ? 0 : (origin_distance - r) * (origin_distance + r) / dd / large;
+  const auto [first, second] = Base::roots_of(closest, half_chord, std::sqrt(dot(o, o)), r, dd);
 
-  const auto on_sphere = [r](const Vec3<double>& p) { return p * (r / std::sqrt(dot(p, p))); };
   const Vec3<double> step = d * half_chord;
-  out[0] = {std::min(small, large), on_sphere(approach - step)};
-  out[1] = {std::max(small, large), on_sphere(approach + step)};
-  return 2;
+  int count = 0;
+  const auto add = [&](double t, const Vec3<double>& near_surface) {
+    if (!(t > t_min && t < t_max)) return;
+    const Vec3<double> p = near_surface * (r / std::sqrt(dot(near_surface, near_surface)));
+    if (!is_cut_away(p)) out[count++] = {t, p};
+  };
+  add(first, approach - step);
+  add(second, approach + step);
+  return count;
 }
 
 template <typename Real>
 bool Sphere<Real>::is_cut_away(const Vec3<double>& p) const {
   if (is_cut_in_z_ && (p.z < z_min_m_ || p.z > z_max_m_)) return true;
   return !is_swept(p, params_.phi_max_rad);
-}
-
-template <typename Real>
-SurfacePoint<Real> Sphere<Real>::surface_point(const Vec3<double>& p) const {
-  const Vec3<double> n = normalized(world_from_object_.normal(p));
-  return {Vec3<Real>(world_from_object_.point(p)),
-          Vec3<Real>(params_.reverse_orientation ? -n : n)};
-}
-
-template <typename Real>
-ShapeHits<Real> Sphere<Real>::hits(const Vec3<Real>& origin, const Vec3<Real>& direction,
-                                   Real t_min, Real t_max) const {
-  ShapeHits<Real> found;
-  Root root[2];
-  const int count = roots(origin, direction, root);
-  for (int i = 0; i < count; ++i)
-    if (root[i].t > t_min && root[i].t < t_max && !is_cut_away(root[i].p))
-      found.add(static_cast<Real>(root[i].t), surface_point(root[i].p));
-  return found;
-}
-
-template <typename Real>
-std::optional<ShapeHit<Real>> Sphere<Real>::intersect(const Vec3<Real>& origin,
-                                                      const Vec3<Real>& direction, Real t_min,
-                                                      Real t_max) const {
-  Root root[2];
-  const int count = roots(origin, direction, root);
-  for (int i = 0; i < count; ++i)
-    if (root[i].t > t_min && root[i].t < t_max && !is_cut_away(root[i].p))
-      return ShapeHit<Real>{static_cast<Real>(root[i].t), surface_point(root[i].p)};
-  return std::nullopt;
 }
 
 template <typename Real>
@@ -228,7 +179,8 @@ std::pair<Vec3<Real>, Vec3<Real>> Sphere<Real>::bounds() const {
   const double z_middle = (z_min_m_ + z_max_m_) / 2;
   const double z_half = (z_max_m_ - z_min_m_) / 2;
   const auto extent = [&](int row) {
-    // Two bounds that both hold: the whole ellipsoid, and the image of the box about what is left.
+    // Two bounds are valid: the whole ellipsoid, and the image of the box around the remaining
+    // part.
     const double ellipsoid = r * length(Vec3<double>{m[row][0], m[row][1], m[row][2]});
     const double box =
         ring * (std::fabs(m[row][0]) + std::fabs(m[row][1])) + z_half * std::fabs(m[row][2]);
@@ -243,21 +195,16 @@ std::pair<Vec3<Real>, Vec3<Real>> Sphere<Real>::bounds() const {
 }
 
 template <typename Real>
-std::optional<SurfacePoint<Real>> Sphere<Real>::locate(const Vec3<Real>& position,
-                                                       double slack_m) const {
+std::optional<Vec3<double>> Sphere<Real>::nearest(const Vec3<double>& p) const {
   const double r = params_.radius_m;
-  Vec3<double> q = normalized(object_from_world_.point(Vec3<double>(position))) * r;
+  Vec3<double> q = normalized(p) * r;
   if (!is_finite(q)) return std::nullopt;
   if (q.z < z_min_m_ || q.z > z_max_m_) {
     const double z = std::clamp(q.z, z_min_m_, z_max_m_);
     const double to_ring = std::sqrt((r - z) * (r + z)) / std::hypot(q.x, q.y);
     q = {q.x * to_ring, q.y * to_ring, z};
   }
-  q = nearest_swept(q, params_.phi_max_rad);
-  const Vec3<double> nearest = world_from_object_.point(q);
-  if (!(length(nearest - Vec3<double>(position)) <= rounding_m<Real>(bounds()) + slack_m))
-    return std::nullopt;
-  return SurfacePoint<Real>{position, surface_point(q).normal};
+  return q;
 }
 
 template <typename Real>
@@ -302,7 +249,7 @@ BandArea Sphere<Real>::area_of(const Band& band) const {
     return {std::sin(from_bottom), -std::cos(from_bottom)};
   };
   const double whole = middle_of({0, 1, 0}).sin * std::sin(sweep / 2);
-  // A zone so thin that its angles do not tell its edges apart is as good as a cylinder.
+  // In a zone so thin that its angles coincide, a cylinder is as exact.
   if (!(whole > 0)) return {band.height, 0};
   const double half = band.height * sweep / 2;
   const Middle middle = middle_of(band);
@@ -315,7 +262,7 @@ SurfacePoint<Real> Sphere<Real>::at_shares(Vec2<double> shares) const {
   const double z = std::clamp(std::lerp(z_min_m_, z_max_m_, shares.y), z_min_m_, z_max_m_);
   const double phi = params_.phi_max_rad * shares.x;
   const double ring = std::sqrt((params_.radius_m - z) * (params_.radius_m + z));
-  return surface_point({ring * std::cos(phi), ring * std::sin(phi), z});
+  return surface_point(on_ring(ring, phi, z));
 }
 
 template <typename Real>

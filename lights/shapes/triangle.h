@@ -14,21 +14,22 @@ template <typename Real>
 struct Triangle {
   Vec3<Real> a, b, c;
 
-  /// [m2].  In double, for needles of 1 : 1e7 and for coordinates whose squares leave `Real`.
+  /// [m2].  In double, for needles of 1 : 1e7 and for coordinates whose squares exceed the range of
+  /// `Real`.
   double area() const;
   /// Unit normal; zero for a triangle without area.
   Vec3<Real> normal() const;
-  /// How far `p` is above the plane, on the side of the normal [m]; right to 1e-11 and to its sign
-  /// even where that is 1e-20 of the triangle's size.  0 for a triangle without area.
+  /// How far `p` is above the plane, on the side of the normal [m]. Exact to 1e-11 and in its sign,
+  /// even at 1e-20 of the triangle's size.  0 for a triangle without area.
   double height_of(const Vec3<Real>& p) const;
   /// Uniform by area, by any of the five maps of lights/sampling/sampling.h.  `u` in [0, 1]^2.
   SurfacePoint<Real> sample_area(Vec2<Real> u,
                                  AreaSampling way = AreaSampling::kLowDistortion) const;
   /// Density of sample_area at a point of the triangle: 1 / area.
   AreaPdf<double> pdf_area(const Vec3<Real>& position) const;
-  /// The way that `receiver` asks for; by area where there is no density by solid angle, and
-  /// without the cosine's warp where lights/sampling/low_triangle.h has one.  With the density of
-  /// the point, bit for bit that of `pdf`.  [Arvo95]
+  /// A point chosen in the way that `receiver` requests.  By area where no density by solid angle
+  /// exists. Without the cosine's warp where lights/sampling/low_triangle.h applies. The density of
+  /// the point has the same bits as `pdf`.  [Arvo95]
   ChosenPoint<Real> sample(const Receiver<Real>& receiver, Vec2<Real> u) const;
   /// Density of `sample` at a point of the triangle.
   SolidAnglePdf<double> pdf(const Receiver<Real>& receiver, const SurfacePoint<Real>& point) const;
@@ -40,10 +41,11 @@ struct Triangle {
   /// The same as a list.
   ShapeHits<Real> hits(const Vec3<Real>& origin, const Vec3<Real>& direction, Real t_min,
                        Real t_max) const;
-  /// How much of the edges from a to b and from a to c leads from a to `position`, a point of the
-  /// triangle up to its rounding; 0 of needles beyond all digits, of which any point is as good.
+  /// The coordinates along the edges from a to b and from a to c that lead from a to `position`, a
+  /// point of the triangle up to rounding.  0 for needles too thin for doubles.
   Vec2<double> shares_at(const Vec3<Real>& position) const;
-  /// How far `position` is from the triangle [m]: off its plane, or off its edges within it.
+  /// The distance of `position` from the triangle [m]: from its plane, or within the plane from its
+  /// edges.
   double distance_to(const Vec3<Real>& position) const;
   /// Whether `p`, 0 above the plane (`height_of`), is within the edges or on them to 1e-14.
   bool touches(const Vec3<Real>& p) const;

@@ -1,5 +1,4 @@
-// The tables of the CIE, as Debian's colord-data has them; they become C++ when the project is
-// built.
+// The tables of the CIE from Debian's colord-data.  The build turns them into C++.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
-// Linear RGB, Rec. 709 primaries and D65 white.  Light values are photometric: their luminance is
-// in cd/m2, cd, lx or lm, as the name of the value says.
+// Linear RGB, Rec. 709 primaries and D65 white. Light values are photometric. Their luminance is in
+// cd/m2, cd, lx or lm, as the name of the value says.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,7 @@ struct Rgb {
   Real r{}, g{}, b{};
 
   Rgb() = default;
-  // By components, and for what, as Vec3 says.
+  // By components, for the reason given in Vec3.
   constexpr Rgb(const Rgb& c) : r(c.r), g(c.g), b(c.b) {}
   constexpr Rgb& operator=(const Rgb& c) {
     r = c.r, g = c.g, b = c.b;
@@ -48,7 +48,7 @@ Real luminance(const Rgb<Real>& c) {
 
 template <std::floating_point Real>
 bool is_finite(const Rgb<Real>& c) {
-  // One comparison mostly, as of a Vec3.
+  // Usually one comparison, as for a Vec3.
   if (std::isfinite(c.r + c.g + c.b)) [[likely]]
     return true;
   return std::isfinite(c.r) && std::isfinite(c.g) && std::isfinite(c.b);

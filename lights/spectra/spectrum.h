@@ -1,12 +1,12 @@
-// Spectra of lights, and the light of a given RGB wavelength by wavelength.
+// Spectra of lights, and the light of a given RGB at each wavelength.
 //
-// Lights compute in RGB.  A spectrum says how a light's luminance is spread over wavelengths: a
-// light value of luminance Y has the spectral value Y s(nm), where s is the spectrum per lumen.
+// Lights compute in RGB. A spectrum distributes a light's luminance over wavelengths: a light value
+// of luminance Y has the spectral value Y s(nm), where s is the spectrum per lumen.
 //
-// Integrals against the CIE 1931 observer, of which the tables have an entry every 5 nm: of smooth
-// spectra and of the CIE's illuminants the sum over the table's wavelengths, times 5 nm [CIE15]; of
-// samples, which may be finer than the table, the integral of the product, both taken as linear
-// between their entries, exact.  The observer is 0 beyond 360 and 830 nm.
+// Integrals use the CIE 1931 observer, whose tables have an entry every 5 nm.  For smooth spectra
+// and the CIE's illuminants the integral is the sum over the table's wavelengths, times 5 nm
+// [CIE15].  Samples may be finer than the table.  For them the product is integrated exactly, with
+// both factors linear between entries.  The observer is 0 outside 360 to 830 nm.
 #pragma once
 
 #include <absl/status/status.h>
@@ -33,7 +33,7 @@ struct SampledSpectrum {
   std::vector<double> values;
 };
 
-/// Errors: lengths that differ, or none; wavelengths that are negative, infinite or do not ascend;
+/// Errors: lengths that differ or are 0; wavelengths that are negative, infinite or do not ascend;
 /// values that are negative or infinite.
 absl::Status check_samples(const SampledSpectrum& samples);
 
@@ -41,27 +41,27 @@ struct CieIlluminant {
   std::string name;  ///< "A", "D65", "F2"
 };
 
-/// Spectra have no more than this: its product with the flux of any light whose values are floats
-/// is a double.  (A black body of 100 K, as dark as they may be, has 4e72.)
+/// The limit for all spectra.  Its product with the flux of any light whose values are floats is a
+/// double. (A black body of 100 K, the darkest allowed, has 4e72.)
 inline constexpr double kMostWattsPerLumen = 1e100;
 
-/// Immutable.  All that can fail fails in the `create` functions.
+/// Immutable.  Only the `create` functions can fail.
 class Spectrum {
  public:
   using Source = std::variant<BlackBody, CieIlluminant, SampledSpectrum>;
 
   /// Errors: a temperature outside of [100, 1e7] K.
   static absl::StatusOr<Spectrum> create(const BlackBody& source);
-  /// Errors: a name that colord-data has no table of.
+  /// Errors: a name without a table in colord-data.
   static absl::StatusOr<Spectrum> create(const CieIlluminant& source);
-  /// Errors: those of check_samples; nothing that the eye sees, which are less than
-  /// 1 / kMostWattsPerLumen [lm/W] (FAILED_PRECONDITION).
+  /// Errors: those of check_samples; spectra that are not visible, with less than 1 /
+  /// kMostWattsPerLumen [lm/W] (FAILED_PRECONDITION).
   static absl::StatusOr<Spectrum> create(SampledSpectrum source);
 
   const Source& source() const { return source_; }
   /// s(nm) [W/nm per lm]: 683 lm/W times the integral of s y is 1.  Finite.
   double per_lumen(double nm) const;
-  /// Of the whole spectrum, a black body's over all wavelengths [W per lm].
+  /// Over the whole spectrum; for a black body over all wavelengths [W per lm].
   double watts_per_lumen() const { return watts_per_lumen_; }
   /// Its colour at luminance 1, no channel negative.
   const Rgb<double>& rgb() const { return rgb_; }
@@ -82,7 +82,7 @@ class Spectrum {
   bool clipped_ = false;
 };
 
-/// X, Y and Z of samples, linear between them and 0 beyond, wavelengths ascending: the integral
+/// X, Y and Z of samples, linear between them and 0 outside, wavelengths ascending: the integral
 /// against the observer [nm times the unit of the values].
 Vec3<double> tristimulus(std::span<const double> wavelengths_nm, std::span<const double> values);
 

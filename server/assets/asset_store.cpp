@@ -90,7 +90,7 @@ struct AssetStore::State {
     entries.erase(entry);
   }
 
-  bool make_room(std::uint64_t size) {
+  bool free_space(std::uint64_t size) {
     const auto in_use = [](const Entry& e) { return e.pins > 0 || e.writer != 0; };
     std::uint64_t sum = reserved(), needed = size;
     for (const auto& [digest, e] : entries) needed += in_use(e) ? e.reserved : 0;
@@ -146,7 +146,7 @@ absl::StatusOr<std::unique_ptr<AssetStore>> AssetStore::open(const AssetStoreOpt
     const auto [place, is_new] = state->entries.try_emplace(bytes_of(name), entry);
     if (!is_new && entry.whole) place->second = entry;
   }
-  if (!state->make_room(0)) return absl::InternalError("assets that nobody uses do not make room");
+  if (!state->free_space(0)) return absl::InternalError("assets that nobody uses do not make room");
   return std::unique_ptr<AssetStore>(new AssetStore(std::move(state)));
 }
 
@@ -187,7 +187,7 @@ absl::StatusOr<AssetUpload> AssetStore::upload(const std::string& digest, std::u
     entry.writer = writer = ++state_->writers;  // nobody makes room with this one
     entry.reserved = entry.bytes;
     const std::uint64_t more = size > entry.bytes ? size - entry.bytes : 0;
-    if (!state_->make_room(more)) {
+    if (!state_->free_space(more)) {
       entry.writer = 0;
       if (entry.bytes == 0) state_->entries.erase(digest);
       return absl::ResourceExhaustedError(

@@ -5,7 +5,6 @@
 #include <absl/status/status.h>
 #include <absl/status/statusor.h>
 
-#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -14,20 +13,10 @@
 #include <vector>
 
 #include "proto/common/sha256.h"
+#include "server/assets/asset_store_options.h"
 #include "server/assets/file_source.h"
 
 namespace lucerna {
-
-struct AssetStoreOptions {
-  /// Where the files are, and are found again by the next server; made where it does not exist.
-  /// Empty: a temporary directory that goes with the store.
-  std::string directory{};
-  std::uint64_t max_asset_bytes = std::uint64_t{4} << 30;
-  /// Of all files together.  To make room, those go first that nobody needed for longest.
-  std::uint64_t budget_bytes = std::uint64_t{16} << 30;
-  /// A writer that has sent nothing for so long gives way to another one of the same file.
-  std::chrono::milliseconds patience{10'000};
-};
 
 class AssetStore;
 

@@ -1,5 +1,5 @@
-// What a scene file says, before anything is built from it: shapes, materials, lights and a camera
-// in world space, double precision.  Loaders fill it, the scene compiler consumes it.
+// The contents of a scene file before anything is built from it: shapes, materials, lights and a
+// camera in world space, in double precision.  Loaders fill it; the scene builder consumes it.
 #pragma once
 
 #include <cstdint>
@@ -12,41 +12,28 @@
 
 #include "lights/maths/motion.h"
 #include "lights/maths/transform.h"
-#include "lights/models/beam_light.h"
-#include "lights/models/distant_light.h"
-#include "lights/models/goniometric_light.h"
-#include "lights/models/image_infinite_light.h"
-#include "lights/models/infinite_light.h"
-#include "lights/models/panel.h"
-#include "lights/models/point_light.h"
-#include "lights/models/portal_light.h"
-#include "lights/models/projection_light.h"
-#include "lights/models/spot_light.h"
-#include "lights/models/sun_light.h"
-#include "lights/shapes/cylinder.h"
-#include "lights/shapes/disk.h"
+#include "lights/models/light.h"
 #include "lights/shapes/picture.h"
-#include "lights/shapes/sphere.h"
 #include "lights/spectra/spectrum.h"
 #include "server/assets/asset.h"
 
 namespace lucerna {
 
-/// Where a file says something.  `file` is relative to the scene root.
+/// A place in a file.  `file` is relative to the scene root.
 struct SourceLocation {
   std::string file;
   int line = 0;    ///< from 1; 0: the file as a whole
   int column = 0;  ///< from 1
 };
 
-/// Something that a file asks for and that is not modelled, and what was done instead.
+/// A part of a file that is not modelled, and what happens instead.
 struct Remark {
   SourceLocation where;
   std::string what;     ///< "material \"conductor\" is not modelled"
   std::string instead;  ///< "diffuse, reflectance 0.5"
 };
 
-/// Points of one light that one sample may ask for.
+/// Limit of points per light and sample.
 inline constexpr std::uint32_t kMostSamplesPerLight = 1024;
 
 struct DiffuseMaterial {
@@ -54,47 +41,47 @@ struct DiffuseMaterial {
 };
 
 /// A triangle mesh in world space (object space within an ObjectDefinition).  Winding is resolved:
-/// cross(p1 - p0, p2 - p0) is the outside, whatever ReverseOrientation, mirrors and vertex normals
-/// said.
+/// cross(p1 - p0, p2 - p0) points to the outside.  It accounts for ReverseOrientation, mirrors and
+/// vertex normals.
 struct TriangleMeshData {
   std::vector<Vec3<double>> positions;
   std::vector<Vec3<float>> normals;    ///< shading normals, unit, per vertex; empty: flat
-  std::vector<std::uint32_t> indices;  ///< three a triangle, all < positions.size()
-  /// Where an emission image lies: (u, v) of each triangle's corners; empty where there is none.
+  std::vector<std::uint32_t> indices;  ///< three per triangle, all < positions.size()
+  /// (u, v) of each triangle's corners, for an emission image; empty if there is none.
   std::vector<Vec2<float>> corner_uv{};
 };
 
-/// Bilinear patches, four corners each: (0,0), (1,0), (0,1), (1,1).  cross(dp/du, dp/dv) is the
-/// outside.
+/// Bilinear patches with four corners each: (0,0), (1,0), (0,1), (1,1).  cross(dp/du, dp/dv) points
+/// to the outside.
 struct PatchMeshData {
   std::vector<Vec3<double>> positions;
   std::vector<Vec3<float>> normals;    ///< shading normals, unit, per vertex; empty: geometric
-  std::vector<std::uint32_t> indices;  ///< four a patch
-  /// As a triangle mesh has it; empty also where each patch shows the whole image.
+  std::vector<std::uint32_t> indices;  ///< four per patch
+  /// The same as for triangles; also empty if each patch shows the whole image.
   std::vector<Vec2<float>> corner_uv{};
 };
 
 struct ShapeDescription {
   std::variant<TriangleMeshData, PatchMeshData, SphereParams, DiskParams, CylinderParams> geometry;
   std::uint32_t material = 0;  ///< index into SceneDescription::materials
-  /// Set where the shape is an area light; exact level, `scale` and `power` already applied.
+  /// Set if the shape is an area light.  The level is final: `scale` and `power` are applied.
   struct Emission {
     Rgb<double> radiance_cd_m2;
     bool two_sided = false;
     SourceLocation where;
-    std::shared_ptr<const Spectrum> spectrum{};  ///< null where it was given RGB
-    std::optional<Picture> picture{};            ///< what `radiance_cd_m2` is multiplied with
-    std::optional<PanelProfile> panel{};         ///< what `radiance_cd_m2` multiplies
-    std::uint32_t samples = 1;                   ///< as SceneLight has it
+    std::shared_ptr<const Spectrum> spectrum{};  ///< null for a light given in RGB
+    std::optional<Picture> picture{};            ///< multiplies `radiance_cd_m2`
+    std::optional<PanelProfile> panel{};         ///< `radiance_cd_m2` multiplies its radiance
+    std::uint32_t samples = 1;                   ///< the same as in SceneLight
   };
   std::optional<Emission> emission{};
   SourceLocation where{};
-  /// World to world, where it moves: `geometry` is that of the first key frame.  Not within an
-  /// ObjectDefinition.
+  /// World to world; null if it does not move.  `geometry` is at the first key frame.  Not used
+  /// within an ObjectDefinition.
   std::shared_ptr<const Motion> motion{};
 };
 
-/// A named object; its shapes are in object space and carry no emission.
+/// A named object.  Its shapes are in object space and do not emit.
 struct ObjectDefinition {
   std::string name;
   std::vector<ShapeDescription> shapes;
@@ -103,45 +90,41 @@ struct ObjectDefinition {
 struct InstanceDescription {
   std::uint32_t object = 0;  ///< index into SceneDescription::objects
   Transform world_from_object;
-  std::shared_ptr<const Motion> motion{};  ///< as in ShapeDescription
+  std::shared_ptr<const Motion> motion{};  ///< the same as in ShapeDescription
   SourceLocation where{};
 };
 
-/// A light that is no shape.
+/// A light that is not a shape.
 struct LightDescription {
-  std::variant<PointLightParams, SpotLightParams, DistantLightParams, SunLightParams,
-               UniformInfiniteLightParams, ImageInfiniteLightParams, GoniometricLightParams,
-               ProjectionLightParams, BeamLightParams, PortalLightParams>
-      params;
+  LightParams params;
   SourceLocation where;
-  std::shared_ptr<const Spectrum> spectrum{};  ///< null where it was given RGB
-  /// World to world, where it moves: `params` then are those of the first key frame.
+  std::shared_ptr<const Spectrum> spectrum{};  ///< null for a light given in RGB
+  /// World to world; null if it does not move.  `params` are at the first key frame.
   std::shared_ptr<const Motion> motion{};
-  std::uint32_t samples = 1;  ///< as SceneLight has it
+  std::uint32_t samples = 1;  ///< the same as in SceneLight
 };
 
 /// A pinhole camera.  Camera space is left-handed: +x right, +y up, +z forward.
 struct PerspectiveCamera {
   Transform world_from_camera;
   /// The image plane at z = 1: x from screen_min.x (left) to screen_max.x, y from screen_min.y
-  /// (bottom) to screen_max.y, tangents of the half angles.
+  /// (bottom) to screen_max.y.  The values are tangents of half angles.
   Vec2<double> screen_min{-1, -1}, screen_max{1, 1};
-  /// World to world, where it moves: `world_from_camera` then is that of the first key frame.
+  /// World to world; null if it does not move.  `world_from_camera` is at the first key frame.
   std::shared_ptr<const Motion> motion{};
 };
 
 struct Film {
-  int width = 1280;  ///< pixels, after any crop is ignored
+  int width = 1280;  ///< pixels; crops are ignored
   int height = 720;
-  double scale =
-      1;  ///< what pixel values are multiplied by (the film's sensor), 1: linear radiance
+  double scale = 1;  ///< factor on pixel values (the film's sensor); 1: linear radiance
 };
 
-/// Read as hints: defaults for requests that do not say.
+/// Defaults for requests that do not set these values.
 struct RenderHints {
   std::optional<int> max_depth;  ///< path length, 1 is direct light only (pbrt's maxdepth)
   std::optional<int> samples_per_pixel;
-  double shutter_open_s = 0;   ///< what moves is blurred over the time between
+  double shutter_open_s = 0;   ///< motion is blurred from here to shutter_close_s
   double shutter_close_s = 0;  ///< not before shutter_open_s
 };
 
@@ -155,7 +138,7 @@ struct SceneDescription {
   Film film;
   RenderHints hints;
   std::vector<Remark> remarks;
-  std::vector<Asset> assets;  ///< in the order in which they were first read
+  std::vector<Asset> assets;  ///< in the order of their first use
 };
 
 }  // namespace lucerna

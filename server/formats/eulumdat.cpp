@@ -6,16 +6,19 @@
 #include <cmath>
 #include <utility>
 
+#include "proto/common/status_macros.h"
 #include "server/formats/byte_order_mark.h"
 
 namespace lucerna {
 namespace {
 
-/// Lines by their number, from 1, as the format's own description counts them.
+/// Reads lines by their number, from 1, the way the format's description counts them.  After the
+/// first error every call does nothing, so that callers check `status` once for several values.
 class Lines {
  public:
   Lines(std::string_view file, std::string_view text) : file_(file), lines_(split_lines(text)) {}
 
+  /// The number on a line, in [least, most].
   double number(std::size_t line, std::string_view what, double least, double most,
                 std::string_view allowed) {
     if (!status.ok()) return 0;
@@ -32,6 +35,7 @@ class Lines {
     return status.ok() ? *n : 0;
   }
 
+  /// A whole number in [least, most].
   std::size_t whole(std::size_t line, std::string_view what, int least, int most,
                     std::string_view allowed) {
     const double n = number(line, what, least, most, allowed);
@@ -40,6 +44,7 @@ class Lines {
     return status.ok() ? static_cast<std::size_t>(n) : 0;
   }
 
+  /// One number from each of `count` lines.  The caller has checked that the lines exist.
   std::vector<double> list(std::size_t line, std::size_t count, std::string_view what, double least,
                            double most, std::string_view allowed) {
     std::vector<double> result;
@@ -74,8 +79,8 @@ class Lines {
   std::vector<std::string_view> lines_;
 };
 
-/// The planes of which the file holds intensities: the number of the first among its C-angles, from
-/// 0, and how many.
+/// The planes whose intensities the file holds: the index of the first one's C-angle, and their
+/// number.
 struct Planes {
   std::size_t first, count;
 };
@@ -95,11 +100,12 @@ Planes planes_of(std::size_t symmetry, std::size_t angles) {
   }
 }
 
-/// How the lines of several sets of lamps follow each other.
+/// The order of the values of several sets of lamps.
 enum class SetOrder { kByField, kBySet, kEither, kNeither };
 
-/// Number of lamps, flux and watts of each set are numbers (the first and the last may be blank);
-/// types of lamps, whose place they would take in the other order, seldom are.
+/// Finds the order by what can be a number.  Number of lamps, flux and watts of each set are
+/// numbers (the first and the last may be blank).  In the other order, lamp types stand in their
+/// place, which are seldom numbers.
 SetOrder order_of_sets(const Lines& lines, std::size_t sets) {
   const auto fits = [&](std::size_t field_step, std::size_t set_step) {
     for (std::size_t set = 0; set < sets; ++set) {
@@ -115,61 +121,88 @@ SetOrder order_of_sets(const Lines& lines, std::size_t sets) {
   return by_set ? SetOrder::kBySet : SetOrder::kNeither;
 }
 
-}  // namespace
+/// The sizes that the file begins with.
+struct Sizes {
+  std::size_t symmetry;  ///< Isym
+  std::size_t angles;    ///< Mc, number of C-planes
+  std::size_t gammas;    ///< Ng, number of intensities in a plane
+};
 
-absl::StatusOr<PhotometricFile> parse_eulumdat(std::string_view text, std::string_view name) {
-  text = without_byte_order_mark(text);
-  Lines lines(name, text);
-  PhotometricFile file;
-  file.format = "EULUMDAT";
+Sizes read_sizes(Lines& lines) {
+  Sizes sizes;
+  sizes.symmetry = lines.whole(3, "the symmetry Isym", 0, 4, "0, 1, 2, 3 or 4");
+  sizes.angles =
+      lines.whole(4, "the number Mc of C-planes", 1, kMostCount, "a positive whole number");
+  sizes.gammas =
+      lines.whole(6, "the number Ng of intensities in a plane", 2, kMostCount, "2 or more");
+  const std::size_t divisor = sizes.symmetry == 2 ? 2 : sizes.symmetry >= 3 ? 4 : 1;
+  if (lines.status.ok() && sizes.angles % divisor != 0)
+    lines.fail(4, fmt::format("the number Mc of C-planes = {}, allowed for symmetry {}: multiples "
+                              "of {}",
+                              sizes.angles, sizes.symmetry, divisor));
+  return sizes;
+}
 
-  const std::size_t symmetry = lines.whole(3, "the symmetry Isym", 0, 4, "0, 1, 2, 3 or 4");
-  const std::size_t angles =
-      lines.whole(4, "the number Mc of C-planes", 1, 1'000'000'000, "a positive whole number");
-  const std::size_t gammas =
-      lines.whole(6, "the number Ng of intensities in a plane", 2, 1'000'000'000, "2 or more");
-  if (!lines.status.ok()) return lines.status;
-  const std::size_t divisor = symmetry == 2 ? 2 : symmetry >= 3 ? 4 : 1;
-  if (angles % divisor != 0)
-    return photometric_error(name, 4,
-                             fmt::format("the number Mc of C-planes = {}, allowed for symmetry {}: "
-                                         "multiples of {}",
-                                         angles, symmetry, divisor));
-  // The description knows no blank here and some programs refuse it; where nothing is to be
-  // converted that is what it says.
-  const bool unconverted = lines.size() >= 24 && lines.blank(24);
-  const double conversion =
-      unconverted ? 1 : lines.number(24, "the conversion factor", 1e-300, kAny, "positive");
-  if (unconverted) file.notes.push_back({24, "no conversion factor for intensities", "1"});
-  const std::size_t sets =
-      lines.whole(26, "the number of sets of lamps", 1, 1000, "a whole number from 1");
-  if (!lines.status.ok()) return lines.status;
-  // Six lines a set: number of lamps, type, total luminous flux, colour temperature, colour
-  // rendering, watts.
-  const SetOrder order = sets == 1 ? SetOrder::kBySet : order_of_sets(lines, sets);
+/// The factor on all intensities; 1 if its line is blank.  The description does not allow a blank
+/// there and some programs refuse it, others write it where nothing is to be converted.
+double read_conversion(Lines& lines, PhotometricFile& file) {
+  if (lines.size() < 24 || !lines.blank(24))
+    return lines.number(24, "the conversion factor", 1e-300, kAny, "positive");
+  file.notes.push_back({24, "no conversion factor for intensities", "1"});
+  return 1;
+}
+
+struct Lamps {
+  std::size_t sets;
+  double lm;  ///< luminous flux of the first set
+};
+
+/// The sets of lamps.  Each has six lines: number of lamps, type, total luminous flux, colour
+/// temperature, colour rendering, watts.
+Lamps read_lamps(Lines& lines, PhotometricFile& file) {
+  Lamps lamps{};
+  lamps.sets = lines.whole(26, "the number of sets of lamps", 1, 1000, "a whole number from 1");
+  if (!lines.status.ok()) return lamps;
+  const SetOrder order = lamps.sets == 1 ? SetOrder::kBySet : order_of_sets(lines, lamps.sets);
   if (order == SetOrder::kNeither)
     lines.fail(26, fmt::format("{} sets of lamps, allowed: numbers for lamps, luminous flux and "
                                "watts of each, field by field or set by set",
-                               sets));
+                               lamps.sets));
   lines.number(27, "the number of lamps", -1e6, 1e6, "a number");
-  const std::size_t flux_line = order == SetOrder::kBySet ? 29 : 27 + 2 * sets;
-  const double lamps_lm =
-      lines.number(flux_line, "the luminous flux of the lamps", 1e-300, kAny, "positive");
-  if (sets > 1)
-    file.notes.push_back({26, fmt::format("{} sets of lamps", sets), "the first of them"});
+  const std::size_t flux_line = order == SetOrder::kBySet ? 29 : 27 + 2 * lamps.sets;
+  lamps.lm = lines.number(flux_line, "the luminous flux of the lamps", 1e-300, kAny, "positive");
+  if (lamps.sets > 1)
+    file.notes.push_back({26, fmt::format("{} sets of lamps", lamps.sets), "the first of them"});
   if (order == SetOrder::kEither)
     file.notes.push_back({26, "sets of lamps that can be read field by field or set by set",
-                          "field by field, as the format's description has them"});
+                          "field by field, the order of the format's description"});
+  return lamps;
+}
 
-  // Then ten direct ratios, the C-angles, the gamma-angles, the intensities.
-  const std::size_t angles_line = 27 + 6 * sets + 10;
+/// The angles of the planes whose intensities the file holds.
+std::vector<double> plane_angles(const Sizes& sizes, const std::vector<double>& c) {
+  if (sizes.symmetry == 1) return {0};
+  const Planes planes = planes_of(sizes.symmetry, sizes.angles);
+  std::vector<double> angles;
+  for (std::size_t i = 0; i < planes.count; ++i) {
+    const double angle = c[(planes.first + i) % sizes.angles];
+    angles.push_back(sizes.symmetry == 3 && angle >= 270 ? angle - 360 : angle);
+  }
+  return angles;
+}
+
+/// Reads the C-angles (from `angles_line` on), the gamma-angles and the intensities, which `factor`
+/// multiplies.
+absl::StatusOr<PhotometricWebParams> read_intensities(Lines& lines, const Sizes& sizes,
+                                                      std::size_t angles_line, double factor) {
+  const auto [symmetry, angles, gammas] = sizes;
   const std::size_t left = lines.size() >= angles_line ? lines.size() - angles_line + 1 : 0;
   const Planes planes = planes_of(symmetry, angles);
   if (angles > left || gammas > left || planes.count > (left - angles) / gammas)
     lines.fail(6, fmt::format("{} angles and {} planes of {} intensities are claimed to follow, "
                               "allowed: as many as the {} lines that are left",
                               angles, planes.count, gammas, left));
-  if (!lines.status.ok()) return lines.status;
+  LUCERNA_RETURN_IF_ERROR(lines.status);
   const std::vector<double> c =
       lines.list(angles_line, angles, "a C-angle", 0, 360, "from 0 to 360 degrees");
   PhotometricWebParams web;
@@ -179,44 +212,58 @@ absl::StatusOr<PhotometricFile> parse_eulumdat(std::string_view text, std::strin
                                 "an intensity per 1000 lm", 0, kAny, "finite, not negative");
   if (auto s = check_vertical_angles(web.type, web.vertical_deg); lines.status.ok() && !s.ok())
     lines.fail(angles_line + angles, std::string(s.message()));
-  if (!lines.status.ok()) return lines.status;
-  const double factor = lamps_lm / 1000 * conversion;
+  LUCERNA_RETURN_IF_ERROR(lines.status);
   for (double& cd : web.intensity_cd) cd *= factor;
-
-  for (std::size_t i = 0; i < planes.count; ++i) {
-    const double angle = c[(planes.first + i) % angles];
-    web.horizontal_deg.push_back(symmetry == 3 && angle >= 270 ? angle - 360 : angle);
-  }
-  if (symmetry == 1) web.horizontal_deg = {0};
+  web.horizontal_deg = plane_angles(sizes, c);
   if (symmetry == 0 && web.horizontal_deg.back() != 360) {
-    // All around: the first plane is the last one too.
+    // The first plane closes the circle.
     web.horizontal_deg.push_back(web.horizontal_deg.front() + 360);
     for (std::size_t j = 0; j < gammas; ++j) {
       const double cd = web.intensity_cd[j];
       web.intensity_cd.push_back(cd);
     }
   }
+  return web;
+}
+
+/// Checks the downward flux fraction and the light output ratio, which may both be blank.  A note
+/// if the ratio contradicts the intensities by more than 2%.
+void check_ratios(Lines& lines, double lamps_lm, double conversion, PhotometricFile& file) {
+  const auto percent = [&](std::size_t line, std::string_view what) {
+    return lines.blank(line) ? 0 : lines.number(line, what, 0, 1000, "percent, from 0");
+  };
+  percent(22, "the downward flux fraction");
+  const double output = percent(23, "the light output ratio");
+  const double stated = output / 100 * lamps_lm;
+  if (stated > 0 && std::fabs(file.web->flux_lm() / conversion / stated - 1) > 0.02)
+    file.notes.push_back(
+        {23, fmt::format("a light output ratio of {}%, which makes {:.6g} lm", output, stated),
+         fmt::format("the flux of the intensities, {:.6g} lm", file.web->flux_lm())});
+}
+
+}  // namespace
+
+absl::StatusOr<PhotometricFile> parse_eulumdat(std::string_view text, std::string_view name) {
+  Lines lines(name, without_byte_order_mark(text));
+  PhotometricFile file;
+  file.format = "EULUMDAT";
+  const Sizes sizes = read_sizes(lines);
+  LUCERNA_RETURN_IF_ERROR(lines.status);
+  const double conversion = read_conversion(lines, file);
+  const Lamps lamps = read_lamps(lines, file);
+  LUCERNA_RETURN_IF_ERROR(lines.status);
+  // Ten direct ratios come before the angles.
+  const std::size_t angles_line = 27 + 6 * lamps.sets + 10;
+  LUCERNA_ASSIGN_OR_RETURN(
+      const PhotometricWebParams web,
+      read_intensities(lines, sizes, angles_line, lamps.lm / 1000 * conversion));
   auto made = PhotometricWeb::create(web);
   if (!made.ok())
-    return photometric_error(
-        name, static_cast<int>(angles_line),
-        std::string_view(made.status().message().data(), made.status().message().size()));
+    return photometric_error(name, static_cast<int>(angles_line),
+                             std::string(made.status().message()));
   file.web = *std::move(made);
-
-  // Both ratios may be left blank.
-  for (const std::size_t line : {22, 23}) {
-    if (lines.blank(line)) continue;
-    const bool output = line == 23;
-    const double percent =
-        lines.number(line, output ? "the light output ratio" : "the downward flux fraction", 0,
-                     1000, "percent, from 0");
-    if (!lines.status.ok()) return lines.status;
-    const double stated = percent / 100 * lamps_lm;
-    if (output && stated > 0 && std::fabs(file.web->flux_lm() / conversion / stated - 1) > 0.02)
-      file.notes.push_back(
-          {23, fmt::format("a light output ratio of {}%, which makes {:.6g} lm", percent, stated),
-           fmt::format("what the intensities make, {:.6g} lm", file.web->flux_lm())});
-  }
+  check_ratios(lines, lamps.lm, conversion, file);
+  LUCERNA_RETURN_IF_ERROR(lines.status);
   return file;
 }
 

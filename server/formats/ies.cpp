@@ -6,27 +6,27 @@
 #include <cmath>
 #include <utility>
 
+#include "proto/common/status_macros.h"
 #include "server/formats/byte_order_mark.h"
 
 namespace lucerna {
 namespace {
 
-enum class Edition { k1986, k1991, k1995, k2002, k2019, kOther };
-
-struct EditionName {
+/// An edition of LM-63.  `line` is the first line of its files; that of 1986 has none.
+struct Edition {
   std::string_view line, name;
-  Edition edition;
+  int year;
 };
-constexpr EditionName kEditions[] = {
-    {"IESNA91", "IES LM-63-1991", Edition::k1991},
-    {"IESNA:LM-63-1991", "IES LM-63-1991", Edition::k1991},
-    {"IESNA:LM-63-1995", "IES LM-63-1995", Edition::k1995},
-    {"IESNA:LM-63-2002", "IES LM-63-2002", Edition::k2002},
-    {"IES:LM-63-2019", "IES LM-63-2019", Edition::k2019},
-    {"IESNA:LM-63-2019", "IES LM-63-2019", Edition::k2019},
+constexpr Edition k1986{"", "IES LM-63-1986", 1986};
+constexpr Edition k2002{"IESNA:LM-63-2002", "IES LM-63-2002", 2002};
+constexpr Edition kEditions[] = {
+    {"IESNA91", "IES LM-63-1991", 1991},          {"IESNA:LM-63-1991", "IES LM-63-1991", 1991},
+    {"IESNA:LM-63-1995", "IES LM-63-1995", 1995}, k2002,
+    {"IES:LM-63-2019", "IES LM-63-2019", 2019},   {"IESNA:LM-63-2019", "IES LM-63-2019", 2019},
 };
 
-/// Numbers one after the other, over the ends of lines, divided by blanks and commas.
+/// Reads one number after the other, across line ends, separated by blanks and commas.  After the
+/// first error every call does nothing, so that callers check `status` once for several numbers.
 class Numbers {
  public:
   Numbers(std::string_view file, const std::vector<std::string_view>& lines, std::size_t line)
@@ -34,7 +34,7 @@ class Numbers {
     for (std::size_t i = line; i < lines.size(); ++i) left_ += lines[i].size() + 1;
   }
 
-  /// The next number.  An empty result: `status` tells.
+  /// The next number; nothing after an error, which `status` holds.
   std::optional<double> next(std::string_view what) {
     if (!status.ok()) return std::nullopt;
     if (!skip()) {
@@ -50,6 +50,7 @@ class Numbers {
     return number;
   }
 
+  /// The next number, in [least, most].
   double number(std::string_view what, double least, double most, std::string_view allowed) {
     const auto n = next(what);
     if (n && !(*n >= least && *n <= most))
@@ -65,7 +66,14 @@ class Numbers {
     return status.ok() ? static_cast<int>(n) : 0;
   }
 
-  /// `count` numbers that are not negative, which the caller has found room for.
+  double positive(std::string_view what) { return number(what, 1e-300, kAny, "positive"); }
+
+  /// A whole number from `least`, for the size of a list.
+  std::size_t count(std::string_view what, int least, std::string_view allowed) {
+    return static_cast<std::size_t>(whole(what, least, kMostCount, allowed));
+  }
+
+  /// `count` numbers that are not negative.  The caller has called `room_for`.
   std::vector<double> list(std::string_view what, std::size_t count) {
     std::vector<double> result;
     if (!status.ok()) return result;
@@ -75,7 +83,7 @@ class Numbers {
     return result;
   }
 
-  /// `count` ascending angles [degrees], likewise.
+  /// `count` ascending angles [degrees].  The caller has called `room_for`.
   std::vector<double> angles(std::string_view what, std::size_t count) {
     std::vector<double> result;
     if (!status.ok()) return result;
@@ -91,14 +99,14 @@ class Numbers {
     return result;
   }
 
-  /// Fails with what `checked` says, at a line.
+  /// Fails with the message of `checked` at a line, if that is an error.
   void check(int line, const absl::Status& checked) {
     if (status.ok() && !checked.ok())
       status = photometric_error(
           file_, line, std::string_view(checked.message().data(), checked.message().size()));
   }
 
-  /// Whether as many numbers can follow: each takes a digit, and a blank before the next.
+  /// Fails if `count` numbers cannot follow: each takes a digit, and a blank before the next.
   bool room_for(std::uint64_t count) {
     if (status.ok() && count > (left_ + 1) / 2)
       fail(
@@ -108,7 +116,7 @@ class Numbers {
     return status.ok();
   }
 
-  /// To the next number: false where there is none.
+  /// Skips to the next number; false if there is none.
   bool skip() {
     while (line_ < lines_.size()) {
       const std::size_t found = lines_[line_].find_first_not_of(kBlanks, at_);
@@ -124,7 +132,7 @@ class Numbers {
     return false;
   }
 
-  /// From 1; the last one where there is no more.
+  /// From 1; the last line at the end of the file.
   int line() const { return static_cast<int>(std::min(line_ + 1, lines_.size())); }
   void fail(std::string_view what) {
     if (status.ok()) status = photometric_error(file_, line(), what);
@@ -147,12 +155,35 @@ bool equals_ignoring_case(std::string_view a, std::string_view b) {
   });
 }
 
-/// The table that follows TILT=INCLUDE.  The factor at tilt 0, where the luminaire was measured.
-double read_tilt(Numbers& numbers, PhotometricFile& file) {
+/// The edition that the first line names.
+Edition edition_of(const std::vector<std::string_view>& lines, PhotometricFile& file) {
+  if (lines.empty() || !trimmed(lines[0]).starts_with("IES")) return k1986;
+  for (const Edition& edition : kEditions)
+    if (trimmed(lines[0]) == edition.line) return edition;
+  // A later edition or an unknown label.  The format has not changed since 1995.
+  file.notes.push_back({1,
+                        fmt::format("edition \"{}\" is none of LM-63-1986, 1991, 1995, 2002, 2019",
+                                    excerpt(trimmed(lines[0]))),
+                        "read as that of 2002"});
+  return k2002;
+}
+
+/// The index of the line "TILT=".  Keywords come before it, in the edition of 1986 free text.
+absl::StatusOr<std::size_t> find_tilt(const std::vector<std::string_view>& lines,
+                                      std::string_view name) {
+  for (std::size_t i = 0; i < lines.size(); ++i)
+    if (equals_ignoring_case(trimmed(lines[i]).substr(0, 5), "TILT=")) return i;
+  return photometric_error(name, static_cast<int>(lines.size()),
+                           "no line \"TILT=\", allowed: TILT=NONE, TILT=INCLUDE, TILT=<file>");
+}
+
+/// Reads the table that follows TILT=INCLUDE.  Returns the factor at tilt 0, the position in which
+/// the luminaire was measured.
+double read_tilt_table(Numbers& numbers, PhotometricFile& file) {
   const int line = numbers.line();
   numbers.whole("lamp-to-luminaire geometry", 1, 3, "1, 2 or 3");
-  const auto pairs = static_cast<std::size_t>(
-      numbers.whole("the number of tilt angles", 1, 1'000'000'000, "a positive whole number"));
+  const std::size_t pairs =
+      numbers.count("the number of tilt angles", 1, "a positive whole number");
   if (!numbers.room_for(2 * std::uint64_t{pairs})) return 0;
   numbers.skip();
   const int angles_line = numbers.line();
@@ -170,116 +201,113 @@ double read_tilt(Numbers& numbers, PhotometricFile& file) {
   return factors[0];
 }
 
-}  // namespace
-
-absl::StatusOr<PhotometricFile> parse_ies(std::string_view text, std::string_view name) {
-  text = without_byte_order_mark(text);
-  const std::vector<std::string_view> lines = split_lines(text);
-  PhotometricFile file;
-
-  Edition edition = Edition::k1986;
-  std::string_view edition_name = "IES LM-63-1986";
-  if (!lines.empty() && trimmed(lines[0]).starts_with("IES")) {
-    edition = Edition::kOther;
-    for (const EditionName& e : kEditions)
-      if (trimmed(lines[0]) == e.line) edition = e.edition, edition_name = e.name;
-  }
-  if (edition == Edition::kOther) {
-    // A later edition, or a label that is no edition: the format has not changed since 1995.
-    file.notes.push_back(
-        {1,
-         fmt::format("edition \"{}\" is none of LM-63-1986, 1991, 1995, 2002, 2019",
-                     excerpt(trimmed(lines[0]))),
-         "read as that of 2002"});
-    edition_name = "IES LM-63-2002";
-  }
-
-  // Keywords, or free text in the edition of 1986, up to the line of the tilt.
-  std::size_t tilt = 0;
-  const auto is_tilt = [](std::string_view line) {
-    return equals_ignoring_case(trimmed(line).substr(0, 5), "TILT=");
-  };
-  while (tilt < lines.size() && !is_tilt(lines[tilt])) ++tilt;
-  if (tilt == lines.size())
-    return photometric_error(name, static_cast<int>(lines.size()),
-                             "no line \"TILT=\", allowed: TILT=NONE, TILT=INCLUDE, TILT=<file>");
-  const std::string_view tilt_of = trimmed(trimmed(lines[tilt]).substr(5));
-  Numbers numbers(name, lines, tilt + 1);
-  double factor = 1;
-  if (equals_ignoring_case(tilt_of, "INCLUDE")) {
+/// The factor that the value of "TILT=" stands for; `tilt` is the index of that line.
+absl::StatusOr<double> read_tilt(std::size_t tilt, const std::vector<std::string_view>& lines,
+                                 std::string_view name, Numbers& numbers, PhotometricFile& file) {
+  const std::string_view value = trimmed(trimmed(lines[tilt]).substr(5));
+  const int line = static_cast<int>(tilt) + 1;
+  if (equals_ignoring_case(value, "NONE")) return 1;
+  if (equals_ignoring_case(value, "INCLUDE")) {
     numbers.skip();
-    factor = read_tilt(numbers, file);
-  } else if (!equals_ignoring_case(tilt_of, "NONE")) {
-    if (tilt_of.empty())
-      return photometric_error(name, static_cast<int>(tilt) + 1,
-                               "TILT= nothing, allowed: NONE, INCLUDE, the name of a file");
-    file.notes.push_back({static_cast<int>(tilt) + 1,
-                          fmt::format("tilt factors in \"{}\" are not read", excerpt(tilt_of)),
-                          "1, that of a luminaire that is not tilted"});
+    return read_tilt_table(numbers, file);
   }
+  if (value.empty())
+    return photometric_error(name, line,
+                             "TILT= nothing, allowed: NONE, INCLUDE, the name of a file");
+  file.notes.push_back({line, fmt::format("tilt factors in \"{}\" are not read", excerpt(value)),
+                        "1, that of a luminaire that is not tilted"});
+  return 1;
+}
 
+/// The two lines of numbers before the angles.
+struct IesHeader {
+  std::size_t vertical, horizontal;  ///< number of angles
+  PhotometricType type;
+  double factor;  ///< of every candela value, with that of the tilt
+};
+
+IesHeader read_header(Numbers& numbers, const Edition& edition, double tilt_factor) {
+  IesHeader header;
+  header.factor = tilt_factor;
   numbers.whole("the number of lamps", 0, 1'000'000, "a whole number, not negative");
   const double lumens =
       numbers.number("lumens per lamp", -1, kAny, "-1 (absolute photometry) or more");
   if (numbers.status.ok() && lumens < 0 && lumens != -1)
     numbers.fail(
         fmt::format("lumens per lamp = {}, allowed: -1 (absolute photometry), 0 or more", lumens));
-  const auto positive = [&](std::string_view what) {
-    return numbers.number(what, 1e-300, kAny, "positive");
-  };
-  factor *= positive("candela multiplier");
-  const auto vertical = static_cast<std::uint64_t>(
-      numbers.whole("the number of vertical angles", 2, 1'000'000'000, "2 or more"));
-  const auto horizontal = static_cast<std::uint64_t>(
-      numbers.whole("the number of horizontal angles", 1, 1'000'000'000, "1 or more"));
+  header.factor *= numbers.positive("candela multiplier");
+  header.vertical = numbers.count("the number of vertical angles", 2, "2 or more");
+  header.horizontal = numbers.count("the number of horizontal angles", 1, "1 or more");
   const int type = numbers.whole("photometric type", 1, 3, "1 (type C), 2 (type B), 3 (type A)");
+  header.type = type == 1   ? PhotometricType::kC
+                : type == 2 ? PhotometricType::kB
+                            : PhotometricType::kA;
   numbers.whole("units", 1, 2, "1 (feet), 2 (metres)");
-  // Negative sizes tell of rounded shapes.
+  // Negative sizes stand for rounded shapes.
   for (const char* size : {"width", "length", "height"})
     numbers.number(size, -kAny, kAny, "finite");
-  factor *= positive("ballast factor");
-  // The second number is without meaning in the editions of 1995 and 2002; in that of 2019 it says
-  // how the file was made.
-  if (edition == Edition::k1986 || edition == Edition::k1991)
-    factor *= positive("ballast-lamp photometric factor");
+  header.factor *= numbers.positive("ballast factor");
+  // The second number is a factor up to 1991, has no meaning in 1995 and 2002, and describes how
+  // the file was made in 2019.
+  if (edition.year <= 1991)
+    header.factor *= numbers.positive("ballast-lamp photometric factor");
   else
     numbers.next("the second number after the sizes");
   numbers.number("input watts", -kAny, kAny, "finite");
-  if (!numbers.room_for(vertical + horizontal + vertical * horizontal)) return numbers.status;
+  return header;
+}
 
+/// Reads the angles and the intensities into `file`.  Returns the photometric type.
+absl::StatusOr<PhotometricType> read_candela(Numbers& numbers, const IesHeader& header,
+                                             const Edition& edition, std::string_view name,
+                                             PhotometricFile& file) {
   PhotometricWebParams web;
-  web.type = type == 1   ? PhotometricType::kC
-             : type == 2 ? PhotometricType::kB
-                         : PhotometricType::kA;
+  web.type = header.type;
   numbers.skip();
   const int vertical_line = numbers.line();
-  web.vertical_deg = numbers.angles("vertical angle", vertical);
-  // The edition of 1986 has one number for types A and C, of which the latter has no such angles.
-  if (edition == Edition::k1986 && type == 1 && numbers.status.ok() && web.vertical_deg.front() < 0)
+  web.vertical_deg = numbers.angles("vertical angle", header.vertical);
+  // The edition of 1986 uses 1 for types A and C; only type A has negative vertical angles.
+  if (edition.year == 1986 && web.type == PhotometricType::kC && numbers.status.ok() &&
+      web.vertical_deg.front() < 0)
     web.type = PhotometricType::kA;
   numbers.check(vertical_line, check_vertical_angles(web.type, web.vertical_deg));
   numbers.skip();
   const int horizontal_line = numbers.line();
-  web.horizontal_deg = numbers.angles("horizontal angle", horizontal);
+  web.horizontal_deg = numbers.angles("horizontal angle", header.horizontal);
   numbers.check(horizontal_line, check_horizontal_angles(web.type, web.horizontal_deg));
   numbers.skip();
   const int candela_line = numbers.line();
-  web.intensity_cd = numbers.list("candela value", vertical * horizontal);
-  if (!numbers.status.ok()) return numbers.status;
+  web.intensity_cd = numbers.list("candela value", header.vertical * header.horizontal);
+  LUCERNA_RETURN_IF_ERROR(numbers.status);
   if (numbers.skip())
     file.notes.push_back({numbers.line(), "more after the last candela value", "left out"});
-  for (double& cd : web.intensity_cd) cd *= factor;
-
+  for (double& cd : web.intensity_cd) cd *= header.factor;
   auto made = PhotometricWeb::create(web);
   if (!made.ok())
-    return photometric_error(
-        name, candela_line,
-        std::string_view(made.status().message().data(), made.status().message().size()));
+    return photometric_error(name, candela_line, std::string(made.status().message()));
   file.web = *std::move(made);
-  file.format = fmt::format("{}, type {}", edition_name,
-                            web.type == PhotometricType::kC   ? 'C'
-                            : web.type == PhotometricType::kB ? 'B'
-                                                              : 'A');
+  return web.type;
+}
+
+char letter(PhotometricType type) {
+  return type == PhotometricType::kC ? 'C' : type == PhotometricType::kB ? 'B' : 'A';
+}
+
+}  // namespace
+
+absl::StatusOr<PhotometricFile> parse_ies(std::string_view text, std::string_view name) {
+  const std::vector<std::string_view> lines = split_lines(without_byte_order_mark(text));
+  PhotometricFile file;
+  const Edition edition = edition_of(lines, file);
+  LUCERNA_ASSIGN_OR_RETURN(const std::size_t tilt, find_tilt(lines, name));
+  Numbers numbers(name, lines, tilt + 1);
+  LUCERNA_ASSIGN_OR_RETURN(const double tilt_factor, read_tilt(tilt, lines, name, numbers, file));
+  const IesHeader header = read_header(numbers, edition, tilt_factor);
+  const std::uint64_t vertical = header.vertical, horizontal = header.horizontal;
+  if (!numbers.room_for(vertical + horizontal + vertical * horizontal)) return numbers.status;
+  LUCERNA_ASSIGN_OR_RETURN(const PhotometricType type,
+                           read_candela(numbers, header, edition, name, file));
+  file.format = fmt::format("{}, type {}", edition.name, letter(type));
   return file;
 }
 

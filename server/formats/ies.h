@@ -1,5 +1,5 @@
-// Luminaires in IES LM-63 files: the editions of 1986 (which has no header line), 1991, 1995, 2002
-// and 2019.  [LM63] has that of 2002; how the others differ, [Fritz18] says.
+// Reads luminaires from IES LM-63 files: the editions of 1986 (without a header line), 1991, 1995,
+// 2002 and 2019.  [LM63] is the edition of 2002; [Fritz18] describes the differences of the others.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -10,18 +10,20 @@
 
 namespace lucerna {
 
-/// The luminaire that the text of a file describes; `name` is the file's in errors.
+/// The luminaire in the text of a file.  `name` is the file's name in errors.
 ///
 /// Intensity is candela times the candela multiplier, the ballast factor, and in the editions of
-/// 1986 and 1991 the ballast-lamp photometric factor.  Where the edition of 1986 says type C and
-/// vertical angles are negative, it is type A, which has the same number there.  Lumens of the
-/// lamps scale nothing: the candela are for those lamps, or absolute where lumens are -1.  The
-/// luminaire hangs as it was measured: of a tilt table the factor at angle 0 holds; a tilt table in
-/// a file of its own is not read, its factor being 1 there.  What follows the last intensity (a
-/// further luminaire of the edition of 1991) is left out.  Notes tell of each.
+/// 1986 and 1991 the ballast-lamp photometric factor.  The edition of 1986 has the same number for
+/// types A and C; negative vertical angles then mean type A.  Lumens of the lamps scale nothing:
+/// the candela hold for these lamps, or are absolute if lumens are -1.
 ///
-/// What the numbers claim to follow is checked against the length of the text before anything is
-/// allocated.  Errors (INVALID_ARGUMENT): "name:line: what, allowed: ...".
+/// The luminaire hangs in the position of the measurement, so of a tilt table the factor at angle 0
+/// applies.  A tilt table in a separate file is not read, since its factor at 0 is 1. Text after
+/// the last intensity (a further luminaire in the edition of 1991) is left out.  A note reports
+/// each of these.
+///
+/// Counts in the header are checked against the length of the text before anything is allocated.
+/// Errors (INVALID_ARGUMENT): "name:line: what, allowed: ...".
 absl::StatusOr<PhotometricFile> parse_ies(std::string_view text, std::string_view name);
 
 }  // namespace lucerna

@@ -16,6 +16,8 @@
 #include <string_view>
 #include <utility>
 
+#include "proto/common/status_macros.h"
+
 namespace lucerna {
 namespace {
 
@@ -25,8 +27,8 @@ absl::Status bad(const AssetContent& content, const std::string& what) {
   return absl::InvalidArgumentError(content.name + ": " + what);
 }
 
-/// Lower case, with its dot; empty for what is not read.  OpenImageIO knows more formats, among
-/// them films and archives: a server opens no more of them than it needs.
+/// The extension in lower case with its dot; empty for unknown formats.  OpenImageIO reads more
+/// formats, such as films and archives, but a server should open only what it needs.
 std::string known_extension(const std::string& name) {
   std::string extension = std::filesystem::path(name).extension().string();
   std::ranges::transform(extension, extension.begin(), [](unsigned char c) {
@@ -37,25 +39,25 @@ std::string known_extension(const std::string& name) {
   return std::ranges::find(kKnown, extension) != kKnown.end() ? extension : "";
 }
 
-/// What a file itself says, as it may stand in a message.
+/// Text from a file in a form for messages.
 std::string shown(std::string text) {
   std::ranges::replace_if(
       text, [](char c) { return c < ' ' || c > '~'; }, '?');
   return text.substr(0, 200);
 }
 
-/// OpenImageIO's messages name files that only it knows of, quote what these hold, and may be many
-/// lines long.
+/// The first line of a message of OpenImageIO.  Its messages name temporary files, quote their
+/// content, and may be long.
 std::string first_line(const std::string& text) { return shown(text.substr(0, text.find('\n'))); }
 
-/// With what OpenImageIO says of it, which may be nothing.
+/// The error for an unreadable file, with OpenImageIO's message, which may be empty.
 absl::Status unreadable(const AssetContent& content, const std::string& extension,
                         const std::string& why) {
   return bad(content, fmt::format("cannot be read as an image{}{}, allowed: a whole {} file",
                                   why.empty() ? "" : ": ", first_line(why), extension));
 }
 
-/// A file without a name that holds `bytes`, for formats that OpenImageIO reads by name only.
+/// An unnamed file that holds `bytes`, for formats that OpenImageIO reads only by name.
 class MemoryFile {
  public:
   explicit MemoryFile(const std::string& bytes) : fd_(::memfd_create("image", MFD_CLOEXEC)) {
@@ -81,11 +83,11 @@ class MemoryFile {
   bool ok_;
 };
 
-/// What an open file needs to live on.
+/// An open image and the objects that it needs.
 struct OpenImage {
   std::unique_ptr<OIIO::Filesystem::IOMemReader> memory;
   std::unique_ptr<MemoryFile> file;
-  std::unique_ptr<OIIO::ImageInput> input;  // last, closed first
+  std::unique_ptr<OIIO::ImageInput> input;  // last member: closed first
   OIIO::ImageSpec spec;
 };
 
@@ -96,15 +98,15 @@ absl::StatusOr<OpenImage> open_image(const AssetContent& content) {
                "unknown kind of image, allowed: .exr .hdr .pfm .png .tif .tiff .jpg .jpeg");
   OpenImage open;
   const std::string name = "image" + extension;
-  // By the kind alone: given a name, it looks for such a file.
+  // Chosen by the format alone: with a file name, OpenImageIO would look for that file.
   open.input = OIIO::ImageInput::create(extension.substr(1));
   if (!open.input) return absl::InternalError(content.name + ": " + first_line(OIIO::geterror()));
   OIIO::ImageSpec config;
-  // Colours as they are written, not multiplied by alpha.
+  // The stored colours, not multiplied by alpha.
   config.attribute("oiio:UnassociatedAlpha", 1);
   bool ok;
   if (open.input->supports("ioproxy")) {
-    // OpenImageIO 2.4 takes what it only reads as not constant.
+    // OpenImageIO 2.4 requires a pointer to non-const bytes, which it only reads.
     open.memory = std::make_unique<OIIO::Filesystem::IOMemReader>(
         const_cast<char*>(content.bytes.data()),  // NOLINT(cppcoreguidelines-pro-type-const-cast)
         content.bytes.size());
@@ -121,7 +123,7 @@ absl::StatusOr<OpenImage> open_image(const AssetContent& content) {
   return open;
 }
 
-/// The channels that red, green and blue are read from.
+/// The channels of red, green and blue.
 std::optional<std::array<int, 3>> colour_channels(const OIIO::ImageSpec& spec) {
   if (spec.nchannels <= 2) return std::array{0, 0, 0};
   std::array<int, 3> channels{};
@@ -149,7 +151,7 @@ std::vector<ImageRemark> remarks_on(OpenImage& open, const std::string& name) {
     remarks.push_back({name + " has a data window other than its display window",
                        "the data window is the picture"});
   if (spec.get_int_attribute("Orientation", 1) != 1)
-    remarks.push_back({name + " asks to be turned", "the picture as it is stored"});
+    remarks.push_back({name + " has an orientation flag", "the picture as stored"});
   std::array<float, 8> c{};
   constexpr std::array kRec709{0.64F, 0.33F, 0.30F, 0.60F, 0.15F, 0.06F, 0.3127F, 0.3290F};
   if (spec.getattribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), c.data()) &&
@@ -184,7 +186,7 @@ absl::Status check_spec(const AssetContent& content, const OIIO::ImageSpec& spec
   return absl::OkStatus();
 }
 
-/// Whether a channel holds sRGB codes; nothing for a type that is not read.
+/// Whether a channel holds sRGB codes; nothing for unsupported types.
 std::optional<bool> is_coded(const OIIO::TypeDesc& type) {
   if (type == OIIO::TypeDesc::UINT8 || type == OIIO::TypeDesc::UINT16) return true;
   if (type == OIIO::TypeDesc::HALF || type == OIIO::TypeDesc::FLOAT ||
@@ -196,10 +198,9 @@ std::optional<bool> is_coded(const OIIO::TypeDesc& type) {
 }  // namespace
 
 absl::StatusOr<DecodedImage> decode_image(const AssetContent& content, std::uint64_t max_texels) {
-  auto open = open_image(content);
-  if (!open.ok()) return open.status();
-  const OIIO::ImageSpec spec = open->spec;
-  if (absl::Status s = check_spec(content, spec, max_texels); !s.ok()) return s;
+  LUCERNA_ASSIGN_OR_RETURN(auto open, open_image(content));
+  const OIIO::ImageSpec spec = open.spec;
+  LUCERNA_RETURN_IF_ERROR(check_spec(content, spec, max_texels));
   const auto channels = colour_channels(spec);
   if (!channels) {
     std::string names;
@@ -212,15 +213,15 @@ absl::StatusOr<DecodedImage> decode_image(const AssetContent& content, std::uint
                                       "sign, half, float, double",
                                       spec.channelformat(c).c_str()));
   DecodedImage decoded;
-  decoded.remarks = remarks_on(*open, content.name);
+  decoded.remarks = remarks_on(open, content.name);
 
   const auto [low, high] = std::minmax({(*channels)[0], (*channels)[1], (*channels)[2]});
   const auto read = static_cast<std::size_t>(high - low + 1);
   const std::size_t count =
       static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height);
   std::vector<float> values(count * read);
-  if (!open->input->read_image(0, 0, low, high + 1, OIIO::TypeDesc::FLOAT, values.data()))
-    return unreadable(content, known_extension(content.name), open->input->geterror());
+  if (!open.input->read_image(0, 0, low, high + 1, OIIO::TypeDesc::FLOAT, values.data()))
+    return unreadable(content, known_extension(content.name), open.input->geterror());
   std::vector<Rgb<float>> texels(count);
   std::size_t negative = 0;
   const std::array coded{*is_coded(spec.channelformat((*channels)[0])),
@@ -231,7 +232,7 @@ absl::StatusOr<DecodedImage> decode_image(const AssetContent& content, std::uint
     const auto value = [&](std::size_t c) {
       const float v = values[i * read + static_cast<std::size_t>((*channels)[c] - low)];
       if (coded[c]) return linear_from_srgb(v);
-      // Not a number and -infinity stay, to be found by Image::create.
+      // NaN and -infinity stay, so that Image::create rejects them.
       if (!(v < 0) || std::isinf(v)) return v;
       below = true;
       return 0.0F;

@@ -1,7 +1,6 @@
-// Pictures for lights, from the bytes of image files: the one place of the server that knows
-// OpenImageIO.
+// Decodes image files for lights.  Only this file of the server knows OpenImageIO.
 //
-// Integer texels are sRGB-coded, floating-point ones linear, both Rec. 709, as pbrt-v4 takes them.
+// Integer texels are sRGB-coded and floating-point texels linear, both Rec.  709, like in pbrt-v4.
 // Alpha is not applied.  Formats: OpenEXR, Radiance .hdr, .pfm, PNG, TIFF, JPEG.
 #pragma once
 
@@ -17,7 +16,7 @@
 
 namespace lucerna {
 
-/// What a picture says and lights do not use, and what happens instead.
+/// A part of a picture that lights do not use, and what happens instead.
 struct ImageRemark {
   std::string what;
   std::string instead;
@@ -31,12 +30,12 @@ struct DecodedImage {
 /// The largest picture: 16384 x 8192 texels, 1.6 GB in memory.
 inline constexpr std::uint64_t kMaxImageTexels = std::uint64_t{1} << 27;
 
-/// The first picture of an image file.  One or two channels are grey (and alpha); of more, those
-/// named R, G and B are taken.  Texels below 0 count as 0, with a remark that counts them.
+/// Decodes the first picture of an image file.  One or two channels are grey (and alpha); of more,
+/// R, G and B are used.  Texels below 0 count as 0, with a remark that counts them.
 ///
-/// Errors, which begin with the file's name: INVALID_ARGUMENT for what is no picture of a known
-/// format, has no texels, no R, G and B, integers of more than 16 bits, or a texel that is not
-/// finite (its place is said); RESOURCE_EXHAUSTED beyond `max_texels`.
+/// Errors begin with the file's name.  INVALID_ARGUMENT for an unknown format, no texels, no R, G
+/// and B, integers of more than 16 bits, or a texel that is not finite (with its position);
+/// RESOURCE_EXHAUSTED beyond `max_texels`.
 absl::StatusOr<DecodedImage> decode_image(const AssetContent& content,
                                           std::uint64_t max_texels = kMaxImageTexels);
 

@@ -1,4 +1,4 @@
-// What the readers of photometric files share: their result, lines, numbers and errors.
+// Shared by the readers of photometric files: result, lines, numbers and errors.
 #pragma once
 
 #include <absl/status/status.h>
@@ -16,10 +16,13 @@ namespace lucerna {
 /// The largest magnitude that a number of a file may have.
 inline constexpr double kAny = 1e300;
 
+/// The largest size of a list that a file may announce.
+inline constexpr int kMostCount = 1'000'000'000;
+
 struct PhotometricFile {
   std::shared_ptr<const PhotometricWeb> web;
   std::string format;  ///< "IES LM-63-2002, type C", "EULUMDAT"
-  /// What of the file is not modelled, and what was done instead.
+  /// A part of the file that is not modelled, and what happens instead.
   struct Note {
     int line;
     std::string what, instead;
@@ -27,19 +30,19 @@ struct PhotometricFile {
   std::vector<Note> notes;
 };
 
-/// The lines of a text, ended by CR LF, LF or CR, the last one maybe by nothing.
+/// The lines of a text, ended by CR LF, LF or CR; the last line may have no end.
 std::vector<std::string_view> split_lines(std::string_view text);
 
-/// Without spaces and tabs at its ends.
+/// `text` without spaces and tabs at its ends.
 std::string_view trimmed(std::string_view text);
 
-/// A finite number that is all of `text`, with an optional sign.
+/// The finite number that all of `text` spells, with an optional sign; nothing if it is none.
 std::optional<double> parse_number(std::string_view text);
 
-/// "file:line: what", with what cannot be printed replaced.
+/// INVALID_ARGUMENT "file:line: what".
 absl::Status photometric_error(std::string_view file, int line, std::string_view what);
 
-/// The beginning of a file's own text, for a message.
+/// The beginning of a text from a file, for a message; '?' replaces what cannot be printed.
 std::string excerpt(std::string_view text);
 
 }  // namespace lucerna

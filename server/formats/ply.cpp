@@ -11,26 +11,27 @@
 #include <cstdlib>
 #include <string>
 
+#include "proto/common/status_macros.h"
 #include "server/formats/ply_header.h"
 
 namespace lucerna::ply {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "reads little-endian data as they are");
+static_assert(std::endian::native == std::endian::little, "copies little-endian data");
 
-/// Takes one number after the other from the data.
+/// Reads one number after the other from the data.
 class Numbers {
  public:
   Numbers(std::string_view data, Encoding encoding) : data_(data), encoding_(encoding) {}
 
   std::size_t bytes_left() const { return data_.size(); }
 
-  /// The fewest bytes that `count` numbers of `type` can take.
+  /// Minimum size in bytes of a number of `type`.
   std::uint64_t least_bytes(Type type) const {
     return encoding_ == Encoding::kAscii ? 1 : size_of(type);
   }
 
-  /// False where the data end or hold no number.
+  /// Returns false if the data end or hold no number.
   bool next(Type type, double& value) {
     return encoding_ == Encoding::kAscii ? next_ascii(value) : next_binary(type, value);
   }
@@ -94,7 +95,7 @@ class Numbers {
   Encoding encoding_;
 };
 
-/// What becomes of a property's numbers.
+/// The use of a property's numbers.
 enum Role : std::uint8_t { kX, kY, kZ, kNx, kNy, kNz, kU, kV, kCorners, kSkip };
 
 class Reader {
@@ -109,13 +110,13 @@ class Reader {
       bool& seen = element.name == "vertex" ? has_vertices : has_faces;
       const bool known = element.name == "vertex" || element.name == "face";
       if (known && seen) return error(fmt::format("element \"{}\" twice", element.name));
-      if (auto status = read_element(element); !status.ok()) return status;
+      LUCERNA_RETURN_IF_ERROR(read_element(element));
       if (known) seen = true;
       has_vertices_ = has_vertices;
     }
     if (!has_vertices) return error("no element \"vertex\"");
     if (!has_faces) return error("no element \"face\"");
-    // Again for faces that stand before the vertices that they name.
+    // Faces may come before the vertices that they name, so check again.
     for (const std::uint32_t index : mesh_.indices)
       if (index >= mesh_.positions.size())
         return error(
@@ -126,7 +127,7 @@ class Reader {
  private:
   absl::StatusOr<std::vector<Role>> roles(const Element& element) {
     constexpr std::array<std::string_view, 6> kNames{"x", "y", "z", "nx", "ny", "nz"};
-    // The names that pbrt-v4 looks for, in its order; the first pair that is there counts.
+    // The names that pbrt-v4 accepts, in its order; the first pair found counts.
     constexpr std::array<std::array<std::string_view, 2>, 4> kUvNames{
         {{"u", "v"}, {"s", "t"}, {"texture_u", "texture_v"}, {"texture_s", "texture_t"}}};
     const auto has = [&](std::string_view name) {
@@ -161,8 +162,7 @@ class Reader {
   }
 
   absl::Status read_element(const Element& element) {
-    auto role = roles(element);
-    if (!role.ok()) return role.status();
+    LUCERNA_ASSIGN_OR_RETURN(auto role, roles(element));
     if (element.properties.empty() && element.count > 0)
       return error(fmt::format("element \"{}\" has no properties", element.name));
     std::uint64_t least = 0;
@@ -181,7 +181,7 @@ class Reader {
     for (std::uint64_t i = 0; i < element.count; ++i) {
       if ((i & 0xffff) == 0 && stop_.stop_requested())
         return absl::CancelledError("loading was cancelled");
-      if (auto status = read_one(element, *role, i); !status.ok()) return status;
+      LUCERNA_RETURN_IF_ERROR(read_one(element, role, i));
     }
     return absl::OkStatus();
   }
@@ -191,7 +191,7 @@ class Reader {
     for (std::size_t p = 0; p < role.size(); ++p) {
       const Property& property = element.properties[p];
       if (role[p] == kCorners) {
-        if (auto status = read_face(property, i); !status.ok()) return status;
+        LUCERNA_RETURN_IF_ERROR(read_face(property, i));
         continue;
       }
       double n = 0;
@@ -271,9 +271,8 @@ class Reader {
 namespace lucerna {
 
 absl::StatusOr<PlyMesh> parse_ply(std::string_view bytes, std::stop_token stop) {
-  const auto header = ply::parse_header(bytes);
-  if (!header.ok()) return header.status();
-  return ply::Reader(*header, std::move(stop)).read();
+  LUCERNA_ASSIGN_OR_RETURN(const auto header, ply::parse_header(bytes));
+  return ply::Reader(header, std::move(stop)).read();
 }
 
 }  // namespace lucerna

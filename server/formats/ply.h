@@ -1,4 +1,4 @@
-// Meshes in PLY files: ASCII, and binary of either byte order.  [Turk94]
+// Reads meshes from PLY files: ASCII, and binary of either byte order.  [Turk94]
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -15,21 +15,19 @@ namespace lucerna {
 
 struct PlyMesh {
   std::vector<Vec3<double>> positions;  ///< finite
-  std::vector<Vec3<float>> normals;     ///< as written (any length), per vertex; empty: none
+  std::vector<Vec3<float>> normals;     ///< any length, per vertex; empty: none
   std::vector<Vec2<float>> uv;          ///< finite, per vertex; empty: none
-  std::vector<std::uint32_t> indices;   ///< three a triangle, all < positions.size()
-  std::size_t split_quads = 0;          ///< faces of four, each split along its first diagonal
+  std::vector<std::uint32_t> indices;   ///< three per triangle, all < positions.size()
+  std::size_t split_quads = 0;          ///< quadrilaterals, split along their first diagonal
 };
 
-/// The mesh that the bytes of a PLY file hold: element `vertex` with x y z and maybe nx ny nz and
-/// u v (or s t, texture_u texture_v, texture_s texture_t), element `face` with the list
-/// vertex_indices (or vertex_index), three or four entries each. Other elements and properties are
-/// skipped.
+/// The mesh in the bytes of a PLY file.  Element `vertex` has x y z and optionally nx ny nz and u v
+/// (or s t, texture_u texture_v, texture_s texture_t).  Element `face` has the list vertex_indices
+/// (or vertex_index) with three or four entries.  Other elements and properties are skipped.
 ///
-/// Sizes that the header claims are checked against what is there before anything is allocated.
-/// Errors (INVALID_ARGUMENT) name the header line or the element: broken header, cut-off data,
-/// index out of range, vertex not finite, face of other than three or four corners.  CANCELLED on
-/// `stop`.
+/// Sizes in the header are checked against the length of the data before anything is allocated.
+/// Errors (INVALID_ARGUMENT) name the header line or the element: invalid header, truncated data,
+/// index out of range, vertex not finite, face without three or four corners.  CANCELLED on `stop`.
 absl::StatusOr<PlyMesh> parse_ply(std::string_view bytes, std::stop_token stop = {});
 
 }  // namespace lucerna

@@ -7,6 +7,8 @@
 #include <charconv>
 #include <utility>
 
+#include "proto/common/status_macros.h"
+
 namespace lucerna::ply {
 namespace {
 
@@ -111,7 +113,7 @@ absl::StatusOr<Header> parse_header(std::string_view bytes) {
         return header_error(number, fmt::format("\"{}\" is not a count", line[2]));
       header.elements.push_back(std::move(element));
     } else if (line[0] == "property") {
-      if (auto status = add_property(line, number, header); !status.ok()) return status;
+      LUCERNA_RETURN_IF_ERROR(add_property(line, number, header));
     } else {
       return header_error(number, fmt::format("keyword \"{}\" is unknown", line[0]));
     }

@@ -1,4 +1,4 @@
-// What a PLY file says of itself before its data.  [Turk94]
+// Parses the header of a PLY file.  [Turk94]
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -29,19 +29,20 @@ struct Element {
 struct Header {
   Encoding encoding{};
   std::vector<Element> elements;
-  std::string_view data;  ///< all that follows
+  std::string_view data;  ///< everything after the header
 };
 
-/// Bytes of one number in binary data.
+/// Size in bytes of a number in binary data.
 std::size_t size_of(Type type);
 
-/// What numbers and words are divided by.
+/// Whether the character separates numbers and words.
 bool is_space(char c);
 
-/// INVALID_ARGUMENT "PLY: what".
+/// Returns INVALID_ARGUMENT "PLY: what".
 absl::Status error(const std::string& what);
 
-/// Up to and with the line "end_header"; refers to `bytes`.  Errors: "PLY: header line N: ...".
+/// Parses up to and including the line "end_header"; the result refers to `bytes`.  Errors: "PLY:
+/// header line N: ...".
 absl::StatusOr<Header> parse_header(std::string_view bytes);
 
 }  // namespace lucerna::ply

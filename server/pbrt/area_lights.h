@@ -1,12 +1,14 @@
-// What area lights have beyond their level.  Beyond what pbrt-v4 reads:
+// AreaLightSource directives to the emission of shapes.  Beyond what pbrt-v4 reads:
 //   "string filter"  bilinear (pbrt-v4's) | nearest: how an emission image is read
 //   "string profile" an .ies or .ldt file: a flat shape (rectangle, patches, triangles, disk) has
-//                    this photometry as a whole.  Its normal is straight down from the luminaire,
-//                    dp/du the plane C0 (of meshes that of their first primitive, of disks +x);
-//                    "L" and "scale" multiply the file's candela, "power" is what leaves.
+//                    this photometry as a whole.  Its normal is straight down from the luminaire
+//                    and dp/du lies in the plane C0.  Meshes use dp/du of their first primitive,
+//                    disks use +x.  "L" and "scale" multiply the file's candela; "power" is the
+//                    flux that leaves the shape.
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include "lights/models/panel.h"
 #include "server/pbrt/images.h"
@@ -14,17 +16,23 @@
 
 namespace lucerna::pbrt {
 
-/// The emission image of "string filename"; nothing where there is none.  Fails on "L" beside it.
-std::optional<Picture> area_picture(Context& context, const ParameterSet& params);
+/// An AreaLightSource directive, kept for the shapes that follow it.
+struct AreaLightDirective {
+  std::string type;
+  ParameterSet params;
+  Place place;
+};
 
-/// The photometry of "string profile"; nothing where there is none.  Fails on an image beside it,
-/// on files of other kinds and on shapes that are not flat.  `mirrored`: the transform of the shape
-/// swaps handedness, and the photometry with it.
-std::optional<PanelProfile> area_profile(Context& context, const ParameterSet& params,
-                                         const Geometry& geometry, const Place& shape_place,
-                                         bool mirrored);
+/// Whether the light needs the (u, v) of shapes, for an image or a profile.
+bool needs_uv(const AreaLightDirective& light);
 
-/// Whether every texel of an emission image has the same area on the shape.
-bool shows_texels_alike(const Geometry& geometry);
+/// The emission of `geometry` under `light`.  Nothing, and a remark, if the shape has no area.
+/// "power" is that of the whole mesh.  `mirrored`: the shape's transform swaps handedness, and the
+/// photometry of a profile with it.  Fails on invalid levels, on shapes that cannot emit, and on a
+/// profile for a shape that is not flat.
+std::optional<ShapeDescription::Emission> make_emission(Context& context,
+                                                        const AreaLightDirective& light,
+                                                        const Geometry& geometry,
+                                                        const Place& shape_place, bool mirrored);
 
 }  // namespace lucerna::pbrt

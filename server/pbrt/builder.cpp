@@ -42,7 +42,7 @@ void Builder::coord_sys_transform(const std::string& name, const Place& place) {
   const auto found = coordinate_systems_.find(name);
   if (found == coordinate_systems_.end()) {
     context_.remark(place, fmt::format("no coordinate system \"{}\" was named", printable(name)),
-                    "the transform stays as it is");
+                    "the transform stays unchanged");
     return;
   }
   state_.world_from_object = found->second;
@@ -57,7 +57,7 @@ const Transform& Builder::still_transform(const char* directive, const Place& pl
   const MovingTransform& moving = state_.world_from_object;
   if (!(moving.start == moving.end))
     context_.remark(place, fmt::format("motion of {} is not modelled", directive),
-                    "where it is at its start");
+                    "its position at the start");
   return moving.start;
 }
 
@@ -76,7 +76,7 @@ void Builder::setting(const std::string& directive, const std::string& type, Par
   require_before_world(directive, place);
   Setting setting{type, ParameterSet(std::move(params), {}), place};
   if (directive == "Camera") {
-    // What is in force takes the world to the camera; what moves is the camera in the world.
+    // The transform in force maps world to camera.  The motion is that of the camera in the world.
     const MovingTransform world_from_camera{state_.world_from_object.start.inverse(),
                                             state_.world_from_object.end.inverse()};
     settings_.camera_from_world = state_.world_from_object.start;
@@ -91,7 +91,7 @@ void Builder::setting(const std::string& directive, const std::string& type, Par
     settings_.sampler = std::move(setting);
   } else if (directive == "PixelFilter") {
     settings_.filter = std::move(setting);
-  }  // Accelerator: says how to compute, not what.
+  }  // Accelerator: no effect on the result.
 }
 
 void Builder::world_begin(const Place& place) {
@@ -119,7 +119,7 @@ void Builder::close(Opened::Kind kind, const char* directive, const Place& place
     fail(place, fmt::format("{} closes nothing that is open{}", directive,
                             opened_.empty() ? "" : " in this imported file"));
   if (opened_.back().kind != kind)
-    fail(place, fmt::format("{} meets the {} of {}", directive,
+    fail(place, fmt::format("{} does not match the {} of {}", directive,
                             name_of_opener(static_cast<int>(opened_.back().kind)),
                             to_string(opened_.back().place)));
   state_ = std::move(opened_.back().saved);
@@ -137,7 +137,7 @@ void Builder::attribute(const std::string& target, const Parameters& params, con
   if (target == "light") attributes = &state_.light_attributes;
   if (target == "material") attributes = &state_.material_attributes;
   if (target == "texture") attributes = &state_.texture_attributes;
-  if (target == "medium") return;  // media themselves are reported
+  if (target == "medium") return;  // the media themselves get a remark
   if (attributes == nullptr)
     fail(place, fmt::format("unknown attribute target \"{}\", expected one of shape light material "
                             "medium texture",
@@ -176,7 +176,7 @@ void Builder::texture(const std::string& name, const std::string& kind, const st
 void Builder::shape(const std::string& type, Parameters params, const Place& place) {
   require_world("Shape", place);
   const ParameterSet set(std::move(params), state_.shape_attributes);
-  // What moves within an object that may be placed many times would be many motions.
+  // A moving shape in an object that is placed many times would need many motions.
   const Transform& world_from_object =
       open_object_ ? still_transform("a shape within an object definition", place)
                    : state_.world_from_object.start;
@@ -203,13 +203,12 @@ void Builder::shape(const std::string& type, Parameters params, const Place& pla
 void Builder::light_source(const std::string& type, Parameters params, const Place& place) {
   require_world("LightSource", place);
   const ParameterSet set(std::move(params), state_.light_attributes);
-  if (auto light = make_light(context_, type, set, place, state_.world_from_object.start)) {
-    light->motion = motion("LightSource", place);
-    if (light->motion && std::holds_alternative<PortalLightParams>(light->params))
-      context_.remark(place, "a moving light with a portal, which pbrt-v4 leaves where it is",
-                      "the portal moves with the light");
-    context_.scene.lights.push_back(*std::move(light));
-  }
+  LightDescription light = make_light(context_, type, set, place, state_.world_from_object.start);
+  light.motion = motion("LightSource", place);
+  if (light.motion && std::holds_alternative<PortalLightParams>(light.params))
+    context_.remark(place, "a moving light with a portal, which pbrt-v4 keeps in place",
+                    "the portal moves with the light");
+  context_.scene.lights.push_back(std::move(light));
 }
 
 void Builder::area_light_source(const std::string& type, Parameters params, const Place& place) {

@@ -1,4 +1,4 @@
-// The graphics state and what each directive does to it and to the scene.
+// The graphics state, and the effect of each directive on it and on the scene.
 #pragma once
 
 #include <cstdint>
@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "server/pbrt/area_lights.h"
 #include "server/pbrt/camera.h"
 #include "server/pbrt/lights.h"
 #include "server/pbrt/materials.h"
@@ -17,13 +18,13 @@ namespace lucerna::pbrt {
 
 using Parameters = std::vector<std::shared_ptr<const Parameter>>;
 
-/// The transform at the start of the exposure and at its end.
+/// The transforms at the start and at the end of the exposure.
 struct MovingTransform {
   Transform start, end;
   bool operator==(const MovingTransform&) const = default;
 };
 
-/// What AttributeBegin saves.
+/// The state that AttributeBegin saves.
 struct GraphicsState {
   MovingTransform world_from_object;
   bool start_active = true, end_active = true;
@@ -33,7 +34,7 @@ struct GraphicsState {
   Parameters shape_attributes, light_attributes, material_attributes, texture_attributes;
 };
 
-/// Takes the directives of a scene, in the order of the file.
+/// Receives the directives of a scene in the order of the file.
 class Builder {
  public:
   explicit Builder(Context& context) : context_(context) {}
@@ -69,11 +70,11 @@ class Builder {
   void object_end(const Place& place);
   void object_instance(const std::string& name, const Place& place);
 
-  /// An imported file begins and ends: what it opens it closes, and its state is its own.
+  /// An imported file begins or ends.  It must close what it opens, and its state is its own.
   void import_begin(const Place& place);
   void import_end();
 
-  /// The end of the scene: everything opened is closed, and names find what they name.
+  /// Ends the scene: checks that everything opened is closed, and resolves names.
   void finish(const Place& end);
 
  private:
@@ -90,9 +91,10 @@ class Builder {
   void require_world(const char* directive, const Place& place) const;
   void require_before_world(const std::string& directive, const Place& place) const;
   void close(Opened::Kind kind, const char* directive, const Place& place);
-  /// The transform in force at its start; a remark where it moves.
+  /// The transform in force, at its start; a remark if it moves.
   const Transform& still_transform(const char* directive, const Place& place);
-  /// How the transform in force moves; null where it rests.  Fails on a motion that is not rigid.
+  /// The motion of the transform in force; null if it does not move.  Fails on a motion that is not
+  /// rigid.
   std::shared_ptr<const Motion> motion(const char* directive, const Place& place) const {
     return motion(directive, state_.world_from_object, place);
   }
@@ -109,7 +111,7 @@ class Builder {
   Materials materials_;
   std::optional<std::size_t> open_object_;
   std::map<std::string, std::uint32_t> objects_;
-  std::vector<Use> instance_uses_;  ///< of `scene.instances`, resolved in finish()
+  std::vector<Use> instance_uses_;  ///< of `scene.instances`; finish() resolves them
   bool in_world_ = false;
 };
 

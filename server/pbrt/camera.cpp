@@ -48,7 +48,7 @@ void apply_film(Context& context, const Settings& settings) {
   if (params.number("maxcomponentvalue"))
     context.remark(setting.place, "\"maxcomponentvalue\" is not modelled",
                    "values are not clipped");
-  // The imaging ratio of pbrt-v4: exposure time times ISO speed over 100.
+  // pbrt-v4's imaging ratio: exposure time times ISO speed over 100.
   double exposure_s = 1;
   context.scene.hints.shutter_close_s = 1;
   if (settings.camera) {
@@ -168,7 +168,7 @@ void apply_hints(Context& context, const Settings& settings) {
   if (settings.filter) {
     const Setting& filter = *settings.filter;
     check_type(filter, "PixelFilter", {"box", "gaussian", "mitchell", "sinc", "triangle"});
-    // Each filter's own radius is at least that of a pixel; box alone has it by default.
+    // The default radius of each filter covers at least one pixel; only that of box is exactly one.
     const double otherwise = filter.type == "box" ? 0.5 : 2;
     const double x = filter.params.number("xradius", otherwise);
     const double y = filter.params.number("yradius", otherwise);

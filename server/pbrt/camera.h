@@ -1,4 +1,4 @@
-// What stands before WorldBegin: camera, film, and the hints of integrator, sampler and filter.
+// The directives before WorldBegin: camera, film, and the hints of integrator, sampler and filter.
 #pragma once
 
 #include <memory>
@@ -9,7 +9,7 @@
 
 namespace lucerna::pbrt {
 
-/// One of the directives that a scene has once.
+/// A directive that a scene has once.
 struct Setting {
   std::string type;
   ParameterSet params;
@@ -18,11 +18,11 @@ struct Setting {
 
 struct Settings {
   std::optional<Setting> camera, film, integrator, sampler, filter;
-  Transform camera_from_world;                    ///< in force at Camera, at its start
-  std::shared_ptr<const Motion> camera_motion{};  ///< world to world; null where it rests
+  Transform camera_from_world;  ///< in force at Camera, at the start of the exposure
+  std::shared_ptr<const Motion> camera_motion{};  ///< world to world; null if it does not move
 };
 
-/// Fills camera, film and hints of `context.scene`; defaults are pbrt-v4's.
+/// Fills camera, film and hints of `context.scene`, with the defaults of pbrt-v4.
 void apply(Context& context, const Settings& settings);
 
 }  // namespace lucerna::pbrt

@@ -23,7 +23,7 @@ void Context::finish_remarks() {
   Remark& rest = scene.remarks.emplace_back();
   rest.where.file = scene_file;
   rest.what = fmt::format("{} more things are not modelled", uncounted_);
-  rest.instead = "as the remarks before this one say of their like";
+  rest.instead = "see the remarks before this one";
 }
 
 absl::StatusOr<AssetContent> Context::find(const Place& place, const std::string& name) {
@@ -49,7 +49,8 @@ AssetContent Context::read(const Parameter& parameter) {
   if (content.ok()) return *std::move(content);
   const absl::Status& status = content.status();
   const bool missing = absl::IsNotFound(status);
-  // What can still come, is too large or was given up has nothing that the parameter allows.
+  // Other errors (the file may still arrive, is too large, the load was stopped) do not depend on
+  // the parameter's value.
   if (!missing && !absl::IsInvalidArgument(status)) fail(parameter.place, status);
   fail(parameter.place,
        absl::Status(

@@ -1,4 +1,4 @@
-// What every part of the reader works on.
+// The state that all parts of the reader share.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -33,30 +33,30 @@ struct Context {
   SceneDescription& scene;
   std::stop_token stop;
   std::string scene_file;  ///< the file that loading began with
-  /// The pictures read so far, by the name of the file.
+  /// Pictures read so far, by file name.
   std::map<std::string, std::shared_ptr<const Image>> images;
-  /// Of lights, shared between those that say the same (spectra.cpp).
+  /// Spectra of lights, shared by lights with the same spectrum (spectra.cpp).
   std::map<std::string, std::shared_ptr<const Spectrum>> spectra;
-  /// The luminaires read so far, by the name of the file.
+  /// Luminaires read so far, by file name.
   std::map<std::string, PhotometricFile> photometric_files;
-  /// Of goniometric lights, by the name of the picture and how it is read.
+  /// Pictures of goniometric lights, by file name and the way they are read.
   std::map<std::tuple<std::string, SphereMapping, ImageFilter>, std::shared_ptr<const IntensityMap>>
       intensity_maps;
 
-  /// Says that `what` at `place` is not modelled, and what happens instead.  After 1000 remarks
-  /// they are only counted.  Says the same only once (an area light is met anew with each of its
-  /// shapes).
+  /// Adds a remark that `what` at `place` is not modelled, and what happens instead.  An equal
+  /// remark is added once: each shape of an area light would repeat it.  After 1000 remarks they
+  /// are only counted.
   void remark(const Place& place, std::string what, std::string instead);
-  /// Says how many remarks were only counted, if any.
+  /// Adds a remark with the number of remarks that were only counted, if any.
   void finish_remarks();
 
-  /// The file that `place` names: beneath the directory of the scene file, as pbrt-v4 looks for it,
-  /// or of the file that names it.  Unpacked.  Fails at `place`.
+  /// The unpacked content of the file `name`.  Looks in the directory of the scene file, like
+  /// pbrt-v4, then in that of the file that names it.  Fails at `place`.
   AssetContent read(const Place& place, const std::string& name);
   /// The file that the first string of `parameter` names.  Errors name the parameter too.
   AssetContent read(const Parameter& parameter);
 
-  /// Fails with CANCELLED once the caller gave up.
+  /// Fails with CANCELLED if the caller has stopped the load.
   void poll() const;
 
  private:

@@ -1,4 +1,4 @@
-// What each directive is followed by, and where it goes.
+// Reads the arguments of each directive and passes them to the builder.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -36,7 +36,7 @@ bool Parser::transform_directive(const Token& word) {
     std::array<double, 4> n;
     numbers(n);
     const Vec3<double> axis{n[1], n[2], n[3]};
-    if (max_abs(axis) == 0) fail(word.place, "Rotate about the axis 0 0 0, which is none");
+    if (max_abs(axis) == 0) fail(word.place, "Rotate about the axis 0 0 0, which has no direction");
     concatenate(Transform::rotate(n[0] * std::numbers::pi / 180, axis), name, word.place);
   } else if (name == "LookAt") {
     std::array<double, 9> n;
@@ -114,12 +114,12 @@ bool Parser::settings_directive(const Token& word) {
 bool Parser::world_directive(const Token& word) {
   const std::string name(word.text);
   const Place& place = word.place;
-  // A name or type and parameters follow, read in this order.
+  // Reads a name or type and then parameters.
   const auto pass_on = [&](void (Builder::*take)(const std::string&, Parameters, const Place&)) {
     const std::string type = string(name);
     (builder_.*take)(type, parameters(), place);
   };
-  // TransformBegin and TransformEnd are pbrt-v4's older words for the same.
+  // TransformBegin and TransformEnd are the older names in pbrt-v4.
   if (name == "AttributeBegin" || name == "TransformBegin") {
     builder_.attribute_begin(place);
   } else if (name == "AttributeEnd" || name == "TransformEnd") {

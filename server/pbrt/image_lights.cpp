@@ -11,9 +11,9 @@
 namespace lucerna::pbrt {
 namespace {
 
-
-/// What pbrt-v4 divides "illuminance" by: the sum over the texels above the light's xy plane of
-/// luminance times cosine, each of 2 pi over their number - half of their solid angle.
+/// The divisor that pbrt-v4 uses for "illuminance": the sum of luminance times cosine over the
+/// texels above the light's xy plane.  pbrt-v4 weights each texel by 2 pi over their number, which
+/// is half of its solid angle.
 double pbrt_illuminance(const Image& image) {
   const int n = image.width();
   double sum = 0;
@@ -26,7 +26,7 @@ double pbrt_illuminance(const Image& image) {
   return sum * 2 * kPi / n / n;
 }
 
-/// On a surface that faces +y, of what a latitude-longitude picture shows texel by texel.
+/// Illuminance of a surface that faces +y under a latitude-longitude picture, texel by texel.
 double illuminance_from_above(const Image& image) {
   double sum = 0;
   for (int y = 0; y < image.height(); ++y) {
@@ -40,7 +40,54 @@ double illuminance_from_above(const Image& image) {
   return sum * kPi / image.width();
 }
 
-/// What the picture and its level come to.
+/// Illuminance that pbrt-v4 computes for the picture, or that the latitude-longitude picture gives.
+double illuminance_of(const Image& image, SphereMapping mapping) {
+  return mapping == SphereMapping::kEqualArea ? pbrt_illuminance(image)
+                                              : illuminance_from_above(image);
+}
+
+/// Factor that brings the picture from `scale` to "illuminance" `given`.
+double illuminance_factor(Context& context, const Parameter& given, double wanted, double scale,
+                          const Image& image, SphereMapping mapping) {
+  const double of_picture = illuminance_of(image, mapping);
+  if (!(of_picture > 0))
+    fail(given.place,
+         fmt::format("\"float illuminance\" = {} lx for a picture that is black above the "
+                     "horizon, which cannot have it{}",
+                     wanted, kOnlyAsIfNotGiven));
+  if (!(scale > 0))
+    fail(given.place,
+         fmt::format("\"float illuminance\" = {} lx for a picture times a \"scale\" of 0, which "
+                     "cannot have it{}",
+                     wanted, kOnlyAsIfNotGiven));
+  if (mapping == SphereMapping::kEqualArea)
+    context.remark(given.place, "\"illuminance\" of a picture, of which pbrt-v4 counts half",
+                   fmt::format("a surface that faces the light's +z gets {:.6g} lx, the same as in "
+                               "pbrt-v4",
+                               2 * scale * wanted));
+  return wanted / of_picture;
+}
+
+/// "scale" times the factor for "illuminance".
+double picture_level(Context& context, const ParameterSet& params, const Image& image,
+                     SphereMapping mapping) {
+  const double scale = params.number("scale", 1);
+  if (scale < 0)
+    fail(params.find("scale", {"float"})->place,
+         fmt::format("\"float scale\" = {}, allowed: not negative", scale));
+  const Parameter* given = params.find("illuminance", {"float"});
+  if (given == nullptr) return scale;
+  const double wanted = params.number("illuminance", -1);
+  // pbrt-v4 itself writes -1 for "not given".
+  if (wanted < 0 && wanted != -1)
+    fail(given->place, fmt::format("\"float illuminance\" = {}, allowed: not negative", wanted));
+  if (wanted == 0)
+    context.remark(given->place, "\"illuminance\" 0 is taken as not given", "the picture's level");
+  if (!(wanted > 0)) return scale;
+  return scale * illuminance_factor(context, *given, wanted, scale, image, mapping);
+}
+
+/// The picture of "string filename" with its level.  `otherwise`: the filter if none is given.
 ImageInfiniteLightParams picture(Context& context, const ParameterSet& params, const Place& place,
                                  const Transform& world_from_light, ImageFilter otherwise) {
   const Parameter& filename = *params.find("filename", {"string"});
@@ -55,47 +102,11 @@ ImageInfiniteLightParams picture(Context& context, const ParameterSet& params, c
     fail(filename.place,
          fmt::format("\"string filename\": {}: {}; \"string mapping\" \"latlong\" takes any",
                      named.name, std::string(map.status().message())));
-  const double scale = params.number("scale", 1);
-  if (scale < 0)
-    fail(params.find("scale", {"float"})->place,
-         fmt::format("\"float scale\" = {}, allowed: not negative", scale));
-  double level = scale;
-  if (const Parameter* given = params.find("illuminance", {"float"})) {
-    const double wanted = params.number("illuminance", -1);
-    // -1 is how pbrt-v4 itself writes that nothing is given.
-    if (wanted < 0 && wanted != -1)
-      fail(given->place, fmt::format("\"float illuminance\" = {}, allowed: not negative", wanted));
-    if (wanted == 0)
-      context.remark(given->place, "\"illuminance\" 0 is taken as not given",
-                     "the picture's level");
-    if (wanted > 0) {
-      const bool equal_area = mapping == SphereMapping::kEqualArea;
-      const double of_picture =
-          equal_area ? pbrt_illuminance(*named.image) : illuminance_from_above(*named.image);
-      if (!(of_picture > 0))
-        fail(given->place,
-             fmt::format("\"float illuminance\" = {} lx for a picture that is black above the "
-                         "horizon, which cannot have it{}",
-                         wanted, kOnlyAsIfNotGiven));
-      if (!(scale > 0))
-        fail(
-            given->place,
-            fmt::format("\"float illuminance\" = {} lx for a picture times a \"scale\" of 0, which "
-                        "cannot have it{}",
-                        wanted, kOnlyAsIfNotGiven));
-      level *= wanted / of_picture;
-      if (equal_area)
-        context.remark(given->place, "\"illuminance\" of a picture, of which pbrt-v4 counts half",
-                       fmt::format("a surface that faces the light's +z gets {:.6g} lx, as with "
-                                   "pbrt-v4",
-                                   2 * scale * wanted));
-    }
-  }
   ImageInfiniteLightParams infinite;
   infinite.map = *std::move(map);
   infinite.image_name = named.name;
   infinite.world_from_map = world_from_light;
-  infinite.radiance_cd_m2 = Rgb<double>(level);
+  infinite.radiance_cd_m2 = Rgb<double>(picture_level(context, params, *named.image, mapping));
   require_level(
       level_place(params, "L", place),
       fmt::format("the brightest texel of {} times the light's level", printable(named.name)),
@@ -133,8 +144,8 @@ ImageInfiniteLightParams image_infinite(Context& context, const ParameterSet& pa
                                         const Place& place, const Transform& world_from_light) {
   ImageInfiniteLightParams infinite =
       picture(context, params, place, world_from_light, ImageFilter::kNearest);
-  // All that can fail, here where its place is known, and levels that floats, which answers tell,
-  // do not hold.
+  // Everything that can fail, here where its place is known.  Answers hold floats, so a level
+  // beyond their range fails too.
   if (const auto made = ImageInfiniteLight<float>::create(infinite); !made.ok())
     fail(level_place(params, "L", place), made.status());
   return infinite;
@@ -155,11 +166,12 @@ PortalLightParams portal(Context& context, const ParameterSet& params, const Pla
     light.map = std::move(infinite.map);
     light.image_name = std::move(infinite.image_name);
     light.radiance_cd_m2 = infinite.radiance_cd_m2;
-    // What pbrt-v4 makes of what it can read; a filter that is asked for is one of the picture.
+    // pbrt-v4 resamples the pictures that it can read.  A given filter applies to the picture
+    // itself.
     light.rectified = params.find("filter", {"string"}) == nullptr &&
                       light.map->mapping() == SphereMapping::kEqualArea;
   } else {
-    // Nothing to turn or stretch.
+    // A uniform sky has nothing to turn or stretch.
     light.world_from_map = Transform();
   }
   if (const auto status = PortalLight<float>::check(light); !status.ok())

@@ -9,17 +9,17 @@
 
 namespace lucerna::pbrt {
 
-/// A picture with the name that ListLights tells.
+/// A picture with the name that ListLights reports.
 struct NamedImage {
   std::string name;  ///< relative to the scene root
   std::shared_ptr<const Image> image;
 };
 
-/// The picture that "string filename" (or such) names, once for all lights that name it.  Remarks
-/// and errors stand at the parameter.
+/// The picture that "string filename" (or such) names; lights that name the same file share it.
+/// Remarks and errors stand at the parameter.
 NamedImage read_image(Context& context, const Parameter& filename);
 
-/// "string filter" of a light, nearest or bilinear; `otherwise`: as pbrt-v4 reads its picture.
+/// The "string filter" of a light, nearest or bilinear.  `otherwise` applies if it is not given.
 ImageFilter image_filter(const ParameterSet& params, const char* otherwise = "nearest");
 
 }  // namespace lucerna::pbrt

@@ -1,36 +1,21 @@
-// Lights with the levels that pbrt-v4 gives them: spectra at luminance 1 before `scale`, and the
-// whole multiplied up where `power` or `illuminance` is given.
+// LightSource directives to lights.  pbrt-v4 gives spectra luminance 1 before `scale`; `power` or
+// `illuminance` then multiplies the level.
 #pragma once
 
-#include <optional>
+#include <cstdint>
 #include <string>
 
 #include "server/pbrt/params.h"
-#include "server/pbrt/shapes.h"
 
 namespace lucerna::pbrt {
 
-/// A LightSource.  Nothing, and a remark, for lights that are not modelled.
-std::optional<LightDescription> make_light(Context& context, const std::string& type,
-                                           const ParameterSet& params, const Place& place,
-                                           const Transform& world_from_light);
+/// The light of a LightSource directive of this type.  Fails on unknown types and on parameters
+/// that the light model refuses.
+LightDescription make_light(Context& context, const std::string& type, const ParameterSet& params,
+                            const Place& place, const Transform& world_from_light);
 
-/// What AreaLightSource says, kept until a shape comes.
-struct AreaLightDirective {
-  std::string type;
-  ParameterSet params;
-  Place place;
-};
-
-/// Whether it asks for the (u, v) of shapes: for an image or a profile.
-bool needs_uv(const AreaLightDirective& light);
-
-/// The emission of `geometry` under `light`; nothing, and a remark, where it is not modelled.
-/// `power` is that of the whole mesh.  `mirrored`: its transform swaps handedness.  Fails on levels
-/// that are no levels and on shapes that cannot emit.
-std::optional<ShapeDescription::Emission> make_emission(Context& context,
-                                                        const AreaLightDirective& light,
-                                                        const Geometry& geometry,
-                                                        const Place& shape_place, bool mirrored);
+/// "integer samples": points on the light per sample.  pbrt-v3 has this parameter, pbrt-v4 does
+/// not.
+std::uint32_t samples_of(const ParameterSet& params);
 
 }  // namespace lucerna::pbrt

@@ -1,4 +1,4 @@
-// Scenes in pbrt-v4's file format.  [PbrtFormat]
+// Loads scenes in pbrt-v4's file format.  [PbrtFormat]
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -11,14 +11,15 @@
 
 namespace lucerna {
 
-/// Reads the scene file `name`, relative to the root of `assets`, and all files that it names. What
-/// it asks for and is not modelled is in `remarks`; every file that was read is in `assets`.
+/// Reads the scene file `name`, relative to the root of `assets`, and all files that it names.
+/// `remarks` lists what the file contains and the server does not model; `assets` lists every file
+/// that was read.
 ///
-/// Errors begin with file:line:column: INVALID_ARGUMENT for what a file may not say (what was
-/// expected and what was found), NOT_FOUND for a missing file, RESOURCE_EXHAUSTED beyond the
-/// reader's limit. CANCELLED soon after `stop` asks for it.  Where the reader's source says of a
-/// file that it is not there yet (FAILED_PRECONDITION), what the rest of the scene names is asked
-/// for too before the load fails; other errors may then be but a consequence.
+/// Errors begin with file:line:column: INVALID_ARGUMENT for invalid content (expected and found),
+/// NOT_FOUND for a missing file, RESOURCE_EXHAUSTED beyond the reader's limit.  CANCELLED soon
+/// after a stop request.  If the reader's source returns FAILED_PRECONDITION for a file that is
+/// still missing, the rest of the scene is read too, so that all its files are requested.  Other
+/// errors may then be a mere consequence.
 absl::StatusOr<SceneDescription> load_pbrt(AssetReader& assets, const std::string& name,
                                            std::stop_token stop = {});
 

@@ -100,7 +100,7 @@ void Materials::make_texture(Context& context, const std::string& name, const st
     return found->second.r;
   };
   Rgb<double> value(0.5);
-  // Float textures are no reflectances and may exceed 1.
+  // Float textures are not reflectances and may exceed 1.
   const auto part = [&](const char* parameter, double otherwise) {
     return kind == "float" ? Rgb<double>(amount(parameter, otherwise))
                            : texture_or_value(context, params, parameter, Rgb<double>(otherwise));
@@ -143,7 +143,7 @@ Rgb<double> Materials::diffuse_of(Context& context, const Material& material) {
     const Rgb<double> clamped{std::clamp(value.r, 0.0, 1.0), std::clamp(value.g, 0.0, 1.0),
                               std::clamp(value.b, 0.0, 1.0)};
     if (clamped != value)
-      context.remark(material.place, fmt::format("{} is no reflectance", text(value)),
+      context.remark(material.place, fmt::format("{} is not a valid reflectance", text(value)),
                      fmt::format("clamped to {}", text(clamped)));
     return clamped;
   };
@@ -153,7 +153,7 @@ Rgb<double> Materials::diffuse_of(Context& context, const Material& material) {
   for (const char* name : {"displacement", "normalmap"})
     if (const Parameter* map = material.params.find(name, {"texture", "string", "float"}))
       context.remark(map->place, fmt::format("\"{}\" of {} is not modelled", name, owner),
-                     "the surface as its shape gives it");
+                     "the surface without it");
   if (material.type == "diffuse") {
     const Rgb<double> value = reflectance_of(0.5);
     material.params.ignore({"type"});
@@ -174,7 +174,7 @@ Rgb<double> Materials::diffuse_of(Context& context, const Material& material) {
                    fmt::format("its first part, diffuse, reflectance {}", text(value)));
     return value;
   }
-  // Defaults of pbrt-v4 where it has a reflectance, 0.5 where it has none.
+  // Default reflectances of pbrt-v4; 0.5 for materials without one.
   const Rgb<double> value = reflectance_of(material.type == "diffusetransmission" ? 0.25 : 0.5);
   context.remark(material.place, fmt::format("material \"{}\" is not modelled", material.type),
                  fmt::format("diffuse, reflectance {}", text(value)));

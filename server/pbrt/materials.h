@@ -1,5 +1,5 @@
-// Materials and textures.  Surfaces are diffuse; what a file asks for beyond that is reported, and
-// the nearest diffuse surface stands in.
+// Materials and textures.  All surfaces are diffuse; for other materials there is a remark, and the
+// nearest diffuse material replaces them.
 #pragma once
 
 #include <cstdint>
@@ -12,35 +12,37 @@
 
 namespace lucerna::pbrt {
 
-/// Materials are resolved when the whole file is read, since a name may be used before it is made.
+/// Materials are resolved after the whole file is read, since names may be used before they are
+/// defined.
 class Materials {
  public:
-  /// Begins with the one material that shapes have before any directive: diffuse, 0.5.
+  /// Starts with the default material: diffuse, 0.5.
   Materials();
 
   static constexpr std::uint32_t kDefault = 0;
 
-  /// Each returns the reference that shapes keep until `resolve`.
+  /// Each returns a reference, which shapes keep until `resolve`.
   std::uint32_t add(const std::string& type, ParameterSet params, const Place& place);
   std::uint32_t named(const std::string& name, const Place& place);
 
-  /// Fails where the name is made twice or the parameter "type" is missing.
+  /// Fails if the name is defined twice, or the parameter "type" is missing.
   void make_named(const std::string& name, ParameterSet params, const Place& place);
 
-  /// `kind` is float or spectrum.  Evaluated at once: only constants are modelled.
+  /// `kind` is float or spectrum.  The texture is evaluated at once, since only constants are
+  /// modelled.
   void make_texture(Context& context, const std::string& name, const std::string& kind,
                     const std::string& type, const ParameterSet& params, const Place& place);
 
-  /// Index into `context.scene.materials`, where the material is put at its first use.  Nothing for
-  /// an interface between media: such a surface is not to be seen.  Fails on unknown names.
+  /// Index into `context.scene.materials`, to which the material is added at its first use.
+  /// Nothing for an interface between media, which is invisible.  Fails on unknown names.
   std::optional<std::uint32_t> resolve(Context& context, std::uint32_t reference);
 
  private:
   struct Material {
     std::string type;
     ParameterSet params;
-    Place place;       ///< of the directive that makes it, or, until then, of its first use
-    std::string name;  ///< empty: made by Material
+    Place place;       ///< of the directive that defines it; until then of its first use
+    std::string name;  ///< empty if made by Material
     bool defined = false;
     bool resolved = false;
     std::optional<std::uint32_t> index;
@@ -50,7 +52,7 @@ class Materials {
   Rgb<double> diffuse_of(Context& context, const Material& material);
 
   std::vector<Material> materials_;
-  int nesting_ = 0;  ///< of mixes that are being resolved
+  int nesting_ = 0;  ///< depth of mixes that are being resolved
   std::map<std::string, std::uint32_t> names_;
   std::map<std::string, Rgb<double>> textures_;  ///< by "kind name"
 };

@@ -27,13 +27,13 @@ void Parser::parse() {
       try {
         directive(token);
       } catch (const Failure& failure) {
-        // A file that can still come: go on, to find out about all of them at once.
+        // A file that may still arrive.  Continue, so that all such files are found at once.
         if (!absl::IsFailedPrecondition(failure.status)) throw;
         incomplete_ = failure.status;
       }
       continue;
     }
-    // `next` stays at the end of imported files and of the first.
+    // `next` stops at the end of imported files and of the first file.
     if (files_.size() == 1) {
       if (!incomplete_.ok()) throw Failure{incomplete_};
       return builder_.finish(token.place);
@@ -60,10 +60,10 @@ void Parser::open(const Place& place, const std::string& name, bool imported) {
   for (const OpenFile& open : files_)
     if (*open.name == *file) fail(place, fmt::format("file \"{}\" includes itself", *file));
   files_.push_back({file, std::move(content.bytes), Tokenizer(file, {}), imported});
-  // Columns count without the mark, as editors do.
+  // Columns are counted without the mark, like in editors.
   const std::string_view contents = without_byte_order_mark(files_.back().contents);
   files_.back().tokens = Tokenizer(file, contents);
-  // Elsewhere such files begin with a byte that is no directive; say what it is.
+  // Otherwise the error would only say that the first byte is not a directive.
   const std::string_view start = contents.substr(0, 2);
   if (start == "\xff\xfe" || start == "\xfe\xff")
     fail({file, 1, 1}, "the file is UTF-16, expected UTF-8");
@@ -103,7 +103,7 @@ Transform::Matrix Parser::matrix(const std::string& name, const Place& place) {
     fail(place, fmt::format("{} is not affine: its fourth, eighth and twelfth number must be "
                             "0, its last must not",
                             name));
-  Transform::Matrix m;  // columns stand one after the other in the file
+  Transform::Matrix m;  // the file lists the columns one after the other
   for (int row = 0; row < 3; ++row)
     for (int column = 0; column < 4; ++column) m[row][column] = n[4 * column + row] / n[15];
   return m;
@@ -205,8 +205,7 @@ void Parser::directive(const Token& word) {
   if (word.kind == Token::Kind::kWord &&
       (transform_directive(word) || settings_directive(word) || world_directive(word)))
     return;
-  if (word.text == "WorldEnd")
-    fail(word.place, "WorldEnd is not part of pbrt-v4's files, which end without it");
+  if (word.text == "WorldEnd") fail(word.place, "WorldEnd does not exist in pbrt-v4; remove it");
   fail(word.place, fmt::format("expected a directive, found {}", described(word)));
 }
 

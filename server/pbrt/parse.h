@@ -1,4 +1,4 @@
-// The syntax of scene files: directives, their parameters, and the files that files include.
+// Parses scene files: directives, their parameters, and included files.
 #pragma once
 
 #include <deque>
@@ -14,7 +14,7 @@ class Parser {
  public:
   Parser(Context& context, Builder& builder) : context_(context), builder_(builder) {}
 
-  /// Reads `context.scene_file` and all that it includes.
+  /// Reads `context.scene_file` and all files that it includes.
   void parse();
 
  private:
@@ -22,11 +22,12 @@ class Parser {
     const std::string* name;
     std::string contents;
     Tokenizer tokens;
-    bool imported;  ///< by Import: parameters do not go on beyond its end
+    bool imported;  ///< by Import: parameters end at its end
   };
 
   void open(const Place& place, const std::string& name, bool imported);
-  /// The token's text is good until the next call: an included file goes when its end is met.
+  /// The next token.  Its text is valid until the next call, since an included file is dropped at
+  /// its end.
   Token next();
   void put_back(const Token& token) { put_back_ = token; }
 
@@ -46,11 +47,12 @@ class Parser {
 
   Context& context_;
   Builder& builder_;
-  std::deque<std::string> names_;  ///< of files; places point to them
+  std::deque<std::string> names_;  ///< file names, to which places point
   std::deque<OpenFile> files_;
   std::optional<Token> put_back_;
   std::uint64_t token_count_ = 0;
-  absl::Status incomplete_;  ///< of a directive that was left out, as its file is not there yet
+  absl::Status
+      incomplete_;  ///< error of a directive that was skipped since its file is not there yet
 };
 
 }  // namespace lucerna::pbrt

@@ -24,7 +24,7 @@ bool ends_in(const std::string& name, std::string_view lower_case) {
   return true;
 }
 
-/// The picture that a parameter names, once for all lights that use it in the same way.
+/// The picture that a parameter names; lights that use it in the same way share it.
 std::shared_ptr<const IntensityMap> read_intensity_map(Context& context, const Parameter& filename,
                                                        SphereMapping mapping, ImageFilter filter,
                                                        std::string& name) {
@@ -42,7 +42,7 @@ std::shared_ptr<const IntensityMap> read_intensity_map(Context& context, const P
     context.remark(filename.place,
                    fmt::format("{} has colours, a goniometric light one intensity a direction",
                                printable(named.name)),
-                   "the mean of R, G and B, as pbrt-v4 has it");
+                   "the mean of R, G and B, the same as in pbrt-v4");
   return map = *std::move(made);
 }
 
@@ -81,7 +81,7 @@ GoniometricLightParams goniometric(Context& context, const ParameterSet& params,
   light.intensity = Rgb<double>(1);
   const Parameter* filename = params.find("filename", {"string"});
   if (filename == nullptr) {
-    // The same in all directions: nothing to turn or stretch.
+    // A light that is equal in all directions needs no axes.
     check_without_picture(context, params, {"mapping", "filter"});
     return light;
   }
@@ -97,7 +97,7 @@ GoniometricLightParams goniometric(Context& context, const ParameterSet& params,
   }
   const SphereMapping mapping = sphere_mapping(params);
   light.map = read_intensity_map(context, *filename, mapping, image_filter(params), light.file);
-  // pbrt-v4 swaps y and z on the way to the picture.
+  // pbrt-v4 swaps y and z when it looks up the picture.
   if (mapping == SphereMapping::kEqualArea) std::swap(light.axes.t, light.axes.n);
   return light;
 }

@@ -5,7 +5,7 @@
 namespace lucerna::pbrt {
 namespace {
 
-/// How many bytes the well-formed character at the start of `text` has; 0 if there is none.
+/// Length in bytes of the well-formed character at the start of `text`; 0 if there is none.
 /// [Unicode15, table 3-7]
 std::size_t character_length(std::string_view text) {
   const auto byte = [&](std::size_t i) -> unsigned {

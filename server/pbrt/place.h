@@ -1,4 +1,4 @@
-// Places in scene files, and how the reader gives up at one.
+// Places in scene files, and errors at them.
 #pragma once
 
 #include <absl/status/status.h>
@@ -10,8 +10,7 @@
 
 namespace lucerna::pbrt {
 
-/// A place in a file.  `file` is owned by the parser and outlives what refers to it; null: no
-/// place.
+/// A place in a file.  The parser owns `file`, which outlives all references to it; null: no place.
 struct Place {
   const std::string* file = nullptr;
   int line = 0;    ///< from 1
@@ -23,21 +22,21 @@ SourceLocation location(const Place& place);
 /// "scene.pbrt:12:7".
 std::string to_string(const Place& place);
 
-/// `text` as it may stand in a message: well-formed UTF-8, no control characters, at most 80 bytes.
+/// `text` in a form for messages: well-formed UTF-8, no control characters, at most 80 bytes.
 std::string printable(std::string_view text);
 
 /// Whether `text` is well-formed UTF-8 without control characters.
 bool is_printable(std::string_view text);
 
-/// Thrown within this folder, caught in load_pbrt: a status whose message begins with the place.
+/// Thrown within this folder and caught in load_pbrt: a status whose message begins with the place.
 struct Failure {
   absl::Status status;
 };
 
-/// INVALID_ARGUMENT at a place.
+/// Throws INVALID_ARGUMENT at a place.
 [[noreturn]] void fail(const Place& place, const std::string& what);
 
-/// `status` (not OK) with the place put before its message.
+/// Throws `status` (not OK) with the place before its message.
 [[noreturn]] void fail(const Place& place, const absl::Status& status);
 
 }  // namespace lucerna::pbrt

@@ -14,16 +14,16 @@
 namespace lucerna::pbrt {
 namespace {
 
-/// How many world metres one along each of the light's axes is.
+/// Length in the world of one unit along each of the light's axes [m].
 Vec3<double> scale_of(const Frame<double>& axes) {
   return {length(axes.s), length(axes.t), length(axes.n)};
 }
 
-/// Fov and aspect that the transform leaves.  It scales the picture in its plane, and the plane's
-/// distance.
+/// Changes fov and aspect for the transform's scale, which applies to the picture in its plane and
+/// to the distance of the plane.
 void apply_scale(const Vec3<double>& scale, ProjectedPictureParams& picture) {
   const double across = scale.x / scale.z, up = scale.y / scale.z;
-  // What is left of rotations does not count.
+  // Rounding errors of rotations do not count as scale.
   constexpr double kEqual = 1e-12;
   if (std::fabs(across - 1) < kEqual && std::fabs(up - 1) < kEqual) return;
   const double shorter = std::tan(picture.fov_rad / 2);
@@ -50,7 +50,7 @@ Projection perspective(const ParameterSet& params, const Place& place, const Fra
          fmt::format("\"float fov\" = {} degrees: {}", fov,
                      std::string(projected.status().message())));
   const double lumens = luminance((*projected)->integral_sr());
-  // Of what pbrt-v4 has no word for there is only one count.
+  // Lights that pbrt-v4 cannot express have only one count.
   const bool pbrt4 = named.image && filter == ImageFilter::kNearest;
   const double counted = pbrt4 ? luminance((*projected)->integral_by_centres_sr()) : lumens;
   return {ProjectionLightParams{.position_m = position_m,
@@ -112,12 +112,11 @@ void set_level(Context& context, const Place& level_place, const Place* power_pl
   if (power_place != nullptr &&
       std::fabs(projection.pbrt4_lumens - projection.lumens) > 1e-3 * projection.lumens)
     context.remark(*power_place,
-                   "\"power\" of a picture, whose texels pbrt-v4 counts as if each was all as its "
-                   "middle",
-                   fmt::format("{:.6g} lm, from the same intensity as with pbrt-v4",
+                   "\"power\" of a picture, whose texels pbrt-v4 weights by their middles",
+                   fmt::format("{:.6g} lm, from the same intensity as in pbrt-v4",
                                luminance(level) * projection.lumens));
-  // All that can fail, here where its place is known, and levels that floats, which answers tell,
-  // do not hold.
+  // Everything that can fail, here where its place is known.  Answers hold floats, so a level
+  // beyond their range fails too.
   if (auto* perspective = std::get_if<ProjectionLightParams>(&projection.light)) {
     perspective->intensity_cd = level;
     if (const auto made = ProjectionLight<float>::create(*perspective); !made.ok())

@@ -9,14 +9,14 @@ namespace lucerna::pbrt {
 
 std::array<double, 3> scales_of(const Transform& transform) {
   const Transform::Matrix& m = transform.matrix();
-  // Of the largest entry 1, so that no square leaves the range of a double.
+  // Normalises the largest entry to 1, so that no square leaves the range of a double.
   double largest = 0;
   for (const auto& row : m)
     for (int j = 0; j < 3; ++j) largest = std::fmax(largest, std::fabs(row[j]));
   std::array<Vec3<double>, 3> columns;
   for (int j = 0; j < 3; ++j) columns[j] = Vec3<double>{m[0][j], m[1][j], m[2][j]} / largest;
-  // One-sided Jacobi: turns two columns at a time until all are at right angles.
-  constexpr int kSweeps = 16;  // each squares what is left
+  // One-sided Jacobi: rotates two columns at a time until all are perpendicular.
+  constexpr int kSweeps = 16;  // convergence is quadratic
   for (int sweep = 0; sweep < kSweeps; ++sweep)
     for (const auto& [p, q] : {std::pair{0, 1}, {0, 2}, {1, 2}}) {
       const Vec3<double> a = columns[p], b = columns[q];
@@ -35,7 +35,7 @@ std::array<double, 3> scales_of(const Transform& transform) {
 }
 
 std::string scales_text(const Transform& transform) {
-  // As many digits as tell from equal what is not (Transform::uniform_scale).
+  // As many digits as Transform::uniform_scale distinguishes.
   const std::array<double, 3> s = scales_of(transform);
   return fmt::format("scales {:.8g}, {:.8g} and {:.8g}", s[0], s[1], s[2]);
 }

@@ -1,4 +1,4 @@
-// What transforms stretch, for lights that only some transforms leave what they are.
+// Scale factors of transforms, for lights that only allow equal scale.
 #pragma once
 
 #include <array>
@@ -10,14 +10,14 @@
 
 namespace lucerna::pbrt {
 
-/// The factors by which a transform stretches along three directions at right angles, ascending:
-/// the singular values of its linear part.  [Golub13]
+/// The scale factors of a transform along three perpendicular directions, ascending: the singular
+/// values of its linear part.  [Golub13]
 std::array<double, 3> scales_of(const Transform& transform);
 
 /// "scales 1, 1 and 2".
 std::string scales_text(const Transform& transform);
 
-/// Fails where `transform` stretches lengths unequally.  `what`: "a spot".
+/// Fails if `transform` scales lengths unequally.  `what`: "a spot".
 void require_equal_scale(const Place& place, std::string_view what, const Transform& transform);
 
 }  // namespace lucerna::pbrt

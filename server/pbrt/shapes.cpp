@@ -13,14 +13,12 @@
 namespace lucerna::pbrt {
 namespace {
 
-constexpr double kRadPerDegree = std::numbers::pi / 180;
-
-/// Vertices and primitives as a file gives them, `corners` indices a primitive.
+/// Vertices and primitives of a file, with `corners` indices per primitive.
 struct RawMesh {
   std::vector<Vec3<double>> positions;
   std::vector<Vec3<double>> normals;
   std::vector<std::uint32_t> indices;
-  std::vector<Vec2<float>> uv;  ///< per vertex; empty: each primitive's own
+  std::vector<Vec2<float>> uv;  ///< per vertex; empty: the default (u, v) of each primitive
 };
 
 std::vector<Vec3<double>> world_positions(const ShapeDirective& shape,
@@ -34,7 +32,7 @@ std::vector<Vec3<double>> world_positions(const ShapeDirective& shape,
   return positions;
 }
 
-/// Unit normals in world space, on the side that is outside; empty where one has no direction.
+/// Unit normals in world space, on the outside; empty if one has no direction.
 std::vector<Vec3<float>> world_normals(Context& context, const ShapeDirective& shape,
                                        const std::vector<Vec3<double>>& normals) {
   std::vector<Vec3<float>> result;
@@ -43,7 +41,7 @@ std::vector<Vec3<float>> world_normals(Context& context, const ShapeDirective& s
     const Vec3<double> n = normalized(shape.world_from_object.normal(normals[i]));
     if (!is_finite(n) || max_abs(n) == 0) {
       context.remark(shape.place, fmt::format("the normal of vertex {} has no direction", i),
-                     "the mesh is taken without normals");
+                     "the mesh has no vertex normals");
       return {};
     }
     result.emplace_back(shape.reverse_orientation ? -n : n);
@@ -51,9 +49,9 @@ std::vector<Vec3<float>> world_normals(Context& context, const ShapeDirective& s
   return result;
 }
 
-/// Turns each primitive so that its winding says its outside.  With vertex normals that is the side
-/// they point to, otherwise a mirror or ReverseOrientation (not both) turns it.
-/// `geometric_normal(corners)` is of any length.
+/// Orients each primitive so that its winding gives the outside.  Vertex normals point to the
+/// outside.  Without them, either a mirror or ReverseOrientation (not both) turns the primitive.
+/// `geometric_normal(corners)` has any length.
 template <std::size_t kCorners, typename Mesh, typename F>
 void resolve_winding(Mesh& mesh, bool turned, F&& geometric_normal) {
   for (std::size_t i = 0; i + kCorners <= mesh.indices.size(); i += kCorners) {
@@ -72,10 +70,10 @@ void resolve_winding(Mesh& mesh, bool turned, F&& geometric_normal) {
   }
 }
 
-/// How many primitives are to be remarked on.
+/// Numbers of primitives that get a remark.
 struct Census {
   std::size_t without_area = 0;
-  std::size_t crossed = 0;  ///< patches that are flat and whose edges cross
+  std::size_t crossed = 0;  ///< flat patches whose edges cross
 };
 
 Census census_of(const TriangleMeshData& mesh) {
@@ -87,9 +85,9 @@ Census census_of(const TriangleMeshData& mesh) {
   return census;
 }
 
-/// Of a patch dp/du x dp/dv is linear in u and in v: where all four corners have none, there is no
-/// area.  On flat patches those are the turns of the outline, which crosses itself where two go one
-/// way and two the other (with one it is an arrowhead).
+/// dp/du x dp/dv of a patch is linear in u and in v, so a patch has no area if it vanishes at all
+/// four corners.  On a flat patch it gives the turns of the outline, which crosses itself if two
+/// turn one way and two the other.  With one different turn it is an arrowhead.
 Census census_of(const PatchMeshData& mesh) {
   Census census;
   for (std::size_t i = 0; i + 4 <= mesh.indices.size(); i += 4) {
@@ -104,7 +102,7 @@ Census census_of(const PatchMeshData& mesh) {
       ++census.without_area;
       continue;
     }
-    constexpr double kRounded = 1e-6;  // what rounded corners leave, of the largest
+    constexpr double kRounded = 1e-6;  // relative to the largest, from rounding of corners
     const Vec3<double> axis = normalized(largest);
     const double unit = length(largest);
     int left = 0, right = 0;
@@ -145,8 +143,8 @@ void check_raw(const ShapeDirective& shape, RawMesh& raw, std::size_t corners) {
                                   raw.uv.size(), raw.positions.size()));
 }
 
-/// The (u, v) of every corner as pbrt-v4 has them: those of the vertices, or of each primitive its
-/// own.
+/// The (u, v) of every corner, as in pbrt-v4: those of the vertices, or the default of each
+/// primitive.
 template <std::size_t kCorners>
 std::vector<Vec2<float>> corner_uvs(const RawMesh& raw) {
   static constexpr std::array<Vec2<float>, 4> kTriangle{{{0, 0}, {1, 0}, {1, 1}}};
@@ -159,7 +157,7 @@ std::vector<Vec2<float>> corner_uvs(const RawMesh& raw) {
   return uv;
 }
 
-/// Whether each patch shows a whole image, the right way round.
+/// Whether each patch shows the whole image, without a flip.
 bool shows_all_on_each(const std::vector<Vec2<float>>& corner_uv) {
   for (std::size_t i = 0; i < corner_uv.size(); ++i)
     if (!(corner_uv[i] == Vec2<float>{float(i & 1), float(i >> 1 & 1)})) return false;
@@ -177,7 +175,7 @@ Mesh make_mesh(Context& context, const ShapeDirective& shape, RawMesh raw) {
   mesh.indices = std::move(raw.indices);
   const bool turned = shape.reverse_orientation != shape.world_from_object.swaps_handedness();
   if constexpr (kPatches) {
-    // cross(dp/du, dp/dv) in the middle; corners run (0,0), (1,0), (0,1), (1,1).
+    // cross(dp/du, dp/dv) in the middle; the corners are (0,0), (1,0), (0,1), (1,1).
     resolve_winding<4>(mesh, turned, [](const auto& p) {
       return cross((p[1] - p[0]) + (p[3] - p[2]), (p[2] - p[0]) + (p[3] - p[1]));
     });
@@ -191,14 +189,15 @@ Mesh make_mesh(Context& context, const ShapeDirective& shape, RawMesh raw) {
     context.remark(shape.place,
                    fmt::format("{} of {} {} of this mesh have no area", census.without_area,
                                primitives, kPatches ? "patches" : "triangles"),
-                   "kept, but neither seen nor a light");
+                   "kept, but invisible and no light");
   if (census.crossed > 0)
     context.remark(
         shape.place,
-        fmt::format("the edges of {} of {} patches of this mesh cross, as those of corners in ring "
-                    "order do, where \"point3 P\" of a bilinearmesh wants rows: (u, v) = (0, 0), "
-                    "(1, 0), (0, 1), (1, 1)",
-                    census.crossed, primitives),
+        fmt::format(
+            "the edges of {} of {} patches of this mesh cross, which suggests corners in ring "
+            "order; \"point3 P\" of a bilinearmesh needs rows: (u, v) = (0, 0), (1, 0), (0, 1), "
+            "(1, 1)",
+            census.crossed, primitives),
         "taken as rows: a bow tie, whose halves face opposite ways");
   return mesh;
 }
@@ -219,7 +218,7 @@ TriangleMeshData ply_mesh(Context& context, const ShapeDirective& shape) {
   const Parameter* file = shape.params.find("filename", {"string"});
   if (file == nullptr) fail(shape.place, "Shape \"plymesh\" lacks \"string filename\"");
   if (const Parameter* map = shape.params.find("displacement", {"texture", "float"}))
-    context.remark(map->place, "\"displacement\" is not modelled", "the mesh as the file gives it");
+    context.remark(map->place, "\"displacement\" is not modelled", "the mesh without it");
   shape.params.ignore({"displacement.edgelength", "edgelength", "displacement.uvscale"});
   const AssetContent content = context.read(*file);
   auto ply = parse_ply(content.bytes, context.stop);
@@ -241,7 +240,7 @@ TriangleMeshData ply_mesh(Context& context, const ShapeDirective& shape) {
   return make_mesh<TriangleMeshData>(context, shape, std::move(raw));
 }
 
-/// [m]
+/// Radius [m].
 double radius(const ShapeDirective& shape) {
   const double radius = shape.params.number("radius", 1);
   if (!(radius > 0))
@@ -250,7 +249,7 @@ double radius(const ShapeDirective& shape) {
   return radius;
 }
 
-/// [rad]
+/// Swept angle [rad].
 double swept_angle(const ShapeDirective& shape) {
   const double degrees = shape.params.number("phimax", 360);
   const double angle = degrees >= 360 ? 2 * std::numbers::pi : degrees * kRadPerDegree;

@@ -1,4 +1,4 @@
-// Shapes as geometry in world space (within an object definition: in the object's space).
+// Shape directives to geometry in world space (in an object definition: in object space).
 #pragma once
 
 #include <optional>
@@ -8,20 +8,20 @@
 
 namespace lucerna::pbrt {
 
-/// A Shape directive and the state that it was met in.
+/// A Shape directive and the graphics state at it.
 struct ShapeDirective {
   std::string type;
   const ParameterSet& params;
   Place place;
   Transform world_from_object;
   bool reverse_orientation = false;
-  bool needs_uv = false;  ///< meshes then say the (u, v) of their corners
+  bool needs_uv = false;  ///< meshes then give the (u, v) of their corners
 };
 
 using Geometry = decltype(ShapeDescription::geometry);
 
-/// Nothing, and a remark, for shapes that are not modelled.  Fails on unknown ones and on wrong
-/// parameters.
+/// The geometry of a Shape directive.  Nothing, and a remark, for shapes that are not modelled.
+/// Fails on unknown shapes and on invalid parameters.
 std::optional<Geometry> make_geometry(Context& context, const ShapeDirective& shape);
 
 }  // namespace lucerna::pbrt

@@ -13,7 +13,7 @@
 namespace lucerna::pbrt {
 namespace {
 
-/// Pairs of wavelength and value.  Fails where the numbers are none.
+/// Samples from pairs of wavelength and value.  Fails if the numbers do not form such pairs.
 SampledSpectrum samples(const Place& place, const std::string& what,
                         const std::vector<double>& numbers) {
   if (numbers.size() % 2 != 0)
@@ -29,7 +29,7 @@ SampledSpectrum samples(const Place& place, const std::string& what,
   return result;
 }
 
-/// The numbers of a text file, # to the end of a line left out.
+/// The numbers of a text file; # begins a comment.
 std::vector<double> numbers_of(const Place& place, const AssetContent& file) {
   std::vector<double> numbers;
   std::string_view rest = without_byte_order_mark(file.bytes);
@@ -64,13 +64,13 @@ Spectrum made(const Place& place, const std::string& what, Source source) {
   return *std::move(spectrum);
 }
 
-/// Names that pbrt-v4 has for spectra that are no lights'.
+/// Whether pbrt-v4 has the name for a spectrum that is not a light's.
 bool of_no_light(const std::string& name) {
   return name.starts_with("metal-") || name.starts_with("glass-") || name.starts_with("canon_") ||
          name.starts_with("nikon_") || name.starts_with("sony_");
 }
 
-/// What tells equal spectra: content where it is short, else where it stands.
+/// A key that is equal for equal spectra: the content if it is short, else the place in the file.
 std::string key_of(const Parameter& p) {
   if (p.type == "blackbody") return fmt::format("blackbody {}", p.numbers.front());
   if (!p.strings.empty() && p.strings.front().starts_with("stdillum-")) return p.strings.front();
@@ -96,7 +96,8 @@ std::shared_ptr<const Spectrum> read_spectrum(Context& context, const Parameter&
       return std::make_shared<Spectrum>(
           made(p.place, what, CieIlluminant{printable(name.substr(kIlluminant.size()))}));
     if (of_no_light(name)) {
-      context.remark(p.place, fmt::format("{} \"{}\" is no light's", what, printable(name)),
+      context.remark(p.place,
+                     fmt::format("{} \"{}\" is not that of a light", what, printable(name)),
                      "linear RGB [1 1 1]");
       return nullptr;
     }
@@ -123,7 +124,7 @@ std::string text(const Rgb<double>& c) {
   return fmt::format("[{:.4g} {:.4g} {:.4g}]", c.r, c.g, c.b);
 }
 
-/// Read once for all lights that say the same.  Null for what says no spectrum.
+/// The spectrum, read once for all lights that share it.  Null for parameters without a spectrum.
 std::shared_ptr<const Spectrum> spectrum_of(Context& context, const Parameter* parameter) {
   if (parameter == nullptr || parameter->type == "rgb") return nullptr;
   const auto [entry, is_new] = context.spectra.try_emplace(key_of(*parameter));
@@ -139,7 +140,7 @@ std::shared_ptr<const Spectrum> light_spectrum(Context& context, const Parameter
   const std::shared_ptr<const Spectrum> spectrum = spectrum_of(context, parameter);
   if (spectrum != nullptr && spectrum->clipped())
     context.remark(parameter->place,
-                   fmt::format("{} \"{}\" is outside of what RGB can show", parameter->type, name),
+                   fmt::format("{} \"{}\" is outside of the RGB gamut", parameter->type, name),
                    fmt::format("linear RGB {} of luminance 1; queries by wavelength are exact",
                                text(spectrum->rgb())));
   return spectrum;
@@ -202,7 +203,7 @@ Rgb<double> reflectance(Context& context, const Parameter& parameter) {
                             std::clamp(rgb.b, 0.0, 1.0)};
   if (clamped != rgb)
     context.remark(parameter.place,
-                   fmt::format("\"{}\" = {} is no reflectance", parameter.name, text(rgb)),
+                   fmt::format("\"{}\" = {} is not a valid reflectance", parameter.name, text(rgb)),
                    fmt::format("clamped to {}", text(clamped)));
   return clamped;
 }

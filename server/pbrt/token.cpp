@@ -40,7 +40,7 @@ std::string unescaped(const Token& string) {
       result += text[i];
       continue;
     }
-    // The tokenizer ends no string right after a backslash.
+    // The tokenizer never ends a string right after a backslash.
     switch (const char c = text[++i]) {
       case 'b':
         result += '\b';
@@ -80,7 +80,7 @@ double number(const Token& word, std::string_view expected, std::string_view own
   if (word.kind != Token::Kind::kWord) reject();
   const bool plus = text.front() == '+';
   if (plus) text.remove_prefix(1);
-  // from_chars also takes "inf" and "nan", and a second sign would follow the plus.
+  // from_chars also accepts "inf" and "nan", and a minus after the plus.
   const std::size_t first = !plus && !text.empty() && text.front() == '-' ? 1 : 0;
   if (first >= text.size() || !((text[first] >= '0' && text[first] <= '9') || text[first] == '.'))
     reject();

@@ -1,4 +1,4 @@
-// The words of a scene file.
+// Splits scene files into tokens.
 #pragma once
 
 #include <cstdint>
@@ -11,9 +11,9 @@ namespace lucerna::pbrt {
 
 struct Token {
   enum class Kind : std::uint8_t {
-    kEnd,     ///< of the file
+    kEnd,     ///< end of the file
     kWord,    ///< a directive, a number, true or false
-    kString,  ///< quoted; `text` is what stands between the quotes, escapes as written
+    kString,  ///< quoted; `text` is the part between the quotes, with escapes unresolved
     kOpen,
     kClose,
   };
@@ -22,13 +22,13 @@ struct Token {
   Place place;
 };
 
-/// `Shape`, `"sphere"`, `'['` or `the end of the file`, for messages.
+/// A description for messages: `Shape`, `"sphere"`, `'['` or `the end of the file`.
 std::string described(const Token& token);
 
-/// The text of a string with its escapes resolved.  Fails at an escape that does not exist.
+/// The text of a string with its escapes resolved.  Fails on an unknown escape.
 std::string unescaped(const Token& string);
 
-/// The number that a word spells, finite; fails with `expected ...` elsewhere.  For messages,
+/// The finite number that a word spells; fails with `expected ...` if it is none.  In messages
 /// `owner` is the directive that it belongs to, or the type of the parameter `name`.
 double number(const Token& word, std::string_view expected, std::string_view owner,
               std::string_view name = {});
@@ -36,10 +36,10 @@ double number(const Token& word, std::string_view expected, std::string_view own
 /// Splits one file into tokens.  Comments run from # to the end of the line.
 class Tokenizer {
  public:
-  /// `file` and `contents` outlive the tokenizer and its tokens.
+  /// `file` and `contents` must outlive the tokenizer and its tokens.
   Tokenizer(const std::string* file, std::string_view contents);
 
-  /// The next token; kEnd again and again at the end.
+  /// The next token.  At the end, every call returns kEnd.
   Token next();
 
  private:

@@ -10,6 +10,7 @@
 #include <mutex>
 #include <utility>
 
+#include "proto/common/status_macros.h"
 #include "server/rays/ray_limits.h"
 #include "server/rays/surface_table.h"
 #include "server/rays/user_geometry.h"
@@ -20,7 +21,7 @@
 namespace lucerna {
 namespace {
 
-// Geometry numbers within an Embree scene; instances follow in the top one.
+// Geometry numbers within an Embree scene.  In the top scene instances follow.
 enum GeometryId : unsigned {
   kTriangles = 0,
   kPatches,
@@ -45,7 +46,7 @@ RTCRay embree_ray(const UnitRay& r) {
   return ray;
 }
 
-/// The box of what the set holds [m]; empty where it is.
+/// The box of the set [m]; empty if the set is empty.
 Bounds box_of(const GeometrySet& set) {
   Bounds box;
   for (const std::uint32_t v : set.triangles) box.add(Vec3<double>(set.vertices[v]));
@@ -63,7 +64,7 @@ double reach_of(const Bounds& box) {
   return box.empty() ? 0 : std::fmax(max_abs(box.lower), max_abs(box.upper));
 }
 
-/// From an object's units to the scene's.
+/// Converts an object's units to the scene's units.
 Transform in_units(const Transform& scene_from_object, double scene_unit_m, double object_unit_m) {
   const auto times = [](double s) { return *Transform::scale({s, s, s}); };
   return times(1 / scene_unit_m) * scene_from_object * times(object_unit_m);
@@ -89,10 +90,10 @@ struct Accelerator::State {
 
   std::atomic<std::ptrdiff_t> embree_bytes = 0;
   std::mutex mutex;
-  RTCError error = RTC_ERROR_NONE;  // the first that Embree reported
+  RTCError error = RTC_ERROR_NONE;  // the first error of Embree
   std::string message;
 
-  // What callbacks point to: of the scene, then of each object.
+  // The targets of callbacks' pointers: of the scene, then of each object.
   std::vector<std::array<AnalyticShapes, 4>> analytic;
   std::vector<MovingInstance> moving;
   DeviceHandle device;
@@ -122,13 +123,15 @@ absl::Status Accelerator::State::open(const std::string& wanted) {
   if (chosen == nullptr)
     return absl::InvalidArgumentError(
         fmt::format("isa = \"{}\", allowed on this machine: {}", wanted, have));
-  // Not `isa=`, which would switch on what the machine may lack; `max_isa=` only takes away.
+  // Not `isa=`, which would enable instructions that the machine may lack; `max_isa=` only
+  // disables some.
   config = fmt::format("max_isa={}", chosen->embree);
   device.reset(rtcNewDevice(config.c_str()));
   if (!device)
     return absl::InternalError(fmt::format("Embree opens no device (error {})",
                                            static_cast<int>(rtcGetDeviceError(nullptr))));
-  // Embree may have been built without the kernels of the best instruction set: ask what it uses.
+  // Embree may be built without the kernels of the best instruction set, so its own properties
+  // count.
   const bool wide16 =
       rtcGetDeviceProperty(device.get(), RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED) != 0;
   const bool wide8 =
@@ -159,7 +162,7 @@ absl::Status Accelerator::State::open(const std::string& wanted) {
   return absl::OkStatus();
 }
 
-/// The spaces of scene and objects, and vertices in their units.
+/// Computes the spaces of scene and objects, and scales vertices to their units.
 absl::Status Accelerator::State::measure() {
   const auto rescale = [](GeometrySet& set, const RaySpace& in) {
     set.unit_m = in.unit_m;
@@ -197,7 +200,7 @@ absl::Status Accelerator::State::measure() {
                       1 / m, 0x1p-40));
     magnified = std::max(magnified, m);
   }
-  // So that directions stay within Embree's 1.8e18 in every object's space.
+  // Keeps directions below Embree's 1.8e18 in every object's space.
   space.direction_exponent = std::min(space.direction_exponent, 57 - std::ilogb(magnified));
   return absl::OkStatus();
 }
@@ -226,7 +229,7 @@ SceneHandle Accelerator::State::commit(GeometrySet& set, std::array<AnalyticShap
     rtcReleaseGeometry(geometry);
   };
   if (!set.triangles.empty()) {
-    // Embree reads 16 bytes of each 12-byte vertex: the last one needs room behind it.
+    // Embree reads 16 bytes of each 12-byte vertex, so the last one needs room behind it.
     set.vertices.reserve(set.vertices.size() + 1);
     RTCGeometry g = rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
     rtcSetSharedGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, set.vertices.data(),
@@ -284,23 +287,23 @@ absl::StatusOr<std::unique_ptr<Accelerator>> Accelerator::build(
   state->objects = std::move(objects);
   state->instances = std::move(instances);
   state->stop = std::move(stop);
-  if (absl::Status s = state->measure(); !s.ok()) return s;
-  if (absl::Status s = state->open(isa); !s.ok()) return s;
+  LUCERNA_RETURN_IF_ERROR(state->measure());
+  LUCERNA_RETURN_IF_ERROR(state->open(isa));
   if (state->scene.empty() && state->instances.empty()) {
-    // Nothing to hit: all that is left to know is which kernels there are.
+    // Without geometry only the name of the kernels is needed.
     state->device.reset();
-    if (absl::Status s = state->status(); !s.ok()) return s;
+    LUCERNA_RETURN_IF_ERROR(state->status());
     return std::unique_ptr<Accelerator>(new Accelerator(std::move(state)));
   }
   state->analytic.resize(1 + state->objects.size());
   for (std::size_t i = 0; i < state->objects.size(); ++i) {
     auto& scene = state->object_scenes.emplace_back();
-    if (state->objects[i].empty()) continue;  // nothing places it
+    if (state->objects[i].empty()) continue;  // no instance uses it
     scene = state->commit(state->objects[i], state->analytic[1 + i], false);
-    if (absl::Status s = state->status(); !s.ok()) return s;
+    LUCERNA_RETURN_IF_ERROR(state->status());
   }
   state->top = state->commit(state->scene, state->analytic[0], true);
-  if (absl::Status s = state->status(); !s.ok()) return s;
+  LUCERNA_RETURN_IF_ERROR(state->status());
   return std::unique_ptr<Accelerator>(new Accelerator(std::move(state)));
 }
 
@@ -357,7 +360,7 @@ std::uint32_t Accelerator::instance_count() const {
   return static_cast<std::uint32_t>(state_->instances.size());
 }
 
-// By what Embree was made to hold: its memory, where it holds an empty scene, is 0 bytes too.
+// Counts Embree's scene and not its memory, which may be 0 bytes with an empty scene too.
 bool Accelerator::empty() const { return state_->top == nullptr; }
 
 std::size_t Accelerator::bytes() const {
@@ -371,9 +374,8 @@ std::size_t Accelerator::bytes() const {
 std::string Accelerator::isa() const { return state_->isa; }
 
 absl::StatusOr<std::string> embree_kernels(const std::string& isa) {
-  const auto empty = Accelerator::build({}, {}, {}, isa, {});
-  if (!empty.ok()) return empty.status();
-  return fmt::format("{} {}", LUCERNA_EMBREE_VERSION, (*empty)->isa());
+  LUCERNA_ASSIGN_OR_RETURN(const auto empty, Accelerator::build({}, {}, {}, isa, {}));
+  return fmt::format("{} {}", LUCERNA_EMBREE_VERSION, empty->isa());
 }
 
 }  // namespace lucerna

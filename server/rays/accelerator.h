@@ -1,4 +1,4 @@
-// Embree behind one small class; accelerator.cpp and user_geometry.{h,cpp} alone include it.
+// A small class around Embree.  Only accelerator.cpp and user_geometry.{h,cpp} include Embree.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -22,16 +22,17 @@
 
 namespace lucerna {
 
-/// Everything that rays can hit, in one space (the scene's, or an object's).  Each kind is numbered
-/// by itself, in order.
+/// Everything that rays can hit in one space (the scene's or an object's).  Each kind has its
+/// own numbers, in order.
 struct GeometrySet {
   std::vector<Vec3<float>> vertices{};     ///< [m]; within an Accelerator in units of `unit_m`
-  std::vector<std::uint32_t> triangles{};  ///< three vertex numbers a triangle
+  std::vector<std::uint32_t> triangles{};  ///< three vertex numbers for each triangle
   std::vector<BilinearPatch<double>> patches{};
   std::vector<Sphere<double>> spheres{};
   std::vector<Disk<double>> disks{};
   std::vector<Cylinder<double>> cylinders{};
-  /// Of the space in which Embree has it (ray_limits.h); the Accelerator chooses it.
+  /// The unit of the space in which Embree has it (ray_limits.h).  The Accelerator chooses
+  /// it.
   double unit_m = 1;
 
   bool empty() const {
@@ -46,9 +47,9 @@ struct GeometrySet {
 
 struct GeometryInstance {
   std::uint32_t object;
-  /// Where it moves: to the coordinates that `motion` starts from.
+  /// For a moving instance: to the coordinates at the start of `motion`.
   Transform scene_from_object;
-  std::shared_ptr<const Motion> motion{};  ///< to the scene's coordinates; null: it rests
+  std::shared_ptr<const Motion> motion{};  ///< to the scene's coordinates; null: the instance rests
 };
 
 enum class HitKind : std::uint8_t { kTriangle, kPatch, kSphere, kDisk, kCylinder };
@@ -57,19 +58,21 @@ struct RawHit {
   float t{};
   HitKind kind{};
   std::uint32_t primitive{};   ///< within its kind, within its GeometrySet
-  std::int32_t instance = -1;  ///< which instance; -1: the scene's own geometry
+  std::int32_t instance = -1;  ///< index of the instance; -1: the scene's own geometry
   Vec2<float> uv;              ///< triangle: barycentrics of vertices 1 and 2; patch: (u, v)
-  /// All but triangles: the point hit and its unit normal, in the space of the GeometrySet.
+  /// Except for triangles: the point hit and its unit normal, in the space of the
+  /// GeometrySet.
   Vec3<double> position, normal;
 };
 
 /// Immutable once built; all const members may be called from any thread.
 class Accelerator {
  public:
-  /// Takes over `scene` and `objects`.  `isa` names the kernels ("" : the best the machine has;
-  /// "sse2", "sse4.2", "avx", "avx2", "avx512").  Errors: CANCELLED where `stop` was asked for,
-  /// RESOURCE_EXHAUSTED where Embree had no memory, INVALID_ARGUMENT for an isa the machine lacks
-  /// and for instances that are 2^40 times smaller than the scene.
+  /// Takes ownership of `scene` and `objects`.  `isa`: the instruction set of the kernels (""
+  /// : the best one of the machine; "sse2", "sse4.2", "avx", "avx2", "avx512").  Errors:
+  /// CANCELLED after a request of `stop`; RESOURCE_EXHAUSTED where Embree has no memory;
+  /// INVALID_ARGUMENT for an instruction set that the machine lacks, and for instances that
+  /// are 2^40 times smaller than the scene.
   static absl::StatusOr<std::unique_ptr<Accelerator>> build(GeometrySet scene,
                                                             std::vector<GeometrySet> objects,
                                                             std::vector<GeometryInstance> instances,
@@ -77,12 +80,13 @@ class Accelerator {
                                                             std::stop_token stop);
   ~Accelerator();
 
-  /// Coordinates of what can be hit: at most this [m].
+  /// Largest coordinate of geometry [m].
   static constexpr double kMaxCoordinate = 1e30;
 
-  /// Nothing for rays whose direction is 0 or that are not finite.
+  /// The first surface along the ray.  Nothing for rays that are not finite or have direction
+  /// 0.
   std::optional<RawHit> closest_hit(const Ray& ray) const;
-  /// True where anything lies at t in (t_min, t_max).
+  /// Whether anything is at t in (t_min, t_max).
   bool occluded(const Ray& ray) const;
   /// Bit i % 8 of bits[i / 8] is set where ray i is occluded; bits.size() >= (rays.size() + 7) / 8.
   void occluded(std::span<const Ray> rays, std::span<std::uint8_t> bits) const;
@@ -94,7 +98,7 @@ class Accelerator {
   std::uint32_t instance_count() const;
   bool empty() const;
   std::size_t bytes() const;  ///< Embree's own memory and the geometry it reads
-  /// Kernels in use, e.g. "avx2".
+  /// The instruction set of the kernels in use, e.g. "avx2".
   std::string isa() const;
 
  private:
@@ -103,8 +107,8 @@ class Accelerator {
   std::unique_ptr<State> state_;
 };
 
-/// Embree's version and the instruction set of its kernels, "3.13.5 avx2".  `isa` as
-/// Accelerator::build takes it. INVALID_ARGUMENT where the machine lacks it.
+/// Embree's version and the instruction set of its kernels: "3.13.5 avx2".  `isa`: as in
+/// Accelerator::build.  INVALID_ARGUMENT where the machine lacks it.
 absl::StatusOr<std::string> embree_kernels(const std::string& isa);
 
 }  // namespace lucerna

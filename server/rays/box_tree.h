@@ -1,4 +1,4 @@
-// A hierarchy of boxes: what may lie within a region is found without looking at the rest.
+// A hierarchy of boxes, which finds the items that may lie within a region without visiting all.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 
 namespace lucerna {
 
-/// A box in floats, not smaller than what it is about.
+/// A box in floats that contains its item.
 struct FloatBox {
   Vec3<float> lower, upper;
 
@@ -19,15 +19,16 @@ struct FloatBox {
   static FloatBox around(const Vec3<double>& lower, const Vec3<double>& upper);
 };
 
-/// Immutable once built; safe to share between threads.
+/// Immutable once built; may be called from any thread.
 class BoxTree {
  public:
   BoxTree() = default;
-  /// Of items numbered as their boxes are.
+  /// Item i has boxes[i].
   explicit BoxTree(std::span<const FloatBox> boxes);
 
-  /// Whether `found(item)` says so of any item within boxes that `may_hold(box)` accepts, which
-  /// accepts whatever holds a box that it accepts.  Items within a box of few are all asked about.
+  /// Whether `found(item)` is true for any item within boxes that `may_hold(box)` accepts.
+  /// `may_hold` must accept each box that contains an accepted box.  All items of a small
+  /// leaf are tested.
   template <typename MayHold, typename Found>
   bool any(const MayHold& may_hold, const Found& found) const {
     if (nodes_.empty()) return false;
@@ -49,7 +50,7 @@ class BoxTree {
     }
   }
 
-  /// Of all items; meaningless where there are none.
+  /// The box of all items.  Requires at least one item.
   const FloatBox& box() const { return nodes_.front().box; }
   bool empty() const { return nodes_.empty(); }
   std::size_t bytes() const {
@@ -57,13 +58,13 @@ class BoxTree {
   }
 
  private:
-  /// Each split halves the number of items: 2^32 of them are no deeper.
+  /// Each split halves the number of items, so 2^32 items fit.
   static constexpr int kMostDepth = 33;
 
   struct Node {
     FloatBox box;
-    std::uint32_t first;  ///< of its items in `order_`; of an inner node its second child
-    std::uint32_t count;  ///< 0: an inner node, its first child the next node
+    std::uint32_t first;  ///< first of its items in `order_`; of an inner node its second child
+    std::uint32_t count;  ///< 0: an inner node, whose first child is the next node
   };
 
   void build(std::span<const FloatBox> boxes, std::uint32_t begin, std::uint32_t end);

@@ -1,4 +1,4 @@
-// Constants of rounding-error analysis for geometry kept in floats.
+// Constants of rounding-error analysis for geometry in floats.
 #pragma once
 
 #include <limits>
@@ -8,22 +8,24 @@ namespace lucerna {
 /// Unit roundoff of float, 2^-24: the relative error of one rounding to nearest.
 inline constexpr double kFloatRoundoff = std::numeric_limits<float>::epsilon() / 2.0;
 
-/// gamma_n = n u / (1 - n u): bound on the relative error of n roundings in a row.  [Higham02, 3.1]
+/// gamma_n = n u / (1 - n u): bound on the relative error of n roundings in sequence.
+/// [Higham02, 3.1]
 constexpr double gamma_bound(int n, double roundoff = kFloatRoundoff) {
   return n * roundoff / (1 - n * roundoff);
 }
 
-/// Embree tests a triangle in single precision about the ray's origin.  Distance to the plane is
-/// dot(n, v0 - o), n = cross(e1, e2): one rounding in each of v0 - o, e1 and e2, three in a cross
-/// product, three in a dot product, one in the division, so that the distance is off by no more
-/// than gamma_16 |v0 - o| where n is well conditioned.  tests/server/rays/ray_test.cpp holds
-/// with it, and sees shadows that are not there at a sixteenth of it.
+/// Embree tests a triangle in single precision about the ray's origin.  The distance to the
+/// plane is dot(n, v0 - o), n = cross(e1, e2).  The roundings are: one in each of v0 - o, e1
+/// and e2, three in a cross product, three in a dot product, one in the division.  So the error
+/// of the distance is at most gamma_16 |v0 - o| where n is well conditioned.
+/// tests/server/rays/ray_test.cpp passes with this bound, and finds false shadows with a
+/// sixteenth of it.
 inline constexpr double kTraversalBound = gamma_bound(16);
 inline constexpr float kTraversalError = static_cast<float>(kTraversalBound);
 
-/// What floats about any place are off by at least [m]: differences below the smallest normal one
-/// are 0 (server/runtime/denormals.h).  A position, each component of the offset that moves a ray
-/// off it and of the ray's direction lose up to that.
+/// The least error of floats at any place [m]: differences below the smallest normal float are
+/// 0 (server/runtime/denormals.h).  A position, each component of a ray's offset and of its
+/// direction may lose that much.
 inline constexpr float kLeastError = 16 * std::numeric_limits<float>::min();
 
 }  // namespace lucerna

@@ -1,5 +1,5 @@
-// Rays and what they find, about the scene's origin [m]: rays in floats, as Embree takes them, what
-// is known of surfaces in double.
+// Rays and their hits, about the scene's origin [m].  Rays are in floats, as Embree takes them;
+// surfaces are in double.
 #pragma once
 
 #include <bit>
@@ -15,32 +15,33 @@ namespace lucerna {
 
 struct Ray {
   Vec3<float> origin;
-  Vec3<float> direction;  ///< any length but 0; t is in units of it
+  Vec3<float> direction;  ///< any length except 0, which is the unit of t
   float t_min = 0;
   float t_max = std::numeric_limits<float>::infinity();
-  double time_s = 0;  ///< when: without effect where nothing moves
+  double time_s = 0;  ///< has no effect where nothing moves
 };
 
-/// A point on the scene's surfaces with all that shading needs.
+/// A point on a surface with all that shading needs.
 struct SurfaceHit {
   float t{};
   Vec3<double> position;
-  /// The surface passes, and rays find it, within this box about `position` as floats hold it [m].
+  /// The surface passes, and rays find it, within this box around `position` rounded to
+  /// floats [m].
   Vec3<float> position_error;
-  /// Geometric normal, unit, outside.  In double: which side a ray leaves to that all but grazes
-  /// the surface is a sign that floats do not know.
+  /// Geometric normal, unit, outside.  In double, because floats cannot resolve the side to
+  /// which a grazing ray leaves the surface.
   Vec3<double> ng;
   Vec3<float> ns;                   ///< shading normal, unit, on the side of ng
   std::uint32_t material{};         ///< index into Scene::materials()
-  std::int32_t light = -1;          ///< index into Scene::lights() where the surface emits
-  std::uint32_t light_primitive{};  ///< which primitive of that light's shape
+  std::int32_t light = -1;          ///< index into Scene::lights() if the surface emits
+  std::uint32_t light_primitive{};  ///< the primitive of that light's shape
   std::uint64_t shape{};            ///< the same for all hits on one shape of one instance
-  double time_s = 0;                ///< of the ray that found it
+  double time_s = 0;                ///< time of the ray
 
   SurfacePoint<double> on_light() const { return {position, ng, light_primitive}; }
 };
 
-/// std::nextafter(x, INFINITY), whose call takes longer than the rest of an offset.
+/// std::nextafter(x, INFINITY).  A call of that takes longer than the rest of an offset.
 inline float next_up(float x) {
   if (!(x < INFINITY)) return x;
   const auto bits = std::bit_cast<std::uint32_t>(x);
@@ -48,8 +49,9 @@ inline float next_up(float x) {
   return std::bit_cast<float>(bits >> 31 == 0 ? bits + 1 : bits - 1);
 }
 
-/// `position` moved along `normal`, to the side that `direction` leaves to, just far enough that
-/// nothing within `position_error` of the surface can be hit again.  [Pharr23, 6.8.6]
+/// `position` moved along `normal` to the side of `direction`.  The distance is just enough
+/// that the ray cannot hit anything within `position_error` of the surface again.  [Pharr23,
+/// 6.8.6]
 inline Vec3<float> offset_origin(const Vec3<float>& position, const Vec3<float>& position_error,
                                  const Vec3<double>& normal, const Vec3<double>& direction) {
   const auto moved_outwards = [](float p, float offset) {
@@ -59,7 +61,7 @@ inline Vec3<float> offset_origin(const Vec3<float>& position, const Vec3<float>&
     return q;
   };
   const Vec3<float> n(normal);
-  // The box of the error reaches this far along the normal.
+  // The extent of the error box along the normal.
   const float distance = std::fabs(n.x) * position_error.x + std::fabs(n.y) * position_error.y +
                          std::fabs(n.z) * position_error.z;
   const float signed_distance = dot(direction, normal) < 0 ? -distance : distance;
@@ -77,8 +79,8 @@ inline Ray spawn_ray(const SurfaceHit& from, const Vec3<float>& direction) {
   return ray;
 }
 
-/// The ray whose t in (0, 1) is the open way from a surface point to `end`, which is on no surface.
-/// `direction`: which way that is.
+/// The ray whose t in (0, 1) is the open segment from a surface point to `end`, which is on no
+/// surface. `direction`: towards `end`.
 inline Ray ray_to_point(const SurfaceHit& from, const Vec3<double>& direction,
                         const Vec3<float>& end) {
   const Vec3<float> origin =
@@ -86,16 +88,17 @@ inline Ray ray_to_point(const SurfaceHit& from, const Vec3<double>& direction,
   return {origin, end - origin, 0, 1, from.time_s};
 }
 
-/// The ray whose t in (0, 1) is the open way from a surface point to a sampled point of a light; to
-/// infinity where the light is infinitely far.  Both ends are moved off their surfaces.
-/// `light_reach_m`: LightMotion::reach_m.
+/// The ray whose t in (0, 1) is the open segment from a surface point to a sampled point of a
+/// light. It goes to infinity if the light is infinitely far.  Both ends are moved off their
+/// surfaces. `light_reach_m`: LightMotion::reach_m.
 inline Ray shadow_ray(const SurfaceHit& from, const LightSample<double>& to,
                       float light_reach_m = 0) {
   if (!std::isfinite(to.distance)) return spawn_ray(from, Vec3<float>(to.wi));
   Vec3<float> end(to.point);
   if (to.normal != Vec3<double>{}) {
-    // The point itself is rounded, and so is the ray's own test against the light's surface, whose
-    // vertices it sees from `distance` away; where the light moves, in coordinates of its own.
+    // The point is rounded, and so is the ray's test against the light's surface, which sees
+    // its vertices from `distance` away.  For a moving light the test is in the light's own
+    // coordinates.
     const float error =
         kTraversalError * (max_abs(end) + static_cast<float>(to.distance) + light_reach_m) +
         kLeastError;

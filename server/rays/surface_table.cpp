@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "proto/common/status_macros.h"
 #include "server/rays/error_bounds.h"
 
 namespace lucerna {
@@ -56,8 +57,7 @@ class Appender {
       return absl::InvalidArgumentError(
           fmt::format("{} normals, allowed are 0 or one a vertex ({})", mesh.normals.size(),
                       mesh.positions.size()));
-    if (absl::Status s = append_mesh(mesh.positions, mesh.indices, origin_, set_); !s.ok())
-      return s;
+    LUCERNA_RETURN_IF_ERROR(append_mesh(mesh.positions, mesh.indices, origin_, set_));
     append_normals(mesh.normals, base, mesh.positions.size(), table_.vertex_normals);
     begin_run(HitKind::kTriangle, set_.triangles.size() / 3, 0, 1);
     for (const std::uint32_t i : mesh.indices)
@@ -71,8 +71,7 @@ class Appender {
       return absl::InvalidArgumentError(
           fmt::format("{} normals, allowed are 0 or one a vertex ({})", mesh.normals.size(),
                       mesh.positions.size()));
-    if (absl::Status s = append_mesh(mesh.positions, mesh.indices, origin_, set_); !s.ok())
-      return s;
+    LUCERNA_RETURN_IF_ERROR(append_mesh(mesh.positions, mesh.indices, origin_, set_));
     HitKind kind = HitKind::kTriangle;
     bool any_flat = false;
     for (std::size_t i = 0; i < mesh.indices.size(); i += 4) {
@@ -99,26 +98,23 @@ class Appender {
   }
 
   absl::Status operator()(const SphereParams& params) {
-    absl::StatusOr<Sphere<double>> sphere = Sphere<double>::create(params, origin_);
-    if (!sphere.ok()) return sphere.status();
+    LUCERNA_ASSIGN_OR_RETURN(Sphere<double> sphere, Sphere<double>::create(params, origin_));
     begin_run(HitKind::kSphere, set_.spheres.size(), 0, 1);
-    set_.spheres.push_back(*std::move(sphere));
+    set_.spheres.push_back(std::move(sphere));
     return absl::OkStatus();
   }
 
   absl::Status operator()(const DiskParams& params) {
-    absl::StatusOr<Disk<double>> disk = Disk<double>::create(params, origin_);
-    if (!disk.ok()) return disk.status();
+    LUCERNA_ASSIGN_OR_RETURN(Disk<double> disk, Disk<double>::create(params, origin_));
     begin_run(HitKind::kDisk, set_.disks.size(), 0, 1);
-    set_.disks.push_back(*std::move(disk));
+    set_.disks.push_back(std::move(disk));
     return absl::OkStatus();
   }
 
   absl::Status operator()(const CylinderParams& params) {
-    absl::StatusOr<Cylinder<double>> cylinder = Cylinder<double>::create(params, origin_);
-    if (!cylinder.ok()) return cylinder.status();
+    LUCERNA_ASSIGN_OR_RETURN(Cylinder<double> cylinder, Cylinder<double>::create(params, origin_));
     begin_run(HitKind::kCylinder, set_.cylinders.size(), 0, 1);
-    set_.cylinders.push_back(*std::move(cylinder));
+    set_.cylinders.push_back(std::move(cylinder));
     return absl::OkStatus();
   }
 
@@ -146,8 +142,8 @@ class Appender {
   SurfaceTable& table_;
 };
 
-/// One overload a shape and none for all, so that a new shape does not compile until it has its
-/// own.
+/// Has one overload for each shape and no template for all.  A new shape does not compile
+/// without its own overload.
 class BoundsAdder {
  public:
   explicit BoundsAdder(Bounds& bounds) : bounds_(bounds) {}
@@ -176,7 +172,7 @@ class BoundsAdder {
 
   template <typename Shape>
   absl::Status add_analytic(const absl::StatusOr<Shape>& created) {
-    if (!created.ok()) return created.status();
+    LUCERNA_RETURN_IF_ERROR(created.status());
     const auto box = created->bounds();
     const double reach = std::max(max_abs(box.first), max_abs(box.second));
     if (!(reach <= Accelerator::kMaxCoordinate))
@@ -224,7 +220,8 @@ bool is_flat_and_convex(const std::array<Vec3<double>, 4>& c) {
   if (!(size > 0)) return false;
   double largest = 0;
   for (const auto& p : c) largest = std::fmax(largest, max_abs(p));
-  // Both diagonals are perpendicular to n: the distance between them is how far from flat it is.
+  // Both diagonals are perpendicular to n, so the distance between them is the deviation from
+  // a plane.
   if (std::fabs(dot(c[1] - c[0], n)) > 2 * kFloatRoundoff * largest * size) return false;
   for (int i = 0; i < 4; ++i) {
     const Vec3<double> turn =

@@ -1,4 +1,4 @@
-// What shading needs to know of the primitives in a GeometrySet: material, light and normals.
+// Shading data of the primitives in a GeometrySet: material, light and normals.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -13,7 +13,7 @@
 
 namespace lucerna {
 
-/// What the primitives of one shape have in common.
+/// The data that all primitives of a shape share.
 struct Surface {
   std::uint32_t material = 0;
   std::int32_t light = -1;
@@ -23,16 +23,16 @@ struct Surface {
 struct PrimitiveRun {
   std::uint32_t first = 0;
   std::uint32_t surface = 0;
-  std::uint32_t first_light_primitive = 0;  ///< number of the run's first within the shape
-  std::uint32_t per_light_primitive = 1;    ///< 2: a flat patch kept as two triangles
+  std::uint32_t first_light_primitive = 0;  ///< number of the run's first one within the shape
+  std::uint32_t per_light_primitive = 1;    ///< 2: a flat patch stored as two triangles
 };
 
 struct SurfaceTable {
   std::vector<Surface> surfaces;
-  std::array<std::vector<PrimitiveRun>, 5> runs;  ///< by HitKind, by rising `first`
-  /// Shading normals, one a vertex, zero where flat; empty where no mesh has any.
+  std::array<std::vector<PrimitiveRun>, 5> runs;  ///< by HitKind, in ascending order of `first`
+  /// Shading normals, one for each vertex, zero where flat.  Empty where no mesh has any.
   std::vector<Vec3<float>> vertex_normals;
-  /// Shading normals at the corners of each patch; empty where none has any.
+  /// Shading normals at the corners of each patch.  Empty where no patch has any.
   std::vector<std::array<Vec3<float>, 4>> patch_normals;
 
   const PrimitiveRun& run(HitKind kind, std::uint32_t primitive) const;
@@ -46,23 +46,24 @@ struct Bounds {
   void add(const Vec3<double>& p);
 };
 
-/// Bounds of a shape in its own space.  Errors: what of it is not finite or out of its domain.
+/// Bounds of a shape in its own space.  Errors: values that are not finite or out of their
+/// domain.
 absl::StatusOr<Bounds> shape_bounds(const ShapeDescription& shape);
 
-/// A position kept as floats about an origin, as rays hit it.
+/// A position as floats about an origin, as rays hit it.
 inline Vec3<float> about(const Vec3<double>& position, const Vec3<double>& origin) {
   return Vec3<float>(position - origin);
 }
 
-/// True where four corners (in patch order) are a convex quadrangle, flat to within the rounding of
-/// its coordinates: two triangles are then the same surface, and quicker to hit.
+/// Whether four corners (in patch order) form a convex quadrangle that is flat to within the
+/// rounding of its coordinates.  Two triangles are then the same surface, and faster to hit.
 bool is_flat_and_convex(const std::array<Vec3<double>, 4>& corners);
 
-/// Puts one shape into `set` and `table`, positions about `origin`.
+/// Adds one shape to `set` and `table`, with positions about `origin`.
 absl::Status append_shape(const ShapeDescription& shape, const Vec3<double>& origin,
                           std::int32_t light, GeometrySet& set, SurfaceTable& table);
 
-/// `status` with file:line:column before its message.
+/// `status` with file:line:column before its message.  OK is returned unchanged.
 absl::Status located(const absl::Status& status, const SourceLocation& where);
 
 }  // namespace lucerna

@@ -79,7 +79,7 @@ void analytic_bounds(const RTCBoundsFunctionArguments* args) {
   *args->bounds_o = rounded(box, shapes.set->unit_m);
 }
 
-// Queries are single rays, so N is 1 here.
+// Queries are single rays, so N is 1.
 void intersect_analytic(const RTCIntersectFunctionNArguments* args) {
   if (args->valid[0] == 0) return;
   const auto& shapes = *static_cast<const AnalyticShapes*>(args->geometryUserPtr);
@@ -104,10 +104,10 @@ void occluded_analytic(const RTCOccludedFunctionNArguments* args) {
   if (intersect(shapes, args->primID, ray, ray.tfar)) ray.tfar = -INFINITY;
 }
 
-/// A ray of the scene's space in the object's, as Embree takes it.
+/// A ray of the scene in the object's space, as Embree takes it.
 struct ObjectRay {
   RTCRay ray;
-  double units, start;  // as UnitRay has them
+  double units, start;  // as in UnitRay
 };
 
 /// Nothing where the ray passes by.

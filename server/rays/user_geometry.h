@@ -1,5 +1,5 @@
-// What Embree asks back for while it looks for hits: shapes that it does not know, and instances
-// that move.  This file, user_geometry.cpp and accelerator.cpp alone know Embree.
+// Callbacks for Embree: shapes that it does not know, and instances that move.  Only this file,
+// user_geometry.cpp and accelerator.cpp use Embree.
 #pragma once
 
 #include <embree3/rtcore.h>
@@ -13,8 +13,8 @@
 
 namespace lucerna {
 
-/// Embree hands the context of a query through to the callbacks: the moment and the exact hit
-/// travel in it.
+/// Embree passes the context of a query to the callbacks.  It holds the time of the query and
+/// the exact hit.
 struct QueryContext {
   explicit QueryContext(double time_s) : time_s(time_s) { rtcInitIntersectContext(&embree); }
 
@@ -29,23 +29,24 @@ struct AnalyticShapes {
   HitKind kind;
 };
 
-/// An instance that moves: its rays are taken into the object's space in double, rounded to floats
-/// once there (ray_limits.h), and the object's own scene is asked.
+/// A moving instance.  Rays are converted to the object's space in double, rounded to floats
+/// once there (ray_limits.h), and traced in the object's own scene.
 struct MovingInstance {
-  /// `box`: of the object [m].  `number`: what hits name it by.
+  /// `box`: of the object [m].  `number`: the instance of hits.
   MovingInstance(const GeometryInstance& instance, RTCScene object, const RaySpace& space,
                  const Bounds& box, double scene_unit_m, unsigned number);
 
-  RTCScene object;  ///< refers to
+  RTCScene object;  ///< not owned
   unsigned number;
   std::shared_ptr<const Motion> motion;
-  Transform object_from_start;  ///< from where `motion` starts
+  Transform object_from_start;  ///< from the start of `motion`
   RaySpace space;               ///< the object's
   double scene_unit_m;
   RTCBounds swept;  ///< in the scene's units, over all time
 };
 
-/// Geometries for Embree, not committed yet, whose callbacks refer to `shapes` and `instances`.
+/// Makes Embree geometries, not yet committed.  Their callbacks refer to `shapes` and
+/// `instances`.
 RTCGeometry analytic_geometry(RTCDevice device, AnalyticShapes* shapes, std::size_t count);
 RTCGeometry moving_geometry(RTCDevice device, std::vector<MovingInstance>* instances);
 

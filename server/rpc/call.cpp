@@ -25,7 +25,7 @@ grpc::Status to_grpc(const absl::Status& status, grpc::ServerContextBase& contex
   return {static_cast<grpc::StatusCode>(error.code), error.message, error.details};
 }
 
-Job::Clock::time_point deadline_of(const grpc::ServerContextBase& context) {
+LaneJob::Clock::time_point deadline_of(const grpc::ServerContextBase& context) {
   return context.deadline();
 }
 
@@ -51,7 +51,7 @@ void UnaryCall::begin(const std::function<Prepared(const Context&)>& prepare) {
       task->bulk || task->predicted_s > kBulkSeconds ? Lane::kBulk : Lane::kInteractive;
   const absl::Status queued = runtime_.lanes.submit(
       lane, {.run =
-                 [self = shared_from_this(), task = *std::move(task)](const JobStart& start) {
+                 [self = shared_from_this(), task = *std::move(task)](const LaneJobStart& start) {
                    if (start.status.ok()) {
                      self->compute(task, start.queue_time_s);
                    } else {
@@ -64,7 +64,7 @@ void UnaryCall::begin(const std::function<Prepared(const Context&)>& prepare) {
 }
 
 void UnaryCall::compute(const Task& task, double queue_time_s) {
-  if (deadline_ <= Job::Clock::now()) {
+  if (deadline_ <= LaneJob::Clock::now()) {
     return finish(absl::DeadlineExceededError("the deadline passed before the work started"));
   }
   const auto begin = std::chrono::steady_clock::now();

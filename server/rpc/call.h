@@ -16,7 +16,7 @@ namespace lucerna::rpc {
 grpc::Status to_grpc(const absl::Status& status, grpc::ServerContextBase& context);
 
 /// gRPC's deadline; the end of time where there is none.
-Job::Clock::time_point deadline_of(const grpc::ServerContextBase& context);
+LaneJob::Clock::time_point deadline_of(const grpc::ServerContextBase& context);
 
 /// One unary call.  Small tasks are run at once, on gRPC's thread; others in a lane.  It lives
 /// until both gRPC and the lane have let go of it.
@@ -38,7 +38,7 @@ class UnaryCall : public grpc::ServerUnaryReactor, public std::enable_shared_fro
 
   Runtime& runtime_;
   grpc::CallbackServerContext* context_;
-  Job::Clock::time_point deadline_;
+  LaneJob::Clock::time_point deadline_;
   std::stop_source stop_;
   CallGate::Pass pass_;
   std::shared_ptr<UnaryCall> self_;

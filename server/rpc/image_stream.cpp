@@ -52,13 +52,14 @@ void ImageStream::begin(const v1::RenderImageRequest& request) {
   advance();
 }
 
-Job ImageStream::next_job() {
-  return {.run = [self = shared_from_this()](const JobStart& start) { self->render_next(start); },
-          .stop = stop_.get_token(),
-          .deadline = deadline_};
+LaneJob ImageStream::next_job() {
+  return {
+      .run = [self = shared_from_this()](const LaneJobStart& start) { self->render_next(start); },
+      .stop = stop_.get_token(),
+      .deadline = deadline_};
 }
 
-void ImageStream::render_next(const JobStart& start) {
+void ImageStream::render_next(const LaneJobStart& start) {
   absl::Status status = start.status;
   v1::RenderImageResponse response;
   if (status.ok()) {

@@ -33,14 +33,14 @@ class ImageStream : public grpc::ServerWriteReactor<v1::RenderImageResponse>,
 
  private:
   void begin(const v1::RenderImageRequest& request);
-  Job next_job();
-  void render_next(const JobStart& start);
+  LaneJob next_job();
+  void render_next(const LaneJobStart& start);
   /// Starts whatever is to be done next: a write, a job, the end.
   void advance();
 
   Runtime& runtime_;
   grpc::CallbackServerContext* context_;
-  Job::Clock::time_point deadline_;
+  LaneJob::Clock::time_point deadline_;
   std::stop_source stop_;
   CallGate::Pass pass_;
   std::shared_ptr<ImageStream> self_;

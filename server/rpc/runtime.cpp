@@ -33,12 +33,12 @@ void CallGate::leave() {
 absl::Status lane_error(absl::Status status, Lane lane) {
   if (status.code() != absl::StatusCode::kResourceExhausted) return status;
   // About the time that a job of the lane may take.
-  return retry_after(std::move(status), "QUEUE_FULL",
+  return retry_after(std::move(status), Reason::kQueueFull,
                      std::chrono::milliseconds(lane == Lane::kInteractive ? 50 : 1000));
 }
 
-absl::Status stopped_status(Job::Clock::time_point deadline) {
-  if (deadline <= Job::Clock::now()) {
+absl::Status stopped_status(LaneJob::Clock::time_point deadline) {
+  if (deadline <= LaneJob::Clock::now()) {
     return absl::DeadlineExceededError("the deadline passed while the work was going on");
   }
   return absl::CancelledError("cancelled while the work was going on");

@@ -68,7 +68,7 @@ struct Runtime {
 absl::Status lane_error(absl::Status status, Lane lane);
 
 /// What to say of work that was told to stop.
-absl::Status stopped_status(Job::Clock::time_point deadline);
+absl::Status stopped_status(LaneJob::Clock::time_point deadline);
 
 /// `f()`, its exceptions as errors: no memory is RESOURCE_EXHAUSTED, all others INTERNAL.
 absl::Status guarded(const std::function<absl::Status()>& f);

@@ -13,6 +13,7 @@
 #include <limits>
 #include <utility>
 
+#include "proto/common/status_macros.h"
 #include "server/rays/accelerator.h"
 #include "server/rpc/address.h"
 #include "server/rpc/services.h"
@@ -82,7 +83,7 @@ absl::Status Server::State::load(const std::string& path, const std::stop_token&
   std::promise<absl::Status> result;
   const absl::Status queued =
       lanes.submit(Lane::kBulk, {.run =
-                                     [&](const JobStart& start) {
+                                     [&](const LaneJobStart& start) {
                                        result.set_value(start.status.ok() ? guarded([&] {
                                          return runtime.scenes->load(path, {.stop = stop}).status();
                                        })
@@ -128,23 +129,18 @@ void Server::State::end(std::chrono::system_clock::time_point deadline) {
 
 absl::StatusOr<std::unique_ptr<Server>> Server::start(const ServerOptions& options,
                                                       std::stop_token stop) {
-  if (absl::Status s = check_address(options.listen); !s.ok()) return s;
-  auto assets = AssetStore::open(options.assets);
-  if (!assets.ok()) return assets.status();
-  auto scenes = SceneStore::open(options.scenes, assets->get());
-  if (!scenes.ok()) return scenes.status();
-  const auto embree = embree_kernels(options.scenes.isa);
-  if (!embree.ok()) return embree.status();
+  LUCERNA_RETURN_IF_ERROR(check_address(options.listen));
+  LUCERNA_ASSIGN_OR_RETURN(auto assets, AssetStore::open(options.assets));
+  LUCERNA_ASSIGN_OR_RETURN(auto scenes, SceneStore::open(options.scenes, assets.get()));
+  LUCERNA_ASSIGN_OR_RETURN(const std::string embree, embree_kernels(options.scenes.isa));
   auto state = std::make_unique<State>(options.lanes);
   state->runtime.limits = options.limits;
-  state->runtime.assets = *std::move(assets);
-  state->runtime.scenes = *std::move(scenes);
-  set_info(options, numeric_fingerprint(*embree), state->lanes.threads(), state->runtime.info);
-  for (const std::string& path : options.load) {
-    if (absl::Status s = state->load(path, stop); !s.ok()) return s;
-  }
-  if (stop.stop_requested()) return absl::CancelledError("told to stop before serving");
-  if (absl::Status s = state->listen(options); !s.ok()) return s;
+  state->runtime.assets = std::move(assets);
+  state->runtime.scenes = std::move(scenes);
+  set_info(options, numeric_fingerprint(embree), state->lanes.threads(), state->runtime.info);
+  for (const std::string& path : options.load) LUCERNA_RETURN_IF_ERROR(state->load(path, stop));
+  if (stop.stop_requested()) return absl::CancelledError("stopped before serving");
+  LUCERNA_RETURN_IF_ERROR(state->listen(options));
   return std::unique_ptr<Server>(new Server(std::move(state)));
 }
 
@@ -155,6 +151,16 @@ Server::~Server() {
 }
 
 const std::string& Server::address() const { return state_->address; }
+
+ServerSummary Server::summary() const {
+  const SceneStore& scenes = *state_->runtime.scenes;
+  const FileListing files = scenes.available();
+  return {.root = scenes.root(),
+          .available_scenes = files.paths.size(),
+          .listing_is_incomplete = files.incomplete,
+          .loaded_scenes = scenes.size(),
+          .threads = state_->lanes.threads()};
+}
 
 void Server::begin_drain() {
   state_->server->GetHealthCheckService()->Shutdown();

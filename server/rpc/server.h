@@ -4,25 +4,40 @@
 #include <absl/status/statusor.h>
 
 #include <chrono>
-#include <cstdint>
+#include <cstddef>
 #include <memory>
 #include <stop_token>
 #include <string>
 #include <vector>
 
-#include "server/rpc/messages/task.h"
+#include "server/assets/asset_store_options.h"
+#include "server/rpc/messages/request_limits.h"
 #include "server/runtime/lanes.h"
+#include "server/store/scene_store_options.h"
+
+namespace lucerna {
+class SceneStore;
+}
 
 namespace lucerna::rpc {
 
 struct ServerOptions {
-  std::string listen = "127.0.0.1:50051";  ///< HOST:PORT; port 0: a free one
+  std::string listen = "127.0.0.1:50051";  ///< HOST:PORT; port 0: a free port
   SceneStoreOptions scenes;
   AssetStoreOptions assets;
-  std::string version = "0.0.0";  ///< what GetServerInfo tells
+  std::string version = "0.0.0";  ///< GetServerInfo reports it
   LaneOptions lanes;
   RequestLimits limits;
-  std::vector<std::string> load;  ///< scenes that are loaded before it serves
+  std::vector<std::string> load;  ///< scenes to load before serving
+};
+
+/// What a server serves, for its log.
+struct ServerSummary {
+  std::string root;                    ///< the scene root, absolute
+  std::size_t available_scenes = 0;    ///< .pbrt files beneath it
+  bool listing_is_incomplete = false;  ///< there may be more
+  std::size_t loaded_scenes = 0;
+  int threads = 0;  ///< of computation
 };
 
 class Server {
@@ -31,19 +46,21 @@ class Server {
   /// scene root, an unknown isa, a scene that cannot be loaded; CANCELLED by `stop`.
   static absl::StatusOr<std::unique_ptr<Server>> start(const ServerOptions& options,
                                                        std::stop_token stop = {});
-  /// Ends without patience where it was not drained.
+  /// Cancels running calls, unless `drain` was called before.
   ~Server();
 
-  /// HOST:PORT with the port that was found.
+  /// HOST:PORT with the port in use.
   const std::string& address() const;
+  /// Reads the directories of the scene root.
+  ServerSummary summary() const;
 
-  /// Health says NOT_SERVING and new calls are UNAVAILABLE from now on; running calls may take
-  /// `patience` to end and are cancelled then.  Returns when all have ended.
+  /// From now on health is NOT_SERVING and new calls are UNAVAILABLE.  Running calls have
+  /// `patience` to end and are then cancelled.  Returns when all have ended.
   void drain(std::chrono::milliseconds patience);
-  /// The first part of `drain` alone: for tests.
+  /// The first part of `drain` alone, for tests.
   void begin_drain();
 
-  /// For tests: what is loaded, and what is waiting.
+  /// The loaded scenes and the waiting requests, for tests.
   const SceneStore& scenes() const;
   Lanes& lanes();
 

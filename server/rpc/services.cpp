@@ -37,6 +37,12 @@ class SceneServiceImpl final : public v1::SceneService::CallbackService {
     return UnaryCall::start(runtime_, context,
                             [&](const Context& c) { return list_scenes(c, *request, response); });
   }
+  Unary* ListAvailableScenes(CallContext* context, const v1::ListAvailableScenesRequest* request,
+                             v1::ListAvailableScenesResponse* response) override {
+    return UnaryCall::start(runtime_, context, [&](const Context& c) {
+      return list_available_scenes(c, *request, response);
+    });
+  }
   Unary* ListLights(CallContext* context, const v1::ListLightsRequest* request,
                     v1::ListLightsResponse* response) override {
     return UnaryCall::start(runtime_, context,
@@ -164,7 +170,7 @@ class AdminServiceImpl final : public v1::AdminService::CallbackService {
   Unary* GetStats(CallContext* context, const v1::GetStatsRequest*,
                   v1::GetStatsResponse*) override {
     return UnaryCall::start(runtime_, context, [](const Context&) -> Prepared {
-      return unimplemented("the server keeps no statistics yet: each answer's cost tells its own");
+      return unimplemented("the server keeps no statistics yet; each answer has a cost");
     });
   }
 

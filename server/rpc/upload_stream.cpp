@@ -15,7 +15,8 @@ namespace {
 constexpr std::size_t kMostChunkBytes = std::size_t{4} << 20;
 
 absl::Status being_uploaded(absl::Status status) {
-  return retry_after(std::move(status), "ASSET_BEING_UPLOADED", std::chrono::milliseconds(200));
+  return retry_after(std::move(status), Reason::kAssetBeingUploaded,
+                     std::chrono::milliseconds(200));
 }
 
 }  // namespace
@@ -41,14 +42,14 @@ void UploadStream::OnReadDone(bool ok) {
   if (stop_.stop_requested()) return finish(absl::CancelledError("the upload was cut off"));
   if (!ok) return finish(guarded([&] { return end(); }));
   // The lane may be full at the beginning; what has begun goes on.
-  Job job{.run = [self = shared_from_this()](const JobStart& start) { self->take(start); },
-          .stop = stop_.get_token()};
+  LaneJob job{.run = [self = shared_from_this()](const LaneJobStart& start) { self->take(start); },
+              .stop = stop_.get_token()};
   if (begun_) return runtime_.lanes.resume(Lane::kInteractive, std::move(job));
   const absl::Status queued = runtime_.lanes.submit(Lane::kInteractive, std::move(job));
   if (!queued.ok()) finish(lane_error(queued, Lane::kInteractive));
 }
 
-void UploadStream::take(const JobStart& start) {
+void UploadStream::take(const LaneJobStart& start) {
   if (!start.status.ok()) return finish(start.status);
   const absl::Status status = guarded([&]() -> absl::Status {
     if (request_.has_header() != !begun_) {

@@ -31,7 +31,7 @@ class UploadStream : public grpc::ServerReadReactor<v1::UploadAssetRequest>,
 
  private:
   /// What was read, on a lane's thread.
-  void take(const JobStart& start);
+  void take(const LaneJobStart& start);
   absl::Status take_header(const v1::AssetHeader& header);
   absl::Status take_chunk(const std::string& chunk);
   /// The client has sent all that it will.

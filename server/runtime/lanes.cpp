@@ -23,9 +23,9 @@ constexpr int kJobsAtATime = 2;
 // Steps of the operating system's niceness: enough that a waking interactive thread is run at once.
 constexpr int kBulkNiceness = 10;
 
-absl::Status why_not_to_run(const Job& job) {
+absl::Status why_not_to_run(const LaneJob& job) {
   if (job.stop.stop_requested()) return absl::CancelledError("cancelled before the work started");
-  if (job.deadline <= Job::Clock::now()) {
+  if (job.deadline <= LaneJob::Clock::now()) {
     return absl::DeadlineExceededError("the deadline passed before the work started");
   }
   return absl::OkStatus();
@@ -61,7 +61,7 @@ class Queue {
   Queue(const Queue&) = delete;
   Queue& operator=(const Queue&) = delete;
 
-  absl::Status push(Job job, bool bounded) {
+  absl::Status push(LaneJob job, bool bounded) {
     std::vector<Waiting> swept;
     absl::Status status;
     {
@@ -69,12 +69,12 @@ class Queue {
       if (bounded && waiting_.size() >= limit_) sweep(swept);
       if (ended_) {
         status = absl::UnavailableError("the server is shutting down");
-        if (!bounded) swept.push_back({std::move(job), Job::Clock::now()});
+        if (!bounded) swept.push_back({std::move(job), LaneJob::Clock::now()});
       } else if (bounded && waiting_.size() >= limit_) {
         status = absl::ResourceExhaustedError(
             fmt::format("{} requests wait in the {} lane, which holds no more", limit_, name_));
       } else {
-        waiting_.push_back({std::move(job), Job::Clock::now()});
+        waiting_.push_back({std::move(job), LaneJob::Clock::now()});
       }
     }
     wake_.notify_one();
@@ -92,12 +92,12 @@ class Queue {
 
  private:
   struct Waiting {
-    Job job;
-    Job::Clock::time_point since;
+    LaneJob job;
+    LaneJob::Clock::time_point since;
   };
 
   static void answer(Waiting& w, absl::Status status) {
-    const std::chrono::duration<double> waited = Job::Clock::now() - w.since;
+    const std::chrono::duration<double> waited = LaneJob::Clock::now() - w.since;
     w.job.run({std::move(status), std::max(0.0, waited.count())});
   }
 
@@ -161,11 +161,11 @@ struct Lanes::State {
 Lanes::Lanes(const LaneOptions& options) : state_(std::make_unique<State>(options)) {}
 Lanes::~Lanes() = default;
 
-absl::Status Lanes::submit(Lane lane, Job job) {
+absl::Status Lanes::submit(Lane lane, LaneJob job) {
   return state_->queue(lane).push(std::move(job), true);
 }
 
-void Lanes::resume(Lane lane, Job job) {
+void Lanes::resume(Lane lane, LaneJob job) {
   // Where the lanes ended, the job was told so.
   (void)state_->queue(lane).push(std::move(job), false);
 }

@@ -27,19 +27,19 @@ struct LaneOptions {
 };
 
 /// What happened to a job before it ran.
-struct JobStart {
+struct LaneJobStart {
   /// OK: run it.  Else it must only be answered: CANCELLED (its stop token), DEADLINE_EXCEEDED, or
   /// UNAVAILABLE (the lanes ended).
   absl::Status status;
   double queue_time_s = 0;
 };
 
-struct Job {
+struct LaneJob {
   using Clock = std::chrono::system_clock;  // gRPC's deadlines are on it
 
   /// Called exactly once, on a thread of the lane, within its arena (or on the thread that ends the
   /// lanes, with UNAVAILABLE).  Must not throw.
-  std::function<void(const JobStart&)> run{};
+  std::function<void(const LaneJobStart&)> run{};
   std::stop_token stop{};
   Clock::time_point deadline = Clock::time_point::max();
 };
@@ -52,9 +52,9 @@ class Lanes {
   ~Lanes();
 
   /// RESOURCE_EXHAUSTED where the lane's queue is full; the job is then not called.
-  absl::Status submit(Lane lane, Job job);
+  absl::Status submit(Lane lane, LaneJob job);
   /// The next part of work that was accepted before: goes to the queue's end, however full it is.
-  void resume(Lane lane, Job job);
+  void resume(Lane lane, LaneJob job);
 
   int threads() const;
   /// Jobs that wait or run.

@@ -1,4 +1,4 @@
-// The pinhole camera, ready to make rays.
+// The pinhole camera that makes rays.
 #pragma once
 
 #include <memory>
@@ -17,12 +17,15 @@ class Camera {
 
   int width() const { return width_; }
   int height() const { return height_; }
-  /// What pixel values are multiplied by.
+  /// The factor for pixel values.
   double film_scale() const { return film_scale_; }
-  /// The ray through film position (x, y) [pixels]; (0, 0) is the upper left corner of the picture,
-  /// pixel (i, j) covers [i, i + 1) x [j, j + 1).  The direction is a unit vector, the time
-  /// `time_s`.  At a motion's key frames it is the ray of a camera that rests there: the same bits
-  /// at the first one, and at others the same origin and a direction off by at most an ulp of 1.
+  /// The ray through film position (x, y) [pixels], at `time_s`; the direction is a unit
+  /// vector.  (0, 0) is the upper left corner of the picture; pixel (i, j) covers [i, i + 1)
+  /// x [j, j + 1).
+  ///
+  /// At the key frames of a motion it is the ray of a resting camera in that place.  At the
+  /// first key frame it has the same bits.  At others it has the same origin, and the
+  /// direction differs by at most an ulp of 1.
   Ray ray(float x, float y, double time_s = 0) const;
   /// Positions are about the scene's origin; null where the camera rests.
   const Motion* motion() const { return motion_.get(); }
@@ -32,7 +35,7 @@ class Camera {
   double film_scale_ = 1;
   Vec3<float> position_;
   Vec3<double> corner_, step_x_, step_y_;  // direction = corner + x step_x + y step_y
-  // From directions, and from the camera's own position as zero, to the scene's coordinates.
+  // Maps directions, and the camera's own position as zero, to the scene's coordinates.
   std::shared_ptr<const Motion> motion_;
 };
 

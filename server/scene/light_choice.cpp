@@ -7,7 +7,7 @@ namespace lucerna {
 LightDistribution::LightDistribution(std::span<const double> lumens) {
   constexpr double kEqualShare = 0.1;
   const double largest = lumens.empty() ? 0 : *std::ranges::max_element(lumens);
-  double sum = 0;  // of powers over the largest, so that it does not overflow
+  double sum = 0;  // of powers divided by the largest, to avoid overflow
   double lit = 0;
   for (const double l : lumens) {
     if (largest > 0) sum += l / largest;
@@ -24,7 +24,8 @@ LightDistribution::LightDistribution(std::span<const double> lumens) {
     if (largest <= 0 || lumens[i] > 0) last_lit = i;
     cumulative_.push_back(running);
   }
-  // The running sum ends within rounding of 1: the last light that can be chosen takes the rest.
+  // The running sum ends within rounding of 1.  The last light with power above 0 takes the
+  // rest.
   for (std::size_t i = last_lit; i < cumulative_.size(); ++i) cumulative_[i] = 1;
 }
 

@@ -1,4 +1,4 @@
-// Which light a sample is spent on: with a probability that follows luminous power.
+// Choosing a light for a sample with a probability that follows luminous power.
 #pragma once
 
 #include <cstdint>
@@ -10,18 +10,19 @@
 
 namespace lucerna {
 
-/// What chooses a light, of the 48 bits of a pair: 24 would leave some of more than 2^24 lights
-/// without a sample.
+/// A number in [0, 1) that chooses a light, from the 48 bits of a pair.  24 bits would leave
+/// some of more than 2^24 lights without a sample.
 inline double choosing_value(const Vec2<float>& u) { return double{u.x} + double{u.y} * 0x1p-24; }
 
-/// The discrete distribution over n lights that gives nine tenths by power and one tenth equally to
-/// all lights whose power is not 0: a light of little power may be the only one that a receiver
-/// sees, and the flux of distant and infinite lights depends on the size of the scene.  A light of
-/// power 0 is never chosen, unless all are black: then all are equally likely.
+/// The discrete distribution over n lights: nine tenths follow power, and one tenth is equal
+/// for all lights with power above 0.  The equal part is needed because a weak light may be the
+/// only one that a receiver sees.  Also the flux of distant and infinite lights depends on the
+/// size of the scene.  A light of power 0 is never chosen, unless all are black: then all are
+/// equally likely.
 class LightDistribution {
  public:
   LightDistribution() = default;
-  /// `lumens`: one power a light, finite, not negative.
+  /// `lumens`: one power for each light, finite, not negative.
   explicit LightDistribution(std::span<const double> lumens);
 
   bool empty() const { return cumulative_.empty(); }
@@ -33,7 +34,7 @@ class LightDistribution {
   std::size_t bytes() const { return cumulative_.capacity() * sizeof(double); }
 
  private:
-  std::vector<double> cumulative_;  // ends in exactly 1
+  std::vector<double> cumulative_;  // the last one is exactly 1
 };
 
 }  // namespace lucerna

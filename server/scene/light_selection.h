@@ -1,9 +1,9 @@
-// How a light is chosen for a sample.
+// Methods that choose a light for a sample.
 #pragma once
 
 namespace lucerna {
 
-/// lucerna/v1/accuracy.proto says what each means, at the enum of the same name.
+/// The enum of the same name in lucerna/v1/accuracy.proto explains the values.
 enum class LightSelection { kAutomatic, kAll, kUniform, kPower, kBvh };
 
 }  // namespace lucerna

@@ -1,4 +1,4 @@
-// Which light of a scene a sample is spent on.
+// Chooses the light of a scene for a sample.
 #pragma once
 
 #include <cstddef>
@@ -14,53 +14,55 @@
 
 namespace lucerna {
 
-/// Local lights are chosen by their flux or by the light tree, according to what the question asks
-/// for.  Lights without a falling off by distance (infinite, distant, sun, portal, beam) have no
-/// place in either: the flux of most is that through the scene's sphere, which one far object makes
-/// as large as it likes.  They are chosen among themselves by the illuminance that they give, half
-/// of all times where there are lights of both kinds.
+/// Local lights are chosen by flux or by the light tree; the query chooses which.
 ///
-/// The tree is built with the scene where there are enough lights for it to win, else where a
-/// question names it.  Safe to share between threads.
+/// Infinite, distant, sun, portal and beam lights do not fall off with distance, so they fit
+/// neither method.  The flux of most of them passes through the scene's sphere, which one far
+/// object may enlarge at will.  They are chosen among themselves by their illuminance.  A scene
+/// with lights of both kinds gives half of the choices to each kind.
+///
+/// The tree is built with the scene where it has enough lights for the tree to be better.
+/// Otherwise it is built when a query names it.  May be called from any thread.
 class LightSelector {
  public:
-  /// A light as the selector is told of it.
+  /// The properties of a light that the choice depends on.
   struct Item {
-    std::uint32_t light;  ///< index; items ascend by it
-    double lumens;        ///< the largest channel of its flux, finite
-    double lux;           ///< the same of its illuminance, of lights without bounds
-    /// Of lights that fall off with the distance, at all times that they move through.
+    std::uint32_t light;  ///< index; items are in ascending order
+    double lumens;        ///< largest channel of the flux, finite
+    double lux;           ///< largest channel of the illuminance, for lights without bounds
+    /// For lights that fall off with distance; over all of their motion.
     std::optional<LightBounds<double>> bounds;
   };
 
-  /// From so many local lights on the tree is used unless a question says otherwise.
+  /// With so many local lights the tree is the default.
   static constexpr std::size_t kTreeFrom = 9;
 
   explicit LightSelector(std::vector<Item> items);
 
-  /// A light for `u` in [0, 1), with as many bits as the number of lights asks for: 24 bits reach
-  /// 2^24 of them.  Nothing where none of those that `u` is left with can reach the receiver; that
-  /// happens with the probability which those of all lights leave to 1.  `how` is not kAll.
+  /// A light for `u` in [0, 1).  `u` needs enough bits for the number of lights: 24 bits
+  /// reach 2^24. Nothing where none of the lights that remain for `u` can reach the receiver.
+  /// The probability of that is 1 minus the sum of all lights' probabilities.  `how` is not
+  /// kAll.
   std::optional<LightChoice> choose(LightSelection how, const Receiver<double>& receiver,
                                     double u) const;
-  /// The probability with which `choose` answers `light`, the same bits.
+  /// The probability with which `choose` returns `light`, with the same bits.
   double probability(LightSelection how, const Receiver<double>& receiver,
                      std::uint32_t light) const;
 
-  /// What kAutomatic is.
+  /// The method of kAutomatic.
   LightSelection automatic() const;
 
-  /// By flux alone, of all items: for rays that leave lights, wherever they go.
+  /// The choice among all items by flux, for rays that leave lights.
   const LightDistribution& by_flux() const { return by_flux_; }
 
-  /// With the tree where that is built.
+  /// Includes the tree if it is built.
   std::size_t bytes() const;
-  /// Builds the tree where questions that say nothing use it.
+  /// Builds the tree if it is the default.
   void build_tree_if_used();
   const LazyPart<LightTree>& tree_part() const { return tree_; }
 
  private:
-  /// Lights of one kind, by number.
+  /// Lights of one kind, by index.
   struct Group {
     std::vector<std::uint32_t> lights;  // ascending
     LightDistribution distribution;
@@ -72,8 +74,8 @@ class LightSelector {
 
   LightDistribution by_flux_;
   Group beside_, local_;
-  double beside_share_ = 0;             // the probability of lights beside the local ones
-  std::vector<LightTree::Item> items_;  // of local lights, where the tree is not built yet
+  double beside_share_ = 0;             // the probability of lights that are not local
+  std::vector<LightTree::Item> items_;  // local lights, until the tree is built
   LazyPart<LightTree> tree_{"light BVH"};
 };
 

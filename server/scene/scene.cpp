@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "proto/common/sha256.h"
+#include "proto/common/status_macros.h"
 #include "server/runtime/denormals.h"
 #include "server/scene/scene_builder.h"
 #include "server/scene/scene_lights.h"
@@ -15,7 +16,7 @@ namespace lucerna {
 std::string scene_id(const std::vector<Asset>& assets) {
   std::string text;
   for (const Asset& a : assets) {
-    // Lengths first: no two lists of assets give the same bytes.
+    // Lengths come first, so that no two lists of assets give the same bytes.
     text += fmt::format("{}:{}{}:", a.name.size(), a.name, a.sha256.size());
     text += a.sha256;
   }
@@ -24,11 +25,11 @@ std::string scene_id(const std::vector<Asset>& assets) {
 
 absl::StatusOr<std::shared_ptr<const Scene>> Scene::Builder::build(const std::string& isa) {
   const DenormalsAreZero denormals;
-  if (absl::Status s = check_references(); !s.ok()) return s;
-  if (absl::Status s = place(); !s.ok()) return s;
-  if (absl::Status s = build_lights(); !s.ok()) return s;
-  if (absl::Status s = build_geometry(isa); !s.ok()) return s;
-  if (absl::Status s = prepare_choice(); !s.ok()) return s;
+  LUCERNA_RETURN_IF_ERROR(check_references());
+  LUCERNA_RETURN_IF_ERROR(place());
+  LUCERNA_RETURN_IF_ERROR(build_lights());
+  LUCERNA_RETURN_IF_ERROR(build_geometry(isa));
+  LUCERNA_RETURN_IF_ERROR(prepare_choice());
   scene_->id_ = scene_id(in_.assets);
   scene_->camera_ = Camera(in_.camera, in_.film, scene_->origin_);
   scene_->hints_ = in_.hints;
@@ -44,11 +45,9 @@ absl::Status Scene::Builder::check_references() const {
                                                           s.material, in_.materials.size())),
                    s.where);
   };
-  for (const auto& s : in_.shapes)
-    if (absl::Status status = check(s); !status.ok()) return status;
+  for (const auto& s : in_.shapes) LUCERNA_RETURN_IF_ERROR(check(s));
   for (const auto& o : in_.objects)
-    for (const auto& s : o.shapes)
-      if (absl::Status status = check(s); !status.ok()) return status;
+    for (const auto& s : o.shapes) LUCERNA_RETURN_IF_ERROR(check(s));
   for (const auto& i : in_.instances)
     if (i.object >= in_.objects.size())
       return absl::InvalidArgumentError(
@@ -83,13 +82,13 @@ std::uint64_t Scene::primitive_count() const {
 std::vector<ScenePart> Scene::parts() const {
   std::vector<ScenePart> all = parts_;
   if (light_selector_)
-    if (auto tree = light_selector_->tree_part().told()) all.push_back(*std::move(tree));
-  if (auto areas = area_selector_.told()) all.push_back(*std::move(areas));
+    if (auto tree = light_selector_->tree_part().report()) all.push_back(*std::move(tree));
+  if (auto areas = area_selector_.report()) all.push_back(*std::move(areas));
   const auto attached_from = static_cast<std::ptrdiff_t>(all.size());
   attached_.for_each([&](const AttachedPart& attached) {
     if (auto part = attached.report()) all.push_back(*std::move(part));
   });
-  // By name, so that the order of first uses does not show.
+  // Sorted by name, so that the order of first uses does not show.
   std::sort(all.begin() + attached_from, all.end(),
             [](const ScenePart& a, const ScenePart& b) { return a.name > b.name; });
   return all;
@@ -110,7 +109,7 @@ const LightSelector& Scene::area_selector() const {
         made->build_tree_if_used();
         return std::unique_ptr<const LightSelector>(std::move(made));
       },
-      [](const LightSelector&) { return "irradiance beside that of delta lights was asked for"; });
+      [](const LightSelector&) { return "a query sampled the lights that are not delta lights"; });
 }
 
 std::string Scene::isa() const { return accelerator_->isa(); }
@@ -118,7 +117,7 @@ std::string Scene::isa() const { return accelerator_->isa(); }
 std::optional<LightChoice> choose_light(const Scene& scene, LightSelection how,
                                         const Receiver<double>& receiver, double u) {
   if (scene.lights().size() == 1) return LightChoice{0, 1};
-  // Of all, each has its turn alike.
+  // kAll visits each light once, so each is equally likely.
   if (how == LightSelection::kAll) how = LightSelection::kUniform;
   return scene.light_selector().choose(how, receiver, u);
 }

@@ -1,4 +1,4 @@
-// A scene as queries see it: immutable, compiled from a SceneDescription to the least that answers.
+// A scene as queries see it: immutable, and reduced to what queries need.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -23,15 +23,15 @@
 
 namespace lucerna {
 
-/// How a light moves.
+/// The motion of a light.
 struct LightMotion {
   Motion motion;          ///< from its own coordinates at its first key frame to the scene's
-  Vec3<double> origin_m;  ///< world position of its own coordinates' zero
-  /// Of a surface: its largest coordinate about its own zero, where it is found by rays no better
-  /// than floats tell them apart there [m].  Else 0.
+  Vec3<double> origin_m;  ///< world position of the zero of its own coordinates
+  /// Largest coordinate of a surface about its own zero [m].  Rays find such a surface only
+  /// to the rounding of floats of that size.  0 for lights without a surface.
   float reach_m = 0;
-  /// It has a direction and no place: of `motion` it takes the turns, not the shifts, which are as
-  /// long as the scene is far from where it turns.
+  /// Set for lights with a direction and no place.  They use the rotations of `motion` but
+  /// not the shifts, which are as long as the scene is far from the centre of rotation.
   bool only_turns = false;
 
   Pose at(double time_s) const {
@@ -41,22 +41,24 @@ struct LightMotion {
   }
 };
 
-/// One light as the scene holds it.
+/// One light of the scene.
 struct SceneLight {
-  std::uint64_t id;                           ///< stable, from 1, never reused
-  Light<double> light;                        ///< about the scene's origin; where it moves, its own
-  std::unique_ptr<const LightMotion> moving;  ///< null: it rests
-  std::uint32_t samples = 1;  ///< points that each sample takes on it, where the query does not say
-  // Where the scene asks for it, as SourceLocation says; the file as one of Scene's.
+  std::uint64_t id;     ///< stable, from 1, never reused
+  Light<double> light;  ///< about the scene's origin; about its own if it moves
+  std::unique_ptr<const LightMotion> moving;  ///< null if it rests
+  std::uint32_t samples = 1;  ///< points of each sample on it; the default of queries
+  // Source location of the light, as in SourceLocation; the file is an index into the scene's
+  // files.
   std::uint32_t file = 0;
   int line = 0, column = 0;
 
-  /// LightMotion's.
+  /// LightMotion::reach_m.
   float reach_m() const { return moving != nullptr ? moving->reach_m : 0; }
 };
 
-/// Calls `f` with the light as it is at `time_s`, about the scene's origin: the model itself or,
-/// where it moves, its Posed form.
+/// Calls `f` with the light at `time_s`, about the scene's origin: with the model itself or, if
+/// it moves, with its Posed form.  `f` is compiled for all of these types; LightAtTime compiles
+/// faster.
 template <typename F>
 auto visit_light(const SceneLight& light, double time_s, F&& f) {
   return visit(
@@ -72,65 +74,66 @@ auto visit_light(const SceneLight& light, double time_s, F&& f) {
 /// All const members may be called from any thread.
 class Scene {
  public:
-  /// Errors: what of the description cannot be built, by file:line:column; CANCELLED.
+  /// Errors: parts of the description that cannot be built, with file:line:column; CANCELLED.
   static absl::StatusOr<std::shared_ptr<const Scene>> build(SceneDescription description,
                                                             const std::string& isa = "",
                                                             std::stop_token stop = {});
 
   /// scene_id() of all files read.
   const std::string& id() const { return id_; }
-  /// World position of scene coordinates' zero [m].  A multiple of a power of two not less than the
-  /// scene's extent, so that scenes near their own zero keep the coordinates they were written
-  /// with.
+  /// World position of the zero of scene coordinates [m].  A multiple of a power of two that
+  /// is at least the scene's extent.  So scenes near their own zero keep their coordinates
+  /// unchanged.
   const Vec3<double>& origin() const { return origin_; }
-  /// Around geometry and local lights; radius 0 where there are none.
+  /// Contains geometry and local lights; radius 0 where there are none.
   const SceneSphere& sphere() const { return sphere_; }
 
   std::span<const SceneLight> lights() const { return lights_; }
   SourceLocation source_of(const SceneLight& light) const {
     return {files_[light.file], light.line, light.column};
   }
-  /// World position of the zero of the coordinates that the light is in.
+  /// World position of the zero of the light's coordinates.
   const Vec3<double>& origin_of(const SceneLight& light) const {
     return light.moving != nullptr ? light.moving->origin_m : origin_;
   }
-  /// The spectrum that the light of this index was given; null where it was given RGB.
+  /// The spectrum of the light with this index; null for a light with RGB values.
   const Spectrum* spectrum(std::uint32_t light) const {
     const auto number = spectrum_number(light);
     return number ? spectra_[*number].get() : nullptr;
   }
-  /// Its number among all spectra of the scene, each of which is there once.
+  /// Its number among the spectra of the scene.  Equal spectra are stored once.
   std::optional<std::uint32_t> spectrum_number(std::uint32_t light) const {
     if (light_spectra_.empty() || light_spectra_[light] < 0) return std::nullopt;
     return static_cast<std::uint32_t>(light_spectra_[light]);
   }
   std::span<const std::shared_ptr<const Spectrum>> spectra() const { return spectra_; }
-  /// Index of a light id.
+  /// The index of the light with this id.
   std::optional<std::uint32_t> find_light(std::uint64_t id) const;
-  /// Indices of lights that rays leaving the scene meet.
+  /// Indices of the lights that rays meet when they leave the scene.
   std::span<const std::uint32_t> infinite_lights() const { return infinite_lights_; }
   /// Requires two lights or more.
   const LightSelector& light_selector() const { return *light_selector_; }
-  /// The same of all lights but delta lights.  Made when it is first asked for.
+  /// The selector of all lights except delta lights.  Made at its first use.
   const LightSelector& area_selector() const;
-  /// True where a light, shape, instance or the camera moves: pictures then depend on time.
+  /// Whether a light, a shape, an instance or the camera moves: pictures then depend on time.
   bool moves() const { return moves_; }
-  /// True where some light is not a delta light: rays may find it.
+  /// Whether some light is not a delta light, so that rays may find it.
   bool has_visible_lights() const { return has_visible_lights_; }
-  /// True where there is nothing to hit.
+  /// Whether there is nothing to hit.
   bool empty() const { return accelerator_->empty(); }
   std::span<const DiffuseMaterial> materials() const { return materials_; }
   const Camera& camera() const { return camera_; }
   const RenderHints& hints() const { return hints_; }
   const std::vector<Remark>& remarks() const { return remarks_; }
   const std::vector<Asset>& assets() const { return assets_; }
-  /// What was built so far: with the scene, and since then because somebody asked for it.
+  /// The parts that are built: with the scene, and later for queries.
   std::vector<ScenePart> parts() const;
-  /// Memory of all of them.
+  /// Memory of all parts.
   std::uint64_t bytes() const;
-  std::uint64_t shape_count() const;  ///< shapes, each instance counting its object's once
-  std::uint64_t primitive_count()
-      const;  ///< triangles, patches, spheres, disks and cylinders held in memory
+  /// Shapes in memory.  Those of an object count once, however many instances it has.
+  std::uint64_t shape_count() const;
+  /// Primitives in memory: triangles, patches, spheres, disks and cylinders.
+  std::uint64_t primitive_count() const;
   std::string isa() const;
 
   std::optional<SurfaceHit> closest_hit(const Ray& ray) const;
@@ -142,8 +145,8 @@ class Scene {
     accelerator_->occluded(rays, bits);
   }
 
-  /// The part of type `T` that other code keeps with this scene; made by `T(scene)` at its first
-  /// use.
+  /// The part of type `T` that other code keeps with this scene.  Made by `T(scene)` at its
+  /// first use.
   template <std::derived_from<AttachedPart> T>
   const T& attached() const {
     return attached_.get<T>(*this);
@@ -157,37 +160,37 @@ class Scene {
   Vec3<double> origin_;
   SceneSphere sphere_;
   std::vector<SceneLight> lights_;
-  std::vector<std::string> files_;  // that lights are asked for in
+  std::vector<std::string> files_;  // the files of the lights' source locations
   std::vector<std::uint32_t> infinite_lights_;
-  // Both empty where no light was given a spectrum.
+  // Both empty where no light has a spectrum.
   std::vector<std::shared_ptr<const Spectrum>> spectra_;
   std::vector<std::int32_t> light_spectra_;  // of each light, into spectra_; -1: RGB
   std::vector<DiffuseMaterial> materials_;
   std::unique_ptr<Accelerator> accelerator_;
   SurfaceTable surfaces_;                        // of the scene's own geometry
-  std::vector<SurfaceTable> object_surfaces_;    // of each object's, then of each moving shape
-  std::optional<LightSelector> light_selector_;  // none where there are fewer than two lights
+  std::vector<SurfaceTable> object_surfaces_;    // of each object, then of each moving shape
+  std::optional<LightSelector> light_selector_;  // empty with fewer than two lights
   bool has_visible_lights_ = false;
   bool moves_ = false;
   Camera camera_;
   RenderHints hints_;
   std::vector<Remark> remarks_;
   std::vector<Asset> assets_;
-  std::vector<ScenePart> parts_;  // what was built with the scene
+  std::vector<ScenePart> parts_;  // built with the scene
   LazyPart<LightSelector> area_selector_{"area light choice"};
-  AttachedParts attached_;  // last: its parts refer to the others
+  AttachedParts attached_;  // last: its parts refer to the other members
 };
 
-/// The id of a scene that was read from these files: SHA-256 over their names and digests, in
-/// order, 64 hexadecimal digits.
+/// The id of a scene from these files: SHA-256 over their names and digests, in order, as 64
+/// hexadecimal digits.
 std::string scene_id(const std::vector<Asset>& assets);
 
-/// A light for a receiver (LightSelector); the probability is not part of any density.  `u` in
-/// [0, 1).  Nothing where no light that `u` is left with reaches the receiver.  Requires at least
-/// one light.
+/// Chooses a light for a receiver (LightSelector).  The probability is not part of any density.
+/// `u` in [0, 1).  Nothing where none of the lights that remain for `u` reaches the receiver.
+/// Requires at least one light.
 std::optional<LightChoice> choose_light(const Scene& scene, LightSelection how,
                                         const Receiver<double>& receiver, double u);
-/// One for a ray that leaves a light, by flux.
+/// Chooses a light by flux, for a ray that leaves it.
 LightChoice choose_emitter(const Scene& scene, double u);
 
 }  // namespace lucerna

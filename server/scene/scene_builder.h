@@ -1,5 +1,5 @@
-// How a scene is compiled from its description, step by step.  Known to scene.cpp and the files
-// that hold the steps: scene_place.cpp, scene_light_set.cpp and scene_geometry.cpp.
+// The steps that build a scene from its description.  Used by scene.cpp and the files of the
+// steps: scene_place.cpp, scene_light_set.cpp and scene_geometry.cpp.
 #pragma once
 
 #include <absl/status/status.h>
@@ -21,7 +21,7 @@ std::uint64_t primitives(const GeometrySet& s);
 
 class Scene::Builder {
  public:
-  /// Takes from `description`, which outlives it, as it goes.
+  /// Moves data out of `description` step by step.  `description` must outlive the builder.
   Builder(SceneDescription& description, std::stop_token stop)
       : in_(description), stop_(std::move(stop)), scene_(new Scene) {}
 
@@ -30,16 +30,17 @@ class Scene::Builder {
  private:
   absl::Status check_references() const;
 
-  /// Bounds, origins and the scene's sphere.  Errors: shapes without bounds, motion beyond rays.
+  /// Computes bounds, origins and the scene's sphere.  Errors: shapes without bounds, motion
+  /// beyond the range of rays.
   absl::Status place();
 
   absl::Status build_lights();
-  /// `moving`: null where it rests; what only the light knows of it is filled in.
+  /// `moving`: null if the light rests; completed from the light.
   absl::Status add_light(absl::StatusOr<Light<double>> light, const SourceLocation& where,
                          std::uint32_t samples, std::unique_ptr<LightMotion> moving);
-  /// The number of a file among those that lights are asked for in.
+  /// The index of a file among the files of lights' source locations.
   std::uint32_t file_number(const std::string& file);
-  /// Beside the lights and not in them: where all are given RGB, nothing is kept.
+  /// Spectra are stored beside the lights, so that scenes with RGB lights only store nothing.
   void keep_spectra();
   void report_shared_by_lights(const Stopwatch& watch);
   absl::Status prepare_choice();
@@ -52,7 +53,7 @@ class Scene::Builder {
   std::shared_ptr<const Motion> about_scene(const Motion& motion, const Vec3<double>& from) const {
     return std::make_shared<const Motion>(motion.about(from, scene_->origin_));
   }
-  /// Of a light about `from`.
+  /// The motion of a light about `from`.
   std::unique_ptr<LightMotion> light_motion(const Motion& motion, const Vec3<double>& from) const {
     return std::make_unique<LightMotion>(
         LightMotion{.motion = motion.about(from, scene_->origin_), .origin_m = from});
@@ -67,7 +68,7 @@ class Scene::Builder {
   std::unordered_map<std::string, std::uint32_t> file_numbers_;
   std::vector<Vec3<double>> object_origins_;
   std::vector<Vec3<double>> moving_origins_;  ///< of each moving shape
-  std::uint64_t read_by_embree_ = 0;          ///< the geometry's, which its own count holds too
+  std::uint64_t read_by_embree_ = 0;  ///< bytes of geometry that Embree reads and counts too
 };
 
 }  // namespace lucerna

@@ -1,14 +1,15 @@
-// The surfaces of a scene, made ready for rays.
+// Prepares the surfaces of a scene for rays.
 #include <fmt/format.h>
 
 #include <array>
 
+#include "proto/common/status_macros.h"
 #include "server/scene/scene_builder.h"
 
 namespace lucerna {
 namespace {
 
-// Entries as Embree will hold them: exactly what its float matrices say.
+// Rounds the entries to the values that Embree's float matrices hold.
 Transform rounded_to_float(const Transform& t) {
   Transform::Matrix m = t.matrix();
   for (auto& row : m)
@@ -35,18 +36,14 @@ absl::Status Scene::Builder::build_geometry(const std::string& isa) {
     if (stop_.stop_requested()) return absl::CancelledError("the build was cancelled");
     const std::int32_t emitter = s.emission ? light++ : -1;
     if (!s.motion) {
-      if (absl::Status status = append_shape(s, scene_->origin_, emitter, set, scene_->surfaces_);
-          !status.ok())
-        return status;
+      LUCERNA_RETURN_IF_ERROR(append_shape(s, scene_->origin_, emitter, set, scene_->surfaces_));
       continue;
     }
-    // An object of its own, about its own origin, with one instance.
+    // A moving shape is an object about its own origin with one instance.
     const Vec3<double>& origin = moving_origins_[moving_shape];
     const std::size_t object = in_.objects.size() + moving_shape++;
-    if (absl::Status status =
-            append_shape(s, origin, emitter, objects[object], scene_->object_surfaces_[object]);
-        !status.ok())
-      return status;
+    LUCERNA_RETURN_IF_ERROR(
+        append_shape(s, origin, emitter, objects[object], scene_->object_surfaces_[object]));
     if (primitives(objects[object]) > 0)
       instances.push_back(
           {static_cast<std::uint32_t>(object), Transform(), about_scene(*s.motion, origin)});
@@ -56,10 +53,8 @@ absl::Status Scene::Builder::build_geometry(const std::string& isa) {
   for (std::size_t i = 0; i < in_.objects.size(); ++i) {
     if (!is_placed[i]) continue;
     for (const auto& s : in_.objects[i].shapes)
-      if (absl::Status status =
-              append_shape(s, object_origins_[i], -1, objects[i], scene_->object_surfaces_[i]);
-          !status.ok())
-        return status;
+      LUCERNA_RETURN_IF_ERROR(
+          append_shape(s, object_origins_[i], -1, objects[i], scene_->object_surfaces_[i]));
   }
   for (const auto& i : in_.instances) {
     if (primitives(objects[i.object]) == 0) continue;
@@ -79,10 +74,9 @@ absl::Status Scene::Builder::build_geometry(const std::string& isa) {
 
   watch = Stopwatch();
   const std::size_t instance_count = instances.size();
-  auto accelerator =
-      Accelerator::build(std::move(set), std::move(objects), std::move(instances), isa, stop_);
-  if (!accelerator.ok()) return accelerator.status();
-  scene_->accelerator_ = *std::move(accelerator);
+  LUCERNA_ASSIGN_OR_RETURN(
+      scene_->accelerator_,
+      Accelerator::build(std::move(set), std::move(objects), std::move(instances), isa, stop_));
   if (scene_->accelerator_->empty()) return absl::OkStatus();
   const std::uint64_t all = scene_->accelerator_->bytes();
   part("bvh", all > read_by_embree_ ? all - read_by_embree_ : 0, watch,
@@ -114,7 +108,7 @@ void Scene::Builder::report_motion(const std::vector<GeometryInstance>& instance
 void Scene::Builder::report_geometry(const GeometrySet& set,
                                      const std::vector<GeometrySet>& objects,
                                      const Stopwatch& watch) {
-  GeometrySet all;  // only counted
+  GeometrySet all;  // used only to count
   std::array<std::uint64_t, 6> counts{}, bytes{};
   std::uint64_t surface_bytes = scene_->surfaces_.bytes();
   const auto count = [&](const GeometrySet& s) {

@@ -1,5 +1,5 @@
-// From what Embree found to a point of a surface with all that shading needs.  Embree answers in
-// floats; the point is computed again in double from the primitive itself.
+// Computes a surface point, with all that shading needs, from a hit of Embree.  Embree returns
+// floats; the point is computed again in double from the primitive.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -17,7 +17,7 @@ Vector absolute(const Vector& v) { return {std::fabs(v.x), std::fabs(v.y), std::
 /// A point in the space of its GeometrySet.
 struct LocalHit {
   Vector position, ng, ns;  // ns zero: the same as ng
-  double error = 0;  // how far off a ray may find the surface, beside the rounding of `position`
+  double error = 0;  // error in finding the surface by rays, without the rounding of `position`
 };
 
 LocalHit triangle_hit(const GeometrySet& set, const SurfaceTable& table, const RawHit& raw) {
@@ -31,9 +31,9 @@ LocalHit triangle_hit(const GeometrySet& set, const SurfaceTable& table, const R
   hit.position = a + from_a;
   const Vector n = cross(ab, ac);
   hit.ng = normalized(n);
-  // Embree takes the cross product of two edges, the shorter ones where terms would cancel: in a
-  // needle the error of n is that of their product.  Beyond a factor of 16 the plane of the
-  // triangle is not known in floats anyway.
+  // Embree takes the cross product of two edges, the shorter ones where terms would cancel.
+  // In a needle the error of n is that of their product.  Beyond a factor of 16 floats do not
+  // define the plane of the triangle anyway.
   const double ab2 = dot(ab, ab), ac2 = dot(ac, ac), bc2 = dot(bc, bc);
   const double longest2 = std::max({ab2, ac2, bc2});
   const double others2 = longest2 > 0 ? ab2 * (ac2 / longest2) * bc2 : 0;
@@ -51,7 +51,7 @@ LocalHit triangle_hit(const GeometrySet& set, const SurfaceTable& table, const R
 
 LocalHit analytic_hit(const SurfaceTable& table, const RawHit& raw, const Ray& ray) {
   LocalHit hit{raw.position, raw.normal, {}, 0};
-  // Double precision all along; its roundings grow with the length of the ray.
+  // All in double precision; the rounding error grows with the length of the ray.
   hit.error = 64 * 0x1p-53 *
               (max_abs(Vector(ray.origin)) + raw.t * max_abs(Vector(ray.direction)) +
                max_abs(raw.position));
@@ -64,7 +64,7 @@ LocalHit analytic_hit(const SurfaceTable& table, const RawHit& raw, const Ray& r
   return hit;
 }
 
-/// Into the scene's space; returns the error, componentwise.
+/// Converts the hit to the scene's space and returns the error of each coordinate.
 Vector to_scene(const Transform& scene_from_object, LocalHit& hit) {
   const auto& m = scene_from_object.matrix();
   const Transform inverse = scene_from_object.inverse();
@@ -80,16 +80,17 @@ Vector to_scene(const Transform& scene_from_object, LocalHit& hit) {
   hit.position = scene_from_object.point(local);
   hit.ng = normalized(scene_from_object.normal(hit.ng));
   if (hit.ns != Vector{}) hit.ns = scene_from_object.normal(hit.ns);
-  // Embree takes rays into the object's space in floats, by an inverse that it computes in floats.
+  // Embree converts rays to the object's space in floats, with an inverse that it computes in
+  // floats.
   const Vector rounding = times(w, absolute(hit.position), true) * kTraversalBound;
   return times(m, rounding + Vector{hit.error, hit.error, hit.error}, false);
 }
 
-/// Likewise, where it moves.
+/// The same for a moving instance.
 Vector to_scene(const GeometryInstance& instance, double time_s, LocalHit& hit) {
   const Pose pose = instance.motion->at(time_s);
   const Transform& start_from_object = instance.scene_from_object;
-  // Rays are taken into the object's space in double, and rounded to floats there.
+  // Rays are converted to the object's space in double and rounded to floats there.
   const Vector at_start = start_from_object.point(hit.position);
   const Vector object_error =
       absolute(hit.position) * kTraversalBound + Vector{hit.error, hit.error, hit.error};
@@ -129,10 +130,10 @@ std::optional<SurfaceHit> Scene::closest_hit(const Ray& ray) const {
   hit.t = raw->t;
   hit.time_s = ray.time_s;
   hit.position = local.position;
-  // The one rounding of the position where rays leave it, and what double left.
+  // The rounding of the position at the start of rays, and the rounding error of doubles.
   error += absolute(local.position) * (kFloatRoundoff * (1 + 1e-6));
   error += Vector{kLeastError, kLeastError, kLeastError};
-  // Rounded up, so that the bound stays one.
+  // Rounded up, so that it stays a bound.
   hit.position_error = Vec3<float>(error * (1 + 1e-6));
   hit.ng = local.ng;
   Vector ns = local.ns;
@@ -143,7 +144,7 @@ std::optional<SurfaceHit> Scene::closest_hit(const Ray& ray) const {
   const Surface& surface = table.surfaces[run.surface];
   hit.material = surface.material;
   hit.light = surface.light;
-  // Instances from -1, the scene's own geometry, on.
+  // Instance -1 is the scene's own geometry.
   hit.shape = (static_cast<std::uint64_t>(raw->instance + 1) << 32) | run.surface;
   hit.light_primitive =
       run.first_light_primitive + (raw->primitive - run.first) / run.per_light_primitive;

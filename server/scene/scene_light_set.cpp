@@ -1,4 +1,4 @@
-// All lights of a scene: where each is kept, what they share, and how one is chosen.
+// The lights of a scene: their storage, what they share, and how one is chosen.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,6 +10,8 @@
 #include <set>
 #include <tuple>
 
+#include "proto/common/status_macros.h"
+#include "server/scene/light_at_time.h"
 #include "server/scene/scene_builder.h"
 #include "server/scene/scene_lights.h"
 
@@ -86,28 +88,25 @@ absl::Status Scene::Builder::build_lights() {
     Vec3<double> origin = scene_->origin_;
     std::unique_ptr<LightMotion> moving;
     if (l.motion) {
-      const std::optional<Vec3<double>> anchor = anchor_of(l);
+      const std::optional<Vec3<double>> anchor = place_of(l).anchor_m;
       // About itself: its coordinates are then exact wherever it moves to.
       if (anchor) origin = *anchor;
       moving = light_motion(*l.motion, origin);
       moving->only_turns = !anchor;
     }
-    if (absl::Status s = add_light(create_light(l, origin), l.where, l.samples, std::move(moving));
-        !s.ok())
-      return s;
+    LUCERNA_RETURN_IF_ERROR(
+        add_light(create_light(l, origin), l.where, l.samples, std::move(moving)));
   }
   std::size_t moving_shape = 0;
   for (const auto& s : in_.shapes) {
     Vec3<double> origin = scene_->origin_;
-    // As the surface that rays hit.
+    // The same origin as that of the surface that rays hit.
     if (s.motion) origin = moving_origins_[moving_shape++];
     if (!s.emission) continue;
     std::unique_ptr<LightMotion> moving;
     if (s.motion) moving = light_motion(*s.motion, origin);
-    if (absl::Status status = add_light(create_area_light(s, origin), s.emission->where,
-                                        s.emission->samples, std::move(moving));
-        !status.ok())
-      return status;
+    LUCERNA_RETURN_IF_ERROR(add_light(create_area_light(s, origin), s.emission->where,
+                                      s.emission->samples, std::move(moving)));
   }
   if (scene_->lights_.empty()) return absl::OkStatus();
   scene_->lights_.shrink_to_fit();
@@ -115,10 +114,10 @@ absl::Status Scene::Builder::build_lights() {
   for (const std::string& file : scene_->files_) bytes += sizeof file + file.size();
   std::size_t tables = 0;
   for (const SceneLight& l : scene_->lights_) {
-    const std::uint64_t table = distribution_bytes(l.light);
-    bytes += l.light.bytes_beside() + light_bytes(l.light) - table;
-    table_bytes += table;
-    tables += table > 0;
+    const LightBytes own = visit([](const auto& m) { return m.own_bytes(); }, l.light);
+    bytes += l.light.bytes_beside() + own.all - own.tables;
+    table_bytes += own.tables;
+    tables += own.tables > 0;
   }
   part("lights", bytes, watch, fmt::format("{} lights", scene_->lights_.size()));
   if (tables > 0)
@@ -129,63 +128,43 @@ absl::Status Scene::Builder::build_lights() {
   return absl::OkStatus();
 }
 
-void Scene::Builder::report_shared_by_lights(const Stopwatch& watch) {
-  // Pictures are shared between lights: each counts once.
+namespace {
+
+/// Data that lights share, each once.  One overload for each kind, so a new kind does not compile
+/// until it is counted.
+struct SharedByLights {
   std::set<const Image*> images;
+  std::set<const PhotometricWeb*> webs;
+  std::set<const IntensityMap*> maps;
+
+  void operator()(const Image& image) { images.insert(&image); }
+  void operator()(const PhotometricWeb& web) { webs.insert(&web); }
+  void operator()(const IntensityMap& map) { maps.insert(&map); }
+};
+
+}  // namespace
+
+void Scene::Builder::report_shared_by_lights(const Stopwatch& watch) {
+  SharedByLights shared;
   for (const SceneLight& l : scene_->lights_)
-    if (const Image* picture = picture_of(l.light)) images.insert(picture);
-  std::uint64_t image_bytes = 0;
-  for (const Image* image : images) image_bytes += image->bytes();
-  if (!images.empty())
-    part("images", image_bytes, watch, fmt::format("{} pictures of lights", images.size()));
-  // What goniometric lights and panels draw directions from is shared between lights: each counts
-  // once.
-  std::set<std::shared_ptr<const PhotometricWeb>> webs;
-  std::set<std::shared_ptr<const IntensityMap>> maps;
-  for (const SceneLight& l : scene_->lights_) {
-    visit(
-        [&](const auto& m) {
-          if constexpr (requires { m.shape().profile(); }) webs.insert(m.shape().profile().web);
-          if constexpr (requires { webs.insert(m.params().web); }) webs.insert(m.params().web);
-          if constexpr (requires { maps.insert(m.params().map); }) maps.insert(m.params().map);
-        },
-        l.light);
-  }
-  // Of lights that have none.
-  webs.erase(nullptr);
-  maps.erase(nullptr);
-  std::uint64_t web_bytes = 0, map_bytes = 0;
-  for (const auto& web : webs) web_bytes += web->bytes();
-  for (const auto& map : maps) map_bytes += map->table_bytes();
-  if (!webs.empty())
-    part("photometric webs", web_bytes, watch, fmt::format("{} luminaires", webs.size()));
-  if (!maps.empty())
+    visit([&](const auto& m) { m.for_each_shared(shared); }, l.light);
+  std::uint64_t image_bytes = 0, web_bytes = 0, map_bytes = 0;
+  for (const Image* image : shared.images) image_bytes += image->bytes();
+  for (const PhotometricWeb* web : shared.webs) web_bytes += web->bytes();
+  for (const IntensityMap* map : shared.maps) map_bytes += map->table_bytes();
+  if (!shared.images.empty())
+    part("images", image_bytes, watch, fmt::format("{} pictures of lights", shared.images.size()));
+  if (!shared.webs.empty())
+    part("photometric webs", web_bytes, watch, fmt::format("{} luminaires", shared.webs.size()));
+  if (!shared.maps.empty())
     part("intensity maps", map_bytes, watch,
-         fmt::format("to draw directions from {} pictures", maps.size()));
+         fmt::format("to draw directions from {} pictures", shared.maps.size()));
 }
 
 namespace {
 
-/// The area that the flux of a light without bounds passes through, in a scene of this sphere [m2].
-double cross_section_m2(const Light<double>& light, const SceneSphere& sphere) {
-  return visit(
-      [&](const auto& l) {
-        if constexpr (requires { l.params().width_m; }) {
-          return l.params().width_m * l.params().height_m;
-        } else if constexpr (requires { l.corners_m(); }) {
-          const auto corners = l.corners_m();
-          return length(cross(corners[1] - corners[0], corners[3] - corners[0]));
-        } else {
-          return std::numbers::pi * sphere.radius_m * sphere.radius_m;
-        }
-      },
-      light);
-}
-
-/// Where the light may be and shine to, at any time; nothing where its illuminance does not fall
-/// off with the distance.
+/// Where the light may be and shine to, at any time; nothing at infinity.
 std::optional<LightBounds<double>> bounds_of(const SceneLight& light) {
-  if (light.light.get_if<BeamLight<double>>() != nullptr) return std::nullopt;
   auto bounds = visit([](const auto& l) { return l.bounds(); }, light.light);
   if (!bounds || light.moving == nullptr) return bounds;
   LightBounds<double> swept = *bounds;
@@ -197,19 +176,22 @@ std::optional<LightBounds<double>> bounds_of(const SceneLight& light) {
 }  // namespace
 
 std::vector<LightSelector::Item> selector_items(const Scene& scene, bool areas_alone) {
-  // Light from infinitely far arrives at receivers even where the scene is but a point.
+  // Light from infinity arrives at receivers even if the scene is a single point.
   SceneSphere sphere = scene.sphere();
   if (!(sphere.radius_m > 0)) sphere.radius_m = 1;
   std::vector<LightSelector::Item> items;
   for (std::uint32_t i = 0; i < scene.lights().size(); ++i) {
     const SceneLight& l = scene.lights()[i];
-    if (areas_alone && visit([](const auto& m) { return m.kDelta; }, l.light)) continue;
-    const Power power = visit_light(l, -std::numeric_limits<double>::infinity(),
-                                    [&](const auto& m) { return m.power(sphere); });
-    // The largest channel, not the luminance: a light of one channel has its share of noise too.
+    const LightAtTime at_start(l, -std::numeric_limits<double>::infinity());
+    if (areas_alone && at_start.is_delta()) continue;
+    const Power power = at_start.power(sphere);
+    // The largest channel and not the luminance, because a light of one channel makes noise
+    // too.
     const double lumens = std::fmin(power.lumens.max_component(), 1e300);
-    auto bounds = bounds_of(l);
-    const double lux = bounds ? 0 : std::fmin(lumens / cross_section_m2(l.light, sphere), 1e300);
+    const std::optional<double> section_m2 =
+        visit([&](const auto& m) { return m.cross_section_m2(sphere); }, l.light);
+    auto bounds = section_m2 ? std::nullopt : bounds_of(l);
+    const double lux = section_m2 ? std::fmin(lumens / *section_m2, 1e300) : 0;
     items.push_back({i, lumens, lux, std::move(bounds)});
   }
   return items;
@@ -221,8 +203,8 @@ absl::Status Scene::Builder::prepare_choice() {
   scene_->light_selector_.emplace(selector_items(*scene_, false));
   LightSelector& selector = *scene_->light_selector_;
   selector.build_tree_if_used();
-  // The tree is a part of its own.
-  const auto tree = selector.tree_part().told();
+  // The tree is listed as a separate part.
+  const auto tree = selector.tree_part().report();
   const double own_ms = watch.ms() - (tree ? tree->build_ms : 0);
   scene_->parts_.push_back({"light choice", selector.bytes() - selector.tree_part().bytes(), own_ms,
                             fmt::format("{} lights to choose from", scene_->lights_.size())});

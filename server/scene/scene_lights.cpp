@@ -4,13 +4,14 @@
 #include <utility>
 
 #include "lights/maths/validation.h"
+#include "proto/common/status_macros.h"
 #include "server/rays/surface_table.h"
 
 namespace lucerna {
 
 namespace {
 
-/// The light of the closed set that is made from `Params`.
+/// The model of the closed set that is made from `Params`.
 template <typename Params, typename Lights>
 struct ModelOf;
 template <typename Params, typename L, typename... Rest>
@@ -23,41 +24,21 @@ struct ModelOf<Params, std::variant<L, Rest...>> {
 
 }  // namespace
 
-std::optional<Vec3<double>> anchor_of(const LightDescription& light) {
+LightPlace place_of(const LightDescription& light) {
   return std::visit(
-      [](const auto& params) -> std::optional<Vec3<double>> {
-        if constexpr (requires { params.position_m; })
-          return params.position_m;
-        else if constexpr (requires { params.corners_m; })
-          return params.corners_m[0];
-        else
-          return std::nullopt;
+      []<typename Params>(const Params& params) {
+        return ModelOf<Params, LightModels<double>>::type::place(params);
       },
       light.params);
 }
 
-std::optional<Box> box_of(const LightDescription& light) {
-  if (const auto* beam = std::get_if<BeamLightParams>(&light.params)) return bounding_box(*beam);
-  if (std::holds_alternative<PortalLightParams>(light.params)) return std::nullopt;
-  if (const auto p = anchor_of(light)) return std::pair{*p, *p};
-  return std::nullopt;
-}
-
-std::optional<Box> portal_box_of(const LightDescription& light) {
-  const auto* portal = std::get_if<PortalLightParams>(&light.params);
-  if (portal == nullptr) return std::nullopt;
-  Bounds bounds;
-  for (const Vec3<double>& corner : portal->corners_m) bounds.add(corner);
-  return std::pair{bounds.lower, bounds.upper};
-}
-
 namespace {
 
-/// OK where floats, which answers tell places in, hold all of a light about the scene's origin.
+/// OK where the light's places about the scene's origin fit floats, which answers use.
 absl::Status check_place(const std::optional<Box>& box, const Vec3<double>& origin) {
   if (!box) return absl::OkStatus();
   for (const Vec3<double>& corner : {box->first, box->second})
-    if (auto s = check_position<float>("light.position", corner, origin); !s.ok()) return s;
+    LUCERNA_RETURN_IF_ERROR(check_position<float>("light.position", corner, origin));
   return absl::OkStatus();
 }
 
@@ -67,9 +48,11 @@ absl::StatusOr<Light<double>> create_light(const LightDescription& light,
                                            const Vec3<double>& origin) {
   return std::visit(
       [&]<typename Params>(const Params& params) -> absl::StatusOr<Light<double>> {
-        for (const std::optional<Box>& box : {box_of(light), portal_box_of(light)})
+        using Model = typename ModelOf<Params, LightModels<double>>::type;
+        const LightPlace place = Model::place(params);
+        for (const std::optional<Box>& box : {place.box_m, place.portal_m})
           if (auto s = check_place(box, origin); !s.ok()) return s;
-        auto made = ModelOf<Params, LightModels<double>>::type::create(params, origin);
+        auto made = Model::create(params, origin);
         if (!made.ok()) return made.status();
         return Light<double>(*std::move(made));
       },
@@ -82,22 +65,22 @@ template <template <typename> typename Shape, template <typename> typename Paint
 absl::StatusOr<Light<double>> as_area_light(const ShapeDescription::Emission& emission,
                                             absl::StatusOr<Shape<double>> shape,
                                             const std::vector<Vec2<float>>& corner_uv = {}) {
-  if (!shape.ok()) return shape.status();
-  if (absl::Status s = shape->emissive_error(); !s.ok()) return s;
+  LUCERNA_RETURN_IF_ERROR(shape.status());
+  LUCERNA_RETURN_IF_ERROR(shape->emissive_error());
   const DiffuseEmission diffuse{emission.radiance_cd_m2, emission.two_sided};
   if (emission.picture) {
-    auto painted = Painted<double>::create(*std::move(shape), *emission.picture, corner_uv);
-    if (!painted.ok()) return painted.status();
-    auto light = AreaLight<double, Painted>::create(diffuse, *std::move(painted));
-    if (!light.ok()) return light.status();
-    return Light<double>(*std::move(light));
+    LUCERNA_ASSIGN_OR_RETURN(
+        auto painted, Painted<double>::create(*std::move(shape), *emission.picture, corner_uv));
+    LUCERNA_ASSIGN_OR_RETURN(auto light,
+                             (AreaLight<double, Painted>::create(diffuse, std::move(painted))));
+    return Light<double>(std::move(light));
   }
-  auto light = AreaLight<double, Shape>::create(diffuse, *std::move(shape));
-  if (!light.ok()) return light.status();
-  return Light<double>(*std::move(light));
+  LUCERNA_ASSIGN_OR_RETURN(auto light,
+                           (AreaLight<double, Shape>::create(diffuse, *std::move(shape))));
+  return Light<double>(std::move(light));
 }
 
-/// Of a shape that can be flat.
+/// For shapes that can be flat.
 template <template <typename> typename Shape, template <typename> typename Painted,
           template <typename> typename Panel>
 absl::StatusOr<Light<double>> as_flat_light(const ShapeDescription::Emission& emission,
@@ -105,16 +88,15 @@ absl::StatusOr<Light<double>> as_flat_light(const ShapeDescription::Emission& em
                                             const std::vector<Vec2<float>>& corner_uv = {}) {
   if (!emission.panel || !shape.ok())
     return as_area_light<Shape, Painted>(emission, std::move(shape), corner_uv);
-  auto panel = Panel<double>::create(*std::move(shape), *emission.panel);
-  if (!panel.ok()) return panel.status();
-  auto light = AreaLight<double, Panel>::create({emission.radiance_cd_m2, emission.two_sided},
-                                                *std::move(panel));
-  if (!light.ok()) return light.status();
-  return Light<double>(*std::move(light));
+  LUCERNA_ASSIGN_OR_RETURN(auto panel, Panel<double>::create(*std::move(shape), *emission.panel));
+  LUCERNA_ASSIGN_OR_RETURN(
+      auto light, (AreaLight<double, Panel>::create({emission.radiance_cd_m2, emission.two_sided},
+                                                    std::move(panel))));
+  return Light<double>(std::move(light));
 }
 
-/// One overload a shape and none for all, so that a new shape does not compile until it has its
-/// own.
+/// Has one overload for each shape and no template for all.  A new shape does not compile
+/// without its own overload.
 class AreaLightMaker {
  public:
   AreaLightMaker(const ShapeDescription::Emission& emission, const Vec3<double>& origin)
@@ -167,55 +149,10 @@ absl::StatusOr<Light<double>> create_area_light(const ShapeDescription& shape,
 std::uint64_t primitive_count(const Light<double>& light) {
   return visit(
       [](const auto& l) -> std::uint64_t {
-        if constexpr (requires { l.shape().size(); })
+        if constexpr (requires { l.shape(); })
           return l.shape().size();
         else
           return 1;
-      },
-      light);
-}
-
-std::uint64_t light_bytes(const Light<double>& light) {
-  return visit(
-      [](const auto& l) -> std::uint64_t {
-        if constexpr (requires { l.shape().bytes(); })
-          return l.shape().bytes();
-        else if constexpr (requires { l.table_bytes(); })
-          return l.table_bytes();
-        else
-          return 0;
-      },
-      light);
-}
-
-std::uint64_t distribution_bytes(const Light<double>& light) {
-  return visit(
-      [](const auto& l) -> std::uint64_t {
-        if constexpr (requires { l.shape().distribution_bytes(); })
-          return l.shape().distribution_bytes();
-        else if constexpr (requires { l.table_bytes(); })
-          return l.table_bytes();
-        else
-          return 0;
-      },
-      light);
-}
-
-const Image* picture_of(const Light<double>& light) {
-  return visit(
-      [](const auto& l) -> const Image* {
-        if constexpr (requires { l.params().map->image(); })
-          return l.params().map ? &l.params().map->image() : nullptr;
-        else if constexpr (requires { l.params().map->sphere_map(); })
-          return l.params().map ? &l.params().map->sphere_map().image() : nullptr;
-        else if constexpr (requires { l.params().picture->params().image; })
-          return l.params().picture->params().image.get();
-        else if constexpr (requires { l.params().image.get(); })
-          return l.params().image.get();
-        else if constexpr (requires { l.shape().picture().image.get(); })
-          return l.shape().picture().image.get();
-        else
-          return nullptr;
       },
       light);
 }

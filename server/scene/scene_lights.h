@@ -1,4 +1,4 @@
-// From what a description says of a light to the light itself, about the scene's origin.
+// Makes lights, about the scene's origin, from their descriptions.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -16,40 +16,23 @@ namespace lucerna {
 
 class Scene;
 
-using Box = std::pair<Vec3<double>, Vec3<double>>;  ///< lower and upper corner [m, world]
+/// Where a light without a surface is.
+LightPlace place_of(const LightDescription& light);
 
-/// A point of a light or of its portal [m, world]: near it its coordinates are small.  Nothing for
-/// lights that have directions alone.
-std::optional<Vec3<double>> anchor_of(const LightDescription& light);
-
-/// The least box about where a light stands or starts; nothing for distant and infinite ones.
-std::optional<Box> box_of(const LightDescription& light);
-
-/// The least box about its portal; nothing where there is none.
-std::optional<Box> portal_box_of(const LightDescription& light);
-
-/// Errors: as the light's own.
+/// Errors: those of the light.
 absl::StatusOr<Light<double>> create_light(const LightDescription& light,
                                            const Vec3<double>& origin);
 
-/// The area light of a shape that emits.  Rays hit its vertices rounded to floats; light comes from
-/// where they are in double, so that small lamps far from zero keep their size.  Errors: as
-/// the light's own; a shape that cannot emit.
+/// The area light of an emissive shape.  Rays hit its vertices rounded to floats.  Light leaves
+/// the vertices in double, so that small lamps far from zero keep their size.  Errors: those of
+/// the light; a shape that cannot emit.
 absl::StatusOr<Light<double>> create_area_light(const ShapeDescription& shape,
                                                 const Vec3<double>& origin);
 
-/// What its surface is made of; 1 where it has none.
+/// How many primitives its surface has; 1 where it has none.
 std::uint64_t primitive_count(const Light<double>& light);
 
-/// All lights, or all but delta lights, as they are chosen from.
+/// All lights, or all except delta lights, as items of a selector.
 std::vector<LightSelector::Item> selector_items(const Scene& scene, bool areas_alone);
-
-/// The picture that a light uses, null where there is none.
-const Image* picture_of(const Light<double>& light);
-
-/// Memory beside the model itself, without the picture.
-std::uint64_t light_bytes(const Light<double>& light);
-/// Of these, what points or directions are drawn with by the light's picture.
-std::uint64_t distribution_bytes(const Light<double>& light);
 
 }  // namespace lucerna

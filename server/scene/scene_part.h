@@ -1,5 +1,4 @@
-// What a scene is made of, as GetScene lists it, and parts that are made when they are first asked
-// for.
+// The parts of a scene, as GetScene lists them, and parts that are made at their first use.
 #pragma once
 
 #include <atomic>
@@ -25,27 +24,28 @@ class Stopwatch {
   Clock::time_point start_ = Clock::now();
 };
 
-/// One thing that was built, for GetScene.
+/// A part that is built, for GetScene.
 struct ScenePart {
   std::string name;  ///< "bvh", "vertices", "lights", ...
   std::uint64_t bytes;
   double build_ms;
-  std::string why;  ///< what of the scene, or which question, asked for it
+  std::string why;  ///< the reason: a property of the scene, or the query that needed it
 };
 
-/// What a scene keeps for code that the scene does not know: made when it is first used, freed with
-/// the scene.  Its members may be called from any thread.
+/// Data that other code keeps with a scene: made at its first use, freed with the scene.
+/// Members may be called from any thread.
 class AttachedPart {
  public:
   virtual ~AttachedPart() = default;
-  /// Empty while nothing is built.
+  /// Nothing until it is built.
   virtual std::optional<ScenePart> report() const = 0;
-  /// 0 while nothing is built.
+  /// 0 until it is built.
   virtual std::uint64_t bytes() const = 0;
 };
 
-/// The attached parts of one scene, at most one of each type.  A list, as there are few: finding a
-/// part takes one comparison for each.  All members may be called from any thread.
+/// The attached parts of one scene, at most one of each type.  They form a list, because there
+/// are few: finding a part takes one comparison for each.  All members may be called from any
+/// thread.
 class AttachedParts {
  public:
   AttachedParts() = default;
@@ -55,7 +55,7 @@ class AttachedParts {
   AttachedParts(const AttachedParts&) = delete;
   AttachedParts& operator=(const AttachedParts&) = delete;
 
-  /// The `T`, made by `T(source)` if this is its first use.
+  /// Returns the `T`; makes it by `T(source)` at its first use.
   template <std::derived_from<AttachedPart> T, typename Source>
   const T& get(const Source& source) const {
     if (const T* found = find<T>()) [[likely]]
@@ -69,7 +69,7 @@ class AttachedParts {
     return made;
   }
 
-  /// Calls `f` with each attached part, the last one first.
+  /// Calls `f` with each attached part, the newest first.
   template <typename F>
   void for_each(const F& f) const {
     for (const Node* node = head_.load(std::memory_order_acquire); node != nullptr;
@@ -83,7 +83,7 @@ class AttachedParts {
     std::unique_ptr<const AttachedPart> part;
     const Node* next;
   };
-  // Its address names the type.
+  // The address identifies the type.
   template <typename T>
   static constexpr char key = 0;
 
@@ -99,20 +99,20 @@ class AttachedParts {
   mutable std::atomic<const Node*> head_{nullptr};
 };
 
-/// A part that no scene pays for before somebody asks for it: made once, by whoever is first, while
-/// others that ask for it wait.  `T` tells its `bytes()`.  All members may be called from any
-/// thread.
+/// A part that is made at its first use, once.  Other threads that need it wait meanwhile.  `T`
+/// has `bytes()`.  All members may be called from any thread.
 template <typename T>
 class LazyPart {
  public:
   explicit LazyPart(std::string name) : name_(std::move(name)) {}
 
-  /// The part; made by `make()`, a std::unique_ptr<const T>, with the reason `why(part)`, if nobody
-  /// did before.  Where `make` throws nothing is kept, and whoever asks next makes it again.
+  /// Returns the part.  At the first call `make()` returns it as std::unique_ptr<const T>,
+  /// and `why(part)` is its reason.  Where `make` throws, nothing is kept, and the next call
+  /// makes it again.
   ///
-  /// `make` may use the threads of the caller's arena through parallel_chunks alone: in that a
-  /// thread that waits takes no work from outside of the loop, which might ask for this very part
-  /// and wait for itself.
+  /// `make` may use the threads of the caller's arena only through parallel_chunks.  There a
+  /// waiting thread takes no work from outside of the loop.  Such work might need this very
+  /// part and wait for itself.
   template <typename Make, typename Why>
   const T& get(const Make& make, const Why& why) const {
     if (const T* made = made_.load(std::memory_order_acquire)) return *made;
@@ -120,22 +120,22 @@ class LazyPart {
     if (part_ == nullptr) {
       const Stopwatch watch;
       std::shared_ptr<const T> part = make();
-      told_ = {name_, part->bytes(), watch.ms(), why(*part)};
+      report_ = {name_, part->bytes(), watch.ms(), why(*part)};
       part_ = std::move(part);
-      bytes_.store(told_.bytes, std::memory_order_relaxed);
+      bytes_.store(report_.bytes, std::memory_order_relaxed);
       made_.store(part_.get(), std::memory_order_release);
     }
     return *part_;
   }
 
-  /// Null where it was not made yet, as below.
+  /// Null until it is made.
   const T* made() const { return made_.load(std::memory_order_acquire); }
-  /// Nothing where it was not made yet.  Does not wait for who is making it.
-  std::optional<ScenePart> told() const {
+  /// Nothing until it is made.  Does not wait for a thread that is making it.
+  std::optional<ScenePart> report() const {
     if (made_.load(std::memory_order_acquire) == nullptr) return std::nullopt;
-    return told_;
+    return report_;
   }
-  /// 0 where it was not made yet.
+  /// 0 until it is made.
   std::uint64_t bytes() const { return bytes_.load(std::memory_order_relaxed); }
 
  private:
@@ -143,9 +143,10 @@ class LazyPart {
   mutable std::mutex mutex_;
   mutable std::atomic<const T*> made_{nullptr};
   mutable std::atomic<std::uint64_t> bytes_{0};
-  // Written once, with the lock held, before made_ is; a shared_ptr as T may be incomplete here.
+  // Written once under the lock, before made_.  A shared_ptr, because T may be incomplete
+  // here.
   mutable std::shared_ptr<const T> part_;
-  mutable ScenePart told_{};
+  mutable ScenePart report_{};
 };
 
 }  // namespace lucerna

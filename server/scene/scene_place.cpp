@@ -1,28 +1,29 @@
-// Where a scene's coordinates have their zero, and the sphere around it.
+// Chooses the zero of the scene's coordinates, and computes the scene's sphere.
 #include <fmt/format.h>
 
 #include <cmath>
 
+#include "proto/common/status_macros.h"
 #include "server/scene/scene_builder.h"
 #include "server/scene/scene_lights.h"
 
 namespace lucerna {
 namespace {
 
-// Rounded to a multiple of the least power of two that is not less than the extent.
+// Rounded to a multiple of the smallest power of two that is not below the extent.
 Vec3<double> origin_for(const Bounds& bounds) {
   if (bounds.empty()) return {};
   const double extent = max_abs(bounds.upper - bounds.lower);
   if (!std::isfinite(extent)) return {};
   const Vec3<double> centre = bounds.lower * 0.5 + bounds.upper * 0.5;
-  // A single point has no extent: its own coordinate, rounded to a metre, does.
+  // A single point has no extent; its coordinate is rounded to a metre.
   const double step = extent > 0 ? std::exp2(std::ceil(std::log2(extent))) : 1;
   const auto snap = [&](double c) { return std::nearbyint(c / step) * step + 0.0; };
   return {snap(centre.x), snap(centre.y), snap(centre.z)};
 }
 
-// Floats about a place differ by 1.2e-38 m or not at all (kLeastError): shapes that reach over less
-// than this would be answered from what is left of them, off by more than a millionth.
+// Floats near a place differ by at least 1.2e-38 m (kLeastError).  Answers about smaller shapes
+// would be wrong by more than a millionth.
 absl::Status check_extent(const Bounds& bounds, const SourceLocation& where) {
   constexpr double kLeastExtent = 1e-32;
   if (bounds.empty()) return absl::OkStatus();
@@ -40,12 +41,11 @@ absl::Status check_extent(const Bounds& bounds, const SourceLocation& where) {
 absl::Status Scene::Builder::place() {
   std::vector<Bounds> object_bounds(in_.objects.size());
   const auto grow = [](Bounds& bounds, const ShapeDescription& shape) -> absl::Status {
-    const absl::StatusOr<Bounds> b = shape_bounds(shape);
-    if (!b.ok()) return b.status();
-    if (!b->empty()) bounds.add(b->lower), bounds.add(b->upper);
+    LUCERNA_ASSIGN_OR_RETURN(const Bounds b, shape_bounds(shape));
+    if (!b.empty()) bounds.add(b.lower), bounds.add(b.upper);
     return absl::OkStatus();
   };
-  // What `motion` sweeps, within what rays can be asked about.
+  // Adds the space that `motion` sweeps, which must be within the range of rays.
   const auto sweep = [](const Bounds& still, const Motion& motion, const SourceLocation& where,
                         Bounds& swept) -> absl::Status {
     if (still.empty()) return absl::OkStatus();
@@ -61,19 +61,16 @@ absl::Status Scene::Builder::place() {
   Bounds world;
   for (const auto& s : in_.shapes) {
     Bounds still;
-    if (absl::Status status = grow(s.motion ? still : world, s); !status.ok()) return status;
+    LUCERNA_RETURN_IF_ERROR(grow(s.motion ? still : world, s));
     if (!s.motion) continue;
-    if (absl::Status status = sweep(still, *s.motion, s.where, world); !status.ok()) return status;
+    LUCERNA_RETURN_IF_ERROR(sweep(still, *s.motion, s.where, world));
     moving_origins_.push_back(origin_for(still));
   }
   for (std::size_t i = 0; i < in_.objects.size(); ++i) {
-    for (const auto& s : in_.objects[i].shapes)
-      if (absl::Status status = grow(object_bounds[i], s); !status.ok()) return status;
+    for (const auto& s : in_.objects[i].shapes) LUCERNA_RETURN_IF_ERROR(grow(object_bounds[i], s));
     object_origins_.push_back(origin_for(object_bounds[i]));
     if (in_.objects[i].shapes.empty()) continue;
-    if (absl::Status s = check_extent(object_bounds[i], in_.objects[i].shapes.front().where);
-        !s.ok())
-      return s;
+    LUCERNA_RETURN_IF_ERROR(check_extent(object_bounds[i], in_.objects[i].shapes.front().where));
   }
   for (const auto& instance : in_.instances) {
     const Bounds& b = object_bounds[instance.object];
@@ -83,8 +80,7 @@ absl::Status Scene::Builder::place() {
                                                    corner & 2 ? b.upper.y : b.lower.y,
                                                    corner & 4 ? b.upper.z : b.lower.z}));
     if (instance.motion) {
-      if (absl::Status s = sweep(placed, *instance.motion, instance.where, world); !s.ok())
-        return s;
+      LUCERNA_RETURN_IF_ERROR(sweep(placed, *instance.motion, instance.where, world));
     } else if (!placed.empty()) {
       world.add(placed.lower), world.add(placed.upper);
     }
@@ -92,9 +88,10 @@ absl::Status Scene::Builder::place() {
   if (!in_.shapes.empty() || !in_.instances.empty()) {
     const SourceLocation& first =
         in_.shapes.empty() ? in_.instances.front().where : in_.shapes.front().where;
-    if (absl::Status s = check_extent(world, first); !s.ok()) return s;
+    LUCERNA_RETURN_IF_ERROR(check_extent(world, first));
   }
-  // A light far off must not coarsen the geometry: the origin is the geometry's, if there is any.
+  // A distant light must not coarsen the geometry, so the origin is that of the geometry if
+  // there is any.
   Bounds with_lights = world, portals;
   const auto hold = [&](const LightDescription& light, const std::optional<Box>& box,
                         Bounds& bounds) -> absl::Status {
@@ -106,8 +103,9 @@ absl::Status Scene::Builder::place() {
     return absl::OkStatus();
   };
   for (const auto& light : in_.lights) {
-    if (absl::Status s = hold(light, box_of(light), with_lights); !s.ok()) return s;
-    if (absl::Status s = hold(light, portal_box_of(light), portals); !s.ok()) return s;
+    const LightPlace place = place_of(light);
+    if (absl::Status s = hold(light, place.box_m, with_lights); !s.ok()) return s;
+    if (absl::Status s = hold(light, place.portal_m, portals); !s.ok()) return s;
   }
   const Bounds& of_lights = with_lights.empty() ? portals : with_lights;
   scene_->origin_ = origin_for(world.empty() ? of_lights : world);

@@ -11,10 +11,8 @@ namespace {
 
 using Vector = Vec3<double>;
 
-/// So many corners that their polygon is hardly larger than what is round, and few planes.
-
-/// The convex hull of points in a plane of unit normal `n`, in order around it; where that has too
-/// many corners a rectangle about it.  [Andrew79]
+/// The convex hull of points in a plane of unit normal `n`, in order.  A rectangle around it
+/// where the hull has too many corners.  [Andrew79]
 std::vector<Vector> hull(const std::vector<Vector>& points, const Vector& n) {
   const auto frame = Frame<double>::around(n);
   struct Point {
@@ -32,7 +30,7 @@ std::vector<Vector> hull(const std::vector<Vector>& points, const Vector& n) {
   const auto turns_left = [](const Point& a, const Point& b, const Point& c) {
     return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x) > 0;
   };
-  // The lower chain from left to right, then the upper one back.
+  // The lower chain from left to right, then the upper chain back.
   for (const bool is_upper : {false, true}) {
     const std::size_t begin = chain.size();
     for (const Point& p : sorted) {
@@ -121,7 +119,7 @@ LightOutline outline_of(const SceneLight& light) {
   return visit(
       []<typename L>(const L& l) -> LightOutline {
         if constexpr (HasIrradiance<L>) {
-          // What has no form at one place has none at any other.
+          // A light without a closed form at one place has none anywhere.
           Receiver<double> anywhere(0x1p40, 0x1p41, 0x1p42);
           anywhere.normal = {0, 0, 1};
           if (!l.hides_itself() && l.irradiance(anywhere)) return of_light(l);

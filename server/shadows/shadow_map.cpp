@@ -13,19 +13,19 @@
 namespace lucerna {
 namespace {
 
-/// Wider cones look through a cube: a square that holds this one has texels 3 times as wide at its
-/// middle as at its corners.
+/// Wider cones use a cube.  In a square that contains a cone of this angle, texels at the
+/// centre are 3 times as wide as those at the corners.
 constexpr double kWidestCone = std::numbers::pi / 3;
-/// A cone's square is a little wider, so that none of its light falls on the very edge.
+/// A square is slightly wider than its cone, so that no light falls on its edge.
 constexpr double kMargin = 1 + 0x1p-10;
 
-/// How far in front of a surface something must stand to shadow it, in widths of a texel there.  A
-/// texel holds the depth at its centre, up to 0.71 widths from where it is asked about.  What that
-/// does to a plane is worked out, so this is for what is not one: edges between faces, curves, that
-/// rise by 55 degrees or less from there to here.
+/// The least distance of an obstacle in front of the surface that it shadows, in widths of a
+/// texel there.  A texel has the depth at its centre, up to 0.71 widths away from the look-up.
+/// The effect on a plane is computed exactly.  So this bias is for edges between faces and for
+/// curves that rise by 55 degrees or less over that distance.
 constexpr double kBiasTexels = 1;
-/// The same where the surface's normal is not told: as much as a plane that the light meets at
-/// 76 degrees from its normal rises over a texel's width.
+/// The same without the surface's normal: the rise over one texel of a plane that the light
+/// meets at 76 degrees from its normal.
 constexpr double kBiasTexelsWithoutNormal = 4;
 
 constexpr std::size_t kRaysPerChunk = 2048;
@@ -112,9 +112,10 @@ std::optional<bool> ShadowMap::is_occluded(const Vec3<double>& position,
                                            const Vec3<double>& normal) const {
   const Vec3<double> w = position - view_.from;
   const bool has_normal = normal != Vec3<double>{};
-  // `plane`: the depth at which the texel's own ray meets the plane of the surface, which the map
-  // holds where the surface is a plane and nothing is in front of it.  Where that is farther off,
-  // or the ray runs along the plane, what is in front of the receiver counts.  [Isidoro06]
+  // `plane`: the depth at which the ray of the texel meets the plane of the surface.  The map
+  // has this depth where the surface is a plane without obstacles.  Where it is farther away
+  // than the receiver, or the ray is parallel to the plane, obstacles in front of the receiver
+  // count.  [Isidoro06]
   const auto before = [&](double map, double depth, double plane, double texel_m) {
     const double texels = has_normal ? kBiasTexels : kBiasTexelsWithoutNormal;
     return map <
@@ -145,7 +146,7 @@ std::optional<bool> ShadowMap::is_occluded(const Vec3<double>& position,
   if (!at) return std::nullopt;
   const Vec3<double> ray = f.forward + f.right * (at->x * view_.half) + f.up * (at->y * view_.half);
   const double facing = dot(normal, ray);
-  // Below 0 where the texel's ray has passed the plane's horizon.
+  // Below 0 where the ray of the texel lies beyond the plane's horizon.
   const double plane = facing != 0 ? dot(normal, w) / facing : depth;
   return before(depths_[at->number], depth, plane > 0 ? plane : depth,
                 2 * view_.half / side_ * depth);

@@ -1,7 +1,7 @@
-// How far one light sees: a depth for each texel of the planes that it looks through.  [Williams78]
+// The shadow map of one light: a depth for each texel of its image planes.  [Williams78]
 //
-// A light at a point looks through one square about the axis of its cone, or through the six faces
-// of a cube; a distant light through one square that holds the scene's sphere.
+// The planes of a light at a point are one square about the axis of its cone, or the six faces
+// of a cube.  A distant light has one square that contains the scene's sphere.
 #pragma once
 
 #include <array>
@@ -15,38 +15,40 @@
 
 namespace lucerna {
 
-/// Through which planes a light looks; about the scene's origin.
+/// The image planes of a light, about the scene's origin.
 struct ShadowMapView {
-  Vec3<double> from;  ///< the light's position; of a distant light the scene sphere's centre [m]
+  /// Position of the light [m]; of a distant light the centre of the scene's sphere [m].
+  Vec3<double> from;
   struct Face {
-    Vec3<double> right, up, forward;  ///< unit, at right angles
+    Vec3<double> right, up, forward;  ///< unit, at right angles to each other
   };
   std::array<Face, 6> faces;
   std::uint32_t face_count;
-  /// Half a face's side at a distance of 1; of a distant light that of the square itself [m].
+  /// Half of a face's side at distance 1; of a distant light half of the square's side [m].
   double half;
   bool is_distant;
 };
 
-/// How `light` looks at the scene.  Nothing for lights that keep rays: those with an extent, beams,
-/// those that move.
+/// The image planes of `light`.  Nothing for lights without maps: those with an extent, beams,
+/// and lights that move.
 std::optional<ShadowMapView> shadow_map_view(const SceneLight& light, const SceneSphere& sphere);
 
 /// Immutable; all members may be called from any thread.
 class ShadowMap {
  public:
-  /// Asks a ray for each of the side x side texels of each face, by the threads of the caller's
-  /// arena.
+  /// Traces a ray for each of the side x side texels of each face, on the threads of the
+  /// caller's arena.
   ShadowMap(const Scene& scene, const ShadowMapView& view, std::uint32_t side);
 
-  /// Whether the map says that something stands between the light and `position`; `normal`: of the
-  /// surface there, or zero where it has none.  Nothing where the light does not look there.
+  /// Whether the map has an obstacle between the light and `position`.  `normal`: of the
+  /// surface there, or zero without a surface.  Nothing where `position` is outside of the
+  /// image planes.
   std::optional<bool> is_occluded(const Vec3<double>& position, const Vec3<double>& normal) const;
 
   std::uint64_t bytes() const { return sizeof *this + depths_.capacity() * sizeof depths_[0]; }
 
  private:
-  /// Where a face's plane is looked through: the texel, and its centre in [-1, 1]^2.
+  /// A texel, and its centre on the face in [-1, 1]^2.
   struct Texel {
     std::size_t number;
     double x, y;
@@ -55,8 +57,9 @@ class ShadowMap {
 
   ShadowMapView view_;
   std::uint32_t side_;
-  double rounding_m_;          // by what rays are off near the light
-  std::vector<float> depths_;  // along `forward`, face by face, row by row [m]; infinite: nothing
+  double rounding_m_;  // error of rays near the light
+  // Along `forward`, face by face, row by row [m]; infinite where nothing is hit.
+  std::vector<float> depths_;
 };
 
 }  // namespace lucerna

@@ -9,7 +9,7 @@
 namespace lucerna {
 namespace {
 
-// Rounded up from what one core took on the scenes of scenes/.
+// Rounded up from measurements of one core on the scenes of scenes/.
 constexpr double kTexelSeconds = 1e-6;
 
 bool has_moving_surfaces(const Accelerator& accelerator) {
@@ -21,7 +21,7 @@ bool has_moving_surfaces(const Accelerator& accelerator) {
 }  // namespace
 
 ShadowMaps::ShadowMaps(const Scene& scene) : scene_(scene), number_(scene.lights().size(), -1) {
-  // Rays that have nothing to hit cost nothing.
+  // Rays without anything to hit cost nothing.
   if (scene.empty() || has_moving_surfaces(scene.accelerator())) return;
   std::uint64_t faces = 0;
   for (std::size_t l = 0; l < number_.size(); ++l) {
@@ -47,7 +47,7 @@ const ShadowMap* ShadowMaps::map(std::uint32_t light) const {
   if (number_[light] < 0) return nullptr;
   const auto i = static_cast<std::size_t>(number_[light]);
   return &maps_[i].get([&] { return std::make_unique<const ShadowMap>(scene_, views_[i], side_); },
-                       [](const ShadowMap&) { return "its light was asked about"; });
+                       [](const ShadowMap&) { return "a query looked its light up"; });
 }
 
 double ShadowMaps::seconds_left() const {
@@ -60,7 +60,7 @@ double ShadowMaps::seconds_left() const {
 std::uint64_t ShadowMaps::bytes() const {
   std::uint64_t sum = 0;
   for (const auto& map : maps_) sum += map.bytes();
-  // What keeps them counts with the first of them.
+  // The memory of the table of maps counts with the first map.
   if (sum > 0)
     sum += number_.capacity() * sizeof number_[0] + views_.capacity() * sizeof views_[0] +
            maps_.size() * sizeof maps_[0];
@@ -71,14 +71,14 @@ std::optional<ScenePart> ShadowMaps::report() const {
   ScenePart sum{"shadow maps", 0, 0, ""};
   std::size_t made = 0;
   for (const auto& map : maps_) {
-    const auto told = map.told();
-    if (!told) continue;
+    const auto report = map.report();
+    if (!report) continue;
     ++made;
-    sum.build_ms += told->build_ms;
+    sum.build_ms += report->build_ms;
   }
   if (made == 0) return std::nullopt;
   sum.bytes = bytes();
-  sum.why = fmt::format("shadow maps were asked for: of {} of {} lights, {} texels a side", made,
+  sum.why = fmt::format("a query used shadow maps: {} of {} lights, {} texels a side", made,
                         number_.size(), side_);
   return sum;
 }

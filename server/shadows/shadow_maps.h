@@ -1,4 +1,4 @@
-// The shadow maps of a scene: one for each light that has one, made when it is first asked for.
+// The shadow maps of a scene.  The map of a light is made at its first use.
 #pragma once
 
 #include <cstdint>
@@ -12,44 +12,44 @@
 
 namespace lucerna {
 
-/// Of lights at a point and distant lights that rest, in scenes where no surface moves.  All
-/// members may be called from any thread.
+/// Resting lights at a point and resting distant lights have maps, in scenes without moving
+/// surfaces. All members may be called from any thread.
 class ShadowMaps : public AttachedPart {
  public:
-  /// Texels of all maps together, at most: 128 MiB, which take 14 to 17 s of one core on the scenes
-  /// of scenes/.
+  /// Limit for the texels of all maps: 128 MiB.  They take 14 to 17 s of one core on the
+  /// scenes of scenes/.
   static constexpr std::uint64_t kMostTexels = std::uint64_t{1} << 25;
-  /// Texels along a face's side at most: a texel is then 0.09 degrees wide, 1.5 cm in 10 m, about
-  /// what a shadow's edge is seen to be off by in a picture.
+  /// Limit for the texels along a side of a face.  A texel is then 0.09 degrees wide, or 1.5
+  /// cm at 10 m.  Errors of shadow edges become visible at about that size.
   static constexpr std::uint32_t kLargestSide = 1024;
-  /// At least, 6 degrees a texel: with so many lights that there is no room for that none has a
-  /// map.
+  /// Least number of texels along a side, 6 degrees each.  With more lights than that allows,
+  /// no light has a map.
   static constexpr std::uint32_t kLeastSide = 16;
 
-  /// `scene` outlives it.  Makes no map yet.
+  /// `scene` must outlive it.  Makes no map yet.
   explicit ShadowMaps(const Scene& scene);
 
-  /// The map of the light of this index, made by the threads of the caller's arena where it is not
-  /// there yet.  Null where that light keeps rays.
+  /// The map of the light with this index.  Made at the first call, on the threads of the
+  /// caller's arena.  Null for lights without maps.
   const ShadowMap* map(std::uint32_t light) const;
 
-  /// Texels along the side of each face: as many as kMostTexels allow when all lights have maps,
-  /// so that which maps were made before says nothing about an answer.
+  /// Texels along the side of each face: as many as kMostTexels allows if all lights have
+  /// maps.  So answers do not depend on which maps were made before.
   std::uint32_t side() const { return side_; }
 
-  /// Processor time that it takes to make those that are not there yet, an upper estimate [s].
+  /// Upper estimate of the processor time to make the maps that are missing [s].
   double seconds_left() const;
 
   std::uint64_t bytes() const override;
-  /// Empty while no map is made.
+  /// Nothing until a map is made.
   std::optional<ScenePart> report() const override;
 
  private:
   const Scene& scene_;
   std::uint32_t side_ = 0;
-  std::vector<std::int32_t> number_;  // of each light's map; -1: it keeps rays
+  std::vector<std::int32_t> number_;  // index of each light's map; -1: no map
   std::vector<ShadowMapView> views_;
-  std::deque<LazyPart<ShadowMap>> maps_;  // a deque, as locks do not move
+  std::deque<LazyPart<ShadowMap>> maps_;  // a deque, because locks cannot be moved
 };
 
 inline const ShadowMaps& shadow_maps(const Scene& scene) { return scene.attached<ShadowMaps>(); }

@@ -18,7 +18,7 @@ namespace {
 
 using Vector = Vec3<double>;
 
-/// The least sine that a ray has over a horizon that floats can tell it from.
+/// The least sine of a ray over a horizon that floats can resolve.
 constexpr double kLeastRise = 4 * kFloatRoundoff;
 
 bool is_outside(const FloatBox& box, std::span<const HalfSpace> planes) {
@@ -38,8 +38,8 @@ bool overlaps(const FloatBox& box, const Bounds& other) {
          box.lower.z <= other.upper.z && box.upper.z >= other.lower.z;
 }
 
-/// A convex polygon.  Each plane cuts one corner more from it than it had; where rounding has it
-/// pass a plane time and again, half as many.
+/// A convex polygon.  Each plane adds one corner.  Rounding may let a plane cross the polygon
+/// repeatedly, which adds half as many corners again.
 struct Clipped {
   static constexpr int kMostCorners = 48;
   std::array<Vector, kMostCorners> corner;
@@ -48,7 +48,7 @@ struct Clipped {
 
 /// [Sutherland74]
 void clip(Clipped& polygon, const HalfSpace& h) {
-  // Uncut it is larger, not smaller.
+  // An uncut polygon is larger, never smaller.
   if (polygon.count > Clipped::kMostCorners * 2 / 3) return;
   std::array<double, Clipped::kMostCorners> beyond;
   bool is_cut = false;
@@ -68,7 +68,8 @@ void clip(Clipped& polygon, const HalfSpace& h) {
   polygon = kept;
 }
 
-/// Whether all that is left lies so low above the horizon, and so far off, that no ray passes it.
+/// Whether all that is left is so low above the horizon, and so far away, that no ray passes
+/// it.
 bool is_level(const Clipped& polygon, const ShaftRegion& shaft,
               const Transform* scene_from_object) {
   double highest = 0;
@@ -79,15 +80,15 @@ bool is_level(const Clipped& polygon, const ShaftRegion& shaft,
     highest = std::fmax(highest, dot(shaft.up, p - shaft.apex));
     box.add(p);
   }
-  double nearest = 0;  // along one axis at least
+  double nearest = 0;  // along at least one axis
   for (int axis = 0; axis < 3; ++axis)
     nearest = std::fmax(
         nearest, std::fmax(box.lower[axis] - shaft.apex[axis], shaft.apex[axis] - box.upper[axis]));
   return highest <= kLeastRise * nearest;
 }
 
-/// A sphere, disk or cylinder: its middle, and half-axes that it is an ellipsoid, an ellipse or
-/// (the last one) a prism of.
+/// A sphere, disk or cylinder: its centre and half-axes, of an ellipsoid or an ellipse.  The
+/// last axis may be that of a prism.
 struct Round {
   Vector center, x, y, z;
   bool is_prism;
@@ -119,10 +120,10 @@ Round round_of(const Cylinder<double>& c) {
           t.vector({0, p.radius_m, 0}), t.vector({0, 0, (p.z_max_m - p.z_min_m) / 2}), true};
 }
 
-/// The primitives of a GeometrySet, numbered one kind after the other, and boxes about them.
+/// The primitives of a GeometrySet with their boxes, numbered kind after kind.
 class SetBoxes {
  public:
-  /// `others`: boxes of what is no primitive, numbered from first_other() on.
+  /// `others`: boxes of items that are not primitives, numbered from first_other() on.
   explicit SetBoxes(const GeometrySet& set, std::span<const FloatBox> others = {}) : set_(set) {
     std::vector<FloatBox> boxes;
     add_to(boxes);
@@ -134,7 +135,7 @@ class SetBoxes {
     HitKind kind;
     std::uint32_t primitive;
   };
-  /// Requires less than first_other().
+  /// Requires number < first_other().
   Item item(std::uint32_t number) const {
     const std::size_t counts[] = {set_.triangles.size() / 3, set_.patches.size(),
                                   set_.spheres.size(), set_.disks.size(), set_.cylinders.size()};
@@ -147,12 +148,12 @@ class SetBoxes {
            set_.disks.size() + set_.cylinders.size();
   }
 
-  /// Whether the item may reach into the shaft, whose planes are those of the set's space.
+  /// Whether the item may reach into the shaft.  The planes are in the set's space.
   bool may_reach(const Item& item, std::span<const HalfSpace> planes, const ShaftRegion& shaft,
                  const Transform* scene_from_object) const {
     const std::uint32_t i = item.primitive;
-    // Of what is not clipped one plane must tell that it is outside, or the shaft's box, which has
-    // no place in an object's space.
+    // Shapes that are not clipped are outside of the shaft only by one plane, or by the
+    // shaft's box, which does not exist in an object's space.
     const auto is_beside = [&](const auto& shape) {
       const auto [lower, upper] = shape.bounds();
       return scene_from_object == nullptr && !shaft.box.empty() &&
@@ -165,7 +166,7 @@ class SetBoxes {
       case HitKind::kTriangle:
         break;
       case HitKind::kPatch: {
-        // Within the hull of its corners.
+        // A patch lies within the hull of its corners.
         const auto& p = set_.patches[i];
         return !is_beside(p) && std::ranges::none_of(planes, [&](const HalfSpace& h) {
           return std::min({dot(h.n, p.p00), dot(h.n, p.p10), dot(h.n, p.p01), dot(h.n, p.p11)}) >
@@ -213,7 +214,7 @@ class SetBoxes {
   BoxTree tree_;
 };
 
-/// Of an object where an instance puts it, over all time.
+/// The box of an object placed by an instance, over all time.
 FloatBox box_of(const GeometryInstance& instance, const FloatBox& object) {
   Bounds placed;
   for (int corner = 0; corner < 8; ++corner)
@@ -285,7 +286,7 @@ struct Shafts::State {
   std::vector<FloatBox> instance_boxes;
   std::optional<SetBoxes> own;  ///< and the instances
   std::vector<LightOutline> outlines;
-  Bounds hittable;  ///< of all that can be hit
+  Bounds hittable;  ///< of everything that can be hit
 };
 
 Shafts::Shafts(const Scene& scene) : state_(std::make_unique<State>(scene)) {}
@@ -323,9 +324,9 @@ class AttachedShafts : public AttachedPart {
           const DenormalsAreZero denormals;
           return std::make_unique<const Shafts>(scene_);
         },
-        [](const Shafts&) { return "closed forms were asked for"; });
+        [](const Shafts&) { return "a query used closed forms"; });
   }
-  std::optional<ScenePart> report() const override { return shafts_.told(); }
+  std::optional<ScenePart> report() const override { return shafts_.report(); }
   std::uint64_t bytes() const override { return shafts_.bytes(); }
 
  private:

@@ -1,10 +1,10 @@
-// Whether nothing stands between a receiver and all of a light, found without rays: the light's
-// irradiance in closed form (lights/models/irradiance.h) is then all that arrives.
+// Tests without rays whether nothing is between a receiver and all of a light.  If so, the
+// light's irradiance in closed form (lights/models/irradiance.h) is all that arrives.
 //
-// What shadow rays to the light pass through is a shaft: the pyramid from the receiver to the
-// outline of the light, cut off by the receiver's horizon and by the light.  A surface is clipped
-// by the planes of the shaft; if a part of it is left, or may be left, the shaft is not empty.
-// [Haines91]
+// A shaft contains all shadow rays from the receiver to the light.  It is the pyramid from the
+// receiver to the outline of the light, cut off by the receiver's horizon and by the light.  The
+// planes of the shaft clip each surface.  If a part of it is left, or may be left, the shaft is
+// not empty.  [Haines91]
 #pragma once
 
 #include <cstddef>
@@ -22,7 +22,7 @@ class Scene;
 struct SceneLight;
 struct SurfaceTable;
 
-/// Boxes about all surfaces of a scene and the outlines of its lights.  Refers to the scene's
+/// Boxes around all surfaces of a scene, and the outlines of its lights.  Refers to the scene's
 /// geometry.  Immutable once built; all const members may be called from any thread.
 class Shafts {
  public:
@@ -31,18 +31,19 @@ class Shafts {
   Shafts(const Shafts&) = delete;
   Shafts& operator=(const Shafts&) = delete;
 
-  /// True only where no shadow ray from `receiver` to any point of the light on the side of
-  /// `normal` (unit: the one that light is counted on, ns or -ns) meets anything.  The surfaces
-  /// that the receiver and the light are on count as shadow rays see them: not within the errors
-  /// of their positions (server/rays/error_bounds.h).
+  /// True only if no shadow ray from `receiver` to any point of the light on the side of
+  /// `normal` meets anything.  `normal` is unit: ns or -ns, the side on which light counts.
+  /// Surfaces of the receiver and of the light count as for shadow rays: not within the
+  /// errors of their positions (server/rays/error_bounds.h).
   ///
-  /// False also where that is not known: of lights without an outline (has_outline), of surfaces
-  /// that move, at a receiver in the light's plane or inside of a sphere light, where the shading
-  /// normal is not the geometric one and the horizon cuts the light.
+  /// Also false where the answer is unknown: for lights without an outline (has_outline), for
+  /// surfaces that move, and for a receiver in the light's plane or inside of a sphere light.
+  /// Also where the shading normal differs from the geometric normal and the horizon cuts the
+  /// light.
   bool is_empty(const SurfaceHit& receiver, const Vec3<float>& normal, std::uint32_t light) const;
 
-  /// Whether the light of this index has an outline, flat or that of a whole sphere, a sun, a
-  /// portal or the whole sky, and rests.
+  /// Whether the light with this index rests and has an outline: a flat one, a whole sphere,
+  /// a sun, a portal or the whole sky.
   bool has_outline(std::uint32_t light) const;
 
   std::size_t bytes() const;
@@ -52,8 +53,7 @@ class Shafts {
   std::unique_ptr<State> state_;
 };
 
-/// The shafts of a scene, built by whoever uses them first: LazyPart says what callers must keep
-/// to.
+/// The shafts of a scene, built at the first call.  LazyPart states the rules for callers.
 const Shafts& shafts(const Scene& scene);
 
 }  // namespace lucerna

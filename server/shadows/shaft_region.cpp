@@ -12,14 +12,15 @@ namespace {
 using Vector = Vec3<double>;
 using Kind = LightOutline::Kind;
 
-/// Shadow rays end this far before a flat light, at least, for each metre of coordinate and way: 16
-/// roundings of its position (ray.cpp), less what is rounded then.
+/// The least distance at which shadow rays end before a flat light, for each metre of
+/// coordinate and ray: 16 roundings of its position (ray.cpp), minus the rounding there.
 constexpr double kEndsBefore = 12 * kFloatRoundoff;
-/// How far off its true way a shadow ray is at most, likewise: both ends are rounded, and the end
-/// is moved by 16 roundings along each axis; and Embree finds surfaces to so many of them.
+/// The largest distance of a shadow ray from its exact path, for each metre of coordinate and
+/// ray.  Both ends are rounded, and the end is moved by 16 roundings along each axis.  Embree
+/// finds surfaces to within as many roundings.
 constexpr double kOff = 64 * kFloatRoundoff;
 
-/// Sides through the apex and the edges of a polygon, no corner of which is at the apex.
+/// Adds sides through the apex and the edges of a polygon.  No corner may be at the apex.
 void add_sides(std::span<const Vector> corners, double slack, ShaftRegion& shaft) {
   Vector middle;
   shaft.lowest = 1;
@@ -33,7 +34,7 @@ void add_sides(std::span<const Vector> corners, double slack, ShaftRegion& shaft
     const Vector m =
         cross(normalized(a - shaft.apex), normalized(corners[(i + 1) % corners.size()] - a));
     const double sine = length(m);
-    // An edge that leads to the receiver tells no plane; without it the shaft is wider.
+    // An edge towards the receiver defines no plane; without it the shaft is wider.
     if (!(sine > 1e-6)) continue;
     const Vector n = m * ((dot(m, middle) > 0 ? -1 : 1) / sine);
     shaft.add(n, dot(n, shaft.apex) + slack, true);
@@ -46,7 +47,7 @@ double largest_of(std::span<const Vector> corners) {
   return largest;
 }
 
-/// Between the apex and corners that end it, wider by `slack`.
+/// The box of apex and corners, wider by `slack`.
 void add_box(std::span<const Vector> corners, double slack, ShaftRegion& shaft) {
   Bounds box;
   box.add(shaft.apex);
@@ -55,7 +56,7 @@ void add_box(std::span<const Vector> corners, double slack, ShaftRegion& shaft) 
   shaft.box.add(box.lower - around), shaft.box.add(box.upper + around);
 }
 
-/// Of rays along any vector within `steps`, as far as they are within `hittable`.
+/// The box of rays along any vector within `steps`, cut by `hittable`.
 void add_infinite_box(const Bounds& steps, const Bounds& hittable, double slack,
                       ShaftRegion& shaft) {
   double last = Bounds::kInfinity;
@@ -75,7 +76,7 @@ void add_infinite_box(const Bounds& steps, const Bounds& hittable, double slack,
 
 double slack_for(double largest_m) { return kOff * 2 * largest_m + 64 * double{kLeastError}; }
 
-/// No component of any of the corners' hull is smaller than this in all of its points.
+/// A lower bound on the components of all points of the corners' hull.
 double least_coordinate(std::span<const Vector> corners) {
   Bounds box;
   for (const Vector& c : corners) box.add(c);
@@ -105,7 +106,7 @@ bool add_sphere(const LightOutline& light, ShaftRegion& shaft) {
   shaft.largest_m = std::fmax(max_abs(shaft.apex), max_abs(light.center) + r);
   const double slack = slack_for(shaft.largest_m);
   if (!(d - r > slack)) return false;
-  // The circle in which the cone of all that is seen touches the sphere: no ray ends beyond it.
+  // The circle in which the cone from the receiver touches the sphere: no ray ends beyond it.
   const Vector axis = to_center / d;
   const double along = (d - r) / d * (d + r), radius = r * std::sqrt((d - r) / d * (d + r) / d);
   const auto frame = Frame<double>::around(axis);
@@ -118,12 +119,12 @@ bool add_sphere(const LightOutline& light, ShaftRegion& shaft) {
 }
 
 bool add_sun(const LightOutline& light, const Bounds& hittable, double slack, ShaftRegion& shaft) {
-  // Wider ones may be anywhere above the horizon.
+  // Wider suns may be anywhere above the horizon.
   constexpr double kWide = 1.3, kRounded = 1e-6;
   if (light.half_angle_rad > kWide) return true;
   const auto frame = Frame<double>::around(light.axis);
   const double t = std::tan(light.half_angle_rad + kRounded);
-  // About zero, as directions: no coordinate is lost in those of the apex.
+  // About zero, as directions, so that the apex's coordinates do not lose digits.
   const Vector apex = std::exchange(shaft.apex, {});
   const int first = shaft.count;
   const auto directions = polygon_around(light.axis, frame.s * t, frame.t * t);
@@ -139,7 +140,7 @@ bool add_sun(const LightOutline& light, const Bounds& hittable, double slack, Sh
 
 }  // namespace
 
-// Embree takes rays there in floats, which turns them aside by as much again.
+// Embree converts rays to the object's space in floats, which doubles their deviation.
 ShaftRegion in_object(const ShaftRegion& shaft, const Transform& scene_from_object) {
   const auto& m = scene_from_object.matrix();
   const Transform inverse = scene_from_object.inverse();
@@ -167,13 +168,13 @@ std::optional<ShaftRegion> shaft_region(const LightOutline& light, const Surface
   ShaftRegion shaft;
   shaft.normal = Vector(normal);
   shaft.up = dot(receiver.ng, Vector(normal)) < 0 ? -receiver.ng : receiver.ng;
-  // Whatever way up they go, shadow rays start here.
+  // The start of shadow rays, whichever normal they use.
   shaft.apex = Vector(offset_origin(Vec3<float>(receiver.position), receiver.position_error,
                                     receiver.ng, shaft.up));
   if (!is_finite(shaft.apex) || shaft.up == Vector{}) return std::nullopt;
   const double reach_m =
       hittable.empty() ? 0 : std::fmax(max_abs(hittable.lower), max_abs(hittable.upper));
-  shaft.largest_m = 2 * (max_abs(shaft.apex) + reach_m);  // of what is infinitely far
+  shaft.largest_m = 2 * (max_abs(shaft.apex) + reach_m);  // for lights at infinity
   const double infinite_slack = slack_for(shaft.largest_m);
   bool is_known = true;
   switch (light.kind) {
@@ -201,7 +202,7 @@ std::optional<ShaftRegion> shaft_region(const LightOutline& light, const Surface
       break;
   }
   if (!is_known) return std::nullopt;
-  // Light below one of both horizons alone would come by another way.
+  // Light below only one of the two horizons would arrive by another way.
   if (Vec3<float>(shaft.up) != normal && !(shaft.lowest > kOff)) return std::nullopt;
   shaft.add(-shaft.up, -dot(shaft.up, shaft.apex));
   return shaft;

@@ -1,4 +1,4 @@
-// The region that shadow rays from a receiver to a light pass through, by planes.
+// The region of all shadow rays from a receiver to a light, bounded by planes.
 #pragma once
 
 #include <array>
@@ -12,22 +12,23 @@
 
 namespace lucerna {
 
-/// What is within has dot(n, x) <= at.
+/// The points x with dot(n, x) <= at.
 struct HalfSpace {
   Vec3<double> n;
   double at;
-  bool is_side = false;  ///< neither the horizon nor the end
+  bool is_side = false;  ///< false for the horizon and the end
 };
 
 struct ShaftRegion {
-  /// A dozen sides, the horizon and the end.
+  /// At most a dozen sides, the horizon and the end.
   std::array<HalfSpace, 16> planes;
   int count = 0;
-  Vec3<double> apex;        ///< where shadow rays start
-  Vec3<double> up, normal;  ///< the receiver's, geometric and as light is counted; unit
-  double lowest = -1;       ///< sine of the lowest corner over either one's horizon
-  Bounds box;               ///< of what of it may hold anything; empty: not known
-  double largest_m = 0;     ///< coordinate within
+  Vec3<double> apex;  ///< the start of the shadow rays
+  /// The receiver's geometric normal, and the normal of the side on which light counts; unit.
+  Vec3<double> up, normal;
+  double lowest = -1;    ///< smallest sine of a corner over either horizon
+  Bounds box;            ///< of the part that may contain surfaces; empty: unknown
+  double largest_m = 0;  ///< largest coordinate within
 
   void add(const Vec3<double>& n, double at, bool is_side = false) {
     planes[count++] = {n, at, is_side};
@@ -37,12 +38,13 @@ struct ShaftRegion {
   }
 };
 
-/// Of the rays from `receiver` on the side of `normal`; `hittable`: what can be hit is within,
-/// empty where nothing can.  Nothing where it is not known, as Shafts::is_empty says.
+/// The region of the rays from `receiver` on the side of `normal`.  `hittable`: box of
+/// everything that can be hit; empty if there is nothing.  Nothing where the region is unknown,
+/// as in Shafts::is_empty.
 std::optional<ShaftRegion> shaft_region(const LightOutline& light, const SurfaceHit& receiver,
                                         const Vec3<float>& normal, const Bounds& hittable);
 
-/// The same in the space of an instance's object, but for apex, normals and box.
+/// The region in the space of an instance's object, except apex, normals and box.
 ShaftRegion in_object(const ShaftRegion& region, const Transform& scene_from_object);
 
 }  // namespace lucerna

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <condition_variable>
+#include <filesystem>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -13,6 +14,7 @@
 #include <utility>
 
 #include "proto/common/sha256.h"
+#include "proto/common/status_macros.h"
 #include "server/assets/asset_reader.h"
 #include "server/pbrt/load.h"
 
@@ -86,12 +88,37 @@ struct Entry {
 
 absl::Status cancelled() { return absl::CancelledError("cancelled while the scene was loading"); }
 
+namespace fs = std::filesystem;
+
+/// Without a slash at its end, and without `.` and `..`.
+fs::path normal(const fs::path& directory) {
+  const fs::path path = fs::absolute(directory).lexically_normal();
+  return path.has_filename() ? path : path.parent_path();
+}
+
+/// The path relative to `root` if it is absolute and names something beneath; else empty.
+std::string beneath(const fs::path& root, const std::string& path) {
+  if (!path.starts_with('/')) return {};
+  const fs::path relative = fs::path(path).lexically_normal().lexically_relative(root);
+  if (relative.empty() || relative == "." || *relative.begin() == "..") return {};
+  return relative.string();
+}
+
+absl::Status not_found(const std::string& path, const std::string& root) {
+  return absl::NotFoundError(
+      fmt::format("file \"{}\" does not exist under the scene root \"{}\", and no uploaded scene "
+                  "has this name; a file of another machine needs an upload (lucerna --upload)",
+                  path, root));
+}
+
 absl::Status not_loaded() { return absl::NotFoundError("the scene is not loaded"); }
 
 }  // namespace
 
 struct SceneStore::State {
   SceneStoreOptions options;
+  std::string root;            // absolute
+  std::string canonical_root;  // absolute, links resolved
   AssetStore* assets;
   Turns sources, builds_turns;  // by key of source; by id of scene
 
@@ -112,7 +139,7 @@ struct SceneStore::State {
     return last;
   }
 
-  StoredScene tell(Entry& entry) const {
+  StoredScene snapshot(Entry& entry) const {
     StoredScene stored = entry.stored;
     if (const auto until = leased_until(entry)) {
       stored.leased_s = std::chrono::duration<double>(*until - options.now()).count();
@@ -163,7 +190,7 @@ struct SceneStore::State {
   }
 
   /// Lets scenes go until there is room for `more`; none at all where that would not do.
-  absl::Status make_room(std::uint64_t more, std::vector<std::shared_ptr<const Scene>>& gone) {
+  absl::Status evict_for(std::uint64_t more, std::vector<std::shared_ptr<const Scene>>& gone) {
     const std::uint64_t budget = options.memory_budget_bytes;
     if (budget == 0) return absl::OkStatus();
     if (more > budget)
@@ -202,11 +229,13 @@ struct SceneStore::State {
 
 absl::StatusOr<std::unique_ptr<SceneStore>> SceneStore::open(SceneStoreOptions options,
                                                              AssetStore* assets) {
-  const absl::StatusOr<AssetReader> reader = AssetReader::open(options.root);
-  if (!reader.ok()) return reader.status();
+  LUCERNA_RETURN_IF_ERROR(AssetReader::open(options.root).status());
   auto state = std::make_unique<State>();
   state->options = std::move(options);
   state->assets = assets;
+  state->root = normal(state->options.root).string();
+  std::error_code error;
+  state->canonical_root = fs::canonical(state->options.root, error).string();
   return std::unique_ptr<SceneStore>(new SceneStore(std::move(state)));
 }
 
@@ -214,7 +243,16 @@ SceneStore::SceneStore(std::unique_ptr<State> state) : state_(std::move(state)) 
 SceneStore::~SceneStore() = default;
 
 absl::StatusOr<LoadedScene> SceneStore::load(const std::string& path, const LoadOptions& options) {
-  return load_once(path, path, options);
+  std::string relative = beneath(state_->root, path);
+  if (relative.empty()) relative = beneath(state_->canonical_root, path);
+  if (relative.empty() && path.starts_with('/')) {
+    return absl::InvalidArgumentError(fmt::format(
+        "file name \"{}\" leaves the scene root \"{}\", allowed: files beneath it; a file of "
+        "another place needs an upload (lucerna --upload)",
+        path, state_->root));
+  }
+  const std::string& name = relative.empty() ? path : relative;
+  return load_once(name, name, options);
 }
 
 absl::StatusOr<LoadedScene> SceneStore::load(const Manifest& manifest, const LoadOptions& options) {
@@ -242,25 +280,36 @@ absl::StatusOr<LoadedScene> SceneStore::load_alone(const Source& source, const s
       known = entry.stored;
     }
   }
-  if (const auto* manifest = std::get_if<Manifest>(&source)) {
-    LoadedScene incomplete;
-    AssetReader reader(
-        std::make_unique<ManifestSource>(*manifest, *state_->assets, incomplete.missing));
-    absl::StatusOr<SceneDescription> description = load_pbrt(reader, manifest->main, options.stop);
-    if (absl::IsCancelled(description.status())) return description.status();
-    if (!incomplete.missing.empty()) return incomplete;
-    if (!description.ok()) return description.status();
-    for (const Asset& asset : description->assets) {
-      const std::string& digest = manifest->assets.at(asset.name);
-      if (asset.sha256 == digest) continue;
-      // Its bytes changed on the disk.
-      state_->assets->drop(digest);
-      incomplete.missing.push_back({asset.name, digest});
-    }
-    if (!incomplete.missing.empty()) return incomplete;
-    return build_once(*std::move(description), key, manifest->main, options);
+  if (const auto* manifest = std::get_if<Manifest>(&source))
+    return load_manifest(*manifest, key, options);
+  return load_path(std::get<std::string>(source), key, known, options);
+}
+
+absl::StatusOr<LoadedScene> SceneStore::load_manifest(const Manifest& manifest,
+                                                      const std::string& key,
+                                                      const LoadOptions& options) {
+  LoadedScene incomplete;
+  AssetReader reader(
+      std::make_unique<ManifestSource>(manifest, *state_->assets, incomplete.missing));
+  absl::StatusOr<SceneDescription> description = load_pbrt(reader, manifest.main, options.stop);
+  if (absl::IsCancelled(description.status())) return description.status();
+  if (!incomplete.missing.empty()) return incomplete;
+  LUCERNA_RETURN_IF_ERROR(description.status());
+  for (const Asset& asset : description->assets) {
+    const std::string& digest = manifest.assets.at(asset.name);
+    if (asset.sha256 == digest) continue;
+    // Its bytes changed on the disk.
+    state_->assets->drop(digest);
+    incomplete.missing.push_back({asset.name, digest});
   }
-  const std::string& path = std::get<std::string>(source);
+  if (!incomplete.missing.empty()) return incomplete;
+  return build_once(*std::move(description), key,
+                    {.scene = nullptr, .path = manifest.main, .uploaded = true}, options);
+}
+
+absl::StatusOr<LoadedScene> SceneStore::load_path(const std::string& path, const std::string& key,
+                                                  const std::optional<StoredScene>& known,
+                                                  const LoadOptions& options) {
   absl::StatusOr<AssetReader> reader = AssetReader::open(state_->options.root);
   if (!reader.ok()) return absl::InternalError(reader.status().ToString());
   if (known) {
@@ -274,12 +323,28 @@ absl::StatusOr<LoadedScene> SceneStore::load_alone(const Source& source, const s
     }
   }
   absl::StatusOr<SceneDescription> description = load_pbrt(*reader, path, options.stop);
-  if (!description.ok()) return description.status();
-  return build_once(*std::move(description), key, path, options);
+  // A file that the scene names may be missing too.
+  if (absl::IsNotFound(description.status()) && absl::IsNotFound(reader->read(path).status()))
+    return load_uploaded(path, options);
+  LUCERNA_RETURN_IF_ERROR(description.status());
+  return build_once(*std::move(description), key, {.scene = nullptr, .path = path}, options);
+}
+
+absl::StatusOr<LoadedScene> SceneStore::load_uploaded(const std::string& name,
+                                                      const LoadOptions& options) {
+  const std::lock_guard lock(state_->mutex);
+  Entry* latest = nullptr;
+  for (auto& [id, entry] : state_->scenes) {
+    if (!entry.stored.uploaded || entry.stored.path != name) continue;
+    if (latest == nullptr || entry.used > latest->used) latest = &entry;
+  }
+  if (latest == nullptr) return not_found(name, state_->root);
+  latest->used = ++state_->uses;
+  return LoadedScene{latest->stored, true, state_->give_lease(*latest, "", options.lease_s), {}};
 }
 
 absl::StatusOr<LoadedScene> SceneStore::build_once(SceneDescription description,
-                                                   const std::string& key, const std::string& path,
+                                                   const std::string& key, const StoredScene& named,
                                                    const LoadOptions& options) {
   const std::string id = scene_id(description.assets);
   const auto turn = state_->builds_turns.take(id, options.stop);
@@ -289,15 +354,15 @@ absl::StatusOr<LoadedScene> SceneStore::build_once(SceneDescription description,
     const auto same = state_->scenes.find(id);
     if (same != state_->scenes.end()) return state_->answer(same->second, key, options, true);
   }
-  const absl::StatusOr<std::shared_ptr<const Scene>> scene =
-      Scene::build(std::move(description), state_->options.isa, options.stop);
-  if (!scene.ok()) return scene.status();
+  LUCERNA_ASSIGN_OR_RETURN(const std::shared_ptr<const Scene> scene,
+                           Scene::build(std::move(description), state_->options.isa, options.stop));
   Entry entry;
-  entry.stored = {.scene = *scene, .path = path};
-  entry.bytes = (*scene)->bytes();
+  entry.stored = named;
+  entry.stored.scene = scene;
+  entry.bytes = scene->bytes();
   std::vector<std::shared_ptr<const Scene>> gone;  // destroyed outside of the lock
   const std::lock_guard lock(state_->mutex);
-  if (absl::Status s = state_->make_room(entry.bytes, gone); !s.ok()) return s;
+  LUCERNA_RETURN_IF_ERROR(state_->evict_for(entry.bytes, gone));
   ++state_->builds;
   state_->held += entry.bytes;
   const auto place = state_->scenes.emplace(id, std::move(entry)).first;
@@ -323,7 +388,7 @@ std::vector<StoredScene> SceneStore::list(const std::string& after, std::size_t 
   std::vector<StoredScene> out;
   for (auto s = state_->scenes.upper_bound(after); s != state_->scenes.end(); ++s) {
     if (out.size() == count) break;
-    out.push_back(state_->tell(s->second));
+    out.push_back(state_->snapshot(s->second));
   }
   return out;
 }
@@ -332,7 +397,7 @@ std::optional<StoredScene> SceneStore::stored(const std::string& id) const {
   const std::lock_guard lock(state_->mutex);
   const auto found = state_->scenes.find(id);
   if (found == state_->scenes.end()) return std::nullopt;
-  return state_->tell(found->second);
+  return state_->snapshot(found->second);
 }
 
 absl::StatusOr<Lease> SceneStore::lease(const std::string& id, const std::string& lease,
@@ -365,6 +430,10 @@ absl::StatusOr<bool> SceneStore::release(const std::string& id, const std::strin
   state_->remove(found, gone);
   return true;
 }
+
+const std::string& SceneStore::root() const { return state_->root; }
+
+FileListing SceneStore::available() const { return list_files(state_->options.root, ".pbrt"); }
 
 std::size_t SceneStore::size() const {
   const std::lock_guard lock(state_->mutex);

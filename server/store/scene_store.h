@@ -7,7 +7,6 @@
 
 #include <chrono>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <stop_token>
@@ -15,29 +14,23 @@
 #include <variant>
 #include <vector>
 
+#include "server/assets/file_listing.h"
 #include "server/assets/manifest_source.h"
 #include "server/scene/scene.h"
+#include "server/store/scene_store_options.h"
 
 namespace lucerna {
-
-struct SceneStoreOptions {
-  std::string root = ".";  ///< the directory that paths are relative to
-  std::string isa{};       ///< Embree's kernels; empty: the best that the machine has
-  /// Of all scenes together; 0: no limit.
-  std::uint64_t memory_budget_bytes = 0;
-  /// The longest lease [s].
-  double max_lease_s = 86400;
-  /// What leases run by.
-  std::function<std::chrono::steady_clock::time_point()> now = &std::chrono::steady_clock::now;
-};
 
 /// Payload of a RESOURCE_EXHAUSTED that time may mend: after how many milliseconds, in decimals.
 inline constexpr char kRetryAfterPayload[] = "lucerna.retry_after_ms";
 
 struct StoredScene {
   std::shared_ptr<const Scene> scene;
-  std::string path;     ///< that it was first loaded from, relative to the root
-  double leased_s = 0;  ///< for how long leases keep it from now
+  /// Its name: the path that it was first loaded from, relative to the root, or the main file of
+  /// the first manifest.
+  std::string path;
+  bool uploaded = false;  ///< first loaded from a manifest
+  double leased_s = 0;    ///< for how long leases keep it from now
 };
 
 /// A claim to a scene, which is kept until all claims have run out or were released.
@@ -77,6 +70,9 @@ class SceneStore {
   /// Where scenes exceed the budget, those without a lease go, the longest unused first.  A scene
   /// counts with what was built in it since it was loaded; the next `find` of it lets others go.
   ///
+  /// An absolute path is accepted if it is beneath the root.  A name that no file has finds the
+  /// uploaded scene of this name that was used last.
+  ///
   /// Errors: those of load_pbrt and Scene::build; CANCELLED; RESOURCE_EXHAUSTED where leases leave
   /// no room (with kRetryAfterPayload) and where there will never be any.
   absl::StatusOr<LoadedScene> load(const std::string& path, const LoadOptions& options = {});
@@ -98,6 +94,12 @@ class SceneStore {
   /// is empty and others have leases.
   absl::StatusOr<bool> release(const std::string& id, const std::string& lease = "");
 
+  /// The root as an absolute path.
+  const std::string& root() const;
+  /// The .pbrt files beneath the root, which `load` may load.  Reads directories: takes
+  /// milliseconds to seconds.
+  FileListing available() const;
+
   std::size_t size() const;
   std::uint64_t bytes() const;
   /// How many scenes were built so far.
@@ -111,8 +113,14 @@ class SceneStore {
                                         const LoadOptions& options);
   absl::StatusOr<LoadedScene> load_alone(const Source& source, const std::string& key,
                                          const LoadOptions& options);
+  absl::StatusOr<LoadedScene> load_manifest(const Manifest& manifest, const std::string& key,
+                                            const LoadOptions& options);
+  absl::StatusOr<LoadedScene> load_path(const std::string& path, const std::string& key,
+                                        const std::optional<StoredScene>& known,
+                                        const LoadOptions& options);
+  absl::StatusOr<LoadedScene> load_uploaded(const std::string& name, const LoadOptions& options);
   absl::StatusOr<LoadedScene> build_once(SceneDescription description, const std::string& key,
-                                         const std::string& path, const LoadOptions& options);
+                                         const StoredScene& named, const LoadOptions& options);
 
   std::unique_ptr<State> state_;
 };

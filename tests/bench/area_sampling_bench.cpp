@@ -1,14 +1,14 @@
-// What each way to choose points of area lights is worth: variance and time, side by side.  Not a
-// test.  lights/sampling/area_sampling.cpp holds the rule that was read off these tables.
+// Compares the ways to choose points on area lights: variance and time, side by side.  Not a test.
+// lights/sampling/area_sampling.cpp has the rule that follows from these tables.
 //
 //     ninja -C build/release area_sampling_bench && build/release/tests/bench/area_sampling_bench
 //
-// For each light, place and way: n times the variance of the irradiance by n samples (as queries
-// take them, Owen-scrambled Sobol points), over the square of the irradiance: `lit` with the light
-// whole, `edge` with one side of a straight edge through its middle hidden, in the mean of eight
-// edges; the time of a sample [ns]; and `cost`, variance times time relative to the first way.
-// There the variance is the mean of n = 1 and n = 16, with one place in ten on an edge, and a
-// sample takes its own time and what a query spends on it besides.
+// For each light, place and way it prints n times the variance of the irradiance with n samples
+// (Owen-scrambled Sobol points, like in queries), over the square of the irradiance.  `lit` is the
+// whole light.  `edge` hides one side of a straight edge through its middle, in the mean of eight
+// edges.  It also prints the time of a sample [ns] and `cost`, variance times time relative to the
+// first way.  For `cost` the variance is the mean of n = 1 and n = 16, with one place in ten on an
+// edge.  The time is that of a sample and of the other work of a query.
 #include <fmt/core.h>
 
 #include <ctime>
@@ -21,8 +21,8 @@
 namespace lucerna {
 namespace {
 
-/// What a query spends on a sample besides [ns]: a shadow ray, and a ray in a direction of the
-/// surface's own choice, at 300 ns each (demo.pbrt takes 370).
+/// Other work of a query per sample [ns]: a shadow ray, and a ray in a direction that the surface
+/// chooses, at 300 ns each (demo.pbrt takes 370).
 constexpr double kRestOfASample = 600;
 
 struct Place {
@@ -30,7 +30,7 @@ struct Place {
   Vec3<double> receiver, normal;
 };
 
-/// The light is about the origin, in the plane z = 0, and emits to -z; of size 1.
+/// The light is centred on the origin in the plane z = 0, has size 1 and emits to -z.
 std::vector<Place> places() {
   std::vector<Place> all;
   for (const double d : {0.05, 0.1, 0.2, 0.5, 1., 2., 4., 8., 16.}) {
@@ -135,7 +135,7 @@ void table(const std::string& name, const L& light, const std::vector<Way>& ways
   for (const Place& place : at) {
     double first = 0;
     if (light.sample_li(Vec3<float>(place.receiver), {0.5F, 0.5F}).reason != NoLight::kNone)
-      continue;  // within a sphere
+      continue;  // inside of a sphere
     ++seen;
     for (std::size_t w = 0; w < ways.size(); ++w) {
       const Measured m = measure(light, place, ways[w]);
@@ -150,7 +150,7 @@ void table(const std::string& name, const L& light, const std::vector<Way>& ways
                std::exp(log_cost[w] / seen));
 }
 
-/// Within a sphere about the origin of radius 1/2.
+/// Inside of a sphere about the origin with radius 1/2.
 std::vector<Place> places_within() {
   std::vector<Place> all;
   for (const double d : {0., 0.1, 0.25, 0.4, 0.45, 0.49})

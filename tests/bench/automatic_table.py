@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Prints, of what deploy/tradeoff.sh measured, automatic's time over the best setting's, for each scene and error.
+"""Prints automatic's time over the best setting's, for each scene and error that deploy/tradeoff.sh measured.
 
     tests/bench/automatic_table.py FRESH [CHOSEN]
 
-FRESH holds NAME/tradeoff.json.  The best setting is the fastest of the same sweep, which favours it: of many that are
-equally good, the luckiest is chosen.  With CHOSEN, of other seeds, the best setting is also chosen there, and judged by
-FRESH alone.  A reader judges; 1.5 is what is aimed at.
+FRESH holds NAME/tradeoff.json.  The best setting is the fastest of the same study.  This favours it: of many equally
+good settings, the luckiest one is chosen.  With CHOSEN, a study with other seeds, the best setting is also chosen from
+that study and then measured by FRESH alone.  The goal is a ratio of at most 1.5.
 """
 
 import json
@@ -19,7 +19,7 @@ def load(directory):
 
 
 def reached(report, setting, level):
-    """Seconds to the level, and whether they were measured; None where it never is."""
+    """Seconds to the level, and whether they are measured; None if the setting never reaches the level."""
     for s in report["settings"]:
         if s["name"] == setting:
             entry = s["time_to_error"][level]
@@ -48,9 +48,9 @@ def main():
             best = entry.get("best")
             before = chosen.get(scene)
             earlier = before["levels"][level].get("best") if before else None
-            below = " (the reference does not tell)" if entry["below_reference"] else ""
+            below = " (below the reference's error)" if entry["below_reference"] else ""
             rows.append((scene, f"{100 * entry['error']:g}%", f"{automatic[0]:.3g}" if automatic else "-",
-                         ratio(report, best, level), (best or "none came near") + below,
+                         ratio(report, best, level), (best or "none reached it") + below,
                          ratio(report, earlier, level) if earlier else "-", earlier or "-"))
     widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
     for row in rows:

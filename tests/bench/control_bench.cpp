@@ -1,6 +1,6 @@
-// What a closed form is worth as a control where a light is partly hidden, on scenes of scenes/:
-// squared error of 64 samples of one light at one receiver, relative to the irradiance without
-// obstacles.  [Heitz18]
+// Measures a closed form as a control variate for a partly hidden light, on scenes of scenes/. It
+// prints the squared error of 64 samples of one light at one receiver, relative to the irradiance
+// without obstacles.  [Heitz18]
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,20 +11,21 @@
 
 #include "lights/sampling/sobol.h"
 #include "server/estimate/paths/path.h"
+#include "server/estimate/queries/irradiance.h"
 #include "server/runtime/denormals.h"
 #include "tests/bench/shipped_scene.h"
 
 namespace lucerna {
 namespace {
 
-/// Illuminance by samples of a light, by samples of it and of directions of the surface, and by
-/// what samples of it say about a closed form: less what is hidden, or times the share that is not.
+/// Illuminance by four methods: samples of a light; samples of it and of directions from the
+/// surface; the closed form minus the hidden part; the closed form times the visible share.
 enum Estimator { kLights, kBoth, kLess, kTimes, kEstimators };
 constexpr std::array kNames = {"lights alone", "lights and directions", "closed form less hidden",
                                "closed form times visible"};
 using Estimates = std::array<double, kEstimators>;
 
-/// One light at one receiver.
+/// A light at a receiver.
 class Pair {
   template <typename F>
   auto visit(const F& f) const {
@@ -43,7 +44,7 @@ class Pair {
     });
   }
 
-  /// 0 where there is no closed form.
+  /// 0 if there is no closed form.
   double unshadowed_lx() const { return unshadowed_lx_; }
 
   Estimates estimate(AreaSampling way, std::uint64_t seed, std::uint32_t samples) const {
@@ -73,12 +74,12 @@ class Pair {
   }
 
  private:
-  /// By the power heuristic, against directions by the cosine.
+  /// Weight of the power heuristic against cosine-distributed directions.
   static double weight(double light_pdf, double cosine) {
     const double ratio = cosine * std::numbers::inv_pi / light_pdf;
     return 1 / (1 + ratio * ratio);
   }
-  /// What a direction by the cosine finds of the light.
+  /// Contribution of a cosine-distributed direction that hits the light.
   double found(const Receiver<double>& receiver, const Vec2<float>& u) const {
     const Vec3<float> wi = PathTracer::cosine_direction(hit_.ns, hit_.ns, u);
     const auto hit = scene_.closest_hit(spawn_ray(hit_, wi));
@@ -119,8 +120,8 @@ void measure(const std::string& name) {
       const Pair pair(*scene, hit, l);
       const double all = pair.unshadowed_lx();
       if (!(all > 0)) continue;
-      // Partly hidden, as far as a few samples tell; the closed form less what is hidden then
-      // converges on the truth.
+      // A few samples decide whether it is partly hidden.  The closed form minus the hidden part
+      // then converges to the truth.
       const double share = pair.estimate(AreaSampling::kAutomatic, 1, kSamples)[kTimes] / all;
       if (!(share > 0.02 && share < 0.98)) continue;
       ++pairs;

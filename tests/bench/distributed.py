@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Measures one picture on several servers, some of which are killed, halted, slowed or added.
+"""Measures one picture on several servers, some of which are killed, halted, slowed down or added.
 
     tests/bench/distributed.py BUILD_DIR [--repeats N] [--samples N] [--page docs/distributed.md]
 
@@ -27,7 +27,7 @@ import time
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SCENES = ROOT / "tests/data/reference"
 SCENE = "bounces.pbrt"
-DEADLINE_S = 300  # of any one job
+DEADLINE_S = 300  # of a single job
 
 
 class Server:
@@ -64,7 +64,7 @@ class Server:
 
 
 class Job:
-    """One `lucerna render`, begun at once."""
+    """One `lucerna render`, started at once."""
 
     def __init__(self, bench, servers, samples=None, tile=16):
         self.output = bench.scratch / "picture.pfm"
@@ -95,7 +95,7 @@ class Job:
         time.sleep(max(0.0, self.begun + seconds - time.monotonic()))
 
     def finish(self):
-        """The time it took, and its picture."""
+        """Its time and its picture."""
         try:
             status = self.process.wait(DEADLINE_S)
         except subprocess.TimeoutExpired:
@@ -144,7 +144,7 @@ class Bench:
             return self.finish(Job(self, servers))
 
     def three(self, act):
-        """A, B and C; `act` does something to A while the job runs."""
+        """Servers A, B and C; `act` disturbs A while the job runs."""
         with self.servers([self.core_a, self.core_b, self.core_b]) as servers:
             job = Job(self, servers)
             act(job, servers[0])
@@ -171,7 +171,7 @@ class Bench:
         return self.three(act)
 
     def slowed(self):
-        """A works 10 ms in every 100."""
+        """A runs for 10 of every 100 ms."""
         ended = threading.Event()
 
         def throttle(a):
@@ -203,7 +203,7 @@ class Bench:
                 return self.finish(job)
 
     def all_gone(self, at):
-        """From when the servers are back to the end."""
+        """Time from the return of the servers to the end."""
         with self.servers([self.core_a, self.core_b]) as servers:
             job = Job(self, servers)
             job.sleep_until(at)
@@ -217,7 +217,7 @@ class Bench:
             return time.monotonic() - back
 
     def attempts_at_a_dead_server(self, seconds):
-        """Connections to an address where each is accepted and closed, while a job waits for it."""
+        """Number of connections to an address that accepts and closes each, while a job waits for it."""
         with socket.create_server(("127.0.0.1", 0)) as listener:
             listener.settimeout(0.2)
             job = Job(self, f"127.0.0.1:{listener.getsockname()[1]}")
@@ -232,7 +232,7 @@ class Bench:
             return count
 
     def client_cost(self):
-        """CPU [us] of the client a piece, its memory [MiB], and how many pieces of one pixel."""
+        """CPU time of the client per piece [us], its memory [MiB], and the number of pieces of one pixel."""
         with self.servers([self.core_a, self.core_b]) as servers:
             job = Job(self, servers, samples=1, tile=1)
             _, status, usage = os.wait4(job.process.pid, 0)
@@ -244,7 +244,7 @@ class Bench:
 
 
 def ideal(changes):
-    """When one picture is done by what makes `rate` pictures a second from each (time, rate) on."""
+    """Time at which one picture is done, at `rate` pictures per second from each (time, rate) on."""
     left = 1.0
     for (begin, rate), (end, _) in zip(changes, [*changes[1:], (float("inf"), 0)]):
         if left <= rate * (end - begin):
@@ -253,7 +253,7 @@ def ideal(changes):
     raise AssertionError
 
 
-CASES = {  # allowed: so many times what is ideal, plus so many seconds
+CASES = {  # allowed: this factor times the ideal, plus this many seconds
     "kill -9 one of three": (1.2, 2),
     "SIGSTOP one of three": (1.2, 2),
     "restart one of three, 2 s after it was killed": (1.2, 2),
@@ -263,7 +263,7 @@ CASES = {  # allowed: so many times what is ideal, plus so many seconds
 
 
 def measure_cases(bench, repeats):
-    """For each repeat: how much faster two servers are than one, and (took, ideal) of each case."""
+    """For each repeat: the speed-up of two servers over one, and (took, ideal) of each case."""
     speedups, cases, gone = [], {name: [] for name in CASES}, []
     for _ in range(repeats):
         alone_a, alone_b = bench.alone(bench.core_a), bench.alone(bench.core_b)
@@ -314,7 +314,7 @@ def measured(bench, repeats):
 
 
 def simulated(build, scratch):
-    """What the simulation of a thousand servers reached."""
+    """Results of the simulation of a thousand servers."""
     report = scratch / "simulation.json"
     subprocess.run([str(build / "tests/client/client_test"), "--gtest_filter=JobSimulation.AThousand*",
                     f"--gtest_output=json:{report}"], check=True, stdout=subprocess.DEVNULL)
@@ -328,7 +328,7 @@ def simulated(build, scratch):
 
 
 def on_slurm(build):
-    """What the tests of the batch script on a Slurm cluster of three nodes tell of their jobs."""
+    """Figures of the tests of the batch script on a Slurm cluster of three nodes."""
     test = subprocess.run([sys.executable, str(ROOT / "tests/slurm/slurm_test.py"), str(build)],
                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     told = re.findall(r"^  (.+): jobs? (.+?), (.+ servers?), ([0-9.]+) s .*, (the same bits|OTHER BITS)$",
@@ -341,7 +341,7 @@ def on_slurm(build):
 
 
 def write(page, name, lines):
-    """Puts the lines between the page's marks of that name."""
+    """Replaces the lines between the page's marks of that name."""
     begin, end = f"<!-- {name} -->\n", f"<!-- /{name} -->\n"
     head, rest = page.split(begin)
     return head + begin + "\n".join(lines) + "\n" + end + rest.split(end)[1]

@@ -1,4 +1,4 @@
-// Nanoseconds a choice among 10 to 1e6 lights by a tree, and how long it takes to build one.
+// Nanoseconds per choice among 10 to 1e6 lights by a tree, and the time to build the tree.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -11,8 +11,8 @@
 namespace lucerna {
 namespace {
 
-/// In a box of which each light has a square metre: lamps that shine everywhere, spots and panels,
-/// in all directions.
+/// Lights in a box with a square metre per light: lamps that shine everywhere, spots and panels, in
+/// all directions.
 std::vector<LightTree::Item> lights(std::uint32_t count) {
   constexpr double kPi = std::numbers::pi;
   const SobolSequence sequence(3, 0);

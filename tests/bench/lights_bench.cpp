@@ -1,4 +1,4 @@
-// Nanoseconds a light sample: SampleLi of each light model, a batch of receivers at a time, and the
+// Nanoseconds per light sample: SampleLi of each light model for a batch of receivers, and the
 // sample points that feed it.
 #include <benchmark/benchmark.h>
 
@@ -59,9 +59,9 @@ void BM_SampleLiSpot(benchmark::State& state) {
 }
 BENCHMARK(BM_SampleLiSpot);
 
-/// The spot's sample with the edge of its fall-off as `share(height above the cone's edge)`: what
-/// is measured is whether the one division by the edge's width matters.  All receivers are within
-/// the edge, so that no branch is guessed wrong.
+/// A sample of the spot with the edge of its fall-off as `share(height above the cone's edge)`.
+/// This measures the cost of the division by the edge's width.  All receivers are within the edge,
+/// so that no branch is mispredicted.
 template <typename Share>
 void spot_with_edge(benchmark::State& state, const Share& share) {
   const std::vector<Vec3<float>> points = receivers();

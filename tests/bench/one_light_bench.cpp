@@ -1,7 +1,7 @@
-// What a scene with one point light pays for all that other scenes can have: bytes, and nanoseconds
-// a sample, against loops written by hand for that light alone, at the same flags.  Twice: bare,
-// for receivers that are all well, and with whole answers, as queries promise them: each item's
-// status, whatever its input, and each point's error and cost.  Medians of paired runs on one
+// Measures what a scene with one point light pays for features of other scenes: bytes, and
+// nanoseconds per sample.  The references are loops written by hand for that light, with the same
+// flags.  There are two of each: bare, for valid receivers only; and complete, with the status of
+// each item for any input and the error and cost of each point.  Medians of paired runs on one
 // thread.
 #include <fmt/format.h>
 #include <tbb/task_arena.h>
@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "server/estimate/paths/render.h"
+#include "server/estimate/queries/irradiance.h"
 #include "server/estimate/queries/queries.h"
 #include "server/runtime/denormals.h"
 #include "tests/server/scene/scenes.h"
@@ -27,7 +27,7 @@ constexpr int kRuns = 41;
 constexpr Vec3<double> kLamp{0.5, -0.25, 3};
 constexpr double kCandela = 100;
 
-/// What the light itself is.
+/// The parameters of the light.
 struct Lamp {
   Vec3<double> position;
   Rgb<double> intensity;
@@ -48,7 +48,7 @@ struct Arrays {
   }
 };
 
-/// SampleLi for one point light where nothing can be wrong: the same numbers to a rounding.
+/// SampleLi for one point light without checks: the same numbers up to rounding.
 void sample_bare(const Lamp& lamp, const std::vector<float>& receivers, Arrays& a) {
   for (std::size_t i = 0; i < kReceivers; ++i) {
     const Vec3<double> to = lamp.position - Vec3<double>(triple(receivers, i));
@@ -67,7 +67,7 @@ void sample_bare(const Lamp& lamp, const std::vector<float>& receivers, Arrays& 
 
 bool is_float(const Vec3<double>& v) { return is_finite(Vec3<float>(v)); }
 
-/// The same with all that SampleLi promises of any input.
+/// The same with everything that SampleLi guarantees for any input.
 void sample_whole(const Lamp& lamp, const PointArray& receivers, const Vec3<double>& scene_origin,
                   const std::vector<float>& u, Arrays& a) {
   const Vec3<double> shift = receivers.origin_m - scene_origin;
@@ -113,7 +113,7 @@ void sample_whole(const Lamp& lamp, const PointArray& receivers, const Vec3<doub
   }
 }
 
-/// EstimateIrradiance for one point light; a ray where there is a scene to hit.
+/// EstimateIrradiance for one point light, with a shadow ray if there is a scene.
 void irradiance_bare(const Lamp& lamp, const std::vector<IrradiancePoint>& points,
                      const Scene* scene, std::vector<Rgb<double>>& answer) {
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -132,7 +132,7 @@ void irradiance_bare(const Lamp& lamp, const std::vector<IrradiancePoint>& point
   }
 }
 
-/// The same with all that EstimateIrradiance says of each point.
+/// The same with everything that EstimateIrradiance reports for each point.
 IrradianceResult irradiance_whole(const Lamp& lamp, const std::vector<IrradiancePoint>& points,
                                   const Scene* scene) {
   IrradianceResult answer;

@@ -1,6 +1,6 @@
-// Light mathematics that takes and gives floats against the same in double, side by side in one
-// run: time, and error by the references of tests/data/extremes/ordinary_lights.txt.  Not a test;
-// `make precision` writes what it prints to docs/precision.md.
+// Compares light mathematics in float and in double in one run: time, and error against the
+// references of tests/data/extremes/ordinary_lights.txt.  Not a test; `make precision` writes its
+// output to docs/precision.md.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -23,7 +23,7 @@ using testing::ReferenceTable;
 
 const Vec3<double> kFar{3000, -4000, 12};
 
-/// Where light of a kind arrives, a sample value, and what the references say.
+/// A receiver, a sample value, and the reference results.
 struct Place {
   Vec3<double> receiver;
   Vec2<double> u;
@@ -42,20 +42,20 @@ std::vector<Place> places(const ReferenceTable& table, const std::string& light)
 template <typename Real>
 Receiver<Real> receiver_at(const Vec3<double>& p) {
   Receiver<Real> receiver{Vec3<Real>(p)};
-  // Not by the rule, which a rounding may tip.
+  // Does not apply the rule, whose outcome may depend on a rounding.
   receiver.area_sampling = AreaSampling::kSolidAngle;
   return receiver;
 }
 
-/// Value, over density where there is one; 0 without light.
+/// Value over density if there is one; 0 without light.
 template <typename Real>
 double estimate(const LightSample<Real>& s) {
   if (s.reason != NoLight::kNone) return 0;
   return s.delta ? double{s.value.g} : double{s.value.g} / double{s.pdf.per_sr};
 }
 
-/// What all samples of a light add up to whose density is not the same in all directions: by
-/// Gauss's rule in the four parts of the square that samples of a disk are smooth in.
+/// The integral over all samples of a light whose density depends on the direction.  It uses
+/// Gauss's rule in the four parts of the square in which samples of a disk are smooth.
 template <typename Real, typename L>
 double mean_estimate(const L& light, const Receiver<Real>& receiver) {
   constexpr std::size_t kNodes = 32;
@@ -89,7 +89,7 @@ double worst(const L& light, const Vec3<double>& shift, const std::vector<Place>
   return off;
 }
 
-/// Nanoseconds a sample, of the processor's time.
+/// Nanoseconds of processor time per sample.
 template <typename Real, typename L>
 double time(const L& light, const std::vector<Place>& places) {
   constexpr std::uint32_t kValues = 1024;
@@ -106,7 +106,7 @@ double time(const L& light, const std::vector<Place>& places) {
   for (const auto& u : values)
     for (const auto& receiver : receivers) sum += estimate(light.sample_li(receiver, u));
   const double took_ns = 1e9 * static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
-  volatile double kept = sum;  // or nothing need be worked out
+  volatile double kept = sum;  // keeps the compiler from removing the work
   static_cast<void>(kept);
   return took_ns / static_cast<double>(values.size() * receivers.size());
 }
@@ -116,7 +116,7 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-/// `make(Real(), place)`: the light with its middle at `place`.
+/// `make(Real(), place)` returns the light with its middle at `place`.
 template <typename Make>
 void compare(const ReferenceTable& table, const std::string& name, const Make& make) {
   constexpr int kRepeats = 15;

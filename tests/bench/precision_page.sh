@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Writes docs/precision.md to standard output, from the output of the benchmarks in a build folder.  Needs an idle machine.
+# Writes docs/precision.md to standard output, from benchmarks in a build folder.  Needs an idle machine.
 set -euo pipefail
 usage="usage: $0 BUILD_FOLDER, such as build/release, in which traversal_bench, precision_bench and tile_precision_bench are built (make precision)"
 [ $# -eq 1 ] || { echo "$0: $# arguments given, allowed: one; $usage" >&2; exit 2; }
@@ -36,8 +36,8 @@ The rule is: double, if it costs less than a tenth of a tile's time.  Tiles have
 them on one thread.  The scenes are those that Lucerna compares with pbrt-v4 ([tests/data/reference](../tests/data/reference)), and
 [demo.pbrt](../scenes/demo.pbrt).
 
-The same run walks the same paths again.  Lights in float and in double return the samples and densities of these paths in turns.  In the table a
-question is one such sample or density.
+The same run walks the same paths again.  Lights in float and in double return the samples and densities of these paths in turns.  In the table
+an evaluation is one such sample or density.
 
 - The share is the part of the tile's time that lights in double take.  No other type could save more.
 - The cost is the additional time of lights in double, relative to the tile's time with lights in float.

@@ -3,9 +3,9 @@
 
     tests/bench/receivers.py BUILD_DIR [--points 1000000,10000000]
 
-The scene is a floor under one point light, direct light only, so that what is measured is the way of
-the points and not the light: a job that has more to compute has fewer points a second and no more
-memory.  Of 10^7 points the files take half a gigabyte.  Wants python3-numpy.
+The scene is a floor under one point light with direct light only, so this measures the path of the
+points, not the light.  A job with more to compute has fewer points per second and no more memory.
+The files of 10^7 points take half a gigabyte.  Needs python3-numpy.
 """
 import argparse
 import pathlib
@@ -21,8 +21,8 @@ SCENE = """WorldBegin
 LightSource "point" "rgb I" [10 10 10] "point3 from" [0 0 2]
 Shape "bilinearmesh" "point3 P" [-4 -4 0  4 -4 0  -4 4 0  4 4 0]
 """
-DEADLINE_S = 600  # of any one job
-ROWS = 1 << 20  # written at once
+DEADLINE_S = 600  # of a single job
+ROWS = 1 << 20  # rows per write
 
 
 class Server:
@@ -44,7 +44,7 @@ class Server:
 
 
 def write_points(path, count):
-    """On the floor, with normals: float32, six columns."""
+    """Points on the floor with normals: float32, six columns."""
     points = np.lib.format.open_memmap(path, mode="w+", dtype="<f4", shape=(count, 6))
     random = np.random.default_rng(1)
     for first in range(0, count, ROWS):
@@ -55,7 +55,7 @@ def write_points(path, count):
 
 
 def check(points_path, results_path):
-    """By the closed form: I cos / d^2, where the cosine is 2 / d."""
+    """Illuminance by the closed form I cos / d^2, where the cosine is 2 / d."""
     points, results = np.load(points_path, mmap_mode="r"), np.load(results_path, mmap_mode="r")
     for first in range(0, len(points), ROWS):
         at = points[first:first + ROWS].astype(np.float64)
@@ -65,7 +65,7 @@ def check(points_path, results_path):
 
 
 def peak_megabytes(process):
-    """The largest resident set so far; 0 where it has ended."""
+    """The largest resident set so far; 0 after the process has ended."""
     try:
         status = pathlib.Path(f"/proc/{process}/status").read_text()
     except OSError:
@@ -75,7 +75,7 @@ def peak_megabytes(process):
 
 
 def run(build, points, output, servers, halt=None):
-    """Seconds, and the client's largest resident set [MB].  `halt`: a server to halt in between."""
+    """Time [s], and the client's largest resident set [MB].  `halt`: a server to halt meanwhile."""
     journal = output.with_suffix(".journal")
     begun = time.monotonic()
     process = subprocess.Popen(
@@ -85,7 +85,7 @@ def run(build, points, output, servers, halt=None):
         stdout=subprocess.DEVNULL)
     peak = 0.0
     while process.poll() is None:
-        # Not ru_maxrss, which begins with what this process holds.
+        # Not ru_maxrss, which starts with the memory of this process.
         peak = max(peak, peak_megabytes(process.pid))
         if halt and journal.exists() and journal.stat().st_size > 200:
             halt.process.send_signal(signal.SIGSTOP)

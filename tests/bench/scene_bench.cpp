@@ -1,4 +1,4 @@
-// Rays, tiles and irradiance on a scene with a ball, a box and a room around them.
+// Rays, tiles and irradiance in a scene with a ball, a box and a room around them.
 #include <benchmark/benchmark.h>
 
 #include "server/assets/asset_reader.h"

@@ -1,6 +1,6 @@
-// What shadow maps save and what they get wrong, on the five scenes of scenes/: the time of direct
-// irradiance and of a tile with rays and with maps, medians of paired runs on one thread, and how
-// often maps disagreed with rays.  `shadow_map_bench [RUNS]`.
+// Measures the gain and the errors of shadow maps, on the five scenes of scenes/.  It prints the
+// time of direct irradiance and of a tile with rays and with maps, medians of paired runs on one
+// thread, and how often maps disagreed with rays.  `shadow_map_bench [RUNS]`.
 #include <fmt/format.h>
 #include <tbb/task_arena.h>
 
@@ -11,6 +11,7 @@
 
 #include "server/estimate/lights/light_visibility.h"
 #include "server/estimate/paths/render.h"
+#include "server/estimate/queries/irradiance.h"
 #include "server/runtime/parallel.h"
 #include "tests/bench/shipped_scene.h"
 
@@ -28,10 +29,10 @@ double ms(const std::function<void()>& f) {
   return 1e-6 * static_cast<double>(thread_cpu_ns() - start);
 }
 
-/// `answer(method)`: what is timed; its work.
+/// `answer(method)` is timed and returns its work.
 void compare(const std::string& scene, const char* what, int runs,
              const std::function<WorkCounts(VisibilityMethod)>& answer) {
-  const WorkCounts work = answer(VisibilityMethod::kShadowMaps);  // makes the maps
+  const WorkCounts work = answer(VisibilityMethod::kShadowMaps);  // creates the maps
   const WorkCounts by_rays = answer(VisibilityMethod::kRays);
   std::vector<double> rays, maps, ratios;
   for (int i = 0; i < runs; ++i) {
@@ -47,7 +48,7 @@ void compare(const std::string& scene, const char* what, int runs,
                    : "-");
 }
 
-/// A ray against a look-up by itself: from each receiver to each light that has a map [ns].
+/// Compares a single ray with a single look-up: from each receiver to each light with a map [ns].
 std::string by_itself(const Scene& scene, const std::vector<IrradiancePoint>& receivers, int runs) {
   struct Item {
     std::uint32_t light;

@@ -1,5 +1,5 @@
-// What a shaft costs and how often it is seen to be empty: a Cornell box, and rooms with furniture
-// and lamps.  Times are medians of the same receivers, one after the other in turn.
+// Measures the cost of a shaft, and how often it proves to be empty: a Cornell box, and rooms with
+// furniture and lamps.  Times are medians over the same receivers, in alternation.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -21,7 +21,7 @@ using testing::emissive;
 using testing::patch;
 using Vector = Vec3<double>;
 
-/// A quadrilateral by its corners in order around it.
+/// A quadrilateral from its corners in ring order.
 ShapeDescription around(const Vector& a, const Vector& b, const Vector& c, const Vector& d) {
   return patch(a, b, d, c);
 }
@@ -54,7 +54,7 @@ SceneDescription cornell_box() {
   return d;
 }
 
-/// 12 x 8 x 3 m with lamps of three kinds and so many boxes as furniture.
+/// A room of 12 x 8 x 3 m with lamps of three kinds and this many boxes as furniture.
 SceneDescription room(int boxes) {
   SceneDescription d = testing::description();
   const auto box = [&](const Vector& low, const Vector& high) {

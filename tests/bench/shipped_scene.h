@@ -1,4 +1,4 @@
-// The scenes of scenes/ and the points that come with them.
+// The scenes of scenes/ and their points.
 #pragma once
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "server/assets/asset_reader.h"
-#include "server/estimate/paths/render.h"
+#include "server/estimate/queries/irradiance.h"
 #include "server/pbrt/load.h"
 #include "server/scene/scene.h"
 
@@ -20,7 +20,7 @@ inline std::shared_ptr<const Scene> load_shipped(const std::string& name) {
   return *Scene::build(*load_pbrt(*assets, name + "/scene.pbrt", {}));
 }
 
-/// Its points.csv: x, y, z, nx, ny, nz a line.
+/// Its points.csv: x, y, z, nx, ny, nz per line.
 inline std::vector<IrradiancePoint> shipped_points(const Scene& scene, const std::string& name) {
   std::ifstream file(LUCERNA_SCENES "/" + name + "/points.csv");
   std::vector<IrradiancePoint> out;

@@ -1,10 +1,10 @@
-// What light mathematics in double costs of a tile's time.  Not a test; `make precision` writes
-// what it prints to docs/precision.md.
+// Measures the cost of light mathematics in double for the time of a tile.  Not a test; `make
+// precision` writes its output to docs/precision.md.
 //
-// A tile is rendered by the server's own renderer, in double, on one thread.  Beside it the paths
-// of the same tile are walked again, the questions that they ask lights are kept, and lights of
-// both types answer the same questions in turns: what double takes longer for them, of the time
-// that the tile would take without that, is the cost.
+// The server's renderer renders a tile in double on one thread.  The benchmark then walks the paths
+// of the same tile again and records their queries to lights.  Lights of both types answer the same
+// queries in alternation.  The cost is the extra time of double, relative to the tile's time
+// without it.
 #include <fmt/core.h>
 #include <tbb/task_arena.h>
 
@@ -36,7 +36,7 @@ T value_of(absl::StatusOr<T> made) {
   return *std::move(made);
 }
 
-// Lights of a scene in float, from what those in double were made of.
+// Lights of a scene in float, from the parameters of those in double.
 
 template <template <std::floating_point> typename L>
 requires requires(const L<double>& l) { l.params(); }
@@ -69,7 +69,7 @@ Light<float> in_float(const AreaLight<double, Shape>& light, const Vec3<double>&
   }
 }
 
-/// What a path asks a light.
+/// A query of a path to a light.
 template <std::floating_point Real>
 struct Question {
   enum Kind { kSample, kFound, kFoundDensity, kEscaped, kEscapedDensity } kind;
@@ -118,13 +118,13 @@ double answer(const std::vector<Light<Real>>& lights, const Question<Real>& q) {
       lights[q.light]);
 }
 
-/// The paths of PathTracer again, of a scene that rests and with a limit to its bounces.
+/// Repeats the paths of PathTracer, for a scene without motion and with a limit of bounces.
 class Walker {
  public:
   Walker(const Scene& scene, const TileSettings& settings)
       : scene_(scene), settings_(settings), tracer_(scene, settings.bounces, settings.methods) {}
 
-  /// All paths of a pixel, their questions at the end of `questions`.
+  /// Walks all paths of a pixel and appends their queries to `questions`.
   void walk(int x, int y, std::vector<Question<double>>& questions) {
     const auto item = static_cast<std::uint64_t>(y * scene_.camera().width() + x);
     for (std::uint64_t b = 0; b < settings_.block_count; ++b) {
@@ -190,7 +190,8 @@ class Walker {
     }
   }
 
-  /// What `ray` finds at its end, and where it left from a surface how it would have been sampled.
+  /// Records what `ray` hits, and the density of sampling that direction at the surface where it
+  /// started.
   void found(const Ray& ray, const std::optional<SurfaceHit>& hit, const Receiver<double>* from,
              Questions& questions) const {
     const Vec3<double> w(ray.direction);
@@ -221,7 +222,7 @@ class Walker {
   WorkCounts work_;
 };
 
-/// Processor time, which other programs on the machine change less than they do the wall's.
+/// Processor time: other programs change it less than the wall time.
 template <typename F>
 double seconds(F&& f) {
   const std::int64_t begin = thread_cpu_ns();
@@ -234,7 +235,7 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-/// What one tile's questions take [s].
+/// Time of the queries of one tile [s].
 struct Answered {
   double in_float = 0, in_double = 0;
   double questions = 0;
@@ -263,13 +264,13 @@ class Tile {
            double(settings_.rect.y1 - settings_.rect.y0) * settings_.samples_per_block;
   }
 
-  /// By the server's renderer [s].
+  /// Time of the server's renderer [s].
   double render(WorkCounts& work) const {
     return seconds([&] { work = render_tile(*scene_, settings_, {}).work; });
   }
 
-  /// A few pixels at a time, so that questions are in the cache, and in turns, so that both types
-  /// are alike to what else the machine does.
+  /// A few pixels at a time, so that queries stay in the cache.  The types alternate, so that other
+  /// load on the machine affects both equally.
   Answered ask() const {
     const DenormalsAreZero denormals;
     constexpr std::size_t kAtOnce = 1024;
@@ -304,7 +305,7 @@ class Tile {
     return seconds([&] {
       double sum = 0;
       for (const auto& q : questions) sum += answer(lights, q);
-      volatile double kept = sum;  // or nothing need be worked out
+      volatile double kept = sum;  // keeps the compiler from removing the work
       static_cast<void>(kept);
     });
   }
@@ -315,7 +316,7 @@ class Tile {
   std::vector<Light<float>> in_float_;
 };
 
-/// What double costs of a tile's time, as a share.
+/// Cost of double as a share of the tile's time.
 double compare(const std::string& root, const std::string& name) {
   constexpr int kRepeats = 9;
   const Tile tile(root, name + ".pbrt");
@@ -341,7 +342,7 @@ double compare(const std::string& root, const std::string& name) {
 
 int run() {
   fmt::print(
-      "| scene | lights | questions to lights a sample | ns a sample of the tile | ns a question, "
+      "| scene | lights | light evaluations a sample | ns a sample of the tile | ns an evaluation, "
       "float | double | share of the tile's time | cost of double |\n"
       "|---|---|---|---|---|---|---|---|\n");
   const std::string reference = LUCERNA_TEST_DATA "/reference";
@@ -367,7 +368,7 @@ int run() {
 
 int main() {
   try {
-    // One thread: the tile's time is then a processor's, as that of the questions is.
+    // One thread: the tile's time is then processor time, like that of the queries.
     return tbb::task_arena(1).execute([] { return lucerna::run(); });
   } catch (const std::exception& error) {
     fmt::print(stderr, "tile_precision_bench: {}\n", error.what());

@@ -1,11 +1,11 @@
-// Embree's robust traversal against its default one, side by side in one run.  Not a test; `make
-// precision` writes what it prints to docs/precision.md.
+// Compares Embree's robust traversal with its default one in one run.  Not a test; `make precision`
+// writes its output to docs/precision.md.
 //
-// A closed mesh from within: every ray has a hit.  A third of the rays goes anywhere, a third
-// through vertices, a third through edges' middles, where watertightness is decided.  A ray is
-// `lost` where nothing was found (of each third).  `off` is how far the t that was found is from
-// that of the hit triangle's plane in double precision, in float roundings of the largest
-// coordinate.
+// Rays start inside of a closed mesh, so every ray has a hit.  A third of the rays has any
+// direction, a third goes through vertices, and a third through middles of edges, where
+// watertightness matters.  A ray is `lost` if it hits nothing (counted for each third).  `off` is
+// the distance of its t from that of the hit triangle's plane in double precision, in float
+// roundings of the largest coordinate.
 #include <embree3/rtcore.h>
 #include <fmt/core.h>
 
@@ -29,7 +29,7 @@ struct MeshOfBall {
   std::vector<std::uint32_t> indices;
 };
 
-/// An octahedron whose triangles are cut in four `times` times, on a ball of radius 1 about
+/// An octahedron whose triangles are split in four `times` times, on a ball of radius 1 about
 /// `centre`.
 MeshOfBall ball(int times, const Vec3<double>& centre) {
   std::vector<Vec3<double>> v{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
@@ -79,7 +79,7 @@ std::vector<Aim> aims(const MeshOfBall& mesh, const Vec3<double>& centre, std::s
   return all;
 }
 
-/// t of the plane of a triangle, in double.
+/// t of a triangle's plane, in double.
 double t_of(const MeshOfBall& mesh, std::uint32_t triangle, const Aim& aim) {
   const auto corner = [&](int k) {
     return Vec3<double>(mesh.vertices[mesh.indices[3 * std::size_t{triangle} + k]]);
@@ -90,7 +90,7 @@ double t_of(const MeshOfBall& mesh, std::uint32_t triangle, const Aim& aim) {
 
 struct Found {
   double ns = 0;
-  std::size_t lost[3] = {};  // of rays that go anywhere, through vertices, through edges
+  std::size_t lost[3] = {};  // any direction, vertices, edges
   double off = 0;
 };
 
@@ -114,7 +114,7 @@ class Traversal {
   Traversal(const Traversal&) = delete;
   Traversal& operator=(const Traversal&) = delete;
 
-  /// Nanoseconds a ray, of the processor's time.
+  /// Nanoseconds of processor time per ray.
   double run(const std::vector<Aim>& aims, std::vector<RTCRayHit>& hits) const {
     hits.resize(aims.size());
     const std::clock_t begin = std::clock();
@@ -166,7 +166,7 @@ std::string lost_of(const Found& f) {
   return fmt::format("{}, {}, {}", f.lost[0], f.lost[1], f.lost[2]);
 }
 
-/// Of all balls together.
+/// The sum over all balls.
 struct Summary {
   std::size_t rays = 0, lost_fast = 0, lost_robust = 0;
   double least_ratio = INFINITY, most_ratio = 0;

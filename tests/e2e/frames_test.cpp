@@ -25,8 +25,8 @@ std::string bytes(const fs::path& path) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-/// Two servers that see moving.pbrt, whose camera and light move, and four files, mine.1.pbrt to
-/// mine.4.pbrt: the same scene with the shutter of each frame at four frames a second.
+/// Two servers with moving.pbrt, whose camera and light move, and with mine.1.pbrt to mine.4.pbrt.
+/// These four are the same scene with the shutter of each frame at four frames a second.
 class Frames : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -58,7 +58,7 @@ class Frames : public ::testing::Test {
   }
   std::string path(const std::string& name) const { return (directory_ / name).string(); }
   std::string both() const { return servers_[0]->target() + "," + servers_[1]->target(); }
-  /// The pictures NAME.1.pfm to NAME.4.pfm, each of which must be there.
+  /// The pictures NAME.1.pfm to NAME.4.pfm, each of which must exist.
   std::array<std::string, 4> pictures(const std::string& name) const {
     std::array<std::string, 4> all;
     for (std::size_t n = 0; n < 4; ++n) {
@@ -78,14 +78,14 @@ class Frames : public ::testing::Test {
   std::array<std::unique_ptr<testing::LocalServer>, 2> servers_;
 };
 
-TEST_F(Frames, AreThePicturesOfTheirTimesWhereverTheyAreRendered) {
+TEST_F(Frames, MatchStillPicturesOfTheirTimesOnAnyServers) {
   const Outcome one =
       render({"moving.pbrt", "--frames", "1-4", "--fps", "4", "-o", path("one.%d.pfm")});
   ASSERT_EQ(one.status, 0) << one.err;
   EXPECT_EQ(std::count(one.out.begin(), one.out.end(), '\n'), 4) << one.out;
   const auto expected = pictures("one");
   EXPECT_EQ(std::set<std::string>(expected.begin(), expected.end()).size(), 4U);
-  // The scene stays, and no lease of ours.
+  // The scene stays loaded, without a lease of this job.
   ASSERT_EQ(scenes(0).size(), 1U);
   EXPECT_LT(scenes(0)[0].leased_s(), 1);
 
@@ -96,18 +96,19 @@ TEST_F(Frames, AreThePicturesOfTheirTimesWhereverTheyAreRendered) {
   EXPECT_EQ(pictures("two"), expected);
   for (int n = 1; n <= 4; ++n) {
     const std::string number = std::to_string(n);
-    // Alone, which is what an array of jobs does.
+    // One frame at a time, as an array of jobs renders them.
     const Outcome alone =
         render({"moving.pbrt", "--frames", number, "--fps", "4", "-o", path("alone.%d.pfm")});
     ASSERT_EQ(alone.status, 0) << alone.err;
-    // And as the still picture of a file whose shutter opens then.
+    // Also as the still picture of a file with that shutter.
     const Outcome plain =
         render({"mine." + number + ".pbrt", "-o", path("plain." + number + ".pfm")});
     ASSERT_EQ(plain.status, 0) << plain.err;
   }
   EXPECT_EQ(pictures("alone"), expected);
   EXPECT_EQ(pictures("plain"), expected);
-  // By the fourth of a second: the third is half of the way.
+  // At 8 frames a second every fourth frame is half a second apart: frame 5 has the time of frame 3
+  // at 4 frames a second.
   const Outcome steps =
       render({"moving.pbrt", "--frames", "1-9:4", "--fps", "8", "-o", path("steps.%02d.pfm")});
   ASSERT_EQ(steps.status, 0) << steps.err;
@@ -116,8 +117,8 @@ TEST_F(Frames, AreThePicturesOfTheirTimesWhereverTheyAreRendered) {
   EXPECT_TRUE(fs::exists(path("steps.09.pfm")));
 }
 
-TEST_F(Frames, MayHaveFilesOfTheirOwn) {
-  // The second is there already, and stays.
+TEST_F(Frames, MayComeFromOneFileEach) {
+  // The second scene is already loaded and stays loaded.
   v1::LoadSceneRequest load;
   load.set_path("mine.2.pbrt");
   const std::string second = servers_[0]->client().load_scene(load).value().scene_id();
@@ -156,7 +157,7 @@ TEST_F(Frames, MayHaveFilesOfTheirOwn) {
   EXPECT_EQ(scenes(1).size(), 1U);
 }
 
-TEST_F(Frames, GoOnWhereTheyWereInterrupted) {
+TEST_F(Frames, ResumeAfterAnInterruption) {
   fs::rename(path("scenes/mine.3.pbrt"), path("late.pbrt"));
   const std::vector<std::string> all{"mine.%d.pbrt",
                                      "--frames",
@@ -176,7 +177,7 @@ TEST_F(Frames, GoOnWhereTheyWereInterrupted) {
   EXPECT_TRUE(fs::exists(path("go.2.pfm")));
   EXPECT_FALSE(fs::exists(path("go.3.pfm")));
   fs::rename(path("late.pbrt"), path("scenes/mine.3.pbrt"));
-  fs::remove(path("err.1.pfm"));  // not whole: done again
+  fs::remove(path("err.1.pfm"));  // incomplete, so it is rendered again
   const std::string kept = "not a picture";
   std::ofstream(path("go.2.pfm")) << kept;
   const Outcome second = render(all);
@@ -189,7 +190,7 @@ TEST_F(Frames, GoOnWhereTheyWereInterrupted) {
     EXPECT_TRUE(fs::exists(path("err." + std::to_string(n) + ".pfm")));
     EXPECT_FALSE(fs::exists(path("journal." + std::to_string(n))));
   }
-  // Without the flag all is done again.
+  // Without the flag every frame is rendered again.
   const Outcome third =
       render({"moving.pbrt", "--frames", "2", "--fps", "4", "-o", path("go.%d.pfm"), "--json"});
   ASSERT_EQ(third.status, 0) << third.err;
@@ -197,7 +198,7 @@ TEST_F(Frames, GoOnWhereTheyWereInterrupted) {
   EXPECT_NE(bytes(path("go.2.pfm")), kept);
 }
 
-TEST_F(Frames, AreOfMomentsOrOfALongerShutterWhereAsked) {
+TEST_F(Frames, FollowTheTimeAndShutterOptions) {
   const auto run = [&](std::vector<std::string> arguments, const std::string& name) {
     arguments.insert(arguments.begin(), "moving.pbrt");
     arguments.insert(arguments.end(), {"-o", path(name)});
@@ -225,7 +226,7 @@ TEST_F(Frames, AreOfMomentsOrOfALongerShutterWhereAsked) {
                                   return true;
                                 })
                   .ok());
-  // PFM has its rows from the bottom.
+  // PFM stores its rows from the bottom up.
   const std::string file = bytes(path("long.3.pfm"));
   const auto pixels = picture.picture().value().pixels;
   const std::size_t row = 24 * 3 * sizeof(float), header = file.size() - 16 * row;
@@ -234,10 +235,10 @@ TEST_F(Frames, AreOfMomentsOrOfALongerShutterWhereAsked) {
               std::string(reinterpret_cast<const char*>(pixels.data()) + y * row, row));
 }
 
-TEST_F(Frames, WhatCannotBeIsFoundOutBeforehand) {
+TEST_F(Frames, WrongOptionsAreRefusedBeforeAnyCall) {
   const auto before = std::distance(fs::directory_iterator(directory_), {});
   const auto wrong = [&](std::vector<std::string> arguments, const std::string& what) {
-    arguments.insert(arguments.begin(), {"--server", "127.0.0.1:1"});  // nobody is asked
+    arguments.insert(arguments.begin(), {"--server", "127.0.0.1:1"});  // no server is called
     const Outcome outcome = render(std::move(arguments));
     EXPECT_EQ(outcome.status, 2) << outcome.err;
     EXPECT_THAT(outcome.err, HasSubstr(what));

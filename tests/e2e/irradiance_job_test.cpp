@@ -1,4 +1,4 @@
-// Many receivers on several servers, which are killed, halted and interrupted meanwhile.
+// Many receivers on several servers, which are killed, halted and interrupted during the job.
 #include "lucerna/client/irradiance_job.h"
 
 #include <gmock/gmock.h>
@@ -49,7 +49,7 @@ class IrradianceJob : public ::testing::Test {
   void SetUp() override {
     add_server();
     if (HasFatalFailure()) return;
-    // On the floor, from zero to both sides: a part of them would have an origin of its own.
+    // On the floor, on both sides of zero.  A subset of them would have its own origin.
     for (std::size_t i = 0; i < kPoints; ++i) {
       const double x = 0.011 * static_cast<double>(i) - 3.3, y = std::sin(static_cast<double>(i));
       receivers_.points.push_back({x, y, 0.0});
@@ -74,7 +74,7 @@ class IrradianceJob : public ::testing::Test {
       request.set_lease_s(60);
       return client.load_scene(request, call);
     };
-    options_.job.call = client::CallOptions::within(std::chrono::seconds(100));
+    options_.job.call = client::CallOptions::within(std::chrono::minutes(10));
     options_.job.on_event = [this](const std::string& event) { events_.push_back(event); };
   }
 
@@ -86,7 +86,7 @@ class IrradianceJob : public ::testing::Test {
     targets_.push_back(servers_.back()->target());
   }
 
-  /// What one call answers, as rows.
+  /// The answer of one call, as rows.
   std::vector<float> one_request() {
     v1::LoadSceneRequest load;
     load.set_path("point.pbrt");
@@ -129,7 +129,7 @@ class IrradianceJob : public ::testing::Test {
     }
   }
 
-  /// Calls `f` once, when the job has done `pieces`.
+  /// Calls `f` once, when the job has finished `pieces` pieces.
   void when(std::size_t pieces, std::function<void()> f) {
     options_.job.on_progress = [pieces, f = std::move(f),
                                 called = false](const client::JobProgress& p) mutable {
@@ -164,7 +164,7 @@ TEST_F(IrradianceJob, TheSameBitsAsOneRequestFromAnyNumberOfServersAndAnyPieces)
   }
 }
 
-TEST_F(IrradianceJob, ServersThatAreKilledOrHaltAreDoneWithout) {
+TEST_F(IrradianceJob, FinishesWithoutServersThatAreKilledOrHalt) {
   add_server();
   add_server();
   options_.items_per_piece = 4;
@@ -176,7 +176,7 @@ TEST_F(IrradianceJob, ServersThatAreKilledOrHaltAreDoneWithout) {
   ::kill(servers_[2]->process_id(), SIGCONT);
 }
 
-TEST_F(IrradianceJob, AnInterruptedJobGoesOnFromItsJournal) {
+TEST_F(IrradianceJob, AnInterruptedJobResumesFromItsJournal) {
   add_server();
   options_.journal = (directory_ / "journal").string();
   options_.items_per_piece = 4;
@@ -184,14 +184,14 @@ TEST_F(IrradianceJob, AnInterruptedJobGoesOnFromItsJournal) {
   options_.job.call.stop = stop.get_token();
   when(50, [&] { stop.request_stop(); });
   EXPECT_EQ(client::run_irradiance_job(options_).status().code(), absl::StatusCode::kCancelled);
-  // Within a record; of another piece the results were lost.
+  // Cuts the journal within a record, and spoils the results of another piece.
   fs::resize_file(options_.journal, fs::file_size(options_.journal) - 5);
   {
     std::fstream file(options_.results, std::ios::binary | std::ios::in | std::ios::out);
     file.seekp(3);
     file.put(1);
   }
-  // The journal tells where results are and does not repeat them.
+  // The journal records where results are, and does not repeat them.
   EXPECT_LT(fs::file_size(options_.journal), 100 + 50 * 40);
   options_.job.call.stop = {};
   options_.job.on_progress = {};
@@ -210,7 +210,7 @@ TEST_F(IrradianceJob, AnInterruptedJobGoesOnFromItsJournal) {
             absl::StatusCode::kFailedPrecondition);
 }
 
-TEST_F(IrradianceJob, AJournalWithoutItsResultsIsOfNoWorth) {
+TEST_F(IrradianceJob, AJournalWithoutItsResultsIsNotUsed) {
   options_.journal = (directory_ / "journal").string();
   options_.items_per_piece = 64;
   expect_the_same_bits(client::run_irradiance_job(options_));
@@ -218,10 +218,10 @@ TEST_F(IrradianceJob, AJournalWithoutItsResultsIsOfNoWorth) {
   const auto result = client::run_irradiance_job(options_);
   expect_the_same_bits(result);
   EXPECT_EQ(result->from_journal, 0U);
-  EXPECT_THAT(events_, Contains(HasSubstr("does not hold 10 of the runs that ")));
+  EXPECT_THAT(events_, Contains(HasSubstr("lacks 10 of the runs in ")));
 }
 
-TEST_F(IrradianceJob, ASingleSampleHasNoErrorAndWavelengthsFollow) {
+TEST_F(IrradianceJob, ASingleSampleHasNoErrorAndWavelengthsAreTheLastColumns) {
   options_.request.mutable_accuracy()->set_samples(1);
   options_.request.set_bounces(0);
   options_.request.add_wavelengths_nm(450);
@@ -234,13 +234,13 @@ TEST_F(IrradianceJob, ASingleSampleHasNoErrorAndWavelengthsFollow) {
     EXPECT_TRUE(std::isnan(rows[c])) << c;
   EXPECT_GT(rows[0], 0);
   EXPECT_EQ(rows[client::kStatusColumn], 1);
-  // In W/m2/nm; the white light has most of its watts in the middle.
+  // In W/m2/nm.  The white light has most of its watts in the middle.
   EXPECT_GT(rows[9], 0);
   EXPECT_GT(rows[10], 0);
   EXPECT_LT(rows[10], rows[0] / 100);
 }
 
-TEST_F(IrradianceJob, ATargetErrorTellsIntervalsAndSamplesOfEachReceiver) {
+TEST_F(IrradianceJob, ATargetErrorGivesIntervalsAndSamplesOfEachReceiver) {
   add_server();
   request_.mutable_accuracy()->mutable_target_error()->set_relative(0.2);
   request_.mutable_accuracy()->mutable_target_error()->set_max_samples(512);
@@ -257,16 +257,16 @@ TEST_F(IrradianceJob, ATargetErrorTellsIntervalsAndSamplesOfEachReceiver) {
   EXPECT_LT(rows[7], rows[0]);
   EXPECT_GT(rows[8], rows[0]);
   EXPECT_GE(rows[9], 64);
-  // Without it the rows are others, which do not take their place.
+  // Without the target the rows have other columns, so they must not replace these.
   options_.request.mutable_accuracy()->set_samples(48);
   EXPECT_EQ(client::run_irradiance_job(options_).status().code(),
             absl::StatusCode::kFailedPrecondition);
 }
 
-TEST_F(IrradianceJob, ReceiversThatCannotBeReadEndIt) {
+TEST_F(IrradianceJob, ReceiversThatCannotBeReadEndTheJob) {
   receivers_.fail_at = 1;
   options_.job.servers = []() -> absl::StatusOr<std::vector<std::string>> {
-    ADD_FAILURE() << "nobody is asked before all was read";
+    ADD_FAILURE() << "a server was called before all receivers were read";
     return absl::UnavailableError("");
   };
   EXPECT_EQ(client::run_irradiance_job(options_).status().message(), "desks.csv:3: no number");

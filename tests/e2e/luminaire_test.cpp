@@ -1,4 +1,4 @@
-// Luminaires in photometric files and pictures, from the file to the command line.
+// Luminaires from photometric files and pictures, from the file to the command line.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -22,7 +22,7 @@ using ::testing::HasSubstr;
 
 constexpr double kPi = std::numbers::pi;
 
-/// A street lantern as a laboratory writes it: type C, quadrants, angles each 2.5 degrees.
+/// A street lantern as a laboratory writes it: type C, quadrants, one angle every 2.5 degrees.
 double candela(double v_deg, double h_deg) {
   const double v = v_deg * kPi / 180, h = h_deg * kPi / 180;
   return 900 * std::cos(v) * (1 + 0.5 * std::sin(h) * std::sin(h) * std::sin(v));
@@ -45,9 +45,9 @@ std::string lantern_ies() {
   return text;
 }
 
-/// The luminaire's lumens as a laboratory's report has them: zonal constants of 5 degrees, 2 pi
-/// (cos a - cos b), times the candela at the middle of the zone, the mean over all planes (of a
-/// quadrant the first and the last are met twice in a turn, the others four times).
+/// The luminaire's lumens by the method of laboratory reports: zonal constants of 5 degrees, 2 pi
+/// (cos a - cos b), times the candela at the middle of the zone, averaged over all planes.  In a
+/// quadrant file, a turn contains the first and last planes twice and the others four times.
 double report_lumens() {
   double sum = 0;
   for (int zone = 0; zone < 18; ++zone) {
@@ -99,8 +99,8 @@ class Luminaires : public ::testing::Test {
   static inline std::unique_ptr<testing::LocalServer> server_;
 };
 
-// Two rules for one integral: zones of 5 degrees take a cosine 1 / cos(2.5 degrees) times too
-// large, 0.1%, straight lines each 2.5 degrees 0.02% too small.
+// Two rules for one integral.  Zones of 5 degrees take a cosine that is too large by 1 / cos(2.5
+// degrees), 0.1%.  Straight lines every 2.5 degrees are 0.02% too small.
 TEST_F(Luminaires, PowerIsTheTotalOfTheLaboratorysReport) {
   const Outcome outcome = lucerna({"power", "lantern.pbrt"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;

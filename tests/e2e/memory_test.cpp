@@ -1,4 +1,4 @@
-// What GetScene says of memory, against what the operating system says.
+// The memory that GetScene reports agrees with that of the operating system.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -72,7 +72,7 @@ class Memory : public ::testing::Test {
 
 TEST_F(Memory, GetSceneAgreesWithTheChangeOfResidentMemory) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  GTEST_SKIP() << "sanitizers need memory of their own";
+  GTEST_SKIP() << "sanitizers use additional memory";
 #endif
   const double before = resident_bytes(server_->process_id());
   const auto loaded = server_->client().load_scene(sheet());
@@ -85,15 +85,15 @@ TEST_F(Memory, GetSceneAgreesWithTheChangeOfResidentMemory) {
   const auto told = static_cast<double>(scene->summary().bytes());
   EXPECT_GT(told, 500e6);
   EXPECT_NEAR(after - before, told, 0.1 * told);
-  // And it goes with the scene.
+  // Unloading the scene frees it.
   v1::ReleaseSceneRequest release;
   release.set_scene_id(loaded->scene_id());
   ASSERT_TRUE(server_->client().release_scene(release).ok());
   EXPECT_LT(resident_bytes(server_->process_id()) - before, 0.1 * told);
 }
 
-TEST_F(Memory, ALoadThatIsGivenUpStopsAndLeavesNothing) {
-  // Reading alone takes longer than this.
+TEST_F(Memory, ACancelledLoadStopsAndLeavesNothing) {
+  // Reading the file alone takes longer than this.
   const auto late = server_->client().load_scene(
       sheet(), client::CallOptions::within(std::chrono::milliseconds(50)));
   EXPECT_EQ(late.status().code(), absl::StatusCode::kDeadlineExceeded) << late.status();

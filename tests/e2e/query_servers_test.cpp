@@ -1,4 +1,5 @@
-// Small questions to several servers, of which one is killed, with the library and with lucerna.
+// Small queries to several servers, one of which is killed, through the library and through
+// lucerna.
 #include "lucerna/client/query_servers.h"
 
 #include <gmock/gmock.h>
@@ -44,7 +45,7 @@ class QueryServers : public ::testing::Test {
   std::vector<std::unique_ptr<testing::LocalServer>> servers_;
 };
 
-TEST_F(QueryServers, OfOneThatIsKilledNobodyNotices) {
+TEST_F(QueryServers, AKilledServerChangesNoAnswer) {
   client::QueryServersOptions options{.servers = *client::server_list(both()), .load = {}};
   options.load = [](const client::Client& client, const client::CallOptions& call) {
     v1::LoadSceneRequest request;
@@ -59,7 +60,7 @@ TEST_F(QueryServers, OfOneThatIsKilledNobodyNotices) {
   *request.mutable_receivers() = client::make_points(points);
   request.mutable_seed()->set_seed(1);
   const auto ask = [&](const client::Client& client) { return client.sample_li(request); };
-  const auto expected = servers->ask(ask);
+  const auto expected = servers->query(ask);
   ASSERT_TRUE(expected.ok()) << expected.status();
   for (int i = 0; i < 2000; ++i) {
     if (i == 500) ::kill(servers_[0]->process_id(), SIGKILL);
@@ -69,19 +70,19 @@ TEST_F(QueryServers, OfOneThatIsKilledNobodyNotices) {
       servers_[0].reset();
       servers_[0] = start(port);  // without the scene
     }
-    const auto now = servers->ask(ask);
+    const auto now = servers->query(ask);
     ASSERT_TRUE(now.ok()) << i << ": " << now.status();
     ASSERT_THAT(now->value(), ::testing::ElementsAreArray(expected->value()));
   }
 }
 
-TEST_F(QueryServers, TheProgramAsksSeveralAndAnswersAsOne) {
+TEST_F(QueryServers, TheProgramAnswersTheSameFromOneServerAndFromSeveral) {
   const Outcome one = lucerna(irradiance("point.pbrt"), servers_[0]->target());
   ASSERT_EQ(one.status, 0) << one.err;
   Outcome several = lucerna(irradiance("point.pbrt"), both());
   EXPECT_EQ(several.status, 0) << several.err;
   EXPECT_EQ(without_cost(several.out), without_cost(one.out));
-  // Both have the scene now, and can be asked by its id, or its first digits.
+  // Both servers have the scene now, so its id or the first digits of it name the scene.
   const std::string id = lucerna({"load", "point.pbrt"}, servers_[1]->target()).out.substr(0, 64);
   for (const std::string& scene : {id, id.substr(0, 6)}) {
     several = lucerna(irradiance(scene), both());
@@ -93,7 +94,7 @@ TEST_F(QueryServers, TheProgramAsksSeveralAndAnswersAsOne) {
     EXPECT_EQ(lucerna({command, "point.pbrt"}, both()).out,
               lucerna({command, "point.pbrt"}, servers_[0]->target()).out);
   }
-  // Without one of them.
+  // After one server is killed.
   ::kill(servers_[0]->process_id(), SIGKILL);
   several = lucerna(irradiance("point.pbrt"), both());
   EXPECT_EQ(several.status, 0) << several.err;
@@ -105,7 +106,7 @@ TEST_F(QueryServers, TheProgramAsksSeveralAndAnswersAsOne) {
   EXPECT_THAT(several.err, HasSubstr("cannot reach any server of " + both()));
 }
 
-TEST(QueryServersMixed, TheProgramAsksThemOnlyWhereThatIsAllowed) {
+TEST(QueryServersMixed, TheProgramRefusesThemUnlessAllowed) {
   FakeServer servers[2];
   servers[1].fingerprint = "g";
   for (FakeServer& server : servers) {
@@ -129,7 +130,7 @@ TEST(QueryServersMixed, TheProgramAsksThemOnlyWhereThatIsAllowed) {
   EXPECT_THAT(allowed.err, HasSubstr("different numeric fingerprints: f, g\n"));
 }
 
-TEST_F(QueryServers, WhatIsForOneServerSaysSo) {
+TEST_F(QueryServers, CommandsForOneServerRefuseSeveral) {
   for (const std::vector<std::string>& command :
        std::vector<std::vector<std::string>>{{"load", "point.pbrt"},
                                              {"scenes"},

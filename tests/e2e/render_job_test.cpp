@@ -1,4 +1,4 @@
-// One picture on several servers, which are killed, halted, restarted and added meanwhile.
+// One picture on several servers, which are killed, halted, restarted and added during the job.
 #include "lucerna/client/render_job.h"
 
 #include <gmock/gmock.h>
@@ -56,7 +56,7 @@ class RenderJob : public ::testing::Test {
       request.set_lease_s(60);
       return client.load_scene(request, call);
     };
-    options_.job.call = client::CallOptions::within(std::chrono::seconds(100));
+    options_.job.call = client::CallOptions::within(std::chrono::minutes(10));
     options_.job.on_event = [this](const std::string& event) { events_.push_back(event); };
   }
 
@@ -74,7 +74,7 @@ class RenderJob : public ::testing::Test {
     EXPECT_EQ(result->picture.pixels, expected_.pixels);
     EXPECT_EQ(result->picture.standard_error, expected_.standard_error);
   }
-  /// Calls `f` once, when the job has done `pieces`.
+  /// Calls `f` once, when the job has finished `pieces` pieces.
   void when(std::size_t pieces, std::function<void()> f) {
     options_.job.on_progress = [pieces, f = std::move(f),
                                 called = false](const client::JobProgress& p) mutable {
@@ -110,7 +110,7 @@ TEST_F(RenderJob, TheSameBitsFromAnyNumberOfServersAndAnySplit) {
   EXPECT_THAT(events_, Each(Not(HasSubstr("does not answer"))));
 }
 
-TEST_F(RenderJob, AServerThatIsKilledIsDoneWithout) {
+TEST_F(RenderJob, FinishesWithoutAServerThatIsKilled) {
   add_server();
   add_server();
   options_.request.set_tile_size(16);
@@ -118,7 +118,7 @@ TEST_F(RenderJob, AServerThatIsKilledIsDoneWithout) {
   expect_the_same_bits(client::run_render_job(options_));
 }
 
-TEST_F(RenderJob, AServerThatHaltsIsDoneWithout) {
+TEST_F(RenderJob, FinishesWithoutAServerThatHalts) {
   add_server();
   add_server();
   options_.request.set_tile_size(16);
@@ -127,7 +127,7 @@ TEST_F(RenderJob, AServerThatHaltsIsDoneWithout) {
   ::kill(servers_[1]->process_id(), SIGCONT);
 }
 
-TEST_F(RenderJob, AllGoneAndBackAgain) {
+TEST_F(RenderJob, WaitsWhileNoServerAnswers) {
   options_.request.set_tile_size(16);
   const int port = std::stoi(targets_[0].substr(targets_[0].rfind(':') + 1));
   when(20, [this] { ::kill(servers_[0]->process_id(), SIGKILL); });
@@ -158,7 +158,7 @@ TEST_F(RenderJob, AServerThatJoinsGetsTheSceneAndTakesPart) {
   EXPECT_EQ(scenes->scenes_size(), 1);
 }
 
-TEST_F(RenderJob, AnInterruptedJobGoesOnFromItsJournal) {
+TEST_F(RenderJob, AnInterruptedJobResumesFromItsJournal) {
   options_.request.set_tile_size(16);
   options_.samples_per_piece = 16;
   options_.journal = (directory_ / "journal").string();
@@ -166,7 +166,7 @@ TEST_F(RenderJob, AnInterruptedJobGoesOnFromItsJournal) {
   options_.job.call.stop = stop.get_token();
   when(30, [&] { stop.request_stop(); });
   EXPECT_EQ(client::run_render_job(options_).status().code(), absl::StatusCode::kCancelled);
-  // Cut off within a record, as a machine that loses its power may leave it.
+  // Cut off within a record, as a power failure may leave it.
   fs::resize_file(options_.journal, fs::file_size(options_.journal) - 5);
   options_.job.call.stop = {};
   options_.job.on_progress = {};
@@ -174,8 +174,8 @@ TEST_F(RenderJob, AnInterruptedJobGoesOnFromItsJournal) {
   expect_the_same_bits(result);
   EXPECT_GE(result->from_journal, 29U);
   EXPECT_LT(result->from_journal, result->pieces);
-  // And all of it.
-  // Twice even, as where two jobs wrote it on a file system that has no locks.
+  // All pieces come from the journal, even where it holds each record twice.  Two jobs may write
+  // such a journal on a file system without locks.
   for (int i = 0; i < 2; ++i) {
     const auto again = client::run_render_job(options_);
     expect_the_same_bits(again);
@@ -220,13 +220,13 @@ TEST_F(RenderJob, PixelsOfATargetErrorAreTheSameFromAnyServersAndTiles) {
       EXPECT_EQ(result->from_journal, again ? result->pieces : 0);
     }
   }
-  // Another error is another job.
+  // Another target error is another job.
   options_.request.mutable_accuracy()->mutable_target_error()->set_relative(0.2);
   EXPECT_EQ(client::run_render_job(options_).status().code(),
             absl::StatusCode::kFailedPrecondition);
 }
 
-TEST_F(RenderJob, ATargetErrorIsNotSplitBySamplesAndATimeIsNoJob) {
+TEST_F(RenderJob, SplitSamplesWithATargetErrorAndTimeBudgetsAreRefused) {
   options_.samples_per_piece = 8;
   options_.request.mutable_accuracy()->mutable_target_error()->set_relative(0.3);
   auto result = client::run_render_job(options_);
@@ -239,7 +239,7 @@ TEST_F(RenderJob, ATargetErrorIsNotSplitBySamplesAndATimeIsNoJob) {
   EXPECT_THAT(std::string(result.status().message()), HasSubstr("accuracy.time_budget_s"));
 }
 
-TEST_F(RenderJob, MorePiecesThanAJobMayHaveAreRefused) {
+TEST_F(RenderJob, TooManyPiecesAreRefused) {
   options_.request.set_tile_size(1);
   options_.request.mutable_accuracy()->set_samples(1U << 31);
   options_.request.set_samples_per_block(1);
@@ -275,7 +275,7 @@ TEST_F(RenderJob, TheCommandLineUploadsAndRendersEverywhere) {
   const Outcome letter = lucerna({"--servers", targets_[0], "point.pbrt", "-o", here, "--journal",
                                   (directory_ / "letter").string()});
   EXPECT_EQ(letter.status, 1);
-  EXPECT_THAT(letter.err, HasSubstr("is the journal of another job, or none"));
+  EXPECT_THAT(letter.err, HasSubstr("is the journal of another job, or not a journal"));
   EXPECT_THAT(letter.err, Not(HasSubstr("the server said")));
   EXPECT_EQ(lucerna({"point.pbrt", "-o", here, "--servers", "nowhere"}).status, 2);
 }

@@ -10,7 +10,7 @@
 namespace lucerna {
 namespace {
 
-/// A file in memory that starts with `content`, read from its beginning.
+/// A file in memory with `content`, to be read from its beginning.
 int memory_file(const std::string& content) {
   const int file = ::memfd_create("run_program", MFD_CLOEXEC);
   if (file < 0 ||

@@ -1,4 +1,4 @@
-// What a meter reads at the points that come with the shipped scenes, by the command line.
+// Illuminances at the points that come with the shipped scenes, from the command line.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -16,7 +16,7 @@
 namespace lucerna {
 namespace {
 
-/// What a small flat meter reads.
+/// The reading of a small flat meter.
 struct Reading {
   std::array<double, 3> point, normal;
   double lux, standard_error;
@@ -35,7 +35,7 @@ std::vector<std::vector<double>> numbers(const std::string& path) {
   return rows;
 }
 
-/// Direct light at all points of a scene; each must have an answer.
+/// Direct light at all points of a scene.  Each point must have an answer.
 std::vector<Reading> direct_light(const std::string& scene) {
   const TempDirectory directory;
   const auto server = testing::LocalServer::start({.scene_root = LUCERNA_SCENES});
@@ -77,10 +77,10 @@ double quantile(const std::vector<double>& sorted, double q) {
   return sorted[static_cast<std::size_t>(q * static_cast<double>(sorted.size() - 1))];
 }
 
-// The sun on level ground, 78000 lx times the sine of its 27 degrees, and the sky's 11000 lx.  Of
-// the sky hills and trees hide what is low: a band of 5 degrees all around the horizon has 0.8% of
-// the light of an even sky (its squared sine), of one as bright as this about the sun no more than
-// 4%, which is 1% of all.
+// The sun on level ground, 78000 lx times the sine of its 27 degrees, plus the sky's 11000 lx.
+// Hills and trees hide the low part of the sky.  A band of 5 degrees all around the horizon has
+// 0.8% (its squared sine) of the light of an even sky.  In a sky this bright about the sun it has
+// at most 4% of the sky's light, which is 1% of the total.
 TEST(ShippedScenes, MeadowHasTheDaylightThatItStates) {
   const double open = 78000 * std::sin(27 * M_PI / 180) + 11000;
   const double median = quantile(sorted_lux("meadow"), 0.5);
@@ -88,7 +88,7 @@ TEST(ShippedScenes, MeadowHasTheDaylightThatItStates) {
   EXPECT_GT(median, open * 0.99);
 }
 
-// EN 12464-1 asks for 500 lx where people read, with what walls reflect.
+// EN 12464-1 requires 500 lx where people read, with the light that walls reflect.
 TEST(ShippedScenes, RoomIsLitForWork) {
   const std::vector<double> lux = sorted_lux("room");
   EXPECT_GT(quantile(lux, 0.5), 150);
@@ -96,7 +96,7 @@ TEST(ShippedScenes, RoomIsLitForWork) {
   EXPECT_LT(lux.back(), 1000);
 }
 
-// Streets are lit with 7.5 to 50 lx (EN 13201-2, classes C5 to C0); this one has shops too.
+// Streets are lit with 7.5 to 50 lx (EN 13201-2, classes C5 to C0); this street has shops too.
 TEST(ShippedScenes, StreetIsLitAsStreetsAre) {
   const std::vector<double> lux = sorted_lux("street");
   EXPECT_GT(quantile(lux, 0.05), 7.5);
@@ -110,7 +110,7 @@ TEST(ShippedScenes, StageHasDarkPlacesAndBrightOnes) {
   EXPECT_LT(lux.back(), 1000);
 }
 
-/// What the Cornell box's lamp gives where nothing stands between [lx]: by the midpoint rule.
+/// The unoccluded illuminance from the lamp of the Cornell box [lx], by the midpoint rule.
 double unshadowed(const Reading& at) {
   constexpr int kSteps = 200;
   const double level = 600 / (M_PI * 0.130 * 0.105);
@@ -126,13 +126,13 @@ double unshadowed(const Reading& at) {
   return level * sum * 0.130 * 0.105 / kSteps / kSteps;
 }
 
-TEST(ShippedScenes, CornellBoxHasTheLightOfItsLampLessItsBlocksShadows) {
+TEST(ShippedScenes, CornellBoxHasTheLightOfItsLampMinusShadowsOfItsBlocks) {
   int lit = 0, shadowed = 0;
   const std::vector<Reading> readings = direct_light("cornell");
   for (const Reading& reading : readings) {
     const double full = unshadowed(reading);
-    // Twelve standard errors of 16 replicates or more: Student's t passes that by luck in 1e-6 of
-    // runs with 400 readings.  And the midpoint rule's own, near the lamp's plane.
+    // Twelve standard errors of 16 replicates or more: Student's t exceeds that by chance in 1e-6
+    // of runs with 400 readings.  Plus the error of the midpoint rule, near the plane of the lamp.
     const double slack = 12 * reading.standard_error + 1e-3 * full;
     EXPECT_LT(reading.lux, full + slack);
     lit += std::fabs(reading.lux - full) <= slack;

@@ -1,4 +1,4 @@
-// A set of points has the same answers, to the bit, in one batch and in many.
+// A set of points has bitwise the same answers in one batch and in many.
 #include <gtest/gtest.h>
 
 #include "client/rpc/batches.h"
@@ -47,7 +47,7 @@ TEST_F(Split, SampleLiIsTheSameInOneBatchAndInMany) {
   const auto split = client::sample_li_in_batches(client(), request, {.max_items = 13});
   ASSERT_TRUE(split.ok()) << split.status();
   EXPECT_EQ(without_cost(*split), without_cost(*whole));
-  // The companion that must differ: another place in the set.
+  // The companion that must differ: another position in the set.
   request.mutable_seed()->set_first_item(1);
   EXPECT_NE(without_cost(*client().sample_li(request)), without_cost(*whole));
 }

@@ -1,4 +1,4 @@
-// libFuzzer target: the bytes as a scene file that may include itself, and as a mesh.
+// libFuzzer target: reads the bytes as a scene file, which may include itself, and as a mesh.
 #include <cstddef>
 #include <cstdint>
 #include <fstream>

@@ -1,7 +1,6 @@
-// Checks Kubernetes manifests without a cluster: that each document is one that Kubernetes has, by the
-// JSON schemas that the npm package kubernetes-models brings (made from Kubernetes' own OpenAPI
-// description), and that it says nothing else, by that package's types.  The schemas let fields pass that
-// they do not know; TypeScript does not.
+// Checks Kubernetes manifests without a cluster.  Each document must match the JSON schemas of the
+// npm package kubernetes-models, which are made from Kubernetes' OpenAPI description.  It must also
+// match that package's types: the schemas allow unknown fields, TypeScript does not.
 import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { fileURLToPath } from "node:url";
@@ -12,7 +11,7 @@ const require = createRequire(tools);
 const ts = require("typescript");
 const yaml = require("yaml");
 
-/** The documents of a manifest.  Throws where it is no YAML, a key that stands twice included. */
+/** The documents of a manifest.  Throws on invalid YAML and on duplicate keys. */
 export function read(path) {
   return yaml.parseAllDocuments(readFileSync(path, "utf8")).map((document) => {
     if (document.errors.length > 0) throw document.errors[0];
@@ -20,7 +19,7 @@ export function read(path) {
   });
 }
 
-/** What is wrong with each of `documents`, by its place among them; an empty list where nothing is. */
+/** The errors of each of `documents`, by its index; an empty list if there are none. */
 export function check(documents) {
   const complaints = documents.map(() => []);
   const sources = new Map();
@@ -52,7 +51,7 @@ export function check(documents) {
   return complaints;
 }
 
-/** What TypeScript says of the sources, which are in memory only. */
+/** TypeScript's errors in the sources, which are in memory only. */
 function diagnostics(sources) {
   const options = {
     strict: true,

@@ -1,4 +1,4 @@
-// The manifests of deploy/kubernetes are what Kubernetes takes, and what the programs take.
+// The manifests of deploy/kubernetes are valid for Kubernetes and for the programs.
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import { mkdtempSync, readdirSync, rmSync, writeFileSync } from "node:fs";

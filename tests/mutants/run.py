@@ -1,17 +1,18 @@
 #!/usr/bin/python3
-"""Sees that the tests of docs/extremes.md can fail: takes one fix after the other out of a copy of the sources.
+"""Checks that the tests of docs/extremes.md can fail: removes one fix after the other from a copy of the sources.
 
-    tests/mutants/run.py [NAME...]       applies each patch (all, or those named as 01), builds, sees its test fail
-    tests/mutants/run.py --apply-only    sees that all patches apply, and that each row of the page has one
+    tests/mutants/run.py [NAME...]       applies each patch (all, or the named ones, such as 01), builds, and expects
+                                         its test to fail
+    tests/mutants/run.py --apply-only    checks that all patches apply, and that each row of the page has one
 
-A patch NN.patch (or NNx.patch) is of row NN and begins with
+A patch NN.patch (or NNx.patch) belongs to row NN and begins with
 
-    Row NN: what it takes out.
+    Row NN: what it removes.
     Test: EXECUTABLE FILTER
-    Fails by: crash                      (or timeout; only where it is not by an expectation)
+    Fails by: crash                      (or timeout; only if it does not fail by an expectation)
 
-Exits 1 where a mutant survives: where no test of FILTER fails.  A patch that does not apply or build, and a filter
-that matches no test, are errors too.  The copy is build/mutants, kept so that the next run is quick.
+Exits with 1 if a mutant survives, that is if no test of FILTER fails.  A patch that does not apply or build, and a
+filter that matches no test, are errors too.  The copy build/mutants is kept, so that the next run is quick.
 """
 import argparse
 import json
@@ -28,7 +29,8 @@ COPY = ROOT / "build/mutants"
 BUILD = COPY / "build/release"
 PRESET = "release"
 TIMEOUT_S = 300  # of a test
-# Git looks for no repository above the copy, and ccache knows the files of the one in those of the other.
+# Git must not find a repository above the copy.  ccache must recognise the files of one tree in the
+# other.
 ENVIRONMENT = os.environ | {"GIT_CEILING_DIRECTORIES": str(COPY.parent), "CCACHE_BASEDIR": str(COPY), "CCACHE_NOHASHDIR": "1"}
 
 
@@ -49,7 +51,7 @@ def run(*command, **options):
 
 
 def refresh_copy():
-    """The sources as they are now, committed or not; those that are the same keep their time."""
+    """Copies the current sources, committed or not; unchanged files keep their time."""
     def names(*options):
         return subprocess.check_output(["git", "ls-files", "-z", *options], cwd=ROOT, text=True).split("\0")[:-1]
     sources = {n for n in names("-c", "-o", "--exclude-standard") if (ROOT / n).is_file()}
@@ -72,7 +74,7 @@ def build(target):
 
 
 def outcome(mutant):
-    """What its test does as the copy stands: passes, fails, or what is wrong."""
+    """Result of its test in the current copy: passes, the kind of failure, or an error."""
     found = [p for p in BUILD.glob(f"tests/**/{mutant.executable}") if p.is_file()]
     report = BUILD / "mutant.json"
     report.unlink(missing_ok=True)
@@ -88,7 +90,7 @@ def outcome(mutant):
 
 
 def judge(mutant):
-    """Applies the patch, builds, runs the test, reverts; "killed", or what is wrong."""
+    """Applies the patch, builds, runs the test, reverts; "killed", or an error."""
     applied = run("git", "apply", mutant.path, cwd=COPY)
     if applied.returncode != 0:
         return "does not apply: " + applied.stdout
@@ -111,7 +113,7 @@ def run_mutants(mutants):
     for executable in sorted({m.executable for m in mutants}):
         if error := build(executable):
             sys.exit(f"{executable} does not build: {error}")
-    # All of them now: later the executables are those of the mutant before.
+    # All of them now, since later the executables are those of the previous mutant.
     before = {m.filter: outcome(m) for m in {m.filter: m for m in mutants}.values()}
     good = True
     for m in mutants:
@@ -124,7 +126,7 @@ def run_mutants(mutants):
 
 
 def check(mutants):
-    """Cheap: they apply, and the page's rows have theirs."""
+    """Checks without a build that all patches apply, and that each row of the page has one."""
     good = True
     for m in mutants:
         applied = run("git", "apply", "--check", m.path, cwd=ROOT)

@@ -26,7 +26,7 @@ CommunicationParameters=NoInAddrAny,NoCtldInAddrAny
 SlurmUser={user}
 SlurmdUser={user}
 AuthType=auth/munge
-# The latter: how long a requeued job waits [s], which is two minutes by default.
+# The latter sets the wait of a requeued job [s]; the default is two minutes.
 AuthInfo=socket={directory}/munge/socket,cred_expire=10
 CredType=cred/munge
 ProctrackType=proctrack/linuxproc
@@ -34,7 +34,7 @@ TaskPlugin=task/none
 JobAcctGatherType=jobacct_gather/none
 MpiDefault=none
 SelectType=select/cons_tres
-# How often jobs that wait for a time, as requeued ones do, are looked at [s].
+# Interval [s] at which jobs that wait for a time, such as requeued ones, are checked.
 SchedulerParameters=sched_interval=2
 StateSaveLocation={directory}/state
 SlurmctldPidFile={directory}/slurmctld.pid
@@ -51,12 +51,12 @@ PartitionName=all Nodes=ALL Default=YES MaxTime=10 State=UP
 """
 NODE = "NodeName={name} NodeHostname=localhost NodeAddr=127.0.0.1 Port={port} CPUs=2 RealMemory=1000"
 
-# Before a command: it does not outlive this process, even where that is killed.
+# Prefix of a command: it ends with this process, even if that is killed.
 ENDS_WITH_US = ["setpriv", "--pdeathsig=TERM"]
 
 
 def wait_until(condition, seconds, what):
-    """What `condition` answers, once that is true; TimeoutError after so long."""
+    """Returns `condition()` as soon as it is true; TimeoutError after the time limit."""
     end = time.monotonic() + seconds
     while not (answer := condition()):
         if time.monotonic() > end:
@@ -74,11 +74,11 @@ def free_ports(count):
 
 
 def children():
-    """The process ids of this process's children."""
+    """Process ids of this process's children."""
     found = []
     for stat in pathlib.Path("/proc").glob("[0-9]*/stat"):
         try:
-            parent = int(stat.read_text().rpartition(")")[2].split()[1])  # after the name, which may be anything
+            parent = int(stat.read_text().rpartition(")")[2].split()[1])  # after the name, which may contain anything
         except OSError:  # ended meanwhile
             continue
         if parent == os.getpid():
@@ -87,7 +87,7 @@ def children():
 
 
 class SlurmCluster:
-    """A context manager.  `environment` is that of somebody who uses the cluster."""
+    """A context manager.  `environment` is that of a user of the cluster."""
 
     def __init__(self, nodes=("n1", "n2", "n3")):
         self.nodes = nodes
@@ -96,12 +96,12 @@ class SlurmCluster:
         self.environment = None
 
     def __enter__(self):
-        # What a daemon leaves behind becomes a child of ours, to be ended by its process id.
+        # Processes that a daemon leaves behind become our children, so they can be ended by id.
         pr_set_child_subreaper = 36
         if ctypes.CDLL(None, use_errno=True).prctl(pr_set_child_subreaper, 1, 0, 0, 0) != 0:
             raise OSError(ctypes.get_errno(), "prctl")
         self.directory = pathlib.Path(tempfile.mkdtemp(prefix="lucerna-slurm."))
-        atexit.register(self.__exit__)  # also where a test run is broken off
+        atexit.register(self.__exit__)  # also if a test run is interrupted
         try:
             self._start()
         except BaseException:
@@ -111,13 +111,13 @@ class SlurmCluster:
         return self
 
     def __exit__(self, *_):
-        """Ends every process that this one started, and what they left.  Harmless to do twice."""
+        """Ends every process that this one started, and their orphans.  May be called twice."""
         for how, seconds in ((signal.SIGTERM, 10), (signal.SIGKILL, 10)):
             end = time.monotonic() + seconds
             told = set()
             while (left := children()) and time.monotonic() < end:
                 for pid in set(left) - told:
-                    os.kill(pid, how)  # ours, and not waited for yet: the id is nobody else's
+                    os.kill(pid, how)  # our child, not yet waited for: the id is still its own
                     told.add(pid)
                 for daemon in self.daemons.values():
                     daemon.poll()
@@ -128,7 +128,7 @@ class SlurmCluster:
         shutil.rmtree(self.directory, ignore_errors=True)
 
     def run(self, *command, check=True, **options):
-        """The output of a command of Slurm's, as a user would give it."""
+        """Output of a Slurm command, run like by a user."""
         result = subprocess.run(command, env=self.environment, text=True, stdout=subprocess.PIPE,
                                 stderr=subprocess.STDOUT, timeout=60, **options)
         if check and result.returncode != 0:
@@ -136,7 +136,7 @@ class SlurmCluster:
         return result.stdout.strip()
 
     def job(self, job_id):
-        """What Slurm knows of a job, as scontrol shows it."""
+        """Slurm's data of a job, in the form of scontrol."""
         shown = self.run("scontrol", "--oneliner", "show", "job", job_id)
         return dict(field.split("=", 1) for field in shown.split() if "=" in field)
 
@@ -180,7 +180,7 @@ class SlurmCluster:
     def _start(self):
         for name in ("munge", "state", "log", *(f"spool.{node}" for node in self.nodes)):
             (self.directory / name).mkdir()
-        self.directory.chmod(0o755)  # munge's user goes through it
+        self.directory.chmod(0o755)  # munge's user needs access
         ports = free_ports(1 + len(self.nodes))
         configuration = self.directory / "slurm.conf"
         configuration.write_text(CONFIGURATION.format(

@@ -17,14 +17,14 @@ from slurm_cluster import ENDS_WITH_US, SlurmCluster, wait_until
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SCRIPT = ROOT / "deploy/slurm/lucerna-render.sbatch"
-SCENE = ROOT / "tests/data/reference/textured.pbrt"  # names a picture, which has to be uploaded too
+SCENE = ROOT / "tests/data/reference/textured.pbrt"  # names a picture, which must be uploaded too
 MOVING = ROOT / "scenes/moving.pbrt"
-# Long enough to be interrupted, in pieces that are small enough to be interrupted anywhere.
+# Long enough to be interrupted, in pieces that are small enough for an interruption anywhere.
 OPTIONS = ["--samples", "512", "--tile-size", "16"]
 
 
 def picture_of_one_server(directory):
-    """The bytes of the picture that a server by itself renders of SCENE on its own disk."""
+    """Bytes of the picture that a single server renders of SCENE from its own disk."""
     with open(directory / "alone", "w+") as out:
         server = subprocess.Popen(
             [*ENDS_WITH_US, "lucernad", "--listen", "127.0.0.1:0", "--scene-root", SCENE.parent],
@@ -32,9 +32,9 @@ def picture_of_one_server(directory):
         try:
             def target():
                 return (directory / "alone").read_text().strip().removeprefix("listening on ")
-            where = wait_until(target, 20, "lucernad's address")
+            where = wait_until(target, 600, "lucernad's address")
             subprocess.run(["lucerna", "render", "--server", where, SCENE.name, *OPTIONS, "-o",
-                            directory / "alone.pfm"], check=True, timeout=120, stdout=subprocess.DEVNULL)
+                            directory / "alone.pfm"], check=True, timeout=600, stdout=subprocess.DEVNULL)
         finally:
             server.terminate()
             server.wait(30)
@@ -53,11 +53,11 @@ class SlurmTest(unittest.TestCase):
 
     def tearDown(self):
         self.cluster.run("scancel", "--user", str(os.getuid()), check=False)
-        wait_until(lambda: not self.cluster.run("squeue", "-h"), 40, "no job left")
+        wait_until(lambda: not self.cluster.run("squeue", "-h"), 600, "no job left")
         self.assertEqual(self.cluster.processes("lucernad"), [], "servers that outlived their job")
 
     def submit(self, *arguments, nodes=3, environment=(), options=("--exclusive",)):
-        """The number of the job that runs the batch script so."""
+        """Number of the job that runs the batch script with these settings."""
         return self.cluster.run(
             "sbatch", "--parsable", f"--nodes={nodes}", *options, "--output=%j.log",
             f"--export={','.join(['ALL', *environment])}", SCRIPT, *arguments, cwd=self.directory)
@@ -70,7 +70,7 @@ class SlurmTest(unittest.TestCase):
         return path.read_text() if path.exists() else ""
 
     def assert_went_on(self, job):
-        """Fewer samples were computed than the picture is of."""
+        """Expects that fewer samples were computed than the picture has."""
         width, height = map(int, self.expected.split(b"\n", 2)[1].split())
         computed = int(re.search(r" (\d+) samples, ", self.log(job))[1])
         self.assertLess(computed, width * height * int(OPTIONS[1]))
@@ -79,16 +79,16 @@ class SlurmTest(unittest.TestCase):
         return self.directory / f"lucerna-{job}.journal"
 
     def wait_until_it_renders(self, job):
-        """Until some of the picture, and by far not all, is in the journal, which has more bytes a pixel."""
+        """Waits until the journal has a small part of the picture; it has more bytes per pixel."""
         enough = len(self.expected) // 20
 
         def enough_is_done():
             self.assertNotIn(self.cluster.job(job)["JobState"], ("COMPLETED", "FAILED"), self.log(job))
             return self.journal(job).exists() and self.journal(job).stat().st_size > enough
-        wait_until(enough_is_done, 60, f"job {job} renders")
+        wait_until(enough_is_done, 600, f"job {job} renders")
 
     def assert_ends(self, job, state):
-        ended = self.cluster.wait_for(job, 90)
+        ended = self.cluster.wait_for(job, 600)
         self.assertEqual(ended, state, self.log(self.cluster.job(job)["JobId"]))
 
     def assert_same_bits(self, what, job, servers, output="room.pfm"):
@@ -150,17 +150,17 @@ class SlurmTest(unittest.TestCase):
     def test_another_job_goes_on_from_the_journal_of_one_whose_time_was_up(self):
         job = self.submit_picture(nodes=2)
         self.wait_until_it_renders(job)
-        self.cluster.run("scancel", "--batch", "--signal=TERM", job)  # as --signal=B:TERM@30 does it
+        self.cluster.run("scancel", "--batch", "--signal=TERM", job)  # equals --signal=B:TERM@30
         self.assert_ends(job, "FAILED")
         self.assertIn("interrupted", self.log(job))
         self.assertNotIn("all servers have ended", self.log(job))
         self.assertIn(f"goes on from it: {self.journal(job)}\n", self.log(job))
-        # The same scene, whether it is uploaded or a file that the server sees.
+        # The scene has the same id whether it is uploaded or read by the server.
         again = self.submit(SCENE.name, "-o", "room.pfm", *OPTIONS, "--journal", self.journal(job), nodes=1,
                             environment=[f"LUCERNA_SCENE_ROOT={SCENE.parent}"])
         self.assert_ends(again, "COMPLETED")
         self.assert_went_on(again)
-        self.assert_same_bits("gone on by another job", again, 1)
+        self.assert_same_bits("resumed by another job", again, 1)
 
     def test_servers_that_never_come_are_named_and_done_without(self):
         program = self.directory / "lucernad"
@@ -199,13 +199,13 @@ PATH=${PATH#*:} exec lucernad "$@"
         self.assertFalse((self.directory / "room.pfm").exists())
 
     def test_an_array_renders_a_frame_a_task(self):
-        self.directory /= "50%off"  # is in the journals' pattern
+        self.directory /= "50%off"  # this character occurs in the journals' pattern
         self.directory.mkdir()
         job = self.submit(MOVING, "--fps", "4", "-o", "frame.%04d.pfm", "--samples", "16", nodes=1,
                           options=("--array=1-4", "--cpus-per-task=1"))
         for frame in range(1, 5):
             self.assert_ends(f"{job}_{frame}", "COMPLETED")
-        # All by one job, too.
+        # One job may also do all of it.
         whole = self.submit(MOVING, "--frames", "1-4", "--fps", "4", "-o", "whole.%04d.pfm", "--samples", "16",
                             nodes=1)
         self.assert_ends(whole, "COMPLETED")
@@ -225,5 +225,5 @@ PATH=${PATH#*:} exec lucernad "$@"
 if __name__ == "__main__":
     build = pathlib.Path(sys.argv.pop(1)).resolve()
     os.environ["PATH"] = f"{build}/bin:{os.environ['PATH']}"
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit("ended by SIGTERM"))  # leaves no cluster behind
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit("ended by SIGTERM"))  # so that the cluster ends too
     unittest.main(verbosity=2)

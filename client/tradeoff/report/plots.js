@@ -2,17 +2,17 @@
 // The plots.
 
 const measures = {
-  relative_error: { title: "relative error (root mean square)", tell: percent },
-  rmse: { title: `RMSE, ${data.quantity}`, tell: (v) => digits(v) },
+  relative_error: { title: "relative error (root mean square)", format: percent },
+  rmse: { title: `RMSE, ${data.quantity}`, format: (v) => digits(v) },
 };
 if (settings.some((s) => s.cells.some((c) => c.flip))) {
-  measures.flip = { title: "mean FLIP", tell: (v) => digits(v) };
+  measures.flip = { title: "mean FLIP", format: (v) => digits(v) };
 }
 let measure = "relative_error";
 const shown = new Set(drawn.filter(important));
 let pointed = null;
 
-// Powers of ten, and where these are few 2 and 5 between.
+// Powers of ten, with 2 and 5 between them if there are few.
 function ticks(axis) {
   const decades = Math.log10(axis.max / axis.min);
   const values = [];
@@ -24,15 +24,15 @@ function ticks(axis) {
   }
   axis.ticks = values;
 }
-const logarithmic = (title, tell) => ({
+const logarithmic = (title, format) => ({
   type: "logarithmic",
   title: { display: true, text: title, color: "#5b6475", font: { size: 13 } },
   afterBuildTicks: ticks,
-  ticks: { callback: (v) => tell(v), color: "#5b6475", autoSkip: false, maxRotation: 0 },
+  ticks: { callback: (v) => format(v), color: "#5b6475", autoSkip: false, maxRotation: 0 },
   grid: { color: "#edf0f4" },
 });
 
-// Lines across the whole plot, with a word right of it, where it hides no points.
+// Lines across the whole plot, with a label on its right, where the label hides no points.
 const lines = {
   id: "lines",
   beforeDatasetsDraw(chart, _, options) {
@@ -41,7 +41,7 @@ const lines = {
     for (const { at, text, colour } of options.list || []) {
       const py = y.getPixelForValue(at);
       if (!(py >= area.top && py <= area.bottom)) continue;
-      // Below those that are there already.
+      // Labels that would overlap move down.
       let line = py;
       while (taken.some((t) => Math.abs(t - line) < 14)) line += 14;
       ctx.save();
@@ -111,8 +111,8 @@ function drawErrors() {
       interaction: { mode: "nearest", intersect: true },
       layout: { padding: { right: 95 } },
       scales: {
-        x: logarithmic("wall time of a question, as the client sees it (median)", time),
-        y: logarithmic(measures[measure].title, measures[measure].tell),
+        x: logarithmic("wall time of a call in the client (median)", time),
+        y: logarithmic(measures[measure].title, measures[measure].format),
       },
       plugins: {
         legend: { display: false },
@@ -125,8 +125,8 @@ function drawErrors() {
               const c = item.dataset.cells[item.dataIndex];
               const e = c[measure];
               return [
-                `${amount(c.amount)}: ${measures[measure].tell(e.mean)} ` +
-                  `(${measures[measure].tell(e.lower)} to ${measures[measure].tell(e.upper)})`,
+                `${amount(c.amount)}: ${measures[measure].format(e.mean)} ` +
+                  `(${measures[measure].format(e.lower)} to ${measures[measure].format(e.upper)})`,
                 `${time(c.seconds.median)} (${time(c.seconds.lower)} to ${time(c.seconds.upper)}), ${c.runs} runs`,
               ];
             },
@@ -151,7 +151,7 @@ function drawLegend() {
     legend.append(label);
   };
   if (exact.length > 0) {
-    legend.append(element("h3", "exact, without a place in the plot"));
+    legend.append(element("h3", "exact, not in the plot"));
     for (const i of exact) legend.append(element("div", nameTime(i, settings[i].cells[settings[i].exact_at])));
   }
   const best = drawn.filter(important);
@@ -159,14 +159,14 @@ function drawLegend() {
   best.forEach(entry);
   const rest = drawn.filter((i) => !important(i));
   if (rest.length === 0) return;
-  legend.append(element("h3", "others: tick to show, point to look"));
+  legend.append(element("h3", "others: tick to show, point to highlight"));
   rest.forEach(entry);
 }
 
 function drawMeasures() {
   if (drawn.length === 0) {
     byId("error-box").style.display = "none";
-    byId("error-note").textContent = `Every setting is exact: ${tellExact()}.`;
+    byId("error-note").textContent = `Every setting is exact: ${exactText()}.`;
     return;
   }
   const box = byId("measures");
@@ -177,9 +177,9 @@ function drawMeasures() {
     box.append(element("label", [button, " ", title]));
   }
   byId("error-note").textContent =
-    "Bands: 95% intervals from repeats with different seeds. Dashed: the Pareto front, the least error that any setting " +
-    "has by that time. Each point is one amount of work; median time of its runs, in rounds shuffled over all settings.";
-  if (exact.length > 0) byId("error-note").textContent += ` Exact, and so not in this plot: ${tellExact()}.`;
+    "Bands: 95% intervals over runs with different seeds. Dashed: the Pareto front, the least error of all settings at that " +
+    "time. Each point is one amount of work, at the median time of its runs.";
+  if (exact.length > 0) byId("error-note").textContent += ` Exact settings are not in this plot: ${exactText()}.`;
 }
 
 const whiskers = {
@@ -207,12 +207,12 @@ const whiskers = {
 function drawEfficiency() {
   const ranked = swept.filter((i) => settings[i].efficiency_per_s)
     .sort((a, b) => settings[b].efficiency_per_s.mean - settings[a].efficiency_per_s.mean);
-  // One alone is compared with nothing.
+  // A single setting has nothing to compare with.
   if (ranked.length < 2) { byId("efficiency").style.display = "none"; return; }
   const first = ranked.includes(0) ? 0 : ranked[0];
   const unit = settings[first].efficiency_per_s.mean;
   byId("efficiency-unit").textContent = settings[first].name;
-  if (exact.length > 0) byId("efficiency-note").append(` Exact, and so beyond all of these: ${tellExact()}.`);
+  if (exact.length > 0) byId("efficiency-note").append(` Exact settings are not shown: ${exactText()}.`);
   byId("efficiency-box").style.height = `${70 + 24 * ranked.length}px`;
   const of = (i, key) => {
     const v = settings[i].efficiency_per_s[key];
@@ -254,7 +254,7 @@ function drawEfficiency() {
   });
 }
 
-// Dark to light with equal steps to the eye.
+// From dark to light in perceptually equal steps.
 const ramp = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];
 function ramped(t) {
   const at = Math.min(Math.max(t, 0), 1) * (ramp.length - 1);
@@ -269,8 +269,8 @@ function drawPoints() {
   const [u, v] = [0, 1, 2].sort((a, b) => extent[b] - extent[a]).slice(0, 2).sort();
   const axes = ["x [m]", "y [m]", "z [m]"];
   byId("differences-note").textContent =
-    `Every point's error (root mean square over runs, relative) when each setting has about the same time, ` +
-    `${time(data.comparison_s)} for all points; settings without an amount of within twice that time, and exact ones, are not here.`;
+    `The relative error of every point (root mean square over runs) when each setting takes about ${time(data.comparison_s)} for all points. ` +
+    `Settings whose amounts take over twice or under half that time are left out, and exact settings.`;
   const select = element("select");
   items.forEach((item, k) => select.append(element("option", `${settings[item.setting].name} (${item.amount}, ${time(item.seconds)})`, { value: k })));
   const all = items.flatMap((item) => item.errors).filter((e) => e > 0).sort((a, b) => a - b);
@@ -312,17 +312,17 @@ function drawPoints() {
   };
   select.addEventListener("change", draw);
   draw();
-  itemTable((i) => `(${points[i].map((x) => digits(x, 4)).join(", ")})`);
+  showItems((i) => `(${points[i].map((x) => digits(x, 4)).join(", ")})`);
 }
 
-// Items by how far apart the best and the worst setting are.
-function itemTable(nameOf) {
+// The items with the largest ratios between the worst and the best setting.
+function showItems(nameOf) {
   const items = data.items;
   if (items.length < 2) return;
   const rows = data.reference.values.map((reference, i) => {
     const order = items.map((item) => item).sort((a, b) => a.errors[i] - b.errors[i]);
     const best = order[0], worst = order[order.length - 1];
-    // An error that is below the reference's own is not told apart from it.
+    // An error below the reference's own is not resolved.
     const floor = reference ? data.reference.standard_error[i] / Math.abs(reference) : 0;
     return { i, reference, best, worst, ratio: worst.errors[i] / Math.max(best.errors[i], floor, 1e-9) };
   }).filter((r) => r.reference).sort((a, b) => b.ratio - a.ratio).slice(0, 8);
@@ -350,8 +350,8 @@ function pictureOf(width, height, colour) {
 }
 function drawPictures() {
   byId("differences-note").textContent =
-    `The tiles in which settings differ most when each has about the same time (${time(data.comparison_s)} for all tiles): ` +
-    `the reference; then answers, and below each its FLIP, dark where it looks alike. Shown at ${data.exposure_ev} EV.`;
+    `The tiles in which settings differ most when each takes about ${time(data.comparison_s)} for all tiles: ` +
+    `the reference, then answers with their FLIP below, which is dark where both look alike. Shown at ${data.exposure_ev} EV.`;
   for (const tile of data.pictures) {
     const line = element("div", "", { class: "pictures" });
     const figure = (canvases, caption) => line.append(element("figure", [...canvases, element("figcaption", caption)]));
@@ -372,7 +372,7 @@ function drawDifferences() {
   if (!some || some.length === 0) { byId("differences").style.display = "none"; return; }
   if (data.pictures) return drawPictures();
   if (data.points) return drawPoints();
-  byId("differences-note").textContent = `Errors of single items when each setting has about the same time, ${time(data.comparison_s)}; settings without an amount of within ` +
-    "twice that time, and exact ones, are not here.";
-  itemTable((i) => data.labels[i]);
+  byId("differences-note").textContent = `Errors of single items when each setting takes about ${time(data.comparison_s)}. Settings whose amounts take over twice or under half ` +
+    "that time are left out, and exact settings.";
+  showItems((i) => data.labels[i]);
 }

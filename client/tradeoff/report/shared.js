@@ -1,9 +1,9 @@
-// What the page is about, and how it is told.
+// The data of the page, and the formats of numbers.
 "use strict";
 const data = JSON.parse(document.getElementById("data").textContent);
 const byId = (id) => document.getElementById(id);
 
-// How numbers are told.
+// Formats of numbers.
 const digits = (v, n = 3) => (v === null || v === undefined ? "" : Number(v.toPrecision(n)).toString());
 const percent = (v) => (v === null || v === undefined ? "" : `${digits(100 * v)}%`);
 const time = (s) => {
@@ -30,11 +30,11 @@ function row(table, cells, tag = "td", numbers = []) {
 
 const settings = data.settings;
 const swept = settings.map((s, i) => i).filter((i) => settings[i].cells.length > 0);
-// No logarithm has a place for what has no error: it is told in words, and the others are drawn.
+// Exact settings have no error and no logarithm, so that a text lists them and the plot has the others.
 const exact = swept.filter((i) => settings[i].exact_at !== undefined);
 const drawn = swept.filter((i) => settings[i].exact_at === undefined);
-const tellExact = () => exact.map((i) => nameTime(i, settings[i].cells[settings[i].exact_at])).join("; ");
-// What is exact ends the Pareto front; that of the others is drawn.
+const exactText = () => exact.map((i) => nameTime(i, settings[i].cells[settings[i].exact_at])).join("; ");
+// Exact settings would end the Pareto front, so that the front of the others is drawn.
 const front = exact.length === 0 ? data.pareto_front : frontOf(drawn);
 function frontOf(some) {
   const places = some.flatMap((i) => settings[i].cells.map((c, k) => ({ i, k, t: c.seconds.median, e: c.relative_error.mean })));
@@ -43,7 +43,7 @@ function frontOf(some) {
 }
 const onFront = new Set(front.map(([setting]) => setting));
 
-// Automatic is black, settings that are best somewhere have a colour, the rest is grey until asked for.
+// Automatic is black, settings on the Pareto front have a colour, the others are grey.
 const palette = ["#0b6bcb", "#d1495b", "#2a9d5c", "#8a5cd1", "#e08a00", "#00929b", "#b0417e", "#6b7d1e",
   "#7a4a2b", "#5aa9e6", "#c8a415", "#ef7fb1", "#3f7d73", "#9a8cff"];
 const colours = settings.map(() => "#a9b1bf");

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "server/scene/light_at_time.h"
 #include "server/scene/light_choice.h"
 #include "server/shadows/shaft.h"
 
@@ -13,41 +14,37 @@ namespace {
 
 constexpr double kInvPi = std::numbers::inv_pi;
 
-/// The sample of an area light as a point where it is seen from afar; nothing where it is nearer
-/// than `radii` of its own, or has no closed form.
-template <typename L>
-std::optional<LightSample<double>> far_sample(const L& light, const Receiver<double>& receiver,
-                                              double radii) {
-  if constexpr (SeenOnSurface<L> && HasIrradiance<L>) {
-    const auto bounds = light.bounds();
-    if (!bounds || light.hides_itself()) return std::nullopt;
-    const Vec3<double> middle = bounds->lower * 0.5 + bounds->upper * 0.5;
-    const Vec3<double> away = receiver.position - middle;
-    const double distance = length(away);
-    if (!(distance > std::fmax(radii, 1) * length(bounds->upper - middle))) return std::nullopt;
-    // Ten bits farther off its size is lost in a millionth; what falls off by the square of the
-    // distance on the way is put back.
-    constexpr double kFarther = 1024;
-    Receiver<double> from = receiver;
-    from.position = middle + away * kFarther;
-    from.normal = away * (-1 / distance);
-    const auto lx = light.irradiance(from);
-    if (!lx) return std::nullopt;
-    // A point of the light for the shadow ray to end at.
-    LightSample<double> s = light.sample_li(receiver, {0.5, 0.5});
-    s.delta = true;
-    s.pdf = {};
-    s.wi = from.normal;
-    s.value = *lx * (kFarther * kFarther);
-    if (s.reason == NoLight::kNone && s.value.is_black()) s.reason = NoLight::kBlack;
-    return s;
-  } else {
-    return std::nullopt;
-  }
+/// The sample of an area light that counts as a point, seen from afar.  Nothing where the
+/// distance is below `radii` times the light's radius, or where the light has no closed form.
+std::optional<LightSample<double>> far_sample(const LightAtTime& light,
+                                              const Receiver<double>& receiver, double radii) {
+  if (!light.has_surface() || !light.has_irradiance()) return std::nullopt;
+  const auto bounds = light.bounds();
+  if (!bounds || light.hides_itself()) return std::nullopt;
+  const Vec3<double> middle = bounds->lower * 0.5 + bounds->upper * 0.5;
+  const Vec3<double> away = receiver.position - middle;
+  const double distance = length(away);
+  if (!(distance > std::fmax(radii, 1) * length(bounds->upper - middle))) return std::nullopt;
+  // At 2^10 times the distance the light's size changes the value by less than a millionth.
+  // The factor for the square of the distance is put back below.
+  constexpr double kFarther = 1024;
+  Receiver<double> from = receiver;
+  from.position = middle + away * kFarther;
+  from.normal = away * (-1 / distance);
+  const auto lx = light.irradiance(from);
+  if (!lx) return std::nullopt;
+  // The shadow ray ends at this point of the light.
+  LightSample<double> s = light.sample_li(receiver, {0.5, 0.5});
+  s.delta = true;
+  s.pdf = {};
+  s.wi = from.normal;
+  s.value = *lx * (kFarther * kFarther);
+  if (s.reason == NoLight::kNone && s.value.is_black()) s.reason = NoLight::kBlack;
+  return s;
 }
 
-/// What of a sample's light a surface of reflectance 1 sends towards `wo`: cosine over pi; 0 where
-/// there is no light, or it is on the other side.
+/// The share of a sample's light that a surface of reflectance 1 sends towards `wo`: cosine /
+/// pi. 0 where there is no light or it is on the other side.
 double reflected_share(const SurfaceHit& hit, const Vec3<float>& wo,
                        const LightSample<double>& sample) {
   if (sample.reason != NoLight::kNone) return 0;
@@ -69,7 +66,7 @@ DirectLight::DirectLight(const Scene& scene, const Methods& methods)
       candidates_ = kCandidates;
       break;
     default:
-      // There is nothing to choose from one.
+      // One light leaves nothing to choose.
       spending_ = scene.lights().size() < 2 ? Spending::kEach : Spending::kDrawn;
   }
 }
@@ -84,13 +81,14 @@ Receiver<double> DirectLight::receiver(const SurfaceHit& hit, const Vec3<float>&
   Receiver<double> r(hit.position);
   r.normal = Vec3<double>(dot(hit.ns, wo) < 0 ? -hit.ns : hit.ns);
   r.area_sampling = methods_.area_sampling;
-  // Wherever a light is sampled here a direction of the surface is too, and both are weighed.
+  // Wherever a light is sampled here, a direction of the surface is sampled too, and both are
+  // weighted.
   r.incomplete = methods_.combination != Combination::kLights;
   return r;
 }
 
 bool DirectLight::is_delta(std::uint32_t light) const {
-  return visit([](const auto& l) { return l.kDelta; }, scene_.lights()[light].light);
+  return lucerna::is_delta(scene_.lights()[light]);
 }
 
 std::uint32_t DirectLight::points_on(std::uint32_t light) const {
@@ -112,19 +110,19 @@ Spending DirectLight::spending_at_receiver(std::uint64_t samples) const {
   return scene_.lights().size() - deltas_ <= kFewAreas ? Spending::kEach : Spending::kAreasDrawn;
 }
 
+LightSample<double> DirectLight::light_sample(const SurfaceHit& hit, const Vec3<float>& wo,
+                                              std::uint32_t light, Vec2<float> u) const {
+  const LightAtTime l(scene_.lights()[light], hit.time_s);
+  const Receiver<double> r = receiver(hit, wo);
+  if (methods_.far_light_radii)
+    if (const auto s = far_sample(l, r, *methods_.far_light_radii)) return *s;
+  return l.sample_li(r, {u.x, u.y});
+}
+
 DirectLight::Candidate DirectLight::candidate(const SurfaceHit& hit, const Vec3<float>& wo,
                                               const LightChoice& choice, std::uint32_t points,
                                               Vec2<float> u) const {
-  Candidate c{visit_light(scene_.lights()[choice.light], hit.time_s,
-                          [&](const auto& l) {
-                            const Receiver<double> r = receiver(hit, wo);
-                            if (methods_.far_light_radii)
-                              if (const auto s = far_sample(l, r, *methods_.far_light_radii))
-                                return *s;
-                            return l.sample_li(r, {u.x, u.y});
-                          }),
-              {},
-              {}};
+  Candidate c{light_sample(hit, wo, choice.light, u), {}, {}};
   const LightSample<double>& s = c.sample;
   const double f = reflected_share(hit, wo, s);  // also the density of cosine_direction
   if (!(f > 0)) return c;
@@ -156,24 +154,20 @@ LightEstimate DirectLight::shadowed(const SurfaceHit& hit, std::uint32_t light,
   return {occluded ? Rgb<double>{} : value, value};
 }
 
-std::optional<Rgb<double>> DirectLight::of_one_direction(const SurfaceHit& hit,
-                                                         const Vec3<float>& wo, std::uint32_t light,
-                                                         WorkCounts& work) const {
-  return visit_light(
-      scene_.lights()[light], hit.time_s,
-      [&]<typename L>(const L& l) -> std::optional<Rgb<double>> {
-        const auto arriving = [&](const LightSample<double>& s) {
-          const double share = reflected_share(hit, wo, s);
-          return share > 0 ? shadowed(hit, light, s, s.value * share, work).value : Rgb<double>{};
-        };
-        if (methods_.far_light_radii)
-          if (const auto s = far_sample(l, receiver(hit, wo), *methods_.far_light_radii))
-            return arriving(*s);
-        if constexpr (L::kDelta)
-          return arriving(l.sample_li(receiver(hit, wo), {}));
-        else
-          return std::nullopt;
-      });
+std::optional<Rgb<double>> DirectLight::from_one_direction(const SurfaceHit& hit,
+                                                           const Vec3<float>& wo,
+                                                           std::uint32_t light,
+                                                           WorkCounts& work) const {
+  const LightAtTime l(scene_.lights()[light], hit.time_s);
+  const auto arriving = [&](const LightSample<double>& s) {
+    const double share = reflected_share(hit, wo, s);
+    return share > 0 ? shadowed(hit, light, s, s.value * share, work).value : Rgb<double>{};
+  };
+  if (methods_.far_light_radii)
+    if (const auto s = far_sample(l, receiver(hit, wo), *methods_.far_light_radii))
+      return arriving(*s);
+  if (!l.is_delta()) return std::nullopt;
+  return arriving(l.sample_li(receiver(hit, wo), {}));
 }
 
 bool DirectLight::uses_closed_forms(bool at_receiver) const {
@@ -186,20 +180,13 @@ std::optional<Rgb<double>> DirectLight::in_closed_form(const SurfaceHit& hit, co
                                                        std::uint32_t light) const {
   const SceneLight& of = scene_.lights()[light];
   if (of.moving != nullptr) return std::nullopt;
-  return visit(
-      [&]<typename L>(const L& l) -> std::optional<Rgb<double>> {
-        if constexpr (HasIrradiance<L>) {
-          if (l.hides_itself()) return std::nullopt;
-          const Receiver<double> r = receiver(hit, wo);
-          if (!shafts(scene_).is_empty(hit, Vec3<float>(r.normal), light)) return std::nullopt;
-          const std::optional<Rgb<double>> lx = l.irradiance(r);
-          if (!lx) return std::nullopt;
-          return *lx * kInvPi;
-        } else {
-          return std::nullopt;
-        }
-      },
-      of.light);
+  const LightAtTime l(of, hit.time_s);
+  if (!l.has_irradiance() || l.hides_itself()) return std::nullopt;
+  const Receiver<double> r = receiver(hit, wo);
+  if (!shafts(scene_).is_empty(hit, Vec3<float>(r.normal), light)) return std::nullopt;
+  const std::optional<Rgb<double>> lx = l.irradiance(r);
+  if (!lx) return std::nullopt;
+  return *lx * kInvPi;
 }
 
 void DirectLight::sample(Spending spending, const SurfaceHit& hit, const Vec3<float>& wo,
@@ -240,8 +227,8 @@ void DirectLight::sample_points(const Vertex& v, const LightChoice& choice, cons
 
 void DirectLight::sample_one_of(const Vertex& v, Spending spending, const PathSample& s,
                                 double share) const {
-  // One pass over the candidates, each replacing the one kept so far with the probability of its
-  // share in the sum.  [Chao82]
+  // One pass over the candidates.  Each replaces the kept one with the probability of its
+  // share in the sum so far.  [Chao82]
   double u = s.at(v.depth, PathSample::kSurvival).y;
   double sum = 0;
   std::uint32_t light = 0;
@@ -281,20 +268,18 @@ double DirectLight::found_weight(Spending spending, const SurfaceHit& from, cons
                                  std::uint32_t light, double direction_pdf) const {
   if (methods_.combination == Combination::kSurfaces && !methods_.far_light_radii) return 1;
   const Receiver<double> r = receiver(from, wo);
-  // The density of a light that counts as a point: no direction finds it.
-  constexpr double kCertain = std::numeric_limits<double>::infinity();
-  const SolidAnglePdf<double> pdf =
-      visit_light(scene_.lights()[light], ray.time_s, [&]<typename L>(const L& l) {
-        if (methods_.far_light_radii && far_sample(l, r, *methods_.far_light_radii))
-          return SolidAnglePdf<double>{kCertain};
-        if constexpr (SeenOnSurface<L>)
-          return hit ? l.pdf_li(r, hit->on_light()) : SolidAnglePdf<double>{};
-        else
-          return l.pdf_li(r, Vec3<double>(ray.direction));
-      });
-  if (pdf.per_sr == kCertain) return 0;
+  const LightAtTime l(scene_.lights()[light], ray.time_s);
+  // No direction finds a light that counts as a point.
+  if (methods_.far_light_radii && far_sample(l, r, *methods_.far_light_radii)) return 0;
+  SolidAnglePdf<double> pdf{};
+  if (!l.has_surface())
+    pdf = l.pdf_li(r, Vec3<double>(ray.direction));
+  else if (hit)
+    pdf = l.pdf_li(r, hit->on_light());
+  // A density of infinity marks a light that directions cannot find.
+  if (pdf.per_sr == std::numeric_limits<double>::infinity()) return 0;
   if (methods_.combination == Combination::kSurfaces) return 1;
-  double times = 1;  // points that stand for the light, each as likely as that
+  double times = 1;  // number of points on the light, all equally likely
   if (spending == Spending::kDrawn || spending == Spending::kAreasDrawn)
     times = selector(spending).probability(methods_.light_selection, r, light);
   if (spending == Spending::kEach || candidates_ == 1) times *= points_on(light);

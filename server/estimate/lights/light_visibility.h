@@ -1,5 +1,4 @@
-// Whether a light is visible, in the way that was asked for: by a ray, or by the light's shadow map
-// where it has one.
+// Whether a light is visible: by a ray, or by the light's shadow map where it has one.
 #pragma once
 
 #include <bit>
@@ -14,17 +13,19 @@
 
 namespace lucerna {
 
-/// Immutable; one may serve any number of threads.
+/// Immutable; may be called from any thread.
 class LightVisibility {
  public:
   LightVisibility(const Scene& scene, VisibilityMethod method)
       : LightVisibility(scene,
                         method == VisibilityMethod::kShadowMaps ? &shadow_maps(scene) : nullptr) {}
-  /// `maps`: of the same lights; null: rays alone.  Both outlive it.
+  /// `maps` belong to the lights of the scene; null: rays only.  Both must outlive this
+  /// object.
   LightVisibility(const Scene& scene, const ShadowMaps* maps) : scene_(scene), maps_(maps) {}
 
-  /// What the light's map says of a position on a surface.  Nothing where it has none, or does not
-  /// look there: then a ray must tell.  `normal`: of the surface, unit, or zero.
+  /// Whether the light's map has an obstacle before a position.  Nothing where there is no
+  /// map or the position is outside of it: then a ray is needed.  `normal`: of the surface,
+  /// unit, or zero.
   std::optional<bool> by_map(std::uint32_t light, const Vec3<double>& position,
                              const Vec3<double>& normal) const {
     if (maps_ == nullptr) return std::nullopt;
@@ -32,27 +33,28 @@ class LightVisibility {
     return map == nullptr ? std::nullopt : map->is_occluded(position, normal);
   }
 
-  /// The same by whatever tells it; `ray`: the way from the surface to the light.
+  /// Whether an obstacle is before a position, by map or by ray.  `ray`: from the surface to
+  /// the light.
   bool is_occluded(std::uint32_t light, const Vec3<double>& position, const Vec3<double>& normal,
                    const Ray& ray, WorkCounts& work) const {
-    const auto told = by_map(light, position, normal);
-    if (!told) {
+    const auto occluded = by_map(light, position, normal);
+    if (!occluded) {
       ++work.shadow_rays;
       return scene_.occluded(ray);
     }
     ++work.map_lookups;
     if (is_compared(ray)) {
       ++work.shadow_rays;
-      compare(*told, scene_.occluded(ray), work);
+      compare(*occluded, scene_.occluded(ray), work);
     }
-    return *told;
+    return *occluded;
   }
 
-  /// One in as many look-ups is compared: enough that a picture has hundreds, while their rays add
-  /// some hundredth to the time.
+  /// One look-up in so many is compared with a ray.  A picture then has hundreds of
+  /// comparisons, and their rays add about 1% to the time.
   static constexpr std::uint64_t kComparedOneIn = 64;
-  /// Whether a ray is to be traced beside the look-up: by the bits of the ray, so that which they
-  /// are, and with them the counts, is a function of the question alone.
+  /// Whether to trace a ray beside the look-up.  The bits of the ray decide, so that the
+  /// counts depend on the query only.
   static bool is_compared(const Ray& ray) {
     const auto both = [](float a, float b) {
       return std::uint64_t{std::bit_cast<std::uint32_t>(a)} << 32 | std::bit_cast<std::uint32_t>(b);

@@ -1,4 +1,4 @@
-// The ways in which an estimate may be made, where there are several.
+// Methods of an estimate that a query may choose.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace lucerna {
 
-// lucerna/v1/accuracy.proto says what each means, at the enum of the same name.
+// The enums of the same name in lucerna/v1/accuracy.proto explain the values.
 enum class Sampler { kSobol, kIndependent };
 enum class Combination { kPowerHeuristic, kBalanceHeuristic, kLights, kSurfaces };
 enum class ClosedForms { kAutomatic, kOff, kEmptyShafts };

@@ -1,4 +1,4 @@
-// The random numbers of paths: which point of which sequence each decision takes.
+// The random numbers of paths: which decision uses which point of which sequence.
 #pragma once
 
 #include <cstdint>
@@ -13,11 +13,11 @@ class SampleSequence {
  public:
   SampleSequence(Sampler sampler, std::uint64_t seed, std::uint64_t item, std::uint64_t replicate)
       : sobol_(seed, item, replicate),
-        // Of no use to the other: keys differ by what they are mixed with.
+        // Keys of different sequences differ, because each mixes in its own constant.
         key_(mix_bits(mix_bits(mix_bits(seed ^ kIndependent) + item) + replicate)),
         sampler_(sampler) {}
 
-  /// As SobolSequence; of independent points any two are.
+  /// As SobolSequence::pair; of independent points any two dimensions.
   Vec2<float> pair(std::uint32_t index, std::uint32_t pair) const {
     if (sampler_ == Sampler::kSobol) return sobol_.pair(index, pair);
     const std::uint64_t bits = mix_bits(mix_bits(key_ + pair) + index);
@@ -33,20 +33,20 @@ class SampleSequence {
   Sampler sampler_;
 };
 
-/// The random numbers of one path: a point of its pixel's (or receiver's) sequence.
+/// The random numbers of one path: one point of the sequence of its pixel or receiver.
 struct PathSample {
   const SampleSequence& sequence;
   std::uint32_t index;
 
-  /// The j-th of n points that stand in for this one.
+  /// The j-th of n points that replace this one.
   PathSample part(std::uint32_t j, std::uint32_t n) const { return {sequence, index * n + j}; }
 
-  // Pairs of dimensions, four a vertex after the camera's own.
+  // Pairs of dimensions: four for each vertex, after those of the camera.
   enum Purpose : std::uint32_t { kLight, kLightPoint, kDirection, kSurvival };
   static constexpr std::uint32_t kFilm = 0;
-  /// Of the moment: drawn only where something moves.
+  /// For the time; drawn only where something moves.
   static constexpr std::uint32_t kTime = (1u << 30) - 1;
-  /// Where many lights are visited at one vertex, each has a pair of its own from here on.
+  /// Where every light is sampled at a vertex, each has its own pair from here on.
   static constexpr std::uint32_t kFirstVisited = 1u << 30;
 
   Vec2<float> pair(std::uint32_t dimension) const { return sequence.pair(index, dimension); }

@@ -11,8 +11,8 @@ namespace {
 
 constexpr double kInvPi = std::numbers::inv_pi;
 
-/// Reflections from which on Russian roulette ends paths however many were asked for: between
-/// surfaces that absorb nothing 2^32 of them would take minutes.
+/// From here on Russian roulette ends paths, whatever number of bounces was requested.  2^32
+/// bounces between surfaces that absorb nothing would take minutes.
 constexpr std::uint32_t kLongDepth = 256;
 
 }  // namespace
@@ -20,7 +20,7 @@ constexpr std::uint32_t kLongDepth = 256;
 Vec3<float> PathTracer::cosine_direction(const Vec3<float>& ns, const Vec3<float>& wo,
                                          Vec2<float> u) {
   const Vec2<float> d = sample_concentric_disk(u);
-  // At least one ulp above the surface: the density of a direction within it is 0.
+  // At least one ulp above the surface, because directions within the surface have density 0.
   const float z = std::max(std::sqrt(std::max(0.0f, 1 - d.x * d.x - d.y * d.y)), 0x1p-24f);
   const Vec3<float> n = dot(ns, wo) < 0 ? -ns : ns;
   return Frame<float>::around(n).world_from_local({d.x, d.y, z});

@@ -1,5 +1,5 @@
-// Light along paths: at each vertex one light is sampled and one direction of the diffuse surface,
-// both weighted against each other by the power heuristic with exponent 2.  [Veach95]
+// Light along paths.  Each vertex samples lights and one direction of the diffuse surface.  The
+// power heuristic with exponent 2 weights them against each other.  [Veach95]
 #pragma once
 
 #include <cstdint>
@@ -8,11 +8,12 @@
 
 #include "server/estimate/lights/direct_light.h"
 #include "server/estimate/lights/path_sample.h"
+#include "server/scene/light_at_time.h"
 #include "server/scene/scene.h"
 
 namespace lucerna {
 
-/// A ray as lights are asked what it finds: not rounded, unlike the ray that is traced.
+/// A ray for radiance queries of lights.  It is not rounded, unlike the ray that is traced.
 struct Sight {
   Vec3<double> origin;
   Vec3<double> direction;  ///< unit
@@ -25,10 +26,10 @@ struct Sight {
       : Sight(Vec3<double>(ray.origin), Vec3<double>(ray.direction), ray.time_s) {}
 };
 
-/// Immutable; one may serve any number of threads.
+/// Immutable; may be called from any thread.
 class PathTracer {
  public:
-  /// `bounces`, `methods`: as TileSettings has them.
+  /// `bounces`, `methods`: as in TileSettings.
   PathTracer(const Scene& scene, std::optional<std::uint32_t> bounces, const Methods& methods)
       : scene_(scene),
         direct_(scene, methods),
@@ -40,13 +41,13 @@ class PathTracer {
   /// Radiance [cd/m2] along a ray from the camera.
   LightEstimate radiance(const Ray& ray, const PathSample& sample, WorkCounts& work) const;
 
-  /// Radiance [cd/m2] that the surface at `hit` reflects towards the unit vector `wo`; `depth`
-  /// counts the reflections between it and the eye.
+  /// Radiance [cd/m2] that the surface at `hit` reflects towards the unit vector `wo`.
+  /// `depth`: number of reflections between the surface and the eye.
   LightEstimate reflected(const SurfaceHit& hit, const Vec3<float>& wo, std::uint32_t depth,
                           const PathSample& sample, WorkCounts& work) const;
 
-  /// Calls `f(light, radiance)` for what is seen at the ray's end: `hit` or, where nothing was hit,
-  /// the infinite lights.
+  /// Calls `f(light, radiance)` for each light at the ray's end: the light at `hit` or,
+  /// without a hit, the infinite lights.
   template <typename F>
   void for_each_emitter(const Sight& sight, const std::optional<SurfaceHit>& hit, F&& f) const;
 
@@ -54,7 +55,7 @@ class PathTracer {
   static Vec3<float> cosine_direction(const Vec3<float>& ns, const Vec3<float>& wo, Vec2<float> u);
 
  private:
-  /// Reflections before Russian roulette begins: most light arrives by fewer.
+  /// Number of reflections before Russian roulette begins: most light arrives with fewer.
   static constexpr std::uint32_t kSafeDepth = 3;
 
   const Scene& scene_;
@@ -70,23 +71,13 @@ void PathTracer::for_each_emitter(const Sight& sight, const std::optional<Surfac
     if (hit->light < 0) return;
     const auto light = static_cast<std::uint32_t>(hit->light);
     const Rgb<double> le =
-        visit_light(scene_.lights()[light], sight.time_s, [&]<typename L>(const L& l) {
-          if constexpr (SeenOnSurface<L>)
-            return l.le(hit->on_light(), -sight.direction);
-          else
-            return Rgb<double>{};
-        });
+        LightAtTime(scene_.lights()[light], sight.time_s).le(hit->on_light(), -sight.direction);
     if (!le.is_black()) f(light, le);
     return;
   }
   for (const std::uint32_t light : scene_.infinite_lights()) {
     const Rgb<double> le =
-        visit_light(scene_.lights()[light], sight.time_s, [&]<typename L>(const L& l) {
-          if constexpr (SeenBeyond<L>)
-            return l.le_escaped(sight.origin, sight.direction);
-          else
-            return Rgb<double>{};
-        });
+        LightAtTime(scene_.lights()[light], sight.time_s).le_escaped(sight.origin, sight.direction);
     if (!le.is_black()) f(light, le);
   }
 }

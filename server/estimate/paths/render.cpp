@@ -19,16 +19,16 @@
 namespace lucerna {
 namespace {
 
-// A path is a few rays: between two looks at the stop token lie a few hundred.
+// A path takes a few rays, so a few hundred rays lie between two polls of the stop token.
 constexpr std::uint32_t kSamplesBetweenPolls = 64;
 
 // Samples of one chunk of pixels: 0.1 to 10 ms.
 constexpr std::uint64_t kSamplesPerChunk = 256;
 
-class TileJob {
+class TileEstimator {
  public:
-  TileJob(const Scene& scene, const TileSettings& settings, const std::stop_token& stop,
-          TileResult& result)
+  TileEstimator(const Scene& scene, const TileSettings& settings, const std::stop_token& stop,
+                TileResult& result)
       : scene_(scene),
         settings_(settings),
         shutter_(settings.shutter.value_or(
@@ -44,7 +44,7 @@ class TileJob {
     return static_cast<std::size_t>(settings_.rect.y1 - settings_.rect.y0);
   }
 
-  // Pixels of the tile in row order.
+  // Renders pixels [begin, end) of the tile, in row order.
   void pixels(std::size_t begin, std::size_t end) {
     const DenormalsAreZero denormals;
     WorkCounts work;
@@ -66,7 +66,8 @@ class TileJob {
   bool stopped() const { return stopped_; }
 
  private:
-  /// What intervals ask beside the blocks' scatter, of samples' luminances.
+  /// Moments of the samples' luminances, which intervals need beside the scatter of the
+  /// blocks.
   struct Moments {
     double sum = 0, sum_of_squares = 0, sum_of_cubes = 0;
     double largest_unshadowed = 0;
@@ -79,12 +80,12 @@ class TileJob {
       largest_unshadowed = std::max(largest_unshadowed, unshadowed);
       partly_hidden |= value < unshadowed;
     }
-    /// Samples from which on a mean is so near to normal that 95% intervals hold in 94%: 25 times
-    /// the square of the samples' skewness.  [Cochran77, 2.15]
+    /// With so many samples, a mean is close enough to normal that 95% intervals hold in
+    /// 94% of cases: 25 times the squared skewness of the samples.  [Cochran77, 2.15]
     double least_samples(double count) const {
       const double mean = sum / count, square = sum_of_squares / count;
       const double variance = square - mean * mean;
-      // What is left of rounding has no shape.
+      // A variance below the rounding error has no meaningful skewness.
       if (!(variance > 1e-9 * square)) return 0;
       const double third = sum_of_cubes / count - mean * (3 * square - 2 * mean * mean);
       const double skewness = third / (variance * std::sqrt(variance));
@@ -97,7 +98,7 @@ class TileJob {
     std::copy_n(channels.begin(), 3, result_.channels.begin() + static_cast<std::ptrdiff_t>(3 * i));
   }
 
-  /// Statistics of R, G and B and, where n is 4, luminance.
+  /// Statistics of R, G and B and, if n is 4, of luminance.
   template <std::size_t n>
   std::array<BlockStatistics, n> pixel(int x, int y, const Blocks& these, Moments* moments,
                                        WorkCounts& work) {
@@ -116,9 +117,9 @@ class TileJob {
     return stream.total();
   }
 
-  /// Of a pixel's luminance, by `replicates` of an answer as large.
-  Interval interval(const BlockStatistics& total, const Blocks& these, const Moments& moments,
-                    std::uint64_t replicates) const {
+  /// The interval of a pixel's luminance, as if `replicates` blocks had as many samples.
+  ConfidenceInterval interval(const BlockStatistics& total, const Blocks& these,
+                              const Moments& moments, std::uint64_t replicates) const {
     const auto count = static_cast<double>(these.count);
     const IntervalRule rule(settings_.target->confidence, replicates, these.count * these.samples);
     return rule.interval({total.sum / count, std::sqrt(total.deviation / (count * (count - 1))),
@@ -138,7 +139,7 @@ class TileJob {
                                moments.least_samples(count * these.samples)};
         });
     if (!needed) return;
-    // A tile can be asked for with powers of two alone.
+    // Sample counts of a tile are powers of two.
     const std::uint64_t samples =
         std::min(std::bit_ceil(static_cast<std::uint64_t>(std::ceil(*needed))),
                  std::bit_floor(settings_.target->max_samples));
@@ -171,7 +172,7 @@ class TileJob {
       moments->add(luminance(e.value) * scale, luminance(e.unshadowed) * scale);
     }
     work.samples += n;
-    // Squares of differences are summed too: what no float holds counts as the largest.
+    // Squared differences must fit too, so values beyond floats count as the largest float.
     const auto held = [](double v) {
       constexpr double kLargest = std::numeric_limits<float>::max();
       return v > kLargest ? kLargest : v;
@@ -201,8 +202,8 @@ class TileJob {
 
 TileResult render_tile(const Scene& scene, const TileSettings& settings, std::stop_token stop) {
   TileResult result;
-  TileJob job(scene, settings, stop, result);
-  const std::size_t pixels = job.width() * job.height();
+  TileEstimator estimator(scene, settings, stop, result);
+  const std::size_t pixels = estimator.width() * estimator.height();
   result.channels.resize(3 * pixels);
   if (settings.target) {
     result.samples.resize(pixels);
@@ -212,8 +213,8 @@ TileResult render_tile(const Scene& scene, const TileSettings& settings, std::st
   const std::size_t grain =
       settings.target ? 1 : std::max<std::uint64_t>(1, kSamplesPerChunk / samples_per_pixel);
   parallel_chunks(pixels, grain, stop,
-                  [&](std::size_t begin, std::size_t end) { job.pixels(begin, end); });
-  result.stopped = job.stopped() || stop.stop_requested();
+                  [&](std::size_t begin, std::size_t end) { estimator.pixels(begin, end); });
+  result.stopped = estimator.stopped() || stop.stop_requested();
   return result;
 }
 

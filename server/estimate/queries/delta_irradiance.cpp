@@ -6,18 +6,19 @@
 
 #include "server/estimate/lights/direct_light.h"
 #include "server/estimate/queries/irradiance_estimate.h"
+#include "server/scene/light_at_time.h"
 
 namespace lucerna {
 namespace {
 
-// Of one chunk of points: 0.1 to 8 ms, as a light takes 0.01 to 1 us.
+// A chunk takes 0.1 to 8 ms; a light takes 0.01 to 1 us.
 constexpr std::size_t kLightsPerChunk = 8192;
-// Points that are asked of each light in a row, as finding out which model it is takes as long as
-// asking it: as many as the processor's first cache holds.
+// Points in a row for each light, because finding the model of a light takes as long as one
+// sample. So many fit the processor's first cache.
 constexpr std::size_t kAtOnce = 64;
 
-/// Irradiance on a surface that light from `wi` meets: by way of the radiance that it reflects, as
-/// samples are counted, so that both have the same bits.
+/// Irradiance of light from `wi`.  Computed from reflected radiance as samples are, so that
+/// both have the same bits.
 Rgb<double> lux_from(const Vec3<double>& wi, const Rgb<double>& value, const Vec3<double>& normal) {
   const double cosine = dot(normal, wi);
   if (!(cosine > 0)) return {};
@@ -48,23 +49,22 @@ void DeltaIrradiance::settle(std::size_t begin, std::size_t end, WorkCounts& wor
   if (settings_.target) start = std::chrono::steady_clock::now();
   const auto lights = static_cast<std::uint32_t>(scene_.lights().size());
   for (std::uint32_t l = 0; l < lights; ++l)
-    visit_light(scene_.lights()[l], settings_.time_s, [&]<typename L>(const L& light) {
-      if constexpr (L::kDelta) add_light(light, l, begin, end, work);
-    });
+    with_fast_light(scene_.lights()[l], settings_.time_s,
+                    [&](const auto& light) { add_light(light, l, begin, end, work); });
   for (std::size_t p = begin; p < end; ++p)
     set_exact(result_.points[p].irradiance_lx, result_.points[p]);
   if (settings_.per_light)
     for (std::size_t s = begin * lights; s < end * lights; ++s)
       set_exact(result_.per_light[s].irradiance_lx, result_.per_light[s]);
   if (settings_.target) {
-    // Of all that were asked at once alike; nobody asks it without a target.
+    // Each point gets an equal part of the time.  Measured only with a target.
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
     for (std::size_t p = begin; p < end; ++p)
       result_.costs[p].time_s = took.count() / static_cast<double>(end - begin);
   }
 }
 
-/// Adds what comes unless something is in the way of it: along `ray()`, where one is needed.
+/// Adds light unless something is in its way.  Makes `ray()` only where a ray is needed.
 template <typename MakeRay>
 [[gnu::always_inline]] inline void DeltaIrradiance::add(std::uint32_t light, std::size_t p,
                                                         const Rgb<double>& lx, bool needs_ray,

@@ -1,4 +1,5 @@
-// Irradiance of scenes whose lights are all seen in one direction: a ray each, and no samples.
+// Irradiance of scenes in which each light is seen in one direction: one ray for each light, no
+// samples.
 #pragma once
 
 #include <cstddef>
@@ -7,7 +8,7 @@
 #include <stop_token>
 
 #include "server/estimate/lights/light_visibility.h"
-#include "server/estimate/paths/render.h"
+#include "server/estimate/queries/irradiance.h"
 
 namespace lucerna {
 
@@ -16,10 +17,12 @@ inline bool gathers_reflected_light(const Scene& scene, const IrradianceSettings
   return settings.bounces.value_or(1) > 0 && !scene.empty() && !scene.lights().empty();
 }
 
-/// Immutable but for the answers; ranges may be asked for on several threads at once.
+/// Immutable except for `result`.  Different threads may call `range` for different ranges at
+/// once.
 class DeltaIrradiance {
  public:
-  /// Fills `result`, whose arrays have their sizes and are zeros; all outlive it.
+  /// Fills `result`, whose arrays have their sizes and contain zeros.  All arguments must
+  /// outlive it.
   DeltaIrradiance(const Scene& scene, std::span<const IrradiancePoint> points,
                   const IrradianceSettings& settings, const std::stop_token& stop,
                   IrradianceResult& result)
@@ -30,12 +33,13 @@ class DeltaIrradiance {
         visibility_(scene, settings.methods.visibility),
         result_(result) {}
 
-  /// Whether that is all: direct light alone, and each light is asked.
+  /// Whether this class returns the whole answer: only direct light, and each light is
+  /// visited.
   static bool answers(const Scene& scene, const IrradianceSettings& settings);
 
   std::size_t points_per_chunk() const;
 
-  /// Answers points [begin, end); where `stop` is asked for, not all of them.
+  /// Answers points [begin, end).  Where `stop` is requested, some points stay unanswered.
   WorkCounts range(std::size_t begin, std::size_t end) const;
 
  private:

@@ -5,12 +5,13 @@
 #include <vector>
 
 #include "lights/sampling/sobol.h"
-#include "server/estimate/lights/told_direction.h"
+#include "server/estimate/lights/wire_direction.h"
 #include "server/estimate/paths/path.h"
 #include "server/estimate/queries/spectral_values.h"
 #include "server/estimate/queries/visibility.h"
 #include "server/runtime/denormals.h"
 #include "server/runtime/parallel.h"
+#include "server/scene/light_at_time.h"
 
 namespace lucerna {
 namespace {
@@ -44,34 +45,34 @@ RayValues values_of(const SampleLeQuery& q, std::size_t i) {
   return v;
 }
 
-/// Whether a density is 0, of what is certain, or has all of its digits in a float.
+/// Whether a density is 0 (the choice is certain) or a float holds all of its digits.
 bool fits_float(double density) {
   const auto rounded = static_cast<float>(density);
   return density == 0 || (rounded >= std::numeric_limits<float>::min() && std::isfinite(rounded));
 }
 
-/// Makes of a sampled ray the one that the answer tells: PdfLe of that is what the sample says.
-template <typename L>
-void tell_ray(const L& light, const SceneSphere& scene, EmissionSample<double>& s) {
+/// Rounds origin and direction of a sampled ray to the floats of the answer.  Sets value and
+/// densities to those of the rounded ray, so that PdfLe of it returns the same densities.
+void set_wire_ray(const LightAtTime& light, const SceneSphere& scene, EmissionSample<double>& s) {
   if (s.reason != NoLight::kNone) return;
   const Vec3<double> origin(as_floats(s.origin));
   const EmissionSample<double> sampled = s;
-  const auto told = told_direction(sampled.direction, [&](const Vec3<double>& w) {
-    if constexpr (LeavesFreely<L>) {
+  const auto direction = wire_direction(sampled.direction, [&](const Vec3<double>& w) {
+    if (light.leaves_freely()) {
       const EmissionPdf<double> pdf = light.pdf_le(origin, w, scene);
       s.value = light.le_leaving(origin, w);
       s.pdf_position = pdf.position;
       s.pdf_direction = pdf.direction;
-    } else if constexpr (SeenOnSurface<L>) {
+    } else if (light.has_surface()) {
       s = light.ray_from({origin, sampled.normal, sampled.primitive}, w);
     }
-    // A density of 0 is one of what is certain.
+    // A density of 0 means that position or direction is certain.
     return s.reason == NoLight::kNone && !s.value.is_black() &&
            (s.pdf_position.per_m2 > 0) == (sampled.pdf_position.per_m2 > 0) &&
            (s.pdf_direction.per_sr > 0) == (sampled.pdf_direction.per_sr > 0);
   });
-  if (told)
-    s.direction = Vec3<double>(*told);
+  if (direction)
+    s.direction = Vec3<double>(*direction);
   else
     s = sampled;
 }
@@ -99,7 +100,7 @@ ItemResult put(const EmissionSample<double>& s, std::uint32_t light, SpectralVal
   return ItemResult::kOk;
 }
 
-/// One ray of a light that is named or chosen here.
+/// One ray of the named light or of a chosen one.
 ItemResult sample_ray(const Scene& scene, const SampleLeQuery& q, SpectralValues& spectral,
                       std::size_t i, const SampleLeAnswer& a) {
   const RayValues u = values_of(q, i);
@@ -112,57 +113,82 @@ ItemResult sample_ray(const Scene& scene, const SampleLeQuery& q, SpectralValues
     light = choice->light;
   }
   if (!u.valid) return ItemResult::kInvalidInput;
-  return visit_light(scene.lights()[light], q.time_s, [&]<typename L>(const L& l) {
-    EmissionSample<double> s =
-        l.sample_le({u.position.x, u.position.y}, {u.direction.x, u.direction.y}, scene.sphere());
-    tell_ray(l, scene.sphere(), s);
-    return put(s, light, spectral, i, a);
-  });
+  const LightAtTime l(scene.lights()[light], q.time_s);
+  EmissionSample<double> s =
+      l.sample_le({u.position.x, u.position.y}, {u.direction.x, u.direction.y}, scene.sphere());
+  set_wire_ray(l, scene.sphere(), s);
+  return put(s, light, spectral, i, a);
 }
+
+/// The rays of one chunk of a LeQuery.
+class LeChunk {
+ public:
+  LeChunk(const Scene& scene, const PathTracer& tracer, const LeQuery& query,
+          const LeAnswer& answer)
+      : scene_(scene),
+        query_(query),
+        answer_(answer),
+        tracer_(tracer),
+        to_scene_(scene, query.points, std::nullopt),
+        spectral_(scene, query.wavelengths_nm),
+        at_wavelengths_(spectral_.size()) {}
+
+  /// Fills the entries of ray `i` except its status, and returns the status.
+  ItemResult ray(std::size_t i) {
+    const ScenePoint p = to_scene_(i);
+    const Vec3<float> direction = triple(query_.directions, i);
+    if (!is_direction(direction)) return ItemResult::kInvalidInput;
+    if (p.result != ItemResult::kOk) return p.result;
+    Ray ray{Vec3<float>(p.position), normalized(direction), kStartWithoutNormal * p.error};
+    ray.time_s = query_.time_s;
+    const auto hit = first_other_surface(scene_, ray, {{p.position, p.error}, {}});
+    ++rays_;
+    return put(i, {p.position, direction_of(direction), query_.time_s}, hit);
+  }
+  std::uint64_t rays() const { return rays_; }
+
+ private:
+  /// Adds the radiance of all lights at the end of the ray.
+  ItemResult put(std::size_t i, const Sight& sight, const std::optional<SurfaceHit>& hit) {
+    Rgb<double> sum;
+    std::uint64_t first_id = 0;
+    std::ranges::fill(at_wavelengths_, 0);
+    tracer_.for_each_emitter(sight, hit, [&](std::uint32_t light, const Rgb<double>& radiance) {
+      if (query_.light && light != *query_.light) return;
+      if (first_id == 0) first_id = scene_.lights()[light].id;
+      sum += radiance;
+      spectral_.add(light, radiance, at_wavelengths_);
+    });
+    const Vec3<float> total(Vec3<double>(sum.r, sum.g, sum.b));
+    if (!is_finite(total) ||
+        !store_spectral(at_wavelengths_, answer_.spectral_radiance + i * at_wavelengths_.size()))
+      return ItemResult::kOutOfRange;
+    answer_.light_ids[i] = first_id;
+    store(answer_.radiance_cd_m2, i, total);
+    return ItemResult::kOk;
+  }
+
+  const Scene& scene_;
+  const LeQuery& query_;
+  const LeAnswer& answer_;
+  const PathTracer& tracer_;
+  ToScene to_scene_;
+  SpectralValues spectral_;
+  std::vector<double> at_wavelengths_;
+  std::uint64_t rays_ = 0;
+};
 
 }  // namespace
 
 WorkCounts le(const Scene& scene, const LeQuery& query, const LeAnswer& answer,
               std::stop_token stop) {
-  const ToScene to_scene(scene, query.points, std::nullopt);
   const PathTracer tracer(scene, 0, {});
   std::atomic<std::uint64_t> rays = 0;
   parallel_chunks(query.points.size(), kGrain, stop, [&](std::size_t begin, std::size_t end) {
     const DenormalsAreZero denormals;
-    std::uint64_t chunk_rays = 0;
-    SpectralValues spectral(scene, query.wavelengths_nm);
-    std::vector<double> at(spectral.size());
-    for (std::size_t i = begin; i < end; ++i) {
-      const ScenePoint p = to_scene(i);
-      const Vec3<float> direction = triple(query.directions, i);
-      ItemResult result = p.result;
-      if (!is_direction(direction)) result = ItemResult::kInvalidInput;
-      if (result == ItemResult::kOk) {
-        Ray ray{Vec3<float>(p.position), normalized(direction), kStartWithoutNormal * p.error};
-        ray.time_s = query.time_s;
-        const auto hit = first_other_surface(scene, ray, {{p.position, p.error}, {}});
-        ++chunk_rays;
-        Rgb<double> sum;
-        std::uint64_t met = 0;
-        std::ranges::fill(at, 0);
-        const Sight sight{p.position, direction_of(direction), query.time_s};
-        tracer.for_each_emitter(sight, hit, [&](std::uint32_t light, const Rgb<double>& radiance) {
-          if (query.light && light != *query.light) return;
-          if (met == 0) met = scene.lights()[light].id;
-          sum += radiance;
-          spectral.add(light, radiance, at);
-        });
-        const Vec3<float> total(Vec3<double>(sum.r, sum.g, sum.b));
-        if (is_finite(total) && store_spectral(at, answer.spectral_radiance + i * at.size())) {
-          answer.light_ids[i] = met;
-          store(answer.radiance_cd_m2, i, total);
-        } else {
-          result = ItemResult::kOutOfRange;
-        }
-      }
-      answer.status[i] = static_cast<int>(result);
-    }
-    rays += chunk_rays;
+    LeChunk chunk(scene, tracer, query, answer);
+    for (std::size_t i = begin; i < end; ++i) answer.status[i] = static_cast<int>(chunk.ray(i));
+    rays += chunk.rays();
   });
   WorkCounts work;
   work.samples = query.points.size();
@@ -188,26 +214,22 @@ void pdf_le(const Scene& scene, std::uint32_t light, const PointArray& points,
             std::span<const float> directions, double time_s, float* pdf_position_per_m2,
             float* pdf_direction_per_sr, int* status, std::stop_token stop) {
   const ToScene to_scene(scene, points, 0.0F);
-  visit_light(scene.lights()[light], time_s, [&](const auto& l) {
-    parallel_chunks(points.size(), kGrain, stop, [&](std::size_t begin, std::size_t end) {
-      const DenormalsAreZero denormals;
-      for (std::size_t i = begin; i < end; ++i) {
-        const ScenePoint p = to_scene(i);
-        const Vec3<float> w = triple(directions, i);
-        ItemResult result = p.result;
-        if (!is_direction(w)) result = ItemResult::kInvalidInput;
-        if (result == ItemResult::kOk) {
-          const EmissionPdf<double> pdf = l.pdf_le(p.position, direction_of(w), scene.sphere());
-          if (fits_float(pdf.position.per_m2) && fits_float(pdf.direction.per_sr)) {
-            pdf_position_per_m2[i] = static_cast<float>(pdf.position.per_m2);
-            pdf_direction_per_sr[i] = static_cast<float>(pdf.direction.per_sr);
-          } else {
-            result = ItemResult::kOutOfRange;
-          }
-        }
-        status[i] = static_cast<int>(result);
-      }
-    });
+  const LightAtTime l(scene.lights()[light], time_s);
+  const auto ray = [&](std::size_t i) {
+    const ScenePoint p = to_scene(i);
+    const Vec3<float> w = triple(directions, i);
+    if (!is_direction(w)) return ItemResult::kInvalidInput;
+    if (p.result != ItemResult::kOk) return p.result;
+    const EmissionPdf<double> pdf = l.pdf_le(p.position, direction_of(w), scene.sphere());
+    if (!fits_float(pdf.position.per_m2) || !fits_float(pdf.direction.per_sr))
+      return ItemResult::kOutOfRange;
+    pdf_position_per_m2[i] = static_cast<float>(pdf.position.per_m2);
+    pdf_direction_per_sr[i] = static_cast<float>(pdf.direction.per_sr);
+    return ItemResult::kOk;
+  };
+  parallel_chunks(points.size(), kGrain, stop, [&](std::size_t begin, std::size_t end) {
+    const DenormalsAreZero denormals;
+    for (std::size_t i = begin; i < end; ++i) status[i] = static_cast<int>(ray(i));
   });
 }
 

@@ -1,5 +1,5 @@
-// Batches of questions about the light that emitters send out, over plain arrays.  As in queries.h:
-// all work runs in the caller's oneTBB arena and is a function of its arguments alone.
+// Batches of queries about the light that lights emit, over plain arrays.  As in queries.h, all
+// work runs in the caller's oneTBB arena and depends only on the arguments.
 #pragma once
 
 #include <cstdint>
@@ -13,25 +13,26 @@ namespace lucerna {
 
 struct LeQuery {
   PointArray points;
-  std::span<const float> directions;     ///< three a ray, of any length but 0
-  std::optional<std::uint32_t> light{};  ///< index: only this one
+  std::span<const float> directions;     ///< three for each ray, any length except 0
+  std::optional<std::uint32_t> light{};  ///< index; set: only this light counts
   double time_s = 0;
   std::span<const double> wavelengths_nm{};
 };
 
-/// Arrays to be filled, of one entry (or three) a ray; all start as zeros.
+/// Arrays to fill, with one entry (or three) for each ray.  All start as zeros.
 struct LeAnswer {
   float* radiance_cd_m2;
-  /// The light that shines along the ray, the first of several infinite ones; 0 where none does.
+  /// The light that shines along the ray: the first one of several infinite lights; 0 for
+  /// none.
   std::uint64_t* light_ids;
   int* status;                         ///< ItemResult
   float* spectral_radiance = nullptr;  ///< one for each wavelength, ray by ray
 };
 
-/// Radiance that arrives against each ray from the first surface that it meets or, where it meets
-/// none, from the infinite lights.  A surface that the ray's start lies on, within the default
-/// position error, is not met.  Surfaces hide lights behind them, whether or not `light` is set.
-/// kOutOfRange where a sum does not fit a float, at some wavelength.
+/// Radiance that arrives against each ray: from the first surface that it meets or, where it
+/// meets none, from the infinite lights.  A surface that the ray's start lies on, within the
+/// default position error, is not met.  Surfaces hide lights behind them, also where `light` is
+/// set.  kOutOfRange where a sum does not fit a float, at some wavelength.
 WorkCounts le(const Scene& scene, const LeQuery& query, const LeAnswer& answer,
               std::stop_token stop);
 
@@ -39,13 +40,13 @@ struct SampleLeQuery {
   std::uint32_t rays = 0;
   std::optional<std::uint32_t> light{};  ///< index; unset: chosen for each ray
   std::optional<SeedRange> seed{};       ///< set: `u` and `u_light` are not read
-  std::span<const float> u{};         ///< four a ray (position, direction), in [0, 1] or not finite
-  std::span<const double> u_light{};  ///< one a ray, in [0, 1), where `light` is unset
+  std::span<const float> u{};  ///< four for each ray (position, direction), in [0, 1] or not finite
+  std::span<const double> u_light{};  ///< one for each ray, in [0, 1); only where `light` is unset
   double time_s = 0;
   std::span<const double> wavelengths_nm{};
 };
 
-/// Arrays to be filled, of one entry (or three) a ray; all start as zeros.
+/// Arrays to fill, with one entry (or three) for each ray.  All start as zeros.
 struct SampleLeAnswer {
   float* offsets_m;  ///< about the scene's origin
   float* directions;
@@ -59,13 +60,14 @@ struct SampleLeAnswer {
   float* spectral_value = nullptr;  ///< one for each wavelength, ray by ray
 };
 
-/// Rays that leave lights.  With a seed, ray i is point first_item + i of one low-discrepancy
-/// sequence.  In a scene without lights every ray is kBlack, its light 0, chosen with certainty.
+/// Samples rays that leave lights.  With a seed, ray i is point first_item + i of one
+/// low-discrepancy sequence.  In a scene without lights every ray is kBlack, its light 0, its
+/// selection probability 1.
 WorkCounts sample_le(const Scene& scene, const SampleLeQuery& query, const SampleLeAnswer& answer,
                      std::stop_token stop);
 
-/// The densities with which `sample_le` of light `light` chooses the rays that start at `points` in
-/// `directions` (three a ray, of any length but 0).
+/// The densities with which `sample_le` of light `light` chooses rays from `points` in
+/// `directions`. `directions`: three for each ray, any length except 0.
 void pdf_le(const Scene& scene, std::uint32_t light, const PointArray& points,
             std::span<const float> directions, double time_s, float* pdf_position_per_m2,
             float* pdf_direction_per_sr, int* status, std::stop_token stop);

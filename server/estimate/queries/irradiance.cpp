@@ -1,4 +1,7 @@
-// Irradiance at points: the first vertex of a path whose surface reflects everything, times pi.
+// The irradiance at a point is computed as the first vertex of a path.  Its surface reflects all
+// light; the result is multiplied by pi.
+#include "server/estimate/queries/irradiance.h"
+
 #include <tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
@@ -9,7 +12,6 @@
 #include <numbers>
 
 #include "server/estimate/paths/path.h"
-#include "server/estimate/paths/render.h"
 #include "server/estimate/queries/delta_irradiance.h"
 #include "server/estimate/queries/irradiance_estimate.h"
 #include "server/estimate/queries/spectral_values.h"
@@ -21,35 +23,35 @@ namespace lucerna {
 namespace {
 
 constexpr std::uint32_t kSamplesBetweenPolls = 64;
-// Closed forms and shafts take a point as long as so many samples.
+// Closed forms and shafts take as long as so many samples.
 constexpr std::uint64_t kSamplesPerShafts = 4;
-// Of one chunk of points: 0.1 to 10 ms, as a sample takes 0.5 to 40 us.
+// A chunk takes 0.1 to 10 ms; a sample takes 0.5 to 40 us.
 constexpr std::uint64_t kSamplesPerChunk = 256;
 
-/// What is known of a point without samples, and what they are to add.
+/// The light of a point that needs no samples, and what remains to sample.
 struct Settled {
   Rgb<double> exact;                // [lx]
-  LightSet lights{};                // whose direct light is part of it
-  std::vector<Rgb<double>> shares;  // of each light, where wanted [lx]
-  BySpectrum by_spectrum;           // of what is exact
+  LightSet lights{};                // whose direct light is part of `exact`
+  std::vector<Rgb<double>> shares;  // of each light, with `per_light` [lx]
+  BySpectrum by_spectrum;           // of `exact`
   Spending spending{};
   bool needs_samples = false;
-  bool gathers = false;  // by directions of the receiver too
+  bool gathers = false;  // samples directions of the receiver too
 };
 
-/// All that the samples of one point say.
+/// Sums over all samples of one point.
 struct Sampled {
   Estimate total;
-  std::vector<Estimate> shares;                // of each light, where wanted
+  std::vector<Estimate> shares;                // of each light, with `per_light`
   BySpectrum by_spectrum;                      // of the current block
   std::vector<BlockStream<1>> at_wavelengths;  // [W/m2/nm]
 };
 
-class IrradianceJob {
+class IrradianceEstimator {
  public:
-  IrradianceJob(const Scene& scene, std::span<const IrradiancePoint> points,
-                const IrradianceSettings& settings, const std::stop_token& stop,
-                IrradianceResult& result)
+  IrradianceEstimator(const Scene& scene, std::span<const IrradiancePoint> points,
+                      const IrradianceSettings& settings, const std::stop_token& stop,
+                      IrradianceResult& result)
       : scene_(scene),
         points_(points),
         settings_(settings),
@@ -81,7 +83,7 @@ class IrradianceJob {
       stopped_ = true;
       return;
     }
-    // Nobody asks what points took that take equally many samples.
+    // Times points only with a target; otherwise all take equally many samples.
     std::chrono::steady_clock::time_point start;
     if (settings_.target) start = std::chrono::steady_clock::now();
     const std::uint64_t rays_before = work.indirect_rays + work.shadow_rays;
@@ -93,7 +95,7 @@ class IrradianceJob {
     result_.costs[p] = {samples, work.indirect_rays + work.shadow_rays - rays_before, took.count()};
   }
 
-  /// Returns the samples that the estimate is made of.
+  /// Returns the number of samples of the estimate.
   std::uint64_t put_estimate(std::size_t p, const SurfaceHit& receiver, WorkCounts& work) {
     std::uint32_t per_block = settings_.samples_per_block;
     const std::uint64_t expected = settings_.target
@@ -104,12 +106,12 @@ class IrradianceJob {
       per_block = needed_per_block(p, receiver, settled, work);
       if (settled.spending == Spending::kDrawn &&
           spending(samples_of(per_block)) != settled.spending) {
-        // So many that it costs less to settle delta lights.
+        // With so many samples, settling delta lights costs less.
         settled = settle(receiver, samples_of(per_block), work);
         if (settled.needs_samples) per_block = needed_per_block(p, receiver, settled, work);
       }
-      // Of the same count without a target the same is settled: so many at least, which are no more
-      // than it was settled for.
+      // A query with this sample count and no target settles the same lights.  So the
+      // count is raised to the least one for which they are settled.
       if (spending(samples_of(per_block)) != settled.spending) per_block = settling_per_block();
     }
     put_exact(p, settled);
@@ -125,7 +127,7 @@ class IrradianceJob {
     if (settled.by_spectrum.wanted()) settled.by_spectrum.put(spectral_.local(), 1, spectral(p));
   }
 
-  /// Samples what remains; the answer then holds both.
+  /// Samples the remaining light and adds it to the exact part.
   void put_sampled(std::size_t p, const SurfaceHit& receiver, const Settled& settled,
                    std::uint32_t per_block, WorkCounts& work) {
     Sampled e = no_samples(settled.shares.size(), settings_.wavelengths_nm.size());
@@ -149,7 +151,7 @@ class IrradianceJob {
     }
   }
 
-  /// Of point `p`, at each wavelength.
+  /// Entries of point `p`, one for each wavelength.
   std::span<double> spectral(std::size_t p) {
     const std::size_t n = settings_.wavelengths_nm.size();
     return {result_.spectral.data() + p * n, n};
@@ -158,12 +160,12 @@ class IrradianceJob {
   std::uint64_t samples_of(std::uint32_t per_block) const {
     return std::uint64_t{per_block} * settings_.block_count;
   }
-  /// For a target.
+  /// The largest `samples_per_block` within the target's limit.
   std::uint32_t most_per_block() const {
     return static_cast<std::uint32_t>(
         std::max<std::uint64_t>(1, settings_.target->max_samples / settings_.block_count));
   }
-  /// The least that delta lights are settled for.
+  /// The least `samples_per_block` for which delta lights are settled.
   std::uint32_t settling_per_block() const {
     return static_cast<std::uint32_t>((direct_.settling_samples() + settings_.block_count - 1) /
                                       settings_.block_count);
@@ -171,7 +173,7 @@ class IrradianceJob {
   Spending spending(std::uint64_t samples) const {
     return settings_.per_light ? Spending::kEach : direct_.spending_at_receiver(samples);
   }
-  /// Of a point that so many samples are to be taken at.
+  /// Settles a point that will take so many samples.
   Settled settle(const SurfaceHit& receiver, std::uint64_t samples, WorkCounts& work) const {
     Settled s{.exact = {},
               .shares = std::vector<Rgb<double>>(settings_.per_light ? scene_.lights().size() : 0),
@@ -219,7 +221,7 @@ class IrradianceJob {
     for (std::size_t k = 0; k < at.size(); ++k) e.at_wavelengths[k].add({at[k]});
   }
 
-  /// How many samples a block this point needs for the target error.
+  /// The samples in a block that this point needs for the target error.
   std::uint32_t needed_per_block(std::size_t p, const SurfaceHit& receiver, const Settled& settled,
                                  WorkCounts& work) {
     const std::uint32_t replicates = settings_.block_count;
@@ -243,15 +245,16 @@ class IrradianceJob {
     groups.add(number ? *number + 1 : 0, lx);
   }
 
-  /// Not of fewer samples than they take the time of, where reflected light has an error anyway.
+  /// Closed forms are not worth their time with few samples where reflected light has an
+  /// error anyway.
   bool uses_closed_forms(std::uint64_t samples) const {
     if (!direct_.uses_closed_forms(true)) return false;
     return settings_.methods.closed_forms != ClosedForms::kAutomatic || !gather_indirect_ ||
            samples >= kSamplesPerShafts;
   }
 
-  /// What needs no samples: lights of one direction, where each light is visited, and those that a
-  /// closed form answers for.  False where lights remain.
+  /// Settles light that needs no samples: lights of one direction, where each light is
+  /// visited, and lights in closed form.  Returns false where lights remain.
   bool settle_lights(const SurfaceHit& receiver, std::uint64_t samples, Settled& to,
                      WorkCounts& work) const {
     const Vec3<float>& n = receiver.ns;
@@ -260,7 +263,7 @@ class IrradianceJob {
     for (std::uint32_t l = 0; l < scene_.lights().size(); ++l) {
       std::optional<Rgb<double>> all;
       if (to.spending == Spending::kEach || to.spending == Spending::kAreasDrawn)
-        all = direct_.of_one_direction(receiver, n, l, work);
+        all = direct_.from_one_direction(receiver, n, l, work);
       if (!all && closed_forms) all = direct_.in_closed_form(receiver, n, l);
       if (all) {
         const Rgb<double> lx = *all * std::numbers::pi;
@@ -275,49 +278,55 @@ class IrradianceJob {
     return all_settled;
   }
 
+  /// One sample of the light that is not settled.
   void sample(const SurfaceHit& receiver, const PathSample& s, const Settled& settled, Sampled& to,
               WorkCounts& work) const {
-    const Vec3<float>& n = receiver.ns;
     LightEstimate sum;
-    const auto add = [&](std::uint32_t light, const LightEstimate& e) {
-      const LightEstimate lx{e.value * kPi, e.unshadowed * kPi};
-      sum.value += lx.value;
-      sum.unshadowed += lx.unshadowed;
-      if (!to.shares.empty()) to.shares[light].add(lx);
-      add_to(to.by_spectrum, light, lx.value);
-    };
-    direct_.sample(settled.spending, receiver, n, 0, s, settled.lights, work, add);
-    if (settled.gathers) {
-      const Vec3<float> wi = PathTracer::cosine_direction(n, n, s.at(0, PathSample::kDirection));
-      const double pdf = dot(n, wi) * std::numbers::inv_pi;
-      const Ray ray = spawn_ray(receiver, wi);
-      ++work.indirect_rays;
-      const std::optional<SurfaceHit> hit = scene_.closest_hit(ray);
-      const auto weight = [&](std::uint32_t light, const std::optional<SurfaceHit>& end) {
-        return settled.lights.has(light)
-                   ? 0.0
-                   : direct_.found_weight(settled.spending, receiver, n, ray, end, light, pdf);
-      };
-      if (direct_.finds_lights()) {
-        tracer_.for_each_emitter(ray, hit, [&](std::uint32_t light, const Rgb<double>& le) {
-          const Rgb<double> e = le * weight(light, hit);
-          add(light, {e, e});
-        });
-        // What lies behind an obstacle counts as hidden: a light that is sampled by what exceeds
-        // its mean may have nothing else to show.
-        if (hit)
-          tracer_.for_each_emitter(ray, std::nullopt,
-                                   [&](std::uint32_t light, const Rgb<double>& le) {
-                                     add(light, {{}, le * weight(light, std::nullopt)});
-                                   });
-      }
-      if (hit && gather_indirect_) {
-        const LightEstimate e = tracer_.reflected(*hit, -wi, 1, s, work);
-        sum.value += e.value * kPi;
-        sum.unshadowed += e.unshadowed * kPi;
-      }
-    }
+    direct_.sample(settled.spending, receiver, receiver.ns, 0, s, settled.lights, work,
+                   [&](std::uint32_t light, const LightEstimate& e) { add(light, e, sum, to); });
+    if (settled.gathers) gather(receiver, s, settled, sum, to, work);
     to.total.add(sum);
+  }
+
+  /// Adds the light of one light to the sum and to the light's share.
+  void add(std::uint32_t light, const LightEstimate& e, LightEstimate& sum, Sampled& to) const {
+    const LightEstimate lx{e.value * kPi, e.unshadowed * kPi};
+    sum += lx;
+    if (!to.shares.empty()) to.shares[light].add(lx);
+    add_to(to.by_spectrum, light, lx.value);
+  }
+
+  /// Adds what a direction of the receiver finds: lights, and light that surfaces reflect.
+  void gather(const SurfaceHit& receiver, const PathSample& s, const Settled& settled,
+              LightEstimate& sum, Sampled& to, WorkCounts& work) const {
+    const Vec3<float>& n = receiver.ns;
+    const Vec3<float> wi = PathTracer::cosine_direction(n, n, s.at(0, PathSample::kDirection));
+    const double pdf = dot(n, wi) * std::numbers::inv_pi;
+    const Ray ray = spawn_ray(receiver, wi);
+    ++work.indirect_rays;
+    const std::optional<SurfaceHit> hit = scene_.closest_hit(ray);
+    const auto weight = [&](std::uint32_t light, const std::optional<SurfaceHit>& end) {
+      return settled.lights.has(light)
+                 ? 0.0
+                 : direct_.found_weight(settled.spending, receiver, n, ray, end, light, pdf);
+    };
+    if (direct_.finds_lights()) {
+      tracer_.for_each_emitter(ray, hit, [&](std::uint32_t light, const Rgb<double>& le) {
+        const Rgb<double> e = le * weight(light, hit);
+        add(light, {e, e}, sum, to);
+      });
+      // Light behind an obstacle counts as hidden.  Where light samples choose only what
+      // exceeds a light's mean, nothing else may show that the light exists.
+      if (hit)
+        tracer_.for_each_emitter(ray, std::nullopt,
+                                 [&](std::uint32_t light, const Rgb<double>& le) {
+                                   add(light, {{}, le * weight(light, std::nullopt)}, sum, to);
+                                 });
+    }
+    if (hit && gather_indirect_) {
+      const LightEstimate e = tracer_.reflected(*hit, -wi, 1, s, work);
+      sum += {e.value * kPi, e.unshadowed * kPi};
+    }
   }
 
   const Scene& scene_;
@@ -329,8 +338,8 @@ class IrradianceJob {
   const DirectLight& direct_;
   const bool gather_indirect_;
   const double confidence_;
-  const IntervalRule rule_;  ///< of points that take as many samples as all others
-  /// One for each thread that takes part, as looking spectra up takes longer than using them.
+  const IntervalRule rule_;  ///< for points with the sample count of the settings
+  /// One for each thread, because looking spectra up takes longer than using them.
   tbb::enumerable_thread_specific<SpectralValues> spectral_;
   std::atomic<bool> stopped_ = false;
 };
@@ -346,11 +355,11 @@ IrradianceResult estimate_irradiance(const Scene& scene, std::span<const Irradia
   result.spectral.resize(points.size() * settings.wavelengths_nm.size());
   result.spectral_error.resize(result.spectral.size());
   std::mutex mutex;
-  const auto run = [&](auto job) {
-    parallel_chunks(points.size(), job.points_per_chunk(), stop,
+  const auto run = [&](auto estimator) {
+    parallel_chunks(points.size(), estimator.points_per_chunk(), stop,
                     [&](std::size_t begin, std::size_t end) {
                       const DenormalsAreZero denormals;
-                      const WorkCounts work = job.range(begin, end);
+                      const WorkCounts work = estimator.range(begin, end);
                       const std::lock_guard lock(mutex);
                       result.work += work;
                     });
@@ -358,7 +367,7 @@ IrradianceResult estimate_irradiance(const Scene& scene, std::span<const Irradia
   if (DeltaIrradiance::answers(scene, settings))
     run(DeltaIrradiance(scene, points, settings, stop, result));
   else
-    run(IrradianceJob(scene, points, settings, stop, result));
+    run(IrradianceEstimator(scene, points, settings, stop, result));
   result.stopped = stop.stop_requested();
   return result;
 }

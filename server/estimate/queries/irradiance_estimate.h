@@ -1,4 +1,4 @@
-// Sums over the samples of one point that irradiance is estimated at.
+// Sums over the samples of one irradiance estimate.
 #pragma once
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "server/estimate/lights/direct_light.h"
-#include "server/estimate/paths/render.h"
+#include "server/estimate/queries/irradiance.h"
 #include "server/estimate/queries/spectral_values.h"
 #include "server/estimate/statistics/block_stream.h"
 #include "server/estimate/statistics/confidence.h"
@@ -19,13 +19,13 @@
 
 namespace lucerna {
 
-/// One number being estimated: the total, or one light's share of it.
+/// One estimated number: the total, or the share of one light.
 struct Estimate {
   BlockStream<4> blocks{0};       // R, G, B and luminance [lx]
   SampleSum block_sum;            // of the samples of the current block
   double sum_of_squares = 0;      // of samples' illuminances
-  double largest_unshadowed = 0;  // of one sample's illuminance had nothing been in the way [lx]
-  bool partly_hidden = false;     // something was in the way of some sample
+  double largest_unshadowed = 0;  // largest illuminance of a sample without shadows [lx]
+  bool partly_hidden = false;     // some sample was shadowed
 
   void add(const LightEstimate& e) {
     block_sum.add(e.value);
@@ -40,12 +40,12 @@ struct Estimate {
     blocks.add({v.r, v.g, v.b, luminance(v)});
     block_sum = {};
   }
-  /// `exact`: what is beside it that needed no sampling [lx].
+  /// `exact`: light beside the samples that needed no sampling [lx].
   IrradianceEstimate result(const Rgb<double>& exact, double block_count,
                             const IntervalRule& rule) const;
 };
 
-/// Makes of an answer without samples one that needed none [lx].
+/// Sets an answer that needed no samples [lx].
 inline void set_exact(Rgb<double> exact, IrradianceEstimate& e) {
   e.irradiance_lx = exact;
   e.exact = true;
@@ -67,19 +67,18 @@ inline IrradianceEstimate Estimate::result(const Rgb<double>& exact, double bloc
   e.irradiance_lx += {mean(0), mean(1), mean(2)};
   e.standard_error_lx = {standard_error(0), standard_error(1), standard_error(2)};
   e.illuminance_error_lx = standard_error(3);
-  const Interval sampled_lx = rule.interval(
+  const ConfidenceInterval sampled_lx = rule.interval(
       {mean(3), standard_error(3), sum_of_squares, largest_unshadowed, partly_hidden});
   e.illuminance_lx = {exact_lx + sampled_lx.lower, exact_lx + sampled_lx.upper};
-  // Where nothing was in the way of anything, there was nothing to miss.
+  // Without shadows no light can have been missed.
   if (!(mean(3) > 0) && largest_unshadowed > 0) e.zero_bound_lx = e.illuminance_lx.upper;
   return e;
 }
 
-/// Light of some samples by the spectrum of the lights that it came from [lx].  Nobody asks where
-/// the number of wavelengths is 0.
+/// Light of samples, grouped by the spectrum of its lights [lx].  Not used without wavelengths.
 class BySpectrum {
  public:
-  /// Of lights that were given RGB: group 0; of those of the scene's spectrum k: group 1 + k.
+  /// Group 0: lights with RGB values.  Group 1 + k: lights with spectrum k of the scene.
   explicit BySpectrum(std::size_t groups) : sums_(groups) {}
 
   bool wanted() const { return !sums_.empty(); }
@@ -88,7 +87,7 @@ class BySpectrum {
     if (sums_[group].value().is_black()) lit_.push_back(group);
     sums_[group].add(lx);
   }
-  /// Adds what the sums times `scale` are at each wavelength, and begins anew.
+  /// Adds the sums times `scale` at each wavelength to `at`, and clears the sums.
   void put(SpectralValues& spectral, double scale, std::span<double> at) {
     for (const std::size_t g : lit_) {
       std::optional<std::uint32_t> spectrum;
@@ -101,7 +100,7 @@ class BySpectrum {
 
  private:
   std::vector<SampleSum> sums_;
-  std::vector<std::size_t> lit_;  // those that are not 0
+  std::vector<std::size_t> lit_;  // groups that are not 0
 };
 
 }  // namespace lucerna

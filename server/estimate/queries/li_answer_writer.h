@@ -1,4 +1,4 @@
-// Entries of an answer of SampleLi.
+// Writes entries of an answer of SampleLi.
 #pragma once
 
 #include <cmath>
@@ -9,18 +9,18 @@
 
 namespace lucerna {
 
-/// Puts samples down in the floats that an answer has, or why they do not fit.  What is called for
-/// each of them is always inlined, as calls take longer than a point light does.
+/// Writes samples as the floats of an answer, or the reason why they do not fit.  Members that
+/// run for each sample are always inlined, because a call takes longer than a point light.
 class LiAnswerWriter {
  public:
-  /// `light_shift_m`: the scene's origin about the receivers'.
+  /// `light_shift_m`: the scene's origin about the receivers' origin.
   LiAnswerWriter(const SampleLiAnswer& answer, const Vec3<double>& light_shift_m)
       : a_(answer), light_shift_m_(light_shift_m) {}
 
-  /// A sample whatever it says.
+  /// Writes any sample.
   [[gnu::always_inline]] ItemResult put(std::size_t i, const LightSample<double>& s) const {
     if (s.delta) set_bit(a_.delta, i);
-    // Where there is no light there may be no direction, and no density either.
+    // Samples without light may lack a direction and a density.
     if (const Vec3<float> wi(s.wi); is_finite(wi)) store(a_.wi, i, wi);
     if (!s.delta)
       a_.pdf_per_sr[i] = is_normal_float(s.pdf.per_sr) ? static_cast<float>(s.pdf.per_sr) : 1.0F;
@@ -45,33 +45,36 @@ class LiAnswerWriter {
     return put_result(i, item_result(reason));
   }
 
-  /// The same of a delta light at `point` where all of it fits; false, with nothing put down,
-  /// elsewhere.
+  /// Writes a sample of a delta light at `point` if all of it fits.  Returns false, with
+  /// nothing written, if it does not.
   [[gnu::always_inline]] bool put_plain(std::size_t i, const Vec3<double>& wi, double distance_m,
                                         const Rgb<double>& value, const Vec3<double>& point) const {
-    const Vec3<float> told_wi(wi), offset(point + light_shift_m_);
-    const Vec3<float> told(Vec3<double>(value.r, value.g, value.b));
+    const Vec3<float> wi_float(wi), offset(point + light_shift_m_);
+    const Vec3<float> value_float(Vec3<double>(value.r, value.g, value.b));
     const auto distance = static_cast<float>(distance_m);
-    // Of all that may not fit a float in one comparison.
-    if (!std::isfinite((told.x + told.y + told.z) + distance + (offset.x + offset.y + offset.z)))
+    // One comparison for all values that may not fit a float.
+    if (!std::isfinite((value_float.x + value_float.y + value_float.z) + distance +
+                       (offset.x + offset.y + offset.z)))
       return false;
-    store(a_.wi, i, told_wi);
-    store(a_.value, i, told);
+    store(a_.wi, i, wi_float);
+    store(a_.value, i, value_float);
     store(a_.light_offsets_m, i, offset);
     a_.distance_m[i] = distance;
     put_result(i, ItemResult::kOk);
-    set_bit(a_.delta, i);  // last: a byte may alias anything, so that all is loaded anew
+    // Last: a byte may alias anything, so the compiler loads everything again after it.
+    set_bit(a_.delta, i);
     return true;
   }
 
-  /// Of what no light was asked for.
+  /// Writes an entry for which no light was sampled.
   ItemResult put_none(std::size_t i, ItemResult of_receiver) const {
     a_.pdf_per_sr[i] = 1;
     return put_result(i, of_receiver == ItemResult::kOk ? ItemResult::kBlack : of_receiver);
   }
 
  private:
-  /// Whether a density has all of its digits in a float: one that underflows would divide by 0.
+  /// Whether a float holds all digits of a density.  A density that underflows would divide
+  /// by 0.
   static bool is_normal_float(double density) {
     const auto rounded = static_cast<float>(density);
     return rounded >= std::numeric_limits<float>::min() && std::isfinite(rounded);

@@ -13,10 +13,10 @@
 namespace lucerna {
 namespace {
 
-// Between two looks at the stop token: a tenth of a millisecond.
+// The stop token is polled every tenth of a millisecond.
 constexpr std::size_t kSamplesAtOnce = 512;
 
-/// The estimate of blocks of so many samples each.
+/// The estimate from blocks of equally many samples.
 IrradianceEstimate estimate(std::span<const LiShare> shares, std::size_t samples_per_block,
                             const IntervalRule& rule) {
   Estimate e;
@@ -29,14 +29,14 @@ IrradianceEstimate estimate(std::span<const LiShare> shares, std::size_t samples
   return e.result({}, static_cast<double>(blocks), rule);
 }
 
-/// Finds out how many samples receivers need.
+/// Finds the number of samples that receivers need.
 class Pilots {
  public:
   Pilots(const LiSampler& sampler, const TargetError& target, std::uint32_t replicates,
          const std::stop_token& stop)
       : sampler_(sampler), target_(target), replicates_(replicates), stop_(stop) {}
 
-  /// Samples of each replicate of an answer.
+  /// The number of samples in each replicate of an answer.
   std::uint32_t needed(std::size_t receiver, WorkCounts& work) {
     if (sampler_.receiver_result(receiver) != ItemResult::kOk) return 0;
     const auto needed =
@@ -112,6 +112,35 @@ std::vector<std::uint32_t> equally_many(const LiSampler& sampler, std::size_t re
   return each;
 }
 
+namespace {
+
+/// kInvalidInput or kOutOfRange where one of the samples is, else kOk.
+ItemResult result_of(std::span<const int> status) {
+  ItemResult of_all = ItemResult::kOk;
+  for (const int s : status) {
+    const auto result = static_cast<ItemResult>(s);
+    if (result == ItemResult::kInvalidInput || result == ItemResult::kOutOfRange) of_all = result;
+  }
+  return of_all;
+}
+
+/// Statistics over blocks of one receiver's samples at one wavelength.  `values`: of the first
+/// sample at that wavelength; `stride` values lie between samples.
+BlockStatistics spectral_blocks(std::span<const LiShare> shares, std::size_t blocks,
+                                const float* values, std::size_t stride) {
+  const std::size_t each = shares.size() / blocks;
+  BlockStream<1> at(0);
+  for (std::size_t b = 0; b < blocks; ++b) {
+    CompensatedSum sum;
+    for (std::size_t i = b * each; i < (b + 1) * each; ++i)
+      sum.add(shares[i].weight * values[i * stride]);
+    at.add({sum.value() / static_cast<double>(each)});
+  }
+  return at.total()[0];
+}
+
+}  // namespace
+
 LiEstimates estimates_of(const LiLayout& layout, std::size_t receivers, std::uint32_t replicates,
                          double confidence, std::span<const LiShare> shares,
                          std::span<const int> status, std::span<const float> spectral_value,
@@ -122,37 +151,27 @@ LiEstimates estimates_of(const LiLayout& layout, std::size_t receivers, std::uin
   all.results.assign(receivers, ItemResult::kOk);
   all.spectral.resize(receivers * wavelengths);
   all.spectral_error.resize(receivers * wavelengths);
-  // Student's quantile takes longer than some tens of samples do.
+  // Kept between receivers: Student's quantile takes longer than some tens of samples.
   std::optional<IntervalRule> rule;
-  std::size_t rule_is_of = 0;
+  std::size_t rule_samples = 0;
   for (std::size_t r = 0; r < receivers; ++r) {
     const std::size_t begin = layout.begin(r), n = layout.begin(r + 1) - begin;
-    for (std::size_t i = begin; i < begin + n; ++i) {
-      const auto result = static_cast<ItemResult>(status[i]);
-      if (result == ItemResult::kInvalidInput || result == ItemResult::kOutOfRange)
-        all.results[r] = result;
-    }
+    all.results[r] = result_of(status.subspan(begin, n));
     if (all.results[r] != ItemResult::kOk) continue;
     const std::span<const LiShare> own = shares.subspan(begin, n);
     const bool exact = n < replicates;
     if (exact) {
       set_exact(own[0].lx.value, all.points[r]);
     } else {
-      if (rule_is_of != n) rule.emplace(confidence, replicates, n);
-      rule_is_of = n;
+      if (rule_samples != n) rule.emplace(confidence, replicates, n);
+      rule_samples = n;
       all.points[r] = estimate(own, n / replicates, *rule);
     }
-    const std::size_t blocks = exact ? 1 : replicates, each = n / blocks;
+    const std::size_t blocks = exact ? 1 : replicates;
     const auto count = static_cast<double>(blocks);
     for (std::size_t k = 0; k < wavelengths; ++k) {
-      BlockStream<1> at(0);
-      for (std::size_t b = 0; b < blocks; ++b) {
-        CompensatedSum sum;
-        for (std::size_t i = b * each; i < (b + 1) * each; ++i)
-          sum.add(own[i].weight * spectral_value[(begin + i) * wavelengths + k]);
-        at.add({sum.value() / static_cast<double>(each)});
-      }
-      const BlockStatistics total = at.total()[0];
+      const BlockStatistics total = spectral_blocks(
+          own, blocks, spectral_value.data() + begin * wavelengths + k, wavelengths);
       all.spectral[r * wavelengths + k] = total.sum / count;
       if (!exact)
         all.spectral_error[r * wavelengths + k] =

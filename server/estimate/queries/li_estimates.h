@@ -1,4 +1,4 @@
-// What samples of light say of the light at their receivers, and how many samples that takes.
+// Estimates from samples of light at receivers, and the number of samples for a target error.
 #pragma once
 
 #include <cstdint>
@@ -7,36 +7,36 @@
 #include <stop_token>
 #include <vector>
 
-#include "server/estimate/paths/render.h"
+#include "server/estimate/queries/irradiance.h"
 #include "server/estimate/queries/li_sampler.h"
 #include "server/estimate/statistics/confidence.h"
 
 namespace lucerna {
 
-/// Samples in each of `replicates` that every receiver needs for `target`, each by itself; 0 where
-/// one sample says all (one_sample_says_all), or why there is none.  The samples that tell are of
-/// replicates that no answer has.  Requires the query's `seed`.  Adds what it took to `work`;
-/// nothing where it was stopped.
+/// The samples in each of `replicates` that each receiver needs for `target`, independent of
+/// the other receivers.  0 where one sample is enough (one_sample_says_all) or the receiver is
+/// invalid.  Pilot samples come from replicates that no answer uses.  Requires the query's
+/// `seed`.  Adds the cost to `work`.  Nothing where it was stopped.
 std::optional<std::vector<std::uint32_t>> samples_needed(
     const LiSampler& sampler, std::size_t receivers, const TargetError& target,
     std::uint32_t replicates, const std::stop_token& stop, WorkCounts& work);
 
-/// As many for each receiver, but 0 as above.
+/// The same number for each receiver, but 0 in the cases above.
 std::vector<std::uint32_t> equally_many(const LiSampler& sampler, std::size_t receivers,
                                         std::uint32_t samples_per_replicate);
 
-/// Of each receiver.
+/// Estimates for each receiver.
 struct LiEstimates {
   /// Irradiance where the receivers have normals, else spherical irradiance.
   std::vector<IrradianceEstimate> points;
-  /// kInvalidInput or kOutOfRange where one of its samples is, else kOk.
+  /// kInvalidInput or kOutOfRange where one of the samples has it, else kOk.
   std::vector<ItemResult> results;
-  /// At wavelength k, of receiver r: [r * wavelengths + k] [W/m2/nm]; standard errors.
+  /// At wavelength k of receiver r: [r * wavelengths + k] [W/m2/nm]; and standard errors.
   std::vector<double> spectral, spectral_error;
 };
 
-/// Of all samples of an answer: what they say, what came of them and, sample by sample, their
-/// values at `wavelengths` wavelengths.
+/// Estimates from all samples of an answer: their shares, their status and, sample by sample,
+/// their values at `wavelengths` wavelengths.
 LiEstimates estimates_of(const LiLayout& layout, std::size_t receivers, std::uint32_t replicates,
                          double confidence, std::span<const LiShare> shares,
                          std::span<const int> status, std::span<const float> spectral_value,

@@ -1,4 +1,4 @@
-// Which samples of which receivers an answer of SampleLi holds.
+// The order of samples in an answer of SampleLi.
 #pragma once
 
 #include <cstddef>
@@ -8,20 +8,21 @@
 
 namespace lucerna {
 
-/// Which sample an entry of an answer is: point `index` of that replicate of the receiver's points.
+/// The sample of an entry: point `index` of that replicate of the receiver's points.
 struct LiPlace {
   std::size_t receiver;
   std::uint64_t replicate;
   std::uint32_t index;
 };
 
-/// Which samples an answer holds: those of each receiver one behind the other.
+/// The samples of an answer, receiver by receiver.
 class LiLayout {
  public:
-  /// As many of each receiver, of one replicate.
+  /// `samples` of each receiver, in one replicate.
   LiLayout(std::size_t receivers, std::uint32_t samples)
       : replicates_(1), each_(samples), size_(receivers * samples) {}
-  /// `replicates` of samples_per_replicate[r] samples of receiver r; where that is 0, one sample.
+  /// `replicates` of samples_per_replicate[r] samples of receiver r; one sample where that is
+  /// 0.
   LiLayout(std::span<const std::uint32_t> samples_per_replicate, std::uint32_t replicates);
 
   std::size_t size() const { return size_; }
@@ -37,8 +38,8 @@ class LiLayout {
   LiPlace own_place(std::size_t i) const;
 
   std::uint32_t replicates_;
-  std::size_t each_ = 0;               // where all receivers have as many
-  std::vector<std::size_t> begins_{};  // of each receiver, and the end; where they do not
+  std::size_t each_ = 0;               // where all receivers have the same number
+  std::vector<std::size_t> begins_{};  // of each receiver, and the end; where the numbers differ
   std::size_t size_ = 0;
 };
 

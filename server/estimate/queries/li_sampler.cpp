@@ -5,22 +5,23 @@
 #include <mutex>
 
 #include "server/estimate/lights/path_sample.h"
-#include "server/estimate/lights/told_direction.h"
+#include "server/estimate/lights/wire_direction.h"
 #include "server/estimate/queries/spectral_values.h"
 #include "server/estimate/queries/visibility.h"
 #include "server/runtime/bits.h"
 #include "server/runtime/denormals.h"
 #include "server/runtime/parallel.h"
+#include "server/scene/light_at_time.h"
 
 namespace lucerna {
 namespace {
 
-/// Makes of a sample of a light that has directions alone one of the direction that the answer
-/// tells: PdfLi and Le of that are what the sample says.
-template <SeenBeyond L>
-void tell_direction(const L& light, const Receiver<double>& receiver, LightSample<double>& sample) {
+/// Rounds the direction of a sample of an infinite light to the floats of the answer.  Sets value
+/// and density to those of the rounded direction, so that PdfLi and Le of it return the same.
+void set_wire_wi(const LightAtTime& light, const Receiver<double>& receiver,
+                 LightSample<double>& sample) {
   if (sample.reason != NoLight::kNone || sample.delta) return;
-  const auto told = told_direction(sample.wi, [&](const Vec3<double>& wi) {
+  const auto wi_in_answer = wire_direction(sample.wi, [&](const Vec3<double>& wi) {
     const Rgb<double> value = light.le_escaped(receiver.position, wi);
     const SolidAnglePdf<double> pdf = light.pdf_li(receiver, wi);
     if (value.is_black() || !(pdf.per_sr > 0)) return false;
@@ -28,18 +29,18 @@ void tell_direction(const L& light, const Receiver<double>& receiver, LightSampl
     sample.pdf = pdf;
     return true;
   });
-  if (told) sample.wi = Vec3<double>(*told);
+  if (wi_in_answer) sample.wi = Vec3<double>(*wi_in_answer);
 }
 
 }  // namespace
 
-/// One sample of a chunk on its way.
+/// One sample of a chunk, from its receiver to its light.
 struct LiSampler::Pending {
   ScenePoint receiver;
   Vec3<double> normal;
   Vec2<double> u;
-  std::optional<LightChoice> choice{};   // where the light is not named; none: none can be chosen
-  std::optional<std::uint32_t> light{};  // none: none can be chosen
+  std::optional<LightChoice> choice{};   // nothing: the light is named, or none can be chosen
+  std::optional<std::uint32_t> light{};  // nothing: no light can be chosen
   bool sampled = false;
   LightSample<double> sample;
 
@@ -51,7 +52,7 @@ LiSampler::LiSampler(const Scene& scene, const SampleLiQuery& query)
       q_(query),
       visibility_(scene,
                   query.test_visibility ? query.methods.visibility : VisibilityMethod::kRays),
-      // Rays alone ask how far off receivers may be.
+      // Only rays use the position error.
       to_scene_(scene, query.receivers, query.test_visibility ? query.position_error_m : 0.0F),
       light_shift_m_(scene.origin() - query.receivers.origin_m) {}
 
@@ -62,7 +63,8 @@ bool LiSampler::asks_one_light() const {
 }
 
 std::size_t LiSampler::grain() const {
-  // 0.1 to 5 ms of 0.01 to 0.6 us each, and of 0.2 to 5 us, which take memory on their way too.
+  // A chunk takes 0.1 to 5 ms: a sample takes 0.01 to 0.6 us, or 0.2 to 5 us with a chunk in
+  // memory.
   return asks_one_light() ? 8192 : 512;
 }
 
@@ -70,30 +72,13 @@ WorkCounts LiSampler::fill(const LiLayout& layout, std::size_t begin, std::size_
                            const SampleLiAnswer& answer, LiShare* shares) const {
   const LiAnswerWriter writer(answer, light_shift_m_);
   if (asks_one_light()) {
-    visit_light(scene_.lights()[*q_.light], q_.time_s, [&]<typename L>(const L& l) {
-      if constexpr (HasPlainSamples<L>) {
-        if (shares == nullptr && q_.normals.empty()) {
-          for (std::size_t i = begin; i < end; ++i)
-            if (!put_plain(l, layout.place(i).receiver, i, writer))
-              fill_from(l, layout, i, i + 1, writer, nullptr);
-          return;
-        }
-      }
-      fill_from(l, layout, begin, end, writer, shares);
+    with_fast_light(scene_.lights()[*q_.light], q_.time_s, [&](const auto& light) {
+      fill_from(light, layout, begin, end, writer, shares);
     });
     return {};
   }
   std::vector<Pending> chunk(end - begin);
-  At at_receiver;
-  std::optional<std::size_t> receiver;
-  for (std::size_t i = begin; i < end; ++i) {
-    const LiPlace place = layout.place(i);
-    if (place.receiver != receiver) {
-      at_receiver = at(place.receiver);
-      receiver = place.receiver;
-    }
-    prepare(place, at_receiver, i, chunk[i - begin]);
-  }
+  prepare_all(layout, begin, chunk);
   sample(chunk);
   for (std::size_t i = begin; i < end; ++i) {
     Pending& p = chunk[i - begin];
@@ -131,8 +116,8 @@ WorkCounts LiSampler::take(std::span<const LiPlace> places, std::span<LiShare> s
   return work;
 }
 
-// What is always inlined here belongs to the loop over samples of one light: calls take longer than
-// a point light does.
+// Functions that are always inlined here are part of the loop over samples of one light.  A call
+// takes longer than a point light.
 [[gnu::always_inline]] inline LiSampler::At LiSampler::at(std::size_t receiver) const {
   At at{.point = to_scene_(receiver)};
   if (q_.normals.empty()) return at;
@@ -148,7 +133,7 @@ ItemResult LiSampler::receiver_result(std::size_t receiver) const {
   return at(receiver).point.result;
 }
 
-/// What a light is told.
+/// The receiver as lights take it.
 Receiver<double> LiSampler::receiver_of(const ScenePoint& point, const Vec3<double>& normal) const {
   Receiver<double> r(point.position);
   r.normal = normal;
@@ -160,7 +145,8 @@ SampleSequence LiSampler::sequence_of(const LiPlace& place) const {
   return {q_.methods.sampler, q_.seed->seed, q_.seed->first_item + place.receiver, place.replicate};
 }
 
-/// What places sample `i` on its light; nothing where the query's numbers are none.
+/// The random numbers that place sample `i` on its light.  Nothing where those of the query are
+/// not finite.
 [[gnu::always_inline]] inline std::optional<Vec2<double>> LiSampler::point_of(const LiPlace& place,
                                                                               std::size_t i) const {
   if (q_.seed) {
@@ -195,16 +181,33 @@ void LiSampler::prepare(const LiPlace& place, const At& at, std::size_t i, Pendi
   if (p.choice) p.light = p.choice->light;
 }
 
+/// Prepares the entries from `begin` on.
+void LiSampler::prepare_all(const LiLayout& layout, std::size_t begin,
+                            std::vector<Pending>& chunk) const {
+  At at_receiver;
+  std::optional<std::size_t> receiver;
+  for (std::size_t k = 0; k < chunk.size(); ++k) {
+    const LiPlace place = layout.place(begin + k);
+    if (place.receiver != receiver) {
+      at_receiver = at(place.receiver);
+      receiver = place.receiver;
+    }
+    prepare(place, at_receiver, begin + k, chunk[k]);
+  }
+}
+
+/// A sample as the answer holds it.
 template <typename L>
 [[gnu::always_inline]] inline LightSample<double> LiSampler::sample(
     const L& light, const Receiver<double>& receiver, Vec2<double> u) const {
   LightSample<double> s = light.sample_li(receiver, u);
-  if constexpr (SeenBeyond<L>) tell_direction(light, receiver, s);
+  if constexpr (!HasPlainSamples<L>)
+    if (light.is_seen_beyond()) set_wire_wi(light, receiver, s);
   return s;
 }
 
-/// The sample of a receiver where nothing is out of the ordinary; false, with nothing put down,
-/// elsewhere.
+/// Writes a plain sample of a receiver.  Returns false, with nothing written, in all other
+/// cases.
 template <typename L>
 [[gnu::always_inline]] inline bool LiSampler::put_plain(const L& light, std::size_t receiver,
                                                         std::size_t i,
@@ -216,29 +219,43 @@ template <typename L>
   return s && writer.put_plain(i, s->wi, s->distance, s->value, light.position());
 }
 
-/// Samples of one light of which nothing else is asked: one by one, without a chunk of them in
-/// between, which takes more time than a point light does.
+/// Fills the answer from one light, without visibility and spectra.  Writes samples one by one,
+/// because a chunk of them takes longer than a point light.
 template <typename L>
 void LiSampler::fill_from(const L& light, const LiLayout& layout, std::size_t begin,
                           std::size_t end, const LiAnswerWriter& writer, LiShare* shares) const {
+  if constexpr (HasPlainSamples<L>) {
+    if (shares == nullptr && q_.normals.empty()) {
+      for (std::size_t i = begin; i < end; ++i)
+        if (!put_plain(light, layout.place(i).receiver, i, writer))
+          fill_each(light, layout, i, i + 1, writer, nullptr);
+      return;
+    }
+  }
+  fill_each(light, layout, begin, end, writer, shares);
+}
+
+template <typename L>
+void LiSampler::fill_each(const L& light, const LiLayout& layout, std::size_t begin,
+                          std::size_t end, const LiAnswerWriter& writer, LiShare* shares) const {
   At at_receiver;
-  Receiver<double> told;
+  Receiver<double> of_light;
   std::optional<std::size_t> receiver;
   for (std::size_t i = begin; i < end; ++i) {
     const LiPlace place = layout.place(i);
     if (place.receiver != receiver) {
       receiver = place.receiver;
       at_receiver = at(*receiver);
-      told = receiver_of(at_receiver.point, at_receiver.normal);
+      of_light = receiver_of(at_receiver.point, at_receiver.normal);
     }
     const std::optional<Vec2<double>> u = point_of(place, i);
-    const ItemResult asked = u ? at_receiver.point.result : ItemResult::kInvalidInput;
+    const ItemResult before = u ? at_receiver.point.result : ItemResult::kInvalidInput;
     if (shares != nullptr) shares[i] = {};
-    if (asked != ItemResult::kOk) {
-      writer.put_none(i, asked);
+    if (before != ItemResult::kOk) {
+      writer.put_none(i, before);
       continue;
     }
-    const LightSample<double> s = sample(light, told, *u);
+    const LightSample<double> s = sample(light, of_light, *u);
     if (writer.put(i, s) == ItemResult::kOk && shares != nullptr)
       shares[i] = share(at_receiver.normal, 1, s, true);
   }
@@ -258,13 +275,12 @@ void LiSampler::sample(std::vector<Pending>& chunk) const {
   }
   for (std::size_t k = 0; k < order.size();) {
     const std::uint32_t light = *chunk[order[k]].light;
-    visit_light(scene_.lights()[light], q_.time_s, [&](const auto& l) {
-      for (; k < order.size() && chunk[order[k]].light == light; ++k) {
-        Pending& p = chunk[order[k]];
-        p.sample = sample(l, receiver_of(p.receiver, p.normal), p.u);
-        p.sampled = true;
-      }
-    });
+    const LightAtTime at_time(scene_.lights()[light], q_.time_s);
+    for (; k < order.size() && chunk[order[k]].light == light; ++k) {
+      Pending& p = chunk[order[k]];
+      p.sample = sample(at_time, receiver_of(p.receiver, p.normal), p.u);
+      p.sampled = true;
+    }
   }
 }
 
@@ -312,32 +328,21 @@ WorkCounts LiSampler::test(std::size_t begin, const std::vector<Pending>& chunk,
   std::vector<Ray> rays;
   std::vector<LooseEnds> ends;
   std::vector<std::uint32_t> items;
-  const bool loose = q_.normals.empty() && !q_.position_error_m;
   rays.reserve(chunk.size());
   ends.reserve(chunk.size());
   items.reserve(chunk.size());
   for (std::size_t k = 0; k < chunk.size(); ++k) {
-    if (chunk[k].receiver.result != ItemResult::kOk) continue;
-    const float reach_m = chunk[k].sampled ? scene_.lights()[*chunk[k].light].reach_m() : 0;
-    const Ray ray = light_ray(chunk[k].receiver, Vec3<float>(chunk[k].normal), chunk[k].sample,
-                              q_.time_s, reach_m);
-    std::optional<bool> told;
-    if (chunk[k].light)
-      told = visibility_.by_map(*chunk[k].light, chunk[k].receiver.position, chunk[k].normal);
-    if (told) {
-      ++work.map_lookups;
-      if (!*told) set_bit(visible, begin + k);
-      if (LightVisibility::is_compared(ray)) {
-        const bool occluded = scene_.occluded(ray) &&
-                              (!loose || first_other_surface(scene_, ray, {chunk[k].start(), {}}));
-        ++work.shadow_rays;
-        LightVisibility::compare(*told, occluded, work);
-      }
+    const Pending& p = chunk[k];
+    if (p.receiver.result != ItemResult::kOk) continue;
+    const float reach_m = p.sampled ? scene_.lights()[*p.light].reach_m() : 0;
+    const Ray ray = light_ray(p.receiver, Vec3<float>(p.normal), p.sample, q_.time_s, reach_m);
+    if (const std::optional<bool> occluded = by_map(p, ray, work)) {
+      if (!*occluded) set_bit(visible, begin + k);
       continue;
     }
     rays.push_back(ray);
     LooseEnds& e = ends.emplace_back();
-    if (loose) e.start = chunk[k].start();
+    if (starts_loose()) e.start = p.start();
     items.push_back(static_cast<std::uint32_t>(begin + k));
   }
   mark_visible(scene_, rays, ends, items, visible);
@@ -345,11 +350,29 @@ WorkCounts LiSampler::test(std::size_t begin, const std::vector<Pending>& chunk,
   return work;
 }
 
+/// Whether rays may start on surfaces of unknown normal.
+bool LiSampler::starts_loose() const { return q_.normals.empty() && !q_.position_error_m; }
+
+/// What the light's shadow map returns; nothing where a ray is needed.
+std::optional<bool> LiSampler::by_map(const Pending& p, const Ray& ray, WorkCounts& work) const {
+  if (!p.light) return std::nullopt;
+  const auto occluded = visibility_.by_map(*p.light, p.receiver.position, p.normal);
+  if (!occluded) return std::nullopt;
+  ++work.map_lookups;
+  if (LightVisibility::is_compared(ray)) {
+    const bool by_ray = scene_.occluded(ray) &&
+                        (!starts_loose() || first_other_surface(scene_, ray, {p.start(), {}}));
+    ++work.shadow_rays;
+    LightVisibility::compare(*occluded, by_ray, work);
+  }
+  return occluded;
+}
+
 bool one_sample_says_all(const Scene& scene, std::optional<std::uint32_t> light) {
   const auto& lights = scene.lights();
   if (lights.empty()) return true;
   if (!light && lights.size() > 1) return false;
-  return visit([](const auto& l) { return l.kDelta; }, lights[light.value_or(0)].light);
+  return is_delta(lights[light.value_or(0)]);
 }
 
 WorkCounts fill_samples(const LiSampler& sampler, const LiLayout& layout,

@@ -1,4 +1,4 @@
-// Samples of the light that arrives at receivers, some hundreds at a time.
+// Samples the light that arrives at receivers, some hundreds of samples at a time.
 #pragma once
 
 #include <cstdint>
@@ -14,32 +14,33 @@
 
 namespace lucerna {
 
-/// What one sample says of the light at its receiver.
+/// The contribution of one sample to the light at its receiver.
 struct LiShare {
-  /// cosine / (pdf p), for delta lights cosine / p; without a cosine where there is no normal; 0
+  /// cosine / (pdf p), for delta lights cosine / p.  Without a normal there is no cosine.  0
   /// where the light is not visible.
   double weight = 0;
-  /// Irradiance, or without a normal spherical irradiance [lx].
+  /// Irradiance, or spherical irradiance without a normal [lx].
   LightEstimate lx{};
 };
 
-/// Immutable; one may serve any number of threads.
+/// Immutable; may be called from any thread.
 class LiSampler {
  public:
   LiSampler(const Scene& scene, const SampleLiQuery& query);
 
-  /// Fills entries [begin, end) of an answer; `begin` is a multiple of 8, as it writes bits.
-  /// `shares`: null, or one for each entry.  Returns the shadow rays and look-ups that it took.
+  /// Fills entries [begin, end) of an answer.  `begin` is a multiple of 8, because bits are
+  /// written. `shares`: null, or one for each entry.  Returns the number of shadow rays and
+  /// look-ups.
   WorkCounts fill(const LiLayout& layout, std::size_t begin, std::size_t end,
                   const SampleLiAnswer& answer, LiShare* shares) const;
-  /// So many entries make a chunk; a multiple of 8.
+  /// Entries in a chunk; a multiple of 8.
   std::size_t grain() const;
-  /// What samples say that no answer holds.
+  /// Samples that no answer holds: only their contributions.
   WorkCounts take(std::span<const LiPlace> places, std::span<LiShare> shares) const;
 
-  /// one_sample_says_all() of what is asked.
+  /// one_sample_says_all() for the query.
   bool says_all_at_once() const;
-  /// What is wrong with a receiver, before any sample.
+  /// The status of a receiver before any sample.
   ItemResult receiver_result(std::size_t receiver) const;
 
  private:
@@ -49,7 +50,7 @@ class LiSampler {
   };
   struct Pending;
 
-  /// Whether one light is asked, and of its samples nothing beside.
+  /// Whether the query names one light and needs no visibility and no spectra.
   bool asks_one_light() const;
   inline At at(std::size_t receiver) const;
   Receiver<double> receiver_of(const ScenePoint& point, const Vec3<double>& normal) const;
@@ -65,6 +66,10 @@ class LiSampler {
   template <typename L>
   void fill_from(const L& light, const LiLayout& layout, std::size_t begin, std::size_t end,
                  const LiAnswerWriter& writer, LiShare* shares) const;
+  template <typename L>
+  void fill_each(const L& light, const LiLayout& layout, std::size_t begin, std::size_t end,
+                 const LiAnswerWriter& writer, LiShare* shares) const;
+  void prepare_all(const LiLayout& layout, std::size_t begin, std::vector<Pending>& chunk) const;
   void sample(std::vector<Pending>& chunk) const;
   LiShare share(const Pending& sampled, bool visible) const;
   inline LiShare share(const Vec3<double>& normal, double probability, const LightSample<double>& s,
@@ -73,20 +78,22 @@ class LiSampler {
                     const SampleLiAnswer& answer) const;
   WorkCounts test(std::size_t first_bit, const std::vector<Pending>& chunk,
                   std::uint8_t* visible) const;
+  bool starts_loose() const;
+  std::optional<bool> by_map(const Pending& sampled, const Ray& ray, WorkCounts& work) const;
 
   const Scene& scene_;
   const SampleLiQuery& q_;
   LightVisibility visibility_;
   ToScene to_scene_;
-  Vec3<double> light_shift_m_;  // the scene's origin about the receivers'
+  Vec3<double> light_shift_m_;  // the scene's origin about the receivers' origin
 };
 
-/// Whether all samples of a receiver are the same: those of a scene without lights, and of a delta
-/// light that is named or alone.  `light`: as in SampleLiQuery.
+/// Whether all samples of a receiver are equal: in a scene without lights, and for a delta
+/// light that is named or is the only one.  `light`: as in SampleLiQuery.
 bool one_sample_says_all(const Scene& scene, std::optional<std::uint32_t> light);
 
-/// Fills an answer of `layout`.  `shares`: none, or one for each sample.  Runs in the oneTBB arena
-/// of the caller; stops early where `stop` is asked for.
+/// Fills an answer of `layout`.  `shares`: empty, or one for each sample.  Runs in the caller's
+/// oneTBB arena.  Stops early where `stop` is requested.
 WorkCounts fill_samples(const LiSampler& sampler, const LiLayout& layout,
                         const SampleLiAnswer& answer, std::span<LiShare> shares,
                         const std::stop_token& stop);

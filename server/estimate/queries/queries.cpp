@@ -4,15 +4,16 @@
 #include <cmath>
 #include <limits>
 
-#include "server/estimate/lights/told_direction.h"
+#include "server/estimate/lights/wire_direction.h"
 #include "server/estimate/queries/li_sampler.h"
 #include "server/runtime/denormals.h"
 #include "server/runtime/parallel.h"
+#include "server/scene/light_at_time.h"
 
 namespace lucerna {
 namespace {
 
-/// What a light is told; `normal`: unit or zero.
+/// The receiver as lights take it; `normal`: unit or zero.
 Receiver<double> receiver_of(const ScenePoint& p, const Vec3<double>& normal, AreaSampling way) {
   Receiver<double> r(p.position);
   r.normal = normal;
@@ -46,44 +47,42 @@ void pdf_li(const Scene& scene, const PdfLiQuery& q, float* pdf_per_sr, int* sta
             std::stop_token stop) {
   constexpr std::size_t kGrain = 512;
   const ToScene to_scene(scene, q.receivers, 0.0F);
-  visit_light(scene.lights()[q.light], q.time_s, [&](const auto& l) {
-    parallel_chunks(q.receivers.size(), kGrain, stop, [&](std::size_t begin, std::size_t end) {
-      const DenormalsAreZero denormals;
-      for (std::size_t i = begin; i < end; ++i) {
-        const ScenePoint p = to_scene(i);
-        const Vec3<float> w = triple(q.wi, i);
-        ItemResult result = p.result;
-        if (!is_direction(w)) result = ItemResult::kInvalidInput;
-        Vec3<double> n;
-        if (!q.normals.empty()) {
-          const Vec3<float> given = triple(q.normals, i);
-          if (!is_direction(given)) result = ItemResult::kInvalidInput;
-          n = normalized(Vec3<double>(given));
-        }
-        if (result == ItemResult::kOk) {
-          const auto pdf = static_cast<float>(
-              l.pdf_li(receiver_of(p, n, q.area_sampling), direction_of(w)).per_sr);
-          if (std::isfinite(pdf)) {
-            pdf_per_sr[i] = pdf;
-          } else {
-            result = ItemResult::kOutOfRange;
-          }
-        }
-        status[i] = static_cast<int>(result);
-      }
-    });
+  const LightAtTime light(scene.lights()[q.light], q.time_s);
+  const auto item = [&](std::size_t i) {
+    const ScenePoint p = to_scene(i);
+    const Vec3<float> w = triple(q.wi, i);
+    if (!is_direction(w)) return ItemResult::kInvalidInput;
+    Vec3<double> n;
+    if (!q.normals.empty()) {
+      const Vec3<float> given = triple(q.normals, i);
+      if (!is_direction(given)) return ItemResult::kInvalidInput;
+      n = normalized(Vec3<double>(given));
+    }
+    if (p.result != ItemResult::kOk) return p.result;
+    const auto pdf = static_cast<float>(
+        light.pdf_li(receiver_of(p, n, q.area_sampling), direction_of(w)).per_sr);
+    if (!std::isfinite(pdf)) return ItemResult::kOutOfRange;
+    pdf_per_sr[i] = pdf;
+    return ItemResult::kOk;
+  };
+  parallel_chunks(q.receivers.size(), kGrain, stop, [&](std::size_t begin, std::size_t end) {
+    const DenormalsAreZero denormals;
+    for (std::size_t i = begin; i < end; ++i) status[i] = static_cast<int>(item(i));
   });
 }
 
+namespace {
+// Power does not depend on time, except the power of portals, which depends on the scene's
+// sphere.  It is taken at the first key frame.
+constexpr double kFirstKeyFrame = -std::numeric_limits<double>::infinity();
+}  // namespace
+
 Power light_power(const Scene& scene, std::uint32_t light) {
-  // The same at any time, but for what the scene's sphere is to portals: at the first key frame.
-  return visit_light(scene.lights()[light], -std::numeric_limits<double>::infinity(),
-                     [&](const auto& l) { return l.power(scene.sphere()); });
+  return LightAtTime(scene.lights()[light], kFirstKeyFrame).power(scene.sphere());
 }
 
 Power light_power_approximate(const Scene& scene, std::uint32_t light) {
-  return visit_light(scene.lights()[light], -std::numeric_limits<double>::infinity(),
-                     [&](const auto& l) { return l.power_approximate(scene.sphere()); });
+  return LightAtTime(scene.lights()[light], kFirstKeyFrame).power_approximate(scene.sphere());
 }
 
 std::optional<std::uint32_t> hinted_bounces(const Scene& scene) {

@@ -1,6 +1,5 @@
-// Batches of questions about lights, over plain arrays: what services compute, without their
-// messages.  All work here runs in the caller's oneTBB arena and is a function of its arguments
-// alone.
+// Batches of queries about lights, over plain arrays: the computations of the services, without
+// messages.  All work runs in the caller's oneTBB arena and depends only on the arguments.
 #pragma once
 
 #include <cmath>
@@ -10,12 +9,13 @@
 #include <span>
 #include <stop_token>
 
-#include "server/estimate/paths/render.h"
+#include "server/estimate/lights/methods.h"
+#include "server/runtime/work_counts.h"
 #include "server/scene/scene.h"
 
 namespace lucerna {
 
-/// What came of one item; the numbers are those of ItemStatus in lucerna/v1/accuracy.proto.
+/// The status of one item.  The numbers are those of ItemStatus in lucerna/v1/accuracy.proto.
 enum class ItemResult : int {
   kOk = 1,
   kBehind,
@@ -24,9 +24,11 @@ enum class ItemResult : int {
   kBlack,
   kOutOfRange,
   kInvalidInput,
+  kInsideSolid,
 };
 inline ItemResult item_result(NoLight reason) {
-  // In the same order: no call and no table in the loop over samples of a point light.
+  // Both enums have the same order.  This avoids a call or a table in the loop over samples of
+  // a point light.
   constexpr auto kRank = [](ItemResult r) { return static_cast<int>(r) - 1; };
   static_assert(kRank(ItemResult::kOk) == static_cast<int>(NoLight::kNone) &&
                 kRank(ItemResult::kBehind) == static_cast<int>(NoLight::kBehind) &&
@@ -37,7 +39,7 @@ inline ItemResult item_result(NoLight reason) {
   return static_cast<ItemResult>(static_cast<int>(reason) + 1);
 }
 
-/// World points as messages hold them: offsets x, y, z interleaved [m] from one origin [m].
+/// World points as in messages: offsets x, y, z interleaved [m] from one origin [m].
 struct PointArray {
   Vec3<double> origin_m;
   std::span<const float> offsets_m;
@@ -55,24 +57,26 @@ inline void store(float* array, std::size_t i, const Vec3<float>& v) {
   array[3 * i + 2] = v.z;
 }
 
-/// Whether a vector of a request says a direction: it may have any length but 0.
+/// Whether a vector of a request is a direction: finite, with any length except 0.
 inline bool is_direction(const Vec3<float>& v) { return is_finite(v) && v != Vec3<float>{}; }
 
 /// A point of a batch, about the scene's origin.
 struct ScenePoint {
   Vec3<double> position;  ///< within floats
-  float error = 0;        ///< how far each coordinate may be off, rounded to float too [m]
+  float error = 0;        ///< error bound of each coordinate, rounding to float included [m]
   ItemResult result = ItemResult::kOk;
 };
 
-/// Moves points of one batch to scene coordinates, in double.
+/// Converts points of one batch to scene coordinates, in double.
 class ToScene {
  public:
-  /// `position_error_m`: unset for the default, 4 ulps: 2^-21 of the largest coordinate among
-  /// offset and scene position, and 2^-50 of the origin's, which is a double.
+  /// `position_error_m`: unset for the default, 4 ulps.  The default is 2^-21 of the largest
+  /// coordinate among offset and scene position, and 2^-50 of the origin's, which is a
+  /// double.
   ToScene(const Scene& scene, const PointArray& points, std::optional<float> position_error_m);
 
-  /// kInvalidInput where an offset is not finite, kOutOfRange where no float holds the result.
+  /// kInvalidInput where an offset is not finite, kOutOfRange where the result does not fit
+  /// floats.
   [[gnu::always_inline]] ScenePoint operator()(std::size_t i) const {
     ScenePoint p;
     const Vec3<float> offset = triple(offsets_m_, i);
@@ -95,7 +99,7 @@ class ToScene {
   static constexpr double kDefaultUlps = 4;
 
   std::span<const float> offsets_m_;
-  Vec3<double> shift_m_;  ///< the points' origin about the scene's
+  Vec3<double> shift_m_;  ///< the points' origin about the scene's origin
   double origin_error_m_;
   std::optional<float> position_error_m_;
 };
@@ -105,8 +109,8 @@ struct SeedRange {
   std::uint64_t first_item = 0;
 };
 
-/// Puts down id and probability of the light that item `i` is spent on; where there is none, the id
-/// stays 0 and the probability is 1, so that nobody divides by 0.
+/// Writes id and probability of the light chosen for item `i`.  Without a light the id stays 0
+/// and the probability is 1, so that callers may divide by it.
 void put_choice(const Scene& scene, const std::optional<LightChoice>& choice, std::size_t i,
                 std::uint64_t* light_ids, double* selection_probability);
 
@@ -115,23 +119,24 @@ struct SampleLiQuery {
   std::uint32_t samples = 1;             ///< for each receiver
   std::optional<std::uint32_t> light{};  ///< index; unset: chosen for each sample
   std::optional<SeedRange> seed{};       ///< set: `u` and `u_light` are not read
-  std::span<const float> u{};            ///< two a sample, in [0, 1] or not finite
-  std::span<const double> u_light{};     ///< one a sample, in [0, 1), where `light` is unset
+  std::span<const float> u{};            ///< two for each sample, in [0, 1] or not finite
+  std::span<const double> u_light{};     ///< one a sample, in [0, 1); only without `light`
   double time_s = 0;
   bool test_visibility = false;
-  std::span<const float> normals{};  ///< three a receiver, or none
+  std::span<const float> normals{};  ///< three for each receiver, or empty
   std::optional<float> position_error_m{};
   Methods methods{};
   std::span<const double> wavelengths_nm{};
 };
 
-/// Arrays to be filled, of receivers x samples entries (or triples), receiver by receiver; all
-/// start as zeros.  A density is 1 where a sample that is not kOk has none that a float holds.
+/// Arrays to fill, of receivers x samples entries (or triples), receiver by receiver.  All
+/// start as zeros.  The density is 1 for a sample that is not kOk and has no density that fits
+/// a float.
 struct SampleLiAnswer {
   float* value;
   float* wi;
   float* distance_m;
-  float* light_offsets_m;  ///< relative to the receivers' origin
+  float* light_offsets_m;  ///< about the receivers' origin
   float* light_normals;
   float* pdf_per_sr;
   std::uint8_t* delta;              ///< bits
@@ -142,34 +147,34 @@ struct SampleLiAnswer {
   float* spectral_value = nullptr;  ///< one for each wavelength, sample by sample
 };
 
-/// Where no light can be chosen, in a scene without lights or where those that are left reach the
-/// receiver in no way, a sample is kBlack, its light 0, chosen with certainty.  A sample
-/// of which the value at a wavelength does not fit a float is kOutOfRange, its value 0.
-/// Stops early (the answer is then of no use) where `stop` is asked for.
+/// A sample is kBlack, with light 0 and selection probability 1, where no light can be chosen:
+/// in a scene without lights, or where none of the remaining lights reaches the receiver.  A
+/// sample whose value at some wavelength does not fit a float is kOutOfRange, with value 0.
+/// Stops early where `stop` is requested; the answer is then incomplete.
 WorkCounts sample_li(const Scene& scene, const SampleLiQuery& query, const SampleLiAnswer& answer,
                      std::stop_token stop);
 
 struct PdfLiQuery {
   std::uint32_t light = 0;  ///< index
   PointArray receivers;
-  std::span<const float> wi;         ///< three a receiver, of any length but 0
+  std::span<const float> wi;         ///< three for each receiver, any length except 0
   std::span<const float> normals{};  ///< as in SampleLiQuery
   AreaSampling area_sampling = AreaSampling::kAutomatic;
   double time_s = 0;
 };
 
-/// The density with which `sample_li` of that light chooses `wi` [1/sr].
+/// The density with which `sample_li` of the light chooses `wi` [1/sr].
 void pdf_li(const Scene& scene, const PdfLiQuery& query, float* pdf_per_sr, int* status,
             std::stop_token stop);
 
 /// Power of light `light` [lm].
 Power light_power(const Scene& scene, std::uint32_t light);
 
-/// The books' formula for it, with how far it is off as its error [lm].
+/// The textbook formula for the power, with its difference from the power as its error [lm].
 Power light_power_approximate(const Scene& scene, std::uint32_t light);
 
-/// Reflections after the first surface that the scene file asks for: a path of length 1 (pbrt's
-/// maxdepth) is direct light.  Nothing where it does not say.
+/// The reflections after the first surface that the scene file requests.  A path of length 1
+/// (pbrt's maxdepth) is direct light.  Nothing where the file has no value.
 std::optional<std::uint32_t> hinted_bounces(const Scene& scene);
 
 }  // namespace lucerna

@@ -12,21 +12,23 @@
 #include "server/estimate/statistics/sample_sum.h"
 #include "server/runtime/denormals.h"
 #include "server/runtime/parallel.h"
+#include "server/scene/light_at_time.h"
 
 namespace lucerna {
 namespace {
 
-// A ray takes about a tenth of a microsecond: between two looks at the stop token lie some tens.
+// A ray takes about a tenth of a microsecond, so the stop token is polled every few tens of
+// microseconds.
 constexpr std::uint32_t kSamplesBetweenPolls = 256;
-// Of one chunk of lights: about a millisecond.
+// A chunk of lights takes about a millisecond.
 constexpr std::uint64_t kSamplesPerChunk = 8192;
 
-/// What one ray says of its light's power [lm].
+/// The estimate of the light's power from one ray [lm].
 Rgb<double> power_of(const EmissionSample<double>& s) {
   if (s.reason != NoLight::kNone) return {};
   Rgb<double> power = s.value;
   if (s.normal != Vec3<double>{}) power = power * std::fabs(dot(s.normal, s.direction));
-  // A density of 0 is one of what is certain.
+  // A density of 0 means that the choice is certain.
   if (s.pdf_position.per_m2 > 0) power = power / s.pdf_position.per_m2;
   if (s.pdf_direction.per_sr > 0) power = power / s.pdf_direction.per_sr;
   return power;
@@ -38,15 +40,16 @@ struct LightRun {
   double sum_of_squares = 0, largest = 0;
 };
 
-class PowerJob {
+class PowerEstimator {
  public:
-  PowerJob(const Scene& scene, const SampledPowerSettings& settings, const std::stop_token& stop)
+  PowerEstimator(const Scene& scene, const SampledPowerSettings& settings,
+                 const std::stop_token& stop)
       : scene_(scene),
         settings_(settings),
         confidence_(settings.target ? settings.target->confidence : kConfidence),
         stop_(stop) {}
 
-  /// Also tells the means of the blocks [lm].
+  /// Sets `block_lm` to the means of the blocks [lm].
   SampledPower light(std::uint32_t light, std::vector<double>& block_lm) {
     const DenormalsAreZero denormals;
     std::uint32_t each = settings_.samples_per_block;
@@ -70,9 +73,9 @@ class PowerJob {
     return estimate(answer, these, settings_.block_count);
   }
 
-  /// Of the means of blocks of independent samples.
-  Interval interval(const EstimateMoments& moments, std::uint64_t replicates,
-                    std::uint64_t samples) const {
+  /// The interval of a mean of independent blocks.
+  ConfidenceInterval interval(const EstimateMoments& moments, std::uint64_t replicates,
+                              std::uint64_t samples) const {
     return IntervalRule(confidence_, replicates, samples).interval(moments);
   }
 
@@ -81,33 +84,38 @@ class PowerJob {
 
  private:
   LightRun run(std::uint32_t light, const Blocks& these) {
-    return visit_light(
-        scene_.lights()[light], -std::numeric_limits<double>::infinity(), [&](const auto& l) {
-          LightRun result;
-          const SceneSphere sphere = scene_.sphere();
-          for (std::uint64_t b = these.first; b < these.first + these.count; ++b) {
-            const SobolSequence points(settings_.seed, scene_.lights()[light].id, b);
-            SampleSum sum;
-            for (std::uint32_t i = 0; i < these.samples; ++i) {
-              if (i % kSamplesBetweenPolls == 0 && stop_.stop_requested()) {
-                stopped_ = true;
-                return result;
-              }
-              const Vec2<float> position = points.pair(i, 0), direction = points.pair(i, 1);
-              const Rgb<double> power = power_of(
-                  l.sample_le({position.x, position.y}, {direction.x, direction.y}, sphere));
-              sum.add(power);
-              const double lumens = luminance(power);
-              result.sum_of_squares += lumens * lumens;
-              result.largest = std::max(result.largest, lumens);
-            }
-            const Rgb<double> mean = sum.value() / these.samples;
-            result.stream.add({mean.r, mean.g, mean.b, luminance(mean)});
-            result.block_lm.push_back(luminance(mean));
-          }
-          samples_ += these.count * these.samples;
-          return result;
-        });
+    const LightAtTime l(scene_.lights()[light], -std::numeric_limits<double>::infinity());
+    LightRun result;
+    for (std::uint64_t b = these.first; b < these.first + these.count; ++b) {
+      const SobolSequence points(settings_.seed, scene_.lights()[light].id, b);
+      const std::optional<Rgb<double>> mean = block(l, points, these.samples, result);
+      if (!mean) return result;
+      result.stream.add({mean->r, mean->g, mean->b, luminance(*mean)});
+      result.block_lm.push_back(luminance(*mean));
+    }
+    samples_ += these.count * these.samples;
+    return result;
+  }
+
+  /// The mean power of `n` rays [lm]; nothing where it was stopped.
+  std::optional<Rgb<double>> block(const LightAtTime& light, const SobolSequence& points,
+                                   std::uint32_t n, LightRun& run) {
+    const SceneSphere sphere = scene_.sphere();
+    SampleSum sum;
+    for (std::uint32_t i = 0; i < n; ++i) {
+      if (i % kSamplesBetweenPolls == 0 && stop_.stop_requested()) {
+        stopped_ = true;
+        return std::nullopt;
+      }
+      const Vec2<float> position = points.pair(i, 0), direction = points.pair(i, 1);
+      const Rgb<double> power =
+          power_of(light.sample_le({position.x, position.y}, {direction.x, direction.y}, sphere));
+      sum.add(power);
+      const double lumens = luminance(power);
+      run.sum_of_squares += lumens * lumens;
+      run.largest = std::max(run.largest, lumens);
+    }
+    return sum.value() / n;
   }
 
   SampledPower estimate(const LightRun& run, const Blocks& these, std::uint64_t replicates) const {
@@ -139,19 +147,20 @@ SampledPowers sample_powers(const Scene& scene, std::span<const std::uint32_t> l
   SampledPowers result;
   result.lights.resize(lights.size());
   std::vector<std::vector<double>> block_lm(lights.size());
-  PowerJob job(scene, settings, stop);
+  PowerEstimator estimator(scene, settings, stop);
   const std::uint64_t each = std::uint64_t{settings.block_count} * settings.samples_per_block;
   const std::size_t grain =
       settings.target ? 1 : std::max<std::uint64_t>(1, kSamplesPerChunk / each);
   parallel_chunks(lights.size(), grain, stop, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end && !job.stopped(); ++i)
-      result.lights[i] = job.light(lights[i], block_lm[i]);
+    for (std::size_t i = begin; i < end && !estimator.stopped(); ++i)
+      result.lights[i] = estimator.light(lights[i], block_lm[i]);
   });
-  result.stopped = job.stopped() || stop.stop_requested();
-  result.work.samples = job.samples();
+  result.stopped = estimator.stopped() || stop.stop_requested();
+  result.work.samples = estimator.samples();
   if (result.stopped) return result;
 
-  // Lights are independent, and so are the sums of their blocks of the same number.
+  // Lights are independent, so sums over lights of blocks of the same number are independent
+  // too.
   BlockStream<1> stream(0);
   for (std::uint32_t b = 0; b < settings.block_count; ++b) {
     CompensatedSum sum;
@@ -170,9 +179,9 @@ SampledPowers sample_powers(const Scene& scene, std::span<const std::uint32_t> l
   result.total.standard_error_lm = settings.block_count > 1
                                        ? std::sqrt(total.deviation / (count * (count - 1)))
                                        : std::numeric_limits<double>::infinity();
-  // Rays of all lights together are no rare events: as if all said the same.
+  // Rays of all lights together are not rare events: treated as equal samples.
   const std::uint64_t samples = std::max<std::uint64_t>(1, result.total.samples);
-  result.total.interval_lm = job.interval(
+  result.total.interval_lm = estimator.interval(
       {mean, result.total.standard_error_lm, mean * mean * static_cast<double>(samples), mean},
       settings.block_count, samples);
   return result;

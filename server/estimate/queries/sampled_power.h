@@ -1,4 +1,4 @@
-// The power of lights by sampling the rays that leave them.
+// The power of lights from samples of rays that leave them.
 #pragma once
 
 #include <cstdint>
@@ -7,8 +7,8 @@
 #include <stop_token>
 #include <vector>
 
-#include "server/estimate/paths/render.h"
 #include "server/estimate/statistics/confidence.h"
+#include "server/runtime/work_counts.h"
 #include "server/scene/scene.h"
 
 namespace lucerna {
@@ -17,30 +17,30 @@ struct SampledPowerSettings {
   std::uint64_t seed = 0;
   std::uint32_t samples_per_block = 1;  ///< at most 2^28
   std::uint32_t block_count = 16;       ///< independent replicates; 1: no standard error
-  /// Set: `samples_per_block` is each light's own, as many as this takes, at most
-  /// max_samples / block_count, which is 1 or more.  Intervals are of its `confidence`, else of
-  /// kConfidence.
+  /// Set: each light takes its own `samples_per_block`, as many as the target needs.
+  /// max_samples / block_count is the limit; it must be 1 or more.  Intervals have the
+  /// target's `confidence`, else kConfidence.
   std::optional<TargetError> target{};
 };
 
 struct SampledPower {
   Rgb<double> lumens;
-  double standard_error_lm = 0;  ///< of the luminous flux; infinite where block_count is 1
-  Interval interval_lm;          ///< holds the luminous flux with the confidence
-  std::uint64_t samples = 0;     ///< that it is made of
+  double standard_error_lm = 0;    ///< of the luminous flux; infinite where block_count is 1
+  ConfidenceInterval interval_lm;  ///< holds the luminous flux with the confidence
+  std::uint64_t samples = 0;       ///< samples of the estimate
 };
 
 struct SampledPowers {
   std::vector<SampledPower> lights;
-  SampledPower total;  ///< its samples are those of all lights
+  SampledPower total;  ///< its `samples` is the sum over all lights
   WorkCounts work;
   bool stopped = false;
 };
 
-/// The power of each of `lights`, by their indices: the mean of what SampleLeResponse in
-/// lucerna/v1/lighting.proto says, of lights at infinity with the scene's sphere.  A light's answer
-/// is a function of its id and the settings, whatever the others.  Runs in the oneTBB arena of the
-/// caller.
+/// The power of each of `lights`, by index: the mean of the quotient that SampleLeResponse in
+/// lucerna/v1/lighting.proto defines.  The scene's sphere bounds lights at infinity.  The
+/// answer for a light depends only on its id and the settings.  Runs in the caller's oneTBB
+/// arena.
 SampledPowers sample_powers(const Scene& scene, std::span<const std::uint32_t> lights,
                             const SampledPowerSettings& settings, std::stop_token stop);
 

@@ -5,7 +5,7 @@
 
 namespace lucerna {
 namespace {
-// Scenes have a few spectra; of those that have a million not all are kept at a time.
+// Scenes have a few spectra.  Of a million spectra not all are kept.
 constexpr std::size_t kMostKept = 256;
 }  // namespace
 

@@ -12,9 +12,9 @@
 namespace lucerna {
 namespace {
 
-constexpr std::size_t kGrain = 1024;  // a multiple of 8, as chunks write bits
+constexpr std::size_t kGrain = 1024;  // a multiple of 8, because chunks write bits
 
-/// Where a ray starts: off its surface along `normal`, or where it is, to begin later.
+/// The start of a ray: off the surface along `normal`, or at the point, with a later t_min.
 Vec3<float> start_of(const ScenePoint& from, const Vec3<float>& normal,
                      const Vec3<float>& direction) {
   return offset_origin(Vec3<float>(from.position), {from.error, from.error, from.error},
@@ -23,7 +23,8 @@ Vec3<float> start_of(const ScenePoint& from, const Vec3<float>& normal,
 
 bool has_normal(const Vec3<float>& normal) { return normal != Vec3<float>{}; }
 
-/// The ray of item `i`; nothing where its status says why, or where it is visible without one.
+/// The ray of item `i`.  Nothing where `result` has the reason, or where the item is visible
+/// without a ray.
 std::optional<Ray> ray_of(const Scene& scene, const VisibilityQuery& q, const ToScene& from_scene,
                           const std::optional<ToScene>& to_scene, std::size_t i, ItemResult& result,
                           LooseEnds& ends) {
@@ -63,35 +64,34 @@ std::optional<Ray> ray_of(const Scene& scene, const VisibilityQuery& q, const To
   return ray;
 }
 
-/// No coordinate of a surface is larger than this, so none is rounded by more than a few of its
-/// ulps.
+/// A bound on the coordinates of all surfaces, which bounds their rounding.
 double largest_coordinate(const Scene& scene) {
   return max_abs(scene.sphere().center_m) + scene.sphere().radius_m;
 }
 
-/// How well it is known where the surface is: to one rounding of its vertices.  (Rays find it no
-/// better than to `position_error`.)
+/// The rounding error of a surface's vertices.  Rays find the surface only to `position_error`.
 double rounding_of(const SurfaceHit& hit) {
   return kFloatRoundoff * max_abs(hit.position) +
          max_abs(hit.position_error) * (kFloatRoundoff / kTraversalBound);
 }
 
-/// Whether the plane of `hit` passes `point` within `error` and the rounding of its vertices, twice
-/// each.
+/// Whether the plane of `hit` passes `point` within twice the sum of `error` and the rounding
+/// of its vertices.
 bool plane_passes(const SurfaceHit& hit, const Vec3<double>& point, double error) {
   return std::fabs(dot(hit.ng, hit.position - point)) <= 2 * (error + rounding_of(hit));
 }
 
-/// Whether two hits are on one surface: a shape's own, or on one plane, as the floors of two rooms.
+/// Whether two hits are on one surface: on one shape, or in one plane as the floors of two
+/// rooms.
 bool continues(const SurfaceHit& a, const SurfaceHit& b) {
   return a.shape == b.shape || (plane_passes(a, b.position, rounding_of(b)) &&
                                 plane_passes(b, a.position, rounding_of(a)));
 }
 
-/// Whether the surface of `hit` is at `place` too, within `reach` along its normal.
+/// Whether the surface of `hit` is found at `place` too, within `reach` along its normal.
 bool is_found_at(const Scene& scene, const Vec3<double>& place, double reach, const LooseEnd& end,
                  const SurfaceHit& hit) {
-  // There may be others as near, a carpet or a sheet of paper.
+  // Other surfaces may be as near, such as a carpet or a sheet of paper.
   constexpr int kMostSurfaces = 16;
   Ray ray{Vec3<float>(place + hit.ng * reach), -Vec3<float>(hit.ng), 0,
           static_cast<float>(2 * reach), hit.time_s};
@@ -104,16 +104,17 @@ bool is_found_at(const Scene& scene, const Vec3<double>& place, double reach, co
   return false;
 }
 
-/// Whether the surface that was met is one that the point lies on.  Its plane must pass the point,
-/// and it must be near the point itself: a way that grazes the point's surface comes within the
-/// errors of it long before its end, but a shelf far off that is level with the point is no surface
-/// of the point's, however coarsely that is told.
+/// Whether the point lies on the surface that was hit.  The surface's plane must pass the
+/// point, and the surface must be found near the point.  A ray that grazes the point's own
+/// surface comes within its error long before the end.  A distant shelf in the plane of the
+/// point is another surface, however large the point's error is.
 bool lies_on(const Scene& scene, const LooseEnd& end, const SurfaceHit& hit) {
   if (!(end.error >= 0) || !plane_passes(hit, end.position, end.error)) return false;
   const Vec3<double> apart = hit.position - end.position;
   const double near = kStartWithoutNormal * (end.error + max_abs(hit.position_error));
   if (length(apart) <= near) return true;
-  // A point at the rim of its surface may be told beyond it: towards the hit is inside.
+  // A point at the rim of its surface may be rounded off it; the direction to the hit leads
+  // back.
   const Vec3<double> inwards = normalized(apart) * near;
   return is_found_at(scene, end.position, near, end, hit) ||
          is_found_at(scene, end.position + inwards, near, end, hit);
@@ -121,13 +122,13 @@ bool lies_on(const Scene& scene, const LooseEnd& end, const SurfaceHit& hit) {
 
 }  // namespace
 
-// What looks like an obstacle may be the surface of an end: it is rounded with its vertices, and a
-// point near zero has next to no error of its own.
+// An apparent obstacle may be the surface of an end.  That surface is rounded with its vertices,
+// and a point near zero has almost no error of its own.
 std::optional<SurfaceHit> first_other_surface(const Scene& scene, Ray ray, const LooseEnds& ends) {
-  // A ray through a vertex may meet as many triangles; few vertices have more.
+  // A ray through a vertex may meet all of its triangles; few vertices have more.
   constexpr int kMostSurfaces = 16;
-  // Beyond a surface met at 0: by this part of the error in finding it, and of the scene, so that t
-  // is no denormal, which Embree takes for 0.
+  // The step beyond a surface met at t = 0: relative to the position error, and to the scene,
+  // so that t is not a denormal number, which Embree treats as 0.
   constexpr double kStep = 0x1p-10, kLeast = 0x1p-90;
   constexpr float kLeastT = std::numeric_limits<float>::min();
   std::optional<SurfaceHit> hit;
@@ -153,7 +154,7 @@ ScenePoint on_surface(const Scene& scene, ScenePoint point, const Vec3<float>& n
   if (!hit) return point;
   const float away = std::fabs(hit->t - reach);
   const float error = max_abs(hit->position_error);
-  // Farther off it is another surface, which the point does not lie on.
+  // Farther away it is another surface, which the point does not lie on.
   if (away <= 2 * (point.error + error)) point.error += away + error;
   return point;
 }

@@ -1,5 +1,6 @@
-// BlockMerger's rule (proto/common/tile_statistics.h) for blocks that come one by one: the same
-// bits, without keeping more runs than the number of blocks has binary digits.
+// Statistics over blocks that arrive one by one.  The bits are those of BlockMerger
+// (proto/common/tile_statistics.h).  At most one run is kept for each binary digit of the number
+// of blocks.
 #pragma once
 
 #include <array>
@@ -18,7 +19,7 @@ class BlockStream {
 
   explicit BlockStream(std::uint64_t first_block) : next_(first_block) {}
 
-  /// The next block's values.
+  /// Adds the values of the next block.
   void add(const std::array<double, N>& values) {
     Run run{next_++, 1, {}};
     for (std::size_t i = 0; i < N; ++i) run.channels[i] = {values[i], 0};
@@ -31,7 +32,7 @@ class BlockStream {
     runs_.push_back(run);
   }
 
-  /// All blocks so far.
+  /// Statistics of all blocks so far.
   Channels total() const {
     if (runs_.empty()) return {};
     Run sum = runs_[0];
@@ -53,8 +54,8 @@ class BlockStream {
   }
 
   std::uint64_t next_;
-  // Sizes of runs rise to the largest and fall again.  Not an array of as many as there may be,
-  // twice the digits of a block count: that would be 10 kB to clear for each exact answer.
+  // Runs grow to the largest and then shrink.  An array for the largest possible number of
+  // runs would have 10 kB to clear for each exact answer.
   std::vector<Run> runs_;
 };
 

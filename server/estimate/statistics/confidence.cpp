@@ -9,12 +9,12 @@
 namespace lucerna {
 namespace {
 
-/// Samples that count: from here on, sums of rare events are normal enough.
+/// With so many samples that count, a sum of rare events is close enough to normal.
 constexpr double kMany = 64;
-/// And where more than this share of all samples counts, none of them is rare.
+/// Samples are not rare where more than this share of them counts.
 constexpr double kCommon = 0.25;
 
-// What is no distribution (of numbers that overflowed) has no interval, and is no error.
+// A distribution with overflowed parameters has no interval.  It is not an error.
 using Quiet = boost::math::policies::policy<
     boost::math::policies::domain_error<boost::math::policies::ignore_error>,
     boost::math::policies::overflow_error<boost::math::policies::ignore_error>,
@@ -27,8 +27,8 @@ double student_quantile(double confidence, std::uint64_t replicates) {
   return quantile(complement(StudentsT(static_cast<double>(replicates - 1)), (1 - confidence) / 2));
 }
 
-/// Below which the sum of weighted Poisson counts of this mean and variance lies with probability
-/// `below`, as a scaled chi-squared variable of the same mean and variance has it.
+/// The `below` quantile of a sum of weighted Poisson counts with this mean and variance.
+/// Approximated by a scaled chi-squared variable with the same mean and variance.
 double weighted_counts_quantile(double mean, double variance, double below) {
   const double scale = variance / mean;
   return scale / 2 * quantile(ChiSquared(2 * (mean / scale)), below);
@@ -42,9 +42,9 @@ IntervalRule::IntervalRule(double confidence, std::uint64_t replicates, std::uin
       student_(student_quantile(confidence, replicates)),
       rare_(-std::log1p(-confidence)) {}
 
-Interval IntervalRule::interval(const EstimateMoments& m) const {
+ConfidenceInterval IntervalRule::interval(const EstimateMoments& m) const {
   if (!(m.mean > 0)) {
-    // Of all samples at most this share is not 0.
+    // At most this share of all samples is not 0.
     const double share = std::min(1.0, rare_ / samples_);
     return {0, m.largest > 0 ? share * m.largest : 0};
   }
@@ -52,7 +52,7 @@ Interval IntervalRule::interval(const EstimateMoments& m) const {
   const double mean_square = m.sum_of_squares / samples_;
   double off = student_ * m.standard_error;
   if (m.partly_hidden) off = std::hypot(off, rare_ * (mean_square / m.mean) / samples_);
-  Interval result{m.mean - off, m.mean + off};
+  ConfidenceInterval result{m.mean - off, m.mean + off};
   const double counting = samples_ * (m.mean / mean_square * m.mean);
   if (counting < std::min(kMany, kCommon * samples_)) {
     const double tail = (1 - confidence_) / 2;

@@ -1,4 +1,4 @@
-// Sums of so many samples that the rounding of each addition would show.
+// Sums of many samples without visible rounding errors.
 #pragma once
 
 #include <cmath>
@@ -7,10 +7,10 @@
 
 namespace lucerna {
 
-/// A sum as if it had been added up in twice the digits of a double: of n values that are not
-/// negative it is off by 1e-16 and (1e-16 n)^2 of itself, 1e-14 for 2^30 of them, where plain
-/// doubles are off by up to 1e-16 n.  What each addition rounds away is itself added up.
-/// [Ogita05, algorithm 4.4]
+/// A sum with the accuracy of twice the digits of a double.  For n non-negative values the
+/// relative error is 1e-16 + (1e-16 n)^2: 1e-14 for 2^30 values.  The error of plain doubles is
+/// up to 1e-16 n.  The rounding error of each addition is summed separately.  [Ogita05,
+/// algorithm 4.4]
 class CompensatedSum {
  public:
   void add(double value) {
@@ -19,9 +19,9 @@ class CompensatedSum {
     const double added = sum_ - before;
     lost_ += (before - (sum_ - added)) + (value - added);
   }
-  /// Infinite where that is what the values sum up to.
+  /// Infinite where the values sum up to infinity.
   double value() const {
-    // Once the sum is infinite, what is lost is no number.
+    // `lost_` is not a number once the sum is infinite.
     return std::isfinite(sum_) ? sum_ + lost_ : sum_;
   }
 
@@ -29,7 +29,7 @@ class CompensatedSum {
   double sum_ = 0, lost_ = 0;
 };
 
-/// The same of RGB values.
+/// A CompensatedSum for each channel.
 class SampleSum {
  public:
   void add(const Rgb<double>& value) {

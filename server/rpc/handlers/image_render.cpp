@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "proto/common/sample_blocks.h"
+#include "proto/common/status_macros.h"
 #include "server/rpc/messages/checks.h"
 #include "server/rpc/messages/errors.h"
 #include "server/runtime/time_budget.h"
@@ -13,67 +14,68 @@ namespace lucerna::rpc {
 namespace {
 
 constexpr std::uint32_t kDefaultTileSize = 64;
-// With a time budget: two of them are the fewest samples that are promised, and scatter.
+// With a time budget.  Two blocks are the fewest that have a scatter, and hold the 16 samples that
+// the contract promises.
 constexpr std::uint32_t kTimedBlock = 8;
 constexpr std::uint64_t kWaitedForBlocks = 2;
+// The statistics of so many pixels take 3 GiB.  RenderTile renders larger pictures tile by tile.
+constexpr std::uint64_t kMostPixels = std::uint64_t{1} << 26;
+// Each tile has a message and a header of its own.
+constexpr std::uint64_t kMostTiles = 1 << 16;
 
-}  // namespace
-
-absl::StatusOr<ImageRender> ImageRender::create(const Context& context,
-                                                const v1::RenderImageRequest& request) {
-  const auto scene = find_scene(context, request.scene_id());
-  if (!scene.ok()) return scene.status();
-  const auto query = check_render(context, **scene, request, proposed_samples(context, **scene));
-  if (!query.ok()) return query.status();
+/// The edge of the tiles.  INVALID_ARGUMENT or RESOURCE_EXHAUSTED for a picture or tiles over a
+/// limit.
+absl::StatusOr<int> check_tiles(const Context& context, const Camera& camera,
+                                const v1::RenderImageRequest& request) {
   const std::uint64_t edge = request.has_tile_size() ? request.tile_size() : kDefaultTileSize;
   if (edge == 0 || edge * edge > context.limits.max_tile_pixels) {
     return bad_field(
         "tile_size", fmt::format("{}", edge),
         fmt::format("at least 1, its square at most {}", context.limits.max_tile_pixels));
   }
-  const int width = (*scene)->camera().width(), height = (*scene)->camera().height();
-  // The statistics of so many pixels take 3 GiB; larger pictures are asked for tile by tile.
-  constexpr std::uint64_t kMaxPixels = std::uint64_t{1} << 26;
-  const std::uint64_t pixels =
-      static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
-  if (pixels > kMaxPixels) return over_limit("pixels of the picture", pixels, kMaxPixels);
-  const std::uint64_t tile_pixels =
-      std::min<std::uint64_t>(edge, width) * std::min<std::uint64_t>(edge, height);
-  if (auto s = check_answer_size(context, "pixels of a tile", tile_pixels,
-                                 tile_size(request.accuracy()));
-      !s.ok()) {
-    return s;
-  }
-  // Each has a message and a header of its own.
-  constexpr std::uint64_t kMaxTiles = 1 << 16;
-  const auto across = [edge](int size) {
-    return (static_cast<std::uint64_t>(size) + edge - 1) / edge;
-  };
-  if (const std::uint64_t tiles = across(width) * across(height); tiles > kMaxTiles) {
+  const auto width = static_cast<std::uint64_t>(camera.width());
+  const auto height = static_cast<std::uint64_t>(camera.height());
+  if (width * height > kMostPixels)
+    return over_limit("pixels of the picture", width * height, kMostPixels);
+  LUCERNA_RETURN_IF_ERROR(check_answer_size(context, "pixels of a tile",
+                                            std::min(edge, width) * std::min(edge, height),
+                                            tile_size(request.accuracy())));
+  const auto across = [edge](std::uint64_t size) { return (size + edge - 1) / edge; };
+  if (const std::uint64_t tiles = across(width) * across(height); tiles > kMostTiles) {
     return bad_field(
         "tile_size", fmt::format("{}", edge),
-        fmt::format("such that the picture has at most {} tiles, not {}", kMaxTiles, tiles));
+        fmt::format("such that the picture has at most {} tiles, not {}", kMostTiles, tiles));
   }
+  return static_cast<int>(edge);
+}
 
+}  // namespace
+
+absl::StatusOr<ImageRender> ImageRender::create(const Context& context,
+                                                const v1::RenderImageRequest& request) {
   ImageRender render;
-  render.scene_ = *scene;
-  render.query_ = *query;
+  LUCERNA_ASSIGN_OR_RETURN(render.scene_, find_scene(context, request.scene_id()));
+  const Scene& scene = *render.scene_;
+  LUCERNA_ASSIGN_OR_RETURN(render.query_,
+                           check_render(context, scene, request, proposed_samples(context, scene)));
+  LUCERNA_ASSIGN_OR_RETURN(const int edge, check_tiles(context, scene.camera(), request));
   render.final_only_ = request.final_only();
+  const int width = scene.camera().width(), height = scene.camera().height();
   TileSettings& settings = render.query_.settings;
   render.blocks_ = settings.block_count;
   if (render.is_timed()) {
     settings.samples_per_block =
-        query->samples_per_block.value_or(std::min(kTimedBlock, query->most_samples));
-    render.blocks_ = query->most_samples / settings.samples_per_block;
+        render.query_.samples_per_block.value_or(std::min(kTimedBlock, render.query_.most_samples));
+    render.blocks_ = render.query_.most_samples / settings.samples_per_block;
   } else if (!settings.target) {
-    render.samples_total_ = pixels * render.blocks_ * settings.samples_per_block;
+    render.samples_total_ =
+        area({0, 0, width, height}) * render.blocks_ * settings.samples_per_block;
   }
   const bool at_once = settings.target || (request.final_only() && !render.is_timed());
   render.pass_end_ = at_once ? render.blocks_ : 1;
-  const int step = static_cast<int>(edge);
-  for (int y = 0; y < height; y += step) {
-    for (int x = 0; x < width; x += step) {
-      const PixelRect rect{x, y, std::min(x + step, width), std::min(y + step, height)};
+  for (int y = 0; y < height; y += edge) {
+    for (int x = 0; x < width; x += edge) {
+      const PixelRect rect{x, y, std::min(x + edge, width), std::min(y + edge, height)};
       render.tiles_.push_back(rect);
       if (!settings.target) render.merged_.emplace_back(0, 3 * area(rect));
     }
@@ -93,7 +95,7 @@ absl::Status ImageRender::next(const std::stop_token& stop, v1::RenderImageRespo
     set_tile(*scene_, settings, 0, settings.block_count, result, response->mutable_tile());
   } else {
     if (!sending_) {
-      if (auto s = add_blocks(stop); !s.ok()) return s;
+      LUCERNA_RETURN_IF_ERROR(add_blocks(stop));
     }
     const BlockMerger& merged = merged_[tile_];
     if (sending_ || !is_timed() || !final_only_)

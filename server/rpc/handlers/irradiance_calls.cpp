@@ -2,10 +2,15 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cmath>
+#include <optional>
+#include <utility>
 #include <vector>
 
-#include "server/estimate/paths/render.h"
+#include "proto/common/defaults.h"
+#include "proto/common/status_macros.h"
+#include "server/estimate/queries/inside_solid.h"
+#include "server/estimate/queries/irradiance.h"
+#include "server/estimate/queries/predicted_time.h"
 #include "server/estimate/queries/queries.h"
 #include "server/estimate/queries/spectral_values.h"
 #include "server/estimate/queries/visibility.h"
@@ -21,168 +26,291 @@
 namespace lucerna::rpc {
 namespace {
 
-// Processor time [s], rounded up from what one core took on the reference scenes.
-constexpr double kDirectSampleSeconds = 2e-6;
-constexpr double kPathSampleSeconds = 8e-6;
-constexpr double kFirstShaftsSeconds = 1e-3;
-constexpr double kLookUpSeconds = 200e-9;  // a spectrum at a wavelength
-constexpr std::uint32_t kIrradianceSamples = 256;
-
-/// Points with neighbouring numbers, which are estimated together.
-struct Run {
-  std::size_t begin;
-  std::vector<IrradiancePoint> points;
-};
-
-struct IrradianceWork {
+struct IrradianceQuery {
   std::shared_ptr<const Scene> scene;
   PointArray receivers;
   std::span<const float> normals;
   std::optional<float> position_error_m;
   StopRule stop_rule;
-  std::uint32_t most_samples = 0;  ///< with a time budget: so many can be asked for by number
+  std::uint32_t most_samples = 0;  ///< with a time budget: the most that a request may name
   IrradianceSettings settings;
-
-  absl::Status operator()(const std::stop_token& stop,
-                          v1::EstimateIrradianceResponse* response) const;
-
- private:
-  using Results = std::vector<IrradianceResult>;
-
-  std::vector<Run> runs(int* status) const;
-  /// Of all runs; nothing where it was stopped.
-  std::optional<Results> estimate(const std::vector<Run>& runs, std::uint32_t samples_per_block,
-                                  const std::stop_token& stop) const;
-  template <typename Message>
-  EstimateArrays arrays(std::size_t n, float* rgb, float* zero_bound, Message* to) const;
 };
 
-std::vector<Run> IrradianceWork::runs(int* status) const {
-  const ToScene to_scene(*scene, receivers, position_error_m);
-  std::vector<Run> all;
+/// Receivers with successive numbers, which are estimated together.
+struct ReceiverRun {
+  std::size_t begin;
+  std::vector<IrradiancePoint> points;
+};
+
+/// The estimates of all runs.
+struct RunEstimates {
+  std::vector<IrradianceResult> runs;
+  std::uint32_t samples_per_block = 0;
+};
+
+absl::StatusOr<std::span<const double>> parse_wavelengths(
+    const v1::EstimateIrradianceRequest& request) {
+  LUCERNA_ASSIGN_OR_RETURN(const std::span<const double> wavelengths_nm,
+                           check_wavelengths(request.wavelengths_nm()));
+  if (!wavelengths_nm.empty() && !(request.has_bounces() && request.bounces() == 0)) {
+    return bad_field("bounces",
+                     request.has_bounces() ? fmt::format("{}", request.bounces()) : "unset",
+                     "0 with wavelengths_nm, as surfaces have a colour and no spectrum");
+  }
+  return wavelengths_nm;
+}
+
+absl::StatusOr<IrradianceQuery> parse(const Context& context,
+                                      const v1::EstimateIrradianceRequest& request) {
+  IrradianceQuery query;
+  LUCERNA_ASSIGN_OR_RETURN(query.scene, find_scene(context, request.scene_id()));
+  LUCERNA_ASSIGN_OR_RETURN(query.receivers,
+                           check_points(context, "receivers", request.receivers()));
+  const std::size_t n = query.receivers.size();
+  LUCERNA_RETURN_IF_ERROR(check_triples("normals", request.normals(), n, "receivers", false));
+  query.normals = view(request.normals());
+  LUCERNA_RETURN_IF_ERROR(check_time(request.has_time_s(), request.time_s()));
+  LUCERNA_ASSIGN_OR_RETURN(query.settings.wavelengths_nm, parse_wavelengths(request));
+  LUCERNA_ASSIGN_OR_RETURN(
+      query.position_error_m,
+      check_position_error(request.has_position_error_m(), request.position_error_m()));
+  LUCERNA_ASSIGN_OR_RETURN(query.stop_rule,
+                           check_stop_rule(context, request.accuracy(), kIrradianceSamples));
+  query.most_samples = context.limits.max_samples;
+  LUCERNA_RETURN_IF_ERROR(check_answer_size(context, "receivers", n,
+                                            answer_size(request, query.scene->lights().size())));
+  LUCERNA_ASSIGN_OR_RETURN(query.settings.methods, check_methods(request.accuracy()));
+
+  IrradianceSettings& settings = query.settings;
+  const StopRule& rule = query.stop_rule;
+  settings.seed = request.seed().seed();
+  settings.first_item = request.seed().first_item();
+  settings.block_count = rule.samples > 0 ? replicates_of(rule.samples) : kReplicates;
+  settings.samples_per_block = rule.samples / settings.block_count;
+  settings.target = rule.target;
+  if (request.has_bounces()) settings.bounces = request.bounces();
+  settings.per_light = request.per_light();
+  settings.time_s = request.time_s();
+  return query;
+}
+
+double predicted_seconds(const IrradianceQuery& query) {
+  const StopRule& rule = query.stop_rule;
+  const std::size_t n = query.receivers.size();
+  const std::uint64_t samples = rule.target ? rule.target->max_samples : rule.samples;
+  return irradiance_fixed_seconds(*query.scene, query.settings, n) +
+         (rule.time_budget_s
+              ? *rule.time_budget_s
+              : irradiance_samples_seconds(*query.scene, query.settings, n, samples));
+}
+
+/// Sets the status of each receiver.  Runs hold the receivers that are OK.
+std::vector<ReceiverRun> runs_of(const IrradianceQuery& query, int* status) {
+  const Scene& scene = *query.scene;
+  const ToScene to_scene(scene, query.receivers, query.position_error_m);
+  std::vector<ReceiverRun> runs;
   bool joins = false;
-  for (std::size_t i = 0; i < receivers.size(); ++i) {
+  for (std::size_t i = 0; i < query.receivers.size(); ++i) {
     ScenePoint p = to_scene(i);
-    const Vec3<float> normal = triple(normals, i);
+    const Vec3<float> normal = triple(query.normals, i);
     ItemResult result = p.result;
     if (!is_direction(normal)) result = ItemResult::kInvalidInput;
-    if (result == ItemResult::kOk && !position_error_m)
-      p = on_surface(*scene, p, normalized(normal), settings.time_s);
+    if (result == ItemResult::kOk && !query.position_error_m)
+      p = on_surface(scene, p, normalized(normal), query.settings.time_s);
     status[i] = static_cast<int>(result);
     if (result == ItemResult::kOk) {
-      if (!joins) all.push_back({i, {}});
-      all.back().points.push_back({p.position, {p.error, p.error, p.error}, normalized(normal)});
+      if (!joins) runs.push_back({i, {}});
+      runs.back().points.push_back({p.position, {p.error, p.error, p.error}, normalized(normal)});
     }
     joins = result == ItemResult::kOk;
   }
-  return all;
+  return runs;
 }
 
-std::optional<IrradianceWork::Results> IrradianceWork::estimate(const std::vector<Run>& runs,
-                                                                std::uint32_t samples_per_block,
-                                                                const std::stop_token& stop) const {
-  Results results;
-  for (const Run& run : runs) {
-    IrradianceSettings of_run = settings;
-    of_run.first_item += run.begin;
-    of_run.samples_per_block = samples_per_block;
-    results.push_back(lucerna::estimate_irradiance(*scene, run.points, of_run, stop));
+/// Nothing if `stop` was requested.
+std::optional<std::vector<IrradianceResult>> estimate(const IrradianceQuery& query,
+                                                      const std::vector<ReceiverRun>& runs,
+                                                      std::uint32_t samples_per_block,
+                                                      const std::stop_token& stop) {
+  std::vector<IrradianceResult> results;
+  for (const ReceiverRun& run : runs) {
+    IrradianceSettings settings = query.settings;
+    settings.first_item += run.begin;
+    settings.samples_per_block = samples_per_block;
+    results.push_back(lucerna::estimate_irradiance(*query.scene, run.points, settings, stop));
     if (results.back().stopped) return std::nullopt;
   }
   return results;
 }
 
+/// By the query's stop rule; nothing if `stop` was requested.
+std::optional<RunEstimates> estimate(const IrradianceQuery& query,
+                                     const std::vector<ReceiverRun>& runs,
+                                     const std::stop_token& stop) {
+  std::uint32_t samples_per_block = query.settings.samples_per_block;
+  std::optional<std::vector<IrradianceResult>> results;
+  if (query.stop_rule.time_budget_s) {
+    std::tie(results, samples_per_block) =
+        within_time(*query.stop_rule.time_budget_s, query.most_samples / query.settings.block_count,
+                    stop, [&](std::uint32_t each, const std::stop_token& in_time) {
+                      return estimate(query, runs, each, in_time);
+                    });
+  } else {
+    results = estimate(query, runs, samples_per_block, stop);
+  }
+  if (!results) return std::nullopt;
+  return RunEstimates{*std::move(results), samples_per_block};
+}
+
+/// Writes estimates into the arrays of a response.
+class IrradianceEncoder {
+ public:
+  IrradianceEncoder(const IrradianceQuery& query, std::uint32_t samples_per_block,
+                    v1::EstimateIrradianceResponse* response);
+
+  /// Point `k` of `result` is receiver `i`.
+  void put(std::size_t i, const IrradianceResult& result, std::size_t k);
+  /// Of one receiver.
+  std::uint32_t most_samples() const { return static_cast<std::uint32_t>(most_samples_); }
+
+ private:
+  template <typename Message>
+  EstimateArrays arrays(float* rgb, float* zero_bound, Message* to) const;
+  /// False if a number does not fit a float.
+  bool put_numbers(std::size_t i, const IrradianceResult& result, std::size_t k) const;
+  bool put_spectrum(std::size_t i, const std::vector<double>& values, std::size_t k,
+                    float* to) const;
+  void put_cost(std::size_t i, const PointCost& cost);
+  void clear(std::size_t i) const;
+
+  const IrradianceQuery& query_;
+  std::size_t receivers_, wavelengths_;
+  EstimateArrays total_;
+  std::vector<EstimateArrays> shares_;  // of each light, if requested
+  float *spectral_, *spectral_error_ = nullptr;
+  int* status_;
+  // With a target error.
+  std::uint32_t* samples_ = nullptr;
+  std::uint64_t* rays_ = nullptr;
+  float* time_s_ = nullptr;
+  std::uint64_t most_samples_ = 0;
+};
+
+IrradianceEncoder::IrradianceEncoder(const IrradianceQuery& query, std::uint32_t samples_per_block,
+                                     v1::EstimateIrradianceResponse* response)
+    : query_(query),
+      receivers_(query.receivers.size()),
+      wavelengths_(query.settings.wavelengths_nm.size()),
+      total_(arrays(fill(response->mutable_irradiance_lx(), 3 * receivers_),
+                    fill(response->mutable_zero_bound_lx(), receivers_), response)),
+      spectral_(fill(response->mutable_spectral_irradiance(), receivers_ * wavelengths_)),
+      status_(response->mutable_status()->mutable_data()) {
+  if (query.settings.per_light) {
+    for (const SceneLight& light : query.scene->lights()) {
+      v1::LightShare* share = response->add_shares();
+      share->set_light_id(light.id);
+      shares_.push_back(arrays(nullptr, nullptr, share));
+    }
+  }
+  if (query.settings.block_count > 1) {
+    spectral_error_ = fill(response->mutable_spectral_standard_error(), receivers_ * wavelengths_);
+  }
+  if (query.settings.target) {
+    v1::ItemCosts* costs = response->mutable_item_costs();
+    samples_ = fill(costs->mutable_samples(), receivers_);
+    rays_ = fill(costs->mutable_rays(), receivers_);
+    time_s_ = fill(costs->mutable_time_s(), receivers_);
+  } else {
+    most_samples_ = std::uint64_t{samples_per_block} * query.settings.block_count;
+  }
+}
+
 template <typename Message>
-EstimateArrays IrradianceWork::arrays(std::size_t n, float* rgb, float* zero_bound,
-                                      Message* to) const {
-  float* const illuminance = fill(to->mutable_illuminance_lx(), n);
-  if (settings.block_count == 1) return {rgb, illuminance, nullptr, nullptr, nullptr, zero_bound};
+EstimateArrays IrradianceEncoder::arrays(float* rgb, float* zero_bound, Message* to) const {
+  float* const illuminance = fill(to->mutable_illuminance_lx(), receivers_);
+  if (query_.settings.block_count == 1)
+    return {rgb, illuminance, nullptr, nullptr, nullptr, zero_bound};
   return {rgb,
           illuminance,
-          fill(to->mutable_standard_error_lx(), n),
-          fill(to->mutable_lower_lx(), n),
-          fill(to->mutable_upper_lx(), n),
+          fill(to->mutable_standard_error_lx(), receivers_),
+          fill(to->mutable_lower_lx(), receivers_),
+          fill(to->mutable_upper_lx(), receivers_),
           zero_bound};
 }
 
-absl::Status IrradianceWork::operator()(const std::stop_token& stop,
-                                        v1::EstimateIrradianceResponse* response) const {
+bool IrradianceEncoder::put_spectrum(std::size_t i, const std::vector<double>& values,
+                                     std::size_t k, float* to) const {
+  return to == nullptr ||
+         store_spectral({values.data() + k * wavelengths_, wavelengths_}, to + i * wavelengths_);
+}
+
+bool IrradianceEncoder::put_numbers(std::size_t i, const IrradianceResult& result,
+                                    std::size_t k) const {
+  bool fits = total_.put(i, result.points[k]);
+  for (std::size_t l = 0; l < shares_.size(); ++l)
+    fits &= shares_[l].put(i, result.per_light[k * shares_.size() + l]);
+  return fits && put_spectrum(i, result.spectral, k, spectral_) &&
+         put_spectrum(i, result.spectral_error, k, spectral_error_);
+}
+
+void IrradianceEncoder::put_cost(std::size_t i, const PointCost& cost) {
+  most_samples_ = std::max(most_samples_, cost.samples);
+  samples_[i] = static_cast<std::uint32_t>(cost.samples);
+  rays_[i] = cost.rays;
+  time_s_[i] = static_cast<float>(cost.time_s);
+}
+
+void IrradianceEncoder::clear(std::size_t i) const {
+  total_.clear(i);
+  for (const EstimateArrays& share : shares_) share.clear(i);
+  for (float* const array : {spectral_, spectral_error_})
+    if (array != nullptr) std::fill_n(array + i * wavelengths_, wavelengths_, 0.0F);
+}
+
+void IrradianceEncoder::put(std::size_t i, const IrradianceResult& result, std::size_t k) {
+  if (query_.settings.target) put_cost(i, result.costs[k]);
+  if (put_numbers(i, result, k)) return;
+  clear(i);
+  status_[i] = static_cast<int>(ItemResult::kOutOfRange);
+}
+
+/// Sets INSIDE_SOLID at receivers without any light that lie inside of a solid.
+void mark_inside_solids(const IrradianceQuery& query, const std::vector<ReceiverRun>& runs,
+                        const RunEstimates& estimates, const std::stop_token& stop, int* status) {
+  std::vector<IrradiancePoint> dark;
+  std::vector<std::size_t> items;
+  for (std::size_t r = 0; r < runs.size(); ++r) {
+    for (std::size_t k = 0; k < runs[r].points.size(); ++k) {
+      const std::size_t i = runs[r].begin + k;
+      const bool is_ok = status[i] == static_cast<int>(ItemResult::kOk);
+      if (!is_ok || !estimates.runs[r].points[k].irradiance_lx.is_black()) continue;
+      dark.push_back(runs[r].points[k]);
+      items.push_back(i);
+    }
+  }
+  const std::vector<std::uint8_t> inside =
+      inside_solids(*query.scene, dark, query.settings.time_s, stop);
+  for (std::size_t d = 0; d < items.size(); ++d)
+    if (inside[d] != 0) status[items[d]] = static_cast<int>(ItemResult::kInsideSolid);
+}
+
+absl::Status answer(const IrradianceQuery& query, const std::stop_token& stop,
+                    v1::EstimateIrradianceResponse* response) {
   const DenormalsAreZero denormals;
-  const std::size_t n = receivers.size();
-  const std::size_t lights = scene->lights().size();
-  int* const status = fill(response->mutable_status(), n);
-  const std::vector<Run> all = runs(status);
+  int* const status = fill(response->mutable_status(), query.receivers.size());
+  const std::vector<ReceiverRun> runs = runs_of(query, status);
+  const std::optional<RunEstimates> estimates = estimate(query, runs, stop);
+  if (!estimates) return absl::CancelledError("stopped");
 
-  std::uint32_t samples_per_block = settings.samples_per_block;
-  std::optional<Results> results;
-  if (stop_rule.time_budget_s) {
-    std::tie(results, samples_per_block) =
-        within_time(*stop_rule.time_budget_s, most_samples / settings.block_count, stop,
-                    [&](std::uint32_t each, const std::stop_token& in_time) {
-                      return estimate(all, each, in_time);
-                    });
-  } else {
-    results = estimate(all, samples_per_block, stop);
-  }
-  if (!results) return absl::CancelledError("stopped");
-
-  const EstimateArrays total = arrays(n, fill(response->mutable_irradiance_lx(), 3 * n),
-                                      fill(response->mutable_zero_bound_lx(), n), response);
-  std::vector<EstimateArrays> shares;
-  if (settings.per_light) {
-    for (const SceneLight& light : scene->lights()) {
-      v1::LightShare* share = response->add_shares();
-      share->set_light_id(light.id);
-      shares.push_back(arrays(n, nullptr, nullptr, share));
-    }
-  }
-  const std::size_t wavelengths = settings.wavelengths_nm.size();
-  float* const spectral = fill(response->mutable_spectral_irradiance(), n * wavelengths);
-  float* const spectral_error =
-      settings.block_count > 1 ? fill(response->mutable_spectral_standard_error(), n * wavelengths)
-                               : nullptr;
-  std::uint32_t* samples = nullptr;
-  std::uint64_t* rays = nullptr;
-  float* time_s = nullptr;
-  if (settings.target) {
-    v1::ItemCosts* costs = response->mutable_item_costs();
-    samples = fill(costs->mutable_samples(), n);
-    rays = fill(costs->mutable_rays(), n);
-    time_s = fill(costs->mutable_time_s(), n);
-  }
+  IrradianceEncoder encoder(query, estimates->samples_per_block, response);
   WorkCounts work;
-  std::uint64_t most = std::uint64_t{samples_per_block} * settings.block_count;
-  if (settings.target) most = 0;
-  for (std::size_t r = 0; r < all.size(); ++r) {
-    const IrradianceResult& estimates = (*results)[r];
-    work += estimates.work;
-    for (std::size_t k = 0; k < all[r].points.size(); ++k) {
-      const std::size_t i = all[r].begin + k;
-      const auto at_wavelengths = [&](const std::vector<double>& values, float* to) {
-        return to == nullptr ||
-               store_spectral({values.data() + k * wavelengths, wavelengths}, to + i * wavelengths);
-      };
-      bool fits = total.put(i, estimates.points[k]);
-      for (std::size_t l = 0; l < shares.size(); ++l)
-        fits &= shares[l].put(i, estimates.per_light[k * lights + l]);
-      fits = fits && at_wavelengths(estimates.spectral, spectral) &&
-             at_wavelengths(estimates.spectral_error, spectral_error);
-      if (settings.target) {
-        const PointCost& cost = estimates.costs[k];
-        most = std::max(most, cost.samples);
-        samples[i] = static_cast<std::uint32_t>(cost.samples);
-        rays[i] = cost.rays;
-        time_s[i] = static_cast<float>(cost.time_s);
-      }
-      if (fits) continue;
-      total.clear(i);
-      for (const EstimateArrays& share : shares) share.clear(i);
-      for (float* const array : {spectral, spectral_error})
-        if (array != nullptr) std::fill_n(array + i * wavelengths, wavelengths, 0.0F);
-      status[i] = static_cast<int>(ItemResult::kOutOfRange);
-    }
+  for (std::size_t r = 0; r < runs.size(); ++r) {
+    work += estimates->runs[r].work;
+    for (std::size_t k = 0; k < runs[r].points.size(); ++k)
+      encoder.put(runs[r].begin + k, estimates->runs[r], k);
   }
-  response->set_samples(static_cast<std::uint32_t>(most));
+  mark_inside_solids(query, runs, *estimates, stop, status);
+  response->set_samples(encoder.most_samples());
   set_counts(response->mutable_cost(), work);
   drop_if_all_ok(response->mutable_status());
   return absl::OkStatus();
@@ -192,70 +320,13 @@ absl::Status IrradianceWork::operator()(const std::stop_token& stop,
 
 Prepared estimate_irradiance(const Context& context, const v1::EstimateIrradianceRequest& request,
                              v1::EstimateIrradianceResponse* response) {
-  const auto scene = find_scene(context, request.scene_id());
-  if (!scene.ok()) return scene.status();
-  IrradianceWork work;
-  work.scene = *scene;
-  const auto receivers = check_points(context, "receivers", request.receivers());
-  if (!receivers.ok()) return receivers.status();
-  work.receivers = *receivers;
-  const std::size_t n = receivers->size();
-  if (auto s = check_triples("normals", request.normals(), n, "receivers", false); !s.ok()) {
-    return s;
-  }
-  work.normals = view(request.normals());
-  if (auto s = check_time(request.has_time_s(), request.time_s()); !s.ok()) return s;
-  const auto wavelengths = check_wavelengths(request.wavelengths_nm());
-  if (!wavelengths.ok()) return wavelengths.status();
-  if (!wavelengths->empty() && !(request.has_bounces() && request.bounces() == 0)) {
-    return bad_field("bounces",
-                     request.has_bounces() ? fmt::format("{}", request.bounces()) : "unset",
-                     "0 with wavelengths_nm, as surfaces have a colour and no spectrum");
-  }
-  work.settings.wavelengths_nm = *wavelengths;
-  const auto error =
-      check_position_error(request.has_position_error_m(), request.position_error_m());
-  if (!error.ok()) return error.status();
-  work.position_error_m = *error;
-  const auto rule = check_stop_rule(context, request.accuracy(), kIrradianceSamples);
-  if (!rule.ok()) return rule.status();
-  work.stop_rule = *rule;
-  work.most_samples = context.limits.max_samples;
-  if (auto s = check_answer_size(context, "receivers", n,
-                                 answer_size(request, (*scene)->lights().size()));
-      !s.ok()) {
-    return s;
-  }
-  work.settings.seed = request.seed().seed();
-  work.settings.first_item = request.seed().first_item();
-  work.settings.block_count = rule->samples > 0 ? replicates_of(rule->samples) : kReplicates;
-  work.settings.samples_per_block = rule->samples / work.settings.block_count;
-  work.settings.target = rule->target;
-  if (request.has_bounces()) work.settings.bounces = request.bounces();
-  work.settings.per_light = request.per_light();
-  work.settings.time_s = request.time_s();
-  const auto methods = check_methods(request.accuracy());
-  if (!methods.ok()) return methods.status();
-  work.settings.methods = *methods;
-
+  LUCERNA_ASSIGN_OR_RETURN(const IrradianceQuery query, parse(context, request));
   Task task;
-  const bool direct = work.settings.bounces == 0U;
-  const double lights =
-      work.settings.per_light ? static_cast<double>((*scene)->lights().size()) : 8;
-  const std::uint64_t samples = rule->target ? rule->target->max_samples : rule->samples;
-  task.predicted_s = static_cast<double>(n) * static_cast<double>(samples) *
-                     (direct ? kDirectSampleSeconds : kPathSampleSeconds) * std::max(1.0, lights);
-  if (rule->time_budget_s) task.predicted_s = *rule->time_budget_s;
-  task.predicted_s += first_use_seconds(**scene, work.settings.methods);
-  // Light is told by spectrum: each of them is looked up once, and is a value of each point.
-  const double spectra = static_cast<double>((*scene)->spectra().size() + 1);
-  task.predicted_s += spectra * static_cast<double>(wavelengths->size()) *
-                      (kLookUpSeconds + static_cast<double>(n) * kWavelengthSeconds);
-  // Whoever is first has the shafts made: not a thread of gRPC's.
-  if ((*scene)->has_visible_lights() && work.settings.methods.closed_forms != ClosedForms::kOff)
-    task.predicted_s += kFirstShaftsSeconds;
+  task.predicted_s = predicted_seconds(query);
   task.cost = response->mutable_cost();
-  task.run = [work, response](const std::stop_token& stop) { return work(stop, response); };
+  task.run = [query, response](const std::stop_token& stop) {
+    return answer(query, stop, response);
+  };
   return task;
 }
 

@@ -5,7 +5,10 @@
 #include <optional>
 #include <vector>
 
+#include "proto/common/defaults.h"
+#include "proto/common/status_macros.h"
 #include "server/estimate/queries/li_estimates.h"
+#include "server/estimate/queries/predicted_time.h"
 #include "server/estimate/queries/queries.h"
 #include "server/estimate/queries/spectral_values.h"
 #include "server/rpc/handlers/lighting.h"
@@ -21,14 +24,22 @@
 namespace lucerna::rpc {
 namespace {
 
-// Processor time of one item [s], rounded up from what one core took on the reference scenes.
-constexpr double kLightSampleSeconds = 400e-9;
-constexpr double kShadowRaySeconds = 1e-6;
-
-// Pilots take a third of the samples that they find to be needed, at most.
+// Pilots take at most a third of the samples that they find to be needed.
 constexpr double kWithPilots = 4.0 / 3;
 
-SampleLiAnswer make_room(const SampleLiQuery& query, std::size_t n, v1::SampleLiResponse* r) {
+/// A request of SampleLi.
+struct LiRequest {
+  std::shared_ptr<const Scene> scene;
+  SampleLiQuery query;
+  StopRule stop_rule;
+  std::uint32_t most_samples = 0;  ///< of each receiver, if estimated
+
+  /// A target error or a time budget sets the sample count, and the answer has estimates.
+  bool is_estimated() const { return stop_rule.samples == 0; }
+  std::uint64_t samples() const { return std::uint64_t{query.samples} * query.receivers.size(); }
+};
+
+SampleLiAnswer sized_arrays(const SampleLiQuery& query, std::size_t n, v1::SampleLiResponse* r) {
   const bool chosen = !query.light;
   return {.value = fill(r->mutable_value(), 3 * n),
           .wi = fill(r->mutable_wi(), 3 * n),
@@ -44,65 +55,9 @@ SampleLiAnswer make_room(const SampleLiQuery& query, std::size_t n, v1::SampleLi
           .spectral_value = fill(r->mutable_spectral_value(), n * query.wavelengths_nm.size())};
 }
 
-/// As many samples as an error or a time asks for, and what they say.
-struct EstimatedSamples {
-  std::shared_ptr<const Scene> scene;
-  SampleLiQuery query;
-  StopRule stop_rule;
-  std::uint32_t most_samples = 0;  ///< of each receiver
-
-  absl::Status operator()(const std::stop_token& stop, v1::SampleLiResponse* response) const;
-
- private:
-  /// Nothing where it was stopped.
-  std::optional<v1::SampleLiResponse> answer(const LiSampler& sampler,
-                                             std::span<const std::uint32_t> samples_per_replicate,
-                                             WorkCounts work, const std::stop_token& stop) const;
-};
-
-absl::Status EstimatedSamples::operator()(const std::stop_token& stop,
-                                          v1::SampleLiResponse* response) const {
-  const LiSampler sampler(*scene, query);
-  const std::size_t receivers = query.receivers.size();
-  std::optional<v1::SampleLiResponse> best;
-  if (stop_rule.target) {
-    WorkCounts pilots;
-    const auto needed =
-        samples_needed(sampler, receivers, *stop_rule.target, kReplicates, stop, pilots);
-    if (needed) best = answer(sampler, *needed, pilots, stop);
-  } else {
-    best =
-        within_time(*stop_rule.time_budget_s,
-                    sampler.says_all_at_once() ? 1 : most_samples / kReplicates, stop,
-                    [&](std::uint32_t each, const std::stop_token& in_time) {
-                      return answer(sampler, equally_many(sampler, receivers, each), {}, in_time);
-                    })
-            .first;
-  }
-  if (!best) return absl::CancelledError("stopped");
-  // Not swapped: the times of the work are put where the cost is now.
-  response->MergeFrom(*best);
-  return absl::OkStatus();
-}
-
-std::optional<v1::SampleLiResponse> EstimatedSamples::answer(
-    const LiSampler& sampler, std::span<const std::uint32_t> samples_per_replicate, WorkCounts work,
-    const std::stop_token& stop) const {
-  const DenormalsAreZero denormals;
-  const std::size_t receivers = samples_per_replicate.size();
-  const std::size_t wavelengths = query.wavelengths_nm.size();
-  const LiLayout layout(samples_per_replicate, kReplicates);
-  std::optional<v1::SampleLiResponse> response(std::in_place);
-  const SampleLiAnswer room = make_room(query, layout.size(), &*response);
-  std::vector<LiShare> shares(layout.size());
-  work += fill_samples(sampler, layout, room, shares, stop);
-  if (stop.stop_requested()) return std::nullopt;
-  const LiEstimates estimates = estimates_of(
-      layout, receivers, kReplicates, stop_rule.target.value_or(TargetError{}).confidence, shares,
-      {room.status, layout.size()}, {room.spectral_value, layout.size() * wavelengths},
-      wavelengths);
-
-  v1::ReceiverEstimates* to = response->mutable_estimates();
+void put_estimates(const LiLayout& layout, const LiEstimates& estimates, std::size_t wavelengths,
+                   v1::ReceiverEstimates* to) {
+  const std::size_t receivers = estimates.points.size();
   std::uint32_t* const samples = fill(to->mutable_samples(), receivers);
   int* const status = fill(to->mutable_status(), receivers);
   const EstimateArrays arrays{.rgb = nullptr,
@@ -117,12 +72,12 @@ std::optional<v1::SampleLiResponse> EstimatedSamples::answer(
   for (std::size_t r = 0; r < receivers; ++r) {
     samples[r] = static_cast<std::uint32_t>(layout.begin(r + 1) - layout.begin(r));
     status[r] = static_cast<int>(estimates.results[r]);
-    const auto at_wavelengths = [&](const std::vector<double>& values, float* array) {
+    const auto put_spectrum = [&](const std::vector<double>& values, float* array) {
       return store_spectral({values.data() + r * wavelengths, wavelengths},
                             array + r * wavelengths);
     };
-    if (arrays.put(r, estimates.points[r]) && at_wavelengths(estimates.spectral, spectral) &&
-        at_wavelengths(estimates.spectral_error, spectral_error)) {
+    if (arrays.put(r, estimates.points[r]) && put_spectrum(estimates.spectral, spectral) &&
+        put_spectrum(estimates.spectral_error, spectral_error)) {
       continue;
     }
     arrays.clear(r);
@@ -131,161 +86,204 @@ std::optional<v1::SampleLiResponse> EstimatedSamples::answer(
     status[r] = static_cast<int>(ItemResult::kOutOfRange);
   }
   drop_if_all_ok(to->mutable_status());
+}
+
+/// Samples with what they estimate.  `work`: of the pilots.  Nothing if `stop` was requested.
+std::optional<v1::SampleLiResponse> estimate(const LiRequest& li, const LiSampler& sampler,
+                                             std::span<const std::uint32_t> samples_per_replicate,
+                                             WorkCounts work, const std::stop_token& stop) {
+  const DenormalsAreZero denormals;
+  const SampleLiQuery& query = li.query;
+  const std::size_t wavelengths = query.wavelengths_nm.size();
+  const LiLayout layout(samples_per_replicate, kReplicates);
+  std::optional<v1::SampleLiResponse> response(std::in_place);
+  const SampleLiAnswer answer = sized_arrays(query, layout.size(), &*response);
+  std::vector<LiShare> shares(layout.size());
+  work += fill_samples(sampler, layout, answer, shares, stop);
+  if (stop.stop_requested()) return std::nullopt;
+  const double confidence = li.stop_rule.target.value_or(TargetError{}).confidence;
+  const LiEstimates estimates =
+      estimates_of(layout, query.receivers.size(), kReplicates, confidence, shares,
+                   {answer.status, layout.size()},
+                   {answer.spectral_value, layout.size() * wavelengths}, wavelengths);
+  put_estimates(layout, estimates, wavelengths, response->mutable_estimates());
   drop_if_all_ok(response->mutable_status());
   set_counts(response->mutable_cost(), work);
   return response;
 }
 
-/// The most samples that each receiver may have, where estimates are asked for.
+/// As many samples as the target error or the time budget sets.
+absl::Status answer_estimated(const LiRequest& li, const std::stop_token& stop,
+                              v1::SampleLiResponse* response) {
+  const LiSampler sampler(*li.scene, li.query);
+  const std::size_t receivers = li.query.receivers.size();
+  std::optional<v1::SampleLiResponse> best;
+  if (li.stop_rule.target) {
+    WorkCounts pilots;
+    const auto needed =
+        samples_needed(sampler, receivers, *li.stop_rule.target, kReplicates, stop, pilots);
+    if (needed) best = estimate(li, sampler, *needed, pilots, stop);
+  } else {
+    const std::uint32_t most = sampler.says_all_at_once() ? 1 : li.most_samples / kReplicates;
+    best = within_time(*li.stop_rule.time_budget_s, most, stop,
+                       [&](std::uint32_t each, const std::stop_token& in_time) {
+                         return estimate(li, sampler, equally_many(sampler, receivers, each), {},
+                                         in_time);
+                       })
+               .first;
+  }
+  if (!best) return absl::CancelledError("stopped");
+  // Not swapped: the caller holds a pointer to the response's cost, where it puts the times.
+  response->MergeFrom(*best);
+  return absl::OkStatus();
+}
+
+absl::Status answer_plain(const LiRequest& li, const v1::SampleLiRequest& request,
+                          const std::stop_token& stop, v1::SampleLiResponse* response) {
+  LUCERNA_RETURN_IF_ERROR(check_u(request.u()));
+  const SampleLiAnswer answer = sized_arrays(li.query, li.samples(), response);
+  set_counts(response->mutable_cost(), lucerna::sample_li(*li.scene, li.query, answer, stop));
+  drop_if_all_ok(response->mutable_status());
+  return absl::OkStatus();
+}
+
+/// The most samples that each receiver of an estimated request may have.
 absl::StatusOr<std::uint32_t> check_most_samples(const Context& context,
                                                  const v1::SampleLiRequest& request,
-                                                 const EstimatedSamples& asked) {
+                                                 const LiRequest& li) {
   const AnswerSize size = answer_size(request);
   const std::uint64_t at_once = std::min<std::uint64_t>(
       context.limits.max_batch_items, size.items_within(context.limits.max_message_bytes));
-  const std::uint64_t receivers = asked.query.receivers.size();
-  const bool certain = one_sample_says_all(*asked.scene, asked.query.light);
+  const std::uint64_t receivers = li.query.receivers.size();
+  const bool certain = one_sample_says_all(*li.scene, li.query.light);
   const auto over = [&](const std::string& field, std::uint64_t each) {
     return over_limit(
         fmt::format("receivers times {}, each sample answered in {} bytes,", field, size.per_item),
         receivers * each, at_once);
   };
-  const auto& target = asked.stop_rule.target;
+  const auto& target = li.stop_rule.target;
   if (!certain && request.accuracy().target_error().has_max_samples()) {
     if (receivers * target->max_samples > at_once)
       return over("accuracy.target_error.max_samples", target->max_samples);
     return static_cast<std::uint32_t>(target->max_samples);
   }
-  const std::uint32_t least = certain ? 1 : target ? kLeastMostSamples : kReplicates;
+  const std::uint32_t least = certain ? 1 : target ? kLeastTargetSamples : kReplicates;
   if (receivers * least > at_once)
     return over(fmt::format("{} samples, the least that each can have", least), least);
   const std::uint64_t most = target ? target->max_samples : context.limits.max_samples;
   return static_cast<std::uint32_t>(receivers > 0 ? std::min(most, at_once / receivers) : most);
 }
 
+absl::Status parse_sample_values(const v1::SampleLiRequest& request, LiRequest& li) {
+  if (li.is_estimated() && request.has_u()) {
+    return bad_field("u", "given",
+                     "seed, as accuracy.target_error and accuracy.time_budget_s set the number of "
+                     "samples");
+  }
+  LUCERNA_ASSIGN_OR_RETURN(const Randomness randomness,
+                           check_randomness(request, {.samples = li.samples(),
+                                                      .per_sample = 2,
+                                                      .light_named = request.has_light_id(),
+                                                      .of = "samples"}));
+  li.query.seed = randomness.seed;
+  li.query.u = randomness.u;
+  li.query.u_light = randomness.u_light;
+  return absl::OkStatus();
+}
+
+absl::StatusOr<LiRequest> parse(const Context& context, const v1::SampleLiRequest& request) {
+  constexpr char kItems[] = "receivers times accuracy.samples";
+  LiRequest li;
+  SampleLiQuery& query = li.query;
+  LUCERNA_ASSIGN_OR_RETURN(li.scene, find_scene(context, request.scene_id()));
+  LUCERNA_ASSIGN_OR_RETURN(query.receivers,
+                           check_points(context, "receivers", request.receivers()));
+  LUCERNA_ASSIGN_OR_RETURN(li.stop_rule, check_stop_rule(context, request.accuracy(), 1));
+  query.samples = li.stop_rule.samples;
+  // An estimated request has no count yet; check_most_samples checks its limits.
+  if (li.samples() > context.limits.max_batch_items)
+    return over_limit(kItems, li.samples(), context.limits.max_batch_items);
+  LUCERNA_ASSIGN_OR_RETURN(query.light, find_light_if_named(*li.scene, request));
+  LUCERNA_RETURN_IF_ERROR(parse_sample_values(request, li));
+  LUCERNA_RETURN_IF_ERROR(check_time(request.has_time_s(), request.time_s()));
+  query.time_s = request.time_s();
+  LUCERNA_ASSIGN_OR_RETURN(query.wavelengths_nm, check_wavelengths(request.wavelengths_nm()));
+  if (!li.is_estimated()) {
+    LUCERNA_RETURN_IF_ERROR(check_answer_size(context, kItems, li.samples(), answer_size(request)));
+  }
+  query.test_visibility = request.test_visibility();
+  LUCERNA_RETURN_IF_ERROR(
+      check_triples("normals", request.normals(), query.receivers.size(), "receivers", true));
+  query.normals = view(request.normals());
+  LUCERNA_ASSIGN_OR_RETURN(
+      query.position_error_m,
+      check_position_error(request.has_position_error_m(), request.position_error_m()));
+  LUCERNA_ASSIGN_OR_RETURN(query.methods, check_methods(request.accuracy()));
+  if (li.is_estimated()) {
+    LUCERNA_ASSIGN_OR_RETURN(li.most_samples, check_most_samples(context, request, li));
+    if (li.stop_rule.target) li.stop_rule.target->max_samples = li.most_samples;
+  }
+  return li;
+}
+
+double predicted_seconds(const LiRequest& li) {
+  const auto receivers = static_cast<double>(li.query.receivers.size());
+  double seconds = li.query.test_visibility ? first_use_seconds(*li.scene, li.query.methods) : 0;
+  if (li.stop_rule.target) {
+    seconds += sample_li_seconds(li.query, kWithPilots * li.most_samples * receivers);
+  } else if (li.stop_rule.time_budget_s) {
+    // The least number of samples is taken whatever its time.
+    seconds +=
+        std::max(*li.stop_rule.time_budget_s, sample_li_seconds(li.query, kReplicates * receivers));
+  } else {
+    seconds += sample_li_seconds(li.query, static_cast<double>(li.samples()));
+  }
+  return seconds;
+}
+
+absl::StatusOr<PdfLiQuery> parse(const Context& context, const Scene& scene,
+                                 const v1::PdfLiRequest& request) {
+  PdfLiQuery query;
+  LUCERNA_ASSIGN_OR_RETURN(query.receivers,
+                           check_points(context, "receivers", request.receivers()));
+  const std::size_t n = query.receivers.size();
+  LUCERNA_RETURN_IF_ERROR(check_answer_size(context, "receivers", n, answer_size(request)));
+  LUCERNA_RETURN_IF_ERROR(check_triples("wi", request.wi(), n, "receivers", false));
+  query.wi = view(request.wi());
+  LUCERNA_ASSIGN_OR_RETURN(query.light, find_required_light(scene, request.light_id()));
+  LUCERNA_RETURN_IF_ERROR(check_time(request.has_time_s(), request.time_s()));
+  query.time_s = request.time_s();
+  LUCERNA_RETURN_IF_ERROR(check_triples("normals", request.normals(), n, "receivers", true));
+  query.normals = view(request.normals());
+  LUCERNA_ASSIGN_OR_RETURN(const Methods methods, check_methods(request.accuracy()));
+  query.area_sampling = methods.area_sampling;
+  return query;
+}
+
 }  // namespace
 
 Prepared sample_li(const Context& context, const v1::SampleLiRequest& request,
                    v1::SampleLiResponse* response) {
-  const auto scene = find_scene(context, request.scene_id());
-  if (!scene.ok()) return scene.status();
-  SampleLiQuery query;
-  const auto receivers = check_points(context, "receivers", request.receivers());
-  if (!receivers.ok()) return receivers.status();
-  query.receivers = *receivers;
-  const auto rule = check_stop_rule(context, request.accuracy(), 1);
-  if (!rule.ok()) return rule.status();
-  const bool estimated = rule->samples == 0;
-  query.samples = rule->samples;
-  // Where it is estimated, each receiver has its own count, and the limits are looked at below.
-  const std::uint64_t n = std::uint64_t{query.samples} * query.receivers.size();
-  if (n > context.limits.max_batch_items) {
-    return over_limit("receivers times accuracy.samples", n, context.limits.max_batch_items);
-  }
-  const auto light = find_light_if_named(**scene, request);
-  if (!light.ok()) return light.status();
-  query.light = *light;
-  if (estimated && request.has_u()) {
-    return bad_field("u", "given",
-                     "seed, as accuracy.target_error and accuracy.time_budget_s say how many "
-                     "samples there are");
-  }
-  const auto randomness = check_randomness(
-      request,
-      {.samples = n, .per_sample = 2, .light_named = request.has_light_id(), .of = "samples"});
-  if (!randomness.ok()) return randomness.status();
-  query.seed = randomness->seed;
-  query.u = randomness->u;
-  query.u_light = randomness->u_light;
-  if (auto s = check_time(request.has_time_s(), request.time_s()); !s.ok()) return s;
-  const auto wavelengths = check_wavelengths(request.wavelengths_nm());
-  if (!wavelengths.ok()) return wavelengths.status();
-  query.wavelengths_nm = *wavelengths;
-  if (!estimated) {
-    if (auto s =
-            check_answer_size(context, "receivers times accuracy.samples", n, answer_size(request));
-        !s.ok()) {
-      return s;
-    }
-  }
-  query.time_s = request.time_s();
-  query.test_visibility = request.test_visibility();
-  if (auto s =
-          check_triples("normals", request.normals(), query.receivers.size(), "receivers", true);
-      !s.ok()) {
-    return s;
-  }
-  query.normals = view(request.normals());
-  const auto error =
-      check_position_error(request.has_position_error_m(), request.position_error_m());
-  if (!error.ok()) return error.status();
-  query.position_error_m = *error;
-  const auto methods = check_methods(request.accuracy());
-  if (!methods.ok()) return methods.status();
-  query.methods = *methods;
-
-  EstimatedSamples estimates{.scene = *scene, .query = query, .stop_rule = *rule};
-  if (estimated) {
-    const auto most = check_most_samples(context, request, estimates);
-    if (!most.ok()) return most.status();
-    estimates.most_samples = *most;
-    if (rule->target) estimates.stop_rule.target->max_samples = *most;
-  }
-
+  LUCERNA_ASSIGN_OR_RETURN(const LiRequest li, parse(context, request));
   Task task;
-  const double sample_s = kLightSampleSeconds + (query.test_visibility ? kShadowRaySeconds : 0) +
-                          kWavelengthSeconds * static_cast<double>(query.wavelengths_nm.size());
-  const auto receiver_count = static_cast<double>(query.receivers.size());
-  if (rule->target)
-    task.predicted_s = kWithPilots * estimates.most_samples * receiver_count * sample_s;
-  else if (rule->time_budget_s)  // and as many as there are whatever it takes
-    task.predicted_s = std::max(*rule->time_budget_s, kReplicates * receiver_count * sample_s);
-  else
-    task.predicted_s = static_cast<double>(n) * sample_s;
-  if (query.test_visibility) task.predicted_s += first_use_seconds(**scene, query.methods);
+  task.predicted_s = predicted_seconds(li);
   task.cost = response->mutable_cost();
-  if (estimated) {
-    task.run = [estimates, response](const std::stop_token& stop) {
-      return estimates(stop, response);
-    };
-    return task;
-  }
-  task.run = [scene = *scene, query, n, &request, response](const std::stop_token& stop) {
-    if (auto s = check_u(request.u()); !s.ok()) return s;
-    const SampleLiAnswer answer = make_room(query, n, response);
-    set_counts(response->mutable_cost(), lucerna::sample_li(*scene, query, answer, stop));
-    drop_if_all_ok(response->mutable_status());
-    return absl::OkStatus();
+  task.run = [li, &request, response](const std::stop_token& stop) {
+    return li.is_estimated() ? answer_estimated(li, stop, response)
+                             : answer_plain(li, request, stop, response);
   };
   return task;
 }
 
 Prepared pdf_li(const Context& context, const v1::PdfLiRequest& request,
                 v1::PdfLiResponse* response) {
-  const auto scene = find_scene(context, request.scene_id());
-  if (!scene.ok()) return scene.status();
-  const auto receivers = check_points(context, "receivers", request.receivers());
-  if (!receivers.ok()) return receivers.status();
-  const std::size_t n = receivers->size();
-  if (auto s = check_answer_size(context, "receivers", n, answer_size(request)); !s.ok()) return s;
-  if (auto s = check_triples("wi", request.wi(), n, "receivers", false); !s.ok()) return s;
-  const auto light = find_required_light(**scene, request.light_id());
-  if (!light.ok()) return light.status();
-  if (auto s = check_time(request.has_time_s(), request.time_s()); !s.ok()) return s;
-  if (auto s = check_triples("normals", request.normals(), n, "receivers", true); !s.ok()) return s;
-  const auto methods = check_methods(request.accuracy());
-  if (!methods.ok()) return methods.status();
-  const PdfLiQuery query{.light = *light,
-                         .receivers = *receivers,
-                         .wi = view(request.wi()),
-                         .normals = view(request.normals()),
-                         .area_sampling = methods->area_sampling,
-                         .time_s = request.time_s()};
-
+  LUCERNA_ASSIGN_OR_RETURN(const auto scene, find_scene(context, request.scene_id()));
+  LUCERNA_ASSIGN_OR_RETURN(const PdfLiQuery query, parse(context, *scene, request));
+  const std::size_t n = query.receivers.size();
   Task task;
-  task.predicted_s = static_cast<double>(n) * pdf_seconds((*scene)->lights()[*light].light);
+  task.predicted_s = pdf_seconds(scene->lights()[query.light].light, n);
   task.cost = response->mutable_cost();
-  task.run = [scene = *scene, query, n, response](const std::stop_token& stop) {
+  task.run = [scene, query, n, response](const std::stop_token& stop) {
     lucerna::pdf_li(*scene, query, fill(response->mutable_pdf_per_sr(), n),
                     fill(response->mutable_status(), n), stop);
     drop_if_all_ok(response->mutable_status());

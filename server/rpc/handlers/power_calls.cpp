@@ -4,10 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <optional>
-#include <tuple>
 #include <vector>
 
+#include "proto/common/defaults.h"
+#include "proto/common/status_macros.h"
+#include "server/estimate/queries/predicted_time.h"
 #include "server/estimate/queries/queries.h"
 #include "server/estimate/queries/sampled_power.h"
 #include "server/estimate/queries/spectral_values.h"
@@ -22,17 +25,14 @@
 namespace lucerna::rpc {
 namespace {
 
-// Processor time of one item [s], rounded up from what one core took on the reference scenes.
-constexpr double kPowerSeconds = 300e-9;
-constexpr double kRaySeconds = 300e-9;
 constexpr std::uint32_t kPowerSamples = 4096;  // of METHOD_SAMPLED
 
-/// Power with what its spectrum tells of it.
+/// Power with radiant power, if the light was given a spectrum.
 struct RadiantPower {
   Power luminous;
   std::optional<SampledPower> sampled{};
   std::optional<double> watts{};
-  std::vector<double> w_per_nm{};  // at each wavelength asked for
+  std::vector<double> w_per_nm{};  // at each requested wavelength
 };
 
 /// Of one light.  Finite whatever the light: a float's flux times at most kMostWattsPerLumen.
@@ -46,7 +46,7 @@ RadiantPower radiant_power(const Scene& scene, std::uint32_t light, const Power&
   return power;
 }
 
-/// Of many lights, of any magnitudes: none is lost beside a larger one.
+/// The sum over lights of any magnitude: a small one is not lost beside a large one.
 class PowerTotal {
  public:
   explicit PowerTotal(std::size_t wavelengths) : w_per_nm_(wavelengths) {}
@@ -59,7 +59,7 @@ class PowerTotal {
     watts_.add(power.watts.value_or(0));
     for (std::size_t k = 0; k < w_per_nm_.size(); ++k) w_per_nm_[k].add(power.w_per_nm[k]);
   }
-  /// It has watts as long as all that was added has.
+  /// It has watts if everything that was added has.
   RadiantPower value() const {
     RadiantPower sum{.luminous = {lumens_.value(), error_lumens_.value()}};
     if (has_watts_ && !is_empty_) sum.watts = watts_.value();
@@ -74,7 +74,8 @@ class PowerTotal {
   std::vector<CompensatedSum> w_per_nm_;
 };
 
-/// What no double held (squares of what lights at the ends of their domain send) is still a bound.
+/// The largest double in place of infinity: squares of extreme fluxes overflow, and the bound
+/// holds.
 double held(double v) {
   constexpr double kLargest = std::numeric_limits<double>::max();
   return v < kLargest ? v : kLargest;
@@ -101,89 +102,120 @@ void set_power(const RadiantPower& radiant, v1::LightPower* out) {
   out->mutable_spectral_w_per_nm()->Add(radiant.w_per_nm.begin(), radiant.w_per_nm.end());
 }
 
-struct PowerWork {
+struct PowerQuery {
   std::shared_ptr<const Scene> scene;
-  std::size_t lights = 0;           // that are asked about
-  std::size_t first = 0, page = 0;  // of these, in the answer
+  v1::EstimatePowerRequest::Method method{};
+  std::size_t lights = 0;           // of the request, or of the scene
+  std::size_t first = 0, page = 0;  // of these lights, in the answer
   std::span<const double> wavelengths_nm{};
   std::optional<StopRule> rule{};  // of METHOD_SAMPLED
   std::uint32_t most_samples = 0;  // with a time budget
-
-  absl::Status operator()(const v1::EstimatePowerRequest& request, const std::stop_token& stop,
-                          v1::EstimatePowerResponse* response) const;
-
- private:
-  absl::StatusOr<std::vector<std::uint32_t>> which(const v1::EstimatePowerRequest& request) const;
-  /// Nothing where it was stopped.
-  std::optional<SampledPowers> sampled(std::uint64_t seed, std::span<const std::uint32_t> which,
-                                       const std::stop_token& stop) const;
 };
 
-absl::StatusOr<std::vector<std::uint32_t>> PowerWork::which(
-    const v1::EstimatePowerRequest& request) const {
-  std::vector<std::uint32_t> all(lights);
-  for (std::size_t i = 0; i < lights; ++i) {
-    all[i] = static_cast<std::uint32_t>(i);
-    if (request.light_ids().empty()) continue;
-    const auto found = find_light(*scene, request.light_ids(static_cast<int>(i)));
-    if (!found.ok()) return found.status();
-    all[i] = *found;
+absl::StatusOr<PowerQuery> parse(const Context& context, const v1::EstimatePowerRequest& request) {
+  PowerQuery query;
+  LUCERNA_ASSIGN_OR_RETURN(query.scene, find_scene(context, request.scene_id()));
+  query.method = request.method();
+  if (query.method < v1::EstimatePowerRequest::METHOD_UNSPECIFIED ||
+      query.method > v1::EstimatePowerRequest::METHOD_SAMPLED) {
+    return bad_field("method", fmt::format("{}", static_cast<int>(query.method)),
+                     "METHOD_EXACT, METHOD_APPROXIMATE or METHOD_SAMPLED");
+  }
+  if (query.method == v1::EstimatePowerRequest::METHOD_SAMPLED) {
+    LUCERNA_ASSIGN_OR_RETURN(query.rule,
+                             check_stop_rule(context, request.accuracy(), kPowerSamples));
+  }
+  LUCERNA_ASSIGN_OR_RETURN(query.wavelengths_nm, check_wavelengths(request.wavelengths_nm()));
+  const auto named = static_cast<std::uint64_t>(request.light_ids_size());
+  if (named > context.limits.max_batch_items)
+    return over_limit("light_ids", named, context.limits.max_batch_items);
+  LUCERNA_ASSIGN_OR_RETURN(const std::size_t page_size,
+                           check_page_size(request.page_size(), context.limits.max_page_size));
+  query.lights = named > 0 ? named : query.scene->lights().size();
+  LUCERNA_ASSIGN_OR_RETURN(query.first, page_start("power", request.page_token(), query.lights));
+  // A message ends a page early, but one light always fits.
+  const std::uint64_t fits = answer_size(request).items_within(context.limits.max_message_bytes);
+  query.page = std::min<std::size_t>(page_size, std::max<std::uint64_t>(1, fits));
+  query.most_samples = context.limits.max_samples;
+  return query;
+}
+
+double predicted_seconds(const PowerQuery& query) {
+  const double seconds = power_seconds(query.lights, query.wavelengths_nm.size());
+  if (!query.rule) return seconds;
+  if (query.rule->time_budget_s) return seconds + *query.rule->time_budget_s;
+  // With a target error, pilots may take as many samples as the answer.
+  const std::uint64_t samples =
+      query.rule->target ? 2 * query.rule->target->max_samples : query.rule->samples;
+  return seconds + sampled_power_seconds(query.lights, samples);
+}
+
+/// Indices of the lights that the request names, or of all.
+absl::StatusOr<std::vector<std::uint32_t>> requested_lights(
+    const PowerQuery& query, const v1::EstimatePowerRequest& request) {
+  std::vector<std::uint32_t> all(query.lights);
+  std::iota(all.begin(), all.end(), 0U);
+  for (int i = 0; i < request.light_ids_size(); ++i) {
+    LUCERNA_ASSIGN_OR_RETURN(all[static_cast<std::size_t>(i)],
+                             find_light(*query.scene, request.light_ids(i)));
   }
   return all;
 }
 
-std::optional<SampledPowers> PowerWork::sampled(std::uint64_t seed,
-                                                std::span<const std::uint32_t> which,
-                                                const std::stop_token& stop) const {
+/// By rays, METHOD_SAMPLED.  Nothing if `stop` was requested.
+std::optional<SampledPowers> sampled_powers(const PowerQuery& query, std::uint64_t seed,
+                                            std::span<const std::uint32_t> lights,
+                                            const std::stop_token& stop) {
+  const StopRule& rule = *query.rule;
   SampledPowerSettings settings;
   settings.seed = seed;
-  settings.target = rule->target;
-  settings.block_count = rule->samples > 0 ? replicates_of(rule->samples) : kReplicates;
-  settings.samples_per_block = rule->samples / settings.block_count;
+  settings.target = rule.target;
+  settings.block_count = rule.samples > 0 ? replicates_of(rule.samples) : kReplicates;
   const auto run = [&](std::uint32_t each,
                        const std::stop_token& s) -> std::optional<SampledPowers> {
     settings.samples_per_block = each;
-    SampledPowers powers = sample_powers(*scene, which, settings, s);
+    SampledPowers powers = sample_powers(*query.scene, lights, settings, s);
     if (powers.stopped) return std::nullopt;
     return powers;
   };
-  if (!rule->time_budget_s) return run(settings.samples_per_block, stop);
-  return within_time(*rule->time_budget_s, most_samples / settings.block_count, stop, run).first;
+  if (!rule.time_budget_s) return run(rule.samples / settings.block_count, stop);
+  return within_time(*rule.time_budget_s, query.most_samples / settings.block_count, stop, run)
+      .first;
 }
 
-absl::Status PowerWork::operator()(const v1::EstimatePowerRequest& request,
-                                   const std::stop_token& stop,
-                                   v1::EstimatePowerResponse* response) const {
-  const auto which = this->which(request);
-  if (!which.ok()) return which.status();
+absl::Status answer(const PowerQuery& query, const v1::EstimatePowerRequest& request,
+                    const std::stop_token& stop, v1::EstimatePowerResponse* response) {
+  const Scene& scene = *query.scene;
+  LUCERNA_ASSIGN_OR_RETURN(const std::vector<std::uint32_t> lights,
+                           requested_lights(query, request));
   std::optional<SampledPowers> by_rays;
-  if (rule) {
-    by_rays = sampled(request.seed(), *which, stop);
+  if (query.rule) {
+    by_rays = sampled_powers(query, request.seed(), lights, stop);
     if (!by_rays) return absl::CancelledError("stopped");
     set_counts(response->mutable_cost(), by_rays->work);
   }
   const auto luminous = [&](std::size_t i) -> Power {
-    const std::uint32_t light = (*which)[i];
     if (by_rays) return {by_rays->lights[i].lumens, 0};
-    return request.method() == v1::EstimatePowerRequest::METHOD_APPROXIMATE
-               ? light_power_approximate(*scene, light)
-               : light_power(*scene, light);
+    return query.method == v1::EstimatePowerRequest::METHOD_APPROXIMATE
+               ? light_power_approximate(scene, lights[i])
+               : light_power(scene, lights[i]);
   };
-  SpectralValues spectral(*scene, wavelengths_nm);
-  PowerTotal total(wavelengths_nm.size());
-  for (std::size_t i = 0; i < lights && !stop.stop_requested(); ++i) {
-    RadiantPower power = radiant_power(*scene, (*which)[i], luminous(i), spectral);
+  SpectralValues spectral(scene, query.wavelengths_nm);
+  PowerTotal total(query.wavelengths_nm.size());
+  for (std::size_t i = 0; i < query.lights && !stop.stop_requested(); ++i) {
+    RadiantPower power = radiant_power(scene, lights[i], luminous(i), spectral);
     if (by_rays) power.sampled = by_rays->lights[i];
     total.add(power);
-    if (i < first || i - first >= page) continue;
+    if (i < query.first || i - query.first >= query.page) continue;
     v1::LightPower* out = response->add_lights();
-    out->set_light_id(scene->lights()[(*which)[i]].id);
+    out->set_light_id(scene.lights()[lights[i]].id);
     set_power(power, out);
   }
   RadiantPower sum = total.value();
   if (by_rays) sum.sampled = by_rays->total;
   set_power(sum, response->mutable_total());
-  if (lights - first > page) response->set_next_page_token(page_token("power", first + page));
+  if (query.lights - query.first > query.page)
+    response->set_next_page_token(page_token("power", query.first + query.page));
   return absl::OkStatus();
 }
 
@@ -191,57 +223,12 @@ absl::Status PowerWork::operator()(const v1::EstimatePowerRequest& request,
 
 Prepared estimate_power(const Context& context, const v1::EstimatePowerRequest& request,
                         v1::EstimatePowerResponse* response) {
-  const auto scene = find_scene(context, request.scene_id());
-  if (!scene.ok()) return scene.status();
-  const auto method = request.method();
-  if (method != v1::EstimatePowerRequest::METHOD_UNSPECIFIED &&
-      method != v1::EstimatePowerRequest::METHOD_EXACT &&
-      method != v1::EstimatePowerRequest::METHOD_APPROXIMATE &&
-      method != v1::EstimatePowerRequest::METHOD_SAMPLED) {
-    return bad_field("method", fmt::format("{}", static_cast<int>(method)),
-                     "METHOD_EXACT, METHOD_APPROXIMATE or METHOD_SAMPLED");
-  }
-  PowerWork work;
-  if (method == v1::EstimatePowerRequest::METHOD_SAMPLED) {
-    const auto rule = check_stop_rule(context, request.accuracy(), kPowerSamples);
-    if (!rule.ok()) return rule.status();
-    work.rule = *rule;
-  }
-  const auto wavelengths = check_wavelengths(request.wavelengths_nm());
-  if (!wavelengths.ok()) return wavelengths.status();
-  const auto asked = static_cast<std::uint64_t>(request.light_ids_size());
-  if (asked > context.limits.max_batch_items) {
-    return over_limit("light_ids", asked, context.limits.max_batch_items);
-  }
-  const auto page_size = check_page_size(request.page_size(), context.limits.max_page_size);
-  if (!page_size.ok()) return page_size.status();
-  const std::size_t n = asked > 0 ? asked : (*scene)->lights().size();
-  const auto start = page_start("power", request.page_token(), n);
-  if (!start.ok()) return start.status();
-  // Pages are as long as messages allow: one light always fits.
-  const std::size_t size = std::min<std::size_t>(
-      *page_size, std::max<std::uint64_t>(
-                      1, answer_size(request).items_within(context.limits.max_message_bytes)));
-
-  work.scene = *scene;
-  work.lights = n;
-  work.first = *start;
-  work.page = size;
-  work.wavelengths_nm = *wavelengths;
-  work.most_samples = context.limits.max_samples;
+  LUCERNA_ASSIGN_OR_RETURN(const PowerQuery query, parse(context, request));
   Task task;
-  task.predicted_s =
-      static_cast<double>(n) *
-      (kPowerSeconds + kWavelengthSeconds * static_cast<double>(wavelengths->size()));
-  if (work.rule) {
-    const std::uint64_t samples =
-        work.rule->target ? 2 * work.rule->target->max_samples : work.rule->samples;
-    task.predicted_s += work.rule->time_budget_s.value_or(
-        static_cast<double>(n) * static_cast<double>(samples) * kRaySeconds);
-  }
+  task.predicted_s = predicted_seconds(query);
   task.cost = response->mutable_cost();
-  task.run = [work, &request, response](const std::stop_token& stop) {
-    return work(request, stop, response);
+  task.run = [query, &request, response](const std::stop_token& stop) {
+    return answer(query, request, stop, response);
   };
   return task;
 }

@@ -9,7 +9,9 @@
 #include <limits>
 #include <string>
 
+#include "proto/common/defaults.h"
 #include "proto/common/sample_blocks.h"
+#include "proto/common/status_macros.h"
 #include "server/estimate/queries/queries.h"
 #include "server/rpc/messages/checks.h"
 #include "server/rpc/messages/errors.h"
@@ -20,8 +22,6 @@ namespace {
 
 // Where neither the request nor the scene file says.
 constexpr std::uint32_t kPixelSamples = 64;
-// With a time budget; as EstimateIrradiance takes.
-constexpr std::uint32_t kLeastSamples = 16;
 
 /// `samples_per_block`, where asked for, is a number of samples that a block can have.
 template <typename Request>
@@ -37,7 +37,7 @@ absl::Status check_block(const Request& request) {
 /// Puts the blocks of exactly so many samples, or of the target error, into the query.
 template <typename Request>
 absl::Status put_blocks(const Request& request, RenderQuery& query) {
-  if (auto s = check_block(request); !s.ok()) return s;
+  LUCERNA_RETURN_IF_ERROR(check_block(request));
   TileSettings& settings = query.settings;
   const std::uint32_t block = request.samples_per_block();
   if (query.rule.target) {
@@ -98,21 +98,15 @@ absl::StatusOr<std::optional<Shutter>> check_shutter(const Scene& scene, const R
 template <typename Request>
 absl::StatusOr<RenderQuery> check(const Context& context, const Scene& scene,
                                   const Request& request, std::uint32_t proposed) {
-  if (auto s = check_time(request.has_time_s(), request.time_s()); !s.ok()) return s;
-  const auto shutter = check_shutter(scene, request);
-  if (!shutter.ok()) return shutter.status();
-  const auto rule = check_stop_rule(context, request.accuracy(), proposed);
-  if (!rule.ok()) return rule.status();
   RenderQuery query;
-  query.rule = *rule;
+  LUCERNA_RETURN_IF_ERROR(check_time(request.has_time_s(), request.time_s()));
+  LUCERNA_ASSIGN_OR_RETURN(query.settings.shutter, check_shutter(scene, request));
+  LUCERNA_ASSIGN_OR_RETURN(query.rule, check_stop_rule(context, request.accuracy(), proposed));
   query.most_samples = std::bit_floor(context.limits.max_samples);
-  if (auto s = put_blocks(request, query); !s.ok()) return s;
-  const auto methods = check_methods(request.accuracy());
-  if (!methods.ok()) return methods.status();
-  query.settings.methods = *methods;
+  LUCERNA_RETURN_IF_ERROR(put_blocks(request, query));
+  LUCERNA_ASSIGN_OR_RETURN(query.settings.methods, check_methods(request.accuracy()));
   query.settings.seed = request.seed();
   if (request.has_time_s()) query.settings.time_s = request.time_s();
-  query.settings.shutter = *shutter;
   query.settings.bounces =
       request.has_bounces() ? std::optional(request.bounces()) : hinted_bounces(scene);
   return query;
@@ -162,7 +156,7 @@ std::uint32_t proposed_samples(const Context& context, const Scene& scene) {
 }
 
 std::uint32_t least_samples(const RenderQuery& query) {
-  return std::max(std::min(kLeastSamples, query.most_samples), query.samples_per_block.value_or(1));
+  return std::max(std::min(kReplicates, query.most_samples), query.samples_per_block.value_or(1));
 }
 
 std::uint64_t area(const PixelRect& rect) {

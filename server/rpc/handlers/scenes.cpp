@@ -6,6 +6,7 @@
 #include <cmath>
 #include <set>
 
+#include "proto/common/status_macros.h"
 #include "server/rpc/messages/checks.h"
 #include "server/rpc/messages/convert.h"
 #include "server/rpc/messages/errors.h"
@@ -13,13 +14,16 @@
 
 namespace lucerna::rpc {
 namespace {
-// Processor time of one entry [s], rounded up.
+// Predicted processor time of one entry [s], rounded up.
 constexpr double kLightSeconds = 1e-6;
 constexpr double kSceneSeconds = 2e-6;
-// Of the spectra in one page of lights, which ends with the light that fills it: a page stays far
-// below the least message that clients take by themselves (4 MiB).
-constexpr std::size_t kPageBytes = std::size_t{1} << 20;
 constexpr double kAssetSeconds = 1e-6;
+// Listing the files under the scene root, and freeing a large scene [s].
+constexpr double kListingSeconds = 0.1;
+constexpr double kReleaseSeconds = 1;
+// A page of lights ends with the light whose spectrum fills this: a page stays far below the
+// default message limit of clients (4 MiB).
+constexpr std::size_t kPageBytes = std::size_t{1} << 20;
 constexpr std::size_t kMostNameBytes = 4096;
 
 absl::Status check_lease(double lease_s) {
@@ -32,7 +36,7 @@ absl::Status check_digest(const std::string& field, const std::string& digest) {
   return bad_field(field, fmt::format("{} bytes", digest.size()), "the 32 bytes of a SHA-256");
 }
 
-/// Whether it is what scene files may call a file: relative, without `.` and `..`.
+/// Whether scene files may use this name for a file: relative, without `.` and `..`.
 bool is_plain(const std::string& name) {
   if (name.empty() || name.size() > kMostNameBytes || name.find('\0') != std::string::npos)
     return false;
@@ -60,7 +64,7 @@ absl::StatusOr<Manifest> check_manifest(const Context& context, const v1::SceneM
           fmt::format("a relative name of at most {} bytes without . and ..", kMostNameBytes));
     }
     if (!asset.sha256().empty()) {
-      if (absl::Status s = check_digest(field + ".sha256", asset.sha256()); !s.ok()) return s;
+      LUCERNA_RETURN_IF_ERROR(check_digest(field + ".sha256", asset.sha256()));
     }
     if (!manifest.assets.emplace(asset.name(), asset.sha256()).second) {
       return bad_field(field + ".name", fmt::format("\"{}\"", asset.name()), "each name once");
@@ -73,6 +77,20 @@ absl::StatusOr<Manifest> check_manifest(const Context& context, const v1::SceneM
   return manifest;
 }
 
+void set_loaded(const LoadedScene& loaded, v1::LoadSceneResponse* response) {
+  for (const MissingAsset& asset : loaded.missing) {
+    v1::NamedAsset* missing = response->add_missing();
+    missing->set_name(asset.name);
+    missing->set_sha256(asset.digest);
+  }
+  if (loaded.stored.scene == nullptr) return;
+  response->set_scene_id(loaded.stored.scene->id());
+  response->set_already_loaded(loaded.already_loaded);
+  response->set_lease_id(loaded.lease.id);
+  response->set_lease_s(loaded.lease.seconds);
+  add_remarks(*loaded.stored.scene, response->mutable_remarks());
+}
+
 }  // namespace
 
 Prepared find_missing_assets(const Context& context, const v1::FindMissingAssetsRequest& request,
@@ -83,7 +101,7 @@ Prepared find_missing_assets(const Context& context, const v1::FindMissingAssets
   }
   for (std::size_t i = 0; i < n; ++i) {
     const std::string& digest = request.sha256(static_cast<int>(i));
-    if (absl::Status s = check_digest(fmt::format("sha256[{}]", i), digest); !s.ok()) return s;
+    LUCERNA_RETURN_IF_ERROR(check_digest(fmt::format("sha256[{}]", i), digest));
   }
   Task task;
   task.predicted_s = kAssetSeconds * static_cast<double>(n);
@@ -103,14 +121,10 @@ Prepared find_missing_assets(const Context& context, const v1::FindMissingAssets
 
 Prepared load_scene(const Context& context, const v1::LoadSceneRequest& request,
                     v1::LoadSceneResponse* response) {
-  if (request.has_lease_s()) {
-    if (absl::Status s = check_lease(request.lease_s()); !s.ok()) return s;
-  }
+  if (request.has_lease_s()) LUCERNA_RETURN_IF_ERROR(check_lease(request.lease_s()));
   Manifest manifest;
   if (request.has_manifest()) {
-    absl::StatusOr<Manifest> checked = check_manifest(context, request.manifest());
-    if (!checked.ok()) return checked.status();
-    manifest = *std::move(checked);
+    LUCERNA_ASSIGN_OR_RETURN(manifest, check_manifest(context, request.manifest()));
   } else if (request.path().empty()) {
     return bad_field("path", "\"\"", "the name of a scene file under the server's scene root");
   }
@@ -124,17 +138,7 @@ Prepared load_scene(const Context& context, const v1::LoadSceneRequest& request,
                                                    ? scenes.load(manifest, options)
                                                    : scenes.load(request.path(), options);
     if (!loaded.ok()) return load_error(loaded.status());
-    for (const MissingAsset& asset : loaded->missing) {
-      v1::NamedAsset* missing = response->add_missing();
-      missing->set_name(asset.name);
-      missing->set_sha256(asset.digest);
-    }
-    if (loaded->stored.scene == nullptr) return absl::OkStatus();
-    response->set_scene_id(loaded->stored.scene->id());
-    response->set_already_loaded(loaded->already_loaded);
-    response->set_lease_id(loaded->lease.id);
-    response->set_lease_s(loaded->lease.seconds);
-    add_remarks(*loaded->stored.scene, response->mutable_remarks());
+    set_loaded(*loaded, response);
     return absl::OkStatus();
   };
   return task;
@@ -142,6 +146,7 @@ Prepared load_scene(const Context& context, const v1::LoadSceneRequest& request,
 
 Prepared get_scene(const Context& context, const v1::GetSceneRequest& request,
                    v1::GetSceneResponse* response) {
+  LUCERNA_RETURN_IF_ERROR(check_scene_id(request.scene_id()));
   const std::optional<StoredScene> stored = context.scenes.stored(request.scene_id());
   if (!stored) return unknown_scene(request.scene_id());
   Task task;
@@ -158,15 +163,12 @@ Prepared get_scene(const Context& context, const v1::GetSceneRequest& request,
 
 Prepared list_scenes(const Context& context, const v1::ListScenesRequest& request,
                      v1::ListScenesResponse* response) {
-  const auto page_size = check_page_size(request.page_size(), context.limits.max_page_size);
-  if (!page_size.ok()) return page_size.status();
-  const auto after = page_position("scenes", request.page_token());
-  if (!after.ok()) return after.status();
+  LUCERNA_ASSIGN_OR_RETURN(const std::size_t size,
+                           check_page_size(request.page_size(), context.limits.max_page_size));
+  LUCERNA_ASSIGN_OR_RETURN(const std::string after, page_position("scenes", request.page_token()));
   Task task;
-  task.predicted_s =
-      kSceneSeconds * static_cast<double>(std::min(*page_size, context.scenes.size()));
-  task.run = [&scenes = context.scenes, after = *after, size = *page_size,
-              response](const std::stop_token&) {
+  task.predicted_s = kSceneSeconds * static_cast<double>(std::min(size, context.scenes.size()));
+  task.run = [&scenes = context.scenes, after, size, response](const std::stop_token&) {
     const std::vector<StoredScene> found = scenes.list(after, size + 1);
     for (std::size_t i = 0; i < found.size() && i < size; ++i) {
       set_summary(found[i], response->add_scenes());
@@ -179,19 +181,40 @@ Prepared list_scenes(const Context& context, const v1::ListScenesRequest& reques
   return task;
 }
 
+Prepared list_available_scenes(const Context& context,
+                               const v1::ListAvailableScenesRequest& request,
+                               v1::ListAvailableScenesResponse* response) {
+  LUCERNA_ASSIGN_OR_RETURN(const std::size_t size,
+                           check_page_size(request.page_size(), context.limits.max_page_size));
+  LUCERNA_ASSIGN_OR_RETURN(const std::string after,
+                           page_position("available", request.page_token()));
+  Task task;
+  task.predicted_s = kListingSeconds;
+  task.run = [&scenes = context.scenes, after, size, response](const std::stop_token&) {
+    const FileListing files = scenes.available();
+    response->set_root(scenes.root());
+    response->set_incomplete(files.incomplete);
+    const auto begin = std::upper_bound(files.paths.begin(), files.paths.end(), after);
+    const auto left = static_cast<std::size_t>(files.paths.end() - begin);
+    const auto end = begin + static_cast<std::ptrdiff_t>(std::min(size, left));
+    response->mutable_paths()->Add(begin, end);
+    if (left > size) response->set_next_page_token(page_token("available", *std::prev(end)));
+    return absl::OkStatus();
+  };
+  return task;
+}
+
 Prepared list_lights(const Context& context, const v1::ListLightsRequest& request,
                      v1::ListLightsResponse* response) {
-  const auto scene = find_scene(context, request.scene_id());
-  if (!scene.ok()) return scene.status();
-  const auto page_size = check_page_size(request.page_size(), context.limits.max_page_size);
-  if (!page_size.ok()) return page_size.status();
-  const std::size_t n = (*scene)->lights().size();
-  const auto start = page_start("lights", request.page_token(), n);
-  if (!start.ok()) return start.status();
-  const std::size_t end = std::min(n, *start + *page_size);
+  LUCERNA_ASSIGN_OR_RETURN(const auto scene, find_scene(context, request.scene_id()));
+  LUCERNA_ASSIGN_OR_RETURN(const std::size_t page_size,
+                           check_page_size(request.page_size(), context.limits.max_page_size));
+  const std::size_t n = scene->lights().size();
+  LUCERNA_ASSIGN_OR_RETURN(const std::size_t start, page_start("lights", request.page_token(), n));
+  const std::size_t end = std::min(n, start + page_size);
   Task task;
-  task.predicted_s = kLightSeconds * static_cast<double>(end - *start);
-  task.run = [scene = *scene, start = *start, end, n, response](const std::stop_token&) {
+  task.predicted_s = kLightSeconds * static_cast<double>(end - start);
+  task.run = [scene, start, end, n, response](const std::stop_token&) {
     std::size_t i = start, bytes = 0;
     // Spectra of many samples make shorter pages.
     for (; i < end && bytes < kPageBytes; ++i) {
@@ -207,20 +230,19 @@ Prepared list_lights(const Context& context, const v1::ListLightsRequest& reques
 
 Prepared renew_lease(const Context& context, const v1::RenewLeaseRequest& request,
                      v1::RenewLeaseResponse* response) {
-  const auto scene = find_scene(context, request.scene_id());
-  if (!scene.ok()) return scene.status();
+  LUCERNA_RETURN_IF_ERROR(find_scene(context, request.scene_id()).status());
   if (!(request.lease_s() > 0)) {
     return bad_field("lease_s", fmt::format("{}", request.lease_s()), "(0, inf)");
   }
-  if (absl::Status s = check_lease(request.lease_s()); !s.ok()) return s;
+  LUCERNA_RETURN_IF_ERROR(check_lease(request.lease_s()));
   Task task;
   task.predicted_s = kSceneSeconds;
-  task.run = [&scenes = context.scenes, &request, response](const std::stop_token&) {
-    const absl::StatusOr<Lease> lease =
-        scenes.lease(request.scene_id(), request.lease_id(), request.lease_s());
-    if (!lease.ok()) return lease.status();
-    response->set_lease_id(lease->id);
-    response->set_lease_s(lease->seconds);
+  task.run = [&scenes = context.scenes, &request,
+              response](const std::stop_token&) -> absl::Status {
+    LUCERNA_ASSIGN_OR_RETURN(
+        const Lease lease, scenes.lease(request.scene_id(), request.lease_id(), request.lease_s()));
+    response->set_lease_id(lease.id);
+    response->set_lease_s(lease.seconds);
     return absl::OkStatus();
   };
   return task;
@@ -228,15 +250,14 @@ Prepared renew_lease(const Context& context, const v1::RenewLeaseRequest& reques
 
 Prepared release_scene(const Context& context, const v1::ReleaseSceneRequest& request,
                        v1::ReleaseSceneResponse* response) {
-  if (const auto scene = find_scene(context, request.scene_id()); !scene.ok()) {
-    return scene.status();
-  }
+  LUCERNA_RETURN_IF_ERROR(find_scene(context, request.scene_id()).status());
   Task task;
-  task.predicted_s = 1;  // freeing a large scene takes its time
-  task.run = [&scenes = context.scenes, &request, response](const std::stop_token&) {
-    const absl::StatusOr<bool> gone = scenes.release(request.scene_id(), request.lease_id());
-    if (!gone.ok()) return gone.status();
-    response->set_still_loaded(!*gone);
+  task.predicted_s = kReleaseSeconds;
+  task.run = [&scenes = context.scenes, &request,
+              response](const std::stop_token&) -> absl::Status {
+    LUCERNA_ASSIGN_OR_RETURN(const bool gone,
+                             scenes.release(request.scene_id(), request.lease_id()));
+    response->set_still_loaded(!gone);
     return absl::OkStatus();
   };
   return task;

@@ -14,6 +14,9 @@ Prepared get_scene(const Context& context, const v1::GetSceneRequest& request,
                    v1::GetSceneResponse* response);
 Prepared list_scenes(const Context& context, const v1::ListScenesRequest& request,
                      v1::ListScenesResponse* response);
+Prepared list_available_scenes(const Context& context,
+                               const v1::ListAvailableScenesRequest& request,
+                               v1::ListAvailableScenesResponse* response);
 Prepared list_lights(const Context& context, const v1::ListLightsRequest& request,
                      v1::ListLightsResponse* response);
 Prepared renew_lease(const Context& context, const v1::RenewLeaseRequest& request,

@@ -3,8 +3,11 @@
 #include <fmt/core.h>
 
 #include <bit>
+#include <optional>
+#include <utility>
 
 #include "proto/common/sample_blocks.h"
+#include "proto/common/status_macros.h"
 #include "server/rpc/handlers/render_query.h"
 #include "server/rpc/messages/checks.h"
 #include "server/rpc/messages/errors.h"
@@ -34,11 +37,8 @@ absl::StatusOr<PixelRect> check_rect(const Context& context, const Scene& scene,
   if (area(rect) > context.limits.max_tile_pixels) {
     return over_limit("pixels of rect", area(rect), context.limits.max_tile_pixels);
   }
-  if (auto s =
-          check_answer_size(context, "pixels of rect", area(rect), tile_size(request.accuracy()));
-      !s.ok()) {
-    return s;
-  }
+  LUCERNA_RETURN_IF_ERROR(
+      check_answer_size(context, "pixels of rect", area(rect), tile_size(request.accuracy())));
   return rect;
 }
 
@@ -48,9 +48,10 @@ absl::Status put_run(const v1::RenderTileRequest& request, const RenderQuery& qu
   const std::uint64_t first = request.first_sample();
   if (query.rule.samples == 0) {
     if (first == 0) return absl::OkStatus();
-    return bad_field("first_sample", fmt::format("{}", first),
-                     "0 with accuracy.target_error or accuracy.time_budget_s, where nobody knows "
-                     "beforehand which samples would come next");
+    return bad_field(
+        "first_sample", fmt::format("{}", first),
+        "0 with accuracy.target_error or accuracy.time_budget_s, which set the samples "
+        "by themselves");
   }
   const std::uint32_t samples = query.rule.samples, block = settings.samples_per_block;
   if (!std::has_single_bit(samples / block)) {
@@ -72,49 +73,64 @@ absl::Status put_run(const v1::RenderTileRequest& request, const RenderQuery& qu
   return absl::OkStatus();
 }
 
-struct TileWork {
+/// A request of RenderTile.
+struct TileQuery {
   std::shared_ptr<const Scene> scene;
-  RenderQuery query;
-
-  absl::Status operator()(const std::stop_token& stop, v1::RenderTileResponse* response) const;
-
- private:
-  /// Nothing where it was stopped.
-  std::optional<TileResult> render(const TileSettings& settings,
-                                   const std::stop_token& stop) const {
-    TileResult result = lucerna::render_tile(*scene, settings, stop);
-    if (result.stopped) return std::nullopt;
-    return result;
-  }
-  /// With so many samples, a power of two.
-  TileSettings with(std::uint32_t samples) const {
-    TileSettings settings = query.settings;
-    settings.samples_per_block =
-        query.samples_per_block.value_or(default_samples_per_block(samples, kTileReplicates));
-    settings.block_count = samples / settings.samples_per_block;
-    return settings;
-  }
+  RenderQuery render;
 };
 
-absl::Status TileWork::operator()(const std::stop_token& stop,
-                                  v1::RenderTileResponse* response) const {
+absl::StatusOr<TileQuery> parse(const Context& context, const v1::RenderTileRequest& request) {
+  TileQuery query;
+  LUCERNA_ASSIGN_OR_RETURN(query.scene, find_scene(context, request.scene_id()));
+  const Scene& scene = *query.scene;
+  LUCERNA_ASSIGN_OR_RETURN(const PixelRect rect, check_rect(context, scene, request));
+  LUCERNA_ASSIGN_OR_RETURN(
+      query.render,
+      check_render(context, scene, request, std::bit_floor(proposed_samples(context, scene))));
+  query.render.settings.rect = rect;
+  LUCERNA_RETURN_IF_ERROR(put_run(request, query.render, query.render.settings));
+  return query;
+}
+
+/// The settings with so many samples, a power of two.
+TileSettings with_samples(const RenderQuery& query, std::uint32_t samples) {
   TileSettings settings = query.settings;
-  std::optional<TileResult> result;
-  if (query.rule.time_budget_s) {
-    const std::uint32_t least = least_samples(query);
-    std::uint32_t times = 1;
-    std::tie(result, times) = within_time(
-        *query.rule.time_budget_s, query.most_samples / least, stop,
-        [&](std::uint32_t n, const std::stop_token& in_time) {
-          return render(with(n * least), in_time);
-        },
-        [](std::uint32_t n) { return std::bit_floor(n); });
-    settings = with(times * least);
-  } else {
-    result = render(settings, stop);
-  }
+  settings.samples_per_block =
+      query.samples_per_block.value_or(default_samples_per_block(samples, kTileReplicates));
+  settings.block_count = samples / settings.samples_per_block;
+  return settings;
+}
+
+/// Nothing if `stop` was requested.
+std::optional<TileResult> render(const Scene& scene, const TileSettings& settings,
+                                 const std::stop_token& stop) {
+  TileResult result = lucerna::render_tile(scene, settings, stop);
+  if (result.stopped) return std::nullopt;
+  return result;
+}
+
+/// As many samples as the time budget allows; puts them into `settings`.
+std::optional<TileResult> render_in_time(const TileQuery& query, const std::stop_token& stop,
+                                         TileSettings& settings) {
+  const std::uint32_t least = least_samples(query.render);
+  auto [result, times] = within_time(
+      *query.render.rule.time_budget_s, query.render.most_samples / least, stop,
+      [&](std::uint32_t n, const std::stop_token& in_time) {
+        return render(*query.scene, with_samples(query.render, n * least), in_time);
+      },
+      [](std::uint32_t n) { return std::bit_floor(n); });
+  settings = with_samples(query.render, times * least);
+  return std::move(result);
+}
+
+absl::Status answer(const TileQuery& query, const std::stop_token& stop,
+                    v1::RenderTileResponse* response) {
+  TileSettings settings = query.render.settings;
+  const std::optional<TileResult> result = query.render.rule.time_budget_s
+                                               ? render_in_time(query, stop, settings)
+                                               : render(*query.scene, settings, stop);
   if (!result) return absl::CancelledError("stopped");
-  set_tile(*scene, settings, settings.first_block, settings.block_count, *result,
+  set_tile(*query.scene, settings, settings.first_block, settings.block_count, *result,
            response->mutable_tile());
   set_counts(response->mutable_cost(), result->work);
   return absl::OkStatus();
@@ -124,21 +140,13 @@ absl::Status TileWork::operator()(const std::stop_token& stop,
 
 Prepared render_tile(const Context& context, const v1::RenderTileRequest& request,
                      v1::RenderTileResponse* response) {
-  const auto scene = find_scene(context, request.scene_id());
-  if (!scene.ok()) return scene.status();
-  const auto rect = check_rect(context, **scene, request);
-  if (!rect.ok()) return rect.status();
-  const auto query =
-      check_render(context, **scene, request, std::bit_floor(proposed_samples(context, **scene)));
-  if (!query.ok()) return query.status();
-  TileWork work{*scene, *query};
-  work.query.settings.rect = *rect;
-  if (auto s = put_run(request, *query, work.query.settings); !s.ok()) return s;
-
+  LUCERNA_ASSIGN_OR_RETURN(const TileQuery query, parse(context, request));
   Task task;
   task.bulk = true;
   task.cost = response->mutable_cost();
-  task.run = [work, response](const std::stop_token& stop) { return work(stop, response); };
+  task.run = [query, response](const std::stop_token& stop) {
+    return answer(query, stop, response);
+  };
   return task;
 }
 

@@ -5,14 +5,20 @@
 #include <algorithm>
 #include <cmath>
 
+#include "proto/common/defaults.h"
+#include "proto/common/status_macros.h"
 #include "server/rpc/messages/errors.h"
-#include "server/scene/scene_lights.h"
 
 namespace lucerna::rpc {
 
+absl::Status check_scene_id(const std::string& scene_id) {
+  if (!scene_id.empty()) return absl::OkStatus();
+  return bad_field("scene_id", "\"\"", "the scene_id of a LoadSceneResponse");
+}
+
 absl::StatusOr<std::shared_ptr<const Scene>> find_scene(const Context& context,
                                                         const std::string& scene_id) {
-  if (scene_id.empty()) return bad_field("scene_id", "\"\"", "the id that LoadScene answered");
+  LUCERNA_RETURN_IF_ERROR(check_scene_id(scene_id));
   auto scene = context.scenes.find(scene_id);
   if (scene == nullptr) return unknown_scene(scene_id);
   return scene;
@@ -114,11 +120,6 @@ std::uint8_t* fill_bits(std::string* bits, std::size_t n) {
 void drop_if_all_ok(google::protobuf::RepeatedField<int>* status) {
   const auto ok = static_cast<int>(ItemResult::kOk);
   if (std::all_of(status->begin(), status->end(), [&](int s) { return s == ok; })) status->Clear();
-}
-
-double pdf_seconds(const Light<double>& light) {
-  // Rounded up from what one core took on the reference scenes.
-  return 200e-9 + 20e-9 * static_cast<double>(primitive_count(light));
 }
 
 void set_counts(v1::Cost* cost, const WorkCounts& work) {

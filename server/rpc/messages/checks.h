@@ -10,12 +10,15 @@
 
 #include "lucerna/v1/accuracy.pb.h"
 #include "proto/common/answer_size.h"
+#include "proto/common/status_macros.h"
 #include "server/estimate/queries/queries.h"
 #include "server/rpc/messages/task.h"
 
 namespace lucerna::rpc {
 
-/// NOT_FOUND where it is not loaded.
+/// INVALID_ARGUMENT if it is empty.
+absl::Status check_scene_id(const std::string& scene_id);
+/// INVALID_ARGUMENT if the id is empty, NOT_FOUND if the scene is not loaded.
 absl::StatusOr<std::shared_ptr<const Scene>> find_scene(const Context& context,
                                                         const std::string& scene_id);
 absl::StatusOr<std::uint32_t> find_light(const Scene& scene, std::uint64_t light_id);
@@ -26,9 +29,8 @@ template <typename Request>
 absl::StatusOr<std::optional<std::uint32_t>> find_light_if_named(const Scene& scene,
                                                                  const Request& request) {
   if (!request.has_light_id()) return std::optional<std::uint32_t>();
-  const auto light = find_light(scene, request.light_id());
-  if (!light.ok()) return light.status();
-  return std::optional<std::uint32_t>(*light);
+  LUCERNA_ASSIGN_OR_RETURN(const std::uint32_t light, find_light(scene, request.light_id()));
+  return std::optional<std::uint32_t>(light);
 }
 
 /// `field`: the name of the Points field.  Offsets are not looked at, but for their number.
@@ -44,9 +46,6 @@ absl::StatusOr<std::optional<float>> check_position_error(bool has, float positi
 /// At most kMostWavelengths, each in [100, 1e6] nm; in any order.  A view of the request.
 absl::StatusOr<std::span<const double>> check_wavelengths(
     const google::protobuf::RepeatedField<double>& wavelengths_nm);
-inline constexpr std::size_t kMostWavelengths = 128;
-/// Processor time of one value at one wavelength [s], rounded up.
-inline constexpr double kWavelengthSeconds = 5e-9;
 /// `samples`, or `fallback` where they are not set.  INVALID_ARGUMENT for what is out of range.
 absl::StatusOr<std::uint32_t> check_samples(const Context& context, const v1::Accuracy& accuracy,
                                             std::uint32_t fallback);
@@ -73,10 +72,6 @@ std::uint8_t* fill_bits(std::string* bits, std::size_t n);
 
 /// The field stays empty where every item is OK.
 void drop_if_all_ok(google::protobuf::RepeatedField<int>* status);
-
-/// Upper estimate of the processor time of one density of a light [s]: it looks for the point, or
-/// for where the direction goes, among all of its primitives.
-double pdf_seconds(const Light<double>& light);
 
 /// Counts of the work, without times.
 void set_counts(v1::Cost* cost, const WorkCounts& work);

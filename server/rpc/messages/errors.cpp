@@ -15,8 +15,8 @@ namespace {
 
 constexpr char kTypePrefix[] = "type.googleapis.com/";
 constexpr char kDomain[] = "lucerna";
-// gRPC drops an error whose headers exceed 8 KiB.  The message goes as itself, three bytes for one
-// at worst, and again in the details, with the fields that it finds fault with.
+// gRPC drops an error whose headers exceed 8 KiB.  The message is sent twice: as itself, at worst
+// with three bytes for one, and in the details, together with the field violations.
 constexpr std::size_t kMostMessage = 800;
 constexpr std::size_t kMostValue = 200;
 
@@ -28,9 +28,9 @@ void attach(absl::Status& status, const google::protobuf::Message& detail) {
   status.SetPayload(type_url(detail), absl::Cord(detail.SerializeAsString()));
 }
 
-absl::Status with_reason(absl::Status status, const std::string& reason) {
+absl::Status with_reason(absl::Status status, Reason reason) {
   google::rpc::ErrorInfo info;
-  info.set_reason(reason);
+  info.set_reason(entry_of(reason).name);
   info.set_domain(kDomain);
   attach(status, info);
   return status;
@@ -38,22 +38,22 @@ absl::Status with_reason(absl::Status status, const std::string& reason) {
 
 struct Row {
   absl::StatusCode code;
-  int grpc_code;       // as in grpc/status.h
-  const char* reason;  // of ErrorInfo, where the error brings none of its own
+  int grpc_code;  // as in grpc/status.h
+  Reason reason;  // if the error has none of its own
 };
-// The error table.  UNAVAILABLE is the only code that clients retry by themselves.
+// Clients retry UNAVAILABLE alone by themselves.
 constexpr std::array kTable{
-    Row{absl::StatusCode::kCancelled, 1, "CANCELLED"},
-    Row{absl::StatusCode::kInvalidArgument, 3, "INVALID_INPUT"},
-    Row{absl::StatusCode::kDeadlineExceeded, 4, "DEADLINE_PASSED"},
-    Row{absl::StatusCode::kNotFound, 5, "NOT_FOUND"},
-    Row{absl::StatusCode::kPermissionDenied, 7, "NOT_ALLOWED"},
-    Row{absl::StatusCode::kResourceExhausted, 8, "RESOURCE_EXHAUSTED"},
-    Row{absl::StatusCode::kFailedPrecondition, 9, "WRONG_STATE"},
-    Row{absl::StatusCode::kUnimplemented, 12, "NOT_IMPLEMENTED"},
-    Row{absl::StatusCode::kInternal, 13, "INTERNAL"},
-    Row{absl::StatusCode::kUnavailable, 14, "UNAVAILABLE"},
-    Row{absl::StatusCode::kUnauthenticated, 16, "UNAUTHENTICATED"},
+    Row{absl::StatusCode::kCancelled, 1, Reason::kCancelled},
+    Row{absl::StatusCode::kInvalidArgument, 3, Reason::kInvalidInput},
+    Row{absl::StatusCode::kDeadlineExceeded, 4, Reason::kDeadlinePassed},
+    Row{absl::StatusCode::kNotFound, 5, Reason::kNotFound},
+    Row{absl::StatusCode::kPermissionDenied, 7, Reason::kNotAllowed},
+    Row{absl::StatusCode::kResourceExhausted, 8, Reason::kResourceExhausted},
+    Row{absl::StatusCode::kFailedPrecondition, 9, Reason::kWrongState},
+    Row{absl::StatusCode::kUnimplemented, 12, Reason::kNotImplemented},
+    Row{absl::StatusCode::kInternal, 13, Reason::kInternal},
+    Row{absl::StatusCode::kUnavailable, 14, Reason::kUnavailable},
+    Row{absl::StatusCode::kUnauthenticated, 16, Reason::kUnauthenticated},
 };
 
 }  // namespace
@@ -77,7 +77,7 @@ absl::Status bad_field(const std::string& field, const std::string& value,
   violation->set_field(field);
   violation->set_description(description);
   attach(status, bad);
-  return with_reason(std::move(status), "BAD_FIELD");
+  return with_reason(std::move(status), Reason::kBadField);
 }
 
 absl::Status bad_length(const std::string& field, std::size_t length, std::size_t expected_length,
@@ -89,27 +89,26 @@ absl::Status bad_length(const std::string& field, std::size_t length, std::size_
 absl::Status unknown_scene(const std::string& id) {
   return with_reason(absl::NotFoundError(fmt::format("scene_id = \"{}\", which is not loaded",
                                                      shortened(id, kMostValue))),
-                     "SCENE_NOT_LOADED");
+                     Reason::kSceneNotLoaded);
 }
 
 absl::Status unknown_light(std::uint64_t id) {
   return with_reason(
       absl::NotFoundError(fmt::format("light_id = {}, which the scene does not have", id)),
-      "NO_SUCH_LIGHT");
+      Reason::kNoSuchLight);
 }
 
 absl::Status unimplemented(const std::string& sentence) {
-  return with_reason(absl::UnimplementedError(sentence), "NOT_IMPLEMENTED");
+  return with_reason(absl::UnimplementedError(sentence), Reason::kNotImplemented);
 }
 
 absl::Status over_limit(const std::string& field, std::uint64_t value, std::uint64_t limit) {
   return with_reason(absl::ResourceExhaustedError(
                          fmt::format("{} = {}, this server takes at most {}", field, value, limit)),
-                     "OVER_LIMIT");
+                     Reason::kOverLimit);
 }
 
-absl::Status retry_after(absl::Status status, const std::string& reason,
-                         std::chrono::milliseconds delay) {
+absl::Status retry_after(absl::Status status, Reason reason, std::chrono::milliseconds delay) {
   google::rpc::RetryInfo retry;
   retry.mutable_retry_delay()->set_seconds(delay.count() / 1000);
   retry.mutable_retry_delay()->set_nanos(static_cast<int>(delay.count() % 1000) * 1'000'000);
@@ -122,11 +121,11 @@ absl::Status load_error(absl::Status status) {
   if (!delay) return status;
   const std::chrono::milliseconds wait(std::stoll(std::string(*delay)));
   status.ErasePayload(kRetryAfterPayload);
-  return retry_after(std::move(status), "MEMORY_LEASED", wait);
+  return retry_after(std::move(status), Reason::kMemoryLeased, wait);
 }
 
 absl::Status draining() {
-  return with_reason(absl::UnavailableError("the server is shutting down"), "DRAINING");
+  return with_reason(absl::UnavailableError("the server is shutting down"), Reason::kDraining);
 }
 
 WireError to_wire(const absl::Status& status) {
@@ -134,16 +133,19 @@ WireError to_wire(const absl::Status& status) {
                                  [&](const Row& r) { return r.code == status.code(); });
   WireError error;
   google::rpc::Status wire;
-  if (row == kTable.end() || row->code == absl::StatusCode::kInternal) {
-    const absl::Status hidden =
-        with_reason(absl::InternalError("internal error; the server's log tells more"), "INTERNAL");
-    error.code = 13;
-    error.message = std::string(hidden.message());
-    hidden.ForEachPayload([&](absl::string_view url, const absl::Cord& payload) {
+  const auto add_details = [&](const absl::Status& from) {
+    from.ForEachPayload([&](absl::string_view url, const absl::Cord& payload) {
       auto* detail = wire.add_details();
       detail->set_type_url(std::string(url));
       detail->set_value(std::string(payload));
     });
+  };
+  if (row == kTable.end() || row->code == absl::StatusCode::kInternal) {
+    const absl::Status hidden = with_reason(
+        absl::InternalError("internal error; the server's log has the details"), Reason::kInternal);
+    error.code = 13;
+    error.message = std::string(hidden.message());
+    add_details(hidden);
   } else {
     error.code = row->grpc_code;
     error.message = shortened(std::string(status.message()), kMostMessage);
@@ -151,11 +153,7 @@ WireError to_wire(const absl::Status& status) {
     if (!full.GetPayload(type_url(google::rpc::ErrorInfo()))) {
       full = with_reason(std::move(full), row->reason);
     }
-    full.ForEachPayload([&](absl::string_view url, const absl::Cord& payload) {
-      auto* detail = wire.add_details();
-      detail->set_type_url(std::string(url));
-      detail->set_value(std::string(payload));
-    });
+    add_details(full);
     if (const auto payload = full.GetPayload(type_url(google::rpc::RetryInfo()))) {
       google::rpc::RetryInfo retry;
       if (retry.ParseFromString(std::string(*payload))) {

@@ -1,52 +1,137 @@
-// Errors as callers see them.  Code makes an absl::Status, whose payloads are messages of
-// google/rpc/error_details.proto; the one table in errors.cpp says what goes over the wire.
+// Errors as callers see them.
+//
+// Code makes an absl::Status whose payloads are messages of google/rpc/error_details.proto.
+// to_wire() makes of it what goes over the wire.  Each error carries an ErrorInfo with the domain
+// "lucerna" and one of the reasons below.
 #pragma once
 
 #include <absl/status/status.h>
 
+#include <array>
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
 
 namespace lucerna::rpc {
 
+/// Why a request failed; see kErrorReasons.
+enum class Reason : std::uint8_t {
+  kBadField,
+  kInvalidInput,
+  kSceneNotLoaded,
+  kNoSuchLight,
+  kNotFound,
+  kOverLimit,
+  kQueueFull,
+  kMemoryLeased,
+  kResourceExhausted,
+  kAssetBeingUploaded,
+  kWrongState,
+  kNotImplemented,
+  kCancelled,
+  kDeadlinePassed,
+  kDraining,
+  kUnavailable,
+  kNotAllowed,
+  kUnauthenticated,
+  kInternal,
+};
+
+struct ErrorReason {
+  Reason reason;
+  const char* name;     ///< ErrorInfo.reason
+  const char* code;     ///< of gRPC, with which it comes
+  const char* meaning;  ///< for users: what is wrong and what to do
+};
+
+/// Every reason, in the order of Reason.  docs/api.md has this table.
+inline constexpr std::array kErrorReasons{
+    ErrorReason{Reason::kBadField, "BAD_FIELD", "INVALID_ARGUMENT",
+                "A field of the request has a value that is not allowed. BadRequest names the "
+                "field."},
+    ErrorReason{Reason::kInvalidInput, "INVALID_INPUT", "INVALID_ARGUMENT",
+                "A scene file cannot be read or built. The message names file, line and column."},
+    ErrorReason{Reason::kSceneNotLoaded, "SCENE_NOT_LOADED", "NOT_FOUND",
+                "No scene with this id is loaded. Load the scene again."},
+    ErrorReason{Reason::kNoSuchLight, "NO_SUCH_LIGHT", "NOT_FOUND",
+                "The scene has no light with this id."},
+    ErrorReason{Reason::kNotFound, "NOT_FOUND", "NOT_FOUND", "A file or a lease does not exist."},
+    ErrorReason{Reason::kOverLimit, "OVER_LIMIT", "RESOURCE_EXHAUSTED",
+                "The request exceeds a limit of the server. Send smaller requests; a retry does "
+                "not help. GetServerInfo lists the limits."},
+    ErrorReason{Reason::kQueueFull, "QUEUE_FULL", "RESOURCE_EXHAUSTED",
+                "Too many requests wait. RetryInfo says when to retry."},
+    ErrorReason{Reason::kMemoryLeased, "MEMORY_LEASED", "RESOURCE_EXHAUSTED",
+                "Leased scenes fill the memory. RetryInfo says when the first lease ends."},
+    ErrorReason{Reason::kResourceExhausted, "RESOURCE_EXHAUSTED", "RESOURCE_EXHAUSTED",
+                "The request needs more memory or disk space than the server has."},
+    ErrorReason{Reason::kAssetBeingUploaded, "ASSET_BEING_UPLOADED", "FAILED_PRECONDITION",
+                "Another client uploads the same asset. RetryInfo says when to look again."},
+    ErrorReason{Reason::kWrongState, "WRONG_STATE", "FAILED_PRECONDITION",
+                "The server's state does not allow this, for example because a scene is leased."},
+    ErrorReason{Reason::kNotImplemented, "NOT_IMPLEMENTED", "UNIMPLEMENTED",
+                "This server does not implement the call."},
+    ErrorReason{Reason::kCancelled, "CANCELLED", "CANCELLED", "The client cancelled the call."},
+    ErrorReason{Reason::kDeadlinePassed, "DEADLINE_PASSED", "DEADLINE_EXCEEDED",
+                "The deadline of the call passed before the answer was complete."},
+    ErrorReason{Reason::kDraining, "DRAINING", "UNAVAILABLE",
+                "The server shuts down. Use another server, or retry."},
+    ErrorReason{Reason::kUnavailable, "UNAVAILABLE", "UNAVAILABLE",
+                "The server cannot answer now. Retry."},
+    ErrorReason{Reason::kNotAllowed, "NOT_ALLOWED", "PERMISSION_DENIED",
+                "The client may not make this call."},
+    ErrorReason{Reason::kUnauthenticated, "UNAUTHENTICATED", "UNAUTHENTICATED",
+                "The client is not known to the server."},
+    ErrorReason{Reason::kInternal, "INTERNAL", "INTERNAL",
+                "A fault of the server. The server's log has the details."},
+};
+constexpr const ErrorReason& entry_of(Reason reason) {
+  return kErrorReasons[static_cast<std::size_t>(reason)];
+}
+static_assert(
+    [] {
+      for (std::size_t i = 0; i < kErrorReasons.size(); ++i)
+        if (kErrorReasons[i].reason != static_cast<Reason>(i)) return false;
+      return kErrorReasons.size() == static_cast<std::size_t>(Reason::kInternal) + 1;
+    }(),
+    "kErrorReasons has each reason once, in the order of Reason");
+
 /// INVALID_ARGUMENT "field = value, allowed: allowed", with a BadRequest field violation.
 absl::Status bad_field(const std::string& field, const std::string& value,
                        const std::string& allowed);
-/// INVALID_ARGUMENT for an array of the wrong length; `expected` says how the right one comes
-/// about.
+/// INVALID_ARGUMENT for an array of the wrong length.  `expected` explains the right length.
 absl::Status bad_length(const std::string& field, std::size_t length, std::size_t expected_length,
                         const std::string& expected);
 /// NOT_FOUND.
 absl::Status unknown_scene(const std::string& id);
 /// NOT_FOUND.
 absl::Status unknown_light(std::uint64_t id);
-/// UNIMPLEMENTED; `sentence` says what is and what to do instead.
+/// UNIMPLEMENTED.  `sentence` names what is missing and what to do instead.
 absl::Status unimplemented(const std::string& sentence);
-/// RESOURCE_EXHAUSTED for a request over a limit of the server's, which retrying does not help.
+/// RESOURCE_EXHAUSTED for a request over a limit of the server.  A retry does not help.
 absl::Status over_limit(const std::string& field, std::uint64_t value, std::uint64_t limit);
-/// The same error, told to be worth another try after `delay`.
-absl::Status retry_after(absl::Status status, const std::string& reason,
-                         std::chrono::milliseconds delay);
-/// A load that failed: where time may mend it, with RetryInfo; else as it is.
+/// The same error with a RetryInfo: a retry after `delay` may succeed.
+absl::Status retry_after(absl::Status status, Reason reason, std::chrono::milliseconds delay);
+/// The error of a load.  Gets a RetryInfo if it has kRetryAfterPayload, else stays unchanged.
 absl::Status load_error(absl::Status status);
-/// UNAVAILABLE: the server ends.
+/// UNAVAILABLE: the server shuts down.
 absl::Status draining();
 
-/// The text, or `most` bytes of its beginning and end with "..." between them; well-formed UTF-8 as
-/// before.
+/// The text, or `most` bytes of its beginning and end with "..." between them.  UTF-8 that was
+/// well-formed stays well-formed.
 std::string shortened(const std::string& text, std::size_t most);
 
 /// An error ready to be sent.
 struct WireError {
   int code = 0;  ///< of gRPC
-  /// Never a path outside of the scene root, never an exception's text; shortened.
+  /// Shortened.  Names no path outside of the scene root and no exception's text.
   std::string message;
   std::string details;  ///< google.rpc.Status, serialised, for grpc-status-details-bin
   std::optional<std::chrono::milliseconds> pushback;  ///< for grpc-retry-pushback-ms
 };
-/// Requires an error.  What is not in the table is INTERNAL, without its message.
+/// Requires an error.  A code that has no row in errors.cpp becomes INTERNAL without its message.
 WireError to_wire(const absl::Status& status);
 
 }  // namespace lucerna::rpc

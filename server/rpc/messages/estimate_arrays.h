@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <limits>
 
-#include "server/estimate/paths/render.h"
+#include "server/estimate/queries/irradiance.h"
 
 namespace lucerna::rpc {
 

@@ -5,6 +5,7 @@
 
 #include <charconv>
 
+#include "proto/common/status_macros.h"
 #include "server/rpc/messages/errors.h"
 
 namespace lucerna::rpc {
@@ -42,12 +43,11 @@ std::string page_token(const std::string& list, std::size_t position) {
 
 absl::StatusOr<std::size_t> page_start(const std::string& list, const std::string& token,
                                        std::size_t list_size) {
-  const absl::StatusOr<std::string> text = page_position(list, token);
-  if (!text.ok()) return text.status();
-  if (text->empty()) return std::size_t{0};
+  LUCERNA_ASSIGN_OR_RETURN(const std::string text, page_position(list, token));
+  if (text.empty()) return std::size_t{0};
   std::size_t start = 0;
-  const char* const end = text->data() + text->size();
-  const auto [stopped, error] = std::from_chars(text->data(), end, start);
+  const char* const end = text.data() + text.size();
+  const auto [stopped, error] = std::from_chars(text.data(), end, start);
   if (error != std::errc() || stopped != end || start > list_size) return bad_token(token);
   return start;
 }

@@ -33,7 +33,7 @@ template <typename Request>
 absl::StatusOr<Randomness> check_randomness(const Request& request,
                                             const SampleValuesWanted& wanted) {
   if (request.has_u()) return check_sample_values(request.u(), wanted);
-  if (!request.has_seed()) return bad_field("randomness", "unset", "u or seed");
+  // An unset seed reads as seed 0, first item 0.
   return Randomness{.seed = SeedRange{request.seed().seed(), request.seed().first_item()},
                     .u = {},
                     .u_light = {}};

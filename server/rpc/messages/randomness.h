@@ -31,7 +31,7 @@ struct SampleValuesWanted {
 absl::StatusOr<Randomness> check_sample_values(const v1::SampleValues& values,
                                                const SampleValuesWanted& wanted);
 
-/// INVALID_ARGUMENT where neither values nor a seed are set, and as above.
+/// Seed 0 where neither values nor a seed are set.  Errors: as above.
 template <typename Request>
 absl::StatusOr<Randomness> check_randomness(const Request& request,
                                             const SampleValuesWanted& wanted);

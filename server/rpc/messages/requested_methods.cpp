@@ -6,21 +6,22 @@
 #include <cmath>
 #include <string_view>
 
+#include "proto/common/defaults.h"
+#include "proto/common/status_macros.h"
 #include "server/rpc/messages/errors.h"
-#include "server/shadows/shadow_maps.h"
 
 namespace lucerna::rpc {
 namespace {
 
-/// `ways`: what each number of the message's enum is to the server, from 0 on.
+/// `ways`: the server's enumerator for each number of the message's enum, from 0.
 template <typename Way, std::size_t n>
-absl::Status take(int asked, std::string_view field, std::string_view type,
+absl::Status take(int number, std::string_view field, std::string_view type,
                   const std::array<Way, n>& ways, Way& to) {
-  if (asked < 0 || asked >= static_cast<int>(n)) {
-    return bad_field(fmt::format("accuracy.{}", field), fmt::format("{}", asked),
+  if (number < 0 || number >= static_cast<int>(n)) {
+    return bad_field(fmt::format("accuracy.{}", field), fmt::format("{}", number),
                      fmt::format("[0, {}], the numbers of {}", n - 1, type));
   }
-  to = ways[static_cast<std::size_t>(asked)];
+  to = ways[static_cast<std::size_t>(number)];
   return absl::OkStatus();
 }
 
@@ -55,17 +56,17 @@ static_assert(kVisibility.size() == v1::Visibility_ARRAYSIZE);
 
 absl::StatusOr<Methods> check_methods(const v1::Accuracy& accuracy) {
   Methods m;
-  for (const absl::Status& s :
-       {take(accuracy.area_sampling(), "area_sampling", "AreaSampling", kAreaSampling,
-             m.area_sampling),
-        take(accuracy.light_selection(), "light_selection", "LightSelection", kLightSelection,
-             m.light_selection),
-        take(accuracy.sampler(), "sampler", "Sampler", kSampler, m.sampler),
-        take(accuracy.combination(), "combination", "Combination", kCombination, m.combination),
-        take(accuracy.closed_forms(), "closed_forms", "ClosedForms", kClosedForms, m.closed_forms),
-        take(accuracy.visibility(), "visibility", "Visibility", kVisibility, m.visibility)}) {
-    if (!s.ok()) return s;
-  }
+  LUCERNA_RETURN_IF_ERROR(take(accuracy.area_sampling(), "area_sampling", "AreaSampling",
+                               kAreaSampling, m.area_sampling));
+  LUCERNA_RETURN_IF_ERROR(take(accuracy.light_selection(), "light_selection", "LightSelection",
+                               kLightSelection, m.light_selection));
+  LUCERNA_RETURN_IF_ERROR(take(accuracy.sampler(), "sampler", "Sampler", kSampler, m.sampler));
+  LUCERNA_RETURN_IF_ERROR(
+      take(accuracy.combination(), "combination", "Combination", kCombination, m.combination));
+  LUCERNA_RETURN_IF_ERROR(
+      take(accuracy.closed_forms(), "closed_forms", "ClosedForms", kClosedForms, m.closed_forms));
+  LUCERNA_RETURN_IF_ERROR(
+      take(accuracy.visibility(), "visibility", "Visibility", kVisibility, m.visibility));
   if (accuracy.has_samples_per_light()) {
     if (accuracy.samples_per_light() < 1 || accuracy.samples_per_light() > kMostSamplesPerLight) {
       return bad_field("accuracy.samples_per_light",
@@ -82,11 +83,6 @@ absl::StatusOr<Methods> check_methods(const v1::Accuracy& accuracy) {
     m.far_light_radii = accuracy.far_light_radii();
   }
   return m;
-}
-
-double first_use_seconds(const Scene& scene, const Methods& methods) {
-  return methods.visibility == VisibilityMethod::kShadowMaps ? shadow_maps(scene).seconds_left()
-                                                             : 0;
 }
 
 }  // namespace lucerna::rpc

@@ -5,15 +5,10 @@
 
 #include "lucerna/v1/accuracy.pb.h"
 #include "server/estimate/lights/methods.h"
-#include "server/scene/scene.h"
 
 namespace lucerna::rpc {
 
 /// What is unset is automatic.  INVALID_ARGUMENT for what is out of range.
 absl::StatusOr<Methods> check_methods(const v1::Accuracy& accuracy);
-
-/// Processor time that parts of the scene take which `methods` ask for and nobody did before, an
-/// upper estimate [s].
-double first_use_seconds(const Scene& scene, const Methods& methods);
 
 }  // namespace lucerna::rpc

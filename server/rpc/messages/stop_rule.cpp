@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "proto/common/status_macros.h"
 #include "server/rpc/messages/checks.h"
 #include "server/rpc/messages/errors.h"
 
@@ -31,9 +32,9 @@ absl::StatusOr<TargetError> check_target(const Context& context, const v1::Targe
   const std::uint32_t most = context.limits.max_samples;
   target.max_samples = std::min<std::uint64_t>(target.max_samples, most);
   if (error.has_max_samples()) {
-    if (error.max_samples() < kLeastMostSamples || error.max_samples() > most)
+    if (error.max_samples() < kLeastTargetSamples || error.max_samples() > most)
       return bad("max_samples", error.max_samples(),
-                 fmt::format("[{}, {}]", kLeastMostSamples, most));
+                 fmt::format("[{}, {}]", kLeastTargetSamples, most));
     target.max_samples = error.max_samples();
   }
   return target;
@@ -54,9 +55,7 @@ absl::StatusOr<StopRule> check_stop_rule(const Context& context, const v1::Accur
                                          std::uint32_t fallback) {
   StopRule rule;
   if (accuracy.has_target_error()) {
-    const auto target = check_target(context, accuracy.target_error());
-    if (!target.ok()) return target.status();
-    rule.target = *target;
+    LUCERNA_ASSIGN_OR_RETURN(rule.target, check_target(context, accuracy.target_error()));
   } else if (accuracy.has_time_budget_s()) {
     const double budget = accuracy.time_budget_s();
     if (!(budget > 0) || !std::isfinite(budget))
@@ -64,9 +63,7 @@ absl::StatusOr<StopRule> check_stop_rule(const Context& context, const v1::Accur
                        "finite and more than 0 s");
     rule.time_budget_s = budget;
   } else {
-    const auto samples = check_samples(context, accuracy, fallback);
-    if (!samples.ok()) return samples.status();
-    rule.samples = *samples;
+    LUCERNA_ASSIGN_OR_RETURN(rule.samples, check_samples(context, accuracy, fallback));
   }
   return rule;
 }

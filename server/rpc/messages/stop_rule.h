@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "lucerna/v1/accuracy.pb.h"
+#include "proto/common/defaults.h"
 #include "server/estimate/statistics/confidence.h"
 #include "server/rpc/messages/task.h"
 
@@ -22,11 +23,6 @@ struct StopRule {
 absl::StatusOr<StopRule> check_stop_rule(const Context& context, const v1::Accuracy& accuracy,
                                          std::uint32_t fallback);
 
-/// The least number that an item may have at most, with a target error: fewer tell too little of
-/// how many are needed.
-inline constexpr std::uint32_t kLeastMostSamples = 64;
-/// Replicates of an estimate: its standard error is then known to about a fifth.
-inline constexpr std::uint32_t kReplicates = 16;
 /// The least number of equal replicates, kReplicates or more, that `samples` fall into; as many as
 /// there are where they are fewer.
 std::uint32_t replicates_of(std::uint32_t samples);

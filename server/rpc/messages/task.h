@@ -10,18 +10,10 @@
 
 #include "lucerna/v1/accuracy.pb.h"
 #include "server/assets/asset_store.h"
+#include "server/rpc/messages/request_limits.h"
 #include "server/store/scene_store.h"
 
 namespace lucerna::rpc {
-
-/// What the server refuses beyond; see Limits in lucerna/v1/admin.proto.
-struct RequestLimits {
-  std::uint32_t max_batch_items = 65536;
-  std::uint32_t max_tile_pixels = 1 << 20;  // 60 bytes each: within the default message size
-  std::uint32_t max_samples = 1 << 20;
-  std::uint32_t max_page_size = 1000;
-  std::uint64_t max_message_bytes = std::uint64_t{64} << 20;  // below 2^31
-};
 
 /// What requests are answered from.
 struct Context {

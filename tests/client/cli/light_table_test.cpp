@@ -375,5 +375,29 @@ TEST(LightTable, FlatShapesAtZeroHaveNoHeight) {
 
 TEST(LightTable, AnUnknownKindHasARow) { expect(v1::Light(), "unknown", "", ""); }
 
+// A kind of light without its own words in the table is a mistake that no compiler finds.
+TEST(LightTable, EveryKindOfLightHasWords) {
+  const auto* kinds = v1::Light::descriptor()->FindOneofByName("kind");
+  ASSERT_NE(kinds, nullptr);
+  for (int i = 0; i < kinds->field_count(); ++i) {
+    v1::Light light;
+    light.GetReflection()->MutableMessage(&light, kinds->field(i));
+    EXPECT_NE(type_of(light), "unknown") << kinds->field(i)->name();
+    EXPECT_NE(describe_light(light), "") << kinds->field(i)->name();
+    EXPECT_NE(place_of(light), "") << kinds->field(i)->name();
+  }
+}
+
+TEST(LightTable, EveryShapeHasWords) {
+  const auto* shapes = v1::AreaShape_descriptor();
+  for (int i = 0; i < shapes->value_count(); ++i) {
+    if (shapes->value(i)->number() == v1::AREA_SHAPE_UNSPECIFIED) continue;
+    v1::Light light;
+    light.mutable_diffuse_area()->set_shape(
+        static_cast<v1::AreaShape>(shapes->value(i)->number()));
+    EXPECT_FALSE(describe_light(light).starts_with("shape")) << shapes->value(i)->name();
+  }
+}
+
 }  // namespace
 }  // namespace lucerna::cli

@@ -1,5 +1,4 @@
-// Files of points and normals.  The bytes of NPY files are those that numpy 1.24 writes.
-#include "client/files/vector_file.h"
+// Files of points and normals.  The bytes of NPY files equal those of numpy 1.24.
 
 #include <OpenImageIO/imageio.h>
 #include <gmock/gmock.h>
@@ -15,6 +14,7 @@
 #include "client/files/csv_file.h"
 #include "client/files/map_file.h"
 #include "client/files/npy_file.h"
+#include "client/files/open_vectors.h"
 #include "tests/temp_directory.h"
 
 namespace lucerna::client {
@@ -31,7 +31,7 @@ class VectorFileTest : public ::testing::Test {
     std::ofstream(path(name), std::ios::binary) << bytes;
     return path(name);
   }
-  /// The message, less the name of the file.
+  /// The message without the name of the file.
   std::string refusal(const std::string& path, VectorKind kind = VectorKind::kPoints) const {
     const auto file = open_vectors(path, kind);
     EXPECT_EQ(file.status().code(), absl::StatusCode::kInvalidArgument) << file.status();
@@ -48,7 +48,7 @@ class VectorFileTest : public ::testing::Test {
   const TempDirectory directory_;
 };
 
-/// As numpy.save() writes it: the header, in spaces to 128 bytes in all, and the numbers.
+/// The output of numpy.save(): the header, padded with spaces to 128 bytes, and the numbers.
 std::string npy(const std::string& dictionary, const std::string& numbers) {
   std::string text = dictionary + std::string(117 - dictionary.size(), ' ') + "\n";
   return std::string("\x93NUMPY\x01\x00v\x00", 10) + text + numbers;
@@ -88,7 +88,7 @@ TEST_F(VectorFileTest, NpyOfFloatsAndDoubles) {
   EXPECT_THAT(all(**wide), ElementsAre(0.1, 1e8 + 0.25, -2, 0, 0, 1));
 }
 
-TEST_F(VectorFileTest, NpyThatCannotBeTakenIsRefusedWithWhatItIs) {
+TEST_F(VectorFileTest, UnsupportedNpyIsRefusedWithTheReason) {
   const auto of = [&](const std::string& dictionary, const std::string& numbers) {
     return refusal(write("a.npy", npy(dictionary, numbers)));
   };
@@ -110,17 +110,17 @@ TEST_F(VectorFileTest, NpyThatCannotBeTakenIsRefusedWithWhatItIs) {
               HasSubstr("shape = (1, 3, 2), allowed"));
   EXPECT_EQ(of(good, kFloats.substr(1)), ": holds 23 bytes of numbers, its shape has 2 rows of 12");
   EXPECT_EQ(of(good, kFloats + "x"), ": holds 25 bytes of numbers, its shape has 2 rows of 12");
-  // 2^64 / 12 rows and more: their bytes do not fit the number that counts them.
+  // 2^64 / 12 rows and more: the size in bytes overflows.
   EXPECT_THAT(
       of("{'descr': '<f4', 'fortran_order': False, 'shape': (6148914691236517206, 3), }", kFloats),
       HasSubstr("holds 24 bytes of numbers"));
   for (const char* odd : {"{'descr': '<f4', 'shape': (2, 3), }", "[1, 2]", "{'descr': '<f4",
                           "{'descr': '<f4', 'fortran_order': No, 'shape': (2, 3), }",
                           "{'descr': '<f4', 'fortran_order': False, 'shape': (-2, 3), }"}) {
-    EXPECT_THAT(of(odd, kFloats), HasSubstr("has a header that is none of numpy's")) << odd;
+    EXPECT_THAT(of(odd, kFloats), HasSubstr("has no valid NumPy header")) << odd;
   }
-  EXPECT_EQ(refusal(write("a.npy", "x,y,z\n1,2,3\n")), ": is no NPY file");
-  EXPECT_EQ(refusal(write("a.npy", "")), ": is no NPY file");
+  EXPECT_EQ(refusal(write("a.npy", "x,y,z\n1,2,3\n")), ": is not an NPY file");
+  EXPECT_EQ(refusal(write("a.npy", "")), ": is not an NPY file");
   EXPECT_EQ(refusal(write("a.npy", npy(good, "").substr(0, 60))), ": is cut off within its header");
   std::string version = npy(good, kFloats);
   version[6] = 9;
@@ -128,10 +128,10 @@ TEST_F(VectorFileTest, NpyThatCannotBeTakenIsRefusedWithWhatItIs) {
   EXPECT_EQ(refusal(path("none.npy")), ": cannot be read");
 }
 
-TEST_F(VectorFileTest, NpyHeadersAreNumpysOwn) {
+TEST_F(VectorFileTest, NpyHeadersEqualThoseOfNumpy) {
   EXPECT_EQ(npy_header(2, 3),
             npy("{'descr': '<f4', 'fortran_order': False, 'shape': (2, 3), }", ""));
-  // Also those that are longer: the numbers begin at a multiple of 64.
+  // Longer headers too: the numbers begin at a multiple of 64.
   EXPECT_EQ(npy_header(100'000'000'000, 10).size() % 64, 0U);
   EXPECT_EQ(npy_header(100'000'000'000, 10).back(), '\n');
 }
@@ -167,7 +167,7 @@ TEST_F(VectorFileTest, CsvErrorsNameTheLine) {
   EXPECT_EQ(refusal(write("a.csv", "1,2,3\n\n1,2,3,0,0,1\n")), ":3: 6 columns, 3 before");
   EXPECT_EQ(refusal(write("a.csv", "1,2\n")), ":1: 2 columns, must be 3 or 6: x,y,z[,nx,ny,nz]");
   EXPECT_EQ(refusal(path("none.csv")), ": cannot be read");
-  // Numbers are looked at when they are read.
+  // Numbers are parsed when they are read.
   const std::string name = write("a.csv", "x,y,z\n1,2,3\n4,oops,6\n");
   auto file = *open_vectors(name, VectorKind::kPoints);
   std::vector<double> rows(6);
@@ -216,7 +216,7 @@ struct Picture {
 
 TEST_F(VectorFileTest, MapsAreReadFromAnyTexelOn) {
   for (const int tile : {0, 16}) {
-    // In another order than they are wanted, and with one that is not.
+    // In another order, and with an extra channel.
     const Picture picture{.channels = {"B.P.X", "B.P.Y", "N.Z", "N.Y", "N.X", "mask", "B.P.Z"},
                           .tile = tile,
                           .x = 5,
@@ -230,7 +230,7 @@ TEST_F(VectorFileTest, MapsAreReadFromAnyTexelOn) {
     EXPECT_EQ((*file)->window()->y, -3);
     EXPECT_EQ((*file)->rows(), 2800U);
     ASSERT_EQ((*file)->columns(), 6U);
-    // Over the ends of two rows.
+    // Across the ends of two rows.
     std::vector<double> values(std::size_t{6} * 90);
     ASSERT_TRUE((*file)->read(35, values).ok());
     for (int i = 0; i < 90; ++i) {
@@ -298,7 +298,7 @@ TEST_F(VectorFileTest, MapsOfSeveralParts) {
   EXPECT_THAT(row, ElementsAre(41, 1041, 2041, 41, 1041, 2041));
 }
 
-TEST_F(VectorFileTest, MapsThatAreNoneAreRefused) {
+TEST_F(VectorFileTest, InvalidMapsAreRefused) {
   EXPECT_FALSE(refusal(write("a.exr", "x,y,z\n1,2,3\n")).empty());
   EXPECT_FALSE(refusal(path("none.exr")).empty());
   const std::string good = Picture{.channels = {"R", "G", "B"}}.write(path("a.exr"));

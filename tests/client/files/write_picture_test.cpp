@@ -21,7 +21,7 @@ using client::srgb8;
 using ::testing::ElementsAreArray;
 using ::testing::HasSubstr;
 
-/// A directory of the test's own.
+/// A temporary directory for the test.
 class WritePicture : public ::testing::Test {
  protected:
   std::string path(const std::string& name) const { return (directory_ / name).string(); }
@@ -33,7 +33,7 @@ class WritePicture : public ::testing::Test {
   const fs::path& directory_ = temp_.path();
 };
 
-// Two rows of three pixels; no two values alike.
+// Two rows of three pixels with different values.
 const std::vector<float> kPixels = {0.0F,  0.1F,   0.2F,  0.3F, 1.5F,  1e-5F, 7.0F,  8.25F, 1e6F,
                                     0.04F, 0.125F, 0.75F, 2.0F, 0.33F, 0.66F, 0.99F, 0.01F, 0.5F};
 
@@ -52,8 +52,8 @@ absl::Status write(const std::string& path, double exposure_ev = 0) {
 }
 
 TEST(Srgb, CodesOfKnownValues) {
-  // From the standard's own table of landmarks: code 188 is linear 0.5 (0.7354), 118 is 18% grey
-  // (0.4614); 128 decodes to 0.215861; the straight part's end 0.0031308 codes to 10.3.
+  // From the standard's table of landmarks: code 188 is linear 0.5 (0.7354), 118 is 18% grey
+  // (0.4614); 128 decodes to 0.215861; the end of the straight part, 0.0031308, codes to 10.3.
   EXPECT_EQ(srgb8(0.0F), 0);
   EXPECT_EQ(srgb8(0.0031308F), 10);
   EXPECT_EQ(srgb8(0.001F), 3);  // 12.92 * 0.255 = 3.29
@@ -97,7 +97,7 @@ TEST_F(WritePicture, PngHasRowsFromTheTop) {
   }
 }
 
-TEST_F(WritePicture, NothingStaysOfAPictureThatWasNotWritten) {
+TEST_F(WritePicture, AnUnwrittenPictureLeavesNoFile) {
   {
     const auto file = PictureFile::create(path("a.exr"));
     ASSERT_TRUE(file.ok());
@@ -107,7 +107,7 @@ TEST_F(WritePicture, NothingStaysOfAPictureThatWasNotWritten) {
   EXPECT_EQ(files(), 0U);
 }
 
-TEST_F(WritePicture, WhatWasThereStaysUntilTheNewOneIsComplete) {
+TEST_F(WritePicture, TheOldFileStaysUntilTheNewOneIsComplete) {
   std::ofstream(path("a.exr")) << "old";
   {
     const auto file = PictureFile::create(path("a.exr"));
@@ -119,7 +119,7 @@ TEST_F(WritePicture, WhatWasThereStaysUntilTheNewOneIsComplete) {
   EXPECT_EQ(files(), 1U);
 }
 
-TEST_F(WritePicture, RefusesWhatItCannotWriteBeforehand) {
+TEST_F(WritePicture, RefusesInvalidPathsBeforehand) {
   const auto refusal = [](const std::string& path) {
     const auto file = PictureFile::create(path);
     EXPECT_EQ(file.status().code(), absl::StatusCode::kInvalidArgument) << path;

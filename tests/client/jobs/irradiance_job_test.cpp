@@ -1,4 +1,5 @@
-// How many receivers are cut, on servers whose answers a test decides.  tests/e2e has real ones.
+// Pieces of irradiance jobs, on servers whose answers the test decides.  tests/e2e has real
+// servers.
 #include "lucerna/client/irradiance_job.h"
 
 #include <gmock/gmock.h>
@@ -21,7 +22,7 @@ using ::testing::Each;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-/// Receiver i is at (i, 0, 1), or where it is asked for nowhere.
+/// Receiver i is at (i, 0, 1), or not finite on request.
 class Line final : public ReceiverSource {
  public:
   explicit Line(std::uint64_t size, absl::Status second = {}) : size_(size), second_(second) {}
@@ -39,7 +40,7 @@ class Line final : public ReceiverSource {
 
  private:
   std::uint64_t size_;
-  absl::Status second_;  // of the second read
+  absl::Status second_;  // result of the second read
   int reads_ = 0;
 };
 
@@ -68,7 +69,7 @@ class IrradianceJobTest : public ::testing::Test {
     options_.job.load = [](const Client& client, const CallOptions& call) {
       return client.load_scene({}, call);
     };
-    options_.job.call = CallOptions::within(std::chrono::seconds(60));
+    options_.job.call = CallOptions::within(std::chrono::minutes(10));
   }
 
   /// The illuminance is the receiver's number.
@@ -93,7 +94,7 @@ class IrradianceJobTest : public ::testing::Test {
   absl::StatusOr<IrradianceJobResult> run(std::uint64_t count, std::uint32_t samples = 1) {
     Line line(count);
     options_.receivers = &line;
-    // Unless something else is asked for.
+    // Unless the test sets another accuracy.
     v1::Accuracy& accuracy = *options_.request.mutable_accuracy();
     if (!accuracy.has_target_error() && !accuracy.has_time_budget_s())
       accuracy.set_samples(samples);
@@ -101,7 +102,7 @@ class IrradianceJobTest : public ::testing::Test {
     firsts_.clear();
     return run_irradiance_job(options_);
   }
-  /// Of the pieces that were asked about.
+  /// Sizes of the requested pieces.
   std::set<int> sizes(std::uint64_t count, std::uint32_t samples = 1) {
     const auto result = run(count, samples);
     EXPECT_TRUE(result.ok()) << result.status();
@@ -128,7 +129,7 @@ TEST_F(IrradianceJobTest, PiecesAreNeitherTinyNorMinutesLong) {
   EXPECT_THAT(origins_, ElementsAre(1));
 }
 
-TEST_F(IrradianceJobTest, PiecesAreAsTheServersAllow) {
+TEST_F(IrradianceJobTest, PiecesStayWithinTheServersLimits) {
   servers_[0].max_batch_items = 3000;
   EXPECT_THAT(sizes(10'000), ElementsAre(10'000 - 4 * 2048, 2048));
   servers_[0].max_batch_items = 1 << 24;
@@ -136,12 +137,12 @@ TEST_F(IrradianceJobTest, PiecesAreAsTheServersAllow) {
   sizes(10'000);
   EXPECT_LE(largest_, 100'000U);
   EXPECT_GT(largest_, 40'000U);
-  // What the caller wants goes before.
+  // The caller's size has priority.
   options_.items_per_piece = 7000;
   EXPECT_THAT(sizes(10'000), ElementsAre(3000, 7000));
 }
 
-TEST_F(IrradianceJobTest, ResultsStandWhereTheirReceiversDo) {
+TEST_F(IrradianceJobTest, ResultsHaveTheOrderOfTheirReceivers) {
   options_.header = "head";
   options_.items_per_piece = 100;
   const auto result = run(1050);
@@ -161,7 +162,7 @@ TEST_F(IrradianceJobTest, ResultsStandWhereTheirReceiversDo) {
   EXPECT_EQ(in.peek(), std::ifstream::traits_type::eof());
 }
 
-TEST_F(IrradianceJobTest, WhatCannotBeIsTold) {
+TEST_F(IrradianceJobTest, ImpossibleJobsAreErrors) {
   EXPECT_THAT(run(0).status().message(), HasSubstr("there are no receivers"));
   options_.items_per_piece = 1;
   EXPECT_THAT(run((1 << 24) + 1).status().message(), HasSubstr("allowed: 16777216"));
@@ -178,7 +179,7 @@ TEST_F(IrradianceJobTest, WhatCannotBeIsTold) {
   EXPECT_THAT(result.status().message(), HasSubstr("another number of receivers"));
 }
 
-TEST_F(IrradianceJobTest, ReceiversThatCannotBeReadAreNoDeadServer) {
+TEST_F(IrradianceJobTest, UnreadableReceiversEndTheJob) {
   for (const absl::StatusCode code :
        {absl::StatusCode::kUnavailable, absl::StatusCode::kUnknown,
         absl::StatusCode::kDeadlineExceeded, absl::StatusCode::kCancelled,
@@ -187,11 +188,11 @@ TEST_F(IrradianceJobTest, ReceiversThatCannotBeReadAreNoDeadServer) {
     Line line(10, stale);
     options_.receivers = &line;
     EXPECT_EQ(run_irradiance_job(options_).status(), stale);
-    EXPECT_EQ(line.reads(), 2) << stale;  // once for all, once for the piece
+    EXPECT_EQ(line.reads(), 2) << stale;  // once in the survey, once for the piece
   }
 }
 
-TEST_F(IrradianceJobTest, AMistakenQuestionDestroysNoResults) {
+TEST_F(IrradianceJobTest, AnotherRequestKeepsTheResults) {
   options_.header = "head";
   options_.journal = (directory_.path() / "journal").string();
   ASSERT_TRUE(run(100).ok());
@@ -202,12 +203,12 @@ TEST_F(IrradianceJobTest, AMistakenQuestionDestroysNoResults) {
     EXPECT_THAT(sizes_, ElementsAre());
     return std::string(status.message());
   };
-  EXPECT_THAT(refused(101), HasSubstr(options_.results + ": holds results of other receivers"));
+  EXPECT_THAT(refused(101), HasSubstr(options_.results + ": holds results for other receivers"));
   options_.header = "tail";
-  EXPECT_THAT(refused(100), HasSubstr(options_.results + ": holds results of other receivers"));
+  EXPECT_THAT(refused(100), HasSubstr(options_.results + ": holds results for other receivers"));
   options_.header = "head";
   options_.request.add_wavelengths_nm(555);
-  EXPECT_THAT(refused(100), HasSubstr(options_.results + ": holds results of other receivers"));
+  EXPECT_THAT(refused(100), HasSubstr(options_.results + ": holds results for other receivers"));
   options_.request.clear_wavelengths_nm();
   options_.request.mutable_seed()->set_seed(1);
   EXPECT_THAT(refused(100), HasSubstr("is the journal of another job"));
@@ -215,19 +216,19 @@ TEST_F(IrradianceJobTest, AMistakenQuestionDestroysNoResults) {
   const auto result = run(100);
   ASSERT_TRUE(result.ok()) << result.status();
   EXPECT_EQ(result->from_journal, 100U);
-  // Without a journal that tells of them they are not kept for anybody.
+  // Without a journal that refers to them, results are not kept.
   std::filesystem::remove(options_.journal);
   EXPECT_TRUE(run(101).ok());
 }
 
-TEST_F(IrradianceJobTest, TheSmallestLimitOfThoseThatWereAskedCounts) {
-  // Neither answers about the scene before both have been asked for their limits.
+TEST_F(IrradianceJobTest, TheSmallestLimitOfTheServersCounts) {
+  // Neither server answers about the scene before both have reported their limits.
   servers_[1].max_batch_items = 1100;
   std::atomic<int> loaded = 0;
   for (FakeServer& server : servers_) {
     server.load_scene = [&](auto&, auto&, v1::LoadSceneResponse* response) {
       ++loaded;
-      for (int i = 0; i < 3000 && loaded < 2; ++i)
+      for (int i = 0; i < 600'000 && loaded < 2; ++i)
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
       response->set_scene_id("scene");
       return grpc::Status::OK;

@@ -1,4 +1,4 @@
-// A job on two servers whose answers a test decides.
+// A job on two servers whose answers the test decides.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -18,8 +18,8 @@
 
 namespace lucerna::client {
 
-/// Piece i asks for a tile of seed i + 1, and is answered with what the server makes of it.
-class Tiles final : public Work {
+/// Piece i requests a tile with seed i + 1 and takes the server's answer.
+class Tiles final : public DistributedWork {
  public:
   explicit Tiles(std::size_t n) : taken_(n) {}
   absl::Status begin(const v1::SceneSummary& scene,
@@ -54,7 +54,7 @@ class Tiles final : public Work {
   std::vector<int> taken_;
 };
 
-/// A door that calls wait at.
+/// A gate at which calls wait.
 class Door {
  public:
   void open() {
@@ -62,7 +62,7 @@ class Door {
     open_ = true;
     opened_.notify_all();
   }
-  /// Until it is open, or the call is given up.
+  /// Waits until it is open, or the call is cancelled.
   void wait(grpc::ServerContext& context) {
     std::unique_lock lock(mutex_);
     while (!open_ && !context.IsCancelled()) opened_.wait_for(lock, std::chrono::milliseconds(10));
@@ -101,7 +101,7 @@ class JobTest : public ::testing::Test {
       request.set_path("room.pbrt");
       return client.load_scene(request, call);
     };
-    options_.call = CallOptions::within(std::chrono::seconds(60));
+    options_.call = CallOptions::within(std::chrono::minutes(10));
     options_.on_event = [this](const std::string& event) { events_.push_back(event); };
     listed_ = {servers_[0].target(), servers_[1].target()};
   }
@@ -120,7 +120,7 @@ class JobTest : public ::testing::Test {
   }
 
   std::mutex mutex_;
-  // Of the fixture: calls that were given up may wait here until the servers are gone.
+  // A member of the fixture, since cancelled calls may wait here until the servers are gone.
   Door never_, door_;
   std::atomic<int> first_ = 0;
   std::map<FakeServer*, int> answers_;

@@ -1,4 +1,4 @@
-// The schedule's decisions, with a clock and a channel of the test's own.
+// Decisions of the schedule, with a simulated clock and channel.
 #include "client/jobs/job_schedule.h"
 
 #include <gmock/gmock.h>
@@ -20,7 +20,7 @@ using Time = JobSchedule::Time;
 using ServerId = JobSchedule::ServerId;
 using AttemptId = JobSchedule::AttemptId;
 
-/// Writes down what the schedule asks for.
+/// Records the calls of the schedule.
 class Recorder final : public JobSchedule::Channel {
  public:
   struct Started {
@@ -37,7 +37,7 @@ class Recorder final : public JobSchedule::Channel {
   void cancel(AttemptId attempt) override { cancelled.push_back(attempt); }
   void say(const std::string& event) override { events.push_back(event); }
 
-  /// What was started at a server since the last question.
+  /// Pieces that were started on a server since the last call.
   std::vector<Started> take(ServerId server) {
     std::vector<Started> result;
     std::copy_if(starts.begin(), starts.end(), std::back_inserter(result),
@@ -67,7 +67,7 @@ class JobScheduleTest : public ::testing::Test {
     schedule_->list(names, now_);
   }
   void prepare(ServerId server) { schedule_->prepared(server, fits_, now_); }
-  /// Until `until` nothing happens but what the schedule does by itself.
+  /// Advances to `until` without events from outside.
   void pass(milliseconds time, const std::function<void()>& then = {}) {
     const Time until = now_ + time;
     while (true) {
@@ -126,23 +126,23 @@ TEST_F(JobScheduleTest, OnlyAnIdleServerDuplicatesAndTheFirstResultCounts) {
   EXPECT_TRUE(schedule_->status().ok());
 }
 
-TEST_F(JobScheduleTest, NoPieceIsAtMoreThanThreeServers) {
+TEST_F(JobScheduleTest, NoPieceRunsOnMoreThanThreeServers) {
   make(1, 5);
   for (ServerId id = 0; id < 5; ++id) prepare(id);
   EXPECT_EQ(channel_.starts.size(), 3U);
-  // One gives it up: the next may.
+  // After one gives it up, another may start it.
   const auto attempt = channel_.take(0).at(0).attempt;
   schedule_->finished(attempt, absl::UnavailableError("gone"), now_);
   EXPECT_EQ(channel_.starts.size(), 3U);  // of b, c, and d now
   EXPECT_EQ(channel_.take(3).size(), 1U);
 }
 
-TEST_F(JobScheduleTest, AmongThoseToDuplicateTheOneWithTheFewestThenTheOneBegunFirstIsNext) {
+TEST_F(JobScheduleTest, DuplicatesPreferFewestAttemptsThenTheOldestPiece) {
   make(2, 4, 1);
   prepare(0);
   prepare(1);
   now_ += seconds(1);
-  // The first piece is begun anew, and so after the second.
+  // The first piece begins again, and so after the second.
   schedule_->finished(channel_.take(0).at(0).attempt, absl::NotFoundError("scene_id"), now_);
   pass(seconds(1));
   prepare(0);
@@ -154,7 +154,7 @@ TEST_F(JobScheduleTest, AmongThoseToDuplicateTheOneWithTheFewestThenTheOneBegunF
   EXPECT_THAT(channel_.take_pieces(3), ElementsAre(0));
 }
 
-TEST_F(JobScheduleTest, AResultMakesTheNextWaitShortAgain) {
+TEST_F(JobScheduleTest, AResultResetsTheBackoff) {
   make(100, 1);
   for (int i = 0; i < 5; ++i) {
     channel_.prepares.clear();
@@ -172,7 +172,7 @@ TEST_F(JobScheduleTest, AResultMakesTheNextWaitShortAgain) {
   EXPECT_LE(schedule_->advance(now_) - now_, milliseconds(130));
 }
 
-TEST_F(JobScheduleTest, WhatADeadServerHadIsNextAndItsDeathIsOneFailure) {
+TEST_F(JobScheduleTest, PiecesOfADeadServerAreNextAndItsDeathIsOneFailure) {
   make(10, 2);
   prepare(0);
   prepare(1);
@@ -183,7 +183,7 @@ TEST_F(JobScheduleTest, WhatADeadServerHadIsNextAndItsDeathIsOneFailure) {
   EXPECT_EQ(schedule_->answering(), 1U);
   for (const auto& s : at_b) schedule_->finished(s.attempt, absl::OkStatus(), now_);
   EXPECT_THAT(channel_.take_pieces(1), ::testing::UnorderedElementsAre(0, 1));
-  // Its next attempt comes after the shortest wait, with jitter.
+  // The next attempt comes after the shortest wait, with jitter.
   const Time next = schedule_->advance(now_);
   EXPECT_GE(next - now_, milliseconds(70));
   EXPECT_LE(next - now_, milliseconds(130));
@@ -213,7 +213,7 @@ TEST_F(JobScheduleTest, FewerThanFiftyAttemptsAMinuteAtADeadServer) {
     };
     pass(seconds(60), fail);
     EXPECT_LT(attempts, 50);
-    EXPECT_GT(attempts, 15);  // and it is back within seconds where the server is
+    EXPECT_GT(attempts, 15);  // and so a returning server is used within seconds
     attempts = 0;
     pass(seconds(60), fail);
     EXPECT_LT(attempts, 40);
@@ -221,7 +221,7 @@ TEST_F(JobScheduleTest, FewerThanFiftyAttemptsAMinuteAtADeadServer) {
   }
 }
 
-TEST_F(JobScheduleTest, SaysThatItIsAloneAndThatItIsNotOncePerTime) {
+TEST_F(JobScheduleTest, ReportsEachLossAndReturnOfServersOnce) {
   make(10, 1);
   pass(seconds(2));
   EXPECT_THAT(channel_.events, IsEmpty());
@@ -237,7 +237,7 @@ TEST_F(JobScheduleTest, SaysThatItIsAloneAndThatItIsNotOncePerTime) {
                                            "no server answers: waiting"));
 }
 
-TEST_F(JobScheduleTest, AServerThatStartsWithTheJobIsNotSaidToFail) {
+TEST_F(JobScheduleTest, AServerThatStartsWithTheJobIsNotReported) {
   make(10, 2);
   schedule_->prepared(0, absl::UnavailableError("refused"), now_);
   schedule_->prepared(1, absl::UnavailableError("refused"), now_);
@@ -250,14 +250,14 @@ TEST_F(JobScheduleTest, AServerThatStartsWithTheJobIsNotSaidToFail) {
   EXPECT_THAT(channel_.events, ElementsAre("b does not answer: refused"));
 }
 
-TEST_F(JobScheduleTest, LeasesAreRenewedAndALostSceneIsBroughtAgain) {
+TEST_F(JobScheduleTest, LeasesAreRenewedAndALostSceneIsLoadedAgain) {
   make(10, 1);
   prepare(0);
   pass(seconds(19));
   EXPECT_THAT(channel_.renewals, IsEmpty());
   pass(seconds(2));
   EXPECT_THAT(channel_.renewals, ElementsAre(0));
-  // No second while the first is not answered.
+  // No second renewal while the first is not answered.
   schedule_->finished(channel_.take(0).at(0).attempt, absl::OkStatus(), now_);
   pass(seconds(60));
   EXPECT_THAT(channel_.renewals, ElementsAre(0));
@@ -279,12 +279,12 @@ TEST_F(JobScheduleTest, AServerThatLeavesIsStoppedAndMayComeBack) {
   EXPECT_THAT(channel_.events, ElementsAre("a left"));
   for (const auto& s : at_a) schedule_->finished(s.attempt, absl::CancelledError(), now_);
   EXPECT_THAT(channel_.take(0), IsEmpty());
-  EXPECT_EQ(channel_.take_pieces(1).size(), 2U);  // its own, and one of a's
+  EXPECT_EQ(channel_.take_pieces(1).size(), 2U);  // its own and one of a's
   schedule_->list(std::vector<std::string>{"a", "b"}, now_);
   EXPECT_EQ(channel_.take_pieces(0).size(), 1U);
 }
 
-TEST_F(JobScheduleTest, ABusyServerIsAskedWhenItSays) {
+TEST_F(JobScheduleTest, ABusyServerIsRetriedAfterItsDelay) {
   make(2, 1);
   prepare(0);
   google::rpc::RetryInfo info;
@@ -301,11 +301,11 @@ TEST_F(JobScheduleTest, ABusyServerIsAskedWhenItSays) {
   EXPECT_EQ(channel_.starts.size(), 1U);
 }
 
-TEST_F(JobScheduleTest, ABrokenServerDoesNotEndWhatOthersCanDo) {
+TEST_F(JobScheduleTest, ABrokenServerDoesNotEndTheJob) {
   make(10, 3, 1);
   for (const ServerId id : {0, 1, 2}) prepare(id);
   const auto at_b = channel_.take(1);
-  // However often; the others are busy meanwhile.
+  // However often; the other servers are busy meanwhile.
   for (int i = 0; i < 20; ++i) {
     for (const auto& s : channel_.take(0))
       schedule_->finished(s.attempt, absl::InternalError("broken"), now_);
@@ -321,7 +321,7 @@ TEST_F(JobScheduleTest, ABrokenServerDoesNotEndWhatOthersCanDo) {
   EXPECT_EQ(channel_.take(1).size(), 1U);
 }
 
-TEST_F(JobScheduleTest, APieceThatAllServersFailAtEndsIt) {
+TEST_F(JobScheduleTest, APieceThatFailsOnAllServersEndsTheJob) {
   make(10, 2, 1);
   for (const ServerId id : {0, 1, 0}) {
     EXPECT_FALSE(schedule_->over());
@@ -333,7 +333,7 @@ TEST_F(JobScheduleTest, APieceThatAllServersFailAtEndsIt) {
   EXPECT_EQ(schedule_->status().message(), "a: broken");
 }
 
-TEST_F(JobScheduleTest, AnotherBuildIsAnErrorAtTheBeginningAndLeftOutLater) {
+TEST_F(JobScheduleTest, AnotherBuildIsAnErrorAtTheStartAndExcludedLater) {
   make(10, 1, 1);
   prepare(0);
   schedule_->list(std::vector<std::string>{"a", "b"}, now_);
@@ -341,9 +341,9 @@ TEST_F(JobScheduleTest, AnotherBuildIsAnErrorAtTheBeginningAndLeftOutLater) {
   EXPECT_FALSE(schedule_->over());
   ASSERT_EQ(channel_.events.size(), 1U);
   EXPECT_THAT(channel_.events[0], HasSubstr("b (g) and a (f) have different numeric fingerprints"));
-  EXPECT_THAT(channel_.events[0], HasSubstr("goes on without b"));
+  EXPECT_THAT(channel_.events[0], HasSubstr("continuing without b"));
   EXPECT_THAT(channel_.take(1), IsEmpty());
-  // The first comes back as another build: nobody is left to wait for.
+  // The first returns as another build, so no server is left.
   schedule_->finished(channel_.take(0).at(0).attempt, absl::UnavailableError("gone"), now_);
   pass(seconds(1));
   schedule_->prepared(0, JobSchedule::Prepared{"g", "scene"}, now_);
@@ -356,7 +356,7 @@ TEST_F(JobScheduleTest, AnotherBuildIsAnErrorAtTheBeginningAndLeftOutLater) {
   EXPECT_THAT(std::string(schedule_->status().message()), HasSubstr("their files differ"));
 }
 
-TEST_F(JobScheduleTest, AServerWithoutRoomForTheSceneIsNamedAndAskedAgainSoon) {
+TEST_F(JobScheduleTest, AServerWithoutRoomForTheSceneIsReportedAndRetried) {
   make(10, 1);
   google::rpc::RetryInfo info;
   info.mutable_retry_delay()->set_seconds(3600);

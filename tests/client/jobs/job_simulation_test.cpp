@@ -1,8 +1,8 @@
-// A thousand servers and a million pieces in simulated time, by the schedule that runs real jobs.
+// A thousand servers and a million pieces in simulated time, with the schedule of real jobs.
 //
-// Servers differ in speed; one in twenty has a tenth of it; they die and start again, and halt so
-// that nothing is heard of them.  What the schedule reaches is compared with what the same servers
-// would need if no work were ever lost, waited for or done twice.
+// Servers differ in speed; one in twenty has a tenth of the usual speed.  They die and restart, or
+// hang without an answer.  The time of the schedule is compared with the time that the same servers
+// would need if no work were lost, delayed or repeated.
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
@@ -27,14 +27,14 @@ using AttemptId = JobSchedule::AttemptId;
 
 // All times in seconds.
 constexpr double kLatency = 0.005;
-constexpr double kPrepare = 3;       // connecting, uploading, building
-constexpr double kPatience = 10;     // job.cpp's with a server that says nothing
-constexpr double kKeepalive = 40;    // until gRPC says that a halted server is gone
+constexpr double kPrepare = 3;       // connect, upload, build
+constexpr double kPatience = 10;     // job.cpp's limit for a silent server
+constexpr double kKeepalive = 40;    // until gRPC reports that a halted server is gone
 constexpr double kMedianPiece = 1;   // on a server of speed 1
 constexpr double kSigma = 1;         // of the logarithm
 constexpr double kMeanUp = 3600;     // until a server dies
 constexpr double kDown = 60;         // until it is back
-constexpr double kHaltShare = 0.25;  // of deaths, that are halts
+constexpr double kHaltShare = 0.25;  // share of deaths that are halts
 
 class Simulation final : JobSchedule::Channel {
  public:
@@ -73,9 +73,9 @@ class Simulation final : JobSchedule::Channel {
   double longest_piece() const { return *std::max_element(work_.begin(), work_.end()); }
   int deaths() const { return deaths_; }
   double schedule_cpu_s() const { return cpu_.count(); }
-  /// When the same servers, up when they were up, would have been done with the work itself.
+  /// When the same servers, with the same up times, would finish the pure work.
   double ideal() const {
-    std::vector<std::pair<double, double>> changes;  // of the speed of all
+    std::vector<std::pair<double, double>> changes;  // changes of the total speed
     for (const Server& server : servers_) {
       for (const auto& [from, to] : server.up_times) {
         changes.emplace_back(from, server.speed);
@@ -99,10 +99,10 @@ class Simulation final : JobSchedule::Channel {
     double speed = 1;
     bool up = true;
     double up_since = 0;
-    std::vector<std::pair<double, double>> up_times;  // that are over
-    int life = 0;                                     // which of its processes
-    std::deque<AttemptId> queue;                      // the first is being done
-    int turn = 0;                                     // counts what became of the first
+    std::vector<std::pair<double, double>> up_times;  // finished up times
+    int life = 0;                                     // number of its current process
+    std::deque<AttemptId> queue;                      // the first is in progress
+    int turn = 0;                                     // counts ends of the first
     bool preparing = false;
   };
   struct Event {
@@ -125,7 +125,7 @@ class Simulation final : JobSchedule::Channel {
     events_.push({now_ + delay, order_++, std::move(what)});
   }
   double time_to_death() { return std::exponential_distribution(1 / kMeanUp)(random_); }
-  /// What the schedule itself takes.
+  /// Time of the schedule itself.
   template <class F>
   std::invoke_result_t<F> scheduled(F f) {
     const auto begun = std::chrono::steady_clock::now();
@@ -163,7 +163,7 @@ class Simulation final : JobSchedule::Channel {
     });
   }
 
-  /// The server goes on with the first in its queue.
+  /// The server continues with the first in its queue.
   void work(ServerId id) {
     Server& server = servers_[id];
     if (server.queue.empty()) return;
@@ -179,7 +179,7 @@ class Simulation final : JobSchedule::Channel {
     });
   }
 
-  // What the schedule asks for.  Deaths while a server is prepared come to the same as a failure.
+  // Calls of the schedule.  A death while a server is prepared equals a failure.
 
   void prepare(ServerId id, const std::string&) override {
     const Server& server = servers_[id];
@@ -251,7 +251,7 @@ TEST(JobSimulation, AThousandServersReachNineTenthsOfIdeal) {
   simulation.run();
   EXPECT_TRUE(simulation.schedule().status().ok()) << simulation.schedule().status();
   EXPECT_TRUE(simulation.schedule().pieces().all_done());
-  // As many as the rate makes: 1000 servers for half an hour with one death an hour.
+  // The number that follows from the rate: 1000 servers for half an hour with one death an hour.
   EXPECT_GT(simulation.deaths(), 300);
   const double share = simulation.ideal() / simulation.makespan();
   EXPECT_GT(share, 0.9);
@@ -266,7 +266,7 @@ TEST(JobSimulation, AThousandServersReachNineTenthsOfIdeal) {
   RecordProperty("peak_rss_mib", std::to_string(usage.ru_maxrss / 1024));
 }
 
-// Three pieces a server: the last ones decide, and a server of a tenth of the speed must not.
+// Three pieces per server: the last ones decide, and a slow server must not.
 TEST(JobSimulation, StragglersDoNotDecideWhenAShortJobEnds) {
   Simulation simulation(3000, 1000);
   simulation.run();

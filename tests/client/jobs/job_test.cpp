@@ -1,4 +1,4 @@
-// Jobs on servers whose answers a test decides.
+// Jobs on servers whose answers the test decides.
 #include "lucerna/client/job.h"
 
 #include <gmock/gmock.h>
@@ -44,12 +44,12 @@ TEST_F(JobTest, EveryPieceIsAcceptedOnce) {
   EXPECT_GT(answers(1), 0);
 }
 
-TEST_F(JobTest, NothingToDoIsDoneAtOnce) {
+TEST_F(JobTest, AJobWithoutPiecesEndsAtOnce) {
   Tiles work(0);
   EXPECT_TRUE(run_job(work, options_).ok());
 }
 
-TEST_F(JobTest, AServerThatHangsIsDoneWithout) {
+TEST_F(JobTest, AServerThatHangsDoesNotStopTheJob) {
   servers_[0].render_tile = [this](grpc::ServerContext& context, auto&, auto*) {
     never_.wait(context);
     return grpc::Status::CANCELLED;
@@ -62,7 +62,7 @@ TEST_F(JobTest, AServerThatHangsIsDoneWithout) {
 }
 
 TEST_F(JobTest, TheFirstOfTwoResultsCounts) {
-  // The first piece's first server answers only after the other has.
+  // The first server of the first piece answers only after the other one.
   for (FakeServer& server : servers_) {
     server.render_tile = [&](grpc::ServerContext& context, const v1::RenderTileRequest& request,
                              v1::RenderTileResponse* response) {
@@ -79,7 +79,7 @@ TEST_F(JobTest, TheFirstOfTwoResultsCounts) {
   EXPECT_GE(first_.load(), 2);
 }
 
-TEST_F(JobTest, WhatAServerFailsAtOthersDo) {
+TEST_F(JobTest, OtherServersDoTheFailedPieces) {
   servers_[0].render_tile = [](auto&, auto&, auto*) {
     return grpc::Status(grpc::StatusCode::UNAVAILABLE, "draining");
   };
@@ -89,7 +89,7 @@ TEST_F(JobTest, WhatAServerFailsAtOthersDo) {
   EXPECT_THAT(events_, Contains(HasSubstr(servers_[0].target() + " does not answer: draining")));
 }
 
-TEST_F(JobTest, WorkThatCannotBeginEndsIt) {
+TEST_F(JobTest, AnErrorOfBeginEndsTheJob) {
   Tiles work(5);
   work.cannot_begin_ = absl::InvalidArgumentError("too many");
   EXPECT_EQ(run_job(work, options_).status().message(), "too many");
@@ -97,7 +97,7 @@ TEST_F(JobTest, WorkThatCannotBeginEndsIt) {
   EXPECT_EQ(answers(0) + answers(1), 0);
 }
 
-TEST_F(JobTest, WhatIsNotFoundAgainAndAgainEndsIt) {
+TEST_F(JobTest, RepeatedNotFoundEndsTheJob) {
   for (FakeServer& server : servers_) {
     server.render_tile = [](auto&, auto&, auto*) {
       return grpc::Status(grpc::StatusCode::NOT_FOUND, "no such light");
@@ -109,7 +109,7 @@ TEST_F(JobTest, WhatIsNotFoundAgainAndAgainEndsIt) {
   EXPECT_THAT(std::string(report.status().message()), HasSubstr("no such light"));
 }
 
-TEST_F(JobTest, AServerThatIsBusyIsAskedLater) {
+TEST_F(JobTest, ABusyServerIsRetried) {
   std::atomic<int> calls = 0;
   listed_.pop_back();
   servers_[0].render_tile = [&](auto&, const v1::RenderTileRequest& request,
@@ -122,7 +122,7 @@ TEST_F(JobTest, AServerThatIsBusyIsAskedLater) {
   EXPECT_TRUE(work.each_once());
 }
 
-TEST_F(JobTest, AWrongRequestEndsItWithWhatTheServerSaid) {
+TEST_F(JobTest, AnInvalidRequestEndsTheJobWithTheServersError) {
   servers_[1].render_tile = [](auto&, auto&, auto*) {
     return grpc::Status(grpc::StatusCode::INVALID_ARGUMENT, "light_id = 7");
   };
@@ -133,7 +133,7 @@ TEST_F(JobTest, AWrongRequestEndsItWithWhatTheServerSaid) {
               HasSubstr(servers_[1].target() + ": light_id = 7"));
 }
 
-TEST_F(JobTest, ASceneThatCannotBeLoadedEndsIt) {
+TEST_F(JobTest, ASceneThatCannotBeLoadedEndsTheJob) {
   servers_[0].load_scene = [](auto&, auto&, auto*) {
     return grpc::Status(grpc::StatusCode::INVALID_ARGUMENT, "room.pbrt:1:1: what");
   };
@@ -142,7 +142,7 @@ TEST_F(JobTest, ASceneThatCannotBeLoadedEndsIt) {
   EXPECT_THAT(run_job(work, options_).status().ToString(), HasSubstr("room.pbrt:1:1: what"));
 }
 
-TEST_F(JobTest, EndsWhenItIsToldTo) {
+TEST_F(JobTest, EndsOnAStopRequestAndAtItsDeadline) {
   for (FakeServer& server : servers_) {
     server.render_tile = [this](grpc::ServerContext& context, auto&, auto*) {
       never_.wait(context);
@@ -162,7 +162,7 @@ TEST_F(JobTest, EndsWhenItIsToldTo) {
   EXPECT_EQ(run_job(work, options_).status().code(), absl::StatusCode::kDeadlineExceeded);
 }
 
-TEST_F(JobTest, AResultThatCannotBeKeptEndsIt) {
+TEST_F(JobTest, AnErrorOfAcceptEndsTheJob) {
   Tiles work(10);
   work.refuse_ = 4;
   EXPECT_EQ(run_job(work, options_).status().message(), "the disk is full");

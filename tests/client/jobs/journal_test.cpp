@@ -32,7 +32,7 @@ class JournalTest : public ::testing::Test {
   std::vector<std::string> records_;
 };
 
-TEST_F(JournalTest, TellsItsRecordsAgain) {
+TEST_F(JournalTest, ReturnsItsRecords) {
   {
     auto journal = open();
     ASSERT_TRUE(journal.ok()) << journal.status();
@@ -51,7 +51,7 @@ TEST_F(JournalTest, TellsItsRecordsAgain) {
   EXPECT_EQ(records_.size(), 4U);
 }
 
-TEST_F(JournalTest, WhatWasCutOffIsForgottenAtEveryLength) {
+TEST_F(JournalTest, ATruncatedRecordIsDroppedAtEveryLength) {
   {
     auto journal = open();
     ASSERT_TRUE(journal->add("first").ok());
@@ -65,16 +65,16 @@ TEST_F(JournalTest, WhatWasCutOffIsForgottenAtEveryLength) {
       ASSERT_TRUE(journal.ok()) << journal.status() << " at " << size;
       EXPECT_LT(records_.size(), 2U);
     }
-    // And it goes on from there.
+    // And it continues from there.
     ASSERT_TRUE(open()->add("third").ok());
     ASSERT_TRUE(open().ok());
     EXPECT_EQ(records_.back(), "third");
-    // Shorter than what comes next, so that each length is met.
+    // Shorter than the next record, so that each length occurs.
     std::filesystem::resize_file(path_, std::min(size, std::filesystem::file_size(path_)));
   }
 }
 
-TEST_F(JournalTest, ARecordThatChangedEndsIt) {
+TEST_F(JournalTest, AChangedRecordEndsTheJournal) {
   {
     auto journal = open();
     ASSERT_TRUE(journal->add("first").ok());
@@ -90,7 +90,7 @@ TEST_F(JournalTest, ARecordThatChangedEndsIt) {
   EXPECT_THAT(records_, ElementsAre("first"));
 }
 
-TEST_F(JournalTest, AnotherJobsIsLeftAlone) {
+TEST_F(JournalTest, AnotherJobsJournalIsUnchanged) {
   ASSERT_TRUE(open("one")->add("x").ok());
   const auto size = std::filesystem::file_size(path_);
   EXPECT_EQ(open("two").status().code(), absl::StatusCode::kFailedPrecondition);
@@ -101,7 +101,7 @@ TEST_F(JournalTest, AnotherJobsIsLeftAlone) {
   EXPECT_EQ(open().status().code(), absl::StatusCode::kUnknown);
 }
 
-TEST_F(JournalTest, OneJobAtATimeHasIt) {
+TEST_F(JournalTest, OneJobAtATimeMayOpenIt) {
   std::optional<absl::StatusOr<Journal>> journal = open();
   ASSERT_TRUE((*journal)->add("first").ok());
   for (const char* job : {"job", "another"}) {
@@ -116,12 +116,12 @@ TEST_F(JournalTest, OneJobAtATimeHasIt) {
   EXPECT_THAT(records_, ElementsAre("first", "second"));
 }
 
-TEST_F(JournalTest, TellsOnlyOfWhatIsDone) {
-  EXPECT_FALSE(Journal::tells(path_));
+TEST_F(JournalTest, HasRecordsOnlyAfterTheFirst) {
+  EXPECT_FALSE(Journal::has_records(path_));
   ASSERT_TRUE(open().ok());
-  EXPECT_FALSE(Journal::tells(path_));
+  EXPECT_FALSE(Journal::has_records(path_));
   ASSERT_TRUE(open()->add("").ok());
-  EXPECT_TRUE(Journal::tells(path_));
+  EXPECT_TRUE(Journal::has_records(path_));
 }
 
 }  // namespace

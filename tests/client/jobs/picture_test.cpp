@@ -22,7 +22,7 @@ struct TileParams {
   std::vector<float> lower{}, upper{};
 };
 
-/// Of a picture of 2 x 2 pixels; planes of one value a pixel, the same in all channels.
+/// A tile of a picture of 2 x 2 pixels; planes have one value per pixel, equal in all channels.
 v1::Tile tile(const TileParams& params) {
   v1::Tile result;
   result.mutable_rect()->set_x0(params.x0);
@@ -57,7 +57,7 @@ v1::Tile tile(const TileParams& params) {
   return result;
 }
 
-TEST(PictureAssembler, PutsTilesWhereTheyBelong) {
+TEST(PictureAssembler, PlacesTiles) {
   PictureAssembler assembler;
   // Two blocks: pixel = sum / 2, standard error = sqrt(deviation / (2 * 1)).
   ASSERT_TRUE(assembler.add(tile({.y0 = 1, .y1 = 2, .sum = {6, 8}, .deviation = {0, 2}})).ok());
@@ -71,7 +71,7 @@ TEST(PictureAssembler, PutsTilesWhereTheyBelong) {
   EXPECT_THAT(picture->standard_error, ElementsAre(2, 2, 2, 3, 3, 3, 0, 0, 0, 1, 1, 1));
 }
 
-TEST(PictureAssembler, CountsSamplesWhereTilesTellThemAndWhereNot) {
+TEST(PictureAssembler, CountsSamplesWithAndWithoutSamplePlanes) {
   PictureAssembler assembler;
   const TileParams told{.sum = {2, 4},
                         .deviation = {8, 18},
@@ -91,7 +91,7 @@ TEST(PictureAssembler, CountsSamplesWhereTilesTellThemAndWhereNot) {
   EXPECT_THAT(picture.lower, ElementsAre(0.5, 1.5, 0, 1));
   EXPECT_THAT(picture.upper, ElementsAre(1.5, 2.5, 2, 3));
   EXPECT_THAT(picture.standard_error, ElementsAre(2, 2, 2, 3, 3, 3, 2, 2, 2, 3, 3, 3));
-  // One without intervals: 2 blocks of 8 samples.
+  // A tile without intervals: 2 blocks of 8 samples.
   ASSERT_TRUE(assembler.add(tile({.y0 = 1, .y1 = 2, .sum = {6, 8}, .deviation = {0, 2}})).ok());
   picture = *assembler.picture();
   EXPECT_THAT(picture.samples, ElementsAre(64, 4096, 16, 16));
@@ -115,9 +115,9 @@ TEST(PictureAssembler, TilesOfATargetErrorAreMergedByAreaAlone) {
       std::string(
           assembler.add(tile({.first_block = 2, .sum = {6, 8}, .deviation = {0, 0}})).message()),
       HasSubstr("do not continue"));
-  // Another answer takes its place.
+  // Another answer replaces it.
   ASSERT_TRUE(assembler.add(tile(first)).ok());
-  // Planes that are no planes.
+  // Planes of a wrong size.
   for (auto spoil :
        {+[](TileParams& t) { t.samples.pop_back(); }, +[](TileParams& t) { t.lower.pop_back(); },
         +[](TileParams& t) { t.upper.clear(); }, +[](TileParams& t) { t.samples.clear(); }}) {
@@ -139,7 +139,7 @@ TEST(PictureAssembler, SingleBlockHasNoStandardError) {
   EXPECT_THAT(picture.standard_error, IsEmpty());
 }
 
-TEST(PictureAssembler, TileFromTheFirstBlockReplacesTheOneBefore) {
+TEST(PictureAssembler, TileFromTheFirstBlockReplacesTheEarlierOne) {
   PictureAssembler assembler;
   ASSERT_TRUE(assembler.add(tile({.y1 = 2, .sum = {9, 9, 9, 9}, .deviation = {1, 1, 1, 1}})).ok());
   ASSERT_TRUE(
@@ -172,7 +172,7 @@ TEST(PictureAssembler, BlocksThatDoNotContinueAreRefused) {
   EXPECT_THAT(std::string(status.message()), HasSubstr("blocks from 4"));
 }
 
-TEST(PictureAssembler, OverlapInPartIsRefused) {
+TEST(PictureAssembler, PartialOverlapIsRefused) {
   PictureAssembler assembler;
   ASSERT_TRUE(assembler.add(tile({.sum = {4, 4}, .deviation = {2, 2}})).ok());
   const absl::Status status =
@@ -181,13 +181,13 @@ TEST(PictureAssembler, OverlapInPartIsRefused) {
   EXPECT_THAT(std::string(status.message()), HasSubstr("overlaps"));
 }
 
-TEST(PictureAssembler, TellsWhatTheTilesAreSoFar) {
+TEST(PictureAssembler, ReturnsTheCurrentPixelsOfATile) {
   PictureAssembler assembler;
   const v1::Tile first = tile({.y0 = 1, .y1 = 2, .sum = {6, 8}, .deviation = {0, 2}});
   EXPECT_EQ(assembler.pixels(first.rect()).status().code(), absl::StatusCode::kNotFound);
   ASSERT_TRUE(assembler.add(first).ok());
   EXPECT_THAT(assembler.pixels(first.rect()).value(), ElementsAre(3, 3, 3, 4, 4, 4));
-  // Of four blocks the sums are 16 and 8.
+  // The sums of four blocks are 16 and 8.
   ASSERT_TRUE(
       assembler.add(tile({.y0 = 1, .y1 = 2, .first_block = 2, .sum = {10, 0}, .deviation = {0, 2}}))
           .ok());
@@ -202,7 +202,7 @@ TEST(PictureAssembler, TellsWhatTheTilesAreSoFar) {
   EXPECT_THAT(picture.pixels, ElementsAre(0, 0, 0, 0, 0, 0, 4, 4, 4, 2, 2, 2));
 }
 
-TEST(PictureAssembler, TilesThatAreNotWholeAreRefused) {
+TEST(PictureAssembler, InconsistentTilesAreRefused) {
   PictureAssembler assembler;
   const auto refuse = [&](const v1::Tile& bad, const std::string& what) {
     const absl::Status status = assembler.add(bad);

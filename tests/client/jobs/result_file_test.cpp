@@ -17,7 +17,7 @@ namespace {
 int fallocate_error = 0;
 }  // namespace
 
-// In place of the C library's, so that disks fail as a test wants.
+// Replaces the C library's function, so that disks fail on demand.
 extern "C" int fallocate(int file, int mode, off_t offset, off_t size) {
   if (fallocate_error != 0) {
     errno = fallocate_error;
@@ -56,7 +56,7 @@ TEST_F(ResultFileTest, RowsAreWrittenInAnyOrder) {
   EXPECT_THAT(rows, ElementsAre(2, 3));
 }
 
-TEST_F(ResultFileTest, WhatIsThereStaysWhereItIsOfTheSameShape) {
+TEST_F(ResultFileTest, ResultsOfTheSameShapeStay) {
   const auto first_row = [&](std::uint64_t rows, const std::string& header) {
     auto file = open(rows, header);
     EXPECT_TRUE(file.ok()) << file.status();
@@ -71,28 +71,28 @@ TEST_F(ResultFileTest, WhatIsThereStaysWhereItIsOfTheSameShape) {
   EXPECT_THAT(first_row(5, "tail"), ElementsAre(0, 0));
 }
 
-TEST_F(ResultFileTest, OneAtATimeHasIt) {
+TEST_F(ResultFileTest, OneProcessAtATimeMayOpenIt) {
   auto file = open();
   EXPECT_THAT(open().status().message(), HasSubstr("results: another process is writing it"));
   const ResultFile moved = *std::move(file);
   EXPECT_FALSE(open().ok());
 }
 
-TEST_F(ResultFileTest, WhatTheDiskDoesNotLetIsTold) {
+TEST_F(ResultFileTest, DiskErrorsAreReported) {
   EXPECT_THAT(ResultFile::open((directory_.path() / "no" / "results").string(), "", 1, 1)
                   .status()
                   .message(),
               HasSubstr("No such file or directory"));
-  // A mebibyte of rows of a mebibyte times a mebibyte: no disk has it.
+  // 2^20 rows of 2^20 columns: more than any disk has.
   EXPECT_EQ(ResultFile::open(path_, "", std::uint64_t{1} << 40, 1 << 20).status().code(),
             absl::StatusCode::kUnknown);
 }
 
-TEST_F(ResultFileTest, RoomThatCannotBeHadIsToldEachTime) {
+TEST_F(ResultFileTest, MissingDiskSpaceIsReportedEachTime) {
   for (const int error : {ENOSPC, EDQUOT, EFBIG, EIO}) {
     SCOPED_TRACE(std::strerror(error));
     fallocate_error = error;
-    // The second time too: what failed is no file with room for all.
+    // The second time too: the failed file must not look complete.
     for (int i = 0; i < 2; ++i) {
       const absl::Status status = open().status();
       EXPECT_EQ(status.code(), absl::StatusCode::kUnknown);
@@ -105,7 +105,7 @@ TEST_F(ResultFileTest, RoomThatCannotBeHadIsToldEachTime) {
   EXPECT_TRUE(open().ok());
 }
 
-TEST_F(ResultFileTest, WhereRoomCannotBePromisedTheFileIsMade) {
+TEST_F(ResultFileTest, WithoutAllocationTheFileIsStillCreated) {
   for (const int error : {EOPNOTSUPP, ENOSYS, EINVAL}) {
     std::filesystem::remove(path_);
     fallocate_error = error;
@@ -115,11 +115,11 @@ TEST_F(ResultFileTest, WhereRoomCannotBePromisedTheFileIsMade) {
   }
 }
 
-TEST_F(ResultFileTest, SomethingElseIsKeptWhereThatIsAskedFor) {
+TEST_F(ResultFileTest, AnotherFileIsKeptOnRequest) {
   const auto keep = [&](const std::string& header) {
     return ResultFile::open(path_, header, 4, 2, ResultFile::Other::kKeep).status();
   };
-  EXPECT_TRUE(keep("head").ok());  // there was nothing
+  EXPECT_TRUE(keep("head").ok());  // there was no file
   EXPECT_TRUE(keep("head").ok());
   EXPECT_EQ(keep("tail").code(), absl::StatusCode::kFailedPrecondition);
   EXPECT_EQ(keep("longer").code(), absl::StatusCode::kFailedPrecondition);

@@ -16,13 +16,13 @@ using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
 TEST(Bits, AreAppendedAtAnyPosition) {
-  // 1, 0, 1 behind 0 1 1 0 1 1 0 (seven bits: 0b0110110): bits 7 and 9 are set too.
+  // 1, 0, 1 after 0 1 1 0 1 1 0 (seven bits: 0b0110110): bits 7 and 9 are set too.
   std::string whole(1, '\x36');
   append_bits(std::string(1, '\x05'), 3, 7, &whole);
   EXPECT_EQ(whole, std::string("\xb6\x02", 2));
 }
 
-TEST(Bits, BeyondTheCountAreNotTaken) {
+TEST(Bits, BeyondTheCountAreIgnored) {
   std::string whole;
   append_bits(std::string(1, '\xff'), 2, 0, &whole);
   EXPECT_EQ(whole, std::string(1, '\x03'));
@@ -46,7 +46,7 @@ v1::EstimateIrradianceRequest irradiance_request(int items) {
   return request;
 }
 
-/// Answers each item with its number in the whole set and the x of its point; item 103 is bad.
+/// Answers each item with its number in the whole set and the x of its point; item 103 is invalid.
 grpc::Status answer(grpc::ServerContext&, const v1::EstimateIrradianceRequest& request,
                     v1::EstimateIrradianceResponse* response) {
   const int items = request.normals_size() / 3;
@@ -69,7 +69,7 @@ grpc::Status answer(grpc::ServerContext&, const v1::EstimateIrradianceRequest& r
   return grpc::Status::OK;
 }
 
-/// A scene of so many lights.
+/// A scene with this many lights.
 auto scene_of(std::uint64_t lights) {
   return [lights](auto&, const v1::GetSceneRequest& request, v1::GetSceneResponse* response) {
     EXPECT_EQ(request.scene_id(), "s");
@@ -103,7 +103,7 @@ TEST(Batches, SplitIrradianceIsTheAnswerToTheWhole) {
   EXPECT_EQ(split->cost().samples(), 11U * 64);
 }
 
-TEST(Batches, AskTheServerForItsLimitWhereThereAreMany) {
+TEST(Batches, GetTheServersLimitForManyItems) {
   FakeServer server;
   server.max_batch_items = 700;
   server.get_scene = scene_of(1);
@@ -136,8 +136,8 @@ TEST(Batches, StopAtTheFirstError) {
   EXPECT_EQ(calls, 2);
 }
 
-// Each receiver is told of by 3000 lights and 128 wavelengths: 24.5 kB.
-TEST(Batches, OfManyLightsAndWavelengthsFitTheServersMessages) {
+// Each receiver's answer has 3000 lights and 128 wavelengths: 24.5 kB.
+TEST(Batches, WithManyLightsAndWavelengthsFitTheServersMessages) {
   constexpr int kLights = 3000, kReceivers = 200;
   FakeServer server;
   server.max_message_bytes = 2000000;
@@ -166,7 +166,7 @@ TEST(Batches, OfManyLightsAndWavelengthsFitTheServersMessages) {
         array->Resize(n, 1);
     }
     EXPECT_LE(response->ByteSizeLong(), server.max_message_bytes);
-    // Nor are there many more batches than there must be.
+    // There are not many more batches than necessary.
     receivers += n;
     if (receivers < kReceivers) {
       EXPECT_GT(response->ByteSizeLong(), 0.9 * server.max_message_bytes);
@@ -182,11 +182,11 @@ TEST(Batches, OfManyLightsAndWavelengthsFitTheServersMessages) {
   EXPECT_EQ(receivers, kReceivers);
   EXPECT_EQ(batches, 6);
   EXPECT_EQ(split->shares(kLights - 1).illuminance_lx_size(), kReceivers);
-  // Also where it is said how many items a batch has.
+  // Also with a given number of items per batch.
   receivers = batches = 0;
   ASSERT_TRUE(estimate_irradiance_in_batches(client, request, {.max_items = 1000}).ok());
   EXPECT_EQ(batches, 6);
-  // A receiver whose answer is larger is asked about alone, for the server to judge.
+  // A receiver with a larger answer is sent alone, and the server decides.
   server.get_scene = scene_of(1000000);
   server.irradiance = [&](auto&, const v1::EstimateIrradianceRequest& one, auto*) {
     EXPECT_EQ(one.normals_size(), 3);
@@ -196,7 +196,7 @@ TEST(Batches, OfManyLightsAndWavelengthsFitTheServersMessages) {
             absl::StatusCode::kResourceExhausted);
 }
 
-TEST(Batches, OfManyWavelengthsFitTheServersMessages) {
+TEST(Batches, WithManyWavelengthsFitTheServersMessages) {
   FakeServer server;
   server.max_message_bytes = 1 << 20;
   server.max_batch_items = 65536;
@@ -232,7 +232,7 @@ TEST(Batches, OfManyWavelengthsFitTheServersMessages) {
   EXPECT_EQ(server.info_calls, 1);
 }
 
-TEST(Batches, ArraysThatDoNotFitAreLeftForTheServerToJudge) {
+TEST(Batches, ArraysThatDoNotMatchAreSentUnchanged) {
   FakeServer server;
   int calls = 0;
   server.irradiance = [&](auto&, const v1::EstimateIrradianceRequest& request, auto*) {
@@ -257,7 +257,7 @@ TEST(Batches, SamplesCountAgainstTheLimitOfSampleLi) {
     const int receivers = request.receivers().offsets_m_size() / 3;
     EXPECT_EQ(request.normals_size(), 3 * receivers);
     for (int i = 0; i < receivers * 3; ++i) response->add_pdf_per_sr(1);
-    // All delta, none visible but the first.
+    // All delta; only the first is visible.
     response->set_delta(std::string((receivers * 3 + 7) / 8, '\xff'));
     std::string visible((receivers * 3 + 7) / 8, '\0');
     visible[0] = '\1';
@@ -273,7 +273,7 @@ TEST(Batches, SamplesCountAgainstTheLimitOfSampleLi) {
   request.mutable_accuracy()->set_samples(3);
   const auto split = sample_li_in_batches(server.client(), request, {.max_items = 7, .call = {}});
   ASSERT_TRUE(split.ok()) << split.status();
-  // 7 / 3 = 2 receivers a batch, of six samples.
+  // 7 / 3 = 2 receivers per batch, of six samples.
   EXPECT_THAT(first_items, ElementsAre(0, 2, 4));
   EXPECT_EQ(split->pdf_per_sr_size(), 15);
   EXPECT_EQ(split->delta(), std::string("\xff\x7f", 2));
@@ -308,10 +308,10 @@ TEST(Batches, DirectionsOfPdfLiGoWithTheirReceivers) {
   EXPECT_EQ(client::item_count(request), 2U);
   EXPECT_THAT(client::part(request, 1, 1).normals(), IsEmpty());
   request.add_normals(1);
-  EXPECT_EQ(client::item_count(request), 0U);  // left for the server to judge
+  EXPECT_EQ(client::item_count(request), 0U);  // the server reports the error
 }
 
-TEST(Batches, RaysAndSegmentsAreCutAlike) {
+TEST(Batches, RaysAndSegmentsAreSplit) {
   v1::TestVisibilityRequest rays;
   v1::TestVisibilityRequest segments;
   for (int i = 0; i < 6; ++i) {
@@ -355,7 +355,7 @@ TEST(Parts, WavelengthsGoWithEachPartAndTheirValuesWithTheItems) {
   EXPECT_THAT(all.spectral_irradiance(), ElementsAre(5, 5));
 }
 
-TEST(Batches, StatusStaysEmptyWhereAllIsWell) {
+TEST(Batches, StatusStaysEmptyIfAllItemsAreOk) {
   v1::PdfLiResponse part;
   part.add_pdf_per_sr(1);
   v1::PdfLiResponse whole;

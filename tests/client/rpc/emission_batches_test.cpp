@@ -1,4 +1,4 @@
-// Batches of Le, SampleLe and PdfLe: requests cut in parts, answers joined.
+// Batches of Le, SampleLe and PdfLe: requests are split, answers joined.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-TEST(Batches, RaysOfLeAreCutAndTheirAnswersJoined) {
+TEST(Batches, RaysOfLeAreSplitAndTheirAnswersJoined) {
   v1::LeRequest request;
   request.set_scene_id("s");
   request.set_light_id(3);
@@ -57,7 +57,7 @@ v1::SampleLeRequest own_values() {
   return request;
 }
 
-TEST(Batches, SampleValuesOfSampleLeAreCutByRays) {
+TEST(Batches, SampleValuesOfSampleLeAreSplitByRays) {
   const v1::SampleLeRequest request = own_values();
   ASSERT_EQ(client::item_count(request), 3U);
   const v1::SampleLeRequest part = client::part(request, 1, 2);
@@ -70,7 +70,7 @@ TEST(Batches, SampleValuesOfSampleLeAreCutByRays) {
   EXPECT_FALSE(part.has_time_s());
 }
 
-TEST(Batches, SeedOfSampleLeGoesOn) {
+TEST(Batches, SeedOfSampleLeContinues) {
   v1::SampleLeRequest request;
   request.set_count(10);
   request.set_light_id(6);
@@ -90,7 +90,7 @@ TEST(Batches, SeedOfSampleLeGoesOn) {
   EXPECT_EQ(part.seed().first_item(), 104U);
 }
 
-TEST(Batches, SampleValuesThatDoNotFitAreLeftForTheServerToJudge) {
+TEST(Batches, SampleValuesThatDoNotMatchAreSentUnchanged) {
   v1::SampleLeRequest request = own_values();
   request.mutable_u()->add_u(1);
   EXPECT_EQ(client::item_count(request), 0U);
@@ -98,7 +98,7 @@ TEST(Batches, SampleValuesThatDoNotFitAreLeftForTheServerToJudge) {
   request.mutable_u()->add_u_light(1);
   EXPECT_EQ(client::item_count(request), 0U);
   request = own_values();
-  request.mutable_u()->clear_u_light();  // of a light that is named
+  request.mutable_u()->clear_u_light();  // for a light that is named
   EXPECT_EQ(client::item_count(request), 3U);
 }
 
@@ -134,7 +134,7 @@ TEST(Batches, AnswersOfSampleLeAreJoined) {
   EXPECT_EQ(whole.cost().samples(), 2U);
 }
 
-TEST(Batches, RaysOfPdfLeAreCutAndTheirAnswersJoined) {
+TEST(Batches, RaysOfPdfLeAreSplitAndTheirAnswersJoined) {
   v1::PdfLeRequest request;
   request.set_scene_id("s");
   request.set_light_id(3);
@@ -171,7 +171,7 @@ TEST(Batches, RaysOfPdfLeAreCutAndTheirAnswersJoined) {
   EXPECT_EQ(whole.cost().cpu_time_s(), 1);
 }
 
-TEST(Batches, LongRequestsForRaysAreAskedInParts) {
+TEST(Batches, LongRequestsForRaysAreSentInParts) {
   FakeServer server;
   std::vector<std::uint64_t> first_items;
   std::vector<std::uint32_t> counts;

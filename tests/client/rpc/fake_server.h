@@ -1,4 +1,4 @@
-// A server in this process whose answers a test decides.
+// A server in this process whose answers the test decides.
 #pragma once
 
 #include <grpcpp/grpcpp.h>
@@ -19,7 +19,7 @@
 
 namespace lucerna {
 
-/// Each call goes to the function of its name.
+/// Each call invokes the function of its name.
 class FakeServer : v1::LightingService::Service,
                    v1::SceneService::Service,
                    v1::RenderService::Service,

@@ -33,7 +33,7 @@ TEST(Csv, ReadsNormals) {
   EXPECT_THAT(set->seconds, ElementsAre(Double3{0, 0, 1}));
 }
 
-TEST(Csv, HeaderCommentsBlanksAndForeignLineEndsAreNothing) {
+TEST(Csv, HeaderCommentsBlanksAndForeignLineEndsAreSkipped) {
   const auto set = csv("\xef\xbb\xbf# desks\r\n\r\nX [m], y [m] ,z [m]\r\n 1 ,\t2, 3\r\n\n4,5,6");
   ASSERT_TRUE(set.ok()) << set.status();
   EXPECT_THAT(set->points, ElementsAre(Double3{1, 2, 3}, Double3{4, 5, 6}));
@@ -44,7 +44,7 @@ TEST(Csv, EmptyFileHasNoPoints) {
   EXPECT_THAT(csv("x,y,z\n")->points, IsEmpty());
 }
 
-TEST(Csv, NotANumberIsPassedOnToTheServer) {
+TEST(Csv, NanIsSentToTheServer) {
   const auto set = csv("nan,inf,0\n");
   ASSERT_TRUE(set.ok()) << set.status();
   EXPECT_TRUE(std::isnan(set->points[0][0]));
@@ -85,7 +85,7 @@ TEST(Triple, IsThreeNumbers) {
 
 TEST(Triple, DirectionsAreFloatsAndNotZero) {
   using cli::Triple;
-  // The smallest float is 1.4e-45; what is below half of it rounds to 0.
+  // The smallest float is 1.4e-45; values below half of it round to 0.
   EXPECT_TRUE(cli::parse_triple("0,0,1e-44", Triple::kDirection).ok());
   EXPECT_TRUE(cli::parse_triple("0,0,1e-46", Triple::kPoint).ok());
   EXPECT_TRUE(cli::parse_triple("0,0,1e39", Triple::kPoint).ok());
@@ -112,7 +112,7 @@ TEST(SampleValues, AreWithinTheirRanges) {
   EXPECT_EQ(message("0,x", 2, false), "\"0,x\", must be two numbers u1,u2");
 }
 
-TEST(Numbers, AreAnyNumberOfThem) {
+TEST(Numbers, MayBeAnyCount) {
   EXPECT_THAT(*cli::parse_numbers("0.25"), ElementsAre(0.25));
   EXPECT_THAT(*cli::parse_numbers("0,1.5, -2 ,1e3,+4"), ElementsAre(0, 1.5, -2, 1000, 4));
   EXPECT_TRUE(std::isnan((*cli::parse_numbers("1,nan"))[1]));
@@ -122,8 +122,8 @@ TEST(Numbers, AreAnyNumberOfThem) {
   EXPECT_EQ(std::string(cli::parse_numbers("1,two").status().message()), "\"two\" is not a number");
 }
 
-TEST(MakePoints, CoordinateThatAllShareIsExact) {
-  // 0.1 is no float: only an origin of its own keeps it.
+TEST(MakePoints, ASharedCoordinateIsExact) {
+  // 0.1 is not a float: only an origin keeps it.
   const std::vector<Double3> points = {{0.1, 0, 5}, {0.1, 1, 1}};
   const v1::Points batch = client::make_points(points);
   EXPECT_EQ(batch.origin_m().x(), 0.1);
@@ -152,7 +152,7 @@ TEST(MakePoints, APointThatIsNotFiniteDoesNotMoveTheOrigin) {
   EXPECT_EQ(client::make_points(points).origin_m().y(), 0.5);
 }
 
-TEST(MakePoints, PartsAboutTheOriginOfAllAreTheWhole) {
+TEST(MakePoints, PartsWithOneOriginGiveTheWhole) {
   const std::vector<Double3> points = {{0.1, 5, 1e6}, {0.1, 1, 1e6 + 0.1}, {0.1, 2, 1e6 - 0.3}};
   client::PointOrigin origin;
   for (const Double3& point : points) origin.add(point);
@@ -162,7 +162,7 @@ TEST(MakePoints, PartsAboutTheOriginOfAllAreTheWhole) {
   EXPECT_EQ(part.origin_m().z(), whole.origin_m().z());
   EXPECT_TRUE(
       std::equal(part.offsets_m().begin(), part.offsets_m().end(), whole.offsets_m().begin()));
-  // Where each finds one of its own they are not.
+  // With an origin for each part they differ.
   EXPECT_NE(client::make_points(first_two).origin_m().z(), whole.origin_m().z());
 }
 

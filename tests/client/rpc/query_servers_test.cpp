@@ -41,7 +41,7 @@ class QueryServersTest : public ::testing::Test {
     options_.load = [](const Client& client, const CallOptions& call) {
       return client.load_scene({}, call);
     };
-    options_.call = CallOptions::within(std::chrono::seconds(60));
+    options_.call = CallOptions::within(std::chrono::minutes(10));
     options_.on_event = [this](const std::string& event) { events_.push_back(event); };
   }
 
@@ -52,10 +52,10 @@ class QueryServersTest : public ::testing::Test {
     v1::SampleLiRequest request;
     request.set_scene_id(servers.scene_id());
     return servers
-        .ask([&](const Client& client) { return client.sample_li(request, options_.call); })
+        .query([&](const Client& client) { return client.sample_li(request, options_.call); })
         .status();
   }
-  /// Until the connections to all of them are there.
+  /// Waits for the connections to all servers.
   void warm_up(QueryServers& servers) {
     for (int i = 0; i < 10'000 && (calls_[0] == 0 || calls_[1] == 0); ++i) {
       ASSERT_TRUE(sample(servers).ok());
@@ -74,7 +74,7 @@ class QueryServersTest : public ::testing::Test {
   QueryServersOptions options_;
 };
 
-TEST_F(QueryServersTest, CallsGoToThemInTurn) {
+TEST_F(QueryServersTest, CallsGoToTheServersInTurn) {
   auto servers = QueryServers::connect(options_);
   ASSERT_TRUE(servers.ok()) << servers.status();
   EXPECT_EQ(servers->scene_id(), "scene");
@@ -85,7 +85,7 @@ TEST_F(QueryServersTest, CallsGoToThemInTurn) {
   EXPECT_THAT(events_, IsEmpty());
 }
 
-TEST_F(QueryServersTest, OfOneThatStopsCallsTakeNoNotice) {
+TEST_F(QueryServersTest, CallsSurviveAServerThatStops) {
   auto servers = QueryServers::connect(options_);
   ASSERT_TRUE(servers.ok()) << servers.status();
   warm_up(*servers);
@@ -105,7 +105,7 @@ TEST_F(QueryServersTest, OfOneThatStopsCallsTakeNoNotice) {
       });
     }
     while (answered < 200) std::this_thread::yield();
-    servers_[0].server().Shutdown();  // once it has answered what it began
+    servers_[0].server().Shutdown();  // after it has answered the calls in progress
   }
   EXPECT_EQ(answered, 8 * 200);
   calls_[0] = calls_[1] = 0;
@@ -113,7 +113,7 @@ TEST_F(QueryServersTest, OfOneThatStopsCallsTakeNoNotice) {
   EXPECT_THAT(now(calls_), ElementsAre(0, 20));
 }
 
-TEST_F(QueryServersTest, OneThatIsNotThereIsLeftOutAndNamedOnce) {
+TEST_F(QueryServersTest, AnAbsentServerIsLeftOutAndReportedOnce) {
   targets_.emplace_back("127.0.0.1:1");
   auto servers = QueryServers::connect(options_);
   ASSERT_TRUE(servers.ok()) << servers.status();
@@ -123,7 +123,7 @@ TEST_F(QueryServersTest, OneThatIsNotThereIsLeftOutAndNamedOnce) {
   EXPECT_THAT(events_, ElementsAre(HasSubstr("127.0.0.1:1: ")));
 }
 
-TEST_F(QueryServersTest, WhatIsUnavailableForNowIsTriedAgain) {
+TEST_F(QueryServersTest, UnavailableServersAreRetried) {
   auto servers = QueryServers::connect(options_);
   ASSERT_TRUE(servers.ok()) << servers.status();
   unavailable_[0] = unavailable_[1] = 1;
@@ -131,11 +131,11 @@ TEST_F(QueryServersTest, WhatIsUnavailableForNowIsTriedAgain) {
   EXPECT_THAT(now(loads_), ElementsAre(1, 1));
 }
 
-TEST_F(QueryServersTest, WhatAServerGaveUpIsAskedAgain) {
+TEST_F(QueryServersTest, InterruptedQueriesAreRepeated) {
   auto servers = QueryServers::connect(options_);
   ASSERT_TRUE(servers.ok()) << servers.status();
   warm_up(*servers);
-  // What gRPC says of calls of a server that is killed, at one moment or another.
+  // Errors of gRPC for calls to a server that is killed, at different moments.
   for (const auto code : {grpc::StatusCode::CANCELLED, grpc::StatusCode::UNKNOWN}) {
     int calls = 0;
     servers_[0].sample_li = servers_[1].sample_li = [&, code](auto&, auto&, auto*) {
@@ -150,31 +150,33 @@ TEST_F(QueryServersTest, WhatAServerGaveUpIsAskedAgain) {
   EXPECT_EQ(QueryServers::connect(options_).status().code(), absl::StatusCode::kCancelled);
 }
 
-TEST_F(QueryServersTest, OneThatLostTheSceneGetsItAgain) {
+TEST_F(QueryServersTest, AServerThatLostTheSceneLoadsItAgain) {
   auto servers = QueryServers::connect(options_);
   ASSERT_TRUE(servers.ok()) << servers.status();
   warm_up(*servers);
-  has_scene_[1] = false;  // as after it was started again
+  has_scene_[1] = false;  // as after a restart
   for (int i = 0; i < 10; ++i) EXPECT_TRUE(sample(*servers).ok());
   EXPECT_THAT(now(loads_), ElementsAre(2, 2));
 }
 
-TEST_F(QueryServersTest, WhatIsNotFoundAnywhereIsTold) {
+TEST_F(QueryServersTest, NotFoundOnAllServersIsAnError) {
   auto servers = QueryServers::connect(options_);
   ASSERT_TRUE(servers.ok()) << servers.status();
   scenes_ = {"other", "other"};
   v1::SampleLiRequest request;
   request.set_scene_id("no such");
-  const auto answer = servers->ask([&](const Client& client) { return client.sample_li(request); });
-  // The scene's file has changed, which is more than that it is not found.
+  const auto answer =
+      servers->query([&](const Client& client) { return client.sample_li(request); });
+  // The scene's file has changed, which is another error than NOT_FOUND.
   EXPECT_EQ(answer.status().code(), absl::StatusCode::kFailedPrecondition);
   scenes_ = {"scene", "scene"};
-  EXPECT_EQ(
-      servers->ask([&](const Client& client) { return client.sample_li(request); }).status().code(),
-      absl::StatusCode::kNotFound);
+  EXPECT_EQ(servers->query([&](const Client& client) { return client.sample_li(request); })
+                .status()
+                .code(),
+            absl::StatusCode::kNotFound);
 }
 
-TEST_F(QueryServersTest, TheListIsAskedAgainWhereAllAreGone) {
+TEST_F(QueryServersTest, TheListIsReadAgainWhenAllServersAreGone) {
   targets_ = {servers_[0].target()};
   auto servers = QueryServers::connect(options_);
   ASSERT_TRUE(servers.ok()) << servers.status();
@@ -197,14 +199,14 @@ TEST_F(QueryServersTest, DifferentFingerprintsAreNotMixedUnlessAllowed) {
   warm_up(*servers);
 }
 
-TEST_F(QueryServersTest, OneThatComesBackAsAnotherBuildIsLeftOut) {
+TEST_F(QueryServersTest, AServerThatReturnsAsAnotherBuildIsLeftOut) {
   auto servers = QueryServers::connect(options_);
   ASSERT_TRUE(servers.ok()) << servers.status();
   warm_up(*servers);
   has_scene_[0] = false;
   servers_[0].fingerprint = "g";
   for (int i = 0; i < 10; ++i) EXPECT_TRUE(sample(*servers).ok());
-  EXPECT_THAT(events_, ElementsAre(HasSubstr("goes on without")));
+  EXPECT_THAT(events_, ElementsAre(HasSubstr("continuing without")));
   EXPECT_THAT(servers->fingerprints(), ElementsAre("f"));
   EXPECT_EQ(calls_[0], 1);
 }
@@ -216,7 +218,7 @@ TEST_F(QueryServersTest, ScenesMustBeTheSame) {
   EXPECT_THAT(std::string(status.message()), HasSubstr("files differ"));
 }
 
-TEST_F(QueryServersTest, WhereNoneCanBeAskedOneSaysWhy) {
+TEST_F(QueryServersTest, WithoutServersTheErrorOfOneIsReturned) {
   targets_ = {"127.0.0.1:1", servers_[0].target()};
   servers_[0].load_scene = [](auto&, auto&, auto*) {
     google::rpc::Status details;
@@ -236,7 +238,7 @@ TEST_F(QueryServersTest, WhereNoneCanBeAskedOneSaysWhy) {
 }
 
 TEST_F(QueryServersTest, AddressesOfBothKindsAreOneList) {
-  // The second server by the same address, written as one of IPv6.
+  // The second server has the same address, written as IPv6.
   const std::string port = targets_[1].substr(targets_[1].rfind(':'));
   targets_[1] = "[::ffff:127.0.0.1]" + port;
   if (!Client::connect({.target = targets_[1]})->get_server_info().ok()) GTEST_SKIP() << "no IPv6";

@@ -1,4 +1,4 @@
-// Samples to a target error or a time, in batches.
+// Samples to a target error or with a time budget, in batches.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@ using client::BatchOptions;
 using client::sample_li_in_batches;
 using ::testing::ElementsAre;
 
-TEST(Batches, SamplesToATargetCountAsTheMostThatThereMayBe) {
+TEST(Batches, SamplesToATargetCountWithTheirMaximum) {
   FakeServer server;
   std::vector<std::uint64_t> first_items, most;
   server.sample_li = [&](auto&, const v1::SampleLiRequest& request,
@@ -57,8 +57,8 @@ TEST(Batches, SamplesToATargetCountAsTheMostThatThereMayBe) {
               ElementsAre(v1::ITEM_STATUS_OK, v1::ITEM_STATUS_OK, v1::ITEM_STATUS_OUT_OF_RANGE,
                           v1::ITEM_STATUS_OK, v1::ITEM_STATUS_OK));
 
-  // Unless it is said, as many as a receiver may have that is asked about alone; a time is one
-  // request.
+  // By default each receiver may have as many samples as in a request of its own.  A time budget
+  // makes one request.
   server.max_batch_items = 1000;
   first_items.clear(), most.clear();
   request.mutable_accuracy()->mutable_target_error()->clear_max_samples();

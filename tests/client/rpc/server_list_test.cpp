@@ -29,7 +29,7 @@ TEST(ServerList, NamesSeparatedByCommas) {
   EXPECT_THAT(now("a:1,[::1]:65535,unix:/run/x"), ElementsAre("a:1", "[::1]:65535", "unix:/run/x"));
 }
 
-TEST(ServerList, SaysWhatIsNoServer) {
+TEST(ServerList, InvalidServersAreErrors) {
   for (const char* bad : {"", "a", "a:", ":1", "a:0", "a:65536", "a:1,", "a:1,,b:2", "a:1x",
                           "dns:///a", "slurm:", "slurm:x"}) {
     const auto list = server_list(bad);
@@ -38,7 +38,7 @@ TEST(ServerList, SaysWhatIsNoServer) {
   }
 }
 
-TEST(ServerList, AFileIsReadAnewEachTime) {
+TEST(ServerList, AFileIsReadAtEachCall) {
   const TempDirectory directory;
   const std::string name = (directory.path() / "servers").string();
   std::ofstream(name) << "# all of them\n  a:1  \n\nb:2 # the slow one\r\n";
@@ -54,7 +54,7 @@ TEST(ServerList, AFileIsReadAnewEachTime) {
   EXPECT_EQ((*list)().status().code(), absl::StatusCode::kUnavailable);
 }
 
-TEST(ServerList, ANameIsEveryAddressItHas) {
+TEST(ServerList, ANameStandsForEachOfItsAddresses) {
   EXPECT_THAT(now("dns:///localhost:50051"), Contains("127.0.0.1:50051"));
   EXPECT_THAT(now("dns:///127.0.0.1:7"), ElementsAre("127.0.0.1:7"));
 }
@@ -67,8 +67,8 @@ TEST(ServerList, TheNodesOfASlurmJob) {
   ASSERT_EQ(unsetenv("SLURM_JOB_NODELIST"), 0);
 }
 
-// What scontrol show hostnames makes of the same lists.
-TEST(HostList, IsExpandedAsSlurmDoes) {
+// The output of scontrol show hostnames for the same lists.
+TEST(HostList, IsExpandedLikeInSlurm) {
   const auto hosts = [](const std::string& text) { return expand_host_list(text).value(); };
   EXPECT_THAT(hosts("n1"), ElementsAre("n1"));
   EXPECT_THAT(hosts("n[1-3,07],login"), ElementsAre("n1", "n2", "n3", "n07", "login"));

@@ -1,4 +1,4 @@
-// Against a server that asks for what it likes and breaks off when it likes.
+// Uploads to a server that requests any files and ends calls at any time.
 #include "lucerna/client/upload.h"
 
 #include <gmock/gmock.h>
@@ -25,7 +25,8 @@ class UploadTest : public ::testing::Test {
  protected:
   void SetUp() override {
     write("scene/room.pbrt", "the room");
-    // As the real one: what the manifest names and is not held is missing, then what `wants_` says.
+    // Like the real server: files of the manifest that are not held are missing, then those of
+    // `wants_`.
     server_.load_scene = [this](auto&, const v1::LoadSceneRequest& request,
                                 v1::LoadSceneResponse* response) {
       std::map<std::string, std::string> named;
@@ -82,7 +83,7 @@ class UploadTest : public ::testing::Test {
   }
   absl::StatusOr<v1::LoadSceneResponse> upload(const UploadOptions& options = {}) {
     return upload_scene(server_.client(), (directory_ / "scene/room.pbrt").string(), options,
-                        CallOptions::within(std::chrono::seconds(60)));
+                        CallOptions::within(std::chrono::minutes(10)));
   }
   std::vector<std::string> held() const {
     std::vector<std::string> all;
@@ -97,10 +98,10 @@ class UploadTest : public ::testing::Test {
   std::vector<std::string> wants_;
   std::map<std::string, std::string> held_, parts_, manifest_;
   std::vector<std::uint64_t> offsets_;
-  std::vector<grpc::Status> failures_;  // of the next uploads, the last first
+  std::vector<grpc::Status> failures_;  // errors of the next uploads, in reverse order
 };
 
-TEST_F(UploadTest, SendsWhatTheServerAsksForAndNothingElse) {
+TEST_F(UploadTest, SendsRequestedFilesOnly) {
   write("scene/a.ply", "mesh");
   write("scene/sub/b.exr", "picture");
   write("scene/private", "never asked for");
@@ -112,7 +113,7 @@ TEST_F(UploadTest, SendsWhatTheServerAsksForAndNothingElse) {
   EXPECT_EQ(manifest_.size(), 3U);
 }
 
-TEST_F(UploadTest, SendsEachContentOnceAndOnlyWhereItIsNotHeld) {
+TEST_F(UploadTest, SendsMissingContentOnce) {
   write("scene/a.ply", "mesh");
   write("scene/b.ply", "mesh");
   wants_ = {"a.ply", "b.ply"};
@@ -121,14 +122,14 @@ TEST_F(UploadTest, SendsEachContentOnceAndOnlyWhereItIsNotHeld) {
   EXPECT_THAT(offsets_, ElementsAre(0));
 }
 
-TEST_F(UploadTest, SaysWhatItHasNot) {
+TEST_F(UploadTest, ReportsMissingFiles) {
   wants_ = {"gone.ply"};
   ASSERT_TRUE(upload().ok());
   EXPECT_EQ(manifest_.at("gone.ply"), "");
   EXPECT_THAT(held(), ElementsAre("the room"));
 }
 
-TEST_F(UploadTest, GoesOnWhereItBroke) {
+TEST_F(UploadTest, ContinuesWhereItBroke) {
   const std::string bytes((3 << 20) + 5, 'x');
   write("scene/room.pbrt", bytes);
   failures_ = {{grpc::StatusCode::UNAVAILABLE, "gone"}, {grpc::StatusCode::UNAVAILABLE, "gone"}};
@@ -145,7 +146,7 @@ TEST_F(UploadTest, GoesOnWhereItBroke) {
   EXPECT_TRUE(held_.contains(sha256(bytes)));
 }
 
-TEST_F(UploadTest, GivesUpAfterSeveralTriesWithoutProgress) {
+TEST_F(UploadTest, GivesUpAfterSeveralAttemptsWithoutProgress) {
   server_.upload_asset = [this](auto&, auto*) {
     offsets_.push_back(0);
     return grpc::Status(grpc::StatusCode::UNAVAILABLE, "broken for good");
@@ -155,14 +156,14 @@ TEST_F(UploadTest, GivesUpAfterSeveralTriesWithoutProgress) {
   EXPECT_GE(offsets_.size(), 5U);
 }
 
-TEST_F(UploadTest, WaitsForAnotherClientThatSendsTheSame) {
+TEST_F(UploadTest, WaitsForAnotherClientThatSendsTheSameFile) {
   google::rpc::RetryInfo retry;
   retry.mutable_retry_delay()->set_nanos(1'000'000);
   google::rpc::Status wire;
   wire.add_details()->PackFrom(retry);
   int asked = 0;
   server_.upload_asset = [&](auto&, auto*) {
-    if (++asked == 3) held_[sha256("the room")] = "the room";  // the other one is done
+    if (++asked == 3) held_[sha256("the room")] = "the room";  // the other client has finished
     return grpc::Status(grpc::StatusCode::FAILED_PRECONDITION, "being uploaded",
                         wire.SerializeAsString());
   };
@@ -182,16 +183,16 @@ TEST_F(UploadTest, NothingOutsideOfTheRootIsSent) {
     EXPECT_THAT(std::string(loaded.status().message()), HasSubstr(name));
   }
   wants_ = {(directory_ / "secret").string()};
-  ASSERT_TRUE(upload().ok());  // looked for beneath the root, where it is not
+  ASSERT_TRUE(upload().ok());  // searched within the root, where it does not exist
   EXPECT_THAT(held(), ElementsAre("the room"));
-  // And what lies within a wider root is.
+  // Files within a wider root are sent.
   wants_ = {"secret"};
   ASSERT_TRUE(upload({.root = directory_.string()}).ok());
   EXPECT_THAT(held(), ElementsAre("SECRET", "the room"));
   EXPECT_TRUE(manifest_.contains("scene/room.pbrt"));
 }
 
-TEST_F(UploadTest, WrongFilesAreErrorsBeforeAnyCall) {
+TEST_F(UploadTest, InvalidFilesAreErrorsBeforeAnyCall) {
   server_.load_scene = [](auto&, auto&, auto*) -> grpc::Status {
     ADD_FAILURE() << "asked";
     return grpc::Status::OK;
@@ -208,7 +209,7 @@ TEST_F(UploadTest, WrongFilesAreErrorsBeforeAnyCall) {
             absl::StatusCode::kInvalidArgument);
 }
 
-TEST_F(UploadTest, AServerThatIsNeverContentIsLeft) {
+TEST_F(UploadTest, EndlessRequestsOfAServerEndTheUpload) {
   server_.load_scene = [n = 0](auto&, auto&, v1::LoadSceneResponse* response) mutable {
     response->add_missing()->set_name("f" + std::to_string(n++));
     return grpc::Status::OK;

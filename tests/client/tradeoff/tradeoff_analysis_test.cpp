@@ -204,11 +204,12 @@ class Named : public Question {
   const Layout& layout() const override { return layout_; }
   std::vector<Setting> settings() const override { return {}; }
   std::vector<Amount> amounts_of(const Setting&) const override { return {}; }
-  absl::StatusOr<Answer> ask(const Setting&, const Amount&, std::uint64_t) const override {
+  absl::StatusOr<Answer> answer(const Setting&, const Amount&, std::uint64_t) const override {
     return absl::InternalError("not asked");
   }
   std::vector<ReferenceWay> reference_ways() const override { return {}; }
-  absl::StatusOr<Answer> ask_reference(std::size_t, std::uint32_t, std::uint64_t) const override {
+  absl::StatusOr<Answer> answer_reference(std::size_t, std::uint32_t,
+                                          std::uint64_t) const override {
     return absl::InternalError("not asked");
   }
   std::string command(const Setting& setting, const Amount& amount) const override {
@@ -234,7 +235,7 @@ TEST(TradeoffWords, OfWhatIsExactAreOneLine) {
   add_runs(sweep, 0, 1, 4e-4, 0);
   add_runs(sweep, 1, 1, 1e-3, 0.2);
   const std::string text = words(made_settings(2), sweep);
-  EXPECT_THAT(text, HasSubstr("Its own error: 0, but for rounding."));
+  EXPECT_THAT(text, HasSubstr("Its own error: 0, except rounding."));
   EXPECT_THAT(text, HasSubstr("any error: automatic, 0.0004 s, exact\n  ask --samples 1\n"));
   EXPECT_THAT(text, Not(HasSubstr("1%")));
   // Where something else is faster, it is recommended for the errors that it has.
@@ -251,7 +252,7 @@ TEST(TradeoffWords, SayThatTheBestIsNotToldApart) {
     add_runs(sweep, 1, samples, 0.9e-3 * samples, 0.1 / std::sqrt(samples), 0.2);
   }
   EXPECT_THAT(words(made_settings(2), sweep),
-              HasSubstr("; not told apart from the fastest, way 1, 0.0009 s"));
+              HasSubstr("; not significantly slower than the fastest, way 1, 0.0009 s"));
 }
 
 TEST(TradeoffCommands, AreWordsOfAShell) {

@@ -89,14 +89,14 @@ class MadeUp : public Question {
   const Layout& layout() const override { return layout_; }
   std::vector<Setting> settings() const override { return {}; }
   std::vector<Amount> amounts_of(const Setting&) const override { return {}; }
-  absl::StatusOr<Answer> ask(const Setting&, const Amount&, std::uint64_t) const override {
+  absl::StatusOr<Answer> answer(const Setting&, const Amount&, std::uint64_t) const override {
     return absl::InternalError("not asked");
   }
   std::vector<ReferenceWay> reference_ways() const override {
     return {{"first"}, {.words = "second", .checked = checked}};
   }
-  absl::StatusOr<Answer> ask_reference(std::size_t way, std::uint32_t samples,
-                                       std::uint64_t seed) const override {
+  absl::StatusOr<Answer> answer_reference(std::size_t way, std::uint32_t samples,
+                                          std::uint64_t seed) const override {
     EXPECT_TRUE(seeds_.insert(seed).second) << "the same seed again";
     std::mt19937_64 bits(seed);
     std::normal_distribution<double> normal(0, ways_[way].spread / std::sqrt(samples));
@@ -194,7 +194,7 @@ TEST(TradeoffReference, WhatDiffersFromItsCheckIsNotBelieved) {
   const auto r = make_reference(question, 10, 1, [&] { return now; });
   ASSERT_TRUE(r.ok()) << r.status();
   EXPECT_EQ(r->way, "first");
-  EXPECT_THAT(r->warning, HasSubstr("(second) was not believed"));
+  EXPECT_THAT(r->warning, HasSubstr("(second) was rejected"));
   EXPECT_NEAR(r->values[1], 10, 0.3);
   EXPECT_GE(r->replicates, kFewestReplicates);
   // What is not to be checked is believed.
@@ -237,7 +237,7 @@ TEST(TradeoffReference, ARefusedWayAndARefusedClosedFormAreBothTold) {
     const auto r = make_reference(question, 10, 1, [&] { return now; });
     ASSERT_TRUE(r.ok()) << r.status();
     EXPECT_EQ(r->exact, right);
-    EXPECT_THAT(r->warning, HasSubstr("(second) was not believed"));
+    EXPECT_THAT(r->warning, HasSubstr("(second) was rejected"));
     EXPECT_EQ(r->warning.find("item 2 is 12, and ") != std::string::npos, !right);
   }
 }
@@ -253,6 +253,22 @@ TEST(TradeoffReference, WhatDoesNotScatterAgreesToRounding) {
     ASSERT_TRUE(r.ok()) << r.status();
     EXPECT_EQ(r->warning.empty(), bias < 1e-5) << r->warning;
   }
+}
+
+TEST(TradeoffReference, CountedAnswersDoNotDependOnTheirTime) {
+  std::vector<std::vector<double>> values;
+  for (const double cost : {1e-6, 1e3}) {
+    double now = 0;
+    const MadeUp question({{3, cost}, {0.3, cost}}, &now);
+    const auto r = make_counted_reference(question, 7, 64, 1, [&] { return now; });
+    ASSERT_TRUE(r.ok()) << r.status();
+    EXPECT_EQ(r->replicates, 7U);
+    EXPECT_EQ(r->samples_each, 64U);
+    EXPECT_EQ(r->way, "first");
+    EXPECT_NEAR(r->seconds, 7 * 64 * cost, 1e-9 * r->seconds);
+    values.push_back(r->values);
+  }
+  EXPECT_EQ(values[0], values[1]);
 }
 
 TEST(TradeoffReference, ManyLightsAreAlsoChosenByTheTree) {

@@ -1,4 +1,4 @@
-// Which questions are asked, of a server that is made up, by a clock that its answers move.
+// The choice of questions, with a made-up server whose answers move the clock.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -28,18 +28,20 @@ struct Kind {
 
 class TradeoffSweep : public ::testing::Test {
  protected:
-  absl::StatusOr<SweepResult> run(const std::vector<Kind>& kinds, double seconds) {
+  absl::StatusOr<SweepResult> run(const std::vector<Kind>& kinds, double seconds,
+                                  std::uint32_t rounds = 0, std::uint32_t max_samples = 1 << 20) {
     settings_.clear();
     ladders_.clear();
     for (std::size_t i = 0; i < kinds.size(); ++i) {
       settings_.push_back({.flags = i == 0 ? std::vector<std::string>{}
                                            : std::vector<std::string>{"--way", std::to_string(i)}});
-      ladders_.push_back(amounts(settings_.back(), 1 << 20));
+      ladders_.push_back(amounts(settings_.back(), max_samples));
     }
-    SweepOptions options{.seconds = seconds, .seed = 1};
+    SweepOptions options{.seconds = seconds, .rounds = rounds, .seed = 1};
     options.clock = [this] { return now_; };
-    options.ask = [&, this](std::size_t i, const Amount& amount, std::uint64_t seed, std::uint32_t,
-                            std::optional<double> longest_s) -> absl::StatusOr<tradeoff::Run> {
+    options.answer = [&, this](std::size_t i, const Amount& amount, std::uint64_t seed,
+                               std::uint32_t,
+                               std::optional<double> longest_s) -> absl::StatusOr<tradeoff::Run> {
       if (!kinds[i].says.ok()) return kinds[i].says;
       if (amount.value < kinds[i].fewest) return absl::InvalidArgumentError("not so few");
       tradeoff::Run run{.seconds = kinds[i].call + kinds[i].cost * amount.value,
@@ -145,7 +147,7 @@ TEST_F(TradeoffSweep, WhatIsSaidOfEqualBitsIsWhatWasAffordable) {
   EXPECT_THAT(result->courses[1].why, HasSubstr("of 4 samples and, with another seed, of 4 sam"));
   const auto slow = run({{1, 2e-2, 1}, {1, 2e-2, 1}}, 5);
   ASSERT_TRUE(slow.ok()) << slow.status();
-  EXPECT_THAT(slow->courses[1].why, HasSubstr("of 4 samples; to look again takes too long"));
+  EXPECT_THAT(slow->courses[1].why, HasSubstr("of 4 samples; a second look takes too long"));
 }
 
 TEST_F(TradeoffSweep, WhatEndsTheConnectionEndsIt) {
@@ -246,6 +248,20 @@ TEST_F(TradeoffSweep, WhatTakesLongForTheLeastToDoLeaves) {
   ASSERT_TRUE(result.ok()) << result.status();
   EXPECT_EQ(result->courses[1].fate, Course::Fate::kSkipped);
   EXPECT_THAT(result->courses[1].why, HasSubstr("2 s for 1 sample: too long for this budget"));
+}
+
+TEST_F(TradeoffSweep, CountedRoundsMeasureEveryAmountHoweverLongItTakes) {
+  // The second setting is ten thousand times slower, and would leave a sweep with a time.
+  const auto result =
+      run({{1, 1e-4, 1}, {30, 1, 2}, {1, 0, 3, absl::UnimplementedError("no")}}, 1e-9, 5, 64);
+  ASSERT_TRUE(result.ok()) << result.status();
+  EXPECT_EQ(result->courses[0].fate, Course::Fate::kSwept);
+  EXPECT_EQ(result->courses[1].fate, Course::Fate::kSwept);
+  EXPECT_EQ(result->courses[2].fate, Course::Fate::kSkipped);
+  std::map<std::pair<std::size_t, double>, int> expected;
+  for (const std::size_t setting : {0, 1})
+    for (const double samples : {1, 4, 16, 64}) expected[{setting, samples}] = 5;
+  EXPECT_EQ(counted(*result), expected);
 }
 
 /// A reference without error, of as many values as matter here.

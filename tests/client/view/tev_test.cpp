@@ -18,7 +18,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-constexpr milliseconds kPatience(30'000);
+constexpr milliseconds kPatience = std::chrono::minutes(10);
 
 v1::PixelRect rect(std::uint32_t x0, std::uint32_t y0, std::uint32_t x1, std::uint32_t y1) {
   v1::PixelRect result;

@@ -1,4 +1,4 @@
-"""Row 25: small angles by half chords, where the code has arc tangents."""
+"""Row 25: small angles, computed from half chords.  The code uses arc tangents."""
 from mpmath import asin, mpf, pi
 
 from polygons import norm, sub, vec

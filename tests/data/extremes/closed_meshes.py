@@ -1,4 +1,4 @@
-"""Row 30: a closed box, of which the faces turned to the receiver are seen, each a polygon."""
+"""Row 30: a closed box.  The receiver sees the faces that are turned to it, each a polygon."""
 from itertools import product
 
 from mpmath import mpf
@@ -8,7 +8,7 @@ from table import Table
 
 
 def faces(half):
-    """Corners in the order of bilinear patches, their normals outwards."""
+    """Returns the corners of each face in the order of bilinear patches, with outward normals."""
     for axis, side in product(range(3), (-1.0, 1.0)):
         corners = []
         for v, u in product((-1.0, 1.0), (-1.0, 1.0)):
@@ -29,7 +29,7 @@ the receiver [sr], irradiance from radiance 1 [lx].
         for direction in ([0.0, 0.0, 1.0], [0.25, 0.5, 1.0]):
             receiver = [0.0, 0.0, 0.5 + gap] if direction[0] == 0 else [
                 0.125 + gap * direction[0], 0.125 + gap * direction[1], 0.5 + gap * direction[2]]
-            # Faces towards the box, with all that is seen of it above the horizon.
+            # The receiver faces the box, so that all visible parts of it are above the horizon.
             normal = [0.0, 0.0, -1.0] if gap < 1 else unit([-x for x in receiver])
             sr = lx = mpf(0)
             for corners in faces(0.5):

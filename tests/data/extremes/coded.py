@@ -1,4 +1,4 @@
-"""Row 32: texels that integers code by sRGB's curve.  [IEC61966]"""
+"""Row 32: texels as integers that are coded by the sRGB curve.  [IEC61966]"""
 from mpmath import mpf
 
 from table import Table

@@ -1,9 +1,9 @@
 """Rows 1, 4, 5, 6, 8: lights that the receiver's horizon cuts, by slices of azimuth.
 
-What reaches a receiver from the slice between two meridians, from the horizon up to the height z on the unit sphere, is
-z^2 / 2 times the angle between them: so irradiance is half the integral of z^2 dphi along the edge of what is seen, in
-which the horizon itself counts nothing; or pi less that where the zenith is seen.  The edges are integrated numerically,
-and none of them passes near the zenith, where the angle turns.
+Take a slice between two meridians, from the horizon up to the height z on the unit sphere.  Its irradiance at the
+receiver is z^2 / 2 times the angle between the meridians.  So the irradiance is half the integral of z^2 dphi along the
+edge of the visible part; the horizon itself contributes nothing.  Where the zenith is visible, it is pi less that.  The
+edges are integrated numerically.  None of them passes near the zenith, where the angle changes fast.
 """
 from mpmath import acos, asin, cos, mpf, pi, quad, sin, sqrt, workdps
 
@@ -12,7 +12,7 @@ from table import Table
 
 
 def along(point, slope, n, ends):
-    """The integral of z^2 dphi over points of a path and their derivatives."""
+    """Integrates z^2 dphi over points of a path and their derivatives."""
     def integrand(t):
         p, aside = point(t), cross(n, point(t))
         return dot(p, n) ** 2 / dot(p, p) * dot(n, cross(p, slope(t))) / dot(aside, aside)
@@ -20,7 +20,7 @@ def along(point, slope, n, ends):
 
 
 def polygon(corners, receiver, normal):
-    """Of the part above the horizon, which does not hold the zenith."""
+    """Irradiance of the part above the horizon, which must not contain the zenith."""
     n = [x / norm(vec(normal)) for x in vec(normal)]
     p = [sub(vec(c), vec(receiver)) for c in corners]
     total = mpf(0)
@@ -34,7 +34,7 @@ def polygon(corners, receiver, normal):
         first = crossing if ua < 0 else mpf(0)
         last = crossing if ub < 0 else mpf(1)
         def point(t): return [x + t * y for x, y in zip(a, e)]
-        # Finer towards where the edge is nearest, which may be very near.
+        # Finer towards the nearest point of the edge, which may be very near.
         nearest = min(max(-dot(a, e) / dot(e, e), first), last)
         share = norm(point(nearest)) / norm(e)
         ends = {first, last, nearest}
@@ -53,9 +53,9 @@ def add_polygon(table, name, size, corners, receiver, normal):
 
 def polygons():
     table = Table("horizon_polygons", f"""
-Rectangles and triangles (the first three corners) of which the receiver's horizon leaves a part: small ones; wide ones
-of which a corner or a strip of the size that is said is left; such as are seen from so far above their plane; and a
-wide one that the receiver all but turns its back to.
+Rectangles and triangles (the first three corners) that the receiver's horizon cuts: small ones; wide ones of which a
+corner or a strip of the given size is left; ones that are seen from the given height above their plane; and a wide one
+that is almost behind the receiver.
 """, f"name size {coordinates('p00 p10 p01 p11 receiver normal')} irradiance_lx triangle_irradiance_lx")
     zenith, origin = [0.0, 0.0, 1.0], [0.0, 0.0, 0.0]
 
@@ -90,9 +90,9 @@ wide one that the receiver all but turns its back to.
 
 
 def round_edge(center, x, y, n, whole):
-    """Of the disk about `center` between the radii x, which rises, and y, along the horizon."""
+    """Integral along the edge of the disk about `center`.  The radius x rises, the radius y is level."""
     rise, up = dot(x, n), dot(center, n)
-    # The arc beyond a small corner of the turn is as small: 1 - cos by the half angle.
+    # The arc beyond a small part of the turn is equally small, so 1 - cos uses the half angle.
     end = pi if whole else 2 * asin(sqrt((rise + up) / (2 * rise)))
     def point(t): return [a + b * cos(t) + c * sin(t) for a, b, c in zip(center, x, y)]
     def slope(t): return [c * cos(t) - b * sin(t) for b, c in zip(x, y)]
@@ -100,7 +100,7 @@ def round_edge(center, x, y, n, whole):
 
 
 def disk(radius, center, axis, normal):
-    """The receiver at the origin; what is seen does not hold the zenith."""
+    """Irradiance at the origin.  The visible part must not contain the zenith."""
     n, axis = vec(normal), vec(axis)
     n, axis = [c / norm(n) for c in n], [c / norm(axis) for c in axis]
     rising = [a - b * dot(n, axis) for a, b in zip(n, axis)]
@@ -144,7 +144,7 @@ def cap(axis, half, normal):
 
 
 def shares():
-    """How far above the horizon the middle is, in half-angles' sines."""
+    """Heights of the middle above the horizon, in sines of half-angles."""
     return [-(1 - 2.0**-20), -0.875, -0.25, 0.0, 0.25, 0.5]
 
 
@@ -167,14 +167,14 @@ Spheres about (x, 0, z) seen from the origin by a receiver that faces along +z, 
 
 def suns():
     table = Table("horizon_suns", """
-Suns towards (x, 0, z) of the illuminance 1 lx on what faces them, seen by a receiver that faces along +z, whose horizon
+Suns towards (x, 0, z) that give 1 lx on a surface facing them, seen by a receiver that faces along +z, whose horizon
 cuts them.
 """, "diameter_rad x z irradiance_lx")
     for diameter in [10.0**-k for k in range(0, 15, 2)] + [2.0, 3.0, 3.1, 3.141592653589793]:
         for share in shares():
             half = mpf(diameter) / 2
             x, z = 1.0, float(share * sin(half)) if diameter < 3.14 else share
-            if share == 0 and diameter >= 2:  # whose edge is near the zenith
+            if share == 0 and diameter >= 2:  # its edge is near the zenith
                 continue
             if abs(z) / sqrt(x * x + mpf(z) ** 2) >= sin(half):
                 continue
@@ -183,6 +183,6 @@ cuts them.
 
 
 def tables():
-    # Whose quadrature takes what is below the last digit of 1 for nothing.
+    # The quadrature neglects what is below the last digit of 1.
     with workdps(60):
         yield from (polygons(), disks(), spheres(), suns())

@@ -1,11 +1,11 @@
-"""Row 9: lights and receivers of all magnitudes, by lengths and angles where the code has squares and products."""
+"""Row 9: lights and receivers of all magnitudes, from lengths and angles.  The code uses squares and products."""
 from mpmath import acos, asin, atan2, cos, hypot, matrix, mp, mpf, norm, pi, sin
 
 from table import Table, as_float
 
 
 def pairs():
-    """Sizes and distances from 1e-26 to 1e22, and some far beyond what floats hold."""
+    """Sizes and distances from 1e-26 to 1e22, and some far beyond the range of floats."""
     for e in range(-26, 23, 3):
         for ratio in (-12, -6, -1, 0, 1, 6, 12, 24, 36):
             if -26 <= e + ratio <= 22:
@@ -16,7 +16,7 @@ def pairs():
 
 
 def held(x):
-    """As a float where one holds it, else as the double it is."""
+    """Rounded to a float where it is in range of floats, otherwise the double unchanged."""
     return as_float(x) if x == 0 or 1e-37 < abs(x) < 1e38 else x
 
 
@@ -33,7 +33,7 @@ def cross(a, b):
 
 
 def angle(a, b):
-    """By half the chords, so that small angles keep their digits."""
+    """The angle, from half the chord, so that small angles keep their digits."""
     u, v = a / norm(a), b / norm(b)
     return 2 * atan2(norm(u - v), norm(u + v))
 
@@ -61,14 +61,14 @@ smoothstep fall-off of a cone of 60 degrees that begins at its axis.
 
 
 def seen(point, normal, area, receiver):
-    """Density by solid angle of a point chosen uniformly by area: that of the angles of its surroundings."""
+    """Density by solid angle of a point chosen uniformly by area, from the angles that its surroundings subtend."""
     to_receiver = vec(*receiver) - point
     tilt = angle(to_receiver, normal)
     return norm(to_receiver) ** 2 / abs(cos(tilt)) / area
 
 
 def girard(corners, receiver):
-    """Solid angle of a triangle: the excess of its three dihedral angles."""
+    """Solid angle of a triangle, as the excess of its three dihedral angles."""
     with mp.workdps(400):
         a, b, c = (c - vec(*receiver) for c in corners)
         ab, bc, ca = cross(a, b), cross(b, c), cross(c, a)
@@ -79,7 +79,7 @@ def shapes():
     table = Table("magnitude_shapes", """
 Shapes of one size about zero as receivers at (x, y, z) see them: their area, and the density of a point chosen by area:
 of a triangle (0, 0, 0) (s, 0, s / 4) (s / 8, s, 0) and of a rectangle s by s / 2 in the plane z = 0 the corner at zero, of a disk of radius s there its middle, of a cylinder of radius s from z = -s to s the point (s, 0, -s).
-Of a sphere of radius s: in the cone that it fills, or inside of it all around.
+For a sphere of radius s: the density in the cone that it subtends, or over all directions from inside.
 """, "shape size x y z area_m2 pdf_per_sr")
     for size, far in pairs():
         s = mpf(held(size))
@@ -103,7 +103,7 @@ Of a sphere of radius s: in the cone that it fills, or inside of it all around.
 
 def solid_angles():
     table = Table("magnitude_solid_angles", """
-The triangle and the rectangle of magnitude_shapes: the solid angle that they fill.
+The triangle and the rectangle of magnitude_shapes: the solid angle that they subtend.
 """, "shape size x y z solid_angle_sr")
     for exponent in range(-26, 23, 3):
         for ratio in (0.03, 0.5, 3.0, 40.0):
@@ -119,11 +119,11 @@ The triangle and the rectangle of magnitude_shapes: the solid angle that they fi
 def portals():
     table = Table("magnitude_portals", """
 A portal s by s / 2 from zero in the plane z = 0, seen from (x, y, z) before it: the density of the direction to its middle
-where directions are chosen uniformly in the angles about its two sides, and in proportion to nothing else.
+where directions are chosen uniformly in the angles about its two sides.
 """, "size x y z pdf_per_sr")
     for exponent in range(-26, 23, 3):
         size = held(10.0**exponent)
-        # So far that all of it lies in one cell of whatever the angles are divided into.
+        # So far away that the whole portal lies in one cell of any division of the angles.
         for ratio in (2e3, 1e6, 1e9):
             receiver = [held(c * ratio * 10.0**exponent) for c in (0.31, 0.23, -0.9)]
             if max(abs(c) for c in receiver) > 1e37:
@@ -134,7 +134,7 @@ where directions are chosen uniformly in the angles about its two sides, and in 
             up = abs(atan2(s / 2 - y, -z) - atan2(-y, -z))
             wx, wy, wz = s / 2 - x, s / 4 - y, -z
             l = norm(matrix([wx, wy, wz]))
-            # The angles' lines meet at right angles nowhere but on the axis: by the sines of the angles to either side.
+            # The lines of equal angles meet at right angles only on the axis, so the sines of both angles enter.
             to_x, to_y = acos(wx / l), acos(wy / l)
             table.add(size, *receiver, (wz / l) / (sin(to_x) * sin(to_y)) ** 2 / (across * up))
     return table

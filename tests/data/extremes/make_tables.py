@@ -1,8 +1,8 @@
 #!/usr/bin/python3
-"""Writes the tables of this folder, or with --check says which are not what the scripts make.
+"""Writes the tables of this folder.  With --check it lists the tables that differ from what the scripts make.
 
-Every other script here has a function tables() that yields Table objects.  Their formulas are not those of the
-code that is tested.
+Every other script here has a function tables() that yields Table objects.  Their formulas differ from those of the
+tested code.
 """
 import argparse
 import importlib

@@ -1,7 +1,7 @@
-"""Rows 20 and 21: pictures around the sphere, from what the mappings are defined as.
+"""Rows 20 and 21: pictures around the sphere, from the definitions of the mappings.
 
-Directions come from points of the picture, never the other way round; the bilinear filter is a sum of tents over the
-picture continued across its borders.
+Directions are computed from points of the picture, never the other way round.  The bilinear filter is a sum of tents
+over the picture, which is continued across its borders.
 """
 from fractions import Fraction
 
@@ -11,16 +11,16 @@ from table import Table, as_float
 
 
 def texel(i, j):
-    """What the tests put into their pictures: a third is black."""
+    """The texels of the tests' pictures.  A third of them are black."""
     return max(0, (3 * i + 5 * j) % 9 - 2)
 
 
 def direction(mapping, s, t):
-    """The unit vector that the point (s, t) of the picture shows."""
+    """The unit vector towards the point (s, t) of the picture."""
     s, t = mpf(s), mpf(t)
     if mapping == "latlong":
         return [sin(pi * t) * cos(2 * pi * s), cos(pi * t), sin(pi * t) * sin(2 * pi * s)]
-    # [Clarberg08]: the middle is +z, rings are |u| + |v| = r, shares of a quarter turn are shares of a side.
+    # [Clarberg08]: the middle is +z, rings are |u| + |v| = r, and fractions of a quarter turn are fractions of a side.
     u, v = 2 * s - 1, 2 * t - 1
     a, b = abs(u), abs(v)
     lower = a + b > 1
@@ -34,7 +34,7 @@ def direction(mapping, s, t):
 
 
 def continued(mapping, w, h, i, j):
-    """The texel at (i, j), which may lie one beyond the border."""
+    """The texel at (i, j), which may be one texel beyond the border."""
     if mapping == "latlong":
         if not 0 <= j < h:
             i, j = i + w // 2, -1 - j if j < 0 else 2 * h - 1 - j
@@ -65,14 +65,14 @@ def row_mean(w, j):
 
 
 def strips(texel_filter, h):
-    """Of a latitude-longitude picture: between these the density is linear in the cosine of the polar angle."""
+    """Strips of a latitude-longitude picture: within each, density is linear in the cosine of the polar angle."""
     if texel_filter == "nearest":
         return [mpf(j) / h for j in range(h + 1)]
     return [mpf(0)] + [(mpf(j) + mpf(1) / 2) / h for j in range(h)] + [mpf(1)]
 
 
 def total(mapping, texel_filter, w, h):
-    """What densities are divided by: the integral of what they are proportional to."""
+    """The normalisation of densities: the integral of the unnormalised density."""
     if mapping == "equalarea":
         return 4 * pi * sum(row_mean(w, j) for j in range(h)) / h
     at, sum_ = strips(texel_filter, h), mpf(0)
@@ -95,7 +95,7 @@ def density(mapping, texel_filter, w, h, s, t):
 
 
 def places(n):
-    """In [0, 1]: both ends, both sides of the first and of a middle edge between texels, a centre, and another."""
+    """Places in [0, 1]: both ends, both sides of the first and of a middle edge between texels, a centre, and one more."""
     near = mpf(10) ** -9
     edges = [mpf(1) / n, mpf(n // 2) / n]
     return [near, 1 - near] + [e + side * near for e in edges for side in (-1, 1)] + [mpf(3) / 2 / n, mpf("0.7391")]
@@ -104,8 +104,8 @@ def places(n):
 def looks():
     table = Table("sphere_maps", """
 Pictures of w x h texels around the sphere, texel (i, j) max(0, (3 i + 5 j) mod 9 - 2): towards (x, y, z) in the map's
-axes the value, and the density of directions drawn by it [1/sr].  Places a billionth beside the seam, the poles and
-the edges between texels, centres of texels, and one that is nothing in particular.
+axes the value, and the density of directions drawn by it [1/sr].  Places 1e-9 beside the seam, the poles and the edges
+between texels, centres of texels, and one ordinary place.
 """, "mapping filter w h x y z value per_sr")
     for mapping, w, h in (("equalarea", 4, 4), ("equalarea", 6, 6), ("latlong", 8, 5)):
         for texel_filter in ("nearest", "bilinear"):
@@ -117,14 +117,14 @@ the edges between texels, centres of texels, and one that is nothing in particul
 
 
 def integral(mapping, texel_filter, w, h, weights):
-    """Over the sphere, of a picture of `weights[j][i]`."""
+    """Integral over the sphere of a picture of `weights[j][i]`."""
     means = [mpf(sum(Fraction(x) for x in row).numerator) / sum(Fraction(x) for x in row).denominator / w
              for row in weights]
     if mapping == "equalarea":
         return 4 * pi * sum(means) / h
     if texel_filter == "nearest":
         return sum(m * 2 * pi * (cos(pi * j / h) - cos(pi * (j + 1) / h)) for j, m in enumerate(means))
-    # Between rows of centres linear in the polar angle: by parts of theta sin(theta).
+    # Linear in the polar angle between rows of centres: integrate theta sin(theta) by parts.
     sum_ = mpf(0)
     for k in range(h + 1):
         a, b = pi * max(k - mpf(1) / 2, 0) / h, pi * min(k + mpf(1) / 2, h) / h
@@ -144,18 +144,18 @@ def weights_of(background, bright):
 
 
 def measures(mapping):
-    """The share of the sphere that each row has, exact where it is rational."""
+    """Each row's share of the sphere, exact where it is rational."""
     if mapping == "equalarea":
         return [Fraction(1, N)] * N
     return [(cos(pi * j / N) - cos(pi * (j + 1) / N)) / 2 for j in range(N)]
 
 
 def chances():
-    """Selection probabilities: in rational arithmetic, but for the rows' measures of the latitude-longitude mapping."""
+    """Selection probabilities, in rational arithmetic except for the rows' measures of the latitude-longitude mapping."""
     table = Table("bright_texels", """
 Pictures of 8 x 8 texels, all `background` but texel (5, 2), which is `bright`: sample values (ux, uy) in the middle of
-what leads to a texel, column and row of that, the chance that it is chosen, and the integral of the picture over the
-sphere.  Texels are left out where no double lies in that middle.
+the range that leads to a texel, its column and row, its selection probability, and the integral of the picture over the
+sphere.  Texels are left out where no double lies in the middle of their range.
 """, "mapping background bright ux uy column row chance integral")
     for mapping in ("equalarea", "latlong"):
         for background, bright in ((1, 10**9), (1, 10**30), (10**30, 1), (0, 1), (0, 10**9), (0, 10**-30), (1, 1)):

@@ -1,4 +1,4 @@
-"""Row 34: thin triangles, their area by Heron's formula and their solid angle by the angles of the spherical one."""
+"""Row 34: thin triangles.  Area by Heron's formula, solid angle from the angles of the spherical triangle."""
 from mpmath import acos, mpf, pi, sqrt
 
 from table import Table
@@ -27,7 +27,7 @@ def area(p, q, r):
 
 
 def solid_angle(corners):
-    """The excess of the angles between the planes through the eye."""
+    """Solid angle, as the excess of the angles between the planes through the eye."""
     excess = -pi
     for i in range(3):
         a, b, c = corners[i], corners[(i + 1) % 3], corners[(i + 2) % 3]

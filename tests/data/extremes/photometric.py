@@ -1,4 +1,4 @@
-"""Row 31: luminaires' flux by the antiderivative of each cell, and intensities by the angles' own sines and cosines."""
+"""Row 31: flux of luminaires by the antiderivative of each cell; intensities from sines and cosines of the angles."""
 from mpmath import acos, asin, atan2, cos, degrees, mpf, radians, sin, sqrt
 
 from table import Table
@@ -9,7 +9,7 @@ def joined(values):
 
 
 def across(kind, planes):
-    """Horizontal angles all around, or over what is lit, with the plane that each repeats."""
+    """Horizontal angles all around, or over the lit range, each with the plane that it repeats."""
     found = list(enumerate(planes))
     found = [(mpf(angle), i) for i, angle in found]
     if kind == "C":
@@ -25,12 +25,12 @@ def across(kind, planes):
 
 
 def flux(kind, angles, planes, candela):
-    """The integral of what is linear in both angles: of (a + b x) sin x it is b sin x - (a + b x) cos x."""
+    """Integral of a function linear in both angles: the antiderivative of (a + b x) sin x is b sin x - (a + b x) cos x."""
     lines = across(kind, planes)
     n, total = len(angles), mpf(0)
     for (h0, i0), (h1, i1) in zip(lines, lines[1:]):
         for j in range(n - 1):
-            # Over the plane's angle the mean of the two lines; then along them, from the pole.
+            # The mean of the two lines over the plane's angle, then along them from the pole.
             first = (mpf(candela[i0 * n + j]) + mpf(candela[i1 * n + j])) / 2
             last = (mpf(candela[i0 * n + j + 1]) + mpf(candela[i1 * n + j + 1])) / 2
             v0, v1 = radians(mpf(angles[j])), radians(mpf(angles[j + 1]))
@@ -70,7 +70,7 @@ def intensity(kind, angles, planes, candela, w):
 
 
 def grids():
-    """Kind, vertical angles, horizontal angles, candela."""
+    """Yields kind, vertical angles, horizontal angles, candela."""
     halves = {"C": ((0.0, 45.0, 90.0), (90.0, 120.0, 180.0), (0.0, 30.0, 90.0, 150.0, 180.0)),
               "B": ((0.0, 45.0, 90.0), (-90.0, -20.0, 0.0, 60.0, 90.0)),
               "A": ((0.0, 45.0, 90.0), (-90.0, -20.0, 0.0, 60.0, 90.0))}
@@ -88,7 +88,7 @@ def grids():
     # Candela of any size.
     for exponent in (-300, -100, -45, -30, -10, 2, 10, 30, 100, 295):
         yield "C", (0.0, 45.0, 90.0), (0.0,), [float(f"{d}e{exponent}") for d in (3, 2, 1)]
-    # All within a narrow beam, about the axis, about the horizon and about a plane.
+    # All light within a narrow beam, about the axis, about the horizon and about a plane.
     for step in (1.0, 1e-2, 1e-4, 1e-6, 1e-7):
         yield "C", (0.0, step, 2 * step, 90.0), (0.0,), [1e6, 5e5, 0.0, 0.0]
         yield "C", (0.0, step, 2 * step, 180.0), (0.0, step, 90.0), [1e6, 5e5, 0.0, 0.0, 1e3, 5e5, 0.0, 0.0] + [0.0] * 4
@@ -98,7 +98,7 @@ def grids():
 
 
 def directions(kind, angles, planes):
-    """Within each cell that has room for it, as doubles hold them."""
+    """Yields a direction in double within each cell that has room for one."""
     lines = across(kind, planes)
     for (h0, _), (h1, _) in list(zip(lines, lines[1:]))[:2]:
         for v0, v1 in zip(angles, angles[1:]):
@@ -114,18 +114,18 @@ def directions(kind, angles, planes):
 
 def tables():
     fluxes = Table("photometric_flux", """
-Luminaires as photometric files have them, and their flux [lm]: photometric type, vertical and horizontal angles
+Luminaires as in photometric files, and their flux [lm]: photometric type, vertical and horizontal angles
 [degrees], candela (all vertical angles at the first horizontal angle, then at the next).
 """, "type vertical horizontal candela flux_lm")
     values = Table("photometric_intensity", """
-Intensities [cd] of the same towards (x, y, z), of which +z is down and, of types C and A, +x horizontal; as
-lights/pictures/photometric_web.h says.
+Intensities [cd] of the same luminaires towards (x, y, z): +z is down, and for types C and A +x is horizontal, as
+documented in lights/pictures/photometric_web.h.
 """, "type vertical horizontal candela x y z intensity_cd")
     for kind, vertical, horizontal, candela in grids():
         words = kind, joined(vertical), joined(horizontal), joined(candela)
         fluxes.add(*words, flux(kind, vertical, horizontal, candela))
         if max(candela) > 1e35 or max(candela) < 1e-35:
-            continue  # no float holds them
+            continue  # beyond the range of floats
         for w in directions(kind, vertical, horizontal):
             value = intensity(kind, vertical, horizontal, candela, w)
             if value > 0:

@@ -1,8 +1,8 @@
-"""Rows 3 to 6, 8 and 30: flat lights with corners, by the lengths of arcs and never by a triple product.
+"""Rows 3 to 6, 8 and 30: flat lights with corners, from the lengths of arcs and without triple products.
 
-Solid angles are those of l'Huilier's theorem (the sides of the spherical triangle); irradiances Lambert's, the sum
-over the edges of what each subtends times the cosine of its plane.  Both cancel: in 60 digits for lights near the
-plane of the receiver as in 16 for others, so the work is done in 200.
+Solid angles use l'Huilier's theorem (the sides of the spherical triangle).  Irradiances use Lambert's formula: the sum
+over the edges of the angle that each subtends times the cosine of its plane.  Both cancel.  For lights near the plane
+of the receiver 60 digits are as few as 16 are for others, so the computation uses 200.
 """
 from mpmath import atan, atan2, mp, mpf, pi, sqrt, tan, workdps
 
@@ -32,7 +32,7 @@ def norm(a):
 
 
 def arc(a, b):
-    """The angle between two directions."""
+    """Angle between two directions."""
     return atan2(norm(cross(a, b)), dot(a, b))
 
 
@@ -43,14 +43,14 @@ def triangle_solid_angle(a, b, c):
 
 
 def solid_angle(corners, receiver):
-    """Of a flat convex polygon [sr]."""
+    """Solid angle of a flat convex polygon [sr]."""
     with workdps(DIGITS):
         p = [sub(vec(c), vec(receiver)) for c in corners]
         return sum(triangle_solid_angle(p[0], p[i], p[i + 1]) for i in range(1, len(p) - 1))
 
 
 def irradiance(corners, receiver, normal):
-    """From a flat polygon of radiance 1, all of it above the horizon; `normal` of any length."""
+    """Irradiance from a flat polygon of radiance 1 that is completely above the horizon; `normal` of any length."""
     with workdps(DIGITS):
         p = [sub(vec(c), vec(receiver)) for c in corners]
         n = vec(normal)
@@ -69,7 +69,7 @@ def of_doubles(v):
 
 
 def unit(v):
-    """The nearest double of each component of a unit vector."""
+    """Unit vector, each component rounded to the nearest double."""
     n = norm(vec(v))
     return [float(x / n) for x in vec(v)]
 
@@ -78,12 +78,12 @@ def coordinates(names):
     return " ".join(f"{n}_{axis}" for n in names.split() for axis in "xyz")
 
 
-# Three at right angles and of length 3, exact in floats: planes that no axis is in.
+# Three vectors at right angles, of length 3, exact in floats: their planes contain no coordinate axis.
 E1, E2, E3 = (1, 2, 2), (2, 1, -2), (2, -2, 1)
 
 
 def combine(*terms):
-    """The sum of factors times vectors, rounded once."""
+    """Sum of factors times vectors, rounded once."""
     return [float(sum(mpf(k) * mpf(v[i]) for k, v in terms)) for i in range(3)]
 
 
@@ -100,7 +100,7 @@ Triangles about the origin seen from a receiver 1 m away: a name, corners, recei
     receiver = unit([0.3, -0.5, 0.81])
     normal = unit([-0.2, 0.6, -0.5])
     x, y = unit([0.8, 0.6, 0.07]), unit([-0.5, 0.7, 0.6])
-    # In the plane of the receiver but for 1 in 1000.
+    # 1 in 1000 out of the plane of the receiver.
     edge_on = combine((1, receiver), (1e-3, x))
     shapes = {
         "faced": [((0.1, x), (0.2, y)), ((1, x), (0.1, y)), ((0.2, x), (0.9, y))],
@@ -116,7 +116,7 @@ Triangles about the origin seen from a receiver 1 m away: a name, corners, recei
 
 
 def rectangle(corner, x, y):
-    """In the order of bilinear patches."""
+    """Corners of a rectangle in the order of bilinear patches."""
     p10, p01 = combine((1, corner), (1, x)), combine((1, corner), (1, y))
     return [list(map(float, corner)), p10, p01, combine((1, p10), (1, y))]
 
@@ -132,7 +132,7 @@ def add_rectangle(table, first, corners, receiver, normal):
 
 def small_rectangles():
     table = Table("small_rectangles", """
-Rectangles about the origin seen from a receiver 1 m away, in planes that no axis is in, exact in doubles: a name,
+Rectangles about the origin seen from a receiver 1 m away, in planes that contain no axis, exact in doubles: a name,
 corners in the order of bilinear patches, receiver and a normal there, solid angle [sr], irradiance from radiance 1 [lx].
 """, f"name {coordinates('p00 p10 p01 p11 receiver normal')} solid_angle_sr irradiance_lx")
     receiver = unit([2, -2.25, 1.125])
@@ -148,7 +148,7 @@ corners in the order of bilinear patches, receiver and a normal there, solid ang
 
 def small_quadrilaterals():
     table = Table("small_quadrilaterals", """
-Flat quadrilaterals that are no parallelograms, otherwise as small_rectangles.
+Flat quadrilaterals that are not parallelograms, otherwise as in small_rectangles.
 """, f"name {coordinates('p00 p10 p01 p11 receiver normal')} solid_angle_sr irradiance_lx")
     receiver, normal = unit([2, -2.25, 1.125]), unit([-1, 1.5, -0.75])
     for exponent in range(1, 31):
@@ -199,7 +199,7 @@ Triangles of corners up to 1e9 seen from above a point of them, down to 1e-20 of
 
 def slivers():
     table = Table("sliver_triangles", """
-Triangles as long as 2 and down to 1e-15 high, seen from about as far away as they are high and nearly from within their
+Triangles 2 long and down to 1e-15 high, seen from about as far away as they are high and nearly from within their
 plane, by a receiver that faces them.
 """, f"name {coordinates('a b c receiver normal')} solid_angle_sr irradiance_lx")
     for exponent in range(5, 51, 5):

@@ -1,8 +1,9 @@
-"""Portals that are tiny, huge or far, or seen from nearly in their plane: the density that lights/models/portal_light.h says.
+"""Portals that are tiny, huge or far, or seen from nearly in their plane: the density of lights/models/portal_light.h.
 
-A portal's table is over two angles, alpha about y and beta about x, of 64 x 64 cells; a cell weighs the solid angle
-of its 4 x 4 parts, each as its middle, in whole numbers of which the largest is 2^40.  Of a window of it a share of the
-samples is uniform, the rest goes by weight.  Here angles are arc tangents and solid angles come from tangents.
+The table of a portal has 64 x 64 cells over two angles, alpha about y and beta about x.  The weight of a cell is the
+solid angle of its 4 x 4 parts, each taken at its middle, in whole numbers up to 2^40.  In a window of the table a share
+of the samples is uniform, and the rest follows the weights.  Here angles are arc tangents and solid angles come from
+tangents.
 """
 from mpmath import atan, floor, mpf, pi, sqrt, tan
 
@@ -13,7 +14,7 @@ UNIFORM = mpf(1) / 16
 
 
 def sr_per_square(tan_a, tan_b):
-    """Solid angle over area of the square, whose sides are pi in angles."""
+    """Solid angle over area of the square, whose sides are pi in angle."""
     return pi * pi * (1 + tan_a**2) * (1 + tan_b**2) / sqrt(1 + tan_a**2 + tan_b**2) ** 3
 
 
@@ -21,7 +22,7 @@ def weights():
     fine = [tan(pi * ((mpf(i) + mpf(1) / 2) / (CELLS * LOOKS) - mpf(1) / 2)) for i in range(CELLS * LOOKS)]
     half = CELLS // 2
     table = [[mpf(0)] * CELLS for _ in range(CELLS)]
-    # Four quarters and two triangles are alike.
+    # Four quarters are equal, and in each the two triangles.
     for j in range(half):
         for i in range(j + 1):
             w = sum(sr_per_square(fine[i * LOOKS + a], fine[j * LOOKS + b]) for a in range(LOOKS) for b in range(LOOKS))
@@ -33,7 +34,7 @@ def weights():
 
 
 def parts(begin, end):
-    """How much of which cells lies in [begin, end], in cells."""
+    """The cells that overlap [begin, end], each with the length of the overlap, in cells."""
     begin, end = begin * CELLS, end * CELLS
     return [(i, min(end, i + 1) - max(begin, i)) for i in range(int(begin), min(int(end), CELLS - 1) + 1)]
 
@@ -49,8 +50,8 @@ def density(table, window, tan_a, tan_b):
 
 def tables():
     table = Table("portals", """
-A portal from (0, 0, 0) to (side, side, 0), light from beyond it; a receiver at (x, y, -depth), and of the direction
-(wx, wy, wz) through the portal the density with which it is sampled [1/sr].
+A portal from (0, 0, 0) to (side, side, 0) with light from beyond it, a receiver at (x, y, -depth), and the density with
+which the direction (wx, wy, wz) through the portal is sampled [1/sr].
 """, "side x y depth wx wy wz per_sr")
     cells = weights()
     for side in (1e-6, 1.0, 1e6):

@@ -1,4 +1,4 @@
-"""Row 29: powers, by numerical integration where the code has closed forms and by other closed forms where it sums.
+"""Row 29: powers, by numerical integration where the code has closed forms, by other closed forms where it sums.
 
 Luminous flux [lm] of lights of radiance, intensity or illuminance 1.
 """
@@ -28,7 +28,7 @@ fourth power of the same.
 
 
 def corner_sr(x, y):
-    """Of the rectangle from the axis to (x, y) in the plane z = 1; its sign that of x y."""
+    """Solid angle of the rectangle from the axis to (x, y) in the plane z = 1, with the sign of x y."""
     return atan(x * y / sqrt(1 + x * x + y * y))
 
 
@@ -51,7 +51,7 @@ with the nearest filter.
                 picture = mpf(0)
                 for j in range(3):
                     for i in range(4):
-                        # Rows go down; the sum does not see it.
+                        # Rows go down, which does not change the sum.
                         picture += texel(i, j) * rectangle_sr(x * (2 * i - 4) / 4, x * (2 * i - 2) / 4,
                                                               y * (2 * j - 3) / 3, y * (2 * j - 1) / 3)
                 table.add(fov_deg, fov, aspect, rectangle_sr(-x, x, -y, y), picture)
@@ -59,7 +59,7 @@ with the nearest filter.
 
 
 def bilinear_cell(x0, x1, y0, y1, corners):
-    """A bilinear function between values at the corners, times cos^3: over y in closed form, over x numerically."""
+    """Integral of a bilinear function between corner values, times cos^3: in closed form over y, numerically over x."""
     v00, v10, v01, v11 = corners
 
     def line(x):
@@ -75,7 +75,7 @@ def bilinear_cell(x0, x1, y0, y1, corners):
 
 def bilinear_projections():
     table = Table("bilinear_projection_powers", """
-The same picture with the bilinear filter, its border going on [lm].
+The same picture with the bilinear filter, continued beyond its border [lm].
 """, "fov_deg fov_rad aspect picture_lm")
     with mp.workdps(40):
         for fov_deg, aspect in ((1.0, 3.0), (90.0, 4.0 / 3), (90.0, 64.0), (150.0, 1.0 / 3)):
@@ -95,7 +95,7 @@ The same picture with the bilinear filter, its border going on [lm].
 
 
 def patch_area(corners):
-    """Of p(u, v) through p00, p10, p01, p11: |dp/du x dp/dv| over the square."""
+    """Area of the patch p(u, v) through p00, p10, p01, p11: the integral of |dp/du x dp/dv| over the square."""
     p00, p10, p01, p11 = [[mpf(c) for c in p] for p in corners]
 
     def element(u, v):
@@ -104,13 +104,13 @@ def patch_area(corners):
         n = (du[1] * dv[2] - du[2] * dv[1], du[2] * dv[0] - du[0] * dv[2], du[0] * dv[1] - du[1] * dv[0])
         return sqrt(sum(c * c for c in n))
 
-    # The integrand is smooth far beyond the square: as many nodes leave 1e-35 of it.
+    # The integrand is smooth far beyond the square: with this many nodes the error is 1e-35.
     nodes = gauss(40)
     return sum(w * z * element(x, y) for x, w in nodes for y, z in nodes)
 
 
 def gauss(n):
-    """Nodes and weights on [0, 1], by Newton from the usual start."""
+    """Gauss nodes and weights on [0, 1], by Newton's method from the usual start."""
     rule = []
     for k in range(1, n + 1):
         x = cos(pi * (k - mpf(1) / 4) / (n + mpf(1) / 2))
@@ -125,17 +125,17 @@ def gauss(n):
 
 
 def heron(a, b, c):
-    """The area of a triangle by its sides."""
+    """Area of a triangle from its sides."""
     s = (a + b + c) / 2
     return sqrt(s * (s - a) * (s - b) * (s - c))
 
 
 def areas():
     table = Table("area_powers", """
-Area lights of radiance 1, one-sided, of `size` m: pi times the area, integrated over what the shape is made of, or by
+Area lights of radiance 1, one-sided, of `size` m: pi times the area, integrated over the parts of the shape, or from
 the sides of its triangles [lm].
     sphere    radius 1, z from -1/2 to 3/4, swept over 2 rad
-    disk      radius 1 without what lies within 1/4, swept over 2 rad
+    disk      radius 1 with a hole of radius 1/4, swept over 2 rad
     cylinder  radius 1/2, z from 0 to 3, swept over 2 rad
     triangle  (0, 0, 0), (1, 0, 0), (0, 2, 2)
     flat      patch (0, 0, 0), (2, 0, 0), (0, 1, 0), (2, 1, 0)
@@ -182,7 +182,7 @@ WEB_HORIZONTAL = (0, 90, 135, 270, 360)
 
 def pictures():
     table = Table("picture_powers", """
-A luminaire of which the intensity at vertical angle a of 0 10 30 60 90 180 and horizontal angle b of 0 90 135 270 360
+A luminaire whose intensity at vertical angle a of 0 10 30 60 90 180 and horizontal angle b of 0 90 135 270 360
 degrees is 1 + (7 a + 3 b) mod 11, b = 360 as b = 0, times `size`; and a whole sphere of radius `size` m that shows the
 picture of 4 x 3 texels, texel (i, j) max(0, (3 i + 5 j) mod 9 - 2), row 0 about its pole [lm].
 """, "light size power_lm")
@@ -212,7 +212,7 @@ texel (i, j) max(0, (3 i + 5 j) mod 9 - 2): light comes in along the normal n, a
     up = side_on = mpf(0)
     for j in range(h):
         t0, t1 = pi * j / h, pi * (j + 1) / h
-        # Of the cosine to +y, above the horizon; and of the sine, which the cosine to +x goes with.
+        # Integrals of the cosine to +y above the horizon, and of the sine, for the cosine to +x.
         of_row = (sin(min(t1, pi / 2)) ** 2 - sin(min(t0, pi / 2)) ** 2) / 2
         of_sine = ((t1 - sin(2 * t1) / 2) - (t0 - sin(2 * t0) / 2)) / 2
         for i in range(w):

@@ -1,4 +1,4 @@
-"""Row 20: pictures thrown from a point, from where each point of the picture is in the plane before it."""
+"""Row 20: pictures projected from a point, from the place of each point of the picture in the plane before it."""
 from mpmath import mpf, tan
 
 from maps import tent, texel
@@ -12,7 +12,7 @@ W, H = 4, 3
 def value(texel_filter, s, t):
     if texel_filter == "nearest":
         return mpf(texel(int(s * W), int(t * H)))
-    # The border goes on.
+    # The border continues.
     return sum(texel(min(max(i, 0), W - 1), min(max(j, 0), H - 1)) * tent(s * W - i - mpf(1) / 2) *
                tent(t * H - j - mpf(1) / 2) for i in range(-1, W + 1) for j in range(-1, H + 1))
 
@@ -26,8 +26,8 @@ def places(n):
 def tables():
     table = Table("projection_maps", """
 The picture of 4 x 3 texels, texel (i, j) max(0, (3 i + 5 j) mod 9 - 2), thrown along +z: towards (x, y, 1) its value,
-and with the nearest filter the density of directions drawn by it [1/sr], else 0.  Places a billionth beside the
-edges of the picture and those between texels, centres, and one that is nothing in particular.
+and with the nearest filter the density of directions drawn by it [1/sr], else 0.  Places 1e-9 beside the
+edges of the picture and those between texels, centres, and one ordinary place.
 """, "filter fov_deg fov_rad aspect x y value per_sr")
     for fov_deg, aspect in ((0.01, 3.0), (1.0, 1000.0), (90.0, 4.0 / 3), (90.0, 1.0 / 3), (179.0, 3.0)):
         fov = fov_deg * DEGREE

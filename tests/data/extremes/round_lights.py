@@ -1,8 +1,8 @@
-"""Rows 3, 6 and 8: disks and cylinders, by contour integrals along what is seen of their edges.
+"""Rows 3, 6 and 8: disks and cylinders, by contour integrals along the visible parts of their edges.
 
-Irradiance is half the integral of n . (p x dp) / |p|^2; the solid angle that of (1 - cos theta) about the normal of a
-disk through its foot, where theta and phi are the angles of the edge.  The integrands are periodic and analytic, for
-which the trapezium rule converges geometrically; or analytic between their ends, for Gauss's.
+Irradiance is half the integral of n . (p x dp) / |p|^2.  The solid angle is the integral of (1 - cos theta) dphi about
+the normal of a disk through its foot, where theta and phi are the angles of the edge.  Where the integrands are periodic
+and analytic, the trapezium rule converges geometrically.  Where they are analytic between their ends, Gauss's rule does.
 """
 from mpmath import acos, cos, mpf, pi, quad, sin, sqrt, workdps
 
@@ -11,7 +11,7 @@ from table import Table
 
 
 def disk(radius, offset, height, normal, steps=240):
-    """Solid angle and irradiance; the receiver at the origin, the centre at (offset, 0, height)."""
+    """Solid angle and irradiance at the origin of a disk about (offset, 0, height)."""
     with workdps(100):
         sr = lx = mpf(0)
         n = vec(normal)
@@ -45,7 +45,7 @@ and so near that they cover the hemisphere.  Solid angle [sr], irradiance from r
 
 
 def cylinder(radius, z_min, z_max, receiver_x, normal):
-    """Irradiance from the outside, the receiver at (receiver_x, 0, 0)."""
+    """Irradiance from the outside at (receiver_x, 0, 0)."""
     with workdps(90):
         n = vec(normal)
         tangent = acos(radius / receiver_x)
@@ -87,8 +87,8 @@ a normal [lx].
 def tubes():
     table = Table("tubes", """
 Cylinders about the z axis from z = 1 to 2 seen from the origin: their inside, at cosines of radius / distance.  Solid
-angle [sr], irradiance from radiance 1 on a surface that faces along z [lx]: differences of what the disks at both ends
-have.
+angle [sr], irradiance from radiance 1 on a surface that faces along z [lx]: differences of the values of the disks at both
+ends.
 """, "radius_m solid_angle_sr irradiance_lx")
     with workdps(120):
         for k in range(1, 21):
@@ -107,7 +107,7 @@ off that plane, E3 = (2, -2, 1).
     for k in range(3, 21):
         receiver = combine((10.0**-k, E3))
         normal = unit([-x for x in E1])
-        # In the frame of the disk, in units of 3: exactly where the rounded receiver is.
+        # The exact place of the rounded receiver, in the frame of the disk, in units of 3.
         r = vec(receiver)
         e1, e3 = [mpf(x) / 3 for x in E1], [mpf(x) / 3 for x in E3]
         e2 = cross(e3, e1)

@@ -1,4 +1,4 @@
-"""Row 28: lights under transforms that scale, from the shapes that these make of them."""
+"""Row 28: lights under scaling transforms, from the shapes that result."""
 from mpmath import asin, atan, mpf, pi, quad, sin, sqrt, tan
 
 from table import Table
@@ -7,17 +7,17 @@ SIZES = (2.0**-40, 2.0**-20, 1e-3, 0.5, 1.0, 3.0, 1e3, 2.0**20, 2.0**40)
 
 
 def ellipse_area(a, b):
-    """By the length of the chords at each angle of the circle about it: of b sin(t) over a cos(t)."""
+    """Area of an ellipse, from the chords at each angle t of the circle around it: b sin(t) over a cos(t)."""
     return quad(lambda t: 2 * a * b * sin(t) ** 2, [0, pi])
 
 
 def sphere_per_sr(radius, distance):
-    """Uniform in the cone that it subtends."""
+    """Uniform density in the cone that the sphere subtends."""
     return 1 / (4 * pi * sin(asin(mpf(radius) / distance) / 2) ** 2)
 
 
 def rectangle_sr(x, y):
-    """About the axis, half sides x and y in the plane z = 1."""
+    """Solid angle of the rectangle about the axis with half sides x and y in the plane z = 1."""
     return 4 * atan(x * y / sqrt(1 + x * x + y * y))
 
 
@@ -26,7 +26,7 @@ def tables():
 Under Scale sx sy sz: of radiance 1 a sphere of radius 1, a disk of radius 1, and a cylinder of radius 1 and z from 0 to
 1; of intensity 1 a spot of 30 degrees with an edge of 5, and a projection of 60 degrees.  Power [lm]; the density with
 which a receiver at (0, 0, 3 sz) samples the sphere, at (0, 0, 2 sz) the disk's middle by area, and at (4 sx, 0, sz / 2)
-the cylinder's point (sx, 0, sz / 2) by area [1/sr], and 0 of the others.
+the cylinder's point (sx, 0, sz / 2) by area [1/sr], and 0 for the others.
 """, "light sx sy sz power_lm per_sr")
     degree = pi / 180
     for s in SIZES:

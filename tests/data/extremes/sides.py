@@ -1,10 +1,11 @@
 """Row 27: which side of an area light emits under mirrors, by pbrt-v4's rule for the normals that it samples.
 
-Triangles and patches [Pharr23, 6.5 and 6.6]: the cross product of the edges in the world.  Where the mesh has normals,
-it is turned to their side; they go by the inverse transpose, and ReverseOrientation turns them.  Otherwise it is
-turned over by ReverseOrientation or by a transform that swaps handedness, but not by both.  Spheres, disks and
-cylinders [Pharr23, 6.2 to 6.4]: the outward normal of object space (a disk's is +z) by the inverse transpose, turned
-over by ReverseOrientation.  A diffuse light emits to the side of its normal.  [Pharr23, 12.4]
+Triangles and patches [Pharr23, 6.5 and 6.6]: the cross product of the edges in world space.  Where the mesh has
+normals, it is turned to their side.  They transform by the inverse transpose, and ReverseOrientation reverses them.
+Without normals, ReverseOrientation or a transform that swaps handedness reverses it, but both together do not.
+Spheres, disks and cylinders [Pharr23, 6.2 to 6.4]: the outward normal of object space (+z for a disk) transforms by the
+inverse transpose, and ReverseOrientation reverses it.  A diffuse light emits on the side of its normal.
+[Pharr23, 12.4]
 """
 from fractions import Fraction
 
@@ -41,7 +42,7 @@ def point(m, p):
 
 
 def normal(m, n):
-    """By the inverse transpose, whose columns are cross products of those of m over the determinant."""
+    """Transforms a normal by the inverse transpose: cross products of the columns of m over the determinant."""
     x, y, z = columns(m)
     d = determinant(m)
     return [sum(c[i] * k for c, k in zip((cross(y, z), cross(z, x), cross(x, y)), n)) / d for i in range(3)]
@@ -53,7 +54,7 @@ FLAT = {
 }
 NORMALS = {"none": None, "front": (0, 0, 1), "back": (0, 0, -1), "leaning": (2, -1, 1)}
 
-#: Of a point of the shape: the point, its outward normal, a receiver before and one behind it; object space.
+#: For a point of the shape, in object space: the point, its outward normal, a receiver before it and one behind it.
 SURFACES = {
     "triangle": ((0.25, 0.25, 0), (0, 0, 1), (0.25, 0.25, 0.5), (0.25, 0.25, -0.5)),
     "patch": ((0, 0, 0), (0, 0, 1), (0, 0, 0.5), (0, 0, -0.5)),
@@ -64,7 +65,7 @@ SURFACES = {
 
 
 def turned(m):
-    """A turn by the angle of 3, 4 and 5 about z, then one about x; then away from the origin."""
+    """A rotation about z by the angle of the 3-4-5 triangle, then one about x, then a translation."""
     for r in ([[0.6, -0.8, 0], [0.8, 0.6, 0], [0, 0, 1]], [[1, 0, 0], [0, 0.28, -0.96], [0, 0.96, 0.28]]):
         m = [[dot(row, [k[j] for k in m]) for j in range(3)] for row in r]
     return [row + [shift] for row, shift in zip(m, (1.0, 2.0, -3.0))]
@@ -92,8 +93,8 @@ def transforms(shape):
 
 def tables():
     table = Table("emitting_sides", """
-Area lights under the transform m: which shape, with which normals, reversed or not; whether light reaches (x, y, z),
-and whether it would by the cross product in the world alone, turned by ReverseOrientation.
+Area lights under the transform m: the shape, its normals, reversed or not; whether light reaches (x, y, z), and whether
+it would by the cross product in world space alone, reversed by ReverseOrientation.
 """, "shape normals reversed m00 m01 m02 m03 m10 m11 m12 m13 m20 m21 m22 m23 x y z lit by_winding")
     for shape, (at, outward, *receivers) in SURFACES.items():
         for name in NORMALS if shape in FLAT else ["none"]:

@@ -1,4 +1,4 @@
-"""Rows 1 and 2: the cone that a sphere subtends, by its half-angle and not by sines and cosines of the code."""
+"""Rows 1 and 2: the cone that a sphere subtends, from its half-angle.  The code uses sines and cosines."""
 from mpmath import asin, mpf, pi, sin
 
 from polygons import combine, dot, norm, unit, vec
@@ -18,8 +18,8 @@ uniform density in it [1/sr].
     yield cone
 
     near = Table("sphere_near", """
-A sphere about the origin seen from just outside, the relative gap about what is said: half-angle of its cone as above,
-density in it [1/sr], irradiance from radiance 1 on a surface that faces the centre up to rounding [lx].
+A sphere about the origin seen from just outside, at about the given relative gap: half-angle of its cone as in
+sphere_cone, density in it [1/sr], irradiance from radiance 1 on a surface that faces the centre up to rounding [lx].
 """, "radius_m gap receiver_x receiver_y receiver_z normal_x normal_y normal_z pdf_per_sr irradiance_lx")
     axis = unit([0.36, -0.48, 0.8])
     for decade in range(-6, 7, 2):

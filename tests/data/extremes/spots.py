@@ -1,6 +1,6 @@
-"""Rows 10, 11 and 12: spots, their angles from the chord between unit vectors, cosines as plain differences.
+"""Rows 10, 11 and 12: spots, with angles from the chord between unit vectors and cosines as plain differences.
 
-In 120 digits, so that what cancels leaves enough.  Powers are integrated over the angle numerically.
+Computed in 120 digits, so that enough are left after cancellation.  Powers are integrated over the angle numerically.
 """
 from functools import cache
 
@@ -16,7 +16,7 @@ def dot(a, b):
 
 
 def angle_between(a, b):
-    """By the chord between the unit vectors."""
+    """Angle, from the chord between the unit vectors."""
     a, b = [[mpf(x) / sqrt(dot(v, v)) for x in v] for v in (a, b)]
     chord = [x - y for x, y in zip(a, b)]
     return 2 * asin(sqrt(dot(chord, chord)) / 2)
@@ -27,7 +27,7 @@ def smoothstep(x):
 
 
 def share(angle, start, cone, profile=smoothstep):
-    """Of the intensity: a profile of the cosine.  [Pharr23, 12.2.1]"""
+    """Share of the intensity, a profile of the cosine.  [Pharr23, 12.2.1]"""
     if angle <= start:
         return mpf(1)
     if angle >= cone:
@@ -37,14 +37,14 @@ def share(angle, start, cone, profile=smoothstep):
 
 @cache
 def solid_angle(start, cone, profile=smoothstep):
-    """The integral of the share over all directions, ring by ring."""
+    """Integral of the share over all directions, ring by ring."""
     within = quad(sin, [0, start], method="gauss-legendre")
     edge = quad(lambda t: sin(t) * share(t, start, cone, profile), [start, cone], method="gauss-legendre")
     return 2 * pi * (within + edge)
 
 
 def off_axis(axis, across, angle, distance):
-    """About `distance` from the light, `angle` off its axis, as doubles; `across` at right angles to the axis."""
+    """A point in double about `distance` from the light, `angle` off its axis towards `across` at right angles to it."""
     along = [mpf(distance) * x / sqrt(dot(axis, axis)) for x in axis]
     aside = [mpf(distance) * x / sqrt(dot(across, across)) for x in across]
     return [float(a * cos(angle) + b * mp.sin(angle)) for a, b in zip(along, aside)]
@@ -56,7 +56,7 @@ AXES = [((0.0, 0.0, -1.0), (1.0, 0.0, 0.0)), ((3.0, -4.0, 12.0), (4.0, 3.0, 0.0)
 def cones():
     table = Table("spot_cones", """
 Spots at the origin, of intensity 1 along (ax, ay, az), full to `start` and dark from `cone`, seen from (x, y, z):
-illuminance on what faces them [lx], density of rays that leave them in that direction [1/sr], and power [lm].
+illuminance on a surface that faces them [lx], density of rays that leave them in that direction [1/sr], and power [lm].
 """, "cone_deg cone_rad start_rad ax ay az x y z value_lx per_sr power_lm")
     for degrees in (60.0, 1.0, 0.05, 0.01, 1e-3, 1e-5, 1e-7, 1e-9, 1e-12, 1e-15):
         cone = degrees * DEGREE
@@ -65,7 +65,7 @@ illuminance on what faces them [lx], density of rays that leave them in that dir
             for part in (0.0, 0.25, 0.55, 0.75, 0.9):
                 p = off_axis(axis, across, mpf(cone) * part, 3.0)
                 angle = angle_between(axis, p)
-                # Doubles tell no direction so close to an axis of three digits or more.
+                # No double direction is so close to an axis with components of three digits or more.
                 if angle > mpf(cone) * 0.95:
                     continue
                 lit, sr = share(angle, mpf(start), mpf(cone)), solid_angle(mpf(start), mpf(cone))
@@ -74,7 +74,7 @@ illuminance on what faces them [lx], density of rays that leave them in that dir
 
 
 def angle_of_share(u, start, cone):
-    """Within it lies the share `u` of the light: by Newton's method, the light nearer to the axis integrated."""
+    """The angle that contains the share `u` of the light, by Newton's method on the integral from the axis."""
     whole = solid_angle(start, cone)
     within = lambda t: 2 * pi * (quad(sin, [0, min(t, start)], method="gauss-legendre")
                                  + quad(lambda a: sin(a) * share(a, start, cone), [start, max(t, start)],
@@ -112,7 +112,7 @@ the share `u` of the light lies, and power [lm].
 def edges():
     table = Table("spot_edges", """
 Spots at the origin, of intensity 1 along -z, whose edge is `delta` wide: from full at `start` to dark at `cone`.  At
-(x, 0, z), a part of the way through it, the illuminance on what faces them [lx]; and their power [lm].
+(x, 0, z), part of the way through it, the illuminance on a surface that faces them [lx]; and their power [lm].
 """, "delta_rad cone_rad start_rad part x z value_lx power_lm")
     for degrees in (0.5, 30.0, 89.9999, 120.0, 179.9):
         cone = degrees * DEGREE
@@ -131,7 +131,7 @@ Spots at the origin, of intensity 1 along -z, whose edge is `delta` wide: from f
 
 def narrowest():
     table = Table("spot_narrowest_edges", """
-The power [lm] of spots of intensity 1 with the narrowest edges that doubles tell, and without an edge.
+The power [lm] of spots of intensity 1 with the narrowest edges that doubles can hold, and without an edge.
 """, "cone_rad start_rad power_lm")
     for degrees in (1e-5, 0.5, 30.0, 89.9999, 120.0, 179.9, 180.0):
         cone = degrees * DEGREE if degrees < 180 else 3.141592653589793
@@ -150,7 +150,7 @@ Spots at the origin, of intensity 1 along -z: illuminance [lx] at (x, 0, z), and
             cone, start = mpf(degrees) * pi / 180, mpf(degrees - delta) * pi / 180
             for at in (0.0, 45.0, 89.0, 91.0, 119.0, 121.0, 179.0, 180.0):
                 angle = mpf(at) * pi / 180
-                # As float coordinates, which requests have.
+                # In float coordinates, as in requests.
                 x, z = float(round(1024 * mp.sin(angle))), float(round(-1024 * cos(angle)))
                 lit = share(angle_between((0.0, 0.0, -1.0), (x, 0.0, z)), start, cone)
                 table.add(degrees, delta, x, z, lit / dot((x, z), (x, z)), solid_angle(start, cone))
@@ -160,12 +160,12 @@ Spots at the origin, of intensity 1 along -z: illuminance [lx] at (x, 0, z), and
 def backs():
     table = Table("spot_backs", """
 Spots at the origin, of intensity 1 along (ax, ay, az), that shine almost everywhere: full to `start` and dark from `cone`,
-which is about `dark` from the back.  Illuminance [lx] at (x, y, z), about `behind` off the back.
+which is about `dark` from the backward direction.  Illuminance [lx] at (x, y, z), about `behind` off that direction.
 """, "dark_rad cone_rad start_rad ax ay az behind_rad x y z value_lx")
     whole = 3.141592653589793
     for dark in (1e-2, 1.1e-3, 9e-4, 1e-4, 1e-6, 1e-9, 1e-12, 0.0):
         cone = float(pi - dark) if dark else whole
-        # The double nearest to pi means pi.
+        # The double nearest to pi stands for pi.
         edge = pi - mpf(cone) if dark else mpf(0)
         for delta in (0.0, 1e-3, cone):
             start = cone - delta
@@ -175,8 +175,8 @@ which is about `dark` from the back.  Illuminance [lx] at (x, y, z), about `behi
                 places += [mpf(10) ** -k for k in (15, 12, 9, 6)] + [mpf("0.003")]
                 for behind in places:
                     p = off_axis([-a for a in axis], across, behind, 3.0)
-                    # What the doubles hold, and not what it was to be; they tell no direction so close to an axis
-                    # of three digits or more, nor on which side of the edge one is that is all but in it.
+                    # The angle of the rounded point replaces the intended one.  Points are left out where doubles are too
+                    # coarse: so close to an axis with components of three digits or more, or nearly in the edge.
                     back = angle_between([-a for a in axis], p)
                     if abs(back - behind) > behind / 1000 or abs(back - edge) < edge / 200:
                         continue

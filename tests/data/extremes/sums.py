@@ -1,4 +1,4 @@
-"""Row 24: means of very many samples of two sizes, counted and not added up."""
+"""Row 24: means of very many samples of two sizes, from their counts instead of sums."""
 from mpmath import mpf
 
 from table import Table
@@ -11,7 +11,7 @@ The mean of `count` samples: number i is `large` where i modulo `period` is `off
     many, whole = 10**8, 2**30
     for count, large, small, period, offset in (
             (whole, 0.1, 0.1, 1, 0),  # stalls in float at 2^21
-            (whole, 1e30, 1.0, whole, 0),  # one among 1e9, at first and at last
+            (whole, 1e30, 1.0, whole, 0),  # one among 1e9, at the beginning and at the end
             (whole, 1e30, 1.0, whole, whole - 1),
             (many, 16777216.0, 1.0, many, 0),  # in float each 1 is lost
             (many, 0.7, 1e-8, 1000, 3),

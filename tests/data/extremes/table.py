@@ -1,4 +1,4 @@
-"""What the scripts of this folder share: 60 digits, floats as floats hold them, and tables."""
+"""Shared by the scripts of this folder: 60 digits, rounding to floats, and tables."""
 import pathlib
 import struct
 
@@ -22,7 +22,7 @@ class Table:
         self.name, self.about, self.columns, self.rows = name, about, columns.split(), []
 
     def add(self, *values):
-        """Inputs as Python numbers or words, references as mpf."""
+        """Adds a row: inputs as Python numbers or words, references as mpf."""
         assert len(values) == len(self.columns), values
         self.rows.append([v if isinstance(v, str) else _text(v) for v in values])
 

@@ -67,7 +67,7 @@ void extreme_sample_values_give_valid_samples(const LightCase& c) {
   }
 }
 
-void receivers_that_are_no_numbers_give_a_reason(const LightCase& c) {
+void receivers_that_are_not_finite_give_a_reason(const LightCase& c) {
   const auto light = c.make<float>({});
   for (const float bad : {NAN, INFINITY, -INFINITY}) {
     for (const Vec3<float>& r : {Vec3<float>{bad, 0, 0}, {0, bad, 0}, {0, 0, bad}}) {

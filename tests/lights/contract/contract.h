@@ -63,7 +63,7 @@ namespace any_light {
 void samples_agree_with_evaluation(const LightCase& c);
 void float_agrees_with_double(const LightCase& c);
 void extreme_sample_values_give_valid_samples(const LightCase& c);
-void receivers_that_are_no_numbers_give_a_reason(const LightCase& c);
+void receivers_that_are_not_finite_give_a_reason(const LightCase& c);
 void power_equals_quadrature(const LightCase& c);
 void rigid_motion_changes_only_the_frame(const LightCase& c);
 void scaling_by_powers_of_two_changes_no_bit(const LightCase& c);
@@ -107,8 +107,8 @@ TYPED_TEST_P(AnyLight, ExtremeSampleValuesGiveValidSamples) {
   any_light::extreme_sample_values_give_valid_samples(light_case<TypeParam>());
 }
 
-TYPED_TEST_P(AnyLight, ReceiversThatAreNoNumbersGiveAReason) {
-  any_light::receivers_that_are_no_numbers_give_a_reason(light_case<TypeParam>());
+TYPED_TEST_P(AnyLight, ReceiversThatAreNotFiniteGiveAReason) {
+  any_light::receivers_that_are_not_finite_give_a_reason(light_case<TypeParam>());
 }
 
 TYPED_TEST_P(AnyLight, PowerEqualsQuadrature) {
@@ -125,7 +125,7 @@ TYPED_TEST_P(AnyLight, ScalingByPowersOfTwoChangesNoBit) {
 
 REGISTER_TYPED_TEST_SUITE_P(AnyLight, SamplesAgreeWithEvaluation, FloatAgreesWithDouble,
                             ExtremeSampleValuesGiveValidSamples,
-                            ReceiversThatAreNoNumbersGiveAReason, PowerEqualsQuadrature,
+                            ReceiversThatAreNotFiniteGiveAReason, PowerEqualsQuadrature,
                             RigidMotionChangesOnlyTheFrame, ScalingByPowersOfTwoChangesNoBit);
 
 template <typename Case>

@@ -263,13 +263,13 @@ INSTANTIATE_TYPED_TEST_SUITE_P(Area, EmittingSurface, AreaCases);
 using AreasInClosedForm = ::testing::Types<TriangleCase, BoxCase>;
 INSTANTIATE_TYPED_TEST_SUITE_P(Area, LightWithIrradiance, AreasInClosedForm);
 
-TEST(LightWithIrradiance, WhatIsCutOrBentHasNone) {
+TEST(LightWithIrradiance, CutOrBentShapesHaveNone) {
   EXPECT_TRUE(has_irradiance<TriangleCase>());
   EXPECT_FALSE(has_irradiance<DiskCase>());
   EXPECT_FALSE(has_irradiance<PatchCase>());
 }
 
-TEST(LightWithIrradiance, OnlyWhatIsInSeveralPlanesHidesItself) {
+TEST(LightWithIrradiance, OnlyLightsInSeveralPlanesHideThemselves) {
   EXPECT_TRUE(BoxCase::make<double>({}).hides_itself());
   // Turned and shifted, so that no corner is quite in the plane of the others.
   EXPECT_FALSE(TriangleCase::make<double>(moved()).hides_itself());

@@ -69,7 +69,7 @@ void extreme_sample_values_give_valid_rays(const LightCase& c) {
   }
 }
 
-void rays_of_others_have_no_density(const LightCase& c) {
+void rays_of_other_lights_have_no_density(const LightCase& c) {
   const auto light = c.make<float>({});
   const SceneSphere scene = c.scene();
   RandomU random(12);

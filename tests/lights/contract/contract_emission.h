@@ -57,7 +57,7 @@ void rays_agree_with_evaluation(const LightCase& c);
 void float_rays_agree_with_their_densities(const LightCase& c);
 void mean_of_rays_is_the_power(const LightCase& c);
 void extreme_sample_values_give_valid_rays(const LightCase& c);
-void rays_of_others_have_no_density(const LightCase& c);
+void rays_of_other_lights_have_no_density(const LightCase& c);
 void approximate_power_states_its_error(const LightCase& c);
 }  // namespace emitting_light
 
@@ -106,8 +106,8 @@ TYPED_TEST_P(EmittingLight, ExtremeSampleValuesGiveValidRays) {
   emitting_light::extreme_sample_values_give_valid_rays(light_case<TypeParam>());
 }
 
-TYPED_TEST_P(EmittingLight, RaysOfOthersHaveNoDensity) {
-  emitting_light::rays_of_others_have_no_density(light_case<TypeParam>());
+TYPED_TEST_P(EmittingLight, RaysOfOtherLightsHaveNoDensity) {
+  emitting_light::rays_of_other_lights_have_no_density(light_case<TypeParam>());
 }
 
 TYPED_TEST_P(EmittingLight, ApproximatePowerStatesItsError) {
@@ -116,7 +116,7 @@ TYPED_TEST_P(EmittingLight, ApproximatePowerStatesItsError) {
 
 REGISTER_TYPED_TEST_SUITE_P(EmittingLight, RaysAgreeWithEvaluation,
                             FloatRaysAgreeWithTheirDensities, MeanOfRaysIsThePower,
-                            ExtremeSampleValuesGiveValidRays, RaysOfOthersHaveNoDensity,
+                            ExtremeSampleValuesGiveValidRays, RaysOfOtherLightsHaveNoDensity,
                             ApproximatePowerStatesItsError);
 
 template <typename Case>

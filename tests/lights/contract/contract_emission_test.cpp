@@ -144,7 +144,7 @@ TEST(EmissionCheckers, RejectAnErrorThatIsStatedTooSmall) {
   EXPECT_FALSE(check_stated_error({Rgb<double>(11), 0.99}, Rgb<double>(10), 1e-9).ok());
 }
 
-TEST(EmissionCheckers, RejectRaysOfNumbersThatAreNone) {
+TEST(EmissionCheckers, RejectRaysWithInvalidNumbers) {
   const auto broken = [](auto&& change) {
     auto s = SquareRays{}({0.25F, 0.75F}, {0.5F, 0.25F});
     change(s);

@@ -84,7 +84,7 @@ TEST(ContractCheckers, RejectAValueOrADensityThatDisagrees) {
                    .ok());
 }
 
-TEST(ContractCheckers, RejectNumbersThatAreNone) {
+TEST(ContractCheckers, RejectInvalidNumbers) {
   const auto broken = [](auto&& change) {
     LightSample<float> s = SquareSampler()({0.25F, 0.75F});
     change(s);

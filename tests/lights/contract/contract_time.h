@@ -142,7 +142,7 @@ TYPED_TEST_P(MovingLight, KeepsItsBitsWhereItDoesNotMove) {
   }
 }
 
-TYPED_TEST_P(MovingLight, ReceiversThatAreNoNumbersGiveAReason) {
+TYPED_TEST_P(MovingLight, ReceiversThatAreNotFiniteGiveAReason) {
   const auto light = TypeParam::template make<float>(keys()[0].world_from_light);
   const Posed<float, std::remove_const_t<decltype(light)>> posed(light,
                                                                  Motion::create(keys())->at(1));
@@ -216,7 +216,7 @@ TYPED_TEST_P(MovingLight, EmitsAsTheLightCreatedWhereItStands) {
 // A float far from zero is coarser than the light about its own origin by the distance over the
 // light's size: positions must be found all the same.  (Rays from infinity start at the scene's own
 // sphere, which a scene's origin is never far from.)
-TYPED_TEST_P(MovingLight, KnowsItsOwnPositionsFarOff) {
+TYPED_TEST_P(MovingLight, FindsItsOwnPositionsFarFromTheOrigin) {
   const auto first = TypeParam::template make<float>(keys()[0].world_from_light);
   const bool is_portal = requires { first.params().corners_m; };
   if (!first.bounds() && !is_portal) return;
@@ -271,8 +271,8 @@ TYPED_TEST_P(MovingLight, BoundsHoldWhatLeavesItAtTheTime) {
 }
 
 REGISTER_TYPED_TEST_SUITE_P(MovingLight, EqualsTheLightCreatedWhereItStands,
-                            KeepsItsBitsWhereItDoesNotMove, ReceiversThatAreNoNumbersGiveAReason,
-                            EmitsAsTheLightCreatedWhereItStands, KnowsItsOwnPositionsFarOff,
-                            BoundsHoldWhatLeavesItAtTheTime);
+                            KeepsItsBitsWhereItDoesNotMove, ReceiversThatAreNotFiniteGiveAReason,
+                            EmitsAsTheLightCreatedWhereItStands,
+                            FindsItsOwnPositionsFarFromTheOrigin, BoundsHoldWhatLeavesItAtTheTime);
 
 }  // namespace lucerna::testing

@@ -211,7 +211,7 @@ TEST(LightTreeExtremes, ScenesOfAnyScale) {
 TEST(LightTreeExtremes, AMillionLightsInALine) {
   Sweep sweep(15, "a million lights in a line, each by the same factor farther off than the last",
               "distances 2^-100 ... 1, 1e-30 ... 1e30 m; powers alike and as distance squared",
-              "choices that are invalid or are not told with their own probability");
+              "choices that are invalid or reported with a wrong probability");
   std::int64_t wrong = 0, asked = 0;
   RandomU random(15);
   // Powers that fall with the distance: each split then leaves most of the extent to one side, and

@@ -110,7 +110,7 @@ std::vector<double> expected_counts(const Light& light, const Receiver<Served>& 
 TEST(RectangleExtremes, SamplesOfEdgeOnRectanglesFollowTheirDensity) {
   Sweep sweep(5, "rectangle of few steradians, the eye nearly in its plane",
               "1e-8 ... 3e-3 sr, on both sides of the threshold",
-              "chi-square of 40000 samples by the density told");
+              "chi-square of 40000 samples by the reported density");
   const ReferenceTable table("edge_on_rectangles");
   for (const auto& row : table.rows()) {
     const auto light = light_in(row);

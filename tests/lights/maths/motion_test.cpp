@@ -148,7 +148,7 @@ TEST(Motion, BoundsHoldWhatASweptBoxReaches) {
   }
 }
 
-TEST(Motion, RefusesWhatIsNoRigidMotion) {
+TEST(Motion, RefusesMotionsThatAreNotRigid) {
   const auto message = [](std::vector<KeyTransform> keys) {
     const auto motion = Motion::create(keys);
     EXPECT_EQ(motion.status().code(), absl::StatusCode::kInvalidArgument);

@@ -117,7 +117,7 @@ TEST(Transform, MirrorsSwapHandedness) {
   EXPECT_FALSE(Transform::rotate(3, {1, 2, 3})->swaps_handedness());
 }
 
-TEST(Transform, UniformScaleIsToldOnlyWhereThereIsOne) {
+TEST(Transform, UniformScaleExistsOnlyForEqualFactors) {
   const Transform turn = *Transform::rotate(1, {1, 2, 3});
   EXPECT_EQ(Transform::scale({0.1, 0.1, -0.1})->uniform_scale(), 0.1);
   EXPECT_NEAR((turn * *Transform::scale({4, 4, 4})).uniform_scale().value_or(0), 4, 1e-14);

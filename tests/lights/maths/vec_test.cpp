@@ -53,7 +53,7 @@ TEST(Vec3, ScalingIsByPowersOfTwoAtEveryMagnitude) {
   }
 }
 
-TEST(Vec3, LargestComponentIsOfThoseThatAreNumbers) {
+TEST(Vec3, LargestComponentIgnoresNaN) {
   EXPECT_EQ(max_abs(V(1, -3, 2)), 3);
   EXPECT_EQ(max_abs(V(-0.0F, 0, 0)), 0);
   for (const V& v : {V(NAN, 2, -3), V(2, NAN, -3), V(-3, 2, NAN), V(NAN, NAN, 3), V(3, NAN, NAN)})
@@ -62,7 +62,7 @@ TEST(Vec3, LargestComponentIsOfThoseThatAreNumbers) {
   EXPECT_EQ(max_abs(V(NAN, NAN, NAN)), 0);
 }
 
-TEST(Vec3, FiniteIsWhatHasFiniteComponents) {
+TEST(Vec3, IsFiniteIfAllComponentsAre) {
   constexpr float kMax = std::numeric_limits<float>::max(), kInf = INFINITY;
   for (const V& v : {V(1, -3, 2), V(0, 0, 0), V(kMax, kMax, 0), V(-kMax, -kMax, -kMax)})
     EXPECT_TRUE(is_finite(v)) << v.x << " " << v.y << " " << v.z;
@@ -71,7 +71,7 @@ TEST(Vec3, FiniteIsWhatHasFiniteComponents) {
     EXPECT_FALSE(is_finite(v)) << v.x << " " << v.y << " " << v.z;
 }
 
-TEST(Vec3, LengthOfWhatIsNoNumberIsNone) {
+TEST(Vec3, LengthOfNonFiniteVectorsIsNotFinite) {
   EXPECT_FALSE(std::isfinite(length(V(NAN, 0, 0))));
   EXPECT_FALSE(std::isfinite(length(V(1, 0, INFINITY))));
   EXPECT_FALSE(std::isfinite(length(Vec3<double>(0, NAN, 0))));
@@ -96,7 +96,7 @@ TYPED_TEST(NormalizedTest, IsOfUnitLengthAtEveryScaleAndTheSameBits) {
   }
 }
 
-TYPED_TEST(NormalizedTest, KeepsZeroAndSpreadsWhatIsNoNumber) {
+TYPED_TEST(NormalizedTest, KeepsZeroAndPropagatesNaN) {
   using Real = TypeParam;
   EXPECT_EQ(normalized(Vec3<Real>()), Vec3<Real>());
   EXPECT_FALSE(is_finite(normalized(Vec3<Real>(1, Real(INFINITY), 0))));

@@ -128,7 +128,7 @@ TEST(AreaLight, ReceiverOnTheLightIsDegenerate) {
     EXPECT_EQ(light.sample_li(r, {0.125, 0.75}).reason, NoLight::kBehind) << r.x;
 }
 
-TEST(AreaLight, NoNumberComesOfReceiversThatAreNone) {
+TEST(AreaLight, ReceiversThatAreNotFiniteGiveNoLight) {
   const auto sphere = *AreaLight<float, Sphere>::create({kLevel}, *Sphere<float>::create({}));
   for (const float bad : {NAN, INFINITY, -INFINITY}) {
     const auto s = sphere.sample_li({0, bad, 0}, {0.5F, 0.5F});

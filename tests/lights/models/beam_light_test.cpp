@@ -60,7 +60,7 @@ TEST(BeamLight, KeepsItsRaysWhereTheRectangleIsNarrowerThanARounding) {
   }
 }
 
-TEST(BeamLight, SaysWhyThereIsNoLight) {
+TEST(BeamLight, GivesTheReasonForNoLight) {
   auto p = beam();
   p.image = *Image::create(2, 1, {Rgb<float>(0), Rgb<float>(1)});
   const auto l = *BeamLight<float>::create(p);

@@ -57,7 +57,7 @@ TEST(GoniometricLight, ShinesAlongItsZAxisAndTurnsWithItsAxes) {
   EXPECT_NEAR(mirrored.intensity({0, 0, -1}).r, 1, 1e-12);
 }
 
-TEST(GoniometricLight, RefusesWhatItCannotBe) {
+TEST(GoniometricLight, RefusesParametersOutsideTheirDomain) {
   const GoniometricLightParams good{.intensity = Rgb<double>(1), .web = compass()};
   EXPECT_EQ(error(good), "");
   auto p = good;

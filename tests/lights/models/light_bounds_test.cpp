@@ -96,7 +96,7 @@ TEST(LightBounds, ReachesWhateverARayFromTheBoxInTheConeMeets) {
   expect_reaches_what_a_ray_meets<double>(1e9);
 }
 
-TEST(LightBounds, ReceiversThatAreNoNumbersAreNotLeftOut) {
+TEST(LightBounds, ReceiversThatAreNotFiniteAreNotLeftOut) {
   const LightBounds<float> bounds{{0, 0, 0}, {1, 1, 1}, {0, 0, 1}, 1};
   EXPECT_TRUE(bounds.reaches({NAN, 0, 0}));
 }

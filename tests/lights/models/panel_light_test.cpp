@@ -141,7 +141,7 @@ double flux_along_plane(const AreaLight<double, PanelPatchMesh>& panel, double w
   return sum * panel.area_m2() * 4 * kPi * std::sin(width) / (kSide * kSide * kHeights * kAzimuths);
 }
 
-TEST(PanelLight, FluxOfOneThatIsNotQuiteFlatSaysWhatTheHorizonMayTakeOrAdd) {
+TEST(PanelLight, FluxOfABentPanelHasTheErrorOfItsHorizon) {
   // 20 cd down to the mean plane or from there on, and nothing on its other side.
   const auto lit = [](PhotometricType type, std::vector<double> vertical, std::vector<double> cd) {
     PhotometricWebParams params{type, std::move(vertical), {0}, cd};

@@ -165,7 +165,7 @@ TEST(ProjectionLight, OneTexelOfABillionLeavesTheOthersTheirShare) {
   EXPECT_EQ(l.sample_le({}, {0.5, 0.5}, kScene).value, Rgb<double>(1e9F));
 }
 
-TEST(ProjectionLight, SaysWhyThereIsNoLight) {
+TEST(ProjectionLight, GivesTheReasonForNoLight) {
   const auto l = *ProjectionLight<float>::create(
       thrown({.image = image(2, 1, {Rgb<float>(0), Rgb<float>(1)}), .fov_rad = 1, .aspect = 2}));
   EXPECT_EQ(l.sample_li({0, 0, 0}, {}).reason, NoLight::kDegenerate);

@@ -57,7 +57,7 @@ TEST(SpotLight, SampleIsIntensityOverDistanceSquared) {
   EXPECT_EQ(s.distance, 5);
 }
 
-TEST(SpotLight, ReceiversOutsideOfTheConeAreTold) {
+TEST(SpotLight, ReceiversOutsideTheConeGiveAReason) {
   const auto light = make<float>(degrees(30), degrees(25));
   const auto s = light.sample_li({1, 0, -1}, {});
   EXPECT_EQ(s.reason, NoLight::kOutsideCone);

@@ -82,7 +82,7 @@ TEST(SunLight, IsDarkBesideItsDisk) {
   EXPECT_EQ(sun.pdf_li({0, 0, 0}, {NAN, 0, 1}).per_sr, 0);
 }
 
-TEST(SunLight, RefusesWhatItCannotBe) {
+TEST(SunLight, RefusesParametersOutsideTheirDomain) {
   const auto error = [](const SunLightParams& p) {
     return std::string(SunLight<float>::create(p).status().message());
   };

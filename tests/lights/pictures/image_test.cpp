@@ -94,7 +94,7 @@ TEST(Image, OneTexelIsTheSameEverywhere) {
         EXPECT_EQ(image->lookup({x, 1 - x}, filter, border).r, 3);
 }
 
-TEST(Image, CreateNamesTheTexelThatIsNone) {
+TEST(Image, CreateNamesTheInvalidTexel) {
   std::vector<Rgb<float>> texels(6, Rgb<float>(1));
   texels[4].g = NAN;
   EXPECT_THAT(std::string(Image::create(3, 2, texels).status().message()),

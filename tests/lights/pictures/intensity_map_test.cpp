@@ -119,7 +119,7 @@ TEST(IntensityMap, ConeHoldsAllLightAndLittleMore) {
             1e-12);
 }
 
-TEST(IntensityMap, BlackPicturesAndThoseThatAreNoMaps) {
+TEST(IntensityMap, BlackPicturesAndInvalidMaps) {
   const auto black = *IntensityMap::create(image(2, 2, std::vector<Rgb<float>>(4)),
                                            SphereMapping::kEqualArea, ImageFilter::kNearest);
   EXPECT_EQ(black->flux_lm(), 0);

@@ -327,7 +327,7 @@ TEST(PhotometricWeb, ConeHoldsAllLightAndNoMoreThanItsCells) {
   EXPECT_EQ(above->cone().axis, Vec3<double>(0, 0, -1));
 }
 
-TEST(PhotometricWeb, RefusesWhatIsNoGrid) {
+TEST(PhotometricWeb, RefusesInvalidGrids) {
   using enum PhotometricType;
   EXPECT_THAT(error({kC, {0}, {0}, {1}}), HasSubstr("1 vertical angles, allowed: 2 or more"));
   EXPECT_THAT(error({kC, {0, 90}, {}, {}}), HasSubstr("0 horizontal angles"));

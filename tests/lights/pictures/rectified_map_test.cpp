@@ -72,7 +72,7 @@ constexpr OfACell kCells[] = {{1, 0, 0, 3.1415926535897932385},
                               {4096, 1024, 1024, 2.6158893483757891912e-7},
                               {4096, 2047, 2047, 5.882740336895847253e-7}};
 
-TEST(RectifiedCells, AreThoseOfTheFormFactorWhereItsDifferencesCancelToo) {
+TEST(RectifiedCells, EqualTheFormFactorEvenWhereItsDifferencesCancel) {
   for (const OfACell& cell : kCells) {
     const RectifiedCells cells(cell.n);
     // From every corner, and with the axes exchanged.

@@ -108,7 +108,7 @@ TEST(BilinearPatch, AreaByQuadratureIsWithinItsError) {
   EXPECT_EQ(kTrapezoid.measure().error_m2, 0);
 }
 
-TEST(BilinearPatch, WhatIsFlatOrBentIsSoAtAnySize) {
+TEST(BilinearPatch, FlatAndBentDoNotDependOnSize) {
   for (const double size : {1e-90, 1e-45, 1.0, 1e40, 1e85}) {
     const auto scaled = [size](BilinearPatch<double> p) {
       for (auto* corner : {&p.p00, &p.p10, &p.p01, &p.p11}) *corner = *corner * size;

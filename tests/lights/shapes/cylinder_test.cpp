@@ -26,7 +26,7 @@ TEST(Cylinder, AreaUnderEqualScaleAcrossAndAnyAlong) {
   EXPECT_NEAR(part.area(), 4 * 7.5, 1e-13);
 }
 
-TEST(Cylinder, WhatMakesItsAreaUnevenCannotEmitAndSaysWhy) {
+TEST(Cylinder, MapsThatMakeAreaUnevenCannotEmitAndSayWhy) {
   const auto refusal = [](const Transform& map) {
     const auto cylinder = *Cylinder<float>::create({.world_from_object = map});
     EXPECT_EQ(cylinder.area(), 0);
@@ -96,7 +96,7 @@ TEST(Cylinder, NormalsPointOutwardsThroughMirrorsTooUnlessReversed) {
   EXPECT_EQ(normal(*Transform::scale({-1, 1, 1}), false), Vec3<double>(-1, 0, 0));
 }
 
-TEST(Cylinder, RaysHitBothSidesAndPassWhatIsNotThere) {
+TEST(Cylinder, RaysHitBothSidesAndPassThroughCuts) {
   const auto tube = *Cylinder<double>::create(
       {.radius_m = 2, .z_min_m = 0, .z_max_m = 3, .phi_max_rad = 1.5 * kPi});
   // Along -x at y = 1, direction of length 2: at x = +-sqrt 3.

@@ -259,7 +259,7 @@ TEST(Painted, TrianglesOfAnySizeShowThePictureAtItsPlace) {
   }
 }
 
-TEST(Painted, AZoneThinnerThanItsAnglesTellIsAPicturesToo) {
+TEST(Painted, AZoneThinnerThanItsAnglesShowsThePicture) {
   for (double z = 0.4; z < 0.6; z += 0.01) {
     const auto sphere = *Sphere<double>::create({.z_min_m = z, .z_max_m = std::nextafter(z, 1.0)});
     const auto shape = *PaintedSphere<double>::create(sphere, grey(1, 2, {2, 2}));
@@ -279,7 +279,7 @@ TEST(Painted, AFoldedPatchIsSampledByArea) {
   EXPECT_FALSE(bow.is_by_picture());
 }
 
-TEST(Painted, CornersThatAreNoneAreRefused) {
+TEST(Painted, RefusesInvalidCorners) {
   const auto mesh = *TriangleMesh<float>::create({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}});
   const auto without = PaintedTriangleMesh<float>::create(mesh, grey(1, 1, {1}));
   EXPECT_THAT(std::string(without.status().message()),

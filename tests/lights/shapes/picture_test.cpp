@@ -49,7 +49,7 @@ TEST(MeanOverTriangle, TwoTrianglesMakeTheSquare) {
   }
 }
 
-TEST(MeanOverTriangle, OnALineCountsEachPlaceByThePointsThatHaveIt) {
+TEST(MeanOverTriangle, OnALineWeighsEachPlaceByItsPoints) {
   // Corners at 0, 1/4 and 1: beyond the middle lie (1/2)^2 / (3/4) = 1/3 of the triangle's points.
   const Picture halves = grey(2, 1, {1, 5});
   const Vec2<double> a{0, 0.5}, b{1, 0.5}, c{0.25, 0.5}, above{0.25, 0.5 + 1e-11};
@@ -69,7 +69,7 @@ TEST(MeanOverTriangle, OnALineCountsEachPlaceByThePointsThatHaveIt) {
               1e-13);
 }
 
-TEST(MeanOverTriangle, OfThinOnesIsAsExactAsOfOthers) {
+TEST(MeanOverTriangle, IsExactForThinTriangles) {
   // From 1e-7 to 1e-12 of their length wide, across a picture of 8 x 5 texels, and along lines
   // between its columns and rows; the means by cutting them in rational numbers.
   std::vector<float> texels;
@@ -137,7 +137,7 @@ TEST(MeanOverTriangle, OfThinOnesIsAsExactAsOfOthers) {
       }
 }
 
-TEST(MeanOverTriangle, AlongALineBetweenTexelsShowsThatWhichPointsOnItShow) {
+TEST(MeanOverTriangle, OnALineBetweenTexelsUsesTheTexelOfItsPoints) {
   const Picture four = grey(2, 2, {1, 2, 4, 8});
   for (const double width : {0.0, 0.25}) {
     const std::array<Vec2<double>, 3> upright{{{0.5, 0.5}, {0.5, 0.5 + width}, {0.5, 1}}};

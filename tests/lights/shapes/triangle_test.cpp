@@ -113,7 +113,7 @@ TEST(Triangle, RaysThroughACommonEdgeHitAtLeastOneOfTwo) {
   }
 }
 
-TEST(Triangle, HitsOutsideOfTheRangeInThePlaneOrOfNoNumberAreNone) {
+TEST(Triangle, RaysOutOfRangeInThePlaneOrNaNDoNotHit) {
   const Triangle<double> t{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   EXPECT_TRUE(t.intersect({0.25, 0.25, 2}, {0, 0, -1}, 1, 3));
   EXPECT_FALSE(t.intersect({0.25, 0.25, 2}, {0, 0, -1}, 2, 3));

@@ -208,7 +208,7 @@ TEST(Spectrum, ScaleOfSamplesChangesNothing) {
   }
 }
 
-TEST(Spectrum, WhatIsNoSpectrumIsRefused) {
+TEST(Spectrum, RefusesInvalidSpectra) {
   EXPECT_THAT(error(BlackBody{99}), HasSubstr("black body of 99 K, allowed: [100, 1e7] K"));
   EXPECT_THAT(error(BlackBody{NAN}), HasSubstr("allowed"));
   EXPECT_THAT(error(CieIlluminant{"F13"}), HasSubstr("unknown illuminant \"F13\", allowed: A B C"));

@@ -1,5 +1,5 @@
-// Whether intervals hold what they say they hold: many answers to the same question, with different
-// seeds, against the converged value.
+// Measures how often intervals hold the converged value: many answers to one query, with
+// different seeds, against the known value.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -16,20 +16,20 @@
 
 namespace lucerna::testing {
 
-/// How often each question is repeated: 1000 times, or as the environment says (`make soak`: 4000).
+/// Repeats of each query: 1000, or the number in the environment (`make soak`: 4000).
 inline std::uint64_t repeats() {
   const absl::StatusOr<std::uint64_t> n = whole_number_of("LUCERNA_REPEATS", 1000, 1000);
   if (!n.ok()) throw std::runtime_error(std::string(n.status().message()));
   return *n;
 }
 
-/// Answers to one question, whose converged value is `truth`.
+/// Answers to one query whose converged value is `truth`.
 class Coverage {
  public:
   explicit Coverage(double truth) : truth_(truth) {}
 
-  /// `widened`: the interval is, about its estimate.
-  void add(double estimate, const Interval& interval, double widened = 1) {
+  /// `widened`: factor of the interval's width about its estimate.
+  void add(double estimate, const ConfidenceInterval& interval, double widened = 1) {
     ++count_;
     const double off = (estimate - mean_) / static_cast<double>(count_);
     squares_ += (estimate - mean_) * (estimate - mean_ - off);
@@ -39,23 +39,25 @@ class Coverage {
   }
 
   double held() const { return static_cast<double>(held_) / static_cast<double>(count_); }
-  /// Of `share`, when it is that of so many repeats: four of these happen once in 16000 times.
+  /// The standard deviation of a measured `share`: four of these are exceeded by chance once
+  /// in 16000 times.
   double deviation_of(double share) const {
     return std::sqrt(share * (1 - share) / static_cast<double>(count_));
   }
-  /// At least 93%, as far as so many repeats can tell.
+  /// At least 93%, within the accuracy of the number of repeats.
   bool holds_enough() const { return held() >= 0.93 - slack(); }
-  /// At most 97%: wider intervals were not needed.
+  /// At most 97%: wider intervals are not needed.
   bool holds_no_more() const { return held() <= 0.97 + slack(); }
-  /// The mean of the answers, in their own standard errors off the converged value.
+  /// The difference of the answers' mean from the converged value, in standard errors of the
+  /// mean.
   double bias() const {
     const double n = static_cast<double>(count_);
     return (mean_ - truth_) / std::sqrt(squares_ / (n * (n - 1)));
   }
 
  private:
-  /// 4000 repeats are held to 93% and 97% themselves: an interval of just 95% is 5.8 of their
-  /// standard deviations away.  Fewer are allowed what keeps it so.
+  /// For 4000 repeats the limits are 93% and 97%: an interval of exactly 95% is 5.8 standard
+  /// deviations away from them.  Fewer repeats have wider limits at the same distance.
   double slack() const { return std::max(0.0, 5.8 * deviation_of(0.95) - 0.02); }
 
   double truth_;
@@ -66,10 +68,10 @@ class Coverage {
 /// An answer to a question: an estimate and the interval about it.
 struct Answer {
   double value = 0;
-  Interval interval;
+  ConfidenceInterval interval;
 };
 
-/// The i-th of repeats() answers is `ask(i)`; intervals are made `widened` times as wide.
+/// The i-th of repeats() answers is `ask(i)`.  Intervals are made `widened` times as wide.
 template <typename Ask>
 Coverage repeated(double truth, double widened, const Ask& ask) {
   std::vector<Answer> answers(repeats());
@@ -79,20 +81,20 @@ Coverage repeated(double truth, double widened, const Ask& ask) {
   return c;
 }
 
-/// For questions that many samples answer.
+/// For queries that many samples answer.
 inline void expect_covered(const Coverage& c, const std::string& what) {
   EXPECT_TRUE(c.holds_enough()) << what << ": " << c.held();
   EXPECT_TRUE(c.holds_no_more()) << what << ": " << c.held();
   EXPECT_LE(std::fabs(c.bias()), 4) << what;
 }
 
-/// For those of which few samples tell anything: intervals may be too wide.
+/// For queries where few samples count: intervals may be too wide.
 inline void expect_covered_at_least(const Coverage& c, const std::string& what) {
   EXPECT_TRUE(c.holds_enough()) << what << ": " << c.held();
   EXPECT_LE(std::fabs(c.bias()), 4) << what;
 }
 
-/// That intervals of a wrong variance are seen: `asked(widened)` has each that much wider.
+/// Checks that a wrong variance is noticed: `asked(widened)` has intervals with that factor.
 template <typename Asked>
 void expect_sees_wrong_widths(Asked&& asked) {
   const Coverage narrow = asked(0.6), wide = asked(1.8);
@@ -100,11 +102,11 @@ void expect_sees_wrong_widths(Asked&& asked) {
   EXPECT_FALSE(wide.holds_no_more()) << wide.held();
 }
 
-/// Of a question with a target error.
+/// For a query with a target error.
 inline constexpr std::size_t kTargetQuestions = 4000;
 
-/// That answers within 2% with 95% confidence are, for certain: of 95% just met, three standard
-/// deviations more.  `estimate(i)` is one of kTargetQuestions.
+/// Checks that 95% of the answers are within 2%: three standard deviations more than exactly
+/// 95%. `estimate(i)` answers one of kTargetQuestions.
 template <typename Estimate>
 void expect_reached(double truth, Estimate&& estimate, const std::string& what) {
   std::size_t reached = 0;

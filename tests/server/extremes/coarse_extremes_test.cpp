@@ -1,6 +1,6 @@
-// Row 22: points that are told coarsely, as floats far from their origin are, and surfaces far off
-// that are level with them to within that.  The error says which surface a point lies on; what it
-// does not lie on hides, wherever it is.
+// Row 22: points with coarse coordinates, such as floats far from their origin, and distant
+// surfaces that are level with them to within that error.  The error decides which surface a point
+// lies on.  Every other surface occludes, wherever it is.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -16,20 +16,20 @@ namespace {
 class CoarseExtremes : public RayCounts {};
 
 enum class Blocker { kNone, kTriangles, kPatch, kDisk };
-/// Of one shape, or of two that meet between points and blocker.
+/// Of one shape, or of two that meet between the points and the blocker.
 enum class Ground { kNone, kOne, kTwo };
 
 TriangleMeshData level(double x0, double x1, double half, double z) {
   return {{{x0, -half, z}, {x1, -half, z}, {x0, half, z}, {x1, half, z}}, {}, {0, 1, 2, 1, 3, 2}};
 }
 
-/// A blocker half an error above the ground, 20 to 130 errors off.
+/// A blocker half an error above the ground, at 20 to 130 errors' distance.
 std::shared_ptr<const Scene> coarse_scene(double error, Blocker blocker, Ground ground) {
   SceneDescription d = description();
   const double z = 0.5 * error, from = 20 * error, to = 130 * error, half = 60 * error;
   if (blocker == Blocker::kTriangles) d.shapes.push_back({level(from, to, half, z)});
   if (blocker == Blocker::kPatch)
-    // Bent by a part of the error: it stays a patch.
+    // Bent by a fraction of the error, so that it stays a patch.
     d.shapes.push_back(testing::patch({from, -half, z}, {to, -half, z}, {from, half, z},
                                       {to, half, z + 0.01 * error}));
   if (blocker == Blocker::kDisk)
@@ -45,8 +45,8 @@ std::shared_ptr<const Scene> coarse_scene(double error, Blocker blocker, Ground 
   return build(std::move(d));
 }
 
-/// Ways that climb by an error in 150, from points within a third of it about the ground, told as
-/// floats about a place `error` 2^21 away.
+/// Segments that climb by one error in 150, from points within a third of an error of the ground.
+/// The points are floats about a place 2^21 `error` away.
 struct Ways {
   Vec3<double> origin;
   std::vector<float> from, to, along, lengths;
@@ -61,7 +61,7 @@ Ways coarse_ways(double error, std::size_t n) {
   };
   for (std::size_t i = 0; i < n; ++i) {
     const auto share = [&](double a, double b) { return (a + (b - a) * uniform(random)) * error; };
-    // Of floats at that distance only some are there.
+    // Only some floats exist at that distance.
     const Vec3<double> p{0, share(-5, 5), share(-0.3, 0.3)},
         q{150 * error, share(-5, 5), share(0.8, 1.2)};
     put(ways.from, p - ways.origin), put(ways.to, q - ways.origin);
@@ -71,7 +71,7 @@ Ways coarse_ways(double error, std::size_t n) {
   return ways;
 }
 
-/// How many are visible, as segments and as rays.
+/// How many points are visible, by segments and by rays.
 std::int64_t visible(const Scene& scene, const Ways& ways) {
   const std::size_t n = ways.lengths.size();
   std::int64_t sum = 0;
@@ -89,9 +89,10 @@ std::int64_t visible(const Scene& scene, const Ways& ways) {
   return sum;
 }
 
-TEST_F(CoarseExtremes, WhatIsLevelWithAPointFarOffHides) {
-  Sweep sweep(22, "points told coarsely, and what is level with them 20 to 130 errors off",
-              "errors of 5e-27 ... 5e6 m", "overlooked, or the ground that they are on is not");
+TEST_F(CoarseExtremes, DistantSurfacesLevelWithAPointOcclude) {
+  Sweep sweep(22,
+              "points with coarse coordinates, and surfaces level with them 20 to 130 errors away",
+              "errors of 5e-27 ... 5e6 m", "such surfaces missed, or their own ground met");
   for (int exponent = -88; exponent <= 22; exponent += 10) {
     const double error = std::ldexp(1.0, exponent);
     const Ways ways = coarse_ways(error, 2000 * rays_times());

@@ -1,4 +1,4 @@
-// Row 34: triangles and patches that are degenerate, or nearly.
+// Row 34: triangles and patches that are degenerate or nearly so.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -69,7 +69,7 @@ TEST(DegenerateExtremes, DensityOfNeedles) {
       }
     const Vec3<float> p(point(row, "a")), q(point(row, "b")), r(point(row, "c")),
         eye(point(row, "e"));
-    // Area by Heron over squared distance, with the cosine.
+    // Heron's area over the squared distance, with the cosine.
     const Vec3<float> n = normalized(cross(q - p, r - p)), to = (p + q + r) / 3.0F - eye;
     const float d2 = dot(to, to);
     sweep.compare_textbook(d2 / (textbook_area(row) * std::fabs(dot(n, normalized(to)))),
@@ -78,16 +78,17 @@ TEST(DegenerateExtremes, DensityOfNeedles) {
   sweep.expect_within(1e-7);
 }
 
-/// A mesh of which few primitives are good: triangles or patches in the plane z = 0, lit above.
+/// A mesh with few valid primitives: triangles or patches in the plane z = 0, lit from above.
 struct Mesh {
   std::string shape;
   std::set<std::uint32_t> good;
-  double area;  // of them [m2]
+  double area;  // of the valid primitives [m2]
 };
 
 const std::vector<Mesh>& degenerate_meshes() {
   static const std::vector<Mesh> meshes{
-      // The same vertex twice, three times; on one line; two vertices at one place; at one point.
+      // The same vertex two or three times; vertices on one line; two vertices at one place; all
+      // vertices at one point.
       {"\"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"integer indices\" [0 0 1 2 2 2 0 1 2]",
        {2},
        0.5},
@@ -109,7 +110,7 @@ const std::vector<Mesh>& degenerate_meshes() {
        "3 0 0 0 0 0 1 4 5]",
        {2},
        1},
-      // First, last and between two of the same area.
+      // The valid primitive is first, last, or between two of the same area.
       {"\"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 0] \"integer indices\" [0 0 1 0 1 2 2 "
        "2 "
        "1 1 3 2 3 3 3]",
@@ -127,7 +128,7 @@ const std::vector<Mesh>& degenerate_meshes() {
 TEST(DegenerateExtremes, PrimitivesWithoutArea) {
   Sweep sweep(34, "meshes of zero-area triangles and patches, and one that has an area",
               "duplicate indices, duplicate vertices, vertices on a line or at one point",
-              "how often they are sampled, and what is told");
+              "how often they are sampled, and the remark");
   for (const Mesh& mesh : degenerate_meshes()) {
     const FileScene loaded = scene_of("AreaLightSource \"diffuse\" Shape " + mesh.shape);
     ASSERT_TRUE(loaded.status.ok()) << loaded.status;
@@ -138,7 +139,7 @@ TEST(DegenerateExtremes, PrimitivesWithoutArea) {
           using Real = decltype(light.sample_li({}, {}).distance);
           for (const double u :
                {0.0, 1e-30, 0.1, 0.25, 1.0 / 3, 0.5, 0.75, 0.999, 1 - 0x1p-53, 1.0})
-            // At v = 0 u alone chooses: 0, 1/2 and 1 are where areas begin and end.
+            // At v = 0, u alone chooses.  Areas begin and end at 0, 1/2 and 1.
             for (const double v : {0.0, 0.5, 1.0}) {
               const Vec3<Real> above(0.2, 0.3, 2), below(0.2, 0.3, -2);
               for (const auto& receiver : {above, below}) {
@@ -148,7 +149,8 @@ TEST(DegenerateExtremes, PrimitivesWithoutArea) {
                 const bool sound = mesh.good.contains(s.primitive) && s.reason == seen &&
                                    std::isfinite(s.pdf.per_sr) && s.pdf.per_sr > 0 &&
                                    is_finite(s.value);
-                sweep.answer(sound ? "never sampled; a remark tells" : "sampled: " + mesh.shape);
+                sweep.answer(sound ? "never sampled, and reported in a remark"
+                                   : "sampled: " + mesh.shape);
               }
             }
         },
@@ -157,11 +159,11 @@ TEST(DegenerateExtremes, PrimitivesWithoutArea) {
     sweep.textbook_answer(std::isinf(1 / (0 * static_cast<float>(mesh.area))) ? "infinite density"
                                                                               : "finite");
   }
-  sweep.expect_answers("never sampled; a remark tells");
+  sweep.expect_answers("never sampled, and reported in a remark");
 }
 
-/// Triangle (0 0 0), (1 0 0), (0 1 `last`) as a PLY file of `type`, its last coordinate's bytes put
-/// in.
+/// Triangle (0 0 0), (1 0 0), (0 1 `last`) as a PLY file of `type`.  The bytes of its last
+/// coordinate are inserted unchanged.
 template <typename T>
 std::string ply(const char* type, T last) {
   const T values[] = {0, 0, 0, 1, 0, 0, 0, 1, last};
@@ -175,7 +177,7 @@ std::string ply(const char* type, T last) {
   return bytes;
 }
 
-TEST(DegenerateExtremes, VerticesThatAreNone) {
+TEST(DegenerateExtremes, InvalidVertices) {
   Sweep sweep(34, "vertices with a coordinate of", "NaN, infinity, 1e31 ... 1e300", "answer");
   const std::string same = "error with file, line and column";
   for (const bool emits : {false, true}) {
@@ -183,7 +185,8 @@ TEST(DegenerateExtremes, VerticesThatAreNone) {
     for (const char* word : {"nan", "-nan", "inf", "-inf", "1e999", "1e300", "-1e31"}) {
       const std::string text =
           light + "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 " + word + "]";
-      // The number where it is none, else the shape that it is too large for.
+      // The error points at the number where it is not valid, otherwise at the shape, which the
+      // number makes too large.
       const FileScene loaded = scene_of(text);
       const bool number =
           std::string(word).find("1e") == std::string::npos || std::string(word) == "1e999";

@@ -1,4 +1,4 @@
-// Row 35: scenes without geometry, without lights, without either.
+// Row 35: scenes without geometry, without lights, or without both.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "server/estimate/paths/render.h"
+#include "server/estimate/queries/irradiance.h"
 #include "tests/server/extremes/file_scenes.h"
 #include "tests/server/scene/scenes.h"
 #include "tests/sweep.h"
@@ -17,8 +18,7 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-/// Half of the diagonal of a box that grows from nothing around points on a diagonal.
-/// [Pharr23, 3.7]
+/// Half the diagonal of a box around points on a diagonal.  The box starts empty.  [Pharr23, 3.7]
 float textbook_radius(std::initializer_list<float> points) {
   float low = std::numeric_limits<float>::max(), high = std::numeric_limits<float>::lowest();
   for (const float p : points) low = std::min(low, p), high = std::max(high, p);
@@ -55,7 +55,7 @@ TileResult tile(const Scene& scene) {
 }
 
 TEST(EmptyExtremes, Radius) {
-  Sweep sweep(35, "a scene of nothing, of one light, of a floor; one of two lights that are apart",
+  Sweep sweep(35, "an empty scene; scenes of one light, of a floor, of two lights apart",
               "1e-30 ... 1e29 m", "radius");
   sweep.compare(build(description())->sphere().radius_m, 0, "nothing");
   sweep.compare_textbook(textbook_radius({}), 0);
@@ -105,7 +105,7 @@ TEST(EmptyExtremes, IrradianceWithoutLights) {
       EXPECT_TRUE(e.exact);
       EXPECT_EQ(e.standard_error_lx.g, 0);
       EXPECT_EQ(e.zero_bound_lx, 0);
-      // The mean over lights, of which there are none.
+      // The mean over the lights, of which the scene has none.
       sweep.compare_textbook(0.0F / static_cast<float>(scene->lights().size()), 0);
     }
   sweep.expect_within(0);
@@ -151,7 +151,7 @@ TEST(EmptyExtremes, Tiles) {
     for (const BlockStatistics& s : tile(*build(with_light(sky(level)))).channels)
       sweep.compare(s.sum, level, std::to_string(exponent));
   }
-  // A light is chosen among none.
+  // A light is chosen from an empty set.
   sweep.compare_textbook(0.0F / 0.0F * kInfinity, 0);
   sweep.expect_within(1e-7);
 }

@@ -1,4 +1,4 @@
-// The scene with one light of each kind.
+// A scene with one light of each kind.
 #pragma once
 
 #include <memory>

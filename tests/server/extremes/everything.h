@@ -1,5 +1,5 @@
-// One of everything that rays can meet, at a place and of a size, as the server is told of it and
-// as primitives in double.
+// One object of every kind that rays can meet, at a given place and of a given size: as the server
+// receives it, and as primitives in double.
 #pragma once
 
 #include <array>
@@ -20,14 +20,14 @@ struct Place {
   std::string name;
 };
 
-/// About zero and within 1 of it, mapped to a place.
+/// Maps points about zero, within 1 of it, to a place.
 class Everything {
  public:
   explicit Everything(const Place& place) : place_(place) {
     SceneDescription d = description();
     const auto mesh = [&](TriangleMeshData m) { d.shapes.push_back({std::move(m)}); };
-    mesh(quad(-1, -1, 1, 1, 0));  // a floor in an axis' plane
-    TriangleMeshData wall;        // and a wall, of 2 x 8 triangles, that meets it
+    mesh(quad(-1, -1, 1, 1, 0));  // a floor in a coordinate plane
+    TriangleMeshData wall;        // and a wall of 2 x 8 triangles that meets it
     for (int i = 0; i < 9; ++i)
       for (const double z : {0.0, 0.9}) wall.positions.push_back(at({-1, -1 + 0.25 * i, z}));
     for (std::uint32_t i = 0; i < 16; i += 2)
@@ -57,7 +57,7 @@ class Everything {
     d.objects = {{"ball", {{ball(1, [](const Point& p) { return p * 5.0; })}}}};
     world_from_object_ = unit({-0.1, -0.3, 0.35}, 0.7) * *Transform::scale({0.05, 0.03, 0.04});
     d.instances = {{0, world_from_object_}};
-    // Lamps: one a hair above the floor, one above all, a sphere.
+    // Lamps: one just above the floor, one above everything, one sphere.
     const auto lamp = [&](ShapeDescription s) {
       d.shapes.push_back(emissive(std::move(s), 1, true));
     };
@@ -72,12 +72,12 @@ class Everything {
   const Scene& scene() const { return *scene_; }
   const ExactGeometry& exact() const { return *exact_; }
   const Place& place() const { return place_; }
-  /// Which primitives a light is made of.
+  /// The primitives of each light.
   int light_begin(std::uint32_t light) const { return light_begin_[light]; }
-  /// About the scene's origin.
+  /// About the origin of the scene.
   Point local(const Point& unit) const { return at(unit) - scene_->origin(); }
   double largest() const { return largest_; }
-  /// The primitives that are no triangles: a few of hundreds.
+  /// The few hundred primitives that are not triangles.
   const std::vector<int>& round() const { return round_; }
 
   static constexpr double kHair = 1e-5;
@@ -94,7 +94,7 @@ class Everything {
             {0, 1, 2, 1, 3, 2}};
   }
 
-  /// Twelve triangles on eight corners, about the vertical turned by `turn`.
+  /// Twelve triangles on eight corners, turned by `turn` about the vertical.
   TriangleMeshData box(const Point& centre, double half, double turn) const {
     TriangleMeshData m;
     const Transform t = Transform::translate(centre) * *Transform::rotate(turn, {0, 0, 1});
@@ -128,7 +128,7 @@ class Everything {
         exact_->patch(patches->positions[0] - o, patches->positions[1] - o,
                       patches->positions[2] - o, patches->positions[3] - o);
     }
-    // Into the object's space, whose axes are stretched by up to 5/3 against each other.
+    // Into the space of the object.  Its axes are stretched against each other by up to 5/3.
     exact_->begin_instance(3 * 5.0 / 3 * kTraversalBound * largest_);
     triangles(std::get<TriangleMeshData>(d.objects[0].shapes[0].geometry),
               [&](const Point& p) { return world_from_object_.point(p) - o; });

@@ -1,4 +1,4 @@
-// The primitives that rays may meet, and points of them.
+// The primitives that rays may meet, and points on them.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -15,7 +15,7 @@ void ExactGeometry::triangle(const Point& a, const Point& b, const Point& c) {
   const Point n = cross(b - a, c - a);
   p.normal = normalized(n);
   const double ab = length(b - a), bc = length(c - b), ca = length(a - c);
-  // As server/scene/scene_hit.cpp has it: in a needle the plane is known less well.
+  // The same bound as in server/scene/scene_hit.cpp: the plane of a needle is known less well.
   const double longest = std::max({ab, bc, ca});
   p.slack = std::clamp(ab * bc * ca / longest / length(n), 1.0, 16.0);
   p.shortest = std::min({ab, bc, ca});

@@ -1,4 +1,4 @@
-// Where a ray meets one primitive, by kind.
+// Where a ray meets one primitive, by kind of primitive.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,11 +11,11 @@ void ExactGeometry::meet_triangle(const Primitive& p, const Meeting& m) const {
   std::array<double, 3> values;
   std::array<Side, 3> sides;
   for (int e = 0; e < 3; ++e) sides[e] = side_of(p, e, m, values[e]);
-  // Near a corner the three numbers need not agree: the ray may be on any triangle around it.
+  // Near a corner the three numbers may disagree: the ray may be on any triangle around it.
   const bool at_corner = std::ranges::count(sides, Side::kEdge) >= 2;
   int above = 0, below = 0;
   bool on_edge = false, border = false;
-  // A neighbour that is seen more edge-on may be met farther off.
+  // A neighbour that is seen more edge-on may be met farther away.
   const double facing = dot(p.normal, m.w);
   double least_facing = std::fabs(facing);
   for (int e = 0; e < 3; ++e) {
@@ -30,14 +30,14 @@ void ExactGeometry::meet_triangle(const Primitive& p, const Meeting& m) const {
   }
   if (above < 3 && below < 3) return;
   if (on_edge && !border) border = is_near_border(m.primitive, m);
-  // Of nearly parallel rays the crossing may be anywhere: it is unsure by its slack.
+  // The crossing of nearly parallel rays may be anywhere, so its slack makes it unsure.
   const double h = dot(p.normal, p.at[0] - m.ray.origin);
   const double plane_error = m.error + (p.slack - 1) * kTraversalBound * p.reach;
   if (std::fabs(facing) < 1e-14) {
     if (std::fabs(h) <= plane_error) m.out.push_back({0, 1e300, false, false, m.primitive});
     return;
   }
-  // Around a corner the traversal's numbers need not agree either: one ray in 1e4 passes between.
+  // Around a corner the numbers of the traversal may disagree too: one ray in 1e4 passes between.
   m.add(h / (facing * m.length_d), p.normal, !border && !at_corner,
         plane_error * (std::fabs(facing) / least_facing), on_edge);
 }
@@ -96,8 +96,8 @@ void ExactGeometry::meet_cylinder(const Primitive& p, const Meeting& m) {
   }
 }
 
-// The patch cut by two planes that hold the ray: two bilinear equations
-// (Ramsey, Potter, Hansen 2004).
+// Two planes that contain the ray cut the patch, which gives two bilinear equations (Ramsey,
+// Potter, Hansen 2004).
 void ExactGeometry::meet_patch(const Primitive& p, const Meeting& m) {
   const Frame<double> frame = Frame<double>::around(m.w);
   const Point e = p.at[1] - p.at[0], f = p.at[2] - p.at[0],
@@ -109,8 +109,8 @@ void ExactGeometry::meet_patch(const Primitive& p, const Meeting& m) {
   const double qa = b1 * a2 - b2 * a1, qb = b1 * c2 + d1 * a2 - b2 * c1 - d2 * a1,
                qc = d1 * c2 - d2 * c1;
   double discriminant = qb * qb - 4 * qa * qc;
-  // Where the two are nearly one the ray passes the silhouette, of which no distance is known: as
-  // near as a shift by the error may move it.
+  // Where the two solutions nearly coincide, the ray passes the silhouette.  Its distance is then
+  // unknown.  The bound is how near a shift by the error may move it.
   const auto size = [](double x, double y) { return std::fabs(x) + std::fabs(y); };
   const double scale_b = size(b1 * c2, d1 * a2) + size(b2 * c1, d2 * a1);
   const double scale = scale_b * scale_b + 4 * size(b1 * a2, b2 * a1) * size(d1 * c2, d2 * c1);

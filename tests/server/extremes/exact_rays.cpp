@@ -1,4 +1,4 @@
-// Rays along all primitives, and how near they pass to edges.
+// Rays along all primitives, and how near to edges they pass.
 #include "tests/server/extremes/exact_rays.h"
 
 #include <algorithm>
@@ -66,7 +66,7 @@ ExactAnswer ExactGeometry::along(const ExactRay& ray) const {
     const bool is_round = p.kind != Kind::kTriangle && p.kind != Kind::kDisk;
     if (i == ray.from && is_round) drop_nearest(answer, before, 0);
     if (i == ray.to && is_round) drop_nearest(answer, before, 1);
-    // What is left must lie on the way; near its ends nobody knows.
+    // The remaining crossing must lie on the ray; near the ends it is unsure.
     std::erase_if(answer.crossings, [&](ExactCrossing& c) {
       if (c.primitive != i) return false;
       const bool near_start = std::fabs(c.t) <= c.slack_t;

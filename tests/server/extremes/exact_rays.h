@@ -1,6 +1,6 @@
-// What rays meet, worked out in double for one primitive after the other and by other formulas than
-// the server's; with it what nobody can tell who has rays and vertices in floats: what passes an
-// edge, a silhouette or an end within the error bounds that server/rays/error_bounds.h states.
+// What rays meet, computed in double, one primitive at a time, by other formulas than the server's.
+// A result is unsure where rays and vertices in floats cannot decide it: within the error bounds of
+// server/rays/error_bounds.h around an edge, a silhouette or an end.
 #pragma once
 
 #include <algorithm>
@@ -42,41 +42,41 @@ struct ExactAnswer {
   }
 };
 
-/// Primitives, about the scene's origin.  Triangles that have two corners in common are
-/// neighbours: a ray between them meets one of both, however near to the edge it passes.
+/// Primitives, about the origin of the scene.  Triangles that share two corners are neighbours: a
+/// ray between them meets one of the two, however near to the edge it passes.
 class ExactGeometry {
  public:
-  /// `largest`: coordinate of the scene [m], of which vertices are rounded.
+  /// `largest`: the largest coordinate of the scene [m], which sets the rounding of vertices.
   explicit ExactGeometry(double largest) : rounding_(largest * kFloatRoundoff) {}
 
-  /// What is added from here on is an instance, whose rays are taken into its space in floats: its
-  /// surface is known less well by this [m].
+  /// Everything added after this call is an instance.  Its rays are transformed into its space in
+  /// floats, so its surface is only known to within this distance [m].
   void begin_instance(double error) { instance_error_ = error; }
 
   void triangle(const Point& a, const Point& b, const Point& c);
   void sphere(const Point& centre, double radius);
-  /// `normal` unit.
+  /// `normal` is a unit vector.
   void disk(const Point& centre, const Point& normal, double radius);
-  /// From `centre` by half the height along the unit vector `axis` to both sides.
+  /// Extends from `centre` by half the height in both directions along the unit vector `axis`.
   void cylinder(const Point& centre, const Point& axis, double radius, double half_height);
   void patch(const Point& p00, const Point& p10, const Point& p01, const Point& p11);
-  /// Once all are there: who is whose neighbour.
+  /// Finds the neighbours.  Call it after the last primitive is added.
   void finish();
 
   int size() const { return static_cast<int>(primitives_.size()); }
   bool is_triangle(int i) const { return primitives_[i].kind == Kind::kTriangle; }
 
   struct OnSurface {
-    Point position, normal;  // unit
+    Point position, normal;  // unit vector
   };
-  /// A point of primitive `i`: of triangles and patches at the shares `u`, which may lie on their
-  /// border.
+  /// A point of primitive `i`.  Triangles and patches take it at the shares `u`, which may lie on
+  /// their border.
   OnSurface point(int i, Vec2<double> u) const;
 
   ExactAnswer along(const ExactRay& ray) const;
 
  private:
-  /// In roundings of a coordinate, more than the traversal's error is.
+  /// In roundings of a coordinate.  This is more than the error of the traversal.
   static constexpr double kFar = 200;
 
   enum class Kind : std::uint8_t { kTriangle, kSphere, kDisk, kCylinder, kPatch };
@@ -92,12 +92,12 @@ class ExactGeometry {
   };
   struct Meeting {
     const ExactRay& ray;
-    Point w;  // the direction, unit
+    Point w;  // the direction, a unit vector
     double length_d, error;
     int primitive;
     std::vector<ExactCrossing>& out;
 
-    /// `normal`: unit, there; `plane_error`: how well the surface is known [m].
+    /// `normal`: a unit vector at that point; `plane_error`: how well the surface is known [m].
     void add(double t, const Point& normal, bool sure, double plane_error,
              bool on_edge = false) const {
       const double cosine = std::fabs(dot(normal, w));
@@ -108,25 +108,25 @@ class ExactGeometry {
 
   void add(Primitive p, const Point& centre, double reach);
 
-  /// Whether a ray leaves a round surface that it starts on outwards.
+  /// Whether a ray that starts on a round surface leaves it outwards.
   static bool is_convex(const Primitive& p, const ExactRay& ray);
-  /// Of a round surface that an end lies on, leaves out the crossing that is that end; where none
-  /// is near it (the end lies at the border) the others are unsure.
+  /// Leaves out the crossing that is an end of the ray on a round surface.  Where no crossing is
+  /// near that end (it lies at the border), the other crossings are unsure.
   static void drop_nearest(ExactAnswer& answer, std::size_t first, double t);
 
   enum class Side : std::uint8_t { kFar, kEdge, kBorder };
-  /// Where a ray passes edge `e` of a triangle, which it sees from above or below: kEdge near an
-  /// edge to a neighbour that is seen from the same side, kBorder near any other.  By Pluecker
-  /// coordinates, each edge from the lesser to the greater of its corners, so that two neighbours
+  /// Where a ray passes edge `e` of a triangle, seen from above or below.  The result is kEdge near
+  /// an edge to a neighbour that is seen from the same side, kBorder near any other.  Uses Pluecker
+  /// coordinates.  Each edge runs from the lesser to the greater of its corners, so two neighbours
   /// see their edge from opposite sides of the same number.
   Side side_of(const Primitive& p, int e, const Meeting& m, double& value) const;
-  /// Whether a border lies near the ray, which passes near an edge of triangle `i`: of that or of
-  /// those that it may pass instead, all around a corner.
+  /// Whether a border lies near a ray that passes near an edge of triangle `i`.  The border may be
+  /// that triangle's, or that of any triangle around the corner that the ray may pass instead.
   bool is_near_border(int i, const Meeting& m) const;
 
   void meet_triangle(const Primitive& p, const Meeting& m) const;
-  /// A flat surface that one end lies on cannot be met again, unless the other end lies within its
-  /// plane: then all of the way may.
+  /// A ray cannot meet again a flat surface that one of its ends lies on.  The exception is an
+  /// other end in the same plane: then the whole ray may meet it.
   static void meet_end(const Primitive& p, const Meeting& m);
   static void meet_disk(const Primitive& p, const Meeting& m);
   static void meet_sphere(const Primitive& p, const Meeting& m);

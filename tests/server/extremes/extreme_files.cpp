@@ -14,7 +14,7 @@
 namespace lucerna::testing {
 namespace {
 
-/// Of one scale or of any, a fifth 0; texels below 0 count as 0.
+/// Of one scale or of any scale; a fifth are 0.  Texels below 0 count as 0.
 std::string picture(int width, int height, ExtremeNumbers& n) {
   const double scale = n.magnitude();
   const bool one_scale = n.chance(0.5), grey = n.chance(0.3);
@@ -40,7 +40,8 @@ std::string picture(int width, int height, ExtremeNumbers& n) {
   return pfm(width, height, rgb);
 }
 
-/// Ascending, from the first to the second, up to three between them, some right beside an end.
+/// Ascending from the first to the second, with up to three between them.  Some are right beside an
+/// end.
 std::vector<double> angles_deg(double from, double to, ExtremeNumbers& n) {
   std::vector<double> angles{from, to};
   for (std::uint64_t more = n.below(4); more > 0; --more) {
@@ -101,7 +102,7 @@ std::string ies(ExtremeNumbers& n) {
 }
 
 std::string ldt(ExtremeNumbers& n) {
-  // Planes that a file holds by its symmetry, of eight.
+  // The number of planes, of eight, that a file stores for its symmetry.
   constexpr std::array<std::size_t, 5> kPlanes{8, 1, 5, 5, 3};
   const std::size_t symmetry = n.below(kPlanes.size());
   Ldt f = planes(static_cast<int>(symmetry), {});

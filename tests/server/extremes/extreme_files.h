@@ -1,4 +1,4 @@
-// Pictures and photometric files of extreme numbers.
+// Pictures and photometric files with extreme numbers.
 #pragma once
 
 #include <map>
@@ -8,9 +8,9 @@
 
 namespace lucerna::testing {
 
-/// Files by their names, which the lines of extreme_scenes.h use: picture.pfm, square.pfm (as wide
-/// as high), luminaire.ies, luminaire.ldt.  All can be read, but for one in a few luminaires of
-/// which a product of numbers leaves the range of doubles.
+/// Files by name, as the lines of extreme_scenes.h use them: picture.pfm, square.pfm (as wide as
+/// high), luminaire.ies, luminaire.ldt.  All can be read, except a few luminaires in which a
+/// product of numbers leaves the range of doubles.
 std::map<std::string, std::string> extreme_files(ExtremeNumbers& numbers);
 
 }  // namespace lucerna::testing

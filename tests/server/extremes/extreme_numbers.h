@@ -1,4 +1,4 @@
-// Random numbers as nobody sends them by intention: of all magnitudes, and the special ones.
+// Random numbers that no client sends on purpose: of all magnitudes, and special values.
 #pragma once
 
 #include <cmath>
@@ -26,13 +26,14 @@ class ExtremeNumbers {
     return all[below(all.size())];
   }
 
-  /// Log-uniform.
+  /// Log-uniformly distributed.
   double magnitude(double least = 1e-30, double most = 1e30) {
     return std::exp(uniform(std::log(least), std::log(most)));
   }
   double with_sign(double magnitude) { return chance(0.5) ? magnitude : -magnitude; }
 
-  /// What messages may hold in a float: one in six special, of those a few not finite.
+  /// Any value that a message can hold in a float.  One in six is special, and a few of those are
+  /// not finite.
   float component() {
     using Limits = std::numeric_limits<float>;
     if (!chance(1.0 / 6)) return static_cast<float>(with_sign(magnitude()));
@@ -59,14 +60,14 @@ class ExtremeNumbers {
     }
   }
 
-  /// Half of the time components have nothing to do with each other, else they have one scale.
+  /// Half of the time the components are independent, otherwise they have one scale.
   Vec3<float> vector() {
     if (chance(0.5)) return {component(), component(), component()};
     const double scale = magnitude();
     return Vec3<float>(direction() * scale);
   }
 
-  /// Unit; one in four lies in a plane of coordinates or along an axis.
+  /// A unit vector.  One in four lies in a coordinate plane or along an axis.
   Vec3<double> direction() {
     const double z = uniform(-1, 1), phi = uniform(0, 2 * std::numbers::pi);
     const double r = std::sqrt(1 - z * z);
@@ -83,7 +84,7 @@ class ExtremeNumbers {
     return normalized(w);
   }
 
-  /// In [0, 1], a third of them at the ends or next to them; one in 300 is not finite.
+  /// In [0, 1].  A third are at the ends or next to them; one in 300 is not finite.
   float sample_value() {
     if (!chance(1.0 / 3)) return static_cast<float>(below(1 << 24)) * 0x1p-24F;
     switch (below(9)) {

@@ -21,7 +21,8 @@ class Writer {
   }
   std::string point() { return fmt::format("{} {} {}", coordinate(), coordinate(), coordinate()); }
 
-  /// Of light: none in a tenth, the largest that floats hold, and some that none does.
+  /// A level of light.  A tenth are 0.  Others are the largest float, or beyond the range of
+  /// floats.
   double amount() {
     switch (n_.below(20)) {
       case 0:
@@ -53,13 +54,13 @@ class Writer {
       }
     }
   }
-  /// The same where it is called L.
+  /// The same for lights that call it L.
   std::string radiance() {
     std::string text = level();
     text[text.find(" I\"") + 1] = 'L';
     return text;
   }
-  /// Beside a picture.
+  /// For lights with a picture.
   std::string scale() { return fmt::format(R"("float scale" [{}])", amount()); }
 
   std::string area() {
@@ -75,7 +76,7 @@ class Writer {
                                       : one_of("sconce.ldt", "luminaire.ldt"),
                        scale(), sides());
   }
-  /// One of two files and a scale: the second is of extreme_files.h.
+  /// One of two files, and a scale.  The second file is from extreme_files.h.
   std::string file(const char* tame, const char* extreme) {
     return fmt::format(R"("string filename" "{}" {})", one_of(tame, extreme), scale());
   }
@@ -83,7 +84,7 @@ class Writer {
     return fmt::format(R"( "string filter" "{}" )", n_.chance(0.5) ? "nearest" : "bilinear");
   }
 
-  /// What a shape that emits nothing reflects, plain or by a texture.
+  /// The reflectance of a shape that emits no light, constant or by a texture.
   std::string material() {
     const std::string rgb =
         fmt::format("[{} {} {}]", n_.uniform(), n_.chance(0.2) ? 0 : 1, n_.magnitude(1e-30, 1));
@@ -100,7 +101,7 @@ class Writer {
         R"(Shape "trianglemesh" "point3 P" [{}  {}  {}] "integer indices" [0 1 2] {})", point(),
         point(), point(), uv ? R"("point2 uv" [0 0  1 0  0 1])" : "");
   }
-  /// A flat one of two triangles.
+  /// Two triangles in one plane.
   std::string triangles() {
     const double x = size(), y = size();
     return fmt::format(R"(Shape "trianglemesh" "point3 P" [0 0 0  {0} 0 0  {0} {1} 0  0 {1} 0] )"
@@ -137,7 +138,7 @@ class Writer {
         size(), -z * n_.uniform(), z, n_.chance(0.7) ? 360 : n_.magnitude(1e-3, 360));
   }
 
-  /// Where it stands, and in one of six how it moves.
+  /// Its place.  One in six also moves.
   std::string placed(const std::string& what) {
     const Vec3<double>& o = scale_.offset_m;
     const Vec3<double> axis = n_.direction();
@@ -176,7 +177,7 @@ class Writer {
   ExtremeNumbers& numbers() { return n_; }
 
  private:
-  /// Shapes reach no farther than 1e30 m.
+  /// Shapes extend to at most 1e30 m.
   double wild() {
     return n_.chance(0.03) ? n_.magnitude(1e-300, 1e300) : n_.magnitude(1e-30, 1e30);
   }
@@ -293,7 +294,7 @@ SceneScale SceneScale::random(ExtremeNumbers& numbers) {
     case 1:
       scale.wild = true;
       break;
-    case 2:  // of a metre, at an offset
+    case 2:  // in metres, at an offset
       scale.offset_m = numbers.direction() * numbers.magnitude(1, 1e16);
       break;
     case 3:
@@ -336,7 +337,8 @@ std::vector<std::string> head_lines(const SceneScale& scale, ExtremeNumbers& num
   const Vec3<double> axis = numbers.direction();
   const double begin = numbers.chance(0.8) ? 0 : numbers.with_sign(numbers.magnitude());
   const Vec3<double>& o = scale.offset_m;
-  std::string turn = "# a camera that rests", sampler = "# as many samples as the server likes";
+  std::string turn = "# a camera that rests",
+              sampler = "# the number of samples is up to the server";
   if (numbers.chance(0.25))
     turn =
         fmt::format("ActiveTransform EndTime Rotate {} 0 1 0 Translate {} 0 0 ActiveTransform All",

@@ -1,4 +1,4 @@
-// Scene files of random lights and shapes of extreme sizes, places and levels.
+// Scene files with random lights and shapes of extreme sizes, places and levels.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace lucerna::testing {
 
-/// A line of a scene file that makes one light or shape, and of what kind.
+/// A line of a scene file that makes one light or shape, and its kind.
 struct SceneLine {
   std::string kind;
   std::string text;
@@ -17,9 +17,9 @@ struct SceneLine {
 /// All kinds of lights that `light_line` makes.
 const std::vector<std::string>& light_kinds();
 
-/// How large things are where.
+/// The scale of sizes and places.
 struct SceneScale {
-  /// One for all: places lie within 1, sizes below it.
+  /// One scale for all: places lie within 1, sizes are below it.
   static SceneScale random(ExtremeNumbers& numbers);
 
   bool wild = false;  ///< each number has a magnitude of its own
@@ -27,13 +27,13 @@ struct SceneScale {
   Vec3<double> offset_m{};
 };
 
-/// A light of this kind: a whole AttributeBegin ... AttributeEnd.
+/// A light of this kind: a complete AttributeBegin ... AttributeEnd block.
 SceneLine light_line(const std::string& kind, const SceneScale& scale, ExtremeNumbers& numbers);
 
-/// A shape that emits nothing.
+/// A shape that emits no light.
 SceneLine shape_line(const SceneScale& scale, ExtremeNumbers& numbers);
 
-/// Film and camera, up to WorldBegin: each in a line of its own.
+/// Film and camera, up to WorldBegin, each on its own line.
 std::vector<std::string> head_lines(const SceneScale& scale, ExtremeNumbers& numbers);
 
 }  // namespace lucerna::testing

@@ -1,4 +1,4 @@
-// Scenes of files that a test writes, and what is to be seen of them.
+// Scenes from files that a test writes, and their figures.
 #pragma once
 
 #include <map>
@@ -10,14 +10,14 @@
 
 namespace lucerna::testing {
 
-/// A scene, or why there is none.
+/// A scene, or the error.
 struct FileScene {
   absl::Status status;
   std::string remarks;
   std::shared_ptr<const Scene> scene;
 };
 
-/// Of `text`, which stands after "WorldBegin\n", beside `files` by name.
+/// The scene of `text`, which follows "WorldBegin\n".  `files` are written beside it, by name.
 inline FileScene scene_of(const std::string& text,
                           const std::map<std::string, std::string>& files = {}) {
   const SceneFiles folder;
@@ -34,7 +34,7 @@ inline FileScene scene_of(const std::string& text,
   return loaded;
 }
 
-/// What all of its lights emit [lm].
+/// The flux of all its lights together [lm].
 inline double flux_lm(const Scene& scene) {
   double sum = 0;
   for (const SceneLight& l : scene.lights())
@@ -43,7 +43,7 @@ inline double flux_lm(const Scene& scene) {
   return sum;
 }
 
-/// The bound on what that is off by [lm].
+/// The bound on the error of that flux [lm].
 inline double flux_error_lm(const Scene& scene) {
   double sum = 0;
   for (const SceneLight& l : scene.lights())
@@ -52,14 +52,14 @@ inline double flux_error_lm(const Scene& scene) {
   return sum;
 }
 
-/// How a scene with one mistake is answered, in words of the page: `mistake` is the text that the
-/// error must point at.
+/// How a scene with one mistake is answered, in the words of docs/extremes.md.  The error must
+/// point at the text `mistake`.
 inline std::string refusal(const std::string& text, const std::string& mistake,
                            const FileScene& loaded) {
   if (loaded.status.ok()) return "taken";
   const std::string said = message(loaded.status);
   const std::size_t at = text.find(mistake);
-  const std::size_t begin = text.rfind('\n', at) + 1;  // 0 where there is none
+  const std::size_t begin = text.rfind('\n', at) + 1;  // 0 where the text does not occur
   const auto line =
       2 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(at), '\n');
   const std::string place =

@@ -1,7 +1,8 @@
-// Row 26: shading normals unlike geometric ones.  The rule: a surface is diffuse about its shading
-// normal, on the side of it that the viewer is on; light is chosen, weighed and counted by that
-// normal alone, the geometric one says only to which side of the surface a ray leaves.  So a sheet
-// of reflectance 1 in an environment of radiance 1 has radiance 1, however its normals are turned.
+// Row 26: shading normals that differ from geometric ones.  A surface is diffuse about its shading
+// normal, on the viewer's side.  That normal alone decides how light is chosen, weighted and
+// counted.  The geometric normal only decides to which side of the surface a ray leaves.  So a
+// sheet of reflectance 1 in an environment of radiance 1 has radiance 1, whatever its shading
+// normals.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -21,8 +22,8 @@ constexpr double kTilts_deg[] = {0, 10, 30, 60, 80, 89, 89.9};
 
 double radians(double degrees) { return degrees * std::numbers::pi / 180; }
 
-/// A square at z = 0 of 8 x 8 cells; the normals of its corners are turned by `tilt_deg` to
-/// directions all around, or all to +x.
+/// A square at z = 0 of 8 x 8 cells.  The normals of its corners are tilted by `tilt_deg`, in
+/// directions all around or all towards +x.
 SceneDescription sheet(double tilt_deg, bool all_to_x) {
   constexpr int kCells = 8;
   TriangleMeshData mesh;
@@ -43,8 +44,8 @@ SceneDescription sheet(double tilt_deg, bool all_to_x) {
   return d;
 }
 
-/// What a renderer shows that draws directions about the geometric normal and takes their density
-/// about the shading normal: the share of the one hemisphere that lies in the other.
+/// The result of a renderer that draws directions about the geometric normal and takes their
+/// density about the shading normal: the share of one hemisphere that lies in the other.
 float share_above(double tilt_deg) {
   return (1 + std::cos(static_cast<float>(radians(tilt_deg)))) / 2;
 }
@@ -64,19 +65,20 @@ TEST(FurnaceExtremes, ASheetInAUniformEnvironment) {
       double sum = 0, squares = 0;
       for (const BlockStatistics& c : tile.channels) sum += c.sum, squares += c.sum * c.sum;
       const double n = double(tile.channels.size()), mean = sum / n;
-      // Three channels of a pixel are one number.
+      // The three channels of a pixel count as one number.
       const double standard_error = std::sqrt((squares / n - mean * mean) / (n / 3));
       EXPECT_NEAR(mean, 1, 6 * standard_error + 1e-7) << tilt;
       sweep.compare(mean, 1, std::to_string(tilt) + " from " + std::to_string(height));
       sweep.compare_textbook(share_above(tilt), 1);
     }
-  // Six standard errors of 2e5 independent samples whose standard deviation is 0.3; Sobol' points
-  // do better.
+  // Six standard errors of 2e5 independent samples with a standard deviation of 0.3.  Sobol' points
+  // are more accurate.
   sweep.expect_within(4e-3);
 }
 
-/// Radiance that a diffuse surface of reflectance 1 with normal `n` at `p` shows of a polygon of
-/// radiance 1 above its horizon, counter-clockwise as seen from `p`.  Lambert's formula.
+/// Radiance of a diffuse surface of reflectance 1 with normal `n` at `p`, lit by a polygon of
+/// radiance 1 above its horizon.  The polygon is counter-clockwise as seen from `p`.  Lambert's
+/// formula.
 double lambert(const Vec3<double>& p, const Vec3<double>& n,
                const std::vector<Vec3<double>>& polygon) {
   double sum = 0;
@@ -119,7 +121,7 @@ Estimates estimates(const Scene& scene, const SurfaceHit& hit, const Vec3<float>
   return {sum.both / kSamples, sum.by_light / kSamples, sum.by_direction / kSamples};
 }
 
-// A lamp half above the surface and half below it, all above the horizon of the shading normal.
+// A lamp half above and half below the surface, but all above the horizon of the shading normal.
 TEST(FurnaceExtremes, LightsAndDirectionsAgree) {
   Sweep sweep(26, "lamp through the surface's plane, normals tilted to it", "30 ... 89.9 deg",
               "radiance, by lights, by directions, by both");
@@ -141,7 +143,8 @@ TEST(FurnaceExtremes, LightsAndDirectionsAgree) {
     sweep.compare(e.by_light, truth, "lights" + where);
     sweep.compare(e.by_direction, truth, "directions" + where);
     sweep.compare(e.both, truth, "both" + where);
-    // Of the lamp only what lies above the geometric normal's horizon: what is drawn about that.
+    // Only the part of the lamp above the horizon of the geometric normal, about which directions
+    // are drawn.
     std::vector<Vec3<double>> upper = lamp;
     upper[0].z = upper[1].z = 0;
     sweep.compare_textbook(lambert(Vec3<double>(hit->position) + o, ns, upper), truth);

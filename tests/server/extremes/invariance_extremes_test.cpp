@@ -1,5 +1,5 @@
-// A scene in other units is the same scene: by powers of two to the last bit, by others to within
-// rounding.
+// The same scene in other units gives the same answers: to the last bit for powers of two, to
+// within rounding for other factors.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "server/estimate/paths/render.h"
+#include "server/estimate/queries/irradiance.h"
 #include "server/estimate/queries/queries.h"
 #include "tests/server/extremes/invariant_scene.h"
 #include "tests/server/extremes/scaled_scene.h"
@@ -16,7 +17,8 @@
 namespace lucerna::testing {
 namespace {
 
-/// All that a scene answers, lengths and what goes by them in units of a scene of factor `s`.
+/// All answers about a scene, with lengths and what scales with them in units of a scene of factor
+/// `s`.
 struct Answers {
   std::vector<double> picture, irradiance, samples, choices;
 };
@@ -118,8 +120,8 @@ TEST(InvarianceExtremes, MillimetresAndKilometresKeepTheMean) {
   Sweep sweep(9, "scene with every light, in other units", "mm, km",
               "mean of picture, irradiances");
   const SceneDescription d = invariant_scene();
-  // A tree of lights that are as near to each other as others may be split elsewhere, and so be
-  // other samples.
+  // Where lights are about equally near to each other, their tree may split differently.  Then the
+  // samples differ.
   const Methods by_power{.light_selection = LightSelection::kPower};
   const Answers metres = answers_of(d, 1, 64, 1024, by_power);
   for (const double s : {1e3, 1e-3}) {
@@ -170,8 +172,8 @@ TEST(InvarianceExtremes, ScenesOfAnySizeLookTheSame) {
   sweep.expect_within(1e-6);
 }
 
-// Where the lamps are many one is chosen of a few that are drawn, by what they would give.
-TEST(InvarianceExtremes, LightOfAnyStrengthIsChosenAlike) {
+// With many lamps, a few candidates are drawn, and one is chosen by its contribution.
+TEST(InvarianceExtremes, LightsOfAnyStrengthAreChosenAlike) {
   Sweep sweep(9, "room of twelve point lights, all scaled by a power of two", "2^-120 ... 2^120",
               "picture");
   const auto picture = [](int exponent) {
@@ -191,7 +193,7 @@ TEST(InvarianceExtremes, LightOfAnyStrengthIsChosenAlike) {
   sweep.expect_within(0);
 }
 
-TEST(InvarianceExtremes, WhatMovesIsMetAtAnySize) {
+TEST(InvarianceExtremes, RaysMeetMovingObjectsOfAnySize) {
   Sweep sweep(9, "ball that moves by twice its size in a second", "1e-30 ... 1e29 m",
               "where a ray meets it at half time");
   for (const double s : {1e-30, 1e-20, 1e-10, 1.0, 1e5, 1e10, 1e15, 1e19, 1e24, 1e29})
@@ -199,7 +201,7 @@ TEST(InvarianceExtremes, WhatMovesIsMetAtAnySize) {
       SceneDescription d = description();
       const KeyTransform keys[] = {{0, Transform()}, {1, Transform::translate({4 * s, 0, 0})}};
       const auto motion = std::make_shared<const Motion>(*Motion::create(keys));
-      // A cube, of which a ray meets a side.
+      // A cube.  The ray meets one of its sides.
       TriangleMeshData cube = room();
       for (Vec3<double>& p : cube.positions) p = p * s;
       if (as_instance) {
@@ -222,8 +224,8 @@ TEST(InvarianceExtremes, WhatMovesIsMetAtAnySize) {
   sweep.expect_within(1e-6);
 }
 
-TEST(InvarianceExtremes, SizesBelowAreRefused) {
-  Sweep sweep(9, "the same room, or an instance of such an object", "1e-300 ... 1e-33 m",
+TEST(InvarianceExtremes, SmallerSizesAreRefused) {
+  Sweep sweep(9, "the same room, or an instance of an object of this size", "1e-300 ... 1e-33 m",
               "answer at load");
   const auto answer = [&](const SceneDescription& d) {
     const auto scene = Scene::build(d);
@@ -241,7 +243,7 @@ TEST(InvarianceExtremes, SizesBelowAreRefused) {
   sweep.expect_answers("allowed: 0, or from 1e-32 on");
 }
 
-TEST(InvarianceExtremes, SizesBeyondAreRefused) {
+TEST(InvarianceExtremes, LargerSizesAreRefused) {
   Sweep sweep(9, "the same room", "1e31 ... 1e300 m", "answer at load");
   for (const double s : {1e31, 1e35, 1e40, 1e100, 1e300}) {
     const auto scene = Scene::build(scaled_scene(small_room(), s));

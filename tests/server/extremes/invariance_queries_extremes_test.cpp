@@ -1,4 +1,4 @@
-// A scene in other units is the same scene for every query about each of its lights.
+// The same scene in other units gives the same answers to every query about each of its lights.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -18,10 +18,10 @@
 namespace lucerna::testing {
 namespace {
 
-/// What each query answers, lengths and what goes by them in units of the scene's.
+/// The answers of each query, with lengths and what scales with them in units of the scene.
 using Answers = std::map<std::string, std::vector<double>>;
 
-/// Asks a scene that was scaled by `s` about light `light`.
+/// Queries light `light` of a scene that was scaled by `s`.
 class Asker {
  public:
   Asker(const Scene& scene, double s, std::uint32_t light, Answers& answers)
@@ -66,7 +66,7 @@ class Asker {
         answers_["EstimatePower"].push_back(lumens / (s_ * s_));
   }
 
-  /// SampleLi, PdfLi at its samples, and what is met there.
+  /// SampleLi, PdfLi of its samples, and the hit there.
   void arriving() {
     const std::size_t receivers = offsets_.size() / 3, n = 4 * receivers;
     std::vector<float> value(3 * n), wi(3 * n), distance(n), at(3 * n), normals(3 * n), pdf(n);
@@ -88,7 +88,7 @@ class Asker {
     tell("SampleLi", at, s_), tell("SampleLi", normals, 1), tell("SampleLi", pdf, 1);
     tell("SampleLi", status), tell_bits("SampleLi", delta, n), tell_bits("SampleLi", visible, n);
 
-    // The first sample of each receiver; where there was none straight up.
+    // The first sample of each receiver, or straight up where it has none.
     std::vector<float> towards, to, densities(receivers);
     for (std::size_t r = 0; r < receivers; ++r) {
       Vec3<float> w = triple(wi, 4 * r), end = triple(at, 4 * r);
@@ -99,8 +99,8 @@ class Asker {
     pdf_li(scene_,
            {.light = light_, .receivers = points(offsets_), .wi = towards, .normals = normals_},
            densities.data(), status_.data(), {});
-    // As the solid angles that they stand for: where a light is seen all but edge-on, a density has
-    // the rounding of its direction many times over, and outweighs all others.
+    // Compared as the solid angles that they stand for.  Where a light is seen nearly edge-on, the
+    // density amplifies the rounding of its direction and outweighs all others.
     for (float& d : densities) d = d > 0 ? 1 / d : 0;
     tell("PdfLi", densities, 1), tell("PdfLi", status_);
 
@@ -134,7 +134,7 @@ class Asker {
               {at.data(), w.data(), normals.data(), value.data(), position.data(), direction.data(),
                ids.data(), probability.data(), status.data()},
               {});
-    // What shines from one point has an intensity, which goes by the square of lengths.
+    // A light at a point has an intensity, which scales with the square of lengths.
     const bool is_point = position[0] == 0;
     const Vec3<double> shift = scene_.origin() - kEveryLightMiddle * s_;
     for (std::size_t i = 0; i < n; ++i)

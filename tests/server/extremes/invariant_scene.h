@@ -1,4 +1,4 @@
-// The scene with one light of each kind, and an instance.
+// A scene with one light of each kind, and an instance.
 #pragma once
 
 #include <stdexcept>
@@ -11,10 +11,10 @@
 
 namespace lucerna::testing {
 
-/// Where its middle is [m].
+/// The position of its middle [m].
 inline const Vec3<double> kEveryLightMiddle{100, -50, 0};
 
-/// Such that nothing but its size changes its bits.
+/// With these settings the bits depend on nothing but the size.
 inline SceneDescription invariant_scene() {
   auto assets = AssetReader::open(LUCERNA_TEST_DATA);
   if (!assets.ok()) throw std::runtime_error(assets.status().ToString());

@@ -1,4 +1,4 @@
-// Row 18: `power` and `illuminance` of lights whose integral is nothing, or next to nothing.
+// Row 18: `power` and `illuminance` of lights whose integral is zero or nearly zero.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -15,13 +15,13 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr double kWanted = 100;
 
-/// The factor that a light's level is multiplied with, all in float.  [Pharr23, A.4.4]
+/// The factor that multiplies a light's level, all in float.  [Pharr23, A.4.4]
 float textbook_level(double wanted, double integral) {
   return static_cast<float>(wanted) / static_cast<float>(integral);
 }
 
-/// What came of a power that was asked for: compared where the light was made; where it was
-/// refused, no float holds the level that it takes.
+/// Compares the flux with the requested power where the light was made.  Where the light was
+/// refused, no float can hold the required level.
 void compare_power(Sweep& sweep, const std::string& text, const FileScene& loaded, double level,
                    const std::string& at) {
   constexpr double kLargest = std::numeric_limits<float>::max();
@@ -34,14 +34,14 @@ void compare_power(Sweep& sweep, const std::string& text, const FileScene& loade
   }
 }
 
-TEST(LevelExtremes, LightsOfNothing) {
+TEST(LevelExtremes, LightsWithAnIntegralOfZero) {
   Sweep sweep(
       18, "power or illuminance of a light whose integral is 0",
       "black levels, scale 0, black pictures, spectra and photometric files, nothing lit on "
       "the side that counts, no area, cone of 0",
       "answer");
   const std::string black = even_pfm(4, 4, 0);
-  // Lit in the lower half of the sky alone, and below the xy plane of a square of directions.
+  // Lit only in the lower half of the sky, and only below the xy plane of a square of directions.
   std::vector<float> low(std::size_t{3} * 4 * 4, 0);
   std::fill(low.begin() + 3 * 4 * 2, low.end(), 1.0F);
   std::vector<float> corner(std::size_t{3} * 4 * 4, 0);
@@ -116,7 +116,7 @@ TEST(LevelExtremes, LightsOfNothing) {
     EXPECT_EQ(said, same) << text;
     sweep.answer(said);
   }
-  // Refused for themselves, whatever they are asked for.
+  // Refused by themselves, whatever level is requested.
   const std::pair<const char*, std::string> kDegenerate[] = {
       {"\"float coneangle\" 0", "LightSource \"spot\" \"float coneangle\" 0" + power},
       {"\"float fov\" 0", "LightSource \"projection\" \"float fov\" 0" + power},
@@ -133,14 +133,14 @@ TEST(LevelExtremes, LightsOfNothing) {
     EXPECT_EQ(said, same) << text;
     sweep.answer(said);
   }
-  // Whatever the light, its level is the wanted power by an integral of 0.
+  // For any light, the level is the requested power divided by an integral of 0.
   sweep.textbook_answer(std::isinf(textbook_level(kWanted, 0)) ? "infinite radiance" : "finite");
   sweep.expect_answers(same);
 }
 
 TEST(LevelExtremes, PowerOfNarrowSpots) {
   Sweep sweep(18, "power of a spot of half-angle", "180 ... 1e-18 degrees, and 1e-30 refused",
-              "flux as asked for");
+              "flux against the requested flux");
   for (const double degrees : {180.0, 90.0, 30.0, 1.0, 0.05, 0.01, 1e-3, 1e-5, 1e-8, 1e-12, 1e-15,
                                1e-17, 1e-18, 1e-19, 1e-20, 1e-30}) {
     const std::string angle = fmt::format("{}", degrees);
@@ -157,14 +157,15 @@ TEST(LevelExtremes, PowerOfNarrowSpots) {
 }
 
 TEST(LevelExtremes, PowerOfShapesOfAnySize) {
-  Sweep sweep(18, "power of an area light of size", "1e-30 ... 1e29 m", "flux as asked for");
+  Sweep sweep(18, "power of an area light of size", "1e-30 ... 1e29 m",
+              "flux against the requested flux");
   const std::string area = "AreaLightSource \"diffuse\" \"float power\" 100\n";
   for (int exponent = -30; exponent <= 29; ++exponent) {
     const std::string s = fmt::format("1e{}", exponent);
     const double size = std::stod(s);
     struct Case {
       std::string shape;
-      double area;  // of size 1
+      double area;  // at size 1
     };
     const Case kCases[] = {
         {"Shape \"disk\" \"float radius\" " + s, kPi},
@@ -185,7 +186,8 @@ TEST(LevelExtremes, PowerOfShapesOfAnySize) {
 }
 
 TEST(LevelExtremes, PowerOfMeshesOfAnySize) {
-  Sweep sweep(18, "power of a triangle or patch of size", "1e-30 ... 1e29 m", "flux as asked for");
+  Sweep sweep(18, "power of a triangle or patch of size", "1e-30 ... 1e29 m",
+              "flux against the requested flux");
   const std::string area = "AreaLightSource \"diffuse\" \"float power\" 100\n";
   for (int exponent = -30; exponent <= 29; ++exponent) {
     const std::string s = fmt::format("1e{}", exponent);
@@ -207,17 +209,18 @@ TEST(LevelExtremes, PowerOfMeshesOfAnySize) {
 }
 
 TEST(LevelExtremes, PowerOfDimAndBrightPictures) {
-  Sweep sweep(18, "power of a picture whose texels are", "1e-45 ... 3e38", "flux as asked for");
+  Sweep sweep(18, "power of a picture whose texels are", "1e-45 ... 3e38",
+              "flux against the requested flux");
   struct Case {
     const char* text;
-    double integral;  // of texels of 1
+    double integral;  // of texels equal to 1
   };
   const Case kLights[] = {
       {"LightSource \"goniometric\" \"string filename\" \"a.pfm\" \"float power\" 100", 4 * kPi},
       {"LightSource \"goniometric\" \"string filename\" \"a.pfm\" \"string mapping\" \"latlong\" "
        "\"string filter\" \"bilinear\" \"float power\" 100",
        4 * kPi},
-      // A side of a cube.
+      // One side of a cube.
       {"LightSource \"projection\" \"string filename\" \"a.pfm\" \"string filter\" \"bilinear\" "
        "\"float power\" 100",
        4 * kPi / 6},
@@ -239,12 +242,13 @@ TEST(LevelExtremes, PowerOfDimAndBrightPictures) {
       sweep.compare_textbook(
           textbook_level(kWanted, sum / 256 * integral) * (integral * double{texel}), kWanted);
     }
-  // 16 texels a side in projection, whose flux is a sum over them, each to a float's digits.
+  // The projection has 16 texels a side.  Its flux is their sum, each accurate to a float's digits.
   sweep.expect_within(1e-7);
 }
 
 TEST(LevelExtremes, PowerOfDimAndBrightLuminaires) {
-  Sweep sweep(18, "power of a photometric file of", "1e-300 ... 1e300 cd", "flux as asked for");
+  Sweep sweep(18, "power of a photometric file of", "1e-300 ... 1e300 cd",
+              "flux against the requested flux");
   for (const int exponent : {-300, -100, -45, -38, -30, -10, 0, 10, 30, 38, 39, 100, 290})
     for (const bool panel : {false, true}) {
       Ies ies;
@@ -255,7 +259,7 @@ TEST(LevelExtremes, PowerOfDimAndBrightLuminaires) {
                   "Shape \"disk\""
                 : "LightSource \"goniometric\" \"string filename\" \"a.ies\" \"float power\" 100";
       const FileScene loaded = scene_of(text, {{"a.ies", ies.text()}});
-      // A level that no float holds is refused.
+      // A level that no float can hold is refused.
       const std::string at = fmt::format("{}{}", e, panel ? ", panel" : "");
       if (loaded.status.ok())
         sweep.compare(flux_lm(*loaded.scene), kWanted, at);

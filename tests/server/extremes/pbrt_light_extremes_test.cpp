@@ -1,4 +1,4 @@
-// Rows 12, 27 and 28: lights that .pbrt files make, under angles, mirrors and scales.
+// Rows 12, 27 and 28: lights from .pbrt files, with extreme angles, mirrors and scales.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -54,7 +54,7 @@ TEST(PbrtLightExtremes, WideSpots) {
   for (const auto& row : table.rows()) {
     const auto light = light_in(spot(row["cone_deg"], row["delta_deg"]));
     const auto s = sample(light, Vec3<Served>{row["x"], 0, row["z"]});
-    // As the wire has it.
+    // In floats, as a request has it.
     sweep.compare(static_cast<float>(s.value.g), row["value_lx"],
                   row.text("cone_deg") + " " + row.text("x"));
     // The slope of a hard edge.
@@ -80,14 +80,14 @@ TEST(PbrtLightExtremes, PowerOfWideSpots) {
   sweep.expect_within(1e-15);
 }
 
-TEST(PbrtLightExtremes, AnglesThatNoSpotHas) {
+TEST(PbrtLightExtremes, InvalidSpotAngles) {
   Sweep sweep(12, "spot in a .pbrt file, half-angle",
               "0, below 0, above 180 degrees; edges wider than the cone", "answer");
   for (const std::string angles :
        {"0", "-1e-30", "-30", "180.00000000000003", "181", "1e30", "1e400"})
     sweep.answer(world_error_of("LightSource \"spot\" \"float coneangle\" " + angles)
                          .starts_with("scene.pbrt:1:")
-                     ? "refused with its place"
+                     ? "refused, with file and line"
                      : "taken: " + angles);
   for (const std::string cone : {"0", "-30", "181", "1e30"})
     EXPECT_NE(world_error_of("LightSource \"spot\" \"float coneangle\" " + cone)
@@ -96,9 +96,9 @@ TEST(PbrtLightExtremes, AnglesThatNoSpotHas) {
   for (const auto& [cone, delta] : {std::pair{30.0, 30.1}, {30.0, -1e-9}, {1e-5, 2e-5}})
     sweep.answer(world_error_of(spot(cone, delta)).find("allowed [0, coneangle]") !=
                          std::string::npos
-                     ? "refused with its place"
+                     ? "refused, with file and line"
                      : "taken");
-  sweep.expect_answers("refused with its place");
+  sweep.expect_answers("refused, with file and line");
 }
 
 TEST(PbrtLightExtremes, SidesThatEmitUnderMirrors) {
@@ -131,13 +131,14 @@ TEST(PbrtLightExtremes, SidesThatEmitUnderMirrors) {
     }
     const auto light = light_in(text);
     const Vec3<Served> receiver{row["x"], row["y"], row["z"]};
-    // The table's point of a cylinder; of the others all that a receiver samples have its side.
+    // For a cylinder, the point of the table.  For other shapes, all points that a receiver samples
+    // are on the same side.
     const Vec2<Served> u = shape == "cylinder" ? Vec2<Served>{0.5, 0} : Vec2<Served>{0.3, 0.6};
     const bool lit = sample(light, receiver, u).reason == NoLight::kNone;
-    sweep.answer(lit == (row["lit"] > 0) ? "as pbrt-v4's rule says" : "not so: " + text);
+    sweep.answer(lit == (row["lit"] > 0) ? "by pbrt-v4's rule" : "not so: " + text);
     sweep.textbook_answer(row["by_winding"] == row["lit"] ? "the right side" : "the wrong side");
   }
-  sweep.expect_answers("as pbrt-v4's rule says");
+  sweep.expect_answers("by pbrt-v4's rule");
 }
 
 const std::map<std::string, std::string>& scaled_lights() {
@@ -165,7 +166,7 @@ TEST(PbrtLightExtremes, PowerUnderScales) {
   for (const auto& row : table.rows()) {
     sweep.compare(power(light_in(scaled(row))), row["power_lm"],
                   row.text("light") + " " + row.text("sx") + " " + row.text("sz"));
-    // Without the scale.
+    // The power without the scale.
     const Row* same = &row;
     for (const auto& other : table.rows())
       if (other.text("light") == row.text("light") && other["sx"] == 1 && other["sz"] == 1)
@@ -188,14 +189,15 @@ TEST(PbrtLightExtremes, DensityUnderScales) {
     if (name == "cylinder") receiver.position = Vec3<Served>{4 * sx, 0, sz / 2}, u = {0.5, 0};
     if (name == "disk") receiver.area_sampling = AreaSampling::kSquareRoot;
     const auto s = sample(light_in(scaled(row)), receiver, u);
-    // As the wire has it.
+    // In floats, as a request has it.
     sweep.compare(static_cast<float>(s.pdf.per_sr), row["per_sr"],
                   name + " " + row.text("sx") + " " + row.text("sz"));
   }
   sweep.expect_within(1e-7);
 }
 
-/// Spot and projection are seen up to 30 degrees off their axis, the projection's picture scaled.
+/// Spot and projection are seen up to 30 degrees off their axis.  The picture of the projection is
+/// scaled.
 TEST(PbrtLightExtremes, ConesUnderScales) {
   Sweep sweep(28, "spot, projection under Scale", kScales,
               "a thousandth within and beyond the cone");
@@ -214,9 +216,9 @@ TEST(PbrtLightExtremes, ConesUnderScales) {
     const bool beyond = towards(1.001).reason != NoLight::kOutsideCone;
     sweep.answer(!within  ? "none within: " + row.text("light") + " " + row.text("sx")
                  : beyond ? "some beyond: " + row.text("light") + " " + row.text("sx")
-                          : "light within alone");
+                          : "light within, none beyond");
   }
-  sweep.expect_answers("light within alone");
+  sweep.expect_answers("light within, none beyond");
 }
 
 TEST(PbrtLightExtremes, ScalesThatAreRefused) {
@@ -248,9 +250,9 @@ TEST(PbrtLightExtremes, ScalesThatAreRefused) {
       const bool named = error.starts_with("scene.pbrt:3:") &&
                          error.find("scale") != std::string::npos &&
                          error.find("allowed") != std::string::npos;
-      sweep.answer(named ? "refused with place and scales" : error + " of " + transform + light);
+      sweep.answer(named ? "refused, with place and scales" : error + " of " + transform + light);
     }
-  sweep.expect_answers("refused with place and scales");
+  sweep.expect_answers("refused, with place and scales");
 }
 
 }  // namespace

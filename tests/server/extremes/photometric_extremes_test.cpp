@@ -1,4 +1,4 @@
-// Row 31: luminaires in photometric files.
+// Row 31: luminaires from photometric files.
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -29,7 +29,7 @@ std::vector<double> numbers(const std::string& joined) {
   return result;
 }
 
-/// The file that a line of the tables describes.  Commas divide numbers there too.
+/// The file for one line of the tables.  Commas separate numbers there too.
 Ies file_of(const ReferenceTable::Row& row) {
   const std::size_t vertical = numbers(row.text("vertical")).size();
   const std::size_t horizontal = numbers(row.text("horizontal")).size();
@@ -47,8 +47,8 @@ std::shared_ptr<const PhotometricWeb> web_of(const std::string& text) {
   return file.ok() ? file->web : nullptr;
 }
 
-/// Zonal lumens: the mean of a zone's intensities times 2 pi times the difference of the cosines,
-/// of luminaires that are the same all around their axis.  [Fritz18]
+/// Zonal lumens: the mean intensity of a zone times 2 pi times the difference of the cosines.  For
+/// luminaires that are the same all around their axis.  [Fritz18]
 float textbook_flux(const std::vector<double>& vertical, const std::vector<double>& candela) {
   constexpr float kRadPerDegree = std::numbers::pi_v<float> / 180;
   float sum = 0;
@@ -61,7 +61,7 @@ float textbook_flux(const std::vector<double>& vertical, const std::vector<doubl
   return sum;
 }
 
-/// The intensity at the angle whose cosine the direction gives.
+/// The intensity at the angle whose cosine is given by the direction.
 float textbook_intensity(const std::vector<double>& vertical, const std::vector<double>& candela,
                          float cos) {
   const float v = std::acos(cos) * 180 / std::numbers::pi_v<float>;
@@ -86,8 +86,8 @@ TEST(PhotometricExtremes, FluxOfIesFiles) {
           textbook_flux(numbers(row.text("vertical")), numbers(row.text("candela"))),
           row["flux_lm"]);
   }
-  // About a right angle off the pole the ends of cells are rounded by 2^-47 degrees and by 2^-53
-  // rad, which is 1.3e-7 of a beam that reaches 1e-7 degrees to either side: less than that.
+  // About a right angle off the pole, the ends of cells are rounded by 2^-47 degrees and by 2^-53
+  // rad.  For a beam that reaches 1e-7 degrees to either side this is below 1.3e-7 of its width.
   sweep.expect_within(1e-7);
 }
 
@@ -112,13 +112,13 @@ TEST(PhotometricExtremes, IntensitiesOfIesFiles) {
                              static_cast<float>(row["z"])),
           row["intensity_cd"]);
   }
-  // The same roundings, and that of the direction's own angle; 0.6 of the way through a cell 0.4 of
-  // its light are left, of which they are 2.5 times as much: 5e-7 at worst, and less than that.
+  // The same roundings, plus that of the direction's own angle.  At 0.6 of the way through a cell,
+  // 0.4 of its light is left, so the errors count 2.5 times as much: below 5e-7.
   sweep.expect_within(2e-7);
 }
 
 TEST(PhotometricExtremes, FluxOfEulumdatFiles) {
-  Sweep sweep(31, "the files of type C all around as EULUMDAT, of lamps of",
+  Sweep sweep(31, "the files of type C with planes all around, as EULUMDAT, lamps of",
               "1e-30 ... 1e30 lm; planes of every symmetry", "flux");
   const ReferenceTable table("photometric_flux");
   for (const auto& row : table.rows()) {
@@ -137,7 +137,8 @@ TEST(PhotometricExtremes, FluxOfEulumdatFiles) {
                    : planes.front() == 90 ? -1
                                           : 0;
     if (ldt.symmetry < 0) continue;
-    // All planes of the circle, of which a symmetry gives intensities of the first.
+    // All planes of the circle.  Where the file has a symmetry, they repeat intensities of the
+    // first planes.
     std::vector<double> all = planes;
     if (ldt.symmetry == 0) all.pop_back();
     if (ldt.symmetry == 4)
@@ -166,7 +167,7 @@ TEST(PhotometricExtremes, FluxOfEulumdatFiles) {
   sweep.expect_within(1e-7);
 }
 
-TEST(PhotometricExtremes, HowFilesAreWritten) {
+TEST(PhotometricExtremes, WaysToWriteAFile) {
   Sweep sweep(31, "one luminaire written in many ways",
               "lumens -1 ... 1e30, multipliers 1e-30 ... 1e30, tilt tables, CR, CR LF, no final "
               "newline, byte-order mark, five editions",
@@ -223,7 +224,7 @@ TEST(PhotometricExtremes, HowFilesAreWritten) {
   }
   compare("\xef\xbb\xbf" + text, 1, "byte-order mark");
   compare(text + "more\n", 1, "more behind it");
-  // One horizontal angle, and the same as two, three or five.
+  // One horizontal angle, and the same luminaire with two, three or five.
   for (const char* planes : {"0 90", "0 180", "0 360", "90 270", "0 45 90", "0 1e-6 90 180 360"}) {
     Ies f = plain;
     const auto count = static_cast<int>(std::count(planes, planes + std::strlen(planes), ' ')) + 1;
@@ -236,7 +237,7 @@ TEST(PhotometricExtremes, HowFilesAreWritten) {
   sweep.expect_within(1e-14);
 }
 
-/// While it exists the process gets no more than so much more memory, used or not.
+/// While this object exists, the process can allocate only this much more memory, used or not.
 class MemoryLimit {
  public:
   explicit MemoryLimit(std::uint64_t bytes) {
@@ -256,10 +257,10 @@ class MemoryLimit {
   rlimit before_{};
 };
 
-TEST(PhotometricExtremes, ClaimsBeyondTheFile) {
+TEST(PhotometricExtremes, CountsBeyondTheEndOfTheFile) {
   Sweep sweep(31, "IES and EULUMDAT files of 1 kB that claim to hold", "500 ... 1e18 numbers",
               "answer");
-  const std::string same = "refused at the claim, without memory for it";
+  const std::string same = "refused at the claim, before memory is allocated";
   const auto answer = [&](auto parse, const std::string& text, const std::string& at) {
     EXPECT_NEAR(static_cast<double>(text.size()), 1000, 200);
     std::string said;
@@ -272,7 +273,7 @@ TEST(PhotometricExtremes, ClaimsBeyondTheFile) {
     }
     sweep.answer(said.find("are claimed to follow") != std::string::npos ? same : at + ": " + said);
   };
-  // 1 kB behind the claim has room for 500 numbers.
+  // After the claim, 1 kB has room for 500 numbers.
   std::string ones;
   for (int i = 0; i < 380; ++i) ones += "1 ";
   const auto parse_as_ies = [](const auto& text, const char* name) {
@@ -309,8 +310,8 @@ TEST(PhotometricExtremes, ClaimsBeyondTheFile) {
 }
 
 TEST(PhotometricExtremes, FilesThatCannotBeRead) {
-  Sweep sweep(31, "files that claim more than they hold, or what no luminaire has",
-              "1e6 ... 1e18 numbers in 1 kB; angles, candela and factors that are none", "answer");
+  Sweep sweep(31, "files that claim more than they hold, or have invalid values",
+              "1e6 ... 1e18 numbers in 1 kB; invalid angles, candela and factors", "answer");
   std::vector<std::string> files;
   const auto ies = [&](auto change) {
     Ies f;
@@ -331,7 +332,7 @@ TEST(PhotometricExtremes, FilesThatCannotBeRead) {
   for (const char* lamps : {"1 -2 1", "1 -1.5 1", "-1 1000 1", "1 1000 0", "1 1000 -1", "1 nan 1",
                             "1 1000 1e-301", "1 1000 1e301", "1e9 1000 1"})
     ies([&](Ies& f) { f.lamps = lamps; });
-  // Candela that are finite, and their product with what multiplies them is not.
+  // The candela are finite, but their product with the multipliers is not.
   ies([](Ies& f) { f.candela = "1e300 1 1\n", f.lamps = "1 1000 1e300"; });
   for (const char* tilt :
        {"TILT=INCLUDE\n1\n1000000\n0 1\n1 1\n", "TILT=INCLUDE\n1\n2\n1 2\n1 1\n",

@@ -1,4 +1,4 @@
-// Row 32: pictures of every size, type and texel, through every light that takes one.
+// Row 32: pictures of every size, pixel type and texel value, through every light that takes one.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -19,11 +19,11 @@ constexpr double kPi = std::numbers::pi;
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-/// A light of a picture FILE.
+/// A light with a picture; FILE stands for its name.
 struct PictureLight {
   std::string text;
-  /// Its flux [lm] where all texels are 1 and the picture `aspect` times as wide as it is high, in
-  /// a scene of this radius [m].
+  /// Its flux [lm] where all texels are 1, the picture is `aspect` times as wide as high, and the
+  /// scene has this radius [m].
   std::function<double(double aspect, double radius_m)> flux_lm;
   bool square = false;  ///< takes no other pictures
 };
@@ -36,7 +36,7 @@ const std::vector<PictureLight>& picture_lights() {
   const std::string area = "AreaLightSource \"diffuse\" \"string filename\" FILE ";
   const std::string latlong = "\"string mapping\" \"latlong\" ";
   const std::string bilinear = "\"string filter\" \"bilinear\" ";
-  // All directions, through the disk that the scene is seen as.
+  // All directions, through the disk that the scene's sphere projects to.
   const auto sky = [](double, double radius) { return 4 * kPi * kPi * radius * radius; };
   const auto through_portal = [](double, double) { return 4 * kPi; };
   const auto all_around = [](double, double) { return 4 * kPi; };
@@ -74,7 +74,7 @@ const std::vector<PictureLight>& picture_lights() {
   return lights;
 }
 
-/// A floor gives the scene a size, and with that lights at infinity a flux.
+/// A floor gives the scene a size, and so gives lights at infinity a flux.
 std::string text_of(const PictureLight& light, const std::string& name) {
   std::string text = light.text;
   text.replace(text.find("FILE"), 4, "\"" + name + "\"");
@@ -89,8 +89,8 @@ bool through_portal(const PictureLight& light) {
   return light.text.find("portal") != std::string::npos;
 }
 
-/// Compares the flux of every light that an even picture makes, of those through portals or of the
-/// others, with what its value makes.
+/// Compares the flux of every light with an even picture with the flux for its value.  Takes either
+/// the lights through portals or all others.
 void compare_even(Sweep& sweep, const std::string& name, const std::string& bytes, double aspect,
                   double value, bool portals = false) {
   for (const PictureLight& light : picture_lights()) {
@@ -124,7 +124,7 @@ void compare_sizes(Sweep& sweep, bool portals, const std::vector<float>& texels)
   };
   for (const auto [width, height] : {Size{1, 1}, {64, 64}, {100'000, 1}, {1, 100'000}})
     for (const float texel : texels) {
-      // All values at one size, all sizes at one value: they take their time.
+      // All values at one size and all sizes at one value, because each combination takes long.
       if (width != 64 && texel != texels.front()) continue;
       compare_even(sweep, "even.pfm", even_pfm(width, height, texel),
                    static_cast<double>(width) / height, double{texel}, portals);
@@ -146,14 +146,14 @@ TEST(PictureExtremes, SizesAndValuesThroughPortals) {
   Sweep sweep(32, "the same through a portal, where no sum over texels is exact", "1e-36 ... 1e30",
               "flux");
   compare_sizes(sweep, true, {0.1F, 1e-36F, 1e30F});
-  // 2^18 cells; the error that is told with each flux is no less.
+  // 2^18 cells.  The error reported with each flux is at least this large.
   sweep.expect_within(2e-4);
 }
 
-// The portal's table of looks cannot be as fine as such a picture.
-TEST(PictureExtremes, RowsThatAPortalMayOverlook) {
+// The portal's table of directions cannot be as fine as such a picture.
+TEST(PictureExtremes, SingleLitRowsThroughAPortal) {
   Sweep sweep(32, "pictures of 1 x 2e4 texels through a portal, one of them lit",
-              "rows of all heights", "density where there is light, against an even one");
+              "rows of all heights", "density where there is light, against an even density");
   for (const int row : {1, 7941}) {
     std::vector<float> values(60'000, 0);
     std::fill_n(values.begin() + 3 * row, 3, 1.0F);
@@ -169,7 +169,7 @@ TEST(PictureExtremes, RowsThatAPortalMayOverlook) {
     const auto portal =
         PortalLight<Served>::create(std::get<PortalLightParams>(description->lights.at(0).params));
     ASSERT_TRUE(portal.ok()) << portal.status();
-    // All around the ring that the row is, from where all of it is seen.
+    // All around the ring of the row, from a point that sees all of it.
     const Vec3<double> receiver{0.1, 0.2, 1.999999};
     const auto angle_seen = [&](double at) {
       return std::atan2(1 - at, 2 - receiver.z) + std::atan2(1 + at, 2 - receiver.z);
@@ -246,17 +246,17 @@ TEST(PictureExtremes, NegativeTexelsCountAsZero) {
       ASSERT_TRUE(lit.status.ok() && odd.status.ok()) << odd.status;
       const bool same = flux_lm(*odd.scene) == flux_lm(*lit.scene);
       const bool told = odd.remarks.find("8 texels with a value below 0") != std::string::npos;
-      sweep.answer(same && told ? "as 0, which a remark tells" : light.text + odd.remarks);
+      sweep.answer(same && told ? "as 0, with a remark" : light.text + odd.remarks);
     }
     float mean = 0;
     for (const float v : values) mean += v / 48;
     sweep.textbook_answer(mean < 0 ? "negative light" : "too dark");
   }
-  sweep.expect_answers("as 0, which a remark tells");
+  sweep.expect_answers("as 0, with a remark");
 }
 
-TEST(PictureExtremes, PicturesThatAreNone) {
-  Sweep sweep(32, "pictures of no texels, and of texels that are no numbers or infinite",
+TEST(PictureExtremes, InvalidPictures) {
+  Sweep sweep(32, "pictures without texels, and with texels that are NaN or infinite",
               "0 x 0, 4 x 0, NaN, infinity, -infinity; cut short; of too many channels; not as "
               "claimed",
               "answer of every light that takes a picture");

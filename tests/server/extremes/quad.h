@@ -1,4 +1,4 @@
-// Vectors of 113 bits, 34 digits: truths of what doubles are given.
+// Vectors of 113 bits, 34 digits: exact references for inputs in double.
 #pragma once
 
 #include "lights/maths/vec.h"

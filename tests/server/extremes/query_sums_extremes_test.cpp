@@ -1,4 +1,4 @@
-// Row 24: sums of very many samples and of fluxes unlike each other, as queries answer them.
+// Row 24: sums of very many samples and of very different fluxes, in the answers of queries.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "server/estimate/paths/render.h"
+#include "server/estimate/queries/irradiance.h"
 #include "tests/server/rpc/service_fixture.h"
 #include "tests/server/scene/scenes.h"
 #include "tests/sweep.h"
@@ -18,11 +18,11 @@
 namespace lucerna::testing {
 namespace {
 
-TEST(QuerySumsExtremes, IrradianceOfSamplesThatAreAlike) {
+TEST(QuerySumsExtremes, IrradianceOfEqualSamples) {
   Sweep sweep(24, "a receiver below a sun so small that each sample has 0.1 lx",
               "1 ... 2^18 samples a block", "irradiance, light by light and at a wavelength");
   SceneDescription d = description();
-  // The cosine of its edge rounds to 1, and no other direction finds it.
+  // The cosine of its edge rounds to 1, so no other direction lies within it.
   d.lights = {{SunLightParams{{0, 0, 1}, 1e-9, Rgb<double>(0.1)}, {"test.pbrt", 5, 1}}};
   const auto scene = build(d);
   const IrradiancePoint point{.position = {}, .position_error = {}, .normal = {0, 0, 1}};
@@ -53,9 +53,9 @@ TEST(QuerySumsExtremes, IrradianceOfSamplesThatAreAlike) {
   sweep.expect_within(1e-15);
 }
 
-TEST(QuerySumsExtremes, TotalOfFluxesUnlikeEachOther) {
-  Sweep sweep(24, "a light of 1e6 ... 1e30 cd, then 1000 of 4e-17 of it", "exact and approximate",
-              "total of EstimatePower");
+TEST(QuerySumsExtremes, TotalOfVeryDifferentFluxes) {
+  Sweep sweep(24, "a light of 1e6 ... 1e30 cd, and 1000 of 4e-17 times its intensity",
+              "exact and approximate", "total of EstimatePower");
   const TempDirectory folder;
   auto options = service_options();
   options.scenes.root = folder.path().string();

@@ -1,4 +1,4 @@
-// Counting rays that are answered wrongly.
+// Counts rays with wrong answers.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -24,7 +24,7 @@ struct Count {
     textbook += c.textbook;
     return *this;
   }
-  /// What was served, and what a fixed epsilon made of it, against the truth.
+  /// The server's answer and that of a fixed epsilon, each compared with the reference.
   void add(const ExactAnswer& truth, bool occluded, bool textbook_occluded) {
     ++rays;
     const bool sure = truth.sure();
@@ -38,14 +38,14 @@ struct Count {
   }
 };
 
-/// `make soak` asks for ten times as many rays.
+/// `make soak` sets ten times as many rays.
 inline std::size_t rays_times() {
   const absl::StatusOr<std::uint64_t> times = whole_number_of("LUCERNA_RAYS_TIMES", 1, 1);
   if (!times.ok()) throw std::runtime_error(std::string(times.status().message()));
   return *times;
 }
 
-/// Sums `f(random, count)` over `n` calls, in chunks with random numbers of their own.
+/// Sums `f(random, count)` over `n` calls.  Each chunk of calls has its own random numbers.
 template <typename F>
 Count counted(std::size_t n, F&& f) {
   n *= rays_times();
@@ -64,11 +64,11 @@ using Random = std::mt19937_64;
 
 inline float uniform(Random& random) { return static_cast<float>(random() >> 40) * 0x1p-24F; }
 
-/// pbrt's first two editions kept a ray off its surface by a constant and left as much out at the
+/// pbrt's first two editions kept a ray off its surface by a constant, and left out as much at the
 /// end of a shadow ray.
 inline constexpr float kEpsilon = 1e-4F;
 
-/// A line of the page that sums counts.
+/// A line of docs/extremes.md that sums counts.
 class RayCounts : public ::testing::Test {
  protected:
   void expect(const Count& c, const Place& place, double left_out) {

@@ -1,5 +1,5 @@
-// Rows 4, 6, 7, 8 and 34 as scene files have them: lamps that are small beside the room that they
-// hang in, at places whose digits no float holds.
+// Rows 4, 6, 7, 8 and 34 with lamps from scene files: small beside the room that they hang in, at
+// places that floats cannot hold.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -33,7 +33,7 @@ std::shared_ptr<const Scene> room(const Corners& lamp, bool two_sided = false) {
   return file.scene;
 }
 
-/// Twice the area, and that as floats hold the corners: the textbook's.
+/// Twice the area, with the corners rounded to floats: the textbook's value.
 double doubled_area(const Corners& c) {
   const Quad3 a(c[0]);
   return length(cross(Quad3(c[1]) - a, Quad3(c[2]) - a));
@@ -57,7 +57,7 @@ struct Answer {
   ItemResult status;
 };
 
-/// Of the scene's one light at a point that is told in double.
+/// Of the only light of the scene, at a point in double.
 Answer sample_at(const Scene& scene, const Vec3<double>& p, AreaSampling way) {
   const std::vector<float> offset{0, 0, 0}, u{0.3F, 0.6F};
   std::vector<float> value(3), wi(3), distance(1), points(3), normals(3), pdf(1);
@@ -94,7 +94,7 @@ TEST(RoomLampExtremes, FluxOfNeedles) {
       sweep.compare_textbook(kPi * doubled_area_in_floats(needle) / 2, truth);
     }
   }
-  // Where its corners are about the scene's middle is rounded: 4e-16 m of 1e-9 m.
+  // The corners about the middle of the scene are rounded: by 4e-16 m of 1e-9 m.
   sweep.expect_within(1e-6);
 }
 

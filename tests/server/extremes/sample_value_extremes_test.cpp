@@ -1,4 +1,4 @@
-// Row 33: sample values at and next to the ends of [0, 1], of every light.
+// Row 33: sample values at and next to the ends of [0, 1], for every light.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -19,7 +19,7 @@ namespace {
 
 double magnitude(Quad v) { return std::fabs(static_cast<double>(v)); }
 
-/// World coordinates in the space of an object: Cramer's rule.
+/// World coordinates in the space of an object, by Cramer's rule.
 Quad3 to_object(const Transform& world_from_object, const Quad3& p) {
   const auto& m = world_from_object.matrix();
   const auto column = [&](int j) { return Quad3(Quad(m[0][j]), Quad(m[1][j]), Quad(m[2][j])); };
@@ -40,7 +40,7 @@ double beyond_sweep(const Quad3& p, double phi_max_rad) {
   return std::min(phi - phi_max_rad, kTurnRad - phi) * std::hypot(double(p.x), double(p.y));
 }
 
-// How far a point (world) is off a shape, as a share of the shape's size.
+// How far a point (world) is from a shape, as a share of the size of the shape.
 
 template <typename Real>
 double off(const Sphere<Real>& shape, std::uint32_t, const Quad3& point, const Quad3&) {
@@ -74,8 +74,8 @@ double off(const Cylinder<Real>& shape, std::uint32_t, const Quad3& point, const
          c.radius_m;
 }
 
-/// Off the plane of two edges from `corner` to `along_x` and `along_y`, and beyond them in shares
-/// of their lengths.
+/// The distance to the plane of two edges, from `corner` to `along_x` and `along_y`, and how far
+/// beyond the edges, in shares of their lengths.
 template <typename Real>
 double off_plane(const Quad3& point, const Vec3<Real>& corner, const Vec3<Real>& along_x,
                  const Vec3<Real>& along_y, bool triangle) {
@@ -95,7 +95,7 @@ double off(const TriangleMesh<Real>& mesh, std::uint32_t primitive, const Quad3&
   return off_plane(about_origin, t.a, t.b, t.c, true);
 }
 
-/// Those of the scene are flat, with right angles.
+/// The patches of the scene are flat and have right angles.
 template <typename Real>
 double off(const PatchMesh<Real>& mesh, std::uint32_t primitive, const Quad3&,
            const Quad3& about_origin) {
@@ -113,14 +113,14 @@ double off(const Shape& covered, std::uint32_t primitive, const Quad3& point,
 constexpr std::array<double, 11> kValues{0,   0x1p-149,      0x1p-24, 0.25,        0.5 - 0x1p-25,
                                          0.5, 0.5 + 0x1p-24, 0.75,    1 - 0x1p-23, 1 - 0x1p-24,
                                          1};
-/// What a light computes in.
+/// The floating-point type that a light computes in.
 template <typename L>
 using RealOf = std::decay_t<decltype(std::declval<const L&>().sample_li({}, {}).distance)>;
-/// What served lights compute in.
+/// The floating-point type of the lights of a served scene.
 template <std::floating_point Real>
 Real real_of(const Light<Real>& light);
 using ServedReal = decltype(real_of(std::declval<SceneLight>().light));
-/// So many roundings of it, of coordinates up to a hundred sizes.
+/// This many roundings of that type, for coordinates of up to a hundred sizes.
 constexpr double kRoundings = 512 * double{std::numeric_limits<ServedReal>::epsilon()};
 
 constexpr char kSwept[] = "0, 2^-149, 2^-24, ... 1 - 2^-24, 1";
@@ -131,7 +131,7 @@ void for_each_pair(F&& f) {
     for (const double y : kValues) f(Vec2<double>{x, y});
 }
 
-/// About the scene's origin: around the lights, among them, within the sphere, far off.
+/// About the origin of the scene: around the lights, among them, within the sphere, far away.
 std::vector<Vec3<double>> receivers(const Scene& scene) {
   std::vector<Vec3<double>> all;
   for (const Vec3<double>& world : {Vec3<double>{100, -50, 0.5},
@@ -145,7 +145,7 @@ std::vector<Vec3<double>> receivers(const Scene& scene) {
   return all;
 }
 
-/// What pbrt-v3 makes of a distant sphere of radius 1 in floats: how far its point is off.
+/// How far off the point is that pbrt-v3 samples on a distant sphere of radius 1 in floats.
 float textbook_off(float distance, float u) {
   const float sin2 = 1 / (distance * distance);
   const float cos_max = std::sqrt(std::max(0.0F, 1 - sin2));
@@ -198,7 +198,7 @@ TEST(SampleValueExtremes, PointsLieOnTheirLights) {
   sweep.expect_within(kRoundings);
 }
 
-TEST(SampleValueExtremes, DensitiesAreThoseAskedFor) {
+TEST(SampleValueExtremes, DensitiesMatchPdfLi) {
   Sweep sweep(33, "sample values of every light", kSwept, "density of samples against pdf_li");
   const auto scene = every_light();
   for (const SceneLight& l : scene->lights()) {
@@ -233,7 +233,7 @@ TEST(SampleValueExtremes, DensitiesAreThoseAskedFor) {
         },
         l.light);
   }
-  // 1 / (2 pi (1 - cos)) of a sphere a thousand radii off and more, in floats.
+  // 1 / (2 pi (1 - cos)) of a sphere at a thousand radii and more, in floats.
   for (const float ratio : {1e-3F, 1e-4F, 1e-5F}) {
     const float cos_max = std::sqrt(1 - ratio * ratio);
     sweep.compare_textbook(1 / (6.2831853F * (1 - cos_max)),
@@ -242,7 +242,7 @@ TEST(SampleValueExtremes, DensitiesAreThoseAskedFor) {
   sweep.expect_within(kRoundings);
 }
 
-TEST(SampleValueExtremes, DensitiesOfRaysThatLeave) {
+TEST(SampleValueExtremes, RayDensitiesMatchPdfLe) {
   Sweep sweep(33, "sample values of rays that leave every light", kSwept,
               "densities of rays against pdf_le");
   const auto scene = every_light();
@@ -260,7 +260,7 @@ TEST(SampleValueExtremes, DensitiesOfRaysThatLeave) {
               if (s.reason != NoLight::kNone) return;
               EXPECT_TRUE(is_finite(s.value) && s.value.max_component() > 0) << at;
               const auto pdf = light.pdf_le(s.origin, s.direction, scene->sphere());
-              // 0: certain.  Floats carry all others to the client.
+              // 0 means certain.  The client receives all others as floats.
               for (const double density : {pdf.position.per_m2, pdf.direction.per_sr})
                 EXPECT_TRUE(density == 0 || density >= std::numeric_limits<float>::min())
                     << density << " of " << at << " at (" << other.x << ", " << other.y << ")";
@@ -271,8 +271,8 @@ TEST(SampleValueExtremes, DensitiesOfRaysThatLeave) {
         },
         l.light);
   }
-  // The cosine of a diffuse ray by a point all but at the disk's edge, sqrt(1 - x^2 - y^2) in
-  // floats; the point is 2^-23 within.
+  // The cosine of a diffuse ray from a point nearly at the edge of the disk, sqrt(1 - x^2 - y^2) in
+  // floats.  The point is 2^-23 within the disk.
   for (const float u : {0.25F, 0.5F, 0.6F, 0.75F}) {
     const Vec2<float> d = sample_concentric_disk(Vec2<float>{1 - 0x1p-24F, u});
     sweep.compare_textbook(std::sqrt(std::max(0.0F, 1 - d.x * d.x - d.y * d.y)),

@@ -1,5 +1,5 @@
-// The same scene in other units: every length of a description times a factor, and what lights give
-// so that all radiances and illuminances stay the same.
+// The same scene in other units: every length of a description is multiplied by a factor.  Levels
+// of lights change so that all radiances and illuminances stay the same.
 #pragma once
 
 #include <array>
@@ -16,7 +16,7 @@ inline Transform scaled_places(const Transform& t, double s) {
   return times(s) * t * times(1 / s);
 }
 
-/// Requires a scene in which nothing moves.
+/// Requires a scene without motion.
 inline SceneDescription scaled_scene(SceneDescription d, double s) {
   const auto scale_shape = [&](ShapeDescription& shape) {
     std::visit(
@@ -27,7 +27,7 @@ inline SceneDescription scaled_scene(SceneDescription d, double s) {
             geometry.world_from_object = *Transform::scale({s, s, s}) * geometry.world_from_object;
         },
         shape.geometry);
-    // A panel's radiance is the intensity of its file over its area.
+    // The radiance of a panel is the intensity of its file over its area.
     if (shape.emission && shape.emission->panel)
       shape.emission->radiance_cd_m2 = shape.emission->radiance_cd_m2 * (s * s);
   };

@@ -15,10 +15,10 @@ namespace {
 
 class SeamExtremes : public RayCounts {};
 
-/// A closed mesh at a place: its corners, and rays at its edges from within.
+/// A closed mesh at a place: its corners, and rays from within towards its edges.
 struct Closed {
   std::shared_ptr<const Scene> scene;
-  std::vector<std::array<Vec3<float>, 3>> triangles;  // about the scene's origin
+  std::vector<std::array<Vec3<float>, 3>> triangles;  // about the origin of the scene
   Point centre;
 };
 
@@ -45,7 +45,7 @@ Closed closed(const Place& place, bool as_instance) {
   return c;
 }
 
-/// Whether a ray meets a triangle, as Moeller and Trumbore have it, in floats.
+/// Whether a ray meets a triangle, by the formula of Moeller and Trumbore in floats.
 bool moeller_trumbore(const Ray& ray, const std::array<Vec3<float>, 3>& v) {
   const Vec3<float> e1 = v[1] - v[0], e2 = v[2] - v[0], p = cross(ray.direction, e2);
   const float determinant = dot(e1, p);
@@ -56,8 +56,8 @@ bool moeller_trumbore(const Ray& ray, const std::array<Vec3<float>, 3>& v) {
   return a >= 0 && b >= 0 && a + b <= 1 && dot(e2, q) * inverse > 0;
 }
 
-/// From somewhere within at an edge: nothing gets out.  (At corners one ray in 1e4 does, where none
-/// of the triangles around it has it to within rounding.)
+/// A ray from within the mesh towards an edge.  None may get out.  (At corners, one ray in 1e4
+/// does: to within rounding, no triangle around the corner contains it.)
 void at_seam(const Closed& c, double size, Random& random, Count& count) {
   const auto& v = c.triangles[random() % c.triangles.size()];
   const float along = uniform(random);
@@ -67,7 +67,7 @@ void at_seam(const Closed& c, double size, Random& random, Count& count) {
   ray.direction = seam - ray.origin;
   ++count.rays;
   count.leaks += !c.scene->occluded(ray);
-  // As many again would be needed to try them all with the textbook's formula.
+  // One ray in 16 also goes through the textbook's formula: all of them would take as long again.
   if (random() % 16 != 0) return;
   count.textbook += 16 * std::ranges::none_of(
                              c.triangles, [&](const auto& t) { return moeller_trumbore(ray, t); });

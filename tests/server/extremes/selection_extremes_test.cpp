@@ -1,11 +1,11 @@
-// Lights from infinitely far beside local ones: each has its turn, however large the scene is.
+// Lights at infinity beside local ones: every light is chosen, however large the scene is.
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <vector>
 
 #include "lights/sampling/sobol.h"
-#include "server/estimate/paths/render.h"
+#include "server/estimate/queries/irradiance.h"
 #include "server/estimate/queries/queries.h"
 #include "tests/server/scene/scenes.h"
 #include "tests/sweep.h"
@@ -16,7 +16,7 @@ namespace {
 constexpr LightSelection kWays[] = {LightSelection::kAutomatic, LightSelection::kUniform,
                                     LightSelection::kPower, LightSelection::kBvh};
 
-/// `lamps` of 10 cd in a row 2 m above the floor, two skies, a sun and a distant light.
+/// `lamps` lamps of 10 cd in a row 2 m above the floor, two skies, a sun and a distant light.
 SceneDescription lamps_and_skies(int lamps) {
   SceneDescription d = description(0);
   d.shapes = {floor(2)};
@@ -47,7 +47,7 @@ TEST(SelectionExtremes, EachOfSeveralInfiniteLightsIsSampled) {
       double sum = 0;
       for (std::uint32_t l = 0; l < lights; ++l) {
         const double p = scene->light_selector().probability(how, receiver, l);
-        // A hundredth of the choices at least where there are two dozens of lights.
+        // At least a hundredth of the choices where there are two dozen lights.
         EXPECT_GT(p, 0.01) << l << ", " << way;
         sum += p;
       }
@@ -67,7 +67,7 @@ TEST(SelectionExtremes, AllLightOfInfiniteAndLocalLightsArrives) {
               "irradiance of 2^20 samples");
   for (const int lamps : {4, 20}) {
     const auto scene = build(lamps_and_skies(lamps));
-    double truth = 1.5 * std::numbers::pi + 3 * 0.8 + 2;  // of a sun of 0.01 rad, 1e-6 off
+    double truth = 1.5 * std::numbers::pi + 3 * 0.8 + 2;  // of a sun of 0.01 rad, off by 1e-6
     for (int i = 0; i < lamps; ++i)
       truth += 20 / std::pow(std::pow(0.1 * i - 0.7, 2) + 0.01 + 4, 1.5);
     for (const LightSelection how : kWays) {
@@ -88,7 +88,7 @@ TEST(SelectionExtremes, AllLightOfInfiniteAndLocalLightsArrives) {
   sweep.expect_within(2e-3);
 }
 
-// One far stone makes the scene's sphere, and with it the flux of skies, as large as it likes.
+// One far stone can make the sphere of the scene, and so the flux of skies, arbitrarily large.
 TEST(SelectionExtremes, OneFarObjectStarvesNoLight) {
   Sweep sweep(19, "a stone far from a room of size 1", "1e2 ... 1e9 m",
               "probability of each light");
@@ -109,7 +109,7 @@ TEST(SelectionExtremes, OneFarObjectStarvesNoLight) {
         }
     }
   }
-  // Lamps are told in doubles about a middle as far away as that.
+  // Lamps are stored in doubles about a middle that is this far away.
   sweep.expect_within(1e-5);
 }
 

@@ -1,6 +1,6 @@
 // Rows 22 and 23: surfaces that shadow themselves and walls that let light through, in scenes of
-// any size and anywhere, counted against intersections in double.  What passes an edge or an end
-// within the stated error bounds has no right answer in floats and is left out.
+// any size at any place.  Errors are counted against intersections in double.  A ray that passes an
+// edge or an end within the stated error bounds has no right answer in floats and is left out.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -17,7 +17,7 @@ namespace {
 
 class ShadowExtremes : public RayCounts {};
 
-/// Half of them spheres, disks, cylinders and patches, half triangles.
+/// Half of them are spheres, disks, cylinders and patches; half are triangles.
 int some_primitive(const Everything& e, Random& random) {
   if (uniform(random) < 0.5F) return e.round()[random() % e.round().size()];
   for (;;) {
@@ -26,7 +26,7 @@ int some_primitive(const Everything& e, Random& random) {
   }
 }
 
-/// A point of some primitive; of every twentieth on its border, of every hundredth a corner.
+/// A point of a random primitive.  Every twentieth is on the border, every hundredth is a corner.
 Point target(const Everything& e, Random& random) {
   Vec2<double> u{uniform(random), uniform(random)};
   const float kind = uniform(random);
@@ -35,8 +35,8 @@ Point target(const Everything& e, Random& random) {
   return e.exact().point(some_primitive(e, random), u).position;
 }
 
-/// A direction about `n`; of every tenth nearly within the surface.
-// Not inlined: GCC 12 would leave out the rounding to floats where doubles are made of them.
+/// A direction about `n`.  Every tenth is nearly within the surface.
+// Not inlined: GCC 12 would leave out the rounding to floats where it makes doubles from them.
 [[gnu::noinline]] Vec3<float> leaving(const Vec3<float>& n, Random& random) {
   const float c = uniform(random) < 0.9F ? uniform(random) : std::pow(10.0F, -7 * uniform(random));
   const float phi = 2 * std::numbers::pi_v<float> * uniform(random), r = std::sqrt(1 - c * c);
@@ -44,13 +44,13 @@ Point target(const Everything& e, Random& random) {
       Frame<float>::around(n).world_from_local({r * std::cos(phi), r * std::sin(phi), c}));
 }
 
-/// Hits as the first editions kept them: floats about the world's zero.
+/// Hits as the first editions of pbrt kept them: floats about the world's zero.
 Vec3<float> world_float(const Everything& e, const Point& p) {
   const Point o = e.scene().origin();
   return Vec3<float>(Point(Vec3<float>(p + o)) - o);
 }
 
-/// Which primitive a hit lies on: nothing where there is no telling.
+/// The primitive that a hit lies on, or nothing where this is unsure.
 int primitive_of(const ExactAnswer& truth, double t) {
   int found = -1;
   for (const ExactCrossing& c : truth.crossings) {
@@ -61,7 +61,8 @@ int primitive_of(const ExactAnswer& truth, double t) {
   return found;
 }
 
-/// A hit against the truth; returns the primitive that it lies on, -1 where that is unsure.
+/// Compares a hit with the reference.  Returns the primitive that it lies on, or -1 where that is
+/// unsure.
 int check_hit(const ExactAnswer& truth, const std::optional<SurfaceHit>& hit, Count& count) {
   ++count.rays;
   if (!hit) {
@@ -87,7 +88,7 @@ int check_hit(const ExactAnswer& truth, const std::optional<SurfaceHit>& hit, Co
   return primitive_of(truth, hit->t);
 }
 
-/// A ray to a surface, one that leaves it, one to a lamp: three rays.
+/// Three rays: one to a surface, one that leaves it, one to a lamp.
 void bounce(const Everything& e, Random& random, Count& count) {
   const Scene& scene = e.scene();
   const ExactGeometry& exact = e.exact();
@@ -108,9 +109,9 @@ void bounce(const Everything& e, Random& random, Count& count) {
                   .direction = Point(w),
                   .start_error = start_error,
                   .from = from,
-                  // Within the surface to a rounding, w may lead to its other side.
+                  // Where `w` lies within the surface to a rounding, it may lead to the other side.
                   .from_normal = dot(n, Point(w)) < 0 ? -n : n};
-  // Of a round one that is a chord from wherever within its error the ray starts.
+  // On a round surface the ray is then a chord, from anywhere within the error of its start.
   if (dot(n, Point(w)) < 0 && !exact.is_triangle(from)) {
     ++count.rays, ++count.left_out;
     return;
@@ -118,7 +119,8 @@ void bounce(const Everything& e, Random& random, Count& count) {
   count.add(exact.along(leaves), scene.occluded(spawn_ray(*hit, w)),
             scene.occluded({world_float(e, p), w, kEpsilon}));
 
-  // Of the lamp a hair above the floor less often: near its floor most rays have no right answer.
+  // The lamp just above the floor is taken less often: near its floor most rays have no right
+  // answer.
   const std::uint64_t which = random();
   const std::uint32_t light = which % 8 == 0 ? 0 : 1 + (which >> 8) % 2;
   visit_light(scene.lights()[light], 0, [&](const auto& model) {
@@ -143,7 +145,7 @@ void bounce(const Everything& e, Random& random, Count& count) {
   });
 }
 
-/// A segment between two points on surfaces as somebody types them: floats about a place.
+/// A segment between two points on surfaces, as a user would type them: floats about a place.
 struct TypedSegments {
   std::vector<float> from, to, normals;
   std::vector<ExactRay> exact;
@@ -175,7 +177,7 @@ TypedSegments typed_segments(const Everything& e, std::size_t n) {
   return s;
 }
 
-/// TestVisibility of the segments, with normals or without.
+/// TestVisibility of the segments, with or without normals.
 Count typed(const Everything& e, TypedSegments s, bool with_normals) {
   const Scene& scene = e.scene();
   const std::size_t n = s.exact.size();
@@ -190,7 +192,8 @@ Count typed(const Everything& e, TypedSegments s, bool with_normals) {
   tbb::enumerable_thread_specific<Count> counts;
   parallel_chunks(n, 1024, {}, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      // Ways begin and end so far off their points, and off surfaces that the points are not on.
+      // Segments begin and end this far from their points, and from surfaces that the points are
+      // not on.
       const auto error = [&](const ScenePoint& p) {
         return kStartWithoutNormal * (p.error + kTraversalBound * e.largest());
       };
@@ -207,7 +210,7 @@ Count typed(const Everything& e, TypedSegments s, bool with_normals) {
   return sum;
 }
 
-/// Points of the floor beneath a lamp that hangs a hair above it, and beside it.
+/// Points of the floor beneath a lamp just above it, and beside that lamp.
 void beneath(const Everything& e, Random& random, Count& count) {
   const Scene& scene = e.scene();
   const bool under = uniform(random) < 0.5F;
@@ -215,7 +218,7 @@ void beneath(const Everything& e, Random& random, Count& count) {
   const double y = under ? -0.8 + 0.3 * uniform(random) : -0.95 + 0.6 * uniform(random);
   const Vec3<float> above(e.local({x, y, 0.5 * Everything::kHair}));
   const auto hit = scene.closest_hit({above, {0, 0, -1}});
-  // No lamp hides the floor from what is between both.
+  // The lamp must not hide the floor from a point between the two.
   ++count.rays;
   const double height = Everything::kHair * e.place().size;
   if (!hit || std::fabs(hit->t - 0.5 * height) > 0.1 * height) {
@@ -234,7 +237,7 @@ void beneath(const Everything& e, Random& random, Count& count) {
     count.shadows += scene.occluded(shadow_ray(*hit, sample));
     const Vec3<float> start = world_float(e, p), way = world_float(e, q) - start;
     count.textbook += scene.occluded({start, way, kEpsilon / length(way), 1 - kEpsilon});
-    // And through the lamp nobody sees: from the floor past the sample.
+    // A ray from the floor past the sample must not pass through the lamp.
     if (sample.normal.z < -0.5F || !under) return;
     ++count.rays;
     count.leaks += !scene.occluded(spawn_ray(*hit, Vec3<float>{0, 0, 1}));
@@ -243,7 +246,7 @@ void beneath(const Everything& e, Random& random, Count& count) {
 }
 
 TEST_F(ShadowExtremes, LeaksAndSelfShadowingAtAnySize) {
-  Sweep sweep(22, "rays to, from and between one of everything and its lamps", "1e-4 ... 1e7 m",
+  Sweep sweep(22, "rays to, from and between objects of every kind and lamps", "1e-4 ... 1e7 m",
               "leaks and self-shadowing");
   for (const Place& place : sizes()) {
     const Everything e(place);
@@ -253,7 +256,7 @@ TEST_F(ShadowExtremes, LeaksAndSelfShadowingAtAnySize) {
 }
 
 TEST_F(ShadowExtremes, LeaksAndSelfShadowingFarFromZero) {
-  Sweep sweep(23, "the same of size 1, moved", "1e7 m along x, y, z and all three",
+  Sweep sweep(23, "the same rays in a scene of size 1, moved", "1e7 m along x, y, z and all three",
               "leaks and self-shadowing");
   for (const Place& place : moved()) {
     const Everything e(place);
@@ -277,7 +280,7 @@ TEST_F(ShadowExtremes, TypedPoints) {
   finish(sweep);
 }
 
-TEST_F(ShadowExtremes, LampAHairAboveAFloor) {
+TEST_F(ShadowExtremes, LampJustAboveAFloor) {
   Sweep sweep(22, "lamp 1e-5 of the scene's size above a floor, and that floor",
               "1e-4 ... 1e7 m; moved by 1e7", "hidden, or seen through");
   std::vector<Place> all = sizes();

@@ -27,7 +27,7 @@ struct Samples {
         large(row["large"]),
         small(row["small"]),
         mean(row["mean"]) {}
-  /// The first large one from `i` on.
+  /// The first large sample from `i` on.
   std::uint64_t large_from(std::uint64_t i) const {
     return i + (offset + period - i % period) % period;
   }
@@ -36,12 +36,12 @@ struct Samples {
   double large, small, mean;
 };
 
-/// Up to three lines at once, a channel each: the mean of a block of samples from `first` on.
+/// Up to three lines at once, one in each channel: the mean of a block of samples from `first` on.
 std::array<double, 3> block_mean(const std::vector<Samples>& samples, std::uint64_t first,
                                  std::uint64_t count) {
   const std::uint64_t end = first + count;
   std::array<double, 3> small{};
-  std::array<std::uint64_t, 3> next{end, end, end};  // the next large one
+  std::array<std::uint64_t, 3> next{end, end, end};  // the next large sample
   for (std::size_t c = 0; c < samples.size(); ++c) {
     small[c] = samples[c].small;
     next[c] = samples[c].large_from(first);
@@ -61,8 +61,8 @@ std::array<double, 3> block_mean(const std::vector<Samples>& samples, std::uint6
   return {mean.r, mean.g, mean.b};
 }
 
-/// As pixels and receivers are added up: a billion in blocks, whose means are merged.  Blocks of
-/// the same samples have the same mean, which is computed once.
+/// Sums pixels and receivers: a billion samples in blocks, whose means are merged.  Blocks of the
+/// same samples have the same mean, which is computed once.
 std::array<double, 3> means(const std::vector<Samples>& samples) {
   constexpr std::uint64_t kSamplesPerBlock = std::uint64_t{1} << 26;
   const std::uint64_t count = samples.front().count;
@@ -70,7 +70,7 @@ std::array<double, 3> means(const std::vector<Samples>& samples) {
   std::map<std::vector<std::uint64_t>, std::array<double, 3>> known;
   BlockStream<3> blocks(0);
   for (std::uint64_t first = 0; first < count; first += per_block) {
-    std::vector<std::uint64_t> large;  // where they are in this block
+    std::vector<std::uint64_t> large;  // the positions in this block
     for (const Samples& s : samples)
       large.push_back(std::min(s.large_from(first) - first, per_block));
     const auto [mean, is_new] = known.try_emplace(large);
@@ -95,7 +95,7 @@ float textbook_mean(const Samples& s) {
       if (sum == before && sum + small == sum) break;  // nothing more is added
     } else {
       sum += small;
-      // Small ones that are lost stay lost: on to the next large one.
+      // Small samples that were lost stay lost: skip to the next large one.
       if (sum == before) i = next - 1;
     }
   }
@@ -145,7 +145,7 @@ TEST(SumsExtremes, SumsThatOverflowAreInfinite) {
 }
 
 TEST(SumsExtremes, PixelsOfAnEvenSky) {
-  Sweep sweep(24, "a pixel that sees nothing but a sky of 0.1 cd/m2", "1 ... 2^22 samples a block",
+  Sweep sweep(24, "a pixel that sees only a sky of 0.1 cd/m2", "1 ... 2^22 samples a block",
               "mean, through RenderTile");
   SceneDescription d = description();
   d.lights = {{UniformInfiniteLightParams{Rgb<double>(0.1)}, {"test.pbrt", 5, 1}}};
@@ -170,7 +170,7 @@ TEST(SumsExtremes, PixelsOfAnEvenSky) {
 
 TEST(SumsExtremes, TilesOfManyBlocks) {
   Sweep sweep(24, "tiles merged from blocks of 0.1", "1 ... 2^20 blocks, numbered from 0 ... 2^62",
-              "mean, of the server's and the client's merging");
+              "mean, merged by the server and by the client");
   for (int log = 0; log <= 20; ++log)
     for (const std::uint64_t first :
          {std::uint64_t{0}, std::uint64_t{1} << 33, std::uint64_t{1} << 62}) {
@@ -200,9 +200,9 @@ TEST(SumsExtremes, TilesOfManyBlocks) {
   sweep.expect_within(1e-15);
 }
 
-TEST(SumsExtremes, DeviationOfBlocksThatHardlyDiffer) {
+TEST(SumsExtremes, DeviationOfNearlyEqualBlocks) {
   Sweep sweep(24, "blocks of x and x + 1 in turn, x", "1 ... 1e15, 2^2 ... 2^20 blocks",
-              "squared deviation, of which standard errors are made");
+              "squared deviation, from which standard errors follow");
   for (double x = 1; x <= 1e15; x *= 10)
     for (int log = 2; log <= 20; log += 6) {
       const std::uint64_t count = std::uint64_t{1} << log;

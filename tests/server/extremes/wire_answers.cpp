@@ -16,7 +16,7 @@ using google::protobuf::Message;
 
 std::uint64_t seen = 0;
 
-/// Bytes that hold no numbers.
+/// Bytes that do not hold numbers.
 bool holds_no_numbers(const FieldDescriptor& field) {
   static const std::set<std::string> names{
       "lucerna.v1.SampleLiResponse.delta",                    // bits
@@ -90,7 +90,8 @@ class Walk {
   template <typename Number>
   void numbers(const FieldDescriptor& f, const std::string& plane, const char* what) {
     if (plane.size() % sizeof(Number) != 0)
-      wrong_.push_back(fmt::format("{}: {} bytes are no {}", f.full_name(), plane.size(), what));
+      wrong_.push_back(
+          fmt::format("{}: {} bytes are not whole {}", f.full_name(), plane.size(), what));
     for (std::size_t i = 0; i + sizeof(Number) <= plane.size(); i += sizeof(Number)) {
       Number v = 0;
       std::memcpy(&v, plane.data() + i, sizeof v);

@@ -1,5 +1,5 @@
-// That wrong numbers are found, wherever in an answer they are: without this a test that finds none
-// would say nothing.
+// Wrong numbers are found in every field of an answer.  Without these tests, a test that finds no
+// wrong number would prove nothing.
 #include "tests/server/extremes/wire_answers.h"
 
 #include <fmt/format.h>
@@ -35,7 +35,7 @@ std::string bytes_of(const std::vector<Number>& numbers) {
   return bytes;
 }
 
-TEST(WrongNumbers, AreSeenInAPlainField) {
+TEST(WrongNumbers, AreFoundInAPlainField) {
   v1::RenewLeaseResponse r;
   r.set_lease_s(0);
   EXPECT_THAT(wrong_numbers(r), IsEmpty());
@@ -49,7 +49,7 @@ TEST(WrongNumbers, AreSeenInAPlainField) {
   EXPECT_THAT(wrong_numbers(r), IsEmpty());
 }
 
-TEST(WrongNumbers, AreSeenInANestedMessage) {
+TEST(WrongNumbers, AreFoundInANestedMessage) {
   v1::ListLightsResponse r;
   r.add_lights()->mutable_point()->mutable_intensity_cd()->set_g(1);
   v1::KeyFrame* key = r.add_lights()->mutable_motion()->add_key_frames();
@@ -65,7 +65,7 @@ TEST(WrongNumbers, AreSeenInANestedMessage) {
   EXPECT_THAT(wrong_numbers(r), ElementsAre("lucerna.v1.Vector3.z[0] = nan"));
 }
 
-TEST(WrongNumbers, AreSeenInARepeatedField) {
+TEST(WrongNumbers, AreFoundInARepeatedField) {
   v1::SampleLiResponse r;
   set(r.mutable_value(), 1, 2, 3, 4, 5, 6);
   set(r.mutable_wi(), 0, 0, -1, 0, -1, 0);
@@ -79,7 +79,7 @@ TEST(WrongNumbers, AreSeenInARepeatedField) {
   EXPECT_THAT(wrong_numbers(r), ElementsAre("lucerna.v1.SampleLiResponse.wi[3] = nan"));
 }
 
-TEST(WrongNumbers, AreSeenInTheBytesOfTilesAndStreamedPictures) {
+TEST(WrongNumbers, AreFoundInTheBytesOfTilesAndStreamedPictures) {
   v1::RenderTileResponse tile;
   v1::RenderImageResponse picture;
   for (v1::Tile* t : {tile.mutable_tile(), picture.mutable_tile()}) {
@@ -98,7 +98,8 @@ TEST(WrongNumbers, AreSeenInTheBytesOfTilesAndStreamedPictures) {
     }
     const std::string sum = t->sum();
     t->set_sum(sum.substr(1));
-    EXPECT_THAT(wrong_numbers(whole), ElementsAre("lucerna.v1.Tile.sum: 23 bytes are no doubles"));
+    EXPECT_THAT(wrong_numbers(whole),
+                ElementsAre("lucerna.v1.Tile.sum: 23 bytes are not whole doubles"));
     t->set_sum(sum);
     for (const float v : {float(kNan), float(kInfinity), -1.0F}) {
       const std::string one = bytes_of<float>({v});
@@ -107,13 +108,13 @@ TEST(WrongNumbers, AreSeenInTheBytesOfTilesAndStreamedPictures) {
                   ElementsAre(fmt::format("lucerna.v1.Tile.upper[0] = {}", v)));
       t->set_upper(one.substr(1));
       EXPECT_THAT(wrong_numbers(whole),
-                  ElementsAre("lucerna.v1.Tile.upper: 3 bytes are no floats"));
+                  ElementsAre("lucerna.v1.Tile.upper: 3 bytes are not whole floats"));
       t->clear_upper();
     }
   }
 }
 
-// What follows finds the fields by the types of the answers, not by the answers.
+// The code below finds the fields by the types of the answers, not in the answers.
 
 using Path = std::vector<const FieldDescriptor*>;
 
@@ -138,7 +139,7 @@ void put(Message* m, const FieldDescriptor* f, T v,
   (r->*add)(m, f, v);
 }
 
-/// Puts one number at the end of the path: the second entry of each list on the way.
+/// Puts one number at the end of the path: into the second entry of each list on the way.
 void plant(Message* m, const Path& path, double v) {
   using R = google::protobuf::Reflection;
   for (std::size_t i = 0; i + 1 < path.size(); ++i) {
@@ -161,7 +162,7 @@ void plant(Message* m, const Path& path, double v) {
     m->GetReflection()->SetString(m, f, bytes_of<double>({0, v}));
 }
 
-TEST(WrongNumbers, AreSeenInEveryFieldOfEveryAnswer) {
+TEST(WrongNumbers, AreFoundInEveryFieldOfEveryAnswer) {
   std::set<std::string> fields, met_signed;
   for (const google::protobuf::MethodDescriptor* method : all_methods()) {
     const Message* prototype =
@@ -186,7 +187,7 @@ TEST(WrongNumbers, AreSeenInEveryFieldOfEveryAnswer) {
     });
   }
   EXPECT_GT(fields.size(), 70u);
-  // An exception that no answer has excepts nothing.
+  // An exception must name a field that exists in some answer.
   for (const auto& [name, why] : signed_fields()) EXPECT_TRUE(met_signed.contains(name)) << name;
 }
 

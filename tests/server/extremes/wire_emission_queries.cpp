@@ -93,9 +93,10 @@ void WireQueries::le(const v1::Light* light) {
   for (std::size_t i = 0; i < items.size() && failures_.empty(); ++i) {
     const std::uint64_t met = r.light_ids(static_cast<int>(i));
     if (met != 0) is_light("Le", i, met);
-    hold(met == 0 || light == nullptr || met == light->id(), "Le", i, "another light than asked");
+    hold(met == 0 || light == nullptr || met == light->id(), "Le", i,
+         "another light than the requested one");
     if (status[i] == v1::ITEM_STATUS_OK) continue;
-    hold(met == 0, "Le", i, "a light without an answer");
+    hold(met == 0, "Le", i, "a light for an item without an answer");
     is_zero("Le", i, r.radiance_cd_m2(), 3);
     is_zero("Le", i, r.spectral_radiance(), spectral);
   }

@@ -1,4 +1,4 @@
-// The items that WireQueries asks about, and what holds for each of its answers.
+// The items that WireQueries sends, and the conditions for each of its answers.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -21,7 +21,7 @@ void add(const Vec3<float>& v, google::protobuf::RepeatedField<float>* out) {
   out->Add(v.z);
 }
 
-/// Denormals are zero to the server.
+/// The server treats denormals as zero.
 bool is_zero_to_server(const Vec3<float>& v) {
   return max_abs(v) < std::numeric_limits<float>::min();
 }
@@ -112,7 +112,7 @@ void WireQueries::wavelengths(google::protobuf::RepeatedField<double>* out) {
 }
 
 void WireQueries::methods(v1::Accuracy* out) {
-  // Where it does not say it is automatic, as mostly it will be.
+  // 0 means automatic.  At least half of the requests leave it at that.
   const auto pick = [&](int most) {
     return n_.chance(0.5) ? 0 : static_cast<int>(n_.below(static_cast<std::uint64_t>(most) + 1));
   };
@@ -121,7 +121,7 @@ void WireQueries::methods(v1::Accuracy* out) {
   out->set_sampler(static_cast<v1::Sampler>(pick(v1::Sampler_MAX)));
   out->set_combination(static_cast<v1::Combination>(pick(v1::Combination_MAX)));
   out->set_closed_forms(static_cast<v1::ClosedForms>(pick(v1::ClosedForms_MAX)));
-  // No shadow maps: they take seconds to make, of each scene.
+  // No shadow maps: making them takes seconds for each scene.
   if (n_.chance(0.2)) out->set_samples_per_light(1 + static_cast<std::uint32_t>(n_.below(4)));
   if (n_.chance(0.2)) out->set_far_light_radii(n_.magnitude(1e-3, 1e3));
 }
@@ -150,7 +150,7 @@ std::vector<v1::ItemStatus> WireQueries::statuses(
     if (items[i] == Item::kInvalid) hold(invalid, name, i, words + " for an invalid item");
     if (!typed)
       hold(s == v1::ITEM_STATUS_OK || s == v1::ITEM_STATUS_OUT_OF_RANGE || invalid, name, i,
-           words + ", which this query has no use for");
+           words + ", which this query never returns");
   }
   return all;
 }
@@ -175,10 +175,10 @@ void WireQueries::is_probability(const std::string& name, std::size_t item, doub
   hold(p > 0 && p <= 1, name, item, fmt::format("selection_probability = {}", p));
 }
 
-/// In a scene without lights nothing is chosen: 0.
+/// Without lights in the scene nothing is chosen: 0.
 void WireQueries::is_light(const std::string& name, std::size_t item, std::uint64_t id) {
   hold(lights_.empty() ? id == 0 : ids_.contains(id), name, item,
-       fmt::format("{} is no light of the scene", id));
+       fmt::format("{} is not a light of the scene", id));
 }
 
 void WireQueries::is_unit(const std::string& name, std::size_t item, const Floats& v) {

@@ -64,13 +64,15 @@ void WireQueries::sample_li(const v1::Light* light) {
     const int k = static_cast<int>(i);
     if (light == nullptr) {
       is_probability("SampleLi", i, r.selection_probability(k));
-      // None reaches the receiver, or there is no receiver to look from.
+      // No light reaches the receiver, or the receiver is not valid.
       const bool none = r.light_ids(k) == 0 && status[i] != v1::ITEM_STATUS_OK;
       if (!none) is_light("SampleLi", i, r.light_ids(k));
-      if (none) hold(r.selection_probability(k) == 1, "SampleLi", i, "a chance of no light");
+      if (none)
+        hold(r.selection_probability(k) == 1, "SampleLi", i,
+             "a selection probability without a light");
     }
     if (!bit(r.delta(), i))
-      hold(r.pdf_per_sr(k) > 0, "SampleLi", i, "without a density and no delta light");
+      hold(r.pdf_per_sr(k) > 0, "SampleLi", i, "no density, although not a delta light");
     else
       hold(r.pdf_per_sr(k) == 0, "SampleLi", i, "a delta light with a density");
     if (status[i] != v1::ITEM_STATUS_OK) {
@@ -105,10 +107,11 @@ void WireQueries::estimates(const v1::ReceiverEstimates& r, const Items& items,
   for (std::size_t i = 0; i < n && failures_.empty(); ++i) {
     const int k = static_cast<int>(i);
     hold(r.samples(k) == 1 || (r.samples(k) >= 16 && r.samples(k) % 16 == 0), name, i,
-         "samples in no replicates");
+         "samples that are not 16 equal replicates");
     hold(r.lower_lx(k) <= r.upper_lx(k), name, i, "an interval that ends before it begins");
     if (status[i] == v1::ITEM_STATUS_OK) {
-      // Each is rounded by itself, and the luminance of sums is not quite the sum of luminances.
+      // Each value is rounded separately, and the luminance of sums differs slightly from the sum
+      // of luminances.
       const double rounding = r.illuminance_lx(k) * 2e-7, lux = r.illuminance_lx(k);
       hold(lux <= r.upper_lx(k) + rounding && r.lower_lx(k) <= lux + rounding, name, i,
            "an estimate beside its interval");

@@ -1,4 +1,4 @@
-// The calls of all services, as their descriptions have them.
+// The methods of all services, from their descriptors.
 #pragma once
 
 #include <google/protobuf/descriptor.h>
@@ -10,10 +10,10 @@ namespace lucerna::testing {
 /// Of every service that the server has.
 std::vector<const google::protobuf::MethodDescriptor*> all_methods();
 
-/// Whether a field is of floats or doubles, or of bytes that hold them.
+/// Whether a field holds floats or doubles, or bytes that contain them.
 bool holds_numbers(const google::protobuf::FieldDescriptor& field);
 
-/// Whether a message of this type can hold any of them, in whatever depth.
+/// Whether a message of this type can hold any of them, at any depth.
 bool holds_numbers(const google::protobuf::Descriptor& type);
 
 }  // namespace lucerna::testing

@@ -66,7 +66,7 @@ void WireQueries::target_or_time(v1::Accuracy* out) {
 void WireQueries::irradiance() {
   v1::EstimateIrradianceRequest q;
   q.set_scene_id(scene_id_);
-  // An item has several samples of several rays each: by default 256.
+  // An item has several samples of several rays each: 256 by default.
   const bool by_default = n_.chance(1.0 / 16);
   Items items =
       points(by_default ? 1 + static_cast<int>(n_.below(3)) : batch() / 4, q.mutable_receivers());

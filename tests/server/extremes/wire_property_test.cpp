@@ -1,9 +1,9 @@
-// No answer holds NaN, an infinity or a negative number, whatever is asked of whichever light:
-// random scenes of extreme lights, each asked every query with random extreme items.
+// No answer holds NaN, an infinity or a negative number, for any query about any light.  The test
+// makes random scenes of extreme lights and sends every query about each with random extreme items.
 //
-// LUCERNA_WIRE_ITEMS: how many items, by default 100000; with fewer, not every light and every
-// reason need be met.  LUCERNA_WIRE_SCENE: the number of the one scene to ask, to look at one that
-// failed.
+// LUCERNA_WIRE_ITEMS: how many items, by default 100000.  With fewer, the test does not require
+// that every light and every reason occurs.  LUCERNA_WIRE_SCENE: the number of a single scene, to
+// reproduce a failure.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -34,7 +34,7 @@ class WireProperty : public ::testing::Test {
     return options;
   }
 
-  /// What is known by hand: 5 cd at 1 m.
+  /// Known by hand: 5 cd at 1 m.
   void expect_it_serves() {
     EXPECT_EQ(health(service_, ""), grpc::health::v1::HealthCheckResponse::SERVING);
     std::ofstream(root_.path() / "calm.pbrt")
@@ -52,7 +52,8 @@ class WireProperty : public ::testing::Test {
     EXPECT_EQ(r.status_size(), 0);
   }
 
-  /// Asks one scene everything, and adds up.  Fails the test with what is needed to look at it.
+  /// Sends every query about one scene, and adds up the counts.  A failure names what is needed to
+  /// reproduce it.
   void ask_scene(std::uint64_t number) {
     constexpr std::uint64_t kSeed = 20260101;
     constexpr int kBatch = 40;
@@ -85,7 +86,7 @@ class WireProperty : public ::testing::Test {
     for (const auto& [what, n] : queries.counts()) counts_[what] += n;
   }
 
-  /// What is not about scenes is asked item by item.
+  /// Queries that are not about scenes are sent item by item.
   std::uint64_t items() {
     std::uint64_t sum = 0;
     for (const auto* method : all_methods())
@@ -93,7 +94,7 @@ class WireProperty : public ::testing::Test {
     return sum;
   }
 
-  /// Every method whose answers hold numbers was asked.
+  /// Every method whose answers hold numbers was called.
   void expect_all_methods() {
     v1::GetServerInfoResponse info;
     const grpc::Status got =
@@ -102,7 +103,7 @@ class WireProperty : public ::testing::Test {
     for (const std::string& wrong : wrong_numbers(info)) ADD_FAILURE() << wrong;
     ++items_["GetServerInfo"];
     for (const auto& [method, n] : scenes_.items()) items_[method] += n;
-    // The one that computes nothing yet.
+    // The only method that computes nothing yet.
     v1::GetStatsResponse stats;
     const grpc::Status none = ask([&](auto* c) { return service_.admin.GetStats(c, {}, &stats); });
     EXPECT_EQ(none.error_code(), grpc::StatusCode::UNIMPLEMENTED);
@@ -141,7 +142,7 @@ TEST_F(WireProperty, EveryNumberIsFiniteAndNotNegative) {
   std::cout << fmt::format("{} items of {} lights in {} scenes, {} lines refused, {} numbers\n",
                            items(), lights, scenes, scenes_.refused(), numbers_seen());
   expect_it_serves();
-  if (*wanted < kDefaultItems) return;  // too few to meet everything
+  if (*wanted < kDefaultItems) return;  // too few items for everything to occur
   expect_all_methods();
   for (const std::string& kind : light_kinds()) EXPECT_GT(lights_[kind], 0u) << kind;
   for (int s = v1::ITEM_STATUS_OK; s <= v1::ItemStatus_MAX; ++s) {

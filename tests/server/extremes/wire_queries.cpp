@@ -1,4 +1,4 @@
-// The scene itself, EstimatePower, leases, and what is refused.
+// The scene itself, EstimatePower, leases, and refused requests.
 #include "tests/server/extremes/wire_queries.h"
 
 #include <fmt/format.h>
@@ -61,7 +61,7 @@ void WireQueries::ask_scene() {
   image();
 }
 
-/// Of all lights, page by page, or of some, one of them maybe twice.
+/// Of all lights, page by page, or of some lights, one of them possibly twice.
 void WireQueries::power(bool all) {
   v1::EstimatePowerRequest q;
   q.set_scene_id(scene_id_);
@@ -84,7 +84,7 @@ void WireQueries::power(bool all) {
     hold(r.has_total(), "EstimatePower", listed, "no total");
     for (const v1::LightPower& power : r.lights()) {
       hold(listed < asked.size() && power.light_id() == asked[listed], "EstimatePower", listed,
-           "not the light that was asked for");
+           "not the requested light");
       expect("EstimatePower", power.spectral_w_per_nm_size(), q.wavelengths_nm_size(),
              "spectral_w_per_nm");
       ++listed;
@@ -123,7 +123,7 @@ void WireQueries::ask_lease() {
   v1::ReleaseSceneResponse ended;
   const grpc::Status e =
       call([&](auto* c) { return service_.scenes.ReleaseScene(c, end, &ended); });
-  // The shortest have run out by now.
+  // The shortest leases have expired by now.
   hold(e.ok() || e.error_code() == grpc::StatusCode::NOT_FOUND, "ReleaseScene", 0,
        e.error_message());
 }

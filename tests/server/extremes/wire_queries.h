@@ -1,6 +1,7 @@
-// Every query of LightingService and RenderService, asked of one scene with random extreme items,
-// and what holds for the answers.  The queries are in files of their own, by what they ask for:
-// wire_{light,emission,point,render}_queries.cpp; items and answers in wire_items.cpp.
+// Sends every query of LightingService and RenderService about one scene with random extreme items,
+// and checks the answers.  The queries are grouped by subject in
+// wire_{light,emission,point,render}_queries.cpp; items and checks of answers are in
+// wire_items.cpp.
 #pragma once
 
 #include <chrono>
@@ -32,31 +33,32 @@ inline bool bit(const std::string& bits, std::size_t i) {
 
 class WireQueries {
  public:
-  /// Asks for the scene's lights and its summary, and looks at these answers too.  `batch`: items
-  /// of most queries; one in 24 has more than the server computes in one go (512).
+  /// Requests the lights and the summary of the scene, and checks these answers too.  `batch`:
+  /// items of most queries.  One query in 24 has more items than the server computes in one go
+  /// (512).
   WireQueries(Service& service, ExtremeNumbers& numbers, std::string scene_id, int batch);
 
   const std::vector<v1::Light>& lights() const { return lights_; }
   /// SampleLi, PdfLi, SampleLe, PdfLe and Le of one light.
   void ask_light(const v1::Light& light);
-  /// All queries of the scene as a whole.
+  /// All queries about the scene as a whole.
   void ask_scene();
-  /// Requests with one number that no request may have: each refused as a whole.
+  /// Requests with one number that is never valid: each must be refused as a whole.
   void ask_refused();
-  /// A lease of a random length, begun, looked at, and ended: the scene may be gone afterwards.
+  /// Starts a lease of a random length, lists it, and ends it.  The scene may be gone afterwards.
   void ask_lease();
 
-  /// How many items each method was asked about, by its name.
+  /// How many items were sent to each method, by its name.
   using ItemsOf = std::map<std::string, std::uint64_t>;
   const ItemsOf& items() const { return items_; }
-  /// Everything that did not hold, in words.
+  /// Every condition that did not hold, as text.
   const std::vector<std::string>& failures() const { return failures_; }
   /// How often each query answered an item with each status.
   using Counts = std::map<std::pair<std::string, v1::ItemStatus>, std::uint64_t>;
   const Counts& counts() const { return counts_; }
 
  private:
-  /// What is known of an item before it is asked.
+  /// What is known about an item before it is sent.
   enum class Item { kGood, kInvalid, kEither };
   using Items = std::vector<Item>;
   using Floats = google::protobuf::RepeatedField<float>;
@@ -74,9 +76,9 @@ class WireQueries {
   void image();
 
   int batch();
-  /// Random points: anywhere, in the scene, and such as lie on lights.
+  /// Random points: anywhere, in the scene, and on lights.
   Items points(int n, v1::Points* out);
-  /// Random vectors, into `items` too: those that are no directions are invalid.
+  /// Random vectors.  Vectors that are not valid directions mark their entry of `items` as invalid.
   void directions(Floats* out, Items& items, const v1::Points* from = nullptr);
   void normals(Floats* out, Items& items);
   void sample_values(v1::SampleValues* out, int each, bool named, Items& items);
@@ -87,28 +89,28 @@ class WireQueries {
   /// Reflections: a few, several, or unset for all.
   template <typename Request>
   void bounces(Request* out);
-  /// A moment or when the shutter is open, or neither.
+  /// A moment, the shutter's open interval, or neither.
   template <typename Request>
   void render_time(Request* out);
   Vec3<double> place();
   void keep(const Vec3<double>& place);
   void keep(const v1::Points& points);
 
-  /// What a call answers, in bounded time.
+  /// Sends a call and returns its answer, in bounded time.
   template <typename Call>
   static grpc::Status call(Call&& ask) {
     grpc::ClientContext context;
     context.set_deadline(std::chrono::system_clock::now() + std::chrono::minutes(2));
     return ask(&context);
   }
-  /// Whether it was answered at all, after looking at its numbers.
+  /// Whether the call was answered.  Checks the numbers of the answer first.
   bool answered(const std::string& name, const grpc::Status& status,
                 const google::protobuf::Message& request,
                 const google::protobuf::Message& response);
-  /// Items of a query that has no status for each.
+  /// Items of a query that has no status for each item.
   void count(const std::string& name, std::uint64_t items) { items_[name] += items; }
-  /// The status of each item, after looking at whether they fit `items` and are of the `typed`
-  /// reasons that this query has.
+  /// The status of each item.  Checks that it fits `items` and is one of the `typed` reasons of
+  /// this query.
   std::vector<v1::ItemStatus> statuses(const std::string& name,
                                        const google::protobuf::RepeatedField<int>& status,
                                        const Items& items, bool typed);

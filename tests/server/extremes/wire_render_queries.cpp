@@ -7,7 +7,7 @@
 
 namespace lucerna::testing {
 
-/// A moment or when the shutter is open, or neither.
+/// A moment, the shutter's open interval, or neither.
 template <typename Request>
 void WireQueries::render_time(Request* out) {
   switch (n_.below(3)) {
@@ -44,7 +44,7 @@ void WireQueries::tile() {
   bounces(&q);
   methods(q.mutable_accuracy());
   render_time(&q);
-  // What the scene file proposes is a few.
+  // The scene file proposes only a few.
   if (n_.chance(0.2)) {
     target_or_time(q.mutable_accuracy());
   } else if (!summary_.has_samples_per_pixel() || n_.chance(0.5)) {
@@ -52,7 +52,7 @@ void WireQueries::tile() {
     q.mutable_accuracy()->set_samples(samples);
     if (n_.chance(0.5)) q.set_samples_per_block(samples >> n_.below(4));
     if (q.samples_per_block() == 0) q.clear_samples_per_block();
-    // Up to 2^40, where the server's numbers of samples end.
+    // Up to 2^40, the largest number of samples that the server accepts.
     if (n_.chance(0.5)) q.set_first_sample(samples * (n_.seed() >> (27 + n_.below(37))));
   }
   v1::PixelRect rect;
@@ -105,9 +105,9 @@ void WireQueries::image() {
                rect.y1() <= height,
            "RenderImage", 0, rect.ShortDebugString() + " is not within the picture");
       tile_holds("RenderImage", r.tile(), rect, q.accuracy().has_target_error());
-      // What a time has overtaken, or what was kept until the end, is sent as it was.
+      // Tiles that a time limit ended, or that were kept until the end, are sent as they were.
       hold(r.samples_done() > done || q.accuracy().has_time_budget_s(), "RenderImage", 0,
-           "nothing was done");
+           "no samples were added");
       done = r.samples_done();
       total = r.samples_total();
     }

@@ -69,7 +69,7 @@ WireScene WireScenes::load(std::uint64_t number, ExtremeNumbers& numbers) {
     EXPECT_TRUE(placed) << message;
     if (!placed || s.error_code() != grpc::StatusCode::INVALID_ARGUMENT) return {};
     ++refused_;
-    // Another of its kind; after a few, none.
+    // Draws another line of the same kind; after a few attempts, none.
     SceneLine& line = lines.at(std::stoul(place[1]) - 1);
     line = is_light(line) && refused % 4 != 0 ? light_line(line.kind, scale, numbers)
                                               : SceneLine{"", "# " + message.substr(0, 60)};

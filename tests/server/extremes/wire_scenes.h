@@ -1,4 +1,4 @@
-// Loads random scenes of extreme lights into a server, from its root or by upload.
+// Loads random scenes of extreme lights into a server, from its root folder or by upload.
 #pragma once
 
 #include <cstdint>
@@ -15,26 +15,26 @@ namespace lucerna::testing {
 
 struct WireScene {
   std::string id;
-  /// The kinds of its lights by where the file makes them: "scene.pbrt:7".
+  /// The kind of each light by its place in the file: "scene.pbrt:7".
   std::map<std::string, std::string> kinds;
 };
 
 class WireScenes {
  public:
-  /// `root`: the server's, into which files are written.
+  /// `root`: the server's root folder, into which files are written.
   WireScenes(Service& service, std::filesystem::path root);
 
-  /// The scene of that number: a dozen kinds of lights, the next in turn.  Lines that the server
-  /// refuses are drawn again or left out.  Fails the test where it is not loaded in the end.
+  /// Loads the scene of this number: a dozen lights, of the next kinds in turn.  Lines that the
+  /// server refuses are drawn again or left out.  Fails the test where the scene cannot be loaded.
   WireScene load(std::uint64_t number, ExtremeNumbers& numbers);
-  /// The scene may be gone already.
+  /// The scene may already be unloaded.
   void release(const std::string& id);
 
-  /// Of the scene that was loaded last, for who looks at a failure.
+  /// Of the scene that was loaded last, to investigate a failure.
   const std::string& text() const { return text_; }
   /// How many lines were refused.
   std::uint64_t refused() const { return refused_; }
-  /// How many scenes were asked to be loaded, and files uploaded, by the names of the methods.
+  /// How many scenes were loaded and files uploaded, by the names of the methods.
   const std::map<std::string, std::uint64_t>& items() const { return items_; }
 
  private:

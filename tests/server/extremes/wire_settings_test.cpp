@@ -23,12 +23,12 @@ TEST(WireSettings, TakeDigitsAndPowersOfTen) {
   EXPECT_EQ(parsed("2.5e3").value(), 2500u);
 }
 
-TEST(WireSettings, AreTheDefaultWhereUnsetOrEmpty) {
+TEST(WireSettings, UseTheDefaultWhereUnsetOrEmpty) {
   EXPECT_EQ(whole_number_of(kVariable, 1, 7).value(), 7u);
   EXPECT_EQ(parsed("").value(), 7u);
 }
 
-TEST(WireSettings, RefuseWhatIsNoCount) {
+TEST(WireSettings, RefuseInvalidCounts) {
   for (const char* text : {"abc", "-5", "0", "1.5", "1e99", "nan", "inf", "12 ", "0x10", "1,000"}) {
     const auto number = parsed(text);
     ASSERT_FALSE(number.ok()) << text;

@@ -1,4 +1,4 @@
-// EULUMDAT: the format's readings, and errors that say line and what is allowed.
+// EULUMDAT: values of the format, and errors with line and allowed values.
 #include "server/formats/eulumdat.h"
 
 #include <gmock/gmock.h>
@@ -41,7 +41,7 @@ TEST(Eulumdat, IntensitiesAreForAThousandLumensOfTheLamps) {
   EXPECT_NEAR(ldt(f.text()).web->at({0, 0, 1}), 300, 1e-12);
 }
 
-TEST(Eulumdat, WithoutAConversionFactorIntensitiesAreAsTheyStand) {
+TEST(Eulumdat, WithoutAConversionFactorIntensitiesAreUnscaled) {
   Ldt f;
   for (const char* blank : {"", "  ", "\t"}) {
     f.conversion = blank;
@@ -51,7 +51,7 @@ TEST(Eulumdat, WithoutAConversionFactorIntensitiesAreAsTheyStand) {
   f.conversion = "x";
   EXPECT_EQ(ldt_error(f.text()),
             "lamp.ldt:24: the conversion factor is \"x\", allowed: a finite number");
-  // Where the file ends before it, it is no blank.
+  // A file that ends before it has no blank there.
   const std::string text = f.text();
   EXPECT_THAT(ldt_error(text.substr(0, text.find("x\n"))),
               HasSubstr("the file ends before the conversion factor (line 24)"));
@@ -69,7 +69,7 @@ TEST(Eulumdat, EndsOfLinesAndDecimalCommas) {
 }
 
 TEST(Eulumdat, PlanesOfEachSymmetry) {
-  // C90 is towards -y where +z is down.
+  // C90 points to -y, since +z is down.
   const auto at = [](const Ldt& f, double c_deg) {
     const double c = c_deg * kPi / 180;
     return ldt(f.text()).web->at({std::cos(c), -std::sin(c), 0});
@@ -83,7 +83,7 @@ TEST(Eulumdat, PlanesOfEachSymmetry) {
   EXPECT_NEAR(at(planes(0, {"1", "2", "3", "4", "5", "6", "7", "8"}), 337.5), 4.5, 1e-9);
   expect(planes(1, {"3"}), {3, 3, 3, 3, 3, 3, 3, 3});
   expect(planes(2, {"1", "2", "3", "4", "5"}), {1, 2, 3, 4, 5, 4, 3, 2});
-  // From C270 over C0 to C90; mirrored at that plane.
+  // From C270 over C0 to C90, mirrored at that plane.
   expect(planes(3, {"1", "2", "3", "4", "5"}), {3, 4, 5, 4, 3, 2, 1, 2});
   expect(planes(4, {"1", "2", "3"}), {1, 2, 3, 2, 1, 2, 3, 2});
 }
@@ -98,7 +98,7 @@ TEST(Eulumdat, SetsOfLampsBeyondTheFirstAreLeftOut) {
 }
 
 // The description lists the values of all sets field by field (four characters times the number of
-// sets for the numbers of lamps, then the types...); other programs read and write set by set.
+// sets for the numbers of lamps, then the types...).  Other programs read and write set by set.
 TEST(Eulumdat, SetsOfLampsInEitherOrder) {
   Ldt f;
   f.sets = "3";
@@ -111,7 +111,7 @@ TEST(Eulumdat, SetsOfLampsInEitherOrder) {
   EXPECT_EQ(ldt(f.text()).web->at({0, 0, 1}), 200);
   EXPECT_EQ(notes(ldt(f.text())),
             "26 2 sets of lamps -> the first of them\n26 sets of lamps that can be read field by "
-            "field or set by set -> field by field, as the format's description has them\n");
+            "field or set by set -> field by field, the order of the format's description\n");
   f.lamps[0] = "x";
   EXPECT_THAT(ldt_error(f.text()), StartsWith("lamp.ldt:26: 2 sets of lamps, allowed: numbers"));
 }
@@ -124,7 +124,7 @@ TEST(Eulumdat, LightOutputRatioIsComparedWithTheIntensities) {
   EXPECT_EQ(notes(ldt(f.text())), "");
   f.lorl = "60";
   EXPECT_EQ(notes(ldt(f.text())),
-            "23 a light output ratio of 60%, which makes 1200 lm -> what the intensities make, "
+            "23 a light output ratio of 60%, which makes 1200 lm -> the flux of the intensities, "
             "1453.52 lm\n");
 }
 

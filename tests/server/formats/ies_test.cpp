@@ -1,4 +1,4 @@
-// IES LM-63: the standard's readings, and errors that say line and what is allowed.
+// IES LM-63: values of the standard, and errors with line and allowed values.
 #include "server/formats/ies.h"
 
 #include <gmock/gmock.h>
@@ -89,7 +89,7 @@ TEST(Ies, UnitsOfLengthScaleNoCandela) {
   EXPECT_EQ(down(f.text()), 100);
 }
 
-TEST(Ies, TiltTablesAreReadAndTheFactorAtTiltZeroHolds) {
+TEST(Ies, TiltTablesAreReadAndTheFactorAtTiltZeroApplies) {
   Ies f;
   f.tilt = "TILT=INCLUDE\n1\n3\n0 45 90\n0.5 0.9 0.8\n";
   EXPECT_EQ(down(f.text()), 50);
@@ -123,12 +123,12 @@ TEST(Ies, EndsOfLinesOfEveryKind) {
     std::string text;
     for (const char c : unix_text) text += c == '\n' ? end : std::string(1, c);
     EXPECT_EQ(down(text), 100);
-    // The line in an error stays the same.
+    // The line number in an error stays the same.
     const std::size_t at = text.find("TILT");
     EXPECT_THAT(ies_error(text.substr(0, at) + "X" + text.substr(at)), StartsWith("lamp.ies:9:"));
   }
   EXPECT_EQ(down(unix_text.substr(0, unix_text.size() - 1)), 100);
-  // It is no part of the line that names the edition.
+  // The mark is not part of the line that names the edition.
   EXPECT_EQ(ies("\xef\xbb\xbf" + unix_text).format, "IES LM-63-2002, type C");
   Ies commas;
   commas.candela = "100, 50,10";
@@ -193,7 +193,7 @@ TEST(Ies, NegativeVerticalAnglesInTheFirstEditionAreTypeA) {
               StartsWith("lamp.ies:5: vertical angles from -90 to 90 degrees, allowed for type C"));
 }
 
-// What the edition of 2019 writes there, such as 1.00010 for computer simulations.
+// Values of the edition of 2019, such as 1.00010 for computer simulations.
 TEST(Ies, HowAFileWasMadeScalesNothing) {
   Ies f;
   f.header = "IES:LM-63-2019\n";
@@ -203,7 +203,7 @@ TEST(Ies, HowAFileWasMadeScalesNothing) {
   EXPECT_THAT(ies_error(f.text()), StartsWith("lamp.ies:4: the second number after the sizes"));
 }
 
-TEST(Ies, ClaimsAreCheckedBeforeAnythingIsAllocated) {
+TEST(Ies, CountsAreCheckedBeforeAnythingIsAllocated) {
   Ies f;
   f.counts = "1000 1000";
   EXPECT_THAT(ies_error(f.text()),
@@ -245,9 +245,10 @@ TEST(Ies, ErrorsNameLineAndWhatIsAllowed) {
   EXPECT_EQ(notes(ies(more.text())), "10 more after the last candela value -> left out\n");
 }
 
-// A luminaire whose intensity is 318.3 cos V, each 5 degrees, and the standard's zonal method: the
-// middles of zones of 10 degrees times their solid angles, which for a cosine is 1 / cos(5 degrees)
-// times the integral.  Straight lines 5 degrees apart lose h^2 / 12 of a cosine, to 1e-6.
+// A luminaire with intensity 318.3 cos V every 5 degrees, and the standard's zonal method.  The
+// method multiplies the intensities in the middle of zones of 10 degrees by their solid angles.
+// For a cosine that is 1 / cos(5 degrees) times the integral.  Straight lines 5 degrees apart lose
+// h^2 / 12 of a cosine, to 1e-6.
 TEST(Ies, TotalAgreesWithTheZonalLumenSum) {
   Ies f;
   f.counts = "19 1";

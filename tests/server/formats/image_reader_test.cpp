@@ -1,5 +1,5 @@
-// What becomes of image files that are unusual, and of those that are none.  Files of 32-bit floats
-// are written by hand (.pfm), the others by OpenImageIO.
+// Unusual and invalid image files.  The test writes files of 32-bit floats (.pfm), OpenImageIO
+// writes the others.
 #include "server/formats/image_reader.h"
 
 #include <gmock/gmock.h>
@@ -72,7 +72,7 @@ TEST(ImageReader, GreyIsGreyInEveryChannel) {
   EXPECT_EQ(remarks_of(*d), "");
 }
 
-TEST(ImageReader, AlphaIsIgnoredAndRemarkedOn) {
+TEST(ImageReader, AlphaIsIgnoredWithARemark) {
   const OIIO::ImageSpec spec(1, 1, 4, OIIO::TypeDesc::UINT8);
   const auto d =
       decode_image({"a.png", written("a.png", spec, std::vector<std::uint8_t>{255, 0, 255, 51})});
@@ -85,7 +85,7 @@ TEST(ImageReader, AlphaIsIgnoredAndRemarkedOn) {
   EXPECT_EQ(e->image->texel(0, 0), Rgb<float>(3, 2, 1));
 }
 
-TEST(ImageReader, OtherChannelsAreIgnoredAndRemarkedOnAndWithoutRgbThereIsNoPicture) {
+TEST(ImageReader, OtherChannelsAreIgnoredButRgbIsNeeded) {
   OIIO::ImageSpec spec(1, 1, 5, OIIO::TypeDesc::FLOAT);
   spec.channelnames = {"R", "G", "B", "A", "depth"};
   spec.alpha_channel = 3;
@@ -116,7 +116,7 @@ TEST(ImageReader, OneTexelAndAHundredThousandInARow) {
   }
 }
 
-TEST(ImageReader, TexelsThatAreNoNumbersAreErrorsThatSayWhere) {
+TEST(ImageReader, TexelsThatAreNotFiniteAreErrorsWithTheirPosition) {
   for (const float v : {NAN, INFINITY, -INFINITY}) {
     std::vector<float> values(18, 1);
     values[3 * (1 * 3 + 2) + 1] = v;
@@ -134,12 +134,12 @@ TEST(ImageReader, NegativeTexelsCountAsZeroAndAreCounted) {
   EXPECT_EQ(remarks_of(*d), "a.pfm has 2 texels with a value below 0 -> taken as 0\n");
 }
 
-TEST(ImageReader, NoTexelsOrTooManyOrNoImageAreErrors) {
+TEST(ImageReader, NoTexelsTooManyTexelsOrAnotherFormatAreErrors) {
   EXPECT_FALSE(decode_image({"a.pfm", pfm(0, 0, {})}).ok());
   const auto many = decode_image({"a.pfm", pfm(3, 2, std::vector<float>(18))}, 5).status();
   EXPECT_EQ(many.code(), absl::StatusCode::kResourceExhausted);
   EXPECT_THAT(message(many), HasSubstr("a.pfm: 3 x 2 texels, allowed: 5"));
-  // The header claims 4e9 texels: refused before any memory is asked for.
+  // The header announces 4e9 texels: an error before any allocation.
   EXPECT_EQ(decode_image({"a.pfm", "PF\n64000 64000\n-1.0\n"}).status().code(),
             absl::StatusCode::kResourceExhausted);
   for (const std::string name : {"a.exr", "a.hdr", "a.pfm", "a.png", "a.tif", "a.jpg"}) {

@@ -1,5 +1,5 @@
-// Broken photometric files and pictures: whatever they hold, there is a light or an error that says
-// where, and nothing of the scene is loaded with an error.
+// Any broken photometric file or picture gives a light or an error with its place.  After an error
+// nothing of the scene is loaded.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -25,7 +25,7 @@ using testing::planes;
 using testing::SceneFiles;
 using ::testing::StartsWith;
 
-/// Some bytes changed, inserted, removed or repeated.
+/// Changes, inserts, removes or repeats some bytes.
 std::string mutated(std::string text, std::mt19937& random) {
   const auto below = [&](std::size_t n) { return n == 0 ? 0 : random() % n; };
   static const char* kWords[] = {"-1", "1e308",          "999999999", "nan",
@@ -60,7 +60,7 @@ void check_mutations(const std::string& whole, Parse&& parse) {
       ++errors;
       const std::string message = testing::message(file.status());
       for (const char c : message) ASSERT_TRUE(c >= ' ' && c <= '~');
-      // Each says where and what is allowed, if not that there should be more.
+      // Each error has a line and the allowed values, unless the file is too short.
       int line = -1;
       ASSERT_EQ(std::sscanf(message.c_str(), "lamp:%d: ", &line), 1) << message;
       ASSERT_TRUE(line >= 0 &&
@@ -100,17 +100,16 @@ TEST(PhotometricMutations, BrokenEulumdatFilesEndWithAWebOrAnError) {
   check_mutations(whole, [](const std::string& t) { return parse_eulumdat(t, "lamp"); });
 }
 
-/// A small picture of a format, of some colours.
+/// A small picture in some format, with several colours.
 std::string picture(const std::string& name, OIIO::TypeDesc type) {
   std::vector<float> values;
   for (int i = 0; i < 48; ++i) values.push_back(0.02F * static_cast<float>(i % 29));
-  // Which OpenImageIO reads, but does not write.
+  // OpenImageIO reads this format, but does not write it.
   if (name.ends_with(".pfm")) return testing::pfm(4, 4, values);
   return testing::written(name, OIIO::ImageSpec(4, 4, 3, type), values);
 }
 
-/// Loads and builds a scene of one light, whose file FILE is, many times, broken in some other way
-/// each.
+/// Loads and builds a scene with one light many times, each time with another broken file FILE.
 void check_scenes(const std::string& name, const std::string& whole, const std::string& light,
                   int times) {
   SCOPED_TRACE(light + " with " + name);
@@ -146,7 +145,7 @@ void check_scenes(const std::string& name, const std::string& whole, const std::
     ++errors;
     const std::string message = testing::message(status);
     ASSERT_THAT(message, StartsWith("scene.pbrt:2:"));
-    // What is wrong with the file, or with what the scene makes of its numbers.
+    // An error in the file, or in the scene's use of its numbers.
     ASSERT_THAT(message, AnyOf(HasSubstr(name), HasSubstr("allowed: each channel finite")));
     ASSERT_TRUE(pbrt::is_printable(message)) << message;
   }

@@ -1,4 +1,4 @@
-// Photometric files for tests, all made up: their text from its parts.
+// Invented photometric files for tests, put together from parts.
 #pragma once
 
 #include <fmt/format.h>
@@ -71,7 +71,7 @@ struct Ldt {
   }
 };
 
-/// Intensities per 1000 lm at gamma = 90 by plane, the same 10 at gamma 0.
+/// Intensities per 1000 lm at gamma = 90 by plane; 10 at gamma 0.
 inline Ldt planes(int symmetry, const std::vector<std::string>& values) {
   Ldt f;
   f.symmetry = symmetry;
@@ -88,7 +88,7 @@ inline Ldt planes(int symmetry, const std::vector<std::string>& values) {
   return f;
 }
 
-/// "line what -> instead" of each note, one a line.
+/// "line what -> instead" for each note, one per line.
 inline std::string notes(const PhotometricFile& file) {
   std::string result;
   for (const auto& n : file.notes)

@@ -1,4 +1,4 @@
-// Picture files for tests, as bytes.
+// The bytes of picture files for tests.
 #pragma once
 
 #include <OpenImageIO/imageio.h>
@@ -12,7 +12,7 @@
 
 namespace lucerna::testing {
 
-/// A .pfm: three floats a texel, rows from the top.
+/// A .pfm file: three floats per texel, rows from the top.
 inline std::string pfm(int width, int height, const std::vector<float>& rgb) {
   std::string bytes = "PF\n" + std::to_string(width) + " " + std::to_string(height) + "\n-1.0\n";
   const std::size_t row = static_cast<std::size_t>(width) * 3;
@@ -22,12 +22,12 @@ inline std::string pfm(int width, int height, const std::vector<float>& rgb) {
   return bytes;
 }
 
-/// All texels the same.
+/// A .pfm file with equal texels.
 inline std::string even_pfm(int width, int height, float value) {
   return pfm(width, height, std::vector<float>(std::size_t{3} * width * height, value));
 }
 
-/// What OpenImageIO writes for `name`: texels of the type that `spec` names, of values of type
+/// The file that OpenImageIO writes for `name`: texels of the type in `spec`, from values of type
 /// `as`.
 template <typename T>
 std::string written(const std::string& name, const OIIO::ImageSpec& spec,

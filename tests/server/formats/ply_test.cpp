@@ -57,7 +57,7 @@ TEST(Ply, AsciiAndBothBinariesGiveTheSameMeshWithQuadsSplit) {
   }
 }
 
-TEST(Ply, CoordinatesOfPicturesAreReadByAnyOfTheirNames) {
+TEST(Ply, TextureCoordinatesHaveSeveralNames) {
   for (const auto& [u, v] :
        {std::pair{"u", "v"}, {"s", "t"}, {"texture_u", "texture_v"}, {"texture_s", "texture_t"}}) {
     const auto mesh = parse_ply(
@@ -99,7 +99,7 @@ TEST(Ply, OtherPropertiesElementsAndTypesAreSkipped) {
   EXPECT_THAT(mesh->indices, ElementsAre(2, 1, 0));
 }
 
-TEST(Ply, FacesMayStandBeforeVertices) {
+TEST(Ply, FacesMayComeBeforeVertices) {
   const std::string header =
       "element face 1\nproperty list uchar int vertex_indices\n"
       "element vertex 3\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
@@ -140,7 +140,7 @@ TEST(Ply, ErrorsNameTheHeaderLine) {
   EXPECT_EQ(error_of(ascii("end_header\n")), "PLY: no element \"vertex\"");
 }
 
-TEST(Ply, SizesThatTheHeaderClaimsAreCheckedBeforeAnythingIsAllocated) {
+TEST(Ply, SizesInTheHeaderAreCheckedBeforeAnythingIsAllocated) {
   for (const char* format : {"ascii", "binary_little_endian"}) {
     const std::string start = std::string("ply\nformat ") + format + " 1.0\n";
     const std::string vertices =
@@ -164,7 +164,7 @@ TEST(Ply, EveryTruncationIsAnError) {
     EXPECT_FALSE(parse_ply(whole.substr(0, size)).ok()) << size;
 }
 
-TEST(Ply, StopsWhenAsked) {
+TEST(Ply, StopsOnRequest) {
   std::stop_source source;
   source.request_stop();
   EXPECT_TRUE(absl::IsCancelled(parse_ply(binary_quad(false), source.get_token()).status()));

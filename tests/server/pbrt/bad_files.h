@@ -1,4 +1,4 @@
-// One light of a file that is odd or broken.
+// Loads one light whose file is unusual or broken.
 #pragma once
 
 #include <gmock/gmock.h>
@@ -14,23 +14,23 @@
 
 namespace lucerna::testing {
 
-/// What came of one light, and of its file.
+/// The result for one light and its file.
 struct Outcome {
   absl::Status status;
-  std::string place;  ///< of the parameter, "scene.pbrt:2:24: "
+  std::string place;  ///< place of the parameter, "scene.pbrt:2:24: "
   std::string remarks;
   double lumens = 0;
   bool lit = false;
 };
 
-/// `source` names its file by FILE after the parameter `parameter`.
+/// `source` has FILE for the file name, after the parameter `parameter`.
 inline Outcome load(const std::string& source, const std::string& parameter,
                     const std::string& name, const std::string& bytes) {
   const SceneFiles files;
   files.write(name, bytes);
   std::string text = source;
   text.replace(text.find("FILE"), 4, "\"" + name + "\"");
-  // A floor gives the scene a size, and with that lights at infinity a flux.
+  // A floor gives the scene a size, and so a flux to lights at infinity.
   files.write(
       "scene.pbrt",
       "WorldBegin Shape \"bilinearmesh\" \"point3 P\" [-1 -1 0 1 -1 0 -1 1 0 1 1 0]\n" + text);
@@ -46,7 +46,7 @@ inline Outcome load(const std::string& source, const std::string& parameter,
   EXPECT_EQ((*scene)->lights().size(), 1U);
   visit_light((*scene)->lights()[0], 0, [&](const auto& light) {
     outcome.lumens = luminance(light.power((*scene)->sphere()).lumens);
-    // From where all of them are seen.
+    // A point that all of the lights illuminate.
     for (int i = 0; i < 16; ++i) {
       const auto s =
           light.sample_li(Receiver<double>(0.1, 0.2, 0.7), {(i % 4) / 4.0, (i / 4) / 4.0});

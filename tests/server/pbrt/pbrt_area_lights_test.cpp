@@ -1,5 +1,5 @@
-// AreaLightSource "diffuse" with an emission image or a profile: where it lies on each shape, its
-// levels, and what the scene keeps of it.
+// AreaLightSource "diffuse" with an emission image or a profile: position on each shape, levels,
+// and memory of the scene.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -31,7 +31,7 @@ std::string pfm() {
 absl::StatusOr<SceneDescription> load(const std::string& world) {
   const SceneFiles files;
   files.write("four.pfm", pfm());
-  // A quad as three programs write it, its picture turned by 180 degrees.
+  // A quad in the form of three programs, with its picture rotated by 180 degrees.
   files.write("quad.ply",
               "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
               "property float z\nproperty float s\nproperty float t\nelement face 1\n"
@@ -44,7 +44,7 @@ absl::StatusOr<SceneDescription> load(const std::string& world) {
 const std::string kImage =
     "AreaLightSource \"diffuse\" \"string filename\" \"four.pfm\" \"string filter\" \"nearest\" ";
 
-/// What the first light shows at a point, towards its front.
+/// Radiance of the first light at a point, towards its front.
 float shown(const Scene& scene, const Vec3<double>& world) {
   return visit(
       [&]<typename L>(const L& light) -> float {
@@ -78,8 +78,8 @@ TEST(PbrtAreaImages, LieOnPatchesByTheirCorners) {
   EXPECT_EQ(shown(*scene, {0.75, 0.25, 0}), 40);
 }
 
-TEST(PbrtAreaImages, StayWhereTheyAreWhenTheOutsideTurns) {
-  // Mirrored and turned over: the winding changes, the corners keep their (u, v).
+TEST(PbrtAreaImages, KeepTheirPlaceWhenTheOutsideTurns) {
+  // After a mirror and a reversal the winding changes, but corners keep their (u, v).
   for (const std::string turn : {"ReverseOrientation ", "Scale 1 1 -1 "}) {
     const auto scene = scene_of(kImage + turn + kPatch);
     EXPECT_EQ(shown(*scene, {0.25, 0.75, 0}), 1) << turn;
@@ -113,7 +113,7 @@ TEST(PbrtAreaImages, LieByTheUvOfVertices) {
   EXPECT_EQ(shown(*ply, {0.75, 0.125, 0}), 1);
 }
 
-TEST(PbrtAreaImages, LieOnSpheresDisksAndCylindersAsPbrt4HasIt) {
+TEST(PbrtAreaImages, LieOnSpheresDisksAndCylindersLikeInPbrt4) {
   const auto sphere = scene_of(kImage + "Shape \"sphere\"");
   EXPECT_EQ(shown(*sphere, Vec3<double>{0, 0.6, 0.8}), 1);
   EXPECT_EQ(shown(*sphere, Vec3<double>{0, -0.6, -0.8}), 4);
@@ -131,23 +131,23 @@ TEST(PbrtAreaImages, TheDefaultFilterIsPbrt4s) {
   EXPECT_EQ(shown(*scene, {0.5, 0.5, 0}), 2.5F);
 }
 
-TEST(PbrtAreaImages, PowerIsThatOfTheWholeAsPbrt4HasIt) {
+TEST(PbrtAreaImages, PowerIsThatOfTheWholeLikeInPbrt4) {
   const auto lumens = [](const Scene& scene) {
     return visit([&](const auto& l) { return luminance(l.power(scene.sphere()).lumens); },
                  scene.lights()[0].light);
   };
-  // Of level 1: pi A times the mean of 2.5.
+  // At level 1: pi A times the mean of 2.5.
   EXPECT_NEAR(lumens(*scene_of(kImage + kPatch)), 2.5 * kPi, 1e-6);
   const auto patch = load(kImage + "\"float power\" 50 \"bool twosided\" true " + kPatch);
   EXPECT_EQ(remarks_of(*patch), "");
   EXPECT_NEAR(lumens(*scene_of(kImage + "\"float power\" 50 \"bool twosided\" true " + kPatch)), 50,
               1e-4);
-  // Rings of a disk: v < 1/2 (texels 3 and 4) has three quarters of the area.
+  // On a disk v < 1/2 (texels 3 and 4) has three quarters of the area.
   const std::string disk = kImage + "\"float power\" 50 Shape \"disk\"";
   EXPECT_NEAR(lumens(*scene_of(disk)), 50 * (3.5 * 0.75 + 1.5 * 0.25) / 2.5, 1e-4);
   EXPECT_THAT(remarks_of(*load(disk)),
               HasSubstr("\"power\" of a picture on a shape that shows its texels on unequal areas "
-                        "-> that of the picture's mean, as pbrt-v4 has it"));
+                        "-> that of the picture's mean, the same as in pbrt-v4"));
 }
 
 TEST(PbrtAreaImages, TheSceneCountsThePictureOnce) {
@@ -163,7 +163,7 @@ TEST(PbrtAreaImages, TheSceneCountsThePictureOnce) {
   EXPECT_EQ(parts, 1);
 }
 
-TEST(PbrtAreaImages, WhatIsWrongIsAnErrorWithItsPlace) {
+TEST(PbrtAreaImages, ErrorsHaveTheirPlace) {
   const std::pair<std::string, const char*> kCases[] = {
       {kImage + "\"rgb L\" [1 1 1] " + kPatch,
        "scene.pbrt:2:82: \"L\" beside \"filename\", allowed: one of them, and \"scale\""},
@@ -190,7 +190,7 @@ TEST(PbrtAreaImages, WhatIsWrongIsAnErrorWithItsPlace) {
 
 // ---- Profiles: the photometry of luminaires on flat shapes. ----
 
-/// A downlight that is brighter in the plane C0 than in C90, and sends a little up.
+/// A downlight that is brighter in plane C0 than in C90 and emits a little upwards.
 const std::string kIes =
     "IESNA:LM-63-2002\n[TEST] none\n[TESTLAB] none\n[ISSUEDATE] 2024\n[MANUFAC] none\nTILT=NONE\n"
     "1 1000 1 5 3 1 2 0.6 0.6 0\n1 1 10\n0 45 90 135 180\n0 90 180\n"
@@ -247,12 +247,12 @@ TEST(PbrtPanels, TakeTheirAxesFromTheShape) {
     EXPECT_NEAR(intensity(*scene, {0, -kSlant, kSlant}), 50, 1e-3) << shape;
     EXPECT_EQ(intensity(*scene, {0, 0, -1}), 0) << shape;
   }
-  // Turned over about dp/du.
+  // Flipped about dp/du.
   const auto over = panel_scene(kProfile + "ReverseOrientation " +
                                 "Shape \"bilinearmesh\" \"point3 P\" [0 0 0 2 0 0 0 1 0 2 1 0]");
   EXPECT_NEAR(intensity(*over, {kSlant, 0, -kSlant}), 90, 1e-3);
   EXPECT_NEAR(intensity(*over, {-kSlant, 0, -kSlant}), 30, 1e-3);
-  // By the (u, v) of its vertices: u runs along -y.
+  // The (u, v) of the vertices let u run along -y.
   const auto by_uv = panel_scene(kProfile +
                                  "Shape \"bilinearmesh\" "
                                  "\"point3 P\" [0 0 0 2 0 0 0 1 0 2 1 0] "
@@ -261,8 +261,8 @@ TEST(PbrtPanels, TakeTheirAxesFromTheShape) {
 }
 
 TEST(PbrtPanels, ChartsOfAnySizeTurnTheFile) {
-  // As above u runs along -y, of a millionth of the picture; and of a chart that is but a line the
-  // first edge, +x.
+  // u runs along -y again, over a millionth of the picture.  A degenerate chart uses the first
+  // edge, +x.
   const std::string square = "Shape \"bilinearmesh\" \"point3 P\" [0 0 0 2 0 0 0 1 0 2 1 0] ";
   const auto tiny = panel_scene(kProfile + square + "\"point2 uv\" [1e-6 0 1e-6 1e-6 0 0 0 1e-6]");
   EXPECT_NEAR(intensity(*tiny, {0, -kSlant, kSlant}), 90, 1e-3);
@@ -284,8 +284,8 @@ TEST(PbrtPanels, LevelsMultiplyTheFilesCandela) {
   EXPECT_NEAR(lumens(*panel_scene(kProfile + "\"float scale\" 3 " + disk)), 3 * front, 1e-9);
   EXPECT_NEAR(lumens(*panel_scene(kProfile + "\"float power\" 800 " + disk)), 800, 1e-9);
   const auto remarks = remarks_of(*load_panel(kProfile + disk));
-  EXPECT_THAT(remarks, HasSubstr("lm go to the back of a panel that shines to its front only -> "
-                                 "left out; \"bool twosided\" true has them"));
+  EXPECT_THAT(remarks, HasSubstr("lm go to the back of a panel that emits from its front only -> "
+                                 "left out; \"bool twosided\" true includes them"));
   EXPECT_EQ(remarks_of(*load_panel(kProfile + "\"bool twosided\" true " + disk)), "");
 }
 
@@ -300,7 +300,7 @@ TEST(PbrtPanels, TheSceneCountsTheFileOnce) {
   EXPECT_EQ(parts, 1);
 }
 
-TEST(PbrtPanels, WhatIsWrongIsAnErrorWithItsPlace) {
+TEST(PbrtPanels, ErrorsHaveTheirPlace) {
   const std::pair<std::string, const char*> kCases[] = {
       {kProfile + "\nShape \"sphere\"",
        "scene.pbrt:3:1: a light with \"profile\" on a sphere, allowed: flat shapes"},

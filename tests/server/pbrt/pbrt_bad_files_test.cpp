@@ -1,5 +1,5 @@
-// Every parameter of a scene that takes a picture, given every kind of file that is odd or broken:
-// the light is right, or an error says where the parameter stands, its name, the file, and what is
+// Gives every parameter that takes a picture every kind of unusual or broken file.  Either the
+// light is right, or an error has the place of the parameter, its name, the file, and what is
 // allowed.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -31,12 +31,12 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 struct PictureUser {
   const char* name;
   std::string source;
-  /// The flux of an even picture of 1e5 x 1 texels over that of one texel; 0: it must be square.
+  /// Flux of an even picture of 1e5 x 1 texels over that of one texel; 0: pictures must be square.
   double of_a_row;
 };
 
-// The picture of a row reaches 1e5 to either side where one of a texel reaches 1: 4 asin(a b /
-// sqrt((1 + a2) (1 + b2))).
+// A picture of one row extends to 1e5 on each side, one of a texel to 1: 4 asin(a b / sqrt((1 + a2)
+// (1 + b2))).
 const double kRow = std::asin(1 / std::sqrt(2.0)) / std::asin(1 / std::sqrt(2.0) / std::sqrt(2.0));
 
 const std::vector<PictureUser>& picture_users() {
@@ -70,7 +70,7 @@ const std::vector<PictureUser>& picture_users() {
   return users;
 }
 
-/// Calls `check(load)` for every user, where `load(name, bytes)` is what becomes of it.
+/// Calls `check(load)` for every user; `load(name, bytes)` returns the result for it.
 template <typename Check>
 void for_every_picture_user(Check&& check) {
   for (const PictureUser& user : picture_users()) {
@@ -81,7 +81,7 @@ void for_every_picture_user(Check&& check) {
   }
 }
 
-TEST(PbrtBadFiles, PicturesThatAreNoneAreErrorsForEveryLight) {
+TEST(PbrtBadFiles, InvalidPicturesAreErrorsForEveryLight) {
   const OIIO::ImageSpec floats(4, 4, 3, OIIO::TypeDesc::FLOAT);
   const OIIO::ImageSpec bytes(4, 4, 3, OIIO::TypeDesc::UINT8);
   OIIO::ImageSpec normals(4, 4, 3, OIIO::TypeDesc::FLOAT);
@@ -92,7 +92,7 @@ TEST(PbrtBadFiles, PicturesThatAreNoneAreErrorsForEveryLight) {
   const std::string whole = even_pfm(4, 4, 1);
   const auto with = [](float v) {
     std::vector<float> values(48, 1);
-    values[3 * 6 + 1] = v;  // of texel (2, 1)
+    values[3 * 6 + 1] = v;  // texel (2, 1)
     return pfm(4, 4, values);
   };
   const std::pair<std::string, std::string> kFiles[] = {
@@ -125,7 +125,7 @@ TEST(PbrtBadFiles, PicturesThatAreNoneAreErrorsForEveryLight) {
   });
 }
 
-TEST(PbrtBadFiles, OnePixelAndOneRowAreEvenLightsWhereTheyMayBe) {
+TEST(PbrtBadFiles, OnePixelAndOneRowAreEvenLightsWhereAllowed) {
   for_every_picture_user([&](const PictureUser& user, const auto& load) {
     const Outcome even = load("even.pfm", even_pfm(8, 8, 2));
     ASSERT_TRUE(even.status.ok()) << even.status;
@@ -133,7 +133,7 @@ TEST(PbrtBadFiles, OnePixelAndOneRowAreEvenLightsWhereTheyMayBe) {
     EXPECT_TRUE(even.lit);
     const Outcome one = load("one.pfm", even_pfm(1, 1, 2));
     ASSERT_TRUE(one.status.ok()) << one.status;
-    // 1e-4: the sums of portals and panels.
+    // 1e-4 allows for the sums of portals and panels.
     EXPECT_NEAR(one.lumens, even.lumens, 1e-4 * even.lumens);
     EXPECT_TRUE(one.lit);
     const Outcome row = load("row.pfm", even_pfm(100000, 1, 2));
@@ -213,7 +213,7 @@ TEST(PbrtBadFiles, TexelsTimesScaleBeyondAFloatAreAnErrorForEveryLight) {
   }
 }
 
-TEST(PbrtBadFiles, NamesThatLeadNowhereAreErrorsForEveryLight) {
+TEST(PbrtBadFiles, NamesOfMissingFilesAreErrorsForEveryLight) {
   for_every_picture_user([&](const PictureUser& user, const auto&) {
     const auto error = [&](const std::string& names) {
       std::string text = user.source;

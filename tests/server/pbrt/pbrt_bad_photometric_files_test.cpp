@@ -1,6 +1,6 @@
-// Every parameter of a scene that takes a photometric file, given every kind of file that is odd or
-// broken: the light is right, or an error says where the parameter stands, its name, the file, and
-// what is allowed.
+// Gives every parameter that takes a photometric file every kind of unusual or broken file.  Either
+// the light is right, or an error has the place of the parameter, its name, the file, and what is
+// allowed.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -119,7 +119,7 @@ TEST(PbrtBadFiles, BrokenPhotometricFilesAreErrorsForEveryParameter) {
     }
 }
 
-TEST(PbrtBadFiles, OddPhotometricFilesAreWhatTheySayForEveryParameter) {
+TEST(PbrtBadFiles, UnusualPhotometricFilesAreReadForEveryParameter) {
   const auto ies = [](auto change) { return changed<Ies>(change); };
   const auto crlf = [](std::string text, const std::string& end) {
     for (std::size_t at = 0; (at = text.find('\n', at)) != std::string::npos; at += end.size())

@@ -53,7 +53,7 @@ TEST(PbrtCamera, FieldOfViewSpansTheShorterSide) {
   EXPECT_NEAR(window.camera.screen_min.y, -.5 * t, 1e-12);
 }
 
-TEST(PbrtCamera, LooksAlongItsLookAt) {
+TEST(PbrtCamera, LooksAlongLookAt) {
   const auto scene = scene_of("Scale -1 1 1 LookAt 0 -6 2  0 0 2  0 0 1 Camera \"perspective\"");
   const Transform& world_from_camera = scene.camera.world_from_camera;
   const auto eye = world_from_camera.point({0, 0, 0});
@@ -61,7 +61,7 @@ TEST(PbrtCamera, LooksAlongItsLookAt) {
   EXPECT_NEAR(eye.z, 2, 1e-12);
   EXPECT_NEAR(world_from_camera.vector({0, 0, 1}).y, 1, 1e-12);
   EXPECT_NEAR(world_from_camera.vector({0, 1, 0}).z, 1, 1e-12);
-  // Left-handed: right is the world's -x, which Scale -1 1 1 mirrors.
+  // Left-handed: right is -x of the world, since Scale -1 1 1 mirrors.
   EXPECT_NEAR(world_from_camera.vector({1, 0, 0}).x, 1, 1e-12);
   EXPECT_NEAR(scene_of("LookAt 0 -6 2  0 0 2  0 0 1 Camera \"perspective\"")
                   .camera.world_from_camera.vector({1, 0, 0})
@@ -81,7 +81,7 @@ TEST(PbrtCamera, CoordinateSystemCameraIsWorldFromCamera) {
   EXPECT_EQ(centre(0), Vec3<double>(0, 0, -5));
   EXPECT_EQ(centre(1), Vec3<double>(0, 0, 0));
   EXPECT_EQ(remarks_of(*scene),
-            "1:132 no coordinate system \"none\" was named -> the transform stays as it is\n");
+            "1:132 no coordinate system \"none\" was named -> the transform stays unchanged\n");
 }
 
 TEST(PbrtCamera, FilmScaleIsExposureTimesIsoOverAHundred) {
@@ -91,7 +91,7 @@ TEST(PbrtCamera, FilmScaleIsExposureTimesIsoOverAHundred) {
       0.125, 1e-15);
 }
 
-TEST(PbrtCamera, SettingsThatAreNotModelledAreRemarkedOn) {
+TEST(PbrtCamera, SettingsThatAreNotModelledGetRemarks) {
   const std::pair<const char*, const char*> kCases[] = {
       {"Camera \"orthographic\"",
        "1:1 Camera \"orthographic\" is not modelled -> a perspective one, 90 degrees across the "

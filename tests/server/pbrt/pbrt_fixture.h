@@ -1,4 +1,4 @@
-// Loading scenes that tests write.
+// Loads scenes that tests write.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@ inline std::string message(const absl::Status& status) {
   return std::string(status.message().data(), status.message().size());
 }
 
-/// A directory of its own for each test, gone afterwards.
+/// A temporary directory for each test.
 class SceneFiles {
  public:
   const std::filesystem::path& path() const { return directory_.path(); }
@@ -37,25 +37,25 @@ class SceneFiles {
   TempDirectory directory_;
 };
 
-/// The scene that a file of this text is; `scene.pbrt` is its name in errors.
+/// The scene of a file with this text; `scene.pbrt` is its name in errors.
 inline absl::StatusOr<SceneDescription> load_text(const std::string& text) {
   const SceneFiles files;
   files.write("scene.pbrt", text);
   return files.load("scene.pbrt");
 }
 
-/// The same with WorldBegin put before it, on the same line: columns shift by 11.
+/// The same with WorldBegin before it on the same line, so columns shift by 11.
 inline absl::StatusOr<SceneDescription> load_world(const std::string& text) {
   return load_text("WorldBegin " + text);
 }
 
-/// The error that loading gives; empty where it gives none.
+/// The error of loading; empty if there is none.
 inline std::string error_of(const std::string& text) { return message(load_text(text).status()); }
 inline std::string world_error_of(const std::string& text) {
   return message(load_world(text).status());
 }
 
-/// "line:column what -> instead" of each remark, one a line.
+/// "line:column what -> instead" for each remark, one per line.
 inline std::string remarks_of(const SceneDescription& scene) {
   std::string result;
   for (const Remark& remark : scene.remarks)
@@ -64,7 +64,7 @@ inline std::string remarks_of(const SceneDescription& scene) {
   return result;
 }
 
-/// The parameters of the only light that `text` makes in the world.
+/// The parameters of the only light of `text` in the world.
 template <typename Params>
 Params light_of(const std::string& text) {
   const auto scene = load_world(text);

@@ -1,4 +1,4 @@
-// LightSource "goniometric" with a picture: what pbrt-v4 makes of it, and what it has no word for.
+// LightSource "goniometric" with a picture: agreement with pbrt-v4, and extensions.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -18,7 +18,7 @@ using testing::SceneFiles;
 
 constexpr double kPi = std::numbers::pi;
 
-/// Rows from the top, one number a texel; `blue` is what the third channel is multiplied by.
+/// Rows from the top, one number per texel; `blue` multiplies the third channel.
 std::string pfm(int width, int height, const std::vector<float>& values, float blue = 1) {
   std::string bytes = "PF\n" + std::to_string(width) + " " + std::to_string(height) + "\n-1.0\n";
   for (int y = height; y-- > 0;)
@@ -52,9 +52,9 @@ GoniometricLight<double> light(const std::string& parameters, const std::string&
 /// The four quarters of a square picture.
 const std::string kQuarters = pfm(2, 2, {1, 2, 3, 4});
 
-// pbrt-v4 looks the direction (x, z, y) up: the middle of the picture is light space's +y, its
+// pbrt-v4 looks up the direction (x, z, y): the middle of the picture is light space's +y, its
 // right is +x, its lower side +z.
-TEST(PbrtGoniometric, ThePictureLiesAsPbrt4LaysIt) {
+TEST(PbrtGoniometric, ThePictureHasTheOrientationOfPbrt4) {
   const auto l = light("", kQuarters);
   EXPECT_EQ(l.params().file, "lamp.pfm");
   EXPECT_EQ(l.params().map->sphere_map().mapping(), SphereMapping::kEqualArea);
@@ -63,7 +63,7 @@ TEST(PbrtGoniometric, ThePictureLiesAsPbrt4LaysIt) {
   EXPECT_EQ(l.intensity({0.5, -0.2, -0.5}), Rgb<double>(2));
   EXPECT_EQ(l.intensity({-0.5, 0.2, 0.5}), Rgb<double>(3));
   EXPECT_EQ(l.intensity({0.5, -0.2, 0.5}), Rgb<double>(4));
-  // Four texels in the middle: about +y.
+  // Four texels around the middle, +y.
   const auto middle = light("", pfm(4, 4, {0, 0, 0, 0, 0, 5, 5, 0, 0, 5, 5, 0, 0, 0, 0, 0}));
   EXPECT_EQ(middle.intensity({0, 1, 0}), Rgb<double>(5));
   EXPECT_EQ(middle.intensity({0, 0, 1}), Rgb<double>(0));
@@ -71,7 +71,7 @@ TEST(PbrtGoniometric, ThePictureLiesAsPbrt4LaysIt) {
 }
 
 // pbrt-v2: +y at the top, longitude from +x by +z.
-TEST(PbrtGoniometric, LatitudesAndLongitudesLieAsInPbrt2) {
+TEST(PbrtGoniometric, LatitudesAndLongitudesHaveTheOrientationOfPbrt2) {
   const auto l = light("\"string mapping\" \"latlong\"", pfm(4, 2, {1, 2, 3, 4, 5, 6, 7, 8}));
   EXPECT_EQ(l.intensity({1, 0.1, 1}), Rgb<double>(1));
   EXPECT_EQ(l.intensity({-1, 0.1, 1}), Rgb<double>(2));
@@ -80,7 +80,7 @@ TEST(PbrtGoniometric, LatitudesAndLongitudesLieAsInPbrt2) {
   EXPECT_EQ(l.intensity({1, -0.1, 1}), Rgb<double>(5));
   const auto smooth = light("\"string mapping\" \"latlong\" \"string filter\" \"bilinear\"",
                             pfm(4, 2, {1, 2, 3, 4, 5, 6, 7, 8}));
-  // At the equator between the first two columns: the mean of 1, 2, 5 and 6.
+  // On the equator between the first two columns: the mean of 1, 2, 5 and 6.
   EXPECT_NEAR(smooth.intensity({0, 0, 1}).r, 3.5, 1e-12);
 }
 
@@ -95,12 +95,12 @@ TEST(PbrtGoniometric, LevelsMultiplyAndPowerSetsTheTotal) {
       EXPECT_NEAR(luminance(l.power({}).lumens), 640, 1e-9);
     }
   }
-  // pbrt-v4 makes 640 lm of 4 pi times the mean of the texels, 2.5.
+  // pbrt-v4 gives 640 lm to 4 pi times the mean of the texels, 2.5.
   EXPECT_NEAR(light("\"float power\" 640", kQuarters).intensity({1, 1, 1}).r,
               4 * 640 / (4 * kPi * 2.5), 1e-9);
 }
 
-TEST(PbrtGoniometric, TransformsTurnAndMirrorButNeverStretch) {
+TEST(PbrtGoniometric, TransformsRotateAndMirrorButNeverStretch) {
   const auto turned = light("", kQuarters, "Rotate 90 0 1 0 Scale 2 2 2");  // +z to +x
   EXPECT_EQ(turned.intensity({0.5, 0.2, 0.5}), Rgb<double>(3));
   const auto mirrored = light("", kQuarters, "Scale -1 1 1");
@@ -113,7 +113,7 @@ TEST(PbrtGoniometric, ColoursBecomeTheirMeanWithARemark) {
   ASSERT_TRUE(scene.ok()) << scene.status();
   EXPECT_EQ(remarks_of(*scene),
             "2:27 lamp.pfm has colours, a goniometric light one intensity a direction -> the mean "
-            "of R, G and B, as pbrt-v4 has it\n");
+            "of R, G and B, the same as in pbrt-v4\n");
   const auto& params = std::get<GoniometricLightParams>(scene->lights.at(0).params);
   EXPECT_EQ(params.map->at({0, 0, 1}), 4);  // (2 + 2 + 8) / 3
 }
@@ -147,7 +147,7 @@ TEST(PbrtGoniometric, LightsOfOnePictureShareItAndTheSceneCountsItOnce) {
   EXPECT_EQ(found, 2U);
 }
 
-// Row 32 of what breaks renderers: pictures that are unusual or none.
+// Row 32 of docs/extremes.md: unusual or invalid pictures.
 TEST(PbrtGoniometric, BadPicturesAreErrorsWithTheirPlace) {
   const auto error = [](const std::string& parameters, const std::string& image) {
     return message(load(parameters, image).status());
@@ -163,12 +163,12 @@ TEST(PbrtGoniometric, BadPicturesAreErrorsWithTheirPlace) {
   EXPECT_THAT(error("\"string mapping\" \"cube\"", kQuarters), HasSubstr("equalarea, latlong"));
   EXPECT_THAT(error("\"string filter\" \"cubic\"", kQuarters), HasSubstr("nearest, bilinear"));
   EXPECT_THAT(error("\"float power\" 5", pfm(1, 1, {0})), HasSubstr("that lights nothing"));
-  // Beyond what the scene's floats hold.
+  // Beyond the range of the scene's floats.
   EXPECT_THAT(
       error("\"rgb I\" [1e38 1e38 1e38]", pfm(1, 1, {1e3F})),
       HasSubstr("scene.pbrt:2:56: the largest intensity of lamp.pfm times the light's level "
                 "= (1e+41, 1e+41, 1e+41), allowed: each channel finite"));
-  // Unusual but pictures: one texel, a row of 1e5, values below 0 (as 0, with a remark).
+  // Valid but unusual: one texel, a row of 1e5, values below 0 (as 0, with a remark).
   EXPECT_EQ(light("", pfm(1, 1, {3})).intensity({0.3, -0.4, 0.5}), Rgb<double>(3));
   const auto row =
       light("\"string mapping\" \"latlong\"", pfm(100000, 1, std::vector<float>(100000, 2)));
@@ -178,7 +178,7 @@ TEST(PbrtGoniometric, BadPicturesAreErrorsWithTheirPlace) {
   EXPECT_THAT(remarks_of(*negative), HasSubstr("1 texel with a value below 0 -> taken as 0"));
 }
 
-TEST(PbrtGoniometric, ParametersOfPicturesSayNothingToAPhotometricFile) {
+TEST(PbrtGoniometric, ParametersOfPicturesDoNotApplyToPhotometricFiles) {
   const SceneFiles files;
   files.write("lamp.ies", "TILT=NONE\n1 -1 1 2 1 1 2 0 0 0\n1 1 10\n0 90\n0\n100 100\n");
   files.write("scene.pbrt",

@@ -1,4 +1,4 @@
-// LightSource "infinite" with a picture: what pbrt-v4 makes of it, and what it has no word for.
+// LightSource "infinite" with a picture: agreement with pbrt-v4, and extensions.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -18,7 +18,7 @@ using testing::SceneFiles;
 
 constexpr double kPi = std::numbers::pi;
 
-/// A .pfm of `value` in the upper half of its rows and 0 below.
+/// A .pfm file with `value` in the upper half of its rows and 0 below.
 std::string pfm(int width, int height, float value) {
   std::string bytes = "PF\n" + std::to_string(width) + " " + std::to_string(height) + "\n-1.0\n";
   for (int y = 0; y < height; ++y)  // from the bottom
@@ -52,30 +52,30 @@ TEST(PbrtImageLights, DefaultsArePbrt4s) {
   EXPECT_EQ(p.map->filter(), ImageFilter::kNearest);
   EXPECT_EQ(p.radiance_cd_m2, Rgb<double>(3));
   EXPECT_EQ(p.image_name, "sky.pfm");
-  // The picture's upper half is the half of directions with y < 0.
+  // The upper half of the picture has the directions with y < 0.
   EXPECT_EQ(p.map->lookup({0.1, -0.99, 0.1}), Rgb<double>(2));
   EXPECT_EQ(p.map->lookup({0.1, 0.99, 0.1}), Rgb<double>(0));
 }
 
-TEST(PbrtImageLights, MappingAndFilterAsSaid) {
+TEST(PbrtImageLights, MappingAndFilterAreApplied) {
   const auto p = light("\"string mapping\" \"latlong\" \"string filter\" \"bilinear\"", 8, 4,
                        "Rotate 90 1 0 0 Scale 2 2 2");
   EXPECT_EQ(p.map->mapping(), SphereMapping::kLatitudeLongitude);
   EXPECT_EQ(p.map->filter(), ImageFilter::kBilinear);
   const auto made = *ImageInfiniteLight<double>::create(p);
-  EXPECT_EQ(made.le_escaped({}, {0, 0, 1}), Rgb<double>(2));  // turned: +y became +z
+  EXPECT_EQ(made.le_escaped({}, {0, 0, 1}), Rgb<double>(2));  // rotated: +y became +z
   EXPECT_EQ(made.le_escaped({}, {0, 0, -1}), Rgb<double>(0));
 }
 
-TEST(PbrtImageLights, IlluminanceIsThatFromAboveForLatitudeLongitude) {
-  // The whole upper hemisphere has luminance 2: 2 pi lx, of which 100 are wanted.
+TEST(PbrtImageLights, IlluminanceComesFromAboveForLatitudeLongitude) {
+  // The upper hemisphere has luminance 2, which gives 2 pi lx; 100 lx are wanted.
   const auto p = light("\"string mapping\" \"latlong\" \"float illuminance\" 100", 8, 4);
   EXPECT_NEAR(p.radiance_cd_m2.g, 100 / (2 * kPi), 1e-12);
 }
 
-TEST(PbrtImageLights, IlluminanceOfEqualAreaMapsIsCountedAsPbrt4Counts) {
-  // A picture of 2 in its upper half: of +z's hemisphere (pi lx for luminance 1) one half, and half
-  // of that as pbrt-v4 weighs its texels, to within the sum over the centres of 64 x 64.
+TEST(PbrtImageLights, IlluminanceOfEqualAreaMapsEqualsThatOfPbrt4) {
+  // A picture with 2 in its upper half covers half of +z's hemisphere (pi lx for luminance 1).
+  // pbrt-v4's weights halve that, up to the sum over the centres of 64 x 64 texels.
   auto scene = load("\"float illuminance\" 100", 64, 64);
   ASSERT_TRUE(scene.ok()) << scene.status();
   const auto p = std::get<ImageInfiniteLightParams>(scene->lights.at(0).params);
@@ -83,7 +83,7 @@ TEST(PbrtImageLights, IlluminanceOfEqualAreaMapsIsCountedAsPbrt4Counts) {
   EXPECT_THAT(remarks_of(*scene), HasSubstr("gets 200 lx"));
 }
 
-TEST(PbrtImageLights, BadInputIsAnErrorWithItsPlace) {
+TEST(PbrtImageLights, InvalidInputIsAnErrorWithItsPlace) {
   const auto error = [](const std::string& parameters, int width, int height,
                         const std::string& transform = "") {
     return message(load(parameters, width, height, 2, transform).status());
@@ -109,12 +109,12 @@ PortalLightParams portal(const std::string& parameters, const std::string& trans
   return std::get<PortalLightParams>(scene->lights.at(0).params);
 }
 
-TEST(PbrtPortals, CornersAreInWorldSpaceAndThePictureIsTurned) {
+TEST(PbrtPortals, CornersAreInWorldSpaceAndThePictureIsRotated) {
   const auto p = portal("\"float scale\" 3", "Translate 5 6 7 Rotate 90 1 0 0");
   EXPECT_EQ(p.corners_m[2], (Vec3<double>{2, 1, 3}));
   EXPECT_EQ(p.radiance_cd_m2, Rgb<double>(3));
   EXPECT_EQ(p.image_name, "sky.pfm");
-  // The picture's bright half, y < 0, was turned to z < 0.
+  // The bright half of the picture, y < 0, was rotated to z < 0.
   const auto upside = *PortalLight<double>::create(p);
   EXPECT_LT(upside.le_escaped({1, 0.5F, 2.9F}, {0, 0, 1}).g, 1e-6F);
   const auto still = *PortalLight<double>::create(portal("\"float scale\" 3"));
@@ -122,7 +122,7 @@ TEST(PbrtPortals, CornersAreInWorldSpaceAndThePictureIsTurned) {
   EXPECT_EQ(still.le_escaped({1, 0.9F, 2.9F}, normalized(Vec3<double>{0, -0.8F, 0.2F})).g, 6);
 }
 
-TEST(PbrtPortals, AnEqualAreaPictureIsResampledUnlessAFilterIsAskedFor) {
+TEST(PbrtPortals, AnEqualAreaPictureIsResampledUnlessAFilterIsGiven) {
   EXPECT_TRUE(portal("").rectified);
   EXPECT_FALSE(portal("\"string filter\" \"nearest\"").rectified);
   EXPECT_EQ(portal("\"string filter\" \"nearest\"").map->filter(), ImageFilter::kNearest);
@@ -140,10 +140,10 @@ TEST(PbrtPortals, WithoutAPictureTheSkyIsUniform) {
   EXPECT_EQ(of("\"rgb L\" [1 2 3] \"float scale\" 2").first.radiance_cd_m2, Rgb<double>(2, 4, 6));
   EXPECT_EQ(of("\"rgb L\" [1 2 3]").first.map, nullptr);
   EXPECT_EQ(of("\"rgb L\" [1 2 3]").second, "");
-  // Through the portal of 2 m2: pi L A.
+  // The portal of 2 m2 passes pi L A.
   const auto light = *PortalLight<double>::create(of("\"rgb L\" [1 2 3]").first);
   EXPECT_NEAR(light.power({}).lumens.g, kPi * 2 * 2, 1e-9);
-  // pbrt-v4: the cosine of its one texel's middle is 1, times 2 pi.
+  // pbrt-v4: the cosine at the middle of its one texel is 1, times 2 pi.
   const auto [lit, remarks] = of("\"float illuminance\" 100");
   EXPECT_NEAR(lit.radiance_cd_m2.g, 100 / (2 * kPi), 1e-9);
   EXPECT_THAT(remarks, HasSubstr("half of it"));

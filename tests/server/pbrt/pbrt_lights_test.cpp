@@ -1,4 +1,4 @@
-// Levels, places and directions of lights as pbrt-v4 reads them.
+// Levels, positions and directions of lights like in pbrt-v4.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -53,13 +53,13 @@ TEST(PbrtLights, PowerOfAPointIsSpreadOverTheSphere) {
       11.936620731892151, 1e-12);
 }
 
-TEST(PbrtLights, PowerMultipliesWhatRgbAndScaleSayAndARemarkTellsTheResult) {
+TEST(PbrtLights, PowerMultipliesRgbAndScaleAndARemarkGivesTheResult) {
   const std::string text =
       "LightSource \"point\" \"rgb I\" [4 4 4] \"float scale\" .5 \"float power\" 100";
   EXPECT_NEAR(light_of<PointLightParams>(text).intensity_cd.g, 2 * 100 / (4 * kPi), 1e-12);
-  EXPECT_EQ(
-      world_remarks_of(text),
-      "1:65 \"power\" 100 lm multiplies a level of luminance 2 -> 200 lm, as pbrt-v4 has it\n");
+  EXPECT_EQ(world_remarks_of(text),
+            "1:65 \"power\" 100 lm multiplies a level of luminance 2 -> 200 lm, the same as in "
+            "pbrt-v4\n");
   EXPECT_EQ(world_remarks_of("LightSource \"point\" \"float power\" 100"), "");
 }
 
@@ -69,7 +69,7 @@ TEST(PbrtLights, PowerOfASpotFollowsItsCone) {
       "LightSource \"spot\" \"float power\" 10 \"float coneangle\" 60 \"float conedeltaangle\" 0");
   EXPECT_NEAR(hard.intensity_cd.r, 10 / kPi, 1e-12);
   EXPECT_EQ(hard.falloff_start_rad, hard.cone_half_angle_rad);
-  // Edge over the whole cone: half of it, the mean of smoothstep.
+  // A smooth edge over the whole cone halves it, the mean of smoothstep.
   const auto soft = light_of<SpotLightParams>(
       "LightSource \"spot\" \"float power\" 10 \"float coneangle\" 60 \"float conedeltaangle\" 60");
   EXPECT_NEAR(soft.intensity_cd.r, 20 / kPi, 1e-12);
@@ -116,7 +116,7 @@ TEST(PbrtLights, ADistantLightWithAnAngularDiameterIsASun) {
               HasSubstr("angulardiameter\" under a transform of unequal scale"));
 }
 
-TEST(PbrtLights, DistantLightShinesFromFromToTo) {
+TEST(PbrtLights, DistantLightShinesFromTheFirstPointToTheSecond) {
   const auto distant = light_of<DistantLightParams>(
       "Rotate 90 1 0 0 LightSource \"distant\" \"point3 from\" [0 0 5] \"point3 to\" [0 0 2] "
       "\"float illuminance\" 1000");
@@ -149,7 +149,7 @@ TEST(PbrtLights, PowerOfAShapeIsSpreadOverItsAreaAndSides) {
   EXPECT_NEAR(emission(light + patch).radiance_cd_m2.r, 100 / (6 * kPi), 1e-12);
 }
 
-TEST(PbrtLights, PowerOfAMeshIsThatOfTheWholeMeshAndRemarkedOn) {
+TEST(PbrtLights, PowerOfAMeshIsThatOfTheWholeMeshWithARemark) {
   // A square of 2 by 2 and half of it again: areas 2, 2 and 2.
   const std::string text =
       "AreaLightSource \"diffuse\" \"float power\" 12\nShape \"trianglemesh\" "
@@ -171,30 +171,30 @@ TEST(PbrtLights, BlackBodiesHaveLuminanceOneBeforeScale) {
   EXPECT_NEAR(luminance(power.intensity_cd), 100 / (4 * kPi), 1e-9);
   EXPECT_EQ(world_remarks_of("LightSource \"point\" \"blackbody I\" 2700 \"float power\" 100"), "");
   EXPECT_THAT(world_remarks_of("LightSource \"point\" \"blackbody I\" 1000"),
-              StartsWith("1:32 blackbody \"I\" is outside of what RGB can show -> linear RGB ["));
+              StartsWith("1:32 blackbody \"I\" is outside of the RGB gamut -> linear RGB ["));
   EXPECT_THAT(world_remarks_of("LightSource \"point\" \"spectrum I\" \"metal-Au-k\""),
-              HasSubstr("is no light's -> linear RGB [1 1 1]"));
+              HasSubstr("is not that of a light -> linear RGB [1 1 1]"));
 }
 
-TEST(PbrtLights, EmissionNeverGoesIntoObjects) {
+TEST(PbrtLights, ObjectsNeverEmit) {
   const auto scene = load_world(
       "ObjectBegin \"o\" AreaLightSource \"diffuse\"\nShape \"disk\" ObjectEnd Shape \"disk\"");
   ASSERT_TRUE(scene.ok());
   EXPECT_FALSE(scene->objects[0].shapes[0].emission);
-  EXPECT_FALSE(scene->shapes[0].emission);  // ObjectEnd restores what ObjectBegin saved
+  EXPECT_FALSE(scene->shapes[0].emission);  // ObjectEnd restores the state of ObjectBegin
   EXPECT_EQ(remarks_of(*scene),
             "2:1 an area light within an object definition -> the shape emits nothing\n");
 }
 
-TEST(PbrtLights, WhatIsNotModelledIsLeftOutAndRemarkedOn) {
+TEST(PbrtLights, LightFeaturesThatAreNotModelledGetRemarks) {
   const std::pair<const char*, const char*> kCases[] = {
       {"LightSource \"point\" \"float power\" 0",
-       "1:32 \"power\" 0 is taken as not given -> the level that \"I\" says\n"},
+       "1:32 \"power\" 0 is taken as not given -> the level of \"I\"\n"},
   };
   for (const auto& [text, expected] : kCases) EXPECT_EQ(world_remarks_of(text), expected) << text;
 }
 
-TEST(PbrtLights, WhatOnlyPicturesHaveIsCheckedWithoutThem) {
+TEST(PbrtLights, ParametersOfPicturesAreCheckedWithoutAPicture) {
   const std::pair<const char*, const char*> kBad[] = {
       {"LightSource \"infinite\" \"string mapping\" \"cubemap\"",
        "scene.pbrt:1:35: \"string mapping\" = \"cubemap\", allowed: equalarea, latlong"},
@@ -228,14 +228,14 @@ TEST(PbrtLights, WhatOnlyPicturesHaveIsCheckedWithoutThem) {
     EXPECT_THAT(remarks_of(*scene), HasSubstr(" \"string filter\" without a picture"));
     EXPECT_THAT(remarks_of(*scene), ::testing::Not(HasSubstr("not known")));
   }
-  // What an Attribute says is for those that have pictures, and may go unused.
+  // Parameters of an Attribute directive may stay unused.
   const auto scene =
       load_world("Attribute \"light\" \"string filter\" \"bilinear\" LightSource \"infinite\"");
   ASSERT_TRUE(scene.ok()) << scene.status();
   EXPECT_EQ(remarks_of(*scene), "");
 }
 
-// The same in all directions, which no transform changes.
+// The light is equal in all directions, so no transform changes it.
 TEST(PbrtLights, GoniometricLightsWithoutAFileTakeAnyTransform) {
   const auto scene = load_world(
       "Translate 1 2 3 Scale 1 -2 3 Rotate 40 1 2 3 LightSource \"goniometric\" "
@@ -250,7 +250,7 @@ TEST(PbrtLights, GoniometricLightsWithoutAFileTakeAnyTransform) {
     EXPECT_NEAR(made->intensity(way).g, 100 / (4 * std::numbers::pi), 1e-12);
 }
 
-TEST(PbrtLights, LevelsThatAreNoneAreErrors) {
+TEST(PbrtLights, InvalidLevelsAreErrors) {
   const std::pair<const char*, const char*> kCases[] = {
       {"LightSource \"point\" \"rgb I\" [1 -1 1]", "\"rgb I\" = [1 -1 1], allowed: not negative"},
       {"LightSource \"point\" \"float scale\" -2", "\"float scale\" = -2, allowed: not negative"},
@@ -291,7 +291,7 @@ TEST(PbrtLights, LevelsThatAreNoneAreErrors) {
 }
 
 TEST(PbrtLights, ErrorsStandAtTheParameterThatIsWrong) {
-  // By the columns of the text, after "WorldBegin ".
+  // Columns of the text, after "WorldBegin ".
   const std::pair<const char*, const char*> kCases[] = {
       {"LightSource \"spot\" \"float coneangle\" 0",
        "1:31: \"float coneangle\" = 0 degrees, allowed (0, 180]"},

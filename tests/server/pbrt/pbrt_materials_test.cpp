@@ -12,7 +12,7 @@ using testing::load_world;
 using testing::remarks_of;
 using testing::world_error_of;
 
-/// The reflectance of the disk that follows `text`, and what was remarked.
+/// The reflectance of the disk after `text`, and the remarks.
 std::pair<Rgb<double>, std::string> surface(const std::string& text) {
   const auto scene = load_world(text + " Shape \"disk\"");
   if (!scene.ok() || scene->shapes.size() != 1) {
@@ -53,7 +53,7 @@ TEST(PbrtMaterials, DiffuseTakesRgbFloatAndConstantSpectra) {
   }
 }
 
-TEST(PbrtMaterials, OthersBecomeDiffuseOfTheirNearestParameterAndAreRemarkedOn) {
+TEST(PbrtMaterials, OthersBecomeDiffuseWithARemark) {
   const std::tuple<const char*, double, const char*> kCases[] = {
       {"Material \"coateddiffuse\" \"rgb reflectance\" [.2 .2 .2] \"float roughness\" 0", .2,
        "1:12 material \"coateddiffuse\" is not modelled -> diffuse, reflectance 0.2\n"},
@@ -64,15 +64,14 @@ TEST(PbrtMaterials, OthersBecomeDiffuseOfTheirNearestParameterAndAreRemarkedOn) 
       {"Material \"dielectric\"", .5,
        "1:12 material \"dielectric\" is not modelled -> diffuse, reflectance 0.5\n"},
       {"Material \"diffuse\" \"rgb reflectance\" [2 2 2]", 1,
-       "1:31 \"reflectance\" = [2 2 2] is no reflectance -> clamped to [1 1 1]\n"},
+       "1:31 \"reflectance\" = [2 2 2] is not a valid reflectance -> clamped to [1 1 1]\n"},
       {"Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"x.png\" Material \"diffuse\" "
        "\"texture reflectance\" \"t\"",
        .5, "1:12 texture \"t\" (imagemap) is not modelled -> constant 0.5\n"},
       {"Material \"diffuse\" \"spectrum reflectance\" \"x.spd\"", .5,
        "1:31 spectrum \"reflectance\" of a surface is not modelled -> grey 0.5\n"},
       {"Material \"diffuse\" \"string normalmap\" \"x.png\"", .5,
-       "1:31 \"normalmap\" of material \"diffuse\" is not modelled -> the surface as its shape "
-       "gives it\n"},
+       "1:31 \"normalmap\" of material \"diffuse\" is not modelled -> the surface without it\n"},
   };
   for (const auto& [text, expected, remark] : kCases) {
     const auto [reflectance, remarks] = surface(text);
@@ -91,17 +90,17 @@ TEST(PbrtMaterials, MixIsItsFirstPart) {
             "1:12 material \"mix\" is not modelled -> its first part, diffuse, reflectance 0.3\n");
 }
 
-TEST(PbrtMaterials, NamedMaterialsMayBeUsedBeforeTheyAreMade) {
+TEST(PbrtMaterials, NamedMaterialsMayBeUsedBeforeTheirDefinition) {
   const auto scene = load_world(
       "NamedMaterial \"m\" Shape \"disk\" MakeNamedMaterial \"m\" \"string type\" \"diffuse\" "
       "\"rgb reflectance\" [.3 .3 .3] Shape \"disk\" Material \"diffuse\" Material \"conductor\"");
   ASSERT_TRUE(scene.ok()) << scene.status();
-  EXPECT_EQ(scene->materials.size(), 1U);  // those that no shape uses are not built
+  EXPECT_EQ(scene->materials.size(), 1U);  // unused materials are not built
   EXPECT_EQ(scene->materials[scene->shapes[1].material].reflectance, Rgb<double>(.3));
   EXPECT_EQ(remarks_of(*scene), "");
 }
 
-TEST(PbrtMaterials, InterfacesAreNotToBeSeen) {
+TEST(PbrtMaterials, InterfacesAreInvisible) {
   const auto scene = load_world(
       "AreaLightSource \"diffuse\" Material \"interface\" Shape \"disk\"\nMaterial \"diffuse\" "
       "Shape \"sphere\"");
@@ -114,7 +113,7 @@ TEST(PbrtMaterials, InterfacesAreNotToBeSeen) {
       "too, as in pbrt-v4\n");
 }
 
-TEST(PbrtMaterials, WrongOnesAreErrors) {
+TEST(PbrtMaterials, InvalidMaterialsAreErrors) {
   const std::pair<const char*, const char*> kCases[] = {
       {"Material \"gold\"", "unknown material \"gold\", expected one of diffuse"},
       {"MakeNamedMaterial \"m\"", "material \"m\" lacks \"string type\""},

@@ -1,5 +1,4 @@
-// Broken files: whatever a file holds, loading ends with a scene or with an error that can be
-// shown.
+// Loading any broken file ends with a scene or with a printable error.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -20,7 +19,7 @@ std::string contents(const std::string& name) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-/// Some bytes changed, inserted, removed or moved.
+/// Changes, inserts, removes or moves some bytes.
 std::string mutated(std::string text, std::mt19937& random) {
   const auto below = [&](std::size_t n) { return n == 0 ? 0 : random() % n; };
   static const char* kWords[] = {
@@ -86,7 +85,7 @@ TEST(PbrtMutations, BrokenScenesEndWithASceneOrAnError) {
 TEST(PbrtMutations, BrokenMeshesEndWithAMeshOrAnError) {
   std::mt19937 random(20240301);
   for (const char* name : {"pbrt/square.ply", "reference/ball.ply"}) {
-    // The ball's header and first vertices: what is cut off must be seen too.
+    // The header and the first vertices of the ball; truncation must be detected too.
     const std::string whole = contents(name).substr(0, 2000);
     for (int i = 0; i < 400; ++i) {
       const auto mesh = parse_ply(mutated(whole, random));

@@ -39,7 +39,7 @@ GoniometricLightParams light(const std::string& text) {
   return std::get<GoniometricLightParams>(scene->lights[0].params);
 }
 
-TEST(PbrtPhotometric, ALuminaireShinesAlongZAsItsFileSays) {
+TEST(PbrtPhotometric, ALuminaireShinesAlongZ) {
   const auto p = light("LightSource \"goniometric\" \"string filename\" \"lamp.ies\"");
   EXPECT_EQ(p.file, "lamp.ies");
   EXPECT_EQ(p.format, "IES LM-63-2002, type C");
@@ -60,7 +60,7 @@ TEST(PbrtPhotometric, ScaleMultipliesTheCandelaAndPowerSetsTheTotal) {
   EXPECT_THAT(message(black.status()), HasSubstr("a light that lights nothing"));
 }
 
-TEST(PbrtPhotometric, TransformsMoveTurnAndMirrorButNeverStretch) {
+TEST(PbrtPhotometric, TransformsMoveRotateAndMirrorButNeverStretch) {
   const std::string source = "LightSource \"goniometric\" \"string filename\" \"lamp.ies\"";
   const auto p = light("Translate 1 2 3 Rotate 180 1 0 0 Scale 2 2 2 " + source);
   EXPECT_EQ(p.position_m, Vec3<double>(1, 2, 3));

@@ -1,4 +1,4 @@
-// LightSource "projection": what pbrt-v4 makes of it, and what it has no word for.
+// LightSource "projection": agreement with pbrt-v4, and extensions.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -19,7 +19,7 @@ using testing::SceneFiles;
 constexpr double kPi = std::numbers::pi;
 constexpr double kDegree = kPi / 180;
 
-/// A .pfm, red in its upper half of rows and blue below.
+/// A .pfm file, red in the upper half of its rows and blue below.
 std::string slide_pfm(int width, int height, float value = 1) {
   std::string bytes = "PF\n" + std::to_string(width) + " " + std::to_string(height) + "\n-1.0\n";
   for (int y = 0; y < height; ++y)  // from the bottom
@@ -58,7 +58,7 @@ TEST(PbrtProjection, DefaultsArePbrt4s) {
   EXPECT_EQ(p.picture->params().fov_rad, 90 * kDegree);
   EXPECT_EQ(p.picture->params().aspect, 2);
   EXPECT_EQ(p.picture->params().filter, ImageFilter::kNearest);
-  // Its upper half is where y > 0.
+  // Its upper half has y > 0.
   const auto made = *ProjectionLight<double>::create(p);
   EXPECT_EQ(made.intensity({1.9, 0.9, 1}), Rgb<double>(3, 0, 0));
   EXPECT_EQ(made.intensity({1.9, -0.9, 1}), Rgb<double>(0, 0, 3));
@@ -66,13 +66,14 @@ TEST(PbrtProjection, DefaultsArePbrt4s) {
 }
 
 TEST(PbrtProjection, ScaleAlongTheLightsAxesChangesWhatThePictureCovers) {
-  // Wider by 3, higher by 2, and twice as far: half sides 2 * 3/2 and 1 * 2/2 at distance 1.
+  // 3 times wider, 2 times higher and 2 times farther: half sides 2 * 3/2 and 1 * 2/2 at distance
+  // 1.
   const auto p = light<ProjectionLightParams>(kSlide, "Rotate 70 1 2 3 Scale 3 2 2");
   EXPECT_NEAR(p.picture->half().x, 3, 1e-12);
   EXPECT_NEAR(p.picture->half().y, 1, 1e-12);
   EXPECT_NEAR(p.picture->params().fov_rad, 90 * kDegree, 1e-12);
   EXPECT_NEAR(p.picture->params().aspect, 3, 1e-12);
-  // Equal scale changes nothing; a mirror neither, but for the side.
+  // Equal scale changes nothing; a mirror changes only the side.
   const auto q = light<ProjectionLightParams>(kSlide, "Scale -5 5 5");
   EXPECT_EQ(q.picture->params().fov_rad, 90 * kDegree);
   EXPECT_EQ(q.axes.s, Vec3<double>(-5, 0, 0));
@@ -82,9 +83,9 @@ TEST(PbrtProjection, ScaleAlongTheLightsAxesChangesWhatThePictureCovers) {
   EXPECT_EQ(beam.height_m, 1);
 }
 
-TEST(PbrtProjection, PowerIsCountedAsPbrt4Counts) {
-  // 90 degrees: the picture covers [-2, 2] x [-1, 1] at distance 1.  Its texels have area 1 and
-  // their centres at x = +-1.5 and +-0.5, y = +-0.5.
+TEST(PbrtProjection, PowerEqualsThatOfPbrt4) {
+  // At 90 degrees the picture covers [-2, 2] x [-1, 1] at distance 1.  Its texels have area 1 and
+  // centres at x = +-1.5 and +-0.5, y = +-0.5.
   const double near = std::pow(1.5, -1.5), far = std::pow(3.5, -1.5);
   const double counted = kHalfPurple * 4 * (near + far);
   auto scene = load(kSlide + "\"float power\" 100 \"float scale\" 2");
@@ -93,12 +94,12 @@ TEST(PbrtProjection, PowerIsCountedAsPbrt4Counts) {
   EXPECT_NEAR(p.intensity_cd.g, 2 * 100 / counted, 1e-9);
   // The rectangle of half sides 2 and 1 covers 4 asin(2 / sqrt 5 / sqrt 2).
   const double lumens = p.intensity_cd.g * kHalfPurple * 4 * std::asin(2 / std::sqrt(10.0));
-  EXPECT_THAT(remarks_of(*scene), HasSubstr("from the same intensity as with pbrt-v4"));
+  EXPECT_THAT(remarks_of(*scene), HasSubstr("from the same intensity as in pbrt-v4"));
   EXPECT_NEAR(luminance(ProjectionLight<double>::create(p)->power({}).lumens), lumens, 1e-9);
   EXPECT_THAT(remarks_of(*scene), HasSubstr(std::to_string(lumens).substr(0, 5)));
 }
 
-TEST(PbrtProjection, PowerIsExactWherePbrt4HasNoWord) {
+TEST(PbrtProjection, PowerIsExactForLightsThatPbrt4Lacks) {
   const auto bilinear =
       light<ProjectionLightParams>(kSlide + "\"string filter\" \"bilinear\" \"float power\" 100");
   EXPECT_NEAR(luminance(ProjectionLight<double>::create(bilinear)->power({}).lumens), 100, 1e-9);
@@ -118,8 +119,8 @@ TEST(PbrtProjection, ColourMultipliesThePicture) {
   EXPECT_EQ(p.intensity_cd, Rgb<double>(2, 4, 6));
 }
 
-// A slide's texels are RGB, so that there is no spectrum that they could multiply.
-TEST(PbrtProjection, ASpectrumBesideAPictureIsTakenAsRgbAndRemarkedOn) {
+// The texels of the picture are RGB, so there is no spectrum to multiply.
+TEST(PbrtProjection, ASpectrumBesideAPictureBecomesRgbWithARemark) {
   for (const std::string kind : {"", "\"string projection\" \"orthographic\" "}) {
     const auto scene = load(kind + kSlide + "\n\"blackbody I\" 2700");
     ASSERT_TRUE(scene.ok()) << scene.status();
@@ -130,7 +131,7 @@ TEST(PbrtProjection, ASpectrumBesideAPictureIsTakenAsRgbAndRemarkedOn) {
             "3:1 blackbody \"I\" beside a picture, whose colours are RGB -> the spectrum is "
             "taken as RGB \\[1\\.[0-9]+ 0\\.[0-9]+ 0\\.[0-9]+\\] of luminance 1, by "
             "wavelength too\n"));
-    // Outside of what RGB can show: nothing is said of wavelengths being exact.
+    // Outside of the RGB gamut: no remark that wavelengths are exact.
     const auto red = load(kind + kSlide + "\"spectrum I\" [699 0 700 1 701 0]");
     ASSERT_TRUE(red.ok()) << red.status();
     EXPECT_THAT(remarks_of(*red), HasSubstr("2:"));
@@ -144,7 +145,7 @@ TEST(PbrtProjection, ASpectrumBesideAPictureIsTakenAsRgbAndRemarkedOn) {
   }
 }
 
-TEST(PbrtProjection, BadInputIsAnErrorWithItsPlace) {
+TEST(PbrtProjection, InvalidInputIsAnErrorWithItsPlace) {
   const auto error = [](const std::string& parameters, const std::string& transform = "") {
     return message(load(parameters, transform).status());
   };
@@ -175,8 +176,8 @@ TEST(PbrtProjection, BadInputIsAnErrorWithItsPlace) {
               HasSubstr("scene.pbrt:2:56: projection.intensity of the brightest texel"));
 }
 
-// Row 32 of the inputs that break lights: a picture of one row.
-TEST(PbrtProjection, PicturesOfOneTexelOrOneRowAreWhatTheySay) {
+// Row 32 of docs/extremes.md: a picture of one row.
+TEST(PbrtProjection, PicturesOfOneTexelOrOneRowAreExact) {
   auto scene = load(kSlide + "\"float fov\" 1", "", slide_pfm(100000, 1));
   ASSERT_TRUE(scene.ok()) << scene.status();
   const auto p = std::get<ProjectionLightParams>(scene->lights.at(0).params);
@@ -205,7 +206,7 @@ TEST(PbrtProjection, APictureThatLightsShareIsReadAndCountedOnce) {
   }
   EXPECT_GE(images, 64U * 64 * 12);
   EXPECT_LT(images, 2U * 64 * 64 * 12);
-  EXPECT_GT(tables, 3U * 64 * 64 * 8);  // the tables that each samples by
+  EXPECT_GT(tables, 3U * 64 * 64 * 8);  // sampling tables of each light
 }
 
 TEST(PbrtProjection, TheScenesSphereHoldsABeamsRectangle) {

@@ -1,7 +1,9 @@
-// The reference scenes load as what they are.
+// The reference scenes load with the right contents.
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <set>
+#include <variant>
 
 #include "pbrt_fixture.h"
 
@@ -61,7 +63,7 @@ TEST(PbrtReference, ScenesLoadWithoutRemarks) {
   }
 }
 
-TEST(PbrtReference, LightsHaveTheLevelsThatTheScenesSay) {
+TEST(PbrtReference, LightsHaveTheLevelsOfTheFiles) {
   const auto spot = std::get<SpotLightParams>(reference("spot").lights[0].params);
   EXPECT_EQ(spot.intensity_cd, Rgb<double>(40));
   EXPECT_EQ(spot.position_m, Vec3<double>(2, -2.5, 3.5));
@@ -98,6 +100,20 @@ TEST(PbrtReference, TheBallIsAClosedSurfaceWithNormalsThatLeaveIt) {
   EXPECT_GT(volume, 0);
   for (std::size_t i = 0; i < ball.positions.size(); ++i)
     EXPECT_GT(dot(Vec3<double>(ball.normals[i]), ball.positions[i] - centre), 0);
+}
+
+// Tests of the calls load this scene, so a light or a shape that is missing here is not tested.
+TEST(EveryLightScene, HasEveryModelAndEveryShape) {
+  auto assets = AssetReader::open(LUCERNA_TEST_DATA);
+  ASSERT_TRUE(assets.ok()) << assets.status();
+  const auto scene = load_pbrt(*assets, "lights/every_light.pbrt");
+  ASSERT_TRUE(scene.ok()) << scene.status();
+  std::set<std::size_t> models, shapes;
+  for (const LightDescription& light : scene->lights) models.insert(light.params.index());
+  for (const ShapeDescription& shape : scene->shapes)
+    if (shape.emission) shapes.insert(shape.geometry.index());
+  EXPECT_EQ(models.size(), std::variant_size_v<LightParams>);
+  EXPECT_EQ(shapes.size(), std::variant_size_v<decltype(ShapeDescription::geometry)>);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Lights under transforms that stretch, which they refuse: what they say of it.
+// Errors of lights under transforms that stretch.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -22,14 +22,14 @@ TEST(PbrtScales, AreSingularValues) {
   EXPECT_EQ(of(*Transform::scale({3, -0.5, 2})), "scales 0.5, 2 and 3");
   EXPECT_EQ(of(*Transform::from_matrix({{{1, 1, 0, 7}, {0, 1, 0, 8}, {0, 0, 1, 9}}})),
             "scales 0.61803399, 1 and 1.618034");
-  // Whatever turns before and after it, and though no column is as long as any of them.
+  // Rotations before and after it change nothing, and no column has the length of a singular value.
   EXPECT_EQ(of(*Transform::rotate(0.7, {1, 2, 3}) * *Transform::scale({3, 0.5, 2}) *
                *Transform::rotate(1.1, {3, -2, 1})),
             "scales 0.5, 2 and 3");
   EXPECT_EQ(of(*Transform::scale({1e200, 1e-100, 1})), "scales 1e-100, 1 and 1e+200");
 }
 
-TEST(PbrtScales, AreToldWhereALightAsksForEqualOnes) {
+TEST(PbrtScales, AreInTheErrorOfALightThatNeedsEqualOnes) {
   const std::pair<std::string, std::string> kLights[] = {
       {"LightSource \"spot\"", "2:1: a spot"},
       {"LightSource \"infinite\" \"string filename\" \"sky.pfm\"", "2:1: an infinite light"},
@@ -50,7 +50,7 @@ TEST(PbrtScales, AreToldWhereALightAsksForEqualOnes) {
   }
 }
 
-TEST(PbrtScales, AreToldWhereAProjectionIsSheared) {
+TEST(PbrtScales, AreInTheErrorOfAShearedProjection) {
   EXPECT_EQ(world_error_of(kShear + "\nLightSource \"projection\""),
             "scene.pbrt:2:1: a projection under a transform that shears, scales 0.61803399, 1 and "
             "1.618034 along other axes than the light's own, allowed: rotations, mirrors, and "

@@ -22,7 +22,7 @@ const std::string kPatch = "Shape \"bilinearmesh\" \"point3 P\" [0 0 0  1 0 0  0
 const std::string kUp = "\"normal N\" [0 0 2  0 0 2  0 0 2] ";
 const std::string kUp4 = "\"normal N\" [0 0 2  0 0 2  0 0 2  0 0 2] ";
 
-/// The z of the outside of the first primitive, as the winding says it.
+/// The z of the first primitive's outside by its winding.
 double outside_z(const std::string& text) {
   const auto scene = load_world(text);
   if (!scene.ok()) {
@@ -41,11 +41,11 @@ double outside_z(const std::string& text) {
       scene->shapes[0].geometry);
 }
 
-TEST(PbrtShapes, WindingIsTheOutsideAfterMirrorsAndReverseOrientation) {
+TEST(PbrtShapes, WindingGivesTheOutsideAfterMirrorsAndReverseOrientation) {
   for (const std::string& shape : {kTriangle, kPatch}) {
     EXPECT_EQ(outside_z(shape), 1);
     EXPECT_EQ(outside_z("ReverseOrientation " + shape), -1);
-    // The mirror turns the winding over in world space; pbrt-v4 keeps the outside where it was.
+    // The mirror reverses the winding in world space; pbrt-v4 keeps the outside in place.
     EXPECT_EQ(outside_z("Scale -1 1 1 " + shape), 1);
     EXPECT_EQ(outside_z("Scale -1 1 1 ReverseOrientation " + shape), -1);
     EXPECT_EQ(outside_z("Scale 1 1 -1 " + shape), -1);
@@ -78,7 +78,7 @@ TEST(PbrtShapes, PositionsAreInWorldSpace) {
   const auto scene = load_world("Translate 10 0 0 Scale 2 3 4 Rotate 90 0 0 1 " + kTriangle);
   ASSERT_TRUE(scene.ok());
   const auto& mesh = std::get<TriangleMeshData>(scene->shapes[0].geometry);
-  // x turns into y, then scales by 3; y turns into -x, then scales by 2.
+  // x rotates to y, then scales by 3; y rotates to -x, then scales by 2.
   EXPECT_NEAR(mesh.positions[1].x, 10, 1e-15);
   EXPECT_NEAR(mesh.positions[1].y, 3, 1e-15);
   EXPECT_NEAR(mesh.positions[2].x, 8, 1e-15);
@@ -171,7 +171,7 @@ TEST(PbrtShapes, WrongMeshesAreRefused) {
   }
 }
 
-TEST(PbrtShapes, ParametersThatAreNoneAreNamedAsTheFileHasThem) {
+TEST(PbrtShapes, InvalidParametersAreNamedLikeInTheFile) {
   const std::pair<const char*, const char*> kCases[] = {
       {"Shape \"sphere\" \"float radius\" 0", "27: \"float radius\" = 0 m, allowed: positive"},
       {"Shape \"disk\" \"float radius\" -1", "25: \"float radius\" = -1 m, allowed: positive"},
@@ -204,7 +204,7 @@ TEST(PbrtShapes, ParametersThatAreNoneAreNamedAsTheFileHasThem) {
 
 // In ring order the two halves of z = 1 face opposite ways: x = u (1 - v) + (1 - u) v, y = v, so
 // dp/du x dp/dv = 1 - 2 v along z.
-TEST(PbrtShapes, CornersInRingOrderAreRemarkedOnAndHaveArea) {
+TEST(PbrtShapes, CornersInRingOrderGetARemarkAndHaveArea) {
   const std::string mesh = "\nShape \"bilinearmesh\" \"point3 P\" ";
   const auto remarks = [&](const std::string& points) {
     const auto scene = load_world("AreaLightSource \"diffuse\"" + mesh + points);
@@ -214,24 +214,25 @@ TEST(PbrtShapes, CornersInRingOrderAreRemarkedOnAndHaveArea) {
     return remarks_of(*scene);
   };
   const std::string bow_tie =
-      "2:1 the edges of 1 of 1 patches of this mesh cross, as those of corners in ring order do, "
-      "where \"point3 P\" of a bilinearmesh wants rows: (u, v) = (0, 0), (1, 0), (0, 1), (1, 1) -> "
+      "2:1 the edges of 1 of 1 patches of this mesh cross, which suggests corners in ring "
+      "order; \"point3 P\" of a bilinearmesh needs rows: (u, v) = (0, 0), (1, 0), (0, 1), (1, 1) "
+      "-> "
       "taken as rows: a bow tie, whose halves face opposite ways\n";
   EXPECT_EQ(remarks("[0 0 1 1 0 1 1 1 1 0 1 1]"), bow_tie);
-  // Its middle has a normal.
+  // Here the middle has a normal.
   EXPECT_EQ(remarks("[0 0 1 3 0 1 1 1 1 0 1 1]"), bow_tie);
   EXPECT_EQ(remarks("[0 0 1 0 1 1 1 1 1 1 0 1]"), bow_tie);
-  // Rows, an arrowhead, a triangle, and not flat: no edges cross.
+  // Rows, an arrowhead, a triangle, and a patch that is not flat: no edges cross.
   EXPECT_EQ(remarks("[0 0 1 1 0 1 0 1 1 1 1 1]"), "");
   EXPECT_EQ(remarks("[0 0 1 2 0 1 0 2 1 .5 .5 1]"), "");
   EXPECT_EQ(remarks("[0 0 1 1 0 1 0 1 1 0 1 1]"), "");
   EXPECT_EQ(remarks("[0 0 1 1 0 1 1 1 2 0 1 1]"), "");
   EXPECT_THAT(remarks("[0 0 1 1 0 1 2 0 1 3 0 1]"),
-              HasSubstr("1 of 1 patches of this mesh have no area -> kept, but neither seen nor a "
+              HasSubstr("1 of 1 patches of this mesh have no area -> kept, but invisible and no "
                         "light\n"));
 }
 
-TEST(PbrtShapes, WhatIsNotModelledIsRemarkedOn) {
+TEST(PbrtShapes, ShapesThatAreNotModelledGetRemarks) {
   const auto scene = load_world("Shape \"curve\"\n" + kTriangle + "\"float alpha\" .5\n" +
                                 "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 2 0 0  0 1 0] "
                                 "\"integer indices\" [0 1 2 0 1 3]\n" +
@@ -240,8 +241,8 @@ TEST(PbrtShapes, WhatIsNotModelledIsRemarkedOn) {
   EXPECT_EQ(remarks_of(*scene),
             "1:12 Shape \"curve\" is not modelled -> left out\n"
             "2:55 \"alpha\" is not modelled -> opaque\n"
-            "3:1 1 of 2 triangles of this mesh have no area -> kept, but neither seen nor a light\n"
-            "4:1 the normal of vertex 0 has no direction -> the mesh is taken without normals\n");
+            "3:1 1 of 2 triangles of this mesh have no area -> kept, but invisible and no light\n"
+            "4:1 the normal of vertex 0 has no direction -> the mesh has no vertex normals\n");
   EXPECT_EQ(scene->shapes.size(), 3U);
 }
 

@@ -1,4 +1,4 @@
-// Spectra of lights as pbrt-v4 reads them.
+// Spectra of lights like in pbrt-v4.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -20,7 +20,7 @@ std::shared_ptr<const Spectrum> spectrum_of(const std::string& text) {
   return load_world(text)->lights.at(0).spectrum;
 }
 
-TEST(PbrtSpectra, StandBesideTheirLights) {
+TEST(PbrtSpectra, BelongToTheirLights) {
   const auto body = spectrum_of("LightSource \"point\" \"blackbody I\" 2700");
   ASSERT_TRUE(body);
   EXPECT_EQ(std::get<BlackBody>(body->source()).kelvin, 2700);
@@ -60,7 +60,7 @@ TEST(PbrtSpectra, ComeFromFiles) {
   EXPECT_THAT(message(files.load("scene.pbrt").status()), HasSubstr("holds no numbers"));
 }
 
-TEST(PbrtSpectra, WhatIsNoneIsAnErrorOrARemark) {
+TEST(PbrtSpectra, InvalidSpectraAreErrorsOrGetRemarks) {
   EXPECT_THAT(world_error_of("LightSource \"point\" \"spectrum I\" \"stdillum-F13\""),
               HasSubstr("scene.pbrt:1:32: spectrum \"I\": unknown illuminant \"F13\", allowed: A"));
   EXPECT_THAT(world_error_of("LightSource \"point\" \"spectrum I\" \"gone.spd\""),

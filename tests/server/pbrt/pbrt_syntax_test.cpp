@@ -1,4 +1,4 @@
-// What the syntax allows, and how files that break it are refused.
+// Valid syntax, and the errors of invalid files.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -110,12 +110,12 @@ TEST(PbrtSyntax, ErrorsNamePlaceAndWhatWasExpected) {
       {"@\"Shape\"", "expected a directive, found \"Shape\""},
       {"@Sphere", "expected a directive, found \"Sphere\""},
       {"@]", "expected a directive, found ']'"},
-      {"@WorldEnd", "WorldEnd is not part of pbrt-v4's files, which end without it"},
+      {"@WorldEnd", "WorldEnd does not exist in pbrt-v4; remove it"},
       {"Translate 1 2@", "expected a number for Translate, found the end of the file"},
       {"@Scale 1 0 1",
        "Scale 1 0 1 has no inverse, allowed: factors other than 0 whose reciprocals a double "
        "holds"},
-      {"@Rotate 5 0 0 0", "Rotate about the axis 0 0 0, which is none"},
+      {"@Rotate 5 0 0 0", "Rotate about the axis 0 0 0, which has no direction"},
       {"@LookAt 0 0 0 0 0 0 0 1 0",
        "LookAt: eye and target coincide, or up is parallel to their difference"},
       {"@Transform [1 0 0 1 0 1 0 0 0 0 1 0 0 0 0 1]",
@@ -152,8 +152,9 @@ TEST(PbrtSyntax, UnmatchedBlocksNameWhatWasOpened) {
       {"AttributeBegin", "1:12: AttributeBegin is not closed"},
       {"AttributeEnd", "1:12: AttributeEnd closes nothing that is open"},
       {"ObjectBegin \"o\" AttributeEnd",
-       "1:28: AttributeEnd meets the ObjectBegin of scene.pbrt:1:12"},
-      {"AttributeBegin ObjectEnd", "1:27: ObjectEnd meets the AttributeBegin of scene.pbrt:1:12"},
+       "1:28: AttributeEnd does not match the ObjectBegin of scene.pbrt:1:12"},
+      {"AttributeBegin ObjectEnd",
+       "1:27: ObjectEnd does not match the AttributeBegin of scene.pbrt:1:12"},
       {"ObjectBegin \"o\" ObjectBegin \"p\"", "1:28: ObjectBegin within an object definition"},
       {"ObjectBegin \"o\" ObjectEnd ObjectBegin \"o\"", "1:38: object \"o\" was defined before"},
       {"ObjectBegin \"o\" ObjectInstance \"o\"",
@@ -163,14 +164,14 @@ TEST(PbrtSyntax, UnmatchedBlocksNameWhatWasOpened) {
     EXPECT_EQ(world_error_of(text), std::string("scene.pbrt:") + expected) << text;
 }
 
-TEST(PbrtSyntax, WorldDirectivesWaitForWorldBegin) {
+TEST(PbrtSyntax, WorldDirectivesNeedWorldBegin) {
   EXPECT_EQ(error_of("Shape \"sphere\""), "scene.pbrt:1:1: Shape is not allowed before WorldBegin");
   EXPECT_EQ(error_of("Import \"x\""), "scene.pbrt:1:1: Import is not allowed before WorldBegin");
   EXPECT_EQ(error_of("# nothing\n"),
             "scene.pbrt:2:1: expected WorldBegin, found the end of the file");
 }
 
-TEST(PbrtSyntax, UnknownParametersAreRemarkedOn) {
+TEST(PbrtSyntax, UnknownParametersGetRemarks) {
   const auto scene = load_world("Shape \"sphere\" \"float foo\" 1 \"float radius\" 2");
   ASSERT_TRUE(scene.ok());
   EXPECT_EQ(remarks_of(*scene),
@@ -210,7 +211,7 @@ TEST(PbrtSyntax, NamesInIncludedFilesAreFoundFromTheSceneOrFromTheFileItself) {
   files.write("sub/b.pbrt", "Shape \"disk\"");
   EXPECT_EQ(files.load("main.pbrt")->shapes.size(), 1U);
   files.write("b.pbrt", "Shape \"disk\" Shape \"disk\"");
-  EXPECT_EQ(files.load("main.pbrt")->shapes.size(), 2U);  // pbrt-v4's reading goes first
+  EXPECT_EQ(files.load("main.pbrt")->shapes.size(), 2U);  // pbrt-v4's directory comes first
 }
 
 TEST(PbrtSyntax, FilesThatIncludeThemselvesAreRefused) {
@@ -266,7 +267,7 @@ TEST(PbrtSyntax, FileNamesThatLeaveTheRootAreRefusedAtTheirPlace) {
               StartsWith("scene.pbrt:1:20: file name \"/etc/passwd\" leaves the scene root"));
 }
 
-TEST(PbrtSyntax, AByteOrderMarkBeginsAFileAndIsNoPartOfIt) {
+TEST(PbrtSyntax, AByteOrderMarkIsSkipped) {
   const std::string mark = "\xef\xbb\xbf";
   const SceneFiles files;
   files.write("scene.pbrt", mark + "WorldBegin Include \"a.pbrt\" Import \"b.pbrt\"");
@@ -278,10 +279,10 @@ TEST(PbrtSyntax, AByteOrderMarkBeginsAFileAndIsNoPartOfIt) {
   EXPECT_EQ(scene->shapes.size(), 1U);
   ASSERT_EQ(scene->lights.size(), 1U);
   EXPECT_NE(scene->lights[0].spectrum, nullptr);
-  // Columns are those that editors count.
+  // Columns are counted like in editors.
   files.write("a.pbrt", mark + "  Shape \"sphere\" 1");
   EXPECT_THAT(message(files.load("scene.pbrt").status()), StartsWith("a.pbrt:1:18: "));
-  // Only there, and only once.
+  // Only at the start, and only once.
   files.write("a.pbrt", " " + mark + "Shape \"sphere\"");
   EXPECT_THAT(message(files.load("scene.pbrt").status()),
               StartsWith("a.pbrt:1:2: expected a directive"));
@@ -292,7 +293,7 @@ TEST(PbrtSyntax, AByteOrderMarkBeginsAFileAndIsNoPartOfIt) {
   EXPECT_TRUE(files.load("scene.pbrt").ok());
 }
 
-TEST(PbrtSyntax, LoadingStopsWhenAsked) {
+TEST(PbrtSyntax, LoadingStopsOnRequest) {
   const SceneFiles files;
   std::string text = "WorldBegin\n";
   for (int i = 0; i < 5000; ++i) text += "Identity\n";

@@ -102,7 +102,7 @@ TEST(Accelerator, PutsOcclusionOfRayIIntoBitI) {
   for (int i = 0; i < 19; ++i) EXPECT_EQ(bits[i / 8] >> (i % 8) & 1, i % 3 == 0 ? 1 : 0) << i;
 }
 
-TEST(Accelerator, SaysWhichInstanceWasHit) {
+TEST(Accelerator, ReportsTheInstanceThatWasHit) {
   GeometrySet object = triangle(0);
   object.spheres = {sphere(1, {0, 0, 8})};
   const Transform twice = *Transform::scale({2, 2, 2});
@@ -165,7 +165,7 @@ TEST(Accelerator, IsEmptyWithoutGeometry) {
   EXPECT_FALSE(a->occluded(Ray{{0, 0, 0}, {0, 0, 1}}));
 }
 
-TEST(Accelerator, TakesDirectionsOfAnyLengthAndRefusesWhatIsNoRay) {
+TEST(Accelerator, TakesDirectionsOfAnyLengthAndRefusesInvalidRays) {
   const auto a = build(triangle(1));
   for (const float length : {1e-30f, 1e-10f, 1e10f, 1e30f}) {
     const auto hit = a->closest_hit({{0.2f, 0.2f, 0}, {0, 0, length}});
@@ -191,7 +191,8 @@ TEST(Accelerator, TakesRaysFromAnyDistance) {
     EXPECT_FALSE(a->occluded(Ray{{0.25F, 0.5F, z}, {0, 0, -2}}));
     EXPECT_FALSE(a->occluded(Ray{{0.75F, 0.5F, z}, {0, 0, 2}}));
   }
-  // Where it passes is told by doubles: floats from there would not know the triangle's corners.
+  // Its path is computed in doubles: floats from there would not resolve the triangle's
+  // corners.
   const auto slanting = a->closest_hit({{-0x1p22F, 0.5F, -0x1p24F}, {0x1p22F, 0, 0x1p24F}});
   ASSERT_TRUE(slanting);
   EXPECT_NEAR(slanting->uv.x, 0.25, 1e-6);
@@ -208,14 +209,14 @@ TEST(Accelerator, TakesGeometryOfAnySize) {
   }
 }
 
-TEST(Accelerator, StopsBuildingWhenAsked) {
+TEST(Accelerator, StopsBuildingOnRequest) {
   std::stop_source stop;
   stop.request_stop();
   const auto a = Accelerator::build(triangle(0), {}, {}, "", stop.get_token());
   EXPECT_EQ(a.status().code(), absl::StatusCode::kCancelled);
 }
 
-TEST(Accelerator, UsesTheKernelsItIsTold) {
+TEST(Accelerator, UsesTheRequestedKernels) {
   const auto a = Accelerator::build(triangle(1), {}, {}, "sse2", {});
   ASSERT_TRUE(a.ok()) << a.status();
   EXPECT_EQ((*a)->isa(), "sse2");

@@ -1,4 +1,4 @@
-// No surface shadows itself, and light reaches what it should, at every scale and place.
+// No surface shadows itself, and light reaches all receivers, at every scale and place.
 #include "server/rays/ray.h"
 
 #include <gtest/gtest.h>
@@ -66,8 +66,8 @@ class SelfShadowing : public ::testing::TestWithParam<Place> {
            *Transform::scale({p.scale, p.scale, p.scale});
   }
 
-  /// Shoots at the unit ball in object space from outside; of what is hit, sends rays out into the
-  /// half space above.  Returns how many of them meet the shape again.
+  /// Shoots rays at the unit ball in object space from outside, and from each hit into the
+  /// half space above.  Returns how many of the latter meet the shape again.
   int shadowed(const Scene& scene, float error_factor = 1) const {
     std::mt19937 random(11);
     std::uniform_real_distribution<float> u(0, 1);
@@ -84,7 +84,8 @@ class SelfShadowing : public ::testing::TestWithParam<Place> {
       ++hits;
       hit->position_error = hit->position_error * error_factor;
       const Vec3<float> ng(hit->ng), n = dot(ng, ray.direction) < 0 ? ng : -ng;
-      // Grazing directions too, as far as a float direction can tell them from those that enter.
+      // Includes grazing directions, as far as floats resolve them from directions that
+      // enter.
       const float c = std::max(std::pow(u(random), 4.0f), 1e-6f);
       const float phi = 2 * std::numbers::pi_v<float> * u(random), r = std::sqrt(1 - c * c);
       const Vec3<float> w{r * std::cos(phi), r * std::sin(phi), c};
@@ -139,7 +140,7 @@ TEST_P(SelfShadowing, DoesNotHappenOnAnInstanceStretchedTwofold) {
   EXPECT_EQ(shadowed(*build(std::move(d))), 0);
 }
 
-TEST_P(SelfShadowing, DoesNotHappenOnWhatMoves) {
+TEST_P(SelfShadowing, DoesNotHappenOnMovingSurfaces) {
   // Made elsewhere, and come to rest here before time 0.
   const Transform first = *Transform::rotate(2, {1, -1, 0.5}) *
                           Transform::translate({1e2 * GetParam().scale, 0, 0}) *
@@ -168,7 +169,7 @@ TEST_P(SelfShadowing, CompanionHappensWithoutTheErrorBound) {
 }
 
 // The other end: a lamp seen from a floor, at distances from a hundredth of its size to a thousand.
-TEST_P(SelfShadowing, DoesNotHideALampFromWhatItLights) {
+TEST_P(SelfShadowing, DoesNotHideALampFromItsReceivers) {
   const Transform t = placed();
   const auto p = [&](double x, double y, double z) { return t.point({x, y, z}); };
   for (const double height : {0.01, 0.3, 10.0, 1000.0}) {
@@ -187,8 +188,8 @@ TEST_P(SelfShadowing, DoesNotHideALampFromWhatItLights) {
     const Transform scene_from_object = Transform::translate(-scene->origin()) * t;
     std::mt19937 random(3);
     std::uniform_real_distribution<float> u(0, 1);
-    // The second lamp stands behind the first, the third beneath the floor: only the first and the
-    // fourth are to be seen from above, the third from below.
+    // The second lamp is behind the first, the third is beneath the floor.  From above only
+    // the first and the fourth are visible, from below only the third.
     int seen = 0;
     for (const std::uint32_t l : {0u, 2u, 3u})
       for (int i = 0; i < 3000; ++i) {
@@ -221,7 +222,7 @@ INSTANTIATE_TEST_SUITE_P(Places, SelfShadowing,
                                            Place{1e4, {0, 1e6, -1e6}}, Place{1, {5, -3, 4}},
                                            Place{0x1p-20, {}}, Place{1e7, {}}));
 
-TEST(ShadowRay, IsBlockedByWhatIsBetweenAndByNothingElse) {
+TEST(ShadowRay, IsBlockedOnlyByObstaclesBetweenItsEnds) {
   // A light 1e4 m away; obstacles of 1 cm just before it, just beyond it, just above the floor.
   for (const double z : {9999.5, 10000.5, 0.5}) {
     SceneDescription d = testing::description();

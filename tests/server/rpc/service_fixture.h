@@ -15,6 +15,7 @@
 #include "lucerna/v1/render.grpc.pb.h"
 #include "lucerna/v1/scene.grpc.pb.h"
 #include "server/rpc/server.h"
+#include "server/store/scene_store.h"
 
 namespace lucerna::testing {
 
@@ -104,7 +105,7 @@ class BusyLane {
       std::promise<void> begun;
       EXPECT_TRUE(server.lanes()
                       .submit(lane, {.run =
-                                         [&begun, opened](const JobStart&) {
+                                         [&begun, opened](const LaneJobStart&) {
                                            begun.set_value();
                                            opened.wait();
                                          }})

@@ -65,6 +65,19 @@ TEST_F(LightingServiceTest, EmptyBatchesAreAnsweredWithNothing) {
   EXPECT_EQ(vr.count(), 0U);
 }
 
+TEST_F(LightingServiceTest, SamplesWithoutValuesAndSeedHaveSeedZero) {
+  v1::SampleLiRequest q = sample_request();
+  q.clear_u();
+  v1::SampleLiResponse unset, zero, one;
+  ASSERT_TRUE(sample(q, &unset).ok());
+  q.mutable_seed()->set_seed(0);
+  ASSERT_TRUE(sample(q, &zero).ok());
+  q.mutable_seed()->set_seed(1);
+  ASSERT_TRUE(sample(q, &one).ok());
+  for (v1::SampleLiResponse* r : {&unset, &zero, &one}) r->clear_cost();
+  EXPECT_EQ(unset.SerializeAsString(), zero.SerializeAsString());
+}
+
 TEST_F(LightingServiceTest, BadFieldsAreNamedWithTheirValue) {
   v1::SampleLiResponse r;
   v1::SampleLiRequest q = sample_request();
@@ -79,9 +92,6 @@ TEST_F(LightingServiceTest, BadFieldsAreNamedWithTheirValue) {
   q = sample_request();
   q.mutable_u()->set_u(1, 1.5F);
   expect_bad_field(sample(q, &r), "u.u[1]");
-  q = sample_request();
-  q.clear_u();
-  expect_bad_field(sample(q, &r), "randomness");
   q = sample_request();
   q.clear_light_id();
   expect_bad_field(sample(q, &r), "u.u_light");

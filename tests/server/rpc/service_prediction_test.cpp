@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "proto/common/sample_blocks.h"
+#include "server/estimate/queries/predicted_time.h"
 #include "server/rpc/handlers/lighting.h"
-#include "server/rpc/messages/checks.h"
 #include "server/store/scene_store.h"
 
 namespace lucerna::rpc {

@@ -206,7 +206,8 @@ TEST_F(RenderServiceTest, AFullQueuePushesBack) {
   Service service(options);
   service.load("rectangle.pbrt");
   const BusyLane busy(*service.server, Lane::kBulk);
-  ASSERT_TRUE(service.server->lanes().submit(Lane::kBulk, {.run = [](const JobStart&) {}}).ok());
+  ASSERT_TRUE(
+      service.server->lanes().submit(Lane::kBulk, {.run = [](const LaneJobStart&) {}}).ok());
   grpc::ClientContext context;
   v1::RenderTileResponse r;
   const grpc::Status s = service.render.RenderTile(&context, tile_request(1), &r);

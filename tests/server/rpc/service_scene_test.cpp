@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <numbers>
 
 #include "service_fixture.h"
@@ -114,6 +115,64 @@ TEST_F(SceneServiceTest, ListsInPages) {
   request.set_page_size(100000);
   expect_bad_field(ask([&](auto* c) { return service_.scenes.ListScenes(c, request, &second); }),
                    "page_size");
+}
+
+TEST_F(SceneServiceTest, AvailableScenesComeInPagesRelativeToTheRoot) {
+  const std::string root = service_options().scenes.root;
+  v1::ListAvailableScenesRequest request;
+  v1::ListAvailableScenesResponse all;
+  const auto list = [&](v1::ListAvailableScenesResponse* r) {
+    return ask([&](auto* c) { return service_.scenes.ListAvailableScenes(c, request, r); });
+  };
+  ASSERT_TRUE(list(&all).ok());
+  EXPECT_EQ(std::filesystem::canonical(all.root()), std::filesystem::canonical(root));
+  EXPECT_FALSE(all.incomplete());
+  EXPECT_NE(std::find(all.paths().begin(), all.paths().end(), "point.pbrt"), all.paths().end());
+  for (const std::string& path : all.paths())
+    EXPECT_TRUE(std::filesystem::is_regular_file(root + "/" + path)) << path;
+
+  std::vector<std::string> by_pages;
+  request.set_page_size(3);
+  do {
+    v1::ListAvailableScenesResponse page;
+    ASSERT_TRUE(list(&page).ok());
+    EXPECT_LE(page.paths_size(), 3);
+    by_pages.insert(by_pages.end(), page.paths().begin(), page.paths().end());
+    request.set_page_token(page.next_page_token());
+  } while (!request.page_token().empty());
+  EXPECT_EQ(by_pages, std::vector<std::string>(all.paths().begin(), all.paths().end()));
+  request.set_page_token("garbage");
+  expect_bad_field(list(&all), "page_token");
+}
+
+TEST_F(SceneServiceTest, AnAbsolutePathInsideOfTheRootIsTheSameScene) {
+  v1::LoadSceneResponse relative, absolute;
+  ASSERT_TRUE(load("point.pbrt", &relative).ok());
+  const grpc::Status s = load(service_options().scenes.root + "/point.pbrt", &absolute);
+  ASSERT_TRUE(s.ok()) << s.error_message();
+  EXPECT_EQ(absolute.scene_id(), relative.scene_id());
+  EXPECT_TRUE(absolute.already_loaded());
+}
+
+TEST_F(SceneServiceTest, NotFoundNamesTheRootAndTheUpload) {
+  v1::LoadSceneResponse response;
+  const grpc::Status s = load("nothing.pbrt", &response);
+  EXPECT_EQ(s.error_code(), grpc::StatusCode::NOT_FOUND);
+  for (const char* part : {"\"nothing.pbrt\" does not exist", "/reference\"", "upload"})
+    EXPECT_NE(s.error_message().find(part), std::string::npos) << s.error_message();
+}
+
+TEST_F(SceneServiceTest, AnEmptyIdIsABadFieldOfEveryCall) {
+  v1::GetSceneResponse got;
+  v1::ListLightsResponse lights;
+  v1::RenewLeaseResponse renewed;
+  v1::ReleaseSceneResponse released;
+  for (const grpc::Status& s :
+       {ask([&](auto* c) { return service_.scenes.GetScene(c, {}, &got); }),
+        ask([&](auto* c) { return service_.scenes.ListLights(c, {}, &lights); }),
+        ask([&](auto* c) { return service_.scenes.RenewLease(c, {}, &renewed); }),
+        ask([&](auto* c) { return service_.scenes.ReleaseScene(c, {}, &released); })})
+    expect_bad_field(s, "scene_id");
 }
 
 TEST_F(SceneServiceTest, PathsThatLeaveTheRootAreAllRefusedAlike) {

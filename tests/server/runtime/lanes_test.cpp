@@ -21,7 +21,7 @@ class Blockade {
     const std::shared_future<void> opened = open_.get_future().share();
     for (int i = 0; i < 2; ++i) {
       std::promise<void> begun;
-      const absl::Status s = lanes.submit(lane, {.run = [&begun, opened](const JobStart&) {
+      const absl::Status s = lanes.submit(lane, {.run = [&begun, opened](const LaneJobStart&) {
                                             begun.set_value();
                                             opened.wait();
                                           }});
@@ -39,9 +39,9 @@ class Blockade {
   bool released_ = false;
 };
 
-absl::StatusCode start_of(Lanes& lanes, Lane lane, Job job) {
+absl::StatusCode start_of(Lanes& lanes, Lane lane, LaneJob job) {
   auto code = std::make_shared<std::promise<absl::StatusCode>>();
-  job.run = [code](const JobStart& start) { code->set_value(start.status.code()); };
+  job.run = [code](const LaneJobStart& start) { code->set_value(start.status.code()); };
   const absl::Status s = lanes.submit(lane, std::move(job));
   return s.ok() ? code->get_future().get() : s.code();
 }
@@ -60,7 +60,7 @@ TEST(Lanes, SmallQueriesGoOnWhileTheBulkLaneIsBlocked) {
     std::promise<int> sum;
     ASSERT_TRUE(lanes
                     .submit(Lane::kInteractive, {.run =
-                                                     [&](const JobStart&) {
+                                                     [&](const LaneJobStart&) {
                                                        std::atomic<int> n = 0;
                                                        parallel_chunks(100, 1, {},
                                                                        [&](auto, auto) { ++n; });
@@ -76,7 +76,7 @@ TEST(Lanes, RefusesWhatTheQueueDoesNotHold) {
   std::atomic<int> ran = 0;
   {
     Blockade bulk(lanes, Lane::kBulk);
-    const auto count = [&](const JobStart&) { ++ran; };
+    const auto count = [&](const LaneJobStart&) { ++ran; };
     EXPECT_TRUE(lanes.submit(Lane::kBulk, {.run = count}).ok());
     EXPECT_TRUE(lanes.submit(Lane::kBulk, {.run = count}).ok());
     const absl::Status refused = lanes.submit(Lane::kBulk, {.run = count});
@@ -96,7 +96,7 @@ TEST(Lanes, DoNotRunWhatWasCancelledOrIsLate) {
   stop.request_stop();
   EXPECT_EQ(start_of(lanes, Lane::kBulk, {.stop = stop.get_token()}), absl::StatusCode::kCancelled);
   EXPECT_EQ(start_of(lanes, Lane::kInteractive,
-                     {.deadline = Job::Clock::now() - std::chrono::seconds(1)}),
+                     {.deadline = LaneJob::Clock::now() - std::chrono::seconds(1)}),
             absl::StatusCode::kDeadlineExceeded);
 }
 
@@ -105,12 +105,13 @@ TEST(Lanes, AFullQueueMakesRoomWhereNobodyWaitsAnyMore) {
   Blockade bulk(lanes, Lane::kBulk);
   std::stop_source stop;
   std::promise<absl::StatusCode> dropped;
-  ASSERT_TRUE(lanes
-                  .submit(Lane::kBulk,
-                          {.run = [&](const JobStart& s) { dropped.set_value(s.status.code()); },
-                           .stop = stop.get_token()})
-                  .ok());
-  const auto nothing = [](const JobStart&) {};
+  ASSERT_TRUE(
+      lanes
+          .submit(Lane::kBulk,
+                  {.run = [&](const LaneJobStart& s) { dropped.set_value(s.status.code()); },
+                   .stop = stop.get_token()})
+          .ok());
+  const auto nothing = [](const LaneJobStart&) {};
   EXPECT_FALSE(lanes.submit(Lane::kBulk, {.run = nothing}).ok());
   stop.request_stop();
   EXPECT_TRUE(lanes.submit(Lane::kBulk, {.run = nothing}).ok());
@@ -121,10 +122,11 @@ TEST(Lanes, AnswerWhatWaitsWhenTheyEnd) {
   auto lanes = std::make_unique<Lanes>(LaneOptions{.threads = 1});
   auto bulk = std::make_unique<Blockade>(*lanes, Lane::kBulk);
   std::promise<absl::StatusCode> waiting;
-  ASSERT_TRUE(lanes
-                  ->submit(Lane::kBulk,
-                           {.run = [&](const JobStart& s) { waiting.set_value(s.status.code()); }})
-                  .ok());
+  ASSERT_TRUE(
+      lanes
+          ->submit(Lane::kBulk,
+                   {.run = [&](const LaneJobStart& s) { waiting.set_value(s.status.code()); }})
+          .ok());
   std::thread end([&] { lanes.reset(); });
   EXPECT_EQ(waiting.get_future().get(), absl::StatusCode::kUnavailable);
   bulk->release();
@@ -138,7 +140,7 @@ TEST(ParallelChunks, VisitEveryItemOnceInAlignedChunks) {
   ASSERT_TRUE(lanes
                   .submit(Lane::kInteractive,
                           {.run =
-                               [&](const JobStart&) {
+                               [&](const LaneJobStart&) {
                                  parallel_chunks(visits.size(), 8, {}, [&](auto begin, auto end) {
                                    EXPECT_EQ(begin % 8, 0U);
                                    for (auto i = begin; i < end; ++i) ++visits[i];
@@ -168,7 +170,7 @@ TEST(CpuMeter, CountsTheTimeOfAllThreadsThatHelp) {
   std::atomic<std::int64_t> burnt_ns = 0;
   ASSERT_TRUE(lanes
                   .submit(Lane::kInteractive, {.run =
-                                                   [&](const JobStart&) {
+                                                   [&](const LaneJobStart&) {
                                                      const CpuMeter meter;
                                                      parallel_chunks(16, 1, {}, [&](auto, auto) {
                                                        const std::int64_t begin = thread_cpu_ns();

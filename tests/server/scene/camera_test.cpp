@@ -23,7 +23,7 @@ void expect_direction(const Ray& ray, Vec3<double> expected) {
   EXPECT_NEAR(length(ray.direction), 1, 1e-7);
 }
 
-TEST(Camera, LooksThroughTheMiddleOfThePicture) {
+TEST(Camera, TheAxisPassesTheCentreOfThePicture) {
   expect_direction(camera().ray(100, 50), {0, 1, 0});
 }
 
@@ -33,13 +33,13 @@ TEST(Camera, HasTheUpperLeftCornerAtZeroZero) {
   expect_direction(camera().ray(0, 100), {1, 1, -0.5});
 }
 
-TEST(Camera, StandsAboutTheScenesOrigin) {
+TEST(Camera, PositionIsRelativeToTheScenesOrigin) {
   const Ray ray = camera({1e6, 0, 0}).ray(3, 4);
   EXPECT_EQ(ray.origin, (Vec3<float>{-999999, 2, 3}));
   EXPECT_EQ(ray.direction, camera().ray(3, 4).direction);
 }
 
-TEST(Camera, TellsFilmSizeAndScale) {
+TEST(Camera, HasFilmSizeAndScale) {
   EXPECT_EQ(camera().width(), 200);
   EXPECT_EQ(camera().height(), 100);
   EXPECT_EQ(camera().film_scale(), 2);

@@ -46,7 +46,7 @@ Receiver<double> floor_at(double x) {
   return r;
 }
 
-TEST(LightSelector, ChoosesWithTheProbabilityThatItTells) {
+TEST(LightSelector, ChoosesWithItsReportedProbability) {
   constexpr std::uint32_t kLights = 22, kChoices = 1 << 16;
   const LightSelector selector = row_of_lamps(kLights - 2);
   for (const LightSelection how : kWays) {
@@ -70,7 +70,7 @@ TEST(LightSelector, ChoosesWithTheProbabilityThatItTells) {
   }
 }
 
-TEST(LightSelector, GivesLightsFromAfarHalfByTheirIlluminance) {
+TEST(LightSelector, GivesHalfToDistantLightsByTheirIlluminance) {
   const LightSelector selector = row_of_lamps(20);
   const std::uint32_t bright = 11, dim = 21;
   for (const LightSelection how : {LightSelection::kPower, LightSelection::kBvh}) {
@@ -80,7 +80,7 @@ TEST(LightSelector, GivesLightsFromAfarHalfByTheirIlluminance) {
   }
 }
 
-TEST(LightSelector, OfOneKindAloneHasNoHalves) {
+TEST(LightSelector, GivesAllToTheOnlyKindOfLight) {
   std::vector<LightSelector::Item> far, near;
   far.push_back(sky(1, 1));
   far.push_back(sky(1, 1));
@@ -94,13 +94,13 @@ TEST(LightSelector, OfOneKindAloneHasNoHalves) {
   }
 }
 
-TEST(LightSelector, SpendsNothingOnBlackLightsFromAfar) {
+TEST(LightSelector, NeverChoosesBlackDistantLights) {
   const LightSelector selector(numbered({lamp(0, 1), sky(0, 0), lamp(1, 1)}));
   for (const LightSelection how : {LightSelection::kPower, LightSelection::kBvh})
     EXPECT_EQ(selector.probability(how, floor_at(0), 1), 0);
 }
 
-TEST(LightSelector, ByBvhLooksAtTheReceiver) {
+TEST(LightSelector, TheTreeDependsOnTheReceiver) {
   const LightSelector selector = row_of_lamps(20);
   const auto p = [&](double x, std::uint32_t light) {
     return selector.probability(LightSelection::kBvh, floor_at(x), light);
@@ -110,7 +110,7 @@ TEST(LightSelector, ByBvhLooksAtTheReceiver) {
             selector.probability(LightSelection::kPower, floor_at(19), 0));
 }
 
-TEST(LightSelector, HasNoTreeWhereNobodyAsksForIt) {
+TEST(LightSelector, BuildsNoTreeWithoutUse) {
   const LightSelector few = row_of_lamps(8), many = row_of_lamps(9);
   EXPECT_EQ(few.automatic(), LightSelection::kPower);
   EXPECT_EQ(many.automatic(), LightSelection::kBvh);
@@ -120,7 +120,7 @@ TEST(LightSelector, HasNoTreeWhereNobodyAsksForIt) {
   EXPECT_GT(few.tree_part().bytes(), 0u);
 }
 
-TEST(LightSelector, KnowsLightsByTheirOwnNumbers) {
+TEST(LightSelector, ReturnsIndicesOfTheScene) {
   std::vector<LightSelector::Item> items = {lamp(0, 1), sky(1, 1), lamp(1, 3)};
   items[0].light = 4, items[1].light = 7, items[2].light = 9;
   const LightSelector selector(std::move(items));

@@ -1,4 +1,4 @@
-// Parts of scenes that are made when they are first asked for.
+// Parts of scenes that are made at their first use.
 #include "server/scene/scene_part.h"
 
 #include <fmt/core.h>
@@ -27,9 +27,9 @@ struct Table {
 
 std::string why(const Table& t) { return fmt::format("a table of {}", t.size); }
 
-TEST(LazyPart, IsToldOnceItIsMade) {
+TEST(LazyPart, IsReportedOnceItIsMade) {
   const LazyPart<Table> part("table");
-  EXPECT_FALSE(part.told());
+  EXPECT_FALSE(part.report());
   EXPECT_EQ(part.bytes(), 0u);
   int made = 0;
   const auto make = [&] {
@@ -40,24 +40,24 @@ TEST(LazyPart, IsToldOnceItIsMade) {
   const Table& table = part.get(make, why);
   EXPECT_EQ(&part.get(make, why), &table);
   EXPECT_EQ(made, 1);
-  const ScenePart told = part.told().value();
-  EXPECT_EQ(told.name, "table");
-  EXPECT_EQ(told.bytes, 24u);
+  const ScenePart report = part.report().value();
+  EXPECT_EQ(report.name, "table");
+  EXPECT_EQ(report.bytes, 24u);
   EXPECT_EQ(part.bytes(), 24u);
-  EXPECT_GE(told.build_ms, 2);
-  EXPECT_EQ(told.why, "a table of 24");
+  EXPECT_GE(report.build_ms, 2);
+  EXPECT_EQ(report.why, "a table of 24");
 }
 
-TEST(LazyPart, IsMadeAgainWhereMemoryWasShort) {
+TEST(LazyPart, IsMadeAgainAfterAFailure) {
   const LazyPart<Table> part("table");
   const auto fail = []() -> std::unique_ptr<const Table> { throw std::bad_alloc(); };
   EXPECT_THROW(part.get(fail, why), std::bad_alloc);
-  EXPECT_FALSE(part.told());
+  EXPECT_FALSE(part.report());
   EXPECT_EQ(part.get([] { return std::make_unique<const Table>(Table{1}); }, why).size, 1u);
 }
 
-// Chunks of one loop ask for a part that is itself made by a loop: whoever makes it must not take
-// up another of those chunks while it waits.
+// Chunks of one loop use a part that is itself made by a loop.  The thread that makes it must
+// not take another of these chunks while it waits.
 TEST(LazyPart, IsMadeOnceByTheThreadsOfOneArena) {
   for (int repeat = 0; repeat < 20; ++repeat) {
     const LazyPart<Table> part("table");
@@ -92,7 +92,7 @@ TEST(LazyPart, OfASceneCountsFromItsFirstUse) {
   ASSERT_EQ(after.size(), before.size() + 1);
   EXPECT_EQ(after.back().name, "shafts");
   EXPECT_EQ(after.back().bytes, shafts.bytes());
-  EXPECT_EQ(after.back().why, "closed forms were asked for");
+  EXPECT_EQ(after.back().why, "a query used closed forms");
   EXPECT_EQ(scene->bytes(), bytes + shafts.bytes());
   EXPECT_EQ(&scene->shafts(), &shafts);
 }
@@ -112,7 +112,7 @@ TEST(LazyPart, CountsForTheBudgetOfAStore) {
     EXPECT_EQ(grown, bare + scene->shafts().bytes());
     ASSERT_GT(grown, bare);
   }
-  // Room for two scenes, of which one has shafts, and no more.
+  // Room for exactly two scenes, one of them with shafts.
   const auto store =
       SceneStore::open({.root = files.path().string(), .memory_budget_bytes = bare + grown})
           .value();
@@ -122,11 +122,11 @@ TEST(LazyPart, CountsForTheBudgetOfAStore) {
   EXPECT_EQ(store->bytes(), bare + grown);
   EXPECT_NE(store->find(a->id()), nullptr);
   EXPECT_EQ(store->size(), 2u);
-  // There would have been room for a third, had the first not grown.
+  // A third scene would fit if the first had not grown.
   const auto c = load(2);
   EXPECT_EQ(store->size(), 2u);
   EXPECT_EQ(store->find(b->id()), nullptr);
-  // A scene that grows while it is held sends others away when it is next used.
+  // A scene that grows while it is held evicts others at its next use.
   c->shafts();
   EXPECT_EQ(store->size(), 2u);
   EXPECT_NE(store->find(c->id()), nullptr);

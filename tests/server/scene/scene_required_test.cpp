@@ -1,5 +1,5 @@
-// Only what a scene requires: each part is there where something asks for it, with its bytes, its
-// time and its reason, and nowhere else.
+// A scene has only the parts that it requires: each part exists where something uses it, with
+// its bytes, its time and its reason, and nowhere else.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "server/estimate/paths/render.h"
+#include "server/estimate/queries/irradiance.h"
 #include "server/shadows/shaft.h"
 #include "tests/server/scene/scenes.h"
 
@@ -32,7 +32,8 @@ std::shared_ptr<const Image> grey(int width, int height) {
   return *Image::create(width, height, std::move(texels));
 }
 
-/// A floor under one point light: needs a hierarchy, and nothing of what the cases below add.
+/// A floor under one point light: needs a hierarchy, and none of the parts that the cases below
+/// add.
 SceneDescription plain() {
   SceneDescription d = testing::description();
   d.shapes = {testing::floor(5)};
@@ -55,8 +56,8 @@ void ask_irradiance(const Scene& scene, VisibilityMethod visibility) {
 struct Case {
   std::string part;
   Change needs;                                 ///< what makes the scene need it
-  Change needs_not = [](SceneDescription&) {};  ///< what is nearest to that and does not
-  Question asks = [](const Scene&) {};          ///< what makes a question need it
+  Change needs_not = [](SceneDescription&) {};  ///< the nearest change that does not
+  Question asks = [](const Scene&) {};          ///< what makes a query need it
   Question asks_not = [](const Scene&) {};
 };
 
@@ -114,7 +115,7 @@ std::vector<Case> cases() {
        .needs_not = as_spot,
        .asks = [](const Scene& s) { ask_irradiance(s, VisibilityMethod::kShadowMaps); },
        .asks_not = [](const Scene& s) { ask_irradiance(s, VisibilityMethod::kRays); }},
-      // Asked for, but no light of the scene has one.
+      // The query wants maps, but no light of the scene has one.
       {.part = "shadow maps",
        .needs = as_spot,
        .needs_not =
@@ -153,7 +154,7 @@ TEST(OnlyWhatASceneRequires, IsBuiltAndListed) {
   }
 }
 
-TEST(OnlyWhatASceneRequires, OfNothingIsNothing) {
+TEST(OnlyWhatASceneRequires, AnEmptySceneHasNoParts) {
   const auto scene = testing::build(testing::description());
   EXPECT_THAT(part_names(*scene), IsEmpty());
   EXPECT_EQ(scene->bytes(), 0u);
@@ -164,7 +165,7 @@ TEST(OnlyWhatASceneRequires, OfNothingIsNothing) {
   EXPECT_FALSE(scene->isa().empty());
 }
 
-TEST(OnlyWhatASceneRequires, LeavesObjectsOutThatNothingPlaces) {
+TEST(OnlyWhatASceneRequires, ObjectsWithoutInstancesAreLeftOut) {
   SceneDescription d = testing::description();
   d.objects = {{"floor", {testing::floor(1)}}, {"ball", {testing::shape(SphereParams{})}}};
   EXPECT_THAT(part_names(*testing::build(d)), IsEmpty());

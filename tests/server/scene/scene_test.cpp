@@ -52,7 +52,7 @@ TEST(Scene, MovesItsOriginToGeometryFarAway) {
   EXPECT_FLOAT_EQ(s.distance, 1e-3f);
 }
 
-TEST(Scene, NumbersLightsFromOneFirstThoseThatAreNoShape) {
+TEST(Scene, NumbersLightsFromOneAreaLightsLast) {
   SceneDescription d = testing::description();
   d.shapes = {testing::floor(1), testing::emissive(testing::floor(1, 1), 3),
               testing::emissive({SphereParams{}}, 4)};
@@ -74,7 +74,7 @@ TEST(Scene, NumbersLightsFromOneFirstThoseThatAreNoShape) {
   EXPECT_EQ(hit_below(*scene, 0, 0, 0.99f).light, -1);
 }
 
-TEST(Scene, TellsWhichPrimitiveOfALightWasHitThoughFlatPatchesAreTwoTriangles) {
+TEST(Scene, ReportsThePrimitiveOfALightAlsoForFlatPatchesOfTwoTriangles) {
   SceneDescription d = testing::description();
   PatchMeshData mesh;  // flat, twisted, flat
   for (int x = 0; x < 4; ++x)
@@ -179,7 +179,7 @@ TEST(Scene, ReportsOnlyWhatItBuilt) {
   for (const ScenePart& p : scene->parts()) EXPECT_GT(p.bytes, 0u) << p.name;
 }
 
-TEST(Scene, OfRgbLightsCarriesNoSpectralData) {
+TEST(Scene, OfRgbLightsStoresNoSpectra) {
   SceneDescription d = testing::description();
   d.shapes = {testing::emissive(testing::floor(1), 1)};
   d.lights = {testing::point_light({0, 0, 1}, 1)};
@@ -189,7 +189,7 @@ TEST(Scene, OfRgbLightsCarriesNoSpectralData) {
   for (std::uint32_t l = 0; l < 2; ++l) EXPECT_EQ(scene->spectrum(l), nullptr);
 }
 
-TEST(Scene, HoldsEachSpectrumOnceAndTellsItsBytes) {
+TEST(Scene, StoresEachSpectrumOnceAndReportsItsBytes) {
   const auto samples = std::make_shared<const Spectrum>(
       *Spectrum::create(SampledSpectrum{{400, 500, 700}, {1, 2, 3}}));
   const auto body = std::make_shared<const Spectrum>(*Spectrum::create(BlackBody{3000}));
@@ -230,7 +230,7 @@ TEST(Scene, ChoosesLightsByPower) {
   EXPECT_EQ(choose_emitter(*build(d), 0.99).probability, 1);
 }
 
-TEST(Scene, ChoosesLightsFromInfinitelyFarWhereItIsButAPoint) {
+TEST(Scene, OfASinglePointChoosesInfiniteLights) {
   SceneDescription d = testing::description();
   d.lights = {testing::point_light({0, 0, 1}, 3), testing::point_light({0, 0, 1}, 3)};
   d.lights[1].params = DistantLightParams{{0, 0, 1}, Rgb<double>(5)};
@@ -266,7 +266,7 @@ TEST(Scene, AnswersWithoutGeometryAndWithoutAnything) {
   EXPECT_LE(std::fabs(lit->origin().x - 5e6), 1);
 }
 
-TEST(Scene, NamesThePlaceOfALightThatCannotBeMade) {
+TEST(Scene, ErrorsOfLightsNameTheirPlaceInTheFile) {
   SceneDescription d = testing::description();
   d.shapes = {testing::emissive(testing::floor(1), -3)};
   auto error = Scene::build(d).status();
@@ -279,7 +279,7 @@ TEST(Scene, NamesThePlaceOfALightThatCannotBeMade) {
   EXPECT_THAT(std::string(error.message()), StartsWith("test.pbrt:7:3: "));
 }
 
-TEST(Scene, RefusesWhatIsNotFiniteOrOutOfRange) {
+TEST(Scene, RefusesValuesThatAreNotFiniteOrOutOfRange) {
   SceneDescription d = testing::description();
   d.shapes = {testing::floor(1)};
   d.shapes[0].where = {"a.pbrt", 3, 9};
@@ -298,7 +298,7 @@ TEST(Scene, RefusesWhatIsNotFiniteOrOutOfRange) {
   EXPECT_EQ(Scene::build(d).status().code(), absl::StatusCode::kInvalidArgument);
 }
 
-TEST(Scene, StopsBuildingWhenAsked) {
+TEST(Scene, StopsBuildingOnRequest) {
   SceneDescription d = testing::description();
   d.shapes = {testing::floor(1)};
   std::stop_source stop;
@@ -306,7 +306,7 @@ TEST(Scene, StopsBuildingWhenAsked) {
   EXPECT_EQ(Scene::build(d, "", stop.get_token()).status().code(), absl::StatusCode::kCancelled);
 }
 
-TEST(Scene, IsKnownByTheDigestOfItsFiles) {
+TEST(Scene, IdIsTheDigestOfItsFiles) {
   SceneDescription d = testing::description();
   d.assets = {{"a", std::string(32, 'x'), 5}};
   const std::string id = build(d)->id();

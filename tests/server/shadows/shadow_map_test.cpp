@@ -1,5 +1,5 @@
-// Shadow maps: that they agree with rays away from the edges of shadows, that disagreement is
-// counted as it is, and who has one.
+// Shadow maps: they agree with rays except at edges of shadows, disagreements are counted, and
+// only some lights have maps.
 #include "server/shadows/shadow_map.h"
 
 #include <gtest/gtest.h>
@@ -11,6 +11,7 @@
 
 #include "server/estimate/lights/light_visibility.h"
 #include "server/estimate/paths/render.h"
+#include "server/estimate/queries/irradiance.h"
 #include "server/shadows/shadow_maps.h"
 #include "tests/server/scene/scenes.h"
 
@@ -74,8 +75,8 @@ struct Agreement {
   int asked = 0, wrong = 0, wrong_away_from_edges = 0, shadowed = 0;
 };
 
-/// Against the shadow of the board by hand: a square of half side `half_shadow`.  `band`: of points
-/// that close to its edge the map may be wrong.
+/// Compares with the shadow of the board by hand: a square of half side `half_shadow`.  `band`:
+/// closer to its edge than this the map may be wrong.
 Agreement agreement(const Scene& scene, double half_shadow, double band, bool has_normal = true) {
   const LightVisibility visibility(scene, VisibilityMethod::kShadowMaps);
   Agreement a;
@@ -93,7 +94,7 @@ Agreement agreement(const Scene& scene, double half_shadow, double band, bool ha
   return a;
 }
 
-TEST(ShadowMap, AgreesAwayFromTheEdgesOfShadows) {
+TEST(ShadowMap, AgreesWithRaysExceptAtEdgesOfShadows) {
   SceneDescription d = board_scene();
   // By similar triangles.
   const double half_shadow = kLampHeight / (kLampHeight - kBoardHeight);
@@ -107,7 +108,7 @@ TEST(ShadowMap, AgreesAwayFromTheEdgesOfShadows) {
     EXPECT_GT(a.asked, 600 * 600 / 3);
     EXPECT_GT(a.shadowed, 10000);
     EXPECT_EQ(a.wrong_away_from_edges, 0);
-    // It is no ray: some points at the edge differ.
+    // A map is not a ray: some points at the edge differ.
     EXPECT_GT(a.wrong, 0);
   }
   d.lights = {distant()};
@@ -118,7 +119,7 @@ TEST(ShadowMap, AgreesAwayFromTheEdgesOfShadows) {
   EXPECT_EQ(a.wrong_away_from_edges, 0);
 }
 
-TEST(ShadowMap, AgreesWithoutANormalWhereLightIsNotTooLevel) {
+TEST(ShadowMap, AgreesWithRaysWithoutANormalExceptInGrazingLight) {
   SceneDescription d = board_scene();
   d.lights = {spot({0, 0, kLampHeight}, pi / 4)};
   const auto scene = testing::build(d);
@@ -127,8 +128,8 @@ TEST(ShadowMap, AgreesWithoutANormalWhereLightIsNotTooLevel) {
   EXPECT_EQ(a.wrong_away_from_edges, 0);
 }
 
-// What a bias by the distance alone would not do: a texel of this lamp reaches over metres.
-TEST(ShadowMap, APlaneDoesNotShadowItselfHoweverLevelTheLight) {
+// A bias by the distance alone would fail: a texel of this lamp covers metres.
+TEST(ShadowMap, APlaneDoesNotShadowItselfInGrazingLight) {
   SceneDescription d = testing::description();
   d.shapes = {testing::floor(100)};
   d.lights = {testing::point_light({0.3, 0.2, 0.05}, 1)};
@@ -190,7 +191,7 @@ WorkCounts looked_up(const Scene& scene, const Scene& maps_of) {
   return work;
 }
 
-TEST(ShadowMap, TellsHowOftenItDisagreesWithRays) {
+TEST(ShadowMap, CountsDisagreementsWithRays) {
   SceneDescription d = board_scene(), bare = board_scene(false);
   d.lights = bare.lights = {distant()};
   const auto scene = testing::build(d), without_board = testing::build(bare);
@@ -226,7 +227,7 @@ std::optional<ScenePart> maps_part(const Scene& scene) {
   return found == parts.end() ? std::nullopt : std::optional(*found);
 }
 
-TEST(ShadowMaps, AreMadeWhenTheyAreFirstAskedFor) {
+TEST(ShadowMaps, AreMadeAtTheirFirstUse) {
   SceneDescription d = board_scene();
   d.lights = {spot({0, 0, kLampHeight}, pi / 4),
               testing::point_light({3, 0, 2}, 10),
@@ -247,7 +248,7 @@ TEST(ShadowMaps, AreMadeWhenTheyAreFirstAskedFor) {
   EXPECT_LT(part.bytes, 4 * texels + 10000);
   EXPECT_EQ(scene->bytes(), before + part.bytes);
   EXPECT_GT(part.build_ms, 0);
-  EXPECT_EQ(part.why, "shadow maps were asked for: of 2 of 3 lights, 1024 texels a side");
+  EXPECT_EQ(part.why, "a query used shadow maps: 2 of 3 lights, 1024 texels a side");
   // Most points are far from edges.
   int same = 0;
   for (std::size_t p = 0; p < by_rays.points.size(); ++p)
@@ -268,10 +269,10 @@ TEST(ShadowMaps, OfManyLightsAreCoarserSoThatAllFit) {
   EXPECT_GE(one, 6u * 236 * 236 * 4);
   EXPECT_GE(maps.bytes(), one);
   EXPECT_LT(maps.bytes(), 2 * one);
-  EXPECT_EQ(maps.part()->why, "shadow maps were asked for: of 1 of 100 lights, 236 texels a side");
+  EXPECT_EQ(maps.part()->why, "a query used shadow maps: 1 of 100 lights, 236 texels a side");
 }
 
-TEST(ShadowMaps, AreNotOfAreaLightsAndWhatMoves) {
+TEST(ShadowMaps, AreNotMadeForAreaLightsAndMotion) {
   const auto motion = [](const Vec3<double>& shift) {
     const std::vector<KeyTransform> keys{{0, Transform()}, {1, Transform::translate(shift)}};
     return std::make_shared<const Motion>(*Motion::create(keys));

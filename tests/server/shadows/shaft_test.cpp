@@ -85,7 +85,7 @@ TEST(Shaft, FromAFloorToALampInTheCeilingIsEmpty) {
   }
 }
 
-TEST(Shaft, IsNotEmptyWhereSomethingStandsWithin) {
+TEST(Shaft, IsNotEmptyWithAnObstacleInIt) {
   for (const double size : {0.5, 0.01, 1e-4}) {
     SceneDescription d = room_with_lamp();
     d.shapes.push_back(testing::floor(size, 0.3));
@@ -96,7 +96,7 @@ TEST(Shaft, IsNotEmptyWhereSomethingStandsWithin) {
   }
 }
 
-TEST(Shaft, SeesWhatCoversACornerOfTheLight) {
+TEST(Shaft, SeesAnObstacleBeforeACornerOfTheLight) {
   for (const double gap : {-1e-3, 1e-3}) {
     SceneDescription d = room_with_lamp();
     // Half way up, half as far to the side: at the edge of the shaft.
@@ -107,7 +107,7 @@ TEST(Shaft, SeesWhatCoversACornerOfTheLight) {
   }
 }
 
-TEST(Shaft, WhatIsBehindTheLightOrBelowTheHorizonDoesNotCount) {
+TEST(Shaft, IgnoresSurfacesBehindTheLightOrBelowTheHorizon) {
   SceneDescription d = testing::description();
   d.shapes = {emissive(testing::floor(0.5, 1), 5, true), testing::floor(9, 1.5),
               testing::floor(9, -1), testing::floor(0.25, -0.25)};
@@ -185,7 +185,7 @@ TEST(Shaft, OfInfiniteLights) {
 }
 
 // The lowest rays to a wide sun go farthest before they leave the scene above its walls.
-TEST(Shaft, OfAWideSunSeesWhatOnlyItsLowestRaysMeet) {
+TEST(Shaft, OfAWideSunSeesObstaclesOfItsLowestRays) {
   const auto scene_of = [](double top) {
     SceneDescription d = testing::description();
     // More than one box holds, and none that reaches to the receiver.
@@ -202,7 +202,7 @@ TEST(Shaft, OfAWideSunSeesWhatOnlyItsLowestRaysMeet) {
   }
 }
 
-TEST(Shaft, IsNotKnownOfLightsWithoutAClosedFormAndOfWhatMoves) {
+TEST(Shaft, IsUnknownForLightsWithoutAClosedFormAndForMotion) {
   SceneDescription d = testing::description();
   d.shapes = {emissive(shape(CylinderParams{}), 1),
               emissive(shape(testing::ball(0, [](const Vector& p) { return p; })), 1),

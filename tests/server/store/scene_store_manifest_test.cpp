@@ -115,6 +115,30 @@ TEST_F(ManifestTest, IsTheSameSceneAsTheSameFilesUnderTheRoot) {
   EXPECT_EQ(store_->builds(), 1U);
 }
 
+TEST_F(ManifestTest, AnUploadedSceneIsFoundByTheNameThatTheListShows) {
+  put("mine/room.pbrt", "WorldBegin\n");
+  manifest_.main = "mine/room.pbrt";
+  EXPECT_THAT(missing(), IsEmpty());
+  const std::string name = store_->list("", 1).at(0).path;
+  const auto by_name = store_->load(name, {.lease_s = 5});
+  ASSERT_TRUE(by_name.ok()) << by_name.status();
+  EXPECT_TRUE(by_name->already_loaded);
+  EXPECT_EQ(by_name->stored.scene, load()->stored.scene);
+  EXPECT_FALSE(by_name->lease.id.empty());
+  EXPECT_EQ(store_->builds(), 1U);
+
+  const absl::Status other = store_->load("mine/other.pbrt").status();
+  EXPECT_EQ(other.code(), absl::StatusCode::kNotFound);
+  EXPECT_THAT(message(other), HasSubstr((files_.path() / "root").string()));
+  EXPECT_THAT(message(other), HasSubstr("upload"));
+  // A file of this name comes first, and its errors are its own.
+  std::filesystem::create_directory(files_.path() / "root/mine");
+  files_.write("root/mine/room.pbrt", "WorldBegin\nInclude \"none.pbrt\"\n");
+  EXPECT_THAT(message(store_->load(name).status()), StartsWith("mine/room.pbrt:2:"));
+  files_.write("root/mine/room.pbrt", "WorldBegin\n\n");
+  EXPECT_FALSE(store_->load(name)->already_loaded);
+}
+
 TEST_F(ManifestTest, WhatIsNotNeededNeedNotBeThere) {
   put("room.pbrt", "WorldBegin\n");
   manifest_.assets["never.ply"] = sha256("never");

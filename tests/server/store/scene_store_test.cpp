@@ -51,6 +51,34 @@ TEST_F(SceneStoreTest, LoadingAgainIsFreeAndSaysSo) {
   EXPECT_EQ(store_->builds(), 1U);
 }
 
+TEST_F(SceneStoreTest, AbsolutePathsBeneathTheRootAreAcceptedAndOthersAreNot) {
+  const LoadedScene first = load("a.pbrt");
+  EXPECT_EQ(load((root_ / "a.pbrt").string()).stored.scene, first.stored.scene);
+  EXPECT_EQ(load((root_ / "b/.." / "a.pbrt").string()).stored.scene, first.stored.scene);
+  // The root by another name.
+  const std::filesystem::path link = root_.string() + "_link";
+  std::filesystem::create_directory_symlink(root_, link);
+  const auto store = SceneStore::open({.root = link.string() + "/"}).value();
+  for (const std::filesystem::path& root : {root_, link}) {
+    const auto loaded = store->load((root / "a.pbrt").string());
+    ASSERT_TRUE(loaded.ok()) << loaded.status();
+    EXPECT_EQ(loaded->stored.path, "a.pbrt");
+  }
+  std::filesystem::remove(link);
+  for (const std::string& path : {root_.string(), root_.string() + "x/a.pbrt",
+                                  (root_ / ".." / "a.pbrt").string(), std::string("/a.pbrt")})
+    EXPECT_EQ(store_->load(path).status().code(), absl::StatusCode::kInvalidArgument) << path;
+}
+
+TEST_F(SceneStoreTest, AvailableScenesAreTheFilesOfTheRoot) {
+  std::filesystem::create_directory(root_ / "room");
+  write("room/b.pbrt", kScene);
+  write("room/mesh.ply", "");
+  const FileListing files = store_->available();
+  EXPECT_EQ(files.paths, (std::vector<std::string>{"a.pbrt", "room/b.pbrt"}));
+  EXPECT_EQ(store_->root(), root_.string());
+}
+
 TEST_F(SceneStoreTest, AnotherNameOfTheSameFileIsTheSameScene) {
   const LoadedScene first = load("a.pbrt");
   const LoadedScene other = load("./a.pbrt");

@@ -1,4 +1,4 @@
-// Whatever the method, the same light: in a scene of every kind of light, and in one of a few.
+// All methods give the same light: in a scene with every kind of light, and in one with a few.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -7,6 +7,7 @@
 
 #include "server/estimate/lights/direct_light.h"
 #include "server/estimate/paths/render.h"
+#include "server/estimate/queries/irradiance.h"
 #include "tests/server/extremes/invariant_scene.h"
 #include "tests/server/scene/scenes.h"
 
@@ -38,7 +39,7 @@ std::string name_of(const Methods& m) {
          ", points " + std::to_string(m.samples_per_light.value_or(0));
 }
 
-/// Of which each setting of each method is one, if not together with each of the others.
+/// Each setting of each method occurs once; not all combinations do.
 std::vector<Methods> all_methods() {
   std::vector<Methods> all;
   for (const LightSelection selection : kSelections)
@@ -70,7 +71,7 @@ void expect_same_irradiance(const Scene& scene, const Vec3<double>& at,
       ask(scene, at, {.light_selection = LightSelection::kAll, .closed_forms = ClosedForms::kOff},
           16 * samples, bounces);
   for (const Methods& m : all_methods()) {
-    // What directions find once in a thousand samples tells too little of its own scatter.
+    // Directions that find light once in a thousand samples underestimate their own scatter.
     if (small_lamps && m.combination == Combination::kSurfaces) continue;
     const IrradianceEstimate e = ask(scene, at, m, samples, bounces);
     const double error = std::hypot(e.illuminance_error_lx, truth.illuminance_error_lx);
@@ -144,7 +145,7 @@ TEST(Methods, MorePointsOnALightScatterLess) {
   EXPECT_LT(error(16), 0.5 * error(1));
 }
 
-TEST(Methods, TheScenesOwnCountsOfPointsAreOverriddenByAQuery) {
+TEST(Methods, AQueryOverridesTheScenesPointsPerLight) {
   SceneDescription d = testing::description();
   d.shapes = {testing::floor(9), testing::emissive(testing::floor(1, 2), 5, true)};
   d.shapes[1].emission->samples = 4;
@@ -164,7 +165,7 @@ TEST(Methods, TheScenesOwnCountsOfPointsAreOverriddenByAQuery) {
   EXPECT_EQ(rays(7), 7 * 64u);
 }
 
-// Five times the largest dimension away, so they say, a lamp may count as a point: 1%.
+// The rule of photometry: at five times its largest dimension a lamp counts as a point to 1%.
 TEST(Methods, FarLampsCountAsPointsAndNearOnesDoNot) {
   SceneDescription d = testing::description();
   d.shapes = {

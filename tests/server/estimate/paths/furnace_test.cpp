@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "server/estimate/paths/render.h"
+#include "server/estimate/queries/irradiance.h"
 #include "tests/server/scene/scenes.h"
 
 namespace lucerna {
@@ -223,7 +224,7 @@ TEST_P(ClosedBox, ShowsTheSameEverywhere) {
 
 // Ways to face at points near the middle and near the walls; seven standard errors on each of 24,
 // by luck once in 1e9.
-TEST_P(ClosedBox, HoldsPiTimesItEverywhere) {
+TEST_P(ClosedBox, IrradianceIsPiTimesTheRadianceEverywhere) {
   const auto room = scene();
   std::vector<IrradiancePoint> points;
   for (int i = 0; i < 24; ++i) {

@@ -33,7 +33,7 @@ void expect_near(const Vec3<float>& a, const Vec3<double>& b, double tolerance) 
 constexpr char kFilm[] = "Film \"rgb\" \"integer xresolution\" 20 \"integer yresolution\" 20 ";
 constexpr char kCamera[] = "Camera \"perspective\" \"float fov\" 90 WorldBegin ";
 
-TEST(MovingCamera, AQuarterTurnAboutItsAxisIsHalfDoneInTheMiddle) {
+TEST(MovingCamera, TurnsHalfwayInHalfTheTime) {
   // Looks along +z, +x right, +y up; the world turns about +z by 90 degrees, from +x to +y, so the
   // camera turns the other way.
   const auto scene = scene_of(std::string(kFilm) +
@@ -55,7 +55,7 @@ TEST(MovingCamera, AQuarterTurnAboutItsAxisIsHalfDoneInTheMiddle) {
   }
 }
 
-TEST(MovingCamera, BetweenItsPlacesItGoesStraightAndNotTheWorldAboutIt) {
+TEST(MovingCamera, MovesAlongAStraightLine) {
   // The world turns by 90 degrees before a camera 6 m from its zero: from (0, -6, 0) the camera
   // gets to (-6, 0, 0), on the chord as pbrt-v4 has it, 6 / sqrt 2 from zero in the middle.  To
   // turn the world instead would keep it on the circle.
@@ -114,7 +114,7 @@ void expect_streak(const TileResult& tile, std::uint64_t blocks, double open, do
   }
 }
 
-TEST(MovingCamera, DrawsTheStreakOfWhatItPasses) {
+TEST(MovingCamera, BlursObjectsThatItPasses) {
   const auto scene = build(passing());
   TileSettings s{.rect = {0, 0, 20, 2}, .samples_per_block = 64, .block_count = 256, .bounces = 0};
   const TileResult streak = render_tile(*scene, s, {});
@@ -124,7 +124,7 @@ TEST(MovingCamera, DrawsTheStreakOfWhatItPasses) {
   expect_streak(render_tile(*scene, s, {}), 256, 0.5, 0.75);
 }
 
-TEST(MovingCamera, BlurIsTheMeanOfTheMoments) {
+TEST(MovingCamera, BlurIsTheMeanOverTime) {
   SceneDescription d = passing();
   d.lights.push_back(point_light({0, 0, 1}, 10));
   d.shapes.push_back(patch({-9, -9, 5}, {9, -9, 5}, {-9, 9, 5}, {9, 9, 5}));
@@ -157,7 +157,7 @@ TEST(MovingCamera, BlurIsTheMeanOfTheMoments) {
   }
 }
 
-TEST(MovingCamera, AtItsKeyFramesItIsTheCameraThatRestsThere) {
+TEST(MovingCamera, EqualsARestingCameraAtItsKeyFrames) {
   SceneDescription d = passing();
   const Transform places[] = {*Transform::look_at({0.3, -5.1, 2}, {0.1, 0, 1}, {0, 0.1, 1}),
                               *Transform::look_at({4.7, 0.9, 3}, {-0.1, 0.2, 1}, {0, 0, 1})};
@@ -214,7 +214,7 @@ TEST(MovingCamera, GivesTheSameBitsForAnyTiling) {
   }
 }
 
-TEST(MovingCamera, TakesAlongWhatStandsInItsCoordinates) {
+TEST(MovingCamera, MovesObjectsInItsCoordinates) {
   // It goes, turns, and two plates are put before it by its own coordinate system.  (What has a
   // zero of its own there would go straight from end to end, as in pbrt-v4.)
   const auto scene = scene_of(
@@ -246,7 +246,7 @@ TEST(MovingCamera, TakesAlongWhatStandsInItsCoordinates) {
   EXPECT_GT(misses, 100);
 }
 
-TEST(MovingCamera, KeepsItsWayFarFromTheWorldsZero) {
+TEST(MovingCamera, KeepsItsPathFarFromTheWorldsZero) {
   // All numbers are exact in double precision there and here, and so are the scenes' origins.
   const auto about = [](const Vec3<double>& o) {
     const auto at = [&](double x, double y, double z) {
@@ -268,7 +268,7 @@ TEST(MovingCamera, KeepsItsWayFarFromTheWorldsZero) {
   }
 }
 
-TEST(MovingCamera, TheTimesAreThoseThatStandBeforeIt) {
+TEST(MovingCamera, UsesTheTransformTimesBeforeIt) {
   const char* moving =
       "ActiveTransform EndTime Translate 0 0 -2 ActiveTransform All Camera \"perspective\" ";
   const auto before = load_text(std::string("TransformTimes 0.5 2 ") + moving + "WorldBegin");
@@ -288,7 +288,7 @@ TEST(MovingCamera, TheTimesAreThoseThatStandBeforeIt) {
   EXPECT_EQ(still->camera.motion, nullptr);
 }
 
-TEST(MovingCamera, WhatIsNotRigidIsAnError) {
+TEST(MovingCamera, AMotionThatIsNotRigidIsAnError) {
   for (const char* bad : {"Scale 2 2 2", "Scale -1 1 1", "Scale 1 2 1",
                           "ConcatTransform [1 0 0 0  0.5 1 0 0  0 0 1 0  0 0 0 1]"})
     EXPECT_THAT(error_of(std::string("ActiveTransform EndTime ") + bad +
@@ -308,7 +308,7 @@ TEST(MovingCamera, WhatIsNotRigidIsAnError) {
             "");
 }
 
-TEST(MovingCamera, TheScenesPartsTellOfIt) {
+TEST(MovingCamera, IsListedAmongTheScenesParts) {
   SceneDescription d = passing();
   const auto why = [](const Scene& scene) {
     for (const ScenePart& p : scene.parts())

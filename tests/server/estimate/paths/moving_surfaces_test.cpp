@@ -1,5 +1,5 @@
-// Shapes and instances that move: at each moment the scene whose surfaces were made where they then
-// stand.
+// Moving shapes and instances: at each moment the scene equals one whose surfaces stand still in
+// that place.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -7,6 +7,7 @@
 #include <random>
 #include <vector>
 
+#include "server/estimate/queries/irradiance.h"
 #include "server/estimate/queries/queries.h"
 #include "server/estimate/queries/visibility.h"
 #include "tests/server/estimate/moving_shapes.h"
@@ -44,7 +45,7 @@ void expect_same_hits(const Scene& moves, const Scene& still, double t) {
     ++hits;
     const Vec3<double> p = Vec3<double>(a->position) + moves.origin();
     const Vec3<double> q = Vec3<double>(b->position) + still.origin();
-    // Behind an edge that one ray passes and the other does not.
+    // Beyond an edge that one ray passes and the other does not.
     if (length(p - q) > 1e-4) {
       ++differ;
       continue;
@@ -53,7 +54,7 @@ void expect_same_hits(const Scene& moves, const Scene& still, double t) {
     EXPECT_NEAR(a->t, b->t, 1e-5);
     EXPECT_LE(length(a->ng - b->ng), 1e-4);
     EXPECT_EQ(a->time_s, t);
-    // The surface passes within the error that is told.
+    // The surface passes within the reported error.
     EXPECT_LE(std::fabs(dot(b->ng, p - q)),
               2 * std::sqrt(3) * (max_abs(a->position_error) + max_abs(b->position_error)));
   }
@@ -62,7 +63,7 @@ void expect_same_hits(const Scene& moves, const Scene& still, double t) {
   EXPECT_LE(differ, 2);
 }
 
-TEST(MovingSurfaces, AreFoundByRaysWhereTheyAreAtTheTime) {
+TEST(MovingSurfaces, RaysHitThemAtTheirPlaceAtThatTime) {
   for (const Kind& kind : kinds()) {
     const auto moves = scene_of(moved(kind));
     EXPECT_TRUE(moves->moves());
@@ -85,7 +86,7 @@ TEST(MovingSurfaces, RestBeforeAndAfterTheirKeyFrames) {
   for (const double t : {2.0, 7.0, 1e300}) EXPECT_TRUE(seen(last, t) && !seen(first, t)) << t;
 }
 
-TEST(MovingSurfaces, InstancesMoveWithWhatScalesThem) {
+TEST(MovingSurfaces, ScaledInstancesMove) {
   const Transform stretched = *Transform::scale({0.5, 0.25, 1.5});
   const auto place = [&](double t, bool moves) {
     SceneDescription d = description();
@@ -137,7 +138,7 @@ TEST(MovingSurfaces, KeepMaterialsShadingNormalsAndLightNumbers) {
   EXPECT_EQ(scene->shape_count(), 3U);
 }
 
-TEST(MovingSurfaces, HideWhatTheyPass) {
+TEST(MovingSurfaces, ShadowPointsThatTheyPass) {
   // A plate of a metre, 1.5 m up, under a light 3 m up: x = 4 t - 4.
   SceneDescription d = description();
   d.shapes.push_back(floor(5));
@@ -163,7 +164,7 @@ TEST(MovingSurfaces, HideWhatTheyPass) {
   }
 }
 
-TEST(MovingSurfaces, BlurByTheTimeThatTheySpend) {
+TEST(MovingSurfaces, BlurFollowsTheTimeAtEachPlace) {
   // A panel of 8 cd/m2, a metre wide, crosses the middle of the picture at 4 m/s: a quarter of a
   // second.
   SceneDescription d = description(0);
@@ -188,7 +189,7 @@ TEST(MovingSurfaces, BlurByTheTimeThatTheySpend) {
   }
 }
 
-TEST(MovingSurfaces, BeyondWhatRaysReachAreAnError) {
+TEST(MovingSurfaces, BeyondTheRangeOfRaysAreAnError) {
   SceneDescription d = description();
   d.shapes.push_back(floor(1));
   d.shapes.back().where = {"a.pbrt", 3, 4};
@@ -205,7 +206,7 @@ TEST(MovingSurfaces, BeyondWhatRaysReachAreAnError) {
   EXPECT_THAT(std::string(lit.status().message()), HasSubstr("a.pbrt:5:6: motion reaching to 1"));
 }
 
-TEST(MovingSurfaces, TheSceneHoldsAllThatTheySweep) {
+TEST(MovingSurfaces, TheScenesSphereHoldsTheirWholeMotion) {
   SceneDescription d = description();
   d.shapes.push_back(floor(1));
   d.shapes.back().motion = sliding({100, 0, 0}, 1);
@@ -271,8 +272,8 @@ TEST(PbrtMotion, WithinAnObjectIsRemarkedOn) {
       "ObjectEnd");
   ASSERT_TRUE(scene.ok()) << scene.status();
   EXPECT_EQ(remarks_of(*scene),
-            "3:1 motion of a shape within an object definition is not modelled -> where it is at "
-            "its start\n");
+            "3:1 motion of a shape within an object definition is not modelled -> its position at "
+            "the start\n");
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// The intervals of pixels, over repeats: of tiles of a number of samples, by Student's t about
-// their standard error, and of tiles of a target error, as they tell them.
+// The intervals of pixels over repeats.  Tiles with a sample count have intervals by Student's t
+// and their standard error.  Tiles with a target error report their intervals.
 #include <gtest/gtest.h>
 #include <tbb/parallel_for.h>
 
@@ -81,7 +81,7 @@ Answer answer(const Question& q, TileSettings settings, std::uint64_t seed) {
   return {mean, {mean - t * error, mean + t * error}};
 }
 
-/// `widened`: intervals are, about their estimates.
+/// `widened`: factor of the intervals' width about their estimates.
 Coverage asked(const Question& q, const TileSettings& settings, double widened = 1) {
   return repeated(q.truth, widened, [&](std::uint64_t i) { return answer(q, settings, i); });
 }
@@ -105,7 +105,7 @@ TEST(RenderCoverage, OfSmoothLightByATarget) {
   for (const Question& q : {lamp(), edge(), furnace()})
     for (const double relative : {0.1, 0.02})
       expect_covered(asked(q, within(relative)), q.name + " within " + std::to_string(relative));
-  // Of 64 samples so few see the edge's light that it may be held too often.
+  // With 64 samples so few see the edge's light that intervals may hold it too often.
   for (const Question& q : {lamp(), edge()})
     expect_covered_at_least(asked(q, within(1)), q.name + " within 1");
 }
@@ -113,7 +113,7 @@ TEST(RenderCoverage, OfSmoothLightByATarget) {
 TEST(RenderCoverage, OfLightThroughAPinhole) {
   const Question q = pinhole();
   expect_covered_at_least(asked(q, within(1)), "within 1");
-  // As many samples as may be, which are too few.
+  // The largest allowed sample count, which is too small.
   for (const std::uint64_t most : {64U, 256U, 1024U}) {
     TileSettings settings = within(0.01);
     settings.target->max_samples = most;
@@ -123,7 +123,7 @@ TEST(RenderCoverage, OfLightThroughAPinhole) {
                           "2048 samples a block");
 }
 
-// What intervals of a wrong variance come to.
+// The coverage of intervals with a wrong variance.
 TEST(RenderCoverage, SeesIntervalsThatAreTooNarrowOrTooWide) {
   for (const TileSettings& settings :
        {within(0.1), TileSettings{.samples_per_block = 8, .block_count = 8}})

@@ -38,7 +38,7 @@ double luminance_of(const TileResult& r, std::size_t i) {
          32;
 }
 
-TEST(RenderTarget, GivesEachPixelTheBitsOfTheCountThatItTook) {
+TEST(RenderTarget, GivesEachPixelTheBitsOfAQueryForItsCount) {
   const auto s = scene();
   const TileResult r = render_tile(*s, within(*s, 0.1), {});
   ASSERT_EQ(r.samples.size(), 16U * 12);
@@ -64,7 +64,7 @@ TEST(RenderTarget, GivesEachPixelTheBitsOfTheCountThatItTook) {
   EXPECT_GE(*most, 1024U);
 }
 
-TEST(RenderTarget, IsTheSameWhateverTheTilesAndThreads) {
+TEST(RenderTarget, GivesTheSameBitsForAnyTilesAndThreads) {
   const auto s = scene();
   const TileSettings settings = within(*s, 0.2);
   tbb::task_arena alone(1);
@@ -90,7 +90,7 @@ TEST(RenderTarget, IsTheSameWhateverTheTilesAndThreads) {
   EXPECT_EQ(work.shadow_rays, all.work.shadow_rays);
 }
 
-TEST(RenderTarget, TakesMoreForLessErrorAndForMoreConfidence) {
+TEST(RenderTarget, SmallerErrorAndHigherConfidenceTakeMoreSamples) {
   const auto s = scene();
   const auto samples = [&](const TileSettings& settings) {
     return render_tile(*s, settings, {}).work.samples;
@@ -102,7 +102,7 @@ TEST(RenderTarget, TakesMoreForLessErrorAndForMoreConfidence) {
   EXPECT_GT(samples(within(*s, 0.05, 1 << 16)), coarse);
 }
 
-TEST(RenderTarget, EndsAtTheMostSamples) {
+TEST(RenderTarget, StopsAtTheLargestSampleCount) {
   // Nothing comes through the lid, however often one looks.
   SceneDescription d = testing::below_a_lid(0.5);
   d.film.scale = 4;
@@ -126,7 +126,7 @@ TEST(RenderTarget, EndsAtTheMostSamples) {
   for (const std::uint32_t n : r.samples) EXPECT_EQ(n, 64U);
 }
 
-TEST(RenderTarget, IsCertainOfWhatNeedsNoSample) {
+TEST(RenderTarget, IsExactWithoutSampling) {
   // A lamp fills the picture; beside it is nothing at all.
   SceneDescription d = testing::description(0);
   d.shapes = {testing::emissive(testing::patch({-9, -9, 3}, {-9, 9, 3}, {9, -9, 3}, {9, 9, 3}), 5)};
@@ -144,7 +144,7 @@ TEST(RenderTarget, IsCertainOfWhatNeedsNoSample) {
   }
 }
 
-TEST(RenderTarget, StopsWhenAsked) {
+TEST(RenderTarget, StopsOnRequest) {
   const auto s = scene();
   const TileSettings settings = within(*s, 1e-9, std::uint64_t{1} << 31);  // days
   std::stop_source stop;

@@ -88,7 +88,7 @@ TEST(RenderTile, GivesOtherBitsForAnotherSeed) {
   EXPECT_FALSE(same(a.channels[300], b.channels[300]));
 }
 
-TEST(RenderTile, StopsWhenAsked) {
+TEST(RenderTile, StopsOnRequest) {
   const auto scene = busy_scene();
   TileSettings settings = whole(*scene);
   settings.samples_per_block = 1u << 30;  // hours
@@ -169,7 +169,7 @@ TEST(RenderTile, ShowsEmissionTimesTheFilmsScale) {
   EXPECT_EQ(tile.channels[0].deviation, 0);
 }
 
-TEST(RenderTile, EndsBetweenWhiteWallsHoweverManyBouncesAreAskedFor) {
+TEST(RenderTile, EndsBetweenWhiteWallsForAnyNumberOfBounces) {
   // Nothing is absorbed: light goes on for 2^32 reflections.
   SceneDescription d = testing::description(1);
   d.shapes = {testing::shape(testing::room())};

@@ -61,7 +61,7 @@ std::map<std::string, int> census(const SceneDescription& scene) {
 // make the spheres; 5 trees of 105 and 70 under the marquee the points; 27 shops of 5 and two
 // headlamps the spots; 15 + 14 + 18 + 15 strokes of four words the cylinders.  Which windows are
 // lit (patches) is drawn.
-TEST(ShippedScenes, LoadWithoutRemarksAndHaveTheLightsThatTheyStandFor) {
+TEST(ShippedScenes, LoadWithoutRemarksAndHaveTheExpectedLights) {
   using Census = std::map<std::string, int>;
   const std::map<std::string, Census> expected{
       {"cornell", {{"patches", 1}}},

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "server/estimate/paths/render.h"
+#include "server/estimate/queries/irradiance.h"
 #include "tests/server/scene/scenes.h"
 
 namespace lucerna {

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "server/estimate/paths/render.h"
+#include "server/estimate/queries/irradiance.h"
 #include "tests/server/scene/scenes.h"
 
 namespace lucerna {
@@ -13,8 +13,8 @@ using testing::build;
 const Vec3<float> kError{1e-6F, 1e-6F, 1e-6F};
 const IrradianceSettings kDirect{.block_count = 16, .bounces = 0};
 
-// Asked light by light, where nothing else is to be done, as point by point.
-TEST(DeltaIrradiance, IsTheSameHoweverItIsAsked) {
+// Light by light, as delta lights are computed, equals point by point.
+TEST(DeltaIrradiance, IsTheSameByEveryPathOfTheCode) {
   SceneDescription d = testing::description();
   d.shapes = {testing::floor(9), testing::floor(1, 2)};
   d.lights = {testing::point_light({3, 0, 4}, 100),
@@ -33,13 +33,13 @@ TEST(DeltaIrradiance, IsTheSameHoweverItIsAsked) {
   settings.per_light = true;
   const IrradianceResult by_light = estimate_irradiance(*scene, points, settings, {});
   const std::vector<double> wavelengths{555};
-  settings.wavelengths_nm = wavelengths;  // which are asked for point by point
+  settings.wavelengths_nm = wavelengths;  // which are computed point by point
   const IrradianceResult by_point = estimate_irradiance(*scene, points, settings, {});
   settings.wavelengths_nm = {};
   settings.target = TargetError{.relative = 0.01};
   const IrradianceResult of_target = estimate_irradiance(*scene, points, settings, {});
   EXPECT_GT(by_light.work.shadow_rays, points.size());
-  // Only a target asks what a point took.
+  // Points are timed only with a target.
   for (const PointCost& cost : of_target.costs) EXPECT_GT(cost.time_s, 0);
   for (const PointCost& cost : by_light.costs) EXPECT_EQ(cost.time_s, 0);
   for (const IrradianceResult& other : {by_point, of_target}) {
@@ -56,7 +56,7 @@ TEST(DeltaIrradiance, IsTheSameHoweverItIsAsked) {
   }
 }
 
-TEST(DeltaIrradiance, OfAPointLightIsTheSameHoweverItIsAskedAtAnyDistance) {
+TEST(DeltaIrradiance, OfAPointLightIsTheSameByEveryPathAtAnyDistance) {
   for (const double candela : {0.0, 1e-30, 18.0, 1e30}) {
     SceneDescription d = testing::description();
     d.lights = {testing::point_light({1, -2, 0.5}, candela)};
@@ -70,7 +70,7 @@ TEST(DeltaIrradiance, OfAPointLightIsTheSameHoweverItIsAskedAtAnyDistance) {
     IrradianceSettings settings = kDirect;
     const IrradianceResult by_light = estimate_irradiance(*scene, points, settings, {});
     const std::vector<double> wavelengths{555};
-    settings.wavelengths_nm = wavelengths;  // which are asked for point by point
+    settings.wavelengths_nm = wavelengths;  // which are computed point by point
     const IrradianceResult by_point = estimate_irradiance(*scene, points, settings, {});
     std::size_t lit = 0;
     for (std::size_t p = 0; p < points.size(); ++p) {

@@ -50,7 +50,7 @@ std::uint64_t id_of_area_light(const Scene& scene) {
   return 0;
 }
 
-TEST(Le, IsOfTheFirstSurfaceOrOfAllSkiesBeyond) {
+TEST(Le, IsThatOfTheFirstSurfaceElseOfAllSkies) {
   const auto scene = build(panels());
   // From between the panels down onto the lit side; up to the dark one; from below onto the dark
   // side of the light; past both; down from above the dark panel.
@@ -70,7 +70,7 @@ TEST(Le, IsOfTheFirstSurfaceOrOfAllSkiesBeyond) {
   EXPECT_EQ(a.rays, 5U);
 }
 
-TEST(Le, OfOneLightLeavesTheOthersOut) {
+TEST(Le, OfOneLightIgnoresOtherLights) {
   const auto scene = build(panels());
   const std::vector<float> points{0, 0, 2.5F, 5, 0, 0};
   const std::vector<float> directions{0, 0, -1, 0, 0, 1};
@@ -110,7 +110,7 @@ TEST(Le, BadItemsFailAlone) {
   EXPECT_EQ(a.radiance, (std::vector<float>{0, 0, 0, 0, 0, 0, 0.75F, 0.75F, 0.75F}));
 }
 
-TEST(Le, OfSkiesWhoseSumNoFloatHoldsIsOutOfRange) {
+TEST(Le, IsOutOfRangeWhereASumDoesNotFitFloats) {
   SceneDescription d = description();
   for (int i = 0; i < 2; ++i) {
     d.lights.push_back({UniformInfiniteLightParams{Rgb<double>(3e38)}, {"test.pbrt", 2, 1}});
@@ -143,7 +143,7 @@ struct RayArrays {
   std::vector<int> status;
 };
 
-TEST(SampleLe, WithoutLightsNoneIsChosenWithCertainty) {
+TEST(SampleLe, WithoutLightsTheSelectionProbabilityIsOne) {
   SceneDescription d = description();
   d.shapes.push_back(testing::floor(1));
   const auto scene = build(std::move(d));
@@ -158,7 +158,7 @@ TEST(SampleLe, WithoutLightsNoneIsChosenWithCertainty) {
   EXPECT_EQ(rays.value, std::vector<float>(6));
 }
 
-TEST(SampleLe, OfABlackLightSaysSoAndNothingElse) {
+TEST(SampleLe, OfABlackLightHasOnlyAStatus) {
   SceneDescription d = description();
   d.lights.push_back(testing::point_light({1, 2, 3}, 0));
   const auto scene = build(std::move(d));

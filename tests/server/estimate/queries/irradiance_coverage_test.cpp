@@ -1,17 +1,17 @@
-// The intervals of irradiance, over repeats: with a number of samples and with a target error, on
-// scenes that are smooth and on one whose light one sample in a thousand finds.
+// The intervals of irradiance over repeats, with a number of samples and with a target error.
+// Some scenes are smooth; in one only one sample in a thousand finds light.
 #include <gtest/gtest.h>
 
 #include <vector>
 
-#include "server/estimate/paths/render.h"
+#include "server/estimate/queries/irradiance.h"
 #include "tests/server/estimate/coverage.h"
 #include "tests/server/estimate/queries/irradiance_questions.h"
 
 namespace lucerna::testing {
 namespace {
 
-/// `widened`: intervals are, about their estimates.
+/// `widened`: factor of the intervals' width about their estimates.
 Coverage asked(const Question& q, IrradianceSettings settings, double widened = 1) {
   settings.bounces = q.bounces;
   settings.seed = 6;
@@ -46,9 +46,9 @@ std::vector<Question> at_edges() {
   return result;
 }
 
-// Of low-discrepancy points along a straight edge nearly as many are hidden in every replicate:
-// their means take few values, of which those that came up tell little about the others, so
-// intervals may be too wide.
+// Low-discrepancy points along a straight edge hide nearly as many samples in every replicate.
+// So means of replicates take few values, and those that occur say little about the others.
+// Intervals may be too wide.
 TEST(IrradianceCoverage, OfLightAtAnEdgeByACount) {
   for (const Question& q : at_edges())
     for (const std::uint32_t each : {8U, 16U, 32U, 64U})
@@ -79,13 +79,13 @@ TEST(IrradianceCoverage, OfLightThroughAPinholeByATarget) {
         "within " + std::to_string(relative));
 }
 
-// What intervals of a wrong variance come to.
+// The coverage of intervals with a wrong variance.
 TEST(IrradianceCoverage, SeesIntervalsThatAreTooNarrowOrTooWide) {
   const IrradianceSettings settings{.samples_per_block = 4, .block_count = 16};
   expect_sees_wrong_widths([&](double widened) { return asked(lamp(), settings, widened); });
 }
 
-// A mean over samples whose number they had a say in is off.
+// A mean over samples that influenced their own number is biased.
 TEST(IrradianceCoverage, SeesABias) {
   Coverage c(1);
   for (std::uint64_t i = 0; i < repeats(); ++i) c.add(1.1 + 0.4 * ((i % 5) - 2.0), {0, 2});
@@ -106,7 +106,7 @@ TEST(IrradianceTarget, IsReached) {
   }
 }
 
-TEST(IrradianceTarget, GivesTheBitsOfTheCountThatItTook) {
+TEST(IrradianceTarget, HasTheBitsOfAQueryForItsCount) {
   for (const Question& q : {lamp(), furnace(), pinhole()}) {
     const std::vector<IrradiancePoint> points(
         20, {q.receiver - q.scene->origin(), {1e-6F, 1e-6F, 1e-6F}, q.normal});
@@ -129,8 +129,8 @@ TEST(IrradianceTarget, GivesTheBitsOfTheCountThatItTook) {
   }
 }
 
-TEST(IrradianceTarget, EndsAtTheMostSamples) {
-  // Nothing comes through a closed lid, however often one looks.
+TEST(IrradianceTarget, StopsAtTheLargestSampleCount) {
+  // Nothing comes through a closed lid, with any number of samples.
   const auto scene = build(below_a_lid(0));
   const IrradiancePoint point{-scene->origin(), {1e-6F, 1e-6F, 1e-6F}, {0, 0, 1}};
   IrradianceSettings settings{

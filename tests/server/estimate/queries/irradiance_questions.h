@@ -1,4 +1,4 @@
-// Questions about irradiance whose answers are known in closed form.
+// Queries of irradiance whose answers are known in closed form.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace lucerna::testing {
 
-/// What is asked of the irradiance at a receiver, and the answer.
+/// A receiver, and its irradiance.
 struct Question {
   std::string name;
   std::shared_ptr<const Scene> scene;
@@ -32,7 +32,7 @@ inline Question half_a_sky() {
   SceneDescription d = description(0);
   d.shapes = {patch({0, -1e4, 0}, {0, 1e4, 0}, {0, -1e4, 1e4}, {0, 1e4, 1e4})};
   d.lights = {{UniformInfiniteLightParams{Rgb<double>(3, 2, 1)}, {}}};
-  // What the wall leaves free, above and beside it, is 1e-5 of a share of that.
+  // The part of the sky above and beside the wall has a share of 1e-5.
   return {.name = "half a sky",
           .scene = build(std::move(d)),
           .receiver = {0.1, 0, 0.1},

@@ -1,6 +1,7 @@
+#include "server/estimate/queries/irradiance.h"
+
 #include <gtest/gtest.h>
 
-#include "server/estimate/paths/render.h"
 #include "tests/server/scene/scenes.h"
 
 namespace lucerna {
@@ -47,7 +48,7 @@ TEST(Irradiance, BehindAnObstacleIsExactlyZeroForPointLights) {
   EXPECT_EQ(e.zero_bound_lx, 0);
 }
 
-/// The same, of which nothing is known in closed form.
+/// The same light without a closed form.
 IrradianceSettings sampled(std::uint32_t samples = 16, std::uint32_t blocks = 16) {
   IrradianceSettings settings = direct(samples, blocks);
   settings.methods.closed_forms = ClosedForms::kOff;
@@ -70,7 +71,7 @@ TEST(Irradiance, UnderAUniformSkyIsPiTimesItsRadiance) {
 }
 
 // A board hides the lamp from one point of the floor and not from another.
-TEST(Irradiance, IsExactOnlyWhereNothingStandsBetween) {
+TEST(Irradiance, IsExactOnlyWithoutObstacles) {
   SceneDescription d = testing::description();
   d.shapes = {testing::floor(9), testing::patch({1, -9, 1}, {9, -9, 1}, {1, 9, 1}, {9, 9, 1}),
               testing::emissive(testing::patch({-1, -1, 2}, {-1, 1, 2}, {1, -1, 2}, {1, 1, 2}), 5)};
@@ -80,13 +81,13 @@ TEST(Irradiance, IsExactOnlyWhereNothingStandsBetween) {
   EXPECT_FALSE(shaded.exact);
   const IrradianceEstimate asked = one(*scene, at(0, 0, 0), sampled(256));
   EXPECT_NEAR(open.irradiance_lx.g, asked.irradiance_lx.g, 5 * asked.standard_error_lx.g);
-  // What is reflected is sampled all the same.
+  // Reflected light is sampled all the same.
   IrradianceSettings all = direct();
   all.bounces = 1;
   EXPECT_FALSE(one(*scene, at(0, 0, 0), all).exact);
 }
 
-// Shafts take the time of a few samples: fewer are better spent on sampling, unless the answer
+// Shafts take as long as a few samples.  With fewer samples they are not used, unless the answer
 // would be exact.
 TEST(Irradiance, ClosedFormsAreUsedFromAFewSamplesOn) {
   SceneDescription d = testing::description(0.6);
@@ -146,7 +147,7 @@ double of_lamps(int n) {
 
 TEST(Irradiance, OfManyDeltaLightsIsExactWhereSamplesCostMore) {
   const auto scene = build(lamps(64));
-  // A sample of lights that are drawn costs as much as 12 of them.
+  // A sample of drawn lights costs as much as 12 of them.
   const IrradianceEstimate e = one(*scene, at(0, 0, 0), direct(1, 6));
   EXPECT_TRUE(e.exact);
   EXPECT_NEAR(e.irradiance_lx.g, of_lamps(64), 1e-9 * of_lamps(64));
@@ -156,7 +157,7 @@ TEST(Irradiance, OfManyDeltaLightsIsExactWhereSamplesCostMore) {
   EXPECT_TRUE(one(*scene, at(0, 0, 0), settings).exact);
 }
 
-TEST(Irradiance, OfManyLightsThatAreDrawnIsTheSumOfEach) {
+TEST(Irradiance, OfChosenLightsIsTheSumOfAllLights) {
   const auto scene = build(lamps(12));
   for (const LightSelection how :
        {LightSelection::kUniform, LightSelection::kPower, LightSelection::kBvh}) {
@@ -169,8 +170,8 @@ TEST(Irradiance, OfManyLightsThatAreDrawnIsTheSumOfEach) {
   }
 }
 
-/// What a target took at a point, of 16 replicates; its answer is that of as many samples without
-/// one.
+/// What a target took at a point, with 16 replicates.  Its answer equals that of a query for
+/// the same number of samples.
 std::uint64_t samples_for(const TargetError& target, const Scene& scene,
                           const IrradiancePoint& point) {
   IrradianceSettings settings = direct(1, 16);
@@ -185,9 +186,9 @@ std::uint64_t samples_for(const TargetError& target, const Scene& scene,
   return samples;
 }
 
-// Many lamps beside a sky and a panel: what is settled for a target, and what is drawn, is what a
-// count of samples makes of it.
-TEST(Irradiance, OfATargetIsThatOfItsCount) {
+// Many lamps beside a sky and a panel.  With a target the same lights are settled and drawn as
+// in a query for the same sample count.
+TEST(Irradiance, OfATargetHasTheBitsOfAQueryForItsCount) {
   SceneDescription d = lamps(3000);
   for (LightDescription& l : d.lights) std::get<PointLightParams>(l.params).position_m.x *= 0.01;
   d.lights.push_back({UniformInfiniteLightParams{Rgb<double>(1, 2, 3)}, {}});
@@ -199,21 +200,21 @@ TEST(Irradiance, OfATargetIsThatOfItsCount) {
     EXPECT_GT(samples_for({.relative = relative}, *scene, at(0.5F, 0, 0)), 0u);
 }
 
-// 3008 lamps are settled from 188 samples on.  As long as they are drawn they ask for more than
-// that; once they are settled, the sky alone asks for 64.
-TEST(Irradiance, OfATargetTakesNoFewerSamplesThanItWasSettledFor) {
+// 3008 lamps are settled from 188 samples on.  While they are drawn they need more than that;
+// once they are settled, the sky alone needs 64.
+TEST(Irradiance, OfATargetTakesEnoughSamplesToSettleDeltaLights) {
   SceneDescription d = lamps(2256);
   for (LightDescription& l : d.lights) std::get<PointLightParams>(l.params).position_m.x *= 0.01;
   d.lights.push_back({UniformInfiniteLightParams{Rgb<double>(1)}, {}});
   d.shapes.push_back(testing::patch({1, -1, 1}, {2, -1, 1}, {1, 1, 1}, {2, 1, 1}));
   const auto scene = build(std::move(d));
   EXPECT_EQ(samples_for({.relative = 0.05}, *scene, at(0.5F, 0, 0)), 192u);
-  // With fewer than settle the lamps, they are drawn.
+  // With fewer samples the lamps are drawn.
   EXPECT_EQ(samples_for({.relative = 0.001, .max_samples = 160}, *scene, at(0.5F, 0, 0)), 160u);
 }
 
-// 512 lamps are settled from 43 samples on, of which the first pilot has more.
-TEST(Irradiance, OfATargetTakesNoMoreSamplesThanItMay) {
+// 512 lamps are settled from 43 samples on; the first pilot has more.
+TEST(Irradiance, OfATargetTakesAtMostTheLargestSampleCount) {
   SceneDescription d = lamps(512);
   d.lights.push_back({UniformInfiniteLightParams{Rgb<double>(1)}, {}});
   d.shapes.push_back(testing::patch({1, -1, 1}, {2, -1, 1}, {1, 1, 1}, {2, 1, 1}));
@@ -242,7 +243,7 @@ TEST(Irradiance, IsTheSumOfItsShares) {
   }
 }
 
-TEST(Irradiance, BoundsWhatSamplesThatAllCameOutZeroMayHaveMissed) {
+TEST(Irradiance, OfZeroSamplesBoundsTheLightThatTheyMissed) {
   // A lamp of 1 m2 above a lid with a hole of 1 mm that the samples miss.
   SceneDescription d = testing::description(0);
   d.shapes = {testing::emissive(testing::patch({0, 0, 4}, {0, 1, 4}, {1, 0, 4}, {1, 1, 4}), 7),
@@ -254,11 +255,11 @@ TEST(Irradiance, BoundsWhatSamplesThatAllCameOutZeroMayHaveMissed) {
   // Unshadowed: about L A / d^2 = 7/16, which one sample may exceed a little; three of 64 samples.
   EXPECT_GT(e.zero_bound_lx, 0.5 * 7 / 16 * 3 / 64);
   EXPECT_LT(e.zero_bound_lx, 2 * 7.0 / 16 * 3 / 64);
-  // Facing away, no sample could have brought anything.
+  // Towards the other side no sample could have found light.
   EXPECT_EQ(one(*scene, at(0.5f, 0.5f, 0, {0, 0, -1}), direct(16, 4)).zero_bound_lx, 0);
 }
 
-TEST(Irradiance, BoundsWhatSamplesOfADimSkyMayHaveMissed) {
+TEST(Irradiance, OfZeroSamplesBoundsADimSky) {
   // 10 cd/m2 towards +y, 1 towards -y, where the receiver faces a wall: the light's own samples all
   // come from the bright half, which is behind it.
   SceneDescription d = testing::description(0);
@@ -271,11 +272,12 @@ TEST(Irradiance, BoundsWhatSamplesOfADimSkyMayHaveMissed) {
   const IrradianceEstimate e = one(*build(std::move(d)), at(0, 1, 0, {0, -1, 0}), direct(16, 4));
   EXPECT_EQ(e.irradiance_lx.g, 0);
   EXPECT_FALSE(e.exact);
-  // Were more than this share of samples pi lx, 64 would have missed them once in twenty times.
+  // If more than this share of samples were pi lx, 64 samples would miss all of them once in
+  // twenty times.
   EXPECT_NEAR(e.zero_bound_lx, -std::log(0.05) / 64 * std::numbers::pi, 1e-5);
 }
 
-TEST(Irradiance, BoundsWhatSamplesMayHaveMissedBesideLightThatIsExact) {
+TEST(Irradiance, OfZeroSamplesBoundsTheMissedLightBesideExactLight) {
   // As above, with a lamp of 100 cd under the lid: 100 lx at 1 m, exactly.
   SceneDescription d = testing::description(0);
   d.shapes = {testing::emissive(testing::patch({0, 0, 4}, {0, 1, 4}, {1, 0, 4}, {1, 1, 4}), 7),
@@ -295,7 +297,7 @@ TEST(Irradiance, HasNoStandardErrorFromOneReplicate) {
   EXPECT_TRUE(std::isinf(e.standard_error_lx.g));
 }
 
-TEST(Irradiance, GivesTheSameBitsHoweverABatchIsSplit) {
+TEST(Irradiance, GivesTheSameBitsForAnySplitOfABatch) {
   SceneDescription d = lamps(12);
   d.lights.push_back({UniformInfiniteLightParams{Rgb<double>(1, 2, 3)}, {}});
   const auto scene = build(std::move(d));
@@ -311,7 +313,7 @@ TEST(Irradiance, GivesTheSameBitsHoweverABatchIsSplit) {
   }
 }
 
-TEST(Irradiance, HasAStandardErrorThatTellsTheTruth) {
+TEST(Irradiance, StandardErrorMatchesTheScatter) {
   // Of 2000 points under the same sky (a wall hides half of it), the error over its standard error
   // has a mean square of (n - 1)/(n - 3) = 15/13 for Student's t with 15 degrees of freedom.  Its
   // standard deviation over 2000 points is below 0.05: half to double allows 10 of them.
@@ -330,7 +332,7 @@ TEST(Irradiance, HasAStandardErrorThatTellsTheTruth) {
   EXPECT_LT(square, 15.0 / 13 * 2);
 }
 
-TEST(Irradiance, StopsWhenAsked) {
+TEST(Irradiance, StopsOnRequest) {
   const auto scene = build(lamps(12));
   std::stop_source stop;
   stop.request_stop();

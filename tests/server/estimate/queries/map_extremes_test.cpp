@@ -121,7 +121,7 @@ TEST(SkyExtremes, OneBrightTexelAmongOnesAndAmongBlack) {
   expect_answers(16, 16, 0, 1e-30F, 5, 4 * kPi * 1e-30 / 256, 1e-6);
 }
 
-TEST(SkyExtremes, BlackGivesNoLightAndSaysSo) {
+TEST(SkyExtremes, ABlackPictureIsReportedAsBlack) {
   for (const std::string& parameters : {std::string(), kLatLong, kBilinear, kPortal}) {
     const auto scene = load("sky.pfm", pfm(8, 8, 0, 0), parameters);
     ASSERT_TRUE(scene.ok()) << scene.status();
@@ -136,7 +136,7 @@ TEST(SkyExtremes, BlackGivesNoLightAndSaysSo) {
   }
 }
 
-TEST(SkyExtremes, WhatIsNoNumberIsRefusedWithItsPlace) {
+TEST(SkyExtremes, TexelsThatAreNotNumbersAreRefusedWithTheirPlace) {
   for (const float bad : {NAN, INFINITY, -INFINITY}) {
     for (const std::string& parameters : {std::string(), kPortal}) {
       const std::string error = message(load("sky.pfm", pfm(4, 4, 1, bad, 2), parameters).status());

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <vector>
 
+#include "server/estimate/queries/irradiance.h"
 #include "server/estimate/queries/queries.h"
 #include "server/estimate/queries/visibility.h"
 #include "tests/server/pbrt/pbrt_fixture.h"
@@ -60,7 +61,7 @@ OneSample sample_at(const Scene& scene, const std::array<float, 3>& receiver, do
   return s;
 }
 
-TEST(MovingLights, AreSampledWhereTheyAreAtTheTime) {
+TEST(MovingLights, AreSampledAtTheirPlaceAtThatTime) {
   const auto scene = build(moving_point());
   // By hand: intensity over distance squared from (0, 0, 3), (2, 0, 3) and (4, 0, 3).
   for (const auto& [t, x] :
@@ -116,7 +117,7 @@ SceneDescription wall() {
   return d;
 }
 
-TEST(MovingLights, BlurIsTheMeanOfTheMoments) {
+TEST(MovingLights, BlurIsTheMeanOverTime) {
   SceneDescription d = wall();
   d.lights[0].motion = moving({{0, {}}, {1, Transform::translate({4, 1, 0})}});
   const auto scene = build(d);
@@ -148,7 +149,7 @@ TEST(MovingLights, BlurIsTheMeanOfTheMoments) {
   EXPECT_GT(std::fabs(start.channels[0].sum / 256 - mean[0]), 0.1 * mean[0]);
 }
 
-TEST(MovingLights, ScenesWithoutMotionHaveNoTraceOfIt) {
+TEST(MovingLights, ScenesWithoutMotionStoreNothingForIt) {
   const auto has_motion = [](const Scene& scene) {
     for (const ScenePart& p : scene.parts())
       if (p.name == "motion") return true;

@@ -1,4 +1,5 @@
-// Area lights that move: sampled, found and left by rays where they are at the time.
+// Moving area lights: samples, rays that find them and rays that leave them at their place at
+// that time.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -7,6 +8,7 @@
 #include <vector>
 
 #include "server/estimate/queries/emission_queries.h"
+#include "server/estimate/queries/irradiance.h"
 #include "server/estimate/queries/queries.h"
 #include "tests/server/estimate/moving_shapes.h"
 
@@ -59,7 +61,7 @@ std::vector<float> pdfs(const Scene& scene, const Vec3<float>& receiver,
   return pdf;
 }
 
-TEST(MovingAreaLights, AreSampledWhereTheyAreAtTheTime) {
+TEST(MovingAreaLights, AreSampledAtTheirPlaceAtThatTime) {
   for (const Kind& kind : kinds()) {
     const auto moves = scene_of(emissive(moved(kind), 5, true));
     for (const double t : {0.0, 0.5, 1.3, 2.0}) {
@@ -67,7 +69,8 @@ TEST(MovingAreaLights, AreSampledWhereTheyAreAtTheTime) {
       const auto still = scene_of(emissive(kind.make(placed_at(t)), 5, true));
       const Vec3<float> receiver{-1, 3, 4};
       const Samples s(*moves, {receiver.x, receiver.y, receiver.z}, 256, t);
-      // The same densities as of the light made there, in every direction that was sampled.
+      // The same densities as those of a light that stands there, in every sampled
+      // direction.
       const std::vector<float> own = pdfs(*moves, receiver, s.wi, t);
       const std::vector<float> made_there = pdfs(*still, receiver, s.wi, t);
       std::vector<float> from;
@@ -94,7 +97,7 @@ TEST(MovingAreaLights, AreSampledWhereTheyAreAtTheTime) {
   }
 }
 
-TEST(MovingAreaLights, GiveTheIrradianceOfADiskWhereItIs) {
+TEST(MovingAreaLights, GiveTheIrradianceOfADiskInItsPlace) {
   // On the axis of a disk of radius r at height h: E = pi L r^2 / (r^2 + h^2).
   SceneDescription d = description();
   d.shapes.push_back(floor(9));
@@ -121,7 +124,7 @@ TEST(MovingAreaLights, GiveTheIrradianceOfADiskWhereItIs) {
   }
 }
 
-TEST(MovingAreaLights, RaysThatLeaveThemStartWhereTheyAre) {
+TEST(MovingAreaLights, RaysStartAtTheirPlaceAtThatTime) {
   for (const Kind& kind : kinds()) {
     SCOPED_TRACE(kind.name);
     const auto scene = scene_of(emissive(moved(kind), 5));
@@ -143,7 +146,7 @@ TEST(MovingAreaLights, RaysThatLeaveThemStartWhereTheyAre) {
         ASSERT_EQ(status[i], 1);
         EXPECT_NEAR(told_position[i], position[i], 1e-3F * position[i]);
         EXPECT_NEAR(told_direction[i], direction[i], 1e-3F * direction[i]);
-        // From straight in front of it a ray meets it there.
+        // A ray from straight in front of it meets it there.
         const Vec3<float> o = triple(offsets, i), n = triple(normals, i);
         Ray back{o + n * 0.01F, -n};
         back.time_s = t;
@@ -160,8 +163,9 @@ TEST(MovingAreaLights, RaysThatLeaveThemStartWhereTheyAre) {
   }
 }
 
-// Rays to a light that moves end in coordinates of its own, which may be large where the scene's
-// are small: points of the light near the scene's zero must be told apart from the light itself.
+// Rays to a moving light end in the light's own coordinates, which may be large where the
+// scene's are small.  Points of the light near the scene's zero must not be mistaken for
+// obstacles.
 TEST(MovingAreaLights, DoNotShadowTheirOwnPoints) {
   SceneDescription d = description();
   TriangleMeshData mesh;

@@ -137,7 +137,7 @@ TEST(MovingFarOff, PortalsThatSlide) {
   });
 }
 
-TEST(MovingFarOff, PortalsThatTurnAboutAPlaceOfTheirOwn) {
+TEST(MovingFarOff, PortalsThatTurnAboutTheirOwnCentre) {
   for (const std::string sky : {"", "\"string filename\" \"sky.pfm\" "})
     expect_the_same_far_off([&](const Vec3<double>& o) {
       return "ActiveTransform All Translate " + text(o) +
@@ -176,7 +176,7 @@ TEST(MovingFarOff, SkiesAndSunsHaveNoShift) {
   }
 }
 
-TEST(MovingFarOff, PortalsBeyondWhatRaysReachAreAnError) {
+TEST(MovingFarOff, PortalsBeyondTheRangeOfRaysAreAnError) {
   const auto error = [](const std::string& motion) {
     auto description =
         testing::load_world(motion + "\nLightSource \"infinite\" " + portal({0, 0, 0}));
@@ -188,7 +188,7 @@ TEST(MovingFarOff, PortalsBeyondWhatRaysReachAreAnError) {
               ::testing::HasSubstr("scene.pbrt:2:1: motion reaching to 1"));
 }
 
-TEST(MovingFarOff, ASceneOfAPortalAloneIsAboutIt) {
+TEST(MovingFarOff, ASceneOfOnePortalHasItsOriginThere) {
   const auto description =
       testing::load_world("LightSource \"infinite\" " + portal(kFar + Vec3<double>{3, 5, 7}));
   ASSERT_TRUE(description.ok()) << description.status();

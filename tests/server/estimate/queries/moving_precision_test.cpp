@@ -7,6 +7,7 @@
 #include <random>
 #include <vector>
 
+#include "server/estimate/queries/irradiance.h"
 #include "server/estimate/queries/queries.h"
 #include "server/estimate/queries/visibility.h"
 #include "tests/server/estimate/moving_shapes.h"
@@ -69,7 +70,7 @@ int bits_of(const std::vector<std::uint8_t>& bytes) {
   return sum;
 }
 
-TEST(MovingPrecision, PositionsAreWithinTheErrorsThatAreTold) {
+TEST(MovingPrecision, PositionsAreWithinTheirReportedErrors) {
   for (const ShapeDescription& s : {plate(), plate_of_triangles()}) {
     const auto scene = scene_of(s);
     ASSERT_EQ(scene->origin(), Vec3<double>{});
@@ -183,7 +184,7 @@ TEST(MovingPrecision, LightsDoNotHideTheirOwnPoints) {
 }
 
 // Inside the object t counts in another unit.
-TEST(MovingPrecision, RaysBeginAndEndWhereTheySay) {
+TEST(MovingPrecision, RaysKeepTheirEnds) {
   for (const Kind& kind : {kinds()[0], kinds()[3]}) {
     SCOPED_TRACE(kind.name);
     ShapeDescription s = kind.make({});
@@ -245,7 +246,7 @@ TEST(MovingPrecision, SpecksInALargeSceneAreFound) {
   }
 }
 
-TEST(MovingPrecision, RaysSeeTheTimeThatTheyAreAskedFor) {
+TEST(MovingPrecision, RaysSeeTheirOwnTime) {
   SceneDescription d = description();
   d.shapes.push_back(floor(0.5, 1.5));
   d.shapes.back().motion = sliding({8, 0, 0}, 2);
@@ -261,7 +262,7 @@ TEST(MovingPrecision, RaysSeeTheTimeThatTheyAreAskedFor) {
 }
 
 // Light that comes by way of a surface comes by way of where that is.
-TEST(MovingPrecision, BouncesAreOffWhereSurfacesAreAtTheTime) {
+TEST(MovingPrecision, BouncesStartAtTheSurfaceOfThatTime) {
   const auto scene_at = [](double t, bool moves) {
     SceneDescription d = description(0.9);
     // Above the meter, which sees it, and the lamp between them; then 40 m aside.

@@ -83,7 +83,7 @@ TEST(PowerCoverage, SeesIntervalsThatAreTooNarrowOrTooWide) {
 }
 
 // Rays by the intensity, or by the cosine, all say the same.
-TEST(SampledPower, IsExactWhereRaysAreChosenByTheLight) {
+TEST(SampledPower, IsExactWhereTheDensityFollowsTheLight) {
   SceneDescription d = description();
   d.lights = {
       {SpotLightParams{
@@ -101,7 +101,7 @@ TEST(SampledPower, IsExactWhereRaysAreChosenByTheLight) {
   }
 }
 
-TEST(SampledPower, IsTheSameWhateverTheOtherLights) {
+TEST(SampledPower, DoesNotDependOnOtherLights) {
   const auto scene = lamps();
   const std::uint32_t all[] = {0, 1, 2}, two[] = {2, 1};
   for (const auto& target :
@@ -118,7 +118,7 @@ TEST(SampledPower, IsTheSameWhateverTheOtherLights) {
   }
 }
 
-TEST(SampledPower, GivesTheBitsOfTheCountThatATargetTook) {
+TEST(SampledPower, OfATargetHasTheBitsOfAQueryForItsCount) {
   const auto scene = lamps();
   const std::uint32_t all[] = {0, 1, 2};
   const SampledPowers r =
@@ -133,7 +133,7 @@ TEST(SampledPower, GivesTheBitsOfTheCountThatATargetTook) {
   }
 }
 
-TEST(SampledPower, StopsWhenAsked) {
+TEST(SampledPower, StopsOnRequest) {
   const auto scene = lamps();
   const std::uint32_t all[] = {0, 1, 2};
   std::stop_source stop;

@@ -17,7 +17,7 @@ using ::lucerna::testing::description;
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
-/// Owns what a SampleLiAnswer points into.
+/// Owns the arrays of a SampleLiAnswer.
 struct Arrays {
   explicit Arrays(std::size_t n)
       : value(3 * n),
@@ -73,7 +73,7 @@ TEST(SampleLi, OfAPointLightIsIntensityOverDistanceSquared) {
   EXPECT_EQ(a.status, (std::vector<int>{1, 1}));
 }
 
-TEST(SampleLi, AnswersRelativeToTheOriginThatWasAsked) {
+TEST(SampleLi, PlacesAreRelativeToTheOriginOfTheQuery) {
   SceneDescription d = description();
   const double far = 1e7;  // where floats are a metre apart
   d.shapes.push_back(
@@ -100,7 +100,7 @@ TEST(SampleLi, ABadItemDoesNotFailItsBatch) {
   EXPECT_FLOAT_EQ(a.value[9], 4.5F);  // 18 / 2^2
 }
 
-TEST(SampleLi, SaysOutOfRangeWhereNoFloatHoldsThePlace) {
+TEST(SampleLi, IsOutOfRangeWhereAPlaceDoesNotFitFloats) {
   const auto scene = build(one_point_light());
   const std::vector<float> points{0, 0, 0};
   const std::vector<float> u(2, 0.5F);
@@ -138,7 +138,7 @@ TEST(SampleLi, SplittingABatchChangesNothing) {
   EXPECT_NE(ask(*scene, query).ids, rest.ids);
 }
 
-TEST(SampleLi, AChosenLightAnswersAsIfItWereNamed) {
+TEST(SampleLi, AChosenLightHasTheSamplesOfANamedLight) {
   const auto scene = build(many_lights());
   std::vector<float> points, u;
   std::vector<double> u_light;
@@ -163,8 +163,8 @@ TEST(SampleLi, AChosenLightAnswersAsIfItWereNamed) {
   }
 }
 
-/// Receivers at all distances from a light, on it, and where no float tells them; sample values for
-/// each, of which some are none.
+/// Receivers at all distances from a light, on it, and beyond floats.  Some of their sample
+/// values are not numbers.
 struct Receivers {
   std::vector<float> offsets, normals, u;
   std::vector<double> u_light;
@@ -192,7 +192,7 @@ struct Receivers {
   }
 };
 
-TEST(SampleLi, OfAPointLightIsTheSameHoweverItIsAsked) {
+TEST(SampleLi, OfAPointLightIsTheSameByEveryPathOfTheCode) {
   const Vec3<float> at{1, -2, 0.5F};
   for (const double candela : {0.0, 1e-30, 18.0, 1e30}) {
     SceneDescription d = description();
@@ -202,7 +202,7 @@ TEST(SampleLi, OfAPointLightIsTheSameHoweverItIsAsked) {
     for (const Vec3<double>& origin : {Vec3<double>{}, {0.1, 0, -3e5}}) {
       SampleLiQuery query{.receivers = {origin, r.offsets}, .light = 0, .u = r.u};
       const Arrays plain = ask(*scene, query);
-      query.normals = r.normals;  // with which each sample is made whole
+      query.normals = r.normals;  // which need each whole sample
       const Arrays whole = ask(*scene, query);
       EXPECT_EQ(plain, whole) << candela;
       query.normals = {};
@@ -228,7 +228,7 @@ TEST(SampleLi, ASceneWithoutLightsIsBlack) {
   EXPECT_EQ(a.ids[0], 0U);
 }
 
-TEST(PdfLi, OfAnAreaLightIsThatOfItsSamples) {
+TEST(PdfLi, OfAnAreaLightIsTheDensityOfItsSamples) {
   const auto scene = build(many_lights());
   const auto light = static_cast<std::uint32_t>(scene->lights().size() - 1);
   std::vector<float> points;

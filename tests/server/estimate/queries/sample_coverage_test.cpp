@@ -1,12 +1,11 @@
-// The intervals that SampleLi tells of its samples, over repeats: with a target error and with a
-// number of samples, as a time allows, on scenes that are smooth and on one whose light one sample
-// in a thousand finds.
+// The intervals of SampleLi over repeats, with a target error and with a sample count.
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <string>
 #include <vector>
 
+#include "server/estimate/queries/irradiance.h"
 #include "server/estimate/queries/li_estimates.h"
 #include "tests/server/estimate/coverage.h"
 #include "tests/server/estimate/queries/irradiance_questions.h"
@@ -17,7 +16,7 @@ namespace {
 
 constexpr std::uint32_t kReplicates = 16;
 
-/// Samples by area: by solid angle those of the lamp are nearly all alike.
+/// Samples by area.  Samples by solid angle of the lamp would be nearly equal.
 struct Asked {
   std::optional<TargetError> target{};
   std::uint32_t samples_per_replicate = 0;  ///< without a target
@@ -56,7 +55,7 @@ Answered answer(const Question& q, const Asked& asked, std::uint64_t i) {
   return {e.points[0], layout.size()};
 }
 
-/// `widened`: intervals are, about their estimates.
+/// `widened`: factor of the intervals' width about their estimates.
 Coverage covered(const Question& q, const Asked& asked, double widened = 1) {
   return repeated(q.truth, widened, [&](std::uint64_t i) {
     const IrradianceEstimate e = answer(q, asked, i).estimate;
@@ -129,7 +128,7 @@ TEST(SampleCoverage, OfLightThroughAPinholeByACount) {
                             std::to_string(each) + " samples a replicate");
 }
 
-// What intervals of a wrong variance come to.
+// The coverage of intervals with a wrong variance.
 TEST(SampleCoverage, SeesIntervalsThatAreTooNarrowOrTooWide) {
   const Asked asked{.target = TargetError{.relative = 0.1}};
   const Coverage narrow = covered(lamp(), asked, 0.6), wide = covered(lamp(), asked, 1.8);
@@ -148,7 +147,7 @@ TEST(SampleTarget, IsReached) {
   }
 }
 
-TEST(SampleTarget, EndsAtTheMostSamples) {
+TEST(SampleTarget, StopsAtTheLargestSampleCount) {
   Question q = lamp();
   q.scene = build(below_a_lid(0));
   TargetError target{.relative = 0.1, .max_samples = 1024};

@@ -36,7 +36,7 @@ std::shared_ptr<const Scene> two_walls() {
   return build(d);
 }
 
-TEST(TestVisibility, SegmentsSeeWhatIsBeforeAndNotWhatIsBehindAWall) {
+TEST(TestVisibility, AWallHidesPointsBehindIt) {
   const std::vector<float> from{0, 0, 1, 0, 0, -1, 5, 0, -1, 0, 0, 1};
   const std::vector<float> to{0, 0, 3, 0, 0, 1, 5, 0, 9, 0, 0, 9};
   const Seen seen = ask(*two_walls(), {.from = {{}, from}, .to = PointArray{{}, to}});
@@ -46,7 +46,7 @@ TEST(TestVisibility, SegmentsSeeWhatIsBeforeAndNotWhatIsBehindAWall) {
   EXPECT_FALSE(seen[3]);  // through the upper one
 }
 
-TEST(TestVisibility, RaysReachAsFarAsTheyAreLong) {
+TEST(TestVisibility, RaysEndAtTheirLength) {
   const std::vector<float> from{0, 0, 1, 0, 0, 1, 0, 0, 1};
   const std::vector<float> up{0, 0, 2, 0, 0, 0.5F, 0, 0, 7};
   const std::vector<float> lengths{2.99F, 3.01F, 3.01F};
@@ -63,7 +63,7 @@ TEST(TestVisibility, SegmentsOfNoLengthAreVisible) {
   EXPECT_TRUE(ask(*two_walls(), {.from = {{}, p}, .to = PointArray{{}, p}})[0]);
 }
 
-TEST(TestVisibility, BadItemsAreToldAndDoNotFailOthers) {
+TEST(TestVisibility, BadItemsAreMarkedAndDoNotFailOthers) {
   const float inf = std::numeric_limits<float>::infinity();
   const std::vector<float> from{0, 0, 1, inf, 0, 1, 0, 0, 1, 0, 0, 1};
   const std::vector<float> to{0, 0, 2, 0, 0, 2, 0, std::nanf(""), 2, 0, 0, 2};

@@ -1,4 +1,4 @@
-#include "client/files/vector_file.h"
+#include "client/files/open_vectors.h"
 
 #include <algorithm>
 #include <cctype>
@@ -7,6 +7,7 @@
 #include "client/files/csv_file.h"
 #include "client/files/map_file.h"
 #include "client/files/npy_file.h"
+#include "proto/common/status_macros.h"
 
 namespace lucerna::client {
 
@@ -21,9 +22,8 @@ absl::StatusOr<VectorFormat> vector_format(const std::string& path) {
 }
 
 absl::StatusOr<std::unique_ptr<VectorFile>> open_vectors(const std::string& path, VectorKind kind) {
-  const auto format = vector_format(path);
-  if (!format.ok()) return format.status();
-  switch (*format) {
+  LUCERNA_ASSIGN_OR_RETURN(const VectorFormat format, vector_format(path));
+  switch (format) {
     case VectorFormat::kNpy:
       return open_npy(path);
     case VectorFormat::kCsv:

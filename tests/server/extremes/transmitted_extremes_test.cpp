@@ -1,4 +1,4 @@
-// Rows 10 and 33: what answers say of directions and positions holds of the floats that tell them.
+// Rows 10 and 33: an answer's values match the directions and positions that it reports as floats.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -17,7 +17,7 @@
 namespace lucerna::testing {
 namespace {
 
-/// Items of one query of one light, as the wire has them.
+/// Items of one query about one light, in floats as in a request.
 struct Told {
   explicit Told(std::size_t n)
       : n(n),
@@ -46,7 +46,7 @@ struct Told {
   std::vector<int> status;
 };
 
-/// Of a light's own low-discrepancy points, and of all that are made of the ends of [0, 1].
+/// A light's own low-discrepancy points, and all combinations of the ends of [0, 1].
 Told rays_of(const Scene& scene, std::uint32_t light, std::uint32_t n, double time_s = 0) {
   constexpr std::uint32_t kEnds = 16;
   std::vector<float> u;
@@ -95,7 +95,7 @@ Told samples_of(const Scene& scene, std::uint32_t light, const PointArray& recei
   return t;
 }
 
-/// Densities of the rays as they are told.
+/// Densities of the rays as they are reported.
 Told densities_of(const Scene& scene, std::uint32_t light, const Told& rays, double time_s = 0) {
   Told t(rays.n);
   pdf_le(scene, light, {scene.origin(), rays.points}, rays.directions, time_s, t.per_m2.data(),
@@ -103,7 +103,8 @@ Told densities_of(const Scene& scene, std::uint32_t light, const Told& rays, dou
   return t;
 }
 
-/// What a pdf that was not rounded with its direction says of it, at worst: the textbook's way.
+/// Compares the density before the direction was rounded with the density of the rounded direction,
+/// in the worst case: the textbook's way.
 template <typename L>
 void compare_unrounded(Sweep& sweep, const L& light, const SceneSphere& sphere) {
   for (int i = 1; i < 64; ++i) {
@@ -115,7 +116,7 @@ void compare_unrounded(Sweep& sweep, const L& light, const SceneSphere& sphere) 
   }
 }
 
-/// Lights that have no surface, by the numbers in their scene.
+/// Lights without a surface, by their numbers in the scene.
 std::vector<std::uint32_t> lights_without_surface(const Scene& scene) {
   std::vector<std::uint32_t> found;
   for (std::uint32_t l = 0; l < scene.lights().size(); ++l)
@@ -131,9 +132,9 @@ std::string name(const Scene& scene, std::uint32_t light) {
   return "light " + std::to_string(scene.lights()[light].id);
 }
 
-constexpr const char* kFloats = "directions and positions as the wire's floats tell them";
+constexpr const char* kFloats = "directions and positions in the floats of the answer";
 
-/// Density and radiance along the directions that samples tell.
+/// Density and radiance along the sampled directions.
 Told asked_along(const Scene& scene, std::uint32_t light, const PointArray& receivers,
                  const Told& samples) {
   Told t(samples.n);
@@ -149,11 +150,11 @@ Told asked_along(const Scene& scene, std::uint32_t light, const PointArray& rece
   return t;
 }
 
-TEST(ToldExtremes, SamplesOfLightsWithoutSurface) {
+TEST(TransmittedExtremes, SamplesOfLightsWithoutSurface) {
   Sweep sweep(33, "samples of every light without a surface", kFloats,
-              "value and density against Le and PdfLi of the direction told");
+              "value and density against Le and PdfLi of the reported direction");
   const auto scene = every_light();
-  // Above all that would hide the sky, but below the windows: there the sky is seen.
+  // Above everything that would hide the sky, but below the windows: the sky is visible there.
   const std::vector<float> offsets{-3, -3, 0.5F, -1, 3, 0.3F, 0.2F, 0.1F, 3.6F};
   const Vec3<double> middle(100, -50, 0);
   for (const std::uint32_t light : lights_without_surface(*scene)) {
@@ -174,7 +175,7 @@ TEST(ToldExtremes, SamplesOfLightsWithoutSurface) {
   sweep.expect_within(0);
 }
 
-/// Densities of rays against those of what is told of them.
+/// Densities of rays against those of the reported rays.
 void compare_rays(Sweep& sweep, const Scene& scene, std::uint32_t light, double time_s) {
   const Told t = rays_of(scene, light, 4000, time_s);
   const Told asked = densities_of(scene, light, t, time_s);
@@ -188,8 +189,8 @@ void compare_rays(Sweep& sweep, const Scene& scene, std::uint32_t light, double 
   EXPECT_GT(rays, 1000) << name(scene, light);
 }
 
-TEST(ToldExtremes, RaysOfEveryLight) {
-  Sweep sweep(33, "rays of every light", kFloats, "densities against PdfLe of the ray told");
+TEST(TransmittedExtremes, RaysOfEveryLight) {
+  Sweep sweep(33, "rays of every light", kFloats, "densities against PdfLe of the reported ray");
   const auto scene = every_light();
   for (std::uint32_t light = 0; light < scene->lights().size(); ++light) {
     compare_rays(sweep, *scene, light, 0);
@@ -199,8 +200,9 @@ TEST(ToldExtremes, RaysOfEveryLight) {
   sweep.expect_within(0);
 }
 
-TEST(ToldExtremes, RaysOfLightsThatMove) {
-  Sweep sweep(33, "rays of lights that move", kFloats, "densities against PdfLe of the ray told");
+TEST(TransmittedExtremes, RaysOfLightsThatMove) {
+  Sweep sweep(33, "rays of lights that move", kFloats,
+              "densities against PdfLe of the reported ray");
   const FileScene file = scene_of(
       "ActiveTransform EndTime\nTranslate 7 -3 2\nRotate 40 1 2 3\n"
       "ActiveTransform All\n"
@@ -215,14 +217,14 @@ TEST(ToldExtremes, RaysOfLightsThatMove) {
   ASSERT_TRUE(file.status.ok()) << file.status;
   for (std::uint32_t light = 0; light < file.scene->lights().size(); ++light)
     for (const double time_s : {0.0, 0.37, 1.0}) compare_rays(sweep, *file.scene, light, time_s);
-  // The light turns a direction again, by a rounding of doubles.
+  // The light rotates a direction again, with one rounding of doubles.
   sweep.expect_within(1e-6);
 }
 
-/// Where no float direction leads into a light, what is told is what was sampled.
-TEST(ToldExtremes, LightsNarrowerThanFloats) {
+/// Where no float direction leads into a light, the answer describes the sampled direction.
+TEST(TransmittedExtremes, LightsNarrowerThanFloats) {
   Sweep sweep(10, "spot, sun, half angle", "1e-9 ... 1e-7 degrees",
-              "flux, illuminance by samples whose directions floats do not tell");
+              "flux, illuminance by samples whose directions floats cannot hold");
   const std::vector<float> here{0, 0, 0};
   for (const char* cone : {"1e-7", "1e-8", "1e-9"}) {
     const FileScene file = scene_of(
@@ -242,14 +244,14 @@ TEST(ToldExtremes, LightsNarrowerThanFloats) {
       sweep.compare(double{samples.value[3 * i + 1]} / samples.per_sr[i], 5, cone);
     }
   }
-  // Of the quotient of two floats.
+  // The rounding of the quotient of two floats.
   sweep.expect_within(1.2e-7);
 }
 
-/// Also at the rim, which rounding leads over.
-TEST(ToldExtremes, SmallSuns) {
+/// Also at the rim, which rounding may cross.
+TEST(TransmittedExtremes, SmallSuns) {
   Sweep sweep(10, "sun, angular diameter", "30 ... 1e-4 degrees",
-              "radiance and density against Le and PdfLi of the direction told");
+              "radiance and density against Le and PdfLi of the reported direction");
   const std::vector<float> here{0, 0, 0};
   const Vec3<float> axis = normalized(Vec3<float>{1, -2, 3});
   for (const char* diameter : {"30", "0.5", "0.01", "1e-3", "1e-4"}) {
@@ -263,7 +265,7 @@ TEST(ToldExtremes, SmallSuns) {
       ASSERT_TRUE(t.has_light(i));
       sweep.compare(t.per_sr[i], asked.per_sr[i], diameter);
       sweep.compare(t.value[3 * i], asked.value[3 * i], diameter);
-      // Whether it is met by the cosine.
+      // Whether the light is met, judged by the cosine.
       const float half = std::stof(diameter) * std::numbers::pi_v<float> / 360;
       sweep.compare_textbook(dot(triple(t.directions, i), axis) >= std::cos(half) ? 1 : 0, 1);
     }
@@ -271,9 +273,9 @@ TEST(ToldExtremes, SmallSuns) {
   sweep.expect_within(0);
 }
 
-TEST(ToldExtremes, NarrowSpots) {
+TEST(TransmittedExtremes, NarrowSpots) {
   Sweep sweep(10, "spot, half angle, soft and hard edge", "1 ... 1e-5 degrees",
-              "density of rays against PdfLe of the direction told");
+              "density of rays against PdfLe of the reported direction");
   for (const char* cone : {"1", "0.05", "0.01", "1e-3", "1e-4", "1e-5"}) {
     for (const bool soft : {true, false}) {
       const std::string delta = soft ? cone : "0";

@@ -1,0 +1,175 @@
+// Lights at a point: luminous intensity as a function of direction, and the inverse square law.
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include <concepts>
+#include <optional>
+
+#include "lights/maths/emission_cone.h"
+#include "lights/models/inverse_square.h"
+#include "lights/models/light_bounds.h"
+#include "lights/models/light_model.h"
+#include "lights/sampling/light_sample.h"
+
+namespace lucerna {
+
+/// A profile: luminous intensity by direction, in world axes about the light's position.  Its
+/// members:
+/// - `Params` with `position_m`, and `check(params, origin_m)`, which finds the errors in them.
+/// - `is_black()`: no direction has light.
+/// - `towards(w, v)`: intensity [cd] along the unit vector `w`.  `v` has the same direction and any
+///   length, without rounding.  None outside the cone of light.
+/// - `sample(u, ray)`: sets direction, density, value and reason of a ray of a light that is not
+///   black.  The density is that of the rounded direction.
+/// - `per_sr(w)`: the density of `sample` at a finite `w` [1/sr]; 0 for black lights.
+/// - `power()`, `power_approximate()`, `own_bytes()`, `for_each_shared(f)`: as in LightModel.
+/// - `cone()`: a cone with all directions of light.
+/// Where the value depends on direction, `intensity(w)` is the intensity along `w` [cd].
+template <typename P, typename Real>
+concept IntensityProfile = requires(const P& profile, const typename P::Params& params,
+                                    const Vec3<double>& v, const Vec3<Real>& w, const Vec2<Real>& u,
+                                    EmissionSample<Real>& ray) {
+  { P::check(params, v) } -> std::same_as<absl::Status>;
+  P(params);
+  { profile.params() } -> std::same_as<const typename P::Params&>;
+  { profile.is_black() } -> std::same_as<bool>;
+  { profile.towards(v, v) } -> std::same_as<std::optional<Rgb<double>>>;
+  profile.sample(u, ray);
+  { profile.per_sr(w) } -> std::same_as<Real>;
+  { profile.power() } -> std::same_as<Power>;
+  { profile.power_approximate() } -> std::same_as<Power>;
+  { profile.cone() } -> std::same_as<EmissionCone>;
+  { profile.own_bytes() } -> std::same_as<LightBytes>;
+  profile.for_each_shared(AnySharedData());
+};
+
+/// A light at one point.  Immutable, so safe to share between threads.
+template <std::floating_point Real, template <typename> typename Profile>
+class IntensityLight {
+  static_assert(IntensityProfile<Profile<Real>, Real>);
+
+ public:
+  using Params = typename Profile<Real>::Params;
+  static constexpr bool kDelta = true;
+  static constexpr bool kSameForAllRays = !requires(const Profile<Real>& p, const Vec3<Real>& w) {
+    p.intensity(w);
+  };
+
+  /// Positions are kept relative to `origin_m`.  Errors: a field out of its domain.
+  static absl::StatusOr<IntensityLight> create(const Params& params,
+                                               const Vec3<double>& origin_m = {}) {
+    if (absl::Status status = Profile<Real>::check(params, origin_m); !status.ok()) return status;
+    return IntensityLight(params, origin_m);
+  }
+
+  /// Luminous intensity [cd] towards the unit vector `w` (world axes, from the light).
+  Rgb<Real> intensity(const Vec3<Real>& w) const requires(!kSameForAllRays) {
+    return profile_.intensity(w);
+  }
+  /// The same, as `value` of the ray that leaves the light towards `w`.
+  Rgb<Real> le_leaving(const Vec3<Real>&, const Vec3<Real>& w) const requires(!kSameForAllRays) {
+    return profile_.intensity(w);
+  }
+
+  /// Intensity over distance squared.  kDegenerate where the receiver is at the light's position.
+  /// kOutsideCone where the profile is dark.  kOutOfRange where the receiver or the quotient is not
+  /// finite.  [Pharr23, 12.2]
+  LightSample<Real> sample_li(const Receiver<Real>& receiver, Vec2<Real> /*u*/) const {
+    // Defined here for loops over receivers: a call takes longer than the point light's arithmetic.
+    LightSample<Real> sample;
+    const Way way = find_way(position_, receiver.position, sample);
+    if (sample.reason != NoLight::kNone) return sample;
+    if (profile_.is_black()) {
+      sample.reason = NoLight::kBlack;
+      return sample;
+    }
+    const std::optional<Rgb<double>> intensity_cd =
+        profile_.towards(-way.wi, Vec3<double>(receiver.position) - Vec3<double>(position_));
+    if (intensity_cd)
+      set_inverse_square(*intensity_cd, way, sample);
+    else
+      sample.reason = NoLight::kOutsideCone;
+    return sample;
+  }
+
+  /// The fields that most samples need.
+  struct PlainSample {
+    Vec3<Real> wi;
+    Real distance;
+    Rgb<Real> value;
+  };
+  /// The fields of sample_li with the same bits, in a fraction of the time.  Only where there is
+  /// light and neither the squared distance nor the value overflows or underflows; else nothing.
+  std::optional<PlainSample> plain_sample_li(const Vec3<Real>& receiver) const requires
+      kSameForAllRays {
+    const auto way = plain_way<Real>(Vec3<double>(position_) - Vec3<double>(receiver));
+    if (!way) return std::nullopt;
+    const Rgb<Real> value(profile_.intensity_cd() / way->squared_m2);
+    const Real sum = value.r + value.g + value.b;
+    const auto distance = static_cast<Real>(way->distance_m);
+    if (!(sum > 0) || !std::isfinite(sum) || !std::isfinite(distance)) return std::nullopt;
+    return PlainSample{Vec3<Real>(way->wi), distance, value};
+  }
+
+  /// Delta: 0 everywhere.
+  SolidAnglePdf<Real> pdf_li(const Receiver<Real>&, const Vec3<Real>&) const { return {}; }
+
+  /// The light's position and a direction of the profile.  kBlack where the light is black,
+  /// kOutsideCone where rounding leads out of the light, kOutOfRange where the density is not a
+  /// positive `Real`.
+  EmissionSample<Real> sample_le(Vec2<Real> /*u_position*/, Vec2<Real> u_direction,
+                                 const SceneSphere& /*scene*/) const {
+    EmissionSample<Real> sample;
+    sample.origin = position_;
+    if (profile_.is_black())
+      sample.reason = NoLight::kBlack;
+    else
+      profile_.sample(u_direction, sample);
+    return sample;
+  }
+  /// 0 at positions other than the light's and for directions that are not finite.
+  EmissionPdf<Real> pdf_le(const Vec3<Real>& position, const Vec3<Real>& direction,
+                           const SceneSphere& /*scene*/) const {
+    if (!same_float(position, position_) || !is_finite(direction)) return {};
+    return {{}, {profile_.per_sr(direction)}};
+  }
+
+  Power power(const SceneSphere& /*scene*/) const { return profile_.power(); }
+  Power power_approximate(const SceneSphere& /*scene*/) const {
+    return profile_.power_approximate();
+  }
+
+  /// A point, and the profile's cone.
+  std::optional<LightBounds<Real>> bounds() const {
+    const EmissionCone cone = profile_.cone();
+    return LightBounds<Real>{.lower = position_,
+                             .upper = position_,
+                             .axis = Vec3<Real>(cone.axis),
+                             .cone_rad = cone.half_angle_rad};
+  }
+  /// None: illuminance falls off with distance.
+  std::optional<double> cross_section_m2(const SceneSphere& /*scene*/) const {
+    return std::nullopt;
+  }
+  static LightPlace place(const Params& params) {
+    return {.anchor_m = params.position_m, .box_m = Box{params.position_m, params.position_m}};
+  }
+  LightBytes own_bytes() const { return profile_.own_bytes(); }
+  template <typename F>
+  void for_each_shared(F&& f) const {
+    profile_.for_each_shared(f);
+  }
+
+  const Params& params() const { return profile_.params(); }
+  const Vec3<Real>& position() const { return position_; }
+
+ private:
+  IntensityLight(const Params& params, const Vec3<double>& origin_m)
+      : profile_(params), position_(params.position_m - origin_m) {}
+
+  Profile<Real> profile_;
+  Vec3<Real> position_;
+};
+
+}  // namespace lucerna

@@ -1,0 +1,69 @@
+// The members that every shape of an area light has, as a concept, and the list of all shapes.
+#pragma once
+
+#include <absl/status/status.h>
+
+#include <concepts>
+#include <cstddef>
+#include <optional>
+#include <utility>
+
+#include "lights/maths/normal_cone.h"
+#include "lights/shapes/cylinder.h"
+#include "lights/shapes/disk.h"
+#include "lights/shapes/mesh.h"
+#include "lights/shapes/shape.h"
+#include "lights/shapes/sphere.h"
+
+/// `X(Shape)` for each shape of this library.  Area lights, shapes with pictures and their names in
+/// the closed set of lights follow from this list.
+#define LUCERNA_AREA_SHAPES(X) X(TriangleMesh) X(PatchMesh) X(Sphere) X(Disk) X(Cylinder)
+/// Those that can be flat: panels follow from this list.
+#define LUCERNA_FLAT_SHAPES(X) X(TriangleMesh) X(PatchMesh) X(Disk)
+
+namespace lucerna {
+
+/// Shapes whose projected solid angle at a receiver has a closed form.
+template <typename Shape, typename Real>
+concept HasProjectedSolidAngle = requires(const Shape& shape, const Vec3<Real>& p,
+                                          const Vec3<double>& n) {
+  { shape.projected_solid_angle_sr(p, n, true) } -> std::same_as<std::optional<double>>;
+  { shape.hides_itself() } -> std::same_as<bool>;
+};
+
+/// The members that every shape of an area light has:
+/// - `area`, `area_error_m2`: the area and a bound on its error, 0 where it is exact [m2].
+/// - `emissive_error`: OK where the shape can carry a light.
+/// - `sample(receiver, u)`, `pdf(receiver, point)`: points seen from a receiver, and their density.
+/// - `for_each_hit(position, wi, f)`: calls `f` with each point of the shape along `wi`.
+/// - `touches(position, primitive)`: whether a position lies on a primitive.
+/// - `height_over(point, position)`: how far a position is above the plane of a flat primitive.
+///   None for curved shapes.
+/// - `pdf_area(point)`, `locate(position)`, `located_normal(point)`: for rays that leave the shape.
+/// - `normals`, `bounds`: a cone with all normals, and a box.
+/// - `size`: how many primitives it has.
+/// - `bytes`: its memory.
+/// - `kHasProjectedSolidAngle`: whether it has `projected_solid_angle_sr` and `hides_itself`.
+template <typename Shape, typename Real>
+concept AreaShape = requires(const Shape& shape, const Receiver<Real>& receiver,
+                             const SurfacePoint<Real>& point, const Vec3<Real>& v,
+                             const Vec2<Real>& u, void (&f)(const SurfacePoint<Real>&)) {
+  { shape.area() } -> std::same_as<double>;
+  { shape.area_error_m2() } -> std::same_as<double>;
+  { shape.emissive_error() } -> std::same_as<absl::Status>;
+  { shape.sample(receiver, u) } -> std::same_as<ShapeSample<Real>>;
+  { shape.pdf(receiver, point) } -> std::same_as<SolidAnglePdf<Real>>;
+  shape.for_each_hit(v, v, f);
+  { shape.touches(v, 0) } -> std::same_as<bool>;
+  { shape.height_over(point, v) } -> std::same_as<std::optional<double>>;
+  { shape.pdf_area(point) } -> std::same_as<AreaPdf<double>>;
+  { shape.locate(v, 0.0) } -> std::same_as<std::optional<SurfacePoint<Real>>>;
+  { shape.located_normal(point) } -> std::same_as<Vec3<Real>>;
+  { shape.normals() } -> std::same_as<NormalCone<Real>>;
+  { shape.bounds() } -> std::same_as<std::pair<Vec3<Real>, Vec3<Real>>>;
+  { shape.size() } -> std::same_as<std::size_t>;
+  { shape.bytes() } -> std::same_as<std::size_t>;
+  requires Shape::kHasProjectedSolidAngle == HasProjectedSolidAngle<Shape, Real>;
+};
+
+}  // namespace lucerna

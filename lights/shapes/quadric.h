@@ -1,0 +1,188 @@
+// The members that spheres, disks and cylinders share: surfaces of second order around the z axis
+// of object space, swept about it and placed by an affine map.
+#pragma once
+
+#include <absl/status/status.h>
+#include <absl/status/statusor.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "lights/maths/normal_cone.h"
+#include "lights/maths/transform.h"
+#include "lights/shapes/shape.h"
+
+namespace lucerna {
+
+/// InvalidArgument for one field of a shape's parameters.
+inline absl::Status refuse_field(std::string_view shape, std::string_view field, double value,
+                                 std::string_view allowed) {
+  return absl::InvalidArgumentError(
+      fmt::format("{}.{} = {}, allowed {}", shape, field, value, allowed));
+}
+
+/// The checks of the fields that all quadrics have.
+template <typename Params>
+absl::Status check_radius(std::string_view shape, const Params& p) {
+  if (!(p.radius_m > 0) || !std::isfinite(p.radius_m))
+    return refuse_field(shape, "radius_m", p.radius_m, "finite and > 0");
+  return absl::OkStatus();
+}
+template <typename Params>
+absl::Status check_sweep(std::string_view shape, const Params& p) {
+  if (!(p.phi_max_rad > 0 && p.phi_max_rad <= kTurnRad))
+    return refuse_field(shape, "phi_max_rad", p.phi_max_rad, "(0, 2 pi]");
+  return absl::OkStatus();
+}
+
+/// Where a ray meets a quadric, in object space.
+struct QuadricRoot {
+  double t;        ///< along the ray, in units of its direction
+  Vec3<double> p;  ///< on the surface
+};
+using QuadricRoots = std::array<QuadricRoot, 2>;
+
+/// `Shape` derives from this class and has the private members
+/// - `roots(origin, direction, t_min, t_max, out)`: where a ray of the world meets the surface with
+///   t in (t_min, t_max), by rising t.  Returns how many roots it has set.
+/// - `nearest(q)`: the point nearest to `q` on the surface before its sweep is cut, object space.
+///   None where `q` has no nearest point.
+/// - `normal_at(p)`: the world normal at a point of the surface.
+/// and the public member `bounds`.
+template <typename Shape, typename Real, typename ShapeParams>
+class Quadric {
+ public:
+  /// [m2]; 0 where the map is not one that `emissive_error` allows.
+  double area() const { return area_m2_; }
+  /// The area is exact.
+  double area_error_m2() const { return 0; }
+  /// One surface has one primitive.
+  std::size_t size() const { return 1; }
+  std::size_t bytes() const { return sizeof(Shape); }
+
+  /// First hit with t in (t_min, t_max), `direction` of any length.  Rays pass through the part
+  /// that is cut away.  The point is moved onto the surface.
+  std::optional<ShapeHit<Real>> intersect(const Vec3<Real>& origin, const Vec3<Real>& direction,
+                                          Real t_min, Real t_max) const {
+    QuadricRoots root;
+    if (self().roots(origin, direction, t_min, t_max, root) == 0) return std::nullopt;
+    return ShapeHit<Real>{static_cast<Real>(root[0].t), surface_point(root[0].p)};
+  }
+  /// All hits with t in (t_min, t_max).
+  ShapeHits<Real> hits(const Vec3<Real>& origin, const Vec3<Real>& direction, Real t_min,
+                       Real t_max) const {
+    ShapeHits<Real> found;
+    QuadricRoots root;
+    const int count = self().roots(origin, direction, t_min, t_max, root);
+    for (int i = 0; i < count; ++i)
+      found.add(static_cast<Real>(root[i].t), surface_point(root[i].p));
+    return found;
+  }
+  /// Calls `f(surface_point)` for every point of the surface along the unit vector `wi`.
+  template <typename F>
+  void for_each_hit(const Vec3<Real>& receiver, const Vec3<Real>& wi, F&& f) const {
+    const auto found = hits(receiver, wi, 0, std::numeric_limits<Real>::infinity());
+    for (int i = 0; i < found.count; ++i) f(found.hit[i].point);
+  }
+
+  /// Density of points by area alone; 1 / area.
+  AreaPdf<double> pdf_area(const SurfacePoint<Real>&) const { return {1 / area_m2_}; }
+  /// The point of the surface at `position`, where there is one to within rounding and `slack_m`.
+  std::optional<SurfacePoint<Real>> locate(const Vec3<Real>& position, double slack_m = 0) const {
+    std::optional<Vec3<double>> q =
+        self().nearest(object_from_world_.point(Vec3<double>(position)));
+    if (!q) return std::nullopt;
+    q = nearest_swept(*q, params_.phi_max_rad);
+    const Vec3<double> nearest = world_from_object_.point(*q);
+    if (!(length(nearest - Vec3<double>(position)) <= rounding_m<Real>(self().bounds()) + slack_m))
+      return std::nullopt;
+    return SurfacePoint<Real>{position, self().normal_at(*q)};
+  }
+  /// The normal that `locate` finds at the position of `p`.
+  Vec3<Real> located_normal(const SurfacePoint<Real>& p) const {
+    const auto found = locate(p.position);
+    return found ? found->normal : p.normal;
+  }
+
+  const ShapeParams& params() const { return params_; }
+  /// About the origin that it was created with, not the world's.
+  const Transform& world_from_object() const { return world_from_object_; }
+
+ protected:
+  Quadric(const ShapeParams& params, const Vec3<double>& origin_m)
+      : params_(params),
+        world_from_object_(params.world_from_object.about(origin_m)),
+        object_from_world_(world_from_object_.inverse()) {}
+
+  /// `shape` where `Real` holds its bounds.  Else InvalidArgument that says where `what`, such as
+  /// "the disk", lies: at `at`, object space.
+  static absl::StatusOr<Shape> with_finite_bounds(Shape shape, std::string_view name,
+                                                  std::string_view what, const Vec3<double>& at) {
+    const auto [lower, upper] = shape.bounds();
+    if (is_finite(lower) && is_finite(upper)) return shape;
+    const Vec3<double> p = shape.world_from_object_.point(at);
+    return absl::InvalidArgumentError(
+        fmt::format("{}.world_from_object puts {} about ({}, {}, {}), "
+                    "allowed: finite bounds, in {} bits",
+                    name, what, p.x, p.y, p.z, 8 * sizeof(Real)));
+  }
+
+  /// InvalidArgument for a map that an emissive shape may not have.
+  absl::Status refuse_map(std::string_view name, std::string_view allowed) const {
+    const auto& m = params_.world_from_object.matrix();
+    const auto factor = [&m](int column) {
+      return length(Vec3<double>{m[0][column], m[1][column], m[2][column]});
+    };
+    return absl::InvalidArgumentError(fmt::format(
+        "{}.world_from_object scales x, y, z by ({}, {}, {}), allowed for an emissive {}: {}", name,
+        factor(0), factor(1), factor(2), name, allowed));
+  }
+
+  /// The point of radius `r` about the axis at height `z` and angle `phi`.
+  static Vec3<double> on_ring(double r, double phi, double z) {
+    return {r * std::cos(phi), r * std::sin(phi), z};
+  }
+  /// The world's point for a point of the surface in object space.
+  SurfacePoint<Real> surface_point(const Vec3<double>& p) const {
+    return {Vec3<Real>(world_from_object_.point(p)), self().normal_at(p)};
+  }
+  /// A world normal from an object space vector along the outward normal.
+  Vec3<Real> oriented(const Vec3<double>& outward) const {
+    const Vec3<double> n = normalized(world_from_object_.normal(outward));
+    return Vec3<Real>(params_.reverse_orientation ? -n : n);
+  }
+  /// The density of points chosen uniformly by area, seen from a receiver.
+  SolidAnglePdf<Real> pdf_by_area(const Receiver<Real>& receiver,
+                                  const SurfacePoint<Real>& point) const {
+    return as_seen_from(receiver.position, point, AreaPdf<double>{1 / area_m2_});
+  }
+
+  /// The two parameters at which a line meets a circle or sphere of radius `r`, the smaller first.
+  /// `closest` is the middle between them and `half_chord` half their difference.  The origin is at
+  /// `origin_distance` from the centre, and `dd` is the squared length of the direction.  The root
+  /// that would cancel follows from the other root and their product.  [Haines19]
+  static std::pair<double, double> roots_of(double closest, double half_chord,
+                                            double origin_distance, double r, double dd) {
+    const double large = closest + std::copysign(half_chord, closest);
+    const double small =
+        large == 0 ? 0 : (origin_distance - r) * (origin_distance + r) / dd / large;
+    return {std::min(small, large), std::max(small, large)};
+  }
+
+  ShapeParams params_;
+  Transform world_from_object_, object_from_world_;  // about the scene's origin
+  double area_m2_ = 0;                               // 0: the map shares out area unevenly
+
+ private:
+  const Shape& self() const { return static_cast<const Shape&>(*this); }
+};
+
+}  // namespace lucerna

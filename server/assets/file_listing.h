@@ -1,0 +1,28 @@
+// The files of one kind beneath a directory.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace lucerna {
+
+struct FileListingLimits {
+  std::size_t entries = 65536;  ///< directory entries that are looked at
+  int depth = 16;               ///< levels of folders, the root's files being level 1
+};
+
+struct FileListing {
+  std::vector<std::string> paths;  ///< relative to the root, in the order of their bytes
+  bool incomplete = false;         ///< a limit ended the search
+};
+
+/// The regular files beneath `root` whose names end with `extension` (such as ".pbrt").
+///
+/// Leaves out hidden files and folders, names that are not UTF-8, and folders that cannot be read.
+/// Does not follow symbolic links to folders.  A symbolic link to a file counts if it is relative
+/// and its target is beneath the root, since AssetReader opens such links.
+FileListing list_files(const std::string& root, const std::string& extension,
+                       const FileListingLimits& limits = {});
+
+}  // namespace lucerna

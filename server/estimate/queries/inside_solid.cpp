@@ -1,0 +1,212 @@
+#include "server/estimate/queries/inside_solid.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <numbers>
+#include <optional>
+
+#include "server/runtime/denormals.h"
+#include "server/runtime/parallel.h"
+
+namespace lucerna {
+namespace {
+
+constexpr std::size_t kRays = 16;
+constexpr std::size_t kLeastLeaving = 4;
+// A point outside of all shapes needs no more rays than this.
+constexpr std::size_t kFirstRays = 8;
+// A ray through more surfaces proves nothing.
+constexpr int kMostCrossings = 64;
+constexpr int kMostLights = 64;
+// Just before a surface, as a part of the way to it.
+constexpr float kJustBefore = 0.999F;
+constexpr std::size_t kPointsPerChunk = 8;
+
+/// Spread evenly over the sphere (a Fibonacci lattice), none along an axis; directions that follow
+/// each other are far apart.
+std::array<Vec3<float>, kRays> spread_directions() {
+  std::array<Vec3<float>, kRays> directions;
+  for (std::size_t i = 0; i < kRays; ++i) {
+    const auto k = static_cast<double>(i * 7 % kRays);
+    const double z = 1 - (2 * k + 1) / kRays;
+    const double phi = 0.3 + k * std::numbers::pi * (3 - std::sqrt(5.0));
+    const double r = std::sqrt(1 - z * z);
+    directions[i] = Vec3<float>(Vec3<double>{r * std::cos(phi), r * std::sin(phi), z});
+  }
+  return directions;
+}
+
+/// What a ray crosses.
+struct Crossings {
+  struct OfShape {
+    std::uint64_t shape;
+    int leaving;         // crossings by the side of the normals less those by the other side
+    std::int32_t light;  // of the shape; -1: none
+  };
+  std::vector<OfShape> shapes;
+  std::optional<SurfaceHit> first;
+
+  int leaving(std::uint64_t shape) const {
+    for (const OfShape& s : shapes)
+      if (s.shape == shape) return s.leaving;
+    return 0;
+  }
+};
+
+/// Nothing where there are too many.
+std::optional<Crossings> crossings(const Scene& scene, const Vec3<double>& from,
+                                   const Vec3<float>& direction, double time_s,
+                                   float t_max = std::numeric_limits<float>::infinity()) {
+  Crossings found;
+  Ray ray{Vec3<float>(from), direction, 0, t_max, time_s};
+  for (int i = 0; i < kMostCrossings; ++i) {
+    const auto hit = scene.closest_hit(ray);
+    if (!hit) return found;
+    const int leaving = dot(hit->ng, Vec3<double>(direction)) > 0 ? 1 : -1;
+    const auto known =
+        std::find_if(found.shapes.begin(), found.shapes.end(),
+                     [&](const Crossings::OfShape& s) { return s.shape == hit->shape; });
+    if (known != found.shapes.end()) {
+      known->leaving += leaving;
+    } else {
+      found.shapes.push_back({hit->shape, leaving, hit->light});
+    }
+    if (!found.first) found.first = hit;
+    // Beyond the rounding of t: an edge of two triangles counts once.
+    ray.t_min = next_up(hit->t * (1 + 4 * std::numeric_limits<float>::epsilon()));
+    if (!(ray.t_min < ray.t_max)) return found;
+  }
+  return std::nullopt;
+}
+
+/// The rays from one point, and what they say about shapes.
+class Surroundings {
+ public:
+  Surroundings(const Scene& scene, const IrradiancePoint& point, double time_s)
+      : scene_(scene), from_(point.position), time_s_(time_s) {
+    const double error = max_abs(point.position_error);
+    for (const Vec3<float>& direction : directions()) {
+      auto along = crossings(scene, from_, direction, time_s);
+      if (!along || (along->first && touches(*along->first, error))) return;
+      along_.push_back(*std::move(along));
+      if (along_.size() == kFirstRays && !leaves_any()) return;
+    }
+    complete_ = true;
+  }
+
+  bool are_solid() const {
+    if (!complete_) return false;
+    std::vector<std::uint64_t> seen;
+    for (const Crossings& along : along_) {
+      for (const Crossings::OfShape& s : along.shapes) {
+        if (s.leaving < 1 || std::find(seen.begin(), seen.end(), s.shape) != seen.end()) continue;
+        seen.push_back(s.shape);
+        if (encloses(s.shape) && !holds_light(s.shape)) return true;
+      }
+    }
+    return false;
+  }
+
+ private:
+  static const std::array<Vec3<float>, kRays>& directions() {
+    static const auto kDirections = spread_directions();
+    return kDirections;
+  }
+
+  bool touches(const SurfaceHit& hit, double error) const {
+    return std::fabs(dot(hit.ng, hit.position - from_)) <=
+           2 * (error + max_abs(hit.position_error));
+  }
+
+  bool leaves_any() const {
+    return std::any_of(along_.begin(), along_.end(), [](const Crossings& along) {
+      return std::any_of(along.shapes.begin(), along.shapes.end(),
+                         [](const Crossings::OfShape& s) { return s.leaving > 0; });
+    });
+  }
+
+  bool encloses(std::uint64_t shape) const {
+    std::vector<std::size_t> leaving, open;
+    for (std::size_t i = 0; i < kRays; ++i) {
+      const int n = along_[i].leaving(shape);
+      if (n < 0) return false;
+      (n > 0 ? leaving : open).push_back(i);
+    }
+    if (leaving.size() < kLeastLeaving) return false;
+    return std::all_of(open.begin(), open.end(),
+                       [&](std::size_t i) { return ends_inside(shape, i, leaving); });
+  }
+
+  /// Whether ray `i`, on which the shape's own surface was not found, is inside of the shape up to
+  /// the surface that it meets: by most of the rays that lead away from there.
+  bool ends_inside(std::uint64_t shape, std::size_t i,
+                   const std::vector<std::size_t>& leaving) const {
+    if (!along_[i].first) return false;
+    const Vec3<double> end =
+        from_ + Vec3<double>(directions()[i]) * double{kJustBefore * along_[i].first->t};
+    // A ray that leads on towards the surface may meet it as well, or one beside it.
+    const Vec3<double> normal = along_[i].first->ng;
+    const double side = dot(normal, Vec3<double>(directions()[i]));
+    std::size_t away = 0, inside = 0;
+    for (const std::size_t k : leaving) {
+      if (dot(normal, Vec3<double>(directions()[k])) * side >= 0) continue;
+      const auto along = crossings(scene_, end, directions()[k], time_s_);
+      if (!along || along->leaving(shape) < 0) return false;
+      ++away;
+      if (along->leaving(shape) > 0) ++inside;
+    }
+    return away > 0 && 2 * inside > away;
+  }
+
+  bool holds_light(std::uint64_t shape) const {
+    const auto lights = scene_.lights();
+    int placed = 0;
+    for (std::size_t l = 0; l < lights.size() && placed < kMostLights; ++l) {
+      const auto bounds =
+          visit_light(lights[l], time_s_, [](const auto& light) { return light.bounds(); });
+      if (!bounds) continue;
+      ++placed;
+      if (is_light_of(shape, static_cast<std::int32_t>(l))) continue;
+      const Vec3<double> middle = (Vec3<double>(bounds->lower) + Vec3<double>(bounds->upper)) * 0.5;
+      const auto along =
+          crossings(scene_, from_, Vec3<float>(middle - from_), time_s_, kJustBefore);
+      if (!along || along->leaving(shape) < 1) return true;
+    }
+    return false;
+  }
+
+  bool is_light_of(std::uint64_t shape, std::int32_t light) const {
+    return std::any_of(along_.begin(), along_.end(), [&](const Crossings& along) {
+      return std::any_of(along.shapes.begin(), along.shapes.end(),
+                         [&](const auto& s) { return s.shape == shape && s.light == light; });
+    });
+  }
+
+  const Scene& scene_;
+  Vec3<double> from_;
+  double time_s_;
+  std::vector<Crossings> along_;
+  bool complete_ = false;  // false: the point is on a surface, or outside, or nobody can say
+};
+
+}  // namespace
+
+bool is_inside_solid(const Scene& scene, const IrradiancePoint& point, double time_s) {
+  return !scene.empty() && Surroundings(scene, point, time_s).are_solid();
+}
+
+std::vector<std::uint8_t> inside_solids(const Scene& scene, std::span<const IrradiancePoint> points,
+                                        double time_s, const std::stop_token& stop) {
+  std::vector<std::uint8_t> inside(points.size());
+  parallel_chunks(points.size(), kPointsPerChunk, stop, [&](std::size_t begin, std::size_t end) {
+    const DenormalsAreZero denormals;
+    for (std::size_t i = begin; i < end; ++i)
+      inside[i] = is_inside_solid(scene, points[i], time_s) ? 1 : 0;
+  });
+  return inside;
+}
+
+}  // namespace lucerna

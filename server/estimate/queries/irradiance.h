@@ -1,0 +1,90 @@
+// Irradiance at points.  The answer for a point depends only on scene, settings, seed and item
+// number.  The number of threads and the other points have no influence.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <stop_token>
+#include <vector>
+
+#include "server/estimate/lights/methods.h"
+#include "server/estimate/statistics/confidence.h"
+#include "server/runtime/work_counts.h"
+#include "server/scene/scene.h"
+
+namespace lucerna {
+
+struct IrradiancePoint {
+  Vec3<double> position;       ///< about the scene's origin [m]
+  Vec3<float> position_error;  ///< [m]
+  Vec3<float> normal;          ///< unit
+};
+
+/// The surface that the point represents.
+inline SurfaceHit surface_at(const IrradiancePoint& point, double time_s) {
+  SurfaceHit hit;
+  hit.position = point.position;
+  hit.position_error = point.position_error;
+  hit.ns = point.normal;
+  hit.ng = Vec3<double>(hit.ns);
+  hit.time_s = time_s;
+  return hit;
+}
+
+struct IrradianceSettings {
+  std::uint64_t seed = 0;
+  std::uint64_t first_item = 0;         ///< number of points[0] in the caller's set
+  std::uint32_t samples_per_block = 1;  ///< at most 2^28
+  std::uint32_t block_count = 1;        ///< independent replicates; 1: no standard error
+  /// Set: each point takes its own `samples_per_block`, as many as the target needs.
+  /// max_samples / block_count is the limit; it must be 1 or more.  Intervals have the
+  /// target's `confidence`, else kConfidence.
+  std::optional<TargetError> target{};
+  std::optional<std::uint32_t> bounces{};  ///< 0: direct light only; unset: all
+  bool per_light = false;                  ///< direct light of each light beside the total
+  double time_s = 0;
+  Methods methods{};
+  /// Direct light at these wavelengths beside the total.  Requires bounces = 0, because
+  /// surfaces have no spectra.
+  std::span<const double> wavelengths_nm{};
+};
+
+struct IrradianceEstimate {
+  Rgb<double> irradiance_lx;
+  Rgb<double> standard_error_lx;  ///< of each channel; infinite where block_count is 1 and the
+                                  ///< answer not exact
+  double illuminance_error_lx{};  ///< standard error of the luminance; infinite in the same cases
+  /// Holds the converged illuminance with the confidence of the settings.
+  ConfidenceInterval illuminance_lx;
+  /// Upper bound of the illuminance where every sample was 0 but light may have been missed,
+  /// else 0.
+  double zero_bound_lx = 0;
+  bool exact = false;  ///< standard error 0 because nothing was sampled
+};
+
+/// The cost of one point.
+struct PointCost {
+  std::uint64_t samples = 0;  ///< samples of the estimate, without pilots
+  std::uint64_t rays = 0;     ///< of all kinds, pilots included
+  double time_s = 0;          ///< on one thread
+};
+
+struct IrradianceResult {
+  std::vector<IrradianceEstimate> points;
+  /// Direct light of light l at point p: [p * lights + l].  Empty without `per_light`.
+  std::vector<IrradianceEstimate> per_light;
+  std::vector<PointCost> costs;  ///< of each point
+  /// At wavelength k of point p: [p * wavelengths + k] [W/m2/nm].  From the samples of the
+  /// total.
+  std::vector<double> spectral;
+  std::vector<double> spectral_error;  ///< standard errors; 0 with one block
+  WorkCounts work;
+  bool stopped = false;
+};
+
+/// Irradiance on the side of `normal`.  Runs in the caller's oneTBB arena.
+IrradianceResult estimate_irradiance(const Scene& scene, std::span<const IrradiancePoint> points,
+                                     const IrradianceSettings& settings, std::stop_token stop);
+
+}  // namespace lucerna

@@ -1,0 +1,22 @@
+// Options of a SceneStore, apart from it: programs set them without reading what a scene is.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <string>
+
+namespace lucerna {
+
+struct SceneStoreOptions {
+  std::string root = ".";  ///< the directory that paths are relative to
+  std::string isa{};       ///< Embree's kernels; empty: the best of the machine
+  /// Memory of all scenes together; 0: no limit.
+  std::uint64_t memory_budget_bytes = 0;
+  /// The longest lease [s].
+  double max_lease_s = 86400;
+  /// The clock of leases.
+  std::function<std::chrono::steady_clock::time_point()> now = &std::chrono::steady_clock::now;
+};
+
+}  // namespace lucerna

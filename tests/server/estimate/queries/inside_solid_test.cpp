@@ -1,0 +1,137 @@
+#include "server/estimate/queries/inside_solid.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/server/scene/scenes.h"
+
+namespace lucerna {
+namespace {
+
+using testing::build;
+
+/// The box between two corners as triangles, normals outwards; `sides` of -x, +x, -y, +y, -z, +z.
+ShapeDescription box(const Vec3<double>& lower, const Vec3<double>& upper,
+                     std::uint32_t sides = 0b111111) {
+  TriangleMeshData mesh;
+  for (int i = 0; i < 8; ++i)
+    mesh.positions.push_back(
+        {i & 1 ? upper.x : lower.x, i & 2 ? upper.y : lower.y, i & 4 ? upper.z : lower.z});
+  constexpr std::uint32_t kCorners[6][6] = {{0, 4, 6, 0, 6, 2}, {1, 3, 7, 1, 7, 5},
+                                            {0, 1, 5, 0, 5, 4}, {2, 6, 7, 2, 7, 3},
+                                            {0, 2, 3, 0, 3, 1}, {4, 5, 7, 4, 7, 6}};
+  for (std::uint32_t side = 0; side < 6; ++side)
+    if (sides >> side & 1)
+      mesh.indices.insert(mesh.indices.end(), kCorners[side], kCorners[side] + 6);
+  return testing::shape(std::move(mesh));
+}
+
+constexpr std::uint32_t kNoTop = 0b011111, kNoBottom = 0b101111;
+
+ShapeDescription turned(ShapeDescription shape) {
+  auto& mesh = std::get<TriangleMeshData>(shape.geometry);
+  for (std::size_t i = 0; i < mesh.indices.size(); i += 3)
+    std::swap(mesh.indices[i], mesh.indices[i + 1]);
+  return shape;
+}
+
+std::shared_ptr<const Scene> scene_of(std::vector<ShapeDescription> shapes,
+                                      const Vec3<double>& lamp = {0, 0, 2.5}) {
+  SceneDescription d = testing::description();
+  d.shapes = std::move(shapes);
+  d.lights = {testing::point_light(lamp, 100)};
+  return build(std::move(d));
+}
+
+bool inside(const Scene& scene, const Vec3<double>& position) {
+  constexpr float kError = 1e-6F;
+  return is_inside_solid(scene, {position, {kError, kError, kError}, {0, 0, 1}}, 0);
+}
+
+TEST(InsideSolid, APointInAClosedBoxIsFlagged) {
+  const auto scene = scene_of({box({-1, -1, 0}, {1, 1, 1})});
+  EXPECT_TRUE(inside(*scene, {0, 0, 0.5}));
+  EXPECT_TRUE(inside(*scene, {0.9, -0.9, 0.01}));
+  EXPECT_FALSE(inside(*scene, {0, 0, 1.5}));
+  EXPECT_FALSE(inside(*scene, {1.5, 0, 0.5}));
+}
+
+TEST(InsideSolid, APointInASphereIsFlagged) {
+  const auto scene = scene_of({testing::shape(
+      SphereParams{.radius_m = 1, .world_from_object = Transform::translate({0, 0, 1})})});
+  EXPECT_TRUE(inside(*scene, {0, 0, 1}));
+  EXPECT_TRUE(inside(*scene, {0.5, 0.5, 1.5}));
+  EXPECT_FALSE(inside(*scene, {0.8, 0.8, 1.8}));
+}
+
+TEST(InsideSolid, APointUnderATableIsNotFlagged) {
+  // A board on two legs, one shape each, on the floor.
+  const auto scene = scene_of({testing::floor(3), box({-1, -1, 0.7}, {1, 1, 0.75}),
+                               box({-1, -1, 0}, {-0.9, 1, 0.7}), box({0.9, -1, 0}, {1, 1, 0.7})});
+  EXPECT_FALSE(inside(*scene, {0, 0, 0.3}));
+  EXPECT_FALSE(inside(*scene, {0, 0, 0.69}));
+  EXPECT_TRUE(inside(*scene, {0, 0, 0.72}));
+}
+
+TEST(InsideSolid, APointInAnOpenBoxIsNotFlaggedNorUnderACeiling) {
+  EXPECT_FALSE(inside(*scene_of({box({-1, -1, 0}, {1, 1, 1}, kNoTop)}), {0, 0, 0.1}));
+  EXPECT_FALSE(inside(
+      *scene_of({testing::floor(3), testing::floor(9, 3), box({-1, -1, 0}, {1, 1, 1}, kNoTop)}),
+      {0, 0, 0.1}));
+}
+
+TEST(InsideSolid, APointJustOffAWallIsNotFlaggedOnEitherSideNorOnIt) {
+  const auto scene = scene_of({testing::floor(9), box({2, -3, 0}, {2.2, 3, 3})});
+  EXPECT_FALSE(inside(*scene, {1.999, 0, 1}));
+  EXPECT_FALSE(inside(*scene, {2.2001, 0, 1}));
+  EXPECT_FALSE(inside(*scene, {2, 0, 1}));
+  EXPECT_FALSE(inside(*scene, {2 + 1e-7, 0, 1}));
+  EXPECT_TRUE(inside(*scene, {2.001, 0, 1}));
+}
+
+// A ray finds one of two surfaces at one place.
+TEST(InsideSolid, FurnitureThatTouchesFloorAndWallIsASolid) {
+  for (const bool floor_first : {false, true}) {
+    std::vector<ShapeDescription> shapes = {box({-1, -1, 0}, {1, 1, 1})};
+    const std::vector<ShapeDescription> room = {
+        testing::floor(3), testing::patch({-3, -1, 0}, {3, -1, 0}, {-3, -1, 3}, {3, -1, 3})};
+    shapes.insert(floor_first ? shapes.begin() : shapes.end(), room.begin(), room.end());
+    const auto scene = scene_of(std::move(shapes));
+    for (const double z : {0.01, 0.2, 0.5, 0.99}) EXPECT_TRUE(inside(*scene, {0.3, -0.4, z})) << z;
+    EXPECT_FALSE(inside(*scene, {0.3, -0.4, 1.01}));
+  }
+  // Closed by the floor alone.
+  EXPECT_TRUE(
+      inside(*scene_of({testing::floor(3), box({-1, -1, 0}, {1, 1, 1}, kNoBottom)}), {0, 0, 0.5}));
+}
+
+TEST(InsideSolid, ARoomIsNoSolidAndFurnitureInItIs) {
+  for (const bool outwards : {true, false}) {
+    const ShapeDescription walls = box({-3, -3, 0}, {3, 3, 3});
+    const auto scene = scene_of({outwards ? walls : turned(walls), box({-1, -1, 0}, {1, 1, 1})});
+    EXPECT_FALSE(inside(*scene, {2, 2, 0.5})) << outwards;
+    EXPECT_TRUE(inside(*scene, {0, 0, 0.5})) << outwards;
+  }
+}
+
+TEST(InsideSolid, TheLimitsAreAsDescribed) {
+  // Normals inwards: not found.  A room without a lamp, normals outwards: found.
+  EXPECT_FALSE(inside(*scene_of({turned(box({-1, -1, 0}, {1, 1, 1}))}), {0, 0, 0.5}));
+  EXPECT_TRUE(inside(*scene_of({box({-3, -3, 0}, {3, 3, 3})}, {0, 0, 9}), {0, 0, 0.5}));
+  // The shape's own light does not count.
+  EXPECT_TRUE(inside(*scene_of({testing::emissive(box({-1, -1, 0}, {1, 1, 1}), 5)}), {0, 0, 0.5}));
+}
+
+TEST(InsideSolid, ManyPointsGetTheSameAnswers) {
+  const auto scene = scene_of({testing::floor(9), box({-1, -1, 0}, {1, 1, 1})});
+  std::vector<IrradiancePoint> points;
+  for (int i = 0; i < 40; ++i)
+    points.push_back({{-2 + 0.1 * i, 0.05, 0.5}, {1e-6F, 1e-6F, 1e-6F}, {0, 0, 1}});
+  const auto flags = inside_solids(*scene, points, 0, {});
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    EXPECT_EQ(flags[i] != 0, is_inside_solid(*scene, points[i], 0)) << i;
+    EXPECT_EQ(flags[i] != 0, i > 10 && i < 30) << i;
+  }
+}
+
+}  // namespace
+}  // namespace lucerna
