@@ -26,7 +26,8 @@ constexpr std::size_t kRowsPerRead = 4096;
 
 /// Whether the receiver met the target; false if it has no answer.
 bool add_row(const float* row, TargetCheck& check) {
-  return row[client::kStatusColumn] == float{v1::ITEM_STATUS_OK} &&
+  const float status = row[client::kStatusColumn];
+  return (status == float{v1::ITEM_STATUS_OK} || status == float{v1::ITEM_STATUS_INSIDE_SOLID}) &&
          check.add(row[0], row[client::kLowerColumn], row[client::kUpperColumn],
                    static_cast<std::uint64_t>(row[client::kSamplesColumn]) + kReplicates);
 }

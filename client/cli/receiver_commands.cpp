@@ -131,7 +131,9 @@ void print_irradiance(const v1::EstimateIrradianceResponse& response, const Poin
         number(y),
         number(z),
         number(response.illuminance_lx(i)),
-        status.empty() ? error_text(response, i, response.zero_bound_lx(i), approximate) : "",
+        has_answer(response.status(), i)
+            ? error_text(response, i, response.zero_bound_lx(i), approximate)
+            : "",
         3 * i + 2 < rgb.size() ? triple(rgb[3 * i], rgb[3 * i + 1], rgb[3 * i + 2]) : ""};
     if (by_target) {
       const v1::ItemCosts& costs = response.item_costs();
@@ -154,8 +156,9 @@ void print_irradiance(const v1::EstimateIrradianceResponse& response, const Poin
     }
     fmt::print("\n{}", shares.to_string());
   }
-  fmt::print("{}± and < hold with {}% confidence; {}{}{}{}\n",
+  fmt::print("{}± and < hold with {}% confidence; {}{}{}{}{}\n",
              by_target ? "" : samples_text(response) + "; ", percent(stop.confidence()),
+             describe_inside(response.status()),
              by_target
                  ? check_target(response, response.item_costs().samples(), accuracy.target_error())
                        .describe("points")

@@ -75,7 +75,20 @@ void load(Session& session, const LoadFlags& flags) {
   check_strict(session, response);
 }
 
-void scenes(Session& session) {
+/// The files that may be loaded.
+void available_scenes(Session& session) {
+  const v1::ListAvailableScenesResponse response = list_available_scenes(session);
+  if (session.json()) {
+    fmt::print("{}", to_json(response));
+    return;
+  }
+  for (const std::string& path : response.paths()) fmt::print("{}\n", path);
+  fmt::print("{} files under {}{}\n", response.paths_size(), response.root(),
+             response.incomplete() ? "; the list is incomplete" : "");
+}
+
+void scenes(Session& session, bool available) {
+  if (available) return available_scenes(session);
   const v1::ListScenesResponse response = list_scenes(session);
   if (session.json()) {
     fmt::print("{}", to_json(response));
@@ -254,8 +267,12 @@ void add_lease_commands(CLI::App& app, Session& session) {
 
 void add_scene_commands(CLI::App& app, Session& session) {
   add_load_command(app, session);
-  add_command(app, "scenes", "List the loaded scenes", nullptr, "", "lucerna scenes --json",
-              [&session](const std::string&) { scenes(session); });
+  const auto available = std::make_shared<bool>(false);
+  CLI::App* scenes_command =
+      add_command(app, "scenes", "List the loaded scenes", nullptr, "",
+                  "lucerna scenes --json\n  lucerna scenes --available",
+                  [&session, available](const std::string&) { scenes(session, *available); });
+  scenes_command->add_flag("--available", *available, "List the scene files that may be loaded");
   const auto remarks_only = std::make_shared<bool>(false);
   CLI::App* scene_command = add_command(
       app, "scene", "Print the parts that were built for a scene, with memory, time and reason",

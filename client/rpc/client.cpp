@@ -182,6 +182,12 @@ absl::StatusOr<v1::ListScenesResponse> Client::list_scenes(const v1::ListScenesR
   return call(connection_->scene, &v1::SceneService::StubInterface::ListScenes, request, options);
 }
 
+absl::StatusOr<v1::ListAvailableScenesResponse> Client::list_available_scenes(
+    const v1::ListAvailableScenesRequest& request, const CallOptions& options) const {
+  return call(connection_->scene, &v1::SceneService::StubInterface::ListAvailableScenes, request,
+              options);
+}
+
 absl::StatusOr<v1::ListLightsResponse> Client::list_lights(const v1::ListLightsRequest& request,
                                                            const CallOptions& options) const {
   return call(connection_->scene, &v1::SceneService::StubInterface::ListLights, request, options);

@@ -99,6 +99,8 @@ class Client {
                  Done<v1::GetSceneResponse> done) const;
   Result<v1::ListScenesResponse> list_scenes(const v1::ListScenesRequest& request,
                                              const CallOptions& options = {}) const;
+  Result<v1::ListAvailableScenesResponse> list_available_scenes(
+      const v1::ListAvailableScenesRequest& request, const CallOptions& options = {}) const;
   Result<v1::ListLightsResponse> list_lights(const v1::ListLightsRequest& request,
                                              const CallOptions& options = {}) const;
   Result<v1::RenewLeaseResponse> renew_lease(const v1::RenewLeaseRequest& request,

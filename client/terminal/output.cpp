@@ -83,7 +83,9 @@ std::string item_status(const google::protobuf::RepeatedField<int>& statuses, st
 }
 
 bool has_answer(const google::protobuf::RepeatedField<int>& statuses, std::size_t item) {
-  return item_status(statuses, item).empty();
+  return item >= static_cast<std::size_t>(statuses.size()) ||
+         statuses[static_cast<int>(item)] == v1::ITEM_STATUS_OK ||
+         statuses[static_cast<int>(item)] == v1::ITEM_STATUS_INSIDE_SOLID;
 }
 
 bool any_failed(const google::protobuf::RepeatedField<int>& statuses) {
@@ -93,11 +95,19 @@ bool any_failed(const google::protobuf::RepeatedField<int>& statuses) {
       case v1::ITEM_STATUS_BEHIND:
       case v1::ITEM_STATUS_OUTSIDE_CONE:
       case v1::ITEM_STATUS_BLACK:
+      case v1::ITEM_STATUS_INSIDE_SOLID:
         return false;
       default:
         return true;
     }
   });
+}
+
+std::string describe_inside(const google::protobuf::RepeatedField<int>& statuses) {
+  const auto inside = std::count(statuses.begin(), statuses.end(), v1::ITEM_STATUS_INSIDE_SOLID);
+  if (inside == 0) return {};
+  return fmt::format("{} of {} points {} inside of solids; ", inside, statuses.size(),
+                     inside == 1 ? "is" : "are");
 }
 
 std::string describe(const v1::Cost& cost) {

@@ -42,10 +42,13 @@ std::string to_json(const google::protobuf::Message& message, const std::string&
 
 /// "INVALID_INPUT"; empty for OK.  An empty `statuses` means that all are OK.
 std::string item_status(const google::protobuf::RepeatedField<int>& statuses, std::size_t item);
-/// Whether the item has an answer.
+/// Whether the item has an answer.  Points inside of solids have one.
 bool has_answer(const google::protobuf::RepeatedField<int>& statuses, std::size_t item);
 /// Whether some item has no answer.  Items without light have one.
 bool any_failed(const google::protobuf::RepeatedField<int>& statuses);
+
+/// "2 of 8 points are inside of solids; ".  Empty if none is.
+std::string describe_inside(const google::protobuf::RepeatedField<int>& statuses);
 
 /// "1.2 s, 4096 samples, 8192 rays".  describe_approximations() reports wrong look-ups in shadow
 /// maps.

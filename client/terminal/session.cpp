@@ -291,6 +291,19 @@ v1::ListScenesResponse list_scenes(Session& session) {
   return session.ask(all_scenes(session.client(), session.call_options()));
 }
 
+v1::ListAvailableScenesResponse list_available_scenes(Session& session) {
+  v1::ListAvailableScenesResponse all;
+  v1::ListAvailableScenesRequest request;
+  do {
+    const auto page =
+        session.ask(session.client().list_available_scenes(request, session.call_options()));
+    request.set_page_token(page.next_page_token());
+    all.MergeFrom(page);
+  } while (!request.page_token().empty());
+  all.clear_next_page_token();
+  return all;
+}
+
 v1::ListLightsResponse list_lights(Session& session, const std::string& scene_id) {
   v1::ListLightsResponse all;
   v1::ListLightsRequest request;

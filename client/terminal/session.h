@@ -103,6 +103,8 @@ class Session {
 v1::LoadSceneResponse load_scene(Session& session, const std::string& path, double lease_s = 0);
 /// All loaded scenes, from all pages.
 v1::ListScenesResponse list_scenes(Session& session);
+/// All scene files that the server can load, from all pages.
+v1::ListAvailableScenesResponse list_available_scenes(Session& session);
 /// All lights of a scene, from all pages.
 v1::ListLightsResponse list_lights(Session& session, const std::string& scene_id);
 

@@ -223,6 +223,15 @@ TEST_F(Cli, ScenesAreNamedByPathIdAndPrefix) {
             "the first digits of a scene id must be 4 or more, these are 3");
 }
 
+TEST_F(Cli, AvailableScenesAreTheFilesUnderTheRoot) {
+  const Outcome outcome = lucerna({"scenes", "--available"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, ContainsRegex("(^|\n)point\\.pbrt\n(.*\n)*sphere\\.pbrt\n"));
+  EXPECT_THAT(outcome.out, ContainsRegex("\n[0-9]+ files under /.*/scenes\n$"));
+  const auto json = nlohmann::json::parse(lucerna({"scenes", "--available", "--json"}).out);
+  EXPECT_GT(json["paths"].size(), 5U);
+}
+
 TEST_F(Cli, ScenePrintsTheBuiltPartsAndTheirReasons) {
   const auto parts = [] {
     const Outcome outcome = lucerna({"scene", "point.pbrt", "--json"});

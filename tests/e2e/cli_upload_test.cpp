@@ -61,6 +61,9 @@ TEST_F(CliUpload, LoadsFilesThatTheServerDoesNotHave) {
   EXPECT_THAT(again.out, HasSubstr("was loaded already"));
   const Outcome scenes = lucerna({"scenes"});
   EXPECT_THAT(scenes.out, HasSubstr("textured.pbrt"));
+  // Its name on the server is enough.
+  EXPECT_EQ(lucerna({"lights", "textured.pbrt"}).status, 0);
+  EXPECT_THAT(lucerna({"lights", "none.pbrt"}).err, HasSubstr("--upload"));
   // The same files give the same id on any machine.
   fs::copy(path("mine"), path("theirs"));
   const Outcome local = lucerna({"load", "textured.pbrt"});

@@ -164,9 +164,25 @@ TEST(ItemStatus, NoLightIsAnAnswer) {
   EXPECT_FALSE(failed(v1::ITEM_STATUS_BEHIND));
   EXPECT_FALSE(failed(v1::ITEM_STATUS_OUTSIDE_CONE));
   EXPECT_FALSE(failed(v1::ITEM_STATUS_BLACK));
+  EXPECT_FALSE(failed(v1::ITEM_STATUS_INSIDE_SOLID));
   EXPECT_TRUE(failed(v1::ITEM_STATUS_DEGENERATE));
   EXPECT_TRUE(failed(v1::ITEM_STATUS_OUT_OF_RANGE));
   EXPECT_TRUE(failed(v1::ITEM_STATUS_INVALID_INPUT));
+}
+
+TEST(ItemStatus, PointsInsideOfSolidsAreCountedAndHaveAnAnswer) {
+  google::protobuf::RepeatedField<int> statuses;
+  EXPECT_EQ(cli::describe_inside(statuses), "");
+  statuses.Add(v1::ITEM_STATUS_OK);
+  EXPECT_EQ(cli::describe_inside(statuses), "");
+  statuses.Add(v1::ITEM_STATUS_INSIDE_SOLID);
+  EXPECT_EQ(cli::describe_inside(statuses), "1 of 2 points is inside of solids; ");
+  statuses.Add(v1::ITEM_STATUS_INSIDE_SOLID);
+  EXPECT_EQ(cli::describe_inside(statuses), "2 of 3 points are inside of solids; ");
+  EXPECT_TRUE(cli::has_answer(statuses, 0));
+  EXPECT_TRUE(cli::has_answer(statuses, 1));
+  statuses.Add(v1::ITEM_STATUS_INVALID_INPUT);
+  EXPECT_FALSE(cli::has_answer(statuses, 3));
 }
 
 TEST(Progress, ShowsTheFinishedPartAndTheTimeLeft) {
