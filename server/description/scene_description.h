@@ -46,9 +46,6 @@ struct Remark {
   std::string instead;  ///< "diffuse, reflectance 0.5"
 };
 
-/// Points of one light that one sample may ask for.
-inline constexpr std::uint32_t kMostSamplesPerLight = 1024;
-
 struct DiffuseMaterial {
   Rgb<double> reflectance{0.5};  ///< each channel in [0, 1]
 };

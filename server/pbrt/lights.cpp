@@ -7,6 +7,7 @@
 
 #include "lights/shapes/bilinear_patch.h"
 #include "lights/shapes/triangle.h"
+#include "proto/common/defaults.h"
 #include "server/pbrt/area_lights.h"
 #include "server/pbrt/image_lights.h"
 #include "server/pbrt/levels.h"
