@@ -10,6 +10,7 @@
 
 #include "client/terminal/validators.h"
 #include "lucerna/v1/accuracy.pb.h"
+#include "proto/common/defaults.h"
 
 namespace lucerna::cli {
 
@@ -118,7 +119,7 @@ class MethodOptions {
     command
         .add_option("--samples-per-light", samples_per_light_,
                     "Points that each sample takes on a light; default: as in the scene file, or 1")
-        ->check(whole(1, 1024));
+        ->check(whole(1, kMostSamplesPerLight));
     command
         .add_option(
             "--far-light", far_light_radii_,

@@ -3,7 +3,7 @@
 namespace lucerna {
 namespace {
 
-// On the wire, from above.  Bits are counted as bytes: two of them are not worth a fraction.
+// Upper bounds on the wire.  A bit counts as a byte.
 constexpr std::uint64_t kBit = 1;
 constexpr std::uint64_t kFloat = 4;
 constexpr std::uint64_t kDouble = 8;
@@ -13,7 +13,7 @@ constexpr std::uint64_t kStatus = 1;  // a varint below 128
 constexpr std::uint64_t kTag = 1;     // of a field below 16
 constexpr std::uint64_t kLength = 5;  // a 31-bit varint
 
-/// Where the server chooses a light for each item it tells which, and with which probability.
+/// If the server chooses a light for each item, the answer has its id and probability.
 template <typename Request>
 std::uint64_t choice(const Request& request) {
   return request.has_light_id() ? 0 : kId + kDouble;

@@ -16,6 +16,8 @@ inline constexpr std::uint32_t kIrradianceSamples = 256;
 inline constexpr std::uint32_t kTargetSamples = 65536;
 /// The least TargetError.max_samples: fewer samples do not show how many are needed.
 inline constexpr std::uint32_t kLeastTargetSamples = 64;
+/// The most Accuracy.samples_per_light, and `samples` of a light in a scene file.
+inline constexpr std::uint32_t kMostSamplesPerLight = 1024;
 /// The most `wavelengths_nm` of one request.
 inline constexpr std::size_t kMostWavelengths = 128;
 

@@ -1,5 +1,5 @@
-// How samples are grouped into blocks that each know a mean of their own: part of the contract,
-// since clients that split a picture by samples must get the blocks of one that is not split.
+// How samples are grouped into blocks, each with its own mean.  This is part of the contract:
+// clients that split a picture by samples must get the same blocks as clients that do not.
 #pragma once
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 
 namespace lucerna {
 
-/// A path's sample may be cut into eight, which are numbered in 32 bits within the block.
+/// A sample of a path may be split into eight, which are numbered in 32 bits within the block.
 inline constexpr std::uint32_t kMostSamplesPerBlock = 1U << 28;
 
 /// The largest power of two that divides `samples` (at least 1) and leaves at least `replicates`
@@ -19,10 +19,10 @@ inline std::uint32_t default_samples_per_block(std::uint32_t samples, std::uint3
       {divides, std::bit_floor(std::max(samples / replicates, 1U)), kMostSamplesPerBlock});
 }
 
-/// Of tiles and pictures, whose blocks hold an eighth of the samples each at most.
+/// Blocks of tiles and pictures hold at most an eighth of the samples each.
 inline constexpr std::uint32_t kTileReplicates = 8;
-/// Of pixels of a target error: beside edges the means of blocks take few values, and of 8 or 16
-/// blocks all are often equal, which tells a standard error of 0.
+/// Of pixels with a target error.  Beside edges the means of blocks take few values, and 8 or 16
+/// blocks are often all equal: their standard error would be 0.
 inline constexpr std::uint32_t kTargetReplicates = 32;
 
 /// The largest aligned run of a power of two blocks that begins at `first` and ends by `end`.

@@ -1,4 +1,4 @@
-// SHA-256 of what comes in parts.
+// SHA-256 of data in parts.
 #pragma once
 
 #include <memory>
@@ -16,7 +16,7 @@ class Sha256 {
  public:
   Sha256();
   void add(std::string_view bytes);
-  /// The digest, 32 bytes.  Nothing may be added after it.
+  /// The digest, 32 bytes.  Do not call add() after it.
   std::string finish();
 
  private:
@@ -28,7 +28,7 @@ class Sha256 {
 
 std::string sha256(std::string_view bytes);
 
-/// Two lower-case digits a byte.
+/// Two lower-case digits for each byte.
 std::string hexadecimal(std::string_view bytes);
 
 }  // namespace lucerna

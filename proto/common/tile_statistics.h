@@ -1,5 +1,5 @@
-// The arithmetic of the Tile message (lucerna/v1/render.proto): part of the contract, since servers
-// and clients that merge tiles must get the same bits.
+// The arithmetic of the Tile message (lucerna/v1/render.proto).  This is part of the contract:
+// servers and clients that merge tiles must get the same bits.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@
 
 namespace lucerna {
 
-/// What is known of one channel of one pixel after `replicates` independent blocks of samples.
+/// Statistics of one channel of one pixel over independent blocks of samples.
 /// A block's value is the mean of its samples.
 struct BlockStatistics {
   double sum = 0;        ///< of the blocks' values
@@ -20,18 +20,18 @@ struct BlockStatistics {
 BlockStatistics merge(const BlockStatistics& a, std::uint64_t na, const BlockStatistics& b,
                       std::uint64_t nb);
 
-/// Merges runs of blocks so that the bits depend on which blocks were merged and not on how they
-/// were grouped: runs are joined as in a binary counter (aligned neighbours of equal power-of-two
-/// size first), and what is left at the end is joined from the lowest block up.
+/// Merges runs of blocks.  The bits depend on the merged blocks and not on their grouping: runs
+/// merge as in a binary counter (aligned neighbours of equal power-of-two size first), and the rest
+/// merges from the lowest block up at the end.
 ///
-/// `channels` values are carried at once (3 a pixel, pixels in row order).  Runs arrive in order:
-/// each begins where the last ended, its size is a power of two, and its first block a multiple of
-/// its size.
+/// Carries `channels` values at once (3 for each pixel, pixels in row order).  Runs arrive in
+/// order: each starts where the last ended, its size is a power of two, and its first block is a
+/// multiple of its size.
 class BlockMerger {
  public:
   BlockMerger(std::uint64_t first_block, std::size_t channels);
 
-  /// False (and nothing changes) where the run does not follow the last one or is not aligned.
+  /// False, without effect, if the run does not follow the last one or is not aligned.
   bool add(std::uint64_t first_block, std::uint64_t blocks, std::vector<BlockStatistics> run);
 
   std::uint64_t blocks() const { return next_ - first_; }

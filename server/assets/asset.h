@@ -1,4 +1,4 @@
-// What is known of a file that a scene was read from.
+// Name and digest of a file that a scene was read from.
 #pragma once
 
 #include <cstdint>

@@ -96,7 +96,7 @@ absl::StatusOr<AssetContent> AssetReader::read_unpacked(const std::string& name,
   std::size_t consumed = 0;
   int result = Z_OK;
   while (result == Z_OK) {
-    // zlib counts in 32 bits; hand it a part at a time.
+    // zlib counts in 32 bits, so it gets one part at a time.
     const std::size_t part = std::min<std::size_t>(in.size() - consumed, std::size_t{1} << 30);
     stream.next_in = reinterpret_cast<Bytef*>(in.data() + consumed);
     stream.avail_in = static_cast<uInt>(part);

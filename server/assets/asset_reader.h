@@ -1,5 +1,5 @@
-// The only way by which loaders open files: names are relative to one root, and nothing outside of
-// it can be reached.
+// Loaders open files only through this reader.  Names are relative to one root, and no name reaches
+// a file outside of it.
 #pragma once
 
 #include <absl/status/status.h>
@@ -17,7 +17,7 @@
 namespace lucerna {
 
 struct AssetReaderOptions {
-  /// What all reads of one reader may amount to together, unpacked where they are compressed.
+  /// The most bytes of all reads of one reader together; compressed files count unpacked too.
   std::uint64_t max_total_bytes = std::uint64_t{4} << 30;
   bool use_openat2 = true;  ///< as in DirectorySourceOptions
 };
@@ -27,10 +27,11 @@ struct AssetContent {
   std::string bytes;
 };
 
-/// Reads files of one source and keeps the digest of each.  Not thread-safe; one reader a load.
+/// Reads files of one source and keeps the digest of each.  Not thread-safe: one reader for each
+/// load.
 ///
-/// Errors say the name as it was given.  A name that leads outside gives INVALID_ARGUMENT, the same
-/// whether a file is there or not; a file that is missing beneath the root gives NOT_FOUND.
+/// Errors have the name as given.  INVALID_ARGUMENT for a name that leads outside, whether or not a
+/// file is there.  NOT_FOUND for a file that does not exist beneath the root.
 class AssetReader {
  public:
   /// Of the directory `root`.
@@ -40,18 +41,18 @@ class AssetReader {
 
   /// `name` resolved in the directory of `relative_to`, which is itself a name relative to the root
   /// (empty: the root).  `..` is resolved on the names, before any link is followed.
-  /// Errors besides the above: no regular file (INVALID_ARGUMENT), too much (RESOURCE_EXHAUSTED).
+  /// More errors: not a regular file (INVALID_ARGUMENT), over max_total_bytes (RESOURCE_EXHAUSTED).
   absl::StatusOr<AssetContent> read(const std::string& name, const std::string& relative_to = "");
 
-  /// As `read`, and unpacks what is gzip-compressed by its first two bytes.  [RFC1952]
+  /// As `read`, and unpacks a file whose first two bytes are those of gzip.  [RFC1952]
   absl::StatusOr<AssetContent> read_unpacked(const std::string& name,
                                              const std::string& relative_to = "");
 
-  /// Every file read so far, once each, in the order in which they were first read.
+  /// Each file read so far once, in the order of the first reads.
   const std::vector<Asset>& assets() const { return assets_; }
 
-  /// The same files as they are now: names as given, digests and sizes anew.  Counts nothing
-  /// towards the total.  Errors as `read`.
+  /// The same files as they are now, with new digests and sizes.  Does not count towards
+  /// max_total_bytes.  Errors as `read`.
   absl::StatusOr<std::vector<Asset>> rehash(const std::vector<Asset>& assets);
 
  private:

@@ -53,7 +53,7 @@ int write_fully(int fd, std::string_view bytes) {
 
 struct Entry {
   std::uint64_t bytes = 0;     // on disk
-  std::uint64_t reserved = 0;  // what a writer said that it will send, else `bytes`
+  std::uint64_t reserved = 0;  // the size that a writer announced, else `bytes`
   bool whole = false;
   std::size_t pins = 0;
   std::uint64_t writer = 0;  // 0: none
@@ -94,7 +94,7 @@ struct AssetStore::State {
     const auto in_use = [](const Entry& e) { return e.pins > 0 || e.writer != 0; };
     std::uint64_t sum = reserved(), needed = size;
     for (const auto& [digest, e] : entries) needed += in_use(e) ? e.reserved : 0;
-    if (needed > options.budget_bytes) return false;  // nothing goes in vain
+    if (needed > options.budget_bytes) return false;  // delete nothing in vain
     while (sum + size > options.budget_bytes) {
       auto oldest = entries.end();
       for (auto e = entries.begin(); e != entries.end(); ++e) {
@@ -142,7 +142,7 @@ absl::StatusOr<std::unique_ptr<AssetStore>> AssetStore::open(const AssetStoreOpt
     Entry entry;
     entry.whole = extension.empty();
     entry.bytes = entry.reserved = file.file_size(error);
-    // Where the end came between the two: the whole one is good.
+    // If both exist, the server ended between finish and removal: the whole file is good.
     const auto [place, is_new] = state->entries.try_emplace(bytes_of(name), entry);
     if (!is_new && entry.whole) place->second = entry;
   }
@@ -161,7 +161,7 @@ AssetStore::Held AssetStore::held(const std::string& digest) const {
   const std::lock_guard lock(state_->mutex);
   const auto found = state_->entries.find(digest);
   if (found == state_->entries.end()) return {};
-  // Asking is a sign that it is about to be used.
+  // A client that checks for an asset is about to use it.
   found->second.used = ++state_->uses;
   return {found->second.whole, found->second.bytes};
 }
@@ -182,9 +182,9 @@ absl::StatusOr<AssetUpload> AssetStore::upload(const std::string& digest, std::u
       const std::uint64_t held = std::min(entry.bytes, size);
       if (entry.bytes == 0) state_->entries.erase(digest);
       return absl::InvalidArgumentError(fmt::format(
-          "header.offset_bytes = {}, allowed: [0, {}], what is held of it", offset, held));
+          "header.offset_bytes = {}, allowed: [0, {}], the bytes held of it", offset, held));
     }
-    entry.writer = writer = ++state_->writers;  // nobody makes room with this one
+    entry.writer = writer = ++state_->writers;  // free_space() does not delete it
     entry.reserved = entry.bytes;
     const std::uint64_t more = size > entry.bytes ? size - entry.bytes : 0;
     if (!state_->free_space(more)) {
@@ -226,7 +226,7 @@ absl::Status AssetUpload::append(std::string_view chunk) {
     const std::lock_guard lock(state.mutex);
     if (state.entry_of(digest_, writer_) == nullptr) return taken_over();
   }
-  // Not under the lock.  Should somebody take over meanwhile, the digest tells.
+  // Not under the lock.  If another writer takes over meanwhile, the digest will not match.
   const int error = write_fully(file_.get(), chunk);
   const std::lock_guard lock(state.mutex);
   Entry* entry = state.entry_of(digest_, writer_);
@@ -278,7 +278,7 @@ absl::StatusOr<OpenFile> AssetStore::read(const std::string& digest) {
     return absl::NotFoundError("the asset is not held");
   Descriptor file(::open(state_->whole(digest).c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
   if (file.get() < 0) {
-    // Somebody cleaned the directory.
+    // The file was deleted from outside.
     state_->entries.erase(found);
     return absl::NotFoundError("the asset is not held");
   }
@@ -306,7 +306,7 @@ AssetStore::Pins::~Pins() {
   const std::lock_guard lock(store_.state_->mutex);
   for (const std::string& digest : digests_) {
     const auto found = store_.state_->entries.find(digest);
-    // Dropped meanwhile, or even uploaded anew.
+    // It may have been dropped meanwhile, or uploaded anew.
     if (found != store_.state_->entries.end() && found->second.pins > 0) --found->second.pins;
   }
 }

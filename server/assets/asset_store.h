@@ -1,5 +1,5 @@
-// Uploaded files, kept on disk by the SHA-256 of their content, so that what many scenes and many
-// clients send is there once.
+// Uploaded files, kept on disk by the SHA-256 of their content.  A file that many scenes and
+// clients use is stored once.
 #pragma once
 
 #include <absl/status/status.h>
@@ -20,8 +20,8 @@ namespace lucerna {
 
 class AssetStore;
 
-/// One file on its way in.  What arrived stays for a later upload to go on from where this one is
-/// destroyed before its end.
+/// One running upload.  If it is destroyed before its end, the store keeps what arrived, and a
+/// later upload may continue there.
 class AssetUpload {
  public:
   AssetUpload(AssetUpload&& other) noexcept
@@ -35,16 +35,16 @@ class AssetUpload {
   AssetUpload& operator=(AssetUpload&&) = delete;
   ~AssetUpload();
 
-  /// What is held now.
+  /// Bytes held now.
   std::uint64_t bytes() const { return bytes_; }
   std::uint64_t size() const { return size_; }
   bool complete() const { return bytes_ == size_; }
 
-  /// Requires no more than the size that was said.  Errors: no space on the disk
+  /// Requires that bytes() stays at most size().  Errors: no space on the disk
   /// (RESOURCE_EXHAUSTED), another writer took over (FAILED_PRECONDITION).
   absl::Status append(std::string_view chunk);
-  /// Requires `complete()`.  INVALID_ARGUMENT where the bytes have another digest, which the
-  /// message is, hexadecimal; they are dropped.
+  /// Requires `complete()`.  INVALID_ARGUMENT if the bytes have another digest: the store drops
+  /// them, and the message is that digest, hexadecimal.
   absl::Status finish();
 
  private:
@@ -67,31 +67,32 @@ class AssetUpload {
 /// Thread-safe.  Digests are 32 bytes.
 class AssetStore {
  public:
-  /// FAILED_PRECONDITION where another server uses the directory; INVALID_ARGUMENT where it cannot
-  /// be written to.
+  /// FAILED_PRECONDITION if another server uses the directory.  INVALID_ARGUMENT if it is not
+  /// writable.
   static absl::StatusOr<std::unique_ptr<AssetStore>> open(const AssetStoreOptions& options);
   ~AssetStore();
 
   struct Held {
     bool whole = false;
-    std::uint64_t bytes = 0;  ///< of a broken upload: where another one may go on
+    std::uint64_t bytes = 0;  ///< of a broken upload: another one may continue there
   };
   Held held(const std::string& digest) const;
 
-  /// Begins, or goes on at `offset`, which may not be beyond what is held; what is held beyond it
-  /// is forgotten.  Takes as long as reading what is held does.
+  /// Starts an upload at `offset`, at most the bytes held.  Drops the bytes held beyond it.  Reads
+  /// the bytes held up to `offset` to hash them.
   ///
-  /// Errors: INVALID_ARGUMENT (offset), RESOURCE_EXHAUSTED (over the limit for one file; no room
-  /// for it among files in use), FAILED_PRECONDITION (being uploaded by another; held already).
+  /// Errors: INVALID_ARGUMENT (offset), RESOURCE_EXHAUSTED (over the limit for one file; files in
+  /// use leave no room), FAILED_PRECONDITION (another client uploads it; it is held already).
   absl::StatusOr<AssetUpload> upload(const std::string& digest, std::uint64_t size,
                                      std::uint64_t offset);
 
-  /// The file, which may be read even if it goes meanwhile.  NOT_FOUND where it is not held whole.
+  /// The file; it stays readable if the store deletes it meanwhile.  NOT_FOUND if it is not
+  /// complete.
   absl::StatusOr<OpenFile> read(const std::string& digest);
-  /// For a file whose bytes turned out to be others than its digest's.
+  /// Deletes a file.  For a file whose bytes do not match its digest.
   void drop(const std::string& digest);
 
-  /// Keeps files from going as long as it lives.
+  /// The store does not delete these files while it lives.
   class Pins {
    public:
     Pins(AssetStore& store, std::vector<std::string> digests);
@@ -105,7 +106,7 @@ class AssetStore {
   };
 
   std::uint64_t max_asset_bytes() const;
-  std::uint64_t bytes() const;  ///< of all files, and of what is on its way
+  std::uint64_t bytes() const;  ///< of all files, and reserved by running uploads
 
  private:
   friend class AssetUpload;

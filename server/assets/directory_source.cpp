@@ -16,13 +16,13 @@
 namespace lucerna {
 namespace {
 
-/// Opens `path` beneath `root`, or says why not through errno.  Nothing where this kernel (or what
-/// filters its calls) knows no openat2.
+/// Opens `path` beneath `root`; on failure -1 and errno.  Nothing if the kernel, or a filter of its
+/// calls, has no openat2.
 std::optional<int> open_with_openat2(int root, const std::string& path, int flags) {
   open_how how{};
   how.flags = static_cast<std::uint64_t>(flags);
   how.resolve = RESOLVE_BENEATH | RESOLVE_NO_MAGICLINKS;
-  // EAGAIN: something was renamed while a `..` within a link was being resolved.
+  // EAGAIN: a rename happened while a `..` within a link was resolved.
   for (int attempt = 0; attempt < 16; ++attempt) {
     const long fd = syscall(SYS_openat2, root, path.c_str(), &how, sizeof(how));
     if (fd >= 0) return static_cast<int>(fd);
@@ -32,7 +32,7 @@ std::optional<int> open_with_openat2(int root, const std::string& path, int flag
   return -1;
 }
 
-/// One component at a time, following no link at all.
+/// Opens one component at a time, and follows no link.
 int open_without_links(int root, const std::string& path, int flags) {
   const std::vector<std::string> parts = path_components(path);
   int directory = root;
@@ -73,7 +73,7 @@ absl::StatusOr<std::unique_ptr<DirectorySource>> DirectorySource::open_root(
   const int fd = ::open(root.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC);
   if (fd < 0)
     return absl::NotFoundError(
-        fmt::format("scene root \"{}\" is no directory that can be opened", root));
+        fmt::format("scene root \"{}\" is not a directory that can be opened", root));
   return std::unique_ptr<DirectorySource>(new DirectorySource(Descriptor(fd), options));
 }
 
@@ -84,7 +84,8 @@ absl::StatusOr<OpenFile> DirectorySource::open(const std::string& path, const st
   if (options_.use_openat2) opened = open_with_openat2(root_.get(), path, kFlags);
   Descriptor fd(opened ? *opened : open_without_links(root_.get(), path, kFlags));
   if (fd.get() < 0) {
-    // EXDEV: openat2 met the root's border.  ELOOP: a link where none is followed, or a circle.
+    // EXDEV: openat2 would leave the root.  ELOOP: a link where none is followed, or a circle of
+    // links.
     if (errno == EXDEV || errno == ELOOP) return leaves_root(name);
     if (errno == ENOENT || errno == ENOTDIR)
       return absl::NotFoundError(fmt::format("file \"{}\" does not exist", name));

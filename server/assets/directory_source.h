@@ -1,5 +1,5 @@
-// Files beneath one directory: nothing outside of it can be reached, by `..`, by an absolute name
-// or through a symbolic link.
+// Files beneath one directory.  No name reaches a file outside of it: not by `..`, not by an
+// absolute name, not through a symbolic link.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -12,14 +12,14 @@
 namespace lucerna {
 
 struct DirectorySourceOptions {
-  /// Let the kernel keep path resolution beneath the root (openat2, Linux 5.6), where it can.
-  /// Without it symbolic links are refused altogether.
+  /// The kernel keeps path resolution beneath the root (openat2, Linux 5.6), if it can.  Without
+  /// openat2 all symbolic links are refused.
   bool use_openat2 = true;
 };
 
 class DirectorySource final : public FileSource {
  public:
-  /// NOT_FOUND for what is no directory that can be opened.
+  /// NOT_FOUND if `root` is not a directory that can be opened.
   static absl::StatusOr<std::unique_ptr<DirectorySource>> open_root(
       const std::string& root, const DirectorySourceOptions& options = {});
 
@@ -35,7 +35,7 @@ class DirectorySource final : public FileSource {
 
 /// INVALID_ARGUMENT for a name that leads out of a scene's files.
 absl::Status leaves_root(const std::string& name);
-/// INVALID_ARGUMENT for a file that is there and gives no bytes.
+/// INVALID_ARGUMENT for a file that exists and cannot be read.
 absl::Status unreadable(const std::string& name);
 
 }  // namespace lucerna

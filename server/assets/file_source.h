@@ -28,21 +28,21 @@ struct OpenFile {
   std::uint64_t size;
 };
 
-/// Names that files can be opened by.
+/// A source of files by name.
 class FileSource {
  public:
   virtual ~FileSource() = default;
 
-  /// The regular file called `path`, without `.` and `..`, at its beginning.  Messages say `name`,
-  /// by which it was asked for.  Errors: NOT_FOUND where there is none, INVALID_ARGUMENT where it
-  /// may not be read, FAILED_PRECONDITION where it is not there yet.
+  /// The regular file called `path`, which has no `.` and `..`, at its beginning.  Messages use
+  /// `name`, as in the request.  Errors: NOT_FOUND if it does not exist, INVALID_ARGUMENT if it may
+  /// not be read, FAILED_PRECONDITION if it was not uploaded yet.
   virtual absl::StatusOr<OpenFile> open(const std::string& path, const std::string& name) = 0;
 };
 
 /// The parts of a path between its slashes.
 std::vector<std::string> path_components(std::string_view path);
 
-/// Reads up to `size` bytes from where the file stands; fewer only at its end, -1 on an error.
+/// Reads up to `size` bytes from the current position; fewer only at the end; -1 on an error.
 std::int64_t read_fully(int fd, char* to, std::size_t size);
 
 }  // namespace lucerna

@@ -1,4 +1,4 @@
-// The files of a scene that was uploaded: names that a client gave to assets.
+// The files of an uploaded scene: a client's names for assets.
 #pragma once
 
 #include <map>
@@ -12,19 +12,19 @@ namespace lucerna {
 
 struct Manifest {
   std::string main;  ///< the scene file's name among `assets`
-  /// Names relative to the scene's root and the digests of what they name, 32 bytes; empty for what
-  /// the client was asked for and does not have.
+  /// Names relative to the scene's root, and the digests of the files, 32 bytes.  An empty digest:
+  /// the client has no such file.
   std::map<std::string, std::string> assets;
 };
 
-/// A file that a scene needs and that cannot be read yet.
+/// A file that a scene needs and that was not uploaded yet.
 struct MissingAsset {
   std::string name;
-  std::string digest;  ///< empty where the manifest does not name the file
+  std::string digest;  ///< empty if the manifest does not name the file
 };
 
-/// `missing` gets each file that was asked for and is not there yet, once, in the order of asking;
-/// it must outlive the source, as `store` must.
+/// `missing` gets each file that a loader opened and that was not uploaded yet, once, in the order
+/// of opening.  `missing` and `store` must outlive the source.
 class ManifestSource final : public FileSource {
  public:
   ManifestSource(const Manifest& manifest, AssetStore& store, std::vector<MissingAsset>& missing);

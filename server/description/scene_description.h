@@ -33,9 +33,6 @@ struct Remark {
   std::string instead;  ///< "diffuse, reflectance 0.5"
 };
 
-/// Limit of points per light and sample.
-inline constexpr std::uint32_t kMostSamplesPerLight = 1024;
-
 struct DiffuseMaterial {
   Rgb<double> reflectance{0.5};  ///< each channel in [0, 1]
 };

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include "proto/common/defaults.h"
 #include "server/pbrt/image_lights.h"
 #include "server/pbrt/levels.h"
 #include "server/pbrt/photometric_lights.h"

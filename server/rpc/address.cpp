@@ -16,7 +16,7 @@ namespace {
 
 std::size_t port_colon(const std::string& address) {
   const std::size_t colon = address.rfind(':');
-  // A colon within brackets or without a port belongs to an address of IPv6.
+  // A colon within brackets belongs to an IPv6 address.
   if (colon == std::string::npos || address.find(']', colon) != std::string::npos) {
     return std::string::npos;
   }

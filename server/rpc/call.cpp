@@ -8,9 +8,9 @@
 
 namespace lucerna::rpc {
 namespace {
-// Up to here a task is run where it arrives: handing it over costs about as much.
+// Shorter tasks run on gRPC's thread: a hand-over to a lane costs about as much.
 constexpr double kAtOnceSeconds = 50e-6;
-// From here it would keep small queries waiting, so it goes with the renders.
+// Longer tasks run in the bulk lane, so that small queries do not wait for them.
 constexpr double kBulkSeconds = 0.1;
 }  // namespace
 
@@ -70,7 +70,7 @@ void UnaryCall::compute(const Task& task, double queue_time_s) {
   const auto begin = std::chrono::steady_clock::now();
   const CpuMeter meter;
   absl::Status status = guarded([&] { return task.run(stop_.get_token()); });
-  // Work that was told to stop may have left out anything.
+  // A stopped task may have left its answer incomplete.
   if (stop_.stop_requested()) status = stopped_status(deadline_);
   if (task.cost != nullptr && status.ok()) {
     const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;

@@ -12,14 +12,15 @@
 
 namespace lucerna::rpc {
 
-/// Turns an error into gRPC's, with details in the trailing metadata of `context`; logs INTERNAL.
+/// The status as gRPC's.  Puts the retry delay into the trailing metadata of `context`, and logs
+/// INTERNAL errors.
 grpc::Status to_grpc(const absl::Status& status, grpc::ServerContextBase& context);
 
-/// gRPC's deadline; the end of time where there is none.
+/// gRPC's deadline; the largest time point if there is none.
 LaneJob::Clock::time_point deadline_of(const grpc::ServerContextBase& context);
 
-/// One unary call.  Small tasks are run at once, on gRPC's thread; others in a lane.  It lives
-/// until both gRPC and the lane have let go of it.
+/// One unary call.  Small tasks run at once on gRPC's thread, others in a lane.  The call lives
+/// until both gRPC and the lane have released it.
 class UnaryCall : public grpc::ServerUnaryReactor, public std::enable_shared_from_this<UnaryCall> {
  public:
   static grpc::ServerUnaryReactor* start(Runtime& runtime, grpc::CallbackServerContext* context,

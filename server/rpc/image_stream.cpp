@@ -8,7 +8,7 @@
 
 namespace lucerna::rpc {
 namespace {
-// Tiles that wait to be read, the one being written among them.
+// Tiles that wait for the client, the one being written included.
 constexpr std::size_t kTilesAhead = 3;
 }  // namespace
 
@@ -93,7 +93,7 @@ void ImageStream::OnWriteDone(bool ok) {
     const std::lock_guard lock(mutex_);
     writing_ = false;
     ready_.pop_front();
-    // The stream is broken: nobody reads any more.
+    // The stream is broken.
     if (!ok && error_.ok()) error_ = absl::CancelledError("the stream was closed");
   }
   if (!ok) stop_.request_stop();
@@ -110,7 +110,7 @@ void ImageStream::advance() {
     if (error_.ok()) {
       if (!writing_ && !ready_.empty()) {
         writing_ = true;
-        write = &ready_.front();  // stays where it is when others are added behind it
+        write = &ready_.front();  // push_back leaves it in place
       }
       if (!job_ && !complete_ && ready_.size() < kTilesAhead) render = job_ = true;
       if (complete_ && ready_.empty()) end = absl::OkStatus();
@@ -119,7 +119,7 @@ void ImageStream::advance() {
     }
     finished_ = end.has_value();
   }
-  // Outside of the lock, as each may come back here on another thread.
+  // Outside of the lock: each may call advance() on another thread.
   if (write != nullptr) StartWrite(write);
   if (render) runtime_.lanes.resume(Lane::kBulk, next_job());
   if (end) Finish(to_grpc(*end, *context_));

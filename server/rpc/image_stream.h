@@ -16,8 +16,8 @@
 
 namespace lucerna::rpc {
 
-/// Renders one tile a job, so that other renders get their turn between two tiles, and no further
-/// ahead of the client's reading than a few tiles.
+/// Renders one tile in each lane job, so that other renders get their turn between two tiles. Stays
+/// at most a few tiles ahead of what the client has read.
 class ImageStream : public grpc::ServerWriteReactor<v1::RenderImageResponse>,
                     public std::enable_shared_from_this<ImageStream> {
  public:
@@ -35,7 +35,7 @@ class ImageStream : public grpc::ServerWriteReactor<v1::RenderImageResponse>,
   void begin(const v1::RenderImageRequest& request);
   LaneJob next_job();
   void render_next(const LaneJobStart& start);
-  /// Starts whatever is to be done next: a write, a job, the end.
+  /// Starts what comes next: a write, a lane job, the end.
   void advance();
 
   Runtime& runtime_;
@@ -45,11 +45,11 @@ class ImageStream : public grpc::ServerWriteReactor<v1::RenderImageResponse>,
   CallGate::Pass pass_;
   std::shared_ptr<ImageStream> self_;
 
-  std::optional<ImageRender> render_;  // of the job's, while there is one
+  std::optional<ImageRender> render_;  // the lane job alone uses it while there is one
   double queue_s_ = 0, wall_s_ = 0, cpu_s_ = 0;
 
   std::mutex mutex_;
-  std::deque<v1::RenderImageResponse> ready_;  // the first is being written, if any is
+  std::deque<v1::RenderImageResponse> ready_;  // if writing_, the first is being written
   bool job_ = false, writing_ = false, complete_ = false, finished_ = false;
   absl::Status error_;
 };

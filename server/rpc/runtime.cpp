@@ -25,14 +25,14 @@ bool CallGate::wait_until_empty(std::chrono::steady_clock::time_point deadline) 
 }
 
 void CallGate::leave() {
-  // Told under the lock: whoever waits may destroy the gate as soon as it is empty.
+  // Notified under the lock: a waiting thread may destroy the gate as soon as it is empty.
   const std::lock_guard lock(mutex_);
   if (--inside_ == 0) left_.notify_all();
 }
 
 absl::Status lane_error(absl::Status status, Lane lane) {
   if (status.code() != absl::StatusCode::kResourceExhausted) return status;
-  // About the time that a job of the lane may take.
+  // About the time of one job of the lane.
   return retry_after(std::move(status), Reason::kQueueFull,
                      std::chrono::milliseconds(lane == Lane::kInteractive ? 50 : 1000));
 }
@@ -50,7 +50,7 @@ absl::Status guarded(const std::function<absl::Status()>& f) {
   } catch (const std::bad_alloc&) {
     return absl::ResourceExhaustedError("not enough memory for this request");
   } catch (const std::exception& e) {
-    return absl::InternalError(e.what());  // for the log; callers do not see it
+    return absl::InternalError(e.what());  // for the log; to_wire() hides it from callers
   }
 }
 

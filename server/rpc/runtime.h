@@ -15,10 +15,10 @@
 
 namespace lucerna::rpc {
 
-/// Counts the calls that are being answered.  Thread-safe.
+/// Counts the running calls, and refuses new ones once it is closed.  Thread-safe.
 class CallGate {
  public:
-  /// A call that was let in, until it is destroyed.
+  /// Counts one call as running until it is destroyed.
   class Pass {
    public:
     Pass() = default;
@@ -40,7 +40,7 @@ class CallGate {
   /// An empty pass once the gate is closed.
   Pass enter();
   void close();
-  /// False where calls were still in at `deadline`.
+  /// False if calls still ran at `deadline`.
   bool wait_until_empty(std::chrono::steady_clock::time_point deadline);
 
  private:
@@ -64,13 +64,13 @@ struct Runtime {
   Context context() { return {*scenes, *assets, limits}; }
 };
 
-/// RESOURCE_EXHAUSTED of a lane becomes worth a retry.
+/// Adds a RetryInfo to the RESOURCE_EXHAUSTED of a full lane.
 absl::Status lane_error(absl::Status status, Lane lane);
 
-/// What to say of work that was told to stop.
+/// The status of stopped work: DEADLINE_EXCEEDED or CANCELLED.
 absl::Status stopped_status(LaneJob::Clock::time_point deadline);
 
-/// `f()`, its exceptions as errors: no memory is RESOURCE_EXHAUSTED, all others INTERNAL.
+/// `f()`, with exceptions as errors: RESOURCE_EXHAUSTED if memory ran out, else INTERNAL.
 absl::Status guarded(const std::function<absl::Status()>& f);
 
 }  // namespace lucerna::rpc

@@ -25,7 +25,7 @@ struct Server::State {
   explicit State(const LaneOptions& options) : lanes(options), runtime(lanes) {}
 
   std::string address;
-  // Destroyed from the last to the first: calls end first, then the work, then the scenes.
+  // Destroyed from last to first: calls, then services, then scenes, then lanes.
   Lanes lanes;
   Runtime runtime;
   std::vector<std::unique_ptr<grpc::Service>> services;
@@ -62,15 +62,15 @@ void set_info(const ServerOptions& options, const Fingerprint& fingerprint, int 
   f.set_libm(fingerprint.libm);
 }
 
-/// Global to the process, and once is enough.
+/// Once for the process.
 void set_up_grpc() {
   static const bool done = [] {
-    // Its words on what our errors say too, and on clients that come and go.
+    // gRPC's own messages repeat our errors and report each client that comes and goes.
     gpr_set_log_function([](gpr_log_func_args* args) { spdlog::debug("grpc: {}", args->message); });
     grpc::EnableDefaultHealthCheckService(true);
     grpc::reflection::InitProtoReflectionServerBuilderPlugin();
-    // gRPC answers health checks from descriptions of its own; naming the type here links the one
-    // that reflection tells.
+    // gRPC answers health checks without this message.  Naming it links its description, which
+    // reflection needs.
     (void)grpc::health::v1::HealthCheckRequest::descriptor();
     return true;
   }();
@@ -97,9 +97,9 @@ absl::Status Server::State::listen(const ServerOptions& options) {
   set_up_grpc();
   services = make_services(runtime);
   grpc::ServerBuilder builder;
-  // Two servers on one port would answer by turns, each with its own scenes.
+  // Two servers on one port would answer in turns, each with its own scenes.
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
-  // Clients ask whether it is still there while a long call runs.
+  // Clients send keepalive pings while a long call runs.
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 5'000);
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
   const int bytes = static_cast<int>(
@@ -169,7 +169,7 @@ void Server::begin_drain() {
 
 void Server::drain(std::chrono::milliseconds patience) {
   begin_drain();
-  // The port stays open meanwhile, so that health can be asked and new calls get their answer.
+  // The port stays open meanwhile: health checks and new calls get their answers.
   state_->runtime.gate.wait_until_empty(std::chrono::steady_clock::now() + patience);
   state_->end(std::chrono::system_clock::now());
 }

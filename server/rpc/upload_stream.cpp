@@ -11,7 +11,7 @@
 namespace lucerna::rpc {
 namespace {
 
-// Hashing more at once would keep small queries waiting.
+// Small queries would wait for the hashing of larger chunks.
 constexpr std::size_t kMostChunkBytes = std::size_t{4} << 20;
 
 absl::Status being_uploaded(absl::Status status) {
@@ -41,7 +41,7 @@ grpc::ServerReadReactor<v1::UploadAssetRequest>* UploadStream::start(
 void UploadStream::OnReadDone(bool ok) {
   if (stop_.stop_requested()) return finish(absl::CancelledError("the upload was cut off"));
   if (!ok) return finish(guarded([&] { return end(); }));
-  // The lane may be full at the beginning; what has begun goes on.
+  // A full lane refuses new uploads only.
   LaneJob job{.run = [self = shared_from_this()](const LaneJobStart& start) { self->take(start); },
               .stop = stop_.get_token()};
   if (begun_) return runtime_.lanes.resume(Lane::kInteractive, std::move(job));
@@ -82,7 +82,7 @@ absl::Status UploadStream::take_header(const v1::AssetHeader& header) {
   const std::uint64_t reach = std::min<std::uint64_t>(held.bytes, header.size_bytes());
   if (header.offset_bytes() > reach) {
     return bad_field("header.offset_bytes", fmt::format("{}", header.offset_bytes()),
-                     fmt::format("[0, {}], what is held of it", reach));
+                     fmt::format("[0, {}], the bytes held of it", reach));
   }
   absl::StatusOr<AssetUpload> upload =
       assets.upload(header.sha256(), header.size_bytes(), header.offset_bytes());
@@ -114,13 +114,13 @@ absl::Status UploadStream::end() {
   if (absl::IsInvalidArgument(status)) {
     return bad_field(
         "header.sha256", hexadecimal(header_.sha256()),
-        fmt::format("{}, the SHA-256 of the bytes that came", std::string(status.message())));
+        fmt::format("{}, the SHA-256 of the received bytes", std::string(status.message())));
   }
   return absl::IsFailedPrecondition(status) ? being_uploaded(std::move(status)) : status;
 }
 
 void UploadStream::finish(const absl::Status& status) {
-  upload_.reset();  // what came is kept, and can be asked for once this call has its answer
+  upload_.reset();  // keeps what arrived, before the client learns that the call has ended
   Finish(to_grpc(status, *context_));
 }
 

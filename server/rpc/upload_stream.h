@@ -14,8 +14,8 @@
 
 namespace lucerna::rpc {
 
-/// Hashes and writes one message a job, and reads the next one only then: a client that sends
-/// faster than the disk takes it is held up by gRPC's flow control.
+/// Hashes and writes one message in each lane job, and then reads the next.  If a client sends
+/// faster than the disk writes, gRPC's flow control slows it down.
 class UploadStream : public grpc::ServerReadReactor<v1::UploadAssetRequest>,
                      public std::enable_shared_from_this<UploadStream> {
  public:
@@ -30,11 +30,11 @@ class UploadStream : public grpc::ServerReadReactor<v1::UploadAssetRequest>,
                v1::UploadAssetResponse* response);
 
  private:
-  /// What was read, on a lane's thread.
+  /// Handles the message that was read, on a thread of the lane.
   void take(const LaneJobStart& start);
   absl::Status take_header(const v1::AssetHeader& header);
   absl::Status take_chunk(const std::string& chunk);
-  /// The client has sent all that it will.
+  /// Handles the end of the client's messages.
   absl::Status end();
   void finish(const absl::Status& status);
 
@@ -45,11 +45,11 @@ class UploadStream : public grpc::ServerReadReactor<v1::UploadAssetRequest>,
   CallGate::Pass pass_;
   std::shared_ptr<UploadStream> self_;
 
-  // At any moment one of: a read, a job, the end.
+  // At any moment there is one of: a read, a lane job, the end.
   v1::UploadAssetRequest request_;
   v1::AssetHeader header_;
   bool begun_ = false;
-  bool held_ = false;  // the whole asset is there: the rest of the stream is of no interest
+  bool held_ = false;  // the whole asset is there: the rest of the stream is not read
   std::optional<AssetUpload> upload_;
 };
 

@@ -1,16 +1,16 @@
 // One denormals policy on every thread that computes: denormal numbers are zero, in and out.
 //
-// Embree asks for it (a denormal costs over a hundred cycles in its kernels), and an answer must
-// not depend on which thread computed it: the control register belongs to the thread, and what
-// oneTBB's workers begin with depends on who made the arena.
+// Embree recommends it: a denormal costs over a hundred cycles in its kernels.  An answer must not
+// depend on the thread that computed it.  The control register belongs to the thread, and its first
+// value in oneTBB's workers depends on the thread that made the arena.
 #pragma once
 
 #include <immintrin.h>
 
 namespace lucerna {
 
-/// While it lives, this thread flushes denormal results to zero and reads denormals as zero, rounds
-/// to nearest and raises no floating-point traps.  Put one at the head of every chunk of work.
+/// While it lives, this thread flushes denormal results to zero, reads denormals as zero, rounds to
+/// nearest and raises no floating-point traps.  Put one at the start of every chunk of work.
 class DenormalsAreZero {
  public:
   DenormalsAreZero() : saved_(_mm_getcsr()) { _mm_setcsr(kPolicy); }

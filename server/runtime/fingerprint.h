@@ -1,4 +1,4 @@
-// What the bits of an answer depend on besides the question.
+// What the bits of an answer depend on, besides scene and request.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// Instruction sets that kernels are compiled for.
+// Instruction sets of Embree's kernels.
 #pragma once
 
 #include <array>
@@ -6,12 +6,12 @@
 namespace lucerna {
 
 struct InstructionSet {
-  const char* name;     ///< as requests and answers say it
-  const char* embree;   ///< as Embree's configuration says it
+  const char* name;     ///< as in requests and answers
+  const char* embree;   ///< as in Embree's configuration
   bool (*supported)();  ///< by this machine
 };
 
-/// From the least to the best.
+/// In ascending order.
 const std::array<InstructionSet, 5>& instruction_sets();
 
 }  // namespace lucerna

@@ -17,10 +17,10 @@
 namespace lucerna {
 namespace {
 
-// Two jobs of a lane at a time: a short one gets past a long one, and a job that cannot use all
+// Two jobs of a lane run at a time: a short job overtakes a long one, and a job that cannot use all
 // threads leaves some to the other.
 constexpr int kJobsAtATime = 2;
-// Steps of the operating system's niceness: enough that a waking interactive thread is run at once.
+// In steps of niceness.  Enough that a waking interactive thread runs at once.
 constexpr int kBulkNiceness = 10;
 
 absl::Status why_not_to_run(const LaneJob& job) {
@@ -38,7 +38,7 @@ class Queue {
       : name_(name), limit_(limit), arena_(threads - 1 + kJobsAtATime, kJobsAtATime, priority) {
     for (int i = 0; i < kJobsAtATime; ++i) {
       threads_.emplace_back([this, niceness] {
-        // On Linux niceness belongs to the thread.  Where it is refused, lanes share alike.
+        // On Linux niceness belongs to the thread.  If it is refused, both lanes have one priority.
         if (niceness > 0) (void)setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), niceness);
         arena_.execute([this] { work(); });
       });
@@ -101,7 +101,7 @@ class Queue {
     w.job.run({std::move(status), std::max(0.0, waited.count())});
   }
 
-  /// Takes out jobs that nobody waits for any more.
+  /// Removes jobs that were cancelled or whose deadline has passed.
   void sweep(std::vector<Waiting>& out) {
     const auto dead = std::stable_partition(waiting_.begin(), waiting_.end(), [](const Waiting& w) {
       return why_not_to_run(w.job).ok();
@@ -120,7 +120,7 @@ class Queue {
       ++running_;
       lock.unlock();
       answer(next, why_not_to_run(next.job));
-      next = {};  // what the job holds is let go before it stops counting as running
+      next = {};  // release what the job holds while it still counts as running
       lock.lock();
       --running_;
     }
@@ -166,7 +166,7 @@ absl::Status Lanes::submit(Lane lane, LaneJob job) {
 }
 
 void Lanes::resume(Lane lane, LaneJob job) {
-  // Where the lanes ended, the job was told so.
+  // If the lanes ended, the job was called with UNAVAILABLE.
   (void)state_->queue(lane).push(std::move(job), false);
 }
 

@@ -1,11 +1,11 @@
-// Where requests are computed: two lanes with bounded queues, so that a render of an hour never
-// keeps a query of a millisecond waiting.
+// Two lanes with bounded queues compute requests, so a query of a millisecond never waits for a
+// render of an hour.
 //
-// Each lane has threads of its own that take jobs first come, first served, and an oneTBB arena in
-// which those threads' loops are helped by oneTBB's workers.  Workers prefer the interactive arena
-// and turn to it between two chunks; the lane's own threads are the operating system's to share,
-// and those of the bulk lane are marked as less urgent.  So not even a job that is one long chunk
-// holds up the other lane.
+// Each lane has its own threads, which take jobs first come, first served.  Each lane has an oneTBB
+// arena, in which oneTBB's workers help with the loops of these threads.  Workers prefer the
+// interactive arena and move to it between two chunks.  The operating system schedules the lanes'
+// own threads, and those of the bulk lane have a lower priority.  So even a job of one long chunk
+// does not hold up the other lane.
 #pragma once
 
 #include <absl/status/status.h>
@@ -21,24 +21,24 @@ namespace lucerna {
 enum class Lane : std::uint8_t { kInteractive, kBulk };
 
 struct LaneOptions {
-  int threads = 0;                         ///< that share a loop; 0: one for each processor
+  int threads = 0;                         ///< of one loop; 0: one for each processor
   std::uint32_t interactive_queue = 1024;  ///< jobs that may wait
   std::uint32_t bulk_queue = 64;
 };
 
-/// What happened to a job before it ran.
+/// How a job starts.
 struct LaneJobStart {
-  /// OK: run it.  Else it must only be answered: CANCELLED (its stop token), DEADLINE_EXCEEDED, or
+  /// OK: do the work.  Else only answer: CANCELLED (its stop token), DEADLINE_EXCEEDED, or
   /// UNAVAILABLE (the lanes ended).
   absl::Status status;
   double queue_time_s = 0;
 };
 
 struct LaneJob {
-  using Clock = std::chrono::system_clock;  // gRPC's deadlines are on it
+  using Clock = std::chrono::system_clock;  // as gRPC's deadlines
 
-  /// Called exactly once, on a thread of the lane, within its arena (or on the thread that ends the
-  /// lanes, with UNAVAILABLE).  Must not throw.
+  /// Called exactly once, on a thread of the lane within its arena, or with UNAVAILABLE on the
+  /// thread that ends the lanes.  Must not throw.
   std::function<void(const LaneJobStart&)> run{};
   std::stop_token stop{};
   Clock::time_point deadline = Clock::time_point::max();
@@ -48,12 +48,12 @@ struct LaneJob {
 class Lanes {
  public:
   explicit Lanes(const LaneOptions& options);
-  /// Jobs that wait are answered UNAVAILABLE; those that run are waited for.
+  /// Answers waiting jobs with UNAVAILABLE, and waits for running jobs.
   ~Lanes();
 
-  /// RESOURCE_EXHAUSTED where the lane's queue is full; the job is then not called.
+  /// RESOURCE_EXHAUSTED if the lane's queue is full; the job is then never called.
   absl::Status submit(Lane lane, LaneJob job);
-  /// The next part of work that was accepted before: goes to the queue's end, however full it is.
+  /// Appends the next part of work that was accepted before, even if the queue is full.
   void resume(Lane lane, LaneJob job);
 
   int threads() const;

@@ -1,5 +1,5 @@
-// Loops over items shared by the threads of the caller's oneTBB arena, with the processor time that
-// the helping threads spend.
+// Loops that the threads of the caller's oneTBB arena share, and the processor time that helping
+// threads spend.
 #pragma once
 
 #include <tbb/blocked_range.h>
@@ -17,8 +17,8 @@ namespace lucerna {
 /// Processor time of this thread so far [ns].
 std::int64_t thread_cpu_ns();
 
-/// Sums the processor time of every thread that works on one job.  The thread that made the meter
-/// counts from its making on; others count while they run chunks of its `parallel_chunks`.
+/// Sums the processor time of every thread that works on one task.  The thread that made the meter
+/// counts from then on.  Other threads count while they run chunks of its `parallel_chunks`.
 class CpuMeter {
  public:
   /// Becomes the current meter of this thread until it is destroyed, on the same thread.
@@ -27,7 +27,8 @@ class CpuMeter {
   CpuMeter(const CpuMeter&) = delete;
   CpuMeter& operator=(const CpuMeter&) = delete;
 
-  /// All threads together, so far [s].  To be asked on the thread that made it, outside of loops.
+  /// All threads together, so far [s].  Call it on the thread that made the meter, outside of
+  /// loops.
   double seconds() const;
 
   /// While it lives, this thread works for `meter` (which may be null).
@@ -39,7 +40,7 @@ class CpuMeter {
     Helping& operator=(const Helping&) = delete;
 
    private:
-    CpuMeter* meter_;  // null where this thread's time is counted already
+    CpuMeter* meter_;  // null if this thread's time is counted already
     CpuMeter* previous_;
     std::int64_t start_ns_ = 0;
   };
@@ -51,10 +52,10 @@ class CpuMeter {
   std::atomic<std::int64_t> helpers_ns_{0};
 };
 
-/// Calls `f(begin, end)` on chunks of [0, n), each at most `grain` long and beginning at a multiple
-/// of `grain`, in any order and on any thread of the caller's arena.  Chunks that have not begun
-/// when `stop` is asked for are left out.  A chunk should take 0.1 to 5 ms, so that threads can
-/// turn to more urgent work between chunks.  Waiting threads take no other job's work.
+/// Calls `f(begin, end)` on chunks of [0, n), in any order and on any thread of the caller's arena.
+/// Chunks are at most `grain` long and start at multiples of `grain`.  Skips chunks that have not
+/// started when `stop` is requested.  A chunk should take 0.1 to 5 ms, so that threads can move to
+/// more urgent work between chunks.  Waiting threads do no other task's work.
 template <typename F>
 void parallel_chunks(std::size_t n, std::size_t grain, const std::stop_token& stop, F&& f) {
   if (n <= grain) {

@@ -13,7 +13,7 @@
 
 namespace lucerna {
 
-/// Asks for a stop at a moment, or when another stop is asked for.
+/// Requests a stop at a moment, or when another stop is requested.
 class StopAt {
  public:
   using Clock = std::chrono::steady_clock;
@@ -35,19 +35,19 @@ class StopAt {
   std::jthread timer_;
 };
 
-/// Calls `run(n, stop)`, which takes n samples anew and returns what they say or nothing where it
-/// was stopped, for larger and larger n until `budget_s` is over; returns the last answer and its
-/// n.  A count is chosen by the clock before its samples are taken, so they have no say in it.
-/// The first answer, of one sample, is waited for.  Nothing where `stop` was asked for.
-/// `round` takes a count down to one that can be asked for, of which 1 is one.
+/// Calls `run(n, stop)` for larger and larger n until `budget_s` is over, and returns the last
+/// answer and its n.  `run` takes n new samples and returns their answer, or nothing if it was
+/// stopped. The clock chooses n before the samples are taken, so the estimate stays unbiased.  The
+/// first answer, of one sample, is always completed.  Nothing if `stop` was requested. `round`
+/// rounds a count down to an allowed one; 1 is always allowed.
 template <typename Run, typename Round = std::identity>
 auto within_time(double budget_s, std::uint32_t most, const std::stop_token& stop, Run&& run,
                  Round&& round = {}) -> decltype(std::pair(run(1U, stop), 1U)) {
-  // What is left of the budget is never planned to the last moment.
+  // A part of the rest of the budget stays in reserve.
   constexpr double kPlanned = 0.9;
-  // Short runs tell little of long ones.
+  // The time of a short run predicts that of a long one badly.
   constexpr double kMostGrowth = 16;
-  // What clocks can add to now: 30 years.
+  // 30 years: more would overflow the clock.
   constexpr double kForEver = 1e9;
   using Clock = StopAt::Clock;
   const auto begin = Clock::now();

@@ -1,4 +1,4 @@
-// What was spent on an answer.
+// Samples and rays of an answer.
 #pragma once
 
 #include <cstdint>
@@ -10,9 +10,9 @@ struct WorkCounts {
   std::uint64_t camera_rays = 0;
   std::uint64_t indirect_rays = 0;  ///< rays that look for the next surface of a path
   std::uint64_t shadow_rays = 0;
-  std::uint64_t map_lookups = 0;    ///< in shadow maps, instead of a shadow ray
-  std::uint64_t map_compared = 0;   ///< of these: beside which a ray was traced all the same
-  std::uint64_t map_disagreed = 0;  ///< of these: where the ray told otherwise
+  std::uint64_t map_lookups = 0;    ///< in shadow maps, in place of shadow rays
+  std::uint64_t map_compared = 0;   ///< look-ups that were compared with a ray
+  std::uint64_t map_disagreed = 0;  ///< compared look-ups that differed from the ray
 
   WorkCounts& operator+=(const WorkCounts& w) {
     samples += w.samples;

@@ -29,14 +29,14 @@ bool same_files(const std::vector<Asset>& a, const std::vector<Asset>& b) {
   });
 }
 
-/// Different from every path, as no path holds a zero byte.
+/// Differs from every path, as no path holds a zero byte.
 std::string key_of(const Manifest& manifest) {
   std::string text = manifest.main + '\0';
   for (const auto& [name, digest] : manifest.assets) text += name + '\0' + digest + '\0';
   return '\0' + sha256(text);
 }
 
-/// Hard to guess: whoever knows it may end the lease.
+/// Hard to guess: anyone who knows it may end the lease.
 std::string new_lease_id() {
   std::random_device random;
   std::string id;
@@ -44,7 +44,7 @@ std::string new_lease_id() {
   return id;
 }
 
-/// One at a time of those that share a key.
+/// Lets one caller at a time in for each key.
 class Turns {
  public:
   class Turn {
@@ -65,7 +65,7 @@ class Turns {
     std::string key_;
   };
 
-  /// Null where `stop` came first.
+  /// Null if `stop` is requested first.
   std::unique_ptr<Turn> take(const std::string& key, const std::stop_token& stop) {
     std::unique_lock lock(mutex_);
     if (!over_.wait(lock, stop, [&] { return !taken_.contains(key); })) return nullptr;
@@ -81,9 +81,9 @@ class Turns {
 
 struct Entry {
   StoredScene stored;
-  std::uint64_t bytes = 0;                  // when it was last looked at: it may grow since
+  std::uint64_t bytes = 0;                  // when last measured: it may have grown since
   std::uint64_t used = 0;                   // the larger, the later
-  std::map<std::string, TimePoint> leases;  // when they run out, by id
+  std::map<std::string, TimePoint> leases;  // when they end, by id
 };
 
 absl::Status cancelled() { return absl::CancelledError("cancelled while the scene was loading"); }
@@ -126,11 +126,11 @@ struct SceneStore::State {
   std::map<std::string, Entry> scenes;           // by id
   std::map<std::string, std::string> by_source;  // ids
   std::uint64_t uses = 0, builds = 0;
-  std::uint64_t held = 0;  // bytes of all entries, each as it was last looked at
+  std::uint64_t held = 0;  // bytes of all entries, each as last measured
 
   // All below are called with the lock held.
 
-  /// When the last lease of the scene runs out; nothing where none runs.
+  /// When the last lease of the scene ends; nothing if it has none.  Removes ended leases.
   std::optional<TimePoint> leased_until(Entry& entry) const {
     const TimePoint now = options.now();
     std::erase_if(entry.leases, [&](const auto& lease) { return lease.second <= now; });
@@ -164,7 +164,7 @@ struct SceneStore::State {
     scenes.erase(entry);
   }
 
-  /// Counts what was built in a scene since it was last looked at.
+  /// Measures a scene again: queries may have built parts in it.
   void measure(Entry& entry) {
     const std::uint64_t now = entry.stored.scene->bytes();
     held += now - entry.bytes;
@@ -174,8 +174,8 @@ struct SceneStore::State {
     for (auto& [id, entry] : scenes) measure(entry);
   }
 
-  /// Lets scenes without a lease go, the longest unused first, until all have at most `most` bytes;
-  /// never `keep`.
+  /// Unloads the least recently used scenes without a lease until all have at most `most` bytes.
+  /// Never unloads `keep`.
   void shrink(std::uint64_t most, const std::string& keep,
               std::vector<std::shared_ptr<const Scene>>& gone) {
     while (held > most) {
@@ -189,7 +189,7 @@ struct SceneStore::State {
     }
   }
 
-  /// Lets scenes go until there is room for `more`; none at all where that would not do.
+  /// Unloads scenes until there is room for `more` bytes.  Unloads none if leases leave too little.
   absl::Status evict_for(std::uint64_t more, std::vector<std::shared_ptr<const Scene>>& gone) {
     const std::uint64_t budget = options.memory_budget_bytes;
     if (budget == 0) return absl::OkStatus();
@@ -218,7 +218,7 @@ struct SceneStore::State {
     return absl::OkStatus();
   }
 
-  /// A scene that is loaded, as the answer to a load from `key`.
+  /// The answer to a load from `key` of a scene that is in the store.
   LoadedScene answer(Entry& entry, const std::string& key, const LoadOptions& load,
                      bool already_loaded) {
     by_source[key] = entry.stored.scene->id();
@@ -261,7 +261,7 @@ absl::StatusOr<LoadedScene> SceneStore::load(const Manifest& manifest, const Loa
 
 absl::StatusOr<LoadedScene> SceneStore::load_once(const Source& source, const std::string& key,
                                                   const LoadOptions& options) {
-  // Whoever waited looks for itself: the other's load may have failed or have been cancelled.
+  // A caller that waited looks again: the other load may have failed or been cancelled.
   const auto turn = state_->sources.take(key, options.stop);
   if (turn == nullptr) return cancelled();
   return load_alone(source, key, options);
@@ -274,7 +274,7 @@ absl::StatusOr<LoadedScene> SceneStore::load_alone(const Source& source, const s
     const std::lock_guard lock(state_->mutex);
     if (const auto id = state_->by_source.find(key); id != state_->by_source.end()) {
       Entry& entry = state_->scenes.at(id->second);
-      // What a manifest names cannot have changed.
+      // Files of a manifest cannot have changed: it names them by digest.
       if (std::holds_alternative<Manifest>(source))
         return state_->answer(entry, key, options, true);
       known = entry.stored;
@@ -314,9 +314,9 @@ absl::StatusOr<LoadedScene> SceneStore::load_path(const std::string& path, const
   if (!reader.ok()) return absl::InternalError(reader.status().ToString());
   if (known) {
     const absl::StatusOr<std::vector<Asset>> now = reader->rehash(known->scene->assets());
-    // Where a file is gone, loading says which and where it is asked for.
+    // If a file is gone, the load below fails with its name and place.
     if (now.ok() && same_files(*now, known->scene->assets())) {
-      // Let go while its files were read: it is loaded again all the same.
+      // Not found: another thread unloaded the scene while its files were read.
       const std::lock_guard lock(state_->mutex);
       const auto found = state_->scenes.find(known->scene->id());
       if (found != state_->scenes.end()) return state_->answer(found->second, key, options, true);
@@ -405,9 +405,9 @@ absl::StatusOr<Lease> SceneStore::lease(const std::string& id, const std::string
   const std::lock_guard lock(state_->mutex);
   const auto found = state_->scenes.find(id);
   if (found == state_->scenes.end()) return not_loaded();
-  state_->leased_until(found->second);  // forgets what ran out
+  state_->leased_until(found->second);  // removes ended leases
   if (!lease.empty() && !found->second.leases.contains(lease))
-    return absl::NotFoundError("the scene has no such lease, or not any more");
+    return absl::NotFoundError("the scene has no such lease, or the lease has ended");
   return state_->give_lease(found->second, lease, seconds);
 }
 
@@ -419,7 +419,7 @@ absl::StatusOr<bool> SceneStore::release(const std::string& id, const std::strin
   Entry& entry = found->second;
   state_->leased_until(entry);
   if (!lease.empty() && entry.leases.erase(lease) == 0)
-    return absl::NotFoundError("the scene has no such lease, or not any more");
+    return absl::NotFoundError("the scene has no such lease, or the lease has ended");
   if (const auto until = state_->leased_until(entry)) {
     if (!lease.empty()) return false;
     const std::chrono::duration<double> left = *until - state_->options.now();

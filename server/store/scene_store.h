@@ -1,5 +1,5 @@
-// The scenes in memory, by id and by what they were loaded from: at most so many bytes of them, and
-// those that somebody leased for as long as the lease runs.
+// The loaded scenes, by id and by source, within a memory budget.  A lease keeps a scene while it
+// lasts.
 #pragma once
 
 #include <absl/status/status.h>
@@ -21,7 +21,8 @@
 
 namespace lucerna {
 
-/// Payload of a RESOURCE_EXHAUSTED that time may mend: after how many milliseconds, in decimals.
+/// Payload of a RESOURCE_EXHAUSTED after which a retry may succeed: the delay in milliseconds,
+/// decimal.
 inline constexpr char kRetryAfterPayload[] = "lucerna.retry_after_ms";
 
 struct StoredScene {
@@ -30,20 +31,20 @@ struct StoredScene {
   /// the first manifest.
   std::string path;
   bool uploaded = false;  ///< first loaded from a manifest
-  double leased_s = 0;    ///< for how long leases keep it from now
+  double leased_s = 0;    ///< how long leases keep it from now
 };
 
-/// A claim to a scene, which is kept until all claims have run out or were released.
+/// The store keeps a scene until all its leases have ended or were released.
 struct Lease {
   std::string id;      ///< empty: none
-  double seconds = 0;  ///< from when it was given
+  double seconds = 0;  ///< how long it lasts
 };
 
 struct LoadedScene {
-  StoredScene stored;  ///< no scene where files are missing
+  StoredScene stored;  ///< its scene is null if files are missing
   bool already_loaded = false;
   Lease lease;
-  /// What the scene names and the store of assets does not hold.
+  /// Files that the scene names and the asset store does not hold.
   std::vector<MissingAsset> missing;
 };
 
@@ -55,43 +56,43 @@ struct LoadOptions {
 /// Thread-safe.
 class SceneStore {
  public:
-  /// `assets` holds the files of manifests and must outlive the store; null: no manifest is ever
-  /// loaded.  Errors: no such directory.
+  /// `assets` holds the files of manifests and must outlive the store.  Null: `load` takes no
+  /// manifests.  Errors: no such directory.
   static absl::StatusOr<std::unique_ptr<SceneStore>> open(SceneStoreOptions options,
                                                           AssetStore* assets = nullptr);
   ~SceneStore();
 
-  /// Reads and builds the scene file `path`, relative to the root, in the caller's oneTBB arena;
-  /// takes as long as that takes.  A file that was loaded before is only hashed again, with all
-  /// that it reads; another path of the same content gives the same scene; of several callers that
-  /// ask for one scene at the same time one builds and the others wait.  Nothing stays of a failed
+  /// Reads and builds the scene file `path`, relative to the root, in the caller's oneTBB arena.
+  /// Blocks until it is done.  If the file was loaded before, the store only hashes it and its
+  /// files again.  Another path with the same content gives the same scene.  If several callers
+  /// load one scene at the same time, one builds and the others wait.  Nothing stays of a failed
   /// load.
   ///
-  /// Where scenes exceed the budget, those without a lease go, the longest unused first.  A scene
-  /// counts with what was built in it since it was loaded; the next `find` of it lets others go.
+  /// If scenes exceed the budget, the least recently used scenes without a lease are unloaded.  A
+  /// scene counts with the parts that queries built in it since; `find` of it checks the budget.
   ///
   /// An absolute path is accepted if it is beneath the root.  A name that no file has finds the
   /// uploaded scene of this name that was used last.
   ///
-  /// Errors: those of load_pbrt and Scene::build; CANCELLED; RESOURCE_EXHAUSTED where leases leave
-  /// no room (with kRetryAfterPayload) and where there will never be any.
+  /// Errors: those of load_pbrt and Scene::build; CANCELLED; RESOURCE_EXHAUSTED if leases leave no
+  /// room (with kRetryAfterPayload), or if the scene alone exceeds the budget.
   absl::StatusOr<LoadedScene> load(const std::string& path, const LoadOptions& options = {});
-  /// The same of uploaded files, or which of them are missing.
+  /// The same for uploaded files.  Answers the missing files if there are any.
   absl::StatusOr<LoadedScene> load(const Manifest& manifest, const LoadOptions& options = {});
 
-  /// Marks the scene as used.  Null where no such scene is loaded.
+  /// Marks the scene as used.  Null if it is not loaded.
   std::shared_ptr<const Scene> find(const std::string& id) const;
   /// Up to `count` scenes with ids after `after`, in the order of their ids.
   std::vector<StoredScene> list(const std::string& after, std::size_t count) const;
-  /// One of them; nothing where it is not loaded.
+  /// One scene; nothing if it is not loaded.
   std::optional<StoredScene> stored(const std::string& id) const;
 
-  /// A new lease, or the one called `lease` from now on.  No longer than the store allows.
-  /// NOT_FOUND where no such scene is loaded, or it has no such lease (any more).
+  /// A new lease, or the lease called `lease`, from now on.  At most max_lease_s long.  NOT_FOUND
+  /// if the scene is not loaded, or has no such lease any more.
   absl::StatusOr<Lease> lease(const std::string& id, const std::string& lease, double seconds);
-  /// Ends `lease` (empty: none); the scene goes where no other lease holds it.  True where it
-  /// went.  Who holds the scene keeps it.  NOT_FOUND as above; FAILED_PRECONDITION where `lease`
-  /// is empty and others have leases.
+  /// Ends `lease` (empty: none), and unloads the scene unless another lease keeps it.  True if it
+  /// was unloaded.  Holders of the shared pointer keep the scene.  NOT_FOUND as above;
+  /// FAILED_PRECONDITION if `lease` is empty and the scene has leases.
   absl::StatusOr<bool> release(const std::string& id, const std::string& lease = "");
 
   /// The root as an absolute path.
@@ -102,7 +103,7 @@ class SceneStore {
 
   std::size_t size() const;
   std::uint64_t bytes() const;
-  /// How many scenes were built so far.
+  /// The number of scenes built so far.
   std::uint64_t builds() const;
 
  private:

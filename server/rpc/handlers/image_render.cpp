@@ -148,7 +148,7 @@ void ImageRender::end_pass() {
 }
 
 void ImageRender::end() {
-  // What was kept back so far.
+  // Send what was kept back so far.
   sending_ = is_timed() && final_only_;
   tile_ = sending_ ? 0 : tiles_.size();
 }
@@ -156,7 +156,7 @@ void ImageRender::end() {
 std::uint64_t ImageRender::next_pass() const {
   const std::uint64_t doubled = std::min(pass_end_, blocks_ - pass_end_);
   if (!is_timed() || pass_end_ < kWaitedForBlocks) return doubled;
-  // What is left is never planned to the last moment.
+  // A part of the rest stays in reserve.
   constexpr double kPlanned = 0.9;
   const std::chrono::duration<double> took = Clock::now() - pass_start_;
   const double block_s = took.count() / static_cast<double>(pass_end_ - pass_begin_);
@@ -167,7 +167,7 @@ std::uint64_t ImageRender::next_pass() const {
 bool ImageRender::is_waited_for() const { return !is_timed() || pass_begin_ < kWaitedForBlocks; }
 
 double ImageRender::left_s() const {
-  // What clocks can add to now: 30 years.
+  // 30 years: more would overflow the clock.
   constexpr double kForEver = 1e9;
   const std::chrono::duration<double> since = Clock::now() - *begin_;
   return std::min(*query_.rule.time_budget_s, kForEver) - since.count();

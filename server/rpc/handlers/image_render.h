@@ -14,33 +14,33 @@
 namespace lucerna::rpc {
 
 /// A whole picture, tile by tile.  Samples are taken in passes that end at 1, 2, 4, ... blocks and
-/// at the last block (or only there); each pass visits all tiles, row by row.  With a target error
-/// there is one pass.  With a time budget the first two passes are waited for; each that follows is
-/// as long as the time that is left allows, by the speed of the one before, and what it has not
-/// done in time stays as it was.  Not thread-safe.
+/// at the last block, or only there.  Each pass visits all tiles, row by row.  With a target error
+/// there is one pass.  With a time budget the first two passes run to their end.  Each further pass
+/// is as long as the rest of the time allows, by the speed of the pass before; tiles that it does
+/// not reach in time keep the blocks they have.  Not thread-safe.
 class ImageRender {
  public:
   static absl::StatusOr<ImageRender> create(const Context& context,
                                             const v1::RenderImageRequest& request);
 
   bool done() const { return tile_ == tiles_.size(); }
-  /// Renders the next tile; requires that it is not done.  Runs in the caller's oneTBB arena.
-  /// `cost` sums up the times of all tiles so far.  No tile is put into the response where it is
-  /// not to be sent yet.
+  /// Renders the next tile.  Requires !done().  Runs in the caller's oneTBB arena.  The response's
+  /// `cost` has the counts of all tiles so far.  The response has no tile if none is to be sent
+  /// yet.
   absl::Status next(const std::stop_token& stop, v1::RenderImageResponse* response);
 
  private:
   using Clock = std::chrono::steady_clock;
 
   ImageRender() = default;
-  /// Of the tile, up to the end of the pass or of the time.
+  /// Renders blocks of the tile up to the end of the pass or of the time.
   absl::Status add_blocks(const std::stop_token& stop);
   void end_pass();
   void end();
-  /// How many blocks the pass after this one has; 0: there is none.
+  /// The number of blocks of the next pass; 0: there is none.
   std::uint64_t next_pass() const;
   bool is_timed() const { return query_.rule.time_budget_s.has_value(); }
-  /// The pass at hand goes on when the time is over.
+  /// Whether this pass runs to its end, time budget or not.
   bool is_waited_for() const;
   double left_s() const;
 
@@ -48,11 +48,11 @@ class ImageRender {
   RenderQuery query_;
   bool final_only_ = false;
   std::vector<PixelRect> tiles_;
-  std::vector<BlockMerger> merged_;  // one a tile
-  std::uint64_t blocks_ = 0;         // to do, for each pixel; with a time budget at most
+  std::vector<BlockMerger> merged_;  // one for each tile
+  std::uint64_t blocks_ = 0;         // of each pixel in the end; with a time budget at most
   std::uint64_t pass_begin_ = 0, pass_end_ = 0;
   std::size_t tile_ = 0;  // the next one
-  bool sending_ = false;  // all is rendered, and was not sent before
+  bool sending_ = false;  // everything is rendered, and only now sent
   std::uint64_t samples_done_ = 0, samples_total_ = 0;
   WorkCounts work_;
   std::optional<Clock::time_point> begin_;

@@ -1,4 +1,5 @@
-// LightingService without gRPC: each function looks at a request and says how it is to be answered.
+// LightingService without gRPC: each function parses a request and returns the task that answers
+// it.
 #pragma once
 
 #include "lucerna/v1/lighting.pb.h"

@@ -20,10 +20,10 @@
 namespace lucerna::rpc {
 namespace {
 
-// Where neither the request nor the scene file says.
+// If neither the request nor the scene file has a number.
 constexpr std::uint32_t kPixelSamples = 64;
 
-/// `samples_per_block`, where asked for, is a number of samples that a block can have.
+/// INVALID_ARGUMENT if `samples_per_block` is set to what no block can have.
 template <typename Request>
 absl::Status check_block(const Request& request) {
   const std::uint32_t block = request.samples_per_block();
@@ -34,7 +34,7 @@ absl::Status check_block(const Request& request) {
                    fmt::format("a power of two in [1, {}]", kMostSamplesPerBlock));
 }
 
-/// Puts the blocks of exactly so many samples, or of the target error, into the query.
+/// Sets the blocks of the query, except with a time budget.
 template <typename Request>
 absl::Status put_blocks(const Request& request, RenderQuery& query) {
   LUCERNA_RETURN_IF_ERROR(check_block(request));
@@ -68,12 +68,12 @@ absl::Status put_blocks(const Request& request, RenderQuery& query) {
   return absl::OkStatus();
 }
 
-/// Nothing where the scene file's is meant.
+/// Nothing: the scene file's shutter.
 template <typename Request>
 absl::StatusOr<std::optional<Shutter>> check_shutter(const Scene& scene, const Request& request) {
   if (!request.has_shutter()) return std::optional<Shutter>();
   if (request.has_time_s()) {
-    return bad_field("shutter", "a shutter beside time_s", "one of both");
+    return bad_field("shutter", "a shutter beside time_s", "one of the two");
   }
   const v1::Shutter& s = request.shutter();
   const RenderHints& hints = scene.hints();
@@ -124,14 +124,15 @@ void set_plane(std::string* plane, std::size_t n, F&& number) {
   }
 }
 
-/// The float at or below `v`, or at or above: an interval still holds what it held.
+/// The float at or below `v`, or at or above: the rounded interval holds the exact one.
 float rounded_down(double v) {
   const auto f = static_cast<float>(v);
   return f > v ? std::nextafter(f, -1.0F) : f;
 }
 float rounded_up(double v) {
   constexpr float kLargest = std::numeric_limits<float>::max();
-  // What no float holds is still a bound, and so is one of squares that no double held.
+  // A bound that overflows a float, or whose squares overflowed a double, becomes the largest
+  // float.
   if (!(v < kLargest)) return kLargest;
   const auto f = static_cast<float>(v);
   return f < v ? std::nextafter(f, kLargest) : f;

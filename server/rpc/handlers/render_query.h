@@ -1,4 +1,4 @@
-// What tiles and pictures are asked for and answered with in the same words.
+// What RenderTile and RenderImage have in common.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -14,14 +14,14 @@
 namespace lucerna::rpc {
 
 struct RenderQuery {
-  TileSettings settings;  ///< without rectangle; with a time budget without blocks
-  StopRule rule;          ///< its target is that of the settings, too
-  /// Of a block, with a time budget, where the request says.
+  TileSettings settings;  ///< the rectangle is not set; with a time budget, nor are the blocks
+  StopRule rule;          ///< its target is in the settings too
+  /// With a time budget: as in the request.
   std::optional<std::uint32_t> samples_per_block{};
-  std::uint32_t most_samples = 0;  ///< of a pixel, with a time budget: a power of two
+  std::uint32_t most_samples = 0;  ///< of a pixel, with a time budget; a power of two
 };
 
-/// `proposed`: samples where the request does not say.
+/// `proposed`: the default number of samples.  INVALID_ARGUMENT for a field out of range.
 absl::StatusOr<RenderQuery> check_render(const Context& context, const Scene& scene,
                                          const v1::RenderTileRequest& request,
                                          std::uint32_t proposed);
@@ -29,18 +29,17 @@ absl::StatusOr<RenderQuery> check_render(const Context& context, const Scene& sc
                                          const v1::RenderImageRequest& request,
                                          std::uint32_t proposed);
 
-/// Samples where the request does not say: what the scene file proposes, where it does and the
-/// limit allows.
+/// The default number of samples: as in the scene file, else 64; at most the server's limit.
 std::uint32_t proposed_samples(const Context& context, const Scene& scene);
 
-/// With a time budget, at least: where blocks are as long as `samples_per_block`, a multiple of
-/// that.  A power of two.
+/// The least number of samples with a time budget: a power of two, and a multiple of
+/// `samples_per_block` if that is set.
 std::uint32_t least_samples(const RenderQuery& query);
 
 std::uint64_t area(const PixelRect& rect);
 
-/// A tile of blocks [first_block, first_block + blocks); what `result` holds of them, with the
-/// planes that a target error adds.
+/// Encodes the tile of blocks [first_block, first_block + blocks) with the statistics of `result`,
+/// and with the planes of a target error if it has them.
 void set_tile(const Scene& scene, const TileSettings& settings, std::uint64_t first_block,
               std::uint64_t blocks, const TileResult& result, v1::Tile* out);
 

@@ -42,7 +42,7 @@ absl::StatusOr<PixelRect> check_rect(const Context& context, const Scene& scene,
   return rect;
 }
 
-/// Puts the run of blocks that the request names into the settings.
+/// Sets the run of blocks that the request names.
 absl::Status put_run(const v1::RenderTileRequest& request, const RenderQuery& query,
                      TileSettings& settings) {
   const std::uint64_t first = request.first_sample();

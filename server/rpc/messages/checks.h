@@ -1,4 +1,4 @@
-// What all requests have in common: fields that are checked the same way everywhere.
+// Checks of fields that many requests have.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -22,9 +22,9 @@ absl::Status check_scene_id(const std::string& scene_id);
 absl::StatusOr<std::shared_ptr<const Scene>> find_scene(const Context& context,
                                                         const std::string& scene_id);
 absl::StatusOr<std::uint32_t> find_light(const Scene& scene, std::uint64_t light_id);
-/// Of a request that must name one: INVALID_ARGUMENT for 0, a field that was left out.
+/// For a request that must name a light: INVALID_ARGUMENT for 0, an unset field.
 absl::StatusOr<std::uint32_t> find_required_light(const Scene& scene, std::uint64_t light_id);
-/// Of a request whose `light_id` may be left out.
+/// For a request whose `light_id` is optional.
 template <typename Request>
 absl::StatusOr<std::optional<std::uint32_t>> find_light_if_named(const Scene& scene,
                                                                  const Request& request) {
@@ -33,26 +33,26 @@ absl::StatusOr<std::optional<std::uint32_t>> find_light_if_named(const Scene& sc
   return std::optional<std::uint32_t>(light);
 }
 
-/// `field`: the name of the Points field.  Offsets are not looked at, but for their number.
+/// `field`: the name of the Points field.  Checks the number of offsets, not their values.
 absl::StatusOr<PointArray> check_points(const Context& context, const std::string& field,
                                         const v1::Points& points);
-/// Either none, where `optional`, or three for each of `items`.
+/// Requires three numbers for each of `items`, or none if `optional`.
 absl::Status check_triples(const std::string& field,
                            const google::protobuf::RepeatedField<float>& v, std::size_t items,
                            const std::string& of, bool optional);
 absl::Status check_time(bool has, double time_s);
-/// Unset: the default of the query.  Set: finite and not negative.
+/// Nothing if unset.  Requires a finite number that is not negative.
 absl::StatusOr<std::optional<float>> check_position_error(bool has, float position_error_m);
 /// At most kMostWavelengths, each in [100, 1e6] nm; in any order.  A view of the request.
 absl::StatusOr<std::span<const double>> check_wavelengths(
     const google::protobuf::RepeatedField<double>& wavelengths_nm);
-/// `samples`, or `fallback` where they are not set.  INVALID_ARGUMENT for what is out of range.
+/// `samples`, or `fallback` if unset.  INVALID_ARGUMENT if out of range.
 absl::StatusOr<std::uint32_t> check_samples(const Context& context, const v1::Accuracy& accuracy,
                                             std::uint32_t fallback);
 
-/// RESOURCE_EXHAUSTED where the answer to so many `items` is larger than a message may be: nothing
-/// is computed that cannot be sent, and no array of an answer is longer than an int counts.
-/// `field`: what the items are, as the request has them.
+/// RESOURCE_EXHAUSTED if the answer to so many `items` is larger than a message may be.  So nothing
+/// is computed that cannot be sent, and an int counts the entries of every array.  `field` names
+/// the items in the error.
 absl::Status check_answer_size(const Context& context, const std::string& field,
                                std::uint64_t items, const AnswerSize& size);
 
@@ -60,20 +60,20 @@ inline std::span<const float> view(const google::protobuf::RepeatedField<float>&
   return {v.data(), static_cast<std::size_t>(v.size())};
 }
 
-/// Zeros, `n` of them; check_answer_size() sees to it that an int counts them.
+/// Fills the field with `n` zeros.  Requires that check_answer_size() accepted them.
 template <typename T>
 T* fill(google::protobuf::RepeatedField<T>* field, std::size_t n) {
   field->Resize(static_cast<int>(n), T{});
   return field->mutable_data();
 }
 
-/// Bytes of `n` zero bits.
+/// Fills the field with `n` zero bits.
 std::uint8_t* fill_bits(std::string* bits, std::size_t n);
 
-/// The field stays empty where every item is OK.
+/// Clears the field if every item is OK.
 void drop_if_all_ok(google::protobuf::RepeatedField<int>* status);
 
-/// Counts of the work, without times.
+/// Sets the counts of the work, not the times.
 void set_counts(v1::Cost* cost, const WorkCounts& work);
 
 }  // namespace lucerna::rpc

@@ -21,9 +21,9 @@ inline void set(const Rgb<double>& c, v1::Rgb* out) {
   out->set_b(c.b);
 }
 
-/// `motion`: positions about `origin_m`.
+/// `motion` has positions about `origin_m`.
 void set_motion(const Motion& motion, const Vec3<double>& origin_m, v1::Motion* out);
-/// Requires an index below the number of lights.
+/// `light`: an index below the number of lights.
 void set_light(const Scene& scene, std::uint32_t light, v1::Light* out);
 void set_summary(const StoredScene& stored, v1::SceneSummary* out);
 void add_remarks(const Scene& scene, google::protobuf::RepeatedPtrField<v1::Remark>* out);

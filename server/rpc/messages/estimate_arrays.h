@@ -10,7 +10,7 @@
 
 namespace lucerna::rpc {
 
-/// Estimates as a response holds them; null: not wanted, or not known from a single sample.
+/// The arrays of estimates in a response.  Null: not requested, or not known from a single sample.
 struct EstimateArrays {
   float* rgb;
   float* illuminance;
@@ -18,7 +18,7 @@ struct EstimateArrays {
   float *lower, *upper;
   float* zero_bound;
 
-  /// False where a number does not fit a float; nothing is written then.
+  /// False if a number does not fit a float; nothing is written then.
   bool put(std::size_t i, const IrradianceEstimate& e) const {
     const Rgb<float> value(e.irradiance_lx);
     const auto lux = static_cast<float>(luminance(e.irradiance_lx));
@@ -30,7 +30,8 @@ struct EstimateArrays {
       rgb[3 * i + 1] = value.g;
       rgb[3 * i + 2] = value.b;
     }
-    // A bound that no float holds, or of squares that no double held, is still one.
+    // A bound that overflows a float, or whose squares overflowed a double, becomes the largest
+    // float.
     const auto held = [](double v) {
       constexpr float kLargest = std::numeric_limits<float>::max();
       return v < kLargest ? static_cast<float>(v) : kLargest;

@@ -12,7 +12,7 @@ namespace lucerna::rpc {
 namespace {
 absl::Status bad_token(const std::string& token) {
   return bad_field("page_token", fmt::format("\"{}\"", token),
-                   "empty, or the last answer's next_page_token to the same question");
+                   "empty, or next_page_token of the previous answer to the same request");
 }
 }  // namespace
 

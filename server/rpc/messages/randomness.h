@@ -19,25 +19,25 @@ struct Randomness {
   std::span<const double> u_light;
 };
 
-/// What a request asks for.
+/// The sample values that a request needs.
 struct SampleValuesWanted {
   std::size_t samples;
   std::size_t per_sample;  ///< entries of `u`
-  bool light_named;        ///< then there is no `u_light`, else one a sample
-  std::string of;          ///< what the samples are called: "samples", "rays"
+  bool light_named;        ///< true: no `u_light`; false: one for each sample
+  std::string of;          ///< the samples' name in errors: "samples", "rays"
 };
 
-/// INVALID_ARGUMENT for lengths that do not fit.  The values themselves are not looked at.
+/// INVALID_ARGUMENT for wrong lengths.  Does not check the values.
 absl::StatusOr<Randomness> check_sample_values(const v1::SampleValues& values,
                                                const SampleValuesWanted& wanted);
 
-/// Seed 0 where neither values nor a seed are set.  Errors: as above.
+/// Seed 0 if neither values nor a seed are set.  Errors: as above.
 template <typename Request>
 absl::StatusOr<Randomness> check_randomness(const Request& request,
                                             const SampleValuesWanted& wanted);
 
-/// INVALID_ARGUMENT for a value outside of [0, 1], or of [0, 1) for `u_light`; one that is not a
-/// number is its item's own trouble.
+/// INVALID_ARGUMENT for a value outside of [0, 1], or of [0, 1) for `u_light`.  Accepts values that
+/// are not finite: the query gives their items a status.
 absl::Status check_u(const v1::SampleValues& values);
 
 extern template absl::StatusOr<Randomness> check_randomness(const v1::SampleLiRequest&,

@@ -1,4 +1,4 @@
-// The ways in which a request wants its answer made.
+// The methods that a request selects.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -8,7 +8,7 @@
 
 namespace lucerna::rpc {
 
-/// What is unset is automatic.  INVALID_ARGUMENT for what is out of range.
+/// An unset field is automatic.  INVALID_ARGUMENT for a field out of range.
 absl::StatusOr<Methods> check_methods(const v1::Accuracy& accuracy);
 
 }  // namespace lucerna::rpc

@@ -1,4 +1,4 @@
-// When a computation stops, as a request has it.
+// When a computation stops.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -19,12 +19,12 @@ struct StopRule {
   std::optional<double> time_budget_s{};
 };
 
-/// `fallback`: samples where nothing is said.  INVALID_ARGUMENT for what is out of range.
+/// `fallback`: the default number of samples.  INVALID_ARGUMENT for a field out of range.
 absl::StatusOr<StopRule> check_stop_rule(const Context& context, const v1::Accuracy& accuracy,
                                          std::uint32_t fallback);
 
-/// The least number of equal replicates, kReplicates or more, that `samples` fall into; as many as
-/// there are where they are fewer.
+/// The least number of equal replicates, at least kReplicates, that divides `samples`; `samples`
+/// itself if they are fewer.
 std::uint32_t replicates_of(std::uint32_t samples);
 
 }  // namespace lucerna::rpc

@@ -1,5 +1,5 @@
-// A request that was looked at but not yet computed.  Everything up to here knows messages and not
-// gRPC; what runs tasks knows gRPC and not what they compute.
+// A request that was parsed and not yet computed.  Handlers know messages and not gRPC.  Callers of
+// tasks know gRPC and not what tasks compute.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -15,7 +15,7 @@
 
 namespace lucerna::rpc {
 
-/// What requests are answered from.
+/// What handlers answer from.
 struct Context {
   SceneStore& scenes;
   AssetStore& assets;
@@ -24,17 +24,17 @@ struct Context {
 
 /// The request and the response that it was made for must live until `run` has returned.
 struct Task {
-  /// An upper estimate of the processor time [s]; what decides where it runs.
+  /// An upper estimate of the processor time [s].  It decides where the task runs.
   double predicted_s = 0;
-  /// True where it never belongs to the small ones, whatever its size.
+  /// True: runs in the bulk lane whatever its predicted time.
   bool bulk = false;
-  /// Fills the response.  Stops soon after the token asks for it; its answer is then of no use.
+  /// Fills the response.  Stops soon after the token requests it; the response is then incomplete.
   std::function<absl::Status(const std::stop_token&)> run;
-  /// Where the times of the work are put; null where the response has no such field.
+  /// Gets the times of the work; null if the response has no such field.
   v1::Cost* cost = nullptr;
 };
 
-/// `StatusOr`: what is wrong with a request is mostly known before any work.
+/// Most errors of a request are known before any work.
 using Prepared = absl::StatusOr<Task>;
 
 }  // namespace lucerna::rpc
