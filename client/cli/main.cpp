@@ -38,7 +38,7 @@ int run(int argc, char** argv) {
     lucerna::cli::start_tradeoff(app, argc, argv);
   } catch (const lucerna::cli::CommandError& error) {
     fmt::print(stderr, "lucerna: {}\n", error.what());
-    return error.status();
+    return error.exit_status();
   }
   return lucerna::cli::run_program(app, session, argc, argv);
 }

@@ -261,7 +261,7 @@ int run(int argc, char** argv) {
     return app.exit(error) == 0 ? cli::kDone : cli::kWrongUse;
   } catch (const cli::CommandError& error) {
     fmt::print(stderr, "lucerna: {}\n", error.what());
-    return error.status();
+    return error.exit_status();
   }
   if (std::fflush(stdout) != 0) return cli::kWrongUse;
   return session.exit_status();

@@ -6,7 +6,7 @@
 #include <stop_token>
 #include <vector>
 
-#include "server/estimate/paths/render.h"
+#include "server/estimate/queries/irradiance.h"
 
 namespace lucerna {
 

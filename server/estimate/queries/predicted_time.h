@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "server/estimate/queries/irradiance.h"
 #include "server/estimate/queries/queries.h"
 
 namespace lucerna {
