@@ -4,13 +4,11 @@
 #include <array>
 #include <cmath>
 
-#include "server/rpc/messages/stop_rule.h"
+#include "proto/common/defaults.h"
 #include "tests/server/rpc/service_fixture.h"
 
 namespace lucerna {
 namespace {
-
-using rpc::kReplicates;
 
 double luminance_of(const float* rgb) {
   return 0.2126390058715104 * rgb[0] + 0.7151686787677559 * rgb[1] + 0.0721923153607337 * rgb[2];

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <concepts>
 #include <cstring>
+#include <memory>
+#include <stdexcept>
 #include <vector>
 
 #include "server/assets/asset_reader.h"
@@ -16,9 +18,9 @@ namespace lucerna {
 namespace {
 
 SceneDescription every_light() {
-  const auto assets = AssetReader::open(LUCERNA_TEST_DATA);
+  auto assets = AssetReader::open(LUCERNA_TEST_DATA);
   if (!assets.ok()) throw std::runtime_error(assets.status().ToString());
-  AssetReader reader = *assets;
+  AssetReader reader = *std::move(assets);
   return load_pbrt(reader, "lights/every_light.pbrt").value();
 }
 
@@ -28,8 +30,9 @@ std::shared_ptr<const Scene> scene_of(bool moving) {
     const std::vector<KeyTransform> keys{
         {0, Transform::translate({0.1, 0.2, 0})},
         {2, Transform::translate({1, -2, 0.5}) * *Transform::rotate(0.7, {1, 2, 3})}};
-    for (LightDescription& l : d.lights) l.motion = Motion::create(keys).value();
-    for (ShapeDescription& s : d.shapes) s.motion = Motion::create(keys).value();
+    const auto motion = std::make_shared<const Motion>(Motion::create(keys).value());
+    for (LightDescription& l : d.lights) l.motion = motion;
+    for (ShapeDescription& s : d.shapes) s.motion = motion;
   }
   return testing::build(std::move(d));
 }

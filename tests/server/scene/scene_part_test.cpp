@@ -11,11 +11,11 @@
 #include <thread>
 #include <vector>
 
-#include "scenes.h"
 #include "server/runtime/parallel.h"
 #include "server/shadows/shaft.h"
 #include "server/store/scene_store.h"
 #include "tests/server/pbrt/pbrt_fixture.h"
+#include "tests/server/scene/scenes.h"
 
 namespace lucerna {
 namespace {
@@ -86,15 +86,15 @@ TEST(LazyPart, OfASceneCountsFromItsFirstUse) {
   const std::uint64_t bytes = scene->bytes();
   EXPECT_EQ(std::ranges::count(before, "shafts", &ScenePart::name), 0);
 
-  const Shafts& shafts = scene->shafts();
-  EXPECT_TRUE(shafts.has_outline(0));
+  const Shafts& made = shafts(*scene);
+  EXPECT_TRUE(made.has_outline(0));
   const std::vector<ScenePart> after = scene->parts();
   ASSERT_EQ(after.size(), before.size() + 1);
   EXPECT_EQ(after.back().name, "shafts");
-  EXPECT_EQ(after.back().bytes, shafts.bytes());
+  EXPECT_EQ(after.back().bytes, made.bytes());
   EXPECT_EQ(after.back().why, "a query used closed forms");
-  EXPECT_EQ(scene->bytes(), bytes + shafts.bytes());
-  EXPECT_EQ(&scene->shafts(), &shafts);
+  EXPECT_EQ(scene->bytes(), bytes + made.bytes());
+  EXPECT_EQ(&shafts(*scene), &made);
 }
 
 TEST(LazyPart, CountsForTheBudgetOfAStore) {
@@ -107,9 +107,9 @@ TEST(LazyPart, CountsForTheBudgetOfAStore) {
     const auto store = SceneStore::open({.root = files.path().string()}).value();
     const auto scene = store->load(name(0)).value().stored.scene;
     bare = store->bytes();
-    scene->shafts();
+    shafts(*scene);
     grown = store->bytes();
-    EXPECT_EQ(grown, bare + scene->shafts().bytes());
+    EXPECT_EQ(grown, bare + shafts(*scene).bytes());
     ASSERT_GT(grown, bare);
   }
   // Room for exactly two scenes, one of them with shafts.
@@ -118,7 +118,7 @@ TEST(LazyPart, CountsForTheBudgetOfAStore) {
           .value();
   const auto load = [&](int i) { return store->load(name(i)).value().stored.scene; };
   const auto a = load(0), b = load(1);
-  a->shafts();
+  shafts(*a);
   EXPECT_EQ(store->bytes(), bare + grown);
   EXPECT_NE(store->find(a->id()), nullptr);
   EXPECT_EQ(store->size(), 2u);
@@ -127,7 +127,7 @@ TEST(LazyPart, CountsForTheBudgetOfAStore) {
   EXPECT_EQ(store->size(), 2u);
   EXPECT_EQ(store->find(b->id()), nullptr);
   // A scene that grows while it is held evicts others at its next use.
-  c->shafts();
+  shafts(*c);
   EXPECT_EQ(store->size(), 2u);
   EXPECT_NE(store->find(c->id()), nullptr);
   EXPECT_EQ(store->size(), 1u);

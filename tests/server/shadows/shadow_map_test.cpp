@@ -269,7 +269,7 @@ TEST(ShadowMaps, OfManyLightsAreCoarserSoThatAllFit) {
   EXPECT_GE(one, 6u * 236 * 236 * 4);
   EXPECT_GE(maps.bytes(), one);
   EXPECT_LT(maps.bytes(), 2 * one);
-  EXPECT_EQ(maps.part()->why, "a query used shadow maps: 1 of 100 lights, 236 texels a side");
+  EXPECT_EQ(maps.report()->why, "a query used shadow maps: 1 of 100 lights, 236 texels a side");
 }
 
 TEST(ShadowMaps, AreNotMadeForAreaLightsAndMotion) {
