@@ -6,10 +6,7 @@
 #include "lights/maths/normal_cone.h"
 
 namespace lucerna {
-namespace {
-
-
-}  // namespace
+namespace {}  // namespace
 
 void LightCluster::add(const LightCluster& other) {
   if (other.empty()) return;

@@ -8,7 +8,6 @@
 namespace lucerna {
 namespace {
 
-
 double angle(double c) { return (std::clamp(c, 0.0, 1.0) - 0.5) * kPi; }
 
 /// Illuminance per area, in angles p and q from two adjacent edges of the square, under radiance 1;

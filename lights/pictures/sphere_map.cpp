@@ -9,7 +9,6 @@
 namespace lucerna {
 namespace {
 
-
 Vec2<double> equal_area_square(const Vec3<double>& w) {
   // 1 - |z| without its cancellation about the poles.
   const double r = std::sqrt((w.x * w.x + w.y * w.y) / (1 + std::fabs(w.z)));

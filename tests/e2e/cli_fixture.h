@@ -16,8 +16,8 @@ namespace lucerna {
 
 namespace fs = std::filesystem;
 
-/// One server for all tests.  The scene root is a temporary directory with the reference scenes and a
-/// broken scene.
+/// One server for all tests.  The scene root is a temporary directory with the reference scenes and
+/// a broken scene.
 class Cli : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {

@@ -393,8 +393,7 @@ TEST(LightTable, EveryShapeHasWords) {
   for (int i = 0; i < shapes->value_count(); ++i) {
     if (shapes->value(i)->number() == v1::AREA_SHAPE_UNSPECIFIED) continue;
     v1::Light light;
-    light.mutable_diffuse_area()->set_shape(
-        static_cast<v1::AreaShape>(shapes->value(i)->number()));
+    light.mutable_diffuse_area()->set_shape(static_cast<v1::AreaShape>(shapes->value(i)->number()));
     EXPECT_FALSE(describe_light(light).starts_with("shape")) << shapes->value(i)->name();
   }
 }
