@@ -27,13 +27,11 @@ wire: deps
 	@cmake --build --preset asan --target wire_property_test
 	@LUCERNA_WIRE_ITEMS=$(ITEMS) build/asan/tests/server/extremes/wire_property_test
 
-# The same for ten minutes, with ten times the rays in the shadow tests and four times the queries in the interval
-# tests.
+# What takes long: ten times the items, ten times the rays in the shadow tests, four times the repeats in the interval
+# tests, and all mutants.
 soak: release
 	@cmake --build --preset release --target server_extremes_test coverage_test
-	@LUCERNA_REPEATS=4000 build/release/tests/server/coverage_test
-	@LUCERNA_RAYS_TIMES=10 build/release/tests/server/extremes/server_extremes_test \
-	  --gtest_filter='ShadowExtremes.*:SeamExtremes.*:CoarseExtremes.*'
+	@ctest --preset release -C Soak -L soak
 	@$(MAKE) --no-print-directory wire ITEMS=10000000
 
 extremes: release
