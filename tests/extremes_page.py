@@ -31,21 +31,40 @@ MEASURED_COLUMNS = (5, 7)  # Lucerna's and the textbook's; the empty cell before
 HEAD = """\
 # Right at the extremes
 
-This page lists inputs that are known to break renderers, and what Lucerna answers.  Each line is a test that sweeps over the magnitudes named
-("swept").  The test compares the answer with the worst relative error allowed, or with the reason that it must give.  The column "Lucerna" has the worst
-error that occurred.  The column "textbook, in float" has the worst error of the usual formula in floats, for the same inputs.
+This page lists inputs that are known to break renderers, and the accuracy of Lucerna's answers to them.
 
-- `make extremes` runs the tests and writes this page.  `.ci/run` fails where the page is not current.
-- References have 30 digits.  The tables in [tests/data/extremes](../tests/data/extremes) are computed with 60 digits by mpmath, by other formulas than the
-  code's.  The scripts beside them make them.  Where a test says so, the reference is a closed form.
-- Densities of samples are also compared with the answers of PdfLi and PdfLe, and scenes with the same scene in other units.  There the code is compared
-  with itself.
-- Answers in words are the reasons of samples without light (`NoLightReason`), or describe what happened.
-- A [mutant](../tests/mutants) removes the fix behind a row.  `make mutants` checks that the test of the row then fails.
-- Figures of `tests/lights` are those of lights in double, as the server computes them.  Answers are floats, and this rounding adds up to 6e-8.
-- Errors are rounded up to one digit.  "Exact" means that no bit differs from the reference.  An infinite error is an answer that is infinite, or not 0
-  where 0 is right.
-- Rows 13 to 17 and 19 are about choosing among many lights.
+    make extremes
+
+This command runs the tests and writes this page.  `.ci/run` fails if the page is not current.
+
+Each line is a test that sweeps over a range of magnitudes.  These are the columns:
+
+| column | content |
+|---|---|
+| row | the number of a problem; rows 13 to 17 and 19 are about choosing among many lights |
+| input | the kind of input |
+| swept | the magnitudes that the test sweeps over |
+| figure | what the test compares with a reference |
+| Lucerna | the worst relative error that occurred, or the answer in words |
+| allowed | the largest relative error that the test accepts |
+| textbook, in float | the worst error, or the answers, of the usual formula in floats, for the same inputs |
+| test | the test, and the [mutants](../tests/mutants) of the row |
+
+- Answers in capitals are [item statuses](api.md#item-statuses).  Other words describe what happened.
+- "None of 4e+06, 1e+05 left out": none of 4e+06 cases is wrong.  1e+05 cases are left out, because floats have no right
+  answer there.
+- A mutant removes the fix behind a row.  `make mutants` checks that the test of the row then fails.
+- References have 30 digits.  mpmath computes the tables in [tests/data/extremes](../tests/data/extremes) with 60
+  digits, by other formulas than the code's.  The scripts in that folder generate the tables.  If a test says so, the
+  reference is a closed form.
+- Some tests compare the code with itself.  They compare densities of samples with the answers of PdfLi and PdfLe, or a
+  scene with the same scene in other units.
+- Figures of `tests/lights` are those of lights in double, as the server computes them.  Answers are floats.  Their
+  rounding adds up to 6e-8.
+- Errors are rounded up to one digit.  "Exact" means that all bits equal those of the reference.  An infinite error is
+  an infinite answer, or a nonzero answer where 0 is right.
+
+## The tests
 
 """
 

@@ -211,7 +211,7 @@ PATH=${PATH#*:} exec lucernad "$@"
         self.assert_ends(whole, "COMPLETED")
         frames, expected = ([(self.directory / f"{name}.{n:04}.pfm").read_bytes() for n in range(1, 5)]
                             for name in ("frame", "whole"))
-        self.assert_equal_pictures("four frames, then once more by one job", job, 4, expected, frames)
+        self.assert_equal_pictures("four frames by an array job, and again by one job", job, 4, expected, frames)
         self.assertEqual(len(set(frames)), 4, "frames that differ")
         self.assertEqual(list(self.directory.glob("*.journal")), [])
 

@@ -13,7 +13,7 @@ namespace {
 using V = Vec3<Served>;
 
 TEST(AngleExtremes, ConeOfNormalsOfAHinge) {
-  Sweep sweep(25, "mesh of two triangles that are all but in one plane", "1e-24 ... 0.5 rad",
+  Sweep sweep(25, "mesh of two nearly coplanar triangles, angle between them", "1e-24 ... 0.5 rad",
               "half-angle of the cone of normals");
   const ReferenceTable table("hinges");
   for (const auto& row : table.rows()) {
@@ -29,8 +29,8 @@ TEST(AngleExtremes, ConeOfNormalsOfAHinge) {
 }
 
 TEST(AngleExtremes, PhotometryNextToThePole) {
-  Sweep sweep(25, "goniometric light of an intensity that grows with the angle off its axis",
-              "1e-24 ... 0.5 rad off the axis", "illuminance");
+  Sweep sweep(25, "goniometric light whose intensity grows with the angle to its axis",
+              "1e-24 ... 0.5 rad from the axis", "illuminance");
   const auto web = *PhotometricWeb::create(
       {.vertical_deg = {0, 90, 180}, .horizontal_deg = {0}, .intensity_cd = {0, 90, 0}});
   const auto light = *GoniometricLight<Served>::create({.intensity = Rgb<double>(1), .web = web});
@@ -47,7 +47,7 @@ TEST(AngleExtremes, PhotometryNextToThePole) {
 }
 
 TEST(AngleExtremes, ParallelUnitVectorsAreParallel) {
-  Sweep sweep(25, "unit vector with itself", "100000 of all directions", "angle");
+  Sweep sweep(25, "a unit vector and itself", "100000 directions", "angle");
   RandomU random(0x25);
   for (int i = 0; i < 100000; ++i) {
     const V a = normalized(V(random.next() - 0.5, random.next() - 0.5, random.next() - 0.5));
@@ -57,7 +57,9 @@ TEST(AngleExtremes, ParallelUnitVectorsAreParallel) {
     sweep.answer(cone.half_angle_rad <= 0x1p-52 ? "parallel" : "not parallel");
     const Vec3<float> f = normalized(Vec3<float>(a));
     const float angle = std::acos(dot(f, f));
-    sweep.textbook_answer(std::isnan(angle) ? "no number" : angle == 0 ? "parallel" : "an angle");
+    sweep.textbook_answer(std::isnan(angle) ? "not a number"
+                          : angle == 0      ? "parallel"
+                                            : "an angle");
   }
   sweep.expect_answers("parallel");
 }

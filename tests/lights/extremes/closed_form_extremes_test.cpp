@@ -80,7 +80,7 @@ TEST(ClosedFormExtremes, TrianglesAsWideAsTheHemisphere) {
 // Parts of a sliver that are cut alike in both directions would be up to 1e15.
 TEST(ClosedFormExtremes, Slivers) {
   Sweep sweep(34, "triangle light 2 m long, closed form",
-              "3e-2 ... 1e-15 m high, seen from as near", "irradiance");
+              "3e-2 ... 1e-15 m high, receiver as near as the height", "irradiance");
   const ReferenceTable table("sliver_triangles");
   for (const auto& row : table.rows())
     compare_triangle(row, {vector_in(row, "a"), vector_in(row, "b"), vector_in(row, "c")},
@@ -107,7 +107,7 @@ TEST(ClosedFormExtremes, EdgeOnRectangles) {
 }
 
 TEST(ClosedFormExtremes, GrazingPolygons) {
-  Sweep sweep(8, "triangle or rectangle seen from nearly within its plane, closed form",
+  Sweep sweep(8, "triangle or rectangle, receiver nearly in its plane, closed form",
               "cosine 1e-3 ... 1e-20, along axes and tilted", "irradiance");
   const ReferenceTable table("grazing_polygons");
   for (const auto& row : table.rows()) {
@@ -121,7 +121,7 @@ TEST(ClosedFormExtremes, GrazingPolygons) {
 
 TEST(ClosedFormExtremes, PolygonsThatTheHorizonCuts) {
   Sweep sweep(8, "triangle or rectangle that the receiver's horizon cuts, closed form",
-              "sizes, heights and what is left 1 ... 1e-14", "irradiance");
+              "sizes, heights and visible parts 1 ... 1e-14", "irradiance");
   const ReferenceTable table("horizon_polygons");
   for (const auto& row : table.rows()) {
     const std::string at = row.text("name") + " " + row.text("size");
@@ -141,7 +141,7 @@ DiskLight<Served> disk_light(double radius, const Transform& world_from_object) 
 }
 
 TEST(ClosedFormExtremes, SmallLowAndGrazingDisks) {
-  Sweep sweep(8, "disk light, closed form", "size and height 1 ... 1e-20 of the other",
+  Sweep sweep(8, "disk light, closed form", "size / height and height / size 1 ... 1e-20",
               "irradiance");
   const ReferenceTable table("disks");
   for (const auto& row : table.rows()) {
@@ -156,7 +156,7 @@ TEST(ClosedFormExtremes, SmallLowAndGrazingDisks) {
 }
 
 TEST(ClosedFormExtremes, DisksLevelWithTheReceiver) {
-  Sweep sweep(8, "disk light all but in the plane of the receiver's surface, closed form",
+  Sweep sweep(8, "disk light nearly in the plane of the receiver's surface, closed form",
               "height / distance 1e-8 ... 1e-20", "irradiance");
   for (int k = 8; k <= 20; ++k) {
     // Both cosines are h / r: h^2 times the integral of 1 / r^4, pi R^2 / (o^2 - R^2)^2, to h^2.
@@ -180,7 +180,7 @@ Transform placed(const Vec3<double>& center, const Vec3<double>& axis) {
 
 TEST(ClosedFormExtremes, DisksThatTheHorizonCuts) {
   Sweep sweep(8, "disk light that the receiver's horizon cuts, closed form",
-              "sizes, heights and what is left 1 ... 1e-13", "irradiance");
+              "sizes, heights and visible parts 1 ... 1e-13", "irradiance");
   const ReferenceTable table("horizon_disks");
   for (const auto& row : table.rows()) {
     Receiver<Served> receiver(0, 0, 0);
@@ -201,7 +201,7 @@ SphereLight<Served> sphere_light(double radius, const Vec3<double>& center) {
 }
 
 TEST(ClosedFormExtremes, Spheres) {
-  Sweep sweep(1, "sphere light, closed form, above the receiver's horizon and cut by it",
+  Sweep sweep(1, "sphere light above the receiver's horizon or cut by it, closed form",
               "radius / distance 1e-12 ... 1 - 1e-11", "irradiance");
   const ReferenceTable cone("sphere_cone");
   for (const auto& row : cone.rows()) {
@@ -223,8 +223,8 @@ TEST(ClosedFormExtremes, Spheres) {
 }
 
 TEST(ClosedFormExtremes, JustOutsideOfSpheres) {
-  Sweep sweep(2, "receiver just outside of a sphere light, closed form",
-              "gap / radius 0.1 ... 1e-15", "irradiance");
+  Sweep sweep(2, "receiver just outside a sphere light, closed form", "gap / radius 0.1 ... 1e-15",
+              "irradiance");
   const ReferenceTable table("sphere_near");
   for (const auto& row : table.rows()) {
     const auto lx = sphere_light(row["radius_m"], {}).irradiance(receiver_in(row));

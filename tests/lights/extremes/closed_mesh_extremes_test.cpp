@@ -119,7 +119,7 @@ TEST(ClosedMeshExtremes, DensityOfDirectionsLeavesFacesTurnedAwayOut) {
 }
 
 TEST(ClosedMeshExtremes, FromInsideThereIsNone) {
-  Sweep sweep(30, "closed emissive box, the receiver inside", "1e-12 ... 0.5 beneath a face",
+  Sweep sweep(30, "closed emissive box, the receiver inside", "1e-12 ... 0.5 below a face",
               "answer");
   const auto light = *TriangleMeshLight<Served>::create(
       {Rgb<double>(1)}, *TriangleMesh<Served>::create(box_triangles<Served>()));

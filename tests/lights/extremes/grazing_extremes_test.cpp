@@ -53,7 +53,7 @@ void sweep_triangles(AreaSampling way, By by_x, By by_y, Sweep& sweep) {
 }
 
 TEST(GrazingExtremes, TrianglesBySolidAngle) {
-  Sweep sweep(8, "triangle seen from nearly within its plane, by solid angle",
+  Sweep sweep(8, "triangle sampled by solid angle, receiver nearly in its plane",
               "cosine 1e-3 ... 1e-20, along axes and tilted", "irradiance");
   sweep_triangles(AreaSampling::kSolidAngle, By::kShare, By::kRoot, sweep);
   sweep_triangles(AreaSampling::kCosineSolidAngle, By::kShare, By::kRoot, sweep);
@@ -61,14 +61,14 @@ TEST(GrazingExtremes, TrianglesBySolidAngle) {
 }
 
 TEST(GrazingExtremes, TrianglesByArea) {
-  Sweep sweep(8, "triangle seen from nearly within its plane, by area",
+  Sweep sweep(8, "triangle sampled by area, receiver nearly in its plane",
               "cosine 1e-3 ... 1e-20, along axes and tilted", "irradiance");
   sweep_triangles(AreaSampling::kSquareRoot, By::kRoot, By::kShare, sweep);
   sweep.expect_within(1e-11);
 }
 
 TEST(GrazingExtremes, Rectangles) {
-  Sweep sweep(8, "rectangle seen from nearly within its plane",
+  Sweep sweep(8, "rectangle, receiver nearly in its plane",
               "cosine 1e-3 ... 1e-20, along axes and tilted", "irradiance");
   const ReferenceTable table("grazing_polygons");
   for (const auto& row : table.rows()) {
@@ -86,7 +86,7 @@ TEST(GrazingExtremes, Rectangles) {
 }
 
 TEST(GrazingExtremes, Trapezoids) {
-  Sweep sweep(8, "trapezoid seen from nearly within its plane",
+  Sweep sweep(8, "trapezoid, receiver nearly in its plane",
               "cosine 1e-3 ... 1e-20, along axes and tilted", "density");
   const ReferenceTable table("grazing_polygons");
   for (const auto& row : table.rows()) {
@@ -132,7 +132,7 @@ void ask_within(const Light& light, const Vec3<double>& position, Sweep& sweep) 
 }
 
 TEST(GrazingExtremes, FromWithinThePlaneThereIsNone) {
-  Sweep sweep(8, "triangle, rectangle, trapezoid seen from within their plane, tilted or not",
+  Sweep sweep(8, "triangle, rectangle, trapezoid, tilted or not, receiver in their plane",
               "cosine 0", "answer");
   const ReferenceTable table("grazing_polygons");
   for (const auto& row : table.rows()) {
@@ -157,7 +157,7 @@ TEST(GrazingExtremes, FromWithinThePlaneThereIsNone) {
 }
 
 TEST(GrazingExtremes, FromWithinThePlaneOfADiskThereIsNone) {
-  Sweep sweep(8, "disk seen from within its plane, tilted or not", "cosine 0", "answer");
+  Sweep sweep(8, "disk, tilted or not, receiver in its plane", "cosine 0", "answer");
   DiskParams plain, tilted;
   plain.world_from_object = Transform::translate({3, 0, 0});
   tilted.world_from_object =
@@ -173,8 +173,8 @@ TEST(GrazingExtremes, FromWithinThePlaneOfADiskThereIsNone) {
 }
 
 TEST(GrazingExtremes, FromWithinATangentPlaneThereIsNone) {
-  Sweep sweep(8, "point of a sphere or cylinder by area, from within its tangent plane", "cosine 0",
-              "answer");
+  Sweep sweep(8, "sphere or cylinder sampled by area, receiver in the tangent plane of the point",
+              "cosine 0", "answer");
   SphereParams ball;
   ball.radius_m = 3;
   ball.world_from_object = Transform::translate({1, 2, 3});

@@ -128,9 +128,12 @@ class EdgeSearch {
 };
 
 TEST(LightTreeExtremes, ReceiversAtTheVeryEdge) {
-  Sweep sweep(13, "light tree of all local lights, receivers at edges of cones, in planes, grazed",
-              "sizes 1e-30 ... 1e30 m, 0 ... 1e6 sizes from zero, edges to the last bit",
-              "receivers where light arrives from a light that is never chosen");
+  Sweep sweep(
+      13,
+      "light tree of all local lights; receivers at edges of cones, in planes of lights, at "
+      "grazing angles",
+      "sizes 1e-30 ... 1e30 m, 0 ... 1e6 sizes from the origin, edges exact to the last bit",
+      "receivers lit by a light that is never chosen");
   std::int64_t missed = 0, asked = 0, dark = 0, textbook = 0;
   RandomU random(13);
   for (const double size : {1e-30, 1e-6, 1., 1e30})
@@ -166,7 +169,7 @@ float textbook_share(const LightTree::Item (&items)[2], const Vec3<double>& posi
 TEST(LightTreeExtremes, ScenesOfAnyScale) {
   Sweep sweep(14, "scenes of local lights, scaled with their receivers",
               "by 2^-20 ... 2^20 and to 1e-30 and 1e30 m, powers by 2^-99 ... 2^99",
-              "choices and probabilities of which a bit changed");
+              "choices and probabilities with a changed bit");
   std::int64_t changed = 0, asked = 0, changed_in_textbook = 0;
   RandomU random(14);
   for (int scene = 0; scene < 4; ++scene) {
@@ -209,9 +212,10 @@ TEST(LightTreeExtremes, ScenesOfAnyScale) {
 }
 
 TEST(LightTreeExtremes, AMillionLightsInALine) {
-  Sweep sweep(15, "a million lights in a line, each by the same factor farther off than the last",
-              "distances 2^-100 ... 1, 1e-30 ... 1e30 m; powers alike and as distance squared",
-              "choices that are invalid or reported with a wrong probability");
+  Sweep sweep(15, "a million lights in a line, at distances that grow by a constant factor",
+              "distances 2^-100 ... 1, 1e-30 ... 1e30 m; powers equal, or proportional to the "
+              "squared distance",
+              "choices that are invalid or have a wrong probability");
   std::int64_t wrong = 0, asked = 0;
   RandomU random(15);
   // Powers that fall with the distance: each split then leaves most of the extent to one side, and
@@ -260,8 +264,9 @@ TEST(LightTreeExtremes, EveryOneOfManyLightsIsReached) {
   // the others would.  It stands at either end, so that theirs are the least values of u, or the
   // greatest.
   constexpr std::uint32_t kLamps = 4096;
-  Sweep sweep(16, "4096 lights, each as probable as one of many, chosen by a u of 48 bits",
-              "of 2^24 ... 2^32 lights", "lights that no u leads to");
+  Sweep sweep(
+      16, "4096 lights, each with the probability of one of many lights, chosen by a u of 48 bits",
+      "one of 2^24 ... 2^32 lights", "lights that no u selects");
   std::int64_t unreached = 0, asked = 0, unreached_by_float = 0;
   RandomU random(16);
   for (const int bits : {24, 26, 28, 30, 32})

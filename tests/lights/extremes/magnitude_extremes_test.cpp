@@ -202,8 +202,8 @@ float textbook_sr(const Vec3<float>& a, const Vec3<float>& b, const Vec3<float>&
 }
 
 TEST(MagnitudeExtremes, DensityOfSolidAngles) {
-  Sweep sweep(9, "triangle and rectangle lights, sizes and distances alike", "1e-26 ... 1e22",
-              "density by solid angle");
+  Sweep sweep(9, "triangle and rectangle lights, sizes and distances scaled together",
+              "1e-26 ... 1e22", "density by solid angle");
   const ReferenceTable table("magnitude_solid_angles");
   for (const auto& row : table.rows()) {
     visit_shape(row.text("shape"), row["size"], [&](const auto& light) {

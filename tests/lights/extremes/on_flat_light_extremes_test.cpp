@@ -13,7 +13,7 @@ namespace lucerna::testing {
 namespace {
 
 TEST(OnLightExtremes, Triangles) {
-  Sweep sweep(7, "receiver on a triangle: its vertices, its edges, within", kSwept, "answer");
+  Sweep sweep(7, "receiver on a triangle: at vertices, on edges, inside", kSwept, "answer");
   for (const Place& f : frames())
     for (const bool two_sided : {false, true}) {
       const Vec3<double> a = f.point(1, 2, 3), b = f.point(9, -6, 11), c = f.point(-7, 10, 19);
@@ -40,7 +40,7 @@ TEST(OnLightExtremes, Triangles) {
 }
 
 TEST(OnLightExtremes, Rectangles) {
-  Sweep sweep(7, "receiver on a rectangle: its corners, its edges, within", kSwept, "answer");
+  Sweep sweep(7, "receiver on a rectangle: at corners, on edges, inside", kSwept, "answer");
   for (const Place& f : frames())
     for (const bool two_sided : {false, true})
       for (const bool tilted : {false, true}) {
@@ -72,7 +72,7 @@ TEST(OnLightExtremes, Rectangles) {
 }
 
 TEST(OnLightExtremes, Trapezoids) {
-  Sweep sweep(7, "receiver on a flat quadrilateral that is no rectangle", kSwept, "answer");
+  Sweep sweep(7, "receiver on a flat quadrilateral that is not a rectangle", kSwept, "answer");
   for (const Place& f : frames())
     for (const bool two_sided : {false, true}) {
       // In the plane of (2, 1, 2) and (1, 2, -2): 4 of the one, 8 of the other and, opposite, 4.
@@ -100,7 +100,7 @@ TEST(OnLightExtremes, Trapezoids) {
 TEST(OnLightExtremes, BentPatchesFromTheirOwnCorner) {
   // The directions to (u, v, u v) from its corner 0 end where u or v is 1: the integral of the sine
   // of the elevation there over the azimuth is pi / 6.
-  Sweep sweep(7, "receiver at a corner of a bent patch, which sees all of it",
+  Sweep sweep(7, "receiver at a corner of a bent patch, where all of it is visible",
               "sizes 2^-80 ... 2^60 m, offsets 0 ... 3 sizes", "mean of 1 / density");
   for (const Place& f : frames()) {
     // Where zero is 1e6 sizes away, doubles next to the corner are farther apart than the patch
@@ -125,8 +125,8 @@ TEST(OnLightExtremes, BentPatchesFromTheirOwnCorner) {
 }
 
 TEST(OnLightExtremes, CornersOfAnyDigits) {
-  Sweep sweep(7, "receiver at a corner of a triangle or a rectangle of random digits", kSwept,
-              "answer");
+  Sweep sweep(7, "receiver at a corner of a triangle or a rectangle with random coordinates",
+              kSwept, "answer");
   std::mt19937 random(7);
   std::uniform_real_distribution<double> digits(-1, 1);
   const auto any = [&] { return Vec3<double>{digits(random), digits(random), digits(random)}; };

@@ -86,7 +86,7 @@ TEST(OnLightExtremes, PicturesAndPanels) {
 }
 
 TEST(OnLightExtremes, Portals) {
-  Sweep sweep(7, "receiver in a portal: its corners, its edges, within", kSwept, "answer");
+  Sweep sweep(7, "receiver in a portal: at corners, on edges, inside", kSwept, "answer");
   for (const Place& f : frames()) {
     PortalLightParams params;
     params.corners_m = {{f.point(0, 0, 0), f.point(0, 8, 0), f.point(4, 8, 0), f.point(4, 0, 0)}};

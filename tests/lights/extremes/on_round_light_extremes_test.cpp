@@ -44,7 +44,7 @@ TEST(OnLightExtremes, CutSpheresAndRims) {
 }
 
 TEST(OnLightExtremes, Disks) {
-  Sweep sweep(7, "receiver on a disk: its middle, its rim, between", kSwept, "answer");
+  Sweep sweep(7, "receiver on a disk: at the centre, on the rim, between", kSwept, "answer");
   for (const Place& f : frames())
     for (const bool two_sided : {false, true}) {
       DiskParams params;
@@ -90,7 +90,7 @@ TEST(OnLightExtremes, SpheresAndCylindersFromWithout) {
 
 TEST(OnLightExtremes, SpheresFromWithin) {
   Sweep sweep(7, "receiver on a sphere that shines inwards", kSwept,
-              "density of points across, cos / pi");
+              "density of sampled points against cos / pi");
   // A sampled point is where doubles so far from zero lie, off the sphere by a rounding of its
   // coordinates; a radius is four sizes.
   const auto bound = [](double offset_sizes) { return 1e-14 + 2 * 0x1p-53 * offset_sizes / 4; };

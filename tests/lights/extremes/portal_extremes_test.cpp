@@ -31,10 +31,11 @@ std::string place_of(const Row& row) {
          row.text("depth") + ")";
 }
 
-const char* const kSeen = "sides of 1e-6 ... 1e6 m from 1e-12 ... 1e12 sides, inside and beside";
+const char* const kSeen =
+    "sides of 1e-6 ... 1e6 m, 1e-12 ... 1e12 sides away, directions inside and outside";
 
 TEST(PortalExtremes, Density) {
-  Sweep sweep(20, "portal, seen", kSeen, "density of sampled directions");
+  Sweep sweep(20, "portal", kSeen, "density of sampled directions");
   const ReferenceTable table("portals");
   for (const auto& row : table.rows()) {
     const auto& light = portal(row["side"]);
@@ -47,8 +48,8 @@ TEST(PortalExtremes, Density) {
 
 /// Just beyond its edges there is no density; just within them there is.
 TEST(PortalExtremes, Edges) {
-  Sweep sweep(20, "portal, seen", "half angles of 1e-9 ... 1.5 rad",
-              "density a thousandth within and beyond an edge");
+  Sweep sweep(20, "portal", "half-angles of 1e-9 ... 1.5 rad",
+              "density at a thousandth inside and outside an edge");
   const auto& light = portal(1);
   for (const double half : {1e-9, 1e-7, 1e-5, 1e-3, 0.1, 0.5, 1.0, 1.5}) {
     const double depth = 0.5 / std::tan(half);
@@ -59,16 +60,16 @@ TEST(PortalExtremes, Edges) {
       };
       const bool within = light.pdf_li(middle, towards(0.999)).per_sr > 0;
       const bool beyond = light.pdf_li(middle, towards(1.001)).per_sr > 0;
-      sweep.answer(!within ? "none within" : beyond ? "some beyond" : "within alone");
+      sweep.answer(!within ? "none within" : beyond ? "some beyond" : "only inside");
     }
   }
-  sweep.expect_answers("within alone");
+  sweep.expect_answers("only inside");
 }
 
 /// What samples say is what is said of their directions, and each leads through the portal; but for
 /// one that is seen 1e-15 rad above its plane, and narrower than that.
 TEST(PortalExtremes, SamplesLeadThroughThePortal) {
-  Sweep sweep(20, "portal, seen", kSeen, "samples");
+  Sweep sweep(20, "portal", kSeen, "samples");
   const ReferenceTable table("portals");
   RandomU random(20);
   for (const auto& row : table.rows()) {
@@ -82,11 +83,11 @@ TEST(PortalExtremes, SamplesLeadThroughThePortal) {
       const bool through = light.le_escaped(receiver_of(row), s.wi) == s.value;
       sweep.answer(s.reason != NoLight::kNone ? Sweep::name_of(s.reason) + ": " + place_of(row)
                    : !same                    ? "another density: " + place_of(row)
-                   : through                  ? "through it, with their density"
+                   : through                  ? "pass through it, with the right density"
                                               : "beside it: " + place_of(row));
     }
   }
-  sweep.expect_answers("through it, with their density");
+  sweep.expect_answers("pass through it, with the right density");
 }
 
 }  // namespace

@@ -26,8 +26,8 @@ void check_power(Sweep& sweep, const L& light, double truth, const std::string& 
 }
 
 TEST(PowerExtremes, Spots) {
-  Sweep sweep(29, "spot, half-angle (30/5 degrees too)", "1e-5 ... 180 degrees, both profiles",
-              "power");
+  Sweep sweep(29, "spot, half-angle; also 30 degrees with an edge of 5 degrees",
+              "1e-5 ... 180 degrees, both profiles", "power");
   const ReferenceTable table("spot_powers");
   for (const auto& row : table.rows())
     for (const SpotProfile profile : {SpotProfile::kSmoothstep, SpotProfile::kQuartic}) {

@@ -45,10 +45,10 @@ float textbook_value(const Row& row) {
 }
 
 const char* const kPlaces =
-    "1e-9 beside border and texel edges; 0.01 ... 179 degrees, aspect 1/3 ... 1e3";
+    "1e-9 from the border and texel edges; fields of view 0.01 ... 179 degrees, aspect 1/3 ... 1e3";
 
 TEST(ProjectionExtremes, Intensity) {
-  Sweep sweep(20, "projection, looked at", kPlaces, "intensity");
+  Sweep sweep(20, "projection, direction", kPlaces, "intensity");
   const ReferenceTable table("projection_maps");
   for (const auto& row : table.rows()) {
     sweep.compare(projection(row).intensity({row["x"], row["y"], 1}).g, row["value"],
@@ -59,7 +59,7 @@ TEST(ProjectionExtremes, Intensity) {
 }
 
 TEST(ProjectionExtremes, DensityOfRays) {
-  Sweep sweep(20, "projection, looked at", kPlaces, "density of rays that leave it");
+  Sweep sweep(20, "projection, direction", kPlaces, "density of rays that leave it");
   const ReferenceTable table("projection_maps");
   for (const auto& row : table.rows()) {
     if (filter_of(row) == ImageFilter::kBilinear) continue;
@@ -75,8 +75,8 @@ TEST(ProjectionExtremes, DensityOfRays) {
 }
 
 TEST(ProjectionExtremes, DensityCoversTheLight) {
-  Sweep sweep(20, "projection, looked at", kPlaces,
-              "density where there is light, none where there is none");
+  Sweep sweep(20, "projection, direction", kPlaces,
+              "whether the density is positive exactly where there is light");
   const ReferenceTable table("projection_maps");
   for (const auto& row : table.rows()) {
     const auto light = projection(row);
@@ -90,12 +90,12 @@ TEST(ProjectionExtremes, DensityCoversTheLight) {
             Vec3<Served>{x, -half.y * beside, 1}}) {
         const bool lit = light.intensity(w).g > 0;
         const bool covered = light.pdf_le({}, w, {}).direction.per_sr > 0;
-        sweep.answer(lit == covered ? "alike"
+        sweep.answer(lit == covered ? "yes"
                      : lit          ? "light without density"
                                     : "density in the dark");
       }
   }
-  sweep.expect_answers("alike");
+  sweep.expect_answers("yes");
 }
 
 }  // namespace

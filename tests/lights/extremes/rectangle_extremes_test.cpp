@@ -37,7 +37,7 @@ constexpr AreaSampling kWays[] = {AreaSampling::kSolidAngle, AreaSampling::kCosi
                                   AreaSampling::kAutomatic, AreaSampling::kLowDistortion};
 
 TEST(RectangleExtremes, SolidAngleOfSmallRectangles) {
-  Sweep sweep(6, "rectangle of few steradians, square and 1 : 1024", "1e-38 ... 1e-2 sr",
+  Sweep sweep(6, "rectangle of small solid angle, sides 1 : 1 and 1 : 1024", "1e-38 ... 1e-2 sr",
               "mean of 1 / density");
   const ReferenceTable table("small_rectangles");
   for (const auto& row : table.rows()) {
@@ -52,7 +52,7 @@ TEST(RectangleExtremes, SolidAngleOfSmallRectangles) {
 }
 
 TEST(RectangleExtremes, IrradianceOfSmallRectangles) {
-  Sweep sweep(6, "rectangle of few steradians, square and 1 : 1024", "1e-38 ... 1e-2 sr",
+  Sweep sweep(6, "rectangle of small solid angle, sides 1 : 1 and 1 : 1024", "1e-38 ... 1e-2 sr",
               "irradiance");
   const ReferenceTable table("small_rectangles");
   for (const auto& row : table.rows()) {
@@ -67,8 +67,8 @@ TEST(RectangleExtremes, IrradianceOfSmallRectangles) {
 }
 
 TEST(RectangleExtremes, SmallQuadrilaterals) {
-  Sweep sweep(6, "flat bilinear patch that is no rectangle, of few steradians", "1e-36 ... 1e-1 sr",
-              "irradiance");
+  Sweep sweep(6, "flat bilinear patch of small solid angle that is not a rectangle",
+              "1e-36 ... 1e-1 sr", "irradiance");
   const ReferenceTable table("small_quadrilaterals");
   for (const auto& row : table.rows()) {
     const Seen seen = seen_by(light_in(row), receiver_in(row, AreaSampling::kAutomatic));
@@ -108,9 +108,9 @@ std::vector<double> expected_counts(const Light& light, const Receiver<Served>& 
 }
 
 TEST(RectangleExtremes, SamplesOfEdgeOnRectanglesFollowTheirDensity) {
-  Sweep sweep(5, "rectangle of few steradians, the eye nearly in its plane",
+  Sweep sweep(5, "rectangle of small solid angle, receiver nearly in its plane",
               "1e-8 ... 3e-3 sr, on both sides of the threshold",
-              "chi-square of 40000 samples by the reported density");
+              "chi-square test of 40000 samples against the reported density");
   const ReferenceTable table("edge_on_rectangles");
   for (const auto& row : table.rows()) {
     const auto light = light_in(row);
@@ -140,7 +140,7 @@ TEST(RectangleExtremes, SamplesOfEdgeOnRectanglesFollowTheirDensity) {
 }
 
 TEST(RectangleExtremes, SolidAngleAndIrradianceOfEdgeOnRectangles) {
-  Sweep sweep(5, "rectangle of few steradians, the eye nearly in its plane",
+  Sweep sweep(5, "rectangle of small solid angle, receiver nearly in its plane",
               "1e-8 ... 3e-3 sr, on both sides of the threshold", "solid angle and irradiance");
   const ReferenceTable table("edge_on_rectangles");
   for (const auto& row : table.rows()) {

@@ -80,28 +80,28 @@ void sweep_disks(const std::string& name, Sweep& sweep) {
 }
 
 TEST(DiskExtremes, SmallDisks) {
-  Sweep sweep(6, "disk of few steradians", "1e-30 ... 1e-2 sr", "solid angle and irradiance");
+  Sweep sweep(6, "disk of small solid angle", "1e-30 ... 1e-2 sr", "solid angle and irradiance");
   sweep_disks("small", sweep);
   sweep.expect_within(1e-11);
 }
 
 TEST(DiskExtremes, GrazingDisks) {
-  Sweep sweep(8, "disk seen from nearly within its plane", "cosine 1e-3 ... 1e-20",
+  Sweep sweep(8, "disk, receiver nearly in its plane", "cosine 1e-3 ... 1e-20",
               "solid angle and irradiance");
   sweep_disks("grazing", sweep);
   sweep.expect_within(1e-11);
 }
 
 TEST(DiskExtremes, DisksAsWideAsTheHemisphere) {
-  Sweep sweep(3, "disk as wide as the hemisphere", "height / radius 1 ... 1e-20",
+  Sweep sweep(3, "disk that fills nearly the whole hemisphere", "height / radius 1 ... 1e-20",
               "solid angle and irradiance");
   sweep_disks("low", sweep);
   sweep.expect_within(1e-12);
 }
 
 TEST(DiskExtremes, TiltedGrazingDisks) {
-  Sweep sweep(8, "disk in a plane that no axis is in, seen from nearly within it",
-              "cosine 1e-3 ... 1e-20", "irradiance");
+  Sweep sweep(8, "disk in a tilted plane, receiver nearly in this plane", "cosine 1e-3 ... 1e-20",
+              "irradiance");
   DiskParams params;
   params.world_from_object =
       *Transform::from_matrix({{{1, 2, 2, -3}, {2, 1, -2, -6}, {2, -2, 1, -6}}});
@@ -149,13 +149,13 @@ void sweep_cylinders(const std::string& name, Sweep& sweep) {
 }
 
 TEST(CylinderExtremes, SmallCylinders) {
-  Sweep sweep(6, "cylinder of few steradians", "radius / distance 0.1 ... 1e-15", "irradiance");
+  Sweep sweep(6, "cylinder of small solid angle", "radius / distance 0.1 ... 1e-15", "irradiance");
   sweep_cylinders("small", sweep);
   sweep.expect_within(1e-12);
 }
 
 TEST(CylinderExtremes, CylindersFromJustAboveTheirTangent) {
-  Sweep sweep(8, "cylinder along which the receiver looks", "height / radius 0.1 ... 1e-9",
+  Sweep sweep(8, "cylinder, receiver just above its tangent plane", "height / radius 0.1 ... 1e-9",
               "irradiance");
   sweep_cylinders("grazing", sweep);
   // Points are rounded by 2^-53 of the radius, of which the height is 1e-9 at least.
@@ -163,8 +163,7 @@ TEST(CylinderExtremes, CylindersFromJustAboveTheirTangent) {
 }
 
 TEST(CylinderExtremes, TubesSeenAlongTheirAxis) {
-  Sweep sweep(8, "the inside of a cylinder seen along its axis", "cosine 0.1 ... 1e-20",
-              "irradiance");
+  Sweep sweep(8, "inside of a cylinder seen along its axis", "cosine 0.1 ... 1e-20", "irradiance");
   const ReferenceTable table("tubes");
   for (const auto& row : table.rows()) {
     CylinderParams params;

@@ -125,7 +125,7 @@ float textbook_pdf_near(float radius, float distance) {
 }
 
 TEST(SphereExtremes, DensityJustOutside) {
-  Sweep sweep(2, "receiver just outside of a sphere light, radius 1e-6 ... 1e6 m",
+  Sweep sweep(2, "receiver just outside a sphere light, radius 1e-6 ... 1e6 m",
               "gap / radius 0.1 ... 1e-15", "density");
   const ReferenceTable table("sphere_near");
   for (const auto& row : table.rows()) {
@@ -144,7 +144,7 @@ TEST(SphereExtremes, DensityJustOutside) {
 }
 
 TEST(SphereExtremes, IrradianceJustOutside) {
-  Sweep sweep(2, "receiver just outside of a sphere light, radius 1e-6 ... 1e6 m",
+  Sweep sweep(2, "receiver just outside a sphere light, radius 1e-6 ... 1e6 m",
               "gap / radius 0.1 ... 1e-15", "irradiance");
   const ReferenceTable table("sphere_near");
   for (const auto& row : table.rows()) {
@@ -205,7 +205,8 @@ Seen seen_along_x(const SphereLight<Served>& light, const Receiver<Served>& rece
 TEST(SphereExtremes, IrradianceInside) {
   // Whatever points are chosen by, and however deep it is, a receiver sees radiance 1 all over the
   // half of directions that it looks to.
-  Sweep sweep(2, "receiver inside of a sphere light, radius 1e-6 ... 1e6 m, about 0 or not",
+  Sweep sweep(2,
+              "receiver inside a sphere light, radius 1e-6 ... 1e6 m, at the origin or elsewhere",
               "depth / radius 1 ... 1e-15", "irradiance");
   for (const Inside& place : places_inside())
     for (const bool two_sided : {true, false}) {

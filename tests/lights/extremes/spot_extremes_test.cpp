@@ -55,7 +55,8 @@ float textbook_power(float cone_rad, float start_rad) {
 const char* const kAngles = "1e-15 ... 60 degrees";
 
 TEST(SpotExtremes, IlluminanceOfNarrowCones) {
-  Sweep sweep(10, "spot, half-angle", kAngles, "illuminance on the axis, within and in the edge");
+  Sweep sweep(10, "spot, half-angle", kAngles,
+              "illuminance on the axis, inside the cone and in its edge");
   const ReferenceTable table("spot_cones");
   for (const auto& row : table.rows()) {
     const auto sample = cone_of(row).sample_li(receiver_of(row), {});
@@ -126,7 +127,7 @@ TEST(SpotExtremes, RaysOfNarrowCones) {
 }
 
 TEST(SpotExtremes, NarrowEdges) {
-  Sweep sweep(11, "spot, inner and outer angle differ by",
+  Sweep sweep(11, "spot, difference of inner and outer angle",
               "1e-8 ... 1e-2 rad, cones of 0.5 ... 179.9 degrees", "illuminance in the edge");
   const ReferenceTable table("spot_edges");
   // A receiver's coordinates and a unit vector's tell an angle to four roundings, however it is
@@ -150,7 +151,7 @@ TEST(SpotExtremes, NarrowEdges) {
 }
 
 TEST(SpotExtremes, PowerWithTheNarrowestEdgesAndWithoutAny) {
-  Sweep sweep(11, "spot, inner and outer angle differ by", "0, 1 ulp ... 1e-10 of the angle",
+  Sweep sweep(11, "spot, difference of inner and outer angle", "0, 1 ulp ... 1e-10 of the angle",
               "power");
   const ReferenceTable table("spot_narrowest_edges");
   for (const auto& row : table.rows()) {
@@ -165,8 +166,8 @@ TEST(SpotExtremes, PowerWithTheNarrowestEdgesAndWithoutAny) {
 
 /// Full on the axis and within, dark beyond; nothing else at the edge.
 TEST(SpotExtremes, HardEdges) {
-  Sweep sweep(11, "spot, inner and outer angle differ by", "0, 1 ulp ... 1e-10 of the angle",
-              "light on the axis and within, none beyond");
+  Sweep sweep(11, "spot, difference of inner and outer angle", "0, 1 ulp ... 1e-10 of the angle",
+              "light on the axis, half way to the edge, just inside and just outside the edge");
   const ReferenceTable table("spot_narrowest_edges");
   for (const auto& row : table.rows()) {
     const double cone = row["cone_rad"];
@@ -185,14 +186,15 @@ TEST(SpotExtremes, HardEdges) {
       sweep.textbook_answer(std::isfinite((1 - cos_cone) / delta) ? "a slope"
                                                                   : "an infinite slope");
   }
-  sweep.expect_answers("full full full dark");
+  sweep.expect_answers("full, full, full, dark");
 }
 
 /// Around the direction that the light does not point in: dark up to the edge, and where a soft one
 /// ends in a point no darker than its share.
 TEST(SpotExtremes, WidestCones) {
-  Sweep sweep(12, "spot, half-angle less than 180 degrees by; seen from so close to behind it",
-              "0, 1e-12 ... 0.01 rad, edges of 0 ... 180 degrees; 1e-15 ... 0.1 rad",
+  Sweep sweep(12, "spot with a half-angle just below 180 degrees, receiver nearly behind it",
+              "0, 1e-12 ... 0.01 rad below 180 degrees, edges of 0 ... 180 degrees; receiver 1e-15 "
+              "... 0.1 rad off",
               "illuminance");
   const ReferenceTable table("spot_backs");
   for (const auto& row : table.rows()) {
@@ -217,12 +219,12 @@ TEST(SpotExtremes, AnglesThatNoSpotHas) {
     const auto made = SpotLight<Served>::create({.cone_half_angle_rad = cone});
     const std::string error(made.status().message());
     sweep.answer(error.starts_with("spot.cone_half_angle = ") && error.ends_with("allowed (0, pi]")
-                     ? "refused with its domain"
+                     ? "refused; the error names the domain"
                      : "taken or refused otherwise: " + error);
   }
   for (const double cone : {5e-324, 1e-30, kPi / 2, 2 * kPi / 3, kPi})
     EXPECT_TRUE(SpotLight<Served>::create({.cone_half_angle_rad = cone}).ok()) << cone;
-  sweep.expect_answers("refused with its domain");
+  sweep.expect_answers("refused; the error names the domain");
 }
 
 }  // namespace

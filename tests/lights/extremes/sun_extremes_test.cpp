@@ -57,7 +57,7 @@ TEST(SunExtremes, Density) {
 /// As far as doubles tell directions at the rim apart: so no density is left over beyond it.
 TEST(SunExtremes, Rim) {
   Sweep sweep(10, "sun, angular diameter", "1e-8 ... 180 degrees",
-              "density a thousandth within and beyond the rim");
+              "density at a thousandth inside and outside the rim");
   const ReferenceTable table("suns");
   const Frame<double> frame = Frame<double>::around(normalized(Vec3<double>{1, -2, 3}));
   for (const auto& row : table.rows()) {
@@ -83,7 +83,7 @@ TEST(SunExtremes, Rim) {
 
 /// Cosines are uniform over the disk: midpoints of a grid have their mean.
 TEST(SunExtremes, Illuminance) {
-  Sweep sweep(10, "sun, angular diameter", kDiameters, "illuminance by its samples");
+  Sweep sweep(10, "sun, angular diameter", kDiameters, "illuminance from its samples");
   const ReferenceTable table("suns");
   const Vec3<double> facing = normalized(Vec3<double>{1, -2, 3});
   for (const auto& row : table.rows()) {

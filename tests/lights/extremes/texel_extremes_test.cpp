@@ -13,13 +13,13 @@ namespace {
 
 using Row = ReferenceTable::Row;
 
-const char* const kPictures = "1e9 and 1e30 in 1, 1 in 1e30, 1e-30 ... 1e9 in black";
+const char* const kPictures = "1e9 and 1e30 among 1, 1 among 1e30, 1e-30 ... 1e9 among 0";
 
 std::string place_of(const Row& row) {
   return row.text("mapping") + ", " + row.text("bright") + " in " + row.text("background");
 }
 
-/// The chance of a texel by running sums in float, row by row and in the row.
+/// The probability of a texel by running sums in float, row by row and in the row.
 float textbook_chance(const Row& row) {
   const auto of = [](const std::array<float, 8>& weights, int k) {
     std::array<float, 9> sums{};
@@ -39,7 +39,7 @@ float textbook_chance(const Row& row) {
 }
 
 TEST(TexelExtremes, ChancesOfTexels) {
-  Sweep sweep(21, "environment map, one texel", kPictures, "chance of a texel");
+  Sweep sweep(21, "environment map with one different texel", kPictures, "probability of a texel");
   const ReferenceTable table("bright_texels");
   for (const auto& row : table.rows()) {
     const auto light = sky(spotted_image(row), mapping_of(row), ImageFilter::kNearest);
@@ -58,20 +58,22 @@ TEST(TexelExtremes, ChancesOfTexels) {
 }
 
 TEST(TexelExtremes, SampleValuesLeadToTheirTexels) {
-  Sweep sweep(21, "environment map, one texel", kPictures, "texel that sample values lead to");
+  Sweep sweep(21, "environment map with one different texel", kPictures,
+              "texel that sample values select");
   const ReferenceTable table("bright_texels");
   for (const auto& row : table.rows()) {
     const auto light = sky(spotted_image(row), mapping_of(row), ImageFilter::kNearest);
     const auto sample = light.sample_li({0, 0, 0}, {row["ux"], row["uy"]});
     const Vec2<double> p = square_from_direction(mapping_of(row), sample.wi);
     const bool right = std::floor(p.x * 8) == row["column"] && std::floor(p.y * 8) == row["row"];
-    sweep.answer(right ? "its own" : "another: " + place_of(row));
+    sweep.answer(right ? "the right one" : "another: " + place_of(row));
   }
-  sweep.expect_answers("its own");
+  sweep.expect_answers("the right one");
 }
 
 TEST(TexelExtremes, EverySampleEstimatesTheIntegral) {
-  Sweep sweep(21, "environment map, one texel", kPictures, "integral of radiance by each sample");
+  Sweep sweep(21, "environment map with one different texel", kPictures,
+              "integral of radiance, estimated by each sample");
   const ReferenceTable table("bright_texels");
   for (const auto& row : table.rows()) {
     const auto light = sky(spotted_image(row), mapping_of(row), ImageFilter::kNearest);
@@ -82,8 +84,8 @@ TEST(TexelExtremes, EverySampleEstimatesTheIntegral) {
 }
 
 TEST(TexelExtremes, EveryBilinearSampleToo) {
-  Sweep sweep(21, "equal-area environment map, bilinear, one texel", kPictures,
-              "integral of radiance by each sample");
+  Sweep sweep(21, "equal-area environment map, bilinear, with one different texel", kPictures,
+              "integral of radiance, estimated by each sample");
   const ReferenceTable table("bright_texels");
   RandomU random(21);
   for (const auto& row : table.rows()) {
@@ -117,7 +119,7 @@ void sweep_powers(Sweep& sweep, const SceneSphere& scene, double scale, F&& make
 }
 
 TEST(TexelExtremes, Integrals) {
-  Sweep sweep(29, "environment map", "patchy, black, one texel of 1e-30 ... 1e30",
+  Sweep sweep(29, "environment map", "uneven, black, one texel of 1e-30 ... 1e30",
               "power through a disk of 2 m");
   sweep_powers(sweep, {{}, 2}, 4 * std::numbers::pi, [](const auto& image, const Row& row) {
     return sky(image, mapping_of(row), filter_of(row));
@@ -125,7 +127,7 @@ TEST(TexelExtremes, Integrals) {
 }
 
 TEST(TexelExtremes, FluxOfLamps) {
-  Sweep sweep(29, "goniometric map", "patchy, black, one texel of 1e-30 ... 1e30", "power");
+  Sweep sweep(29, "goniometric map", "uneven, black, one texel of 1e-30 ... 1e30", "power");
   sweep_powers(sweep, {}, 1, [](const auto& image, const Row& row) {
     return lamp(image, mapping_of(row), filter_of(row));
   });

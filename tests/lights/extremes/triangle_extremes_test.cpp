@@ -31,7 +31,7 @@ std::string place(const ReferenceTable::Row& row) {
 }
 
 TEST(TriangleExtremes, SolidAngleOfSmallTriangles) {
-  Sweep sweep(4, "triangle of few steradians, faced, oblique and 1 : 1000",
+  Sweep sweep(4, "triangle of small solid angle: frontal, oblique, and with sides 1 : 1000",
               "1e-40 ... 1e-3 sr, by solid angle, cosine, area, automatic", "mean of 1 / density");
   const ReferenceTable table("small_triangles");
   for (const auto& row : table.rows()) {
@@ -51,7 +51,7 @@ TEST(TriangleExtremes, SolidAngleOfSmallTriangles) {
 }
 
 TEST(TriangleExtremes, IrradianceOfSmallTriangles) {
-  Sweep sweep(4, "triangle of few steradians, faced, oblique and 1 : 1000",
+  Sweep sweep(4, "triangle of small solid angle: frontal, oblique, and with sides 1 : 1000",
               "1e-40 ... 1e-3 sr, by solid angle, cosine, area, automatic", "irradiance");
   const ReferenceTable table("small_triangles");
   for (const auto& row : table.rows()) {
@@ -73,8 +73,8 @@ TEST(TriangleExtremes, IrradianceOfSmallTriangles) {
 }
 
 TEST(TriangleExtremes, SamplesOfSmallTrianglesHaveTheDensityOfTheirPoints) {
-  Sweep sweep(4, "triangle of few steradians", "1e-40 ... 1e-3 sr, all ways and automatic",
-              "density of a sample, by that of its point");
+  Sweep sweep(4, "triangle of small solid angle", "1e-40 ... 1e-3 sr, all ways to sample it",
+              "density of a sample against the density of its point");
   const ReferenceTable table("small_triangles");
   for (const auto& row : table.rows()) {
     const auto light = light_in(row);
@@ -91,8 +91,8 @@ TEST(TriangleExtremes, SamplesOfSmallTrianglesHaveTheDensityOfTheirPoints) {
 }
 
 TEST(TriangleExtremes, SolidAngleNearTheHemisphere) {
-  Sweep sweep(3, "triangle as wide as the hemisphere, vertices up to 1e9",
-              "height / size 1 ... 1e-20, over its middle, over and beside its edges",
+  Sweep sweep(3, "triangle that fills nearly the whole hemisphere, vertices up to 1e9",
+              "height / size 1 ... 1e-20, above its middle, above and beside its edges",
               "mean of 1 / density");
   const ReferenceTable table("hemisphere_triangles");
   for (const auto& row : table.rows()) {
@@ -111,7 +111,7 @@ TEST(TriangleExtremes, SolidAngleNearTheHemisphere) {
 }
 
 TEST(TriangleExtremes, IrradianceNearTheHemisphere) {
-  Sweep sweep(3, "triangle as wide as the hemisphere, vertices up to 1e9",
+  Sweep sweep(3, "triangle that fills nearly the whole hemisphere, vertices up to 1e9",
               "height / size 1 ... 1e-20, by solid angle, cosine, automatic", "irradiance");
   const ReferenceTable table("hemisphere_triangles");
   for (const auto& row : table.rows()) {

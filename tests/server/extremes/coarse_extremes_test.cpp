@@ -90,9 +90,9 @@ std::int64_t visible(const Scene& scene, const Ways& ways) {
 }
 
 TEST_F(CoarseExtremes, DistantSurfacesLevelWithAPointOcclude) {
-  Sweep sweep(22,
-              "points with coarse coordinates, and surfaces level with them 20 to 130 errors away",
-              "errors of 5e-27 ... 5e6 m", "such surfaces missed, or their own ground met");
+  Sweep sweep(
+      22, "points with coarse coordinates, and surfaces at the same height, 20 to 130 errors away",
+      "errors of 5e-27 ... 5e6 m", "surfaces missed, or the ground of the point hit");
   for (int exponent = -88; exponent <= 22; exponent += 10) {
     const double error = std::ldexp(1.0, exponent);
     const Ways ways = coarse_ways(error, 2000 * rays_times());

@@ -55,7 +55,7 @@ TileResult tile(const Scene& scene) {
 }
 
 TEST(EmptyExtremes, Radius) {
-  Sweep sweep(35, "an empty scene; scenes of one light, of a floor, of two lights apart",
+  Sweep sweep(35, "an empty scene; scenes with one light, with a floor, with two separate lights",
               "1e-30 ... 1e29 m", "radius");
   sweep.compare(build(description())->sphere().radius_m, 0, "nothing");
   sweep.compare_textbook(textbook_radius({}), 0);
@@ -76,7 +76,7 @@ TEST(EmptyExtremes, Radius) {
 }
 
 TEST(EmptyExtremes, Power) {
-  Sweep sweep(35, "lights at infinity and no geometry", "1e-30 ... 1e30 cd/m2", "flux");
+  Sweep sweep(35, "lights at infinity without geometry", "1e-30 ... 1e30 cd/m2", "flux");
   for (int exponent = -30; exponent <= 30; exponent += 5) {
     const Rgb<double> level(std::pow(10.0, exponent));
     const LightDescription kLights[] = {
@@ -95,7 +95,8 @@ TEST(EmptyExtremes, Power) {
 }
 
 TEST(EmptyExtremes, IrradianceWithoutLights) {
-  Sweep sweep(35, "nothing, or geometry and no lights", "receivers at 0 ... 1e15 m", "irradiance");
+  Sweep sweep(35, "an empty scene, or geometry without lights", "receivers at 0 ... 1e15 m",
+              "irradiance");
   SceneDescription ground = description();
   ground.shapes = {floor(5)};
   for (const auto& scene : {build(description()), build(ground)})
@@ -112,8 +113,8 @@ TEST(EmptyExtremes, IrradianceWithoutLights) {
 }
 
 TEST(EmptyExtremes, IrradianceWithoutGeometry) {
-  Sweep sweep(35, "a point light or a distant one and no geometry", "distances of 1e-9 ... 1e9 m",
-              "irradiance");
+  Sweep sweep(35, "a point light or a distant light, without geometry",
+              "distances of 1e-9 ... 1e9 m", "irradiance");
   for (int exponent = -9; exponent <= 9; ++exponent) {
     const double d = std::ldexp(1.0, 3 * exponent);
     const auto point = build(with_light(point_light({0, 0, d}, 2)));
@@ -137,7 +138,7 @@ TEST(EmptyExtremes, IrradianceUnderASkyAlone) {
 }
 
 TEST(EmptyExtremes, Tiles) {
-  Sweep sweep(35, "nothing, geometry and no lights, a sky alone",
+  Sweep sweep(35, "an empty scene, geometry without lights, only a sky",
               "a sky of 0, 1e-30 ... 1e30 cd/m2", "every pixel");
   SceneDescription ground = description();
   ground.shapes = {floor(5, 1)};

@@ -51,7 +51,7 @@ float share_above(double tilt_deg) {
 }
 
 TEST(FurnaceExtremes, ASheetInAUniformEnvironment) {
-  Sweep sweep(26, "sheet of reflectance 1, normals of its corners tilted, in a uniform environment",
+  Sweep sweep(26, "sheet of reflectance 1 in a uniform environment, shading normals tilted by",
               "0 ... 89.9 deg, from above and below", "radiance");
   for (const double tilt : kTilts_deg)
     for (const double height : {1.5, -1.5}) {
@@ -123,8 +123,8 @@ Estimates estimates(const Scene& scene, const SurfaceHit& hit, const Vec3<float>
 
 // A lamp half above and half below the surface, but all above the horizon of the shading normal.
 TEST(FurnaceExtremes, LightsAndDirectionsAgree) {
-  Sweep sweep(26, "lamp through the surface's plane, normals tilted to it", "30 ... 89.9 deg",
-              "radiance, by lights, by directions, by both");
+  Sweep sweep(26, "lamp cut by the surface's plane, shading normals tilted towards it by",
+              "30 ... 89.9 deg", "radiance, from samples of lights, of directions, and of both");
   for (const double tilt : kTilts_deg) {
     if (tilt < 30) continue;
     SceneDescription d = sheet(tilt, true);

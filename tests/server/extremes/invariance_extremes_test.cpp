@@ -195,7 +195,7 @@ TEST(InvarianceExtremes, LightsOfAnyStrengthAreChosenAlike) {
 
 TEST(InvarianceExtremes, RaysMeetMovingObjectsOfAnySize) {
   Sweep sweep(9, "ball that moves by twice its size in a second", "1e-30 ... 1e29 m",
-              "where a ray meets it at half time");
+              "where a ray hits it at half the time");
   for (const double s : {1e-30, 1e-20, 1e-10, 1.0, 1e5, 1e10, 1e15, 1e19, 1e24, 1e29})
     for (const bool as_instance : {false, true}) {
       SceneDescription d = description();
@@ -250,7 +250,7 @@ TEST(InvarianceExtremes, LargerSizesAreRefused) {
     const std::string message(scene.status().message());
     sweep.answer(scene.ok() ? "built" : message.substr(message.find("allowed")));
   }
-  sweep.textbook_answer("Embree ends the process from 1.8e18 m on");
+  sweep.textbook_answer("Embree aborts the process from 1.8e18 m on");
   sweep.expect_answers("allowed are coordinates up to 1e30");
 }
 

@@ -35,11 +35,10 @@ void compare_power(Sweep& sweep, const std::string& text, const FileScene& loade
 }
 
 TEST(LevelExtremes, LightsWithAnIntegralOfZero) {
-  Sweep sweep(
-      18, "power or illuminance of a light whose integral is 0",
-      "black levels, scale 0, black pictures, spectra and photometric files, nothing lit on "
-      "the side that counts, no area, cone of 0",
-      "answer");
+  Sweep sweep(18, "requested power or illuminance of a light whose integral is 0",
+              "black levels, scale 0, black pictures, spectra and photometric files, no light on "
+              "the side that counts, no area, cone of 0",
+              "answer");
   const std::string black = even_pfm(4, 4, 0);
   // Lit only in the lower half of the sky, and only below the xy plane of a square of directions.
   std::vector<float> low(std::size_t{3} * 4 * 4, 0);
@@ -139,8 +138,8 @@ TEST(LevelExtremes, LightsWithAnIntegralOfZero) {
 }
 
 TEST(LevelExtremes, PowerOfNarrowSpots) {
-  Sweep sweep(18, "power of a spot of half-angle", "180 ... 1e-18 degrees, and 1e-30 refused",
-              "flux against the requested flux");
+  Sweep sweep(18, "requested power of a spot, half-angle",
+              "180 ... 1e-18 degrees, and 1e-30 refused", "flux against the requested flux");
   for (const double degrees : {180.0, 90.0, 30.0, 1.0, 0.05, 0.01, 1e-3, 1e-5, 1e-8, 1e-12, 1e-15,
                                1e-17, 1e-18, 1e-19, 1e-20, 1e-30}) {
     const std::string angle = fmt::format("{}", degrees);
@@ -157,7 +156,7 @@ TEST(LevelExtremes, PowerOfNarrowSpots) {
 }
 
 TEST(LevelExtremes, PowerOfShapesOfAnySize) {
-  Sweep sweep(18, "power of an area light of size", "1e-30 ... 1e29 m",
+  Sweep sweep(18, "requested power of an area light, size", "1e-30 ... 1e29 m",
               "flux against the requested flux");
   const std::string area = "AreaLightSource \"diffuse\" \"float power\" 100\n";
   for (int exponent = -30; exponent <= 29; ++exponent) {
@@ -186,7 +185,7 @@ TEST(LevelExtremes, PowerOfShapesOfAnySize) {
 }
 
 TEST(LevelExtremes, PowerOfMeshesOfAnySize) {
-  Sweep sweep(18, "power of a triangle or patch of size", "1e-30 ... 1e29 m",
+  Sweep sweep(18, "requested power of a triangle or patch, size", "1e-30 ... 1e29 m",
               "flux against the requested flux");
   const std::string area = "AreaLightSource \"diffuse\" \"float power\" 100\n";
   for (int exponent = -30; exponent <= 29; ++exponent) {
@@ -209,7 +208,7 @@ TEST(LevelExtremes, PowerOfMeshesOfAnySize) {
 }
 
 TEST(LevelExtremes, PowerOfDimAndBrightPictures) {
-  Sweep sweep(18, "power of a picture whose texels are", "1e-45 ... 3e38",
+  Sweep sweep(18, "requested power of a picture, texels", "1e-45 ... 3e38",
               "flux against the requested flux");
   struct Case {
     const char* text;
@@ -247,7 +246,7 @@ TEST(LevelExtremes, PowerOfDimAndBrightPictures) {
 }
 
 TEST(LevelExtremes, PowerOfDimAndBrightLuminaires) {
-  Sweep sweep(18, "power of a photometric file of", "1e-300 ... 1e300 cd",
+  Sweep sweep(18, "requested power of a photometric file, intensities", "1e-300 ... 1e300 cd",
               "flux against the requested flux");
   for (const int exponent : {-300, -100, -45, -38, -30, -10, 0, 10, 30, 38, 39, 100, 290})
     for (const bool panel : {false, true}) {

@@ -49,7 +49,8 @@ std::string spot(double cone_deg, double delta_deg) {
 
 TEST(PbrtLightExtremes, WideSpots) {
   Sweep sweep(12, "spot in a .pbrt file, half-angle",
-              "90, 120, 180 degrees, edges of 0, 30 and all", "illuminance all around");
+              "90, 120, 180 degrees, edges of 0 and 30 degrees and as wide as the cone",
+              "illuminance in all directions");
   const ReferenceTable table("spot_wide");
   for (const auto& row : table.rows()) {
     const auto light = light_in(spot(row["cone_deg"], row["delta_deg"]));
@@ -72,7 +73,7 @@ TEST(PbrtLightExtremes, WideSpots) {
 
 TEST(PbrtLightExtremes, PowerOfWideSpots) {
   Sweep sweep(12, "spot in a .pbrt file, half-angle",
-              "90, 120, 180 degrees, edges of 0, 30 and all", "power");
+              "90, 120, 180 degrees, edges of 0 and 30 degrees and as wide as the cone", "power");
   const ReferenceTable table("spot_wide");
   for (const auto& row : table.rows())
     sweep.compare(power(light_in(spot(row["cone_deg"], row["delta_deg"]))), row["power_lm"],
@@ -102,7 +103,7 @@ TEST(PbrtLightExtremes, InvalidSpotAngles) {
 }
 
 TEST(PbrtLightExtremes, SidesThatEmitUnderMirrors) {
-  Sweep sweep(27, "area lights under mirrors",
+  Sweep sweep(27, "area lights under mirroring transforms",
               "5 shapes, 4 kinds of normals, reversed or not, scales 1e-3 ... 1e3",
               "whether a receiver on either side gets light");
   static const std::map<std::string, std::string> kShapes{
@@ -135,10 +136,10 @@ TEST(PbrtLightExtremes, SidesThatEmitUnderMirrors) {
     // are on the same side.
     const Vec2<Served> u = shape == "cylinder" ? Vec2<Served>{0.5, 0} : Vec2<Served>{0.3, 0.6};
     const bool lit = sample(light, receiver, u).reason == NoLight::kNone;
-    sweep.answer(lit == (row["lit"] > 0) ? "by pbrt-v4's rule" : "not so: " + text);
+    sweep.answer(lit == (row["lit"] > 0) ? "as in pbrt-v4" : "not so: " + text);
     sweep.textbook_answer(row["by_winding"] == row["lit"] ? "the right side" : "the wrong side");
   }
-  sweep.expect_answers("by pbrt-v4's rule");
+  sweep.expect_answers("as in pbrt-v4");
 }
 
 const std::map<std::string, std::string>& scaled_lights() {
@@ -158,7 +159,7 @@ std::string scaled(const Row& row) {
          scaled_lights().at(row.text("light"));
 }
 
-const char* const kScales = "1e-12 ... 1e12, mirrors, unequal where the light allows it";
+const char* const kScales = "1e-12 ... 1e12, mirrors, unequal scales if the light allows them";
 
 TEST(PbrtLightExtremes, PowerUnderScales) {
   Sweep sweep(28, "sphere, disk, cylinder, spot, projection under Scale", kScales, "power");
@@ -200,7 +201,7 @@ TEST(PbrtLightExtremes, DensityUnderScales) {
 /// scaled.
 TEST(PbrtLightExtremes, ConesUnderScales) {
   Sweep sweep(28, "spot, projection under Scale", kScales,
-              "a thousandth within and beyond the cone");
+              "light at a thousandth inside and outside the cone");
   const ReferenceTable table("scaled_lights");
   for (const auto& row : table.rows()) {
     const bool is_spot = row.text("light") == "spot";
@@ -216,9 +217,9 @@ TEST(PbrtLightExtremes, ConesUnderScales) {
     const bool beyond = towards(1.001).reason != NoLight::kOutsideCone;
     sweep.answer(!within  ? "none within: " + row.text("light") + " " + row.text("sx")
                  : beyond ? "some beyond: " + row.text("light") + " " + row.text("sx")
-                          : "light within, none beyond");
+                          : "light inside, none outside");
   }
-  sweep.expect_answers("light within, none beyond");
+  sweep.expect_answers("light inside, none outside");
 }
 
 TEST(PbrtLightExtremes, ScalesThatAreRefused) {
@@ -250,9 +251,10 @@ TEST(PbrtLightExtremes, ScalesThatAreRefused) {
       const bool named = error.starts_with("scene.pbrt:3:") &&
                          error.find("scale") != std::string::npos &&
                          error.find("allowed") != std::string::npos;
-      sweep.answer(named ? "refused, with place and scales" : error + " of " + transform + light);
+      sweep.answer(named ? "refused; the error names place and scales"
+                         : error + " of " + transform + light);
     }
-  sweep.expect_answers("refused, with place and scales");
+  sweep.expect_answers("refused; the error names place and scales");
 }
 
 }  // namespace

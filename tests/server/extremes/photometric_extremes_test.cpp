@@ -118,7 +118,7 @@ TEST(PhotometricExtremes, IntensitiesOfIesFiles) {
 }
 
 TEST(PhotometricExtremes, FluxOfEulumdatFiles) {
-  Sweep sweep(31, "the files of type C with planes all around, as EULUMDAT, lamps of",
+  Sweep sweep(31, "the files of type C with planes all around, written as EULUMDAT, lamps of",
               "1e-30 ... 1e30 lm; planes of every symmetry", "flux");
   const ReferenceTable table("photometric_flux");
   for (const auto& row : table.rows()) {

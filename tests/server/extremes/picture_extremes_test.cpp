@@ -136,7 +136,7 @@ void compare_sizes(Sweep& sweep, bool portals, const std::vector<float>& texels)
 }
 
 TEST(PictureExtremes, SizesAndValues) {
-  Sweep sweep(32, "even pictures of 1 x 1, 1e5 x 1, 1 x 1e5 and 64 x 64 texels of",
+  Sweep sweep(32, "uniform pictures of 1 x 1, 1e5 x 1, 1 x 1e5 and 64 x 64 texels of",
               "1e-36 ... 1e30", "flux of every light that takes a picture");
   compare_sizes(sweep, false, {0.1F, 1e-36F, 1e-20F, 1e20F, 1e30F});
   sweep.expect_within(1e-7);
@@ -153,7 +153,7 @@ TEST(PictureExtremes, SizesAndValuesThroughPortals) {
 // The portal's table of directions cannot be as fine as such a picture.
 TEST(PictureExtremes, SingleLitRowsThroughAPortal) {
   Sweep sweep(32, "pictures of 1 x 2e4 texels through a portal, one of them lit",
-              "rows of all heights", "density where there is light, against an even density");
+              "rows of all heights", "density where there is light, relative to a uniform density");
   for (const int row : {1, 7941}) {
     std::vector<float> values(60'000, 0);
     std::fill_n(values.begin() + 3 * row, 3, 1.0F);
@@ -184,11 +184,10 @@ TEST(PictureExtremes, SingleLitRowsThroughAPortal) {
       // Even over the angles alpha, beta of (tan alpha, tan beta, 1).
       const double even = w.z / ((1 - w.x * w.x) * (1 - w.y * w.y) * window);
       const double share = portal->pdf_li(receiver, w).per_sr / even;
-      sweep.answer(share > (1 - 1e-9) / 16 ? "1/16 of it or more"
-                                           : "less: " + std::to_string(share));
+      sweep.answer(share > (1 - 1e-9) / 16 ? "1/16 or more" : "less: " + std::to_string(share));
     }
   }
-  sweep.expect_answers("1/16 of it or more");
+  sweep.expect_answers("1/16 or more");
 }
 
 TEST(PictureExtremes, Types) {

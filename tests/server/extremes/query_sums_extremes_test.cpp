@@ -19,8 +19,9 @@ namespace lucerna::testing {
 namespace {
 
 TEST(QuerySumsExtremes, IrradianceOfEqualSamples) {
-  Sweep sweep(24, "a receiver below a sun so small that each sample has 0.1 lx",
-              "1 ... 2^18 samples a block", "irradiance, light by light and at a wavelength");
+  Sweep sweep(24, "a receiver under a sun so small that each sample is 0.1 lx",
+              "1 ... 2^18 samples a block",
+              "irradiance, in total, for each light and at a wavelength");
   SceneDescription d = description();
   // The cosine of its edge rounds to 1, so no other direction lies within it.
   d.lights = {{SunLightParams{{0, 0, 1}, 1e-9, Rgb<double>(0.1)}, {"test.pbrt", 5, 1}}};
@@ -54,7 +55,7 @@ TEST(QuerySumsExtremes, IrradianceOfEqualSamples) {
 }
 
 TEST(QuerySumsExtremes, TotalOfVeryDifferentFluxes) {
-  Sweep sweep(24, "a light of 1e6 ... 1e30 cd, and 1000 of 4e-17 times its intensity",
+  Sweep sweep(24, "a light of 1e6 ... 1e30 cd, and 1000 lights of 4e-17 times its intensity",
               "exact and approximate", "total of EstimatePower");
   const TempDirectory folder;
   auto options = service_options();

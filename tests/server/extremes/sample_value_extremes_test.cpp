@@ -160,7 +160,7 @@ float textbook_off(float distance, float u) {
 
 TEST(SampleValueExtremes, PointsLieOnTheirLights) {
   Sweep sweep(33, "sample values of every light with a surface", kSwept,
-              "1 + distance of sampled points to the surface, in its sizes");
+              "1 + distance of sampled points from the surface / its size");
   const auto scene = every_light();
   const Quad3 origin(scene->origin());
   for (const SceneLight& l : scene->lights()) {

@@ -98,7 +98,7 @@ void within_plane(const Scene& scene, int axis, double size, Random& random, Cou
 }
 
 TEST_F(SeamExtremes, NothingLeavesAClosedMesh) {
-  Sweep sweep(23, "rays from within a closed mesh at its edges, and its instance",
+  Sweep sweep(23, "rays from inside a closed mesh or its instance, towards the edges",
               "1e-4 ... 1e7 m; moved by 1e7", "leaks");
   std::vector<Place> all = sizes();
   all.push_back(moved()[0]);
@@ -112,7 +112,7 @@ TEST_F(SeamExtremes, NothingLeavesAClosedMesh) {
 }
 
 TEST_F(SeamExtremes, RaysWithinAxisAlignedPlanes) {
-  Sweep sweep(23, "flat squares in the planes of the axes, rays within each", "1e-4 ... 1e7 m",
+  Sweep sweep(23, "flat squares in axis-aligned planes, rays in these planes", "1e-4 ... 1e7 m",
               "leaks and self-shadowing");
   for (const Place& place : sizes())
     for (int axis = 0; axis < 3; ++axis) {

@@ -35,7 +35,7 @@ Receiver<double> on_floor(const Scene& scene) {
 }
 
 TEST(SelectionExtremes, EachOfSeveralInfiniteLightsIsSampled) {
-  Sweep sweep(17, "two skies, a sun, a distant light beside 4 and 20 lamps",
+  Sweep sweep(17, "two skies, a sun and a distant light, with 4 or 20 lamps",
               "every way to choose a light", "sum of all lights' probabilities");
   for (const int lamps : {4, 20}) {
     const auto scene = build(lamps_and_skies(lamps));
@@ -90,7 +90,7 @@ TEST(SelectionExtremes, AllLightOfInfiniteAndLocalLightsArrives) {
 
 // One far stone can make the sphere of the scene, and so the flux of skies, arbitrarily large.
 TEST(SelectionExtremes, OneFarObjectStarvesNoLight) {
-  Sweep sweep(19, "a stone far from a room of size 1", "1e2 ... 1e9 m",
+  Sweep sweep(19, "an object far from a room of size 1", "1e2 ... 1e9 m",
               "probability of each light");
   for (const int lamps : {4, 20}) {
     const auto alone = build(lamps_and_skies(lamps));

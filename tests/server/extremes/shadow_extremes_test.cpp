@@ -256,8 +256,8 @@ TEST_F(ShadowExtremes, LeaksAndSelfShadowingAtAnySize) {
 }
 
 TEST_F(ShadowExtremes, LeaksAndSelfShadowingFarFromZero) {
-  Sweep sweep(23, "the same rays in a scene of size 1, moved", "1e7 m along x, y, z and all three",
-              "leaks and self-shadowing");
+  Sweep sweep(23, "the rays of row 22 in a scene of size 1, moved",
+              "1e7 m along x, y, z and all three", "leaks and self-shadowing");
   for (const Place& place : moved()) {
     const Everything e(place);
     const std::size_t n = place.offset.x * place.offset.y != 0 ? 360000 : 60000;
@@ -267,8 +267,9 @@ TEST_F(ShadowExtremes, LeaksAndSelfShadowingFarFromZero) {
 }
 
 TEST_F(ShadowExtremes, TypedPoints) {
-  Sweep sweep(22, "segments between points typed on surfaces, with normals and without",
-              "1e-4 ... 1e7 m; moved by 1e7", "leaks and self-shadowing");
+  Sweep sweep(
+      22, "segments between points on surfaces with coordinates as typed, with or without normals",
+      "1e-4 ... 1e7 m; moved by 1e7", "leaks and self-shadowing");
   std::vector<Place> all = sizes();
   all.push_back(moved()[0]);
   for (const Place& place : all) {
@@ -281,8 +282,8 @@ TEST_F(ShadowExtremes, TypedPoints) {
 }
 
 TEST_F(ShadowExtremes, LampJustAboveAFloor) {
-  Sweep sweep(22, "lamp 1e-5 of the scene's size above a floor, and that floor",
-              "1e-4 ... 1e7 m; moved by 1e7", "hidden, or seen through");
+  Sweep sweep(22, "lamp above a floor, at 1e-5 of the scene's size, and points on the floor",
+              "1e-4 ... 1e7 m; moved by 1e7", "lamp hidden, or seen through the floor");
   std::vector<Place> all = sizes();
   all.push_back(moved()[0]);
   for (const Place& place : all) {

@@ -126,13 +126,14 @@ void compare_means(Sweep& sweep, bool billion) {
 }
 
 TEST(SumsExtremes, MeansOfABillionSamples) {
-  Sweep sweep(24, "a pixel's or receiver's samples, all 0.1 or one of 1e30 among ones",
+  Sweep sweep(24, "samples of a pixel or receiver: all 0.1, or one of 1e30 among ones",
               "2^30 samples", "mean");
   compare_means(sweep, true);
 }
 
 TEST(SumsExtremes, MeansOfSamplesOfMixedMagnitude) {
-  Sweep sweep(24, "a pixel's or receiver's samples, 1e-30 ... 3e38 mixed", "1e8 samples", "mean");
+  Sweep sweep(24, "samples of a pixel or receiver: a mixture of 1e-30 ... 3e38", "1e8 samples",
+              "mean");
   compare_means(sweep, false);
 }
 
@@ -201,7 +202,7 @@ TEST(SumsExtremes, TilesOfManyBlocks) {
 }
 
 TEST(SumsExtremes, DeviationOfNearlyEqualBlocks) {
-  Sweep sweep(24, "blocks of x and x + 1 in turn, x", "1 ... 1e15, 2^2 ... 2^20 blocks",
+  Sweep sweep(24, "blocks of x and x + 1, alternately; x", "1 ... 1e15, 2^2 ... 2^20 blocks",
               "squared deviation, from which standard errors follow");
   for (double x = 1; x <= 1e15; x *= 10)
     for (int log = 2; log <= 20; log += 6) {
@@ -224,7 +225,7 @@ TEST(SumsExtremes, DeviationOfNearlyEqualBlocks) {
 }
 
 TEST(SumsExtremes, CountsOfSamples) {
-  Sweep sweep(24, "samples counted", "2^31 ... 2^52 a tile, 1024 tiles", "count");
+  Sweep sweep(24, "number of samples", "2^31 ... 2^52 a tile, 1024 tiles", "count");
   for (int log = 31; log <= 52; ++log) {
     WorkCounts tile, total;
     tile.samples = tile.camera_rays = tile.indirect_rays = tile.shadow_rays = std::uint64_t{1}

@@ -132,7 +132,7 @@ std::string name(const Scene& scene, std::uint32_t light) {
   return "light " + std::to_string(scene.lights()[light].id);
 }
 
-constexpr const char* kFloats = "directions and positions in the floats of the answer";
+constexpr const char* kFloats = "directions and positions rounded to the floats of the answer";
 
 /// Density and radiance along the sampled directions.
 Told asked_along(const Scene& scene, std::uint32_t light, const PointArray& receivers,
@@ -223,8 +223,8 @@ TEST(TransmittedExtremes, RaysOfLightsThatMove) {
 
 /// Where no float direction leads into a light, the answer describes the sampled direction.
 TEST(TransmittedExtremes, LightsNarrowerThanFloats) {
-  Sweep sweep(10, "spot, sun, half angle", "1e-9 ... 1e-7 degrees",
-              "flux, illuminance by samples whose directions floats cannot hold");
+  Sweep sweep(10, "spot and sun, half-angle", "1e-9 ... 1e-7 degrees",
+              "flux and illuminance from samples whose directions floats cannot represent");
   const std::vector<float> here{0, 0, 0};
   for (const char* cone : {"1e-7", "1e-8", "1e-9"}) {
     const FileScene file = scene_of(
@@ -274,7 +274,7 @@ TEST(TransmittedExtremes, SmallSuns) {
 }
 
 TEST(TransmittedExtremes, NarrowSpots) {
-  Sweep sweep(10, "spot, half angle, soft and hard edge", "1 ... 1e-5 degrees",
+  Sweep sweep(10, "spot with a soft or hard edge, half-angle", "1 ... 1e-5 degrees",
               "density of rays against PdfLe of the reported direction");
   for (const char* cone : {"1", "0.05", "0.01", "1e-3", "1e-4", "1e-5"}) {
     for (const bool soft : {true, false}) {
