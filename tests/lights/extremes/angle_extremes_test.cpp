@@ -1,4 +1,4 @@
-// Row 25: angles between directions that are all but parallel.
+// Row 25: angles between nearly parallel directions.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -13,7 +13,7 @@ namespace {
 using V = Vec3<Served>;
 
 TEST(AngleExtremes, ConeOfNormalsOfAHinge) {
-  Sweep sweep(25, "mesh of two triangles that are all but in one plane", "1e-24 ... 0.5 rad",
+  Sweep sweep(25, "mesh of two triangles nearly in one plane", "1e-24 ... 0.5 rad",
               "half-angle of the cone of normals");
   const ReferenceTable table("hinges");
   for (const auto& row : table.rows()) {
@@ -57,7 +57,9 @@ TEST(AngleExtremes, ParallelUnitVectorsAreParallel) {
     sweep.answer(cone.half_angle_rad <= 0x1p-52 ? "parallel" : "not parallel");
     const Vec3<float> f = normalized(Vec3<float>(a));
     const float angle = std::acos(dot(f, f));
-    sweep.textbook_answer(std::isnan(angle) ? "no number" : angle == 0 ? "parallel" : "an angle");
+    sweep.textbook_answer(std::isnan(angle) ? "not a number"
+                          : angle == 0      ? "parallel"
+                                            : "an angle");
   }
   sweep.expect_answers("parallel");
 }

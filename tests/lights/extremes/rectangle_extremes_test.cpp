@@ -1,5 +1,5 @@
-// Rows 5 and 6: rectangles and other quadrilaterals that cover little, and such as are seen from
-// nearly within their plane.
+// Rows 5 and 6: rectangles and other quadrilaterals that are small, or that are seen from nearly
+// within their plane.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -21,7 +21,8 @@ std::string place(const ReferenceTable::Row& row) {
   return row.text("name") + ", " + row.text("solid_angle_sr") + " sr";
 }
 
-/// The sum of the angles less two pi, by the cosines between neighbouring planes.  [Urena13]
+/// The sum of the angles minus two pi.  The angles come from cosines between neighbouring planes.
+/// [Urena13]
 float textbook_solid_angle(const ReferenceTable::Row& row) {
   const Vec3<float> r(vector_in(row, "receiver"));
   Vec3<float> corner[4], plane[4];
@@ -37,7 +38,7 @@ constexpr AreaSampling kWays[] = {AreaSampling::kSolidAngle, AreaSampling::kCosi
                                   AreaSampling::kAutomatic, AreaSampling::kLowDistortion};
 
 TEST(RectangleExtremes, SolidAngleOfSmallRectangles) {
-  Sweep sweep(6, "rectangle of few steradians, square and 1 : 1024", "1e-38 ... 1e-2 sr",
+  Sweep sweep(6, "rectangle of small solid angle, square and 1 : 1024", "1e-38 ... 1e-2 sr",
               "mean of 1 / density");
   const ReferenceTable table("small_rectangles");
   for (const auto& row : table.rows()) {
@@ -52,7 +53,7 @@ TEST(RectangleExtremes, SolidAngleOfSmallRectangles) {
 }
 
 TEST(RectangleExtremes, IrradianceOfSmallRectangles) {
-  Sweep sweep(6, "rectangle of few steradians, square and 1 : 1024", "1e-38 ... 1e-2 sr",
+  Sweep sweep(6, "rectangle of small solid angle, square and 1 : 1024", "1e-38 ... 1e-2 sr",
               "irradiance");
   const ReferenceTable table("small_rectangles");
   for (const auto& row : table.rows()) {
@@ -67,8 +68,8 @@ TEST(RectangleExtremes, IrradianceOfSmallRectangles) {
 }
 
 TEST(RectangleExtremes, SmallQuadrilaterals) {
-  Sweep sweep(6, "flat bilinear patch that is no rectangle, of few steradians", "1e-36 ... 1e-1 sr",
-              "irradiance");
+  Sweep sweep(6, "flat bilinear patch that is not a rectangle, of small solid angle",
+              "1e-36 ... 1e-1 sr", "irradiance");
   const ReferenceTable table("small_quadrilaterals");
   for (const auto& row : table.rows()) {
     const Seen seen = seen_by(light_in(row), receiver_in(row, AreaSampling::kAutomatic));
@@ -82,8 +83,8 @@ TEST(RectangleExtremes, SmallQuadrilaterals) {
   sweep.expect_within(1e-12);
 }
 
-/// How many samples should fall into each of n x n cells of the rectangle, by the density that is
-/// told of their points: its integral over the solid angle of the cell.
+/// The expected count of samples in each of n x n cells of the rectangle: the integral over the
+/// cell of the reported density of points.
 template <typename Light>
 std::vector<double> expected_counts(const Light& light, const Receiver<Served>& receiver,
                                     const Vec3<double>& corner, const Vec3<double>& x,
@@ -108,7 +109,7 @@ std::vector<double> expected_counts(const Light& light, const Receiver<Served>& 
 }
 
 TEST(RectangleExtremes, SamplesOfEdgeOnRectanglesFollowTheirDensity) {
-  Sweep sweep(5, "rectangle of few steradians, the eye nearly in its plane",
+  Sweep sweep(5, "rectangle of small solid angle, the eye nearly in its plane",
               "1e-8 ... 3e-3 sr, on both sides of the threshold",
               "chi-square of 40000 samples by the reported density");
   const ReferenceTable table("edge_on_rectangles");
@@ -130,7 +131,7 @@ TEST(RectangleExtremes, SamplesOfEdgeOnRectanglesFollowTheirDensity) {
         ++observed[bin(x) * kBins + bin(y)];
       }
       const auto expected = expected_counts(light, receiver, corner, x, y, kBins, kSamples);
-      // By luck once in 1e8.
+      // Fails by chance once in 1e8.
       const double p = chi_square_p_value(observed, expected);
       sweep.answer(p > 1e-8 ? "passes" : "fails");
       EXPECT_GT(p, 1e-8) << place(row) << " way " << int(way);
@@ -140,7 +141,7 @@ TEST(RectangleExtremes, SamplesOfEdgeOnRectanglesFollowTheirDensity) {
 }
 
 TEST(RectangleExtremes, SolidAngleAndIrradianceOfEdgeOnRectangles) {
-  Sweep sweep(5, "rectangle of few steradians, the eye nearly in its plane",
+  Sweep sweep(5, "rectangle of small solid angle, the eye nearly in its plane",
               "1e-8 ... 3e-3 sr, on both sides of the threshold", "solid angle and irradiance");
   const ReferenceTable table("edge_on_rectangles");
   for (const auto& row : table.rows()) {
