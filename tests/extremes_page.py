@@ -1,12 +1,11 @@
 #!/usr/bin/python3
-"""Writes docs/extremes.md from what the sweeps of tests/{lights,server}/extremes record.
+"""Writes docs/extremes.md from the records of the sweeps of tests/{lights,server}/extremes.
 
     tests/extremes_page.py BUILD_DIR [--check] [--results]
 
-Runs both test programs, or with --results reads what ctest's run of them left in BUILD_DIR/results.  Where a test
-fails, it writes no page.  With --check it writes nothing, and exits 1 where the
-page differs or lacks a row of ROWS.  Relative errors are rounded up to one digit, and count as equal within a factor of
-two: libm takes other instructions on other processors.
+Runs both test programs, or with --results reads the results of ctest in BUILD_DIR/results.  If a test fails, it writes
+no page.  With --check it writes nothing, and exits with 1 if the page differs or lacks a row of ROWS.  Relative errors
+are rounded up to one digit, and count as equal within a factor of two: libm uses other instructions on other processors.
 """
 import argparse
 import json
@@ -70,7 +69,7 @@ Each line is a test that sweeps over a range of magnitudes.  These are the colum
 
 
 def stored_results(build):
-    """The tests of both programs, as ctest's parts of them left them."""
+    """Yields the tests of both programs from the reports of ctest's shards."""
     for program in PROGRAMS:
         name = pathlib.Path(program).name
         reports = sorted((build / "results").glob(f"{name}.*.json"))
@@ -87,7 +86,7 @@ def stored_results(build):
 
 
 def results(build):
-    """Yields the tests of both programs, as GoogleTest reports them."""
+    """Yields the tests of both programs from the reports of GoogleTest."""
     for program in PROGRAMS:
         if not (build / program).is_file():
             sys.exit(f"extremes: {build / program} does not exist, allowed: a build folder, such as build/release")
@@ -144,8 +143,8 @@ def page(tests):
 
 
 def same_cell(there, made):
-    """Whether two measured cells agree, figures within a factor of SAME_WITHIN.  An exact figure here may be a
-    rounding elsewhere."""
+    """Whether two measured cells agree, figures within a factor of SAME_WITHIN.  An exact figure may have a rounding
+    on another processor."""
     def figures(cell):
         return [0 if f == "exact" else float(f) for f in MEASURED.findall(cell)]
     def alike(a, b):

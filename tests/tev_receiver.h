@@ -223,7 +223,8 @@ class TevReceiver {
   void update(Reader& reader) {
     if (reader.number<std::uint8_t>() != 0) throw std::runtime_error("an update takes the focus");
     const auto found = images_.find(reader.text());
-    if (found == images_.end()) throw std::runtime_error("an update of what was not created");
+    if (found == images_.end())
+      throw std::runtime_error("an update of an image that was not created");
     Image& image = found->second;
     reader.channels();
     std::int32_t rect[4];

@@ -21,8 +21,8 @@
 namespace lucerna {
 namespace {
 
-/// Other work of a query per sample [ns]: a shadow ray, and a ray in a direction that the surface
-/// chooses, at 300 ns each (demo.pbrt takes 370).
+/// Other work of a query per sample [ns]: a shadow ray, and a ray in a direction sampled at the
+/// surface, at 300 ns each (demo.pbrt takes 370).
 constexpr double kRestOfASample = 600;
 
 struct Place {

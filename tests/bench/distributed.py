@@ -76,19 +76,19 @@ class Job:
              "--samples", str(samples or bench.samples), "--tile-size", str(tile),
              "-o", str(self.output)],
             stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
-        self.said = []
+        self.lines = []
         self.reader = threading.Thread(target=self._read, daemon=True)
         self.reader.start()
 
     def _read(self):
         for line in self.process.stderr:
-            self.said.append(line.strip())
+            self.lines.append(line.strip())
 
-    def wait_until_said(self, what):
+    def wait_until_printed(self, what):
         end = time.monotonic() + DEADLINE_S
-        while not any(what in line for line in list(self.said)):
+        while not any(what in line for line in list(self.lines)):
             if self.process.poll() is not None or time.monotonic() > end:
-                raise RuntimeError(f"the job did not say {what!r}: {self.said}")
+                raise RuntimeError(f"the job did not print {what!r}: {self.lines}")
             time.sleep(0.01)
 
     def sleep_until(self, seconds):
@@ -104,7 +104,7 @@ class Job:
         took = time.monotonic() - self.begun
         self.reader.join()
         if status != 0:
-            raise RuntimeError(f"the job failed: {self.said}")
+            raise RuntimeError(f"the job failed: {self.lines}")
         return took, self.output.read_bytes()
 
 
@@ -209,7 +209,7 @@ class Bench:
             job.sleep_until(at)
             for server in servers:
                 server.kill()
-            job.wait_until_said("no server answers: waiting")
+            job.wait_until_printed("no server answers: waiting")
             for server in servers:
                 server.start()
             back = time.monotonic()
@@ -331,13 +331,13 @@ def on_slurm(build):
     """Figures of the tests of the batch script on a Slurm cluster of three nodes."""
     test = subprocess.run([sys.executable, str(ROOT / "tests/slurm/slurm_test.py"), str(build)],
                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
-    told = re.findall(r"^  (.+): jobs? (.+?), (.+ servers?), ([0-9.]+) s .*, (the same bits|OTHER BITS)$",
+    found = re.findall(r"^  (.+): jobs? (.+?), (.+ servers?), ([0-9.]+) s .*, (the same bits|OTHER BITS)$",
                       test.stdout, re.MULTILINE)
-    if test.returncode != 0 or not told:
+    if test.returncode != 0 or not found:
         raise SystemExit(test.stdout)
     return ["| job | servers | from submission to end [s] | |", "|---|---|---|---|",
             *(f"| {what} | {servers.split()[0]} | {seconds} | {same} |"
-              for what, _, servers, seconds, same in told)]
+              for what, _, servers, seconds, same in found)]
 
 
 def write(page, name, lines):

@@ -95,9 +95,9 @@ void sample_whole(const Lamp& lamp, const PointArray& receivers, const Vec3<doub
     const double distance = is_safe_square(squared) ? std::sqrt(squared) : length(to);
     store(a.wi.data(), i, Vec3<float>(to / distance));
     const Vec3<float> point(lamp.position - shift);
-    const auto told_distance = static_cast<float>(distance);
-    const bool has_place = std::isfinite(told_distance) && is_finite(point);
-    if (std::isfinite(told_distance)) a.distance[i] = told_distance;
+    const auto reported_distance = static_cast<float>(distance);
+    const bool has_place = std::isfinite(reported_distance) && is_finite(point);
+    if (std::isfinite(reported_distance)) a.distance[i] = reported_distance;
     if (has_place) store(a.offsets.data(), i, point);
     const Rgb<double> lux =
         is_safe_square(squared) ? lamp.intensity / squared : lamp.intensity / distance / distance;

@@ -69,7 +69,7 @@ Light<float> in_float(const AreaLight<double, Shape>& light, const Vec3<double>&
   }
 }
 
-/// A query of a path to a light.
+/// A query along a path about a light.
 template <std::floating_point Real>
 struct Question {
   enum Kind { kSample, kFound, kFoundDensity, kEscaped, kEscapedDensity } kind;
@@ -143,7 +143,7 @@ class Walker {
 
  private:
   using Questions = std::vector<Question<double>>;
-  using Ask = Question<double>;
+  using Record = Question<double>;
 
   void walk(const Ray& from_camera, const PathSample& sample, Questions& questions) {
     ++work_.camera_rays;
@@ -172,21 +172,21 @@ class Walker {
 
   void sample_lights(const Receiver<double>& receiver, std::uint32_t depth,
                      const PathSample& sample, Questions& questions) const {
-    const auto ask = [&](std::uint32_t light, Vec2<float> u) {
-      Ask& q = questions.emplace_back(Ask::kSample, light);
+    const auto record = [&](std::uint32_t light, Vec2<float> u) {
+      Record& q = questions.emplace_back(Record::kSample, light);
       q.receiver = receiver;
       q.u = {u.x, u.y};
     };
     if (tracer_.direct().spending() != Spending::kDrawn) {
       const Vec2<float> u = sample.at(depth, PathSample::kLightPoint);
-      for (std::uint32_t l = 0; l < scene_.lights().size(); ++l) ask(l, u);
+      for (std::uint32_t l = 0; l < scene_.lights().size(); ++l) record(l, u);
       return;
     }
     for (std::uint32_t j = 0; j < DirectLight::kCandidates; ++j) {
       const PathSample s = sample.part(j, DirectLight::kCandidates);
       const auto choice = scene_.light_selector().choose(
           LightSelection::kAutomatic, receiver, choosing_value(s.at(depth, PathSample::kLight)));
-      if (choice) ask(choice->light, s.at(depth, PathSample::kLightPoint));
+      if (choice) record(choice->light, s.at(depth, PathSample::kLightPoint));
     }
   }
 
@@ -197,19 +197,20 @@ class Walker {
     const Vec3<double> w(ray.direction);
     if (hit && hit->light >= 0) {
       const auto light = static_cast<std::uint32_t>(hit->light);
-      Ask& le = questions.emplace_back(Ask::kFound, light);
+      Record& le = questions.emplace_back(Record::kFound, light);
       le.point = hit->on_light();
       le.w = -w;
     }
     if (!hit)
       for (const std::uint32_t light : scene_.infinite_lights()) {
-        Ask& le = questions.emplace_back(Ask::kEscaped, light);
+        Record& le = questions.emplace_back(Record::kEscaped, light);
         le.receiver = Receiver<double>(Vec3<double>(ray.origin));
         le.w = w;
       }
     tracer_.for_each_emitter(ray, hit, [&](std::uint32_t light, const Rgb<double>&) {
       if (from == nullptr) return;
-      Ask& pdf = questions.emplace_back(hit ? Ask::kFoundDensity : Ask::kEscapedDensity, light);
+      Record& pdf =
+          questions.emplace_back(hit ? Record::kFoundDensity : Record::kEscapedDensity, light);
       pdf.receiver = *from;
       pdf.w = w;
       if (hit) pdf.point = hit->on_light();
@@ -271,7 +272,7 @@ class Tile {
 
   /// A few pixels at a time, so that queries stay in the cache.  The types alternate, so that other
   /// load on the machine affects both equally.
-  Answered ask() const {
+  Answered measure() const {
     const DenormalsAreZero denormals;
     constexpr std::size_t kAtOnce = 1024;
     Answered all;
@@ -325,7 +326,7 @@ double compare(const std::string& root, const std::string& name) {
   for (int k = 0; k < kRepeats; ++k) {
     WorkCounts work;
     tile_s.push_back(tile.render(work));
-    a = tile.ask();
+    a = tile.measure();
     if (a.work.camera_rays != work.camera_rays || a.work.indirect_rays != work.indirect_rays)
       throw std::runtime_error("the paths of " + name + " are not those of the renderer");
     float_s.push_back(a.in_float), double_s.push_back(a.in_double);

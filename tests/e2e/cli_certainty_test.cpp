@@ -1,4 +1,4 @@
-// How certain answers of `lucerna` are: intervals, missed targets, approximations.
+// The certainty of answers of `lucerna`: intervals, missed targets, approximations.
 #include <nlohmann/json.hpp>
 #include <regex>
 #include <sstream>

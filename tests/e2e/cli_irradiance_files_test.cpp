@@ -180,10 +180,10 @@ TEST_F(CliIrradianceFiles, FilesHoldTheNumbersOfTheTableToTheBit) {
 
 TEST_F(CliIrradianceFiles, ATargetErrorAddsSamples) {
   write("points.csv", "x,y,z,nx,ny,nz\n1000.1,0.2,0.1,0,0,1\n1001,-0.3,0.2,0,1,1\n");
-  const std::vector<std::string> ask = {"irradiance", "sky.pbrt", "--points", path("points.csv"),
-                                        "--error",    "5%",       "-o"};
+  const std::vector<std::string> base = {"irradiance", "sky.pbrt", "--points", path("points.csv"),
+                                         "--error",    "5%",       "-o"};
   const auto into = [&](const std::string& name) {
-    std::vector<std::string> arguments = ask;
+    std::vector<std::string> arguments = base;
     arguments.push_back(path(name));
     return lucerna(arguments);
   };

@@ -76,8 +76,8 @@ TEST_F(Cli, WrongNumbersOfPointsAndDirectionsAreRefused) {
 }
 
 TEST_F(Cli, FluxOfALightAtInfinityIsMarked) {
-  // A square of 2 m by 2 m about the origin: a sphere of R^2 = 2.  A distant light of 1 lx sends
-  // pi R^2 = 6.28319 lm through its disk; a sky of 1 cd/m2 that, from 4 pi sr: 78.9568 lm.
+  // A square of 2 m by 2 m about the origin has a sphere of R^2 = 2.  A distant light of 1 lx sends
+  // pi R^2 = 6.28319 lm through its disk.  A sky of 1 cd/m2 sends that from 4 pi sr: 78.9568 lm.
   EXPECT_THAT(lucerna({"lights", "sky.pbrt"}).out,
               AllOf(ContainsRegex(" 1  uniform infinite .* \\*78\\.95[67][0-9]* +exact"),
                     ContainsRegex(" 2  distant .* \\*6\\.283[0-9]* +exact"),
@@ -213,7 +213,7 @@ TEST_F(Cli, SamplesFollowTheNormalWithoutVisibility) {
 }
 
 TEST_F(Cli, LeIsTheRadianceOfTheLightThatARayMeets) {
-  // From below the sphere's centre, up and aside.
+  // From below the sphere's centre, upwards and aside.
   const Outcome outcome =
       lucerna({"le", "sphere.pbrt", "--points", "-"}, "0.7,-1.2,0,0,0,1\n0.7,-1.2,0,1,0,1\n");
   EXPECT_EQ(outcome.status, 0) << outcome.err;

@@ -136,7 +136,7 @@ TEST_F(Cli, SizesAndNumbersBelowTheirLeastAreRefused) {
                    "-1 is not a finite number above 0");
 }
 
-TEST_F(Cli, WhatIsNotModelledIsCountedBesideAnswers) {
+TEST_F(Cli, UnmodelledFeaturesAreCountedBesideAnswers) {
   std::ofstream(path("scenes/odd.pbrt"))
       << "WorldBegin\nLightSource \"point\"\nShape \"curve\"\nShape \"loopsubdiv\"\n"
          "Material \"conductor\"\nShape \"disk\"\n";
@@ -199,7 +199,7 @@ TEST_F(Cli, ErrorsInFilesOfPointsNameFileAndLine) {
 }
 
 TEST_F(Cli, AnAbsentServerIsReportedWithTheCommandThatStartsOne) {
-  // Port 1 (tcpmux) is listened to by nobody.
+  // No program listens on port 1 (tcpmux).
   const Outcome outcome = lucerna({"scenes", "--server", "127.0.0.1:1"});
   expect_no(outcome, "cannot reach a server at 127.0.0.1:1");
   EXPECT_THAT(outcome.err, HasSubstr("lucernad --listen 127.0.0.1:1 --scene-root DIR"));
@@ -259,7 +259,7 @@ TEST_F(Cli, ScenePrintsTheBuiltPartsAndTheirReasons) {
   expect_no(lucerna({"scene", "missing.pbrt"}), "not_found");
 }
 
-TEST_F(Cli, ScenesThatCannotBeLoadedAreTheServersNo) {
+TEST_F(Cli, ScenesThatCannotBeLoadedAreServerErrors) {
   expect_no(lucerna({"load", "missing.pbrt"}), "not_found");
   expect_no(lucerna({"load", "../secret.pbrt"}), "the server said");
   expect_no(lucerna({"load", "/etc/passwd"}), "the server said");

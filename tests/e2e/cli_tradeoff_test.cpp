@@ -50,7 +50,7 @@ class CliTradeoff : public Cli {
     more.insert(more.end(), {"--rounds", "3", "--max-samples", std::to_string(max_samples)});
     return tradeoff(more, scene);
   }
-  /// The command with at most 64 samples, or with a target error of at least 30%: extrapolated
+  /// The command with at most 64 samples, or with a target error of at least 30%.  Extrapolated
   /// amounts may take hours, or exceed the limits of the server.
   static std::string with_small_amounts(const std::string& command) {
     std::smatch match;
@@ -119,14 +119,14 @@ TEST_F(CliTradeoff, IrradianceIsMeasuredAndReported) {
   const json all = json::parse(text("out/tradeoff.json"));
   EXPECT_EQ(all["reference"]["values"].size(), 30);
   EXPECT_EQ(all["points"].size(), 30);
-  // More samples, less error: the answers are compared with what they converge to.
+  // More samples have less error: the answers are compared with their converged values.
   const auto& cells = all["settings"][0]["cells"];
   ASSERT_GE(cells.size(), 2);
   const double first = cells[0]["relative_error"]["mean"];
   const double last = cells[cells.size() - 1]["relative_error"]["mean"];
   const double reference = all["reference"]["relative_error"];
   EXPECT_TRUE(last < first || last < 5 * reference) << first << ' ' << last << ' ' << reference;
-  // Answers that are off by a tenth are seen.
+  // Answers with an error of a tenth are noticed.
   EXPECT_EQ(cells[cells.size() - 1]["amount"]["value"], 256);
   EXPECT_LT(last, 0.05);
 }
@@ -145,7 +145,7 @@ TEST_F(CliTradeoff, PicturesHaveFlip) {
   EXPECT_THAT(text("out/report.html"), HasSubstr("\"pictures\":[{"));
 }
 
-TEST_F(CliTradeoff, PowerIsComparedWithWhatIsKnown) {
+TEST_F(CliTradeoff, PowerIsComparedWithExactValues) {
   // Every ray of the point light and the panel has the same flux.  Rays of the window differ.
   std::ofstream(path("scenes/lamps_and_window.pbrt"))
       << "WorldBegin\nLightSource \"point\" \"rgb I\" [10 10 10]\n"
@@ -181,8 +181,8 @@ TEST_F(CliTradeoff, PowerIsComparedWithWhatIsKnown) {
   EXPECT_EQ(all["settings"][0]["cells"][0]["exact"], true);
 }
 
-TEST_F(CliTradeoff, WhatIsKnownIsTheReference) {
-  // 10 cd one metre above a floor that nothing else lights, and no light that the floor reflects.
+TEST_F(CliTradeoff, ClosedFormsAreTheReference) {
+  // 10 cd one metre above a floor with no other light and no reflected light.
   std::ofstream(path("scenes/one_lamp.pbrt"))
       << "Film \"rgb\" \"integer xresolution\" 8 \"integer yresolution\" 8\n"
          "LookAt 0 0 3  0 0 0  0 1 0\nCamera \"perspective\" \"float fov\" 20\nWorldBegin\n"
@@ -191,11 +191,11 @@ TEST_F(CliTradeoff, WhatIsKnownIsTheReference) {
   std::ofstream(path("three.csv")) << "0,0,0,0,0,1\n1,0,0,0,0,1\n0,2,0,0,3,4\n";
   for (const std::vector<std::string>& query :
        {std::vector<std::string>{"irradiance", "--points", path("three.csv")}, {"render"}}) {
-    std::vector<std::string> asked = {
+    std::vector<std::string> arguments = {
         "tradeoff", "one_lamp.pbrt", "--out", path("out"), "--bounces", "0", "--rounds",
         "3",        "--max-samples", "16",    "--query"};
-    asked.insert(asked.end(), query.begin(), query.end());
-    const Outcome outcome = lucerna(asked);
+    arguments.insert(arguments.end(), query.begin(), query.end());
+    const Outcome outcome = lucerna(arguments);
     ASSERT_EQ(outcome.status, 0) << outcome.err;
     EXPECT_THAT(outcome.out, HasSubstr("Reference: closed forms"));
     EXPECT_THAT(outcome.out, HasSubstr("Its own error: 0, except rounding."));
@@ -215,22 +215,22 @@ TEST_F(CliTradeoff, WhatIsKnownIsTheReference) {
 TEST_F(CliTradeoff, PrintedCommandsWork) {
   fs::copy_file(path("points.csv"), path("my points.csv"));
   for (const std::string query : {"irradiance", "render", "sample", "visibility", "power"}) {
-    std::vector<std::string> asked = {LUCERNA_CLI,
-                                      "tradeoff",
-                                      "lamp_over_table.pbrt",
-                                      "--server",
-                                      server_->target(),
-                                      "--out",
-                                      path("out"),
-                                      "--query",
-                                      query,
-                                      "--rounds",
-                                      "3",
-                                      "--max-samples",
-                                      "16"};
+    std::vector<std::string> arguments = {LUCERNA_CLI,
+                                          "tradeoff",
+                                          "lamp_over_table.pbrt",
+                                          "--server",
+                                          server_->target(),
+                                          "--out",
+                                          path("out"),
+                                          "--query",
+                                          query,
+                                          "--rounds",
+                                          "3",
+                                          "--max-samples",
+                                          "16"};
     if (query != "render" && query != "power")
-      asked.insert(asked.end(), {"--points", path("my points.csv")});
-    const Outcome outcome = run_program(asked);
+      arguments.insert(arguments.end(), {"--points", path("my points.csv")});
+    const Outcome outcome = run_program(arguments);
     ASSERT_EQ(outcome.status, 0) << outcome.err;
     std::size_t commands = 0;
     const json all = json::parse(text("out/tradeoff.json"));
@@ -260,7 +260,7 @@ TEST_F(CliTradeoff, SamplesAndVisibilityConvergeToTheirReferences) {
     const double samples = last["amount"]["value"];
     EXPECT_EQ(samples, 256) << query;
     EXPECT_LT(last["relative_error"]["mean"], 4 / std::sqrt(samples)) << query;
-    // The commands exist, except for their numbers of samples.
+    // The commands exist with their options, except for the number of samples.
     for (const auto& level : all["levels"]) {
       if (!level.contains("command")) continue;
       const std::string command = std::regex_replace(level["command"].get<std::string>(),
@@ -284,7 +284,7 @@ TEST_F(CliTradeoff, SamplesAndVisibilityConvergeToTheirReferences) {
   }
 }
 
-TEST_F(CliTradeoff, RefusesWhatCannotBeMeasured) {
+TEST_F(CliTradeoff, RefusesQueriesThatCannotBeMeasured) {
   const std::string points = path("points.csv");
   expect_wrong_use(tradeoff({"--query", "colour"}),
                    "colour is not one of irradiance, render, sample, power, visibility");
@@ -355,7 +355,7 @@ TEST_F(CliTradeoff, ReportsOfOtherStudiesAreDrawn) {
   expect_no(failed, "exit status 3");
 }
 
-TEST_F(CliTradeoff, ThePagesInDocsAreMade) {
+TEST_F(CliTradeoff, ThePagesInDocsCanBeMade) {
   for (const char* scene : {"cornell", "meadow", "room", "stage", "street"}) {
     const std::string json = std::string(LUCERNA_DOCS) + "/tradeoff/" + scene + "/tradeoff.json";
     const Outcome outcome = lucerna({"tradeoff", "--report", json, "--out", path("page")});

@@ -1,4 +1,4 @@
-// The examples of the documentation say what they are said to say.
+// The examples of the documentation print the documented output.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 namespace lucerna {
 namespace {
 
-// A point light of 10 cd at (1.2, -1.5, 3.2), asked about from straight below, 3.2 m away:
-// 10 / 3.2^2 = 0.9765625 lx.  Its flux is 4 pi 10 = 125.6637 lm.  The picture has 160 x 120 pixels.
+// A point light of 10 cd at (1.2, -1.5, 3.2), seen from straight below, 3.2 m away: 10 / 3.2^2 =
+// 0.9765625 lx.  Its flux is 4 pi 10 = 125.6637 lm.  The picture has 160 x 120 pixels.
 constexpr char kExpected[] =
     "sample 0.976562 at 3.2 m\n"
     "power 125.664 lm\n"
@@ -23,13 +23,13 @@ class Examples : public testing::LocalServerTest {
   }
 };
 
-TEST_F(Examples, InCppAsksTheFourQuestions) {
+TEST_F(Examples, CppSendsTheFourQueries) {
   const Outcome outcome = run_program({LUCERNA_EXAMPLE_CPP, server().target(), "point.pbrt"});
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_EQ(outcome.out, kExpected);
 }
 
-TEST_F(Examples, InPythonAsksTheFourQuestions) {
+TEST_F(Examples, PythonSendsTheFourQueries) {
   const Outcome outcome =
       run_program({LUCERNA_PYTHON, LUCERNA_EXAMPLE_PYTHON, server().target(), "point.pbrt"}, "",
                   {{"PYTHONPATH", LUCERNA_PYTHON_STUBS}, {"PYTHONDONTWRITEBYTECODE", "1"}});

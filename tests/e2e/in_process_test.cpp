@@ -1,4 +1,5 @@
-// A picture from many servers has the same bits as one that the renderer makes in this process.
+// A picture from many servers has the same bits as a picture that the renderer makes in this
+// process.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
-# Installs BUILD_DIR into a prefix, then builds and runs, against that prefix alone, the project beside this file and
-# the C++ example, which is also built by pkg-config.
+# Installs BUILD_DIR into a prefix.  Then builds and runs the project beside this file and the C++ example, with that
+# prefix only.  The example is also built by pkg-config.
 #   cmake -DBUILD_DIR=... -DWORK_DIR=... -DSCENES=... -DEXAMPLE=... -DFLAGS=... -DCXX=... -DTESTING=... -P installed_project.cmake
 # TESTING is the archive of lucerna::testing, which `make demo` does not build.
 function(run)
@@ -10,7 +10,7 @@ function(run)
   endif()
 endfunction()
 
-# A tree without what `make demo` does not build: the library is moved away, and back before anything can fail.
+# The test needs a tree like that of `make demo`.  So the library is moved away, and back before anything can fail.
 file(REMOVE_RECURSE ${WORK_DIR})
 file(RENAME ${TESTING} ${TESTING}.away)
 execute_process(COMMAND ${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${WORK_DIR}/small RESULT_VARIABLE status)

@@ -45,9 +45,10 @@ std::string lantern_ies() {
   return text;
 }
 
-/// The luminaire's lumens by the method of laboratory reports: zonal constants of 5 degrees, 2 pi
-/// (cos a - cos b), times the candela at the middle of the zone, averaged over all planes.  In a
-/// quadrant file, a turn contains the first and last planes twice and the others four times.
+/// The luminaire's lumens by the method of laboratory reports.  It sums zonal constants of 5
+/// degrees, 2 pi (cos a - cos b), times the candela at the middle of the zone, averaged over all
+/// planes.  In a quadrant file, a turn contains the first and last planes twice and the others four
+/// times.
 double report_lumens() {
   double sum = 0;
   for (int zone = 0; zone < 18; ++zone) {

@@ -82,14 +82,14 @@ TEST_F(Memory, GetSceneAgreesWithTheChangeOfResidentMemory) {
   get.set_scene_id(loaded->scene_id());
   const auto scene = server_->client().get_scene(get);
   ASSERT_TRUE(scene.ok()) << scene.status();
-  const auto told = static_cast<double>(scene->summary().bytes());
-  EXPECT_GT(told, 500e6);
-  EXPECT_NEAR(after - before, told, 0.1 * told);
+  const auto reported = static_cast<double>(scene->summary().bytes());
+  EXPECT_GT(reported, 500e6);
+  EXPECT_NEAR(after - before, reported, 0.1 * reported);
   // Unloading the scene frees it.
   v1::ReleaseSceneRequest release;
   release.set_scene_id(loaded->scene_id());
   ASSERT_TRUE(server_->client().release_scene(release).ok());
-  EXPECT_LT(resident_bytes(server_->process_id()) - before, 0.1 * told);
+  EXPECT_LT(resident_bytes(server_->process_id()) - before, 0.1 * reported);
 }
 
 TEST_F(Memory, ACancelledLoadStopsAndLeavesNothing) {

@@ -6,13 +6,13 @@
 PAGE is a Markdown file.  The test runs these fenced blocks:
 
     ```console        each line that begins with "$ " is a command, the other lines are its output;
-                      a line that ends in a backslash goes on in the next; each command must succeed
+                      a line that ends in a backslash continues in the next; each command must succeed
     ```console fails  each command must fail
     ```sh             the whole block is a script, which must succeed
 
-Other blocks are not run.  The shell starts in a folder that holds what a checkout holds, and build/release is BUILD_DIR.
-Files that the commands write stay in that folder, which is removed.  Prints each command, and the output of the one that
-does not do as the page says.
+Other blocks are not run.  The shell starts in a folder with the files of a checkout, in which build/release is BUILD_DIR.
+Files that the commands write stay in that folder, which is removed.  Prints each command, and the output of a command
+that does not behave as the page states.
 """
 import os
 import pathlib
@@ -25,12 +25,12 @@ import sys
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-TIMEOUT_S = 1800  # ends what hangs
+TIMEOUT_S = 1800  # ends a page that hangs
 HOLDS = ("deploy", "docs", "proto", "scenes", "tests/data", "README.md", "LICENSE")
 
 
 def commands(text):
-    """(command, must it succeed, line number) of each command that the page shows."""
+    """Yields (command, must it succeed, line number) for each command of the page."""
     language, block, begins = None, [], 0
     for number, line in enumerate(text.splitlines(), 1):
         if language is None:
@@ -59,7 +59,7 @@ def prompts(block, succeeds, begins):
 
 
 def script(text):
-    """One shell script of all commands; it ends with the first that does not do as the page says."""
+    """One shell script of all commands.  It ends with the first that does not behave as the page states."""
     lines = ["set -o pipefail", "exec 2>&1"]
     for command, succeeds, number in commands(text):
         lines.append(f"printf '%s\\n' {shlex.quote(f'[line {number}] $ {command}')}")
@@ -101,8 +101,8 @@ def run(page, build):
                 pass
 
 
-def check_that_wrong_pages_are_seen(build):
-    """A command that fails where it must succeed, and the other way round."""
+def check_that_wrong_pages_fail(build):
+    """Checks commands that fail where they must succeed, and that succeed where they must fail."""
     for wrong in ("```console\n$ false\n```\n", "```console fails\n$ true\n```\n", "```sh\ntrue\nfalse\n```\n"):
         with tempfile.NamedTemporaryFile("w", suffix=".md") as page:
             page.write(wrong)
@@ -116,7 +116,7 @@ def main():
         sys.exit(__doc__)
     build, page = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
     if page.name == "README.md" and page.parent == ROOT:
-        check_that_wrong_pages_are_seen(build)
+        check_that_wrong_pages_fail(build)
     sys.exit(run(page, build))
 
 

@@ -59,8 +59,8 @@ TEST_F(QueryServers, AKilledServerChangesNoAnswer) {
   const client::Double3 points[] = {{0, 0, 0}};
   *request.mutable_receivers() = client::make_points(points);
   request.mutable_seed()->set_seed(1);
-  const auto ask = [&](const client::Client& client) { return client.sample_li(request); };
-  const auto expected = servers->query(ask);
+  const auto query = [&](const client::Client& client) { return client.sample_li(request); };
+  const auto expected = servers->query(query);
   ASSERT_TRUE(expected.ok()) << expected.status();
   for (int i = 0; i < 2000; ++i) {
     if (i == 500) ::kill(servers_[0]->process_id(), SIGKILL);
@@ -70,7 +70,7 @@ TEST_F(QueryServers, AKilledServerChangesNoAnswer) {
       servers_[0].reset();
       servers_[0] = start(port);  // without the scene
     }
-    const auto now = servers->query(ask);
+    const auto now = servers->query(query);
     ASSERT_TRUE(now.ok()) << i << ": " << now.status();
     ASSERT_THAT(now->value(), ::testing::ElementsAreArray(expected->value()));
   }
@@ -116,16 +116,16 @@ TEST(QueryServersMixed, TheProgramRefusesThemUnlessAllowed) {
     };
     server.irradiance = [](auto&, const auto&, auto*) { return grpc::Status::OK; };
   }
-  const auto ask = [&](std::vector<std::string> more) {
+  const auto query = [&](std::vector<std::string> more) {
     more.insert(more.begin(),
                 {LUCERNA_CLI, "irradiance", "a.pbrt", "--point", "0,0,0", "--normal", "0,0,1",
                  "--json", "--server", servers[0].target() + "," + servers[1].target()});
     return run_program(std::move(more));
   };
-  const Outcome refused = ask({});
+  const Outcome refused = query({});
   EXPECT_EQ(refused.status, 1);
   EXPECT_THAT(refused.err, HasSubstr("its numeric fingerprint is g"));
-  const Outcome allowed = ask({"--allow-mixed"});
+  const Outcome allowed = query({"--allow-mixed"});
   EXPECT_EQ(allowed.status, 0) << allowed.err;
   EXPECT_THAT(allowed.err, HasSubstr("different numeric fingerprints: f, g\n"));
 }

@@ -48,17 +48,17 @@ std::vector<Reading> direct_light(const std::string& scene) {
                                       {}, {{"LUCERNA_SERVER", server->target()}});
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   std::vector<Reading> readings;
-  const auto asked = numbers(points), told = numbers(answers);
-  EXPECT_EQ(asked.size(), told.size());
-  EXPECT_GE(asked.size(), 200U);
-  EXPECT_LE(asked.size(), 1000U);
-  for (std::size_t i = 0; i < std::min(asked.size(), told.size()); ++i) {
+  const auto requested = numbers(points), answered = numbers(answers);
+  EXPECT_EQ(requested.size(), answered.size());
+  EXPECT_GE(requested.size(), 200U);
+  EXPECT_LE(requested.size(), 1000U);
+  for (std::size_t i = 0; i < std::min(requested.size(), answered.size()); ++i) {
     // x, y, z and normal; x, y, z, illuminance, its RGB, standard error, bound.
-    if (asked[i].size() != 6 || told[i].size() != 9) {
-      ADD_FAILURE() << "row " << i << ": " << asked[i].size() << " and " << told[i].size();
+    if (requested[i].size() != 6 || answered[i].size() != 9) {
+      ADD_FAILURE() << "row " << i << ": " << requested[i].size() << " and " << answered[i].size();
       return {};
     }
-    const std::vector<double>&a = asked[i], &t = told[i];
+    const std::vector<double>&a = requested[i], &t = answered[i];
     EXPECT_NEAR(std::hypot(a[3], a[4], a[5]), 1, 1e-4) << i;
     readings.push_back({{a[0], a[1], a[2]}, {a[3], a[4], a[5]}, t[3], t[7]});
   }

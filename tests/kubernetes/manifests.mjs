@@ -1,5 +1,5 @@
 // Checks Kubernetes manifests without a cluster.  Each document must match the JSON schemas of the
-// npm package kubernetes-models, which are made from Kubernetes' OpenAPI description.  It must also
+// npm package kubernetes-models, which come from Kubernetes' OpenAPI description.  It must also
 // match that package's types: the schemas allow unknown fields, TypeScript does not.
 import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
@@ -21,7 +21,7 @@ export function read(path) {
 
 /** The errors of each of `documents`, by its index; an empty list if there are none. */
 export function check(documents) {
-  const complaints = documents.map(() => []);
+  const errors = documents.map(() => []);
   const sources = new Map();
   documents.forEach((document, i) => {
     const { apiVersion, kind } = document ?? {};
@@ -30,13 +30,13 @@ export function check(documents) {
     try {
       Model = require(name)[kind];
     } catch {
-      complaints[i].push(`apiVersion ${apiVersion}, kind ${kind}: Kubernetes has none such`);
+      errors[i].push(`apiVersion ${apiVersion}, kind ${kind}: Kubernetes has no such kind`);
       return;
     }
     try {
       new Model(document).validate();
     } catch (error) {
-      complaints[i].push(error.message);
+      errors[i].push(error.message);
     }
     sources.set(
       `${tools}manifest${i}.ts`,
@@ -46,9 +46,9 @@ export function check(documents) {
   });
   for (const { file, messageText } of diagnostics(sources)) {
     const i = Number(/manifest(\d+)\.ts$/.exec(file.fileName)[1]);
-    complaints[i].push(ts.flattenDiagnosticMessageText(messageText, "\n"));
+    errors[i].push(ts.flattenDiagnosticMessageText(messageText, "\n"));
   }
-  return complaints;
+  return errors;
 }
 
 /** TypeScript's errors in the sources, which are in memory only. */

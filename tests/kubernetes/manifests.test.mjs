@@ -13,7 +13,7 @@ const documents = manifests.flatMap((name) => read(folder + name));
 const find = (kind) => structuredClone(documents.find((document) => document.kind === kind));
 const pod = (document) => document.spec.template.spec;
 
-test("every manifest is what Kubernetes takes", () => {
+test("Kubernetes accepts every manifest", () => {
   assert.deepEqual(manifests, ["render.yaml", "servers.yaml"]);
   assert.deepEqual(documents.map((d) => d.kind).sort(), ["Deployment", "Job", "NetworkPolicy", "Service"]);
   assert.deepEqual(check(documents), documents.map(() => []));
@@ -24,8 +24,8 @@ test("broken manifests are refused", () => {
     ["Service", (d) => (d.spec.clusterIp = "None"), /clusterIp.* does not exist/],
     ["Service", (d) => (d.spec.ports[0].port = "50051"), /ports\/0\/port must be integer/],
     ["Service", (d) => delete d.spec.ports[0].port, /must have required property port/],
-    ["Service", (d) => (d.kind = "Servise"), /Kubernetes has none such/],
-    ["Deployment", (d) => (d.apiVersion = "apps/v2"), /Kubernetes has none such/],
+    ["Service", (d) => (d.kind = "Servise"), /Kubernetes has no such kind/],
+    ["Deployment", (d) => (d.apiVersion = "apps/v2"), /Kubernetes has no such kind/],
     ["Deployment", (d) => delete d.spec.selector, /must have required property selector/],
     ["Deployment", (d) => (d.spec.replica = 3), /replica.* does not exist/],
     ["Deployment", (d) => (pod(d).containers[0].livenessProbe.grcp = { port: 50051 }), /grcp.* does not exist/],
@@ -37,17 +37,17 @@ test("broken manifests are refused", () => {
     ["Job", (d) => (pod(d).containers[0].volumeMounts[0].mountpath = "/"), /mountpath.* does not exist/],
     ["NetworkPolicy", (d) => (d.spec.ingress[0].form = []), /form.* does not exist/],
   ];
-  const complaints = check(
+  const errors = check(
     broken.map(([kind, breaks]) => {
       const document = find(kind);
       breaks(document);
       return document;
     }),
   );
-  broken.forEach(([, , expected], i) => assert.match(complaints[i].join("\n"), expected));
+  broken.forEach(([, , expected], i) => assert.match(errors[i].join("\n"), expected));
 });
 
-test("a key that stands twice is refused", () => {
+test("a duplicate key is refused", () => {
   const directory = mkdtempSync(`${tmpdir()}/lucerna-manifests.`);
   try {
     writeFileSync(`${directory}/twice.yaml`, "kind: Service\nkind: Job\n");
@@ -57,7 +57,7 @@ test("a key that stands twice is refused", () => {
   }
 });
 
-test("selectors select, and the job asks for the name and the port of the service", () => {
+test("selectors match, and the job uses the name and the port of the service", () => {
   const labels = find("Deployment").spec.template.metadata.labels;
   assert.deepEqual(find("Deployment").spec.selector.matchLabels, labels);
   assert.deepEqual(find("Service").spec.selector, labels);
@@ -77,7 +77,7 @@ test("selectors select, and the job asks for the name and the port of the servic
   }
 });
 
-test("what containers mount is a volume of theirs", () => {
+test("every mount of a container is a volume of its pod", () => {
   for (const kind of ["Deployment", "Job"]) {
     const { containers, volumes } = pod(find(kind));
     const names = volumes.map((volume) => volume.name);
@@ -85,7 +85,7 @@ test("what containers mount is a volume of theirs", () => {
   }
 });
 
-test("the programs know the options that they are given", () => {
+test("the programs accept the given options", () => {
   const help = (...command) =>
     execFileSync(`${root}build/release/${command[0]}`, [...command.slice(1), "--help"], { encoding: "utf8" });
   const texts = { Deployment: help("bin/lucernad"), Job: help("bin/lucerna", "render") };

@@ -1,7 +1,7 @@
-// Irradiance from lights of radiance 1 in closed form, derived here by hand.  All of it is one
-// statement: irradiance is the area that what is seen of the light, projected onto the unit sphere
-// about the receiver, covers of the receiver's plane from above (Nusselt's analogue), and an area
-// is a contour integral, 1/2 of (x dy - y dx) along its edge.
+// Irradiance from lights of radiance 1 in closed form, derived here by hand.  Project the visible
+// part of the light onto the unit sphere about the receiver, then onto the receiver's plane.
+// Irradiance is the area of that projection (Nusselt's analogue).  Each area is a contour integral,
+// 1/2 of (x dy - y dx) along its edge.
 #pragma once
 
 #include <cmath>
@@ -13,8 +13,8 @@
 
 namespace lucerna::testing {
 
-/// The part of a polygon on the side of `n` of the plane through the origin, corner by corner
-/// (Sutherland and Hodgman's way).
+/// The part of a polygon on the side of `n` of the plane through the origin.  Clips corner by
+/// corner (Sutherland and Hodgman).
 inline std::vector<Vec3<double>> above_horizon(const std::vector<Vec3<double>>& corners,
                                                const Vec3<double>& n) {
   std::vector<Vec3<double>> kept;
@@ -28,10 +28,10 @@ inline std::vector<Vec3<double>> above_horizon(const std::vector<Vec3<double>>& 
   return kept;
 }
 
-/// From a flat polygon that emits to the side of the receiver; what is below the horizon is cut
-/// off.  Along an edge the unit vector w moves in the plane of edge and receiver, so that w x dw is
-/// that plane's normal m times the angle moved by: the area is half the sum of the edges' angles
-/// times m.n.  (Lambert, Photometria, 1760)
+/// The irradiance from a flat polygon that emits to the side of the receiver.  The part below the
+/// horizon is clipped.  Along an edge the unit vector w moves in the plane of edge and receiver.
+/// So w x dw is that plane's normal m times the angle that w moves.  The area is half the sum of
+/// the edges' angles times m.n.  (Lambert, Photometria, 1760)
 inline double polygon_irradiance(std::vector<Vec3<double>> corners, const Vec3<double>& receiver,
                                  const Vec3<double>& n) {
   for (Vec3<double>& corner : corners) corner = corner - receiver;
@@ -46,19 +46,20 @@ inline double polygon_irradiance(std::vector<Vec3<double>> corners, const Vec3<d
   return std::fabs(sum) / 2;
 }
 
-/// From a whole sphere of radius `radius` about `centre`, receiver outside.
+/// The irradiance from a whole sphere of radius `radius` about `centre`, with the receiver outside.
 ///
-/// It covers a cap of half-angle s about c, at an angle w to the normal; sin s = radius / distance.
-/// With x along the part of c within the plane, the cap's edge is p(t) = cos s c + sin s (cos t e1
-/// + sin t e2), where c = (sin w, 0, cos w), e1 = (-cos w, 0, sin w), e2 = (0, 1, 0).
-/// - All of it above the horizon, w + s <= pi/2: the edge's projection is an ellipse of semi-axes
-///   sin s and sin s cos w, of area pi sin^2 s cos w.
-/// - All of it below, w - s >= pi/2: nothing.
-/// - Otherwise its height cos s cos w + sin s sin w cos t is positive for |t| < T, cos T = -cot s
-///   cot w.  The contour is the ellipse's arc there, whose half integral of (x dy - y dx), walked
-///   the way round that counts positive, is  sin^2 s cos w T - sin s cos s sin w sin T,  and the
-///   arc of the unit circle between its ends (cos s / sin w, +- sin s sin T), whose half integral
-///   is half its angle: atan2(sin s sin T, cos s / sin w).
+/// The sphere covers a cap of half-angle s about c, at an angle w to the normal; sin s = radius /
+/// distance.  With x along the part of c within the plane, the cap's edge is p(t) = cos s c + sin s
+/// (cos t e1 + sin t e2), where c = (sin w, 0, cos w), e1 = (-cos w, 0, sin w), e2 = (0, 1, 0).
+/// - The cap is above the horizon, w + s <= pi/2: its edge projects to an ellipse of semi-axes
+///   sin s and sin s cos w.  The area is pi sin^2 s cos w.
+/// - The cap is below the horizon, w - s >= pi/2: the irradiance is 0.
+/// - Otherwise the height of the edge, cos s cos w + sin s sin w cos t, is positive for |t| < T,
+///   cos T = -cot s cot w.  The contour has two parts.  The first is the arc of the ellipse there.
+///   Its half integral of (x dy - y dx), in the positive direction, is
+///   sin^2 s cos w T - sin s cos s sin w sin T.  The second is the arc of the unit circle between
+///   its ends (cos s / sin w, +- sin s sin T).  Its half integral is half its angle:
+///   atan2(sin s sin T, cos s / sin w).
 /// [Snyder96] has the same formula.
 inline double sphere_irradiance(const Vec3<double>& centre, double radius,
                                 const Vec3<double>& receiver, const Vec3<double>& n) {
@@ -78,13 +79,14 @@ inline double sphere_irradiance(const Vec3<double>& centre, double radius,
          std::atan2(sin_s * sin_t, cos_s / sin_w);
 }
 
-/// From a disk parallel to the receiver's plane, `height` above it, its centre `offset` aside.
+/// The irradiance from a disk parallel to the receiver's plane, `height` above it, with its centre
+/// `offset` aside.
 ///
-/// With p(t) = (offset + R cos t, R sin t, height) on its edge, the area's differential is
-/// (x dy - y dx) / |p|^2 / 2 = (R^2 + offset R cos t) / (S + 2 offset R cos t) dt / 2, where
-/// S = offset^2 + R^2 + height^2.  The numerator is half the denominator and R^2 - S/2 more, and
-/// the integral of 1 / (S + B cos t) over a turn is 2 pi / sqrt(S^2 - B^2).  Coaxial, this is
-/// pi R^2 / (R^2 + height^2).
+/// With p(t) = (offset + R cos t, R sin t, height) on the edge, the differential of the area is (x
+/// dy - y dx) / |p|^2 / 2 = (R^2 + offset R cos t) / (S + 2 offset R cos t) dt / 2, where S =
+/// offset^2 + R^2 + height^2.  The numerator equals half the denominator plus R^2 - S/2.  The
+/// integral of 1 / (S + B cos t) over a turn is 2 pi / sqrt(S^2 - B^2).  For a coaxial disk the
+/// result is pi R^2 / (R^2 + height^2).
 inline double disk_irradiance(double radius, double height, double offset) {
   constexpr double kPi = std::numbers::pi;
   const double s = offset * offset + radius * radius + height * height;
@@ -92,9 +94,9 @@ inline double disk_irradiance(double radius, double height, double offset) {
   return kPi / 2 * (1 - (s - 2 * radius * radius) / std::sqrt((s - b) * (s + b)));
 }
 
-/// A disk about `centre` with the unit normal (0, 0, 1) as a polygon of 4096 corners and of the
-/// disk's own area, for receivers at any angle.  Its irradiance is within 1e-6 of the disk's: an
-/// edge strays by R (pi / 4096)^2 / 2 to either side.
+/// A disk about `centre` with the unit normal (0, 0, 1), for receivers at any angle.  It is a
+/// polygon of 4096 corners with the disk's own area.  Its irradiance is within 1e-6 of the disk's:
+/// an edge deviates by R (pi / 4096)^2 / 2 to either side.
 inline std::vector<Vec3<double>> disk_as_polygon(const Vec3<double>& centre, double radius) {
   constexpr int kCorners = 4096;
   const double step = 2 * std::numbers::pi / kCorners;

@@ -1,4 +1,4 @@
-// A picture from its texels.
+// Makes a picture from its texels.
 #pragma once
 
 #include <utility>

@@ -1,5 +1,4 @@
-// One light of every local kind, and receivers where its light begins and ends, for the tests of
-// what chooses among lights.
+// One light of every local kind, and random places for them, for tests of choosing among lights.
 #pragma once
 
 #include <fmt/format.h>
@@ -20,7 +19,7 @@ struct LocalLight {
   Light<double> light;
 };
 
-/// Their sizes are about that of the map; the map keeps angles.  About 30 lights.
+/// About 30 lights.  Their sizes are about that of the map; the map keeps angles.
 class LocalLights {
  public:
   explicit LocalLights(const Transform& world_from_light) : at_(world_from_light) {
@@ -156,7 +155,8 @@ inline LightSample<double> sample_of(const Light<double>& light, const Receiver<
   return visit([&](const auto& l) { return l.sample_li(receiver, u); }, light);
 }
 
-/// A map that turns at random, scales by `size` and puts the origin within `size * spread` of zero.
+/// A map with a random rotation that scales by `size` and puts the origin within `size * spread` of
+/// zero.
 inline Transform random_place(RandomU& random, double size, double spread) {
   const auto number = [&] { return 2.0 * random.next() - 1; };
   const Vec3<double> shift{number(), number(), number()};

@@ -1,5 +1,5 @@
-// Statistics that the tests of samplers share: random numbers with a fixed seed, the chi-square
-// test, and quadrature over the sphere.
+// Statistics for tests of samplers: random numbers with a fixed seed, the chi-square test, and
+// quadrature over the sphere.
 #pragma once
 
 #include <cmath>
@@ -13,7 +13,7 @@
 
 namespace lucerna::testing {
 
-/// What a checker found: empty text where all is well, else what is not.  A result rather than an
+/// The verdict of a checker: the text of the failure, or empty.  It is a result and not an
 /// assertion, so that companions can assert that a wrong input is rejected.
 struct Verdict {
   std::string failure;
@@ -58,9 +58,9 @@ inline double upper_gamma_q(double a, double x) {
   return front * h;
 }
 
-/// The chance that `observed` counts stray as far as they do, or farther, from `expected` ones.
-/// Neighbouring bins are pooled until at least 8 are expected in each, where the chi-square
-/// distribution holds well; one degree of freedom goes to the fixed total.
+/// The chi-square p-value of `observed` counts against `expected` ones.  Neighbouring bins are
+/// pooled until each has at least 8 expected counts, where the chi-square distribution is accurate.
+/// The fixed total takes one degree of freedom.
 inline double chi_square_p_value(const std::vector<double>& observed,
                                  const std::vector<double>& expected) {
   struct Bin {
@@ -72,8 +72,8 @@ inline double chi_square_p_value(const std::vector<double>& observed,
     bins.back().observed += observed[i];
     bins.back().expected += expected[i];
   }
-  // What is left over is too little for a bin of its own: a sliver that the quadrature of
-  // `expected` misses may well be hit.
+  // The remaining counts are too few for a bin.  They may lie in a sliver that the quadrature of
+  // `expected` misses.
   if (bins.size() > 1 && bins.back().expected < 8) {
     const Bin rest = bins.back();
     bins.pop_back();
@@ -113,7 +113,7 @@ struct Region {
         {r * std::cos(phi), r * std::sin(phi), 1 - h});
   }
 
-  /// The inverse of `at`; x above 1 lies outside of the region.
+  /// The inverse of `at`; x above 1 is outside of the region.
   Vec2<double> where(const Vec3<double>& w) const {
     const Vec3<double> chord = w - axis;
     const Vec3<double> local = Frame<double>::around(axis).local_from_world(w);

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Checks that the tests of docs/extremes.md can fail: removes one fix after the other from a copy of the sources.
+"""Checks that the tests of docs/extremes.md can fail: removes one fix after another from a copy of the sources.
 
     tests/mutants/run.py [NAME...]       applies each patch (all, or the named ones, such as 01), builds, and expects
                                          its test to fail
@@ -7,11 +7,11 @@
 
 A patch NN.patch (or NNx.patch) belongs to row NN and begins with
 
-    Row NN: what it removes.
+    Row NN: what the changed code does.
     Test: EXECUTABLE FILTER
     Fails by: crash                      (or timeout; only if it does not fail by an expectation)
 
-Exits with 1 if a mutant survives, that is if no test of FILTER fails.  A patch that does not apply or build, and a
+Exits with 1 if a mutant survives, which means that no test of FILTER fails.  A patch that does not apply or build, and a
 filter that matches no test, are errors too.  The copy build/mutants is kept, so that the next run is quick.
 """
 import argparse
@@ -29,8 +29,7 @@ COPY = ROOT / "build/mutants"
 BUILD = COPY / "build/release"
 PRESET = "release"
 TIMEOUT_S = 300  # of a test
-# Git must not find a repository above the copy.  ccache must recognise the files of one tree in the
-# other.
+# Git must not find a repository above the copy.  ccache must recognise the files of one tree in the other.
 ENVIRONMENT = os.environ | {"GIT_CEILING_DIRECTORIES": str(COPY.parent), "CCACHE_BASEDIR": str(COPY), "CCACHE_NOHASHDIR": "1"}
 
 
@@ -74,7 +73,7 @@ def build(target):
 
 
 def outcome(mutant):
-    """Result of its test in the current copy: passes, the kind of failure, or an error."""
+    """The result of the mutant's test in the current copy: passes, the kind of failure, or an error."""
     found = [p for p in BUILD.glob(f"tests/**/{mutant.executable}") if p.is_file()]
     report = BUILD / "mutant.json"
     report.unlink(missing_ok=True)
@@ -113,7 +112,7 @@ def run_mutants(mutants):
     for executable in sorted({m.executable for m in mutants}):
         if error := build(executable):
             sys.exit(f"{executable} does not build: {error}")
-    # All of them now, since later the executables are those of the previous mutant.
+    # Run all tests first, because later the executables are those of the previous mutant.
     before = {m.filter: outcome(m) for m in {m.filter: m for m in mutants}.values()}
     good = True
     for m in mutants:

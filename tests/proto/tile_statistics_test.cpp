@@ -23,7 +23,7 @@ TEST(Merge, GivesSumAndSquaredDeviationOfAllBlocks) {
   EXPECT_EQ(all.deviation, 20);
 }
 
-TEST(Merge, IsSymmetricAndKeepsWhatMeetsNothing) {
+TEST(Merge, IsSymmetricAndKeepsStatisticsMergedWithNone) {
   const BlockStatistics a{0.1, 0.25}, b{1.7, 0.5};
   EXPECT_TRUE(same(merge(a, 3, b, 5), merge(b, 5, a, 3)));
   EXPECT_TRUE(same(merge(a, 3, {}, 0), a));
@@ -51,7 +51,7 @@ std::vector<double> values(std::size_t n) {
   return v;
 }
 
-TEST(BlockMerger, GivesTheSameBitsHoweverAlignedRunsAreCutUp) {
+TEST(BlockMerger, GivesTheSameBitsForAnySplitIntoAlignedRuns) {
   const std::vector<double> v = values(24);
   const auto run = [&](std::uint64_t first, std::uint64_t blocks) {
     BlockMerger m(first, 1);
@@ -71,7 +71,7 @@ TEST(BlockMerger, GivesTheSameBitsHoweverAlignedRunsAreCutUp) {
   }
 }
 
-TEST(BlockMerger, CompanionShowsThatTheOrderOfMergingShowsInTheBits) {
+TEST(BlockMerger, CompanionShowsThatTheOrderOfMergingChangesTheBits) {
   const std::vector<double> v = values(24);
   BlockMerger merger(0, 1);
   BlockStatistics in_a_row;

@@ -1,12 +1,13 @@
 #!/usr/bin/python3
-"""What a spectral renderer shows over what an RGB renderer shows, for the lights and surfaces of `colour`.
+"""Prints a spectral renderer's colours over those of an RGB renderer, for the lights and surfaces of `colour`.
 
-The numbers in reference_test.cpp.  Debian packages: python3, colord-data.  Usage: colour_ratios.py
+These are the numbers in reference_test.cpp.  Debian packages: python3, colord-data.  Usage: colour_ratios.py
 
-pbrt-v4 turns the RGB of a surface into the reflectance S(a t^2 + b t + c), t along the wavelengths, S(x) = 1/2 + x / (2
-sqrt(1 + x^2)), which under D65 has that colour [Jakob19]; the RGB of a light, divided by twice its largest channel,
-likewise, times D65.  The three coefficients are found here by Newton's method with 5 nm sums over the CIE's tables.
-The light that a surface shows is the product of the two spectra; an RGB renderer shows the product of the two RGBs.
+pbrt-v4 turns the RGB of a surface into a reflectance that has this colour under D65 [Jakob19].  It is S(a t^2 + b t + c),
+where t runs along the wavelengths and S(x) = 1/2 + x / (2 sqrt(1 + x^2)).  The RGB of a light is divided by twice its
+largest channel, turned into a reflectance in the same way, and multiplied by D65.  This script finds the three
+coefficients by Newton's method with 5 nm sums over the CIE's tables.  The colour of a surface is that of the product of
+the two spectra.  An RGB renderer multiplies the two RGBs.
 """
 import math
 
@@ -36,7 +37,7 @@ def xyz(spectrum):
 
 
 def rgb(spectrum):
-    """Such that D65 is (1, 1, 1)."""
+    """The RGB of a spectrum, scaled so that D65 is (1, 1, 1)."""
     c = [v / w * white for v, w, white in zip(xyz(spectrum), xyz(D65), WHITE_XYZ)]
     return [sum(m * v for m, v in zip(row, c)) for row in RGB_FROM_XYZ]
 
@@ -52,7 +53,7 @@ def reflectance(coefficients):
 
 
 def solved(matrix, right):
-    """By Gauss and Jordan, with pivots."""
+    """Solves by Gauss-Jordan elimination with pivots."""
     m = [row + [r] for row, r in zip(matrix, right)]
     for i in range(3):
         pivot = max(range(i, 3), key=lambda r: abs(m[r][i]))

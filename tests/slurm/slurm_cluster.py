@@ -1,9 +1,9 @@
-"""A Slurm cluster of several nodes on the loopback interface of this machine, gone when it is closed.
+"""A Slurm cluster of several nodes on the loopback interface of this machine.  It ends when it is closed.
 
-It has a munged, a slurmctld and one slurmd a node of its own, with key, socket, ports, state, spools and
-logs in a temporary directory, and touches no Slurm and no munge that the machine may have beside it.
-Wants Debian's slurm-wlm and munge; no systemd and no cgroups.  As root, munged runs as its own user, and
-the jobs are root's; as anybody else all of it runs as that user.
+It starts its own munged, slurmctld and one slurmd per node.  Their key, socket, ports, state, spools and logs
+are in a temporary directory.  It does not touch another Slurm or munge on the machine.  It needs Debian's
+slurm-wlm and munge, but no systemd and no cgroups.  As root, munged runs as its own user, and the jobs belong
+to root.  As another user, all programs run as that user.
 """
 import atexit
 import ctypes
@@ -111,14 +111,14 @@ class SlurmCluster:
         return self
 
     def __exit__(self, *_):
-        """Ends every process that this one started, and their orphans.  May be called twice."""
+        """Ends every process that this process started, and their orphans.  May be called twice."""
         for how, seconds in ((signal.SIGTERM, 10), (signal.SIGKILL, 10)):
             end = time.monotonic() + seconds
-            told = set()
+            signalled = set()
             while (left := children()) and time.monotonic() < end:
-                for pid in set(left) - told:
-                    os.kill(pid, how)  # our child, not yet waited for: the id is still its own
-                    told.add(pid)
+                for pid in set(left) - signalled:
+                    os.kill(pid, how)  # our child, not yet waited for, so its id is not reused
+                    signalled.add(pid)
                 for daemon in self.daemons.values():
                     daemon.poll()
                 own = {daemon.pid for daemon in self.daemons.values()}
@@ -128,7 +128,7 @@ class SlurmCluster:
         shutil.rmtree(self.directory, ignore_errors=True)
 
     def run(self, *command, check=True, **options):
-        """Output of a Slurm command, run like by a user."""
+        """Output of a Slurm command with a user's environment."""
         result = subprocess.run(command, env=self.environment, text=True, stdout=subprocess.PIPE,
                                 stderr=subprocess.STDOUT, timeout=60, **options)
         if check and result.returncode != 0:
@@ -148,13 +148,13 @@ class SlurmCluster:
                 if (process / "comm").read_text().strip() == program and \
                         f"SLURM_CONF={self.directory}/".encode() in (process / "environ").read_bytes():
                     found.append(int(process.name))
-            except OSError:  # ended meanwhile, or somebody else's
+            except OSError:  # it has ended, or belongs to another user
                 pass
         return found
 
     def fail(self, node):
-        """Ends a node's slurmd and all that runs there, and says what Slurm finds out by itself after a
-        while: that the node is down."""
+        """Ends a node's slurmd and its processes, and marks the node as down.  Slurm would do so
+        itself after a while."""
         daemon = self.daemons.pop(node)
         daemon.kill()
         daemon.wait()

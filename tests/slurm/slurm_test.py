@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""deploy/slurm/lucerna-render.sbatch as a user submits it, on a Slurm cluster of three nodes.
+"""Submits deploy/slurm/lucerna-render.sbatch like a user, on a Slurm cluster of three nodes.
 
 Usage: slurm_test.py BUILD_DIR [unittest's own arguments]
 """
@@ -17,7 +17,7 @@ from slurm_cluster import ENDS_WITH_US, SlurmCluster, wait_until
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SCRIPT = ROOT / "deploy/slurm/lucerna-render.sbatch"
-SCENE = ROOT / "tests/data/reference/textured.pbrt"  # names a picture, which must be uploaded too
+SCENE = ROOT / "tests/data/reference/textured.pbrt"  # refers to a picture, which must be uploaded too
 MOVING = ROOT / "scenes/moving.pbrt"
 # Long enough to be interrupted, in pieces that are small enough for an interruption anywhere.
 OPTIONS = ["--samples", "512", "--tile-size", "16"]
@@ -69,7 +69,7 @@ class SlurmTest(unittest.TestCase):
         path = self.directory / f"{job}.log"
         return path.read_text() if path.exists() else ""
 
-    def assert_went_on(self, job):
+    def assert_resumed(self, job):
         """Expects that fewer samples were computed than the picture has."""
         width, height = map(int, self.expected.split(b"\n", 2)[1].split())
         computed = int(re.search(r" (\d+) samples, ", self.log(job))[1])
@@ -106,9 +106,9 @@ class SlurmTest(unittest.TestCase):
         self.assertIn("3 of 3 servers", self.log(job))
         self.assert_same_bits("one picture", job, 3)
         self.assertFalse(self.journal(job).exists())
-        self.assertEqual(self.log(job).count("got SIGTERM"), 3, "servers that were told to end")
+        self.assertEqual(self.log(job).count("got SIGTERM"), 3, "servers that got SIGTERM")
 
-    def test_a_server_that_is_killed_is_done_without(self):
+    def test_a_killed_server_does_not_stop_the_job(self):
         job = self.submit_picture()
         self.wait_until_it_renders(job)
         self.cluster.run("scancel", "--signal=KILL", f"{job}.1")
@@ -116,7 +116,7 @@ class SlurmTest(unittest.TestCase):
         self.assertIn("does not answer", self.log(job))
         self.assert_same_bits("a server killed", job, 3)
 
-    def test_a_node_that_fails_is_done_without(self):
+    def test_a_failed_node_does_not_stop_the_job(self):
         job = self.submit_picture()
         self.wait_until_it_renders(job)
         self.cluster.fail("n3")
@@ -129,13 +129,13 @@ class SlurmTest(unittest.TestCase):
             self.cluster.repair("n3")
         self.assert_ends(job, "COMPLETED")
 
-    def test_a_requeued_job_goes_on(self):
+    def test_a_requeued_job_continues(self):
         job = self.submit_picture()
         self.wait_until_it_renders(job)
         self.cluster.run("scontrol", "requeue", job)
         self.assert_ends(job, "COMPLETED")
         self.assertEqual(self.cluster.job(job)["Restarts"], "1")
-        self.assert_went_on(job)
+        self.assert_resumed(job)
         self.assert_same_bits("interrupted and requeued", job, 3)
 
     def test_all_servers_gone_ends_the_job(self):
@@ -147,7 +147,7 @@ class SlurmTest(unittest.TestCase):
         self.assertIn("all servers have ended", self.log(job))
         self.assertIn(f"goes on from it: {self.journal(job)}\n", self.log(job))
 
-    def test_another_job_goes_on_from_the_journal_of_one_whose_time_was_up(self):
+    def test_another_job_continues_from_the_journal_of_a_timed_out_job(self):
         job = self.submit_picture(nodes=2)
         self.wait_until_it_renders(job)
         self.cluster.run("scancel", "--batch", "--signal=TERM", job)  # equals --signal=B:TERM@30
@@ -159,10 +159,10 @@ class SlurmTest(unittest.TestCase):
         again = self.submit(SCENE.name, "-o", "room.pfm", *OPTIONS, "--journal", self.journal(job), nodes=1,
                             environment=[f"LUCERNA_SCENE_ROOT={SCENE.parent}"])
         self.assert_ends(again, "COMPLETED")
-        self.assert_went_on(again)
+        self.assert_resumed(again)
         self.assert_same_bits("resumed by another job", again, 1)
 
-    def test_servers_that_never_come_are_named_and_done_without(self):
+    def test_servers_that_do_not_start_are_named_and_left_out(self):
         program = self.directory / "lucernad"
         program.write_text("""#!/bin/sh
 case $SLURMD_NODENAME in
@@ -198,14 +198,14 @@ PATH=${PATH#*:} exec lucernad "$@"
         self.assertRegex(self.log(job), r"broken\.pbrt:3:1: .*torus")
         self.assertFalse((self.directory / "room.pfm").exists())
 
-    def test_an_array_renders_a_frame_a_task(self):
+    def test_each_task_of_an_array_renders_a_frame(self):
         self.directory /= "50%off"  # this character occurs in the journals' pattern
         self.directory.mkdir()
         job = self.submit(MOVING, "--fps", "4", "-o", "frame.%04d.pfm", "--samples", "16", nodes=1,
                           options=("--array=1-4", "--cpus-per-task=1"))
         for frame in range(1, 5):
             self.assert_ends(f"{job}_{frame}", "COMPLETED")
-        # One job may also do all of it.
+        # A single job can also render all frames.
         whole = self.submit(MOVING, "--frames", "1-4", "--fps", "4", "-o", "whole.%04d.pfm", "--samples", "16",
                             nodes=1)
         self.assert_ends(whole, "COMPLETED")
@@ -215,7 +215,7 @@ PATH=${PATH#*:} exec lucernad "$@"
         self.assertEqual(len(set(frames)), 4, "frames that differ")
         self.assertEqual(list(self.directory.glob("*.journal")), [])
 
-    def test_within_salloc_it_runs_where_the_user_is(self):
+    def test_it_runs_within_salloc(self):
         log = self.cluster.run("salloc", "--quiet", "--nodes=2", "--exclusive", "bash", SCRIPT, SCENE,
                                "-o", "room.pfm", *OPTIONS, cwd=self.directory)
         self.assertIn("2 of 2 servers", log)

@@ -375,7 +375,7 @@ TEST(LightTable, FlatShapesAtZeroHaveNoHeight) {
 
 TEST(LightTable, AnUnknownKindHasARow) { expect(v1::Light(), "unknown", "", ""); }
 
-// A kind of light without its own words in the table is a mistake that no compiler finds.
+// No compiler finds a kind of light that has no words in the table.
 TEST(LightTable, EveryKindOfLightHasWords) {
   const auto* kinds = v1::Light::descriptor()->FindOneofByName("kind");
   ASSERT_NE(kinds, nullptr);

@@ -140,12 +140,12 @@ TEST_F(HeldSceneTest, AllServersAreReleasedInParallel) {
   // Each answers after both were called.
   FakeServer other;
   std::condition_variable changed;
-  int asked = 0, answered = 0;
+  int called = 0, answered = 0;
   const auto together = [&](auto&, const auto&, auto*) {
     std::unique_lock lock(mutex_);
-    ++asked;
+    ++called;
     changed.notify_all();
-    if (changed.wait_for(lock, std::chrono::minutes(10), [&] { return asked == 2; })) ++answered;
+    if (changed.wait_for(lock, std::chrono::minutes(10), [&] { return called == 2; })) ++answered;
     return grpc::Status::OK;
   };
   for (const bool forget : {true, false}) {
@@ -156,7 +156,7 @@ TEST_F(HeldSceneTest, AllServersAreReleasedInParallel) {
       server->release_scene = together;
       server->renew_lease = together;
     }
-    asked = answered = 0;
+    called = answered = 0;
     held.release(forget, call_);
     EXPECT_EQ(answered, 2) << forget;
   }

@@ -110,7 +110,7 @@ TEST_F(JobScheduleTest, OnlyAnIdleServerDuplicatesAndTheFirstResultCounts) {
   const auto at_a = channel_.take(0), at_b = channel_.take(1);
   ASSERT_EQ(at_a.size(), 2U);
   ASSERT_EQ(at_b.size(),
-            1U);  // the third; beside it there is room, and nothing to do but duplicates
+            1U);  // the third; the server has room for another, but only duplicates are left
   EXPECT_TRUE(schedule_->finished(at_a[0].attempt, absl::OkStatus(), now_));
   EXPECT_THAT(channel_.take(0), IsEmpty());
   EXPECT_TRUE(schedule_->finished(at_b[0].attempt, absl::OkStatus(), now_));

@@ -65,7 +65,7 @@ TEST_F(JournalTest, ATruncatedRecordIsDroppedAtEveryLength) {
       ASSERT_TRUE(journal.ok()) << journal.status() << " at " << size;
       EXPECT_LT(records_.size(), 2U);
     }
-    // And it continues from there.
+    // The journal continues from there.
     ASSERT_TRUE(open()->add("third").ok());
     ASSERT_TRUE(open().ok());
     EXPECT_EQ(records_.back(), "third");

@@ -73,13 +73,13 @@ TEST(PictureAssembler, PlacesTiles) {
 
 TEST(PictureAssembler, CountsSamplesWithAndWithoutSamplePlanes) {
   PictureAssembler assembler;
-  const TileParams told{.sum = {2, 4},
-                        .deviation = {8, 18},
-                        .samples = {64, 4096},
-                        .lower = {0.5, 1.5},
-                        .upper = {1.5, 2.5}};
-  ASSERT_TRUE(assembler.add(tile(told)).ok());
-  TileParams below = told;
+  const TileParams explicit_samples{.sum = {2, 4},
+                                    .deviation = {8, 18},
+                                    .samples = {64, 4096},
+                                    .lower = {0.5, 1.5},
+                                    .upper = {1.5, 2.5}};
+  ASSERT_TRUE(assembler.add(tile(explicit_samples)).ok());
+  TileParams below = explicit_samples;
   below.y0 = 1;
   below.y1 = 2;
   below.samples = {128, 256};

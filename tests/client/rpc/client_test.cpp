@@ -22,7 +22,7 @@ using client::Client;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-// Long enough never to be waited out by a test that passes.
+// Long enough that a passing test never waits this long.
 constexpr std::chrono::minutes kBound{10};
 
 /// Waits until the call is cancelled; true if it was.
@@ -70,7 +70,8 @@ TEST(Client, EndsItsChannelItselfOnceItsLastCallIsAnswered) {
   });
   EXPECT_EQ(answered.get_future().get().code(), absl::StatusCode::kUnavailable);
   client.reset();
-  // The end of the last channel waits for gRPC's answering threads, so it must not run in one.
+  // The end of the last channel waits for gRPC's answering threads, so it must not run in one of
+  // them.
   EXPECT_TRUE(over);
 }
 
@@ -122,7 +123,7 @@ TEST(Client, UnreadableDetailsLeaveTheErrorUnchanged) {
   EXPECT_EQ(std::string(status.message()), "no such scene");
 }
 
-TEST(Client, RetriesUnavailableAndNothingElse) {
+TEST(Client, RetriesOnlyUnavailable) {
   FakeServer server;
   std::atomic<int> calls = 0;
   server.get_scene = [&](auto&, const auto&, auto*) {

@@ -166,7 +166,7 @@ TEST(MakePoints, PartsWithOneOriginGiveTheWhole) {
   EXPECT_NE(client::make_points(first_two).origin_m().z(), whole.origin_m().z());
 }
 
-TEST(MakePoints, OriginIsFiniteWhateverThePoints) {
+TEST(MakePoints, OriginIsFiniteForAnyPoints) {
   const double bad = std::nan("");
   for (const double first : {bad, HUGE_VAL, -HUGE_VAL, 1.0}) {
     for (const double second : {bad, HUGE_VAL, -HUGE_VAL, 1e308}) {

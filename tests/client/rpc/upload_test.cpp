@@ -104,7 +104,7 @@ class UploadTest : public ::testing::Test {
 TEST_F(UploadTest, SendsRequestedFilesOnly) {
   write("scene/a.ply", "mesh");
   write("scene/sub/b.exr", "picture");
-  write("scene/private", "never asked for");
+  write("scene/private", "never requested");
   wants_ = {"a.ply", "sub/b.exr"};
   const auto loaded = upload();
   ASSERT_TRUE(loaded.ok()) << loaded.status();
@@ -129,7 +129,7 @@ TEST_F(UploadTest, ReportsMissingFiles) {
   EXPECT_THAT(held(), ElementsAre("the room"));
 }
 
-TEST_F(UploadTest, ContinuesWhereItBroke) {
+TEST_F(UploadTest, ContinuesABrokenUpload) {
   const std::string bytes((3 << 20) + 5, 'x');
   write("scene/room.pbrt", bytes);
   failures_ = {{grpc::StatusCode::UNAVAILABLE, "gone"}, {grpc::StatusCode::UNAVAILABLE, "gone"}};
@@ -161,15 +161,15 @@ TEST_F(UploadTest, WaitsForAnotherClientThatSendsTheSameFile) {
   retry.mutable_retry_delay()->set_nanos(1'000'000);
   google::rpc::Status wire;
   wire.add_details()->PackFrom(retry);
-  int asked = 0;
+  int calls = 0;
   server_.upload_asset = [&](auto&, auto*) {
-    if (++asked == 3) held_[sha256("the room")] = "the room";  // the other client has finished
+    if (++calls == 3) held_[sha256("the room")] = "the room";  // the other client has finished
     return grpc::Status(grpc::StatusCode::FAILED_PRECONDITION, "being uploaded",
                         wire.SerializeAsString());
   };
   const auto loaded = upload();
   ASSERT_TRUE(loaded.ok()) << loaded.status();
-  EXPECT_EQ(asked, 3);
+  EXPECT_EQ(calls, 3);
 }
 
 TEST_F(UploadTest, NothingOutsideOfTheRootIsSent) {
@@ -194,7 +194,7 @@ TEST_F(UploadTest, NothingOutsideOfTheRootIsSent) {
 
 TEST_F(UploadTest, InvalidFilesAreErrorsBeforeAnyCall) {
   server_.load_scene = [](auto&, auto&, auto*) -> grpc::Status {
-    ADD_FAILURE() << "asked";
+    ADD_FAILURE() << "the server was called";
     return grpc::Status::OK;
   };
   const auto status = [&](const std::string& path, const UploadOptions& options = {}) {

@@ -85,7 +85,7 @@ TEST(Share, OfOneOrMoreNeedsThePercentSign) {
   EXPECT_EQ(read("-5"), "-5 is not a share above 0, as 1% or 0.01");
 }
 
-TEST(Remarks, AreCountedByWhatWasDoneInstead) {
+TEST(Remarks, AreCountedByTheirReplacement) {
   google::protobuf::RepeatedPtrField<v1::Remark> remarks;
   EXPECT_EQ(cli::count_remarks(remarks), "");
   const auto add = [&](const char* what, const char* instead) {

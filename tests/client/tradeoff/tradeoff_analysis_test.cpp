@@ -1,4 +1,4 @@
-// What is made of runs that are made up.
+// Analyses of invented runs.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-/// Five runs of one amount, a part of `scatter` about their middle.
+/// Adds five runs of one amount, spread by the share `scatter` about their middle.
 void add_runs(SweepResult& to, std::size_t setting, double samples, double seconds, double error,
               double scatter = 0.01) {
   for (int i = -2; i <= 2; ++i) {
@@ -39,7 +39,7 @@ Reference known() {
   return reference;
 }
 
-TEST(TradeoffAnalysis, ComparesItemsOfSettingsOfAboutTheSameTimeAlone) {
+TEST(TradeoffAnalysis, ComparesItemsOnlyOfSettingsWithSimilarTime) {
   SweepResult sweep;
   for (const double samples : {1, 4, 16}) add_runs(sweep, 0, samples, 1e-3 * samples, 0.1);
   add_runs(sweep, 1, 1, 1.5e-3, 0.1);
@@ -54,8 +54,8 @@ TEST(TradeoffAnalysis, ComparesItemsOfSettingsOfAboutTheSameTimeAlone) {
   EXPECT_EQ(a.compared[3], 1U) << "2.8 ms is within, 0.7 ms is not";
 }
 
-/// Automatic is measured down to 2% in 100 ms, which makes 400 ms for 1%; the other 1% in
-/// `seconds`.
+/// Automatic is measured down to 2% in 100 ms, which extrapolates to 400 ms for 1%.  The other
+/// setting reaches 1% in `seconds`.
 Recommendation one_percent(double seconds) {
   SweepResult sweep;
   add_runs(sweep, 0, 1, 0.025, 0.04, 0);
@@ -65,18 +65,18 @@ Recommendation one_percent(double seconds) {
   return analyse(made_settings(2), sweep, known()).levels[1];
 }
 
-TEST(TradeoffAnalysis, WhatWasNotMeasuredCountsTwice) {
+TEST(TradeoffAnalysis, ExtrapolatedTimesCountTwice) {
   const Recommendation slow = one_percent(0.9), fast = one_percent(0.7);
   EXPECT_EQ(slow.setting, 0U);
   EXPECT_EQ(slow.best, 0U);
   EXPECT_EQ(slow.reached.how, Reached::How::kExtrapolated);
-  EXPECT_NEAR(slow.reached.seconds, 0.4, 1e-9) << "told as it is";
+  EXPECT_NEAR(slow.reached.seconds, 0.4, 1e-9) << "reported without the factor";
   EXPECT_EQ(fast.setting, 1U);
   EXPECT_NEAR(fast.automatic_ratio.value(), 0.4 / 0.7, 1e-9);
   EXPECT_TRUE(fast.automatic_extrapolated);
 }
 
-/// A setting of nine tenths of automatic's time, whose runs scatter.
+/// A setting that takes nine tenths of automatic's time, with runs that scatter.
 Recommendation ten_percent(double scatter) {
   SweepResult sweep;
   for (const double samples : {1, 4, 16}) {
@@ -86,7 +86,7 @@ Recommendation ten_percent(double scatter) {
   return analyse(made_settings(2), sweep, known()).levels[0];
 }
 
-TEST(TradeoffAnalysis, AutomaticIsRecommendedWhereTheBestIsNotToldApart) {
+TEST(TradeoffAnalysis, AutomaticIsRecommendedIfTheBestIsNotSignificantlyFaster) {
   const Recommendation close = ten_percent(0.2), apart = ten_percent(0.001);
   EXPECT_EQ(close.setting, 0U);
   EXPECT_EQ(close.best, 1U);
@@ -96,9 +96,9 @@ TEST(TradeoffAnalysis, AutomaticIsRecommendedWhereTheBestIsNotToldApart) {
   EXPECT_EQ(apart.best, 1U);
 }
 
-TEST(TradeoffAnalysis, WhatIsExactIsToldApart) {
+TEST(TradeoffAnalysis, ExactSettingsAreRecognised) {
   SweepResult sweep;
-  // Rounding differs.
+  // Errors by rounding.
   for (const double samples : {1, 4, 16}) add_runs(sweep, 0, samples, 4e-4, 1e-8 * samples);
   for (const double samples : {1, 4, 16})
     add_runs(sweep, 1, samples, 1e-3 * samples, 0.2 / std::sqrt(samples));
@@ -113,20 +113,20 @@ TEST(TradeoffAnalysis, WhatIsExactIsToldApart) {
   for (const Recommendation& r : a.levels) {
     EXPECT_EQ(r.setting, 0U);
     EXPECT_TRUE(r.exact);
-    EXPECT_EQ(r.amount.value, 4) << "a single sample does not tell that it is exact";
+    EXPECT_EQ(r.amount.value, 4) << "a single sample does not show that the setting is exact";
   }
-  // Samples that come as near are not exact.
+  // Samples with as small an error are not exact.
   add_runs(sweep, 1, 1e6, 1, 1e-7);
   EXPECT_FALSE(analyse(made_settings(2), sweep, known()).curves[1].exact());
-  // Where the reference has an error, what agrees with it may be wrong as it is.
+  // If the reference has an error, a setting that agrees with it may be wrong too.
   Reference sampled = known();
   sampled.exact = false;
   sampled.relative_error = 1e-3;
   EXPECT_FALSE(analyse(made_settings(2), sweep, sampled).curves[0].exact());
 }
 
-// Squares of errors that have nothing to do with each other add.
-TEST(TradeoffAnalysis, TheReferencesOwnErrorIsNotTheSettings) {
+// Squares of independent errors add.
+TEST(TradeoffAnalysis, TheReferencesOwnErrorIsSubtracted) {
   Reference sampled = known();
   sampled.exact = false;
   sampled.relative_error = sampled.rmse = 0.03;
@@ -138,18 +138,18 @@ TEST(TradeoffAnalysis, TheReferencesOwnErrorIsNotTheSettings) {
   ASSERT_EQ(cells.size(), 2U);
   EXPECT_NEAR(cells[0].error.mean, 0.04, 1e-12);
   EXPECT_NEAR(cells[0].rmse.mean, 0.04, 1e-12);
-  EXPECT_LE(cells[1].error.mean, 0.03 / 2) << "and nobody knows how much less";
+  EXPECT_LE(cells[1].error.mean, 0.03 / 2) << "the exact value is unknown";
   EXPECT_GT(cells[1].error.mean, 0);
   EXPECT_EQ(a.curves[0].efficient_at, 0U);
   EXPECT_FALSE(a.levels[0].below_reference);
-  EXPECT_FALSE(a.levels[1].setting) << "one error that is told makes no rate";
+  EXPECT_FALSE(a.levels[1].setting) << "a single known error gives no rate";
   EXPECT_TRUE(a.levels[1].below_reference);
-  // What is known is not scattered, and its bound no part of an error.
+  // An exact reference does not scatter, and its bound is no part of an error.
   sampled.exact = true;
   EXPECT_NEAR(analyse(made_settings(1), sweep, sampled).curves[0].cells[0].error.mean, 0.05, 1e-12);
 }
 
-TEST(TradeoffAnalysis, ErrorsThatTheReferenceDoesNotTellAreExtrapolated) {
+TEST(TradeoffAnalysis, ErrorsBelowTheReferencesAreExtrapolated) {
   Reference sampled = known();
   sampled.exact = false;
   sampled.relative_error = sampled.rmse = 0.03;
@@ -160,7 +160,7 @@ TEST(TradeoffAnalysis, ErrorsThatTheReferenceDoesNotTellAreExtrapolated) {
   add(1, 0.08);
   add(4, 0.04);
   add(16, 0.02);
-  // Nothing is left of this one, or anything.
+  // Nothing measurable is left of this error.
   add(64, 0.0001);
   const Analysis a = analyse(made_settings(1), sweep, sampled);
   const Recommendation& one = a.levels[1];
@@ -186,7 +186,7 @@ TEST(TradeoffAnalysis, ApproximationsAreNotExtrapolated) {
   }
 }
 
-TEST(TradeoffAnalysis, TellsOfAReferenceThatWarns) {
+TEST(TradeoffAnalysis, ReportsWarningsOfTheReference) {
   SweepResult sweep;
   add_runs(sweep, 0, 1, 1e-3, 0.1);
   Reference reference = known();
@@ -195,7 +195,7 @@ TEST(TradeoffAnalysis, TellsOfAReferenceThatWarns) {
               ::testing::ElementsAre("mind the step"));
 }
 
-/// Asks nothing; its command is "ask", and flags.
+/// A question without answers.  Its command is "ask" and the flags.
 class Named : public Question {
  public:
   Named() : Question({}) {}
@@ -205,12 +205,12 @@ class Named : public Question {
   std::vector<Setting> settings() const override { return {}; }
   std::vector<Amount> amounts_of(const Setting&) const override { return {}; }
   absl::StatusOr<Answer> answer(const Setting&, const Amount&, std::uint64_t) const override {
-    return absl::InternalError("not asked");
+    return absl::InternalError("never called");
   }
   std::vector<ReferenceWay> reference_ways() const override { return {}; }
   absl::StatusOr<Answer> answer_reference(std::size_t, std::uint32_t,
                                           std::uint64_t) const override {
-    return absl::InternalError("not asked");
+    return absl::InternalError("never called");
   }
   std::string command(const Setting& setting, const Amount& amount) const override {
     return "ask" + join_flags(setting, amount);
@@ -230,7 +230,7 @@ std::string words(const std::vector<Setting>& settings, const SweepResult& sweep
   return to_text(record);
 }
 
-TEST(TradeoffWords, OfWhatIsExactAreOneLine) {
+TEST(TradeoffWords, OfExactSettingsAreOneLine) {
   SweepResult sweep;
   add_runs(sweep, 0, 1, 4e-4, 0);
   add_runs(sweep, 1, 1, 1e-3, 0.2);
@@ -238,14 +238,14 @@ TEST(TradeoffWords, OfWhatIsExactAreOneLine) {
   EXPECT_THAT(text, HasSubstr("Its own error: 0, except rounding."));
   EXPECT_THAT(text, HasSubstr("any error: automatic, 0.0004 s, exact\n  ask --samples 1\n"));
   EXPECT_THAT(text, Not(HasSubstr("1%")));
-  // Where something else is faster, it is recommended for the errors that it has.
+  // A faster setting is recommended for the errors that it reaches.
   add_runs(sweep, 1, 4, 2e-4, 0.05);
   const std::string more = words(made_settings(2), sweep);
   EXPECT_THAT(more, HasSubstr("10%: way 1, 0.0002 s"));
   EXPECT_THAT(more, HasSubstr("1%: automatic, 0.0004 s, exact\n  ask --samples 1\n"));
 }
 
-TEST(TradeoffWords, SayThatTheBestIsNotToldApart) {
+TEST(TradeoffWords, StateThatTheBestIsNotSignificantlyFaster) {
   SweepResult sweep;
   for (const double samples : {1, 4}) {
     add_runs(sweep, 0, samples, 1e-3 * samples, 0.1 / std::sqrt(samples), 0.2);
@@ -255,7 +255,7 @@ TEST(TradeoffWords, SayThatTheBestIsNotToldApart) {
               HasSubstr("; not significantly slower than the fastest, way 1, 0.0009 s"));
 }
 
-TEST(TradeoffCommands, AreWordsOfAShell) {
+TEST(TradeoffCommands, AreQuotedForAShell) {
   EXPECT_EQ(shell_word("room/scene-1.pbrt"), "room/scene-1.pbrt");
   EXPECT_EQ(shell_word("my room.pbrt"), "'my room.pbrt'");
   EXPECT_EQ(shell_word("it's"), "'it'\\''s'");
@@ -267,8 +267,8 @@ TEST(TradeoffCommands, AreWordsOfAShell) {
 }
 
 TEST(TradeoffQuestion, LuminanceIsTheServers) {
-  // Rec. 709 primaries (0.64, 0.33), (0.30, 0.60), (0.15, 0.06) and the white (0.3127, 0.3290): the
-  // luminances of the primaries by Cramer's rule of x, y and z of their sum.
+  // Rec. 709 primaries (0.64, 0.33), (0.30, 0.60), (0.15, 0.06) and the white (0.3127, 0.3290).
+  // Cramer's rule for x, y and z of their sum gives the luminances of the primaries.
   const double red = 0.2126390058715104, green = 0.7151686787677559;
   const float colours[] = {1, 0, 0, 0, 1, 0, 1, 1, 1};
   EXPECT_DOUBLE_EQ(luminance(colours), red);

@@ -1,4 +1,4 @@
-// FLIP where its value is known.
+// FLIP of pictures with known values.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -34,9 +34,10 @@ TEST(Flip, EqualPicturesDoNotDiffer) {
   expect_everywhere(flip_of(rgb, rgb), 0);
 }
 
-// Between plain pictures nothing but colour counts.  Green and blue are what is farthest apart by
-// definition.  Between black and white L* differs by 100, the largest difference of all being 203.3
-// [Andersson20]: (100 / 203.3)^0.7 = 0.6088 of it, so 0.95 + (0.6088 - 0.4) / 0.6 x 0.05.
+// Between uniform pictures only colour counts.  Green and blue have the largest difference by
+// definition.  L* of black and white differs by 100, and the largest difference is 203.3
+// [Andersson20].  Then (100 / 203.3)^0.7 = 0.6088, and the value is 0.95 + (0.6088 - 0.4) / 0.6 x
+// 0.05.
 TEST(Flip, PlainPicturesDifferByTheirColour) {
   expect_everywhere(flip_of(plain({0, 1, 0}), plain({0, 0, 1})), 1);
   expect_everywhere(flip_of(plain({0, 0, 0}), plain({1, 1, 1})), 0.96740);
@@ -46,14 +47,14 @@ TEST(Flip, PlainPicturesDifferByTheirColour) {
   expect_everywhere(flip_of(plain({0, 0, 0}), plain({grey, grey, grey})), share * 0.95 / 0.4);
 }
 
-TEST(Flip, WhatAScreenCannotShowDoesNotDiffer) {
+TEST(Flip, ColoursBeyondTheScreenDoNotDiffer) {
   expect_everywhere(flip_of(plain({1, 1, 1}), plain({7, 2, 1})), 0);
   expect_everywhere(flip_of(plain({-1, 0, std::nanf("")}), plain({0, 0, 0})), 0);
 }
 
-// A point that is gone is a difference in features at the point and of colour about it, farther
-// than three deviations of the widest Gaussian, 10 pixels, of none.  Both orders are the same.
-TEST(Flip, PointIsSeenWhereItIs) {
+// A missing point is a difference in features at the point and in colour about it.  Beyond three
+// deviations of the widest Gaussian, 10 pixels, there is none.  Both orders are equal.
+TEST(Flip, APointDiffersAtItsPlace) {
   const std::vector<float> dark = plain({0.05F, 0.05F, 0.05F});
   std::vector<float> point = dark;
   const std::size_t at = (std::size_t{20} * kWidth + 24);
@@ -67,11 +68,11 @@ TEST(Flip, PointIsSeenWhereItIs) {
   EXPECT_EQ(seen[at - 3 * kWidth], seen[at + 3 * kWidth]);
 }
 
-// White from column 24 on, against black.  There the derivative of a Gaussian, whose weights of
-// either sign sum to 1, is 1, so that the exponent is 1 - 2^-1/4 = 0.1591.  The filter of
-// luminance, of a deviation of 1.034 pixels, weighs a pixel with 0.386: column 24 has 0.693 of
-// white, L* = 86.65, and column 23 has 0.307, 62.25.  By colour alone these were (86.65 /
-// 203.3)^0.7 = 0.5504, so 0.9625, and 0.9531.
+// White from column 24 on, against black.  The weights of a derivative of a Gaussian sum to 1 for
+// each sign.  So the derivative is 1 there and the exponent 1 - 2^-1/4 = 0.1591.  The filter of
+// luminance, with a deviation of 1.034 pixels, gives a pixel the weight 0.386.  Column 24 has 0.693
+// of white, L* = 86.65, and column 23 has 0.307, 62.25.  From colour alone they would be (86.65 /
+// 203.3)^0.7 = 0.5504, which gives 0.9625, and 0.9531.
 TEST(Flip, EdgeCountsMoreThanItsColours) {
   const std::vector<float> black = plain({0, 0, 0});
   std::vector<float> step = black;
@@ -84,8 +85,8 @@ TEST(Flip, EdgeCountsMoreThanItsColours) {
   EXPECT_EQ(row[5], 0);
 }
 
-// Against the same formulas without what is separated or summed in parts here: each filter as one
-// square of weights, in numpy.
+// Compares with the same formulas without the separation of filters and sums: in numpy, with each
+// filter as one square of weights.
 TEST(Flip, AgreesWithFiltersThatAreNotSeparated) {
   const auto picture = [](std::uint32_t k) {
     std::vector<float> rgb;
@@ -104,7 +105,7 @@ TEST(Flip, AgreesWithFiltersThatAreNotSeparated) {
   EXPECT_NEAR(std::accumulate(seen.begin(), seen.end(), 0.0) / seen.size(), 0.3599121, 1e-6);
 }
 
-// From farther away, more pixels a degree, single wrong pixels are seen less.
+// From farther away there are more pixels per degree, and single wrong pixels are less visible.
 TEST(Flip, DistanceBlursNoise) {
   const std::vector<float> grey = plain({0.4F, 0.4F, 0.4F});
   std::vector<float> noisy = grey;

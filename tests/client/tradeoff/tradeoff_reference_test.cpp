@@ -1,4 +1,4 @@
-// Errors, settings and references, of a question that is made up.
+// Errors, settings and references, for an invented question.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -16,8 +16,8 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-TEST(TradeoffErrors, AreThoseOfTheirDefinition) {
-  // Mean 10; a dark level of 0.1.
+TEST(TradeoffErrors, FollowTheirDefinition) {
+  // Mean 10, so the dark level is 0.1.
   const std::vector<double> reference = {20, 10, 0};
   const double dark = dark_level(reference);
   EXPECT_DOUBLE_EQ(dark, 0.1);
@@ -44,7 +44,7 @@ TEST(TradeoffErrors, ReplicatesHaveTheMeanAndItsStandardError) {
   EXPECT_NEAR(r.standard_error()[1], std::sqrt(14.0 / 12), 1e-6);
 }
 
-TEST(TradeoffSettings, AreWhatTheirFlagsSay) {
+TEST(TradeoffSettings, FollowTheirFlags) {
   const Setting s = make_setting({"--light-selection", "bvh", "--samples-per-light", "4"});
   EXPECT_EQ(s.name(), "light-selection bvh + samples-per-light 4");
   EXPECT_EQ(s.accuracy.light_selection(), v1::LIGHT_SELECTION_BVH);
@@ -64,7 +64,7 @@ TEST(TradeoffSettings, HaveEveryChoiceAndNoneTwice) {
     EXPECT_TRUE(names.contains("light-selection bvh"));
     EXPECT_TRUE(names.contains("sampler independent"));
     EXPECT_TRUE(names.contains("visibility shadow-maps"));
-    // Of one light there is nothing to choose.
+    // With one light there is no selection.
     for (const Setting& s : settings(query, {.lights = 1}))
       EXPECT_THAT(s.name(), ::testing::Not(HasSubstr("light-selection"))) << name(query);
   }
@@ -76,7 +76,8 @@ TEST(TradeoffSettings, AmountsArePowersOfFour) {
   EXPECT_THAT(values, ElementsAre(1, 4, 16, 64, 256));
 }
 
-/// Two ways: normal errors of `spread` per sample about 5 and 10, at `cost` seconds a sample.
+/// A question with two ways to answer: normal errors of `spread` per sample about 5 and 10, at
+/// `cost` seconds per sample.
 class MadeUp : public Question {
  public:
   struct Way {
@@ -90,7 +91,7 @@ class MadeUp : public Question {
   std::vector<Setting> settings() const override { return {}; }
   std::vector<Amount> amounts_of(const Setting&) const override { return {}; }
   absl::StatusOr<Answer> answer(const Setting&, const Amount&, std::uint64_t) const override {
-    return absl::InternalError("not asked");
+    return absl::InternalError("never called");
   }
   std::vector<ReferenceWay> reference_ways() const override {
     return {{"first"}, {.words = "second", .checked = checked}};
@@ -112,7 +113,7 @@ class MadeUp : public Question {
   }
 
   std::optional<std::vector<double>> closed;
-  /// Of the second way.
+  /// Properties of the second way.
   bool checked = false;
   double bias = 0;
 
@@ -123,7 +124,7 @@ class MadeUp : public Question {
   mutable std::set<std::uint64_t> seeds_;
 };
 
-TEST(TradeoffReference, TakesTheBetterWayWithinItsTimeAndKnowsItsError) {
+TEST(TradeoffReference, UsesTheBetterWayWithinItsTimeAndStatesItsError) {
   double now = 7;
   const MadeUp question({{3, 1e-3}, {0.3, 1e-3}}, &now);
   const auto r = make_reference(question, 10, 1, [&] { return now; });
@@ -132,16 +133,17 @@ TEST(TradeoffReference, TakesTheBetterWayWithinItsTimeAndKnowsItsError) {
   EXPECT_LE(now, 17);
   EXPECT_GT(now, 15);
   EXPECT_GE(r->replicates, 10U);
-  // All samples together tell the error; the scatter of dozens tells it to a third, by far.
+  // The tolerance is a third of the standard error.  The scatter of dozens of replicates is more
+  // accurate than that.
   const double samples = double(r->replicates) * r->samples_each;
   EXPECT_NEAR(r->rmse, 0.3 / std::sqrt(samples), 0.1 / std::sqrt(samples));
-  // Five of these.
+  // Five standard errors.
   EXPECT_NEAR(r->values[0], 5, 1.5 / std::sqrt(samples));
   EXPECT_NEAR(r->values[1], 10, 1.5 / std::sqrt(samples));
   EXPECT_FALSE(r->exact);
 }
 
-TEST(TradeoffReference, IsTheClosedFormWhereTheSampledOneAgrees) {
+TEST(TradeoffReference, IsTheClosedFormIfSamplesAgree) {
   double now = 0;
   MadeUp question({{3, 1e-3}, {0.3, 1e-3}}, &now);
   question.closed = {5, 10};
@@ -157,10 +159,10 @@ TEST(TradeoffReference, IsTheClosedFormWhereTheSampledOneAgrees) {
   EXPECT_THAT(r->way, HasSubstr("(second)"));
 }
 
-TEST(TradeoffReference, IsNoClosedFormThatTheSampledOneContradicts) {
+TEST(TradeoffReference, RejectsAClosedFormThatSamplesContradict) {
   double now = 0;
   MadeUp question({{3, 1e-3}, {0.3, 1e-3}}, &now);
-  // A standard error is 0.3 / sqrt(some 8000 samples): 0.0033, of which this is thirty.
+  // This is 30 standard errors of 0.3 / sqrt(about 8000 samples) = 0.0033.
   question.closed = {5, 10.1};
   const auto r = make_reference(question, 10, 1, [&] { return now; });
   ASSERT_TRUE(r.ok()) << r.status();
@@ -170,7 +172,7 @@ TEST(TradeoffReference, IsNoClosedFormThatTheSampledOneContradicts) {
   EXPECT_THAT(r->warning, HasSubstr("item 2 is 10.1, and "));
 }
 
-TEST(TradeoffReference, WhatIsToBeCheckedIsHeldAgainstAnother) {
+TEST(TradeoffReference, AWayThatNeedsACheckIsComparedWithAnother) {
   double now = 0;
   MadeUp question({{3, 1e-3}, {0.3, 1e-3}}, &now);
   question.checked = true;
@@ -180,16 +182,16 @@ TEST(TradeoffReference, WhatIsToBeCheckedIsHeldAgainstAnother) {
   EXPECT_THAT(r->way, HasSubstr("by another (first) differ from it by"));
   EXPECT_EQ(r->warning, "");
   EXPECT_LE(now, 10);
-  // 3 s of the 10 went to the first way, at the most.
+  // At most 3 s of the 10 s went to the first way.
   EXPECT_LT(r->rmse, 0.3 / std::sqrt(5000));
 }
 
-TEST(TradeoffReference, WhatDiffersFromItsCheckIsNotBelieved) {
+TEST(TradeoffReference, AWayThatDiffersFromItsCheckIsRejected) {
   double now = 0;
   MadeUp question({{3, 1e-3}, {0.3, 1e-3}}, &now);
   question.checked = true;
-  // The first way's standard error is 3 / sqrt(some 2500 samples) = 0.06 of each value; this is 5%
-  // in the mean of the two, where its error is some 0.7%.
+  // The bias is 5% in the mean of the two values.  The first way's standard error is 3 / sqrt(about
+  // 2500 samples) = 0.06 for each value, about 0.7% of the mean.
   question.bias = 1;
   const auto r = make_reference(question, 10, 1, [&] { return now; });
   ASSERT_TRUE(r.ok()) << r.status();
@@ -197,14 +199,14 @@ TEST(TradeoffReference, WhatDiffersFromItsCheckIsNotBelieved) {
   EXPECT_THAT(r->warning, HasSubstr("(second) was rejected"));
   EXPECT_NEAR(r->values[1], 10, 0.3);
   EXPECT_GE(r->replicates, kFewestReplicates);
-  // What is not to be checked is believed.
+  // Without a check it is accepted.
   question.checked = false;
   const auto unchecked = make_reference(question, 10, 2, [&] { return now; });
   ASSERT_TRUE(unchecked.ok()) << unchecked.status();
   EXPECT_EQ(unchecked->way, "second");
 }
 
-TEST(TradeoffReference, WithoutTimeForBothTheOneThatNeedsNoCheckIsTaken) {
+TEST(TradeoffReference, WithoutTimeForBothTheWayWithoutACheckIsUsed) {
   double now = 0;
   MadeUp question({{3, 1}, {0.3, 1}}, &now);
   question.checked = true;
@@ -227,7 +229,7 @@ TEST(TradeoffReference, TheCheckTakesNoTimeThatTheBestWayNeeds) {
   EXPECT_LE(now, 10);
 }
 
-TEST(TradeoffReference, ARefusedWayAndARefusedClosedFormAreBothTold) {
+TEST(TradeoffReference, ARejectedWayAndARejectedClosedFormAreBothReported) {
   for (const bool right : {false, true}) {
     double now = 0;
     MadeUp question({{3, 1e-3}, {0.3, 1e-3}}, &now);
@@ -242,7 +244,7 @@ TEST(TradeoffReference, ARefusedWayAndARefusedClosedFormAreBothTold) {
   }
 }
 
-TEST(TradeoffReference, WhatDoesNotScatterAgreesToRounding) {
+TEST(TradeoffReference, WaysWithoutScatterMustAgreeToRounding) {
   double now = 0;
   MadeUp question({{1e-9, 1e-3}, {0, 1e-3}}, &now);
   question.checked = true;
@@ -286,7 +288,7 @@ TEST(TradeoffReference, ManyLightsAreAlsoChosenByTheTree) {
   }
 }
 
-TEST(TradeoffReference, StopsWhereItIsGoodEnough) {
+TEST(TradeoffReference, StopsWhenItIsAccurateEnough) {
   double now = 0;
   const MadeUp question({{1e-5, 1e-3}, {1e-5, 1e-3}}, &now);
   const auto r = make_reference(question, 100, 1, [&] { return now; });
@@ -295,7 +297,7 @@ TEST(TradeoffReference, StopsWhereItIsGoodEnough) {
   EXPECT_LT(r->relative_error, kGoodReference);
 }
 
-TEST(TradeoffReference, TooLittleTimeIsToldWithHowMuchItTakes) {
+TEST(TradeoffReference, TooLittleTimeIsReportedWithItsBudget) {
   for (const double seconds : {0.01, 3.0}) {
     double now = 0;
     const MadeUp question({{1, 1}, {1, 1}}, &now);

@@ -1,4 +1,4 @@
-// Intervals, quartiles, curves and fronts, against what is worked out by hand.
+// Intervals, quartiles, curves and fronts, compared with results by hand.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -28,7 +28,8 @@ TEST(TradeoffStatistics, QuartilesLieBetweenSortedNumbers) {
 }
 
 TEST(TradeoffStatistics, MeanHasStudentsInterval) {
-  // Mean 2, deviation 1, so 1/sqrt(3) of the mean; the table's t for two degrees of freedom.
+  // Mean 2, deviation 1, so the standard error is 1/sqrt(3); the table's t for two degrees of
+  // freedom.
   const Interval i = mean_interval(std::vector<double>{1, 2, 3});
   const double factor = std::exp(4.302653 / std::sqrt(3.0) / 2);
   EXPECT_DOUBLE_EQ(i.mean, 2);
@@ -39,7 +40,7 @@ TEST(TradeoffStatistics, MeanHasStudentsInterval) {
   EXPECT_DOUBLE_EQ(root.lower, std::sqrt(i.lower));
 }
 
-TEST(TradeoffStatistics, NoScatterIsNoIntervalAndOneNumberIsNoKnowledge) {
+TEST(TradeoffStatistics, EqualNumbersHaveAnEmptyIntervalAndOneNumberAnInfiniteOne) {
   const Interval same = mean_interval(std::vector<double>{0, 0, 0});
   EXPECT_EQ(same.lower, 0);
   EXPECT_EQ(same.upper, 0);
@@ -49,7 +50,8 @@ TEST(TradeoffStatistics, NoScatterIsNoIntervalAndOneNumberIsNoKnowledge) {
   EXPECT_TRUE(std::isinf(single.upper));
 }
 
-/// How many of 2000 intervals of `n` MSEs of `items` normal errors hold the truth, 1.
+/// The number of 2000 intervals that hold the true value, 1.  Each interval is about `n` MSEs of
+/// `items` normal errors.
 int covered(int n, int items, double narrower) {
   std::mt19937_64 bits(1);
   std::normal_distribution<double> normal;
@@ -66,7 +68,8 @@ int covered(int n, int items, double narrower) {
   return held;
 }
 
-// 95% of 2000 are 1900 with a deviation of 10; five of these, and one percent for the logarithm.
+// 95% of 2000 are 1900 with a deviation of 10.  The limit is five of these, and one percent for the
+// logarithm.
 TEST(TradeoffStatistics, IntervalsOfErrorsHoldTheTruth) {
   EXPECT_NEAR(covered(5, 100, 1), 1900, 70);
   EXPECT_LT(covered(5, 100, 0.5), 1800);
@@ -82,7 +85,7 @@ TEST(TradeoffStatistics, RateIsTheSlopeInLogarithms) {
   EXPECT_FALSE(fitted_rate(curve));
 }
 
-TEST(TradeoffStatistics, TimeToErrorGoesThroughMeasurementsAndOnByTheRootOfTime) {
+TEST(TradeoffStatistics, TimeToErrorInterpolatesAndExtrapolatesByTheRootOfTime) {
   const std::vector<Measured> curve = {{4, 0.05, 400}, {1, 0.1, 100}, {16, 0.025, 1600}};
   const auto between = time_to_error(curve, 0.05 / std::sqrt(2));
   ASSERT_TRUE(between);
@@ -98,28 +101,28 @@ TEST(TradeoffStatistics, TimeToErrorGoesThroughMeasurementsAndOnByTheRootOfTime)
   EXPECT_EQ(beyond->how, Reached::How::kExtrapolated);
   EXPECT_NEAR(beyond->seconds, 64, 1e-9);
   EXPECT_NEAR(beyond->samples, 6400, 1e-6);
-  // No faster beyond them, as few measurements tell no rate.
+  // No faster than that beyond them, because few measurements determine no rate.
   const auto fast = time_to_error({{1, 0.1, 100}, {4, 0.02, 400}, {16, 0.004, 1600}}, 0.002);
   ASSERT_TRUE(fast);
   EXPECT_NEAR(fast->seconds, 64, 1e-9);
   EXPECT_FALSE(time_to_error(curve, 0.0125, false));
-  EXPECT_FALSE(time_to_error(curve, 0.0001)) << "62500 times farther than it was measured";
+  EXPECT_FALSE(time_to_error(curve, 0.0001)) << "62500 times the longest measured time";
 }
 
-TEST(TradeoffStatistics, WhatDoesNotConvergeNeverArrives) {
+TEST(TradeoffStatistics, CurvesThatDoNotConvergeHaveNoTimeToError) {
   EXPECT_FALSE(time_to_error({{1, 0.1, 1}, {4, 0.099, 4}, {16, 0.1, 16}}, 0.01));
   EXPECT_FALSE(time_to_error({{1, 0.1, 1}, {4, 0.066, 4}, {16, 0.0435, 16}}, 0.01)) << "rate -0.3";
   EXPECT_FALSE(time_to_error({{1, 0.1, 1}}, 0.01));
   EXPECT_FALSE(time_to_error({}, 0.01));
 }
 
-TEST(TradeoffStatistics, WhatIsExactArrivesWhenItIsAsked) {
+TEST(TradeoffStatistics, ExactAnswersReachEveryError) {
   const auto exact = time_to_error({{1, 0.1, 1}, {4, 0, 4}}, 0.01);
   ASSERT_TRUE(exact);
   EXPECT_DOUBLE_EQ(exact->seconds, 4);
 }
 
-TEST(TradeoffStatistics, FrontIsWhatNothingBeats) {
+TEST(TradeoffStatistics, FrontHoldsOnlyUnbeatenPoints) {
   const std::vector<Measured> points = {{2, 0.5}, {1, 1},   {3, 0.6}, {2, 0.4},
                                         {4, 0.1}, {4, 0.1}, {5, 0.1}};
   EXPECT_THAT(pareto_front(points), ElementsAre(1, 3, 4));

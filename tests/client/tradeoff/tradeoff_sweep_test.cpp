@@ -1,4 +1,4 @@
-// The choice of questions, with a made-up server whose answers move the clock.
+// The choice of queries in a sweep, with an invented server whose answers advance the clock.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -15,15 +15,16 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// Settings whose error is `error` / sqrt(samples), at `cost` seconds a sample and `call` a call.
+/// A setting with the error `error` / sqrt(samples), at `cost` seconds per sample and `call`
+/// seconds per call.
 struct Kind {
   double error, cost;
   std::uint64_t digest;
   absl::Status says = absl::OkStatus();
-  /// From so many samples on the bits are its own.
+  /// From this many samples on, its bits differ from those of other settings.
   double own_from = 1e9;
   double call = 1e-3;
-  double fewest = 0;  ///< samples that it has an answer to
+  double fewest = 0;  ///< the least number of samples that it answers
 };
 
 class TradeoffSweep : public ::testing::Test {
@@ -51,7 +52,7 @@ class TradeoffSweep : public ::testing::Test {
         return absl::DeadlineExceededError("no answer by then");
       }
       now_ += run.seconds;
-      // Within 10%, by the seed.
+      // Within 10%, depending on the seed.
       const double luck = 0.9 + 0.2 * static_cast<double>(seed % 1000) / 1000;
       run.errors.relative_mse = luck * kinds[i].error * kinds[i].error / amount.value;
       run.errors.rmse = std::sqrt(run.errors.relative_mse);
@@ -97,7 +98,7 @@ TEST_F(TradeoffSweep, SettingsShareTheSeedsOfARound) {
     EXPECT_TRUE(distinct.insert(seed).second) << "the same seed again";
 }
 
-TEST_F(TradeoffSweep, RoundsAskEveryCellOnceInAnOrderOfTheirOwn) {
+TEST_F(TradeoffSweep, RoundsMeasureEveryCellOnceInTheirOwnOrder) {
   const auto result = run({{1, 1e-4, 1}, {1.2, 1e-4, 2}}, 5);
   ASSERT_TRUE(result.ok()) << result.status();
   std::map<std::uint32_t, std::vector<std::pair<std::size_t, double>>> rounds;
@@ -112,7 +113,7 @@ TEST_F(TradeoffSweep, RoundsAskEveryCellOnceInAnOrderOfTheirOwn) {
             std::multiset(rounds[2].begin(), rounds[2].end()));
 }
 
-TEST_F(TradeoffSweep, TellsSettingsOfTheSameBitsAndThoseWithoutAnAnswer) {
+TEST_F(TradeoffSweep, ReportsSettingsWithTheSameBitsAndThoseWithoutAnAnswer) {
   const auto result = run(
       {{1, 1e-4, 1}, {1, 1e-4, 1}, {1, 1e-4, 2, absl::UnimplementedError("not yet")}, {1, 1e-4, 4}},
       5);
@@ -125,7 +126,7 @@ TEST_F(TradeoffSweep, TellsSettingsOfTheSameBitsAndThoseWithoutAnAnswer) {
   for (const auto& [cell, runs] : counted(*result)) EXPECT_TRUE(cell.first == 0 || cell.first == 3);
 }
 
-TEST_F(TradeoffSweep, FewEqualBitsAreNoReasonToLeave) {
+TEST_F(TradeoffSweep, EqualBitsOfFewSamplesDropNoSetting) {
   const auto result = run(
       {{1, 1e-4, 1}, {1, 1e-4, 1, absl::OkStatus(), 64}, {1, 1e-4, 1, absl::OkStatus(), 1024}}, 5);
   ASSERT_TRUE(result.ok()) << result.status();
@@ -133,14 +134,14 @@ TEST_F(TradeoffSweep, FewEqualBitsAreNoReasonToLeave) {
   EXPECT_EQ(result->courses[2].fate, Course::Fate::kSame);
   EXPECT_EQ(result->courses[2].same_as, 0);
   EXPECT_THAT(result->courses[2].why, HasSubstr("of 4 samples and, with another seed, of 64 sam"));
-  // What was answered once is not asked again.
-  std::set<std::tuple<std::size_t, double, std::uint64_t>> asked;
+  // No query is sent twice.
+  std::set<std::tuple<std::size_t, double, std::uint64_t>> queries;
   for (const tradeoff::Run& run : result->runs)
-    EXPECT_TRUE(asked.emplace(run.setting, run.amount.value, run.seed).second);
+    EXPECT_TRUE(queries.emplace(run.setting, run.amount.value, run.seed).second);
 }
 
-TEST_F(TradeoffSweep, WhatIsSaidOfEqualBitsIsWhatWasAffordable) {
-  // 64 samples take 0.26 s and 16 of them 65 ms, of which a hundredth of the time is 50 ms.
+TEST_F(TradeoffSweep, EqualBitsAreReportedForAffordableSampleCounts) {
+  // A hundredth of the time is 50 ms.  64 samples take 0.26 s and 16 of them 65 ms.
   const auto result = run({{1, 4e-3, 1}, {1, 4e-3, 1, absl::OkStatus(), 16}}, 5);
   ASSERT_TRUE(result.ok()) << result.status();
   EXPECT_EQ(result->courses[1].fate, Course::Fate::kSame);
@@ -150,13 +151,13 @@ TEST_F(TradeoffSweep, WhatIsSaidOfEqualBitsIsWhatWasAffordable) {
   EXPECT_THAT(slow->courses[1].why, HasSubstr("of 4 samples; a second look takes too long"));
 }
 
-TEST_F(TradeoffSweep, WhatEndsTheConnectionEndsIt) {
+TEST_F(TradeoffSweep, ALostConnectionEndsTheSweep) {
   const auto result = run({{1, 1e-4, 1}, {1, 1e-4, 2, absl::UnavailableError("gone")}}, 5);
   EXPECT_TRUE(absl::IsUnavailable(result.status())) << result.status();
 }
 
-TEST_F(TradeoffSweep, DropsWhatIsFarBehindAndGivesTheOthersMore) {
-  // Thirty times the error is nine hundred times the work.
+TEST_F(TradeoffSweep, DropsSlowSettingsAndGivesTheOthersMoreTime) {
+  // Thirty times the error takes nine hundred times the samples.
   const auto result =
       run({{1, 1e-4, 1}, {30, 1e-4, 2}, {30, 1e-4, 3}, {30, 1e-4, 4}, {1.3, 1e-4, 5}}, 20);
   ASSERT_TRUE(result.ok()) << result.status();
@@ -171,8 +172,8 @@ TEST_F(TradeoffSweep, DropsWhatIsFarBehindAndGivesTheOthersMore) {
   EXPECT_GT(largest[0], largest[1]);
 }
 
-TEST_F(TradeoffSweep, WhatIsAlikeIsComparedAtTheSameAmounts) {
-  // Whatever the time is, a tenth more for each sample is no reason to end an amount before others.
+TEST_F(TradeoffSweep, SimilarSettingsAreComparedAtTheSameAmounts) {
+  // At any time budget, a cost that is a tenth higher per sample must not end an amount earlier.
   for (double seconds = 9; seconds < 40; seconds *= 1.05) {
     const auto result = run({{1, 1.1e-4, 1}, {1, 1e-4, 2}, {1, 1.05e-4, 3}}, seconds);
     ASSERT_TRUE(result.ok()) << result.status();
@@ -186,22 +187,24 @@ TEST_F(TradeoffSweep, WhatIsAlikeIsComparedAtTheSameAmounts) {
   }
 }
 
-TEST_F(TradeoffSweep, OneAmountIsEnoughToBeFarBehind) {
-  // Half a second for what the first does in two milliseconds, and for four samples too long.
+TEST_F(TradeoffSweep, OneAmountIsEnoughToDropASetting) {
+  // It takes half a second for what the first does in two milliseconds.  Four samples would take
+  // too long.
   const auto result = run({{1, 1e-4, 1}, {1, 0.5, 2}, {0.02, 0.5, 3}}, 20);
   ASSERT_TRUE(result.ok()) << result.status();
   EXPECT_EQ(result->courses[1].fate, Course::Fate::kDropped);
   EXPECT_THAT(result->courses[1].why, HasSubstr("slower than automatic"));
-  EXPECT_EQ(result->courses[2].fate, Course::Fate::kSwept) << "an error of 2% takes others 0.25 s";
+  EXPECT_EQ(result->courses[2].fate, Course::Fate::kSwept)
+      << "the first setting takes 0.25 s for an error of 2%";
 }
 
-TEST_F(TradeoffSweep, NoTimeIsToldWithHowMuchItTakes) {
+TEST_F(TradeoffSweep, TooLittleTimeIsReportedWithTheNeededTime) {
   const auto result = run({{1, 0.5, 1}, {1, 0.5, 2}, {1, 0.5, 3}}, 2);
   EXPECT_TRUE(absl::IsDeadlineExceeded(result.status())) << result.status();
   EXPECT_THAT(std::string(result.status().message()), HasSubstr("3 rounds at least"));
 }
 
-TEST_F(TradeoffSweep, WhatTakesTooLongIsNotWaitedFor) {
+TEST_F(TradeoffSweep, SlowAnswersAreNotWaitedFor) {
   const auto result = run({{1, 1e-4, 1}, {1, 50, 2}, {1, 0.4, 3}}, 40);
   ASSERT_TRUE(result.ok()) << result.status();
   EXPECT_EQ(result->courses[1].fate, Course::Fate::kSkipped);
@@ -210,7 +213,7 @@ TEST_F(TradeoffSweep, WhatTakesTooLongIsNotWaitedFor) {
   EXPECT_LT(now_ - 100, 41);
 }
 
-TEST_F(TradeoffSweep, ManyThatTakeTooLongLeaveTimeForTheOthers) {
+TEST_F(TradeoffSweep, ManySlowSettingsLeaveTimeForTheOthers) {
   std::vector<Kind> kinds = {{1, 1e-4, 1}};
   for (std::uint64_t i = 0; i < 9; ++i) kinds.push_back({1, 50, 2 + i});
   kinds.push_back({0.9, 1e-4, 20});
@@ -221,7 +224,7 @@ TEST_F(TradeoffSweep, ManyThatTakeTooLongLeaveTimeForTheOthers) {
   EXPECT_LT(now_ - 100, 41);
 }
 
-TEST_F(TradeoffSweep, WhatSaysNoToItsLeastAmountIsNotSlow) {
+TEST_F(TradeoffSweep, AnErrorAtTheLeastAmountIsNotReportedAsSlow) {
   std::vector<Kind> kinds = {{1, 1e-4, 1}, {1, 1e-4, 2}};
   kinds[1].fewest = 4;
   const auto result = run(kinds, 10);
@@ -231,7 +234,7 @@ TEST_F(TradeoffSweep, WhatSaysNoToItsLeastAmountIsNotSlow) {
 }
 
 TEST_F(TradeoffSweep, ComparingAtTheSameAmountsKeepsToTheTime) {
-  // One that is nearly twice as fast comes to amounts that twenty others have no time for.
+  // One setting that is nearly twice as fast reaches amounts for which twenty others have no time.
   for (double seconds = 20; seconds < 80; seconds *= 1.1) {
     std::vector<Kind> kinds = {{1, 1e-4, 1}};
     for (std::uint64_t i = 0; i < 20; ++i) kinds.push_back({1, 1.9e-4, 2 + i});
@@ -242,8 +245,8 @@ TEST_F(TradeoffSweep, ComparingAtTheSameAmountsKeepsToTheTime) {
   }
 }
 
-TEST_F(TradeoffSweep, WhatTakesLongForTheLeastToDoLeaves) {
-  // Four samples are expected to take four times as long as one: both take 2 s.
+TEST_F(TradeoffSweep, SettingsThatAreSlowAtTheLeastAmountAreSkipped) {
+  // Four samples are expected to take four times as long as one.  Here both take 2 s.
   const auto result = run({{1, 1e-4, 1}, {1, 0, 2, absl::OkStatus(), 1e9, 2}}, 40);
   ASSERT_TRUE(result.ok()) << result.status();
   EXPECT_EQ(result->courses[1].fate, Course::Fate::kSkipped);
@@ -251,7 +254,7 @@ TEST_F(TradeoffSweep, WhatTakesLongForTheLeastToDoLeaves) {
 }
 
 TEST_F(TradeoffSweep, CountedRoundsMeasureEveryAmountHoweverLongItTakes) {
-  // The second setting is ten thousand times slower, and would leave a sweep with a time.
+  // The second setting is ten thousand times slower.  A sweep with a time budget would drop it.
   const auto result =
       run({{1, 1e-4, 1}, {30, 1, 2}, {1, 0, 3, absl::UnimplementedError("no")}}, 1e-9, 5, 64);
   ASSERT_TRUE(result.ok()) << result.status();
@@ -264,7 +267,7 @@ TEST_F(TradeoffSweep, CountedRoundsMeasureEveryAmountHoweverLongItTakes) {
   EXPECT_EQ(counted(*result), expected);
 }
 
-/// A reference without error, of as many values as matter here.
+/// A reference without error, with as many values as these tests need.
 Reference good_reference() {
   Reference reference;
   reference.values = {1};
@@ -273,8 +276,8 @@ Reference good_reference() {
   return reference;
 }
 
-TEST_F(TradeoffSweep, AnalysisRecommendsTheFastestAndTellsAutomaticsShare) {
-  // The second has a quarter of the squared error: it takes a quarter of the samples.
+TEST_F(TradeoffSweep, AnalysisRecommendsTheFastestAndReportsAutomaticsRatio) {
+  // The second has a quarter of the squared error, so it takes a quarter of the samples.
   const auto result = run({{1, 1e-4, 1}, {0.5, 1e-4, 2}}, 40);
   ASSERT_TRUE(result.ok()) << result.status();
   const Analysis a = analyse(settings_, *result, good_reference());
@@ -294,7 +297,7 @@ TEST_F(TradeoffSweep, AnalysisRecommendsTheFastestAndTellsAutomaticsShare) {
   EXPECT_TRUE(a.warnings.empty());
 }
 
-TEST_F(TradeoffSweep, AnalysisSaysWhereTheReferenceIsTheLimit) {
+TEST_F(TradeoffSweep, AnalysisWarnsWhereTheReferenceIsTheLimit) {
   const auto result = run({{1, 1e-4, 1}, {0.5, 1e-4, 2}}, 40);
   ASSERT_TRUE(result.ok()) << result.status();
   Reference poor = good_reference();
@@ -307,7 +310,7 @@ TEST_F(TradeoffSweep, AnalysisSaysWhereTheReferenceIsTheLimit) {
   EXPECT_EQ(a.levels[1].reached.how, Reached::How::kExtrapolated);
 }
 
-TEST(TradeoffAnalysis, AmountsAreThoseThatCanBeAskedFor) {
+TEST(TradeoffAnalysis, AmountsAreRoundedToPracticalOnes) {
   EXPECT_EQ(practical(false, 3.2).value, 4);
   EXPECT_EQ(practical(false, 16).value, 16);
   EXPECT_EQ(practical(false, 16.5).value, 32);

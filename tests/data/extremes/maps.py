@@ -173,8 +173,8 @@ sphere.  Texels are left out where no double lies in the middle of their range.
                         for parts, k in ((weights[row], column), (rows, row))
                     ]
                     ux, uy = [(float(middle), middle, extent) for middle, extent in (ux, uy)]
-                    told = lambda u: Fraction(u[0]) if isinstance(u[1], Fraction) else mpf(u[0])
-                    if any(abs(told(u) - u[1]) * 4 > u[2] for u in (ux, uy)):
+                    exact_double = lambda u: Fraction(u[0]) if isinstance(u[1], Fraction) else mpf(u[0])
+                    if any(abs(exact_double(u) - u[1]) * 4 > u[2] for u in (ux, uy)):
                         continue
                     chance = exact(weights[row][column] / sum(weights[row])) * rows[row] / whole
                     if isinstance(chance, Fraction):

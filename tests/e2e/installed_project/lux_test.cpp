@@ -1,4 +1,4 @@
-// What someone writes who has Lucerna installed.
+// A test that a user of an installed Lucerna writes.
 #include <gtest/gtest.h>
 
 #include "lucerna/client/batches.h"

@@ -17,11 +17,11 @@ using ::testing::HasSubstr;
 
 constexpr double kPi = std::numbers::pi;
 
-/// A light that shines everywhere alike from one point.
+/// A light that emits equally in all directions from one point.
 LightTree::Item lamp(const Vec3<double>& at, double power = 1) {
   return {{.lower = at, .upper = at, .cone_rad = kPi}, power};
 }
-/// A square of 1 m about `at` that shines downwards by the cosine.
+/// A square of 1 m about `at` that emits downwards by the cosine.
 LightTree::Item panel(const Vec3<double>& at, double power = 1) {
   return {{.lower = at - Vec3<double>{0.5, 0.5, 0},
            .upper = at + Vec3<double>{0.5, 0.5, 0},
@@ -35,7 +35,7 @@ Vec3<double> random_point(RandomU& random, double size) {
   const auto number = [&] { return size * (2.0 * random.next() - 1); };
   return {number(), number(), number()};
 }
-/// 48 bits of it.
+/// A random number with 48 bits.
 double random_u(RandomU& random) { return double{random.next()} + double{random.next()} * 0x1p-24; }
 
 double sum_of_probabilities(const LightTree& tree, std::uint32_t count,
@@ -60,7 +60,7 @@ TEST(LightTree, ProbabilitiesOfLightsThatReachEverywhereSumToOne) {
   }
 }
 
-TEST(LightTree, ChoosesWithTheProbabilitiesItTells) {
+TEST(LightTree, ChoosesWithItsReportedProbabilities) {
   RandomU random(2);
   constexpr int kSamples = 20000;
   for (int scene = 0; scene < 3; ++scene) {
@@ -88,7 +88,7 @@ TEST(LightTree, ChoosesWithTheProbabilitiesItTells) {
         }
       }
       EXPECT_GT(chi_square_p_value(chosen, expected), 1e-8);
-      // A companion: were all alike, it would be seen.
+      // The companion: equal probabilities would be noticed.
       std::ranges::fill(expected, double(kSamples) / double(expected.size()));
       EXPECT_LT(chi_square_p_value(chosen, expected), 1e-8);
     }
@@ -99,27 +99,27 @@ TEST(LightTree, TwoLampsShareByIntensityOverSquaredDistance) {
   const LightTree tree = *LightTree::create(std::vector{lamp({0, 0, 3}, 2), lamp({4, 0, 0}, 7)});
   const double first = 2.0 / 9, second = 7.0 / 16;
   EXPECT_NEAR(tree.probability(Vec3<double>{}, 0), first / (first + second), 1e-6);
-  // Under the first lamp, at 60 degrees from facing it; the second one on the horizon.
+  // Under the first lamp, at 60 degrees from facing it; the second one is on the horizon.
   Receiver<double> tilted(Vec3<double>{});
   tilted.normal = {std::sin(kPi / 3), 0, std::cos(kPi / 3)};
   const double near = first * std::cos(kPi / 3), far = second * std::sin(kPi / 3);
   EXPECT_NEAR(tree.probability(tilted, 0), near / (near + far), 1e-6);
 }
 
-TEST(LightTree, ASpotWeighsByItsIntensityWithinItsConeAndNothingBeyond) {
+TEST(LightTree, ASpotCountsByItsIntensityWithinItsConeOnly) {
   LightTree::Item spot = lamp({0, 0, 2}, 1);
   spot.bounds.axis = {0, 0, -1};
   spot.bounds.cone_rad = spot.bounds.normals_rad = 0.1;
   const LightTree tree = *LightTree::create(std::vector{spot, lamp({0, 0, -2}, 1)});
-  // One lumen over the cone's 2 pi (1 - cos 0.1) against one over 4 pi.
+  // One lumen over the solid angle 2 pi (1 - cos 0.1) of the cone against one over 4 pi.
   const double cone = 2 * kPi * (1 - std::cos(0.1));
   EXPECT_NEAR(tree.probability(Vec3<double>{}, 0), (1 / cone) / (1 / cone + 1 / (4 * kPi)), 1e-5);
   EXPECT_EQ(tree.probability(Vec3<double>{2, 0, 0}, 0), 0);
   EXPECT_EQ(tree.probability(Vec3<double>{2, 0, 0}, 1), 1);
 }
 
-TEST(LightTree, LeavesOutWhatCannotReachTheReceiver) {
-  // A ceiling of panels; 1 m above it is within the sphere about it, and yet behind it.
+TEST(LightTree, LeavesOutLightsThatCannotReachTheReceiver) {
+  // A ceiling of panels.  1 m above it is within the sphere about it, but behind it.
   std::vector<LightTree::Item> panels;
   for (int i = 0; i < 64; ++i) panels.push_back(panel({2.0 * (i % 8), 2.0 * (i / 8), 3}));
   const LightTree tree = *LightTree::create(panels);
@@ -130,13 +130,13 @@ TEST(LightTree, LeavesOutWhatCannotReachTheReceiver) {
   EXPECT_NEAR(sum_of_probabilities(tree, 64, floor), 1, 1e-12);
   floor.normal = {0, 0, -1};
   EXPECT_FALSE(tree.choose(floor, 0.5).has_value());
-  // Facing the wall at x = 7: what is behind the receiver is not chosen.
+  // Facing the wall at x = 7: lights behind the receiver are not chosen.
   floor.normal = {1, 0, 0};
   for (std::uint32_t i = 0; i < 64; ++i)
     EXPECT_EQ(tree.probability(floor, i) > 0, 2 * (i % 8) + 0.5 > 7) << i;
 }
 
-TEST(LightTree, LightsOfNoPowerAreLeftOutUnlessAllAre) {
+TEST(LightTree, LightsWithoutPowerAreLeftOutUnlessNoneHasPower) {
   const LightTree some =
       *LightTree::create(std::vector{lamp({0, 0, 1}, 0), lamp({0, 0, 2}, 5), lamp({0, 0, 3}, 0)});
   EXPECT_EQ(some.size(), 1u);
@@ -155,17 +155,17 @@ TEST(LightTree, LightsAtOnePlaceAreChosenByPower) {
     EXPECT_NEAR(tree.probability(Vec3<double>{}, i), i == 37 ? 101. / 200 : 1. / 200, 1e-6);
 }
 
-TEST(LightTree, ReceiversThatAreNoNumbersChooseNothing) {
+TEST(LightTree, ReceiversThatAreNotFiniteChooseNoLight) {
   const LightTree tree = *LightTree::create(std::vector{lamp({0, 0, 1}), lamp({0, 1, 1})});
   EXPECT_FALSE(tree.choose(Vec3<double>{NAN, 0, 0}, 0.5).has_value());
   EXPECT_EQ(tree.probability(Vec3<double>{0, INFINITY, 0}, 0), 0);
-  // The largest and the smallest ones do.
+  // The largest and the smallest numbers choose a light.
   for (const double x : {1e308, 1e160, 1e-160, 5e-324, 0.})
     EXPECT_NEAR(sum_of_probabilities(tree, 2, Vec3<double>{x, 0, -x}), 1, 1e-12) << x;
   EXPECT_FALSE(LightTree::create({})->choose(Vec3<double>{}, 0.5).has_value());
 }
 
-TEST(LightTree, SaysWhichLightItCannotTake) {
+TEST(LightTree, ErrorsNameTheInvalidLight) {
   const auto error = [](const LightTree::Item& item) {
     return std::string(LightTree::create(std::vector{lamp({}), item}).status().message());
   };
@@ -177,8 +177,9 @@ TEST(LightTree, SaysWhichLightItCannotTake) {
   EXPECT_THAT(error(turned), HasSubstr("bounds of light 1"));
 }
 
-/// The second moment of one sample's estimate of the illuminance of all `lights`, over its square,
-/// by the tree and by power: 1 would be no variance at all.  The mean of 50 receivers that face up.
+/// The second moment of one sample's estimate of the illuminance of all `lights`, over its square.
+/// It is computed for the tree and for choice by power.  Without variance it would be 1.  The mean
+/// of 50 receivers that face up.
 struct SecondMoments {
   double by_tree = 0, by_power = 0;
 };
@@ -197,7 +198,7 @@ SecondMoments second_moments(const std::vector<LightTree::Item>& lights, Place&&
       const LightBounds<double>& b = lights[i].bounds;
       const Vec3<double> way = (b.lower + b.upper) * 0.5 - receiver.position;
       const double d = length(way), cos = way.z / d;
-      // Panels face down, as the receiver faces up.
+      // Panels face down, and the receiver faces up.
       const double lx = lights[i].power * cos / (d * d) * (b.normals_rad < b.cone_rad ? cos : 1);
       if (!(lx > 0)) continue;
       sum += lx;
@@ -234,7 +235,7 @@ TEST(LightTree, VariesLessThanChoiceByPower) {
   });
   EXPECT_LT(in_cube.by_tree, 3);
   EXPECT_GT(in_cube.by_power, 5);
-  // Each of them beside the other, for who changes the tree.
+  // Each of them beside the other, for developers who change the tree.
   RecordProperty("second_moments",
                  fmt::format("street {:.3g} {:.3g}, ceiling {:.3g} {:.3g}, cube {:.3g} {:.3g}",
                              in_street.by_tree, in_street.by_power, under_ceiling.by_tree,

@@ -1,4 +1,4 @@
-// What cases of area lights in the contract of all lights have in common.
+// Helpers for cases of area lights in the contract suites.
 #pragma once
 
 #include <cmath>
@@ -12,9 +12,9 @@ namespace lucerna::testing {
 inline constexpr Rgb<double> kLevel{1, 2, 4};
 
 struct AreaCase : CaseDefaults {
-  /// Directions hold four roundings to float; densities of grazing ones magnify them.
+  /// Directions in float have four roundings, and densities of grazing directions amplify them.
   static constexpr double kTolerance = 1e-5;
-  /// All of the light as seen from `receiver`: it lies within kSize of the origin.
+  /// All of the light seen from `receiver`: it lies within kSize of the origin.
   static Region region(const Vec3<double>& receiver) {
     return {normalized(-receiver), 1.05 * std::asin(1.5 / length(receiver))};
   }
@@ -25,19 +25,19 @@ struct AreaCase : CaseDefaults {
 /// The hemisphere about `n`.
 inline Region hemisphere(const Vec3<double>& n) { return {normalized(n), kPi / 2}; }
 
-/// An angle about z as a share of `whole`.
+/// The angle of `p` about z, as a share of `whole`.
 inline double share_of_turn(const Vec3<double>& p, double whole) {
   const double phi = std::atan2(p.y, p.x);
   return (phi < -1e-6 ? phi + 2 * kPi : phi) / whole;
 }
 
-/// pi L A by directions: cosine-weighted over the hemisphere, times the area.
+/// pi L A: the cosine-weighted integral over the hemisphere, times the area.
 inline Rgb<double> lambertian_power(double area) {
   return integrate(Region{{0, 0, 1}, kPi / 2}, 1000,
                    [&](const Vec3<double>& w) { return kLevel * (area * w.z); });
 }
 
-/// Where the ray from `r` along `wi` meets the plane z = 0, from above; nothing otherwise.
+/// Where the ray from `r` along `wi` meets the plane z = 0 from above, if it does.
 inline std::optional<Vec3<double>> from_above(const Vec3<double>& r, const Vec3<double>& wi) {
   if (!(r.z > 0 && wi.z < 0)) return std::nullopt;
   return r - wi * (r.z / wi.z);

@@ -1,5 +1,5 @@
-// What the tests of shapes and area lights share: illuminance by sampling, closed forms to hold it
-// against, and a test of uniformity.
+// Helpers for tests of shapes and area lights: illuminance by sampling, closed forms to compare
+// with, and a test of uniformity.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ namespace lucerna::testing {
 
 inline constexpr double kPi = std::numbers::pi;
 
-/// A receiver for which points are chosen uniformly by area, whatever the light.
+/// A receiver that always samples points uniformly by area.
 template <typename Real>
 Receiver<Real> by_area(const Vec3<Real>& position) {
   Receiver<Real> receiver(position);
@@ -29,8 +29,8 @@ struct Estimate {
   double mean = 0, standard_error = 0;
 };
 
-/// Unshadowed illuminance of the red channel at a surface with normal `n`, by `samples` independent
-/// samples of the light.
+/// Unshadowed illuminance of the red channel at a surface with normal `n`, from `samples`
+/// independent samples of the light.
 template <typename Light, typename Real>
 Estimate illuminance(const Light& light, const Receiver<Real>& receiver, const Vec3<double>& n,
                      std::uint64_t seed, int samples = 40000) {
@@ -45,24 +45,26 @@ Estimate illuminance(const Light& light, const Receiver<Real>& receiver, const V
   const double variance = std::fmax(0, squares / samples - mean * mean);
   return {mean, std::sqrt(variance / samples)};
 }
-/// The same at a place that says no more of itself.
+/// The same for a receiver with a position only.
 template <typename Light, typename Real>
 Estimate illuminance(const Light& light, const Vec3<Real>& receiver, const Vec3<double>& n,
                      std::uint64_t seed, int samples = 40000) {
   return illuminance(light, Receiver<Real>(receiver), n, seed, samples);
 }
 
-/// Passes where `e` is within 5.5 standard errors (by luck outside once in 2e7) and 1e-6 of the
-/// closed form, and where the standard error itself is below `relative` of it: a test that sees.
+/// Expects `e` within 5.5 standard errors plus 1e-6 of the closed form.  The standard errors alone
+/// fail once in 2e7 by chance.  Also expects a standard error below `relative` of the closed form,
+/// so that the test notices mistakes.
 inline void expect_estimates(const Estimate& e, double closed_form, double relative) {
   EXPECT_LT(e.standard_error, relative * closed_form);
   EXPECT_LE(std::fabs(e.mean - closed_form), 5.5 * e.standard_error + 1e-6 * closed_form)
       << e.mean << " +- " << e.standard_error << ", should be " << closed_form;
 }
 
-/// Illuminance from a flat polygon of radiance 1 that lies wholly above the receiver's horizon:
-/// half the sum over its edges of the angle that the edge subtends times the cosine between the
-/// receiver's normal and that of the plane through edge and receiver.  (Lambert, Photometria, 1760)
+/// Illuminance from a flat polygon of radiance 1 that lies wholly above the receiver's horizon.  It
+/// is half the sum over the edges.  The term of an edge is the angle that it subtends, times a
+/// cosine.  The cosine is between the receiver's normal and that of the plane through edge and
+/// receiver.  (Lambert, Photometria, 1760)
 inline double lambert_polygon(const std::vector<Vec3<double>>& corners,
                               const Vec3<double>& receiver, const Vec3<double>& n) {
   double sum = 0;
@@ -75,8 +77,8 @@ inline double lambert_polygon(const std::vector<Vec3<double>>& corners,
   return std::fabs(sum) / 2;
 }
 
-/// The chance that values of [0, 1)^2 which should be uniform fall into 16 x 16 bins as they do.
-/// `next()` gives one.
+/// The p-value of a chi-square test of 16 x 16 bins: are values of [0, 1)^2 uniform?  `next()`
+/// returns one value.
 template <typename Next>
 double uniformity_p_value(Next&& next, int samples = 50000) {
   constexpr int kBins = 16;
@@ -90,7 +92,7 @@ double uniformity_p_value(Next&& next, int samples = 50000) {
   return chi_square_p_value(observed, expected);
 }
 
-/// What a right sampler falls below once in 1e7.
+/// A correct sampler has a smaller p-value once in 1e7.
 inline constexpr double kUnlikely = 1e-7;
 
 }  // namespace lucerna::testing

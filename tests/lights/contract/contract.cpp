@@ -93,7 +93,7 @@ void rigid_motion_changes_only_the_frame(const LightCase& c) {
   RandomU random(2);
   for (const auto& receiver : c.receivers()) {
     for (int i = 0; i < 200; ++i) {
-      // The warps' frames may turn with the motion: the same direction is asked for, not the same
+      // The warps' frames may rotate with the motion.  So compare the same direction, not the same
       // u.
       const auto s = light.sample_li(receiver, random.pair<double>());
       const auto m = elsewhere.sample_li(placement.point(receiver), random.pair<double>());
@@ -194,7 +194,7 @@ void far_field_falls_off_with_the_square_of_distance(const LightCase& c) {
     return facing_illuminance(light, c.centre() + away * d, -away) *
            std::pow(d, -c.far_field_length_power);
   };
-  // Nearer and farther parts of the light differ from its centre's 1/d^2 by up to 2 size / d.
+  // Nearer and farther parts of the light differ from the 1/d^2 of its centre by up to 2 size / d.
   const double d = 4096 * c.size;
   const double reference = scaled_illuminance(d);
   EXPECT_EQ(reference > 0, !c.enclosed);
@@ -209,7 +209,7 @@ void sampled_points_lie_on_the_light(const LightCase& c) {
   RandomU random(5);
   for (const auto& receiver : c.receivers()) {
     for (int i = 0; i < 200; ++i) {
-      // Every fourth sample from the corners and edges of the unit square.
+      // Every fourth sample is from the corners and edges of the unit square.
       const float edge = i % 8 == 0 ? 0.F : 1.F;
       const Vec2<float> u = i % 4 != 0 ? random.pair() : Vec2<float>{edge, random.next()};
       const auto s = light.sample_li(Vec3<float>(receiver), u);
@@ -217,7 +217,7 @@ void sampled_points_lie_on_the_light(const LightCase& c) {
       const Vec3<double> p(s.point);
       const double reach = c.size + length(receiver);
       EXPECT_LE(c.distance_to_surface(p), c.tolerance * reach);
-      // Receiver, direction, distance and point are of one piece.
+      // Receiver, direction and distance lead to the point.
       const Vec3<double> along = receiver + Vec3<double>(s.wi) * double{s.distance};
       EXPECT_LE(distance_between(along, p), c.tolerance * reach);
     }

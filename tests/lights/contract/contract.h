@@ -1,23 +1,24 @@
 // The contract that every light model keeps, as one typed suite.  A light takes part through a
-// small struct (a "case") that says how to build it and, independently of its code, what it should
-// answer:
+// small struct (a "case").  The case builds the light and states the expected answers, computed
+// without the light's code:
 //
 //   struct MyCase : CaseDefaults {
 //     template <typename Real> using Light = ...;
 //     // Builds the light with all its lengths times 2^exponent, then moved.
 //     template <typename Real> static Light<Real> make(const Placement& placement);
-//     // Positions to try, in the light's own space; floats hold them exactly.
+//     // Receivers, in the light's own space; floats hold them exactly.
 //     static std::vector<Vec3<double>> receivers();
-//     // What arrives at `receiver` along the unit vector `wi`: radiance, for a delta light the
+//     // What arrives at `receiver` along the unit vector `wi`: radiance; for a delta light, the
 //     // illuminance on a surface that faces it.  Computed from first principles in double.
 //     static Rgb<double> value(const Vec3<double>& receiver, const Vec3<double>& wi);
-//     // A cone of directions that holds all of the light (lights with a density only); or, of
-//     // directions that crowd at an edge, a type of the test's own with Region's `at`, `where` and
-//     // `element_sr(x, y)`, the solid angle that one unit of the square has there.
+//     // Lights with a density only: a cone of directions that holds all of the light.  If
+//     directions
+//     // crowd at an edge, the test's own type instead.  It has Region's `at`, `where` and
+//     // `element_sr(x, y)`, the solid angle of a unit of the square at (x, y).
 //     static Region region(const Vec3<double>& receiver);
-//     // How far `p` lies from the light's surface [m] (lights with a position only).
+//     // Lights with a position only: the distance of `p` from the light's surface [m].
 //     static double distance_to_surface(const Vec3<double>& p);
-//     // The power, by quadrature in code of the test's own, and that quadrature's relative error.
+//     // The power, by the test's own quadrature, and the relative error of that quadrature.
 //     static Rgb<double> power_by_quadrature();
 //   };
 //   INSTANTIATE_TYPED_TEST_SUITE_P(MyLight, AnyLight, MyCase);       // every light
@@ -34,22 +35,24 @@
 namespace lucerna::testing {
 
 struct CaseDefaults {
-  /// Value is proportional to length to this power: -2 where intensity is given, 0 for radiance.
+  /// A value is proportional to length to this power: -2 for lights with an intensity, 0 for lights
+  /// with a radiance.
   static constexpr int kValueLengthPower = 0;
-  /// Power likewise: 2 where radiance or illuminance is given, 0 for intensity.
+  /// Power is proportional to length to this power: 2 for radiance or illuminance, 0 for intensity.
   static constexpr int kPowerLengthPower = 2;
-  /// Relative error of float against double, of told against evaluated density, and of value.
+  /// Relative error of float against double, of a reported density against an evaluated one, and of
+  /// a value.
   static constexpr double kTolerance = 1e-5;
   static constexpr double kPowerTolerance = 1e-6;
-  /// The size of the light [m]: what its distance is compared with in the far field.
+  /// The size of the light [m].  The far field begins at a multiple of it.
   static constexpr double kSize = 1;
-  /// Where the light stands as a whole.
+  /// The centre of the whole light.
   static Vec3<double> centre() { return {}; }
-  /// Illuminance falls off with distance to this power far away: 0 for parallel rays.
+  /// In the far field, illuminance is proportional to distance to this power: 0 for parallel rays.
   static constexpr int kFarFieldLengthPower = -2;
-  /// Whether the light keeps all its light within itself: there is no far field then.
+  /// Whether no light leaves the shape: then there is no far field.
   static constexpr bool kEnclosed = false;
-  /// From where the light shines at its far field, a unit vector from the light's centre.
+  /// The direction of the far field from the light's centre, a unit vector.
   static Vec3<double> far_direction() { return {0, 0, 1}; }
   static SceneSphere scene() { return {{}, 4}; }
 };
@@ -58,7 +61,7 @@ inline Placement moved() {
   return {Transform::translate({3, -2, 5}) * *Transform::rotate(2, {1, -3, 2}), 0};
 }
 
-// The tests, in contract.cpp.
+// The tests are in contract.cpp.
 namespace any_light {
 void samples_agree_with_evaluation(const LightCase& c);
 void float_agrees_with_double(const LightCase& c);
@@ -157,11 +160,11 @@ class DeltaLight : public ::testing::Test {
 };
 TYPED_TEST_SUITE_P(DeltaLight);
 
-TYPED_TEST_P(DeltaLight, HasNoDensityAndSaysSo) {
+TYPED_TEST_P(DeltaLight, HasNoDensityAndReportsIt) {
   delta_light::has_no_density_and_says_so(light_case<TypeParam>());
 }
 
-REGISTER_TYPED_TEST_SUITE_P(DeltaLight, HasNoDensityAndSaysSo);
+REGISTER_TYPED_TEST_SUITE_P(DeltaLight, HasNoDensityAndReportsIt);
 
 template <typename Case>
 class LocalLight : public ::testing::Test {

@@ -1,5 +1,5 @@
-// Area lights put through the contract of all lights: flat ones and those of several parts, with
-// what they should answer worked out here from solid geometry, not from the shapes' code.
+// The contract suites on area lights: flat ones and those of several parts.  The expected answers
+// come from solid geometry, not from the code of the shapes.
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -24,7 +24,7 @@ struct TriangleCase : AreaCase {
                       {{p(0, 0), p(0.25, 0), p(0, 1)}, {p(0.25, 0), p(1, 0), p(0, 1)}}));
   }
   static std::vector<Vec3<double>> receivers() { return {{0.5, 0.25, 2}, {-2, 1, 2}, {0, 3, 1.5}}; }
-  /// About the middle: from a corner the edges would run along the cells of the quadrature.
+  /// A cone about the middle: about a corner, edges would run along the cells of the quadrature.
   static Region region(const Vec3<double>& r) {
     const Vec3<double> to_middle = Vec3<double>{0.31, 0.29, 0} - r;
     return {normalized(to_middle), 1.05 * std::asin(0.79 / length(to_middle))};
@@ -37,7 +37,7 @@ struct TriangleCase : AreaCase {
   static double distance_to_surface(const Vec3<double>& p) {
     return std::fmax(std::fabs(p.z), std::fmax(std::fmax(-p.x, -p.y), p.x + p.y - 1));
   }
-  /// Its width shrinks evenly to the corner (1, 0), so s^2 is a share of area.
+  /// The width shrinks linearly to the corner (1, 0), so s^2 is a share of area.
   static Vec3<double> emission_position(const Vec3<double>&, double x, double y) {
     return {1 - std::sqrt(x), std::sqrt(x) * y, 0};
   }
@@ -49,7 +49,7 @@ struct TriangleCase : AreaCase {
   static Rgb<double> power_by_quadrature() { return lambertian_power(0.5); }
 };
 
-/// A saddle z = x y / 2 over |x|, |y| < 1, emitting on both sides.
+/// A saddle z = x y / 2 over |x|, |y| < 1 that emits on both sides.
 struct PatchCase : AreaCase {
   template <typename Real>
   using Light = PatchMeshLight<Real>;
@@ -64,8 +64,8 @@ struct PatchCase : AreaCase {
   static double distance_to_surface(const Vec3<double>& p) {
     return std::fmax(std::fabs(p.z - p.x * p.y / 2), std::fmax(std::fabs(p.x), std::fabs(p.y)) - 1);
   }
-  /// The area from -1 to y on the line of constant x, where dA = sqrt(1 + (x^2 + y^2) / 4) dx dy:
-  /// with s = y / 2 the integral of 2 sqrt(c + s^2), c = 1 + x^2 / 4.
+  /// The area from -1 to y on the line of constant x, where dA = sqrt(1 + (x^2 + y^2) / 4) dx dy.
+  /// With s = y / 2 it is the integral of 2 sqrt(c + s^2), c = 1 + x^2 / 4.
   static double area_of_line(double x, double y) {
     const double c = 1 + x * x / 4;
     const auto to = [&](double s) {
@@ -73,7 +73,7 @@ struct PatchCase : AreaCase {
     };
     return to(y / 2) - to(-0.5);
   }
-  /// The area from -1 to x, in 4096 steps by the trapezoidal rule; off by less than 1e-8.
+  /// The area from -1 to x, by the trapezoidal rule in 4096 steps.  Its error is below 1e-8.
   static const std::vector<double>& area_of_strips() {
     static const std::vector<double> sums = [] {
       std::vector<double> sums{0};
@@ -122,7 +122,7 @@ struct PatchCase : AreaCase {
   }
 };
 
-/// A closed box, |x| < 1, |y| < 1/2, |z| < 1/4, emitting outwards: parts of it always face away.
+/// A closed box, |x| < 1, |y| < 1/2, |z| < 1/4, that emits outwards.  Parts of it always face away.
 struct BoxCase : AreaCase {
   template <typename Real>
   using Light = PatchMeshLight<Real>;
@@ -133,7 +133,7 @@ struct BoxCase : AreaCase {
     for (int axis = 0; axis < 3; ++axis) {
       for (const double side : {-1., 1.}) {
         const auto corner = [&](double s, double t) {
-          // The handedness of the face turns with its side.
+          // The handedness of the face changes with its side.
           const double v[3] = {side, side * s, t};
           return Vec3<Real>(
               at.point({half_size().x * v[(3 - axis) % 3], half_size().y * v[(4 - axis) % 3],
@@ -163,11 +163,11 @@ struct BoxCase : AreaCase {
       outside = std::fmax(outside, std::fabs(p[axis]) - half_size()[axis]);
     return std::fabs(outside);
   }
-  /// Faces one after the other, across x first, each with its share of the area.
+  /// Faces one after the other, the two across x first, each with its share of the area.
   static double emission_area_m2() { return 8 * (0.5 * 0.25 + 0.25 * 1 + 1 * 0.5); }
   struct Face {
     int axis;
-    double side, begin, end;  ///< which interval of the first coordinate it has
+    double side, begin, end;  ///< its interval of the first coordinate
   };
   static std::vector<Face> faces() {
     std::vector<Face> all;
@@ -204,7 +204,7 @@ struct BoxCase : AreaCase {
   }
   static Vec3<double> emission_direction(const Vec3<double>& p) { return emission_region(p).axis; }
   static Region emission_region(const Vec3<double>& p) {
-    // The face that it lies on.
+    // The normal of the face that the position lies on.
     Vec3<double> n;
     for (int axis = 0; axis < 3; ++axis)
       if (std::fabs(std::fabs(p[axis]) - half_size()[axis]) < 1e-6)
@@ -215,7 +215,7 @@ struct BoxCase : AreaCase {
   static Rgb<double> power_by_quadrature() { return lambertian_power(8 * (0.5 + 0.25 + 0.125)); }
 };
 
-/// Half of an annulus of 0.5 to 1, emitting upwards.
+/// Half of an annulus of 0.5 to 1 that emits upwards.
 struct DiskCase : AreaCase {
   template <typename Real>
   using Light = DiskLight<Real>;
@@ -263,7 +263,7 @@ INSTANTIATE_TYPED_TEST_SUITE_P(Area, EmittingSurface, AreaCases);
 using AreasInClosedForm = ::testing::Types<TriangleCase, BoxCase>;
 INSTANTIATE_TYPED_TEST_SUITE_P(Area, LightWithIrradiance, AreasInClosedForm);
 
-TEST(LightWithIrradiance, CutOrBentShapesHaveNone) {
+TEST(LightWithIrradiance, CutOrBentShapesHaveNoClosedForm) {
   EXPECT_TRUE(has_irradiance<TriangleCase>());
   EXPECT_FALSE(has_irradiance<DiskCase>());
   EXPECT_FALSE(has_irradiance<PatchCase>());
@@ -271,7 +271,7 @@ TEST(LightWithIrradiance, CutOrBentShapesHaveNone) {
 
 TEST(LightWithIrradiance, OnlyLightsInSeveralPlanesHideThemselves) {
   EXPECT_TRUE(BoxCase::make<double>({}).hides_itself());
-  // Turned and shifted, so that no corner is quite in the plane of the others.
+  // Rotated and shifted, so that no corner is exactly in the plane of the others.
   EXPECT_FALSE(TriangleCase::make<double>(moved()).hides_itself());
   EXPECT_FALSE(DiskCase::make<double>({}).hides_itself());
   for (const double bend : {1e-12, 1e-6, 0.5}) {

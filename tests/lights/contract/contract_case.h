@@ -1,5 +1,5 @@
 // A case of contract.h without its type, so that each test of the contract is compiled once and not
-// once for each light.
+// for each light.
 #pragma once
 
 #include <concepts>
@@ -15,7 +15,7 @@
 
 namespace lucerna::testing {
 
-/// A light's functions; those that the light lacks are empty.
+/// The functions of a light.  Functions that the light lacks are empty.
 template <typename Real>
 struct CaseLight {
   std::function<LightSample<Real>(const Vec3<Real>&, Vec2<Real>)> sample_li;
@@ -55,14 +55,15 @@ CaseLight<Real> case_light(Light made) {
   return erased;
 }
 
-/// A region of directions: Region, or a type of a test's own.
+/// A region of directions: Region, or the test's own type.
 struct CaseRegion {
   std::function<Vec3<double>(double, double)> at;
   std::function<Vec2<double>(const Vec3<double>&)> where;
   std::function<double(double, double)> element_sr;
 };
 
-/// What contract.h and contract_emission.h say of a case.  Functions that the case lacks are empty.
+/// The members of a case of contract.h and contract_emission.h.  Functions that the case lacks are
+/// empty.
 struct LightCase {
   int value_length_power, power_length_power;
   double tolerance, power_tolerance, size;

@@ -1,5 +1,5 @@
-// What every light owes, as checkers that return a verdict; contract.h applies them to each light,
-// and companions show that they reject what is wrong.
+// Checkers for every light, which return a verdict.  contract.h applies them to each light.
+// Companion tests show that they reject wrong inputs.
 #pragma once
 
 #include <fmt/format.h>
@@ -14,7 +14,7 @@
 
 namespace lucerna::testing {
 
-/// Where a light and its receivers are put: all lengths times 2^exponent, then a rigid motion.
+/// The placement of a light and its receivers: all lengths times 2^exponent, then a rigid motion.
 struct Placement {
   Transform rigid;
   int exponent = 0;
@@ -45,7 +45,8 @@ double distance_between(const Vec3<Real>& a, const Vec3<Real>& b) {
   return length(Vec3<double>(a) - Vec3<double>(b));
 }
 
-/// A sample may say that there is no light, and why; it may never hold a number that is none.
+/// A sample may carry no light, with the reason.  It may never hold NaN, an infinity or a negative
+/// value.
 template <typename Real>
 Verdict check_well_formed(const LightSample<Real>& s) {
   if (!is_finite(s.value) || s.value.r < 0 || s.value.g < 0 || s.value.b < 0) {
@@ -55,9 +56,9 @@ Verdict check_well_formed(const LightSample<Real>& s) {
     return {s.value.is_black() ? "" : "a value together with a reason for having none"};
   }
   if (s.value.is_black()) return {"value 0 without a reason"};
-  // Three roundings of a component each.
+  // Each component has three roundings.
   constexpr double kUnit = 4 * std::numeric_limits<Real>::epsilon();
-  if (!(std::fabs(length(Vec3<double>(s.wi)) - 1) < kUnit)) return {"wi is no unit vector"};
+  if (!(std::fabs(length(Vec3<double>(s.wi)) - 1) < kUnit)) return {"wi is not a unit vector"};
   if (!(s.distance > 0)) return {fmt::format("distance = {}", s.distance)};
   if (std::isfinite(s.distance) && !is_finite(s.point)) return {"point is not finite"};
   if (s.delta != (s.pdf.per_sr == 0)) return {fmt::format("density = {}", s.pdf.per_sr)};
@@ -67,7 +68,7 @@ Verdict check_well_formed(const LightSample<Real>& s) {
   return {};
 }
 
-/// The solid angle that a unit of a region's square has at (x, y).
+/// The solid angle of a unit of a region's square at (x, y).
 template <typename Domain>
 double element_sr(const Domain& region, double x, double y) {
   if constexpr (requires { region.element_sr(x, y); })
@@ -76,10 +77,10 @@ double element_sr(const Domain& region, double x, double y) {
     return region.solid_angle_sr();
 }
 
-/// A density integrates to the share of samples that carry light.  `sample(u)` gives the sample,
-/// `pdf(w)` the density.  The tolerance: 1e-3 bounds the midpoint rule on 720 x 720 cells that a
-/// silhouette cuts; the share of samples that carry light strays by 5.5 standard deviations less
-/// than once in 1e7.
+/// Checks that a density integrates to the share of samples that carry light.  `sample(u)` returns
+/// the sample, `pdf(w)` the density.  The tolerance has two parts.  1e-3 is for the midpoint rule
+/// on 720 x 720 cells that a silhouette cuts.  5.5 standard deviations are for the share of
+/// samples; they are exceeded less than once in 1e7.
 template <typename Domain = Region, typename Sample, typename Pdf>
 Verdict check_density_integrates(const Domain& region, Sample&& sample, Pdf&& pdf) {
   constexpr int kSamples = 20000;
@@ -100,7 +101,7 @@ Verdict check_density_integrates(const Domain& region, Sample&& sample, Pdf&& pd
                       probability, tolerance)};
 }
 
-/// Directions of samples follow the density.  Rejects by luck with probability 1e-8.
+/// Checks that directions of samples follow the density.  Rejects by chance with probability 1e-8.
 template <typename Domain = Region, typename Sample, typename Pdf>
 Verdict check_samples_follow_density(const Domain& region, Sample&& sample, Pdf&& pdf) {
   constexpr int kSamples = 100000, kColumns = 16, kSub = 30;
@@ -128,8 +129,8 @@ Verdict check_samples_follow_density(const Domain& region, Sample&& sample, Pdf&
   return {fmt::format("chi-square: p = {}", p)};
 }
 
-/// The density told with a sample is the density told for its direction, and its value is
-/// `value(wi)` of an evaluation that is not the light's own, both to `tolerance`.
+/// Checks each sample to `tolerance`.  Its reported density equals the density of its direction.
+/// Its value equals `value(wi)`, which does not use the light's code.
 template <typename Sample, typename Pdf, typename Value>
 Verdict check_sample_agrees(Sample&& sample, Pdf&& pdf, Value&& value, double tolerance) {
   RandomU random(0xa9);
@@ -139,10 +140,10 @@ Verdict check_sample_agrees(Sample&& sample, Pdf&& pdf, Value&& value, double to
     if (const Verdict v = check_well_formed(s); !v.ok()) return v;
     if (s.reason != NoLight::kNone) continue;
     ++with_light;
-    const double told = s.pdf.per_sr;
+    const double reported = s.pdf.per_sr;
     const double evaluated = pdf(s.wi);
-    if (!(relative_difference(told, evaluated) <= tolerance)) {
-      return {fmt::format("sample {}: density {}, pdf_li says {}", i, told, evaluated)};
+    if (!(relative_difference(reported, evaluated) <= tolerance)) {
+      return {fmt::format("sample {}: density {}, pdf_li says {}", i, reported, evaluated)};
     }
     const Rgb<double> got(s.value);
     const Rgb<double> expected = value(Vec3<double>(s.wi));

@@ -21,8 +21,8 @@ void expect_takes_part_in_one_of(const std::vector<std::string_view>& suites) {
                       << ::testing::PrintToString(suites);
 }
 
-/// A density of its light needs places and directions to spread over; without one, one of the two
-/// spreads and the other is certain.
+/// A density needs places and directions to spread over.  A light without density spreads one of
+/// the two, and the other is certain.
 template <typename Model>
 void expect_what_spreads_takes_part() {
   if (Model::kDelta) {
@@ -61,14 +61,14 @@ TEST(Contract, EveryLightTakesPart) {
   expect_all_take_part(kAll, {"LightWithDensity", "DeltaLight"});
   expect_all_take_part(kAll, {"EmittingLight"});
   expect_all_take_part(kAll, {"BoundedLight", "UnboundedLight"});
-  // UnboundedLight says that there are no bounds; what has some is somewhere.
+  // UnboundedLight states that there are no bounds.  A light with bounds has a place.
   expect_all_take_part(kAll, {"LocalLight", "UnboundedLight"});
   expect_what_spreads_of_all_takes_part(kAll);
   expect_all_take_part(kAll, {"MovingLight"});
   expect_closed_forms_take_part(kAll);
 }
 
-// Tables of lights are as small as point lights let them, whatever the largest model is.
+// Tables of lights are as small as point lights allow, whatever the size of the largest model.
 TEST(Light, IsAsLargeAsAPointLightAndItsKind) {
   EXPECT_LE(sizeof(Light<double>), sizeof(PointLight<double>) + alignof(PointLight<double>));
   EXPECT_EQ(Light<double>(*PointLight<double>::create({})).bytes_beside(), 0U);

@@ -1,5 +1,4 @@
-// The cylinder light put through the contract of all lights, with what it should answer worked out
-// here from the quadratic equation.
+// The contract suites on cylinder lights.  The expected answers come from the quadratic equation.
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -13,7 +12,7 @@ namespace {
 
 constexpr double kRadius = 0.5, kHalfHeight = 0.75;
 
-/// Both t at which the line from `r` along `wi` meets the endless cylinder, with the slack of a
+/// Both t at which the line from `r` along `wi` meets the infinite cylinder, with the slack of a
 /// float.
 std::optional<std::pair<double, double>> roots(const Vec3<double>& r, const Vec3<double>& wi) {
   const double a = wi.x * wi.x + wi.y * wi.y, b = r.x * wi.x + r.y * wi.y;
@@ -23,8 +22,8 @@ std::optional<std::pair<double, double>> roots(const Vec3<double>& r, const Vec3
   return std::pair{(-b - root) / a, (-b + root) / a};
 }
 
-/// A quarter of a tube, emitting outwards, seen from where all of it faces: at a silhouette the
-/// density by area has a pole that no quadrature on a grid resolves.
+/// A quarter of a tube that emits outwards, seen from places that all of it faces.  At a silhouette
+/// the density by area has a pole, which no quadrature on a grid resolves.
 struct QuarterTubeCase : CaseDefaults {
   template <typename Real>
   using Light = CylinderLight<Real>;
@@ -65,13 +64,13 @@ struct QuarterTubeCase : CaseDefaults {
   static Region emission_region(const Vec3<double>& p) { return hemisphere({p.x, p.y, 0}); }
   static constexpr bool kConfined = true;
   static Vec3<double> far_direction() { return normalized(Vec3<double>{1, 1, 0.5}); }
-  /// Of the quarter of 2 pi r h.
+  /// The area is a quarter of 2 pi r h.
   static Rgb<double> power_by_quadrature() {
     return lambertian_power(kPi / 2 * kRadius * 2 * kHalfHeight);
   }
 };
 
-/// A whole tube that shines on what is in it.
+/// A whole tube that emits inwards.
 struct InwardTubeCase : QuarterTubeCase {
   template <typename Real>
   static Light<Real> make(const Placement& at) {
@@ -83,7 +82,7 @@ struct InwardTubeCase : QuarterTubeCase {
                                            .world_from_object = at.world_from_light()}));
   }
   static std::vector<Vec3<double>> receivers() { return {{0, 0, 0}, {0.125, -0.25, 0.375}}; }
-  /// All directions, about an axis that is askew: about its own the rims would run along the cells
+  /// All directions, about a tilted axis: about the tube's own, the rims would run along the cells
   /// of the quadrature.
   static Region region(const Vec3<double>&) { return {normalized(Vec3<double>{1, 2, 3}), kPi}; }
   static Rgb<double> value(const Vec3<double>& r, const Vec3<double>& wi) {

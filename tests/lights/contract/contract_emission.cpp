@@ -21,7 +21,7 @@ void expect_bounds_reach(const LightCase& c, const Placement& placement) {
 namespace emitting_light {
 
 void rays_agree_with_evaluation(const LightCase& c) {
-  // In double: the value is looked up from the ray's rounded position and direction.
+  // In double, because the value is looked up from the ray's rounded position and direction.
   const auto light = c.make<double>({});
   const SceneSphere scene = c.scene();
   const Verdict verdict = check_emission_agrees(
@@ -42,9 +42,9 @@ void float_rays_agree_with_their_densities(const LightCase& c) {
     const auto s = light.sample_le(u, random.pair(), scene);
     ASSERT_TRUE(check_well_formed(s).ok()) << check_well_formed(s).failure;
     if (s.reason != NoLight::kNone) continue;
-    const auto told = light.pdf_le(s.origin, s.direction, scene);
-    EXPECT_LE(relative_difference(s.pdf_position.per_m2, told.position.per_m2), c.tolerance);
-    EXPECT_LE(relative_difference(s.pdf_direction.per_sr, told.direction.per_sr), c.tolerance);
+    const auto densities = light.pdf_le(s.origin, s.direction, scene);
+    EXPECT_LE(relative_difference(s.pdf_position.per_m2, densities.position.per_m2), c.tolerance);
+    EXPECT_LE(relative_difference(s.pdf_direction.per_sr, densities.direction.per_sr), c.tolerance);
   }
 }
 
@@ -104,8 +104,8 @@ void positions_follow_the_density(const LightCase& c) {
   const SceneSphere scene = c.scene();
   RandomU random(0xe3);
   const Vec2<float> ud{0.25F, 0.625F};
-  // A light that shines in proportion to a picture has one density of positions for all directions
-  // that leave them; so one will do.
+  // A light that emits in proportion to a picture has one density of positions for all directions.
+  // So one direction is enough.
   const Vec3<float> w = light.sample_le({0.5F, 0.5F}, ud, scene).direction;
   const Verdict verdict = check_follows_on_square(
       [&]() -> std::optional<Vec2<double>> {
@@ -142,7 +142,7 @@ void directions_follow_the_density(const LightCase& c) {
         [&](double x, double y) {
           const Vec3<double> w = region.at(x, y);
           Vec3<float> p = first.origin;
-          // From infinitely far, where a ray starts goes with its direction.
+          // Rays from infinitely far start where their direction requires.
           if (c.enters_by_scene_disk) p = Vec3<float>(c.emission_position(w, 0.5, 0.5));
           return light.pdf_le(p, Vec3<float>(w), scene).direction.per_sr * region.solid_angle_sr();
         });
@@ -160,7 +160,7 @@ void bounds_reach_wherever_light_arrives(const LightCase& c) {
   expect_bounds_reach<double>(c, moved());
 }
 
-// As in a scene: beside another light, in double.
+// Like in a scene: beside another light, in double.
 void a_tree_chooses_it_wherever_light_arrives(const LightCase& c) {
   const auto light = c.make<double>(moved());
   const LightBounds<double> bounds = *light.bounds();
@@ -208,7 +208,7 @@ void bounds_leave_out_the_places_that_a_cone_does(const LightCase& c) {
 
 namespace unbounded_light {
 
-// A light at infinity is chosen by the illuminance that its flux gives over its cross-section.
+// A light at infinity is chosen by its illuminance: its flux over its cross-section.
 void has_a_cross_section_and_no_bounds(const LightCase& c) {
   const auto light = c.make<float>({});
   EXPECT_FALSE(light.bounds().has_value());
@@ -217,8 +217,8 @@ void has_a_cross_section_and_no_bounds(const LightCase& c) {
   EXPECT_GT(*section_m2, 0);
 }
 
-// Rays that enter by the scene's sphere have nowhere to start where that is a point; those that
-// start on a portal do not ask for it.
+// Rays that enter by the scene's sphere cannot start where that is a point.  Rays that start on a
+// portal do not use the sphere.
 void a_scene_without_extent_gets_rays_of_portals_only(const LightCase& c) {
   const auto light = c.make<float>({});
   const SceneSphere none{{}, 0};
@@ -236,9 +236,9 @@ void a_scene_without_extent_gets_rays_of_portals_only(const LightCase& c) {
       EXPECT_EQ(s.origin, same.origin);
       EXPECT_EQ(s.direction, same.direction);
       if (s.reason != NoLight::kNone) continue;
-      const EmissionPdf<float> told = light.pdf_le(s.origin, s.direction, none);
-      EXPECT_EQ(told, light.pdf_le(s.origin, s.direction, c.scene()));
-      EXPECT_GT(told.position.per_m2, 0);
+      const EmissionPdf<float> densities = light.pdf_le(s.origin, s.direction, none);
+      EXPECT_EQ(densities, light.pdf_le(s.origin, s.direction, c.scene()));
+      EXPECT_GT(densities.position.per_m2, 0);
     }
   }
 }

@@ -1,18 +1,18 @@
-// The contract of rays that leave lights, of bounds and of approximate power, as typed suites. They
-// take the cases of contract.h, which say in addition:
+// The contract of rays that leave lights, of bounds and of approximate power, as typed suites.
+// They take the cases of contract.h with these additional members:
 //
 //   // Lights whose rays start anywhere on a surface: a map of the unit square onto it that keeps
 //   // area, its inverse, and the area [m2].  A ray leaves towards `w`.
 //   static Vec3<double> emission_position(const Vec3<double>& w, double x, double y);
 //   static Vec2<double> emission_where(const Vec3<double>& position, const Vec3<double>& w);
 //   static double emission_area_m2();
-//   // Optional, where a direction leaves part of the surface only: one that leaves `position`.
+//   // Optional, where a direction leaves only part of the surface: one that leaves `position`.
 //   static Vec3<double> emission_direction(const Vec3<double>& position);
 //   // A cone that holds all directions in which light leaves `position`.
 //   static Region emission_region(const Vec3<double>& position);
 //   // Optional: value of the ray; without it the case's value() one metre along the ray.
 //   static Rgb<double> emitted(const Vec3<double>& position, const Vec3<double>& direction);
-//   // Local lights: whether there are places that the bounds must tell to be dark.
+//   // Local lights: whether the bounds must report some places as dark.
 //   static constexpr bool kConfined;
 //
 //   INSTANTIATE_TYPED_TEST_SUITE_P(MyLight, EmittingLight, MyCase);        // every light
@@ -32,8 +32,8 @@
 
 namespace lucerna::testing {
 
-/// Rays from infinitely far enter on the disk of radius 4 that touches the sphere of
-/// CaseDefaults::scene() and faces their direction; polar coordinates keep area in r^2.
+/// Rays from infinitely far enter through a disk of radius 4 that faces their direction and touches
+/// the sphere of CaseDefaults::scene().  Polar coordinates keep area in r^2.
 struct SceneDiskCase {
   static Vec3<double> emission_position(const Vec3<double>& w, double x, double y) {
     const double r = std::sqrt(x), phi = 2 * std::numbers::pi * y;
@@ -43,7 +43,7 @@ struct SceneDiskCase {
   static Vec2<double> emission_where(const Vec3<double>& position, const Vec3<double>& w) {
     const Vec3<double> p = Frame<double>::around(w).local_from_world(position) * 0.25;
     const double y = std::atan2(p.y, p.x) / (2 * std::numbers::pi);
-    // Off the disk's plane it lies nowhere.
+    // Outside of the disk's plane there is no place for it.
     if (std::fabs(p.z + 1) > 1e-5) return {NAN, NAN};
     return {p.x * p.x + p.y * p.y, y < 0 ? y + 1 : y};
   }
@@ -51,7 +51,7 @@ struct SceneDiskCase {
   static Region emission_region(const Vec3<double>&) { return {}; }
 };
 
-// The tests, in contract_emission.cpp.
+// The tests are in contract_emission.cpp.
 namespace emitting_light {
 void rays_agree_with_evaluation(const LightCase& c);
 void float_rays_agree_with_their_densities(const LightCase& c);
@@ -162,7 +162,7 @@ TYPED_TEST_P(BoundedLight, BoundsReachWhereverLightArrives) {
   bounded_light::bounds_reach_wherever_light_arrives(light_case<TypeParam>());
 }
 
-// As in a scene: beside another light, in double.
+// Like in a scene: beside another light, in double.
 TYPED_TEST_P(BoundedLight, ATreeChoosesItWhereverLightArrives) {
   bounded_light::a_tree_chooses_it_wherever_light_arrives(light_case<TypeParam>());
 }
@@ -171,13 +171,13 @@ TYPED_TEST_P(BoundedLight, BoundsHoldTheLight) {
   bounded_light::bounds_hold_the_light(light_case<TypeParam>());
 }
 
-TYPED_TEST_P(BoundedLight, BoundsLeaveOutThePlacesThatAConeDoes) {
+TYPED_TEST_P(BoundedLight, BoundsLeaveOutPlacesOutsideTheCone) {
   bounded_light::bounds_leave_out_the_places_that_a_cone_does(light_case<TypeParam>());
 }
 
 REGISTER_TYPED_TEST_SUITE_P(BoundedLight, BoundsReachWhereverLightArrives,
                             ATreeChoosesItWhereverLightArrives, BoundsHoldTheLight,
-                            BoundsLeaveOutThePlacesThatAConeDoes);
+                            BoundsLeaveOutPlacesOutsideTheCone);
 
 template <typename Case>
 class UnboundedLight : public ::testing::Test {
@@ -188,13 +188,13 @@ class UnboundedLight : public ::testing::Test {
 };
 TYPED_TEST_SUITE_P(UnboundedLight);
 
-// A light at infinity is chosen by the illuminance that its flux gives over its cross-section.
+// A light at infinity is chosen by its illuminance: its flux over its cross-section.
 TYPED_TEST_P(UnboundedLight, HasACrossSectionAndNoBounds) {
   unbounded_light::has_a_cross_section_and_no_bounds(light_case<TypeParam>());
 }
 
-// Rays that enter by the scene's sphere have nowhere to start where that is a point; those that
-// start on a portal do not ask for it.
+// Rays that enter by the scene's sphere cannot start where that is a point.  Rays that start on a
+// portal do not use the sphere.
 TYPED_TEST_P(UnboundedLight, ASceneWithoutExtentGetsRaysOfPortalsOnly) {
   unbounded_light::a_scene_without_extent_gets_rays_of_portals_only(light_case<TypeParam>());
 }

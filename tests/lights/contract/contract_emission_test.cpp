@@ -1,5 +1,5 @@
-// The contract of emission, bounds and approximate power on lights without a surface, and the
-// companions that show what its checkers reject.
+// The contract of emission, bounds and approximate power on lights without a surface.  Companion
+// tests show what its checkers reject.
 #include "tests/lights/contract/contract_emission.h"
 
 #include "tests/lights/contract/contract_irradiance.h"
@@ -33,9 +33,9 @@ INSTANTIATE_TYPED_TEST_SUITE_P(Far, UnboundedLight, FarCases);
 INSTANTIATE_TYPED_TEST_SUITE_P(Infinite, EmittingDirections, EmittingInfinite);
 INSTANTIATE_TYPED_TEST_SUITE_P(Infinite, LightWithIrradiance, InfiniteCase);
 
-// ---- Companions: rays that are right by construction, and ways of being wrong. ----
+// ---- Companions: rays that are correct by construction, and wrong ones. ----
 
-/// A square of side 2 about the origin, facing +z, radiance 1: rays with the cosine's density.
+/// A square of side 2 about the origin, facing +z, radiance 1.  Its rays have a cosine density.
 struct SquareRays {
   EmissionSample<double> operator()(Vec2<float> up, Vec2<float> ud) const {
     EmissionSample<double> s;
@@ -54,14 +54,14 @@ struct SquareRays {
   static Rgb<double> value(const Vec3<double>&, const Vec3<double>&) { return Rgb<double>(1); }
 };
 
-TEST(EmissionCheckers, AcceptRaysThatAreRight) {
+TEST(EmissionCheckers, AcceptCorrectRays) {
   const SquareRays rays;
   EXPECT_TRUE(check_emission_agrees(rays, rays.pdf, rays.value, 1e-9).ok());
   // pi L A
   EXPECT_TRUE(check_emission_mean(rays, Rgb<double>(4 * kPi), 1e-9).ok());
 }
 
-TEST(EmissionCheckers, RejectDensitiesAndValuesThatDisagree) {
+TEST(EmissionCheckers, RejectWrongDensitiesAndValues) {
   const SquareRays rays;
   const auto position = [](const Vec3<double>& p, const Vec3<double>& w) {
     auto pdf = SquareRays::pdf(p, w);
@@ -81,8 +81,8 @@ TEST(EmissionCheckers, RejectDensitiesAndValuesThatDisagree) {
   EXPECT_FALSE(check_emission_agrees(rays, rays.pdf, value, 1e-5).ok());
 }
 
-TEST(EmissionCheckers, RejectAPowerThatIsOff) {
-  // Uniform directions in place of the cosine's: a mean with a variance.
+TEST(EmissionCheckers, RejectAWrongPower) {
+  // Uniform instead of cosine-distributed directions: the mean has a variance.
   const auto uniform = [](Vec2<float> up, Vec2<float> ud) {
     auto s = SquareRays{}(up, ud);
     s.direction = Region{{0, 0, 1}, kPi / 2}.at(ud.x, ud.y);
@@ -139,7 +139,7 @@ TEST(EmissionCheckers, RejectBoundsThatAreTooSmall) {
   EXPECT_FALSE(check_bounds_hold(bounds, rays).ok());
 }
 
-TEST(EmissionCheckers, RejectAnErrorThatIsStatedTooSmall) {
+TEST(EmissionCheckers, RejectAStatedErrorThatIsTooSmall) {
   EXPECT_TRUE(check_stated_error({Rgb<double>(11), 1}, Rgb<double>(10), 1e-9).ok());
   EXPECT_FALSE(check_stated_error({Rgb<double>(11), 0.99}, Rgb<double>(10), 1e-9).ok());
 }

@@ -1,5 +1,5 @@
-// What lights owe that know their irradiance in closed form, as one typed suite; cases as those of
-// contract.h.
+// The contract of lights that have a closed form of their irradiance, as one typed suite.  It takes
+// the cases of contract.h.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@ namespace lucerna::testing {
 template <typename Case>
 class LightWithIrradiance : public ::testing::Test {
  public:
-  /// Facing the light's middle, beside it, and so that the horizon may cut it.
+  /// Receivers that face the light's middle, that face aside, and whose horizon may cut the light.
   static std::vector<Receiver<double>> receivers() {
     std::vector<Receiver<double>> all;
     for (const Vec3<double>& position : Case::receivers()) {
@@ -45,8 +45,8 @@ class LightWithIrradiance : public ::testing::Test {
 };
 TYPED_TEST_SUITE_P(LightWithIrradiance);
 
-/// The mean over Sobol points of what samples say, with the standard error that independent
-/// randomisations of the points show, of the green channel.
+/// The mean of samples over Sobol points, in the green channel.  The standard error comes from
+/// independent randomisations of the points.
 template <typename Light>
 std::pair<double, double> mean_of_samples(const Light& light, const Receiver<double>& receiver,
                                           std::uint64_t item) {
@@ -77,10 +77,11 @@ TYPED_TEST_P(LightWithIrradiance, IsTheMeanOfSamples) {
     const auto lx = light.irradiance(receiver);
     ASSERT_TRUE(lx);
     const auto [mean, error] = mean_of_samples(light, receiver, ++item);
-    // Of 16 randomisations, outside of 12 standard errors by luck less than once in 1e8 (Student).
+    // 16 randomisations are off by more than 12 standard errors less than once in 1e8 (Student).
     EXPECT_LE(std::fabs(lx->g - mean), 12 * error + 1e-9 * mean)
         << mean << " +- " << error << " at " << item;
-    EXPECT_LE(error, 0.01 * std::fmax(mean, 0.01)) << "a test that sees";
+    EXPECT_LE(error, 0.01 * std::fmax(mean, 0.01))
+        << "the test is too inaccurate to notice mistakes";
     lit += lx->g > 0;
   }
   EXPECT_GT(lit, 0);
@@ -125,7 +126,7 @@ TYPED_TEST_P(LightWithIrradiance, FloatAgreesWithDouble) {
   }
 }
 
-TYPED_TEST_P(LightWithIrradiance, HasNoAnswerWhereThereIsNone) {
+TYPED_TEST_P(LightWithIrradiance, HasNoResultForInvalidReceivers) {
   const auto light = TypeParam::template make<double>({});
   Receiver<double> receiver(TypeParam::receivers().front());
   EXPECT_FALSE(light.irradiance(receiver)) << "without a normal all directions count alike";
@@ -141,6 +142,6 @@ TYPED_TEST_P(LightWithIrradiance, HasNoAnswerWhereThereIsNone) {
 
 REGISTER_TYPED_TEST_SUITE_P(LightWithIrradiance, IsTheMeanOfSamples, RigidMotionChangesNothing,
                             ScalingByPowersOfTwoChangesNoBit, FloatAgreesWithDouble,
-                            HasNoAnswerWhereThereIsNone);
+                            HasNoResultForInvalidReceivers);
 
 }  // namespace lucerna::testing

@@ -1,4 +1,4 @@
-// Flat lights put through the contract of irradiance in closed form.
+// The contract of irradiance in closed form on flat lights.
 #include "tests/lights/contract/contract_irradiance.h"
 
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@ namespace {
 
 constexpr Rgb<double> kLevel{1, 2, 4};
 
-/// A trapezoid, both sides of which emit.
+/// A trapezoid that emits on both sides.
 struct TrapezoidCase : CaseDefaults {
   template <typename Real>
   using Light = PatchMeshLight<Real>;
@@ -42,7 +42,7 @@ struct WholeDiskCase : CaseDefaults {
 using FlatCases = ::testing::Types<TrapezoidCase, WholeDiskCase>;
 INSTANTIATE_TYPED_TEST_SUITE_P(Flat, LightWithIrradiance, FlatCases);
 
-TEST(LightWithIrradiance, OfOneSidedLightsIsZeroBehindThem) {
+TEST(LightWithIrradiance, IsZeroBehindOneSidedLights) {
   Receiver<double> receiver(0.25, 0.5, -2);
   receiver.normal = {0, 0, 1};
   EXPECT_EQ(WholeDiskCase::make<double>({}).irradiance(receiver)->g, 0);
@@ -51,7 +51,7 @@ TEST(LightWithIrradiance, OfOneSidedLightsIsZeroBehindThem) {
   EXPECT_EQ(TrapezoidCase::make<double>({}).irradiance(receiver)->g, 0);
 }
 
-TEST(LightWithIrradiance, OfSpheresChangesSidesAtTheSurface) {
+TEST(LightWithIrradiance, ChangesSidesAtTheSurfaceOfSpheres) {
   for (const bool inwards : {false, true})
     for (const bool two_sided : {false, true}) {
       const auto light = *SphereLight<double>::create(

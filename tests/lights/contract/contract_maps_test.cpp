@@ -1,4 +1,4 @@
-// Image infinite lights keep the contract of every light, and of those with a density.
+// The contract suites on infinite lights with a picture.
 #include "tests/lights/contract/contract_emission.h"
 #include "tests/lights/contract/map_cases.h"
 
@@ -20,7 +20,8 @@ INSTANTIATE_TYPED_TEST_SUITE_P(Maps, EmittingSurface, EmittingCases);
 INSTANTIATE_TYPED_TEST_SUITE_P(Maps, EmittingDirections, EmittingCases);
 INSTANTIATE_TYPED_TEST_SUITE_P(Maps, UnboundedLight, EmittingCases);
 
-/// What a receiver that weighs gets: the density of what exceeds the mean.
+/// The light with the density of the radiance above the mean, as receivers with incomplete
+/// densities sample it.
 template <typename Case>
 void check_incomplete() {
   const auto light = Case::template make<float>({});
@@ -36,7 +37,7 @@ void check_incomplete() {
   EXPECT_TRUE(follow.ok()) << follow.failure;
 }
 
-TEST(ImageInfiniteLightContract, IncompleteDensitiesKeepItToo) {
+TEST(ImageInfiniteLightContract, IncompleteDensitiesKeepTheContract) {
   check_incomplete<EqualAreaCase>();
   check_incomplete<BilinearEqualAreaCase>();
   check_incomplete<NearestLatitudeLongitudeCase>();

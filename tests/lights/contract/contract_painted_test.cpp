@@ -1,5 +1,5 @@
-// Area lights with an emission image put through the contract of all lights: on each shape, with
-// what it shows where worked out here from hat functions and each shape's own coordinates.
+// The contract suites on area lights with an emission image, for each shape.  The expected image
+// comes from hat functions and each shape's own coordinates.
 #include <cmath>
 #include <optional>
 
@@ -28,7 +28,7 @@ Picture picture(ImageFilter filter) {
   return {*Image::create(kColumns, kRows, std::move(texels)), filter, "test"};
 }
 
-/// What the picture shows at (u, v), v upwards: a sum of hats about the texels' centres.
+/// The picture at (u, v), v upwards: a sum of hats about the texels' centres.
 Rgb<double> shown(double u, double v, ImageFilter filter = ImageFilter::kBilinear) {
   const auto share = [&](double at, int n, int i) {
     const double c = std::fmin(std::fmax(at * n - 0.5, 0), n - 1);
@@ -42,8 +42,8 @@ Rgb<double> shown(double u, double v, ImageFilter filter = ImageFilter::kBilinea
   return sum * kLevel;
 }
 
-/// pi times the integral of `shown` over the surface: `element(u, v)` is its share of area.  A
-/// multiple of twice the texels: between the points of the grid all is smooth.
+/// pi times the integral of `shown` over the surface; `element(u, v)` is its share of area.  The
+/// grid is a multiple of twice the texels, so the function is smooth between its points.
 template <typename Element>
 Rgb<double> painted_power(Element&& element, ImageFilter filter = ImageFilter::kBilinear) {
   constexpr int kGrid = 1200;
@@ -57,7 +57,7 @@ Rgb<double> painted_power(Element&& element, ImageFilter filter = ImageFilter::k
 }
 
 struct PaintedCase : CaseDefaults {
-  /// Positions hold a rounding of float, which the picture's slopes magnify.
+  /// Positions have a rounding of float, which the picture's slopes amplify.
   static constexpr double kTolerance = 2e-5;
   static constexpr bool kConfined = true;
   static Region hemisphere(const Vec3<double>& n) { return {normalized(n), kPi / 2}; }
@@ -66,7 +66,7 @@ struct PaintedCase : CaseDefaults {
     if (!(t > 0)) return std::nullopt;
     return r + wi * t;
   }
-  /// About the origin; what lies within `reach` of it.
+  /// All within `reach` of the origin.
   static Region seen(const Vec3<double>& receiver, double reach) {
     return {normalized(-receiver), 1.05 * std::asin(reach / length(receiver))};
   }
@@ -127,7 +127,7 @@ struct TwoTrianglesCase : ScreenCase {
   }
 };
 
-/// A trapezoid of two sides, the picture lying on its side, its texels as they are.
+/// A two-sided trapezoid.  The picture lies on its side and shows its texels without a filter.
 struct TrapezoidCase : PaintedCase {
   template <typename Real>
   using Light = PaintedPatchMeshLight<Real>;
@@ -157,7 +157,7 @@ struct TrapezoidCase : PaintedCase {
     const auto [s, t] = st(p);
     return std::fmax(std::fabs(p.z), std::fmax(std::fabs(s - 0.5), std::fabs(t - 0.5)) - 0.5);
   }
-  /// Below t lies the area 4 t - t^2, of 3.
+  /// The area below t is 4 t - t^2, of 3.
   static Vec3<double> emission_position(const Vec3<double>&, double x, double y) {
     return at(x, 2 - std::sqrt(4 - 3 * y));
   }
@@ -175,7 +175,7 @@ struct TrapezoidCase : PaintedCase {
   }
 };
 
-/// Two triangles of one plane; the picture's border goes on beyond u = 1.
+/// Two triangles of one plane.  The picture's border continues beyond u = 1.
 struct PaintedTriangleCase : PaintedCase {
   template <typename Real>
   using Light = PaintedTriangleMeshLight<Real>;
@@ -202,7 +202,7 @@ struct PaintedTriangleCase : PaintedCase {
                                            picture(ImageFilter::kBilinear), std::move(corner_uv)));
   }
   static std::vector<Vec3<double>> receivers() { return {{0.5, 0.25, 2}, {0, 3, 1.5}}; }
-  /// About the middle: from a corner the edges would run along the cells of the quadrature.
+  /// A cone about the middle: about a corner, edges would run along the cells of the quadrature.
   static Region region(const Vec3<double>& r) {
     const Vec3<double> to_middle = Vec3<double>{0.31, 0.29, 0} - r;
     return {normalized(to_middle), 1.05 * std::asin(0.79 / length(to_middle))};

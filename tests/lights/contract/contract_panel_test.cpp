@@ -1,4 +1,4 @@
-// Panels with a luminaire's photometry put through the contract of all lights.
+// The contract suites on panels with a luminaire's photometry.
 #include "tests/lights/contract/contract_emission.h"
 #include "tests/lights/contract/panel_cases.h"
 

@@ -1,5 +1,5 @@
-// Portal lights keep the contract of every light, of those with a density, of emission and of those
-// at infinity, which have no bounds.
+// The contract suites on portal lights: those of every light, of lights with a density, of
+// emission, and of lights at infinity, which have no bounds.
 #include "lights/models/portal_light.h"
 #include "tests/lights/contract/contract_emission.h"
 #include "tests/lights/contract/contract_irradiance.h"
@@ -8,14 +8,14 @@
 namespace lucerna::testing {
 namespace {
 
-/// A window of 2 x 1.5 m in the plane z = 1, light from above.  `Sky` is a map's case, whose value
-/// is that of the sky without the portal.
+/// A window of 2 x 1.5 m in the plane z = 1; light comes from above.  `Sky` is the case of a map.
+/// Its value is that of the sky without the portal.
 template <typename Sky>
 struct PortalCase : CaseDefaults {
   template <typename Real>
   using Light = PortalLight<Real>;
-  // The light states an error of 3e-4 of its power, and midpoints on 1200 x 1200 cells that a
-  // picture's edges cut are as far off.
+  // The light states an error of 3e-4 of its power.  Midpoints on 1200 x 1200 cells that a
+  // picture's edges cut have as large an error.
   static constexpr double kPowerTolerance = Sky::kConstant ? 1e-6 : 6e-4;
 
   template <typename Real>
@@ -43,7 +43,7 @@ struct PortalCase : CaseDefaults {
   static Rgb<double> value(const Vec3<double>& receiver, const Vec3<double>& wi) {
     const double t = (1 - receiver.z) / wi.z;
     const Vec3<double> through = receiver + wi * t;
-    // A rounding of wi may lead a hair outside.
+    // Because wi is rounded, the ray may miss the window by a little.
     const double slack = 1e-6 * std::fabs(t);
     if (!(t > 0) || std::fabs(through.x) > 1 + slack || std::fabs(through.y) > 0.75 + slack)
       return {};
@@ -82,7 +82,7 @@ struct EqualAreaSky : EqualAreaCase {
 struct LatitudeLongitudeSky : LatitudeLongitudeCase {
   static constexpr bool kConstant = false, kRectified = false;
 };
-/// The same map of four rows, seen as it is at the middles of 4 x 4 cells of both angles.
+/// The same map of four rows, resampled at the middles of 4 x 4 cells of both angles.
 struct RectifiedSky : LatitudeLongitudeCase {
   static constexpr bool kConstant = false, kRectified = true;
   static Rgb<double> value(const Vec3<double>& receiver, const Vec3<double>& w) {
@@ -105,7 +105,7 @@ INSTANTIATE_TYPED_TEST_SUITE_P(Portals, EmittingDirections, PortalCases);
 INSTANTIATE_TYPED_TEST_SUITE_P(Portals, UnboundedLight, PortalCases);
 INSTANTIATE_TYPED_TEST_SUITE_P(Portals, LightWithIrradiance, PortalCase<ConstantSky>);
 
-TEST(LightWithIrradiance, PortalsWithAMapHaveNone) {
+TEST(LightWithIrradiance, PortalsWithAMapHaveNoClosedForm) {
   Receiver<double> receiver(0, 0, 0);
   receiver.normal = {0, 0, 1};
   EXPECT_FALSE(PortalCase<RectifiedSky>::make<double>({}).irradiance(receiver));

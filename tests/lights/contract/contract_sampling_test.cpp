@@ -1,16 +1,16 @@
-// The ways to choose points of area lights put through the contract of all lights: each way is a
-// light of its own here, whose receivers ask for it.
+// The contract suites on every area sampling method.  Here each method makes a light of its own,
+// whose receivers request it.
 #include "lights/models/light.h"
 #include "tests/lights/contract/area_cases.h"
 
 namespace lucerna::testing {
 namespace {
 
-/// A light together with what its receivers ask for.
+/// A light together with the method that its receivers request.
 template <typename Real, typename Light>
-class Asked {
+class WithSampling {
  public:
-  Asked(Light light, AreaSampling way, const Vec3<double>& normal)
+  WithSampling(Light light, AreaSampling way, const Vec3<double>& normal)
       : light_(std::move(light)), way_(way), normal_(normal) {}
 
   LightSample<Real> sample_li(const Vec3<Real>& p, Vec2<Real> u) const {
@@ -34,19 +34,19 @@ class Asked {
   Vec3<Real> normal_;
 };
 
-/// Facing the light aslant: some corners weigh more than others.
+/// Facing the light at an angle, so that some corners have larger weights.
 constexpr Vec3<double> kNormal{0.6, 0, -0.8};
 
 struct SampledCase : CaseDefaults {
-  /// Corners and points are rounded to float: a density that follows the place on the light has
-  /// four roundings, and the cosine's floor magnifies them.
+  /// Corners and points are rounded to float.  A density that depends on the place on the light has
+  /// four roundings, and the floor of the cosine amplifies them.
   static constexpr double kTolerance = 2e-5;
 };
 
 template <AreaSampling kWay>
 struct TriangleBy : SampledCase {
   template <typename Real>
-  using Light = Asked<Real, TriangleMeshLight<Real>>;
+  using Light = WithSampling<Real, TriangleMeshLight<Real>>;
   template <typename Real>
   static Light<Real> make(const Placement& at) {
     const auto p = [&](double x, double y) { return Vec3<Real>(at.point({x, y, 0})); };
@@ -56,7 +56,7 @@ struct TriangleBy : SampledCase {
                               {{p(0, 0), p(0.25, 0), p(0, 1)}, {p(0.25, 0), p(1, 0), p(0, 1)}})),
             kWay, at.direction(kNormal)};
   }
-  /// The last is near: the light covers a quarter of the sphere.
+  /// The last receiver is near: the light covers a quarter of its sphere.
   static std::vector<Vec3<double>> receivers() {
     return {{0.5, 0.25, 2}, {-2, 1, 2}, {0.25, 0.25, 0.25}};
   }
@@ -79,7 +79,7 @@ struct TriangleBy : SampledCase {
 template <AreaSampling kWay>
 struct RectangleBy : SampledCase {
   template <typename Real>
-  using Light = Asked<Real, PatchMeshLight<Real>>;
+  using Light = WithSampling<Real, PatchMeshLight<Real>>;
   template <typename Real>
   static Light<Real> make(const Placement& at) {
     const auto p = [&](double x, double y) { return Vec3<Real>(at.point({x, y, 0})); };
@@ -106,12 +106,12 @@ struct RectangleBy : SampledCase {
   static Rgb<double> power_by_quadrature() { return lambertian_power(2); }
 };
 
-/// A whole disk of radius 1, emitting upwards; the second receiver is below its rim, the last one
+/// A whole disk of radius 1 that emits upwards.  The second receiver is below its rim, the last one
 /// close.
 template <AreaSampling kWay>
 struct DiskBy : SampledCase {
   template <typename Real>
-  using Light = Asked<Real, DiskLight<Real>>;
+  using Light = WithSampling<Real, DiskLight<Real>>;
   template <typename Real>
   static Light<Real> make(const Placement& at) {
     return {*DiskLight<Real>::create(
@@ -135,11 +135,11 @@ struct DiskBy : SampledCase {
   static Rgb<double> power_by_quadrature() { return lambertian_power(kPi); }
 };
 
-/// Whole, seen from inside.
+/// A whole sphere, seen from inside.
 template <AreaSampling kWay>
 struct InwardSphereBy : SampledCase {
   template <typename Real>
-  using Light = Asked<Real, SphereLight<Real>>;
+  using Light = WithSampling<Real, SphereLight<Real>>;
   template <typename Real>
   static Light<Real> make(const Placement& at) {
     return {*SphereLight<Real>::create(
@@ -152,25 +152,24 @@ struct InwardSphereBy : SampledCase {
   static Region region(const Vec3<double>&) { return {}; }
   static Rgb<double> value(const Vec3<double>&, const Vec3<double>&) { return kLevel; }
   static double distance_to_surface(const Vec3<double>& p) { return std::fabs(length(p) - 0.75); }
-  /// Seen from outside, its far wall is chosen by area, which the near one hides.
+  /// Seen from outside, points of its far wall are sampled by area, and the near wall hides them.
   static constexpr bool kEnclosed = kWay == AreaSampling::kSolidAngle;
   static Rgb<double> power_by_quadrature() { return lambertian_power(4 * kPi * 0.75 * 0.75); }
 };
 
-/// The directions from outside to a ball about the origin, by the part of its surface that is seen:
-/// cut into cells of equal area there.  The density by area has a pole at the silhouette, that of
+/// The directions from outside to a ball about the origin, by the visible part of its surface.  The
+/// cells have equal area on the surface.  The density by area has a pole at the silhouette; that of
 /// these cells is 0 there.
 struct SeenBall {
   Vec3<double> receiver;
   double radius;
 
   double distance() const { return length(receiver); }
-  /// The cosine at the centre, between the receiver and a point that is seen, is 1 less x times
-  /// this.
+  /// The cosine at the centre, between the receiver and a visible point, is 1 minus x times this.
   double one_minus_cos() const { return 1 - radius / distance(); }
   Vec3<double> at(double x, double y) const { return normalized(point(x, y) - receiver); }
   Vec2<double> where(const Vec3<double>& w) const {
-    // The near one of two hits; a direction that is rounded past the silhouette counts as on it.
+    // The nearer of two hits.  A direction that is rounded past the silhouette counts as on it.
     const double b = -dot(receiver, w);
     const double half_chord =
         std::sqrt(std::fmax(0, radius * radius - dot(cross(receiver, w), cross(receiver, w))));
@@ -179,7 +178,7 @@ struct SeenBall {
     const double y = std::atan2(local.y, local.x) / (2 * kPi);
     return {(1 - local.z) / one_minus_cos(), y < 0 ? y + 1 : y};
   }
-  /// dA cos / d^2, the area being 2 pi r^2 (1 - cos) of x and y from 0 to 1.
+  /// dA cos / d^2; the area is 2 pi r^2 (1 - cos) for x and y from 0 to 1.
   double element_sr(double x, double y) const {
     const Vec3<double> p = point(x, y), to_receiver = receiver - p;
     const double d2 = dot(to_receiver, to_receiver);
@@ -196,12 +195,12 @@ struct SeenBall {
   }
 };
 
-/// Whole, seen from outside; half of it or more faces away.  Where it is seen at a grazing angle
-/// densities of rounded directions differ much from each other, so that it takes part in what is
-/// about their sum and their counts only.
+/// A whole sphere, seen from outside; at least half of it faces away.  Near its silhouette the
+/// densities of rounded directions differ much from each other.  So it takes part only in tests of
+/// their sums and counts.
 struct SphereByArea : SampledCase {
   template <typename Real>
-  using Light = Asked<Real, SphereLight<Real>>;
+  using Light = WithSampling<Real, SphereLight<Real>>;
   template <typename Real>
   static Light<Real> make(const Placement& at) {
     return {*SphereLight<Real>::create(

@@ -1,5 +1,5 @@
-// Spheres, whole and cut, put through the contract of all lights, with what they should answer
-// worked out here from solid geometry, not from the shape's code.
+// The contract suites on whole and cut spheres.  The expected answers come from solid geometry, not
+// from the code of the shape.
 #include <cmath>
 #include <vector>
 
@@ -33,7 +33,7 @@ struct SphereCase : AreaCase {
     return meets_ball(r, wi, 0.75) ? kLevel : Rgb<double>{};
   }
   static double distance_to_surface(const Vec3<double>& p) { return std::fabs(length(p) - 0.75); }
-  /// Equal heights of a sphere have equal areas. (Archimedes)
+  /// Zones of equal height on a sphere have equal areas.  (Archimedes)
   static Vec3<double> emission_position(const Vec3<double>&, double x, double y) {
     const double z = 2 * x - 1, r = std::sqrt(1 - z * z);
     return Vec3<double>{r * std::cos(2 * kPi * y), r * std::sin(2 * kPi * y), z} * 0.75;
@@ -48,7 +48,7 @@ struct SphereCase : AreaCase {
   static Rgb<double> power_by_quadrature() { return lambertian_power(4 * kPi * 0.75 * 0.75); }
 };
 
-/// Seen from within, emitting inwards: none of it comes out.
+/// A sphere that emits inwards, seen from within: no light leaves it.
 struct InwardSphereCase : SphereCase {
   static constexpr bool kEnclosed = true;
   template <typename Real>
@@ -64,8 +64,8 @@ struct InwardSphereCase : SphereCase {
   static Region region(const Vec3<double>&) { return {}; }
 };
 
-/// The cap z > 0.75 of a sphere of radius 1, emitting outwards.  Seen without its silhouette, where
-/// the density by area has a pole that no quadrature on a grid resolves.
+/// The cap z > 0.75 of a sphere of radius 1 that emits outwards.  It is seen without its
+/// silhouette.  There the density by area has a pole, which no quadrature on a grid resolves.
 struct CapCase : AreaCase {
   template <typename Real>
   using Light = SphereLight<Real>;
@@ -108,7 +108,7 @@ INSTANTIATE_TYPED_TEST_SUITE_P(Sphere, EmittingSurface, SphereCases);
 using SpheresInClosedForm = ::testing::Types<SphereCase, InwardSphereCase>;
 INSTANTIATE_TYPED_TEST_SUITE_P(Sphere, LightWithIrradiance, SpheresInClosedForm);
 
-TEST(LightWithIrradiance, WholeSpheresHaveOneAndCutOnesNone) {
+TEST(LightWithIrradiance, OnlyWholeSpheresHaveAClosedForm) {
   EXPECT_TRUE(has_irradiance<SphereCase>());
   EXPECT_FALSE(has_irradiance<CapCase>());
 }

@@ -1,4 +1,4 @@
-// The contract suite on lights without a surface, and the companions that show what it rejects.
+// The contract suites on lights without a surface.  Companion tests show what the checkers reject.
 #include "lights/sampling/sampling.h"
 #include "tests/lights/contract/delta_cases.h"
 
@@ -15,7 +15,7 @@ INSTANTIATE_TYPED_TEST_SUITE_P(Far, AnyLight, FarCases);
 INSTANTIATE_TYPED_TEST_SUITE_P(Distant, DeltaLight, DistantCase);
 INSTANTIATE_TYPED_TEST_SUITE_P(Infinite, LightWithDensity, InfiniteCase);
 
-// ---- Companions: a sampler that is right by construction, and ways of being wrong. ----
+// ---- Companions: a sampler that is correct by construction, and wrong ones. ----
 
 /// A square of side 2 in the plane z = 1 about the axis, seen from the origin, sampled by area.
 struct SquareSampler {
@@ -36,7 +36,7 @@ struct SquareSampler {
   static Region region() { return {{0, 0, 1}, 1}; }  // the corners lie at 0.9553 rad
 };
 
-TEST(ContractCheckers, AcceptASamplerThatIsRight) {
+TEST(ContractCheckers, AcceptACorrectSampler) {
   const SquareSampler square;
   const Verdict integral = check_density_integrates(square.region(), square, square.pdf);
   EXPECT_TRUE(integral.ok()) << integral.failure;
@@ -71,7 +71,7 @@ TEST(ContractCheckers, RejectSamplesOutsideOfTheRegion) {
   EXPECT_FALSE(check_samples_follow_density({{0, 0, 1}, 0.9}, square, square.pdf).ok());
 }
 
-TEST(ContractCheckers, RejectAValueOrADensityThatDisagrees) {
+TEST(ContractCheckers, RejectAWrongValueOrDensity) {
   const SquareSampler square;
   const auto pdf = [](const Vec3<float>& w) { return SquareSampler::pdf(Vec3<double>(w)); };
   const auto value = [](const Vec3<double>&) { return Rgb<double>(1); };
@@ -102,9 +102,9 @@ TEST(ContractCheckers, RejectInvalidNumbers) {
   EXPECT_TRUE(broken([](auto& s) { s.distance = NAN; }));
 }
 
-// Q(1, x) = exp(-x) and Q(1/2, x) = erfc(sqrt(x)); the rest from tables of the chi-square
-// distribution: 18.307 and 29.588 are its upper 5% and 0.1% points for 10 degrees of freedom, where
-// its density is 0.0155 and 3.8e-4 and half a unit of the last digit makes 8e-6 and 2e-7.
+// Q(1, x) = exp(-x) and Q(1/2, x) = erfc(sqrt(x)).  The others are from tables of the chi-square
+// distribution with 10 degrees of freedom: 18.307 and 29.588 are its upper 5% and 0.1% points.  Its
+// density there is 0.0155 and 3.8e-4, so half a unit of the last digit is 8e-6 and 2e-7.
 TEST(Statistics, UpperGammaAgreesWithClosedFormsAndTables) {
   for (const double x : {0.01, 0.5, 1., 1.9, 2.1, 10., 40.}) {
     EXPECT_NEAR(upper_gamma_q(1, x) / std::exp(-x), 1, 1e-12) << x;

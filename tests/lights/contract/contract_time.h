@@ -1,6 +1,6 @@
-// The part of the contract that is about time, as a typed suite: a light under a moving transform
-// is, at each moment, the light that was created where it then stands.  A case says how to build
-// the light whose own space is mapped to the world by a rigid map:
+// The contract of moving lights, as a typed suite.  At each moment a light under a moving transform
+// equals the light that was created at its place of that moment.  A case builds the light from a
+// rigid map of its own space to the world:
 //
 //   struct MyCase : MovingCase {
 //     template <typename Real> static Light<Real> make(const Transform& world_from_light);
@@ -22,13 +22,13 @@ namespace lucerna::testing {
 
 struct MovingCase {
   static Rgb<double> level() { return {3, 5, 7}; }
-  /// By how much the radiance at a point may differ from that of the light created there: nothing
-  /// where it is the same all over.
+  /// The allowed difference between the radiance at a point and that of the light created there.
+  /// It is 0 where the radiance is uniform.
   static constexpr double kRadianceTolerance = 0;
 };
 
-// Receivers in world coordinates; some see the light at any of the times, none is in the plane of a
-// flat one.
+// Receivers in world coordinates.  Some see the light at any of the times; none lies in the plane
+// of a flat light.
 inline const std::vector<Vec3<double>> kTimeReceivers{
     {0.1, 0.2, -0.3}, {1, 2.3, 3.7}, {-10, 50.5, 3}, {0.25, -0.5, 4.3}, {3, 3, -4}};
 
@@ -47,14 +47,14 @@ class MovingLight : public ::testing::Test {
 };
 TYPED_TEST_SUITE_P(MovingLight);
 
-// Where the light-space axes and origin are at time `t` by the rules themselves: the origin on a
-// line, the rotation R = R0 exp(t w) by repeated halving of the turn from one frame to the next.
+// The light-space axes and origin at time `t`, from the definition.  The origin moves on a line.
+// The rotation is R = R0 exp(t w), by a share of the turn from one key frame to the next.
 inline Transform transform_at(double t) {
   const std::vector<KeyTransform> k = keys();
   const std::size_t i = t < k[1].time_s ? 0 : 1;
   const double part = (t - k[i].time_s) / (k[i + 1].time_s - k[i].time_s);
   const Transform step = k[i + 1].world_from_light * k[i].world_from_light.inverse();
-  // Angle and axis from trace and antisymmetric part (none of the turns here is near 0 or pi).
+  // Angle and axis from trace and antisymmetric part (no turn here is near 0 or pi).
   const auto& m = step.matrix();
   const double angle = std::acos((m[0][0] + m[1][1] + m[2][2] - 1) / 2);
   const Vec3<double> axis{m[2][1] - m[1][2], m[0][2] - m[2][0], m[1][0] - m[0][1]};
@@ -63,7 +63,7 @@ inline Transform transform_at(double t) {
          Transform::translate(-a) * k[i].world_from_light;
 }
 
-TYPED_TEST_P(MovingLight, EqualsTheLightCreatedWhereItStands) {
+TYPED_TEST_P(MovingLight, EqualsTheLightCreatedAtItsPlace) {
   const Motion motion = *Motion::create(keys());
   const auto first = TypeParam::template make<double>(keys()[0].world_from_light);
   using Model = std::remove_const_t<decltype(first)>;
@@ -77,7 +77,8 @@ TYPED_TEST_P(MovingLight, EqualsTheLightCreatedWhereItStands) {
         const Vec2<double> u = random.pair<double>();
         const auto s = posed.sample_li(receiver, u);
         if (s.reason != NoLight::kNone) {
-          // The frames of the warps may turn with the light: another point, but the same reason.
+          // The frames of the warps may rotate with the light.  Then the point differs, but the
+          // reason is the same.
           if (s.delta) {
             EXPECT_EQ(moved.sample_li(receiver, u).reason, s.reason);
           }
@@ -92,7 +93,7 @@ TYPED_TEST_P(MovingLight, EqualsTheLightCreatedWhereItStands) {
           EXPECT_LE(distance_between(s.wi, m.wi), 1e-12);
           continue;
         }
-        // A direction's density is that of all points along it, so no less than the sample's own.
+        // A direction's density is that of all points along it, so at least the sample's own.
         const double pdf = moved.pdf_li(receiver, s.wi).per_sr;
         EXPECT_LE(relative_difference(posed.pdf_li(receiver, s.wi).per_sr, pdf), 1e-7);
         EXPECT_LE(s.pdf.per_sr, pdf * (1 + 1e-7));
@@ -119,7 +120,7 @@ TYPED_TEST_P(MovingLight, EqualsTheLightCreatedWhereItStands) {
   EXPECT_GT(lit, 500);
 }
 
-TYPED_TEST_P(MovingLight, KeepsItsBitsWhereItDoesNotMove) {
+TYPED_TEST_P(MovingLight, KeepsItsBitsAtItsFirstKeyFrame) {
   const auto light = TypeParam::template make<float>(keys()[0].world_from_light);
   const Posed<float, std::remove_const_t<decltype(light)>> posed(light,
                                                                  Motion::create(keys())->at(0));
@@ -156,7 +157,7 @@ TYPED_TEST_P(MovingLight, ReceiversThatAreNotFiniteGiveAReason) {
   }
 }
 
-TYPED_TEST_P(MovingLight, EmitsAsTheLightCreatedWhereItStands) {
+TYPED_TEST_P(MovingLight, EmitsLikeTheLightCreatedAtItsPlace) {
   const Motion motion = *Motion::create(keys());
   const auto first = TypeParam::template make<double>(keys()[0].world_from_light);
   using Model = std::remove_const_t<decltype(first)>;
@@ -174,7 +175,8 @@ TYPED_TEST_P(MovingLight, EmitsAsTheLightCreatedWhereItStands) {
       const auto s = posed.sample_le(u_position, u_direction, scene);
       if (s.reason != NoLight::kNone) continue;
       ++lit;
-      // Places are chosen in the light's own space: the same there, whose normal it is.
+      // Positions are sampled in the light's own space.  So both lights sample the same place and
+      // normal.
       if (s.normal != Vec3<double>{}) {
         const auto same = moved.sample_le(u_position, u_direction, scene);
         EXPECT_LE(distance_between(s.origin, same.origin), 1e-13);
@@ -186,7 +188,7 @@ TYPED_TEST_P(MovingLight, EmitsAsTheLightCreatedWhereItStands) {
         EXPECT_LE(relative_difference(s.value, moved.le(*at, s.direction)),
                   TypeParam::kRadianceTolerance);
       }
-      // Back along the ray lies what it came from.
+      // Back along the ray is the radiance that it carries.
       if constexpr (requires { moved.le_escaped(s.origin, s.direction); }) {
         EXPECT_LE(
             relative_difference(s.value, moved.le_escaped(s.origin + s.direction, -s.direction)),
@@ -195,7 +197,8 @@ TYPED_TEST_P(MovingLight, EmitsAsTheLightCreatedWhereItStands) {
       const EmissionPdf<double> own = posed.pdf_le(s.origin, s.direction, scene);
       EXPECT_LE(relative_difference(own.position.per_m2, s.pdf_position.per_m2), 1e-7);
       EXPECT_LE(relative_difference(own.direction.per_sr, s.pdf_direction.per_sr), 1e-7);
-      // Asked of the other light, a position of that light's own: points know theirs by its bits.
+      // A light at a point recognises its position by its bits.  So use the other light's own
+      // position.
       const auto there = moved.bounds();
       const bool is_point = there && there->lower == there->upper;
       if (is_point) {
@@ -205,7 +208,7 @@ TYPED_TEST_P(MovingLight, EmitsAsTheLightCreatedWhereItStands) {
       const EmissionPdf<double> other = moved.pdf_le(origin, s.direction, scene);
       EXPECT_LE(relative_difference(other.position.per_m2, s.pdf_position.per_m2), 1e-7);
       EXPECT_LE(relative_difference(other.direction.per_sr, s.pdf_direction.per_sr), 1e-7);
-      // And nothing leaves from where it is not, or no longer is.
+      // No ray leaves from a place where the light is not.
       EXPECT_EQ(posed.pdf_le(s.origin + Vec3<double>{20, 30, 5}, s.direction, scene),
                 EmissionPdf<double>{});
     }
@@ -213,9 +216,9 @@ TYPED_TEST_P(MovingLight, EmitsAsTheLightCreatedWhereItStands) {
   EXPECT_GT(lit, 500);
 }
 
-// A float far from zero is coarser than the light about its own origin by the distance over the
-// light's size: positions must be found all the same.  (Rays from infinity start at the scene's own
-// sphere, which a scene's origin is never far from.)
+// Far from zero, floats are coarser than the light's own space, by the distance over the light's
+// size.  Positions must still be found.  (Rays from infinity start at the scene's own sphere, which
+// is never far from a scene's origin.)
 TYPED_TEST_P(MovingLight, FindsItsOwnPositionsFarFromTheOrigin) {
   const auto first = TypeParam::template make<float>(keys()[0].world_from_light);
   const bool is_portal = requires { first.params().corners_m; };
@@ -235,7 +238,7 @@ TYPED_TEST_P(MovingLight, FindsItsOwnPositionsFarFromTheOrigin) {
   }
 }
 
-TYPED_TEST_P(MovingLight, BoundsHoldWhatLeavesItAtTheTime) {
+TYPED_TEST_P(MovingLight, BoundsHoldRaysAtTheTime) {
   const Motion motion = *Motion::create(keys());
   const auto first = TypeParam::template make<float>(keys()[0].world_from_light);
   const SceneSphere scene{{1, 2, 3}, 9};
@@ -259,7 +262,7 @@ TYPED_TEST_P(MovingLight, BoundsHoldWhatLeavesItAtTheTime) {
       for (int far = 1; far < 9; far += 7)
         EXPECT_TRUE(bounds->reaches(s.origin + s.direction * static_cast<float>(far)));
     }
-    // And no more than a turned box asks for: no longer than the diagonal of the light's own.
+    // At most the bounds of a rotated box: no longer than the diagonal of the light's own.
     const double diagonal =
         distance_between(first.bounds()->lower, first.bounds()->upper) * (1 + 1e-6) + 1e-5;
     for (int axis = 0; axis < 3; ++axis) {
@@ -270,9 +273,9 @@ TYPED_TEST_P(MovingLight, BoundsHoldWhatLeavesItAtTheTime) {
   }
 }
 
-REGISTER_TYPED_TEST_SUITE_P(MovingLight, EqualsTheLightCreatedWhereItStands,
-                            KeepsItsBitsWhereItDoesNotMove, ReceiversThatAreNotFiniteGiveAReason,
-                            EmitsAsTheLightCreatedWhereItStands,
-                            FindsItsOwnPositionsFarFromTheOrigin, BoundsHoldWhatLeavesItAtTheTime);
+REGISTER_TYPED_TEST_SUITE_P(MovingLight, EqualsTheLightCreatedAtItsPlace,
+                            KeepsItsBitsAtItsFirstKeyFrame, ReceiversThatAreNotFiniteGiveAReason,
+                            EmitsLikeTheLightCreatedAtItsPlace,
+                            FindsItsOwnPositionsFarFromTheOrigin, BoundsHoldRaysAtTheTime);
 
 }  // namespace lucerna::testing

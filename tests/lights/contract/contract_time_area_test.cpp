@@ -1,5 +1,5 @@
-// Area lights put through the contract of time: diffuse ones, those with a picture and those with a
-// luminaire's photometry.
+// The contract of moving lights on area lights: diffuse, with a picture, and with a luminaire's
+// photometry.
 #include <memory>
 #include <utility>
 #include <vector>
@@ -99,11 +99,11 @@ struct MovingCylinder : MovingCase {
   }
 };
 
-// ---- With a picture: no two places alike, so that a point taken to the wrong one shows. ----
+// ---- With a picture: no two places are alike, so a wrong place is noticed. ----
 
 struct PaintedMovingCase : MovingCase {
-  /// Positions of 10 m hold a rounding of 2e-15 m, by which texels of 0.1 m differ by a few 1e-14
-  /// of their value times at most 60, the ratio of the brightest to the darkest.
+  /// Positions of 10 m have a rounding of 2e-15 m.  By that, texels of 0.1 m differ by a few 1e-14
+  /// of their value, times at most 60, the ratio of the brightest to the darkest.
   static constexpr double kRadianceTolerance = 1e-11;
   static Picture picture() {
     std::vector<Rgb<float>> texels;
@@ -154,10 +154,10 @@ struct MovingPaintedCylinder : PaintedMovingCase {
   }
 };
 
-// ---- With a photometric web: no two directions alike. ----
+// ---- With a photometric web: no two directions are alike. ----
 
 struct PanelMovingCase : MovingCase {
-  /// Directions hold a rounding of 2e-16, and the cosine below is seldom less than 1e-3.
+  /// Directions have a rounding of 2e-16, and the cosine below is rarely less than 1e-3.
   static constexpr double kRadianceTolerance = 1e-11;
   static PanelProfile profile(const Transform& world_from_light) {
     PanelProfile profile;

@@ -1,4 +1,4 @@
-// Lights at infinity, with a portal and without, put through the contract of time.
+// The contract of moving lights on lights at infinity, with a portal and without.
 #include <vector>
 
 #include "tests/lights/contract/contract_time.h"

@@ -1,4 +1,4 @@
-// Lights that shine from a point, and beams, put through the contract of time.
+// The contract of moving lights on lights at a point, and on beams.
 #include <vector>
 
 #include "tests/lights/contract/contract_time.h"

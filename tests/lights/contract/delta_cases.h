@@ -1,5 +1,5 @@
-// The lights without a surface, as cases of the contract suites: what each should answer, worked
-// out here and not by the lights' code.
+// The lights without a surface, as cases of the contract suites.  The expected answers do not use
+// the code of the lights.
 #pragma once
 
 #include <numbers>
@@ -24,8 +24,8 @@ inline double simpson(double a, double b, int n, F&& f) {
   return sum * h / 3;
 }
 
-/// 0 where `wi` points from `receiver` to `target`, not a number elsewhere: a wrong direction
-/// spoils the expected value.
+/// 0 where `wi` points from `receiver` to `target`, NaN elsewhere: a wrong direction makes the
+/// expected value NaN.
 inline double zero_if_towards(const Vec3<double>& target, const Vec3<double>& receiver,
                               const Vec3<double>& wi) {
   const Vec3<double> d = target - receiver;
@@ -36,11 +36,11 @@ inline double zero_if_towards(const Vec3<double>& target, const Vec3<double>& re
 struct LocalDeltaCase : CaseDefaults {
   static constexpr int kValueLengthPower = -2;
   static constexpr int kPowerLengthPower = 0;
-  // The light's arithmetic is in double; one rounding to float is left.
+  // The light computes in double, so one rounding to float remains.
   static constexpr double kTolerance = 0x1p-23;
   static Vec3<double> position() { return {0.25, -0.5, 1}; }
-  // Distances count from the point itself, so that its 1/d^2 is exact in the far field too, and
-  // directions to it stay the same, however its intensity changes with them.
+  // Distances count from the point itself, so that its 1/d^2 is also exact in the far field.  Then
+  // directions to the point do not change, however its intensity depends on them.
   static Vec3<double> centre() { return position(); }
   static double distance_to_surface(const Vec3<double>& p) { return length(p - position()); }
 };
@@ -70,7 +70,7 @@ struct PointCase : LocalDeltaCase {
   }
 };
 
-/// Angles as a spot's edge; the falloff from pbrt-v4's description: smoothstep in the cosine.
+/// Angles as a spot's edge.  The falloff is from pbrt-v4's description: smoothstep in the cosine.
 template <int kConeMilliradians, int kStartMilliradians,
           SpotProfile kProfile = SpotProfile::kSmoothstep>
 struct SpotCase : LocalDeltaCase {
@@ -143,7 +143,7 @@ struct InfiniteCase : CaseDefaults {
   static std::vector<Vec3<double>> receivers() { return {{0, 0, 0}, {1e6, -3, 5}}; }
   static Region region(const Vec3<double>&) { return {}; }
   static Rgb<double> value(const Vec3<double>&, const Vec3<double>&) { return kDeltaLevel; }
-  /// What enters the scene's sphere of radius 4: at each point of its surface the radiance of a
+  /// The flux into the scene's sphere of radius 4: at each point of its surface, the radiance of a
   /// hemisphere, weighted with the cosine.
   static Rgb<double> power_by_quadrature() {
     const Vec3<double> n{0, 0, 1};

@@ -1,6 +1,6 @@
-// What a light owes of the rays that leave it, of its bounds and of its approximate power, as
-// checkers that return a verdict; contract_emission.h applies them to each light, and companions
-// show that they reject what is wrong.
+// Checkers for the rays that leave a light, for its bounds and for its approximate power, which
+// return a verdict.  contract_emission.h applies them to each light.  Companion tests show that
+// they reject wrong inputs.
 #pragma once
 
 #include <algorithm>
@@ -11,7 +11,8 @@
 
 namespace lucerna::testing {
 
-/// A ray may say that it carries no light, and why; it may never hold a number that is none.
+/// A ray may carry no light, with the reason.  It may never hold NaN, an infinity or a negative
+/// value.
 template <typename Real>
 Verdict check_well_formed(const EmissionSample<Real>& s) {
   if (!is_finite(s.value) || s.value.r < 0 || s.value.g < 0 || s.value.b < 0)
@@ -21,18 +22,18 @@ Verdict check_well_formed(const EmissionSample<Real>& s) {
   if (s.value.is_black()) return {"value 0 without a reason"};
   constexpr double kUnit = 4 * std::numeric_limits<Real>::epsilon();
   if (!(std::fabs(length(Vec3<double>(s.direction)) - 1) < kUnit))
-    return {"direction is no unit vector"};
+    return {"direction is not a unit vector"};
   if (!is_finite(s.origin)) return {"origin is not finite"};
   if (s.normal != Vec3<Real>{} && !(std::fabs(length(Vec3<double>(s.normal)) - 1) < kUnit))
-    return {"normal is no unit vector"};
+    return {"normal is not a unit vector"};
   const auto density = [](Real p) { return p >= 0 && std::isfinite(p); };
   if (!density(s.pdf_position.per_m2) || !density(s.pdf_direction.per_sr))
     return {fmt::format("densities {} and {}", s.pdf_position.per_m2, s.pdf_direction.per_sr)};
   return {};
 }
 
-/// The densities told with rays are those told for them, and their values are `value(origin,
-/// direction)` of an evaluation that is not the light's own, to `tolerance`.
+/// Checks each ray to `tolerance`.  Its reported densities equal those of `pdf`.  Its value equals
+/// `value(origin, direction)`, which does not use the light's code.
 template <typename Sample, typename Pdf, typename Value>
 Verdict check_emission_agrees(Sample&& sample, Pdf&& pdf, Value&& value, double tolerance) {
   RandomU random(0xe1);
@@ -43,13 +44,13 @@ Verdict check_emission_agrees(Sample&& sample, Pdf&& pdf, Value&& value, double 
     if (const Verdict v = check_well_formed(s); !v.ok()) return v;
     if (s.reason != NoLight::kNone) continue;
     ++with_light;
-    const auto told = pdf(s.origin, s.direction);
-    if (!(relative_difference(s.pdf_position.per_m2, told.position.per_m2) <= tolerance))
+    const auto densities = pdf(s.origin, s.direction);
+    if (!(relative_difference(s.pdf_position.per_m2, densities.position.per_m2) <= tolerance))
       return {fmt::format("ray {}: density of position {}, pdf_le says {}", i,
-                          s.pdf_position.per_m2, told.position.per_m2)};
-    if (!(relative_difference(s.pdf_direction.per_sr, told.direction.per_sr) <= tolerance))
+                          s.pdf_position.per_m2, densities.position.per_m2)};
+    if (!(relative_difference(s.pdf_direction.per_sr, densities.direction.per_sr) <= tolerance))
       return {fmt::format("ray {}: density of direction {}, pdf_le says {}", i,
-                          s.pdf_direction.per_sr, told.direction.per_sr)};
+                          s.pdf_direction.per_sr, densities.direction.per_sr)};
     const Rgb<double> got(s.value);
     const Rgb<double> expected = value(Vec3<double>(s.origin), Vec3<double>(s.direction));
     if (!(relative_difference(got, expected) <= tolerance))
@@ -59,8 +60,9 @@ Verdict check_emission_agrees(Sample&& sample, Pdf&& pdf, Value&& value, double 
   return {with_light > 0 ? "" : "no ray carries light"};
 }
 
-/// Points of the unit square follow a density on it: `where(i)` gives the i-th (nothing: it carries
-/// no light), `density(x, y)` the density.  Rejects by luck with probability 1e-8.
+/// Checks that points of the unit square follow a density on it.  `where(i)` returns the i-th
+/// point, or nothing if it carries no light; `density(x, y)` returns the density.  Rejects by
+/// chance with probability 1e-8.
 template <typename Where, typename Density>
 Verdict check_follows_on_square(Where&& where, Density&& density) {
   constexpr int kSamples = 100000, kColumns = 16, kSub = 20, kFine = kColumns * kSub;
@@ -83,8 +85,9 @@ Verdict check_follows_on_square(Where&& where, Density&& density) {
   return {p > 1e-8 ? "" : fmt::format("chi-square: p = {}", p)};
 }
 
-/// The mean of value |cos| / densities is `power`: within 5.5 standard errors, which luck exceeds
-/// less than once in 1e7, and `tolerance` for roundings and for the power itself.
+/// Checks that the mean of value |cos| / densities is `power`.  The tolerance is 5.5 standard
+/// errors, exceeded by chance less than once in 1e7, plus `tolerance` for roundings and for the
+/// power itself.
 template <typename Sample>
 Verdict check_emission_mean(Sample&& sample, const Rgb<double>& power, double tolerance) {
   constexpr int kSamples = 200000;
@@ -111,9 +114,10 @@ Verdict check_emission_mean(Sample&& sample, const Rgb<double>& power, double to
   return {fmt::format("mean {} +- {}, power {}", mean, error, expected)};
 }
 
-/// A hundred thousand random receivers within `size` of `center`, near and far: the bounds reach
-/// wherever `arrives(receiver, u)`.  Then, as luck seldom meets an edge, between lit receivers and
-/// dark ones, down to the last bit.  `reaches(receiver)` is what the bounds say.
+/// Checks that the bounds reach wherever `arrives(receiver, u)`, at 1e5 random receivers within
+/// `size` of `center`, near and far.  Random receivers rarely meet an edge.  So it then searches
+/// between lit and dark receivers, down to the last bit.  `reaches(receiver)` is the answer of the
+/// bounds.
 template <typename Real, typename Reaches, typename Arrives>
 Verdict check_reach(Reaches&& reaches, const Vec3<double>& center, double size, Arrives&& arrives) {
   const auto failure = [](const Vec3<Real>& p) {
@@ -162,7 +166,7 @@ Verdict check_bounds_hold(const LightBounds<Real>& bounds, Sample&& sample) {
     const Vec2<float> u_position = random.pair();
     const auto s = sample(u_position, random.pair());
     if (s.reason != NoLight::kNone) continue;
-    // A sampled direction holds a rounding of its own.
+    // A sampled direction has a rounding of its own.
     const Vec3<double> w(s.direction);
     const double angle = std::atan2(length(cross(axis, w)), dot(axis, w));
     if (!(angle <= bounds.cone_rad + 4 * double{std::numeric_limits<Real>::epsilon()}))

@@ -1,5 +1,5 @@
-// Goniometric lights for the contract suites.  They hang as luminaires do: light space's +z is the
-// world's -z, so that gamma is counted from straight down and C counter-clockwise seen from above.
+// Goniometric lights for the contract suites.  They hang like luminaires: light space's +z is the
+// world's -z.  So gamma counts from straight down, and C counter-clockwise as seen from above.
 #pragma once
 
 #include "lights/models/goniometric_light.h"
@@ -7,7 +7,7 @@
 
 namespace lucerna::testing {
 
-/// A grid as a file holds it, read by hand: bilinear in gamma and C.
+/// A grid as in a file, looked up here: bilinear in gamma and C.
 struct HandGrid {
   std::vector<double> gamma, c;  // degrees
   std::vector<double> cd;        // all gamma at the first C
@@ -29,12 +29,13 @@ struct HandGrid {
   }
 };
 
-/// A direction of a type's angles [degrees], V and H, from the standard's definitions; light space.
+/// A direction by the type's angles V and H [degrees], from the standard's definitions, in light
+/// space.
 template <PhotometricType kType>
 Vec2<double> photometric_angles(const Vec3<double>& w) {
   constexpr double kDegree = std::numbers::pi / 180;
   switch (kType) {
-    case PhotometricType::kC:  // from straight down, and to the left seen from above
+    case PhotometricType::kC:  // from straight down, and to the left as seen from above
       return {std::atan2(std::hypot(w.x, w.y), w.z) / kDegree, std::atan2(-w.y, w.x) / kDegree};
     case PhotometricType::kB:  // latitude towards +x; from straight down towards +y
       return {std::atan2(w.x, std::hypot(w.y, w.z)) / kDegree, std::atan2(w.y, w.z) / kDegree};
@@ -44,7 +45,7 @@ Vec2<double> photometric_angles(const Vec3<double>& w) {
   return {};
 }
 
-/// `Grid::grid()` says the intensities.
+/// `Grid::grid()` returns the intensities.
 template <typename Grid>
 struct WebCase : LocalDeltaCase {
   static constexpr double kDegree = std::numbers::pi / 180;
@@ -68,7 +69,7 @@ struct WebCase : LocalDeltaCase {
   }
   static double cd(const Vec3<double>& w) {
     const auto [v, h] = photometric_angles<Grid::kType>({w.x, -w.y, -w.z});
-    // Grids that start at 0 are symmetric about it; types A and B end at 90.
+    // Grids that start at 0 are symmetric about it.  Types A and B end at 90.
     const double given = Grid::grid().c.front() == 0 ? std::fabs(h) : h;
     return Grid::kType != PhotometricType::kC && std::fabs(h) > 90 ? 0 : Grid::grid().at(v, given);
   }
@@ -76,8 +77,8 @@ struct WebCase : LocalDeltaCase {
     const Vec3<double> d = position() - receiver;
     return kDeltaLevel * (cd(-wi) / dot(d, d) + zero_if_towards(position(), receiver, wi));
   }
-  /// Simpson's rule within each cell, where the function is smooth.  The solid angle's element goes
-  /// with the sine of an angle from a pole, the cosine of a latitude.
+  /// Simpson's rule within each cell, where the function is smooth.  The solid angle's element is
+  /// proportional to the sine of an angle from a pole, or to the cosine of a latitude.
   static Rgb<double> power_by_quadrature() {
     const HandGrid g = Grid::grid();
     const std::vector<double> c = g.c.size() > 1 ? g.c : std::vector<double>{0, 180};
@@ -105,14 +106,14 @@ struct DownGrid {
   static constexpr PhotometricType kType = PhotometricType::kC;
   static HandGrid grid() { return {{0, 40, 70, 90}, {0}, {100, 80, 0, 0}}; }
 };
-/// As floodlights are measured, symmetric about H = 0.
+/// Measured like a floodlight, symmetric about H = 0.
 struct FloodGrid {
   static constexpr PhotometricType kType = PhotometricType::kB;
   static HandGrid grid() {
     return {{-90, -30, 10, 90}, {0, 40, 90}, {4, 6, 8, 5, 4, 7, 9, 5, 4, 3, 6, 5}};
   }
 };
-/// As headlamps are measured, each side its own.
+/// Measured like a headlamp, each side separately.
 struct HeadlampGrid {
   static constexpr PhotometricType kType = PhotometricType::kA;
   static HandGrid grid() {
@@ -123,7 +124,7 @@ struct HeadlampGrid {
 using UnevenWebCase = WebCase<UnevenGrid>;
 using DownWebCase = WebCase<DownGrid>;
 using FloodWebCase = WebCase<FloodGrid>;
-/// It shines along +x.
+/// It emits along +x.
 struct HeadlampWebCase : WebCase<HeadlampGrid> {
   static Vec3<double> far_direction() { return {1, 0, 0}; }
   static std::vector<Vec3<double>> receivers() {

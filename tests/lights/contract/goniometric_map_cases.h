@@ -1,5 +1,5 @@
-// Goniometric lights with pictures for the contract suites, hung as those with webs are: the map's
-// +z is the world's -z.
+// Goniometric lights with pictures for the contract suites.  They hang like those with webs: the
+// map's +z is the world's -z.
 #pragma once
 
 #include <array>
@@ -15,14 +15,15 @@ template <typename Picture>
 struct MapLightCase : LocalDeltaCase {
   template <typename Real>
   using Light = GoniometricLight<Real>;
-  // A direction's rounding to float, 6e-8, times a slope of up to 9 in relative terms a radian (a
-  // factor of 5 from one texel to the next, half a radian away), both of value and of evaluation.
+  // A direction's rounding to float is 6e-8.  The slope is at most 9 per radian in relative terms:
+  // a factor of 5 from one texel to the next, half a radian away.  Both value and evaluation have
+  // this error.
   static constexpr double kTolerance =
       Picture::kFilter == ImageFilter::kBilinear ? 1e-6 : LocalDeltaCase::kTolerance;
   static Vec3<double> far_direction() { return {0, 0, -1}; }
   static Vec3<double> map_from_world(const Vec3<double>& w) { return {w.x, -w.y, -w.z}; }
   static GoniometricLightParams params(const Placement& placement) {
-    // Colours whose mean is the value, so that a channel alone is something else.
+    // Colours whose mean is the value, so that a single channel differs from it.
     std::vector<Rgb<float>> texels;
     for (const float v : Picture::kValues) texels.emplace_back(v, 0.0F, 2 * v);
     return {.position_m = placement.point(position()),
@@ -49,8 +50,8 @@ struct MapLightCase : LocalDeltaCase {
   static Rgb<double> power_by_quadrature() { return kDeltaLevel * Picture::integral(texel); }
 };
 
-/// Lit within 0.7228 rad of the axis: the corners of the lit square lie at r = 1/2, and
-/// cos theta = 1 - r^2.
+/// Lit within 0.7228 rad of the axis: the corners of the lit square lie at r = 1/2, and cos theta =
+/// 1 - r^2.
 struct ConfinedTexels {
   static constexpr int kWidth = 8, kHeight = 8;
   static constexpr std::array<float, 64> kValues = [] {

@@ -12,7 +12,7 @@ namespace lucerna::testing {
 
 inline const Rgb<double> kMapLevel{3, 5, 7};
 
-/// Red, green and blue of texel i differ, so that a channel at the wrong place is seen.
+/// Red, green and blue of texel i differ, so that a misplaced channel is noticed.
 inline Rgb<float> texel_of(float v, int i) {
   return {v, v * 0.5F, v * (1 + static_cast<float>(i % 3))};
 }

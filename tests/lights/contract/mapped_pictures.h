@@ -1,5 +1,5 @@
-// What pictures around the sphere show, worked out from the definitions of the mappings and of the
-// filters alone: what the cases of lights with such pictures are held against.
+// Pictures around the sphere, computed from the definitions of the mappings and filters alone.  The
+// tests compare lights that have such pictures with them.
 #pragma once
 
 #include <algorithm>
@@ -12,8 +12,8 @@
 
 namespace lucerna::testing {
 
-/// The radius goes as the sine of half the polar angle from +z, the other coordinate with the
-/// azimuth in its quadrant; the lower half is folded outwards.
+/// The radius is proportional to the sine of half the polar angle from +z.  The other coordinate is
+/// proportional to the azimuth in its quadrant.  The lower half is folded outwards.
 struct EqualArea {
   static constexpr SphereMapping kMapping = SphereMapping::kEqualArea;
 
@@ -29,16 +29,16 @@ struct EqualArea {
     }
     return {0.5 + std::copysign(a / 2, w.x), 0.5 + std::copysign(b / 2, w.y)};
   }
-  /// The two halves of each edge are one line on the sphere: beyond it lies what is as far from the
-  /// edge's middle on its other side.
+  /// The two halves of each edge are one line on the sphere.  A point beyond it is at the same
+  /// distance from the edge's middle on its other side.
   static int beyond_border(int x, int y, int width, int height) {
     const bool beside = x < 0 || x >= width, above_or_below = y < 0 || y >= height;
     const int column = std::clamp(x, 0, width - 1), row = std::clamp(y, 0, height - 1);
     return (beside ? height - 1 - row : row) * width +
            (above_or_below ? width - 1 - column : column);
   }
-  /// Equal areas are equal solid angles, and of each edge as much of a texel's share is cut off as
-  /// the texel beyond it adds: the mean, whatever the filter.
+  /// The mean, for every filter: equal areas are equal solid angles.  At each edge, the part of a
+  /// texel's share that is cut off equals the part that the texel beyond it adds.
   template <ImageFilter kFilter, typename Texel>
   static auto integral(int width, int height, Texel&& texel) {
     auto sum = texel(0) * 0.0;
@@ -55,14 +55,14 @@ struct LatitudeLongitude {
     const double turn = std::atan2(w.z, w.x) / (2 * std::numbers::pi);
     return {turn < 0 ? turn + 1 : turn, std::atan2(std::hypot(w.x, w.z), w.y) / std::numbers::pi};
   }
-  /// Left and right meet; over a pole lies the meridian half around.
+  /// Left and right meet.  Beyond a pole lies the meridian half a turn away.
   static int beyond_border(int x, int y, int width, int height) {
     if (y < 0 || y >= height) x += width / 2;
     return std::clamp(y, 0, height - 1) * width + (x + width) % width;
   }
-  /// Along a row the mean is that over its texels' centres.  Of polar angles theta a row of texels
-  /// has cos(begin) - cos(end); between two rows of centres Simpson's rule on 64 intervals takes
-  /// what is linear in theta times its sine, to 1e-10.
+  /// Along a row the mean is that over its texels' centres.  A row of texels between two polar
+  /// angles theta has the weight cos(begin) - cos(end).  Between two rows of centres the integrand
+  /// is linear in theta times its sine.  Simpson's rule on 64 intervals integrates it to 1e-10.
   template <ImageFilter kFilter, typename Texel>
   static auto integral(int width, int height, Texel&& texel) {
     const double step = std::numbers::pi / height;
@@ -74,7 +74,7 @@ struct LatitudeLongitude {
     auto sum = texel(0) * 0.0;
     for (int y = 0; kFilter == ImageFilter::kNearest && y < height; ++y)
       sum = sum + row_sum(y) * (std::cos(step * y) - std::cos(step * (y + 1)));
-    // From the middle of row y - 1 to that of row y, or from and to a pole.
+    // From the middle of row y - 1 to that of row y, or from or to a pole.
     for (int y = 0; kFilter == ImageFilter::kBilinear && y <= height; ++y) {
       const double begin = std::fmax(0, step * (y - 0.5));
       const double end = std::fmin(std::numbers::pi, step * (y + 0.5));
@@ -115,7 +115,7 @@ struct Mapped : Grid {
       return sum;
     }
   }
-  /// Over all directions [sr].
+  /// The integral over all directions [sr].
   template <typename Texel>
   static auto integral(Texel&& texel) {
     return Mapping::template integral<kWith>(Grid::kWidth, Grid::kHeight, texel);
@@ -132,8 +132,8 @@ struct PatchyPanorama {
   static constexpr std::array<float, 24> kValues{1, 2, 0, 4, 3,  1, 0, 2, 2, 5, 4, 1,
                                                  2, 9, 1, 0, 25, 2, 4, 0, 2, 1, 0, 3};
 };
-/// Lit everywhere, from 1 to 5: how a bilinear filter changes from one direction to the next is
-/// bounded, in relative terms too.
+/// Lit everywhere, from 1 to 5.  So a bilinear filter changes by a bounded amount from one
+/// direction to the next, in relative terms too.
 struct GentleSquare {
   static constexpr int kWidth = 4, kHeight = 4;
   static constexpr std::array<float, 16> kValues{1, 2, 1, 4, 3, 1, 3, 2, 2, 5, 4, 1, 2, 1, 1, 3};

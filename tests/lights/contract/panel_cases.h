@@ -1,5 +1,5 @@
-// Panels with a luminaire's photometry for the contract suites, with the photometry looked up here,
-// on a grid of right angles and halves of them.
+// Panels with a luminaire's photometry for the contract suites.  The photometry is looked up here,
+// on a grid of right angles and half right angles.
 #pragma once
 
 #include <cmath>
@@ -16,7 +16,7 @@ namespace lucerna::testing {
 
 inline constexpr Rgb<double> kPanelLevel{1, 2, 4};
 inline constexpr int kPolar = 5, kPlanes = 4;
-/// At 0, 45, 90, 135 and 180 degrees from +z, in the planes C0, C90, C180 and C270 [cd].
+/// Intensity at 0, 45, 90, 135 and 180 degrees from +z, in the planes C0, C90, C180 and C270 [cd].
 inline constexpr double kIntensity[kPlanes][kPolar] = {
     {100, 80, 30, 15, 10}, {100, 120, 20, 25, 10}, {100, 60, 10, 5, 10}, {100, 40, 40, 35, 10}};
 
@@ -29,7 +29,7 @@ inline std::shared_ptr<const PhotometricWeb> web() {
   return *PhotometricWeb::create(params);
 }
 
-/// Towards `w` in photometric axes: C0 is +x, C90 is -y.
+/// Intensity towards `w` in photometric axes: C0 is +x, C90 is -y.
 inline double intensity(const Vec3<double>& w) {
   const double theta = std::atan2(std::hypot(w.x, w.y), w.z) / (kPi / 4);
   double phi = std::atan2(-w.y, w.x) / (kPi / 2);
@@ -41,8 +41,8 @@ inline double intensity(const Vec3<double>& w) {
          (at(plane + 1, row) * (1 - t) + at(plane + 1, row + 1) * t) * s;
 }
 
-/// The intensity over the angles up to `widest` from +z, in steps that the grid's lines fall
-/// between.
+/// The integral of the intensity over the angles up to `widest` from +z.  The grid's lines fall
+/// between its steps.
 inline Rgb<double> flux(double widest) {
   constexpr int kGrid = 2000;
   double sum = 0;
@@ -66,7 +66,7 @@ inline PanelProfile profile(std::shared_ptr<const PhotometricWeb> of,
 }
 
 struct PanelCase : CaseDefaults {
-  /// Radiance has a cosine below: its error grows with the tangent of the angle.
+  /// Radiance is divided by a cosine, so its error grows with the tangent of the angle.
   static constexpr double kTolerance = 2e-5;
   static std::optional<Vec3<double>> in_plane(const Vec3<double>& r, const Vec3<double>& wi) {
     const double t = -r.z / wi.z;
@@ -92,7 +92,7 @@ struct RectanglePanelCase : PanelCase {
             *PatchMesh<Real>::create({{p(-1, -0.5), p(1, -0.5), p(-1, 0.5), p(1, 0.5)}}),
             profile(web(), at.direction({1, 0, 0}))));
   }
-  /// The file's candela stay as they are, whatever the size.
+  /// The candela of the file do not depend on the size.
   static constexpr int kValueLengthPower = -2;
   static constexpr int kPowerLengthPower = 0;
   static std::vector<Vec3<double>> receivers() { return {{0.5, 0.25, 2}, {-2, 1, 2}, {1, -3, 1}}; }
@@ -118,7 +118,7 @@ struct RectanglePanelCase : PanelCase {
   static Rgb<double> power_by_quadrature() { return flux(kPi / 2); }
 };
 
-/// The same of three triangles of unequal area, with C0 towards (1, 2).
+/// The same as three triangles of unequal area, with C0 towards (1, 2).
 struct TrianglePanelCase : RectanglePanelCase {
   template <typename Real>
   using Light = PanelTriangleMeshLight<Real>;
@@ -143,7 +143,7 @@ struct TrianglePanelCase : RectanglePanelCase {
   }
 };
 
-/// A disk of radius 0.75 that shines to both sides, mirrored, with C0 towards (1, 1).
+/// A disk of radius 0.75 that emits on both sides, mirrored, with C0 towards (1, 1).
 struct DiskPanelCase : PanelCase {
   template <typename Real>
   using Light = PanelDiskLight<Real>;

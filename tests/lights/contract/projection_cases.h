@@ -1,5 +1,5 @@
-// Projection lights and beams for the contract suites.  They hang at position() and shine down: the
-// picture's right is the world's +y, its upper edge the world's +x.
+// Projection lights and beams for the contract suites.  They hang at position() and emit downwards.
+// The picture's right is the world's +y, its upper edge the world's +x.
 #pragma once
 
 #include <algorithm>
@@ -22,7 +22,7 @@ inline std::shared_ptr<const Image> picture() {
   return *Image::create(kPictureWidth, kPictureHeight, picture_texels());
 }
 
-/// The picture at (x, y) of [-1, 1]^2, y upwards, read by hand.
+/// The picture at (x, y) of [-1, 1]^2, y upwards, computed without the light's code.
 inline Rgb<double> read_by_hand(ImageFilter filter, double x, double y) {
   const auto texel = [](int i, int j) {
     i = std::clamp(i, 0, kPictureWidth - 1);
@@ -39,8 +39,8 @@ inline Rgb<double> read_by_hand(ImageFilter filter, double x, double y) {
          (texel(c, r + 1) * (1 - s) + texel(c + 1, r + 1) * s) * t;
 }
 
-/// The integral over [-1, 1]^2 of `f(x, y)`, which has edges or kinks only where the picture's
-/// texels have their edges and centres.
+/// The integral over [-1, 1]^2 of `f(x, y)`.  `f` may have edges or kinks only at the edges and
+/// centres of the picture's texels.
 template <typename F>
 Rgb<double> integrate_by_pieces(int n, F&& f) {
   const auto channel = [&](auto member) {
@@ -48,7 +48,7 @@ Rgb<double> integrate_by_pieces(int n, F&& f) {
     for (int j = 0; j < 2 * kPictureHeight; ++j)
       for (int i = 0; i < 2 * kPictureWidth; ++i) {
         const auto at = [](int k, int texels, double share) { return (k + share) / texels - 1; };
-        // Values at edges are the pieces' own.
+        // Values at edges belong to one piece.
         constexpr double kInside = 1e-13;
         sum += simpson(kInside, 1 - kInside, n, [&](double v) {
           return simpson(kInside, 1 - kInside, n, [&](double u) {
@@ -61,8 +61,8 @@ Rgb<double> integrate_by_pieces(int n, F&& f) {
   return {channel(&Rgb<double>::r), channel(&Rgb<double>::g), channel(&Rgb<double>::b)};
 }
 
-/// `kFovMilliradians` of the shorter side; width over height is kAspect / 2; with the picture or
-/// without.
+/// `kFovMilliradians` is the angle of the shorter side; width over height is kAspect / 2; with a
+/// picture or without.
 template <ImageFilter kFilter, bool kWithPicture, int kFovMilliradians, int kTwiceAspect>
 struct ProjectionCase : LocalDeltaCase {
   template <typename Real>
@@ -143,7 +143,7 @@ struct BeamCase : CaseDefaults {
   static std::vector<Vec3<double>> receivers() {
     return {{0, 0, -2}, {1, -1.5, -3}, {-0.5, 0.75, 0.5}, {0.125, -0.375, -100}};
   }
-  /// Where in [-1, 1]^2 of the rectangle `p` is.
+  /// The place of `p` in [-1, 1]^2 of the rectangle.
   static Vec2<double> where(const Vec3<double>& p) {
     const Vec3<double> d = p - position();
     return {d.y / (kWidth / 2), d.x / (kHeight / 2)};

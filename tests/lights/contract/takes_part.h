@@ -1,4 +1,4 @@
-// Which lights have a case in which suite, so that a test can say which one was forgotten.
+// Records which lights have a case in which suite, so that a test can name a missing one.
 #pragma once
 
 #include <map>
@@ -8,7 +8,8 @@
 
 namespace lucerna::testing {
 
-/// By the suite's name, the float types of its cases' lights.  Complete once main() has begun.
+/// The float types of the lights of all cases, by the name of the suite.  Complete once main() has
+/// begun.
 inline std::map<std::string_view, std::set<std::type_index>>& participants() {
   static std::map<std::string_view, std::set<std::type_index>> all;
   return all;

@@ -1,4 +1,4 @@
-// Row 25: angles between directions that are all but parallel.
+// Row 25: angles between nearly parallel directions.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -13,7 +13,11 @@ namespace {
 using V = Vec3<Served>;
 
 TEST(AngleExtremes, ConeOfNormalsOfAHinge) {
+<<<<<<< HEAD
   Sweep sweep(25, "mesh of two nearly coplanar triangles, angle between them", "1e-24 ... 0.5 rad",
+=======
+  Sweep sweep(25, "mesh of two triangles nearly in one plane", "1e-24 ... 0.5 rad",
+>>>>>>> tests-words
               "half-angle of the cone of normals");
   const ReferenceTable table("hinges");
   for (const auto& row : table.rows()) {

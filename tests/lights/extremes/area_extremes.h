@@ -1,5 +1,5 @@
-// What the sweeps over area lights share: lights of the tables' rows, and integrals over all that
-// a light is sampled with.
+// Helpers for the sweeps over area lights: lights from rows of the tables, and integrals over all
+// samples of a light.
 #pragma once
 
 #include <array>
@@ -19,7 +19,7 @@ inline Vec3<Served> vector_in(const ReferenceTable::Row& row, const std::string&
   return {row[name + "_x"], row[name + "_y"], row[name + "_z"]};
 }
 
-/// Where a row's receiver is, which way it faces, and how points are to be chosen.
+/// The receiver of a row with its normal, which samples points by `way`.
 inline Receiver<Served> receiver_in(const ReferenceTable::Row& row, AreaSampling way) {
   Receiver<Served> receiver(vector_in(row, "receiver"));
   receiver.normal = vector_in(row, "normal");
@@ -27,8 +27,8 @@ inline Receiver<Served> receiver_in(const ReferenceTable::Row& row, AreaSampling
   return receiver;
 }
 
-/// Of a light so small that all of it is at one angle to the receiver: the textbook's solid angle
-/// times the cosine to the origin, which it is about.
+/// The irradiance of a light about the origin so small that its cosine at the receiver is constant.
+/// It is the textbook's solid angle times that cosine.
 inline double textbook_irradiance(float solid_angle_sr, const ReferenceTable::Row& row) {
   return solid_angle_sr * dot(vector_in(row, "normal"), normalized(-vector_in(row, "receiver")));
 }
@@ -43,12 +43,13 @@ inline PatchMeshLight<Served> patch_light(const std::array<Vec3<Served>, 4>& cor
       *PatchMesh<Served>::create({{corner[0], corner[1], corner[2], corner[3]}}));
 }
 
-/// What samples over the whole unit square add up to.
+/// Sums over samples of the whole unit square.
 struct Seen {
   double solid_angle_sr = 0;  ///< the mean of 1 / density
   double irradiance_lx = 0;   ///< the mean of value cos / density
-  double disagreement = 0;    ///< the most that a sample's density differs from that of its point
-  int without = 0;            ///< samples without light
+  double disagreement =
+      0;  ///< the largest difference between the density of a sample and that of its point
+  int without = 0;  ///< samples without light
 
   template <typename Light>
   void add(const Light& light, const Receiver<Served>& receiver, Vec2<double> u, double weight) {
@@ -67,11 +68,11 @@ struct Seen {
   }
 };
 
-/// What sample values move points by: a share of a length, or of an area that grows with its
-/// square, whose root is what the point is smooth in.
+/// How a sample value moves a point: by a share of a length, or of an area.  An area grows with the
+/// square of a length, so the point is smooth in the root of the sample value.
 enum class By { kShare, kRoot };
 
-/// By Gauss's rule, which is exact to rounding for what is smooth.
+/// Integrates by Gauss's rule, which is exact to rounding for smooth integrands.
 template <std::size_t kNodes = 24, typename Light>
 Seen seen_by(const Light& light, const Receiver<Served>& receiver, By by_x = By::kShare,
              By by_y = By::kShare, Vec2<double> from = {0, 0}, Vec2<double> to = {1, 1}) {
@@ -93,8 +94,8 @@ Seen seen_by(const Light& light, const Receiver<Served>& receiver, By by_x = By:
   return seen;
 }
 
-/// By the same rule on either side of the square's diagonal, which a map may fold it along, and in
-/// the roots of both sample values.
+/// Integrates by the same rule on both sides of the square's diagonal, where a map may be folded.
+/// Uses the roots of both sample values.
 template <std::size_t kNodes = 24, typename Light>
 Seen seen_beside_diagonal(const Light& light, const Receiver<Served>& receiver) {
   const Gauss<kNodes>& rule = gauss<kNodes>();
@@ -110,8 +111,8 @@ Seen seen_beside_diagonal(const Light& light, const Receiver<Served>& receiver) 
   return seen;
 }
 
-/// The same where what samples are worth bends at places that are not known: the square is halved
-/// across, then along, until halves and whole agree to `enough`, of irradiances of about 1.
+/// Integrates functions with kinks at unknown places.  Halves the square across, then along, until
+/// halves and whole agree to `enough`, for irradiances of about 1.
 template <typename Light>
 Seen seen_in_halves(const Light& light, const Receiver<Served>& receiver, By by_y,
                     Vec2<double> from = {0, 0}, Vec2<double> to = {1, 1}, double enough = 1e-11,

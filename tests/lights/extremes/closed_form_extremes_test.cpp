@@ -23,7 +23,7 @@ double served(const Light& light, const Receiver<Served>& receiver) {
   return lx ? lx->g : std::nan("");
 }
 
-/// Lambert's sum as the books have it, angles by the arccosine; in floats.
+/// Lambert's sum by the textbook: angles by the arccosine, in floats.
 float textbook_sum(std::span<const Vec3<Served>> corners, const Receiver<Served>& receiver) {
   float sum = 0;
   for (std::size_t i = 0; i < corners.size(); ++i) {
@@ -77,10 +77,14 @@ TEST(ClosedFormExtremes, TrianglesAsWideAsTheHemisphere) {
   sweep.expect_within(1e-12);
 }
 
-// Parts of a sliver that are cut alike in both directions would be up to 1e15.
+// The parts of a sliver would extend up to 1e15 if both directions were cut alike.
 TEST(ClosedFormExtremes, Slivers) {
   Sweep sweep(34, "triangle light 2 m long, closed form",
+<<<<<<< HEAD
               "3e-2 ... 1e-15 m high, receiver as near as the height", "irradiance");
+=======
+              "3e-2 ... 1e-15 m high, seen from this distance", "irradiance");
+>>>>>>> tests-words
   const ReferenceTable table("sliver_triangles");
   for (const auto& row : table.rows())
     compare_triangle(row, {vector_in(row, "a"), vector_in(row, "b"), vector_in(row, "c")},
@@ -159,7 +163,8 @@ TEST(ClosedFormExtremes, DisksLevelWithTheReceiver) {
   Sweep sweep(8, "disk light nearly in the plane of the receiver's surface, closed form",
               "height / distance 1e-8 ... 1e-20", "irradiance");
   for (int k = 8; k <= 20; ++k) {
-    // Both cosines are h / r: h^2 times the integral of 1 / r^4, pi R^2 / (o^2 - R^2)^2, to h^2.
+    // Both cosines are h / r.  Irradiance is h^2 times the integral of 1 / r^4, pi R^2 / (o^2 -
+    // R^2)^2, with an error of order h^2.
     const double h = std::pow(10, -k), r = 0.5, o = 2;
     Receiver<Served> receiver(0, 0, 0);
     receiver.normal = {0, 0, 1};
@@ -218,7 +223,7 @@ TEST(ClosedFormExtremes, Spheres) {
     sweep.compare(served(sphere_light(row["radius_m"], {row["x"], 0, row["z"]}), receiver),
                   row["irradiance_lx"], "cut " + row.text("radius_m") + " " + row.text("z"));
   }
-  // Of some 1e-6 of the radius is left, which one rounding of the radius changes by 1e-10.
+  // About 1e-6 of the radius remains.  One rounding of the radius changes it by 1e-10.
   sweep.expect_within(1e-9);
 }
 
@@ -228,7 +233,7 @@ TEST(ClosedFormExtremes, JustOutsideOfSpheres) {
   const ReferenceTable table("sphere_near");
   for (const auto& row : table.rows()) {
     const auto lx = sphere_light(row["radius_m"], {}).irradiance(receiver_in(row));
-    // As near as 1e-15 no double tells the receiver from the surface.
+    // At a gap of 1e-15 a double cannot separate the receiver from the surface.
     if (!lx && row["gap"] < 2e-15) continue;
     sweep.compare(lx ? lx->g : std::nan(""), row["irradiance_lx"], row.text("gap"));
   }
@@ -249,7 +254,7 @@ TEST(ClosedFormExtremes, Suns) {
     sweep.compare(served(*SunLight<Served>::create(params), receiver), row["irradiance_lx"],
                   row.text("diameter_rad") + " " + row.text("z"));
   }
-  sweep.expect_within(1e-9);  // as above
+  sweep.expect_within(1e-9);  // the same bound as above
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Row 33: rays that leave area lights all but along their surface.
+// Row 33: rays that leave area lights nearly along their surface.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -13,8 +13,8 @@
 namespace lucerna::testing {
 namespace {
 
-/// Of a direction by its cosine, from the disk that the square of `u` is taken to: the disk's edge
-/// is as far off as the square's, m, and the cosine squared is 1 - (1 - m)^2.
+/// The cosine of a direction, from the disk to which the square of `u` maps.  The distance m to the
+/// edge is the same in disk and square, so the squared cosine is 1 - (1 - m)^2.
 long double cosine_of(Vec2<double> u, bool two_sided) {
   long double x = u.x;
   const long double y = u.y;
@@ -41,10 +41,10 @@ void for_each_level_light(bool two_sided, F&& f) {
   f(*DiskLight<Served>::create(one, *Disk<Served>::create(disk)), "disk");
 }
 
-TEST(EmissionExtremes, CosinesOfRaysAllButAlongTheSurface) {
+TEST(EmissionExtremes, CosinesOfRaysNearlyAlongTheSurface) {
   Sweep sweep(33, "sample values of rays that leave flat lights", "2^-38 ... 1 - 2^-52",
               "cosine of the direction");
-  // Below are the 16 roundings of floats by which the edge itself is avoided.
+  // Below these, 16 roundings of floats keep the samples away from the edge itself.
   for (int exponent = -38; exponent <= -1; ++exponent) {
     const double x = std::ldexp(1.0, exponent);
     for (const Vec2<double> u :

@@ -22,14 +22,15 @@ PatchMeshLight<Served> rectangle_in(const ReferenceTable::Row& row) {
       {vector_in(row, "p00"), vector_in(row, "p10"), vector_in(row, "p01"), vector_in(row, "p11")});
 }
 
-/// The rectangle with its second side cut to half: to the last bit in the same plane.
+/// The rectangle with its second side halved.  It lies in the same plane, to the last bit.
 PatchMeshLight<Served> trapezoid_in(const ReferenceTable::Row& row) {
   const Vec3<double> a = vector_in(row, "p00"), b = vector_in(row, "p10"),
                      c = vector_in(row, "p01");
   return patch_light({a, b, c, b + (c - a) * 0.5});
 }
 
-/// The cosine at the light by a normal and a way in float, cut off at 1e-4 as some do.
+/// The cosine at the light from a normal and a direction in float.  Clamped at 1e-4, like in some
+/// renderers.
 float textbook_cosine(const ReferenceTable::Row& row) {
   const Vec3<float> a(vector_in(row, "p00")), b(vector_in(row, "p10")), c(vector_in(row, "p01"));
   const Vec3<float> w = normalized(Vec3<float>(vector_in(row, "receiver")) - a);
@@ -93,7 +94,7 @@ TEST(GrazingExtremes, Trapezoids) {
     const std::string at = row.text("name") + " " + row.text("height_m");
     const auto light = trapezoid_in(row);
     const Receiver<Served> receiver = receiver_in(row, AreaSampling::kAutomatic);
-    // Of the row's unit squares, one has sides of 3 m.
+    // The squares of the rows have sides of 1 m, except for one of 3 m.
     const double side = row.text("name") == "tilted" ? 3 : 1, height = row["height_m"] * side;
     for (const double x : {0.0, 0.25, 0.5, 1.0})
       for (const double y : {0.0, 0.125, 0.75, 1.0}) {
@@ -112,9 +113,9 @@ TEST(GrazingExtremes, Trapezoids) {
   sweep.expect_within(1e-11);
 }
 
-/// Asks at a receiver within the plane, in every way.
+/// Samples the light from a receiver within its plane, with every sampling method.
 template <typename Light>
-void ask_within(const Light& light, const Vec3<double>& position, Sweep& sweep) {
+void sample_within(const Light& light, const Vec3<double>& position, Sweep& sweep) {
   for (const AreaSampling way : kWays)
     for (const Vec3<double>& normal : {Vec3<double>{1, 0, 0}, {0, 0, 1}, {}}) {
       Receiver<Served> receiver(position);
@@ -131,33 +132,45 @@ void ask_within(const Light& light, const Vec3<double>& position, Sweep& sweep) 
     }
 }
 
+<<<<<<< HEAD
 TEST(GrazingExtremes, FromWithinThePlaneThereIsNone) {
   Sweep sweep(8, "triangle, rectangle, trapezoid, tilted or not, receiver in their plane",
+=======
+TEST(GrazingExtremes, LightsSeenFromTheirPlaneAreDark) {
+  Sweep sweep(8, "triangle, rectangle, trapezoid seen from within their plane, tilted or not",
+>>>>>>> tests-words
               "cosine 0", "answer");
   const ReferenceTable table("grazing_polygons");
   for (const auto& row : table.rows()) {
     const bool tilted = row.text("name") == "tilted";
-    // Among them such as an edge, drawn out, meets.
+    // Some receivers lie on the extension of an edge.
     const auto receivers =
         tilted ? std::vector<Vec3<double>>{{0, 0, 0}, {6, 6, 0}, {5, 4, -2}, {-3, -3, 0}}
                : std::vector<Vec3<double>>{{0, 0, 0}, {5, 3, 0}, {5, -0.5, 0}, {-7, 0.125, 0}};
     for (const Vec3<double>& receiver : receivers) {
-      ask_within(triangle_in(row), receiver, sweep);
-      ask_within(rectangle_in(row), receiver, sweep);
-      ask_within(trapezoid_in(row), receiver, sweep);
+      sample_within(triangle_in(row), receiver, sweep);
+      sample_within(rectangle_in(row), receiver, sweep);
+      sample_within(trapezoid_in(row), receiver, sweep);
     }
   }
   // In the plane of (1, 2, 2) and (2, 1, -2), far from the origin.
   for (const Vec3<double>& receiver : {Vec3<double>{33, 6, 6}, {27, -6, -6}, {36, 3, -6}}) {
-    ask_within(triangle_light({{{30, 0, 0}, {31, 2, 2}, {32, 1, -2}}}), receiver, sweep);
-    ask_within(patch_light({{{30, 0, 0}, {31, 2, 2}, {32, 1, -2}, {33, 3, 0}}}), receiver, sweep);
-    ask_within(patch_light({{{30, 0, 0}, {32, 4, 4}, {32, 1, -2}, {33, 3, 0}}}), receiver, sweep);
+    sample_within(triangle_light({{{30, 0, 0}, {31, 2, 2}, {32, 1, -2}}}), receiver, sweep);
+    sample_within(patch_light({{{30, 0, 0}, {31, 2, 2}, {32, 1, -2}, {33, 3, 0}}}), receiver,
+                  sweep);
+    sample_within(patch_light({{{30, 0, 0}, {32, 4, 4}, {32, 1, -2}, {33, 3, 0}}}), receiver,
+                  sweep);
   }
   sweep.expect_answers(NoLight::kBehind);
 }
 
+<<<<<<< HEAD
 TEST(GrazingExtremes, FromWithinThePlaneOfADiskThereIsNone) {
   Sweep sweep(8, "disk, tilted or not, receiver in its plane", "cosine 0", "answer");
+=======
+TEST(GrazingExtremes, DisksSeenFromTheirPlaneAreDark) {
+  Sweep sweep(8, "disk seen from within its plane, tilted or not", "cosine 0", "answer");
+>>>>>>> tests-words
   DiskParams plain, tilted;
   plain.world_from_object = Transform::translate({3, 0, 0});
   tilted.world_from_object =
@@ -167,14 +180,20 @@ TEST(GrazingExtremes, FromWithinThePlaneOfADiskThereIsNone) {
         std::pair{tilted, std::vector<Vec3<double>>{{33, 6, 6}, {27, -6, -6}, {36, 3, -6}}}}) {
     const auto disk =
         *DiskLight<Served>::create({Rgb<double>(1), true}, *Disk<Served>::create(params));
-    for (const Vec3<double>& receiver : receivers) ask_within(disk, receiver, sweep);
+    for (const Vec3<double>& receiver : receivers) sample_within(disk, receiver, sweep);
   }
   sweep.expect_answers(NoLight::kBehind);
 }
 
+<<<<<<< HEAD
 TEST(GrazingExtremes, FromWithinATangentPlaneThereIsNone) {
   Sweep sweep(8, "sphere or cylinder sampled by area, receiver in the tangent plane of the point",
               "cosine 0", "answer");
+=======
+TEST(GrazingExtremes, PointsSeenFromTheirTangentPlaneAreDark) {
+  Sweep sweep(8, "point of a sphere or cylinder by area, from within its tangent plane", "cosine 0",
+              "answer");
+>>>>>>> tests-words
   SphereParams ball;
   ball.radius_m = 3;
   ball.world_from_object = Transform::translate({1, 2, 3});
@@ -185,8 +204,8 @@ TEST(GrazingExtremes, FromWithinATangentPlaneThereIsNone) {
   pipe.world_from_object = Transform::translate({1, 2, 3});
   const auto tube =
       *CylinderLight<Served>::create({Rgb<double>(1), true}, *Cylinder<Served>::create(pipe));
-  const auto ask = [&](const auto& light, const Vec3<double>& at, const Vec3<double>& position,
-                       Vec2<double> u) {
+  const auto sample = [&](const auto& light, const Vec3<double>& at, const Vec3<double>& position,
+                          Vec2<double> u) {
     Receiver<Served> receiver(position);
     receiver.area_sampling = AreaSampling::kSquareRoot;
     const auto s = light.sample_li(receiver, u);
@@ -198,15 +217,15 @@ TEST(GrazingExtremes, FromWithinATangentPlaneThereIsNone) {
   };
   for (const Vec2<double>& off :
        {Vec2<double>{1, 0}, {0, -2}, {3, 4}, {-5, 12}, {1e6, 7}, {0x1p-20, 0x1p-30}}) {
-    // The top, and the line of the cylinder that is first in the sweep.
-    ask(sphere, {1, 2, 6}, {1 + off.x, 2 + off.y, 6}, {1, 0.25});
-    ask(tube, {4, 2, 3}, {4, 2 + off.x, 3 + off.y}, {0.5, 0});
+    // The top of the sphere, and the line of the cylinder where its sweep begins.
+    sample(sphere, {1, 2, 6}, {1 + off.x, 2 + off.y, 6}, {1, 0.25});
+    sample(tube, {4, 2, 3}, {4, 2 + off.x, 3 + off.y}, {0.5, 0});
   }
   sweep.expect_answers(NoLight::kBehind);
 }
 
 TEST(GrazingExtremes, SpheresByAreaUpToTheirRim) {
-  // Points by area come as near to the rim as they like, where the cosine is 0.
+  // Points by area come arbitrarily close to the rim, where the cosine is 0.
   Sweep sweep(8, "sphere sampled by area, up to its rim", "radius / distance 0.9 ... 1e-9",
               "irradiance");
   for (const double share : {0.9, 0.5, 1e-1, 1e-3, 1e-6, 1e-9}) {
@@ -217,7 +236,7 @@ TEST(GrazingExtremes, SpheresByAreaUpToTheirRim) {
     Receiver<Served> receiver(0, 0, 1);
     receiver.normal = {0, 0, -1};
     receiver.area_sampling = AreaSampling::kLowDistortion;
-    // u.x is the share of z, which the rim is at radius^2 / distance.
+    // u.x is the share of z, and the rim is at z = radius^2 / distance.
     const double rim = (1 + share) / 2;
     const Seen seen = seen_by<64>(light, receiver, By::kShare, By::kShare, {rim, 0}, {1, 1});
     EXPECT_EQ(seen.without, 0) << share;

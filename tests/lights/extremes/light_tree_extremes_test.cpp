@@ -14,12 +14,12 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// 48 bits.
+/// A random number with 48 bits.
 double random_u(RandomU& random) { return double{random.next()} + double{random.next()} * 0x1p-24; }
 
-/// The importance of one light's bounds for a receiver without a normal as renderers have it, in
-/// floats: is it 0?  The cosine of the angle to the axis less those of the normals' cone and of the
-/// box, against the cosine of what is emitted.  [Pharr23, 12.6.3]
+/// Whether the textbook's importance of a light's bounds is 0, for a receiver without a normal, in
+/// floats.  From the angle to the axis it subtracts those of the normals' cone and of the box.  It
+/// compares the result with the angle of emission, all by cosines.  [Pharr23, 12.6.3]
 bool textbook_leaves_out(const LightBounds<double>& bounds, const Vec3<double>& position) {
   const Vec3<float> low(bounds.lower), high(bounds.upper), p(position), axis(bounds.axis);
   const Vec3<float> center = (low + high) * 0.5F;
@@ -42,7 +42,7 @@ bool textbook_leaves_out(const LightBounds<double>& bounds, const Vec3<double>& 
            static_cast<float>(std::cos(emitted)));
 }
 
-/// Counts receivers where light arrives and yet the tree never chooses the light.
+/// Counts receivers that a light reaches although the tree never chooses it.
 class EdgeSearch {
  public:
   EdgeSearch(const std::vector<LocalLight>& lights, double size, std::uint64_t seed)
@@ -58,34 +58,35 @@ class EdgeSearch {
       const Vec3<double> p = center + somewhere();
       (arrives(p) ? lit : dark) = p;
       if (i % 8 == 0 && lit && dark) {
-        // The last double that is lit on the way to where it is dark.
+        // The last lit double on the way to a dark place.
         Vec3<double> inside = *lit, outside = *dark;
         for (int k = 0; k < 60; ++k) {
           const Vec3<double> middle = (inside + outside) * 0.5;
           (arrives(middle) ? inside : outside) = middle;
         }
-        ask(inside);
+        check(inside);
       } else if (i % 8 == 1) {
-        ask(near_plane(center));
+        check(near_plane(center));
       } else {
-        ask(p);
+        check(p);
       }
     }
   }
 
-  std::int64_t missed = 0, asked = 0, dark = 0, missed_by_textbook = 0;
-  std::string where;  ///< the last that was missed
+  std::int64_t missed = 0, checked = 0, dark = 0, missed_by_textbook = 0;
+  std::string where;  ///< the last missed receiver
 
  private:
   double number() { return 2.0 * random_.next() - 1; }
   Vec3<double> direction() { return normalized(Vec3<double>{number(), number(), number()}); }
-  /// Half of them within 50 sizes, half as far as 1e20: from where all of a light is at one angle.
+  /// Half of the offsets are within 50 sizes.  The others reach as far as 1e20, from where all of a
+  /// light is at one angle.
   Vec3<double> somewhere() {
     const double log_distance =
         random_.next() < 0.5F ? 12 * double{random_.next()} - 8 : 46 * double{random_.next()};
     return direction() * (size_ * std::exp(log_distance));
   }
-  /// Above or below the plane of a flat light by next to nothing.
+  /// Just above or below the plane of a flat light.
   Vec3<double> near_plane(const Vec3<double>& center) {
     const Vec3<double> n = normalized(bounds_.axis), w = somewhere();
     return center + (w - n * dot(w, n)) + n * (length(w) * number() * next_to_nothing());
@@ -97,16 +98,16 @@ class EdgeSearch {
     return s.reason == NoLight::kNone && s.value.max_component() > 0;
   }
 
-  void ask(const Vec3<double>& p) {
+  void check(const Vec3<double>& p) {
     Receiver<double> receiver(p);
-    ++asked;
+    ++checked;
     if (!arrives(receiver)) {
       ++dark;
       return;
     }
     if (textbook_leaves_out(bounds_, p)) ++missed_by_textbook;
     bool is_chosen = tree_.probability(receiver, light_) > 0;
-    // On a surface that the light all but grazes, as who is told directions in floats sees it.
+    // A surface that the light nearly grazes, for a caller that receives directions in floats.
     const Vec3<double> along = cross(wi_, direction());
     receiver.normal = normalized(normalized(along) + wi_ * (number() * next_to_nothing()));
     if (arrives(receiver) &&
@@ -127,6 +128,7 @@ class EdgeSearch {
   Vec3<double> wi_;
 };
 
+<<<<<<< HEAD
 TEST(LightTreeExtremes, ReceiversAtTheVeryEdge) {
   Sweep sweep(
       13,
@@ -135,26 +137,33 @@ TEST(LightTreeExtremes, ReceiversAtTheVeryEdge) {
       "sizes 1e-30 ... 1e30 m, 0 ... 1e6 sizes from the origin, edges exact to the last bit",
       "receivers lit by a light that is never chosen");
   std::int64_t missed = 0, asked = 0, dark = 0, textbook = 0;
+=======
+TEST(LightTreeExtremes, ReceiversAtTheExactEdge) {
+  Sweep sweep(13, "light tree of all local lights, receivers at edges of cones, in planes, grazed",
+              "sizes 1e-30 ... 1e30 m, 0 ... 1e6 sizes from zero, edges to the last bit",
+              "receivers where light arrives from a light that is never chosen");
+  std::int64_t missed = 0, checked = 0, dark = 0, textbook = 0;
+>>>>>>> tests-words
   RandomU random(13);
   for (const double size : {1e-30, 1e-6, 1., 1e30})
     for (const double spread : {3., 1e6}) {
       const std::vector<LocalLight> lights = LocalLights(random_place(random, size, spread)).take();
-      EdgeSearch edges(lights, size, 1300 + asked);
+      EdgeSearch edges(lights, size, 1300 + checked);
       for (std::uint32_t i = 0; i < lights.size(); ++i) edges.search(i, 4000);
       EXPECT_EQ(edges.missed, 0) << edges.where;
       missed += edges.missed;
-      asked += edges.asked;
+      checked += edges.checked;
       dark += edges.dark;
       textbook += edges.missed_by_textbook;
     }
-  EXPECT_GT(asked, 1000000);
-  EXPECT_LT(dark, asked * 2 / 3);
+  EXPECT_GT(checked, 1000000);
+  EXPECT_LT(dark, checked * 2 / 3);
   sweep.textbook_count(textbook);
-  sweep.expect_none(missed, asked, dark);
+  sweep.expect_none(missed, checked, dark);
 }
 
-/// Of two lights, the share of the first in floats, as it is where the squared distance is held to
-/// be no less than half the diagonal of the box.  [Pharr23, 12.6.3]
+/// The share of the first of two lights, in floats.  The squared distance is clamped to half the
+/// diagonal of the box.  [Pharr23, 12.6.3]
 float textbook_share(const LightTree::Item (&items)[2], const Vec3<double>& position) {
   float weight[2];
   for (int i = 0; i < 2; ++i) {
@@ -170,7 +179,11 @@ TEST(LightTreeExtremes, ScenesOfAnyScale) {
   Sweep sweep(14, "scenes of local lights, scaled with their receivers",
               "by 2^-20 ... 2^20 and to 1e-30 and 1e30 m, powers by 2^-99 ... 2^99",
               "choices and probabilities with a changed bit");
+<<<<<<< HEAD
   std::int64_t changed = 0, asked = 0, changed_in_textbook = 0;
+=======
+  std::int64_t changed = 0, checked = 0, changed_in_textbook = 0;
+>>>>>>> tests-words
   RandomU random(14);
   for (int scene = 0; scene < 4; ++scene) {
     std::vector<LightTree::Item> items;
@@ -195,7 +208,7 @@ TEST(LightTreeExtremes, ScenesOfAnyScale) {
           there.position = scaled(here.position, exponent);
           const double u = random_u(random);
           const auto a = tree.choose(here, u), b = scaled_tree.choose(there, u);
-          ++asked;
+          ++checked;
           if (a.has_value() != b.has_value() ||
               (a && (a->light != b->light || a->probability != b->probability ||
                      scaled_tree.probability(there, a->light) != a->probability)))
@@ -208,18 +221,26 @@ TEST(LightTreeExtremes, ScenesOfAnyScale) {
       }
   }
   sweep.textbook_count(changed_in_textbook);
-  sweep.expect_none(changed, asked, 0);
+  sweep.expect_none(changed, checked, 0);
 }
 
 TEST(LightTreeExtremes, AMillionLightsInALine) {
+<<<<<<< HEAD
   Sweep sweep(15, "a million lights in a line, at distances that grow by a constant factor",
               "distances 2^-100 ... 1, 1e-30 ... 1e30 m; powers equal, or proportional to the "
               "squared distance",
               "choices that are invalid or have a wrong probability");
   std::int64_t wrong = 0, asked = 0;
+=======
+  Sweep sweep(
+      15, "a million lights in a line, each farther away than the last by the same factor",
+      "distances 2^-100 ... 1, 1e-30 ... 1e30 m; powers equal or proportional to squared distance",
+      "choices that are invalid or reported with a wrong probability");
+  std::int64_t wrong = 0, checked = 0;
+>>>>>>> tests-words
   RandomU random(15);
-  // Powers that fall with the distance: each split then leaves most of the extent to one side, and
-  // the tree is 130 nodes deep and more.
+  // The powers fall with the distance.  So each split leaves most of the extent to one side, and
+  // the tree is at least 130 nodes deep.
   struct Line {
     std::uint32_t count;
     double first, last, power_exponent;
@@ -242,11 +263,11 @@ TEST(LightTreeExtremes, AMillionLightsInALine) {
       const Receiver<double> receiver(Vec3<double>{0, y, 0});
       const double u = i == 0 ? 0 : i == 1 ? 1 - 0x1p-48 : random_u(random);
       const auto choice = tree->choose(receiver, u);
-      ++asked;
+      ++checked;
       if (!choice || choice->light >= line.count || !(choice->probability > 0) ||
           tree->probability(receiver, choice->light) != choice->probability)
         ++wrong;
-      // And those that are seldom chosen are so with a probability.
+      // Rarely chosen lights have a positive probability too.
       const auto any = static_cast<std::uint32_t>(random.next() * line.count);
       if (!(tree->probability(receiver, any) > 0)) ++wrong;
     }
@@ -256,18 +277,24 @@ TEST(LightTreeExtremes, AMillionLightsInALine) {
     for (std::uint32_t i = 0; i < line.count; ++i) sum += tree->probability(receiver, i);
     EXPECT_NEAR(sum, 1, 1e-12);
   }
-  sweep.expect_none(wrong, asked, 0);
+  sweep.expect_none(wrong, checked, 0);
 }
 
 TEST(LightTreeExtremes, EveryOneOfManyLightsIsReached) {
-  // 4096 lamps that have between them what 4096 of so many lights have: one bright lamp takes what
-  // the others would.  It stands at either end, so that theirs are the least values of u, or the
-  // greatest.
+  // 4096 lamps have the share that 4096 of so many lights have together.  One bright lamp takes the
+  // share of all the others.  It stands at either end, so that the 4096 have the smallest values of
+  // u, or the largest.
   constexpr std::uint32_t kLamps = 4096;
+<<<<<<< HEAD
   Sweep sweep(
       16, "4096 lights, each with the probability of one of many lights, chosen by a u of 48 bits",
       "one of 2^24 ... 2^32 lights", "lights that no u selects");
   std::int64_t unreached = 0, asked = 0, unreached_by_float = 0;
+=======
+  Sweep sweep(16, "4096 lights, each as probable as one of many, chosen by a u of 48 bits",
+              "of 2^24 ... 2^32 lights", "lights that no u chooses");
+  std::int64_t unreached = 0, checked = 0, unreached_by_float = 0;
+>>>>>>> tests-words
   RandomU random(16);
   for (const int bits : {24, 26, 28, 30, 32})
     for (const bool is_bright_first : {false, true}) {
@@ -281,7 +308,7 @@ TEST(LightTreeExtremes, EveryOneOfManyLightsIsReached) {
       const LightTree tree = *LightTree::create(lamps);
       const Receiver<double> far(Vec3<double>{0, 0, 1e9});
       std::vector<bool> reached(kLamps), reached_by_float(kLamps);
-      // Twice what they have between them, in 2^18 steps: 32 for each.
+      // Twice their common share, in 2^18 steps: 32 for each lamp.
       constexpr int kSteps = 1 << 18;
       for (int i = 0; i < kSteps; ++i) {
         const double below = std::ldexp(2.0 * kLamps * i / kSteps, -bits);
@@ -289,11 +316,11 @@ TEST(LightTreeExtremes, EveryOneOfManyLightsIsReached) {
         if (!(u < 1)) continue;
         const std::uint32_t light = tree.choose(far, u)->light;
         if (light < kLamps) reached[light] = true;
-        // What a float keeps of a value in [0, 1) whose steps are all alike.
+        // The bits that a float keeps of a value in [0, 1) with equal steps.
         const std::uint32_t other = tree.choose(far, std::floor(u * 0x1p24) * 0x1p-24)->light;
         if (other < kLamps) reached_by_float[other] = true;
       }
-      asked += kLamps;
+      checked += kLamps;
       for (std::uint32_t i = 0; i < kLamps; ++i) {
         EXPECT_GT(tree.probability(far, i), std::ldexp(0.5, -bits));
         unreached += reached[i] ? 0 : 1;
@@ -301,7 +328,7 @@ TEST(LightTreeExtremes, EveryOneOfManyLightsIsReached) {
       }
     }
   sweep.textbook_count(unreached_by_float);
-  sweep.expect_none(unreached, asked, 0);
+  sweep.expect_none(unreached, checked, 0);
 }
 
 }  // namespace

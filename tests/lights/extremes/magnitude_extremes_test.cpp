@@ -16,7 +16,7 @@ using Row = ReferenceTable::Row;
 
 Vec3<double> receiver_of(const Row& row) { return {row["x"], row["y"], row["z"]}; }
 
-/// All that is compared holds to a few roundings of doubles.
+/// All values are compared to within a few roundings of doubles.
 constexpr double kRoundings = 1e-14;
 
 /// I / d^2 in floats.
@@ -59,7 +59,7 @@ TEST(MagnitudeExtremes, PointLights) {
   sweep.expect_within(kRoundings);
 }
 
-TEST(MagnitudeExtremes, DistancesWhoseSquaresAreNoNumbers) {
+TEST(MagnitudeExtremes, DistancesWhoseSquaresLeaveTheRangeOfDoubles) {
   Sweep sweep(9, "point, spot and projection lights of 1e-300 cd near and 1e300 cd far",
               "1e-161 ... 1e-100 m, 1e100 ... 1e161 m", "value");
   SpotLightParams spot;
@@ -70,7 +70,7 @@ TEST(MagnitudeExtremes, DistancesWhoseSquaresAreNoNumbers) {
   projection.picture = *ProjectedPicture::create(square);
   for (int e = -161; e <= 161; e += e == -100 ? 200 : 1) {
     const double distance = 3 * std::pow(10.0, e), intensity = e < 0 ? 1e-300 : 1e300;
-    // Their exponents go to 2^16384.
+    // The exponents of long doubles reach 2^16384.
     const long double square_m2 = static_cast<long double>(distance) * distance;
     const double value = static_cast<double>(intensity / square_m2);
     const auto compare = [&](const auto& light) {
@@ -117,7 +117,7 @@ TEST(MagnitudeExtremes, ValuesThatUnderflowAreZero) {
   sweep.expect_answers("0");
 }
 
-/// A shape of magnitude_shapes and what it is asked with.
+/// Calls `f` with a shape of the table magnitude_shapes.
 template <typename F>
 void visit_shape(const std::string& name, double s, F&& f) {
   const DiffuseEmission both{Rgb<double>(1), true};
@@ -159,9 +159,9 @@ TEST(MagnitudeExtremes, DensityOfShapes) {
     const std::string& shape = row.text("shape");
     visit_shape(shape, row["size"], [&](const auto& light) {
       Receiver<Served> receiver(receiver_of(row));
-      // Of a sphere the way is by what it fills.
+      // Spheres keep the automatic method, which depends on the solid angle.
       if (shape != "sphere") receiver.area_sampling = AreaSampling::kLowDistortion;
-      // Each by the u of its point.
+      // Each shape is sampled at the u of the table's point.
       const auto sample = light.sample_li(receiver, {shape == "triangle" ? 1.0 : 0.0, 0});
       const std::string at = shape + " " + row.text("size") + ", " + row.text("x");
       EXPECT_EQ(sample.reason, NoLight::kNone) << at;
@@ -242,7 +242,8 @@ TEST(MagnitudeExtremes, DensityOfPortals) {
     const Vec3<double> receiver = receiver_of(row);
     const auto pdf = light->pdf_li(receiver, normalized(Vec3<double>{s / 2, s / 4, 0} - receiver));
     sweep.compare(pdf.per_sr, row["pdf_per_sr"], row.text("size") + ", " + row.text("x"));
-    // As small as it is: the distance squared over the projected area, in floats.
+    // The textbook takes every portal as small: the squared distance over the projected area, in
+    // floats.
     const Vec3<float> r(receiver);
     const float d2 = dot(r, r);
     sweep.compare_textbook(d2 * std::sqrt(d2) / (static_cast<float>(s * s / 2) * -r.z),

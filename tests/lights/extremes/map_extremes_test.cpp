@@ -1,4 +1,5 @@
-// Row 20: pictures around the sphere at their seams, poles and the edges between texels.
+// Row 20: pictures around the sphere at their seams, at their poles and at the edges between
+// texels.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -19,7 +20,7 @@ std::string place_of(const Row& row) {
          row.text("y") + ", " + row.text("z") + ")";
 }
 
-/// By an angle's arc cosine and texels whose values are at their corners: half a texel off.
+/// By the arc cosine of an angle, with the value of a texel at its corner: half a texel off.
 float textbook_value(const Row& row) {
   const auto x = static_cast<float>(row["x"]), y = static_cast<float>(row["y"]),
              z = static_cast<float>(row["z"]);
@@ -40,12 +41,12 @@ float textbook_value(const Row& row) {
 
 const char* const kPlaces = "1e-9 from the seam, the poles and texel edges; texel centres";
 
-/// `ask(row)` against a column of the table.
+/// Compares `lookup(row)` with a column of the table.
 template <typename F>
-void sweep_looks(Sweep& sweep, const std::string& column, F&& ask) {
+void sweep_looks(Sweep& sweep, const std::string& column, F&& lookup) {
   const ReferenceTable table("sphere_maps");
   for (const auto& row : table.rows()) {
-    sweep.compare(ask(row), row[column], place_of(row));
+    sweep.compare(lookup(row), row[column], place_of(row));
     if (column == "value" && mapping_of(row) == SphereMapping::kLatitudeLongitude &&
         row["value"] > 0)
       sweep.compare_textbook(textbook_value(row), row["value"]);
@@ -86,7 +87,8 @@ TEST(MapExtremes, DensityOfRaysFromALamp) {
   });
 }
 
-/// Pictures of the table's kinds, turned so that no seam lies along an axis, and as they are.
+/// Calls `f` with skies of the table's kinds: rotated, so that no seam lies along an axis, and
+/// unrotated.
 template <typename F>
 void for_each_sky(F&& f) {
   const Transform turned = *Transform::rotate(1.1, {3, -2, 1});
@@ -113,7 +115,7 @@ std::vector<double> sample_values(int n) {
   return u;
 }
 
-TEST(MapExtremes, SamplesAreWhatTheirDirectionSays) {
+TEST(MapExtremes, SamplesAgreeWithTheirDirections) {
   Sweep sweep(20, "environment map, sample values",
               "0, 2^-60 ... 1 - 2^-60, 1; both sides of texels",
               "value and density of a sample against those of its direction");
@@ -139,7 +141,7 @@ TEST(MapExtremes, SamplesAreWhatTheirDirectionSays) {
           ++kept;
         }
   });
-  // So near to a pole that directions tell no texel.
+  // A pole can be so near that a direction does not determine the texel.
   EXPECT_LT(rounded_away, kept / 100);
   sweep.expect_within(0);
 }

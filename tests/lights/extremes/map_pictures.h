@@ -14,7 +14,7 @@
 
 namespace lucerna::testing {
 
-/// `value(i, j)` of column and row.
+/// `value(i, j)` is the texel in column i and row j.
 template <typename F>
 std::shared_ptr<const Image> grey_image(int width, int height, F&& value) {
   std::vector<Rgb<float>> texels;
@@ -23,7 +23,7 @@ std::shared_ptr<const Image> grey_image(int width, int height, F&& value) {
   return *Image::create(width, height, std::move(texels));
 }
 
-/// The one of the table `sphere_maps`: a third of it is black.
+/// The picture of the table `sphere_maps`.  A third of it is black.
 inline double patchy_texel(int i, int j) { return std::max(0, (3 * i + 5 * j) % 9 - 2); }
 
 inline SphereMapping mapping_of(const ReferenceTable::Row& row) {
@@ -38,7 +38,7 @@ inline std::shared_ptr<const Image> patchy_image(const ReferenceTable::Row& row)
   return grey_image(static_cast<int>(row["w"]), static_cast<int>(row["h"]), patchy_texel);
 }
 
-/// `background` everywhere but `bright` at (5, 2).
+/// The texel at (5, 2) is `bright`, all others `background`.
 inline std::shared_ptr<const Image> spotted_image(const ReferenceTable::Row& row) {
   return grey_image(
       8, 8, [&](int i, int j) { return i == 5 && j == 2 ? row["bright"] : row["background"]; });

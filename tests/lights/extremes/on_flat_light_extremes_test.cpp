@@ -20,7 +20,7 @@ TEST(OnLightExtremes, Triangles) {
       const auto light = TriangleMeshLight<Served>::create(
           {Rgb<double>(1), two_sided}, *TriangleMesh<Served>::create({{a, b, c}}));
       const Vec3<double> normal = normalized(cross(b - a, c - a));
-      // Of a, b and c, in eighths: all of these are exact.
+      // Shares of a, b and c in eighths, so that all points are exact.
       for (const Vec3<double>& share : {Vec3<double>{8, 0, 0},
                                         {0, 8, 0},
                                         {0, 0, 8},
@@ -31,7 +31,7 @@ TEST(OnLightExtremes, Triangles) {
                                         {1, 3, 4},
                                         {3, 3, 2}}) {
         const Vec3<double> on = a + (b - a) * (share.y / 8) + (c - a) * (share.z / 8);
-        ask(*light, on, sweep);
+        record_samples(*light, on, sweep);
         textbook(Vec3<float>(a * 0.5 + b * 0.25 + c * 0.25) - Vec3<float>(on), Vec3<float>(normal),
                  static_cast<float>(light->area_m2()), sweep);
       }
@@ -44,7 +44,7 @@ TEST(OnLightExtremes, Rectangles) {
   for (const Place& f : frames())
     for (const bool two_sided : {false, true})
       for (const bool tilted : {false, true}) {
-        // (2, 1, 2), (1, 2, -2): at right angles, of length 3.
+        // (2, 1, 2) and (1, 2, -2) are at right angles and have length 3.
         const auto at = [&](double u, double v) {
           return tilted ? f.point(2 * u + v, u + 2 * v, 2 * u - 2 * v) : f.point(3 * u, 5 * v, 0);
         };
@@ -62,7 +62,7 @@ TEST(OnLightExtremes, Rectangles) {
                                       {2, 4},
                                       {1, 7},
                                       {3, 0.5}}) {
-          ask(*light, at(p.x, p.y), sweep);
+          record_samples(*light, at(p.x, p.y), sweep);
           textbook(Vec3<float>(at(1, 1)) - Vec3<float>(at(p.x, p.y)),
                    Vec3<float>(normalized(cross(at(1, 0) - at(0, 0), at(0, 1) - at(0, 0)))),
                    static_cast<float>(light->area_m2()), sweep);
@@ -75,7 +75,8 @@ TEST(OnLightExtremes, Trapezoids) {
   Sweep sweep(7, "receiver on a flat quadrilateral that is not a rectangle", kSwept, "answer");
   for (const Place& f : frames())
     for (const bool two_sided : {false, true}) {
-      // In the plane of (2, 1, 2) and (1, 2, -2): 4 of the one, 8 of the other and, opposite, 4.
+      // In the plane of (2, 1, 2) and (1, 2, -2): 4 times the first; 8 times the second and, on the
+      // opposite side, 4 times.
       const auto at = [&](double u, double v) {
         return f.point(2 * u + v, u + 2 * v, 2 * u - 2 * v);
       };
@@ -92,19 +93,25 @@ TEST(OnLightExtremes, Trapezoids) {
                                     {2, 6},
                                     {1, 2},
                                     {3, 0.5}})
-        ask(*light, at(p.x, p.y), sweep);
+        record_samples(*light, at(p.x, p.y), sweep);
     }
   sweep.expect_answers(NoLight::kDegenerate);
 }
 
 TEST(OnLightExtremes, BentPatchesFromTheirOwnCorner) {
+<<<<<<< HEAD
   // The directions to (u, v, u v) from its corner 0 end where u or v is 1: the integral of the sine
   // of the elevation there over the azimuth is pi / 6.
   Sweep sweep(7, "receiver at a corner of a bent patch, where all of it is visible",
+=======
+  // The directions to (u, v, u v) from its corner 0 end where u or v is 1.  There the integral of
+  // the sine of the elevation over the azimuth is pi / 6.
+  Sweep sweep(7, "receiver at a corner of a bent patch, which sees all of it",
+>>>>>>> tests-words
               "sizes 2^-80 ... 2^60 m, offsets 0 ... 3 sizes", "mean of 1 / density");
   for (const Place& f : frames()) {
-    // Where zero is 1e6 sizes away, doubles next to the corner are farther apart than the patch
-    // is bent.
+    // At 1e6 sizes from zero, the doubles next to the corner are farther apart than the patch is
+    // bent.
     if (max_abs(f.offset) > 3 * f.size) continue;
     const auto light =
         patch_light({f.point(0, 0, 0), f.point(1, 0, 0), f.point(0, 1, 0), f.point(1, 1, 1)});
@@ -115,7 +122,7 @@ TEST(OnLightExtremes, BentPatchesFromTheirOwnCorner) {
                   fmt::format("size {} offset {}", f.size, max_abs(f.offset) / f.size));
     for (const double x : {0.0, 0.3, 1.0})
       for (const auto& u : {Vec2<double>{x, 0}, {0, x}}) {
-        // Along the edges, which it is on.
+        // Along the edges, on which the receiver lies.
         const auto s = light.sample_li(receiver, u);
         EXPECT_NE(s.reason, NoLight::kNone);
         EXPECT_EQ(s.value.max_component(), 0);
@@ -124,9 +131,15 @@ TEST(OnLightExtremes, BentPatchesFromTheirOwnCorner) {
   sweep.expect_within(1e-9);
 }
 
+<<<<<<< HEAD
 TEST(OnLightExtremes, CornersOfAnyDigits) {
   Sweep sweep(7, "receiver at a corner of a triangle or a rectangle with random coordinates",
               kSwept, "answer");
+=======
+TEST(OnLightExtremes, CornersWithRandomDigits) {
+  Sweep sweep(7, "receiver at a corner of a triangle or a rectangle of random digits", kSwept,
+              "answer");
+>>>>>>> tests-words
   std::mt19937 random(7);
   std::uniform_real_distribution<double> digits(-1, 1);
   const auto any = [&] { return Vec3<double>{digits(random), digits(random), digits(random)}; };
@@ -140,7 +153,7 @@ TEST(OnLightExtremes, CornersOfAnyDigits) {
           emission, *TriangleMesh<Served>::create({{at(a), at(a + e), at(a + way)}}));
       const Vec3<double> within = (a * 2 + (a + e) + (a + way)) / 4;
       for (const Vec3<double>& corner : {a, a + e, a + way}) {
-        ask(*triangle, at(corner), sweep);
+        record_samples(*triangle, at(corner), sweep);
         textbook(Vec3<float>(at(within)) - Vec3<float>(at(corner)),
                  Vec3<float>(normalized(cross(e, way))), static_cast<float>(triangle->area_m2()),
                  sweep);
@@ -148,7 +161,7 @@ TEST(OnLightExtremes, CornersOfAnyDigits) {
       const auto rectangle = PatchMeshLight<Served>::create(
           emission, *PatchMesh<Served>::create({{at(a), at(a + e), at(a + h), at(a + e + h)}}));
       for (const Vec3<double>& corner : {a, a + e, a + h, a + e + h})
-        ask(*rectangle, at(corner), sweep);
+        record_samples(*rectangle, at(corner), sweep);
     }
   sweep.expect_answers(NoLight::kDegenerate);
 }

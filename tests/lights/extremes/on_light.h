@@ -1,4 +1,4 @@
-// Row 7: what receivers exactly on a light are answered.
+// Row 7: the answers to receivers exactly on a light.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 
 namespace lucerna::testing {
 
-/// Sizes and offsets under which whole numbers stay exact.
+/// A size and an offset that keep whole numbers exact.
 struct Place {
   double size;
   Vec3<double> offset;
@@ -32,9 +32,9 @@ inline std::vector<Place> frames() {
 }
 inline constexpr char kSwept[] = "sizes 2^-80 ... 2^60 m, offsets 0 ... 1e6 sizes";
 
-/// What one sample after another answers at a receiver that lies on the light.
+/// Samples the light many times from a receiver that lies on it, and records the answers.
 template <typename Light>
-void ask(const Light& light, const Vec3<Served>& position, Sweep& sweep) {
+void record_samples(const Light& light, const Vec3<Served>& position, Sweep& sweep) {
   for (int way = 0; way <= static_cast<int>(AreaSampling::kCosineSolidAngle); ++way)
     for (const double x : {0.0, 0.125, 0.4, 0.75, 1.0})
       for (const double y : {0.0, 0.3, 0.5, 0.9, 1.0}) {
@@ -45,14 +45,14 @@ void ask(const Light& light, const Vec3<Served>& position, Sweep& sweep) {
         sweep.answer(sample.reason);
         EXPECT_EQ(sample.value.max_component(), 0);
         EXPECT_TRUE(std::isfinite(sample.pdf.per_sr));
-        // The density of directions says the same.
+        // The density of the direction must be 0 too.
         if (sample.wi != Vec3<Served>{}) {
           EXPECT_EQ(light.pdf_li(receiver, sample.wi).per_sr, 0);
         }
       }
 }
 
-/// L A cos / d^2 of a light of radiance 1 in floats, or I / d^2 where the receiver is the point.
+/// L A cos / d^2 for a light of radiance 1, or I / d^2 where the receiver is the point, in floats.
 inline void textbook(const Vec3<float>& to_light, const Vec3<float>& normal, float area,
                      Sweep& sweep) {
   const float d2 = dot(to_light, to_light);

@@ -1,4 +1,4 @@
-// Row 7: receivers exactly on lights of no size, on pictures and panels, in portals.
+// Row 7: receivers exactly on lights without a size, on pictures and panels, and in portals.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -13,24 +13,25 @@ TEST(OnLightExtremes, Points) {
   Sweep sweep(7, "receiver at a point, spot, projection or goniometric light", kSwept, "answer");
   for (const Place& f : frames()) {
     const Vec3<double> position = f.point(3, 5, -7);
-    ask(*PointLight<Served>::create({.position_m = position, .intensity_cd = Rgb<double>(1)}),
+    record_samples(
+        *PointLight<Served>::create({.position_m = position, .intensity_cd = Rgb<double>(1)}),
         position, sweep);
     SpotLightParams spot;
     spot.position_m = position;
     spot.intensity_cd = Rgb<double>(1);
     spot.cone_half_angle_rad = 1;
-    ask(*SpotLight<Served>::create(spot), position, sweep);
+    record_samples(*SpotLight<Served>::create(spot), position, sweep);
     ProjectedPictureParams picture;
     picture.fov_rad = 1;
     ProjectionLightParams projection;
     projection.position_m = position;
     projection.intensity_cd = Rgb<double>(1);
     projection.picture = *ProjectedPicture::create(picture);
-    ask(*ProjectionLight<Served>::create(projection), position, sweep);
+    record_samples(*ProjectionLight<Served>::create(projection), position, sweep);
     GoniometricLightParams goniometric;
     goniometric.position_m = position;
     goniometric.intensity = Rgb<double>(1);
-    ask(*GoniometricLight<Served>::create(goniometric), position, sweep);
+    record_samples(*GoniometricLight<Served>::create(goniometric), position, sweep);
     const float d = 0;
     sweep.textbook_answer(std::isinf(1 / (d * d)) ? "infinite" : "a number");
   }
@@ -59,7 +60,7 @@ TEST(OnLightExtremes, PicturesAndPanels) {
       params.world_from_object = Transform::translate(f.point(1, 2, 3));
       const auto disk = *Disk<Served>::create(params);
       const auto all = [&](const Vec2<double>& p, const auto&... light) {
-        (ask(light, at(p.x, p.y), sweep), ...);
+        (record_samples(light, at(p.x, p.y), sweep), ...);
       };
       const auto painted_triangle = *PaintedTriangleMeshLight<Served>::create(
           emission,
@@ -78,8 +79,8 @@ TEST(OnLightExtremes, PicturesAndPanels) {
       const auto panel_disk =
           *PanelDiskLight<Served>::create(emission, *PanelDisk<Served>::create(disk, profile));
       for (const Vec2<double>& p : {Vec2<double>{0, 0}, {8, 0}, {0, -8}, {1, 2}, {-3, 0.5}}) {
-        ask(painted_disk, f.point(1 + p.x, 2 + p.y, 3), sweep);
-        ask(panel_disk, f.point(1 + p.x, 2 + p.y, 3), sweep);
+        record_samples(painted_disk, f.point(1 + p.x, 2 + p.y, 3), sweep);
+        record_samples(panel_disk, f.point(1 + p.x, 2 + p.y, 3), sweep);
       }
     }
   sweep.expect_answers(NoLight::kDegenerate);
@@ -94,7 +95,7 @@ TEST(OnLightExtremes, Portals) {
     const auto light = PortalLight<Served>::create(params);
     for (const Vec2<double>& p :
          {Vec2<double>{0, 0}, {4, 0}, {0, 8}, {4, 8}, {2, 0}, {4, 3}, {1, 7}})
-      ask(*light, f.point(p.x, p.y, 0), sweep);
+      record_samples(*light, f.point(p.x, p.y, 0), sweep);
   }
   sweep.expect_answers(NoLight::kDegenerate);
 }

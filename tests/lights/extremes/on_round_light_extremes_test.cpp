@@ -22,14 +22,14 @@ TEST(OnLightExtremes, CutSpheresAndRims) {
     const auto ball =
         *SphereLight<Served>::create({Rgb<double>(1)}, *Sphere<Served>::create(whole));
     for (const Vec3<double>& p : {Vec3<double>{1, 4, 8}, {-4, 7, 4}, {6, -3, -6}, {8, 4, -1}})
-      ask(ball, f.point(1 + p.x, 2 + p.y, 3 + p.z), sweep);
+      record_samples(ball, f.point(1 + p.x, 2 + p.y, 3 + p.z), sweep);
     SphereParams part = whole;
     part.radius_m = 5 * f.size;
     part.z_min_m = -4 * f.size;
     part.z_max_m = 3 * f.size;
     const auto cut = *SphereLight<Served>::create({Rgb<double>(1)}, *Sphere<Served>::create(part));
     for (const Vec3<double>& p : {Vec3<double>{4, 0, 3}, {0, -4, 3}, {-3, 0, -4}, {3, 4, 0}})
-      ask(cut, f.point(1 + p.x, 2 + p.y, 3 + p.z), sweep);
+      record_samples(cut, f.point(1 + p.x, 2 + p.y, 3 + p.z), sweep);
     CylinderParams cylinder;
     cylinder.radius_m = 5 * f.size;
     cylinder.z_min_m = -8 * f.size;
@@ -38,7 +38,7 @@ TEST(OnLightExtremes, CutSpheresAndRims) {
     const auto tube =
         *CylinderLight<Served>::create({Rgb<double>(1)}, *Cylinder<Served>::create(cylinder));
     for (const Vec3<double>& p : {Vec3<double>{5, 0, 8}, {3, 4, 8}, {-4, 3, -8}, {-3, -4, 1}})
-      ask(tube, f.point(1 + p.x, 2 + p.y, 3 + p.z), sweep);
+      record_samples(tube, f.point(1 + p.x, 2 + p.y, 3 + p.z), sweep);
   }
   sweep.expect_answers(NoLight::kDegenerate);
 }
@@ -54,7 +54,7 @@ TEST(OnLightExtremes, Disks) {
           DiskLight<Served>::create({Rgb<double>(1), two_sided}, *Disk<Served>::create(params));
       for (const Vec2<double>& p :
            {Vec2<double>{0, 0}, {4, 0}, {0, -4}, {-4, 0}, {1, 2}, {-3, 0.5}, {2, -2}}) {
-        ask(*light, f.point(1 + p.x, 2 + p.y, 3), sweep);
+        record_samples(*light, f.point(1 + p.x, 2 + p.y, 3), sweep);
         textbook(Vec3<float>(f.point(1, 2.5, 3)) - Vec3<float>(f.point(1 + p.x, 2 + p.y, 3)),
                  {0, 0, 1}, static_cast<float>(light->area_m2()), sweep);
       }
@@ -62,8 +62,8 @@ TEST(OnLightExtremes, Disks) {
   sweep.expect_answers(NoLight::kDegenerate);
 }
 
-TEST(OnLightExtremes, SpheresAndCylindersFromWithout) {
-  Sweep sweep(7, "receiver on a sphere or a cylinder that shines outwards", kSwept, "answer");
+TEST(OnLightExtremes, SpheresAndCylindersFromOutside) {
+  Sweep sweep(7, "receiver on a sphere or a cylinder that emits outwards", kSwept, "answer");
   for (const Place& f : frames()) {
     SphereParams sphere;
     sphere.radius_m = 4 * f.size;
@@ -79,8 +79,8 @@ TEST(OnLightExtremes, SpheresAndCylindersFromWithout) {
         CylinderLight<Served>::create({Rgb<double>(1)}, *Cylinder<Served>::create(cylinder));
     for (const Vec2<double>& p : {Vec2<double>{4, 0}, {0, -4}, {-4, 0}}) {
       const Vec3<double> on = f.point(1 + p.x, 2 + p.y, 3);
-      ask(*ball, on, sweep);
-      ask(*tube, on, sweep);
+      record_samples(*ball, on, sweep);
+      record_samples(*tube, on, sweep);
       textbook(Vec3<float>(f.point(1, 2, 7)) - Vec3<float>(on), {0, 0, 1},
                static_cast<float>(ball->area_m2()), sweep);
     }
@@ -89,10 +89,17 @@ TEST(OnLightExtremes, SpheresAndCylindersFromWithout) {
 }
 
 TEST(OnLightExtremes, SpheresFromWithin) {
+<<<<<<< HEAD
   Sweep sweep(7, "receiver on a sphere that shines inwards", kSwept,
               "density of sampled points against cos / pi");
   // A sampled point is where doubles so far from zero lie, off the sphere by a rounding of its
   // coordinates; a radius is four sizes.
+=======
+  Sweep sweep(7, "receiver on a sphere that emits inwards", kSwept,
+              "density of points across, cos / pi");
+  // A sampled point is rounded to the doubles at this distance from zero.  So it is off the sphere
+  // by a rounding of its coordinates.  A radius is four sizes.
+>>>>>>> tests-words
   const auto bound = [](double offset_sizes) { return 1e-14 + 2 * 0x1p-53 * offset_sizes / 4; };
   double farthest = 0;
   for (const Place& f : frames()) farthest = std::fmax(farthest, max_abs(f.offset) / f.size);

@@ -14,7 +14,7 @@ namespace {
 
 using Row = ReferenceTable::Row;
 
-/// From a corner at the origin.
+/// A square portal with a corner at the origin.
 const PortalLight<Served>& portal(double side) {
   static std::map<double, PortalLight<Served>> made;
   const auto at = made.find(side);
@@ -46,7 +46,7 @@ TEST(PortalExtremes, Density) {
   sweep.expect_within(1e-11);
 }
 
-/// Just beyond its edges there is no density; just within them there is.
+/// The density is 0 just beyond the edges, and positive just within them.
 TEST(PortalExtremes, Edges) {
   Sweep sweep(20, "portal", "half-angles of 1e-9 ... 1.5 rad",
               "density at a thousandth inside and outside an edge");
@@ -66,19 +66,20 @@ TEST(PortalExtremes, Edges) {
   sweep.expect_answers("only inside");
 }
 
-/// What samples say is what is said of their directions, and each leads through the portal; but for
-/// one that is seen 1e-15 rad above its plane, and narrower than that.
+/// Values and densities of samples equal those of their directions, and each sample passes through
+/// the portal.  The exception is a portal 1e-15 rad above the receiver's plane and narrower than
+/// that.
 TEST(PortalExtremes, SamplesLeadThroughThePortal) {
   Sweep sweep(20, "portal", kSeen, "samples");
   const ReferenceTable table("portals");
   RandomU random(20);
   for (const auto& row : table.rows()) {
     const auto& light = portal(row["side"]);
-    const bool told = row["wz"] > 1e-14;
+    const bool resolved = row["wz"] > 1e-14;
     for (int i = 0; i < 64; ++i) {
       const Vec2<Served> u = random.pair<Served>();
       const auto s = light.sample_li(receiver_of(row), u);
-      if (!told && s.reason == NoLight::kOutOfRange) continue;
+      if (!resolved && s.reason == NoLight::kOutOfRange) continue;
       const bool same = light.pdf_li(receiver_of(row), s.wi) == s.pdf;
       const bool through = light.le_escaped(receiver_of(row), s.wi) == s.value;
       sweep.answer(s.reason != NoLight::kNone ? Sweep::name_of(s.reason) + ": " + place_of(row)

@@ -1,4 +1,4 @@
-// Row 29: powers, exact and by the books' formulas.
+// Row 29: powers, exact and by textbook formulas.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,7 +14,7 @@ namespace {
 using Row = ReferenceTable::Row;
 constexpr float kPi = std::numbers::pi_v<float>;
 
-/// The exact power against the truth; what is stated of the approximate one must hold.
+/// Compares the exact power with the reference, and checks the stated error of the approximate one.
 template <typename L>
 void check_power(Sweep& sweep, const L& light, double truth, const std::string& at,
                  const SceneSphere& scene = {}) {
@@ -64,7 +64,7 @@ TEST(PowerExtremes, EvenProjections) {
   for (const auto& row : table.rows()) {
     check_power(sweep, projection(row, nullptr, ImageFilter::kNearest), row["even_lm"],
                 place_of(row));
-    // pbrt-v3's: the cone about the corner.
+    // pbrt-v3's formula: the cone about the corner.
     const float shorter = std::tan(static_cast<float>(row["fov_rad"]) / 2);
     const auto aspect = static_cast<float>(row["aspect"]);
     const float corner = shorter * std::hypot(std::max(aspect, 1.0F), 1 / std::min(aspect, 1.0F));
@@ -79,7 +79,7 @@ TEST(PowerExtremes, ProjectedPictures) {
   for (const auto& row : table.rows()) {
     const auto light = projection(row, grey_image(4, 3, patchy_texel), ImageFilter::kNearest);
     check_power(sweep, light, row["picture_lm"], place_of(row));
-    // pbrt-v4's: each texel as its middle.
+    // pbrt-v4's formula: each texel counts as its middle.
     sweep.compare_textbook(static_cast<float>(light.params().picture->integral_by_centres_sr().g),
                            row["picture_lm"]);
   }
@@ -122,7 +122,7 @@ void check_areas(Sweep& sweep, bool bent) {
                   shining<TriangleMesh>(
                       TriangleMesh<Served>::create({{v(0, 0, 0), v(1, 0, 0), v(0, 2, 2)}})),
                   truth, at);
-      // The cross product in floats, whose squares leave them.
+      // The cross product in floats, whose squares exceed their range.
       const auto f = static_cast<float>(s);
       const float area = std::sqrt(2 * (2 * f * f) * (2 * f * f)) / 2;
       sweep.compare_textbook(kPi * area, truth);
@@ -204,7 +204,7 @@ TEST(PowerExtremes, OtherLights) {
   sweep.expect_within(1e-15);
 }
 
-/// Where the sky has a picture the power is by quadrature: what it states of its error holds.
+/// Where the sky has a picture, the power is computed by quadrature, and its stated error holds.
 TEST(PowerExtremes, Portals) {
   Sweep sweep(29, "portal, side", "1e-6 ... 1e6 m, with and without a picture", "power");
   const ReferenceTable table("portal_powers");
@@ -221,11 +221,11 @@ TEST(PowerExtremes, Portals) {
     check_power(sweep, *PortalLight<Served>::create(params), row["power_lm"],
                 row.text("sky") + " " + row.text("n") + " " + row.text("side"));
   }
-  // Midpoints of cells that are pi / 515 high and 2 pi / 512 wide are too high by a 24th of the
-  // width's square of what goes with the azimuth's sine, and of twice the height's of what goes
-  // with that of twice the polar angle, 6e-6 each; where the horizon cuts a row of cells they lack
-  // a quarter of the height's square, 9e-6.  The error told with each power is no less
-  // (check_power).
+  // Cells are pi / 515 high and 2 pi / 512 wide.  Midpoints overestimate the integral of the
+  // azimuth's sine by a 24th of the squared width.  They overestimate that of the sine of twice the
+  // polar angle by a 24th of the square of twice the height.  Each is 6e-6.  Where the horizon cuts
+  // a row of cells, a quarter of the squared height is missing, 9e-6.  The error stated with each
+  // power is at least as large (check_power).
   sweep.expect_within(1e-5);
 }
 

@@ -1,4 +1,4 @@
-// Row 20: projected pictures at their border and the edges between texels.
+// Row 20: projected pictures at their border and at the edges between texels.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -26,7 +26,7 @@ std::string place_of(const Row& row) {
          row.text("y") + ")";
 }
 
-/// Texels whose values are at their corners: half a texel off.
+/// With the value of a texel at its corner: half a texel off.
 float textbook_value(const Row& row) {
   const float shorter = std::tan(static_cast<float>(row["fov_rad"]) / 2);
   const auto aspect = static_cast<float>(row["aspect"]);
@@ -80,7 +80,7 @@ TEST(ProjectionExtremes, DensityCoversTheLight) {
   const ReferenceTable table("projection_maps");
   for (const auto& row : table.rows()) {
     const auto light = projection(row);
-    // The place itself, and both sides of the border on its row and its column.
+    // The place itself, and both sides of the border in its row and its column.
     const double x = row["x"], y = row["y"];
     const Vec2<double> half = light.params().picture->half();
     for (const double beside : {1 - 1e-15, 1.0, 1 + 1e-15})

@@ -1,5 +1,5 @@
-// Rows 5 and 6: rectangles and other quadrilaterals that cover little, and such as are seen from
-// nearly within their plane.
+// Rows 5 and 6: rectangles and other quadrilaterals that are small, or that are seen from nearly
+// within their plane.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -21,7 +21,8 @@ std::string place(const ReferenceTable::Row& row) {
   return row.text("name") + ", " + row.text("solid_angle_sr") + " sr";
 }
 
-/// The sum of the angles less two pi, by the cosines between neighbouring planes.  [Urena13]
+/// The sum of the angles minus two pi.  The angles come from cosines between neighbouring planes.
+/// [Urena13]
 float textbook_solid_angle(const ReferenceTable::Row& row) {
   const Vec3<float> r(vector_in(row, "receiver"));
   Vec3<float> corner[4], plane[4];
@@ -37,7 +38,11 @@ constexpr AreaSampling kWays[] = {AreaSampling::kSolidAngle, AreaSampling::kCosi
                                   AreaSampling::kAutomatic, AreaSampling::kLowDistortion};
 
 TEST(RectangleExtremes, SolidAngleOfSmallRectangles) {
+<<<<<<< HEAD
   Sweep sweep(6, "rectangle of small solid angle, sides 1 : 1 and 1 : 1024", "1e-38 ... 1e-2 sr",
+=======
+  Sweep sweep(6, "rectangle of small solid angle, square and 1 : 1024", "1e-38 ... 1e-2 sr",
+>>>>>>> tests-words
               "mean of 1 / density");
   const ReferenceTable table("small_rectangles");
   for (const auto& row : table.rows()) {
@@ -52,7 +57,11 @@ TEST(RectangleExtremes, SolidAngleOfSmallRectangles) {
 }
 
 TEST(RectangleExtremes, IrradianceOfSmallRectangles) {
+<<<<<<< HEAD
   Sweep sweep(6, "rectangle of small solid angle, sides 1 : 1 and 1 : 1024", "1e-38 ... 1e-2 sr",
+=======
+  Sweep sweep(6, "rectangle of small solid angle, square and 1 : 1024", "1e-38 ... 1e-2 sr",
+>>>>>>> tests-words
               "irradiance");
   const ReferenceTable table("small_rectangles");
   for (const auto& row : table.rows()) {
@@ -67,7 +76,11 @@ TEST(RectangleExtremes, IrradianceOfSmallRectangles) {
 }
 
 TEST(RectangleExtremes, SmallQuadrilaterals) {
+<<<<<<< HEAD
   Sweep sweep(6, "flat bilinear patch of small solid angle that is not a rectangle",
+=======
+  Sweep sweep(6, "flat bilinear patch that is not a rectangle, of small solid angle",
+>>>>>>> tests-words
               "1e-36 ... 1e-1 sr", "irradiance");
   const ReferenceTable table("small_quadrilaterals");
   for (const auto& row : table.rows()) {
@@ -82,8 +95,8 @@ TEST(RectangleExtremes, SmallQuadrilaterals) {
   sweep.expect_within(1e-12);
 }
 
-/// How many samples should fall into each of n x n cells of the rectangle, by the density that is
-/// told of their points: its integral over the solid angle of the cell.
+/// The expected count of samples in each of n x n cells of the rectangle: the integral over the
+/// cell of the reported density of points.
 template <typename Light>
 std::vector<double> expected_counts(const Light& light, const Receiver<Served>& receiver,
                                     const Vec3<double>& corner, const Vec3<double>& x,
@@ -108,7 +121,11 @@ std::vector<double> expected_counts(const Light& light, const Receiver<Served>& 
 }
 
 TEST(RectangleExtremes, SamplesOfEdgeOnRectanglesFollowTheirDensity) {
+<<<<<<< HEAD
   Sweep sweep(5, "rectangle of small solid angle, receiver nearly in its plane",
+=======
+  Sweep sweep(5, "rectangle of small solid angle, the eye nearly in its plane",
+>>>>>>> tests-words
               "1e-8 ... 3e-3 sr, on both sides of the threshold",
               "chi-square test of 40000 samples against the reported density");
   const ReferenceTable table("edge_on_rectangles");
@@ -130,7 +147,7 @@ TEST(RectangleExtremes, SamplesOfEdgeOnRectanglesFollowTheirDensity) {
         ++observed[bin(x) * kBins + bin(y)];
       }
       const auto expected = expected_counts(light, receiver, corner, x, y, kBins, kSamples);
-      // By luck once in 1e8.
+      // Fails by chance once in 1e8.
       const double p = chi_square_p_value(observed, expected);
       sweep.answer(p > 1e-8 ? "passes" : "fails");
       EXPECT_GT(p, 1e-8) << place(row) << " way " << int(way);
@@ -140,7 +157,11 @@ TEST(RectangleExtremes, SamplesOfEdgeOnRectanglesFollowTheirDensity) {
 }
 
 TEST(RectangleExtremes, SolidAngleAndIrradianceOfEdgeOnRectangles) {
+<<<<<<< HEAD
   Sweep sweep(5, "rectangle of small solid angle, receiver nearly in its plane",
+=======
+  Sweep sweep(5, "rectangle of small solid angle, the eye nearly in its plane",
+>>>>>>> tests-words
               "1e-8 ... 3e-3 sr, on both sides of the threshold", "solid angle and irradiance");
   const ReferenceTable table("edge_on_rectangles");
   for (const auto& row : table.rows()) {

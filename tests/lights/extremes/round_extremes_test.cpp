@@ -1,4 +1,4 @@
-// Rows 3, 6 and 8: disks and cylinders, small, grazing, and as wide as the hemisphere.
+// Rows 3, 6 and 8: disks and cylinders that are small, grazing, or as wide as the hemisphere.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// Of the table: seen from the origin.
+/// The disk of a row, seen from the origin.
 DiskLight<Served> disk_in(const ReferenceTable::Row& row) {
   DiskParams params;
   params.radius_m = row["radius_m"];
@@ -26,10 +26,12 @@ Receiver<Served> at_origin(const ReferenceTable::Row& row, AreaSampling way) {
   return receiver;
 }
 
-/// Samples of disks by solid angle go round in four quarters of the square, smooth in each.
+/// Integrates over samples of a disk by solid angle.  The map has four quarters of the square, each
+/// smooth.
 template <std::size_t kNodes = 24, typename Light>
 Seen seen_in_quarters(const Light& light, const Receiver<Served>& receiver) {
-  // The concentric map's: cut by both diagonals.  Each triangle as a square that is one side wide.
+  // The quarters are those of the concentric map, cut by both diagonals.  Each triangle is
+  // integrated as a square.
   const Gauss<kNodes>& rule = gauss<kNodes>();
   Seen seen;
   for (std::size_t i = 0; i < kNodes; ++i)
@@ -45,7 +47,7 @@ Seen seen_in_quarters(const Light& light, const Receiver<Served>& receiver) {
 Seen seen_disk(const DiskLight<Served>& light, const Receiver<Served>& receiver) {
   Receiver<Served> by_area = receiver;
   by_area.area_sampling = AreaSampling::kLowDistortion;
-  // Where there is no density by solid angle points are those by area, smooth in the radius.
+  // Without a density by solid angle, points are sampled by area, smooth in the radius.
   const bool is_by_area =
       light.sample_li(receiver, {0.3, 0.6}).point == light.sample_li(by_area, {0.3, 0.6}).point;
   return is_by_area ? seen_by<64>(light, receiver, By::kRoot)
@@ -53,7 +55,7 @@ Seen seen_disk(const DiskLight<Served>& light, const Receiver<Served>& receiver)
 }
 
 float textbook_disk_solid_angle(const ReferenceTable::Row& row) {
-  // A cap of the disk's area, 1 - cos as a difference.
+  // A cap with the area of the disk; 1 - cos as a difference.
   const float r = static_cast<float>(row["radius_m"]);
   const float d = static_cast<float>(std::hypot(row["offset_m"], row["height_m"]));
   return 2 * std::numbers::pi_v<float> * (1 - d / std::sqrt(d * d + r * r)) *
@@ -67,7 +69,7 @@ void sweep_disks(const std::string& name, Sweep& sweep) {
     const auto light = disk_in(row);
     const std::string at = row.text("radius_m") + ", " + row.text("height_m");
     for (const AreaSampling way : {AreaSampling::kSolidAngle, AreaSampling::kLowDistortion}) {
-      // Of points by area next to none are where a disk that covers the hemisphere is seen.
+      // Almost no point by area lies where a disk that covers the hemisphere is visible.
       if (name == "low" && way != AreaSampling::kSolidAngle) continue;
       const Seen seen = seen_disk(light, at_origin(row, way));
       EXPECT_EQ(seen.without, 0) << at;
@@ -100,8 +102,13 @@ TEST(DiskExtremes, DisksAsWideAsTheHemisphere) {
 }
 
 TEST(DiskExtremes, TiltedGrazingDisks) {
+<<<<<<< HEAD
   Sweep sweep(8, "disk in a tilted plane, receiver nearly in this plane", "cosine 1e-3 ... 1e-20",
               "irradiance");
+=======
+  Sweep sweep(8, "disk in a plane that contains no axis, seen from nearly within it",
+              "cosine 1e-3 ... 1e-20", "irradiance");
+>>>>>>> tests-words
   DiskParams params;
   params.world_from_object =
       *Transform::from_matrix({{{1, 2, 2, -3}, {2, 1, -2, -6}, {2, -2, 1, -6}}});
@@ -114,7 +121,7 @@ TEST(DiskExtremes, TiltedGrazingDisks) {
     EXPECT_EQ(seen.disagreement, 0) << row.text("height");
     EXPECT_LE(relative_error(seen.solid_angle_sr, row["solid_angle_sr"]), 1e-11);
     sweep.compare(seen.irradiance_lx, row["irradiance_lx"], row.text("height"));
-    // Normal and receiver in float: what their product rounds to.
+    // Normal and receiver in float: the result is the rounding of their product.
     const Vec3<float> n = normalized(Vec3<float>(2, -2, 1)), r(vector_in(row, "receiver"));
     const float height = dot(r + Vec3<float>(3, 6, 6), n);
     sweep.compare_textbook(height, 3 * row["height"]);
@@ -137,7 +144,7 @@ void sweep_cylinders(const std::string& name, Sweep& sweep) {
     const auto light = cylinder_in(row);
     Receiver<Served> receiver(row["receiver_m"], 0, 0);
     receiver.normal = vector_in(row, "normal");
-    // Only what is within the tangents is seen.
+    // Only the part between the tangents is visible.
     const double share = row["tangent_rad"] / (2 * kPi);
     const Seen before = seen_by(light, receiver, By::kShare, By::kShare, {0, 0}, {1, share});
     const Seen after = seen_by(light, receiver, By::kShare, By::kShare, {0, 1 - share}, {1, 1});
@@ -158,7 +165,7 @@ TEST(CylinderExtremes, CylindersFromJustAboveTheirTangent) {
   Sweep sweep(8, "cylinder, receiver just above its tangent plane", "height / radius 0.1 ... 1e-9",
               "irradiance");
   sweep_cylinders("grazing", sweep);
-  // Points are rounded by 2^-53 of the radius, of which the height is 1e-9 at least.
+  // Points are rounded by 2^-53 of the radius, and the height is at least 1e-9 of it.
   sweep.expect_within(0x1p-53 / 1e-9);
 }
 

@@ -1,4 +1,4 @@
-// Rows 1 and 2: spheres that are far or small, and such as the receiver is all but on.
+// Rows 1 and 2: spheres that are far or small, and spheres that nearly touch the receiver.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@
 namespace lucerna::testing {
 namespace {
 
-/// 1 - cos of the cone by the cosine, the way of [Pharr10, 14.6.3].
+/// 1 - cos of the cone from the cosine, as in [Pharr10, 14.6.3].
 float textbook_pdf(float radius, float distance) {
   const float sin2 = radius * radius / (distance * distance);
   const float cos_max = std::sqrt(std::max(0.0F, 1 - sin2));
@@ -45,7 +45,7 @@ SphereLight<Served> sphere_light(double radius_m, bool two_sided = false) {
   return *SphereLight<Served>::create({Rgb<double>(1), two_sided}, *Sphere<Served>::create(params));
 }
 
-/// Of the directions that samples have from (0, 0, d) to a sphere about 0.
+/// The directions of samples from (0, 0, d) to a sphere about 0.
 struct Directions {
   double widest_rad = 0, mean_square_sine = 0, farthest_off = 0;
 };
@@ -115,11 +115,11 @@ TEST(SphereExtremes, IrradianceAndPowerOfFarSpheres) {
   sweep.expect_within(1e-13);
 }
 
-/// As [Pharr10, 14.6.3] has it: by area where the square of the way to the surface is below 1e-4 of
-/// whatever unit.
+/// The rule of [Pharr10, 14.6.3]: by area where the squared distance to the surface is below 1e-4,
+/// in any unit.
 float textbook_pdf_near(float radius, float distance) {
   if (distance * distance - radius * radius >= 1e-4F) return textbook_pdf(radius, distance);
-  // At the nearest point.
+  // The distance to the nearest point.
   const float way = distance - radius;
   return way * way / (4 * std::numbers::pi_v<float> * radius * radius);
 }
@@ -139,7 +139,7 @@ TEST(SphereExtremes, DensityJustOutside) {
                           static_cast<float>(length(vector_in(row, "receiver")))),
         row["pdf_per_sr"]);
   }
-  // What rounding leaves of the gap of 1e-15, and of its square root in the density.
+  // The gap of 1e-15 is rounded, and the density depends on its square root.
   sweep.expect_within(1e-8);
 }
 
@@ -156,12 +156,12 @@ TEST(SphereExtremes, IrradianceJustOutside) {
   sweep.expect_within(1e-12);
 }
 
-/// Where the receivers of a sphere light are that look away from the nearest point of it, within.
+/// A receiver inside of a sphere light that faces away from the nearest point.
 struct Inside {
   double radius, depth;  ///< the latter in radii
   Vec3<double> center;
   AreaSampling way;
-  double side;  ///< which pole is the near one
+  double side;  ///< which pole is the nearest point
 };
 
 std::vector<Inside> places_inside() {
@@ -172,7 +172,7 @@ std::vector<Inside> places_inside() {
            {AreaSampling::kAutomatic, AreaSampling::kSolidAngle, AreaSampling::kSquareRoot})
         for (const double depth : {1.0, 0.5, 0.125, 0.01, 1e-3, 9e-4, 1e-4, 1e-5, 1e-6, 1e-8, 1e-10,
                                    1e-12, 1e-13, 1e-14, 1e-15}) {
-          // Deeper than what coordinates so far from zero are rounded by.
+          // The depth must exceed the rounding of coordinates at this distance from zero.
           if (depth < 4e-16 * (1 + std::fabs(offset.z))) continue;
           const double r = 1.3 * std::pow(10, decade);
           const double side = offset.x > 0 ? -1 : 1;
@@ -181,9 +181,10 @@ std::vector<Inside> places_inside() {
   return all;
 }
 
-/// Around the axis all is alike.  Along it samples are worth something else on either side of the
-/// horizon, which is half of u.x for directions, and of points the share of z up to the receiver;
-/// next to the latter within a layer of the depth.  Gauss's rule between all of these.
+/// Integrates along u.x only, because the result is symmetric about the axis.  Along it, the
+/// integrand has a kink at the horizon.  For directions that is half of u.x; for points it is the
+/// share of z up to the receiver.  Near the latter the integrand changes within a layer of the
+/// depth.  Gauss's rule is applied between these places.
 Seen seen_along_x(const SphereLight<Served>& light, const Receiver<Served>& receiver,
                   const Inside& place) {
   const double edge = place.side > 0 ? 1 - place.depth / 2 : place.depth / 2;
@@ -203,10 +204,15 @@ Seen seen_along_x(const SphereLight<Served>& light, const Receiver<Served>& rece
 }
 
 TEST(SphereExtremes, IrradianceInside) {
+<<<<<<< HEAD
   // Whatever points are chosen by, and however deep it is, a receiver sees radiance 1 all over the
   // half of directions that it looks to.
   Sweep sweep(2,
               "receiver inside a sphere light, radius 1e-6 ... 1e6 m, at the origin or elsewhere",
+=======
+  // For every sampling method and depth, the receiver sees radiance 1 in its whole hemisphere.
+  Sweep sweep(2, "receiver inside of a sphere light, radius 1e-6 ... 1e6 m, about 0 or not",
+>>>>>>> tests-words
               "depth / radius 1 ... 1e-15", "irradiance");
   for (const Inside& place : places_inside())
     for (const bool two_sided : {true, false}) {

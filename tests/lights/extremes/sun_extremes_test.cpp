@@ -1,4 +1,4 @@
-// Rows 10 and 29: disks of light at infinity, from a ray's width to half of the sky.
+// Rows 10 and 29: disks of light at infinity, from the width of a ray to half of the sky.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -30,7 +30,7 @@ TEST(SunExtremes, Radiance) {
       sweep.compare(sample.value.g, row["radiance"], row.text("diameter_deg"));
       sweep.compare(light.le_escaped({}, sample.wi).g, row["radiance"], row.text("diameter_deg"));
     }
-    // The way of cones: a uniform radiance over the solid angle.
+    // The formula for cones: a uniform radiance over the solid angle.
     const float cos = std::cos(static_cast<float>(row["diameter_rad"] / 2));
     sweep.compare_textbook(100 / (std::numbers::pi_v<float> * (1 - cos * cos)), row["radiance"]);
   }
@@ -54,7 +54,7 @@ TEST(SunExtremes, Density) {
   sweep.expect_within(1e-15);
 }
 
-/// As far as doubles tell directions at the rim apart: so no density is left over beyond it.
+/// Expects no density beyond the rim, as accurately as doubles resolve directions there.
 TEST(SunExtremes, Rim) {
   Sweep sweep(10, "sun, angular diameter", "1e-8 ... 180 degrees",
               "density at a thousandth inside and outside the rim");
@@ -81,7 +81,7 @@ TEST(SunExtremes, Rim) {
   sweep.expect_within(1e-15);
 }
 
-/// Cosines are uniform over the disk: midpoints of a grid have their mean.
+/// Cosines are uniform over the disk, so the midpoints of a grid have their mean.
 TEST(SunExtremes, Illuminance) {
   Sweep sweep(10, "sun, angular diameter", kDiameters, "illuminance from its samples");
   const ReferenceTable table("suns");
@@ -101,7 +101,7 @@ TEST(SunExtremes, Illuminance) {
     sweep.compare_textbook(radiance * (2 * std::numbers::pi_v<float> * (1 - cos)) * (1 + cos) / 2,
                            100);
   }
-  // 64 terms, each of a few roundings.
+  // 64 terms, each with a few roundings.
   sweep.expect_within(1e-14);
 }
 

@@ -1,4 +1,4 @@
-// Row 21: pictures that are black, all but one texel dark, or outshone by one texel.
+// Row 21: pictures that are black, dark except for one texel, or dominated by one texel.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -19,7 +19,11 @@ std::string place_of(const Row& row) {
   return row.text("mapping") + ", " + row.text("bright") + " in " + row.text("background");
 }
 
+<<<<<<< HEAD
 /// The probability of a texel by running sums in float, row by row and in the row.
+=======
+/// The probability of a texel by running sums in float, over rows and within a row.
+>>>>>>> tests-words
 float textbook_chance(const Row& row) {
   const auto of = [](const std::array<float, 8>& weights, int k) {
     std::array<float, 9> sums{};
@@ -38,8 +42,13 @@ float textbook_chance(const Row& row) {
   return of(rows, at) * of(line, column);
 }
 
+<<<<<<< HEAD
 TEST(TexelExtremes, ChancesOfTexels) {
   Sweep sweep(21, "environment map with one different texel", kPictures, "probability of a texel");
+=======
+TEST(TexelExtremes, ProbabilitiesOfTexels) {
+  Sweep sweep(21, "environment map, one texel", kPictures, "probability of a texel");
+>>>>>>> tests-words
   const ReferenceTable table("bright_texels");
   for (const auto& row : table.rows()) {
     const auto light = sky(spotted_image(row), mapping_of(row), ImageFilter::kNearest);
@@ -58,8 +67,12 @@ TEST(TexelExtremes, ChancesOfTexels) {
 }
 
 TEST(TexelExtremes, SampleValuesLeadToTheirTexels) {
+<<<<<<< HEAD
   Sweep sweep(21, "environment map with one different texel", kPictures,
               "texel that sample values select");
+=======
+  Sweep sweep(21, "environment map, one texel", kPictures, "texel of the sample values");
+>>>>>>> tests-words
   const ReferenceTable table("bright_texels");
   for (const auto& row : table.rows()) {
     const auto light = sky(spotted_image(row), mapping_of(row), ImageFilter::kNearest);
@@ -83,9 +96,15 @@ TEST(TexelExtremes, EverySampleEstimatesTheIntegral) {
   sweep.expect_within(1e-14);
 }
 
+<<<<<<< HEAD
 TEST(TexelExtremes, EveryBilinearSampleToo) {
   Sweep sweep(21, "equal-area environment map, bilinear, with one different texel", kPictures,
               "integral of radiance, estimated by each sample");
+=======
+TEST(TexelExtremes, EveryBilinearSampleEstimatesTheIntegral) {
+  Sweep sweep(21, "equal-area environment map, bilinear, one texel", kPictures,
+              "integral of radiance by each sample");
+>>>>>>> tests-words
   const ReferenceTable table("bright_texels");
   RandomU random(21);
   for (const auto& row : table.rows()) {
@@ -99,8 +118,8 @@ TEST(TexelExtremes, EveryBilinearSampleToo) {
   sweep.expect_within(1e-12);
 }
 
-/// The powers of the lights that `make(image, row)` makes of the table's pictures: `scale` times
-/// their integrals over the sphere.
+/// Compares the powers of the lights that `make(image, row)` makes of the table's pictures with
+/// `scale` times their integrals over the sphere.
 template <typename F>
 void sweep_powers(Sweep& sweep, const SceneSphere& scene, double scale, F&& make) {
   const ReferenceTable table("map_integrals");
@@ -111,7 +130,8 @@ void sweep_powers(Sweep& sweep, const SceneSphere& scene, double scale, F&& make
     const double truth = row["integral"] * scale;
     sweep.compare(exact.lumens.g, truth, place_of(row));
     EXPECT_LE(std::fabs(approximate.lumens.g - truth), approximate.error_lumens + 1e-12 * truth);
-    // pbrt-v2's and v3's: the mean texel times pi R^2 of a sky, 4 pi of a lamp; R is 2.
+    // The formula of pbrt-v2 and v3: the mean texel times pi R^2 for a sky, 4 pi for a lamp; R is
+    // 2.
     if (truth > 0)
       sweep.compare_textbook(static_cast<float>(4 * std::numbers::pi * image->mean().g), truth);
   }

@@ -1,4 +1,4 @@
-// Rows 3 and 4: triangles that cover next to nothing, and all but the hemisphere.
+// Rows 3 and 4: triangles that cover almost nothing, or almost the whole hemisphere.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -13,8 +13,8 @@ TriangleMeshLight<Served> light_in(const ReferenceTable::Row& row) {
   return triangle_light({vector_in(row, "a"), vector_in(row, "b"), vector_in(row, "c")});
 }
 
-/// The sum of the angles less pi, each angle by the cosine between the planes of two sides
-/// (Girard).
+/// The sum of the angles minus pi (Girard), each angle from the cosine between the planes of two
+/// sides.
 float textbook_solid_angle(const ReferenceTable::Row& row) {
   const Vec3<float> r(vector_in(row, "receiver"));
   const Vec3<float> a = normalized(Vec3<float>(vector_in(row, "a")) - r);
@@ -31,7 +31,11 @@ std::string place(const ReferenceTable::Row& row) {
 }
 
 TEST(TriangleExtremes, SolidAngleOfSmallTriangles) {
+<<<<<<< HEAD
   Sweep sweep(4, "triangle of small solid angle: frontal, oblique, and with sides 1 : 1000",
+=======
+  Sweep sweep(4, "triangle of small solid angle, facing, oblique and 1 : 1000",
+>>>>>>> tests-words
               "1e-40 ... 1e-3 sr, by solid angle, cosine, area, automatic", "mean of 1 / density");
   const ReferenceTable table("small_triangles");
   for (const auto& row : table.rows()) {
@@ -51,7 +55,11 @@ TEST(TriangleExtremes, SolidAngleOfSmallTriangles) {
 }
 
 TEST(TriangleExtremes, IrradianceOfSmallTriangles) {
+<<<<<<< HEAD
   Sweep sweep(4, "triangle of small solid angle: frontal, oblique, and with sides 1 : 1000",
+=======
+  Sweep sweep(4, "triangle of small solid angle, facing, oblique and 1 : 1000",
+>>>>>>> tests-words
               "1e-40 ... 1e-3 sr, by solid angle, cosine, area, automatic", "irradiance");
   const ReferenceTable table("small_triangles");
   for (const auto& row : table.rows()) {
@@ -73,8 +81,13 @@ TEST(TriangleExtremes, IrradianceOfSmallTriangles) {
 }
 
 TEST(TriangleExtremes, SamplesOfSmallTrianglesHaveTheDensityOfTheirPoints) {
+<<<<<<< HEAD
   Sweep sweep(4, "triangle of small solid angle", "1e-40 ... 1e-3 sr, all ways to sample it",
               "density of a sample against the density of its point");
+=======
+  Sweep sweep(4, "triangle of small solid angle", "1e-40 ... 1e-3 sr, all ways and automatic",
+              "density of a sample against that of its point");
+>>>>>>> tests-words
   const ReferenceTable table("small_triangles");
   for (const auto& row : table.rows()) {
     const auto light = light_in(row);
@@ -96,7 +109,7 @@ TEST(TriangleExtremes, SolidAngleNearTheHemisphere) {
               "mean of 1 / density");
   const ReferenceTable table("hemisphere_triangles");
   for (const auto& row : table.rows()) {
-    // Without a normal, as one would have the automatic way take the cosine.
+    // Without a normal, because with one the automatic method would include the cosine.
     for (const AreaSampling way : {AreaSampling::kSolidAngle, AreaSampling::kAutomatic}) {
       Receiver<Served> receiver = receiver_in(row, way);
       receiver.normal = {};

@@ -22,11 +22,11 @@ Transform turned(double angle_rad, const Vec3<double>& axis, const Vec3<double>&
 double apart(const Vec3<double>& a, const Vec3<double>& b) { return length(a - b); }
 
 TEST(Motion, MovesTheOriginInALineAndTurnsAtConstantSpeed) {
-  // A quarter turn about +z while the origin goes from (1, 0, 0) to (1, 4, 0).
+  // A quarter turn about +z while the origin moves from (1, 0, 0) to (1, 4, 0).
   const std::vector<KeyTransform> keys{{2, turned(0, {0, 0, 1}, {1, 0, 0})},
                                        {4, turned(kPi / 2, {0, 0, 1}, {1, 4, 0})}};
   const Motion motion = *Motion::create(keys);
-  // One metre from the origin along x at the start; after half of the time at 45 degrees.
+  // One metre from the origin along x at the start; halfway in time at 45 degrees.
   const Vec3<double> p{2, 0, 0};
   const double s = std::sqrt(0.5);
   EXPECT_EQ(motion.at(2), Pose{});
@@ -57,7 +57,8 @@ TEST(Motion, PassesThroughAllOfItsKeyFrames) {
       const Pose at = motion.at(key.time_s);
       EXPECT_LE(apart(at.point(p), relative.point(p)), 1e-13);
       EXPECT_LE(apart(at.inverse_point(at.point(p)), p), 1e-13);
-      // And is near just before: a metre and a radian in 1e-9 of a second are no jump.
+      // Just before the key frame it is near: a metre and a radian do not jump within 1e-9 of a
+      // second.
       const Pose before = motion.at(key.time_s - 1e-9);
       EXPECT_LE(apart(before.point(p), at.point(p)), 1e-6);
     }
@@ -65,8 +66,8 @@ TEST(Motion, PassesThroughAllOfItsKeyFrames) {
 }
 
 TEST(Motion, KeepsLengthsAndHandednessAtEveryTime) {
-  // A unit quaternion is one to within 2 eps, its square to 4; entries are off by 4 eps more, and
-  // three products of them add up.
+  // The length of a unit quaternion is 1 to within 2 eps, its square to within 4 eps.  Entries have
+  // 4 eps more, and three products of them add up.
   constexpr double kRounding = 16 * std::numeric_limits<double>::epsilon();
   const std::vector<KeyTransform> keys{{0, turned(0.3, {1, 0, 2}, {1, 2, 3})},
                                        {1, turned(3.1, {1, 2, 3}, {-4, 5, 6})},
@@ -114,7 +115,7 @@ TEST(Motion, OtherCoordinatesAreTheSameMotion) {
   EXPECT_EQ(world.about({}, {}).at(0), Pose{});
 }
 
-TEST(Motion, BoundsHoldWhatASweptBoxReaches) {
+TEST(Motion, BoundsHoldTheSweptBox) {
   const std::vector<std::vector<KeyTransform>> motions{
       {{0, {}}, {1, turned(kPi - 0.01, {0, 0, 1}, {})}},
       {{0, turned(0.3, {1, 0, 2}, {1, 2, 3})}, {1, turned(3.1, {1, 2, 3}, {-4, 5, 6})}},
@@ -141,7 +142,7 @@ TEST(Motion, BoundsHoldWhatASweptBoxReaches) {
     for (int a = 0; a < 3; ++a) {
       EXPECT_LE(low[a], least[a]);
       EXPECT_GE(high[a], most[a]);
-      // No more than the pad of 1/2048 of a reach of 8 m, and what 3000 steps do not see.
+      // At most the padding of 1/2048 of a reach of 8 m, plus the gaps between 3000 steps.
       EXPECT_GE(low[a], least[a] - 0.01);
       EXPECT_LE(high[a], most[a] + 0.01);
     }

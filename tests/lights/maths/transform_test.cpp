@@ -53,8 +53,8 @@ TEST(Transform, ProductAppliesTheRightFactorFirst) {
 TEST(Transform, LookAtIsPbrtsCameraFrame) {
   // From the origin along +z with +y up, camera and world are the same.
   expect_near(Transform::look_at({0, 0, 0}, {0, 0, 7}, {0, 3, 0})->point({1, 2, 3}), {1, 2, 3});
-  // Looking along +x, up +z: the camera's z is world x, its y world z, and its x = y cross z, world
-  // y: what pbrt's left-handed frame shows on the right.
+  // Looking along +x, +z up.  The camera's z is world x and its y is world z.  Its x = y cross z is
+  // world y, which pbrt's left-handed frame shows on the right.
   const Transform t = *Transform::look_at({10, 0, 0}, {11, 0, 0}, {0.5, 0, 1});
   expect_near(t.point({0, 0, 2}), {12, 0, 0});
   expect_near(t.vector({0, 1, 0}), {0, 0, 1});
@@ -62,7 +62,7 @@ TEST(Transform, LookAtIsPbrtsCameraFrame) {
   EXPECT_FALSE(t.swaps_handedness());
 }
 
-TEST(Transform, LookAtRefusesWhatHasNoFrame) {
+TEST(Transform, LookAtRefusesInputsWithoutAFrame) {
   EXPECT_FALSE(Transform::look_at({1, 2, 3}, {1, 2, 3}, {0, 1, 0}));
   EXPECT_FALSE(Transform::look_at({0, 0, 0}, {0.1, 0.2, 0.3}, {0.3, 0.6, 0.9}));
   EXPECT_FALSE(Transform::look_at({0, 0, 0}, {0, 0, 1}, {0, 0, 0}));
@@ -73,7 +73,7 @@ TEST(Transform, SingularAndNonFiniteMatricesHaveNoInverse) {
   EXPECT_FALSE(Transform::scale({1, 0, 1}));
   EXPECT_FALSE(Transform::scale({1, kInf, 1}));
   EXPECT_FALSE(Transform::scale({1, kNan, 1}));
-  // Rank two, though rounding leaves a determinant of about 1e-16 rather than 0.
+  // The rank is two, but rounding makes the determinant about 1e-16 instead of 0.
   EXPECT_FALSE(
       Transform::from_matrix({{{0.1, 0.2, 0.3, 0}, {0.4, 0.5, 0.6, 0}, {0.7, 0.8, 0.9, 0}}}));
   EXPECT_FALSE(Transform::from_matrix({{{1, 0, 0, kInf}, {0, 1, 0, 0}, {0, 0, 1, 0}}}));
@@ -100,7 +100,7 @@ TEST(Transform, InverseUndoesAGeneralMatrix) {
   expect_near(t->point(t->inverse().point({3, -4, 5})), {3, -4, 5}, 1e-14);
 }
 
-TEST(Transform, NormalsStayPerpendicularToWhatTheyWerePerpendicularTo) {
+TEST(Transform, NormalsStayPerpendicularToTheirSurface) {
   const auto t = Transform::from_matrix({{{2, 1, -3, 4}, {0.5, 5, 1, -6}, {1, -1, 2, 9}}});
   ASSERT_TRUE(t);
   const Vec3<double> a{1, 2, 3}, b{-2, 0.5, 1};

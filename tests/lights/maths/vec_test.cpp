@@ -28,7 +28,7 @@ TEST(Vec3, CrossOfXAndYIsZ) {
   EXPECT_EQ(dot(V(1, 2, 3), V(4, -5, 6)), 12);
 }
 
-TEST(Vec3, LengthHoldsWhereSquaresDoNot) {
+TEST(Vec3, LengthIsAccurateWhereSquaresLeaveTheRange) {
   EXPECT_EQ(length(V(3, 4, 0)), 5);
   EXPECT_EQ(length(V(0, 0, 0)), 0);
   for (const double s : {1e-38, 1e-30, 1e-20, 1e20, 6e37}) {
@@ -40,7 +40,7 @@ TEST(Vec3, LengthHoldsWhereSquaresDoNot) {
   }
 }
 
-// As if each number were scaled by a call, also where results are subnormal or leave doubles.
+// Equals scaling each number by std::scalbn, also where results are subnormal or exceed doubles.
 TEST(Vec3, ScalingIsByPowersOfTwoAtEveryMagnitude) {
   for (const int of : {-1074, -1060, -1023, -1022, -537, -1, 0, 1, 511, 1000, 1023}) {
     const double x = std::scalbn(of < -1022 ? 1 : 1.37, of);
@@ -83,7 +83,7 @@ class NormalizedTest : public ::testing::Test {};
 using Reals = ::testing::Types<float, double>;
 TYPED_TEST_SUITE(NormalizedTest, Reals);
 
-TYPED_TEST(NormalizedTest, IsOfUnitLengthAtEveryScaleAndTheSameBits) {
+TYPED_TEST(NormalizedTest, HasUnitLengthAndTheSameBitsAtEveryScale) {
   using Real = TypeParam;
   const Vec3<Real> v(Real(0.3), Real(-1.7), Real(2.9));
   const Vec3<Real> n = normalized(v);
@@ -126,11 +126,11 @@ TEST(Frame, IsOrthonormalAndRightHandedForEveryNormal) {
   return Vec3<double>(to) - Vec3<double>(Vec3<float>(at));
 }
 
-// Answers tell floats of what is computed in double, and are asked again at those.
-TEST(Vec3, RoundingToFloatsIsNotForgotten) {
-  volatile double x = 1.1;  // not known to the compiler
-  volatile float told = 1.1F;
-  EXPECT_EQ(from_rounded({x, x, x}, {told, told, told}), Vec3<double>());
+// Results are reported as floats of doubles, and used as inputs again.
+TEST(Vec3, RoundingToFloatsIsNotOptimisedAway) {
+  volatile double x = 1.1;  // unknown to the compiler
+  volatile float rounded = 1.1F;
+  EXPECT_EQ(from_rounded({x, x, x}, {rounded, rounded, rounded}), Vec3<double>());
 }
 
 // Rec. 709: white of (1, 1, 1) has luminance 1; green weighs most.
@@ -140,12 +140,13 @@ TEST(Rgb, LuminanceOfWhiteIsOne) {
   EXPECT_NEAR(luminance(Rgb<double>(1, 0, 0)), 0.2126, 5e-5);
 }
 
-// A square metre at 2 m, facing: 1/4 sr, so a density of 4 / sr; turned by 60 degrees, 8 / sr.
+// A square metre that faces the receiver at 2 m covers 1/4 sr, so the density is 4 / sr.  Turned by
+// 60 degrees it is 8 / sr.
 TEST(Density, AreaToSolidAngleDividesByTheCosineOverDistanceSquared) {
   EXPECT_EQ(to_solid_angle(AreaPdf<double>{1}, 2., 1.).per_sr, 4);
   EXPECT_EQ(to_solid_angle(AreaPdf<double>{1}, 2., 0.5).per_sr, 8);
   EXPECT_EQ(to_solid_angle(AreaPdf<float>{1}, 2.F, 0.F).per_sr, INFINITY);
-  // d^2 = 1e40 is no float; the density is.
+  // d^2 = 1e40 does not fit a float; the density does.
   EXPECT_FLOAT_EQ(to_solid_angle(AreaPdf<float>{1e-20F}, 1e20F, 1.F).per_sr, 1e20F);
 }
 

@@ -27,7 +27,7 @@ std::vector<BilinearPatch<float>> box() {
   for (int axis = 0; axis < 3; ++axis)
     for (const float side : {-1.F, 1.F}) {
       const auto corner = [&](float s, float t) {
-        const float v[3] = {side, side * s, t};  // the handedness of the face turns with its side
+        const float v[3] = {side, side * s, t};  // the handedness of the face changes with its side
         return Vec3<float>{v[(3 - axis) % 3], v[(4 - axis) % 3], v[(5 - axis) % 3]};
       };
       faces.push_back({corner(-1, -1), corner(1, -1), corner(-1, 1), corner(1, 1)});
@@ -35,7 +35,7 @@ std::vector<BilinearPatch<float>> box() {
   return faces;
 }
 
-TEST(AreaLight, PolygonLightsByLambertsFormula) {
+TEST(AreaLight, PolygonFollowsLambertsFormula) {
   const Vec3<float> receiver{0.5F, 2, 1.5F};
   const Vec3<double> n = normalized(Vec3<double>(-0.1, -0.5, -1));
   const double closed_form =
@@ -44,13 +44,13 @@ TEST(AreaLight, PolygonLightsByLambertsFormula) {
 }
 
 TEST(AreaLight, LambertsFormulaOfTheTestsAgreesWithADistantSquare) {
-  // Area times cosines over distance squared, to second order in size / distance.
+  // Area times cosines over squared distance, to second order in size / distance.
   const double e =
       lambert_polygon({{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}}, {300, 0, 400}, {0, 0, -1});
   EXPECT_NEAR(e / (4 * 0.8 * 0.8 / 250000), 1, 1e-5);
 }
 
-TEST(AreaLight, ClosedMeshLightsByItsFacesTurnedToTheReceiver) {
+TEST(AreaLight, OnlyFacesTurnedToTheReceiverCountForAClosedMesh) {
   const auto light = *AreaLight<float, PatchMesh>::create({Rgb<double>(1), false},
                                                           *PatchMesh<float>::create(box()));
   EXPECT_DOUBLE_EQ(light.area_m2(), 24);
@@ -60,7 +60,7 @@ TEST(AreaLight, ClosedMeshLightsByItsFacesTurnedToTheReceiver) {
       lambert_polygon({{1, -1, -1}, {1, 1, -1}, {1, 1, 1}, {1, -1, 1}}, r, n) +
       lambert_polygon({{-1, 1, -1}, {-1, 1, 1}, {1, 1, 1}, {1, 1, -1}}, r, n);
   expect_estimates(illuminance(light, receiver, n, 62), closed_form, 0.02);
-  // The companion: were it two-sided, the far faces would count as well.
+  // The companion: for a two-sided light, the far faces would count too.
   const auto both = *AreaLight<float, PatchMesh>::create({Rgb<double>(1), true},
                                                          *PatchMesh<float>::create(box()));
   EXPECT_GT(illuminance(both, receiver, n, 62).mean, 1.2 * closed_form);
@@ -72,7 +72,7 @@ TEST(AreaLight, DensityOfADirectionCountsOnlyFacesTurnedToTheReceiver) {
   const auto mesh = *PatchMesh<float>::create(box());
   const auto one = *AreaLight<float, PatchMesh>::create({kLevel, false}, mesh);
   const auto two = *AreaLight<float, PatchMesh>::create({kLevel, true}, mesh);
-  // From (3, 0, 0) towards the centre: faces at distances 2 and 4, both face on, of area 24.
+  // From (3, 0, 0) towards the centre: faces at distances 2 and 4, both seen face on, of area 24.
   const Vec3<float> r{3, 0.25F, 0}, wi{-1, 0, 0};
   EXPECT_FLOAT_EQ(one.pdf_li(by_area(r), wi).per_sr, 4 / 24.F);
   EXPECT_FLOAT_EQ(two.pdf_li(by_area(r), wi).per_sr, (4 + 16) / 24.F);
@@ -107,7 +107,7 @@ TEST(AreaLight, GrazingReceiversGetExactValuesDownToTinyCosines) {
     const double expected = std::pow(dot(d, d), 1.5) / 4 / height;
     EXPECT_NEAR(s.pdf.per_sr / expected, 1, 1e-6) << height;
   }
-  // One that no float holds: 0 with a reason.
+  // A density that exceeds floats gives 0 with a reason.
   const Vec3<float> too_low{4, 0, 1e-44F};
   EXPECT_EQ(light.sample_li(by_area(too_low), {0.5F, 0.25F}).reason, NoLight::kOutOfRange);
 }
@@ -122,7 +122,8 @@ TEST(AreaLight, ReceiverOnTheLightIsDegenerate) {
     EXPECT_TRUE(is_finite(s.wi) && is_finite(s.value));
     EXPECT_EQ(light.pdf_li(r, Vec3<double>{0, 0, -1}).per_sr, 0);
   }
-  // Beside the sampled triangle in its plane, be it on the other one, and a hair beneath it.
+  // Beside the sampled triangle in its plane, on the other triangle or not, and slightly beneath
+  // the plane.
   for (const Vec3<double>& r :
        {Vec3<double>{0, 1, 0}, {3, 0.2, 0}, {-1.001, 0, 0}, {0.3, 0.2, -1e-20}})
     EXPECT_EQ(light.sample_li(r, {0.125, 0.75}).reason, NoLight::kBehind) << r.x;
@@ -142,7 +143,7 @@ TEST(AreaLight, ReceiversThatAreNotFiniteGiveNoLight) {
 }
 
 TEST(AreaLight, SizesOf1eMinus18To1e18GiveTheSameDensities) {
-  // Squares of these sizes leave the range of float: 1e-46 and 1e38.
+  // Squares of these sizes exceed the range of float: 1e-46 and 1e38.
   const auto unit = square<float>();
   for (const float size : {0x1p-60F, 0x1p60F}) {
     const auto light = square<float>(false, size);
@@ -155,7 +156,7 @@ TEST(AreaLight, SizesOf1eMinus18To1e18GiveTheSameDensities) {
   }
 }
 
-TEST(AreaLight, BlackLightSaysSoAndStillHasADensity) {
+TEST(AreaLight, BlackLightGivesItsReasonAndHasADensity) {
   const auto light = *AreaLight<float, Disk>::create({}, *Disk<float>::create({}));
   const auto s = light.sample_li({0, 0, 2}, {0.5F, 0.5F});
   EXPECT_EQ(s.reason, NoLight::kBlack);
@@ -178,8 +179,8 @@ TEST(AreaLight, PowerIsPiTimesRadianceTimesArea) {
   EXPECT_EQ(square<float>().power({}).error_lumens, 0);
 }
 
-TEST(AreaLight, PowerOfABentPatchSaysTheErrorOfItsQuadrature) {
-  // z = x y over the unit square, beside one that is flat: of each square metre pi L to both sides.
+TEST(AreaLight, PowerOfABentPatchStatesItsQuadratureError) {
+  // z = x y over the unit square, beside a flat patch.  Each square metre emits pi L on both sides.
   const BilinearPatch<double> saddle{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 1}};
   const BilinearPatch<double> flat{{2, 0, 0}, {4, 0, 0}, {2, 1, 0}, {4, 1, 0}};
   const auto light = *AreaLight<double, PatchMesh>::create(
@@ -199,25 +200,25 @@ TEST(AreaLight, PowerOfABentPatchSaysTheErrorOfItsQuadrature) {
               power.error_lumens);
 }
 
-TEST(AreaLight, MirroredCutSphereLightsOutwards) {
-  // The cap z > 1 of a sphere of radius 2, mirrored to z < -1 and raised to 7: seen from below it
-  // shows its outside; the disk of its rim (radius sqrt 3, height 6) sends as much light through.
+TEST(AreaLight, MirroredCutSphereEmitsOutwards) {
+  // The cap z > 1 of a sphere of radius 2, mirrored to z < -1 and raised to 7.  From below, its
+  // outside is visible.  The disk of its rim (radius sqrt 3, height 6) sends as much light.
   const Transform map = Transform::translate({0, 0, 7}) * *Transform::scale({1, 1, -1});
   const auto cap = *Sphere<float>::create({.radius_m = 2, .z_min_m = 1, .world_from_object = map});
   const auto light = *AreaLight<float, Sphere>::create({Rgb<double>(1)}, cap);
   expect_estimates(illuminance(light, Vec3<float>{}, {0, 0, 1}, 64), kPi * 3 / (3 + 36), 0.01);
 }
 
-TEST(AreaLight, HalfSphereSeenFromTheSideLightsHalfAsMuch) {
-  // The upper half of a sphere, and by symmetry half of pi L sin^2; its silhouette and far side are
-  // sampled too.
+TEST(AreaLight, HalfSphereSeenFromTheSideGivesHalfTheLight) {
+  // The upper half of a sphere gives half of pi L sin^2, by symmetry.  Its silhouette and far side
+  // are sampled too.
   const auto half = *Sphere<float>::create({.radius_m = 2, .z_min_m = 0});
   const auto light = *AreaLight<float, Sphere>::create({Rgb<double>(1)}, half);
   expect_estimates(illuminance(light, Vec3<float>{5, 0, 0}, {-1, 0, 0}, 65, 160000),
                    kPi * 4 / 25 / 2, 0.01);
 }
 
-TEST(AreaLight, RefusesWhatCannotEmit) {
+TEST(AreaLight, RefusesShapesThatCannotEmit) {
   const auto message = [](const Rgb<double>& radiance, const Transform& map) {
     return std::string(AreaLight<float, Sphere>::create(
                            {radiance}, *Sphere<float>::create({.world_from_object = map}))

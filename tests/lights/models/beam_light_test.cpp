@@ -16,7 +16,7 @@ constexpr SceneSphere kScene{{}, 1};
 
 BeamLightParams beam() { return {.width_m = 2, .height_m = 1, .illuminance_lx = Rgb<double>(10)}; }
 
-TEST(BeamLight, LightsThePrismBeforeItsRectangleWhateverTheDistance) {
+TEST(BeamLight, IlluminatesThePrismBeforeItsRectangleAtAnyDistance) {
   const auto l = *BeamLight<float>::create(beam());
   for (const float z : {1e-6F, 1.F, 1e6F}) {
     const auto s = l.sample_li({0.99F, -0.49F, z}, {});
@@ -29,7 +29,7 @@ TEST(BeamLight, LightsThePrismBeforeItsRectangleWhateverTheDistance) {
     EXPECT_EQ(l.sample_li({0, 0, -z}, {}).reason, NoLight::kBehind);
   }
   EXPECT_EQ(l.sample_li({0, 0, 0}, {}).reason, NoLight::kBehind);
-  // The edge is part of it.
+  // The edge belongs to the rectangle.
   EXPECT_EQ(l.sample_li({1, 0.5F, 2}, {}).reason, NoLight::kNone);
 }
 
@@ -46,7 +46,7 @@ TEST(BeamLight, UpperLeftOfThePictureIsUpAndLeft) {
   EXPECT_EQ(l.power(kScene).error_lumens, 0);
 }
 
-// Far from the scene's origin a float's coordinates are coarser than the rectangle.
+// Far from the scene's origin, the coordinates of a float are coarser than the rectangle.
 TEST(BeamLight, KeepsItsRaysWhereTheRectangleIsNarrowerThanARounding) {
   auto p = beam();
   p.position_m = {1e5, -1e5, 1e5};
@@ -71,7 +71,7 @@ TEST(BeamLight, GivesTheReasonForNoLight) {
   EXPECT_EQ(black.sample_le({0.5F, 0.5F}, {}, kScene).reason, NoLight::kBlack);
   EXPECT_EQ(black.pdf_le({}, {0, 0, 1}, kScene), EmissionPdf<float>{});
   EXPECT_EQ(black.power(kScene).lumens, Rgb<double>());
-  // Below what a float holds.
+  // Below the range of float.
   p = beam();
   p.illuminance_lx = Rgb<double>(1e-50);
   const auto faint = *BeamLight<float>::create(p);
@@ -91,7 +91,7 @@ TEST(BeamLight, BoxHoldsTheCornersOfATurnedRectangle) {
   EXPECT_NEAR(upper.z, 3.5, 1e-15);
 }
 
-TEST(BeamLight, CreateNamesWhatIsWrong) {
+TEST(BeamLight, CreateNamesTheInvalidParameter) {
   const auto error = [](const auto& change) {
     BeamLightParams p = beam();
     change(p);

@@ -1,5 +1,5 @@
-// Irradiance from area lights and skies by the mean of their samples, for every way to choose
-// points, against closed forms derived in tests/lights/closed_forms.h.
+// Irradiance from area lights and skies as the mean of their samples, for every area sampling
+// method.  The closed forms are derived in tests/lights/closed_forms.h.
 #include "tests/lights/closed_forms.h"
 
 #include <gtest/gtest-spi.h>
@@ -25,22 +25,23 @@ struct Place {
   double expected;  ///< at radiance 1
 };
 
-/// Each way at each place, with the receiver's normal told and not.  Within 6.5 standard errors of
-/// the closed form: by luck outside once in 1e10, and no test here compares more than 1000 means.
-/// `largest_error` bounds the standard error relative to the result: a test that sees.
+/// Compares each sampling method at each place, with the receiver's normal given and not, to within
+/// 6.5 standard errors.  They are exceeded by chance once in 1e10, and no test here compares more
+/// than 1000 means.  `largest_error` bounds the relative standard error, so that the test notices
+/// mistakes.
 template <typename Light>
 void expect_every_way(const Light& light, const std::vector<Place>& places, double largest_error,
                       int samples = 40000) {
   std::uint64_t seed = 0xc105ed;
   for (const Place& p : places)
     for (const AreaSampling way : kWays)
-      for (const bool told : {false, true}) {
+      for (const bool with_normal : {false, true}) {
         Receiver<float> receiver{Vec3<float>(p.receiver)};
         receiver.area_sampling = way;
-        if (told) receiver.normal = Vec3<float>(p.normal);
+        if (with_normal) receiver.normal = Vec3<float>(p.normal);
         const Estimate e = illuminance(light, receiver, p.normal, ++seed, samples);
         const std::string what =
-            p.name + ", way " + std::to_string(int(way)) + (told ? ", normal told" : "");
+            p.name + ", way " + std::to_string(int(way)) + (with_normal ? ", with normal" : "");
         EXPECT_LE(std::fabs(e.mean - p.expected), 6.5 * e.standard_error + 1e-6 * p.expected)
             << what << ": " << e.mean << " +- " << e.standard_error << ", not " << p.expected;
         EXPECT_LT(e.standard_error, largest_error * p.expected) << what;
@@ -61,7 +62,7 @@ Place at(const std::string& name, const Vec3<double>& receiver, const Vec3<doubl
   return {name, receiver, n, polygon_irradiance(polygon, receiver, n)};
 }
 
-TEST(ClosedForms, TriangleLightsByLambertsFormulaEachWay) {
+TEST(ClosedForms, TrianglesFollowLambertsFormulaForEachMethod) {
   expect_every_way(triangle_light(),
                    {at("above the horizon", {0.5, 0.25, 0}, {0, 0.25, 1}, kTriangle),
                     at("cut by the horizon", {0.5, 0.25, 0}, {1, -0.5, 0}, kTriangle),
@@ -72,7 +73,7 @@ TEST(ClosedForms, TriangleLightsByLambertsFormulaEachWay) {
 
 const std::vector<Vec3<double>> kRectangle{{-1, -0.5, 2}, {1, -0.5, 2}, {1, 0.5, 2}, {-1, 0.5, 2}};
 
-TEST(ClosedForms, RectangleLightsByLambertsFormulaEachWay) {
+TEST(ClosedForms, RectanglesFollowLambertsFormulaForEachMethod) {
   const auto v = [](int i) { return Vec3<float>(kRectangle[i]); };
   const auto light = *PatchMeshLight<float>::create(
       {Rgb<double>(1), true}, *PatchMesh<float>::create({{v(0), v(1), v(3), v(2)}}));
@@ -93,7 +94,7 @@ SphereLight<float> sphere_light(const Vec3<double>& centre, double radius, bool 
                               .world_from_object = Transform::translate(centre)}));
 }
 
-TEST(ClosedForms, SphereLightsWholeOrCutByTheHorizonEachWay) {
+TEST(ClosedForms, SpheresWholeOrCutByTheHorizonAgreeForEachMethod) {
   const Vec3<double> centre{0, 0, 4};
   const auto place = [&](const std::string& name, const Vec3<double>& r, const Vec3<double>& d) {
     const Vec3<double> n = normalized(d);
@@ -109,8 +110,8 @@ TEST(ClosedForms, SphereLightsWholeOrCutByTheHorizonEachWay) {
       0.03, 80000);
 }
 
-TEST(ClosedForms, SphereOfTheTestsAgreesWithQuadrature) {
-  // The companion of the formula itself: the cosine summed over directions of the cap.
+TEST(ClosedForms, SphereFormulaAgreesWithQuadrature) {
+  // The companion of the formula itself: the sum of the cosine over directions of the cap.
   const Vec3<double> centre{0, 0, 4};
   for (const Vec3<double>& d :
        {Vec3<double>{0.8, 0, 0.6}, {1, 0, 0}, {1, 0.5, -0.25}, {1, -0.25, 0.25}}) {
@@ -122,8 +123,8 @@ TEST(ClosedForms, SphereOfTheTestsAgreesWithQuadrature) {
   }
 }
 
-TEST(ClosedForms, InsideOfASphereLightsByPiEachWay) {
-  // Whatever the normal: the hemisphere above it shines with radiance 1.
+TEST(ClosedForms, InsideOfASphereGivesPiForEachMethod) {
+  // For every normal, the hemisphere above it has radiance 1.
   expect_every_way(
       sphere_light({1, 2, 3}, 2, true),
       {{"centre", {1, 2, 3}, {0, 0.6, 0.8}, kPi}, {"aside", {1.5, 2.25, 4}, {0.6, 0, -0.8}, kPi}},
@@ -137,7 +138,7 @@ DiskLight<float> disk_light(const Vec3<double>& centre, double radius) {
                                               .world_from_object = Transform::translate(centre)}));
 }
 
-TEST(ClosedForms, DiskLightsCoaxialAndOffsetEachWay) {
+TEST(ClosedForms, CoaxialAndOffsetDisksAgreeForEachMethod) {
   const auto place = [](const std::string& name, double height, double offset) {
     return Place{name, {offset, 0, 3 - height}, {0, 0, 1}, disk_irradiance(1.5, height, offset)};
   };
@@ -149,7 +150,7 @@ TEST(ClosedForms, DiskLightsCoaxialAndOffsetEachWay) {
   EXPECT_NEAR(disk_irradiance(1.5, 3, 0), kPi * 2.25 / (2.25 + 9), 1e-15);
 }
 
-TEST(ClosedForms, DiskLightsTiltedReceiversEachWay) {
+TEST(ClosedForms, DisksOverTiltedReceiversAgreeForEachMethod) {
   const auto polygon = disk_as_polygon({0, 0, 3}, 1.5);
   expect_every_way(disk_light({0, 0, 3}, 1.5),
                    {at("above the horizon", {1, 0.5, 0}, {-0.25, 0, 1}, polygon),
@@ -160,7 +161,7 @@ TEST(ClosedForms, DiskLightsTiltedReceiversEachWay) {
   EXPECT_NEAR(polygon_irradiance(polygon, {1, 0, 1}, {0, 0, 1}), disk_irradiance(1.5, 2, 1), 1e-6);
 }
 
-TEST(ClosedForms, SkyLightsByPiWhateverTheNormal) {
+TEST(ClosedForms, SkyGivesPiForAnyNormal) {
   const auto sky = *UniformInfiniteLight<float>::create({Rgb<double>(1)});
   expect_every_way(sky, {{"up", {1, 2, 3}, {0, 0, 1}, kPi}, {"aslant", {}, {0.6, 0, -0.8}, kPi}},
                    0.02);

@@ -45,7 +45,7 @@ TEST(DistantLight, BlackLightHasNoPowerEvenWithoutBounds) {
   EXPECT_EQ(light.power({{}, INFINITY}).lumens, Rgb<double>());
 }
 
-TEST(DistantLight, CreateNamesFieldValueAndWhatIsAllowed) {
+TEST(DistantLight, CreateNamesFieldValueAndAllowedRange) {
   const auto error = [](const DistantLightParams& params) {
     return std::string(DistantLight<float>::create(params).status().message());
   };

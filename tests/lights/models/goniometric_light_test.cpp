@@ -45,12 +45,12 @@ TEST(GoniometricLight, ShinesAlongItsZAxisAndTurnsWithItsAxes) {
   EXPECT_NEAR(as_it_is.intensity({1, 0, 0}).r, 2, 1e-12);
   EXPECT_NEAR(as_it_is.intensity({0, -1, 0}).r, 3, 1e-12);
   EXPECT_NEAR(as_it_is.intensity({0, 1, 0}).r, 5, 1e-12);
-  // Turned about x by 180 degrees it hangs in a world whose z is up.
+  // Rotated about x by 180 degrees, it hangs in a world whose z is up.
   const auto hung = light({{3, 0, 0}, {0, -3, 0}, {0, 0, -3}});
   EXPECT_NEAR(hung.intensity({0, 0, -1}).r, 1, 1e-12);
   EXPECT_NEAR(hung.intensity({0, 1, 0}).r, 3, 1e-12);
   EXPECT_NEAR(hung.intensity({-1, 0, 0}).r, 4, 1e-12);
-  // Mirrored: C90 and C270 change places.
+  // Mirrored: C90 and C270 swap places.
   const auto mirrored = light({{1, 0, 0}, {0, 1, 0}, {0, 0, -1}});
   EXPECT_NEAR(mirrored.intensity({0, 1, 0}).r, 5, 1e-12);
   EXPECT_NEAR(mirrored.intensity({0, -1, 0}).r, 3, 1e-12);
@@ -85,7 +85,7 @@ TEST(GoniometricLight, RefusesParametersOutsideTheirDomain) {
 }
 
 // Rows of 60 degrees cover pi, 2 pi and pi sr; the mean texel counts each with 4 pi / 3.
-TEST(GoniometricLight, TheBooksPowerSaysWhatItIsOffBy) {
+TEST(GoniometricLight, TextbookPowerStatesItsError) {
   const auto belt = *GoniometricLight<float>::create(
       {.intensity = {3, 3, 3}, .map = stripes(SphereMapping::kLatitudeLongitude, {0, 1, 0})});
   EXPECT_NEAR(luminance(belt.power({}).lumens), 6 * kPi, 1e-12);
@@ -113,7 +113,7 @@ TEST(GoniometricLight, AMapTurnsWithItsAxes) {
   EXPECT_NEAR(up.bounds()->axis.x, 1, 1e-15);
 }
 
-TEST(GoniometricLight, DarkDirectionsAndBlackLightsSayWhy) {
+TEST(GoniometricLight, DarkDirectionsAndBlackLightsGiveTheirReason) {
   const auto down = *GoniometricLight<float>::create(
       {.intensity = Rgb<double>(1),
        .web = *PhotometricWeb::create({PhotometricType::kC, {0, 90}, {0}, {1, 1}})});

@@ -21,7 +21,7 @@ std::shared_ptr<const SphereMap> map_of(int n, std::vector<Rgb<float>> texels,
                             ImageFilter::kNearest);
 }
 
-/// Lit towards +z (the middle texels), else 0.125.
+/// 1 towards +z (the middle texels), 0.125 elsewhere.
 std::vector<Rgb<float>> lit_above() {
   std::vector<Rgb<float>> texels(16, Rgb<float>(0.125F));
   for (const int i : {5, 6, 9, 10}) texels[static_cast<std::size_t>(i)] = Rgb<float>(4, 2, 1);
@@ -41,23 +41,23 @@ TEST(ImageInfiniteLight, TurnsMirrorsAndIgnoresEqualScaleAndTranslation) {
   EXPECT_EQ(mirrored.le_escaped({}, {0, 0, 1}), Rgb<float>(0.125F));
 }
 
-TEST(ImageInfiniteLight, AnIncompleteDensityLeavesOutWhatIsBelowTheMean) {
+TEST(ImageInfiniteLight, AnIncompleteDensityLeavesOutRadianceBelowTheMean) {
   const auto light = *ImageInfiniteLight<float>::create({.map = map_of(4, lit_above())});
   Receiver<float> receiver(0, 0, 0);
   EXPECT_GT(light.pdf_li(receiver, {0, 0, -1}).per_sr, 0);
   receiver.incomplete = true;
   EXPECT_EQ(light.pdf_li(receiver, {0, 0, -1}).per_sr, 0);
-  // All samples in the four middle texels, pi sr.
+  // All samples lie in the four middle texels, pi sr.
   EXPECT_NEAR(light.pdf_li(receiver, {0, 0, 1}).per_sr, 1 / kPi, 1e-6);
   EXPECT_NEAR(light.sample_li(receiver, {0.3F, 0.9F}).pdf.per_sr, 1 / kPi, 1e-6);
-  // Nothing is above the mean of a constant map: all of it is sampled.
+  // A constant map is nowhere above its mean: all of it is sampled.
   const auto constant = *ImageInfiniteLight<float>::create(
       {.map = map_of(4, std::vector<Rgb<float>>(16, Rgb<float>(2)))});
   EXPECT_NEAR(constant.pdf_li(receiver, {0, 0, -1}).per_sr, 1 / (4 * kPi), 1e-7);
 }
 
-/// The illuminance on a surface that faces +z by a light sample and a direction by its cosine, both
-/// weighted with the power heuristic: mean and standard error.
+/// The illuminance on a surface that faces +z, from a light sample and a cosine-distributed
+/// direction, combined by the power heuristic: mean and standard error.
 struct Weighted {
   double lx, error;
 };
@@ -85,7 +85,7 @@ Weighted weighted_illuminance(const ImageInfiniteLight<float>& light, bool incom
   return {mean, std::sqrt((squares / kSamples - mean * mean) / kSamples)};
 }
 
-TEST(ImageInfiniteLight, AnIncompleteDensityIsUnbiasedBesideDirectionsByTheCosineAndBetter) {
+TEST(ImageInfiniteLight, AnIncompleteDensityWithCosineDirectionsIsUnbiasedAndBetter) {
   // A sun and a sky whose upper half is ten times the lower, on a plane that sees half of each.
   std::vector<Rgb<float>> texels(16 * 16, Rgb<float>(1));
   std::fill(texels.begin(), texels.begin() + 8 * 16, Rgb<float>(0.1F));
@@ -95,14 +95,14 @@ TEST(ImageInfiniteLight, AnIncompleteDensityIsUnbiasedBesideDirectionsByTheCosin
   const MapIlluminance expected = illuminance_of(*map, Rgb<double>(1), {0, 0, 1});
   const Weighted complete = weighted_illuminance(light, false);
   const Weighted incomplete = weighted_illuminance(light, true);
-  // 5.5 standard errors: by luck less than once in 1e7 each.
+  // 5.5 standard errors, each exceeded by chance less than once in 1e7.
   EXPECT_NEAR(complete.lx, expected.lx.g, 5.5 * complete.error + expected.error_lx);
   EXPECT_NEAR(incomplete.lx, expected.lx.g, 5.5 * incomplete.error + expected.error_lx);
   RecordProperty("variance_ratio", std::to_string(std::pow(incomplete.error / complete.error, 2)));
   EXPECT_LT(incomplete.error, complete.error);
 }
 
-TEST(ImageInfiniteLight, ABlackMapSaysSoAndHasNoPower) {
+TEST(ImageInfiniteLight, ABlackMapGivesItsReasonAndHasNoPower) {
   const auto light =
       *ImageInfiniteLight<float>::create({.map = map_of(2, std::vector<Rgb<float>>(4))});
   const auto s = light.sample_li({0, 0, 0}, {0.5F, 0.5F});
@@ -113,11 +113,11 @@ TEST(ImageInfiniteLight, ABlackMapSaysSoAndHasNoPower) {
   EXPECT_EQ(light.sample_le({0.5F, 0.5F}, {0.5F, 0.5F}, {{}, 1}).reason, NoLight::kBlack);
 }
 
-TEST(ImageInfiniteLight, OneTexelOfABillionAndTheRestAreBothSampledWithTheirShare) {
+TEST(ImageInfiniteLight, ATexelOf1e9AndTheOthersAreSampledByTheirShares) {
   std::vector<Rgb<float>> texels(16, Rgb<float>(1));
   texels[0] = Rgb<float>(1e9F);
   const auto light = *ImageInfiniteLight<float>::create({.map = map_of(4, texels)});
-  // 16 texels of 4 pi / 16: density 16 L / (4 pi sum L).
+  // 16 texels of 4 pi / 16: the density is 16 L / (4 pi sum L).
   EXPECT_NEAR(light.pdf_li({0, 0, 0}, {0, 0, 1}).per_sr * (1e9 + 15) * (4 * kPi) / 16, 1, 1e-6);
   const auto s = light.sample_li({0, 0, 0}, {0.5F, 0.1F});
   EXPECT_EQ(s.value, Rgb<float>(1e9F));
@@ -134,7 +134,7 @@ TEST(ImageInfiniteLight, ApproximatePowerOfLatitudeLongitudeLacksFourPi) {
   EXPECT_NEAR(light.power_approximate(scene).error_lumens, 3 * (4 * kPi - 1) * (4 * kPi), 1e-9);
 }
 
-TEST(ImageInfiniteLight, CreateNamesWhatIsWrong) {
+TEST(ImageInfiniteLight, CreateNamesTheInvalidParameter) {
   const auto error = [](const ImageInfiniteLightParams& p) {
     return std::string(ImageInfiniteLight<float>::create(p).status().message());
   };

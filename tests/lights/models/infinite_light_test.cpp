@@ -29,8 +29,8 @@ TEST(UniformInfiniteLight, EscapedRaysMeetItsRadiance) {
   EXPECT_EQ(light.le_escaped({5, 6, 7}, {0, 1, 0}), Rgb<float>(1, 2, 3));
 }
 
-// A surface under a uniform sky of radiance L receives pi L.  Of 20000 samples the standard error
-// is L pi sqrt(5/3 / 20000) = 0.0287 L (E[(4 pi cos+)^2] = 16 pi^2 / 6); 5.5 of them are passed
+// A surface under a uniform sky of radiance L receives pi L.  The standard error of 20000 samples
+// is L pi sqrt(5/3 / 20000) = 0.0287 L (E[(4 pi cos+)^2] = 16 pi^2 / 6).  5.5 of them are exceeded
 // less than once in 1e7.
 TEST(UniformInfiniteLight, GivesPiTimesRadianceOnAnOpenSurface) {
   const auto light = light_of(2);
@@ -49,14 +49,14 @@ TEST(UniformInfiniteLight, PowerIsTheFluxThroughTheScenesDiskFromAllDirections) 
   EXPECT_DOUBLE_EQ(light_of(0.5).power({{1, 1, 1}, 2}).lumens.b, 78.95683520871486);
 }
 
-TEST(UniformInfiniteLight, BlackLightSaysSoAndHasNoPowerEvenWithoutBounds) {
+TEST(UniformInfiniteLight, BlackLightGivesItsReasonAndHasNoPowerEvenWithoutBounds) {
   const auto light = light_of(0);
   EXPECT_EQ(light.sample_li({}, {}).reason, NoLight::kBlack);
   EXPECT_EQ(light.pdf_li({}, {0, 0, 1}).per_sr, 0);
   EXPECT_EQ(light.power({{}, INFINITY}).lumens, Rgb<double>());
 }
 
-TEST(UniformInfiniteLight, CreateNamesFieldValueAndWhatIsAllowed) {
+TEST(UniformInfiniteLight, CreateNamesFieldValueAndAllowedRange) {
   const auto status =
       UniformInfiniteLight<float>::create({.radiance_cd_m2 = {1, 1e39, 1}}).status();
   EXPECT_EQ(std::string(status.message()),

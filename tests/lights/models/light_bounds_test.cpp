@@ -26,7 +26,8 @@ TEST(LightBounds, APointReachesExactlyItsCone) {
 }
 
 TEST(LightBounds, AHalfSpaceOfAFlatBoxEndsAtItsPlane) {
-  // A one-sided rectangle: nothing behind it, not even beside its centre, where its sphere is.
+  // A one-sided rectangle: nothing behind it, not even beside its centre, within its bounding
+  // sphere.
   const LightBounds<double> bounds{{-1, -1, 0}, {1, 1, 0}, {0, 0, 1}, kPi / 2};
   for (const double x : {0., 0.5, 3., 1000.}) {
     EXPECT_TRUE(bounds.reaches({x, 0, 1e-3}));
@@ -34,7 +35,7 @@ TEST(LightBounds, AHalfSpaceOfAFlatBoxEndsAtItsPlane) {
   }
 }
 
-TEST(LightBounds, ConesAboveAHalfSpaceLeaveOutWhatLiesFarBehind) {
+TEST(LightBounds, ConesAboveAHalfSpaceLeaveOutPlacesFarBehind) {
   const LightBounds<double> bounds{{-1, -1, -1}, {1, 1, 1}, {0, 0, 1}, 3 * kPi / 4};
   EXPECT_TRUE(bounds.reaches({100, 0, -50}));
   EXPECT_FALSE(bounds.reaches({0, 0, -100}));
@@ -51,14 +52,14 @@ TEST(LightBounds, AWholeSphereOfDirectionsReachesEverywhere) {
   EXPECT_TRUE(bounds.reaches({0, 0, -1e300}));
 }
 
-// Each receiver is made of a point of the box and a direction of the cone, so light may arrive.
+// Each receiver is a point of the box plus a direction of the cone, so light may reach it.
 template <typename Real>
 void expect_reaches_what_a_ray_meets(double offset) {
   RandomU random(2);
   for (int i = 0; i < 100000; ++i) {
     const auto number = [&] { return 2.0 * random.next() - 1; };
     const Vec3<double> a{offset + number(), number(), number()};
-    const double flat = i % 3 == 0 ? 0 : 1;  // one third of them without thickness
+    const double flat = i % 3 == 0 ? 0 : 1;  // one third of the boxes have no thickness
     const Vec3<double> size{flat * random.next(), 1.0 * random.next(), 1.0 * random.next()};
     const auto turn = random.pair<double>();
     LightBounds<Real> bounds;
@@ -80,8 +81,8 @@ void expect_reaches_what_a_ray_meets(double offset) {
             .world_from_local({std::sin(angle) * std::cos(phi), std::sin(angle) * std::sin(phi),
                                std::cos(angle)});
     const Vec3<Real> to(from + w * std::exp(20.0 * random.next() - 10));
-    // A receiver rounded to Real may lie beyond the cone's edge by that rounding: it counts where
-    // the angle from where its ray started still lies in the cone.
+    // A receiver that is rounded to Real may lie beyond the cone's edge by that rounding.  It
+    // counts where the angle from the start of its ray is still in the cone.
     const Vec3<double> way = Vec3<double>(to) - from;
     const Vec3<double> n(bounds.axis);
     if (std::atan2(length(cross(n, way)), dot(n, way)) > bounds.cone_rad) continue;
@@ -89,7 +90,7 @@ void expect_reaches_what_a_ray_meets(double offset) {
   }
 }
 
-TEST(LightBounds, ReachesWhateverARayFromTheBoxInTheConeMeets) {
+TEST(LightBounds, ReachesEveryRayFromTheBoxWithinTheCone) {
   expect_reaches_what_a_ray_meets<float>(0);
   expect_reaches_what_a_ray_meets<float>(1e6);
   expect_reaches_what_a_ray_meets<double>(0);

@@ -1,4 +1,4 @@
-// What is a panel's own, beside the contract of all lights.
+// Tests of panels beyond the contract of all lights.
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -15,15 +15,15 @@ Estimate at_distance(double d, const Vec3<double>& to_panel) {
   return illuminance(panel, -to_panel * d, to_panel, 7, 20000);
 }
 
-TEST(PanelLight, FarFieldIsThePhotometry) {
+TEST(PanelLight, FarFieldEqualsThePhotometry) {
   const Vec3<double> w = normalized(Vec3<double>{0.5, -0.25, 1});
   const double d = 2000;
-  // Over a panel of 2 m the angle differs by a thousandth: intensity and distance by as much.
+  // For a panel of 2 m, intensity and distance differ by a thousandth, because the angle does.
   EXPECT_NEAR(at_distance(d, -w).mean * d * d, intensity(w), 2e-3 * intensity(w));
 }
 
-TEST(PanelLight, NearFieldIsThatOfAnEvenlyBrightOpening) {
-  // Radiance without its angle: a web in proportion to the cosine is a Lambertian panel.
+TEST(PanelLight, NearFieldEqualsThatOfAUniformOpening) {
+  // Radiance does not depend on the angle: a web in proportion to the cosine is a Lambertian panel.
   PhotometricWebParams params;
   params.horizontal_deg = {0};
   constexpr int kSteps = 900;  // of a tenth of a degree: linear between to 1e-6 of the cosine
@@ -51,12 +51,12 @@ TEST(PanelLight, NearFieldIsThatOfAnEvenlyBrightOpening) {
               1e-5 * lambertian.power({}).lumens.r);
 }
 
-TEST(PanelLight, ShinesToItsFrontOnlyUnlessItHasTwoSides) {
+TEST(PanelLight, EmitsToItsFrontOnlyUnlessTwoSided) {
   const auto panel = RectanglePanelCase::make<double>({});
   const auto s = panel.sample_li(Vec3<double>{0, 0, -2}, {0.5, 0.5});
   EXPECT_EQ(s.reason, NoLight::kBehind);
   EXPECT_TRUE(panel.le({{0, 0, 0}, {0, 0, 1}}, {0, 0, -1}).is_black());
-  // Some of the file's light goes up: those rays say that they do not leave.
+  // Some of the file's light goes up.  Those rays report that they carry no light.
   int behind = 0;
   RandomU random(9);
   for (int i = 0; i < 1000; ++i)
@@ -83,7 +83,7 @@ TEST(PanelLight, DarkDirectionsGiveTheirReason) {
 }
 
 TEST(PanelLight, GrazingDirectionsHaveAValueOrAReason) {
-  // 20 cd along the plane: the radiance has no bound, the light that arrives has.
+  // 20 cd along the plane: the radiance is unbounded, the light that arrives is not.
   const auto even = *PhotometricWeb::create(
       {.vertical_deg = {0, 90}, .horizontal_deg = {0}, .intensity_cd = {20, 20}});
   const auto panel = *AreaLight<float, PanelDisk>::create(
@@ -95,13 +95,13 @@ TEST(PanelLight, GrazingDirectionsHaveAValueOrAReason) {
     const auto s = panel.sample_li(receiver, {0.25F, 0.25F});
     EXPECT_TRUE(check_well_formed(s).ok()) << check_well_formed(s).failure;
     if (s.reason != NoLight::kNone) continue;
-    // Value over density: intensity over distance squared, whatever the angle.
+    // Value over density is intensity over squared distance, at any angle.
     EXPECT_NEAR(s.value.r / s.pdf.per_sr, 20 / (s.distance * s.distance), 1e-4);
   }
 }
 
-TEST(PanelLight, NearlyFlatShapesShineByTheirOwnNormals) {
-  // Bent by less than 1e-3: a receiver near the mean plane sees each point under another angle.
+TEST(PanelLight, NearlyFlatShapesEmitByTheirOwnNormals) {
+  // Bent by less than 1e-3: a receiver near the mean plane sees each point at another angle.
   const auto even = *PhotometricWeb::create(
       {.vertical_deg = {0, 90}, .horizontal_deg = {0}, .intensity_cd = {20, 20}});
   const auto panel = *AreaLight<double, PanelPatchMesh>::create(
@@ -119,8 +119,8 @@ TEST(PanelLight, NearlyFlatShapesShineByTheirOwnNormals) {
   }
 }
 
-/// What `panel`, a bent patch over the unit square, sends from its front to within `width` of the
-/// mean plane, on both sides of that: radiance times cosine by the midpoint rule.
+/// The flux from the front of `panel`, a bent patch over the unit square, within `width` of the
+/// mean plane on both sides.  Integrates radiance times cosine by the midpoint rule.
 double flux_along_plane(const AreaLight<double, PanelPatchMesh>& panel, double width) {
   const auto& surface = panel.shape().surface();
   const Frame<double> axes = Frame<double>::around(surface.normals().axis);
@@ -142,7 +142,7 @@ double flux_along_plane(const AreaLight<double, PanelPatchMesh>& panel, double w
 }
 
 TEST(PanelLight, FluxOfABentPanelHasTheErrorOfItsHorizon) {
-  // 20 cd down to the mean plane or from there on, and nothing on its other side.
+  // 20 cd down to the mean plane or from there on, and 0 on its other side.
   const auto lit = [](PhotometricType type, std::vector<double> vertical, std::vector<double> cd) {
     PhotometricWebParams params{type, std::move(vertical), {0}, cd};
     if (type != PhotometricType::kC) {
@@ -177,9 +177,10 @@ TEST(PanelLight, FluxOfABentPanelHasTheErrorOfItsHorizon) {
     const double band = 20 * c.band_sr_per_rad * std::sin(width);
     const double stated = c.front_lm > 0 ? band : 0;
     const double off = std::fabs(flux_along_plane(bent, width) - stated);
-    // Between the planes of a normal and of the mean one, so much apart: all around as much as two
-    // wedges of twice that angle in solid angle, of which one is lit.  The mean angle is that of
-    // the largest as the mean distance from a square's centre is of that of its corners: 0.5411.
+    // The planes of a normal and of the mean normal enclose this angle.  All around they enclose
+    // two wedges of twice the angle in solid angle, one of them lit.  The ratio of the mean angle
+    // to the largest is that of the mean distance from a square's centre to that of its corners:
+    // 0.5411.
     const double wedge = c.band_sr_per_rad / kPi * 0.5411 * lean;
     EXPECT_NEAR(off, 20 * wedge, 0.02 * 20 * wedge);
     EXPECT_GE(power.error_lumens, off);
@@ -187,7 +188,7 @@ TEST(PanelLight, FluxOfABentPanelHasTheErrorOfItsHorizon) {
     EXPECT_EQ(panel(0.001, c.web, true).shape().flux_error_lm(true), 0);
     EXPECT_EQ(panel(0, c.web, false).power({}).error_lumens, 0);
   }
-  // Triangles are flat, in whatever plane their corners are rounded.
+  // Triangles are flat, whatever plane their rounded corners lie in.
   RandomU random(11);
   const auto next = [&] {
     return Vec3<float>(float(random.next()), float(random.next()), float(random.next()));
@@ -209,8 +210,8 @@ TEST(PanelLight, ShapesThatAreNotFlatAreRefused) {
     EXPECT_FALSE(PanelPatchMesh<double>::create(flat, profile(web(), tangent)).ok());
 }
 
-TEST(PhotometricWebFlux, DownwardsIsThatTowardsPlusZ) {
-  // Constant: half of 4 pi, in types C and A; cells that straddle the horizon are cut at it.
+TEST(PhotometricWebFlux, DownwardFluxIsTowardsPlusZ) {
+  // Constant: half of 4 pi, in types C and A.  Cells across the horizon are cut at it.
   for (const auto type : {PhotometricType::kC, PhotometricType::kA}) {
     const bool c = type == PhotometricType::kC;
     const auto even = *PhotometricWeb::create(

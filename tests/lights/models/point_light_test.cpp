@@ -47,7 +47,7 @@ TEST(PointLight, PowerIsFourPiTimesIntensity) {
 }
 
 TEST(PointLight, ReceiverOnTheLightIsDegenerate) {
-  // 0.1 is no float: the light counts as where float puts it.
+  // 0.1 is not a float, so the light is at the nearest float.
   const auto s = light_at({0.1, 0.2, 0.3}, 1).sample_li({0.1F, 0.2F, 0.3F}, {});
   EXPECT_EQ(s.reason, NoLight::kDegenerate);
   EXPECT_TRUE(s.value.is_black());
@@ -59,8 +59,8 @@ TEST(PointLight, LightWithoutIntensityIsBlack) {
   EXPECT_TRUE(s.value.is_black());
 }
 
-// Distances whose squares float cannot hold; quotients that it can.
-TEST(PointLight, DistancesFrom1e23ThTo1e19AreExact) {
+// Squares of these distances exceed floats; the quotients do not.
+TEST(PointLight, DistancesFrom1eMinus23To1e19AreExact) {
   struct Row {
     float distance;
     double intensity;
@@ -87,13 +87,13 @@ TEST(PointLight, ValuesThatFloatCannotHoldAreOutOfRangeOrZero) {
   const auto faint = light_at({}, 1).sample_li({1e30F, 0, 0}, {});
   EXPECT_EQ(faint.reason, NoLight::kNone);
   EXPECT_EQ(faint.value, Rgb<float>(0));
-  // Both coordinates fit, their distance does not.
+  // Both coordinates fit a float, their distance does not.
   const auto s = light_at({-3e38, 0, 0}, 3e38).sample_li({3e38F, 0, 0}, {});
   EXPECT_EQ(s.reason, NoLight::kOutOfRange);
   EXPECT_TRUE(testing::check_well_formed(s).ok());
 }
 
-/// What a plain sample says, as a sample; of none one that says nothing.
+/// Converts a plain sample to a sample; no plain sample becomes one without light.
 template <typename Real>
 std::optional<LightSample<Real>> plain_sample(const PointLight<Real>& light,
                                               const Vec3<Real>& receiver) {
@@ -131,7 +131,7 @@ void expect_plain_samples(double least, double most) {
       if (s) expect_same_bits(*s, light.sample_li(receiver, {}), static_cast<Real>(size));
       if (size >= 1e-6 && size <= 1e6) ++all, plain += s ? 1 : 0;
     }
-  EXPECT_EQ(plain, all);  // where nothing is out of the ordinary
+  EXPECT_EQ(plain, all);  // where no special case applies
   for (const Real no : {Real(NAN), Real(INFINITY)}) EXPECT_FALSE(light.plain_sample_li({1, no, 0}));
   EXPECT_FALSE(light.plain_sample_li(light.position()));
 }
@@ -141,7 +141,7 @@ TEST(PointLight, PlainSamplesHaveTheBitsOfSamples) {
   expect_plain_samples<double>(1e-300, 1e300);
 }
 
-TEST(PointLight, PlainSamplesAreOfLightThatNumbersHold) {
+TEST(PointLight, PlainSamplesExistOnlyWithinTheRangeOfNumbers) {
   const auto at_zero = [](double intensity) {
     return *PointLight<double>::create({.position_m = {}, .intensity_cd = Rgb<double>(intensity)});
   };
@@ -153,7 +153,7 @@ TEST(PointLight, PlainSamplesAreOfLightThatNumbersHold) {
   EXPECT_TRUE(at_zero(1).plain_sample_li({0, 0, 1e-130}));
 }
 
-TEST(PointLight, CreateNamesFieldValueAndWhatIsAllowed) {
+TEST(PointLight, CreateNamesFieldValueAndAllowedRange) {
   const auto error = [](const PointLightParams& params) {
     return std::string(PointLight<float>::create(params).status().message());
   };

@@ -15,7 +15,7 @@ using testing::RandomU;
 
 constexpr double kPi = std::numbers::pi;
 
-/// Around [0, width] x [0, height] at `z`, light from above.
+/// Around [0, width] x [0, height] at `z`; light comes from above.
 std::array<Vec3<double>, 4> window(double width, double height, double z) {
   return {{{0, 0, z}, {0, height, z}, {width, height, z}, {width, 0, z}}};
 }
@@ -32,7 +32,7 @@ std::shared_ptr<const SphereMap> square_map(std::vector<Rgb<float>> texels) {
                             ImageFilter::kNearest);
 }
 
-/// The illuminance on a surface that faces +z, by n samples, and its standard error.
+/// The illuminance on a surface that faces +z, from n samples, and its standard error.
 struct Mean {
   double lx, error;
 };
@@ -52,8 +52,8 @@ Mean illuminance(const PortalLight<Real>& light, const Vec3<Real>& receiver, int
 }
 
 TEST(PortalLight, AUniformSkyThroughAWindowGivesLambertsFormFactor) {
-  // A rectangle above one of its corners: with a = width / d and b = height / d,
-  // E = L / 2 (a / sqrt(1 + a^2) atan(b / sqrt(1 + a^2)) + the same with a and b exchanged).
+  // A rectangle above one of its corners: with a = width / d and b = height / d, E = L / 2 (a /
+  // sqrt(1 + a^2) atan(b / sqrt(1 + a^2)) + the same with a and b exchanged).
   for (const double d : {0.01, 0.5, 1.0, 30.0, 1e4}) {
     const auto light = portal(window(2, 3, d));
     const auto part = [](double a, double b) {
@@ -62,7 +62,7 @@ TEST(PortalLight, AUniformSkyThroughAWindowGivesLambertsFormFactor) {
     };
     const double expected = part(2 / d, 3 / d) + part(3 / d, 2 / d);
     const Mean got = illuminance(light, Vec3<float>(0, 0, 0), 100000);
-    // 5.5 standard errors: by luck less than once in 1e7.
+    // 5.5 standard errors, exceeded by chance less than once in 1e7.
     EXPECT_NEAR(got.lx, expected, 5.5 * got.error + 1e-5 * expected) << d;
     EXPECT_LE(got.error, 0.01 * expected) << d;
   }
@@ -78,7 +78,7 @@ TEST(PortalLight, FarPortalsHaveTheDensityOfTheirSolidAngle) {
   }
 }
 
-TEST(PortalLight, OnlyWhatGoesThroughTheRectangleFromInsideMeetsTheSky) {
+TEST(PortalLight, OnlyRaysThroughTheRectangleFromInsideMeetTheSky) {
   const auto light = portal(window(2, 3, 1));
   const Vec3<float> inside{1, 1, 0};
   const auto towards = [&](float x, float y) { return normalized(Vec3<float>{x, y, 1} - inside); };
@@ -94,7 +94,7 @@ TEST(PortalLight, OnlyWhatGoesThroughTheRectangleFromInsideMeetsTheSky) {
   EXPECT_TRUE(light.le_escaped({1, 1, 2}, {0, 0, -1}).is_black());
 }
 
-TEST(PortalLight, ReceiversThatSeeNoneOfItGetAReason) {
+TEST(PortalLight, ReceiversThatDoNotSeeThePortalGetAReason) {
   const auto light = portal(window(2, 3, 1));
   const auto reason = [&](const Vec3<float>& r) {
     const auto s = light.sample_li(r, {0.5F, 0.5F});
@@ -107,12 +107,13 @@ TEST(PortalLight, ReceiversThatSeeNoneOfItGetAReason) {
   EXPECT_EQ(reason({1, 1, 1}), NoLight::kDegenerate);
   EXPECT_EQ(reason({0, 0, 1}), NoLight::kDegenerate);
   EXPECT_EQ(reason({NAN, 0, 0}), NoLight::kOutOfRange);
-  // 1e-30 m below the plane the window is the whole hemisphere: still an answer.
+  // 1e-30 m below the plane the window covers the whole hemisphere.  The receiver still has an
+  // answer.
   const auto near = portal<double>(window(2, 3, 1e-30));
   EXPECT_NEAR(illuminance(near, Vec3<double>(1, 1, 0), 100000).lx, kPi, 0.1);
 }
 
-TEST(PortalLight, PowerIsTheFluxThroughItWhateverTheScene) {
+TEST(PortalLight, PowerIsTheFluxThroughThePortalInAnyScene) {
   const auto light = portal(window(2, 3, 1));
   for (const SceneSphere& scene : {SceneSphere{}, SceneSphere{{1, 2, 3}, 1e6}}) {
     const Power power = light.power(scene);
@@ -124,31 +125,31 @@ TEST(PortalLight, PowerIsTheFluxThroughItWhateverTheScene) {
   }
 }
 
-TEST(PortalLight, ABlackMapAndBlackPartsOfItSaySo) {
+TEST(PortalLight, BlackMapsAndBlackPartsGiveTheirReason) {
   const auto black = portal(window(2, 3, 1), square_map(std::vector<Rgb<float>>(16)));
   EXPECT_EQ(black.sample_li({1, 1, 0}, {0.5F, 0.5F}).reason, NoLight::kBlack);
   EXPECT_EQ(black.pdf_li({1, 1, 0}, {0, 0, 1}).per_sr, 0);
   EXPECT_EQ(black.sample_le({0.5F, 0.5F}, {0.5F, 0.5F}, {}).reason, NoLight::kBlack);
   EXPECT_TRUE(black.power({}).lumens.is_black());
-  // Lit below the horizon only: nothing of it comes through.
+  // Lit below the horizon only: no light comes through.
   std::vector<Rgb<float>> below(16, Rgb<float>(1));
   for (const int i : {5, 6, 9, 10}) below[static_cast<std::size_t>(i)] = {};
   const auto dark = portal(window(2, 3, 100), square_map(below));
   EXPECT_EQ(dark.sample_li({1, 1, 0}, {0.5F, 0.5F}).reason, NoLight::kBlack);
 }
 
-TEST(PortalLight, ATexelOfABillionAndItsNeighboursBothCount) {
+TEST(PortalLight, ATexelOf1e9AndItsNeighboursBothCount) {
   // The texel about +z from x, y > 0 is 1e9 brighter than the other three that the window shows.
   std::vector<Rgb<float>> texels(16, Rgb<float>(1));
   texels[10] = Rgb<float>(1e9F);
   const auto light = portal({{{-1, -1, 4}, {-1, 1, 4}, {1, 1, 4}, {1, -1, 4}}}, square_map(texels));
-  // A quarter of the window's form factor is the bright one.
+  // The bright texel has a quarter of the window's form factor.
   const double a = 0.25, s = std::sqrt(1 + a * a);
   const double quarter = a / s * std::atan(a / s);
   const Mean got = illuminance(light, Vec3<float>(0, 0, 0), 200000);
   EXPECT_NEAR(got.lx, quarter * (1e9 + 3), 5.5 * got.error);
   EXPECT_LE(got.error, 1e-3 * quarter * 1e9);
-  // From where only the others are seen it is as if it did not shine.
+  // A receiver that sees only the other texels has a result as accurate as without the bright one.
   const Mean others = illuminance(light, Vec3<float>(8, 8, 0), 20000);
   EXPECT_LE(others.lx, kPi);
   EXPECT_LE(others.error, 0.01 * others.lx);
@@ -161,7 +162,7 @@ TEST(PortalLight, CornersThatAreNearlyARectangleAreTakenAsTheirMean) {
   EXPECT_NEAR(light.portal_area_m2(), 6.0015, 1e-5);
 }
 
-TEST(PortalLight, CreateNamesWhatIsWrong) {
+TEST(PortalLight, CreateNamesTheInvalidParameter) {
   const auto error = [](PortalLightParams p) {
     return std::string(PortalLight<float>::create(p).status().message());
   };
@@ -192,9 +193,9 @@ TEST(PortalLight, CreateNamesWhatIsWrong) {
   EXPECT_THAT(error(p), ::testing::HasSubstr("unequal scale"));
 }
 
-TEST(PortalLight, NoSampleIsLostWhereItIsSeenFlat) {
-  // 0.02 m by 1 m seen from 100 m beside its short edge, 0.01 m below its plane, so that all its
-  // directions are within 2e-4 of its axis y; in a frame in which rounding turns all three.
+TEST(PortalLight, NoSampleIsLostAtAGrazingAngle) {
+  // 0.02 m by 1 m, seen from 100 m beside its short edge and 0.01 m below its plane.  So all its
+  // directions are within 2e-4 of its axis y.  Rounding affects all three axes of the frame.
   const Vec3<double> x = normalized(Vec3<double>{2, 3, 6}), y = normalized(Vec3<double>{-6, -2, 3}),
                      z = cross(x, y);
   const Vec3<double> corner = y * 100 - x * 0.01 + z * 0.01;

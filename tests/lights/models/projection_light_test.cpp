@@ -33,13 +33,13 @@ double lumens(const ProjectionLight<double>& light) {
   return luminance(light.power(kScene).lumens);
 }
 
-/// Of a rectangle of half sides a and b at distance 1, seen from before its middle: a pyramid of
-/// half apex angles alpha and beta covers 4 asin(sin alpha sin beta).
+/// The solid angle of a rectangle of half sides a and b at distance 1, seen from before its middle.
+/// A pyramid of half apex angles alpha and beta covers 4 asin(sin alpha sin beta).
 double pyramid_sr(double a, double b) {
   const double cos2_a = 1 / (1 + a * a), cos2_b = 1 / (1 + b * b);
   const double sin = a * std::sqrt(cos2_a) * b * std::sqrt(cos2_b);
   if (sin < 0.9) return 4 * std::asin(sin);
-  // By the cosine of that angle, which does not lose what is left to pi / 2.
+  // By the cosine of that angle, which keeps the difference to pi / 2.
   return 2 * kPi - 4 * std::asin(std::sqrt(cos2_a + cos2_b - cos2_a * cos2_b));
 }
 
@@ -58,7 +58,7 @@ TEST(ProjectionLight, UpperLeftOfThePictureIsUpAndLeft) {
             Rgb<double>(0, 1, 0));
 }
 
-TEST(ProjectionLight, FovIsOfTheShorterSide) {
+TEST(ProjectionLight, FovSpansTheShorterSide) {
   const double t = std::tan(0.3), inside = t * (1 - 1e-9), outside = t * (1 + 1e-9);
   for (const double aspect : {3.0, 1.0, 1 / 3.0}) {
     const auto l = light({.fov_rad = 0.6, .aspect = aspect});
@@ -70,7 +70,7 @@ TEST(ProjectionLight, FovIsOfTheShorterSide) {
 }
 
 TEST(ProjectionLight, PowerIsThatOfThePyramidAtAnyFovAndAspect) {
-  // Per texel, and by quadrature where the filter is bilinear, of pictures that are white.
+  // By texel, and by quadrature for the bilinear filter.  The pictures are white.
   const auto white = image(5, 4, std::vector<Rgb<float>>(20, Rgb<float>(1)));
   const auto line = image(1000, 1, std::vector<Rgb<float>>(1000, Rgb<float>(1)));
   for (const double fov : {1e-9, 1e-4, 0.5, 2.0, 3.1, kPi - 1e-6}) {
@@ -89,10 +89,10 @@ TEST(ProjectionLight, PowerIsThatOfThePyramidAtAnyFovAndAspect) {
   }
 }
 
-// Of texels (7 x + 5 y + 3) mod 11, or of one that is lit, summed with 60 digits (mpmath) from
-// F(x, y) = atan(x y / sqrt(1 + x^2 + y^2)) over each texel's corners in the plane, where the half
-// side is tan(fov / 2) for fov = degrees / 180 pi as double rounds it.
-TEST(ProjectionLight, PowerNear180DegreesIsThatOfSixtyDigits) {
+// Texels are (7 x + 5 y + 3) mod 11, or a single lit one.  The sums are computed with 60 digits
+// (mpmath) from F(x, y) = atan(x y / sqrt(1 + x^2 + y^2)) over each texel's corners in the plane.
+// The half side there is tan(fov / 2) for fov = degrees / 180 pi as double rounds it.
+TEST(ProjectionLight, PowerNear180DegreesAgreesWithSixtyDigits) {
   constexpr int kMixed = -1;
   const struct {
     double degrees;
@@ -122,8 +122,8 @@ TEST(ProjectionLight, PowerNear180DegreesIsThatOfSixtyDigits) {
   }
 }
 
-// Row 29 of the inputs that break lights: the cone about a picture of 3:1 is 2.5 times too much.
-TEST(ProjectionLight, TheBooksPowerWithoutAPictureSaysThatItIsTooHigh) {
+// Row 29 of docs/extremes.md: the cone about a picture of 3:1 is 2.5 times too large.
+TEST(ProjectionLight, TextbookPowerWithoutAPictureStatesItsError) {
   const auto l = light({.fov_rad = 0.5, .aspect = 3});
   const double b = std::tan(0.25), a = 3 * b;
   const double cone = 2 * kPi * (1 - 1 / std::sqrt(1 + a * a + b * b));
@@ -133,8 +133,8 @@ TEST(ProjectionLight, TheBooksPowerWithoutAPictureSaysThatItIsTooHigh) {
   EXPECT_GT(cone / pyramid_sr(a, b), 2.3);
 }
 
-TEST(ProjectionLight, PbrtsPowerOfAPictureIsItsTexelsAtTheirCentres) {
-  // One texel of 90 degrees: an area of 4 with cos^3 = 1 at its centre; it is a cube's face.
+TEST(ProjectionLight, PbrtsPowerOfAPictureSumsTexelsAtTheirCentres) {
+  // One texel of 90 degrees: an area of 4 with cos^3 = 1 at its centre.  It is a face of a cube.
   const auto l = light({.image = image(1, 1, {Rgb<float>(1)}), .fov_rad = kPi / 2});
   EXPECT_NEAR(luminance(l.power_approximate(kScene).lumens), 4, 1e-12);
   EXPECT_NEAR(lumens(l), 4 * kPi / 6, 1e-12);
@@ -149,16 +149,17 @@ TEST(ProjectionLight, NearestPicturesAreSampledExactlyInProportion) {
   for (int i = 0; i < 2000; ++i) {
     const auto s = l.sample_le({}, random.pair<double>(), kScene);
     ASSERT_EQ(s.reason, NoLight::kNone);
-    // Grey: each ray is worth the power.  Roundings of directions near the corners.
+    // The picture is grey, so each ray is worth the power.  Directions near the corners are
+    // rounded.
     EXPECT_NEAR(s.value.g / s.pdf_direction.per_sr / lumens(l), 1, 1e-12);
   }
 }
 
-TEST(ProjectionLight, OneTexelOfABillionLeavesTheOthersTheirShare) {
+TEST(ProjectionLight, ATexelOf1e9LeavesTheOthersTheirShare) {
   std::vector<Rgb<float>> texels(64 * 64, Rgb<float>(1));
   texels[64 * 20 + 30] = Rgb<float>(1e9F);
   const auto l = light({.image = image(64, 64, texels), .fov_rad = 1});
-  // A share of about 64^2 / 1e9 for the others: u past the bright texel's.
+  // The others have a share of about 64^2 / 1e9: u is past the bright texel's.
   const auto s = l.sample_le({}, {0.5, 1.0}, kScene);
   EXPECT_EQ(s.value, Rgb<double>(1));
   EXPECT_NEAR(s.pdf_direction.per_sr * lumens(l), 1, 1e-6);
@@ -183,7 +184,7 @@ TEST(ProjectionLight, GivesTheReasonForNoLight) {
   EXPECT_EQ(black.power(kScene).lumens, Rgb<double>());
 }
 
-TEST(ProjectionLight, CreateNamesWhatIsWrong) {
+TEST(ProjectionLight, CreateNamesTheInvalidParameter) {
   const auto picture_error = [](const ProjectedPictureParams& p) {
     return std::string(ProjectedPicture::create(p).status().message());
   };

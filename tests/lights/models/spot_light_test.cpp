@@ -31,8 +31,8 @@ SpotLight<Real> make(double cone_rad, double start_rad) {
 /// Away from the light, `angle_rad` off its axis.
 Vec3<double> off_axis(double angle_rad) { return {std::sin(angle_rad), 0, -std::cos(angle_rad)}; }
 
-// By hand for 30 and 25 degrees: t = (cos 27.5 - cos 30) / (cos 25 - cos 30) = 0.520958, and
-// t^2 (3 - 2 t) = 0.531419; the other angles likewise.
+// By hand for 30 and 25 degrees: t = (cos 27.5 - cos 30) / (cos 25 - cos 30) = 0.520958, and t^2 (3
+// - 2 t) = 0.531419; the other angles likewise.
 TEST(SpotLight, EdgeIsSmoothstepInTheCosine) {
   const auto light = make(degrees(30), degrees(25));
   EXPECT_EQ(light.intensity(off_axis(0)).r, 1);
@@ -77,13 +77,13 @@ TEST(SpotLight, HardEdgeIsFullInsideAndDarkOutside) {
   }
 }
 
-TEST(SpotLight, EdgesAsNarrowAs1e6ThKeepTheirMiddleAndTheAxis) {
+TEST(SpotLight, EdgesAsNarrowAs1eMinus6KeepTheirMiddleAndTheAxis) {
   for (const double width : {1e-2, 1e-4, 1e-6}) {
     const auto light = make(0.5, 0.5 - width);
     EXPECT_EQ(light.intensity(off_axis(0)).r, 1);
     EXPECT_EQ(light.intensity(off_axis(0.5 - 1.01 * width)).r, 1);
     EXPECT_EQ(light.intensity(off_axis(0.5 + 0.01 * width)).r, 0);
-    // The smoothstep's middle; the cosine bends away from a line by about width / 2 of its slope.
+    // The smoothstep's middle.  The curvature of the cosine adds about width / 2 of its slope.
     EXPECT_NEAR(light.intensity(off_axis(0.5 - 0.5 * width)).r, 0.5, 1.5 * width);
     EXPECT_NEAR(light.intensity(off_axis(0.5 - 0.75 * width)).r, 0.84375, 1.5 * width);
   }
@@ -99,11 +99,11 @@ TEST(SpotLight, NarrowConesKeepTheirPower) {
   }
 }
 
-TEST(SpotLight, NarrowConesLightWhatIsInThemAndNothingElse) {
+TEST(SpotLight, NarrowConesIlluminateOnlyPlacesWithinThem) {
   for (const double deg : {1., 0.05, 0.01, 1e-5}) {
     const double theta = degrees(deg);
     const auto light = make<float>(theta, theta / 2);
-    // Off along x by tan(angle) at distance 1: the float is exact to 6e-8 of itself.
+    // Aside along x by tan(angle) at distance 1: the float is exact to 6e-8 of itself.
     const auto at = [&](double share) {
       return light.sample_li({static_cast<float>(std::tan(share * theta)), 0, -1}, {});
     };
@@ -117,7 +117,8 @@ TEST(SpotLight, NarrowConesLightWhatIsInThemAndNothingElse) {
   }
 }
 
-/// In float a direction's own error is as wide as the narrowest cones: where it can be told, it is.
+/// In float, a direction's own error is as wide as the narrowest cones.  A change of its length
+/// must not change the intensity.
 TEST(SpotLight, IntensityOfAFloatDirectionIgnoresItsErrorOfLength) {
   const auto light = make<float>(degrees(1e-5), degrees(1e-5));
   EXPECT_EQ(light.intensity({0, 0, -1}).r, 1);
@@ -156,7 +157,7 @@ TEST(SpotLight, FullSphereIsAPointLight) {
   EXPECT_DOUBLE_EQ(light.power({}).lumens.r, 4 * kPi);
 }
 
-// The angle is never that of an arc cosine, which is not a number for a product of 1 + ulp.
+// The angle does not come from an arc cosine, which is NaN for a product of 1 + ulp.
 TEST(SpotLight, AxisIsLitFullyForEveryAxis) {
   testing::RandomU random(4);
   for (int i = 0; i < 10000; ++i) {
@@ -179,7 +180,7 @@ TEST(SpotLight, DistancesWhoseSquaresFloatCannotHoldAreExact) {
   EXPECT_EQ(make<float>(0.5, 0.2).sample_li({0, 0, -1e-23F}, {}).reason, NoLight::kOutOfRange);
 }
 
-TEST(SpotLight, CreateNamesFieldValueAndWhatIsAllowed) {
+TEST(SpotLight, CreateNamesFieldValueAndAllowedRange) {
   const auto error = [](const SpotLightParams& params) {
     return std::string(SpotLight<float>::create(params).status().message());
   };
@@ -201,9 +202,10 @@ TEST(SpotLight, CreateNamesFieldValueAndWhatIsAllowed) {
   EXPECT_THAT(error(params), HasSubstr("spot.intensity = (1, 1, -1) cd"));
 }
 
-// The books' spot of 30 degrees with an edge of 5: 2 pi (1 - (cos 25 + cos 30) / 2) = 0.715236 sr
-// for either profile; x^4 integrates to 2 pi ((1 - cos 25) + (cos 25 - cos 30) / 5) = 0.639306 sr.
-TEST(SpotLight, BooksPowerIsTooHighForTheQuarticProfileAndSaysByHowMuch) {
+// The textbook's spot of 30 degrees with an edge of 5: 2 pi (1 - (cos 25 + cos 30) / 2) = 0.715236
+// sr for either profile.  x^4 integrates to 2 pi ((1 - cos 25) + (cos 25 - cos 30) / 5) = 0.639306
+// sr.
+TEST(SpotLight, TextbookPowerOfTheQuarticProfileStatesItsError) {
   constexpr double kRad = std::numbers::pi / 180;
   SpotLightParams params{.intensity_cd = Rgb<double>(1),
                          .cone_half_angle_rad = 30 * kRad,
@@ -225,7 +227,7 @@ TEST(SpotLight, BooksPowerIsTooHighForTheQuarticProfileAndSaysByHowMuch) {
   EXPECT_LE(smooth.power_approximate({}).error_lumens, 1e-15);
 }
 
-// Through the narrowest cones, all rays keep the light's power in float too.
+// Through the narrowest cones, all rays keep the light's power, in float too.
 TEST(SpotLight, RaysOfTheNarrowestConesCarryTheWholePower) {
   for (const double degrees : {1., 0.05, 0.01, 1e-5}) {
     const double cone = degrees * std::numbers::pi / 180;

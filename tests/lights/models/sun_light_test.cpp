@@ -26,7 +26,7 @@ struct SunCase : CaseDefaults, SceneDiskCase {
   static std::vector<Vec3<double>> receivers() { return {{0, 0, 0}, {1e6, -3, 5}}; }
   static Region region(const Vec3<double>&) { return {normalized(to_light()), kHalf}; }
   static Region emission_region(const Vec3<double>&) { return {-normalized(to_light()), kHalf}; }
-  /// The radiance whose illuminance is the level: by rings of the disk, times their cosine.
+  /// The radiance whose illuminance is the level: rings of the disk, weighted with their cosine.
   static Rgb<double> radiance() {
     return kDeltaLevel * (1 / simpson(0, kHalf, 200, [](double t) {
                             return 2 * kPi * std::sin(t) * std::cos(t);
@@ -37,7 +37,7 @@ struct SunCase : CaseDefaults, SceneDiskCase {
     const double angle = std::atan2(length(cross(a, wi)), dot(a, wi));
     return angle <= kHalf + 1e-6 ? radiance() : Rgb<double>{};
   }
-  /// Each direction through its disk of radius 4.
+  /// For each direction, the flux through its disk of radius 4.
   static Rgb<double> power_by_quadrature() {
     return radiance() *
            (16 * kPi * simpson(0, kHalf, 200, [](double t) { return 2 * kPi * std::sin(t); }));
@@ -52,7 +52,7 @@ INSTANTIATE_TYPED_TEST_SUITE_P(Sun, EmittingSurface, SunCases);
 INSTANTIATE_TYPED_TEST_SUITE_P(Sun, EmittingDirections, SunCases);
 INSTANTIATE_TYPED_TEST_SUITE_P(Sun, UnboundedLight, SunCases);
 
-/// On a surface that faces the centre, by the midpoints of a grid of samples.
+/// The illuminance on a surface that faces the centre, by the midpoints of a grid of samples.
 double facing(const SunLight<float>& sun, const Vec3<double>& to_light) {
   double sum = 0;
   for (int i = 0; i < 64 * 64; ++i) {
@@ -66,7 +66,7 @@ double facing(const SunLight<float>& sun, const Vec3<double>& to_light) {
 
 TEST(SunLight, GivesItsIlluminanceAtEveryAngularDiameter) {
   const Vec3<double> to_light = normalized(Vec3<double>{1, -2, 3});
-  // The real sun is seen under 0.0093 rad.
+  // The real sun has an angular diameter of 0.0093 rad.
   for (const double diameter : {3.14159, 1., 0.0093, 1e-4, 1e-6, 1e-7}) {
     const auto sun = *SunLight<float>::create({to_light, diameter, Rgb<double>(100)});
     EXPECT_NEAR(facing(sun, to_light), 100, 2e-3) << diameter;

@@ -25,14 +25,14 @@ std::shared_ptr<const Image> random_image(int width, int height) {
   std::vector<Rgb<float>> texels;
   for (int i = 0; i < width * height; ++i) {
     const float v = random.next();
-    // A third is black, the rest spans three decades.
+    // A third is black, the others span three decades.
     texels.push_back(random.next() < 0.33F ? Rgb<float>{}
                                            : Rgb<float>(v, random.next(), 1) * (1000 * v * v * v));
   }
   return *Image::create(width, height, std::move(texels));
 }
 
-TEST_P(AnyDistribution, DensityIsTheLuminanceThatTheFilterShowsOverItsIntegral) {
+TEST_P(AnyDistribution, DensityIsTheFilteredLuminanceOverItsIntegral) {
   const auto image = random_image(6, 6);
   const ImageDistribution d(*image, filter_, border_);
   EXPECT_NEAR(d.integral(), luminance(image->mean()), 1e-12 * d.integral());
@@ -57,7 +57,7 @@ TEST_P(AnyDistribution, SamplesFollowTheDensity) {
     ++observed[std::min(int(s.position.y * kBins), kBins - 1) * kBins +
                std::min(int(s.position.x * kBins), kBins - 1)];
   }
-  // Bins divide texels and the cells between centres: the midpoint rule is exact.
+  // Bins divide texels and the cells between centres, so the midpoint rule is exact.
   constexpr int kFine = kBins * kSub;
   for (int y = 0; y < kFine; ++y)
     for (int x = 0; x < kFine; ++x) {
@@ -67,10 +67,10 @@ TEST_P(AnyDistribution, SamplesFollowTheDensity) {
       wrong[y / kSub * kBins + x / kSub] += n * d.pdf({p.x, 1 - p.y});
     }
   EXPECT_GT(chi_square_p_value(observed, expected), 1e-8);
-  EXPECT_LT(chi_square_p_value(observed, wrong), 1e-8) << "the test cannot see";
+  EXPECT_LT(chi_square_p_value(observed, wrong), 1e-8) << "the test notices no mistake";
 }
 
-TEST_P(AnyDistribution, EverySampleHasALitPointAndItsDensityAtTheEdgesOfUToo) {
+TEST_P(AnyDistribution, EverySampleHasALitPointAndItsDensityAlsoAtTheEdgesOfU) {
   for (const int lit : {0, 5, 24, 35}) {
     std::vector<Rgb<float>> texels(36);
     texels[static_cast<std::size_t>(lit)] = Rgb<float>(1);
@@ -88,20 +88,20 @@ TEST_P(AnyDistribution, EverySampleHasALitPointAndItsDensityAtTheEdgesOfUToo) {
   }
 }
 
-TEST_P(AnyDistribution, OneTexelOfABillionLeavesTheOthersTheirShare) {
+TEST_P(AnyDistribution, ATexelOf1e9LeavesTheOthersTheirShare) {
   std::vector<Rgb<float>> texels(36, Rgb<float>(1));
   texels[14] = Rgb<float>(1e9F);
   const auto image = *Image::create(6, 6, std::move(texels));
   const ImageDistribution d(*image, filter_, border_);
-  // Far from the bright one the density is 1 over the mean, 36 / (1e9 + 35).
+  // Far from the bright texel the density is 1 over the mean, 36 / (1e9 + 35).
   EXPECT_NEAR(d.pdf({0.9, 0.9}) * (1e9 + 35) / 36, 1, 1e-9);
-  // The last row's samples: from 1 - 6 / (1e9 + 35) on.
+  // The samples of the last row begin at 1 - 6 / (1e9 + 35).
   const auto s = d.sample({0.5, 1 - 2 / 1e9});
   EXPECT_GT(s.position.y, 5 / 6.0 - 0.1);
   EXPECT_NEAR(s.pdf * (1e9 + 35) / 36, 1, 1e-9);
 }
 
-TEST_P(AnyDistribution, ABlackPictureHasNoDensityAndSaysSo) {
+TEST_P(AnyDistribution, ABlackPictureHasNoDensity) {
   const auto image = *Image::create(6, 6, std::vector<Rgb<float>>(36));
   const ImageDistribution d(*image, filter_, border_);
   EXPECT_EQ(d.integral(), 0);
@@ -115,7 +115,7 @@ TEST_P(AnyDistribution, RowMeasuresScaleRows) {
   std::vector<double> weights;
   for (int i = 0; i < 36; ++i)
     weights.push_back(luminance(Rgb<double>(image->texel(i % 6, i / 6))));
-  // The second row of cells counts for nothing, the fourth three times.
+  // The second row of cells has weight 0, the fourth weight 3.
   std::vector<double> measures;
   const bool nearest = filter_ == ImageFilter::kNearest;
   for (int r = 0; r < (nearest ? 6 : 7); ++r)

@@ -26,7 +26,7 @@ TEST(Image, NearestShowsATexelAllOverItsSquare) {
   EXPECT_EQ(at(1, 1), 4);
 }
 
-TEST(Image, BilinearIsTheTexelAtItsCentreAndHalfWayBetweenTheMean) {
+TEST(Image, BilinearIsTheTexelAtItsCentreAndTheMeanHalfway) {
   const auto image = grey(2, 2, {1, 2, 3, 8});
   const auto at = [&](double x, double y) {
     return image->lookup({x, y}, ImageFilter::kBilinear, ImageBorder::kClamp).g;
@@ -39,14 +39,14 @@ TEST(Image, BilinearIsTheTexelAtItsCentreAndHalfWayBetweenTheMean) {
   EXPECT_EQ(at(1, 0.75), 8);
 }
 
-TEST(Image, LatitudeLongitudeJoinsLeftAndRightAndGoesOnBeyondThePoles) {
+TEST(Image, LatitudeLongitudeJoinsLeftAndRightAndContinuesBeyondThePoles) {
   const auto image = grey(4, 2, {1, 2, 3, 4, 5, 6, 7, 8});
   const auto at = [&](double x, double y) {
     return image->lookup({x, y}, ImageFilter::kBilinear, ImageBorder::kLatitudeLongitude).g;
   };
   EXPECT_EQ(at(0, 0.25), 2.5);  // between columns 0 and 3
   EXPECT_EQ(at(1, 0.25), 2.5);
-  // At the pole, halfway to the texel half around.
+  // At the pole, halfway to the texel half a turn away.
   EXPECT_EQ(at(0.125, 0), 2);  // columns 0 and 2
   EXPECT_EQ(at(0.625, 1), 6);  // columns 2 and 0
   EXPECT_EQ(at(0.125, 0.25), 1);
@@ -76,7 +76,7 @@ TEST(Image, MeanIsTheIntegralOfEveryFilter) {
   for (const auto border :
        {ImageBorder::kClamp, ImageBorder::kLatitudeLongitude, ImageBorder::kOctahedral}) {
     for (const auto filter : {ImageFilter::kNearest, ImageFilter::kBilinear}) {
-      // The midpoint rule is exact for what is bilinear in each square of 1/8.
+      // The midpoint rule is exact for functions that are bilinear in each square of 1/8.
       double sum = 0;
       for (int i = 0; i < 64; ++i)
         sum += image->lookup({(i % 8 + 0.5) / 8, (i / 8 + 0.5) / 8}, filter, border).g;

@@ -24,7 +24,7 @@ std::shared_ptr<const Image> image(int width, int height, std::vector<Rgb<float>
   return *Image::create(width, height, std::move(texels));
 }
 
-/// `lit` texels of random values, the others black.
+/// `lit` texels have random values, the others are black.
 std::shared_ptr<const IntensityMap> sparse(int side, const std::vector<int>& lit,
                                            SphereMapping mapping, ImageFilter filter) {
   std::vector<Rgb<float>> texels(static_cast<std::size_t>(side) * static_cast<std::size_t>(side));
@@ -36,11 +36,11 @@ std::shared_ptr<const IntensityMap> sparse(int side, const std::vector<int>& lit
 std::vector<std::vector<int>> patterns() {
   std::vector<int> all(64);
   for (int i = 0; i < 64; ++i) all[static_cast<std::size_t>(i)] = i;
-  // A corner, an edge, beside the middle, some in a row, all.
+  // A corner, an edge, beside the middle, several in a row, all.
   return {{0}, {4}, {27}, {18, 19, 20}, all};
 }
 
-TEST(IntensityMap, TakesTheMeanOfChannelsAndSharesWhatIsGrey) {
+TEST(IntensityMap, TakesTheMeanOfChannelsAndSharesGreyPictures) {
   const auto colours = image(1, 2, {{3, 6, 0}, {0, 0, 7.5F}});
   const auto map =
       *IntensityMap::create(colours, SphereMapping::kLatitudeLongitude, ImageFilter::kNearest);
@@ -58,7 +58,7 @@ TEST(IntensityMap, TakesTheMeanOfChannelsAndSharesWhatIsGrey) {
   EXPECT_EQ(shared->at({0, 0, -3}), double{0.1F});
 }
 
-// The midpoint rule on n x n cells; edges of texels cut some of them.
+// The midpoint rule on n x n cells.  Edges of texels cut some of them.
 TEST(IntensityMap, FluxIsTheIntegralOverTheSphere) {
   for (const auto mapping : kMappings)
     for (const auto filter : kFilters)
@@ -70,8 +70,8 @@ TEST(IntensityMap, FluxIsTheIntegralOverTheSphere) {
       }
 }
 
-// The density's integral is 1, and it is positive where there is light; what samples make of it is
-// the contract's part.
+// The density's integral is 1, and it is positive where there is light.  The contract suites test
+// samples of it.
 TEST(IntensityMap, DensityIntegratesToOneAndIsPositiveWhereTheIntensityIs) {
   RandomU random(42);
   for (const auto mapping : kMappings)
@@ -105,12 +105,12 @@ TEST(IntensityMap, ConeHoldsAllLightAndLittleMore) {
           widest = std::max(widest, angle);
         }
         EXPECT_NEAR(length(map->cone().axis), 1, 1e-15);
-        // Of one texel among 8 x 8 at most what its Lipschitz bound allows beyond its corners.
+        // One texel among 8 x 8 gets at most the margin of its Lipschitz bound beyond its corners.
         if (lit.size() == 1) {
           EXPECT_LT(map->cone().half_angle_rad, widest + 1);
         }
       }
-  // One of 1000 x 1000: a few thousandths.
+  // One texel of 1000 x 1000: a few thousandths.
   const auto narrow =
       sparse(1000, {400 * 1000 + 300}, SphereMapping::kEqualArea, ImageFilter::kNearest);
   EXPECT_LT(narrow->cone().half_angle_rad, 5e-3);
@@ -119,7 +119,7 @@ TEST(IntensityMap, ConeHoldsAllLightAndLittleMore) {
             1e-12);
 }
 
-TEST(IntensityMap, BlackPicturesAndInvalidMaps) {
+TEST(IntensityMap, BlackPicturesHaveNoFluxAndInvalidMapsAreRefused) {
   const auto black = *IntensityMap::create(image(2, 2, std::vector<Rgb<float>>(4)),
                                            SphereMapping::kEqualArea, ImageFilter::kNearest);
   EXPECT_EQ(black->flux_lm(), 0);

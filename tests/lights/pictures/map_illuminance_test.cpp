@@ -27,7 +27,7 @@ const std::vector<Vec3<double>> kNormals{{0, 0, 1},
                                          normalized(Vec3<double>{1, -2, 0.5}),
                                          normalized(Vec3<double>{-0.3, 0.2, -1})};
 
-/// The exact value lies within the stated bound, and that bound is small.
+/// The exact value is within the stated bound, and that bound is small.
 void expect_within(const MapIlluminance& got, const Rgb<double>& lx, double largest_error) {
   EXPECT_LE(std::fabs(luminance(got.lx - lx)), got.error_lx);
   EXPECT_LE(got.error_lx, largest_error * luminance(lx));
@@ -42,14 +42,14 @@ TEST(MapIlluminance, OfAConstantMapIsPi) {
                               constant(8, 3, SphereMapping::kLatitudeLongitude, filter)}) {
         const MapIlluminance got = illuminance_of(*map, Rgb<double>(1, 2, 3), n);
         expect_within(got, Rgb<double>(1, 2, 3) * kPi, 2e-3);
-        // Cells of up to 0.0066 rad to either side of the horizon count wholly or not.
+        // Cells of up to 0.0066 rad on each side of the horizon count wholly or not at all.
         EXPECT_NEAR(got.without_cosine.g, 2 * (2 * kPi), 2 * (2 * kPi * 0.0066));
       }
     }
 }
 
 TEST(MapIlluminance, OfTheUpperHalfIsThatOfAHemisphereUnderATilt) {
-  // A sky of 1 above +y seen by a surface tilted by t: pi (1 + cos t) / 2.
+  // A sky of 1 above +y, seen by a surface tilted by t: pi (1 + cos t) / 2.
   std::vector<Rgb<float>> rows(16 * 8);
   std::fill(rows.begin(), rows.begin() + 16 * 4, Rgb<float>(1));
   const auto map = map_of(16, 8, rows, SphereMapping::kLatitudeLongitude, ImageFilter::kNearest);
@@ -58,12 +58,13 @@ TEST(MapIlluminance, OfTheUpperHalfIsThatOfAHemisphereUnderATilt) {
 }
 
 TEST(MapIlluminance, OfARampOverThePolarAngleIsItsIntegral) {
-  // Two rows of values 1 and 3 with the bilinear filter: 1 down to pi/4, then 2 (theta - pi/4) /
-  // (pi/2) more.  From above y = 0: pi times the integral of L sin 2 theta over [0, pi/2].
+  // Two rows of values 1 and 3 with the bilinear filter.  It is 1 down to pi/4, then rises by 2
+  // (theta - pi/4) / (pi/2).  From above y = 0, this is pi times the integral of L sin 2 theta over
+  // [0, pi/2].
   const auto map = map_of(2, 2, {Rgb<float>(1), Rgb<float>(1), Rgb<float>(3), Rgb<float>(3)},
                           SphereMapping::kLatitudeLongitude, ImageFilter::kBilinear);
-  // Integral over [pi/4, pi/2] of (theta - pi/4) sin 2 theta: by parts
-  // [-(theta - pi/4) cos(2 theta) / 2] + [sin(2 theta) / 4] = pi/8 - 1/4.
+  // Integral over [pi/4, pi/2] of (theta - pi/4) sin 2 theta, by parts: [-(theta - pi/4) cos(2
+  // theta) / 2] + [sin(2 theta) / 4] = pi/8 - 1/4.
   const double slope = 2 / (kPi / 2);
   const double expected = kPi * (1 + slope * (kPi / 8 - 0.25));
   expect_within(illuminance_of(*map, Rgb<double>(1), {0, 1, 0}), Rgb<double>(expected), 1e-3);

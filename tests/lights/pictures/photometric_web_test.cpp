@@ -64,13 +64,13 @@ std::vector<PhotometricWebParams> grids() {
           random_grid(kA, range(0, 90, 10), range(-90, 90, 45), 10)};
 }
 
-/// The intensity at the file's angles, from the standard's definitions: straight down is +z, the
-/// photometric horizontal +x; horizontal angles run counter-clockwise seen from above (-z) for type
-/// C, clockwise for A and B.
+/// The direction of the file's angles, from the standard's definitions.  Straight down is +z, the
+/// photometric horizontal +x.  Seen from above (-z), horizontal angles run counter-clockwise for
+/// type C, clockwise for A and B.
 Vec3<double> direction(PhotometricType type, double v_deg, double h_deg) {
   const double v = v_deg * kRad, h = h_deg * kRad;
   switch (type) {
-    case PhotometricType::kC:  // up is -z, so a turn to the left seen from above takes +x to -y
+    case PhotometricType::kC:  // up is -z, so a turn to the left as seen from above takes +x to -y
       return {std::sin(v) * std::cos(h), -std::sin(v) * std::sin(h), std::cos(v)};
     case PhotometricType::kB:
       return {std::sin(v), std::cos(v) * std::sin(h), std::cos(v) * std::cos(h)};
@@ -86,7 +86,7 @@ TEST(PhotometricWeb, HoldsTheFilesIntensitiesAtItsAngles) {
     for (std::size_t i = 0; i < params.horizontal_deg.size(); ++i)
       for (std::size_t j = 0; j < params.vertical_deg.size(); ++j) {
         const double v = params.vertical_deg[j], h = params.horizontal_deg[i];
-        // At a pole all planes meet, and at the ends of a partial range the dark begins.
+        // At a pole all planes meet.  Beyond the ends of a partial range it is dark.
         const bool pole = params.type == PhotometricType::kC ? v == 0 || v == 180 : v * v == 8100;
         const bool wraps = h == 360 || (h == 0 && params.horizontal_deg.back() == 360);
         const bool end = params.type != PhotometricType::kC && (h * h == 8100 || v == 0);
@@ -147,8 +147,8 @@ TEST(PhotometricWeb, IsDarkOutsideOfItsAngles) {
   EXPECT_EQ(a->at({-0.1, -0.3, 0.5}), 0);
 }
 
-// The midpoint rule on n x n cells, halved steps until stable, knows nothing of the grid; kinks
-// along its 20 or so lines leave 1e-4 at n = 1500.
+// The midpoint rule on n x n cells, with halved steps until stable, does not use the grid.  Kinks
+// along the grid's 20 or so lines leave an error of 1e-4 at n = 1500.
 TEST(PhotometricWeb, FluxEqualsQuadratureOverTheSphere) {
   for (const auto& params : grids()) {
     const auto w = web(params);
@@ -186,8 +186,8 @@ TEST(PhotometricWeb, FluxNearTheHorizonIsBounded) {
   }
 }
 
-// Intensity as the cosine from straight down, on a grid of 5 degrees about a horizontal axis: in
-// the band of the horizon it is no larger than that of the grid's first lines, linear up to them.
+// Intensity is the cosine from straight down, on a grid of 5 degrees about a horizontal axis.  In
+// the band of the horizon it is at most that of the grid's first lines, linear up to them.
 TEST(PhotometricWeb, FluxNearTheHorizonOfTypeBIsThatOfItsEdge) {
   PhotometricWebParams p{PhotometricType::kB, range(-90, 90, 5), range(-90, 90, 5), {}};
   for (const double h : p.horizontal_deg)
@@ -200,8 +200,8 @@ TEST(PhotometricWeb, FluxNearTheHorizonOfTypeBIsThatOfItsEdge) {
   EXPECT_LE(bound, 2 * kPi * kWidth * std::pow(std::sin(5 * kRad), 2));
 }
 
-// Intensity linear in the angle from straight down, 2 pi times the integral of (1 - t / (pi/2))
-// sin t over [0, pi/2] = 2 pi (1 - 2 / pi), whatever the steps.
+// Intensity is linear in the angle from straight down.  The flux is 2 pi times the integral of (1 -
+// t / (pi/2)) sin t over [0, pi/2] = 2 pi (1 - 2 / pi), for all steps.
 TEST(PhotometricWeb, FluxIsExactForFunctionsThatAreLinearInTheAngle) {
   for (const double step : {90., 30., 2.5, 0.01}) {
     PhotometricWebParams p{PhotometricType::kC, range(0, 90, step), {0}, {}};
@@ -213,7 +213,7 @@ TEST(PhotometricWeb, FluxIsExactForFunctionsThatAreLinearInTheAngle) {
 }
 
 // The standard's zonal method: the intensity at the middle of each zone times the zone's solid
-// angle.  For a cosine and zones of half width d it is 1 / cos(d) times the integral; straight
+// angle.  For a cosine and zones of half width d it is 1 / cos(d) times the integral.  Straight
 // lines between angles h apart lose h^2 / 12 of a cosine, to 1e-7.
 TEST(PhotometricWeb, FluxAgreesWithTheZonalLumenSum) {
   PhotometricWebParams p{PhotometricType::kC, range(0, 90, 2.5), {0}, {}};
@@ -244,7 +244,7 @@ TEST(PhotometricWeb, DensityIntegratesToOneAndIsPositiveWhereTheIntensityIs) {
   }
 }
 
-// Fails by luck once in 1e8 for each grid.
+// Fails by chance once in 1e8 for each grid.
 TEST(PhotometricWeb, SamplesFollowTheDensity) {
   constexpr int kSamples = 100000, kBins = 16, kSub = 40;
   for (const bool wrong : {false, true}) {
@@ -263,7 +263,7 @@ TEST(PhotometricWeb, SamplesFollowTheDensity) {
       for (int i = 0; i < kFine; ++i)
         for (int j = 0; j < kFine; ++j) {
           const Vec3<double> d = Region{}.at((i + 0.5) / kFine, (j + 0.5) / kFine);
-          // The companion: density in proportion to the intensity itself.
+          // The companion: a density in proportion to the intensity itself.
           const double pdf = wrong ? w->at(d) / w->flux_lm() : w->pdf(d).per_sr;
           expected[static_cast<std::size_t>(i / kSub * kBins + j / kSub)] +=
               kSamples * 4 * kPi / kFine / kFine * pdf;
@@ -321,7 +321,7 @@ TEST(PhotometricWeb, ConeHoldsAllLightAndNoMoreThanItsCells) {
                              {0, 0, 5, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}});
   EXPECT_NEAR(headlamp->cone().half_angle_rad, flood->cone().half_angle_rad, 1e-15);
   EXPECT_EQ(headlamp->cone().axis, Vec3<double>(1, 0, 0));
-  // Light about a pole alone: type A has V = 90 straight up, which is -z.
+  // Light about a pole only: in type A, V = 90 is straight up, which is -z.
   const auto above = web({PhotometricType::kA, {-90, 70, 90}, {-90, 90}, {0, 0, 5, 0, 0, 5}});
   EXPECT_NEAR(above->cone().half_angle_rad, 20 * kRad, 1e-5);
   EXPECT_EQ(above->cone().axis, Vec3<double>(0, 0, -1));
@@ -342,7 +342,7 @@ TEST(PhotometricWeb, RefusesInvalidGrids) {
   EXPECT_THAT(error({kC, {0, 90}, {0}, {1, INFINITY}}), HasSubstr("= inf cd"));
 }
 
-TEST(PhotometricWeb, BlackAndFaintBesideBright) {
+TEST(PhotometricWeb, BlackWebsHaveNoDensityAndFaintPartsHaveOne) {
   const auto black = web({PhotometricType::kC, {0, 90}, {0}, {0, 0}});
   EXPECT_EQ(black->flux_lm(), 0);
   EXPECT_EQ(black->pdf({0, 0, 1}).per_sr, 0);

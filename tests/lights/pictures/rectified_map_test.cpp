@@ -13,13 +13,14 @@
 namespace lucerna {
 namespace {
 
-/// The cell in column i and row j of n x n, under radiance 1, as the form factor of a rectangle
-/// above one of its corners, taken four times.  [Howell20]
+/// The illuminance from the cell in column i and row j of n x n, under radiance 1.  It is the form
+/// factor of a rectangle above one of its corners, taken four times.  [Howell20]
 ///
 /// The differences cancel, to about 1e-13 of the smallest cell at n = 64.
 double by_corners(int n, int i, int j) {
   constexpr long double kPi = std::numbers::pi_v<long double>;
-  // Sine and cosine of the angles; cosines at the ends just above 0, as rounding may have it below.
+  // Sine and cosine of the angles.  Cosines at the ends are just above 0, because rounding may make
+  // them negative.
   const auto sine = [&](int k) { return std::sin((static_cast<long double>(k) / n - 0.5L) * kPi); };
   const auto cosine = [&](int k) {
     return std::fmax(1e-30L, std::sin(static_cast<long double>(std::min(k, n - k)) / n * kPi));
@@ -101,7 +102,7 @@ TEST(RectifiedMap, IlluminanceIsTheSumOfItsCells) {
     std::vector<Rgb<float>> texels;
     for (int k = 0; k < n * n; ++k) {
       const double lit = random.next();
-      // Nine of ten are dark, so that a few cells at the edges count.
+      // Nine of ten are dark, so that few cells at the edges count.
       texels.push_back(lit < 0.9 && n > 1 ? Rgb<float>() : Rgb<float>(1, 2, float(lit)));
     }
     const auto map = *SphereMap::create(*Image::create(n, n, std::move(texels)),

@@ -21,7 +21,7 @@ Vec3<double> random_direction(RandomU& random) {
   return {r * std::cos(phi), r * std::sin(phi), z};
 }
 
-TEST(SphereMapping, GoesThereAndBack) {
+TEST(SphereMapping, IsInvertible) {
   RandomU random(1);
   for (const auto mapping : kBoth) {
     for (int i = 0; i < 1000; ++i) {
@@ -29,7 +29,7 @@ TEST(SphereMapping, GoesThereAndBack) {
       const Vec3<double> back = direction_from_square(mapping, square_from_direction(mapping, w));
       EXPECT_LT(length(back - w), 1e-14);
     }
-    // A hair's breadth from the poles too.
+    // Very near to the poles too.
     for (const double tiny : {1e-3, 1e-8, 1e-12}) {
       for (const Vec3<double>& w :
            {Vec3<double>{tiny, -tiny, 1}, {tiny, tiny, -1}, {-tiny, 1, tiny}, {tiny, -1, tiny}}) {
@@ -42,7 +42,7 @@ TEST(SphereMapping, GoesThereAndBack) {
   }
 }
 
-TEST(SphereMapping, AxesLieWhereTheBooksPutThem) {
+TEST(SphereMapping, AxesLieAsInTheTextbooks) {
   const auto equal_area = [](double x, double y) {
     return direction_from_square(SphereMapping::kEqualArea, {x, y});
   };
@@ -91,7 +91,7 @@ TEST(SphereMap, BilinearLookupIsContinuousAcrossSeamsAndPoles) {
   constexpr double kStep = 1e-9;
   for (int i = 0; i < 500; ++i) {
     const double t = 2 * random.next() - 1.0;
-    // Across the seam of longitudes, and of the octahedron's lower half (x = 0 and y = 0).
+    // Across the seam of longitudes, and that of the octahedron's lower half (x = 0 and y = 0).
     const Vec3<double> a = normalized(Vec3<double>{1, t, 0}), side{0, 0, kStep};
     EXPECT_LT(std::fabs(luminance(latlong->lookup(a + side) - latlong->lookup(a - side))), 1e-7);
     const Vec3<double> b = normalized(Vec3<double>{t, 0, -1}), across{0, kStep, 0};
@@ -106,12 +106,12 @@ TEST(SphereMap, BilinearLookupIsContinuousAcrossSeamsAndPoles) {
   }
 }
 
-TEST(SphereMap, IntegralIsThatOfWhatIsShown) {
+TEST(SphereMap, IntegralEqualsThatOfTheLookup) {
   for (const auto filter : {ImageFilter::kNearest, ImageFilter::kBilinear}) {
     for (const auto& [width, height] : {std::pair{1, 1}, {6, 3}, {5, 1}, {8, 4}}) {
       const auto map =
           *SphereMap::create(noise(width, height), SphereMapping::kLatitudeLongitude, filter);
-      // The midpoint rule in the cosine and the longitude; boundaries of texels cut its cells.
+      // The midpoint rule in the cosine and the longitude.  Boundaries of texels cut its cells.
       constexpr int kRows = 1200, kColumns = 240;
       Rgb<double> sum;
       for (int j = 0; j < kRows; ++j) {
@@ -124,7 +124,7 @@ TEST(SphereMap, IntegralIsThatOfWhatIsShown) {
       const Rgb<double> integral = sum * (4 * kPi / (kRows * kColumns));
       EXPECT_NEAR(luminance(map->integral()), luminance(integral), 1e-3 * luminance(integral));
     }
-    // A picture of 1: 4 pi, however many rows there are.
+    // A picture of 1: 4 pi, for any number of rows.
     for (const int height : {1, 2, 7, 1000, 100000}) {
       const auto one = *SphereMap::create(
           *Image::create(1, height,
@@ -145,7 +145,7 @@ TEST(SphereMap, EqualAreaTakesSquarePicturesOnly) {
 TEST(SphereDistribution, DensityIsPositiveWhereverTheValueIs) {
   for (const auto mapping : kBoth) {
     for (const auto filter : {ImageFilter::kNearest, ImageFilter::kBilinear}) {
-      // One lit texel, at the corner, at an edge, inside.
+      // A single lit texel: at the corner, at an edge, inside.
       for (const int lit : {0, 3, 21}) {
         std::vector<Rgb<float>> texels(64);
         texels[static_cast<std::size_t>(lit)] = Rgb<float>(1);

@@ -1,4 +1,4 @@
-// Which way the rule takes, and what it is worth.
+// The sampling method that the automatic rule chooses, and the variance that it reaches.
 #include "lights/sampling/area_sampling.h"
 
 #include <gtest/gtest.h>
@@ -12,10 +12,10 @@
 namespace lucerna::testing {
 namespace {
 
-constexpr AreaSampling kAsked[] = {AreaSampling::kSquareRoot,      AreaSampling::kKraemer,
-                                   AreaSampling::kParallelogram,   AreaSampling::kRejection,
-                                   AreaSampling::kLowDistortion,   AreaSampling::kSolidAngle,
-                                   AreaSampling::kCosineSolidAngle};
+constexpr AreaSampling kWays[] = {AreaSampling::kSquareRoot,      AreaSampling::kKraemer,
+                                  AreaSampling::kParallelogram,   AreaSampling::kRejection,
+                                  AreaSampling::kLowDistortion,   AreaSampling::kSolidAngle,
+                                  AreaSampling::kCosineSolidAngle};
 
 /// The square |x|, |y| < 1/2 seen from `receiver`.
 std::vector<Vec3<double>> square_from(const Vec3<double>& receiver) {
@@ -25,10 +25,10 @@ std::vector<Vec3<double>> square_from(const Vec3<double>& receiver) {
   return corners;
 }
 
-TEST(AreaSamplingRule, KeepsToWhatIsAskedForWhereItApplies) {
+TEST(AreaSamplingRule, KeepsTheRequestedMethodWhereItApplies) {
   const auto near = square_from({0, 0, 0.25}), far = square_from({0, 0, 50});
   const Vec3<double> n{0, 0, -1};
-  for (const AreaSampling way : kAsked) {
+  for (const AreaSampling way : kWays) {
     EXPECT_EQ(way_for_corners(way, near, n), way);
     EXPECT_EQ(way_for_corners(way, far, n), way);
     const bool cosine = way == AreaSampling::kCosineSolidAngle;
@@ -39,7 +39,7 @@ TEST(AreaSamplingRule, KeepsToWhatIsAskedForWhereItApplies) {
   }
 }
 
-TEST(AreaSamplingRule, TakesAreaFarSolidAngleNearAndTheCosineWhereItVaries) {
+TEST(AreaSamplingRule, UsesAreaFarAwaySolidAngleNearbyAndTheCosineWhereItVaries) {
   const auto automatic = [](const Vec3<double>& receiver, const Vec3<double>& n) {
     return way_for_corners(AreaSampling::kAutomatic, square_from(receiver), normalized(n));
   };
@@ -50,12 +50,12 @@ TEST(AreaSamplingRule, TakesAreaFarSolidAngleNearAndTheCosineWhereItVaries) {
     EXPECT_TRUE(is_by_area(automatic({0, 0, 4}, n)));
     EXPECT_TRUE(is_by_area(automatic({30, 0, 10}, n)));
   }
-  // The horizon cuts the light; or one edge is much nearer to it than the other.
+  // The horizon cuts the light, or one edge is much nearer than the other.
   for (const double d : {0.1, 0.5, 4.})
     EXPECT_EQ(automatic({0, 0, d}, aslant), AreaSampling::kCosineSolidAngle) << d;
   EXPECT_TRUE(is_by_area(automatic({0, 0, 100}, aslant)));  // cosines within the floor
   EXPECT_EQ(automatic({0.6, 0, 0.1}, facing), AreaSampling::kCosineSolidAngle);
-  // Of a light below the horizon no way brings any.
+  // The light is below the horizon, so every method gives none.
   EXPECT_TRUE(is_by_area(automatic({0, 0, 4}, -facing)));
   const auto disk = [](double offset, double height) {
     return way_for_disk(AreaSampling::kAutomatic, {offset - 0.5, 0, height},
@@ -98,7 +98,7 @@ double mean(const Light& light, const Vec3<double>& at, const Vec3<double>& n) {
   return illuminance(light, by_area(Vec3<float>(at)), n, 0xa7).mean;
 }
 
-TEST(AreaSamplingRule, ItsVarianceIsNearTheLeastOfAllWays) {
+TEST(AreaSamplingRule, VarianceIsNearTheLeastOfAllMethods) {
   using V = Vec3<float>;
   const auto square = *PatchMeshLight<float>::create(
       {Rgb<double>(1), true}, *PatchMesh<float>::create({{V{-0.5F, -0.5F, 0}, V{0.5F, -0.5F, 0},
@@ -114,12 +114,12 @@ TEST(AreaSamplingRule, ItsVarianceIsNearTheLeastOfAllWays) {
     for (const Vec3<double>& direction : {Vec3<double>{0, 0, -1}, {1, 0.2, -0.1}, {0.3, 0.2, -1}}) {
       const Vec3<double> n = normalized(direction), at{0.1 * d, 0.05 * d, d};
       const auto check = [&](const auto& light, const char* what) {
-        // Not where next to nothing of the light is above the horizon.
+        // Leaves out places where almost nothing of the light is above the horizon.
         if (mean(light, at, n) < 0.05 * mean(light, at, normalized(-at))) return;
         double least = INFINITY;
-        for (const AreaSampling way : kAsked) least = std::fmin(least, variance(light, at, n, way));
-        // A variance of 0.02 is no more than that of a cosine which varies by a half, and less than
-        // a tenth of what any shadow adds.
+        for (const AreaSampling way : kWays) least = std::fmin(least, variance(light, at, n, way));
+        // 0.02 is at most the variance of a cosine that varies by a half.  It is less than a tenth
+        // of the variance that any shadow adds.
         EXPECT_LT(variance(light, at, n, AreaSampling::kAutomatic), 1.1 * least + 0.02)
             << what << " " << d << " away, normal " << n.x;
       };

@@ -16,8 +16,8 @@ using testing::RandomU;
 
 constexpr std::array<float, 5> kExtremes{0.F, 0x1p-24F, 0.5F, 1 - 0x1p-24F, 1.F};
 
-/// The chance that points `unit(u)`, which are uniform over the unit square where the warp is
-/// right, fall into 16 x 16 boxes as they do.  `unit` undoes the warp by formulas of its own.
+/// The p-value of a chi-square test on 16 x 16 boxes: are the points `unit(u)` uniform over the
+/// unit square?  `unit` inverts the warp by formulas of its own.
 double p_value(const std::function<Vec2<double>(Vec2<float>)>& unit) {
   constexpr int kSamples = 1 << 16, kBins = 16;
   std::vector<double> observed(kBins * kBins);
@@ -37,7 +37,7 @@ double turn(double y, double x) {
   return t < 0 ? t + 1 : t;
 }
 
-// Each rejects by luck with probability 1e-8.
+// Each rejects by chance with probability 1e-8.
 TEST(Sampling, SphereIsUniform) {
   EXPECT_GT(p_value([](Vec2<float> u) {
               const auto w = sample_uniform_sphere(u);
@@ -51,7 +51,7 @@ TEST(Sampling, ConesOfEveryWidthAreUniform) {
   for (const double h : {1e-14, 1e-6, 0.1, 1., 2.}) {
     EXPECT_GT(p_value([h](Vec2<float> u) {
                 const auto w = sample_uniform_cone<double>({u.x, u.y}, h);
-                // sin^2 = h (2 - h) solved for h without cancelling.
+                // sin^2 = h (2 - h), solved for h without cancellation.
                 const double sin2 = w.x * w.x + w.y * w.y;
                 const double one_minus_cos = w.z > 0 ? sin2 / (1 + w.z) : 1 - w.z;
                 return Vec2<double>{one_minus_cos / h, turn(w.y, w.x)};

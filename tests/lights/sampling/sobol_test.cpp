@@ -78,12 +78,12 @@ TEST(SobolSequence, IsAFunctionOfItsKeyAndIndexAlone) {
   EXPECT_NE(p, SobolSequence(1, 2, 4).pair(4, 5));
   EXPECT_NE(p, SobolSequence(1, 2, 3).pair(5, 5));
   EXPECT_NE(p, SobolSequence(1, 2, 3).pair(4, 6));
-  // Neither order nor sums of the parts matter.
+  // The order of the parts and their sum both matter.
   EXPECT_NE(SobolSequence(1, 2).pair(0, 0), SobolSequence(2, 1).pair(0, 0));
   EXPECT_NE(SobolSequence(1, 2, 0).pair(0, 0), SobolSequence(1, 0, 2).pair(0, 0));
 }
 
-// 2^16 keys into 16 x 16 boxes; rejects by luck with probability 1e-8 each.
+// 2^16 keys into 16 x 16 boxes.  Each rejects by chance with probability 1e-8.
 TEST(SobolSequence, AnyPointIsEquidistributedOverKeys) {
   constexpr int kKeys = 1 << 16;
   for (const std::uint32_t index : {0U, 1U, 6U, 0x12345678U}) {
@@ -104,17 +104,17 @@ TEST(SobolSequence, AnyPointIsEquidistributedOverKeys) {
   }
 }
 
-/// What a broken hash would do: the key added to a fixed sequence.
+/// The mistake of a broken hash: the key is added to a fixed sequence.
 TEST(SobolSequence, EquidistributionTestRejectsAKeyThatOnlyShifts) {
   std::vector<double> bins(256);
   for (int i = 0; i < 1 << 16; ++i) ++bins[int(std::fmod(i * 0.618, 1) * 16) * 16 + i % 7];
   EXPECT_LT(chi_square_p_value(bins, std::vector<double>(256, 256.)), 1e-8);
 }
 
-// Each mean of 16 stratified points has the mean 1/2.  The variance of one dimension's mean is that
-// of 16 strata with one uniform point each: (1/12) / 16^3.  Over 20000 keys the mean of means
-// strays by 5.5 standard errors, and their variance (kurtosis near 3) by 5.5 sqrt(2 / n), less than
-// once in 1e7.
+// Means of 16 stratified points have the mean 1/2.  The variance of a mean in one dimension is that
+// of 16 strata with one uniform point each: (1/12) / 16^3.  Over 20000 keys, two bounds are
+// exceeded less than once in 1e7 each.  For the mean of means it is 5.5 standard errors, and for
+// their variance (kurtosis near 3) 5.5 sqrt(2 / n).
 TEST(SobolSequence, MeansOverKeysHaveTheMeanAndVarianceOfStratifiedPoints) {
   constexpr int kKeys = 20000, kPoints = 16;
   double sum = 0, sum2 = 0;
@@ -138,8 +138,8 @@ double correlation_in_errors(int n, A&& a, B&& b) {
   return sum / std::sqrt(n);
 }
 
-// Each over 2^16 first points of keys: 5.5 standard errors are passed by luck less than once in
-// 1e7.
+// Each over the first points of 2^16 keys.  5.5 standard errors are exceeded by chance less than
+// once in 1e7.
 TEST(SobolSequence, DimensionsPairsItemsAndReplicatesAreUncorrelated) {
   constexpr int kKeys = 1 << 16;
   const auto at = [](int key, int item, int replicate, int pair, int index) {
@@ -164,8 +164,8 @@ TEST(SobolSequence, DimensionsPairsItemsAndReplicatesAreUncorrelated) {
   EXPECT_GT(correlation_in_errors(kKeys, base, base), 100);
 }
 
-// Within one key too: the shuffled order pairs the points of two pairs at random, so that products
-// of one pair with another converge.  64 points, 1000 keys.
+// Within one key too: the shuffled order pairs the points of two pairs at random.  So products of
+// one pair with another converge.  64 points, 1000 keys.
 TEST(SobolSequence, PairsOfOneKeyAreShuffledAgainstEachOther) {
   constexpr int kKeys = 1000, kPoints = 64;
   double square = 0, same = 0;
@@ -178,15 +178,14 @@ TEST(SobolSequence, PairsOfOneKeyAreShuffledAgainstEachOther) {
     same += std::fabs(r) > 6;
   }
   EXPECT_EQ(same, 0);
-  // Ideal nested scrambling, every flip from a hash of its own, gives 1.574 +- 0.007 (simulated
-  // once with 10^5 keys; more than 1, as it moves points in pairs); of one and the same order it
-  // would be
-  // 64.  The mean of 1000 squares has a standard error of 0.07; the bounds are at 5.5 of them.
+  // Ideal nested scrambling, with a hash for every flip, gives 1.574 +- 0.007 (simulated once with
+  // 10^5 keys).  That exceeds 1 because it moves points in pairs.  With the same order it would be
+  // 64.  The mean of 1000 squares has a standard error of 0.07; the bounds are 5.5 of them.
   EXPECT_NEAR(square, 1.574, 0.385);
 }
 
 TEST(MixBits, FlipsHalfOfTheBitsForEachBitOfInput) {
-  // 64 x 64 x 1000 flips, each of standard deviation 0.5 / sqrt(1000); bound at 6.5 of them.
+  // 64 x 64 x 1000 flips, each of standard deviation 0.5 / sqrt(1000); the bound is 6.5 of them.
   constexpr int kInputs = 1000;
   for (int bit = 0; bit < 64; ++bit) {
     std::array<int, 64> flips{};

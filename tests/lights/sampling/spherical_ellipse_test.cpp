@@ -1,4 +1,4 @@
-// Disks by solid angle: the density is that of the samples, near and far, faced and grazing.
+// Disks by solid angle: samples follow their density, near and far, facing and grazing.
 #include "lights/sampling/spherical_ellipse.h"
 
 #include <gtest/gtest-spi.h>
@@ -27,7 +27,7 @@ std::vector<Seen> places() {
           {"small", 1, 2, 1e-3},        {"other units", 3e10, 1e10, 1e10}};
 }
 
-/// The harder ones, where no quadrature on a grid is trusted.
+/// Harder places, where a quadrature on a grid is not accurate.
 std::vector<Seen> extremes() {
   return {{"covers the sky but for 1e-4", 0, 1e-4, 1},
           {"covers the sky aside", 0.5, 1e-4, 1},
@@ -44,8 +44,8 @@ SphericalEllipse seen_from(const Seen& s) {
   return *e;
 }
 
-/// By the triangles of an inscribed polygon, [Oosterom83], whose corners are the denser the nearer
-/// they are to the receiver: by a share of 1e-3 of the angle from the nearest point.
+/// By the triangles of an inscribed polygon, [Oosterom83].  Its corners are denser the nearer they
+/// are to the receiver: by a share of 1e-3 of the angle from the nearest point.
 double solid_angle(const Seen& s) {
   const Vec3<double> middle{s.offset, 0, s.height};
   const auto rim = [&](double t) {
@@ -68,7 +68,7 @@ TEST(SphericalEllipse, CoaxialDisksAreUniform) {
 }
 
 TEST(SphericalEllipse, InverseDensitiesAverageToTheSolidAngle) {
-  // Of the samples: E[1 / p] is the solid angle that the density covers.
+  // E[1 / p] over samples is the solid angle that the density covers.
   auto all = places();
   for (const Seen& s : extremes()) all.push_back(s);
   for (const Seen& s : all) {
@@ -82,18 +82,18 @@ TEST(SphericalEllipse, InverseDensitiesAverageToTheSolidAngle) {
     }
     const double mean = sum / kSamples;
     const double error = std::sqrt(std::fmax(0, squares / kSamples - mean * mean) / kSamples);
-    // Beyond 6 standard errors once in 5e8; the polygon is good to 1e-6.
+    // Exceeds 6 standard errors once in 5e8; the polygon is accurate to 1e-6.
     EXPECT_NEAR(mean / solid_angle(s), 1, 6 * error / mean + 2e-6) << s.name;
     // Nearly uniform: by less than a factor of 2.
     EXPECT_LT(std::sqrt(squares / kSamples) / mean, std::sqrt(1.125)) << s.name;
   }
 }
 
-/// The chance of the places that `sample` chooses, were they distributed by `pdf`.
+/// The p-value of the places that `sample` returns, if they follow `pdf`.
 double p_value(const Seen& s, const std::function<Vec2<double>(Vec2<double>)>& sample) {
   const auto e = seen_from(s);
-  // Rings and sectors about the point nearest to the receiver's foot would follow it best; these
-  // are about the centre, with cells fine enough for the nearest place here.
+  // Rings and sectors about the point nearest to the receiver's foot would fit it best.  These are
+  // about the centre, with cells fine enough for the nearest place here.
   constexpr int kBins = 16, kSub = 40, kSamples = 100000;
   std::vector<double> observed(kBins * kBins), expected(kBins * kBins);
   RandomU random(0x5e12);
@@ -132,7 +132,7 @@ TEST(SphericalEllipse, SamplesFollowTheDensityWhichIntegratesToOne) {
 TEST(SphericalEllipse, ChiSquareRejectsSamplesByAreaAndMeridiansUniformInAzimuth) {
   const Seen s = places()[2];
   EXPECT_LT(p_value(s, [](Vec2<double> u) { return sample_concentric_disk(u); }), kUnlikely);
-  // What a circle's formula would do: shrink the disk of the middle's cone.
+  // The mistake of a circle's formula: it shrinks the disk of the middle's cone.
   const auto circle = *SphericalEllipse::create(0, std::hypot(s.offset, s.height), s.radius);
   EXPECT_LT(p_value(s, [&](Vec2<double> u) { return circle.sample(u); }), kUnlikely);
 }
@@ -154,9 +154,9 @@ TEST(SphericalEllipse, TheClosedSquareStaysOnTheDisk) {
   }
 }
 
-TEST(SphericalEllipse, OneThresholdDecidesForBoth) {
+TEST(SphericalEllipse, DoesNotExistBelowTheThreshold) {
   EXPECT_FALSE(SphericalEllipse::create(3, 0, 1));      // in its plane
-  EXPECT_FALSE(SphericalEllipse::create(3, 1e-7, 1));   // all but
+  EXPECT_FALSE(SphericalEllipse::create(3, 1e-7, 1));   // nearly in its plane
   EXPECT_FALSE(SphericalEllipse::create(1, 1e-12, 1));  // just over its rim
   EXPECT_FALSE(SphericalEllipse::create(1, 1, 1e-9));   // far
   EXPECT_FALSE(SphericalEllipse::create(NAN, 1, 1));

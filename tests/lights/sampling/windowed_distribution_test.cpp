@@ -41,8 +41,8 @@ Window eighths(double x, double y, double width, double height) {
   return {x / 8, y / 8, width / 8, height / 8};
 }
 
-/// All kinds: the whole, on cells' edges, within one cell, one row, one column, across many.  Cells
-/// begin at multiples of 1/320 of each window: the midpoint rule below is exact.
+/// All kinds: the whole square, on cells' edges, within one cell, one row, one column, across many.
+/// Cells begin at multiples of 1/320 of each window, so the midpoint rule below is exact.
 const std::vector<Window> kWindows{
     {},
     eighths(1, 2, 4, 1),
@@ -93,7 +93,7 @@ TEST(WindowedDistribution, SamplesFollowTheDensityWithinTheWindow) {
   }
 }
 
-TEST(WindowedDistribution, AWrongWindowIsSeen) {
+TEST(WindowedDistribution, TestRejectsAWrongWindow) {
   // The companion of the test above: the density of another window.
   const WindowedDistribution table(kSize, weights());
   RandomU random(3);
@@ -112,13 +112,13 @@ TEST(WindowedDistribution, AWrongWindowIsSeen) {
 }
 
 TEST(WindowedDistribution, SmallWindowsBesideABrightCellLoseNothing) {
-  // 1e-12 of the largest weight, seen without it: as if it were not there.
+  // 1e-12 of the largest weight, in a window without that weight: it must have no effect.
   std::vector<double> w(64 * 64, 1);
   w[0] = 1e12;
   for (int i = 32 * 64; i < 64 * 64; ++i) w[static_cast<std::size_t>(i)] = i % 2 == 0 ? 3 : 1;
   const WindowedDistribution table(64, w);
   const Window window{0.25, 0.75, 0.5, 0.125};  // 32 x 8 cells, half of them 3
-  // Below 2^-40 of the largest, weights are rounded up to it: 1e-12 is 1.1 of that.
+  // Weights below 2^-40 of the largest are rounded up to it: 1e-12 is 1.1 of that.
   const double threes = table.pdf(window, {0.25 + 0.5 / 64, 0.8}) * window.width * window.height;
   const double ones = table.pdf(window, {0.25 + 1.5 / 64, 0.8}) * window.width * window.height;
   EXPECT_NEAR(threes + ones, 2, 1e-12);

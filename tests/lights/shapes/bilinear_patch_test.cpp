@@ -18,7 +18,7 @@ TEST(BilinearPatch, AreaOfFlatPatchesIsExact) {
   const BilinearPatch<float> rectangle{{1, 1, 1}, {4, 1, 1}, {1, 3, 1}, {4, 3, 1}};
   EXPECT_EQ(rectangle.area(), 6);
   EXPECT_DOUBLE_EQ(kTrapezoid.area(), 7.5);
-  // A corner on a corner: the triangle with legs 2 and 1.
+  // Two corners coincide: a triangle with legs 2 and 1.
   const BilinearPatch<float> triangle{{0, 0, 0}, {2, 0, 0}, {0, 1, 0}, {0, 1, 0}};
   EXPECT_DOUBLE_EQ(triangle.area(), 1);
   const BilinearPatch<float> line{{0, 0, 0}, {2, 0, 0}, {0, 0, 0}, {2, 0, 0}};
@@ -37,9 +37,9 @@ TEST(BilinearPatch, AreaOfTheSaddleAgreesWithAFineGrid) {
 }
 
 TEST(BilinearPatch, AreaOfAConcaveQuadrangleCountsItsFold) {
-  // The corner (1/4, 1/4) is dented within the triangle of the others: dp/du x dp/dv is
-  // 1 - 3/4 (u + v), the integral of its absolute value 1/4 + 2 (integral of the negative part);
-  // that is over the triangle u + v > 4/3 of legs 2/3: 3/4 (2/3)^3 / 6 = 1/27.
+  // The corner (1/4, 1/4) is dented within the triangle of the others.  dp/du x dp/dv is 1 - 3/4 (u
+  // + v).  The integral of its absolute value is 1/4 plus twice the integral of the negative part.
+  // That part is the triangle u + v > 4/3 of legs 2/3: 3/4 (2/3)^3 / 6 = 1/27.
   const BilinearPatch<double> dart{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.25, 0.25, 0}};
   EXPECT_NEAR(dart.area(), 0.25 + 2. / 27, 1e-6);
 }
@@ -50,13 +50,13 @@ TEST(BilinearPatch, AreaOfABowTieCountsBothLoops) {
   const BilinearPatchArea area = bow.measure();
   EXPECT_NEAR(area.m2, 0.5, 1e-12);
   EXPECT_LE(std::fabs(area.m2 - 0.5), area.error_m2 + 1e-15);
-  // Points are chosen by the weights at the corners, here all alike, and crowd towards the middle:
-  // dp/du x dp/dv is 1 - 2 v, 1/2 a quarter of the way up.
+  // The weights at the corners are equal here, so points crowd towards the middle.  dp/du x dp/dv
+  // is 1 - 2 v, which is 1/2 a quarter of the way up.
   EXPECT_NEAR(bow.pdf_area({0.5, 0.25, 0}).per_m2, 2, 1e-12);
 }
 
-/// The area of a patch apart from the code's way: in long double, along u in closed form, along v
-/// by two Gauss points in each of many strips.
+/// The area of a patch, computed differently from the code, in long double.  Along u it is a closed
+/// form, along v two Gauss points in each of many strips.
 double area_by_strips(const BilinearPatch<double>& p) {
   using Wide = Vec3<long double>;
   const Wide p00(p.p00), p10(p.p10), p01(p.p01), p11(p.p11);
@@ -100,7 +100,7 @@ TEST(BilinearPatch, AreaByQuadratureIsWithinItsError) {
   EXPECT_GT(saddle.error_m2, 0);
   EXPECT_NEAR(saddle.m2, area_by_strips(kSaddle), saddle.error_m2);
   EXPECT_LE(saddle.error_m2, 1e-8 * saddle.m2);
-  // Folded along a line: less precise, and it says so.
+  // Folded along a line: less precise, with a larger stated error.
   const BilinearPatchArea dart =
       BilinearPatch<double>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.25, 0.25, 0}}.measure();
   EXPECT_NEAR(dart.m2, 0.25 + 2. / 27, dart.error_m2);
@@ -131,7 +131,8 @@ TEST(BilinearPatch, NormalIsTheCrossProductOfTheDerivatives) {
 }
 
 TEST(BilinearPatch, SamplesOfATrapezoidAreUniformByArea) {
-  // Shares of area: below the height z lie z (4 + (4 - z)) / 2 of 7.5, z / 3 along each side.
+  // Shares of area: the part below the height z has z (4 + (4 - z)) / 2 of 7.5, and z / 3 along
+  // each side.
   RandomU random(41);
   const auto share = [](const Vec3<double>& p) {
     const double t = p.z / 3, left = t, right = 4 - 2 * t;
@@ -145,7 +146,7 @@ TEST(BilinearPatch, SamplesOfATrapezoidAreUniformByArea) {
             kUnlikely);
 }
 
-/// The chance of the saddle's samples under `density(x, y)` by area, in 16 x 16 cells of (x, y).
+/// The p-value of the saddle's samples under `density(x, y)` by area, in 16 x 16 cells of (x, y).
 template <typename Density>
 double saddle_p_value(Density&& density) {
   constexpr int kBins = 16, kSub = 8, kSamples = 100000;
@@ -171,13 +172,13 @@ TEST(BilinearPatch, SamplesOfTheSaddleFollowTheirDensity) {
               return kSaddle.pdf_area({x, y, x * y}).per_m2;
             }),
             kUnlikely);
-  // The companion: as if (u, v) were uniform.
+  // The companion: the density of a uniform (u, v).
   EXPECT_LT(saddle_p_value([](double x, double y) { return 1 / std::sqrt(1 + x * x + y * y); }),
             kUnlikely);
 }
 
 TEST(BilinearPatch, DensityFindsItsPointForPatchesOfManyForms) {
-  // Weights at the corners over the share of area, both known at (u, v) itself.
+  // Weights at the corners over the share of area.  Both are known from (u, v) itself.
   RandomU random(43);
   const auto coordinate = [&] { return 4.0 * random.next() - 2; };
   for (int patch = 0; patch < 200; ++patch) {
@@ -201,8 +202,8 @@ TEST(BilinearPatch, DensityFindsItsPointForPatchesOfManyForms) {
 }
 
 TEST(BilinearPatch, DensityWhereAPatchFoldsOverItselfCountsBothLayers) {
-  // On the diagonal x = u - 3/4 u^2, which u = 1/2 and u = 5/6 share.  There |dp/du x dp/dv| =
-  // |1 - 3/2 u| is 1/4 both times; at the corners it is 1, 1/4, 1/4, 1/2, of mean 1/2; the weights
+  // On the diagonal, x = u - 3/4 u^2, which u = 1/2 and u = 5/6 share.  There |dp/du x dp/dv| = |1
+  // - 3/2 u| is 1/4 both times.  At the corners it is 1, 1/4, 1/4, 1/2, of mean 1/2.  The weights
   // between them are 1/2 and 4/9.
   const BilinearPatch<double> dart{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.25, 0.25, 0}};
   const double expected = (0.5 + 4. / 9) / 0.25 / 0.5;
@@ -227,12 +228,12 @@ TEST(BilinearPatch, RaysHitTheSaddleWhereItIs) {
 }
 
 TEST(BilinearPatch, RaysMayHitTwiceAndTheNearestComesFirst) {
-  // Along x = y at z = 1/4 + t/8: t^2 = z twice, from whichever end.
+  // Along x = y at z = 1/4 + t/8: t^2 = z has two solutions, from either end.
   const Vec3<double> origin{-1, -1, 0.0625}, direction{1, 1, 0.125};
   // Points s (1, 1, 1/8) + origin: (s - 1)^2 = 1/16 + s/8: s = 17/16 -+ sqrt((17/16)^2 - 15/16).
   const double root = std::sqrt(17. * 17 / 256 - 15. / 16);
   const auto found = kSaddle.hits(origin, direction, 0, kFar);
-  ASSERT_EQ(found.count, 1);  // the other lies at x = s - 1 < 0
+  ASSERT_EQ(found.count, 1);  // the other is at x = s - 1 < 0
   EXPECT_NEAR(found.hit[0].t, 17. / 16 + root, 1e-14);
   const BilinearPatch<double> wide{{-1, -1, 1}, {1, -1, -1}, {-1, 1, -1}, {1, 1, 1}};  // z = x y
   for (const double sign : {1., -1.}) {

@@ -13,9 +13,9 @@ constexpr double kFar = std::numeric_limits<double>::infinity();
 
 Transform matrix(const Transform::Matrix& m) { return *Transform::from_matrix(m); }
 
-TEST(Cylinder, AreaUnderEqualScaleAcrossAndAnyAlong) {
+TEST(Cylinder, AreaIsExactForEqualScaleAcrossAndAnyScaleAlong) {
   EXPECT_DOUBLE_EQ(Cylinder<float>::create({.radius_m = 3})->area(), 12 * kPi);
-  // Swept by 1 rad, radius 2 doubled, height 1.5 made five times as tall, turned and mirrored.
+  // Swept by 1 rad, radius 2 doubled, height 1.5 stretched by five, rotated and mirrored.
   const auto part = *Cylinder<float>::create(
       {.radius_m = 2,
        .z_min_m = -0.5,
@@ -26,7 +26,7 @@ TEST(Cylinder, AreaUnderEqualScaleAcrossAndAnyAlong) {
   EXPECT_NEAR(part.area(), 4 * 7.5, 1e-13);
 }
 
-TEST(Cylinder, MapsThatMakeAreaUnevenCannotEmitAndSayWhy) {
+TEST(Cylinder, MapsThatMakeAreaUnevenCannotEmitAndGiveTheReason) {
   const auto refusal = [](const Transform& map) {
     const auto cylinder = *Cylinder<float>::create({.world_from_object = map});
     EXPECT_EQ(cylinder.area(), 0);
@@ -34,14 +34,14 @@ TEST(Cylinder, MapsThatMakeAreaUnevenCannotEmitAndSayWhy) {
     return std::string(cylinder.emissive_error().message());
   };
   EXPECT_THAT(refusal(*Transform::scale({1, 2, 3})), HasSubstr("by (1, 2, 3)"));
-  // The axis leans: its ends stay circles of equal size, but points crowd on one side.
+  // The axis is tilted.  The ends stay circles of equal size, but points crowd on one side.
   EXPECT_THAT(refusal(matrix({{{1, 0, 0.5, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}})),
               HasSubstr("no shear"));
   EXPECT_THAT(refusal(matrix({{{1, 0.5, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}})),
               HasSubstr("no shear"));
 }
 
-/// Where a point of object space lies in shares of the area of a tube |z| < 1 swept by 4 rad.
+/// The shares of a point of object space in the area of a tube |z| < 1 swept by 4 rad.
 Vec2<double> share(const Vec3<double>& p) {
   const double phi = std::atan2(p.y, p.x);
   return {(p.z + 1) / 2, (phi < 0 ? phi + 2 * kPi : phi) / 4};
@@ -109,15 +109,15 @@ TEST(Cylinder, RaysHitBothSidesAndPassThroughCuts) {
   const auto far_side = tube.intersect({6, -1, 1}, {-1, 0, 0}, 0, kFar);
   ASSERT_TRUE(far_side);
   EXPECT_NEAR(far_side->point.position.x, -std::sqrt(3.), 1e-15);
-  // Slanted through the open top: only the far wall, where x = -2 and z = 2.
+  // A slanted ray through the open top: it meets only the far wall, where x = -2 and z = 2.
   const auto wall = tube.intersect({0, 0, 4}, {-1, 0, -1}, 0, kFar);
   ASSERT_TRUE(wall);
   EXPECT_NEAR(length(wall->point.position - Vec3<double>(-2, 0, 2)), 0, 1e-15);
-  // From within, and limits of t.
+  // From within, and with limits of t.
   EXPECT_EQ(tube.hits({0, 0, 1}, {0, 1, 0}, 0, kFar).count, 1);
   EXPECT_FALSE(tube.intersect({0, 0, 1}, {0, 1, 0}, 0, 2));
   EXPECT_FALSE(tube.intersect({0, 0, 1}, {0, 1, 0}, 2, 9));
-  // Above, beside, along the axis, and no number.
+  // Above, beside, along the axis, and NaN.
   EXPECT_FALSE(tube.intersect({6, 1, 3.5}, {-1, 0, 0}, 0, kFar));
   EXPECT_FALSE(tube.intersect({6, 2.5, 1}, {-1, 0, 0}, 0, kFar));
   EXPECT_FALSE(tube.intersect({1, 0, -5}, {0, 0, 1}, 0, kFar));
@@ -178,9 +178,10 @@ TEST(Cylinder, BoundsHoldItTightly) {
   EXPECT_TRUE(upper.x >= high.x && upper.y >= high.y && upper.z >= high.z);
 }
 
-TEST(Cylinder, ReceiverOnItsAxisIsLitByTheClosedForm) {
-  // Seen from the middle of its lower end, facing along the axis: the hemisphere less the open
-  // upper end, pi L (1 - R^2 / (R^2 + h^2)): the sine squared of that end's half-angle.
+TEST(Cylinder, IlluminanceOnItsAxisEqualsTheClosedForm) {
+  // Seen from the middle of its lower end, facing along the axis.  The tube covers the hemisphere
+  // minus the open upper end, pi L (1 - R^2 / (R^2 + h^2)).  The fraction is the sine squared of
+  // that end's half-angle.
   const auto light = *AreaLight<float, Cylinder>::create(
       {Rgb<double>(3)},
       *Cylinder<float>::create(

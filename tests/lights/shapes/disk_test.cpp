@@ -25,14 +25,14 @@ TEST(Disk, AreaOfAnnulusAndSectorUnderAnAffineMap) {
   EXPECT_TRUE(disk.emissive_error().ok());
 }
 
-/// Where a point of the annulus 0.5 < r < 2, phi < 4 of object space lies, in shares of its area.
+/// The shares of a point of object space in the area of the annulus 0.5 < r < 2, phi < 4.
 Vec2<double> share(const Vec3<double>& p) {
   const double phi = std::atan2(p.y, p.x);
   return {(p.x * p.x + p.y * p.y - 0.25) / 3.75, (phi < 0 ? phi + 2 * kPi : phi) / 4};
 }
 
 TEST(Disk, SamplesAreUniformByAreaOnASectorOfAnEllipse) {
-  // A shear and unequal scales: an ellipse in a tilted plane.
+  // A shear and unequal scales make an ellipse in a tilted plane.
   const Transform map = matrix({{{2, 0.5, 0.25, 1}, {0, 1, 0.5, 2}, {0.25, 0, 1, 3}}});
   const auto disk = *Disk<double>::create({.height_m = 1,
                                            .radius_m = 2,
@@ -72,7 +72,7 @@ TEST(Disk, DensityByAreaIsInverseAreaAsSeenFromTheReceiver) {
   }
 }
 
-/// Of a receiver that asks for the solid angle.
+/// A receiver that requests sampling by solid angle.
 Receiver<double> by_solid_angle(const Vec3<double>& position) {
   Receiver<double> receiver(position);
   receiver.area_sampling = AreaSampling::kSolidAngle;
@@ -80,7 +80,7 @@ Receiver<double> by_solid_angle(const Vec3<double>& position) {
 }
 
 TEST(Disk, DensityBySolidAngleFollowsTheDiskThroughMapsOfEqualScale) {
-  // The ellipse of a disk of radius 2 at the origin, seen from (3, 0, 4), wherever both are moved.
+  // The ellipse of a disk of radius 2 at the origin, seen from (3, 0, 4), at any place.
   const auto ellipse = *SphericalEllipse::create(3, 4, 2);
   const Transform map = Transform::translate({1, 2, 3}) * *Transform::rotate(1, {1, 2, -1}) *
                         *Transform::scale({0.5, -0.5, 0.5});
@@ -96,7 +96,7 @@ TEST(Disk, DensityBySolidAngleFollowsTheDiskThroughMapsOfEqualScale) {
   }
 }
 
-TEST(Disk, OnlyWholeCirclesKnowSolidAnglesAndOnlyFromOutsideTheirPlane) {
+TEST(Disk, OnlyWholeCirclesAreSampledBySolidAngleFromOutsideTheirPlane) {
   const auto is_by_area = [](const DiskParams& params, const Vec3<double>& r) {
     const auto disk = *Disk<double>::create(params);
     const auto s = disk.sample(by_solid_angle(r), {0.3, 0.6});
@@ -128,7 +128,7 @@ TEST(Disk, NormalFollowsTheMapAndStaysOnItsSideUnderMirrors) {
   EXPECT_NEAR(length(sheared - Vec3<double>(-std::sqrt(0.5), 0, std::sqrt(0.5))), 0, 1e-15);
 }
 
-TEST(Disk, RaysHitWhatIsLeftOfIt) {
+TEST(Disk, RaysHitTheRemainingPart) {
   const auto disk =
       *Disk<float>::create({.height_m = 1, .radius_m = 2, .inner_radius_m = 1, .phi_max_rad = kPi});
   const auto hit = [&](float x, float y) {
@@ -160,7 +160,7 @@ TEST(Disk, HitsAboutADistantOriginStayInThePlane) {
   EXPECT_NEAR(upper.y, 2, 1e-6);
 }
 
-TEST(Disk, CoaxialReceiverIsLitByTheClosedForm) {
+TEST(Disk, CoaxialIlluminanceEqualsTheClosedForm) {
   // pi L R^2 / (R^2 + h^2): the sine squared of the half-angle.
   const auto light = *AreaLight<float, Disk>::create(
       {Rgb<double>(3)}, *Disk<float>::create({.radius_m = 2, .reverse_orientation = true}));

@@ -50,7 +50,7 @@ TEST(Mesh, PrimitivesWithoutAreaAreNotSampledAtExtremeSampleValues) {
 }
 
 TEST(Mesh, SamplesWithinAPrimitiveAreUniformAmongAMillion) {
-  // One primitive of 2^20 is looked at closely: only 16 of the float values of u.x lead there, yet
+  // One primitive of 2^20 is tested in detail.  Only 16 of the float values of u.x lead there, but
   // its samples must fill it.
   constexpr std::size_t kCount = 1U << 20;
   const auto mesh =
@@ -71,8 +71,8 @@ TEST(Mesh, SamplesWithinAPrimitiveAreUniformAmongAMillion) {
 }
 
 TEST(Mesh, PrimitivesOfLessThan2ToMinus24OfTheAreaAreAllReachable) {
-  // 256 small ones of 2^-26 each before one large: as among 2^26 equal ones, four share each value
-  // that u.x can take.
+  // 256 small ones of 2^-26 each before one large one.  Like among 2^26 equal ones, four share each
+  // value of u.x.
   std::vector<Triangle<float>> triangles(256, flat_triangle(1));
   triangles.push_back(flat_triangle(0x1p26F - 256));
   const auto mesh = *TriangleMesh<float>::create(triangles);
@@ -80,7 +80,7 @@ TEST(Mesh, PrimitivesOfLessThan2ToMinus24OfTheAreaAreAllReachable) {
   RandomU random(53);
   std::unordered_set<std::uint32_t> seen;
   for (int k = 0; k < 64; ++k) {
-    // That 256 draws miss one of four: 4 (3/4)^256 < 1e-31.
+    // The probability that 256 draws miss one of four is 4 (3/4)^256 < 1e-31.
     for (int i = 0; i < 256; ++i)
       seen.insert(mesh.sample({0, 0, 1}, {static_cast<float>(k) * 0x1p-24F, random.next()})
                       .point.primitive);
@@ -105,7 +105,7 @@ TEST(Mesh, DensityIsThatOfTheSampleForBothPrimitives) {
     EXPECT_NEAR(t.pdf.per_sr / (dot(d, d) / cosine / 4), 1, 1e-6);
     const auto p = patches.sample(receiver, random.pair());
     EXPECT_EQ(p.pdf, patches.pdf(receiver, p.point));
-    // Whatever the way.
+    // With any sampling method.
     const auto a = triangles.sample(position, random.pair());
     EXPECT_EQ(a.pdf, triangles.pdf(position, a.point));
     const auto b = patches.sample(position, random.pair());
@@ -131,7 +131,7 @@ TEST(Mesh, BoundsAndBytesCoverAllPrimitives) {
   EXPECT_GE(mesh.bytes(), 2 * (sizeof(Triangle<float>) + sizeof(double)));
 }
 
-TEST(Mesh, RefusesMeshesThatHaveNothingToSample) {
+TEST(Mesh, RefusesInvalidMeshes) {
   const auto message = [](std::vector<Triangle<float>> t) {
     return std::string(TriangleMesh<float>::create(std::move(t)).status().message());
   };

@@ -23,8 +23,8 @@ PaintedPatchMesh<double> screen(Picture picture, std::vector<Vec2<float>> corner
       std::move(picture), std::move(corner_uv));
 }
 
-/// Value over density of position is the same for all rays: nothing varies but the cosine, which
-/// is taken as it comes.
+/// Value over density of position is the same for all rays.  Only the cosine varies, and it is not
+/// part of the ratio.
 template <typename Shape>
 void expect_no_variance(const Shape& shape) {
   RandomU random(3);
@@ -95,7 +95,7 @@ TEST(Painted, BlackTexelsAreNeverChosen) {
     faint += s.point.position.x > 1 ? 1 : 0;
   }
   EXPECT_LE(faint, 1);  // 1e-5 expected
-  // And one that does not vanish beside 1e9 is found where u says so.
+  // A texel that is not negligible beside 1e9 is sampled by the matching u.
   const auto s = shape.sample(Vec3<double>{1, 1, 1}, Vec2<double>{1, 0.5});
   EXPECT_GT(s.point.position.x, 1);
   EXPECT_GT(s.pdf.per_sr, 0);
@@ -112,20 +112,21 @@ TEST(Painted, ABlackPictureIsABlackLight) {
 }
 
 TEST(Painted, PowerOfADiskWeighsRowsByTheirRings) {
-  // v = 1 - r on a whole disk: the upper row is the inner half of the radius, a quarter of area.
+  // v = 1 - r on a whole disk.  The upper row is the inner half of the radius, a quarter of the
+  // area.
   const auto light = *AreaLight<double, PaintedDisk>::create(
       {Rgb<double>(10)},
       *PaintedDisk<double>::create(*Disk<double>::create({}), grey(1, 2, {4, 1})));
   EXPECT_NEAR(light.power({}).lumens.g, 10 * kPi * kPi * (4 * 0.25 + 1 * 0.75), 1e-10);
   EXPECT_EQ(light.power({}).error_lumens, 0);
-  // pbrt's Phi takes half of each.
+  // pbrt's Phi weights both halves equally.
   const Power phi = light.power_approximate({});
   EXPECT_NEAR(phi.lumens.g, 10 * kPi * kPi * 2.5, 1e-10);
   EXPECT_NEAR(phi.error_lumens, 10 * kPi * kPi * 0.75, 1e-10);
 }
 
 TEST(Painted, PowerOfASphereWeighsRowsByTheirZones) {
-  // Zones of 45 degrees, the polar ones of 1 - cos(45 degrees) of the hemisphere each.
+  // Zones of 45 degrees.  Each polar zone has 1 - cos(45 degrees) of its hemisphere.
   const auto light = *AreaLight<double, PaintedSphere>::create(
       {Rgb<double>(1)},
       *PaintedSphere<double>::create(*Sphere<double>::create({}), grey(1, 4, {3, 1, 5, 7})));
@@ -134,8 +135,8 @@ TEST(Painted, PowerOfASphereWeighsRowsByTheirZones) {
               1e-10);
 }
 
-/// The mean of `weight` with the density `area` on [from, to], by Simpson's rule in long double;
-/// both are polynomials or nearly so in between.
+/// The integral of `weight` times `area` over [from, to], by Simpson's rule in long double.  Both
+/// are polynomials in between, or nearly so.
 template <typename Weight, typename Area>
 long double integral(long double from, long double to, const Weight& weight, const Area& area) {
   constexpr int kSteps = 100;
@@ -148,9 +149,9 @@ long double integral(long double from, long double to, const Weight& weight, con
 }
 
 TEST(Painted, OneRowOfManyIsWeighedToTheLastDigits) {
-  // The row's part runs over its own height, or for the bilinear filter from the centre above to
-  // the centre below.  `area`: the share of the surface in a unit of the row coordinate, in rows
-  // from the end `upper`.
+  // The row's part extends over its own height; for the bilinear filter, from the centre above to
+  // the centre below.  `area` is the share of the surface in a unit of the row coordinate.  Rows
+  // count from the end `upper`.
   const auto row_share = [](ImageFilter filter, int k, const auto& area) {
     const auto one = [](long double) { return 1.0L; };
     if (filter == ImageFilter::kNearest) return integral(k, k + 1.0L, one, area);
@@ -216,7 +217,7 @@ TEST(Painted, PatchesThatShowAPartAreSampledByAreaAndMeasuredByPoints) {
 }
 
 TEST(Painted, PartsFinerThanThePointsAreMeasuredWithinTheirError) {
-  // Half of a picture whose every other column is lit, the first or the second; and of one texel.
+  // Half of a picture in which every other column is lit, the first or the second, or one texel.
   std::vector<float> even(1024), odd(1024), one(1024);
   for (std::size_t x = 0; x < 1024; ++x) (x % 2 == 0 ? even : odd)[x] = 1;
   one[301] = 1;

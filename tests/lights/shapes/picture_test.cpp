@@ -15,7 +15,7 @@ namespace {
 
 TEST(MeanOverTriangle, IsThatOfManyPoints) {
   const Picture picture = grey(3, 2, {1, 5, 0, 3, 9, 2}, ImageFilter::kBilinear);
-  // The last reaches beyond the picture on three sides.
+  // The last extends beyond the picture on three sides.
   const std::array<Vec2<double>, 3> triangles[] = {
       {{{0.1, 0.2}, {0.9, 0.3}, {0.4, 0.95}}},
       {{{0, 0}, {1, 0}, {1, 1}}},
@@ -50,28 +50,30 @@ TEST(MeanOverTriangle, TwoTrianglesMakeTheSquare) {
 }
 
 TEST(MeanOverTriangle, OnALineWeighsEachPlaceByItsPoints) {
-  // Corners at 0, 1/4 and 1: beyond the middle lie (1/2)^2 / (3/4) = 1/3 of the triangle's points.
+  // Corners at 0, 1/4 and 1: (1/2)^2 / (3/4) = 1/3 of the triangle's points lie beyond the middle.
   const Picture halves = grey(2, 1, {1, 5});
   const Vec2<double> a{0, 0.5}, b{1, 0.5}, c{0.25, 0.5}, above{0.25, 0.5 + 1e-11};
   for (const auto& t : {std::array{a, b, c}, std::array{c, b, a}, std::array{b, above, a}})
     EXPECT_NEAR(mean_over_triangle(halves, t).r, 7.0 / 3, 1e-9);
-  // Between the centres from 1 to 5: the points' mean place is 5/12, and the ends, cut off at 1/4
-  // and 3/4, take away what lies beyond: 4 / (1/2) times the integrals of their tails, 1/48 below
-  // (t <= 1/4 has a quarter, its mean distance a third of 1/4) and 1/36 above (1/12, 1/12).
+  // Between the centres the value rises from 1 to 5, and the mean place of the points is 5/12.  The
+  // ends, cut off at 1/4 and 3/4, remove 4 / (1/2) times the integrals of their tails.  The tail
+  // below is 1/48: t <= 1/4 has a quarter, its mean distance a third of 1/4.  The tail above is
+  // 1/36 (1/12, 1/12).
   Picture ramp = halves;
   ramp.filter = ImageFilter::kBilinear;
   const double below = 0.25 * (0.25 / 3), beyond = (0.25 * 0.25 / 0.75) * (0.25 / 3);
   EXPECT_NEAR(mean_over_triangle(ramp, {a, b, c}).r, 1 + 8 * (5.0 / 12 - 0.25 + below - beyond),
               1e-13);
-  // Along a diagonal through four texels, of which it meets two.
+  // Along a diagonal through four texels, two of which it meets.
   const Picture four = grey(2, 2, {9, 5, 1, 9});
   EXPECT_NEAR(mean_over_triangle(four, {Vec2<double>{0, 0}, {1, 1}, {0.25, 0.25}}).r, 7.0 / 3,
               1e-13);
 }
 
 TEST(MeanOverTriangle, IsExactForThinTriangles) {
-  // From 1e-7 to 1e-12 of their length wide, across a picture of 8 x 5 texels, and along lines
-  // between its columns and rows; the means by cutting them in rational numbers.
+  // Widths of 1e-7 to 1e-12 of the length, across a picture of 8 x 5 texels, and along lines
+  // between its columns and rows.  The means were computed by cutting the triangles in rational
+  // numbers.
   std::vector<float> texels;
   for (int y = 0; y < 5; ++y)
     for (int x = 0; x < 8; ++x) texels.push_back(float((7 * x + 3 * y * y) % 11));
@@ -159,15 +161,15 @@ TEST(PictureMoments, AreExactForPolynomials) {
       *PictureMoments(picture).times([](Vec2<double> p) { return p.x * p.x * p.x * p.y; }, 0);
   EXPECT_NEAR(area.m2.r, (1 * 1.0 / 64 + 5 * (1.0 / 4 - 1.0 / 64)) / 2, 1e-14);
   EXPECT_EQ(area.error_m2, 0);
-  // v runs upwards: of 1 below and 5 above, v weighs the upper more.
+  // v runs upwards: with 1 below and 5 above, v has more weight in the upper texel.
   const PaintedArea upwards =
       *PictureMoments(grey(1, 2, {5, 1})).times([](Vec2<double> p) { return p.y; }, 0);
   EXPECT_NEAR(upwards.m2.r, 5 * 3.0 / 8 + 1 * 1.0 / 8, 1e-14);
 }
 
-TEST(PictureMoments, SayTheirErrorForOthers) {
+TEST(PictureMoments, StateTheirErrorForOthers) {
   // The integral of sqrt(w^2 + u^2): (h + w^2 asinh(1 / w)) / 2 with h = sqrt(w^2 + 1).  The
-  // narrower, the less like a polynomial.
+  // smaller w, the less the integrand is like a polynomial.
   const Picture picture = grey(1, 1, {3});
   for (double w : {2.0, 1.0, 0.7}) {
     const auto area = PictureMoments(picture).times(
@@ -183,9 +185,10 @@ TEST(PictureMoments, SayTheirErrorForOthers) {
   EXPECT_FALSE(PictureMoments(picture).times(kink, 1e-3));
 }
 
-TEST(SumOverPoints, SaysItsError) {
-  // A ramp from 0 to 1 in the middle half of two texels, flat beyond: turned by 45 degrees its
-  // integral follows by symmetry, 1/2.  Times sqrt(1 + s^2), along columns s alike.
+TEST(SumOverPoints, StatesItsError) {
+  // A ramp from 0 to 1 in the middle half of two texels, constant beyond.  Rotated by 45 degrees,
+  // its integral is 1/2 by symmetry.  The second weight is sqrt(1 + s^2), constant along columns of
+  // s.
   const Picture picture = grey(2, 1, {0, 1}, ImageFilter::kBilinear);
   const auto turned = [](Vec2<double> st) {
     return Vec2<double>{0.5 + (st.x - st.y) / 2, 0.5 + (st.x + st.y) / 4};

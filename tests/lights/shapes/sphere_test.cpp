@@ -23,7 +23,7 @@ TEST(Sphere, AreaOfWholeAndCutSpheres) {
   EXPECT_TRUE(cut.emissive_error().ok());
 }
 
-TEST(Sphere, UnequalScaleCannotEmitAndSaysWhy) {
+TEST(Sphere, UnequalScaleCannotEmitAndGivesTheReason) {
   const auto sphere = *Sphere<float>::create({.world_from_object = *Transform::scale({1, 2, 1})});
   EXPECT_EQ(sphere.emissive_error().code(), absl::StatusCode::kInvalidArgument);
   EXPECT_THAT(std::string(sphere.emissive_error().message()), HasSubstr("(1, 2, 1)"));
@@ -32,7 +32,7 @@ TEST(Sphere, UnequalScaleCannotEmitAndSaysWhy) {
 TEST(Sphere, ConeDensityIsRightForSmallAndDistantSpheres) {
   for (const double ratio : {1e-1, 1e-3, 3e-4, 1.7e-4, 1e-5, 1e-6, 1e-7, 1e-8}) {
     const auto sphere = *Sphere<float>::create({.radius_m = ratio});
-    // 4 pi sin^2(theta / 2) in long double: another form than the code's.
+    // 4 pi sin^2(theta / 2) in long double, which differs from the code's formula.
     const long double half = std::asin(static_cast<long double>(ratio)) / 2;
     const long double solid_angle =
         4 * std::numbers::pi_v<long double> * std::sin(half) * std::sin(half);
@@ -56,7 +56,7 @@ TEST(Sphere, DensityOfEachSampleIsFoundAgainAwayFromTheOrigin) {
     const auto s = sphere.sample({-4, 7, 1}, random.pair());
     ASSERT_GT(s.pdf.per_sr, 0);
     ASSERT_EQ(s.pdf, sphere.pdf({-4, 7, 1}, s.point));
-    // Nor is the other side ever taken for this one.
+    // The other side is never mistaken for this one.
     if (dot(s.point.normal, normalized(Vec3<float>(-5, 5, -2))) < 0.01F) continue;
     const SurfacePoint<float> behind{s.point.position, -s.point.normal};
     ASSERT_EQ(sphere.pdf({-4, 7, 1}, behind).per_sr, 0);
@@ -112,7 +112,8 @@ TEST(Sphere, ConeSamplesAreTheNearIntersectionsAndUniformInSolidAngle) {
   }
 }
 
-/// A point of the zone -0.5 < z < 1.5 of the sphere of radius 2 swept by 2 rad, in shares of area.
+/// The shares of a point in the area of the zone -0.5 < z < 1.5 of the sphere of radius 2 swept by
+/// 2 rad.
 Vec2<double> share(const Vec3<double>& p) { return {(p.z + 0.5) / 2, std::atan2(p.y, p.x) / 2}; }
 
 TEST(Sphere, CutSpheresAreSampledUniformlyWithinTheirCuts) {
@@ -142,7 +143,7 @@ TEST(Sphere, UniformityTestRejectsAnAngleThatIsUniform) {
   EXPECT_LT(p, kUnlikely);
 }
 
-TEST(Sphere, RaysMeetItWhereTheyShould) {
+TEST(Sphere, RaysMeetItAtTheExpectedPlaces) {
   const auto sphere = *Sphere<float>::create(
       {.radius_m = 5, .world_from_object = Transform::translate({0, 0, 10})});
   // x = 3: z = 10 -+ 4.
@@ -182,7 +183,7 @@ TEST(Sphere, CutsLetRaysThroughToTheSecondHit) {
   const auto inside = bowl.intersect({0, 1, 5}, {0, 0, -1}, 0, kFar);
   ASSERT_TRUE(inside);
   EXPECT_NEAR(inside->point.position.z, -std::sqrt(3), 1e-15);
-  EXPECT_LT(inside->point.normal.z, 0);  // still the outside
+  EXPECT_LT(inside->point.normal.z, 0);  // the normal of the outside
   EXPECT_EQ(bowl.hits({0, 1, 5}, {0, 0, -1}, 0, kFar).count, 1);
   EXPECT_FALSE(bowl.intersect({0, 5, 1}, {0, -1, 0}, 0, kFar));
   // Swept from +x over +y: half of the sphere, with y > 0.
@@ -233,8 +234,8 @@ TEST(Sphere, BoundsHoldAllHitsAndAreTight) {
   EXPECT_LT(length(least - Vec3<double>(lower)), 1e-3);
 }
 
-TEST(Sphere, WholeSphereAboveTheHorizonLightsByTheClosedForm) {
-  // pi L sin^2 cos, with sin = 2 / 5 and the normal at 0.6 to the axis.
+TEST(Sphere, IlluminanceOfAWholeSphereEqualsTheClosedForm) {
+  // pi L sin^2 cos, with sin = 2 / 5 and the cosine 0.6 between normal and axis.
   for (const bool mirrored : {false, true}) {
     const Transform map =
         Transform::translate({0, 0, 5}) * *Transform::scale({mirrored ? -1. : 1., 1, 1});
@@ -245,7 +246,7 @@ TEST(Sphere, WholeSphereAboveTheHorizonLightsByTheClosedForm) {
   }
 }
 
-TEST(Sphere, InsideOfAnInwardSphereLightsByPiL) {
+TEST(Sphere, InsideOfAnInwardSphereGivesPiL) {
   const auto light = *AreaLight<float, Sphere>::create(
       {Rgb<double>(7)}, *Sphere<float>::create({.radius_m = 2, .reverse_orientation = true}));
   expect_estimates(illuminance(light, Vec3<float>{1, 0.5F, -0.25F}, {0, 0.6, 0.8}, 37), 7 * kPi,

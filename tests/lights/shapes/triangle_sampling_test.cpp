@@ -1,5 +1,5 @@
-// Points of flat and spherical triangles and rectangles: uniform, invertible, right at the
-// extremes.
+// Points of flat and spherical triangles and rectangles: uniform, invertible, correct for extreme
+// inputs.
 #include <gtest/gtest-spi.h>
 #include <gtest/gtest.h>
 
@@ -21,13 +21,13 @@ constexpr AreaSampling kByArea[] = {AreaSampling::kSquareRoot, AreaSampling::kKr
                                     AreaSampling::kParallelogram, AreaSampling::kRejection,
                                     AreaSampling::kLowDistortion};
 
-/// The chance of what barycentric coordinates show, were they uniform by area.
+/// The p-value of the barycentric coordinates, if they are uniform by area.
 double p_value(const std::function<Vec3<double>(Vec2<double>)>& barycentric) {
   RandomU random(0x71);
   return uniformity_p_value([&] {
     const Vec3<double> b = barycentric(random.pair<double>());
-    // Equal areas as equal areas of the square: the share to one side of the line through the
-    // point and parallel to an edge, and how far along that line.
+    // Maps equal areas to equal areas of the square.  x is the share on one side of the line
+    // through the point parallel to an edge, y the place along that line.
     return Vec2<double>{1 - (1 - b.x) * (1 - b.x), b.y / (1 - b.x)};
   });
 }
@@ -39,7 +39,7 @@ TEST(TriangleSampling, AllFiveMapsAreUniformByArea) {
 }
 
 TEST(TriangleSampling, TheTextbookMistakesAreRejected) {
-  // Two coordinates, the second scaled to what is left: dense towards a corner.
+  // Two coordinates, the second scaled to the rest: dense towards a corner.
   EXPECT_LT(p_value([](Vec2<double> u) {
               return Vec3<double>{u.x, u.y * (1 - u.x), (1 - u.x) * (1 - u.y)};
             }),
@@ -87,9 +87,9 @@ std::vector<Corners> triangles() {
   return t;
 }
 
-// (1 - cos, turn) of directions would need a region of its own for each; instead the triangle is
-// cut into 16 x 16 small ones of which each holds its share of the solid angle, told by an
-// independent formula: l'Huilier's in long double, or for small cells its planar limit.
+// (1 - cos, turn) of directions would need a region for each triangle.  Instead, the triangle is
+// cut into parts that each hold their share of the solid angle.  The share comes from an
+// independent formula: l'Huilier's in long double, or for small parts its planar limit.
 long double reference_solid_angle(const Vec3<double>& a, const Vec3<double>& b,
                                   const Vec3<double>& c) {
   struct V {
@@ -101,7 +101,7 @@ long double reference_solid_angle(const Vec3<double>& a, const Vec3<double>& b,
     return V{p.y * q.z - p.z * q.y, p.z * q.x - p.x * q.z, p.x * q.y - p.y * q.x};
   };
   const auto dot_of = [](V p, V q) { return p.x * q.x + p.y * q.y + p.z * q.z; };
-  // The angle between two corners by their difference, so that nothing cancels.
+  // The angle between two corners from their difference, so that nothing cancels.
   const auto angle = [&](V p, V q) {
     const V n = cross_of(p, minus(q, p));
     return std::atan2(std::sqrt(dot_of(n, n)), dot_of(p, q));
@@ -118,7 +118,7 @@ TEST(SphericalTriangle, SolidAngleAgreesWithLHuilier) {
     if (t.name == "grazing" || t.name == "wide" || t.name == "close") continue;  // it cancels there
     const auto seen = SphericalTriangle::create(t.a, t.b, t.c);
     ASSERT_TRUE(seen) << t.name;
-    // Its differences of sides lose the digits that the triangle is slim by.
+    // The differences of its sides lose as many digits as the triangle is slim.
     EXPECT_NEAR(seen->solid_angle_sr() / double(reference_solid_angle(t.a, t.b, t.c)), 1, 1e-7)
         << t.name;
   }
@@ -144,15 +144,15 @@ TEST(SphericalTriangle, SampleAndInverseAreOneMap) {
       ASSERT_GE(std::fmin(w.x, std::fmin(w.y, w.z)), 0) << t.name;
       ASSERT_NEAR(w.x + w.y + w.z, 1, 1e-14);
       const auto back = seen->invert(w);
-      // Towards b, u.x is the difference of two weights that vanish.
+      // Towards b, u.x is the difference of two vanishing weights.
       EXPECT_NEAR(back.x, u.x, 1e-6) << t.name;
       EXPECT_NEAR(back.y, u.y, 1e-6) << t.name;
     }
   }
 }
 
-/// The share of samples that fall to one side of a cut through corner `a` and a point of the
-/// opposite edge is that side's share of the solid angle, for several cuts and each corner.
+/// Expects the share of samples on one side of a cut to equal that side's share of the solid angle.
+/// Cuts go through a corner and a point of the opposite edge: several for each corner.
 void expect_shares(const Corners& t, const std::function<Vec3<double>(Vec2<double>)>& sample) {
   constexpr int kSamples = 40000;
   RandomU random(0x74);
@@ -202,7 +202,7 @@ TEST(SphericalTriangle, HasNoDensityInItsPlaneOnACornerOrNowhere) {
   EXPECT_FALSE(SphericalTriangle::create({1, 0, 0}, {2, 0, 0}, {1, 1, 0}));      // plane
   EXPECT_FALSE(SphericalTriangle::create({0, 0, 0}, {1, 0, 1}, {0, 1, 1}));      // corner
   EXPECT_FALSE(SphericalTriangle::create({-1, -1, 0}, {2, -1, 0}, {-1, 2, 0}));  // within
-  EXPECT_FALSE(  // the hemisphere but for 1e-9 sr
+  EXPECT_FALSE(  // the hemisphere minus 1e-9 sr
       SphericalTriangle::create({-1e9, -1e9, 1}, {2e9, -1e9, 1}, {-1e9, 2e9, 1}));
   EXPECT_FALSE(SphericalTriangle::create({1, 1, 1}, {1, 1, 1}, {2, 1, 1}));  // no area
   EXPECT_FALSE(SphericalTriangle::create({NAN, 0, 1}, {1, 0, 1}, {0, 1, 1}));
@@ -288,7 +288,7 @@ TEST(SphericalRectangle, SampleAndInverseAreOneMap) {
   }
 }
 
-TEST(SphericalRectangle, OneThresholdDecidesForBoth) {
+TEST(SphericalRectangle, DoesNotExistBelowTheThreshold) {
   EXPECT_FALSE(SphericalRectangle::create({0.3, 0.2, 30}, {0.02, 0, 0}, {0, 0.02, 0}));
   EXPECT_FALSE(SphericalRectangle::create({1, 1, 0}, {1, 0, 0}, {0, 1, 0}));
   EXPECT_FALSE(SphericalRectangle::create({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}));
@@ -307,7 +307,7 @@ TEST(BilinearWeights, SamplesFollowTheWeights) {
                std::min(int(p.y * kBins), kBins - 1)];
   }
   for (int i = 0; i < kBins; ++i)
-    for (int j = 0; j < kBins; ++j)  // the mean of what is bilinear is its value in the middle
+    for (int j = 0; j < kBins; ++j)  // the mean of a bilinear function is its value in the middle
       expected[i * kBins + j] =
           kSamples * w.pdf({(i + 0.5) / kBins, (j + 0.5) / kBins}) / (kBins * kBins);
   EXPECT_GT(chi_square_p_value(observed, expected), kUnlikely);

@@ -15,8 +15,8 @@ constexpr double kFar = std::numeric_limits<double>::infinity();
 const Triangle<double> kSkewed{{0, 0, 0}, {2, 0, 1}, {0, 4, 0}};
 Vec2<double> barycentric(const Vec3<double>& p) { return {p.x / 2, p.y / 4}; }
 
-/// Equal areas of the triangle x, y > 0, x + y < 1 as equal areas of the unit square: the share of
-/// area to the left of the line, and how far along it.
+/// Maps equal areas of the triangle x, y > 0, x + y < 1 to equal areas of the unit square.  x is
+/// the share of area to the left of the line, y the place along it.
 Vec2<double> flattened(const Vec2<double>& b) {
   return {1 - (1 - b.x) * (1 - b.x), b.y / (1 - b.x)};
 }
@@ -98,7 +98,7 @@ TEST(Triangle, EdgesAndVerticesBelongToIt) {
 }
 
 TEST(Triangle, RaysThroughACommonEdgeHitAtLeastOneOfTwo) {
-  // Vertices and rays that no binary fraction holds.
+  // Vertices and rays without an exact binary fraction.
   const Vec3<float> a{0.1F, 0.7F, 0.3F}, b{-0.9F, 0.13F, 0.77F}, c{1.3F, 0.2F, -0.4F},
       d{-0.3F, -1.1F, 0.2F};
   const Triangle<float> left{a, b, d}, right{a, d, c};

@@ -28,8 +28,8 @@ std::string error(Source source) {
   return std::string(Spectrum::create(std::move(source)).status().message());
 }
 
-/// The colour that a client finds who asks for every wavelength of the table: 683 lm/W times the
-/// 5 nm sum.
+/// The colour that a client computes from all wavelengths of the table: 683 lm/W times the 5 nm
+/// sum.
 template <typename F>
 Vec3<double> summed(F&& value) {
   Vec3<double> xyz{};
@@ -67,8 +67,8 @@ TEST(Cie, IlluminantsAreLinearBetweenEntriesAndZeroBeyond) {
   EXPECT_EQ(cie::find_illuminant("D64"), nullptr);
 }
 
-// Chromaticities of CIE 15, tables T.3 and T.6, to the four digits given there.  (F10 is left out:
-// the table of colord-data is 3e-4 off.)
+// Chromaticities of CIE 15, tables T.3 and T.6, to the four digits given there.  (F10 is left out,
+// because the table of colord-data is off by 3e-4.)
 TEST(Spectrum, IlluminantsHaveTheChromaticitiesOfTheCie) {
   const std::tuple<const char*, double, double> kTable[] = {
       {"A", 0.4476, 0.4074},   {"D50", 0.3457, 0.3585}, {"D65", 0.3127, 0.3290},
@@ -101,8 +101,8 @@ TEST(Spectrum, BlackBodiesLieOnThePlanckianLocus) {
   }
 }
 
-// Computed elsewhere: Planck's law in SI units by quadrature from 10 nm to 0.1 m, with the observer
-// a cubic spline at 0.1 nm; the illuminants by adding up their tables.
+// Computed independently: Planck's law in SI units by quadrature from 10 nm to 0.1 m, with the
+// observer a cubic spline at 0.1 nm.  Illuminants are sums of their tables.
 TEST(Spectrum, LuminousEfficacyIsThatOfIndependentQuadrature) {
   const std::pair<double, double> kBlackBodies[] = {
       {2000, 1.60588627}, {2700, 12.35567007}, {4000, 54.71259409}, {6500, 95.36296739}};
@@ -115,7 +115,7 @@ TEST(Spectrum, LuminousEfficacyIsThatOfIndependentQuadrature) {
 }
 
 TEST(Spectrum, BlackBodiesFollowPlanck) {
-  // c1 and c2 drop out of the ratio of two wavelengths but for exp: at 3000 K.
+  // The ratio at two wavelengths depends on c1 and c2 only in exp: at 3000 K.
   const Spectrum s = spectrum(BlackBody{3000});
   const auto planck = [](double nm) {
     return std::pow(nm, -5.0) / (std::exp(1.438776877e7 / (nm * 3000)) - 1);
@@ -146,7 +146,7 @@ TEST(Spectrum, TheTableOfD65IsWhite) {
   EXPECT_FALSE(s.clipped());
 }
 
-// Flat from 400 to 700 nm: (x, y) follow from adding up the table with half of its end entries.
+// Flat from 400 to 700 nm: (x, y) come from the sum of the table with half of its end entries.
 TEST(Spectrum, SamplesAreIntegratedExactly) {
   const Spectrum s = spectrum(SampledSpectrum{{400, 700}, {5, 5}});
   double y = 0;
@@ -163,7 +163,8 @@ TEST(Spectrum, SamplesAreIntegratedExactly) {
   EXPECT_GT(line.per_lumen(552.5), 0);
 }
 
-// What no light's flux could be multiplied with is refused; what is left has finite numbers.
+// A spectrum is refused if its flux factor exceeds the allowed range.  All others have finite
+// numbers.
 TEST(Spectrum, NumbersAreFiniteUpToTheDarkestSpectra) {
   for (const double kelvin : {100.0, 101.0, 300.0, 1e4, 1e7}) {
     const Spectrum s = spectrum(BlackBody{kelvin});
@@ -174,7 +175,7 @@ TEST(Spectrum, NumbersAreFiniteUpToTheDarkestSpectra) {
       EXPECT_GE(s.per_lumen(nm), 0) << kelvin << " " << nm;
     }
   }
-  // All but nothing of it is seen: 1e-90 of the power of a line in the infrared at 555 nm.
+  // Almost all of it is invisible: the line at 555 nm has 1e-90 of the power of an infrared line.
   const Spectrum dark =
       spectrum(SampledSpectrum{{554, 555, 556, 1999, 2000, 2001}, {0, 1e-90, 0, 0, 1, 0}});
   EXPECT_NEAR(dark.watts_per_lumen() / (1e90 / 683), 1, 1e-3);
@@ -183,7 +184,7 @@ TEST(Spectrum, NumbersAreFiniteUpToTheDarkestSpectra) {
               HasSubstr("the eye sees nothing"));
 }
 
-// A single line of the least width that doubles tell apart, and 100 000 samples.
+// A single line of the least width in doubles, and 100 000 samples.
 TEST(Spectrum, NarrowAndLongTablesAreIntegrated) {
   const double next = std::nextafter(555.0, 1e3), previous = std::nextafter(555.0, 0.0);
   const Spectrum line = spectrum(SampledSpectrum{{previous, 555, next}, {0, 1, 0}});
@@ -253,7 +254,7 @@ TEST(RgbBasis, IntegratesBackToTheSameRgb) {
   }
 }
 
-// Reflectances, not spikes: no step between neighbours is larger than a sixth.
+// Smooth like reflectances, without spikes: no step between neighbours exceeds a sixth.
 TEST(RgbBasis, IsSmooth) {
   const Spectrum d65 = spectrum(CieIlluminant{"D65"});
   for (int nm = 365; nm <= 830; nm += 5) {

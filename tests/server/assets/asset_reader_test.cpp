@@ -39,7 +39,7 @@ std::string gzipped(const std::string& bytes) {
   return out;
 }
 
-/// With openat2 and with the way that older kernels leave.
+/// With openat2, and with the fallback for older kernels.
 class Containment : public ::testing::TestWithParam<bool> {
  protected:
   Containment() {
@@ -68,7 +68,7 @@ TEST_P(Containment, ReadsBeneathTheRootRelativeToTheNamingFile) {
   EXPECT_EQ(assets.read("./sub//b.pbrt")->name, "sub/b.pbrt");
 }
 
-TEST_P(Containment, RefusesEveryWayOutWithTheSameErrorWhetherTheFileExistsOrNot) {
+TEST_P(Containment, RefusesPathsOutOfTheRootWithTheSameErrorForExistingAndMissingFiles) {
   AssetReader assets = reader();
   const std::pair<std::string, std::string> kExistingAndMissing[] = {
       {"../secret.txt", "../nothing.txt"},
@@ -98,7 +98,7 @@ TEST_P(Containment, MissingFilesAreNotFound) {
   EXPECT_FALSE(assets.read(".").ok());
 }
 
-TEST_P(Containment, OpensNothingButRegularFilesAndDoesNotWaitForAPipe) {
+TEST_P(Containment, OpensOnlyRegularFilesAndDoesNotWaitForAPipe) {
   ASSERT_EQ(mkfifo((files_.path() / "root/pipe").c_str(), 0600), 0);
   AssetReader assets = reader();
   EXPECT_THAT(message(assets.read("pipe").status()), HasSubstr("not a regular file"));
@@ -132,7 +132,7 @@ TEST(AssetReader, DigestsAreSha256AndKeptOncePerFileInOrder) {
             "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
 }
 
-TEST(AssetReader, RehashSeesWhatChanged) {
+TEST(AssetReader, RehashFindsChangedFiles) {
   const SceneFiles files;
   files.write("a", "one");
   files.write("b", "two");

@@ -21,7 +21,7 @@ class AssetStoreTest : public ::testing::Test {
  protected:
   void SetUp() override { open({}); }
 
-  /// With `options`, in this test's directory.
+  /// Opens a store with `options` in this test's directory.
   void open(AssetStoreOptions options) {
     store_.reset();
     options.directory = (files_.path() / "assets").string();
@@ -30,7 +30,7 @@ class AssetStoreTest : public ::testing::Test {
     store_ = *std::move(store);
   }
 
-  /// Sends `bytes` whole.
+  /// Sends all of `bytes`.
   absl::Status put(const std::string& bytes) const {
     auto upload = store_->upload(sha256(bytes), bytes.size(), 0);
     if (!upload.ok()) return upload.status();
@@ -38,7 +38,7 @@ class AssetStoreTest : public ::testing::Test {
     return upload->finish();
   }
 
-  /// What is held under the digest of `bytes`.
+  /// The content stored under the digest of `bytes`.
   std::string get(const std::string& bytes) const {
     auto file = store_->read(sha256(bytes));
     if (!file.ok()) return message(file.status());
@@ -58,7 +58,7 @@ class AssetStoreTest : public ::testing::Test {
   std::unique_ptr<AssetStore> store_;
 };
 
-TEST_F(AssetStoreTest, KeepsWhatItIsGivenUnderItsDigest) {
+TEST_F(AssetStoreTest, StoresFilesUnderTheirDigest) {
   const std::string bytes("one\0two\n", 8);
   EXPECT_FALSE(store_->held(sha256(bytes)).whole);
   ASSERT_TRUE(put(bytes).ok());
@@ -66,7 +66,7 @@ TEST_F(AssetStoreTest, KeepsWhatItIsGivenUnderItsDigest) {
   EXPECT_EQ(get(bytes), bytes);
   EXPECT_EQ(store_->bytes(), 8U);
   EXPECT_EQ(store_->read(sha256("other")).status().code(), absl::StatusCode::kNotFound);
-  // The same again is not taken.
+  // The same file is not accepted again.
   EXPECT_EQ(put(bytes).code(), absl::StatusCode::kFailedPrecondition);
   EXPECT_EQ(store_->bytes(), 8U);
 }
@@ -77,7 +77,7 @@ TEST_F(AssetStoreTest, KeepsEmptyFilesToo) {
   EXPECT_EQ(get(""), "");
 }
 
-TEST_F(AssetStoreTest, GoesOnWhereAnUploadBroke) {
+TEST_F(AssetStoreTest, ContinuesABrokenUpload) {
   const std::string digest = sha256("abcdef");
   {
     auto upload = store_->upload(digest, 6, 0);
@@ -88,7 +88,7 @@ TEST_F(AssetStoreTest, GoesOnWhereAnUploadBroke) {
   EXPECT_FALSE(store_->held(digest).whole);
   EXPECT_EQ(store_->held(digest).bytes, 4U);
   EXPECT_EQ(store_->bytes(), 4U);
-  // From before the end: what lies beyond is forgotten.
+  // From before the end: the bytes after this place are discarded.
   auto upload = store_->upload(digest, 6, 3);
   ASSERT_TRUE(upload.ok()) << upload.status();
   EXPECT_EQ(upload->bytes(), 3U);
@@ -98,14 +98,14 @@ TEST_F(AssetStoreTest, GoesOnWhereAnUploadBroke) {
   EXPECT_EQ(get("abcdef"), "abcdef");
 }
 
-TEST_F(AssetStoreTest, DoesNotGoOnBeyondWhatItHolds) {
+TEST_F(AssetStoreTest, DoesNotContinueBeyondItsBytes) {
   EXPECT_EQ(store_->upload(sha256("abcdef"), 6, 1).status().code(),
             absl::StatusCode::kInvalidArgument);
   EXPECT_THAT(names(), IsEmpty());
   EXPECT_TRUE(put("abcdef").ok());
 }
 
-TEST_F(AssetStoreTest, NothingStaysOfBytesThatHaveAnotherDigest) {
+TEST_F(AssetStoreTest, BytesWithAnotherDigestAreDiscarded) {
   const std::string digest = sha256("right");
   auto upload = store_->upload(digest, 5, 0);
   ASSERT_TRUE(upload.ok());
@@ -128,7 +128,7 @@ TEST_F(AssetStoreTest, OneWriterAtATime) {
   EXPECT_TRUE(first->finish().ok());
 }
 
-TEST_F(AssetStoreTest, AWriterThatSendsNothingGivesWay) {
+TEST_F(AssetStoreTest, AnIdleWriterIsReplaced) {
   open({.patience = std::chrono::milliseconds(0)});
   const std::string digest = sha256("abcdef");
   auto first = store_->upload(digest, 6, 0);
@@ -143,22 +143,22 @@ TEST_F(AssetStoreTest, AWriterThatSendsNothingGivesWay) {
   EXPECT_EQ(get("abcdef"), "abcdef");
 }
 
-TEST_F(AssetStoreTest, TheLongestUnneededGoFirst) {
+TEST_F(AssetStoreTest, LeastRecentlyUsedFilesAreDeletedFirst) {
   open({.budget_bytes = 10});
   ASSERT_TRUE(put("aaaa").ok());
   ASSERT_TRUE(put("bbbb").ok());
-  EXPECT_TRUE(store_->held(sha256("aaaa")).whole);  // asked for: newer than b now
+  EXPECT_TRUE(store_->held(sha256("aaaa")).whole);  // a query counts as use: newer than b now
   ASSERT_TRUE(put("cccc").ok());
   EXPECT_EQ(get("aaaa"), "aaaa");
   EXPECT_NE(get("bbbb"), "bbbb");
   EXPECT_EQ(store_->bytes(), 8U);
-  // What is broken off goes as well.
+  // Interrupted uploads are deleted too.
   (void)store_->upload(sha256("ddd"), 3, 0)->append("d");
   EXPECT_TRUE(put("0123456789").ok());
   EXPECT_EQ(names().size(), 1U);
 }
 
-TEST_F(AssetStoreTest, NothingThatIsInUseGoes) {
+TEST_F(AssetStoreTest, FilesInUseAreNotDeleted) {
   open({.budget_bytes = 10});
   ASSERT_TRUE(put("aaaa").ok());
   auto writer = store_->upload(sha256("bbbb"), 4, 0);
@@ -174,16 +174,16 @@ TEST_F(AssetStoreTest, NothingThatIsInUseGoes) {
   EXPECT_TRUE(writer->finish().ok());
 }
 
-TEST_F(AssetStoreTest, RefusesWhatIsTooLargeAtOnce) {
+TEST_F(AssetStoreTest, RefusesTooLargeFilesAtOnce) {
   open({.max_asset_bytes = 3});
   EXPECT_EQ(put("aaaa").code(), absl::StatusCode::kResourceExhausted);
   EXPECT_TRUE(put("aaa").ok());
   open({.budget_bytes = 4});
   EXPECT_EQ(put("aaaaa").code(), absl::StatusCode::kResourceExhausted);
-  EXPECT_EQ(get("aaa"), "aaa");  // nothing went for what would not have fitted
+  EXPECT_EQ(get("aaa"), "aaa");  // a file that cannot fit deletes nothing
 }
 
-TEST_F(AssetStoreTest, AFileThatIsBeingReadMayGo) {
+TEST_F(AssetStoreTest, AFileBeingReadMayBeDeleted) {
   ASSERT_TRUE(put("abc").ok());
   const auto file = store_->read(sha256("abc"));
   ASSERT_TRUE(file.ok());
@@ -194,7 +194,7 @@ TEST_F(AssetStoreTest, AFileThatIsBeingReadMayGo) {
   EXPECT_EQ(bytes, "abc");
 }
 
-TEST_F(AssetStoreTest, TheNextServerFindsThemAgain) {
+TEST_F(AssetStoreTest, TheNextServerFindsTheFiles) {
   ASSERT_TRUE(put("abc").ok());
   (void)store_->upload(sha256("defg"), 4, 0)->append("de");
   files_.write("assets/README", "of somebody else");
@@ -216,7 +216,7 @@ TEST_F(AssetStoreTest, TwoServersDoNotShareADirectory) {
             absl::StatusCode::kInvalidArgument);
 }
 
-TEST_F(AssetStoreTest, FilesThatSomebodyRemovedAreNotHeld) {
+TEST_F(AssetStoreTest, RemovedFilesAreNotHeld) {
   ASSERT_TRUE(put("abc").ok());
   std::filesystem::remove(files_.path() / "assets" / hexadecimal(sha256("abc")));
   EXPECT_EQ(store_->read(sha256("abc")).status().code(), absl::StatusCode::kNotFound);
@@ -224,7 +224,7 @@ TEST_F(AssetStoreTest, FilesThatSomebodyRemovedAreNotHeld) {
   EXPECT_EQ(get("abc"), "abc");
 }
 
-TEST(AssetStore, ATemporaryDirectoryGoesWithTheStore) {
+TEST(AssetStore, ATemporaryDirectoryIsDeletedWithTheStore) {
   const SceneFiles files;
   ASSERT_EQ(setenv("TMPDIR", files.path().c_str(), 1), 0);
   auto store = AssetStore::open({});

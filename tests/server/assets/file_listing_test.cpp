@@ -37,7 +37,7 @@ TEST_F(FileListingTest, NamesFilesOfTheKindRelativeToTheRootInOrder) {
   EXPECT_FALSE(list().incomplete);
 }
 
-TEST_F(FileListingTest, LeavesOutWhatIsHiddenOrNotUtf8) {
+TEST_F(FileListingTest, LeavesOutHiddenNamesAndInvalidUtf8) {
   for (const char* name : {".hidden.pbrt", ".git/a.pbrt", "\xff.pbrt", "\xc3\xa9.pbrt"})
     write(name);
   EXPECT_THAT(list().paths, ElementsAre("\xc3\xa9.pbrt"));
@@ -56,7 +56,7 @@ TEST_F(FileListingTest, FollowsNoLinkOutOfTheRootAndNoLinkToAFolder) {
   EXPECT_FALSE(list().incomplete);
 }
 
-TEST_F(FileListingTest, LimitsEndTheSearchAndTheAnswerSaysSo) {
+TEST_F(FileListingTest, LimitsEndTheSearchAndAreReported) {
   for (const char* name : {"a.pbrt", "b.pbrt", "c.pbrt", "1/d.pbrt", "1/2/e.pbrt"}) write(name);
   const FileListing few = list({.entries = 2});
   EXPECT_TRUE(few.incomplete);

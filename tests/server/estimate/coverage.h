@@ -65,17 +65,17 @@ class Coverage {
   double mean_ = 0, squares_ = 0;
 };
 
-/// An answer to a question: an estimate and the interval about it.
+/// An answer to a query: an estimate and the interval about it.
 struct Answer {
   double value = 0;
   ConfidenceInterval interval;
 };
 
-/// The i-th of repeats() answers is `ask(i)`.  Intervals are made `widened` times as wide.
-template <typename Ask>
-Coverage repeated(double truth, double widened, const Ask& ask) {
+/// The i-th of repeats() answers is `answer(i)`.  Intervals are made `widened` times as wide.
+template <typename AnswerOf>
+Coverage repeated(double truth, double widened, const AnswerOf& answer) {
   std::vector<Answer> answers(repeats());
-  tbb::parallel_for(std::size_t{0}, answers.size(), [&](std::size_t i) { answers[i] = ask(i); });
+  tbb::parallel_for(std::size_t{0}, answers.size(), [&](std::size_t i) { answers[i] = answer(i); });
   Coverage c(truth);
   for (const Answer& a : answers) c.add(a.value, a.interval, widened);
   return c;
@@ -94,10 +94,10 @@ inline void expect_covered_at_least(const Coverage& c, const std::string& what) 
   EXPECT_LE(std::fabs(c.bias()), 4) << what;
 }
 
-/// Checks that a wrong variance is noticed: `asked(widened)` has intervals with that factor.
-template <typename Asked>
-void expect_sees_wrong_widths(Asked&& asked) {
-  const Coverage narrow = asked(0.6), wide = asked(1.8);
+/// Checks that a wrong variance is noticed: `coverage(widened)` has intervals with that factor.
+template <typename CoverageOf>
+void expect_sees_wrong_widths(CoverageOf&& coverage) {
+  const Coverage narrow = coverage(0.6), wide = coverage(1.8);
   EXPECT_FALSE(narrow.holds_enough()) << narrow.held();
   EXPECT_FALSE(wide.holds_no_more()) << wide.held();
 }

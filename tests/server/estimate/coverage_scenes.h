@@ -25,8 +25,8 @@ inline SceneDescription below_a_lamp(double reflectance) {
 }
 inline double lux_below_a_lamp() { return of_patch(5, 1, 2); }
 
-/// A lamp of 1 m x 1 m, 2 m above the origin, of which a plate halfway leaves the part left of
-/// `end` [m].
+/// A lamp of 1 m x 1 m, 2 m above the origin.  A plate halfway hides it, except for the part left
+/// of `end` [m].
 inline SceneDescription partly_hidden_lamp(double end) {
   SceneDescription d = description(0);
   d.shapes = {floor(9),
@@ -39,7 +39,7 @@ inline double lux_of_partly_hidden_lamp(double end) {
                                  {}, {0, 0, 1});
 }
 
-/// A closed room of which all surfaces emit 2 cd/m2 and reflect half: 4 cd/m2 everywhere.
+/// A closed room whose surfaces all emit 2 cd/m2 and reflect half: 4 cd/m2 everywhere.
 inline SceneDescription in_a_furnace() {
   SceneDescription d = description(0.5);
   d.shapes = {emissive(shape(room()), 2, true)};
@@ -47,8 +47,8 @@ inline SceneDescription in_a_furnace() {
 }
 inline constexpr double kFurnaceRadiance = 4;
 
-/// A lamp of 2 m x 2 m at 4 m behind a lid at 2 m with a hole in its middle, through which a
-/// thousandth of the lamp is seen from the floor.
+/// A lamp of 2 m x 2 m at 4 m, behind a lid at 2 m with a hole in its middle.  From the floor a
+/// thousandth of the lamp is visible.
 inline SceneDescription below_a_pinhole(double reflectance) {
   const double hole = std::sqrt(1e-3) / 2, far = 30;
   SceneDescription d = description(reflectance);

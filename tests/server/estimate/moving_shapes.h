@@ -1,4 +1,4 @@
-// Shapes of every kind under one motion, and where they are by the rule itself.
+// Shapes of every kind under one motion, and their place by the definition.
 #pragma once
 
 #include <cmath>
@@ -15,9 +15,9 @@ inline std::vector<KeyTransform> keys() {
           {2, Transform::translate({3, -0.5, 1}) * *Transform::rotate(1.6, {1, 2, -1})}};
 }
 
-// World from object at `t` in [0, 2] by the rule itself: the origin on a line, the turn from one
-// key frame to the other about its axis at constant speed (angle from the trace, axis from the
-// antisymmetric part).
+// World from object at `t` in [0, 2], from the definition.  The origin moves on a line.  The shape
+// turns about one axis at constant speed from one key frame to the other.  The angle comes from the
+// trace, the axis from the antisymmetric part.
 inline Transform placed_at(double t) {
   const std::vector<KeyTransform> k = keys();
   const Transform step = k[1].world_from_light * k[0].world_from_light.inverse();
@@ -33,12 +33,12 @@ inline std::shared_ptr<const Motion> moving(const std::vector<KeyTransform>& k =
   return std::make_shared<const Motion>(*Motion::create(k));
 }
 
-/// Slides by `shift` from 0 to `end_s`.
+/// Slides by `shift` from 0 s to `end_s`.
 inline std::shared_ptr<const Motion> sliding(const Vec3<double>& shift, double end_s) {
   return moving({{0, {}}, {end_s, Transform::translate(shift)}});
 }
 
-/// Every kind of shape, about a metre in size, by its map from object to world.
+/// A kind of shape, about a metre in size; `make` takes the map from object to world.
 struct Kind {
   const char* name;
   std::function<ShapeDescription(const Transform&)> make;

@@ -16,7 +16,7 @@ namespace {
 class CoarseExtremes : public RayCounts {};
 
 enum class Blocker { kNone, kTriangles, kPatch, kDisk };
-/// Of one shape, or of two that meet between the points and the blocker.
+/// The ground: one shape, or two that meet between the points and the blocker.
 enum class Ground { kNone, kOne, kTwo };
 
 TriangleMeshData level(double x0, double x1, double half, double z) {

@@ -1,5 +1,5 @@
-// One object of every kind that rays can meet, at a given place and of a given size: as the server
-// receives it, and as primitives in double.
+// One object of every kind that rays can meet, at a given place and of a given size.  It exists
+// twice: as the server's scene, and as primitives in double.
 #pragma once
 
 #include <array>
@@ -128,7 +128,7 @@ class Everything {
         exact_->patch(patches->positions[0] - o, patches->positions[1] - o,
                       patches->positions[2] - o, patches->positions[3] - o);
     }
-    // Into the space of the object.  Its axes are stretched against each other by up to 5/3.
+    // Into the object's space.  Its axes are stretched relative to each other by up to 5/3.
     exact_->begin_instance(3 * 5.0 / 3 * kTraversalBound * largest_);
     triangles(std::get<TriangleMeshData>(d.objects[0].shapes[0].geometry),
               [&](const Point& p) { return world_from_object_.point(p) - o; });

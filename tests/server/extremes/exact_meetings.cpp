@@ -37,7 +37,8 @@ void ExactGeometry::meet_triangle(const Primitive& p, const Meeting& m) const {
     if (std::fabs(h) <= plane_error) m.out.push_back({0, 1e300, false, false, m.primitive});
     return;
   }
-  // Around a corner the numbers of the traversal may disagree too: one ray in 1e4 passes between.
+  // Around a corner the numbers of the traversal may disagree too: one ray in 1e4 passes between
+  // them.
   m.add(h / (facing * m.length_d), p.normal, !border && !at_corner,
         plane_error * (std::fabs(facing) / least_facing), on_edge);
 }

@@ -86,9 +86,9 @@ ExactGeometry::Side ExactGeometry::side_of(const Primitive& p, int e, const Meet
   if (p.neighbour[e] < 0) return Side::kBorder;
   const Primitive& other = primitives_[p.neighbour[e]];
   const double facing = dot(p.normal, m.w), facing_other = dot(other.normal, m.w);
-  const bool tells = std::min(std::fabs(facing) * p.shortest,
-                              std::fabs(facing_other) * other.shortest) > 4 * m.error;
-  return facing * facing_other > 0 && tells ? Side::kEdge : Side::kBorder;
+  const bool decides = std::min(std::fabs(facing) * p.shortest,
+                                std::fabs(facing_other) * other.shortest) > 4 * m.error;
+  return facing * facing_other > 0 && decides ? Side::kEdge : Side::kBorder;
 }
 
 bool ExactGeometry::is_near_border(int i, const Meeting& m) const {

@@ -1,6 +1,6 @@
-// What rays meet, computed in double, one primitive at a time, by other formulas than the server's.
-// A result is unsure where rays and vertices in floats cannot decide it: within the error bounds of
-// server/rays/error_bounds.h around an edge, a silhouette or an end.
+// Intersections of rays, computed in double, one primitive at a time, by other formulas than the
+// server's.  A result is unsure where rays and vertices in floats cannot decide it.  This is within
+// the error bounds of server/rays/error_bounds.h around an edge, a silhouette or an end.
 #pragma once
 
 #include <algorithm>
@@ -115,10 +115,10 @@ class ExactGeometry {
   static void drop_nearest(ExactAnswer& answer, std::size_t first, double t);
 
   enum class Side : std::uint8_t { kFar, kEdge, kBorder };
-  /// Where a ray passes edge `e` of a triangle, seen from above or below.  The result is kEdge near
-  /// an edge to a neighbour that is seen from the same side, kBorder near any other.  Uses Pluecker
-  /// coordinates.  Each edge runs from the lesser to the greater of its corners, so two neighbours
-  /// see their edge from opposite sides of the same number.
+  /// The side on which a ray passes edge `e` of a triangle, as seen from above or below.  The
+  /// result is kEdge near an edge to a neighbour that is seen from the same side, kBorder near any
+  /// other.  Uses Pluecker coordinates.  Each edge runs from the lesser to the greater of its
+  /// corners.  So two neighbours see their edge from opposite sides of the same number.
   Side side_of(const Primitive& p, int e, const Meeting& m, double& value) const;
   /// Whether a border lies near a ray that passes near an edge of triangle `i`.  The border may be
   /// that triangle's, or that of any triangle around the corner that the ray may pass instead.

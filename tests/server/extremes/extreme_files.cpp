@@ -14,7 +14,8 @@
 namespace lucerna::testing {
 namespace {
 
-/// Of one scale or of any scale; a fifth are 0.  Texels below 0 count as 0.
+/// A picture of one scale or of any scale.  A fifth of the texels are 0.  Texels below 0 count as
+/// 0.
 std::string picture(int width, int height, ExtremeNumbers& n) {
   const double scale = n.magnitude();
   const bool one_scale = n.chance(0.5), grey = n.chance(0.3);

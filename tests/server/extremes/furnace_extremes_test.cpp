@@ -44,8 +44,8 @@ SceneDescription sheet(double tilt_deg, bool all_to_x) {
   return d;
 }
 
-/// The result of a renderer that draws directions about the geometric normal and takes their
-/// density about the shading normal: the share of one hemisphere that lies in the other.
+/// The result of a renderer that draws directions about the geometric normal but takes their
+/// density about the shading normal.  It is the share of one hemisphere that lies in the other.
 float share_above(double tilt_deg) {
   return (1 + std::cos(static_cast<float>(radians(tilt_deg)))) / 2;
 }

@@ -22,9 +22,9 @@ namespace {
 using Answers = std::map<std::string, std::vector<double>>;
 
 /// Queries light `light` of a scene that was scaled by `s`.
-class Asker {
+class Queries {
  public:
-  Asker(const Scene& scene, double s, std::uint32_t light, Answers& answers)
+  Queries(const Scene& scene, double s, std::uint32_t light, Answers& answers)
       : scene_(scene), s_(s), light_(light), answers_(answers) {
     for (int i = 0; i < 24; ++i) {
       put(offsets_,
@@ -34,7 +34,7 @@ class Asker {
     status_.resize(offsets_.size() / 3);
   }
 
-  void ask() {
+  void run() {
     power();
     arriving();
     leaving();
@@ -48,15 +48,15 @@ class Asker {
   PointArray points(std::span<const float> offsets) const {
     return {kEveryLightMiddle * s_, offsets};
   }
-  void tell(const std::string& query, std::span<const float> values, double unit) {
+  void record(const std::string& query, std::span<const float> values, double unit) {
     auto& all = answers_[query];
     for (const float v : values) all.push_back(v / unit);
   }
-  void tell(const std::string& query, std::span<const int> values) {
+  void record(const std::string& query, std::span<const int> values) {
     auto& all = answers_[query];
     all.insert(all.end(), values.begin(), values.end());
   }
-  void tell_bits(const std::string& query, std::span<const std::uint8_t> bits, std::size_t n) {
+  void record_bits(const std::string& query, std::span<const std::uint8_t> bits, std::size_t n) {
     for (std::size_t i = 0; i < n; ++i) answers_[query].push_back(bits[i / 8] >> (i % 8) & 1);
   }
 
@@ -84,9 +84,10 @@ class Asker {
               {value.data(), wi.data(), distance.data(), at.data(), normals.data(), pdf.data(),
                delta.data(), visible.data(), ids.data(), probability.data(), status.data()},
               {});
-    tell("SampleLi", value, 1), tell("SampleLi", wi, 1), tell("SampleLi", distance, s_);
-    tell("SampleLi", at, s_), tell("SampleLi", normals, 1), tell("SampleLi", pdf, 1);
-    tell("SampleLi", status), tell_bits("SampleLi", delta, n), tell_bits("SampleLi", visible, n);
+    record("SampleLi", value, 1), record("SampleLi", wi, 1), record("SampleLi", distance, s_);
+    record("SampleLi", at, s_), record("SampleLi", normals, 1), record("SampleLi", pdf, 1);
+    record("SampleLi", status), record_bits("SampleLi", delta, n),
+        record_bits("SampleLi", visible, n);
 
     // The first sample of each receiver, or straight up where it has none.
     std::vector<float> towards, to, densities(receivers);
@@ -102,13 +103,13 @@ class Asker {
     // Compared as the solid angles that they stand for.  Where a light is seen nearly edge-on, the
     // density amplifies the rounding of its direction and outweighs all others.
     for (float& d : densities) d = d > 0 ? 1 / d : 0;
-    tell("PdfLi", densities, 1), tell("PdfLi", status_);
+    record("PdfLi", densities, 1), record("PdfLi", status_);
 
     std::vector<float> radiance(3 * receivers);
     std::vector<std::uint64_t> met(receivers);
     le(scene_, {points(offsets_), towards, light_}, {radiance.data(), met.data(), status_.data()},
        {});
-    tell("Le", radiance, 1), tell("Le", status_);
+    record("Le", radiance, 1), record("Le", status_);
     answers_["Le"].insert(answers_["Le"].end(), met.begin(), met.end());
 
     for (const bool with_normals : {false, true})
@@ -119,7 +120,7 @@ class Asker {
         if (with_normals) query.normals = normals_;
         std::vector<std::uint8_t> free((receivers + 7) / 8);
         test_visibility(scene_, query, free.data(), status_.data(), {});
-        tell_bits("TestVisibility", free, receivers), tell("TestVisibility", status_);
+        record_bits("TestVisibility", free, receivers), record("TestVisibility", status_);
       }
   }
 
@@ -139,9 +140,9 @@ class Asker {
     const Vec3<double> shift = scene_.origin() - kEveryLightMiddle * s_;
     for (std::size_t i = 0; i < n; ++i)
       for (int k = 0; k < 3; ++k) answers_["SampleLe"].push_back((at[3 * i + k] + shift[k]) / s_);
-    tell("SampleLe", w, 1), tell("SampleLe", normals, 1);
-    tell("SampleLe", value, is_point ? s_ * s_ : 1), tell("SampleLe", position, 1 / (s_ * s_));
-    tell("SampleLe", direction, 1), tell("SampleLe", status);
+    record("SampleLe", w, 1), record("SampleLe", normals, 1);
+    record("SampleLe", value, is_point ? s_ * s_ : 1), record("SampleLe", position, 1 / (s_ * s_));
+    record("SampleLe", direction, 1), record("SampleLe", status);
 
     std::vector<float> way;
     for (std::size_t i = 0; i < n; ++i) {
@@ -151,8 +152,8 @@ class Asker {
     std::vector<float> pdf_position(n), pdf_direction(n);
     pdf_le(scene_, light_, {scene_.origin(), at}, way, 0, pdf_position.data(), pdf_direction.data(),
            status.data(), {});
-    tell("PdfLe", pdf_position, 1 / (s_ * s_)), tell("PdfLe", pdf_direction, 1);
-    tell("PdfLe", status);
+    record("PdfLe", pdf_position, 1 / (s_ * s_)), record("PdfLe", pdf_direction, 1);
+    record("PdfLe", status);
   }
 
   const Scene& scene_;
@@ -166,7 +167,7 @@ class Asker {
 Answers answers_of(const SceneDescription& description, double s) {
   const auto scene = build(scaled_scene(description, s));
   Answers answers;
-  for (std::uint32_t l = 0; l < scene->lights().size(); ++l) Asker(*scene, s, l, answers).ask();
+  for (std::uint32_t l = 0; l < scene->lights().size(); ++l) Queries(*scene, s, l, answers).run();
   return answers;
 }
 

@@ -108,10 +108,10 @@ TEST(LevelExtremes, LightsWithAnIntegralOfZero) {
   };
   const std::string same = "error with file, line and column";
   for (const std::string& text : kCases) {
-    const std::string asked = text.find("\"float power\"") != std::string::npos
-                                  ? "\"float power\""
-                                  : "\"float illuminance\"";
-    const std::string said = refusal(text, asked, scene_of(text, files));
+    const std::string mistake = text.find("\"float power\"") != std::string::npos
+                                    ? "\"float power\""
+                                    : "\"float illuminance\"";
+    const std::string said = refusal(text, mistake, scene_of(text, files));
     EXPECT_EQ(said, same) << text;
     sweep.answer(said);
   }

@@ -244,8 +244,8 @@ TEST(PictureExtremes, NegativeTexelsCountAsZero) {
       const FileScene &lit = of_zeros[i], odd = load(light, "below.pfm", negative);
       ASSERT_TRUE(lit.status.ok() && odd.status.ok()) << odd.status;
       const bool same = flux_lm(*odd.scene) == flux_lm(*lit.scene);
-      const bool told = odd.remarks.find("8 texels with a value below 0") != std::string::npos;
-      sweep.answer(same && told ? "as 0, with a remark" : light.text + odd.remarks);
+      const bool remarked = odd.remarks.find("8 texels with a value below 0") != std::string::npos;
+      sweep.answer(same && remarked ? "as 0, with a remark" : light.text + odd.remarks);
     }
     float mean = 0;
     for (const float v : values) mean += v / 48;

@@ -20,7 +20,7 @@ inline Quad dot(const Quad3& a, const Quad3& b) { return a.x * b.x + a.y * b.y +
 inline Quad3 cross(const Quad3& a, const Quad3& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
-/// As a double.
+/// The length as a double.
 inline double length(const Quad3& v) { return std::sqrt(static_cast<double>(dot(v, v))); }
 
 }  // namespace lucerna::testing

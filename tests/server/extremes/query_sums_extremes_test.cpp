@@ -84,7 +84,7 @@ TEST(QuerySumsExtremes, TotalOfVeryDifferentFluxes) {
       request.set_method(method);
       v1::EstimatePowerResponse answer;
       const grpc::Status status =
-          ask([&](auto* c) { return service.lighting.EstimatePower(c, request, &answer); });
+          status_of([&](auto* c) { return service.lighting.EstimatePower(c, request, &answer); });
       ASSERT_TRUE(status.ok()) << status.error_message();
       sweep.compare(answer.total().rgb_lm().g(), truth, fmt::format("{} cd", large));
     }

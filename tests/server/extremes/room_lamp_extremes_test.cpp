@@ -1,5 +1,5 @@
-// Rows 4, 6, 7, 8 and 34 with lamps from scene files: small beside the room that they hang in, at
-// places that floats cannot hold.
+// Rows 4, 6, 7, 8 and 34 with lamps from scene files.  The lamps are small beside the room that
+// they hang in, at places that floats cannot hold.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -57,7 +57,7 @@ struct Answer {
   ItemResult status;
 };
 
-/// Of the only light of the scene, at a point in double.
+/// Samples the only light of the scene, at a point in double.
 Answer sample_at(const Scene& scene, const Vec3<double>& p, AreaSampling way) {
   const std::vector<float> offset{0, 0, 0}, u{0.3F, 0.6F};
   std::vector<float> value(3), wi(3), distance(1), points(3), normals(3), pdf(1);
@@ -83,7 +83,11 @@ Answer sample_at(const Scene& scene, const Vec3<double>& p, AreaSampling way) {
 }
 
 TEST(RoomLampExtremes, FluxOfNeedles) {
+<<<<<<< HEAD
   Sweep sweep(34, "oblique needle in a room, length : width", "1e3 ... 1e9", "flux");
+=======
+  Sweep sweep(34, "tilted needle in a room, length : width", "1e3 ... 1e9", "flux");
+>>>>>>> tests-words
   for (const Vec3<double>& moved : {Vec3<double>{}, {0.1, 0.2, 0.3}, {-1.7, 1.3, 2.1}}) {
     for (int exponent = 3; exponent <= 9; ++exponent) {
       const double width = std::pow(10.0, -exponent);

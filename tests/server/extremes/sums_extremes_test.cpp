@@ -82,7 +82,7 @@ std::array<double, 3> means(const std::vector<Samples>& samples) {
   return {total[0].sum / block_count, total[1].sum / block_count, total[2].sum / block_count};
 }
 
-/// All in one float.
+/// The mean by a running sum in one float.
 float textbook_mean(const Samples& s) {
   const auto small = static_cast<float>(s.small), large = static_cast<float>(s.large);
   float sum = 0;

@@ -18,8 +18,8 @@ namespace lucerna::testing {
 namespace {
 
 /// Items of one query about one light, in floats as in a request.
-struct Told {
-  explicit Told(std::size_t n)
+struct Items {
+  explicit Items(std::size_t n)
       : n(n),
         points(3 * n),
         directions(3 * n),
@@ -47,7 +47,7 @@ struct Told {
 };
 
 /// A light's own low-discrepancy points, and all combinations of the ends of [0, 1].
-Told rays_of(const Scene& scene, std::uint32_t light, std::uint32_t n, double time_s = 0) {
+Items rays_of(const Scene& scene, std::uint32_t light, std::uint32_t n, double time_s = 0) {
   constexpr std::uint32_t kEnds = 16;
   std::vector<float> u;
   const SobolSequence points(light + 1, 0);
@@ -56,7 +56,7 @@ Told rays_of(const Scene& scene, std::uint32_t light, std::uint32_t n, double ti
       u.push_back(i < kEnds    ? static_cast<float>(i >> k & 1)
                   : k % 2 == 0 ? points.pair(i, k / 2).x
                                : points.pair(i, k / 2).y);
-  Told t(n);
+  Items t(n);
   sample_le(scene, {.rays = n, .light = light, .u = u, .time_s = time_s},
             {.offsets_m = t.points.data(),
              .directions = t.directions.data(),
@@ -71,9 +71,9 @@ Told rays_of(const Scene& scene, std::uint32_t light, std::uint32_t n, double ti
   return t;
 }
 
-Told samples_of(const Scene& scene, std::uint32_t light, const PointArray& receivers,
-                std::uint32_t samples) {
-  Told t(receivers.size() * samples);
+Items samples_of(const Scene& scene, std::uint32_t light, const PointArray& receivers,
+                 std::uint32_t samples) {
+  Items t(receivers.size() * samples);
   sample_li(scene,
             {.receivers = receivers,
              .samples = samples,
@@ -96,8 +96,8 @@ Told samples_of(const Scene& scene, std::uint32_t light, const PointArray& recei
 }
 
 /// Densities of the rays as they are reported.
-Told densities_of(const Scene& scene, std::uint32_t light, const Told& rays, double time_s = 0) {
-  Told t(rays.n);
+Items densities_of(const Scene& scene, std::uint32_t light, const Items& rays, double time_s = 0) {
+  Items t(rays.n);
   pdf_le(scene, light, {scene.origin(), rays.points}, rays.directions, time_s, t.per_m2.data(),
          t.per_sr.data(), t.status.data(), {});
   return t;
@@ -110,8 +110,8 @@ void compare_unrounded(Sweep& sweep, const L& light, const SceneSphere& sphere) 
   for (int i = 1; i < 64; ++i) {
     const auto s = light.sample_le({0.5, 0.5}, {i / 64.0, std::fmod(i * 0.618, 1)}, sphere);
     if (s.reason != NoLight::kNone || !(s.pdf_direction.per_sr > 0)) continue;
-    const Vec3<double> told = normalized(Vec3<double>(Vec3<float>(s.direction)));
-    const double density = light.pdf_le(s.origin, told, sphere).direction.per_sr;
+    const Vec3<double> rounded = normalized(Vec3<double>(Vec3<float>(s.direction)));
+    const double density = light.pdf_le(s.origin, rounded, sphere).direction.per_sr;
     sweep.compare_textbook(s.pdf_direction.per_sr, density);
   }
 }
@@ -135,9 +135,9 @@ std::string name(const Scene& scene, std::uint32_t light) {
 constexpr const char* kFloats = "directions and positions rounded to the floats of the answer";
 
 /// Density and radiance along the sampled directions.
-Told asked_along(const Scene& scene, std::uint32_t light, const PointArray& receivers,
-                 const Told& samples) {
-  Told t(samples.n);
+Items evaluated_along(const Scene& scene, std::uint32_t light, const PointArray& receivers,
+                      const Items& samples) {
+  Items t(samples.n);
   const std::size_t each = samples.n / receivers.size();
   for (std::size_t i = 0; i < t.n; ++i)
     for (std::size_t k = 0; k < 3; ++k)
@@ -159,16 +159,16 @@ TEST(TransmittedExtremes, SamplesOfLightsWithoutSurface) {
   const Vec3<double> middle(100, -50, 0);
   for (const std::uint32_t light : lights_without_surface(*scene)) {
     constexpr std::uint32_t kSamples = 2000;
-    const Told t = samples_of(*scene, light, {middle, offsets}, kSamples);
-    const Told asked = asked_along(*scene, light, {middle, offsets}, t);
+    const Items t = samples_of(*scene, light, {middle, offsets}, kSamples);
+    const Items evaluated = evaluated_along(*scene, light, {middle, offsets}, t);
     int seen = 0;
     for (std::size_t i = 0; i < t.n; ++i) {
       if (!t.has_light(i) || t.is_delta(i)) continue;
-      sweep.compare(t.per_sr[i], asked.per_sr[i], name(*scene, light) + ", density");
+      sweep.compare(t.per_sr[i], evaluated.per_sr[i], name(*scene, light) + ", density");
       if (!t.is_visible(i)) continue;
       ++seen;
       for (std::size_t k = 3 * i; k < 3 * i + 3; ++k)
-        sweep.compare(t.value[k], asked.value[k], name(*scene, light) + ", value");
+        sweep.compare(t.value[k], evaluated.value[k], name(*scene, light) + ", value");
     }
     EXPECT_TRUE(seen > 0 || t.is_delta(0)) << name(*scene, light);
   }
@@ -177,14 +177,14 @@ TEST(TransmittedExtremes, SamplesOfLightsWithoutSurface) {
 
 /// Densities of rays against those of the reported rays.
 void compare_rays(Sweep& sweep, const Scene& scene, std::uint32_t light, double time_s) {
-  const Told t = rays_of(scene, light, 4000, time_s);
-  const Told asked = densities_of(scene, light, t, time_s);
+  const Items t = rays_of(scene, light, 4000, time_s);
+  const Items evaluated = densities_of(scene, light, t, time_s);
   int rays = 0;
   for (std::size_t i = 0; i < t.n; ++i) {
     if (!t.has_light(i)) continue;
     ++rays;
-    sweep.compare(t.per_m2[i], asked.per_m2[i], name(scene, light) + ", position");
-    sweep.compare(t.per_sr[i], asked.per_sr[i], name(scene, light) + ", direction");
+    sweep.compare(t.per_m2[i], evaluated.per_m2[i], name(scene, light) + ", position");
+    sweep.compare(t.per_sr[i], evaluated.per_sr[i], name(scene, light) + ", direction");
   }
   EXPECT_GT(rays, 1000) << name(scene, light);
 }
@@ -236,8 +236,8 @@ TEST(TransmittedExtremes, LightsNarrowerThanFloats) {
     const Scene& scene = *file.scene;
     const double lumens = visit([&](const auto& l) { return l.power(scene.sphere()).lumens.g; },
                                 scene.lights()[0].light);
-    const Told rays = rays_of(scene, 0, 200);
-    const Told samples = samples_of(scene, 1, {{}, here}, 200);
+    const Items rays = rays_of(scene, 0, 200);
+    const Items samples = samples_of(scene, 1, {{}, here}, 200);
     for (std::size_t i = 0; i < rays.n; ++i) {
       ASSERT_TRUE(rays.has_light(i) && samples.has_light(i)) << cone;
       sweep.compare(double{rays.value[3 * i + 1]} / rays.per_sr[i], lumens, cone);
@@ -259,12 +259,12 @@ TEST(TransmittedExtremes, SmallSuns) {
         scene_of(std::string("LightSource \"distant\" \"point3 from\" [1 -2 3] ") +
                  "\"point3 to\" [0 0 0] \"float angulardiameter\" " + diameter);
     ASSERT_TRUE(file.status.ok()) << file.status;
-    const Told t = samples_of(*file.scene, 0, {{}, here}, 4000);
-    const Told asked = asked_along(*file.scene, 0, {{}, here}, t);
+    const Items t = samples_of(*file.scene, 0, {{}, here}, 4000);
+    const Items evaluated = evaluated_along(*file.scene, 0, {{}, here}, t);
     for (std::size_t i = 0; i < t.n; ++i) {
       ASSERT_TRUE(t.has_light(i));
-      sweep.compare(t.per_sr[i], asked.per_sr[i], diameter);
-      sweep.compare(t.value[3 * i], asked.value[3 * i], diameter);
+      sweep.compare(t.per_sr[i], evaluated.per_sr[i], diameter);
+      sweep.compare(t.value[3 * i], evaluated.value[3 * i], diameter);
       // Whether the light is met, judged by the cosine.
       const float half = std::stof(diameter) * std::numbers::pi_v<float> / 360;
       sweep.compare_textbook(dot(triple(t.directions, i), axis) >= std::cos(half) ? 1 : 0, 1);
@@ -283,11 +283,11 @@ TEST(TransmittedExtremes, NarrowSpots) {
           std::string("LightSource \"spot\" \"point3 from\" [1 2 3] \"point3 to\" [2 0 -1] ") +
           "\"float coneangle\" " + cone + " \"float conedeltaangle\" " + delta);
       ASSERT_TRUE(file.status.ok()) << file.status;
-      const Told t = rays_of(*file.scene, 0, 4000);
-      const Told asked = densities_of(*file.scene, 0, t);
+      const Items t = rays_of(*file.scene, 0, 4000);
+      const Items evaluated = densities_of(*file.scene, 0, t);
       for (std::size_t i = 0; i < t.n; ++i) {
         ASSERT_TRUE(t.has_light(i));
-        sweep.compare(t.per_sr[i], asked.per_sr[i], cone);
+        sweep.compare(t.per_sr[i], evaluated.per_sr[i], cone);
       }
       visit([&](const auto& l) { compare_unrounded(sweep, l, file.scene->sphere()); },
             file.scene->lights()[0].light);

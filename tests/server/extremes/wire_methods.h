@@ -7,7 +7,7 @@
 
 namespace lucerna::testing {
 
-/// Of every service that the server has.
+/// All methods of every service of the server.
 std::vector<const google::protobuf::MethodDescriptor*> all_methods();
 
 /// Whether a field holds floats or doubles, or bytes that contain them.

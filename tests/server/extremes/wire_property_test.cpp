@@ -44,7 +44,7 @@ class WireProperty : public ::testing::Test {
     set(q.mutable_receivers()->mutable_offsets_m(), 0, 0, 2);
     q.mutable_seed()->set_seed(1);
     v1::SampleLiResponse r;
-    const grpc::Status s = ask([&](auto* c) { return service_.lighting.SampleLi(c, q, &r); });
+    const grpc::Status s = status_of([&](auto* c) { return service_.lighting.SampleLi(c, q, &r); });
     ASSERT_TRUE(s.ok()) << s.error_message();
     EXPECT_EQ(Vec3<float>(5, 5, 5), triple(r.value(), 0));
     EXPECT_EQ(Vec3<float>(0, 0, 1), triple(r.wi(), 0));
@@ -54,7 +54,7 @@ class WireProperty : public ::testing::Test {
 
   /// Sends every query about one scene, and adds up the counts.  A failure names what is needed to
   /// reproduce it.
-  void ask_scene(std::uint64_t number) {
+  void query_scene(std::uint64_t number) {
     constexpr std::uint64_t kSeed = 20260101;
     constexpr int kBatch = 40;
     SCOPED_TRACE(fmt::format("LUCERNA_WIRE_SCENE={}", number));
@@ -62,22 +62,22 @@ class WireProperty : public ::testing::Test {
     const WireScene scene = scenes_.load(number, numbers);
     ASSERT_FALSE(HasFailure());
     WireQueries queries(service_, numbers, scene.id, kBatch);
-    const v1::Light* asked = nullptr;
+    const v1::Light* queried = nullptr;
     for (const v1::Light& light : queries.lights()) {
-      asked = &light;
-      queries.ask_light(light);
+      queried = &light;
+      queries.query_light(light);
       if (!queries.failures().empty()) break;
       ++lights_[scene.kinds.at(light.source().substr(0, light.source().rfind(':')))];
     }
     if (queries.failures().empty()) {
-      asked = nullptr;
-      queries.ask_scene();
-      queries.ask_refused();
-      queries.ask_lease();
+      queried = nullptr;
+      queries.query_scene();
+      queries.send_invalid();
+      queries.query_lease();
     }
     for (const std::string& failure : queries.failures()) ADD_FAILURE() << failure;
     if (HasFailure()) {
-      if (asked != nullptr) std::cout << asked->ShortDebugString() << "\n";
+      if (queried != nullptr) std::cout << queried->ShortDebugString() << "\n";
       std::cout << scenes_.text();
       FAIL();
     }
@@ -98,14 +98,15 @@ class WireProperty : public ::testing::Test {
   void expect_all_methods() {
     v1::GetServerInfoResponse info;
     const grpc::Status got =
-        ask([&](auto* c) { return service_.admin.GetServerInfo(c, {}, &info); });
+        status_of([&](auto* c) { return service_.admin.GetServerInfo(c, {}, &info); });
     EXPECT_TRUE(got.ok()) << got.error_message();
     for (const std::string& wrong : wrong_numbers(info)) ADD_FAILURE() << wrong;
     ++items_["GetServerInfo"];
     for (const auto& [method, n] : scenes_.items()) items_[method] += n;
     // The only method that computes nothing yet.
     v1::GetStatsResponse stats;
-    const grpc::Status none = ask([&](auto* c) { return service_.admin.GetStats(c, {}, &stats); });
+    const grpc::Status none =
+        status_of([&](auto* c) { return service_.admin.GetStats(c, {}, &stats); });
     EXPECT_EQ(none.error_code(), grpc::StatusCode::UNIMPLEMENTED);
     for (const auto* method : all_methods()) {
       if (method->name() == "GetStats" || !holds_numbers(*method->output_type())) continue;
@@ -126,10 +127,10 @@ TEST_F(WireProperty, EveryNumberIsFiniteAndNotNegative) {
   if (!wanted.ok()) FAIL() << wanted.status().message();
   const auto only = whole_number_of("LUCERNA_WIRE_SCENE", 0, kAllScenes);
   if (!only.ok()) FAIL() << only.status().message();
-  if (*only != kAllScenes) return ask_scene(*only);
+  if (*only != kAllScenes) return query_scene(*only);
   std::uint64_t scenes = 0;
   for (; items() < *wanted; ++scenes) {
-    ask_scene(scenes);
+    query_scene(scenes);
     if (HasFailure()) return;
   }
   for (const auto& [what, n] : counts_)

@@ -39,7 +39,7 @@ WireQueries::WireQueries(Service& service, ExtremeNumbers& numbers, std::string 
   }
 }
 
-void WireQueries::ask_light(const v1::Light& light) {
+void WireQueries::query_light(const v1::Light& light) {
   sample_le(&light);
   sample_li(&light);
   pdf_li(light);
@@ -47,7 +47,7 @@ void WireQueries::ask_light(const v1::Light& light) {
   le(&light);
 }
 
-void WireQueries::ask_scene() {
+void WireQueries::query_scene() {
   sample_le(nullptr);
   sample_li(nullptr);
   le(nullptr);
@@ -61,15 +61,15 @@ void WireQueries::ask_scene() {
   image();
 }
 
-/// Of all lights, page by page, or of some lights, one of them possibly twice.
+/// The power of all lights, page by page, or of some lights, one of them possibly twice.
 void WireQueries::power(bool all) {
   v1::EstimatePowerRequest q;
   q.set_scene_id(scene_id_);
   if (!all && !lights_.empty())
     for (std::uint64_t n = 1 + n_.below(8); n > 0; --n) q.add_light_ids(n_.one_of(lights_).id());
-  std::vector<std::uint64_t> asked(q.light_ids().begin(), q.light_ids().end());
-  if (asked.empty())
-    for (const v1::Light& light : lights_) asked.push_back(light.id());
+  std::vector<std::uint64_t> requested(q.light_ids().begin(), q.light_ids().end());
+  if (requested.empty())
+    for (const v1::Light& light : lights_) requested.push_back(light.id());
   q.set_method(static_cast<v1::EstimatePowerRequest::Method>(
       n_.below(v1::EstimatePowerRequest::Method_MAX + std::uint64_t{1})));
   stop_rule(q.mutable_accuracy());
@@ -83,19 +83,19 @@ void WireQueries::power(bool all) {
     if (!answered("EstimatePower", s, q, r)) return;
     hold(r.has_total(), "EstimatePower", listed, "no total");
     for (const v1::LightPower& power : r.lights()) {
-      hold(listed < asked.size() && power.light_id() == asked[listed], "EstimatePower", listed,
-           "not the requested light");
+      hold(listed < requested.size() && power.light_id() == requested[listed], "EstimatePower",
+           listed, "not the requested light");
       expect("EstimatePower", power.spectral_w_per_nm_size(), q.wavelengths_nm_size(),
              "spectral_w_per_nm");
       ++listed;
     }
     q.set_page_token(r.next_page_token());
   } while (!q.page_token().empty() && failures_.empty());
-  expect("EstimatePower", listed, asked.size(), "lights");
+  expect("EstimatePower", listed, requested.size(), "lights");
   count("EstimatePower", listed);
 }
 
-void WireQueries::ask_lease() {
+void WireQueries::query_lease() {
   v1::RenewLeaseRequest q;
   q.set_scene_id(scene_id_);
   q.set_lease_s(n_.chance(0.5) ? double{n_.component()}
@@ -128,7 +128,7 @@ void WireQueries::ask_lease() {
        e.error_message());
 }
 
-void WireQueries::ask_refused() {
+void WireQueries::send_invalid() {
   const auto is_refused = [&](const std::string& field, const grpc::Status& s) {
     hold(s.error_code() == grpc::StatusCode::INVALID_ARGUMENT &&
              s.error_message().find(field) != std::string::npos,

@@ -40,13 +40,13 @@ class WireQueries {
 
   const std::vector<v1::Light>& lights() const { return lights_; }
   /// SampleLi, PdfLi, SampleLe, PdfLe and Le of one light.
-  void ask_light(const v1::Light& light);
+  void query_light(const v1::Light& light);
   /// All queries about the scene as a whole.
-  void ask_scene();
+  void query_scene();
   /// Requests with one number that is never valid: each must be refused as a whole.
-  void ask_refused();
+  void send_invalid();
   /// Starts a lease of a random length, lists it, and ends it.  The scene may be gone afterwards.
-  void ask_lease();
+  void query_lease();
 
   /// How many items were sent to each method, by its name.
   using ItemsOf = std::map<std::string, std::uint64_t>;
@@ -98,10 +98,10 @@ class WireQueries {
 
   /// Sends a call and returns its answer, in bounded time.
   template <typename Call>
-  static grpc::Status call(Call&& ask) {
+  static grpc::Status call(Call&& invoke) {
     grpc::ClientContext context;
     context.set_deadline(std::chrono::system_clock::now() + std::chrono::minutes(2));
-    return ask(&context);
+    return invoke(&context);
   }
   /// Whether the call was answered.  Checks the numbers of the answer first.
   bool answered(const std::string& name, const grpc::Status& status,

@@ -30,9 +30,9 @@ void WireQueries::tile_holds(const std::string& name, const v1::Tile& tile,
   const std::size_t pixels = std::size_t{rect.x1() - rect.x0()} * (rect.y1() - rect.y0());
   expect(name, tile.sum().size(), 3 * sizeof(double) * pixels, "bytes of sum");
   expect(name, tile.deviation().size(), 3 * sizeof(double) * pixels, "bytes of deviation");
-  const std::size_t told = target ? sizeof(float) * pixels : 0;
+  const std::size_t expected = target ? sizeof(float) * pixels : 0;
   for (const std::string* plane : {&tile.samples(), &tile.lower(), &tile.upper()})
-    expect(name, plane->size(), told, "bytes of samples or intervals");
+    expect(name, plane->size(), expected, "bytes of samples or intervals");
   hold(tile.block_count() > 0, name, 0, "no blocks");
   count(name, pixels);
 }

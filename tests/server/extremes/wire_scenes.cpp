@@ -84,7 +84,7 @@ void WireScenes::release(const std::string& id) {
   request.set_scene_id(id);
   v1::ReleaseSceneResponse response;
   const grpc::Status s =
-      ask([&](auto* c) { return service_.scenes.ReleaseScene(c, request, &response); });
+      status_of([&](auto* c) { return service_.scenes.ReleaseScene(c, request, &response); });
   EXPECT_TRUE(s.ok() || s.error_code() == grpc::StatusCode::NOT_FOUND) << s.error_message();
 }
 
@@ -104,7 +104,7 @@ grpc::Status WireScenes::load_text(const std::vector<SceneLine>& lines, bool upl
     request.set_path(kMain);
   v1::LoadSceneResponse response;
   const grpc::Status s =
-      ask([&](auto* c) { return service_.scenes.LoadScene(c, request, &response); });
+      status_of([&](auto* c) { return service_.scenes.LoadScene(c, request, &response); });
   ++items_["LoadScene"];
   *id = response.scene_id();
   for (const std::string& wrong : wrong_numbers(response)) ADD_FAILURE() << wrong;
@@ -122,8 +122,9 @@ void WireScenes::upload(v1::SceneManifest* manifest) {
   }
   manifest->set_main(kMain);
   v1::FindMissingAssetsResponse missing;
-  expect_answer(ask([&](auto* c) { return service_.scenes.FindMissingAssets(c, find, &missing); }),
-                missing);
+  expect_answer(
+      status_of([&](auto* c) { return service_.scenes.FindMissingAssets(c, find, &missing); }),
+      missing);
   ++items_["FindMissingAssets"];
   const std::set<std::string> wanted(missing.missing_sha256().begin(),
                                      missing.missing_sha256().end());

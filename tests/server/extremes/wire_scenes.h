@@ -30,7 +30,7 @@ class WireScenes {
   /// The scene may already be unloaded.
   void release(const std::string& id);
 
-  /// Of the scene that was loaded last, to investigate a failure.
+  /// The text of the scene that was loaded last, to investigate a failure.
   const std::string& text() const { return text_; }
   /// How many lines were refused.
   std::uint64_t refused() const { return refused_; }

@@ -128,7 +128,7 @@ TEST(Eulumdat, LightOutputRatioIsComparedWithTheIntensities) {
             "1453.52 lm\n");
 }
 
-TEST(Eulumdat, ErrorsNameLineAndWhatIsAllowed) {
+TEST(Eulumdat, ErrorsNameLineAndAllowedValues) {
   Ldt f;
   f.symmetry = 5;
   EXPECT_EQ(ldt_error(f.text()), "lamp.ldt:3: the symmetry Isym = 5, allowed: 0, 1, 2, 3 or 4");

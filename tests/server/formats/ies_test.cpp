@@ -212,7 +212,7 @@ TEST(Ies, CountsAreCheckedBeforeAnythingIsAllocated) {
   EXPECT_THAT(ies_error(f.text()), HasSubstr("numbers are claimed to follow, allowed"));
 }
 
-TEST(Ies, ErrorsNameLineAndWhatIsAllowed) {
+TEST(Ies, ErrorsNameLineAndAllowedValues) {
   const auto with = [](std::string Ies::*field, const char* text) {
     Ies f;
     f.*field = text;

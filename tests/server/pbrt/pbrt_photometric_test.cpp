@@ -93,7 +93,7 @@ TEST(PbrtPhotometric, LightsOfOneFileShareItsWebAndTheSceneCountsItOnce) {
       EXPECT_EQ(part.why, "1 luminaires");
       return;
     }
-  FAIL() << "no part for webs";
+  FAIL() << "no part for photometric webs";
 }
 
 TEST(PbrtPhotometric, ErrorsAndNotesNameBothFiles) {

@@ -65,7 +65,7 @@ TEST(PbrtProjection, DefaultsArePbrt4s) {
   EXPECT_EQ(made.intensity({2.1, 0.9, 1}), Rgb<double>());
 }
 
-TEST(PbrtProjection, ScaleAlongTheLightsAxesChangesWhatThePictureCovers) {
+TEST(PbrtProjection, ScaleAlongTheLightsAxesChangesTheExtentOfThePicture) {
   // 3 times wider, 2 times higher and 2 times farther: half sides 2 * 3/2 and 1 * 2/2 at distance
   // 1.
   const auto p = light<ProjectionLightParams>(kSlide, "Rotate 70 1 2 3 Scale 3 2 2");

@@ -75,7 +75,7 @@ TEST(PbrtSyntax, BracketsAreOptionalAndBooleansMayBeQuoted) {
   }
 }
 
-TEST(PbrtSyntax, ErrorsNamePlaceAndWhatWasExpected) {
+TEST(PbrtSyntax, ErrorsNamePlaceAndExpectedSyntax) {
   const std::pair<const char*, const char*> kCases[] = {
       {"Shape \"trianglemesh\" \"point3 P\" [0 0 0 @Shape",
        "expected a number or ']' for \"point3 P\", found \"Shape\""},
@@ -147,7 +147,7 @@ TEST(PbrtSyntax, ErrorsNamePlaceAndWhatWasExpected) {
   }
 }
 
-TEST(PbrtSyntax, UnmatchedBlocksNameWhatWasOpened) {
+TEST(PbrtSyntax, UnmatchedBlocksNameTheOpenDirective) {
   const std::pair<const char*, const char*> kCases[] = {
       {"AttributeBegin", "1:12: AttributeBegin is not closed"},
       {"AttributeEnd", "1:12: AttributeEnd closes nothing that is open"},

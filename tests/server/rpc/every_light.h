@@ -9,7 +9,7 @@
 
 namespace lucerna::testing {
 
-/// Infinite lights whose rays come in through a rectangle.
+/// Infinite lights whose rays enter through a rectangle.
 inline bool has_portal(const v1::Light& light) {
   return light.image_infinite().portal_m_size() > 0;
 }
@@ -29,22 +29,23 @@ class EveryLightTest : public ::testing::Test {
   EveryLightTest() {
     v1::ListLightsRequest list;
     list.set_scene_id(scene_);
-    EXPECT_TRUE(ask([&](auto* c) { return service_.scenes.ListLights(c, list, &lights_); }).ok());
+    EXPECT_TRUE(
+        status_of([&](auto* c) { return service_.scenes.ListLights(c, list, &lights_); }).ok());
     v1::GetSceneRequest get;
     get.set_scene_id(scene_);
     v1::GetSceneResponse scene;
-    EXPECT_TRUE(ask([&](auto* c) { return service_.scenes.GetScene(c, get, &scene); }).ok());
+    EXPECT_TRUE(status_of([&](auto* c) { return service_.scenes.GetScene(c, get, &scene); }).ok());
     summary_ = scene.summary();
   }
 
   grpc::Status sample(const v1::SampleLeRequest& q, v1::SampleLeResponse* r) {
-    return ask([&](auto* c) { return service_.lighting.SampleLe(c, q, r); });
+    return status_of([&](auto* c) { return service_.lighting.SampleLe(c, q, r); });
   }
   grpc::Status pdf(const v1::PdfLeRequest& q, v1::PdfLeResponse* r) {
-    return ask([&](auto* c) { return service_.lighting.PdfLe(c, q, r); });
+    return status_of([&](auto* c) { return service_.lighting.PdfLe(c, q, r); });
   }
   grpc::Status power(const v1::EstimatePowerRequest& q, v1::EstimatePowerResponse* r) {
-    return ask([&](auto* c) { return service_.lighting.EstimatePower(c, q, r); });
+    return status_of([&](auto* c) { return service_.lighting.EstimatePower(c, q, r); });
   }
 
   v1::SampleLeRequest rays(std::uint32_t count, std::uint64_t seed = 1) const {
@@ -67,7 +68,7 @@ class EveryLightTest : public ::testing::Test {
     return q;
   }
 
-  /// The first light that is so.
+  /// The first light for which `is_so` is true.
   const v1::Light& first(const std::function<bool(const v1::Light&)>& is_so) const {
     for (const v1::Light& light : lights_.lights()) {
       if (is_so(light)) return light;
@@ -87,7 +88,7 @@ class EveryLightTest : public ::testing::Test {
   v1::SceneSummary summary_;
 };
 
-/// EstimatePower, asked of them.
+/// Calls EstimatePower for the lights.
 class PowerTest : public EveryLightTest {
  protected:
   v1::EstimatePowerRequest request(v1::EstimatePowerRequest::Method method) const {

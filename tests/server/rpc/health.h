@@ -1,4 +1,4 @@
-// What the health service of a server says.
+// The answer of a server's health service.
 #pragma once
 
 #include <grpc/health/v1/health.pb.h>
@@ -11,7 +11,7 @@
 
 namespace lucerna::testing {
 
-/// Of one service by its full name, or of the whole server.
+/// The status of one service by its full name, or of the whole server.
 inline grpc::health::v1::HealthCheckResponse::ServingStatus health(Service& service,
                                                                    const std::string& name) {
   using Request = grpc::health::v1::HealthCheckRequest;

@@ -26,7 +26,7 @@ std::string reason_of(const absl::Status& status) {
   return info.reason();
 }
 
-TEST(Reasons, HaveNamesOfTheirOwnAndAMeaning) {
+TEST(Reasons, HaveDistinctNamesAndAMeaning) {
   EXPECT_EQ(names().size(), kErrorReasons.size());
   for (const ErrorReason& reason : kErrorReasons) {
     EXPECT_THAT(reason.name, MatchesRegex("[A-Z_]+"));
@@ -35,7 +35,7 @@ TEST(Reasons, HaveNamesOfTheirOwnAndAMeaning) {
   }
 }
 
-// The functions below are all that give reasons.
+// The functions below are all that set reasons.
 TEST(Reasons, OfEveryErrorAreInTheTable) {
   std::set<std::string> seen;
   for (int code = 1; code <= 16; ++code)

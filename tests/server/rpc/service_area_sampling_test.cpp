@@ -1,5 +1,5 @@
-// Accuracy.area_sampling over the wire: every way gives the same irradiance, SampleLi and PdfLi
-// tell the density of the way that was asked for.
+// Accuracy.area_sampling in calls.  Every method gives the same irradiance.  SampleLi and PdfLi
+// report the density of the requested method.
 #include <cmath>
 #include <cstring>
 #include <vector>
@@ -25,8 +25,7 @@ struct Place {
   double expected_lx;
 };
 
-/// Places of the reference scenes from where their light is seen without anything in between:
-/// above all else that stands there.
+/// Places in the reference scenes from which the light is unobstructed: above all other objects.
 std::vector<Place> places() {
   const std::vector<Vec3<double>> triangle{{-0.5, -1.5, 3.2}, {0.7, -0.6, 3.4}, {1.1, -1.9, 2.9}};
   const std::vector<Vec3<double>> rectangle{
@@ -64,7 +63,7 @@ struct Mean {
   double mean = 0, error = 0;
 };
 
-/// 64 items: a mean strays by 7 of its standard errors once in 5e8 (Student's t).
+/// Number of items.  A mean is off by 7 of its standard errors once in 5e8 (Student's t).
 constexpr int kItems = 64;
 
 class AreaSamplingTest : public ::testing::Test {
@@ -84,7 +83,7 @@ class AreaSamplingTest : public ::testing::Test {
   }
   v1::SampleLiResponse sample(const v1::SampleLiRequest& q) {
     v1::SampleLiResponse r;
-    const grpc::Status s = ask([&](auto* c) { return service_.lighting.SampleLi(c, q, &r); });
+    const grpc::Status s = status_of([&](auto* c) { return service_.lighting.SampleLi(c, q, &r); });
     EXPECT_TRUE(s.ok()) << s.error_message();
     return r;
   }
@@ -101,14 +100,14 @@ class AreaSamplingTest : public ::testing::Test {
     for (int i = 0; i < kItems; ++i)
       for (int c = 0; c < 3; ++c) q.add_wi(w[c]);
     v1::PdfLiResponse r;
-    EXPECT_TRUE(ask([&](auto* c) { return service_.lighting.PdfLi(c, q, &r); }).ok());
+    EXPECT_TRUE(status_of([&](auto* c) { return service_.lighting.PdfLi(c, q, &r); }).ok());
     return r.pdf_per_sr(0);
   }
 
   Service service_;
 };
 
-TEST_F(AreaSamplingTest, IrradianceIsTheClosedFormEachWay) {
+TEST_F(AreaSamplingTest, IrradianceEqualsTheClosedFormForEachMethod) {
   for (const Place& p : places()) {
     std::vector<std::string> answers;
     for (const v1::AreaSampling way : kWays) {
@@ -117,7 +116,7 @@ TEST_F(AreaSamplingTest, IrradianceIsTheClosedFormEachWay) {
       q.mutable_accuracy()->set_samples(512);
       v1::EstimateIrradianceResponse r;
       ASSERT_TRUE(
-          ask([&](auto* c) { return service_.lighting.EstimateIrradiance(c, q, &r); }).ok());
+          status_of([&](auto* c) { return service_.lighting.EstimateIrradiance(c, q, &r); }).ok());
       const Mean m({r.illuminance_lx().begin(), r.illuminance_lx().end()});
       EXPECT_NEAR(m.mean, p.expected_lx, 7 * m.error + 1e-5 * p.expected_lx)
           << p.scene << " way " << way;
@@ -125,14 +124,15 @@ TEST_F(AreaSamplingTest, IrradianceIsTheClosedFormEachWay) {
       r.clear_cost();
       answers.push_back(r.SerializeAsString());
     }
-    // And it was heard: the five maps of triangles and both solid angles give bits of their own.
+    // The server used the method: the five maps of triangles and both solid angles give different
+    // bits.
     for (std::size_t i = 1; p.scene == "triangle.pbrt" && i < answers.size(); ++i)
       for (std::size_t j = i + 1; j < answers.size(); ++j)
         EXPECT_NE(answers[i], answers[j]) << kWays[i] << " " << kWays[j];
   }
 }
 
-TEST_F(AreaSamplingTest, MeanOfSamplesIsTheClosedFormEachWay) {
+TEST_F(AreaSamplingTest, MeanOfSamplesEqualsTheClosedFormForEachMethod) {
   for (const Place& p : places())
     for (const v1::AreaSampling way : kWays) {
       auto q = sample_request(p, way);
@@ -152,7 +152,7 @@ TEST_F(AreaSamplingTest, MeanOfSamplesIsTheClosedFormEachWay) {
     }
 }
 
-TEST_F(AreaSamplingTest, DensityOfASampleIsThatOfItsDirectionForTheSameWayAndNormal) {
+TEST_F(AreaSamplingTest, DensityOfASampleIsThatOfItsDirectionForTheSameMethodAndNormal) {
   for (const Place& p : places())
     for (const v1::AreaSampling way : kWays)
       for (const bool normals : {false, true}) {
@@ -161,26 +161,26 @@ TEST_F(AreaSamplingTest, DensityOfASampleIsThatOfItsDirectionForTheSameWayAndNor
         q.set_light_id(1);
         *q.mutable_wi() = samples.wi();
         v1::PdfLiResponse r;
-        ASSERT_TRUE(ask([&](auto* c) { return service_.lighting.PdfLi(c, q, &r); }).ok());
+        ASSERT_TRUE(status_of([&](auto* c) { return service_.lighting.PdfLi(c, q, &r); }).ok());
         for (int i = 0; i < kItems; ++i) {
           if (samples.status_size() > 0 && samples.status(i) != v1::ITEM_STATUS_OK) continue;
-          const float told = samples.pdf_per_sr(i);
+          const float reported = samples.pdf_per_sr(i);
           const auto& n = samples.light_normals();
           const auto& w = samples.wi();
           double cosine = 1;  // at the light; a sky has none
           if (samples.distance_m(i) > 0)
             cosine =
                 -(n[3 * i] * w[3 * i] + n[3 * i + 1] * w[3 * i + 1] + n[3 * i + 2] * w[3 * i + 2]);
-          // A direction rounded to floats strays by 1e-7, for a distance of three radii at most;
-          // at the rim of a sphere that changes the cosine by its inverse.
+          // A direction rounded to floats is off by 1e-7, for a distance of at most three radii.
+          // At the rim of a sphere that changes the cosine by its inverse.
           if (cosine < 0.01) continue;
-          EXPECT_NEAR(r.pdf_per_sr(i), told, (1e-6 + 5e-7 / (cosine * cosine)) * told)
+          EXPECT_NEAR(r.pdf_per_sr(i), reported, (1e-6 + 5e-7 / (cosine * cosine)) * reported)
               << p.scene << " way " << way << " item " << i;
         }
       }
 }
 
-TEST_F(AreaSamplingTest, TheWayThatWasAskedForIsTheOneWhoseDensityIsTold) {
+TEST_F(AreaSamplingTest, TheReportedDensityIsThatOfTheRequestedMethod) {
   Place p = places()[2];  // the near rectangle, 7.04 m2, overhead
   p.normal = normalized(Vec3<double>{1, 0, 0.25});
   const Vec3<float> up{0, 0, 1}, ahead{4, 0, 1}, behind{-1, 0, 1};
@@ -192,15 +192,15 @@ TEST_F(AreaSamplingTest, TheWayThatWasAskedForIsTheOneWhoseDensityIsTold) {
       triangle_solid_angle(corner, x, y) + triangle_solid_angle(corner + x + y, -x, -y);
   for (const auto& w : {up, ahead, behind})
     EXPECT_NEAR(pdf(p, v1::AREA_SAMPLING_SOLID_ANGLE, w) * solid_angle, 1, 1e-5);
-  // By the cosine what is ahead weighs more than what is below the horizon; without a normal there
-  // is no cosine.
+  // With the cosine, the part ahead has more weight than the part below the horizon.  Without a
+  // normal there is no cosine.
   const auto cosine = v1::AREA_SAMPLING_COSINE_SOLID_ANGLE;
   EXPECT_GT(pdf(p, cosine, ahead), 1.2 / solid_angle);
   EXPECT_LT(pdf(p, cosine, behind), 0.8 / solid_angle);
   EXPECT_NEAR(pdf(p, cosine, behind, false) * solid_angle, 1, 1e-5);
 }
 
-TEST_F(AreaSamplingTest, TilesAgreeInTheirMeanEachWay) {
+TEST_F(AreaSamplingTest, TilesAgreeInTheirMeanForEachMethod) {
   v1::RenderTileRequest q;
   q.set_scene_id(service_.load("rectangle_near.pbrt"));
   q.mutable_rect()->set_x0(48);
@@ -217,7 +217,7 @@ TEST_F(AreaSamplingTest, TilesAgreeInTheirMeanEachWay) {
     q.mutable_accuracy()->set_area_sampling(way);
     q.mutable_accuracy()->set_closed_forms(v1::CLOSED_FORMS_OFF);
     v1::RenderTileResponse r;
-    ASSERT_TRUE(ask([&](auto* c) { return service_.render.RenderTile(c, q, &r); }).ok());
+    ASSERT_TRUE(status_of([&](auto* c) { return service_.render.RenderTile(c, q, &r); }).ok());
     ASSERT_EQ(r.tile().block_count(), 16U);
     planes.push_back(r.tile().sum());
     double mean = 0, variance = 0;
@@ -229,33 +229,34 @@ TEST_F(AreaSamplingTest, TilesAgreeInTheirMeanEachWay) {
       variance += deviation / (blocks * (blocks - 1));
     }
     if (way == kWays[0]) first = mean, first_variance = variance;
-    // 4096 pixels of independent errors: normal, beyond 6 once in 5e8.
+    // 4096 pixels with independent errors: normally distributed, beyond 6 once in 5e8.
     EXPECT_NEAR(mean, first, 6 * std::sqrt(variance + first_variance)) << way;
     EXPECT_LT(std::sqrt(variance), 2e-3 * mean) << way;
   }
-  // By area (1 to 5, all alike on a rectangle), by solid angle, by its cosine.
+  // Methods by area (1 to 5) are equal on a rectangle.  Those by solid angle and by its cosine
+  // differ.
   EXPECT_EQ(planes[1], planes[5]);
   EXPECT_NE(planes[5], planes[6]);
   EXPECT_NE(planes[6], planes[7]);
 }
 
-TEST_F(AreaSamplingTest, ANumberThatIsNoWayIsNamedByEveryCall) {
+TEST_F(AreaSamplingTest, AnUnknownMethodIsNamedByEveryCall) {
   const auto bad = static_cast<v1::AreaSampling>(99);
   const Place p = places()[0];
   v1::SampleLiResponse s;
   auto sample = sample_request(p, bad);
-  expect_bad_field(ask([&](auto* c) { return service_.lighting.SampleLi(c, sample, &s); }),
+  expect_bad_field(status_of([&](auto* c) { return service_.lighting.SampleLi(c, sample, &s); }),
                    "accuracy.area_sampling");
   auto pdf = request<v1::PdfLiRequest>(p, bad);
   pdf.set_light_id(1);
   pdf.mutable_wi()->Resize(3 * kItems, 1);
   v1::PdfLiResponse d;
-  expect_bad_field(ask([&](auto* c) { return service_.lighting.PdfLi(c, pdf, &d); }),
+  expect_bad_field(status_of([&](auto* c) { return service_.lighting.PdfLi(c, pdf, &d); }),
                    "accuracy.area_sampling");
   auto irradiance = request<v1::EstimateIrradianceRequest>(p, bad);
   v1::EstimateIrradianceResponse e;
   expect_bad_field(
-      ask([&](auto* c) { return service_.lighting.EstimateIrradiance(c, irradiance, &e); }),
+      status_of([&](auto* c) { return service_.lighting.EstimateIrradiance(c, irradiance, &e); }),
       "accuracy.area_sampling");
   v1::RenderTileRequest tile;
   tile.set_scene_id(irradiance.scene_id());
@@ -263,13 +264,14 @@ TEST_F(AreaSamplingTest, ANumberThatIsNoWayIsNamedByEveryCall) {
   tile.mutable_rect()->set_y1(8);
   tile.mutable_accuracy()->set_area_sampling(bad);
   v1::RenderTileResponse t;
-  expect_bad_field(ask([&](auto* c) { return service_.render.RenderTile(c, tile, &t); }),
+  expect_bad_field(status_of([&](auto* c) { return service_.render.RenderTile(c, tile, &t); }),
                    "accuracy.area_sampling");
   v1::RenderImageRequest image;
   image.set_scene_id(irradiance.scene_id());
   image.mutable_accuracy()->set_area_sampling(bad);
-  expect_bad_field(ask([&](auto* c) { return service_.render.RenderImage(c, image)->Finish(); }),
-                   "accuracy.area_sampling");
+  expect_bad_field(
+      status_of([&](auto* c) { return service_.render.RenderImage(c, image)->Finish(); }),
+      "accuracy.area_sampling");
 }
 
 }  // namespace

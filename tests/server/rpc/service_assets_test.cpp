@@ -40,7 +40,7 @@ class AssetServiceTest : public ::testing::Test {
     request.set_chunk(bytes);
     return request;
   }
-  /// One stream of these messages; what the server says it holds then is in `received_`.
+  /// Sends one stream of these messages.  `received_` holds the server's answer.
   grpc::Status send(const std::vector<v1::UploadAssetRequest>& requests) {
     grpc::ClientContext context;
     v1::UploadAssetResponse response;
@@ -61,8 +61,8 @@ class AssetServiceTest : public ::testing::Test {
     v1::FindMissingAssetsRequest request;
     v1::FindMissingAssetsResponse response;
     for (const auto& digest : digests) request.add_sha256(digest);
-    const auto s =
-        ask([&](auto* c) { return service_.scenes.FindMissingAssets(c, request, &response); });
+    const auto s = status_of(
+        [&](auto* c) { return service_.scenes.FindMissingAssets(c, request, &response); });
     EXPECT_TRUE(s.ok()) << s.error_message();
     return response;
   }
@@ -74,7 +74,7 @@ class AssetServiceTest : public ::testing::Test {
     asset->set_sha256(digest);
   }
   grpc::Status load(const v1::LoadSceneRequest& request, v1::LoadSceneResponse* response) {
-    return ask([&](auto* c) { return service_.scenes.LoadScene(c, request, response); });
+    return status_of([&](auto* c) { return service_.scenes.LoadScene(c, request, response); });
   }
 
   SceneFiles files_;
@@ -108,14 +108,14 @@ TEST_F(AssetServiceTest, AnUploadedSceneIsLoadedByItsManifest) {
   EXPECT_GT(response.cost().wall_time_s(), 0);
 
   v1::ListScenesResponse scenes;
-  ASSERT_TRUE(ask([&](auto* c) { return service_.scenes.ListScenes(c, {}, &scenes); }).ok());
+  ASSERT_TRUE(status_of([&](auto* c) { return service_.scenes.ListScenes(c, {}, &scenes); }).ok());
   ASSERT_EQ(scenes.scenes_size(), 1);
   EXPECT_EQ(scenes.scenes(0).path(), "my/room.pbrt");
   EXPECT_GT(scenes.scenes(0).leased_s(), 0);
   EXPECT_LE(scenes.scenes(0).leased_s(), 60);
 }
 
-TEST_F(AssetServiceTest, AnUploadGoesOnWhereItBroke) {
+TEST_F(AssetServiceTest, ABrokenUploadContinues) {
   const std::string bytes(3 << 20, 'x');
   const std::string digest = sha256(bytes);
   ASSERT_TRUE(send({header(digest, bytes.size()), chunk(bytes.substr(0, 1 << 20))}).ok());
@@ -144,7 +144,7 @@ TEST_F(AssetServiceTest, AnUploadGoesOnWhereItBroke) {
   EXPECT_THAT(find({digest}).missing_sha256(), IsEmpty());
 }
 
-TEST_F(AssetServiceTest, WhatIsHeldIsNotReadAgain) {
+TEST_F(AssetServiceTest, HeldFilesAreNotReadAgain) {
   ASSERT_TRUE(put("abc").ok());
   ASSERT_TRUE(send({header(sha256("abc"), 3)}).ok());
   EXPECT_EQ(received_, 3U);
@@ -175,7 +175,7 @@ TEST_F(AssetServiceTest, FilesOverTheLimitAreRefusedBeforeTheirBytes) {
   EXPECT_THAT(status.error_message(), HasSubstr("header.size_bytes = 8388609"));
 }
 
-TEST_F(AssetServiceTest, ASecondWriterIsToldToWait) {
+TEST_F(AssetServiceTest, ASecondWriterMustWait) {
   grpc::ClientContext context;
   v1::UploadAssetResponse response;
   const auto stream = service_.scenes.UploadAsset(&context, &response);
@@ -215,8 +215,9 @@ TEST_F(AssetServiceTest, ManifestsAreChecked) {
   v1::FindMissingAssetsRequest find;
   v1::FindMissingAssetsResponse found;
   find.add_sha256("short");
-  expect_bad_field(ask([&](auto* c) { return service_.scenes.FindMissingAssets(c, find, &found); }),
-                   "sha256[0]");
+  expect_bad_field(
+      status_of([&](auto* c) { return service_.scenes.FindMissingAssets(c, find, &found); }),
+      "sha256[0]");
 }
 
 TEST_F(AssetServiceTest, LeasesAreRenewedAndEnded) {
@@ -226,13 +227,13 @@ TEST_F(AssetServiceTest, LeasesAreRenewedAndEnded) {
     request.set_scene_id(id);
     request.set_lease_s(seconds);
     request.set_lease_id(lease);
-    return ask([&](auto* c) { return service_.scenes.RenewLease(c, request, out); });
+    return status_of([&](auto* c) { return service_.scenes.RenewLease(c, request, out); });
   };
   const auto release = [&](const std::string& lease, v1::ReleaseSceneResponse* out) {
     v1::ReleaseSceneRequest request;
     request.set_scene_id(id);
     request.set_lease_id(lease);
-    return ask([&](auto* c) { return service_.scenes.ReleaseScene(c, request, out); });
+    return status_of([&](auto* c) { return service_.scenes.ReleaseScene(c, request, out); });
   };
   v1::RenewLeaseResponse mine, yours, again;
   expect_bad_field(renew(0, "", &mine), "lease_s");
@@ -258,20 +259,21 @@ TEST_F(AssetServiceTest, LeasesAreRenewedAndEnded) {
   EXPECT_EQ(renew(5, "", &mine).error_code(), grpc::StatusCode::NOT_FOUND);
 }
 
-TEST(MemoryBudget, LeasesThatLeaveNoRoomAreToldWithWhenToRetry) {
+TEST(MemoryBudget, LeasesThatLeaveNoRoomAreReportedWithARetryDelay) {
   rpc::ServerOptions options = service_options();
-  options.scenes.memory_budget_bytes = 1 << 20;  // of which point.pbrt takes the larger part
+  options.scenes.memory_budget_bytes = 1 << 20;  // point.pbrt takes the larger part of it
   Service service(options);
   v1::LoadSceneRequest request;
   v1::LoadSceneResponse response;
   request.set_path("point.pbrt");
   request.set_lease_s(7200);
-  ASSERT_TRUE(ask([&](auto* c) { return service.scenes.LoadScene(c, request, &response); }).ok());
+  ASSERT_TRUE(
+      status_of([&](auto* c) { return service.scenes.LoadScene(c, request, &response); }).ok());
   grpc::Status status = grpc::Status::OK;
-  // Of scenes that are leased too, one does not fit any more.
+  // All loaded scenes are leased, so one of these does not fit.
   for (const char* path : {"spot.pbrt", "rectangle.pbrt", "sphere.pbrt", "disk.pbrt"}) {
     request.set_path(path);
-    status = ask([&](auto* c) { return service.scenes.LoadScene(c, request, &response); });
+    status = status_of([&](auto* c) { return service.scenes.LoadScene(c, request, &response); });
     if (!status.ok()) break;
   }
   EXPECT_EQ(status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED) << status.error_message();

@@ -1,5 +1,5 @@
-// Lights that cannot be made, over the wire: an error that says where, and nothing of the scene is
-// loaded; what was loaded before stays, and the scene loads once the light is mended.
+// Scenes with an invalid light.  The error has its place, nothing of the scene is loaded, and
+// earlier scenes stay.  The scene loads once the light is fixed.
 #include <cmath>
 
 #include "service_fixture.h"
@@ -17,11 +17,11 @@ std::string pfm(float value, const std::string& size = "2 2") {
   return bytes;
 }
 
-/// One way in which a light cannot be made, and how it is mended.
+/// An invalid light and its correction.
 struct BadLight {
   const char* name;
   std::string line, mended;  ///< the third line of the scene
-  const char* file;          ///< that is broken, null where none is
+  const char* file;          ///< the broken file, or null
   std::string bytes, mended_bytes;
   int column;  ///< of the error
   const char* what;
@@ -98,7 +98,7 @@ class BadLightsTest : public ::testing::Test {
     o.scenes.root = files.path().string();
     return o;
   }
-  /// With a good light before it and a surface and a good one behind it.
+  /// Writes the line with a valid light before it, and a surface and a valid light after it.
   void write(const std::string& line) const {
     files_.write("scene.pbrt", "WorldBegin\nLightSource \"point\"\nAttributeBegin\n" + line +
                                    "\nAttributeEnd\nShape \"sphere\" LightSource \"distant\"\n");
@@ -106,12 +106,12 @@ class BadLightsTest : public ::testing::Test {
   grpc::Status load(v1::LoadSceneResponse* response) {
     v1::LoadSceneRequest request;
     request.set_path("scene.pbrt");
-    return ask([&](auto* c) { return service_.scenes.LoadScene(c, request, response); });
+    return status_of([&](auto* c) { return service_.scenes.LoadScene(c, request, response); });
   }
-  /// Ids and paths of what is loaded.
+  /// Ids and paths of the loaded scenes.
   std::vector<std::pair<std::string, std::string>> loaded() {
     v1::ListScenesResponse list;
-    EXPECT_TRUE(ask([&](auto* c) { return service_.scenes.ListScenes(c, {}, &list); }).ok());
+    EXPECT_TRUE(status_of([&](auto* c) { return service_.scenes.ListScenes(c, {}, &list); }).ok());
     std::vector<std::pair<std::string, std::string>> all;
     for (const auto& scene : list.scenes()) all.emplace_back(scene.scene_id(), scene.path());
     return all;
@@ -120,7 +120,8 @@ class BadLightsTest : public ::testing::Test {
     v1::ListLightsRequest request;
     request.set_scene_id(id);
     v1::ListLightsResponse lights;
-    EXPECT_TRUE(ask([&](auto* c) { return service_.scenes.ListLights(c, request, &lights); }).ok());
+    EXPECT_TRUE(
+        status_of([&](auto* c) { return service_.scenes.ListLights(c, request, &lights); }).ok());
     return lights.lights_size();
   }
   void expect_error(const BadLight& bad, const grpc::Status& status) {
@@ -135,7 +136,7 @@ class BadLightsTest : public ::testing::Test {
   Service service_{options(files_)};
 };
 
-TEST_F(BadLightsTest, LeaveNothingOfTheirSceneAndLoadWhenMended) {
+TEST_F(BadLightsTest, LeaveNothingOfTheirSceneAndLoadWhenFixed) {
   for (const BadLight& bad : bad_lights()) {
     SCOPED_TRACE(bad.name);
     write(bad.line);
@@ -159,8 +160,9 @@ TEST_F(BadLightsTest, LeaveNothingOfTheirSceneAndLoadWhenMended) {
     v1::ReleaseSceneRequest release;
     release.set_scene_id(response.scene_id());
     v1::ReleaseSceneResponse nothing;
-    ASSERT_TRUE(
-        ask([&](auto* c) { return service_.scenes.ReleaseScene(c, release, &nothing); }).ok());
+    ASSERT_TRUE(status_of([&](auto* c) {
+                  return service_.scenes.ReleaseScene(c, release, &nothing);
+                }).ok());
   }
 }
 
@@ -180,7 +182,7 @@ TEST_F(BadLightsTest, LeaveTheSceneThatWasLoadedFromTheSamePath) {
     EXPECT_EQ(lights_of(good.scene_id()), 3);
     if (bad.file != nullptr) files_.write(bad.file, bad.mended_bytes);
   }
-  // The path still knows it: the same file again is the same scene.
+  // The original file again is the same scene.
   write("LightSource \"spot\"");
   v1::LoadSceneResponse again;
   ASSERT_TRUE(load(&again).ok());

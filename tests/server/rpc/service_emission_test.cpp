@@ -11,7 +11,7 @@ constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 class EmissionServiceTest : public ::testing::Test {
  protected:
   grpc::Status le(const v1::LeRequest& q, v1::LeResponse* r) {
-    return ask([&](auto* c) { return service_.lighting.Le(c, q, r); });
+    return status_of([&](auto* c) { return service_.lighting.Le(c, q, r); });
   }
   /// From the floor below the sphere (12 cd/m2 about (0.7, -1.2, 2.6)) up into it, and aside.
   v1::LeRequest le_request() const {
@@ -27,7 +27,7 @@ class EmissionServiceTest : public ::testing::Test {
   std::string sphere_ = service_.load("sphere.pbrt");
 };
 
-TEST_F(EmissionServiceTest, LeIsTheRadianceOfTheLightThatIsMet) {
+TEST_F(EmissionServiceTest, LeIsTheRadianceOfTheLightThatTheRayMeets) {
   v1::LeResponse r;
   ASSERT_TRUE(le(le_request(), &r).ok());
   EXPECT_EQ(std::vector<float>(r.radiance_cd_m2().begin(), r.radiance_cd_m2().end()),
@@ -48,7 +48,7 @@ TEST_F(EmissionServiceTest, LeIsTheRadianceOfTheLightThatIsMet) {
   EXPECT_EQ(r.light_ids_size(), 0);
 }
 
-TEST_F(EmissionServiceTest, LeRefusesWhatDoesNotFit) {
+TEST_F(EmissionServiceTest, LeRefusesInvalidFields) {
   v1::LeResponse r;
   v1::LeRequest q = le_request();
   q.add_directions(1);

@@ -1,4 +1,4 @@
-// What SampleLe and PdfLe refuse, and what of it only for one ray.
+// Errors of SampleLe and PdfLe, for a whole request or for one ray.
 #include <limits>
 
 #include "every_light.h"
@@ -19,7 +19,7 @@ class EmitErrors : public EveryLightTest {
     v1::PdfLeResponse r;
     return EveryLightTest::pdf(q, &r);
   }
-  /// One ray of sample values of its own, of the light that is named.
+  /// One ray with its own sample values, from a named light.
   v1::SampleLeRequest own_values() const {
     v1::SampleLeRequest q = rays_of(first(v1::AREA_SHAPE_SPHERE), 1);
     set(q.mutable_u()->mutable_u(), 0.25, 0.5, 0.75, 0.5);
@@ -54,7 +54,7 @@ TEST_F(EmitErrors, UnknownScenesAndLightsAreNotFound) {
   v1::PdfLeRequest p = one_ray();
   p.set_light_id(9999);
   expect_reason(pdf(p), "NO_SUCH_LIGHT");
-  // 0 is a field that was left out.
+  // 0 is the value of an unset field.
   p.set_light_id(0);
   expect_bad_field(pdf(p), "light_id");
   p.set_scene_id("nonsense");
@@ -63,7 +63,7 @@ TEST_F(EmitErrors, UnknownScenesAndLightsAreNotFound) {
   expect_bad_field(pdf(p), "scene_id");
 }
 
-TEST_F(EmitErrors, LengthsThatDoNotFitAreNamed) {
+TEST_F(EmitErrors, MismatchedLengthsAreNamed) {
   v1::SampleLeRequest s = own_values();
   s.mutable_u()->add_u(0.5F);
   expect_bad_field(sample(s), "u.u");
@@ -114,7 +114,7 @@ TEST_F(EmitErrors, ValuesOutOfRangeAreNamed) {
   expect_bad_field(pdf(p), "time_s");
 }
 
-TEST_F(EmitErrors, MoreThanTheLimitIsExhausted) {
+TEST_F(EmitErrors, MoreItemsThanTheLimitAreResourceExhausted) {
   v1::SampleLeRequest s = own_values();
   s.clear_u();
   s.mutable_seed()->set_seed(1);
@@ -128,7 +128,7 @@ TEST_F(EmitErrors, MoreThanTheLimitIsExhausted) {
   EXPECT_EQ(pdf(p).error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
 }
 
-TEST_F(EmitErrors, NothingAskedIsNothingAnswered) {
+TEST_F(EmitErrors, EmptyRequestsHaveEmptyAnswers) {
   v1::SampleLeRequest s = rays(0);
   v1::SampleLeResponse sr;
   EXPECT_TRUE(EveryLightTest::sample(s, &sr).ok());
@@ -141,7 +141,7 @@ TEST_F(EmitErrors, NothingAskedIsNothingAnswered) {
   EXPECT_EQ(pr.pdf_position_per_m2_size() + pr.pdf_direction_per_sr_size(), 0);
 }
 
-TEST_F(EmitErrors, RaysThatAreNoNumbersFailAlone) {
+TEST_F(EmitErrors, RaysThatAreNotFiniteFailAlone) {
   v1::SampleLeRequest s = rays(4);
   set(s.mutable_u()->mutable_u(), 0.5, 0.5, 0.5, 0.5, 0.5, kNan, 0.5, 0.5,  //
       0.5, 0.5, 0.5, kInf, 0.5, 0.5, 0.5, 0.5);
@@ -155,7 +155,7 @@ TEST_F(EmitErrors, RaysThatAreNoNumbersFailAlone) {
     EXPECT_EQ(sr.value(3 * i), 0);
     EXPECT_EQ(sr.directions(3 * i + 2), 0);
     EXPECT_EQ(sr.pdf_direction_per_sr(i), 0);
-    EXPECT_GT(sr.selection_probability(i), 0);  // something to divide by
+    EXPECT_GT(sr.selection_probability(i), 0);  // so that clients can divide by it
   }
   EXPECT_GT(sr.value(0), 0);
 
@@ -181,7 +181,7 @@ TEST_F(EmitErrors, DirectionsOfExtremeLengthsAreDirections) {
   ASSERT_TRUE(EveryLightTest::pdf(p, &r).ok());
   EXPECT_NEAR(r.pdf_direction_per_sr(0), 1 / (4 * std::numbers::pi), 1e-7);
   EXPECT_NEAR(r.pdf_direction_per_sr(1), 1 / (4 * std::numbers::pi), 1e-7);
-  // Servers take denormal numbers for 0.
+  // Servers treat denormal numbers as 0.
   EXPECT_EQ(r.status(2), v1::ITEM_STATUS_INVALID_INPUT);
 }
 

@@ -9,7 +9,8 @@
 namespace lucerna::testing {
 namespace {
 
-/// What ray `i` adds to the mean that is the light's power, by the words of SampleLeResponse.
+/// The contribution of ray `i` to the mean that equals the light's power, as documented at
+/// SampleLeResponse.
 double contribution(const v1::SampleLeResponse& r, int i) {
   double x = luminance_of(r.value(3 * i), r.value(3 * i + 1), r.value(3 * i + 2));
   double cosine = 0;
@@ -24,8 +25,8 @@ double contribution(const v1::SampleLeResponse& r, int i) {
   return r.selection_probability_size() > 0 ? x / r.selection_probability(i) : x;
 }
 
-/// The mean of all contributions is `lumens` within 5.5 standard errors, which luck exceeds less
-/// than once in 1e7, and the roundings of floats.
+/// Expects the mean of all contributions to be `lumens` within 5.5 standard errors and the
+/// roundings of floats.  The standard errors alone are exceeded by chance less than once in 1e7.
 void expect_mean(const v1::SampleLeResponse& r, double lumens, const std::string& what) {
   const int n = r.pdf_direction_per_sr_size();
   double mean = 0, squares = 0;
@@ -36,7 +37,7 @@ void expect_mean(const v1::SampleLeResponse& r, double lumens, const std::string
   }
   const double error = std::sqrt(squares / n / (n - 1));
   EXPECT_NEAR(mean, lumens, 5.5 * error + 1e-6 * lumens) << what;
-  // So that a mean of noise does not pass.
+  // A mean of mere noise does not pass.
   EXPECT_LT(error, 0.02 * lumens) << what;
 }
 
@@ -65,11 +66,11 @@ TEST_F(EveryLightTest, MeanOfRaysIsThePowerOfEachLight) {
   }
 }
 
-TEST_F(EveryLightTest, SeedsDoAsWellAsOwnSampleValues) {
+TEST_F(EveryLightTest, SeedsAreAsAccurateAsOwnSampleValues) {
   for (const v1::Light& light : lights_.lights()) {
     v1::SampleLeResponse r;
     ASSERT_TRUE(sample(rays_of(light, 16384, 7), &r).ok());
-    // Owen scrambling errs at most sqrt(e) times as much as chance.
+    // Owen scrambling has at most sqrt(e) times the error of random numbers.
     expect_mean(r, light.power_lm(), light.ShortDebugString());
   }
 }
@@ -137,7 +138,7 @@ TEST_F(EveryLightTest, RangesOfASeedJoin) {
   EXPECT_TRUE(end_of(part.value(), whole.value()));
   EXPECT_TRUE(end_of(part.light_ids(), whole.light_ids()));
   EXPECT_TRUE(end_of(part.selection_probability(), whole.selection_probability()));
-  // Where the index of a 32-bit sequence ends, the next begins.
+  // Where the index of a 32-bit sequence ends, the next sequence begins.
   q.set_count(4);
   q.mutable_seed()->set_first_item((std::uint64_t{1} << 32) - 2);
   ASSERT_TRUE(sample(q, &whole).ok());
@@ -158,14 +159,14 @@ TEST_F(EveryLightTest, RaysDependOnSeedAndNotOnThreads) {
   options.lanes.threads = 1;
   Service alone(options);
   alone.load("lights/every_light.pbrt");
-  ASSERT_TRUE(ask([&](auto* c) { return alone.lighting.SampleLe(c, q, &one_thread); }).ok());
+  ASSERT_TRUE(status_of([&](auto* c) { return alone.lighting.SampleLe(c, q, &one_thread); }).ok());
   EXPECT_TRUE(without_cost(two_threads) == without_cost(one_thread));
   q.mutable_seed()->set_seed(4);
   ASSERT_TRUE(sample(q, &other_seed).ok());
   EXPECT_FALSE(without_cost(two_threads) == without_cost(other_seed));
 }
 
-TEST_F(EveryLightTest, WhatIsCertainHasNoDensity) {
+TEST_F(EveryLightTest, CertainPositionsAndDirectionsHaveNoDensity) {
   for (const v1::Light& light : lights_.lights()) {
     v1::SampleLeResponse r;
     ASSERT_TRUE(sample(rays_of(light, 64), &r).ok());
@@ -182,7 +183,7 @@ TEST_F(EveryLightTest, WhatIsCertainHasNoDensity) {
   }
 }
 
-TEST_F(EveryLightTest, PdfLeTellsTheDensitiesOfSampledRays) {
+TEST_F(EveryLightTest, PdfLeReportsTheDensitiesOfSampledRays) {
   for (const v1::Light& light : lights_.lights()) {
     v1::SampleLeResponse r;
     ASSERT_TRUE(sample(rays_of(light, 512, 5), &r).ok());
@@ -195,14 +196,14 @@ TEST_F(EveryLightTest, PdfLeTellsTheDensitiesOfSampledRays) {
     v1::PdfLeResponse d;
     ASSERT_TRUE(pdf(q, &d).ok());
     EXPECT_EQ(d.status_size(), 0);
-    const auto expect_same = [&](float told, float sampled) {
-      EXPECT_NEAR(told, sampled, 2e-4F * sampled) << light.ShortDebugString();
+    const auto expect_same = [&](float reported, float sampled) {
+      EXPECT_NEAR(reported, sampled, 2e-4F * sampled) << light.ShortDebugString();
     };
     for (int i = 0; i < 512; ++i) {
       expect_same(d.pdf_position_per_m2(i), r.pdf_position_per_m2(i));
       expect_same(d.pdf_direction_per_sr(i), r.pdf_direction_per_sr(i));
     }
-    // One by one as all together.
+    // Single queries equal the joint one.
     v1::PdfLeRequest one = density_of(light);
     *one.mutable_points()->mutable_origin_m() = q.points().origin_m();
     for (int c = 3 * 100; c < 3 * 101; ++c) {
@@ -214,7 +215,7 @@ TEST_F(EveryLightTest, PdfLeTellsTheDensitiesOfSampledRays) {
     ASSERT_EQ(alone.pdf_direction_per_sr_size(), 1);
     EXPECT_EQ(alone.pdf_position_per_m2(0), d.pdf_position_per_m2(100));
     EXPECT_EQ(alone.pdf_direction_per_sr(0), d.pdf_direction_per_sr(100));
-    // Elsewhere no ray of it starts.
+    // No ray of the light starts elsewhere.
     q.mutable_points()->mutable_origin_m()->set_z(q.points().origin_m().z() + 1000);
     ASSERT_TRUE(pdf(q, &d).ok());
     for (int i = 0; i < 512; ++i) {
@@ -224,7 +225,7 @@ TEST_F(EveryLightTest, PdfLeTellsTheDensitiesOfSampledRays) {
   }
 }
 
-/// Directions of `light`'s rays against the density that PdfLe tells at one point of it.
+/// Compares directions of `light`'s rays with the density that PdfLe reports at one of its points.
 class Directions : public EveryLightTest {
  protected:
   void expect_follow(const v1::Light& light) {
@@ -267,7 +268,7 @@ TEST_F(Directions, FollowPdfLe) {
 }
 
 TEST_F(EveryLightTest, PositionsFollowPdfLe) {
-  // On the sphere's skin, in cells of equal area of (z, longitude).
+  // On the sphere's surface, in cells of equal area of (z, longitude).
   const v1::Light& light = first(v1::AREA_SHAPE_SPHERE);
   const v1::Bounds& box = light.bounds();
   const Vec3<double> centre{(box.lower_m().x() + box.upper_m().x()) / 2,
@@ -291,7 +292,7 @@ TEST_F(EveryLightTest, PositionsFollowPdfLe) {
     EXPECT_NEAR(length(p - centre), radius, 2e-5);
     ++observed[cell(sphere.where(normalized(p - centre)))];
   }
-  // The points' own origin: the sphere's centre.
+  // The points have their own origin, the sphere's centre.
   v1::PdfLeRequest q = density_of(light);
   q.mutable_points()->mutable_origin_m()->set_x(centre.x);
   q.mutable_points()->mutable_origin_m()->set_y(centre.y);

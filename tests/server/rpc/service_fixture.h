@@ -1,4 +1,4 @@
-// A server within the test's process, and stubs that talk to it over loopback.
+// A server within the test's process, and stubs that call it over loopback.
 #pragma once
 
 #include <google/rpc/error_details.pb.h>
@@ -65,14 +65,14 @@ struct Service {
   v1::AdminService::Stub admin;
 };
 
-/// What `call(&context)` answers.
+/// The status that `call(&context)` returns.
 template <typename Call>
-grpc::Status ask(Call&& call) {
+grpc::Status status_of(Call&& call) {
   grpc::ClientContext context;
   return call(&context);
 }
 
-/// The detail of one kind that an error carries; empty where there is none.
+/// The detail of one kind in an error; empty if there is none.
 template <typename Detail>
 Detail detail(const grpc::Status& status) {
   google::rpc::Status wire;

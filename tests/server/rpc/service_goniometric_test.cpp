@@ -1,4 +1,4 @@
-// ListLights on goniometric lights: with a picture, with a photometric file, with neither.
+// ListLights for goniometric lights: with a picture, with a photometric file, without either.
 #include <filesystem>
 #include <fstream>
 #include <numbers>
@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-TEST(GoniometricService, ListLightsTellsWhatTheDistributionIs) {
+TEST(GoniometricService, ListLightsReportsTheDistribution) {
   const SceneFiles files;
   std::filesystem::copy_file(std::string(LUCERNA_TEST_DATA) + "/reference/gonio.exr",
                              files.path() / "gonio.exr");
@@ -33,7 +33,8 @@ TEST(GoniometricService, ListLightsTellsWhatTheDistributionIs) {
   v1::ListLightsRequest request;
   request.set_scene_id(service.load("scene.pbrt"));
   v1::ListLightsResponse response;
-  ASSERT_TRUE(ask([&](auto* c) { return service.scenes.ListLights(c, request, &response); }).ok());
+  ASSERT_TRUE(
+      status_of([&](auto* c) { return service.scenes.ListLights(c, request, &response); }).ok());
   ASSERT_EQ(response.lights_size(), 4);
   for (const v1::Light& light : response.lights()) {
     EXPECT_EQ(light.kind_case(), v1::Light::kGoniometric);

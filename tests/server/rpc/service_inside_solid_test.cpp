@@ -27,8 +27,8 @@ class InsideSolidService : public ::testing::Test {
         0);
     set(request.mutable_normals(), 0, 0, 1, 0, 0, 1, 0, 0, -1, 0, 0, 1);
     v1::EstimateIrradianceResponse response;
-    const grpc::Status s =
-        ask([&](auto* c) { return service.lighting.EstimateIrradiance(c, request, &response); });
+    const grpc::Status s = status_of(
+        [&](auto* c) { return service.lighting.EstimateIrradiance(c, request, &response); });
     EXPECT_TRUE(s.ok()) << s.error_message();
     return response;
   }
@@ -55,7 +55,7 @@ TEST_F(InsideSolidService, ReceiversInsideAreFlaggedAndKeepTheirNumbers) {
 TEST_F(InsideSolidService, TheRaysOfTheTestAreNotCounted) {
   v1::EstimateIrradianceRequest request;
   request.set_bounces(0);
-  // Three receivers, one lamp: one shadow ray where it is not behind.
+  // Three receivers, one lamp: one shadow ray each unless the lamp is behind.
   EXPECT_LE(estimate(request).cost().shadow_rays(), 3U);
 }
 

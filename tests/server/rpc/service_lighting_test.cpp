@@ -11,11 +11,11 @@ constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 class LightingServiceTest : public ::testing::Test {
  protected:
   grpc::Status sample(const v1::SampleLiRequest& q, v1::SampleLiResponse* r) {
-    return ask([&](auto* c) { return service_.lighting.SampleLi(c, q, r); });
+    return status_of([&](auto* c) { return service_.lighting.SampleLi(c, q, r); });
   }
   grpc::Status irradiance(const v1::EstimateIrradianceRequest& q,
                           v1::EstimateIrradianceResponse* r) {
-    return ask([&](auto* c) { return service_.lighting.EstimateIrradiance(c, q, r); });
+    return status_of([&](auto* c) { return service_.lighting.EstimateIrradiance(c, q, r); });
   }
   v1::SampleLiRequest sample_request() const {
     v1::SampleLiRequest q;
@@ -40,8 +40,8 @@ TEST_F(LightingServiceTest, SampleLiAnswersWithValueDirectionAndCost) {
   EXPECT_NEAR(r.distance_m(0), 3, 1e-6);
   EXPECT_EQ(r.delta(), std::string(1, '\1'));
   EXPECT_EQ(r.visible(), std::string(1, '\1'));
-  EXPECT_EQ(r.light_ids_size(), 0);  // it was named
-  EXPECT_EQ(r.status_size(), 0);     // all is well
+  EXPECT_EQ(r.light_ids_size(), 0);  // the light was named
+  EXPECT_EQ(r.status_size(), 0);     // all items are ok
   EXPECT_EQ(r.cost().samples(), 1U);
   EXPECT_EQ(r.cost().shadow_rays(), 1U);
 }
@@ -61,7 +61,7 @@ TEST_F(LightingServiceTest, EmptyBatchesAreAnsweredWithNothing) {
   v.set_scene_id(point_);
   v.mutable_segments();
   v1::TestVisibilityResponse vr;
-  EXPECT_TRUE(ask([&](auto* c) { return service_.lighting.TestVisibility(c, v, &vr); }).ok());
+  EXPECT_TRUE(status_of([&](auto* c) { return service_.lighting.TestVisibility(c, v, &vr); }).ok());
   EXPECT_EQ(vr.count(), 0U);
 }
 
@@ -124,7 +124,7 @@ TEST_F(LightingServiceTest, UnknownScenesAndLightsAreNotFound) {
   EXPECT_EQ(detail<google::rpc::ErrorInfo>(s).reason(), "NO_SUCH_LIGHT");
 }
 
-TEST_F(LightingServiceTest, TooLargeABatchIsExhaustedAndNotWorthARetry) {
+TEST_F(LightingServiceTest, ATooLargeBatchIsResourceExhaustedWithoutARetryDelay) {
   v1::SampleLiResponse r;
   v1::SampleLiRequest q = sample_request();
   q.mutable_receivers()->mutable_offsets_m()->Resize(3 * 65537, 0);
@@ -147,7 +147,7 @@ TEST_F(LightingServiceTest, BitsDependNeitherOnThreadsNorOnSplits) {
   one.lanes.threads = 1;
   Service alone(one);
   alone.load("many_points.pbrt");
-  ASSERT_TRUE(ask([&](auto* c) { return alone.lighting.SampleLi(c, q, &other); }).ok());
+  ASSERT_TRUE(status_of([&](auto* c) { return alone.lighting.SampleLi(c, q, &other); }).ok());
   whole.clear_cost();
   other.clear_cost();
   EXPECT_EQ(whole.SerializeAsString(), other.SerializeAsString());
@@ -167,7 +167,7 @@ TEST_F(LightingServiceTest, DirectIrradianceOfAPointLightIsExact) {
   q.set_scene_id(point_);
   q.set_bounces(0);
   q.set_per_light(true);
-  // Under the light, turned towards it and away; and one that is no number.
+  // Under the light, turned towards it and away; and one that is NaN.
   set(q.mutable_receivers()->mutable_offsets_m(), 1.2, -1.5, 1.2, 1.2, -1.5, 1.2, kNan, 0, 0);
   set(q.mutable_normals(), 0, 0, 2, 0, 0, -1, 0, 0, 1);
   v1::EstimateIrradianceResponse r;
@@ -188,31 +188,34 @@ TEST_F(LightingServiceTest, PowerIsExactAndSumsUp) {
   v1::EstimatePowerRequest q;
   q.set_scene_id(service_.load("many_points.pbrt"));
   v1::EstimatePowerResponse all, page;
-  ASSERT_TRUE(ask([&](auto* c) { return service_.lighting.EstimatePower(c, q, &all); }).ok());
+  ASSERT_TRUE(status_of([&](auto* c) { return service_.lighting.EstimatePower(c, q, &all); }).ok());
   ASSERT_GT(all.lights_size(), 2);
   double sum = 0;
   for (const auto& l : all.lights()) sum += l.power_lm();
   EXPECT_NEAR(all.total().power_lm(), sum, 1e-9 * sum);
   q.set_page_size(1);
-  ASSERT_TRUE(ask([&](auto* c) { return service_.lighting.EstimatePower(c, q, &page); }).ok());
+  ASSERT_TRUE(
+      status_of([&](auto* c) { return service_.lighting.EstimatePower(c, q, &page); }).ok());
   EXPECT_EQ(page.lights_size(), 1);
   EXPECT_EQ(page.total().power_lm(), all.total().power_lm());
   EXPECT_FALSE(page.next_page_token().empty());
   q.set_method(static_cast<v1::EstimatePowerRequest::Method>(9));
-  expect_bad_field(ask([&](auto* c) { return service_.lighting.EstimatePower(c, q, &page); }),
+  expect_bad_field(status_of([&](auto* c) { return service_.lighting.EstimatePower(c, q, &page); }),
                    "method");
 }
 
-TEST_F(LightingServiceTest, ApproximatePowerTellsHowFarItIsOff) {
+TEST_F(LightingServiceTest, ApproximatePowerReportsItsError) {
   const std::string files[] = {"spot.pbrt", "sphere.pbrt", "two_sided.pbrt", "infinite.pbrt"};
   for (const std::string& file : files) {
     v1::EstimatePowerRequest q;
     q.set_scene_id(service_.load(file));
     v1::EstimatePowerResponse exact, approximate;
-    ASSERT_TRUE(ask([&](auto* c) { return service_.lighting.EstimatePower(c, q, &exact); }).ok());
-    q.set_method(v1::EstimatePowerRequest::METHOD_APPROXIMATE);
     ASSERT_TRUE(
-        ask([&](auto* c) { return service_.lighting.EstimatePower(c, q, &approximate); }).ok());
+        status_of([&](auto* c) { return service_.lighting.EstimatePower(c, q, &exact); }).ok());
+    q.set_method(v1::EstimatePowerRequest::METHOD_APPROXIMATE);
+    ASSERT_TRUE(status_of([&](auto* c) {
+                  return service_.lighting.EstimatePower(c, q, &approximate);
+                }).ok());
     ASSERT_EQ(approximate.lights_size(), exact.lights_size()) << file;
     const v1::LightPower& a = approximate.total();
     EXPECT_GT(a.power_lm(), 0) << file;
@@ -228,11 +231,11 @@ TEST_F(LightingServiceTest, PdfLiOfADeltaLightIsZero) {
   set(q.mutable_receivers()->mutable_offsets_m(), 0, 0, 2);
   set(q.mutable_wi(), 0, 0, 1);
   v1::PdfLiResponse r;
-  ASSERT_TRUE(ask([&](auto* c) { return service_.lighting.PdfLi(c, q, &r); }).ok());
+  ASSERT_TRUE(status_of([&](auto* c) { return service_.lighting.PdfLi(c, q, &r); }).ok());
   ASSERT_EQ(r.pdf_per_sr_size(), 1);
   EXPECT_EQ(r.pdf_per_sr(0), 0);
   q.add_wi(1);
-  expect_bad_field(ask([&](auto* c) { return service_.lighting.PdfLi(c, q, &r); }), "wi");
+  expect_bad_field(status_of([&](auto* c) { return service_.lighting.PdfLi(c, q, &r); }), "wi");
 }
 
 TEST_F(LightingServiceTest, VisibilityOfSegmentsAndRays) {
@@ -243,7 +246,7 @@ TEST_F(LightingServiceTest, VisibilityOfSegmentsAndRays) {
   set(q.mutable_segments()->mutable_to()->mutable_offsets_m(), -3, -3, 2, -3, -3, -1);
   v1::TestVisibilityResponse r;
   const auto call = [&] {
-    return ask([&](auto* c) { return service_.lighting.TestVisibility(c, q, &r); });
+    return status_of([&](auto* c) { return service_.lighting.TestVisibility(c, q, &r); });
   };
   ASSERT_TRUE(call().ok());
   EXPECT_EQ(r.visible(), std::string(1, '\1'));

@@ -1,4 +1,4 @@
-// What ListLights tells of each kind of light: the scene file's words, on the wire.
+// ListLights for each kind of light: the message holds the parameters of the scene file.
 #include <numbers>
 
 #include "service_fixture.h"
@@ -9,8 +9,8 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// The lights of a scene of one file; beside it a picture, slide.pfm, 4 x 2 texels of 1, and a
-/// luminaire, lamp.ies.
+/// The lights of a scene of one file.  Beside it are a picture, slide.pfm, with 4 x 2 texels of 1,
+/// and a luminaire, lamp.ies.
 std::vector<v1::Light> lights_of(const std::string& text) {
   const SceneFiles files;
   files.write("scene.pbrt", "WorldBegin\n" + text);
@@ -28,7 +28,7 @@ std::vector<v1::Light> lights_of(const std::string& text) {
   request.set_scene_id(service.load("scene.pbrt"));
   v1::ListLightsResponse response;
   const grpc::Status status =
-      ask([&](auto* c) { return service.scenes.ListLights(c, request, &response); });
+      status_of([&](auto* c) { return service.scenes.ListLights(c, request, &response); });
   EXPECT_TRUE(status.ok()) << status.error_message();
   return {response.lights().begin(), response.lights().end()};
 }
@@ -45,7 +45,7 @@ void expect(const v1::Rgb& c, double r, double g, double b) {
   EXPECT_NEAR(c.b(), b, 1e-12 * b);
 }
 
-TEST(ListLights, SpotTellsItsProfile) {
+TEST(ListLights, SpotReportsItsProfile) {
   const std::string spot =
       "LightSource \"spot\" \"float coneangle\" 60 \"float conedeltaangle\" 60 ";
   const auto lights = lights_of(spot + "\"string profile\" \"quartic\"\n" + spot);
@@ -57,12 +57,12 @@ TEST(ListLights, SpotTellsItsProfile) {
     EXPECT_NEAR(light.spot().falloff_start_rad(), 0, 1e-12);
     EXPECT_TRUE(light.delta());
   }
-  // All edge: 2 pi (1 - 1/2) times the mean of x^4 and of smoothstep.
+  // All of the cone is edge: 2 pi (1 - 1/2) times the mean of x^4 and of smoothstep.
   EXPECT_NEAR(lights[0].power_lm(), kPi / 5, 1e-12);
   EXPECT_NEAR(lights[1].power_lm(), kPi / 2, 1e-12);
 }
 
-TEST(ListLights, ADistantLightOfAnAngularDiameterIsASun) {
+TEST(ListLights, ADistantLightWithAnAngularDiameterIsASun) {
   const std::string distant =
       "LightSource \"distant\" \"point3 from\" [0 3 4] \"point3 to\" [0 0 0] \"rgb L\" [1 2 3] ";
   const auto lights = lights_of(distant + "\"float angulardiameter\" 0.53\n" + distant);
@@ -76,7 +76,7 @@ TEST(ListLights, ADistantLightOfAnAngularDiameterIsASun) {
   EXPECT_FALSE(lights[0].has_bounds());
 }
 
-TEST(ListLights, ProjectionTellsItsAxesAndItsPicture) {
+TEST(ListLights, ProjectionReportsItsAxesAndItsPicture) {
   const auto lights = lights_of(
       "Translate 1 2 3 Rotate 90 1 0 0 Scale 2 2 2\n"
       "LightSource \"projection\" \"string filename\" \"slide.pfm\" \"float fov\" 30 \"float "
@@ -109,7 +109,7 @@ TEST(ListLights, ProjectionTellsItsAxesAndItsPicture) {
   EXPECT_NEAR(lights[0].power_error_lm(), 1e-14 * lights[0].power_lm(), 1e-20);
 }
 
-TEST(ListLights, BeamTellsItsRectangle) {
+TEST(ListLights, BeamReportsItsRectangle) {
   const auto lights = lights_of(
       "Translate 1 2 3\n"
       "LightSource \"projection\" \"string projection\" \"orthographic\" \"string filename\" "
@@ -125,7 +125,7 @@ TEST(ListLights, BeamTellsItsRectangle) {
   expect(b.illuminance_lx(), 200, 200, 200);
   EXPECT_EQ(b.image().filter(), v1::IMAGE_FILTER_NEAREST);
   EXPECT_TRUE(lights[0].delta());
-  // A float's rounding wider.
+  // Wider by a float's rounding.
   const v1::Bounds& bounds = lights[0].bounds();
   expect(bounds.lower_m(), 0.5, 1.75, 3, 1e-6);
   expect(bounds.upper_m(), 1.5, 2.25, 3, 1e-6);
@@ -137,7 +137,7 @@ TEST(ListLights, BeamTellsItsRectangle) {
 
 const v1::RoundShape& round_of(const v1::Light& light) { return light.diffuse_area().round(); }
 
-TEST(ListLights, SpheresTellWhatIsLeftOfThem) {
+TEST(ListLights, SpheresReportTheirRemainingPart) {
   const std::string emits = "AreaLightSource \"diffuse\" ";
   const auto lights =
       lights_of("Translate 1 2 3 Rotate 90 0 1 0 Scale 2 2 2\n" + emits +
@@ -165,7 +165,7 @@ TEST(ListLights, SpheresTellWhatIsLeftOfThem) {
   EXPECT_TRUE(round_of(lights[1]).reverse_orientation());
 }
 
-TEST(ListLights, DisksAreRingsAndEllipsesToo) {
+TEST(ListLights, DisksMayBeRingsAndEllipses) {
   const std::string ring =
       "AreaLightSource \"diffuse\" Shape \"disk\" \"float height\" 1 \"float radius\" 0.5 "
       "\"float innerradius\" 0.125 \"float phimax\" 180\n";
@@ -181,11 +181,11 @@ TEST(ListLights, DisksAreRingsAndEllipsesToo) {
   }
   EXPECT_FALSE(round_of(lights[0]).has_radius_y_m());
   EXPECT_DOUBLE_EQ(round_of(lights[1]).radius_y_m(), 3);
-  // Half of what is between both ellipses.
+  // Half of the area between both ellipses.
   EXPECT_NEAR(lights[1].area_m2(), kPi / 2 * (1 * 3 - 0.25 * 0.75), 1e-9);
 }
 
-TEST(ListLights, CylindersTellTheirEnds) {
+TEST(ListLights, CylindersReportTheirEnds) {
   const auto lights = lights_of(
       "Translate 1 0 0 Scale 2 2 5 AreaLightSource \"diffuse\"\n"
       "Shape \"cylinder\" \"float radius\" 0.25 \"float zmin\" 0.5 \"float zmax\" -1");
@@ -198,7 +198,7 @@ TEST(ListLights, CylindersTellTheirEnds) {
   EXPECT_NEAR(lights[0].area_m2(), kPi * 7.5, 1e-9);
 }
 
-TEST(ListLights, WhatMovesStandsAtItsFirstKeyFrame) {
+TEST(ListLights, MovingLightsAreReportedAtTheirFirstKeyFrame) {
   const auto lights = lights_of(
       "ActiveTransform EndTime Translate 8 0 0\nActiveTransform All\n"
       "Translate 0 1 2 AreaLightSource \"diffuse\" Shape \"sphere\"\n"
@@ -211,7 +211,7 @@ TEST(ListLights, WhatMovesStandsAtItsFirstKeyFrame) {
   expect(lights[1].diffuse_area().corners_m(3), 1, 3, 2, 1e-6);
 }
 
-TEST(ListLights, SinglePrimitivesTellTheirCorners) {
+TEST(ListLights, SinglePrimitivesReportTheirCorners) {
   const auto lights = lights_of(
       "Translate 100 0 3 AreaLightSource \"diffuse\"\n"
       "Shape \"trianglemesh\" \"point3 P\" [0 0 0  1 0 0  0 2 0] \"integer indices\" [0 1 2]\n"
@@ -224,7 +224,7 @@ TEST(ListLights, SinglePrimitivesTellTheirCorners) {
     const v1::DiffuseAreaLight& area = lights[i].diffuse_area();
     ASSERT_EQ(area.corners_m_size(), 3 + i);
     expect(area.corners_m(0), 100, 0, 3, 1e-5);
-    // The side that shines is that of the corners' cross product, up and down.
+    // The emitting side is that of the corners' cross product, up and down.
     const double up = (area.corners_m(1).x() - 100) * area.corners_m(2).y() -
                       area.corners_m(1).y() * (area.corners_m(2).x() - 100);
     EXPECT_NEAR(up, i == 0 ? 2 : -2, 1e-4);
@@ -234,7 +234,7 @@ TEST(ListLights, SinglePrimitivesTellTheirCorners) {
   EXPECT_EQ(lights[2].diffuse_area().corners_m_size(), 0);
 }
 
-TEST(ListLights, PhotometryAndPicturesTellHowTheyAreTurned) {
+TEST(ListLights, PhotometryAndPicturesReportTheirRotation) {
   const std::string turned = "Rotate 90 0 0 1 ";  // +x to +y, +y to -x
   const auto lights = lights_of(
       "AttributeBegin " + turned +

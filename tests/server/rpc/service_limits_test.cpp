@@ -1,4 +1,4 @@
-// Answers that are larger than a message may be: refused before they are made.
+// Answers that exceed the size limit of messages are refused before they are computed.
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -55,13 +55,13 @@ v1::EstimateIrradianceRequest irradiance(const std::string& scene, int items) {
   return q;
 }
 
-/// The first item is no number, so that all of them have their status told.
+/// The first item is NaN, so that the answer has a status for each item.
 template <typename Points>
 void spoil(Points* points) {
   points->set_offsets_m(0, std::numeric_limits<float>::quiet_NaN());
 }
 
-/// The sum is a bound, and not much more than what comes.
+/// Expects the predicted size to be an upper bound that is not much larger than the answer.
 template <typename Response>
 void expect_bounded(const Response& r, const AnswerSize& size, int items) {
   const auto n = static_cast<double>(items);
@@ -75,20 +75,22 @@ TEST(AnswerSizes, AreBoundsOfTheAnswersToEachCall) {
   v1::SampleLiRequest sample = li(scene, kItems);
   spoil(sample.mutable_receivers());
   v1::SampleLiResponse samples;
-  ASSERT_TRUE(ask([&](auto* c) { return service.lighting.SampleLi(c, sample, &samples); }).ok());
+  ASSERT_TRUE(
+      status_of([&](auto* c) { return service.lighting.SampleLi(c, sample, &samples); }).ok());
   expect_bounded(samples, answer_size(sample), kItems);
-  // With what is told of each receiver.
+  // With the optional values of each receiver.
   sample.mutable_accuracy()->mutable_target_error()->set_relative(1);
   sample.mutable_receivers()->mutable_offsets_m()->Truncate(3 * 100);
   sample.mutable_accuracy()->mutable_target_error()->set_max_samples(64);
-  ASSERT_TRUE(ask([&](auto* c) { return service.lighting.SampleLi(c, sample, &samples); }).ok());
+  ASSERT_TRUE(
+      status_of([&](auto* c) { return service.lighting.SampleLi(c, sample, &samples); }).ok());
   ASSERT_EQ(samples.estimates().spectral_standard_error_size(), 128 * 100);
   expect_bounded(samples, answer_size(sample), samples.pdf_per_sr_size());
 
   v1::LeRequest look = le(scene, kItems);
   spoil(look.mutable_points());
   v1::LeResponse seen;
-  ASSERT_TRUE(ask([&](auto* c) { return service.lighting.Le(c, look, &seen); }).ok());
+  ASSERT_TRUE(status_of([&](auto* c) { return service.lighting.Le(c, look, &seen); }).ok());
   expect_bounded(seen, answer_size(look), kItems);
 
   v1::SampleLeRequest rays = emit(scene, kItems);
@@ -96,20 +98,22 @@ TEST(AnswerSizes, AreBoundsOfTheAnswersToEachCall) {
   rays.mutable_u()->mutable_u_light()->Resize(kItems, 0.5);
   rays.mutable_u()->set_u(0, std::numeric_limits<float>::quiet_NaN());
   v1::SampleLeResponse emitted;
-  ASSERT_TRUE(ask([&](auto* c) { return service.lighting.SampleLe(c, rays, &emitted); }).ok());
+  ASSERT_TRUE(
+      status_of([&](auto* c) { return service.lighting.SampleLe(c, rays, &emitted); }).ok());
   expect_bounded(emitted, answer_size(rays), kItems);
 
   v1::EstimateIrradianceRequest meter = irradiance(scene, kItems);
   spoil(meter.mutable_receivers());
   v1::EstimateIrradianceResponse lux;
   ASSERT_TRUE(
-      ask([&](auto* c) { return service.lighting.EstimateIrradiance(c, meter, &lux); }).ok());
+      status_of([&](auto* c) { return service.lighting.EstimateIrradiance(c, meter, &lux); }).ok());
   ASSERT_EQ(lux.shares_size(), static_cast<int>(kLights));
   expect_bounded(lux, answer_size(meter, kLights), kItems);
 
   auto power = about<v1::EstimatePowerRequest>(scene);
   v1::EstimatePowerResponse flux;
-  ASSERT_TRUE(ask([&](auto* c) { return service.lighting.EstimatePower(c, power, &flux); }).ok());
+  ASSERT_TRUE(
+      status_of([&](auto* c) { return service.lighting.EstimatePower(c, power, &flux); }).ok());
   expect_bounded(flux, answer_size(power), static_cast<int>(kLights));
 }
 
@@ -123,7 +127,7 @@ TEST(AnswerSizes, AreBoundsOfDensitiesBitsAndTiles) {
   density.mutable_wi()->Resize(3 * kItems, 1);
   spoil(density.mutable_receivers());
   v1::PdfLiResponse pdf;
-  ASSERT_TRUE(ask([&](auto* c) { return service.lighting.PdfLi(c, density, &pdf); }).ok());
+  ASSERT_TRUE(status_of([&](auto* c) { return service.lighting.PdfLi(c, density, &pdf); }).ok());
   expect_bounded(pdf, answer_size(density), kItems);
 
   v1::PdfLeRequest leaving;
@@ -133,7 +137,7 @@ TEST(AnswerSizes, AreBoundsOfDensitiesBitsAndTiles) {
   leaving.mutable_directions()->Resize(3 * kItems, 1);
   spoil(leaving.mutable_points());
   v1::PdfLeResponse pdfs;
-  ASSERT_TRUE(ask([&](auto* c) { return service.lighting.PdfLe(c, leaving, &pdfs); }).ok());
+  ASSERT_TRUE(status_of([&](auto* c) { return service.lighting.PdfLe(c, leaving, &pdfs); }).ok());
   expect_bounded(pdfs, answer_size(leaving), kItems);
 
   v1::TestVisibilityRequest visibility;
@@ -142,8 +146,9 @@ TEST(AnswerSizes, AreBoundsOfDensitiesBitsAndTiles) {
   visibility.mutable_rays()->mutable_directions()->Resize(3 * kItems, 1);
   spoil(visibility.mutable_rays()->mutable_from());
   v1::TestVisibilityResponse bits;
-  ASSERT_TRUE(
-      ask([&](auto* c) { return service.lighting.TestVisibility(c, visibility, &bits); }).ok());
+  ASSERT_TRUE(status_of([&](auto* c) {
+                return service.lighting.TestVisibility(c, visibility, &bits);
+              }).ok());
   // A bit counts as a byte: 9 of 16.
   EXPECT_LE(bits.ByteSizeLong(), answer_size(visibility).fixed + 2 * kItems);
   EXPECT_GE(bits.ByteSizeLong(), 9 * kItems / 8);
@@ -154,11 +159,12 @@ TEST(AnswerSizes, AreBoundsOfDensitiesBitsAndTiles) {
   tile.mutable_rect()->set_y1(25);
   tile.mutable_accuracy()->set_samples(1);
   v1::RenderTileResponse picture;
-  ASSERT_TRUE(ask([&](auto* c) { return service.render.RenderTile(c, tile, &picture); }).ok());
+  ASSERT_TRUE(
+      status_of([&](auto* c) { return service.render.RenderTile(c, tile, &picture); }).ok());
   expect_bounded(picture, tile_size({}), 40 * 25);
 }
 
-/// A server of small messages.
+/// A server with small messages.
 class MessageLimits : public ::testing::Test {
  protected:
   static constexpr std::uint64_t kBytes = 50000;
@@ -168,7 +174,7 @@ class MessageLimits : public ::testing::Test {
     options.limits.max_message_bytes = kBytes;
     return options;
   }
-  /// That `call(n)` is answered, and `call(n + 1)` refused, for the most items `n` that fit.
+  /// Expects `call(n)` to succeed and `call(n + 1)` to be refused, for the largest `n` that fits.
   template <typename Call>
   static void expect_limit(const AnswerSize& size, const std::string& field, Call&& call) {
     const auto n = static_cast<int>(size.items_within(kBytes));
@@ -187,45 +193,46 @@ class MessageLimits : public ::testing::Test {
   std::string scene_ = service_.load("many_points.pbrt");
 };
 
-TEST_F(MessageLimits, BindEachCallWithWavelengths) {
+TEST_F(MessageLimits, LimitEachCallWithWavelengths) {
   expect_limit(answer_size(li(scene_, 1)), "receivers times accuracy.samples", [&](int n) {
     v1::SampleLiResponse r;
-    return ask([&](auto* c) { return service_.lighting.SampleLi(c, li(scene_, n), &r); });
+    return status_of([&](auto* c) { return service_.lighting.SampleLi(c, li(scene_, n), &r); });
   });
   expect_limit(answer_size(le(scene_, 1)), "points", [&](int n) {
     v1::LeResponse r;
-    return ask([&](auto* c) { return service_.lighting.Le(c, le(scene_, n), &r); });
+    return status_of([&](auto* c) { return service_.lighting.Le(c, le(scene_, n), &r); });
   });
   expect_limit(answer_size(emit(scene_, 1)), "count", [&](int n) {
     v1::SampleLeResponse r;
-    return ask([&](auto* c) { return service_.lighting.SampleLe(c, emit(scene_, n), &r); });
+    return status_of([&](auto* c) { return service_.lighting.SampleLe(c, emit(scene_, n), &r); });
   });
 }
 
-TEST_F(MessageLimits, BindSharesByTheNumberOfLights) {
+TEST_F(MessageLimits, LimitSharesByTheNumberOfLights) {
   const AnswerSize size = answer_size(irradiance(scene_, 1), kLights);
   // Illuminance and its error of each light.
   EXPECT_GE(size.per_item, 8 * kLights);
   const auto call = [&](int n) {
     v1::EstimateIrradianceResponse r;
-    return ask([&](auto* c) {
+    return status_of([&](auto* c) {
       return service_.lighting.EstimateIrradiance(c, irradiance(scene_, n), &r);
     });
   };
   expect_limit(size, "receivers", call);
 }
 
-TEST_F(MessageLimits, BindTiles) {
+TEST_F(MessageLimits, LimitTiles) {
   v1::RenderTileRequest q;
   q.set_scene_id(scene_);
   q.mutable_accuracy()->set_samples(1);
   q.mutable_rect()->set_x1(160);
   q.mutable_rect()->set_y1(6);
   v1::RenderTileResponse r;
-  // 48 bytes a pixel: 960 of them and 1120.
-  EXPECT_TRUE(ask([&](auto* c) { return service_.render.RenderTile(c, q, &r); }).ok());
+  // 48 bytes per pixel: 960 pixels and 1120.
+  EXPECT_TRUE(status_of([&](auto* c) { return service_.render.RenderTile(c, q, &r); }).ok());
   q.mutable_rect()->set_y1(7);
-  const grpc::Status tile = ask([&](auto* c) { return service_.render.RenderTile(c, q, &r); });
+  const grpc::Status tile =
+      status_of([&](auto* c) { return service_.render.RenderTile(c, q, &r); });
   EXPECT_EQ(tile.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
   EXPECT_THAT(tile.error_message(), HasSubstr("pixels of rect, each answered in 48 bytes, = 1120"));
   v1::RenderImageRequest image;
@@ -233,18 +240,19 @@ TEST_F(MessageLimits, BindTiles) {
   image.mutable_accuracy()->set_samples(1);
   image.set_tile_size(64);
   const grpc::Status tiles =
-      ask([&](auto* c) { return service_.render.RenderImage(c, image)->Finish(); });
+      status_of([&](auto* c) { return service_.render.RenderImage(c, image)->Finish(); });
   EXPECT_EQ(tiles.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
   EXPECT_THAT(tiles.error_message(), HasSubstr("pixels of a tile"));
 }
 
-TEST_F(MessageLimits, MakePagesOfPowersShorter) {
+TEST_F(MessageLimits, ShortenPagesOfPowers) {
   auto q = about<v1::EstimatePowerRequest>(scene_);
   std::vector<std::uint64_t> ids;
   int pages = 0;
   do {
     v1::EstimatePowerResponse r;
-    const grpc::Status s = ask([&](auto* c) { return service_.lighting.EstimatePower(c, q, &r); });
+    const grpc::Status s =
+        status_of([&](auto* c) { return service_.lighting.EstimatePower(c, q, &r); });
     ASSERT_TRUE(s.ok()) << s.error_message();
     EXPECT_LE(r.ByteSizeLong(), kBytes);
     for (const v1::LightPower& light : r.lights()) ids.push_back(light.light_id());
@@ -252,13 +260,13 @@ TEST_F(MessageLimits, MakePagesOfPowersShorter) {
     ++pages;
   } while (!q.page_token().empty());
   EXPECT_GT(pages, 5);
-  EXPECT_LT(pages, 15);  // each 128 doubles and a little more
+  EXPECT_LT(pages, 15);  // each has 128 doubles and a little more
   ASSERT_EQ(ids.size(), kLights);
   for (std::uint64_t i = 0; i < kLights; ++i) EXPECT_EQ(ids[i], i + 1);
 }
 
-// The array of wavelengths would have 2^31 entries, and an int counts them.
-TEST(LargestLimits, RefuseWhatNoArrayHolds) {
+// The array of wavelengths would have 2^31 entries, but an int counts them.
+TEST(LargestLimits, RefuseArraysThatAreTooLong) {
   rpc::ServerOptions options = service_options();
   options.limits.max_batch_items = 1 << 24;
   options.limits.max_samples = 1 << 24;
@@ -267,14 +275,15 @@ TEST(LargestLimits, RefuseWhatNoArrayHolds) {
   const std::string scene = service.load("many_points.pbrt");
   v1::SampleLeResponse rays;
   const grpc::Status emitted =
-      ask([&](auto* c) { return service.lighting.SampleLe(c, emit(scene, 1 << 24), &rays); });
+      status_of([&](auto* c) { return service.lighting.SampleLe(c, emit(scene, 1 << 24), &rays); });
   EXPECT_EQ(emitted.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
   EXPECT_THAT(emitted.error_message(), HasSubstr("count, each answered in 587 bytes, = 16777216"));
   v1::SampleLiRequest q = li(scene, 1);
   q.mutable_accuracy()->set_samples(1 << 24);
   v1::SampleLiResponse samples;
-  EXPECT_EQ(ask([&](auto* c) { return service.lighting.SampleLi(c, q, &samples); }).error_code(),
-            grpc::StatusCode::RESOURCE_EXHAUSTED);
+  EXPECT_EQ(
+      status_of([&](auto* c) { return service.lighting.SampleLi(c, q, &samples); }).error_code(),
+      grpc::StatusCode::RESOURCE_EXHAUSTED);
 }
 
 }  // namespace

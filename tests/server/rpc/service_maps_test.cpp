@@ -1,11 +1,11 @@
-// What ListLights tells of infinite lights with a picture, a portal, or both.
+// ListLights for infinite lights with a picture, a portal, or both.
 #include "service_fixture.h"
 #include "tests/server/pbrt/pbrt_fixture.h"
 
 namespace lucerna::testing {
 namespace {
 
-/// A .pfm of 2 everywhere.
+/// A .pfm file with 2 everywhere.
 std::string pfm(int width, int height) {
   std::string bytes = "PF\n" + std::to_string(width) + " " + std::to_string(height) + "\n-1.0\n";
   const float v = 2;
@@ -28,7 +28,7 @@ v1::Light light_of(const std::string& parameters) {
   request.set_scene_id(service.load("scene.pbrt"));
   v1::ListLightsResponse response;
   const grpc::Status s =
-      ask([&](auto* c) { return service.scenes.ListLights(c, request, &response); });
+      status_of([&](auto* c) { return service.scenes.ListLights(c, request, &response); });
   EXPECT_TRUE(s.ok()) << s.error_message();
   EXPECT_EQ(response.lights_size(), 1);
   return response.lights_size() == 1 ? response.lights(0) : v1::Light();

@@ -1,4 +1,4 @@
-// The camera that moves and the shutter that is asked for, over the wire.
+// The moving camera and the requested shutter, in calls.
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -30,7 +30,8 @@ class MovingCameraServiceTest : public ::testing::Test {
   }
   grpc::Status render(v1::Tile* tile) {
     v1::RenderTileResponse r;
-    const grpc::Status s = ask([&](auto* c) { return service_.render.RenderTile(c, tile_, &r); });
+    const grpc::Status s =
+        status_of([&](auto* c) { return service_.render.RenderTile(c, tile_, &r); });
     *tile = r.tile();
     return s;
   }
@@ -52,14 +53,14 @@ class MovingCameraServiceTest : public ::testing::Test {
     }
     return sum / static_cast<double>(n);
   }
-  /// Radiance of reflectance 0.5 below the camera, while it is over x = 2 t: 0.5 / pi I h / d^3.
+  /// Radiance at reflectance 0.5 below the camera, while it is over x = 2 t: 0.5 / pi I h / d^3.
   static double radiance(double t) { return 0.5 / kPi * 18 * 3 / std::pow(4 * t * t + 9, 1.5); }
-  /// Its mean from `a` to `b` s: I h / d^3 is the slope of I x / (h d).
+  /// The mean of that from `a` to `b` s.  I h / d^3 is the slope of I x / (h d).
   static double radiance(double a, double b) {
     const auto f = [](double x) { return 18 * x / (3 * std::sqrt(x * x + 9)); };
     return 0.5 / kPi * (f(2 * b) - f(2 * a)) / (2 * b - 2 * a);
   }
-  /// Of both kinds of picture; all that is seen lies within 2 mm.
+  /// Checks both kinds of picture.  All visible points lie within 2 mm.
   void expect_mean(double expected, double tolerance) {
     v1::Tile tile;
     ASSERT_TRUE(render(&tile).ok());
@@ -74,11 +75,11 @@ class MovingCameraServiceTest : public ::testing::Test {
   v1::RenderImageRequest image_;
 };
 
-TEST_F(MovingCameraServiceTest, GetSceneTellsItsWay) {
+TEST_F(MovingCameraServiceTest, GetSceneReportsItsMotion) {
   v1::GetSceneRequest q;
   v1::GetSceneResponse r;
   q.set_scene_id(scene_);
-  ASSERT_TRUE(ask([&](auto* c) { return service_.scenes.GetScene(c, q, &r); }).ok());
+  ASSERT_TRUE(status_of([&](auto* c) { return service_.scenes.GetScene(c, q, &r); }).ok());
   EXPECT_EQ(r.remarks_size(), 0);
   const v1::Motion& motion = r.summary().camera_motion();
   ASSERT_EQ(motion.key_frames_size(), 2);
@@ -88,12 +89,12 @@ TEST_F(MovingCameraServiceTest, GetSceneTellsItsWay) {
   EXPECT_NEAR(motion.key_frames(1).position_m().x(), 4, 1e-12);
   EXPECT_NEAR(motion.key_frames(1).position_m().z(), 2, 1e-12);
   EXPECT_NEAR(motion.key_frames(1).angle_rad(), 0, 1e-12);
-  q.set_scene_id(service_.load("moving_point.pbrt"));  // where it rests
-  ASSERT_TRUE(ask([&](auto* c) { return service_.scenes.GetScene(c, q, &r); }).ok());
+  q.set_scene_id(service_.load("moving_point.pbrt"));  // the camera is at rest there
+  ASSERT_TRUE(status_of([&](auto* c) { return service_.scenes.GetScene(c, q, &r); }).ok());
   EXPECT_FALSE(r.summary().has_camera_motion());
 }
 
-TEST_F(MovingCameraServiceTest, PicturesAreFromWhereItIsAtTheMoment) {
+TEST_F(MovingCameraServiceTest, PicturesShowTheViewAtTheMoment) {
   for (const double t : {-1.0, 0.0, 0.75, 2.0, 5.0}) {
     tile_.set_time_s(t);
     image_.set_time_s(t);
@@ -102,9 +103,10 @@ TEST_F(MovingCameraServiceTest, PicturesAreFromWhereItIsAtTheMoment) {
   }
 }
 
-TEST_F(MovingCameraServiceTest, PicturesAreOfTheShutterThatIsAskedFor) {
-  // Between the shutter's ends illuminance varies by less than 1.6: its standard deviation is below
-  // 0.8, of 8192 samples below 0.0089: seven of that, by luck less than once in 1e11.
+TEST_F(MovingCameraServiceTest, PicturesAreOfTheRequestedShutter) {
+  // Between the shutter's ends, illuminance varies by less than 1.6.  Its standard deviation is
+  // below 0.8, for 8192 samples below 0.0089.  Seven of that are exceeded by chance less than once
+  // in 1e11.
   const double tolerance = 0.5 / kPi * 0.062;
   expect_mean(radiance(0, 2), tolerance);
   const auto shut = [&](double offset_s, std::optional<double> length_s) {
@@ -122,12 +124,12 @@ TEST_F(MovingCameraServiceTest, PicturesAreOfTheShutterThatIsAskedFor) {
   expect_mean(radiance(0.25, 0.5), tolerance);
   shut(0.75, 0);  // an instant
   expect_mean(radiance(0.75), 2e-3 * radiance(0.75));
-  // Two seconds more: half of the time at its end.
+  // Two seconds longer: half of the time at its end.
   shut(1, {});
   expect_mean(0.5 * radiance(1, 2) + 0.5 * radiance(2), tolerance);
   shut(-2, {});
   expect_mean(radiance(0), 2e-3 * radiance(0));
-  // As wide as the scene's own: the same bits.
+  // As wide as the scene's own shutter: the same bits.
   v1::Tile plain, shifted, twice;
   tile_.clear_shutter();
   ASSERT_TRUE(render(&plain).ok());
@@ -141,7 +143,7 @@ TEST_F(MovingCameraServiceTest, PicturesAreOfTheShutterThatIsAskedFor) {
   EXPECT_NE(plain.sum(), shifted.sum());
 }
 
-TEST_F(MovingCameraServiceTest, ShuttersThatCannotBeAreNamed) {
+TEST_F(MovingCameraServiceTest, InvalidShuttersAreNamed) {
   const auto refused = [&](const v1::Shutter& shutter, const std::string& field) {
     v1::Tile tile;
     *tile_.mutable_shutter() = shutter;

@@ -10,16 +10,16 @@ constexpr double kPi = std::numbers::pi;
 
 double luminance_of(const v1::Rgb& c) { return testing::luminance_of(c.r(), c.g(), c.b()); }
 
-/// Luminous flux by hand, from what ListLights tells of the light and the radius of the scene's
-/// sphere; 0 where a picture or a file says it.
+/// Luminous flux by hand, from the answer of ListLights and the radius of the scene's sphere; 0
+/// where a picture or a file determines it.
 double by_hand(const v1::Light& light, double radius) {
   const double disk = kPi * radius * radius;
   switch (light.kind_case()) {
     case v1::Light::kPoint:
       return 4 * kPi * luminance_of(light.point().intensity_cd());
     case v1::Light::kSpot: {
-      // Full light over the inner cap; over the edge, whose zones of equal height are of equal
-      // area, the mean of the profile: 1/2 of smoothstep, 1/5 of x^4.
+      // Full light over the inner cap.  In the edge, zones of equal height have equal areas.  So
+      // the edge adds the mean of the profile: 1/2 for smoothstep, 1/5 for x^4.
       const v1::SpotLight& spot = light.spot();
       const double inner = 1 - std::cos(spot.falloff_start_rad());
       const double outer = 1 - std::cos(spot.cone_half_angle_rad());
@@ -39,8 +39,8 @@ double by_hand(const v1::Light& light, double radius) {
     case v1::Light::kDistant:
       return luminance_of(light.distant().illuminance_lx()) * disk;
     case v1::Light::kSun: {
-      // E = pi L sin^2 a on what faces its centre; all its directions together bring L times their
-      // solid angle 2 pi (1 - cos a) through disks that face them.
+      // E = pi L sin^2 a on a surface that faces the centre.  All directions together give L times
+      // their solid angle 2 pi (1 - cos a), through disks that face them.
       const double cosine = std::cos(light.sun().angular_diameter_rad() / 2);
       return luminance_of(light.sun().illuminance_lx()) * disk * 2 / (1 + cosine);
     }
@@ -56,7 +56,7 @@ double by_hand(const v1::Light& light, double radius) {
       }
       return 4 * kPi * luminance_of(light.goniometric().intensity());
     case v1::Light::kImageInfinite: {
-      // A uniform sky brings pi L to each square metre of its portal.
+      // A uniform sky gives pi L for each square metre of its portal.
       const v1::ImageInfiniteLight& sky = light.image_infinite();
       if (sky.has_map() || !has_portal(light)) return 0;
       const auto side = [&](int to) {
@@ -87,12 +87,12 @@ TEST_F(PowerTest, ExactPowersAreThoseDerivedByHand) {
     EXPECT_NEAR(p.power_lm(), lumens, p.error_lm() + 1e-6 * lumens) << light.ShortDebugString();
   }
   EXPECT_GE(derived, 17);
-  // 200 cd straight down, in proportion to the angle down to 0 at 90 degrees:
-  // 2 pi 200 times the integral of (1 - 2 t / pi) sin t, which is 1 - 2 / pi.
+  // 200 cd straight down, linear in the angle to 0 at 90 degrees.  The flux is 2 pi 200 times the
+  // integral of (1 - 2 t / pi) sin t, which is 1 - 2 / pi.
   EXPECT_NEAR(first(v1::Light::kGoniometric).power_lm(), 400 * kPi * (1 - 2 / kPi), 1e-9);
-  // 200 cd straight down, in proportion to the angle to what the planes C0, C90, C180, C270 have at
-  // 90 degrees, linear between them, so 100 in the mean: 2 pi (200 - 100 2 / pi), half of it here
-  // and all of it on a panel.
+  // 200 cd straight down, linear in the angle to the values of the planes C0, C90, C180, C270 at 90
+  // degrees, and linear between planes.  Their mean is 100, so the flux is 2 pi (200 - 100 2 / pi).
+  // Half of it counts here and all of it on a panel.
   const auto is_sconce = [](const v1::PhotometricFile& file) {
     return file.name() == "lights/sconce.ldt";
   };
@@ -103,13 +103,13 @@ TEST_F(PowerTest, ExactPowersAreThoseDerivedByHand) {
   EXPECT_NEAR(
       first([&](const v1::Light& l) { return is_sconce(l.diffuse_area().profile()); }).power_lm(),
       400 * (kPi - 1), 1e-9);
-  // By default exact.
+  // The default is exact.
   EXPECT_EQ(answer(request(v1::EstimatePowerRequest::METHOD_UNSPECIFIED)).total().power_lm(),
             exact.total().power_lm());
 }
 
 TEST_F(PowerTest, AreasAndDiametersAreThoseOfTheFile) {
-  // The shapes of every_light.pbrt, so that areas are no guess of the server's.
+  // The shapes of every_light.pbrt, independent of the server's areas.
   EXPECT_NEAR(first(v1::AREA_SHAPE_TRIANGLE_MESH).area_m2(), 0.5, 1e-6);
   EXPECT_NEAR(first(v1::AREA_SHAPE_BILINEAR_MESH).area_m2(), 1.5, 1e-6);
   EXPECT_NEAR(first(v1::AREA_SHAPE_SPHERE).area_m2(), 4 * kPi * 0.35 * 0.35, 1e-6);
@@ -117,7 +117,7 @@ TEST_F(PowerTest, AreasAndDiametersAreThoseOfTheFile) {
   EXPECT_NEAR(first(v1::AREA_SHAPE_CYLINDER).area_m2(), 2 * kPi * 0.06 * 2, 1e-6);
 }
 
-TEST_F(PowerTest, ApproximateIsOffByItsErrorAndNoMore) {
+TEST_F(PowerTest, ApproximatePowerIsWithinItsError) {
   const auto exact = answer(request(v1::EstimatePowerRequest::METHOD_EXACT));
   const auto books = answer(request(v1::EstimatePowerRequest::METHOD_APPROXIMATE));
   ASSERT_EQ(books.lights_size(), exact.lights_size());
@@ -130,7 +130,7 @@ TEST_F(PowerTest, ApproximateIsOffByItsErrorAndNoMore) {
   }
 }
 
-TEST_F(PowerTest, ApproximateIsTheFormulaOfTheBooks) {
+TEST_F(PowerTest, ApproximatePowerIsTheTextbookFormula) {
   const auto books = answer(request(v1::EstimatePowerRequest::METHOD_APPROXIMATE));
   const double radius = summary_.radius_m();
   for (int i = 0; i < books.lights_size(); ++i) {
@@ -147,16 +147,16 @@ TEST_F(PowerTest, ApproximateIsTheFormulaOfTheBooks) {
       const double corner = std::atan(std::sqrt(2.0) * std::tan(light.projection().fov_rad() / 2));
       lumens = luminance_of(light.projection().intensity_cd()) * 2 * kPi * (1 - std::cos(corner));
     } else if (light.has_sun()) {
-      // As if all of it came from its centre.
+      // As if all light came from the centre.
       lumens = luminance_of(light.sun().illuminance_lx()) * kPi * radius * radius;
     } else if (has_portal(light) && !light.image_infinite().has_map()) {
-      // Without the cosine: 2 pi where that makes it pi.
+      // Without the cosine: 2 pi instead of pi.
       lumens *= 2;
     }
     if (lumens == 0) continue;
     EXPECT_NEAR(books.lights(i).power_lm(), lumens, 1e-6 * lumens) << light.ShortDebugString();
   }
-  // Where they are wrong they are: 0.2 of the edge is not half, and the sun is 30 degrees wide.
+  // Known errors: 0.2 of the edge is not half, and the sun is 30 degrees wide.
   const auto error_of = [&](const v1::Light& light) {
     for (const v1::LightPower& p : books.lights()) {
       if (p.light_id() == light.id()) return p.error_lm() / p.power_lm();
@@ -170,7 +170,7 @@ TEST_F(PowerTest, ApproximateIsTheFormulaOfTheBooks) {
   EXPECT_EQ(error_of(first(v1::Light::kPoint)), 0);
 }
 
-TEST_F(PowerTest, TotalsAreSumsOfWhatWasAskedFor) {
+TEST_F(PowerTest, TotalsAreSumsOfTheRequestedLights) {
   for (const auto method :
        {v1::EstimatePowerRequest::METHOD_EXACT, v1::EstimatePowerRequest::METHOD_APPROXIMATE}) {
     v1::EstimatePowerRequest q = request(method);
@@ -188,7 +188,7 @@ TEST_F(PowerTest, TotalsAreSumsOfWhatWasAskedFor) {
     };
     const auto all = answer(q);
     check(all, all.total());
-    // In the order asked for; a light asked for twice counts twice.
+    // In the requested order.  A light that is listed twice counts twice.
     for (const std::uint64_t id : {3, 1, 3}) q.add_light_ids(id);
     const auto some = answer(q);
     ASSERT_EQ(some.lights_size(), 3);
@@ -196,7 +196,7 @@ TEST_F(PowerTest, TotalsAreSumsOfWhatWasAskedFor) {
     EXPECT_EQ(some.lights(1).light_id(), 1U);
     EXPECT_EQ(some.lights(2).power_lm(), some.lights(0).power_lm());
     check(some, some.total());
-    // Whatever the page.
+    // For any page.
     q.set_page_size(2);
     const auto page = answer(q);
     ASSERT_EQ(page.lights_size(), 2);
@@ -210,7 +210,7 @@ TEST_F(PowerTest, TotalsAreSumsOfWhatWasAskedFor) {
   }
 }
 
-TEST_F(PowerTest, WhatDoesNotFitIsRefused) {
+TEST_F(PowerTest, InvalidRequestsAreRefused) {
   v1::EstimatePowerResponse r;
   v1::EstimatePowerRequest q = request(v1::EstimatePowerRequest::METHOD_APPROXIMATE);
   q.add_light_ids(1);
@@ -255,19 +255,19 @@ TEST_F(EveryLightTest, BoundsHoldEveryRay) {
     }
     if (!light.has_directions()) continue;
     if (light.has_beam()) {
-      // All rays are parallel, and a cosine tells no angle this small.
+      // All rays are parallel, and a cosine does not resolve angles this small.
       EXPECT_LT(light.directions().half_angle_rad(), 1e-6);
       EXPECT_NEAR(smallest, 1, 1e-6);
       continue;
     }
     const double half_angle = light.directions().half_angle_rad();
     EXPECT_LE(std::acos(smallest), half_angle + 1e-5) << light.ShortDebugString();
-    // And not much more than the rays fill: 4096 of them come near the edge, even of a quartic one.
+    // Not much more than the rays fill: some of 4096 come near the edge, even with a quartic one.
     EXPECT_GT(std::acos(smallest), 0.8 * half_angle) << light.ShortDebugString();
   }
 }
 
-TEST_F(EveryLightTest, DirectionsAreToldOfLightsThatDoNotShineInAll) {
+TEST_F(EveryLightTest, ConfinedLightsReportTheirDirections) {
   constexpr double kDegree = kPi / 180;
   EXPECT_FALSE(first(v1::Light::kPoint).has_directions());
   EXPECT_FALSE(first(v1::AREA_SHAPE_SPHERE).has_directions());
@@ -276,7 +276,7 @@ TEST_F(EveryLightTest, DirectionsAreToldOfLightsThatDoNotShineInAll) {
   const v1::Light& spot = first(v1::Light::kSpot);
   EXPECT_NEAR(spot.directions().half_angle_rad(), 30 * kDegree, 1e-5);
   EXPECT_NEAR(spot.directions().axis().z(), -3.5 / std::sqrt(4 + 6.25 + 12.25), 1e-6);
-  // Down: the file's, the disk's, the triangle's, the rectangle's.
+  // Downwards: the file's, the disk's, the triangle's, the rectangle's.
   for (const v1::Light* light :
        {&first(v1::Light::kGoniometric), &first(v1::AREA_SHAPE_DISK),
         &first(v1::AREA_SHAPE_TRIANGLE_MESH), &first(v1::AREA_SHAPE_BILINEAR_MESH)}) {

@@ -1,4 +1,4 @@
-// What requests are predicted to take, by which the lane is chosen that they wait in.
+// The predicted time of requests, which decides the lane they wait in.
 #include <gtest/gtest.h>
 
 #include "proto/common/sample_blocks.h"
@@ -13,7 +13,7 @@ constexpr int kItems = 1000, kWavelengths = 128;
 
 class Prediction : public ::testing::Test {
  protected:
-  /// Seconds for `request`, which names no scene yet, at so many wavelengths.
+  /// Predicted seconds for `request`, which names no scene yet, with this number of wavelengths.
   template <typename Request, typename Response>
   double predicted(Prepared (*prepare)(const Context&, const Request&, Response*), Request request,
                    int wavelengths) {
@@ -24,7 +24,7 @@ class Prediction : public ::testing::Test {
     EXPECT_TRUE(task.ok()) << task.status();
     return task.ok() ? task->predicted_s : 0;
   }
-  /// That wavelengths count, each value of each item at each of them.
+  /// Expects that wavelengths count: each value of each item at each of them.
   template <typename Request, typename Response>
   void expect_counted(Prepared (*prepare)(const Context&, const Request&, Response*),
                       const Request& request, double values) {
@@ -37,7 +37,7 @@ class Prediction : public ::testing::Test {
   std::unique_ptr<AssetStore> assets_ = AssetStore::open({}).value();
   std::unique_ptr<SceneStore> scenes_ =
       SceneStore::open({.root = LUCERNA_TEST_DATA "/reference"}, assets_.get()).value();
-  // 400 lights of one RGB each.
+  // 400 lights with an RGB colour each.
   std::string scene_ = scenes_->load("many_points.pbrt").value().stored.scene->id();
 };
 
@@ -61,7 +61,7 @@ TEST_F(Prediction, CountsWavelengthsOfEachCall) {
   expect_counted(estimate_irradiance, meter, kItems);
 }
 
-TEST(SampleBlocks, AreNotLargerThanTheirSamplesCanBeNumbered) {
+TEST(SampleBlocks, AreLimitedByTheNumberingOfSamples) {
   EXPECT_EQ(default_samples_per_block(1U << 31, 1), 1U << 28);
   EXPECT_EQ(default_samples_per_block(1U << 30, 8), 1U << 27);
   EXPECT_EQ(default_samples_per_block(48, 1), 16U);

@@ -1,4 +1,4 @@
-// Tiles and pictures of a target error or a time.
+// Tiles and pictures with a target error or a time budget.
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -42,11 +42,11 @@ class RenderAccuracyTest : public ::testing::Test {
     q.set_seed(5);
     return q;
   }
-  grpc::Status ask(const v1::RenderTileRequest& q, v1::RenderTileResponse* r) {
+  grpc::Status render(const v1::RenderTileRequest& q, v1::RenderTileResponse* r) {
     r->Clear();
-    return testing::ask([&](auto* c) { return service_.render.RenderTile(c, q, r); });
+    return testing::status_of([&](auto* c) { return service_.render.RenderTile(c, q, r); });
   }
-  /// All that is sent, in order.
+  /// All sent messages, in order.
   std::vector<v1::RenderImageResponse> image(const v1::RenderImageRequest& q) {
     grpc::ClientContext context;
     const auto reader = service_.render.RenderImage(&context, q);
@@ -62,13 +62,13 @@ class RenderAccuracyTest : public ::testing::Test {
   const std::string scene_ = service_.load("rectangle.pbrt");
 };
 
-TEST_F(RenderAccuracyTest, ATargetErrorTellsOfEachPixelWhatWasDone) {
+TEST_F(RenderAccuracyTest, ATargetErrorReportsSamplesAndIntervalsOfEachPixel) {
   v1::RenderTileRequest q = tile_request();
   q.mutable_accuracy()->mutable_target_error()->set_relative(0.1);
   q.mutable_accuracy()->mutable_target_error()->set_max_samples(512);
   q.set_bounces(0);
   v1::RenderTileResponse r;
-  ASSERT_TRUE(ask(q, &r).ok());
+  ASSERT_TRUE(render(q, &r).ok());
   const v1::Tile& t = r.tile();
   EXPECT_EQ(t.block_count(), 32U);
   EXPECT_EQ(t.samples_per_block(), 0U);
@@ -88,15 +88,15 @@ TEST_F(RenderAccuracyTest, ATargetErrorTellsOfEachPixelWhatWasDone) {
     EXPECT_LE(lower[i], value * (1 + 1e-3));
     EXPECT_GE(upper[i], value * (1 - 1e-3));
   }
-  EXPECT_GT(r.cost().samples(), all + 64 * 800 - 1);  // pilots, too
+  EXPECT_GT(r.cost().samples(), all + 64 * 800 - 1);  // includes pilots
   EXPECT_GE(by_count.size(), 2U);
-  // The same count, the same bits.
+  // The same count gives the same bits.
   for (const auto& [count, pixels] : by_count) {
     v1::RenderTileRequest again = q;
     again.mutable_accuracy()->set_samples(count);
     again.set_samples_per_block(count / 32);
     v1::RenderTileResponse same;
-    ASSERT_TRUE(ask(again, &same).ok());
+    ASSERT_TRUE(render(again, &same).ok());
     EXPECT_EQ(same.tile().block_count(), 32U);
     EXPECT_TRUE(same.tile().samples().empty());
     EXPECT_TRUE(same.tile().lower().empty());
@@ -108,7 +108,7 @@ TEST_F(RenderAccuracyTest, ATargetErrorTellsOfEachPixelWhatWasDone) {
   }
 }
 
-TEST_F(RenderAccuracyTest, ImagesOfATargetErrorHaveTheBitsOfTiles) {
+TEST_F(RenderAccuracyTest, ImagesWithATargetErrorHaveTheBitsOfTiles) {
   v1::RenderImageRequest q = image_request();
   q.mutable_accuracy()->mutable_target_error()->set_relative(0.5);
   q.mutable_accuracy()->mutable_target_error()->set_max_samples(64);
@@ -128,19 +128,19 @@ TEST_F(RenderAccuracyTest, ImagesOfATargetErrorHaveTheBitsOfTiles) {
     *one.mutable_accuracy() = q.accuracy();
     one.set_bounces(0);
     v1::RenderTileResponse same;
-    ASSERT_TRUE(ask(one, &same).ok());
+    ASSERT_TRUE(render(one, &same).ok());
     EXPECT_EQ(same.tile().SerializeAsString(), r.tile().SerializeAsString());
   }
 }
 
-TEST_F(RenderAccuracyTest, ATimeTellsTheCountThatItAllowed) {
+TEST_F(RenderAccuracyTest, ATimeBudgetReportsItsSampleCount) {
   v1::RenderTileRequest q = tile_request();
   for (const std::uint32_t block : {0U, 2U, 64U}) {
     for (const double budget : {1e-9, 0.3}) {
       q.mutable_accuracy()->set_time_budget_s(budget);
       if (block > 0) q.set_samples_per_block(block);
       v1::RenderTileResponse r, same;
-      ASSERT_TRUE(ask(q, &r).ok());
+      ASSERT_TRUE(render(q, &r).ok());
       const v1::Tile& t = r.tile();
       const std::uint64_t samples = t.block_count() * t.samples_per_block();
       EXPECT_TRUE(std::has_single_bit(samples));
@@ -153,14 +153,14 @@ TEST_F(RenderAccuracyTest, ATimeTellsTheCountThatItAllowed) {
       }
       v1::RenderTileRequest again = q;
       again.mutable_accuracy()->set_samples(static_cast<std::uint32_t>(samples));
-      ASSERT_TRUE(ask(again, &same).ok());
+      ASSERT_TRUE(render(again, &same).ok());
       EXPECT_EQ(t.SerializeAsString(), same.tile().SerializeAsString()) << budget;
       EXPECT_EQ(r.cost().samples(), samples * 800);
     }
   }
 }
 
-TEST_F(RenderAccuracyTest, ImagesOfATimeTellTheirCounts) {
+TEST_F(RenderAccuracyTest, ImagesWithATimeBudgetReportTheirSampleCounts) {
   v1::RenderImageRequest q = image_request();
   for (const bool final_only : {false, true}) {
     for (const double budget : {1e-9, 0.6}) {
@@ -186,7 +186,7 @@ TEST_F(RenderAccuracyTest, ImagesOfATimeTellTheirCounts) {
           EXPECT_EQ(t.block_count(), 2U);
         }
         EXPECT_GE(t.block_count(), 2U);
-        // Those of a picture of that count.
+        // The tiles of a picture with that count.
         v1::RenderImageRequest counted = image_request();
         counted.set_samples_per_block(8);
         counted.mutable_accuracy()->set_samples(static_cast<std::uint32_t>(8 * t.block_count()));
@@ -204,7 +204,7 @@ TEST_F(RenderAccuracyTest, ImagesOfATimeTellTheirCounts) {
   }
 }
 
-TEST_F(RenderAccuracyTest, MoreTimeThanThereIsEndsAtTheMostSamplesThatCanBeAskedFor) {
+TEST_F(RenderAccuracyTest, ALongTimeBudgetEndsAtTheLargestSampleCount) {
   rpc::ServerOptions options = service_options();
   options.limits.max_samples = 100;
   Service service(options);
@@ -212,10 +212,12 @@ TEST_F(RenderAccuracyTest, MoreTimeThanThereIsEndsAtTheMostSamplesThatCanBeAsked
   v1::RenderTileRequest q = tile_request();
   q.mutable_accuracy()->set_time_budget_s(1e300);
   v1::RenderTileResponse r;
-  ASSERT_TRUE(testing::ask([&](auto* c) { return service.render.RenderTile(c, q, &r); }).ok());
+  ASSERT_TRUE(
+      testing::status_of([&](auto* c) { return service.render.RenderTile(c, q, &r); }).ok());
   EXPECT_EQ(r.tile().block_count() * r.tile().samples_per_block(), 64U);
   q.mutable_accuracy()->mutable_target_error()->set_relative(1e-6);
-  ASSERT_TRUE(testing::ask([&](auto* c) { return service.render.RenderTile(c, q, &r); }).ok());
+  ASSERT_TRUE(
+      testing::status_of([&](auto* c) { return service.render.RenderTile(c, q, &r); }).ok());
   EXPECT_THAT(plane<std::uint32_t>(r.tile().samples()), ::testing::Each(64U));
   v1::RenderImageRequest image = image_request();
   image.mutable_accuracy()->set_time_budget_s(1e300);
@@ -228,36 +230,38 @@ TEST_F(RenderAccuracyTest, MoreTimeThanThereIsEndsAtTheMostSamplesThatCanBeAsked
   EXPECT_EQ(last.samples_done(), 160U * 120 * 64);
 }
 
-TEST_F(RenderAccuracyTest, WhatCannotBeIsNamed) {
+TEST_F(RenderAccuracyTest, InvalidSettingsAreNamed) {
   v1::RenderTileResponse r;
-  const auto said = [&](auto&& change) {
+  const auto status_with = [&](auto&& change) {
     v1::RenderTileRequest q = tile_request();
     change(q);
-    return ask(q, &r);
+    return render(q, &r);
   };
   using Q = v1::RenderTileRequest;
   const double nan = std::nan(""), inf = std::numeric_limits<double>::infinity();
   for (const double bad : {0.0, -1.0, nan, inf}) {
     expect_bad_field(
-        said([&](Q& q) { q.mutable_accuracy()->mutable_target_error()->set_relative(bad); }),
+        status_with([&](Q& q) { q.mutable_accuracy()->mutable_target_error()->set_relative(bad); }),
         "accuracy.target_error.relative");
-    expect_bad_field(said([&](Q& q) { q.mutable_accuracy()->set_time_budget_s(bad); }),
+    expect_bad_field(status_with([&](Q& q) { q.mutable_accuracy()->set_time_budget_s(bad); }),
                      "accuracy.time_budget_s");
     v1::RenderImageRequest image = image_request();
     image.mutable_accuracy()->set_time_budget_s(bad);
-    expect_bad_field(
-        testing::ask([&](auto* c) { return service_.render.RenderImage(c, image)->Finish(); }),
-        "accuracy.time_budget_s");
+    expect_bad_field(testing::status_of(
+                         [&](auto* c) { return service_.render.RenderImage(c, image)->Finish(); }),
+                     "accuracy.time_budget_s");
   }
   const auto target = [](Q& q) { q.mutable_accuracy()->mutable_target_error()->set_relative(0.1); };
   const auto time = [](Q& q) { q.mutable_accuracy()->set_time_budget_s(0.1); };
-  expect_bad_field(said([&](Q& q) { target(q), q.set_first_sample(64); }), "first_sample");
-  expect_bad_field(said([&](Q& q) { time(q), q.set_first_sample(64); }), "first_sample");
-  expect_bad_field(said([&](Q& q) { target(q), q.set_samples_per_block(8); }), "samples_per_block");
-  expect_bad_field(said([&](Q& q) { time(q), q.set_samples_per_block(3); }), "samples_per_block");
-  expect_bad_field(said([&](Q& q) { time(q), q.set_samples_per_block(1U << 28); }),
+  expect_bad_field(status_with([&](Q& q) { target(q), q.set_first_sample(64); }), "first_sample");
+  expect_bad_field(status_with([&](Q& q) { time(q), q.set_first_sample(64); }), "first_sample");
+  expect_bad_field(status_with([&](Q& q) { target(q), q.set_samples_per_block(8); }),
                    "samples_per_block");
-  expect_bad_field(said([&](Q& q) {
+  expect_bad_field(status_with([&](Q& q) { time(q), q.set_samples_per_block(3); }),
+                   "samples_per_block");
+  expect_bad_field(status_with([&](Q& q) { time(q), q.set_samples_per_block(1U << 28); }),
+                   "samples_per_block");
+  expect_bad_field(status_with([&](Q& q) {
                      target(q), q.mutable_accuracy()->mutable_target_error()->set_max_samples(63);
                    }),
                    "accuracy.target_error.max_samples");
@@ -266,7 +270,7 @@ TEST_F(RenderAccuracyTest, WhatCannotBeIsNamed) {
 TEST_F(RenderAccuracyTest, CancelledTilesAndImagesEnd) {
   v1::RenderTileRequest q = tile_request();
   v1::RenderImageRequest images[] = {image_request(), image_request()};
-  // Hours, each.
+  // Each would take hours.
   v1::TargetError* target = q.mutable_accuracy()->mutable_target_error();
   target->set_relative(1e-6);
   target->set_max_samples(1 << 20);
@@ -291,10 +295,10 @@ TEST_F(RenderAccuracyTest, CancelledTilesAndImagesEnd) {
     }
     EXPECT_EQ(reader->Finish().error_code(), grpc::StatusCode::CANCELLED);
   }
-  // This ends only where they were given up.
+  // This loop ends only when the work was abandoned.
   while (service_.server->lanes().pending(Lane::kBulk) > 0) std::this_thread::yield();
   q.mutable_accuracy()->set_samples(8);
-  EXPECT_TRUE(ask(q, &r).ok());
+  EXPECT_TRUE(render(q, &r).ok());
 }
 
 }  // namespace

@@ -9,7 +9,7 @@ namespace {
 class RenderServiceTest : public ::testing::Test {
  protected:
   grpc::Status tile(Service& service, const v1::RenderTileRequest& q, v1::RenderTileResponse* r) {
-    return ask([&](auto* c) { return service.render.RenderTile(c, q, r); });
+    return status_of([&](auto* c) { return service.render.RenderTile(c, q, r); });
   }
   v1::RenderTileRequest tile_request(std::uint32_t samples) const {
     v1::RenderTileRequest q;
@@ -111,11 +111,12 @@ TEST_F(RenderServiceTest, BadTilesAreNamed) {
   v1::RenderImageRequest image;
   image.set_scene_id(scene_);
   image.set_tile_size(0);
-  expect_bad_field(ask([&](auto* c) { return service_.render.RenderImage(c, image)->Finish(); }),
-                   "tile_size");
+  expect_bad_field(
+      status_of([&](auto* c) { return service_.render.RenderImage(c, image)->Finish(); }),
+      "tile_size");
 }
 
-// The samples of a block are cut into eight parts, which are numbered in 32 bits.
+// The samples of a block are divided into eight parts, which are numbered in 32 bits.
 TEST_F(RenderServiceTest, BlocksOfMoreSamplesThanCanBeNumberedAreRefused) {
   rpc::ServerOptions options = service_options();
   options.limits.max_samples = 1U << 30;
@@ -131,7 +132,7 @@ TEST_F(RenderServiceTest, BlocksOfMoreSamplesThanCanBeNumberedAreRefused) {
       << s.error_message();
 }
 
-TEST_F(RenderServiceTest, WhatTheFileProposesIsRoundedToWhatATileCanHold) {
+TEST_F(RenderServiceTest, ProposedSampleCountsAreRoundedForTiles) {
   rpc::ServerOptions options = service_options();
   options.scenes.root = LUCERNA_TEST_DATA "/pbrt";
   Service service(options);
@@ -177,7 +178,7 @@ TEST_F(RenderServiceTest, CancelledRendersStopAndMakeRoom) {
   }
   EXPECT_EQ(reader->Finish().error_code(), grpc::StatusCode::CANCELLED);
   caller.join();
-  // Hours of work were asked for: this ends only where they were given up.
+  // The work would take hours.  This loop ends only when it was abandoned.
   while (service_.server->lanes().pending(Lane::kBulk) > 0) std::this_thread::yield();
   v1::RenderTileResponse next;
   EXPECT_TRUE(tile(service_, tile_request(1), &next).ok());
@@ -200,7 +201,7 @@ TEST_F(RenderServiceTest, ADeadlineEndsWaitingAndWork) {
   while (service_.server->lanes().pending(Lane::kBulk) > 0) std::this_thread::yield();
 }
 
-TEST_F(RenderServiceTest, AFullQueuePushesBack) {
+TEST_F(RenderServiceTest, AFullQueueRefusesRequests) {
   rpc::ServerOptions options = service_options();
   options.lanes.bulk_queue = 1;
   Service service(options);
@@ -218,11 +219,11 @@ TEST_F(RenderServiceTest, AFullQueuePushesBack) {
   const auto pushback = trailers.find("grpc-retry-pushback-ms");
   ASSERT_NE(pushback, trailers.end());
   EXPECT_EQ(std::string(pushback->second.data(), pushback->second.size()), "1000");
-  // Small queries go on meanwhile.
+  // Small queries continue meanwhile.
   v1::GetSceneRequest get;
   get.set_scene_id(scene_);
   v1::GetSceneResponse scene;
-  EXPECT_TRUE(ask([&](auto* c) { return service.scenes.GetScene(c, get, &scene); }).ok());
+  EXPECT_TRUE(status_of([&](auto* c) { return service.scenes.GetScene(c, get, &scene); }).ok());
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// SampleLi with a target error or a time: how many samples it takes, and what it says of them.
+// SampleLi with a target error or a time budget: its sample counts and its estimates.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -20,7 +20,7 @@ bool bit(const std::string& bits, int i) {
 
 class SampleAccuracy : public ::testing::Test {
  protected:
-  /// Three receivers below the lamp of the scene, one that is no number.
+  /// Three receivers below the lamp of the scene, and one that is NaN.
   v1::SampleLiRequest question() {
     v1::SampleLiRequest q;
     q.set_scene_id(scene_);
@@ -33,13 +33,13 @@ class SampleAccuracy : public ::testing::Test {
     q.set_test_visibility(true);
     return q;
   }
-  grpc::Status ask(const v1::SampleLiRequest& q, v1::SampleLiResponse* r) {
+  grpc::Status sample(const v1::SampleLiRequest& q, v1::SampleLiResponse* r) {
     r->Clear();
-    return testing::ask([&](auto* c) { return service_.lighting.SampleLi(c, q, r); });
+    return testing::status_of([&](auto* c) { return service_.lighting.SampleLi(c, q, r); });
   }
   v1::SampleLiResponse answer(const v1::SampleLiRequest& q) {
     v1::SampleLiResponse r;
-    const grpc::Status s = ask(q, &r);
+    const grpc::Status s = sample(q, &r);
     EXPECT_TRUE(s.ok()) << s.error_message();
     return r;
   }
@@ -48,8 +48,8 @@ class SampleAccuracy : public ::testing::Test {
   const std::string scene_ = service_.load("bounces.pbrt");
 };
 
-/// What a caller works out of sample `i` by the formula of SampleLiResponse, facing up; times a
-/// spectral value for its luminance where there is one.
+/// The contribution of sample `i` by the formula of SampleLiResponse, facing up.  For a spectral
+/// value, times that value over its luminance.
 double share(const v1::SampleLiResponse& r, int i, double value) {
   const bool ok = r.status().empty() || r.status(i) == v1::ITEM_STATUS_OK;
   if (!ok || !bit(r.visible(), i)) return 0;
@@ -58,7 +58,7 @@ double share(const v1::SampleLiResponse& r, int i, double value) {
   return value * std::max(0.0F, r.wi(3 * i + 2)) / (density * chosen);
 }
 
-TEST_F(SampleAccuracy, EstimatesAreTheMeansOfTheSamplesAndTheScatterOfTheirReplicates) {
+TEST_F(SampleAccuracy, EstimatesHaveTheMeanOfTheSamplesAndTheErrorOfTheirReplicates) {
   v1::SampleLiRequest q = question();
   q.mutable_accuracy()->mutable_target_error()->set_relative(0.03);
   q.add_wavelengths_nm(450);
@@ -82,7 +82,7 @@ TEST_F(SampleAccuracy, EstimatesAreTheMeansOfTheSamplesAndTheScatterOfTheirRepli
     EXPECT_EQ(e.status(p), v1::ITEM_STATUS_OK);
     EXPECT_GE(n, 64);
     ASSERT_EQ(n % static_cast<int>(kReplicates), 0);
-    // Of illuminance, and of two wavelengths.
+    // For illuminance and for two wavelengths.
     for (int k = 0; k < 3; ++k) {
       std::array<double, kReplicates> mean{};
       double sum = 0, squares = 0;
@@ -95,23 +95,23 @@ TEST_F(SampleAccuracy, EstimatesAreTheMeansOfTheSamplesAndTheScatterOfTheirRepli
       for (const double m : mean) sum += m / kReplicates;
       for (const double m : mean) squares += (m - sum) * (m - sum);
       const double error = std::sqrt(squares / (kReplicates * (kReplicates - 1)));
-      const double told = k == 0 ? e.illuminance_lx(p) : e.spectral_irradiance(2 * p + k - 1);
-      const double error_told =
+      const double reported = k == 0 ? e.illuminance_lx(p) : e.spectral_irradiance(2 * p + k - 1);
+      const double reported_error =
           k == 0 ? e.standard_error_lx(p) : e.spectral_standard_error(2 * p + k - 1);
       EXPECT_GT(sum, 0);
-      EXPECT_NEAR(told, sum, 1e-5 * sum) << p << " " << k;
-      EXPECT_NEAR(error_told, error, 1e-4 * error) << p << " " << k;
+      EXPECT_NEAR(reported, sum, 1e-5 * sum) << p << " " << k;
+      EXPECT_NEAR(reported_error, error, 1e-4 * error) << p << " " << k;
     }
     EXPECT_LT(e.lower_lx(p), e.illuminance_lx(p));
     EXPECT_LT(e.illuminance_lx(p), e.upper_lx(p));
     first += n;
   }
   EXPECT_EQ(r.pdf_per_sr_size(), first);
-  // With those that only told how many to take.
+  // The pilot samples are included.
   EXPECT_GT(r.cost().samples(), static_cast<std::uint64_t>(first));
 }
 
-TEST_F(SampleAccuracy, EstimatesAreWhatIrradianceIs) {
+TEST_F(SampleAccuracy, EstimatesAgreeWithTheIrradiance) {
   v1::SampleLiRequest q = question();
   q.mutable_accuracy()->mutable_target_error()->set_relative(0.005);
   const v1::SampleLiResponse r = answer(q);
@@ -122,7 +122,7 @@ TEST_F(SampleAccuracy, EstimatesAreWhatIrradianceIs) {
   direct.set_bounces(0);
   direct.mutable_accuracy()->set_samples(1 << 16);
   v1::EstimateIrradianceResponse lux;
-  ASSERT_TRUE(testing::ask([&](auto* c) {
+  ASSERT_TRUE(testing::status_of([&](auto* c) {
                 return service_.lighting.EstimateIrradiance(c, direct, &lux);
               }).ok());
   for (const int p : {0, 1, 3}) {
@@ -134,7 +134,7 @@ TEST_F(SampleAccuracy, EstimatesAreWhatIrradianceIs) {
 
 TEST_F(SampleAccuracy, LessErrorOrMoreConfidenceTakesMoreSamples) {
   v1::SampleLiRequest q = question();
-  // By area: by the cosine all samples of the lamp are nearly alike.
+  // Sampling by area.  By the cosine, samples of the lamp would be nearly equal.
   q.mutable_accuracy()->set_area_sampling(v1::AREA_SAMPLING_SQUARE_ROOT);
   v1::TargetError* target = q.mutable_accuracy()->mutable_target_error();
   const auto samples = [&](double relative, double confidence) {
@@ -147,7 +147,7 @@ TEST_F(SampleAccuracy, LessErrorOrMoreConfidenceTakesMoreSamples) {
   EXPECT_GT(samples(0.02, 0.9999), coarse);
 }
 
-TEST_F(SampleAccuracy, TheSameQuestionHasTheSameBitsHoweverItIsCutIntoBatches) {
+TEST_F(SampleAccuracy, BatchesOfAnySizeHaveTheSameBits) {
   v1::SampleLiRequest q = question();
   q.mutable_accuracy()->mutable_target_error()->set_relative(0.02);
   q.mutable_accuracy()->mutable_target_error()->set_max_samples(8192);
@@ -165,7 +165,7 @@ TEST_F(SampleAccuracy, TheSameQuestionHasTheSameBitsHoweverItIsCutIntoBatches) {
   EXPECT_EQ(alone.wi(0), whole.wi(whole.wi_size() - alone.wi_size()));
 }
 
-TEST_F(SampleAccuracy, TheFirstReplicateIsWhatThatCountIsAnsweredWith) {
+TEST_F(SampleAccuracy, TheFirstReplicateHasTheSamplesOfAQueryForItsCount) {
   v1::SampleLiRequest q = question();
   q.mutable_accuracy()->mutable_target_error()->set_relative(0.02);
   const v1::SampleLiResponse r = answer(q);
@@ -179,7 +179,7 @@ TEST_F(SampleAccuracy, TheFirstReplicateIsWhatThatCountIsAnsweredWith) {
   }
 }
 
-TEST_F(SampleAccuracy, OfADeltaLightOneSampleSaysAll) {
+TEST_F(SampleAccuracy, ADeltaLightTakesOneSample) {
   v1::SampleLiRequest q = question();
   q.set_scene_id(service_.load("point.pbrt"));
   q.clear_normals();
@@ -188,7 +188,7 @@ TEST_F(SampleAccuracy, OfADeltaLightOneSampleSaysAll) {
     for (int p = 0; p < 4; ++p) {
       EXPECT_EQ(r.estimates().samples(p), 1U);
       EXPECT_EQ(r.estimates().standard_error_lx(p), 0);
-      // Without a normal all of what a surface that faces the lamp would get.
+      // Without a normal: all light that a surface facing the lamp would get.
       const double lux = luminance_of(r.value().data() + 3 * p);
       EXPECT_NEAR(r.estimates().illuminance_lx(p), lux, 1e-6 * lux);
       EXPECT_EQ(r.estimates().lower_lx(p), r.estimates().illuminance_lx(p));
@@ -205,7 +205,7 @@ TEST_F(SampleAccuracy, OfADeltaLightOneSampleSaysAll) {
   expect_exact();
 }
 
-TEST_F(SampleAccuracy, ATimeGivesEachReceiverAsMany) {
+TEST_F(SampleAccuracy, ATimeBudgetGivesEachReceiverEquallyManySamples) {
   v1::SampleLiRequest q = question();
   for (const double budget : {1e-9, 0.05, 1e300}) {
     q.mutable_accuracy()->set_time_budget_s(budget);
@@ -221,7 +221,7 @@ TEST_F(SampleAccuracy, ATimeGivesEachReceiverAsMany) {
     if (budget < 1e-6) {
       EXPECT_EQ(n, kReplicates);
     }
-    // No more than the batch may hold, however much time there is.
+    // At most the number that the batch may hold, for any time budget.
     EXPECT_LE(4 * n, rpc::RequestLimits().max_batch_items);
     if (budget > 1) {
       EXPECT_EQ(n, rpc::RequestLimits().max_batch_items / 4);
@@ -229,7 +229,7 @@ TEST_F(SampleAccuracy, ATimeGivesEachReceiverAsMany) {
   }
 }
 
-TEST_F(SampleAccuracy, NoReceiversAreNoTrouble) {
+TEST_F(SampleAccuracy, EmptyRequestsHaveEmptyAnswers) {
   v1::SampleLiRequest q = question();
   q.mutable_receivers()->clear_offsets_m();
   q.clear_normals();
@@ -239,41 +239,41 @@ TEST_F(SampleAccuracy, NoReceiversAreNoTrouble) {
   EXPECT_EQ(answer(q).estimates().samples_size(), 0);
 }
 
-TEST_F(SampleAccuracy, WhatCannotBeIsNamed) {
-  const auto said = [&](auto&& change) {
+TEST_F(SampleAccuracy, InvalidSettingsAreNamed) {
+  const auto status_with = [&](auto&& change) {
     v1::SampleLiRequest q = question();
     q.mutable_accuracy()->mutable_target_error()->set_relative(0.1);
     change(q);
     v1::SampleLiResponse r;
-    return ask(q, &r);
+    return sample(q, &r);
   };
   using Q = v1::SampleLiRequest;
-  testing::expect_bad_field(said([](Q& q) { q.mutable_u()->add_u(0.5F); }), "u");
-  testing::expect_bad_field(said([](Q& q) {
+  testing::expect_bad_field(status_with([](Q& q) { q.mutable_u()->add_u(0.5F); }), "u");
+  testing::expect_bad_field(status_with([](Q& q) {
                               q.mutable_accuracy()->set_time_budget_s(1);
                               q.mutable_u();
                             }),
                             "u");
-  EXPECT_TRUE(said([](Q& q) { q.clear_seed(); }).ok());  // seed 0
+  EXPECT_TRUE(status_with([](Q& q) { q.clear_seed(); }).ok());  // seed 0
   testing::expect_bad_field(
-      said([](Q& q) { q.mutable_accuracy()->mutable_target_error()->set_relative(0); }),
+      status_with([](Q& q) { q.mutable_accuracy()->mutable_target_error()->set_relative(0); }),
       "accuracy.target_error.relative");
   testing::expect_bad_field(
-      said([](Q& q) { q.mutable_accuracy()->mutable_target_error()->set_max_samples(63); }),
+      status_with([](Q& q) { q.mutable_accuracy()->mutable_target_error()->set_max_samples(63); }),
       "accuracy.target_error.max_samples");
-  testing::expect_bad_field(said([](Q& q) { q.mutable_accuracy()->set_time_budget_s(-1); }),
+  testing::expect_bad_field(status_with([](Q& q) { q.mutable_accuracy()->set_time_budget_s(-1); }),
                             "accuracy.time_budget_s");
 }
 
-TEST_F(SampleAccuracy, MoreThanABatchHoldsIsRefusedBeforeItIsBegun) {
+TEST_F(SampleAccuracy, TooLargeBatchesAreRefusedBeforehand) {
   const std::uint32_t most = rpc::RequestLimits().max_batch_items;
-  const auto said = [&](std::uint32_t receivers, auto&& change) {
+  const auto status_with = [&](std::uint32_t receivers, auto&& change) {
     v1::SampleLiRequest q = question();
     q.clear_normals();
     q.mutable_receivers()->mutable_offsets_m()->Resize(static_cast<int>(3 * receivers), 1);
     change(*q.mutable_accuracy());
     v1::SampleLiResponse r;
-    return ask(q, &r);
+    return sample(q, &r);
   };
   using A = v1::Accuracy;
   const auto expect_refused = [&](const grpc::Status& s, const std::string& words) {
@@ -288,13 +288,13 @@ TEST_F(SampleAccuracy, MoreThanABatchHoldsIsRefusedBeforeItIsBegun) {
       if (samples > 0) a.mutable_target_error()->set_max_samples(samples);
     };
   };
-  EXPECT_TRUE(said(4, target(most / 4)).ok());
-  expect_refused(said(4, target(most / 4 + 1)), "accuracy.target_error.max_samples");
-  EXPECT_TRUE(said(most / 64, target(0)).ok());
-  expect_refused(said(most / 64 + 1, target(0)), "receivers times 64 samples");
+  EXPECT_TRUE(status_with(4, target(most / 4)).ok());
+  expect_refused(status_with(4, target(most / 4 + 1)), "accuracy.target_error.max_samples");
+  EXPECT_TRUE(status_with(most / 64, target(0)).ok());
+  expect_refused(status_with(most / 64 + 1, target(0)), "receivers times 64 samples");
   const auto time = [](A& a) { a.set_time_budget_s(1e-9); };
-  EXPECT_TRUE(said(most / 16, time).ok());
-  expect_refused(said(most / 16 + 1, time), "receivers times 16 samples");
+  EXPECT_TRUE(status_with(most / 16, time).ok());
+  expect_refused(status_with(most / 16 + 1, time), "receivers times 16 samples");
 }
 
 }  // namespace

@@ -1,5 +1,4 @@
-// EstimatePower by sampling, of each kind of light; and that exact answers take any rule of
-// stopping.
+// EstimatePower by sampling, for each kind of light.  Exact answers accept every stop rule.
 #include <vector>
 
 #include "every_light.h"
@@ -9,10 +8,10 @@ namespace {
 
 class SampledPowerTest : public PowerTest {};
 
-TEST_F(SampledPowerTest, HoldsTheExactOne) {
+TEST_F(SampledPowerTest, IntervalsHoldTheExactPower) {
   const auto exact = answer(request(v1::EstimatePowerRequest::METHOD_EXACT));
   v1::EstimatePowerRequest q = request(v1::EstimatePowerRequest::METHOD_SAMPLED);
-  // Once in 1e8 a light's interval does not.
+  // The interval of a light misses once in 1e8.
   q.mutable_accuracy()->mutable_target_error()->set_relative(0.02);
   q.mutable_accuracy()->mutable_target_error()->set_confidence(1 - 1e-8);
   const auto rays = answer(q);
@@ -21,7 +20,7 @@ TEST_F(SampledPowerTest, HoldsTheExactOne) {
   for (int i = 0; i < exact.lights_size(); ++i) {
     const v1::LightPower &e = exact.lights(i), &r = rays.lights(i);
     EXPECT_EQ(r.light_id(), e.light_id());
-    // What is exact is off by roundings, of flux that pictures hold in floats too.
+    // Exact answers are off by roundings, also those of the flux that pictures hold in floats.
     const double slack = e.error_lm() + 1e-6 * e.power_lm();
     EXPECT_LE(r.lower_lm(), e.power_lm() + slack) << lights_.lights(i).ShortDebugString();
     EXPECT_GE(r.upper_lm(), e.power_lm() - slack) << lights_.lights(i).ShortDebugString();
@@ -30,14 +29,14 @@ TEST_F(SampledPowerTest, HoldsTheExactOne) {
     EXPECT_FALSE(e.has_upper_lm());
     EXPECT_FALSE(e.has_samples());
     samples += r.samples();
-    // The same count, the same bits.
+    // The same count gives the same bits.
     v1::EstimatePowerRequest again = q;
     again.add_light_ids(e.light_id());
     again.mutable_accuracy()->set_samples(static_cast<std::uint32_t>(r.samples()));
     EXPECT_EQ(answer(again).lights(0).power_lm(), r.power_lm());
   }
   EXPECT_EQ(rays.total().samples(), samples);
-  EXPECT_GT(rays.cost().samples(), samples);  // pilots, too
+  EXPECT_GT(rays.cost().samples(), samples);  // includes pilots
   EXPECT_LE(rays.total().lower_lm(), exact.total().power_lm());
   EXPECT_GE(rays.total().upper_lm(), exact.total().power_lm());
   EXPECT_GT(rays.total().standard_error_lm(), 0);
@@ -73,8 +72,8 @@ TEST_F(SampledPowerTest, StopsAtACountOrATimeAndDependsOnItsSeed) {
   expect_bad_field(power(q, &r), "accuracy.target_error.relative");
 }
 
-// Their answers are exact: there is nothing to stop.
-TEST_F(SampledPowerTest, WhatIsExactTakesAnyRuleOfStopping) {
+// Their answers are exact, so a stop rule has no effect.
+TEST_F(SampledPowerTest, ExactAnswersAcceptAnyStopRule) {
   std::vector<v1::Accuracy> rules(3);
   rules[0].set_samples(5);
   rules[1].mutable_target_error()->set_relative(0.1);
@@ -106,14 +105,15 @@ TEST_F(SampledPowerTest, WhatIsExactTakesAnyRuleOfStopping) {
     density.mutable_wi()->Resize(3, 1);
     *density.mutable_accuracy() = rule;
     v1::PdfLiResponse arrived;
-    EXPECT_TRUE(ask([&](auto* c) { return service_.lighting.PdfLi(c, density, &arrived); }).ok());
+    EXPECT_TRUE(
+        status_of([&](auto* c) { return service_.lighting.PdfLi(c, density, &arrived); }).ok());
     v1::LeRequest seen;
     seen.set_scene_id(scene_);
     *seen.mutable_points() = leave.points();
     seen.mutable_directions()->Resize(3, 1);
     *seen.mutable_accuracy() = rule;
     v1::LeResponse radiance;
-    EXPECT_TRUE(ask([&](auto* c) { return service_.lighting.Le(c, seen, &radiance); }).ok());
+    EXPECT_TRUE(status_of([&](auto* c) { return service_.lighting.Le(c, seen, &radiance); }).ok());
     v1::TestVisibilityRequest between;
     between.set_scene_id(scene_);
     *between.mutable_segments()->mutable_from() = leave.points();
@@ -121,8 +121,9 @@ TEST_F(SampledPowerTest, WhatIsExactTakesAnyRuleOfStopping) {
     between.mutable_segments()->mutable_to()->mutable_origin_m()->set_x(1);
     *between.mutable_accuracy() = rule;
     v1::TestVisibilityResponse visible;
-    EXPECT_TRUE(
-        ask([&](auto* c) { return service_.lighting.TestVisibility(c, between, &visible); }).ok());
+    EXPECT_TRUE(status_of([&](auto* c) {
+                  return service_.lighting.TestVisibility(c, between, &visible);
+                }).ok());
   }
 }
 

@@ -14,7 +14,7 @@ class SceneServiceTest : public ::testing::Test {
   grpc::Status load(const std::string& path, v1::LoadSceneResponse* response) {
     v1::LoadSceneRequest request;
     request.set_path(path);
-    return ask([&](auto* c) { return service_.scenes.LoadScene(c, request, response); });
+    return status_of([&](auto* c) { return service_.scenes.LoadScene(c, request, response); });
   }
   Service service_;
 };
@@ -24,7 +24,8 @@ TEST_F(SceneServiceTest, ListsTheImageOfAnAreaLight) {
   v1::ListLightsRequest list;
   list.set_scene_id(id);
   v1::ListLightsResponse lights;
-  ASSERT_TRUE(ask([&](auto* c) { return service_.scenes.ListLights(c, list, &lights); }).ok());
+  ASSERT_TRUE(
+      status_of([&](auto* c) { return service_.scenes.ListLights(c, list, &lights); }).ok());
   ASSERT_EQ(lights.lights_size(), 1);
   const v1::Light& light = lights.lights(0);
   EXPECT_FALSE(light.delta());
@@ -44,7 +45,7 @@ TEST_F(SceneServiceTest, ListsTheImageOfAnAreaLight) {
   v1::GetSceneRequest get;
   get.set_scene_id(id);
   v1::GetSceneResponse scene;
-  ASSERT_TRUE(ask([&](auto* c) { return service_.scenes.GetScene(c, get, &scene); }).ok());
+  ASSERT_TRUE(status_of([&](auto* c) { return service_.scenes.GetScene(c, get, &scene); }).ok());
   const auto is_images = [](const v1::ScenePart& part) { return part.name() == "images"; };
   EXPECT_EQ(std::count_if(scene.parts().begin(), scene.parts().end(), is_images), 1);
 }
@@ -62,7 +63,7 @@ TEST_F(SceneServiceTest, LoadsListsAndReleasesAScene) {
   v1::GetSceneRequest get;
   get.set_scene_id(loaded.scene_id());
   v1::GetSceneResponse scene;
-  ASSERT_TRUE(ask([&](auto* c) { return service_.scenes.GetScene(c, get, &scene); }).ok());
+  ASSERT_TRUE(status_of([&](auto* c) { return service_.scenes.GetScene(c, get, &scene); }).ok());
   EXPECT_EQ(scene.summary().path(), "point.pbrt");
   EXPECT_EQ(scene.summary().lights(), 1U);
   EXPECT_EQ(scene.summary().image_width(), 160U);
@@ -76,7 +77,8 @@ TEST_F(SceneServiceTest, LoadsListsAndReleasesAScene) {
   v1::ListLightsRequest list;
   list.set_scene_id(loaded.scene_id());
   v1::ListLightsResponse lights;
-  ASSERT_TRUE(ask([&](auto* c) { return service_.scenes.ListLights(c, list, &lights); }).ok());
+  ASSERT_TRUE(
+      status_of([&](auto* c) { return service_.scenes.ListLights(c, list, &lights); }).ok());
   ASSERT_EQ(lights.lights_size(), 1);
   EXPECT_EQ(lights.lights(0).source(), "point.pbrt:10:1");
   EXPECT_TRUE(lights.lights(0).delta());
@@ -87,13 +89,15 @@ TEST_F(SceneServiceTest, LoadsListsAndReleasesAScene) {
   release.set_scene_id(loaded.scene_id());
   v1::ReleaseSceneResponse nothing;
   EXPECT_TRUE(
-      ask([&](auto* c) { return service_.scenes.ReleaseScene(c, release, &nothing); }).ok());
-  const grpc::Status gone = ask([&](auto* c) { return service_.scenes.GetScene(c, get, &scene); });
+      status_of([&](auto* c) { return service_.scenes.ReleaseScene(c, release, &nothing); }).ok());
+  const grpc::Status gone =
+      status_of([&](auto* c) { return service_.scenes.GetScene(c, get, &scene); });
   EXPECT_EQ(gone.error_code(), grpc::StatusCode::NOT_FOUND);
   EXPECT_EQ(detail<google::rpc::ErrorInfo>(gone).reason(), "SCENE_NOT_LOADED");
-  EXPECT_EQ(
-      ask([&](auto* c) { return service_.scenes.ReleaseScene(c, release, &nothing); }).error_code(),
-      grpc::StatusCode::NOT_FOUND);
+  EXPECT_EQ(status_of([&](auto* c) {
+              return service_.scenes.ReleaseScene(c, release, &nothing);
+            }).error_code(),
+            grpc::StatusCode::NOT_FOUND);
 }
 
 TEST_F(SceneServiceTest, ListsInPages) {
@@ -101,20 +105,24 @@ TEST_F(SceneServiceTest, ListsInPages) {
   v1::ListScenesRequest request;
   request.set_page_size(2);
   v1::ListScenesResponse first, second;
-  ASSERT_TRUE(ask([&](auto* c) { return service_.scenes.ListScenes(c, request, &first); }).ok());
+  ASSERT_TRUE(
+      status_of([&](auto* c) { return service_.scenes.ListScenes(c, request, &first); }).ok());
   EXPECT_EQ(first.scenes_size(), 2);
   ASSERT_FALSE(first.next_page_token().empty());
   request.set_page_token(first.next_page_token());
-  ASSERT_TRUE(ask([&](auto* c) { return service_.scenes.ListScenes(c, request, &second); }).ok());
+  ASSERT_TRUE(
+      status_of([&](auto* c) { return service_.scenes.ListScenes(c, request, &second); }).ok());
   ASSERT_EQ(second.scenes_size(), 1);
   EXPECT_GT(second.scenes(0).scene_id(), first.scenes(1).scene_id());
   EXPECT_TRUE(second.next_page_token().empty());
   request.set_page_token("garbage");
-  expect_bad_field(ask([&](auto* c) { return service_.scenes.ListScenes(c, request, &second); }),
-                   "page_token");
+  expect_bad_field(
+      status_of([&](auto* c) { return service_.scenes.ListScenes(c, request, &second); }),
+      "page_token");
   request.set_page_size(100000);
-  expect_bad_field(ask([&](auto* c) { return service_.scenes.ListScenes(c, request, &second); }),
-                   "page_size");
+  expect_bad_field(
+      status_of([&](auto* c) { return service_.scenes.ListScenes(c, request, &second); }),
+      "page_size");
 }
 
 TEST_F(SceneServiceTest, AvailableScenesComeInPagesRelativeToTheRoot) {
@@ -122,7 +130,7 @@ TEST_F(SceneServiceTest, AvailableScenesComeInPagesRelativeToTheRoot) {
   v1::ListAvailableScenesRequest request;
   v1::ListAvailableScenesResponse all;
   const auto list = [&](v1::ListAvailableScenesResponse* r) {
-    return ask([&](auto* c) { return service_.scenes.ListAvailableScenes(c, request, r); });
+    return status_of([&](auto* c) { return service_.scenes.ListAvailableScenes(c, request, r); });
   };
   ASSERT_TRUE(list(&all).ok());
   EXPECT_EQ(std::filesystem::canonical(all.root()), std::filesystem::canonical(root));
@@ -168,14 +176,14 @@ TEST_F(SceneServiceTest, AnEmptyIdIsABadFieldOfEveryCall) {
   v1::RenewLeaseResponse renewed;
   v1::ReleaseSceneResponse released;
   for (const grpc::Status& s :
-       {ask([&](auto* c) { return service_.scenes.GetScene(c, {}, &got); }),
-        ask([&](auto* c) { return service_.scenes.ListLights(c, {}, &lights); }),
-        ask([&](auto* c) { return service_.scenes.RenewLease(c, {}, &renewed); }),
-        ask([&](auto* c) { return service_.scenes.ReleaseScene(c, {}, &released); })})
+       {status_of([&](auto* c) { return service_.scenes.GetScene(c, {}, &got); }),
+        status_of([&](auto* c) { return service_.scenes.ListLights(c, {}, &lights); }),
+        status_of([&](auto* c) { return service_.scenes.RenewLease(c, {}, &renewed); }),
+        status_of([&](auto* c) { return service_.scenes.ReleaseScene(c, {}, &released); })})
     expect_bad_field(s, "scene_id");
 }
 
-TEST_F(SceneServiceTest, PathsThatLeaveTheRootAreAllRefusedAlike) {
+TEST_F(SceneServiceTest, PathsOutOfTheRootAllHaveTheSameError) {
   v1::LoadSceneResponse response;
   for (const char* path : {"../README.md", "/etc/passwd", "/etc/no-such-file", "a/../../x"}) {
     const grpc::Status s = load(path, &response);
@@ -185,24 +193,24 @@ TEST_F(SceneServiceTest, PathsThatLeaveTheRootAreAllRefusedAlike) {
   }
   EXPECT_EQ(load("nothing.pbrt", &response).error_code(), grpc::StatusCode::NOT_FOUND);
   expect_bad_field(load("", &response), "path");
-  EXPECT_TRUE(load("point.pbrt", &response).ok());  // and it serves on
+  EXPECT_TRUE(load("point.pbrt", &response).ok());  // and the server still works
 }
 
-TEST_F(SceneServiceTest, WhatComesLaterIsUnimplementedWithASentence) {
+TEST_F(SceneServiceTest, FutureCallsAreUnimplementedWithAMessage) {
   v1::EditLightsResponse edited;
   v1::GetStatsResponse stats;
   for (const grpc::Status& s :
-       {ask([&](auto* c) { return service_.scenes.EditLights(c, {}, &edited); }),
-        ask([&](auto* c) { return service_.admin.GetStats(c, {}, &stats); })}) {
+       {status_of([&](auto* c) { return service_.scenes.EditLights(c, {}, &edited); }),
+        status_of([&](auto* c) { return service_.admin.GetStats(c, {}, &stats); })}) {
     EXPECT_EQ(s.error_code(), grpc::StatusCode::UNIMPLEMENTED);
     EXPECT_GT(s.error_message().size(), 20U);
     EXPECT_EQ(detail<google::rpc::ErrorInfo>(s).reason(), "NOT_IMPLEMENTED");
   }
 }
 
-TEST_F(SceneServiceTest, TellsWhatTheServerIs) {
+TEST_F(SceneServiceTest, GetServerInfoDescribesTheServer) {
   v1::GetServerInfoResponse info;
-  ASSERT_TRUE(ask([&](auto* c) { return service_.admin.GetServerInfo(c, {}, &info); }).ok());
+  ASSERT_TRUE(status_of([&](auto* c) { return service_.admin.GetServerInfo(c, {}, &info); }).ok());
   EXPECT_EQ(info.version(), "test");
   EXPECT_EQ(info.threads(), 2U);
   EXPECT_EQ(info.limits().max_batch_items(), 65536U);
@@ -212,9 +220,9 @@ TEST_F(SceneServiceTest, TellsWhatTheServerIs) {
 }
 
 }  // namespace
-TEST(ServicePanel, TellsItsPhotometryAndShowsIt) {
+TEST(ServicePanel, ReportsItsPhotometryAndHasItsRadiance) {
   const SceneFiles files;
-  // 200 cd towards C0 at 60 degrees, 100 cd straight down, nothing to the other half.
+  // 200 cd towards C0 at 60 degrees, 100 cd straight down, nothing in the other half.
   files.write("lamp.ies",
               "TILT=NONE\n1 -1 1 3 3 1 2 0.5 0.5 0\n1 1 10\n0 60 90\n0 90 180\n"
               "100 200 0\n100 0 0\n100 0 0\n");
@@ -228,7 +236,7 @@ TEST(ServicePanel, TellsItsPhotometryAndShowsIt) {
   v1::ListLightsRequest list;
   list.set_scene_id(id);
   v1::ListLightsResponse lights;
-  ASSERT_TRUE(ask([&](auto* c) { return service.scenes.ListLights(c, list, &lights); }).ok());
+  ASSERT_TRUE(status_of([&](auto* c) { return service.scenes.ListLights(c, list, &lights); }).ok());
   ASSERT_EQ(lights.lights_size(), 1);
   const v1::DiffuseAreaLight& area = lights.lights(0).diffuse_area();
   EXPECT_EQ(area.profile().name(), "lamp.ies");
@@ -249,7 +257,7 @@ TEST(ServicePanel, TellsItsPhotometryAndShowsIt) {
     for (const float v : {-x * std::sqrt(3.0F), 0.0F, -1.0F}) request.add_directions(v);
   }
   v1::LeResponse seen;
-  ASSERT_TRUE(ask([&](auto* c) { return service.lighting.Le(c, request, &seen); }).ok());
+  ASSERT_TRUE(status_of([&](auto* c) { return service.lighting.Le(c, request, &seen); }).ok());
   // I / (A cos): 200 / (2 / 2).
   EXPECT_NEAR(seen.radiance_cd_m2()[1], 200, 1e-3);
   EXPECT_NEAR(seen.radiance_cd_m2()[4], 0, 1e-3);

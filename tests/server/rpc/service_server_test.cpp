@@ -12,7 +12,7 @@ namespace {
 
 using HealthResponse = grpc::health::v1::HealthCheckResponse;
 
-/// What server reflection answers to one request, as bytes.
+/// The answer of server reflection to one request, as bytes.
 std::string reflect(Service& service, const std::string& request) {
   grpc::GenericStub stub(service.channel);
   grpc::ClientContext context;
@@ -42,7 +42,7 @@ std::string reflect(Service& service, const std::string& request) {
   return {reinterpret_cast<const char*>(all.begin()), all.size()};
 }
 
-TEST(ServerTest, HealthIsToldForEachServiceAndTurnsWhenItDrains) {
+TEST(ServerTest, HealthIsReportedForEachServiceAndChangesWhileDraining) {
   Service service;
   EXPECT_EQ(health(service, ""), HealthResponse::SERVING);
   EXPECT_EQ(health(service, "lucerna.v1.RenderService"), HealthResponse::SERVING);
@@ -50,12 +50,13 @@ TEST(ServerTest, HealthIsToldForEachServiceAndTurnsWhenItDrains) {
   EXPECT_EQ(health(service, ""), HealthResponse::NOT_SERVING);
   EXPECT_EQ(health(service, "lucerna.v1.RenderService"), HealthResponse::NOT_SERVING);
   v1::GetServerInfoResponse info;
-  const grpc::Status s = ask([&](auto* c) { return service.admin.GetServerInfo(c, {}, &info); });
+  const grpc::Status s =
+      status_of([&](auto* c) { return service.admin.GetServerInfo(c, {}, &info); });
   EXPECT_EQ(s.error_code(), grpc::StatusCode::UNAVAILABLE);
   EXPECT_EQ(detail<google::rpc::ErrorInfo>(s).reason(), "DRAINING");
 }
 
-TEST(ServerTest, DrainingLetsRunningCallsEnd) {
+TEST(ServerTest, RunningCallsEndWhileDraining) {
   Service service;
   const std::string scene = service.load("point.pbrt");
   auto busy = std::make_unique<BusyLane>(*service.server, Lane::kBulk);
@@ -65,7 +66,7 @@ TEST(ServerTest, DrainingLetsRunningCallsEnd) {
     q.set_scene_id(scene);
     q.mutable_accuracy()->set_samples(1);
     v1::RenderTileResponse r;
-    answer.set_value(ask([&](auto* c) { return service.render.RenderTile(c, q, &r); }));
+    answer.set_value(status_of([&](auto* c) { return service.render.RenderTile(c, q, &r); }));
   });
   while (service.server->lanes().pending(Lane::kBulk) < 3) std::this_thread::yield();
   std::thread drain([&] { service.server->drain(std::chrono::hours(1)); });
@@ -84,7 +85,7 @@ TEST(ServerTest, DrainingEndsCallsThatTakeTooLong) {
     q.set_scene_id(scene);
     q.mutable_accuracy()->set_samples(1 << 20);
     v1::RenderTileResponse r;
-    EXPECT_FALSE(ask([&](auto* c) { return service.render.RenderTile(c, q, &r); }).ok());
+    EXPECT_FALSE(status_of([&](auto* c) { return service.render.RenderTile(c, q, &r); }).ok());
   });
   while (service.server->lanes().pending(Lane::kBulk) == 0) std::this_thread::yield();
   service.server->drain(std::chrono::milliseconds(10));
@@ -139,7 +140,7 @@ TEST(ServerTest, LoadsScenesBeforeItServes) {
   EXPECT_EQ(service.server->scenes().size(), 2U);
 }
 
-TEST(Errors, InternalOnesTellNothing) {
+TEST(Errors, InternalErrorsRevealNothing) {
   for (const absl::Status& s : {absl::InternalError("/secret/path: boom"),
                                 absl::UnknownError("boom"), absl::DataLossError("boom")}) {
     const rpc::WireError wire = rpc::to_wire(s);
@@ -166,7 +167,7 @@ TEST(Errors, CodesAreThoseOfGrpc) {
 TEST(Errors, LongTextsKeepBeginningAndEnd) {
   EXPECT_EQ(rpc::shortened("lumen", 5), "lumen");
   EXPECT_EQ(rpc::shortened("0123456789abcdef", 12), "01234567...cdef");
-  // Two bytes a letter: none is cut.
+  // Two bytes per letter: none is cut.
   EXPECT_EQ(rpc::shortened("aéééééééé", 12), "aééé...éé");
 }
 
@@ -186,7 +187,7 @@ TEST(Errors, LongNamesReachTheCaller) {
   EXPECT_EQ(unknown.error_code(), grpc::StatusCode::NOT_FOUND) << unknown.error_message();
 }
 
-TEST(Paging, TokensAreOfTheirList) {
+TEST(Paging, TokensBelongToTheirList) {
   const std::string token = rpc::page_token("lights", std::size_t{12});
   EXPECT_EQ(*rpc::page_start("lights", token, 20), 12U);
   EXPECT_FALSE(rpc::page_start("power", token, 20).ok());

@@ -1,4 +1,4 @@
-// Shadow maps as requests ask for them, and what answers tell of them.
+// Requests for shadow maps, and their statistics in the answers.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -15,7 +15,8 @@ class ShadowMapsTest : public ::testing::Test {
     v1::GetSceneRequest q;
     q.set_scene_id(scene_);
     v1::GetSceneResponse r;
-    EXPECT_TRUE(testing::ask([&](auto* c) { return service_.scenes.GetScene(c, q, &r); }).ok());
+    EXPECT_TRUE(
+        testing::status_of([&](auto* c) { return service_.scenes.GetScene(c, q, &r); }).ok());
     return r;
   }
   int maps_listed() {
@@ -49,20 +50,21 @@ void expect_agreement(const v1::Cost& cost, std::uint64_t least_lookups) {
   EXPECT_LE(cost.shadow_map_disagreed(), cost.shadow_map_compared() / 20);
 }
 
-TEST_F(ShadowMapsTest, AnswersTellHowOftenTheyDisagreed) {
+TEST_F(ShadowMapsTest, AnswersReportHowOftenTheyDisagreed) {
   auto q = on_the_ground<v1::EstimateIrradianceRequest>(v1::VISIBILITY_RAYS);
   q.set_bounces(0);
   v1::EstimateIrradianceResponse by_rays, by_maps;
-  const auto ask = [&](v1::EstimateIrradianceResponse* r) {
-    return testing::ask([&](auto* c) { return service_.lighting.EstimateIrradiance(c, q, r); });
+  const auto call = [&](v1::EstimateIrradianceResponse* r) {
+    return testing::status_of(
+        [&](auto* c) { return service_.lighting.EstimateIrradiance(c, q, r); });
   };
-  ASSERT_TRUE(ask(&by_rays).ok());
+  ASSERT_TRUE(call(&by_rays).ok());
   EXPECT_EQ(by_rays.cost().shadow_map_lookups(), 0U);
   EXPECT_EQ(by_rays.cost().shadow_map_compared(), 0U);
   EXPECT_EQ(maps_listed(), 0);
 
   q.mutable_accuracy()->set_visibility(v1::VISIBILITY_SHADOW_MAPS);
-  ASSERT_TRUE(ask(&by_maps).ok());
+  ASSERT_TRUE(call(&by_maps).ok());
   expect_agreement(by_maps.cost(), 2000);
   EXPECT_EQ(by_maps.cost().shadow_rays(), by_maps.cost().shadow_map_compared());
   int same = 0;
@@ -82,27 +84,27 @@ TEST_F(ShadowMapsTest, AnswersTellHowOftenTheyDisagreed) {
   EXPECT_EQ(listed.summary().bytes(), sum);
 }
 
-TEST_F(ShadowMapsTest, AreAskedBySampleLi) {
+TEST_F(ShadowMapsTest, AreUsedBySampleLi) {
   auto q = on_the_ground<v1::SampleLiRequest>(v1::VISIBILITY_SHADOW_MAPS);
   q.set_light_id(1);
   q.mutable_seed()->set_seed(1);
   v1::SampleLiResponse r, by_rays;
-  const auto ask = [&](v1::SampleLiResponse* r) {
-    return testing::ask([&](auto* c) { return service_.lighting.SampleLi(c, q, r); });
+  const auto call = [&](v1::SampleLiResponse* r) {
+    return testing::status_of([&](auto* c) { return service_.lighting.SampleLi(c, q, r); });
   };
-  // Nobody asks whether the light is visible.
-  ASSERT_TRUE(ask(&r).ok());
+  // The request does not include visibility.
+  ASSERT_TRUE(call(&r).ok());
   EXPECT_EQ(r.cost().shadow_map_lookups(), 0U);
   EXPECT_EQ(maps_listed(), 0);
   q.set_test_visibility(true);
   for (const bool with_normals : {true, false}) {
     if (!with_normals) q.clear_normals();
     q.mutable_accuracy()->set_visibility(v1::VISIBILITY_SHADOW_MAPS);
-    ASSERT_TRUE(ask(&r).ok());
+    ASSERT_TRUE(call(&r).ok());
     expect_agreement(r.cost(), 64 * 64);
     EXPECT_EQ(maps_listed(), 1);
     q.mutable_accuracy()->set_visibility(v1::VISIBILITY_RAYS);
-    ASSERT_TRUE(ask(&by_rays).ok());
+    ASSERT_TRUE(call(&by_rays).ok());
     int differ = 0, visible = 0;
     for (std::size_t byte = 0; byte < r.visible().size(); ++byte) {
       differ += __builtin_popcount(static_cast<unsigned char>(r.visible()[byte]) ^
@@ -115,7 +117,7 @@ TEST_F(ShadowMapsTest, AreAskedBySampleLi) {
   }
 }
 
-TEST_F(ShadowMapsTest, AreAskedByPictures) {
+TEST_F(ShadowMapsTest, AreUsedByPictures) {
   v1::RenderTileRequest q;
   q.set_scene_id(scene_);
   q.mutable_rect()->set_x1(160);
@@ -124,7 +126,7 @@ TEST_F(ShadowMapsTest, AreAskedByPictures) {
   q.mutable_accuracy()->set_visibility(v1::VISIBILITY_SHADOW_MAPS);
   v1::RenderTileResponse r;
   const grpc::Status status =
-      testing::ask([&](auto* c) { return service_.render.RenderTile(c, q, &r); });
+      testing::status_of([&](auto* c) { return service_.render.RenderTile(c, q, &r); });
   ASSERT_TRUE(status.ok()) << status.error_message();
   expect_agreement(r.cost(), 10000);
 }

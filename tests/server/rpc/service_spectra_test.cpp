@@ -1,4 +1,4 @@
-// The light of lamps at wavelengths, call by call.
+// The spectra of lamps in each call.
 #include "spectra_fixture.h"
 
 namespace lucerna::testing {
@@ -15,7 +15,7 @@ TEST_F(SpectraServiceTest, SampleLiOfLightsWithSpectraIsTheirLuminanceTimesTheSp
     EXPECT_NEAR(r.spectral_value(k), expected, 1e-6 * expected) << nm[k];
   }
   ASSERT_TRUE(call(sample_request(kSampled, nm), &r).ok());
-  // 1 cd; 3, 1 and 0 aside: cos is not in the value.
+  // 1 cd; 3, 1 and 0 aside: the value does not include the cosine.
   for (int k = 0; k < 5; ++k) {
     const double expected = 0.1 * sampled_value(nm[k]) / sampled_lumens_per_unit();
     EXPECT_NEAR(r.spectral_value(k), expected, 1e-5 * expected) << nm[k];
@@ -60,7 +60,7 @@ TEST_F(SpectraServiceTest, RgbLightsIntegrateBackToTheirRgb) {
                     flux.spectral_w_per_nm());
 }
 
-TEST_F(SpectraServiceTest, EveryCallTellsTheSameSpectrum) {
+TEST_F(SpectraServiceTest, EveryCallReportsTheSameSpectrum) {
   const std::vector<double> nm = {450, 555, 700};
   v1::LeRequest le;
   le.set_scene_id(lamps_);
@@ -93,8 +93,8 @@ TEST_F(SpectraServiceTest, EveryCallTellsTheSameSpectrum) {
   }
 }
 
-// More spectra than are kept at a time.
-TEST_F(SpectraServiceTest, EachOfManySpectraIsItsOwn) {
+// More spectra than the server keeps at a time.
+TEST_F(SpectraServiceTest, ManyLightsKeepTheirOwnSpectra) {
   std::string text = "WorldBegin\n";
   std::vector<std::uint64_t> ids;
   for (int i = 0; i < 600; ++i) {

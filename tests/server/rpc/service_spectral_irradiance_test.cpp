@@ -10,8 +10,8 @@ namespace {
 
 using ::testing::HasSubstr;
 
-// A total's light at each wavelength is what each light's share says, times its spectrum; light 4
-// and 6 are coloured and are asked for as grey here.
+// The total at each wavelength is the sum of each light's share times its spectrum.  Lights 4 and 6
+// are coloured and are requested as grey here.
 TEST_F(SpectraServiceTest, IrradianceIsTheSumOverLightsOfEachShareTimesItsSpectrum) {
   std::string grey = kLamps;
   grey.replace(grey.find("[9 6 3]"), 7, "[6 6 6]");
@@ -46,7 +46,7 @@ TEST_F(SpectraServiceTest, IrradianceIsTheSumOverLightsOfEachShareTimesItsSpectr
   }
 }
 
-TEST_F(SpectraServiceTest, AskingForWavelengthsChangesNothingElse) {
+TEST_F(SpectraServiceTest, WavelengthsChangeNoOtherResult) {
   for (const std::string& scene : {lamps_, load("many.pbrt", many_lights())}) {
     v1::EstimateIrradianceRequest q = irradiance_request(table_nm());
     q.set_scene_id(scene);
@@ -73,7 +73,7 @@ TEST_F(SpectraServiceTest, AskingForWavelengthsChangesNothingElse) {
   EXPECT_EQ(sampled.SerializeAsString(), plain.SerializeAsString());
 }
 
-// More lights than are visited one by one: what is chosen of them has its own spectrum.
+// More lights than are visited one by one.  The drawn lights have their own spectra.
 TEST_F(SpectraServiceTest, IrradianceOfManyLightsIntegratesBackToItsIlluminance) {
   v1::EstimateIrradianceRequest q = irradiance_request(table_nm());
   q.set_scene_id(load("many.pbrt", many_lights()));

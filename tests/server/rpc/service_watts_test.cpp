@@ -1,4 +1,4 @@
-// Watts of lamps, and what ListLights and GetScene tell of their spectra.
+// Watts of lamps, and their spectra in ListLights and GetScene.
 #include <gmock/gmock.h>
 
 #include "spectra_fixture.h"
@@ -6,8 +6,8 @@
 namespace lucerna::testing {
 namespace {
 
-// 683 lm/W at 555 nm: a line of half a nanometre to either side, where the observer's table falls
-// by 0.0050 in 5 nm; a triangle's mean distance from its middle is a third of that.
+// 683 lm/W at 555 nm.  The line is half a nanometre wide on either side, where the observer's table
+// falls by 0.0050 in 5 nm.  The mean distance from a triangle's middle is a third of that width.
 TEST_F(SpectraServiceTest, OneWattAt555NanometresIs683Lumens) {
   const v1::EstimatePowerResponse r =
       power(load("line.pbrt",
@@ -25,9 +25,9 @@ TEST_F(SpectraServiceTest, OneWattAt555NanometresIs683Lumens) {
   EXPECT_EQ(r.total().spectral_w_per_nm(3), 0);
 }
 
-// Computed elsewhere: Planck's law in SI units, the whole by quadrature over 10 nm to 0.1 m (which
-// agrees with Stefan and Boltzmann's law to 1e-14), the visible part by Simpson's rule at 0.1 nm
-// with the observer's table as a cubic spline: 95.367062 lm/W.
+// Computed independently: Planck's law in SI units, 95.367062 lm/W.  The whole is a quadrature over
+// 10 nm to 0.1 m (which agrees with the Stefan-Boltzmann law to 1e-14).  The visible part is by
+// Simpson's rule at 0.1 nm, with the observer's table as a cubic spline.
 TEST_F(SpectraServiceTest, ABlackBodyOf6504KelvinGives95LumensAWatt) {
   for (const auto method :
        {v1::EstimatePowerRequest::METHOD_EXACT, v1::EstimatePowerRequest::METHOD_APPROXIMATE}) {
@@ -62,11 +62,11 @@ TEST_F(SpectraServiceTest, TotalsHaveWattsWhereAllLightsHave) {
   EXPECT_FALSE(power(load("dark.pbrt", "WorldBegin")).total().has_power_w());
 }
 
-TEST_F(SpectraServiceTest, ListLightsTellsSpectraAndWatts) {
+TEST_F(SpectraServiceTest, ListLightsReportsSpectraAndWatts) {
   v1::ListLightsRequest q;
   q.set_scene_id(lamps_);
   v1::ListLightsResponse r;
-  ASSERT_TRUE(ask([&](auto* c) { return service_.scenes.ListLights(c, q, &r); }).ok());
+  ASSERT_TRUE(status_of([&](auto* c) { return service_.scenes.ListLights(c, q, &r); }).ok());
   ASSERT_EQ(r.lights_size(), 6);
   EXPECT_EQ(r.lights(kBlackBody - 1).spectrum().black_body_k(), 3000);
   EXPECT_EQ(r.lights(kF2 - 1).spectrum().illuminant(), "F2");
@@ -91,23 +91,23 @@ TEST_F(SpectraServiceTest, PagesOfLightsWithLongSpectraAreShort) {
   v1::ListLightsRequest q;
   q.set_scene_id(load("long.pbrt", "WorldBegin\n" + light + light));
   v1::ListLightsResponse r;
-  ASSERT_TRUE(ask([&](auto* c) { return service_.scenes.ListLights(c, q, &r); }).ok());
+  ASSERT_TRUE(status_of([&](auto* c) { return service_.scenes.ListLights(c, q, &r); }).ok());
   ASSERT_EQ(r.lights_size(), 1);
   EXPECT_EQ(r.lights(0).spectrum().sampled().values_size(), 70000);
   q.set_page_token(r.next_page_token());
   r.Clear();
-  ASSERT_TRUE(ask([&](auto* c) { return service_.scenes.ListLights(c, q, &r); }).ok());
+  ASSERT_TRUE(status_of([&](auto* c) { return service_.scenes.ListLights(c, q, &r); }).ok());
   ASSERT_EQ(r.lights_size(), 1);
   EXPECT_EQ(r.lights(0).id(), 2U);
   EXPECT_EQ(r.next_page_token(), "");
 }
 
-TEST_F(SpectraServiceTest, GetSceneTellsOfSpectraOnlyWhereThereAreSome) {
+TEST_F(SpectraServiceTest, GetSceneListsSpectraOnlyIfThereAreAny) {
   const auto spectra = [&](const std::string& scene) {
     v1::GetSceneRequest q;
     q.set_scene_id(scene);
     v1::GetSceneResponse r;
-    EXPECT_TRUE(ask([&](auto* c) { return service_.scenes.GetScene(c, q, &r); }).ok());
+    EXPECT_TRUE(status_of([&](auto* c) { return service_.scenes.GetScene(c, q, &r); }).ok());
     std::vector<v1::ScenePart> found;
     for (const auto& part : r.parts())
       if (part.name() == "spectra") found.push_back(part);
@@ -116,7 +116,8 @@ TEST_F(SpectraServiceTest, GetSceneTellsOfSpectraOnlyWhereThereAreSome) {
   const auto found = spectra(lamps_);
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0].why(), "4 spectra of 4 lights");
-  EXPECT_GT(found[0].bytes(), 4 * 8 * sizeof(double));  // the samples alone, with their wavelengths
+  EXPECT_GT(found[0].bytes(),
+            4 * 8 * sizeof(double));  // at least the samples with their wavelengths
   EXPECT_TRUE(
       spectra(load("rgb.pbrt", "WorldBegin LightSource \"point\" \"rgb I\" [1 2 3]")).empty());
 }

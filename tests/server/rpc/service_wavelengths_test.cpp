@@ -1,4 +1,4 @@
-// Wavelengths that are no wavelengths, too many, or where the light fits no float.
+// Invalid wavelengths, too many wavelengths, and light that exceeds floats.
 #include <limits>
 
 #include "spectra_fixture.h"
@@ -55,8 +55,8 @@ TEST_F(SpectraServiceTest, TheLargestBatchAtTheMostWavelengthsFitsAMessage) {
   EXPECT_LT(r.ByteSizeLong(), options().limits.max_message_bytes);
 }
 
-// A black body of 100 K has 4e72 W a lumen, nearly all about 29 um.
-TEST_F(SpectraServiceTest, ValuesThatNoFloatHoldsAreOutOfRange) {
+// A black body of 100 K has 4e72 W per lumen, nearly all about 29 um.
+TEST_F(SpectraServiceTest, ValuesBeyondFloatsAreOutOfRange) {
   const std::string scene =
       load("cold.pbrt",
            "WorldBegin LightSource \"point\" \"blackbody I\" 100 \"point3 from\" [0 0 3]\n"
@@ -105,7 +105,7 @@ TEST_F(SpectraServiceTest, ValuesThatNoFloatHoldsAreOutOfRange) {
     EXPECT_EQ(rays.status(0), v1::ITEM_STATUS_OUT_OF_RANGE);
     ASSERT_EQ(lx.status_size(), 2);
     EXPECT_EQ(lx.status(0), v1::ITEM_STATUS_OUT_OF_RANGE);
-    // No number of such an item stays behind.
+    // No number of such an item remains.
     EXPECT_EQ(lx.spectral_irradiance(0), 0);
     for (int i = 0; i < 2; ++i) {
       EXPECT_EQ(rgb(lx.irradiance_lx(), i), Rgb<double>{});
@@ -117,7 +117,7 @@ TEST_F(SpectraServiceTest, ValuesThatNoFloatHoldsAreOutOfRange) {
         EXPECT_EQ(share.standard_error_lx(i), 0) << share.light_id();
       }
     }
-    // Doubles hold it.
+    // Doubles hold the value.
     const v1::LightPower flux = power(scene, {1}, {nm}).lights(0);
     EXPECT_GT(flux.power_w(), 1e73);
     EXPECT_TRUE(std::isfinite(flux.power_w()) && std::isfinite(flux.spectral_w_per_nm(0)));

@@ -1,4 +1,4 @@
-// The services, and a scene of lamps that were given spectra or RGB.
+// The services, and a scene of lamps with a spectrum or an RGB colour.
 #pragma once
 
 #include <cmath>
@@ -14,8 +14,8 @@ namespace lucerna::testing {
 
 inline constexpr double kPi = 3.14159265358979323846;
 
-// Lights 1 to 6, the last two with a surface.  Everything about the origin sees all but the
-// sphere's back.
+// Lights 1 to 6; the last two have a surface.  A receiver at the origin sees them all, except for
+// the sphere's back.
 inline constexpr char kLamps[] = R"(WorldBegin
 LightSource "point" "blackbody I" 3000 "float scale" 10 "point3 from" [0 0 3]
 LightSource "point" "spectrum I" [400 1 500 2 600 4 700 2] "point3 from" [1 0 3]
@@ -42,8 +42,8 @@ inline std::vector<double> table_nm() {
   return nm;
 }
 
-/// What a client finds who adds up an answer at every wavelength of the table: XYZ in lumens'
-/// units.
+/// The XYZ that a client computes from an answer at every wavelength of the table, in the units of
+/// lumens.
 template <typename Values>
 Vec3<double> summed(const Values& values, int item = 0) {
   Vec3<double> xyz{};
@@ -52,8 +52,8 @@ Vec3<double> summed(const Values& values, int item = 0) {
   return xyz;
 }
 
-/// The 5 nm sum of the answer is the RGB `c`, each channel to a thousandth of the largest.  By the
-/// matrix of Rec. 709.
+/// Expects the 5 nm sum of the answer to be the RGB `c`, each channel to a thousandth of the
+/// largest.  By the matrix of Rec. 709.
 template <typename Values>
 void expect_looks_like(const Rgb<double>& c, const Values& values, int item = 0) {
   const Vec3<double> xyz = summed(values, item);
@@ -84,7 +84,7 @@ inline double planck_per_lumen(double nm, double kelvin) {
   return planck(nm) / (683 * 5 * y);
 }
 
-/// The spectrum of light 2, at luminance 1: by a fine Riemann sum, the observer linear between
+/// The spectrum of light 2 at luminance 1: by a fine Riemann sum, with the observer linear between
 /// entries.
 inline double sampled_value(double nm) {
   if (nm < 400 || nm > 700) return 0;
@@ -147,19 +147,19 @@ class SpectraServiceTest : public ::testing::Test {
     return q;
   }
   grpc::Status call(const v1::SampleLiRequest& q, v1::SampleLiResponse* r) {
-    return ask([&](auto* c) { return service_.lighting.SampleLi(c, q, r); });
+    return status_of([&](auto* c) { return service_.lighting.SampleLi(c, q, r); });
   }
   grpc::Status call(const v1::LeRequest& q, v1::LeResponse* r) {
-    return ask([&](auto* c) { return service_.lighting.Le(c, q, r); });
+    return status_of([&](auto* c) { return service_.lighting.Le(c, q, r); });
   }
   grpc::Status call(const v1::SampleLeRequest& q, v1::SampleLeResponse* r) {
-    return ask([&](auto* c) { return service_.lighting.SampleLe(c, q, r); });
+    return status_of([&](auto* c) { return service_.lighting.SampleLe(c, q, r); });
   }
   grpc::Status call(const v1::EstimatePowerRequest& q, v1::EstimatePowerResponse* r) {
-    return ask([&](auto* c) { return service_.lighting.EstimatePower(c, q, r); });
+    return status_of([&](auto* c) { return service_.lighting.EstimatePower(c, q, r); });
   }
   grpc::Status call(const v1::EstimateIrradianceRequest& q, v1::EstimateIrradianceResponse* r) {
-    return ask([&](auto* c) { return service_.lighting.EstimateIrradiance(c, q, r); });
+    return status_of([&](auto* c) { return service_.lighting.EstimateIrradiance(c, q, r); });
   }
   v1::EstimatePowerResponse power(
       const std::string& scene, std::vector<std::uint64_t> lights = {},

@@ -26,7 +26,7 @@ class Blockade {
                                             opened.wait();
                                           }});
       EXPECT_TRUE(s.ok()) << s;
-      begun.get_future().wait();  // one after the other, as the queue may hold one only
+      begun.get_future().wait();  // one after the other, because the queue may hold only one
     }
   }
   ~Blockade() { release(); }
@@ -53,7 +53,7 @@ TEST(Lanes, RunsAJobOfEachLane) {
   EXPECT_EQ(lanes.threads(), 2);
 }
 
-TEST(Lanes, SmallQueriesGoOnWhileTheBulkLaneIsBlocked) {
+TEST(Lanes, SmallQueriesContinueWhileTheBulkLaneIsBlocked) {
   for (const int threads : {1, 2}) {
     Lanes lanes({.threads = threads});
     Blockade bulk(lanes, Lane::kBulk);
@@ -71,7 +71,7 @@ TEST(Lanes, SmallQueriesGoOnWhileTheBulkLaneIsBlocked) {
   }
 }
 
-TEST(Lanes, RefusesWhatTheQueueDoesNotHold) {
+TEST(Lanes, RefusesJobsBeyondTheQueue) {
   Lanes lanes({.threads = 1, .bulk_queue = 2});
   std::atomic<int> ran = 0;
   {
@@ -82,7 +82,7 @@ TEST(Lanes, RefusesWhatTheQueueDoesNotHold) {
     const absl::Status refused = lanes.submit(Lane::kBulk, {.run = count});
     EXPECT_EQ(refused.code(), absl::StatusCode::kResourceExhausted) << refused;
     EXPECT_EQ(lanes.pending(Lane::kBulk), 4U);  // two run, two wait
-    lanes.resume(Lane::kBulk, {.run = count});  // what was accepted before goes on
+    lanes.resume(Lane::kBulk, {.run = count});  // jobs that were accepted before continue
     EXPECT_EQ(lanes.pending(Lane::kBulk), 5U);
     bulk.release();
     while (lanes.pending(Lane::kBulk) > 0) std::this_thread::yield();
@@ -90,7 +90,7 @@ TEST(Lanes, RefusesWhatTheQueueDoesNotHold) {
   EXPECT_EQ(ran, 3);
 }
 
-TEST(Lanes, DoNotRunWhatWasCancelledOrIsLate) {
+TEST(Lanes, DoNotRunCancelledOrLateJobs) {
   Lanes lanes({.threads = 1});
   std::stop_source stop;
   stop.request_stop();
@@ -100,7 +100,7 @@ TEST(Lanes, DoNotRunWhatWasCancelledOrIsLate) {
             absl::StatusCode::kDeadlineExceeded);
 }
 
-TEST(Lanes, AFullQueueMakesRoomWhereNobodyWaitsAnyMore) {
+TEST(Lanes, AFullQueueDropsJobsThatNobodyWaitsFor) {
   Lanes lanes({.threads = 1, .bulk_queue = 1});
   Blockade bulk(lanes, Lane::kBulk);
   std::stop_source stop;
@@ -118,7 +118,7 @@ TEST(Lanes, AFullQueueMakesRoomWhereNobodyWaitsAnyMore) {
   EXPECT_EQ(dropped.get_future().get(), absl::StatusCode::kCancelled);
 }
 
-TEST(Lanes, AnswerWhatWaitsWhenTheyEnd) {
+TEST(Lanes, AnswerWaitingJobsAtTheirEnd) {
   auto lanes = std::make_unique<Lanes>(LaneOptions{.threads = 1});
   auto bulk = std::make_unique<Blockade>(*lanes, Lane::kBulk);
   std::promise<absl::StatusCode> waiting;
@@ -152,7 +152,7 @@ TEST(ParallelChunks, VisitEveryItemOnceInAlignedChunks) {
   for (const auto& v : visits) EXPECT_EQ(v, 1);
 }
 
-TEST(ParallelChunks, LeaveOutWhatComesAfterAStop) {
+TEST(ParallelChunks, LeaveOutChunksAfterAStop) {
   std::stop_source stop;
   std::atomic<int> chunks = 0;
   parallel_chunks(1'000'000, 1, stop.get_token(), [&](auto, auto) {
@@ -160,7 +160,7 @@ TEST(ParallelChunks, LeaveOutWhatComesAfterAStop) {
     stop.request_stop();
   });
   EXPECT_GE(chunks, 1);
-  EXPECT_LT(chunks, 1000);  // no more than one a thread
+  EXPECT_LT(chunks, 1000);  // at most one per thread
 }
 
 TEST(CpuMeter, CountsTheTimeOfAllThreadsThatHelp) {
@@ -181,7 +181,8 @@ TEST(CpuMeter, CountsTheTimeOfAllThreadsThatHelp) {
                                                      seconds.set_value(meter.seconds());
                                                    }})
                   .ok());
-  // Processor time, not time: it is counted whole, whoever burnt it and however busy the machine.
+  // Processor time, not wall time.  It includes the time of all threads and does not depend on
+  // other load.
   EXPECT_GE(seconds.get_future().get(), 1e-9 * static_cast<double>(burnt_ns));
   EXPECT_GE(burnt_ns, 16 * kChunkNs);
 }

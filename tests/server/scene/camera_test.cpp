@@ -5,7 +5,7 @@
 namespace lucerna {
 namespace {
 
-// From (1, 2, 3) along +y, +z up; 90 degrees wide, half as high.  Camera space is left-handed, so
+// From (1, 2, 3) along +y, +z up; 90 degrees wide, half as high.  Camera space is left-handed.  So
 // its +x, right in the picture, is cross(up, forward) = -x of the world.
 Camera camera(const Vec3<double>& origin = {}) {
   PerspectiveCamera c;

@@ -1,4 +1,4 @@
-// LightAtTime against the models themselves: one light of each kind, at rest and moving.
+// LightAtTime compared with the models themselves: one light of each kind, at rest and moving.
 #include "server/scene/light_at_time.h"
 
 #include <gtest/gtest.h>
@@ -59,7 +59,7 @@ bool same(const EmissionPdf<double>& a, const EmissionPdf<double>& b) {
   return same(a.position.per_m2, b.position.per_m2) && same(a.direction.per_sr, b.direction.per_sr);
 }
 
-/// All members of one light, for a receiver and a pair of random numbers.
+/// Compares all members of one light, for a receiver and a pair of random numbers.
 template <typename L>
 void expect_same(const LightAtTime& at_time, const L& light, const Receiver<double>& receiver,
                  Vec2<double> u, const SceneSphere& sphere) {
@@ -130,7 +130,7 @@ TEST(LightAtTime, HasTheBitsOfEachModelInMotion) {
   expect_bits_of_models(*scene);
 }
 
-TEST(LightAtTime, LacksWhatItsModelLacks) {
+TEST(LightAtTime, HasNoMemberThatItsModelLacks) {
   SceneDescription d = testing::description();
   d.lights = {testing::point_light({0, 0, 3}, 100)};
   const auto scene = testing::build(std::move(d));

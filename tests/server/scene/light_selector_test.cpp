@@ -23,13 +23,13 @@ LightSelector::Item lamp(double x, double lumens) {
 
 LightSelector::Item sky(double lumens, double lux) { return {0, lumens, lux, std::nullopt}; }
 
-/// Lights numbered as they come.
+/// Numbers the lights in order.
 std::vector<LightSelector::Item> numbered(std::vector<LightSelector::Item> items) {
   for (std::uint32_t i = 0; i < items.size(); ++i) items[i].light = i;
   return items;
 }
 
-/// Lamps in a row, and two lights from afar: one between them, one behind.
+/// Lamps in a row, and two distant lights: one between them, one behind.
 LightSelector row_of_lamps(int lamps) {
   std::vector<LightSelector::Item> items;
   for (int i = 0; i < lamps; ++i) {
@@ -88,7 +88,7 @@ TEST(LightSelector, GivesAllToTheOnlyKindOfLight) {
   near.push_back(lamp(1, 2));
   for (auto* items : {&far, &near}) {
     const LightSelector selector(numbered(*items));
-    // The tree's boxes are some roundings of floats wider than the lights.
+    // The tree's boxes are wider than the lights by a few roundings of floats.
     for (const LightSelection how : kWays)
       EXPECT_NEAR(selector.probability(how, floor_at(0.5), 0), 0.5, 1e-8);
   }

@@ -1,5 +1,5 @@
-// A scene has only the parts that it requires: each part exists where something uses it, with
-// its bytes, its time and its reason, and nowhere else.
+// A scene has only the parts that it requires.  Each part exists where something uses it, with its
+// bytes, its time and its reason, and nowhere else.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -32,7 +32,7 @@ std::shared_ptr<const Image> grey(int width, int height) {
   return *Image::create(width, height, std::move(texels));
 }
 
-/// A floor under one point light: needs a hierarchy, and none of the parts that the cases below
+/// A floor under one point light.  It needs a hierarchy, and none of the parts that the cases below
 /// add.
 SceneDescription plain() {
   SceneDescription d = testing::description();
@@ -42,11 +42,11 @@ SceneDescription plain() {
 }
 
 using Change = std::function<void(SceneDescription&)>;
-using Question = std::function<void(const Scene&)>;
+using Query = std::function<void(const Scene&)>;
 
 LightDescription light(auto params) { return {std::move(params), {}}; }
 
-void ask_irradiance(const Scene& scene, VisibilityMethod visibility) {
+void query_irradiance(const Scene& scene, VisibilityMethod visibility) {
   const IrradiancePoint point{{0.5, 0.25, 0}, {1e-6f, 1e-6f, 1e-6f}, {0, 0, 1}};
   IrradianceSettings settings{.block_count = 2, .bounces = 0};
   settings.methods.visibility = visibility;
@@ -57,8 +57,8 @@ struct Case {
   std::string part;
   Change needs;                                 ///< what makes the scene need it
   Change needs_not = [](SceneDescription&) {};  ///< the nearest change that does not
-  Question asks = [](const Scene&) {};          ///< what makes a query need it
-  Question asks_not = [](const Scene&) {};
+  Query query = [](const Scene&) {};            ///< the query that needs it
+  Query other_query = [](const Scene&) {};
 };
 
 std::vector<Case> cases() {
@@ -66,7 +66,7 @@ std::vector<Case> cases() {
     return [params](SceneDescription& d) { d.lights.push_back(light(params)); };
   };
   const auto none = [](SceneDescription& d) { d.shapes.clear(); };
-  const auto as_it_is = [](SceneDescription&) {};
+  const auto unchanged = [](SceneDescription&) {};
   const std::vector<KeyTransform> keys{{0, Transform()}, {1, Transform::translate({1, 0, 0})}};
   const auto as_spot = [](SceneDescription& d) {  // its map has one face
     d.lights = {light(SpotLightParams{.position_m = {0, 0, 2},
@@ -89,13 +89,13 @@ std::vector<Case> cases() {
   with_map.map =
       *IntensityMap::create(grey(4, 4), SphereMapping::kEqualArea, ImageFilter::kBilinear);
   return {
-      {"bvh", as_it_is, none},
-      {"triangles", as_it_is,
+      {"bvh", unchanged, none},
+      {"triangles", unchanged,
        [](SceneDescription& d) { d.shapes = {testing::shape(SphereParams{})}; }},
       {"spheres", [](SceneDescription& d) { d.shapes = {testing::shape(SphereParams{})}; }},
-      {"surfaces", as_it_is, none},
-      {"materials", as_it_is, none},
-      {"lights", as_it_is, [](SceneDescription& d) { d.lights.clear(); }},
+      {"surfaces", unchanged, none},
+      {"materials", unchanged, none},
+      {"lights", unchanged, [](SceneDescription& d) { d.lights.clear(); }},
       {"light choice", [](SceneDescription& d) { d.lights.push_back(d.lights[0]); }},
       {"image distributions", add_light(sky(grey(8, 4))),
        add_light(UniformInfiniteLightParams{Rgb<double>(1)})},
@@ -113,8 +113,8 @@ std::vector<Case> cases() {
       {.part = "shadow maps",
        .needs = as_spot,
        .needs_not = as_spot,
-       .asks = [](const Scene& s) { ask_irradiance(s, VisibilityMethod::kShadowMaps); },
-       .asks_not = [](const Scene& s) { ask_irradiance(s, VisibilityMethod::kRays); }},
+       .query = [](const Scene& s) { query_irradiance(s, VisibilityMethod::kShadowMaps); },
+       .other_query = [](const Scene& s) { query_irradiance(s, VisibilityMethod::kRays); }},
       // The query wants maps, but no light of the scene has one.
       {.part = "shadow maps",
        .needs = as_spot,
@@ -123,25 +123,25 @@ std::vector<Case> cases() {
              d.lights = {light(UniformInfiniteLightParams{Rgb<double>(1)})};
              d.shapes.push_back(testing::emissive(testing::floor(0.1, 2), 1));
            },
-       .asks = [](const Scene& s) { ask_irradiance(s, VisibilityMethod::kShadowMaps); },
-       .asks_not = [](const Scene& s) { ask_irradiance(s, VisibilityMethod::kShadowMaps); }},
-      {.part = "shafts", .needs = as_it_is, .asks = [](const Scene& s) { shafts(s); }},
+       .query = [](const Scene& s) { query_irradiance(s, VisibilityMethod::kShadowMaps); },
+       .other_query = [](const Scene& s) { query_irradiance(s, VisibilityMethod::kShadowMaps); }},
+      {.part = "shafts", .needs = unchanged, .query = [](const Scene& s) { shafts(s); }},
   };
 }
 
-TEST(OnlyWhatASceneRequires, IsBuiltAndListed) {
+TEST(OnlyWhatASceneRequires, AreTheOnlyOnesBuiltAndListed) {
   for (const Case& c : cases()) {
     SCOPED_TRACE(c.part);
     SceneDescription d = plain();
     c.needs_not(d);
     const auto without = testing::build(std::move(d));
-    c.asks_not(*without);
+    c.other_query(*without);
     EXPECT_THAT(part_names(*without), Not(Contains(c.part)));
 
     d = plain();
     c.needs(d);
     const auto with = testing::build(std::move(d));
-    c.asks(*with);
+    c.query(*with);
     int times = 0;
     for (const ScenePart& part : with->parts()) {
       if (part.name != c.part) continue;
@@ -159,7 +159,7 @@ TEST(OnlyWhatASceneRequires, AnEmptySceneHasNoParts) {
   EXPECT_THAT(part_names(*scene), IsEmpty());
   EXPECT_EQ(scene->bytes(), 0u);
   EXPECT_EQ(scene->accelerator().bytes(), 0u);
-  EXPECT_TRUE(scene->empty());  // an empty hierarchy of Embree's takes 0 bytes too
+  EXPECT_TRUE(scene->empty());  // an empty hierarchy of Embree takes 0 bytes too
   EXPECT_FALSE(scene->closest_hit({{0, 0, 1}, {0, 0, -1}}));
   EXPECT_FALSE(scene->occluded({{0, 0, 1}, {0, 0, -1}}));
   EXPECT_FALSE(scene->isa().empty());

@@ -84,7 +84,7 @@ TEST(Scene, ReportsThePrimitiveOfALightAlsoForFlatPatchesOfTwoTriangles) {
   mesh.positions.push_back({4, 1, 0});
   mesh.positions[4].z = mesh.positions[5].z = mesh.positions[6].z = mesh.positions[7].z = 0;
   mesh.positions[3].z = 0;
-  // Patch 1, from x = 1 to 2, twisted by its own copy of a corner.
+  // Patch 1, from x = 1 to 2, is bent by its own copy of a corner.
   mesh.positions.push_back({2, 1, 0.25});
   mesh.indices = {0, 2, 1, 3, 2, 4, 3, 10, 4, 6, 5, 7, 6, 8, 7, 9};
   d.shapes = {testing::floor(9, -1), {mesh}};
@@ -163,7 +163,7 @@ TEST(Scene, BoundsTheErrorOfPositions) {
   }
 }
 
-TEST(Scene, ReportsOnlyWhatItBuilt) {
+TEST(Scene, ReportsOnlyBuiltParts) {
   SceneDescription d = testing::description();
   d.shapes = {testing::floor(1)};
   d.lights = {testing::point_light({0, 0, 1}, 1)};
@@ -212,7 +212,7 @@ TEST(Scene, StoresEachSpectrumOnceAndReportsItsBytes) {
   const auto part = std::ranges::find(parts, "spectra", &ScenePart::name);
   ASSERT_NE(part, parts.end());
   EXPECT_EQ(part->why, "2 spectra of 3 lights");
-  // Each once; where they are; which of them each of the four lights has.
+  // Each spectrum once, their places, and the index of each of the four lights.
   EXPECT_EQ(part->bytes, samples->bytes() + body->bytes() + 2 * sizeof samples + 4 * 4);
 }
 
@@ -262,7 +262,7 @@ TEST(Scene, AnswersWithoutGeometryAndWithoutAnything) {
   d.lights = {testing::point_light({5e6, 0, 1}, 3)};
   const auto lit = build(d);
   EXPECT_FALSE(lit->occluded(Ray{{0, 0, 0}, {0, 0, 1}}));
-  // The one light decides the origin: it is near it.
+  // The only light decides the origin, which is near it.
   EXPECT_LE(std::fabs(lit->origin().x - 5e6), 1);
 }
 

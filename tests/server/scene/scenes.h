@@ -50,8 +50,8 @@ inline ShapeDescription emissive(ShapeDescription shape, double radiance, bool t
   return shape;
 }
 
-/// A convex mesh: the octahedron, each face split `levels` times and put on the unit sphere; then
-/// mapped by `f`.  Outside is outside.
+/// A convex mesh: the octahedron, with each face split `levels` times and moved to the unit sphere;
+/// then mapped by `f`.  Normals point outwards.
 template <typename F>
 TriangleMeshData ball(int levels, F&& f) {
   struct Face {

@@ -1,5 +1,5 @@
-// Shadow maps: they agree with rays except at edges of shadows, disagreements are counted, and
-// only some lights have maps.
+// Shadow maps agree with rays except at edges of shadows.  Disagreements are counted.  Only some
+// lights have maps.
 #include "server/shadows/shadow_map.h"
 
 #include <gtest/gtest.h>
@@ -59,7 +59,7 @@ Ray ray_to(const Scene& scene, const SurfaceHit& hit) {
   return shadow_ray(hit, sample_of(scene, hit));
 }
 
-/// n x n points spread over the floor, on no lattice that an edge might run along.
+/// n x n points spread over the floor, not on a lattice that an edge might run along.
 template <typename F>
 void for_each_on_floor(int n, F&& f) {
   for (int i = 0; i < n * n; ++i) {
@@ -72,22 +72,23 @@ void for_each_on_floor(int n, F&& f) {
 }
 
 struct Agreement {
-  int asked = 0, wrong = 0, wrong_away_from_edges = 0, shadowed = 0;
+  int tested = 0, wrong = 0, wrong_away_from_edges = 0, shadowed = 0;
 };
 
-/// Compares with the shadow of the board by hand: a square of half side `half_shadow`.  `band`:
-/// closer to its edge than this the map may be wrong.
+/// Compares with the shadow of the board by hand, a square of half side `half_shadow`.  Within
+/// `band` of its edge the map may be wrong.
 Agreement agreement(const Scene& scene, double half_shadow, double band, bool has_normal = true) {
   const LightVisibility visibility(scene, VisibilityMethod::kShadowMaps);
   Agreement a;
   for_each_on_floor(600, [&](const SurfaceHit& hit) {
     if (sample_of(scene, hit).reason != NoLight::kNone) return;
-    const auto told = visibility.by_map(0, hit.position, has_normal ? hit.ng : Vec3<double>{});
-    ASSERT_TRUE(told.has_value());
+    const auto shadowed_by_map =
+        visibility.by_map(0, hit.position, has_normal ? hit.ng : Vec3<double>{});
+    ASSERT_TRUE(shadowed_by_map.has_value());
     const double outside = max_abs(Vec3<double>{hit.position.x, hit.position.y, 0}) - half_shadow;
-    ++a.asked;
-    a.shadowed += *told;
-    if (*told == (outside < 0)) return;
+    ++a.tested;
+    a.shadowed += *shadowed_by_map;
+    if (*shadowed_by_map == (outside < 0)) return;
     ++a.wrong;
     if (std::fabs(outside) > band) ++a.wrong_away_from_edges;
   });
@@ -98,14 +99,14 @@ TEST(ShadowMap, AgreesWithRaysExceptAtEdgesOfShadows) {
   SceneDescription d = board_scene();
   // By similar triangles.
   const double half_shadow = kLampHeight / (kLampHeight - kBoardHeight);
-  const double diagonal = 1.5;  // of a texel, and how much of one it is seen askew at 45 degrees
+  const double diagonal = 1.5;  // of a texel, seen at 45 degrees
   for (const LightDescription& light :
        {testing::point_light({0, 0, kLampHeight}, 100), spot({0, 0, kLampHeight}, pi / 4)}) {
     d.lights = {light};
     const auto scene = testing::build(d);
     const double texel = 2.1 * kLampHeight / ShadowMaps::kLargestSide;
     const Agreement a = agreement(*scene, half_shadow, diagonal * texel);
-    EXPECT_GT(a.asked, 600 * 600 / 3);
+    EXPECT_GT(a.tested, 600 * 600 / 3);
     EXPECT_GT(a.shadowed, 10000);
     EXPECT_EQ(a.wrong_away_from_edges, 0);
     // A map is not a ray: some points at the edge differ.
@@ -115,7 +116,7 @@ TEST(ShadowMap, AgreesWithRaysExceptAtEdgesOfShadows) {
   const auto scene = testing::build(d);
   const double texel = 2 * scene->sphere().radius_m / ShadowMaps::kLargestSide;
   const Agreement a = agreement(*scene, 1, diagonal * texel);
-  EXPECT_EQ(a.asked, 600 * 600);
+  EXPECT_EQ(a.tested, 600 * 600);
   EXPECT_EQ(a.wrong_away_from_edges, 0);
 }
 
@@ -157,9 +158,9 @@ TEST(ShadowMap, LooksAllAroundALight) {
   d.lights = {testing::point_light({0.05, -0.1, 0.07}, 1)};
   const auto scene = testing::build(std::move(d));
   const LightVisibility visibility(*scene, VisibilityMethod::kShadowMaps);
-  int wrong = 0, shadowed = 0, asked = 0;
+  int wrong = 0, shadowed = 0, tested = 0;
   for (int i = 0; i < 40000; ++i) {
-    // Directions of a spiral about a point from which the shadows are seen.
+    // Directions of a spiral about a point from which the shadows are visible.
     const double z = (2 * i + 1) / 40000.0 - 1, turn = 2.399963 * i, r = std::sqrt(1 - z * z);
     const auto hit =
         scene->closest_hit({{-0.5f, 0.6f, -0.4f},
@@ -168,17 +169,17 @@ TEST(ShadowMap, LooksAllAroundALight) {
     if (!(dot(hit->ng, sample_of(*scene, *hit).wi) > 0)) continue;
     const Ray ray = ray_to(*scene, *hit);
     const bool by_ray = scene->occluded(ray);
-    ++asked;
+    ++tested;
     shadowed += by_ray;
     wrong += visibility.by_map(0, hit->position, hit->ng).value() != by_ray;
   }
-  EXPECT_GT(asked, 20000);
-  EXPECT_GT(shadowed, asked / 100);
-  EXPECT_LT(shadowed, asked / 2);
+  EXPECT_GT(tested, 20000);
+  EXPECT_GT(shadowed, tested / 100);
+  EXPECT_LT(shadowed, tested / 2);
   EXPECT_GT(wrong, 0);
-  // The outlines of the balls and of their shadows, some 8 m of them on walls of 24 m2, within half
-  // of a texel of 4 mm.
-  EXPECT_LT(wrong, asked / 200);
+  // The outlines of the balls and of their shadows: about 8 m on walls of 24 m2, within half of a
+  // texel of 4 mm.
+  EXPECT_LT(wrong, tested / 200);
 }
 
 /// Look-ups all over the floor, by the maps of another scene with the same light.
@@ -198,12 +199,12 @@ TEST(ShadowMap, CountsDisagreementsWithRays) {
   const WorkCounts good = looked_up(*scene, *scene);
   EXPECT_EQ(good.map_lookups, 600u * 600);
   EXPECT_EQ(good.shadow_rays, good.map_compared);
-  // One in 64, by chance: within five standard deviations.
+  // One in 64, at random: within five standard deviations.
   const double expected = 600.0 * 600 / LightVisibility::kComparedOneIn;
   EXPECT_NEAR(static_cast<double>(good.map_compared), expected, 5 * std::sqrt(expected));
   EXPECT_LE(good.map_disagreed, good.map_compared / 100);
 
-  // A map without what is there: it is wrong all over the shadow, 4 of 64 m2.
+  // A map without the board is wrong in the whole shadow, 4 of 64 m2.
   const WorkCounts broken = looked_up(*scene, *without_board);
   EXPECT_EQ(broken.map_compared, good.map_compared);
   const double share = 4.0 / 64, n = static_cast<double>(broken.map_compared);

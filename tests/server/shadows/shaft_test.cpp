@@ -1,4 +1,4 @@
-// A shaft that is said to be empty is: no shadow ray to the light meets anything.
+// A shaft that is reported empty is empty: no shadow ray to the light meets anything.
 #include "server/shadows/shaft.h"
 
 #include <gtest/gtest.h>
@@ -35,7 +35,7 @@ bool is_empty(const Scene& scene, const SurfaceHit& receiver, std::uint32_t ligh
   return Shafts(scene).is_empty(receiver, receiver.ns, light);
 }
 
-/// Samples whose light arrives above the receiver's horizon, and how many of their rays meet
+/// Samples whose light arrives above the receiver's horizon, and the number of their rays that meet
 /// something.
 struct Rays {
   int lit = 0, blocked = 0;
@@ -50,12 +50,12 @@ Rays shoot(const Scene& scene, const SurfaceHit& receiver, std::uint32_t light, 
   r.normal = Vector(receiver.ns);
   visit_light(l, 0, [&](const auto& model) {
     for (int i = 0; i < count; ++i) {
-      // Of four samples one from the edges of the light.
+      // One of four samples is from the edges of the light.
       const auto value = [&] { return i % 4 == 0 ? std::round(u(random)) : u(random); };
       const auto s = model.sample_li(r, {value(), u(random)});
       if (s.reason != NoLight::kNone || !(dot(r.normal, s.wi) > 0)) continue;
       ++rays.lit;
-      // A ray to the very rim of a sphere may meet the sphere itself: nothing that is in the way.
+      // A ray to the very rim of a sphere may meet the sphere itself, which is not an obstacle.
       const auto hit = scene.closest_hit(shadow_ray(receiver, s, l.reach_m()));
       rays.blocked += hit && hit->light != static_cast<std::int32_t>(light) ? 1 : 0;
     }
@@ -73,7 +73,7 @@ SceneDescription room_with_lamp(double lamp = 0.25, double below_ceiling = 0) {
 }
 
 TEST(Shaft, FromAFloorToALampInTheCeilingIsEmpty) {
-  // In the ceiling's plane, and below it; the receiver's floor and walls count for nothing.
+  // In the ceiling's plane, and below it.  The receiver's floor and the walls do not count.
   for (const double below : {0.0, 1e-3, 0.1}) {
     const auto scene = build(room_with_lamp(0.25, below));
     for (const double x : {0.0, 0.5, 0.95})
@@ -96,10 +96,10 @@ TEST(Shaft, IsNotEmptyWithAnObstacleInIt) {
   }
 }
 
-TEST(Shaft, SeesAnObstacleBeforeACornerOfTheLight) {
+TEST(Shaft, FindsAnObstacleBeforeACornerOfTheLight) {
   for (const double gap : {-1e-3, 1e-3}) {
     SceneDescription d = room_with_lamp();
-    // Half way up, half as far to the side: at the edge of the shaft.
+    // Halfway up and half as far to the side: at the edge of the shaft.
     const double x = 0.125 + gap;
     d.shapes.push_back(patch({x, -1, 0}, {0.9, -1, 0}, {x, 1, 0}, {0.9, 1, 0}));
     const auto scene = build(std::move(d));
@@ -113,7 +113,7 @@ TEST(Shaft, IgnoresSurfacesBehindTheLightOrBelowTheHorizon) {
               testing::floor(9, -1), testing::floor(0.25, -0.25)};
   const auto scene = build(std::move(d));
   EXPECT_TRUE(is_empty(*scene, receiver_at({0, 0, 0}, {0, 0, 1})));
-  // Beyond the lamp the ceiling is in the way.
+  // Beyond the lamp the ceiling is an obstacle.
   EXPECT_FALSE(is_empty(*scene, receiver_at({0, 0, 2}, {0, 0, -1})));
 }
 
@@ -177,7 +177,7 @@ TEST(Shaft, OfInfiniteLights) {
   EXPECT_FALSE(is_empty(*scene_of(portal, 0.49), receiver));
   EXPECT_FALSE(is_empty(*scene_of(sky, 0.51), receiver));
   EXPECT_TRUE(is_empty(*scene_of(sky, 0.51), receiver_at({0, 0, 1}, {0, 0, 1})));
-  // What stands beyond the portal hides the sky.
+  // An object beyond the portal hides the sky.
   SceneDescription d = testing::description();
   d.shapes = {testing::floor(0.1, 3)};
   d.lights = {{portal, {}}};
@@ -185,10 +185,10 @@ TEST(Shaft, OfInfiniteLights) {
 }
 
 // The lowest rays to a wide sun go farthest before they leave the scene above its walls.
-TEST(Shaft, OfAWideSunSeesObstaclesOfItsLowestRays) {
+TEST(Shaft, OfAWideSunFindsObstaclesOfItsLowestRays) {
   const auto scene_of = [](double top) {
     SceneDescription d = testing::description();
-    // More than one box holds, and none that reaches to the receiver.
+    // More than one box holds, and none that reaches the receiver.
     for (double y = -1; y < 1; y += 0.125)
       d.shapes.push_back(
           patch({4, y, top - 0.4}, {4, y + 0.125, top - 0.4}, {4, y, top}, {4, y + 0.125, top}));
@@ -222,7 +222,7 @@ TEST(Shaft, InstancesCountWhereTheyAre) {
   for (const double x : {0.0, 1.5}) {
     SceneDescription d = testing::description();
     d.shapes = {testing::floor(4), emissive(testing::floor(0.5, 2), 1, true)};
-    // A frame around nothing: its box is in the way, and it is not.
+    // A frame around nothing: its box intersects the shaft, the frame does not.
     std::vector<ShapeDescription> frame;
     for (const double side : {-1.0, 0.8})
       frame.push_back(patch({side, -1, 0}, {side + 0.2, -1, 0}, {side, 1, 0}, {side + 0.2, 1, 0}));
@@ -234,7 +234,7 @@ TEST(Shaft, InstancesCountWhereTheyAre) {
   }
 }
 
-/// A clutter of shapes about the origin, some of them lamps, as large as about 1, times `scale` and
+/// Random shapes about the origin, some of them lamps, up to a size of about 1, times `scale` and
 /// moved by `offset`.
 SceneDescription clutter(std::mt19937& random, double scale, const Vector& offset) {
   std::uniform_real_distribution<double> u(0, 1);
@@ -279,12 +279,12 @@ TEST_P(ShaftProperty, NoRayMeetsAnythingWhereItIsEmpty) {
   const auto [scale, offset] = GetParam();
   std::mt19937 random(5);
   std::uniform_real_distribution<float> u(0, 1);
-  int asked = 0, said = 0, open = 0;
+  int tested = 0, reported_empty = 0, open = 0;
   for (int s = 0; s < 6; ++s) {
     const auto scene = build(clutter(random, scale, offset));
     const Shafts shafts(*scene);
     for (int i = 0; i < 60; ++i) {
-      // What rays find, and turned about as bumps turn normals.
+      // A hit of a ray, with its normal turned as bump maps turn normals.
       const auto w = sample_uniform_sphere(Vec2<float>{u(random), u(random)});
       const Vector from = offset - scene->origin() +
                           Vector{u(random) - 0.5, u(random) - 0.5, u(random) - 0.5} * (3 * scale);
@@ -301,20 +301,20 @@ TEST_P(ShaftProperty, NoRayMeetsAnythingWhereItIsEmpty) {
         const bool empty = shafts.is_empty(receiver, receiver.ns, l);
         const Rays rays = shoot(*scene, receiver, l, empty ? 1000 : 100, random);
         if (rays.lit == 0) continue;
-        ++asked, said += empty, open += rays.blocked == 0;
+        ++tested, reported_empty += empty, open += rays.blocked == 0;
         if (empty) {
           EXPECT_EQ(rays.blocked, 0) << "light " << l << " scene " << s << " of " << rays.lit;
         }
       }
     }
   }
-  RecordProperty("asked", asked);
+  RecordProperty("tested", tested);
   RecordProperty("open", open);
-  RecordProperty("said_empty", said);
-  // A test that sees, and a shaft that is worth its while.
-  EXPECT_GT(said, 100);
-  EXPECT_GT(said, 0.6 * open) << "of " << open << " that are";
-  EXPECT_LT(said, asked);
+  RecordProperty("reported_empty", reported_empty);
+  // The test checks enough rays, and shafts are empty often enough.
+  EXPECT_GT(reported_empty, 100);
+  EXPECT_GT(reported_empty, 0.6 * open) << "of " << open << " that are";
+  EXPECT_LT(reported_empty, tested);
 }
 
 INSTANTIATE_TEST_SUITE_P(Scales, ShaftProperty,

@@ -1,4 +1,4 @@
-// Which scenes go when there is no room for all.
+// Scenes that are unloaded when there is not room for all.
 #include <fmt/core.h>
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@ using testing::SceneFiles;
 
 class LeasesTest : public ::testing::Test {
  protected:
-  /// `scenes`: how many of this test's fit.
+  /// `scenes`: the number of this test's scenes that fit.
   void open(double scenes) {
     for (int i = 0; i < 6; ++i) {
       files_.write(name(i), "WorldBegin # " + std::to_string(i) +
@@ -35,7 +35,7 @@ class LeasesTest : public ::testing::Test {
                  .value();
   }
   static std::string name(int i) { return fmt::format("s{}.pbrt", i); }
-  /// Loads scene i; its id.
+  /// Loads scene i and returns its id.
   std::string load(int i, double lease_s = 0) {
     auto loaded = store_->load(name(i), {.lease_s = lease_s});
     EXPECT_TRUE(loaded.ok()) << loaded.status();
@@ -47,10 +47,10 @@ class LeasesTest : public ::testing::Test {
   SceneFiles files_;
   std::chrono::steady_clock::time_point now_ = std::chrono::steady_clock::now();
   std::unique_ptr<SceneStore> store_;
-  Lease lease_;  // the last
+  Lease lease_;  // of the last load
 };
 
-TEST_F(LeasesTest, TheLongestUnusedGoesFirst) {
+TEST_F(LeasesTest, LeastRecentlyUsedScenesAreUnloadedFirst) {
   open(2.5);
   const std::string a = load(0), b = load(1);
   EXPECT_NE(store_->find(a), nullptr);  // used after b
@@ -69,7 +69,7 @@ TEST_F(LeasesTest, WithoutABudgetAllStay) {
   EXPECT_EQ(store_->size(), 6U);
 }
 
-TEST_F(LeasesTest, NobodyUnloadsWhatAnotherLeased) {
+TEST_F(LeasesTest, LeasedScenesAreNotUnloadedByOthers) {
   open(2.5);
   const std::string a = load(0, 10);
   EXPECT_FALSE(lease_.id.empty());
@@ -79,7 +79,7 @@ TEST_F(LeasesTest, NobodyUnloadsWhatAnotherLeased) {
   EXPECT_EQ(store_->find(b), nullptr);
   load(3, 20);
   EXPECT_EQ(store_->find(c), nullptr);
-  // Two leases fill it.
+  // Two leases fill the store.
   const absl::Status full = store_->load(name(4)).status();
   EXPECT_EQ(full.code(), absl::StatusCode::kResourceExhausted);
   EXPECT_EQ(full.GetPayload(kRetryAfterPayload), absl::Cord("10000"));
@@ -90,7 +90,7 @@ TEST_F(LeasesTest, NobodyUnloadsWhatAnotherLeased) {
   EXPECT_EQ(store_->find(a), nullptr);
 }
 
-TEST_F(LeasesTest, ASceneThatNeverFitsIsRefusedAndNothingGoes) {
+TEST_F(LeasesTest, ASceneThatNeverFitsIsRefusedAndNoneIsUnloaded) {
   open(0.5);
   const absl::Status status = store_->load(name(0)).status();
   EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted);

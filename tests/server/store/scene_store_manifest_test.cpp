@@ -48,7 +48,7 @@ class ManifestTest : public ::testing::Test {
   }
 
   absl::StatusOr<LoadedScene> load() { return store_->load(manifest_); }
-  /// The names that are missing.
+  /// The names of the missing files.
   std::vector<std::string> missing() {
     std::vector<std::string> names;
     const auto loaded = load();
@@ -65,7 +65,7 @@ class ManifestTest : public ::testing::Test {
   Manifest manifest_{.main = "room.pbrt", .assets = {}};
 };
 
-TEST_F(ManifestTest, TellsAllThatIsMissingAtOnce) {
+TEST_F(ManifestTest, ReportsAllMissingFilesAtOnce) {
   manifest_.assets["room.pbrt"] = sha256(kMain);
   const auto first = load();
   ASSERT_TRUE(first.ok()) << first.status();
@@ -131,7 +131,7 @@ TEST_F(ManifestTest, AnUploadedSceneIsFoundByTheNameThatTheListShows) {
   EXPECT_EQ(other.code(), absl::StatusCode::kNotFound);
   EXPECT_THAT(message(other), HasSubstr((files_.path() / "root").string()));
   EXPECT_THAT(message(other), HasSubstr("upload"));
-  // A file of this name comes first, and its errors are its own.
+  // A file of this name has priority, and its errors are reported.
   std::filesystem::create_directory(files_.path() / "root/mine");
   files_.write("root/mine/room.pbrt", "WorldBegin\nInclude \"none.pbrt\"\n");
   EXPECT_THAT(message(store_->load(name).status()), StartsWith("mine/room.pbrt:2:"));
@@ -139,13 +139,13 @@ TEST_F(ManifestTest, AnUploadedSceneIsFoundByTheNameThatTheListShows) {
   EXPECT_FALSE(store_->load(name)->already_loaded);
 }
 
-TEST_F(ManifestTest, WhatIsNotNeededNeedNotBeThere) {
+TEST_F(ManifestTest, UnneededFilesMayBeMissing) {
   put("room.pbrt", "WorldBegin\n");
   manifest_.assets["never.ply"] = sha256("never");
   EXPECT_THAT(missing(), IsEmpty());
 }
 
-TEST_F(ManifestTest, FilesThatTheClientHasNotEitherAreErrorsAtTheirPlace) {
+TEST_F(ManifestTest, FilesThatTheClientLacksAreErrorsAtTheirPlace) {
   put("room.pbrt", kMain);
   put("parts/more.pbrt", kMore);
   put("meshes/b.ply", kPly);
@@ -186,7 +186,7 @@ TEST_F(ManifestTest, NamesReachNoFileOfTheServer) {
   }
 }
 
-TEST_F(ManifestTest, FilesThatChangedOnTheDiskAreAskedForAgain) {
+TEST_F(ManifestTest, FilesChangedOnDiskAreRequestedAgain) {
   put("room.pbrt", "WorldBegin\n");
   files_.write("assets/" + hexadecimal(sha256("WorldBegin\n")), "WorldBeginX");
   const auto loaded = load();

@@ -41,7 +41,7 @@ class SceneStoreTest : public ::testing::Test {
   std::unique_ptr<SceneStore> store_;
 };
 
-TEST_F(SceneStoreTest, LoadingAgainIsFreeAndSaysSo) {
+TEST_F(SceneStoreTest, LoadingAgainReturnsTheLoadedScene) {
   const LoadedScene first = load("a.pbrt");
   EXPECT_FALSE(first.already_loaded);
   EXPECT_EQ(first.stored.scene->id().size(), 64U);
@@ -55,7 +55,7 @@ TEST_F(SceneStoreTest, AbsolutePathsBeneathTheRootAreAcceptedAndOthersAreNot) {
   const LoadedScene first = load("a.pbrt");
   EXPECT_EQ(load((root_ / "a.pbrt").string()).stored.scene, first.stored.scene);
   EXPECT_EQ(load((root_ / "b/.." / "a.pbrt").string()).stored.scene, first.stored.scene);
-  // The root by another name.
+  // Another name of the root.
   const std::filesystem::path link = root_.string() + "_link";
   std::filesystem::create_directory_symlink(root_, link);
   const auto store = SceneStore::open({.root = link.string() + "/"}).value();
@@ -103,7 +103,7 @@ TEST_F(SceneStoreTest, AChangeOfAnIncludedFileIsSeen) {
   EXPECT_NE(load("main.pbrt").stored.scene->id(), first.stored.scene->id());
 }
 
-TEST_F(SceneStoreTest, NothingStaysOfAFailedLoad) {
+TEST_F(SceneStoreTest, AFailedLoadLeavesNothing) {
   write("broken.pbrt", "WorldBegin\nShape \"trianglemesh\" \"integer indices\" [0 1\n");
   const auto broken = store_->load("broken.pbrt");
   EXPECT_EQ(broken.status().code(), absl::StatusCode::kInvalidArgument);
@@ -112,7 +112,7 @@ TEST_F(SceneStoreTest, NothingStaysOfAFailedLoad) {
   EXPECT_EQ(store_->load("none.pbrt").status().code(), absl::StatusCode::kNotFound);
   EXPECT_EQ(store_->load("../a.pbrt").status().code(), absl::StatusCode::kInvalidArgument);
   EXPECT_EQ(store_->size(), 0U);
-  write("broken.pbrt", kScene);  // and it can be mended
+  write("broken.pbrt", kScene);  // and it can be fixed
   EXPECT_FALSE(load("broken.pbrt").already_loaded);
 }
 
@@ -124,7 +124,7 @@ TEST_F(SceneStoreTest, CancelledLoadsLeaveNothing) {
   EXPECT_EQ(store_->size(), 0U);
 }
 
-TEST_F(SceneStoreTest, SeveralWhoAskAtTheSameTimeBuildOnce) {
+TEST_F(SceneStoreTest, ConcurrentLoadsBuildOnce) {
   std::vector<std::jthread> threads;
   std::vector<std::string> ids(8);
   for (auto& id : ids) {
@@ -135,7 +135,7 @@ TEST_F(SceneStoreTest, SeveralWhoAskAtTheSameTimeBuildOnce) {
   EXPECT_EQ(store_->builds(), 1U);
 }
 
-TEST_F(SceneStoreTest, ReleasedScenesLiveAsLongAsSomebodyHoldsThem) {
+TEST_F(SceneStoreTest, ReleasedScenesLiveAsLongAsTheyAreHeld) {
   const LoadedScene held = load("a.pbrt");
   const std::string id = held.stored.scene->id();
   EXPECT_TRUE(store_->release(id).value());

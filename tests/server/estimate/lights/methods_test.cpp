@@ -1,4 +1,4 @@
-// All methods give the same light: in a scene with every kind of light, and in one with a few.
+// All methods give the same light, in a scene with every kind of light and in one with a few.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -53,8 +53,8 @@ std::vector<Methods> all_methods() {
   return all;
 }
 
-IrradianceEstimate ask(const Scene& scene, const Vec3<double>& world, const Methods& methods,
-                       std::uint32_t samples, std::optional<std::uint32_t> bounces) {
+IrradianceEstimate estimate(const Scene& scene, const Vec3<double>& world, const Methods& methods,
+                            std::uint32_t samples, std::optional<std::uint32_t> bounces) {
   const IrradiancePoint point{world - scene.origin(), {1e-5F, 1e-5F, 1e-5F}, {0, 0, 1}};
   const IrradianceSettings settings{.seed = 11,
                                     .samples_per_block = samples / 64,
@@ -67,13 +67,13 @@ IrradianceEstimate ask(const Scene& scene, const Vec3<double>& world, const Meth
 void expect_same_irradiance(const Scene& scene, const Vec3<double>& at,
                             std::optional<std::uint32_t> bounces, std::uint32_t samples,
                             bool small_lamps = false) {
-  const IrradianceEstimate truth =
-      ask(scene, at, {.light_selection = LightSelection::kAll, .closed_forms = ClosedForms::kOff},
-          16 * samples, bounces);
+  const IrradianceEstimate truth = estimate(
+      scene, at, {.light_selection = LightSelection::kAll, .closed_forms = ClosedForms::kOff},
+      16 * samples, bounces);
   for (const Methods& m : all_methods()) {
-    // Directions that find light once in a thousand samples underestimate their own scatter.
+    // Directions that find light once in a thousand samples underestimate their own standard error.
     if (small_lamps && m.combination == Combination::kSurfaces) continue;
-    const IrradianceEstimate e = ask(scene, at, m, samples, bounces);
+    const IrradianceEstimate e = estimate(scene, at, m, samples, bounces);
     const double error = std::hypot(e.illuminance_error_lx, truth.illuminance_error_lx);
     EXPECT_NEAR(luminance(e.irradiance_lx), luminance(truth.irradiance_lx), 4.5 * error)
         << name_of(m);
@@ -90,7 +90,7 @@ TEST(Methods, GiveTheSameReflectedLightOfFewLights) {
 }
 
 TEST(Methods, GiveTheSameDirectLightOfEveryKindOfLight) {
-  // Not just below the luminaires.
+  // At places that are not just below the luminaires.
   expect_same_irradiance(*build(testing::invariant_scene()),
                          testing::kEveryLightMiddle + Vec3<double>{0.37, 0.21, 0}, 0, 16384, true);
 }
@@ -115,7 +115,7 @@ TEST(Methods, GiveTheSamePicture) {
   EXPECT_GT(truth, 1);
   for (const Methods& m : all_methods()) {
     const auto [value, variance] = mean(m, 8);
-    // Channels of a pixel go together.
+    // The channels of a pixel are correlated.
     EXPECT_NEAR(value, truth, 4.5 * std::sqrt(3 * (variance + its_variance))) << name_of(m);
     EXPECT_LT(std::sqrt(variance), 0.1 * truth) << name_of(m);
   }
@@ -124,8 +124,8 @@ TEST(Methods, GiveTheSamePicture) {
 TEST(Methods, IndependentSamplesScatterMoreThanSobolPoints) {
   const auto scene = few_lights();
   const auto error = [&](Sampler sampler) {
-    return ask(*scene, {-1, 0, 0}, {.sampler = sampler, .closed_forms = ClosedForms::kOff}, 65536,
-               0)
+    return estimate(*scene, {-1, 0, 0}, {.sampler = sampler, .closed_forms = ClosedForms::kOff},
+                    65536, 0)
         .illuminance_error_lx;
   };
   EXPECT_GT(error(Sampler::kIndependent), 4 * error(Sampler::kSobol));
@@ -134,12 +134,12 @@ TEST(Methods, IndependentSamplesScatterMoreThanSobolPoints) {
 TEST(Methods, MorePointsOnALightScatterLess) {
   const auto scene = few_lights();
   const auto error = [&](std::uint32_t points) {
-    return ask(*scene, {1, 0.2, 0},
-               {.light_selection = LightSelection::kAll,
-                .samples_per_light = points,
-                .combination = Combination::kLights,
-                .closed_forms = ClosedForms::kOff},
-               1024, 0)
+    return estimate(*scene, {1, 0.2, 0},
+                    {.light_selection = LightSelection::kAll,
+                     .samples_per_light = points,
+                     .combination = Combination::kLights,
+                     .closed_forms = ClosedForms::kOff},
+                    1024, 0)
         .illuminance_error_lx;
   };
   EXPECT_LT(error(16), 0.5 * error(1));
@@ -165,7 +165,7 @@ TEST(Methods, AQueryOverridesTheScenesPointsPerLight) {
   EXPECT_EQ(rays(7), 7 * 64u);
 }
 
-// The rule of photometry: at five times its largest dimension a lamp counts as a point to 1%.
+// The rule of photometry: at five times its largest dimension, a lamp counts as a point to 1%.
 TEST(Methods, FarLampsCountAsPointsAndNearOnesDoNot) {
   SceneDescription d = testing::description();
   d.shapes = {
@@ -174,7 +174,7 @@ TEST(Methods, FarLampsCountAsPointsAndNearOnesDoNot) {
           testing::shape(SphereParams{.world_from_object = Transform::translate({0, 0, 3})}), 2)};
   const auto scene = build(std::move(d));
   for (const double radii : {4.0, 8.0, 32.0}) {
-    const double far = radii * std::sqrt(3.0);  // of the larger one
+    const double far = radii * std::sqrt(3.0);  // of the larger lamp
     const Methods methods{.far_light_radii = radii, .closed_forms = ClosedForms::kOff};
     const auto at = [&](const Vec3<double>& p, const Methods& m) {
       const IrradiancePoint point{p - scene->origin(), {1e-6F, 1e-6F, 1e-6F}, {-0.6F, 0, 0.8F}};

@@ -9,7 +9,7 @@
 namespace lucerna::testing {
 namespace {
 
-// Linear interpolation between the two order statistics beside it.
+// Linear interpolation between the two nearest order statistics.
 double percentile(std::vector<double> values, double percent) {
   std::ranges::sort(values);
   const double at = percent / 100 * static_cast<double>(values.size() - 1);

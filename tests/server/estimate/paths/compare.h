@@ -1,4 +1,4 @@
-// Whether a rendered picture agrees with a reference: one rule for all reference tests.
+// The rule by which a rendered picture agrees with a reference, for all reference tests.
 #pragma once
 
 #include <string>
@@ -6,7 +6,7 @@
 
 namespace lucerna::testing {
 
-/// Three channels a pixel, rows from the top.
+/// Three channels per pixel, rows from the top.
 struct Picture {
   int width = 0, height = 0;
   std::vector<double> values;
@@ -19,25 +19,28 @@ struct Picture {
   double mean() const;
 };
 
-/// The channels R, G, B of an image file; throws std::runtime_error where it cannot be read.
+/// The channels R, G, B of an image file.  Throws std::runtime_error if it cannot be read.
 Picture read_picture(const std::string& path);
-/// As 32-bit floats; the format follows the extension.
+/// Writes 32-bit floats in the format of the extension.
 void write_picture(const std::string& path, const Picture& picture);
 
 struct Agreement {
   bool finite = false;
   double mean_ratio[3] = {};  ///< mine over the reference's, by channel
-  double outliers = 0;        ///< share of pixels further apart than six standard errors
+  double outliers = 0;        ///< share of pixels that differ by more than six standard errors
   double block_percentile =
-      0;            ///< 99th of the 8x8 blocks' differences, in units of what is allowed
-  std::string why;  ///< which parts disagree; empty where the pictures agree
+      0;            ///< 99th of the 8x8 blocks' differences, in units of the allowed difference
+  std::string why;  ///< the failed conditions; empty if the pictures agree
 };
 
-/// They agree when every value is finite; each channel's mean differs by less than 0.3%; at most 1%
-/// of the pixels differ in some channel by more than six combined standard errors, the reference's
-/// being at least 0.5% of the pixel plus 0.1% of the mean, and `mine`'s counted up to four times
-/// that, so that a noisy picture cannot hide a wrong one; and 99% of the 8x8 blocks differ by less
-/// than 3% of themselves plus 0.3% of the mean.
+/// Pictures agree if every value is finite and three conditions hold.  Each channel's mean differs
+/// by less than 0.3%.  At most 1% of the pixels differ in some channel by more than six combined
+/// standard errors.  99% of the 8x8 blocks differ by less than 3% of themselves plus 0.3% of the
+/// mean.
+///
+/// The reference's standard error counts as at least 0.5% of the pixel plus 0.1% of the mean.  That
+/// of `mine` counts up to four times the reference's, so that a noisy picture cannot hide a wrong
+/// one.
 Agreement compare(const Picture& mine, const Picture& mine_stderr, const Picture& reference,
                   const Picture& reference_stderr);
 

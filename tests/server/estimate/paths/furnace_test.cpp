@@ -1,7 +1,8 @@
-// Closed white boxes of each shape that carries area lights: walls that emit L everywhere and
-// reflect rho show L / (1 - rho) wherever one looks, and hold pi L / (1 - rho) wherever one
-// measures.  Any light lost or counted twice, in sampling, weighing, or between two walls, shows.
-// A finite number of reflections gives a partial sum of the same series, exactly.
+// Closed white boxes of each shape that can be an area light.  Walls emit L everywhere and reflect
+// rho.  So the radiance is L / (1 - rho) in every direction, and the irradiance pi L / (1 - rho) at
+// every place.  The tests notice light that is lost or counted twice: in sampling, in weighting, or
+// between two walls.  A finite number of reflections gives exactly a partial sum of the same
+// series.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -21,7 +22,7 @@ using testing::build;
 using testing::emissive;
 
 constexpr double kL = 2;
-/// Reflections that are followed: 0.7^25 = 1.3e-4 of the light is left out, of 0.5^25 nothing.
+/// The number of reflections.  0.7^25 = 1.3e-4 of the light is left out; 0.5^25 is negligible.
 constexpr std::uint32_t kBounces = 24;
 
 /// L (1 + rho + ... + rho^reflections).
@@ -29,8 +30,8 @@ double series(double rho, std::uint32_t reflections) {
   return kL * (1 - std::pow(rho, reflections + 1)) / (1 - rho);
 }
 
-/// A box of six quadrilaterals about (1, 2, 3), its inside outwards.  `skew` pulls the corners out
-/// of their cube: sides are bilinear patches then, whose straight edges still meet.
+/// A box of six quadrilaterals about (1, 2, 3) whose outsides face inwards.  `skew` moves the
+/// corners out of their cube.  Then the sides are bilinear patches whose straight edges still meet.
 std::vector<std::array<Vec3<double>, 4>> sides(double skew) {
   const auto corner = [&](int i) {
     const Vec3<double> c{i & 1 ? 1.0 : -1.0, i & 2 ? 1.0 : -1.0, i & 4 ? 1.0 : -1.0};
@@ -50,7 +51,7 @@ std::vector<std::array<Vec3<double>, 4>> sides(double skew) {
 
 std::vector<ShapeDescription> triangles() { return {emissive({testing::room({1, 2, 3})}, kL)}; }
 
-/// Each side a light of its own.
+/// Each side is a light of its own.
 std::vector<ShapeDescription> rectangles() {
   std::vector<ShapeDescription> shapes;
   for (const auto& s : sides(0))
@@ -58,7 +59,7 @@ std::vector<ShapeDescription> rectangles() {
   return shapes;
 }
 
-/// All sides one light.
+/// All sides are one light.
 std::vector<ShapeDescription> patches() {
   PatchMeshData mesh;
   for (const auto& s : sides(0.4))
@@ -89,7 +90,8 @@ std::vector<ShapeDescription> dome() {
       emissive({DiskParams{.height_m = -0.5, .radius_m = 1.25, .world_from_object = kPlace}}, kL)};
 }
 
-/// A cylinder closed by a disk and by two: an annulus and what fits into it.
+/// A cylinder closed by a disk on one side, and by an annulus and the disk in its hole on the
+/// other.
 std::vector<ShapeDescription> drum() {
   const auto lid = [](double inner, double outer) {
     return emissive({DiskParams{.height_m = 0.75,
@@ -112,7 +114,7 @@ std::vector<ShapeDescription> drum() {
 
 using Shapes = std::vector<ShapeDescription> (*)();
 
-/// The same with a picture of one grey on each light, at a quarter of the level.  Each triangle
+/// The same with a uniform grey picture on each light, at a quarter of the level.  Each triangle
 /// shows half of it.
 template <Shapes kOf>
 std::vector<ShapeDescription> painted() {
@@ -128,10 +130,10 @@ std::vector<ShapeDescription> painted() {
   return shapes;
 }
 
-/// A light of `area_m2` with the photometry of a Lambertian one, I(theta) = cos(theta) cd.  A panel
-/// has the radiance I / (A cos(theta)) in each direction, which is 1 / A here, the same in all: it
-/// is the diffuse light, and fills a box as that does.  Between angles a tenth of a degree apart
-/// straight lines are off a cosine by 4e-7 of it (h^2 / 8).
+/// Gives a light of `area_m2` the photometry of a Lambertian one, I(theta) = cos(theta) cd.  A
+/// panel has the radiance I / (A cos(theta)) in each direction, here 1 / A in all.  So it equals
+/// the diffuse light.  Straight lines between angles 0.1 degrees apart are off the cosine by a
+/// relative 4e-7 (h^2 / 8).
 void make_panel(ShapeDescription& shape, double area_m2) {
   static const std::shared_ptr<const PhotometricWeb> web = [] {
     PhotometricWebParams cosine;
@@ -144,18 +146,18 @@ void make_panel(ShapeDescription& shape, double area_m2) {
   }();
   PanelProfile& profile = shape.emission->panel.emplace();
   profile.web = web;
-  profile.tangent = {1, 2, 3};  // along no side's normal
+  profile.tangent = {1, 2, 3};  // not along any side's normal
   shape.emission->radiance_cd_m2 = Rgb<double>(kL * area_m2);
 }
 
-/// A cube's sides, each a panel of a patch.
+/// The sides of a cube, each a panel of one patch.
 std::vector<ShapeDescription> rectangle_panels() {
   auto shapes = rectangles();
   for (ShapeDescription& s : shapes) make_panel(s, 4);
   return shapes;
 }
 
-/// Each of two triangles.
+/// The sides of a cube, each a panel of two triangles.
 std::vector<ShapeDescription> triangle_panels() {
   const TriangleMeshData room = testing::room({1, 2, 3});
   std::vector<ShapeDescription> shapes;
@@ -171,7 +173,7 @@ std::vector<ShapeDescription> triangle_panels() {
   return shapes;
 }
 
-/// The drum with panels for its disks; its wall, which is not flat, stays diffuse.
+/// The drum with panels for its disks.  Its wall is not flat and stays diffuse.
 std::vector<ShapeDescription> disk_panels() {
   auto shapes = drum();
   for (ShapeDescription& s : shapes)
@@ -200,9 +202,10 @@ class ClosedBox : public ::testing::TestWithParam<std::tuple<Box, double>> {
   }
 };
 
-// Blocks of one sample are independent: their mean is as good as normally distributed.  Seven
-// standard errors on each of 192 pixels and five and a half on their mean: by luck once in 1e7.
-TEST_P(ClosedBox, ShowsTheSameEverywhere) {
+// Blocks of one sample are independent, so their mean is nearly normally distributed.  The limits
+// are seven standard errors for each of 192 pixels, and 5.5 for their mean.  They are exceeded by
+// chance once in 1e7.
+TEST_P(ClosedBox, HasTheSameRadianceEverywhere) {
   const auto room = scene();
   constexpr std::uint64_t kBlocks = 128;
   const TileResult tile = render_tile(
@@ -222,13 +225,13 @@ TEST_P(ClosedBox, ShowsTheSameEverywhere) {
   EXPECT_NEAR(sum / pixels, expected, 5.5 * error + 1e-5 * expected);
 }
 
-// Ways to face at points near the middle and near the walls; seven standard errors on each of 24,
-// by luck once in 1e9.
+// Normals at points near the middle and near the walls.  The limit is seven standard errors for
+// each of 24, exceeded by chance once in 1e9.
 TEST_P(ClosedBox, IrradianceIsPiTimesTheRadianceEverywhere) {
   const auto room = scene();
   std::vector<IrradiancePoint> points;
   for (int i = 0; i < 24; ++i) {
-    // Directions all around and 0, 0.2 or 0.4 from the middle: within every box.
+    // In all directions, 0, 0.2 or 0.4 from the middle: within every box.
     const double z = (i % 8 + 0.5) / 4 - 1, phi = 2.4 * i, r = std::sqrt(1 - z * z);
     const Vec3<double> n{r * std::cos(phi), r * std::sin(phi), z};
     const Vec3<double> off = Vec3<double>{n.y, n.z, n.x} * (0.2 * (i / 8));
@@ -251,7 +254,8 @@ std::string name_of(const ::testing::TestParamInfo<std::tuple<Box, double>>& inf
          (std::get<1>(info.param) < 0.6 ? "_half" : "_most");
 }
 
-// A disk and a cylinder close no box alone, but with each other and with part of a sphere.
+// A disk or a cylinder does not close a box alone.  They do with each other and with part of a
+// sphere.
 INSTANTIATE_TEST_SUITE_P(
     Shapes, ClosedBox,
     ::testing::Combine(::testing::Values(Box{"triangles", triangles}, Box{"rectangles", rectangles},
@@ -260,7 +264,7 @@ INSTANTIATE_TEST_SUITE_P(
                        ::testing::Values(0.5, 0.7)),
     name_of);
 
-// What walls reflect has nothing to do with how they emit: one albedo, the higher.
+// Reflection does not depend on how the walls emit: one albedo, the higher.
 INSTANTIATE_TEST_SUITE_P(
     Emissions, ClosedBox,
     ::testing::Combine(::testing::Values(Box{"painted_triangles", painted<triangles>},
@@ -275,8 +279,8 @@ INSTANTIATE_TEST_SUITE_P(
                        ::testing::Values(0.7)),
     name_of);
 
-// What sees a box that is not closed: a fortieth of the area missing lets light out.
-TEST(OpenBox, ShowsLess) {
+// A box that is not closed: a fortieth of the area is missing and lets light out.
+TEST(OpenBox, HasLessRadiance) {
   SceneDescription d = testing::description(0.5);
   d.shapes = drum();
   std::get<DiskParams>(d.shapes[2].geometry).radius_m = 0.25;

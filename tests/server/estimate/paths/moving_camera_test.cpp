@@ -34,8 +34,8 @@ constexpr char kFilm[] = "Film \"rgb\" \"integer xresolution\" 20 \"integer yres
 constexpr char kCamera[] = "Camera \"perspective\" \"float fov\" 90 WorldBegin ";
 
 TEST(MovingCamera, TurnsHalfwayInHalfTheTime) {
-  // Looks along +z, +x right, +y up; the world turns about +z by 90 degrees, from +x to +y, so the
-  // camera turns the other way.
+  // The camera looks along +z, +x right, +y up.  The world turns about +z by 90 degrees, from +x to
+  // +y, so the camera turns the other way.
   const auto scene = scene_of(std::string(kFilm) +
                               "TransformTimes 1 3 ActiveTransform EndTime Rotate 90 0 0 1 "
                               "ActiveTransform All " +
@@ -56,9 +56,9 @@ TEST(MovingCamera, TurnsHalfwayInHalfTheTime) {
 }
 
 TEST(MovingCamera, MovesAlongAStraightLine) {
-  // The world turns by 90 degrees before a camera 6 m from its zero: from (0, -6, 0) the camera
-  // gets to (-6, 0, 0), on the chord as pbrt-v4 has it, 6 / sqrt 2 from zero in the middle.  To
-  // turn the world instead would keep it on the circle.
+  // The world turns by 90 degrees before a camera 6 m from its zero.  The camera moves from (0, -6,
+  // 0) to (-6, 0, 0) along the chord, like in pbrt-v4: 6 / sqrt 2 from zero in the middle.  A
+  // turning world would keep it on the circle.
   const auto scene = scene_of(std::string(kFilm) +
                               "LookAt 0 -6 0  0 0 0  0 0 1 ActiveTransform EndTime "
                               "Rotate 90 0 0 1 ActiveTransform All " +
@@ -72,7 +72,8 @@ TEST(MovingCamera, MovesAlongAStraightLine) {
   expect_near(camera.ray(10, 10, 1).direction, {1, 0, 0}, 1e-7);
 }
 
-/// Before a strip of luminance 3, 4 m off, from x = 0 to 0.5: from x = -1 to 1 in a second.
+/// A camera moves from x = -1 to 1 in a second.  At 4 m is a strip of luminance 3, from x = 0 to
+/// 0.5.
 SceneDescription passing() {
   SceneDescription d = description();
   d.shapes.push_back(emissive(patch({0, -9, 4}, {0.5, -9, 4}, {0, 9, 4}, {0.5, 9, 4}), 3, true));
@@ -87,8 +88,8 @@ SceneDescription passing() {
   return d;
 }
 
-/// Of the time from `open` to `close`, the part in which the strip is seen at the tangent `s`:
-/// where 0 <= -1 + 2 t + 4 s <= 0.5.
+/// The share of the time from `open` to `close` in which the strip is visible at the tangent `s`.
+/// The condition is 0 <= -1 + 2 t + 4 s <= 0.5.
 double seen(double s, double open, double close) {
   const double begin = std::max(open, (1 - 4 * s) / 2), end = std::min(close, (1.5 - 4 * s) / 2);
   return std::max(0.0, end - begin) / (close - open);
@@ -97,7 +98,7 @@ double seen(double s, double open, double close) {
 void expect_streak(const TileResult& tile, std::uint64_t blocks, double open, double close) {
   const auto n = static_cast<double>(blocks);
   for (std::size_t pixel = 0; pixel < 40; ++pixel) {
-    // Over the pixel, by midpoints of a piecewise linear function.
+    // The mean over the pixel, by midpoints of a piecewise linear function.
     constexpr int kSteps = 10000;
     double expected = 0;
     for (int k = 0; k < kSteps; ++k)
@@ -105,7 +106,7 @@ void expect_streak(const TileResult& tile, std::uint64_t blocks, double open, do
           3.0 / kSteps *
           seen(-1 + 0.1 * (static_cast<double>(pixel % 20) + (k + 0.5) / kSteps), open, close);
     const BlockStatistics& b = tile.channels[3 * pixel];
-    // Seven standard errors, of 40 pixels: by luck less than once in 1e9.
+    // Seven standard errors for 40 pixels, exceeded by chance less than once in 1e9.
     EXPECT_NEAR(b.sum / n, expected, 7 * std::sqrt(b.deviation / (n * (n - 1))) + 1e-5)
         << pixel << " from " << open << " to " << close;
     if (expected == 0) {
@@ -147,10 +148,10 @@ TEST(MovingCamera, BlurIsTheMeanOverTime) {
   }
   for (std::size_t c = 0; c < mean.size(); ++c) {
     const double v = variance[c] + blurred.channels[c].deviation / (1024.0 * 1023);
-    // Seven standard errors, of 120 numbers: by luck less than once in 1e9.  The midpoint rule:
-    // what a pixel, 0.4 m wide, shows of the strip is linear in time between four kinks, by 3 in
-    // 0.2 s at most, which it misses by an eighth of a moment squared each; and 1e-3 for the smooth
-    // rest.
+    // Seven standard errors for 120 numbers, exceeded by chance less than once in 1e9.  The
+    // midpoint rule adds an error.  A pixel is 0.4 m wide.  Its view of the strip is linear in time
+    // between four kinks, with slopes up to 3 in 0.2 s.  The rule misses each kink by at most an
+    // eighth of a squared step.  The smooth rest adds 1e-3.
     EXPECT_NEAR(blurred.channels[c].sum / 1024, mean[c],
                 7 * std::sqrt(v) + 4 * 15 / (8.0 * kMoments * kMoments) + 1e-3 * mean[c]);
     EXPECT_GT(mean[c], 0);
@@ -186,7 +187,7 @@ TEST(MovingCamera, EqualsARestingCameraAtItsKeyFrames) {
       }
     }
   }
-  // And the picture of the first moment has the bits of the still scene's.
+  // The picture of the first moment has the bits of the still scene's.
   TileSettings s{.rect = {0, 0, 20, 2}, .samples_per_block = 4, .block_count = 4, .time_s = 0.5};
   const TileResult a = render_tile(*moves, s, {}), b = render_tile(*first, s, {});
   for (std::size_t c = 0; c < a.channels.size(); ++c) {
@@ -215,8 +216,8 @@ TEST(MovingCamera, GivesTheSameBitsForAnyTiling) {
 }
 
 TEST(MovingCamera, MovesObjectsInItsCoordinates) {
-  // It goes, turns, and two plates are put before it by its own coordinate system.  (What has a
-  // zero of its own there would go straight from end to end, as in pbrt-v4.)
+  // The camera moves and turns.  Its coordinate system places two plates in front of it.  (An
+  // object with a zero of its own would move straight from end to end, as in pbrt-v4.)
   const auto scene = scene_of(
       std::string(kFilm) +
       "ActiveTransform StartTime LookAt 1 -6 2  0 0 1  0 0 1 ActiveTransform EndTime "
@@ -247,7 +248,7 @@ TEST(MovingCamera, MovesObjectsInItsCoordinates) {
 }
 
 TEST(MovingCamera, KeepsItsPathFarFromTheWorldsZero) {
-  // All numbers are exact in double precision there and here, and so are the scenes' origins.
+  // All numbers are exact in double precision at both places, and so are the scenes' origins.
   const auto about = [](const Vec3<double>& o) {
     const auto at = [&](double x, double y, double z) {
       return fmt::format("{} {} {} ", o.x + x, o.y + y, o.z + z);
@@ -279,7 +280,7 @@ TEST(MovingCamera, UsesTheTransformTimesBeforeIt) {
   EXPECT_EQ(frames[0].time_s, 0.5);
   EXPECT_EQ(frames[1].time_s, 2);
   EXPECT_EQ(frames[1].position_m, Vec3<double>(0, 0, 2));
-  // As in pbrt-v4: what follows the camera is for what comes then.
+  // As in pbrt-v4: directives after the camera apply to later objects only.
   const auto after = load_text(std::string(moving) + "TransformTimes 0.5 2 WorldBegin");
   ASSERT_TRUE(after.ok());
   EXPECT_EQ(after->camera.motion->key_frames()[0].time_s, 0);
@@ -302,7 +303,7 @@ TEST(MovingCamera, AMotionThatIsNotRigidIsAnError) {
                         "and ascending"));
   EXPECT_THAT(error_of("ActiveTransform EndTime\nScale 0 1 1 Camera \"perspective\" WorldBegin"),
               HasSubstr("scene.pbrt:2:1: Scale"));
-  // Mirrored or scaled all the time is a camera like others.
+  // A camera that is always mirrored or scaled is valid.
   EXPECT_EQ(error_of("Scale -1 2 1 ActiveTransform EndTime Translate 1 0 0 ActiveTransform All "
                      "Camera \"perspective\" WorldBegin"),
             "");

@@ -18,7 +18,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// Rays from all around at time `t` find the same in `moves` as in `still`.
+/// Expects rays from all around at time `t` to hit the same in `moves` as in `still`.
 void expect_same_hits(const Scene& moves, const Scene& still, double t) {
   std::mt19937 random(7);
   std::normal_distribution<double> normal;
@@ -45,7 +45,7 @@ void expect_same_hits(const Scene& moves, const Scene& still, double t) {
     ++hits;
     const Vec3<double> p = Vec3<double>(a->position) + moves.origin();
     const Vec3<double> q = Vec3<double>(b->position) + still.origin();
-    // Beyond an edge that one ray passes and the other does not.
+    // Only one of the rays passed an edge, and met a surface beyond it.
     if (length(p - q) > 1e-4) {
       ++differ;
       continue;
@@ -59,7 +59,7 @@ void expect_same_hits(const Scene& moves, const Scene& still, double t) {
               2 * std::sqrt(3) * (max_abs(a->position_error) + max_abs(b->position_error)));
   }
   EXPECT_GT(hits, 500);
-  // Roundings of 1e-6 m at outlines and edges of some ten metres' length, seen on 10 m2.
+  // Roundings of 1e-6 m at outlines and edges of about 10 m in length, seen on 10 m2.
   EXPECT_LE(differ, 2);
 }
 
@@ -90,7 +90,7 @@ TEST(MovingSurfaces, ScaledInstancesMove) {
   const Transform stretched = *Transform::scale({0.5, 0.25, 1.5});
   const auto place = [&](double t, bool moves) {
     SceneDescription d = description();
-    // A scene of its own size and zero around it, and an instance that rests.
+    // A scene with its own size and zero around it, and an instance at rest.
     d.objects = {{"ball",
                   {shape(ball(2,
                               [](const Vec3<double>& p) {
@@ -139,7 +139,7 @@ TEST(MovingSurfaces, KeepMaterialsShadingNormalsAndLightNumbers) {
 }
 
 TEST(MovingSurfaces, ShadowPointsThatTheyPass) {
-  // A plate of a metre, 1.5 m up, under a light 3 m up: x = 4 t - 4.
+  // A plate of a metre, 1.5 m up, under a light 3 m up.  Its place is x = 4 t - 4.
   SceneDescription d = description();
   d.shapes.push_back(floor(5));
   d.shapes.push_back(floor(0.5, 1.5));
@@ -178,8 +178,8 @@ TEST(MovingSurfaces, BlurFollowsTheTimeAtEachPlace) {
   const auto scene = build(std::move(d));
   TileSettings s{.rect = {0, 0, 2, 2}, .samples_per_block = 4, .block_count = 1024, .bounces = 0};
   const TileResult blurred = render_tile(*scene, s, {});
-  // One sample in four sees it: sqrt(0.25 0.75 / 4096) is 0.0068 of the panel; seven of that, less
-  // than once in 1e11.
+  // One sample in four sees it: sqrt(0.25 0.75 / 4096) is 0.0068 of the panel.  Seven of these are
+  // exceeded less than once in 1e11.
   for (const BlockStatistics& c : blurred.channels) EXPECT_NEAR(c.sum / 1024, 2, 8 * 0.048);
   s.block_count = 1;
   for (const double t : {0.0, 0.3, 0.5, 0.7}) {
@@ -214,11 +214,11 @@ TEST(MovingSurfaces, TheScenesSphereHoldsTheirWholeMotion) {
   const Vec3<double> centre = scene->origin() + scene->sphere().center_m;
   EXPECT_LE(length(centre - Vec3<double>{50, 0, 0}), 1e-6);
   EXPECT_NEAR(scene->sphere().radius_m, std::hypot(51, 1), 1e-6);
-  bool told = false;
+  bool reported = false;
   for (const ScenePart& part : scene->parts())
-    told |= part.name == "motion" && part.bytes > 0 &&
-            part.why == "0 lights, 1 shapes and instances move";
-  EXPECT_TRUE(told);
+    reported |= part.name == "motion" && part.bytes > 0 &&
+                part.why == "0 lights, 1 shapes and instances move";
+  EXPECT_TRUE(reported);
 }
 
 TEST(PbrtMotion, OfShapesAreaLightsAndInstancesIsRead) {
@@ -260,7 +260,7 @@ TEST(PbrtMotion, ThatIsNotRigidIsAnErrorForSurfaces) {
               HasSubstr("scene.pbrt:3:29: Shape: motion that scales or shears"));
   EXPECT_THAT(error_of(grows + "ObjectInstance \"o\""),
               HasSubstr("scene.pbrt:3:3: ObjectInstance: motion that scales or shears"));
-  // A scale that both key frames share is no motion.
+  // A scale that both key frames share is not a motion.
   EXPECT_EQ(error_of("WorldBegin ActiveTransform EndTime Translate 1 0 0 ActiveTransform All "
                      "Scale 2 3 -4 Shape \"sphere\""),
             "");

@@ -1,10 +1,7 @@
-// Scenes of one light each against the pictures that pbrt-v4 made of them with 1024 to 8192 samples
-// a pixel (its spectra of grey are flat, so that its pictures are an RGB renderer's too).
-//
-// `colour` has a test of its own, as it is where RGB and spectra differ.
-//
-// The rule of agreement allows for pbrt-v4's own differences: it drops the last 1e-4 of every
-// shadow ray, which no scene here shows.
+// Scenes of one light each, compared with pictures by pbrt-v4 with 1024 to 8192 samples per pixel.
+// Its spectra of grey are flat, so its pictures equal those of an RGB renderer.  `colour` has its
+// own tests, because RGB and spectra differ there.  The rule of agreement allows for a difference
+// of pbrt-v4: it drops the last 1e-4 of every shadow ray.  No scene here shows that.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -67,15 +64,15 @@ Rendered render(const Scene& scene, std::uint32_t samples_per_block = 32) {
 class Reference : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(Reference, PictureAgreesWithPbrt4) {
-  // In `portal` an eave outside hides part of the sun from the floor, which no density knows: at
-  // 256 samples pbrt-v4 does not agree with itself.
+  // In `portal` an eave outside hides part of the sun from the floor, and no density includes it.
+  // At 256 samples pbrt-v4 does not agree with itself.
   const std::uint32_t samples_per_block = GetParam() == "portal" ? 128 : 32;
   const Rendered mine = render(*build(describe(GetParam())), samples_per_block);
   const std::string stem = kReference + "pictures/" + GetParam();
   const Picture theirs = read_picture(stem + ".exr");
   const Agreement a =
       compare(mine.mean, mine.standard_error, theirs, read_picture(stem + ".stderr.exr"));
-  // To look at: a directory for the pictures of this run.
+  // For inspection: a directory for the pictures of this run.
   if (const char* directory = std::getenv("LUCERNA_TEST_PICTURES"))
     testing::write_picture(std::string(directory) + "/" + GetParam() + ".exr", mine.mean);
   RecordProperty("mean_ratio", std::to_string(a.mean_ratio[1]));
@@ -95,9 +92,9 @@ INSTANTIATE_TEST_SUITE_P(Scenes, Reference,
                          [](const auto& info) { return info.param; });
 
 // `colour`: two coloured lights on coloured surfaces.  pbrt-v4 makes spectra of all these RGBs and
-// shows the colour of their product; an RGB renderer shows the product of the colours, as everybody
-// who gives RGB alone may expect, for RGB does not say which spectrum is meant.  The first over the
-// second, from the spectra themselves (colour_ratios.py; neither renderer has a part in it):
+// shows the colour of their product.  An RGB renderer shows the product of the colours.  That is
+// correct for RGB input, because RGB does not determine a spectrum.  Each number here is the first
+// over the second.  colour_ratios.py computes them from the spectra, without either renderer.
 struct ColourOfProduct {
   Rgb<double> surface;
   Rgb<double> over_product[2];  // by light
@@ -106,7 +103,7 @@ constexpr ColourOfProduct kColours[] = {
     {{0.5, 0.4, 0.3}, {{0.98012, 0.99629, 0.95939}, {1.05089, 1.01422, 1.01488}}},
     {{0.2, 0.4, 0.5}, {{1.10510, 1.00054, 1.03678}, {0.67252, 0.99417, 0.98333}}}};
 
-/// Pixels, by number, that with their neighbours show nothing but the surface of this colour.
+/// Indices of pixels that, like their neighbours, show only surfaces of this colour.
 std::vector<std::size_t> pixels_of(const Scene& scene, const Rgb<double>& surface) {
   const Camera& camera = scene.camera();
   const auto shows = [&](int x, int y) {
@@ -128,10 +125,10 @@ double mean_of(const Picture& picture, const std::vector<std::size_t>& pixels,
   return sum / static_cast<double>(pixels.size());
 }
 
-// Each light by itself, on surfaces of the colour that their product with that light has: the sum
-// agrees by the rule of all other scenes, so that nothing else differs; and so does each surface's
-// mean, as the small dark one has little weight in the whole.
-TEST(ColourReference, PictureAgreesWithPbrt4OnceItsSpectraAreAllowedFor) {
+// Renders each light alone, on surfaces with the colour of their product with that light.  The sum
+// must agree by the rule of all other scenes, so nothing else differs.  The mean of each surface
+// must agree too, because the small dark one has little weight in the whole.
+TEST(ColourReference, PictureAgreesWithPbrt4AfterCorrectionForItsSpectra) {
   Rendered sum;
   for (int light = 0; light < 2; ++light) {
     SceneDescription d = describe("colour");
@@ -175,9 +172,9 @@ TEST(ColourReference, PictureAgreesWithPbrt4OnceItsSpectraAreAllowedFor) {
   }
 }
 
-// As it is: luminance, by the same table, between 0.9800 and 1.0264 times that of the spectra,
-// whatever the shares of the two lights; so 99% of the blocks keep to the rule's 3%.
-TEST(ColourReference, LuminanceIsWithinWhatRgbAllows) {
+// Without that correction: the luminance, by the same table, is 0.9800 to 1.0264 times that of the
+// spectra, for any shares of the two lights.  So 99% of the blocks keep the rule's 3%.
+TEST(ColourReference, LuminanceIsWithinTheErrorOfRgb) {
   const auto grey = [](Picture picture) {
     for (std::size_t i = 0; i < picture.values.size(); i += 3) {
       double* const v = &picture.values[i];
@@ -199,7 +196,7 @@ TEST(ColourReference, LuminanceIsWithinWhatRgbAllows) {
   EXPECT_GT(a.mean_ratio[0], 0.9800);
   EXPECT_LT(a.mean_ratio[0], 1.0264);
   EXPECT_LE(a.block_percentile, 1);
-  // The test above has something to allow for.
+  // The channels differ, so the test above has a difference to correct.
   EXPECT_THAT(channels.why, ::testing::HasSubstr("mean"));
 }
 
@@ -229,9 +226,9 @@ TEST_F(Comparison, RejectsAPictureShiftedByOnePixel) {
   EXPECT_THAT(compare(shifted, stderr_, reference_, stderr_).why, ::testing::HasSubstr("pixels"));
 }
 
-TEST_F(Comparison, RejectsAShadowMovedElsewhereThoughTheMeanStays) {
+TEST_F(Comparison, RejectsAMovedShadowWithTheSameMean) {
   Picture moved = reference_;
-  // A dark square of three blocks' width, and its light handed to the rest.
+  // A dark square, three blocks wide.  Its light is added to the other pixels.
   double taken = 0;
   for (int y = 40; y < 64; ++y)
     for (int x = 40; x < 64; ++x)
@@ -242,7 +239,7 @@ TEST_F(Comparison, RejectsAShadowMovedElsewhereThoughTheMeanStays) {
         v /= 2;
       }
   for (double& v : moved.values) v += taken / static_cast<double>(moved.values.size());
-  // A picture that claims to be noisy is not excused.
+  // A picture that claims to be noisy does not pass either.
   Picture noisy = stderr_;
   for (double& v : noisy.values) v = 1e3;
   const std::string why = compare(moved, noisy, reference_, stderr_).why;

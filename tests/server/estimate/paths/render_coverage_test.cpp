@@ -1,5 +1,5 @@
-// The intervals of pixels over repeats.  Tiles with a sample count have intervals by Student's t
-// and their standard error.  Tiles with a target error report their intervals.
+// The coverage of pixel intervals over repeats.  Tiles with a sample count have intervals by
+// Student's t and their standard error.  Tiles with a target error report their intervals.
 #include <gtest/gtest.h>
 #include <tbb/parallel_for.h>
 
@@ -16,7 +16,7 @@ namespace {
 
 using std::numbers::pi;
 
-/// Of one pixel.
+/// A query for one pixel.
 struct Question {
   std::string name;
   std::shared_ptr<const Scene> scene;
@@ -24,7 +24,7 @@ struct Question {
   std::optional<std::uint32_t> bounces = 0;
 };
 
-/// A camera of 1 x 1 pixels that sees so many metres of what is 1 m away.
+/// A camera of 1 x 1 pixels that sees `metres` of a surface 1 m away.
 void look(SceneDescription& d, const Vec3<double>& from, const Vec3<double>& at, double metres) {
   d.film = {.width = 1, .height = 1};
   d.camera.world_from_camera = *Transform::look_at(from, at, {0.3, 1, 0});
@@ -32,7 +32,7 @@ void look(SceneDescription& d, const Vec3<double>& from, const Vec3<double>& at,
   d.camera.screen_max = {metres / 2, metres / 2};
 }
 
-// So little of the floor that its light is the same all over it.
+// So small a part of the floor that its light is uniform.
 constexpr double kSpot = 1e-3;
 
 Question lamp() {
@@ -41,8 +41,8 @@ Question lamp() {
   return {"lamp", build(std::move(d)), 0.5 * lux_below_a_lamp() / pi};
 }
 
-/// The floor ends within the pixel, of which it is 0.3, and is lit by a light that needs no sample.
-/// A large pixel: so well do points cover it that floats would show.
+/// The floor ends within the pixel and fills 0.3 of it.  Its light needs no sample.  The pixel is
+/// large: points cover it so evenly that the rounding of floats would be noticeable.
 Question edge() {
   SceneDescription d = description(0.5);
   const double end = 0.3 - 0.5;
@@ -75,14 +75,14 @@ Answer answer(const Question& q, TileSettings settings, std::uint64_t seed) {
   const auto value = [&](int c) { return r.channels[c].sum / n; };
   const double mean = luminance(Rgb<double>{value(0), value(1), value(2)});
   if (settings.target) return {mean, r.intervals[0]};
-  // All of these lights are grey, so one channel's standard error is the luminance's.
+  // All of these lights are grey, so the standard error of one channel is that of the luminance.
   const double error = std::sqrt(r.channels[1].deviation / (n * (n - 1)));
   const double t = quantile(complement(boost::math::students_t(n - 1), 0.025));
   return {mean, {mean - t * error, mean + t * error}};
 }
 
 /// `widened`: factor of the intervals' width about their estimates.
-Coverage asked(const Question& q, const TileSettings& settings, double widened = 1) {
+Coverage coverage_of(const Question& q, const TileSettings& settings, double widened = 1) {
   return repeated(q.truth, widened, [&](std::uint64_t i) { return answer(q, settings, i); });
 }
 
@@ -91,43 +91,45 @@ TileSettings within(double relative) {
 }
 
 TEST(RenderCoverage, OfSmoothLightByACount) {
-  // Of 8 blocks whose means take few values, as beside an edge, all are often equal.
+  // The means of 8 blocks take few values here, as beside an edge.  All are often equal.
   for (const Question& q : {lamp(), furnace()})
     for (const std::uint32_t each : {32U, 64U})
-      expect_covered(asked(q, {.samples_per_block = each, .block_count = 8}),
+      expect_covered(coverage_of(q, {.samples_per_block = each, .block_count = 8}),
                      q.name + ", " + std::to_string(each) + " samples a block");
   for (const std::uint32_t each : {4U, 8U, 16U})
-    expect_covered(asked(edge(), {.samples_per_block = each, .block_count = 32}),
+    expect_covered(coverage_of(edge(), {.samples_per_block = each, .block_count = 32}),
                    "edge, " + std::to_string(each) + " samples a block");
 }
 
 TEST(RenderCoverage, OfSmoothLightByATarget) {
   for (const Question& q : {lamp(), edge(), furnace()})
     for (const double relative : {0.1, 0.02})
-      expect_covered(asked(q, within(relative)), q.name + " within " + std::to_string(relative));
-  // With 64 samples so few see the edge's light that intervals may hold it too often.
+      expect_covered(coverage_of(q, within(relative)),
+                     q.name + " within " + std::to_string(relative));
+  // With 64 samples, so few find the edge's light that intervals may hold it too often.
   for (const Question& q : {lamp(), edge()})
-    expect_covered_at_least(asked(q, within(1)), q.name + " within 1");
+    expect_covered_at_least(coverage_of(q, within(1)), q.name + " within 1");
 }
 
 TEST(RenderCoverage, OfLightThroughAPinhole) {
   const Question q = pinhole();
-  expect_covered_at_least(asked(q, within(1)), "within 1");
+  expect_covered_at_least(coverage_of(q, within(1)), "within 1");
   // The largest allowed sample count, which is too small.
   for (const std::uint64_t most : {64U, 256U, 1024U}) {
     TileSettings settings = within(0.01);
     settings.target->max_samples = most;
-    expect_covered_at_least(asked(q, settings), std::to_string(most) + " samples");
+    expect_covered_at_least(coverage_of(q, settings), std::to_string(most) + " samples");
   }
-  expect_covered_at_least(asked(q, {.samples_per_block = 2048, .block_count = 8}),
+  expect_covered_at_least(coverage_of(q, {.samples_per_block = 2048, .block_count = 8}),
                           "2048 samples a block");
 }
 
 // The coverage of intervals with a wrong variance.
-TEST(RenderCoverage, SeesIntervalsThatAreTooNarrowOrTooWide) {
+TEST(RenderCoverage, NoticesIntervalsThatAreTooNarrowOrTooWide) {
   for (const TileSettings& settings :
        {within(0.1), TileSettings{.samples_per_block = 8, .block_count = 8}})
-    expect_sees_wrong_widths([&](double widened) { return asked(lamp(), settings, widened); });
+    expect_sees_wrong_widths(
+        [&](double widened) { return coverage_of(lamp(), settings, widened); });
 }
 
 TEST(RenderTarget, IsReached) {

@@ -1,4 +1,4 @@
-// Tiles of a target error: every pixel by itself.
+// Tiles with a target error: each pixel gets its own sample count.
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>
 
@@ -58,7 +58,7 @@ TEST(RenderTarget, GivesEachPixelTheBitsOfAQueryForItsCount) {
     EXPECT_LE(r.intervals[i].lower, luminance_of(r, i) * (1 + 1e-15));
     EXPECT_GE(r.intervals[i].upper, luminance_of(r, i) * (1 - 1e-15));
   }
-  // Pixels differ in what they take.
+  // The sample counts of pixels differ.
   const auto [least, most] = std::minmax_element(r.samples.begin(), r.samples.end());
   EXPECT_EQ(*least, 64U);
   EXPECT_GE(*most, 1024U);
@@ -103,7 +103,7 @@ TEST(RenderTarget, SmallerErrorAndHigherConfidenceTakeMoreSamples) {
 }
 
 TEST(RenderTarget, StopsAtTheLargestSampleCount) {
-  // Nothing comes through the lid, however often one looks.
+  // No light comes through the lid, for any number of samples.
   SceneDescription d = testing::below_a_lid(0.5);
   d.film.scale = 4;
   d.camera.world_from_camera = *Transform::look_at({0, 0, 1}, {}, {0, 1, 0});
@@ -115,19 +115,19 @@ TEST(RenderTarget, StopsAtTheLargestSampleCount) {
     EXPECT_EQ(r.samples[i], 1024U);  // the power of two below
     EXPECT_EQ(r.channels[3 * i].sum, 0);
     EXPECT_EQ(r.intervals[i].lower, 0);
-    // At most 3 in 1024 samples saw light, and none more than the lamp gives the floor when it is
-    // in the open: below pi 7 cd/m2 of its radiance, times 0.5 / pi.
+    // At most 3 in 1024 samples saw light.  None saw more than the unoccluded lamp gives the floor:
+    // less than pi times its 7 cd/m2, times 0.5 / pi.
     EXPECT_GT(r.intervals[i].upper, 0);
     EXPECT_LT(r.intervals[i].upper, 4 * 3.0 / 1024 * 7 * 4);
   }
-  // Unless that little is enough.
+  // With an absolute floor above that bound.
   settings.target->absolute_floor = 4;
   r = render_tile(*s, settings, {});
   for (const std::uint32_t n : r.samples) EXPECT_EQ(n, 64U);
 }
 
 TEST(RenderTarget, IsExactWithoutSampling) {
-  // A lamp fills the picture; beside it is nothing at all.
+  // A lamp fills the picture.  The other camera sees nothing.
   SceneDescription d = testing::description(0);
   d.shapes = {testing::emissive(testing::patch({-9, -9, 3}, {-9, 9, 3}, {9, -9, 3}, {9, 9, 3}), 5)};
   d.camera.world_from_camera = *Transform::look_at({0, 0, 1}, {0, 0, 3}, {0, 1, 0});

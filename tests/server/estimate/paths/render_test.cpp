@@ -11,7 +11,7 @@ namespace {
 using testing::build;
 using testing::same;
 
-// Something of everything that light can do: several lights of several kinds, bounces, shadows.
+// A scene with several lights of several kinds, bounces and shadows.
 std::shared_ptr<const Scene> busy_scene() {
   SceneDescription d = testing::ball_under_a_lamp(4);
   d.lights = {testing::point_light({-2, -1, 3}, 10),
@@ -112,8 +112,8 @@ Mean mean_of(const TileResult& tile, double blocks) {
   return {sum / n, std::sqrt(3 * variance) / n};
 }
 
-// Within a closed white box that emits L and reflects rho, radiance is L / (1 - rho) everywhere,
-// and L (1 + rho + ... + rho^(b+1)) where light is reflected up to b + 1 times.
+// Within a closed white box that emits L and reflects rho, radiance is L / (1 - rho) everywhere.
+// It is L (1 + rho + ... + rho^(b+1)) where light is reflected up to b + 1 times.
 class Furnace : public ::testing::TestWithParam<double> {
  protected:
   std::shared_ptr<const Scene> scene(bool shading_normals = false) const {
@@ -135,7 +135,7 @@ class Furnace : public ::testing::TestWithParam<double> {
   }
 };
 
-// Five standard errors: by luck once in 1.7 million.
+// Five standard errors, exceeded by chance once in 1.7 million.
 TEST_P(Furnace, HoldsTheGeometricSeriesForAnyNumberOfBounces) {
   const auto room = scene();
   const double rho = GetParam();
@@ -170,14 +170,14 @@ TEST(RenderTile, ShowsEmissionTimesTheFilmsScale) {
 }
 
 TEST(RenderTile, EndsBetweenWhiteWallsForAnyNumberOfBounces) {
-  // Nothing is absorbed: light goes on for 2^32 reflections.
+  // Nothing is absorbed: light is reflected 2^32 times.
   SceneDescription d = testing::description(1);
   d.shapes = {testing::shape(testing::room())};
   d.lights = {testing::point_light({0, 0, 0.5}, 1)};
   const auto scene = build(std::move(d));
   TileSettings settings{.rect = {0, 0, 8, 8}, .seed = 3, .bounces = 0xFFFFFFFF};
   const TileResult r = render_tile(*scene, settings, {});
-  // Paths go on for 1 / (1 - 0.95) = 20 reflections more.
+  // Paths continue for 1 / (1 - 0.95) = 20 more reflections.
   EXPECT_GT(r.work.indirect_rays, 64 * 256U);
   EXPECT_LT(r.work.indirect_rays, 64 * 300U);
 }
@@ -195,7 +195,7 @@ struct PictureMean {
   double value = 0, variance = 0;
 };
 
-// Of the green channel over the whole picture.
+// The mean of the green channel over the whole picture.
 PictureMean picture_mean(const SceneDescription& description) {
   const auto scene = build(description);
   TileSettings settings = whole(*scene);
@@ -211,7 +211,8 @@ PictureMean picture_mean(const SceneDescription& description) {
   return mean;
 }
 
-// A lamp, the sky and `points` point lights; `kept` of them: -1 all, else just that one.
+// A lamp, the sky and `points` point lights; `kept`: -1 for all of them, or the index of the only
+// one.
 SceneDescription lit(int points, int kept) {
   SceneDescription d = testing::description(0.6);
   d.camera.world_from_camera = *Transform::look_at({0, -6, 3}, {0, 0, 0.5}, {0, 0, 1});
@@ -232,8 +233,8 @@ SceneDescription lit(int points, int kept) {
 
 class SeveralLights : public ::testing::TestWithParam<int> {};
 
-// With few lights each is a candidate of every shadow ray, with many they are drawn by power.
-// The seed is fixed; the bound, six standard errors, is passed by luck but once in 5e8.
+// Few lights are all candidates of every shadow ray; many are drawn by power.  The seed is fixed.
+// The limit is six standard errors, exceeded by chance once in 5e8.
 TEST_P(SeveralLights, GiveTheSumOfEachAlone) {
   const int points = GetParam();
   const PictureMean together = picture_mean(lit(points, -1));
@@ -245,14 +246,14 @@ TEST_P(SeveralLights, GiveTheSumOfEachAlone) {
   }
   const double error = std::sqrt(together.variance + sum.variance);
   EXPECT_NEAR(together.value, sum.value, 6 * error);
-  // Fine enough to see one light of the smallest share go missing or count twice.
+  // Accurate enough to notice one light of the smallest share that is missing or counted twice.
   EXPECT_LT(6 * error, 0.01 * sum.value);
 }
 
 INSTANTIATE_TEST_SUITE_P(FewAndMany, SeveralLights, ::testing::Values(2, 9));
 
 TEST(RenderTile, ReflectsAPointLightByTheCosineLaw) {
-  // Straight down on the middle of a floor, the light 2 m above it: L = rho I / (pi 4).
+  // Straight down on the middle of a floor, with the light 2 m above it: L = rho I / (pi 4).
   SceneDescription d = testing::description(0.8);
   d.shapes = {testing::floor(1)};
   d.lights = {testing::point_light({0, 0, 2}, 10)};

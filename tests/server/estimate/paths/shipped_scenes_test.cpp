@@ -1,4 +1,4 @@
-// The scenes that are shipped under scenes/ load as what they are, and are small.
+// The scenes under scenes/ load with the expected contents, and are small.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -24,7 +24,7 @@ SceneDescription shipped(const std::string& name) {
   return scene.ok() ? *std::move(scene) : SceneDescription{};
 }
 
-/// How many lights of each kind there are.
+/// The number of lights of each kind.
 std::map<std::string, int> census(const SceneDescription& scene) {
   std::map<std::string, int> count;
   for (const LightDescription& light : scene.lights) {
@@ -57,10 +57,10 @@ std::map<std::string, int> census(const SceneDescription& scene) {
   return count;
 }
 
-// Of the street by hand: 15 strings of 43 bulbs, 164 about the marquee, 27 doors and 3 trees of 105
-// make the spheres; 5 trees of 105 and 70 under the marquee the points; 27 shops of 5 and two
-// headlamps the spots; 15 + 14 + 18 + 15 strokes of four words the cylinders.  Which windows are
-// lit (patches) is drawn.
+// The counts of the street by hand.  Spheres: 15 strings of 43 bulbs, 164 about the marquee, 27
+// doors and 3 trees of 105.  Points: 5 trees of 105, and 70 under the marquee.  Spots: 27 shops of
+// 5, and two headlamps.  Cylinders: 15 + 14 + 18 + 15 strokes of four words.  The lit windows
+// (patches) are random.
 TEST(ShippedScenes, LoadWithoutRemarksAndHaveTheExpectedLights) {
   using Census = std::map<std::string, int>;
   const std::map<std::string, Census> expected{
@@ -103,7 +103,7 @@ TEST(ShippedScenes, AreTogetherUnder10Megabytes) {
   EXPECT_GT(bytes, 1'000'000U);
 }
 
-/// Lumens of each photometric file that the scene's point-like luminaires name, as interpolated.
+/// The interpolated lumens of each photometric file that the scene's point-like luminaires name.
 std::map<std::string, double> lumens_of_files(const SceneDescription& scene) {
   std::map<std::string, double> lumens;
   for (const LightDescription& light : scene.lights)
@@ -112,7 +112,7 @@ std::map<std::string, double> lumens_of_files(const SceneDescription& scene) {
   return lumens;
 }
 
-// The candela are written with a digit after the point, of some hundreds.
+// The candela are some hundreds, written with one digit after the point.
 TEST(ShippedScenes, LuminairesHaveTheLumensOfTheirNames) {
   const auto room = lumens_of_files(shipped("room")), street = lumens_of_files(shipped("street"));
   ASSERT_EQ(room.size(), 1U);

@@ -1,4 +1,4 @@
-// What tests of tiles share: something to look at, a way to cut it up, and how pixels are compared.
+// Helpers for tests of tiles: a scene, a division into tiles, and a comparison of pixels.
 #pragma once
 
 #include <array>
@@ -9,7 +9,7 @@
 
 namespace lucerna::testing {
 
-/// A ball on a floor that reaches so far to each side, under a disk that shines.
+/// A ball on a floor under a disk light.  The floor extends `floor_m` to each side.
 inline SceneDescription ball_under_a_lamp(double floor_m) {
   SceneDescription d = description(0.7);
   d.shapes = {floor(floor_m),

@@ -1,5 +1,5 @@
-// Irradiance of whole scenes in closed form (tests/lights/closed_forms.h): light samples and
-// surface samples together, for every way to choose points of lights.
+// Irradiance of whole scenes against closed forms (tests/lights/closed_forms.h).  Light samples and
+// surface samples are combined, with every area sampling method.
 #include "tests/lights/closed_forms.h"
 
 #include <gtest/gtest.h>
@@ -19,8 +19,9 @@ constexpr AreaSampling kWays[] = {AreaSampling::kAutomatic,  AreaSampling::kSqua
                                   AreaSampling::kRejection,  AreaSampling::kLowDistortion,
                                   AreaSampling::kSolidAngle, AreaSampling::kCosineSolidAngle};
 
-/// Direct light at `receiver` is `expected` [lx] by each way, within 7 standard errors of 64
-/// blocks: by luck outside once in 5e8 (Student's t).  And those errors are small: below 2%.
+/// Expects direct light at `receiver` to be `expected` [lx] for each method, within 7 standard
+/// errors of 64 blocks.  They are exceeded by chance once in 5e8 (Student's t).  The standard
+/// errors must be below 2%.
 void expect_irradiance(const Scene& scene, const Vec3<double>& receiver, const Vec3<double>& n,
                        double expected) {
   const IrradiancePoint point{receiver - scene.origin(), {1e-6F, 1e-6F, 1e-6F}, Vec3<float>(n)};
@@ -89,8 +90,8 @@ TEST(IrradianceInClosedForm, OfADiskCoaxialAndOffset) {
 }
 
 TEST(IrradianceInClosedForm, OfASkyOverAPlane) {
-  // A black square of 18 m by 18 m, 0.5 m below the receiver, hides its part of a sky of radiance 5
-  // that would give 5 pi to any normal.
+  // A black square of 18 m by 18 m, 0.5 m below the receiver, hides part of a sky of radiance 5.
+  // The whole sky would give 5 pi for any normal.
   SceneDescription d = testing::description(0);
   d.shapes = {testing::floor(9)};
   d.lights = {{UniformInfiniteLightParams{Rgb<double>(5)}, {}}};
@@ -101,7 +102,7 @@ TEST(IrradianceInClosedForm, OfASkyOverAPlane) {
     const Vec3<double> n = normalized(direction);
     expect_irradiance(*scene, r, n, 5 * (pi - polygon_irradiance(floor, r, n)));
   }
-  // As the square grows: 5 pi (1 + cos t) / 2 at an angle t to the vertical.
+  // The limit of a large square: 5 pi (1 + cos t) / 2 at an angle t to the vertical.
   const Vec3<double> n = normalized(Vec3<double>{1, 0, 1});
   EXPECT_NEAR(pi - polygon_irradiance(floor, {0, 0, 1e-6}, n), pi * (1 + n.z) / 2, 1e-6);
 }

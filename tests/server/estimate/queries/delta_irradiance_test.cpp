@@ -13,7 +13,7 @@ using testing::build;
 const Vec3<float> kError{1e-6F, 1e-6F, 1e-6F};
 const IrradianceSettings kDirect{.block_count = 16, .bounces = 0};
 
-// Light by light, as delta lights are computed, equals point by point.
+// Delta lights are computed light by light.  The result equals that of point by point.
 TEST(DeltaIrradiance, IsTheSameByEveryPathOfTheCode) {
   SceneDescription d = testing::description();
   d.shapes = {testing::floor(9), testing::floor(1, 2)};
@@ -33,7 +33,7 @@ TEST(DeltaIrradiance, IsTheSameByEveryPathOfTheCode) {
   settings.per_light = true;
   const IrradianceResult by_light = estimate_irradiance(*scene, points, settings, {});
   const std::vector<double> wavelengths{555};
-  settings.wavelengths_nm = wavelengths;  // which are computed point by point
+  settings.wavelengths_nm = wavelengths;  // these are computed point by point
   const IrradianceResult by_point = estimate_irradiance(*scene, points, settings, {});
   settings.wavelengths_nm = {};
   settings.target = TargetError{.relative = 0.01};
@@ -70,7 +70,7 @@ TEST(DeltaIrradiance, OfAPointLightIsTheSameByEveryPathAtAnyDistance) {
     IrradianceSettings settings = kDirect;
     const IrradianceResult by_light = estimate_irradiance(*scene, points, settings, {});
     const std::vector<double> wavelengths{555};
-    settings.wavelengths_nm = wavelengths;  // which are computed point by point
+    settings.wavelengths_nm = wavelengths;  // these are computed point by point
     const IrradianceResult by_point = estimate_irradiance(*scene, points, settings, {});
     std::size_t lit = 0;
     for (std::size_t p = 0; p < points.size(); ++p) {

@@ -26,14 +26,14 @@ struct LeArrays {
   std::uint64_t rays = 0;
 };
 
-LeArrays ask(const Scene& scene, const LeQuery& query) {
+LeArrays answer_to(const Scene& scene, const LeQuery& query) {
   LeArrays a(query.points.size());
   a.rays =
       le(scene, query, {a.radiance.data(), a.lights.data(), a.status.data()}, {}).indirect_rays;
   return a;
 }
 
-/// A one-sided panel of 7 cd/m2 at z = 2 that shines up, a dark one at z = 3, and two skies.
+/// A one-sided panel of 7 cd/m2 at z = 2 that emits upwards, a black one at z = 3, and two skies.
 SceneDescription panels() {
   SceneDescription d = description();
   d.shapes.push_back(testing::emissive(testing::floor(1, 2), 7));
@@ -52,11 +52,11 @@ std::uint64_t id_of_area_light(const Scene& scene) {
 
 TEST(Le, IsThatOfTheFirstSurfaceElseOfAllSkies) {
   const auto scene = build(panels());
-  // From between the panels down onto the lit side; up to the dark one; from below onto the dark
-  // side of the light; past both; down from above the dark panel.
+  // Five rays: from between the panels down onto the lit side; up to the black panel; from below
+  // onto the light's dark side; past both; down from above the black panel.
   const std::vector<float> points{0, 0, 2.5F, 0, 0, 2.5F, 0, 0, 0, 5, 0, 0, 0, 0, 4};
   const std::vector<float> directions{0, 0, -3, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, -1};
-  const LeArrays a = ask(*scene, {.points = {{}, points}, .directions = directions});
+  const LeArrays a = answer_to(*scene, {.points = {{}, points}, .directions = directions});
   EXPECT_EQ(a.status, std::vector<int>(5, 1));
   const auto red = [&](std::size_t i) { return a.radiance[3 * i]; };
   EXPECT_EQ(red(0), 7);
@@ -76,24 +76,25 @@ TEST(Le, OfOneLightIgnoresOtherLights) {
   const std::vector<float> directions{0, 0, -1, 0, 0, 1};
   const std::uint32_t second_sky = scene->infinite_lights()[1];
   const LeArrays sky =
-      ask(*scene, {.points = {{}, points}, .directions = directions, .light = second_sky});
+      answer_to(*scene, {.points = {{}, points}, .directions = directions, .light = second_sky});
   EXPECT_EQ(sky.radiance, (std::vector<float>{0, 0, 0, 0.25F, 0.25F, 0.25F}));
   EXPECT_EQ(sky.lights, (std::vector<std::uint64_t>{0, scene->lights()[second_sky].id}));
   const std::uint32_t area = *scene->find_light(id_of_area_light(*scene));
   const LeArrays panel =
-      ask(*scene, {.points = {{}, points}, .directions = directions, .light = area});
+      answer_to(*scene, {.points = {{}, points}, .directions = directions, .light = area});
   EXPECT_EQ(panel.radiance, (std::vector<float>{7, 7, 7, 0, 0, 0}));
 }
 
 TEST(Le, FromAPointTypedOnASurfaceLooksAwayFromIt) {
   SceneDescription d = description();
-  // Far from zero, where vertices are rounded; the start lies on the emitter itself.
+  // Far from zero, where vertices are rounded.  The start is on the emitter itself.
   d.shapes.push_back(testing::emissive(testing::floor(1000, 1000.1), 7, true));
   d.lights.push_back({UniformInfiniteLightParams{Rgb<double>(0.5)}, {"test.pbrt", 2, 1}});
   const auto scene = build(std::move(d));
   const std::vector<float> offsets{1, 2, 0, 1, 2, 0, 1, 2, 1};
   const std::vector<float> directions{0.1F, 0, 1, 0, 0.2F, -1, 0, 0, -1};
-  const LeArrays a = ask(*scene, {.points = {{0, 0, 1000.1}, offsets}, .directions = directions});
+  const LeArrays a =
+      answer_to(*scene, {.points = {{0, 0, 1000.1}, offsets}, .directions = directions});
   EXPECT_EQ(a.radiance[0], 0.5F);
   EXPECT_EQ(a.radiance[3], 0.5F);
   EXPECT_EQ(a.radiance[6], 7);
@@ -103,7 +104,7 @@ TEST(Le, BadItemsFailAlone) {
   const auto scene = build(panels());
   const std::vector<float> points{kInf, 0, 0, 5, 0, 0, 5, 0, 0};
   const std::vector<float> directions{0, 0, 1, 0, 0, 0, 0, 0, 1};
-  const LeArrays a = ask(*scene, {.points = {{}, points}, .directions = directions});
+  const LeArrays a = answer_to(*scene, {.points = {{}, points}, .directions = directions});
   EXPECT_EQ(a.status[0], static_cast<int>(ItemResult::kInvalidInput));
   EXPECT_EQ(a.status[1], static_cast<int>(ItemResult::kInvalidInput));
   EXPECT_EQ(a.status[2], static_cast<int>(ItemResult::kOk));
@@ -117,7 +118,7 @@ TEST(Le, IsOutOfRangeWhereASumDoesNotFitFloats) {
   }
   const auto scene = build(std::move(d));
   const std::vector<float> point{0, 0, 0}, direction{0, 0, 1};
-  const LeArrays a = ask(*scene, {.points = {{}, point}, .directions = direction});
+  const LeArrays a = answer_to(*scene, {.points = {{}, point}, .directions = direction});
   EXPECT_EQ(a.status[0], static_cast<int>(ItemResult::kOutOfRange));
   EXPECT_EQ(a.radiance[0], 0);
 }

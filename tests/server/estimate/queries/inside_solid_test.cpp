@@ -9,7 +9,8 @@ namespace {
 
 using testing::build;
 
-/// The box between two corners as triangles, normals outwards; `sides` of -x, +x, -y, +y, -z, +z.
+/// The box between two corners as triangles, normals outwards.  `sides` selects -x, +x, -y, +y, -z,
+/// +z.
 ShapeDescription box(const Vec3<double>& lower, const Vec3<double>& upper,
                      std::uint32_t sides = 0b111111) {
   TriangleMeshData mesh;
@@ -88,7 +89,7 @@ TEST(InsideSolid, APointJustOffAWallIsNotFlaggedOnEitherSideNorOnIt) {
   EXPECT_TRUE(inside(*scene, {2.001, 0, 1}));
 }
 
-// A ray finds one of two surfaces at one place.
+// Where two surfaces coincide, a ray finds one of them.
 TEST(InsideSolid, FurnitureThatTouchesFloorAndWallIsASolid) {
   for (const bool floor_first : {false, true}) {
     std::vector<ShapeDescription> shapes = {box({-1, -1, 0}, {1, 1, 1})};
@@ -99,12 +100,12 @@ TEST(InsideSolid, FurnitureThatTouchesFloorAndWallIsASolid) {
     for (const double z : {0.01, 0.2, 0.5, 0.99}) EXPECT_TRUE(inside(*scene, {0.3, -0.4, z})) << z;
     EXPECT_FALSE(inside(*scene, {0.3, -0.4, 1.01}));
   }
-  // Closed by the floor alone.
+  // Closed only by the floor.
   EXPECT_TRUE(
       inside(*scene_of({testing::floor(3), box({-1, -1, 0}, {1, 1, 1}, kNoBottom)}), {0, 0, 0.5}));
 }
 
-TEST(InsideSolid, ARoomIsNoSolidAndFurnitureInItIs) {
+TEST(InsideSolid, ARoomIsNotASolidButItsFurnitureIs) {
   for (const bool outwards : {true, false}) {
     const ShapeDescription walls = box({-3, -3, 0}, {3, 3, 3});
     const auto scene = scene_of({outwards ? walls : turned(walls), box({-1, -1, 0}, {1, 1, 1})});
@@ -113,11 +114,11 @@ TEST(InsideSolid, ARoomIsNoSolidAndFurnitureInItIs) {
   }
 }
 
-TEST(InsideSolid, TheLimitsAreAsDescribed) {
+TEST(InsideSolid, TheLimitsAreAsDocumented) {
   // Normals inwards: not found.  A room without a lamp, normals outwards: found.
   EXPECT_FALSE(inside(*scene_of({turned(box({-1, -1, 0}, {1, 1, 1}))}), {0, 0, 0.5}));
   EXPECT_TRUE(inside(*scene_of({box({-3, -3, 0}, {3, 3, 3})}, {0, 0, 9}), {0, 0, 0.5}));
-  // The shape's own light does not count.
+  // The light of the shape itself does not count as a lamp in a room.
   EXPECT_TRUE(inside(*scene_of({testing::emissive(box({-1, -1, 0}, {1, 1, 1}), 5)}), {0, 0, 0.5}));
 }
 

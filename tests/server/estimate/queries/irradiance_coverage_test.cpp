@@ -1,5 +1,5 @@
-// The intervals of irradiance over repeats, with a number of samples and with a target error.
-// Some scenes are smooth; in one only one sample in a thousand finds light.
+// The coverage of irradiance intervals over repeats, with a sample count and with a target error.
+// Some scenes are smooth.  In one only one sample in a thousand finds light.
 #include <gtest/gtest.h>
 
 #include <vector>
@@ -12,7 +12,7 @@ namespace lucerna::testing {
 namespace {
 
 /// `widened`: factor of the intervals' width about their estimates.
-Coverage asked(const Question& q, IrradianceSettings settings, double widened = 1) {
+Coverage coverage_of(const Question& q, IrradianceSettings settings, double widened = 1) {
   settings.bounces = q.bounces;
   settings.seed = 6;
   settings.methods.closed_forms = ClosedForms::kOff;
@@ -28,15 +28,16 @@ Coverage asked(const Question& q, IrradianceSettings settings, double widened = 
 TEST(IrradianceCoverage, OfSmoothLightByACount) {
   for (const Question& q : {lamp(), furnace()})
     for (const std::uint32_t each : {4U, 16U, 64U})
-      expect_covered(asked(q, {.samples_per_block = each, .block_count = 16}),
+      expect_covered(coverage_of(q, {.samples_per_block = each, .block_count = 16}),
                      q.name + ", " + std::to_string(each) + " samples a replicate");
 }
 
 TEST(IrradianceCoverage, OfSmoothLightByATarget) {
   for (const Question& q : {lamp(), furnace()})
     for (const double relative : {0.1, 0.02})
-      expect_covered(asked(q, {.block_count = 16, .target = TargetError{.relative = relative}}),
-                     q.name + " within " + std::to_string(relative));
+      expect_covered(
+          coverage_of(q, {.block_count = 16, .target = TargetError{.relative = relative}}),
+          q.name + " within " + std::to_string(relative));
 }
 
 std::vector<Question> at_edges() {
@@ -46,13 +47,13 @@ std::vector<Question> at_edges() {
   return result;
 }
 
-// Low-discrepancy points along a straight edge hide nearly as many samples in every replicate.
-// So means of replicates take few values, and those that occur say little about the others.
-// Intervals may be too wide.
+// Low-discrepancy points along a straight edge hide nearly as many samples in every replicate.  So
+// means of replicates take few values, and those that occur say little about the others.  Intervals
+// may be too wide.
 TEST(IrradianceCoverage, OfLightAtAnEdgeByACount) {
   for (const Question& q : at_edges())
     for (const std::uint32_t each : {8U, 16U, 32U, 64U})
-      expect_covered_at_least(asked(q, {.samples_per_block = each, .block_count = 16}),
+      expect_covered_at_least(coverage_of(q, {.samples_per_block = each, .block_count = 16}),
                               q.name + ", " + std::to_string(each) + " samples a replicate");
 }
 
@@ -60,14 +61,14 @@ TEST(IrradianceCoverage, OfLightAtAnEdgeByATarget) {
   for (const Question& q : at_edges())
     for (const double relative : {0.1, 0.02})
       expect_covered_at_least(
-          asked(q, {.block_count = 16, .target = TargetError{.relative = relative}}),
+          coverage_of(q, {.block_count = 16, .target = TargetError{.relative = relative}}),
           q.name + " within " + std::to_string(relative));
 }
 
 TEST(IrradianceCoverage, OfLightThroughAPinholeByACount) {
   const Question q = pinhole();
   for (const std::uint32_t each : {1U, 16U, 64U, 256U, 1024U})
-    expect_covered_at_least(asked(q, {.samples_per_block = each, .block_count = 16}),
+    expect_covered_at_least(coverage_of(q, {.samples_per_block = each, .block_count = 16}),
                             std::to_string(each) + " samples a replicate");
 }
 
@@ -75,18 +76,18 @@ TEST(IrradianceCoverage, OfLightThroughAPinholeByATarget) {
   const Question q = pinhole();
   for (const double relative : {1.0})
     expect_covered_at_least(
-        asked(q, {.block_count = 16, .target = TargetError{.relative = relative}}),
+        coverage_of(q, {.block_count = 16, .target = TargetError{.relative = relative}}),
         "within " + std::to_string(relative));
 }
 
 // The coverage of intervals with a wrong variance.
-TEST(IrradianceCoverage, SeesIntervalsThatAreTooNarrowOrTooWide) {
+TEST(IrradianceCoverage, NoticesIntervalsThatAreTooNarrowOrTooWide) {
   const IrradianceSettings settings{.samples_per_block = 4, .block_count = 16};
-  expect_sees_wrong_widths([&](double widened) { return asked(lamp(), settings, widened); });
+  expect_sees_wrong_widths([&](double widened) { return coverage_of(lamp(), settings, widened); });
 }
 
 // A mean over samples that influenced their own number is biased.
-TEST(IrradianceCoverage, SeesABias) {
+TEST(IrradianceCoverage, NoticesABias) {
   Coverage c(1);
   for (std::uint64_t i = 0; i < repeats(); ++i) c.add(1.1 + 0.4 * ((i % 5) - 2.0), {0, 2});
   EXPECT_GT(std::fabs(c.bias()), 3);
@@ -130,7 +131,7 @@ TEST(IrradianceTarget, HasTheBitsOfAQueryForItsCount) {
 }
 
 TEST(IrradianceTarget, StopsAtTheLargestSampleCount) {
-  // Nothing comes through a closed lid, with any number of samples.
+  // No light comes through a closed lid, for any number of samples.
   const auto scene = build(below_a_lid(0));
   const IrradiancePoint point{-scene->origin(), {1e-6F, 1e-6F, 1e-6F}, {0, 0, 1}};
   IrradianceSettings settings{
@@ -139,7 +140,7 @@ TEST(IrradianceTarget, StopsAtTheLargestSampleCount) {
   EXPECT_EQ(r.costs[0].samples, 1024U);
   EXPECT_GT(r.points[0].illuminance_lx.upper, 0);
   EXPECT_EQ(r.points[0].zero_bound_lx, r.points[0].illuminance_lx.upper);
-  // Unless that little is enough.
+  // With an absolute floor above that bound.
   settings.target->absolute_floor = 1;
   r = estimate_irradiance(*scene, std::span(&point, 1), settings, {});
   EXPECT_EQ(r.costs[0].samples, 64U);

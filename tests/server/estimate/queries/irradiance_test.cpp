@@ -79,9 +79,9 @@ TEST(Irradiance, IsExactOnlyWithoutObstacles) {
   const IrradianceEstimate open = one(*scene, at(0, 0, 0)), shaded = one(*scene, at(1.5F, 0, 0));
   EXPECT_TRUE(open.exact);
   EXPECT_FALSE(shaded.exact);
-  const IrradianceEstimate asked = one(*scene, at(0, 0, 0), sampled(256));
-  EXPECT_NEAR(open.irradiance_lx.g, asked.irradiance_lx.g, 5 * asked.standard_error_lx.g);
-  // Reflected light is sampled all the same.
+  const IrradianceEstimate estimate = one(*scene, at(0, 0, 0), sampled(256));
+  EXPECT_NEAR(open.irradiance_lx.g, estimate.irradiance_lx.g, 5 * estimate.standard_error_lx.g);
+  // Reflected light is sampled nevertheless.
   IrradianceSettings all = direct();
   all.bounces = 1;
   EXPECT_FALSE(one(*scene, at(0, 0, 0), all).exact);
@@ -94,17 +94,18 @@ TEST(Irradiance, ClosedFormsAreUsedFromAFewSamplesOn) {
   d.shapes = {testing::floor(9),
               testing::emissive(testing::patch({-1, -1, 2}, {-1, 1, 2}, {1, -1, 2}, {1, 1, 2}), 5)};
   const auto scene = build(std::move(d));
-  const auto asked = [&](std::uint32_t samples, std::uint32_t bounces, ClosedForms closed_forms) {
+  const auto estimate = [&](std::uint32_t samples, std::uint32_t bounces,
+                            ClosedForms closed_forms) {
     IrradianceSettings settings = direct(samples, 1);
     settings.bounces = bounces;
     settings.methods.closed_forms = closed_forms;
     return one(*scene, at(0.3F, 0.2F, 0), settings).irradiance_lx.g;
   };
-  EXPECT_EQ(asked(3, 2, ClosedForms::kAutomatic), asked(3, 2, ClosedForms::kOff));
-  EXPECT_NE(asked(3, 2, ClosedForms::kEmptyShafts), asked(3, 2, ClosedForms::kOff));
-  EXPECT_EQ(asked(4, 2, ClosedForms::kAutomatic), asked(4, 2, ClosedForms::kEmptyShafts));
-  EXPECT_NE(asked(4, 2, ClosedForms::kEmptyShafts), asked(4, 2, ClosedForms::kOff));
-  EXPECT_EQ(asked(1, 0, ClosedForms::kAutomatic), asked(1, 0, ClosedForms::kEmptyShafts));
+  EXPECT_EQ(estimate(3, 2, ClosedForms::kAutomatic), estimate(3, 2, ClosedForms::kOff));
+  EXPECT_NE(estimate(3, 2, ClosedForms::kEmptyShafts), estimate(3, 2, ClosedForms::kOff));
+  EXPECT_EQ(estimate(4, 2, ClosedForms::kAutomatic), estimate(4, 2, ClosedForms::kEmptyShafts));
+  EXPECT_NE(estimate(4, 2, ClosedForms::kEmptyShafts), estimate(4, 2, ClosedForms::kOff));
+  EXPECT_EQ(estimate(1, 0, ClosedForms::kAutomatic), estimate(1, 0, ClosedForms::kEmptyShafts));
 }
 
 TEST(Irradiance, UnderADiskIsPiLSineSquared) {
@@ -130,7 +131,7 @@ TEST(Irradiance, WithinAFurnaceCountsAllBounces) {
   }
 }
 
-// Nine lamps and more: each sample chooses among them.
+// With nine lamps or more, each sample chooses among them.
 SceneDescription lamps(int n) {
   SceneDescription d = testing::description();
   d.shapes = {testing::floor(9)};
@@ -170,8 +171,8 @@ TEST(Irradiance, OfChosenLightsIsTheSumOfAllLights) {
   }
 }
 
-/// What a target took at a point, with 16 replicates.  Its answer equals that of a query for
-/// the same number of samples.
+/// The number of samples that a target needs at a point, with 16 replicates.  The answer equals
+/// that of a query for this number.
 std::uint64_t samples_for(const TargetError& target, const Scene& scene,
                           const IrradiancePoint& point) {
   IrradianceSettings settings = direct(1, 16);
@@ -186,8 +187,8 @@ std::uint64_t samples_for(const TargetError& target, const Scene& scene,
   return samples;
 }
 
-// Many lamps beside a sky and a panel.  With a target the same lights are settled and drawn as
-// in a query for the same sample count.
+// Many lamps beside a sky and a panel.  With a target, the same lights are settled and drawn as in
+// a query for the same sample count.
 TEST(Irradiance, OfATargetHasTheBitsOfAQueryForItsCount) {
   SceneDescription d = lamps(3000);
   for (LightDescription& l : d.lights) std::get<PointLightParams>(l.params).position_m.x *= 0.01;
@@ -200,8 +201,8 @@ TEST(Irradiance, OfATargetHasTheBitsOfAQueryForItsCount) {
     EXPECT_GT(samples_for({.relative = relative}, *scene, at(0.5F, 0, 0)), 0u);
 }
 
-// 3008 lamps are settled from 188 samples on.  While they are drawn they need more than that;
-// once they are settled, the sky alone needs 64.
+// 3008 lamps are settled from 188 samples on.  While they are drawn they need more than that.  Once
+// they are settled, the sky alone needs 64.
 TEST(Irradiance, OfATargetTakesEnoughSamplesToSettleDeltaLights) {
   SceneDescription d = lamps(2256);
   for (LightDescription& l : d.lights) std::get<PointLightParams>(l.params).position_m.x *= 0.01;
@@ -252,7 +253,7 @@ TEST(Irradiance, OfZeroSamplesBoundsTheLightThatTheyMissed) {
   const IrradianceEstimate e = one(*scene, at(0.5f, 0.5f, 0), direct(16, 4));
   EXPECT_EQ(e.irradiance_lx.g, 0);
   EXPECT_FALSE(e.exact);
-  // Unshadowed: about L A / d^2 = 7/16, which one sample may exceed a little; three of 64 samples.
+  // Unshadowed: about L A / d^2 = 7/16, which one sample may exceed slightly; three of 64 samples.
   EXPECT_GT(e.zero_bound_lx, 0.5 * 7 / 16 * 3 / 64);
   EXPECT_LT(e.zero_bound_lx, 2 * 7.0 / 16 * 3 / 64);
   // Towards the other side no sample could have found light.
@@ -260,8 +261,8 @@ TEST(Irradiance, OfZeroSamplesBoundsTheLightThatTheyMissed) {
 }
 
 TEST(Irradiance, OfZeroSamplesBoundsADimSky) {
-  // 10 cd/m2 towards +y, 1 towards -y, where the receiver faces a wall: the light's own samples all
-  // come from the bright half, which is behind it.
+  // 10 cd/m2 towards +y and 1 towards -y, where the receiver faces a wall.  The light's own samples
+  // all come from the bright half, behind the receiver.
   SceneDescription d = testing::description(0);
   const double far = 1e4;
   d.shapes = {testing::patch({-far, 0, -far}, {far, 0, -far}, {-far, 0, far}, {far, 0, far})};
@@ -272,13 +273,13 @@ TEST(Irradiance, OfZeroSamplesBoundsADimSky) {
   const IrradianceEstimate e = one(*build(std::move(d)), at(0, 1, 0, {0, -1, 0}), direct(16, 4));
   EXPECT_EQ(e.irradiance_lx.g, 0);
   EXPECT_FALSE(e.exact);
-  // If more than this share of samples were pi lx, 64 samples would miss all of them once in
-  // twenty times.
+  // If more than this share of samples were pi lx, 64 samples would miss them all once in twenty
+  // times.
   EXPECT_NEAR(e.zero_bound_lx, -std::log(0.05) / 64 * std::numbers::pi, 1e-5);
 }
 
 TEST(Irradiance, OfZeroSamplesBoundsTheMissedLightBesideExactLight) {
-  // As above, with a lamp of 100 cd under the lid: 100 lx at 1 m, exactly.
+  // As above, plus a lamp of 100 cd under the lid: 100 lx at 1 m, exactly.
   SceneDescription d = testing::description(0);
   d.shapes = {testing::emissive(testing::patch({0, 0, 4}, {0, 1, 4}, {1, 0, 4}, {1, 1, 4}), 7),
               testing::floor(9, 2)};
@@ -314,8 +315,8 @@ TEST(Irradiance, GivesTheSameBitsForAnySplitOfABatch) {
 }
 
 TEST(Irradiance, StandardErrorMatchesTheScatter) {
-  // Of 2000 points under the same sky (a wall hides half of it), the error over its standard error
-  // has a mean square of (n - 1)/(n - 3) = 15/13 for Student's t with 15 degrees of freedom.  Its
+  // 2000 points under the same sky, half of which a wall hides.  By Student's t with 15 degrees of
+  // freedom, the error over its standard error has a mean square of (n - 1)/(n - 3) = 15/13.  The
   // standard deviation over 2000 points is below 0.05: half to double allows 10 of them.
   SceneDescription d = testing::description();
   d.shapes = {testing::patch({0, -1e3, 0}, {0, 1e3, 0}, {0, -1e3, 1e3}, {0, 1e3, 1e3})};

@@ -1,4 +1,4 @@
-// Room for an answer of sample_li().
+// Arrays for an answer of sample_li().
 #pragma once
 
 #include <cstdint>

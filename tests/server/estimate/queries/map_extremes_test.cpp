@@ -1,5 +1,5 @@
-// Pictures that are unusual as the sky: each is answered with numbers, or refused with file,
-// parameter, value and what is allowed.
+// Unusual pictures as the sky.  Each gets numbers as its answer, or an error with file, parameter,
+// value and the allowed values.
 #include <OpenImageIO/imageio.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -23,7 +23,7 @@ using testing::SceneFiles;
 
 constexpr double kPi = std::numbers::pi;
 
-/// A grey .pfm, `other` everywhere but `value` at (x, 0).
+/// A grey .pfm file: `value` at (x, 0), `other` everywhere else.
 std::string pfm(int width, int height, float other, float value, int x = 0) {
   std::string bytes = "PF\n" + std::to_string(width) + " " + std::to_string(height) + "\n-1.0\n";
   for (int row = height; row-- > 0;)
@@ -48,8 +48,8 @@ absl::StatusOr<SceneDescription> load(const std::string& name, const std::string
   return files.load("scene.pbrt");
 }
 
-/// The irradiance at the origin without a cosine, as the mean of samples says it, all of whose
-/// numbers are good; by a light that answers for every corner of the unit square.
+/// The irradiance at the origin without a cosine, as the mean of samples.  Checks that all numbers
+/// are valid, also for the corners of the unit square.
 template <typename Params>
 double sampled(const Params& params, bool incomplete = false) {
   double sum = 0;
@@ -62,7 +62,7 @@ double sampled(const Params& params, bool incomplete = false) {
         receiver.incomplete = incomplete;
         for (int i = 0; i <= kSide + 1; ++i)
           for (int j = 0; j <= kSide + 1; ++j) {
-            // The last two of each are the ends of the square, which count for nothing.
+            // The last two are the ends of the square.  They do not count in the mean.
             const auto u = [&](int k) {
               return k < kSide ? (k + 0.5) / kSide : static_cast<double>(k - kSide);
             };
@@ -82,7 +82,7 @@ double sampled(const Params& params, bool incomplete = false) {
   return sum / (kSide * kSide);
 }
 
-/// With every mapping, filter and portal that takes the picture.
+/// Checks every mapping, filter and portal that takes the picture.
 void expect_answers(int width, int height, float other, float value, int x, double expected,
                     double tolerance) {
   const std::string bytes = pfm(width, height, other, value, x);

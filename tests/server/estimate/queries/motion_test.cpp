@@ -1,4 +1,4 @@
-// What moves, from scene file to answers at a time.
+// Moving objects, from the scene file to answers at a time.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -78,8 +78,8 @@ TEST(MovingLights, AreSampledAtTheirPlaceAtThatTime) {
 
 TEST(MovingLights, ComeOutOfTheShadowAsTheyMove) {
   const auto scene = build(moving_point());
-  // At 0 s the way from (2.5, 0, 0.01) to (0, 0, 3) passes the wall 0.608 m above the floor; at 2 s
-  // the light is on the receiver's side of it.
+  // At 0 s the segment from (2.5, 0, 0.01) to (0, 0, 3) meets the wall 0.608 m above the floor.  At
+  // 2 s the light is on the receiver's side of the wall.
   EXPECT_EQ(sample_at(*scene, {2.5F, 0, 0.01F}, 0).visible, 0);
   EXPECT_EQ(sample_at(*scene, {2.5F, 0, 0.01F}, 2).visible, 1);
   EXPECT_EQ(sample_at(*scene, {1, 0, 0.01F}, 0).visible, 1);
@@ -107,7 +107,7 @@ TEST(MovingLights, GiveTheIrradianceOfAStillSceneAtEachTime) {
   }
 }
 
-/// The camera 4 m before a wall that a light passes.
+/// The camera is 4 m in front of a wall that a light passes.
 SceneDescription wall() {
   SceneDescription d = description(0.8);
   d.film = {.width = 6, .height = 4};
@@ -139,11 +139,12 @@ TEST(MovingLights, BlurIsTheMeanOverTime) {
   }
   for (std::size_t c = 0; c < mean.size(); ++c) {
     const double v = variance[c] + blurred.channels[c].deviation / (256.0 * 255);
-    // Seven standard errors, of 24 pixels: by luck less than once in 1e9.  1e-3: the midpoint rule.
+    // Seven standard errors for 24 pixels, exceeded by chance less than once in 1e9.  1e-3 is for
+    // the midpoint rule.
     EXPECT_NEAR(blurred.channels[c].sum / 256, mean[c], 7 * std::sqrt(v) + 1e-3 * mean[c]);
     EXPECT_GT(mean[c], 0);
   }
-  // And it is not the picture of the start.
+  // It differs from the picture at the start.
   s.time_s = 0;
   const TileResult start = render_tile(*scene, s, {});
   EXPECT_GT(std::fabs(start.channels[0].sum / 256 - mean[0]), 0.1 * mean[0]);
@@ -161,7 +162,7 @@ TEST(MovingLights, ScenesWithoutMotionStoreNothingForIt) {
   EXPECT_EQ(still->lights()[0].moving, nullptr);
   EXPECT_TRUE(has_motion(*moves));
   EXPECT_TRUE(moves->moves());
-  // Nor do its answers depend on time: the same bits with and without one.
+  // Its answers do not depend on time: the same bits with and without one.
   const auto picture = build(wall());
   TileSettings s{.rect = {0, 0, 6, 4}, .samples_per_block = 4, .block_count = 4};
   const auto any = render_tile(*picture, s, {});
@@ -190,7 +191,8 @@ TEST(PbrtMotion, OfALightIsReadWithItsTimesAndShutter) {
   EXPECT_EQ(motion.key_frames()[0].time_s, 0.5);
   EXPECT_EQ(motion.key_frames()[1].time_s, 2);
   EXPECT_EQ(std::get<PointLightParams>(scene->lights[0].params).position_m, Vec3<double>(2, 2, 3));
-  // At the end the light's origin is at (5, 2, 3), and its own (1, 0, 0) a metre along +y of that.
+  // At the end the light's origin is at (5, 2, 3), and its own (1, 0, 0) is a metre along +y from
+  // there.
   EXPECT_LE(length(motion.at(2).point({2, 2, 3}) - Vec3<double>{5, 3, 3}), 1e-14);
   EXPECT_NE(scene->lights[1].motion, nullptr);
   const auto otherwise = load_world("LightSource \"point\"");

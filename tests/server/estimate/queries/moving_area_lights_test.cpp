@@ -1,5 +1,4 @@
-// Moving area lights: samples, rays that find them and rays that leave them at their place at
-// that time.
+// Moving area lights at a time: samples, rays that find them, and rays that leave them.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -15,7 +14,7 @@
 namespace lucerna::testing {
 namespace {
 
-/// Samples of the only light, from `receivers` (about `origin`), at time `t`.
+/// Samples of the only light at time `t`.  `receivers` are about `origin`.
 struct Samples {
   Samples(const Scene& scene, const std::vector<float>& receivers, std::uint32_t count, double t,
           const Vec3<double>& origin = {})
@@ -69,8 +68,7 @@ TEST(MovingAreaLights, AreSampledAtTheirPlaceAtThatTime) {
       const auto still = scene_of(emissive(kind.make(placed_at(t)), 5, true));
       const Vec3<float> receiver{-1, 3, 4};
       const Samples s(*moves, {receiver.x, receiver.y, receiver.z}, 256, t);
-      // The same densities as those of a light that stands there, in every sampled
-      // direction.
+      // A light at that place has the same densities in every sampled direction.
       const std::vector<float> own = pdfs(*moves, receiver, s.wi, t);
       const std::vector<float> made_there = pdfs(*still, receiver, s.wi, t);
       std::vector<float> from;
@@ -85,7 +83,7 @@ TEST(MovingAreaLights, AreSampledAtTheirPlaceAtThatTime) {
         if (!s.ok(i)) continue;
         ++lit;
         EXPECT_EQ(s.value[3 * i], 5);
-        // At the very edge a rounded direction may miss one of them.
+        // At the very edge, a rounded direction may miss one of them.
         const bool same = std::fabs(own[i] - made_there[i]) <= 2e-3F * made_there[i];
         differ += same ? 0 : 1;
         agree += radiance[3 * i] == 5 ? 1 : 0;
@@ -118,7 +116,7 @@ TEST(MovingAreaLights, GiveTheIrradianceOfADiskInItsPlace) {
         *scene, points, {.samples_per_block = 64, .block_count = 64, .bounces = 0, .time_s = t},
         {});
     const double error = e.points[0].standard_error_lx.g;
-    // Seven standard errors, themselves known from 64 blocks: by luck less than once in 1e8.
+    // Seven standard errors, which come from 64 blocks; exceeded by chance less than once in 1e8.
     EXPECT_NEAR(e.points[0].irradiance_lx.g, below, 7 * error) << t;
     EXPECT_LT(error, 0.01 * below);
   }
@@ -137,35 +135,34 @@ TEST(MovingAreaLights, RaysStartAtTheirPlaceAtThatTime) {
                 {offsets.data(), directions.data(), normals.data(), value.data(), position.data(),
                  direction.data(), nullptr, nullptr, status.data()},
                 {});
-      std::vector<float> told_position(kRays), told_direction(kRays);
-      std::vector<int> told_status(kRays);
+      std::vector<float> reported_position(kRays), reported_direction(kRays);
+      std::vector<int> reported_status(kRays);
       const PointArray points{scene->origin(), offsets};
-      pdf_le(*scene, 0, points, directions, t, told_position.data(), told_direction.data(),
-             told_status.data(), {});
+      pdf_le(*scene, 0, points, directions, t, reported_position.data(), reported_direction.data(),
+             reported_status.data(), {});
       for (std::size_t i = 0; i < kRays; ++i) {
         ASSERT_EQ(status[i], 1);
-        EXPECT_NEAR(told_position[i], position[i], 1e-3F * position[i]);
-        EXPECT_NEAR(told_direction[i], direction[i], 1e-3F * direction[i]);
-        // A ray from straight in front of it meets it there.
+        EXPECT_NEAR(reported_position[i], position[i], 1e-3F * position[i]);
+        EXPECT_NEAR(reported_direction[i], direction[i], 1e-3F * direction[i]);
+        // A ray from straight in front meets it there.
         const Vec3<float> o = triple(offsets, i), n = triple(normals, i);
         Ray back{o + n * 0.01F, -n};
         back.time_s = t;
         const auto hit = scene->closest_hit(back);
         EXPECT_TRUE(hit && hit->light == 0 && std::fabs(hit->t - 0.01F) < 1e-5F);
       }
-      // A moment later it is elsewhere.
-      pdf_le(*scene, 0, points, directions, t + 0.3, told_position.data(), told_direction.data(),
-             told_status.data(), {});
+      // A moment later the light is elsewhere.
+      pdf_le(*scene, 0, points, directions, t + 0.3, reported_position.data(),
+             reported_direction.data(), reported_status.data(), {});
       int found = 0;
-      for (const float p : told_position) found += p > 0 ? 1 : 0;
+      for (const float p : reported_position) found += p > 0 ? 1 : 0;
       EXPECT_LE(found, 2);
     }
   }
 }
 
-// Rays to a moving light end in the light's own coordinates, which may be large where the
-// scene's are small.  Points of the light near the scene's zero must not be mistaken for
-// obstacles.
+// Rays to a moving light end in the light's own coordinates, which may be large where the scene's
+// are small.  Points of the light near the scene's zero must not be mistaken for obstacles.
 TEST(MovingAreaLights, DoNotShadowTheirOwnPoints) {
   SceneDescription d = description();
   TriangleMeshData mesh;
@@ -179,7 +176,7 @@ TEST(MovingAreaLights, DoNotShadowTheirOwnPoints) {
                           {i, i + 1, i + kSide, i + 1, i + kSide + 1, i + kSide});
     }
   d.shapes.push_back(emissive(shape(mesh), 1, true));
-  // Its middle comes to the scene's zero, tilted.
+  // Its middle moves to the scene's zero, tilted.
   d.shapes.back().motion = moving(
       {{0, {}}, {1, *Transform::rotate(0.6, {1, 2, 0.5}) * Transform::translate({-510, -490, 0})}});
   d.shapes.push_back(floor(0.5, 2000));

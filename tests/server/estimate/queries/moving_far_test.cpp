@@ -1,5 +1,5 @@
-// Lights that move in scenes far from the world's zero, as georeferenced ones are: their answers
-// are those of the same scene about zero.
+// Moving lights in scenes far from the world's zero, such as georeferenced ones.  The answers equal
+// those of the same scene about zero.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -16,13 +16,13 @@ namespace {
 using testing::message;
 using testing::SceneFiles;
 
-/// Floats near it are a metre and more apart.  Of multiples of the floor's extent, so that the
-/// scene's origin is there to the bit.
+/// The distance between floats here is a metre or more.  The numbers are multiples of the floor's
+/// extent, so that the scene's origin is exactly here.
 constexpr Vec3<double> kFar{1e7, -2e7, 3e6};
 
 std::string text(const Vec3<double>& p) { return fmt::format("{} {} {} ", p.x, p.y, p.z); }
 
-/// A sky of 4 x 4 texels, each of another value.
+/// A sky of 4 x 4 texels with different values.
 std::string sky_pfm() {
   std::string bytes = "PF\n4 4\n-1.0\n";
   for (int i = 0; i < 48; ++i) {
@@ -51,7 +51,7 @@ std::shared_ptr<const Scene> scene_about(const Vec3<double>& o, Light&& light) {
   return *scene;
 }
 
-/// Numbers that a light answers with.
+/// Numbers in the answers about a light.
 struct Answers {
   struct Vector {
     const char* what;
@@ -60,7 +60,7 @@ struct Answers {
   };
   struct Number {
     const char* what;
-    double v;  ///< of any unit
+    double v;  ///< in any unit
   };
   std::vector<Vector> vectors;
   std::vector<Number> numbers;
@@ -123,7 +123,7 @@ void expect_the_same_far_off(Light&& light) {
   }
 }
 
-/// A window of 2 m, 3 m up, that lets light down.
+/// A window of 2 m, 3 m up; light comes down through it.
 std::string portal(const Vec3<double>& o) {
   std::string corners;
   for (const auto& [x, y] : {std::pair{-1, -1}, {-1, 1}, {1, 1}, {1, -1}})
@@ -147,7 +147,7 @@ TEST(MovingFarOff, PortalsThatTurnAboutTheirOwnCentre) {
     });
 }
 
-// The world's zero, about which they turn, is 2e7 m away.
+// They turn about the world's zero, 2e7 m away.
 TEST(MovingFarOff, SkiesAndSunsThatTurnAboutTheWorldsZero) {
   for (const std::string light :
        {"\"infinite\"",
@@ -162,7 +162,7 @@ TEST(MovingFarOff, SkiesAndSunsThatTurnAboutTheWorldsZero) {
   }
 }
 
-// What has no place cannot leave it.
+// A light without a place cannot shift.
 TEST(MovingFarOff, SkiesAndSunsHaveNoShift) {
   for (const std::string light : {"\"infinite\"", "\"distant\" \"float angulardiameter\" 20"}) {
     SCOPED_TRACE(light);
@@ -195,7 +195,7 @@ TEST(MovingFarOff, ASceneOfOnePortalHasItsOriginThere) {
   const auto scene = Scene::build(*description);
   ASSERT_TRUE(scene.ok()) << scene.status();
   EXPECT_LE(length((*scene)->origin() - kFar), 16);
-  EXPECT_EQ((*scene)->sphere().radius_m, 0);  // its light is that of infinity
+  EXPECT_EQ((*scene)->sphere().radius_m, 0);  // its light comes from infinity
 }
 
 }  // namespace

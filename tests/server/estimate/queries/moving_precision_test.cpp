@@ -1,5 +1,6 @@
-// Surfaces that move, where rounding shows: large about their own zero and near the scene's, small
-// in a large scene, and rays whose t counts in other units there.
+// Moving surfaces where rounding is noticeable.  Some are far from their own zero but near the
+// scene's.  Some are small in a large scene.  In others the t of rays has another unit in the
+// object.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -23,9 +24,9 @@ std::array<Vec3<double>, 4> corners() {
           kStart.point({64, 64, 0})};
 }
 
-/// A square of 128 m about its own zero.  A second later its corner is the scene's zero, its sides
-/// along kTilt's x and y: coordinates near that are exact, those that it has itself are rounded by
-/// 4e-6 m.
+/// A square of 128 m about its own zero.  A second later its corner is at the scene's zero, with
+/// its sides along kTilt's x and y.  Coordinates near that corner are exact in the scene.  The
+/// square's own coordinates there are rounded by 4e-6 m.
 ShapeDescription moved_there(ShapeDescription s) {
   s.motion = moving({{0, kStart}, {1, kTilt * Transform::translate({64, 64, 0})}});
   return s;
@@ -36,7 +37,7 @@ ShapeDescription plate() {
   return moved_there(patch(c[0], c[1], c[2], c[3]));
 }
 
-/// The same as triangles, which Embree meets itself.
+/// The same as triangles, which Embree intersects itself.
 ShapeDescription plate_of_triangles() {
   const auto c = corners();
   return moved_there(shape(TriangleMeshData{{c[0], c[1], c[2], c[3]}, {}, {0, 1, 3, 0, 3, 2}}));
@@ -94,8 +95,8 @@ TEST(MovingPrecision, PositionsAreWithinTheirReportedErrors) {
       worst = std::fmax(worst, off);
     }
     EXPECT_EQ(hits, 2000);
-    // What rounding does there, so that the bound is put to the test: positions themselves are
-    // rounded by 6e-8 m at most.
+    // The rounding must be noticeable, so that the bound is tested.  Positions themselves are
+    // rounded by at most 6e-8 m.
     EXPECT_GT(worst, 2e-7);
   }
 }
@@ -146,8 +147,8 @@ TEST(MovingPrecision, PointsOnThemSeeLightsInFrontOfThem) {
   EXPECT_EQ(bits_of(visible), kPoints);
 }
 
-// A light that lies far from its own zero must not shadow itself: receivers a few centimetres in
-// front of its corner, whose samples are there too.
+// A light far from its own zero must not shadow itself.  The receivers are a few centimetres in
+// front of its corner, and samples lie there too.
 TEST(MovingPrecision, LightsDoNotHideTheirOwnPoints) {
   constexpr int kReceivers = 100;
   constexpr std::uint32_t kSamples = 16;
@@ -183,7 +184,7 @@ TEST(MovingPrecision, LightsDoNotHideTheirOwnPoints) {
   EXPECT_EQ(hidden, 0);
 }
 
-// Inside the object t counts in another unit.
+// Inside the object t has another unit.
 TEST(MovingPrecision, RaysKeepTheirEnds) {
   for (const Kind& kind : {kinds()[0], kinds()[3]}) {
     SCOPED_TRACE(kind.name);
@@ -191,11 +192,11 @@ TEST(MovingPrecision, RaysKeepTheirEnds) {
     if (auto* sphere = std::get_if<SphereParams>(&s.geometry)) *sphere = SphereParams{};
     s.motion = sliding({8, 0, 0}, 2);
     const auto scene = scene_of(s);
-    // From 5 m above the centre of a ball of radius 1, which the ray enters at 4 m and leaves at 6.
+    // From 5 m above the centre of a ball of radius 1.  The ray enters it at 4 m and leaves at 6.
     const Vec3<double> from = Vec3<double>{4.05, 0.1, 5} - scene->origin();
     const double sag = kind.name == std::string("mesh") ? 0.1 : 0.02;
     for (const float length : {1e-3F, 0.3F, 1.F, 7.F, 1e3F}) {
-      const auto ask = [&](float begin_m, float end_m) {
+      const auto hit_m = [&](float begin_m, float end_m) {
         Ray ray{Vec3<float>(from), {0, 0, -length}, begin_m / length, end_m / length};
         ray.time_s = 1;
         const auto hit = scene->closest_hit(ray);
@@ -203,12 +204,12 @@ TEST(MovingPrecision, RaysKeepTheirEnds) {
             << begin_m << " " << end_m << " " << length;
         return hit ? hit->t * length : -1;
       };
-      EXPECT_NEAR(ask(0, 9), 4, sag) << length;
-      EXPECT_NEAR(ask(3.5F, 4.5F), 4, sag) << length;
-      EXPECT_EQ(ask(0, 3.5F), -1) << length;
-      EXPECT_NEAR(ask(4.5F, 9), 6, sag) << length;
-      EXPECT_EQ(ask(4.5F, 5.5F), -1) << length;
-      EXPECT_EQ(ask(6.5F, 9), -1) << length;
+      EXPECT_NEAR(hit_m(0, 9), 4, sag) << length;
+      EXPECT_NEAR(hit_m(3.5F, 4.5F), 4, sag) << length;
+      EXPECT_EQ(hit_m(0, 3.5F), -1) << length;
+      EXPECT_NEAR(hit_m(4.5F, 9), 6, sag) << length;
+      EXPECT_EQ(hit_m(4.5F, 5.5F), -1) << length;
+      EXPECT_EQ(hit_m(6.5F, 9), -1) << length;
     }
   }
 }
@@ -230,11 +231,11 @@ TEST(MovingPrecision, SpecksInALargeSceneAreFound) {
     ray.time_s = 0.5;
     const auto hit = scene->closest_hit(ray);
     ASSERT_TRUE(hit);
-    // Faces are at most a tenth of the radius within it.
+    // Faces are up to a tenth of the radius inside of the ball.
     const double top = std::sqrt(kRadius * kRadius - x * x - y * y);
     EXPECT_LE(1e-8 - hit->t, top + 1e-3 * kRadius);
     EXPECT_GE(1e-8 - hit->t, top - 0.2 * kRadius);
-    // It is convex: no ray that leaves it meets it, however flat.
+    // The ball is convex, so no ray that leaves it meets it again, at any angle.
     const Frame<double> frame = Frame<double>::around(hit->ng);
     for (int k = 0; k < 64; ++k) {
       const double phi = 0.1 * k, up = std::exp2(-k / 4.0);
@@ -261,11 +262,11 @@ TEST(MovingPrecision, RaysSeeTheirOwnTime) {
   }
 }
 
-// Light that comes by way of a surface comes by way of where that is.
+// Reflected light comes from the place of the surface at that time.
 TEST(MovingPrecision, BouncesStartAtTheSurfaceOfThatTime) {
   const auto scene_at = [](double t, bool moves) {
     SceneDescription d = description(0.9);
-    // Above the meter, which sees it, and the lamp between them; then 40 m aside.
+    // First the surface is above the meter and the lamp between them; later it is 40 m aside.
     d.shapes.push_back(floor(1, 1));
     if (moves)
       d.shapes.back().motion = sliding({40, 0, 0}, 1);
@@ -286,7 +287,7 @@ TEST(MovingPrecision, BouncesStartAtTheSurfaceOfThatTime) {
     };
     const auto moved = of(*scene, t), still = of(*scene_at(t, false), 0);
     const double error = std::hypot(moved.standard_error_lx.g, still.standard_error_lx.g);
-    // Seven standard errors, themselves known from 64 blocks: by luck less than once in 1e8.
+    // Seven standard errors, which come from 64 blocks; exceeded by chance less than once in 1e8.
     EXPECT_NEAR(moved.irradiance_lx.g, still.irradiance_lx.g, 7 * error + 1e-4) << t;
     const double direct = 10 * 0.5 / std::pow(0.04 + 0.25, 1.5);
     if (t == 1)

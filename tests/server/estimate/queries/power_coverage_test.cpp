@@ -1,5 +1,5 @@
-// The intervals of sampled power, over repeats: with a number of samples and with a target error,
-// of single lights and of all of them together.
+// The coverage of sampled power intervals over repeats, with a sample count and with a target
+// error.  It is measured for single lights and for all of them together.
 #include <gtest/gtest.h>
 #include <tbb/parallel_for.h>
 
@@ -31,9 +31,10 @@ std::shared_ptr<const Scene> lamps() {
   return build(std::move(d));
 }
 
-/// Of every light, and of all together at the end.  `widened`: intervals are, about their
-/// estimates.
-std::vector<Coverage> asked(const Scene& scene, SampledPowerSettings settings, double widened = 1) {
+/// The coverage for every light; the last is for all lights together.  `widened`: factor of the
+/// intervals' width about their estimates.
+std::vector<Coverage> coverage_of(const Scene& scene, SampledPowerSettings settings,
+                                  double widened = 1) {
   std::vector<std::uint32_t> all;
   std::vector<Coverage> coverage;
   double total = 0;
@@ -60,7 +61,7 @@ std::vector<Coverage> asked(const Scene& scene, SampledPowerSettings settings, d
 TEST(PowerCoverage, ByACount) {
   const auto scene = lamps();
   for (const std::uint32_t each : {8U, 64U}) {
-    const std::vector<Coverage> c = asked(*scene, {.samples_per_block = each});
+    const std::vector<Coverage> c = coverage_of(*scene, {.samples_per_block = each});
     for (std::size_t l = 0; l < c.size(); ++l)
       expect_covered(c[l], "light " + std::to_string(l) + ", " + std::to_string(each) + " rays");
   }
@@ -69,20 +70,21 @@ TEST(PowerCoverage, ByACount) {
 TEST(PowerCoverage, ByATarget) {
   const auto scene = lamps();
   for (const double relative : {0.05, 0.005}) {
-    const std::vector<Coverage> c = asked(*scene, {.target = TargetError{.relative = relative}});
+    const std::vector<Coverage> c =
+        coverage_of(*scene, {.target = TargetError{.relative = relative}});
     for (std::size_t l = 0; l < c.size(); ++l)
       expect_covered(c[l], "light " + std::to_string(l) + " within " + std::to_string(relative));
   }
 }
 
-// What intervals of a wrong variance come to.
-TEST(PowerCoverage, SeesIntervalsThatAreTooNarrowOrTooWide) {
+// The coverage of intervals with a wrong variance.
+TEST(PowerCoverage, NoticesIntervalsThatAreTooNarrowOrTooWide) {
   const auto scene = lamps();
   expect_sees_wrong_widths(
-      [&](double widened) { return asked(*scene, {.samples_per_block = 8}, widened)[0]; });
+      [&](double widened) { return coverage_of(*scene, {.samples_per_block = 8}, widened)[0]; });
 }
 
-// Rays by the intensity, or by the cosine, all say the same.
+// Samples by the intensity, or by the cosine, are all equal.
 TEST(SampledPower, IsExactWhereTheDensityFollowsTheLight) {
   SceneDescription d = description();
   d.lights = {

@@ -45,7 +45,7 @@ struct Arrays {
   std::vector<int> status;
 };
 
-Arrays ask(const Scene& scene, const SampleLiQuery& query) {
+Arrays answer_to(const Scene& scene, const SampleLiQuery& query) {
   Arrays arrays(query.receivers.size() * query.samples);
   sample_li(scene, query, arrays.answer(), {});
   return arrays;
@@ -62,7 +62,7 @@ TEST(SampleLi, OfAPointLightIsIntensityOverDistanceSquared) {
   const auto scene = build(one_point_light());
   const std::vector<float> points{0, 0, 0, 4, 0, 0};
   const std::vector<float> u(4, 0.5F);
-  const Arrays a = ask(*scene, {.receivers = {{}, points}, .light = 0, .u = u});
+  const Arrays a = answer_to(*scene, {.receivers = {{}, points}, .light = 0, .u = u});
   EXPECT_FLOAT_EQ(a.value[0], 2);      // 18 cd / (3 m)^2
   EXPECT_FLOAT_EQ(a.value[3], 0.72F);  // 18 / 25
   EXPECT_FLOAT_EQ(a.distance[1], 5);
@@ -82,7 +82,7 @@ TEST(SampleLi, PlacesAreRelativeToTheOriginOfTheQuery) {
   const auto scene = build(d);
   const std::vector<float> points{0.25F, 0, 1};
   const std::vector<float> u(2, 0.5F);
-  const Arrays a = ask(*scene, {.receivers = {{far, 0, 0}, points}, .light = 0, .u = u});
+  const Arrays a = answer_to(*scene, {.receivers = {{far, 0, 0}, points}, .light = 0, .u = u});
   EXPECT_EQ(a.points, (std::vector<float>{0.25F, 0, 3}));
   EXPECT_EQ(a.distance[0], 2);
   EXPECT_EQ(a.wi, (std::vector<float>{0, 0, 1}));
@@ -93,7 +93,7 @@ TEST(SampleLi, ABadItemDoesNotFailItsBatch) {
   const std::vector<float> points{0, 0, 0, kNan, 0, 0, 0, 0, 3, 0, 0, 1, 0, 0, 1};
   std::vector<float> u(10, 0.5F);
   u[9] = kNan;
-  const Arrays a = ask(*scene, {.receivers = {{}, points}, .light = 0, .u = u});
+  const Arrays a = answer_to(*scene, {.receivers = {{}, points}, .light = 0, .u = u});
   EXPECT_EQ(a.status, (std::vector<int>{1, 7, 4, 1, 7}));  // invalid, on the light, ok, invalid u
   for (const float v : a.value) EXPECT_TRUE(std::isfinite(v));
   EXPECT_EQ(a.value[3], 0);
@@ -104,7 +104,7 @@ TEST(SampleLi, IsOutOfRangeWhereAPlaceDoesNotFitFloats) {
   const auto scene = build(one_point_light());
   const std::vector<float> points{0, 0, 0};
   const std::vector<float> u(2, 0.5F);
-  const Arrays a = ask(*scene, {.receivers = {{1e300, 0, 0}, points}, .light = 0, .u = u});
+  const Arrays a = answer_to(*scene, {.receivers = {{1e300, 0, 0}, points}, .light = 0, .u = u});
   EXPECT_EQ(a.status[0], static_cast<int>(ItemResult::kOutOfRange));
 }
 
@@ -126,16 +126,16 @@ TEST(SampleLi, SplittingABatchChangesNothing) {
   }
   SampleLiQuery query{.receivers = {{}, points}, .samples = 2, .seed = SeedRange{7, 100}};
   query.test_visibility = true;
-  const Arrays whole = ask(*scene, query);
+  const Arrays whole = answer_to(*scene, query);
   const std::size_t cut = 1003;
   query.receivers.offsets_m = std::span(points).subspan(3 * cut);
   query.seed = SeedRange{7, 100 + cut};
-  const Arrays rest = ask(*scene, query);
+  const Arrays rest = answer_to(*scene, query);
   EXPECT_TRUE(std::equal(rest.value.begin(), rest.value.end(), whole.value.begin() + 6 * cut));
   EXPECT_TRUE(std::equal(rest.ids.begin(), rest.ids.end(), whole.ids.begin() + 2 * cut));
   EXPECT_TRUE(std::equal(rest.wi.begin(), rest.wi.end(), whole.wi.begin() + 6 * cut));
   query.seed = SeedRange{8, 100 + cut};  // and the seed is used
-  EXPECT_NE(ask(*scene, query).ids, rest.ids);
+  EXPECT_NE(answer_to(*scene, query).ids, rest.ids);
 }
 
 TEST(SampleLi, AChosenLightHasTheSamplesOfANamedLight) {
@@ -147,9 +147,9 @@ TEST(SampleLi, AChosenLightHasTheSamplesOfANamedLight) {
     u.insert(u.end(), {0.01F * float(i), 0.3F});
     u_light.push_back(0.01 * i);
   }
-  const Arrays chosen = ask(*scene, {.receivers = {{}, points}, .u = u, .u_light = u_light});
+  const Arrays chosen = answer_to(*scene, {.receivers = {{}, points}, .u = u, .u_light = u_light});
   for (std::uint32_t light = 0; light < scene->lights().size(); ++light) {
-    const Arrays named = ask(*scene, {.receivers = {{}, points}, .light = light, .u = u});
+    const Arrays named = answer_to(*scene, {.receivers = {{}, points}, .light = light, .u = u});
     int found = 0;
     for (std::size_t i = 0; i < 100; ++i) {
       if (chosen.ids[i] != scene->lights()[light].id) continue;
@@ -201,14 +201,14 @@ TEST(SampleLi, OfAPointLightIsTheSameByEveryPathOfTheCode) {
     const Receivers r(at);
     for (const Vec3<double>& origin : {Vec3<double>{}, {0.1, 0, -3e5}}) {
       SampleLiQuery query{.receivers = {origin, r.offsets}, .light = 0, .u = r.u};
-      const Arrays plain = ask(*scene, query);
+      const Arrays plain = answer_to(*scene, query);
       query.normals = r.normals;  // which need each whole sample
-      const Arrays whole = ask(*scene, query);
+      const Arrays whole = answer_to(*scene, query);
       EXPECT_EQ(plain, whole) << candela;
       query.normals = {};
       query.light = {};
       query.u_light = r.u_light;
-      Arrays chosen = ask(*scene, query);
+      Arrays chosen = answer_to(*scene, query);
       chosen.ids = plain.ids, chosen.probability = plain.probability;
       EXPECT_EQ(plain, chosen) << candela;
       const auto ok = std::ranges::count(plain.status, static_cast<int>(ItemResult::kOk));
@@ -223,7 +223,7 @@ TEST(SampleLi, ASceneWithoutLightsIsBlack) {
   d.shapes.push_back(testing::floor(1));
   const auto scene = build(d);
   const std::vector<float> points{0, 0, 1};
-  const Arrays a = ask(*scene, {.receivers = {{}, points}, .seed = SeedRange{}});
+  const Arrays a = answer_to(*scene, {.receivers = {{}, points}, .seed = SeedRange{}});
   EXPECT_EQ(a.status[0], static_cast<int>(ItemResult::kBlack));
   EXPECT_EQ(a.ids[0], 0U);
 }
@@ -234,7 +234,7 @@ TEST(PdfLi, OfAnAreaLightIsTheDensityOfItsSamples) {
   std::vector<float> points;
   for (int i = 0; i < 64; ++i) points.insert(points.end(), {0.1F * float(i), 0.2F, 0.5F});
   const Arrays a =
-      ask(*scene, {.receivers = {{}, points}, .light = light, .seed = SeedRange{1, 0}});
+      answer_to(*scene, {.receivers = {{}, points}, .light = light, .seed = SeedRange{1, 0}});
   std::vector<float> pdf(64);
   std::vector<int> status(64);
   pdf_li(*scene, {light, {{}, points}, a.wi}, pdf.data(), status.data(), {});

@@ -16,8 +16,8 @@ namespace {
 
 constexpr std::uint32_t kReplicates = 16;
 
-/// Samples by area.  Samples by solid angle of the lamp would be nearly equal.
-struct Asked {
+/// Sampling by area.  Samples of the lamp by solid angle would be nearly equal.
+struct Settings {
   std::optional<TargetError> target{};
   std::uint32_t samples_per_replicate = 0;  ///< without a target
   bool normals = true;
@@ -30,35 +30,35 @@ struct Answered {
 };
 
 /// The i-th repeat.
-Answered answer(const Question& q, const Asked& asked, std::uint64_t i) {
+Answered answer(const Question& q, const Settings& settings, std::uint64_t i) {
   const std::vector<float> offset(3), normal = {q.normal.x, q.normal.y, q.normal.z};
   SampleLiQuery query;
   query.receivers = {q.receiver, offset};
   query.seed = SeedRange{.seed = 6, .first_item = i};
   query.test_visibility = true;
-  if (asked.normals) query.normals = normal;
+  if (settings.normals) query.normals = normal;
   query.methods.area_sampling = AreaSampling::kSquareRoot;
-  query.methods.light_selection = asked.light_selection;
+  query.methods.light_selection = settings.light_selection;
   const LiSampler sampler(*q.scene, query);
   WorkCounts work;
-  const auto each = asked.target
-                        ? samples_needed(sampler, 1, *asked.target, kReplicates, {}, work).value()
-                        : equally_many(sampler, 1, asked.samples_per_replicate);
+  const auto each =
+      settings.target ? samples_needed(sampler, 1, *settings.target, kReplicates, {}, work).value()
+                      : equally_many(sampler, 1, settings.samples_per_replicate);
   const LiLayout layout(each, kReplicates);
   LiRoom room(layout.size());
   std::vector<LiShare> shares(layout.size());
   fill_samples(sampler, layout, room.answer(), shares, {});
   const LiEstimates e =
-      estimates_of(layout, 1, kReplicates, asked.target.value_or(TargetError{}).confidence, shares,
-                   room.status, {}, 0);
+      estimates_of(layout, 1, kReplicates, settings.target.value_or(TargetError{}).confidence,
+                   shares, room.status, {}, 0);
   EXPECT_EQ(e.results[0], ItemResult::kOk);
   return {e.points[0], layout.size()};
 }
 
 /// `widened`: factor of the intervals' width about their estimates.
-Coverage covered(const Question& q, const Asked& asked, double widened = 1) {
+Coverage covered(const Question& q, const Settings& settings, double widened = 1) {
   return repeated(q.truth, widened, [&](std::uint64_t i) {
-    const IrradianceEstimate e = answer(q, asked, i).estimate;
+    const IrradianceEstimate e = answer(q, settings, i).estimate;
     return Answer{luminance(e.irradiance_lx), e.illuminance_lx};
   });
 }
@@ -78,8 +78,8 @@ Question two_lamps() {
   return q;
 }
 
-/// The lamp as a small sphere takes its light: radiance times solid angle, which of a square of
-/// half side h at distance z above its middle is 4 asin(h^2 / (h^2 + z^2)).
+/// The lamp at a small spherical receiver: radiance times solid angle.  A square of half side h at
+/// distance z below its middle has 4 asin(h^2 / (h^2 + z^2)).
 Question lamp_from_everywhere() {
   Question q = lamp();
   q.name = "spherical";
@@ -90,10 +90,10 @@ Question lamp_from_everywhere() {
 TEST(SampleCoverage, OfSmoothLightByATarget) {
   for (const double relative : {0.1, 0.02}) {
     const std::string within = " within " + std::to_string(relative);
-    const Asked asked{.target = TargetError{.relative = relative}};
+    const Settings settings{.target = TargetError{.relative = relative}};
     for (const Question& q : {lamp(), two_lamps()})
-      expect_covered(covered(q, asked), q.name + within);
-    Asked by_power = asked, as_a_sphere = asked;
+      expect_covered(covered(q, settings), q.name + within);
+    Settings by_power = settings, as_a_sphere = settings;
     by_power.light_selection = LightSelection::kPower;
     expect_covered(covered(two_lamps(), by_power), "two lamps by power" + within);
     as_a_sphere.normals = false;
@@ -129,9 +129,9 @@ TEST(SampleCoverage, OfLightThroughAPinholeByACount) {
 }
 
 // The coverage of intervals with a wrong variance.
-TEST(SampleCoverage, SeesIntervalsThatAreTooNarrowOrTooWide) {
-  const Asked asked{.target = TargetError{.relative = 0.1}};
-  const Coverage narrow = covered(lamp(), asked, 0.6), wide = covered(lamp(), asked, 1.8);
+TEST(SampleCoverage, NoticesIntervalsThatAreTooNarrowOrTooWide) {
+  const Settings settings{.target = TargetError{.relative = 0.1}};
+  const Coverage narrow = covered(lamp(), settings, 0.6), wide = covered(lamp(), settings, 1.8);
   EXPECT_FALSE(narrow.holds_enough()) << narrow.held();
   EXPECT_FALSE(wide.holds_no_more()) << wide.held();
 }
@@ -155,7 +155,7 @@ TEST(SampleTarget, StopsAtTheLargestSampleCount) {
   EXPECT_EQ(nothing.samples, 1024U);
   EXPECT_EQ(luminance(nothing.estimate.irradiance_lx), 0);
   EXPECT_GT(nothing.estimate.illuminance_lx.upper, 0);
-  // Unless that little is enough.
+  // With an absolute floor above that bound.
   target.absolute_floor = 1;
   EXPECT_EQ(answer(q, {.target = target}, 0).samples, 64U);
 }

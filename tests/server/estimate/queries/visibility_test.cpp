@@ -21,7 +21,7 @@ struct Seen {
   bool operator[](std::size_t i) const { return (bits[i / 8] >> (i % 8) & 1) != 0; }
 };
 
-Seen ask(const Scene& scene, const VisibilityQuery& query) {
+Seen answer_to(const Scene& scene, const VisibilityQuery& query) {
   const std::size_t n = query.from.size();
   Seen seen{std::vector<std::uint8_t>((n + 7) / 8), std::vector<int>(n)};
   test_visibility(scene, query, seen.bits.data(), seen.status.data(), {});
@@ -39,7 +39,7 @@ std::shared_ptr<const Scene> two_walls() {
 TEST(TestVisibility, AWallHidesPointsBehindIt) {
   const std::vector<float> from{0, 0, 1, 0, 0, -1, 5, 0, -1, 0, 0, 1};
   const std::vector<float> to{0, 0, 3, 0, 0, 1, 5, 0, 9, 0, 0, 9};
-  const Seen seen = ask(*two_walls(), {.from = {{}, from}, .to = PointArray{{}, to}});
+  const Seen seen = answer_to(*two_walls(), {.from = {{}, from}, .to = PointArray{{}, to}});
   EXPECT_TRUE(seen[0]);   // between the walls
   EXPECT_FALSE(seen[1]);  // through the lower one
   EXPECT_TRUE(seen[2]);   // past both
@@ -50,30 +50,31 @@ TEST(TestVisibility, RaysEndAtTheirLength) {
   const std::vector<float> from{0, 0, 1, 0, 0, 1, 0, 0, 1};
   const std::vector<float> up{0, 0, 2, 0, 0, 0.5F, 0, 0, 7};
   const std::vector<float> lengths{2.99F, 3.01F, 3.01F};
-  const Seen seen = ask(*two_walls(), {.from = {{}, from}, .directions = up, .lengths_m = lengths});
+  const Seen seen =
+      answer_to(*two_walls(), {.from = {{}, from}, .directions = up, .lengths_m = lengths});
   EXPECT_TRUE(seen[0]);
   EXPECT_FALSE(seen[1]);
   EXPECT_FALSE(seen[2]);
-  const Seen endless = ask(*two_walls(), {.from = {{}, from}, .directions = up});
+  const Seen endless = answer_to(*two_walls(), {.from = {{}, from}, .directions = up});
   EXPECT_FALSE(endless[0]);
 }
 
 TEST(TestVisibility, SegmentsOfNoLengthAreVisible) {
   const std::vector<float> p{0, 0, 0};
-  EXPECT_TRUE(ask(*two_walls(), {.from = {{}, p}, .to = PointArray{{}, p}})[0]);
+  EXPECT_TRUE(answer_to(*two_walls(), {.from = {{}, p}, .to = PointArray{{}, p}})[0]);
 }
 
 TEST(TestVisibility, BadItemsAreMarkedAndDoNotFailOthers) {
   const float inf = std::numeric_limits<float>::infinity();
   const std::vector<float> from{0, 0, 1, inf, 0, 1, 0, 0, 1, 0, 0, 1};
   const std::vector<float> to{0, 0, 2, 0, 0, 2, 0, std::nanf(""), 2, 0, 0, 2};
-  const Seen seen = ask(*two_walls(), {.from = {{}, from}, .to = PointArray{{}, to}});
+  const Seen seen = answer_to(*two_walls(), {.from = {{}, from}, .to = PointArray{{}, to}});
   EXPECT_EQ(seen.status, (std::vector<int>{1, 7, 7, 1}));
   EXPECT_EQ(seen.bits[0], 0b1001);
   const std::vector<float> directions{0, 0, 1, 0, 0, 1, 0, 0, 0, 0, 0, 1};
   const std::vector<float> lengths{1, 1, 1, -1};
   const Seen rays =
-      ask(*two_walls(), {.from = {{}, from}, .directions = directions, .lengths_m = lengths});
+      answer_to(*two_walls(), {.from = {{}, from}, .directions = directions, .lengths_m = lengths});
   EXPECT_EQ(rays.status, (std::vector<int>{1, 7, 7, 7}));
 }
 
@@ -94,7 +95,7 @@ Tilted tilted(double scale, const Vec3<double>& center) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> uniform(-0.9 * scale, 0.9 * scale);
   for (int i = 0; i < 2000; ++i) {
-    // Rounded as when somebody types them.
+    // Rounded like typed numbers.
     const Vec3<float> p(at(uniform(random), uniform(random)));
     // 30 degrees off the plane.
     const Vec3<float> w(normalized(n * 0.5 + frame.s * 0.866));
@@ -110,9 +111,9 @@ TEST(TestVisibility, PointsTypedOnASurfaceDoNotShadowThemselves) {
     for (const Vec3<double>& center : {Vec3<double>{}, Vec3<double>{3, 5, -7} * scale}) {
       const Tilted t = tilted(scale, center);
       VisibilityQuery query{.from = {{}, t.points}, .directions = t.up};
-      const Seen free = ask(*t.scene, query);
+      const Seen free = answer_to(*t.scene, query);
       query.normals = t.normals;
-      const Seen with_normal = ask(*t.scene, query);
+      const Seen with_normal = answer_to(*t.scene, query);
       int hidden = 0, hidden_with_normal = 0;
       for (std::size_t i = 0; i < 2000; ++i) {
         hidden += free[i] ? 0 : 1;
@@ -125,7 +126,7 @@ TEST(TestVisibility, PointsTypedOnASurfaceDoNotShadowThemselves) {
 }
 
 TEST(TestVisibility, PointsNearZeroOfALargeSurfaceDoNotShadowThemselves) {
-  // Next to no ulps of their own, on a plane that is rounded with vertices 1000 m away.
+  // Nearly 0 ulps of their own, on a plane that is rounded with vertices 1000 m away.
   SceneDescription d = description();
   const auto at = [](double x, double y) { return Vec3<double>{x, y, 0.3 * x - 0.2 * y}; };
   d.shapes.push_back(
@@ -143,9 +144,10 @@ TEST(TestVisibility, PointsNearZeroOfALargeSurfaceDoNotShadowThemselves) {
     just_above.insert(just_above.end(), {p.x, p.y, p.z + 1e-3F});
     just_below.insert(just_below.end(), {p.x, p.y, p.z - 1e-3F});
   }
-  const Seen to = ask(*scene, {.from = {{}, points}, .to = PointArray{{}, above}});
-  const Seen from = ask(*scene, {.from = {{}, below}, .to = PointArray{{}, points}});
-  const Seen through = ask(*scene, {.from = {{}, just_below}, .to = PointArray{{}, just_above}});
+  const Seen to = answer_to(*scene, {.from = {{}, points}, .to = PointArray{{}, above}});
+  const Seen from = answer_to(*scene, {.from = {{}, below}, .to = PointArray{{}, points}});
+  const Seen through =
+      answer_to(*scene, {.from = {{}, just_below}, .to = PointArray{{}, just_above}});
   int hidden = 0, through_count = 0;
   for (std::size_t i = 0; i < 2000; ++i) {
     hidden += (to[i] ? 0 : 1) + (from[i] ? 0 : 1);
@@ -163,41 +165,41 @@ TEST(TestVisibility, APointAtZeroDoesNotShadowItselfAtAnyScale) {
     d.shapes.push_back(testing::floor(scale, 0));
     const auto scene = build(d);
     const std::vector<float> to{0.3F * float(scale), 0.2F * float(scale), 0.5F * float(scale)};
-    EXPECT_TRUE(ask(*scene, {.from = {{}, from}, .to = PointArray{{}, to}})[0]) << exponent;
-    EXPECT_TRUE(ask(*scene, {.from = {{}, from}, .directions = to})[0]) << exponent;
+    EXPECT_TRUE(answer_to(*scene, {.from = {{}, from}, .to = PointArray{{}, to}})[0]) << exponent;
+    EXPECT_TRUE(answer_to(*scene, {.from = {{}, from}, .directions = to})[0]) << exponent;
   }
 }
 
 TEST(TestVisibility, AWallCloseToAPointAtZeroHides) {
-  // The floor at zero is the point's own; what lies a tenth of a millimetre above is not.
+  // The point lies on the floor at zero, but not on the surface a tenth of a millimetre above.
   SceneDescription d = description();
   d.shapes.push_back(testing::floor(1, 0));
   d.shapes.push_back(testing::floor(1, 1e-4));
   const std::vector<float> from{0, 0, 0}, up{0, 0, 1}, down{0, 0, -1};
   const auto scene = build(d);
-  EXPECT_FALSE(ask(*scene, {.from = {{}, from}, .directions = up})[0]);
-  EXPECT_TRUE(ask(*scene, {.from = {{}, from}, .directions = down})[0]);
+  EXPECT_FALSE(answer_to(*scene, {.from = {{}, from}, .directions = up})[0]);
+  EXPECT_TRUE(answer_to(*scene, {.from = {{}, from}, .directions = down})[0]);
 }
 
 TEST(TestVisibility, WithoutAnyErrorSomePointsWouldShadowThemselves) {
   const Tilted t = tilted(1, {3, 5, -7});
   const Seen seen =
-      ask(*t.scene, {.from = {{}, t.points}, .directions = t.up, .position_error_m = 0.0F});
+      answer_to(*t.scene, {.from = {{}, t.points}, .directions = t.up, .position_error_m = 0.0F});
   int hidden = 0;
   for (std::size_t i = 0; i < 2000; ++i) hidden += seen[i] ? 0 : 1;
   EXPECT_GT(hidden, 100);  // about half lie below the plane
 }
 
 TEST(TestVisibility, TheOffsetDoesNotLeakThroughThinWalls) {
-  // A second plane as far behind the first as a hundred default errors.
+  // A second plane behind the first, at a hundred default errors.
   SceneDescription d = description();
   const double gap = 100 * 4 * 1.1920929e-7;
   d.shapes.push_back(testing::floor(1, 0));
   d.shapes.push_back(testing::floor(1, gap));
   const auto scene = build(d);
   const std::vector<float> from{0.5F, 0.5F, 0}, up{0, 0, 1}, normal{0, 0, 1};
-  EXPECT_FALSE(ask(*scene, {.from = {{}, from}, .directions = up})[0]);
-  EXPECT_FALSE(ask(*scene, {.from = {{}, from}, .directions = up, .normals = normal})[0]);
+  EXPECT_FALSE(answer_to(*scene, {.from = {{}, from}, .directions = up})[0]);
+  EXPECT_FALSE(answer_to(*scene, {.from = {{}, from}, .directions = up, .normals = normal})[0]);
 }
 
 }  // namespace

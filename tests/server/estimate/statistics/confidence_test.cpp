@@ -24,18 +24,18 @@ TEST(Confidence, OfNoLightBoundsTheLightThatWasMissed) {
   EXPECT_EQ(rule.interval({0, 0, 0, 0}).upper, 0);
   EXPECT_NEAR(rule.interval({0, 0, 0, 5}).upper, 2.9957 / 1000 * 5, 1e-6);
   EXPECT_EQ(rule.interval({0, 0, 0, 5}).lower, 0);
-  // Of two samples not even that is known.
+  // From two samples even that is unknown.
   EXPECT_EQ(IntervalRule(0.95, 2, 2).interval({0, 0, 0, 5}).upper, 5);
 }
 
 TEST(Confidence, OfRareEqualSamplesIsPoissonsInterval) {
-  // Of counts of 1, 5, 20: 95% intervals of the tables [Garwood36].
+  // 95% intervals for counts of 1, 5, 20, from the tables [Garwood36].
   struct Row {
     double count, lower, upper;
   };
   for (const Row& row : {Row{1, 0.0253, 5.572}, {5, 1.623, 11.668}, {20, 12.217, 30.888}}) {
     const double n = 1e6, weight = 3;
-    // Replicates that agree by luck say nothing.
+    // Replicates that agree by chance have no effect.
     const ConfidenceInterval i =
         IntervalRule(0.95, 16, 1000000)
             .interval({row.count * weight / n, 0, row.count * weight * weight, weight});
@@ -68,7 +68,7 @@ TEST(Confidence, IntervalsScaleWithTheSamples) {
     EXPECT_NEAR(i.lower / s, one.lower, 1e-12);
     EXPECT_NEAR(i.upper / s, one.upper, 1e-12);
   }
-  // Squares that no double holds are no interval, but no crash either.
+  // Squares that exceed doubles give no interval, but no crash either.
   const ConfidenceInterval i =
       IntervalRule(0.95, 16, 1024)
           .interval({1e200, 1e199, std::numeric_limits<double>::infinity(), 1e200});
