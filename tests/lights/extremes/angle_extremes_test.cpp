@@ -13,11 +13,7 @@ namespace {
 using V = Vec3<Served>;
 
 TEST(AngleExtremes, ConeOfNormalsOfAHinge) {
-<<<<<<< HEAD
   Sweep sweep(25, "mesh of two nearly coplanar triangles, angle between them", "1e-24 ... 0.5 rad",
-=======
-  Sweep sweep(25, "mesh of two triangles nearly in one plane", "1e-24 ... 0.5 rad",
->>>>>>> tests-words
               "half-angle of the cone of normals");
   const ReferenceTable table("hinges");
   for (const auto& row : table.rows()) {

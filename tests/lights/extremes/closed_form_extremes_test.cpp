@@ -80,11 +80,7 @@ TEST(ClosedFormExtremes, TrianglesAsWideAsTheHemisphere) {
 // The parts of a sliver would extend up to 1e15 if both directions were cut alike.
 TEST(ClosedFormExtremes, Slivers) {
   Sweep sweep(34, "triangle light 2 m long, closed form",
-<<<<<<< HEAD
               "3e-2 ... 1e-15 m high, receiver as near as the height", "irradiance");
-=======
-              "3e-2 ... 1e-15 m high, seen from this distance", "irradiance");
->>>>>>> tests-words
   const ReferenceTable table("sliver_triangles");
   for (const auto& row : table.rows())
     compare_triangle(row, {vector_in(row, "a"), vector_in(row, "b"), vector_in(row, "c")},

@@ -118,13 +118,8 @@ TEST(ClosedMeshExtremes, DensityOfDirectionsIgnoresFacesTurnedAway) {
   sweep.expect_within(1e-13);
 }
 
-<<<<<<< HEAD
-TEST(ClosedMeshExtremes, FromInsideThereIsNone) {
-  Sweep sweep(30, "closed emissive box, the receiver inside", "1e-12 ... 0.5 below a face",
-=======
 TEST(ClosedMeshExtremes, ReceiversInsideGetNoLight) {
-  Sweep sweep(30, "closed emissive box, the receiver inside", "1e-12 ... 0.5 beneath a face",
->>>>>>> tests-words
+  Sweep sweep(30, "closed emissive box, the receiver inside", "1e-12 ... 0.5 below a face",
               "answer");
   const auto light = *TriangleMeshLight<Served>::create(
       {Rgb<double>(1)}, *TriangleMesh<Served>::create(box_triangles<Served>()));

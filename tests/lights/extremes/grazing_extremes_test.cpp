@@ -132,13 +132,8 @@ void sample_within(const Light& light, const Vec3<double>& position, Sweep& swee
     }
 }
 
-<<<<<<< HEAD
-TEST(GrazingExtremes, FromWithinThePlaneThereIsNone) {
-  Sweep sweep(8, "triangle, rectangle, trapezoid, tilted or not, receiver in their plane",
-=======
 TEST(GrazingExtremes, LightsSeenFromTheirPlaneAreDark) {
-  Sweep sweep(8, "triangle, rectangle, trapezoid seen from within their plane, tilted or not",
->>>>>>> tests-words
+  Sweep sweep(8, "triangle, rectangle, trapezoid, tilted or not, receiver in their plane",
               "cosine 0", "answer");
   const ReferenceTable table("grazing_polygons");
   for (const auto& row : table.rows()) {
@@ -164,13 +159,8 @@ TEST(GrazingExtremes, LightsSeenFromTheirPlaneAreDark) {
   sweep.expect_answers(NoLight::kBehind);
 }
 
-<<<<<<< HEAD
-TEST(GrazingExtremes, FromWithinThePlaneOfADiskThereIsNone) {
-  Sweep sweep(8, "disk, tilted or not, receiver in its plane", "cosine 0", "answer");
-=======
 TEST(GrazingExtremes, DisksSeenFromTheirPlaneAreDark) {
-  Sweep sweep(8, "disk seen from within its plane, tilted or not", "cosine 0", "answer");
->>>>>>> tests-words
+  Sweep sweep(8, "disk, tilted or not, receiver in its plane", "cosine 0", "answer");
   DiskParams plain, tilted;
   plain.world_from_object = Transform::translate({3, 0, 0});
   tilted.world_from_object =
@@ -185,15 +175,9 @@ TEST(GrazingExtremes, DisksSeenFromTheirPlaneAreDark) {
   sweep.expect_answers(NoLight::kBehind);
 }
 
-<<<<<<< HEAD
-TEST(GrazingExtremes, FromWithinATangentPlaneThereIsNone) {
+TEST(GrazingExtremes, PointsSeenFromTheirTangentPlaneAreDark) {
   Sweep sweep(8, "sphere or cylinder sampled by area, receiver in the tangent plane of the point",
               "cosine 0", "answer");
-=======
-TEST(GrazingExtremes, PointsSeenFromTheirTangentPlaneAreDark) {
-  Sweep sweep(8, "point of a sphere or cylinder by area, from within its tangent plane", "cosine 0",
-              "answer");
->>>>>>> tests-words
   SphereParams ball;
   ball.radius_m = 3;
   ball.world_from_object = Transform::translate({1, 2, 3});

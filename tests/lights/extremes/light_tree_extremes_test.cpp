@@ -128,22 +128,14 @@ class EdgeSearch {
   Vec3<double> wi_;
 };
 
-<<<<<<< HEAD
-TEST(LightTreeExtremes, ReceiversAtTheVeryEdge) {
+TEST(LightTreeExtremes, ReceiversAtTheExactEdge) {
   Sweep sweep(
       13,
       "light tree of all local lights; receivers at edges of cones, in planes of lights, at "
       "grazing angles",
       "sizes 1e-30 ... 1e30 m, 0 ... 1e6 sizes from the origin, edges exact to the last bit",
       "receivers lit by a light that is never chosen");
-  std::int64_t missed = 0, asked = 0, dark = 0, textbook = 0;
-=======
-TEST(LightTreeExtremes, ReceiversAtTheExactEdge) {
-  Sweep sweep(13, "light tree of all local lights, receivers at edges of cones, in planes, grazed",
-              "sizes 1e-30 ... 1e30 m, 0 ... 1e6 sizes from zero, edges to the last bit",
-              "receivers where light arrives from a light that is never chosen");
   std::int64_t missed = 0, checked = 0, dark = 0, textbook = 0;
->>>>>>> tests-words
   RandomU random(13);
   for (const double size : {1e-30, 1e-6, 1., 1e30})
     for (const double spread : {3., 1e6}) {
@@ -179,11 +171,7 @@ TEST(LightTreeExtremes, ScenesOfAnyScale) {
   Sweep sweep(14, "scenes of local lights, scaled with their receivers",
               "by 2^-20 ... 2^20 and to 1e-30 and 1e30 m, powers by 2^-99 ... 2^99",
               "choices and probabilities with a changed bit");
-<<<<<<< HEAD
-  std::int64_t changed = 0, asked = 0, changed_in_textbook = 0;
-=======
   std::int64_t changed = 0, checked = 0, changed_in_textbook = 0;
->>>>>>> tests-words
   RandomU random(14);
   for (int scene = 0; scene < 4; ++scene) {
     std::vector<LightTree::Item> items;
@@ -225,19 +213,11 @@ TEST(LightTreeExtremes, ScenesOfAnyScale) {
 }
 
 TEST(LightTreeExtremes, AMillionLightsInALine) {
-<<<<<<< HEAD
   Sweep sweep(15, "a million lights in a line, at distances that grow by a constant factor",
               "distances 2^-100 ... 1, 1e-30 ... 1e30 m; powers equal, or proportional to the "
               "squared distance",
               "choices that are invalid or have a wrong probability");
-  std::int64_t wrong = 0, asked = 0;
-=======
-  Sweep sweep(
-      15, "a million lights in a line, each farther away than the last by the same factor",
-      "distances 2^-100 ... 1, 1e-30 ... 1e30 m; powers equal or proportional to squared distance",
-      "choices that are invalid or reported with a wrong probability");
   std::int64_t wrong = 0, checked = 0;
->>>>>>> tests-words
   RandomU random(15);
   // The powers fall with the distance.  So each split leaves most of the extent to one side, and
   // the tree is at least 130 nodes deep.
@@ -285,16 +265,10 @@ TEST(LightTreeExtremes, EveryOneOfManyLightsIsReached) {
   // share of all the others.  It stands at either end, so that the 4096 have the smallest values of
   // u, or the largest.
   constexpr std::uint32_t kLamps = 4096;
-<<<<<<< HEAD
   Sweep sweep(
       16, "4096 lights, each with the probability of one of many lights, chosen by a u of 48 bits",
       "one of 2^24 ... 2^32 lights", "lights that no u selects");
-  std::int64_t unreached = 0, asked = 0, unreached_by_float = 0;
-=======
-  Sweep sweep(16, "4096 lights, each as probable as one of many, chosen by a u of 48 bits",
-              "of 2^24 ... 2^32 lights", "lights that no u chooses");
   std::int64_t unreached = 0, checked = 0, unreached_by_float = 0;
->>>>>>> tests-words
   RandomU random(16);
   for (const int bits : {24, 26, 28, 30, 32})
     for (const bool is_bright_first : {false, true}) {

@@ -99,15 +99,9 @@ TEST(OnLightExtremes, Trapezoids) {
 }
 
 TEST(OnLightExtremes, BentPatchesFromTheirOwnCorner) {
-<<<<<<< HEAD
-  // The directions to (u, v, u v) from its corner 0 end where u or v is 1: the integral of the sine
-  // of the elevation there over the azimuth is pi / 6.
-  Sweep sweep(7, "receiver at a corner of a bent patch, where all of it is visible",
-=======
   // The directions to (u, v, u v) from its corner 0 end where u or v is 1.  There the integral of
   // the sine of the elevation over the azimuth is pi / 6.
-  Sweep sweep(7, "receiver at a corner of a bent patch, which sees all of it",
->>>>>>> tests-words
+  Sweep sweep(7, "receiver at a corner of a bent patch, where all of it is visible",
               "sizes 2^-80 ... 2^60 m, offsets 0 ... 3 sizes", "mean of 1 / density");
   for (const Place& f : frames()) {
     // At 1e6 sizes from zero, the doubles next to the corner are farther apart than the patch is
@@ -131,15 +125,9 @@ TEST(OnLightExtremes, BentPatchesFromTheirOwnCorner) {
   sweep.expect_within(1e-9);
 }
 
-<<<<<<< HEAD
-TEST(OnLightExtremes, CornersOfAnyDigits) {
+TEST(OnLightExtremes, CornersWithRandomDigits) {
   Sweep sweep(7, "receiver at a corner of a triangle or a rectangle with random coordinates",
               kSwept, "answer");
-=======
-TEST(OnLightExtremes, CornersWithRandomDigits) {
-  Sweep sweep(7, "receiver at a corner of a triangle or a rectangle of random digits", kSwept,
-              "answer");
->>>>>>> tests-words
   std::mt19937 random(7);
   std::uniform_real_distribution<double> digits(-1, 1);
   const auto any = [&] { return Vec3<double>{digits(random), digits(random), digits(random)}; };

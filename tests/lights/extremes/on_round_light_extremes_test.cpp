@@ -89,17 +89,10 @@ TEST(OnLightExtremes, SpheresAndCylindersFromOutside) {
 }
 
 TEST(OnLightExtremes, SpheresFromWithin) {
-<<<<<<< HEAD
-  Sweep sweep(7, "receiver on a sphere that shines inwards", kSwept,
-              "density of sampled points against cos / pi");
-  // A sampled point is where doubles so far from zero lie, off the sphere by a rounding of its
-  // coordinates; a radius is four sizes.
-=======
-  Sweep sweep(7, "receiver on a sphere that emits inwards", kSwept,
-              "density of points across, cos / pi");
   // A sampled point is rounded to the doubles at this distance from zero.  So it is off the sphere
   // by a rounding of its coordinates.  A radius is four sizes.
->>>>>>> tests-words
+  Sweep sweep(7, "receiver on a sphere that shines inwards", kSwept,
+              "density of sampled points against cos / pi");
   const auto bound = [](double offset_sizes) { return 1e-14 + 2 * 0x1p-53 * offset_sizes / 4; };
   double farthest = 0;
   for (const Place& f : frames()) farthest = std::fmax(farthest, max_abs(f.offset) / f.size);

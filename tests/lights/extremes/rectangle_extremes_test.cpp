@@ -38,11 +38,7 @@ constexpr AreaSampling kWays[] = {AreaSampling::kSolidAngle, AreaSampling::kCosi
                                   AreaSampling::kAutomatic, AreaSampling::kLowDistortion};
 
 TEST(RectangleExtremes, SolidAngleOfSmallRectangles) {
-<<<<<<< HEAD
   Sweep sweep(6, "rectangle of small solid angle, sides 1 : 1 and 1 : 1024", "1e-38 ... 1e-2 sr",
-=======
-  Sweep sweep(6, "rectangle of small solid angle, square and 1 : 1024", "1e-38 ... 1e-2 sr",
->>>>>>> tests-words
               "mean of 1 / density");
   const ReferenceTable table("small_rectangles");
   for (const auto& row : table.rows()) {
@@ -57,11 +53,7 @@ TEST(RectangleExtremes, SolidAngleOfSmallRectangles) {
 }
 
 TEST(RectangleExtremes, IrradianceOfSmallRectangles) {
-<<<<<<< HEAD
   Sweep sweep(6, "rectangle of small solid angle, sides 1 : 1 and 1 : 1024", "1e-38 ... 1e-2 sr",
-=======
-  Sweep sweep(6, "rectangle of small solid angle, square and 1 : 1024", "1e-38 ... 1e-2 sr",
->>>>>>> tests-words
               "irradiance");
   const ReferenceTable table("small_rectangles");
   for (const auto& row : table.rows()) {
@@ -76,11 +68,7 @@ TEST(RectangleExtremes, IrradianceOfSmallRectangles) {
 }
 
 TEST(RectangleExtremes, SmallQuadrilaterals) {
-<<<<<<< HEAD
   Sweep sweep(6, "flat bilinear patch of small solid angle that is not a rectangle",
-=======
-  Sweep sweep(6, "flat bilinear patch that is not a rectangle, of small solid angle",
->>>>>>> tests-words
               "1e-36 ... 1e-1 sr", "irradiance");
   const ReferenceTable table("small_quadrilaterals");
   for (const auto& row : table.rows()) {
@@ -121,11 +109,7 @@ std::vector<double> expected_counts(const Light& light, const Receiver<Served>& 
 }
 
 TEST(RectangleExtremes, SamplesOfEdgeOnRectanglesFollowTheirDensity) {
-<<<<<<< HEAD
   Sweep sweep(5, "rectangle of small solid angle, receiver nearly in its plane",
-=======
-  Sweep sweep(5, "rectangle of small solid angle, the eye nearly in its plane",
->>>>>>> tests-words
               "1e-8 ... 3e-3 sr, on both sides of the threshold",
               "chi-square test of 40000 samples against the reported density");
   const ReferenceTable table("edge_on_rectangles");
@@ -157,11 +141,7 @@ TEST(RectangleExtremes, SamplesOfEdgeOnRectanglesFollowTheirDensity) {
 }
 
 TEST(RectangleExtremes, SolidAngleAndIrradianceOfEdgeOnRectangles) {
-<<<<<<< HEAD
   Sweep sweep(5, "rectangle of small solid angle, receiver nearly in its plane",
-=======
-  Sweep sweep(5, "rectangle of small solid angle, the eye nearly in its plane",
->>>>>>> tests-words
               "1e-8 ... 3e-3 sr, on both sides of the threshold", "solid angle and irradiance");
   const ReferenceTable table("edge_on_rectangles");
   for (const auto& row : table.rows()) {

@@ -102,13 +102,8 @@ TEST(DiskExtremes, DisksAsWideAsTheHemisphere) {
 }
 
 TEST(DiskExtremes, TiltedGrazingDisks) {
-<<<<<<< HEAD
   Sweep sweep(8, "disk in a tilted plane, receiver nearly in this plane", "cosine 1e-3 ... 1e-20",
               "irradiance");
-=======
-  Sweep sweep(8, "disk in a plane that contains no axis, seen from nearly within it",
-              "cosine 1e-3 ... 1e-20", "irradiance");
->>>>>>> tests-words
   DiskParams params;
   params.world_from_object =
       *Transform::from_matrix({{{1, 2, 2, -3}, {2, 1, -2, -6}, {2, -2, 1, -6}}});

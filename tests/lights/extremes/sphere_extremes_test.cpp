@@ -204,15 +204,9 @@ Seen seen_along_x(const SphereLight<Served>& light, const Receiver<Served>& rece
 }
 
 TEST(SphereExtremes, IrradianceInside) {
-<<<<<<< HEAD
-  // Whatever points are chosen by, and however deep it is, a receiver sees radiance 1 all over the
-  // half of directions that it looks to.
+  // For every sampling method and depth, the receiver sees radiance 1 in its whole hemisphere.
   Sweep sweep(2,
               "receiver inside a sphere light, radius 1e-6 ... 1e6 m, at the origin or elsewhere",
-=======
-  // For every sampling method and depth, the receiver sees radiance 1 in its whole hemisphere.
-  Sweep sweep(2, "receiver inside of a sphere light, radius 1e-6 ... 1e6 m, about 0 or not",
->>>>>>> tests-words
               "depth / radius 1 ... 1e-15", "irradiance");
   for (const Inside& place : places_inside())
     for (const bool two_sided : {true, false}) {

@@ -149,13 +149,8 @@ TEST(SpotExtremes, NarrowEdges) {
   sweep.expect_within(bound(narrowest));
 }
 
-<<<<<<< HEAD
-TEST(SpotExtremes, PowerWithTheNarrowestEdgesAndWithoutAny) {
-  Sweep sweep(11, "spot, difference of inner and outer angle", "0, 1 ulp ... 1e-10 of the angle",
-=======
 TEST(SpotExtremes, PowerWithTheNarrowestEdgesAndHardEdges) {
-  Sweep sweep(11, "spot, inner and outer angle differ by", "0, 1 ulp ... 1e-10 of the angle",
->>>>>>> tests-words
+  Sweep sweep(11, "spot, difference of inner and outer angle", "0, 1 ulp ... 1e-10 of the angle",
               "power");
   const ReferenceTable table("spot_narrowest_edges");
   for (const auto& row : table.rows()) {
@@ -197,14 +192,9 @@ TEST(SpotExtremes, HardEdges) {
 /// Directions around the back of the light.  They are dark up to the edge.  A soft edge that ends
 /// in a point is no darker there than its share.
 TEST(SpotExtremes, WidestCones) {
-<<<<<<< HEAD
   Sweep sweep(12, "spot with a half-angle just below 180 degrees, receiver nearly behind it",
               "0, 1e-12 ... 0.01 rad below 180 degrees, edges of 0 ... 180 degrees; receiver 1e-15 "
               "... 0.1 rad off",
-=======
-  Sweep sweep(12, "spot, half-angle below 180 degrees by; receiver off its back by",
-              "0, 1e-12 ... 0.01 rad, edges of 0 ... 180 degrees; 1e-15 ... 0.1 rad",
->>>>>>> tests-words
               "illuminance");
   const ReferenceTable table("spot_backs");
   for (const auto& row : table.rows()) {

@@ -19,11 +19,7 @@ std::string place_of(const Row& row) {
   return row.text("mapping") + ", " + row.text("bright") + " in " + row.text("background");
 }
 
-<<<<<<< HEAD
-/// The probability of a texel by running sums in float, row by row and in the row.
-=======
 /// The probability of a texel by running sums in float, over rows and within a row.
->>>>>>> tests-words
 float textbook_chance(const Row& row) {
   const auto of = [](const std::array<float, 8>& weights, int k) {
     std::array<float, 9> sums{};
@@ -42,13 +38,8 @@ float textbook_chance(const Row& row) {
   return of(rows, at) * of(line, column);
 }
 
-<<<<<<< HEAD
-TEST(TexelExtremes, ChancesOfTexels) {
-  Sweep sweep(21, "environment map with one different texel", kPictures, "probability of a texel");
-=======
 TEST(TexelExtremes, ProbabilitiesOfTexels) {
-  Sweep sweep(21, "environment map, one texel", kPictures, "probability of a texel");
->>>>>>> tests-words
+  Sweep sweep(21, "environment map with one different texel", kPictures, "probability of a texel");
   const ReferenceTable table("bright_texels");
   for (const auto& row : table.rows()) {
     const auto light = sky(spotted_image(row), mapping_of(row), ImageFilter::kNearest);
@@ -67,12 +58,8 @@ TEST(TexelExtremes, ProbabilitiesOfTexels) {
 }
 
 TEST(TexelExtremes, SampleValuesLeadToTheirTexels) {
-<<<<<<< HEAD
   Sweep sweep(21, "environment map with one different texel", kPictures,
               "texel that sample values select");
-=======
-  Sweep sweep(21, "environment map, one texel", kPictures, "texel of the sample values");
->>>>>>> tests-words
   const ReferenceTable table("bright_texels");
   for (const auto& row : table.rows()) {
     const auto light = sky(spotted_image(row), mapping_of(row), ImageFilter::kNearest);
@@ -96,15 +83,9 @@ TEST(TexelExtremes, EverySampleEstimatesTheIntegral) {
   sweep.expect_within(1e-14);
 }
 
-<<<<<<< HEAD
-TEST(TexelExtremes, EveryBilinearSampleToo) {
+TEST(TexelExtremes, EveryBilinearSampleEstimatesTheIntegral) {
   Sweep sweep(21, "equal-area environment map, bilinear, with one different texel", kPictures,
               "integral of radiance, estimated by each sample");
-=======
-TEST(TexelExtremes, EveryBilinearSampleEstimatesTheIntegral) {
-  Sweep sweep(21, "equal-area environment map, bilinear, one texel", kPictures,
-              "integral of radiance by each sample");
->>>>>>> tests-words
   const ReferenceTable table("bright_texels");
   RandomU random(21);
   for (const auto& row : table.rows()) {

@@ -31,11 +31,7 @@ std::string place(const ReferenceTable::Row& row) {
 }
 
 TEST(TriangleExtremes, SolidAngleOfSmallTriangles) {
-<<<<<<< HEAD
   Sweep sweep(4, "triangle of small solid angle: frontal, oblique, and with sides 1 : 1000",
-=======
-  Sweep sweep(4, "triangle of small solid angle, facing, oblique and 1 : 1000",
->>>>>>> tests-words
               "1e-40 ... 1e-3 sr, by solid angle, cosine, area, automatic", "mean of 1 / density");
   const ReferenceTable table("small_triangles");
   for (const auto& row : table.rows()) {
@@ -55,11 +51,7 @@ TEST(TriangleExtremes, SolidAngleOfSmallTriangles) {
 }
 
 TEST(TriangleExtremes, IrradianceOfSmallTriangles) {
-<<<<<<< HEAD
   Sweep sweep(4, "triangle of small solid angle: frontal, oblique, and with sides 1 : 1000",
-=======
-  Sweep sweep(4, "triangle of small solid angle, facing, oblique and 1 : 1000",
->>>>>>> tests-words
               "1e-40 ... 1e-3 sr, by solid angle, cosine, area, automatic", "irradiance");
   const ReferenceTable table("small_triangles");
   for (const auto& row : table.rows()) {
@@ -81,13 +73,8 @@ TEST(TriangleExtremes, IrradianceOfSmallTriangles) {
 }
 
 TEST(TriangleExtremes, SamplesOfSmallTrianglesHaveTheDensityOfTheirPoints) {
-<<<<<<< HEAD
   Sweep sweep(4, "triangle of small solid angle", "1e-40 ... 1e-3 sr, all ways to sample it",
               "density of a sample against the density of its point");
-=======
-  Sweep sweep(4, "triangle of small solid angle", "1e-40 ... 1e-3 sr, all ways and automatic",
-              "density of a sample against that of its point");
->>>>>>> tests-words
   const ReferenceTable table("small_triangles");
   for (const auto& row : table.rows()) {
     const auto light = light_in(row);

@@ -83,11 +83,7 @@ Answer sample_at(const Scene& scene, const Vec3<double>& p, AreaSampling way) {
 }
 
 TEST(RoomLampExtremes, FluxOfNeedles) {
-<<<<<<< HEAD
   Sweep sweep(34, "oblique needle in a room, length : width", "1e3 ... 1e9", "flux");
-=======
-  Sweep sweep(34, "tilted needle in a room, length : width", "1e3 ... 1e9", "flux");
->>>>>>> tests-words
   for (const Vec3<double>& moved : {Vec3<double>{}, {0.1, 0.2, 0.3}, {-1.7, 1.3, 2.1}}) {
     for (int exponent = 3; exponent <= 9; ++exponent) {
       const double width = std::pow(10.0, -exponent);
