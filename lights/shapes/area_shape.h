@@ -2,10 +2,12 @@
 #pragma once
 
 #include <absl/status/status.h>
+#include <absl/status/statusor.h>
 
 #include <concepts>
 #include <cstddef>
 #include <optional>
+#include <string_view>
 #include <utility>
 
 #include "lights/maths/normal_cone.h"
@@ -17,9 +19,14 @@
 
 /// `X(Shape)` for each shape of this library.  Area lights, shapes with pictures and their names in
 /// the closed set of lights follow from this list.
-#define LUCERNA_AREA_SHAPES(X) X(TriangleMesh) X(PatchMesh) X(Sphere) X(Disk) X(Cylinder)
+#define LUCERNA_AREA_SHAPES(X) X(TriangleMesh) X(PatchMesh) LUCERNA_QUADRICS(X)
 /// Those that can be flat: panels follow from this list.
-#define LUCERNA_FLAT_SHAPES(X) X(TriangleMesh) X(PatchMesh) X(Disk)
+#define LUCERNA_FLAT_SHAPES(X) X(TriangleMesh) X(PatchMesh) LUCERNA_FLAT_QUADRICS(X)
+/// Those that are one surface with parameters: descriptions, rays, shafts and counts follow from
+/// this list.  Its flat and its curved members are listed again.
+#define LUCERNA_QUADRICS(X) X(Sphere) X(Disk) X(Cylinder)
+#define LUCERNA_FLAT_QUADRICS(X) X(Disk)
+#define LUCERNA_CURVED_QUADRICS(X) X(Sphere) X(Cylinder)
 
 namespace lucerna {
 
@@ -65,5 +72,36 @@ concept AreaShape = requires(const Shape& shape, const Receiver<Real>& receiver,
   { shape.bytes() } -> std::same_as<std::size_t>;
   requires Shape::kHasProjectedSolidAngle == HasProjectedSolidAngle<Shape, Real>;
 };
+
+/// The further members of a shape that is one surface with parameters:
+/// - `Params`, `create(params, origin)`: its parameters, and the surface or the field that is out
+///   of its domain.
+/// - `kName`: its name in messages.
+/// - `intersect(origin, direction, t_min, t_max)`: the first point along a ray.
+/// - `enclosure()`: a convex body that contains it.
+template <typename Shape>
+concept QuadricShape = AreaShape<Shape, double> &&
+    requires(const Shape& shape, const typename Shape::Params& params, const Vec3<double>& v) {
+  { Shape::create(params, v) } -> std::same_as<absl::StatusOr<Shape>>;
+  { Shape::kName } -> std::convertible_to<std::string_view>;
+  { shape.intersect(v, v, 0.0, 1.0) } -> std::same_as<std::optional<ShapeHit<double>>>;
+  { shape.enclosure() } -> std::same_as<RoundEnclosure>;
+};
+#define LUCERNA_QUADRIC(Shape) static_assert(QuadricShape<Shape<double>>);
+LUCERNA_QUADRICS(LUCERNA_QUADRIC)
+#undef LUCERNA_QUADRIC
+
+template <typename Params>
+struct QuadricOfParams;
+#define LUCERNA_QUADRIC(Shape)            \
+  template <>                             \
+  struct QuadricOfParams<Shape##Params> { \
+    using type = Shape<double>;           \
+  };
+LUCERNA_QUADRICS(LUCERNA_QUADRIC)
+#undef LUCERNA_QUADRIC
+/// The shape in double that is made from `Params`.
+template <typename Params>
+using QuadricOf = typename QuadricOfParams<Params>::type;
 
 }  // namespace lucerna

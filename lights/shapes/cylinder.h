@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <string_view>
 #include <utility>
 
 #include "lights/maths/normal_cone.h"
@@ -34,6 +35,7 @@ template <typename Real>
 class Cylinder : public Quadric<Cylinder<Real>, Real, CylinderParams> {
  public:
   static constexpr bool kHasProjectedSolidAngle = false;
+  static constexpr std::string_view kName = "cylinder";
 
   /// Errors: a field out of its domain; bounds that `Real` cannot hold.
   static absl::StatusOr<Cylinder> create(const CylinderParams& params,
@@ -66,6 +68,14 @@ class Cylinder : public Quadric<Cylinder<Real>, Real, CylinderParams> {
   /// None: the cylinder is not flat.
   std::optional<double> height_over(const SurfacePoint<Real>&, const Vec3<Real>&) const {
     return std::nullopt;
+  }
+
+  /// The whole cylinder, with its ends.
+  RoundEnclosure enclosure() const {
+    const Transform& t = this->world_from_object();
+    const auto& p = this->params();
+    return {t.point({0, 0, (p.z_min_m + p.z_max_m) / 2}), t.vector({p.radius_m, 0, 0}),
+            t.vector({0, p.radius_m, 0}), t.vector({0, 0, (p.z_max_m - p.z_min_m) / 2}), true};
   }
 
  private:

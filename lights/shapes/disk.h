@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <string_view>
 #include <utility>
 
 #include "lights/maths/normal_cone.h"
@@ -34,6 +35,7 @@ template <typename Real>
 class Disk : public Quadric<Disk<Real>, Real, DiskParams> {
  public:
   static constexpr bool kHasProjectedSolidAngle = true;
+  static constexpr std::string_view kName = "disk";
 
   /// Errors: a field out of its domain; bounds that `Real` cannot hold.
   static absl::StatusOr<Disk> create(const DiskParams& params, const Vec3<double>& origin_m = {});
@@ -74,6 +76,17 @@ class Disk : public Quadric<Disk<Real>, Real, DiskParams> {
 
   /// World bounds about the origin, {lower, upper}. A sector has the bounds of the whole disk.
   std::pair<Vec3<Real>, Vec3<Real>> bounds() const;
+
+  /// The whole ellipse, as a prism of height 0.
+  RoundEnclosure enclosure() const {
+    const Transform& t = this->world_from_object();
+    const double r = this->params().radius_m;
+    return {t.point({0, 0, this->params().height_m}),
+            t.vector({r, 0, 0}),
+            t.vector({0, r, 0}),
+            {},
+            true};
+  }
 
  private:
   Disk(const DiskParams& params, const Vec3<double>& origin_m);

@@ -50,6 +50,13 @@ struct QuadricRoot {
 };
 using QuadricRoots = std::array<QuadricRoot, 2>;
 
+/// A convex body around a shape: the centre and half-axes of an ellipsoid or an ellipse in world
+/// space about the origin [m].  For a prism the last axis is that of the prism.
+struct RoundEnclosure {
+  Vec3<double> center, x, y, z;
+  bool is_prism;
+};
+
 /// `Shape` derives from this class and has the private members
 /// - `roots(origin, direction, t_min, t_max, out)`: where a ray of the world meets the surface with
 ///   t in (t_min, t_max), by rising t.  Returns how many roots it has set.
@@ -60,6 +67,8 @@ using QuadricRoots = std::array<QuadricRoot, 2>;
 template <typename Shape, typename Real, typename ShapeParams>
 class Quadric {
  public:
+  using Params = ShapeParams;
+
   /// [m2]; 0 where the map is not one that `emissive_error` allows.
   double area() const { return area_m2_; }
   /// The area is exact.

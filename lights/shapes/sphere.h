@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <string_view>
 #include <utility>
 
 #include "lights/maths/normal_cone.h"
@@ -33,6 +34,7 @@ template <typename Real>
 class Sphere : public Quadric<Sphere<Real>, Real, SphereParams> {
  public:
   static constexpr bool kHasProjectedSolidAngle = true;
+  static constexpr std::string_view kName = "sphere";
 
   /// Errors: a field out of its domain; nothing left of the sphere; bounds that `Real` cannot hold.
   static absl::StatusOr<Sphere> create(const SphereParams& params,
@@ -76,6 +78,14 @@ class Sphere : public Quadric<Sphere<Real>, Real, SphereParams> {
   /// None: the sphere is not flat.
   std::optional<double> height_over(const SurfacePoint<Real>&, const Vec3<Real>&) const {
     return std::nullopt;
+  }
+
+  /// The ellipsoid that it is a part of.
+  RoundEnclosure enclosure() const {
+    const Transform& t = this->world_from_object();
+    const double r = this->params().radius_m;
+    return {t.point({0, 0, 0}), t.vector({r, 0, 0}), t.vector({0, r, 0}), t.vector({0, 0, r}),
+            false};
   }
 
  private:

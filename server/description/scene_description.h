@@ -59,7 +59,9 @@ struct PatchMeshData {
 };
 
 struct ShapeDescription {
-  std::variant<TriangleMeshData, PatchMeshData, SphereParams, DiskParams, CylinderParams> geometry;
+#define LUCERNA_PARAMS(Shape) , Shape##Params
+  std::variant<TriangleMeshData, PatchMeshData LUCERNA_QUADRICS(LUCERNA_PARAMS)> geometry;
+#undef LUCERNA_PARAMS
   std::uint32_t material = 0;  ///< index into SceneDescription::materials
   /// Set if the shape is an area light.  The level is final: `scale` and `power` are applied.
   struct Emission {

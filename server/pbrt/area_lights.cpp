@@ -53,10 +53,17 @@ Vec3<double> tangent_of(const Geometry& geometry, const Place& shape_place) {
     });
   if (const auto* disk = std::get_if<DiskParams>(&geometry))
     return disk->world_from_object.vector({1, 0, 0});
-  fail(shape_place,
-       fmt::format("a light with \"profile\" on a {}, allowed: flat shapes (bilinearmesh, "
-                   "trianglemesh, plymesh, disk)",
-                   std::holds_alternative<SphereParams>(geometry) ? "sphere" : "cylinder"));
+  const std::string_view name = std::visit(
+      []<typename Params>(const Params&) -> std::string_view {
+        if constexpr (requires { QuadricOf<Params>::kName; })
+          return QuadricOf<Params>::kName;
+        else
+          return "mesh";
+      },
+      geometry);
+  fail(shape_place, fmt::format("a light with \"profile\" on a {}, allowed: flat shapes "
+                                "(bilinearmesh, trianglemesh, plymesh, disk)",
+                                name));
 }
 
 /// The error if the shape cannot have the profile.
@@ -160,24 +167,12 @@ double area_of(const Place& place, const PatchMeshData& mesh) {
   return finite_area(place, area);
 }
 
-double area_of(const Place& place, const SphereParams& params) {
-  const auto sphere = Sphere<double>::create(params);
-  if (!sphere.ok()) fail(place, sphere.status());
-  if (const auto status = sphere->emissive_error(); !status.ok()) fail(place, status);
-  return sphere->area();
-}
-
-double area_of(const Place& place, const DiskParams& params) {
-  const auto disk = Disk<double>::create(params);
-  if (!disk.ok()) fail(place, disk.status());
-  return disk->area();
-}
-
-double area_of(const Place& place, const CylinderParams& params) {
-  const auto cylinder = Cylinder<double>::create(params);
-  if (!cylinder.ok()) fail(place, cylinder.status());
-  if (const auto status = cylinder->emissive_error(); !status.ok()) fail(place, status);
-  return cylinder->area();
+template <typename Params>
+double area_of(const Place& place, const Params& params) {
+  const auto shape = QuadricOf<Params>::create(params);
+  if (!shape.ok()) fail(place, shape.status());
+  if (const auto status = shape->emissive_error(); !status.ok()) fail(place, status);
+  return shape->area();
 }
 
 std::size_t primitives_of(const Geometry& geometry) {

@@ -21,16 +21,9 @@
 namespace lucerna {
 namespace {
 
-// Geometry numbers within an Embree scene.  In the top scene instances follow.
-enum GeometryId : unsigned {
-  kTriangles = 0,
-  kPatches,
-  kSpheres,
-  kDisks,
-  kCylinders,
-  kMoving,
-  kFirstInstance
-};
+// Geometry numbers within an Embree scene: the kinds of primitives by HitKind, then these.  In the
+// top scene instances follow.
+enum GeometryId : unsigned { kMoving = kHitKinds, kFirstInstance };
 
 std::optional<UnitRay> unit_ray(const Ray& ray, const RaySpace& space) {
   return lucerna::unit_ray(Vec3<double>(ray.origin), Vec3<double>(ray.direction), ray.t_min,
@@ -50,13 +43,12 @@ RTCRay embree_ray(const UnitRay& r) {
 Bounds box_of(const GeometrySet& set) {
   Bounds box;
   for (const std::uint32_t v : set.triangles) box.add(Vec3<double>(set.vertices[v]));
-  const auto add = [&](const auto& shapes) {
-    for (const auto& shape : shapes) {
-      const auto [lower, upper] = shape.bounds();
+  set.for_each_kind_of_surface([&](const auto& surfaces) {
+    for (const auto& surface : surfaces) {
+      const auto [lower, upper] = surface.bounds();
       box.add(lower), box.add(upper);
     }
-  };
-  add(set.patches), add(set.spheres), add(set.disks), add(set.cylinders);
+  });
   return box;
 }
 
@@ -94,7 +86,7 @@ struct Accelerator::State {
   std::string message;
 
   // The targets of callbacks' pointers: of the scene, then of each object.
-  std::vector<std::array<AnalyticShapes, 4>> analytic;
+  std::vector<std::array<AnalyticShapes, kHitKinds>> analytic;
   std::vector<MovingInstance> moving;
   DeviceHandle device;
   std::vector<SceneHandle> object_scenes;
@@ -105,7 +97,7 @@ struct Accelerator::State {
 
   absl::Status open(const std::string& wanted_isa);
   absl::Status measure();
-  SceneHandle commit(GeometrySet& set, std::array<AnalyticShapes, 4>& analytic,
+  SceneHandle commit(GeometrySet& set, std::array<AnalyticShapes, kHitKinds>& analytic,
                      bool with_instances);
   RTCGeometry resting(const GeometryInstance& instance) const;
   absl::Status status() const;
@@ -217,7 +209,8 @@ RTCGeometry Accelerator::State::resting(const GeometryInstance& instance) const 
   return g;
 }
 
-SceneHandle Accelerator::State::commit(GeometrySet& set, std::array<AnalyticShapes, 4>& shapes,
+SceneHandle Accelerator::State::commit(GeometrySet& set,
+                                       std::array<AnalyticShapes, kHitKinds>& shapes,
                                        bool with_instances) {
   SceneHandle handle(rtcNewScene(device.get()));
   RTCScene s = handle.get();
@@ -236,16 +229,13 @@ SceneHandle Accelerator::State::commit(GeometrySet& set, std::array<AnalyticShap
                                0, sizeof(Vec3<float>), set.vertices.size());
     rtcSetSharedGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, set.triangles.data(),
                                0, 3 * sizeof(std::uint32_t), set.triangles.size() / 3);
-    attach(g, kTriangles);
+    attach(g, static_cast<unsigned>(HitKind::kTriangle));
   }
-  shapes = {{{&set, HitKind::kPatch},
-             {&set, HitKind::kSphere},
-             {&set, HitKind::kDisk},
-             {&set, HitKind::kCylinder}}};
-  const std::array<std::size_t, 4> counts{set.patches.size(), set.spheres.size(), set.disks.size(),
-                                          set.cylinders.size()};
-  for (unsigned i = 0; i < 4; ++i) {
-    if (counts[i] > 0) attach(analytic_geometry(device.get(), &shapes[i], counts[i]), kPatches + i);
+  const auto counts = set.counts();
+  for (unsigned kind = 1; kind < kHitKinds; ++kind) {
+    if (counts[kind] == 0) continue;
+    shapes[kind] = {&set, static_cast<HitKind>(kind)};
+    attach(analytic_geometry(device.get(), &shapes[kind], counts[kind]), kind);
   }
   for (std::size_t i = 0; with_instances && i < instances.size(); ++i) {
     const GeometryInstance& instance = instances[i];

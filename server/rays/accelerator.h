@@ -3,24 +3,44 @@
 
 #include <absl/status/statusor.h>
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <numeric>
 #include <optional>
 #include <span>
 #include <stop_token>
 #include <string>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include "lights/maths/motion.h"
 #include "lights/maths/transform.h"
+#include "lights/shapes/area_shape.h"
 #include "lights/shapes/bilinear_patch.h"
-#include "lights/shapes/cylinder.h"
-#include "lights/shapes/disk.h"
-#include "lights/shapes/sphere.h"
 #include "server/rays/ray.h"
 
 namespace lucerna {
+
+namespace internal {
+template <typename None, typename... Shapes>
+struct QuadricLists {
+  using Vectors = std::tuple<std::vector<Shapes>...>;
+};
+#define LUCERNA_SHAPE(Shape) , Shape<double>
+using Lists = QuadricLists<void LUCERNA_QUADRICS(LUCERNA_SHAPE)>;
+#undef LUCERNA_SHAPE
+}  // namespace internal
+/// A vector for each kind of quadric.
+using Quadrics = internal::Lists::Vectors;
+
+/// Kinds of primitives: triangles, patches, then kSphere and the other quadrics.
+#define LUCERNA_KIND(Shape) , k##Shape
+enum class HitKind : std::uint8_t { kTriangle, kPatch LUCERNA_QUADRICS(LUCERNA_KIND) };
+#undef LUCERNA_KIND
+inline constexpr std::size_t kHitKinds = 2 + std::tuple_size_v<Quadrics>;
 
 /// Everything that rays can hit in one space (the scene's or an object's).  Each kind has its
 /// own numbers, in order.
@@ -28,20 +48,57 @@ struct GeometrySet {
   std::vector<Vec3<float>> vertices{};     ///< [m]; within an Accelerator in units of `unit_m`
   std::vector<std::uint32_t> triangles{};  ///< three vertex numbers for each triangle
   std::vector<BilinearPatch<double>> patches{};
-  std::vector<Sphere<double>> spheres{};
-  std::vector<Disk<double>> disks{};
-  std::vector<Cylinder<double>> cylinders{};
+  Quadrics quadrics{};
   /// The unit of the space in which Embree has it (ray_limits.h).  The Accelerator chooses
   /// it.
   double unit_m = 1;
 
-  bool empty() const {
-    return triangles.empty() && patches.empty() && spheres.empty() && disks.empty() &&
-           cylinders.empty();
+  /// The quadrics of one type, such as Sphere<double>.
+  template <typename Shape>
+  std::vector<Shape>& of() {
+    return std::get<std::vector<Shape>>(quadrics);
   }
+  template <typename Shape>
+  const std::vector<Shape>& of() const {
+    return std::get<std::vector<Shape>>(quadrics);
+  }
+  /// Calls `f(vector)` for the patches and then for each kind of quadric, in the order of HitKind.
+  template <typename F>
+  void for_each_kind_of_surface(F&& f) const {
+    f(patches);
+    std::apply([&](const auto&... of_kind) { (f(of_kind), ...); }, quadrics);
+  }
+  /// The result of `f(surface)` for a patch or a quadric.  `kind` is not kTriangle.
+  template <typename F>
+  auto visit_surface(HitKind kind, std::uint32_t primitive, F&& f) const {
+    switch (kind) {
+#define LUCERNA_CASE(Shape) \
+  case HitKind::k##Shape:   \
+    return f(of<Shape<double>>()[primitive]);
+      LUCERNA_QUADRICS(LUCERNA_CASE)
+#undef LUCERNA_CASE
+      default:
+        return f(patches[primitive]);
+    }
+  }
+
+  /// Number of primitives of each kind, by HitKind.
+  std::array<std::size_t, kHitKinds> counts() const {
+    std::array<std::size_t, kHitKinds> n{triangles.size() / 3};
+    std::size_t kind = 1;
+    for_each_kind_of_surface([&](const auto& surfaces) { n[kind++] = surfaces.size(); });
+    return n;
+  }
+  std::size_t primitives() const {
+    const auto n = counts();
+    return std::accumulate(n.begin(), n.end(), std::size_t{0});
+  }
+  bool empty() const { return primitives() == 0; }
   std::size_t bytes() const {
-    const auto of = [](const auto& v) { return v.capacity() * sizeof v[0]; };
-    return of(vertices) + of(triangles) + of(patches) + of(spheres) + of(disks) + of(cylinders);
+    const auto bytes_of = [](const auto& v) { return v.capacity() * sizeof v[0]; };
+    std::size_t sum = bytes_of(vertices) + bytes_of(triangles);
+    for_each_kind_of_surface([&](const auto& surfaces) { sum += bytes_of(surfaces); });
+    return sum;
   }
 };
 
@@ -51,8 +108,6 @@ struct GeometryInstance {
   Transform scene_from_object;
   std::shared_ptr<const Motion> motion{};  ///< to the scene's coordinates; null: the instance rests
 };
-
-enum class HitKind : std::uint8_t { kTriangle, kPatch, kSphere, kDisk, kCylinder };
 
 struct RawHit {
   float t{};

@@ -46,6 +46,15 @@ void append_normals(const std::vector<Vec3<float>>& normals, std::size_t base, s
     out.insert(out.end(), normals.begin(), normals.end());
 }
 
+/// The kind of a quadric's type.
+template <typename Shape>
+constexpr HitKind kind_of = HitKind::kTriangle;
+#define LUCERNA_KIND(Shape) \
+  template <>               \
+  constexpr HitKind kind_of<Shape<double>> = HitKind::k##Shape;
+LUCERNA_QUADRICS(LUCERNA_KIND)
+#undef LUCERNA_KIND
+
 class Appender {
  public:
   Appender(const Vec3<double>& origin, std::uint32_t surface, GeometrySet& set, SurfaceTable& table)
@@ -97,24 +106,12 @@ class Appender {
     return absl::OkStatus();
   }
 
-  absl::Status operator()(const SphereParams& params) {
-    LUCERNA_ASSIGN_OR_RETURN(Sphere<double> sphere, Sphere<double>::create(params, origin_));
-    begin_run(HitKind::kSphere, set_.spheres.size(), 0, 1);
-    set_.spheres.push_back(std::move(sphere));
-    return absl::OkStatus();
-  }
-
-  absl::Status operator()(const DiskParams& params) {
-    LUCERNA_ASSIGN_OR_RETURN(Disk<double> disk, Disk<double>::create(params, origin_));
-    begin_run(HitKind::kDisk, set_.disks.size(), 0, 1);
-    set_.disks.push_back(std::move(disk));
-    return absl::OkStatus();
-  }
-
-  absl::Status operator()(const CylinderParams& params) {
-    LUCERNA_ASSIGN_OR_RETURN(Cylinder<double> cylinder, Cylinder<double>::create(params, origin_));
-    begin_run(HitKind::kCylinder, set_.cylinders.size(), 0, 1);
-    set_.cylinders.push_back(std::move(cylinder));
+  template <typename Params>
+  absl::Status operator()(const Params& params) {
+    using Shape = QuadricOf<Params>;
+    LUCERNA_ASSIGN_OR_RETURN(Shape shape, Shape::create(params, origin_));
+    begin_run(kind_of<Shape>, set_.of<Shape>().size(), 0, 1);
+    set_.of<Shape>().push_back(std::move(shape));
     return absl::OkStatus();
   }
 
@@ -142,22 +139,24 @@ class Appender {
   SurfaceTable& table_;
 };
 
-/// Has one overload for each shape and no template for all.  A new shape does not compile
-/// without its own overload.
+/// Adds the bounds of a shape.
 class BoundsAdder {
  public:
   explicit BoundsAdder(Bounds& bounds) : bounds_(bounds) {}
 
   absl::Status operator()(const TriangleMeshData& mesh) { return add_vertices(mesh.positions); }
   absl::Status operator()(const PatchMeshData& mesh) { return add_vertices(mesh.positions); }
-  absl::Status operator()(const SphereParams& params) {
-    return add_analytic(Sphere<double>::create(params));
-  }
-  absl::Status operator()(const DiskParams& params) {
-    return add_analytic(Disk<double>::create(params));
-  }
-  absl::Status operator()(const CylinderParams& params) {
-    return add_analytic(Cylinder<double>::create(params));
+  template <typename Params>
+  absl::Status operator()(const Params& params) {
+    LUCERNA_ASSIGN_OR_RETURN(const auto shape, QuadricOf<Params>::create(params));
+    const auto box = shape.bounds();
+    const double reach = std::max(max_abs(box.first), max_abs(box.second));
+    if (!(reach <= Accelerator::kMaxCoordinate))
+      return absl::InvalidArgumentError(
+          fmt::format("shape reaching to {} m, allowed are coordinates up to 1e30", reach));
+    bounds_.add(box.first);
+    bounds_.add(box.second);
+    return absl::OkStatus();
   }
 
  private:
@@ -167,19 +166,6 @@ class BoundsAdder {
       if (!is_finite(p) || max_abs(p) > Accelerator::kMaxCoordinate) return not_finite(i, p);
       bounds_.add(p);
     }
-    return absl::OkStatus();
-  }
-
-  template <typename Shape>
-  absl::Status add_analytic(const absl::StatusOr<Shape>& created) {
-    LUCERNA_RETURN_IF_ERROR(created.status());
-    const auto box = created->bounds();
-    const double reach = std::max(max_abs(box.first), max_abs(box.second));
-    if (!(reach <= Accelerator::kMaxCoordinate))
-      return absl::InvalidArgumentError(
-          fmt::format("shape reaching to {} m, allowed are coordinates up to 1e30", reach));
-    bounds_.add(box.first);
-    bounds_.add(box.second);
     return absl::OkStatus();
   }
 

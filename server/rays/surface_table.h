@@ -29,7 +29,8 @@ struct PrimitiveRun {
 
 struct SurfaceTable {
   std::vector<Surface> surfaces;
-  std::array<std::vector<PrimitiveRun>, 5> runs;  ///< by HitKind, in ascending order of `first`
+  std::array<std::vector<PrimitiveRun>, kHitKinds>
+      runs;  ///< by HitKind, in ascending order of `first`
   /// Shading normals, one for each vertex, zero where flat.  Empty where no mesh has any.
   std::vector<Vec3<float>> vertex_normals;
   /// Shading normals at the corners of each patch.  Empty where no patch has any.

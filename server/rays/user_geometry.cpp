@@ -21,23 +21,13 @@ std::optional<AnalyticHit> intersect(const AnalyticShapes& shapes, unsigned prim
   const Vec3<double> o = Vec3<double>{ray.org_x, ray.org_y, ray.org_z} * unit_m;
   const Vec3<double> d = Vec3<double>{ray.dir_x, ray.dir_y, ray.dir_z} * unit_m;
   AnalyticHit found;
-  std::optional<ShapeHit<double>> hit;
-  switch (shapes.kind) {
-    case HitKind::kPatch:
-      hit = shapes.set->patches[primitive].intersect(o, d, ray.tnear, t_max, &found.uv);
-      break;
-    case HitKind::kSphere:
-      hit = shapes.set->spheres[primitive].intersect(o, d, ray.tnear, t_max);
-      break;
-    case HitKind::kDisk:
-      hit = shapes.set->disks[primitive].intersect(o, d, ray.tnear, t_max);
-      break;
-    case HitKind::kCylinder:
-      hit = shapes.set->cylinders[primitive].intersect(o, d, ray.tnear, t_max);
-      break;
-    case HitKind::kTriangle:
-      break;
-  }
+  const auto hit = shapes.set->visit_surface(
+      shapes.kind, primitive, [&](const auto& surface) -> std::optional<ShapeHit<double>> {
+        if constexpr (QuadricShape<std::decay_t<decltype(surface)>>)
+          return surface.intersect(o, d, ray.tnear, t_max);
+        else
+          return surface.intersect(o, d, ray.tnear, t_max, &found.uv);
+      });
   if (!hit || !(hit->t > ray.tnear && hit->t < t_max)) return std::nullopt;
   found.hit = *hit;
   return found;
@@ -59,23 +49,8 @@ RTCBounds rounded(const std::pair<Vec3<double>, Vec3<double>>& box, double unit_
 
 void analytic_bounds(const RTCBoundsFunctionArguments* args) {
   const auto& shapes = *static_cast<const AnalyticShapes*>(args->geometryUserPtr);
-  std::pair<Vec3<double>, Vec3<double>> box;
-  switch (shapes.kind) {
-    case HitKind::kPatch:
-      box = shapes.set->patches[args->primID].bounds();
-      break;
-    case HitKind::kSphere:
-      box = shapes.set->spheres[args->primID].bounds();
-      break;
-    case HitKind::kDisk:
-      box = shapes.set->disks[args->primID].bounds();
-      break;
-    case HitKind::kCylinder:
-      box = shapes.set->cylinders[args->primID].bounds();
-      break;
-    case HitKind::kTriangle:
-      break;
-  }
+  const std::pair<Vec3<double>, Vec3<double>> box = shapes.set->visit_surface(
+      shapes.kind, args->primID, [](const auto& surface) { return surface.bounds(); });
   *args->bounds_o = rounded(box, shapes.set->unit_m);
 }
 

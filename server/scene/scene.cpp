@@ -73,9 +73,9 @@ std::uint64_t Scene::shape_count() const {
 }
 
 std::uint64_t Scene::primitive_count() const {
-  std::uint64_t sum = primitives(accelerator_->scene());
+  std::uint64_t sum = accelerator_->scene().primitives();
   for (std::uint32_t i = 0; i < object_surfaces_.size(); ++i)
-    sum += primitives(accelerator_->object(i));
+    sum += accelerator_->object(i).primitives();
   return sum;
 }
 

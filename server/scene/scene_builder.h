@@ -16,9 +16,6 @@
 
 namespace lucerna {
 
-/// Triangles, patches, spheres, disks and cylinders.
-std::uint64_t primitives(const GeometrySet& s);
-
 class Scene::Builder {
  public:
   /// Moves data out of `description` step by step.  `description` must outlive the builder.

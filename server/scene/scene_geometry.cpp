@@ -19,11 +19,6 @@ Transform rounded_to_float(const Transform& t) {
 
 }  // namespace
 
-std::uint64_t primitives(const GeometrySet& s) {
-  return s.triangles.size() / 3 + s.patches.size() + s.spheres.size() + s.disks.size() +
-         s.cylinders.size();
-}
-
 absl::Status Scene::Builder::build_geometry(const std::string& isa) {
   Stopwatch watch;
   GeometrySet set;
@@ -44,7 +39,7 @@ absl::Status Scene::Builder::build_geometry(const std::string& isa) {
     const std::size_t object = in_.objects.size() + moving_shape++;
     LUCERNA_RETURN_IF_ERROR(
         append_shape(s, origin, emitter, objects[object], scene_->object_surfaces_[object]));
-    if (primitives(objects[object]) > 0)
+    if (!objects[object].empty())
       instances.push_back(
           {static_cast<std::uint32_t>(object), Transform(), about_scene(*s.motion, origin)});
   }
@@ -57,7 +52,7 @@ absl::Status Scene::Builder::build_geometry(const std::string& isa) {
           append_shape(s, object_origins_[i], -1, objects[i], scene_->object_surfaces_[i]));
   }
   for (const auto& i : in_.instances) {
-    if (primitives(objects[i.object]) == 0) continue;
+    if (objects[i.object].empty()) continue;
     const Transform scene_from_object = Transform::translate(-scene_->origin_) *
                                         i.world_from_object *
                                         Transform::translate(object_origins_[i.object]);
@@ -108,25 +103,33 @@ void Scene::Builder::report_motion(const std::vector<GeometryInstance>& instance
 void Scene::Builder::report_geometry(const GeometrySet& set,
                                      const std::vector<GeometrySet>& objects,
                                      const Stopwatch& watch) {
-  GeometrySet all;  // used only to count
-  std::array<std::uint64_t, 6> counts{}, bytes{};
+  // Vertices, then primitives by HitKind.
+  std::array<std::uint64_t, 1 + kHitKinds> counts{}, bytes{};
   std::uint64_t surface_bytes = scene_->surfaces_.bytes();
   const auto count = [&](const GeometrySet& s) {
-    const auto add = [&](int kind, const auto& v, std::size_t per) {
-      counts[kind] += v.size() / per;
-      bytes[kind] += v.capacity() * sizeof v[0];
+    std::size_t next = 0;
+    const auto add = [&](const auto& v, std::size_t per = 1) {
+      counts[next] += v.size() / per;
+      bytes[next++] += v.capacity() * sizeof v[0];
     };
-    add(0, s.vertices, 1), add(1, s.triangles, 3), add(2, s.patches, 1);
-    add(3, s.spheres, 1), add(4, s.disks, 1), add(5, s.cylinders, 1);
+    add(s.vertices), add(s.triangles, 3);
+    s.for_each_kind_of_surface([&](const auto& surfaces) { add(surfaces); });
   };
   count(set);
   for (const auto& o : objects) count(o);
   for (const auto& t : scene_->object_surfaces_) surface_bytes += t.bytes();
-  static constexpr std::array<const char*, 6> kNames{"vertices", "triangles", "patches",
-                                                     "spheres",  "disks",     "cylinders"};
-  for (int i = 0; i < 6; ++i)
+  struct Name {
+    std::string one, many;
+  };
+#define LUCERNA_NAME(Shape) \
+  , Name { std::string(Shape<double>::kName), fmt::format("{}s", Shape<double>::kName) }
+  const std::array names{Name{"vertex", "vertices"}, Name{"triangle", "triangles"},
+                         Name{"patch", "patches"} LUCERNA_QUADRICS(LUCERNA_NAME)};
+#undef LUCERNA_NAME
+  for (std::size_t i = 0; i < names.size(); ++i)
     if (counts[i] > 0) {
-      part(kNames[i], bytes[i], watch, fmt::format("{} {}", counts[i], kNames[i]));
+      part(names[i].many, bytes[i], watch,
+           fmt::format("{} {}", counts[i], counts[i] == 1 ? names[i].one : names[i].many));
       read_by_embree_ += bytes[i];
     }
   if (surface_bytes > 0)

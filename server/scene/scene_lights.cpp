@@ -95,8 +95,7 @@ absl::StatusOr<Light<double>> as_flat_light(const ShapeDescription::Emission& em
   return Light<double>(std::move(light));
 }
 
-/// Has one overload for each shape and no template for all.  A new shape does not compile
-/// without its own overload.
+/// Has one overload for each shape.
 class AreaLightMaker {
  public:
   AreaLightMaker(const ShapeDescription::Emission& emission, const Vec3<double>& origin)
@@ -120,19 +119,20 @@ class AreaLightMaker {
         emission_, PatchMesh<double>::create(std::move(patches)), mesh.corner_uv);
   }
 
-  absl::StatusOr<Light<double>> operator()(const SphereParams& sphere) const {
-    return as_area_light<Sphere, PaintedSphere>(emission_, Sphere<double>::create(sphere, origin_));
+#define LUCERNA_CURVED(Shape)                                                            \
+  absl::StatusOr<Light<double>> operator()(const Shape##Params& params) const {          \
+    return as_area_light<Shape, Painted##Shape>(emission_,                               \
+                                                Shape<double>::create(params, origin_)); \
   }
-
-  absl::StatusOr<Light<double>> operator()(const DiskParams& disk) const {
-    return as_flat_light<Disk, PaintedDisk, PanelDisk>(emission_,
-                                                       Disk<double>::create(disk, origin_));
+#define LUCERNA_FLAT(Shape)                                                     \
+  absl::StatusOr<Light<double>> operator()(const Shape##Params& params) const { \
+    return as_flat_light<Shape, Painted##Shape, Panel##Shape>(                  \
+        emission_, Shape<double>::create(params, origin_));                     \
   }
-
-  absl::StatusOr<Light<double>> operator()(const CylinderParams& cylinder) const {
-    return as_area_light<Cylinder, PaintedCylinder>(emission_,
-                                                    Cylinder<double>::create(cylinder, origin_));
-  }
+  LUCERNA_CURVED_QUADRICS(LUCERNA_CURVED)
+  LUCERNA_FLAT_QUADRICS(LUCERNA_FLAT)
+#undef LUCERNA_CURVED
+#undef LUCERNA_FLAT
 
  private:
   const ShapeDescription::Emission& emission_;

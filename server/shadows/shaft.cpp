@@ -87,37 +87,20 @@ bool is_level(const Clipped& polygon, const ShaftRegion& shaft,
   return highest <= kLeastRise * nearest;
 }
 
-/// A sphere, disk or cylinder: its centre and half-axes, of an ellipsoid or an ellipse.  The
-/// last axis may be that of a prism.
-struct Round {
-  Vector center, x, y, z;
-  bool is_prism;
-
-  bool is_outside(std::span<const HalfSpace> planes) const {
-    return std::ranges::any_of(planes, [&](const HalfSpace& h) {
-      const double a = dot(h.n, x), b = dot(h.n, y), c = dot(h.n, z);
-      const double reach =
-          is_prism ? std::sqrt(a * a + b * b) + std::fabs(c) : std::sqrt(a * a + b * b + c * c);
-      return dot(h.n, center) - reach > h.at;
-    });
-  }
-};
-
-Round round_of(const Sphere<double>& s) {
-  const Transform& t = s.world_from_object();
-  const double r = s.params().radius_m;
-  return {t.point({0, 0, 0}), t.vector({r, 0, 0}), t.vector({0, r, 0}), t.vector({0, 0, r}), false};
+bool is_outside(const RoundEnclosure& e, std::span<const HalfSpace> planes) {
+  return std::ranges::any_of(planes, [&](const HalfSpace& h) {
+    const double a = dot(h.n, e.x), b = dot(h.n, e.y), c = dot(h.n, e.z);
+    const double reach =
+        e.is_prism ? std::sqrt(a * a + b * b) + std::fabs(c) : std::sqrt(a * a + b * b + c * c);
+    return dot(h.n, e.center) - reach > h.at;
+  });
 }
-Round round_of(const Disk<double>& d) {
-  const Transform& t = d.world_from_object();
-  const double r = d.params().radius_m;
-  return {t.point({0, 0, d.params().height_m}), t.vector({r, 0, 0}), t.vector({0, r, 0}), {}, true};
-}
-Round round_of(const Cylinder<double>& c) {
-  const Transform& t = c.world_from_object();
-  const auto& p = c.params();
-  return {t.point({0, 0, (p.z_min_m + p.z_max_m) / 2}), t.vector({p.radius_m, 0, 0}),
-          t.vector({0, p.radius_m, 0}), t.vector({0, 0, (p.z_max_m - p.z_min_m) / 2}), true};
+
+/// Whether a patch, which lies within the hull of its corners, is beyond a plane.
+bool is_outside(const BilinearPatch<double>& p, std::span<const HalfSpace> planes) {
+  return std::ranges::any_of(planes, [&](const HalfSpace& h) {
+    return std::min({dot(h.n, p.p00), dot(h.n, p.p10), dot(h.n, p.p01), dot(h.n, p.p11)}) > h.at;
+  });
 }
 
 /// The primitives of a GeometrySet with their boxes, numbered kind after kind.
@@ -137,48 +120,30 @@ class SetBoxes {
   };
   /// Requires number < first_other().
   Item item(std::uint32_t number) const {
-    const std::size_t counts[] = {set_.triangles.size() / 3, set_.patches.size(),
-                                  set_.spheres.size(), set_.disks.size(), set_.cylinders.size()};
+    const auto counts = set_.counts();
     int kind = 0;
     while (number >= counts[kind]) number -= static_cast<std::uint32_t>(counts[kind++]);
     return {static_cast<HitKind>(kind), number};
   }
-  std::size_t first_other() const {
-    return set_.triangles.size() / 3 + set_.patches.size() + set_.spheres.size() +
-           set_.disks.size() + set_.cylinders.size();
-  }
+  std::size_t first_other() const { return set_.primitives(); }
 
   /// Whether the item may reach into the shaft.  The planes are in the set's space.
   bool may_reach(const Item& item, std::span<const HalfSpace> planes, const ShaftRegion& shaft,
                  const Transform* scene_from_object) const {
     const std::uint32_t i = item.primitive;
-    // Shapes that are not clipped are outside of the shaft only by one plane, or by the
-    // shaft's box, which does not exist in an object's space.
-    const auto is_beside = [&](const auto& shape) {
-      const auto [lower, upper] = shape.bounds();
-      return scene_from_object == nullptr && !shaft.box.empty() &&
-             !overlaps(FloatBox::around(lower, upper), shaft.box);
-    };
-    const auto round_may_reach = [&](const auto& shape) {
-      return !is_beside(shape) && !round_of(shape).is_outside(planes);
-    };
-    switch (item.kind) {
-      case HitKind::kTriangle:
-        break;
-      case HitKind::kPatch: {
-        // A patch lies within the hull of its corners.
-        const auto& p = set_.patches[i];
-        return !is_beside(p) && std::ranges::none_of(planes, [&](const HalfSpace& h) {
-          return std::min({dot(h.n, p.p00), dot(h.n, p.p10), dot(h.n, p.p01), dot(h.n, p.p11)}) >
-                 h.at;
-        });
-      }
-      case HitKind::kSphere:
-        return round_may_reach(set_.spheres[i]);
-      case HitKind::kDisk:
-        return round_may_reach(set_.disks[i]);
-      case HitKind::kCylinder:
-        return round_may_reach(set_.cylinders[i]);
+    if (item.kind != HitKind::kTriangle) {
+      // Shapes that are not clipped are outside of the shaft only by one plane, or by the shaft's
+      // box, which does not exist in an object's space.
+      return set_.visit_surface(item.kind, i, [&](const auto& surface) {
+        if (scene_from_object == nullptr && !shaft.box.empty()) {
+          const auto [lower, upper] = surface.bounds();
+          if (!overlaps(FloatBox::around(lower, upper), shaft.box)) return false;
+        }
+        if constexpr (QuadricShape<std::decay_t<decltype(surface)>>)
+          return !is_outside(surface.enclosure(), planes);
+        else
+          return !is_outside(surface, planes);
+      });
     }
     Clipped left;
     left.count = 3;
@@ -201,13 +166,12 @@ class SetBoxes {
       for (std::size_t k = 0; k < 3; ++k) box.add(vertex(t + k));
       boxes.push_back(FloatBox::around(box.lower, box.upper));
     }
-    const auto add = [&](const auto& shapes) {
-      for (const auto& shape : shapes) {
-        const auto [lower, upper] = shape.bounds();
+    set_.for_each_kind_of_surface([&](const auto& surfaces) {
+      for (const auto& surface : surfaces) {
+        const auto [lower, upper] = surface.bounds();
         boxes.push_back(FloatBox::around(lower, upper));
       }
-    };
-    add(set_.patches), add(set_.spheres), add(set_.disks), add(set_.cylinders);
+    });
   }
 
   const GeometrySet& set_;

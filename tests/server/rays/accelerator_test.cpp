@@ -45,10 +45,10 @@ TEST(Accelerator, AnswersTheNearestOfAllKindsOfGeometry) {
   GeometrySet set = triangle(5);
   // Along +z at (0.25, 0.25): sphere at 1..2, disk at 3, twisted patch at 4 + 1/16, triangle at 5,
   // a tube that lies across at 6.5..7.5.
-  set.spheres = {sphere(0.5, {0.25, 0.25, 1.5})};
-  set.disks = {*Disk<double>::create({.height_m = 3, .radius_m = 1})};
+  set.of<Sphere<double>>() = {sphere(0.5, {0.25, 0.25, 1.5})};
+  set.of<Disk<double>>() = {*Disk<double>::create({.height_m = 3, .radius_m = 1})};
   set.patches = {{{0, 0, 4}, {1, 0, 4}, {0, 1, 4}, {1, 1, 5}}};
-  set.cylinders = {
+  set.of<Cylinder<double>>() = {
       *Cylinder<double>::create({.radius_m = 0.5,
                                  .world_from_object = Transform::translate({0.25, 0, 7}) *
                                                       *Transform::rotate(M_PI / 2, {1, 0, 0})})};
@@ -85,7 +85,7 @@ TEST(Accelerator, AnswersTheNearestOfAllKindsOfGeometry) {
 
 TEST(Accelerator, TakesRaysOfAnyLengthInTheirOwnUnits) {
   GeometrySet set;
-  set.spheres = {sphere(1, {0, 0, 10})};
+  set.of<Sphere<double>>() = {sphere(1, {0, 0, 10})};
   const auto a = build(std::move(set));
   const auto hit = a->closest_hit({{0, 0, 0}, {0, 0, 4}});
   ASSERT_TRUE(hit);
@@ -104,7 +104,7 @@ TEST(Accelerator, PutsOcclusionOfRayIIntoBitI) {
 
 TEST(Accelerator, ReportsTheInstanceThatWasHit) {
   GeometrySet object = triangle(0);
-  object.spheres = {sphere(1, {0, 0, 8})};
+  object.of<Sphere<double>>() = {sphere(1, {0, 0, 8})};
   const Transform twice = *Transform::scale({2, 2, 2});
   const auto a =
       build({}, {std::move(object)},
