@@ -15,10 +15,10 @@
 #include "lights/shapes/shape.h"
 #include "lights/shapes/sphere.h"
 
-/// `X(Shape)` for each shape of this library.  Area lights, shapes with pictures and their names in
-/// the closed set of lights follow from this list.
+/// `X(Shape)` for each shape of this library.  This list defines the area lights, the shapes with
+/// pictures and their names in the list of all lights.
 #define LUCERNA_AREA_SHAPES(X) X(TriangleMesh) X(PatchMesh) X(Sphere) X(Disk) X(Cylinder)
-/// Those that can be flat: panels follow from this list.
+/// Shapes that can be flat.  This list defines the panels.
 #define LUCERNA_FLAT_SHAPES(X) X(TriangleMesh) X(PatchMesh) X(Disk)
 
 namespace lucerna {
