@@ -1,4 +1,5 @@
-# make demo | test | soak | extremes | mutants | test-slurm | bench | tradeoff | automatic | fit | distributed | precision | format: each installs what is missing, configures, builds and runs.
+# make demo | test | soak | extremes | mutants | test-slurm | bench | tradeoff | automatic | fit | distributed | precision | format
+# Each target installs missing packages, configures, builds and runs.
 .DEFAULT_GOAL := demo
 .PHONY: deps release programs demo test wire soak extremes mutants test-slurm bench tradeoff automatic fit distributed precision format
 
@@ -38,11 +39,11 @@ extremes: release
 	@cmake --build --preset release --target lights_extremes_test server_extremes_test
 	@tests/extremes_page.py build/release
 
-# Works in a copy of the sources: build/mutants.
+# Works in a copy of the sources, build/mutants.
 mutants: release
 	@tests/mutants/run.py
 
-# Starts its own cluster on the loopback interface: tests/slurm.
+# Starts its own Slurm cluster on the loopback interface (tests/slurm).
 test-slurm: programs
 	@deploy/install-deps.sh slurm-wlm munge
 	@/usr/bin/python3 tests/slurm/slurm_test.py build/release
@@ -52,34 +53,34 @@ bench: release
 	@build/release/tests/bench/bench
 	@build/release/tests/bench/one_light_bench
 
-# Error against time in the five scenes.  Needs an idle machine.
+# Measures error against time in the five scenes.  Requires an idle machine.
 BUDGET ?= 240s
 tradeoff: programs
 	@cmake --build --preset release --target lucerna-tradeoff
 	@deploy/install-deps.sh chromium
 	@deploy/tradeoff.sh build/release docs/tradeoff $(BUDGET)
 
-# The time of automatic over the time of the best setting, with a new seed.  QUERY=render studies pictures, which
-# docs/tradeoff does not have.  Needs an idle machine.
+# Measures the time of automatic divided by the time of the best setting, with a new seed.  QUERY=render studies
+# pictures, which docs/tradeoff does not have.  Requires an idle machine.
 automatic: programs
 	@cmake --build --preset release --target lucerna-tradeoff
 	@deploy/tradeoff.sh build/release build/automatic $(BUDGET) $$(date +%s)
 	@tests/bench/automatic_table.py build/automatic $(if $(QUERY),,docs/tradeoff)
 
-# The same on the small scenes that the rules of automatic were fitted to.
+# Like automatic, in the small scenes from which the rules of automatic were derived.
 fit: programs
 	@cmake --build --preset release --target lucerna-tradeoff
 	@SCENES=tests/data/reference deploy/tradeoff.sh build/release build/fit 30s 1 \
 	  $(notdir $(basename $(wildcard tests/data/reference/*.pbrt)))
 	@tests/bench/automatic_table.py build/fit
 
-# Needs an otherwise idle machine.
+# Measures jobs on several servers.  Requires an idle machine.
 distributed: release
 	@cmake --build --preset release --target lucernad lucerna client_test
 	@deploy/install-deps.sh slurm-wlm munge
 	@tests/bench/distributed.py build/release --page docs/distributed.md
 
-# Needs an otherwise idle machine.
+# Measures speed and error of single and double precision.  Requires an idle machine.
 precision: release
 	@cmake --build --preset release --target traversal_bench precision_bench tile_precision_bench
 	@tests/bench/precision_page.sh build/release > build/precision.md && mv build/precision.md docs/precision.md

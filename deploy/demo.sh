@@ -13,28 +13,28 @@ mkdir -p "$output"
 output=$(cd "$output" && pwd)
 export PATH=$build/bin:$PATH
 source "$root/deploy/local_server.sh"
-# -k kills it if it does not stop.  The bound is for a demo that is itself killed.
+# If the demo itself is killed, the server stops after 120 s.  -k kills it if it does not stop.
 start_server "$build" "$root/scenes" timeout -k 5 120
 echo "lucernad runs at $LUCERNA_SERVER, scene root scenes/."
 
-ask() { printf '\n$ lucerna %s\n' "$*"; lucerna "$@"; }
+run() { printf '\n$ lucerna %s\n' "$*"; lucerna "$@"; }
 
 printf '\nThe scene and its lights.\n'
-ask load demo.pbrt
-ask lights demo.pbrt
+run load demo.pbrt
+run lights demo.pbrt
 
 printf '\n1. Sample_L: light from the panel that arrives on the floor, and whether anything is between.\n'
-ask sample demo.pbrt --point 0,-1.5,0 --normal 0,0,1 --light 3 --samples 4 --visible
+run sample demo.pbrt --point 0,-1.5,0 --normal 0,0,1 --light 3 --samples 4 --visible
 
 printf '\n2. Power: what each light emits.\n'
-ask power demo.pbrt
+run power demo.pbrt
 
 printf '\n3. Visibility and irradiance: does the bulb see the floor, and what does a lux meter read?\n'
-ask visible demo.pbrt --point 2.35,1.75,0.35 --point 2.35,1.75,0.35 --to 2.6,1.8,0 --to 0,-1.5,0
-ask irradiance demo.pbrt --point 0,-1.5,0 --point 0,1,0 --point 0.35,-0.85,0.58 --normal 0,0,1 \
+run visible demo.pbrt --point 2.35,1.75,0.35 --point 2.35,1.75,0.35 --to 2.6,1.8,0 --to 0,-1.5,0
+run irradiance demo.pbrt --point 0,-1.5,0 --point 0,1,0 --point 0.35,-0.85,0.58 --normal 0,0,1 \
   --samples 1024 --per-light
 
 printf '\n4. The picture.\n'
 cd "$output"
-ask render demo.pbrt -o demo.png -o demo.exr --stderr demo.stderr.exr --exposure -6 "${samples[@]}"
+run render demo.pbrt -o demo.png -o demo.exr --stderr demo.stderr.exr --exposure -6 "${samples[@]}"
 printf '\nThe picture: %s, and in linear light %s\n' "$output/demo.png" "$output/demo.exr"

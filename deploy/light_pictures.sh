@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Renders the pictures of the table of lights, docs/lights/NAME.png, from the reference scenes and
-# from scenes/.  Lights that pbrt-v4 lacks use scenes of its lights with an added parameter.  Usage:
-# deploy/light_pictures.sh [BUILD_DIR]
+# from scenes/.  For lights that pbrt-v4 does not have, it adds a parameter to a light of a reference
+# scene.
+#   deploy/light_pictures.sh [BUILD_DIR]
 set -euo pipefail
 root=$(cd "$(dirname "$0")/.." && pwd)
 build=$(cd "${1:-$root/build/release}" && pwd)
@@ -18,7 +19,7 @@ mkdir -p "$root/docs/lights"
 for scene in point spot projection beam distant sun infinite environment triangle rectangle sphere disk cylinder textured; do
   "$build/bin/lucerna" render tests/data/reference/$scene.pbrt -o "$root/docs/lights/$scene.png" --samples 64
 done
-# Dark or bright scenes, and those that are not among the reference scenes.
+# Dark or bright scenes, and scenes that are not reference scenes.
 "$build/bin/lucerna" render tests/data/reference/goniometric.pbrt -o "$root/docs/lights/goniometric.png" \
   --samples 64 --exposure 2
 "$build/bin/lucerna" render tests/data/reference/portal.pbrt -o "$root/docs/lights/portal.png" \

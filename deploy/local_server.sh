@@ -1,5 +1,5 @@
 # shellcheck shell=bash
-# Source this file to run a lucernad on a free port of this machine as long as a script runs.
+# Source this file to run a lucernad on a free port of this machine until the script ends.
 #   start_server BUILD_DIR SCENE_ROOT [WRAPPER...]
 # Exports LUCERNA_SERVER, the server's address.  $scratch is a temporary folder that is deleted with
 # the server.  WRAPPER: a command that runs lucernad, such as timeout.

@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
-# Measures error against time in the shipped scenes, through a server of its own: OUT/NAME/tradeoff.json, and
-# OUT/NAME/errors.png, the first plot of the page, if chromium is installed.
+# Measures error against time in the shipped scenes, through its own server.  Writes OUT/NAME/tradeoff.json
+# and, if chromium is installed, the first plot of the page, OUT/NAME/errors.png.
 #   deploy/tradeoff.sh BUILD_DIR OUT [BUDGET [SEED [NAME...]]]
-# BUDGET is the time of each scene, default 120s.  QUERY in the environment chooses another query than irradiance.
-# SCENES chooses another folder than scenes/, which holds NAME/scene.pbrt with points.csv beside it, or NAME.pbrt.
-# The page of a scene: lucerna-tradeoff --report OUT/NAME/tradeoff.json --out DIR
+# BUDGET is the time of each scene, default 120s.  The environment variable QUERY sets the query, default
+# irradiance.  SCENES sets the folder of the scenes, default scenes/.  It has NAME/scene.pbrt with a points.csv
+# in the same folder, or NAME.pbrt and one points.csv.
+# To make the page of a scene: lucerna-tradeoff --report OUT/NAME/tradeoff.json --out DIR
 set -euo pipefail
 
 root=$(cd "$(dirname "$0")/.." && pwd)

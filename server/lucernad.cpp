@@ -25,7 +25,7 @@ constexpr int kWake = SIGUSR1;
 /// Waits for signals on a thread of its own.  Nothing runs in a signal handler.
 class Signals {
  public:
-  /// Construct it before any other thread: threads inherit the mask.
+  /// Construct this before any other thread, because threads inherit the signal mask.
   Signals() {
     std::signal(SIGPIPE, SIG_IGN);
     sigemptyset(&set_);
@@ -77,14 +77,14 @@ void log_start(const lucerna::rpc::ServerOptions& options, const lucerna::rpc::S
                serves.available_scenes, serves.listing_is_incomplete ? " or more" : "",
                serves.loaded_scenes);
   spdlog::info("{} threads, memory budget {}", serves.threads,
-               budget > 0 ? describe_bytes(budget) : "without limit");
+               budget > 0 ? describe_bytes(budget) : "unlimited");
 }
 
 int serve(const lucerna::rpc::ServerOptions& options, std::chrono::seconds drain_time) {
   Signals signals;
   const auto server = lucerna::rpc::Server::start(options, signals.stop());
   if (!server.ok()) {
-    // A signal that comes before the server serves is no failure.
+    // A signal before the server is ready is not a failure.
     if (signals.stop().stop_requested()) return 0;
     fmt::print(stderr, "lucernad: {}\n", std::string(server.status().message()));
     return 1;
@@ -99,39 +99,44 @@ int serve(const lucerna::rpc::ServerOptions& options, std::chrono::seconds drain
   return 0;
 }
 
-/// The command line.  Few types of options, as each costs a second to compile.
+/// The command line.  It uses few types of options, because each takes a second to compile.
 class Arguments {
  public:
-  Arguments() : app_("Lucerna's server: answers questions about the light in scenes, over gRPC.") {
+  Arguments() : app_("Lucerna's server: answers queries about the light in scenes, over gRPC.") {
     app_.set_version_flag("--version", "lucernad " LUCERNA_VERSION);
     app_.option_defaults()->always_capture_default();
     app_.footer("Example:\n  lucernad --scene-root scenes --load room.pbrt");
-    add("--listen", options_.listen, "HOST:PORT", "Where to listen; port 0: a free port");
-    add("--scene-root", options_.scenes.root, "DIR", "The directory that scenes are loaded from");
+    add("--listen", options_.listen, "HOST:PORT",
+        "Address to listen on; port 0 chooses a free port");
+    add("--scene-root", options_.scenes.root, "DIR", "Directory of the scenes");
     app_.add_option("--load", options_.load, "Load this scene before serving; may be repeated")
         ->type_name("PATH")
         ->expected(1)
         ->take_all();
     add("--threads", threads_, 0, 1024, "Compute threads; 0: one for each processor");
-    add("--isa", options_.scenes.isa, "TEXT", "Pin the kernels: sse2, sse4.2, avx, avx2 or avx512");
-    add("--max-batch-items", batch_items_, 1024, 1U << 24, "Items of one batch");
-    add("--max-tile-pixels", tile_pixels_, 1, 1U << 26, "Pixels of one tile");
-    add("--max-samples", samples_, 1, 1U << 30, "Samples for each pixel or item of one request");
+    add("--isa", options_.scenes.isa, "TEXT",
+        "Instruction set of the kernels: sse2, sse4.2, avx, avx2 or avx512");
+    add("--max-batch-items", batch_items_, 1024, 1U << 24, "Most items of one batch");
+    add("--max-tile-pixels", tile_pixels_, 1, 1U << 26, "Most pixels of one tile");
+    add("--max-samples", samples_, 1, 1U << 30,
+        "Most samples for each pixel or item of one request");
     add("--max-message-bytes", options_.limits.max_message_bytes, 1U << 20, 2147483647,
-        "Bytes of one message");
+        "Most bytes of one message");
     add_size("--memory-budget", options_.scenes.memory_budget_bytes,
              "Memory of all scenes, such as 8GiB; 0: no limit.  Least recently used scenes without "
              "a lease are unloaded first");
     app_.add_option("--max-lease", options_.scenes.max_lease_s, "The longest lease of a scene [s]")
         ->check(CLI::Range(1.0, 1e9));
     add("--asset-dir", options_.assets.directory, "DIR",
-        "Where uploaded files are kept, for the next start too; default: a temporary directory");
+        "Directory of uploaded files, kept for the next start; default: a temporary directory");
     add_size("--asset-budget", options_.assets.budget_bytes,
              "Disk space of uploaded files.  Least recently used files are deleted first");
-    add_size("--max-asset-bytes", options_.assets.max_asset_bytes, "Size of one uploaded file");
-    add("--interactive-queue", interactive_queue_, 1, 1U << 20, "Small queries that may wait");
-    add("--bulk-queue", bulk_queue_, 1, 1U << 20, "Renders and loads that may wait");
-    add("--drain-seconds", drain_seconds_, 0, 86400, "How long calls may run on after SIGTERM");
+    add_size("--max-asset-bytes", options_.assets.max_asset_bytes,
+             "Largest size of one uploaded file");
+    add("--interactive-queue", interactive_queue_, 1, 1U << 20, "Most small queries that may wait");
+    add("--bulk-queue", bulk_queue_, 1, 1U << 20, "Most renders and loads that may wait");
+    add("--drain-seconds", drain_seconds_, 0, 86400,
+        "How long calls may continue after SIGTERM [s]");
   }
 
   /// Nothing if the program should serve; else its exit code.

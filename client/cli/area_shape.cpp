@@ -22,7 +22,7 @@ double length(const Vector& v) { return std::hypot(v[0], v[1], v[2]); }
 
 double dot(const Vector& a, const Vector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-/// Six digits of a number that was a float, without the digits of its rounding.
+/// Six digits of `v` [m], which was a float.  More digits would show its rounding.
 std::string metres(double v) { return number(static_cast<float>(v)); }
 
 /// Corners at (u, v) = (0, 0), (1, 0), (0, 1), (1, 1).

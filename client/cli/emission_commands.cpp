@@ -1,4 +1,4 @@
-// emit, emit-pdf, le.
+// The commands emit, emit-pdf and le.
 #include <fmt/core.h>
 
 #include <memory>
@@ -33,7 +33,7 @@ void le(Session& session, const LeOptions& options) {
   options.time.put(request);
   options.wavelengths.put(request);
   request.set_scene_id(session.query_scene_id(options.scene));
-  ask_and_print(session, request, client::le_in_batches, [&](const v1::LeResponse& response) {
+  send_and_print(session, request, client::le_in_batches, [&](const v1::LeResponse& response) {
     std::vector<Table::Column> columns = {
         {"x [m]"}, {"y [m]"}, {"z [m]"}, {"direction", true}, {"radiance (RGB) [cd/m2]", true}};
     if (options.wavelengths.given()) {
@@ -167,8 +167,8 @@ void emit(Session& session, const EmitOptions& options) {
   }
   options.wavelengths.put(request);
   request.set_scene_id(session.query_scene_id(options.scene));
-  ask_and_print(session, request, client::sample_le_in_batches,
-                [&](const v1::SampleLeResponse& response) { print_rays(response, options); });
+  send_and_print(session, request, client::sample_le_in_batches,
+                 [&](const v1::SampleLeResponse& response) { print_rays(response, options); });
 }
 
 struct EmitPdfOptions {
@@ -188,7 +188,7 @@ void emit_pdf(Session& session, const EmitPdfOptions& options) {
   request.set_light_id(options.light);
   options.time.put(request);
   request.set_scene_id(session.query_scene_id(options.scene));
-  ask_and_print(
+  send_and_print(
       session, request, client::pdf_le_in_batches, [&](const v1::PdfLeResponse& response) {
         Table table({{"x [m]"},
                      {"y [m]"},
@@ -260,7 +260,7 @@ void add_emission_commands(CLI::App& app, Session& session) {
   command->add_option("SCENE", looking->scene, kSceneHelp)->required();
   looking->points.add(*command, "directions");
   looking->directions.add(*command, "--direction", "Direction x,y,z of the ray");
-  command->add_option("--light", looking->light, "Id of the only light to look for; default: any")
+  command->add_option("--light", looking->light, "Id of the light; default: all lights")
       ->check(whole64(1));
   looking->time.add(*command);
   looking->wavelengths.add(*command);

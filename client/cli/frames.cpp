@@ -22,7 +22,7 @@ constexpr std::uint64_t kMostFrames = 1000000;
 constexpr std::uint64_t kLastFrame = 999999999;
 constexpr double kDefaultFps = 24;
 
-/// Takes the number at the front off `text`.
+/// Removes the number at the beginning of `text` and returns it.
 std::optional<std::uint64_t> take_number(std::string_view& text) {
   std::uint64_t value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -53,7 +53,7 @@ class Outputs {
       wrong_use(fmt::format("frame {} would write {} twice", frame, path));
     if (!is_new)
       wrong_use(fmt::format("frames {} and {} would both write {}", other->second, frame, path));
-    // One file of each folder and format is enough to try.
+    // Trying one file of each folder and format is enough.
     if (!is_picture || !places_.emplace(name.parent_path(), name.extension()).second) return;
     const auto file = client::PictureFile::create(path);
     if (!file.ok()) wrong_use(std::string(file.status().message()));
@@ -75,15 +75,14 @@ absl::StatusOr<FrameRange> FrameRange::parse(const std::string& text) {
   if (first && take(rest, '-')) last = take_number(rest);
   if (last && take(rest, ':')) step = take_number(rest);
   if (!first || !last || !step || !rest.empty()) {
-    return absl::InvalidArgumentError(
-        fmt::format("\"{}\" names no frames, allowed: N, A-B or A-B:STEP with whole numbers up to "
-                    "{}",
-                    text, kLastFrame));
+    return absl::InvalidArgumentError(fmt::format(
+        "\"{}\" is not a range of frames, allowed: N, A-B or A-B:STEP with whole numbers up to {}",
+        text, kLastFrame));
   }
   range = {*first, *last, *step};
   if (range.last < range.first) {
     return absl::InvalidArgumentError(
-        fmt::format("\"{}\" runs backwards, allowed: A-B with A not after B", text));
+        fmt::format("\"{}\" ends before it begins, allowed: A-B with A not after B", text));
   }
   if (range.step == 0) {
     return absl::InvalidArgumentError(
@@ -118,10 +117,10 @@ absl::StatusOr<FramePattern> FramePattern::create(const std::string& text) {
       rest.remove_prefix(1);
     }
     if (!take(rest, 'd')) {
-      return absl::InvalidArgumentError(fmt::format(
-          "\"{}\" has \"%{}\" where a frame's number could stand, allowed: %d, %04d for "
-          "four digits (1 to 9), and %% for a percent sign",
-          text, from.substr(0, 3)));
+      return absl::InvalidArgumentError(
+          fmt::format("\"{}\" has \"%{}\", which is not a frame number, allowed: %d, %04d for "
+                      "four digits (1 to 9), and %% for a percent sign",
+                      text, from.substr(0, 3)));
     }
     ++places;
     made.digits_ = digits;
@@ -150,10 +149,9 @@ void Frame::put(v1::RenderImageRequest& request) const {
 
 void FramesOption::add(CLI::App& command) {
   command
-      .add_option(
-          "--frames", frames,
-          "Render the frames N, A-B or A-B:STEP of an animation; %d or %04d in file names stands "
-          "for the number of the frame, in SCENE too")
+      .add_option("--frames", frames,
+                  "Render the frames N, A-B or A-B:STEP of an animation; %d or %04d in SCENE and "
+                  "in the file names is replaced by the frame number")
       ->type_name("RANGE");
   command
       .add_option(
@@ -166,13 +164,13 @@ void FramesOption::add(CLI::App& command) {
                   "default: as in the scene file")
       ->check(positive());
   command.add_flag("--skip-existing", skip_existing,
-                   "With --frames: skip frames whose files all exist, whatever they hold");
+                   "With --frames: skip frames whose files all exist");
 }
 
 void FramesOption::check() const {
   if (!frames.empty()) return;
   const auto needs = [](bool given, const char* name) {
-    if (given) wrong_use(fmt::format("{} goes with --frames", name));
+    if (given) wrong_use(fmt::format("{} requires --frames", name));
   };
   needs(fps.has_value(), "--fps");
   needs(shutter_s.has_value(), "--shutter");
@@ -185,14 +183,15 @@ std::vector<Frame> FramesOption::plan(const FrameNames& names, bool at_moment) c
   std::optional<FramePattern> scene, error, counts, journal;
   if (names.scene.find('%') != std::string::npos) {
     scene = pattern("SCENE", names.scene);
-    const auto alone = [](bool given, const char* name) {
+    const auto needs_one_scene = [](bool given, const char* name) {
       if (given)
-        wrong_use(fmt::format(
-            "{} goes with one scene for all frames: a scene file for each has its own shutter",
-            name));
+        wrong_use(
+            fmt::format("{} requires one scene file for all frames, since a scene file for each "
+                        "frame has its own shutter",
+                        name));
     };
-    alone(fps.has_value(), "--fps");
-    alone(shutter_s.has_value(), "--shutter");
+    needs_one_scene(fps.has_value(), "--fps");
+    needs_one_scene(shutter_s.has_value(), "--shutter");
   }
   if (shutter_s && at_moment) wrong_use("--shutter and --time: a moment has no length");
   std::vector<FramePattern> outputs;
@@ -241,7 +240,7 @@ const Frame* FrameRun::next() {
       continue;
     }
     if (!many_) {
-      auto scene = session_.ask(held_.renew(session_.client(), session_.call_options()));
+      auto scene = session_.value_or_fail(held_.renew(session_.client(), session_.call_options()));
       if (!scene) held_.hold(session_.client(), scene.emplace(load(current_)));
       current_.scene = scene->scene_id();
     }
@@ -276,7 +275,8 @@ v1::LoadSceneResponse FrameRun::load(const Frame& frame) {
   request.set_scene_id(loaded.scene_id());
   request.set_lease_s(lease_s);
   loaded.set_lease_id(
-      session_.ask(session_.client().renew_lease(request, session_.call_options())).lease_id());
+      session_.value_or_fail(session_.client().renew_lease(request, session_.call_options()))
+          .lease_id());
   return loaded;
 }
 

@@ -15,11 +15,12 @@
 
 namespace lucerna::cli {
 
-/// "7", "1-240" or "1-240:2".
+/// Frame numbers as the user types them: "7", "1-240" or "1-240:2".
 struct FrameRange {
   std::uint64_t first = 0, last = 0, step = 1;
 
-  /// INVALID_ARGUMENT for other texts, ranges that run backwards, and more than a million frames.
+  /// INVALID_ARGUMENT for other texts, ranges whose end is before their beginning, and more than a
+  /// million frames.
   static absl::StatusOr<FrameRange> parse(const std::string& text);
   std::uint64_t count() const { return (last - first) / step + 1; }
 };
@@ -41,7 +42,7 @@ class FramePattern {
 struct Frame {
   std::uint64_t number = 0;
   std::string scene;
-  bool own_scene = false;  ///< this frame alone has the scene file
+  bool own_scene = false;  ///< only this frame uses the scene file
   std::vector<std::string> outputs;
   std::string error_output;         ///< empty: none
   std::string counts_output;        ///< empty: none
@@ -49,8 +50,8 @@ struct Frame {
   double later_s = 0;               ///< time after frame 1
   std::optional<double> shutter_s;  ///< unset: as in the scene file
 
-  /// Sets the moment or the shutter to the time of the frame.  A scene file for this frame alone
-  /// has its own shutter, so the request stays unchanged.
+  /// Sets the moment or the shutter to the time of the frame.  If the frame has its own scene file,
+  /// the request stays unchanged, since that file has its own shutter.
   void put(v1::RenderImageRequest& request) const;
 };
 
@@ -78,17 +79,18 @@ struct FramesOption {
   std::vector<Frame> plan(const FrameNames& names, bool at_moment) const;
 };
 
-/// Goes through the frames: loads the scene of each, and releases it afterwards.
+/// Iterates over the frames.  Loads the scene of each frame, and releases it afterwards.
 class FrameRun {
  public:
-  /// `many`: `held()` loads the scenes on the servers of a job, and not the session on its server.
+  /// `many`: held() loads the scenes on the servers of a job.  Otherwise the session loads them on
+  /// its server.
   FrameRun(Session& session, std::vector<Frame> frames, bool skip_existing, bool many)
       : session_(session), frames_(std::move(frames)), skip_existing_(skip_existing), many_(many) {}
 
   /// The next frame to render; null after the last.  Without `many`, its scene is the id of a
   /// loaded scene.
   const Frame* next();
-  /// To be called when the files of the last frame from next() are written.
+  /// Call it when the files of the last frame from next() are written.
   void done();
   client::HeldScene& held() { return held_; }
 

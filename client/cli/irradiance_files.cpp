@@ -35,7 +35,8 @@ std::unique_ptr<VectorFile> open(const std::string& path, VectorKind kind) {
   return *std::move(file);
 }
 
-/// Points of one file; normals of the same file, of another file, or one for all.
+/// Points of one file.  The normals are in the same file or in another file, or all points share
+/// one normal.
 class Receivers final : public client::ReceiverSource {
  public:
   Receivers(const std::string& points, const std::string& normals,
@@ -45,7 +46,7 @@ class Receivers final : public client::ReceiverSource {
     const bool own = points_->columns() == 6;
     if (int{own} + int{!normals.empty()} + int{normal.has_value()} > 1) {
       wrong_use(
-          own ? fmt::format("{}: has normals of its own, give no --normals or --normal", points)
+          own ? fmt::format("{}: has its own normals; do not give --normals or --normal", points)
               : "--normals and --normal: only one of them");
     }
     if (own || normal) return;
@@ -101,8 +102,8 @@ class Receivers final : public client::ReceiverSource {
   absl::Status failed_;
 };
 
-/// The file that holds the results until they are complete.  The destructor deletes it unless there
-/// is a journal of it.
+/// The file that holds the results until they are complete.  The destructor deletes it unless a
+/// journal refers to it.
 class PartFile {
  public:
   PartFile(const std::string& output, std::string journal)
@@ -127,7 +128,7 @@ class PartFile {
   }
 
   const std::string& path() const { return path_; }
-  /// To be called when the results have their final name.  Deletes the journal.
+  /// Deletes the journal.  Call it when the results have their final name.
   void done() {
     std::error_code error;
     if (!journal_.empty()) fs::remove(journal_, error);
@@ -171,7 +172,7 @@ void IrradianceFilesOption::add(CLI::App& command) {
 
 void IrradianceFilesOption::check() const {
   const auto needs = [](bool given, const char* name) {
-    if (given) wrong_use(fmt::format("{} goes with -o", name));
+    if (given) wrong_use(fmt::format("{} requires -o", name));
   };
   needs(!normals_.empty(), "--normals");
   needs(!servers_.servers.empty(), "--servers");
@@ -185,11 +186,11 @@ void IrradianceFilesOption::run(Session& session, const std::string& scene,
                                 const v1::EstimateIrradianceRequest& request) const {
   const std::string& journal = servers_.journal;
   if (points.file().empty() || points.file() == "-") {
-    wrong_use("-o goes with --points FILE: .npy, .csv or .exr");
+    wrong_use("-o requires --points FILE: .npy, .csv or .exr");
   }
   if (request.per_light()) wrong_use("--per-light: not with -o, which has no columns for it");
   if (!servers_.asset_root.empty() && !servers_.upload) {
-    wrong_use("--asset-root goes with --upload");
+    wrong_use("--asset-root requires --upload");
   }
   const auto format = client::vector_format(output_);
   if (!format.ok()) wrong_use("cannot write " + std::string(format.status().message()));
@@ -200,8 +201,8 @@ void IrradianceFilesOption::run(Session& session, const std::string& scene,
   if (normal.given()) one = normal.read(1)[0];
   Receivers receivers(points.file(), normals_, one);
   if (*format == VectorFormat::kExr && receivers.window() == nullptr) {
-    wrong_use(fmt::format("cannot write {}: {} is no map, so it has no width and height", output_,
-                          points.file()));
+    wrong_use(fmt::format("cannot write {}: {} is not a map, so it has no width and height",
+                          output_, points.file()));
   }
   PartFile part(output_, journal);
 
@@ -220,7 +221,7 @@ void IrradianceFilesOption::run(Session& session, const std::string& scene,
     return client::run_irradiance_job(options);
   }();
   if (!receivers.failed().ok()) wrong_use(std::string(receivers.failed().message()));
-  if (!result.ok()) session.fail_here(result.status(), kServerSaidNo);
+  if (!result.ok()) session.fail_here(result.status(), kServerRefused);
   const std::string mixed = describe_mixed(result->report);
   if (!mixed.empty()) fmt::print(stderr, "{}\n", mixed);
 
@@ -233,10 +234,10 @@ void IrradianceFilesOption::run(Session& session, const std::string& scene,
   const v1::Accuracy& accuracy = request.accuracy();
   absl::StatusOr<TargetCheck> target(accuracy.target_error());
   if (accuracy.has_target_error()) target = check_results(output, options.header, receivers.size());
-  if (!target.ok()) session.fail_here(target.status(), kServerSaidNo);
+  if (!target.ok()) session.fail_here(target.status(), kServerRefused);
   const absl::Status written = write_irradiance(output, receivers, receivers.window());
   if (!written.ok()) {
-    throw CommandError(kServerSaidNo, "cannot write " + std::string(written.message()));
+    throw CommandError(kServerRefused, "cannot write " + std::string(written.message()));
   }
   part.done();
 
@@ -250,7 +251,9 @@ void IrradianceFilesOption::run(Session& session, const std::string& scene,
     fmt::print("{}", to_json(summary, more));
   } else {
     const std::string before =
-        result->from_journal > 0 ? fmt::format(", {} of them before", result->from_journal) : "";
+        result->from_journal > 0
+            ? fmt::format(", {} of them from the journal", result->from_journal)
+            : "";
     fmt::print("{}: {} points{}{}; {}{}{}\n", output_, receivers.size(), before,
                describe_statuses(*result), target->describe("points"), describe(summary.cost()),
                describe_approximations(accuracy, summary.cost()));
@@ -264,7 +267,7 @@ void IrradianceFilesOption::run(Session& session, const std::string& scene,
            !(receivers.window() != nullptr && status == v1::ITEM_STATUS_INVALID_INPUT);
   };
   for (std::size_t status = 0; status < result->statuses.size(); ++status) {
-    if (failed(status)) session.set_exit_status(kServerSaidNo);
+    if (failed(status)) session.set_exit_status(kServerRefused);
   }
 }
 

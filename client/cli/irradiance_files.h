@@ -1,4 +1,4 @@
-// irradiance -o: from files of any length to a file.
+// irradiance -o: reads points from files of any length and writes the results to a file.
 #pragma once
 
 #include <CLI/CLI.hpp>

@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kRowsPerRead = 4096;
 
-/// Whether the receiver met the target; false if it has no answer.
+/// Adds the receiver to `check`.  Returns whether it met the target; false if it has no answer.
 bool add_row(const float* row, TargetCheck& check) {
   const float status = row[client::kStatusColumn];
   return (status == float{v1::ITEM_STATUS_OK} || status == float{v1::ITEM_STATUS_INSIDE_SOLID}) &&
@@ -85,7 +85,7 @@ absl::Status write_map(const std::string& path, const client::ResultFile& result
   if (options.request.accuracy().has_target_error()) names.emplace_back("samples.Y");
   for (const double nm : options.request.wavelengths_nm())
     names.push_back(fmt::format("irradiance.{}nm", nm));
-  // A single sample has no error: its columns would be NaN, which some programs cannot show.
+  // A single sample has no error.  Its columns would be NaN, which some programs cannot show.
   const bool has_error = options.samples != 1;
   const auto kept_column = [has_error](std::size_t c) {
     return has_error || (c != client::kStandardErrorColumn && c != client::kLowerColumn &&

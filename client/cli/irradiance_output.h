@@ -1,4 +1,4 @@
-// Results of a job in the format of the output file.
+// Writes the results of a job in the format of the output file.
 #pragma once
 
 #include <cstdint>
@@ -21,23 +21,24 @@ struct IrradianceOutput {
   std::string description = {};  ///< for formats that hold one
 };
 
-/// "INVALID_INPUT", from the number in a column of status.
+/// The name of a number in the column of statuses, such as "INVALID_INPUT".
 std::string status_name(float status);
 
 /// Writes the output file.
 ///   .npy  the results have this format already
-///   .csv  a line for each receiver, numbers with enough digits for every bit, status by name:
+///   .csv  one line for each receiver, the status by its name, numbers with all significant digits:
 ///         x,y,z,illuminance_lx,red_lx,green_lx,blue_lx,standard_error_lx,zero_bound_lx,status,
 ///         lower_lx,upper_lx,approximate
 ///   .exr  channels R, G, B, illuminance.Y, zero_bound.Y and status.Y in `window`; with two samples
 ///         or more also standard_error.Y, lower.Y and upper.Y
-/// With a target error the samples follow (samples,reached; samples.Y), then the wavelengths.
+/// With a target error, .csv has the further columns samples,reached and .exr the channel
+/// samples.Y.  The values at the wavelengths come last.
 /// UNKNOWN if the file cannot be written.
 absl::Status write_irradiance(const IrradianceOutput& options, client::ReceiverSource& receivers,
                               const client::MapWindow* window);
 
-/// Checks the rows that have an answer.  `options` has a target error; `header` is that of the
-/// results.
+/// Checks the rows that have an answer.  `options` must have a target error.  `header` is the
+/// header of the file of results.
 absl::StatusOr<TargetCheck> check_results(const IrradianceOutput& options,
                                           const std::string& header, std::uint64_t rows);
 

@@ -1,4 +1,4 @@
-// sample, pdf.
+// The commands sample and pdf.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -121,7 +121,7 @@ void print_estimates(const v1::SampleLiResponse& response, const SampleOptions& 
   for (int i = 0; i < estimates.samples_size(); ++i) {
     const auto& [x, y, z] = set.points.at(i);
     const std::string status = item_status(estimates.status(), i);
-    // Several equal samples do not bound what they missed.
+    // Several equal samples may all have missed a light, so their interval is not exact.
     const bool approximate = is_approximate(accuracy) || estimates.samples(i) > 1;
     const std::string error =
         status.empty() ? interval_text(estimates.illuminance_lx(i), estimates.lower_lx(i),
@@ -166,7 +166,7 @@ void sample(Session& session, const SampleOptions& options) {
   request.set_scene_id(session.query_scene_id(options.scene));
   const v1::Accuracy& accuracy = request.accuracy();
   using Response = v1::SampleLiResponse;
-  ask_and_print<v1::SampleLiRequest, Response>(
+  send_and_print<v1::SampleLiRequest, Response>(
       session, request, client::sample_li_in_batches,
       [&](const Response& response) {
         if (response.has_estimates()) {
@@ -207,7 +207,7 @@ void pdf(Session& session, const PdfOptions& options) {
   options.time.put(request);
   request.set_light_id(options.light);
   request.set_scene_id(session.query_scene_id(options.scene));
-  ask_and_print(
+  send_and_print(
       session, request, client::pdf_li_in_batches, [&](const v1::PdfLiResponse& response) {
         Table table({{"x [m]"}, {"y [m]"}, {"z [m]"}, {"wi", true}, {"pdf [1/sr]"}, {"", true}});
         for (int i = 0; i < response.pdf_per_sr_size(); ++i) {

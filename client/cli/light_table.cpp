@@ -177,7 +177,7 @@ bool is_type(const v1::PhotometricFile& file, char type) {
   return file.format().ends_with(std::string(", type ") + type);
 }
 
-/// How a luminaire is turned about its downward axis.
+/// The turn of a luminaire about its downward axis.
 std::string turn_of_luminaire(const v1::PhotometricFile& file, const v1::Axes& axes) {
   // The direction of x: plane C0 of type C and EULUMDAT; the pole of type B; the beam of type A.
   const char* x = is_type(file, 'A') ? "V 0 H 0" : is_type(file, 'B') ? "V 90" : "C0";
@@ -194,7 +194,7 @@ std::string aim_of_luminaire(const v1::PhotometricFile& file, const v1::Axes& ax
                      is_left_handed(axes) ? ", mirrored" : "");
 }
 
-/// How a picture around a point is turned; empty if it is not turned.
+/// The turn of a picture around a point; empty if it is not turned.
 std::string turn_of_picture(const v1::Axes& axes) {
   const std::string x = direction(axes.x()), y = direction(axes.y()), z = direction(axes.z());
   if (x == "1 0 0" && y == "0 1 0" && z == "0 0 1") return "";
@@ -225,7 +225,7 @@ std::string place_of_goniometric(const v1::Light& light) {
     text += turn_of_picture(lamp.axes());
   }
   if (!light.has_directions()) return text;
-  // A bound that is a little wider than the cone, so two decimals are enough.
+  // The bound is a little wider than the cone, so two decimals are enough.
   const double half_angle = light.directions().half_angle_rad() * 180 / std::numbers::pi;
   return fmt::format("{}, within {} deg of {}", text, number(std::round(half_angle * 100) / 100),
                      direction(light.directions().axis()));

@@ -1,4 +1,4 @@
-// What a light is, in words and lighting units.
+// Describes lights in words and lighting units.
 #pragma once
 
 #include <google/protobuf/repeated_field.h>
@@ -23,11 +23,10 @@ std::string place_of(const v1::Light& light);
 /// scene or of its portal.
 bool is_at_infinity(const v1::Light& light);
 
-/// Explains the mark on such a flux, without a full stop and a new line.
+/// Explains the mark on such a flux, without a full stop and without a new line.
 inline constexpr char kFluxFromInfinity[] =
     "* light at infinity: the flux through the scene's bounding disk or the light's portal, not "
-    "that "
-    "of a luminaire";
+    "that of a luminaire";
 
 /// A flux [lm], with a mark before it if it includes a light at infinity.
 std::string flux_text(double lumens, bool from_infinity);

@@ -15,8 +15,7 @@ int run(int argc, char** argv) {
   CLI::App app(
       "Queries a lighting server, lucernad.\n"
       "A SCENE is a path under the scene root of the server, the id of a loaded scene, or the "
-      "first "
-      "digits of an id.",
+      "first digits of an id.",
       "lucerna");
   app.set_version_flag("--version", "lucerna " LUCERNA_VERSION, "Print the version and exit");
   app.set_help_flag("-h,--help", "Print this help and exit");
@@ -50,6 +49,6 @@ int main(int argc, char** argv) {
     return run(argc, argv);
   } catch (const std::exception& error) {
     fmt::print(stderr, "lucerna: {}\n", error.what());
-    return lucerna::cli::kServerSaidNo;
+    return lucerna::cli::kServerRefused;
   }
 }

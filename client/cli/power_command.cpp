@@ -1,4 +1,4 @@
-// power.
+// The command power.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -29,11 +29,12 @@ struct PowerOptions {
 v1::EstimatePowerResponse all_powers(Session& session, v1::EstimatePowerRequest request) {
   v1::EstimatePowerResponse all;
   do {
-    auto page = session.ask_about_scene([&](const client::Client& client) {
+    auto page = session.query_scene([&](const client::Client& client) {
       return client.estimate_power(request, session.call_options());
     });
     request.set_page_token(page.next_page_token());
-    // The time is for the first page.  The others take as many samples, so all share one total.
+    // The time budget is for the first page.  The other pages take as many samples, so all share
+    // one total.
     if (request.accuracy().has_time_budget_s() && page.lights_size() > 0)
       request.mutable_accuracy()->set_samples(static_cast<std::uint32_t>(page.lights(0).samples()));
     all.mutable_lights()->MergeFrom(page.lights());
@@ -62,7 +63,7 @@ void power(Session& session, const PowerOptions& options) {
     request.set_seed(options.seed);
     options.stop.put(request);
   } else if (options.stop.samples || options.stop.error || options.stop.budget_s) {
-    wrong_use("--samples, --error and --budget go with --method sampled");
+    wrong_use("--samples, --error and --budget require --method sampled");
   }
   options.wavelengths.put(request);
   const v1::EstimatePowerResponse response = all_powers(session, request);
@@ -140,7 +141,7 @@ void add_power_command(CLI::App& app, Session& session) {
       "target.");
   const auto powers = std::make_shared<PowerOptions>();
   command->add_option("SCENE", powers->scene, kSceneHelp)->required();
-  command->add_option("--light", powers->lights, "Id of a light; may be given again; default: all")
+  command->add_option("--light", powers->lights, "Id of a light; may be repeated; default: all")
       ->check(whole64(1))
       ->allow_extra_args(false);
   command

@@ -43,7 +43,8 @@ class Preview::Redraw {
     const std::lock_guard lock(mutex_);
     width_ = tile.image_width();
     height_ = tile.image_height();
-    // Rectangles are equal or disjoint, so the newest of each are one picture at most.
+    // Rectangles are equal or disjoint, so the newest part of each rectangle needs at most one
+    // picture of memory.
     Part& part = waiting_[{rect.x0(), rect.y0()}];
     part.rect = rect;
     part.rgb.swap(rgb);
@@ -55,7 +56,7 @@ class Preview::Redraw {
     v1::PixelRect rect;
     std::vector<float> rgb;
   };
-  using Parts = std::map<std::pair<std::uint32_t, std::uint32_t>, Part>;  // by their corners
+  using Parts = std::map<std::pair<std::uint32_t, std::uint32_t>, Part>;  // by the corner (x0, y0)
 
   void run(const std::stop_token& stop) {
     client::Picture picture;
@@ -81,7 +82,7 @@ class Preview::Redraw {
       const absl::Status status = file->write_preview(
           {.width = picture.width, .height = picture.height, .rgb = picture.pixels}, exposure_ev_);
       if (status.ok()) continue;
-      fmt::print(stderr, "--preview: {}; stops redrawing\n", std::string(status.message()));
+      fmt::print(stderr, "--preview: {}; the preview stops\n", std::string(status.message()));
       return false;
     }
     return true;

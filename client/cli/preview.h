@@ -1,7 +1,7 @@
 // render --tev and --preview: shows a picture while it is rendered.
 //
-// Neither slows the rendering.  One thread sends to tev (client/view/tev.h), another draws the
-// files; both keep only the newest pixels.
+// Neither slows the rendering.  One thread sends pixels to tev (client/view/tev.h), and another
+// draws the files.  Both keep only the newest pixels.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -38,11 +38,12 @@ class Preview {
   /// Begins a new picture.  It redraws the PNGs among `files`; the caller must not use them until
   /// files_done().  In tev the picture has the name of the first file.
   void begin(std::vector<client::PictureFile>& files, double exposure_ev);
-  /// To be called when a tile has become part of the picture.
+  /// Call it when a tile has become part of the picture.
   void update(const v1::Tile& tile, const client::PictureAssembler& so_far);
   /// Stops redrawing the files.
   void files_done();
-  /// To be called when the files are written.  Gives tev one second for the rest.
+  /// Call it when the files are written.  Waits until tev has all pixels, or accepts no byte for
+  /// one second.
   void finish();
 
  private:

@@ -1,4 +1,4 @@
-// visible, irradiance.
+// The commands visible and irradiance.
 #include <fmt/core.h>
 
 #include <memory>
@@ -58,7 +58,7 @@ void visible(Session& session, const VisibleOptions& options) {
   }
   options.time.put(request);
   request.set_scene_id(session.query_scene_id(options.scene));
-  ask_and_print(
+  send_and_print(
       session, request, client::test_visibility_in_batches,
       [&](const v1::TestVisibilityResponse& response) {
         Table table({{"x [m]"},
@@ -102,13 +102,13 @@ std::string error_text(const Answer& answer, int i, double bound, bool approxima
                        approximate);
 }
 
-/// "1024 samples a point", if all points have equally many.
+/// "1024 samples per point", if all points have equally many.
 std::string samples_text(const v1::EstimateIrradianceResponse& response) {
   if (response.cost().samples() == 0) return "no samples taken";
   const auto points = static_cast<std::uint64_t>(response.illuminance_lx_size());
   return fmt::format(
-      "{} samples a point{}", response.samples(),
-      response.cost().samples() < response.samples() * points ? " that needed any" : "");
+      "{} samples per point{}", response.samples(),
+      response.cost().samples() < response.samples() * points ? " that needed samples" : "");
 }
 
 void print_irradiance(const v1::EstimateIrradianceResponse& response, const PointSet& set,
@@ -178,7 +178,8 @@ void irradiance(Session& session, const IrradianceOptions& options) {
   options.wavelengths.put(request);
   if (options.files.given()) {
     if (options.stop.budget_s)
-      wrong_use("--budget: not with -o, which sends its points in pieces without a common time");
+      wrong_use(
+          "--budget: not with -o, whose points are sent in pieces that have no common time limit");
     return options.files.run(session, options.scene, options.points, options.normals, request);
   }
   options.files.check();
@@ -191,7 +192,7 @@ void irradiance(Session& session, const IrradianceOptions& options) {
   request.set_scene_id(session.query_scene_id(options.scene));
   const v1::Accuracy& accuracy = request.accuracy();
   using Response = v1::EstimateIrradianceResponse;
-  ask_and_print<v1::EstimateIrradianceRequest, Response>(
+  send_and_print<v1::EstimateIrradianceRequest, Response>(
       session, request, client::estimate_irradiance_in_batches,
       [&](const Response& response) {
         print_irradiance(response, set, options.wavelengths, options.stop, accuracy);

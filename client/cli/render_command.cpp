@@ -1,4 +1,4 @@
-// render.
+// The command render.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -107,7 +107,7 @@ std::pair<client::Picture, v1::RenderImageResponse> render_picture(
     if (!bad_tile.ok()) session.fail(bad_tile);
     if (!status.ok()) session.fail(status);
   }
-  return {session.ask(assembler.picture()), last};
+  return {session.value_or_fail(assembler.picture()), last};
 }
 
 void write(PictureFile file, const client::Picture& picture, const std::vector<float>& values,
@@ -115,16 +115,16 @@ void write(PictureFile file, const client::Picture& picture, const std::vector<f
   const absl::Status status = file.write(
       {.width = picture.width, .height = picture.height, .rgb = values, .description = description},
       exposure_ev);
-  if (!status.ok()) throw CommandError(kServerSaidNo, std::string(status.message()));
+  if (!status.ok()) throw CommandError(kServerRefused, std::string(status.message()));
 }
 
-/// "64 samples a pixel at least, 256 in the middle, 4096 at most".
+/// "samples per pixel: at least 64, median 256, at most 4096".
 std::string describe_samples(std::vector<std::uint32_t> samples) {
   const auto [least, most] = std::minmax_element(samples.begin(), samples.end());
   const std::string ends[] = {fmt::format("{}", *least), fmt::format("{}", *most)};
   const auto middle = samples.begin() + static_cast<std::ptrdiff_t>((samples.size() - 1) / 2);
   std::nth_element(samples.begin(), middle, samples.end());
-  return fmt::format("{} samples a pixel at least, {} in the middle, {} at most", ends[0], *middle,
+  return fmt::format("samples per pixel: at least {}, median {}, at most {}", ends[0], *middle,
                      ends[1]);
 }
 
@@ -146,20 +146,20 @@ TargetCheck check_target(const client::Picture& picture, const v1::TargetError& 
 void check(const RenderOptions& options) {
   options.servers.check();
   if (options.servers && options.stop.budget_s)
-    wrong_use("--budget: not with --servers, whose tiles wait in queues; use --error or --samples");
+    wrong_use("--budget: not with --servers, where tiles wait in queues; use --error or --samples");
   if (options.servers.samples_per_piece > 0 && options.stop.error)
-    wrong_use("--split-samples: not with --error, as each pixel then has its own samples");
+    wrong_use("--split-samples: not with --error, where each pixel has its own number of samples");
   if (!options.error_output.empty() && options.stop.samples == 1U)
-    wrong_use("--stderr: a single sample gives no standard error, --samples must be 2 or more");
+    wrong_use("--stderr: a single sample has no standard error; --samples must be 2 or more");
   const auto format = client::picture_format(options.counts_output);
   if (!options.counts_output.empty() && format.ok() && *format == client::PictureFormat::kPng)
     wrong_use("--counts " + options.counts_output +
-              ": 8 bits hold no counts, must be .exr or .pfm");
+              ": 8 bits cannot store counts; must be .exr or .pfm");
 }
 
 void render(Session& session, const RenderOptions& options, Preview& preview) {
   check(options);
-  if (!options.servers) session.need_one_server("a picture by several servers needs --servers");
+  if (!options.servers) session.need_one_server("a picture on several servers requires --servers");
   std::vector<PictureFile> files;
   std::set<std::filesystem::path> names;
   const auto add = [&](const std::string& path) {
@@ -177,7 +177,8 @@ void render(Session& session, const RenderOptions& options, Preview& preview) {
     for (PictureFile& file : files) file.keep_no_preview();
   }
   preview.begin(files, options.exposure_ev);
-  const absl::Cleanup no_more = [&preview] { preview.files_done(); };  // before they go
+  // Runs before the files are destroyed.
+  const absl::Cleanup no_more = [&preview] { preview.files_done(); };
 
   v1::RenderImageRequest request;
   request.set_seed(options.seed);
@@ -205,8 +206,7 @@ void render(Session& session, const RenderOptions& options, Preview& preview) {
   preview.files_done();
 
   if (error_file && picture.standard_error.empty()) {
-    throw CommandError(kServerSaidNo,
-                       "--stderr: a single block of samples gives no standard error");
+    throw CommandError(kServerRefused, "--stderr: a single block of samples has no standard error");
   }
   for (PictureFile& file : files) {
     write(std::move(file), picture, picture.pixels, description, options.exposure_ev);
@@ -242,10 +242,10 @@ void render(Session& session, const RenderOptions& options, Preview& preview) {
         describe(last.cost()), describe_approximations(accuracy, last.cost()));
     session.print_remarks();
   }
-  std::fflush(stdout);  // whoever waits for frames sees each
+  std::fflush(stdout);  // so that a reader sees each frame at once
 }
 
-/// Each as `render` renders it alone.
+/// Renders the frames one after the other.  Each has the bits of a `render` without --frames.
 void render_frames(Session& session, const RenderOptions& options) {
   check(options);
   if (options.preview.redraw_s > 0 && options.frames.skip_existing)
@@ -279,8 +279,7 @@ void add_render_command(CLI::App& app, Session& session) {
       "  lucerna render --servers a:50051,b:50051 --upload room.pbrt -o room.exr\n"
       "  lucerna render room.pbrt -o room.png --preview=5 --tev localhost\n"
       "  lucerna render flight.pbrt --frames 1-240 --fps 24 -o flight.%04d.exr\n"
-      "If SCENE has a place for the number of the frame, each frame has its own scene file with "
-      "its\n"
+      "If SCENE has a place for the frame number, each frame has its own scene file with its\n"
       "own shutter.  Otherwise frame 1 has the shutter of the scene file, and the shutter of each\n"
       "further frame opens 1/fps later.\n"
       "--json prints the last RenderImageResponse without its tile, one line for each frame, and\n"
@@ -289,10 +288,9 @@ void add_render_command(CLI::App& app, Session& session) {
   const auto options = std::make_shared<RenderOptions>();
   command->add_option("SCENE", options->scene, kSceneHelp)->required();
   command
-      ->add_option(
-          "-o,--output", options->outputs,
-          "File of the picture: .exr or .pfm (linear RGB, 32-bit float) or .png (8-bit sRGB); may "
-          "be given again")
+      ->add_option("-o,--output", options->outputs,
+                   "File of the picture: .exr or .pfm (linear RGB, 32-bit float) or .png (8-bit "
+                   "sRGB); may be repeated")
       ->allow_extra_args(false)
       ->required();
   command->add_option("--stderr", options->error_output,

@@ -22,12 +22,12 @@ void ServersOption::add(CLI::App& command, bool pictures) {
           },
           ""))
       ->type_name("LIST");
-  // Points of a file are always a job, with one server too.
+  // Points of a file are always a job, even on one server.
   const std::string with = pictures ? "With --servers: " : "With -o: ";
   command.add_flag("--upload", upload, with + "send SCENE, a file of this machine, to the servers");
   command
       .add_option("--asset-root", asset_root,
-                  "With --upload: send no file from outside of this directory; default: the scene "
+                  "With --upload: send only files in this directory; default: the scene "
                   "file's")
       ->type_name("DIR");
   if (pictures) {
@@ -46,11 +46,11 @@ void ServersOption::add(CLI::App& command, bool pictures) {
 
 void ServersOption::check() const {
   if (!servers.empty()) {
-    if (!asset_root.empty() && !upload) wrong_use("--asset-root goes with --upload");
+    if (!asset_root.empty() && !upload) wrong_use("--asset-root requires --upload");
     return;
   }
   const auto needs = [](bool given, const char* name) {
-    if (given) wrong_use(fmt::format("{} goes with --servers", name));
+    if (given) wrong_use(fmt::format("{} requires --servers", name));
   };
   needs(upload, "--upload");
   needs(!asset_root.empty(), "--asset-root");
@@ -63,10 +63,10 @@ client::JobOptions ServersOption::job(Session& session, const std::string& scene
   client::JobOptions job;
   std::string id;
   if (servers.empty()) {
-    session.need_one_server("a job on several servers needs --servers");
+    session.need_one_server("a job on several servers requires --servers");
     // An absent server is an error here; with many servers it may come later.
     if (upload) {
-      session.ask(session.client().get_server_info({}, session.call_options()));
+      session.value_or_fail(session.client().get_server_info({}, session.call_options()));
     } else {
       id = session.query_scene_id(scene);
     }
@@ -127,7 +127,7 @@ client::RenderJobResult ServersOption::render(Session& session, const std::strin
   if (held != nullptr) options.job.load = held->through(std::move(options.job.load));
   auto result = client::run_render_job(options);
   // The message names the server if it is about one.
-  if (!result.ok()) session.fail_here(result.status(), kServerSaidNo);
+  if (!result.ok()) session.fail_here(result.status(), kServerRefused);
   return *std::move(result);
 }
 

@@ -1,4 +1,4 @@
-// --servers: one picture, or the light at many points, on many servers.
+// The option --servers: one picture, or the light at many points, on many servers.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -27,8 +27,8 @@ struct ServersOption {
   /// Ends the program if the other options are given without --servers.
   void check() const;
 
-  /// A job on these servers, or on the server of --server.  It prints what happens to servers to
-  /// stderr.  This, `bar` and the session outlive it.  Ends the program for a wrong list.
+  /// A job on these servers, or on the server of --server.  It prints events of servers to stderr.
+  /// This object, `bar` and the session must outlive it.  Ends the program for a wrong list.
   client::JobOptions job(Session& session, const std::string& scene, ProgressBar& bar) const;
 
   /// Renders the picture with a progress bar.

@@ -1,4 +1,4 @@
-// load, scenes, scene, lights, lease, release, info.
+// The commands load, scenes, scene, lights, lease, release and info.
 #include <fmt/core.h>
 #include <unistd.h>
 
@@ -47,17 +47,17 @@ v1::LoadSceneResponse upload(Session& session, const LoadFlags& flags) {
       !response.status().GetPayload(client::kStatusPayloadUrl)) {
     session.fail_here(response.status(), kWrongUse);
   }
-  return session.ask(std::move(response));
+  return session.value_or_fail(std::move(response));
 }
 
 /// Ends the program under --strict for a scene with remarks.
 void check_strict(Session& session, const v1::LoadSceneResponse& loaded) {
   const absl::Status status = session.note_remarks(loaded.scene_id(), loaded.remarks());
-  if (!status.ok()) session.fail_here(status, kServerSaidNo);
+  if (!status.ok()) session.fail_here(status, kServerRefused);
 }
 
 void load(Session& session, const LoadFlags& flags) {
-  if (!flags.asset_root.empty() && !flags.upload) wrong_use("--asset-root goes with --upload");
+  if (!flags.asset_root.empty() && !flags.upload) wrong_use("--asset-root requires --upload");
   const v1::LoadSceneResponse response =
       flags.upload ? upload(session, flags) : load_scene(session, flags.path, flags.lease_s);
   if (session.json()) {
@@ -115,7 +115,8 @@ void scene(Session& session, const std::string& name, bool remarks_only) {
   session.need_one_server("each server builds its own parts of a scene");
   v1::GetSceneRequest request;
   request.set_scene_id(session.scene_id(name));
-  const auto response = session.ask(session.client().get_scene(request, session.call_options()));
+  const auto response =
+      session.value_or_fail(session.client().get_scene(request, session.call_options()));
   if (session.json()) {
     fmt::print("{}", to_json(response));
     return;
@@ -152,7 +153,8 @@ void lease(Session& session, const std::string& scene, double seconds, const std
   request.set_scene_id(session.scene_id(scene));
   request.set_lease_s(seconds);
   request.set_lease_id(id);
-  const auto response = session.ask(session.client().renew_lease(request, session.call_options()));
+  const auto response =
+      session.value_or_fail(session.client().renew_lease(request, session.call_options()));
   if (session.json()) {
     fmt::print("{}", to_json(response));
   } else {
@@ -166,7 +168,7 @@ void release(Session& session, const std::string& scene, const std::string& leas
   request.set_scene_id(session.scene_id(scene));
   request.set_lease_id(lease);
   const auto response =
-      session.ask(session.client().release_scene(request, session.call_options()));
+      session.value_or_fail(session.client().release_scene(request, session.call_options()));
   if (session.json()) {
     fmt::print("{}", to_json(response));
   } else {
@@ -176,7 +178,8 @@ void release(Session& session, const std::string& scene, const std::string& leas
 }
 
 void info(Session& session) {
-  const auto response = session.ask(session.client().get_server_info({}, session.call_options()));
+  const auto response =
+      session.value_or_fail(session.client().get_server_info({}, session.call_options()));
   if (session.json()) {
     fmt::print("{}", to_json(response));
     return;
@@ -228,13 +231,12 @@ void add_load_command(CLI::App& app, Session& session) {
       ->required();
   command->add_flag(
       "--upload", flags->upload,
-      "Send the scene file and the files that it names, unless the server holds them");
+      "Send the scene file and the files that it names, unless the server already has them");
   command
-      ->add_option(
-          "--asset-root", flags->asset_root,
-          "With --upload: send no file from outside of this directory; default: the scene file's")
+      ->add_option("--asset-root", flags->asset_root,
+                   "With --upload: send only files in this directory; default: the scene file's")
       ->type_name("DIR");
-  command->add_option("--lease", flags->lease_s, "Keep the scene for this time at least [s]")
+  command->add_option("--lease", flags->lease_s, "Keep the scene for at least this time [s]")
       ->type_name("SECONDS")
       ->check(positive());
   command->callback([flags, &session] { load(session, *flags); });
@@ -278,7 +280,7 @@ void add_scene_commands(CLI::App& app, Session& session) {
       app, "scene", "Print the parts that were built for a scene, with memory, time and reason",
       "SCENE", kSceneHelp, "lucerna scene room.pbrt",
       [&session, remarks_only](const std::string& name) { scene(session, name, *remarks_only); });
-  scene_command->add_flag("--remarks", *remarks_only, "List only what is not modelled");
+  scene_command->add_flag("--remarks", *remarks_only, "List only the content that is not modelled");
   add_command(app, "lights", "List the lights of a scene", "SCENE", kSceneHelp,
               "lucerna lights room.pbrt",
               [&session](const std::string& scene) { lights(session, scene); });

@@ -1,4 +1,5 @@
-// tradeoff: starts lucerna-tradeoff, a program of its own beside this one.
+// The command tradeoff: starts the program lucerna-tradeoff, which is in the folder of this
+// program.
 #include <fmt/format.h>
 #include <unistd.h>
 

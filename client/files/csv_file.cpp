@@ -44,7 +44,7 @@ class CsvFile final : public VectorFile {
     }
     columns_ = reader_.columns();
     next_ = rows_;
-    // Checks the number of columns too: all rows have that of the first.
+    // Parse the first row to check its number of columns, which all rows share.
     reader_.seek(marks_.front());
     next_ = rows_ > 0 ? 1 : 0;
     return reader_.next().status();
@@ -150,7 +150,8 @@ absl::StatusOr<bool> CsvReader::next_fields() {
     const bool header = now_.may_be_header && is_header(fields_);
     now_.may_be_header = false;
     if (now_.columns != 0 && fields_.size() != now_.columns)
-      return at_line(fmt::format("{} columns, {} before", fields_.size(), now_.columns));
+      return at_line(
+          fmt::format("{} columns, but {} in the lines before", fields_.size(), now_.columns));
     now_.columns = fields_.size();
     if (!header) return true;
   }

@@ -1,4 +1,4 @@
-// Reads lines of comma-separated numbers, in order or from any row on.
+// Reads lines of comma-separated numbers, in order or starting at any row.
 #pragma once
 
 #include <istream>
@@ -22,9 +22,9 @@ std::optional<double> parse_number(std::string_view text);
 /// Parses three or six numbers.  INVALID_ARGUMENT names the column.
 absl::Status parse_fields(const std::vector<std::string_view>& fields, std::vector<double>& to);
 
-/// Reads lines of x,y,z or of x,y,z,nx,ny,nz, with the same columns throughout.  An optional header
-/// begins with x,y,z (for normals nx,ny,nz).  Blank lines and lines that begin with # are skipped.
-/// INVALID_ARGUMENT begins with "name:line: ".
+/// Reads lines of x,y,z or of x,y,z,nx,ny,nz.  All lines have the same number of columns.  An
+/// optional header begins with x,y,z (for normals nx,ny,nz).  Blank lines and lines that begin with
+/// # are skipped.  INVALID_ARGUMENT begins with "name:line: ".
 class CsvReader {
  public:
   /// The position of a row, and the state that depends on the rows before it.
@@ -59,8 +59,8 @@ class CsvReader {
   std::vector<double> numbers_;
 };
 
-/// Opens a CSV file.  It finds the rows at once, and errors in numbers when they are read.  Holds
-/// 32 bytes per 1024 rows.
+/// Opens a CSV file.  Finds the rows at once; read() finds errors in numbers.  Keeps 32 bytes per
+/// 1024 rows in memory.
 absl::StatusOr<std::unique_ptr<VectorFile>> open_csv(const std::string& path);
 
 }  // namespace lucerna::client

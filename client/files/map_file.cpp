@@ -36,7 +36,7 @@ class Channels {
  public:
   explicit Channels(std::vector<OIIO::ImageSpec> parts) : parts_(std::move(parts)) {}
 
-  /// x, y and z of the layer; of no layer if its name is empty.
+  /// The channels x, y and z of the layer.  If its name is empty, the channels without a layer.
   std::optional<Triple> find(const std::string& layer) const {
     for (const std::string_view names : {"xyz", "rgb"}) {
       for (std::size_t part = 0; part < parts_.size(); ++part) {
@@ -99,7 +99,7 @@ class MapFile final : public VectorFile {
     std::vector<OIIO::ImageSpec> parts;
     while (file->seek_subimage(static_cast<int>(parts.size()), 0)) {
       parts.push_back(file->spec());
-      if (parts.back().deep) return bad("holds deep pixels, must be flat");
+      if (parts.back().deep) return bad("has deep pixels, must be flat");
     }
     const Channels channels(std::move(parts));
     const auto layer = [&](const char* brief, const char* full) {

@@ -22,7 +22,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little);
 
 constexpr std::string_view kMagic("\x93NUMPY", 6);
-constexpr std::size_t kMostHeaderBytes = 1 << 16;  // such arrays need about a hundred
+constexpr std::size_t kMostHeaderBytes = 1 << 16;  // an array of floats needs about a hundred
 
 struct Header {
   std::string descr;
@@ -185,10 +185,10 @@ class NpyFile final : public VectorFile {
       return bad(fmt::format("is of version {}, allowed: 1 to 3", version));
     std::uint32_t length = 0;
     in_.read(reinterpret_cast<char*>(&length), version == 1 ? 2 : 4);
-    if (!in_ || length > kMostHeaderBytes) return bad("is cut off within its header");
+    if (!in_ || length > kMostHeaderBytes) return bad("ends within its header");
     text.resize(length);
     in_.read(text.data(), length);
-    return in_ ? absl::OkStatus() : bad("is cut off within its header");
+    return in_ ? absl::OkStatus() : bad("ends within its header");
   }
 
   std::string path_;

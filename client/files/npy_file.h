@@ -11,7 +11,7 @@
 namespace lucerna::client {
 
 /// Opens an array of shape (n, 3) or (n, 6) of little-endian float32 or float64 in C order.
-/// INVALID_ARGUMENT names the requirement that fails, or that the file is cut off.
+/// INVALID_ARGUMENT names the requirement that the file violates.
 absl::StatusOr<std::unique_ptr<VectorFile>> open_npy(const std::string& path);
 
 /// The header of an array of shape (rows, columns) of little-endian float32.

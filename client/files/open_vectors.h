@@ -16,7 +16,7 @@ enum class VectorFormat { kNpy, kCsv, kExr };
 absl::StatusOr<VectorFormat> vector_format(const std::string& path);
 
 /// Opens a file by its extension.  `kind` selects the channels of a map.  INVALID_ARGUMENT names
-/// the file and what is wrong with it.
+/// the file and the error in it.
 absl::StatusOr<std::unique_ptr<VectorFile>> open_vectors(const std::string& path, VectorKind kind);
 
 }  // namespace lucerna::client

@@ -1,4 +1,4 @@
-// The interface of files of points and normals, which are read a run of rows at a time.
+// The interface of files of points and normals, which callers read in runs of rows.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +9,8 @@
 
 namespace lucerna::client {
 
-/// Where the texels of a map are: its data window, and the window that a viewer shows.
+/// The windows of a map: its data window, which holds the texels, and the window that a viewer
+/// shows.
 struct MapWindow {
   int x = 0, y = 0, width = 0, height = 0;
   int full_x = 0, full_y = 0, full_width = 0, full_height = 0;
@@ -23,12 +24,12 @@ class VectorFile {
   virtual std::size_t columns() const = 0;  ///< 3 or 6
   /// The window of a map; null for other files.  The rows of a map are its texels, from the top.
   virtual const MapWindow* window() const { return nullptr; }
-  /// Reads rows from `first` on, as many as `values` holds.  INVALID_ARGUMENT names the file, and
-  /// in a text file the line.  Not thread-safe.
+  /// Reads as many rows as fit into `values`, starting at row `first`.  INVALID_ARGUMENT names the
+  /// file, and in a text file the line.  Not thread-safe.
   virtual absl::Status read(std::uint64_t first, std::span<double> values) = 0;
 };
 
-/// What is wanted from a file: points, perhaps with normals, or normals alone.
+/// What the caller needs from a file: points (with normals if the file has them), or only normals.
 enum class VectorKind { kPoints, kNormals };
 
 }  // namespace lucerna::client

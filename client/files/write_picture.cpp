@@ -112,7 +112,7 @@ absl::StatusOr<PictureFile> PictureFile::create(const std::string& path) {
   std::error_code error;
   if (std::filesystem::is_directory(path, error)) return cannot_write(path, "it is a directory");
   const std::filesystem::path target(path);
-  // OpenImageIO chooses the format by the extension, so it stays.
+  // OpenImageIO chooses the format by the extension, so the temporary name has the same extension.
   std::string temporary = (target.parent_path() / ("." + target.stem().string() + "." +
                                                    std::to_string(::getpid()) + extension(path)))
                               .string();

@@ -1,5 +1,5 @@
-// Writes pictures to files.  An unfinished file has a temporary name, so no half-written picture is
-// ever seen.
+// Writes pictures to files.  An unfinished file has a temporary name, so readers never see a
+// half-written picture.
 #pragma once
 
 #include <cstdint>

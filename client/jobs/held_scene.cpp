@@ -12,9 +12,10 @@ namespace {
 
 // A server that does not answer a lease call in this time counts as absent.
 constexpr std::chrono::seconds kLeaseCallTime(10);
-// Wait for servers that still load when the scene is released.
+// Longest wait for servers that still load when the scene is released.
 constexpr std::chrono::seconds kWaitAtTheEnd(2);
-// The shortest lease allowed, which ends a lease.  Releasing the scene would unload it.
+// The shortest lease that servers allow.  Renewing with it ends a lease.  ReleaseScene would unload
+// the scene.
 constexpr double kNoLease_s = 1e-3;
 
 client::CallOptions soon(client::CallOptions call) {
@@ -101,8 +102,8 @@ absl::StatusOr<v1::LoadSceneResponse> HeldScene::load_on(const Load& load,
   const auto loaded = [&] {
     return changed_.wait(lock, call.stop, [&] { return !holding.loading; });
   };
-  // An earlier job may have loaded it meanwhile.  Do not create a second lease, which nobody would
-  // end.
+  // The call of an earlier job may have loaded the scene meanwhile.  Do not create a second lease,
+  // since nothing would end it.
   for (std::string lost; loaded() && holding.lease_id != lost;) {
     lost = holding.lease_id;
     lock.unlock();
@@ -141,7 +142,7 @@ void HeldScene::release(bool forget, const client::CallOptions& call) {
   }
   for (auto& [target, holding] : holdings_) holding.thread = {};
   all.swap(holdings_);
-  // In parallel, so that this takes no longer than one call.
+  // Call the servers in parallel, so that all calls take as long as one.
   const client::CallOptions end = soon(call);
   std::vector<std::jthread> threads;
   for (const auto& [target, held] : all) {

@@ -16,8 +16,8 @@ namespace lucerna::client {
 
 /// Loads a scene once on each server, and keeps it leased from one use to the next.
 ///
-/// A job may end while a server still loads the scene.  The job would then give up without knowing
-/// whether loading succeeded.  So loading continues here, for the next job and for `release`.
+/// A job may end while a server still loads the scene.  The job cannot wait for the result.  So
+/// loading continues here, for the next job and for release().
 class HeldScene {
  public:
   /// The same as JobOptions::load, with a lease of kJobLease.
@@ -28,21 +28,20 @@ class HeldScene {
   /// Stops loading.  Leases expire by themselves.
   ~HeldScene();
 
-  /// Returns a function that renews the lease on a server that holds the scene.  On any other
-  /// server it calls `load` in a thread of its own.  Objects that `load` refers to must outlive
-  /// this.  The result may be called by many threads at once.
+  /// Returns a function for JobOptions::load.  On a server that holds the scene, it renews the
+  /// lease.  On other servers it calls `load` in a separate thread.  Objects that `load` refers to
+  /// must outlive this object.  Many threads may call the result at once.
   Load through(Load load);
 
-  /// Renews the lease; nothing if the server does not hold the scene.  For one thread at a time.
+  /// Renews the lease.  Returns nothing if the server does not hold the scene.  Not thread-safe.
   absl::StatusOr<std::optional<v1::LoadSceneResponse>> renew(const client::Client& client,
                                                              const client::CallOptions& call);
   /// Takes over a scene that was loaded by other means.
   void hold(const client::Client& client, const v1::LoadSceneResponse& loaded);
 
-  /// Ends all leases, after a short wait for servers that still load.  With `forget`, servers that
-  /// did not hold the scene before unload it, unless others have leased it meanwhile.  A server
-  /// that does not answer keeps the scene until its lease expires.  Requires that no job is
-  /// running.
+  /// Ends all leases, after a short wait for servers that still load.  With `forget`, servers on
+  /// which this object loaded the scene unload it, unless others have leased it meanwhile.  A
+  /// server that does not answer keeps the scene until its lease expires.  No job may be running.
   void release(bool forget, const client::CallOptions& call);
 
  private:

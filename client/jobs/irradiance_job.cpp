@@ -105,8 +105,8 @@ std::array<char, 8> sum_of(std::span<const float> values) {
   return sum;
 }
 
-/// Opens the file of results.  Results that a journal refers to are not replaced by those of
-/// another shape, since the user may have given a wrong name.
+/// Opens the file of results.  Does not replace results of another shape if a journal refers to
+/// them, since the user may have given a wrong name.
 absl::StatusOr<ResultFile> open_results(const IrradianceJobOptions& options) {
   const bool has_records = !options.journal.empty() && Journal::has_records(options.journal);
   auto results =
@@ -115,7 +115,7 @@ absl::StatusOr<ResultFile> open_results(const IrradianceJobOptions& options) {
                        has_records ? ResultFile::Other::kKeep : ResultFile::Other::kReplace);
   if (absl::IsFailedPrecondition(results.status()))
     return absl::FailedPreconditionError(
-        options.results + ": holds results for other receivers or wavelengths, which the journal " +
+        options.results + ": has results for other receivers or wavelengths, which the journal " +
         options.journal + " refers to: repeat that job, or remove both files");
   return results;
 }
@@ -155,7 +155,7 @@ class Irradiance final : public DistributedWork {
     };
     const std::uint64_t most = receivers_.size() / items_per_piece + done_.size();
     if (most >= kMostPieces)
-      return absl::InvalidArgumentError("the receivers fall into " + std::to_string(most) +
+      return absl::InvalidArgumentError("the receivers need " + std::to_string(most) +
                                         " pieces of " + std::to_string(items_per_piece) +
                                         ", allowed: " + std::to_string(kMostPieces));
     for (const Run& run : done_) {
@@ -226,7 +226,8 @@ class Irradiance final : public DistributedWork {
     return hexadecimal(sha256(job));
   }
 
-  /// Takes a record.  It does not count if its rows are not in the file, as after a power failure.
+  /// Takes a record.  Ignores it if its rows are not in the file, for example after a power
+  /// failure.
   absl::Status from_journal(const std::string& bytes) {
     JournalRecord record{};
     const bool fits = bytes.size() == sizeof record;

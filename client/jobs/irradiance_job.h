@@ -1,9 +1,10 @@
 // Computes irradiance at any number of receivers on several servers, from files into a file.
 //
-//   IrradianceJobOptions options{.receivers = &source, .results = "out.bin", .journal =
-//   "out.journal"}; options.request.mutable_accuracy()->set_samples(256); options.job = {.servers =
-//   *server_list("a:50051,b:50051"), .load = load_the_scene}; const auto result =
-//   run_irradiance_job(options);
+//   IrradianceJobOptions options{
+//       .receivers = &source, .results = "out.bin", .journal = "out.journal"};
+//   options.request.mutable_accuracy()->set_samples(256);
+//   options.job = {.servers = *server_list("a:50051,b:50051"), .load = load_the_scene};
+//   const auto result = run_irradiance_job(options);
 //
 // Receivers are read in runs, and results are written to their rows in the order of their arrival.
 // So the memory of this process does not grow with the number of receivers, except for about 100
@@ -27,37 +28,43 @@ class ReceiverSource {
  public:
   virtual ~ReceiverSource() = default;
   virtual std::uint64_t size() const = 0;
-  /// Replaces `points` and `normals` (x, y, z interleaved) by receivers [first, first + count).
-  /// One thread calls at a time: once through all in order, then any run, possibly again.  Errors
-  /// end the job.
+  /// Replaces `points` [m] and `normals` (x, y, z interleaved) by receivers [first, first + count).
+  /// Only one thread calls it.  The job first reads all receivers once in order, and then any runs,
+  /// possibly several times.  An error ends the job.
   virtual absl::Status read(std::uint64_t first, std::size_t count, std::vector<Double3>& points,
                             std::vector<float>& normals) = 0;
 };
 
 struct IrradianceJobOptions {
-  /// The question about each receiver.  Receivers, normals and `scene_id` are ignored; `per_light`
-  /// must be unset.  The results have the bits that EstimateIrradiance gives for all receivers in
-  /// one request made by make_points(), whatever the servers, their number and the pieces.
+  /// The query for each receiver.  Receivers, normals and `scene_id` are ignored; `per_light` must
+  /// be unset.  The results have the bits that EstimateIrradiance gives for one request with all
+  /// receivers, made by make_points().  This holds for any servers, any number of servers and any
+  /// pieces.
   v1::EstimateIrradianceRequest request;
   ReceiverSource* receivers = nullptr;
   /// The file of the results: `header`, then irradiance_columns() floats for each receiver.
   std::string results;
   std::string header = {};
   /// The file that records which receivers are done.  An interrupted job continues from it and from
-  /// the results.  Empty: none is kept.
+  /// the results.  Empty: no journal.
   std::string journal = {};
-  /// Receivers of a piece.  0: chosen by the number of samples, at most kGoodBatchItems and what
-  /// the servers allow.
+  /// Receivers of a piece.  0: chosen by the number of samples, at most kGoodBatchItems and the
+  /// limit of the servers.
   std::uint32_t items_per_piece = 0;
   JobOptions job;
 };
 
 /// Columns of a receiver's results, in this order:
-///   illuminance [lx]; irradiance R, G, B [lx]; standard error of the illuminance [lx], NaN if
-///   there is a single sample; zero bound [lx]; status (lucerna.v1.ItemStatus, 1 is good); lower
-///   and upper end of the interval that holds the illuminance [lx], NaN if there is none; with a
-///   target error the samples; then the irradiance at each of the request's wavelengths [W/m2/nm]
-/// EstimateIrradianceResponse describes them.
+/// - illuminance [lx]
+/// - irradiance R, G, B [lx]
+/// - standard error of the illuminance [lx]; NaN for a single sample
+/// - zero bound [lx]
+/// - status (lucerna.v1.ItemStatus, 1 is ITEM_STATUS_OK)
+/// - lower and upper end of the interval of the illuminance [lx]; NaN if there is none
+/// - number of samples, only with a target error
+/// - irradiance at each of the request's wavelengths [W/m2/nm]
+///
+/// EstimateIrradianceResponse describes the values.
 inline constexpr std::size_t kIrradianceColumns = 9;
 inline constexpr std::size_t kStandardErrorColumn = 4, kStatusColumn = 6, kLowerColumn = 7,
                              kUpperColumn = 8;
@@ -77,10 +84,11 @@ struct IrradianceJobResult {
 
 /// Runs the job.  Reads all receivers once before it calls any server.
 ///
-/// Errors: those of run_job and of the receivers; INVALID_ARGUMENT for no receivers, for more than
-/// 2^24 pieces, and for a time budget; FAILED_PRECONDITION for the journal of another job, whose
-/// results stay unchanged; UNKNOWN if the journal or the results cannot be written, or another job
-/// uses them.
+/// Errors:
+/// - errors of run_job() and of the receivers
+/// - INVALID_ARGUMENT for no receivers, for more than 2^24 pieces, and for a time budget
+/// - FAILED_PRECONDITION for the journal of another job, whose results stay unchanged
+/// - UNKNOWN if the journal or the results cannot be written, or another job uses them
 absl::StatusOr<IrradianceJobResult> run_irradiance_job(const IrradianceJobOptions& options);
 
 }  // namespace lucerna::client

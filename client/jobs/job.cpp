@@ -65,7 +65,7 @@ class Events {
     woken_ = true;
     changed_.notify_one();
   }
-  /// The events since the last call; waits for one until `until`.
+  /// Returns the events since the last call.  If there are none, waits for one until `until`.
   std::vector<Event> wait(Clock::time_point until) {
     std::unique_lock lock(mutex_);
     const auto any = [this] { return woken_ || !events_.empty(); };
@@ -85,8 +85,8 @@ class Events {
   bool woken_ = false;
 };
 
-/// Runs a schedule over gRPC.  Everything except the posting of events happens in the thread of
-/// run().
+/// Runs a schedule over gRPC.  Other threads only post events; everything else happens in the
+/// thread of run().
 class JobRunner final : JobSchedule::Channel {
  public:
   JobRunner(DistributedWork& work, const JobOptions& options)
@@ -130,8 +130,8 @@ class JobRunner final : JobSchedule::Channel {
     std::optional<Ready> ready;
     std::jthread preparing;
   };
-  /// A call in progress.  It keeps the client: otherwise the client could be destroyed in the
-  /// thread that answers the call, when the server is prepared again meanwhile (see Client::Done).
+  /// A call in progress.  It keeps the client alive.  Otherwise preparing the server again could
+  /// destroy the client in the thread that answers the call (see Client::Done).
   struct Attempt {
     std::stop_source stop;
     Client client;
@@ -164,7 +164,7 @@ class JobRunner final : JobSchedule::Channel {
     ++under_way_;
     Server& server = servers_[id];
     server.ready.reset();
-    // Uploading a scene may take long, so this gets its own thread.
+    // Uploading a scene may take long, so each server has its own thread for it.
     server.preparing = std::jthread([this, id, target] {
       events_.post(PreparedEvent{id, make_ready(target, call(preparing_))});
     });
@@ -207,7 +207,7 @@ class JobRunner final : JobSchedule::Channel {
 
   void cancel(AttemptId attempt) override { attempts_.at(attempt).stop.request_stop(); }
 
-  void say(const std::string& event) override {
+  void report(const std::string& event) override {
     if (options_.on_event) options_.on_event(event);
   }
 

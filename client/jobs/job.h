@@ -1,5 +1,5 @@
-// Runs work on several servers.  The work is cut into pieces; each server takes its next piece when
-// it has finished one.
+// Runs work on several servers.  The work is cut into pieces.  Each server takes its next piece
+// when it has finished one.
 //
 //   class Tiles final : public DistributedWork { ... };  // begin, size, start, accept
 //   Tiles tiles;
@@ -7,10 +7,11 @@
 //   const auto report = run_job(tiles, {.servers = *list, .load = load_the_scene});
 //   if (!report.ok()) std::cerr << report.status().message() << '\n';
 //
-// A slow server gets fewer pieces.  Pieces of a server that is gone go to others.  When nothing
-// else is left, the last pieces go to a second server too, and the first result counts.  This is
-// correct because servers give the same bits.  Servers with another numeric fingerprint are
-// therefore refused.  Pictures and irradiance have ready jobs: render_job.h and irradiance_job.h.
+// A slow server gets fewer pieces.  If a server is lost, other servers get its pieces.  When no
+// piece is pending, idle servers compute the last pieces a second time, and the first result
+// counts.  This is correct because servers of one numeric fingerprint give the same bits.  Servers
+// with another fingerprint are therefore excluded.  render_job.h and irradiance_job.h have complete
+// jobs for pictures and for irradiance.
 #pragma once
 
 #include <chrono>
@@ -37,21 +38,22 @@ class DistributedWork {
   using Done = std::function<void(absl::StatusOr<Result>)>;
 
   virtual ~DistributedWork() = default;
-  /// Finds out what the pieces are.  Called once, before the other methods, when the first server
-  /// has the scene.  An error ends the job.
+  /// Cuts the work into pieces.  Called once, before the other methods, when the first server has
+  /// the scene.  An error ends the job.
   virtual absl::Status begin(const v1::SceneSummary& scene,
                              const v1::GetServerInfoResponse& server) = 0;
   /// Number of pieces that are still to be done.  They are numbered from 0.
   virtual std::size_t size() const = 0;
   /// Begins a piece on one server, which holds the scene, and returns at once.  May be called twice
-  /// for a piece.  `done` is called once, by any thread, and soon after `options.stop` requests it.
+  /// for a piece.  It must call `done` once, from any thread, and soon after a request of
+  /// `options.stop`.
   virtual void start(std::size_t piece, const Client& client, const std::string& scene_id,
                      const CallOptions& options, Done done) = 0;
   /// Takes the result of a piece, once per piece.  An error ends the job.
   virtual absl::Status accept(std::size_t piece, Result result) = 0;
 };
 
-/// Adapts a piece's `done` to the response of a call.
+/// Converts a piece's `done` to the callback of a call.
 template <class Response>
 Client::Done<Response> answer_as(DistributedWork::Done done) {
   return [done = std::move(done)](absl::StatusOr<Response> response) {
@@ -63,8 +65,8 @@ Client::Done<Response> answer_as(DistributedWork::Done done) {
   };
 }
 
-/// Lease of the scene on each server [s].  A job renews it while it runs, and lets it expire at its
-/// end.
+/// Lease of the scene on each server.  A job renews the lease while it runs.  After the job the
+/// lease expires.
 inline constexpr std::chrono::seconds kJobLease(60);
 
 struct JobProgress {
@@ -75,11 +77,12 @@ struct JobProgress {
 };
 
 struct JobOptions {
-  /// Lists the servers.  Called every few seconds in a thread of its own, so servers may join and
+  /// Lists the servers.  Called every few seconds in a separate thread, so servers may join and
   /// leave.
   std::function<absl::StatusOr<std::vector<std::string>>()> servers;
   /// Loads the scene on a server, with a lease of kJobLease or more.  Called before a server's
-  /// first piece, and again if the server lost the scene, in a thread per server.
+  /// first piece, and again if the server lost the scene.  Each server has its own thread for this
+  /// call.
   std::function<absl::StatusOr<v1::LoadSceneResponse>(const Client&, const CallOptions&)> load;
   /// Pieces in flight on one server, at least 1.
   int window = 2;
@@ -88,23 +91,26 @@ struct JobOptions {
   /// Deadline and stop of the whole job.
   CallOptions call = {};
   std::function<void(const JobProgress&)> on_progress = {};
-  /// Messages for a person: servers that join, leave and fail.
+  /// Receives messages for people about servers that join, leave and fail.
   std::function<void(const std::string&)> on_event = {};
 };
 
 struct JobReport {
-  /// Of the servers whose results counted: one, unless `allow_mixed` is set.
+  /// Fingerprints of the servers whose results counted.  One, unless `allow_mixed` is set.
   std::vector<std::string> fingerprints;
   std::size_t duplicates = 0;  ///< second results of a piece, which were dropped
 };
 
-/// Runs until every piece is accepted.  While no server answers it waits, and reports that as an
+/// Runs until every piece is accepted.  While no server answers, it waits and reports that as an
 /// event.
 ///
-/// Errors: that of `servers`, if it never succeeded; FAILED_PRECONDITION for servers of different
-/// fingerprints or with different scenes; errors of a server about the request or the scene
-/// (INVALID_ARGUMENT, NOT_FOUND, ...); INTERNAL after a piece failed with it three times; CANCELLED
-/// and DEADLINE_EXCEEDED through `call`; those of DistributedWork::begin and accept.
+/// Errors:
+/// - the error of `servers`, if it never succeeded
+/// - FAILED_PRECONDITION for servers of different fingerprints or with different scenes
+/// - errors of a server about the request or the scene (INVALID_ARGUMENT, NOT_FOUND, ...)
+/// - INTERNAL after a piece failed with it three times
+/// - CANCELLED and DEADLINE_EXCEEDED from `call`
+/// - errors of DistributedWork::begin and accept
 absl::StatusOr<JobReport> run_job(DistributedWork& work, const JobOptions& options);
 
 }  // namespace lucerna::client

@@ -33,14 +33,14 @@ class JobPieces {
   bool all_done() const { return done_count_ == done_.size(); }
   /// Whether a piece waits for a server.
   bool any_pending() const { return !pending_.empty(); }
-  /// Whether a piece in progress may be given to a second server.
+  /// Whether a second server may get a piece in progress.
   bool any_to_duplicate() const { return !to_duplicate_.empty(); }
 
   /// Gives the server the next pending piece; nothing if there is none.
   std::optional<AttemptId> begin(ServerId server, Time now);
-  /// Gives the server a piece that others are working on, because they may hang or be slow.
-  /// Chooses the piece with the fewest attempts, and of those the one begun first.  The server must
-  /// have no attempt in progress.
+  /// Gives the server a piece that other servers are working on, because those may hang or be slow.
+  /// Chooses the piece with the fewest attempts in progress, and of these the piece begun first.
+  /// The server must have no attempt in progress.
   std::optional<AttemptId> begin_duplicate(ServerId server);
   const Attempt& attempt(AttemptId id) const { return attempts_.at(id); }
   /// Attempts of a piece that are in progress.
@@ -49,8 +49,8 @@ class JobPieces {
   std::vector<AttemptId> attempts_of(ServerId server) const;
 
   void complete(std::size_t piece);
-  /// Ends an attempt.  If the piece is neither done nor in progress elsewhere, it is the next to be
-  /// given.
+  /// Ends an attempt.  If the piece is neither done nor in progress elsewhere, begin() gives it
+  /// next.
   void end(AttemptId attempt);
 
  private:

@@ -13,10 +13,10 @@ using std::chrono::milliseconds;
 using std::chrono::seconds;
 
 constexpr milliseconds kFirstBackoff(100);
-// With jitter this makes fewer than fifty attempts a minute.
+// With jitter, this gives fewer than fifty attempts in a minute.
 constexpr milliseconds kLongestBackoff(3000);
 constexpr seconds kRenewAfter(20);
-// Servers may start together with the job; until then, missing servers are not reported.
+// Servers may start together with the job, so missing servers are not reported in this time.
 constexpr seconds kStartTime(2);
 // Longest wait before a server without room for the scene is tried again.
 constexpr seconds kBusy(10);
@@ -63,7 +63,7 @@ void JobSchedule::list(const absl::StatusOr<std::vector<std::string>>& targets, 
     if (listed) {
       serve(id, now);
     } else {
-      channel_.say(server.target + " left");
+      channel_.report(server.target + " left");
       for (const AttemptId attempt : pieces_.attempts_of(id)) channel_.cancel(attempt);
     }
   }
@@ -110,7 +110,7 @@ void JobSchedule::serve(ServerId id, Time now) {
 bool JobSchedule::start_one(ServerId id, Time now) {
   Server& server = servers_[id];
   std::optional<AttemptId> attempt = pieces_.begin(id, now);
-  // A server with a piece of its own would be slowed by a duplicate.
+  // A duplicate would slow the server's own pieces.
   if (!attempt && server.in_flight == 0) attempt = pieces_.begin_duplicate(id);
   if (!attempt) return false;
   ++server.in_flight;
@@ -129,7 +129,7 @@ void JobSchedule::exclude(Server& server, const std::string& why) {
   server.excluded = true;
   const auto may_help = [](const Server& s) { return s.listed && !s.excluded; };
   if (std::any_of(servers_.begin(), servers_.end(), may_help)) {
-    channel_.say(why + "; continuing without " + server.target);
+    channel_.report(why + "; continuing without " + server.target);
   } else {
     end(absl::FailedPreconditionError(why + "; no other server is left"));
   }
@@ -192,8 +192,8 @@ bool JobSchedule::finished(AttemptId attempt, const absl::Status& answer, Time n
   const bool counts = answer.ok() && !was_done && !over();
   if (counts) {
     pieces_.complete(piece);
-    // Only a result resets the backoff.  A server that loads the scene and fails at each piece is
-    // no better than a dead one.
+    // Only a result resets the backoff.  A server that loads the scene but fails at each piece must
+    // not be tried at once each time.
     server.backoff = kFirstBackoff;
     for (const AttemptId other : pieces_.attempts_at(piece))
       if (other != attempt) channel_.cancel(other);
@@ -203,7 +203,7 @@ bool JobSchedule::finished(AttemptId attempt, const absl::Status& answer, Time n
   }
   duplicates_ += answer.ok() && was_done ? 1 : 0;
   if (answer.ok() && server.is_news) {
-    channel_.say(server.target + " answers");
+    channel_.report(server.target + " answers");
     server.is_news = server.failure_reported = false;
   }
   pieces_.end(attempt);
@@ -239,11 +239,12 @@ void JobSchedule::failed_piece(ServerId id, std::size_t piece, const absl::Statu
 void JobSchedule::failed(ServerId id, const absl::Status& status, Time now) {
   Server& server = servers_[id];
   if (const auto delay = retry_delay(status)) {  // the server is present but busy
-    // Leases of others can make this delay long; they may end earlier.
+    // Leases of other clients can make this delay long, but they may end earlier.
     server.not_before =
         now + (server.ready ? Time::duration(*delay) : std::min<Time::duration>(*delay, kBusy));
     if (!server.ready && !server.busy_reported) {
-      channel_.say(server.target + " cannot take the scene now: " + std::string(status.message()));
+      channel_.report(server.target +
+                      " cannot take the scene now: " + std::string(status.message()));
       server.busy_reported = true;
     }
     return serve(id, now);
@@ -259,7 +260,7 @@ void JobSchedule::failed(ServerId id, const absl::Status& status, Time now) {
 
 void JobSchedule::report_failure(Server& server, const std::string& what) {
   if (server.failure_reported || !server.listed) return;
-  channel_.say(server.target + what);
+  channel_.report(server.target + what);
   server.failure_reported = true;
 }
 
@@ -272,16 +273,16 @@ void JobSchedule::back_off(Server& server, Time now) {
 
 JobSchedule::Time JobSchedule::advance(Time now) {
   while (!over() && !due_.empty() && due_.begin()->first <= now) serve(due_.begin()->second, now);
-  const bool alone = answering_ == 0;
-  if (!alone) reported_alone_ = false;
-  if (alone && !reported_alone_ && now - begun_ > kStartTime) {
+  const bool none = answering_ == 0;
+  if (!none) reported_no_server_ = false;
+  if (none && !reported_no_server_ && now - begun_ > kStartTime) {
     const auto is_busy = [](const Server& s) { return s.busy_reported && s.listed; };
     if (std::none_of(servers_.begin(), servers_.end(), is_busy))
-      channel_.say("no server answers: waiting");
-    reported_alone_ = true;
+      channel_.report("no server answers: waiting");
+    reported_no_server_ = true;
   }
   Time next = due_.empty() ? Time::max() : due_.begin()->first;
-  if (alone && !reported_alone_) next = std::min(next, begun_ + kStartTime + milliseconds(1));
+  if (none && !reported_no_server_) next = std::min(next, begun_ + kStartTime + milliseconds(1));
   return next;
 }
 

@@ -1,9 +1,9 @@
-// Decides which server does which piece of a job, and when.
+// Decides which server computes which piece of a job, and when.
 //
-// The schedule makes no call, starts no thread and reads no clock.  Events and the time come in
-// through its methods; its decisions go out through a Channel.  So the same code runs a job over
-// gRPC (job.cpp) and a simulated job on a thousand servers
-// (tests/client/jobs/job_simulation_test.cpp). Not safe for several threads at once.
+// The schedule makes no call, starts no thread and reads no clock.  Its methods receive events and
+// the time.  It passes its decisions to a Channel.  So the same code runs a job over gRPC (job.cpp)
+// and a simulated job on a thousand servers (tests/client/jobs/job_simulation_test.cpp). Not safe
+// for several threads at once.
 #pragma once
 
 #include <chrono>
@@ -28,8 +28,8 @@ class JobSchedule {
   using ServerId = JobPieces::ServerId;
   using AttemptId = JobPieces::AttemptId;
 
-  /// Carries out the decisions.  Its methods return at once.  What they begin is answered later
-  /// through the method of the schedule that is named here, and never from within the call.
+  /// Carries out the decisions.  Its methods return at once.  Each answer comes later, through the
+  /// method of the schedule that is named here, and never during the call.
   class Channel {
    public:
     virtual ~Channel() = default;
@@ -37,12 +37,12 @@ class JobSchedule {
     virtual void prepare(ServerId server, const std::string& target) = 0;
     /// Renew the lease of the scene on a server; answered by renewed().
     virtual void renew(ServerId server) = 0;
-    /// Have a piece done; answered by finished().
+    /// Compute a piece; answered by finished().
     virtual void start(AttemptId attempt, ServerId server, std::size_t piece) = 0;
     /// Cancel an attempt whose result is not needed; finished() still follows.
     virtual void cancel(AttemptId attempt) = 0;
     /// Report an event to the user.
-    virtual void say(const std::string& event) = 0;
+    virtual void report(const std::string& event) = 0;
   };
 
   struct Prepared {
@@ -53,14 +53,15 @@ class JobSchedule {
   struct Options {
     int window = 2;  ///< pieces in flight on one server, at least 1
     bool allow_mixed = false;
-    /// Seed of the jitter.  Jitter keeps jobs that lost a server together from returning together.
+    /// Seed of the jitter.  With jitter, jobs that lost a server at the same time do not all return
+    /// at the same time.
     std::uint32_t seed = 0;
   };
 
   JobSchedule(const Options& options, Channel& channel, Time now);
 
-  /// Sets the number of pieces; called once.  Before that, servers are prepared, and the job is not
-  /// over.
+  /// Sets the number of pieces.  Call it once.  Before that, servers are prepared, and the job is
+  /// not over.
   void set_pieces(std::size_t count);
 
   /// The servers that are present now, each once.  An error ends the job if no server was ever
@@ -70,7 +71,8 @@ class JobSchedule {
   void renewed(ServerId server, const absl::Status& answer, Time now);
   /// Returns whether the result is the first of its piece, which is the one that counts.
   bool finished(AttemptId attempt, const absl::Status& answer, Time now);
-  /// Does what is due.  Returns when to call again if nothing happens before.
+  /// Performs the actions that are due.  Returns the time of the next call if no event comes
+  /// earlier.
   Time advance(Time now);
   /// Ends the job with this status, unless it is over.
   void end(const absl::Status& status);
@@ -95,7 +97,7 @@ class JobSchedule {
     bool excluded = false;  // permanently: its build or its scene does not fit
     bool failure_reported = false;
     bool busy_reported = false;
-    bool is_news = false;     // its next result is worth an event
+    bool is_news = false;     // its next result is reported as an event
     bool came_later = false;  // was not in the first list
     int in_flight = 0;
     std::chrono::milliseconds backoff{};
@@ -106,7 +108,7 @@ class JobSchedule {
     bool answers() const { return listed && ready; }
   };
 
-  /// Failures of a piece that may be the piece's own fault.
+  /// Failures that the piece itself may have caused.
   struct Failures {
     int count = 0;
     std::set<ServerId> servers;
@@ -114,7 +116,7 @@ class JobSchedule {
 
   /// Changes a flag that answers() depends on, and keeps `answering_` up to date.
   void set(Server& server, bool Server::*flag, bool value);
-  /// Gives the server everything that it can do now.
+  /// Gives the server all actions that are due for it.
   void serve(ServerId id, Time now);
   /// Gives pieces that became available to idle servers.
   void feed(Time now);
@@ -143,7 +145,7 @@ class JobSchedule {
   std::map<std::size_t, Failures> failures_;  // by piece
   std::vector<std::string> fingerprints_;
   std::size_t duplicates_ = 0;
-  bool reported_alone_ = false;
+  bool reported_no_server_ = false;
   bool listed_once_ = false;
   std::optional<std::pair<std::string, Prepared>>
       first_;  // the first prepared server, which all others must match

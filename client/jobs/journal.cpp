@@ -34,7 +34,7 @@ absl::StatusOr<Journal> Journal::open(
   std::string line(first.size(), '\0');
   in.read(line.data(), static_cast<std::streamsize>(line.size()));
   line.resize(static_cast<std::size_t>(in.gcount()));
-  // A first line that was cut off matches too.
+  // An incomplete first line matches too.
   if (!first.starts_with(line))
     return absl::FailedPreconditionError(
         path +

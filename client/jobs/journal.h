@@ -14,12 +14,12 @@ namespace lucerna::client {
 /// Not thread-safe.  One job at a time may have it open.
 class Journal {
  public:
-  /// Opens or creates the journal of the job called `job` (one line), and calls `on_record` with
-  /// each existing record.  A record that was cut off while being written is dropped.
+  /// Opens or creates the journal of the job called `job` (one line).  Calls `on_record` with each
+  /// existing record.  Drops an incomplete record at the end.
   ///
   /// FAILED_PRECONDITION for the journal of another job; UNKNOWN if the disk fails or a running job
-  /// has it open.  On file systems without locks, two jobs may each have written a record of the
-  /// same piece.
+  /// has the journal open.  On file systems without locks, two jobs may each have written a record
+  /// of one piece.
   static absl::StatusOr<Journal> open(
       const std::string& path, const std::string& job,
       const std::function<absl::Status(const std::string&)>& on_record);

@@ -48,15 +48,16 @@ absl::Status OpenFile::reserve(std::uint64_t size) {
   } while (error == EINTR);
   if (error == 0) return absl::OkStatus();
   absl::Status status = failed(std::to_string(size) + " bytes: " + std::strerror(error));
-  // With these errors the file system does not support allocation; it fails later, when it is full.
+  // With these errors the file system does not support allocation.  Writing then fails later, when
+  // the disk is full.
   if (error == EOPNOTSUPP || error == ENOSYS || error == EINVAL) status = resize(size);
   // Releases the space.  Otherwise the length would suggest that the content exists.
   if (!status.ok()) resize(0).IgnoreError();
   return status;
 }
 
-/// Transfers all `size` bytes, or returns the error.  `transfer(done)` moves some of them, from
-/// `done` on.
+/// Transfers all `size` bytes, or returns the error.  `transfer(done)` moves some of the bytes
+/// after the first `done`.
 template <class Transfer>
 absl::Status OpenFile::all_of(std::size_t size, Transfer transfer) const {
   for (std::size_t done = 0; done < size;) {

@@ -1,4 +1,4 @@
-// A file that one process at a time has open.  Errors name the file.
+// A file that only one process at a time may have open.
 #pragma once
 
 #include <cstddef>
@@ -16,8 +16,8 @@ namespace lucerna::client {
 class OpenFile {
  public:
   /// Opens or creates `path` for reading and writing, with additional `flags` of open(2).  `taken`
-  /// is the error if an OpenFile has it open elsewhere, in this process or another.  File systems
-  /// without locks do not detect that.
+  /// is the error message if another OpenFile, in this process or another one, has the file open.
+  /// File systems without locks do not detect that.
   static absl::StatusOr<OpenFile> open(const std::string& path, const std::string& taken,
                                        int flags = 0);
   OpenFile(OpenFile&& other) noexcept

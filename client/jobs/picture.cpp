@@ -32,7 +32,7 @@ std::size_t pixel_count(const v1::PixelRect& rect) {
   return std::size_t{rect.x1() - rect.x0()} * (rect.y1() - rect.y0());
 }
 
-/// The error of a tile that is inconsistent in itself.
+/// Checks that the fields of a tile are consistent with each other.
 absl::Status check(const v1::Tile& tile) {
   const v1::PixelRect& rect = tile.rect();
   const std::string name = describe(rect);
@@ -115,7 +115,8 @@ Piece make_piece(const v1::Tile& tile) {
           .merger = std::nullopt};
 }
 
-/// Returns false, without any change, if the tile does not continue the piece.
+/// Adds the tile's blocks to the piece.  Returns false, without any change, if the tile does not
+/// continue the piece.
 bool merge_into(const v1::Tile& tile, Piece* piece) {
   if (tile.samples_per_block() != piece->samples_per_block) return false;
   if (!piece->samples.empty()) return false;
@@ -184,8 +185,8 @@ absl::Status PictureAssembler::add(const v1::Tile& tile) {
   } else if (tile.image_width() != state.width || tile.image_height() != state.height) {
     return absl::InvalidArgumentError(
         describe(rect) + ": of a picture of " + std::to_string(tile.image_width()) + " x " +
-        std::to_string(tile.image_height()) + " pixels, others of " + std::to_string(state.width) +
-        " x " + std::to_string(state.height));
+        std::to_string(tile.image_height()) + " pixels, but other tiles belong to one of " +
+        std::to_string(state.width) + " x " + std::to_string(state.height));
   }
   if (Piece* piece = state.find(rect)) {
     if (tile.first_block() == 0) {
@@ -193,14 +194,14 @@ absl::Status PictureAssembler::add(const v1::Tile& tile) {
     } else if (!merge_into(tile, piece)) {
       return absl::InvalidArgumentError(describe(rect) + ": blocks from " +
                                         std::to_string(tile.first_block()) +
-                                        " do not continue those before, which end at " +
+                                        " do not continue the earlier blocks, which end at " +
                                         std::to_string(piece->first_block + piece->blocks));
     }
     return absl::OkStatus();
   }
   bool free = true;
   state.for_each_owner(rect, [&](std::uint32_t owner) { free = free && owner == 0; });
-  if (!free) return absl::InvalidArgumentError(describe(rect) + ": overlaps another in part");
+  if (!free) return absl::InvalidArgumentError(describe(rect) + ": partly overlaps another tile");
   state.pieces.push_back(make_piece(tile));
   const auto index = static_cast<std::uint32_t>(state.pieces.size());
   state.for_each_owner(rect, [&](std::uint32_t& owner) { owner = index; });

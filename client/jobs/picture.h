@@ -48,18 +48,19 @@ class PictureAssembler {
   PictureAssembler& operator=(PictureAssembler&&) noexcept;
   ~PictureAssembler();
 
-  /// Adds a tile whose rectangle is new, or equals that of an earlier tile.  In the latter case it
-  /// replaces the earlier tile if its first block is 0 (from RenderImage).  If it continues the
-  /// earlier blocks (from RenderTile with a sample range), it is merged, with the same bits as a
-  /// single tile.
+  /// Adds a tile.  Its rectangle must be new, or equal that of an earlier tile.  If they are equal
+  /// and the tile's first block is 0 (from RenderImage), it replaces the earlier tile.  If it
+  /// continues the earlier blocks (from RenderTile with a sample range), it is merged, with the
+  /// same bits as a single tile.
   ///
-  /// INVALID_ARGUMENT, without any change, for a tile that is inconsistent (rectangle, plane
-  /// sizes), belongs to a picture of another size, overlaps others in part, or does not continue.
-  /// Nothing continues a tile with a target error, whose pixels have all of their samples.
+  /// INVALID_ARGUMENT, without any change, for a tile that is inconsistent (rectangle, plane sizes)
+  /// or belongs to a picture of another size.  The same for a tile that partly overlaps another, or
+  /// does not continue the earlier blocks.  No tile continues a tile with a target error, since its
+  /// pixels have all of their samples.
   absl::Status add(const v1::Tile& tile);
 
-  /// The current pixels of a tile, in the form that put_pixels() takes.  NOT_FOUND if no tile with
-  /// this rectangle was added.
+  /// The current pixels of a tile, in the order of put_pixels().  NOT_FOUND if no tile with this
+  /// rectangle was added.
   absl::StatusOr<std::vector<float>> pixels(const v1::PixelRect& rect) const;
 
   /// FAILED_PRECONDITION while pixels are missing.

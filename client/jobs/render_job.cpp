@@ -25,7 +25,7 @@ class Render final : public DistributedWork {
  public:
   explicit Render(const RenderJobOptions& options) : options_(options) {}
 
-  /// Lays out the pieces, and finds those that the journal has.
+  /// Lays out the pieces, and finds those in the journal.
   absl::Status begin(const v1::SceneSummary& scene,
                      const v1::GetServerInfoResponse& server) override {
     scene_ = scene;
@@ -61,7 +61,7 @@ class Render final : public DistributedWork {
     return open_journal(named, server);
   }
 
-  /// Removes the pieces that the journal has from those to do.
+  /// Removes the pieces that the journal has from the pieces to do.
   absl::Status open_journal(const v1::RenderImageRequest& named,
                             const v1::GetServerInfoResponse& server) {
     if (options_.journal.empty()) return absl::OkStatus();
@@ -138,7 +138,8 @@ class Render final : public DistributedWork {
     std::size_t tile;  // pieces of one tile are added in the order of their blocks
   };
 
-  /// Pieces are numbered so that all tiles come with their first samples, then with more.
+  /// Pieces are numbered so that the first samples of all tiles come first, then the further
+  /// samples.
   Piece piece(std::size_t number) const {
     const std::uint64_t tiles = across_ * down_, tile = number % tiles;
     const Run& run = runs_[static_cast<std::size_t>(number / tiles)];
@@ -156,7 +157,7 @@ class Render final : public DistributedWork {
     return by_area_ ? !tile.samples().empty() : tile.block_count() == piece.blocks;
   }
 
-  /// The number of the piece that a tile is; nothing if it is none.
+  /// The number of the piece that equals the tile; nothing if no piece does.
   std::optional<std::size_t> number_of(const v1::Tile& tile) const {
     const auto before = [](const Run& run, std::uint64_t first) { return run.first < first; };
     const auto run = std::lower_bound(runs_.begin(), runs_.end(), tile.first_block(), before);
@@ -175,7 +176,7 @@ class Render final : public DistributedWork {
     if (options_.samples_per_piece > 0)
       return absl::InvalidArgumentError(
           "samples_per_piece = " + std::to_string(options_.samples_per_piece) +
-          ", allowed with a target error: 0, as its tiles are merged by area alone");
+          ", allowed with a target error: 0, since its tiles cannot be split by samples");
     by_area_ = true;
     return lay_out(1, edge);
   }
@@ -191,10 +192,9 @@ class Render final : public DistributedWork {
     for (std::uint64_t first = 0; first < blocks; first += runs_.back().blocks) {
       runs_.push_back({first, std::min(aligned_run(first, blocks), std::bit_floor(most))});
       if (across_ * down_ * runs_.size() > kMostPieces)
-        return absl::InvalidArgumentError("the picture falls into more than " +
-                                          std::to_string(kMostPieces) +
-                                          " pieces, which is the most allowed; take larger tiles "
-                                          "or more samples a piece");
+        return absl::InvalidArgumentError(
+            "the picture has more than " + std::to_string(kMostPieces) +
+            " pieces, the limit; use larger tiles or more samples for each piece");
     }
     const std::uint64_t pieces = across_ * down_ * runs_.size();
     waiting_.resize(static_cast<std::size_t>(across_ * down_));
@@ -211,7 +211,7 @@ class Render final : public DistributedWork {
     if (!number)
       return absl::FailedPreconditionError(options_.journal +
                                            ": has a record that is not a piece of this job");
-    // Two jobs that shared the journal give the same bits.
+    // A second record of a piece (two jobs shared the journal) has the same bits.
     if (done_[*number]) return absl::OkStatus();
     return take(*number, std::move(tile));
   }

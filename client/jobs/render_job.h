@@ -18,15 +18,15 @@ namespace lucerna::client {
 
 struct RenderJobOptions {
   /// The picture to render.  `scene_id` and `final_only` are ignored; a time budget is not allowed.
-  /// The picture has the bits that RenderImage gives for this request, whatever the servers, their
-  /// number and the tiles.
+  /// The picture has the bits that RenderImage gives for this request, for any servers, any number
+  /// of servers and any tile size.
   v1::RenderImageRequest request;
-  /// Splits the samples of each tile into runs of at most this many.  0: splits only into the
-  /// powers of two that their number requires.  Must be 0 with a target error, where each pixel has
-  /// its own number of samples.
+  /// Splits the samples of each tile into runs of at most this many.  0: splits only a number that
+  /// is not a power of two, into powers of two.  Must be 0 with a target error, where each pixel
+  /// has its own number of samples.
   std::uint64_t samples_per_piece = 0;
-  /// The file that keeps finished pieces.  An interrupted job continues from it.  Empty: none is
-  /// kept.
+  /// The file that keeps finished pieces.  An interrupted job continues from it.  Empty: no
+  /// journal.
   std::string journal = {};
   /// Called with each piece when it has become part of the picture.
   std::function<void(const v1::Tile&, const PictureAssembler& so_far)> on_tile = {};
@@ -44,9 +44,11 @@ struct RenderJobResult {
 
 /// Runs the job.
 ///
-/// Errors: those of run_job; INVALID_ARGUMENT for tile sizes or runs that cannot form a picture,
-/// and for a time budget; FAILED_PRECONDITION for a journal of another job; UNKNOWN if the journal
-/// cannot be written.
+/// Errors:
+/// - errors of run_job()
+/// - INVALID_ARGUMENT for tile sizes or runs that cannot form a picture, and for a time budget
+/// - FAILED_PRECONDITION for the journal of another job
+/// - UNKNOWN if the journal cannot be written
 absl::StatusOr<RenderJobResult> run_render_job(const RenderJobOptions& options);
 
 }  // namespace lucerna::client

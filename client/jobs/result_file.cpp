@@ -21,7 +21,7 @@ absl::StatusOr<ResultFile> ResultFile::open(const std::string& path, const std::
     fits = there == header;
   }
   if (!fits && now > 0 && other == Other::kKeep)
-    return absl::FailedPreconditionError(path + ": holds something else");
+    return absl::FailedPreconditionError(path + ": has other contents");
   if (!fits) {
     // A full disk should fail now rather than after hours.
     LUCERNA_RETURN_IF_ERROR(file.reserve(size));

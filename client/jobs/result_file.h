@@ -1,4 +1,4 @@
-// Results of equal length, written to a file in any order as they arrive.
+// A file of results of equal length, which may be written in any order.
 #pragma once
 
 #include <cstdint>
@@ -12,18 +12,18 @@
 
 namespace lucerna::client {
 
-/// A header, then `rows` rows of `columns` little-endian floats.  Nothing is held in memory.  Not
-/// thread-safe.  One process at a time may have it open.
+/// A header, then `rows` rows of `columns` little-endian floats.  Keeps no results in memory.  Not
+/// thread-safe.  Only one process at a time may have it open.
 class ResultFile {
  public:
-  /// What happens to a file with another header or length.
+  /// What open() does with a file of another header or length.
   enum class Other { kReplace, kKeep };
 
   /// Creates the file and allocates disk space for all of it.  A file with the same header and
-  /// length stays unchanged; the caller must know which rows it holds.
+  /// length stays unchanged; the caller must know which of its rows have results.
   ///
-  /// UNKNOWN, with the file's name, if the disk fails or another process has it open;
-  /// FAILED_PRECONDITION if it holds something else that is to be kept.
+  /// UNKNOWN, with the file's name, if the disk fails or another process has it open.
+  /// FAILED_PRECONDITION for Other::kKeep and a file of other contents.
   static absl::StatusOr<ResultFile> open(const std::string& path, const std::string& header,
                                          std::uint64_t rows, std::size_t columns,
                                          Other other = Other::kReplace);
@@ -31,7 +31,7 @@ class ResultFile {
   std::uint64_t rows() const { return rows_; }
   std::size_t columns() const { return columns_; }
 
-  /// Writes whole rows, from row `first` on.
+  /// Writes whole rows, starting at row `first`.
   absl::Status write(std::uint64_t first, std::span<const float> values);
   absl::Status read(std::uint64_t first, std::span<float> values) const;
 

@@ -16,7 +16,7 @@ bool fits_or_empty(int size, std::size_t items, std::size_t per_item) {
   return size == 0 || fits(size, items, per_item);
 }
 
-/// Items of a batch of points; 0 if its coordinates are not three per point.
+/// Items of a batch of points; 0 if there are not three coordinates for each point.
 std::size_t points(const v1::Points& points) {
   return points.offsets_m_size() % 3 == 0 ? points.offsets_m_size() / 3 : 0;
 }
@@ -49,7 +49,8 @@ void append_all(const RepeatedField<T>& next, RepeatedField<T>* whole) {
   whole->Add(next.begin(), next.end());
 }
 
-/// An empty array stands for "all OK", in a part and in the whole.
+/// Appends the statuses of a part.  An empty array means that all are OK, in a part and in the
+/// whole.
 void append_status(const RepeatedField<int>& next, std::size_t count, std::size_t whole_count,
                    RepeatedField<int>* whole) {
   if (next.empty() && whole->empty()) return;

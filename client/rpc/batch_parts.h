@@ -1,4 +1,4 @@
-// Splits requests into batches and joins the answers, for batches.h.  Not installed.
+// Splits requests into batches and joins the answers, for batches.h.  This header is not installed.
 #pragma once
 
 #include <cstddef>
@@ -28,7 +28,7 @@ v1::TestVisibilityRequest part(const v1::TestVisibilityRequest& request, std::si
 v1::EstimateIrradianceRequest part(const v1::EstimateIrradianceRequest& request, std::size_t first,
                                    std::size_t count);
 
-/// Appends the answer to the next part to the answers to the parts before it.
+/// Appends the answer for the next part to the answers for the earlier parts.
 void append(const v1::SampleLiResponse& next, v1::SampleLiResponse* whole);
 void append(const v1::PdfLiResponse& next, v1::PdfLiResponse* whole);
 void append(const v1::SampleLeResponse& next, v1::SampleLeResponse* whole);

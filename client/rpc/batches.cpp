@@ -16,7 +16,7 @@ struct BatchLimits {
   std::uint64_t items, bytes;
 };
 
-/// Limits for `items` in total, whose message would be `bytes` long in one request.
+/// Limits for `items` in total, which would take `bytes` in one message.
 absl::StatusOr<BatchLimits> batch_limits(const Client& client, std::uint64_t items,
                                          std::uint64_t bytes, const BatchOptions& options) {
   const bool few = options.max_items > 0 || items <= kItemsAlwaysAllowed;
@@ -30,17 +30,17 @@ absl::StatusOr<BatchLimits> batch_limits(const Client& client, std::uint64_t ite
   return limits;
 }
 
-/// Sends a request in batches.  `weight`: how many items of the server's limit, and of `answer`,
-/// each item counts for.
+/// Sends a request in batches.  Each item counts as `weight` items, in the server's limit and in
+/// `answer`.
 template <class Request, class Response>
 absl::StatusOr<Response> in_batches(
     const Client& client, const Request& request, std::uint64_t weight, const AnswerSize& answer,
     const BatchOptions& options,
-    absl::StatusOr<Response> (Client::*ask)(const Request&, const CallOptions&) const) {
+    absl::StatusOr<Response> (Client::*method)(const Request&, const CallOptions&) const) {
   const std::uint64_t items = item_count(request);
-  if (items <= 1) return (client.*ask)(request, options.call);
-  // The longer of request and response counts.  Fields that a request has once are counted for each
-  // item too, so the estimate is too large rather than too small.
+  if (items <= 1) return (client.*method)(request, options.call);
+  // The longer of request and response counts.  Fields that a request has once also count for each
+  // item, so the estimate is never too small.
   const std::uint64_t once = answer.fixed + part(request, 0, 0).ByteSizeLong();
   const std::uint64_t each =
       std::max<std::uint64_t>(weight * answer.per_item, request.ByteSizeLong() / items + 1);
@@ -48,13 +48,13 @@ absl::StatusOr<Response> in_batches(
                            batch_limits(client, items * weight, once + items * each, options));
   const std::uint64_t by_bytes = limits.bytes > once ? (limits.bytes - once) / each : 0;
   const std::uint64_t size = std::max<std::uint64_t>(1, std::min(limits.items / weight, by_bytes));
-  if (items <= size) return (client.*ask)(request, options.call);
+  if (items <= size) return (client.*method)(request, options.call);
 
   Response whole;
   for (std::uint64_t first = 0; first < items; first += size) {
     LUCERNA_ASSIGN_OR_RETURN(
         const auto next,
-        (client.*ask)(part(request, first, std::min(size, items - first)), options.call));
+        (client.*method)(part(request, first, std::min(size, items - first)), options.call));
     append(next, &whole);
   }
   return whole;
@@ -64,7 +64,7 @@ absl::StatusOr<Response> in_batches(
 
 namespace {
 
-/// Sends receivers with at most this many samples each in batches.
+/// Sends receivers in batches, for at most `most` samples of each receiver.
 absl::StatusOr<v1::SampleLiResponse> sample_li_to_a_target(const Client& client,
                                                            const v1::SampleLiRequest& request,
                                                            const BatchOptions& options) {

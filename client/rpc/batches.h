@@ -7,9 +7,9 @@
 //   const auto response = estimate_irradiance_in_batches(client, request);
 //
 // The answer has the bits of a single request, since each batch states its position in the whole
-// set (Seed.first_item).  Only `cost` is a sum.  Batches are sent one after the other.  The first
-// error ends the sequence and is the only result.  A request whose arrays do not match each other
-// is sent unchanged, so that the server reports the error.
+// set (Seed.first_item).  `cost` is the sum over the batches.  Batches are sent one after the
+// other.  The first error ends the sequence and is the only result.  A request whose arrays do not
+// match each other is sent unchanged, so that the server reports the error.
 #pragma once
 
 #include <cstdint>
@@ -19,10 +19,10 @@
 
 namespace lucerna::client {
 
-/// Larger batches gain nothing: messages of 32 to 256 KiB are the fastest.
+/// Larger batches are not faster: messages of 32 to 256 KiB are the fastest.
 inline constexpr std::uint32_t kGoodBatchItems = 8192;
 
-/// Every server accepts this many items and bytes in a message.  GetServerInfo gives its real
+/// Every server accepts this many items and bytes in a message.  GetServerInfo reports its own
 /// limits.
 inline constexpr std::uint32_t kItemsAlwaysAllowed = 1024;
 inline constexpr std::uint64_t kBytesAlwaysAllowed = 1 << 20;
@@ -32,13 +32,14 @@ inline constexpr std::uint64_t kBytesAlwaysAllowed = 1 << 20;
 struct BatchOptions {
   /// Items of one batch, at least 1.  0: the server's limit, at most kGoodBatchItems.
   std::uint32_t max_items = 0;
-  /// Its deadline holds for all batches together.
+  /// The deadline is for all batches together.
   CallOptions call = {};
 };
 
 /// SampleLi.  An item here is a sample: a batch holds max_items / samples receivers, and at least
-/// one.  With a target error, `max_samples` counts as the number of samples; if that is unset, each
-/// receiver may have as many as in a request of its own.  A time budget makes a single request.
+/// one.  With a target error, `max_samples` counts as the number of samples.  If that is unset,
+/// each receiver may have as many samples as in a separate request.  With a time budget, there is
+/// one request.
 absl::StatusOr<v1::SampleLiResponse> sample_li_in_batches(const Client& client,
                                                           const v1::SampleLiRequest& request,
                                                           const BatchOptions& options = {});
@@ -57,8 +58,8 @@ absl::StatusOr<v1::LeResponse> le_in_batches(const Client& client, const v1::LeR
 absl::StatusOr<v1::TestVisibilityResponse> test_visibility_in_batches(
     const Client& client, const v1::TestVisibilityRequest& request,
     const BatchOptions& options = {});
-/// EstimateIrradiance.  With `per_light`, GetScene is called for the number of lights.  A time
-/// budget makes a single request.
+/// EstimateIrradiance.  With `per_light`, this also calls GetScene for the number of lights.  With
+/// a time budget, there is one request.
 absl::StatusOr<v1::EstimateIrradianceResponse> estimate_irradiance_in_batches(
     const Client& client, const v1::EstimateIrradianceRequest& request,
     const BatchOptions& options = {});

@@ -7,10 +7,10 @@
 namespace lucerna::client {
 namespace {
 
-// A server that starts or drains answers UNAVAILABLE.  Retrying for half a second bridges a restart
-// without a long wait for a wrong address.  Uploads continue where they broke (upload.h) and are
-// not retried as a whole.  Retries stop while calls keep failing: half of the tokens cover hundreds
-// of concurrent calls that one server's death breaks.
+// A server that starts or drains answers UNAVAILABLE.  Retries for half a second bridge a restart,
+// and a wrong address still fails soon.  Uploads continue where they stopped (upload.h), so they
+// are not retried as a whole.  Retries stop if more than half of the tokens are used.  Half of them
+// are enough for the hundreds of concurrent calls that one lost server breaks.
 std::string service_config(bool many) {
   std::string config = R"(
   "retryThrottling": {"maxTokens": 1000, "tokenRatio": 1},

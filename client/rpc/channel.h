@@ -1,4 +1,5 @@
-// Connections to servers: retries, keep-alive, several servers in turn.  Not installed.
+// Connections to servers: retries, keep-alive, several servers in turn.  This header is not
+// installed.
 #pragma once
 
 #include <memory>

@@ -19,7 +19,7 @@
 namespace lucerna::client {
 namespace {
 
-/// A context that applies the options as long as it lives.
+/// A gRPC context that applies the options during its lifetime.
 class CallContext {
  public:
   explicit CallContext(const CallOptions& options) : cancel_(options.stop, Cancel{&context_}) {
@@ -70,9 +70,10 @@ void begin(Async* service,
   const auto state = std::make_shared<State>(request, options);
   (service->*method)(state->context->get(), &state->request, &state->response,
                      [state, done = std::move(done)](const grpc::Status& status) {
-                       // The context keeps the channel alive, so it ends before `done` is called.
-                       // If the client ended in `done`, the channel would end here, in a thread
-                       // that gRPC 1.51 then joins from within itself, and the process would abort.
+                       // The context keeps the channel alive, so destroy it before `done` is
+                       // called.  Otherwise, if the client is destroyed meanwhile, this thread of
+                       // gRPC destroys the channel.  gRPC 1.51 then joins the thread from within
+                       // itself, and the process aborts.
                        state->context.reset();
                        if (status.ok()) {
                          done(std::move(state->response));
@@ -103,7 +104,7 @@ class Client::Connection {
         channel(channel) {}
 
   const std::string target;
-  // Stub interfaces: pointers to their methods are not ambiguous.
+  // Stub interfaces, since pointers to their methods are not ambiguous.
   const std::unique_ptr<v1::SceneService::StubInterface> scene;
   const std::unique_ptr<v1::LightingService::StubInterface> lighting;
   const std::unique_ptr<v1::RenderService::StubInterface> render;
@@ -133,7 +134,7 @@ absl::StatusOr<v1::UploadAssetResponse> Client::upload_asset(
     const CallOptions& options) const {
   CallContext context(options);
   v1::UploadAssetResponse response;
-  // Runs also if next_chunk throws: a writer must not end while its call is alive.
+  // The destructor also runs if next_chunk throws.  A writer must not be destroyed during its call.
   struct Writer {
     CallContext& context;
     std::unique_ptr<grpc::ClientWriterInterface<v1::UploadAssetRequest>> stream;
@@ -153,7 +154,7 @@ absl::StatusOr<v1::UploadAssetResponse> Client::upload_asset(
   v1::UploadAssetRequest request;
   *request.mutable_header() = header;
   bool open = writer.stream->Write(request);
-  // A failed write means that the call is over; Finish has the status.
+  // A failed write means that the call has ended.  Finish() returns its status.
   while (open && next_chunk(*request.mutable_chunk())) open = writer.stream->Write(request);
   if (open) writer.stream->WritesDone();
   const grpc::Status status = writer.finish();
@@ -279,7 +280,8 @@ absl::Status Client::render_image(
     const std::function<bool(const v1::RenderImageResponse&)>& on_response,
     const CallOptions& options) const {
   CallContext context(options);
-  // Runs also if on_response throws: a reader must not end while its call is alive.
+  // The destructor also runs if on_response throws.  A reader must not be destroyed during its
+  // call.
   struct Reader {
     CallContext& context;
     std::unique_ptr<grpc::ClientReaderInterface<v1::RenderImageResponse>> stream;
@@ -319,7 +321,8 @@ absl::Status Client::check_health(const CallOptions& options) const {
   grpc::TemplatedGenericStub<HealthCheckRequest, HealthCheckResponse> stub(connection_->channel);
   const HealthCheckRequest request;
   HealthCheckResponse response;
-  // Shared, because the callback's thread may still be inside set_value() when this thread goes on.
+  // Shared, because the callback's thread may still be inside set_value() when this thread
+  // continues.
   const auto done = std::make_shared<std::promise<grpc::Status>>();
   stub.UnaryCall(context.get(), "/grpc.health.v1.Health/Check", {}, &request, &response,
                  [done](grpc::Status status) { done->set_value(std::move(status)); });

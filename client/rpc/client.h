@@ -7,8 +7,8 @@
 //   if (!loaded.ok()) std::cerr << loaded.status().message() << '\n';
 //
 // All methods block; some have a second form that does not.  Requests and responses are the
-// messages of the contract (lucerna/v1/*.proto), which describes every field; nothing is computed
-// here.  batches.h sends requests in batches that the server accepts, points.h fills in points,
+// messages of the contract (lucerna/v1/*.proto), which describes every field.  The client computes
+// nothing.  batches.h sends requests in batches that the server accepts, points.h fills in points,
 // picture.h assembles tiles, upload.h sends scenes.
 //
 // Thread safety: all methods of one Client may be called from any number of threads at once.
@@ -31,17 +31,17 @@
 
 namespace lucerna::client {
 
-/// Key for absl::Status::GetPayload(): the serialised google.rpc.Status of the server with all
-/// details.
+/// Key for absl::Status::GetPayload().  The payload is the server's google.rpc.Status with all
+/// details, serialised.
 inline constexpr char kStatusPayloadUrl[] = "type.googleapis.com/google.rpc.Status";
 
 struct ConnectOptions {
   /// "HOST:PORT", "[IPV6]:PORT", or any other name that gRPC resolves ("unix:/run/lucernad").
   ///
-  /// "dns:///NAME:PORT", "ipv4:A:PORT,B:PORT" and "ipv6:[A]:PORT,..." stand for all servers that
-  /// they name.  Calls go in turn to the servers that can be reached (gRPC's round_robin), and a
-  /// retry goes to the next one.  Each server has scenes of its own: query_servers.h loads one on
-  /// all of them.
+  /// "dns:///NAME:PORT", "ipv4:A:PORT,B:PORT" and "ipv6:[A]:PORT,..." mean all servers that they
+  /// name.  Calls go in turn to the servers that can be reached (gRPC's round_robin), and a retry
+  /// goes to the next one.  Each server has its own scenes; query_servers.h loads a scene on all
+  /// servers.
   std::string target = "127.0.0.1:50051";
   /// Whether a call is retried after UNAVAILABLE.
   bool retry = true;
@@ -53,21 +53,22 @@ struct CallOptions {
 
   /// At this time the call fails with DEADLINE_EXCEEDED.  Default: never.
   Clock::time_point deadline = Clock::time_point::max();
-  /// A stop request, from any thread, ends the call with CANCELLED.
+  /// A stop request from any thread ends the call with CANCELLED.
   std::stop_token stop = {};
 
-  /// Options with a deadline this long from now.
+  /// Options with a deadline after this time from now.
   static CallOptions within(std::chrono::duration<double> time);
-  /// A copy with a deadline at most this long from now.
+  /// A copy whose deadline is at most this time from now.
   CallOptions at_most(std::chrono::duration<double> time) const;
 };
 
 /// A connection to a server.
 ///
-/// Errors have gRPC's code, the server's message, and kStatusPayloadUrl.  The invalid fields are
-/// added to the message ("...; receivers.offsets_m: must be three a point").  After UNAVAILABLE a
-/// call is retried up to four times within half a second; after other errors it is not.  Responses
-/// may have any size; the limit of the server (Limits.max_message_bytes) applies.
+/// Errors have gRPC's code, the server's message and the payload kStatusPayloadUrl.  The invalid
+/// fields are added to the message ("...; receivers.offsets_m: must be three for each point").
+/// After UNAVAILABLE a call is retried up to four times within half a second; after other errors it
+/// is not.  Responses may have any size; the limit of the server (Limits.max_message_bytes)
+/// applies.
 class Client {
  public:
   /// Creates a client; nothing is sent yet.  If the server cannot be reached, the first call
@@ -78,16 +79,16 @@ class Client {
 
   template <class Response>
   using Result = absl::StatusOr<Response>;
-  /// How a call that does not block is answered: once, in a thread of gRPC's, which must not be
-  /// kept for long, and in which no client may end.
+  /// The callback of a call that does not block.  It runs once, in a thread of gRPC, and must
+  /// return soon.  It must not destroy a Client.
   template <class Response>
   using Done = std::function<void(Result<Response>)>;
 
   // SceneService
   Result<v1::FindMissingAssetsResponse> find_missing_assets(
       const v1::FindMissingAssetsRequest& request, const CallOptions& options = {}) const;
-  /// Uploads a file in the chunks that `next_chunk` puts into its argument, until it returns false.
-  /// The server may answer before it has read everything.
+  /// Uploads a file in chunks.  `next_chunk` puts each chunk into its argument, and returns false
+  /// after the last.  The server may answer before it has read everything.
   Result<v1::UploadAssetResponse> upload_asset(const v1::AssetHeader& header,
                                                const std::function<bool(std::string&)>& next_chunk,
                                                const CallOptions& options = {}) const;
@@ -135,7 +136,7 @@ class Client {
   void render_tile(const v1::RenderTileRequest& request, const CallOptions& options,
                    Done<v1::RenderTileResponse> done) const;
   /// Calls `on_response` in the calling thread for each message as it arrives.  If it returns
-  /// false, the server is stopped, and the result is CANCELLED.
+  /// false, the call is cancelled and the result is CANCELLED.
   absl::Status render_image(const v1::RenderImageRequest& request,
                             const std::function<bool(const v1::RenderImageResponse&)>& on_response,
                             const CallOptions& options = {}) const;
@@ -144,7 +145,7 @@ class Client {
   Result<v1::GetServerInfoResponse> get_server_info(const v1::GetServerInfoRequest& request = {},
                                                     const CallOptions& options = {}) const;
 
-  /// OK if the server serves (grpc.health.v1), UNAVAILABLE if it does not at present.
+  /// Calls grpc.health.v1.  OK if the server is serving, UNAVAILABLE if it is not.
   absl::Status check_health(const CallOptions& options = {}) const;
 
  private:

@@ -1,4 +1,4 @@
-// Waits for functions that cannot be stopped.
+// Waits a limited time for functions that cannot be stopped.
 #pragma once
 
 #include <chrono>
@@ -13,7 +13,7 @@ namespace lucerna::client {
 using LookUp = std::function<absl::StatusOr<std::vector<std::string>>()>;
 
 /// Returns look_up(name) if it answers within `patience`, else UNAVAILABLE.  `look_up` runs in a
-/// thread of its own, which may outlive this call, so it must own everything that it uses.
+/// separate thread.  It may outlive this call, so it must own everything that it uses.
 absl::StatusOr<std::vector<std::string>> look_up_within(std::chrono::seconds patience,
                                                         const std::string& name, LookUp look_up);
 

@@ -18,8 +18,8 @@ void PointOrigin::add(const Double3& point) {
 Double3 PointOrigin::origin() const {
   Double3 result;
   for (int axis = 0; axis < 3; ++axis) {
-    // If all are equal, the middle is their value.  Otherwise choosing zero loses at most three
-    // bits, and keeps coordinates that are zero exact.
+    // If all coordinates are equal, the middle is their value.  Otherwise the origin zero loses at
+    // most three bits, and keeps coordinates that are zero exact.
     const double middle = lower_[axis] / 2 + upper_[axis] / 2;
     const double half = upper_[axis] / 2 - lower_[axis] / 2;
     result[axis] = std::abs(middle) > 8 * half ? middle : 0;

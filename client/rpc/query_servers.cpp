@@ -77,7 +77,7 @@ std::vector<Answer> make_all_ready(const QueryServersOptions& options,
   return answers;
 }
 
-/// The target for all of these addresses, in gRPC's syntax for lists.
+/// A target in gRPC's syntax for lists, for all these addresses.
 std::string target_of(const std::set<std::string>& addresses) {
   const bool v6 = std::any_of(addresses.begin(), addresses.end(),
                               [](const std::string& a) { return a.starts_with('['); });
@@ -149,10 +149,10 @@ absl::Status QueryServers::load_everywhere() {
     if (!answer.status.ok()) continue;
     if (!loaded) loaded = answer.loaded;
     if (answer.loaded.scene_id() != loaded->scene_id()) {
-      return absl::FailedPreconditionError("the scene of " + answer.target + " is " +
-                                           answer.loaded.scene_id() + ", " +
-                                           (first_time ? "that of others " : "before it was ") +
-                                           loaded->scene_id() + ": the files differ");
+      return absl::FailedPreconditionError(
+          "the scene of " + answer.target + " is " + answer.loaded.scene_id() + ", but " +
+          (first_time ? "that of the other servers is " : "it was ") + loaded->scene_id() +
+          ": the files differ");
     }
     if (!state.options.allow_mixed && !fingerprints.empty() &&
         !fingerprints.contains(answer.fingerprint)) {
@@ -176,7 +176,8 @@ absl::Status QueryServers::load_everywhere() {
     });
     const Answer& failed = worst == answers.end() ? answers.front() : *worst;
     if (failed.status.ok()) {
-      return absl::FailedPreconditionError("no server of the numeric fingerprint is left");
+      return absl::FailedPreconditionError(
+          "no server with the numeric fingerprint of the earlier ones is left");
     }
     return from_server(failed.target, failed.status);
   }

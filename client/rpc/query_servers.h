@@ -1,4 +1,4 @@
-// Uses several servers that hold one scene as if they were one.
+// Sends small queries about one scene to several servers.
 //
 //   auto servers = QueryServers::connect({.servers = *server_list("a:50051,b:50051"),
 //                                         .load = load_the_scene});
@@ -6,9 +6,9 @@
 //   const auto answer = servers->query(
 //       [&](const Client& client) { return client.sample_li(request); });
 //
-// This is for small requests that any server can answer.  They go to the servers in turn (gRPC's
-// round_robin).  If a server stops before it answers, another server gets the request.  Pictures
-// and large sets of points are jobs (job.h), where a slow server gets less work.
+// Use this for small requests that any server can answer.  Requests go to the servers in turn
+// (gRPC's round_robin).  If a server stops before it answers, another server gets the request.  Use
+// jobs (job.h) for pictures and large sets of points, since a slow server then gets less work.
 #pragma once
 
 #include <functional>
@@ -24,30 +24,32 @@ namespace lucerna::client {
 struct QueryServersOptions {
   ServerList servers;
   /// Loads the scene on a server.  Called once for each server, and again if a server lost the
-  /// scene, by several threads at once.
+  /// scene.  Several threads may call it at once.
   std::function<absl::StatusOr<v1::LoadSceneResponse>(const Client&, const CallOptions&)> load;
   /// Accepts servers of any numeric fingerprint.
   bool allow_mixed = false;
   /// Options of the calls that load the scene.
   CallOptions call = {};
-  /// Called once for each server that is left out, with the reason.
+  /// Called once for each server that is excluded, with the reason.
   std::function<void(const std::string&)> on_event = {};
 };
 
-/// Not thread-safe; client() is.
+/// Not thread-safe, but the client of client() is.
 class QueryServers {
  public:
-  /// Loads the scene on every server of the list that answers; the others are left out.
+  /// Loads the scene on every server of the list that answers.  The other servers are excluded.
   ///
-  /// Errors: those of the list; the error of a server, with its name, if no server can be used;
-  /// FAILED_PRECONDITION for servers of different numeric fingerprints, or with different scenes.
+  /// Errors:
+  /// - errors of the list
+  /// - the error of a server, with its name, if no server can be used
+  /// - FAILED_PRECONDITION for servers of different numeric fingerprints or with different scenes
   static absl::StatusOr<QueryServers> connect(const QueryServersOptions& options);
   QueryServers(QueryServers&&) noexcept;
   QueryServers& operator=(QueryServers&&) noexcept;
   ~QueryServers();
 
-  /// For queries about scene_id() only.  A call that changes a server (leases, uploads) would reach
-  /// an arbitrary one of them.
+  /// Only for queries about scene_id().  A call that changes a server (leases, uploads) would reach
+  /// an arbitrary server.
   const Client& client() const;
   const std::string& scene_id() const;
   /// The answer of one of the servers to LoadScene.
@@ -55,10 +57,11 @@ class QueryServers {
   /// More than one only with `allow_mixed`.
   std::vector<std::string> fingerprints() const;
 
-  /// Returns question(client()), an absl::StatusOr.  On an error that may mean a lost scene, it
-  /// loads the scene on all servers that answer, and tries again, at most twice.  These errors are
-  /// NOT_FOUND, from a server that was restarted; UNAVAILABLE, if all servers were replaced;
-  /// UNKNOWN and CANCELLED, from a server that was killed while it answered.
+  /// Returns question(client()), an absl::StatusOr.  After an error that may mean a lost scene, it
+  /// loads the scene on all servers that answer and tries again, at most twice.  These errors are:
+  /// - NOT_FOUND, from a server that was restarted
+  /// - UNAVAILABLE, if all servers were replaced
+  /// - UNKNOWN and CANCELLED, from a server that was killed while it answered
   template <class Question>
   auto query(const Question& question) -> decltype(question(std::declval<const Client&>())) {
     auto answer = question(client());

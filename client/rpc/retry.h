@@ -1,4 +1,4 @@
-// When a server's error allows a retry.
+// Reads from a server's error when to retry.
 #pragma once
 
 #include <chrono>

@@ -20,7 +20,7 @@ namespace {
 
 using Targets = std::vector<std::string>;
 
-// A dead name server keeps getaddrinfo() for half a minute or more, and it cannot be stopped.
+// With a dead name server, getaddrinfo() takes half a minute or more, and it cannot be stopped.
 constexpr std::chrono::seconds kLookUpTime(5);
 
 bool is_port(std::string_view text) {

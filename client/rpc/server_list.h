@@ -4,7 +4,7 @@
 //   if (!list.ok()) return list.status();
 //   const auto targets = (*list)();  // {"a:50051", "b:50051"}
 //
-// Jobs and QueryServers call the list again and again, so servers may join and leave.
+// Jobs and QueryServers call the list repeatedly, so servers may join and leave.
 #pragma once
 
 #include <functional>
@@ -28,8 +28,8 @@ using ServerList = std::function<absl::StatusOr<std::vector<std::string>>()>;
 absl::StatusOr<ServerList> server_list(const std::string& text);
 
 /// The addresses of "HOST:PORT", each as A.B.C.D:PORT or [IPV6]:PORT.  UNAVAILABLE if the name has
-/// none, or if the look-up takes more than 5 s.  The look-up then continues in a thread that is
-/// left behind.
+/// no address, or if the look-up takes more than 5 s.  The look-up thread then continues until it
+/// has an answer.
 absl::StatusOr<std::vector<std::string>> numeric_addresses(const std::string& target);
 
 /// The nodes of a Slurm host list such as "n[1-3,07],login".  INVALID_ARGUMENT for other text.

@@ -1,4 +1,4 @@
-// Converts gRPC's status to Abseil's.  Not installed, since it names types of gRPC.
+// Converts gRPC's status to Abseil's.  This header is not installed, since it uses types of gRPC.
 #pragma once
 
 #include <grpcpp/support/status.h>
@@ -7,8 +7,9 @@
 
 namespace lucerna::client {
 
-/// The same code.  The field violations of the details are appended to the message, each as ";
-/// FIELD: WHAT", unless it has them already.  kStatusPayloadUrl holds the bytes of the details.
+/// Converts the code, the message and the details.  Appends each field violation of the details to
+/// the message as "; FIELD: WHAT", unless the message has it already.  The payload
+/// kStatusPayloadUrl holds the bytes of the details.
 absl::Status to_absl_status(const grpc::Status& status);
 
 }  // namespace lucerna::client

@@ -21,8 +21,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kChunkBytes = std::size_t{1} << 20;
-constexpr int kTries = 5;  // in a row without progress
-// Rounds of files that name further files; no scene is deeper.
+constexpr int kTries = 5;  // attempts in a row without progress
+// Most rounds, since files may name further files.  No real scene needs as many.
 constexpr int kMostRounds = 100;
 
 /// Waits; returns false if the call should end.
@@ -70,7 +70,7 @@ class Upload {
     if (error) return absl::NotFoundError(upload_.root + ": no such directory");
     const fs::path name = main.lexically_relative(root_);
     if (name.empty() || *name.begin() == "..")
-      return absl::InvalidArgumentError(path + ": is not beneath " + root_.string());
+      return absl::InvalidArgumentError(path + ": is not inside " + root_.string());
     request_.mutable_manifest()->set_main(name.generic_string());
     if (upload_.lease_s > 0) request_.set_lease_s(upload_.lease_s);
     return add(name.generic_string());
@@ -90,11 +90,11 @@ class Upload {
       }
       LUCERNA_RETURN_IF_ERROR(send(wanted));
     }
-    return absl::InternalError("the server requests more and more files");
+    return absl::InternalError("the server still requests files after 100 rounds");
   }
 
  private:
-  /// Adds the file of this name to the manifest, or states there that it does not exist.
+  /// Adds the file of this name to the manifest.  If it does not exist, the manifest states that.
   absl::Status add(const std::string& name) {
     v1::NamedAsset asset;
     asset.set_name(name);
@@ -105,8 +105,8 @@ class Upload {
       // Symbolic links out of the root are refused too.
       const fs::path within = path.lexically_relative(root_);
       if (within.empty() || *within.begin() == "..")
-        return absl::InvalidArgumentError(name + ": is outside of " + root_.string() +
-                                          "; only files within it are sent");
+        return absl::InvalidArgumentError(name + ": is outside " + root_.string() +
+                                          "; only files inside it are sent");
       LUCERNA_ASSIGN_OR_RETURN(File found, hashed(path));
       file = std::move(found);
       asset.set_sha256(file.digest);
@@ -123,7 +123,7 @@ class Upload {
     for (int i = 0; i < missing.missing_sha256_size(); ++i) {
       const auto name = names_.find(missing.missing_sha256(i));
       if (name == names_.end() || i >= missing.received_bytes_size())
-        return absl::InternalError("the server requests a file that it was not offered");
+        return absl::InternalError("the server requests a file that is not in the manifest");
       LUCERNA_RETURN_IF_ERROR(send(name->second, missing.received_bytes(i)));
     }
     return absl::OkStatus();
@@ -143,7 +143,7 @@ class Upload {
       const bool elsewhere = absl::IsFailedPrecondition(sent.status());
       if (!absl::IsUnavailable(sent.status()) && !elsewhere) return sent.status();
       if (!wait(retry_delay(sent.status()).value_or(pause), options_)) return sent.status();
-      // Progress of another client that sends the same file counts too.
+      // Progress of another client that sends the same file also counts.
       v1::FindMissingAssetsRequest request;
       request.add_sha256(file.digest);
       const auto now = client_.find_missing_assets(request, options_);
@@ -183,7 +183,8 @@ class Upload {
   const CallOptions& options_;
   fs::path root_;
   v1::LoadSceneRequest request_;
-  std::map<std::string, File> files_;         // by name in the manifest; no digest: does not exist
+  /// By the name in the manifest.  A file without a digest does not exist.
+  std::map<std::string, File> files_;
   std::map<std::string, std::string> names_;  // by digest, one name each
 };
 

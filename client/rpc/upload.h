@@ -3,7 +3,8 @@
 //   const auto loaded = upload_scene(client, "scenes/room/scene.pbrt");
 //   if (loaded.ok()) request.set_scene_id(loaded->scene_id());
 //
-// Nothing is parsed here: the server reports the files that it misses, and the client sends them.
+// The client parses nothing.  The server reports which files are missing, and the client sends
+// them.
 #pragma once
 
 #include <cstdint>
@@ -21,22 +22,23 @@ struct UploadProgress {
 };
 
 struct UploadOptions {
-  /// Only files within this directory are sent, whatever the server requests.  Names in the scene
-  /// are relative to it, unless they start at the scene file.  Empty: the directory of the scene
-  /// file.
+  /// Only files in this directory are sent, even if the server requests others.  The server knows
+  /// files by their names relative to it.  Empty: the directory of the scene file.
   std::string root = {};
-  /// How long the server keeps the scene at least [s].  0: until it needs the memory.
+  /// The server keeps the scene for at least this time [s].  0: until it needs the memory.
   double lease_s = 0;
   /// Called after each sent chunk, in the calling thread.
   std::function<void(const UploadProgress&)> progress = {};
 };
 
-/// Loads the scene file `path` and all files that it names.  Only content that the server does not
-/// hold is sent, once each.  An interrupted upload continues where it broke.
+/// Loads the scene file `path` and all files that it names.  Sends only content that the server
+/// does not have, and each content once.  An interrupted upload continues where it stopped.
 ///
-/// Errors: NOT_FOUND if the scene file does not exist; INVALID_ARGUMENT for a file outside of the
-/// root or one that changed during the upload; those of Client::load_scene and
-/// Client::upload_asset; UNAVAILABLE after several attempts in a row without progress.
+/// Errors:
+/// - NOT_FOUND if the scene file does not exist
+/// - INVALID_ARGUMENT for a file outside the root, or one that changed during the upload
+/// - errors of Client::load_scene and Client::upload_asset
+/// - UNAVAILABLE after several attempts in a row without progress
 absl::StatusOr<v1::LoadSceneResponse> upload_scene(const Client& client, const std::string& path,
                                                    const UploadOptions& upload = {},
                                                    const CallOptions& options = {});

@@ -1,4 +1,4 @@
-// Commands that send many items and print one answer.
+// The common part of commands that send many items and print one answer.
 #pragma once
 
 #include <fmt/core.h>
@@ -12,16 +12,16 @@
 
 namespace lucerna::cli {
 
-/// Sends the request by `in_batches` of client/rpc/batches.h and prints the answer: under --json as
-/// JSON with the members of `json_more` (see to_json()), else by `print` and with the scene's
-/// remarks.  The exit status is 1 if some item has no answer.
+/// Sends the request by `in_batches`, a function of client/rpc/batches.h, and prints the answer.
+/// With --json, prints JSON with the members of `json_more` (see to_json()).  Otherwise calls
+/// `print`, and then prints the scene's remarks.  The exit status is 1 if some item has no answer.
 template <class Request, class Response, class Print>
-void ask_and_print(Session& session, const Request& request,
-                   absl::StatusOr<Response> (*in_batches)(const client::Client&, const Request&,
-                                                          const client::BatchOptions&),
-                   Print&& print,
-                   const std::function<std::string(const Response&)>& json_more = {}) {
-  const Response response = session.ask_about_scene([&](const client::Client& client) {
+void send_and_print(Session& session, const Request& request,
+                    absl::StatusOr<Response> (*in_batches)(const client::Client&, const Request&,
+                                                           const client::BatchOptions&),
+                    Print&& print,
+                    const std::function<std::string(const Response&)>& json_more = {}) {
+  const Response response = session.query_scene([&](const client::Client& client) {
     return in_batches(client, request, {.max_items = 0, .call = session.call_options()});
   });
   if (session.json()) {
@@ -34,7 +34,7 @@ void ask_and_print(Session& session, const Request& request,
   if constexpr (requires { response.estimates(); }) {
     failed |= any_failed(response.estimates().status());
   }
-  if (failed) session.set_exit_status(kServerSaidNo);
+  if (failed) session.set_exit_status(kServerRefused);
 }
 
 }  // namespace lucerna::cli

@@ -56,7 +56,7 @@ std::string describe_overrun(const v1::Accuracy& accuracy, const v1::Cost& cost,
   const double sample_s = time_s / static_cast<double>(samples);
   const double fewer = std::max(1.0, std::floor(budget_s / sample_s));
   return fmt::format(
-      "over the budget of {} s: each {} takes {} samples at least; --samples {} would take about "
+      "over the budget of {} s: each {} takes at least {} samples; --samples {} would take about "
       "{:.3g} s; ",
       number(budget_s), item, samples, number(fewer), fewer * sample_s);
 }

@@ -1,4 +1,5 @@
-// How certain an answer is, in words: intervals, missed targets, budgets and approximations.
+// Describes the certainty of an answer in words: intervals, missed targets, budgets and
+// approximations.
 #pragma once
 
 #include <cstdint>
@@ -11,23 +12,25 @@
 
 namespace lucerna::cli {
 
-/// A share in (0, 1) in percent, with enough digits to differ from 0% and 100%: "95", "99.9999999".
+/// A fraction in (0, 1) in percent, with enough digits to differ from 0% and 100%: "95",
+/// "99.9999999".
 std::string percent(double share);
 
-/// The text of the column ±: half the width of the interval; both ends if the value is not in the
-/// middle; "< upper" for the value 0.  An interval without width is "exact", or "no scatter" for an
-/// `approximate` answer.
+/// The text of the column ±: half the width of the interval, or both ends if the value is not in
+/// the middle.  For the value 0 it is "< upper".  An interval without width is "exact", or "no
+/// scatter" for an `approximate` answer.
 std::string interval_text(double value, double lower, double upper, bool approximate);
 
-/// Whether the request chose an approximation whose error no interval holds.
+/// Whether the request chose an approximation.  Intervals do not include its error.
 bool is_approximate(const v1::Accuracy& accuracy);
 /// "; approximated: area lights as points beyond 7.1 radii; ..." for the end of a footer.  Empty
 /// without approximations.
 std::string describe_approximations(const v1::Accuracy& accuracy, const v1::Cost& cost);
 
-/// "over the budget of 3 s: each point takes 16 samples at least; --samples 1 would take about 1.75
-/// s; " for an answer that took more time than its budget with the least number of samples.  Empty
-/// for all other answers.  `samples`: the largest number for one `item`.
+/// For an answer that took more time than its budget with the least number of samples, else empty.
+/// Example: "over the budget of 3 s: each point takes at least 16 samples; --samples 1 would take
+/// about 1.75 s; ".  `samples` is the largest number of samples of an item; `item` names an item
+/// ("point").
 std::string describe_overrun(const v1::Accuracy& accuracy, const v1::Cost& cost,
                              std::uint64_t samples, const std::string& item);
 
@@ -37,7 +40,7 @@ class TargetCheck {
   explicit TargetCheck(const v1::TargetError& target);
 
   /// Adds an item's answer.  `more_samples` is the next larger number of samples that the item
-  /// could take.  Returns whether half the width of the interval is within the target.
+  /// could have taken.  Returns whether half the width of the interval is within the target.
   bool add(double value, double lower, double upper, std::uint64_t more_samples);
 
   std::uint64_t missed() const { return missed_; }
@@ -49,11 +52,11 @@ class TargetCheck {
   double relative_, floor_;
   std::uint64_t max_samples_;
   std::uint64_t items_ = 0, missed_ = 0, capped_ = 0;
-  double worst_ = 1;  // of the items with an allowed error above 0
+  double worst_ = 1;  // largest width / allowed width, of items with an allowed error above 0
 };
 
-/// Checks the receivers that have an answer.  `samples` holds the number of each.  `reached` gets
-/// whether each met the target; false for those without an answer.
+/// Checks the receivers that have an answer.  `samples` has the number of samples of each receiver.
+/// Sets `reached` to whether each receiver met the target; false for receivers without an answer.
 template <typename Answers>
 TargetCheck check_target(const Answers& answers,
                          const google::protobuf::RepeatedField<std::uint32_t>& samples,
@@ -68,9 +71,9 @@ TargetCheck check_target(const Answers& answers,
   return check;
 }
 
-/// `"name":[true,false]`, for to_json().
+/// A member of JSON for to_json(): `"name":[true,false]`.
 std::string json_of(const char* name, const std::vector<bool>& values);
-/// `"approximate":true`.
+/// A member of JSON for to_json(): `"approximate":true`.
 std::string json_of_approximate(const v1::Accuracy& accuracy);
 
 }  // namespace lucerna::cli

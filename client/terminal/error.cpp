@@ -21,7 +21,7 @@ absl::StatusCode code_of(ExitStatus exit) {
 }
 
 ordered_json details_of(const absl::Status& error) {
-  // The details' types are found by name, so this program must hold them.
+  // Protocol buffers find the details' types by name, so the program must link them.
   google::rpc::BadRequest::descriptor();
   ordered_json details = ordered_json::array();
   const auto payload = error.GetPayload(client::kStatusPayloadUrl);

@@ -1,4 +1,4 @@
-// Options that name the methods of a computation.
+// Options for the methods of a computation.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -42,7 +42,8 @@ class WayOption {
   std::string name_ = "automatic";
 };
 
-/// A method that a command may have without the others.  `kSet` sets it in a request.
+/// A method option that a command may have without the others.  `kSet` sets the method in a
+/// request.
 template <typename Way, void (v1::Accuracy::*kSet)(Way)>
 class LoneWayOption : public WayOption<Way> {
  public:
@@ -55,7 +56,7 @@ class LoneWayOption : public WayOption<Way> {
   }
 };
 
-/// --area-sampling alone, for commands without the other methods.
+/// --area-sampling, for commands without the other methods.
 struct AreaSamplingOption : LoneWayOption<v1::AreaSampling, &v1::Accuracy::set_area_sampling> {
   AreaSamplingOption()
       : LoneWayOption("--area-sampling", "How to choose points of area lights",
@@ -121,10 +122,9 @@ class MethodOptions {
                     "Points that each sample takes on a light; default: as in the scene file, or 1")
         ->check(whole(1, kMostSamplesPerLight));
     command
-        .add_option(
-            "--far-light", far_light_radii_,
-            "Treat area lights beyond this many radii as points; a radius is half the diagonal "
-            "of the light's bounding box; default: never")
+        .add_option("--far-light", far_light_radii_,
+                    "Treat area lights farther away than this many radii as points; a radius is "
+                    "half the diagonal of the light's bounding box; default: never")
         ->check(positive());
     combination_.add(command);
     closed_forms_.add(command);
@@ -146,7 +146,7 @@ class MethodOptions {
   std::optional<double> far_light_radii_;
   WayOption<v1::Combination> combination_{
       "--combination",
-      "How to weigh samples of lights against samples of directions",
+      "How to combine samples of lights with samples of directions",
       {{"power-heuristic", v1::COMBINATION_POWER_HEURISTIC},
        {"balance-heuristic", v1::COMBINATION_BALANCE_HEURISTIC},
        {"lights", v1::COMBINATION_LIGHTS},

@@ -11,7 +11,8 @@
 
 namespace lucerna::cli {
 
-/// Rows of text under headers.  Columns are as wide as their widest entry, with two spaces between.
+/// Rows of text under headers.  Columns are as wide as their widest entry, with two spaces between
+/// them.
 class Table {
  public:
   struct Column {
@@ -30,21 +31,22 @@ class Table {
 
 /// Six significant digits.
 std::string number(double value);
-/// "a b c"
+/// Three numbers with spaces between them: "a b c".
 std::string triple(double a, double b, double c);
 /// The unit vector along `v` to four decimals, which is 0.003 degrees: "0 0.7071 -0.7071".
 std::string direction(const v1::Vector3& v);
 
 /// The message as protocol-buffers JSON on one line, with a new line.  Field names are
-/// lowerCamelCase; fields without presence are always written.  `more` holds further members,
-/// `"name":value` with commas between, which follow.
+/// lowerCamelCase; fields without presence are always written.  `more` has further members,
+/// `"name":value` with commas between them, which come last.
 std::string to_json(const google::protobuf::Message& message, const std::string& more = {});
 
-/// "INVALID_INPUT"; empty for OK.  An empty `statuses` means that all are OK.
+/// The name of the item's status, such as "INVALID_INPUT"; empty for OK.  An empty `statuses` means
+/// that all items are OK.
 std::string item_status(const google::protobuf::RepeatedField<int>& statuses, std::size_t item);
-/// Whether the item has an answer.  Points inside of solids have one.
+/// Whether the item has an answer.  Points inside solids have an answer.
 bool has_answer(const google::protobuf::RepeatedField<int>& statuses, std::size_t item);
-/// Whether some item has no answer.  Items without light have one.
+/// Whether some item has no answer.  Items without light have an answer.
 bool any_failed(const google::protobuf::RepeatedField<int>& statuses);
 
 /// "2 of 8 points are inside of solids; ".  Empty if none is.

@@ -28,16 +28,16 @@ absl::StatusOr<Double3> parse_triple(const std::string& text, Triple kind) {
   const bool is_direction = kind == Triple::kDirection;
   std::vector<double> values;
   const absl::Status parsed = client::parse_fields(fields_of(text), values);
-  // Directions are floats in the contract.
+  // Directions are floats in requests.
   const double most =
       is_direction ? std::numeric_limits<float>::max() : std::numeric_limits<double>::max();
   const auto is_finite = [most](double v) { return std::fabs(v) <= most; };
   const auto is_zero = [](double v) { return static_cast<float>(v) == 0; };
   if (!parsed.ok() || values.size() != 3 || !std::all_of(values.begin(), values.end(), is_finite) ||
       (is_direction && std::all_of(values.begin(), values.end(), is_zero))) {
-    return absl::InvalidArgumentError(fmt::format("\"{}\", must be three finite {}, as 0,1.5,-2",
-                                                  text,
-                                                  is_direction ? "floats, not all 0" : "numbers"));
+    return absl::InvalidArgumentError(
+        fmt::format("\"{}\", must be three finite {}, such as 0,1.5,-2", text,
+                    is_direction ? "floats, not all 0" : "numbers"));
   }
   return Double3{values[0], values[1], values[2]};
 }
@@ -90,7 +90,7 @@ absl::StatusOr<PointSet> read_csv(std::istream& input, const std::string& name) 
 }
 
 void PointOptions::add(CLI::App& command, const std::string& second) {
-  command.add_option("--point", points_, "Point x,y,z [m]; may be given again")
+  command.add_option("--point", points_, "Point x,y,z [m]; may be repeated")
       ->allow_extra_args(false);
   command.add_option(
       "--points", file_,
@@ -107,8 +107,8 @@ PointSet PointOptions::read() const {
   if (!file().empty()) {
     const auto format = client::vector_format(file_);
     if (format.ok() && *format != client::VectorFormat::kCsv) {
-      wrong_use(
-          fmt::format("--points {}: a table takes CSV; other files go with irradiance -o", file_));
+      wrong_use(fmt::format(
+          "--points {}: a table accepts only CSV; for other files use irradiance -o", file_));
     }
     std::ifstream file;
     if (file_ != "-") {

@@ -21,22 +21,22 @@ struct PointSet {
 
 enum class Triple { kPoint, kDirection };
 
-/// Reads "1,2,-0.5".  INVALID_ARGUMENT for texts other than three finite numbers.  Directions must
-/// fit floats, as in the contract, and must not be 0 0 0 as floats.
+/// Reads three numbers such as "1,2,-0.5".  INVALID_ARGUMENT for texts other than three finite
+/// numbers.  Directions must be in the range of floats, and must not be 0 0 0 as floats.
 absl::StatusOr<Double3> parse_triple(const std::string& text, Triple kind);
 
 /// Reads any number of numbers, NaN and infinities included.  INVALID_ARGUMENT for other texts.
 absl::StatusOr<std::vector<double>> parse_numbers(const std::string& text);
 
 /// Reads the argument of --u for one sample: `count` numbers in [0, 1], two for a direction or four
-/// for a ray; with `chooses_light` one more in [0, 1).  INVALID_ARGUMENT for other texts.
+/// for a ray.  With `chooses_light`, one more number in [0, 1).  INVALID_ARGUMENT for other texts.
 absl::StatusOr<std::vector<double>> parse_sample_values(const std::string& text, std::size_t count,
                                                         bool chooses_light);
 
 /// Reads lines of x,y,z or of x,y,z,nx,ny,nz; all lines have the same columns.  A header that
 /// begins with x,y,z may come first.  Blank lines and lines that begin with # are skipped.
 /// INVALID_ARGUMENT with a message that begins with "name:line: ".  NaN, infinities and directions
-/// 0 0 0 are accepted: the server marks such items, so one of them does not stop a file.
+/// 0 0 0 are accepted.  The server marks such items, and answers the other lines of the file.
 absl::StatusOr<PointSet> read_csv(std::istream& input, const std::string& name);
 
 /// The options --point and --points.
@@ -54,7 +54,7 @@ class PointOptions {
   std::string file_;
 };
 
-/// A repeatable option whose arguments are triples.
+/// An option whose arguments are triples.  It may be repeated.
 class TripleOption {
  public:
   void add(CLI::App& command, const std::string& flag, const std::string& what,

@@ -50,7 +50,7 @@ std::string describe(const CLI::App& app, const CLI::ParseError& error) {
   const CLI::App& command = commands.empty() ? app : *commands.front();
   std::string name = app.get_name();
   if (&command != &app) name += " " + command.get_name();
-  // A missing argument is often a misspelt one: name the unknown words first.
+  // A missing argument is often a misspelt one, so name the unknown words first.
   const bool may_be_misspelt = dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr ||
                                dynamic_cast<const CLI::RequiredError*>(&error) != nullptr;
   std::string text = error.what();
@@ -63,7 +63,7 @@ std::string describe(const CLI::App& app, const CLI::ParseError& error) {
 }
 
 int run_program(CLI::App& app, Session& session, int argc, char** argv) {
-  // The option may stand behind the word that cannot be parsed.
+  // --json may come after the word that cannot be parsed.
   const auto has_json = [&] {
     return session.json() ||
            std::find(argv, argv + argc, std::string_view("--json")) != argv + argc;
@@ -82,7 +82,7 @@ int run_program(CLI::App& app, Session& session, int argc, char** argv) {
     return error.exit_status();
   } catch (const std::exception& error) {
     print_error(absl::InternalError(error.what()), session.json());
-    return kServerSaidNo;
+    return kServerRefused;
   }
   if (std::fflush(stdout) != 0) {
     print_error(absl::UnknownError("cannot write to standard output"), session.json());

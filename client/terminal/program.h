@@ -8,8 +8,8 @@
 
 namespace lucerna::cli {
 
-/// What is wrong with the command line: unknown words in the order typed, with the nearest command
-/// or option, or else the message of CLI11.
+/// Describes an error in the command line: the unknown words in the order typed, with the nearest
+/// command or option.  Without unknown words, the message of CLI11.
 std::string describe(const CLI::App& app, const CLI::ParseError& error);
 
 /// Returns the exit status.  Prints errors and help.

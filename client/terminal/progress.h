@@ -11,7 +11,8 @@ namespace lucerna::cli {
 std::string progress_line(std::uint64_t done, std::uint64_t total,
                           std::chrono::duration<double> elapsed);
 
-/// Draws on stderr if that is a terminal, ten times a second at most.  The destructor removes it.
+/// Draws on stderr if stderr is a terminal, at most ten times in a second.  The destructor removes
+/// the bar.
 class ProgressBar {
  public:
   ProgressBar();

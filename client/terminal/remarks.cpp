@@ -8,7 +8,8 @@
 namespace lucerna::cli {
 namespace {
 
-/// A group of remarks: how their two texts begin, and the words for one and for many.
+/// A group of remarks: the beginnings of their two texts, and the words for one remark and for
+/// several.
 struct RemarkGroup {
   std::string_view what, instead;
   std::string_view one;

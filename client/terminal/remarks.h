@@ -1,4 +1,4 @@
-// What a scene file requires and Lucerna does not model, in words.
+// Describes in words the content of a scene file that Lucerna does not model.
 #pragma once
 
 #include <google/protobuf/repeated_field.h>
@@ -12,8 +12,8 @@ namespace lucerna::cli {
 /// "file:line:column: what; instead"
 std::string describe(const v1::Remark& remark);
 
-/// Counts remarks by what the server did instead: "2 surfaces left out, 3 materials taken as
-/// diffuse, 1 other remark".  Empty for no remarks.
+/// Counts remarks by the server's replacement: "2 surfaces left out, 3 materials taken as diffuse,
+/// 1 other remark".  Empty for no remarks.
 std::string count_remarks(const google::protobuf::RepeatedPtrField<v1::Remark>& remarks);
 
 }  // namespace lucerna::cli

@@ -6,9 +6,8 @@
 namespace lucerna::cli {
 
 /// `servers` with ":50051" after each host that has no port: "localhost", "10.0.0.7", "::1",
-/// "[::1]", "a,b:50052", "dns:///name".  A bare IPv6 address gets brackets.  All other texts stay
-/// unchanged:
-/// "@FILE", "slurm:PORT", "unix:PATH" and other schemes of gRPC.
+/// "[::1]", "a,b:50052", "dns:///name".  An IPv6 address without brackets gets brackets.  Other
+/// texts stay unchanged: "@FILE", "slurm:PORT", "unix:PATH" and other schemes of gRPC.
 std::string with_default_port(const std::string& servers);
 
 }  // namespace lucerna::cli

@@ -47,7 +47,8 @@ absl::StatusOr<v1::ListScenesResponse> all_scenes(const client::Client& client,
   return all;
 }
 
-/// NOT_FOUND for none, INVALID_ARGUMENT for more than one.
+/// The id of the only loaded scene whose id begins with `prefix`.  NOT_FOUND if there is none,
+/// INVALID_ARGUMENT if there are several.
 absl::StatusOr<std::string> id_with_prefix(const client::Client& client, const std::string& prefix,
                                            const client::CallOptions& call) {
   LUCERNA_ASSIGN_OR_RETURN(const v1::ListScenesResponse scenes, all_scenes(client, call));
@@ -55,16 +56,17 @@ absl::StatusOr<std::string> id_with_prefix(const client::Client& client, const s
   for (const v1::SceneSummary& scene : scenes.scenes()) {
     if (!scene.scene_id().starts_with(prefix)) continue;
     if (!found.empty()) {
-      return absl::InvalidArgumentError(fmt::format(
-          "scene {}: more than one id begins so, {} and {}", prefix, found, scene.scene_id()));
+      return absl::InvalidArgumentError(
+          fmt::format("scene {}: several ids begin with these digits, {} and {}", prefix, found,
+                      scene.scene_id()));
     }
     found = scene.scene_id();
   }
   if (!found.empty()) return found;
-  return absl::NotFoundError(fmt::format(
-      "scene {}: no id of a loaded scene begins so (see lucerna scenes); a file of that name is "
-      "./{}",
-      prefix, prefix));
+  return absl::NotFoundError(
+      fmt::format("scene {}: no loaded scene has an id that begins with these digits (see lucerna "
+                  "scenes); a file of that name is ./{}",
+                  prefix, prefix));
 }
 
 /// Prints the remarks of a scene that was loaded just now.
@@ -95,7 +97,7 @@ absl::StatusOr<v1::LoadSceneResponse> find_scene(const client::Client& client,
   return found;
 }
 
-/// Adds the least length of a prefix to the error, if the name may be one.
+/// Adds the least length of a prefix to the error, if `scene` may be a prefix that is too short.
 absl::Status with_prefix_length(const std::string& scene, const absl::Status& error) {
   if (!absl::IsNotFound(error) || !is_hexadecimal(scene) || scene.size() >= kFewestDigits) {
     return error;
@@ -109,7 +111,7 @@ absl::Status with_prefix_length(const std::string& scene, const absl::Status& er
   return result;
 }
 
-/// The name under which `lucerna scene` finds the scene: of an id, digits enough for a person.
+/// A short name by which `lucerna scene` finds the scene: the first digits of an id, or the path.
 std::string short_name(const std::string& scene) {
   constexpr std::size_t kShortId = 12;
   return is_id(scene) ? lower(scene).substr(0, kShortId) : scene;
@@ -118,8 +120,9 @@ std::string short_name(const std::string& scene) {
 }  // namespace
 
 void Session::add_options(CLI::App& app) {
-  app.add_option("--server", server_,
-                 "Address of lucernad, HOST or HOST:PORT; several with commas answer in turn")
+  app.add_option(
+         "--server", server_,
+         "Address of lucernad, HOST or HOST:PORT; several, separated by commas, answer in turn")
       ->transform(CLI::Validator(
           [](std::string& servers) {
             servers = with_default_port(servers);
@@ -143,7 +146,7 @@ bool Session::several() const {
 }
 
 void Session::need_one_server(const std::string& what) const {
-  if (several()) wrong_use(fmt::format("--server {}: {}; name one", server_, what));
+  if (several()) wrong_use(fmt::format("--server {}: {}; name one server", server_, what));
 }
 
 void Session::connect_to_all(const std::string& scene) {
@@ -199,7 +202,7 @@ void Session::fail_if_ended(const absl::Status& status) const {
     throw CommandError(static_cast<ExitStatus>(kSignal + signal_), "interrupted");
   }
   if (absl::IsDeadlineExceeded(status) && timeout_s_) {
-    throw CommandError(kServerSaidNo, status,
+    throw CommandError(kServerRefused, status,
                        fmt::format("no answer within --timeout {} s", *timeout_s_));
   }
 }
@@ -213,18 +216,19 @@ void Session::fail(const absl::Status& status) const {
   const std::string message(status.message());
   fail_if_ended(status);
   if (absl::IsUnavailable(status) && several()) {
-    throw CommandError(kServerSaidNo, status,
+    throw CommandError(kServerRefused, status,
                        fmt::format("cannot reach any server of {}: {}", server_, message));
   }
   if (absl::IsUnavailable(status)) {
     throw CommandError(
-        kServerSaidNo, status,
+        kServerRefused, status,
         fmt::format("cannot reach a server at {}: {}\nstart one with: lucernad --listen {} "
                     "--scene-root DIR, or name another with --server or LUCERNA_SERVER",
                     server_, message, server_));
   }
   const std::string code = lower(absl::StatusCodeToString(status.code()));
-  throw CommandError(kServerSaidNo, status, fmt::format("the server said {}: {}", code, message));
+  throw CommandError(kServerRefused, status,
+                     fmt::format("the server reported {}: {}", code, message));
 }
 
 std::string Session::scene_id(const std::string& scene) {
@@ -238,8 +242,8 @@ std::string Session::scene_id(const std::string& scene) {
   if (is_prefix(scene)) {
     const auto id = id_with_prefix(client(), lower(scene), call_options());
     if (absl::IsInvalidArgument(id.status())) wrong_use(std::string(id.status().message()));
-    if (absl::IsNotFound(id.status())) fail_here(id.status(), kServerSaidNo);
-    return ask(id);
+    if (absl::IsNotFound(id.status())) fail_here(id.status(), kServerRefused);
+    return value_or_fail(id);
   }
   const v1::LoadSceneResponse response = load_scene(*this, scene);
   print_new_remarks(response);
@@ -257,9 +261,9 @@ std::string Session::query_scene_id(const std::string& scene) {
   } else if (loaded_remarks_) {
     remarks = *std::move(loaded_remarks_);
   } else {
-    remarks = ask(get_scene(client(), id, call_options())).remarks();
+    remarks = value_or_fail(get_scene(client(), id, call_options())).remarks();
   }
-  if (absl::Status s = note_remarks(scene, remarks); !s.ok()) fail_here(s, kServerSaidNo);
+  if (absl::Status s = note_remarks(scene, remarks); !s.ok()) fail_here(s, kServerRefused);
   return id;
 }
 
@@ -288,15 +292,15 @@ v1::LoadSceneResponse load_scene(Session& session, const std::string& path, doub
 }
 
 v1::ListScenesResponse list_scenes(Session& session) {
-  return session.ask(all_scenes(session.client(), session.call_options()));
+  return session.value_or_fail(all_scenes(session.client(), session.call_options()));
 }
 
 v1::ListAvailableScenesResponse list_available_scenes(Session& session) {
   v1::ListAvailableScenesResponse all;
   v1::ListAvailableScenesRequest request;
   do {
-    const auto page =
-        session.ask(session.client().list_available_scenes(request, session.call_options()));
+    const auto page = session.value_or_fail(
+        session.client().list_available_scenes(request, session.call_options()));
     request.set_page_token(page.next_page_token());
     all.MergeFrom(page);
   } while (!request.page_token().empty());
@@ -309,7 +313,7 @@ v1::ListLightsResponse list_lights(Session& session, const std::string& scene_id
   v1::ListLightsRequest request;
   request.set_scene_id(scene_id);
   do {
-    auto page = session.ask_about_scene([&](const client::Client& client) {
+    auto page = session.query_scene([&](const client::Client& client) {
       return client.list_lights(request, session.call_options());
     });
     request.set_page_token(page.next_page_token());

@@ -1,4 +1,5 @@
-// What all commands share: common options, the connection, and how an error ends the program.
+// The common part of all commands: options, the connection to the server, and errors that end the
+// program.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -15,16 +16,16 @@
 
 namespace lucerna::cli {
 
-/// The options of all commands, and the connection to the server that they name.  --server may
-/// name several servers, for questions about a scene: any of them can answer.
+/// The options of all commands, and the connection to the server of --server.  For queries about a
+/// scene, --server may name several servers, any of which can answer.
 class Session {
  public:
-  /// A request to stop ends every call.  `signal` is the number of the signal that caused it; it
-  /// outlives the session.
+  /// A request to stop ends every call.  `signal` is the number of the signal that caused it, and
+  /// must outlive the session.
   Session(std::stop_token stop, const std::atomic<int>& signal)
       : stop_(std::move(stop)), signal_(signal) {}
 
-  /// Adds --server, --allow-mixed, --timeout, --json and --strict.  They may stand before or after
+  /// Adds --server, --allow-mixed, --timeout, --json and --strict.  They may come before or after
   /// the command.
   void add_options(CLI::App& app);
 
@@ -33,44 +34,46 @@ class Session {
   const std::string& server() const { return server_; }
   /// Whether servers of different numeric fingerprints may share work.
   bool allow_mixed() const { return allow_mixed_; }
-  /// Connects at the first use.  If --server names several servers, scene_id() must come first;
-  /// otherwise this ends the program, as the call is for one server.
+  /// Connects at the first use.  If --server names several servers, scene_id() must be called
+  /// first.  Otherwise this ends the program, since the command is for one server.
   const client::Client& client();
-  /// Ends the program if --server names several servers.  `what` says what needs one.
+  /// Ends the program if --server names several servers.  `what` is the reason in the error
+  /// message.
   void need_one_server(const std::string& what) const;
   /// All calls of one run share the deadline.
   const client::CallOptions& call_options();
 
-  /// The answer; an error ends the program with the server's message.
+  /// Returns the response.  An error ends the program with the server's message.
   template <class Response>
-  Response ask(absl::StatusOr<Response> response) {
+  Response value_or_fail(absl::StatusOr<Response> response) {
     if (!response.ok()) fail(response.status());
     return *std::move(response);
   }
-  /// The same for a question about the scene of scene_id(), a function of the client.  With several
-  /// servers, one that lost the scene gets it again, and the question is repeated.
-  template <class Ask>
-  auto ask_about_scene(const Ask& question) {
-    return servers_ ? ask(servers_->query(question)) : ask(question(client()));
+  /// The same for `call`, a function of the client that sends a query about the scene of
+  /// scene_id().  With several servers, loads the scene again on a server that lost it, and repeats
+  /// the call.
+  template <class Call>
+  auto query_scene(const Call& call) {
+    return servers_ ? value_or_fail(servers_->query(call)) : value_or_fail(call(client()));
   }
   /// Ends the program with an error that a server reported.
   [[noreturn]] void fail(const absl::Status& status) const;
   /// Ends the program with an error of this machine, whose message stays unchanged.
   [[noreturn]] void fail_here(const absl::Status& status, ExitStatus exit) const;
 
-  /// The id of `scene`, which is an id; the first digits, 4 or more, of the id of a loaded scene;
-  /// or a path.  A path is loaded if need be, on each server, and its remarks are printed to
-  /// stderr.
+  /// The id of `scene`.  `scene` is an id, the first digits (4 or more) of the id of a loaded
+  /// scene, or a path.  Loads a path on each server that has not loaded it, and prints the new
+  /// remarks to stderr.
   std::string scene_id(const std::string& scene);
-  /// The same for a question about light: notes the scene's remarks for print_remarks().
+  /// The same for a query about light.  Also keeps the scene's remarks for print_remarks().
   std::string query_scene_id(const std::string& scene);
 
   using Remarks = google::protobuf::RepeatedPtrField<v1::Remark>;
-  /// Keeps the remarks for print_remarks().  FAILED_PRECONDITION for any remark under --strict;
-  /// `scene` names the scene in the message.  Thread-safe.
+  /// Keeps the remarks for print_remarks().  With --strict, any remark is FAILED_PRECONDITION, with
+  /// the name `scene` in the message.  Thread-safe.
   absl::Status note_remarks(const std::string& scene, const Remarks& remarks);
-  /// The last line of an answer: counts what of the scene is not modelled.  Prints nothing for a
-  /// scene without remarks.
+  /// Prints the last line of an answer, which counts the remarks.  Prints nothing for a scene
+  /// without remarks.
   void print_remarks() const;
 
   /// Sets the exit status of a run without errors.
@@ -79,7 +82,7 @@ class Session {
 
  private:
   bool several() const;
-  /// Readies all servers for `scene`.
+  /// Loads `scene` on all servers.
   void connect_to_all(const std::string& scene);
   void fail_if_ended(const absl::Status& status) const;
 
@@ -112,17 +115,17 @@ v1::ListLightsResponse list_lights(Session& session, const std::string& scene_id
 inline constexpr char kSceneHelp[] =
     "A path under the scene root, an id, or the first digits of an id";
 
-// One function for each family of commands.
+// One function for each group of commands.
 void add_scene_commands(CLI::App& app, Session& session);  // load scenes scene lights ...
 void add_light_commands(CLI::App& app, Session& session);  // sample pdf
 void add_power_command(CLI::App& app, Session& session);
 void add_emission_commands(CLI::App& app, Session& session);  // emit emit-pdf le
 void add_receiver_commands(CLI::App& app, Session& session);  // visible irradiance
 void add_render_command(CLI::App& app, Session& session);     // render
-/// Lists tradeoff among the commands.
+/// Adds tradeoff to the list of commands.
 void add_tradeoff_command(CLI::App& app);
-/// Replaces this process by lucerna-tradeoff, with all other arguments, if the command is tradeoff.
-/// Ends the program with a message if lucerna-tradeoff is not beside this program.
+/// If the command is tradeoff, replaces this process by lucerna-tradeoff, with all other arguments.
+/// Ends the program with a message if lucerna-tradeoff is not in the folder of this program.
 void start_tradeoff(const CLI::App& app, int argc, char** argv);
 
 }  // namespace lucerna::cli

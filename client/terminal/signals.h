@@ -6,9 +6,9 @@
 
 namespace lucerna::cli {
 
-/// Blocks SIGINT and SIGTERM for the program.  The first one requests a stop, so that the running
-/// call ends and leaves nothing half-done.  The second one ends the program at once.  Call it once,
-/// before any other thread starts.
+/// Blocks SIGINT and SIGTERM for the program.  The first signal requests a stop, so that the
+/// running call ends and leaves no unfinished files.  The second signal ends the program at once.
+/// Call it once, before any other thread starts.
 std::stop_token stop_on_signals();
 
 /// The number of the first signal; 0 before it arrives.

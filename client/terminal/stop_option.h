@@ -13,14 +13,15 @@
 
 namespace lucerna::cli {
 
-/// A fraction above 0, as 0.01 or as 1%, which becomes 0.01.  A number of 1 or more needs the
-/// percent sign, because it is a percentage without its sign more often than a fraction.
+/// A fraction above 0, such as 0.01 or 1%.  The text becomes the fraction.  A number of 1 or more
+/// must have the percent sign, because users often forget it.
 inline CLI::Validator share() {
   return {[](std::string& text) -> std::string {
             const bool percent = text.ends_with('%');
             const std::string number = percent ? text.substr(0, text.size() - 1) : text;
             const auto value = read_number<double>(number);
-            if (!value || *value <= 0) return text + " is not a share above 0, as 1% or 0.01";
+            if (!value || *value <= 0)
+              return text + " is not a fraction above 0, such as 1% or 0.01";
             if (!percent && *value >= 1) {
               return fmt::format("{} is {:g}%; did you mean {}%?", text, 100 * *value, text);
             }
@@ -34,8 +35,8 @@ struct StopOption {
   std::optional<std::uint32_t> samples;
   std::optional<double> error, budget_s;
 
-  /// `of` names what has samples ("point"), `otherwise` the default number, `unit` the answer's
-  /// unit.
+  /// `of` names the item that has samples ("point"), `otherwise` the default number of samples,
+  /// `unit` the unit of the answer.
   void add(CLI::App& command, const std::string& of, const std::string& otherwise,
            const std::string& unit) {
     auto* count = command.add_option("--samples", samples,
@@ -43,7 +44,7 @@ struct StopOption {
     count->check(sample_count());
     auto* target = command.add_option(
         "--error", error,
-        "Take samples until each " + of + " has this relative error, as 1% or 0.01");
+        "Take samples until each " + of + " has this relative error, such as 1% or 0.01");
     target->transform(share())->excludes(count);
     command
         .add_option(

@@ -6,8 +6,7 @@
 namespace lucerna::cli {
 
 std::size_t edit_distance(std::string_view a, std::string_view b) {
-  // Distances of the first i letters of `a`, the first i - 1 and the first i - 2 from each
-  // beginning of `b`.
+  // Distances from the beginnings of `b`, for the first i, i - 1 and i - 2 letters of `a`.
   std::vector<std::size_t> row(b.size() + 1), before(b.size() + 1), twice_before(b.size() + 1);
   for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
   for (std::size_t i = 1; i <= a.size(); ++i) {

@@ -1,5 +1,6 @@
-// Checks of the words on the command line, with messages for people.  CLI11's own ranges accept NaN
-// and read -1 as a large unsigned number; its own sets of names print their numbers too.
+// Checks of the words on the command line, with messages for people.  CLI11's own ranges accept
+// NaN, and read -1 as a large unsigned number.  Messages of its own sets of names also show the
+// numbers of the names.
 #pragma once
 
 #include <fmt/format.h>
@@ -19,7 +20,7 @@
 
 namespace lucerna::cli {
 
-/// The whole of `text` as a finite number that T holds; nothing for any other text.
+/// The number in `text`.  Nothing if `text` is not a finite number in the range of T.
 template <typename T>
 std::optional<T> read_number(std::string_view text) {
   T value = 0;
@@ -32,7 +33,8 @@ std::optional<T> read_number(std::string_view text) {
   return value;
 }
 
-/// A finite number for which `allowed` holds; `what` describes these numbers.
+/// A finite number for which `allowed` is true.  `what` describes these numbers in the error
+/// message.
 template <typename Allowed>
 CLI::Validator checked_number(const std::string& what, Allowed allowed) {
   return {[what, allowed](std::string& text) -> std::string {
@@ -61,8 +63,9 @@ inline CLI::Validator not_negative() {
   return checked_number("a finite number of at least 0", [](double v) { return v >= 0; });
 }
 
-/// A whole number from `least` to `most`.  The message shows `limit` in the place of `most` unless
-/// it is empty.  CLI11's own check takes the nearest allowed number for a larger one.
+/// A whole number from `least` to `most`.  If `limit` is not empty, the message shows it instead of
+/// `most`.  CLI11's own check silently replaces a number that is too large by the largest allowed
+/// one.
 inline CLI::Validator whole(std::uint64_t least,
                             std::uint64_t most = std::numeric_limits<std::uint32_t>::max(),
                             const std::string& limit = {}) {
@@ -80,17 +83,18 @@ inline CLI::Validator whole64(std::uint64_t least = 0) {
   return whole(least, std::numeric_limits<std::uint64_t>::max());
 }
 
-/// Numbers of samples; the server has a limit of its own.
+/// Numbers of samples.  The server has its own limit.
 inline CLI::Validator sample_count(std::uint64_t least = 1) {
   return whole(least, std::numeric_limits<std::uint32_t>::max(),
                "the server's limit (1048576, unless `lucerna info` shows another)");
 }
 
-/// Seconds of a time as 60, 60s, 2m, 500ms, 1h or 1h30m: a number of seconds, or numbers with the
-/// units h, m, s and ms in this order, each once at most.  Nothing for any other text.
+/// Seconds of a time such as 60, 60s, 2m, 500ms, 1h or 1h30m.  The text is a number of seconds, or
+/// numbers with the units h, m, s and ms in this order, each at most once.  Nothing for any other
+/// text.
 inline std::optional<double> read_duration(std::string_view text) {
   if (const auto seconds = read_number<double>(text)) return seconds;
-  // ms stands before m, with which it begins.
+  // ms comes before m, because it begins with m.
   constexpr std::pair<std::string_view, double> kUnits[] = {
       {"h", 3600}, {"ms", 1e-3}, {"m", 60}, {"s", 1}};
   double time_s = 0;
@@ -111,12 +115,12 @@ inline std::optional<double> read_duration(std::string_view text) {
   return time_s;
 }
 
-/// A time above 0 as read_duration() takes it, which becomes seconds.
+/// A time above 0 in the form of read_duration().  The text becomes the number of seconds.
 inline CLI::Validator duration() {
   return {[](std::string& text) -> std::string {
             const double time_s = read_duration(text).value_or(0);
             if (!(time_s > 0) || !std::isfinite(time_s))
-              return text + " is not a time above 0, as 60, 60s, 2m, 1h30m or 500ms";
+              return text + " is not a time above 0, such as 60, 60s, 2m, 1h30m or 500ms";
             text = fmt::format("{}", time_s);
             return {};
           },

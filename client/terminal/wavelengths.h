@@ -16,9 +16,9 @@ class WavelengthOption {
  public:
   void add(CLI::App& command) {
     command
-        .add_option("--wavelength", nm_,
-                    "Also print the value at this wavelength [nm]; may be given again, or as a "
-                    "list with commas")
+        .add_option(
+            "--wavelength", nm_,
+            "Also print the value at this wavelength [nm]; may be repeated, or a list with commas")
         ->delimiter(',')
         ->allow_extra_args(false)
         ->check(checked_number("a wavelength from 100 to 1000000 nm",
@@ -32,7 +32,7 @@ class WavelengthOption {
     request.mutable_wavelengths_nm()->Add(nm_.begin(), nm_.end());
   }
 
-  /// "at 450 555 nm", with a unit "at 450 555 nm [W/nm]".
+  /// The header of the values' column: "at 450 555 nm", or with a unit "at 450 555 nm [W/nm]".
   std::string header(const std::string& unit = {}) const {
     std::string text = "at";
     for (const double nm : nm_) text += " " + number(nm);

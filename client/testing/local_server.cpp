@@ -24,7 +24,7 @@ using Clock = std::chrono::steady_clock;
 constexpr char kListening[] = "listening on ";
 constexpr auto kPause = std::chrono::milliseconds(2);
 
-/// A file in memory.  Unlike a pipe it never fills up and blocks the writer.
+/// A file in memory.  Unlike a pipe, it never becomes full and blocks the writer.
 class Capture {
  public:
   explicit Capture(const char* name) : file_(::memfd_create(name, MFD_CLOEXEC)) {}

@@ -1,5 +1,5 @@
-// A private lucernad for integration tests and other programs, on a free port of the loopback
-// interface.  local_server_test.h has a GoogleTest fixture.
+// Starts a private lucernad for integration tests and other programs, on a free port of the
+// loopback interface.  local_server_test.h has a GoogleTest fixture.
 //
 //     auto server = lucerna::testing::LocalServer::start({.scene_root = "scenes"});
 //     if (!server.ok()) return server.status();
@@ -35,19 +35,19 @@ struct LocalServerOptions {
   std::vector<std::string> arguments = {};
   /// The program.  The environment variable LUCERNAD has priority.
   std::string program = LUCERNA_LUCERNAD;
-  /// Time limit for the start, and for the end after SIGTERM; then the server is killed.
+  /// Time limit for the start, and for the end after SIGTERM.  After it, the server is killed.
   std::chrono::seconds patience{30};
 };
 
 /// A running lucernad, a child of this process.
 ///
-/// Not thread-safe.  The child ends with the *thread* that started it, so that thread must live as
-/// long as the server is needed (prctl(2), PR_SET_PDEATHSIG).
+/// Not thread-safe.  The child ends when the *thread* that started it ends (prctl(2),
+/// PR_SET_PDEATHSIG).  So that thread must live as long as the server is needed.
 class LocalServer {
  public:
-  /// Returns when the server reports over grpc.health.v1 that it serves.  NOT_FOUND without a
-  /// program; UNAVAILABLE if the server ended, DEADLINE_EXCEEDED if it does not serve in time. Both
-  /// messages hold the server's stderr.
+  /// Returns when the server reports over grpc.health.v1 that it is serving.  NOT_FOUND if there is
+  /// no program; UNAVAILABLE if the server ended, DEADLINE_EXCEEDED if it is not serving in time.
+  /// The last two messages contain the server's stderr.
   static absl::StatusOr<LocalServer> start(const LocalServerOptions& options = {});
   LocalServer(LocalServer&&) noexcept;
   LocalServer& operator=(LocalServer&&) noexcept;

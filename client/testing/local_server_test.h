@@ -1,4 +1,4 @@
-// A GoogleTest fixture with a lucernad for each test.
+// A GoogleTest fixture that runs a lucernad for each test.
 #pragma once
 
 #include <gtest/gtest.h>

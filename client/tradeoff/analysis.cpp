@@ -11,13 +11,14 @@
 namespace lucerna::tradeoff {
 namespace {
 
-// Errors below this times the reference's own are not resolved: larger numbers cancel in them.
+// Errors below this multiple of the reference's own error are not resolved, since they are small
+// differences of larger numbers.
 constexpr double kResolved = 0.5;
 
 double median(std::vector<double> numbers) { return quartiles(std::move(numbers)).median; }
 
-/// An error without the reference's own.  The reference has other samples, so that the squares of
-/// both errors add.  The result is at least a quarter of the resolved error.
+/// An error without the reference's own error.  The reference has independent samples, so the
+/// squares of both errors add.  The result is at least a quarter of the least resolved error.
 Interval without(double reference_error, const Interval& e) {
   const auto rest = [&](double error) {
     const double least = kResolved / 4 * reference_error;
@@ -58,7 +59,8 @@ std::vector<Cell> cells_of(std::size_t setting, const std::vector<Run>& runs,
     cell.samples = median(samples);
     cell.rays = median(rays);
   }
-  // All amounts must be exact: many samples of a setting that is not exact may come as near.
+  // All amounts must be exact, because a setting that is not exact may come as near with many
+  // samples.
   const bool exact = reference.relative_error <= kRounding &&
                      std::all_of(cells.begin(), cells.end(),
                                  [](const Cell& cell) { return cell.error.mean <= kRounding; });
@@ -73,7 +75,7 @@ std::vector<Cell> cells_of(std::size_t setting, const std::vector<Run>& runs,
 }
 
 void judge_efficiency(Curve& curve, double reference_error) {
-  // Takes the largest amount whose error is resolved, or else the least amount.
+  // Take the largest amount whose error is resolved, or else the least amount.
   for (std::size_t k = curve.cells.size(); k-- > 0;) {
     const Interval& e = curve.cells[k].error;
     if (e.mean <= 0 || (k > 0 && e.mean < kResolved * reference_error)) continue;
@@ -90,8 +92,8 @@ double counted(const Reached& reached) {
   return reached.seconds * (reached.how == Reached::How::kExtrapolated ? kExtrapolatedCounts : 1);
 }
 
-/// Medians of times and means of errors.  If `late`, upper quartiles of times and upper ends of the
-/// errors' intervals.
+/// Medians of times and means of errors.  With `late`, upper quartiles of times and upper ends of
+/// the errors' intervals.
 std::vector<Measured> measured(const std::vector<Cell>& cells, bool late) {
   std::vector<Measured> result;
   for (const Cell& cell : cells) {
@@ -127,7 +129,7 @@ Recommendation recommend(std::size_t level, const std::vector<Setting>& settings
     r.below_reference = !reference.exact && r.error < kResolved * reference.relative_error;
     return r;
   }
-  // Prefers the simplest command: automatic by samples, then automatic by target error.
+  // Prefer the simplest command: automatic by samples, then automatic by target error.
   const double latest = curves[r.best].latest[level].value_or(counted(r.best_reached));
   for (const Curve& curve : curves) {
     const auto& reached = curve.levels[level];
@@ -153,7 +155,8 @@ Recommendation recommend(std::size_t level, const std::vector<Setting>& settings
 }
 
 void compare(const std::vector<Setting>& settings, Analysis& a) {
-  // The time that every remaining setting has spent.  Exact settings have no errors to compare.
+  // Compare at a time that every remaining setting reached.  Exact settings have no errors to
+  // compare.
   double least = std::numeric_limits<double>::infinity();
   for (const Curve& curve : a.curves)
     if (!curve.cells.empty() && !curve.cells.back().exact)
@@ -188,7 +191,7 @@ std::optional<std::size_t> Curve::exact() const {
 Amount practical(bool by_target, double value) {
   if (by_target) {
     const double digit = std::pow(10, std::floor(std::log10(value)) - 1);
-    // The addend absorbs rounding of numbers that have two digits already.
+    // The addend cancels the rounding of numbers that have two digits already.
     return {.target = true, .value = std::floor(value / digit + 1e-9) * digit};
   }
   const double whole = std::ceil(value - 1e-9);

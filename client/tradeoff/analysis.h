@@ -13,10 +13,12 @@
 
 namespace lucerna::tradeoff {
 
-/// Relative errors that get a recommendation: root mean squares over the items.
+/// The study recommends a setting for each of these relative errors, which are root mean squares
+/// over the items.
 inline constexpr std::array<double, 3> kLevels = {0.1, 0.01, 0.001};
 
-/// The analysis warns if the reference is not so many times better than the best setting.
+/// The analysis warns if the best setting's error is less than this multiple of the reference's own
+/// error.
 inline constexpr double kReferenceMargin = 3;
 
 /// Extrapolated times are multiplied by this when settings are ranked, because errors fall with the
@@ -30,11 +32,12 @@ inline constexpr double kAboutTheSame = 2;
 struct Cell {
   Amount amount;
   std::size_t runs = 0;
-  /// All cells of the setting equal a reference without error, up to kRounding.  The error is then
-  /// 0.
+  /// The setting is exact: all its cells equal a reference without error, up to kRounding.  The
+  /// error is then 0.
   bool exact = false;
   Quartiles seconds;
-  /// Relative error: root of the mean over runs of the relative MSE, without the reference's error.
+  /// Relative error: the root of the mean over runs of the relative MSE, without the reference's
+  /// own error.
   Interval error;
   Interval rmse;
   std::optional<Interval> flip;
@@ -43,18 +46,18 @@ struct Cell {
 
 struct Curve {
   std::size_t setting = 0;
-  std::vector<Cell> cells;  ///< by amount; empty if the setting was not swept
+  std::vector<Cell> cells;  ///< in order of amount; empty if the setting was not swept
   std::optional<double> rate;
   /// 1 / (relative MSE x seconds) [1/s], at the cell `efficient_at`.
   std::optional<Interval> efficiency;
   std::size_t efficient_at = 0;
   std::array<std::optional<Reached>, kLevels.size()> levels;
-  /// The times to the levels [s], with errors at the upper ends of their intervals and times at
-  /// their upper quartiles.
+  /// The times [s] at which the setting reaches kLevels, from the upper ends of the errors'
+  /// intervals and the upper quartiles of the times.
   std::array<std::optional<double>, kLevels.size()> latest{};
 
-  /// The fastest exact cell.  It has more than one sample if there is a choice, because a single
-  /// sample does not show that it is exact.
+  /// The fastest exact cell.  Prefers cells of more than one sample, because a single sample does
+  /// not show that it is exact.
   std::optional<std::size_t> exact() const;
 };
 
@@ -65,18 +68,18 @@ struct Recommendation {
   Reached reached;
   Amount amount;
   bool exact = false;
-  /// The setting of least time, where extrapolated times count kExtrapolatedCounts times.
+  /// The setting of least time.  Extrapolated times are multiplied by kExtrapolatedCounts.
   std::size_t best = 0;
   Reached best_reached;
-  /// The time of automatic over the time of the best.
+  /// The time of automatic divided by the time of the best setting.
   std::optional<double> automatic_ratio;
   bool automatic_extrapolated = false;
-  /// There is no setting, because the error is below the reference's own.
+  /// No setting is recommended, because the error is below the reference's own error.
   bool below_reference = false;
 };
 
 struct Analysis {
-  std::vector<Curve> curves;  ///< one a setting
+  std::vector<Curve> curves;  ///< one for each setting
   /// The Pareto front as (setting, cell), by time.
   std::vector<std::pair<std::size_t, std::size_t>> front;
   std::array<Recommendation, kLevels.size()> levels;
@@ -84,7 +87,7 @@ struct Analysis {
   /// setting.
   double comparison_s = 0;
   std::vector<std::optional<std::size_t>> compared;
-  /// Reasons for doubt, in words.
+  /// Reasons to doubt the results, in words.
   std::vector<std::string> warnings;
 };
 

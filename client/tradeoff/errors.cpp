@@ -35,7 +35,7 @@ Errors measure(std::span<const double> values, std::span<const double> reference
   return {.rmse = std::sqrt(squares / n), .relative_mse = relative / n, .flip = {}};
 }
 
-// Sums differences from the mean so far, which avoids cancellation.  [Welford62]
+// Summing differences from the current mean avoids cancellation.  [Welford62]
 void Replicates::add(std::span<const double> values) {
   ++count_;
   for (std::size_t i = 0; i < mean_.size(); ++i) {

@@ -1,4 +1,4 @@
-// The difference between an answer and the reference.
+// Measures the error of an answer against the reference.
 #pragma once
 
 #include <cstdint>
@@ -8,12 +8,12 @@
 
 namespace lucerna::tradeoff {
 
-/// References below this share of their mean count as this share.  Without it, a nearly dark item
-/// would dominate the relative error.
+/// The dark level as a share of the mean of the references.  Without a dark level, a nearly dark
+/// item would dominate the relative error.
 inline constexpr double kDark = 0.01;
 
-/// Relative errors below this come from the single precision of answers and of sums in it: about
-/// ten units in the last place.
+/// Relative errors below this come from single precision of answers and of sums.  It is about ten
+/// units in the last place.
 inline constexpr double kRounding = 1e-6;
 
 struct Errors {
@@ -22,13 +22,14 @@ struct Errors {
   std::optional<double> flip{};  ///< mean FLIP of pictures, 0 to 1
 };
 
-/// kDark times the mean of the absolute values without NaN; 1 if that is 0, so that it can divide.
+/// kDark times the mean absolute value, without NaN.  1 if that is 0, so that it can be a divisor.
 double dark_level(std::span<const double> reference);
 
 /// Squared relative error of one value: (value - reference)^2 / (reference^2 + dark^2).
 double relative_square(double value, double reference, double dark);
 
-/// Items whose reference is NaN have no answer and do not count.  A value that is NaN counts as 0.
+/// Measures the errors of `values`.  Items whose reference is NaN have no answer and do not count.
+/// A value that is NaN counts as 0.
 Errors measure(std::span<const double> values, std::span<const double> reference, double dark);
 
 /// Mean and standard error of answers with different seeds, item by item.  All answers have the

@@ -33,7 +33,8 @@ class EstimateQuestion : public Question {
   }
 
  protected:
-  /// `lights` of the scene; `max_samples` of an item in the sweep.
+  /// `lights`: the number of lights of the scene.  `max_samples`: the most samples of an item in
+  /// the sweep.
   EstimateQuestion(const client::Client& client, const QuestionOptions& options,
                    std::uint64_t lights, std::uint32_t max_samples)
       : Question(options.call),
@@ -45,7 +46,7 @@ class EstimateQuestion : public Question {
   virtual absl::StatusOr<Answer> estimate(const v1::Accuracy& accuracy,
                                           std::uint64_t seed) const = 0;
 
-  /// The flags behind a command's scene and items that make it the same question.
+  /// The flags after a command's scene and items, with which it repeats the measured question.
   std::string flags(const Setting& setting, const Amount& amount) const {
     std::string text = options_.bounces ? fmt::format(" --bounces {}", *options_.bounces) : "";
     return text + join_flags(setting, amount) + floor_flag(amount, dark_);

@@ -42,14 +42,15 @@ std::array<Colour, 3> inverse(const std::array<Colour, 3>& m) {
 const std::array<Colour, 3> kRgbFromXyz = inverse(kXyzFromRgb);
 const Colour kWhite = multiply(kXyzFromRgb, {1, 1, 1});
 
-/// XYZ over the XYZ of white.
+/// XYZ divided by the XYZ of white.
 Colour relative_xyz(const Colour& rgb) {
   Colour xyz = multiply(kXyzFromRgb, rgb);
   for (int i = 0; i < 3; ++i) xyz[i] /= kWhite[i];
   return xyz;
 }
 
-/// Achromatic, red-green and blue-yellow.  Linear in the light, so that it can be filtered.
+/// The channels achromatic, red-green and blue-yellow.  They are linear in the light, so that they
+/// can be filtered.
 Colour ycxcz(const Colour& rgb) {
   const auto [x, y, z] = relative_xyz(rgb);
   return {116 * y - 16, 500 * (x - y), 200 * (y - z)};
@@ -61,7 +62,7 @@ Colour rgb_from_ycxcz(const Colour& c) {
                   {(y + c[1] / 500) * kWhite[0], y * kWhite[1], (y - c[2] / 200) * kWhite[2]});
 }
 
-/// CIELAB with less chroma at less lightness, after Hunt: dark colours look alike.
+/// CIELAB with less chroma at lower lightness, after Hunt, since dark colours look similar.
 Colour hunt_lab(const Colour& rgb) {
   const auto f = [](double t) {
     constexpr double kDelta = 6.0 / 29;
@@ -77,7 +78,8 @@ double hyab(const Colour& a, const Colour& b) {
   return std::fabs(a[0] - b[0]) + std::hypot(a[1] - b[1], a[2] - b[2]);
 }
 
-/// Maps [0, the largest difference] to [0, 1] by two lines, which compress large differences.
+/// Maps differences from [0, the largest difference] to [0, 1] by two linear pieces.  The second
+/// one compresses large differences.
 double redistributed(double difference) {
   constexpr double kExponent = 0.7, kShare = 0.4, kValue = 0.95;
   static const double largest = std::pow(hyab(hunt_lab({0, 1, 0}), hunt_lab({0, 0, 1})), kExponent);
@@ -87,7 +89,7 @@ double redistributed(double difference) {
   return kValue + (e - knee) / (largest - knee) * (1 - kValue);
 }
 
-/// One dimension of a filter.  Its middle is at size / 2.
+/// One dimension of a filter.  The index of its middle is size / 2.
 using Weights = std::vector<double>;
 
 template <typename Function>
@@ -125,8 +127,8 @@ Plane filtered(const Plane& in, int width, int height, const Weights& across, co
   return out;
 }
 
-/// The eye's response to one channel: a sum of up to two Gaussians a sqrt(pi / b) exp(-pi^2 d^2 /
-/// b) with d in degrees, normalised to 1.  [Andersson20, table 1]
+/// The eye's response to one channel: the sum of up to two Gaussians a sqrt(pi / b) exp(-pi^2 d^2 /
+/// b), with d in degrees, normalised to 1.  [Andersson20, table 1]
 struct Sensitivity {
   double a1, b1, a2, b2;
 };

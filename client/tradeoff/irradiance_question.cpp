@@ -1,4 +1,4 @@
-// Illuminance at points with normals.
+// The question of illuminance at points with normals.
 #include <fmt/format.h>
 
 #include <limits>
@@ -12,7 +12,7 @@ namespace lucerna::tradeoff {
 namespace {
 
 constexpr std::uint32_t kMostPointSamples = 1 << 16;
-// A multiple of the replicates, so that an answer has errors.
+// A multiple of the number of replicates, so that the answer has errors.
 constexpr std::uint32_t kClosedFormPointSamples = 64;
 
 class IrradianceQuestion : public EstimateQuestion {

@@ -49,8 +49,8 @@ Query query_of(const std::string& name) {
   return static_cast<Query>(std::find(names.begin(), names.end(), name) - names.begin());
 }
 
-/// The path of points.csv beside the scene file, in the working directory or under scenes/; empty
-/// if there is none.
+/// The path of the points.csv beside the scene file.  The scene's path is relative to the working
+/// directory or to scenes/.  Empty if there is no such file.
 std::string points_beside(const std::string& scene) {
   for (const fs::path& root : {fs::path(), fs::path("scenes")}) {
     const fs::path file = root / fs::path(scene).parent_path() / "points.csv";
@@ -70,8 +70,8 @@ QuestionOptions question_options(const Options& options, Query query) {
     result.points_file = points_beside(options.scene);
     if (result.points_file.empty()) {
       wrong_use(
-          fmt::format("no points: give --points FILE, as there is no points.csv beside {} "
-                      "here or under scenes/",
+          fmt::format("no points: give --points FILE, since there is no points.csv beside {} here "
+                      "or under scenes/",
                       options.scene));
     }
   }
@@ -134,11 +134,11 @@ void report(const Options& options) {
     fmt::print("{}\n", html);
     written = draw_plot(html, png);
     if (absl::IsNotFound(written)) {
-      fmt::print(stderr, "{}: {} is not made\n", std::string(written.message()), png);
+      fmt::print(stderr, "{}: {} was not written\n", std::string(written.message()), png);
       return;
     }
   }
-  if (!written.ok()) throw cli::CommandError(cli::kServerSaidNo, std::string(written.message()));
+  if (!written.ok()) throw cli::CommandError(cli::kServerRefused, std::string(written.message()));
   fmt::print("{}\n", png);
 }
 
@@ -146,16 +146,17 @@ void trade(const CLI::App& app, Session& session, const Options& options) {
   if (options.scene.empty()) wrong_use("SCENE is required, or --report FILE");
   session.need_one_server("times are those of one server");
   const Query query = query_of(options.query);
-  QuestionOptions asked = question_options(options, query);
+  QuestionOptions setup = question_options(options, query);
   make_directory_or_end(options.directory);
-  asked.scene_id = session.scene_id(options.scene);
-  asked.call = session.call_options();
-  if (!is_default_server(app, session.server())) asked.server = session.server();
-  const auto question = make_question(query, session.client(), asked);
+  setup.scene_id = session.scene_id(options.scene);
+  setup.call = session.call_options();
+  if (!is_default_server(app, session.server())) setup.server = session.server();
+  const auto question = make_question(query, session.client(), setup);
   if (absl::IsInvalidArgument(question.status()))
     session.fail_here(question.status(), cli::kWrongUse);
   if (!question.ok()) session.fail(question.status());
-  const auto info = session.ask(session.client().get_server_info({}, session.call_options()));
+  const auto info =
+      session.value_or_fail(session.client().get_server_info({}, session.call_options()));
 
   const Stopwatch watch;
   TradeOptions trade_options{.budget_s = options.budget_s,
@@ -175,7 +176,7 @@ void trade(const CLI::App& app, Session& session, const Options& options) {
 
   Circumstances& c = record->circumstances;
   c.scene = options.scene;
-  c.scene_id = asked.scene_id;
+  c.scene_id = setup.scene_id;
   c.client_version = LUCERNA_VERSION;
   c.server_version = info.version();
   c.fingerprint = info.fingerprint().digest();
@@ -191,7 +192,7 @@ void trade(const CLI::App& app, Session& session, const Options& options) {
   c.seed = options.seed;
   c.exposure_ev = options.exposure_ev;
   const absl::Status written = write(*record, options.directory);
-  if (!written.ok()) session.fail_here(written, cli::kServerSaidNo);
+  if (!written.ok()) session.fail_here(written, cli::kServerRefused);
   if (session.json()) {
     fmt::print("{}\n", to_json(*record, false));
   } else {
@@ -213,12 +214,12 @@ void add_options(CLI::App& app, Options& options) {
   CLI::Option* budget =
       app.add_option("--budget", options.budget_s, "Time for the whole study; default 60s")
           ->transform(cli::duration());
-  CLI::Option* rounds =
-      app.add_option("--rounds", options.rounds,
-                     "Instead of a time: measures every amount of every setting in so many rounds. "
-                     "The amounts do not depend on the speed of the machine")
-          ->check(cli::whole(2))
-          ->excludes(budget);
+  CLI::Option* rounds = app.add_option("--rounds", options.rounds,
+                                       "Instead of --budget: measures every amount of every "
+                                       "setting in this number of rounds. The amounts do not "
+                                       "depend on the speed of the machine")
+                            ->check(cli::whole(2))
+                            ->excludes(budget);
   app.add_option("--max-samples", options.max_samples,
                  "With --rounds: the largest number of samples of an item; default 64")
       ->check(cli::whole(1, 1 << 20))
@@ -230,8 +231,7 @@ void add_options(CLI::App& app, Options& options) {
       ->check(cli::whole64())
       ->capture_default_str();
   app.add_option("--report", options.report,
-                 "Measures nothing: makes report.html and errors.png (with chromium) from this "
-                 "tradeoff.json");
+                 "Only makes report.html and errors.png (with chromium) from this tradeoff.json");
   app.add_option("--out", options.directory, "Directory for the results");
   app.add_flag("--quiet", options.quiet, "Prints no progress");
 }
@@ -275,6 +275,6 @@ int main(int argc, char** argv) {
     return lucerna::tradeoff::run(argc, argv);
   } catch (const std::exception& error) {
     fmt::print(stderr, "lucerna: {}\n", error.what());
-    return lucerna::cli::kServerSaidNo;
+    return lucerna::cli::kServerRefused;
   }
 }

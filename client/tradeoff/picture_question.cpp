@@ -1,4 +1,4 @@
-// Pixels of a picture: all pixels of a small one, or tiles spread over a large one.
+// The question of pixels: all pixels of a small picture, or tiles spread over a large picture.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,15 +16,16 @@ namespace lucerna::tradeoff {
 namespace {
 
 constexpr std::uint32_t kMostPixelSamples = 1 << 14;
-// Large enough that FLIP, which looks 10 pixels far, sees more than edges.  Small enough that a
-// question of one sample takes a fraction of a second.
+// A tile is much larger than FLIP's filters, which have a radius of 10 pixels.  It is small enough
+// that a question of one sample takes a fraction of a second.
 constexpr std::uint32_t kTile = 32;
-// Samples that show whether pixels are exact: the least number of a target error.
+// Samples that show whether pixels are exact: the least number with a target error.
 constexpr std::uint32_t kClosedFormPixelSamples = 64;
 constexpr double kClosedFormError = 0.1;
 constexpr std::uint32_t kColumns = 3, kRows = 2;
 
-/// One tile in the middle of each of kColumns x kRows parts, or all of a picture that is no larger.
+/// One tile in the middle of each of kColumns x kRows parts of the picture.  For a picture of at
+/// most that size, tiles that cover it.
 std::vector<v1::PixelRect> spread_tiles(std::uint32_t width, std::uint32_t height) {
   std::vector<v1::PixelRect> tiles;
   const auto add = [&](std::uint32_t x, std::uint32_t y, std::uint32_t w, std::uint32_t h) {
@@ -53,8 +54,8 @@ std::vector<v1::PixelRect> spread_tiles(std::uint32_t width, std::uint32_t heigh
   return tiles;
 }
 
-/// Whether each pixel's interval is a point.  Both ends are the same float or, because they are
-/// rounded outwards, neighbours.
+/// Whether each pixel's interval is a single value.  Both ends are then the same float or, because
+/// they are rounded outwards, neighbours.
 bool are_points(const v1::Tile& tile) {
   if (tile.lower().empty() || tile.lower().size() != tile.upper().size()) return false;
   for (std::size_t i = 0; i + sizeof(float) <= tile.lower().size(); i += sizeof(float)) {
@@ -104,8 +105,8 @@ class PictureQuestion : public EstimateQuestion {
 
   absl::StatusOr<std::optional<std::vector<double>>> closed_form(
       std::uint64_t seed) const override {
-    // Blocks without scatter may all have missed a light.  If no block scatters, a target error
-    // gives the interval of each pixel.
+    // Blocks of equal values may all have missed a light.  With a target error, the interval of
+    // each pixel is exact if no block scatters.
     v1::Accuracy accuracy;
     accuracy.set_samples(kClosedFormPixelSamples);
     auto responses = respond(accuracy, seed);

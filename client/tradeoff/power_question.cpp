@@ -1,4 +1,5 @@
-// The power of lights: exact, by textbook formulas, or by rays that leave the lights.
+// The question of the power of lights: exact, by textbook formulas, or by rays that leave the
+// lights.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,11 +13,11 @@
 namespace lucerna::tradeoff {
 namespace {
 
-// There is one call a light, with at most so many rays.
+// There is one call for each light, with at most this many rays.
 constexpr std::uint64_t kMostLights = 64;
 constexpr std::uint32_t kMaxRays = 1 << 18;
 
-// Settings of this query alone, which are no method flags.
+// Settings that only this query has.  They are not method flags.
 constexpr char kApproximate[] = "approximate", kSampled[] = "sampled", kRays[] = "emitted rays";
 
 class PowerQuestion : public Question {
@@ -68,7 +69,8 @@ class PowerQuestion : public Question {
     return answer;
   }
   std::vector<double> reference_bounds() const override { return bounds_; }
-  /// The exact method equals the reference, which it made.  Its error is the bound that it reports.
+  /// The exact method made the reference, so it equals the reference.  Its error is the bound that
+  /// it reports.
   Errors errors(const std::vector<double>& values, const std::vector<double>& reference,
                 double dark) const override {
     if (values != exact_) return measure(values, reference, dark);
@@ -179,7 +181,8 @@ absl::StatusOr<std::unique_ptr<Question>> make_power_question(const client::Clie
   if (all.empty()) {
     return absl::InvalidArgumentError("--query power: the scene has no lights");
   }
-  // Of many lights, some are taken evenly from the list, so that every kind is likely among them.
+  // If there are many lights, take some evenly from the list, so that every kind is likely to be
+  // among them.
   const std::uint64_t count = std::min<std::uint64_t>(all.size(), kMostLights);
   v1::EstimatePowerRequest request;
   request.set_scene_id(options.scene_id);

@@ -11,7 +11,7 @@
 namespace lucerna::tradeoff {
 namespace {
 
-// Automatic samples each of fewer lights, too (DirectLight::kFewLights).
+// Automatic samples every light of a scene with fewer lights (DirectLight::kFewLights).
 constexpr std::uint64_t kManyLights = 21;
 
 struct Selection {
@@ -19,7 +19,7 @@ struct Selection {
   const char* words;
 };
 
-/// Selections after the first are tried if the time suffices.
+/// The selections to try, in this order, as long as there is time.
 std::vector<Selection> reference_selections(std::uint64_t lights) {
   const Selection all{v1::LIGHT_SELECTION_ALL, "every light, "};
   const Selection power{v1::LIGHT_SELECTION_POWER, "one light by power, "};
@@ -96,9 +96,9 @@ v1::Accuracy accuracy_of(const Setting& setting, const Amount& amount, double fl
   return accuracy;
 }
 
-// The Y row of the matrix from the Rec. 709 primaries and the D65 white point (0.3127, 0.3290),
-// with as many digits as the server has.  The usual four digits are off by 2e-5, which would count
-// as an error of the setting.  [BT709]
+// The Y row of the matrix of the Rec. 709 primaries and the D65 white point (0.3127, 0.3290).  It
+// has as many digits as in the server.  The usual four digits have an error of 2e-5, which would
+// count as an error of the setting.  [BT709]
 double luminance(const float* rgb) {
   return 0.2126390058715104 * rgb[0] + 0.7151686787677559 * rgb[1] + 0.0721923153607337 * rgb[2];
 }

@@ -1,4 +1,4 @@
-// A question that the study repeats: a query, its items, and the calls of a client.
+// A question that the study repeats: a query, its items, and the calls of the client.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@
 namespace lucerna::tradeoff {
 
 struct Answer {
-  /// One value an item, three values a pixel.  NaN for items without an answer.
+  /// One value for each item, or three for each pixel.  NaN for items without an answer.
   std::vector<double> values{};
   double seconds = 0;  ///< wall time from before the call to after the answer
   double samples = 0;  ///< over all items
@@ -27,12 +27,12 @@ struct Answer {
 /// An estimator of the reference.
 struct ReferenceWay {
   std::string words;
-  /// The estimator needs a check, because it draws lights by the light BVH, as settings do.  A
-  /// light without a chance in the tree would be missing from both.
+  /// Whether the estimator needs a check.  It does if it draws lights by the light BVH, since
+  /// settings do the same.  A light that the tree never draws would then be missing from both.
   bool checked = false;
 };
 
-/// The items as the page draws them.
+/// How the page shows the items.
 struct Layout {
   /// Points [m], if items are points.
   std::vector<client::Double3> points;
@@ -56,26 +56,26 @@ class Question {
   virtual absl::StatusOr<Answer> answer(const Setting& setting, const Amount& amount,
                                         std::uint64_t seed) const = 0;
 
-  /// Estimators of the reference.  None is a setting, and one at least is not `checked`.
+  /// Estimators of the reference.  None of them is a setting.  At least one does not need a check.
   virtual std::vector<ReferenceWay> reference_ways() const = 0;
-  /// The reference is computed with a bound, and not estimated.
+  /// Whether the reference is computed with a bound instead of estimated.
   virtual bool reference_is_exact() const { return false; }
   virtual absl::StatusOr<Answer> answer_reference(std::size_t way, std::uint32_t samples,
                                                   std::uint64_t seed) const = 0;
-  /// Automatic's values, if its answer reports that all of them are exact; else nothing.  The
-  /// caller checks them.
+  /// The values of automatic if its answer reports that all of them are exact, else nothing.  The
+  /// caller must check them.
   virtual absl::StatusOr<std::optional<std::vector<double>>> closed_form(std::uint64_t) const {
     return std::nullopt;
   }
   /// Bounds on the error of each value of an exact reference.
   virtual std::vector<double> reference_bounds() const { return {}; }
 
-  /// The errors of `values`: those of `measure`, and others that fit the query.
+  /// The errors of `values`: those of measure(), and further ones for some queries.
   virtual Errors errors(const std::vector<double>& values, const std::vector<double>& reference,
                         double dark) const {
     return measure(values, reference, dark);
   }
-  /// Sets the level below which target errors are absolute, as relative errors are.
+  /// Sets the dark level, below which target errors are absolute.
   void set_dark_level(double dark) { dark_ = dark; }
   /// Sets the deadline of the next calls.
   void set_call(client::CallOptions call) { call_ = std::move(call); }
@@ -95,10 +95,10 @@ class Question {
   client::CallOptions call_;
 };
 
-/// What questions are made from.
+/// The options of a question.
 struct QuestionOptions {
-  std::string scene{};   ///< the name that the user typed
-  std::string server{};  ///< the same; empty if commands use this server by default
+  std::string scene{};   ///< as the user typed it
+  std::string server{};  ///< as the user typed it; empty if commands use this server by default
   std::string scene_id{};
   std::string points_file{};
   std::vector<client::Double3> points{}, normals{};
@@ -119,15 +119,16 @@ absl::StatusOr<std::unique_ptr<Question>> make_power_question(const client::Clie
 absl::StatusOr<std::unique_ptr<Question>> make_visibility_question(const client::Client& client,
                                                                    const QuestionOptions& options);
 
-/// The method `way` of reference_ways_for(), for a scene with so many lights.  Independent samples,
-/// balance heuristic, points by area in a map of low distortion, no closed forms.  Every light, or
-/// one light drawn uniformly, by power or, with many lights, by the light BVH.
+/// The methods of estimator `way` of reference_ways_for(), for a scene with this number of lights.
+/// All use independent samples, the balance heuristic, points by area in a map of low distortion,
+/// and no closed forms.  They take every light, or one light drawn uniformly, by power or, with
+/// many lights, by the light BVH.
 v1::Accuracy reference_accuracy(std::size_t way, std::uint64_t lights);
 std::vector<ReferenceWay> reference_ways_for(std::uint64_t lights);
 
 /// A word for a shell, quoted if necessary.
 std::string shell_word(const std::string& word);
-/// "lucerna COMMAND SCENE", then `rest`, where each word has a space before it, then the server.
+/// "lucerna COMMAND SCENE", then `rest`, then --server.  `rest` is empty or begins with a space.
 std::string command_line(const QuestionOptions& options, const std::string& command,
                          const std::string& rest);
 /// The default limits of a server: samples of an item, and items of a call.

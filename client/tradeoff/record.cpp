@@ -41,7 +41,7 @@ std::string to_text(const Record& record) {
                                  100 * ref.relative_error, ref.rmse, ref.replicates,
                                  ref.samples_each, ref.seconds));
   const auto& levels = record.analysis.levels;
-  // One line is enough where the same exact setting is recommended for every error.
+  // One line is enough if the same exact setting is recommended for every error.
   const bool any_error = std::all_of(levels.begin(), levels.end(), [&](const Recommendation& r) {
     return r.exact && r.setting == levels[0].setting;
   });

@@ -1,4 +1,4 @@
-// The results of a study, and the files they are written to.
+// The results of a study, and the files of the results.
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace lucerna::tradeoff {
 
-/// Where and how the study was measured.
+/// The circumstances of the measurements: scene, server, client and budget.
 struct Circumstances {
   std::string scene, scene_id;
   std::string client_version, server_version, fingerprint, build, embree;
@@ -23,10 +23,10 @@ struct Circumstances {
   double exposure_ev = 0;
 };
 
-/// The errors of all items under one setting, at the amount that is compared.
+/// The errors of all items with one setting, at the amount that is compared.
 struct ItemErrors {
-  /// Root of the mean over runs of the relative squared error.  Pictures have one value a pixel,
-  /// not one a channel.
+  /// For each item, the root of the mean over runs of the relative squared error.  Pictures have
+  /// one value for each pixel, not for each channel.
   std::vector<float> relative;
   /// The last answer.  Only pictures have it.
   std::vector<float> values;
@@ -39,12 +39,12 @@ struct Record {
   Reference reference;
   SweepResult sweep;
   Analysis analysis;
-  std::vector<ItemErrors> items;  ///< one a setting; empty where it is not compared
+  std::vector<ItemErrors> items;  ///< one for each setting; empty if it is not compared
 };
 
-/// One row a run.
+/// The text of tradeoff.csv, one row for each run.
 std::string to_csv(const Record& record);
-/// Everything that the page shows, as one line of JSON; the runs too if `with_runs`.
+/// One line of JSON with everything that the page shows, and with the runs if `with_runs`.
 std::string to_json(const Record& record, bool with_runs);
 /// Recommendations, warnings and the reference, in words.
 std::string to_text(const Record& record);

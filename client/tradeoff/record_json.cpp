@@ -1,4 +1,4 @@
-// tradeoff.json: all that the page shows, and the runs.
+// Writes tradeoff.json: everything that the page shows, and the runs.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,7 +16,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Six digits are more than measurements give.  Null for infinities and NaN, which JSON lacks.
+/// A number with six digits, which are more than measurements have.  Null for infinities and NaN,
+/// which JSON does not have.
 Json number(double value) {
   if (!std::isfinite(value)) return nullptr;
   return std::stod(fmt::format("{:.6g}", value));
@@ -143,7 +144,7 @@ Json circumstances_json(const Circumstances& c) {
           {"seed", c.seed}};
 }
 
-// Pictures make the page large, so that it shows three tiles under three settings.
+// Pictures make the page large, so it shows only three tiles with three settings.
 constexpr std::size_t kTilesShown = 3, kSettingsShown = 3;
 
 std::vector<std::size_t> compared(const Record& record) {
@@ -161,7 +162,7 @@ Json rounded(const std::vector<float>& values) {
   return result;
 }
 
-/// The errors of each point or light under each setting, at about the same time.
+/// The errors of each point or light with each setting, at about the same time.
 Json items_json(const Record& record) {
   Json result = Json::array();
   for (const std::size_t i : compared(record)) {
@@ -180,7 +181,7 @@ double root_mean_square(std::span<const float> values) {
   return std::sqrt(sum / static_cast<double>(std::max<std::size_t>(values.size(), 1)));
 }
 
-/// Linear RGB as a screen shows it: 3 bytes a pixel, in base 64.
+/// Linear RGB converted for a screen: 3 bytes for each pixel, in base 64.
 std::string shown(std::span<const float> rgb, double exposure_ev) {
   std::string bytes;
   const auto factor = static_cast<float>(std::exp2(exposure_ev));

@@ -15,8 +15,8 @@
 namespace lucerna::tradeoff {
 namespace {
 
-// Shares of the reference's time: for the search of the best estimator, and for one of its answers,
-// so that there are dozens of answers.
+// Shares of the reference's time: for the search for the best estimator, and for one answer.  A
+// small share of one answer allows dozens of answers.
 constexpr double kPilotShare = 0.25, kAnswerShare = 0.03;
 // The share for the answers that check the best estimator.  kMostChecks answers are enough to
 // estimate their scatter.
@@ -43,7 +43,7 @@ void finish(const Replicates& replicates, Reference& r) {
 void take_closed_form(const std::vector<double>& values, Reference& r) {
   const auto items =
       std::count_if(values.begin(), values.end(), [](double v) { return !std::isnan(v); });
-  // Bonferroni: each of the items may be the one outside its interval.
+  // Bonferroni correction: any of the items may be outside its interval.
   const double allowed = student_quantile(
       static_cast<double>(r.replicates) - 1,
       1 - kRefusal / (2 * static_cast<double>(std::max<std::ptrdiff_t>(items, 1))));
@@ -83,16 +83,18 @@ void take_closed_form(const std::vector<double>& values, Reference& r) {
   r.exact = true;
 }
 
-/// Answers of an estimator that needs no check.
+/// Answers of an estimator that does not need a check.
 struct Check {
   std::vector<std::vector<double>> answers{};
   std::string way{};
   std::uint32_t samples_each = 0;
 };
 
-/// Keeps the reference if `check` agrees with it in the mean, else replaces it by the check.
+/// Keeps the reference if its mean agrees with the mean of `check`.  Otherwise replaces it by the
+/// check.
 void compare(const Check& check, Reference& r) {
-  // Divides by the reference, the better of the two, so that no value is divided by itself.
+  // Divide by the values of the reference.  It is the better of the two, and no value is then
+  // divided by itself.
   double items = 0, own = 0;
   bool same_items = true;
   std::vector<double> differences(check.answers.size());
@@ -152,7 +154,7 @@ absl::StatusOr<Pilot> try_way(const Question& question, std::size_t way, double 
         const Answer a, question.answer_reference(way, pilot.samples, mixed_seed(seed, number++)));
     pilot.seconds = a.seconds;
     if (2 * a.seconds < seconds && pilot.samples < kMostSamples) {
-      // At most eightfold at once: short answers predict long ones badly.
+      // Increase at most eightfold at once, because short answers predict long ones badly.
       const double factor = std::min(8.0, seconds / std::max(a.seconds, 1e-6));
       const int doublings = std::max(1, static_cast<int>(std::log2(factor)));
       pilot.samples = std::min(kMostSamples, pilot.samples << doublings);
@@ -173,7 +175,7 @@ absl::StatusOr<Pilot> try_way(const Question& question, std::size_t way, double 
 
 struct Ways {
   Pilot best;
-  Pilot unchecked;  ///< the best of the estimators that need no check
+  Pilot unchecked;  ///< the best estimator that does not need a check
 };
 
 absl::StatusOr<Ways> try_ways(const Question& question, const std::vector<ReferenceWay>& ways,
@@ -182,7 +184,7 @@ absl::StatusOr<Ways> try_ways(const Question& question, const std::vector<Refere
   std::optional<Pilot> best, unchecked;
   absl::Status refused;
   for (std::size_t way = 0; way < ways.size(); ++way) {
-    // No further estimator starts when the time is short.
+    // Try no further estimator after the pilots' share of the time.
     if (unchecked && clock() - begin > kPilotShare * seconds) break;
     const auto pilot = try_way(question, way, kAnswerShare * seconds, mixed_seed(seed, way));
     if (!pilot.ok()) {
@@ -230,7 +232,8 @@ absl::StatusOr<Reference> exact_reference(const Question& question, const Clock&
   return result;
 }
 
-/// Whether the mean of the answers so far is good enough; `last_s` is the time of the last answer.
+/// Whether the mean of the answers so far is good enough.  `last_s` is the time of the last answer
+/// [s].
 using Enough = std::function<bool(const Reference& so_far, double last_s)>;
 
 /// The mean of at least kFewestReplicates answers with different seeds.
@@ -280,8 +283,8 @@ absl::StatusOr<Reference> make_reference(const Question& question, double second
   const Pilot& best = both ? tried.best : tried.unchecked;
   const double needed = spent + kFewestReplicates * best.seconds;
   if (needed > seconds) {
-    return absl::DeadlineExceededError(
-        fmt::format("the reference takes {:.3g} s at least, and gets {:.3g} s", needed, seconds));
+    return absl::DeadlineExceededError(fmt::format(
+        "the reference needs at least {:.3g} s, but gets only {:.3g} s", needed, seconds));
   }
   std::optional<Check> check;
   if (ways[best.way].checked) {

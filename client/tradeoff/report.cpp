@@ -19,7 +19,7 @@
 namespace lucerna::tradeoff {
 namespace {
 
-/// The URL of a local file, with the bytes escaped that a URL gives another meaning.
+/// The URL of a local file.  Escapes bytes that have another meaning in a URL.
 std::string file_url(const std::string& path) {
   std::string url = "file://";
   for (const char c : std::filesystem::absolute(path).string()) {
@@ -30,8 +30,8 @@ std::string file_url(const std::string& path) {
   return url;
 }
 
-/// The exit status of a program that PATH names, whose output is dropped; nothing where it cannot
-/// be started.
+/// Runs a program from PATH and drops its output.  Returns its exit status; nothing if it cannot be
+/// started.
 std::optional<int> run_quietly(std::vector<std::string> arguments) {
   std::vector<char*> argv;
   for (std::string& argument : arguments) argv.push_back(argument.data());
@@ -55,7 +55,7 @@ absl::StatusOr<std::string> report_page(std::string_view json) {
   if (!data.is_object() || data.value("lucerna_tradeoff", nlohmann::ordered_json()) != 1)
     return absl::InvalidArgumentError("is not a tradeoff.json of lucerna-tradeoff");
   data.erase("runs");  // the page does not show them
-  // In a page, "</script>" and "<!--" have a meaning even within the strings of a script.
+  // In a page, "</script>" and "<!--" have a meaning even inside the strings of a script.
   const std::string text = absl::StrReplaceAll(data.dump(), {{"<", "\\u003c"}});
   return absl::StrReplaceAll(std::string(kPage), {{"{{style}}", std::string(kStyle)},
                                                   {"{{licence}}", std::string(kLicence)},
@@ -75,7 +75,7 @@ absl::Status draw_plot(const std::string& page, const std::string& picture) {
   if (!status) return absl::NotFoundError("no chromium in PATH");
   if (*status != 0 || !std::filesystem::exists(picture))
     return absl::UnknownError(
-        fmt::format("chromium made no {} (exit status {})", picture, *status));
+        fmt::format("chromium did not write {} (exit status {})", picture, *status));
   return absl::OkStatus();
 }
 

@@ -1,4 +1,4 @@
-// The page of a study, made from its JSON alone.
+// Makes the page of a study from its JSON.
 #pragma once
 
 #include <string>
@@ -14,7 +14,7 @@ namespace lucerna::tradeoff {
 absl::StatusOr<std::string> report_page(std::string_view json);
 
 /// Draws the first plot of the page at `page` into the PNG file `picture`, by a headless chromium.
-/// NOT_FOUND if PATH has no chromium, UNKNOWN if it makes no file.
+/// NOT_FOUND if PATH has no chromium, UNKNOWN if chromium writes no file.
 absl::Status draw_plot(const std::string& page, const std::string& picture);
 
 }  // namespace lucerna::tradeoff

@@ -1,4 +1,4 @@
-// The parts of the page, embedded into the program when it is built.
+// The parts of the page, which the build embeds into the program.
 #pragma once
 
 #include <string_view>

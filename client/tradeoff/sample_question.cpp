@@ -1,5 +1,5 @@
-// Direct illuminance and the visible share of the lights, from samples of light that the caller
-// adds up.  With a target error, the server adds them up.
+// The questions of direct illuminance and of the visible share of the lights, from samples of
+// light.  The caller adds up the samples.  With a target error, the server adds them up.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,7 +16,7 @@
 namespace lucerna::tradeoff {
 namespace {
 
-// An answer takes 70 bytes a sample, all in memory.
+// An answer takes 70 bytes for each sample, all in memory.
 constexpr std::uint32_t kMostLightSamples = 1 << 10;
 constexpr double kMostAnswers = 1 << 20;
 constexpr std::uint32_t kLeastMostSamples = 64;  // the least max_samples of TargetError
@@ -84,12 +84,13 @@ class SampleQuestion : public Question {
   }
 
  private:
-  /// The most samples of each point, because all answers are in memory.
+  /// The most samples of each point.  They are limited because all answers are in memory.
   std::uint32_t most_samples() const {
     const double most = kMostAnswers / static_cast<double>(layout_.points.size());
     return static_cast<std::uint32_t>(std::min<double>(most, kMostLightSamples));
   }
-  /// Visible shares of light samples estimate the same quantity only if points are chosen by area.
+  /// Whether to choose points by area.  The visible shares of light samples estimate the same
+  /// quantity only with points by area.
   bool by_area(const Setting& setting) const {
     return visibility_ && setting.accuracy.area_sampling() == v1::AREA_SAMPLING_UNSPECIFIED;
   }

@@ -37,14 +37,15 @@ const std::vector<Flags> kEstimates = {
     {"--far-light", "5"},
     {"--visibility", "shadow-maps"},
 };
-// The gain of closed forms depends on whether each sample takes all lights or one.
+// The gain of closed forms depends on whether each sample takes all lights or one light.
 const std::vector<Flags> kPairs = {
     {"--light-selection", "all", "--closed-forms", "off"},
     {"--light-selection", "all", "--closed-forms", "empty-shafts"},
     {"--light-selection", "bvh", "--closed-forms", "off"},
     {"--light-selection", "bvh", "--closed-forms", "empty-shafts"},
 };
-// Methods that sample by area: the visible share of their samples estimates the same quantity.
+// Methods that sample by area, since the visible shares of their samples estimate the same
+// quantity.
 const std::vector<Flags> kByArea = {
     {"--area-sampling", "square-root"},
     {"--area-sampling", "kraemer"},
@@ -87,7 +88,7 @@ Setting make_setting(std::vector<std::string> flags, bool by_target) {
   CLI::App app;
   cli::MethodOptions options;
   options.add(app);
-  // CLI11 takes the arguments from the last to the first.
+  // CLI11 needs the arguments in reverse order.
   app.parse(std::vector<std::string>(flags.rbegin(), flags.rend()));
   v1::EstimateIrradianceRequest request;
   options.put(request);
@@ -98,7 +99,7 @@ std::vector<Setting> settings(Query query, const SceneFacts& facts) {
   std::vector<Setting> result = {make_setting({})};
   const auto add = [&](const std::vector<Flags>& more) {
     for (const Flags& flags : more) {
-      // A single light leaves nothing to select.
+      // With a single light there is nothing to select.
       const bool chooses =
           std::find(flags.begin(), flags.end(), "--light-selection") != flags.end();
       if (!chooses || facts.lights > 1) result.push_back(make_setting(flags));

@@ -1,4 +1,4 @@
-// The settings of a sweep: ways to make an answer, and the amounts of each.
+// The settings of a sweep, which are ways to make an answer, and the amounts of each setting.
 #pragma once
 
 #include <cstdint>
@@ -17,11 +17,11 @@ std::string name(Query query);
 
 /// One way to make an answer.
 struct Setting {
-  /// The flags on the command line, so that the report prints the measured setting.
+  /// The flags of the command line, which the report prints.
   std::vector<std::string> flags{};
-  /// The request that these flags make.
+  /// The part of the request that these flags set.
   v1::Accuracy accuracy{};
-  /// The amounts are target errors and not numbers of samples.
+  /// Whether the amounts are target errors instead of numbers of samples.
   bool by_target = false;
 
   /// "automatic", or the flags without dashes before them.
@@ -34,9 +34,9 @@ struct Amount {
   /// Samples of each item, or a relative error.
   double value = 1;
 
-  /// "64 samples", "error 1%".
+  /// In words: "64 samples", "error 1%".
   std::string text() const;
-  /// "--samples 64", "--error 1%".
+  /// As options: "--samples 64", "--error 1%".
   std::string flags() const;
   bool operator==(const Amount&) const = default;
 };
@@ -46,14 +46,15 @@ struct SceneFacts {
   std::uint64_t lights = 0;
 };
 
-/// Automatic first.  Then one method that differs from automatic at a time, and the pairs of
-/// methods that affect each other.  Empty but for automatic for power, which has its own methods.
+/// All settings of a query.  Automatic comes first.  Each further setting changes one method, or a
+/// pair of methods that affect each other.  For power, which has its own methods, only automatic.
 std::vector<Setting> settings(Query query, const SceneFacts& facts);
 
-/// The setting of these flags, which `lucerna irradiance` must accept.
+/// The setting of these flags.  `lucerna irradiance` must accept them.
 Setting make_setting(std::vector<std::string> flags, bool by_target = false);
 
-/// Powers of four from 1 to `max_samples`, or target errors from 30% that fall by about three.
+/// Powers of four from 1 to `max_samples`, or target errors that start at 30% and fall by a factor
+/// of about three.
 std::vector<Amount> amounts(const Setting& setting, std::uint32_t max_samples);
 
 }  // namespace lucerna::tradeoff

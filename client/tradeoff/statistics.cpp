@@ -23,7 +23,7 @@ void sort_by_time(std::vector<Measured>& curve) {
                    [](const Measured& a, const Measured& b) { return a.seconds < b.seconds; });
 }
 
-/// The point at share `t` of the way from a to b in logarithms; t > 1 lies after b.
+/// The point at share `t` of the way from a to b in logarithms.  With t > 1 it is after b.
 Reached along(const Measured& a, const Measured& b, double t, Reached::How how) {
   return {.how = how,
           .seconds = a.seconds * std::pow(b.seconds / a.seconds, t),
@@ -100,8 +100,8 @@ std::optional<Reached> time_to_error(std::vector<Measured> curve, double error, 
   const Measured& last = curve.back();
   const double factor = std::pow(error / last.error, 1 / kRate);
   if (factor > kFarthest) return std::nullopt;
-  // Work grows with the time as it did over the tail.  That is less than in proportion if calls
-  // have a fixed cost.
+  // Assume that work grows with the time as it did over the tail.  The growth is less than
+  // proportional if calls have a fixed cost.
   const double growth =
       std::log(last.samples / tail.front().samples) / std::log(last.seconds / tail.front().seconds);
   return Reached{.how = Reached::How::kExtrapolated,

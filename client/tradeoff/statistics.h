@@ -16,7 +16,7 @@ struct Quartiles {
 };
 
 /// Quantiles 1/4, 1/2 and 3/4 of at least one number, by linear interpolation between the sorted
-/// numbers, where the first is quantile 0 and the last quantile 1.  [Hyndman96, definition 7]
+/// numbers.  The first number is quantile 0, the last one quantile 1.  [Hyndman96, definition 7]
 Quartiles quartiles(std::vector<double> numbers);
 
 /// The quantile `p` in (0, 1) of Student's t distribution with `freedom` > 0 degrees of freedom.
@@ -29,11 +29,11 @@ struct Interval {
   double upper = 0;
 };
 
-/// Student's interval of the mean of at least one number >= 0.  The delta method takes it to the
-/// logarithm, mean exp(-+ t s / (sqrt(n) mean)), so that it stays above 0.  A single number gives
-/// [0, infinity); numbers that are all 0 give [0, 0].
+/// Student's interval of the mean of at least one number >= 0.  It is computed for the logarithm by
+/// the delta method, mean exp(-+ t s / (sqrt(n) mean)), so that it stays above 0.  A single number
+/// gives [0, infinity); numbers that are all 0 give [0, 0].
 Interval mean_interval(std::span<const double> numbers);
-/// The interval of the root of the mean, for errors, whose squares are averaged.
+/// The interval of the root of the mean of squares, for errors.
 Interval root_mean_interval(std::span<const double> squares);
 
 /// One amount of work of one setting.
@@ -55,25 +55,25 @@ struct Reached {
   double samples = 0;
 };
 
-/// The rate b of error ~ seconds^b by least squares in logarithms.  Empty for fewer than two
+/// The rate b of error ~ seconds^b, by least squares in logarithms.  Empty for fewer than two
 /// different times, or if an error is 0.
 std::optional<double> fitted_rate(std::span<const Measured> curve);
 
-/// When a setting reaches `error` > 0.  Interpolates linearly in logarithms between the first two
-/// neighbours (by time) of which the later one is that good.  After the last measurement it
-/// extrapolates with the rate kRate of independent samples, because a rate fitted to few points is
-/// unreliable, and up to kFarthest times the last time.  Empty if the error is not reached, or if
-/// the last three errors fall more slowly than kSlowestRate.
+/// The time at which a setting reaches `error` > 0.  Interpolates linearly in logarithms before the
+/// first measurement (by time) that has at most this error.  After the last measurement,
+/// extrapolates with the rate kRate of independent samples, up to kFarthest times the last time.  A
+/// rate fitted to few points would be unreliable.  Empty if the error is not reached, or if the
+/// last three errors fall more slowly than kSlowestRate.
 std::optional<Reached> time_to_error(std::vector<Measured> curve, double error,
                                      bool extrapolate = true);
 
-/// Rates of error with time: independent samples have -0.5, and biased answers 0 in the end.
+/// Rates of error with time.  Independent samples have -0.5, and biased answers approach 0.
 inline constexpr double kRate = -0.5, kSlowestRate = -0.35;
-/// Two decades of error at the rate of independent samples.
+/// Longest extrapolation, as a multiple of the last time: two decades of error at kRate.
 inline constexpr double kFarthest = 1e4;
 
 /// The indices of the points that no other point beats in both time and error, in order of time.
-/// Takes the first of equal points.
+/// Of equal points, only the first.
 std::vector<std::size_t> pareto_front(std::span<const Measured> points);
 
 }  // namespace lucerna::tradeoff

@@ -1,4 +1,4 @@
-// Wall time of calls.
+// Measures the wall time of calls.
 #pragma once
 
 #include <chrono>

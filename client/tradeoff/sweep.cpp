@@ -18,21 +18,22 @@
 namespace lucerna::tradeoff {
 namespace {
 
-// Shares of the time: the first heat's, and the most that a single question may take.  A target
-// error gets more, because it starts with pilot samples.
+// Shares of the time: for the first heat, and the most for a single question.  A target error gets
+// more, because it starts with pilot samples.
 constexpr double kFirstHeat = 0.4, kLongestQuestion = 0.03, kLongestTarget = 0.1;
-// The next amount takes up to four times as long, the next target error ten times.
+// The next number of samples takes up to four times as long, the next target error up to ten times.
 constexpr double kGrowth = 4, kTargetGrowth = 10;
 constexpr std::uint32_t kMostRounds = 40;
 // The least number of samples of a target error.
 constexpr double kPilotSamples = 64;
 // Few samples of few items may be equal by chance.  Settings with equal answers are measured again
-// with kSecondLookSamples, or with a smaller power of four that fits into this share of the time.
+// with kSecondLookSamples.  If these take more than this share of the time, with a smaller power of
+// four.
 constexpr double kSecondLookSamples = 64, kSecondLook = 0.01;
-// Shares of the time for answers that take too long: all of them together, where each one gets at
-// most half of the rest; and the share that every answer gets.
+// Shares of the time for answers that take too long.  All of them together get kWaiting, and each
+// gets at most half of what is left of it.  Every answer gets at least kLeastWaiting.
 constexpr double kWaiting = 0.3, kLeastWaiting = 0.01;
-// The time of a sweep that counts rounds.
+// The time of a sweep with a number of rounds.
 constexpr double kForever = std::numeric_limits<double>::infinity();
 
 bool refuses(const absl::Status& status) {
@@ -99,7 +100,7 @@ class Sweep {
     result_.runs.push_back(run);
     return run;
   }
-  /// The seed of an amount in the present round, the same for every setting.
+  /// The seed of an amount in the current round, the same for every setting.
   std::uint64_t seed_of(const Amount& amount) const {
     const std::uint64_t round = mixed_seed(options_.seed, 2 + round_);
     return mixed_seed(round, std::bit_cast<std::uint64_t>(amount.value));
@@ -139,24 +140,24 @@ class Sweep {
     for (std::size_t j = 0; j < i; ++j) {
       if (settings_[j].by_target || !first_[j] || first_[j]->digest != first_[i]->digest) continue;
       if (result_.courses[j].fate == Course::Fate::kSame)
-        continue;  // i is compared with the first of them
+        continue;  // i is compared with the setting that j equals
       LUCERNA_ASSIGN_OR_RETURN(const SecondLook again, look_again(i, j));
       if (!again.same) continue;
       result_.courses[i].same_as = j;
-      const std::string of =
-          !again.of ? fmt::format("of {}; a second look takes too long for this budget",
+      const std::string scope =
+          !again.of ? fmt::format("for {}; a second look takes too long for this budget",
                                   first_[i]->amount.text())
-          : ladders_[i].size() == 1 ? "to both of two questions"
-                                    : fmt::format("of {} and, with another seed, of {}",
+          : ladders_[i].size() == 1 ? "in both of two answers"
+                                    : fmt::format("for {} and, with another seed, for {}",
                                                   first_[i]->amount.text(), again.of->text());
-      leave(i, Course::Fate::kSame, fmt::format("same bits as {}, {}", settings_[j].name(), of));
+      leave(i, Course::Fate::kSame, fmt::format("same bits as {}, {}", settings_[j].name(), scope));
       break;
     }
     return absl::OkStatus();
   }
 
-  /// Measures the same question with the same seed under every setting.  Removes settings that the
-  /// server refuses, that take too long, or that equal another one.
+  /// Measures the same question with the same seed for every setting.  Removes settings that the
+  /// server refuses, that take too long, or that equal another setting.
   absl::Status compare_first_answers() {
     double round = 0, waited = 0;
     for (std::size_t i = 0; i < settings_.size(); ++i) {
@@ -204,8 +205,8 @@ class Sweep {
       round += run->seconds * least_share;
       if (options_.clock() - begin_ + kFewestRounds * round > seconds_) {
         return absl::DeadlineExceededError(
-            fmt::format("the first {} of {} settings take {:.2g} s a round and need {} rounds at "
-                        "least; {:.2g} s are left for them",
+            fmt::format("the first {} of {} settings take {:.2g} s for each round and need at "
+                        "least {} rounds, but only {:.2g} s are left",
                         i + 1, settings_.size(), round, kFewestRounds, seconds_));
       }
     }
@@ -214,9 +215,9 @@ class Sweep {
 
   double growth(std::size_t i) const { return settings_[i].by_target ? kTargetGrowth : kGrowth; }
 
-  /// Climbs each setting's ladder as long as a question takes at most `longest` seconds.  Then
-  /// climbs to the amounts that other settings reached, if these take at most twice as long and the
-  /// time suffices, so that settings are compared at the same amounts.  These runs do not count.
+  /// Raises each setting's amount as long as a question takes at most `longest` seconds.  Then
+  /// raises it to the amounts that other settings reached, if these take at most twice as long and
+  /// there is time.  So settings are compared at the same amounts.  These runs do not count.
   absl::Status climb(double longest, double end) {
     std::size_t highest = 0;
     for (std::size_t i = 0; i < settings_.size(); ++i) {
@@ -244,7 +245,7 @@ class Sweep {
         if (seconds.empty()) leave_for(i, run.status());
         break;
       }
-      // The least amount may cost as much as the first question, which was larger.
+      // The least amount may take as long as the first question, which was larger.
       if (seconds.empty() && i > 0 && run->seconds > longest_of(i)) {
         leave(i, Course::Fate::kSkipped,
               fmt::format("skipped, {:.2g} s for {}: too long for this budget", run->seconds,
@@ -269,8 +270,8 @@ class Sweep {
     const double left = end - options_.clock();
     double share = 0;
     for (std::size_t i = 0; i < settings_.size(); ++i) {
-      // A ladder costs its longest question and, below it, a geometric series.  It is paid once to
-      // climb and once a round.
+      // The times of a ladder's amounts are a geometric series that ends at the longest question.
+      // Climbing takes this time once, and so does each round.
       if (stays(i)) share += growth(i) / (growth(i) - 1);
     }
     LUCERNA_RETURN_IF_ERROR(climb(left / (share * (1 + kFewestRounds)), end));
@@ -282,7 +283,7 @@ class Sweep {
       }
       const double now = options_.clock();
       if (n >= kFewestRounds && now + round_takes() > end) break;
-      // The least number of rounds may overstep the end by a quarter of the time, and no more.
+      // The least number of rounds may exceed the end by at most a quarter of the time.
       if (now > end + 0.25 * seconds_) break;
       ++round_;
       std::shuffle(cells.begin(), cells.end(), shuffle_);
@@ -295,7 +296,7 @@ class Sweep {
     return absl::OkStatus();
   }
 
-  /// Time and error of each amount: the mean error or, if `favourable`, the lower end of its
+  /// Time and error of each amount: the mean error or, with `favourable`, the lower end of its
   /// interval.
   std::vector<Measured> curve(std::size_t i, bool favourable) const {
     std::vector<Measured> result;
@@ -320,10 +321,10 @@ class Sweep {
     for (std::size_t i = 0; i < settings_.size(); ++i) curves.push_back(curve(i, false));
     for (std::size_t i = 1; i < settings_.size(); ++i) {
       if (!stays(i)) continue;
-      // A setting is dropped only if its lowest likely error is behind.
+      // Drop a setting only if even its lowest likely error is behind.
       const std::vector<Measured> own = curve(i, true);
       if (own.empty()) continue;
-      // One of its two largest amounts may be near, so the better one decides.
+      // One of its two largest amounts may be close to the best, so the better of the two decides.
       double behind = std::numeric_limits<double>::infinity();
       std::size_t winner = 0;
       for (const Measured& cell : std::span(own).last(std::min<std::size_t>(2, own.size()))) {

@@ -13,11 +13,12 @@
 namespace lucerna::tradeoff {
 namespace {
 
-// Without a time budget, the reference is the mean of so many answers, each with so many times the
-// samples of the largest amount.  Its error is then an eighth of the error at that amount.
+// Without a time budget, the reference is the mean of kCountedAnswers answers.  Each has
+// kCountedSamples times the samples of the largest amount.  The reference's error is then an eighth
+// of the error at that amount.
 constexpr std::size_t kCountedAnswers = 16;
 constexpr std::uint32_t kCountedSamples = 4;
-// Smaller target errors take an unknown number of samples.
+// Smaller target errors take a number of samples that is not known in advance.
 constexpr double kLeastCountedTarget = 0.1;
 
 // FNV-1a.
@@ -38,7 +39,7 @@ struct Sums {
   std::vector<float> last;
 };
 
-/// Adds one error an item.  A pixel is one item of three values.
+/// Adds one error for each item.  A pixel is one item of three values.
 void add(const std::vector<double>& values, const Reference& reference, bool pictures, Sums& to) {
   const std::size_t channels = pictures ? 3 : 1;
   to.relative.resize(values.size() / channels);
@@ -103,7 +104,7 @@ absl::StatusOr<Record> measure_trade(Question& question, const TradeOptions& opt
                              .seed = options.seed,
                              .clock = options.clock};
   sweep_options.on_event = options.on_event;
-  // A picture has so many values that one sample shows which settings are the same.
+  // A picture has many values, so one sample shows which settings are the same.
   if (pictures) sweep_options.first_samples = 1;
   sweep_options.answer = [&](std::size_t setting, const Amount& amount, std::uint64_t seed,
                              std::uint32_t round,

@@ -25,7 +25,7 @@
 #include "client/view/tev_packet.h"
 
 // One connected socket that is only written to.  A networking library would need more code than
-// these calls, and its own event loop.
+// these calls, and would need its own event loop.
 
 namespace lucerna::client {
 namespace {
@@ -139,7 +139,7 @@ class TevSender::Impl {
         thread_([this](const std::stop_token& stop) { run(stop); }) {}
 
   void begin(const std::string& name, std::uint32_t width, std::uint32_t height) {
-    Canvas black(width, height);  // later the picture before, which is freed without the lock
+    Canvas black(width, height);  // receives the previous picture, which is freed without the lock
     const std::lock_guard lock(mutex_);
     name_ = name;
     std::swap(picture_, black);
@@ -158,7 +158,7 @@ class TevSender::Impl {
     }
     if (rgb.size() != std::size_t{3} * (rect.x1() - rect.x0()) * (rect.y1() - rect.y0())) {
       return absl::InvalidArgumentError("rgb has " + std::to_string(rgb.size()) +
-                                        " numbers, must be three a pixel");
+                                        " numbers, must be three for each pixel");
     }
     for (std::size_t y = rect.y0(); y < rect.y1(); ++y) {
       const std::span<float> row = picture_.row(rect, y);
@@ -184,7 +184,7 @@ class TevSender::Impl {
     const Clock::time_point most = Clock::now() + 10 * patience;
     std::unique_lock lock(mutex_);
     std::uint64_t sent = sent_bytes_;
-    // A viewer that took nothing since the last failure is not waited for again.
+    // Do not wait again for a viewer that accepted nothing since the last failure.
     if ((sending_ || has_work()) && stuck_at_ == sent) return false;
     while (sending_ || has_work()) {
       const Clock::time_point until = std::min(most, Clock::now() + patience);
@@ -193,7 +193,7 @@ class TevSender::Impl {
       });
       if (reported_ && !connected_) return false;
       if (!more || Clock::now() >= most) {
-        report("does not take all of the picture");
+        report("did not accept the whole picture");
         stuck_at_ = sent_bytes_;
         return false;
       }
@@ -232,7 +232,8 @@ class TevSender::Impl {
     return update_image(name_, picture_, cell.rect);
   }
 
-  /// The viewer is absent, or a new one that has nothing of the picture yet.
+  /// Marks the whole picture as unsent, since the next connection begins without a picture.
+  /// Reports the reason once.
   void lose(const std::string& why) {
     created_ = connected_ = false;
     waiting_.clear();
@@ -240,7 +241,7 @@ class TevSender::Impl {
       cells_[i].waiting = true;
       waiting_.push_back(i);
     }
-    report(why + "; going on without it");
+    report(why + "; continuing without it");
   }
 
   void run(const std::stop_token& stop) {

@@ -1,4 +1,4 @@
-// The messages to the viewer tev.  Not installed.
+// The messages to the viewer tev.  This header is not installed.
 //
 // The protocol: tev's README and src/Ipc.cpp [github.com/Tom94/tev].
 #pragma once
@@ -23,7 +23,7 @@ struct Canvas {
   std::unique_ptr<float[], Free> pixels;
 
   Canvas() = default;
-  /// A black picture.  The system clears each page at its first use; clearing a large picture at
+  /// A black picture.  The system clears each page at its first use.  Clearing a large picture at
   /// once would delay the caller.
   Canvas(std::uint32_t w, std::uint32_t h)
       : width(w),

@@ -6,7 +6,6 @@
 #include "lights/maths/normal_cone.h"
 
 namespace lucerna {
-namespace {}  // namespace
 
 void LightCluster::add(const LightCluster& other) {
   if (other.empty()) return;
@@ -34,7 +33,8 @@ void LightCluster::add_cone(const LightCluster& other) {
   axis = wide;
   theta_o_rad = wide_rad;
   if (wide_rad >= kPi) return;
-  // Normals about an axis or its opposite: the nearer of the two will do.
+  // The normals lie about an axis or about its opposite.  Use the direction nearer to the other
+  // cone.
   if (two_sided && dot(wide, narrow) < 0) narrow = -narrow;
   if (wide == narrow) return;
   const double between = angle_between(wide, narrow);

@@ -8,26 +8,31 @@
 namespace lucerna {
 namespace {
 
-// What may be seen counts at least so much of what faces the receiver, and is faced by it: cosines
-// end at 0 there, by their roundings a little before or after.
+// The smallest cosine of a node that may be visible.  A computed cosine may reach 0 a little too
+// early, by rounding.
 constexpr double kLeastCosine = 0x1p-20;
-// How far receivers look below their horizon: their normals are floats.
+// Receivers see this far below their horizon, because their normals are rounded to floats.
 constexpr double kHorizonRad = 0x1p-21;
-// From farther off the tree is a point.  The fourth power is still a double.
+// Farther receivers see the tree as a point.  The fourth power of this distance still fits a
+// double.
 constexpr double kFarthest = 0x1p240;
 constexpr double kBelowOne = 1 - 0x1p-53;
-// The mean of 1 / d^2 over lights in a line or in a plane that a receiver is beside is that of the
-// nearest distance times the middle's, not that of the middle's squared: by this a node that the
-// receiver is in has more than its neighbour.  The nearest counts as no less than so much of the
-// box's radius.  Second moments of one sample over the squared mean, for 1, 1/8, 1/16 and 1/32, and
-// for the paper's squared distance: 6.3, 1.9, 1.6, 1.4 and 3.5 in a street of 4096 lamps; 20, 3.4,
-// 2.5, 2.2 and 13 under a ceiling of 4096 panels; 13, 1.6, 1.5, 2.0 and 8.5 among 4096 lamps in a
-// cube; 41, 8.4, 8.6, 11.5 and 30 between houses with 4096 windows.
+// A node's weight is 1 / (d_near d_mid), with the distances to its nearest point and to its middle.
+// For lights in a line or plane beside the receiver, this is closer to the mean of 1 / d^2 than 1 /
+// d_mid^2.  A node that contains the receiver then has more weight than its neighbour.  The nearest
+// distance is at least this share of the box's radius.
+//
+// Second moment of one sample over the squared mean, for shares of 1, 1/8, 1/16 and 1/32, and for
+// the paper's squared distance:
+//   street with 4096 lamps:          6.3, 1.9, 1.6,  1.4 and 3.5
+//   ceiling with 4096 panels:         20, 3.4, 2.5,  2.2 and 13
+//   4096 lamps in a cube:             13, 1.6, 1.5,  2.0 and 8.5
+//   houses with 4096 windows:         41, 8.4, 8.6, 11.5 and 30
 constexpr double kNearestShare = 1.0 / 16;
 
 Vec3<double> vec(const float (&v)[3]) { return {double{v[0]}, double{v[1]}, double{v[2]}}; }
 
-/// An angle in [0, pi], by its cosine and its sine, or any multiple of both.
+/// An angle in [0, pi], stored as its cosine and sine, or as a common multiple of both.
 struct Turn {
   double cos, sin;
   Turn less(const Turn& other) const {
@@ -58,7 +63,8 @@ double LightTree::importance(const Node& node, const Query& from) {
   const Vec3<double> way = (to_lower + to_upper) * 0.5;  // from the box's middle to the receiver
   const double r2 = dot(half, half), d2 = dot(way, way);
   const double r = std::sqrt(r2), d = std::sqrt(d2);
-  // theta_u: what the box takes up, as seen from the receiver, times d; within its sphere, all.
+  // theta_u: the angle that the box covers, seen from the receiver; cosine and sine times d.
+  // Within the box's sphere: all directions.
   const bool is_outside = d2 > r2;
   const Turn box{is_outside ? std::sqrt(d2 - r2) : 0, r};
 
@@ -89,8 +95,9 @@ double LightTree::importance(const Node& node, const Query& from) {
           cosines *= std::max(nearest.cos / d2, kLeastCosine);
         }
       }
-      // The sphere of a flat box reaches far before its plane and behind it: all points of the box
-      // are at least so far before the receiver along the axis, and no farther off than d + r.
+      // The sphere of a flat box extends far in front of its plane and behind it.  So also test the
+      // box along the axis: every point of it is at least this far ahead of the receiver, and at
+      // most d + r away.
       if (node.has_cosine != 0 && node.two_sided == 0 && cone.cos > 0 &&
           along + reach_along(axis, half) < -cone.sin * (d + r))
         return 0;
@@ -114,8 +121,8 @@ std::optional<LightChoice> LightTree::choose(const Receiver<double>& receiver, d
     const double l = importance(left[0], *from), r = importance(left[1], *from);
     const double sum = l + r;
     if (!(sum > 0)) return std::nullopt;
-    // What is left of u chooses among the lights of the child.  Where its bits are used up it
-    // chooses all the same, with the same probabilities.
+    // The rest of u chooses among the lights of the child.  If its bits are used up, the
+    // probabilities are still valid.
     if (u < l / sum) {
       node = left;
       u = std::min(u / (l / sum), kBelowOne);
@@ -134,7 +141,7 @@ double LightTree::probability(const Receiver<double>& receiver, std::uint32_t li
   if (!from || leaf_of_[light] == kNoLeaf) return 0;
   std::uint32_t at = leaf_of_[light];
   if (at == 0) return importance(nodes_[0], *from) > 0 ? 1 : 0;
-  // From the leaf upwards, as deep as the tree may be.
+  // Shares from the leaf upwards.  The list grows as deep as the tree.
   absl::InlinedVector<double, 64> shares;
   while (at > 0) {
     const std::uint32_t left = at - (at % 2 == 0 ? 1 : 0);

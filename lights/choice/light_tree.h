@@ -1,4 +1,5 @@
-// A bounding volume hierarchy over lights.  A receiver chooses one of many lights in a few steps.
+// A bounding volume hierarchy over lights: it chooses one of many lights for a receiver in a few
+// steps.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -21,33 +22,35 @@ struct LightChoice {
 };
 
 /// Chooses among lights by bounds on their contribution to a receiver. It walks down a binary tree,
-/// and at each node the more important child has the greater probability.  Importance is power over
-/// the solid angle of emission, times bounds on the cosines at light and receiver, over the
-/// distances to the nearest point of the box and to its middle. [Conty18] uses the power itself and
-/// the squared distance to the middle.  Its splitting into several lights is left out.
+/// and at each node the more important child has the greater probability.  Importance is I c / (d1
+/// d2).  I is power over the solid angle of emission, and c the product of bounds on the cosines at
+/// light and receiver.  d1 and d2 are the distances to the nearest point of the box and to its
+/// middle. [Conty18] uses the power itself and the squared distance to the middle.  Its splitting
+/// into several lights is not implemented.
 ///
-/// Where light above 0 arrives, importance is above 0: cones are 5e-7 rad wider than given, and
-/// boxes a few roundings larger.  Where importance is 0, the bounds prove that no light arrives.
-/// Scaling all bounds and receivers by one power of two, and all powers by another, changes no bit.
+/// Where importance is 0, the bounds prove that no light arrives.  For this, cones are 5e-7 rad
+/// wider than given, and boxes a few roundings larger.  Scaling all bounds and receivers by one
+/// power of two, and all powers by another, does not change a bit of the results.
 ///
 /// Immutable, so safe to share between threads.
 class LightTree {
  public:
   struct Item {
     LightBounds<double> bounds;
-    double power;  ///< in any unit, of this light's share among all
+    double power;  ///< in any unit; its share of the sum weights this light
   };
   static constexpr std::size_t kMaxLights = std::size_t{1} << 28;
 
-  /// Lights of power 0 are left out, unless all powers are 0: then all count equally.  A power less
-  /// than 2^-100 of the largest counts as that.  Errors: more lights than kMaxLights; an item whose
-  /// bounds or power are not finite or whose power is negative, with its number.
+  /// Lights of power 0 are left out, unless all powers are 0: then all lights count equally.
+  /// Powers below 2^-100 of the largest are raised to that.  Errors: more lights than kMaxLights;
+  /// an item whose bounds or power are not finite, or whose power is negative.  The message has its
+  /// number.
   static absl::StatusOr<LightTree> create(std::span<const Item> items);
 
   /// A light, by its index among the items, for `u` in [0, 1).  Nothing where no light of the last
-  /// chosen node can reach the receiver, or where the receiver is not finite.  The probability of
-  /// that is 1 minus the sum over all lights.  Uses position and normal.  Without a normal (zero)
-  /// light from all sides counts equally, else only light from above.
+  /// chosen node can reach the receiver, or where the receiver is not finite.  Choosing nothing has
+  /// the probability 1 minus the sum over all lights.  Uses position and normal.  Without a normal
+  /// (zero), light from all sides counts; with a normal, only light from above.
   std::optional<LightChoice> choose(const Receiver<double>& receiver, double u) const;
   /// The probability with which `choose` returns `light`, with the same bits.
   double probability(const Receiver<double>& receiver, std::uint32_t light) const;

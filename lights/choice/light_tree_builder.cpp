@@ -1,5 +1,5 @@
-// How a light tree is built: from the root down, each node's lights split where the surface area
-// orientation heuristic, over bins along each axis, says that both parts cost least. [Conty18, 4.4]
+// Builds a light tree from the root down.  Each node's lights are put into bins along each axis and
+// split where the surface area orientation heuristic gives the least cost. [Conty18, 4.4]
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,13 +14,13 @@
 namespace lucerna {
 namespace {
 
-// Floats of a node's cone, and as much again for what lights and receivers round: in a tree cones
-// are so much wider.
+// Cones in a tree are wider by this: half for the rounding of a node's cone to floats, half for the
+// rounding of lights and receivers.
 constexpr double kConeSlackRad = 0x1p-21;
-// Within so much of all directions it is all of them.
+// A cone that lacks less than this counts as all directions.
 constexpr double kNearlyAllRad = 0x1p-10;
-// Of what lights round, relative to their coordinates; and what is never less, so that squares of a
-// box's size are no denormal numbers.
+// Boxes are larger by the rounding of lights, relative to their coordinates, and by at least
+// kLeastBox.  So squares of a box's size are never denormal numbers.
 constexpr double kBoxSlack = 16 * std::numeric_limits<double>::epsilon();
 constexpr double kLeastBox = 0x1p-100;
 constexpr double kLeastPower = 0x1p-100;
@@ -36,7 +36,7 @@ class LightTree::Builder {
   LightTree build();
 
  private:
-  /// The lights order_[begin, end), of which node `node` is to be made.
+  /// Makes node `node` from the lights order_[begin, end).
   struct Task {
     std::uint32_t begin, end, node;
     LightCluster cluster;
@@ -45,7 +45,7 @@ class LightTree::Builder {
     std::uint32_t middle;  ///< where order_ is split
     LightCluster left, right;
   };
-  /// Lights go to bins by the place of their middles along an axis.
+  /// Puts lights into bins by their middles along an axis.
   struct Binning {
     int axis, count;
     double from, per_extent;
@@ -68,8 +68,9 @@ class LightTree::Builder {
 
   std::span<const Item> items_;
   std::vector<LightCluster> lights_;  // of each item, in the tree's coordinates
-  std::vector<std::uint32_t> order_;  // items that can be chosen, each node's side by side
-  std::array<LightCluster, kMostBins> bins_, after_;  // of an axis; from a bin to the last one
+  std::vector<std::uint32_t> order_;  // items that can be chosen; those of a node are contiguous
+  std::array<LightCluster, kMostBins> bins_,
+      after_;  // bins of an axis; sums from a bin to the last one
 };
 
 absl::Status LightTree::Builder::check() const {
@@ -107,7 +108,7 @@ void LightTree::Builder::take_lights(double scale) {
     light.axis = normalized(b.axis);
     light.has_cosine = b.two_sided || b.normals_rad < b.cone_rad;
     light.two_sided = b.two_sided;
-    // Narrower than the hemisphere about a normal is a cone only where there is no cosine.
+    // With a cosine, emission covers the hemisphere about a normal, so subtract it from the cone.
     const double theta_o = b.two_sided        ? b.normals_rad
                            : light.has_cosine ? std::max(b.normals_rad, b.cone_rad - kPi / 2)
                                               : b.cone_rad;
@@ -150,7 +151,7 @@ std::optional<LightTree::Builder::Binning> LightTree::Builder::fill_bins(int axi
     from = std::min(from, at);
     to = std::max(to, at);
   }
-  // Closer together than boxes are large they lie at one place.
+  // Lights closer together than the least box count as at one place.
   if (!(to - from > kLeastBox)) return std::nullopt;
   const int count = static_cast<int>(std::min<std::uint32_t>(kMostBins, task.end - task.begin));
   const Binning bin_of{axis, count, from, count / (to - from)};
@@ -185,7 +186,7 @@ LightTree::Builder::Split LightTree::Builder::split(const Task& task) {
       after_[i] = after_[i + 1];
       after_[i].add(bins_[i]);
     }
-    // Rather across the longest side: parts are then no thin slices.
+    // Prefer splits across the longest side, which avoid thin slices.
     const double across = max_abs(extent) / extent[axis];
     LightCluster before;
     for (int i = 1; i <= last; ++i) {
@@ -221,7 +222,7 @@ LightTree LightTree::Builder::build() {
   tree.nodes_.reserve(2 * order_.size() - 1);
   tree.parents_.reserve(order_.size() - 1);
   tree.nodes_.emplace_back();
-  // A stack of its own: as deep as lights in a line make it, which calls are not.
+  // An explicit stack: lights in a line make the tree too deep for recursive calls.
   std::vector<Task> tasks;
   tasks.push_back({0, static_cast<std::uint32_t>(order_.size()), 0, cluster_of(order_)});
   while (!tasks.empty()) {

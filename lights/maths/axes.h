@@ -1,4 +1,4 @@
-// The three axes of lights that are not symmetric about one.
+// The three axes of lights that are not symmetric about an axis.
 #pragma once
 
 #include "lights/maths/validation.h"
@@ -10,8 +10,8 @@ inline absl::Status check_right_angles(std::string_view field, const Frame<doubl
   for (const Vec3<double>& axis : {axes.s, axes.t, axes.n})
     if (auto s = check_direction(field, axis); !s.ok()) return s;
   const Vec3<double> s = normalized(axes.s), t = normalized(axes.t), n = normalized(axes.n);
-  // Products of rotations in double are far below this.  Axes written with six digits are this
-  // close.
+  // Axes written with six digits have errors of this size.  Products of rotations in double have
+  // far smaller ones.
   constexpr double kTolerance = 1e-5;
   if (std::fabs(dot(s, t)) <= kTolerance && std::fabs(dot(t, n)) <= kTolerance &&
       std::fabs(dot(n, s)) <= kTolerance)
@@ -22,8 +22,8 @@ inline absl::Status check_right_angles(std::string_view field, const Frame<doubl
       axes.n.z));
 }
 
-/// Unit vectors exactly at right angles.  The last axis keeps its direction, and the frame its
-/// handedness.
+/// Unit vectors exactly at right angles.  The last axis keeps its direction, and the frame keeps
+/// its handedness.
 inline Frame<double> orthonormal(const Frame<double>& axes) {
   const Vec3<double> n = normalized(axes.n);
   const Vec3<double> s0 = normalized(axes.s);

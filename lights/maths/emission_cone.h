@@ -6,7 +6,7 @@
 namespace lucerna {
 
 /// All directions with light lie within `half_angle_rad` of `axis`, in the distribution's own axes.
-/// A little too large rather than too small.
+/// The cone may be slightly too large, never too small.
 struct EmissionCone {
   Vec3<double> axis{0, 0, 1};  ///< unit
   double half_angle_rad{};

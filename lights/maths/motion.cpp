@@ -27,7 +27,8 @@ Quaternion unit(const Quaternion& q) {
   return {q[0] / n, q[1] / n, q[2] / n, q[3] / n};
 }
 
-/// Of a rotation matrix; from its largest component, so that nothing cancels.  [Shepperd78]
+/// The quaternion of a rotation matrix, computed from its largest component, so that nothing
+/// cancels.  [Shepperd78]
 Quaternion quaternion_of(const Transform::Matrix& m) {
   const double trace = m[0][0] + m[1][1] + m[2][2];
   int largest = -1;  // of the diagonal; -1: the trace
@@ -55,7 +56,7 @@ bool is_rotation(const Transform::Matrix& m) {
   return dot(cross(column(0), column(1)), column(2)) > 0;
 }
 
-/// In [0, 2 pi); exact for small angles too, where an arc cosine is not.
+/// The angle, in [0, 2 pi), and the axis.  Exact for small angles too, unlike an arc cosine.
 std::pair<double, Vec3<double>> angle_and_axis_of(const Quaternion& q) {
   const Vec3<double> v = imaginary(q);
   const double sine = length(v);
@@ -74,7 +75,7 @@ std::pair<double, Vec3<double>> Motion::KeyFrame::angle_and_axis() const {
 absl::StatusOr<Motion> Motion::create(std::span<const KeyTransform> frames) {
   if (frames.size() < 2)
     return absl::InvalidArgumentError(
-        fmt::format("motion of {} key frames, allowed: 2 and more", frames.size()));
+        fmt::format("motion of {} key frames, allowed: 2 or more", frames.size()));
   Motion motion;
   const Transform back = frames[0].world_from_light.inverse();
   for (std::size_t i = 0; i < frames.size(); ++i) {
@@ -95,7 +96,7 @@ absl::StatusOr<Motion> Motion::create(std::span<const KeyTransform> frames) {
                         i + 1));
       frame.turn = quaternion_of(relative.matrix());
       const Quaternion step = product(frame.turn, conjugate(motion.frames_.back().turn));
-      // q and -q are the same rotation: the one with the shorter way.
+      // q and -q are the same rotation.  Use the one with the shorter way.
       if (step[0] < 0)
         frame.turn = {-frame.turn[0], -frame.turn[1], -frame.turn[2], -frame.turn[3]};
       const auto [angle, axis] =
@@ -142,7 +143,7 @@ Pose Motion::at(double time_s) const {
   const auto i = static_cast<std::size_t>(after - frames_.begin()) - 1;
   const KeyFrame &a = frames_[i], &b = frames_[i + 1];
   if (time_s == a.time_s) return pose(a.turn, a.position_m);
-  // Halves: the difference of two finite times may overflow.
+  // Halved first: the difference of two finite times may overflow.
   return between(i, (time_s / 2 - a.time_s / 2) / (b.time_s / 2 - a.time_s / 2));
 }
 
@@ -169,12 +170,12 @@ std::pair<Vec3<double>, Vec3<double>> Motion::bounds(const Vec3<double>& lower,
     constexpr double kStep_rad = 1.0 / 16;
     const int steps = 1 + static_cast<int>(turns_[i].angle_rad / kStep_rad);
     for (int k = 0; k <= steps; ++k) add(between(i, double(k) / steps));
-    // Between two steps a point leaves the chord by at most an eighth of its acceleration: the
-    // error of linear interpolation, |f''| / 8, where |f''| = reach angle^2.
+    // Between two steps a point is at most |f''| / 8 away from the chord, the error of linear
+    // interpolation.  Here |f''| = reach angle^2.
     const double angle = turns_[i].angle_rad / steps;
     pad = std::fmax(pad, reach * angle * angle / 8);
   }
-  // Roundings of doubles: a few of each number met.
+  // A few roundings in double of each number.
   pad += 64 * std::numeric_limits<double>::epsilon() * (largest + reach + max_abs(pivot_));
   const Vec3<double> around{pad, pad, pad};
   return {low - around, high + around};

@@ -41,7 +41,7 @@ struct KeyTransform {
 
 /// Between two key frames the light-space origin moves along a straight line, and the rotation
 /// turns about one axis, both at constant speed.  Before the first and after the last key frame it
-/// rests.  The same as pbrt-v4's decomposition for motion without scale and shear.  [Shoemake85]
+/// rests.  This equals pbrt-v4's decomposition for motion without scale and shear.  [Shoemake85]
 /// Immutable, so safe to share between threads.
 class Motion {
  public:
@@ -55,20 +55,21 @@ class Motion {
     std::pair<double, Vec3<double>> angle_and_axis() const;
   };
 
-  /// Two key frames or more.  Errors: fewer; times that are not finite or do not ascend; a motion
-  /// that scales, shears or mirrors, whose linear part relative to the first frame is not a
-  /// rotation to within 1e-6; positions that are not finite.
+  /// Two key frames or more.  Errors: fewer key frames; times that are not finite or do not ascend;
+  /// positions that are not finite; a motion that scales, shears or mirrors.  The linear part
+  /// relative to the first frame must be a rotation to within 1e-6.
   static absl::StatusOr<Motion> create(std::span<const KeyTransform> frames);
 
-  /// The same motion from coordinates about `from_m`, at the first key frame, to coordinates about
-  /// `to_m`, both world [m].
+  /// The same motion for other origins, both world [m]: positions at the first key frame are
+  /// relative to `from_m`, and results to `to_m`.
   Motion about(const Vec3<double>& from_m, const Vec3<double>& to_m) const;
 
   /// The map from positions at the first key frame to positions at `time_s`. The identity up to the
   /// first key frame, unless `about` changed the coordinates.
   Pose at(double time_s) const;
 
-  /// A box around the volume that the box {lower, upper} of the first key frame sweeps.
+  /// A box around the volume that the box {lower, upper} sweeps.  The box is at its place in the
+  /// first key frame.
   std::pair<Vec3<double>, Vec3<double>> bounds(const Vec3<double>& lower,
                                                const Vec3<double>& upper) const;
 
@@ -91,7 +92,7 @@ class Motion {
 
   std::vector<KeyFrame> frames_;
   std::vector<Turn> turns_;
-  Vec3<double> pivot_;  // the light-space origin at the first key frame, where `at` starts from
+  Vec3<double> pivot_;  // the light-space origin at the first key frame
 };
 
 }  // namespace lucerna

@@ -18,8 +18,9 @@ struct NormalCone {
   double half_angle_rad = std::numbers::pi;
 };
 
-/// The angle between a normal of a curved shape and its cone without the map.  Maps count as of
-/// equal scale up to 1e-6, which turns normals by at most twice that. Rounding to float adds to it.
+/// A bound on the angle between a normal of a curved shape and the cone that is computed without
+/// its map.  Maps count as of equal scale up to 1e-6, which turns normals by at most twice that.
+/// Rounding to float adds to it.
 inline constexpr double kNormalSlackRad = 4e-6;
 
 /// The angle between vectors of any length but 0; exact for parallel ones too.

@@ -12,8 +12,8 @@ using Matrix = Transform::Matrix;
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
 /// The linear part with rows and columns scaled by powers of two until their largest entries are
-/// about 1: m[i][j] = 2^row[i] b[i][j] 2^column[j].  So a determinant neither over- nor underflows
-/// for scales of 1e-200, and its size says how near to singular the map is.
+/// about 1: m[i][j] = 2^row[i] b[i][j] 2^column[j].  The determinant then does not overflow or
+/// underflow for scales of 1e-200, and its size shows how near to singular the map is.
 struct Balanced {
   std::array<std::array<double, 3>, 3> b;
   std::array<int, 3> row{}, column{};
@@ -49,8 +49,8 @@ double determinant(const Balanced& m) {
   return sum;
 }
 
-/// The sum of the absolute products that the determinant is a signed sum of: what its rounding
-/// error is measured against.
+/// The sum of the absolute values of the determinant's products.  The determinant's rounding error
+/// is relative to it.
 double permanent_of_absolutes(const Balanced& m) {
   const auto a = [&](int i, int j) { return std::fabs(m.b[i][j]); };
   double sum = 0;
@@ -70,7 +70,7 @@ std::optional<Matrix> inverse_of(const Matrix& m) {
   const auto balanced = balance(m);
   if (!balanced) return std::nullopt;
   const double det = determinant(*balanced);
-  // Five roundings a product: at or below this the determinant may as well be 0.
+  // Five roundings for each product: a smaller determinant may be 0 in truth.
   if (!(std::fabs(det) > 5 * kEpsilon * permanent_of_absolutes(*balanced))) return std::nullopt;
   Matrix inverse;
   for (int j = 0; j < 3; ++j) {
@@ -144,7 +144,7 @@ std::optional<Transform> Transform::look_at(const Vec3<double>& eye, const Vec3<
   if (!is_finite(eye) || !is_finite(look) || !is_finite(up)) return std::nullopt;
   const Vec3<double> forward = normalized(look - eye);
   const Vec3<double> side = cross(normalized(up), forward);
-  // A sine of a few roundings is that of parallel vectors, and has no direction.
+  // A sine of a few roundings: the vectors are parallel, and their product has no direction.
   if (!(length(side) > 4 * kEpsilon)) return std::nullopt;
   const Vec3<double> right = normalized(side);
   const Vec3<double> above = cross(forward, right);
@@ -192,7 +192,7 @@ std::optional<double> Transform::uniform_scale() const {
   }
   std::sort(lengths.begin(), lengths.end());
   if (lengths[2] - lengths[0] > kTolerance * lengths[1]) return std::nullopt;
-  // The middle one of three equal lengths is their value to the last bit; a mean is not.
+  // For three equal lengths, the middle one keeps their exact value.  A mean would round it.
   return lengths[1];
 }
 

@@ -30,8 +30,8 @@ class Transform {
   /// `a * b` applies `b` first.
   Transform operator*(const Transform& b) const;
   Transform inverse() const;
-  /// `translate(-origin) * *this`, with its inverse computed anew from the product.  The product of
-  /// both inverses would be off by the rounding of the distance to `origin`.
+  /// `translate(-origin) * *this`, with the inverse computed from the product.  The product of both
+  /// inverses would have the rounding error of the distance to `origin`.
   Transform about(const Vec3<double>& origin) const;
 
   Vec3<double> point(const Vec3<double>& p) const;

@@ -13,14 +13,14 @@ struct Two {
   double hi = 0, lo = 0;
 };
 
-/// a + b, with what rounding it lost.
+/// a + b, with its rounding error.
 Two two_sum(double a, double b) {
   const double sum = a + b;
   const double of_b = sum - a;
   return {sum, (a - (sum - of_b)) + (b - of_b)};
 }
 
-/// The same where a is the larger one.
+/// The same for |a| >= |b|.
 Two normal(double a, double b) {
   const double sum = a + b;
   return {sum, b - (sum - a)};
@@ -53,16 +53,16 @@ double triple_product_in_twos(const TwoVec& a, const TwoVec& e, const TwoVec& f)
       .hi;
 }
 
-/// Whether rounding has left the plain product what it should be.  Differences are off by half an
-/// epsilon of themselves, and so is each step from there: less than six of each of six terms.
+/// Whether the plain product is exact enough.  Each difference and each later step has an error of
+/// half an epsilon, in all less than six of each of six terms.
 bool is_good(double product, const Vec3<double>& a, const Vec3<double>& e, const Vec3<double>& f) {
   constexpr double kAllowed = 1e-11;
   constexpr double kOff = 36 * std::numeric_limits<double>::epsilon() / kAllowed;
   return std::fabs(product) >= kOff * max_abs(a) * max_abs(e) * max_abs(f);
 }
 
-/// A power of two that brings the longest of them to about 1, so that products of three neither
-/// over- nor underflow.
+/// A power of two that scales the longest vector to about 1, so that products of three do not
+/// overflow or underflow.
 double unit_for(const Vec3<double>& a, const Vec3<double>& e, const Vec3<double>& f) {
   const double largest = std::max({max_abs(a), max_abs(e), max_abs(f)});
   if (!(largest > 0) || !std::isfinite(largest)) return 1;
@@ -85,7 +85,7 @@ double triple_product_of_corners(const Vec3<double>& p, const Vec3<double>& a,
   const Vec3<double> to_a = a - p, e = b - a, f = c - a;
   const double plain = dot(to_a, cross(e, f));
   if (is_good(plain, to_a, e, f)) return plain;
-  if (p == b || p == c) return 0;  // of which two doubles would leave some last digit
+  if (p == b || p == c) return 0;  // two doubles would leave a rounding error
   return triple_product_in_twos(difference(a, p), difference(b, a), difference(c, a));
 }
 

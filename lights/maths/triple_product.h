@@ -1,5 +1,5 @@
-// The triple product of three differences, exact to its last digits even if they nearly lie in one
-// plane.  It gives the height of a receiver above a flat light, also nearly in its plane.
+// The triple product of three differences.  It is exact even if they nearly lie in one plane.  It
+// gives the height of a receiver above a flat light, also close to the light's plane.
 #pragma once
 
 #include "lights/maths/vec.h"
@@ -7,14 +7,14 @@
 namespace lucerna {
 
 /// dot(a - p, cross(e, f)): six times the volume of the tetrahedron of p and the triangle a, a + e,
-/// a + f. Negative where p is on the side that cross(e, f) points to. Relative error within 1e-11,
-/// down to 1e-28 of the product of the three lengths.  Where the plain product is less exact, the
-/// difference and the products use two doubles each.  [Dekker71; Shewchuk97]
+/// a + f. Negative where p is on the side that cross(e, f) points to. The relative error is within
+/// 1e-11, for results down to 1e-28 of the product of the three lengths.  If the plain product is
+/// less exact, the difference and the products use two doubles each.  [Dekker71; Shewchuk97]
 double triple_product(const Vec3<double>& p, const Vec3<double>& a, const Vec3<double>& e,
                       const Vec3<double>& f);
 
-/// The same with e = b - a and f = c - a as differences too, because their rounding would tilt the
-/// plane.  0 where p is one of the corners.
+/// The same with e = b - a and f = c - a, whose roundings would tilt the plane: they use two
+/// doubles too.  0 where p is one of the corners.
 double triple_product_of_corners(const Vec3<double>& p, const Vec3<double>& a,
                                  const Vec3<double>& b, const Vec3<double>& c);
 

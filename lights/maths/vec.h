@@ -100,7 +100,7 @@ inline double power_of_two(int exponent) {
   return std::bit_cast<double>(static_cast<std::uint64_t>(exponent + 1023) << 52);
 }
 
-/// `x` times 2^exponent: the bits of std::scalbn, usually without its call.
+/// `x` times 2^exponent: the bits of std::scalbn, usually without a call.
 inline double scaled(double x, int exponent) {
   return is_normal_power(exponent) ? x * power_of_two(exponent) : std::scalbn(x, exponent);
 }
@@ -114,7 +114,7 @@ Vec3<Real> scaled(const Vec3<Real>& v, int exponent) {
   return {std::scalbn(v.x, exponent), std::scalbn(v.y, exponent), std::scalbn(v.z, exponent)};
 }
 
-/// The smallest sum of squares that loses nothing to terms that underflow.
+/// The smallest sum of squares whose rounding does not change if terms underflow.
 template <std::floating_point Real>
 inline constexpr Real kSafeSquare = std::numeric_limits<Real>::min() /
                                     (std::numeric_limits<Real>::epsilon() *
@@ -125,7 +125,7 @@ bool is_safe_square(Real squared) {
   return squared >= kSafeSquare<Real> && squared <= std::numeric_limits<Real>::max();
 }
 
-/// length() where the square is not safe.  Not inlined, so that the common case is.
+/// length() where the square is not safe.  Not inlined, so that the common case can be.
 template <std::floating_point Real>
 [[gnu::noinline]] Real scaled_length(const Vec3<Real>& v) {
   const Real largest = max_abs(v);
@@ -152,8 +152,8 @@ Real length(const Vec3<Real>& v) {
     const Vec3<double> wide(v);
     return static_cast<Real>(std::sqrt(dot(wide, wide)));
   } else {
-    // The plain sum where it cannot overflow and where terms that underflow are too small to change
-    // its rounding: the same bits at a tenth of the cost.
+    // Uses the plain sum if it cannot overflow and lost terms are too small to change its rounding.
+    // It has the same bits at a tenth of the cost.
     const Real squared = dot(v, v);
     return is_safe_square(squared) ? std::sqrt(squared) : scaled_length(v);
   }

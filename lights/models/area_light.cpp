@@ -59,7 +59,7 @@ template <std::floating_point Real, template <typename> typename Shape>
 bool AreaLight<Real, Shape>::emits_towards(const SurfacePoint<Real>& point, const Vec3<double>& w,
                                            const Vec3<Real>& receiver) const {
   const double side = dot(Vec3<double>(point.normal), w);
-  // Nearly along a flat surface the sign comes from the rounding of point and normal.
+  // Nearly along a flat surface, the rounding of point and normal decides the sign.
   constexpr double kNearly = 8 * double{std::numeric_limits<Real>::epsilon()};
   const double scale = std::fmax(max_abs(w), max_abs(Vec3<double>(point.position)));
   if (std::fabs(side) <= kNearly * scale)
@@ -221,8 +221,8 @@ Vec3<double> AreaLight<Real, Shape>::emission_direction(const SurfacePoint<Real>
   // Squares map to circles.  The point's distance to the disk's edge equals that of u to the
   // square's edge.  This value is 1 - d.x^2 - d.y^2, which cancels there.
   const double m = 2 * std::min({u.x, 1 - u.x, u.y, 1 - u.y});
-  // At the edge the direction stays this many roundings off the surface. Rounded to floats it still
-  // leaves to its side and has a density.
+  // At the edge the direction stays this many roundings off the surface. Rounded to floats, it
+  // still leaves on the same side and has a density.
   constexpr double kLeast = 16 * kInputRounding;
   const double cosine = std::sqrt(std::max(kLeast * kLeast, m * (2 - m)));
   return Frame<double>::around(Vec3<double>(point.normal))
@@ -233,8 +233,8 @@ template <std::floating_point Real, template <typename> typename Shape>
 EmissionSample<Real> AreaLight<Real, Shape>::sample_le(Vec2<Real> u_position,
                                                        Vec2<Real> u_direction,
                                                        const SceneSphere&) const {
-  // By area, as the shape samples for a receiver that requests it.  The receiver is inside, from
-  // where a sphere has no other way.
+  // Sample by area.  The receiver that requests this is inside the shape: from there a sphere has
+  // no cone of directions.
   const auto [lower, upper] = shape_.bounds();
   Receiver<Real> by_area(Vec3<Real>((Vec3<double>(lower) + Vec3<double>(upper)) * 0.5));
   by_area.area_sampling = AreaSampling::kLowDistortion;
@@ -245,8 +245,8 @@ EmissionSample<Real> AreaLight<Real, Shape>::sample_le(Vec2<Real> u_position,
 template <std::floating_point Real, template <typename> typename Shape>
 EmissionSample<Real> AreaLight<Real, Shape>::ray_from(SurfacePoint<Real> point,
                                                       const Vec3<Real>& direction) const {
-  // The normal that pdf_le will use. Along the surface, the cosines to two normals that differ by a
-  // rounding have no digit in common.
+  // The normal that pdf_le will use.  Along the surface, two normals that differ by a rounding give
+  // completely different cosines.
   point.normal = shape_.located_normal(point);
   EmissionSample<Real> sample;
   sample.origin = point.position;

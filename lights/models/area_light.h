@@ -18,13 +18,13 @@
 namespace lucerna {
 
 struct DiffuseEmission {
-  /// Per channel, finite, not negative. With a picture, the radiance of its value 1. For a panel, a
-  /// factor of its radiance without a unit.
+  /// Per channel, finite, not negative.  With a picture: the radiance of its value 1.  For a panel:
+  /// a factor of its radiance, without a unit.
   Rgb<double> radiance_cd_m2;
   bool two_sided = false;
 };
 
-/// `Shape` is an AreaShape (lights/shapes/area_shape.h).  One with a picture on it also has
+/// `Shape` is an AreaShape (lights/shapes/area_shape.h).  A shape with a picture also has
 /// `tint(surface_point)`, `painted_area()` and `picture()`; see lights/shapes/painted.h.  A panel
 /// also has the members of lights/models/panel.h.  Immutable, so safe to share between threads.
 template <std::floating_point Real, template <typename> typename Shape>
@@ -47,22 +47,22 @@ class AreaLight {
   ///   of the point.  On a sphere or a cylinder only if no light arrives from across.
   /// - kBlack: L is 0.
   /// - kOutOfRange: the density or L is not a positive `Real`, or the receiver is not finite.
-  /// The parts of a closed mesh that face away from the receiver are sampled like all others and
-  /// give kBehind, so the mean over all samples is exact.  Without a density `pdf.per_sr` is 1, so
-  /// value / pdf is 0.  Without a direction `wi` is 0.
+  /// Parts of a closed mesh that face away from the receiver are sampled too.  They give kBehind,
+  /// so the mean over all samples is exact.  Without a density `pdf.per_sr` is 1, so value / pdf is
+  /// 0.  Without a direction `wi` is 0.
   LightSample<Real> sample_li(const Receiver<Real>& receiver, Vec2<Real> u) const;
 
   /// The density with which sample_li chooses directions.  It sums over all points of the light
   /// along `wi` whose emitting side faces the receiver, including points hidden behind others.  Its
-  /// integral is the probability of samples that are neither kBehind nor kDegenerate.
+  /// integral is the probability that a sample is not kBehind or kDegenerate.
   SolidAnglePdf<Real> pdf_li(const Receiver<Real>& receiver, const Vec3<Real>& wi) const;
 
-  /// The density with which sample_li chooses this point; 0 where its emitting side faces away.  A
-  /// ray that found the point uses it as weight.
+  /// The density with which sample_li chooses this point; 0 where its emitting side faces away.
+  /// Rays that find the point are weighted by it.
   SolidAnglePdf<Real> pdf_li(const Receiver<Real>& receiver, const SurfacePoint<Real>& point) const;
 
-  /// The irradiance on the side that `receiver` faces without occlusion, also by parts of the light
-  /// itself [lx]: the mean of samples by solid angle, in closed form. Nothing for pictures, panels,
+  /// The irradiance [lx] on the side that `receiver` faces, in closed form.  It equals the mean of
+  /// samples without occlusion, even by parts of the light itself. Nothing for pictures, panels,
   /// shapes without such a form, and receivers without a normal or not finite.
   std::optional<Rgb<Real>> irradiance(const Receiver<Real>& receiver) const requires
       HasProjectedSolidAngle<Shape<Real>, Real>;
@@ -75,16 +75,16 @@ class AreaLight {
   /// along the surface.
   Rgb<Real> le(const SurfacePoint<Real>& point, const Vec3<Real>& w) const;
 
-  /// pi L A, twice for a two-sided light.  For a panel the flux of its file to that side or both.
-  /// Exact except for bent or folded patches, pictures on patches that are not parallelograms, and
-  /// one-sided panels that are not flat.
+  /// pi L A, twice for a two-sided light.  For a panel: the flux of its file to one side or to
+  /// both.  Exact except for bent or folded patches, pictures on patches that are not
+  /// parallelograms, and one-sided panels that are not flat.
   Power power(const SceneSphere& scene) const;
 
   /// A point by area and a direction by its cosine, to either side with equal probability where
   /// both emit. Directions lie off the surface by at least 16 roundings of floats. For a panel the
   /// direction follows the cells of its file; directions along the surface and behind a one-sided
-  /// panel give kBehind.  The density of direction is that of the rounded direction. kBlack where L
-  /// is 0. kOutOfRange where a density or L is not a positive `Real`.  [Pharr23, 14.1.2]
+  /// panel give kBehind.  The density belongs to the rounded direction.  kBlack where L is 0.
+  /// kOutOfRange where a density or L is not a positive `Real`.  [Pharr23, 14.1.2]
   EmissionSample<Real> sample_le(Vec2<Real> u_position, Vec2<Real> u_direction,
                                  const SceneSphere& scene) const;
   /// The ray that leaves `point`, which may be rounded, towards the unit vector `direction`, with
@@ -95,11 +95,11 @@ class AreaLight {
   /// part counts.
   EmissionPdf<Real> pdf_le(const Vec3<Real>& position, const Vec3<Real>& direction,
                            const SceneSphere& scene, double slack_m = 0) const;
-  /// pbrt's Phi, which is pi L A too: the same.  With a picture L is its mean texel, as if each
-  /// texel covered the same area.
+  /// pbrt's Phi, which is pi L A too.  With a picture, L is its mean texel, as if each texel
+  /// covered the same area.
   Power power_approximate(const SceneSphere& scene) const;
-  /// The shape's box. The cone of its normals widened by a hemisphere, or all directions where both
-  /// sides emit.  For a panel the cone of its file.
+  /// The shape's box, and the cone of its normals widened by a hemisphere.  All directions if both
+  /// sides emit; for a panel, the cone of its file.
   std::optional<LightBounds<Real>> bounds() const;
 
   /// None: illuminance falls off with distance.
@@ -126,7 +126,7 @@ class AreaLight {
                                  const Vec3<Real>& direction) const;
   Vec3<double> emission_direction(const SurfacePoint<Real>& point, Vec2<Real> u_direction) const;
   bool emits_towards(const SurfacePoint<Real>& point, const Vec3<double>& w) const;
-  /// The same towards a receiver, with `w` the way there: one test for samples and densities.
+  /// The same towards a receiver; `w` leads to it.  Samples and densities use this one test.
   bool emits_towards(const SurfacePoint<Real>& point, const Vec3<double>& w,
                      const Vec3<Real>& receiver) const;
   bool emits_to_side(double side) const { return side > 0 || (emission_.two_sided && side < 0); }
@@ -134,12 +134,12 @@ class AreaLight {
     s.tint(p);
   };
   static constexpr bool kPanel = requires(const Shape<Real>& s) { s.profile(); };
-  /// The reason why a visible point emits nothing, where the light is not black all over.
+  /// The reason why a visible point emits nothing although the light is not black.
   static constexpr NoLight kWithout = kPainted ? NoLight::kBlack
                                       : kPanel ? NoLight::kOutsideCone
                                                : NoLight::kOutOfRange;
   bool is_black() const;
-  /// Towards `w` of any length but 0, on a side that emits.
+  /// Radiance towards `w` of any length but 0, on a side that emits [cd/m2].
   Rgb<Real> radiance_at(const SurfacePoint<Real>& point, const Vec3<double>& w) const;
 
   DiffuseEmission emission_;

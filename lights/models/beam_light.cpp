@@ -194,7 +194,7 @@ template <std::floating_point Real>
 std::optional<LightBounds<Real>> BeamLight<Real>::bounds() const {
   const Vec3<double> half = half_box(params_);
   const auto [lower, upper] = rounded_outwards<Real>(middle_ - half, middle_ + half);
-  // The rounding of the axis.
+  // The cone has the size of the axis's rounding.
   return LightBounds<Real>{
       .lower = lower, .upper = upper, .axis = direction_, .cone_rad = 4 * kInputRounding};
 }

@@ -18,14 +18,14 @@ namespace lucerna {
 
 struct BeamLightParams {
   Vec3<double> position_m{};  ///< the rectangle's middle, world
-  /// World directions, of any lengths but 0 and at right angles: the rectangle's right, its upper
-  /// edge, and where the light points.
+  /// World directions, of any lengths but 0 and at right angles.  They point to the rectangle's
+  /// right edge, to its upper edge, and where the light points.
   Frame<double> axes{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   double width_m{}, height_m{};                ///< positive
   Rgb<double> illuminance_lx{};                ///< on a surface that faces it, where the picture's
                                                ///< value is 1; finite, not negative
   std::shared_ptr<const Image> image{};        ///< null: value 1 all over
-  ImageFilter filter = ImageFilter::kNearest;  ///< the border goes on
+  ImageFilter filter = ImageFilter::kNearest;  ///< the border texels continue
   std::string image_name{};                    ///< reported by ListLights, else unused
 };
 
@@ -44,14 +44,14 @@ class BeamLight {
   static absl::StatusOr<BeamLight> create(const Params& params, const Vec3<double>& origin_m = {});
 
   /// The illuminance at the receiver's place in the rectangle, at any distance along the beam.
-  /// `point` is where in the rectangle the ray starts. kBehind behind the rectangle and in its
-  /// plane. kOutsideCone beside the beam and where the picture is black.
+  /// `point` is the ray's start in the rectangle.  kBehind behind the rectangle and in its plane.
+  /// kOutsideCone beside the beam and where the picture is black.
   LightSample<Real> sample_li(const Receiver<Real>& receiver, Vec2<Real> u) const;
   /// Delta: 0 everywhere.
   SolidAnglePdf<Real> pdf_li(const Receiver<Real>& receiver, const Vec3<Real>& wi) const;
 
-  /// Positions of the rectangle by luminance, with a density exact for the filter. The direction is
-  /// certain.
+  /// A position in the rectangle by luminance, with the exact density for the filter.  The
+  /// direction is certain.
   EmissionSample<Real> sample_le(Vec2<Real> u_position, Vec2<Real> u_direction,
                                  const SceneSphere& scene) const;
   /// Illuminance [lx] that a ray from `position` carries; 0 beside the rectangle, as in pdf_le.
@@ -63,7 +63,7 @@ class BeamLight {
 
   /// Illuminance times area times the picture's mean; exact for either filter.
   Power power(const SceneSphere& scene) const;
-  /// The same: no book has another formula.
+  /// The same: books have no other formula.
   Power power_approximate(const SceneSphere& scene) const { return power(scene); }
 
   /// The rectangle's box and one direction, to within rounding.
@@ -89,8 +89,8 @@ class BeamLight {
 
  private:
   explicit BeamLight(const Params& params, const Vec3<double>& origin_m);
-  /// The point of the unit square, (0, 0) the upper left corner, at `x` and `y` [m] from the
-  /// middle.  Nothing where that is more than `slack_m` beside the rectangle.
+  /// The point of the unit square at `x` and `y` [m] from the middle; (0, 0) is the upper left
+  /// corner.  Nothing if it is more than `slack_m` outside of the rectangle.
   std::optional<Vec2<double>> in_square(double x, double y, double slack_m) const;
   /// The same for a position on the light, to within the rounding of its coordinates and `slack_m`.
   std::optional<Vec2<double>> locate(const Vec3<Real>& position, double slack_m = 0) const;

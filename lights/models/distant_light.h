@@ -26,7 +26,7 @@ class DistantLight {
                                              const Vec3<double>& origin_m = {});
   LightSample<Real> sample_li(const Receiver<Real>& receiver, Vec2<Real> u) const;
   SolidAnglePdf<Real> pdf_li(const Receiver<Real>& receiver, const Vec3<Real>& wi) const;
-  /// Flux through the scene's bounding disk, E pi R^2.
+  /// Flux through the disk of the scene's sphere, E pi R^2.
   Power power(const SceneSphere& scene) const;
   /// The same: the book has this formula.  [Pharr23, 12.3]
   Power power_approximate(const SceneSphere& scene) const;

@@ -19,8 +19,8 @@ inline Power approximate_power(const Rgb<double>& lumens, const Power& power) {
 }
 
 /// Sets the reason of a sample that was chosen with `density` (of position or of direction).  Value
-/// and density are those of the rounded sample. kOutsideCone where rounding led out of the light or
-/// to a value of 0. kOutOfRange where the density is not a positive `Real`.
+/// and density belong to the rounded sample.  kOutsideCone if rounding leads out of the light or to
+/// a value of 0.  kOutOfRange where the density is not a positive `Real`.
 template <std::floating_point Real>
 void settle(Real density, EmissionSample<Real>& sample) {
   if (sample.value.is_black()) {
@@ -31,9 +31,9 @@ void settle(Real density, EmissionSample<Real>& sample) {
   }
 }
 
-/// Starts a ray along the unit vector `direction` on the disk that faces it, with the radius of the
-/// scene's sphere and touching that sphere.  Sets origin, direction and pdf_position. kDegenerate
-/// where the scene's sphere has no extent.  [Pharr23, 12.5]
+/// Starts a ray along the unit vector `direction` on the disk that faces it, touches the scene's
+/// sphere and has its radius.  Sets origin, direction and pdf_position. kDegenerate where the
+/// scene's sphere has no extent.  [Pharr23, 12.5]
 template <std::floating_point Real>
 void start_on_scene_disk(Vec2<Real> u, const Vec3<double>& direction, const SceneSphere& scene,
                          EmissionSample<Real>& sample) {
@@ -73,7 +73,7 @@ AreaPdf<Real> scene_disk_pdf(const Vec3<Real>& position, const Vec3<Real>& direc
 template <std::floating_point Real>
 bool same_direction(const Vec3<Real>& a, const Vec3<Real>& b) {
   const auto same = [](Real a, Real b) {
-    return std::fabs(a - b) <= static_cast<Real>(4 * kInputRounding);  // of numbers alone
+    return std::fabs(a - b) <= static_cast<Real>(4 * kInputRounding);  // of single numbers
   };
   return same(a.x, b.x) && same(a.y, b.y) && same(a.z, b.z);
 }

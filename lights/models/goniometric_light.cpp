@@ -18,8 +18,8 @@ absl::Status check_axes(const Frame<double>& axes) {
     if (auto s = check_direction("goniometric.axes", axis); !s.ok()) return s;
   const double longest = std::fmax(length(axes.s), std::fmax(length(axes.t), length(axes.n)));
   const Vec3<double> s = axes.s / longest, t = axes.t / longest, n = axes.n / longest;
-  // Products of rotations in double are far below this.  Axes written with six digits are this
-  // close.
+  // Axes written with six digits have errors of this size.  Products of rotations in double have
+  // far smaller ones.
   constexpr double kTolerance = 1e-5;
   const bool good = std::fabs(dot(s, t)) <= kTolerance && std::fabs(dot(t, n)) <= kTolerance &&
                     std::fabs(dot(n, s)) <= kTolerance && length(s) >= 1 - kTolerance &&
@@ -27,8 +27,7 @@ absl::Status check_axes(const Frame<double>& axes) {
   if (good) return absl::OkStatus();
   return absl::InvalidArgumentError(fmt::format(
       "goniometric.axes = ({}, {}, {}), ({}, {}, {}), ({}, {}, {}), allowed: at right angles and "
-      "of "
-      "equal length (rotations, mirrors, equal scale on all axes)",
+      "of equal length (rotations, mirrors, equal scale on all axes)",
       axes.s.x, axes.s.y, axes.s.z, axes.t.x, axes.t.y, axes.t.z, axes.n.x, axes.n.y, axes.n.z));
 }
 
@@ -102,7 +101,7 @@ void GoniometricIntensity<Real>::sample(Vec2<Real> u_direction,
   const Vec3<double> w = axes_.world_from_local(
       distribution(sample_uniform_sphere(u), [&](const auto& d) { return d.sample(u); }));
   sample.direction = Vec3<Real>(w);
-  // Value and density of the rounded direction, as in per_sr.
+  // Value and density belong to the rounded direction, as in per_sr.
   const Vec3<double> rounded(sample.direction);
   sample.pdf_direction = {static_cast<Real>(direction_pdf(rounded).per_sr)};
   sample.value = Rgb<Real>(params_.intensity * share(rounded));

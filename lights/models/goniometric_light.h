@@ -15,13 +15,13 @@ namespace lucerna {
 struct GoniometricLightParams {
   Vec3<double> position_m{};  ///< world
   /// World directions of light space's +x, +y and +z: at right angles, of equal length but 0.
-  /// Left-handed for a mirrored light. +z is where a luminaire's straight down points, so it shines
-  /// along +z as a spot does.  For a map they are the map's own axes.
+  /// Left-handed for a mirrored light.  +z is straight down in the photometry of a luminaire, so a
+  /// luminaire shines along +z, like a spot.  For a map they are the map's own axes.
   Frame<double> axes{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-  /// [cd] without a file, or for a map's value 1.  With a web, the factor of its candela.  Finite,
-  /// not negative.
+  /// Finite, not negative.  Without a file, and for a map's value 1: [cd].  With a web: the factor
+  /// of its candela, without a unit.
   Rgb<double> intensity{};
-  /// At most one of them.  Neither: the same intensity in all directions.
+  /// At most one of them.  Without both: the same intensity in all directions.
   std::shared_ptr<const PhotometricWeb> web{};
   std::shared_ptr<const IntensityMap> map{};
   std::string file{};    ///< name of the web's or map's file, for people to read
@@ -47,15 +47,15 @@ class GoniometricIntensity {
   bool is_black() const;
   std::optional<Rgb<double>> towards(const Vec3<double>& w, const Vec3<double>& v) const;
 
-  /// Directions by the web's cells or the map's texels; uniform without either.
+  /// Directions by the web's cells or the map's texels; uniform without both.
   void sample(Vec2<Real> u, EmissionSample<Real>& ray) const;
   Real per_sr(const Vec3<Real>& w) const;
 
-  /// The flux of web or map in closed form, or 4 pi I without either.  Exact.
+  /// The flux of web or map in closed form, or 4 pi I without both.  Exact.
   Power power() const;
   /// For maps 4 pi times the mean texel, as in the books.  Exact for equal-area maps.  Too high for
-  /// latitude-longitude maps that are brightest near their poles, where rows are shorter.
-  /// Otherwise the same as power(), because the books have no webs.  [Pharr23, 12.2.3]
+  /// latitude-longitude maps that are brightest near their poles, where rows are shorter.  For webs
+  /// the same as power(), because the books do not have them.  [Pharr23, 12.2.3]
   Power power_approximate() const;
   /// The cone that holds all cells or texels with light.
   EmissionCone cone() const;
@@ -70,7 +70,7 @@ class GoniometricIntensity {
   const Params& params() const { return params_; }
 
  private:
-  /// `use(web)` or `use(map)`; `otherwise` without either.
+  /// `use(web)` or `use(map)`; `otherwise` without both.
   template <typename T, typename Use>
   T distribution(const T& otherwise, Use&& use) const {
     if (params_.web) return use(*params_.web);

@@ -34,17 +34,19 @@ class ImageInfiniteLight {
                                                    const Vec3<double>& origin_m = {});
 
   /// A direction by the map's luminance, with the density of SphereDistribution; distance infinite.
-  /// For an `incomplete` receiver by max(0, luminance - its mean over the sphere).  That is 0 where
-  /// the receiver's own directions serve as well.  A map that is nowhere above its mean uses its
-  /// luminance.  Value and density belong to the rounded `wi`, which at a pole may show another
-  /// texel. kBlack where the map or the radiance is black. kOutsideCone where rounding led into the
-  /// dark. kOutOfRange where value or density is not a positive normal `Real`.  [Karlik19]
+  /// For an `incomplete` receiver, by max(0, luminance - its mean over the sphere).  This is 0
+  /// where the receiver's own directions are as good.  A map that is nowhere above its mean uses
+  /// its luminance.  [Karlik19]
+  ///
+  /// Value and density belong to the rounded `wi`, which at a pole may show another texel. kBlack
+  /// where the map or the radiance is black.  kOutsideCone if rounding leads into the dark.
+  /// kOutOfRange where value or density is not a positive normal `Real`.  [Karlik19]
   LightSample<Real> sample_li(const Receiver<Real>& receiver, Vec2<Real> u) const;
   SolidAnglePdf<Real> pdf_li(const Receiver<Real>& receiver, const Vec3<Real>& wi) const;
   /// Radiance [cd/m2] that a ray from anywhere meets when it leaves the scene towards the unit
   /// vector `w`.
   Rgb<Real> le_escaped(const Vec3<Real>& origin, const Vec3<Real>& w) const;
-  /// The same of a ray that enters the scene towards `w`.
+  /// The same for a ray that enters the scene towards `w`.
   Rgb<Real> le_leaving(const Vec3<Real>& origin, const Vec3<Real>& w) const {
     return le_escaped(origin, -w);
   }
@@ -56,12 +58,12 @@ class ImageInfiniteLight {
   EmissionPdf<Real> pdf_le(const Vec3<Real>& position, const Vec3<Real>& direction,
                            const SceneSphere& scene) const;
 
-  /// Flux through the scene's bounding disk from all directions: pi R^2 times the integral of the
-  /// radiance, exact.
+  /// Flux through the disk of the scene's sphere from all directions: pi R^2 times the integral of
+  /// the radiance, exact.
   Power power(const SceneSphere& scene) const;
   /// Equal-area maps: 4 pi^2 R^2 times the mean texel, which is exact.  Latitude-longitude maps: pi
-  /// R^2 times the mean texel, as in pbrt-v2 and pbrt-v3, which omit the 4 pi of the sphere and the
-  /// sines of the rows.
+  /// R^2 times the mean texel, as in pbrt-v2 and pbrt-v3.  These omit the 4 pi of the sphere and
+  /// the sines of the rows.
   Power power_approximate(const SceneSphere& scene) const;
 
   /// Nothing: it is at infinity.

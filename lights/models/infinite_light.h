@@ -1,4 +1,4 @@
-// The uniform infinite light: radiance L from every direction that geometry leaves open.
+// The uniform infinite light: radiance L from every direction that geometry does not block.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -27,13 +27,13 @@ class UniformInfiniteLight {
   /// Uniform over the sphere, density 1 / (4 pi); distance infinite.
   LightSample<Real> sample_li(const Receiver<Real>& receiver, Vec2<Real> u) const;
   SolidAnglePdf<Real> pdf_li(const Receiver<Real>& receiver, const Vec3<Real>& wi) const;
-  /// Irradiance on the side that `receiver` faces without occlusion, pi L [lx].  Nothing where it
-  /// has no normal or is not finite.
+  /// Irradiance without occlusion on the side that `receiver` faces, pi L [lx].  Nothing if the
+  /// receiver has no normal or is not finite.
   std::optional<Rgb<Real>> irradiance(const Receiver<Real>& receiver) const;
   bool hides_itself() const { return false; }
   /// Radiance [cd/m2] that a ray from `origin` meets when it leaves the scene towards `w`.
   Rgb<Real> le_escaped(const Vec3<Real>& origin, const Vec3<Real>& w) const;
-  /// Flux through the scene's bounding disk from all directions, 4 pi L pi R^2.
+  /// Flux through the disk of the scene's sphere from all directions, 4 pi L pi R^2.
   Power power(const SceneSphere& scene) const;
   /// The same: the book has this formula.  [Pharr23, 12.5]
   Power power_approximate(const SceneSphere& scene) const;

@@ -21,7 +21,7 @@ namespace lucerna {
 /// - `towards(w, v)`: intensity [cd] along the unit vector `w`.  `v` has the same direction and any
 ///   length, without rounding.  None outside the cone of light.
 /// - `sample(u, ray)`: sets direction, density, value and reason of a ray of a light that is not
-///   black.  The density is that of the rounded direction.
+///   black.  The density belongs to the rounded direction.
 /// - `per_sr(w)`: the density of `sample` at a finite `w` [1/sr]; 0 for black lights.
 /// - `power()`, `power_approximate()`, `own_bytes()`, `for_each_shared(f)`: as in LightModel.
 /// - `cone()`: a cone with all directions of light.
@@ -67,7 +67,7 @@ class IntensityLight {
   Rgb<Real> intensity(const Vec3<Real>& w) const requires(!kSameForAllRays) {
     return profile_.intensity(w);
   }
-  /// The same, as `value` of the ray that leaves the light towards `w`.
+  /// The same, as the `value` of the ray that leaves the light towards `w`.
   Rgb<Real> le_leaving(const Vec3<Real>&, const Vec3<Real>& w) const requires(!kSameForAllRays) {
     return profile_.intensity(w);
   }
@@ -99,8 +99,8 @@ class IntensityLight {
     Real distance;
     Rgb<Real> value;
   };
-  /// The fields of sample_li with the same bits, in a fraction of the time.  Only where there is
-  /// light and neither the squared distance nor the value overflows or underflows; else nothing.
+  /// The fields of sample_li with the same bits, in a fraction of the time.  Nothing if no light
+  /// arrives, or if the squared distance or the value overflows or underflows.
   std::optional<PlainSample> plain_sample_li(const Vec3<Real>& receiver) const requires
       kSameForAllRays {
     const auto way = plain_way<Real>(Vec3<double>(position_) - Vec3<double>(receiver));
@@ -115,8 +115,8 @@ class IntensityLight {
   /// Delta: 0 everywhere.
   SolidAnglePdf<Real> pdf_li(const Receiver<Real>&, const Vec3<Real>&) const { return {}; }
 
-  /// The light's position and a direction of the profile.  kBlack where the light is black,
-  /// kOutsideCone where rounding leads out of the light, kOutOfRange where the density is not a
+  /// The light's position and a direction of the profile.  kBlack where the light is black.
+  /// kOutsideCone if rounding leads out of the light.  kOutOfRange where the density is not a
   /// positive `Real`.
   EmissionSample<Real> sample_le(Vec2<Real> /*u_position*/, Vec2<Real> u_direction,
                                  const SceneSphere& /*scene*/) const {

@@ -14,8 +14,8 @@ bool same_float(const Vec3<Real>& a, const Vec3<Real>& b) {
   return Vec3<float>(a) == Vec3<float>(b);
 }
 
-/// From a receiver to a point: unit direction and distance [m].  In double, where no square of a
-/// float overflows or underflows.
+/// From a receiver to a point: unit direction and distance [m].  In double, in which squares of
+/// floats do not overflow or underflow.
 struct Way {
   Vec3<double> wi;
   double distance_m{};
@@ -37,14 +37,14 @@ template <std::floating_point Real>
 }
 
 /// The way along a vector that is not zero and whose square is not safe.  Not inlined, so that the
-/// common case is.
+/// common case can be.
 [[gnu::noinline]] inline Way scaled_way(const Vec3<double>& difference) {
   return {scaled_direction(difference), scaled_length(difference), 0};
 }
 
-/// Starts the sample of a delta light at `position`.  Sets all fields but `value` where there is a
-/// way to it, else the reason. kOutOfRange where the receiver is not finite or too far. kDegenerate
-/// where it is at the position.
+/// Starts the sample of a delta light at `position`.  Sets all fields but `value` if there is a way
+/// to it, else the reason: kOutOfRange if the receiver is not finite or too far, kDegenerate if it
+/// is at the position.
 template <std::floating_point Real>
 [[gnu::always_inline]] inline Way find_way(const Vec3<Real>& position, const Vec3<Real>& receiver,
                                            LightSample<Real>& sample) {
@@ -80,7 +80,7 @@ void set_inverse_square(const Rgb<double>& intensity_cd, const Way& way,
     sample.reason = NoLight::kBlack;
     return;
   }
-  // Where the square overflows or loses digits, two divisions in a row may not.
+  // The square may overflow or lose digits.  Two divisions in a row then still work.
   const Rgb<Real> value(way.squared_m2 > 0 ? intensity_cd / way.squared_m2
                                            : intensity_cd / way.distance_m / way.distance_m);
   if (!is_finite(value)) {

@@ -8,9 +8,9 @@
 
 namespace lucerna {
 
-/// Lights whose irradiance may have a closed form.  `irradiance(receiver)` is the irradiance on the
-/// side that the receiver faces without occlusion [lx], or nothing where there is no such form. All
-/// of it arrives unless something, or the light itself (`hides_itself`), stands between.
+/// Lights whose irradiance may have a closed form.  `irradiance(receiver)` is the irradiance
+/// without occlusion on the side that the receiver faces [lx], or nothing if there is no such form.
+/// A surface, or the light itself (`hides_itself`), may block a part of it.
 template <typename L>
 concept HasIrradiance = requires(const L& light, const Receiver<double>& receiver) {
   light.irradiance(receiver);
@@ -19,7 +19,7 @@ concept HasIrradiance = requires(const L& light, const Receiver<double>& receive
 
 /// The irradiance [lx] from `radiance` [cd/m2] in all directions of a projected solid angle.
 /// `projected_sr` returns that angle for the receiver's unit normal, or nothing.  The irradiance is
-/// proportional to the length of the receiver's normal, like the cosines of samples.
+/// proportional to the length of the receiver's normal, as the cosines of samples are.
 template <std::floating_point Real, typename F>
 std::optional<Rgb<Real>> irradiance_of(const Rgb<double>& radiance, const Receiver<Real>& receiver,
                                        const F& projected_sr) {

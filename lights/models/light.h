@@ -53,7 +53,7 @@ constexpr bool have_members_of_their_kinds(const std::variant<Models...>*) {
 static_assert(are_light_models<double>(static_cast<const LightModels<double>*>(nullptr)) &&
               are_light_models<float>(static_cast<const LightModels<float>*>(nullptr)) &&
               have_members_of_their_kinds(static_cast<const LightModels<double>*>(nullptr)));
-// A point light without plain samples would only be slower.
+// Without plain samples, point lights would still work but be slower.
 static_assert(HasPlainSamples<PointLight<double>>);
 
 namespace internal {
@@ -80,9 +80,9 @@ inline constexpr bool kIsOneOf = false;
 template <typename T, typename... Types>
 inline constexpr bool kIsOneOf<T, std::variant<Types...>> = (std::is_same_v<T, Types> || ...);
 
-/// A light of one of the models, immutable.  Models larger than a point light are stored beside it,
-/// and copies share them.  Entries in a table of lights then have the size of a point light, not of
-/// the largest model, which is ten times larger.
+/// A light of one of the models, immutable.  Models larger than a point light are stored outside of
+/// it, and copies share them.  So entries in a table of lights have the size of a point light.  The
+/// largest model is ten times larger.
 ///
 /// Scenes hold lights in double.  docs/precision.md and the contract tests compare with float.
 template <std::floating_point Real>
@@ -107,7 +107,7 @@ class Light {
     return stored != nullptr ? &model_in(*stored) : nullptr;
   }
 
-  /// Memory of the model that is stored beside it [bytes].
+  /// Memory of the model that is stored outside of the Light [bytes].
   std::uint64_t bytes_beside() const {
     return std::visit(
         []<typename S>(const S& stored) -> std::uint64_t {

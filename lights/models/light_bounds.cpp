@@ -7,15 +7,15 @@
 
 namespace lucerna {
 
-// Two conditions that each direction from the box to `position` in the cone satisfies. The angle to
-// the box's bounding sphere is sharp far away and for narrow cones.  The heights above the box's
-// corners are sharp for flat boxes, whose sphere is far too large.  Comparisons are written such
-// that NaN counts as reached.
+// Tests two conditions that each direction from the box to `position` within the cone satisfies.
+// The angle to the box's bounding sphere is a good bound far away and for narrow cones.  The
+// heights above the box's corners are a good bound for flat boxes, whose sphere is far too large.
+// NaN counts as reached.
 template <std::floating_point Real>
 bool LightBounds<Real>::reaches(const Vec3<Real>& position) const {
   constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
   const Vec3<double> p(position), low(lower), high(upper);
-  // The rounding of its length to float would be an error of every height.
+  // Normalised in double: the rounding of its length to float would be an error of every height.
   const Vec3<double> n = normalized(Vec3<double>(axis));
   // Sums of a few products of these lengths, each rounded once or twice.
   const double slack = 16 * kEpsilon * (max_abs(p) + max_abs(low) + max_abs(high));

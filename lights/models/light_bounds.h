@@ -1,5 +1,5 @@
 // The data that a bounding hierarchy of lights stores for each light: a box and a cone of
-// directions.  They bound how much light a receiver may get.
+// directions.  They bound the light that a receiver may get.
 #pragma once
 
 #include "lights/sampling/light_sample.h"
@@ -7,7 +7,7 @@
 namespace lucerna {
 
 /// Bounds that contain all of a light.  Every point that emits lies in the box, and every direction
-/// of emission lies within `cone_rad` of `axis`. They are a little too large rather than too small.
+/// of emission lies within `cone_rad` of `axis`. They may be slightly too large, never too small.
 /// [Conty18]
 template <std::floating_point Real>
 struct LightBounds {
@@ -16,8 +16,8 @@ struct LightBounds {
   /// Half angle of the cone, in [0, pi]: the angle of the normals plus the angle of emission about
   /// a normal.
   double cone_rad{};
-  /// Half angle of the cone of the normals alone (theta_o), in [cone_rad - pi / 2, cone_rad].
-  /// Beyond it intensity falls off with the cosine of the angle to the nearest normal.  It equals
+  /// Half angle of the cone of the normals (theta_o), in [cone_rad - pi / 2, cone_rad]. Outside of
+  /// it, intensity falls off with the cosine of the angle to the nearest normal.  It equals
   /// `cone_rad` where no cosine is known, as for all lights without a surface.
   double normals_rad = cone_rad;
   /// Both sides emit: normals lie within `normals_rad` of `axis` or of its opposite, and `cone_rad`

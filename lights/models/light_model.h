@@ -1,5 +1,5 @@
-// The members that every light has, as a concept.  lights/models/light.h checks it for the closed
-// set, so a light without one of them does not compile.
+// The members that every light has, as a concept.  lights/models/light.h checks it for all lights,
+// so a light that lacks a member does not compile.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -29,13 +29,14 @@ struct LightPlace {
   std::optional<Box> portal_m{};
 };
 
-/// Memory that one light holds alone, beside its own object [bytes].  Shared data is not counted.
+/// Memory that belongs to one light only, without its own object [bytes].  Shared data is not
+/// counted.
 struct LightBytes {
   std::uint64_t all = 0;
   std::uint64_t tables = 0;  ///< the part of `all` from which points and directions are drawn
 };
 
-/// Lights that rays meet when they leave the scene, wherever the rays started.
+/// Lights that rays meet when they leave the scene, for any start of the ray.
 template <typename L>
 concept SeenBeyond = requires(const L& light, const Vec3<double>& v) {
   light.le_escaped(v, v);
@@ -47,7 +48,7 @@ concept LeavesFreely = requires(const L& light, const Vec3<double>& v) {
   light.le_leaving(v, v);
 };
 
-/// Lights most of whose samples consist of direction, distance and value alone.
+/// Lights whose samples mostly consist only of direction, distance and value.
 template <typename L>
 concept HasPlainSamples = requires(const L& light, const Vec3<double>& v) {
   light.plain_sample_li(v);
@@ -74,7 +75,7 @@ struct AnySharedData {
 /// - `power`, `power_approximate`: luminous flux [lm].
 /// - `bounds`: a box and a cone of directions; none at infinity.
 /// - `cross_section_m2`: the area that all of its flux passes through at any distance [m2].  None
-///   where illuminance falls off with distance.
+///   if illuminance falls off with distance.
 /// - `own_bytes`: its memory.
 /// - `for_each_shared(f)`: calls `f` with each picture, photometric web and intensity map that
 ///   other lights may share.  `f` has one overload for each type, so a new type does not compile
@@ -96,7 +97,7 @@ concept AnyLightModel = requires(const L& light, const Receiver<Real>& receiver,
   light.for_each_shared(AnySharedData());
 };
 
-/// Lights in double with each optional member that their kind needs, or that state to need none:
+/// Lights in double that have each optional member that their kind needs:
 /// - A ray's value is `le`, `le_leaving`, or the same for all rays (`kSameForAllRays`).
 /// - Rays and camera paths can meet what has a density: `le` or `le_escaped`.
 /// - `kHasIrradiance` states whether irradiance has a closed form (lights/models/irradiance.h).

@@ -38,7 +38,7 @@ absl::StatusOr<Panel<Real, Surface>> Panel<Real, Surface>::create(Surface<Real> 
 template <typename Real, template <typename> typename Surface>
 double Panel<Real, Surface>::radiance(const Vec3<double>& w, const Vec3<double>& normal) const {
   const double cd = data_->profile.web->at(data_->axes.local_from_world(w));
-  // With the point's own cosine.  The cosine of the mean plane is 0 at slightly different
+  // Uses the point's own cosine.  The cosine of the mean plane is 0 at slightly different
   // directions.
   return cd > 0 ? cd / std::fabs(dot(w, normal)) / this->area() : 0;
 }
@@ -64,8 +64,8 @@ double Panel<Real, Surface>::flux_error_lm(bool two_sided) const {
   // A flat shape's normals are a few roundings of its vertices apart, and so is their mean.
   constexpr double kRounding = 16 * kInputRounding;
   const double lean = data_->surface.normals().half_angle_rad;
-  // A point's own hemisphere lacks the directions between both planes on one side, and has as many
-  // more on the other.
+  // On one side, a point's own hemisphere lacks the directions between its plane and the mean
+  // plane.  On the other side it has as many more.
   return two_sided || lean <= kRounding ? 0 : data_->profile.web->horizon_flux_bound_lm(lean);
 }
 

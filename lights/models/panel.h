@@ -1,13 +1,14 @@
-// A flat shape that emits by a luminaire's photometry, as the shape of an area light: the same
-// everywhere on it, but not in all directions.
+// A flat shape of an area light that emits by a luminaire's photometry: equal at all points, but
+// not in all directions.
 //
 // An area A whose radiance L depends only on the direction has the far field A cos(theta) L. The
 // luminous intensity I(w) of a file therefore comes from the radiance
 //
 //   L(w) = I(w) / (A |cos(theta)|),   theta between w and the normal.
 //
-// Near the panel the light is that of an evenly bright opening of this size, the area source that
-// planning programs use for a luminaire.  Near luminaires differ from it: [Ngai87]
+// Near the panel, the light is that of an evenly bright opening of this size.  Planning programs
+// use this area source for a luminaire.  Close to a real luminaire the light differs from it:
+// [Ngai87]
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -28,7 +29,7 @@ namespace lucerna {
 struct PanelProfile {
   std::shared_ptr<const PhotometricWeb> web;  ///< not null
   /// The direction of photometric +x (the plane C0), world, of any length but 0 and not along the
-  /// normal.  Its part along the normal does not count.  Photometric +z is the normal.
+  /// normal.  Its component along the normal is ignored.  Photometric +z is the normal.
   Vec3<double> tangent{1, 0, 0};
   bool mirrored = false;  ///< +y is tangent x normal, else normal x tangent
   std::string file, format;
@@ -56,17 +57,17 @@ class Panel : public Covered<Panel<Real, Surface>, Real, Surface<Real>> {
   std::size_t bytes() const { return sizeof(Data) - sizeof(Surface<Real>) + surface().bytes(); }
 
   /// Radiance [cd/m2] towards the unit vector `w`, world, from a point of unit normal `normal`. Not
-  /// finite along the surface where the file has light there.
+  /// finite along the surface if the file has light in that direction.
   double radiance(const Vec3<double>& w, const Vec3<double>& normal) const;
-  /// A direction chosen by the flux of the file's cells, to both sides of the panel; and its
+  /// A direction chosen by the flux of the file's cells, to both sides of the panel, and its
   /// density.
   Vec3<double> sample_direction(Vec2<double> u) const;
   SolidAnglePdf<double> pdf_direction(const Vec3<double>& w) const;
   /// Flux of the front or of both sides [lm].  The front is above the mean plane.
   double flux_lm(bool two_sided) const;
-  /// A bound on the error of the front's flux for a bent shape [lm]: the file's flux as near to the
-  /// horizon as normals lean.  0 for both sides, and for shapes that are flat to the rounding of
-  /// their normals.
+  /// A bound on the error of the front's flux for a bent shape [lm].  It is the file's flux within
+  /// the largest tilt of a normal from the horizon.  0 for both sides together, and for shapes that
+  /// are flat up to the rounding of their normals.
   double flux_error_lm(bool two_sided) const;
   /// A cone with all directions of the front or of both sides.
   NormalCone<Real> directions(bool two_sided) const;

@@ -17,7 +17,8 @@
 namespace lucerna {
 namespace {
 
-/// Cells along a side of the table: about as fine as the picture, each the mean of a few lookups.
+/// Cells along a side of the table: about as many as the picture has rows.  A cell is the mean of a
+/// few lookups.
 int table_size(const SphereMap* map) {
   return map == nullptr ? 64 : std::clamp(map->image().height(), 64, 1024);
 }
@@ -49,7 +50,7 @@ auto PortalLight<Real>::rectangle(const Params& params, const Vec3<double>& orig
 
   std::array<Vec3<double>, 4> c;
   for (std::size_t i = 0; i < 4; ++i) c[i] = params.corners_m[i] - origin_m;
-  // Halved before they are added: no sum overflows.
+  // Halved before they are added, so that no sum overflows.
   const Vec3<double> along_x = (c[3] * 0.5 - c[0] * 0.5) + (c[2] * 0.5 - c[1] * 0.5);
   const Vec3<double> along_y = (c[1] * 0.5 - c[0] * 0.5) + (c[2] * 0.5 - c[3] * 0.5);
   const Vec3<double> x = normalized(along_x);
@@ -65,7 +66,7 @@ auto PortalLight<Real>::rectangle(const Params& params, const Vec3<double>& orig
   if (!(area > 0 && std::isfinite(area) && worst <= kRectangleTolerance * std::min(width, height)))
     return absl::InvalidArgumentError(fmt::format(
         "infinite.portal = ({}, {}, {}), ({}, {}, {}), ({}, {}, {}), ({}, {}, {}) m, allowed: four "
-        "corners one after another around a rectangle, to {:g} of its shorter side",
+        "corners of a rectangle in order, to within {:g} of its shorter side",
         params.corners_m[0].x, params.corners_m[0].y, params.corners_m[0].z, params.corners_m[1].x,
         params.corners_m[1].y, params.corners_m[1].z, params.corners_m[2].x, params.corners_m[2].y,
         params.corners_m[2].z, params.corners_m[3].x, params.corners_m[3].y, params.corners_m[3].z,
@@ -107,9 +108,9 @@ PortalLight<Real>::PortalLight(const Params& params, const Rectangle& r)
     on_portal_ = illuminance_of(*map, params.radiance_cd_m2, in_map(z_));
   }
   const int n = table_size(map);
-  // One lookup for each row of the picture, so that none is missed.  If the picture is much higher
-  // than wide, not many more lookups than texels.  Texels that are missed keep the uniform share of
-  // the samples.
+  // One lookup for each row of the picture, so that no row is missed.  A picture that is much
+  // higher than wide gets not many more lookups than texels.  Missed texels still have the uniform
+  // share of the samples.
   const int rows = map == nullptr ? 1 : map->image().height();
   const int most =
       map == nullptr
@@ -136,8 +137,8 @@ NoLight PortalLight<Real>::window(const Vec3<Real>& position, Window& window) co
   if (depth == 0 && p.x >= 0 && p.x <= width_ && p.y >= 0 && p.y <= height_)
     return NoLight::kDegenerate;
   if (!(depth > 0)) return NoLight::kBehind;
-  // The angle between two directions from their product. The difference cancels where the portal is
-  // far.
+  // The angle between two directions comes from their product.  The difference would cancel if the
+  // portal is far.
   const auto begin = [&](double from) { return std::atan2(from, depth) / kPi + 0.5; };
   const auto extent = [&](double from, double side) {
     return std::atan2(side * depth, depth * depth + from * (from + side)) / kPi;
@@ -166,8 +167,8 @@ double PortalLight<Real>::density(const Window& window, const Vec3<Real>& w) con
   const Vec3<double> l = normalized(local(Vec3<double>(w)));
   if (!(l.z > 0)) return 0;
   const Vec2<double> p = square_from_rectified(l);
-  // A direction and the window are rounded to `Real`.  The rounding turns an angle about an axis
-  // more, the nearer the direction is to that axis.
+  // A direction and the window are rounded to `Real`.  The nearer a direction is to an axis, the
+  // more the rounding turns the angle about that axis.
   constexpr double kRounding = 2 * double{std::numeric_limits<Real>::epsilon()};
   const auto within = [&](double at, double begin, double extent, double from_axis) {
     const double slack = kRounding / from_axis;
@@ -188,7 +189,7 @@ template <std::floating_point Real>
 NoLight PortalLight<Real>::sample(const Window& window, Vec2<Real> u, Vec3<Real>& wi,
                                   Rgb<Real>& value, SolidAnglePdf<Real>& pdf) const {
   const auto s = table_->sample(window, {double{u.x}, double{u.y}});
-  // Far enough within the edges that the rounded direction leads through the portal.
+  // Stay away from the edges, so that the rounded direction leads through the portal.
   const auto within = [](double at, double begin, double extent) {
     const double slack = std::min(8 * double{std::numeric_limits<Real>::epsilon()}, extent * 0.5);
     return std::clamp(at, begin + slack, std::max(begin + slack, begin + extent - slack));
@@ -248,7 +249,7 @@ Rgb<Real> PortalLight<Real>::le_escaped(const Vec3<Real>& origin, const Vec3<Rea
   const Vec3<double> p = local(Vec3<double>(origin) - corner_);
   const Vec3<double> l = local(Vec3<double>(w));
   if (!is_finite(l) || !(p.z < 0) || !(l.z > 0)) return {};
-  // Where it crosses the plane, times l.z, so that nothing is divided.
+  // Compare the crossing with the plane times l.z, which avoids the division.
   const auto crosses = [&](double at, double slope, double side) {
     const double x = at * l.z - slope * p.z;
     return x >= 0 && x <= side * l.z;

@@ -23,7 +23,7 @@ class RectifiedMap;
 struct PortalLightParams {
   std::shared_ptr<const SphereMap> map{};  ///< null: the same radiance from all directions
   std::string image_name{};                ///< reported by ListLights, else unused
-  /// Use a RectifiedMap of the map, as pbrt-v4 does; else the map itself.
+  /// True: uses a RectifiedMap of the map, as pbrt-v4 does.  False: the map itself.
   bool rectified = false;
   Transform world_from_map{};  ///< rotation, mirror and equal scale; its translation is not used
   Rgb<double> radiance_cd_m2{1.0};  ///< of a texel of value 1, per channel, finite, not negative
@@ -41,44 +41,46 @@ class PortalLight {
   using Params = PortalLightParams;
   static constexpr bool kDelta = false;
   static constexpr bool kHasIrradiance = true;
-  /// How far each corner may be off a rectangle, relative to its shorter side.  The rectangle used
-  /// has the same centre and the mean of opposite edges.
+  /// How far each corner may be from a rectangle, relative to its shorter side.  The light uses the
+  /// rectangle with the same centre and the mean of opposite edges.
   static constexpr double kRectangleTolerance = 1e-3;
 
-  /// Errors: corners that are not a rectangle, without extent, or beyond the range of `Real`; a
-  /// transform of unequal scale; a radiance that is negative or not finite; a brightest texel
-  /// beyond the range of `Real`.
+  /// Errors: corners that do not form a rectangle, have no extent, or do not fit `Real`; a
+  /// transform of unequal scale; a radiance that is negative or not finite; a brightest texel that
+  /// does not fit `Real`.
   static absl::StatusOr<PortalLight> create(const Params& params,
                                             const Vec3<double>& origin_m = {});
-  /// The same errors, without making the light's table.
+  /// Checks for the same errors without making the light's table.
   static absl::Status check(const Params& params, const Vec3<double>& origin_m = {});
 
-  /// A direction through the portal, distance infinite: what is behind it may still hide the sky.
-  /// The density is that of the rounded direction, and so is the value.
+  /// A direction through the portal, distance infinite: surfaces behind the portal may still hide
+  /// the sky.  Value and density belong to the rounded direction.
   ///
-  /// kBehind on the portal's other side and in its plane beside it, kDegenerate on the portal,
-  /// kBlack where the map or the radiance is (or is below any normal `Real`), also for samples of
-  /// black parts of the map; kOutOfRange where the density is no positive normal `Real`, and where
-  /// the portal is seen narrower than the rounding of a direction.
+  /// Reasons without light:
+  /// - kBehind: on the portal's other side, and in its plane beside it.
+  /// - kDegenerate: on the portal.
+  /// - kBlack: map, radiance or the sampled part of the map is black, or below any normal `Real`.
+  /// - kOutOfRange: the density is not a positive normal `Real`, or the portal looks narrower than
+  /// the rounding of a direction.
   LightSample<Real> sample_li(const Receiver<Real>& receiver, Vec2<Real> u) const;
-  /// Beyond the portal's edges 0.
+  /// 0 outside of the portal's edges.
   SolidAnglePdf<Real> pdf_li(const Receiver<Real>& receiver, const Vec3<Real>& wi) const;
-  /// On the side that `receiver` faces, with nothing in the way [lx].  Nothing with a map, and
-  /// where the receiver faces nowhere or is not finite.
+  /// Irradiance without occlusion on the side that `receiver` faces [lx].  Nothing with a map, or
+  /// if the receiver has no normal or is not finite.
   std::optional<Rgb<Real>> irradiance(const Receiver<Real>& receiver) const;
   bool hides_itself() const { return false; }
-  /// Radiance [cd/m2] that a ray from `origin` towards the unit vector `w` meets: 0 where it does
-  /// not leave through the portal.
+  /// Radiance [cd/m2] that a ray from `origin` towards the unit vector `w` meets.  0 if the ray
+  /// does not leave through the portal.
   Rgb<Real> le_escaped(const Vec3<Real>& origin, const Vec3<Real>& w) const;
   /// The same for a ray that enters towards `w` and starts in the portal.
   Rgb<Real> le_leaving(const Vec3<Real>&, const Vec3<Real>& w) const { return radiance(-w); }
 
-  /// Rays that enter: a point of the portal by area, a direction by the whole table.  `normal` is
-  /// the portal's, towards the inside.  The scene's sphere is not used.
+  /// A ray that enters: a point of the portal by area, a direction by the whole table.  `normal` is
+  /// that of the portal, towards the inside.  The scene's sphere is not used.
   EmissionSample<Real> sample_le(Vec2<Real> u_position, Vec2<Real> u_direction,
                                  const SceneSphere& scene) const;
-  /// `slack_m`: how far rounding may have moved `position` off the portal's plane, beyond the
-  /// rounding to `Real`.
+  /// `slack_m`: how far rounding may have moved `position` off the portal's plane, in addition to
+  /// the rounding to `Real`.
   EmissionPdf<Real> pdf_le(const Vec3<Real>& position, const Vec3<Real>& direction,
                            const SceneSphere& scene, double slack_m = 0) const;
 
@@ -127,7 +129,7 @@ class PortalLight {
   Rgb<double> sky(const Vec3<double>& l) const;
   /// Radiance from the unit vector `w`; 0 where it is not a positive normal `Real`.
   Rgb<Real> radiance(const Vec3<Real>& w) const;
-  /// Density per solid angle at the unit vector `w`; 0 outside of the window.
+  /// Density with respect to solid angle at the unit vector `w` [1/sr]; 0 outside of the window.
   double density(const Window& window, const Vec3<Real>& w) const;
   /// A direction of the window in `wi`, with value and density; or the reason why there is none.
   NoLight sample(const Window& window, Vec2<Real> u, Vec3<Real>& wi, Rgb<Real>& value,

@@ -15,9 +15,10 @@
 
 namespace lucerna {
 
-/// Light `L` under a rigid map, with the interface of `L`. The inverse of `pose` takes receivers to
-/// the light's space, and `pose` takes samples back. Each direction rounds once. Under the identity
-/// all results but `bounds` have the bits of `L`.  It refers to the light, which must outlive it.
+/// Light `L` under a rigid map, with the interface of `L`.  The inverse of `pose` takes receivers
+/// to the light's space, and `pose` takes samples back.  Each of the two rounds once.  Under the
+/// identity, all results but `bounds` have the bits of `L`.  It refers to the light, which must
+/// outlive it.
 template <std::floating_point Real, typename L>
 class Posed {
  public:
@@ -87,9 +88,9 @@ class Posed {
   }
   { return from_light(light_.ray_from(to_light(point), inverse_vector(direction))); }
 
-  /// Positions count as on the light to within their own rounding.  That is the rounding at the
-  /// light's present position, which may be much larger than the rounding of the light about its
-  /// own origin.
+  /// Positions count as on the light if they are within their own rounding of it.  This is the
+  /// rounding at the light's present position.  It may be much larger than the rounding of the
+  /// light about its own origin.
   EmissionPdf<Real> pdf_le(const Vec3<Real>& position, const Vec3<Real>& direction,
                            const SceneSphere& scene) const requires requires(const L& l) {
     l.pdf_le(position, direction, scene);
@@ -114,8 +115,8 @@ class Posed {
     return light_.power_approximate(to_light(scene));
   }
 
-  /// The bounds of `L`. The box turns with the light and is enclosed by a box along the axes. Both
-  /// are wider by what rounding may move.
+  /// The bounds of `L`.  The box turns with the light and is enclosed by a box along the axes.  Box
+  /// and cone are larger by the possible rounding.
   std::optional<LightBounds<Real>> bounds() const {
     std::optional<LightBounds<Real>> b = light_.bounds();
     if (!b) return b;
@@ -143,7 +144,7 @@ class Posed {
   }
 
  private:
-  /// How far rounding may move a position off the light, where it stands now.
+  /// How far rounding may move a position off the light at its present place [m].
   static double slack_m(const Vec3<Real>& position) {
     return 8 * kInputRounding * max_abs(position);
   }

@@ -60,7 +60,7 @@ template <typename Real>
 void ProjectionIntensity<Real>::sample(Vec2<Real> u_direction, EmissionSample<Real>& sample) const {
   const Vec3<double> w = params_.picture->sample({double{u_direction.x}, double{u_direction.y}});
   sample.direction = Vec3<Real>(axes_.world_from_local(w));
-  // Value and density of the rounded direction, as in per_sr.
+  // Value and density belong to the rounded direction, as in per_sr.
   const Rounded rounded = at_rounded(sample.direction);
   sample.value = Rgb<Real>(params_.intensity_cd * rounded.value);
   sample.pdf_direction = {static_cast<Real>(rounded.per_sr)};
@@ -83,7 +83,7 @@ Power ProjectionIntensity<Real>::power_approximate() const {
   const ProjectedPicture& picture = *params_.picture;
   if (picture.params().image)
     return approximate_power(params_.intensity_cd * picture.integral_by_centres_sr(), power());
-  // 1 - cos of the angle at a corner as sin^2 / (1 + cos).
+  // 1 - cos of the angle at a corner, computed as sin^2 / (1 + cos).
   const double tan = std::hypot(picture.half().x, picture.half().y);
   const double cos = 1 / std::sqrt(1 + tan * tan);
   const double cone_sr = 2 * std::numbers::pi * (tan * cos) * (tan * cos) / (1 + cos);

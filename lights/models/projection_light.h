@@ -13,8 +13,8 @@ namespace lucerna {
 
 struct ProjectionLightParams {
   Vec3<double> position_m{};  ///< world
-  /// World directions, of any lengths but 0 and at right angles: the picture's right, its upper
-  /// edge, and the direction of the light.
+  /// World directions, of any lengths but 0 and at right angles.  They point to the picture's right
+  /// edge, to its upper edge, and where the light points.
   Frame<double> axes{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   std::shared_ptr<const ProjectedPicture> picture{};
   Rgb<double> intensity_cd{};  ///< where the picture's value is 1, finite, not negative
@@ -42,11 +42,12 @@ class ProjectionIntensity {
   void sample(Vec2<Real> u, EmissionSample<Real>& ray) const;
   Real per_sr(const Vec3<Real>& w) const;
 
-  /// The integral of the picture over solid angle, texel by texel.  For the bilinear filter cell by
-  /// cell, to 1e-14.
+  /// The integral of the picture over solid angle, texel by texel.  For the bilinear filter: cell
+  /// by cell, to a relative error of 1e-14.
   Power power() const;
-  /// With a picture as in pbrt-v4: a texel's solid angle is its area in the plane times cos^3 at
-  /// its centre.  Without one as in pbrt-v3: the cone around the rectangle, which is too high.
+  /// With a picture, as in pbrt-v4: a texel's solid angle is its area in the plane times cos^3 at
+  /// its centre.  Without a picture, as in pbrt-v3: the cone around the rectangle, which is too
+  /// high.
   Power power_approximate() const;
   /// The cone around the picture's corners.
   EmissionCone cone() const;

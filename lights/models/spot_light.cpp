@@ -12,7 +12,7 @@
 namespace lucerna {
 namespace {
 
-/// Without the cancellation of 1 - cos, which is 0 in float below 0.02 degrees.
+/// Avoids the cancellation of 1 - cos, which is 0 in float below 0.02 degrees.
 double one_minus_cos(double angle_rad) {
   const double s = std::sin(angle_rad / 2);
   return 2 * s * s;
@@ -22,7 +22,7 @@ double profile_at(SpotProfile profile, double x) {
   return profile == SpotProfile::kSmoothstep ? x * x * (3 - 2 * x) : x * x * x * x;
 }
 
-/// Over x in [0, 1].
+/// The mean of the profile over x in [0, 1].
 double profile_mean(SpotProfile profile) { return profile == SpotProfile::kSmoothstep ? 0.5 : 0.2; }
 
 /// The x below which the share `u` of the integral of smoothstep lies: the root of 2 x^3 - x^4 = u.
@@ -41,7 +41,7 @@ double invert_profile_integral(SpotProfile profile, double u) {
   return profile == SpotProfile::kSmoothstep ? invert_smoothstep_integral(u) : std::pow(u, 0.2);
 }
 
-/// pi - angle, with the digits of pi that a double lacks.  The double nearest to pi counts as pi.
+/// pi - angle, with digits of pi beyond those of a double.  The double nearest to pi counts as pi.
 double from_the_back(double angle_rad) {
   constexpr double kRestOfPi = 1.2246467991473532e-16;
   return angle_rad < std::numbers::pi ? (std::numbers::pi - angle_rad) + kRestOfPi : 0;
@@ -58,23 +58,23 @@ double from_pole(const SpotLightParams& params) {
   return is_wide(params) ? from_the_back(cone) : cone;
 }
 
-/// cos s - cos c = 2 sin((c + s) / 2) sin((c - s) / 2): does not cancel for a narrow edge.
+/// cos s - cos c = 2 sin((c + s) / 2) sin((c - s) / 2), which does not cancel for a narrow edge.
 double edge_of(const SpotLightParams& params) {
   const double c = params.cone_half_angle_rad, s = params.falloff_start_rad;
   const double twice_middle = is_wide(params) ? from_the_back(c) + from_the_back(s) : c + s;
   return 2 * std::sin(twice_middle / 2) * std::sin((c - s) / 2);
 }
 
-/// a b - c d, exact to two roundings even under cancellation.  [Jeannerod13]
+/// a b - c d, with an error of at most two roundings even under cancellation.  [Jeannerod13]
 double difference_of_products(double a, double b, double c, double d) {
   const double cd = c * d;
   return std::fma(a, b, -cd) + std::fma(-c, d, cd);
 }
 
-/// `v` with a largest component of 1 to 2: the same digits.
+/// `v` scaled by a power of two to a largest component of 1 to 2.
 Vec3<double> of_size_one(const Vec3<double>& v) { return scaled(v, -std::ilogb(max_abs(v))); }
 
-/// With any mean of the profile.
+/// The effective solid angle for a given mean of the profile [sr].
 double solid_angle_sr(const SpotLightParams& params, double mean) {
   return 2 * std::numbers::pi * (one_minus_cos(params.falloff_start_rad) + edge_of(params) * mean);
 }
@@ -124,14 +124,14 @@ SpotIntensity<Real>::SpotIntensity(const Params& params)
       effective_sr_(effective_solid_angle_sr(params)),
       edge_(edge_of(params)),
       per_edge_(edge_ > 0 ? 1 / edge_ : 0) {
-  // An edge too narrow for its reciprocal is hard.
+  // If the edge is so narrow that its reciprocal overflows, treat it as hard.
   if (!std::isfinite(per_edge_)) edge_ = per_edge_ = 0;
 }
 
 template <typename Real>
 double SpotIntensity<Real>::one_minus_cos_to_pole(const Vec3<double>& w) const {
-  // A unit vector has an error of 1e-16, and the narrowest cones are no wider.  The sine therefore
-  // comes from the vectors as given, and 1 - cos = sin^2 / (1 + cos).
+  // The narrowest cones are not wider than 1e-16, the error of a unit vector.  The sine therefore
+  // comes from the given vectors, and 1 - cos = sin^2 / (1 + cos).
   const Vec3<double> a = pole_as_given_, v = of_size_one(w);
   const Vec3<double> across{difference_of_products(v.y, a.z, v.z, a.y),
                             difference_of_products(v.z, a.x, v.x, a.z),
@@ -145,7 +145,8 @@ double SpotIntensity<Real>::one_minus_cos_to_pole(const Vec3<double>& w) const {
 
 template <typename Real>
 double SpotIntensity<Real>::falloff(const Vec3<double>& w) const {
-  // 1 - cos of the angle between unit vectors is half their chord's square: exact near the pole.
+  // 1 - cos of the angle between unit vectors is half the square of their chord, exact near the
+  // pole.
   const Vec3<double> chord = w - pole_;
   const double to_w = is_narrow_ ? one_minus_cos_to_pole(w) : std::min(2.0, dot(chord, chord) / 2);
   const double inside = is_wide_ ? to_w - to_cone_ : to_cone_ - to_w;
@@ -162,7 +163,7 @@ template <typename Real>
 
 template <typename Real>
 Rgb<Real> SpotIntensity<Real>::intensity(const Vec3<Real>& w) const {
-  // To unit length in double: the narrowest cones are no wider than a float's error of length.
+  // Normalised in double: the narrowest cones are not wider than the error of length in float.
   const Vec3<double> direction = falloff_direction(Vec3<double>(w));
   if (!is_finite(direction) || direction == Vec3<double>{}) return {};
   return Rgb<Real>(params_.intensity_cd * falloff(direction));
@@ -188,8 +189,8 @@ Power SpotIntensity<Real>::power_approximate() const {
 
 template <typename Real>
 void SpotIntensity<Real>::sample(Vec2<Real> u_direction, EmissionSample<Real>& sample) const {
-  // The first share of u covers the full light, the rest the edge from within.  The very end of a
-  // soft edge has no light and is left out.
+  // The first share of u covers the full light, the rest the edge, from the inside out.  The end of
+  // a soft edge has no light and is left out.
   const double u = std::min(double{u_direction.x}, 1 - 0x1p-53);
   const double full = 2 * std::numbers::pi * one_minus_cos_start_ / effective_sr_;
   double h = one_minus_cos_start_, share = 1;
@@ -208,15 +209,15 @@ void SpotIntensity<Real>::sample(Vec2<Real> u_direction, EmissionSample<Real>& s
   };
   sample.direction = at(h);
   double rounded = falloff_as_rounded(sample.direction);
-  // If rounding led beyond the edge: inwards by a few roundings, if the cone is that wide.
+  // If rounding led out of the cone, move inwards by a few roundings, if the cone is that wide.
   constexpr double kInwards = 8 * double{std::numeric_limits<Real>::epsilon()};
   if (share > 0 && !(rounded > 0) && radius(h) > kInwards) {
     const Vec3<Real> within = at(h - kInwards * radius(h));
     rounded = falloff_as_rounded(within);
     if (rounded > 0) sample.direction = within;
   }
-  // The density of the rounded direction, as in per_sr.  A cone so narrow that rounding leaves it
-  // keeps its samples.
+  // The density belongs to the rounded direction, as in per_sr.  If the cone is so narrow that
+  // rounding always leaves it, the sample keeps its value.
   if (rounded > 0) share = rounded;
   sample.value = Rgb<Real>(params_.intensity_cd * share);
   sample.pdf_direction = {static_cast<Real>(share / effective_sr_)};
@@ -237,7 +238,7 @@ Real SpotIntensity<Real>::per_sr(const Vec3<Real>& direction) const {
 
 template <typename Real>
 EmissionCone SpotIntensity<Real>::cone() const {
-  // Wider by the rounding of the axis and of a direction.  Near pi also by what cosines lose there.
+  // Wider by the rounding of the axis and of a direction; near pi also by the error of cosines.
   double turned = 4 * kInputRounding;
   if (params_.cone_half_angle_rad > std::numbers::pi / 2)
     turned += 16 * std::numeric_limits<double>::epsilon() /

@@ -18,8 +18,8 @@ struct SpotLightParams {
   Vec3<double> position_m{};     ///< world
   Vec3<double> axis{0, 0, 1};    ///< world, any length but 0: where the light points
   Rgb<double> intensity_cd{};    ///< on the axis, per channel, finite, not negative
-  double cone_half_angle_rad{};  ///< (0, pi]: no light beyond
-  double falloff_start_rad{};  ///< [0, cone_half_angle_rad]: full light within; equal: a hard edge
+  double cone_half_angle_rad{};  ///< (0, pi]: no light outside
+  double falloff_start_rad{};  ///< [0, cone_half_angle_rad]: full light inside; equal: a hard edge
   SpotProfile profile = SpotProfile::kSmoothstep;
 };
 
@@ -61,27 +61,27 @@ class SpotIntensity {
   const Params& params() const { return params_; }
 
  private:
-  /// The form of a direction that `falloff` takes.  Where the cone, or the dark cone around the
-  /// back, is narrow: `w` unchanged.  Else a unit vector.
+  /// The form of a direction that `falloff` takes: `w` unchanged if the cone, or the dark cone
+  /// around the back, is narrow.  Else a unit vector.
   Vec3<double> falloff_direction(const Vec3<double>& w) const {
     return is_narrow_ ? w : normalized(w);
   }
   /// Intensity towards `w` relative to the axis, in [0, 1].
   double falloff(const Vec3<double>& w) const;
-  /// 1 - cos of the angle between the pole and `w`, of any length but 0.  Exact in all digits.
+  /// 1 - cos of the angle between the pole and `w`, of any length but 0.  Exact to rounding.
   double one_minus_cos_to_pole(const Vec3<double>& w) const;
   /// `falloff` of a direction after rounding to `Real`.
   double falloff_as_rounded(const Vec3<Real>& w) const;
 
   Params params_;
-  // In double: the narrowest cones are no wider than the error of a direction in float.
+  // In double: the narrowest cones are not wider than the error of a direction in float.
   Vec3<double> axis_;
   // The cone's edge is measured from the nearer end of the axis.
   bool is_wide_;       ///< the cone is wider than a right angle: the nearer end is the back
   Vec3<double> pole_;  ///< unit, the nearer end
   double to_cone_;     ///< 1 - cos of the angle between the pole and the edge
-  /// Whether that angle is so small that the errors of unit vectors matter: below a milliradian.
-  /// The errors are 1e-13 of it.
+  /// Whether that angle is below a milliradian, so that the errors of unit vectors matter.  At a
+  /// milliradian they are 1e-13 of the angle.
   bool is_narrow_;
   Vec3<double> pole_as_given_;  ///< scaled by a power of two only
   double one_minus_cos_start_;

@@ -49,8 +49,9 @@ SunLight<Real>::SunLight(const Params& params, const Rgb<double>& radiance_cd_m2
 // Not inlined: GCC 12 at -O2 keeps a direction in double where it has just been rounded to float.
 template <std::floating_point Real>
 [[gnu::noinline]] bool SunLight<Real>::contains(const Vec3<Real>& w) const {
-  // 1 - cos of the angle between unit vectors is half their chord's square: exact near the axis.
-  // Directions in floats are off unit length by as much as small suns are wide.
+  // 1 - cos of the angle between unit vectors is half the square of their chord, exact near the
+  // axis.  Normalised first: directions in floats differ from unit length by as much as small suns
+  // are wide.
   const Vec3<double> chord = normalized(Vec3<double>(w)) - unit_axis_;
   return dot(chord, chord) / 2 <= one_minus_cos_;
 }
@@ -61,8 +62,8 @@ Vec3<Real> SunLight<Real>::sample_direction(Vec2<Real> u) const {
   const Vec3<double> w = Frame<double>::around(unit_axis_).world_from_local(local);
   Vec3<Real> rounded(w);
   if (contains(rounded)) return rounded;
-  // If rounding led beyond the edge: inwards by a few roundings, or to the centre of narrower
-  // disks.
+  // If rounding led out of the disk, move inwards by a few roundings, or to the centre of a
+  // narrower disk.
   const double inwards = 8 * double{std::numeric_limits<Real>::epsilon()};
   const double radius = params_.angular_diameter_rad / 2;
   if (radius > inwards) {

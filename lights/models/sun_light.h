@@ -31,19 +31,19 @@ class SunLight {
   /// illuminance E on a surface facing its centre is E / (pi sin^2 h).
   LightSample<Real> sample_li(const Receiver<Real>& receiver, Vec2<Real> u) const;
   SolidAnglePdf<Real> pdf_li(const Receiver<Real>& receiver, const Vec3<Real>& wi) const;
-  /// Irradiance on the side that `receiver` faces without occlusion [lx].  Nothing where it has no
-  /// normal or is not finite.
+  /// Irradiance without occlusion on the side that `receiver` faces [lx].  Nothing if the receiver
+  /// has no normal or is not finite.
   std::optional<Rgb<Real>> irradiance(const Receiver<Real>& receiver) const;
   bool hides_itself() const { return false; }
   /// Radiance [cd/m2] that a ray leaving the scene towards `w` meets.
   Rgb<Real> le_escaped(const Vec3<Real>& origin, const Vec3<Real>& w) const;
-  /// The same of a ray that enters the scene towards `w`.
+  /// The same for a ray that enters the scene towards `w`.
   Rgb<Real> le_leaving(const Vec3<Real>& origin, const Vec3<Real>& w) const {
     return le_escaped(origin, -w);
   }
 
-  /// Flux through the scene's bounding disk, which faces each of the sun's directions: radiance
-  /// times solid angle times pi R^2.
+  /// Flux through the disk of the scene's sphere, which faces each of the sun's directions:
+  /// radiance times solid angle times pi R^2.
   Power power(const SceneSphere& scene) const;
   /// The flux as if all light came from the centre, E pi R^2.  [Pharr23, 12.3]
   Power power_approximate(const SceneSphere& scene) const;
@@ -72,8 +72,8 @@ class SunLight {
 
   Params params_;
   Vec3<Real> axis_;
-  Vec3<double>
-      unit_axis_;  ///< of what `Real` makes of it: the axis itself is in the narrowest cone
+  Vec3<double> unit_axis_;  ///< of the axis rounded to `Real`, so that even the narrowest cone
+                            ///< contains the axis
   double one_minus_cos_;
   Rgb<double> radiance_cd_m2_;
 };

@@ -23,7 +23,7 @@ TexelIndex at_border(ImageBorder border, int x, int y, int width, int height) {
     return {(x + width) % width, y};
   }
   if (border == ImageBorder::kOctahedral) {
-    // An edge meets itself, turned about its middle.
+    // Each edge is folded at its middle, so its two halves meet.
     if (x < 0 || x >= width) {
       x = x < 0 ? 0 : width - 1;
       y = height - 1 - y;

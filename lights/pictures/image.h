@@ -21,7 +21,7 @@ enum class ImageFilter : std::uint8_t {
 /// How a picture continues beyond its border.
 enum class ImageBorder : std::uint8_t {
   kClamp,              ///< the border texels continue
-  kLatitudeLongitude,  ///< left and right meet; beyond a pole lies the meridian half around
+  kLatitudeLongitude,  ///< left and right meet; a pole continues on the opposite meridian
   kOctahedral,         ///< each edge is folded at its middle: its two halves meet  [Clarberg08]
 };
 
@@ -31,20 +31,20 @@ struct TexelIndex {
   bool operator==(const TexelIndex&) const = default;
 };
 
-/// The place of a coordinate in [0, 1] between the centres of `n` texels: between those of `first`
-/// (-1 before the first centre) and `first + 1`, at fraction `share`.
+/// The place of a coordinate in [0, 1] between the centres of `n` texels.  It lies between the
+/// centres of `first` (-1 before the first centre) and `first + 1`, at fraction `share`.
 struct BetweenCentres {
   int first;
   double share;
 };
 BetweenCentres between_centres(double coordinate, int n);
 
-/// The texel of a picture of `width` x `height` at (x, y), which may lie one beyond the border in
-/// each coordinate.
+/// The texel of a picture of `width` x `height` at (x, y).  Each coordinate may be outside of the
+/// border by one.
 TexelIndex at_border(ImageBorder border, int x, int y, int width, int height);
 
-/// Rows from the top.  Texel (x, y) covers [x, x + 1) x [y, y + 1) / (width, height).  Immutable;
-/// lights share it.
+/// Rows from the top.  Texel (x, y) covers [x, x + 1) x [y, y + 1) / (width, height).  Immutable,
+/// so lights share it.
 class Image {
  public:
   /// Errors: no texels; a number of texels other than width times height; a texel that is negative
@@ -58,7 +58,7 @@ class Image {
     return texels_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
                    static_cast<std::size_t>(x)];
   }
-  /// The texel at (x, y), which may lie one beyond the border.
+  /// The texel at (x, y).  Each coordinate may be outside of the border by one.
   TexelIndex at_border(ImageBorder border, int x, int y) const {
     return lucerna::at_border(border, x, y, width_, height_);
   }

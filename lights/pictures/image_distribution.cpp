@@ -9,22 +9,22 @@ namespace {
 
 struct Chosen {
   int index;
-  double share;  ///< of the way through what was chosen, in [0, 1]: u again
+  double share;  ///< position within the chosen interval, in [0, 1]: the rest of u
 };
 
 /// The index of the interval between ascending `sums` (n + 1 of them, the first 0, the last
-/// positive) that contains u times the last.  Never an interval without length.
+/// positive) that contains u times the last.  Never returns an interval without length.
 Chosen choose(const double* sums, int n, double u) {
   const double target = u * sums[n];
   const auto after = static_cast<int>(std::upper_bound(sums, sums + n + 1, target) - sums);
   int i = std::clamp(after - 1, 0, n - 1);
-  // Only at u = 1, or where the product was rounded up to the last sum.
+  // Happens only at u = 1, or if the product is rounded up to the last sum.
   while (i > 0 && !(sums[i + 1] > sums[i])) --i;
   return {i, std::clamp((target - sums[i]) / (sums[i + 1] - sums[i]), 0.0, 1.0)};
 }
 
 /// The fraction x of the way from weight a to weight b, with density proportional to a (1 - x) + b
-/// x.  This form does not cancel.  An end of weight 0 is not reached, not even by u = 0 and 1, so
+/// x.  This form does not cancel.  An end of weight 0 is never returned, even for u = 0 and 1, so
 /// every sample has a density.  [Pharr23, 2.3.2]
 double sample_linear(double a, double b, double u) {
   if (a == b) return u;
@@ -121,7 +121,7 @@ ImageDistribution::Sample ImageDistribution::sample(Vec2<double> u) const {
     sy = sample_linear(c.w[0][0] + c.w[0][1], c.w[1][0] + c.w[1][1], row.share);
     sx = sample_linear(mix(c.w[0][0], c.w[1][0], sy), mix(c.w[0][1], c.w[1][1], sy), column.share);
   } else {
-    // The edges belong to the neighbours.  Rounding may not reach them.
+    // The edges belong to the neighbours, so keep rounding away from them.
     sx = std::clamp(sx, 0x1p-30, 1 - 0x1p-30);
     sy = std::clamp(sy, 0x1p-30, 1 - 0x1p-30);
   }

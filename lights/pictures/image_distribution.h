@@ -10,8 +10,8 @@
 
 namespace lucerna {
 
-/// Immutable.  Sums and cumulative distributions are in double, so one texel of 1e9 in a picture of
-/// 1 leaves the others their probability.
+/// Immutable.  Sums and cumulative distributions are in double.  So one texel of 1e9 in a picture
+/// of 1 does not reduce the others' probability to 0.
 ///
 /// The square is cut into rows of cells.  For the nearest filter they are the texels.  For the
 /// bilinear filter they are the squares between centres, and halves at the border.  Each row has a
@@ -24,8 +24,8 @@ class ImageDistribution {
   };
 
   /// `weights`: width times height, rows from the top, finite, not negative.  `row_measures`: one
-  /// for each row of cells (height of them for the nearest filter, height + 1 for the bilinear
-  /// one), not negative; empty: their heights.
+  /// for each row of cells, not negative; empty: their heights.  The nearest filter has `height`
+  /// rows of cells, the bilinear filter `height` + 1.
   ImageDistribution(int width, int height, std::vector<double> weights, ImageFilter filter,
                     ImageBorder border, std::vector<double> row_measures = {});
   /// By the luminance of an image.
@@ -36,7 +36,7 @@ class ImageDistribution {
   /// The density with which `sample` gives points of the closed unit square, with respect to area.
   double pdf(Vec2<double> position) const;
   /// The integral over the square of the filtered weights, times the measure of each row relative
-  /// to its height.  With the default measures the mean weight.
+  /// to its height.  With the default measures it is the mean weight.
   double integral() const { return rows_.back(); }
 
   std::size_t bytes() const;
@@ -70,8 +70,8 @@ class ImageDistribution {
   int across_, down_;  ///< numbers of cells
   std::vector<double> weights_;
   std::vector<double> row_densities_;  ///< measure over height of each row of cells
-  std::vector<double> columns_;        ///< for each row of cells the sums up to each, from 0
-  std::vector<double> rows_;           ///< the sums of rows up to each, from 0
+  std::vector<double> columns_;        ///< cumulative sums within each row of cells, from 0
+  std::vector<double> rows_;           ///< cumulative sums of rows, from 0
 };
 
 }  // namespace lucerna

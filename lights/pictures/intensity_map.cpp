@@ -27,16 +27,17 @@ std::shared_ptr<const Image> grey(std::shared_ptr<const Image> image) {
   return *Image::create(image->width(), image->height(), std::move(texels));
 }
 
-/// A bound on the angle between the centre of a texel and the directions that it lights [rad]. With
-/// the nearest filter half a texel to each side, with the bilinear filter a whole one.
+/// A bound on the angle between the centre of a texel and the directions that it lights [rad]. A
+/// texel reaches half a texel to each side with the nearest filter, a whole texel with the bilinear
+/// filter.
 double reach(const SphereMap& map) {
   const double texels = map.filter() == ImageFilter::kNearest ? 0.5 : 1;
   if (map.mapping() == SphereMapping::kLatitudeLongitude)
     return std::hypot(kPi * texels / map.image().height(), 2 * kPi * texels / map.image().width());
-  // Steps du, dv <= h in [-1, 1]^2 change r = |u| + |v| by 2 h at most and the azimuth's share of
-  // its quadrant by 2 h / r.  With sin(theta / 2) = r / sqrt(2) they turn by 2 / sqrt(2 - r^2) <= 2
-  // times the former along a meridian, and by sin(theta) pi / 4 = r sqrt(2 - r^2) pi / 4 times the
-  // latter across.  Over folds and edges the map goes on without a jump.
+  // Steps du, dv <= h in [-1, 1]^2 change r = |u| + |v| by dr <= 2 h, and the azimuth's share of
+  // its quadrant by ds <= 2 h / r.  Here sin(theta / 2) = r / sqrt(2).  Along a meridian, the
+  // direction turns by 2 / sqrt(2 - r^2) dr <= 2 dr.  Across, it turns by sin(theta) pi / 4 ds = r
+  // sqrt(2 - r^2) pi / 4 ds.  The map is continuous over folds and edges.
   const double h = 2 * texels / map.image().width();
   return h * std::hypot(4, kPi / std::numbers::sqrt2);
 }
@@ -72,7 +73,7 @@ void IntensityMap::bound() {
           f(cd, direction_from_square(map_->mapping(),
                                       {(x + 0.5) / image.width(), (y + 0.5) / image.height()}));
   };
-  // Any axis is valid, so the rows of a latitude-longitude map need no weights.
+  // Any axis gives a valid cone, so the rows of a latitude-longitude map need no weights.
   Vec3<double> mean;
   for_each_lit([&](double cd, const Vec3<double>& w) {
     max_cd_ = std::max(max_cd_, cd);

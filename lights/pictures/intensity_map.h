@@ -15,8 +15,8 @@ namespace lucerna {
 /// Whether the three channels of each texel are the same.
 bool is_grey(const Image& image);
 
-/// A texel's value is the mean of its channels, as in pbrt-v4.  All numbers here belong to a light
-/// for which a value of 1 is 1 cd.  Directions are in the map's own axes (see SphereMapping).
+/// A texel's value is the mean of its channels, as in pbrt-v4.  All numbers here are for a light in
+/// which a value of 1 is 1 cd.  Directions are in the map's own axes (see SphereMapping).
 /// Immutable; lights share it.
 class IntensityMap {
  public:
@@ -31,7 +31,7 @@ class IntensityMap {
   double flux_lm() const { return map_->integral().r; }
   /// The largest intensity [cd].
   double max_cd() const { return max_cd_; }
-  /// The mean over the picture [cd]. For equal-area maps only, it is also the mean over the sphere.
+  /// The mean over the picture [cd].  For equal-area maps, it is also the mean over the sphere.
   double mean_cd() const { return map_->image().mean().r; }
 
   /// A unit direction by the density of SphereDistribution.  Undefined where the flux is 0.
@@ -39,7 +39,7 @@ class IntensityMap {
   /// The density of `sample`: positive wherever the intensity is.
   SolidAnglePdf<double> pdf(const Vec3<double>& w) const;
 
-  /// About the mean direction of the flux.
+  /// The cone around the mean direction of the flux that holds all light.
   const EmissionCone& cone() const { return cone_; }
 
   const SphereMap& sphere_map() const { return *map_; }

@@ -7,26 +7,27 @@
 namespace lucerna {
 namespace {
 
-/// Cells along an axis of the picture, and along the short one of a strip.
+/// Least number of cells along an axis of the picture, and along the short axis of a strip.
 constexpr int kLeast = 512, kFew = 64;
 
-/// A cell as the rules below see it.
+/// A cell of the picture, with bounds for the quadrature.
 struct Cell {
-  double measure;  ///< what its mean counts with
-  double density;  ///< what the cosine is multiplied with: 1, or the sine of a polar angle
+  double measure;  ///< weight of its mean
+  double density;  ///< factor of the cosine: 1, or the sine of a polar angle
   bool kinked;     ///< not smooth within
-  /// Bounds on the mean distance from the middle's value: where it is smooth, and in any case.
+  /// Bounds on the mean difference from the value at the middle: for smooth cells, and for all
+  /// cells.
   double second, first;
   double reach;  ///< bound on the change of the cosine within
 };
 
 /// Equal-area cells of half sides a and b of the square [-1, 1]^2, about (u, v).
 ///
-/// In a quarter of the upper half r = u + v and phi = pi v / 2r give (rho cos phi, rho sin phi,
-/// 1 - r^2), rho^2 = r^2 (2 - r^2).  The first derivatives by u and by v are at most
-/// |(sqrt 2, pi / sqrt 2, 2)| < 3.4, the second ones less than |(7.5, 8.9, 2)| / r < 12 / r; the
-/// lower half is the upper one folded over the diagonals.  Over a cell the mean of |du| + |dv| is
-/// (a + b) / 2, that of its square a^2 / 3 + b^2 / 3 + a b / 2.
+/// In a quarter of the upper half, the direction is (rho cos phi, rho sin phi, 1 - r^2), with r = u
+/// + v, phi = pi v / 2r and rho^2 = r^2 (2 - r^2).  The first derivatives by u and by v are at most
+/// |(sqrt 2, pi / sqrt 2, 2)| < 3.4.  The second derivatives are less than |(7.5, 8.9, 2)| / r < 12
+/// / r.  The lower half is the upper one folded over the diagonals.  Over a cell, the mean of |du|
+/// + |dv| is (a + b) / 2, and the mean of its square is a^2 / 3 + b^2 / 3 + a b / 2.
 Cell equal_area_cell(double u, double v, double a, double b) {
   const double sum = std::fabs(u) + std::fabs(v);
   const double r = (sum < 1 ? sum : 2 - sum) - (a + b);
@@ -37,15 +38,17 @@ Cell equal_area_cell(double u, double v, double a, double b) {
           first,           2 * first};
 }
 
-/// Latitude-longitude cells of half sides a (polar angle) and b, at the polar angle theta.  The
-/// derivatives of the direction are at most 1; those of it times sin theta at most 1 by either
-/// angle, 2, 1 and 1 by theta twice, by phi twice and by both; what is cut off at the plane and
-/// multiplied with sin theta changes by at most 2 and 1.
+/// Latitude-longitude cells of half sides a (polar angle) and b (azimuth phi), at the polar angle
+/// theta. The derivatives of the direction are at most 1.  For the direction times sin theta, the
+/// first derivatives are at most 1.  Its second derivatives are at most 2 by theta, 1 by phi and 1
+/// mixed.  The cosine cut off at the plane, times sin theta, changes by at most 2 by theta and 1 by
+/// phi.
 Cell latitude_longitude_cell(double theta, double a, double b) {
   return {4 * a * b, std::sin(theta), false, a * a / 3 + b * b / 6 + a * b / 4, a + b / 2, a + b};
 }
 
-/// The edges of cells along one axis of the picture, from 0 to 1: on each the filter is linear.
+/// The edges of cells along one axis of the picture, from 0 to 1.  The filter is linear in each
+/// cell.
 std::vector<double> edges(int texels, ImageFilter filter, int least) {
   const int parts = (least + texels - 1) / texels;
   std::vector<double> at{0};
@@ -70,12 +73,13 @@ MapIlluminance illuminance_of(const SphereMap& map, const Rgb<double>& radiance,
   const bool nearest = map.filter() == ImageFilter::kNearest;
   const bool equal_area = map.mapping() == SphereMapping::kEqualArea;
   const auto value = [&](double x, double y) { return map.lookup(Vec2<double>{x, y}) * radiance; };
-  // Pictures of a few long rows or columns get fewer cells across: 2^18 of them are enough.
+  // Pictures of a few long rows or columns get fewer cells across, since 2^18 cells are enough.
   const auto least = [](int other) { return std::clamp(kLeast * kLeast / other, kFew, kLeast); };
   const int columns = map.image().width(), rows = map.image().height();
   const std::vector<double> xs = edges(columns, map.filter(), least(rows));
   const std::vector<double> ys = edges(rows, map.filter(), least(columns));
-  // Luminances at the corners of a row of cells: how far a bilinear map strays within each.
+  // Luminances at the corners of a row of cells.  They bound the change of a bilinear map in a
+  // cell.
   const auto corners = [&](double y) {
     std::vector<double> row;
     if (!nearest)
@@ -97,7 +101,7 @@ MapIlluminance illuminance_of(const SphereMap& map, const Rgb<double>& radiance,
       if (cos < -cell.reach) continue;
       const Rgb<double> at = value(x, y);
       row.lx += at * (std::max(0.0, cos) * cell.density * cell.measure);
-      // About as much of the cell as lies above the plane.
+      // Approximately the part of the cell above the plane.
       const double above = std::clamp(0.5 + cos / (2 * cell.reach), 0.0, 1.0);
       row.without_cosine += at * (above * cell.density * cell.measure);
       const double level = luminance(at);

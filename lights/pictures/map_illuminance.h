@@ -15,9 +15,9 @@ struct MapIlluminance {
 /// in the map's own axes.
 ///
 /// Computed from the midpoints of cells on which the map is constant (nearest) or bilinear.  There
-/// are at least 2^18 cells unless the picture is a strip.  The bound sums over cells the second
-/// derivatives of the direction over the picture. Where a cell crosses a fold of the mapping or the
-/// plane it uses the first derivatives.
+/// are at least 2^18 cells unless the picture is a strip.  The error bound is a sum over cells of
+/// second derivatives of the direction over the picture.  Cells that cross the plane or a fold of
+/// the mapping use first derivatives.
 MapIlluminance illuminance_of(const SphereMap& map, const Rgb<double>& radiance,
                               const Vec3<double>& n);
 

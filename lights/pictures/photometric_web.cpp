@@ -39,9 +39,9 @@ absl::Status check_ascending(std::string_view field, const std::vector<double>& 
   return absl::OkStatus();
 }
 
-/// The integrals of sin(a) over [a, b] times the two linear functions that are 1 at one end and 0
-/// at the other: sin(m) sin(d) -+ cos(m) (sin(d) - d cos(d)) / d, m the middle and d half of the
-/// length.
+/// Integrals of the sine over an interval, times the two linear functions that are 1 at one end and
+/// 0 at the other.  They are sin(m) sin(d) -+ cos(m) (sin(d) - d cos(d)) / d, with m the middle and
+/// d half of the length.
 struct EndWeights {
   double lower, upper;
 };
@@ -58,7 +58,7 @@ EndWeights end_weights(double a, double b) {
   return {even - odd, even + odd};
 }
 
-/// Half of 1 - cos: uniform in solid angle, and without cancellation at its pole.
+/// (1 - cos(angle)) / 2, without cancellation at the pole.  It is uniform in solid angle.
 double half_one_minus_cos(double angle) {
   const double s = std::sin(angle / 2);
   return s * s;
@@ -95,7 +95,7 @@ absl::Status check_horizontal_angles(PhotometricType type, const std::vector<dou
                       (first == 90 && last == 270) || (first == -90 && last == 90);
     if (good) return absl::OkStatus();
     return absl::InvalidArgumentError(
-        fmt::format("horizontal angles from {} to {} degrees, allowed for type C: 0 alone, 0 to "
+        fmt::format("horizontal angles from {} to {} degrees, allowed for type C: only 0, 0 to "
                     "90, 0 to 180, 90 to 270, 0 to 360",
                     first, last));
   }
@@ -112,10 +112,10 @@ absl::StatusOr<std::shared_ptr<const PhotometricWeb>> PhotometricWeb::create(
   const std::size_t points = params.vertical_deg.size() * params.horizontal_deg.size();
   if (params.intensity_cd.size() != points)
     return absl::InvalidArgumentError(
-        fmt::format("{} intensities, allowed: {}, that of the grid's points",
+        fmt::format("{} intensities, allowed: {}, one for each grid point",
                     params.intensity_cd.size(), points));
   for (std::size_t i = 0; i < points; ++i) {
-    // The bound leaves room for the sums over the sphere.
+    // With this bound, sums over the sphere do not overflow.
     if (!(params.intensity_cd[i] >= 0 && params.intensity_cd[i] <= 1e300))
       return absl::InvalidArgumentError(
           fmt::format("intensity {} at horizontal angle {} and vertical angle {} = {} cd, allowed: "
@@ -133,8 +133,8 @@ PhotometricWeb::PhotometricWeb(const PhotometricWebParams& params) : type_(param
   bound();
 }
 
-// The file's grid with its symmetries written out: polar angles from the pole, azimuths over all
-// that is lit.
+// Expands the symmetries of the file's grid.  Polar angles are from the pole, and azimuths cover
+// all directions with light.
 void PhotometricWeb::write_out(const PhotometricWebParams& params) {
   const std::size_t n = params.vertical_deg.size();
   const bool from_pole = type_ == PhotometricType::kC;
@@ -143,7 +143,7 @@ void PhotometricWeb::write_out(const PhotometricWebParams& params) {
     polar_rad_[j] =
         (from_pole ? params.vertical_deg[j] : 90 - params.vertical_deg[n - 1 - j]) * kRadPerDegree;
 
-  // A plane of the result: its azimuth, and the file's plane that it repeats.
+  // A plane of the result: its azimuth, and the plane of the file that it copies.
   struct Plane {
     double deg;
     std::size_t of;
@@ -151,7 +151,7 @@ void PhotometricWeb::write_out(const PhotometricWebParams& params) {
   std::vector<Plane> planes;
   const auto& h = params.horizontal_deg;
   for (std::size_t i = 0; i < h.size(); ++i) planes.push_back({h[i], i});
-  // Repeats all planes mirrored at the last one.
+  // Appends all planes, mirrored at the last one.
   const auto mirror = [&] {
     const double last = planes.back().deg;
     for (std::size_t i = planes.size() - 1; i-- > 0;)
@@ -175,7 +175,7 @@ void PhotometricWeb::write_out(const PhotometricWebParams& params) {
 }
 
 double PhotometricWeb::cell_flux(std::size_t row, std::size_t column) const {
-  // Over the azimuth the mean of a bilinear function equals the mean of its two ends.
+  // Over the azimuth, the mean of a bilinear function is the mean of its two ends.
   const EndWeights w = end_weights(polar_rad_[column], polar_rad_[column + 1]);
   const double lower = (value(row, column) + value(row + 1, column)) / 2;
   const double upper = (value(row, column + 1) + value(row + 1, column + 1)) / 2;
@@ -192,7 +192,7 @@ double PhotometricWeb::flux_between(double from, double to) const {
   double sum = 0;
   for (std::size_t i = 0; i < rows(); ++i)
     for (std::size_t j = 0; j < columns(); ++j) {
-      // The part of the cell between them, linear in the angle as all of it is.
+      // The part of the cell between `from` and `to`.  It is linear in the angle, like the cell.
       const double p = polar_rad_[j], q = polar_rad_[j + 1];
       const double a = std::max(p, from), b = std::min(q, to);
       if (!(a < b)) continue;
@@ -215,9 +215,9 @@ double PhotometricWeb::horizon_flux_bound_lm(double width_rad) const {
   if (type_ != PhotometricType::kB)
     return std::max(flux_between(kPi / 2 - width_rad, kPi / 2),
                     flux_between(kPi / 2, kPi / 2 + width_rad));
-  // All of type B is on one side, its height above the horizon sin(polar) cos(azimuth).  In a cell
-  // the band lies within so much of either angle from the ends of its range, and the intensity,
-  // linear in each, is largest at an end of one of these pieces.
+  // All light of type B is on one side, at the height sin(polar) cos(azimuth) above the horizon.
+  // Within a cell, `least_off` bounds each angle of the band away from the middle of its range.
+  // The intensity is linear in each angle, so it is largest at an end of one of these pieces.
   const double height = std::sin(width_rad);
   const auto ends = [](double begin, double end, double middle, double off) {
     std::vector<double> at;
@@ -250,7 +250,7 @@ double PhotometricWeb::horizon_flux_bound_lm(double width_rad) const {
 
 void PhotometricWeb::bound() {
   double from_pole = 0, from_other_pole = 0;
-  // Grids of type C go all around; those of the others lie in the half towards `zero`.
+  // Grids of type C cover all azimuths.  Those of types A and B lie in the half towards `zero`.
   double from_zero = type_ == PhotometricType::kC ? kPi : 0;
   for (std::size_t i = 0; i < rows(); ++i) {
     for (std::size_t j = 0; j < columns(); ++j) {
@@ -258,8 +258,8 @@ void PhotometricWeb::bound() {
         continue;
       from_pole = std::max(from_pole, polar_rad_[j + 1]);
       from_other_pole = std::max(from_other_pole, kPi - polar_rad_[j]);
-      // The cosine of the angle is a product of two, each least at an end: one of the corners is
-      // the farthest point.
+      // The cosine of the angle is a product of two factors, each least at an end.  So the farthest
+      // point is a corner.
       if (type_ == PhotometricType::kC) continue;
       for (const std::size_t row : {i, i + 1})
         for (const std::size_t column : {j, j + 1}) {
@@ -317,8 +317,8 @@ double PhotometricWeb::solid_angle(std::size_t row, std::size_t column) const {
 }
 
 Vec3<double> PhotometricWeb::sample(Vec2<double> u) const {
-  // `u.x` chooses the row of cells, and its rest is the position in the row. `u.y` chooses the cell
-  // in the same way.  Cells without flux are never chosen, also for u = 1.
+  // `u.x` chooses the row of cells, and its rest is the position in the row.  `u.y` chooses the
+  // cell in the same way.  Cells without flux are never chosen, even for u = 1.
   const auto pick = [](std::size_t count, double from, double to, double u, auto&& end,
                        double& rest) {
     const double target = from + u * (to - from);
@@ -354,7 +354,7 @@ Vec3<double> PhotometricWeb::sample(Vec2<double> u) const {
 SolidAnglePdf<double> PhotometricWeb::pdf(const Vec3<double>& w) const {
   const Place p = find(w);
   if (!p.inside || !(flux_lm_ > 0)) return {};
-  // From the cell itself: a difference of sums would lose a faint cell beside bright ones.
+  // Uses the flux of the cell.  A difference of sums would lose a faint cell beside bright ones.
   return {cell_flux(p.row, p.column) / flux_lm_ / solid_angle(p.row, p.column)};
 }
 

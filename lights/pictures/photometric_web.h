@@ -13,10 +13,10 @@
 
 namespace lucerna {
 
-/// The poles of the grid.  In light space +z is photometric zero of a hanging luminaire, straight
-/// down, as a spot shines along +z. +x is the photometric horizontal.  So +y is horizontal too, to
-/// the right of an observer who looks along +x with the sky above.  V and H are the file's vertical
-/// and horizontal angles.  [LM63, 3], and for directions of rotation [Blut22]
+/// The poles of the grid.  In light space, +z is the photometric zero of a hanging luminaire:
+/// straight down.  (A spot shines along +z too.)  +x is the photometric horizontal.  So +y is
+/// horizontal too, to the right of an observer who looks along +x with the sky above.  V and H are
+/// the file's vertical and horizontal angles.  [LM63, 3], and for directions of rotation [Blut22]
 enum class PhotometricType : std::uint8_t {
   kC,  ///< V from +z (0) to -z (180); H about that axis, counter-clockwise seen from above: at V 90
        ///< H = 0 is +x and H = 90 is -y
@@ -29,9 +29,14 @@ struct PhotometricWebParams {
   /// Ascending [degrees], as in files.  Type C from 0 or 90 to 90 or 180; types A and B from -90 or
   /// 0 to 90.  Directions outside are dark.
   std::vector<double> vertical_deg;
-  /// Ascending [degrees]. Type C: 0 alone (symmetric about the axis), 0 to 90 (in each quadrant), 0
-  /// to 180 (about the plane 0-180), 90 to 270 or -90 to 90 (about the plane 90-270), 0 to 360.
-  /// Types A and B: 0 to 90 (symmetric about H = 0), -90 to 90; dark beyond 90.
+  /// Ascending [degrees]. Type C:
+  /// - only 0: symmetric about the axis
+  /// - 0 to 90: equal in each quadrant
+  /// - 0 to 180: symmetric about the plane 0-180
+  /// - 90 to 270 or -90 to 90: symmetric about the plane 90-270
+  /// - 0 to 360
+  ///
+  /// Types A and B: 0 to 90 (symmetric about H = 0), or -90 to 90.  Dark outside.
   std::vector<double> horizontal_deg;
   /// All vertical angles at the first horizontal angle, then at the next.  Finite, not negative.
   std::vector<double> intensity_cd;
@@ -41,11 +46,11 @@ struct PhotometricWebParams {
 absl::Status check_vertical_angles(PhotometricType type, const std::vector<double>& degrees);
 absl::Status check_horizontal_angles(PhotometricType type, const std::vector<double>& degrees);
 
-/// Intensity bilinear in the two angles between grid points.  Immutable; lights share it.
+/// Intensity, bilinear in the two angles between grid points.  Immutable, so lights share it.
 class PhotometricWeb {
  public:
-  /// Errors: angles other than those above; a number of intensities that does not fit the grid; an
-  /// intensity that is negative or not finite.
+  /// Errors: angles other than those of PhotometricWebParams; a number of intensities that does not
+  /// fit the grid; an intensity that is negative or not finite.
   static absl::StatusOr<std::shared_ptr<const PhotometricWeb>> create(
       const PhotometricWebParams& params);
 
@@ -54,25 +59,25 @@ class PhotometricWeb {
 
   /// Luminous flux [lm]: the integral of `at` over the sphere, in closed form for each cell.
   double flux_lm() const { return flux_lm_; }
-  /// The part of the flux towards +z, downwards [lm]; in closed form too.
+  /// The part of the flux towards +z, downwards [lm].  In closed form too.
   double downward_flux_lm() const;
-  /// A bound on the flux within this angle of the horizon, on one side of it or on the other [lm].
-  /// For types A and C it equals that flux on the side with more.
+  /// A bound on the flux within this angle of the horizon, on either side of it [lm]. For types A
+  /// and C it equals the flux of the side with more.
   double horizon_flux_bound_lm(double width_rad) const;
   /// The largest intensity [cd].
   double max_cd() const { return max_cd_; }
 
-  /// A cell by its flux, and in it a direction uniform in solid angle. Unit, light space. Undefined
-  /// where the flux is 0.
+  /// A direction, unit, light space: a cell by its flux, then uniform in solid angle within the
+  /// cell.  Undefined if the flux is 0.
   Vec3<double> sample(Vec2<double> u) const;
   /// The density of `sample`: positive wherever the intensity is.
   SolidAnglePdf<double> pdf(const Vec3<double>& w) const;
 
-  /// Around a pole of the grid or, for types A and B, around V = H = 0: the narrowest.
+  /// The narrowest cone of light around a pole of the grid or, for types A and B, around V = H = 0.
   const EmissionCone& cone() const { return cone_; }
 
   PhotometricType type() const { return type_; }
-  /// Grid after its symmetries are written out.
+  /// Size of the grid after its symmetries are expanded.
   std::size_t polar_angles() const { return polar_rad_.size(); }
   std::size_t azimuths() const { return azimuth_rad_.size(); }
   std::uint64_t bytes() const;

@@ -44,12 +44,12 @@ struct Shares {
   double w00 = 0, w10 = 0, w01 = 0, w11 = 0;
 };
 
-/// Part of a cell, in the plane and in shares of the cell.
+/// Part of a cell, in coordinates of the plane (x, y) and of the cell (s, t).
 struct Part {
   double x, y, half_x, half_y;  ///< middle and half sides
   double s, t, half_s, half_t;
 
-  /// The whole of a cell.
+  /// A whole cell.
   template <typename Stretch>
   Part(const Stretch& along_x, const Stretch& along_y)
       : x(along_x.middle),
@@ -60,12 +60,12 @@ struct Part {
         t(0.5),
         half_s(0.5),
         half_t(0.5) {}
-  /// To the origin, which is at a distance of 1 from the plane.
+  /// Distance of the middle from the origin, which is at a distance of 1 from the plane.
   double distance() const { return std::sqrt(1 + x * x + y * y); }
 };
 
-/// `visit(part, distance)` of each of the parts into which `p` is halved until none of their half
-/// sides is longer than their distance times `longest`.
+/// Halves `p` until no half side of a part is longer than its distance times `longest`.  Calls
+/// `visit(part, distance)` for each part.
 template <typename Visit>
 void for_each_part(const Part& p, double longest, const Visit& visit) {
   const double distance = p.distance();
@@ -83,14 +83,14 @@ void for_each_part(const Part& p, double longest, const Visit& visit) {
   }
 }
 
-/// Half sides of parts, as shares of their distance, for which three and five nodes will do.
+/// Largest half sides of parts, as shares of their distance, for three and five nodes.
 ///
-/// The integrand cannot be continued beyond a distance of r = sqrt(1 + x^2 + y^2) in the complex
-/// plane, so that n nodes on [-a, a] are off by about (2 r / a)^(-2 n) of it: 1e-16 for five nodes
+/// In the complex plane, the integrand is analytic up to the distance r = sqrt(1 + x^2 + y^2). So n
+/// nodes on [-a, a] have a relative error of about (2 r / a)^(-2 n).  This is 1e-16 for five nodes
 /// at a = r / 20 and for three at a = r / 250.  [DLMF, 3.5(v)]
 constexpr double kFine = 1.0 / 250, kCoarse = 1.0 / 20;
 
-/// `add(weight, s, t)` of a part's nodes, with weights in solid angle.
+/// Calls `add(weight, s, t)` for each node of a part, with weights in solid angle [sr].
 template <typename Add>
 void for_each_node(const Part& p, const Nodes& nodes, const Add& add) {
   for (int j = 0; j < nodes.count; ++j) {
@@ -104,16 +104,16 @@ void for_each_node(const Part& p, const Nodes& nodes, const Add& add) {
   }
 }
 
-/// The solid angle of a cell, nothing of it a difference: sums over corners keep no digit of one
-/// that is small or grazing.  By nodes where three will do, else by two triangles for each part,
-/// whose corners are less than a right angle apart.
+/// The solid angle of a cell [sr].  Nothing is computed as a difference: sums over corners lose all
+/// digits of a cell that is small or grazing.  Small parts use three nodes.  Other parts use two
+/// triangles, whose corners are less than a right angle apart.
 double solid_angle(const Part& cell) {
   static const Nodes kThree = three_nodes();
   double sr = 0;
   for_each_part(cell, 0.5, [&sr](const Part& p, double distance) {
     if (std::max(p.half_x, p.half_y) <= kFine * distance)
       return for_each_node(p, kThree, [&sr](double weight, double, double) { sr += weight; });
-    // Products of three coordinates overflow beyond 1e102.
+    // Products of three coordinates above 1e102 overflow.
     const double unit = distance < 1e100 ? 1 : std::ldexp(1, -std::ilogb(distance));
     const Vec3<double> across{2 * p.half_x * unit, 0, 0}, down{0, 2 * p.half_y * unit, 0};
     const Vec3<double> first{(p.x - p.half_x) * unit, (p.y - p.half_y) * unit, unit},
@@ -151,7 +151,7 @@ absl::StatusOr<std::shared_ptr<const ProjectedPicture>> ProjectedPicture::create
   const double shorter = std::tan(params.fov_rad / 2);
   const Vec2<double> half = params.aspect >= 1 ? Vec2<double>{shorter * params.aspect, shorter}
                                                : Vec2<double>{shorter, shorter / params.aspect};
-  // Where squares underflow or overflow, no digit would be left.
+  // Outside of this range, squares underflow or overflow.
   constexpr double kLeast = 1e-140, kMost = 1e140;
   if (!(std::min(half.x, half.y) >= kLeast && std::max(half.x, half.y) <= kMost))
     return absl::InvalidArgumentError(fmt::format(
@@ -190,8 +190,8 @@ double ProjectedPicture::edge(int i, int n, double half) const {
 ProjectedPicture::Stretch ProjectedPicture::stretch(int i, int n, double half) const {
   const double begin = edge(i, n, half), end = edge(i + 1, n, half);
   const bool is_halved = !nearest() && (i == 0 || i == n);
-  // Beside the middle cells must meet, where near 180 degrees all light goes through a gap of 1e-16
-  // of a side; away from it a difference of edges loses a digit for each in the number of texels.
+  // Cells beside the middle must meet exactly: near 180 degrees, all light passes through 1e-16 of
+  // a side.  Elsewhere a difference of edges would lose as many digits as the number of texels has.
   const bool is_away = std::min(std::fabs(begin), std::fabs(end)) > 8 * (end - begin);
   return {(begin + end) / 2, is_away ? half / n / (is_halved ? 2 : 1) : (end - begin) / 2};
 }

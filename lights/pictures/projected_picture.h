@@ -23,38 +23,38 @@ struct ProjectedPictureParams {
 
 /// The picture lies in the plane z = 1 with its middle on the axis.  Half of its shorter side is
 /// tan(fov / 2). x points to its right edge and y to its upper edge.  Directions are in these axes.
-/// Immutable; lights share it.  [Pharr23, 12.2.2]
+/// Immutable, so lights share it.  [Pharr23, 12.2.2]
 class ProjectedPicture {
  public:
-  /// Errors: fov or aspect out of their domain, or such that doubles cannot hold the picture's
-  /// solid angle or a side.
+  /// Errors: fov or aspect out of their domain; a solid angle or a side of the picture that doubles
+  /// cannot hold.
   static absl::StatusOr<std::shared_ptr<const ProjectedPicture>> create(
       const ProjectedPictureParams& params);
 
   /// The point of the closed unit square, (0, 0) the upper left corner, in the direction `w` of any
-  /// length but 0.  Nothing beside the picture and behind it.
+  /// length but 0.  Nothing for directions beside the picture or behind it.
   std::optional<Vec2<double>> find(const Vec3<double>& w) const;
-  /// At a point of the unit square.
+  /// The value at a point of the unit square.
   Rgb<double> lookup(Vec2<double> p) const;
 
   /// The integral of the picture's value over directions [sr].  Nearest filter: the sum over texels
-  /// of value times solid angle, each exact to the last digits.  Bilinear: cell by cell between
-  /// centres by Gauss's rule, of an order with a relative error below 1e-14.
+  /// of value times solid angle, exact to rounding.  Bilinear filter: cell by cell between centres
+  /// by Gauss's rule, with a relative error below 1e-14.
   Rgb<double> integral_sr() const { return integral_; }
-  /// A bound on the relative error of `integral_sr`: 0 where it is exact, without roundings.
+  /// A bound on the relative error of `integral_sr`, without roundings: 0 where it is exact.
   double relative_error() const;
   /// The same sum as in pbrt-v4: a texel's solid angle is its area in the plane times cos^3 at its
   /// centre.
   Rgb<double> integral_by_centres_sr() const { return integral_by_centres_; }
 
-  /// A unit vector.  With the nearest filter its density is proportional to the luminance where a
-  /// texel is larger than 1e-5 sr; in smaller texels it varies with cos^-3.  With the bilinear
-  /// filter a cell is chosen by its share of the integral.  Within it the density is bilinear in
-  /// coordinates that keep solid angle.
+  /// A unit vector.  With the nearest filter, its density is proportional to the luminance in
+  /// texels larger than 1e-5 sr; in smaller texels it varies with cos^-3.  With the bilinear
+  /// filter, a cell is chosen by its share of the integral.  Within the cell, the density is
+  /// bilinear in coordinates that preserve solid angle.
   Vec3<double> sample(Vec2<double> u) const;
   /// Its density [1/sr] at a vector of any length but 0; 0 beside the picture.
   double per_sr(const Vec3<double>& w) const;
-  /// Black all over.
+  /// Whether the picture is black everywhere.
   bool empty() const { return !(cells_.integral() > 0); }
 
   const ProjectedPictureParams& params() const { return params_; }
@@ -91,10 +91,10 @@ class ProjectedPicture {
   void sum_by_centres();
 
   ProjectedPictureParams params_;
-  std::shared_ptr<const Image> image_;  ///< one white texel where there is none
+  std::shared_ptr<const Image> image_;  ///< one white texel if there is no image
   Vec2<double> half_;
   Rgb<double> integral_, integral_by_centres_, brightest_;
-  ImageDistribution cells_;  ///< which cell, by its share of the integral of luminance
+  ImageDistribution cells_;  ///< chooses a cell by its share of the integral of luminance
 };
 
 }  // namespace lucerna

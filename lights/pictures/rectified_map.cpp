@@ -10,20 +10,20 @@ namespace {
 
 double angle(double c) { return (std::clamp(c, 0.0, 1.0) - 0.5) * kPi; }
 
-/// Illuminance per area, in angles p and q from two adjacent edges of the square, under radiance 1;
-/// of sin(p)^2 and sin(q)^2: the cosine of the direction times its solid angle.  Sums of positive
-/// numbers only, so that nothing cancels.
+/// Illuminance per area of the square of angles under radiance 1: the cosine of a direction times
+/// its solid angle.  The parameters are sin(p)^2 and sin(q)^2 of the angles p and q from two
+/// adjacent edges of the square.  All terms are positive, so nothing cancels.
 double lx_per_area(double p2, double q2) {
   const double sum = p2 + q2 * (1 - p2);
   return p2 * q2 / (sum * sum);
 }
 
-/// The integral over a square of angles `size` [rad], whose least ones are p and q.
+/// The integral over a square of angles from (p, q) to (p + size, q + size) [rad].
 ///
-/// Near each corner of [0, pi]^2 the function goes with p / q alone, and seen from a real q its
-/// nearest pole in the complex plane of p is at least as far as that corner: Gauss's rule of 12
-/// nodes takes squares no larger than that to rounding, and larger ones are halved.  What is left
-/// in the corner after 26 times is 2^-52 of the square.
+/// Near each corner of [0, pi]^2 the function depends only on p / q.  For a real q, its nearest
+/// pole in the complex plane of p is at least as far away as that corner.  So Gauss's rule of 12
+/// nodes is exact to rounding for squares that are not larger than their distance from the corner.
+/// Larger squares are halved.  After 26 halvings, the rest in the corner is 2^-52 of the square.
 double corner_lx(double p, double q, double size, int halvings) {
   const auto off = [&](double at) { return std::max(0.0, std::min(at, kPi - (at + size))); };
   if (halvings > 0 && std::hypot(off(p), off(q)) < size) {
@@ -56,7 +56,7 @@ Vec2<double> square_from_rectified(const Vec3<double>& w) {
 
 Vec3<double> rectified_from_square(Vec2<double> p) {
   const double a = angle(p.x), b = angle(p.y);
-  // Without tangents, which overflow at the ends.
+  // Avoids tangents, which overflow at the ends.
   return normalized(Vec3<double>{std::sin(a) * std::cos(b), std::cos(a) * std::sin(b),
                                  std::cos(a) * std::cos(b)});
 }
@@ -75,7 +75,7 @@ RectifiedCells::RectifiedCells(int n) : n_(n) {
 }
 
 std::vector<double> RectifiedCells::row(int j) const {
-  // Cells farther from a corner than this many take a rule of 5 nodes to 1e-15.
+  // For cells farther than this many cells from a corner, 5 nodes have an error of 1e-15.
   constexpr double kFar = 24;
   const Gauss<kNodes>& rule = gauss<kNodes>();
   const double size = kPi / n_;

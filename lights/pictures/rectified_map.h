@@ -1,5 +1,4 @@
-// The picture that a portal shows, in coordinates in which every view of the portal is a rectangle;
-// and these coordinates.
+// The picture that a portal shows, in coordinates in which every view of the portal is a rectangle.
 #pragma once
 
 #include <cstddef>
@@ -22,8 +21,8 @@ double sr_per_square(const Vec3<double>& w);
 class RectifiedCells {
  public:
   explicit RectifiedCells(int n);
-  /// The cells of row j under radiance 1 [lx], each to within 1e-13 of itself. This holds along the
-  /// edges too, where cells are smallest.
+  /// The cells of row j under radiance 1 [lx], each with a relative error below 1e-13.  This holds
+  /// along the edges too, where values are smallest.
   std::vector<double> row(int j) const;
 
  private:
@@ -32,17 +31,17 @@ class RectifiedCells {
   std::vector<double> squared_sine_;  ///< at the nodes of the first half of cells along a side
 };
 
-/// A map seen through a portal as in pbrt-v4: n x n cells of the square, n the map's rows of
-/// texels.  Each cell has the bilinear filter's value towards its middle.  Immutable.
+/// A map seen through a portal as in pbrt-v4: n x n cells of the square, where n is the number of
+/// rows of the map.  Each cell has the bilinear filter's value towards its middle.  Immutable.
 class RectifiedMap {
  public:
-  /// `x`, `y`, `z`: the portal's axes in the map's own.
+  /// `x`, `y`, `z`: the portal's axes in the map's axes.
   RectifiedMap(const SphereMap& map, const Vec3<double>& x, const Vec3<double>& y,
                const Vec3<double>& z);
 
   Rgb<double> lookup(Vec2<double> p) const;
-  /// The illuminance on the portal: cell by cell to rounding, by RectifiedCells.  `without_cosine`
-  /// as in pbrt-v4, by the middles of cells.
+  /// The illuminance on the portal, summed over RectifiedCells, exact to rounding.
+  /// `without_cosine` is computed as in pbrt-v4, from the middles of cells.
   MapIlluminance illuminance(const Rgb<double>& radiance) const;
   std::size_t bytes() const { return sizeof(*this) + texels_.capacity() * sizeof texels_[0]; }
 

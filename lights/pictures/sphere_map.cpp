@@ -10,7 +10,7 @@ namespace lucerna {
 namespace {
 
 Vec2<double> equal_area_square(const Vec3<double>& w) {
-  // 1 - |z| without its cancellation about the poles.
+  // Computes 1 - |z| without cancellation near the poles.
   const double r = std::sqrt((w.x * w.x + w.y * w.y) / (1 + std::fabs(w.z)));
   const double share = std::atan2(std::fabs(w.y), std::fabs(w.x)) * (2 / kPi);
   double v = share * r;
@@ -59,8 +59,8 @@ double sin_less_d_cos(double d) {
   return d * d2 * (1.0 / 3 - d2 * (1.0 / 30 - d2 / 840));
 }
 
-/// The integral over the sphere of a latitude-longitude picture: each row of texels counts with
-/// the integral of its share of the filter over its latitudes.
+/// The integral over the sphere of a latitude-longitude picture.  The weight of each row of texels
+/// is the integral of its filter over latitudes.
 Rgb<double> integrate_rows(const Image& image, ImageFilter filter) {
   const int height = image.height();
   std::vector<double> measures(static_cast<std::size_t>(height));
@@ -69,8 +69,8 @@ Rgb<double> integrate_rows(const Image& image, ImageFilter filter) {
       measures[static_cast<std::size_t>(y)] =
           height_between(static_cast<double>(y) / height, (y + 1.0) / height);
   } else {
-    // Between the centres of two rows the share is linear in the polar angle theta = m + t; at the
-    // poles both are the same row (turned, which the sum over it does not see).
+    // Between the centres of two rows, the share is linear in the polar angle theta = m + t.  At
+    // the poles both are the same row.  It is turned there, which does not change its sum.
     for (int strip = 0; strip <= height; ++strip) {
       const double begin = std::max(0.0, (strip - 0.5) / height);
       const double end = std::min(1.0, (strip + 0.5) / height);
@@ -109,7 +109,7 @@ absl::StatusOr<std::shared_ptr<const SphereMap>> SphereMap::create(
   if (image == nullptr) return absl::InvalidArgumentError("a sphere map without an image");
   if (mapping == SphereMapping::kEqualArea && image->width() != image->height())
     return absl::InvalidArgumentError(
-        fmt::format("an equal-area map of {} x {} texels, allowed: square (others may be "
+        fmt::format("an equal-area map of {} x {} texels, allowed: square (others can be "
                     "latitude-longitude maps)",
                     image->width(), image->height()));
   return std::shared_ptr<const SphereMap>(new SphereMap(std::move(image), mapping, filter));
@@ -144,7 +144,7 @@ Rgb<double> SphereMap::brightest() const {
 MapAxes::MapAxes(const Transform& world_from_map)
     : x_(normalized(world_from_map.vector({1, 0, 0}))),
       y_(normalized(world_from_map.vector({0, 1, 0}))) {
-  // At right angles to the last digit, and mirrored where the transform is.
+  // Exactly at right angles, and mirrored if the transform is.
   y_ = normalized(y_ - x_ * dot(x_, y_));
   z_ = cross(x_, y_);
   if (world_from_map.swaps_handedness()) z_ = -z_;
@@ -181,7 +181,7 @@ ImageDistribution distribution_of(const SphereMap& map, double subtract) {
 struct SphereDistribution::Strip {
   double begin, end;  ///< of the square
   double height;      ///< in the cosine of the polar angle
-  /// Density per solid angle from that per area of the square whose strips are straightened.
+  /// Factor from a density by area of the square, with straightened strips, to one by solid angle.
   double sr_from_square() const { return 1 / (2 * kPi * height / (end - begin)); }
 };
 
@@ -211,13 +211,13 @@ SphereDistribution::Sample SphereDistribution::sample(Vec2<double> u) const {
     return {equal_area_direction(s.position), s.position, s.pdf / (4 * kPi)};
   const Strip row = strip(row_of(s.position.y));
   const double share = std::clamp((s.position.y - row.begin) / (row.end - row.begin), 0.0, 1.0);
-  // From the nearer pole, of the half angle: nothing cancels at either.
+  // Half angles from the nearer pole, so that nothing cancels at either pole.
   const double sin_begin = std::sin(kPi * row.begin / 2);
   const double cos_end = std::cos(kPi * row.end / 2);
   const double sin2 = sin_begin * sin_begin + share * row.height / 2;
   const double cos2 = cos_end * cos_end + (1 - share) * row.height / 2;
   const double theta = 2 * std::atan2(std::sqrt(sin2), std::sqrt(cos2));
-  // Rounding may not carry it into the next row.
+  // Keep rounding from moving it into the next row.
   const double inside = (row.end - row.begin) * 0x1p-32;
   const double y = std::clamp(theta / kPi, row.begin + inside, row.end - inside);
   return {from_longitude(s.position.x, 2 * std::sqrt(sin2 * cos2), cos2 - sin2),

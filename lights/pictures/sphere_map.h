@@ -29,7 +29,7 @@ Vec2<double> square_from_direction(SphereMapping mapping, const Vec3<double>& w)
 /// The unit vector at a point of the closed unit square.
 Vec3<double> direction_from_square(SphereMapping mapping, Vec2<double> p);
 
-/// Immutable, shared by the lights that use it.
+/// Immutable, so lights share it.
 class SphereMap {
  public:
   /// Errors: no image; a picture that is not square for the equal-area mapping.
@@ -37,9 +37,9 @@ class SphereMap {
                                                                  SphereMapping mapping,
                                                                  ImageFilter filter);
 
-  /// The value towards the unit vector `w`.  Across seams and poles the filter uses the texels that
-  /// are neighbours on the sphere. Beyond a pole of a latitude-longitude picture of odd width these
-  /// are half a texel off.
+  /// The value towards the unit vector `w`.  Across seams and poles, the filter uses the texels
+  /// that are neighbours on the sphere.  At the poles of a latitude-longitude picture of odd width,
+  /// these are half a texel off.
   Rgb<double> lookup(const Vec3<double>& w) const;
   /// The value at a point of the square.
   Rgb<double> lookup(Vec2<double> p) const { return image_->lookup(p, filter_, border()); }
@@ -68,7 +68,7 @@ class MapAxes {
  public:
   /// Rotation, mirror and equal scale of `world_from_map`; its translation is not used.
   explicit MapAxes(const Transform& world_from_map);
-  /// Unit; not a number where `w` is not finite.
+  /// The unit direction in the map's axes; NaN where `w` is not finite.
   Vec3<double> map_from_world(const Vec3<double>& w) const {
     return normalized(Vec3<double>{dot(x_, w), dot(y_, w), dot(z_, w)});
   }
@@ -82,8 +82,8 @@ class MapAxes {
 
 /// Directions with a density that is positive wherever the map's luminance exceeds `subtract`.  For
 /// the nearest filter it is proportional to the luminance, with respect to solid angle.  For the
-/// bilinear filter it is linear within the strips between rows of centres: in the square's height
-/// (equal-area) or in the cosine of the polar angle (latitude-longitude).  It therefore stays
+/// bilinear filter it is linear within the strips between rows of centres.  The coordinate is the
+/// square's height (equal-area) or the cosine of the polar angle (latitude-longitude).  So it stays
 /// bounded at the poles.  Immutable.
 class SphereDistribution {
  public:

@@ -7,10 +7,10 @@ namespace lucerna {
 
 namespace {
 
-// The rule of kAutomatic comes from tests/bench/area_sampling_bench.cpp.  It has 36 places from a
-// twentieth of the light's size away to sixteen sizes: faced, from aside, grazing, cut by the
-// receiver's horizon.  The table has variance times time of a sample relative to low-distortion
-// sampling by area, as geometric means.
+// The rule of kAutomatic comes from tests/bench/area_sampling_bench.cpp.  It measures 36 places, at
+// distances from a twentieth of the light's size to sixteen sizes: in front, from aside, grazing,
+// cut by the receiver's horizon.  The table shows variance times time of a sample relative to
+// low-distortion sampling by area, as geometric means.
 //
 //                          square root  solid angle  cosine  the rule without and with a normal
 //   triangle                      0.97         0.31    0.26    0.30    0.24
@@ -23,35 +23,28 @@ namespace {
 //
 // At each place the rule is 1% to 4% worse than the best way for triangles and rectangles.
 //
-// By area the density is distance^3 over the receiver's height above the light.  Where it varies by
-// less than a quarter over the light, it is as good as a solid angle, which takes 110 to 170 ns
-// more.  This was measured where the light is faced (1.8 sizes away) and from aside (9 sizes away).
-// In squares of distances, 1.25^(2/3).
+// kFar: sampling by area has the density distance^3 over the receiver's height above the light.  If
+// it varies by less than a quarter over the light, it is as good as a solid angle, which takes 110
+// to 170 ns more.  This was measured in front of the light (1.8 sizes away) and from aside (9 sizes
+// away).  The ratio of squared distances is 1.25^(2/3).
 //
-// Along paths, directions of the surface are weighted against samples.  Most of the error then has
-// other causes, such as occlusion and reflected light, and the time of a solid angle counts more.
-// For the same error area sampling takes 0.68 of the time in scenes/cornell, and 1.9 times as long
-// in tests/data/reference's rectangle_near. The threshold lies between, at a density that varies by
-// a factor of 2.5.
+// kFarBesideDirections: along paths, directions of the surface are weighted against samples.  Most
+// of the error then has other causes, such as occlusion and reflected light, and the time of a
+// solid angle matters more.  For the same error, area sampling takes 0.68 of the time in
+// scenes/cornell, and 1.9 times as long in tests/data/reference's rectangle_near.  The threshold
+// lies between, at a density that varies by a factor of 2.5.
 //
-// The cosine's warp takes 150 ns more. It pays where the cosines to the corners vary by a factor of
-// sqrt(3) or the horizon cuts the light.  It does not pay where all cosines are below three times
-// its floor (a light on the horizon, more than 16 sizes away).
+// kUneven, kLeastCosine: the cosine's warp takes 150 ns more.  It pays if the cosines to the
+// corners vary by a factor of sqrt(3) or the horizon cuts the light.  It does not pay if all
+// cosines are below three times its floor (a light on the horizon, more than 16 sizes away).
 constexpr double kFar = 1.16;
-// Where directions of the surface are weighed against samples, as along paths, most of the error is
-// of other things (what is hidden, light that was reflected), and the time of a solid angle counts
-// more: in scenes/cornell by area takes 0.68 of it for the same error, tests/data/reference's
-// rectangle_near 1.9 times.  In between, at a density that varies by a factor of 2.5.
 constexpr double kFarBesideDirections = 1.84;
-// The cosine's warp takes 150 ns more.  It pays where the cosines to the corners vary by a factor
-// of sqrt(3) or the horizon cuts the light; not where its floor leaves nothing of it, as for all
-// cosines below three floors (a light on the horizon, more than 16 sizes away).
 constexpr double kUneven = 3;
 constexpr double kLeastCosine = 3 * kCosineFloor;
 // Of the five ways by area the square root has the least variance at 1 and at 16 Sobol points.
 constexpr AreaSampling kByArea = AreaSampling::kSquareRoot;
-// Spheres always use solid angle.  From outside it is also the faster way, and none of its points
-// face away.  From within it is as fast.
+// Spheres always use solid angle.  From outside, it is also faster, and no sampled point faces
+// away.  From within, it is as fast.
 
 struct Range {
   double least, most;

@@ -9,26 +9,25 @@
 namespace lucerna {
 
 /// How the points of an area light are chosen.  The first five differ only on triangles; other
-/// shapes use uniform sampling by area for each of them.  Every way has its exact density.  A
-/// receiver that cannot use a way (no float holds the solid angle, or the shape has no such way)
-/// uses area sampling, both for samples and for densities.  No way has an effect where
+/// shapes use uniform sampling by area for each of them.  Every way has an exact density.  If a
+/// receiver cannot use a way (the solid angle does not fit a float, or the shape has no such way),
+/// it uses area sampling for samples and densities.  The way has no effect if
 /// Painted::is_by_picture().
 enum class AreaSampling : std::uint8_t {
   kAutomatic = 0,     ///< by the rule in lights/sampling/area_sampling.cpp
   kSquareRoot,        ///< uniform by area, by the square root of one value
   kKraemer,           ///< uniform by area, by the order of the values
-  kParallelogram,     ///< uniform by area, the far half folded back
-  kRejection,         ///< uniform by area, the far half drawn again
+  kParallelogram,     ///< uniform by area, the far half of the parallelogram folded back
+  kRejection,         ///< uniform by area, the far half of the parallelogram drawn again
   kLowDistortion,     ///< uniform by area, a continuous map of little distortion [Heitz19]
-  kSolidAngle,        ///< uniform in solid angle at the receiver; on disks nearly
+  kSolidAngle,        ///< uniform in solid angle at the receiver; on disks nearly uniform
   kCosineSolidAngle,  ///< nearly by projected solid angle: warped by the receiver's cosine; needs
                       ///< its normal and a triangle or rectangle, else kSolidAngle
 };
 
-/// The way in which points of a triangle or rectangle are chosen when `requested` is wanted.
-/// kAutomatic is replaced by one rule. kCosineSolidAngle is replaced where `normal` is zero.  Never
-/// kAutomatic.  `corners` are relative to the receiver, in any unit of length.  `incomplete` as in
-/// Receiver.
+/// The way in which points of a triangle or rectangle are chosen for a request.  Replaces
+/// kAutomatic by the rule's choice, and kCosineSolidAngle if `normal` is zero.  `corners` are
+/// relative to the receiver, in any unit of length.  `incomplete` as in Receiver.
 AreaSampling way_for_corners(AreaSampling requested, std::span<const Vec3<double>> corners,
                              const Vec3<double>& normal, bool incomplete = false);
 /// The same for a disk, by the points of its rim nearest to the receiver and farthest from it.

@@ -25,11 +25,11 @@ enum class NoLight : std::uint8_t {
 template <std::floating_point Real>
 struct Receiver {
   Vec3<Real> position;  ///< about the scene's origin [m]
-  /// Unit, on the side where light counts.  Zero: no normal, and all directions count alike.
+  /// Unit, on the side where light counts.  Zero: no normal, and all directions count equally.
   Vec3<Real> normal;
   AreaSampling area_sampling = AreaSampling::kAutomatic;
   /// The caller also samples directions and weights both kinds of samples.  The density may then be
-  /// 0 where little light comes from.  [Karlik19]
+  /// 0 for directions with little light.  [Karlik19]
   bool incomplete = false;
 
   Receiver() = default;
@@ -62,12 +62,12 @@ struct LightSample {
 
 /// One ray that leaves a light.  The light's power is the mean over samples of
 ///   value |n.direction| / (pdf_position pdf_direction)
-/// A light without a surface has no cosine.  A density of 0 means that the position or direction is
-/// certain, and is left out.
+/// A light without a surface has no cosine.  Leave out a density of 0: the position or direction is
+/// then certain.
 template <std::floating_point Real>
 struct EmissionSample {
-  /// Radiance [cd/m2]. For a light that shines from one point luminous intensity [cd]. For a light
-  /// that shines in one direction illuminance on a surface that faces it [lx].  Finite, not
+  /// Radiance [cd/m2].  For a light that shines from one point: luminous intensity [cd].  For a
+  /// light that shines in one direction: illuminance on a surface that faces it [lx].  Finite, not
   /// negative, 0 unless `reason` is kNone.
   Rgb<Real> value;
   Vec3<Real> origin;           ///< about the scene's origin [m]
@@ -95,10 +95,10 @@ struct SurfacePoint {
   std::uint32_t primitive{};
 };
 
-/// A power with a bound on its error.  Exact means a closed form for the light as its type stores
-/// it.  The error does not include the rounding of that computation in double, at most 1e-12 of the
-/// power.  For distant and infinite lights the power depends on the scene: it is the flux through
-/// the disk of radius `SceneSphere::radius_m` that faces the light.
+/// A power with a bound on its error.  Exact means a closed form for the stored parameters.  The
+/// error does not include rounding in double, which is at most 1e-12 of the power.  For distant and
+/// infinite lights the power depends on the scene: it is the flux through the disk of radius
+/// `SceneSphere::radius_m` that faces the light.
 struct Power {
   Rgb<double> lumens;     ///< per channel; the luminous flux is its luminance [lm]
   double error_lumens{};  ///< bound on the error of the luminous flux; 0 where exact [lm]

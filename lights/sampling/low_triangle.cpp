@@ -15,7 +15,7 @@ std::optional<LowTriangle> LowTriangle::create(std::span<const Vec3<double>, 3> 
   low.fan_ = SphericalFan::create(corners, normal, height);
   if (low.fan_) return low;
 
-  // Of the edges that the foot is beyond, the nearest.
+  // Find the nearest of the edges that have the foot on their outer side.
   double least = std::numeric_limits<double>::infinity();
   Vec3<double> from_foot;
   int edge = -1;

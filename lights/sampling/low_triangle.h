@@ -1,7 +1,7 @@
 // A triangle seen by a receiver that is close to it and low above its plane. Positions are relative
 // to the foot, the point of the plane below the receiver, if the triangle contains it.  Otherwise
-// they are relative to the point of the triangle nearest to the foot.  Relative to a corner, the
-// distance to the corner would hide what is near the foot.
+// they are relative to the point of the triangle nearest to the foot.  Coordinates relative to a
+// corner would lose digits near the foot.
 #pragma once
 
 #include <array>
@@ -19,8 +19,8 @@ class LowTriangle {
  public:
   /// Corners from the receiver, counter-clockwise about the unit normal.  `height` is how far the
   /// receiver is above the plane on the side of the normal, not 0.  All in one unit of length.
-  /// Nothing where the receiver is farther than a thousandth of the triangle's size:
-  /// lights/sampling/spherical_triangle.h is as good there.
+  /// Nothing if the receiver is farther away than a thousandth of the triangle's size.  There
+  /// lights/sampling/spherical_triangle.h is as good.
   static std::optional<LowTriangle> create(std::span<const Vec3<double>, 3> corners,
                                            const Vec3<double>& normal, double height);
 
@@ -32,8 +32,8 @@ class LowTriangle {
  private:
   LowTriangle() = default;
 
-  /// Where the foot is outside: the parts on both sides of the nearest point, which is corner b of
-  /// each.
+  /// If the foot is outside: the parts on both sides of the nearest point, which is corner b of
+  /// each part.
   struct Part {
     SphericalTriangle seen;
     Vec3<double> to_a, to_c;  ///< from the nearest point

@@ -9,11 +9,11 @@
 namespace lucerna {
 namespace {
 
-/// Sums smaller than this relative to their terms have lost three digits and are not used.
+/// Sums smaller than this, relative to their terms, have lost three digits and are not used.
 constexpr double kLeastShare = 1e-3;
 
-/// The integral of `f` from `a` to `b` by Gauss's rule.  The interval is halved where the halves
-/// differ from the whole.
+/// The integral of `f` from `a` to `b` by Gauss's rule.  Halves an interval if its halves differ
+/// from the whole.
 template <typename F>
 double integral(const F& f, double a, double b) {
   struct Sum {
@@ -43,15 +43,16 @@ double integral(const F& f, double a, double b) {
   return halved(halved, a, b, all, kDepth);
 }
 
-/// A corner seen by the receiver, its height above the horizon, and the edge from it to the next.
-/// The edge is stored too, because the corners of a small distant polygon lose its digits.
+/// A corner seen by the receiver, its height above the horizon, and the edge from it to the next
+/// corner. The edge is stored too, because differences of corners lose digits for a small distant
+/// polygon.
 struct Corner {
   Vec3<double> v;
   double up;
   Vec3<double> edge;
 };
 
-/// A convex polygon; the horizon cuts one corner more from it than it had.
+/// A convex polygon of up to four corners, plus one where the horizon cuts it.
 struct Polygon {
   std::array<Corner, 5> corner;
   int count = 0;
@@ -70,7 +71,7 @@ Polygon above_horizon(const Polygon& whole) {
     const bool a_is_up = a.up > 0, b_is_up = b.up > 0;
     if (a_is_up && b_is_up) kept.add(a);
     if (a_is_up == b_is_up) continue;
-    // From the corner above the horizon, so that small parts stay exact.
+    // Computed from the corner above the horizon, so that small parts stay exact.
     if (a_is_up) {
       const Vec3<double> down = a.edge * (a.up / (a.up - b.up));
       kept.add({a.v, a.up, down});
@@ -118,7 +119,7 @@ struct Part {
   std::array<double, 3> up;
 };
 
-/// The integral of up / |v|^4 over a triangle whose sides are small from where it is seen.
+/// The integral of up / |v|^4 over a triangle that looks small from the receiver.
 double by_rule(const Part& t) {
   const Gauss<8>& rule = gauss<8>();
   double sum = 0;
@@ -134,13 +135,13 @@ double by_rule(const Part& t) {
   return sum;
 }
 
-/// The same for any triangle, in units of twice its area: halved across its longest side until its
-/// parts are small.  Cut in four equal parts, slivers would stay slivers, and very many of them
-/// would be needed near the receiver.  [Rivara84]
+/// The same for any triangle, in units of twice its area.  It is halved across its longest side
+/// until its parts are small.  Four equal parts would leave slivers as slivers, and need very many
+/// parts near the receiver.  [Rivara84]
 double by_parts(const Part& t, int depth) {
   const Vec3<double> centre = (t.v[0] + t.v[1] + t.v[2]) / 3;
   const auto away = [&](int i) { return dot(t.v[i] - centre, t.v[i] - centre); };
-  // As far as four times its radius, the rule of 8 by 8 leaves 1e-14.
+  // At a distance of four times the radius, the rule of 8 by 8 nodes has an error of 1e-14.
   if (depth == 0 || 16 * std::max({away(0), away(1), away(2)}) <= dot(centre, centre))
     return by_rule(t);
   const auto side2 = [&](int i) {
@@ -156,7 +157,7 @@ double by_parts(const Part& t, int depth) {
   return (by_parts(first, depth - 1) + by_parts(second, depth - 1)) / 2;
 }
 
-/// height times the integral of up / |v|^4 over the polygon: no term of it is negative.
+/// height times the integral of up / |v|^4 over the polygon.  No term is negative.
 double by_area(const Polygon& polygon, double height) {
   constexpr int kDepth = 120;
   const Corner& first = polygon.corner[0];
@@ -171,8 +172,9 @@ double by_area(const Polygon& polygon, double height) {
   return height * sum;
 }
 
-/// The part of a disk above a horizon that cuts it: the arc of its rim with |t| < T and the chord
-/// between its ends, where the rim is at center + x cos t + y sin t, and y along the horizon.
+/// The part of a disk above a horizon that cuts it.  Its edge is the arc of the rim with |t| < T,
+/// and the chord between the arc's ends.  The rim is center + x cos t + y sin t, with y along the
+/// horizon.
 class CutDisk {
  public:
   CutDisk(const Vec3<double>& center, const Vec3<double>& x, const Vec3<double>& y,
@@ -199,7 +201,7 @@ class CutDisk {
     return {std::fabs(arc + chord) / 2, terms};
   }
 
-  /// height times the integral of up / |v|^4 over it, out from the middle of the chord.
+  /// height times the integral of up / |v|^4 over the part, in rays from the middle of the chord.
   double by_area(double height) const {
     const Vec3<double> middle = center_ + x_ * std::cos(end_);
     const auto along = [&](double t) {
@@ -224,16 +226,16 @@ class CutDisk {
   double slope_, end_;
 };
 
-/// The vector whose product with a normal is a disk's projected solid angle, for normals whose
-/// horizon the disk is above.  Its components run away from the receiver along the axis, and along
-/// the plane towards the centre.
+/// The vector whose product with a normal is a disk's projected solid angle.  It is valid if the
+/// disk is above the normal's horizon.  One component runs along the axis, away from the receiver.
+/// The other runs along the plane, towards the centre.
 struct DiskVector {
   double along_axis, along_plane;
 };
 
-/// From `offset` beside the axis, `height` above the plane: with S = offset^2 + radius^2 + height^2
-/// and Q = sqrt(S^2 - (2 offset radius)^2), pi/2 (1 - (S - 2 radius^2) / Q) and
-/// pi/2 height / offset (S / Q - 1), their differences worked out by hand.
+/// For a receiver `offset` beside the axis and `height` above the plane.  With S = offset^2 +
+/// radius^2 + height^2 and Q = sqrt(S^2 - (2 offset radius)^2), the components are pi/2 (1 - (S - 2
+/// radius^2) / Q) and pi/2 height / offset (S / Q - 1).  The code avoids their differences.
 DiskVector disk_vector(double offset, double height, double radius) {
   const double h2 = height * height, r2 = radius * radius, o2 = offset * offset;
   const double s = o2 + r2 + h2;
@@ -245,11 +247,12 @@ DiskVector disk_vector(double offset, double height, double radius) {
   return {kPi * r2 * facing / (q * (s + q)), 2 * kPi * height * offset * r2 / (q * (s + q))};
 }
 
-/// For a cap whose axis is on the horizon or below it.
+/// The part above the horizon of a cap whose axis is on the horizon or below it.
 double peeking_cap(double sin_half, double cos_half, double sin_axis, double depth) {
-  // Its edge is sin_half sin_axis (cos t - cos T) above the horizon.  What is seen, projected onto
-  // the receiver's plane, is between this edge and the unit circle: at either end of each stretch
-  // x^2 + y^2 + z^2 = 1 with z that height and z = 0, and so the stretch is z^2 over the sum of x.
+  // The cap's edge is z = sin_half sin_axis (cos t - cos T) above the horizon.  Projected onto the
+  // receiver's plane, the visible part lies between this edge and the unit circle.  Both ends of a
+  // stretch at y satisfy x^2 + y^2 + z^2 = 1, with z = 0 on the circle.  So the length of the
+  // stretch is z^2 over the sum of both x.
   const double highest = sin_half * sin_axis - cos_half * depth;
   if (!(highest > 0)) return 0;
   const double end = 2 * std::asin(std::sqrt(std::fmin(highest / (2 * sin_half * sin_axis), 1)));
@@ -272,7 +275,7 @@ double polygon_projected_solid_angle(std::span<const Vec3<double>> corners,
   double farthest = 0;
   for (const Vec3<double>& c : corners) farthest = std::fmax(farthest, max_abs(c - receiver));
   if (!(farthest > 0) || !std::isfinite(farthest)) return 0;
-  // A power of two that scales it to about 1, so that no square leaves the range of double.
+  // Scales lengths by a power of two to about 1, so that no square overflows or underflows.
   const int exponent = -std::ilogb(farthest);
   Polygon whole;
   for (std::size_t i = 0; i < corners.size(); ++i) {
@@ -320,7 +323,7 @@ double cap_projected_solid_angle(const Vec3<double>& axis, double sin_half, doub
   const double cos_axis = dot(axis, normal), sin_axis = length(cross(axis, normal));
   const double all_above = kPi * sin_half * sin_half * cos_axis;
   if (cos_half * cos_axis >= sin_half * sin_axis) return std::fmax(all_above, 0);
-  // The part above equals the whole plus the part below.
+  // The part above equals the signed whole plus the size of the part below.
   return std::fmax(all_above, 0) + peeking_cap(sin_half, cos_half, sin_axis, std::fabs(cos_axis));
 }
 

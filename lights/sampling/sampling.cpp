@@ -24,14 +24,13 @@ Vec3<double> sample_triangle_parallelogram(Vec2<double> u) {
 }
 
 Vec3<double> sample_triangle_rejection(Vec2<double> u) {
-  // Half of the draws are in the far half.  The 64th is reached with a chance of 2^-64 and folded
-  // back.
+  // Half of the draws are in the far half.  The 64th draw has a chance of 2^-64; it is folded back.
   constexpr int kDraws = 64;
-  // From the values as floats, so that floats and doubles draw the same.
+  // Hashes the values as floats, so that floats and doubles give the same draws.
   const auto bits_of = [](double v) { return std::bit_cast<std::uint32_t>(static_cast<float>(v)); };
   std::uint64_t bits = (std::uint64_t{bits_of(u.x)} << 32) | bits_of(u.y);
   for (int i = 0; i < kDraws && u.x + u.y > 1; ++i) {
-    bits = mix_bits(bits + 0x9e3779b97f4a7c15);  // its gamma, so that no value leads to itself
+    bits = mix_bits(bits + 0x9e3779b97f4a7c15);  // the increment: no value maps to itself
     u = {std::ldexp(static_cast<double>(bits >> 32), -32),
          std::ldexp(static_cast<double>(bits & 0xffffffff), -32)};
   }

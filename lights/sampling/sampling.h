@@ -12,8 +12,8 @@
 
 namespace lucerna {
 
-/// A unit vector, uniform over the sphere.  The radius comes from u (1 - u), which does not cancel
-/// at the poles as 1 - z^2 does.
+/// A unit vector, uniform over the sphere.  The radius comes from u (1 - u).  1 - z^2 would cancel
+/// at the poles.
 template <std::floating_point Real>
 Vec3<Real> sample_uniform_sphere(Vec2<Real> u) {
   const Real r = 2 * std::sqrt(u.x * (1 - u.x));
@@ -37,14 +37,14 @@ Vec3<Real> sample_uniform_cone(Vec2<Real> u, Real one_minus_cos) {
   return {r * std::cos(phi), r * std::sin(phi), 1 - h};
 }
 
-/// Within the cone; infinite where the cone has no extent.
+/// The density within the cone; infinite if the cone has no extent.
 template <std::floating_point Real>
 SolidAnglePdf<Real> uniform_cone_pdf(Real one_minus_cos) {
   return {std::numbers::inv_pi_v<Real> / (2 * one_minus_cos)};
 }
 
-/// A point of the disk of radius 1, uniform by area; concentric squares go to concentric circles.
-/// [Shirley97]
+/// A point of the disk of radius 1, uniform by area.  It maps concentric squares to concentric
+/// circles.  [Shirley97]
 template <std::floating_point Real>
 Vec2<Real> sample_concentric_disk(Vec2<Real> u) {
   const Real a = 2 * u.x - 1;
@@ -71,14 +71,14 @@ template <std::floating_point Real>
 Vec3<Real> sample_uniform_triangle(Vec2<Real> u) {
   const Real low = std::min(u.x, u.y) / 2;
   const Real high = std::max(u.x, u.y) - low;
-  // In this order the sum of all three is 1 to the last bit, and the third not negative.
+  // In this order, the sum of all three is exactly 1, and the third is not negative.
   const Real third = std::max(Real(0), 1 - low - high);
   return u.x < u.y ? Vec3<Real>{low, high, third} : Vec3<Real>{high, low, third};
 }
 
 /// The same by the square root of one value.  [Turk90]
 Vec3<double> sample_triangle_square_root(Vec2<double> u);
-/// The same by the order of the values, after Kraemer: the lengths of a stick broken in two places.
+/// The same by the order of the values, after Kraemer: the lengths of a stick broken at two points.
 /// [Devroye86, V.2]
 Vec3<double> sample_triangle_kraemer(Vec2<double> u);
 /// The same by a parallelogram, whose far half is turned about its middle.  [Turk90]
@@ -89,19 +89,19 @@ Vec3<double> sample_triangle_rejection(Vec2<double> u);
 /// Any of the five; sample_uniform_triangle for other ways.
 Vec3<double> sample_triangle(AreaSampling way, Vec2<double> u);
 
-/// For a triangle of area `area_m2`; 1/2 is the triangle of the coordinates themselves.
+/// For a triangle of area `area_m2`; 1/2 for the triangle of the coordinates.
 template <std::floating_point Real>
 AreaPdf<Real> uniform_triangle_pdf(Real area_m2) {
   return {1 / area_m2};
 }
 
-/// x in [0, 1] with density proportional to (1 - x) a + x b, which are not negative.
+/// x in [0, 1] with density proportional to (1 - x) a + x b, for a, b >= 0.
 inline double sample_linear(double u, double a, double b) {
   if (!(a + b > 0)) return u;
   return std::min(u * (a + b) / (a + std::sqrt((1 - u) * a * a + u * b * b)), 1.0);
 }
 
-/// Not negative, at the corners of the unit square and bilinear between them.  [Pharr23, 2.4]
+/// Weights >= 0 at the corners of the unit square, bilinear between them.  [Pharr23, 2.4]
 struct BilinearWeights {
   double w00, w10, w01, w11;
 
@@ -109,7 +109,7 @@ struct BilinearWeights {
   double at(double x, double y) const {
     return (1 - y) * ((1 - x) * w00 + x * w10) + y * ((1 - x) * w01 + x * w11);
   }
-  /// With density at(x, y) / mean() over the unit square.
+  /// A point of the unit square with the density at(x, y) / mean().
   Vec2<double> sample(Vec2<double> u) const {
     const double y = sample_linear(u.y, w00 + w10, w01 + w11);
     return {sample_linear(u.x, (1 - y) * w00 + y * w01, (1 - y) * w10 + y * w11), y};

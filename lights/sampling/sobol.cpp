@@ -10,9 +10,9 @@ std::uint32_t reverse_bits(std::uint32_t v) {
   return (v & 0x55555555U) << 1 | (v >> 1 & 0x55555555U);
 }
 
-/// Permutes so that every bit is flipped or not by a hash of the bits below it and `seed`: nested
-/// uniform scrambling of a number whose digits run from the lowest bit upwards.  The idea is
-/// [Laine11]'s, the constants are [Vegdahl21]'s.
+/// Nested uniform scrambling of a number whose digits run from the lowest bit upwards.  A hash of
+/// `seed` and the bits below decides whether a bit is flipped.  The idea is [Laine11]'s, the
+/// constants are [Vegdahl21]'s.
 std::uint32_t scramble_upwards(std::uint32_t v, std::uint32_t seed) {
   v ^= v * 0x3D20ADEAU;
   v += seed;
@@ -22,9 +22,9 @@ std::uint32_t scramble_upwards(std::uint32_t v, std::uint32_t seed) {
   return v;
 }
 
-/// The second Sobol dimension, digits from the lowest bit upwards as those of `index` are: digit j
-/// is the parity of all index bits i with binomial(i, j) odd, which Lucas' theorem says are those
-/// where i has all the bits of j.  A sum over supersets, so five steps do.
+/// The second Sobol dimension; digits run from the lowest bit upwards, as in `index`.  Digit j is
+/// the parity of all index bits i with binomial(i, j) odd.  By Lucas' theorem, these are the i that
+/// have all bits of j.  This is a sum over supersets, which takes five steps.
 std::uint32_t pascal(std::uint32_t index) {
   index ^= index >> 16;
   index ^= index >> 8 & 0x00FF00FFU;

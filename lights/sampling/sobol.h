@@ -9,8 +9,8 @@
 namespace lucerna {
 
 /// The sample points of one pixel or one batch item.  Every pair of dimensions is a (0,2)-sequence.
-/// Nested uniform (Owen) scrambling from a hash of the key scrambles it and shuffles its order, so
-/// pairs are independent of each other.  [Burley20]
+/// Nested uniform (Owen) scrambling by a hash of the key scrambles its digits and shuffles its
+/// order, so pairs are independent of each other.  [Burley20]
 ///
 /// Thread-compatible; copying is cheap.
 class SobolSequence {

@@ -19,12 +19,12 @@ std::optional<SphericalEllipse> SphericalEllipse::create(double offset, double h
   const double h = e.height_ = std::scalbn(height, -e.exponent_);
   const double r = e.radius_ = std::scalbn(radius, -e.exponent_);
 
-  // l0 and l1 are the distances to the nearest and farthest points of the rim.  Triangle and
-  // bisector say, with q = l0 l1 cos(2 beta) and 2 r h = l0 l1 sin(2 beta):
-  //   sin alpha = 2 r / (l0 + l1),   cos^2 beta = ((l0 + l1)^2 - 4 r^2) / (4 l0 l1),
-  // and the bisector meets the disk's plane at d cos^2 alpha, sqrt(l0 l1) cos alpha away.
-  // (l0 + l1)^2 - 4 r^2 = 2 (l0 l1 + q); of l0 l1 +- q the one that cancels follows from the other
-  // and their product, (2 r h)^2.
+  // l0 and l1 are the distances to the nearest and farthest points of the rim.  These points, the
+  // receiver and the bisector give, with q = l0 l1 cos(2 beta) and 2 r h = l0 l1 sin(2 beta):
+  //   sin alpha = 2 r / (l0 + l1),   cos^2 beta = ((l0 + l1)^2 - 4 r^2) / (4 l0 l1).
+  // The bisector meets the disk's plane at d cos^2 alpha, at a distance of sqrt(l0 l1) cos alpha.
+  // Also, (l0 + l1)^2 - 4 r^2 = 2 (l0 l1 + q).  One of l0 l1 + q and l0 l1 - q cancels.  It follows
+  // from the other one and their product, (2 r h)^2.
   const double q = (d - r) * (d + r) + h * h;
   const double rh = 2 * r * h;
   const double product = std::sqrt(q * q + rh * rh);
@@ -35,7 +35,7 @@ std::optional<SphericalEllipse> SphericalEllipse::create(double offset, double h
   e.cos_alpha_ = std::sqrt(2 * plus / squared_sum);
   e.sin_beta_ = std::sqrt(minus / (2 * product));
   e.cos_beta_ = std::sqrt(plus / (2 * product));
-  // From low over the disk, but not over its rim, all edges are at the horizon.
+  // For a receiver close to the disk but not near its rim, the whole edge is at the horizon.
   constexpr double kHorizon = 1e-3;
   if (!(e.sin_beta_ >= kLeast) || !(e.cos_alpha_ >= kLeast || e.cos_beta_ <= kHorizon) ||
       !(e.cos_alpha_ > 0))
@@ -50,7 +50,7 @@ std::optional<SphericalEllipse> SphericalEllipse::create(double offset, double h
 
 double SphericalEllipse::squared_edge(double x, double y) const {
   const double rr = x * x + y * y;
-  // The middle is on all meridians and counts as on that of the long axis.
+  // The middle is on all meridians.  Use the meridian of the long axis.
   if (!(rr > 0)) return cos_alpha_ * cos_alpha_;
   return (cos_alpha_ * cos_alpha_ * x * x + cos_beta_ * cos_beta_ * y * y) / rr;
 }
@@ -64,8 +64,8 @@ SphericalEllipse::Point SphericalEllipse::choose(Vec2<double> u) const {
   // across^2 + along^2 = s (1 - n^2).
   const double one_minus_cos = (across * across + along * along) / (1 + n);
   const double stretch = std::sqrt((2 - one_minus_cos) / (1 + n));
-  // Onto the disk's plane, relative to where the middle meets it.  The only difference is in
-  // `climb`, where both terms are as small as the result.
+  // Project onto the disk's plane, relative to the point where the middle meets it.  The only
+  // difference is in `climb`, where both terms are as small as the result.
   const double climb = (1 - one_minus_cos) * cos_tilt_ - along * stretch * sin_tilt_;
   const double from_axis = to_axis_ * along * stretch / climb;
   const double aside = height_ * across * stretch / climb;

@@ -33,10 +33,10 @@ std::optional<SphericalFan> SphericalFan::create(std::span<const Vec3<double>> c
     const Vec3<double>&a = corners[i], &b = corners[(i + 1) % corners.size()];
     Edge edge;
     edge.along = normalized(b - a);
-    // Within the plane: the height has no part in it.
+    // The distance within the plane does not depend on the height.
     edge.outwards = cross(edge.along, normal);
     edge.distance = dot(a, edge.outwards);
-    if (edge.distance == 0) continue;  // on the edge: nothing lies between
+    if (edge.distance == 0) continue;  // the foot is on the edge: the triangle is empty
     if (!(edge.distance > 0)) return std::nullopt;
     edge.from = dot(a, edge.along);
     edge.to = dot(b, edge.along);
@@ -61,11 +61,11 @@ Vec3<double> SphericalFan::sample(Vec2<double> u) const {
   const double half = std::sin(covered / 2);
   const double fraction = d * (d / (slant * (slant + h))) - 2 * half * half;
   const double sine = std::sin(covered);
-  // At or beyond a right angle, which only rounding causes: the end.
+  // Rounding may lead to a right angle or more.  Use the end of the edge then.
   const double y = fraction > 0 ? std::clamp(d * (sine / fraction), edge.from, edge.to)
                                 : (sine < 0 ? edge.from : edge.to);
 
-  // On the way to the edge the cosine off the normal is uniform.
+  // On the way to the edge, the cosine to the normal is uniform.
   const double rho = std::sqrt(d * d + y * y);
   const double share = std::clamp(u.y, 0.0, 1.0);
   const double least = h / std::sqrt(rho * rho + h * h);

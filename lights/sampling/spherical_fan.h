@@ -1,16 +1,16 @@
-// The directions that a flat convex polygon covers for a receiver so low above it that they are
-// nearly the hemisphere, and points of the polygon chosen uniformly in solid angle.
+// Uniform sampling by solid angle of a flat convex polygon for a receiver close above it.  The
+// polygon then covers nearly the whole hemisphere.
 //
 // The polygon is cut into triangles at the receiver's foot, the point of the polygon below the
 // receiver.  An edge has the distance d from the foot; h is the height; y runs along the edge from
-// its point nearest to the foot.  Such a triangle covers, from that nearest point to y,
+// its point nearest to the foot.  From that nearest point to y, such a triangle covers
 //
-//   G(y) = phi - asin(k sin phi),   tan phi = y / d,   k = h / sqrt(h^2 + d^2),
+//   G(y) = phi - asin(k sin phi),   tan phi = y / d,   k = h / sqrt(h^2 + d^2).
 //
-// and from tan G as a fraction, tan phi = sin G / (cos G - k).  All lengths are measured from the
-// foot and not from a corner, so heights of 1e-20 of the polygon's size lose no precision. (Arvo's
-// triangle measures from its corners and loses the square of the ratio: at heights of 1e-8 its
-// samples do not follow its density.)
+// The inverse is tan phi = sin G / (cos G - k).  All lengths are measured from the foot and not
+// from a corner, so heights of 1e-20 of the polygon's size lose no precision.  (Arvo's triangle
+// measures from its corners and loses the square of that ratio.  At heights of 1e-8 its samples do
+// not follow its density.)
 #pragma once
 
 #include <array>
@@ -26,7 +26,7 @@ class SphericalFan {
  public:
   /// Three or four corners from the receiver, counter-clockwise about the unit normal of their
   /// plane.  `height` is how far the receiver is above it on the side of the normal, not 0.  All in
-  /// one unit of length.  Nothing where the foot is outside the polygon.  Nothing where the height
+  /// one unit of length.  Nothing if the foot is outside the polygon.  Nothing if the height
   /// exceeds a thousandth of the distance to the farthest corner, because other ways are as good
   /// there.
   static std::optional<SphericalFan> create(std::span<const Vec3<double>> corners,
@@ -41,7 +41,7 @@ class SphericalFan {
  private:
   SphericalFan() = default;
 
-  /// An edge, as the foot sees it.
+  /// An edge, relative to the foot.
   struct Edge {
     Vec3<double> outwards, along;  ///< unit, within the plane
     double distance, from, to;     ///< from the foot; y at either end

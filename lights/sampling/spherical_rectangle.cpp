@@ -59,9 +59,9 @@ double SphericalRectangle::strip(double x) const {
 }
 
 Vec2<double> SphericalRectangle::sample(Vec2<double> u) const {
-  // The strip between 0 and x covers asin(k1 sin phi) - asin(k0 sin phi), where tan phi = x / z and
-  // k the sines of the elevations of the edges.  That two angles have the sines k1 s and k0 s and
-  // the difference d says, as the law of cosines, s^2 (k1^2 + k0^2 - 2 k1 k0 cos d) = sin^2 d.
+  // The strip between 0 and x covers d = asin(k1 s) - asin(k0 s).  Here s = sin phi, tan phi = x /
+  // z, and k0 and k1 are the sines of the elevations of the edges.  The law of cosines then gives
+  // s^2 (k1^2 + k0^2 - 2 k1 k0 cos d) = sin^2 d.
   const double d = strip_x0_ + clamp_unit(u.x) * solid_angle_;
   const double k0 = sin_y0_;
   const double k1 = sin_y1_;
@@ -72,7 +72,7 @@ Vec2<double> SphericalRectangle::sample(Vec2<double> u) const {
   const double cos_phi = std::sqrt((1 - sin_phi) * (1 + sin_phi));
   const double x = std::fmin(std::fmax(z_ * sin_phi / cos_phi, x0_), x1_);
 
-  // Along y the sine of the elevation over the line of this x is uniform.
+  // At this x, the sine of the elevation along y is uniform.
   const double r = std::sqrt(x * x + z_ * z_);
   const double h0 = y0_ / std::sqrt(r * r + y0_ * y0_);
   const double h1 = y1_ / std::sqrt(r * r + y1_ * y1_);

@@ -13,9 +13,9 @@ class SphericalRectangle {
  public:
   /// A corner relative to the receiver and the two edges from it, perpendicular to each other; any
   /// unit of length.  Nothing below 1e-5 sr or above 2 pi - 1e-6 sr.  Callers then sample by area;
-  /// this one threshold decides for sampling and density.  Smaller rectangles are so far away that
-  /// all ways are equal, or are seen so nearly from within their plane that the cosines below lose
-  /// digits (at 1e-5 sr ten of sixteen digits are lost).
+  /// sampling and density use the same thresholds.  Smaller rectangles are so far away that all
+  /// ways are equal, or so nearly edge-on that the cosines of this class lose digits (ten of
+  /// sixteen at 1e-5 sr).
   static std::optional<SphericalRectangle> create(const Vec3<double>& corner,
                                                   const Vec3<double>& edge_x,
                                                   const Vec3<double>& edge_y);
@@ -24,7 +24,7 @@ class SphericalRectangle {
                                                   const Vec3<double>& edge_x,
                                                   const Vec3<double>& edge_y, double height);
 
-  /// By two triangles: a sum of four angles cancels.  [Oosterom83]
+  /// Computed by two triangles, because a sum of four angles cancels.  [Oosterom83]
   double solid_angle_sr() const { return solid_angle_; }
 
   /// The position along both edges as fractions in [0, 1]^2, uniform in solid angle. u = (0, 0) is

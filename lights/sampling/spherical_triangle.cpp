@@ -32,8 +32,8 @@ double triangle_solid_angle(const Vec3<double>& a, const Vec3<double>& b, const 
 }
 
 double triangle_solid_angle(const Vec3<double>& a, const Vec3<double>& ab, const Vec3<double>& ac) {
-  // By the edges.  For small triangles the corners are nearly parallel, and their own product
-  // cancels.
+  // Computed from the edges.  The corners of small triangles are nearly parallel, so their triple
+  // product cancels.
   return triangle_solid_angle(a, a + ab, a + ac, dot(a, cross(ab, ac)));
 }
 
@@ -87,7 +87,7 @@ double SphericalTriangle::Arc::one_minus_cos(double s) const {
   const double x = 1 + s * cosine;
   const double y = s * sine;
   const double length = std::sqrt(x * x + y * y);
-  // sin^2 / (1 + cos), unless it is 1 + cos that cancels.
+  // sin^2 / (1 + cos), except where 1 + cos cancels.
   return x > 0 ? y / length * (y / (length + x)) : (length - x) / length;
 }
 
@@ -97,19 +97,20 @@ SphericalTriangle::Arc SphericalTriangle::arc_to(double t) const {
 }
 
 Vec3<double> SphericalTriangle::sample(Vec2<double> u) const {
-  // c' = a + t (c - a) cuts off a triangle (a, b, c') of solid angle u.x times the whole.  In units
-  // of |a|, with A, B unit, E = (c - a) / |a| and w half of that solid angle, [Oosterom83] says
-  //   tan w = t det(A, B, E) / ((1 + A.B) (1 + |A + t E|) + t (A + B).E),
-  // and squared, to be rid of the root, what is left is linear in t.  Written with sine and cosine
-  // of w, which may be beyond pi / 2.  (Arvo solves for the direction of c' instead, by angles that
-  // cancel in small triangles.)
+  // c' = a + t (c - a) cuts off a triangle (a, b, c') of solid angle u.x times the whole.  Lengths
+  // are in units of |a|, A and B are unit vectors, E = (c - a) / |a|, and w is half of that solid
+  // angle.  [Oosterom83] gives
+  //   tan w = t det(A, B, E) / ((1 + A.B) (1 + |A + t E|) + t (A + B).E).
+  // Squaring removes the root and leaves an equation linear in t.  It uses sine and cosine of w,
+  // since w may exceed pi / 2.  (Arvo solves for the direction of c' instead, by angles that cancel
+  // in small triangles.)
   const double w = u.x * solid_angle_ / 2;
   const double p = std::cos(w) * determinant_ - std::sin(w) * dot(bisector_, ac_);
   const double q = std::sin(w) * dot(bisector_, bisector_) / 2;
   const double q_edge = q * norm(ac_);
   const double t = clamp_unit(2 * q * (p + q * dot(unit_a_, ac_)) / ((p - q_edge) * (p + q_edge)));
 
-  // Along the arc from b to c', 1 - cos of the way from b is uniform.
+  // Along the arc from b to c', 1 - cos of the angle from b is uniform.
   const Arc arc = arc_to(t);
   const double h = clamp_unit(u.y) * arc.one_minus_cos(1);
   const double sine = std::sqrt(h * (2 - h));

@@ -16,15 +16,15 @@ namespace lucerna {
 /// the receiver's horizon to within rounding.
 inline constexpr double kMaxSolidAngle = 2 * kPi - 1e-6;
 
-/// `x` within [0, 1]; 0 for NaN, which rounding makes of a fraction between equals.
+/// `x` clamped to [0, 1]; 0 for NaN, the result of 0 / 0.
 inline double clamp_unit(double x) { return std::fmin(std::fmax(x, 0), 1); }
 
-/// The solid angle [sr] of the triangle with a corner at `a` and edges `ab`, `ac` from there, as
-/// seen from the origin; in [0, 2 pi].  0 from within its plane.  Any unit of length.
+/// The solid angle [sr] of the triangle with a corner at `a` and edges `ab`, `ac` from it, seen
+/// from the origin; in [0, 2 pi].  0 if the origin is in its plane.  Any unit of length.
 /// [Oosterom83]
 double triangle_solid_angle(const Vec3<double>& a, const Vec3<double>& ab, const Vec3<double>& ac);
-/// The same by all three corners, with `determinant` = dot(a, cross(b, c)) more exact than the
-/// corners give it.
+/// The same from three corners, with a `determinant` dot(a, cross(b, c)) that is more exact than
+/// one computed from the corners.
 double triangle_solid_angle(const Vec3<double>& a, const Vec3<double>& b, const Vec3<double>& c,
                             double determinant);
 
@@ -32,22 +32,22 @@ double triangle_solid_angle(const Vec3<double>& a, const Vec3<double>& b, const 
 class SphericalTriangle {
  public:
   /// Corners, and the receiver in the same frame; any unit of length.  Edges are computed from the
-  /// given corners, so a small distant triangle loses precision only in its direction.  Nothing
-  /// where no density by solid angle exists: the receiver is within the plane or on a corner, or
-  /// the triangle covers the hemisphere to within 1e-6 sr, or a value is not finite.
+  /// given corners, so a small distant triangle loses precision only in its direction.  Nothing if
+  /// there is no density by solid angle.  Then the receiver is in the plane or on a corner, the
+  /// triangle covers the hemisphere to within 1e-6 sr, or a value is not finite.
   static std::optional<SphericalTriangle> create(const Vec3<double>& a, const Vec3<double>& b,
                                                  const Vec3<double>& c,
                                                  const Vec3<double>& receiver = {});
 
-  /// The same from corners relative to the receiver, with dot(a, cross(b - a, c - a)) more exact
-  /// than they give it.
+  /// The same from corners relative to the receiver, with a `determinant` dot(a, cross(b - a, c -
+  /// a)) that is more exact than one computed from them.
   static std::optional<SphericalTriangle> create_seen(const Vec3<double>& a, const Vec3<double>& b,
                                                       const Vec3<double>& c, double determinant);
 
   double solid_angle_sr() const { return solid_angle_; }
 
   /// Barycentric coordinates (of a, b, c) of a point, uniform in solid angle; not negative, sum 1.
-  /// `u` in [0, 1]^2: u.y = 0 is b; u.y = 1 the edge from a (u.x = 0) to c (u.x = 1).  [Arvo95]
+  /// `u` in [0, 1]^2: u.y = 0 is b; u.y = 1 is the edge from a (u.x = 0) to c (u.x = 1).  [Arvo95]
   Vec3<double> sample(Vec2<double> u) const;
 
   /// The `u` that `sample` maps to these barycentric coordinates.

@@ -6,7 +6,7 @@
 namespace lucerna {
 namespace {
 
-/// The largest weight as an integer.  Sums of 2^22 cells of it stay below 2^63.
+/// The integer of the largest weight.  Sums over 2^22 such cells stay below 2^63.
 constexpr double kLargest = 0x1p40;
 
 /// The least `i` of [first, last] with `cumulative(i) > target`, or `last`.
@@ -51,7 +51,7 @@ WindowedDistribution::Span WindowedDistribution::span(double begin, double exten
   const int last = std::min(static_cast<int>(b), n_ - 1);
   const double length = extent * n_;
   if (first == last) return {first, last, length, 0};
-  // All parts add up to the extent, even where the position of the window has lost digits.
+  // All parts add up to the extent, even if the position of the window has lost digits.
   const double head = std::min(first + 1 - a, length);
   return {first, last, head, std::clamp(length - head - (last - first - 1), 0.0, 1.0)};
 }
@@ -64,8 +64,8 @@ std::uint64_t WindowedDistribution::block(int x0, int x1, int y0, int y1) const 
   return at(x1, y1) - at(x0, y1) - at(x1, y0) + at(x0, y0);
 }
 
-// Sums of terms that grow with `to` and with y1.  Both stay ascending under rounding, which the
-// binary search requires.
+// Each term grows with `to` and with y1.  So the sums ascend even after rounding, as the binary
+// search requires.
 double WindowedDistribution::across(const Span& x, int to, int y0, int y1) const {
   const auto part = [&](int x0, int x1) { return static_cast<double>(block(x0, x1, y0, y1)); };
   double sum = x.head * part(x.first, x.first + 1);
@@ -94,7 +94,7 @@ WindowedDistribution::Sample WindowedDistribution::sample(const Window& window,
     u.x = (u.x - kUniformShare) / (1 - kUniformShare);
     const auto place = [&](const Span& s, int cell, double begin, double before, double sum,
                            double target) {
-      // The edges belong to the neighbours.  Rounding may not reach them.
+      // The edges belong to the neighbours, so keep rounding away from them.
       const double share = std::clamp((target - before) / (sum - before), 0x1p-30, 1 - 0x1p-30);
       const double start = cell == s.first ? begin : cell / double(n_);
       return start + share * s.share_of(cell) / n_;
@@ -102,7 +102,7 @@ WindowedDistribution::Sample WindowedDistribution::sample(const Window& window,
     const auto rows = [&](int to) { return to < y.first ? 0 : down(x, y, to); };
     const double target_y = u.y * total;
     int row = choose(y.first, y.last, target_y, rows);
-    // A last row without extent, which only u = 1 can reach.
+    // Skip a last row without extent, which only u = 1 can reach.
     if (row > y.first && !(rows(row) > rows(row - 1))) --row;
     at.y = place(y, row, window.y, rows(row - 1), rows(row), target_y);
     const auto columns = [&](int to) { return to < x.first ? 0 : across(x, to, row, row + 1); };

@@ -10,18 +10,19 @@
 namespace lucerna {
 
 /// A grid of n x n cells, each with a weight.  Points are drawn from a window of the square with a
-/// density proportional to the weights.  A share of them is uniform over the window, so a weight
-/// that is too small does not make a sample much too bright.  Immutable.  [Bitterli15]
+/// density proportional to the weights.  A share of the points is uniform over the window, so a
+/// weight that is too small does not make a sample much too bright.  Immutable.  [Bitterli15]
 ///
 /// Weights are stored as sums of integers over all rectangles that begin at the corner.  Their
-/// differences are exact: a window with 1e-12 of all weight is sampled as well as the whole square.
+/// differences are exact, so a window with 1e-12 of all weight is sampled as well as the whole
+/// square.
 class WindowedDistribution {
  public:
   /// The part of the samples that is uniform over the window.
   static constexpr double kUniformShare = 1.0 / 16;
 
-  /// [x, x + width] x [y, y + height], within the unit square to within rounding. The window stores
-  /// extents, because ends would cancel where the window is small.
+  /// [x, x + width] x [y, y + height], inside the unit square to within rounding.  It stores
+  /// extents, because differences of ends would cancel for small windows.
   struct Window {
     double x = 0, y = 0, width = 1, height = 1;
   };
@@ -31,12 +32,12 @@ class WindowedDistribution {
   };
 
   /// `weights`: n x n numbers, rows of x one after another, finite, not negative.  Weights below
-  /// 2^-40 of the largest count as that.
+  /// 2^-40 of the largest are raised to that.
   WindowedDistribution(int n, const std::vector<double>& weights);
 
   /// For any u of the closed unit square and a window of positive extents.
   Sample sample(const Window& window, Vec2<double> u) const;
-  /// The density with which `sample` gives points of the window. Not finite where the window is too
+  /// The density with which `sample` gives points of the window. Not finite if the window is too
   /// small for doubles.
   double pdf(const Window& window, Vec2<double> position) const;
 
@@ -44,8 +45,8 @@ class WindowedDistribution {
   std::size_t bytes() const { return sizeof(*this) + sums_.capacity() * sizeof(std::uint64_t); }
 
  private:
-  /// The cells that one side of a window covers: the part `head` of the first, the part `tail` of
-  /// the last if that is another cell, and all cells between.
+  /// The cells that one side of a window covers: the part `head` of the first cell, the part `tail`
+  /// of the last cell if it is another one, and all cells between.
   struct Span {
     int first, last;
     double head, tail;
@@ -54,9 +55,9 @@ class WindowedDistribution {
   Span span(double begin, double extent) const;
   /// The weight of the cells [x0, x1) x [y0, y1).
   std::uint64_t block(int x0, int x1, int y0, int y1) const;
-  /// Within the window's columns up to and with `to` and the rows [y0, y1).
+  /// The weight within the window's columns up to and including `to`, and the rows [y0, y1).
   double across(const Span& x, int to, int y0, int y1) const;
-  /// Within the window's columns and its rows up to and with `to`.
+  /// The weight within the window's columns, and its rows up to and including `to`.
   double down(const Span& x, const Span& y, int to) const;
   double density(const Window& window, double total, Vec2<double> position) const;
 

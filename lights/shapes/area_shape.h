@@ -17,13 +17,13 @@
 #include "lights/shapes/shape.h"
 #include "lights/shapes/sphere.h"
 
-/// `X(Shape)` for each shape of this library.  Area lights, shapes with pictures and their names in
-/// the closed set of lights follow from this list.
+/// `X(Shape)` for each shape of this library.  This list defines the area lights, the shapes with
+/// pictures and their names in the list of all lights.
 #define LUCERNA_AREA_SHAPES(X) X(TriangleMesh) X(PatchMesh) LUCERNA_QUADRICS(X)
-/// Those that can be flat: panels follow from this list.
+/// Shapes that can be flat.  This list defines the panels.
 #define LUCERNA_FLAT_SHAPES(X) X(TriangleMesh) X(PatchMesh) LUCERNA_FLAT_QUADRICS(X)
-/// Those that are one surface with parameters: descriptions, rays, shafts and counts follow from
-/// this list.  Its flat and its curved members are listed again.
+/// Shapes that are one surface with parameters.  This list defines how a scene describes, hits and
+/// counts them.  The next two lists name the flat ones and the curved ones again.
 #define LUCERNA_QUADRICS(X) X(Sphere) X(Disk) X(Cylinder)
 #define LUCERNA_FLAT_QUADRICS(X) X(Disk)
 #define LUCERNA_CURVED_QUADRICS(X) X(Sphere) X(Cylinder)

@@ -10,7 +10,7 @@ namespace {
 
 /// A square of (u, v).
 struct Square {
-  double u, v, size;  ///< its lower corner, its side
+  double u, v, size;  ///< its lower corner and its side
 
   Square quarter(int i) const {
     const double half = size / 2;
@@ -21,9 +21,9 @@ struct Square {
 /// A bound on the error of Gauss's rule of four nodes for the mean of |N| over a line of (u, v). On
 /// the line N = dp/du x dp/dv changes by `change`, and its length is from `least` to `most`.
 ///
-/// N| is the root of a quadratic whose complex zeros are at least least / |N'| away from every
-/// point of the line. It therefore extends into the ellipse around the line with that shorter half
-/// axis, where it is at most most + least. [Trefethen20, theorem 19.3]
+/// The length of N is the root of a quadratic.  Its complex zeros have at least the distance least
+/// / change from every point of the line (length 1).  So it is analytic in the ellipse around the
+/// line with that shorter half axis, where it is at most most + least. [Trefethen20, theorem 19.3]
 double gauss_error(double change, double least, double most) {
   if (!(change > 0)) return 0;
   const double half_axis = 2 * least / change;  // in half lengths of the line
@@ -51,15 +51,15 @@ BilinearPatchArea by_gauss(const BilinearForm& p, const Square& at) {
   least = std::fmax(least, 0);
   const double by_continuation = gauss_error(at.size * length(cross(p.e, p.g)), least, most) +
                                  gauss_error(at.size * length(cross(p.g, p.f)), least, most);
-  // The vector is linear, so its length is convex.  Integral and rule both lie between the middle's
-  // length and the mean of the corners' lengths.
+  // The vector is linear, so its length is convex.  Integral and rule both lie between the length
+  // at the middle and the mean of the lengths at the corners.
   const double by_convexity = std::fmax(mean - length(middle), sum / 4 - mean);
   const double error = std::fmax(0, std::fmin(by_continuation, by_convexity));
   return {mean * at.size * at.size, error * at.size * at.size};
 }
 
-/// Quarters the square until its error is at most `tolerance` [m2].  The limit on depth bounds the
-/// time for folded patches, whose integrand has kinks along lines.
+/// Quarters the square until its error is at most `tolerance` [m2].  `depth` limits the time for
+/// folded patches, whose integrand has kinks along lines.
 BilinearPatchArea integrate(const BilinearForm& p, const Square& at, double tolerance, int depth) {
   const BilinearPatchArea whole = by_gauss(p, at);
   if (depth == 0 || whole.error_m2 <= tolerance) return whole;

@@ -17,7 +17,7 @@ struct BilinearForm {
         g((Vec3<double>(patch.p11) - Vec3<double>(patch.p10)) - f) {}
 
   Vec3<double> at(double u, double v) const { return p00 + e * u + (f + g * u) * v; }
-  /// dp/du x dp/dv; bilinear in (u, v) itself.
+  /// dp/du x dp/dv, which is linear in u and in v.
   Vec3<double> area_vector(double u, double v) const { return cross(e + g * v, f + g * u); }
 };
 

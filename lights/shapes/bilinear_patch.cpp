@@ -14,8 +14,8 @@ namespace lucerna {
 
 namespace {
 
-/// The sampling density in (u, v) is proportional to |dp/du x dp/dv| at the corners, bilinear
-/// between them.  By the triangle inequality it is positive wherever area is.
+/// The sampling density in (u, v): proportional to |dp/du x dp/dv| at the corners, bilinear between
+/// them.  By the triangle inequality it is positive wherever the patch has area.
 struct CornerWeights : BilinearWeights {
   bool flat_convex;
 
@@ -28,12 +28,12 @@ struct CornerWeights : BilinearWeights {
     const Vec3<double> n[4] = {p.area_vector(0, 0), p.area_vector(1, 0), p.area_vector(0, 1),
                                p.area_vector(1, 1)};
     w00 = length(n[0]), w10 = length(n[1]), w01 = length(n[2]), w11 = length(n[3]);
-    // Normals that differ by an angle a change the area by a^2 / 2; corners rounded to float turn
-    // them by 1e-7.
+    // Normals that differ by an angle a change the area by a^2 / 2.  Rounding corners to float
+    // turns normals by 1e-7.
     constexpr double kFlat = 1e-6;
     const Vec3<double> sum = (n[0] + n[1]) + (n[2] + n[3]);
-    // Scaled to length 1 first, because squares of areas leave double's range.  For a patch whose
-    // halves cancel the sum is 0 and gives NaN, which counts as not flat.
+    // Scaled to length 1 first, because squares of areas leave double's range.  If the halves of a
+    // patch cancel, the sum is 0 and gives NaN, which counts as not flat.
     const double to_unit = 1 / length(sum);
     const Vec3<double> side = sum * to_unit;
     flat_convex = true;
@@ -55,8 +55,8 @@ int solve_quadratic(double a, double b, double c, double (&x)[2]) {
   return count == 2 && x[0] == x[1] ? 1 : count;
 }
 
-/// The (u, v) whose points are `position`, up to its rounding by `tolerance_m`: two where a patch
-/// folds over itself, else the single best one.
+/// Finds the (u, v) whose points are at `position`, up to its rounding by `tolerance_m`.  Returns
+/// two if a patch folds over itself there, else the best one.
 int invert(const BilinearForm& p, const Vec3<double>& position, double tolerance_m,
            Vec2<double> (&uv)[2]) {
   // Projected along the mean normal onto the coordinate plane that it is steepest to.
@@ -73,7 +73,7 @@ int invert(const BilinearForm& p, const Vec3<double>& position, double tolerance
   double root[2];
   int count =
       solve_quadratic(-cross2(p.e, p.g), cross2(q, p.g) - cross2(p.e, p.f), cross2(q, p.f), root);
-  // Rounding may move a point of the fold over its edge.  The vertex of the parabola is then
+  // Rounding may move a point over the edge of the fold.  The vertex of the parabola is then
   // nearest.
   if (count == 0) {
     root[0] = (cross2(q, p.g) - cross2(p.e, p.f)) / (2 * cross2(p.e, p.g));
@@ -180,7 +180,7 @@ bool BilinearPatch<Real>::is_unfolded() const {
                              p.area_vector(1, 1)};
   const Vec3<double> sum = (n[0] + n[1]) + (n[2] + n[3]);
   const Vec3<double> side = normalized(sum);
-  // A corner without area, as in a triangle, is not a fold but has no density.
+  // A corner without area, as in a triangle, is not a fold, but it has no density.
   constexpr double kLeast = 1e-6;
   for (const auto& corner : n)
     if (!(dot(corner, side) > kLeast * length(sum))) return false;
@@ -192,8 +192,8 @@ bool BilinearPatch<Real>::is_rectangle() const {
   const BilinearForm p(*this);
   const double x = length(p.e);
   const double y = length(p.f);
-  // The tolerance is the rounding of corners to float at eight times the size.  The density of a
-  // patch taken for a rectangle is off by no more.
+  // The tolerance is the rounding of float corners at a distance of eight times the patch's size.
+  // A patch that counts as a rectangle has no larger error in its density.
   constexpr double kSquare = 1e-6;
   return x > 0 && y > 0 && std::fabs(dot(p.e / x, p.f / y)) <= kSquare &&
          length(p.g) <= kSquare * std::fmin(x, y);
@@ -248,7 +248,7 @@ template <typename Real>
 bool BilinearPatch<Real>::is_flat() const {
   const BilinearForm form(*this);
   if (!CornerWeights(form).flat_convex || !(length(cross(form.e, form.f)) > 0)) return false;
-  // A rounding of each coordinate of each corner.
+  // One rounding of each coordinate of each corner.
   const auto [lower, upper] = bounds();
   const double rounding =
       4 * double{std::numeric_limits<Real>::epsilon()} * (double{max_abs(lower)} + max_abs(upper));
@@ -258,7 +258,7 @@ bool BilinearPatch<Real>::is_flat() const {
 
 template <typename Real>
 double BilinearPatch<Real>::height_of(const Vec3<Real>& p) const {
-  if (p == p11) return 0;  // which rounding may have put next to the plane of the others
+  if (p == p11) return 0;  // rounding may have moved it off the plane of the others
   return height_over(Vec3<double>(p), Vec3<double>(p00), Vec3<double>(p10), Vec3<double>(p01));
 }
 
@@ -328,7 +328,7 @@ ShapeHits<Real> BilinearPatch<Real>::hits(const Vec3<Real>& origin, const Vec3<R
   const double dd = dot(d, d);
   ShapeHits<Real> found;
   if (!(dd > 0)) return found;
-  // From the point of the ray nearest to a corner, so that far origins do not cancel below.
+  // Start from the point of the ray nearest to a corner, so that far origins do not cancel below.
   const double t_near = dot(p.p00 - Vec3<double>(origin), d) / dd;
   const Vec3<double> a = p.p00 - (Vec3<double>(origin) + d * t_near);
 

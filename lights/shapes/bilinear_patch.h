@@ -10,7 +10,8 @@
 
 namespace lucerna {
 
-/// [m2], with a bound on its error.  The bound is 0 where the form is exact, without roundings.
+/// An area [m2] with a bound on its error, without roundings.  The bound is 0 where the form is
+/// exact.
 struct BilinearPatchArea {
   double m2 = 0, error_m2 = 0;
 };
@@ -21,8 +22,8 @@ template <typename Real>
 struct BilinearPatch {
   Vec3<Real> p00, p10, p01, p11;
 
-  /// For flat convex patches exact to 1e-12 of the area. Flat means to 1e-6 rad, as rounded corners
-  /// are.  Other patches by quadrature to 1e-8, folded ones to 1e-4.
+  /// The area.  Exact to 1e-12 for flat convex patches.  Flat means to 1e-6 rad, which allows for
+  /// rounded corners.  Other patches use quadrature to 1e-8, folded patches to 1e-4.
   BilinearPatchArea measure() const;
   /// The same without its error [m2].
   double area() const { return measure().m2; }
@@ -45,16 +46,16 @@ struct BilinearPatch {
   bool is_unfolded() const;
   /// Flat, with corners of 90 degrees, to 1e-6.
   bool is_rectangle() const;
-  /// Whether the patch is convex and in one plane, up to the rounding of its corners to `Real`. One
-  /// height then holds for all of it.
+  /// Whether the patch is convex and in one plane, up to the rounding of its corners to `Real`.
+  /// All of it then has one height.
   bool is_flat() const;
-  /// As in Triangle, for a flat patch; 0 at the fourth corner too.
+  /// Height of `p` as in Triangle, for a flat patch [m]; 0 at the fourth corner too.
   double height_of(const Vec3<Real>& p) const;
-  /// Of a flat patch, as Triangle has it.
+  /// As in Triangle, for a flat patch.
   bool touches(const Vec3<Real>& p) const;
-  /// For a rectangle: a point chosen in the way that `receiver` requests.  By sample_area where no
-  /// density by solid angle exists. Without the cosine's warp where lights/sampling/spherical_fan.h
-  /// applies.  `u` in [0, 1]^2.  [Urena13]
+  /// For a rectangle: a point chosen in the way that `receiver` requests.  Uses sample_area if
+  /// there is no density by solid angle.  Without the cosine's warp if
+  /// lights/sampling/spherical_fan.h applies.  `u` in [0, 1]^2.  [Urena13]
   ChosenPoint<Real> sample(const Receiver<Real>& receiver, Vec2<Real> u) const;
   /// Density of `sample` at a point of the rectangle.
   SolidAnglePdf<double> pdf(const Receiver<Real>& receiver, const SurfacePoint<Real>& point) const;

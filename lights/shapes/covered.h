@@ -1,4 +1,4 @@
-// The members that a shape with a picture or with photometry takes from the shape under it.
+// The members that a shape with a picture or with photometry takes from the underlying shape.
 #pragma once
 
 #include <absl/status/status.h>

@@ -26,8 +26,8 @@ Vec3<double> column(const Transform& t, int j) {
   return {m[0][j], m[1][j], m[2][j]};
 }
 
-/// The factors across and along the axis, if the map keeps the cylinder round and upright to within
-/// 1e-6, as in Transform::uniform_scale.  Nothing otherwise.
+/// The factors across and along the axis, if the map keeps the cylinder circular and upright to
+/// within 1e-6, as in Transform::uniform_scale.  Nothing otherwise.
 std::optional<Vec2<double>> scale_of(const Transform& t) {
   constexpr double kTolerance = 1e-6;
   const Vec3<double> x = column(t, 0), y = column(t, 1), z = column(t, 2);
@@ -81,7 +81,7 @@ SolidAnglePdf<Real> Cylinder<Real>::pdf(const Receiver<Real>& receiver,
 
 template <typename Real>
 bool Cylinder<Real>::is_cut_away(const Vec3<double>& p) const {
-  // Negated, so that NaN counts as cut away.
+  // Written with a negation, so that NaN counts as cut away.
   if (!(p.z >= params_.z_min_m && p.z <= params_.z_max_m)) return true;
   return !is_swept(p, params_.phi_max_rad);
 }
@@ -94,8 +94,8 @@ int Cylinder<Real>::roots(const Vec3<Real>& origin, const Vec3<Real>& direction,
   const Vec3<double> d = object_from_world_.vector(Vec3<double>(direction));
   const double dd = d.x * d.x + d.y * d.y;
   if (!(dd > 0)) return 0;
-  // Across the axis as for the sphere, from the point of closest approach. b^2 - 4 a c cancels for
-  // far origins and thin tubes.  [Haines19]
+  // Across the axis, as for the sphere: start from the point of closest approach.  b^2 - 4 a c
+  // would cancel for far origins and thin tubes.  [Haines19]
   const double closest = -(o.x * d.x + o.y * d.y) / dd;
   const Vec2<double> approach{o.x + d.x * closest, o.y + d.y * closest};
   const double approach_distance = std::hypot(approach.x, approach.y);

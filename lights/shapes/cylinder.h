@@ -1,5 +1,5 @@
-// The cylinder without caps, whole or swept in part.  Rays meet it under any affine map.  It emits
-// under maps that keep shares of area.
+// The cylinder without caps, whole or swept in part.  Rays can hit it under any affine map.  It can
+// emit only under maps that preserve shares of area.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -28,9 +28,9 @@ struct CylinderParams {
   Transform world_from_object = {};
 };
 
-/// Normals are geometric and point away from the axis, also under mirrors, unless
-/// `reverse_orientation`.  Immutable, so safe to share between threads.  Calls allocate only for
-/// error messages.
+/// Normals are geometric.  They point away from the axis, also under mirrors, unless
+/// `reverse_orientation` is set.  Immutable, so safe to share between threads.  Calls allocate only
+/// for error messages.
 template <typename Real>
 class Cylinder : public Quadric<Cylinder<Real>, Real, CylinderParams> {
  public:

@@ -83,12 +83,12 @@ std::optional<double> Disk<Real>::projected_solid_angle_sr(const Vec3<Real>& pos
                                     params_.radius_m * scale, height, normal);
 }
 
-/// A disk seen by a receiver, and for whole disks in object space: the unit vector (x, y) in the
-/// plane from below the receiver to the centre.
+/// A disk seen by a receiver.  For whole disks, (x, y) is a unit vector in object space: from the
+/// point of the plane below the receiver to the centre.
 template <typename Real>
 struct Disk<Real>::Seen {
   double height_m = 0;                      // of the receiver, in the world
-  std::optional<SphericalEllipse> ellipse;  // nothing: by area
+  std::optional<SphericalEllipse> ellipse;  // nothing: sample by area
   double x = 1, y = 0;
 };
 
@@ -120,15 +120,15 @@ ShapeSample<Real> Disk<Real>::sample(const Receiver<Real>& receiver, Vec2<Real> 
     const SphericalEllipse::Point chosen = seen.ellipse->choose({u.x, u.y});
     p = turned(chosen.from_center);
     p.z = params_.height_m;
-    // Points below a low receiver are too near to it for the rounding of positions on the disk.
+    // Close below the receiver, positions on the disk round by more than their distance.
     constexpr double kLow = 1e-3;
     const double scale = length(world_from_object_.vector({1, 0, 0}));
     if (std::fabs(seen.height_m) < kLow * params_.radius_m * scale)
       s.to_point = world_from_object_.vector(turned(chosen.from_foot)) -
                    normalized(Vec3<double>(normal_)) * seen.height_m;
   } else {
-    // Equal shares of r^2 have equal areas.  A concentric map would distort less, but fits neither
-    // annulus nor sector.
+    // Equal shares of r^2 have equal areas.  A concentric map would distort less, but does not fit
+    // an annulus or a sector.
     const double inner = params_.inner_radius_m;
     const double r =
         std::sqrt(inner * inner + u.x * ((params_.radius_m - inner) * (params_.radius_m + inner)));

@@ -1,5 +1,5 @@
-// The disk, an annulus or a sector, under any affine map.  Shares of area stay uniform on an
-// ellipse.
+// The disk, an annulus or a sector, under any affine map.  Points uniform on the disk stay uniform
+// on its ellipse.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -29,8 +29,8 @@ struct DiskParams {
 };
 
 /// The normal stays on the side of object space's +z, also under mirrors, unless
-/// `reverse_orientation`.  Immutable, so safe to share between threads.  Calls allocate only for
-/// error messages.
+/// `reverse_orientation` is set.  Immutable, so safe to share between threads.  Calls allocate only
+/// for error messages.
 template <typename Real>
 class Disk : public Quadric<Disk<Real>, Real, DiskParams> {
  public:
@@ -43,9 +43,9 @@ class Disk : public Quadric<Disk<Real>, Real, DiskParams> {
   /// Always OK.
   absl::Status emissive_error() const { return absl::OkStatus(); }
 
-  /// A point chosen in the way that `receiver` requests. kSolidAngle applies to a whole disk under
-  /// a map of equal scale, seen from where lights/sampling/spherical_ellipse.h has a density.  All
-  /// other cases are uniform by area.  [Pharr23, 6.4.3; Guillen17]
+  /// A point chosen in the way that `receiver` requests.  kSolidAngle applies to a whole disk under
+  /// a map of equal scale, if lights/sampling/spherical_ellipse.h has a density at the receiver.
+  /// All other cases are uniform by area.  [Pharr23, 6.4.3; Guillen17]
   ShapeSample<Real> sample(const Receiver<Real>& receiver, Vec2<Real> u) const;
   /// The density of `sample` at a point of the surface.
   SolidAnglePdf<Real> pdf(const Receiver<Real>& receiver, const SurfacePoint<Real>& point) const;

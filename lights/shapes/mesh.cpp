@@ -18,16 +18,16 @@ namespace lucerna {
 
 namespace {
 
-/// u.x with additional digits from u.y below its 24.  A float has too few digits to choose among
-/// millions of primitives and a place within one.  A hash scatters the digits of u.y, so they are
-/// nearly independent of u.y.  All u.x with the same u.y shift equally, so u.x stays uniform.
+/// u.x with additional digits from u.y below its 24 bits.  A float has too few digits to choose
+/// among millions of primitives and a place within one.  A hash scatters the digits of u.y, so they
+/// are nearly independent of u.y.  All u.x with the same u.y shift equally, so u.x stays uniform.
 template <typename Real>
 double refined(Vec2<Real> u) {
   const auto bits = std::bit_cast<std::uint64_t>(static_cast<double>(u.y));
   return u.x + std::ldexp(static_cast<double>(mix_bits(bits) >> 40), -48);
 }
 
-/// Corners in order around it.
+/// The corners in order around the primitive.
 template <typename Real>
 std::array<Vec3<double>, 3> around(const Triangle<Real>& t) {
   return {Vec3<double>(t.a), Vec3<double>(t.b), Vec3<double>(t.c)};
@@ -94,7 +94,7 @@ typename Mesh<Real, Primitive>::Choice Mesh<Real, Primitive>::choose(Vec2<Real> 
   if (primitives_.size() == 1) return {0, u};
   const double wide = refined(u);
   const double target = (wide < 1 ? wide : wide - std::floor(wide)) * area();
-  // The first sum beyond the target belongs to a primitive that added to it: one with an area.
+  // The first sum above the target belongs to a primitive with an area.
   auto chosen = std::upper_bound(cumulative_area_.begin(), cumulative_area_.end(), target);
   if (chosen == cumulative_area_.end())
     chosen = std::lower_bound(cumulative_area_.begin(), cumulative_area_.end(), area());
@@ -180,7 +180,7 @@ std::optional<double> Mesh<Real, Primitive>::projected_solid_angle_sr(const Vec3
 
 template <typename Real, template <typename> typename Primitive>
 bool Mesh<Real, Primitive>::hides_itself() const {
-  // Its plane is the best known.
+  // The largest primitive has the most exact plane.
   std::size_t largest = 0;
   for (std::size_t i = 1; i < size(); ++i)
     if (share(i) > share(largest)) largest = i;
@@ -213,7 +213,7 @@ std::optional<SurfacePoint<Real>> Mesh<Real, Primitive>::locate(const Vec3<Real>
   double nearest = rounding_m<Real>(bounds()) + slack_m;
   std::optional<SurfacePoint<Real>> found;
   for (std::size_t i = 0; i < primitives_.size(); ++i) {
-    // Primitives without area are no part of the light.
+    // Primitives without area are not part of the light.
     if (cumulative_area_[i] == (i == 0 ? 0 : cumulative_area_[i - 1])) continue;
     const auto& primitive = primitives_[i];
     const auto index = static_cast<std::uint32_t>(i);
@@ -235,8 +235,8 @@ std::optional<SurfacePoint<Real>> Mesh<Real, Primitive>::locate(const Vec3<Real>
 
 template <typename Real, template <typename> typename Primitive>
 NormalCone<Real> Mesh<Real, Primitive>::normals() const {
-  // The normals of a bilinear patch are sums of the normals at its corners with positive weights. A
-  // cone no wider than a hemisphere that contains those contains these.
+  // The normals of a bilinear patch are sums of the normals at its corners with positive weights.
+  // So a cone that contains those and is not wider than a hemisphere contains all normals.
   const auto for_each_normal = [this](const auto& f) {
     for (std::size_t i = 0; i < primitives_.size(); ++i) {
       const double area = cumulative_area_[i] - (i == 0 ? 0 : cumulative_area_[i - 1]);

@@ -21,8 +21,8 @@
 namespace lucerna {
 
 /// `Primitive<Real>` is Triangle or BilinearPatch.  The order of corners decides the emitting side:
-/// the cross product of the first two edges.  Primitives of zero area keep their numbers and are
-/// never sampled.  Immutable, so safe to share between threads.
+/// the side of the cross product of the first two edges.  Primitives of zero area keep their
+/// numbers and are never sampled.  Immutable, so safe to share between threads.
 template <typename Real, template <typename> typename Primitive>
 class Mesh {
  public:
@@ -32,7 +32,7 @@ class Mesh {
   /// not finite, no area at all.
   static absl::StatusOr<Mesh> create(std::vector<Primitive<Real>> primitives);
 
-  /// [m2]
+  /// The area [m2].
   double area() const { return cumulative_area_.back(); }
   /// Bound on the error of `area`, 0 where it is exact [m2].
   double area_error_m2() const { return area_error_m2_; }
@@ -40,8 +40,9 @@ class Mesh {
   absl::Status emissive_error() const { return absl::OkStatus(); }
 
   /// A primitive by its share of the area, and a point of it in the way of
-  /// `receiver.area_sampling`.  Triangles and rectangles know all ways; other patches only the one
-  /// by area.  Both values of `u` choose the primitive, so floats reach more than 2^24 primitives.
+  /// `receiver.area_sampling`.  Triangles and rectangles support all ways; other patches only
+  /// sampling by area.  Both values of `u` choose the primitive, so floats reach more than 2^24
+  /// primitives.
   ShapeSample<Real> sample(const Receiver<Real>& receiver, Vec2<Real> u) const;
   /// A primitive by its share of the area, and new sample values within it.
   struct Choice {
@@ -63,15 +64,15 @@ class Mesh {
     return primitives_[point.primitive].height_of(p);
   }
 
-  /// Whether `p` lies on a flat primitive, and so sees all of it edge-on.
+  /// Whether `p` lies on a flat primitive, which it then sees edge-on.
   bool touches(const Vec3<Real>& p, std::uint32_t primitive) const {
     return primitive < primitives_.size() && is_flat(primitive) &&
            primitives_[primitive].touches(p);
   }
 
   /// Calls `f(surface_point)` for every point of the mesh along the unit vector `wi`, in the order
-  /// of the primitives.  It tests each primitive.  Only densities of directions need it, which are
-  /// rare; rays use a BVH elsewhere.
+  /// of the primitives.  It tests each primitive.  Only densities of directions use it, and they
+  /// are rare.  Rays use a BVH elsewhere.
   template <typename F>
   void for_each_hit(const Vec3<Real>& receiver, const Vec3<Real>& wi, F&& f) const {
     for (std::size_t i = 0; i < primitives_.size(); ++i) {
@@ -84,18 +85,18 @@ class Mesh {
   }
 
   /// The projected solid angle [sr] of all sides that emit towards `position`, above the horizon of
-  /// the unit vector `normal`, without occlusion between primitives. Nothing where a primitive with
+  /// the unit vector `normal`, without occlusion between primitives. Nothing if a primitive with
   /// area is not flat.
   std::optional<double> projected_solid_angle_sr(const Vec3<Real>& position,
                                                  const Vec3<double>& normal, bool two_sided) const;
-  /// Whether a part of it may occlude another: false where all of it is in one plane, to within the
+  /// Whether a part of it may occlude another.  False if all of it is in one plane, to within the
   /// rounding of its corners.  Tests each primitive.
   bool hides_itself() const;
 
-  /// Density of points by area alone: 1 / area for triangles, sample_area's density for patches.
+  /// Density of points chosen by area: 1 / area for triangles, sample_area's density for patches.
   AreaPdf<double> pdf_area(const SurfacePoint<Real>& point) const;
   /// The point of the mesh at `position`, if there is one to within rounding and `slack_m`.  It is
-  /// on the nearest primitive, the first of equally near ones.  Tests each.
+  /// on the nearest primitive, the first of equally near ones.  Tests each primitive.
   std::optional<SurfacePoint<Real>> locate(const Vec3<Real>& position, double slack_m = 0) const;
   /// The normal that `locate` finds at the position of `p`, on the primitive of `p`.
   Vec3<Real> located_normal(const SurfacePoint<Real>& p) const {
@@ -106,7 +107,7 @@ class Mesh {
       return patch.normal(patch.locate(p.position));
     }
   }
-  /// About the mean normal; exact for flat meshes, all directions for closed ones.
+  /// A cone about the mean normal: exact for flat meshes, all directions for closed ones.
   NormalCone<Real> normals() const;
 
   /// {lower, upper}
@@ -126,13 +127,13 @@ class Mesh {
   bool has_ways(std::size_t i) const { return kAlwaysHasWays || rectangles_[i]; }
   bool is_flat(std::size_t i) const { return kAlwaysHasWays || flat_[i]; }
   /// The density of a primitive that is sampled by area.  It uses the receiver's height if there is
-  /// one, because the cosine to a normal has no digit left next to the plane.
+  /// one, because close to the plane the cosine to a normal loses all digits.
   double pdf_by_area(const Receiver<Real>& receiver, const SurfacePoint<Real>& point) const;
 
   std::vector<Primitive<Real>> primitives_;
   std::vector<double> cumulative_area_;  ///< running sums [m2]
   double area_error_m2_;
-  /// Which of the patches are, rectangles among the flat ones; empty for triangles.
+  /// For each patch, whether it is a rectangle, and whether it is flat; empty for triangles.
   std::vector<bool> rectangles_, flat_;
 };
 

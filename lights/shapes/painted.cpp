@@ -35,7 +35,7 @@ double area_above(const Surface& surface, double y) {
   return surface.area_of({0, y, 1 - y}).share;
 }
 
-/// The three corners' (u, v) at the point of a triangle.
+/// Interpolates the (u, v) of a triangle's corners at a point of it.
 template <typename Real>
 Vec2<double> interpolate(const Triangle<Real>& t, const Vec3<Real>& p, const Vec2<float>* uv) {
   const Vec2<double> shares = t.shares_at(p);
@@ -91,7 +91,8 @@ Vec2<double> Painted<Real, Surface>::corner(std::size_t patch, std::size_t corne
 
 template <typename Real, template <typename> typename Surface>
 bool Painted<Real, Surface>::is_corner_to_corner(std::size_t patch) const {
-  // The square's corners in one of its eight symmetries: edges from the first are the axes.
+  // Tests that the corners are those of the square in one of its eight symmetries.  The edges from
+  // the first corner are then the axes.
   const Vec2<double> a = corner(patch, 0), b = corner(patch, 1), c = corner(patch, 2),
                      d = corner(patch, 3);
   return is_corner(a) && is_corner(b) && is_corner(c) && is_corner(d) && b.x + c.x == a.x + d.x &&
@@ -101,12 +102,12 @@ bool Painted<Real, Surface>::is_corner_to_corner(std::size_t patch) const {
 }
 
 template <typename Real, template <typename> typename Surface>
-std::optional<Vec2<double>> Painted<Real, Surface>::lacked_by_first() const {
+std::optional<Vec2<double>> Painted<Real, Surface>::missing_in_first() const {
   if (data_->corner_uv.size() != 6) return std::nullopt;
   if constexpr (MeshOf<Surface<Real>>::kTriangles)
     if (!(data_->surface.share(0) > 0 && data_->surface.share(1) > 0)) return std::nullopt;
-  // The corner that completes three of the square's, as it completes a parallelogram.
-  const auto lacked = [&](const Vec2<float>* uv) -> std::optional<Vec2<double>> {
+  // The fourth corner of the square, which completes the parallelogram of the three others.
+  const auto missing = [&](const Vec2<float>* uv) -> std::optional<Vec2<double>> {
     double x = 0, y = 0;
     for (int k = 0; k < 3; ++k) {
       if (!is_corner(uv[k]) || uv[k] == uv[(k + 1) % 3]) return std::nullopt;
@@ -114,7 +115,7 @@ std::optional<Vec2<double>> Painted<Real, Surface>::lacked_by_first() const {
     }
     return Vec2<double>{2 - x, 2 - y};
   };
-  const auto first = lacked(&data_->corner_uv[0]), second = lacked(&data_->corner_uv[3]);
+  const auto first = missing(&data_->corner_uv[0]), second = missing(&data_->corner_uv[3]);
   if (!first || !second || first->x + second->x != 1 || first->y + second->y != 1)
     return std::nullopt;
   return first;
@@ -158,7 +159,7 @@ PaintedArea Painted<Real, Surface>::measure() const {
     const auto area_of = [this](const Band& band) { return data_->surface.area_of(band); };
     whole = {mean_over_rows(data_->picture, area_of) * this->area(), 0};
   } else if constexpr (MeshOf<Surface<Real>>::kTriangles) {
-    // Meshes repeat the same (u, v) often, and all without corner_uv do.
+    // Many primitives of a mesh have the same (u, v); without corner_uv, all have.
     std::map<std::array<float, 6>, Rgb<double>> known;
     for (std::size_t i = 0; i < data_->surface.size(); ++i) {
       const Vec2<float>* uv = &data_->corner_uv[3 * i];
@@ -221,7 +222,7 @@ std::optional<ImageDistribution> Painted<Real, Surface>::distribution() const {
     made.emplace(image, data_->picture.filter, ImageBorder::kClamp);
   }
   if constexpr (MeshOf<Surface<Real>>::kTriangles)
-    if (lacked_by_first()) made.emplace(image, data_->picture.filter, ImageBorder::kClamp);
+    if (missing_in_first()) made.emplace(image, data_->picture.filter, ImageBorder::kClamp);
   // A black picture may return any point.
   if (made && !(made->integral() > 0)) made.reset();
   return made;
@@ -234,7 +235,8 @@ ShapeSample<Real> Painted<Real, Surface>::sample(const Receiver<Real>& receiver,
   ShapeSample<Real> s;
   if constexpr (kHasRows<Surface<Real>>) {
     const Vec2<double> at = data_->distribution->sample({u.x, u.y}).position;
-    // Within a row of cells by area: the part above the point is its share of the row.
+    // Within a row of cells, points are chosen by area.  The part above the point is its share of
+    // the row.
     const Band row = row_of_cells(data_->picture, at.y);
     const double share = std::clamp((at.y - row.above) / row.height, 0.0, 1.0);
     const double above =
@@ -248,9 +250,9 @@ ShapeSample<Real> Painted<Real, Surface>::sample(const Receiver<Real>& receiver,
     const auto& patch = data_->surface.primitive(i);
     s.point = {patch.at(rounded), patch.normal(rounded), static_cast<std::uint32_t>(i)};
   } else if constexpr (MeshOf<Surface<Real>>::kTriangles) {
-    // Two triangles: the first shows the half of the picture opposite to the corner that it lacks.
+    // Two triangles: the first shows the half of the picture opposite to its missing corner.
     const Vec2<double> at = data_->distribution->sample({u.x, u.y}).position,
-                       lacks = *lacked_by_first();
+                       lacks = *missing_in_first();
     const double v = 1 - at.y;
     const std::uint32_t i = std::fabs(at.x - lacks.x) + std::fabs(v - lacks.y) >= 1 ? 0 : 1;
     const Vec2<float>* uv = &data_->corner_uv[3 * i];
@@ -276,7 +278,7 @@ AreaPdf<double> Painted<Real, Surface>::pdf_area(const SurfacePoint<Real>& point
     const Band row = row_of_cells(data_->picture, y);
     const double measure = data_->surface.area_of(row).share;
     const double within = std::max(0.0, y - row.above);
-    // Not up to the edges, which belong to the neighbours.
+    // Stay off the edges, which belong to the neighbours.
     const double share = std::clamp(
         data_->surface.area_of({row.above, within, 1 - y}).share / measure, 0x1p-30, 1 - 0x1p-30);
     const double of_square = data_->distribution->pdf({at.x, row.above + row.height * share});

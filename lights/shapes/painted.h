@@ -19,11 +19,11 @@
 namespace lucerna {
 
 /// `Surface` is one of this library's shapes.  Disks, spheres and cylinders map a picture by their
-/// own (u, v).  Meshes show all of it on each primitive, or the part that `corner_uv` says.
+/// own (u, v).  Meshes show all of it on each primitive, or the part that `corner_uv` selects.
 ///
 /// Points are chosen by the picture's filtered luminance:
 /// - On cylinders and parallelograms the density is proportional to it.
-/// - On disks and spheres too, up to the curvature within a row of texels.
+/// - On disks and spheres it is proportional up to the curvature within a row of texels.
 /// - On other patches it is proportional in (u, v).  The same holds for two triangles that show the
 ///   whole picture together.
 /// - Other triangles, folded patches, and patches whose corners are not the picture's corners are
@@ -40,7 +40,7 @@ class Painted : public Covered<Painted<Real, Surface>, Real, Surface<Real>> {
   static absl::StatusOr<Painted> create(Surface<Real> surface, Picture picture,
                                         std::vector<Vec2<float>> corner_uv = {});
 
-  /// By the picture, or as `surface()` samples.
+  /// A point chosen by the picture if is_by_picture(), else as `surface()` samples.
   ShapeSample<Real> sample(const Receiver<Real>& receiver, Vec2<Real> u) const;
   /// The density of `sample` at a point of the surface.
   SolidAnglePdf<Real> pdf(const Receiver<Real>& receiver, const SurfacePoint<Real>& point) const;
@@ -78,14 +78,14 @@ class Painted : public Covered<Painted<Real, Surface>, Real, Surface<Real>> {
   explicit Painted(Data data);
   PaintedArea measure() const;
   std::optional<ImageDistribution> distribution() const;
-  /// The (u, v) of a patch's corner, and the patch coordinates of a (u, v).  The second requires a
+  /// The (u, v) of a patch's corner, and the patch coordinates of a (u, v).  `on_patch` requires a
   /// picture that covers the patch corner to corner.
   Vec2<double> corner(std::size_t patch, std::size_t corner) const;
   Vec2<double> on_patch(std::size_t patch, Vec2<double> uv) const;
   bool is_corner_to_corner(std::size_t patch) const;
   /// For two triangles that show the whole picture together: the picture's corner that the first
-  /// lacks.
-  std::optional<Vec2<double>> lacked_by_first() const;
+  /// triangle does not have.
+  std::optional<Vec2<double>> missing_in_first() const;
 
   std::shared_ptr<const Data> data_;
 };

@@ -26,7 +26,7 @@ struct Cells {
     if (nearest) return (cell + 1.0) / texels;
     return cell == texels ? 1 : (cell + 0.5) / texels;
   }
-  /// Where a cell but the first begins, in texels.
+  /// The beginning of a cell other than the first, in texels.
   double line(int cell) const { return nearest ? cell : cell - 0.5; }
   Band band(int cell) const {
     const double n = texels;
@@ -51,8 +51,8 @@ struct Cells {
 Cells columns(const Picture& p) { return {p.image->width(), p.filter == ImageFilter::kNearest}; }
 Cells rows(const Picture& p) { return {p.image->height(), p.filter == ImageFilter::kNearest}; }
 
-/// Points of a triangle by their shares of its corners.  In these coordinates no triangle is thin,
-/// and points on an edge have a share of exactly 0.
+/// Points of a triangle in barycentric coordinates.  In these coordinates no triangle is thin, and
+/// points on an edge have a coordinate of exactly 0.
 using Polygon = std::vector<Vec3<double>>;
 
 /// The part of `in` on the upper side (`sign` 1) or the lower side (-1) of a line.  `off` is the
@@ -110,7 +110,7 @@ Rgb<double> mean_over_rows(const Picture& picture,
     if (upper == lower) {
       mean += row_means[upper] * area.share;
     } else {
-      // The lower one's part grows from 0 to 1.
+      // The weight of the lower row grows from 0 to 1.
       mean += row_means[upper] * ((area.share - area.tilt) / 2) +
               row_means[lower] * ((area.share + area.tilt) / 2);
     }
@@ -123,8 +123,8 @@ Rgb<double> mean_over_triangle(const Picture& picture, const std::array<Vec2<dou
   const Vec3<double> x{uv[0].x, uv[1].x, uv[2].x}, v{uv[0].y, uv[1].y, uv[2].y};
   const Vec3<double> y{1 - v.x, 1 - v.y, 1 - v.z};
   const Cells across = columns(picture), down = rows(picture);
-  // The distance of the corners beyond the line where a cell begins. (u, v) in float times a number
-  // of texels is exact, so only one rounding occurs.
+  // The signed distance of the corners from the line where a cell begins.  The product of (u, v) in
+  // float and a number of texels is exact, so there is only one rounding.
   const auto beyond_column = [&](int cell) {
     const double at = across.line(cell), n = across.texels;
     return Vec3<double>{x.x * n - at, x.y * n - at, x.z * n - at};
@@ -133,7 +133,8 @@ Rgb<double> mean_over_triangle(const Picture& picture, const std::array<Vec2<dou
     const double from_below = down.texels - down.line(cell), n = down.texels;
     return Vec3<double>{from_below - v.x * n, from_below - v.y * n, from_below - v.z * n};
   };
-  // The bilinear function of a cell is of degree 2: the middles of a triangle's edges integrate it.
+  // The bilinear function of a cell has degree 2, so the mean over the middles of a triangle's
+  // edges is exact.
   const auto value = [&](int column, int row, const Vec3<double>& p) {
     const double sx = across.share(column, dot(p, x)), sy = down.share(row, dot(p, y));
     const auto texel = [&](int i, int j) { return Rgb<double>(picture.image->texel(i, j)); };
@@ -142,7 +143,7 @@ Rgb<double> mean_over_triangle(const Picture& picture, const std::array<Vec2<dou
     };
     return line(down.first(row)) * (1 - sy) + line(down.second(row)) * sy;
   };
-  // In shares of the second and third corner: 1 of the whole.
+  // Twice the area in barycentric coordinates: 1 for the whole triangle.
   const auto twice_area = [](const Vec3<double>& a, const Vec3<double>& b, const Vec3<double>& c) {
     return (b.y - a.y) * (c.z - a.z) - (c.y - a.y) * (b.z - a.z);
   };
@@ -153,7 +154,7 @@ Rgb<double> mean_over_triangle(const Picture& picture, const std::array<Vec2<dou
   Rgb<double> sum;
   Polygon a, band, b, part;
   for (int row = down.at(std::min({y.x, y.y, y.z})); row <= last_row; ++row) {
-    // The cells at the border go on beyond it.
+    // The cells at the border continue outside of it.
     a = triangle;
     if (row > 0) clip(triangle, below_row(row), 1, a);
     band = a;
@@ -164,8 +165,8 @@ Rgb<double> mean_over_triangle(const Picture& picture, const std::array<Vec2<dou
       left = std::min(left, dot(p, x));
       right = std::max(right, dot(p, x));
     }
-    // One more cell on either side, because these are rounded.  None beyond the cells of the
-    // corners, which would count a triangle on the line between two cells twice.
+    // Visit one more cell on either side, because these numbers are rounded.  But do not leave the
+    // cells of the corners: that would count a triangle on the line between two cells twice.
     const int end = std::min(across.at(right) + 1, last_column);
     for (int column = std::max(across.at(left) - 1, first_column); column <= end; ++column) {
       b = band;
@@ -221,7 +222,7 @@ Coefficients<kTerms> expand(const std::function<double(Vec2<double>)>& f) {
   return c;
 }
 
-/// For each texel of an axis the integrals of its share in the picture times each polynomial.
+/// For each texel of an axis, the integrals of its weight in the picture times each polynomial.
 std::vector<std::array<double, 9>> texel_moments(const Cells& cells, bool upwards) {
   std::vector<std::array<double, 9>> moments(static_cast<std::size_t>(cells.texels));
   const Gauss<9>& rule = gauss<9>();
@@ -269,7 +270,8 @@ std::optional<PaintedArea> PictureMoments::times(const std::function<double(Vec2
   PaintedArea sum;
   for (std::size_t i = 0; i < kTerms; ++i)
     for (std::size_t j = 0; j < kTerms; ++j) sum.m2 += moments_[i][j] * c[i][j];
-  // f^2 - P^2 is a polynomial again, and no Legendre polynomial exceeds 1.
+  // f^2 - P^2 is a polynomial too.  Legendre polynomials do not exceed 1, so the sum of its
+  // coefficients bounds it.
   double farthest = 0;
   const auto residual = expand<2 * kTerms - 1>([&](Vec2<double> at) {
     const double y = f(at), p = polynomial(at);
@@ -281,7 +283,8 @@ std::optional<PaintedArea> PictureMoments::times(const std::function<double(Vec2
     for (double r : row) bound += std::fabs(r);
   // Differences this small are rounding.
   if (farthest <= 1e-13 * c[0][0]) return sum;
-  // P has no zero within this bound. It is positive as its mean is, and |f - P| is this over f + P.
+  // The bound excludes a zero of P.  P is positive because its mean is, and |f - P| = |f^2 - P^2| /
+  // (f + P).
   if (!(bound < least * least && c[0][0] > 0)) return std::nullopt;
   sum.error_m2 =
       moments_[0][0].max_component() * bound / (least + std::sqrt(least * least - bound));
@@ -320,7 +323,7 @@ PaintedArea sum_over_points(const Picture& picture,
         upper = {std::max(upper.x, at.x), std::max(upper.y, at.y)};
         most = std::max(most, factor(corner));
       }
-      // Convex: opposite points have a mean that is not below the middle.
+      // The factor is convex: the mean of opposite points is not below the value at the middle.
       const double least = std::max(0.0, 2 * factor(middle) - most);
       Rgb<double> dark(std::numeric_limits<double>::infinity()), bright;
       put_stops(lower.x, upper.x, picture.image->width(), us);

@@ -14,11 +14,11 @@
 namespace lucerna {
 
 /// A picture in the coordinates (u, v) of a surface: u to the right, v upwards, from 0 to 1.  The
-/// border texels continue beyond the border.
+/// border texels continue outside of the border.
 struct Picture {
   std::shared_ptr<const Image> image;  ///< not null
   ImageFilter filter = ImageFilter::kBilinear;
-  std::string name;  ///< as ListLights reports it
+  std::string name;  ///< name that ListLights reports
 
   Rgb<double> at(Vec2<double> uv) const {
     return image->lookup({uv.x, 1 - uv.y}, filter, ImageBorder::kClamp);
@@ -36,21 +36,21 @@ struct PaintedArea {
 /// The mean of the picture over a surface.  `area_of` returns the area that a band covers.  Exact.
 Rgb<double> mean_over_rows(const Picture& picture,
                            const std::function<BandArea(const Band&)>& area_of);
-/// The rows of cells on which a picture is linear from the upper edge to the lower one, from the
-/// top.  For the nearest filter they are the texels.  Otherwise they are the spaces between centres
-/// of texels, and halves at the borders.
+/// The rows of cells, from the top, in which a picture is linear from the upper edge to the lower
+/// edge.  For the nearest filter they are the texels.  Otherwise they are the spaces between
+/// centres of texels, and halves at the borders.
 std::vector<Band> rows_of_cells(const Picture& picture);
 /// The row that contains the coordinate `y`, from the top.
 Band row_of_cells(const Picture& picture, double y);
 
 /// The mean over the points of a triangle whose corners have these (u, v).  Exact: the triangle is
-/// cut into polygons on which the picture is bilinear.  This holds for triangles that are thin in
-/// (u, v), or lie on a line or in one point.
+/// cut into polygons on which the picture is bilinear.  It is also exact for triangles that are
+/// thin in (u, v), or that lie on a line or in one point.
 Rgb<double> mean_over_triangle(const Picture& picture, const std::array<Vec2<double>, 3>& uv);
 
 /// The integral of `factor`(s, t) times the picture at `uv`(s, t) over the square of (s, t).  It is
-/// the middle between a lower and an upper bound, summed over 256 by 256 cells from the range of
-/// the picture and of the factor in each.  `uv` is bilinear and `factor` convex along lines.
+/// the middle between a lower and an upper bound.  The bounds are sums over 256 by 256 cells, from
+/// the range of picture and factor in each cell.  `uv` is bilinear and `factor` convex along lines.
 PaintedArea sum_over_points(const Picture& picture,
                             const std::function<Vec2<double>(Vec2<double>)>& uv,
                             const std::function<double(Vec2<double>)>& factor);
@@ -61,9 +61,9 @@ class PictureMoments {
  public:
   explicit PictureMoments(const Picture& picture);
   /// The integral of the picture times `f` over the square. `f` is at least `least`. Its square is
-  /// a polynomial of degree 16 or less in each coordinate, like that of an area element.  Exact
-  /// where `f` is a polynomial of degree 8.  Nothing where `f` varies so much that no bound on the
-  /// error is known.
+  /// a polynomial of degree 16 or less in each coordinate, like the square of an area element.
+  /// Exact if `f` is a polynomial of degree 8.  Nothing if `f` varies so much that the error has no
+  /// bound.
   std::optional<PaintedArea> times(const std::function<double(Vec2<double>)>& f,
                                    double least) const;
 

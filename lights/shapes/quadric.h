@@ -1,5 +1,5 @@
-// The members that spheres, disks and cylinders share: surfaces of second order around the z axis
-// of object space, swept about it and placed by an affine map.
+// The members that spheres, disks and cylinders share.  They are quadrics around the z axis of
+// object space, swept about it and placed by an affine map.
 #pragma once
 
 #include <absl/status/status.h>
@@ -58,10 +58,10 @@ struct RoundEnclosure {
 };
 
 /// `Shape` derives from this class and has the private members
-/// - `roots(origin, direction, t_min, t_max, out)`: where a ray of the world meets the surface with
-///   t in (t_min, t_max), by rising t.  Returns how many roots it has set.
-/// - `nearest(q)`: the point nearest to `q` on the surface before its sweep is cut, object space.
-///   None where `q` has no nearest point.
+/// - `roots(origin, direction, t_min, t_max, out)`: finds where a world ray meets the surface with
+///   t in (t_min, t_max), by increasing t.  Returns the number of roots.
+/// - `nearest(q)`: the point nearest to `q` on the surface with a full sweep, object space. None if
+///   `q` has no nearest point.
 /// - `normal_at(p)`: the world normal at a point of the surface.
 /// and the public member `bounds`.
 template <typename Shape, typename Real, typename ShapeParams>
@@ -69,7 +69,7 @@ class Quadric {
  public:
   using Params = ShapeParams;
 
-  /// [m2]; 0 where the map is not one that `emissive_error` allows.
+  /// The area [m2]; 0 if `emissive_error` does not allow the map.
   double area() const { return area_m2_; }
   /// The area is exact.
   double area_error_m2() const { return 0; }
@@ -78,7 +78,7 @@ class Quadric {
   std::size_t bytes() const { return sizeof(Shape); }
 
   /// First hit with t in (t_min, t_max), `direction` of any length.  Rays pass through the part
-  /// that is cut away.  The point is moved onto the surface.
+  /// that is cut away.  The hit is moved onto the surface, which removes rounding.
   std::optional<ShapeHit<Real>> intersect(const Vec3<Real>& origin, const Vec3<Real>& direction,
                                           Real t_min, Real t_max) const {
     QuadricRoots root;
@@ -102,9 +102,9 @@ class Quadric {
     for (int i = 0; i < found.count; ++i) f(found.hit[i].point);
   }
 
-  /// Density of points by area alone; 1 / area.
+  /// Density of points chosen by area: 1 / area.
   AreaPdf<double> pdf_area(const SurfacePoint<Real>&) const { return {1 / area_m2_}; }
-  /// The point of the surface at `position`, where there is one to within rounding and `slack_m`.
+  /// The point of the surface at `position`, if there is one to within rounding and `slack_m`.
   std::optional<SurfacePoint<Real>> locate(const Vec3<Real>& position, double slack_m = 0) const {
     std::optional<Vec3<double>> q =
         self().nearest(object_from_world_.point(Vec3<double>(position)));
@@ -122,7 +122,7 @@ class Quadric {
   }
 
   const ShapeParams& params() const { return params_; }
-  /// About the origin that it was created with, not the world's.
+  /// World coordinates are relative to the `origin_m` of `create`.
   const Transform& world_from_object() const { return world_from_object_; }
 
  protected:
@@ -131,8 +131,8 @@ class Quadric {
         world_from_object_(params.world_from_object.about(origin_m)),
         object_from_world_(world_from_object_.inverse()) {}
 
-  /// `shape` where `Real` holds its bounds.  Else InvalidArgument that says where `what`, such as
-  /// "the disk", lies: at `at`, object space.
+  /// `shape` if its bounds fit `Real`.  Else InvalidArgument with the world position of `what`,
+  /// such as "the disk", which is `at` in object space.
   static absl::StatusOr<Shape> with_finite_bounds(Shape shape, std::string_view name,
                                                   std::string_view what, const Vec3<double>& at) {
     const auto [lower, upper] = shape.bounds();
@@ -144,7 +144,7 @@ class Quadric {
                     name, what, p.x, p.y, p.z, 8 * sizeof(Real)));
   }
 
-  /// InvalidArgument for a map that an emissive shape may not have.
+  /// InvalidArgument for a map that an emissive shape must not have.
   absl::Status refuse_map(std::string_view name, std::string_view allowed) const {
     const auto& m = params_.world_from_object.matrix();
     const auto factor = [&m](int column) {
@@ -159,7 +159,7 @@ class Quadric {
   static Vec3<double> on_ring(double r, double phi, double z) {
     return {r * std::cos(phi), r * std::sin(phi), z};
   }
-  /// The world's point for a point of the surface in object space.
+  /// The world point of a surface point in object space.
   SurfacePoint<Real> surface_point(const Vec3<double>& p) const {
     return {Vec3<Real>(world_from_object_.point(p)), self().normal_at(p)};
   }
@@ -175,9 +175,9 @@ class Quadric {
   }
 
   /// The two parameters at which a line meets a circle or sphere of radius `r`, the smaller first.
-  /// `closest` is the middle between them and `half_chord` half their difference.  The origin is at
-  /// `origin_distance` from the centre, and `dd` is the squared length of the direction.  The root
-  /// that would cancel follows from the other root and their product.  [Haines19]
+  /// `closest` is the middle between them, and `half_chord` is half their difference.  The origin
+  /// is at `origin_distance` from the centre, and `dd` is the squared length of the direction.  The
+  /// root that would cancel is computed from the other root and their product.  [Haines19]
   static std::pair<double, double> roots_of(double closest, double half_chord,
                                             double origin_distance, double r, double dd) {
     const double large = closest + std::copysign(half_chord, closest);
@@ -188,7 +188,7 @@ class Quadric {
 
   ShapeParams params_;
   Transform world_from_object_, object_from_world_;  // about the scene's origin
-  double area_m2_ = 0;                               // 0: the map shares out area unevenly
+  double area_m2_ = 0;                               // 0: the map does not preserve shares of area
 
  private:
   const Shape& self() const { return static_cast<const Shape&>(*this); }

@@ -7,20 +7,20 @@ namespace lucerna {
 
 /// In double for lights of any type.  The caller rounds the result.
 struct SeenSphere {
-  Vec3<double> to_center;  ///< from where it is seen [m]
-  double distance;         ///< the length of that
+  Vec3<double> to_center;  ///< from the viewpoint [m]
+  double distance;         ///< length of `to_center` [m]
   double radius_m;
 
   /// A point of the sphere.
   struct Point {
     Vec3<double> from_center;  ///< [m]
     Vec3<double> normal;       ///< outwards, unit
-    /// From where it is seen [m].  0 where the difference of the positions is as exact.
+    /// From the viewpoint [m].  0: the difference of the positions is as exact.
     Vec3<double> to_point{};
   };
 
-  /// 1 - cos of the half-angle that it subtends.  Requires a distance greater than the radius, and
-  /// so do the next two functions.
+  /// 1 - cos of the half-angle that it subtends.  This and the next two functions require a
+  /// distance greater than the radius.
   double one_minus_cos_cone() const;
   /// The density of `from_outside` [1/sr].
   double pdf_from_outside() const;

@@ -1,8 +1,8 @@
-// Types and functions that the shapes of area lights share, and the conversion from a density by
-// area to one by solid angle.
+// Types and functions that the shapes of area lights share, including the conversion of densities
+// from area to solid angle.
 //
 // Shapes store their numbers in `Real` or double and compute in double.  A point is rounded to
-// `Real` first, and its density is that of the rounded point.  A sample's density then has the same
+// `Real` first, and its density belongs to the rounded point.  So a sample's density has the same
 // bits as a later call of `pdf` for its point.
 #pragma once
 
@@ -50,9 +50,8 @@ struct ShapeHits {
   void add(Real t, const SurfacePoint<Real>& point) { hit[count++] = {t, point}; }
 };
 
-/// The density by solid angle at `receiver` of choosing `point` with density `pdf` by area.
-/// Infinite where the receiver is in the plane of the point.  0 where the receiver is the point or
-/// not finite.
+/// The density by solid angle at `receiver` for a `point` with the density `pdf` by area. Infinite
+/// if the receiver is in the plane of the point.  0 if the receiver is the point or not finite.
 template <std::floating_point Real>
 SolidAnglePdf<double> pdf_seen_from(const Vec3<Real>& receiver, const SurfacePoint<Real>& point,
                                     AreaPdf<double> pdf) {
@@ -62,8 +61,8 @@ SolidAnglePdf<double> pdf_seen_from(const Vec3<Real>& receiver, const SurfacePoi
   const double cos_light = std::fabs(dot(Vec3<double>(point.normal), to_receiver)) / distance;
   return to_solid_angle(pdf, distance, cos_light);
 }
-/// The same for a flat shape.  The receiver is `height` above its plane, to either side.  Close to
-/// the plane the rounded point is not exact enough.
+/// The same for a flat shape with the receiver at `height` above its plane, to either side.  Close
+/// to the plane, a height from the rounded point would not be exact enough.
 template <std::floating_point Real>
 SolidAnglePdf<double> pdf_seen_from(const Vec3<Real>& receiver, const SurfacePoint<Real>& point,
                                     AreaPdf<double> pdf, double height) {
@@ -100,7 +99,7 @@ inline double azimuth(const Vec3<double>& p) {
 inline bool is_swept(const Vec3<double>& p, double phi_max_rad) {
   return !(phi_max_rad < kTurnRad) || azimuth(p) <= phi_max_rad;
 }
-/// Whether an angle beyond the sweep is nearer to its last edge than to its first.
+/// Whether an angle outside of the sweep is nearer to its last edge than to its first.
 inline bool is_nearer_to_last(double azimuth_rad, double phi_max_rad) {
   return azimuth_rad - phi_max_rad < kTurnRad - azimuth_rad;
 }
@@ -112,8 +111,8 @@ inline Vec3<double> nearest_swept(const Vec3<double>& p, double phi_max_rad) {
   const double across = std::hypot(p.x, p.y);
   return {across * std::cos(edge), across * std::sin(edge), p.z};
 }
-/// The angle of `p` as a share of a sweep.  Beyond the sweep, where only rounding leads, the share
-/// of its nearer edge.
+/// The angle of `p` as a share of a sweep.  If rounding leads out of the sweep: the share of the
+/// nearer edge.
 inline double share_of_sweep(const Vec3<double>& p, double phi_max_rad) {
   const double phi = azimuth(p);
   if (phi <= phi_max_rad) return phi / phi_max_rad;
@@ -121,7 +120,7 @@ inline double share_of_sweep(const Vec3<double>& p, double phi_max_rad) {
 }
 
 /// A band across a picture from side to side, in shares of its height, which add up to 1. All three
-/// are stored, because differences would lose the digits of thin bands.
+/// are stored, because differences would lose digits for thin bands.
 struct Band {
   double above, height, below;
 };
@@ -129,10 +128,11 @@ struct Band {
 /// The part of a surface's area that a band of its picture covers.
 struct BandArea {
   double share;  ///< of the whole
-  double tilt;   ///< the integral over it, in such shares, of what runs from -1 above to 1 below
+  double tilt;   ///< integral over the band, in shares, of a weight from -1 at its top to 1 at its
+                 ///< bottom
 };
 
-/// The box {lower, upper} in `Real`, widened so that rounding cuts nothing off.
+/// The box {lower, upper} in `Real`, widened so that it contains the given box.
 template <std::floating_point Real>
 std::pair<Vec3<Real>, Vec3<Real>> rounded_outwards(const Vec3<double>& lower,
                                                    const Vec3<double>& upper) {

@@ -35,7 +35,7 @@ double polar_angle(double z, double radius) {
   return std::atan2(std::sqrt((radius - z) * (radius + z)), z);
 }
 
-/// sin(h) / h - cos(h) for h in [0, pi / 2], by its series where the two are alike.
+/// sin(h) / h - cos(h) for h in [0, pi / 2].  Uses its series where the difference cancels.
 double sinc_minus_cos(double h) {
   if (h > 0.5) return std::sin(h) / h - std::cos(h);
   double sum = 0, term = 1;  // term: (-h^2)^k / (2 k + 1)!
@@ -82,7 +82,7 @@ typename Sphere<Real>::Way Sphere<Real>::way_at(double distance,
   if (!is_whole_) return Way::kArea;
   if (is_by_area(way_for_sphere(receiver.area_sampling))) return Way::kArea;
   if (distance > world_radius_m_) return Way::kCone;
-  // Nearer to the surface, floats cannot separate half of the sampled points from the receiver.
+  // Closer to the surface, floats cannot separate half of the sampled points from the receiver.
   constexpr double kDepth = 1e-3;
   return distance < (1 - kDepth) * world_radius_m_ ? Way::kInside : Way::kArea;
 }
@@ -105,7 +105,7 @@ ShapeSample<Real> Sphere<Real>::sample(const Receiver<Real>& receiver, Vec2<Real
     return s;
   }
 
-  // Equal shares of z have equal areas (Archimedes), whatever the cuts.
+  // Equal shares of z have equal areas (Archimedes), for any cuts.
   const double z = std::min(z_min_m_ + (z_max_m_ - z_min_m_) * u.x, z_max_m_);
   const double phi = params_.phi_max_rad * u.y;
   const double ring = std::sqrt((params_.radius_m - z) * (params_.radius_m + z));
@@ -123,9 +123,9 @@ SolidAnglePdf<Real> Sphere<Real>::pdf(const Receiver<Real>& receiver,
   const Way way = way_at(distance, receiver);
   if (way == Way::kArea) return pdf_by_area(receiver, point);
   if (way == Way::kInside) return uniform_sphere_pdf<Real>();
-  // The near side follows from the normal, which gives the place on the sphere exactly however far
-  // the sphere is from the origin. The bound is lowered by the rounding of both vectors, so that no
-  // sample at the rim is lost.
+  // The normal decides whether the point is on the near side.  It gives the place on the sphere
+  // exactly, even far from the origin.  The bound is lowered by the rounding of both vectors, so
+  // that no sample at the rim is lost.
   constexpr double kRounding = 4 * kInputRounding;
   const Vec3<double> n(point.normal);
   const double cos_alpha = dot(params_.reverse_orientation ? -n : n, to_receiver) / distance;
@@ -142,8 +142,8 @@ int Sphere<Real>::roots(const Vec3<Real>& origin, const Vec3<Real>& direction, R
   const Vec3<double> d = object_from_world_.vector(Vec3<double>(direction));
   const double dd = dot(d, d);
   if (!(dd > 0)) return 0;
-  // The discriminant from the point of closest approach.  b^2 - 4 a c would cancel for far origins
-  // and small spheres.  [Haines19]
+  // Computes the discriminant from the point of closest approach.  b^2 - 4 a c would cancel for far
+  // origins and small spheres.  [Haines19]
   const double closest = -dot(o, d) / dd;
   const Vec3<double> approach = o + d * closest;
   const double approach_distance = std::sqrt(dot(approach, approach));
@@ -172,7 +172,7 @@ bool Sphere<Real>::is_cut_away(const Vec3<double>& p) const {
 template <typename Real>
 std::pair<Vec3<Real>, Vec3<Real>> Sphere<Real>::bounds() const {
   const auto& m = world_from_object_.matrix();
-  // The widest ring that is left, for the box of a cut sphere.
+  // The widest ring of a cut sphere, for its box.
   const double r = params_.radius_m;
   const double z = std::clamp(0.0, z_min_m_, z_max_m_);
   const double ring = std::sqrt((r - z) * (r + z));
@@ -210,7 +210,7 @@ std::optional<Vec3<double>> Sphere<Real>::nearest(const Vec3<double>& p) const {
 template <typename Real>
 NormalCone<Real> Sphere<Real>::normals() const {
   if (!is_cut_in_z_) return {};
-  // About +z from the lower cut, about -z from the upper one; the narrower of both.
+  // A cone about +z from the lower cut, or about -z from the upper cut; use the narrower one.
   const double up = polar_angle(z_min_m_, params_.radius_m);
   const double down = polar_angle(-z_max_m_, params_.radius_m);
   const bool is_up = up <= down;
@@ -232,7 +232,7 @@ Vec2<double> Sphere<Real>::uv(const Vec3<Real>& position) const {
 
 template <typename Real>
 BandArea Sphere<Real>::area_of(const Band& band) const {
-  // Polar angles from the pole that the middle is nearer to, and cosines' differences as products:
+  // Polar angles are from the pole nearer to the middle.  Differences of cosines are products:
   // cos(m - h) - cos(m + h) = 2 sin m sin h.
   const double r = params_.radius_m;
   const double top = polar_angle(z_max_m_, r), bottom = polar_angle(-z_min_m_, r);
@@ -249,7 +249,7 @@ BandArea Sphere<Real>::area_of(const Band& band) const {
     return {std::sin(from_bottom), -std::cos(from_bottom)};
   };
   const double whole = middle_of({0, 1, 0}).sin * std::sin(sweep / 2);
-  // In a zone so thin that its angles coincide, a cylinder is as exact.
+  // The zone is so thin that its angles coincide: a cylinder is as exact.
   if (!(whole > 0)) return {band.height, 0};
   const double half = band.height * sweep / 2;
   const Middle middle = middle_of(band);

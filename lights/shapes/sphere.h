@@ -1,5 +1,5 @@
-// The sphere, whole or cut by two planes and a sweep.  Rays meet it under any affine map.  It emits
-// under maps of equal scale.
+// The sphere, whole or cut by two planes and a sweep.  Rays can hit it under any affine map.  It
+// can emit only under maps of equal scale.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -28,8 +28,8 @@ struct SphereParams {
   Transform world_from_object = {};
 };
 
-/// Normals are geometric and point outwards, also under mirrors, unless `reverse_orientation`.
-/// Immutable, so safe to share between threads.  Calls allocate only for error messages.
+/// Normals are geometric.  They point outwards, also under mirrors, unless `reverse_orientation` is
+/// set.  Immutable, so safe to share between threads.  Calls allocate only for error messages.
 template <typename Real>
 class Sphere : public Quadric<Sphere<Real>, Real, SphereParams> {
  public:
@@ -43,21 +43,21 @@ class Sphere : public Quadric<Sphere<Real>, Real, SphereParams> {
   /// OK where this shape can carry a light.  Else InvalidArgument with the unequal factors.
   absl::Status emissive_error() const;
 
-  /// A point seen from `receiver`, chosen in the way that it requests. kSolidAngle from outside a
-  /// whole sphere: uniform in the cone that it subtends.  From inside: uniform over all directions.
-  /// Cut spheres, and receivers within a thousandth of the radius beneath the surface: by area.
-  /// [Pharr23, 6.2.4]
+  /// A point seen from `receiver`, chosen in the way that it requests.  With kSolidAngle, a whole
+  /// sphere is sampled uniformly in its cone from outside, and uniformly over all directions from
+  /// inside.  Cut spheres, and receivers within a thousandth of the radius below the surface, use
+  /// area sampling.  [Pharr23, 6.2.4]
   ShapeSample<Real> sample(const Receiver<Real>& receiver, Vec2<Real> u) const;
-  /// The density of `sample` at a point of the surface.  0 on the far side of a whole sphere seen
-  /// from outside, which the cone never samples.
+  /// The density of `sample` at a point of the surface.  For a whole sphere seen from outside, 0 on
+  /// the far side, which is never sampled.
   SolidAnglePdf<Real> pdf(const Receiver<Real>& receiver, const SurfacePoint<Real>& point) const;
 
   /// Whether `p` lies on it, to within the rounding of doubles.
   bool touches(const Vec3<Real>& p, std::uint32_t primitive = 0) const;
 
   /// The projected solid angle [sr] of the sides that emit towards `position`, above the horizon of
-  /// the unit vector `normal`. From outside the near side counts, from inside all. Nothing for cut
-  /// spheres, and on the surface to within the rounding of doubles.
+  /// the unit vector `normal`. From outside, the near side counts; from inside, all.  Nothing for
+  /// cut spheres, and for positions on the surface to within the rounding of doubles.
   std::optional<double> projected_solid_angle_sr(const Vec3<Real>& position,
                                                  const Vec3<double>& normal, bool two_sided) const;
   /// No part of its near side occludes another.
@@ -107,7 +107,7 @@ class Sphere : public Quadric<Sphere<Real>, Real, SphereParams> {
   double z_min_m_, z_max_m_;  // within the radius
   bool is_cut_in_z_, is_cut_in_phi_, is_whole_;
   Vec3<double> center_m_;
-  double world_radius_m_ = 0;  // 0 where the scale is unequal
+  double world_radius_m_ = 0;  // 0 if the scale is unequal
 };
 
 extern template class Sphere<float>;

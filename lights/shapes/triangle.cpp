@@ -21,7 +21,7 @@ Vec3<double> area_vector(const Triangle<Real>& t) {
 
 template <typename Real>
 Vec3<Real> at(const Triangle<Real>& t, const Vec3<double>& barycentric) {
-  // From one vertex, so a triangle far from the origin keeps all digits of its vertices.
+  // Computed from one vertex, so a triangle far from the origin keeps all digits of its vertices.
   const Vec3<double> a(t.a);
   return Vec3<Real>(a + (Vec3<double>(t.b) - a) * barycentric.y +
                     (Vec3<double>(t.c) - a) * barycentric.z);
@@ -51,7 +51,7 @@ struct Seen {
                                             Vec3<double>(receiver.position));
   }
 
-  /// The corners in the unit square of SphericalTriangle: b is a whole side.
+  /// Weights of the corners in the unit square of SphericalTriangle, where b is a whole side.
   BilinearWeights cosines() const {
     const double b = cosine_weight(normal, corner[1]);
     return {b, b, cosine_weight(normal, corner[0]), cosine_weight(normal, corner[2])};
@@ -128,8 +128,8 @@ std::optional<ShapeHit<Real>> Triangle<Real>::intersect(const Vec3<Real>& origin
                                                         Real t_max) const {
   const Vec3<double> d(direction);
   // The axis along which the ray advances most becomes z, and a shear turns the ray into that axis.
-  // Then only the signs of the edge functions decide. A common edge gives both of its triangles the
-  // same number, negated.
+  // Then only the signs of the edge functions decide.  Two triangles get the same number, negated,
+  // for their common edge.
   const Vec3<double> size{std::fabs(d.x), std::fabs(d.y), std::fabs(d.z)};
   const int kz = size.x > size.y ? (size.x > size.z ? 0 : 2) : (size.y > size.z ? 1 : 2);
   const int kx = (kz + 1) % 3;
@@ -175,7 +175,7 @@ Vec2<double> Triangle<Real>::shares_at(const Vec3<Real>& position) const {
   const Vec3<double> from(a);
   Vec3<double> ab = Vec3<double>(b) - from, ac = Vec3<double>(c) - from,
                p = Vec3<double>(position) - from;
-  // Squares of areas overflow for edges beyond 1e77 and underflow below 1e-77.
+  // Squares of areas overflow for edges above 1e77 and underflow for edges below 1e-77.
   const double longest = std::fmax(max_abs(ab), max_abs(ac));
   if (longest > 1e75 || longest < 1e-60) {
     if (!(longest > 0) || !std::isfinite(longest)) return {};

@@ -14,8 +14,8 @@ template <typename Real>
 struct Triangle {
   Vec3<Real> a, b, c;
 
-  /// [m2].  In double, for needles of 1 : 1e7 and for coordinates whose squares exceed the range of
-  /// `Real`.
+  /// The area [m2].  In double, for needles of 1 : 1e7 and for coordinates whose squares exceed the
+  /// range of `Real`.
   double area() const;
   /// Unit normal; zero for a triangle without area.
   Vec3<Real> normal() const;
@@ -27,9 +27,9 @@ struct Triangle {
                                  AreaSampling way = AreaSampling::kLowDistortion) const;
   /// Density of sample_area at a point of the triangle: 1 / area.
   AreaPdf<double> pdf_area(const Vec3<Real>& position) const;
-  /// A point chosen in the way that `receiver` requests.  By area where no density by solid angle
-  /// exists. Without the cosine's warp where lights/sampling/low_triangle.h applies. The density of
-  /// the point has the same bits as `pdf`.  [Arvo95]
+  /// A point chosen in the way that `receiver` requests.  Uses area sampling if there is no density
+  /// by solid angle.  Without the cosine's warp if lights/sampling/low_triangle.h applies.  The
+  /// density of the point has the same bits as `pdf`.  [Arvo95]
   ChosenPoint<Real> sample(const Receiver<Real>& receiver, Vec2<Real> u) const;
   /// Density of `sample` at a point of the triangle.
   SolidAnglePdf<double> pdf(const Receiver<Real>& receiver, const SurfacePoint<Real>& point) const;
@@ -41,13 +41,13 @@ struct Triangle {
   /// The same as a list.
   ShapeHits<Real> hits(const Vec3<Real>& origin, const Vec3<Real>& direction, Real t_min,
                        Real t_max) const;
-  /// The coordinates along the edges from a to b and from a to c that lead from a to `position`, a
+  /// The coordinates of `position` along the edges from a to b and from a to c.  `position` is a
   /// point of the triangle up to rounding.  0 for needles too thin for doubles.
   Vec2<double> shares_at(const Vec3<Real>& position) const;
   /// The distance of `position` from the triangle [m]: from its plane, or within the plane from its
   /// edges.
   double distance_to(const Vec3<Real>& position) const;
-  /// Whether `p`, 0 above the plane (`height_of`), is within the edges or on them to 1e-14.
+  /// Whether `p`, in the plane (`height_of` is 0), is within the edges or on them to 1e-14.
   bool touches(const Vec3<Real>& p) const;
   /// {lower, upper}
   std::pair<Vec3<Real>, Vec3<Real>> bounds() const;

@@ -9,7 +9,7 @@
 
 namespace lucerna::cie {
 
-/// The luminous efficacy of light of 540 THz (555 nm), which defines the lumen [lm/W].
+/// The luminous efficacy of monochromatic light of 540 THz (555 nm) [lm/W].  It defines the lumen.
 inline constexpr double kLumensPerWatt = 683;
 
 inline constexpr double kObserverFirstNm = 360;
@@ -29,10 +29,10 @@ struct Illuminant {
 };
 std::span<const Illuminant> illuminants();
 
-/// Null for a name that is not among `illuminants()`.
+/// The illuminant of this name; null if it is not in `illuminants()`.
 const Illuminant* find_illuminant(std::string_view name);
 
-/// Linear between entries, 0 beyond them.
+/// Relative spectral power at `nm`, linear between entries, 0 outside.
 double value_at(const Illuminant& illuminant, double nm);
 
 }  // namespace lucerna::cie

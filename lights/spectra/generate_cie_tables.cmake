@@ -1,7 +1,7 @@
-# Writes the CIE tables of colord-data as C++: cmake -DCOLORD=... -DOUT=... -P generate_cie_tables.cmake
-# Numbers are passed on as they are written.
+# Writes the CIE tables of colord-data as C++: cmake -DCOLORD=... -DOUT=... -P
+# generate_cie_tables.cmake Numbers keep their text.
 
-# Sets `first`, `step` and `rows` (a list a row, its numbers separated by ";" after a prefix `row0`, `row1`...).
+# Sets `first`, `step`, `bands`, and `row0`, `row1` ...: the numbers of each row, as a list.
 function(read_table path)
   file(STRINGS "${path}" lines)
   set(in_data FALSE)
@@ -21,11 +21,11 @@ function(read_table path)
       string(REGEX MATCHALL "[^ \t]+" numbers "${line}")
       list(LENGTH numbers length)
       if(NOT length EQUAL bands)
-        message(FATAL_ERROR "${path}: ${length} numbers, ${bands} announced")
+        message(FATAL_ERROR "${path}: ${length} numbers in a row, expected ${bands}")
       endif()
       foreach(number IN LISTS numbers)
         if(NOT number MATCHES "^[0-9]*\\.?[0-9]+(e[-+]?[0-9]+)?$")
-          message(FATAL_ERROR "${path}: \"${number}\" is no number")
+          message(FATAL_ERROR "${path}: \"${number}\" is not a number")
         endif()
       endforeach()
       set(row${count} "${numbers}" PARENT_SCOPE)
@@ -33,14 +33,14 @@ function(read_table path)
     endif()
   endforeach()
   if(count EQUAL 0)
-    message(FATAL_ERROR "${path} holds no data")
+    message(FATAL_ERROR "${path} has no data")
   endif()
   set(first "${first}" PARENT_SCOPE)
   set(step "(${last} - ${first}) / (${bands} - 1)" PARENT_SCOPE)
   set(bands "${bands}" PARENT_SCOPE)
 endfunction()
 
-set(text "// Made from colord-data by lights/generate_cie_tables.cmake.\n#include \"lights/spectra/cie.h\"\n\n#include <array>\n\nnamespace lucerna::cie {\nnamespace {\n\n")
+set(text "// Made from colord-data by lights/spectra/generate_cie_tables.cmake.\n#include \"lights/spectra/cie.h\"\n\n#include <array>\n\nnamespace lucerna::cie {\nnamespace {\n\n")
 
 read_table("${COLORD}/cmf/CIE1931-2deg-XYZ.cmf")
 if(NOT first EQUAL 360 OR NOT bands EQUAL 95)

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Writes lights/spectra/rgb_basis.h: three smooth reflectances, by which D65 turns into light of any RGB colour.
+"""Writes lights/spectra/rgb_basis.h: three smooth reflectances that turn D65 into light of any RGB colour.
 
 Debian packages: python3-numpy, python3-scipy, colord-data.  Usage: generate_rgb_basis.py > rgb_basis.h
 
@@ -8,7 +8,7 @@ table, with the least sum of squared differences between neighbours, such that
   rho_r + rho_g + rho_b = 1,  each >= 0,
   5 nm sum of rho_i D65 observer / 5 nm sum of D65 y  =  XYZ of primary i.
 The primaries are those of Rec. 709, with X and Z scaled such that their white is the table's own D65.  The third primary
-follows from the other two and the white.  Solved by an active set: where a value would be negative it is 0.
+follows from the other two and the white.  Solved by an active set: values that would be negative are 0.
 """
 import sys
 
@@ -64,7 +64,8 @@ def solve():
         x = np.zeros(3 * n)
         solution = scipy.linalg.lstsq(kkt, np.concatenate([np.zeros(free.sum()), right]))[0]
         x[free] = solution[: free.sum()]
-        # What holds each value at zero: positive where it wants to be negative.
+        # The multiplier that holds each value at zero: positive if the free value would be
+        # negative.
         pull = hessian @ x + equal.T @ solution[free.sum() :]
         negative = free & (x < -1e-13)
         released = zero & (pull < -1e-9)
@@ -84,9 +85,9 @@ def solve():
 
 
 def main():
-    print("// Made by lights/generate_rgb_basis.py, which says what it is.\n#pragma once\n")
+    print("// Made by lights/spectra/generate_rgb_basis.py, which describes it.\n#pragma once\n")
     print('#include <array>\n\n#include "lights/spectra/rgb.h"\n\nnamespace lucerna {\n')
-    print("/// Smooth reflectances at 360 + 5 k nm: under D65, that of channel i looks like channel i.")
+    print("/// Smooth reflectances at 360 + 5 k nm.  Under D65, reflectance i has the colour of channel i.")
     print("// clang-format off")
     print("inline constexpr std::array<Rgb<double>, 95> kRgbBasis{{")
     for r, g, b in solve().T:

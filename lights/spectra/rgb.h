@@ -1,5 +1,5 @@
-// Linear RGB, Rec. 709 primaries and D65 white. Light values are photometric. Their luminance is in
-// cd/m2, cd, lx or lm, as the name of the value says.
+// Linear RGB, Rec. 709 primaries and D65 white.  Light values are photometric: their luminance is
+// in cd/m2, cd, lx or lm.  The name of a value has the unit.
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Made by lights/generate_rgb_basis.py, which says what it is.
+// Made by lights/spectra/generate_rgb_basis.py, which describes it.
 #pragma once
 
 #include <array>
@@ -7,7 +7,7 @@
 
 namespace lucerna {
 
-/// Smooth reflectances at 360 + 5 k nm: under D65, that of channel i looks like channel i.
+/// Smooth reflectances at 360 + 5 k nm.  Under D65, reflectance i has the colour of channel i.
 // clang-format off
 inline constexpr std::array<Rgb<double>, 95> kRgbBasis{{
     {0.024938331640410236, 0, 0.97506166835959029},

@@ -21,7 +21,7 @@ double observer_nm(std::size_t k) {
   return kObserverFirstNm + kObserverStepNm * static_cast<double>(k);
 }
 
-/// What lies between entries of the observer's table, which ends at 830 nm.
+/// Interpolates between entries of a table at the observer's wavelengths, which end at 830 nm.
 template <typename T>
 T between(std::span<const T> table, double nm) {
   const double x = std::clamp((nm - kObserverFirstNm) / kObserverStepNm, 0.0,
@@ -42,15 +42,15 @@ Vec3<double> table_sum(F&& value) {
 /// Second radiation constant h c / k, exact since 2019.  [CODATA18]
 constexpr double kSecondRadiationNmK = 1.438776877e7;
 
-/// Planck's law: ln(nm^-5 / (exp(c2 / (nm T)) - 1)).  In logarithms, as below 100 K the visible
-/// values leave the range of double.
+/// The logarithm of Planck's law: ln(nm^-5 / (exp(c2 / (nm T)) - 1)).  For low temperatures, the
+/// visible values leave the range of double.
 double log_planck(double nm, double kelvin) {
   const double x = kSecondRadiationNmK / (nm * kelvin);
   return -5 * std::log(nm) - x - std::log(-std::expm1(-x));
 }
 
-/// ln of the integral of exp(log_planck) over all wavelengths: (T / c2)^4 pi^4 / 15, which is the
-/// law of Stefan and Boltzmann.
+/// ln of the integral of exp(log_planck) over all wavelengths: (T / c2)^4 pi^4 / 15, the law of
+/// Stefan and Boltzmann.
 double log_planck_total(double kelvin) {
   return 4 * std::log(kelvin / kSecondRadiationNmK) + std::log(kPi * kPi * kPi * kPi / 15);
 }
@@ -86,16 +86,16 @@ double total(std::span<const double> nm, std::span<const double> values) {
 absl::Status check_samples(const SampledSpectrum& s) {
   const std::vector<double>& nm = s.wavelengths_nm;
   if (nm.size() != s.values.size() || nm.empty())
-    return absl::InvalidArgumentError(fmt::format(
-        "spectrum of {} wavelengths and {} values, allowed: as many of each, at least 1", nm.size(),
-        s.values.size()));
+    return absl::InvalidArgumentError(
+        fmt::format("spectrum of {} wavelengths and {} values, allowed: equal numbers, at least 1",
+                    nm.size(), s.values.size()));
   for (std::size_t i = 0; i < nm.size(); ++i) {
     if (!(nm[i] >= 0 && std::isfinite(nm[i])))
       return absl::InvalidArgumentError(
           fmt::format("wavelength {} nm, allowed: finite, not negative", nm[i]));
     if (i > 0 && !(nm[i] > nm[i - 1]))
       return absl::InvalidArgumentError(
-          fmt::format("wavelength {} follows {}, they must ascend", nm[i], nm[i - 1]));
+          fmt::format("wavelength {} nm follows {} nm, allowed: ascending", nm[i], nm[i - 1]));
     if (!(s.values[i] >= 0 && std::isfinite(s.values[i])))
       return absl::InvalidArgumentError(
           fmt::format("value {} at {} nm, allowed: finite, not negative", s.values[i], nm[i]));
@@ -117,8 +117,8 @@ Vec3<double> tristimulus(std::span<const double> wavelengths_nm, std::span<const
     const double a = std::max(nodes[i - 1], wavelengths_nm.front());
     const double b = std::min(nodes[i], wavelengths_nm.back());
     if (!(b > a)) continue;
-    // Exact, as both factors are linear within; without a point between, as a line may be so narrow
-    // that no double lies there.
+    // Exact, because both factors are linear here.  It uses no point in between: a line may be so
+    // narrow that no double lies inside.
     const double at_a = interpolate(wavelengths_nm, values, a);
     const double at_b = interpolate(wavelengths_nm, values, b);
     xyz += (between(observer, a) * (2 * at_a + at_b) + between(observer, b) * (at_a + 2 * at_b)) *
@@ -138,7 +138,7 @@ Rgb<double> rgb_from_xyz(const Vec3<double>& xyz) {
 }
 
 Rgb<double> rgb_basis_per_lumen(double nm) {
-  // Beyond the observer's table the reflectances stay as at its ends.
+  // Outside of the observer's table, the reflectances are constant.
   const double light = cie::value_at(d65(), nm);
   return between(std::span<const Rgb<double>>(kRgbBasis), nm) *
          (light / (cie::kLumensPerWatt * d65_xyz().y));
@@ -146,7 +146,7 @@ Rgb<double> rgb_basis_per_lumen(double nm) {
 
 Spectrum::Spectrum(Source source, const Vec3<double>& xyz) : source_(std::move(source)) {
   const Rgb<double> raw = rgb_from_xyz(xyz / xyz.y);
-  // What rounding leaves below zero is no colour outside of RGB.
+  // A channel below zero by rounding is not a colour outside of RGB.
   clipped_ = std::min({raw.r, raw.g, raw.b}) < -1e-9;
   rgb_ = {std::max(raw.r, 0.0), std::max(raw.g, 0.0), std::max(raw.b, 0.0)};
   rgb_ = rgb_ / luminance(rgb_);
@@ -156,7 +156,7 @@ absl::StatusOr<Spectrum> Spectrum::create(const BlackBody& source) {
   if (!(source.kelvin >= 100 && source.kelvin <= 1e7))
     return absl::InvalidArgumentError(
         fmt::format("black body of {} K, allowed: [100, 1e7] K", source.kelvin));
-  // Relative to the red end, where the largest of the smallest values are.
+  // Relative to the red end: for low temperatures the largest visible values are there.
   const double reference = log_planck(observer_nm(kObserverSize - 1), source.kelvin);
   const Vec3<double> xyz =
       table_sum([&](double nm) { return std::exp(log_planck(nm, source.kelvin) - reference); });
@@ -186,7 +186,7 @@ absl::StatusOr<Spectrum> Spectrum::create(const CieIlluminant& source) {
 
 absl::StatusOr<Spectrum> Spectrum::create(SampledSpectrum source) {
   if (absl::Status status = check_samples(source); !status.ok()) return status;
-  // Of any scale: relative to the largest, so that no sum leaves the range.
+  // Values have any scale.  Relative to the largest, sums do not overflow.
   const double largest = *std::ranges::max_element(source.values);
   std::vector<double> relative = source.values;
   for (double& v : relative) v /= largest > 0 ? largest : 1;
@@ -194,7 +194,7 @@ absl::StatusOr<Spectrum> Spectrum::create(SampledSpectrum source) {
   const double per_lumen = 1 / (cie::kLumensPerWatt * xyz.y);
   const double watts = total(source.wavelengths_nm, relative) * per_lumen;
   if (!(xyz.y > 0) || !(per_lumen <= kMostWattsPerLumen) || !(watts <= kMostWattsPerLumen))
-    return absl::FailedPreconditionError("a spectrum of which the eye sees nothing");
+    return absl::FailedPreconditionError("the spectrum has no visible light");
   Spectrum s(std::move(source), xyz);
   s.largest_ = largest;
   s.scale_ = per_lumen;

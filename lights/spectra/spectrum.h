@@ -1,12 +1,12 @@
 // Spectra of lights, and the light of a given RGB at each wavelength.
 //
-// Lights compute in RGB. A spectrum distributes a light's luminance over wavelengths: a light value
-// of luminance Y has the spectral value Y s(nm), where s is the spectrum per lumen.
+// Lights compute in RGB. A spectrum distributes a light's luminance over wavelengths.  A light
+// value of luminance Y has the spectral value Y s(nm), where s is the spectrum per lumen.
 //
 // Integrals use the CIE 1931 observer, whose tables have an entry every 5 nm.  For smooth spectra
 // and the CIE's illuminants the integral is the sum over the table's wavelengths, times 5 nm
-// [CIE15].  Samples may be finer than the table.  For them the product is integrated exactly, with
-// both factors linear between entries.  The observer is 0 outside 360 to 830 nm.
+// [CIE15].  Samples may be finer than the table.  Their product with the observer is integrated
+// exactly, with both factors linear between entries.  The observer is 0 outside 360 to 830 nm.
 #pragma once
 
 #include <absl/status/status.h>
@@ -27,7 +27,7 @@ struct BlackBody {
   double kelvin;
 };
 
-/// Linear between samples, 0 beyond them.
+/// Linear between samples, 0 outside.
 struct SampledSpectrum {
   std::vector<double> wavelengths_nm;
   std::vector<double> values;
@@ -41,8 +41,8 @@ struct CieIlluminant {
   std::string name;  ///< "A", "D65", "F2"
 };
 
-/// The limit for all spectra.  Its product with the flux of any light whose values are floats is a
-/// double. (A black body of 100 K, the darkest allowed, has 4e72.)
+/// The limit for all spectra.  Its product with the flux of a light in floats fits a double.  (A
+/// black body of 100 K, the darkest allowed, has 4e72.)
 inline constexpr double kMostWattsPerLumen = 1e100;
 
 /// Immutable.  Only the `create` functions can fail.
@@ -54,18 +54,19 @@ class Spectrum {
   static absl::StatusOr<Spectrum> create(const BlackBody& source);
   /// Errors: a name without a table in colord-data.
   static absl::StatusOr<Spectrum> create(const CieIlluminant& source);
-  /// Errors: those of check_samples; spectra that are not visible, with less than 1 /
-  /// kMostWattsPerLumen [lm/W] (FAILED_PRECONDITION).
+  /// Errors: those of check_samples; FAILED_PRECONDITION for invisible spectra, with less than 1 /
+  /// kMostWattsPerLumen [lm/W].
   static absl::StatusOr<Spectrum> create(SampledSpectrum source);
 
   const Source& source() const { return source_; }
   /// s(nm) [W/nm per lm]: 683 lm/W times the integral of s y is 1.  Finite.
   double per_lumen(double nm) const;
-  /// Over the whole spectrum; for a black body over all wavelengths [W per lm].
+  /// Radiant flux per luminous flux over the whole spectrum; for a black body over all wavelengths
+  /// [W per lm].
   double watts_per_lumen() const { return watts_per_lumen_; }
   /// Its colour at luminance 1, no channel negative.
   const Rgb<double>& rgb() const { return rgb_; }
-  /// True where the colour is outside of RGB: channels below 0 were set to 0.
+  /// True if the colour is outside of RGB: negative channels were set to 0.
   bool clipped() const { return clipped_; }
   /// Memory, with the object itself.
   std::uint64_t bytes() const;
@@ -74,7 +75,7 @@ class Spectrum {
   Spectrum(Source source, const Vec3<double>& xyz);
 
   Source source_;
-  double log_per_lumen_ = 0;  // of black bodies: what makes Planck's logarithm one of s
+  double log_per_lumen_ = 0;  // of black bodies: ln s(nm) - log_planck(nm)
   double largest_ = 1;        // of samples
   double scale_ = 1;          // of the others: W/nm per lm for each unit of value / largest
   double watts_per_lumen_ = 0;
@@ -82,18 +83,18 @@ class Spectrum {
   bool clipped_ = false;
 };
 
-/// X, Y and Z of samples, linear between them and 0 outside, wavelengths ascending: the integral
-/// against the observer [nm times the unit of the values].
+/// X, Y and Z of samples: the integral against the observer [nm times the unit of the values].  The
+/// samples are linear between wavelengths and 0 outside; wavelengths ascend.
 Vec3<double> tristimulus(std::span<const double> wavelengths_nm, std::span<const double> values);
 
-/// Linear RGB of a colour in XYZ: primaries of Rec. 709, and the white of the D65 table, of which
-/// the chromaticity (0.31271, 0.32901) is that of Rec. 709 to 5 digits and not exactly; so X and Z
-/// are scaled first, by less than 3e-4, and D65 is (1, 1, 1).  [BT709]
+/// Linear RGB of a colour in XYZ, with the primaries of Rec. 709 and the white of the D65 table.
+/// Its chromaticity (0.31271, 0.32901) differs from that of Rec. 709 in the fifth digit.  So X and
+/// Z are scaled first, by less than 3e-4, and D65 is (1, 1, 1).  [BT709]
 Rgb<double> rgb_from_xyz(const Vec3<double>& xyz);
 
 /// For RGB lights: the light of RGB c has at `nm` the spectral value c.r b.r + c.g b.g + c.b b.b
-/// [W/nm per lm].  Three smooth spectra, D65 times reflectances that add up to 1: white is D65, and
-/// the sum over the observer's table gives back c, to 1e-9.  [Mallett19]
+/// [W/nm per lm].  The three spectra are smooth: D65 times reflectances that add up to 1.  White is
+/// D65, and the sum over the observer's table gives c to 1e-9.  [Mallett19]
 Rgb<double> rgb_basis_per_lumen(double nm);
 
 }  // namespace lucerna

@@ -55,13 +55,13 @@ AnswerSize answer_size(const v1::LeRequest& request) {
 }
 
 AnswerSize answer_size(const v1::EstimatePowerRequest& request) {
-  // RGB within its message, flux, error and watts, the array of wavelengths; of samples error,
-  // interval and count.
+  // RGB in its message, flux, error, watts and the array of wavelengths; if sampled, also standard
+  // error, interval and count.
   const std::uint64_t rgb = kTag + kLength + 3 * (kTag + kDouble);
   const std::uint64_t power = kTag + kLength + kTag + kId + rgb + 3 * (kTag + kDouble) + kTag +
                               kLength + kDouble * wavelengths(request) + 3 * (kTag + kDouble) +
                               kTag + kId;
-  // The total is one more.
+  // The total is one more message.
   return {.fixed = AnswerSize::kFixed + power, .per_item = power};
 }
 
@@ -69,7 +69,7 @@ AnswerSize answer_size(const v1::TestVisibilityRequest&) { return {.per_item = k
 
 AnswerSize answer_size(const v1::EstimateIrradianceRequest& request, std::uint64_t lights) {
   const std::uint64_t shares = request.per_light() ? lights : 0;
-  // Illuminance, error and interval, of each share too; RGB and bound.
+  // Illuminance, error and interval, also of each share; RGB and bound.
   const std::uint64_t estimate = 4 * kFloat;
   const std::uint64_t cost = request.accuracy().has_target_error() ? 2 * kId + kFloat : 0;
   return {.fixed = AnswerSize::kFixed + shares * (5 * (kTag + kLength) + kTag + kId),

@@ -1,4 +1,4 @@
-// Sizes of answers to batches.  Servers refuse requests by them, and clients split batches by them.
+// Sizes of answers to batches.  Servers use them to refuse requests, clients to split batches.
 #pragma once
 
 #include <cstdint>
@@ -23,7 +23,7 @@ struct AnswerSize {
 };
 
 /// An item is a sample.  A receiver has `accuracy.samples` of them, or as many as its target error
-/// or the time budget needs.  Estimates of receivers count as fixed.
+/// or the time budget allows.  Estimates of receivers count as fixed.
 AnswerSize answer_size(const v1::SampleLiRequest& request);
 AnswerSize answer_size(const v1::PdfLiRequest& request);
 AnswerSize answer_size(const v1::SampleLeRequest& request);

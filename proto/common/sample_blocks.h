@@ -8,7 +8,7 @@
 
 namespace lucerna {
 
-/// A sample of a path may be split into eight, which are numbered in 32 bits within the block.
+/// A sample of a path may be split into eight.  These are numbered in 32 bits within the block.
 inline constexpr std::uint32_t kMostSamplesPerBlock = 1U << 28;
 
 /// The largest power of two that divides `samples` (at least 1) and leaves at least `replicates`
@@ -19,10 +19,10 @@ inline std::uint32_t default_samples_per_block(std::uint32_t samples, std::uint3
       {divides, std::bit_floor(std::max(samples / replicates, 1U)), kMostSamplesPerBlock});
 }
 
-/// Blocks of tiles and pictures hold at most an eighth of the samples each.
+/// Least number of blocks of tiles and pictures, if there are as many samples.
 inline constexpr std::uint32_t kTileReplicates = 8;
-/// Of pixels with a target error.  Beside edges the means of blocks take few values, and 8 or 16
-/// blocks are often all equal: their standard error would be 0.
+/// Least number of blocks of a pixel with a target error.  Beside edges the means of blocks take
+/// few values, so 8 or 16 blocks are often all equal, with a standard error of 0.
 inline constexpr std::uint32_t kTargetReplicates = 32;
 
 /// The largest aligned run of a power of two blocks that begins at `first` and ends by `end`.

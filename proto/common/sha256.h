@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-// OpenSSL's EVP_MD_CTX, which is included where it is used.
+// OpenSSL's EVP_MD_CTX.
 struct evp_md_ctx_st;
 
 namespace lucerna {

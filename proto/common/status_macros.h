@@ -1,4 +1,4 @@
-// Early returns for functions that answer with absl::Status or absl::StatusOr.
+// Early returns for functions that return absl::Status or absl::StatusOr.
 //
 //     absl::StatusOr<Scene> load(const std::string& path) {
 //       LUCERNA_ASSIGN_OR_RETURN(const std::string text, read(path));

@@ -20,13 +20,13 @@ struct BlockStatistics {
 BlockStatistics merge(const BlockStatistics& a, std::uint64_t na, const BlockStatistics& b,
                       std::uint64_t nb);
 
-/// Merges runs of blocks.  The bits depend on the merged blocks and not on their grouping: runs
-/// merge as in a binary counter (aligned neighbours of equal power-of-two size first), and the rest
-/// merges from the lowest block up at the end.
+/// Merges runs of blocks.  The bits depend on the merged blocks and not on their grouping.  Runs
+/// merge as in a binary counter: aligned neighbours of equal power-of-two size first.  At the end
+/// the rest merges from the lowest block up.
 ///
 /// Carries `channels` values at once (3 for each pixel, pixels in row order).  Runs arrive in
-/// order: each starts where the last ended, its size is a power of two, and its first block is a
-/// multiple of its size.
+/// order: each starts where the last one ended.  The size of a run is a power of two, and its first
+/// block is a multiple of its size.
 class BlockMerger {
  public:
   BlockMerger(std::uint64_t first_block, std::size_t channels);

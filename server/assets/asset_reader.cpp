@@ -21,7 +21,7 @@ std::string joined(const std::vector<std::string>& parts) {
 
 absl::Status too_much(const std::string& name, std::uint64_t limit) {
   return absl::ResourceExhaustedError(fmt::format(
-      "file \"{}\": the scene's files exceed {} bytes together, which is the limit", name, limit));
+      "file \"{}\": the scene's files together exceed the limit of {} bytes", name, limit));
 }
 
 }  // namespace
@@ -42,7 +42,7 @@ absl::StatusOr<std::string> AssetReader::resolve(const std::string& name,
                                                  const std::string& relative_to) const {
   if (name.empty()) return absl::InvalidArgumentError("file name \"\" is empty");
   if (name.find('\0') != std::string::npos)
-    return absl::InvalidArgumentError("file name holds a zero byte");
+    return absl::InvalidArgumentError("file name contains a zero byte");
   if (name.front() == '/') return leaves_root(name);
   std::vector<std::string> path = path_components(relative_to);
   if (!path.empty()) path.pop_back();
@@ -96,7 +96,7 @@ absl::StatusOr<AssetContent> AssetReader::read_unpacked(const std::string& name,
   std::size_t consumed = 0;
   int result = Z_OK;
   while (result == Z_OK) {
-    // zlib counts in 32 bits, so it gets one part at a time.
+    // zlib counts in 32 bits, so it reads one part at a time.
     const std::size_t part = std::min<std::size_t>(in.size() - consumed, std::size_t{1} << 30);
     stream.next_in = reinterpret_cast<Bytef*>(in.data() + consumed);
     stream.avail_in = static_cast<uInt>(part);
@@ -111,7 +111,7 @@ absl::StatusOr<AssetContent> AssetReader::read_unpacked(const std::string& name,
   }
   if (result != Z_STREAM_END)
     return absl::InvalidArgumentError(
-        fmt::format("file \"{}\": its gzip data are broken or cut off", name));
+        fmt::format("file \"{}\": its gzip data are broken or incomplete", name));
   packed->bytes = std::move(out);
   return packed;
 }

@@ -17,7 +17,7 @@
 namespace lucerna {
 
 struct AssetReaderOptions {
-  /// The most bytes of all reads of one reader together; compressed files count unpacked too.
+  /// The most bytes of all reads of one reader together.  Compressed files also count unpacked.
   std::uint64_t max_total_bytes = std::uint64_t{4} << 30;
   bool use_openat2 = true;  ///< as in DirectorySourceOptions
 };
@@ -27,32 +27,33 @@ struct AssetContent {
   std::string bytes;
 };
 
-/// Reads files of one source and keeps the digest of each.  Not thread-safe: one reader for each
-/// load.
+/// Reads files of one source and keeps the digest of each.  Not thread-safe: use one reader for
+/// each load.
 ///
-/// Errors have the name as given.  INVALID_ARGUMENT for a name that leads outside, whether or not a
-/// file is there.  NOT_FOUND for a file that does not exist beneath the root.
+/// Messages have the name as given.  INVALID_ARGUMENT for a name that leads out of the root, even
+/// if no file is there.  NOT_FOUND for a file that does not exist under the root.
 class AssetReader {
  public:
-  /// Of the directory `root`.
+  /// A reader of the directory `root`.
   static absl::StatusOr<AssetReader> open(const std::string& root,
                                           const AssetReaderOptions& options = {});
   explicit AssetReader(std::unique_ptr<FileSource> source, const AssetReaderOptions& options = {});
 
-  /// `name` resolved in the directory of `relative_to`, which is itself a name relative to the root
-  /// (empty: the root).  `..` is resolved on the names, before any link is followed.
+  /// Reads `name`, relative to the directory of the file `relative_to`.  `relative_to` is relative
+  /// to the root; empty: the root itself.  `..` is resolved on the names, before any link is
+  /// followed.
   /// More errors: not a regular file (INVALID_ARGUMENT), over max_total_bytes (RESOURCE_EXHAUSTED).
   absl::StatusOr<AssetContent> read(const std::string& name, const std::string& relative_to = "");
 
-  /// As `read`, and unpacks a file whose first two bytes are those of gzip.  [RFC1952]
+  /// As `read`, but unpacks a file that begins with the two bytes of gzip.  [RFC1952]
   absl::StatusOr<AssetContent> read_unpacked(const std::string& name,
                                              const std::string& relative_to = "");
 
   /// Each file read so far once, in the order of the first reads.
   const std::vector<Asset>& assets() const { return assets_; }
 
-  /// The same files as they are now, with new digests and sizes.  Does not count towards
-  /// max_total_bytes.  Errors as `read`.
+  /// The same files with their present digests and sizes.  Does not count towards max_total_bytes.
+  /// Errors as `read`.
   absl::StatusOr<std::vector<Asset>> rehash(const std::vector<Asset>& assets);
 
  private:

@@ -56,9 +56,9 @@ struct Entry {
   std::uint64_t reserved = 0;  // the size that a writer announced, else `bytes`
   bool whole = false;
   std::size_t pins = 0;
-  std::uint64_t writer = 0;  // 0: none
+  std::uint64_t writer = 0;  // 0: no writer
   Clock::time_point written{};
-  std::uint64_t used = 0;  // the larger, the later
+  std::uint64_t used = 0;  // larger: used later
 };
 
 }  // namespace
@@ -76,7 +76,7 @@ struct AssetStore::State {
   fs::path whole(const std::string& digest) const { return directory / hexadecimal(digest); }
   fs::path part(const std::string& digest) const { return whole(digest) += kPart; }
 
-  // All below are called with the lock held.
+  // Call the functions below with the lock held.
 
   std::uint64_t reserved() const {
     std::uint64_t sum = 0;
@@ -94,7 +94,8 @@ struct AssetStore::State {
     const auto in_use = [](const Entry& e) { return e.pins > 0 || e.writer != 0; };
     std::uint64_t sum = reserved(), needed = size;
     for (const auto& [digest, e] : entries) needed += in_use(e) ? e.reserved : 0;
-    if (needed > options.budget_bytes) return false;  // delete nothing in vain
+    if (needed > options.budget_bytes)
+      return false;  // do not delete files if this cannot make enough room
     while (sum + size > options.budget_bytes) {
       auto oldest = entries.end();
       for (auto e = entries.begin(); e != entries.end(); ++e) {
@@ -107,7 +108,7 @@ struct AssetStore::State {
     return true;
   }
 
-  /// The entry that `writer` writes; null where another took over or it was dropped.
+  /// The entry that `writer` writes; null if another writer took over or the entry was dropped.
   Entry* entry_of(const std::string& digest, std::uint64_t writer) {
     const auto found = entries.find(digest);
     return found == entries.end() || found->second.writer != writer ? nullptr : &found->second;
@@ -121,7 +122,7 @@ absl::StatusOr<std::unique_ptr<AssetStore>> AssetStore::open(const AssetStoreOpt
   if (options.directory.empty()) {
     std::string name = (fs::temp_directory_path(error) / "lucernad-assets-XXXXXX").string();
     if (error || mkdtemp(name.data()) == nullptr)
-      return absl::InvalidArgumentError("no temporary directory can be made for uploaded assets");
+      return absl::InvalidArgumentError("cannot make a temporary directory for uploaded assets");
     state->directory = name;
     state->temporary = true;
   } else {
@@ -142,11 +143,12 @@ absl::StatusOr<std::unique_ptr<AssetStore>> AssetStore::open(const AssetStoreOpt
     Entry entry;
     entry.whole = extension.empty();
     entry.bytes = entry.reserved = file.file_size(error);
-    // If both exist, the server ended between finish and removal: the whole file is good.
+    // If both exist, the server ended between finish and removal.  The whole file is valid.
     const auto [place, is_new] = state->entries.try_emplace(bytes_of(name), entry);
     if (!is_new && entry.whole) place->second = entry;
   }
-  if (!state->free_space(0)) return absl::InternalError("assets that nobody uses do not make room");
+  if (!state->free_space(0))
+    return absl::InternalError("deleting unused assets does not make enough room");
   return std::unique_ptr<AssetStore>(new AssetStore(std::move(state)));
 }
 
@@ -169,20 +171,21 @@ AssetStore::Held AssetStore::held(const std::string& digest) const {
 absl::StatusOr<AssetUpload> AssetStore::upload(const std::string& digest, std::uint64_t size,
                                                std::uint64_t offset) {
   if (size > state_->options.max_asset_bytes)
-    return absl::ResourceExhaustedError(fmt::format("an asset of {} bytes, this store takes {}",
+    return absl::ResourceExhaustedError(fmt::format("an asset of {} bytes, allowed: at most {}",
                                                     size, state_->options.max_asset_bytes));
   std::uint64_t writer = 0;
   {
     const std::lock_guard lock(state_->mutex);
     Entry& entry = state_->entries[digest];
-    if (entry.whole) return absl::FailedPreconditionError("the asset is held already");
+    if (entry.whole) return absl::FailedPreconditionError("the server already has the asset");
     if (entry.writer != 0 && Clock::now() - entry.written < state_->options.patience)
       return absl::FailedPreconditionError("the asset is being uploaded by another client");
     if (offset > entry.bytes || offset > size) {
       const std::uint64_t held = std::min(entry.bytes, size);
       if (entry.bytes == 0) state_->entries.erase(digest);
-      return absl::InvalidArgumentError(fmt::format(
-          "header.offset_bytes = {}, allowed: [0, {}], the bytes held of it", offset, held));
+      return absl::InvalidArgumentError(
+          fmt::format("header.offset_bytes = {}, allowed: [0, {}], the bytes that the server has",
+                      offset, held));
     }
     entry.writer = writer = ++state_->writers;  // free_space() does not delete it
     entry.reserved = entry.bytes;
@@ -207,7 +210,7 @@ absl::StatusOr<AssetUpload> AssetStore::upload(const std::string& digest, std::u
     const std::int64_t n = read_fully(
         upload.file_.get(), chunk.data(),
         static_cast<std::size_t>(std::min<std::uint64_t>(kReadBytes, offset - upload.bytes_)));
-    if (n <= 0) return absl::InternalError("what was uploaded of an asset cannot be read again");
+    if (n <= 0) return absl::InternalError("cannot read the uploaded part of an asset");
     upload.sha_.add(std::string_view(chunk).substr(0, static_cast<std::size_t>(n)));
     upload.bytes_ += static_cast<std::uint64_t>(n);
   }
@@ -226,7 +229,7 @@ absl::Status AssetUpload::append(std::string_view chunk) {
     const std::lock_guard lock(state.mutex);
     if (state.entry_of(digest_, writer_) == nullptr) return taken_over();
   }
-  // Not under the lock.  If another writer takes over meanwhile, the digest will not match.
+  // Written without the lock.  If another writer takes over meanwhile, the digest will not match.
   const int error = write_fully(file_.get(), chunk);
   const std::lock_guard lock(state.mutex);
   Entry* entry = state.entry_of(digest_, writer_);
@@ -275,12 +278,12 @@ absl::StatusOr<OpenFile> AssetStore::read(const std::string& digest) {
   const std::lock_guard lock(state_->mutex);
   const auto found = state_->entries.find(digest);
   if (found == state_->entries.end() || !found->second.whole)
-    return absl::NotFoundError("the asset is not held");
+    return absl::NotFoundError("the server does not have the asset");
   Descriptor file(::open(state_->whole(digest).c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
   if (file.get() < 0) {
-    // The file was deleted from outside.
+    // Another program deleted the file.
     state_->entries.erase(found);
-    return absl::NotFoundError("the asset is not held");
+    return absl::NotFoundError("the server does not have the asset");
   }
   found->second.used = ++state_->uses;
   return OpenFile{std::move(file), found->second.bytes};
@@ -306,7 +309,7 @@ AssetStore::Pins::~Pins() {
   const std::lock_guard lock(store_.state_->mutex);
   for (const std::string& digest : digests_) {
     const auto found = store_.state_->entries.find(digest);
-    // It may have been dropped meanwhile, or uploaded anew.
+    // It may have been dropped meanwhile, or uploaded again.
     if (found != store_.state_->entries.end() && found->second.pins > 0) --found->second.pins;
   }
 }

@@ -35,7 +35,7 @@ class AssetUpload {
   AssetUpload& operator=(AssetUpload&&) = delete;
   ~AssetUpload();
 
-  /// Bytes held now.
+  /// Bytes in the store now.
   std::uint64_t bytes() const { return bytes_; }
   std::uint64_t size() const { return size_; }
   bool complete() const { return bytes_ == size_; }
@@ -43,8 +43,8 @@ class AssetUpload {
   /// Requires that bytes() stays at most size().  Errors: no space on the disk
   /// (RESOURCE_EXHAUSTED), another writer took over (FAILED_PRECONDITION).
   absl::Status append(std::string_view chunk);
-  /// Requires `complete()`.  INVALID_ARGUMENT if the bytes have another digest: the store drops
-  /// them, and the message is that digest, hexadecimal.
+  /// Requires `complete()`.  INVALID_ARGUMENT if the bytes have another digest: the store deletes
+  /// them.  The message is the digest of the bytes, hexadecimal.
   absl::Status finish();
 
  private:
@@ -67,32 +67,32 @@ class AssetUpload {
 /// Thread-safe.  Digests are 32 bytes.
 class AssetStore {
  public:
-  /// FAILED_PRECONDITION if another server uses the directory.  INVALID_ARGUMENT if it is not
-  /// writable.
+  /// Opens or makes the directory.  FAILED_PRECONDITION if another server uses it.
+  /// INVALID_ARGUMENT if it is not writable.
   static absl::StatusOr<std::unique_ptr<AssetStore>> open(const AssetStoreOptions& options);
   ~AssetStore();
 
   struct Held {
     bool whole = false;
-    std::uint64_t bytes = 0;  ///< of a broken upload: another one may continue there
+    std::uint64_t bytes = 0;  ///< of a broken upload; another upload may continue there
   };
   Held held(const std::string& digest) const;
 
-  /// Starts an upload at `offset`, at most the bytes held.  Drops the bytes held beyond it.  Reads
-  /// the bytes held up to `offset` to hash them.
+  /// Starts an upload at `offset`, which is at most the number of bytes in the store.  Deletes the
+  /// bytes after `offset`, and reads those before it to hash them.
   ///
   /// Errors: INVALID_ARGUMENT (offset), RESOURCE_EXHAUSTED (over the limit for one file; files in
-  /// use leave no room), FAILED_PRECONDITION (another client uploads it; it is held already).
+  /// use leave no room), FAILED_PRECONDITION (another client uploads it; the store already has it).
   absl::StatusOr<AssetUpload> upload(const std::string& digest, std::uint64_t size,
                                      std::uint64_t offset);
 
-  /// The file; it stays readable if the store deletes it meanwhile.  NOT_FOUND if it is not
+  /// The file.  It stays readable even if the store deletes it meanwhile.  NOT_FOUND if it is not
   /// complete.
   absl::StatusOr<OpenFile> read(const std::string& digest);
-  /// Deletes a file.  For a file whose bytes do not match its digest.
+  /// Deletes a file.  Use it for a file whose bytes do not match its digest.
   void drop(const std::string& digest);
 
-  /// The store does not delete these files while it lives.
+  /// While this object exists, the store does not delete its files.
   class Pins {
    public:
     Pins(AssetStore& store, std::vector<std::string> digests);
@@ -106,7 +106,7 @@ class AssetStore {
   };
 
   std::uint64_t max_asset_bytes() const;
-  std::uint64_t bytes() const;  ///< of all files, and reserved by running uploads
+  std::uint64_t bytes() const;  ///< of all files, including those reserved by running uploads
 
  private:
   friend class AssetUpload;

@@ -1,4 +1,5 @@
-// Options of an AssetStore, apart from it: programs set them without reading how files are kept.
+// Options of an AssetStore.  A separate file, so that programs can set them without the store's
+// header.
 #pragma once
 
 #include <chrono>
@@ -8,13 +9,13 @@
 namespace lucerna {
 
 struct AssetStoreOptions {
-  /// Where the files are.  Made if it does not exist; the next server finds its files again.
-  /// Empty: a temporary directory that is deleted with the store.
+  /// The directory of the files.  It is made if it does not exist, and its files stay for the next
+  /// server.  Empty: a temporary directory that is deleted with the store.
   std::string directory{};
   std::uint64_t max_asset_bytes = std::uint64_t{4} << 30;
-  /// Of all files together.  Least recently used files are deleted first.
+  /// The most bytes of all files together.  Least recently used files are deleted first.
   std::uint64_t budget_bytes = std::uint64_t{16} << 30;
-  /// A writer that has sent nothing for so long gives way to another writer of the same file.
+  /// If a writer sends nothing for this time, another writer may take over its file.
   std::chrono::milliseconds patience{10'000};
 };
 

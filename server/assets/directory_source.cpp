@@ -16,8 +16,8 @@
 namespace lucerna {
 namespace {
 
-/// Opens `path` beneath `root`; on failure -1 and errno.  Nothing if the kernel, or a filter of its
-/// calls, has no openat2.
+/// Opens `path` under `root`; on failure -1 and errno.  Nothing if the kernel or a filter of
+/// system calls does not allow openat2.
 std::optional<int> open_with_openat2(int root, const std::string& path, int flags) {
   open_how how{};
   how.flags = static_cast<std::uint64_t>(flags);
@@ -32,7 +32,7 @@ std::optional<int> open_with_openat2(int root, const std::string& path, int flag
   return -1;
 }
 
-/// Opens one component at a time, and follows no link.
+/// Opens one component at a time, without following links.
 int open_without_links(int root, const std::string& path, int flags) {
   const std::vector<std::string> parts = path_components(path);
   int directory = root;
@@ -61,7 +61,7 @@ int open_without_links(int root, const std::string& path, int flags) {
 
 absl::Status leaves_root(const std::string& name) {
   return absl::InvalidArgumentError(
-      fmt::format("file name \"{}\" leaves the scene root, allowed: files beneath it", name));
+      fmt::format("file name \"{}\" leaves the scene root, allowed: paths inside it", name));
 }
 
 absl::Status unreadable(const std::string& name) {
@@ -73,7 +73,7 @@ absl::StatusOr<std::unique_ptr<DirectorySource>> DirectorySource::open_root(
   const int fd = ::open(root.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC);
   if (fd < 0)
     return absl::NotFoundError(
-        fmt::format("scene root \"{}\" is not a directory that can be opened", root));
+        fmt::format("cannot open the scene root \"{}\" as a directory", root));
   return std::unique_ptr<DirectorySource>(new DirectorySource(Descriptor(fd), options));
 }
 
@@ -84,7 +84,7 @@ absl::StatusOr<OpenFile> DirectorySource::open(const std::string& path, const st
   if (options_.use_openat2) opened = open_with_openat2(root_.get(), path, kFlags);
   Descriptor fd(opened ? *opened : open_without_links(root_.get(), path, kFlags));
   if (fd.get() < 0) {
-    // EXDEV: openat2 would leave the root.  ELOOP: a link where none is followed, or a circle of
+    // EXDEV: openat2 would leave the root.  ELOOP: a link that must not be followed, or a circle of
     // links.
     if (errno == EXDEV || errno == ELOOP) return leaves_root(name);
     if (errno == ENOENT || errno == ENOTDIR)

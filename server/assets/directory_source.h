@@ -1,5 +1,5 @@
-// Files beneath one directory.  No name reaches a file outside of it: not by `..`, not by an
-// absolute name, not through a symbolic link.
+// Files under one directory.  No name reaches a file outside of it, whether by `..`, an absolute
+// name or a symbolic link.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -12,8 +12,8 @@
 namespace lucerna {
 
 struct DirectorySourceOptions {
-  /// The kernel keeps path resolution beneath the root (openat2, Linux 5.6), if it can.  Without
-  /// openat2 all symbolic links are refused.
+  /// Uses openat2 (Linux 5.6) if the kernel has it: the kernel then keeps paths under the root.
+  /// Without openat2, all symbolic links are refused.
   bool use_openat2 = true;
 };
 

@@ -11,7 +11,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Well-formed by its lengths and continuation bytes, which is what messages need.
+/// Checks lengths and continuation bytes, as messages require.
 bool is_utf8(const std::string& text) {
   int following = 0;
   for (const char c : text) {
@@ -30,7 +30,7 @@ bool is_utf8(const std::string& text) {
   return following == 0;
 }
 
-bool is_beneath(const fs::path& path, const fs::path& root) {
+bool is_under(const fs::path& path, const fs::path& root) {
   return std::mismatch(root.begin(), root.end(), path.begin(), path.end()).first == root.end();
 }
 
@@ -40,7 +40,7 @@ bool is_file(const fs::directory_entry& entry, const fs::path& root) {
   if (!entry.is_symlink(error)) return entry.is_regular_file(error);
   if (fs::read_symlink(entry.path(), error).is_absolute() || error) return false;
   const fs::path target = fs::canonical(entry.path(), error);
-  return !error && is_beneath(target, root) && fs::is_regular_file(target, error);
+  return !error && is_under(target, root) && fs::is_regular_file(target, error);
 }
 
 }  // namespace
@@ -51,7 +51,7 @@ FileListing list_files(const std::string& root, const std::string& extension,
   std::error_code error;
   const fs::path top = fs::canonical(root, error);
   if (error) return listing;
-  // Breadth first: a limit cuts off the deepest files.
+  // Breadth first, so that a limit drops the deepest files.
   std::deque<std::pair<fs::path, int>> folders{{top, 1}};
   std::size_t entries = 0;
   for (; !folders.empty(); folders.pop_front()) {

@@ -1,4 +1,4 @@
-// The files of one kind beneath a directory.
+// The files of one kind under a directory.
 #pragma once
 
 #include <cstddef>
@@ -8,8 +8,8 @@
 namespace lucerna {
 
 struct FileListingLimits {
-  std::size_t entries = 65536;  ///< directory entries that are looked at
-  int depth = 16;               ///< levels of folders, the root's files being level 1
+  std::size_t entries = 65536;  ///< most directory entries to visit
+  int depth = 16;               ///< levels of folders; files of the root are level 1
 };
 
 struct FileListing {
@@ -17,11 +17,11 @@ struct FileListing {
   bool incomplete = false;         ///< a limit ended the search
 };
 
-/// The regular files beneath `root` whose names end with `extension` (such as ".pbrt").
+/// The regular files under `root` whose names end with `extension` (such as ".pbrt").
 ///
 /// Leaves out hidden files and folders, names that are not UTF-8, and folders that cannot be read.
 /// Does not follow symbolic links to folders.  A symbolic link to a file counts if it is relative
-/// and its target is beneath the root, since AssetReader opens such links.
+/// and its target is under the root, since AssetReader opens such links.
 FileListing list_files(const std::string& root, const std::string& extension,
                        const FileListingLimits& limits = {});
 

@@ -33,9 +33,9 @@ class FileSource {
  public:
   virtual ~FileSource() = default;
 
-  /// The regular file called `path`, which has no `.` and `..`, at its beginning.  Messages use
-  /// `name`, as in the request.  Errors: NOT_FOUND if it does not exist, INVALID_ARGUMENT if it may
-  /// not be read, FAILED_PRECONDITION if it was not uploaded yet.
+  /// Opens the regular file `path` at its beginning.  `path` has no `.` and `..`.  Messages use
+  /// `name`, the name in the request.  Errors: NOT_FOUND if it does not exist, INVALID_ARGUMENT if
+  /// it must not be read, FAILED_PRECONDITION if it was not uploaded yet.
   virtual absl::StatusOr<OpenFile> open(const std::string& path, const std::string& name) = 0;
 };
 

@@ -23,8 +23,8 @@ struct MissingAsset {
   std::string digest;  ///< empty if the manifest does not name the file
 };
 
-/// `missing` gets each file that a loader opened and that was not uploaded yet, once, in the order
-/// of opening.  `missing` and `store` must outlive the source.
+/// Adds to `missing` each file that a loader opened before its upload, once, in the order of
+/// opening.  `missing` and `store` must outlive the source.
 class ManifestSource final : public FileSource {
  public:
   ManifestSource(const Manifest& manifest, AssetStore& store, std::vector<MissingAsset>& missing);

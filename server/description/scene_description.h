@@ -37,12 +37,12 @@ struct DiffuseMaterial {
   Rgb<double> reflectance{0.5};  ///< each channel in [0, 1]
 };
 
-/// A triangle mesh in world space (object space within an ObjectDefinition).  Winding is resolved:
-/// cross(p1 - p0, p2 - p0) points to the outside.  It accounts for ReverseOrientation, mirrors and
+/// A triangle mesh in world space (object space within an ObjectDefinition).  cross(p1 - p0, p2 -
+/// p0) points to the outside.  The loader sets this winding from ReverseOrientation, mirrors and
 /// vertex normals.
 struct TriangleMeshData {
   std::vector<Vec3<double>> positions;
-  std::vector<Vec3<float>> normals;    ///< shading normals, unit, per vertex; empty: flat
+  std::vector<Vec3<float>> normals;    ///< shading normals, unit, one for each vertex; empty: flat
   std::vector<std::uint32_t> indices;  ///< three per triangle, all < positions.size()
   /// (u, v) of each triangle's corners, for an emission image; empty if there is none.
   std::vector<Vec2<float>> corner_uv{};
@@ -75,8 +75,8 @@ struct ShapeDescription {
   };
   std::optional<Emission> emission{};
   SourceLocation where{};
-  /// World to world; null if it does not move.  `geometry` is at the first key frame.  Not used
-  /// within an ObjectDefinition.
+  /// Motion in the world; null if it does not move.  `geometry` is at the first key frame.  Not
+  /// used within an ObjectDefinition.
   std::shared_ptr<const Motion> motion{};
 };
 
@@ -98,7 +98,7 @@ struct LightDescription {
   LightParams params;
   SourceLocation where;
   std::shared_ptr<const Spectrum> spectrum{};  ///< null for a light given in RGB
-  /// World to world; null if it does not move.  `params` are at the first key frame.
+  /// Motion in the world; null if it does not move.  `params` are at the first key frame.
   std::shared_ptr<const Motion> motion{};
   std::uint32_t samples = 1;  ///< the same as in SceneLight
 };
@@ -109,14 +109,14 @@ struct PerspectiveCamera {
   /// The image plane at z = 1: x from screen_min.x (left) to screen_max.x, y from screen_min.y
   /// (bottom) to screen_max.y.  The values are tangents of half angles.
   Vec2<double> screen_min{-1, -1}, screen_max{1, 1};
-  /// World to world; null if it does not move.  `world_from_camera` is at the first key frame.
+  /// Motion in the world; null if it does not move.  `world_from_camera` is at the first key frame.
   std::shared_ptr<const Motion> motion{};
 };
 
 struct Film {
   int width = 1280;  ///< pixels; crops are ignored
   int height = 720;
-  double scale = 1;  ///< factor on pixel values (the film's sensor); 1: linear radiance
+  double scale = 1;  ///< factor of pixel values (the film's sensor); 1: linear radiance
 };
 
 /// Defaults for requests that do not set these values.

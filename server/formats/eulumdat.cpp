@@ -12,8 +12,8 @@
 namespace lucerna {
 namespace {
 
-/// Reads lines by their number, from 1, the way the format's description counts them.  After the
-/// first error every call does nothing, so that callers check `status` once for several values.
+/// Reads lines by their number, from 1, as the format's description counts them.  After the first
+/// error, calls do nothing, so that callers can check `status` once for several values.
 class Lines {
  public:
   Lines(std::string_view file, std::string_view text) : file_(file), lines_(split_lines(text)) {}
@@ -79,8 +79,7 @@ class Lines {
   std::vector<std::string_view> lines_;
 };
 
-/// The planes whose intensities the file holds: the index of the first one's C-angle, and their
-/// number.
+/// The planes whose intensities the file has: the index of the first C-angle, and their number.
 struct Planes {
   std::size_t first, count;
 };
@@ -103,9 +102,9 @@ Planes planes_of(std::size_t symmetry, std::size_t angles) {
 /// The order of the values of several sets of lamps.
 enum class SetOrder { kByField, kBySet, kEither, kNeither };
 
-/// Finds the order by what can be a number.  Number of lamps, flux and watts of each set are
-/// numbers (the first and the last may be blank).  In the other order, lamp types stand in their
-/// place, which are seldom numbers.
+/// Finds the order by the values that can be numbers.  Number of lamps, flux and watts of each set
+/// are numbers (the first and the last may be blank).  In the wrong order, lamp types are in their
+/// place, which are rarely numbers.
 SetOrder order_of_sets(const Lines& lines, std::size_t sets) {
   const auto fits = [&](std::size_t field_step, std::size_t set_step) {
     for (std::size_t set = 0; set < sets; ++set) {
@@ -121,7 +120,7 @@ SetOrder order_of_sets(const Lines& lines, std::size_t sets) {
   return by_set ? SetOrder::kBySet : SetOrder::kNeither;
 }
 
-/// The sizes that the file begins with.
+/// The sizes at the beginning of the file.
 struct Sizes {
   std::size_t symmetry;  ///< Isym
   std::size_t angles;    ///< Mc, number of C-planes
@@ -143,8 +142,8 @@ Sizes read_sizes(Lines& lines) {
   return sizes;
 }
 
-/// The factor on all intensities; 1 if its line is blank.  The description does not allow a blank
-/// there and some programs refuse it, others write it where nothing is to be converted.
+/// The factor of all intensities; 1 if its line is blank.  The description does not allow a blank
+/// line, and some programs refuse it.  Other programs write it if nothing has to be converted.
 double read_conversion(Lines& lines, PhotometricFile& file) {
   if (lines.size() < 24 || !lines.blank(24))
     return lines.number(24, "the conversion factor", 1e-300, kAny, "positive");
@@ -172,14 +171,16 @@ Lamps read_lamps(Lines& lines, PhotometricFile& file) {
   const std::size_t flux_line = order == SetOrder::kBySet ? 29 : 27 + 2 * lamps.sets;
   lamps.lm = lines.number(flux_line, "the luminous flux of the lamps", 1e-300, kAny, "positive");
   if (lamps.sets > 1)
-    file.notes.push_back({26, fmt::format("{} sets of lamps", lamps.sets), "the first of them"});
+    file.notes.push_back(
+        {26, fmt::format("{} sets of lamps", lamps.sets), "only the first set is used"});
   if (order == SetOrder::kEither)
-    file.notes.push_back({26, "sets of lamps that can be read field by field or set by set",
-                          "field by field, the order of the format's description"});
+    file.notes.push_back({26,
+                          "sets of lamps whose order is ambiguous (field by field or set by set)",
+                          "read field by field, as in the format's description"});
   return lamps;
 }
 
-/// The angles of the planes whose intensities the file holds.
+/// The angles of the planes whose intensities the file has.
 std::vector<double> plane_angles(const Sizes& sizes, const std::vector<double>& c) {
   if (sizes.symmetry == 1) return {0};
   const Planes planes = planes_of(sizes.symmetry, sizes.angles);
@@ -191,17 +192,18 @@ std::vector<double> plane_angles(const Sizes& sizes, const std::vector<double>& 
   return angles;
 }
 
-/// Reads the C-angles (from `angles_line` on), the gamma-angles and the intensities, which `factor`
-/// multiplies.
+/// Reads the C-angles (from `angles_line` on), the gamma-angles and the intensities.  `factor`
+/// multiplies the intensities.
 absl::StatusOr<PhotometricWebParams> read_intensities(Lines& lines, const Sizes& sizes,
                                                       std::size_t angles_line, double factor) {
   const auto [symmetry, angles, gammas] = sizes;
   const std::size_t left = lines.size() >= angles_line ? lines.size() - angles_line + 1 : 0;
   const Planes planes = planes_of(symmetry, angles);
   if (angles > left || gammas > left || planes.count > (left - angles) / gammas)
-    lines.fail(6, fmt::format("{} angles and {} planes of {} intensities are claimed to follow, "
-                              "allowed: as many as the {} lines that are left",
-                              angles, planes.count, gammas, left));
+    lines.fail(6,
+               fmt::format("{} angles and {} planes of {} intensities are announced, allowed: as "
+                           "many as fit in the remaining {} lines",
+                           angles, planes.count, gammas, left));
   LUCERNA_RETURN_IF_ERROR(lines.status);
   const std::vector<double> c =
       lines.list(angles_line, angles, "a C-angle", 0, 360, "from 0 to 360 degrees");
@@ -226,8 +228,8 @@ absl::StatusOr<PhotometricWebParams> read_intensities(Lines& lines, const Sizes&
   return web;
 }
 
-/// Checks the downward flux fraction and the light output ratio, which may both be blank.  A note
-/// if the ratio contradicts the intensities by more than 2%.
+/// Checks the downward flux fraction and the light output ratio, which may both be blank.  Adds a
+/// note if the ratio differs from the intensities by more than 2%.
 void check_ratios(Lines& lines, double lamps_lm, double conversion, PhotometricFile& file) {
   const auto percent = [&](std::size_t line, std::string_view what) {
     return lines.blank(line) ? 0 : lines.number(line, what, 0, 1000, "percent, from 0");
@@ -237,8 +239,8 @@ void check_ratios(Lines& lines, double lamps_lm, double conversion, PhotometricF
   const double stated = output / 100 * lamps_lm;
   if (stated > 0 && std::fabs(file.web->flux_lm() / conversion / stated - 1) > 0.02)
     file.notes.push_back(
-        {23, fmt::format("a light output ratio of {}%, which makes {:.6g} lm", output, stated),
-         fmt::format("the flux of the intensities, {:.6g} lm", file.web->flux_lm())});
+        {23, fmt::format("the light output ratio of {}% gives {:.6g} lm", output, stated),
+         fmt::format("the flux of the intensities is used, {:.6g} lm", file.web->flux_lm())});
 }
 
 }  // namespace
@@ -252,7 +254,7 @@ absl::StatusOr<PhotometricFile> parse_eulumdat(std::string_view text, std::strin
   const double conversion = read_conversion(lines, file);
   const Lamps lamps = read_lamps(lines, file);
   LUCERNA_RETURN_IF_ERROR(lines.status);
-  // Ten direct ratios come before the angles.
+  // Ten direct ratios precede the angles.
   const std::size_t angles_line = 27 + 6 * lamps.sets + 10;
   LUCERNA_ASSIGN_OR_RETURN(
       const PhotometricWebParams web,

@@ -13,15 +13,15 @@ namespace lucerna {
 ///
 /// The file has one value per line; decimal commas are accepted.  Intensity is the file's value per
 /// 1000 lm, times the luminous flux of the first set of lamps, times the conversion factor.  The
-/// flux is that of all lamps of the set; if their number is negative it is that of the luminaire
-/// (absolute photometry).  A blank conversion factor counts as 1, with a note; the format does not
-/// allow it.
+/// flux is that of all lamps of the set.  If the number of lamps is negative, it is that of the
+/// luminaire (absolute photometry).  A blank conversion factor counts as 1, with a note, although
+/// the format does not allow it.
 ///
-/// Further sets of lamps are alternatives; they are left out with a note.  The format lists the
-/// values of all sets field by field, but some programs write set by set; the reader distinguishes
-/// them by the fields that are numbers.  If the light output ratio contradicts the intensities by
-/// more than 2%, the intensities count, with a note.  Neither this ratio nor the downward flux
-/// fraction scales them.
+/// Further sets of lamps are alternatives; they are ignored with a note.  The format lists the
+/// values of all sets field by field, but some programs write set by set.  The reader distinguishes
+/// the two orders by the fields that are numbers.  If the light output ratio differs from the
+/// intensities by more than 2%, the intensities are used, with a note.  This ratio and the downward
+/// flux fraction do not scale them.
 ///
 /// Counts are checked against the number of lines before anything is allocated.  Errors
 /// (INVALID_ARGUMENT): "name:line: what, allowed: ...".

@@ -12,7 +12,7 @@
 namespace lucerna {
 namespace {
 
-/// An edition of LM-63.  `line` is the first line of its files; that of 1986 has none.
+/// An edition of LM-63.  `line` is the first line of its files; files of 1986 have no such line.
 struct Edition {
   std::string_view line, name;
   int year;
@@ -26,7 +26,7 @@ constexpr Edition kEditions[] = {
 };
 
 /// Reads one number after the other, across line ends, separated by blanks and commas.  After the
-/// first error every call does nothing, so that callers check `status` once for several numbers.
+/// first error, calls do nothing, so that callers can check `status` once for several numbers.
 class Numbers {
  public:
   Numbers(std::string_view file, const std::vector<std::string_view>& lines, std::size_t line)
@@ -34,7 +34,7 @@ class Numbers {
     for (std::size_t i = line; i < lines.size(); ++i) left_ += lines[i].size() + 1;
   }
 
-  /// The next number; nothing after an error, which `status` holds.
+  /// The next number; nothing after an error, which is in `status`.
   std::optional<double> next(std::string_view what) {
     if (!status.ok()) return std::nullopt;
     if (!skip()) {
@@ -92,7 +92,7 @@ class Numbers {
       const double n =
           number(fmt::format("{} {}", what, i + 1), -360, 360, "from -360 to 360 degrees");
       if (status.ok() && i > 0 && !(n > result.back()))
-        fail(fmt::format("{} {} = {} degrees, allowed: above the one before, which is {}", what,
+        fail(fmt::format("{} {} = {} degrees, allowed: more than the previous angle, {}", what,
                          i + 1, n, result.back()));
       result.push_back(n);
     }
@@ -106,13 +106,12 @@ class Numbers {
           file_, line, std::string_view(checked.message().data(), checked.message().size()));
   }
 
-  /// Fails if `count` numbers cannot follow: each takes a digit, and a blank before the next.
+  /// Fails if the rest is too short for `count` numbers: each takes a digit, and a blank before the
+  /// next one.
   bool room_for(std::uint64_t count) {
     if (status.ok() && count > (left_ + 1) / 2)
-      fail(
-          fmt::format("{} numbers are claimed to follow, allowed: as many as the {} bytes that are "
-                      "left can hold",
-                      count, left_));
+      fail(fmt::format("{} numbers announced, allowed: as many as fit in the remaining {} bytes",
+                       count, left_));
     return status.ok();
   }
 
@@ -132,7 +131,7 @@ class Numbers {
     return false;
   }
 
-  /// From 1; the last line at the end of the file.
+  /// Number of the current line, from 1; the last line at the end of the file.
   int line() const { return static_cast<int>(std::min(line_ + 1, lines_.size())); }
   void fail(std::string_view what) {
     if (status.ok()) status = photometric_error(file_, line(), what);
@@ -161,14 +160,15 @@ Edition edition_of(const std::vector<std::string_view>& lines, PhotometricFile& 
   for (const Edition& edition : kEditions)
     if (trimmed(lines[0]) == edition.line) return edition;
   // A later edition or an unknown label.  The format has not changed since 1995.
-  file.notes.push_back({1,
-                        fmt::format("edition \"{}\" is none of LM-63-1986, 1991, 1995, 2002, 2019",
-                                    excerpt(trimmed(lines[0]))),
-                        "read as that of 2002"});
+  file.notes.push_back(
+      {1,
+       fmt::format("unknown edition \"{}\", known: LM-63-1986, 1991, 1995, 2002, 2019",
+                   excerpt(trimmed(lines[0]))),
+       "read as that of 2002"});
   return k2002;
 }
 
-/// The index of the line "TILT=".  Keywords come before it, in the edition of 1986 free text.
+/// The index of the line "TILT=".  Keywords precede it; in the edition of 1986, free text.
 absl::StatusOr<std::size_t> find_tilt(const std::vector<std::string_view>& lines,
                                       std::string_view name) {
   for (std::size_t i = 0; i < lines.size(); ++i)
@@ -201,7 +201,7 @@ double read_tilt_table(Numbers& numbers, PhotometricFile& file) {
   return factors[0];
 }
 
-/// The factor that the value of "TILT=" stands for; `tilt` is the index of that line.
+/// The factor that "TILT=" specifies; `tilt` is the index of that line.
 absl::StatusOr<double> read_tilt(std::size_t tilt, const std::vector<std::string_view>& lines,
                                  std::string_view name, Numbers& numbers, PhotometricFile& file) {
   const std::string_view value = trimmed(trimmed(lines[tilt]).substr(5));
@@ -213,9 +213,9 @@ absl::StatusOr<double> read_tilt(std::size_t tilt, const std::vector<std::string
   }
   if (value.empty())
     return photometric_error(name, line,
-                             "TILT= nothing, allowed: NONE, INCLUDE, the name of a file");
+                             "TILT= has no value, allowed: NONE, INCLUDE or the name of a file");
   file.notes.push_back({line, fmt::format("tilt factors in \"{}\" are not read", excerpt(value)),
-                        "1, that of a luminaire that is not tilted"});
+                        "the factor 1, for a luminaire without tilt"});
   return 1;
 }
 
@@ -223,7 +223,7 @@ absl::StatusOr<double> read_tilt(std::size_t tilt, const std::vector<std::string
 struct IesHeader {
   std::size_t vertical, horizontal;  ///< number of angles
   PhotometricType type;
-  double factor;  ///< of every candela value, with that of the tilt
+  double factor;  ///< of every candela value, including the tilt factor
 };
 
 IesHeader read_header(Numbers& numbers, const Edition& edition, double tilt_factor) {
@@ -280,7 +280,7 @@ absl::StatusOr<PhotometricType> read_candela(Numbers& numbers, const IesHeader& 
   web.intensity_cd = numbers.list("candela value", header.vertical * header.horizontal);
   LUCERNA_RETURN_IF_ERROR(numbers.status);
   if (numbers.skip())
-    file.notes.push_back({numbers.line(), "more after the last candela value", "left out"});
+    file.notes.push_back({numbers.line(), "text after the last candela value", "left out"});
   for (double& cd : web.intensity_cd) cd *= header.factor;
   auto made = PhotometricWeb::create(web);
   if (!made.ok())

@@ -14,13 +14,13 @@ namespace lucerna {
 ///
 /// Intensity is candela times the candela multiplier, the ballast factor, and in the editions of
 /// 1986 and 1991 the ballast-lamp photometric factor.  The edition of 1986 has the same number for
-/// types A and C; negative vertical angles then mean type A.  Lumens of the lamps scale nothing:
-/// the candela hold for these lamps, or are absolute if lumens are -1.
+/// types A and C; negative vertical angles then mean type A.  The lumens of the lamps do not scale
+/// anything: the candela values are for these lamps, or absolute if lumens are -1.
 ///
-/// The luminaire hangs in the position of the measurement, so of a tilt table the factor at angle 0
-/// applies.  A tilt table in a separate file is not read, since its factor at 0 is 1. Text after
-/// the last intensity (a further luminaire in the edition of 1991) is left out.  A note reports
-/// each of these.
+/// The luminaire hangs in the position of the measurement, so the factor at angle 0 of a tilt table
+/// applies.  A tilt table in a separate file is not read; its factor counts as 1.  Text after the
+/// last intensity (a further luminaire in the edition of 1991) is left out.  A note reports each of
+/// these.
 ///
 /// Counts in the header are checked against the length of the text before anything is allocated.
 /// Errors (INVALID_ARGUMENT): "name:line: what, allowed: ...".

@@ -28,7 +28,7 @@ absl::Status bad(const AssetContent& content, const std::string& what) {
 }
 
 /// The extension in lower case with its dot; empty for unknown formats.  OpenImageIO reads more
-/// formats, such as films and archives, but a server should open only what it needs.
+/// formats, such as films and archives, but a server should open only the formats that it needs.
 std::string known_extension(const std::string& name) {
   std::string extension = std::filesystem::path(name).extension().string();
   std::ranges::transform(extension, extension.begin(), [](unsigned char c) {
@@ -39,7 +39,7 @@ std::string known_extension(const std::string& name) {
   return std::ranges::find(kKnown, extension) != kKnown.end() ? extension : "";
 }
 
-/// Text from a file in a form for messages.
+/// Text from a file, made printable for messages.
 std::string shown(std::string text) {
   std::ranges::replace_if(
       text, [](char c) { return c < ' ' || c > '~'; }, '?');
@@ -53,7 +53,7 @@ std::string first_line(const std::string& text) { return shown(text.substr(0, te
 /// The error for an unreadable file, with OpenImageIO's message, which may be empty.
 absl::Status unreadable(const AssetContent& content, const std::string& extension,
                         const std::string& why) {
-  return bad(content, fmt::format("cannot be read as an image{}{}, allowed: a whole {} file",
+  return bad(content, fmt::format("cannot be read as an image{}{}, allowed: a complete {} file",
                                   why.empty() ? "" : ": ", first_line(why), extension));
 }
 
@@ -98,11 +98,11 @@ absl::StatusOr<OpenImage> open_image(const AssetContent& content) {
                "unknown kind of image, allowed: .exr .hdr .pfm .png .tif .tiff .jpg .jpeg");
   OpenImage open;
   const std::string name = "image" + extension;
-  // Chosen by the format alone: with a file name, OpenImageIO would look for that file.
+  // Chosen only by the format: with a file name, OpenImageIO would look for that file.
   open.input = OIIO::ImageInput::create(extension.substr(1));
   if (!open.input) return absl::InternalError(content.name + ": " + first_line(OIIO::geterror()));
   OIIO::ImageSpec config;
-  // The stored colours, not multiplied by alpha.
+  // Use the stored colours, not multiplied by alpha.
   config.attribute("oiio:UnassociatedAlpha", 1);
   bool ok;
   if (open.input->supports("ioproxy")) {
@@ -148,17 +148,17 @@ std::vector<ImageRemark> remarks_on(OpenImage& open, const std::string& name) {
         {fmt::format("{} has {} channels besides R, G, B and A", name, rest), "they are ignored"});
   if (spec.x != spec.full_x || spec.y != spec.full_y || spec.width != spec.full_width ||
       spec.height != spec.full_height)
-    remarks.push_back({name + " has a data window other than its display window",
-                       "the data window is the picture"});
+    remarks.push_back({name + " has a data window that differs from its display window",
+                       "the data window is used as the picture"});
   if (spec.get_int_attribute("Orientation", 1) != 1)
-    remarks.push_back({name + " has an orientation flag", "the picture as stored"});
+    remarks.push_back({name + " has an orientation flag", "the picture is used as stored"});
   std::array<float, 8> c{};
   constexpr std::array kRec709{0.64F, 0.33F, 0.30F, 0.60F, 0.15F, 0.06F, 0.3127F, 0.3290F};
   if (spec.getattribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), c.data()) &&
       !std::ranges::equal(c, kRec709, [](float a, float b) { return std::fabs(a - b) <= 2e-3F; }))
-    remarks.push_back({name + " has primaries other than Rec. 709", "taken as Rec. 709"});
+    remarks.push_back({name + " has primaries other than Rec. 709", "treated as Rec. 709"});
   if (open.input->seek_subimage(1, 0))
-    remarks.push_back({name + " holds several pictures", "the first is taken"});
+    remarks.push_back({name + " has several pictures", "the first one is used"});
   open.input->seek_subimage(0, 0);
   return remarks;
 }
@@ -209,9 +209,11 @@ absl::StatusOr<DecodedImage> decode_image(const AssetContent& content, std::uint
   }
   for (const int c : *channels)
     if (!is_coded(spec.channelformat(c)))
-      return bad(content, fmt::format("texels of type {}, allowed: 8- and 16-bit integers without "
-                                      "sign, half, float, double",
-                                      spec.channelformat(c).c_str()));
+      return bad(
+          content,
+          fmt::format(
+              "texels of type {}, allowed: unsigned 8- and 16-bit integers, half, float, double",
+              spec.channelformat(c).c_str()));
   DecodedImage decoded;
   decoded.remarks = remarks_on(open, content.name);
 
@@ -232,7 +234,7 @@ absl::StatusOr<DecodedImage> decode_image(const AssetContent& content, std::uint
     const auto value = [&](std::size_t c) {
       const float v = values[i * read + static_cast<std::size_t>((*channels)[c] - low)];
       if (coded[c]) return linear_from_srgb(v);
-      // NaN and -infinity stay, so that Image::create rejects them.
+      // NaN and -infinity are kept, so that Image::create rejects them.
       if (!(v < 0) || std::isinf(v)) return v;
       below = true;
       return 0.0F;
@@ -243,7 +245,7 @@ absl::StatusOr<DecodedImage> decode_image(const AssetContent& content, std::uint
   if (negative > 0)
     decoded.remarks.push_back({fmt::format("{} has {} texel{} with a value below 0", content.name,
                                            negative, negative == 1 ? "" : "s"),
-                               "taken as 0"});
+                               "counted as 0"});
   auto image = Image::create(spec.width, spec.height, std::move(texels));
   if (!image.ok()) return bad(content, std::string(image.status().message()));
   decoded.image = *std::move(image);

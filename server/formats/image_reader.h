@@ -1,7 +1,8 @@
 // Decodes image files for lights.  Only this file of the server knows OpenImageIO.
 //
-// Integer texels are sRGB-coded and floating-point texels linear, both Rec.  709, like in pbrt-v4.
-// Alpha is not applied.  Formats: OpenEXR, Radiance .hdr, .pfm, PNG, TIFF, JPEG.
+// Integer texels are sRGB-coded and floating-point texels are linear, both with the primaries of
+// Rec. 709, as in pbrt-v4.  Alpha is not applied.  Formats: OpenEXR, Radiance .hdr, .pfm, PNG,
+// TIFF, JPEG.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -30,12 +31,12 @@ struct DecodedImage {
 /// The largest picture: 16384 x 8192 texels, 1.6 GB in memory.
 inline constexpr std::uint64_t kMaxImageTexels = std::uint64_t{1} << 27;
 
-/// Decodes the first picture of an image file.  One or two channels are grey (and alpha); of more,
-/// R, G and B are used.  Texels below 0 count as 0, with a remark that counts them.
+/// Decodes the first picture of an image file.  One or two channels are grey (and alpha); of more
+/// channels, R, G and B are used.  Texels below 0 count as 0, with a remark that counts them.
 ///
 /// Errors begin with the file's name.  INVALID_ARGUMENT for an unknown format, no texels, no R, G
 /// and B, integers of more than 16 bits, or a texel that is not finite (with its position);
-/// RESOURCE_EXHAUSTED beyond `max_texels`.
+/// RESOURCE_EXHAUSTED for more than `max_texels`.
 absl::StatusOr<DecodedImage> decode_image(const AssetContent& content,
                                           std::uint64_t max_texels = kMaxImageTexels);
 

@@ -1,4 +1,4 @@
-// Shared by the readers of photometric files: result, lines, numbers and errors.
+// Types and functions for readers of photometric files: result, lines, numbers and errors.
 #pragma once
 
 #include <absl/status/status.h>
@@ -36,7 +36,7 @@ std::vector<std::string_view> split_lines(std::string_view text);
 /// `text` without spaces and tabs at its ends.
 std::string_view trimmed(std::string_view text);
 
-/// The finite number that all of `text` spells, with an optional sign; nothing if it is none.
+/// The finite number in `text`, with an optional sign; nothing if `text` is not such a number.
 std::optional<double> parse_number(std::string_view text);
 
 /// INVALID_ARGUMENT "file:line: what".

@@ -31,7 +31,7 @@ class Numbers {
     return encoding_ == Encoding::kAscii ? 1 : size_of(type);
   }
 
-  /// Returns false if the data end or hold no number.
+  /// Returns false if the data end or do not contain a number.
   bool next(Type type, double& value) {
     return encoding_ == Encoding::kAscii ? next_ascii(value) : next_binary(type, value);
   }
@@ -116,11 +116,11 @@ class Reader {
     }
     if (!has_vertices) return error("no element \"vertex\"");
     if (!has_faces) return error("no element \"face\"");
-    // Faces may come before the vertices that they name, so check again.
+    // Faces may precede the vertices that they use, so check again.
     for (const std::uint32_t index : mesh_.indices)
       if (index >= mesh_.positions.size())
-        return error(
-            fmt::format("a face names vertex {}, there are {}", index, mesh_.positions.size()));
+        return error(fmt::format("a face uses vertex {}, but there are {} vertices", index,
+                                 mesh_.positions.size()));
     return std::move(mesh_);
   }
 
@@ -153,9 +153,9 @@ class Reader {
       found[result[i]] = true;
     }
     if (element.name == "vertex" && !(found[kX] && found[kY] && found[kZ]))
-      return error("element \"vertex\" lacks x, y or z");
+      return error("element \"vertex\" needs x, y and z");
     if (element.name == "face" && !found[kCorners])
-      return error("element \"face\" lacks the list \"vertex_indices\"");
+      return error("element \"face\" needs the list \"vertex_indices\"");
     has_normals_ = element.name == "vertex" ? found[kNx] && found[kNy] && found[kNz] : has_normals_;
     if (element.name == "vertex") has_uv_ = uv_names != kUvNames.end();
     return result;
@@ -169,7 +169,7 @@ class Reader {
     for (const Property& property : element.properties)
       least += numbers_.least_bytes(property.count_type.value_or(property.type));
     if (element.count > 0 && element.count > numbers_.bytes_left() / least)
-      return error(fmt::format("{} elements \"{}\" are claimed, the data are too short for them",
+      return error(fmt::format("{} elements \"{}\" announced, but the data are too short",
                                element.count, element.name));
     if (element.name == "vertex") {
       mesh_.positions.reserve(element.count);
@@ -222,17 +222,17 @@ class Reader {
     double count = 0;
     if (!numbers_.next(*property.count_type, count)) return cut_off("face", face);
     if (count != 3 && count != 4)
-      return error(fmt::format("face {} has {} corners, allowed 3 and 4", face, count));
+      return error(fmt::format("face {} has {} corners, allowed: 3 or 4", face, count));
     std::array<std::uint32_t, 4> corner{};
     for (int k = 0; k < static_cast<int>(count); ++k) {
       double index = 0;
       if (!numbers_.next(property.type, index)) return cut_off("face", face);
       if (!(index >= 0 && index <= 4294967295.0) || index != std::floor(index))
-        return error(fmt::format("face {} names vertex {}", face, index));
+        return error(fmt::format("face {} uses vertex {}", face, index));
       corner[k] = static_cast<std::uint32_t>(index);
       if (has_vertices_ && corner[k] >= mesh_.positions.size())
-        return error(fmt::format("face {} names vertex {}, there are {}", face, corner[k],
-                                 mesh_.positions.size()));
+        return error(fmt::format("face {} uses vertex {}, but there are {} vertices", face,
+                                 corner[k], mesh_.positions.size()));
     }
     mesh_.indices.insert(mesh_.indices.end(), {corner[0], corner[1], corner[2]});
     if (count == 4) {
@@ -254,7 +254,7 @@ class Reader {
   }
 
   static absl::Status cut_off(const std::string& element, std::uint64_t i) {
-    return error(fmt::format("{} {}: the data end, or hold no number", element, i));
+    return error(fmt::format("{} {}: the data end or do not contain a number", element, i));
   }
 
   const Header& header_;

@@ -26,8 +26,9 @@ struct PlyMesh {
 /// (or vertex_index) with three or four entries.  Other elements and properties are skipped.
 ///
 /// Sizes in the header are checked against the length of the data before anything is allocated.
-/// Errors (INVALID_ARGUMENT) name the header line or the element: invalid header, truncated data,
-/// index out of range, vertex not finite, face without three or four corners.  CANCELLED on `stop`.
+/// Errors (INVALID_ARGUMENT) name the header line or the element.  They are: invalid header,
+/// truncated data, index out of range, vertex not finite, face without three or four corners.
+/// CANCELLED on `stop`.
 absl::StatusOr<PlyMesh> parse_ply(std::string_view bytes, std::stop_token stop = {});
 
 }  // namespace lucerna

@@ -91,7 +91,7 @@ absl::Status check_panel(const Geometry& geometry, const PanelProfile& profile) 
   return made.template operator()<Disk>(Disk<double>::create(std::get<DiskParams>(geometry)));
 }
 
-/// The emission image of "string filename"; nothing if there is none.  Fails on "L" beside it.
+/// The emission image of "string filename"; nothing if there is none.  Fails if "L" is given too.
 std::optional<Picture> area_picture(Context& context, const ParameterSet& params) {
   const Parameter* filename = params.find("filename", {"string"});
   if (filename == nullptr) {
@@ -99,20 +99,20 @@ std::optional<Picture> area_picture(Context& context, const ParameterSet& params
     return std::nullopt;
   }
   if (const Parameter* l = params.find("L", {"rgb", "spectrum", "blackbody"}))
-    fail(l->place, "\"L\" beside \"filename\", allowed: one of them, and \"scale\"");
+    fail(l->place, "\"L\" and \"filename\" are both given, allowed: one of them, and \"scale\"");
   NamedImage named = read_image(context, *filename);
   return Picture{std::move(named.image), image_filter(params, "bilinear"), std::move(named.name)};
 }
 
-/// The photometry of "string profile"; nothing if there is none.  Fails on an image beside it, on
-/// files of other kinds and on shapes that are not flat.
+/// The photometry of "string profile"; nothing if there is none.  Fails if an image is given too,
+/// on files of other kinds, and on shapes that are not flat.
 std::optional<PanelProfile> area_profile(Context& context, const ParameterSet& params,
                                          const Geometry& geometry, const Place& shape_place,
                                          bool mirrored) {
   const Parameter* file = params.find("profile", {"string"});
   if (file == nullptr) return std::nullopt;
   if (params.find("filename", {"string"}) != nullptr)
-    fail(file->place, "\"profile\" beside \"filename\", allowed: one of them");
+    fail(file->place, "\"profile\" and \"filename\" are both given, allowed: one of them");
   if (file->strings.size() != 1 || !names_photometric_file(file->strings.front()))
     fail(file->place,
          fmt::format("\"string profile\" = \"{}\", allowed: the name of an .ies or .ldt file",
@@ -129,7 +129,7 @@ std::optional<PanelProfile> area_profile(Context& context, const ParameterSet& p
 }
 
 /// Whether every texel of an emission image has the same area on the shape.
-bool shows_texels_alike(const Geometry& geometry) {
+bool has_equal_texels(const Geometry& geometry) {
   if (std::holds_alternative<CylinderParams>(geometry)) return true;
   const auto* mesh = std::get_if<PatchMeshData>(&geometry);
   if (mesh == nullptr || !mesh->corner_uv.empty()) return false;
@@ -193,7 +193,8 @@ void remark_no_area(Context& context, const ParameterSet& params, const Place& s
   context.remark(shape_place, "a light without area", "the shape emits nothing");
 }
 
-/// Luminous flux of a panel at level 1 [lm]; a remark if its back, which emits nothing, loses some.
+/// Luminous flux of a panel at level 1 [lm].  Adds a remark if its back, which does not emit, loses
+/// a part.
 double panel_lumens(Context& context, const ParameterSet& params,
                     const ShapeDescription::Emission& emission) {
   const PhotometricWeb& web = *emission.panel->web;
@@ -234,18 +235,19 @@ void require_emission(const AreaLightDirective& light, const ShapeDescription::E
                   emission.radiance_cd_m2 * lumens / (sides(emission) * kPi * area));
 }
 
-/// Remarks where "power" means something else than in pbrt-v4, or only approximates a picture.
+/// Adds remarks if "power" differs from pbrt-v4, or only approximates a picture.
 void remark_power(Context& context, const ParameterSet& params, const Geometry& geometry,
                   bool has_picture) {
   const Parameter* power = positive_parameter(params, "power");
   if (power == nullptr) return;
   if (const std::size_t primitives = primitives_of(geometry); primitives > 1)
-    context.remark(power->place,
-                   fmt::format("\"power\" on a mesh of {} primitives, each of which pbrt-v4 would "
-                               "give that power",
-                               primitives),
-                   "the power of the whole mesh");
-  if (has_picture && !shows_texels_alike(geometry))
+    context.remark(
+        power->place,
+        fmt::format(
+            "\"power\" on a mesh of {} primitives; pbrt-v4 gives this power to each of them",
+            primitives),
+        "the power of the whole mesh");
+  if (has_picture && !has_equal_texels(geometry))
     context.remark(power->place,
                    "\"power\" of a picture on a shape that shows its texels on unequal areas",
                    "that of the picture's mean, the same as in pbrt-v4");

@@ -1,4 +1,5 @@
-// AreaLightSource directives to the emission of shapes.  Beyond what pbrt-v4 reads:
+// Converts AreaLightSource directives to the emission of shapes.  Parameters that pbrt-v4 does not
+// have:
 //   "string filter"  bilinear (pbrt-v4's) | nearest: how an emission image is read
 //   "string profile" an .ies or .ldt file: a flat shape (rectangle, patches, triangles, disk) has
 //                    this photometry as a whole.  Its normal is straight down from the luminaire
@@ -26,10 +27,10 @@ struct AreaLightDirective {
 /// Whether the light needs the (u, v) of shapes, for an image or a profile.
 bool needs_uv(const AreaLightDirective& light);
 
-/// The emission of `geometry` under `light`.  Nothing, and a remark, if the shape has no area.
-/// "power" is that of the whole mesh.  `mirrored`: the shape's transform swaps handedness, and the
-/// photometry of a profile with it.  Fails on invalid levels, on shapes that cannot emit, and on a
-/// profile for a shape that is not flat.
+/// The emission of `geometry` with `light`.  Nothing, and a remark, if the shape has no area.
+/// "power" is that of the whole mesh.  `mirrored`: the shape's transform mirrors the shape and the
+/// photometry of a profile.  Fails on invalid levels, on shapes that cannot emit, and on a profile
+/// for a shape that is not flat.
 std::optional<ShapeDescription::Emission> make_emission(Context& context,
                                                         const AreaLightDirective& light,
                                                         const Geometry& geometry,

@@ -41,7 +41,7 @@ void Builder::coordinate_system(const std::string& name) {
 void Builder::coord_sys_transform(const std::string& name, const Place& place) {
   const auto found = coordinate_systems_.find(name);
   if (found == coordinate_systems_.end()) {
-    context_.remark(place, fmt::format("no coordinate system \"{}\" was named", printable(name)),
+    context_.remark(place, fmt::format("coordinate system \"{}\" is not defined", printable(name)),
                     "the transform stays unchanged");
     return;
   }
@@ -76,7 +76,7 @@ void Builder::setting(const std::string& directive, const std::string& type, Par
   require_before_world(directive, place);
   Setting setting{type, ParameterSet(std::move(params), {}), place};
   if (directive == "Camera") {
-    // The transform in force maps world to camera.  The motion is that of the camera in the world.
+    // The current transform maps world to camera.  The motion is that of the camera in the world.
     const MovingTransform world_from_camera{state_.world_from_object.start.inverse(),
                                             state_.world_from_object.end.inverse()};
     settings_.camera_from_world = state_.world_from_object.start;
@@ -116,7 +116,7 @@ void Builder::attribute_begin(const Place& place) {
 
 void Builder::close(Opened::Kind kind, const char* directive, const Place& place) {
   if (opened_.empty() || opened_.back().kind == Opened::Kind::kImport)
-    fail(place, fmt::format("{} closes nothing that is open{}", directive,
+    fail(place, fmt::format("{} has nothing to close{}", directive,
                             opened_.empty() ? "" : " in this imported file"));
   if (opened_.back().kind != kind)
     fail(place, fmt::format("{} does not match the {} of {}", directive,
@@ -176,7 +176,7 @@ void Builder::texture(const std::string& name, const std::string& kind, const st
 void Builder::shape(const std::string& type, Parameters params, const Place& place) {
   require_world("Shape", place);
   const ParameterSet set(std::move(params), state_.shape_attributes);
-  // A moving shape in an object that is placed many times would need many motions.
+  // A moving shape in an object would need one motion for each instance.
   const Transform& world_from_object =
       open_object_ ? still_transform("a shape within an object definition", place)
                    : state_.world_from_object.start;

@@ -70,7 +70,8 @@ class Builder {
   void object_end(const Place& place);
   void object_instance(const std::string& name, const Place& place);
 
-  /// An imported file begins or ends.  It must close what it opens, and its state is its own.
+  /// An imported file begins or ends.  It must close every block that it opens, and it has its own
+  /// state.
   void import_begin(const Place& place);
   void import_end();
 
@@ -91,9 +92,9 @@ class Builder {
   void require_world(const char* directive, const Place& place) const;
   void require_before_world(const std::string& directive, const Place& place) const;
   void close(Opened::Kind kind, const char* directive, const Place& place);
-  /// The transform in force, at its start; a remark if it moves.
+  /// The current transform at the start of the exposure.  Adds a remark if it moves.
   const Transform& still_transform(const char* directive, const Place& place);
-  /// The motion of the transform in force; null if it does not move.  Fails on a motion that is not
+  /// The motion of the current transform; null if it does not move.  Fails on a motion that is not
   /// rigid.
   std::shared_ptr<const Motion> motion(const char* directive, const Place& place) const {
     return motion(directive, state_.world_from_object, place);

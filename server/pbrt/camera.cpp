@@ -48,7 +48,7 @@ void apply_film(Context& context, const Settings& settings) {
   if (params.number("maxcomponentvalue"))
     context.remark(setting.place, "\"maxcomponentvalue\" is not modelled",
                    "values are not clipped");
-  // pbrt-v4's imaging ratio: exposure time times ISO speed over 100.
+  // The imaging ratio of pbrt-v4: exposure time times ISO speed over 100.
   double exposure_s = 1;
   context.scene.hints.shutter_close_s = 1;
   if (settings.camera) {
@@ -107,7 +107,7 @@ void apply_camera(Context& context, const Settings& settings) {
     params.remark_unused(context, "Camera \"perspective\"");
   } else {
     context.remark(setting.place, fmt::format("Camera \"{}\" is not modelled", setting.type),
-                   "a perspective one, 90 degrees across the shorter side");
+                   "a perspective camera, 90 degrees across the shorter side");
   }
   if (window.empty()) {
     // The shorter side spans -1 to 1.
@@ -160,7 +160,7 @@ void apply_hints(Context& context, const Settings& settings) {
       samples = sampler.params.integer("pixelsamples", 16);
     }
     if (samples < 1)
-      fail(sampler.place, fmt::format("{} samples a pixel, allowed: 1 and more", samples));
+      fail(sampler.place, fmt::format("{} samples for each pixel, allowed: 1 or more", samples));
     hints.samples_per_pixel = samples;
     sampler.params.ignore({"seed", "randomization", "jitter"});
     sampler.params.remark_unused(context, fmt::format("Sampler \"{}\"", sampler.type));

@@ -1,4 +1,4 @@
-// The directives before WorldBegin: camera, film, and the hints of integrator, sampler and filter.
+// The directives before WorldBegin: camera, film, and hints from integrator, sampler and filter.
 #pragma once
 
 #include <memory>
@@ -18,8 +18,8 @@ struct Setting {
 
 struct Settings {
   std::optional<Setting> camera, film, integrator, sampler, filter;
-  Transform camera_from_world;  ///< in force at Camera, at the start of the exposure
-  std::shared_ptr<const Motion> camera_motion{};  ///< world to world; null if it does not move
+  Transform camera_from_world;  ///< at the Camera directive, at the start of the exposure
+  std::shared_ptr<const Motion> camera_motion{};  ///< in the world; null if it does not move
 };
 
 /// Fills camera, film and hints of `context.scene`, with the defaults of pbrt-v4.

@@ -49,15 +49,15 @@ AssetContent Context::read(const Parameter& parameter) {
   if (content.ok()) return *std::move(content);
   const absl::Status& status = content.status();
   const bool missing = absl::IsNotFound(status);
-  // Other errors (the file may still arrive, is too large, the load was stopped) do not depend on
-  // the parameter's value.
+  // Other errors do not depend on the parameter's value: the file may still arrive, is too large,
+  // or the load was stopped.
   if (!missing && !absl::IsInvalidArgument(status)) fail(parameter.place, status);
   fail(parameter.place,
        absl::Status(
            status.code(),
            fmt::format("\"{} {}\" = \"{}\": {}{}", parameter.type, printable(parameter.name),
                        printable(name), std::string(status.message()),
-                       missing ? ", allowed: a file beneath the scene's root" : "")));
+                       missing ? ", allowed: a file inside the scene root" : "")));
 }
 
 void Context::poll() const {

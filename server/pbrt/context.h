@@ -32,7 +32,7 @@ struct Context {
   AssetReader& assets;
   SceneDescription& scene;
   std::stop_token stop;
-  std::string scene_file;  ///< the file that loading began with
+  std::string scene_file;  ///< the first file of the load
   /// Pictures read so far, by file name.
   std::map<std::string, std::shared_ptr<const Image>> images;
   /// Spectra of lights, shared by lights with the same spectrum (spectra.cpp).
@@ -43,15 +43,15 @@ struct Context {
   std::map<std::tuple<std::string, SphereMapping, ImageFilter>, std::shared_ptr<const IntensityMap>>
       intensity_maps;
 
-  /// Adds a remark that `what` at `place` is not modelled, and what happens instead.  An equal
-  /// remark is added once: each shape of an area light would repeat it.  After 1000 remarks they
-  /// are only counted.
+  /// Adds a remark that `what` at `place` is not modelled, and what happens instead.  Equal remarks
+  /// are added once, since each shape of an area light would repeat them.  After 1000 remarks,
+  /// further ones are only counted.
   void remark(const Place& place, std::string what, std::string instead);
   /// Adds a remark with the number of remarks that were only counted, if any.
   void finish_remarks();
 
-  /// The unpacked content of the file `name`.  Looks in the directory of the scene file, like
-  /// pbrt-v4, then in that of the file that names it.  Fails at `place`.
+  /// The unpacked content of the file `name`.  Looks in the directory of the scene file first, as
+  /// pbrt-v4 does, then in that of the file that names it.  Fails at `place`.
   AssetContent read(const Place& place, const std::string& name);
   /// The file that the first string of `parameter` names.  Errors name the parameter too.
   AssetContent read(const Parameter& parameter);

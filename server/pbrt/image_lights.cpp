@@ -12,8 +12,8 @@ namespace lucerna::pbrt {
 namespace {
 
 /// The divisor that pbrt-v4 uses for "illuminance": the sum of luminance times cosine over the
-/// texels above the light's xy plane.  pbrt-v4 weights each texel by 2 pi over their number, which
-/// is half of its solid angle.
+/// texels above the light's xy plane.  pbrt-v4 weights each texel by 2 pi over the number of
+/// texels, which is half of its solid angle.
 double pbrt_illuminance(const Image& image) {
   const int n = image.width();
   double sum = 0;
@@ -40,28 +40,26 @@ double illuminance_from_above(const Image& image) {
   return sum * kPi / image.width();
 }
 
-/// Illuminance that pbrt-v4 computes for the picture, or that the latitude-longitude picture gives.
+/// Illuminance of the picture: as pbrt-v4 computes it, or the exact one for a latitude-longitude
+/// picture.
 double illuminance_of(const Image& image, SphereMapping mapping) {
   return mapping == SphereMapping::kEqualArea ? pbrt_illuminance(image)
                                               : illuminance_from_above(image);
 }
 
-/// Factor that brings the picture from `scale` to "illuminance" `given`.
+/// Factor from the picture at `scale` to the illuminance in `given`.
 double illuminance_factor(Context& context, const Parameter& given, double wanted, double scale,
                           const Image& image, SphereMapping mapping) {
   const double of_picture = illuminance_of(image, mapping);
   if (!(of_picture > 0))
     fail(given.place,
-         fmt::format("\"float illuminance\" = {} lx for a picture that is black above the "
-                     "horizon, which cannot have it{}",
+         fmt::format("\"float illuminance\" = {} lx, but the picture is black above the horizon{}",
                      wanted, kOnlyAsIfNotGiven));
   if (!(scale > 0))
-    fail(given.place,
-         fmt::format("\"float illuminance\" = {} lx for a picture times a \"scale\" of 0, which "
-                     "cannot have it{}",
-                     wanted, kOnlyAsIfNotGiven));
+    fail(given.place, fmt::format("\"float illuminance\" = {} lx, but \"scale\" is 0{}", wanted,
+                                  kOnlyAsIfNotGiven));
   if (mapping == SphereMapping::kEqualArea)
-    context.remark(given.place, "\"illuminance\" of a picture, of which pbrt-v4 counts half",
+    context.remark(given.place, "\"illuminance\" of a picture; pbrt-v4 counts only half of it",
                    fmt::format("a surface that faces the light's +z gets {:.6g} lx, the same as in "
                                "pbrt-v4",
                                2 * scale * wanted));
@@ -78,7 +76,7 @@ double picture_level(Context& context, const ParameterSet& params, const Image& 
   const Parameter* given = params.find("illuminance", {"float"});
   if (given == nullptr) return scale;
   const double wanted = params.number("illuminance", -1);
-  // pbrt-v4 itself writes -1 for "not given".
+  // pbrt-v4 uses -1 for "not given".
   if (wanted < 0 && wanted != -1)
     fail(given->place, fmt::format("\"float illuminance\" = {}, allowed: not negative", wanted));
   if (wanted == 0)
@@ -92,7 +90,7 @@ ImageInfiniteLightParams picture(Context& context, const ParameterSet& params, c
                                  const Transform& world_from_light, ImageFilter otherwise) {
   const Parameter& filename = *params.find("filename", {"string"});
   if (const Parameter* l = params.find("L", {"rgb", "spectrum", "blackbody"}))
-    fail(l->place, "\"L\" beside \"filename\", allowed: one of them");
+    fail(l->place, "\"L\" and \"filename\" are both given, allowed: one of them");
   require_equal_scale(place, "an infinite light", world_from_light);
   const NamedImage named = read_image(context, filename);
   const SphereMapping mapping = sphere_mapping(params);
@@ -144,8 +142,8 @@ ImageInfiniteLightParams image_infinite(Context& context, const ParameterSet& pa
                                         const Place& place, const Transform& world_from_light) {
   ImageInfiniteLightParams infinite =
       picture(context, params, place, world_from_light, ImageFilter::kNearest);
-  // Everything that can fail, here where its place is known.  Answers hold floats, so a level
-  // beyond their range fails too.
+  // Checks here, where the place in the file is known.  Answers contain floats, so a level out of
+  // their range fails too.
   if (const auto made = ImageInfiniteLight<float>::create(infinite); !made.ok())
     fail(level_place(params, "L", place), made.status());
   return infinite;
@@ -166,12 +164,12 @@ PortalLightParams portal(Context& context, const ParameterSet& params, const Pla
     light.map = std::move(infinite.map);
     light.image_name = std::move(infinite.image_name);
     light.radiance_cd_m2 = infinite.radiance_cd_m2;
-    // pbrt-v4 resamples the pictures that it can read.  A given filter applies to the picture
-    // itself.
+    // pbrt-v4 resamples the pictures that it can read.  If a filter is given, it applies to the
+    // picture itself.
     light.rectified = params.find("filter", {"string"}) == nullptr &&
                       light.map->mapping() == SphereMapping::kEqualArea;
   } else {
-    // A uniform sky has nothing to turn or stretch.
+    // The transform has no effect on a uniform sky.
     light.world_from_map = Transform();
   }
   if (const auto status = PortalLight<float>::check(light); !status.ok())

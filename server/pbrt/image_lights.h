@@ -1,8 +1,9 @@
-// Infinite lights with a picture, with a portal, or with both.  Beyond what pbrt-v4 reads:
+// Infinite lights with a picture, with a portal, or with both.  Parameters that pbrt-v4 does not
+// have:
 //   "string mapping" equalarea (pbrt-v4's) | latlong (+y at the top, the usual layout of HDRIs)
 //   "string filter"  nearest (pbrt-v4's) | bilinear
-// Behind a portal, an equal-area picture without "filter" is resampled as in pbrt-v4. One with
-// "filter" is read directly, and so is a latlong one, whose default is bilinear.
+// Behind a portal, an equal-area picture without "filter" is resampled as in pbrt-v4.  A picture
+// with "filter" is read directly.  So is a latlong picture, whose default is bilinear.
 #pragma once
 
 #include "lights/models/image_infinite_light.h"
@@ -12,7 +13,7 @@
 namespace lucerna::pbrt {
 
 /// LightSource "infinite" with "string filename": a texel of value 1 is 1 cd/m2 times "scale".
-/// Fails on "L" beside it, on a transform of unequal scale, and on a picture that the mapping
+/// Fails if "L" is given too, on a transform of unequal scale, and on a picture that the mapping
 /// cannot use.
 ImageInfiniteLightParams image_infinite(Context& context, const ParameterSet& params,
                                         const Place& place, const Transform& world_from_light);
@@ -27,8 +28,9 @@ PortalLightParams portal(Context& context, const ParameterSet& params, const Pla
 /// The "string mapping" of a light; equalarea if it is not given.
 SphereMapping sphere_mapping(const ParameterSet& params);
 
-/// For a light without a picture: remarks that "string mapping" and "string filter" change nothing.
-/// Only those of `names` that the directive itself gives are remarked on.  Fails on invalid values.
+/// For a light without a picture: adds remarks that "string mapping" and "string filter" have no
+/// effect. Considers only those of `names` that the directive itself gives.  Fails on invalid
+/// values.
 void check_without_picture(Context& context, const ParameterSet& params,
                            std::initializer_list<std::string_view> names);
 

@@ -16,7 +16,7 @@ struct NamedImage {
 };
 
 /// The picture that "string filename" (or such) names; lights that name the same file share it.
-/// Remarks and errors stand at the parameter.
+/// Remarks and errors have the place of the parameter.
 NamedImage read_image(Context& context, const Parameter& filename);
 
 /// The "string filter" of a light, nearest or bilinear.  `otherwise` applies if it is not given.

@@ -10,17 +10,16 @@
 namespace lucerna::pbrt {
 namespace {
 
-/// Multiplies `level`, whose luminance is 1 as a rule, up to the target that `given` names.
+/// Scales `level` so that a level of luminance 1 would reach the target in `given`.
 Rgb<double> scaled_to_target(Context& context, const Parameter& given, const LevelTarget& target,
                              double wanted, const Rgb<double>& level) {
   if (!(luminance(level) > 0))
-    fail(given.place,
-         fmt::format("\"float {}\" = {} {} for a light of luminance 0, which cannot have it{}",
-                     target.name, wanted, target.unit, kOnlyAsIfNotGiven));
+    fail(given.place, fmt::format("\"float {}\" = {} {} for a light of luminance 0{}", target.name,
+                                  wanted, target.unit, kOnlyAsIfNotGiven));
   if (!(target.of_unit_level > 0))
-    fail(given.place, fmt::format("\"float {}\" = {} {} for a light that lights nothing{}",
+    fail(given.place, fmt::format("\"float {}\" = {} {} for a light that illuminates nothing{}",
                                   target.name, wanted, target.unit, kOnlyAsIfNotGiven));
-  // Files give levels with four or five digits, so a luminance this close to 1 is meant as 1.
+  // Files give levels with four or five digits, so a luminance this close to 1 counts as 1.
   if (std::fabs(luminance(level) - 1) > 1e-4)
     context.remark(
         given.place,
@@ -44,7 +43,7 @@ Rgb<double> light_level_with_target(Context& context, const ParameterSet& params
   const Parameter* given = params.find(target.name, {"float"});
   if (given != nullptr) {
     const double wanted = params.number(target.name, 0);
-    // pbrt-v4 itself writes -1 for "not given".
+    // pbrt-v4 uses -1 for "not given".
     if (wanted < 0 && wanted != -1)
       fail(given->place,
            fmt::format("\"float {}\" = {}, allowed: not negative", target.name, wanted));

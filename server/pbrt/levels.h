@@ -8,8 +8,8 @@
 
 namespace lucerna::pbrt {
 
-/// Ends the error about a "power" or "illuminance" of a black light.
-inline constexpr const char* kOnlyAsIfNotGiven = ", allowed: 0, as if not given";
+/// The end of the error for a "power" or "illuminance" of a black light.
+inline constexpr const char* kOnlyAsIfNotGiven = ", allowed: 0, which counts as not given";
 
 /// The "power" or "illuminance" that a light accepts.
 struct LevelTarget {
@@ -28,8 +28,8 @@ Rgb<double> light_level_with_target(Context& context, const ParameterSet& params
 /// The "float `name`" if its value is positive; null otherwise.
 const Parameter* positive_parameter(const ParameterSet& params, std::string_view name);
 
-/// The place that errors about a level name: the first given of "scale", "power", "illuminance",
-/// `name` (the colour) and "filename".  `directive` if none is given.
+/// The place in errors about a level: the first one that is given of "scale", "power",
+/// "illuminance", `name` (the colour) and "filename".  `directive` if none is given.
 Place level_place(const ParameterSet& params, std::string_view name, const Place& directive);
 
 /// Fails if a channel of `value` does not fit a float: "what = (r, g, b), allowed: ...".

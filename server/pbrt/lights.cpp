@@ -20,7 +20,7 @@ namespace {
 
 using LightParams = decltype(LightDescription::params);
 
-/// A LightSource directive and the transform in force.
+/// A LightSource directive and the current transform.
 struct LightSource {
   Context& context;
   const ParameterSet& params;
@@ -39,7 +39,7 @@ Params checked(const Place& place, const Params& params) {
   return params;
 }
 
-/// Fails if "to" equals "from", or is so near that the transformed direction is 0 or not finite.
+/// Fails if "to" equals "from", or if the transformed direction is 0 or not finite.
 void require_direction(const LightSource& source, const Vec3<double>& direction) {
   if (is_finite(direction) && direction != Vec3<double>{}) return;
   const ParameterSet& params = source.params;
@@ -74,7 +74,7 @@ LightParams spot_light(const LightSource& source) {
   if (!(cone > 0 && cone <= 180))
     fail(params.place_of({"coneangle"}, source.place),
          fmt::format("\"float coneangle\" = {} degrees, allowed (0, 180]", cone));
-  // If "conedeltaangle" is not given, the cone is too narrow for its default.
+  // If "conedeltaangle" is not given, its default is too wide for the cone.
   if (!(delta >= 0 && delta <= cone))
     fail(params.place_of({"conedeltaangle", "coneangle"}, source.place),
          fmt::format("\"float conedeltaangle\" = {} degrees{}, allowed [0, coneangle], which is {}",
@@ -92,8 +92,8 @@ LightParams spot_light(const LightSource& source) {
   return checked<SpotLight>(source.place, spot);
 }
 
-/// "float angulardiameter" is not in pbrt-v4.  It is the angle under which a disk of uniform
-/// radiance is seen, 0.53 degrees for the sun.
+/// "float angulardiameter" is not in pbrt-v4.  It is the angular diameter of a disk of uniform
+/// radiance, 0.53 degrees for the sun.
 LightParams sun_light(const LightSource& source, const Parameter& diameter,
                       const DistantLightParams& distant) {
   const double degrees = source.params.number("angulardiameter", 0);
@@ -121,11 +121,11 @@ LightParams distant_light(const LightSource& source) {
 /// A uniform sky behind a portal; `through` has the corners.
 LightParams uniform_portal_light(const LightSource& source, PortalLightParams through) {
   check_without_picture(source.context, source.params, {"mapping", "filter"});
-  // pbrt-v4 represents it by a picture of one texel, and weights that by the cosine of its middle.
-  // The illuminance of luminance 1 is then 2 pi, while a uniform sky has pi.
+  // pbrt-v4 represents it by a picture of one texel, weighted by the cosine of its middle. The
+  // illuminance of luminance 1 is then 2 pi, while a uniform sky has pi.
   if (const Parameter* given = positive_parameter(source.params, "illuminance"))
     source.context.remark(
-        given->place, "\"illuminance\" beside a portal, which pbrt-v4 halves",
+        given->place, "\"illuminance\" of a portal; pbrt-v4 halves it",
         "the uniform sky without the portal gives half of it, the same as in pbrt-v4");
   through.radiance_cd_m2 = source.level("L", {"illuminance", "lx", 2 * kPi});
   return checked<PortalLight>(source.place, through);

@@ -1,5 +1,5 @@
-// LightSource directives to lights.  pbrt-v4 gives spectra luminance 1 before `scale`; `power` or
-// `illuminance` then multiplies the level.
+// Converts LightSource directives to lights.  As in pbrt-v4, spectra have luminance 1 before
+// `scale`; `power` or `illuminance` then multiplies the level.
 #pragma once
 
 #include <cstdint>
@@ -14,8 +14,8 @@ namespace lucerna::pbrt {
 LightDescription make_light(Context& context, const std::string& type, const ParameterSet& params,
                             const Place& place, const Transform& world_from_light);
 
-/// "integer samples": points on the light per sample.  pbrt-v3 has this parameter, pbrt-v4 does
-/// not.
+/// "integer samples": points on the light for each sample.  pbrt-v3 has this parameter, pbrt-v4
+/// does not.
 std::uint32_t samples_of(const ParameterSet& params);
 
 }  // namespace lucerna::pbrt

@@ -67,7 +67,7 @@ std::uint32_t Materials::named(const std::string& name, const Place& place) {
 void Materials::make_named(const std::string& name, ParameterSet params, const Place& place) {
   Material& material = materials_[named(name, place)];
   if (material.defined)
-    fail(place, fmt::format("material \"{}\" was made before, at {}", printable(name),
+    fail(place, fmt::format("material \"{}\" is already defined, at {}", printable(name),
                             to_string(material.place)));
   material.type = params.string("type", "");
   if (material.type.empty())
@@ -85,7 +85,8 @@ void Materials::make_texture(Context& context, const std::string& name, const st
     fail(place, fmt::format("texture \"{}\" has type \"{}\", expected \"float\" or \"spectrum\"",
                             printable(name), printable(kind)));
   const auto [it, added] = textures_.try_emplace(kind + " " + name, Rgb<double>(0.5));
-  if (!added) fail(place, fmt::format("{} texture \"{}\" was made before", kind, printable(name)));
+  if (!added)
+    fail(place, fmt::format("{} texture \"{}\" is already defined", kind, printable(name)));
   if (!is_one_of(type, {"constant", "scale", "mix", "directionmix", "bilerp", "imagemap",
                         "checkerboard", "dots", "fbm", "wrinkled", "windy", "marble", "ptex"}))
     fail(place, fmt::format("unknown texture class \"{}\"", printable(type)));
@@ -95,7 +96,7 @@ void Materials::make_texture(Context& context, const std::string& name, const st
     if (given->type == "float") return given->numbers.front();
     const auto found = textures_.find("float " + given->strings.front());
     if (found == textures_.end())
-      fail(given->place, fmt::format("no float texture \"{}\" was made before this place",
+      fail(given->place, fmt::format("float texture \"{}\" is not defined before this place",
                                      printable(given->strings.front())));
     return found->second.r;
   };
@@ -132,7 +133,7 @@ Rgb<double> Materials::texture_or_value(Context& context, const ParameterSet& pa
     const auto found = textures_.find(kind + parameter->strings.front());
     if (found != textures_.end()) return found->second;
   }
-  fail(parameter->place, fmt::format("no texture \"{}\" is made in this scene",
+  fail(parameter->place, fmt::format("texture \"{}\" is not defined in this scene",
                                      printable(parameter->strings.front())));
 }
 
@@ -166,7 +167,7 @@ Rgb<double> Materials::diffuse_of(Context& context, const Material& material) {
     const auto part = names_.find(parts->strings.front());
     if (part == names_.end())
       fail(parts->place,
-           fmt::format("no material \"{}\" is made", printable(parts->strings.front())));
+           fmt::format("material \"{}\" is not defined", printable(parts->strings.front())));
     const auto index = resolve(context, part->second);
     const Rgb<double> value =
         index ? context.scene.materials[*index].reflectance : Rgb<double>(0.5);
@@ -185,7 +186,7 @@ std::optional<std::uint32_t> Materials::resolve(Context& context, std::uint32_t 
   Material& material = materials_[reference];
   if (!material.defined)
     fail(material.place,
-         fmt::format("no material \"{}\" is made in this scene", printable(material.name)));
+         fmt::format("material \"{}\" is not defined in this scene", printable(material.name)));
   if (material.resolved) return material.index;
   constexpr int kMaxNesting = 64;
   if (nesting_ == kMaxNesting)

@@ -1,5 +1,5 @@
-// Materials and textures.  All surfaces are diffuse; for other materials there is a remark, and the
-// nearest diffuse material replaces them.
+// Materials and textures.  All surfaces are diffuse.  Other materials get a remark and are replaced
+// by the nearest diffuse material.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +21,7 @@ class Materials {
 
   static constexpr std::uint32_t kDefault = 0;
 
-  /// Each returns a reference, which shapes keep until `resolve`.
+  /// Each returns a reference, which shapes store until `resolve`.
   std::uint32_t add(const std::string& type, ParameterSet params, const Place& place);
   std::uint32_t named(const std::string& name, const Place& place);
 
@@ -41,7 +41,7 @@ class Materials {
   struct Material {
     std::string type;
     ParameterSet params;
-    Place place;       ///< of the directive that defines it; until then of its first use
+    Place place;       ///< of the directive that defines it; before that, of its first use
     std::string name;  ///< empty if made by Material
     bool defined = false;
     bool resolved = false;

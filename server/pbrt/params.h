@@ -17,7 +17,7 @@ namespace lucerna::pbrt {
 /// Files give angles in degrees.
 inline constexpr double kRadPerDegree = kPi / 180;
 
-/// A parameter in the file.  The number of values is a positive multiple of what its type needs.
+/// A parameter in the file.  The number of values is a positive multiple of values_per_item().
 struct Parameter {
   std::string type;  ///< point, vector and normal3 become point3, vector3 and normal
   std::string name;
@@ -34,8 +34,8 @@ std::optional<std::size_t> values_per_item(std::string_view type);
 class ParameterSet {
  public:
   ParameterSet() = default;
-  /// `own` parameters win over `inherited` ones, and later inherited ones over earlier.  Inherited
-  /// ones may stay unused.
+  /// `own` parameters override `inherited` ones, and later inherited ones override earlier ones.
+  /// Inherited ones may stay unused.
   ParameterSet(std::vector<std::shared_ptr<const Parameter>> own,
                const std::vector<std::shared_ptr<const Parameter>>& inherited);
 
@@ -65,7 +65,7 @@ class ParameterSet {
   /// Marks parameters as used that have no effect here.
   void ignore(std::initializer_list<std::string_view> names) const;
 
-  /// Remarks on every own parameter that was not used.  `owner`: `Shape "sphere"`.
+  /// Adds a remark for every own parameter that was not used.  `owner`: `Shape "sphere"`.
   void remark_unused(Context& context, const std::string& owner) const;
 
  private:

@@ -27,7 +27,7 @@ void Parser::parse() {
       try {
         directive(token);
       } catch (const Failure& failure) {
-        // A file that may still arrive.  Continue, so that all such files are found at once.
+        // The file may still arrive.  Continue, so that all missing files are found at once.
         if (!absl::IsFailedPrecondition(failure.status)) throw;
         incomplete_ = failure.status;
       }
@@ -60,10 +60,10 @@ void Parser::open(const Place& place, const std::string& name, bool imported) {
   for (const OpenFile& open : files_)
     if (*open.name == *file) fail(place, fmt::format("file \"{}\" includes itself", *file));
   files_.push_back({file, std::move(content.bytes), Tokenizer(file, {}), imported});
-  // Columns are counted without the mark, like in editors.
+  // Columns are counted without the mark, as in editors.
   const std::string_view contents = without_byte_order_mark(files_.back().contents);
   files_.back().tokens = Tokenizer(file, contents);
-  // Otherwise the error would only say that the first byte is not a directive.
+  // Without this check, the error would only report that the first byte is not a directive.
   const std::string_view start = contents.substr(0, 2);
   if (start == "\xff\xfe" || start == "\xfe\xff")
     fail({file, 1, 1}, "the file is UTF-16, expected UTF-8");

@@ -26,7 +26,7 @@ class Parser {
   };
 
   void open(const Place& place, const std::string& name, bool imported);
-  /// The next token.  Its text is valid until the next call, since an included file is dropped at
+  /// The next token.  Its text is valid until the next call, since an included file is released at
   /// its end.
   Token next();
   void put_back(const Token& token) { put_back_ = token; }
@@ -52,7 +52,7 @@ class Parser {
   std::optional<Token> put_back_;
   std::uint64_t token_count_ = 0;
   absl::Status
-      incomplete_;  ///< error of a directive that was skipped since its file is not there yet
+      incomplete_;  ///< error of a directive that was skipped because its file is still missing
 };
 
 }  // namespace lucerna::pbrt

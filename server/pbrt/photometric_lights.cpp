@@ -39,10 +39,11 @@ std::shared_ptr<const IntensityMap> read_intensity_map(Context& context, const P
          fmt::format("\"string filename\": {}: {}; \"string mapping\" \"latlong\" takes any",
                      printable(named.name), std::string(made.status().message())));
   if (!is_grey(*named.image))
-    context.remark(filename.place,
-                   fmt::format("{} has colours, a goniometric light one intensity a direction",
-                               printable(named.name)),
-                   "the mean of R, G and B, the same as in pbrt-v4");
+    context.remark(
+        filename.place,
+        fmt::format("{} has colours, but a goniometric light has one intensity for each direction",
+                    printable(named.name)),
+        "the mean of R, G and B, the same as in pbrt-v4");
   return map = *std::move(made);
 }
 
@@ -81,7 +82,7 @@ GoniometricLightParams goniometric(Context& context, const ParameterSet& params,
   light.intensity = Rgb<double>(1);
   const Parameter* filename = params.find("filename", {"string"});
   if (filename == nullptr) {
-    // A light that is equal in all directions needs no axes.
+    // A light that is equal in all directions does not need axes.
     check_without_picture(context, params, {"mapping", "filter"});
     return light;
   }

@@ -1,6 +1,6 @@
 // Goniometric lights.  The value of a texel of "string filename" (the mean of its channels), or 1
 // without a file, is multiplied by "I" (default 1) and "scale"; "power" sets the luminous flux.
-// Beyond what pbrt-v4 reads:
+// Parameters that pbrt-v4 does not have:
 //   "string mapping"   equalarea (pbrt-v4's: the middle of the picture is light space's +y, its
 //                      right +x, its lower side +z) | latlong (pbrt-v2's: +y at the top, longitude
 //                      to the right from +x by +z)
@@ -27,7 +27,7 @@ struct NamedPhotometricFile {
 };
 
 /// The luminaire in the file that a parameter names; parameters that name the same file share it.
-/// Remarks and errors stand at the parameter.
+/// Remarks and errors have the place of the parameter.
 NamedPhotometricFile read_photometric_file(Context& context, const Parameter& filename);
 
 /// LightSource "goniometric" without its level: `intensity` is 1.  Fails on transforms of unequal

@@ -22,7 +22,7 @@ SourceLocation location(const Place& place);
 /// "scene.pbrt:12:7".
 std::string to_string(const Place& place);
 
-/// `text` in a form for messages: well-formed UTF-8, no control characters, at most 80 bytes.
+/// `text` made printable for messages: well-formed UTF-8, no control characters, at most 80 bytes.
 std::string printable(std::string_view text);
 
 /// Whether `text` is well-formed UTF-8 without control characters.

@@ -19,8 +19,8 @@ Vec3<double> scale_of(const Frame<double>& axes) {
   return {length(axes.s), length(axes.t), length(axes.n)};
 }
 
-/// Changes fov and aspect for the transform's scale, which applies to the picture in its plane and
-/// to the distance of the plane.
+/// Adapts fov and aspect to the transform's scale.  The scale applies to the picture in its plane
+/// and to the distance of the plane.
 void apply_scale(const Vec3<double>& scale, ProjectedPictureParams& picture) {
   const double across = scale.x / scale.z, up = scale.y / scale.z;
   // Rounding errors of rotations do not count as scale.
@@ -50,7 +50,7 @@ Projection perspective(const ParameterSet& params, const Place& place, const Fra
          fmt::format("\"float fov\" = {} degrees: {}", fov,
                      std::string(projected.status().message())));
   const double lumens = luminance((*projected)->integral_sr());
-  // Lights that pbrt-v4 cannot express have only one count.
+  // For lights that pbrt-v4 cannot express, both counts are the same.
   const bool pbrt4 = named.image && filter == ImageFilter::kNearest;
   const double counted = pbrt4 ? luminance((*projected)->integral_by_centres_sr()) : lumens;
   return {ProjectionLightParams{.position_m = position_m,
@@ -115,8 +115,8 @@ void set_level(Context& context, const Place& level_place, const Place* power_pl
                    "\"power\" of a picture, whose texels pbrt-v4 weights by their middles",
                    fmt::format("{:.6g} lm, from the same intensity as in pbrt-v4",
                                luminance(level) * projection.lumens));
-  // Everything that can fail, here where its place is known.  Answers hold floats, so a level
-  // beyond their range fails too.
+  // Checks here, where the place in the file is known.  Answers contain floats, so a level out of
+  // their range fails too.
   if (auto* perspective = std::get_if<ProjectionLightParams>(&projection.light)) {
     perspective->intensity_cd = level;
     if (const auto made = ProjectionLight<float>::create(*perspective); !made.ok())

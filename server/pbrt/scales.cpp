@@ -9,7 +9,7 @@ namespace lucerna::pbrt {
 
 std::array<double, 3> scales_of(const Transform& transform) {
   const Transform::Matrix& m = transform.matrix();
-  // Normalises the largest entry to 1, so that no square leaves the range of a double.
+  // Normalises the largest entry to 1, so that no square overflows or underflows.
   double largest = 0;
   for (const auto& row : m)
     for (int j = 0; j < 3; ++j) largest = std::fmax(largest, std::fabs(row[j]));

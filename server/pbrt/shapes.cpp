@@ -13,7 +13,7 @@
 namespace lucerna::pbrt {
 namespace {
 
-/// Vertices and primitives of a file, with `corners` indices per primitive.
+/// Vertices and primitives of a file, with `corners` indices for each primitive.
 struct RawMesh {
   std::vector<Vec3<double>> positions;
   std::vector<Vec3<double>> normals;
@@ -85,9 +85,9 @@ Census census_of(const TriangleMeshData& mesh) {
   return census;
 }
 
-/// dp/du x dp/dv of a patch is linear in u and in v, so a patch has no area if it vanishes at all
-/// four corners.  On a flat patch it gives the turns of the outline, which crosses itself if two
-/// turn one way and two the other.  With one different turn it is an arrowhead.
+/// dp/du x dp/dv of a patch is linear in u and in v, so a patch has no area if it is 0 at all four
+/// corners.  On a flat patch it gives the turns of the outline.  The outline crosses itself if two
+/// corners turn one way and two the other.  With one different turn it is an arrowhead.
 Census census_of(const PatchMeshData& mesh) {
   Census census;
   for (std::size_t i = 0; i + 4 <= mesh.indices.size(); i += 4) {
@@ -123,8 +123,7 @@ void check_raw(const ShapeDirective& shape, RawMesh& raw, std::size_t corners) {
   if (raw.indices.empty()) {
     if (raw.positions.size() != corners)
       fail(shape.place,
-           fmt::format("Shape \"{}\" lacks \"integer indices\", which only {} vertices "
-                       "can do without",
+           fmt::format("Shape \"{}\" lacks \"integer indices\", optional only for {} vertices",
                        shape.type, corners));
     for (std::uint32_t k = 0; k < corners; ++k) raw.indices.push_back(k);
   }
@@ -133,8 +132,9 @@ void check_raw(const ShapeDirective& shape, RawMesh& raw, std::size_t corners) {
                                   shape.type, raw.indices.size(), corners));
   for (std::size_t i = 0; i < raw.indices.size(); ++i)
     if (raw.indices[i] >= raw.positions.size())
-      fail(shape.place, fmt::format("Shape \"{}\": index {} names vertex {}, there are {}",
-                                    shape.type, i, raw.indices[i], raw.positions.size()));
+      fail(shape.place,
+           fmt::format("Shape \"{}\": index {} names vertex {}, but there are {} vertices",
+                       shape.type, i, raw.indices[i], raw.positions.size()));
   if (!raw.normals.empty() && raw.normals.size() != raw.positions.size())
     fail(shape.place, fmt::format("Shape \"{}\" has {} normals for {} vertices", shape.type,
                                   raw.normals.size(), raw.positions.size()));
@@ -143,7 +143,7 @@ void check_raw(const ShapeDirective& shape, RawMesh& raw, std::size_t corners) {
                                   raw.uv.size(), raw.positions.size()));
 }
 
-/// The (u, v) of every corner, as in pbrt-v4: those of the vertices, or the default of each
+/// The (u, v) of every corner, as in pbrt-v4: those of the vertices, or the defaults of each
 /// primitive.
 template <std::size_t kCorners>
 std::vector<Vec2<float>> corner_uvs(const RawMesh& raw) {
@@ -189,7 +189,7 @@ Mesh make_mesh(Context& context, const ShapeDirective& shape, RawMesh raw) {
     context.remark(shape.place,
                    fmt::format("{} of {} {} of this mesh have no area", census.without_area,
                                primitives, kPatches ? "patches" : "triangles"),
-                   "kept, but invisible and no light");
+                   "kept, but invisible and without light");
   if (census.crossed > 0)
     context.remark(
         shape.place,
@@ -255,8 +255,9 @@ double swept_angle(const ShapeDirective& shape) {
   const double angle = degrees >= 360 ? 2 * std::numbers::pi : degrees * kRadPerDegree;
   if (!(angle > 0))
     fail(shape.params.place_of({"phimax"}, shape.place),
-         fmt::format("\"float phimax\" = {} degrees, allowed: positive, from 360 on the whole turn",
-                     degrees));
+         fmt::format(
+             "\"float phimax\" = {} degrees, allowed: positive; 360 and more is the whole turn",
+             degrees));
   return angle;
 }
 
@@ -276,7 +277,7 @@ SphereParams sphere(const ShapeDirective& shape) {
   sphere.z_max_m = std::max(z0, z1);
   const double r = sphere.radius_m;
   if (!(sphere.z_min_m < r && sphere.z_max_m > -r && sphere.z_max_m > sphere.z_min_m))
-    refuse_heights(shape, z0, z1, fmt::format("leave some of [{}, {}] between them", -r, r));
+    refuse_heights(shape, z0, z1, fmt::format("have a part of [{}, {}] between them", -r, r));
   sphere.phi_max_rad = swept_angle(shape);
   sphere.reverse_orientation = shape.reverse_orientation;
   sphere.world_from_object = shape.world_from_object;
@@ -292,8 +293,9 @@ DiskParams disk(const ShapeDirective& shape) {
   disk.inner_radius_m = shape.params.number("innerradius", 0);
   if (!(disk.inner_radius_m >= 0 && disk.inner_radius_m < disk.radius_m))
     fail(shape.params.place_of({"innerradius"}, shape.place),
-         fmt::format("\"float innerradius\" = {} m, allowed: [0, {}), of which {} m is the radius",
-                     disk.inner_radius_m, disk.radius_m, disk.radius_m));
+         fmt::format(
+             "\"float innerradius\" = {} m, allowed: at least 0 and less than the radius, {} m",
+             disk.inner_radius_m, disk.radius_m));
   disk.phi_max_rad = swept_angle(shape);
   disk.reverse_orientation = shape.reverse_orientation;
   disk.world_from_object = shape.world_from_object;

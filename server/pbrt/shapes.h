@@ -1,4 +1,4 @@
-// Shape directives to geometry in world space (in an object definition: in object space).
+// Converts Shape directives to geometry in world space (in an object definition: in object space).
 #pragma once
 
 #include <optional>
@@ -8,14 +8,14 @@
 
 namespace lucerna::pbrt {
 
-/// A Shape directive and the graphics state at it.
+/// A Shape directive and its graphics state.
 struct ShapeDirective {
   std::string type;
   const ParameterSet& params;
   Place place;
   Transform world_from_object;
   bool reverse_orientation = false;
-  bool needs_uv = false;  ///< meshes then give the (u, v) of their corners
+  bool needs_uv = false;  ///< meshes then have the (u, v) of their corners
 };
 
 using Geometry = decltype(ShapeDescription::geometry);

@@ -64,13 +64,13 @@ Spectrum made(const Place& place, const std::string& what, Source source) {
   return *std::move(spectrum);
 }
 
-/// Whether pbrt-v4 has the name for a spectrum that is not a light's.
+/// Whether pbrt-v4 uses the name for a spectrum that is not a light's.
 bool of_no_light(const std::string& name) {
   return name.starts_with("metal-") || name.starts_with("glass-") || name.starts_with("canon_") ||
          name.starts_with("nikon_") || name.starts_with("sony_");
 }
 
-/// A key that is equal for equal spectra: the content if it is short, else the place in the file.
+/// A key for sharing spectra: the content if it is short, else the place in the file.
 std::string key_of(const Parameter& p) {
   if (p.type == "blackbody") return fmt::format("blackbody {}", p.numbers.front());
   if (!p.strings.empty() && p.strings.front().starts_with("stdillum-")) return p.strings.front();
@@ -97,7 +97,7 @@ std::shared_ptr<const Spectrum> read_spectrum(Context& context, const Parameter&
           made(p.place, what, CieIlluminant{printable(name.substr(kIlluminant.size()))}));
     if (of_no_light(name)) {
       context.remark(p.place,
-                     fmt::format("{} \"{}\" is not that of a light", what, printable(name)),
+                     fmt::format("{} \"{}\" is not the spectrum of a light", what, printable(name)),
                      "linear RGB [1 1 1]");
       return nullptr;
     }
@@ -152,8 +152,9 @@ void remark_on_spectrum_of_picture(Context& context, const ParameterSet& params,
   if (const auto spectrum = spectrum_of(context, parameter))
     context.remark(
         parameter->place,
-        fmt::format("{} \"{}\" beside a picture, whose colours are RGB", parameter->type, name),
-        fmt::format("the spectrum is taken as RGB {} of luminance 1, by wavelength too",
+        fmt::format("{} \"{}\" of a light with a picture, whose colours are RGB", parameter->type,
+                    name),
+        fmt::format("the spectrum becomes RGB {} of luminance 1, also for queries by wavelength",
                     text(spectrum->rgb())));
 }
 

@@ -11,13 +11,13 @@ namespace lucerna::pbrt {
 
 /// The spectrum that a light's parameter `name` gives: a black body, samples, a file of samples
 /// ("wavelength value" pairs, # begins a comment) or a CIE illuminant ("stdillum-A").  Lights with
-/// the same spectrum share it.  Null for an rgb, or if it is not given.  Null with a remark for
+/// the same spectrum share it.  Null for an rgb, or if it is not given.  Null, with a remark, for
 /// named spectra of metals, glasses and cameras, and for spectra outside of the visible range.
 std::shared_ptr<const Spectrum> light_spectrum(Context& context, const ParameterSet& params,
                                                std::string_view name);
 
-/// Remarks that a spectrum in `name` is converted to RGB, for a light with a picture, whose colours
-/// are RGB.
+/// Adds a remark that a spectrum in `name` is converted to RGB.  For lights with pictures, whose
+/// colours are RGB.
 void remark_on_spectrum_of_picture(Context& context, const ParameterSet& params,
                                    std::string_view name);
 

@@ -28,8 +28,8 @@ std::string described(const Token& token);
 /// The text of a string with its escapes resolved.  Fails on an unknown escape.
 std::string unescaped(const Token& string);
 
-/// The finite number that a word spells; fails with `expected ...` if it is none.  In messages
-/// `owner` is the directive that it belongs to, or the type of the parameter `name`.
+/// The finite number in a word; fails with `expected ...` if there is none.  In messages, `owner`
+/// is the directive that it belongs to, or the type of the parameter `name`.
 double number(const Token& word, std::string_view expected, std::string_view owner,
               std::string_view name = {});
 

@@ -22,7 +22,7 @@ namespace lucerna {
 namespace {
 
 // Geometry numbers within an Embree scene: the kinds of primitives by HitKind, then these.  In the
-// top scene instances follow.
+// top scene, instances follow.
 enum GeometryId : unsigned { kMoving = kHitKinds, kFirstInstance };
 
 std::optional<UnitRay> unit_ray(const Ray& ray, const RaySpace& space) {
@@ -85,7 +85,7 @@ struct Accelerator::State {
   RTCError error = RTC_ERROR_NONE;  // the first error of Embree
   std::string message;
 
-  // The targets of callbacks' pointers: of the scene, then of each object.
+  // The data that callbacks point to: of the scene, then of each object.
   std::vector<std::array<AnalyticShapes, kHitKinds>> analytic;
   std::vector<MovingInstance> moving;
   DeviceHandle device;
@@ -115,15 +115,14 @@ absl::Status Accelerator::State::open(const std::string& wanted) {
   if (chosen == nullptr)
     return absl::InvalidArgumentError(
         fmt::format("isa = \"{}\", allowed on this machine: {}", wanted, have));
-  // Not `isa=`, which would enable instructions that the machine may lack; `max_isa=` only
-  // disables some.
+  // Uses `max_isa=`, which only disables instructions.  `isa=` would enable instructions that the
+  // machine may lack.
   config = fmt::format("max_isa={}", chosen->embree);
   device.reset(rtcNewDevice(config.c_str()));
   if (!device)
-    return absl::InternalError(fmt::format("Embree opens no device (error {})",
+    return absl::InternalError(fmt::format("Embree cannot open a device (error {})",
                                            static_cast<int>(rtcGetDeviceError(nullptr))));
-  // Embree may be built without the kernels of the best instruction set, so its own properties
-  // count.
+  // Embree may be built without the kernels of the best instruction set, so check its properties.
   const bool wide16 =
       rtcGetDeviceProperty(device.get(), RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED) != 0;
   const bool wide8 =
@@ -188,7 +187,7 @@ absl::Status Accelerator::State::measure() {
                                             object_spaces[instances[i].object].unit_m));
     if (!(m < 0x1p40))
       return absl::InvalidArgumentError(
-          fmt::format("instance {} has {:g} of the size of the scene, allowed down to {:g}", i,
+          fmt::format("instance {} has {:g} times the size of the scene, allowed: at least {:g}", i,
                       1 / m, 0x1p-40));
     magnified = std::max(magnified, m);
   }
@@ -222,7 +221,7 @@ SceneHandle Accelerator::State::commit(GeometrySet& set,
     rtcReleaseGeometry(geometry);
   };
   if (!set.triangles.empty()) {
-    // Embree reads 16 bytes of each 12-byte vertex, so the last one needs room behind it.
+    // Embree reads 16 bytes of each 12-byte vertex, so the last one needs room after it.
     set.vertices.reserve(set.vertices.size() + 1);
     RTCGeometry g = rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
     rtcSetSharedGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, set.vertices.data(),
@@ -280,7 +279,7 @@ absl::StatusOr<std::unique_ptr<Accelerator>> Accelerator::build(
   LUCERNA_RETURN_IF_ERROR(state->measure());
   LUCERNA_RETURN_IF_ERROR(state->open(isa));
   if (state->scene.empty() && state->instances.empty()) {
-    // Without geometry only the name of the kernels is needed.
+    // Without geometry, only the name of the kernels is needed.
     state->device.reset();
     LUCERNA_RETURN_IF_ERROR(state->status());
     return std::unique_ptr<Accelerator>(new Accelerator(std::move(state)));
@@ -350,7 +349,7 @@ std::uint32_t Accelerator::instance_count() const {
   return static_cast<std::uint32_t>(state_->instances.size());
 }
 
-// Counts Embree's scene and not its memory, which may be 0 bytes with an empty scene too.
+// Tests Embree's scene and not its memory, which may be 0 bytes with a scene too.
 bool Accelerator::empty() const { return state_->top == nullptr; }
 
 std::size_t Accelerator::bytes() const {

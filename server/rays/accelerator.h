@@ -49,8 +49,7 @@ struct GeometrySet {
   std::vector<std::uint32_t> triangles{};  ///< three vertex numbers for each triangle
   std::vector<BilinearPatch<double>> patches{};
   Quadrics quadrics{};
-  /// The unit of the space in which Embree has it (ray_limits.h).  The Accelerator chooses
-  /// it.
+  /// The unit of Embree's space for this set (ray_limits.h).  The Accelerator chooses it.
   double unit_m = 1;
 
   /// The quadrics of one type, such as Sphere<double>.
@@ -106,7 +105,7 @@ struct GeometryInstance {
   std::uint32_t object;
   /// For a moving instance: to the coordinates at the start of `motion`.
   Transform scene_from_object;
-  std::shared_ptr<const Motion> motion{};  ///< to the scene's coordinates; null: the instance rests
+  std::shared_ptr<const Motion> motion{};  ///< to the scene's coordinates; null: does not move
 };
 
 struct RawHit {
@@ -125,9 +124,9 @@ class Accelerator {
  public:
   /// Takes ownership of `scene` and `objects`.  `isa`: the instruction set of the kernels (""
   /// : the best one of the machine; "sse2", "sse4.2", "avx", "avx2", "avx512").  Errors:
-  /// CANCELLED after a request of `stop`; RESOURCE_EXHAUSTED where Embree has no memory;
-  /// INVALID_ARGUMENT for an instruction set that the machine lacks, and for instances that
-  /// are 2^40 times smaller than the scene.
+  /// CANCELLED after a request of `stop`; RESOURCE_EXHAUSTED if Embree has no memory;
+  /// INVALID_ARGUMENT for an instruction set that the machine lacks, and for instances that are
+  /// 2^40 times smaller than the scene.
   static absl::StatusOr<std::unique_ptr<Accelerator>> build(GeometrySet scene,
                                                             std::vector<GeometrySet> objects,
                                                             std::vector<GeometryInstance> instances,
@@ -143,7 +142,7 @@ class Accelerator {
   std::optional<RawHit> closest_hit(const Ray& ray) const;
   /// Whether anything is at t in (t_min, t_max).
   bool occluded(const Ray& ray) const;
-  /// Bit i % 8 of bits[i / 8] is set where ray i is occluded; bits.size() >= (rays.size() + 7) / 8.
+  /// Sets bit i % 8 of bits[i / 8] if ray i is occluded; bits.size() >= (rays.size() + 7) / 8.
   void occluded(std::span<const Ray> rays, std::span<std::uint8_t> bits) const;
 
   const GeometrySet& scene() const;
@@ -152,7 +151,7 @@ class Accelerator {
   std::uint32_t object_count() const;
   std::uint32_t instance_count() const;
   bool empty() const;
-  std::size_t bytes() const;  ///< Embree's own memory and the geometry it reads
+  std::size_t bytes() const;  ///< Embree's own memory and the geometry that it reads
   /// The instruction set of the kernels in use, e.g. "avx2".
   std::string isa() const;
 
@@ -163,7 +162,7 @@ class Accelerator {
 };
 
 /// Embree's version and the instruction set of its kernels: "3.13.5 avx2".  `isa`: as in
-/// Accelerator::build.  INVALID_ARGUMENT where the machine lacks it.
+/// Accelerator::build.  INVALID_ARGUMENT if the machine lacks it.
 absl::StatusOr<std::string> embree_kernels(const std::string& isa);
 
 }  // namespace lucerna

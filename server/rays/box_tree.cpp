@@ -33,8 +33,8 @@ BoxTree::BoxTree(std::span<const FloatBox> boxes) : order_(boxes.size()) {
 void BoxTree::build(std::span<const FloatBox> boxes, std::uint32_t begin, std::uint32_t end) {
   const std::size_t self = nodes_.size();
   FloatBox box = boxes[order_[begin]];
-  // The centre is half the sum of both corners.  They are halved first, because boxes may be
-  // as large as floats.
+  // The centre is half the sum of both corners.  They are halved first, so that large floats do not
+  // overflow.
   const auto middle = [&](std::uint32_t item) {
     return boxes[item].lower * 0.5F + boxes[item].upper * 0.5F;
   };

@@ -1,4 +1,5 @@
-// A hierarchy of boxes, which finds the items that may lie within a region without visiting all.
+// A hierarchy of boxes.  It finds the items that may lie within a region without visiting all
+// items.
 #pragma once
 
 #include <array>
@@ -63,7 +64,7 @@ class BoxTree {
 
   struct Node {
     FloatBox box;
-    std::uint32_t first;  ///< first of its items in `order_`; of an inner node its second child
+    std::uint32_t first;  ///< first of its items in `order_`; for an inner node, its second child
     std::uint32_t count;  ///< 0: an inner node, whose first child is the next node
   };
 

@@ -14,18 +14,17 @@ constexpr double gamma_bound(int n, double roundoff = kFloatRoundoff) {
   return n * roundoff / (1 - n * roundoff);
 }
 
-/// Embree tests a triangle in single precision about the ray's origin.  The distance to the
-/// plane is dot(n, v0 - o), n = cross(e1, e2).  The roundings are: one in each of v0 - o, e1
-/// and e2, three in a cross product, three in a dot product, one in the division.  So the error
-/// of the distance is at most gamma_16 |v0 - o| where n is well conditioned.
-/// tests/server/rays/ray_test.cpp passes with this bound, and finds false shadows with a
-/// sixteenth of it.
+/// Embree tests a triangle in single precision about the ray's origin.  The distance to the plane
+/// is dot(n, v0 - o), n = cross(e1, e2).  There is one rounding in each of v0 - o, e1 and e2, three
+/// in a cross product, three in a dot product, and one in the division.  So the error of the
+/// distance is at most gamma_16 |v0 - o| if n is well conditioned. tests/server/rays/ray_test.cpp
+/// passes with this bound.  With a sixteenth of it, it finds false shadows.
 inline constexpr double kTraversalBound = gamma_bound(16);
 inline constexpr float kTraversalError = static_cast<float>(kTraversalBound);
 
-/// The least error of floats at any place [m]: differences below the smallest normal float are
-/// 0 (server/runtime/denormals.h).  A position, each component of a ray's offset and of its
-/// direction may lose that much.
+/// The least error of floats at any place [m]: differences below the smallest normal float are 0
+/// (server/runtime/denormals.h).  A position, each component of a ray's offset and of its direction
+/// may have this error.
 inline constexpr float kLeastError = 16 * std::numeric_limits<float>::min();
 
 }  // namespace lucerna

@@ -1,4 +1,4 @@
-// Rays and their hits, about the scene's origin [m].  Rays are in floats, as Embree takes them;
+// Rays and their hits, about the scene's origin [m].  Rays are in floats, as Embree requires;
 // surfaces are in double.
 #pragma once
 
@@ -15,21 +15,21 @@ namespace lucerna {
 
 struct Ray {
   Vec3<float> origin;
-  Vec3<float> direction;  ///< any length except 0, which is the unit of t
+  Vec3<float> direction;  ///< any length except 0; its length is the unit of t
   float t_min = 0;
   float t_max = std::numeric_limits<float>::infinity();
-  double time_s = 0;  ///< has no effect where nothing moves
+  double time_s = 0;  ///< has no effect if nothing moves
 };
 
-/// A point on a surface with all that shading needs.
+/// A point on a surface with all data for shading.
 struct SurfaceHit {
   float t{};
   Vec3<double> position;
-  /// The surface passes, and rays find it, within this box around `position` rounded to
-  /// floats [m].
+  /// Half edges of a box around `position` rounded to floats [m].  The surface passes through it,
+  /// and rays find the surface within it.
   Vec3<float> position_error;
-  /// Geometric normal, unit, outside.  In double, because floats cannot resolve the side to
-  /// which a grazing ray leaves the surface.
+  /// Geometric normal, unit, on the outside.  In double, because floats cannot resolve on which
+  /// side a grazing ray leaves the surface.
   Vec3<double> ng;
   Vec3<float> ns;                   ///< shading normal, unit, on the side of ng
   std::uint32_t material{};         ///< index into Scene::materials()
@@ -41,7 +41,7 @@ struct SurfaceHit {
   SurfacePoint<double> on_light() const { return {position, ng, light_primitive}; }
 };
 
-/// std::nextafter(x, INFINITY).  A call of that takes longer than the rest of an offset.
+/// std::nextafter(x, INFINITY).  A call of std::nextafter takes longer than the rest of an offset.
 inline float next_up(float x) {
   if (!(x < INFINITY)) return x;
   const auto bits = std::bit_cast<std::uint32_t>(x);
@@ -79,7 +79,7 @@ inline Ray spawn_ray(const SurfaceHit& from, const Vec3<float>& direction) {
   return ray;
 }
 
-/// The ray whose t in (0, 1) is the open segment from a surface point to `end`, which is on no
+/// The ray whose t in (0, 1) is the open segment from a surface point to `end`, which is not on a
 /// surface. `direction`: towards `end`.
 inline Ray ray_to_point(const SurfaceHit& from, const Vec3<double>& direction,
                         const Vec3<float>& end) {
@@ -96,9 +96,8 @@ inline Ray shadow_ray(const SurfaceHit& from, const LightSample<double>& to,
   if (!std::isfinite(to.distance)) return spawn_ray(from, Vec3<float>(to.wi));
   Vec3<float> end(to.point);
   if (to.normal != Vec3<double>{}) {
-    // The point is rounded, and so is the ray's test against the light's surface, which sees
-    // its vertices from `distance` away.  For a moving light the test is in the light's own
-    // coordinates.
+    // The point is rounded.  So is the ray's test with the light's surface, whose vertices are
+    // `distance` away.  For a moving light the test is in the light's own coordinates.
     const float error =
         kTraversalError * (max_abs(end) + static_cast<float>(to.distance) + light_reach_m) +
         kLeastError;

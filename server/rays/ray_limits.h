@@ -1,5 +1,5 @@
-// The space of Embree's rays.  It is scaled by a power of two so that the geometry is about as
-// large as 1, whatever its size in metres.
+// The space of Embree's rays.  It is scaled by a power of two so that the size of the geometry is
+// about 1, for any size in metres.
 #pragma once
 
 #include <algorithm>
@@ -22,11 +22,10 @@ struct RaySpace {
   double unit_m;    ///< the unit of its coordinates, a power of two
   double per_unit;  ///< 1 / unit_m, exactly
   double reach_m;   ///< largest coordinate of the geometry
-  /// Exponent of a direction's largest component.  Embree replaces a denominator below 1e-18
-  /// by 1e-18 and drops its sign.  The denominator is the area of a triangle times the length
-  /// of the direction times their cosine. So directions are long, by a power of two.  They
-  /// stay short enough that they fit floats in each instance's space.  Only the exponent of t
-  /// shows the factor.
+  /// Exponent of a direction's largest component.  Embree replaces a denominator below 1e-18 by
+  /// 1e-18 and loses its sign.  The denominator is the area of a triangle times the length of the
+  /// direction times their cosine.  So directions are scaled up by a power of two.  They stay short
+  /// enough to fit floats in each instance's space.  The factor changes only the exponent of t.
   int direction_exponent = 20;
 };
 
@@ -44,17 +43,18 @@ struct Entry {
   double t;
 };
 
-/// Nothing where the ray passes by.  The origin must be outside of twice the reach.
+/// Nothing if the ray misses the sphere.  The origin must be farther away than twice the reach.
 std::optional<Entry> entry_from_afar(const Vec3<double>& origin_m, const Vec3<double>& direction,
                                      double reach_m);
 
-/// Nothing for an invalid ray, and for a ray that passes by all geometry.  A ray from far away
-/// starts near the geometry, at a point computed in double.  Floats resolve points only to
-/// 2^-24 of their distance from a ray's origin.
+/// Nothing for an invalid ray, and for a ray that misses all geometry.  A ray from far away starts
+/// near the geometry, at a point computed in double.  Floats resolve points only to 2^-24 of their
+/// distance from a ray's origin.
 inline std::optional<UnitRay> unit_ray(Vec3<double> origin_m, const Vec3<double>& direction,
                                        double t_min, double t_max, const RaySpace& space) {
   // Inline, because every ray needs it.
-  constexpr double kFar = 16;  // beyond this multiple of the reach the start of a ray is moved
+  constexpr double kFar =
+      16;  // farther than this multiple of the reach, the start of a ray is moved
   const double longest = max_abs(direction);
   if (!is_finite(origin_m) || !is_finite(direction) || !(longest > 0) || std::isnan(t_min) ||
       std::isnan(t_max))
@@ -67,7 +67,7 @@ inline std::optional<UnitRay> unit_ray(Vec3<double> origin_m, const Vec3<double>
     if (start > 0) t_min = std::max(t_min, start);
   }
   const int exponent = space.direction_exponent - exponent_of(longest);
-  // Multiplication by a power of two has the result of a division, in a fraction of the time.
+  // Multiplying by a power of two has the same result as dividing, in a fraction of the time.
   const double per_t = scaled(space.per_unit, -exponent);
   const UnitRay ray{Vec3<float>(origin_m * space.per_unit),
                     Vec3<float>(scaled(direction, exponent)),
@@ -79,8 +79,8 @@ inline std::optional<UnitRay> unit_ray(Vec3<double> origin_m, const Vec3<double>
   return ray;
 }
 
-/// The largest growth of a ray's coordinates on the way into the object's space, at least 1.
-/// Infinite where they would not fit.
+/// The largest growth of a ray's coordinates when it is converted to the object's space, at least
+/// 1.  Infinite if they would not fit.
 double magnification(const Transform& scene_from_object);
 
 }  // namespace lucerna

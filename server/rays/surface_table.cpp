@@ -13,7 +13,7 @@ namespace {
 
 absl::Status not_finite(std::size_t i, const Vec3<double>& p) {
   return absl::InvalidArgumentError(fmt::format(
-      "vertex {} at ({}, {}, {}) m, allowed are coordinates up to 1e30", i, p.x, p.y, p.z));
+      "vertex {} at ({}, {}, {}) m, allowed: coordinates up to 1e30", i, p.x, p.y, p.z));
 }
 
 absl::Status append_mesh(const std::vector<Vec3<double>>& positions,
@@ -26,7 +26,7 @@ absl::Status append_mesh(const std::vector<Vec3<double>>& positions,
   for (const std::uint32_t i : indices)
     if (i >= positions.size())
       return absl::InvalidArgumentError(
-          fmt::format("vertex number {}, allowed below {}", i, positions.size()));
+          fmt::format("vertex number {}, allowed: less than {}", i, positions.size()));
   for (std::size_t i = 0; i < positions.size(); ++i) {
     const Vec3<float> p = about(positions[i], origin);
     if (!is_finite(p) || max_abs(p) > Accelerator::kMaxCoordinate)
@@ -39,7 +39,7 @@ absl::Status append_mesh(const std::vector<Vec3<double>>& positions,
 void append_normals(const std::vector<Vec3<float>>& normals, std::size_t base, std::size_t count,
                     std::vector<Vec3<float>>& out) {
   if (normals.empty() && out.empty()) return;
-  out.resize(base);  // meshes before this one were flat
+  out.resize(base);  // earlier meshes have no normals
   if (normals.empty())
     out.resize(base + count);
   else
@@ -64,7 +64,7 @@ class Appender {
     const std::size_t base = set_.vertices.size();
     if (!mesh.normals.empty() && mesh.normals.size() != mesh.positions.size())
       return absl::InvalidArgumentError(
-          fmt::format("{} normals, allowed are 0 or one a vertex ({})", mesh.normals.size(),
+          fmt::format("{} normals, allowed: 0 or one for each vertex ({})", mesh.normals.size(),
                       mesh.positions.size()));
     LUCERNA_RETURN_IF_ERROR(append_mesh(mesh.positions, mesh.indices, origin_, set_));
     append_normals(mesh.normals, base, mesh.positions.size(), table_.vertex_normals);
@@ -78,7 +78,7 @@ class Appender {
     const auto base = static_cast<std::uint32_t>(set_.vertices.size());
     if (!mesh.normals.empty() && mesh.normals.size() != mesh.positions.size())
       return absl::InvalidArgumentError(
-          fmt::format("{} normals, allowed are 0 or one a vertex ({})", mesh.normals.size(),
+          fmt::format("{} normals, allowed: 0 or one for each vertex ({})", mesh.normals.size(),
                       mesh.positions.size()));
     LUCERNA_RETURN_IF_ERROR(append_mesh(mesh.positions, mesh.indices, origin_, set_));
     HitKind kind = HitKind::kTriangle;
@@ -102,7 +102,7 @@ class Appender {
     if (any_flat)
       append_normals({}, base, mesh.positions.size(), table_.vertex_normals);
     else
-      set_.vertices.resize(base);  // nothing refers to them
+      set_.vertices.resize(base);  // nothing refers to these vertices
     return absl::OkStatus();
   }
 
@@ -153,7 +153,7 @@ class BoundsAdder {
     const double reach = std::max(max_abs(box.first), max_abs(box.second));
     if (!(reach <= Accelerator::kMaxCoordinate))
       return absl::InvalidArgumentError(
-          fmt::format("shape reaching to {} m, allowed are coordinates up to 1e30", reach));
+          fmt::format("shape reaching to {} m, allowed: coordinates up to 1e30", reach));
     bounds_.add(box.first);
     bounds_.add(box.second);
     return absl::OkStatus();

@@ -23,17 +23,18 @@ struct Surface {
 struct PrimitiveRun {
   std::uint32_t first = 0;
   std::uint32_t surface = 0;
-  std::uint32_t first_light_primitive = 0;  ///< number of the run's first one within the shape
-  std::uint32_t per_light_primitive = 1;    ///< 2: a flat patch stored as two triangles
+  std::uint32_t first_light_primitive =
+      0;                                  ///< number of the run's first primitive within the shape
+  std::uint32_t per_light_primitive = 1;  ///< 2: a flat patch stored as two triangles
 };
 
 struct SurfaceTable {
   std::vector<Surface> surfaces;
-  std::array<std::vector<PrimitiveRun>, kHitKinds>
-      runs;  ///< by HitKind, in ascending order of `first`
-  /// Shading normals, one for each vertex, zero where flat.  Empty where no mesh has any.
+  /// By HitKind, in ascending order of `first`.
+  std::array<std::vector<PrimitiveRun>, kHitKinds> runs;
+  /// Shading normals, one for each vertex, zero without one.  Empty if no mesh has any.
   std::vector<Vec3<float>> vertex_normals;
-  /// Shading normals at the corners of each patch.  Empty where no patch has any.
+  /// Shading normals at the corners of each patch.  Empty if no patch has any.
   std::vector<std::array<Vec3<float>, 4>> patch_normals;
 
   const PrimitiveRun& run(HitKind kind, std::uint32_t primitive) const;
@@ -51,7 +52,7 @@ struct Bounds {
 /// domain.
 absl::StatusOr<Bounds> shape_bounds(const ShapeDescription& shape);
 
-/// A position as floats about an origin, as rays hit it.
+/// A position as floats about an origin, as in Embree's geometry.
 inline Vec3<float> about(const Vec3<double>& position, const Vec3<double>& origin) {
   return Vec3<float>(position - origin);
 }

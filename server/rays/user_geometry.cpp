@@ -33,7 +33,7 @@ std::optional<AnalyticHit> intersect(const AnalyticShapes& shapes, unsigned prim
   return found;
 }
 
-/// In units of `unit_m`, rounded outwards.
+/// The box in units of `unit_m`, rounded outwards.
 RTCBounds rounded(const std::pair<Vec3<double>, Vec3<double>>& box, double unit_m) {
   const auto down = [&](double v) {
     return std::nextafter(static_cast<float>(v / unit_m), -INFINITY);
@@ -79,13 +79,13 @@ void occluded_analytic(const RTCOccludedFunctionNArguments* args) {
   if (intersect(shapes, args->primID, ray, ray.tfar)) ray.tfar = -INFINITY;
 }
 
-/// A ray of the scene in the object's space, as Embree takes it.
+/// A ray of the scene in the object's space, in Embree's form.
 struct ObjectRay {
   RTCRay ray;
   double units, start;  // as in UnitRay
 };
 
-/// Nothing where the ray passes by.
+/// Nothing if the ray misses the object.
 std::optional<ObjectRay> to_object(const MovingInstance& instance,
                                    const RTCIntersectContext* context, const RTCRay& ray) {
   const Pose pose = instance.motion->at(reinterpret_cast<const QueryContext*>(context)->time_s);

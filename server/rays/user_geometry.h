@@ -1,5 +1,5 @@
-// Callbacks for Embree: shapes that it does not know, and instances that move.  Only this file,
-// user_geometry.cpp and accelerator.cpp use Embree.
+// Callbacks for Embree: for shapes that it does not have, and for instances that move.  Only this
+// file, user_geometry.cpp and accelerator.cpp use Embree.
 #pragma once
 
 #include <embree3/rtcore.h>
@@ -13,8 +13,8 @@
 
 namespace lucerna {
 
-/// Embree passes the context of a query to the callbacks.  It holds the time of the query and
-/// the exact hit.
+/// Embree passes the context of a query to the callbacks.  It has the time of the query and the
+/// exact hit.
 struct QueryContext {
   explicit QueryContext(double time_s) : time_s(time_s) { rtcInitIntersectContext(&embree); }
 

@@ -60,7 +60,7 @@ std::string why_not_to_listen(const std::string& address) {
   std::string why = "gRPC refused it";
   for (const addrinfo* a = found; a != nullptr; a = a->ai_next) {
     const int fd = socket(a->ai_family, a->ai_socktype | SOCK_CLOEXEC, a->ai_protocol);
-    const int yes = 1;  // as gRPC does
+    const int yes = 1;  // as in gRPC
     if (fd >= 0) setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
     if (fd < 0 || bind(fd, a->ai_addr, a->ai_addrlen) != 0 || listen(fd, 1) != 0) {
       why = std::generic_category().message(errno);

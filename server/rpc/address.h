@@ -11,7 +11,7 @@ namespace lucerna::rpc {
 absl::Status check_address(const std::string& address);
 /// The address with another port.
 std::string with_port(const std::string& address, int port);
-/// Why the operating system refuses to listen on this address, e.g. "address in use".
+/// The reason why the operating system refuses to listen on this address, e.g. "address in use".
 std::string why_not_to_listen(const std::string& address);
 
 }  // namespace lucerna::rpc

@@ -8,7 +8,7 @@
 
 namespace lucerna::rpc {
 namespace {
-// Shorter tasks run on gRPC's thread: a hand-over to a lane costs about as much.
+// Shorter tasks run on gRPC's thread, because passing them to a lane costs about as much.
 constexpr double kAtOnceSeconds = 50e-6;
 // Longer tasks run in the bulk lane, so that small queries do not wait for them.
 constexpr double kBulkSeconds = 0.1;

@@ -12,8 +12,8 @@
 
 namespace lucerna::rpc {
 
-/// The status as gRPC's.  Puts the retry delay into the trailing metadata of `context`, and logs
-/// INTERNAL errors.
+/// The status in gRPC's form.  Puts the retry delay into the trailing metadata of `context`, and
+/// logs INTERNAL errors.
 grpc::Status to_grpc(const absl::Status& status, grpc::ServerContextBase& context);
 
 /// gRPC's deadline; the largest time point if there is none.

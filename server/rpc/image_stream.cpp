@@ -8,7 +8,7 @@
 
 namespace lucerna::rpc {
 namespace {
-// Tiles that wait for the client, the one being written included.
+// Tiles that may wait for the client, including the one being written.
 constexpr std::size_t kTilesAhead = 3;
 }  // namespace
 
@@ -110,7 +110,7 @@ void ImageStream::advance() {
     if (error_.ok()) {
       if (!writing_ && !ready_.empty()) {
         writing_ = true;
-        write = &ready_.front();  // push_back leaves it in place
+        write = &ready_.front();  // push_back does not move it
       }
       if (!job_ && !complete_ && ready_.size() < kTilesAhead) render = job_ = true;
       if (complete_ && ready_.empty()) end = absl::OkStatus();
@@ -119,7 +119,7 @@ void ImageStream::advance() {
     }
     finished_ = end.has_value();
   }
-  // Outside of the lock: each may call advance() on another thread.
+  // Without the lock: each of these may call advance() on another thread.
   if (write != nullptr) StartWrite(write);
   if (render) runtime_.lanes.resume(Lane::kBulk, next_job());
   if (end) Finish(to_grpc(*end, *context_));

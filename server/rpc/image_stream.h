@@ -16,8 +16,8 @@
 
 namespace lucerna::rpc {
 
-/// Renders one tile in each lane job, so that other renders get their turn between two tiles. Stays
-/// at most a few tiles ahead of what the client has read.
+/// Renders one tile in each lane job, so that other renders can run between two tiles.  Stays at
+/// most a few tiles ahead of the client.
 class ImageStream : public grpc::ServerWriteReactor<v1::RenderImageResponse>,
                     public std::enable_shared_from_this<ImageStream> {
  public:
@@ -35,7 +35,7 @@ class ImageStream : public grpc::ServerWriteReactor<v1::RenderImageResponse>,
   void begin(const v1::RenderImageRequest& request);
   LaneJob next_job();
   void render_next(const LaneJobStart& start);
-  /// Starts what comes next: a write, a lane job, the end.
+  /// Starts the next step: a write, a lane job, or the end.
   void advance();
 
   Runtime& runtime_;
@@ -45,7 +45,7 @@ class ImageStream : public grpc::ServerWriteReactor<v1::RenderImageResponse>,
   CallGate::Pass pass_;
   std::shared_ptr<ImageStream> self_;
 
-  std::optional<ImageRender> render_;  // the lane job alone uses it while there is one
+  std::optional<ImageRender> render_;  // while a lane job runs, only the job uses it
   double queue_s_ = 0, wall_s_ = 0, cpu_s_ = 0;
 
   std::mutex mutex_;

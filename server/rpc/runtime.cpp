@@ -32,16 +32,16 @@ void CallGate::leave() {
 
 absl::Status lane_error(absl::Status status, Lane lane) {
   if (status.code() != absl::StatusCode::kResourceExhausted) return status;
-  // About the time of one job of the lane.
+  // A delay of about the time of one job of the lane.
   return retry_after(std::move(status), Reason::kQueueFull,
                      std::chrono::milliseconds(lane == Lane::kInteractive ? 50 : 1000));
 }
 
 absl::Status stopped_status(LaneJob::Clock::time_point deadline) {
   if (deadline <= LaneJob::Clock::now()) {
-    return absl::DeadlineExceededError("the deadline passed while the work was going on");
+    return absl::DeadlineExceededError("the deadline passed during the computation");
   }
-  return absl::CancelledError("cancelled while the work was going on");
+  return absl::CancelledError("cancelled during the computation");
 }
 
 absl::Status guarded(const std::function<absl::Status()>& f) {

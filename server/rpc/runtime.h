@@ -1,4 +1,4 @@
-// What all services of one server share.
+// The state that all services of one server share.
 #pragma once
 
 #include <atomic>

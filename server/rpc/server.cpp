@@ -65,12 +65,11 @@ void set_info(const ServerOptions& options, const Fingerprint& fingerprint, int 
 /// Once for the process.
 void set_up_grpc() {
   static const bool done = [] {
-    // gRPC's own messages repeat our errors and report each client that comes and goes.
+    // gRPC's messages repeat our errors and report each client that connects or disconnects.
     gpr_set_log_function([](gpr_log_func_args* args) { spdlog::debug("grpc: {}", args->message); });
     grpc::EnableDefaultHealthCheckService(true);
     grpc::reflection::InitProtoReflectionServerBuilderPlugin();
-    // gRPC answers health checks without this message.  Naming it links its description, which
-    // reflection needs.
+    // Reflection needs the description of this message.  Using it here makes the linker include it.
     (void)grpc::health::v1::HealthCheckRequest::descriptor();
     return true;
   }();
@@ -97,7 +96,7 @@ absl::Status Server::State::listen(const ServerOptions& options) {
   set_up_grpc();
   services = make_services(runtime);
   grpc::ServerBuilder builder;
-  // Two servers on one port would answer in turns, each with its own scenes.
+  // Two servers on one port would answer in turn, each with its own scenes.
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
   // Clients send keepalive pings while a long call runs.
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 5'000);
@@ -169,7 +168,7 @@ void Server::begin_drain() {
 
 void Server::drain(std::chrono::milliseconds patience) {
   begin_drain();
-  // The port stays open meanwhile: health checks and new calls get their answers.
+  // The port stays open meanwhile, so health checks and new calls are answered.
   state_->runtime.gate.wait_until_empty(std::chrono::steady_clock::now() + patience);
   state_->end(std::chrono::system_clock::now());
 }

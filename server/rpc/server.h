@@ -34,7 +34,7 @@ struct ServerOptions {
 /// What a server serves, for its log.
 struct ServerSummary {
   std::string root;                    ///< the scene root, absolute
-  std::size_t available_scenes = 0;    ///< .pbrt files beneath it
+  std::size_t available_scenes = 0;    ///< .pbrt files under it
   bool listing_is_incomplete = false;  ///< there may be more
   std::size_t loaded_scenes = 0;
   int threads = 0;  ///< of computation
@@ -42,8 +42,8 @@ struct ServerSummary {
 
 class Server {
  public:
-  /// Serves when it returns.  Errors: an address that cannot be listened at (UNAVAILABLE), no such
-  /// scene root, an unknown isa, a scene that cannot be loaded; CANCELLED by `stop`.
+  /// The server is ready when this returns.  Errors: an address that cannot be used (UNAVAILABLE),
+  /// no such scene root, an unknown isa, a scene that cannot be loaded; CANCELLED by `stop`.
   static absl::StatusOr<std::unique_ptr<Server>> start(const ServerOptions& options,
                                                        std::stop_token stop = {});
   /// Cancels running calls, unless `drain` was called before.
@@ -54,10 +54,10 @@ class Server {
   /// Reads the directories of the scene root.
   ServerSummary summary() const;
 
-  /// From now on health is NOT_SERVING and new calls are UNAVAILABLE.  Running calls have
-  /// `patience` to end and are then cancelled.  Returns when all have ended.
+  /// From now on, health is NOT_SERVING and new calls are UNAVAILABLE.  Running calls are cancelled
+  /// after `patience`.  Returns when all calls have ended.
   void drain(std::chrono::milliseconds patience);
-  /// The first part of `drain` alone, for tests.
+  /// Only the first part of `drain`, for tests.
   void begin_drain();
 
   /// The loaded scenes and the waiting requests, for tests.

@@ -14,7 +14,7 @@ namespace lucerna::rpc {
 /// Full names of all services, e.g. "lucerna.v1.SceneService".
 std::vector<std::string> service_names();
 
-/// One of each.  `runtime` must outlive them.
+/// One object for each service.  `runtime` must outlive them.
 std::vector<std::unique_ptr<grpc::Service>> make_services(Runtime& runtime);
 
 }  // namespace lucerna::rpc

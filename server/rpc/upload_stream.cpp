@@ -11,7 +11,7 @@
 namespace lucerna::rpc {
 namespace {
 
-// Small queries would wait for the hashing of larger chunks.
+// Hashing larger chunks would delay small queries.
 constexpr std::size_t kMostChunkBytes = std::size_t{4} << 20;
 
 absl::Status being_uploaded(absl::Status status) {
@@ -39,9 +39,9 @@ grpc::ServerReadReactor<v1::UploadAssetRequest>* UploadStream::start(
 }
 
 void UploadStream::OnReadDone(bool ok) {
-  if (stop_.stop_requested()) return finish(absl::CancelledError("the upload was cut off"));
+  if (stop_.stop_requested()) return finish(absl::CancelledError("the upload was cancelled"));
   if (!ok) return finish(guarded([&] { return end(); }));
-  // A full lane refuses new uploads only.
+  // A full lane refuses only new uploads.
   LaneJob job{.run = [self = shared_from_this()](const LaneJobStart& start) { self->take(start); },
               .stop = stop_.get_token()};
   if (begun_) return runtime_.lanes.resume(Lane::kInteractive, std::move(job));
@@ -82,7 +82,7 @@ absl::Status UploadStream::take_header(const v1::AssetHeader& header) {
   const std::uint64_t reach = std::min<std::uint64_t>(held.bytes, header.size_bytes());
   if (header.offset_bytes() > reach) {
     return bad_field("header.offset_bytes", fmt::format("{}", header.offset_bytes()),
-                     fmt::format("[0, {}], the bytes held of it", reach));
+                     fmt::format("[0, {}], the bytes that the server has", reach));
   }
   absl::StatusOr<AssetUpload> upload =
       assets.upload(header.sha256(), header.size_bytes(), header.offset_bytes());
@@ -120,7 +120,7 @@ absl::Status UploadStream::end() {
 }
 
 void UploadStream::finish(const absl::Status& status) {
-  upload_.reset();  // keeps what arrived, before the client learns that the call has ended
+  upload_.reset();  // stores the received part before the client learns that the call has ended
   Finish(to_grpc(status, *context_));
 }
 

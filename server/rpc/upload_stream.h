@@ -49,7 +49,7 @@ class UploadStream : public grpc::ServerReadReactor<v1::UploadAssetRequest>,
   v1::UploadAssetRequest request_;
   v1::AssetHeader header_;
   bool begun_ = false;
-  bool held_ = false;  // the whole asset is there: the rest of the stream is not read
+  bool held_ = false;  // the store has the whole asset: the rest of the stream is not read
   std::optional<AssetUpload> upload_;
 };
 

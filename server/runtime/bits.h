@@ -1,4 +1,4 @@
-// Arrays of bits, the lowest of each byte first, as messages carry them.
+// Arrays of bits as in messages: the lowest bit of each byte first.
 #pragma once
 
 #include <cstddef>

@@ -1,8 +1,8 @@
-// One denormals policy on every thread that computes: denormal numbers are zero, in and out.
+// One denormals policy on every thread that computes: denormal inputs and results are zero.
 //
-// Embree recommends it: a denormal costs over a hundred cycles in its kernels.  An answer must not
-// depend on the thread that computed it.  The control register belongs to the thread, and its first
-// value in oneTBB's workers depends on the thread that made the arena.
+// Embree recommends it, because a denormal costs over a hundred cycles in its kernels.  An answer
+// must not depend on the thread that computes it.  But each thread has its own control register,
+// and in oneTBB's workers its initial value depends on the thread that made the arena.
 #pragma once
 
 #include <immintrin.h>

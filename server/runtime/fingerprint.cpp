@@ -11,8 +11,8 @@ Fingerprint numeric_fingerprint(const std::string& embree) {
   Fingerprint f;
   f.build = LUCERNA_BUILD;
   f.embree = embree;
-  // glibc picks variants of its functions by what the processor has; those with fused
-  // multiply-add may round differently.
+  // glibc chooses variants of its functions by the processor.  Variants with fused multiply-add may
+  // round differently.
   f.libm = fmt::format("glibc {}{}{}", gnu_get_libc_version(),
                        __builtin_cpu_supports("fma") ? " fma" : "",
                        __builtin_cpu_supports("avx2") ? " avx2" : "");

@@ -1,4 +1,4 @@
-// What the bits of an answer depend on, besides scene and request.
+// A fingerprint of everything except scene and request that affects the bits of an answer.
 #pragma once
 
 #include <string>

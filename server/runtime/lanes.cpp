@@ -17,10 +17,10 @@
 namespace lucerna {
 namespace {
 
-// Two jobs of a lane run at a time: a short job overtakes a long one, and a job that cannot use all
-// threads leaves some to the other.
+// Two jobs of a lane run at a time.  So a short job can overtake a long one, and a job that cannot
+// use all threads leaves some for the other.
 constexpr int kJobsAtATime = 2;
-// In steps of niceness.  Enough that a waking interactive thread runs at once.
+// Large enough that an interactive thread runs at once when it wakes.
 constexpr int kBulkNiceness = 10;
 
 absl::Status why_not_to_run(const LaneJob& job) {
@@ -38,7 +38,8 @@ class Queue {
       : name_(name), limit_(limit), arena_(threads - 1 + kJobsAtATime, kJobsAtATime, priority) {
     for (int i = 0; i < kJobsAtATime; ++i) {
       threads_.emplace_back([this, niceness] {
-        // On Linux niceness belongs to the thread.  If it is refused, both lanes have one priority.
+        // On Linux, niceness is a property of the thread.  If this fails, both lanes have the same
+        // priority.
         if (niceness > 0) (void)setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), niceness);
         arena_.execute([this] { work(); });
       });
@@ -72,7 +73,7 @@ class Queue {
         if (!bounded) swept.push_back({std::move(job), LaneJob::Clock::now()});
       } else if (bounded && waiting_.size() >= limit_) {
         status = absl::ResourceExhaustedError(
-            fmt::format("{} requests wait in the {} lane, which holds no more", limit_, name_));
+            fmt::format("{} requests wait in the {} lane, its limit", limit_, name_));
       } else {
         waiting_.push_back({std::move(job), LaneJob::Clock::now()});
       }
@@ -120,7 +121,7 @@ class Queue {
       ++running_;
       lock.unlock();
       answer(next, why_not_to_run(next.job));
-      next = {};  // release what the job holds while it still counts as running
+      next = {};  // release the job's resources while it still counts as running
       lock.lock();
       --running_;
     }
@@ -146,7 +147,7 @@ int thread_count(int asked) {
 struct Lanes::State {
   explicit State(const LaneOptions& o)
       : threads(thread_count(o.threads)),
-        // oneTBB counts the calling thread: this leaves `threads` - 1 workers.
+        // oneTBB counts the calling thread, so there are `threads` - 1 workers.
         control(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads)),
         interactive("interactive", o.interactive_queue, threads, tbb::task_arena::priority::high,
                     0),

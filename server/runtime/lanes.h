@@ -1,11 +1,11 @@
-// Two lanes with bounded queues compute requests, so a query of a millisecond never waits for a
+// Two lanes with bounded queues compute requests.  So a query of a millisecond does not wait for a
 // render of an hour.
 //
 // Each lane has its own threads, which take jobs first come, first served.  Each lane has an oneTBB
 // arena, in which oneTBB's workers help with the loops of these threads.  Workers prefer the
 // interactive arena and move to it between two chunks.  The operating system schedules the lanes'
 // own threads, and those of the bulk lane have a lower priority.  So even a job of one long chunk
-// does not hold up the other lane.
+// does not delay the other lane.
 #pragma once
 
 #include <absl/status/status.h>
@@ -28,14 +28,14 @@ struct LaneOptions {
 
 /// How a job starts.
 struct LaneJobStart {
-  /// OK: do the work.  Else only answer: CANCELLED (its stop token), DEADLINE_EXCEEDED, or
-  /// UNAVAILABLE (the lanes ended).
+  /// OK: do the work.  Else only answer with this error: CANCELLED (its stop token),
+  /// DEADLINE_EXCEEDED, or UNAVAILABLE (the lanes ended).
   absl::Status status;
   double queue_time_s = 0;
 };
 
 struct LaneJob {
-  using Clock = std::chrono::system_clock;  // as gRPC's deadlines
+  using Clock = std::chrono::system_clock;  // like gRPC's deadlines
 
   /// Called exactly once, on a thread of the lane within its arena, or with UNAVAILABLE on the
   /// thread that ends the lanes.  Must not throw.

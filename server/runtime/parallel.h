@@ -1,5 +1,4 @@
-// Loops that the threads of the caller's oneTBB arena share, and the processor time that helping
-// threads spend.
+// Loops on the threads of the caller's oneTBB arena, and the processor time of helping threads.
 #pragma once
 
 #include <tbb/blocked_range.h>
@@ -55,7 +54,7 @@ class CpuMeter {
 /// Calls `f(begin, end)` on chunks of [0, n), in any order and on any thread of the caller's arena.
 /// Chunks are at most `grain` long and start at multiples of `grain`.  Skips chunks that have not
 /// started when `stop` is requested.  A chunk should take 0.1 to 5 ms, so that threads can move to
-/// more urgent work between chunks.  Waiting threads do no other task's work.
+/// more urgent work between chunks.  Waiting threads do not run other tasks.
 template <typename F>
 void parallel_chunks(std::size_t n, std::size_t grain, const std::stop_token& stop, F&& f) {
   if (n <= grain) {

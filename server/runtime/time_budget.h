@@ -1,4 +1,4 @@
-// As many samples as fit into a time.
+// Takes as many samples as fit into a given time.
 #pragma once
 
 #include <algorithm>
@@ -37,17 +37,17 @@ class StopAt {
 
 /// Calls `run(n, stop)` for larger and larger n until `budget_s` is over, and returns the last
 /// answer and its n.  `run` takes n new samples and returns their answer, or nothing if it was
-/// stopped. The clock chooses n before the samples are taken, so the estimate stays unbiased.  The
-/// first answer, of one sample, is always completed.  Nothing if `stop` was requested. `round`
+/// stopped.  n is chosen by the clock before the samples are taken, so the estimate stays unbiased.
+/// The first answer, of one sample, is always completed.  Nothing if `stop` was requested. `round`
 /// rounds a count down to an allowed one; 1 is always allowed.
 template <typename Run, typename Round = std::identity>
 auto within_time(double budget_s, std::uint32_t most, const std::stop_token& stop, Run&& run,
                  Round&& round = {}) -> decltype(std::pair(run(1U, stop), 1U)) {
-  // A part of the rest of the budget stays in reserve.
+  // The rest of the budget is a reserve.
   constexpr double kPlanned = 0.9;
-  // The time of a short run predicts that of a long one badly.
+  // The time of a short run does not predict the time of a long one well.
   constexpr double kMostGrowth = 16;
-  // 30 years: more would overflow the clock.
+  // 30 years; a longer time would overflow the clock.
   constexpr double kForEver = 1e9;
   using Clock = StopAt::Clock;
   const auto begin = Clock::now();

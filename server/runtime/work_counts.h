@@ -8,9 +8,9 @@ namespace lucerna {
 struct WorkCounts {
   std::uint64_t samples = 0;
   std::uint64_t camera_rays = 0;
-  std::uint64_t indirect_rays = 0;  ///< rays that look for the next surface of a path
+  std::uint64_t indirect_rays = 0;  ///< rays that find the next surface of a path
   std::uint64_t shadow_rays = 0;
-  std::uint64_t map_lookups = 0;    ///< in shadow maps, in place of shadow rays
+  std::uint64_t map_lookups = 0;    ///< in shadow maps, instead of shadow rays
   std::uint64_t map_compared = 0;   ///< look-ups that were compared with a ray
   std::uint64_t map_disagreed = 0;  ///< compared look-ups that differed from the ray
 

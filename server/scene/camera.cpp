@@ -16,7 +16,7 @@ Camera::Camera(const PerspectiveCamera& camera, const Film& film, const Vec3<dou
   step_x_ = world((high.x - low.x) / film.width, 0, 0);
   step_y_ = world(0, (low.y - high.y) / film.height, 0);
   if (camera.motion) {
-    // Relative to the camera itself, so that its path has no rounding error from a distant
+    // Relative to the camera's position, so that its path has no rounding error from a distant
     // origin.
     motion_ = std::make_shared<const Motion>(
         camera.motion->about(camera.world_from_camera.point({}), origin_m));

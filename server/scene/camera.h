@@ -23,11 +23,11 @@ class Camera {
   /// vector.  (0, 0) is the upper left corner of the picture; pixel (i, j) covers [i, i + 1)
   /// x [j, j + 1).
   ///
-  /// At the key frames of a motion it is the ray of a resting camera in that place.  At the
-  /// first key frame it has the same bits.  At others it has the same origin, and the
-  /// direction differs by at most an ulp of 1.
+  /// At a key frame of a motion, this is the ray of a camera that rests there.  At the first key
+  /// frame it has the same bits.  At others it has the same origin, and the direction differs by at
+  /// most an ulp of 1.
   Ray ray(float x, float y, double time_s = 0) const;
-  /// Positions are about the scene's origin; null where the camera rests.
+  /// Positions are about the scene's origin; null if the camera does not move.
   const Motion* motion() const { return motion_.get(); }
 
  private:

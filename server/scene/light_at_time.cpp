@@ -110,7 +110,7 @@ LightAtTime::LightAtTime(const SceneLight& light, double time_s) {
   bool takes_slack = false;
   visit(
       [&]<typename L>(const L& model) {
-        static_assert(TakesSlack<L> || !LeavesWithSlack<L>);  // Posed treats both alike
+        static_assert(TakesSlack<L> || !LeavesWithSlack<L>);  // Posed treats both in the same way
         traits_ = &kTraits<L>;
         calls_ = &kCalls<L>;
         light_ = &model;

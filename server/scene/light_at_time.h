@@ -117,9 +117,9 @@ class AnyModel {
   const void* light_;
 };
 
-/// A light of a scene at one moment, about the scene's origin.  The members are those of the
-/// models and return the same bits.  LightCalls lists what they return for models without them.
-/// Refers to the light, which must outlive it.  May be called from any thread.
+/// A light of a scene at one moment, about the scene's origin.  The members are those of the models
+/// and return the same bits.  LightCalls states what they return for models without them.  Refers
+/// to the light, which must outlive it.  May be called from any thread.
 class LightAtTime {
  public:
   LightAtTime(const SceneLight& light, double time_s);
@@ -193,8 +193,8 @@ class LightAtTime {
 /// Whether the light is a delta light.
 bool is_delta(const SceneLight& light);
 
-/// Calls `f` with the light at `time_s`.  The argument is the model itself where a sample takes
-/// less time than a call (HasPlainSamples), else a LightAtTime.
+/// Calls `f` with the light at `time_s`.  The argument is the model itself if a sample takes less
+/// time than a call (HasPlainSamples), else a LightAtTime.
 template <typename F>
 void with_fast_light(const SceneLight& light, double time_s, F&& f) {
   if (light.moving == nullptr)

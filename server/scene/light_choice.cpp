@@ -24,8 +24,8 @@ LightDistribution::LightDistribution(std::span<const double> lumens) {
     if (largest <= 0 || lumens[i] > 0) last_lit = i;
     cumulative_.push_back(running);
   }
-  // The running sum ends within rounding of 1.  The last light with power above 0 takes the
-  // rest.
+  // By rounding, the running sum may not end at exactly 1.  The last light with power above 0 gets
+  // the rest.
   for (std::size_t i = last_lit; i < cumulative_.size(); ++i) cumulative_[i] = 1;
 }
 

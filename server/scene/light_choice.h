@@ -1,4 +1,4 @@
-// Choosing a light for a sample with a probability that follows luminous power.
+// Chooses a light for a sample with a probability by luminous power.
 #pragma once
 
 #include <cstdint>
@@ -14,10 +14,10 @@ namespace lucerna {
 /// some of more than 2^24 lights without a sample.
 inline double choosing_value(const Vec2<float>& u) { return double{u.x} + double{u.y} * 0x1p-24; }
 
-/// The discrete distribution over n lights: nine tenths follow power, and one tenth is equal
-/// for all lights with power above 0.  The equal part is needed because a weak light may be the
-/// only one that a receiver sees.  Also the flux of distant and infinite lights depends on the
-/// size of the scene.  A light of power 0 is never chosen, unless all are black: then all are
+/// The discrete distribution over n lights.  Nine tenths are proportional to power, and one tenth
+/// is equal for all lights with power above 0.  The equal part is needed because a weak light may
+/// be the only one that a receiver sees.  Also, the flux of distant and infinite lights depends on
+/// the size of the scene.  A light of power 0 is never chosen.  If all lights are black, all are
 /// equally likely.
 class LightDistribution {
  public:

@@ -26,7 +26,7 @@ LightSelector::LightSelector(std::vector<Item> items) {
   const auto is_lit = [](const std::vector<double>& of) {
     return std::ranges::any_of(of, [](double v) { return v > 0; });
   };
-  // Black lights are chosen only where all are black.
+  // Black lights are chosen only if all are black.
   if (is_lit(lux) == is_lit(lumens))
     beside_share_ = lux.empty() ? 0 : lumens.empty() ? 1 : 0.5;
   else
@@ -46,11 +46,11 @@ LightChoice LightSelector::Group::choose(double u) const {
 
 const LightTree& LightSelector::tree() const {
   return tree_.get(
-      // `create` cannot fail: it refuses only numbers that no light of a scene has.
+      // `create` cannot fail here: the numbers of a scene's lights are always valid.
       [this] { return std::make_unique<const LightTree>(LightTree::create(items_).value()); },
       [this](const LightTree&) {
         return items_.size() < kTreeFrom
-                   ? fmt::format("{} local lights, and a query that named it", items_.size())
+                   ? fmt::format("{} local lights, and a query that selected it", items_.size())
                    : fmt::format("{} local lights, {} or more", items_.size(), kTreeFrom);
       });
 }

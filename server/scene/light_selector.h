@@ -16,13 +16,13 @@ namespace lucerna {
 
 /// Local lights are chosen by flux or by the light tree; the query chooses which.
 ///
-/// Infinite, distant, sun, portal and beam lights do not fall off with distance, so they fit
-/// neither method.  The flux of most of them passes through the scene's sphere, which one far
-/// object may enlarge at will.  They are chosen among themselves by their illuminance.  A scene
-/// with lights of both kinds gives half of the choices to each kind.
+/// Infinite, distant, sun, portal and beam lights do not fall off with distance, so they do not fit
+/// either method.  For most of them, the flux is that through the scene's sphere, which one distant
+/// object may enlarge.  They are chosen among themselves by their illuminance.  A scene with lights
+/// of both kinds gives half of the choices to each kind.
 ///
-/// The tree is built with the scene where it has enough lights for the tree to be better.
-/// Otherwise it is built when a query names it.  May be called from any thread.
+/// The tree is built with the scene if there are so many lights that the tree is better. Otherwise
+/// it is built when a query selects it.  May be called from any thread.
 class LightSelector {
  public:
   /// The properties of a light that the choice depends on.
@@ -34,13 +34,13 @@ class LightSelector {
     std::optional<LightBounds<double>> bounds;
   };
 
-  /// With so many local lights the tree is the default.
+  /// With at least this many local lights, the tree is the default.
   static constexpr std::size_t kTreeFrom = 9;
 
   explicit LightSelector(std::vector<Item> items);
 
-  /// A light for `u` in [0, 1).  `u` needs enough bits for the number of lights: 24 bits
-  /// reach 2^24. Nothing where none of the lights that remain for `u` can reach the receiver.
+  /// A light for `u` in [0, 1).  `u` needs enough bits for the number of lights: 24 bits reach
+  /// 2^24. Nothing if none of the lights that remain for `u` can reach the receiver.
   /// The probability of that is 1 minus the sum of all lights' probabilities.  `how` is not
   /// kAll.
   std::optional<LightChoice> choose(LightSelection how, const Receiver<double>& receiver,

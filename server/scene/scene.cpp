@@ -16,7 +16,7 @@ namespace lucerna {
 std::string scene_id(const std::vector<Asset>& assets) {
   std::string text;
   for (const Asset& a : assets) {
-    // Lengths come first, so that no two lists of assets give the same bytes.
+    // Lengths come first, so that different lists of assets give different bytes.
     text += fmt::format("{}:{}{}:", a.name.size(), a.name, a.sha256.size());
     text += a.sha256;
   }
@@ -41,9 +41,10 @@ absl::StatusOr<std::shared_ptr<const Scene>> Scene::Builder::build(const std::st
 absl::Status Scene::Builder::check_references() const {
   const auto check = [&](const ShapeDescription& s) -> absl::Status {
     if (s.material < in_.materials.size()) return absl::OkStatus();
-    return located(absl::InvalidArgumentError(fmt::format("material number {}, allowed below {}",
-                                                          s.material, in_.materials.size())),
-                   s.where);
+    return located(
+        absl::InvalidArgumentError(fmt::format("material number {}, allowed: less than {}",
+                                               s.material, in_.materials.size())),
+        s.where);
   };
   for (const auto& s : in_.shapes) LUCERNA_RETURN_IF_ERROR(check(s));
   for (const auto& o : in_.objects)
@@ -51,7 +52,7 @@ absl::Status Scene::Builder::check_references() const {
   for (const auto& i : in_.instances)
     if (i.object >= in_.objects.size())
       return absl::InvalidArgumentError(
-          fmt::format("object number {}, allowed below {}", i.object, in_.objects.size()));
+          fmt::format("object number {}, allowed: less than {}", i.object, in_.objects.size()));
   return absl::OkStatus();
 }
 
@@ -88,7 +89,7 @@ std::vector<ScenePart> Scene::parts() const {
   attached_.for_each([&](const AttachedPart& attached) {
     if (auto part = attached.report()) all.push_back(*std::move(part));
   });
-  // Sorted by name, so that the order of first uses does not show.
+  // Sorted by name, so that the order does not depend on the order of first uses.
   std::sort(all.begin() + attached_from, all.end(),
             [](const ScenePart& a, const ScenePart& b) { return a.name > b.name; });
   return all;
@@ -109,7 +110,7 @@ const LightSelector& Scene::area_selector() const {
         made->build_tree_if_used();
         return std::unique_ptr<const LightSelector>(std::move(made));
       },
-      [](const LightSelector&) { return "a query sampled the lights that are not delta lights"; });
+      [](const LightSelector&) { return "a query sampled lights other than delta lights"; });
 }
 
 std::string Scene::isa() const { return accelerator_->isa(); }

@@ -1,4 +1,4 @@
-// A scene as queries see it: immutable, and reduced to what queries need.
+// A scene for queries: immutable, with only the data that queries need.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -27,11 +27,11 @@ namespace lucerna {
 struct LightMotion {
   Motion motion;          ///< from its own coordinates at its first key frame to the scene's
   Vec3<double> origin_m;  ///< world position of the zero of its own coordinates
-  /// Largest coordinate of a surface about its own zero [m].  Rays find such a surface only
-  /// to the rounding of floats of that size.  0 for lights without a surface.
+  /// Largest coordinate of the light's surface about its own zero [m].  Rays find the surface only
+  /// to the rounding of floats of this size.  0 for lights without a surface.
   float reach_m = 0;
-  /// Set for lights with a direction and no place.  They use the rotations of `motion` but
-  /// not the shifts, which are as long as the scene is far from the centre of rotation.
+  /// Set for lights with a direction and no place.  They use the rotations of `motion` but not the
+  /// shifts, whose length depends on the distance from the centre of rotation.
   bool only_turns = false;
 
   Pose at(double time_s) const {
@@ -45,10 +45,10 @@ struct LightMotion {
 struct SceneLight {
   std::uint64_t id;     ///< stable, from 1, never reused
   Light<double> light;  ///< about the scene's origin; about its own if it moves
-  std::unique_ptr<const LightMotion> moving;  ///< null if it rests
+  std::unique_ptr<const LightMotion> moving;  ///< null if it does not move
   std::uint32_t samples = 1;  ///< points of each sample on it; the default of queries
-  // Source location of the light, as in SourceLocation; the file is an index into the scene's
-  // files.
+  // Place of the light in the scene files, as in SourceLocation; the file is an index into the
+  // scene's files.
   std::uint32_t file = 0;
   int line = 0, column = 0;
 
@@ -81,11 +81,10 @@ class Scene {
 
   /// scene_id() of all files read.
   const std::string& id() const { return id_; }
-  /// World position of the zero of scene coordinates [m].  A multiple of a power of two that
-  /// is at least the scene's extent.  So scenes near their own zero keep their coordinates
-  /// unchanged.
+  /// World position of the zero of scene coordinates [m].  It is a multiple of a power of two that
+  /// is at least the scene's extent.  So scenes near zero keep their coordinates unchanged.
   const Vec3<double>& origin() const { return origin_; }
-  /// Contains geometry and local lights; radius 0 where there are none.
+  /// Contains geometry and local lights; radius 0 if there are none.
   const SceneSphere& sphere() const { return sphere_; }
 
   std::span<const SceneLight> lights() const { return lights_; }
@@ -101,7 +100,7 @@ class Scene {
     const auto number = spectrum_number(light);
     return number ? spectra_[*number].get() : nullptr;
   }
-  /// Its number among the spectra of the scene.  Equal spectra are stored once.
+  /// The number of its spectrum among those of the scene.  Equal spectra are stored once.
   std::optional<std::uint32_t> spectrum_number(std::uint32_t light) const {
     if (light_spectra_.empty() || light_spectra_[light] < 0) return std::nullopt;
     return static_cast<std::uint32_t>(light_spectra_[light]);
@@ -111,13 +110,13 @@ class Scene {
   std::optional<std::uint32_t> find_light(std::uint64_t id) const;
   /// Indices of the lights that rays meet when they leave the scene.
   std::span<const std::uint32_t> infinite_lights() const { return infinite_lights_; }
-  /// Requires two lights or more.
+  /// The selector of all lights.  Requires two lights or more.
   const LightSelector& light_selector() const { return *light_selector_; }
   /// The selector of all lights except delta lights.  Made at its first use.
   const LightSelector& area_selector() const;
   /// Whether a light, a shape, an instance or the camera moves: pictures then depend on time.
   bool moves() const { return moves_; }
-  /// Whether some light is not a delta light, so that rays may find it.
+  /// Whether a light is not a delta light, so that rays may find it.
   bool has_visible_lights() const { return has_visible_lights_; }
   /// Whether there is nothing to hit.
   bool empty() const { return accelerator_->empty(); }
@@ -130,7 +129,7 @@ class Scene {
   std::vector<ScenePart> parts() const;
   /// Memory of all parts.
   std::uint64_t bytes() const;
-  /// Shapes in memory.  Those of an object count once, however many instances it has.
+  /// Shapes in memory.  Those of an object count once, for any number of instances.
   std::uint64_t shape_count() const;
   /// Primitives in memory: triangles, patches, spheres, disks and cylinders.
   std::uint64_t primitive_count() const;
@@ -138,7 +137,7 @@ class Scene {
 
   std::optional<SurfaceHit> closest_hit(const Ray& ray) const;
   const Accelerator& accelerator() const { return *accelerator_; }
-  /// Of the scene's own geometry.
+  /// Shading data of the scene's own geometry.
   const SurfaceTable& surfaces() const { return surfaces_; }
   bool occluded(const Ray& ray) const { return accelerator_->occluded(ray); }
   void occluded(std::span<const Ray> rays, std::span<std::uint8_t> bits) const {
@@ -162,7 +161,7 @@ class Scene {
   std::vector<SceneLight> lights_;
   std::vector<std::string> files_;  // the files of the lights' source locations
   std::vector<std::uint32_t> infinite_lights_;
-  // Both empty where no light has a spectrum.
+  // Both are empty if no light has a spectrum.
   std::vector<std::shared_ptr<const Spectrum>> spectra_;
   std::vector<std::int32_t> light_spectra_;  // of each light, into spectra_; -1: RGB
   std::vector<DiffuseMaterial> materials_;
@@ -186,7 +185,7 @@ class Scene {
 std::string scene_id(const std::vector<Asset>& assets);
 
 /// Chooses a light for a receiver (LightSelector).  The probability is not part of any density.
-/// `u` in [0, 1).  Nothing where none of the lights that remain for `u` reaches the receiver.
+/// `u` in [0, 1).  Nothing if none of the lights that remain for `u` reaches the receiver.
 /// Requires at least one light.
 std::optional<LightChoice> choose_light(const Scene& scene, LightSelection how,
                                         const Receiver<double>& receiver, double u);

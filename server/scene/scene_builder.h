@@ -27,17 +27,17 @@ class Scene::Builder {
  private:
   absl::Status check_references() const;
 
-  /// Computes bounds, origins and the scene's sphere.  Errors: shapes without bounds, motion
-  /// beyond the range of rays.
+  /// Computes bounds, origins and the scene's sphere.  Errors: shapes without bounds, motion out of
+  /// the range of rays.
   absl::Status place();
 
   absl::Status build_lights();
-  /// `moving`: null if the light rests; completed from the light.
+  /// `moving`: null if the light does not move; its reach is set from the light.
   absl::Status add_light(absl::StatusOr<Light<double>> light, const SourceLocation& where,
                          std::uint32_t samples, std::unique_ptr<LightMotion> moving);
   /// The index of a file among the files of lights' source locations.
   std::uint32_t file_number(const std::string& file);
-  /// Spectra are stored beside the lights, so that scenes with RGB lights only store nothing.
+  /// Stores spectra separately from the lights, so that scenes with only RGB lights store nothing.
   void keep_spectra();
   void report_shared_by_lights(const Stopwatch& watch);
   absl::Status prepare_choice();
@@ -65,7 +65,7 @@ class Scene::Builder {
   std::unordered_map<std::string, std::uint32_t> file_numbers_;
   std::vector<Vec3<double>> object_origins_;
   std::vector<Vec3<double>> moving_origins_;  ///< of each moving shape
-  std::uint64_t read_by_embree_ = 0;  ///< bytes of geometry that Embree reads and counts too
+  std::uint64_t read_by_embree_ = 0;  ///< bytes of geometry that Embree reads and also counts
 };
 
 }  // namespace lucerna

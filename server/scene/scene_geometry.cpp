@@ -133,8 +133,7 @@ void Scene::Builder::report_geometry(const GeometrySet& set,
       read_by_embree_ += bytes[i];
     }
   if (surface_bytes > 0)
-    part("surfaces", surface_bytes, watch,
-         "materials' numbers, shading normals and lights of what is hit");
+    part("surfaces", surface_bytes, watch, "materials, shading normals and lights of surfaces");
   if (!scene_->materials_.empty())
     part("materials", scene_->materials_.capacity() * sizeof(DiffuseMaterial), watch,
          fmt::format("{} diffuse reflectances", scene_->materials_.size()));

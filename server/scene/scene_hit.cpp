@@ -1,4 +1,4 @@
-// Computes a surface point, with all that shading needs, from a hit of Embree.  Embree returns
+// Computes a surface point, with all data for shading, from a hit of Embree.  Embree returns
 // floats; the point is computed again in double from the primitive.
 #include <algorithm>
 #include <cmath>
@@ -31,8 +31,8 @@ LocalHit triangle_hit(const GeometrySet& set, const SurfaceTable& table, const R
   hit.position = a + from_a;
   const Vector n = cross(ab, ac);
   hit.ng = normalized(n);
-  // Embree takes the cross product of two edges, the shorter ones where terms would cancel.
-  // In a needle the error of n is that of their product.  Beyond a factor of 16 floats do not
+  // Embree takes the cross product of two edges, the shorter ones if terms would cancel.
+  // In a needle, the error of n is that of their product.  Above a factor of 16, floats do not
   // define the plane of the triangle anyway.
   const double ab2 = dot(ab, ab), ac2 = dot(ac, ac), bc2 = dot(bc, bc);
   const double longest2 = std::max({ab2, ac2, bc2});
@@ -130,7 +130,7 @@ std::optional<SurfaceHit> Scene::closest_hit(const Ray& ray) const {
   hit.t = raw->t;
   hit.time_s = ray.time_s;
   hit.position = local.position;
-  // The rounding of the position at the start of rays, and the rounding error of doubles.
+  // Adds the rounding of the position at the start of rays, and the rounding error of doubles.
   error += absolute(local.position) * (kFloatRoundoff * (1 + 1e-6));
   error += Vector{kLeastError, kLeastError, kLeastError};
   // Rounded up, so that it stays a bound.

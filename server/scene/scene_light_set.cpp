@@ -1,4 +1,4 @@
-// The lights of a scene: their storage, what they share, and how one is chosen.
+// The lights of a scene: their storage, their shared data, and the choice of a light.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -89,7 +89,7 @@ absl::Status Scene::Builder::build_lights() {
     std::unique_ptr<LightMotion> moving;
     if (l.motion) {
       const std::optional<Vec3<double>> anchor = place_of(l).anchor_m;
-      // About itself: its coordinates are then exact wherever it moves to.
+      // Relative to its own anchor: its coordinates are then exact for every motion.
       if (anchor) origin = *anchor;
       moving = light_motion(*l.motion, origin);
       moving->only_turns = !anchor;
@@ -130,8 +130,8 @@ absl::Status Scene::Builder::build_lights() {
 
 namespace {
 
-/// Data that lights share, each once.  One overload for each kind, so a new kind does not compile
-/// until it is counted.
+/// Data that lights share, each object once.  There is one overload for each kind, so a new kind
+/// does not compile until it is counted.
 struct SharedByLights {
   std::set<const Image*> images;
   std::set<const PhotometricWeb*> webs;
@@ -163,7 +163,7 @@ void Scene::Builder::report_shared_by_lights(const Stopwatch& watch) {
 
 namespace {
 
-/// Where the light may be and shine to, at any time; nothing at infinity.
+/// Bounds of the light's place and directions over all time; nothing for lights at infinity.
 std::optional<LightBounds<double>> bounds_of(const SceneLight& light) {
   auto bounds = visit([](const auto& l) { return l.bounds(); }, light.light);
   if (!bounds || light.moving == nullptr) return bounds;
@@ -185,8 +185,7 @@ std::vector<LightSelector::Item> selector_items(const Scene& scene, bool areas_a
     const LightAtTime at_start(l, -std::numeric_limits<double>::infinity());
     if (areas_alone && at_start.is_delta()) continue;
     const Power power = at_start.power(sphere);
-    // The largest channel and not the luminance, because a light of one channel makes noise
-    // too.
+    // The largest channel and not the luminance: a light of one channel also causes noise.
     const double lumens = std::fmin(power.lumens.max_component(), 1e300);
     const std::optional<double> section_m2 =
         visit([&](const auto& m) { return m.cross_section_m2(sphere); }, l.light);

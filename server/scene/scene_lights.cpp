@@ -11,7 +11,7 @@ namespace lucerna {
 
 namespace {
 
-/// The model of the closed set that is made from `Params`.
+/// The light model that is made from `Params`.
 template <typename Params, typename Lights>
 struct ModelOf;
 template <typename Params, typename L, typename... Rest>
@@ -34,7 +34,7 @@ LightPlace place_of(const LightDescription& light) {
 
 namespace {
 
-/// OK where the light's places about the scene's origin fit floats, which answers use.
+/// OK if the light's positions about the scene's origin fit floats, which answers use.
 absl::Status check_place(const std::optional<Box>& box, const Vec3<double>& origin) {
   if (!box) return absl::OkStatus();
   for (const Vec3<double>& corner : {box->first, box->second})

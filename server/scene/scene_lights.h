@@ -1,4 +1,4 @@
-// Makes lights, about the scene's origin, from their descriptions.
+// Makes lights from their descriptions, relative to the scene's origin.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -29,7 +29,7 @@ absl::StatusOr<Light<double>> create_light(const LightDescription& light,
 absl::StatusOr<Light<double>> create_area_light(const ShapeDescription& shape,
                                                 const Vec3<double>& origin);
 
-/// How many primitives its surface has; 1 where it has none.
+/// The number of primitives of its surface; 1 if it has no surface.
 std::uint64_t primitive_count(const Light<double>& light);
 
 /// All lights, or all except delta lights, as items of a selector.

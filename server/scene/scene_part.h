@@ -43,9 +43,8 @@ class AttachedPart {
   virtual std::uint64_t bytes() const = 0;
 };
 
-/// The attached parts of one scene, at most one of each type.  They form a list, because there
-/// are few: finding a part takes one comparison for each.  All members may be called from any
-/// thread.
+/// The attached parts of one scene, at most one of each type.  They form a list, because there are
+/// few; finding a part takes one comparison for each.  All members may be called from any thread.
 class AttachedParts {
  public:
   AttachedParts() = default;
@@ -106,13 +105,12 @@ class LazyPart {
  public:
   explicit LazyPart(std::string name) : name_(std::move(name)) {}
 
-  /// Returns the part.  At the first call `make()` returns it as std::unique_ptr<const T>,
-  /// and `why(part)` is its reason.  Where `make` throws, nothing is kept, and the next call
-  /// makes it again.
+  /// Returns the part.  At the first call `make()` returns it as std::unique_ptr<const T>, and
+  /// `why(part)` is its reason.  If `make` throws, nothing is kept, and the next call tries again.
   ///
-  /// `make` may use the threads of the caller's arena only through parallel_chunks.  There a
-  /// waiting thread takes no work from outside of the loop.  Such work might need this very
-  /// part and wait for itself.
+  /// `make` may use the threads of the caller's arena only through parallel_chunks.  There, a
+  /// waiting thread takes no work from outside of the loop.  Such work might need this part and
+  /// cause a deadlock.
   template <typename Make, typename Why>
   const T& get(const Make& make, const Why& why) const {
     if (const T* made = made_.load(std::memory_order_acquire)) return *made;

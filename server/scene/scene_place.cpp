@@ -10,7 +10,8 @@
 namespace lucerna {
 namespace {
 
-// Rounded to a multiple of the smallest power of two that is not below the extent.
+// The origin: the centre rounded to a multiple of the smallest power of two that is not below the
+// extent.
 Vec3<double> origin_for(const Bounds& bounds) {
   if (bounds.empty()) return {};
   const double extent = max_abs(bounds.upper - bounds.lower);
@@ -29,10 +30,9 @@ absl::Status check_extent(const Bounds& bounds, const SourceLocation& where) {
   if (bounds.empty()) return absl::OkStatus();
   const double extent = max_abs(bounds.upper - bounds.lower);
   if (extent == 0 || extent >= kLeastExtent) return absl::OkStatus();
-  return located(absl::InvalidArgumentError(
-                     fmt::format("this shape and the others reach over {:g} m, allowed: 0, or from "
-                                 "{:g} on",
-                                 extent, kLeastExtent)),
+  return located(absl::InvalidArgumentError(fmt::format(
+                     "all shapes together reach over {:g} m, allowed: 0, or at least {:g}", extent,
+                     kLeastExtent)),
                  where);
 }
 
@@ -53,7 +53,7 @@ absl::Status Scene::Builder::place() {
     const double reach = std::fmax(max_abs(lower), max_abs(upper));
     if (!(reach <= Accelerator::kMaxCoordinate))
       return located(absl::InvalidArgumentError(fmt::format(
-                         "motion reaching to {} m, allowed are coordinates up to 1e30", reach)),
+                         "motion reaching to {} m, allowed: coordinates up to 1e30", reach)),
                      where);
     swept.add(lower), swept.add(upper);
     return absl::OkStatus();
@@ -90,7 +90,7 @@ absl::Status Scene::Builder::place() {
         in_.shapes.empty() ? in_.instances.front().where : in_.shapes.front().where;
     LUCERNA_RETURN_IF_ERROR(check_extent(world, first));
   }
-  // A distant light must not coarsen the geometry, so the origin is that of the geometry if
+  // A distant light must not make the geometry less exact, so the origin is that of the geometry if
   // there is any.
   Bounds with_lights = world, portals;
   const auto hold = [&](const LightDescription& light, const std::optional<Box>& box,

@@ -11,8 +11,8 @@ namespace {
 
 using Vector = Vec3<double>;
 
-/// The convex hull of points in a plane of unit normal `n`, in order.  A rectangle around it
-/// where the hull has too many corners.  [Andrew79]
+/// The convex hull of points in a plane of unit normal `n`, in order.  A rectangle around it if the
+/// hull has too many corners.  [Andrew79]
 std::vector<Vector> hull(const std::vector<Vector>& points, const Vector& n) {
   const auto frame = Frame<double>::around(n);
   struct Point {
@@ -119,7 +119,7 @@ LightOutline outline_of(const SceneLight& light) {
   return visit(
       []<typename L>(const L& l) -> LightOutline {
         if constexpr (HasIrradiance<L>) {
-          // A light without a closed form at one place has none anywhere.
+          // A light without a closed form at one place has none at any place.
           Receiver<double> anywhere(0x1p40, 0x1p41, 0x1p42);
           anywhere.normal = {0, 0, 1};
           if (!l.hides_itself() && l.irradiance(anywhere)) return of_light(l);

@@ -32,8 +32,8 @@ struct LightOutline {
   double radius = 0, half_angle_rad = 0;
 };
 
-/// The outline of a resting light whose irradiance has a closed form
-/// (lights/models/irradiance.h) and that hides no part of itself; otherwise kNone.
+/// The outline of a light that does not move, has irradiance in closed form
+/// (lights/models/irradiance.h) and does not hide parts of itself; otherwise kNone.
 LightOutline outline_of(const SceneLight& light);
 
 /// A regular polygon around a circle or an ellipse with centre `center` and half-axes `x` and

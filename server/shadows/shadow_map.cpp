@@ -13,16 +13,16 @@
 namespace lucerna {
 namespace {
 
-/// Wider cones use a cube.  In a square that contains a cone of this angle, texels at the
-/// centre are 3 times as wide as those at the corners.
+/// Wider cones use a cube.  In a square around a cone of this angle, texels at the centre are 3
+/// times as wide as those at the corners.
 constexpr double kWidestCone = std::numbers::pi / 3;
 /// A square is slightly wider than its cone, so that no light falls on its edge.
 constexpr double kMargin = 1 + 0x1p-10;
 
 /// The least distance of an obstacle in front of the surface that it shadows, in widths of a
 /// texel there.  A texel has the depth at its centre, up to 0.71 widths away from the look-up.
-/// The effect on a plane is computed exactly.  So this bias is for edges between faces and for
-/// curves that rise by 55 degrees or less over that distance.
+/// The effect on a plane is computed exactly.  So this bias is only for edges between faces, and
+/// for curves that rise by 55 degrees or less over this distance.
 constexpr double kBiasTexels = 1;
 /// The same without the surface's normal: the rise over one texel of a plane that the light
 /// meets at 76 degrees from its normal.
@@ -88,7 +88,7 @@ ShadowMap::ShadowMap(const Scene& scene, const ShadowMapView& view, std::uint32_
         ray.origin = Vec3<float>(view.from + across - f.forward * view.half);
         ray.direction = Vec3<float>(f.forward);
       } else {
-        // A step of 1 along `forward`, so that t is the depth.
+        // The direction has a step of 1 along `forward`, so that t is the depth.
         ray.origin = Vec3<float>(view.from);
         ray.direction = Vec3<float>(f.forward + across);
       }
@@ -112,10 +112,10 @@ std::optional<bool> ShadowMap::is_occluded(const Vec3<double>& position,
                                            const Vec3<double>& normal) const {
   const Vec3<double> w = position - view_.from;
   const bool has_normal = normal != Vec3<double>{};
-  // `plane`: the depth at which the ray of the texel meets the plane of the surface.  The map
-  // has this depth where the surface is a plane without obstacles.  Where it is farther away
-  // than the receiver, or the ray is parallel to the plane, obstacles in front of the receiver
-  // count.  [Isidoro06]
+  // `plane`: the depth at which the ray of the texel meets the plane of the surface.  The map has
+  // this depth if the surface is a plane without obstacles.  If it is farther away than the
+  // receiver, or the ray is parallel to the plane, obstacles in front of the receiver count.
+  // [Isidoro06]
   const auto before = [&](double map, double depth, double plane, double texel_m) {
     const double texels = has_normal ? kBiasTexels : kBiasTexelsWithoutNormal;
     return map <
@@ -146,7 +146,7 @@ std::optional<bool> ShadowMap::is_occluded(const Vec3<double>& position,
   if (!at) return std::nullopt;
   const Vec3<double> ray = f.forward + f.right * (at->x * view_.half) + f.up * (at->y * view_.half);
   const double facing = dot(normal, ray);
-  // Below 0 where the ray of the texel lies beyond the plane's horizon.
+  // Below 0 if the ray of the texel does not meet the plane.
   const double plane = facing != 0 ? dot(normal, w) / facing : depth;
   return before(depths_[at->number], depth, plane > 0 ? plane : depth,
                 2 * view_.half / side_ * depth);

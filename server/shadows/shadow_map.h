@@ -40,9 +40,8 @@ class ShadowMap {
   /// caller's arena.
   ShadowMap(const Scene& scene, const ShadowMapView& view, std::uint32_t side);
 
-  /// Whether the map has an obstacle between the light and `position`.  `normal`: of the
-  /// surface there, or zero without a surface.  Nothing where `position` is outside of the
-  /// image planes.
+  /// Whether the map has an obstacle between the light and `position`.  `normal`: of the surface
+  /// there, or zero without a surface.  Nothing if `position` is outside of the image planes.
   std::optional<bool> is_occluded(const Vec3<double>& position, const Vec3<double>& normal) const;
 
   std::uint64_t bytes() const { return sizeof *this + depths_.capacity() * sizeof depths_[0]; }
@@ -58,7 +57,7 @@ class ShadowMap {
   ShadowMapView view_;
   std::uint32_t side_;
   double rounding_m_;  // error of rays near the light
-  // Along `forward`, face by face, row by row [m]; infinite where nothing is hit.
+  // Along `forward`, face by face, row by row [m]; infinite if nothing is hit.
   std::vector<float> depths_;
 };
 

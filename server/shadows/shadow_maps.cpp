@@ -21,7 +21,7 @@ bool has_moving_surfaces(const Accelerator& accelerator) {
 }  // namespace
 
 ShadowMaps::ShadowMaps(const Scene& scene) : scene_(scene), number_(scene.lights().size(), -1) {
-  // Rays without anything to hit cost nothing.
+  // In an empty scene, rays cost nothing.
   if (scene.empty() || has_moving_surfaces(scene.accelerator())) return;
   std::uint64_t faces = 0;
   for (std::size_t l = 0; l < number_.size(); ++l) {
@@ -47,7 +47,7 @@ const ShadowMap* ShadowMaps::map(std::uint32_t light) const {
   if (number_[light] < 0) return nullptr;
   const auto i = static_cast<std::size_t>(number_[light]);
   return &maps_[i].get([&] { return std::make_unique<const ShadowMap>(scene_, views_[i], side_); },
-                       [](const ShadowMap&) { return "a query looked its light up"; });
+                       [](const ShadowMap&) { return "a query looked up this light"; });
 }
 
 double ShadowMaps::seconds_left() const {

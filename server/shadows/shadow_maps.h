@@ -12,17 +12,17 @@
 
 namespace lucerna {
 
-/// Resting lights at a point and resting distant lights have maps, in scenes without moving
-/// surfaces. All members may be called from any thread.
+/// Lights at a point and distant lights have maps, if neither they nor any surfaces move. All
+/// members may be called from any thread.
 class ShadowMaps : public AttachedPart {
  public:
-  /// Limit for the texels of all maps: 128 MiB.  They take 14 to 17 s of one core on the
+  /// Limit for the texels of all maps: 128 MiB.  Making them takes 14 to 17 s of one core on the
   /// scenes of scenes/.
   static constexpr std::uint64_t kMostTexels = std::uint64_t{1} << 25;
   /// Limit for the texels along a side of a face.  A texel is then 0.09 degrees wide, or 1.5
   /// cm at 10 m.  Errors of shadow edges become visible at about that size.
   static constexpr std::uint32_t kLargestSide = 1024;
-  /// Least number of texels along a side, 6 degrees each.  With more lights than that allows,
+  /// Least number of texels along a side, 6 degrees each.  If there are too many lights for this,
   /// no light has a map.
   static constexpr std::uint32_t kLeastSide = 16;
 

@@ -48,7 +48,7 @@ struct Clipped {
 
 /// [Sutherland74]
 void clip(Clipped& polygon, const HalfSpace& h) {
-  // An uncut polygon is larger, never smaller.
+  // An uncut polygon is larger, which is safe.
   if (polygon.count > Clipped::kMostCorners * 2 / 3) return;
   std::array<double, Clipped::kMostCorners> beyond;
   bool is_cut = false;
@@ -68,7 +68,7 @@ void clip(Clipped& polygon, const HalfSpace& h) {
   polygon = kept;
 }
 
-/// Whether all that is left is so low above the horizon, and so far away, that no ray passes
+/// Whether the rest of the polygon is so low above the horizon, and so far away, that no ray passes
 /// it.
 bool is_level(const Clipped& polygon, const ShaftRegion& shaft,
               const Transform* scene_from_object) {
@@ -132,8 +132,8 @@ class SetBoxes {
                  const Transform* scene_from_object) const {
     const std::uint32_t i = item.primitive;
     if (item.kind != HitKind::kTriangle) {
-      // Shapes that are not clipped are outside of the shaft only by one plane, or by the shaft's
-      // box, which does not exist in an object's space.
+      // Shapes that are not clipped are tested with single planes, and with the shaft's box, which
+      // does not exist in an object's space.
       return set_.visit_surface(item.kind, i, [&](const auto& surface) {
         if (scene_from_object == nullptr && !shaft.box.empty()) {
           const auto [lower, upper] = surface.bounds();

@@ -1,5 +1,5 @@
-// Tests without rays whether nothing is between a receiver and all of a light.  If so, the
-// light's irradiance in closed form (lights/models/irradiance.h) is all that arrives.
+// Tests without rays whether nothing is between a receiver and all of a light.  If so, exactly the
+// light's irradiance in closed form (lights/models/irradiance.h) arrives.
 //
 // A shaft contains all shadow rays from the receiver to the light.  It is the pyramid from the
 // receiver to the outline of the light, cut off by the receiver's horizon and by the light.  The
@@ -36,14 +36,15 @@ class Shafts {
   /// Surfaces of the receiver and of the light count as for shadow rays: not within the
   /// errors of their positions (server/rays/error_bounds.h).
   ///
-  /// Also false where the answer is unknown: for lights without an outline (has_outline), for
-  /// surfaces that move, and for a receiver in the light's plane or inside of a sphere light.
-  /// Also where the shading normal differs from the geometric normal and the horizon cuts the
+  /// Also false if the answer is unknown.  It is unknown for lights without an outline
+  /// (has_outline), for surfaces that move, and for a receiver in the light's plane or inside a
+  /// sphere light.
+  /// Also false if the shading normal differs from the geometric normal and the horizon cuts the
   /// light.
   bool is_empty(const SurfaceHit& receiver, const Vec3<float>& normal, std::uint32_t light) const;
 
-  /// Whether the light with this index rests and has an outline: a flat one, a whole sphere,
-  /// a sun, a portal or the whole sky.
+  /// Whether the light with this index does not move and has an outline: a flat one, a whole
+  /// sphere, a sun, a portal or the whole sky.
   bool has_outline(std::uint32_t light) const;
 
   std::size_t bytes() const;

@@ -34,7 +34,7 @@ void add_sides(std::span<const Vector> corners, double slack, ShaftRegion& shaft
     const Vector m =
         cross(normalized(a - shaft.apex), normalized(corners[(i + 1) % corners.size()] - a));
     const double sine = length(m);
-    // An edge towards the receiver defines no plane; without it the shaft is wider.
+    // An edge towards the receiver does not define a plane.  Without it, the shaft is wider.
     if (!(sine > 1e-6)) continue;
     const Vector n = m * ((dot(m, middle) > 0 ? -1 : 1) / sine);
     shaft.add(n, dot(n, shaft.apex) + slack, true);
@@ -106,7 +106,7 @@ bool add_sphere(const LightOutline& light, ShaftRegion& shaft) {
   shaft.largest_m = std::fmax(max_abs(shaft.apex), max_abs(light.center) + r);
   const double slack = slack_for(shaft.largest_m);
   if (!(d - r > slack)) return false;
-  // The circle in which the cone from the receiver touches the sphere: no ray ends beyond it.
+  // The circle in which the cone from the receiver touches the sphere.  No ray ends behind it.
   const Vector axis = to_center / d;
   const double along = (d - r) / d * (d + r), radius = r * std::sqrt((d - r) / d * (d + r) / d);
   const auto frame = Frame<double>::around(axis);
@@ -124,7 +124,7 @@ bool add_sun(const LightOutline& light, const Bounds& hittable, double slack, Sh
   if (light.half_angle_rad > kWide) return true;
   const auto frame = Frame<double>::around(light.axis);
   const double t = std::tan(light.half_angle_rad + kRounded);
-  // About zero, as directions, so that the apex's coordinates do not lose digits.
+  // As directions about zero, so that the apex's coordinates do not lose digits.
   const Vector apex = std::exchange(shaft.apex, {});
   const int first = shaft.count;
   const auto directions = polygon_around(light.axis, frame.s * t, frame.t * t);
@@ -168,7 +168,7 @@ std::optional<ShaftRegion> shaft_region(const LightOutline& light, const Surface
   ShaftRegion shaft;
   shaft.normal = Vector(normal);
   shaft.up = dot(receiver.ng, Vector(normal)) < 0 ? -receiver.ng : receiver.ng;
-  // The start of shadow rays, whichever normal they use.
+  // The start of shadow rays, for either normal.
   shaft.apex = Vector(offset_origin(Vec3<float>(receiver.position), receiver.position_error,
                                     receiver.ng, shaft.up));
   if (!is_finite(shaft.apex) || shaft.up == Vector{}) return std::nullopt;
@@ -202,7 +202,7 @@ std::optional<ShaftRegion> shaft_region(const LightOutline& light, const Surface
       break;
   }
   if (!is_known) return std::nullopt;
-  // Light below only one of the two horizons would arrive by another way.
+  // Light that is below only one of the two horizons is not handled.
   if (Vec3<float>(shaft.up) != normal && !(shaft.lowest > kOff)) return std::nullopt;
   shaft.add(-shaft.up, -dot(shaft.up, shaft.apex));
   return shaft;

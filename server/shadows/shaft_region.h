@@ -38,9 +38,9 @@ struct ShaftRegion {
   }
 };
 
-/// The region of the rays from `receiver` on the side of `normal`.  `hittable`: box of
-/// everything that can be hit; empty if there is nothing.  Nothing where the region is unknown,
-/// as in Shafts::is_empty.
+/// The region of the rays from `receiver` on the side of `normal`.  `hittable`: box of everything
+/// that can be hit; empty if there is nothing.  Nothing if the region is unknown, as in
+/// Shafts::is_empty.
 std::optional<ShaftRegion> shaft_region(const LightOutline& light, const SurfaceHit& receiver,
                                         const Vec3<float>& normal, const Bounds& hittable);
 

@@ -29,7 +29,7 @@ bool same_files(const std::vector<Asset>& a, const std::vector<Asset>& b) {
   });
 }
 
-/// Differs from every path, as no path holds a zero byte.
+/// Differs from every path, since paths do not contain a zero byte.
 std::string key_of(const Manifest& manifest) {
   std::string text = manifest.main + '\0';
   for (const auto& [name, digest] : manifest.assets) text += name + '\0' + digest + '\0';
@@ -44,7 +44,7 @@ std::string new_lease_id() {
   return id;
 }
 
-/// Lets one caller at a time in for each key.
+/// Admits one caller at a time for each key.
 class Turns {
  public:
   class Turn {
@@ -81,23 +81,23 @@ class Turns {
 
 struct Entry {
   StoredScene stored;
-  std::uint64_t bytes = 0;                  // when last measured: it may have grown since
-  std::uint64_t used = 0;                   // the larger, the later
-  std::map<std::string, TimePoint> leases;  // when they end, by id
+  std::uint64_t bytes = 0;                  // when last measured; it may have grown since then
+  std::uint64_t used = 0;                   // larger: used later
+  std::map<std::string, TimePoint> leases;  // end of each lease, by id
 };
 
 absl::Status cancelled() { return absl::CancelledError("cancelled while the scene was loading"); }
 
 namespace fs = std::filesystem;
 
-/// Without a slash at its end, and without `.` and `..`.
+/// The absolute path without a slash at its end, and without `.` and `..`.
 fs::path normal(const fs::path& directory) {
   const fs::path path = fs::absolute(directory).lexically_normal();
   return path.has_filename() ? path : path.parent_path();
 }
 
-/// The path relative to `root` if it is absolute and names something beneath; else empty.
-std::string beneath(const fs::path& root, const std::string& path) {
+/// `path` relative to `root` if it is an absolute path under `root`; else empty.
+std::string path_under(const fs::path& root, const std::string& path) {
   if (!path.starts_with('/')) return {};
   const fs::path relative = fs::path(path).lexically_normal().lexically_relative(root);
   if (relative.empty() || relative == "." || *relative.begin() == "..") return {};
@@ -107,7 +107,7 @@ std::string beneath(const fs::path& root, const std::string& path) {
 absl::Status not_found(const std::string& path, const std::string& root) {
   return absl::NotFoundError(
       fmt::format("file \"{}\" does not exist under the scene root \"{}\", and no uploaded scene "
-                  "has this name; a file of another machine needs an upload (lucerna --upload)",
+                  "has this name; to use a file of another machine, upload it (lucerna --upload)",
                   path, root));
 }
 
@@ -128,7 +128,7 @@ struct SceneStore::State {
   std::uint64_t uses = 0, builds = 0;
   std::uint64_t held = 0;  // bytes of all entries, each as last measured
 
-  // All below are called with the lock held.
+  // Call the functions below with the lock held.
 
   /// When the last lease of the scene ends; nothing if it has none.  Removes ended leases.
   std::optional<TimePoint> leased_until(Entry& entry) const {
@@ -164,7 +164,7 @@ struct SceneStore::State {
     scenes.erase(entry);
   }
 
-  /// Measures a scene again: queries may have built parts in it.
+  /// Measures a scene again, since queries may have built parts in it.
   void measure(Entry& entry) {
     const std::uint64_t now = entry.stored.scene->bytes();
     held += now - entry.bytes;
@@ -195,7 +195,7 @@ struct SceneStore::State {
     if (budget == 0) return absl::OkStatus();
     if (more > budget)
       return absl::ResourceExhaustedError(
-          fmt::format("the scene takes {} bytes, this server keeps at most {}", more, budget));
+          fmt::format("the scene needs {} bytes, allowed: at most {}", more, budget));
     measure_all();
     std::uint64_t leased = 0;
     std::optional<TimePoint> soonest;
@@ -206,9 +206,9 @@ struct SceneStore::State {
       soonest = std::min(soonest.value_or(*until), *until);
     }
     if (leased + more > budget) {
-      absl::Status full = absl::ResourceExhaustedError(fmt::format(
-          "the scene takes {} bytes, and {} of the {} that this server keeps are leased", more,
-          leased, budget));
+      absl::Status full = absl::ResourceExhaustedError(
+          fmt::format("the scene needs {} bytes, but leased scenes use {} of the server's {}", more,
+                      leased, budget));
       const auto wait = std::chrono::ceil<std::chrono::milliseconds>(*soonest - options.now());
       full.SetPayload(kRetryAfterPayload,
                       absl::Cord(std::to_string(std::max<std::int64_t>(wait.count(), 1))));
@@ -243,13 +243,13 @@ SceneStore::SceneStore(std::unique_ptr<State> state) : state_(std::move(state)) 
 SceneStore::~SceneStore() = default;
 
 absl::StatusOr<LoadedScene> SceneStore::load(const std::string& path, const LoadOptions& options) {
-  std::string relative = beneath(state_->root, path);
-  if (relative.empty()) relative = beneath(state_->canonical_root, path);
+  std::string relative = path_under(state_->root, path);
+  if (relative.empty()) relative = path_under(state_->canonical_root, path);
   if (relative.empty() && path.starts_with('/')) {
-    return absl::InvalidArgumentError(fmt::format(
-        "file name \"{}\" leaves the scene root \"{}\", allowed: files beneath it; a file of "
-        "another place needs an upload (lucerna --upload)",
-        path, state_->root));
+    return absl::InvalidArgumentError(
+        fmt::format("file name \"{}\" leaves the scene root \"{}\", allowed: paths inside it; to "
+                    "use another file, upload it (lucerna --upload)",
+                    path, state_->root));
   }
   const std::string& name = relative.empty() ? path : relative;
   return load_once(name, name, options);
@@ -261,7 +261,7 @@ absl::StatusOr<LoadedScene> SceneStore::load(const Manifest& manifest, const Loa
 
 absl::StatusOr<LoadedScene> SceneStore::load_once(const Source& source, const std::string& key,
                                                   const LoadOptions& options) {
-  // A caller that waited looks again: the other load may have failed or been cancelled.
+  // A caller that waited looks again, because the other load may have failed or been cancelled.
   const auto turn = state_->sources.take(key, options.stop);
   if (turn == nullptr) return cancelled();
   return load_alone(source, key, options);
@@ -274,7 +274,7 @@ absl::StatusOr<LoadedScene> SceneStore::load_alone(const Source& source, const s
     const std::lock_guard lock(state_->mutex);
     if (const auto id = state_->by_source.find(key); id != state_->by_source.end()) {
       Entry& entry = state_->scenes.at(id->second);
-      // Files of a manifest cannot have changed: it names them by digest.
+      // Files of a manifest cannot have changed, since it names them by digest.
       if (std::holds_alternative<Manifest>(source))
         return state_->answer(entry, key, options, true);
       known = entry.stored;
@@ -298,7 +298,7 @@ absl::StatusOr<LoadedScene> SceneStore::load_manifest(const Manifest& manifest,
   for (const Asset& asset : description->assets) {
     const std::string& digest = manifest.assets.at(asset.name);
     if (asset.sha256 == digest) continue;
-    // Its bytes changed on the disk.
+    // The file on the disk was changed.
     state_->assets->drop(digest);
     incomplete.missing.push_back({asset.name, digest});
   }
@@ -316,14 +316,14 @@ absl::StatusOr<LoadedScene> SceneStore::load_path(const std::string& path, const
     const absl::StatusOr<std::vector<Asset>> now = reader->rehash(known->scene->assets());
     // If a file is gone, the load below fails with its name and place.
     if (now.ok() && same_files(*now, known->scene->assets())) {
-      // Not found: another thread unloaded the scene while its files were read.
+      // If it is not found, another thread unloaded the scene while its files were read.
       const std::lock_guard lock(state_->mutex);
       const auto found = state_->scenes.find(known->scene->id());
       if (found != state_->scenes.end()) return state_->answer(found->second, key, options, true);
     }
   }
   absl::StatusOr<SceneDescription> description = load_pbrt(*reader, path, options.stop);
-  // A file that the scene names may be missing too.
+  // NOT_FOUND may also come from a file that the scene names.
   if (absl::IsNotFound(description.status()) && absl::IsNotFound(reader->read(path).status()))
     return load_uploaded(path, options);
   LUCERNA_RETURN_IF_ERROR(description.status());

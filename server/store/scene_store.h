@@ -1,5 +1,4 @@
-// The loaded scenes, by id and by source, within a memory budget.  A lease keeps a scene while it
-// lasts.
+// The loaded scenes, by id and by source, within a memory budget.  A lease keeps a scene loaded.
 #pragma once
 
 #include <absl/status/status.h>
@@ -31,20 +30,20 @@ struct StoredScene {
   /// the first manifest.
   std::string path;
   bool uploaded = false;  ///< first loaded from a manifest
-  double leased_s = 0;    ///< how long leases keep it from now
+  double leased_s = 0;    ///< time from now until the last lease ends
 };
 
 /// The store keeps a scene until all its leases have ended or were released.
 struct Lease {
   std::string id;      ///< empty: none
-  double seconds = 0;  ///< how long it lasts
+  double seconds = 0;  ///< its duration
 };
 
 struct LoadedScene {
   StoredScene stored;  ///< its scene is null if files are missing
   bool already_loaded = false;
   Lease lease;
-  /// Files that the scene names and the asset store does not hold.
+  /// Files that the scene names and the asset store does not have.
   std::vector<MissingAsset> missing;
 };
 
@@ -56,7 +55,7 @@ struct LoadOptions {
 /// Thread-safe.
 class SceneStore {
  public:
-  /// `assets` holds the files of manifests and must outlive the store.  Null: `load` takes no
+  /// `assets` has the files of manifests and must outlive the store.  Null: `load` does not accept
   /// manifests.  Errors: no such directory.
   static absl::StatusOr<std::unique_ptr<SceneStore>> open(SceneStoreOptions options,
                                                           AssetStore* assets = nullptr);
@@ -65,19 +64,19 @@ class SceneStore {
   /// Reads and builds the scene file `path`, relative to the root, in the caller's oneTBB arena.
   /// Blocks until it is done.  If the file was loaded before, the store only hashes it and its
   /// files again.  Another path with the same content gives the same scene.  If several callers
-  /// load one scene at the same time, one builds and the others wait.  Nothing stays of a failed
-  /// load.
+  /// load one scene at the same time, one builds and the others wait.  A failed load leaves nothing
+  /// behind.
   ///
-  /// If scenes exceed the budget, the least recently used scenes without a lease are unloaded.  A
-  /// scene counts with the parts that queries built in it since; `find` of it checks the budget.
+  /// If scenes exceed the budget, the least recently used scenes without a lease are unloaded.  The
+  /// size of a scene includes parts that queries built in it later; `find` checks the budget.
   ///
-  /// An absolute path is accepted if it is beneath the root.  A name that no file has finds the
-  /// uploaded scene of this name that was used last.
+  /// An absolute path is accepted if it is under the root.  If no file has this name, the most
+  /// recently used uploaded scene of this name is loaded.
   ///
   /// Errors: those of load_pbrt and Scene::build; CANCELLED; RESOURCE_EXHAUSTED if leases leave no
-  /// room (with kRetryAfterPayload), or if the scene alone exceeds the budget.
+  /// room (with kRetryAfterPayload), or if the scene by itself exceeds the budget.
   absl::StatusOr<LoadedScene> load(const std::string& path, const LoadOptions& options = {});
-  /// The same for uploaded files.  Answers the missing files if there are any.
+  /// The same for uploaded files.  Returns the missing files if there are any.
   absl::StatusOr<LoadedScene> load(const Manifest& manifest, const LoadOptions& options = {});
 
   /// Marks the scene as used.  Null if it is not loaded.
@@ -87,17 +86,17 @@ class SceneStore {
   /// One scene; nothing if it is not loaded.
   std::optional<StoredScene> stored(const std::string& id) const;
 
-  /// A new lease, or the lease called `lease`, from now on.  At most max_lease_s long.  NOT_FOUND
-  /// if the scene is not loaded, or has no such lease any more.
+  /// Makes a lease, or extends the lease `lease`, from now on.  It lasts at most max_lease_s.
+  /// NOT_FOUND if the scene is not loaded or does not have this lease (any more).
   absl::StatusOr<Lease> lease(const std::string& id, const std::string& lease, double seconds);
   /// Ends `lease` (empty: none), and unloads the scene unless another lease keeps it.  True if it
-  /// was unloaded.  Holders of the shared pointer keep the scene.  NOT_FOUND as above;
+  /// was unloaded.  The scene lives on while anyone has its shared pointer.  NOT_FOUND as above;
   /// FAILED_PRECONDITION if `lease` is empty and the scene has leases.
   absl::StatusOr<bool> release(const std::string& id, const std::string& lease = "");
 
   /// The root as an absolute path.
   const std::string& root() const;
-  /// The .pbrt files beneath the root, which `load` may load.  Reads directories: takes
+  /// The .pbrt files under the root, which `load` may load.  Reads directories: takes
   /// milliseconds to seconds.
   FileListing available() const;
 

@@ -1,4 +1,5 @@
-// Options of a SceneStore, apart from it: programs set them without reading what a scene is.
+// Options of a SceneStore.  A separate file, so that programs can set them without the store's
+// header.
 #pragma once
 
 #include <chrono>

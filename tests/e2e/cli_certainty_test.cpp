@@ -183,7 +183,7 @@ TEST_F(CliCertainty, FootersDescribeTheComputation) {
   const std::vector<std::string> point = {"irradiance", "point.pbrt", "--point",   "1.2,-1.5,0",
                                           "--normal",   "0,0,1",      "--bounces", "0"};
   EXPECT_THAT(said(point), AllOf(HasSubstr("\nno samples taken; "), Not(HasSubstr("256"))));
-  EXPECT_THAT(said(irradiance({"--samples", "32"})), HasSubstr("\n32 samples a point; "));
+  EXPECT_THAT(said(irradiance({"--samples", "32"})), HasSubstr("\n32 samples per point; "));
 }
 
 TEST_F(CliCertainty, EveryAnswerIsPrintedWithItsCost) {
@@ -279,7 +279,7 @@ TEST_F(CliCertainty, TimesHaveUnits) {
   std::ofstream(path("p.csv")) << "0.1,-1.3,0,0.2,0,1\n";
   for (const char* time : {"0.006", "0.006s", "6ms", "0.0001m", "0h6ms"}) {
     const std::string budget = std::string("--budget=") + time;
-    EXPECT_THAT(said(irradiance({budget})), HasSubstr(" samples a point; ")) << time;
+    EXPECT_THAT(said(irradiance({budget})), HasSubstr(" samples per point; ")) << time;
     EXPECT_EQ(lucerna({"render", "sphere.pbrt", "-o", path("a.pfm"), budget}).status, 0) << time;
     EXPECT_EQ(lucerna({"power", "sphere.pbrt", "--method", "sampled", budget}).status, 0) << time;
   }
@@ -292,7 +292,7 @@ TEST_F(CliCertainty, TimesHaveUnits) {
     for (const char* command : {"irradiance", "render", "power", "tradeoff"}) {
       expect_wrong_use(
           lucerna({command, "sphere.pbrt", std::string("--budget=") + time}),
-          std::string(time) + " is not a time above 0, as 60, 60s, 2m, 1h30m or 500ms");
+          std::string(time) + " is not a time above 0, such as 60, 60s, 2m, 1h30m or 500ms");
     }
   }
 }

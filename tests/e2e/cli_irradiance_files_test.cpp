@@ -307,7 +307,7 @@ TEST_F(CliIrradianceFiles, WrongUseIsRefusedBeforeAnyCall) {
   refused({"--points", path("three.csv"), "-o", out, "--normals", path("six.csv")},
           "six.csv: 6 columns, must be 3");
   refused({"--points", path("six.csv"), "-o", out, "--normals", path("three.csv")},
-          "six.csv: has normals of its own");
+          "six.csv: has its own normals");
   refused({"--points", path("three.csv"), "-o", out, "--normals", path("three.csv"), "--normal",
            "0,0,1"},
           "only one of them");
@@ -316,16 +316,16 @@ TEST_F(CliIrradianceFiles, WrongUseIsRefusedBeforeAnyCall) {
   refused({"--points", path("six.csv"), "-o", out, "--journal", out}, "is given twice");
   refused({"--points", path("six.csv"), "-o", path("out.txt")}, "must be .npy, .csv or .exr");
   refused({"--points", path("six.txt"), "-o", out}, "must be .npy, .csv or .exr");
-  refused({"--points", path("six.csv"), "-o", path("out.exr")}, "six.csv is no map");
+  refused({"--points", path("six.csv"), "-o", path("out.exr")}, "six.csv is not a map");
   refused({"--points", path("six.csv"), "-o", path("no/out.npy")}, "No such file or directory");
   refused({"--points", path("scenes"), "-o", out}, "must be .npy, .csv or .exr");
-  refused({"--points", "-", "-o", out}, "-o goes with --points FILE");
-  refused({"--point", "0,0,0", "--normal", "0,0,1", "-o", out}, "-o goes with --points FILE");
+  refused({"--points", "-", "-o", out}, "-o requires --points FILE");
+  refused({"--point", "0,0,0", "--normal", "0,0,1", "-o", out}, "-o requires --points FILE");
   refused({"--points", path("six.csv"), "-o", out, "--per-light"}, "--per-light: not with -o");
-  refused({"--points", path("six.csv"), "-o", out, "--asset-root", "x"}, "goes with --upload");
-  refused({"--points", path("six.csv")}, "--servers goes with -o");
+  refused({"--points", path("six.csv"), "-o", out, "--asset-root", "x"}, "requires --upload");
+  refused({"--points", path("six.csv")}, "--servers requires -o");
   expect_wrong_use(lucerna({"irradiance", "plane.pbrt", "--points", path("map.exr")}),
-                   "map.exr: a table takes CSV; other files go with irradiance -o");
+                   "map.exr: a table accepts only CSV; for other files use irradiance -o");
   expect_wrong_use(irradiance({"--points", path("map.exr"), "-o", out, "--normals", path("map.exr"),
                                "--servers", "x"}),
                    "--servers: server \"x\"");

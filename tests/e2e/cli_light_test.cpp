@@ -26,7 +26,7 @@ TEST_F(Cli, SampledPowerStopsAtACountAnErrorOrATime) {
   EXPECT_THAT(error.out, HasSubstr("± holds with 99% confidence; "));
   EXPECT_THAT(with({"--budget", "0.01"}).out, HasSubstr("area"));
   expect_wrong_use(lucerna({"power", "sphere.pbrt", "--error", "1%"}),
-                   "--error and --budget go with --method sampled");
+                   "--error and --budget require --method sampled");
 }
 
 TEST_F(Cli, LightsAreListedWithKindPlaceAndFlux) {
@@ -59,7 +59,7 @@ TEST_F(Cli, WrongNumbersOfPointsAndDirectionsAreRefused) {
     return lucerna(words);
   };
   expect_wrong_use(with(pdf, {"--point", "nan,0,0", "--direction", "0,0,1"}),
-                   "--point \"nan,0,0\", must be three finite numbers, as 0,1.5,-2");
+                   "--point \"nan,0,0\", must be three finite numbers, such as 0,1.5,-2");
   expect_wrong_use(with(pdf, {"--point", "0,0,0", "--direction", "0,0,0"}),
                    "--direction \"0,0,0\", must be three finite floats, not all 0");
   expect_wrong_use(with(pdf, {"--point", "0,0,0", "--direction", "0,0,1", "--normal", "0,inf,0"}),

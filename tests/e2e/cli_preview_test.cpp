@@ -95,7 +95,7 @@ TEST_F(CliPreview, TheViewerCannotStopTheRender) {
   }
   Outcome outcome = render({"--tev", "127.0.0.1:" + std::to_string(nobody)});
   EXPECT_EQ(outcome.status, 0);
-  EXPECT_EQ(count(outcome.err, "Connection refused; going on without it"), 1U) << outcome.err;
+  EXPECT_EQ(count(outcome.err, "Connection refused; continuing without it"), 1U) << outcome.err;
   EXPECT_EQ(count(outcome.err, "\n"), 1U) << outcome.err;
   EXPECT_TRUE(pixels(picture_) == expected);
 

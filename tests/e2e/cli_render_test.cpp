@@ -70,11 +70,10 @@ TEST_F(Cli, RenderStopsEachPixelAtAnError) {
   EXPECT_GT(*most, 64);
   std::vector<float> sorted = counts;
   std::sort(sorted.begin(), sorted.end());
-  EXPECT_THAT(
-      outcome.out,
-      HasSubstr("160 x 120 pixels; 64 samples a pixel at least, " +
-                std::to_string(static_cast<int>(sorted[(sorted.size() - 1) / 2])) +
-                " in the middle, " + std::to_string(static_cast<int>(*most)) + " at most; "));
+  EXPECT_THAT(outcome.out,
+              HasSubstr("160 x 120 pixels; samples per pixel: at least 64, median " +
+                        std::to_string(static_cast<int>(sorted[(sorted.size() - 1) / 2])) +
+                        ", at most " + std::to_string(static_cast<int>(*most)) + "; "));
   // The tiles do not matter.
   ASSERT_EQ(lucerna({"render", "sphere.pbrt", "-o", path("b.pfm"), "--error", "20%", "--floor",
                      "0.01", "--confidence", "90%", "--max-samples", "512", "--bounces", "0",
@@ -94,8 +93,9 @@ TEST_F(Cli, RenderStopsWhenTheTimeIsOver) {
   const auto [least, most] = std::minmax_element(counts.begin(), counts.end());
   EXPECT_GE(*least, 16);
   EXPECT_THAT(outcome.out,
-              HasSubstr(std::to_string(static_cast<int>(*least)) + " samples a pixel at least, "));
-  EXPECT_THAT(outcome.out, HasSubstr(std::to_string(static_cast<int>(*most)) + " at most; "));
+              HasSubstr("at least " + std::to_string(static_cast<int>(*least)) + ", median "));
+  EXPECT_THAT(outcome.out,
+              HasSubstr(", at most " + std::to_string(static_cast<int>(*most)) + "; "));
   for (const char* name : {"a.exr", "n.pfm"}) fs::remove(path(name));
 }
 
@@ -107,7 +107,7 @@ TEST_F(Cli, RenderRefusesStopRulesThatExcludeEachOther) {
   };
   expect_wrong_use(render({"--error", "1%", "--samples", "4"}), "--samples");
   expect_wrong_use(render({"--error", "1%", "--budget", "4"}), "--budget");
-  expect_wrong_use(render({"--error", "-1%"}), "share above 0");
+  expect_wrong_use(render({"--error", "-1%"}), "fraction above 0");
   expect_wrong_use(render({"--floor", "1"}), "--error");
   expect_wrong_use(render({"--servers", "127.0.0.1:1", "--budget", "4"}),
                    "--budget: not with --servers");

@@ -218,7 +218,8 @@ TEST_F(Cli, ScenesAreNamedByPathIdAndPrefix) {
 
   EXPECT_THAT(lucerna({"release", id.substr(0, 12)}).out, HasSubstr("released"));
   expect_no(lucerna({"power", id}), "not_found");
-  expect_no(lucerna({"power", id.substr(0, 12)}), "no id of a loaded scene begins so");
+  expect_no(lucerna({"power", id.substr(0, 12)}),
+            "no loaded scene has an id that begins with these digits");
   expect_no(lucerna({"power", id.substr(0, 3)}),
             "the first digits of a scene id must be 4 or more, these are 3");
 }
@@ -261,8 +262,8 @@ TEST_F(Cli, ScenePrintsTheBuiltPartsAndTheirReasons) {
 
 TEST_F(Cli, ScenesThatCannotBeLoadedAreServerErrors) {
   expect_no(lucerna({"load", "missing.pbrt"}), "not_found");
-  expect_no(lucerna({"load", "../secret.pbrt"}), "the server said");
-  expect_no(lucerna({"load", "/etc/passwd"}), "the server said");
+  expect_no(lucerna({"load", "../secret.pbrt"}), "the server reported");
+  expect_no(lucerna({"load", "/etc/passwd"}), "the server reported");
   expect_no(lucerna({"power", "broken.pbrt"}), "broken.pbrt:2:");
   EXPECT_EQ(lucerna({"scenes"}).status, 0);
 }

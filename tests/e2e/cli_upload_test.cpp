@@ -80,10 +80,10 @@ TEST_F(CliUpload, MissingFilesAreErrorsOfTheScene) {
   const Outcome none = lucerna({"load", "--upload", path("mine/none.pbrt")});
   EXPECT_EQ(none.status, 2);
   EXPECT_THAT(none.err, HasSubstr("none.pbrt: no such file"));
-  EXPECT_THAT(none.err, Not(HasSubstr("the server said")));
+  EXPECT_THAT(none.err, Not(HasSubstr("the server reported")));
   const Outcome flags = lucerna({"load", "--asset-root", path("mine"), "point.pbrt"});
   EXPECT_EQ(flags.status, 2);
-  EXPECT_THAT(flags.err, HasSubstr("--asset-root goes with --upload"));
+  EXPECT_THAT(flags.err, HasSubstr("--asset-root requires --upload"));
 }
 
 TEST_F(CliUpload, SendsFilesOutsideOfTheFolderOnlyWithAssetRoot) {

@@ -245,7 +245,7 @@ TEST_F(Frames, WrongOptionsAreRefusedBeforeAnyCall) {
     EXPECT_EQ(outcome.out, "");
   };
   const std::string out = path("a.%d.pfm");
-  wrong({"m.pbrt", "--frames", "4-1", "-o", out}, "--frames: \"4-1\" runs backwards");
+  wrong({"m.pbrt", "--frames", "4-1", "-o", out}, "--frames: \"4-1\" ends before it begins");
   wrong({"m.pbrt", "--frames", "1-4", "-o", path("a.pfm")}, "has no place for the frame's number");
   wrong({"m.pbrt", "--frames", "1-4", "-o", path("%d.%d.pfm")}, "has 2 places");
   wrong({"m.pbrt", "--frames", "1-4", "-o", path("%x.pfm")}, "\"%x.p\"");
@@ -267,12 +267,12 @@ TEST_F(Frames, WrongOptionsAreRefusedBeforeAnyCall) {
   wrong({"m.pbrt", "--frames", "1-4", "-o", out, "--servers", "a:1", "--journal", path("j")},
         "--journal: ");
   wrong({"m.pbrt", "--frames", "1-4", "-o", out, "--journal", path("j%d")},
-        "--journal goes with --servers");
+        "--journal requires --servers");
   wrong({"m.pbrt", "--frames", "1-4", "-o", path("a.%d.png"), "--preview=1", "--skip-existing"},
         "what is redrawn is there before it is done");
-  wrong({"m.pbrt", "-o", out, "--fps", "24"}, "--fps goes with --frames");
-  wrong({"m.pbrt", "-o", out, "--shutter", "1"}, "--shutter goes with --frames");
-  wrong({"m.pbrt", "-o", out, "--skip-existing"}, "--skip-existing goes with --frames");
+  wrong({"m.pbrt", "-o", out, "--fps", "24"}, "--fps requires --frames");
+  wrong({"m.pbrt", "-o", out, "--shutter", "1"}, "--shutter requires --frames");
+  wrong({"m.pbrt", "-o", out, "--skip-existing"}, "--skip-existing requires --frames");
   EXPECT_EQ(std::distance(fs::directory_iterator(directory_), {}), before);
 }
 

@@ -276,7 +276,7 @@ TEST_F(RenderJob, TheCommandLineUploadsAndRendersEverywhere) {
                                   (directory_ / "letter").string()});
   EXPECT_EQ(letter.status, 1);
   EXPECT_THAT(letter.err, HasSubstr("is the journal of another job, or not a journal"));
-  EXPECT_THAT(letter.err, Not(HasSubstr("the server said")));
+  EXPECT_THAT(letter.err, Not(HasSubstr("the server reported")));
   EXPECT_EQ(lucerna({"point.pbrt", "-o", here, "--servers", "nowhere"}).status, 2);
 }
 

@@ -145,7 +145,7 @@ class SlurmTest(unittest.TestCase):
         self.assert_ends(job, "FAILED")
         self.assertEqual(self.cluster.job(job)["ExitCode"], "1:0")
         self.assertIn("all servers have ended", self.log(job))
-        self.assertIn(f"goes on from it: {self.journal(job)}\n", self.log(job))
+        self.assertIn(f"resumes from: {self.journal(job)}\n", self.log(job))
 
     def test_another_job_continues_from_the_journal_of_a_timed_out_job(self):
         job = self.submit_picture(nodes=2)
@@ -154,7 +154,7 @@ class SlurmTest(unittest.TestCase):
         self.assert_ends(job, "FAILED")
         self.assertIn("interrupted", self.log(job))
         self.assertNotIn("all servers have ended", self.log(job))
-        self.assertIn(f"goes on from it: {self.journal(job)}\n", self.log(job))
+        self.assertIn(f"resumes from: {self.journal(job)}\n", self.log(job))
         # The scene has the same id whether it is uploaded or read by the server.
         again = self.submit(SCENE.name, "-o", "room.pfm", *OPTIONS, "--journal", self.journal(job), nodes=1,
                             environment=[f"LUCERNA_SCENE_ROOT={SCENE.parent}"])

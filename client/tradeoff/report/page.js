@@ -1,5 +1,5 @@
 "use strict";
-// Texts and tables; the end of the file fills in the page.
+// Texts and tables.  The end of the file fills in the page.
 
 function showHeader() {
   const c = data.circumstances;
@@ -24,7 +24,7 @@ function showLevels() {
       : level.how === "extrapolated"
       ? element("span", "extrapolated", { class: "tag beyond" })
       : element("span", level.how, { class: "tag" });
-    // The ratio belongs to the fastest setting, which has another place if it is not recommended.
+    // The ratio is that of the fastest setting, which may not be the recommended one.
     const ratio = level.name === level.best && level.setting !== 0 ? level.automatic_over_best : null;
     const name = [level.name];
     if (level.name !== level.best) {
@@ -51,7 +51,7 @@ function showCells() {
   row(table, heads, "th", numbers);
   for (const i of swept) {
     for (const c of settings[i].cells) {
-      // The interval stands below its middle, because tables of pictures have many columns.
+      // The interval is below the mean, because tables of pictures have many columns.
       const two = (middle, lower, upper) => [middle, element("small", `${lower} – ${upper}`)];
       const interval = (e, format) => two(format(e.mean), format(e.lower), e.upper === null ? "?" : format(e.upper));
       const cells = [settings[i].name, c.samples > 0 ? amount(c.amount) : "",
@@ -78,29 +78,29 @@ function showCells() {
 function showMethod() {
   const c = data.circumstances, r = data.reference;
   const list = element("ul");
-  const say = (...parts) => list.append(element("li", parts));
-  say(element("b", "Reference: "), r.exact && r.relative_error === 0 ? `${r.way}. It has no error except rounding.`
+  const add = (...parts) => list.append(element("li", parts));
+  add(element("b", "Reference: "), r.exact && r.relative_error === 0 ? `${r.way}. It has no error except rounding.`
     : r.exact ? `${r.way}. Its error is at most ${percent(r.relative_error)}, by its own bound. The page shows this bound as the error of the same method.`
     : `${r.way}. Mean of ${r.replicates} answers of ${r.samples_each} samples with different seeds, ${time(r.seconds)}. ` +
       `Its own relative error, from their scatter: ${percent(r.relative_error)}. No measured setting is this estimator.`);
-  say(element("b", "Relative error: "), `${data.relative_error.definition}, dark = ${digits(data.relative_error.dark)} (a hundredth of the reference's mean). ` +
+  add(element("b", "Relative error: "), `${data.relative_error.definition}, dark = ${digits(data.relative_error.dark)} (a hundredth of the reference's mean). ` +
       `The error of several runs is the root of the mean of their squares. Intervals: Student's t of that mean, in logarithms.` +
       (r.exact ? "" : " The square of the reference's own error is subtracted. Errors below half of the reference's own are uncertain."));
   if (r.relative_error <= data.relative_error.rounding) {
-    say(element("b", "Exact: "), `relative error below ${digits(data.relative_error.rounding)}, because answers are in single precision.`);
+    add(element("b", "Exact: "), `relative error below ${digits(data.relative_error.rounding)}, because answers are in single precision.`);
   }
-  say(element("b", "Recommended: "), "the setting that reaches the error first. Extrapolated times count twice. Automatic, the simplest command, is recommended if it " +
-      "is not significantly slower: its time is within the fastest's time at the upper ends of its 95% intervals and the upper quartiles of its times.");
+  add(element("b", "Recommended: "), "the setting that reaches the error first. Extrapolated times count twice. Automatic, the simplest command, is recommended if it " +
+      "is not significantly slower. Its time is then at most the time of the fastest setting at the upper ends of that setting's 95% intervals and the upper quartiles of its times.");
   if (measures.flip) {
-    say(element("b", "FLIP: "), `mean over the pixels of the tiles, of values as a screen shows them at ${data.exposure_ev} EV, 67 pixels per degree ` +
+    add(element("b", "FLIP: "), `mean over the pixels of the tiles, of values as shown on a screen at ${data.exposure_ev} EV, 67 pixels per degree ` +
         `(Andersson et al. 2020).`);
   }
-  say(element("b", "Times: "), `wall time of the call in the client, network included; median and quartiles over runs. ` +
+  add(element("b", "Times: "), `wall time of the call in the client, network included; median and quartiles over runs. ` +
       `Each round measures every amount of every setting once, in random order. The settings of a round share its seeds; each round has new seeds. ` +
-      (c.rounds ? `The study has ${c.rounds} rounds. ` : `After the first rounds, settings far behind are dropped, and the others get the rest of the time. `) +
-      `Runs that only find out the cost are in tradeoff.csv as round 0 and do not count.`);
-  say(element("b", "Time to an error: "), "interpolated linearly in logarithms between measurements. After the last measurement, errors of independent samples fall with the root of the time; such times are marked as extrapolated. " +
-      "Nothing is extrapolated if the last three errors fall more slowly, or for approximations (far lights as points, shadow maps), whose errors level off. Errors below half the reference's own are left out.");
+      (c.rounds ? `The study has ${c.rounds} rounds. ` : `After the first rounds, settings that are far behind are dropped, and the others get the rest of the time. `) +
+      `Runs that only measure the cost are in tradeoff.csv as round 0 and do not count.`);
+  add(element("b", "Time to an error: "), "interpolated linearly in logarithms between measurements. After the last measurement, errors of independent samples fall with the root of the time. Such times are marked as extrapolated. " +
+      "Nothing is extrapolated if the last three errors fall more slowly, or for approximations (far lights as points, shadow maps), whose errors level off. Errors below half of the reference's own error are left out.");
   const table = element("table");
   for (const [name, value] of [["scene", c.scene], ["scene id", c.scene_id], ["server", `lucernad ${c.server_version}, ${c.server_threads} compute threads`],
     ["client", c.client_version], ["numeric fingerprint", c.fingerprint], ["build", c.build], ["Embree", c.embree],
@@ -119,7 +119,7 @@ drawDifferences();
 showCells();
 showMethod();
 
-// "#only=errors" shows one section alone, for a picture of it.
+// "#only=errors" shows only this section, for a picture of it.
 const only = location.hash.match(/^#only=(\w+)$/);
 if (only && byId(only[1])) {
   document.body.classList.add("only");

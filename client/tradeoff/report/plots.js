@@ -32,7 +32,7 @@ const logarithmic = (title, format) => ({
   grid: { color: "#edf0f4" },
 });
 
-// Lines across the whole plot, with a label on its right, where the label hides no points.
+// Lines across the whole plot.  Their labels are on the right, where they hide no points.
 const lines = {
   id: "lines",
   beforeDatasetsDraw(chart, _, options) {
@@ -322,7 +322,7 @@ function showItems(nameOf) {
   const rows = data.reference.values.map((reference, i) => {
     const order = items.map((item) => item).sort((a, b) => a.errors[i] - b.errors[i]);
     const best = order[0], worst = order[order.length - 1];
-    // An error below the reference's own is not resolved.
+    // An error below the reference's own error is not resolved.
     const floor = reference ? data.reference.standard_error[i] / Math.abs(reference) : 0;
     return { i, reference, best, worst, ratio: worst.errors[i] / Math.max(best.errors[i], floor, 1e-9) };
   }).filter((r) => r.reference).sort((a, b) => b.ratio - a.ratio).slice(0, 8);
@@ -351,7 +351,7 @@ function pictureOf(width, height, colour) {
 function drawPictures() {
   byId("differences-note").textContent =
     `The tiles in which settings differ most when each takes about ${time(data.comparison_s)} for all tiles: ` +
-    `the reference, then answers with their FLIP below, which is dark where both look alike. Shown at ${data.exposure_ev} EV.`;
+    `the reference, then answers with their FLIP below, which is dark where both look the same. Shown at ${data.exposure_ev} EV.`;
   for (const tile of data.pictures) {
     const line = element("div", "", { class: "pictures" });
     const figure = (canvases, caption) => line.append(element("figure", [...canvases, element("figcaption", caption)]));
@@ -372,7 +372,7 @@ function drawDifferences() {
   if (!some || some.length === 0) { byId("differences").style.display = "none"; return; }
   if (data.pictures) return drawPictures();
   if (data.points) return drawPoints();
-  byId("differences-note").textContent = `Errors of single items when each setting takes about ${time(data.comparison_s)}. Settings whose amounts take over twice or under half ` +
-    "that time are left out, and exact settings.";
+  byId("differences-note").textContent = `Errors of single items when each setting takes about ${time(data.comparison_s)}. Settings whose amounts take more than twice or less than half of ` +
+    "that time are left out. Exact settings are left out, too.";
   showItems((i) => data.labels[i]);
 }

@@ -1,4 +1,4 @@
-// The data of the page, and the formats of numbers.
+// The data of the page, and functions to format numbers.
 "use strict";
 const data = JSON.parse(document.getElementById("data").textContent);
 const byId = (id) => document.getElementById(id);
@@ -30,11 +30,11 @@ function row(table, cells, tag = "td", numbers = []) {
 
 const settings = data.settings;
 const swept = settings.map((s, i) => i).filter((i) => settings[i].cells.length > 0);
-// Exact settings have no error and no logarithm, so that a text lists them and the plot has the others.
+// Exact settings have error 0, which has no logarithm.  A text lists them, and the plot shows the others.
 const exact = swept.filter((i) => settings[i].exact_at !== undefined);
 const drawn = swept.filter((i) => settings[i].exact_at === undefined);
 const exactText = () => exact.map((i) => nameTime(i, settings[i].cells[settings[i].exact_at])).join("; ");
-// Exact settings would end the Pareto front, so that the front of the others is drawn.
+// Exact settings would end the Pareto front, so the page draws the front of the others.
 const front = exact.length === 0 ? data.pareto_front : frontOf(drawn);
 function frontOf(some) {
   const places = some.flatMap((i) => settings[i].cells.map((c, k) => ({ i, k, t: c.seconds.median, e: c.relative_error.mean })));

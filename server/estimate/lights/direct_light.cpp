@@ -14,8 +14,8 @@ namespace {
 
 constexpr double kInvPi = std::numbers::inv_pi;
 
-/// The sample of an area light that counts as a point, seen from afar.  Nothing where the
-/// distance is below `radii` times the light's radius, or where the light has no closed form.
+/// The sample of an area light that counts as a point.  Nothing if the distance is below `radii`
+/// times the light's radius, or if the light has no closed form.
 std::optional<LightSample<double>> far_sample(const LightAtTime& light,
                                               const Receiver<double>& receiver, double radii) {
   if (!light.has_surface() || !light.has_irradiance()) return std::nullopt;
@@ -25,8 +25,8 @@ std::optional<LightSample<double>> far_sample(const LightAtTime& light,
   const Vec3<double> away = receiver.position - middle;
   const double distance = length(away);
   if (!(distance > std::fmax(radii, 1) * length(bounds->upper - middle))) return std::nullopt;
-  // At 2^10 times the distance the light's size changes the value by less than a millionth.
-  // The factor for the square of the distance is put back below.
+  // At 2^10 times the distance, the light's size changes the value by less than a millionth.
+  // The squared factor is applied again below.
   constexpr double kFarther = 1024;
   Receiver<double> from = receiver;
   from.position = middle + away * kFarther;
@@ -43,8 +43,8 @@ std::optional<LightSample<double>> far_sample(const LightAtTime& light,
   return s;
 }
 
-/// The share of a sample's light that a surface of reflectance 1 sends towards `wo`: cosine /
-/// pi. 0 where there is no light or it is on the other side.
+/// The share of a sample's light that a surface of reflectance 1 sends towards `wo`: cosine / pi.
+/// 0 if there is no light, or if it is on the other side.
 double reflected_share(const SurfaceHit& hit, const Vec3<float>& wo,
                        const LightSample<double>& sample) {
   if (sample.reason != NoLight::kNone) return 0;
@@ -66,7 +66,7 @@ DirectLight::DirectLight(const Scene& scene, const Methods& methods)
       candidates_ = kCandidates;
       break;
     default:
-      // One light leaves nothing to choose.
+      // With one light, there is nothing to choose.
       spending_ = scene.lights().size() < 2 ? Spending::kEach : Spending::kDrawn;
   }
 }
@@ -81,8 +81,7 @@ Receiver<double> DirectLight::receiver(const SurfaceHit& hit, const Vec3<float>&
   Receiver<double> r(hit.position);
   r.normal = Vec3<double>(dot(hit.ns, wo) < 0 ? -hit.ns : hit.ns);
   r.area_sampling = methods_.area_sampling;
-  // Wherever a light is sampled here, a direction of the surface is sampled too, and both are
-  // weighted.
+  // Each vertex samples lights and a direction of the surface, and weights both.
   r.incomplete = methods_.combination != Combination::kLights;
   return r;
 }
@@ -124,7 +123,7 @@ DirectLight::Candidate DirectLight::candidate(const SurfaceHit& hit, const Vec3<
                                               Vec2<float> u) const {
   Candidate c{light_sample(hit, wo, choice.light, u), {}, {}};
   const LightSample<double>& s = c.sample;
-  const double f = reflected_share(hit, wo, s);  // also the density of cosine_direction
+  const double f = reflected_share(hit, wo, s);  // equals the density of cosine_direction
   if (!(f > 0)) return c;
   if (s.delta) {
     c.value = s.value * (f / choice.probability);
@@ -227,7 +226,7 @@ void DirectLight::sample_points(const Vertex& v, const LightChoice& choice, cons
 
 void DirectLight::sample_one_of(const Vertex& v, Spending spending, const PathSample& s,
                                 double share) const {
-  // One pass over the candidates.  Each replaces the kept one with the probability of its
+  // One pass over the candidates.  Each replaces the kept candidate with the probability of its
   // share in the sum so far.  [Chao82]
   double u = s.at(v.depth, PathSample::kSurvival).y;
   double sum = 0;
@@ -269,7 +268,7 @@ double DirectLight::found_weight(Spending spending, const SurfaceHit& from, cons
   if (methods_.combination == Combination::kSurfaces && !methods_.far_light_radii) return 1;
   const Receiver<double> r = receiver(from, wo);
   const LightAtTime l(scene_.lights()[light], ray.time_s);
-  // No direction finds a light that counts as a point.
+  // Directions do not find a light that counts as a point.
   if (methods_.far_light_radii && far_sample(l, r, *methods_.far_light_radii)) return 0;
   SolidAnglePdf<double> pdf{};
   if (!l.has_surface())

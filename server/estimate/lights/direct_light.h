@@ -1,5 +1,5 @@
-// Direct light on a surface: which lights are sampled, with how many points, and how light
-// samples are weighted against directions of the surface that find lights too.
+// Direct light on a surface.  Decides which lights are sampled and with how many points.  Weights
+// light samples against directions of the surface, which find lights too.
 #pragma once
 
 #include <absl/container/inlined_vector.h>
@@ -63,36 +63,35 @@ class DirectLight {
  public:
   DirectLight(const Scene& scene, const Methods& methods);
 
-  /// With at most so many lights, each is sampled at the vertices of paths.  Squared error
-  /// times time of pictures, relative to drawn candidates:
+  /// With at most this many lights, each is sampled at the vertices of paths.  Measured: squared
+  /// error times time of pictures, relative to drawn candidates.
   ///
   /// tests/data/reference/many_points.pbrt, up to five bounces: 0.7, 0.8, 1.8 and 8 for the
   /// first 16, 24, 64 and all 400 points.
   ///
-  /// many_triangles.pbrt unchanged: 0.6 and 1.7 for the first 24 and 64.
+  /// many_triangles.pbrt: 0.6 and 1.7 for the first 24 and 64 lights.
   ///
   /// 0.6 for the four lights of scenes/demo.pbrt, 0.8 for the 17 of scenes/stage, 1.2 for the
   /// ten of scenes/room.
   static constexpr std::size_t kFewLights = 20;
-  /// Default number of candidates for each shadow ray where lights are drawn.  Squared error
-  /// times time of one, four and eight candidates, relative to two:
+  /// Default number of candidates for each shadow ray if lights are drawn.  Measured: squared error
+  /// times time of one, four and eight candidates, relative to two.
   ///
   /// 1.1, 1.7 and 2.8 in pictures of many_points.pbrt; 0.9, 1.3 and 2.3 of
   /// many_triangles.pbrt; 1.1, 1.2 and 1.7 of scenes/street.
   ///
   /// At receivers of the street: 1.8 to 3.2, 0.8 to 1.0 and 0.8 to 1.1.
   static constexpr std::uint32_t kCandidates = 2;
-  /// With at most so many lights that are not delta lights, each of these is sampled at a
-  /// receiver.
+  /// If at most this many lights are not delta lights, each of these is sampled at a receiver.
   static constexpr std::size_t kFewAreas = 16;
   /// Number of delta lights that take the time of one sample of drawn lights.
   static constexpr std::uint64_t kSettledPerSample = 12;
 
   /// The distribution at the vertices of paths.
   Spending spending() const { return spending_; }
-  /// The distribution at a receiver with so many samples.  By default each delta light is
-  /// settled by one ray where that costs no more than the samples.  The samples then go to
-  /// the other lights.
+  /// The distribution at a receiver with this number of samples.  By default, one ray settles each
+  /// delta light if this does not cost more than the samples.  The samples are then used for the
+  /// other lights.
   Spending spending_at_receiver(std::uint64_t samples) const;
   /// From this number of samples on, delta lights are settled at a receiver.
   std::uint64_t settling_samples() const;
@@ -104,8 +103,8 @@ class DirectLight {
   void sample(Spending spending, const SurfaceHit& hit, const Vec3<float>& wo, std::uint32_t depth,
               const PathSample& s, const LightSet& settled, WorkCounts& work, Found found) const;
 
-  /// All light of a light that is seen in one direction from `hit`: a delta light, or a light
-  /// far enough to count as a point.  Nothing for other lights.
+  /// All light of a light that is seen in one direction from `hit`: a delta light, or a light so
+  /// far away that it counts as a point.  Nothing for other lights.
   std::optional<Rgb<double>> from_one_direction(const SurfaceHit& hit, const Vec3<float>& wo,
                                                 std::uint32_t light, WorkCounts& work) const;
 
@@ -114,29 +113,29 @@ class DirectLight {
     return deltas_ == scene_.lights().size() && spending_ == Spending::kEach;
   }
 
-  /// All light of a light in closed form, where certainly nothing is in the way.  Takes no
-  /// samples and no ray.  Nothing for other lights.  Requires `uses_closed_forms`.
+  /// All light of a light in closed form, if certainly nothing is in the way.  Uses no samples and
+  /// no rays.  Nothing for other lights.  Requires `uses_closed_forms`.
   std::optional<Rgb<double>> in_closed_form(const SurfaceHit& hit, const Vec3<float>& wo,
                                             std::uint32_t light) const;
   /// Whether closed forms are used: at receivers, or at the first vertex of paths.
   bool uses_closed_forms(bool at_receiver) const;
 
-  /// Whether directions of surfaces may find lights that count.
+  /// Whether directions of surfaces are sampled and may find lights.
   bool finds_lights() const {
     return methods_.combination != Combination::kLights && scene_.has_visible_lights();
   }
   /// The weight of light that a direction with density `direction_pdf` found from `from`.
-  /// `sample` with the same `spending` and `wo` might have found the same light.
+  /// `sample` with the same `spending` and `wo` may choose the same light.
   double found_weight(Spending spending, const SurfaceHit& from, const Vec3<float>& wo,
                       const Ray& ray, const std::optional<SurfaceHit>& hit, std::uint32_t light,
                       double direction_pdf) const;
 
  private:
-  /// A weighted light sample as a diffuse surface of reflectance 1 shows it, without shadows.
+  /// A weighted light sample, reflected by a diffuse surface of reflectance 1, without shadows.
   struct Candidate {
     LightSample<double> sample;
     Rgb<double> value;
-    /// Upper limit of what a direction of the surface finds, where only directions count.
+    /// Upper limit of the light that a direction of the surface finds, if only directions are used.
     Rgb<double> found;
   };
 
@@ -163,11 +162,10 @@ class DirectLight {
   bool is_delta(std::uint32_t light) const;
   const LightSelector& selector(Spending spending) const;
   std::uint32_t points_on(std::uint32_t light) const;
-  /// The heuristic's weight of the strategy with density `a` against the one with density
-  /// `b`.
+  /// The heuristic's weight for the strategy with density `a`; the other one has density `b`.
   double weight(double a, double b) const;
 
-  /// The receiver at `hit` for lights.  Samples and weights use the same one.
+  /// The receiver at `hit` for lights.  Samples and weights use the same receiver.
   Receiver<double> receiver(const SurfaceHit& hit, const Vec3<float>& wo) const;
 
   const Scene& scene_;

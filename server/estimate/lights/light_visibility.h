@@ -1,4 +1,4 @@
-// Whether a light is visible: by a ray, or by the light's shadow map where it has one.
+// Whether a light is visible: by a ray, or by the light's shadow map if it has one.
 #pragma once
 
 #include <bit>
@@ -23,9 +23,8 @@ class LightVisibility {
   /// object.
   LightVisibility(const Scene& scene, const ShadowMaps* maps) : scene_(scene), maps_(maps) {}
 
-  /// Whether the light's map has an obstacle before a position.  Nothing where there is no
-  /// map or the position is outside of it: then a ray is needed.  `normal`: of the surface,
-  /// unit, or zero.
+  /// Whether the light's map has an obstacle before a position.  Nothing if there is no map or the
+  /// position is outside of it: then a ray is needed.  `normal`: of the surface, unit, or zero.
   std::optional<bool> by_map(std::uint32_t light, const Vec3<double>& position,
                              const Vec3<double>& normal) const {
     if (maps_ == nullptr) return std::nullopt;
@@ -33,8 +32,8 @@ class LightVisibility {
     return map == nullptr ? std::nullopt : map->is_occluded(position, normal);
   }
 
-  /// Whether an obstacle is before a position, by map or by ray.  `ray`: from the surface to
-  /// the light.
+  /// Whether an obstacle is between a position and the light, by map or by ray.  `ray`: from the
+  /// surface to the light.
   bool is_occluded(std::uint32_t light, const Vec3<double>& position, const Vec3<double>& normal,
                    const Ray& ray, WorkCounts& work) const {
     const auto occluded = by_map(light, position, normal);
@@ -50,11 +49,11 @@ class LightVisibility {
     return *occluded;
   }
 
-  /// One look-up in so many is compared with a ray.  A picture then has hundreds of
-  /// comparisons, and their rays add about 1% to the time.
+  /// One look-up in this many is compared with a ray.  A picture then has hundreds of comparisons,
+  /// and their rays add about 1% to the time.
   static constexpr std::uint64_t kComparedOneIn = 64;
-  /// Whether to trace a ray beside the look-up.  The bits of the ray decide, so that the
-  /// counts depend on the query only.
+  /// Whether to compare the look-up with a ray.  The bits of the ray decide, so that counts depend
+  /// only on the query.
   static bool is_compared(const Ray& ray) {
     const auto both = [](float a, float b) {
       return std::uint64_t{std::bit_cast<std::uint32_t>(a)} << 32 | std::bit_cast<std::uint32_t>(b);

@@ -1,4 +1,4 @@
-// The random numbers of paths: which decision uses which point of which sequence.
+// The random numbers of paths: the point of a sequence that each decision uses.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@ class SampleSequence {
         key_(mix_bits(mix_bits(mix_bits(seed ^ kIndependent) + item) + replicate)),
         sampler_(sampler) {}
 
-  /// As SobolSequence::pair; of independent points any two dimensions.
+  /// As SobolSequence::pair.  Independent points have any two dimensions.
   Vec2<float> pair(std::uint32_t index, std::uint32_t pair) const {
     if (sampler_ == Sampler::kSobol) return sobol_.pair(index, pair);
     const std::uint64_t bits = mix_bits(mix_bits(key_ + pair) + index);
@@ -44,9 +44,9 @@ struct PathSample {
   // Pairs of dimensions: four for each vertex, after those of the camera.
   enum Purpose : std::uint32_t { kLight, kLightPoint, kDirection, kSurvival };
   static constexpr std::uint32_t kFilm = 0;
-  /// For the time; drawn only where something moves.
+  /// For the time; drawn only if something moves.
   static constexpr std::uint32_t kTime = (1u << 30) - 1;
-  /// Where every light is sampled at a vertex, each has its own pair from here on.
+  /// If every light is sampled at a vertex, each has its own pair from here on.
   static constexpr std::uint32_t kFirstVisited = 1u << 30;
 
   Vec2<float> pair(std::uint32_t dimension) const { return sequence.pair(index, dimension); }

@@ -1,5 +1,5 @@
 // Directions as floats in messages.  Lights compute in double.  Value and density in an answer must
-// belong to the direction that the caller reads, which three floats hold.
+// belong to the three floats that the caller reads.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@
 
 namespace lucerna {
 
-/// The unit vector, in double, that three floats of a message mean.
+/// The unit vector, in double, of three floats in a message.
 inline Vec3<double> direction_of(const Vec3<float>& w) { return normalized(Vec3<double>(w)); }
 
 /// Not inlined: GCC 12 at -O2 drops the rounding where the floats become doubles again.
@@ -18,8 +18,8 @@ inline Vec3<double> direction_of(const Vec3<float>& w) { return normalized(Vec3<
 
 /// Finds floats for the unit vector `w`.  Tries the nearest floats first, then their neighbours,
 /// because rounding may lead over the rim of a light.  Returns the first candidate for which
-/// `holds(direction_of(candidate))`; nothing where the light is narrower than the distance between
-/// directions in floats.
+/// `holds(direction_of(candidate))` is true.  Nothing if the light is narrower than the distance
+/// between directions in floats.
 template <typename F>
 std::optional<Vec3<float>> wire_direction(const Vec3<double>& w, const F& holds) {
   const Vec3<float> nearest = as_floats(w);

@@ -11,8 +11,8 @@ namespace {
 
 constexpr double kInvPi = std::numbers::inv_pi;
 
-/// From here on Russian roulette ends paths, whatever number of bounces was requested.  2^32
-/// bounces between surfaces that absorb nothing would take minutes.
+/// From this depth on, Russian roulette ends paths for any requested number of bounces.  2^32
+/// bounces between surfaces that do not absorb would take minutes.
 constexpr std::uint32_t kLongDepth = 256;
 
 }  // namespace
@@ -56,7 +56,7 @@ LightEstimate PathTracer::reflected(const SurfaceHit& first, const Vec3<float>& 
     const bool last = depth >= last_depth_;
     if (last && !direct_.finds_lights()) return sum;
     if (depth >= (endless_ ? kSafeDepth : kLongDepth)) {
-      // Below 1 even where nothing is absorbed, so that every path ends.
+      // Below 1 even if nothing is absorbed, so that every path ends.
       const double survival = std::min(0.95, throughput.max_component());
       if (sample.at(depth, PathSample::kSurvival).x >= survival) return sum;
       throughput = throughput / survival;

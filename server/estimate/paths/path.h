@@ -13,7 +13,7 @@
 
 namespace lucerna {
 
-/// A ray for radiance queries of lights.  It is not rounded, unlike the ray that is traced.
+/// A ray for radiance queries of lights.  Unlike a traced ray, it is not rounded to floats.
 struct Sight {
   Vec3<double> origin;
   Vec3<double> direction;  ///< unit
@@ -42,7 +42,7 @@ class PathTracer {
   LightEstimate radiance(const Ray& ray, const PathSample& sample, WorkCounts& work) const;
 
   /// Radiance [cd/m2] that the surface at `hit` reflects towards the unit vector `wo`.
-  /// `depth`: number of reflections between the surface and the eye.
+  /// `depth`: number of reflections between the surface and the camera.
   LightEstimate reflected(const SurfaceHit& hit, const Vec3<float>& wo, std::uint32_t depth,
                           const PathSample& sample, WorkCounts& work) const;
 

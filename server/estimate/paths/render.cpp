@@ -66,7 +66,7 @@ class TileEstimator {
   bool stopped() const { return stopped_; }
 
  private:
-  /// Moments of the samples' luminances, which intervals need beside the scatter of the
+  /// Moments of the samples' luminances.  Intervals need them in addition to the scatter of the
   /// blocks.
   struct Moments {
     double sum = 0, sum_of_squares = 0, sum_of_cubes = 0;
@@ -80,8 +80,8 @@ class TileEstimator {
       largest_unshadowed = std::max(largest_unshadowed, unshadowed);
       partly_hidden |= value < unshadowed;
     }
-    /// With so many samples, a mean is close enough to normal that 95% intervals hold in
-    /// 94% of cases: 25 times the squared skewness of the samples.  [Cochran77, 2.15]
+    /// With this many samples, the mean is so close to normal that 95% intervals hold in 94% of
+    /// cases: 25 times the squared skewness of the samples.  [Cochran77, 2.15]
     double least_samples(double count) const {
       const double mean = sum / count, square = sum_of_squares / count;
       const double variance = square - mean * mean;
@@ -172,7 +172,7 @@ class TileEstimator {
       moments->add(luminance(e.value) * scale, luminance(e.unshadowed) * scale);
     }
     work.samples += n;
-    // Squared differences must fit too, so values beyond floats count as the largest float.
+    // Squared differences must fit too, so larger values count as the largest float.
     const auto held = [](double v) {
       constexpr double kLargest = std::numeric_limits<float>::max();
       return v > kLargest ? kLargest : v;

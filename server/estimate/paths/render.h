@@ -33,12 +33,12 @@ struct TileSettings {
   /// Reflections after the surface that the camera sees.  0: direct light only.  Unset: until
   /// Russian roulette ends the path.
   std::optional<std::uint32_t> bounces{};
-  std::optional<double> time_s{};    ///< unset: all of the time that the shutter is open
+  std::optional<double> time_s{};    ///< unset: the whole time that the shutter is open
   std::optional<Shutter> shutter{};  ///< unset: as in the scene file
   Methods methods{};
-  /// Set: each pixel takes its own `samples_per_block`, a power of two, as many as its
-  /// luminance needs.  `first_block` must be 0.  max_samples / block_count is the limit; it
-  /// must be 1 or more.
+  /// If set, each pixel takes its own `samples_per_block`, a power of two, as many as its luminance
+  /// needs.  `first_block` must be 0.  The limit is max_samples / block_count, which must be 1 or
+  /// more.
   std::optional<TargetError> target{};
 };
 
@@ -46,8 +46,8 @@ struct TileResult {
   /// Three channels (R, G, B) for each pixel, rows from the top: radiance [cd/m2] times the
   /// film's scale.
   std::vector<BlockStatistics> channels{};
-  /// With a target error, for each pixel: its number of samples, and an interval that holds
-  /// its converged luminance with the requested confidence, in the unit of the channels.
+  /// With a target error, for each pixel: its number of samples, and an interval for its converged
+  /// luminance with the requested confidence, in the unit of the channels.
   std::vector<std::uint32_t> samples{};
   std::vector<ConfidenceInterval> intervals{};
   WorkCounts work{};

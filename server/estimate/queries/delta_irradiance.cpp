@@ -13,12 +13,12 @@ namespace {
 
 // A chunk takes 0.1 to 8 ms; a light takes 0.01 to 1 us.
 constexpr std::size_t kLightsPerChunk = 8192;
-// Points in a row for each light, because finding the model of a light takes as long as one
-// sample. So many fit the processor's first cache.
+// Number of points in a row for each light, because finding the model of a light takes as long as
+// one sample.  This number fits the processor's first-level cache.
 constexpr std::size_t kAtOnce = 64;
 
-/// Irradiance of light from `wi`.  Computed from reflected radiance as samples are, so that
-/// both have the same bits.
+/// Irradiance of light from `wi`.  Computed from reflected radiance, as for samples, so that both
+/// have the same bits.
 Rgb<double> lux_from(const Vec3<double>& wi, const Rgb<double>& value, const Vec3<double>& normal) {
   const double cosine = dot(normal, wi);
   if (!(cosine > 0)) return {};
@@ -57,14 +57,14 @@ void DeltaIrradiance::settle(std::size_t begin, std::size_t end, WorkCounts& wor
     for (std::size_t s = begin * lights; s < end * lights; ++s)
       set_exact(result_.per_light[s].irradiance_lx, result_.per_light[s]);
   if (settings_.target) {
-    // Each point gets an equal part of the time.  Measured only with a target.
+    // Each point gets an equal part of the time.  The time is measured only with a target.
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
     for (std::size_t p = begin; p < end; ++p)
       result_.costs[p].time_s = took.count() / static_cast<double>(end - begin);
   }
 }
 
-/// Adds light unless something is in its way.  Makes `ray()` only where a ray is needed.
+/// Adds light unless something is in its way.  Calls `ray()` only if a ray is needed.
 template <typename MakeRay>
 [[gnu::always_inline]] inline void DeltaIrradiance::add(std::uint32_t light, std::size_t p,
                                                         const Rgb<double>& lx, bool needs_ray,

@@ -21,8 +21,8 @@ inline bool gathers_reflected_light(const Scene& scene, const IrradianceSettings
 /// once.
 class DeltaIrradiance {
  public:
-  /// Fills `result`, whose arrays have their sizes and contain zeros.  All arguments must
-  /// outlive it.
+  /// Fills `result`.  Its arrays must have their sizes and contain zeros.  All arguments must
+  /// outlive this object.
   DeltaIrradiance(const Scene& scene, std::span<const IrradiancePoint> points,
                   const IrradianceSettings& settings, const std::stop_token& stop,
                   IrradianceResult& result)
@@ -39,7 +39,7 @@ class DeltaIrradiance {
 
   std::size_t points_per_chunk() const;
 
-  /// Answers points [begin, end).  Where `stop` is requested, some points stay unanswered.
+  /// Computes points [begin, end).  If `stop` is requested, some points may be missing.
   WorkCounts range(std::size_t begin, std::size_t end) const;
 
  private:

@@ -45,14 +45,14 @@ RayValues values_of(const SampleLeQuery& q, std::size_t i) {
   return v;
 }
 
-/// Whether a density is 0 (the choice is certain) or a float holds all of its digits.
+/// Whether a density is 0 (the choice is certain) or a normal float.
 bool fits_float(double density) {
   const auto rounded = static_cast<float>(density);
   return density == 0 || (rounded >= std::numeric_limits<float>::min() && std::isfinite(rounded));
 }
 
 /// Rounds origin and direction of a sampled ray to the floats of the answer.  Sets value and
-/// densities to those of the rounded ray, so that PdfLe of it returns the same densities.
+/// densities to those of the rounded ray, so that PdfLe returns the same densities for it.
 void set_wire_ray(const LightAtTime& light, const SceneSphere& scene, EmissionSample<double>& s) {
   if (s.reason != NoLight::kNone) return;
   const Vec3<double> origin(as_floats(s.origin));

@@ -22,17 +22,16 @@ struct LeQuery {
 /// Arrays to fill, with one entry (or three) for each ray.  All start as zeros.
 struct LeAnswer {
   float* radiance_cd_m2;
-  /// The light that shines along the ray: the first one of several infinite lights; 0 for
-  /// none.
+  /// The light that the ray meets, the first one of several infinite lights; 0 for none.
   std::uint64_t* light_ids;
   int* status;                         ///< ItemResult
   float* spectral_radiance = nullptr;  ///< one for each wavelength, ray by ray
 };
 
-/// Radiance that arrives against each ray: from the first surface that it meets or, where it
-/// meets none, from the infinite lights.  A surface that the ray's start lies on, within the
-/// default position error, is not met.  Surfaces hide lights behind them, also where `light` is
-/// set.  kOutOfRange where a sum does not fit a float, at some wavelength.
+/// Radiance that arrives from the direction of each ray: from the first surface that it meets or,
+/// if it meets none, from the infinite lights.  The surface at the ray's start, within the default
+/// position error, is ignored.  Surfaces hide lights behind them, even if `light` is set.
+/// kOutOfRange if a sum, or its value at a wavelength, does not fit a float.
 WorkCounts le(const Scene& scene, const LeQuery& query, const LeAnswer& answer,
               std::stop_token stop);
 
@@ -41,7 +40,7 @@ struct SampleLeQuery {
   std::optional<std::uint32_t> light{};  ///< index; unset: chosen for each ray
   std::optional<SeedRange> seed{};       ///< set: `u` and `u_light` are not read
   std::span<const float> u{};  ///< four for each ray (position, direction), in [0, 1] or not finite
-  std::span<const double> u_light{};  ///< one for each ray, in [0, 1); only where `light` is unset
+  std::span<const double> u_light{};  ///< one for each ray, in [0, 1); only if `light` is unset
   double time_s = 0;
   std::span<const double> wavelengths_nm{};
 };
@@ -54,8 +53,8 @@ struct SampleLeAnswer {
   float* value;
   float* pdf_position_per_m2;
   float* pdf_direction_per_sr;
-  std::uint64_t* light_ids;         ///< where the light is chosen
-  double* selection_probability;    ///< where the light is chosen
+  std::uint64_t* light_ids;         ///< if the light is chosen
+  double* selection_probability;    ///< if the light is chosen
   int* status;                      ///< ItemResult
   float* spectral_value = nullptr;  ///< one for each wavelength, ray by ray
 };

@@ -16,12 +16,12 @@ namespace {
 
 constexpr std::size_t kRays = 16;
 constexpr std::size_t kLeastLeaving = 4;
-// A point outside of all shapes needs no more rays than this.
+// If none of this many rays leaves a shape, the point is outside of all shapes.
 constexpr std::size_t kFirstRays = 8;
-// A ray through more surfaces proves nothing.
+// A ray through more surfaces is not followed to its end.
 constexpr int kMostCrossings = 64;
 constexpr int kMostLights = 64;
-// Just before a surface, as a part of the way to it.
+// A place just before a surface, as a part of the way to it.
 constexpr float kJustBefore = 0.999F;
 constexpr std::size_t kPointsPerChunk = 8;
 
@@ -39,11 +39,11 @@ std::array<Vec3<float>, kRays> spread_directions() {
   return directions;
 }
 
-/// What a ray crosses.
+/// The surfaces that a ray crosses.
 struct Crossings {
   struct OfShape {
     std::uint64_t shape;
-    int leaving;         // crossings by the side of the normals less those by the other side
+    int leaving;         // crossings from back to front, minus those from front to back
     std::int32_t light;  // of the shape; -1: none
   };
   std::vector<OfShape> shapes;
@@ -56,7 +56,7 @@ struct Crossings {
   }
 };
 
-/// Nothing where there are too many.
+/// The crossings of a ray; nothing if there are too many.
 std::optional<Crossings> crossings(const Scene& scene, const Vec3<double>& from,
                                    const Vec3<float>& direction, double time_s,
                                    float t_max = std::numeric_limits<float>::infinity()) {
@@ -75,14 +75,14 @@ std::optional<Crossings> crossings(const Scene& scene, const Vec3<double>& from,
       found.shapes.push_back({hit->shape, leaving, hit->light});
     }
     if (!found.first) found.first = hit;
-    // Beyond the rounding of t: an edge of two triangles counts once.
+    // Continue behind the rounding of t, so that an edge of two triangles counts once.
     ray.t_min = next_up(hit->t * (1 + 4 * std::numeric_limits<float>::epsilon()));
     if (!(ray.t_min < ray.t_max)) return found;
   }
   return std::nullopt;
 }
 
-/// The rays from one point, and what they say about shapes.
+/// The rays from one point, and the shapes that they cross.
 class Surroundings {
  public:
   Surroundings(const Scene& scene, const IrradiancePoint& point, double time_s)
@@ -140,14 +140,14 @@ class Surroundings {
                        [&](std::size_t i) { return ends_inside(shape, i, leaving); });
   }
 
-  /// Whether ray `i`, on which the shape's own surface was not found, is inside of the shape up to
-  /// the surface that it meets: by most of the rays that lead away from there.
+  /// Whether ray `i`, which did not meet the shape's own surface, is inside of the shape when it
+  /// meets another surface.  Most of the rays that lead away from that place decide.
   bool ends_inside(std::uint64_t shape, std::size_t i,
                    const std::vector<std::size_t>& leaving) const {
     if (!along_[i].first) return false;
     const Vec3<double> end =
         from_ + Vec3<double>(directions()[i]) * double{kJustBefore * along_[i].first->t};
-    // A ray that leads on towards the surface may meet it as well, or one beside it.
+    // Use only rays that lead away from the surface.  Others may meet it too, or one beside it.
     const Vec3<double> normal = along_[i].first->ng;
     const double side = dot(normal, Vec3<double>(directions()[i]));
     std::size_t away = 0, inside = 0;
@@ -189,7 +189,7 @@ class Surroundings {
   Vec3<double> from_;
   double time_s_;
   std::vector<Crossings> along_;
-  bool complete_ = false;  // false: the point is on a surface, or outside, or nobody can say
+  bool complete_ = false;  // false: the point is on a surface, outside, or not decided
 };
 
 }  // namespace

@@ -23,15 +23,15 @@ namespace lucerna {
 namespace {
 
 constexpr std::uint32_t kSamplesBetweenPolls = 64;
-// Closed forms and shafts take as long as so many samples.
+// Closed forms and shafts take as long as this many samples.
 constexpr std::uint64_t kSamplesPerShafts = 4;
 // A chunk takes 0.1 to 10 ms; a sample takes 0.5 to 40 us.
 constexpr std::uint64_t kSamplesPerChunk = 256;
 
-/// The light of a point that needs no samples, and what remains to sample.
+/// The light of a point that does not need samples, and the light that remains to be sampled.
 struct Settled {
   Rgb<double> exact;                // [lx]
-  LightSet lights{};                // whose direct light is part of `exact`
+  LightSet lights{};                // their direct light is part of `exact`
   std::vector<Rgb<double>> shares;  // of each light, with `per_light` [lx]
   BySpectrum by_spectrum;           // of `exact`
   Spending spending{};
@@ -106,12 +106,12 @@ class IrradianceEstimator {
       per_block = needed_per_block(p, receiver, settled, work);
       if (settled.spending == Spending::kDrawn &&
           spending(samples_of(per_block)) != settled.spending) {
-        // With so many samples, settling delta lights costs less.
+        // With this many samples, settling delta lights costs less.
         settled = settle(receiver, samples_of(per_block), work);
         if (settled.needs_samples) per_block = needed_per_block(p, receiver, settled, work);
       }
-      // A query with this sample count and no target settles the same lights.  So the
-      // count is raised to the least one for which they are settled.
+      // A query with this sample count and no target must settle the same lights.  So the count is
+      // raised to the least one that settles them.
       if (spending(samples_of(per_block)) != settled.spending) per_block = settling_per_block();
     }
     put_exact(p, settled);
@@ -173,7 +173,7 @@ class IrradianceEstimator {
   Spending spending(std::uint64_t samples) const {
     return settings_.per_light ? Spending::kEach : direct_.spending_at_receiver(samples);
   }
-  /// Settles a point that will take so many samples.
+  /// Settles light of a point that will take this many samples.
   Settled settle(const SurfaceHit& receiver, std::uint64_t samples, WorkCounts& work) const {
     Settled s{.exact = {},
               .shares = std::vector<Rgb<double>>(settings_.per_light ? scene_.lights().size() : 0),
@@ -245,16 +245,15 @@ class IrradianceEstimator {
     groups.add(number ? *number + 1 : 0, lx);
   }
 
-  /// Closed forms are not worth their time with few samples where reflected light has an
-  /// error anyway.
+  /// Closed forms do not pay if there are few samples and reflected light has an error anyway.
   bool uses_closed_forms(std::uint64_t samples) const {
     if (!direct_.uses_closed_forms(true)) return false;
     return settings_.methods.closed_forms != ClosedForms::kAutomatic || !gather_indirect_ ||
            samples >= kSamplesPerShafts;
   }
 
-  /// Settles light that needs no samples: lights of one direction, where each light is
-  /// visited, and lights in closed form.  Returns false where lights remain.
+  /// Settles light that does not need samples: lights of one direction, if each light is visited,
+  /// and lights in closed form.  Returns false if lights remain.
   bool settle_lights(const SurfaceHit& receiver, std::uint64_t samples, Settled& to,
                      WorkCounts& work) const {
     const Vec3<float>& n = receiver.ns;
@@ -296,7 +295,8 @@ class IrradianceEstimator {
     add_to(to.by_spectrum, light, lx.value);
   }
 
-  /// Adds what a direction of the receiver finds: lights, and light that surfaces reflect.
+  /// Adds the light that a direction of the receiver finds: lights, and light that surfaces
+  /// reflect.
   void gather(const SurfaceHit& receiver, const PathSample& s, const Settled& settled,
               LightEstimate& sum, Sampled& to, WorkCounts& work) const {
     const Vec3<float>& n = receiver.ns;
@@ -315,8 +315,8 @@ class IrradianceEstimator {
         const Rgb<double> e = le * weight(light, hit);
         add(light, {e, e}, sum, to);
       });
-      // Light behind an obstacle counts as hidden.  Where light samples choose only what
-      // exceeds a light's mean, nothing else may show that the light exists.
+      // Light behind an obstacle counts as hidden.  Light samples may choose only values above a
+      // light's mean.  Then only this shows that the light exists.
       if (hit)
         tracer_.for_each_emitter(ray, std::nullopt,
                                  [&](std::uint32_t light, const Rgb<double>& le) {

@@ -37,16 +37,16 @@ struct IrradianceSettings {
   std::uint64_t first_item = 0;         ///< number of points[0] in the caller's set
   std::uint32_t samples_per_block = 1;  ///< at most 2^28
   std::uint32_t block_count = 1;        ///< independent replicates; 1: no standard error
-  /// Set: each point takes its own `samples_per_block`, as many as the target needs.
-  /// max_samples / block_count is the limit; it must be 1 or more.  Intervals have the
-  /// target's `confidence`, else kConfidence.
+  /// If set, each point takes its own `samples_per_block`, as many as the target needs. The limit
+  /// is max_samples / block_count, which must be 1 or more.  Intervals have the target's
+  /// `confidence`, else kConfidence.
   std::optional<TargetError> target{};
   std::optional<std::uint32_t> bounces{};  ///< 0: direct light only; unset: all
-  bool per_light = false;                  ///< direct light of each light beside the total
+  bool per_light = false;                  ///< also the direct light of each light
   double time_s = 0;
   Methods methods{};
-  /// Direct light at these wavelengths beside the total.  Requires bounces = 0, because
-  /// surfaces have no spectra.
+  /// Also direct light at these wavelengths.  Requires bounces = 0, because surfaces have no
+  /// spectra.
   std::span<const double> wavelengths_nm{};
 };
 
@@ -55,10 +55,9 @@ struct IrradianceEstimate {
   Rgb<double> standard_error_lx;  ///< of each channel; infinite where block_count is 1 and the
                                   ///< answer not exact
   double illuminance_error_lx{};  ///< standard error of the luminance; infinite in the same cases
-  /// Holds the converged illuminance with the confidence of the settings.
+  /// Interval for the converged illuminance, with the confidence of the settings.
   ConfidenceInterval illuminance_lx;
-  /// Upper bound of the illuminance where every sample was 0 but light may have been missed,
-  /// else 0.
+  /// Upper bound of the illuminance if every sample was 0 but light may have been missed, else 0.
   double zero_bound_lx = 0;
   bool exact = false;  ///< standard error 0 because nothing was sampled
 };
@@ -75,8 +74,7 @@ struct IrradianceResult {
   /// Direct light of light l at point p: [p * lights + l].  Empty without `per_light`.
   std::vector<IrradianceEstimate> per_light;
   std::vector<PointCost> costs;  ///< of each point
-  /// At wavelength k of point p: [p * wavelengths + k] [W/m2/nm].  From the samples of the
-  /// total.
+  /// At wavelength k of point p: [p * wavelengths + k] [W/m2/nm].  Uses the samples of the total.
   std::vector<double> spectral;
   std::vector<double> spectral_error;  ///< standard errors; 0 with one block
   WorkCounts work;

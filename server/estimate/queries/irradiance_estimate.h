@@ -40,12 +40,12 @@ struct Estimate {
     blocks.add({v.r, v.g, v.b, luminance(v)});
     block_sum = {};
   }
-  /// `exact`: light beside the samples that needed no sampling [lx].
+  /// `exact`: additional light that did not need sampling [lx].
   IrradianceEstimate result(const Rgb<double>& exact, double block_count,
                             const IntervalRule& rule) const;
 };
 
-/// Sets an answer that needed no samples [lx].
+/// Sets an answer that did not need samples [lx].
 inline void set_exact(Rgb<double> exact, IrradianceEstimate& e) {
   e.irradiance_lx = exact;
   e.exact = true;
@@ -70,7 +70,7 @@ inline IrradianceEstimate Estimate::result(const Rgb<double>& exact, double bloc
   const ConfidenceInterval sampled_lx = rule.interval(
       {mean(3), standard_error(3), sum_of_squares, largest_unshadowed, partly_hidden});
   e.illuminance_lx = {exact_lx + sampled_lx.lower, exact_lx + sampled_lx.upper};
-  // Without shadows no light can have been missed.
+  // If no sample found light even without shadows, no light was missed.
   if (!(mean(3) > 0) && largest_unshadowed > 0) e.zero_bound_lx = e.illuminance_lx.upper;
   return e;
 }

@@ -61,7 +61,7 @@ class LiAnswerWriter {
     store(a_.light_offsets_m, i, offset);
     a_.distance_m[i] = distance;
     put_result(i, ItemResult::kOk);
-    // Last: a byte may alias anything, so the compiler loads everything again after it.
+    // Written last: a byte may alias anything, so the compiler loads everything again after it.
     set_bit(a_.delta, i);
     return true;
   }
@@ -73,8 +73,7 @@ class LiAnswerWriter {
   }
 
  private:
-  /// Whether a float holds all digits of a density.  A density that underflows would divide
-  /// by 0.
+  /// Whether a density is a normal float.  Dividing by a density that underflows would divide by 0.
   static bool is_normal_float(double density) {
     const auto rounded = static_cast<float>(density);
     return rounded >= std::numeric_limits<float>::min() && std::isfinite(rounded);

@@ -88,7 +88,7 @@ std::optional<std::vector<std::uint32_t>> samples_needed(
     const LiSampler& sampler, std::size_t receivers, const TargetError& target,
     std::uint32_t replicates, const std::stop_token& stop, WorkCounts& work) {
   std::vector<std::uint32_t> needed(receivers);
-  if (sampler.says_all_at_once()) return needed;
+  if (sampler.needs_one_sample()) return needed;
   Pilots pilots(sampler, target, replicates, stop);
   std::mutex mutex;
   parallel_chunks(receivers, 1, stop, [&](std::size_t begin, std::size_t end) {
@@ -106,7 +106,7 @@ std::optional<std::vector<std::uint32_t>> samples_needed(
 std::vector<std::uint32_t> equally_many(const LiSampler& sampler, std::size_t receivers,
                                         std::uint32_t samples_per_replicate) {
   std::vector<std::uint32_t> each(receivers);
-  if (sampler.says_all_at_once()) return each;
+  if (sampler.needs_one_sample()) return each;
   for (std::size_t r = 0; r < receivers; ++r)
     if (sampler.receiver_result(r) == ItemResult::kOk) each[r] = samples_per_replicate;
   return each;
@@ -114,7 +114,7 @@ std::vector<std::uint32_t> equally_many(const LiSampler& sampler, std::size_t re
 
 namespace {
 
-/// kInvalidInput or kOutOfRange where one of the samples is, else kOk.
+/// kInvalidInput or kOutOfRange if one of the samples is, else kOk.
 ItemResult result_of(std::span<const int> status) {
   ItemResult of_all = ItemResult::kOk;
   for (const int s : status) {

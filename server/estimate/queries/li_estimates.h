@@ -13,10 +13,10 @@
 
 namespace lucerna {
 
-/// The samples in each of `replicates` that each receiver needs for `target`, independent of
-/// the other receivers.  0 where one sample is enough (one_sample_says_all) or the receiver is
-/// invalid.  Pilot samples come from replicates that no answer uses.  Requires the query's
-/// `seed`.  Adds the cost to `work`.  Nothing where it was stopped.
+/// The number of samples in each of `replicates` that each receiver needs for `target`, independent
+/// of the other receivers.  0 if one sample is enough (one_sample_is_enough) or the receiver is
+/// invalid.  Pilot samples come from replicates that no answer uses.  Requires the query's `seed`.
+/// Adds the cost to `work`.  Nothing if it was stopped.
 std::optional<std::vector<std::uint32_t>> samples_needed(
     const LiSampler& sampler, std::size_t receivers, const TargetError& target,
     std::uint32_t replicates, const std::stop_token& stop, WorkCounts& work);
@@ -27,9 +27,9 @@ std::vector<std::uint32_t> equally_many(const LiSampler& sampler, std::size_t re
 
 /// Estimates for each receiver.
 struct LiEstimates {
-  /// Irradiance where the receivers have normals, else spherical irradiance.
+  /// Irradiance if the receivers have normals, else spherical irradiance.
   std::vector<IrradianceEstimate> points;
-  /// kInvalidInput or kOutOfRange where one of the samples has it, else kOk.
+  /// kInvalidInput or kOutOfRange if one of the samples has it, else kOk.
   std::vector<ItemResult> results;
   /// At wavelength k of receiver r: [r * wavelengths + k] [W/m2/nm]; and standard errors.
   std::vector<double> spectral, spectral_error;

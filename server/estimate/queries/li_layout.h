@@ -21,8 +21,7 @@ class LiLayout {
   /// `samples` of each receiver, in one replicate.
   LiLayout(std::size_t receivers, std::uint32_t samples)
       : replicates_(1), each_(samples), size_(receivers * samples) {}
-  /// `replicates` of samples_per_replicate[r] samples of receiver r; one sample where that is
-  /// 0.
+  /// `replicates` of samples_per_replicate[r] samples of receiver r; one sample if that is 0.
   LiLayout(std::span<const std::uint32_t> samples_per_replicate, std::uint32_t replicates);
 
   std::size_t size() const { return size_; }
@@ -38,8 +37,8 @@ class LiLayout {
   LiPlace own_place(std::size_t i) const;
 
   std::uint32_t replicates_;
-  std::size_t each_ = 0;               // where all receivers have the same number
-  std::vector<std::size_t> begins_{};  // of each receiver, and the end; where the numbers differ
+  std::size_t each_ = 0;               // if all receivers have the same number
+  std::vector<std::size_t> begins_{};  // of each receiver, and the end; if the numbers differ
   std::size_t size_ = 0;
 };
 

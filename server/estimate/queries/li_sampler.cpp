@@ -17,7 +17,7 @@ namespace lucerna {
 namespace {
 
 /// Rounds the direction of a sample of an infinite light to the floats of the answer.  Sets value
-/// and density to those of the rounded direction, so that PdfLi and Le of it return the same.
+/// and density to those of the rounded direction, so that PdfLi and Le return the same for it.
 void set_wire_wi(const LightAtTime& light, const Receiver<double>& receiver,
                  LightSample<double>& sample) {
   if (sample.reason != NoLight::kNone || sample.delta) return;
@@ -39,7 +39,7 @@ struct LiSampler::Pending {
   ScenePoint receiver;
   Vec3<double> normal;
   Vec2<double> u;
-  std::optional<LightChoice> choice{};   // nothing: the light is named, or none can be chosen
+  std::optional<LightChoice> choice{};   // nothing: the light is named, or no light can be chosen
   std::optional<std::uint32_t> light{};  // nothing: no light can be chosen
   bool sampled = false;
   LightSample<double> sample;
@@ -56,22 +56,22 @@ LiSampler::LiSampler(const Scene& scene, const SampleLiQuery& query)
       to_scene_(scene, query.receivers, query.test_visibility ? query.position_error_m : 0.0F),
       light_shift_m_(scene.origin() - query.receivers.origin_m) {}
 
-bool LiSampler::says_all_at_once() const { return one_sample_says_all(scene_, q_.light); }
+bool LiSampler::needs_one_sample() const { return one_sample_is_enough(scene_, q_.light); }
 
-bool LiSampler::asks_one_light() const {
+bool LiSampler::names_one_light() const {
   return q_.light && !q_.test_visibility && q_.wavelengths_nm.empty();
 }
 
 std::size_t LiSampler::grain() const {
   // A chunk takes 0.1 to 5 ms: a sample takes 0.01 to 0.6 us, or 0.2 to 5 us with a chunk in
   // memory.
-  return asks_one_light() ? 8192 : 512;
+  return names_one_light() ? 8192 : 512;
 }
 
 WorkCounts LiSampler::fill(const LiLayout& layout, std::size_t begin, std::size_t end,
                            const SampleLiAnswer& answer, LiShare* shares) const {
   const LiAnswerWriter writer(answer, light_shift_m_);
-  if (asks_one_light()) {
+  if (names_one_light()) {
     with_fast_light(scene_.lights()[*q_.light], q_.time_s, [&](const auto& light) {
       fill_from(light, layout, begin, end, writer, shares);
     });
@@ -133,7 +133,7 @@ ItemResult LiSampler::receiver_result(std::size_t receiver) const {
   return at(receiver).point.result;
 }
 
-/// The receiver as lights take it.
+/// The receiver in the form that lights use.
 Receiver<double> LiSampler::receiver_of(const ScenePoint& point, const Vec3<double>& normal) const {
   Receiver<double> r(point.position);
   r.normal = normal;
@@ -145,8 +145,8 @@ SampleSequence LiSampler::sequence_of(const LiPlace& place) const {
   return {q_.methods.sampler, q_.seed->seed, q_.seed->first_item + place.receiver, place.replicate};
 }
 
-/// The random numbers that place sample `i` on its light.  Nothing where those of the query are
-/// not finite.
+/// The random numbers that place sample `i` on its light.  Nothing if those of the query are not
+/// finite.
 [[gnu::always_inline]] inline std::optional<Vec2<double>> LiSampler::point_of(const LiPlace& place,
                                                                               std::size_t i) const {
   if (q_.seed) {
@@ -196,7 +196,7 @@ void LiSampler::prepare_all(const LiLayout& layout, std::size_t begin,
   }
 }
 
-/// A sample as the answer holds it.
+/// A sample with the precision of the answer.
 template <typename L>
 [[gnu::always_inline]] inline LightSample<double> LiSampler::sample(
     const L& light, const Receiver<double>& receiver, Vec2<double> u) const {
@@ -353,7 +353,7 @@ WorkCounts LiSampler::test(std::size_t begin, const std::vector<Pending>& chunk,
 /// Whether rays may start on surfaces of unknown normal.
 bool LiSampler::starts_loose() const { return q_.normals.empty() && !q_.position_error_m; }
 
-/// What the light's shadow map returns; nothing where a ray is needed.
+/// The result of the light's shadow map; nothing if a ray is needed.
 std::optional<bool> LiSampler::by_map(const Pending& p, const Ray& ray, WorkCounts& work) const {
   if (!p.light) return std::nullopt;
   const auto occluded = visibility_.by_map(*p.light, p.receiver.position, p.normal);
@@ -368,7 +368,7 @@ std::optional<bool> LiSampler::by_map(const Pending& p, const Ray& ray, WorkCoun
   return occluded;
 }
 
-bool one_sample_says_all(const Scene& scene, std::optional<std::uint32_t> light) {
+bool one_sample_is_enough(const Scene& scene, std::optional<std::uint32_t> light) {
   const auto& lights = scene.lights();
   if (lights.empty()) return true;
   if (!light && lights.size() > 1) return false;

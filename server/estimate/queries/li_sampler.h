@@ -16,8 +16,8 @@ namespace lucerna {
 
 /// The contribution of one sample to the light at its receiver.
 struct LiShare {
-  /// cosine / (pdf p), for delta lights cosine / p.  Without a normal there is no cosine.  0
-  /// where the light is not visible.
+  /// cosine / (pdf p), for delta lights cosine / p.  Without a normal there is no cosine.  0 if the
+  /// light is not visible.
   double weight = 0;
   /// Irradiance, or spherical irradiance without a normal [lx].
   LightEstimate lx{};
@@ -35,11 +35,11 @@ class LiSampler {
                   const SampleLiAnswer& answer, LiShare* shares) const;
   /// Entries in a chunk; a multiple of 8.
   std::size_t grain() const;
-  /// Samples that no answer holds: only their contributions.
+  /// Takes samples that are not part of an answer and returns only their contributions.
   WorkCounts take(std::span<const LiPlace> places, std::span<LiShare> shares) const;
 
-  /// one_sample_says_all() for the query.
-  bool says_all_at_once() const;
+  /// one_sample_is_enough() for the query.
+  bool needs_one_sample() const;
   /// The status of a receiver before any sample.
   ItemResult receiver_result(std::size_t receiver) const;
 
@@ -51,7 +51,7 @@ class LiSampler {
   struct Pending;
 
   /// Whether the query names one light and needs no visibility and no spectra.
-  bool asks_one_light() const;
+  bool names_one_light() const;
   inline At at(std::size_t receiver) const;
   Receiver<double> receiver_of(const ScenePoint& point, const Vec3<double>& normal) const;
   SampleSequence sequence_of(const LiPlace& place) const;
@@ -88,12 +88,12 @@ class LiSampler {
   Vec3<double> light_shift_m_;  // the scene's origin about the receivers' origin
 };
 
-/// Whether all samples of a receiver are equal: in a scene without lights, and for a delta
-/// light that is named or is the only one.  `light`: as in SampleLiQuery.
-bool one_sample_says_all(const Scene& scene, std::optional<std::uint32_t> light);
+/// Whether all samples of a receiver are equal.  This holds in a scene without lights, and for a
+/// delta light that is named or is the only one.  `light`: as in SampleLiQuery.
+bool one_sample_is_enough(const Scene& scene, std::optional<std::uint32_t> light);
 
 /// Fills an answer of `layout`.  `shares`: empty, or one for each sample.  Runs in the caller's
-/// oneTBB arena.  Stops early where `stop` is requested.
+/// oneTBB arena.  Stops early if `stop` is requested.
 WorkCounts fill_samples(const LiSampler& sampler, const LiLayout& layout,
                         const SampleLiAnswer& answer, std::span<LiShare> shares,
                         const std::stop_token& stop);

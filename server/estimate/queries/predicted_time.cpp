@@ -8,7 +8,7 @@
 namespace lucerna {
 namespace {
 
-// Of one item [s].
+// Time of one item [s].
 constexpr double kLeSeconds = 1.5e-6;
 constexpr double kEmissionSeconds = 500e-9;
 constexpr double kPdfSeconds = 200e-9;
@@ -21,9 +21,9 @@ constexpr double kPowerRaySeconds = 300e-9;
 constexpr double kDirectSampleSeconds = 2e-6;
 constexpr double kPathSampleSeconds = 8e-6;
 constexpr double kSpectrumSeconds = 200e-9;  // a spectrum at a wavelength
-// Shafts of a scene, at first use.
+// Time to make the shafts of a scene, at first use.
 constexpr double kShaftsSeconds = 1e-3;
-// Lights that a sample of irradiance visits, unless each has a share of its own.
+// Lights that a sample of irradiance visits, unless each light has its own share.
 constexpr double kVisitedLights = 8;
 
 double each(std::size_t items, double seconds) { return static_cast<double>(items) * seconds; }
@@ -75,7 +75,7 @@ double irradiance_fixed_seconds(const Scene& scene, const IrradianceSettings& se
   double seconds = first_use_seconds(scene, settings.methods) +
                    each(spectra * settings.wavelengths_nm.size(),
                         kSpectrumSeconds + each(points, kWavelengthSeconds));
-  // So a thread of gRPC does not make the shafts.
+  // With this time, a thread of gRPC does not make the shafts.
   if (scene.has_visible_lights() && settings.methods.closed_forms != ClosedForms::kOff)
     seconds += kShaftsSeconds;
   return seconds;

@@ -13,7 +13,7 @@
 namespace lucerna {
 namespace {
 
-/// The receiver as lights take it; `normal`: unit or zero.
+/// The receiver in the form that lights use; `normal`: unit or zero.
 Receiver<double> receiver_of(const ScenePoint& p, const Vec3<double>& normal, AreaSampling way) {
   Receiver<double> r(p.position);
   r.normal = normal;

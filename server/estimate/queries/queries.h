@@ -62,21 +62,19 @@ inline bool is_direction(const Vec3<float>& v) { return is_finite(v) && v != Vec
 
 /// A point of a batch, about the scene's origin.
 struct ScenePoint {
-  Vec3<double> position;  ///< within floats
-  float error = 0;        ///< error bound of each coordinate, rounding to float included [m]
+  Vec3<double> position;  ///< within the range of floats
+  float error = 0;        ///< error bound of each coordinate, including rounding to float [m]
   ItemResult result = ItemResult::kOk;
 };
 
 /// Converts points of one batch to scene coordinates, in double.
 class ToScene {
  public:
-  /// `position_error_m`: unset for the default, 4 ulps.  The default is 2^-21 of the largest
-  /// coordinate among offset and scene position, and 2^-50 of the origin's, which is a
-  /// double.
+  /// `position_error_m`: unset for the default, 4 ulps.  This is 2^-21 of the largest coordinate of
+  /// offset and scene position, plus 2^-50 of that of the origin, which is a double.
   ToScene(const Scene& scene, const PointArray& points, std::optional<float> position_error_m);
 
-  /// kInvalidInput where an offset is not finite, kOutOfRange where the result does not fit
-  /// floats.
+  /// kInvalidInput if an offset is not finite, kOutOfRange if the result does not fit floats.
   [[gnu::always_inline]] ScenePoint operator()(std::size_t i) const {
     ScenePoint p;
     const Vec3<float> offset = triple(offsets_m_, i);
@@ -141,16 +139,16 @@ struct SampleLiAnswer {
   float* pdf_per_sr;
   std::uint8_t* delta;              ///< bits
   std::uint8_t* visible;            ///< bits, with `test_visibility`
-  std::uint64_t* light_ids;         ///< where the light is chosen
-  double* selection_probability;    ///< where the light is chosen
+  std::uint64_t* light_ids;         ///< if the light is chosen
+  double* selection_probability;    ///< if the light is chosen
   int* status;                      ///< ItemResult
   float* spectral_value = nullptr;  ///< one for each wavelength, sample by sample
 };
 
-/// A sample is kBlack, with light 0 and selection probability 1, where no light can be chosen:
-/// in a scene without lights, or where none of the remaining lights reaches the receiver.  A
+/// If no light can be chosen, a sample is kBlack, with light 0 and selection probability 1.  This
+/// happens in a scene without lights, or if none of the remaining lights reaches the receiver.  A
 /// sample whose value at some wavelength does not fit a float is kOutOfRange, with value 0.
-/// Stops early where `stop` is requested; the answer is then incomplete.
+/// Stops early if `stop` is requested; the answer is then incomplete.
 WorkCounts sample_li(const Scene& scene, const SampleLiQuery& query, const SampleLiAnswer& answer,
                      std::stop_token stop);
 
@@ -173,8 +171,8 @@ Power light_power(const Scene& scene, std::uint32_t light);
 /// The textbook formula for the power, with its difference from the power as its error [lm].
 Power light_power_approximate(const Scene& scene, std::uint32_t light);
 
-/// The reflections after the first surface that the scene file requests.  A path of length 1
-/// (pbrt's maxdepth) is direct light.  Nothing where the file has no value.
+/// The number of reflections after the first surface that the scene file requests.  A path of
+/// length 1 (pbrt's maxdepth) is direct light.  Nothing if the file has no value.
 std::optional<std::uint32_t> hinted_bounces(const Scene& scene);
 
 }  // namespace lucerna

@@ -97,7 +97,7 @@ class PowerEstimator {
     return result;
   }
 
-  /// The mean power of `n` rays [lm]; nothing where it was stopped.
+  /// The mean power of `n` rays [lm]; nothing if it was stopped.
   std::optional<Rgb<double>> block(const LightAtTime& light, const SobolSequence& points,
                                    std::uint32_t n, LightRun& run) {
     const SceneSphere sphere = scene_.sphere();
@@ -159,8 +159,7 @@ SampledPowers sample_powers(const Scene& scene, std::span<const std::uint32_t> l
   result.work.samples = estimator.samples();
   if (result.stopped) return result;
 
-  // Lights are independent, so sums over lights of blocks of the same number are independent
-  // too.
+  // Lights are independent.  So the sums over lights for each block number are independent too.
   BlockStream<1> stream(0);
   for (std::uint32_t b = 0; b < settings.block_count; ++b) {
     CompensatedSum sum;
@@ -179,7 +178,7 @@ SampledPowers sample_powers(const Scene& scene, std::span<const std::uint32_t> l
   result.total.standard_error_lm = settings.block_count > 1
                                        ? std::sqrt(total.deviation / (count * (count - 1)))
                                        : std::numeric_limits<double>::infinity();
-  // Rays of all lights together are not rare events: treated as equal samples.
+  // The rays of all lights together are not rare events, so they count as equal samples.
   const std::uint64_t samples = std::max<std::uint64_t>(1, result.total.samples);
   result.total.interval_lm = estimator.interval(
       {mean, result.total.standard_error_lm, mean * mean * static_cast<double>(samples), mean},

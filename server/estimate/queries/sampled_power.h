@@ -17,16 +17,16 @@ struct SampledPowerSettings {
   std::uint64_t seed = 0;
   std::uint32_t samples_per_block = 1;  ///< at most 2^28
   std::uint32_t block_count = 16;       ///< independent replicates; 1: no standard error
-  /// Set: each light takes its own `samples_per_block`, as many as the target needs.
-  /// max_samples / block_count is the limit; it must be 1 or more.  Intervals have the
-  /// target's `confidence`, else kConfidence.
+  /// If set, each light takes its own `samples_per_block`, as many as the target needs. The limit
+  /// is max_samples / block_count, which must be 1 or more.  Intervals have the target's
+  /// `confidence`, else kConfidence.
   std::optional<TargetError> target{};
 };
 
 struct SampledPower {
   Rgb<double> lumens;
-  double standard_error_lm = 0;    ///< of the luminous flux; infinite where block_count is 1
-  ConfidenceInterval interval_lm;  ///< holds the luminous flux with the confidence
+  double standard_error_lm = 0;    ///< of the luminous flux; infinite if block_count is 1
+  ConfidenceInterval interval_lm;  ///< for the luminous flux, with the confidence of the settings
   std::uint64_t samples = 0;       ///< samples of the estimate
 };
 

@@ -5,7 +5,7 @@
 
 namespace lucerna {
 namespace {
-// Scenes have a few spectra.  Of a million spectra not all are kept.
+// Scenes usually have a few spectra.  This limits memory if there are a million.
 constexpr std::size_t kMostKept = 256;
 }  // namespace
 

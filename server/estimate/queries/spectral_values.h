@@ -1,9 +1,8 @@
 // Spectral values of lights from their RGB values.
 //
-// A light with a spectrum has at each wavelength the luminance of its value times the spectrum
-// per lumen.  A light with RGB values has a smooth spectrum that looks like its value
-// (rgb_basis_per_lumen).  Both are linear, so they apply to sums of values, to fluxes and to
-// irradiances.
+// At each wavelength, a light with a spectrum has the luminance of its value times the spectrum per
+// lumen.  A light with RGB values has a smooth spectrum of the same colour (rgb_basis_per_lumen).
+// Both are linear, so they apply to sums of values, to fluxes and to irradiances.
 #pragma once
 
 #include <cstdint>
@@ -31,7 +30,7 @@ class SpectralValues {
   void add(std::uint32_t light, const Rgb<double>& value, std::span<double> sum) {
     add(scene_.spectrum_number(light), value, sum);
   }
-  /// The same for the scene's spectrum of that number; nothing: for lights with RGB values.
+  /// The same for a spectrum of the scene by its number; unset: for lights with RGB values.
   void add(std::optional<std::uint32_t> spectrum, const Rgb<double>& value, std::span<double> sum);
 
  private:
@@ -41,8 +40,7 @@ class SpectralValues {
   std::unordered_map<std::uint32_t, std::vector<double>> per_lumen_;  // by number of the spectrum
 };
 
-/// Writes the values as floats.  Returns false, with nothing written, where one does not fit a
-/// float.
+/// Writes the values as floats.  Returns false, with nothing written, if one does not fit a float.
 bool store_spectral(std::span<const double> values, float* out);
 
 }  // namespace lucerna

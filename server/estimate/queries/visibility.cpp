@@ -23,8 +23,8 @@ Vec3<float> start_of(const ScenePoint& from, const Vec3<float>& normal,
 
 bool has_normal(const Vec3<float>& normal) { return normal != Vec3<float>{}; }
 
-/// The ray of item `i`.  Nothing where `result` has the reason, or where the item is visible
-/// without a ray.
+/// The ray of item `i`.  Nothing if the item is visible without a ray, or if it has no ray; then
+/// `result` has the reason.
 std::optional<Ray> ray_of(const Scene& scene, const VisibilityQuery& q, const ToScene& from_scene,
                           const std::optional<ToScene>& to_scene, std::size_t i, ItemResult& result,
                           LooseEnds& ends) {
@@ -69,19 +69,20 @@ double largest_coordinate(const Scene& scene) {
   return max_abs(scene.sphere().center_m) + scene.sphere().radius_m;
 }
 
-/// The rounding error of a surface's vertices.  Rays find the surface only to `position_error`.
+/// The rounding error of a surface's vertices.  `position_error` is larger: it bounds the error of
+/// the hit of a ray.
 double rounding_of(const SurfaceHit& hit) {
   return kFloatRoundoff * max_abs(hit.position) +
          max_abs(hit.position_error) * (kFloatRoundoff / kTraversalBound);
 }
 
-/// Whether the plane of `hit` passes `point` within twice the sum of `error` and the rounding
-/// of its vertices.
+/// Whether the plane of `hit` passes `point` at a distance of at most twice the sum of `error` and
+/// its own rounding.
 bool plane_passes(const SurfaceHit& hit, const Vec3<double>& point, double error) {
   return std::fabs(dot(hit.ng, hit.position - point)) <= 2 * (error + rounding_of(hit));
 }
 
-/// Whether two hits are on one surface: on one shape, or in one plane as the floors of two
+/// Whether two hits are on one surface: on one shape, or in one plane, such as the floors of two
 /// rooms.
 bool continues(const SurfaceHit& a, const SurfaceHit& b) {
   return a.shape == b.shape || (plane_passes(a, b.position, rounding_of(b)) &&
@@ -91,7 +92,7 @@ bool continues(const SurfaceHit& a, const SurfaceHit& b) {
 /// Whether the surface of `hit` is found at `place` too, within `reach` along its normal.
 bool is_found_at(const Scene& scene, const Vec3<double>& place, double reach, const LooseEnd& end,
                  const SurfaceHit& hit) {
-  // Other surfaces may be as near, such as a carpet or a sheet of paper.
+  // Other surfaces may be equally near, such as a carpet or a sheet of paper.
   constexpr int kMostSurfaces = 16;
   Ray ray{Vec3<float>(place + hit.ng * reach), -Vec3<float>(hit.ng), 0,
           static_cast<float>(2 * reach), hit.time_s};
@@ -104,17 +105,16 @@ bool is_found_at(const Scene& scene, const Vec3<double>& place, double reach, co
   return false;
 }
 
-/// Whether the point lies on the surface that was hit.  The surface's plane must pass the
-/// point, and the surface must be found near the point.  A ray that grazes the point's own
-/// surface comes within its error long before the end.  A distant shelf in the plane of the
-/// point is another surface, however large the point's error is.
+/// Whether the point lies on the surface that was hit.  The surface's plane must pass the point,
+/// and the surface must be found near the point.  A ray that grazes the point's own surface comes
+/// within its error long before the end.  A distant shelf in the plane of the point is another
+/// surface, even if the point's error is large.
 bool lies_on(const Scene& scene, const LooseEnd& end, const SurfaceHit& hit) {
   if (!(end.error >= 0) || !plane_passes(hit, end.position, end.error)) return false;
   const Vec3<double> apart = hit.position - end.position;
   const double near = kStartWithoutNormal * (end.error + max_abs(hit.position_error));
   if (length(apart) <= near) return true;
-  // A point at the rim of its surface may be rounded off it; the direction to the hit leads
-  // back.
+  // A point at the rim of its surface may be rounded off it.  The direction to the hit leads back.
   const Vec3<double> inwards = normalized(apart) * near;
   return is_found_at(scene, end.position, near, end, hit) ||
          is_found_at(scene, end.position + inwards, near, end, hit);
@@ -122,13 +122,13 @@ bool lies_on(const Scene& scene, const LooseEnd& end, const SurfaceHit& hit) {
 
 }  // namespace
 
-// An apparent obstacle may be the surface of an end.  That surface is rounded with its vertices,
-// and a point near zero has almost no error of its own.
+// An apparent obstacle may be the surface that an end of the ray lies on.  That surface has the
+// rounding of its vertices, while a point near zero has almost no error.
 std::optional<SurfaceHit> first_other_surface(const Scene& scene, Ray ray, const LooseEnds& ends) {
-  // A ray through a vertex may meet all of its triangles; few vertices have more.
+  // A ray through a vertex may meet all of its triangles.  Few vertices have more than this.
   constexpr int kMostSurfaces = 16;
-  // The step beyond a surface met at t = 0: relative to the position error, and to the scene,
-  // so that t is not a denormal number, which Embree treats as 0.
+  // The step behind a surface at t = 0, relative to the position error and to the scene.  It keeps
+  // t above the denormal numbers, which Embree treats as 0.
   constexpr double kStep = 0x1p-10, kLeast = 0x1p-90;
   constexpr float kLeastT = std::numeric_limits<float>::min();
   std::optional<SurfaceHit> hit;
@@ -154,7 +154,7 @@ ScenePoint on_surface(const Scene& scene, ScenePoint point, const Vec3<float>& n
   if (!hit) return point;
   const float away = std::fabs(hit->t - reach);
   const float error = max_abs(hit->position_error);
-  // Farther away it is another surface, which the point does not lie on.
+  // A surface farther away is another one, which the point does not lie on.
   if (away <= 2 * (point.error + error)) point.error += away + error;
   return point;
 }

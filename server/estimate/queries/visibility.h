@@ -11,21 +11,20 @@
 namespace lucerna {
 
 /// A ray from a point without a normal starts this many position errors away from the point.
-/// Every point of a cube of half edge e lies within sqrt(3) e of its centre.  So a ray that
-/// leaves a plane within the cube at more than asin(sqrt(3) / 16) = 6 degrees cannot meet that
-/// plane again.  With a normal there is no such limit.
+/// Every point of a cube of half edge e lies within sqrt(3) e of its centre.  So a ray that leaves
+/// a plane in the cube at more than asin(sqrt(3) / 16) = 6 degrees cannot meet that plane again.
+/// With a normal there is no such limit.
 inline constexpr float kStartWithoutNormal = 16;
 
-/// The point with its error widened by the error of the surface that it lies on, if there is a
-/// surface within both errors.  A surface is rounded with its vertices, which may lie much
-/// farther from zero than the point.  `normal`: unit, or zero: then the point is returned
-/// unchanged.
+/// The point with its error increased by the error of the surface that it lies on, if there is a
+/// surface within both errors.  A surface has the rounding of its vertices, which may lie much
+/// farther from zero than the point.  `normal`: unit; if zero, the point is returned unchanged.
 ScenePoint on_surface(const Scene& scene, ScenePoint point, const Vec3<float>& normal,
                       double time_s = 0);
 
 /// The ray whose t in (t_min, 1) is the open segment between two points.  `normal`: unit at the
-/// start, or zero for none.  Nothing where nothing is left between the points: they see each
-/// other.
+/// start, or zero for none.  No ray if the points are so close that nothing is between them: they
+/// see each other.
 std::optional<Ray> segment_ray(const ScenePoint& from, const Vec3<float>& normal,
                                const ScenePoint& to);
 
@@ -43,13 +42,12 @@ struct VisibilityQuery {
   double time_s = 0;
 };
 
-/// Sets bit i of `visible` (zeros before) where nothing is in the way.  `status`: one
-/// ItemResult for each item.  kInvalidInput where a length is not above 0.  A segment of length
-/// 0 is visible.
+/// Sets bit i of `visible` (zeros before) if nothing is in the way.  `status`: one ItemResult for
+/// each item.  kInvalidInput if a length is not above 0.  A segment of length 0 is visible.
 WorkCounts test_visibility(const Scene& scene, const VisibilityQuery& query, std::uint8_t* visible,
                            int* status, std::stop_token stop);
 
-/// The end of a ray at a point that may lie on a surface of unknown normal.
+/// The end of a ray at a point that may lie on a surface with an unknown normal.
 struct LooseEnd {
   Vec3<double> position;
   float error = -1;  ///< below 0: not such an end

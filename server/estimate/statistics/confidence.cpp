@@ -9,12 +9,12 @@
 namespace lucerna {
 namespace {
 
-/// With so many samples that count, a sum of rare events is close enough to normal.
+/// With at least this many samples that count, a sum of rare events is close enough to normal.
 constexpr double kMany = 64;
-/// Samples are not rare where more than this share of them counts.
+/// Samples are not rare if more than this share of them counts.
 constexpr double kCommon = 0.25;
 
-// A distribution with overflowed parameters has no interval.  It is not an error.
+// Overflowed parameters are not an error; there is no interval then.
 using Quiet = boost::math::policies::policy<
     boost::math::policies::domain_error<boost::math::policies::ignore_error>,
     boost::math::policies::overflow_error<boost::math::policies::ignore_error>,

@@ -14,8 +14,8 @@ inline constexpr double kConfidence = 0.95;
 
 /// The accuracy at which an estimate is good enough.
 struct TargetError {
-  double relative = 0;              ///< of the estimate, > 0
-  double absolute_floor = 0;        ///< smaller errors are not needed; in the estimate's unit
+  double relative = 0;        ///< of the estimate, > 0
+  double absolute_floor = 0;  ///< the error does not have to be smaller; in the estimate's unit
   double confidence = kConfidence;  ///< of the interval, in (0, 1)
   std::uint64_t max_samples = 1U << 16;
 };
@@ -25,7 +25,7 @@ struct EstimateMoments {
   double mean = 0;
   double standard_error = 0;  ///< from the scatter of the replicates
   double sum_of_squares = 0;  ///< over all samples
-  /// The largest value that a missed sample may have, as far as is known.
+  /// The largest value that a missed sample may have, by the samples so far.
   double largest = 0;
   /// Some samples were shadowed.
   bool partly_hidden = false;
@@ -38,23 +38,22 @@ class IntervalRule {
   /// samples.
   IntervalRule(double confidence, std::uint64_t replicates, std::uint64_t samples);
 
-  /// An interval that holds the converged value.  The confidence is about the requested one
-  /// where many samples contribute, and at least that where few do.
+  /// An interval that contains the converged value.  The confidence is close to the requested one
+  /// if many samples contribute, and at least that if few do.
   ///
-  /// Replicates of low-discrepancy points are independent, so their mean has Student's
-  /// distribution [LEcuyer23].  This requires some light in most replicates.  (sum)^2 / sum
-  /// of squares is the number of samples that count.  Where it is small, these samples are
-  /// rare events of different weight.  For them [Fay97] gives an interval that may be too
-  /// wide but not too narrow.  The answer then covers both intervals.  Where all samples were
-  /// 0, it is the rule of three.
+  /// Replicates of low-discrepancy points are independent, so their mean has Student's distribution
+  /// [LEcuyer23].  This requires some light in most replicates.  (sum)^2 / sum of squares is the
+  /// number of samples that count.  If it is small, these samples are rare events of different
+  /// weight.  For them [Fay97] gives an interval that may be too wide but not too narrow.  The
+  /// result then covers both intervals.  If all samples were 0, it is the rule of three.
   ///
-  /// Where some samples were shadowed, each replicate of low-discrepancy points has nearly
-  /// the same number of them.  The means of replicates then differ by one sample or not at
-  /// all.  So the rule of three for a value that no replicate had is added to Student's
-  /// width.  Obstacles that no sample met are unknown: with 95% confidence they hide less
-  /// than three samples' share of the light.
+  /// If some samples were shadowed, each replicate of low-discrepancy points has nearly the same
+  /// number of them.  The means of replicates then differ by one sample or not at all.  So the rule
+  /// of three for a value that no replicate had is added to Student's width.  Obstacles that no
+  /// sample met are unknown.  With 95% confidence, they hide less than three samples' share of the
+  /// light.
   ///
-  /// The upper end is infinite where there is one replicate and some light.
+  /// The upper end is infinite if there is one replicate and some light.
   ConfidenceInterval interval(const EstimateMoments& m) const;
 
  private:

@@ -19,9 +19,9 @@ class CompensatedSum {
     const double added = sum_ - before;
     lost_ += (before - (sum_ - added)) + (value - added);
   }
-  /// Infinite where the values sum up to infinity.
+  /// The sum; infinite if the values sum up to infinity.
   double value() const {
-    // `lost_` is not a number once the sum is infinite.
+    // `lost_` is NaN if the sum is infinite.
     return std::isfinite(sum_) ? sum_ + lost_ : sum_;
   }
 

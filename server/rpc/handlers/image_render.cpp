@@ -14,13 +14,13 @@ namespace lucerna::rpc {
 namespace {
 
 constexpr std::uint32_t kDefaultTileSize = 64;
-// With a time budget.  Two blocks are the fewest that have a scatter, and hold the 16 samples that
-// the contract promises.
+// Block size and first blocks with a time budget.  Two blocks are the least number with a scatter,
+// and have the 16 samples that the contract promises.
 constexpr std::uint32_t kTimedBlock = 8;
 constexpr std::uint64_t kWaitedForBlocks = 2;
-// The statistics of so many pixels take 3 GiB.  RenderTile renders larger pictures tile by tile.
+// The statistics of this many pixels take 3 GiB.  RenderTile renders larger pictures tile by tile.
 constexpr std::uint64_t kMostPixels = std::uint64_t{1} << 26;
-// Each tile has a message and a header of its own.
+// Each tile has its own message and header.
 constexpr std::uint64_t kMostTiles = 1 << 16;
 
 /// The edge of the tiles.  INVALID_ARGUMENT or RESOURCE_EXHAUSTED for a picture or tiles over a
@@ -148,7 +148,7 @@ void ImageRender::end_pass() {
 }
 
 void ImageRender::end() {
-  // Send what was kept back so far.
+  // Send the tiles that were held back so far.
   sending_ = is_timed() && final_only_;
   tile_ = sending_ ? 0 : tiles_.size();
 }
@@ -156,7 +156,7 @@ void ImageRender::end() {
 std::uint64_t ImageRender::next_pass() const {
   const std::uint64_t doubled = std::min(pass_end_, blocks_ - pass_end_);
   if (!is_timed() || pass_end_ < kWaitedForBlocks) return doubled;
-  // A part of the rest stays in reserve.
+  // The rest is a reserve.
   constexpr double kPlanned = 0.9;
   const std::chrono::duration<double> took = Clock::now() - pass_start_;
   const double block_s = took.count() / static_cast<double>(pass_end_ - pass_begin_);
@@ -167,7 +167,7 @@ std::uint64_t ImageRender::next_pass() const {
 bool ImageRender::is_waited_for() const { return !is_timed() || pass_begin_ < kWaitedForBlocks; }
 
 double ImageRender::left_s() const {
-  // 30 years: more would overflow the clock.
+  // 30 years; a longer time would overflow the clock.
   constexpr double kForEver = 1e9;
   const std::chrono::duration<double> since = Clock::now() - *begin_;
   return std::min(*query_.rule.time_budget_s, kForEver) - since.count();

@@ -15,9 +15,9 @@ namespace lucerna::rpc {
 
 /// A whole picture, tile by tile.  Samples are taken in passes that end at 1, 2, 4, ... blocks and
 /// at the last block, or only there.  Each pass visits all tiles, row by row.  With a target error
-/// there is one pass.  With a time budget the first two passes run to their end.  Each further pass
-/// is as long as the rest of the time allows, by the speed of the pass before; tiles that it does
-/// not reach in time keep the blocks they have.  Not thread-safe.
+/// there is one pass.  With a time budget, the first two passes run to their end.  Each further
+/// pass is planned for the rest of the time, by the speed of the previous pass.  Tiles that it does
+/// not reach in time keep their blocks.  Not thread-safe.
 class ImageRender {
  public:
   static absl::StatusOr<ImageRender> create(const Context& context,
@@ -25,8 +25,8 @@ class ImageRender {
 
   bool done() const { return tile_ == tiles_.size(); }
   /// Renders the next tile.  Requires !done().  Runs in the caller's oneTBB arena.  The response's
-  /// `cost` has the counts of all tiles so far.  The response has no tile if none is to be sent
-  /// yet.
+  /// `cost` has the counts of all tiles so far.  The response has no tile if it is too early to
+  /// send one.
   absl::Status next(const std::stop_token& stop, v1::RenderImageResponse* response);
 
  private:
@@ -40,7 +40,7 @@ class ImageRender {
   /// The number of blocks of the next pass; 0: there is none.
   std::uint64_t next_pass() const;
   bool is_timed() const { return query_.rule.time_budget_s.has_value(); }
-  /// Whether this pass runs to its end, time budget or not.
+  /// Whether this pass runs to its end even if the time budget is over.
   bool is_waited_for() const;
   double left_s() const;
 
@@ -49,10 +49,10 @@ class ImageRender {
   bool final_only_ = false;
   std::vector<PixelRect> tiles_;
   std::vector<BlockMerger> merged_;  // one for each tile
-  std::uint64_t blocks_ = 0;         // of each pixel in the end; with a time budget at most
+  std::uint64_t blocks_ = 0;         // of each pixel at the end; with a time budget, the most
   std::uint64_t pass_begin_ = 0, pass_end_ = 0;
   std::size_t tile_ = 0;  // the next one
-  bool sending_ = false;  // everything is rendered, and only now sent
+  bool sending_ = false;  // everything is rendered, and tiles are only sent
   std::uint64_t samples_done_ = 0, samples_total_ = 0;
   WorkCounts work_;
   std::optional<Clock::time_point> begin_;

@@ -36,7 +36,7 @@ struct IrradianceQuery {
   IrradianceSettings settings;
 };
 
-/// Receivers with successive numbers, which are estimated together.
+/// Receivers with successive numbers.  They are estimated together.
 struct ReceiverRun {
   std::size_t begin;
   std::vector<IrradiancePoint> points;
@@ -55,7 +55,7 @@ absl::StatusOr<std::span<const double>> parse_wavelengths(
   if (!wavelengths_nm.empty() && !(request.has_bounces() && request.bounces() == 0)) {
     return bad_field("bounces",
                      request.has_bounces() ? fmt::format("{}", request.bounces()) : "unset",
-                     "0 with wavelengths_nm, as surfaces have a colour and no spectrum");
+                     "0 with wavelengths_nm, since surfaces have a colour and no spectrum");
   }
   return wavelengths_nm;
 }
@@ -104,7 +104,7 @@ double predicted_seconds(const IrradianceQuery& query) {
               : irradiance_samples_seconds(*query.scene, query.settings, n, samples));
 }
 
-/// Sets the status of each receiver.  Runs hold the receivers that are OK.
+/// Sets the status of each receiver.  Returns runs of the receivers that are OK.
 std::vector<ReceiverRun> runs_of(const IrradianceQuery& query, int* status) {
   const Scene& scene = *query.scene;
   const ToScene to_scene(scene, query.receivers, query.position_error_m);
@@ -127,7 +127,7 @@ std::vector<ReceiverRun> runs_of(const IrradianceQuery& query, int* status) {
   return runs;
 }
 
-/// Nothing if `stop` was requested.
+/// The estimates of each run; nothing if `stop` was requested.
 std::optional<std::vector<IrradianceResult>> estimate(const IrradianceQuery& query,
                                                       const std::vector<ReceiverRun>& runs,
                                                       std::uint32_t samples_per_block,
@@ -143,7 +143,7 @@ std::optional<std::vector<IrradianceResult>> estimate(const IrradianceQuery& que
   return results;
 }
 
-/// By the query's stop rule; nothing if `stop` was requested.
+/// The estimates by the query's stop rule; nothing if `stop` was requested.
 std::optional<RunEstimates> estimate(const IrradianceQuery& query,
                                      const std::vector<ReceiverRun>& runs,
                                      const std::stop_token& stop) {
@@ -168,9 +168,9 @@ class IrradianceEncoder {
   IrradianceEncoder(const IrradianceQuery& query, std::uint32_t samples_per_block,
                     v1::EstimateIrradianceResponse* response);
 
-  /// Point `k` of `result` is receiver `i`.
+  /// Writes point `k` of `result` as receiver `i`.
   void put(std::size_t i, const IrradianceResult& result, std::size_t k);
-  /// Of one receiver.
+  /// The most samples of one receiver.
   std::uint32_t most_samples() const { return static_cast<std::uint32_t>(most_samples_); }
 
  private:
@@ -274,7 +274,7 @@ void IrradianceEncoder::put(std::size_t i, const IrradianceResult& result, std::
   status_[i] = static_cast<int>(ItemResult::kOutOfRange);
 }
 
-/// Sets INSIDE_SOLID at receivers without any light that lie inside of a solid.
+/// Sets INSIDE_SOLID for receivers that get no light and lie inside of a solid.
 void mark_inside_solids(const IrradianceQuery& query, const std::vector<ReceiverRun>& runs,
                         const RunEstimates& estimates, const std::stop_token& stop, int* status) {
   std::vector<IrradiancePoint> dark;

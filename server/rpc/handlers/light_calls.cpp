@@ -24,7 +24,7 @@
 namespace lucerna::rpc {
 namespace {
 
-// Pilots take at most a third of the samples that they find to be needed.
+// Pilots take at most a third of the needed samples.
 constexpr double kWithPilots = 4.0 / 3;
 
 /// A request of SampleLi.
@@ -88,7 +88,7 @@ void put_estimates(const LiLayout& layout, const LiEstimates& estimates, std::si
   drop_if_all_ok(to->mutable_status());
 }
 
-/// Samples with what they estimate.  `work`: of the pilots.  Nothing if `stop` was requested.
+/// Samples and their estimates.  `work`: that of the pilots.  Nothing if `stop` was requested.
 std::optional<v1::SampleLiResponse> estimate(const LiRequest& li, const LiSampler& sampler,
                                              std::span<const std::uint32_t> samples_per_replicate,
                                              WorkCounts work, const std::stop_token& stop) {
@@ -112,7 +112,7 @@ std::optional<v1::SampleLiResponse> estimate(const LiRequest& li, const LiSample
   return response;
 }
 
-/// As many samples as the target error or the time budget sets.
+/// Answers with as many samples as the target error or the time budget sets.
 absl::Status answer_estimated(const LiRequest& li, const std::stop_token& stop,
                               v1::SampleLiResponse* response) {
   const LiSampler sampler(*li.scene, li.query);
@@ -124,7 +124,7 @@ absl::Status answer_estimated(const LiRequest& li, const std::stop_token& stop,
         samples_needed(sampler, receivers, *li.stop_rule.target, kReplicates, stop, pilots);
     if (needed) best = estimate(li, sampler, *needed, pilots, stop);
   } else {
-    const std::uint32_t most = sampler.says_all_at_once() ? 1 : li.most_samples / kReplicates;
+    const std::uint32_t most = sampler.needs_one_sample() ? 1 : li.most_samples / kReplicates;
     best = within_time(*li.stop_rule.time_budget_s, most, stop,
                        [&](std::uint32_t each, const std::stop_token& in_time) {
                          return estimate(li, sampler, equally_many(sampler, receivers, each), {},
@@ -133,7 +133,7 @@ absl::Status answer_estimated(const LiRequest& li, const std::stop_token& stop,
                .first;
   }
   if (!best) return absl::CancelledError("stopped");
-  // Not swapped: the caller holds a pointer to the response's cost, where it puts the times.
+  // Not swapped: the caller has a pointer to the response's cost, where it writes the times.
   response->MergeFrom(*best);
   return absl::OkStatus();
 }
@@ -155,11 +155,11 @@ absl::StatusOr<std::uint32_t> check_most_samples(const Context& context,
   const std::uint64_t at_once = std::min<std::uint64_t>(
       context.limits.max_batch_items, size.items_within(context.limits.max_message_bytes));
   const std::uint64_t receivers = li.query.receivers.size();
-  const bool certain = one_sample_says_all(*li.scene, li.query.light);
+  const bool certain = one_sample_is_enough(*li.scene, li.query.light);
   const auto over = [&](const std::string& field, std::uint64_t each) {
-    return over_limit(
-        fmt::format("receivers times {}, each sample answered in {} bytes,", field, size.per_item),
-        receivers * each, at_once);
+    return over_limit(fmt::format("receivers times {} ({} bytes for each sample in the answer)",
+                                  field, size.per_item),
+                      receivers * each, at_once);
   };
   const auto& target = li.stop_rule.target;
   if (!certain && request.accuracy().target_error().has_max_samples()) {
@@ -169,16 +169,17 @@ absl::StatusOr<std::uint32_t> check_most_samples(const Context& context,
   }
   const std::uint32_t least = certain ? 1 : target ? kLeastTargetSamples : kReplicates;
   if (receivers * least > at_once)
-    return over(fmt::format("{} samples, the least that each can have", least), least);
+    return over(fmt::format("{} samples, the least number for each", least), least);
   const std::uint64_t most = target ? target->max_samples : context.limits.max_samples;
   return static_cast<std::uint32_t>(receivers > 0 ? std::min(most, at_once / receivers) : most);
 }
 
 absl::Status parse_sample_values(const v1::SampleLiRequest& request, LiRequest& li) {
   if (li.is_estimated() && request.has_u()) {
-    return bad_field("u", "given",
-                     "seed, as accuracy.target_error and accuracy.time_budget_s set the number of "
-                     "samples");
+    return bad_field(
+        "u", "given",
+        "seed, since accuracy.target_error and accuracy.time_budget_s set the number of "
+        "samples");
   }
   LUCERNA_ASSIGN_OR_RETURN(const Randomness randomness,
                            check_randomness(request, {.samples = li.samples(),
@@ -232,7 +233,7 @@ double predicted_seconds(const LiRequest& li) {
   if (li.stop_rule.target) {
     seconds += sample_li_seconds(li.query, kWithPilots * li.most_samples * receivers);
   } else if (li.stop_rule.time_budget_s) {
-    // The least number of samples is taken whatever its time.
+    // The least number of samples is always taken.
     seconds +=
         std::max(*li.stop_rule.time_budget_s, sample_li_seconds(li.query, kReplicates * receivers));
   } else {

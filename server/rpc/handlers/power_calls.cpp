@@ -27,7 +27,7 @@ namespace {
 
 constexpr std::uint32_t kPowerSamples = 4096;  // of METHOD_SAMPLED
 
-/// Power with radiant power, if the light was given a spectrum.
+/// Luminous power, and radiant power if the light has a spectrum.
 struct RadiantPower {
   Power luminous;
   std::optional<SampledPower> sampled{};
@@ -35,7 +35,8 @@ struct RadiantPower {
   std::vector<double> w_per_nm{};  // at each requested wavelength
 };
 
-/// Of one light.  Finite whatever the light: a float's flux times at most kMostWattsPerLumen.
+/// The power of one light.  Always finite: a flux in the range of floats times at most
+/// kMostWattsPerLumen.
 RadiantPower radiant_power(const Scene& scene, std::uint32_t light, const Power& luminous,
                            SpectralValues& spectral) {
   RadiantPower power{.luminous = luminous, .w_per_nm = std::vector<double>(spectral.size())};
@@ -46,7 +47,7 @@ RadiantPower radiant_power(const Scene& scene, std::uint32_t light, const Power&
   return power;
 }
 
-/// The sum over lights of any magnitude: a small one is not lost beside a large one.
+/// The sum over lights of any magnitude.  Small values are not lost beside large ones.
 class PowerTotal {
  public:
   explicit PowerTotal(std::size_t wavelengths) : w_per_nm_(wavelengths) {}
@@ -59,7 +60,7 @@ class PowerTotal {
     watts_.add(power.watts.value_or(0));
     for (std::size_t k = 0; k < w_per_nm_.size(); ++k) w_per_nm_[k].add(power.w_per_nm[k]);
   }
-  /// It has watts if everything that was added has.
+  /// It has watts if all added powers have.
   RadiantPower value() const {
     RadiantPower sum{.luminous = {lumens_.value(), error_lumens_.value()}};
     if (has_watts_ && !is_empty_) sum.watts = watts_.value();
@@ -74,8 +75,8 @@ class PowerTotal {
   std::vector<CompensatedSum> w_per_nm_;
 };
 
-/// The largest double in place of infinity: squares of extreme fluxes overflow, and the bound
-/// holds.
+/// The largest double instead of infinity.  Squares of extreme fluxes may overflow; the bound is
+/// still valid.
 double held(double v) {
   constexpr double kLargest = std::numeric_limits<double>::max();
   return v < kLargest ? v : kLargest;
@@ -85,7 +86,7 @@ void set_power(const RadiantPower& radiant, v1::LightPower* out) {
   const Power& power = radiant.luminous;
   if (radiant.sampled) {
     const SampledPower& sampled = *radiant.sampled;
-    // A single sample has neither.
+    // A single sample has no standard error and no interval.
     if (std::isfinite(sampled.interval_lm.upper) || std::isfinite(sampled.standard_error_lm)) {
       out->set_standard_error_lm(held(sampled.standard_error_lm));
       out->set_lower_lm(sampled.interval_lm.lower > 0 ? held(sampled.interval_lm.lower) : 0);
@@ -133,7 +134,7 @@ absl::StatusOr<PowerQuery> parse(const Context& context, const v1::EstimatePower
                            check_page_size(request.page_size(), context.limits.max_page_size));
   query.lights = named > 0 ? named : query.scene->lights().size();
   LUCERNA_ASSIGN_OR_RETURN(query.first, page_start("power", request.page_token(), query.lights));
-  // A message ends a page early, but one light always fits.
+  // The message size may end a page early, but one light always fits.
   const std::uint64_t fits = answer_size(request).items_within(context.limits.max_message_bytes);
   query.page = std::min<std::size_t>(page_size, std::max<std::uint64_t>(1, fits));
   query.most_samples = context.limits.max_samples;
@@ -150,7 +151,7 @@ double predicted_seconds(const PowerQuery& query) {
   return seconds + sampled_power_seconds(query.lights, samples);
 }
 
-/// Indices of the lights that the request names, or of all.
+/// Indices of the lights that the request names, or of all lights.
 absl::StatusOr<std::vector<std::uint32_t>> requested_lights(
     const PowerQuery& query, const v1::EstimatePowerRequest& request) {
   std::vector<std::uint32_t> all(query.lights);
@@ -162,7 +163,7 @@ absl::StatusOr<std::vector<std::uint32_t>> requested_lights(
   return all;
 }
 
-/// By rays, METHOD_SAMPLED.  Nothing if `stop` was requested.
+/// METHOD_SAMPLED: the mean over rays.  Nothing if `stop` was requested.
 std::optional<SampledPowers> sampled_powers(const PowerQuery& query, std::uint64_t seed,
                                             std::span<const std::uint32_t> lights,
                                             const std::stop_token& stop) {

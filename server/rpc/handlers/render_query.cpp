@@ -20,10 +20,10 @@
 namespace lucerna::rpc {
 namespace {
 
-// If neither the request nor the scene file has a number.
+// Default if the request and the scene file have no number.
 constexpr std::uint32_t kPixelSamples = 64;
 
-/// INVALID_ARGUMENT if `samples_per_block` is set to what no block can have.
+/// INVALID_ARGUMENT if `samples_per_block` is set and not allowed.
 template <typename Request>
 absl::Status check_block(const Request& request) {
   const std::uint32_t block = request.samples_per_block();
@@ -68,12 +68,12 @@ absl::Status put_blocks(const Request& request, RenderQuery& query) {
   return absl::OkStatus();
 }
 
-/// Nothing: the scene file's shutter.
+/// The requested shutter; nothing: that of the scene file.
 template <typename Request>
 absl::StatusOr<std::optional<Shutter>> check_shutter(const Scene& scene, const Request& request) {
   if (!request.has_shutter()) return std::optional<Shutter>();
   if (request.has_time_s()) {
-    return bad_field("shutter", "a shutter beside time_s", "one of the two");
+    return bad_field("shutter", "set, as well as time_s", "one of the two");
   }
   const v1::Shutter& s = request.shutter();
   const RenderHints& hints = scene.hints();
@@ -124,14 +124,15 @@ void set_plane(std::string* plane, std::size_t n, F&& number) {
   }
 }
 
-/// The float at or below `v`, or at or above: the rounded interval holds the exact one.
+/// The float at or below `v`; rounded_up() gives the float at or above.  The rounded interval
+/// contains the exact one.
 float rounded_down(double v) {
   const auto f = static_cast<float>(v);
   return f > v ? std::nextafter(f, -1.0F) : f;
 }
 float rounded_up(double v) {
   constexpr float kLargest = std::numeric_limits<float>::max();
-  // A bound that overflows a float, or whose squares overflowed a double, becomes the largest
+  // A bound that does not fit a float, or whose squares overflowed a double, becomes the largest
   // float.
   if (!(v < kLargest)) return kLargest;
   const auto f = static_cast<float>(v);

@@ -1,4 +1,4 @@
-// What RenderTile and RenderImage have in common.
+// Code that RenderTile and RenderImage share.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -14,7 +14,7 @@
 namespace lucerna::rpc {
 
 struct RenderQuery {
-  TileSettings settings;  ///< the rectangle is not set; with a time budget, nor are the blocks
+  TileSettings settings;  ///< without the rectangle; with a time budget, also without the blocks
   StopRule rule;          ///< its target is in the settings too
   /// With a time budget: as in the request.
   std::optional<std::uint32_t> samples_per_block{};
@@ -29,7 +29,7 @@ absl::StatusOr<RenderQuery> check_render(const Context& context, const Scene& sc
                                          const v1::RenderImageRequest& request,
                                          std::uint32_t proposed);
 
-/// The default number of samples: as in the scene file, else 64; at most the server's limit.
+/// The default number of samples: that of the scene file, else 64; at most the server's limit.
 std::uint32_t proposed_samples(const Context& context, const Scene& scene);
 
 /// The least number of samples with a time budget: a power of two, and a multiple of

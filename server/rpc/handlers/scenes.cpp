@@ -18,11 +18,11 @@ namespace {
 constexpr double kLightSeconds = 1e-6;
 constexpr double kSceneSeconds = 2e-6;
 constexpr double kAssetSeconds = 1e-6;
-// Listing the files under the scene root, and freeing a large scene [s].
+// Time of listing the files under the scene root, and of freeing a large scene [s].
 constexpr double kListingSeconds = 0.1;
 constexpr double kReleaseSeconds = 1;
-// A page of lights ends with the light whose spectrum fills this: a page stays far below the
-// default message limit of clients (4 MiB).
+// A page of lights ends when its spectra have this size.  It stays far below the default message
+// limit of clients (4 MiB).
 constexpr std::size_t kPageBytes = std::size_t{1} << 20;
 constexpr std::size_t kMostNameBytes = 4096;
 

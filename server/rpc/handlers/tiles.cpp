@@ -42,7 +42,7 @@ absl::StatusOr<PixelRect> check_rect(const Context& context, const Scene& scene,
   return rect;
 }
 
-/// Sets the run of blocks that the request names.
+/// Sets the run of blocks that the request selects.
 absl::Status put_run(const v1::RenderTileRequest& request, const RenderQuery& query,
                      TileSettings& settings) {
   const std::uint64_t first = request.first_sample();
@@ -50,14 +50,13 @@ absl::Status put_run(const v1::RenderTileRequest& request, const RenderQuery& qu
     if (first == 0) return absl::OkStatus();
     return bad_field(
         "first_sample", fmt::format("{}", first),
-        "0 with accuracy.target_error or accuracy.time_budget_s, which set the samples "
-        "by themselves");
+        "0 with accuracy.target_error or accuracy.time_budget_s, which set the samples");
   }
   const std::uint32_t samples = query.rule.samples, block = settings.samples_per_block;
   if (!std::has_single_bit(samples / block)) {
     return bad_field("accuracy.samples", fmt::format("{}", samples),
-                     fmt::format("a power of two times samples_per_block = {}; a picture of other "
-                                 "counts is made of several tiles",
+                     fmt::format("a power of two times samples_per_block = {}; for other counts, "
+                                 "render and merge several tiles",
                                  block));
   }
   if (first % samples != 0) {
@@ -92,7 +91,7 @@ absl::StatusOr<TileQuery> parse(const Context& context, const v1::RenderTileRequ
   return query;
 }
 
-/// The settings with so many samples, a power of two.
+/// The settings with this number of samples, a power of two.
 TileSettings with_samples(const RenderQuery& query, std::uint32_t samples) {
   TileSettings settings = query.settings;
   settings.samples_per_block =
@@ -101,7 +100,7 @@ TileSettings with_samples(const RenderQuery& query, std::uint32_t samples) {
   return settings;
 }
 
-/// Nothing if `stop` was requested.
+/// The tile; nothing if `stop` was requested.
 std::optional<TileResult> render(const Scene& scene, const TileSettings& settings,
                                  const std::stop_token& stop) {
   TileResult result = lucerna::render_tile(scene, settings, stop);
@@ -109,7 +108,7 @@ std::optional<TileResult> render(const Scene& scene, const TileSettings& setting
   return result;
 }
 
-/// As many samples as the time budget allows; puts them into `settings`.
+/// Renders as many samples as the time budget allows; sets their number in `settings`.
 std::optional<TileResult> render_in_time(const TileQuery& query, const std::stop_token& stop,
                                          TileSettings& settings) {
   const std::uint32_t least = least_samples(query.render);

@@ -39,7 +39,7 @@ absl::StatusOr<PointArray> check_points(const Context& context, const std::strin
                                         const v1::Points& points) {
   const int n = points.offsets_m_size();
   if (n % 3 != 0) {
-    return bad_field(field + ".offsets_m", fmt::format("{} numbers", n), "three a point");
+    return bad_field(field + ".offsets_m", fmt::format("{} numbers", n), "three for each point");
   }
   const auto items = static_cast<std::uint64_t>(n / 3);
   if (items > context.limits.max_batch_items) {
@@ -108,7 +108,7 @@ absl::Status check_answer_size(const Context& context, const std::string& field,
                                std::uint64_t items, const AnswerSize& size) {
   const std::uint64_t most = size.items_within(context.limits.max_message_bytes);
   if (items <= most) return absl::OkStatus();
-  return over_limit(fmt::format("{}, each answered in {} bytes,", field, size.per_item), items,
+  return over_limit(fmt::format("{} ({} bytes each in the answer)", field, size.per_item), items,
                     most);
 }
 

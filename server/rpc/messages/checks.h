@@ -50,8 +50,8 @@ absl::StatusOr<std::span<const double>> check_wavelengths(
 absl::StatusOr<std::uint32_t> check_samples(const Context& context, const v1::Accuracy& accuracy,
                                             std::uint32_t fallback);
 
-/// RESOURCE_EXHAUSTED if the answer to so many `items` is larger than a message may be.  So nothing
-/// is computed that cannot be sent, and an int counts the entries of every array.  `field` names
+/// RESOURCE_EXHAUSTED if the answer to this many `items` exceeds the message size.  So nothing is
+/// computed that cannot be sent, and an int can count the entries of every array.  `field` names
 /// the items in the error.
 absl::Status check_answer_size(const Context& context, const std::string& field,
                                std::uint64_t items, const AnswerSize& size);

@@ -1,4 +1,4 @@
-// Lights as messages, one function a kind.
+// Lights as messages, one function for each kind.
 #include <fmt/core.h>
 
 #include <cmath>
@@ -11,16 +11,16 @@
 namespace lucerna::rpc {
 namespace {
 
-using rpc::set;  // beside those here
+using rpc::set;  // in addition to those here
 
-/// Of any lengths.
+/// The unit vectors of axes of any lengths.
 void set(const Frame<double>& axes, v1::Axes* out) {
   set(normalized(axes.s), out->mutable_x());
   set(normalized(axes.t), out->mutable_y());
   set(normalized(axes.n), out->mutable_z());
 }
 
-/// Where the axes of space go, of any lengths.
+/// The images of the coordinate axes under a map, of any lengths.
 Frame<double> axes_of(const Transform& map) {
   return {map.vector({1, 0, 0}), map.vector({0, 1, 0}), map.vector({0, 0, 1})};
 }
@@ -110,7 +110,7 @@ void set_kind(const GoniometricLight<double>& l, v1::Light* out) {
   if (l.params().web || l.params().map) set(l.params().axes, goniometric->mutable_axes());
 }
 
-/// Where a projector points, and its picture's sides.
+/// Sets where a projector points, and the directions of its picture's sides.
 template <typename Message>
 void set_axes(const Frame<double>& axes, Message* out) {
   set(normalized(axes.n), out->mutable_axis());
@@ -159,8 +159,8 @@ void set_shape(const Mesh<double, Primitive>& mesh, const Vec3<double>& origin_m
   }
 }
 
-/// What the three round shapes have in common; lengths along z are `along`, those across `across`
-/// times as long in the world.
+/// The scale of a round shape.  In the world, lengths along z are `along` times as long, and
+/// lengths across `across` times.
 struct RoundScale {
   double across, along;
 };
@@ -193,7 +193,7 @@ void set_shape(const Disk<double>& disk, const Vec3<double>&, v1::DiffuseAreaLig
   round->set_inner_radius_m(set_round(p, {0, 0, p.height_m}, round).across * p.inner_radius_m);
   const Frame<double> axes = axes_of(p.world_from_object);
   const double x = length(axes.s), y = length(axes.t);
-  // Rounding aside, as `Transform::uniform_scale` has it.
+  // Up to rounding, as in `Transform::uniform_scale`.
   const bool is_circle =
       std::fabs(x - y) <= 1e-6 * x && std::fabs(dot(axes.s, axes.t)) <= 1e-6 * x * y;
   if (!is_circle) round->set_radius_y_m(y * p.radius_m);
@@ -208,7 +208,7 @@ void set_shape(const Cylinder<double>& cylinder, const Vec3<double>&, v1::Diffus
   out->mutable_round()->set_z_max_m(scale * p.z_max_m);
 }
 
-/// What carries a picture or a profile, where the shape does.
+/// The shape under a picture or a profile, or the shape itself.
 template <typename Shape>
 const auto& surface_of(const Shape& shape) {
   if constexpr (requires { shape.surface(); }) {
@@ -234,7 +234,7 @@ void set_kind(const AreaLight<double, Shape>& l, const Vec3<double>& origin_m, v
     const Vec3<double> c0 = normalized(profile.tangent - down * dot(down, profile.tangent));
     const Vec3<double> c90 = profile.mirrored ? cross(c0, down) : cross(down, c0);
     set({c0, c90, down}, area->mutable_profile_axes());
-    // That of a surface that shines alike in all directions with the same flux.
+    // The radiance of a surface with the same flux, equal in all directions.
     const double sides = l.emission().two_sided ? 2 : 1;
     set(l.power({}).lumens / (sides * std::numbers::pi * l.area_m2()),
         area->mutable_radiance_cd_m2());
@@ -281,7 +281,7 @@ void set_light(const Scene& scene, std::uint32_t light, v1::Light* out) {
         if (const auto bounds = l.bounds()) {
           Vec3<double> lower = origin_m + Vec3<double>(bounds->lower);
           Vec3<double> upper = origin_m + Vec3<double>(bounds->upper);
-          // A point is where the scene file puts it, not where a float can.
+          // A point has the exact position of the scene file, not one rounded to floats.
           if constexpr (requires { l.params().position_m; }) {
             if (lower == upper) lower = upper = l.params().position_m;
           }

@@ -15,8 +15,8 @@ namespace {
 
 constexpr char kTypePrefix[] = "type.googleapis.com/";
 constexpr char kDomain[] = "lucerna";
-// gRPC drops an error whose headers exceed 8 KiB.  The message is sent twice: as itself, at worst
-// with three bytes for one, and in the details, together with the field violations.
+// gRPC drops an error whose headers exceed 8 KiB.  The message is sent twice: as the message, with
+// up to three bytes for one, and in the details, together with the field violations.
 constexpr std::size_t kMostMessage = 800;
 constexpr std::size_t kMostValue = 200;
 
@@ -39,9 +39,9 @@ absl::Status with_reason(absl::Status status, Reason reason) {
 struct Row {
   absl::StatusCode code;
   int grpc_code;  // as in grpc/status.h
-  Reason reason;  // if the error has none of its own
+  Reason reason;  // if the error does not have its own
 };
-// Clients retry UNAVAILABLE alone by themselves.
+// Clients retry only UNAVAILABLE automatically.
 constexpr std::array kTable{
     Row{absl::StatusCode::kCancelled, 1, Reason::kCancelled},
     Row{absl::StatusCode::kInvalidArgument, 3, Reason::kInvalidInput},
@@ -104,7 +104,7 @@ absl::Status unimplemented(const std::string& sentence) {
 
 absl::Status over_limit(const std::string& field, std::uint64_t value, std::uint64_t limit) {
   return with_reason(absl::ResourceExhaustedError(
-                         fmt::format("{} = {}, this server takes at most {}", field, value, limit)),
+                         fmt::format("{} = {}, limit of this server: {}", field, value, limit)),
                      Reason::kOverLimit);
 }
 

@@ -1,7 +1,7 @@
-// Errors as callers see them.
+// Errors in the form that callers see.
 //
 // Code makes an absl::Status whose payloads are messages of google/rpc/error_details.proto.
-// to_wire() makes of it what goes over the wire.  Each error carries an ErrorInfo with the domain
+// to_wire() converts it to the form that is sent.  Each error carries an ErrorInfo with the domain
 // "lucerna" and one of the reasons below.
 #pragma once
 
@@ -42,7 +42,7 @@ enum class Reason : std::uint8_t {
 struct ErrorReason {
   Reason reason;
   const char* name;     ///< ErrorInfo.reason
-  const char* code;     ///< of gRPC, with which it comes
+  const char* code;     ///< gRPC code of such errors
   const char* meaning;  ///< for users: what is wrong and what to do
 };
 
@@ -108,7 +108,7 @@ absl::Status bad_length(const std::string& field, std::size_t length, std::size_
 absl::Status unknown_scene(const std::string& id);
 /// NOT_FOUND.
 absl::Status unknown_light(std::uint64_t id);
-/// UNIMPLEMENTED.  `sentence` names what is missing and what to do instead.
+/// UNIMPLEMENTED.  `sentence` states what is missing and what to do instead.
 absl::Status unimplemented(const std::string& sentence);
 /// RESOURCE_EXHAUSTED for a request over a limit of the server.  A retry does not help.
 absl::Status over_limit(const std::string& field, std::uint64_t value, std::uint64_t limit);
@@ -119,14 +119,14 @@ absl::Status load_error(absl::Status status);
 /// UNAVAILABLE: the server shuts down.
 absl::Status draining();
 
-/// The text, or `most` bytes of its beginning and end with "..." between them.  UTF-8 that was
-/// well-formed stays well-formed.
+/// The text, or `most` bytes of its beginning and end with "..." between them.  Well-formed UTF-8
+/// stays well-formed.
 std::string shortened(const std::string& text, std::size_t most);
 
 /// An error ready to be sent.
 struct WireError {
   int code = 0;  ///< of gRPC
-  /// Shortened.  Names no path outside of the scene root and no exception's text.
+  /// Shortened.  Without paths outside of the scene root and without texts of exceptions.
   std::string message;
   std::string details;  ///< google.rpc.Status, serialised, for grpc-status-details-bin
   std::optional<std::chrono::milliseconds> pushback;  ///< for grpc-retry-pushback-ms

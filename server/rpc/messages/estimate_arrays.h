@@ -10,7 +10,7 @@
 
 namespace lucerna::rpc {
 
-/// The arrays of estimates in a response.  Null: not requested, or not known from a single sample.
+/// The arrays of estimates in a response.  Null: not requested, or unknown from a single sample.
 struct EstimateArrays {
   float* rgb;
   float* illuminance;
@@ -30,7 +30,7 @@ struct EstimateArrays {
       rgb[3 * i + 1] = value.g;
       rgb[3 * i + 2] = value.b;
     }
-    // A bound that overflows a float, or whose squares overflowed a double, becomes the largest
+    // A bound that does not fit a float, or whose squares overflowed a double, becomes the largest
     // float.
     const auto held = [](double v) {
       constexpr float kLargest = std::numeric_limits<float>::max();

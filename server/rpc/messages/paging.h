@@ -8,10 +8,10 @@
 
 namespace lucerna::rpc {
 
-/// 0 means `most`.  INVALID_ARGUMENT above it.
+/// The page size; 0 means `most`.  INVALID_ARGUMENT above it.
 absl::StatusOr<std::size_t> check_page_size(std::uint32_t page_size, std::uint32_t most);
 
-/// An opaque token that stands for `position` in the list named `list`.
+/// An opaque token for `position` in the list named `list`.
 std::string page_token(const std::string& list, const std::string& position);
 /// The position; empty for an empty token.  INVALID_ARGUMENT for a token of another list.
 absl::StatusOr<std::string> page_position(const std::string& list, const std::string& token);

@@ -22,7 +22,7 @@ absl::StatusOr<Randomness> check_sample_values(const v1::SampleValues& values,
   const auto u_light_length = static_cast<std::size_t>(values.u_light_size());
   if (u_light_length != u_light) {
     return bad_length("u.u_light", u_light_length, u_light,
-                      wanted.light_named ? "as light_id is set"
+                      wanted.light_named ? "since light_id is set"
                                          : fmt::format("one for each of {} {}", n, wanted.of));
   }
   return Randomness{

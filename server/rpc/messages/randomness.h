@@ -1,4 +1,4 @@
-// Where the sample values of a request come from.
+// The sample values of a request.
 #pragma once
 
 #include <absl/status/statusor.h>

@@ -12,9 +12,9 @@
 
 namespace lucerna::rpc {
 
-/// One of the three.
+/// Exactly one of the three is set.
 struct StopRule {
-  std::uint32_t samples = 0;  ///< 0: one of the others
+  std::uint32_t samples = 0;  ///< 0: another one is set
   std::optional<TargetError> target{};
   std::optional<double> time_budget_s{};
 };
@@ -23,8 +23,8 @@ struct StopRule {
 absl::StatusOr<StopRule> check_stop_rule(const Context& context, const v1::Accuracy& accuracy,
                                          std::uint32_t fallback);
 
-/// The least number of equal replicates, at least kReplicates, that divides `samples`; `samples`
-/// itself if they are fewer.
+/// The least number of equal replicates, at least kReplicates, that divides `samples`.  If there
+/// are fewer samples: `samples` itself.
 std::uint32_t replicates_of(std::uint32_t samples);
 
 }  // namespace lucerna::rpc

@@ -1,5 +1,5 @@
-// A request that was parsed and not yet computed.  Handlers know messages and not gRPC.  Callers of
-// tasks know gRPC and not what tasks compute.
+// A parsed request that is not computed yet.  Handlers use messages but not gRPC.  Callers of tasks
+// use gRPC but do not know what tasks compute.
 #pragma once
 
 #include <absl/status/statusor.h>
@@ -15,18 +15,18 @@
 
 namespace lucerna::rpc {
 
-/// What handlers answer from.
+/// The data that handlers use.
 struct Context {
   SceneStore& scenes;
   AssetStore& assets;
   const RequestLimits& limits;
 };
 
-/// The request and the response that it was made for must live until `run` has returned.
+/// Its request and response must live until `run` has returned.
 struct Task {
   /// An upper estimate of the processor time [s].  It decides where the task runs.
   double predicted_s = 0;
-  /// True: runs in the bulk lane whatever its predicted time.
+  /// True: runs in the bulk lane for any predicted time.
   bool bulk = false;
   /// Fills the response.  Stops soon after the token requests it; the response is then incomplete.
   std::function<absl::Status(const std::stop_token&)> run;
@@ -34,7 +34,7 @@ struct Task {
   v1::Cost* cost = nullptr;
 };
 
-/// Most errors of a request are known before any work.
+/// A task, or an error that is known before the work starts.
 using Prepared = absl::StatusOr<Task>;
 
 }  // namespace lucerna::rpc

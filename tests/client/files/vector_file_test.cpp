@@ -121,7 +121,7 @@ TEST_F(VectorFileTest, UnsupportedNpyIsRefusedWithTheReason) {
   }
   EXPECT_EQ(refusal(write("a.npy", "x,y,z\n1,2,3\n")), ": is not an NPY file");
   EXPECT_EQ(refusal(write("a.npy", "")), ": is not an NPY file");
-  EXPECT_EQ(refusal(write("a.npy", npy(good, "").substr(0, 60))), ": is cut off within its header");
+  EXPECT_EQ(refusal(write("a.npy", npy(good, "").substr(0, 60))), ": ends within its header");
   std::string version = npy(good, kFloats);
   version[6] = 9;
   EXPECT_THAT(refusal(write("a.npy", version)), HasSubstr("is of version 9"));
@@ -164,7 +164,8 @@ TEST_F(VectorFileTest, CsvIsReadFromAnyRowOn) {
 }
 
 TEST_F(VectorFileTest, CsvErrorsNameTheLine) {
-  EXPECT_EQ(refusal(write("a.csv", "1,2,3\n\n1,2,3,0,0,1\n")), ":3: 6 columns, 3 before");
+  EXPECT_EQ(refusal(write("a.csv", "1,2,3\n\n1,2,3,0,0,1\n")),
+            ":3: 6 columns, but 3 in the lines before");
   EXPECT_EQ(refusal(write("a.csv", "1,2\n")), ":1: 2 columns, must be 3 or 6: x,y,z[,nx,ny,nz]");
   EXPECT_EQ(refusal(path("none.csv")), ": cannot be read");
   // Numbers are parsed when they are read.

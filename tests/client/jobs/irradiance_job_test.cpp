@@ -203,12 +203,12 @@ TEST_F(IrradianceJobTest, AnotherRequestKeepsTheResults) {
     EXPECT_THAT(sizes_, ElementsAre());
     return std::string(status.message());
   };
-  EXPECT_THAT(refused(101), HasSubstr(options_.results + ": holds results for other receivers"));
+  EXPECT_THAT(refused(101), HasSubstr(options_.results + ": has results for other receivers"));
   options_.header = "tail";
-  EXPECT_THAT(refused(100), HasSubstr(options_.results + ": holds results for other receivers"));
+  EXPECT_THAT(refused(100), HasSubstr(options_.results + ": has results for other receivers"));
   options_.header = "head";
   options_.request.add_wavelengths_nm(555);
-  EXPECT_THAT(refused(100), HasSubstr(options_.results + ": holds results for other receivers"));
+  EXPECT_THAT(refused(100), HasSubstr(options_.results + ": has results for other receivers"));
   options_.request.clear_wavelengths_nm();
   options_.request.mutable_seed()->set_seed(1);
   EXPECT_THAT(refused(100), HasSubstr("is the journal of another job"));

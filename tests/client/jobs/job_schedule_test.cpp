@@ -35,7 +35,7 @@ class Recorder final : public JobSchedule::Channel {
     starts.push_back({attempt, server, piece});
   }
   void cancel(AttemptId attempt) override { cancelled.push_back(attempt); }
-  void say(const std::string& event) override { events.push_back(event); }
+  void report(const std::string& event) override { events.push_back(event); }
 
   /// Pieces that were started on a server since the last call.
   std::vector<Started> take(ServerId server) {

@@ -231,7 +231,7 @@ class Simulation final : JobSchedule::Channel {
     });
   }
 
-  void say(const std::string&) override {}
+  void report(const std::string&) override {}
 
   std::mt19937_64 random_{20};
   double now_ = 0;

@@ -91,12 +91,12 @@ TEST(Client, CarriesRequestAndResponse) {
 TEST(Client, ErrorNamesTheInvalidFields) {
   FakeServer server;
   server.sample_li = [](auto&, const auto&, auto*) {
-    return invalid("bad batch", "receivers.offsets_m", "4 numbers, must be three a point");
+    return invalid("bad batch", "receivers.offsets_m", "4 numbers, must be three for each point");
   };
   const absl::Status status = server.client().sample_li({}).status();
   EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
   EXPECT_EQ(std::string(status.message()),
-            "bad batch; receivers.offsets_m: 4 numbers, must be three a point");
+            "bad batch; receivers.offsets_m: 4 numbers, must be three for each point");
   const auto payload = status.GetPayload(client::kStatusPayloadUrl);
   ASSERT_TRUE(payload.has_value());
   google::rpc::Status details;

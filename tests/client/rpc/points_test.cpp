@@ -59,8 +59,9 @@ TEST(Csv, ErrorsNameFileAndLine) {
   };
   EXPECT_EQ(message("x,y,z\n1,2,3\n1,oops,3\n"), "desks.csv:3: column 2: \"oops\" is not a number");
   EXPECT_EQ(message("1,2\n"), "desks.csv:1: 2 columns, must be 3 or 6: x,y,z[,nx,ny,nz]");
-  EXPECT_EQ(message("1,2,3\n\n1,2,3,0,0,1\n"), "desks.csv:3: 6 columns, 3 before");
-  EXPECT_EQ(message("x,y,z,nx,ny,nz\n1,2,3\n"), "desks.csv:2: 3 columns, 6 before");
+  EXPECT_EQ(message("1,2,3\n\n1,2,3,0,0,1\n"), "desks.csv:3: 6 columns, but 3 in the lines before");
+  EXPECT_EQ(message("x,y,z,nx,ny,nz\n1,2,3\n"),
+            "desks.csv:2: 3 columns, but 6 in the lines before");
   EXPECT_EQ(message("a,b,c\n"), "desks.csv:1: column 1: \"a\" is not a number");
   EXPECT_EQ(message("1,2,3\nx,y,z\n"), "desks.csv:2: column 1: \"x\" is not a number");
   EXPECT_EQ(message("1,2,1e999\n"), "desks.csv:1: column 3: \"1e999\" is not a number");

@@ -81,8 +81,8 @@ TEST(Share, OfOneOrMoreNeedsThePercentSign) {
   EXPECT_EQ(read("0.999"), "0.999");
   EXPECT_EQ(read("5"), "5 is 500%; did you mean 5%?");
   EXPECT_EQ(read("1"), "1 is 100%; did you mean 1%?");
-  EXPECT_EQ(read("0"), "0 is not a share above 0, as 1% or 0.01");
-  EXPECT_EQ(read("-5"), "-5 is not a share above 0, as 1% or 0.01");
+  EXPECT_EQ(read("0"), "0 is not a fraction above 0, such as 1% or 0.01");
+  EXPECT_EQ(read("-5"), "-5 is not a fraction above 0, such as 1% or 0.01");
 }
 
 TEST(Remarks, AreCountedByTheirReplacement) {

@@ -107,7 +107,7 @@ TEST(Overrun, OffersAsManySamplesAsTheBudgetAllows) {
   accuracy.set_time_budget_s(3);
   // 28 s for 16 samples are 1.75 s each: one fits.
   EXPECT_EQ(cli::describe_overrun(accuracy, cost, 16, "point"),
-            "over the budget of 3 s: each point takes 16 samples at least; --samples 1 would take "
+            "over the budget of 3 s: each point takes at least 16 samples; --samples 1 would take "
             "about 1.75 s; ");
   accuracy.set_time_budget_s(10);
   EXPECT_THAT(cli::describe_overrun(accuracy, cost, 16, "pixel"),

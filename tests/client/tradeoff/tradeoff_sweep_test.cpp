@@ -133,7 +133,8 @@ TEST_F(TradeoffSweep, EqualBitsOfFewSamplesDropNoSetting) {
   EXPECT_EQ(result->courses[1].fate, Course::Fate::kSwept);
   EXPECT_EQ(result->courses[2].fate, Course::Fate::kSame);
   EXPECT_EQ(result->courses[2].same_as, 0);
-  EXPECT_THAT(result->courses[2].why, HasSubstr("of 4 samples and, with another seed, of 64 sam"));
+  EXPECT_THAT(result->courses[2].why,
+              HasSubstr("for 4 samples and, with another seed, for 64 sam"));
   // No query is sent twice.
   std::set<std::tuple<std::size_t, double, std::uint64_t>> queries;
   for (const tradeoff::Run& run : result->runs)
@@ -145,10 +146,10 @@ TEST_F(TradeoffSweep, EqualBitsAreReportedForAffordableSampleCounts) {
   const auto result = run({{1, 4e-3, 1}, {1, 4e-3, 1, absl::OkStatus(), 16}}, 5);
   ASSERT_TRUE(result.ok()) << result.status();
   EXPECT_EQ(result->courses[1].fate, Course::Fate::kSame);
-  EXPECT_THAT(result->courses[1].why, HasSubstr("of 4 samples and, with another seed, of 4 sam"));
+  EXPECT_THAT(result->courses[1].why, HasSubstr("for 4 samples and, with another seed, for 4 sam"));
   const auto slow = run({{1, 2e-2, 1}, {1, 2e-2, 1}}, 5);
   ASSERT_TRUE(slow.ok()) << slow.status();
-  EXPECT_THAT(slow->courses[1].why, HasSubstr("of 4 samples; a second look takes too long"));
+  EXPECT_THAT(slow->courses[1].why, HasSubstr("for 4 samples; a second look takes too long"));
 }
 
 TEST_F(TradeoffSweep, ALostConnectionEndsTheSweep) {
@@ -201,7 +202,7 @@ TEST_F(TradeoffSweep, OneAmountIsEnoughToDropASetting) {
 TEST_F(TradeoffSweep, TooLittleTimeIsReportedWithTheNeededTime) {
   const auto result = run({{1, 0.5, 1}, {1, 0.5, 2}, {1, 0.5, 3}}, 2);
   EXPECT_TRUE(absl::IsDeadlineExceeded(result.status())) << result.status();
-  EXPECT_THAT(std::string(result.status().message()), HasSubstr("3 rounds at least"));
+  EXPECT_THAT(std::string(result.status().message()), HasSubstr("at least 3 rounds"));
 }
 
 TEST_F(TradeoffSweep, SlowAnswersAreNotWaitedFor) {

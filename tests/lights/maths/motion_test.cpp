@@ -155,7 +155,7 @@ TEST(Motion, RefusesMotionsThatAreNotRigid) {
     EXPECT_EQ(motion.status().code(), absl::StatusCode::kInvalidArgument);
     return std::string(motion.status().message());
   };
-  EXPECT_THAT(message({{0, {}}}), HasSubstr("motion of 1 key frames, allowed: 2 and more"));
+  EXPECT_THAT(message({{0, {}}}), HasSubstr("motion of 1 key frames, allowed: 2 or more"));
   EXPECT_THAT(message({{0, {}}, {0, {}}}),
               HasSubstr("motion.time_s = 0 of key frame 2, allowed: finite and ascending"));
   EXPECT_THAT(message({{0, {}}, {NAN, {}}}), HasSubstr("motion.time_s = nan"));

@@ -171,13 +171,13 @@ TEST(PortalLight, CreateNamesTheInvalidParameter) {
   PortalLightParams p = good;
   p.corners_m[2].x += 0.01;
   EXPECT_THAT(error(p), ::testing::HasSubstr("(2.01, 3, 1)"));
-  EXPECT_THAT(error(p), ::testing::HasSubstr("around a rectangle"));
+  EXPECT_THAT(error(p), ::testing::HasSubstr("corners of a rectangle"));
   p = good;
   std::swap(p.corners_m[1], p.corners_m[2]);
-  EXPECT_THAT(error(p), ::testing::HasSubstr("one after another"));
+  EXPECT_THAT(error(p), ::testing::HasSubstr("corners of a rectangle in order"));
   p = good;
   p.corners_m = window(0, 3, 1);
-  EXPECT_THAT(error(p), ::testing::HasSubstr("around a rectangle"));
+  EXPECT_THAT(error(p), ::testing::HasSubstr("corners of a rectangle"));
   p = good;
   p.corners_m[0].z = NAN;
   EXPECT_THAT(error(p), ::testing::HasSubstr("infinite.portal"));

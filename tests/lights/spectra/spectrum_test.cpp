@@ -181,7 +181,7 @@ TEST(Spectrum, NumbersAreFiniteUpToTheDarkestSpectra) {
   EXPECT_NEAR(dark.watts_per_lumen() / (1e90 / 683), 1, 1e-3);
   EXPECT_NEAR(dark.per_lumen(2000) / (1e90 / 683), 1, 1e-3);
   EXPECT_THAT(error(SampledSpectrum{{554, 555, 556, 1999, 2000, 2001}, {0, 1e-110, 0, 0, 1, 0}}),
-              HasSubstr("the eye sees nothing"));
+              HasSubstr("no visible light"));
 }
 
 // A single line of the least width in doubles, and 100 000 samples.
@@ -213,13 +213,13 @@ TEST(Spectrum, RefusesInvalidSpectra) {
   EXPECT_THAT(error(BlackBody{99}), HasSubstr("black body of 99 K, allowed: [100, 1e7] K"));
   EXPECT_THAT(error(BlackBody{NAN}), HasSubstr("allowed"));
   EXPECT_THAT(error(CieIlluminant{"F13"}), HasSubstr("unknown illuminant \"F13\", allowed: A B C"));
-  EXPECT_THAT(error(SampledSpectrum{{500, 400}, {1, 1}}), HasSubstr("400 follows 500"));
+  EXPECT_THAT(error(SampledSpectrum{{500, 400}, {1, 1}}), HasSubstr("400 nm follows 500"));
   EXPECT_THAT(error(SampledSpectrum{{400, 500}, {1, -1}}), HasSubstr("value -1 at 500 nm"));
   EXPECT_THAT(error(SampledSpectrum{{400, INFINITY}, {1, 1}}), HasSubstr("wavelength inf"));
-  EXPECT_THAT(error(SampledSpectrum{{400}, {1, 1}}), HasSubstr("as many of each"));
-  EXPECT_THAT(error(SampledSpectrum{{900, 1000}, {5, 5}}), HasSubstr("the eye sees nothing"));
-  EXPECT_THAT(error(SampledSpectrum{{400, 700}, {0, 0}}), HasSubstr("the eye sees nothing"));
-  EXPECT_THAT(error(SampledSpectrum{{555}, {1}}), HasSubstr("the eye sees nothing"));
+  EXPECT_THAT(error(SampledSpectrum{{400}, {1, 1}}), HasSubstr("equal numbers"));
+  EXPECT_THAT(error(SampledSpectrum{{900, 1000}, {5, 5}}), HasSubstr("no visible light"));
+  EXPECT_THAT(error(SampledSpectrum{{400, 700}, {0, 0}}), HasSubstr("no visible light"));
+  EXPECT_THAT(error(SampledSpectrum{{555}, {1}}), HasSubstr("no visible light"));
 }
 
 TEST(RgbBasis, AddsUpToD65AndIsNeverNegative) {

@@ -84,7 +84,7 @@ TEST_P(Containment, RefusesPathsOutOfTheRootWithTheSameErrorForExistingAndMissin
       const auto content = assets.read(name);
       EXPECT_EQ(content.status().code(), absl::StatusCode::kInvalidArgument) << name;
       EXPECT_EQ(message(content.status()),
-                "file name \"" + name + "\" leaves the scene root, allowed: files beneath it");
+                "file name \"" + name + "\" leaves the scene root, allowed: paths inside it");
     }
   }
   EXPECT_TRUE(assets.assets().empty());
@@ -169,7 +169,7 @@ TEST(AssetReader, UnpacksGzipWithinTheLimit) {
   AssetReader assets = *AssetReader::open(files.path().string());
   EXPECT_EQ(assets.read_unpacked("z.gz")->bytes, text);
   EXPECT_EQ(assets.read_unpacked("plain")->bytes, "plain");
-  EXPECT_THAT(message(assets.read_unpacked("cut.gz").status()), HasSubstr("broken or cut off"));
+  EXPECT_THAT(message(assets.read_unpacked("cut.gz").status()), HasSubstr("broken or incomplete"));
 
   AssetReaderOptions options;
   options.max_total_bytes = 1'000'000;

@@ -94,7 +94,7 @@ TEST(Eulumdat, SetsOfLampsBeyondTheFirstAreLeftOut) {
   const std::vector<std::string> second{"1", "other", "5000", "4000", "80", "50"};
   f.lamps.insert(f.lamps.end(), second.begin(), second.end());
   EXPECT_EQ(ldt(f.text()).web->at({0, 0, 1}), 200);
-  EXPECT_EQ(notes(ldt(f.text())), "26 2 sets of lamps -> the first of them\n");
+  EXPECT_EQ(notes(ldt(f.text())), "26 2 sets of lamps -> only the first set is used\n");
 }
 
 // The description lists the values of all sets field by field (four characters times the number of
@@ -105,13 +105,14 @@ TEST(Eulumdat, SetsOfLampsInEitherOrder) {
   f.lamps = {"1",    "2",    "-1",   "T16 28W", "T16 2x28W", "",   "2000", "5000", "1800",
              "3000", "3000", "4000", "80",      "80",        "1B", "30",   "60",   ""};
   EXPECT_EQ(ldt(f.text()).web->at({0, 0, 1}), 200);
-  EXPECT_EQ(notes(ldt(f.text())), "26 3 sets of lamps -> the first of them\n");
+  EXPECT_EQ(notes(ldt(f.text())), "26 3 sets of lamps -> only the first set is used\n");
   f.sets = "2";
   f.lamps = {"1", "1", "28", "28", "2000", "5000", "3000", "3000", "80", "80", "30", "60"};
   EXPECT_EQ(ldt(f.text()).web->at({0, 0, 1}), 200);
-  EXPECT_EQ(notes(ldt(f.text())),
-            "26 2 sets of lamps -> the first of them\n26 sets of lamps that can be read field by "
-            "field or set by set -> field by field, the order of the format's description\n");
+  EXPECT_EQ(
+      notes(ldt(f.text())),
+      "26 2 sets of lamps -> only the first set is used\n26 sets of lamps whose order is ambiguous "
+      "(field by field or set by set) -> read field by field, as in the format's description\n");
   f.lamps[0] = "x";
   EXPECT_THAT(ldt_error(f.text()), StartsWith("lamp.ldt:26: 2 sets of lamps, allowed: numbers"));
 }
@@ -123,9 +124,10 @@ TEST(Eulumdat, LightOutputRatioIsComparedWithTheIntensities) {
   f.lorl = "72.7";
   EXPECT_EQ(notes(ldt(f.text())), "");
   f.lorl = "60";
-  EXPECT_EQ(notes(ldt(f.text())),
-            "23 a light output ratio of 60%, which makes 1200 lm -> the flux of the intensities, "
-            "1453.52 lm\n");
+  EXPECT_EQ(
+      notes(ldt(f.text())),
+      "23 the light output ratio of 60% gives 1200 lm -> the flux of the intensities is used, "
+      "1453.52 lm\n");
 }
 
 TEST(Eulumdat, ErrorsNameLineAndAllowedValues) {
@@ -141,11 +143,10 @@ TEST(Eulumdat, ErrorsNameLineAndAllowedValues) {
   f.mc = 1000;
   f.ng = 1000;
   f.symmetry = 0;
-  EXPECT_THAT(ldt_error(f.text()),
-              StartsWith("lamp.ldt:6: 1000 angles and 1000 planes of 1000 intensities are claimed "
-                         "to follow, allowed: as many"));
+  EXPECT_THAT(ldt_error(f.text()), StartsWith("lamp.ldt:6: 1000 angles and 1000 planes of 1000 "
+                                              "intensities are announced, allowed: as many"));
   f.mc = f.ng = 1000000000;
-  EXPECT_THAT(ldt_error(f.text()), HasSubstr("are claimed"));
+  EXPECT_THAT(ldt_error(f.text()), HasSubstr("are announced"));
   f = {};
   f.conversion = "0";
   EXPECT_EQ(ldt_error(f.text()), "lamp.ldt:24: the conversion factor = 0, allowed: positive");

@@ -55,10 +55,10 @@ TEST(Ies, EditionsByTheirFirstLine) {
   EXPECT_EQ(format("IES:LM-63-2019\n"), "IES LM-63-2019, type C");
   Ies odd;
   odd.header = "IESNA:LM-63-2040\n";
-  EXPECT_EQ(
-      notes(ies(odd.text())),
-      "1 edition \"IESNA:LM-63-2040\" is none of LM-63-1986, 1991, 1995, 2002, 2019 -> read as "
-      "that of 2002\n");
+  EXPECT_EQ(notes(ies(odd.text())),
+            "1 unknown edition \"IESNA:LM-63-2040\", known: LM-63-1986, 1991, 1995, 2002, 2019 -> "
+            "read as "
+            "that of 2002\n");
 }
 
 TEST(Ies, LumensScaleNothing) {
@@ -100,8 +100,8 @@ TEST(Ies, TiltTablesAreReadAndTheFactorAtTiltZeroApplies) {
   f.tilt = "TILT=mh400.tlt\n";
   EXPECT_EQ(down(f.text()), 100);
   EXPECT_EQ(notes(ies(f.text())),
-            "4 tilt factors in \"mh400.tlt\" are not read -> 1, that of a luminaire that is not "
-            "tilted\n");
+            "4 tilt factors in \"mh400.tlt\" are not read -> the factor 1, for a luminaire without "
+            "tilt\n");
   f.tilt = "TILT=INCLUDE\n4\n1\n0\n1\n";
   EXPECT_THAT(ies_error(f.text()),
               StartsWith("lamp.ies:5: lamp-to-luminaire geometry = 4, allowed"));
@@ -110,9 +110,9 @@ TEST(Ies, TiltTablesAreReadAndTheFactorAtTiltZeroApplies) {
               StartsWith("lamp.ies:7: tilt angles from 10 to 90 degrees, allowed: from 0"));
   f.tilt = "TILT=INCLUDE\n1\n900000000\n0 90\n1 1\n";
   EXPECT_THAT(ies_error(f.text()),
-              StartsWith("lamp.ies:6: 1800000000 numbers are claimed to follow, allowed: as many"));
+              StartsWith("lamp.ies:6: 1800000000 numbers announced, allowed: as many"));
   f.tilt = "TILT=\n";
-  EXPECT_THAT(ies_error(f.text()), StartsWith("lamp.ies:4: TILT= nothing"));
+  EXPECT_THAT(ies_error(f.text()), StartsWith("lamp.ies:4: TILT= has no value"));
   f.tilt = "";
   EXPECT_THAT(ies_error(f.text()), HasSubstr("no line \"TILT=\""));
 }
@@ -207,9 +207,9 @@ TEST(Ies, CountsAreCheckedBeforeAnythingIsAllocated) {
   Ies f;
   f.counts = "1000 1000";
   EXPECT_THAT(ies_error(f.text()),
-              StartsWith("lamp.ies:6: 1002000 numbers are claimed to follow, allowed: as many"));
+              StartsWith("lamp.ies:6: 1002000 numbers announced, allowed: as many"));
   f.counts = "1000000000 1000000000";
-  EXPECT_THAT(ies_error(f.text()), HasSubstr("numbers are claimed to follow, allowed"));
+  EXPECT_THAT(ies_error(f.text()), HasSubstr("numbers announced, allowed"));
 }
 
 TEST(Ies, ErrorsNameLineAndAllowedValues) {
@@ -234,15 +234,17 @@ TEST(Ies, ErrorsNameLineAndAllowedValues) {
               StartsWith("lamp.ies:7: vertical angle 3 = 400, allowed: from -360 to 360"));
   EXPECT_THAT(with(&Ies::lamps, "1 -1 1e299"),
               StartsWith("lamp.ies:9: intensity 0 at horizontal angle 0 and vertical angle 0 = "));
-  EXPECT_THAT(with(&Ies::angles, "0 45 40\n0\n"),
-              StartsWith("lamp.ies:7: vertical angle 3 = 40 degrees, allowed: above the one"));
+  EXPECT_THAT(
+      with(&Ies::angles, "0 45 40\n0\n"),
+      StartsWith(
+          "lamp.ies:7: vertical angle 3 = 40 degrees, allowed: more than the previous angle"));
   EXPECT_THAT(with(&Ies::candela, "100 50 -10\n"),
               StartsWith("lamp.ies:9: candela value 3 = -10, allowed: finite, not neg"));
   EXPECT_EQ(with(&Ies::candela, "100 50"), "lamp.ies:9: the file ends before candela value 3");
   EXPECT_THAT(ies_error(""), StartsWith("lamp.ies:0: no line \"TILT=\""));
   Ies more;
   more.candela = "100 50 10\n[BLOCK]\n";
-  EXPECT_EQ(notes(ies(more.text())), "10 more after the last candela value -> left out\n");
+  EXPECT_EQ(notes(ies(more.text())), "10 text after the last candela value -> left out\n");
 }
 
 // A luminaire with intensity 318.3 cos V every 5 degrees, and the standard's zonal method.  The

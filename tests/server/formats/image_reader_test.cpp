@@ -131,7 +131,7 @@ TEST(ImageReader, NegativeTexelsCountAsZeroAndAreCounted) {
   ASSERT_TRUE(d.ok()) << d.status();
   EXPECT_EQ(d->image->texel(0, 0), Rgb<float>(0, 2, 0));
   EXPECT_EQ(d->image->texel(2, 0), Rgb<float>());
-  EXPECT_EQ(remarks_of(*d), "a.pfm has 2 texels with a value below 0 -> taken as 0\n");
+  EXPECT_EQ(remarks_of(*d), "a.pfm has 2 texels with a value below 0 -> counted as 0\n");
 }
 
 TEST(ImageReader, NoTexelsTooManyTexelsOrAnotherFormatAreErrors) {

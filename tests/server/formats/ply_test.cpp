@@ -105,16 +105,16 @@ TEST(Ply, FacesMayComeBeforeVertices) {
       "element vertex 3\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
   EXPECT_TRUE(parse_ply(ascii(header) + "3 0 1 2\n0 0 0 1 0 0 0 1 0").ok());
   EXPECT_EQ(error_of(ascii(header) + "3 0 1 3\n0 0 0 1 0 0 0 1 0"),
-            "PLY: a face names vertex 3, there are 3");
+            "PLY: a face uses vertex 3, but there are 3 vertices");
 }
 
 TEST(Ply, ErrorsNameTheElement) {
   const std::string four = "0 0 0 1 0 0 1 1 0 0 1 0 ";
   EXPECT_EQ(error_of(ascii(kQuadHeader) + four + "5 0 1 2 3 0"),
-            "PLY: face 0 has 5 corners, allowed 3 and 4");
+            "PLY: face 0 has 5 corners, allowed: 3 or 4");
   EXPECT_EQ(error_of(ascii(kQuadHeader) + four + "3 0 1 4"),
-            "PLY: face 0 names vertex 4, there are 4");
-  EXPECT_EQ(error_of(ascii(kQuadHeader) + four + "3 0 1 -1"), "PLY: face 0 names vertex -1");
+            "PLY: face 0 uses vertex 4, but there are 4 vertices");
+  EXPECT_EQ(error_of(ascii(kQuadHeader) + four + "3 0 1 -1"), "PLY: face 0 uses vertex -1");
   EXPECT_EQ(error_of(ascii(kQuadHeader) + "0 0 0 1 0 nan 1 1 0 0 1 0 3 0 1 2"),
             "PLY: vertex 1 is not finite");
   EXPECT_EQ(error_of(ascii(kQuadHeader) + "0 0 0 1 0 0 1e999 1 0 0 1 0 3 0 1 2"),
@@ -122,7 +122,7 @@ TEST(Ply, ErrorsNameTheElement) {
   EXPECT_EQ(error_of(binary_quad(false, std::numeric_limits<float>::infinity())),
             "PLY: vertex 3 is not finite");
   EXPECT_EQ(error_of(ascii(kQuadHeader) + "0 0 0 1 zero 0 1 1 0 0 1 0 3 0 1 2"),
-            "PLY: vertex 1: the data end, or hold no number");
+            "PLY: vertex 1: the data end or do not contain a number");
 }
 
 TEST(Ply, ErrorsNameTheHeaderLine) {
@@ -154,7 +154,8 @@ TEST(Ply, SizesInTheHeaderAreCheckedBeforeAnythingIsAllocated) {
   const std::string list =
       "ply\nformat binary_little_endian 1.0\nelement x 1\nproperty list uint double "
       "y\nend_header\n";
-  EXPECT_EQ(error_of(list + "\xff\xff\xff\xff"), "PLY: x 0: the data end, or hold no number");
+  EXPECT_EQ(error_of(list + "\xff\xff\xff\xff"),
+            "PLY: x 0: the data end or do not contain a number");
 }
 
 TEST(Ply, EveryTruncationIsAnError) {

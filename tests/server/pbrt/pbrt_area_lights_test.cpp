@@ -166,13 +166,14 @@ TEST(PbrtAreaImages, TheSceneCountsThePictureOnce) {
 TEST(PbrtAreaImages, ErrorsHaveTheirPlace) {
   const std::pair<std::string, const char*> kCases[] = {
       {kImage + "\"rgb L\" [1 1 1] " + kPatch,
-       "scene.pbrt:2:82: \"L\" beside \"filename\", allowed: one of them, and \"scale\""},
+       "scene.pbrt:2:82: \"L\" and \"filename\" are both given, allowed: one of them, and "
+       "\"scale\""},
       {"AreaLightSource \"diffuse\" \"string filename\" \"four.pfm\" \"string filter\" \"cubic\" " +
            kPatch,
        "scene.pbrt:2:56: \"string filter\" = \"cubic\", allowed: nearest, bilinear"},
       {"AreaLightSource \"diffuse\" \"string filename\" \"none.pfm\" " + kPatch,
        "scene.pbrt:2:27: \"string filename\" = \"none.pfm\": file \"none.pfm\" does not exist, "
-       "allowed: a file beneath the scene's root"},
+       "allowed: a file inside the scene root"},
       {kImage + "\"float scale\" -1 " + kPatch, "\"float scale\" = -1, allowed: not negative"},
       {kImage + kPatch + "\"point2 uv\" [0 0 1 1]",
        "Shape \"bilinearmesh\" has 2 \"uv\" for 4 vertices"},
@@ -309,13 +310,13 @@ TEST(PbrtPanels, ErrorsHaveTheirPlace) {
       {kProfile + "\nShape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 0.5]",
        "scene.pbrt:3:1: panel.surface has normals up to "},
       {kProfile + "\"string filename\" \"four.pfm\" Shape \"disk\"",
-       "scene.pbrt:2:27: \"profile\" beside \"filename\", allowed: one of them"},
+       "scene.pbrt:2:27: \"profile\" and \"filename\" are both given, allowed: one of them"},
       {"AreaLightSource \"diffuse\" \"string profile\" \"four.pfm\" Shape \"disk\"",
        "scene.pbrt:2:27: \"string profile\" = \"four.pfm\", allowed: the name of an .ies or .ldt "
        "file"},
       {"AreaLightSource \"diffuse\" \"string profile\" \"none.ldt\" Shape \"disk\"",
        "scene.pbrt:2:27: \"string profile\" = \"none.ldt\": file \"none.ldt\" does not exist, "
-       "allowed: a file beneath the scene's root"},
+       "allowed: a file inside the scene root"},
       {kProfile + "\"float scale\" 1e30 Shape \"disk\" \"float radius\" 1e-9",
        "scene.pbrt:2:55: the radiance of a surface with the flux of lamp.ies times the light's "
        "level = ("},

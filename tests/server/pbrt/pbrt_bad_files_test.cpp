@@ -228,7 +228,7 @@ TEST(PbrtBadFiles, NamesOfMissingFilesAreErrorsForEveryLight) {
     };
     EXPECT_THAT(error("\"none.exr\""), HasSubstr("file \"none.exr\" does not exist"));
     EXPECT_THAT(error("\"folder.exr\""), HasSubstr("\"folder.exr\" is not a regular file"));
-    EXPECT_THAT(error("\"../a.exr\""), HasSubstr("leaves the scene root, allowed: files beneath"));
+    EXPECT_THAT(error("\"../a.exr\""), HasSubstr("leaves the scene root, allowed: paths inside"));
     EXPECT_THAT(error("\"\""), HasSubstr("file name \"\" is empty"));
     EXPECT_THAT(error("[\"a.exr\" \"b.exr\"]"), HasSubstr("\"string filename\" takes one name"));
   });

@@ -81,7 +81,7 @@ TEST(PbrtCamera, CoordinateSystemCameraIsWorldFromCamera) {
   EXPECT_EQ(centre(0), Vec3<double>(0, 0, -5));
   EXPECT_EQ(centre(1), Vec3<double>(0, 0, 0));
   EXPECT_EQ(remarks_of(*scene),
-            "1:132 no coordinate system \"none\" was named -> the transform stays unchanged\n");
+            "1:132 coordinate system \"none\" is not defined -> the transform stays unchanged\n");
 }
 
 TEST(PbrtCamera, FilmScaleIsExposureTimesIsoOverAHundred) {
@@ -94,7 +94,7 @@ TEST(PbrtCamera, FilmScaleIsExposureTimesIsoOverAHundred) {
 TEST(PbrtCamera, SettingsThatAreNotModelledGetRemarks) {
   const std::pair<const char*, const char*> kCases[] = {
       {"Camera \"orthographic\"",
-       "1:1 Camera \"orthographic\" is not modelled -> a perspective one, 90 degrees across the "
+       "1:1 Camera \"orthographic\" is not modelled -> a perspective camera, 90 degrees across the "
        "shorter side\n"},
       {"Camera \"perspective\" \"float lensradius\" 1",
        "1:1 \"lensradius\" is not modelled -> a pinhole\n"},
@@ -129,7 +129,8 @@ TEST(PbrtCamera, WrongSettingsAreErrors) {
        "Film of 0 by 720 pixels, allowed 1 to 65536 each way"},
       {"Film \"rgb\" \"integer xresolution\" 100000", "Film of 100000 by 720 pixels"},
       {"Integrator \"path\" \"integer maxdepth\" -1", "\"integer maxdepth\" = -1"},
-      {"Sampler \"zsobol\" \"integer pixelsamples\" 0", "0 samples a pixel, allowed: 1 and more"},
+      {"Sampler \"zsobol\" \"integer pixelsamples\" 0",
+       "0 samples for each pixel, allowed: 1 or more"},
       {"ColorSpace \"cmyk\"", "unknown colour space \"cmyk\", expected one of srgb"},
   };
   for (const auto& [text, expected] : kCases)

@@ -112,7 +112,8 @@ TEST(PbrtGoniometric, ColoursBecomeTheirMeanWithARemark) {
   const auto scene = load("", pfm(1, 1, {2}, 4));
   ASSERT_TRUE(scene.ok()) << scene.status();
   EXPECT_EQ(remarks_of(*scene),
-            "2:27 lamp.pfm has colours, a goniometric light one intensity a direction -> the mean "
+            "2:27 lamp.pfm has colours, but a goniometric light has one intensity for each "
+            "direction -> the mean "
             "of R, G and B, the same as in pbrt-v4\n");
   const auto& params = std::get<GoniometricLightParams>(scene->lights.at(0).params);
   EXPECT_EQ(params.map->at({0, 0, 1}), 4);  // (2 + 2 + 8) / 3
@@ -162,7 +163,7 @@ TEST(PbrtGoniometric, BadPicturesAreErrorsWithTheirPlace) {
   EXPECT_THAT(error("", "no picture"), HasSubstr("cannot be read as an image"));
   EXPECT_THAT(error("\"string mapping\" \"cube\"", kQuarters), HasSubstr("equalarea, latlong"));
   EXPECT_THAT(error("\"string filter\" \"cubic\"", kQuarters), HasSubstr("nearest, bilinear"));
-  EXPECT_THAT(error("\"float power\" 5", pfm(1, 1, {0})), HasSubstr("that lights nothing"));
+  EXPECT_THAT(error("\"float power\" 5", pfm(1, 1, {0})), HasSubstr("that illuminates nothing"));
   // Beyond the range of the scene's floats.
   EXPECT_THAT(
       error("\"rgb I\" [1e38 1e38 1e38]", pfm(1, 1, {1e3F})),
@@ -175,7 +176,7 @@ TEST(PbrtGoniometric, BadPicturesAreErrorsWithTheirPlace) {
   EXPECT_NEAR(row.power({}).lumens.r, 8 * kPi, 1e-9);
   const auto negative = load("", pfm(2, 2, {-1, 2, 3, 4}));
   ASSERT_TRUE(negative.ok()) << negative.status();
-  EXPECT_THAT(remarks_of(*negative), HasSubstr("1 texel with a value below 0 -> taken as 0"));
+  EXPECT_THAT(remarks_of(*negative), HasSubstr("1 texel with a value below 0 -> counted as 0"));
 }
 
 TEST(PbrtGoniometric, ParametersOfPicturesDoNotApplyToPhotometricFiles) {

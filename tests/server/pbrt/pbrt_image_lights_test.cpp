@@ -93,10 +93,10 @@ TEST(PbrtImageLights, InvalidInputIsAnErrorWithItsPlace) {
   EXPECT_THAT(error("\"string mapping\" \"cube\"", 4, 4), HasSubstr("equalarea, latlong"));
   EXPECT_THAT(error("\"string filter\" \"cubic\"", 4, 4), HasSubstr("nearest, bilinear"));
   EXPECT_THAT(error("\"float scale\" -1", 4, 4), HasSubstr("\"float scale\" = -1"));
-  EXPECT_THAT(error("\"rgb L\" [1 1 1]", 4, 4), HasSubstr("\"L\" beside \"filename\""));
+  EXPECT_THAT(error("\"rgb L\" [1 1 1]", 4, 4), HasSubstr("\"L\" and \"filename\" are both given"));
   EXPECT_THAT(error("", 4, 4, "Scale 1 2 1"), HasSubstr("unequal scale"));
   EXPECT_THAT(message(load("\"float illuminance\" 5", 4, 4, 0).status()),
-              HasSubstr("cannot have it"));
+              HasSubstr("is black above the horizon"));
   EXPECT_THAT(message(load("", 4, 4, NAN).status()),
               HasSubstr("scene.pbrt:2:24: \"string filename\": sky.pfm: texel (0, 0)"));
 }
@@ -161,7 +161,7 @@ TEST(PbrtPortals, BadPortalsAreErrorsWithTheirPlace) {
   EXPECT_THAT(not_flat,
               HasSubstr("scene.pbrt:2:24: \"point3 portal\": infinite.portal = (0, 0, 3)"));
   EXPECT_THAT(not_flat, HasSubstr("(2, 1, 4)"));
-  EXPECT_THAT(not_flat, HasSubstr("allowed: four corners one after another around a rectangle"));
+  EXPECT_THAT(not_flat, HasSubstr("allowed: four corners of a rectangle in order"));
   EXPECT_THAT(error("[0 0 3  0 1 3  2.5 1 3  2 0 3]"), HasSubstr("rectangle"));  // a trapezium
   EXPECT_THAT(error("[0 0 3  0 1 3  3 2 3  3 1 3]"), HasSubstr("rectangle"));    // a parallelogram
   EXPECT_THAT(error("[0 0 3  0 1 3  0 1 3  0 0 3]"), HasSubstr("rectangle"));    // no area

@@ -155,10 +155,9 @@ TEST(PbrtLights, PowerOfAMeshIsThatOfTheWholeMeshWithARemark) {
       "AreaLightSource \"diffuse\" \"float power\" 12\nShape \"trianglemesh\" "
       "\"point3 P\" [0 0 0 2 0 0 2 2 0 0 2 0 4 0 0] \"integer indices\" [0 1 2 0 2 3 1 4 2]";
   EXPECT_NEAR(emission(text).radiance_cd_m2.r, 12 / (6 * kPi), 1e-12);
-  EXPECT_EQ(
-      world_remarks_of(text),
-      "1:38 \"power\" on a mesh of 3 primitives, each of which pbrt-v4 would give that power -> "
-      "the power of the whole mesh\n");
+  EXPECT_EQ(world_remarks_of(text),
+            "1:38 \"power\" on a mesh of 3 primitives; pbrt-v4 gives this power to each of them -> "
+            "the power of the whole mesh\n");
 }
 
 TEST(PbrtLights, BlackBodiesHaveLuminanceOneBeforeScale) {
@@ -173,7 +172,7 @@ TEST(PbrtLights, BlackBodiesHaveLuminanceOneBeforeScale) {
   EXPECT_THAT(world_remarks_of("LightSource \"point\" \"blackbody I\" 1000"),
               StartsWith("1:32 blackbody \"I\" is outside of the RGB gamut -> linear RGB ["));
   EXPECT_THAT(world_remarks_of("LightSource \"point\" \"spectrum I\" \"metal-Au-k\""),
-              HasSubstr("is not that of a light -> linear RGB [1 1 1]"));
+              HasSubstr("is not the spectrum of a light -> linear RGB [1 1 1]"));
 }
 
 TEST(PbrtLights, ObjectsNeverEmit) {
@@ -259,18 +258,16 @@ TEST(PbrtLights, InvalidLevelsAreErrors) {
        "the light's level, \"I\" times \"scale\" = (inf, 1e+308, "
        "1e+308)"},
       {"LightSource \"point\" \"rgb I\" [0 0 0] \"float power\" 10",
-       "\"float power\" = 10 lm for a light of luminance 0, which cannot have it, allowed: 0, as "
-       "if "
-       "not given"},
+       "\"float power\" = 10 lm for a light of luminance 0, allowed: 0, which counts as not given"},
       {"LightSource \"distant\" \"float scale\" 0 \"float illuminance\" 10",
-       "\"float illuminance\" = 10 lx for a light of luminance 0, which cannot have it, allowed: "
+       "\"float illuminance\" = 10 lx for a light of luminance 0, allowed: "
        "0"},
       {"LightSource \"infinite\" \"rgb L\" [0 0 0] \"float illuminance\" 10",
        "\"float illuminance\" = 10 lx for a light of luminance 0"},
       {"AreaLightSource \"diffuse\" \"rgb L\" [0 0 0] \"float power\" 1 Shape \"disk\"",
        "\"float power\" = 1 lm for a light of luminance 0"},
       {"LightSource \"point\" \"blackbody I\" 0", "black body of 0 K, allowed: [100, 1e7] K"},
-      {"LightSource \"point\" \"spectrum I\" [400 1 400 2]", "wavelength 400 follows 400"},
+      {"LightSource \"point\" \"spectrum I\" [400 1 400 2]", "wavelength 400 nm follows 400 nm"},
       {"LightSource \"point\" \"spectrum I\" [400 1 500]", "has 3 numbers, expected pairs"},
       {"LightSource \"point\" \"spectrum I\" [400 1 500 -1]",
        "value -1 at 500 nm, allowed: finite, not negative"},

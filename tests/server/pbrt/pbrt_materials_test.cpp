@@ -119,16 +119,16 @@ TEST(PbrtMaterials, InvalidMaterialsAreErrors) {
       {"MakeNamedMaterial \"m\"", "material \"m\" lacks \"string type\""},
       {"MakeNamedMaterial \"m\" \"string type\" \"diffuse\" MakeNamedMaterial \"m\" \"string "
        "type\" \"diffuse\"",
-       "material \"m\" was made before, at scene.pbrt:1:12"},
+       "material \"m\" is already defined, at scene.pbrt:1:12"},
       {"Material \"diffuse\" \"texture reflectance\" \"t\" Shape \"disk\"",
-       "no texture \"t\" is made"},
+       "texture \"t\" is not defined"},
       {"MakeNamedMaterial \"m\" \"string type\" \"mix\" \"string materials\" [\"m\" \"m\"] "
        "NamedMaterial \"m\" Shape \"disk\"",
        "is a mix of itself"},
       {"Texture \"t\" \"spectrum\" \"constant\" Texture \"t\" \"spectrum\" \"constant\"",
-       "was made before"},
+       "is already defined"},
       {"Material \"diffuse\" \"spectrum reflectance\" [500 1 400 1] Shape \"disk\"",
-       "wavelength 400 follows 500"},
+       "wavelength 400 nm follows 500 nm"},
       {"Texture \"t\" \"spectrum\" \"wood\"", "unknown texture class \"wood\""},
   };
   for (const auto& [text, expected] : kCases)

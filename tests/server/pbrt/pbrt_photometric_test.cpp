@@ -57,7 +57,7 @@ TEST(PbrtPhotometric, ScaleMultipliesTheCandelaAndPowerSetsTheTotal) {
   EXPECT_NEAR(luminance(l.power({}).lumens), 5000, 1e-8);
   const auto black = load(source + "\"float power\" 5000",
                           "TILT=NONE\n1 -1 1 2 1 1 2 0 0 0\n1 1 10\n0 90\n0\n0 0\n");
-  EXPECT_THAT(message(black.status()), HasSubstr("a light that lights nothing"));
+  EXPECT_THAT(message(black.status()), HasSubstr("a light that illuminates nothing"));
 }
 
 TEST(PbrtPhotometric, TransformsMoveRotateAndMirrorButNeverStretch) {
@@ -103,10 +103,9 @@ TEST(PbrtPhotometric, ErrorsAndNotesNameBothFiles) {
             "(type C), 2 (type B), 3 (type A)");
   const auto tilted = load(source, "TILT=x.tlt\n1 -1 1 2 1 1 2 0 0 0\n1 1 10\n0 90\n0\n100 100\n");
   ASSERT_TRUE(tilted.ok()) << tilted.status();
-  EXPECT_EQ(
-      remarks_of(*tilted),
-      "1:38 lamp.ies:1: tilt factors in \"x.tlt\" are not read -> 1, that of a luminaire that "
-      "is not tilted\n");
+  EXPECT_EQ(remarks_of(*tilted),
+            "1:38 lamp.ies:1: tilt factors in \"x.tlt\" are not read -> the factor 1, for a "
+            "luminaire without tilt\n");
   EXPECT_THAT(message(load("LightSource \"goniometric\" \"string filename\" \"LAMP.LDT\"", "x\n",
                            "LAMP.LDT")
                           .status()),

@@ -128,14 +128,14 @@ TEST(PbrtProjection, ASpectrumBesideAPictureBecomesRgbWithARemark) {
     EXPECT_THAT(
         remarks_of(*scene),
         ::testing::MatchesRegex(
-            "3:1 blackbody \"I\" beside a picture, whose colours are RGB -> the spectrum is "
-            "taken as RGB \\[1\\.[0-9]+ 0\\.[0-9]+ 0\\.[0-9]+\\] of luminance 1, by "
-            "wavelength too\n"));
+            "3:1 blackbody \"I\" of a light with a picture, whose colours are RGB -> the spectrum "
+            "becomes RGB \\[1\\.[0-9]+ 0\\.[0-9]+ 0\\.[0-9]+\\] of luminance 1, also for "
+            "queries by wavelength\n"));
     // Outside of the RGB gamut: no remark that wavelengths are exact.
     const auto red = load(kind + kSlide + "\"spectrum I\" [699 0 700 1 701 0]");
     ASSERT_TRUE(red.ok()) << red.status();
     EXPECT_THAT(remarks_of(*red), HasSubstr("2:"));
-    EXPECT_THAT(remarks_of(*red), HasSubstr("spectrum \"I\" beside a picture"));
+    EXPECT_THAT(remarks_of(*red), HasSubstr("spectrum \"I\" of a light with a picture"));
     EXPECT_THAT(remarks_of(*red), ::testing::Not(HasSubstr("exact")));
     EXPECT_EQ(remarks_of(*load(kind + kSlide + "\"rgb I\" [1 .5 .2]")), "");
     const auto without = load(kind + "\"blackbody I\" 2700");
@@ -167,7 +167,7 @@ TEST(PbrtProjection, InvalidInputIsAnErrorWithItsPlace) {
     return message(load(kSlide + parameters, "", bytes).status());
   };
   EXPECT_THAT(with_bytes(slide_pfm(2, 2, 0), "\"float power\" 5"),
-              HasSubstr("for a light that lights nothing"));
+              HasSubstr("for a light that illuminates nothing"));
   EXPECT_THAT(with_bytes(slide_pfm(2, 2, NAN)),
               HasSubstr("scene.pbrt:2:26: \"string filename\": slide.pfm: texel (0, 0)"));
   EXPECT_THAT(with_bytes("PF\n0 0\n-1.0\n"), HasSubstr("slide.pfm"));

@@ -158,7 +158,8 @@ TEST(PbrtShapes, WrongMeshesAreRefused) {
       {"Shape \"trianglemesh\"", "lacks \"point3 P\""},
       {kPatch + "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0]", "lacks \"integer indices\""},
       {kTriangle + "\"integer indices\" [0 1 2 0]", "has 4 indices, expected a multiple of 3"},
-      {kTriangle + "\"integer indices\" [0 1 3]", "index 2 names vertex 3, there are 3"},
+      {kTriangle + "\"integer indices\" [0 1 3]",
+       "index 2 names vertex 3, but there are 3 vertices"},
       {kTriangle + "\"integer indices\" [0 1 -1]", "\"indices\" holds -1, allowed: not negative"},
       {kTriangle + "\"normal N\" [0 0 1]", "has 1 normals for 3 vertices"},
       {"Scale 1e200 1 1 Scale 1e150 1 1 " + kTriangle, "is not finite after its transform"},
@@ -183,12 +184,12 @@ TEST(PbrtShapes, InvalidParametersAreNamedLikeInTheFile) {
       {"Shape \"disk\" \"float phimax\" 1e-323",
        "25: \"float phimax\" = 1e-323 degrees, allowed: positive"},
       {"Shape \"disk\" \"float radius\" 2 \"float innerradius\" 2",
-       "42: \"float innerradius\" = 2 m, allowed: [0, 2), of which 2 m is the radius"},
+       "42: \"float innerradius\" = 2 m, allowed: at least 0 and less than the radius, 2 m"},
       {"Shape \"disk\" \"float innerradius\" -.5",
-       "25: \"float innerradius\" = -0.5 m, allowed: [0, 1), of which 1 m is the radius"},
+       "25: \"float innerradius\" = -0.5 m, allowed: at least 0 and less than the radius, 1 m"},
       {"Shape \"sphere\" \"float zmin\" 3 \"float zmax\" 2",
-       "27: \"float zmin\" = 3 m and \"float zmax\" = 2 m, allowed: two heights that leave some of "
-       "[-1, 1] between them"},
+       "27: \"float zmin\" = 3 m and \"float zmax\" = 2 m, allowed: two heights that have a part "
+       "of [-1, 1] between them"},
       {"Shape \"sphere\" \"float zmax\" -1",
        "27: \"float zmin\" = -1 m and \"float zmax\" = -1 m, allowed: two heights that leave"},
       {"Shape \"cylinder\" \"float zmin\" 1",
@@ -227,9 +228,10 @@ TEST(PbrtShapes, CornersInRingOrderGetARemarkAndHaveArea) {
   EXPECT_EQ(remarks("[0 0 1 2 0 1 0 2 1 .5 .5 1]"), "");
   EXPECT_EQ(remarks("[0 0 1 1 0 1 0 1 1 0 1 1]"), "");
   EXPECT_EQ(remarks("[0 0 1 1 0 1 1 1 2 0 1 1]"), "");
-  EXPECT_THAT(remarks("[0 0 1 1 0 1 2 0 1 3 0 1]"),
-              HasSubstr("1 of 1 patches of this mesh have no area -> kept, but invisible and no "
-                        "light\n"));
+  EXPECT_THAT(
+      remarks("[0 0 1 1 0 1 2 0 1 3 0 1]"),
+      HasSubstr(
+          "1 of 1 patches of this mesh have no area -> kept, but invisible and without light\n"));
 }
 
 TEST(PbrtShapes, ShapesThatAreNotModelledGetRemarks) {
@@ -238,11 +240,12 @@ TEST(PbrtShapes, ShapesThatAreNotModelledGetRemarks) {
                                 "\"integer indices\" [0 1 2 0 1 3]\n" +
                                 kTriangle + "\"normal N\" [0 0 0  0 0 1  0 0 1]\n");
   ASSERT_TRUE(scene.ok()) << scene.status();
-  EXPECT_EQ(remarks_of(*scene),
-            "1:12 Shape \"curve\" is not modelled -> left out\n"
-            "2:55 \"alpha\" is not modelled -> opaque\n"
-            "3:1 1 of 2 triangles of this mesh have no area -> kept, but invisible and no light\n"
-            "4:1 the normal of vertex 0 has no direction -> the mesh has no vertex normals\n");
+  EXPECT_EQ(
+      remarks_of(*scene),
+      "1:12 Shape \"curve\" is not modelled -> left out\n"
+      "2:55 \"alpha\" is not modelled -> opaque\n"
+      "3:1 1 of 2 triangles of this mesh have no area -> kept, but invisible and without light\n"
+      "4:1 the normal of vertex 0 has no direction -> the mesh has no vertex normals\n");
   EXPECT_EQ(scene->shapes.size(), 3U);
 }
 

@@ -66,13 +66,13 @@ TEST(PbrtSpectra, InvalidSpectraAreErrorsOrGetRemarks) {
   EXPECT_THAT(world_error_of("LightSource \"point\" \"spectrum I\" \"gone.spd\""),
               HasSubstr("gone.spd"));
   EXPECT_THAT(world_error_of("LightSource \"point\" \"spectrum I\" [500 1 400 1]"),
-              HasSubstr("400 follows 500"));
+              HasSubstr("400 nm follows 500"));
   EXPECT_THAT(world_error_of("LightSource \"point\" \"spectrum I\" [500 1 600 -1]"),
               HasSubstr("value -1"));
   EXPECT_THAT(world_error_of("LightSource \"point\" \"blackbody I\" 20"),
               HasSubstr("black body of 20 K, allowed: [100, 1e7] K"));
   const std::string infrared = "LightSource \"point\" \"spectrum I\" [900 1 1000 1]";
-  EXPECT_THAT(world_remarks_of(infrared), HasSubstr("of which the eye sees nothing -> black"));
+  EXPECT_THAT(world_remarks_of(infrared), HasSubstr("has no visible light -> black"));
   EXPECT_TRUE(light_of<PointLightParams>(infrared).intensity_cd.is_black());
 }
 

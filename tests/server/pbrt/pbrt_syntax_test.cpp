@@ -131,7 +131,7 @@ TEST(PbrtSyntax, ErrorsNamePlaceAndExpectedSyntax) {
       {"ActiveTransform @Start", "expected All, StartTime or EndTime, found \"Start\""},
       {"@Camera \"perspective\"", "Camera is not allowed after WorldBegin"},
       {"@WorldBegin", "WorldBegin is not allowed after WorldBegin"},
-      {"@NamedMaterial \"m\" Shape \"sphere\"", "no material \"m\" is made in this scene"},
+      {"@NamedMaterial \"m\" Shape \"sphere\"", "material \"m\" is not defined in this scene"},
       {"@ObjectInstance \"o\"", "no object \"o\" is defined in this scene"},
       {"@Texture \"t\" \"rgb\" \"constant\"",
        "texture \"t\" has type \"rgb\", expected \"float\" or \"spectrum\""},
@@ -150,7 +150,7 @@ TEST(PbrtSyntax, ErrorsNamePlaceAndExpectedSyntax) {
 TEST(PbrtSyntax, UnmatchedBlocksNameTheOpenDirective) {
   const std::pair<const char*, const char*> kCases[] = {
       {"AttributeBegin", "1:12: AttributeBegin is not closed"},
-      {"AttributeEnd", "1:12: AttributeEnd closes nothing that is open"},
+      {"AttributeEnd", "1:12: AttributeEnd has nothing to close"},
       {"ObjectBegin \"o\" AttributeEnd",
        "1:28: AttributeEnd does not match the ObjectBegin of scene.pbrt:1:12"},
       {"AttributeBegin ObjectEnd",
@@ -244,7 +244,7 @@ TEST(PbrtSyntax, ImportKeepsItsStateToItself) {
   files.write("main.pbrt", "WorldBegin AttributeBegin Import \"a.pbrt\"");
   files.write("a.pbrt", "AttributeEnd");
   EXPECT_EQ(message(files.load("main.pbrt").status()),
-            "a.pbrt:1:1: AttributeEnd closes nothing that is open in this imported file");
+            "a.pbrt:1:1: AttributeEnd has nothing to close in this imported file");
   files.write("a.pbrt", "Translate 1");
   EXPECT_EQ(message(files.load("main.pbrt").status()),
             "a.pbrt:1:12: expected a number for Translate, found the end of the file");
@@ -258,10 +258,9 @@ TEST(PbrtSyntax, FileNamesThatLeaveTheRootAreRefusedAtTheirPlace) {
   AssetReader reader = *AssetReader::open((files.path() / "root").string());
   const auto scene = load_pbrt(reader, "scene.pbrt");
   EXPECT_EQ(scene.status().code(), absl::StatusCode::kInvalidArgument);
-  EXPECT_EQ(
-      message(scene.status()),
-      "scene.pbrt:2:19: \"string filename\" = \"../secret\": file name \"../secret\" leaves the "
-      "scene root, allowed: files beneath it");
+  EXPECT_EQ(message(scene.status()),
+            "scene.pbrt:2:19: \"string filename\" = \"../secret\": file name \"../secret\" leaves "
+            "the scene root, allowed: paths inside it");
   files.write("root/scene.pbrt", "WorldBegin Include \"/etc/passwd\"");
   EXPECT_THAT(message(load_pbrt(reader, "scene.pbrt").status()),
               StartsWith("scene.pbrt:1:20: file name \"/etc/passwd\" leaves the scene root"));

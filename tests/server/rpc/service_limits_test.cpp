@@ -182,9 +182,9 @@ class MessageLimits : public ::testing::Test {
     const grpc::Status fits = call(n), refused = call(n + 1);
     EXPECT_TRUE(fits.ok()) << fits.error_message();
     EXPECT_EQ(refused.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
-    EXPECT_EQ(refused.error_message(),
-              field + ", each answered in " + std::to_string(size.per_item) + " bytes, = " +
-                  std::to_string(n + 1) + ", this server takes at most " + std::to_string(n));
+    EXPECT_EQ(refused.error_message(), field + " (" + std::to_string(size.per_item) +
+                                           " bytes each in the answer) = " + std::to_string(n + 1) +
+                                           ", limit of this server: " + std::to_string(n));
     EXPECT_EQ(detail<google::rpc::ErrorInfo>(refused).reason(), "OVER_LIMIT");
     EXPECT_FALSE(detail<google::rpc::RetryInfo>(refused).has_retry_delay());
   }
@@ -234,7 +234,8 @@ TEST_F(MessageLimits, LimitTiles) {
   const grpc::Status tile =
       status_of([&](auto* c) { return service_.render.RenderTile(c, q, &r); });
   EXPECT_EQ(tile.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
-  EXPECT_THAT(tile.error_message(), HasSubstr("pixels of rect, each answered in 48 bytes, = 1120"));
+  EXPECT_THAT(tile.error_message(),
+              HasSubstr("pixels of rect (48 bytes each in the answer) = 1120"));
   v1::RenderImageRequest image;
   image.set_scene_id(scene_);
   image.mutable_accuracy()->set_samples(1);
@@ -277,7 +278,8 @@ TEST(LargestLimits, RefuseArraysThatAreTooLong) {
   const grpc::Status emitted =
       status_of([&](auto* c) { return service.lighting.SampleLe(c, emit(scene, 1 << 24), &rays); });
   EXPECT_EQ(emitted.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
-  EXPECT_THAT(emitted.error_message(), HasSubstr("count, each answered in 587 bytes, = 16777216"));
+  EXPECT_THAT(emitted.error_message(),
+              HasSubstr("count (587 bytes each in the answer) = 16777216"));
   v1::SampleLiRequest q = li(scene, 1);
   q.mutable_accuracy()->set_samples(1 << 24);
   v1::SampleLiResponse samples;

@@ -292,7 +292,7 @@ TEST(Scene, RefusesValuesThatAreNotFiniteOrOutOfRange) {
   std::get<PatchMeshData>(d.shapes[0].geometry).indices[3] = 4;
   error = Scene::build(d).status();
   EXPECT_THAT(std::string(error.message()),
-              StartsWith("a.pbrt:3:9: vertex number 4, allowed below 4"));
+              StartsWith("a.pbrt:3:9: vertex number 4, allowed: less than 4"));
   d.shapes = {testing::floor(1)};
   d.shapes[0].material = 1;
   EXPECT_EQ(Scene::build(d).status().code(), absl::StatusCode::kInvalidArgument);
