@@ -23,7 +23,8 @@ int run(int argc, char** argv) {
   app.fallthrough();
   app.footer(
       "Example:\n  lucerna irradiance room.pbrt --point 0,0,0 --normal 0,0,1\n"
-      "Exit status: 0 done; 1 the server refused or cannot be reached; 2 wrong use; 130 or 143 "
+      "Exit status: 0 done; 1 the server refused, cannot be reached, or has no answer for some "
+      "point; 2 wrong use; 130 or 143 "
       "interrupted (128 + the signal).");
   session.add_options(app);
   lucerna::cli::add_scene_commands(app, session);

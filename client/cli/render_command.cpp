@@ -17,6 +17,7 @@
 #include "client/files/write_picture.h"
 #include "client/jobs/picture.h"
 #include "client/terminal/certainty.h"
+#include "client/terminal/luminance.h"
 #include "client/terminal/method_options.h"
 #include "client/terminal/output.h"
 #include "client/terminal/progress.h"
@@ -132,12 +133,9 @@ std::string describe_samples(std::vector<std::uint32_t> samples) {
 TargetCheck check_target(const client::Picture& picture, const v1::TargetError& target) {
   TargetCheck check(target);
   for (std::size_t i = 0; i < picture.upper.size(); ++i) {
-    const float* rgb = picture.pixels.data() + 3 * i;
-    // Rec. 709 with D65, as the server computes it.
-    const double luminance =
-        0.2126390058715104 * rgb[0] + 0.7151686787677559 * rgb[1] + 0.0721923153607337 * rgb[2];
     // The number of samples of a pixel is a power of two.
-    check.add(luminance, picture.lower[i], picture.upper[i], 2ULL * picture.samples[i]);
+    check.add(luminance(picture.pixels.data() + 3 * i), picture.lower[i], picture.upper[i],
+              2ULL * picture.samples[i]);
   }
   return check;
 }

@@ -255,9 +255,10 @@ class Irradiance final : public DistributedWork {
   }
 
   void count_statuses() {
-    for (std::size_t i = kStatusColumn; i < rows_.size(); i += results_.columns())
-      ++statuses_[std::min<std::size_t>(static_cast<std::size_t>(std::max(0.0F, rows_[i])),
-                                        statuses_.size() - 1)];
+    for (std::size_t i = kStatusColumn; i < rows_.size(); i += results_.columns()) {
+      const auto status = static_cast<std::size_t>(std::max(0.0F, rows_[i]));
+      ++statuses_[status < statuses_.size() ? status : std::size_t{v1::ITEM_STATUS_UNSPECIFIED}];
+    }
   }
 
   absl::Status to_rows(const v1::EstimateIrradianceResponse& response, std::size_t count) {
@@ -322,7 +323,7 @@ class Irradiance final : public DistributedWork {
   absl::Status failed_;
   std::uint64_t from_journal_ = 0;
   std::uint32_t samples_ = 0;
-  std::array<std::uint64_t, 8> statuses_{};
+  std::array<std::uint64_t, v1::ItemStatus_ARRAYSIZE> statuses_{};
   v1::Cost cost_;
 };
 

@@ -76,8 +76,9 @@ struct IrradianceJobResult {
   std::size_t pieces = 0;          ///< done in this run
   std::uint64_t from_journal = 0;  ///< receivers that were done before
   std::uint32_t samples = 0;       ///< per receiver
-  /// Number of receivers with each status, indexed by the status.
-  std::array<std::uint64_t, 8> statuses{};
+  /// Number of receivers with each status, indexed by the status.  A status that this library does
+  /// not know counts as ITEM_STATUS_UNSPECIFIED.
+  std::array<std::uint64_t, v1::ItemStatus_ARRAYSIZE> statuses{};
   /// Cost of this run; the wall time is that of the job.
   v1::Cost cost;
 };

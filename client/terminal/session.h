@@ -113,7 +113,8 @@ v1::ListLightsResponse list_lights(Session& session, const std::string& scene_id
 
 /// Help of the argument SCENE.
 inline constexpr char kSceneHelp[] =
-    "A path under the scene root, an id, or the first digits of an id";
+    "A path under the scene root, the name of an uploaded scene, an id, or the first digits of an "
+    "id";
 
 // One function for each group of commands.
 void add_scene_commands(CLI::App& app, Session& session);  // load scenes scene lights ...

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "client/terminal/luminance.h"
 #include "client/tradeoff/question.h"
 #include "client/tradeoff/stopwatch.h"
 #include "lucerna/client/batches.h"
@@ -149,7 +150,7 @@ class PowerQuestion : public Question {
         double weight = surface ? std::fabs(dot(0) + dot(1) + dot(2)) : 1;
         if (rays->pdf_position_per_m2(i) > 0) weight /= rays->pdf_position_per_m2(i);
         if (rays->pdf_direction_per_sr(i) > 0) weight /= rays->pdf_direction_per_sr(i);
-        sum += luminance(rays->value().data() + 3 * static_cast<std::ptrdiff_t>(i)) * weight;
+        sum += cli::luminance(rays->value().data() + 3 * static_cast<std::ptrdiff_t>(i)) * weight;
       }
       answer.values.push_back(sum / count);
       answer.samples += count;

@@ -96,13 +96,6 @@ v1::Accuracy accuracy_of(const Setting& setting, const Amount& amount, double fl
   return accuracy;
 }
 
-// The Y row of the matrix of the Rec. 709 primaries and the D65 white point (0.3127, 0.3290).  It
-// has as many digits as in the server.  The usual four digits have an error of 2e-5, which would
-// count as an error of the setting.  [BT709]
-double luminance(const float* rgb) {
-  return 0.2126390058715104 * rgb[0] + 0.7151686787677559 * rgb[1] + 0.0721923153607337 * rgb[2];
-}
-
 double rays_of(const v1::Cost& cost) {
   return static_cast<double>(cost.camera_rays() + cost.indirect_rays() + cost.shadow_rays());
 }

@@ -145,8 +145,6 @@ std::string floor_flag(const Amount& amount, double dark);
 /// The request for a setting's methods and an amount.
 v1::Accuracy accuracy_of(const Setting& setting, const Amount& amount, double floor = 0);
 
-/// The luminance of linear Rec. 709 RGB.
-double luminance(const float* rgb);
 /// Rays of all kinds.
 double rays_of(const v1::Cost& cost);
 

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "client/rpc/batch_parts.h"
+#include "client/terminal/luminance.h"
 #include "client/tradeoff/question.h"
 #include "client/tradeoff/stopwatch.h"
 #include "lucerna/client/batches.h"
@@ -118,7 +119,7 @@ class SampleQuestion : public Question {
     const client::Double3& n = unit_normals_[point];
     const double cosine = n[0] * r.wi(3 * i) + n[1] * r.wi(3 * i + 1) + n[2] * r.wi(3 * i + 2);
     const double density = client::bit(r.delta(), i) ? 1 : r.pdf_per_sr(i);
-    return luminance(r.value().data() + 3 * static_cast<std::ptrdiff_t>(i)) *
+    return cli::luminance(r.value().data() + 3 * static_cast<std::ptrdiff_t>(i)) *
            std::max(0.0, cosine) / (density * chosen_with(r, i));
   }
 

@@ -13,6 +13,11 @@
 
 namespace lucerna {
 
+/// The share of a time budget that is planned for.  The rest is a reserve.
+inline constexpr double kPlannedShare = 0.9;
+/// A longer budget counts as this one, 30 years.  Otherwise it would overflow the clock.
+inline constexpr double kLongestBudgetS = 1e9;
+
 /// Requests a stop at a moment, or when another stop is requested.
 class StopAt {
  public:
@@ -43,12 +48,8 @@ class StopAt {
 template <typename Run, typename Round = std::identity>
 auto within_time(double budget_s, std::uint32_t most, const std::stop_token& stop, Run&& run,
                  Round&& round = {}) -> decltype(std::pair(run(1U, stop), 1U)) {
-  // The rest of the budget is a reserve.
-  constexpr double kPlanned = 0.9;
   // The time of a short run does not predict the time of a long one well.
   constexpr double kMostGrowth = 16;
-  // 30 years; a longer time would overflow the clock.
-  constexpr double kForEver = 1e9;
   using Clock = StopAt::Clock;
   const auto begin = Clock::now();
   const auto since = [](Clock::time_point t) {
@@ -57,9 +58,9 @@ auto within_time(double budget_s, std::uint32_t most, const std::stop_token& sto
   std::pair best(run(1U, stop), 1U);
   double took_s = since(begin);
   while (best.first && best.second < most) {
-    const double left_s = std::min(budget_s, kForEver) - since(begin);
+    const double left_s = std::min(budget_s, kLongestBudgetS) - since(begin);
     const double fits =
-        std::min(kPlanned * left_s / std::max(took_s, 1e-9), kMostGrowth) * best.second;
+        std::min(kPlannedShare * left_s / std::max(took_s, 1e-9), kMostGrowth) * best.second;
     const std::uint32_t n = round(static_cast<std::uint32_t>(std::clamp<double>(fits, 0, most)));
     if (n <= best.second) break;
     const StopAt in_time(Clock::now() + std::chrono::duration_cast<Clock::duration>(

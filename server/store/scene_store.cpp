@@ -107,7 +107,7 @@ std::string path_under(const fs::path& root, const std::string& path) {
 absl::Status not_found(const std::string& path, const std::string& root) {
   return absl::NotFoundError(
       fmt::format("file \"{}\" does not exist under the scene root \"{}\", and no uploaded scene "
-                  "has this name; to use a file of another machine, upload it (lucerna --upload)",
+                  "has this name; to use a file of another machine, upload it (lucerna load --upload FILE)",
                   path, root));
 }
 
@@ -248,7 +248,7 @@ absl::StatusOr<LoadedScene> SceneStore::load(const std::string& path, const Load
   if (relative.empty() && path.starts_with('/')) {
     return absl::InvalidArgumentError(
         fmt::format("file name \"{}\" leaves the scene root \"{}\", allowed: paths inside it; to "
-                    "use another file, upload it (lucerna --upload)",
+                    "use another file, upload it (lucerna load --upload FILE)",
                     path, state_->root));
   }
   const std::string& name = relative.empty() ? path : relative;

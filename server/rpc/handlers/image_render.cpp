@@ -156,21 +156,17 @@ void ImageRender::end() {
 std::uint64_t ImageRender::next_pass() const {
   const std::uint64_t doubled = std::min(pass_end_, blocks_ - pass_end_);
   if (!is_timed() || pass_end_ < kWaitedForBlocks) return doubled;
-  // The rest is a reserve.
-  constexpr double kPlanned = 0.9;
   const std::chrono::duration<double> took = Clock::now() - pass_start_;
   const double block_s = took.count() / static_cast<double>(pass_end_ - pass_begin_);
-  const double fits = kPlanned * left_s() / std::max(block_s, 1e-9);
+  const double fits = kPlannedShare * left_s() / std::max(block_s, 1e-9);
   return static_cast<std::uint64_t>(std::clamp(fits, 0.0, static_cast<double>(doubled)));
 }
 
 bool ImageRender::is_waited_for() const { return !is_timed() || pass_begin_ < kWaitedForBlocks; }
 
 double ImageRender::left_s() const {
-  // 30 years; a longer time would overflow the clock.
-  constexpr double kForEver = 1e9;
   const std::chrono::duration<double> since = Clock::now() - *begin_;
-  return std::min(*query_.rule.time_budget_s, kForEver) - since.count();
+  return std::min(*query_.rule.time_budget_s, kLongestBudgetS) - since.count();
 }
 
 }  // namespace lucerna::rpc

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <mutex>
@@ -160,6 +161,24 @@ TEST_F(IrradianceJobTest, ResultsHaveTheOrderOfTheirReceivers) {
     EXPECT_EQ(row[kStatusColumn], 1);
   }
   EXPECT_EQ(in.peek(), std::ifstream::traits_type::eof());
+}
+
+TEST_F(IrradianceJobTest, EachStatusIsCounted) {
+  // One receiver of each status that the contract has, and one of a later contract.
+  const int statuses = v1::ItemStatus_ARRAYSIZE;
+  servers_[0].irradiance = [&](auto&, const v1::EstimateIrradianceRequest& request,
+                               v1::EstimateIrradianceResponse* response) {
+    const int count = request.receivers().offsets_m_size() / 3;
+    for (int i = 0; i < count; ++i) {
+      const double x = request.receivers().origin_m().x() + request.receivers().offsets_m(3 * i);
+      response->add_status(static_cast<v1::ItemStatus>(std::lround(x)));
+    }
+    return answer(request, response);
+  };
+  const auto result = run(static_cast<std::uint64_t>(statuses) + 1);
+  ASSERT_TRUE(result.ok()) << result.status();
+  EXPECT_EQ(result->statuses[v1::ITEM_STATUS_UNSPECIFIED], 2U);  // its own, and the unknown one
+  for (int i = 1; i < statuses; ++i) EXPECT_EQ(result->statuses[i], 1U) << i;
 }
 
 TEST_F(IrradianceJobTest, ImpossibleJobsAreErrors) {
