@@ -106,7 +106,10 @@ TEST_F(CliIrradianceFiles, FilesHoldTheNumbersOfTheTableToTheBit) {
   EXPECT_EQ(terminal.status, 1) << terminal.err;  // one point has no answer
   const auto array = [&](const std::string& name) {
     std::vector<float> values;
-    std::string list = terminal.out.substr(terminal.out.find("\"" + name + "\":["));
+    const std::size_t at = terminal.out.find("\"" + name + "\":[");
+    EXPECT_NE(at, std::string::npos) << name;
+    if (at == std::string::npos) return values;
+    std::string list = terminal.out.substr(at);
     list = list.substr(list.find('[') + 1);
     list = list.substr(0, list.find(']'));
     std::istringstream in(list);
@@ -138,10 +141,10 @@ TEST_F(CliIrradianceFiles, FilesHoldTheNumbersOfTheTableToTheBit) {
     invalid += values[9] == "OK" ? 0 : 1;
   }
   EXPECT_EQ(invalid, 1);
-  EXPECT_EQ(illuminance, array("illuminance_lx"));
-  EXPECT_EQ(errors, array("standard_error_lx"));
-  EXPECT_EQ(lower, array("lower_lx"));
-  EXPECT_EQ(upper, array("upper_lx"));
+  EXPECT_EQ(illuminance, array("illuminanceLx"));
+  EXPECT_EQ(errors, array("standardErrorLx"));
+  EXPECT_EQ(lower, array("lowerLx"));
+  EXPECT_EQ(upper, array("upperLx"));
   EXPECT_GT(illuminance[0], 1);
   EXPECT_GT(errors[0], 0);
 
