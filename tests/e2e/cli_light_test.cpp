@@ -78,12 +78,13 @@ TEST_F(Cli, WrongNumbersOfPointsAndDirectionsAreRefused) {
 TEST_F(Cli, FluxOfALightAtInfinityIsMarked) {
   // A square of 2 m by 2 m about the origin has a sphere of R^2 = 2.  A distant light of 1 lx sends
   // pi R^2 = 6.28319 lm through its disk.  A sky of 1 cd/m2 sends that from 4 pi sr: 78.9568 lm.
-  EXPECT_THAT(lucerna({"lights", "sky.pbrt"}).out,
-              AllOf(ContainsRegex(" 1  uniform infinite .* \\*78\\.95[67][0-9]* +exact"),
-                    ContainsRegex(" 2  distant .* \\*6\\.283[0-9]* +exact"),
-                    ContainsRegex(" 3  point .* 12\\.5664 +exact"),
-                    HasSubstr("\n* of a light at infinity: what goes through the scene's bounding "
-                              "disk, or through the light's portal")));
+  EXPECT_THAT(
+      lucerna({"lights", "sky.pbrt"}).out,
+      AllOf(ContainsRegex(" 1  uniform infinite .* \\*78\\.95[67][0-9]* +exact"),
+            ContainsRegex(" 2  distant .* \\*6\\.283[0-9]* +exact"),
+            ContainsRegex(" 3  point .* 12\\.5664 +exact"),
+            HasSubstr("\n* light at infinity: the flux through the scene's bounding disk or the "
+                      "light's portal")));
   EXPECT_THAT(lucerna({"power", "sky.pbrt"}).out,
               AllOf(ContainsRegex(" 1  uniform infinite +\\*78\\.95[67]"),
                     ContainsRegex(" 3  point +12\\.5664 "), ContainsRegex("all +\\*97\\.80[67]"),

@@ -269,7 +269,7 @@ TEST_F(Frames, WrongOptionsAreRefusedBeforeAnyCall) {
   wrong({"m.pbrt", "--frames", "1-4", "-o", out, "--journal", path("j%d")},
         "--journal requires --servers");
   wrong({"m.pbrt", "--frames", "1-4", "-o", path("a.%d.png"), "--preview=1", "--skip-existing"},
-        "what is redrawn is there before it is done");
+        "a preview would count as a finished picture");
   wrong({"m.pbrt", "-o", out, "--fps", "24"}, "--fps requires --frames");
   wrong({"m.pbrt", "-o", out, "--shutter", "1"}, "--shutter requires --frames");
   wrong({"m.pbrt", "-o", out, "--skip-existing"}, "--skip-existing requires --frames");
