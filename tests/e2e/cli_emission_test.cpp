@@ -141,7 +141,7 @@ TEST_F(CliEmission, DensitiesAreThoseOfTheLight) {
   EXPECT_THAT(out, ContainsRegex(" 2  0 0 -1 +0 +0\n"));
   EXPECT_THAT(said({"emit-pdf", kScene, "--light", "1", "--point", "101.2,-51.5,3.2", "--direction",
                     "0,0,1", "--json"}),
-              AllOf(StartsWith("{\"pdf_position_per_m2\":[0]"),
+              AllOf(StartsWith("{\"pdfPositionPerM2\":[0]"),
                     HasSubstr("\"pdfDirectionPerSr\":[0.07957")));
   // Points of a file, one with no answer.
   const Outcome bad = lucerna({"emit-pdf", kScene, "--light", rectangle, "--points", "-"},

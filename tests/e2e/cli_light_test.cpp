@@ -127,7 +127,7 @@ TEST_F(Cli, SamplesToAnErrorOrATimePrintAnEstimate) {
       ContainsRegex("x \\[m\\] +y \\[m\\] +z \\[m\\] +illuminance \\[lx\\] +± \\[lx\\] +samples"));
   EXPECT_THAT(error.out,
               ContainsRegex("0\\.7 +-1\\.2 +0 +0\\.68[23][0-9]* +[0-9.e-]+ +[0-9]+ *\n"));
-  EXPECT_THAT(error.out, HasSubstr("± and < hold with 99% confidence, of lights as though"));
+  EXPECT_THAT(error.out, HasSubstr("± and < hold with 99% confidence, of unoccluded lights"));
   const Outcome around = sample({"--error", "1%", "--visible", "--floor", "0.001"});
   EXPECT_THAT(around.out, HasSubstr("spherical illuminance [lx]"));
   EXPECT_THAT(around.out, ContainsRegex(" 0\\.68[67][0-9]* "));
