@@ -6,13 +6,12 @@
 #include <random>
 
 #include "server/estimate/statistics/block_stream.h"
+#include "tests/server/estimate/paths/tiles.h"
 
 namespace lucerna {
 namespace {
 
-bool same(const BlockStatistics& a, const BlockStatistics& b) {
-  return a.sum == b.sum && a.deviation == b.deviation;
-}
+using testing::same;
 
 std::vector<BlockStatistics> one(double value) { return {{value, 0}}; }
 

@@ -179,7 +179,7 @@ TEST_F(VectorFileTest, CsvErrorsNameTheLine) {
 }
 
 /// Channel c of the texel at (x, y) is 1000 c + 40 y + x.
-struct Picture {
+struct ChannelPicture {
   int width = 40, height = 70;
   std::vector<std::string> channels;
   int tile = 0;
@@ -218,10 +218,11 @@ struct Picture {
 TEST_F(VectorFileTest, MapsAreReadFromAnyTexelOn) {
   for (const int tile : {0, 16}) {
     // In another order, and with an extra channel.
-    const Picture picture{.channels = {"B.P.X", "B.P.Y", "N.Z", "N.Y", "N.X", "mask", "B.P.Z"},
-                          .tile = tile,
-                          .x = 5,
-                          .y = -3};
+    const ChannelPicture picture{
+        .channels = {"B.P.X", "B.P.Y", "N.Z", "N.Y", "N.X", "mask", "B.P.Z"},
+        .tile = tile,
+        .x = 5,
+        .y = -3};
     auto file = open_vectors(picture.write(path("a.exr")), VectorKind::kPoints);
     ASSERT_TRUE(file.ok()) << file.status();
     ASSERT_NE((*file)->window(), nullptr);
@@ -248,7 +249,7 @@ TEST_F(VectorFileTest, MapsAreReadFromAnyTexelOn) {
 
 TEST_F(VectorFileTest, ChannelsOfMapsByTheirNames) {
   const auto columns = [&](std::vector<std::string> channels, VectorKind kind) {
-    const auto file = open_vectors(Picture{.channels = channels}.write(path("a.exr")), kind);
+    const auto file = open_vectors(ChannelPicture{.channels = channels}.write(path("a.exr")), kind);
     EXPECT_TRUE(file.ok()) << file.status();
     std::vector<double> row((*file)->columns());
     EXPECT_TRUE((*file)->read(0, row).ok());
@@ -264,15 +265,15 @@ TEST_F(VectorFileTest, ChannelsOfMapsByTheirNames) {
       columns({"Position.X", "Position.Y", "Position.Z", "Normal.X", "Normal.Y", "Normal.Z"},
               points),
       ElementsAre(0, 1000, 2000, 3000, 4000, 5000));
-  EXPECT_THAT(refusal(Picture{.channels = {"P.X", "P.Y", "A"}}.write(path("a.exr"))),
+  EXPECT_THAT(refusal(ChannelPicture{.channels = {"P.X", "P.Y", "A"}}.write(path("a.exr"))),
               HasSubstr("; must have P.X, P.Y, P.Z, or X, Y, Z, or R, G, B"));
-  EXPECT_THAT(refusal(Picture{.channels = {"Y"}}.write(path("a.exr")), normals),
+  EXPECT_THAT(refusal(ChannelPicture{.channels = {"Y"}}.write(path("a.exr")), normals),
               HasSubstr("has channels Y; must have N.X, N.Y, N.Z"));
 }
 
 TEST_F(VectorFileTest, SixteenBitsAreEnoughForNormalsAlone) {
   const auto half = OIIO::TypeDesc::HALF, whole = OIIO::TypeDesc::FLOAT;
-  Picture both{.channels = {"P.X", "P.Y", "P.Z", "N.X", "N.Y", "N.Z"}};
+  ChannelPicture both{.channels = {"P.X", "P.Y", "P.Z", "N.X", "N.Y", "N.Z"}};
   both.types = {whole, whole, whole, half, half, half};
   EXPECT_TRUE(open_vectors(both.write(path("a.exr")), VectorKind::kPoints).ok());
   both.types = {whole, half, whole, half, half, half};
@@ -281,7 +282,7 @@ TEST_F(VectorFileTest, SixteenBitsAreEnoughForNormalsAlone) {
 }
 
 TEST_F(VectorFileTest, MapsOfSeveralParts) {
-  const Picture points{.channels = {"P.X", "P.Y", "P.Z"}},
+  const ChannelPicture points{.channels = {"P.X", "P.Y", "P.Z"}},
       normals{.channels = {"N.X", "N.Y", "N.Z"}};
   auto specs = std::vector{points.spec(), normals.spec()};
   specs[0].attribute("name", "points");
@@ -302,7 +303,7 @@ TEST_F(VectorFileTest, MapsOfSeveralParts) {
 TEST_F(VectorFileTest, InvalidMapsAreRefused) {
   EXPECT_FALSE(refusal(write("a.exr", "x,y,z\n1,2,3\n")).empty());
   EXPECT_FALSE(refusal(path("none.exr")).empty());
-  const std::string good = Picture{.channels = {"R", "G", "B"}}.write(path("a.exr"));
+  const std::string good = ChannelPicture{.channels = {"R", "G", "B"}}.write(path("a.exr"));
   fs::resize_file(good, fs::file_size(good) / 2);
   auto file = open_vectors(good, VectorKind::kPoints);
   if (!file.ok()) return;

@@ -5,7 +5,6 @@
 #include <bit>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <set>
 #include <string>
 #include <vector>
@@ -17,8 +16,6 @@
 
 namespace lucerna::testing {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 Vec3<double> point(const ReferenceTable::Row& row, const std::string& name) {
   return {row[name + "x"], row[name + "y"], row[name + "z"]};

@@ -15,9 +15,6 @@
 namespace lucerna::testing {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
-
 /// Half the diagonal of a box around points on a diagonal.  The box starts empty.  [Pharr23, 3.7]
 float textbook_radius(std::initializer_list<float> points) {
   float low = std::numeric_limits<float>::max(), high = std::numeric_limits<float>::lowest();
@@ -153,7 +150,7 @@ TEST(EmptyExtremes, Tiles) {
       sweep.compare(s.sum, level, std::to_string(exponent));
   }
   // A light is chosen from an empty set.
-  sweep.compare_textbook(0.0F / 0.0F * kInfinity, 0);
+  sweep.compare_textbook(0.0F / 0.0F * std::numeric_limits<float>::infinity(), 0);
   sweep.expect_within(1e-7);
 }
 

@@ -19,12 +19,12 @@ namespace lucerna::testing {
 namespace {
 
 /// The answers of each query, with lengths and what scales with them in units of the scene.
-using Answers = std::map<std::string, std::vector<double>>;
+using QueryAnswers = std::map<std::string, std::vector<double>>;
 
 /// Queries light `light` of a scene that was scaled by `s`.
 class Queries {
  public:
-  Queries(const Scene& scene, double s, std::uint32_t light, Answers& answers)
+  Queries(const Scene& scene, double s, std::uint32_t light, QueryAnswers& answers)
       : scene_(scene), s_(s), light_(light), answers_(answers) {
     for (int i = 0; i < 24; ++i) {
       put(offsets_,
@@ -159,14 +159,14 @@ class Queries {
   const Scene& scene_;
   double s_;
   std::uint32_t light_;
-  Answers& answers_;
+  QueryAnswers& answers_;
   std::vector<float> offsets_, normals_;
   std::vector<int> status_;
 };
 
-Answers answers_of(const SceneDescription& description, double s) {
+QueryAnswers query_answers(const SceneDescription& description, double s) {
   const auto scene = build(scaled_scene(description, s));
-  Answers answers;
+  QueryAnswers answers;
   for (std::uint32_t l = 0; l < scene->lights().size(); ++l) Queries(*scene, s, l, answers).run();
   return answers;
 }
@@ -175,10 +175,10 @@ TEST(InvarianceQueriesExtremes, PowersOfTwoChangeNoBitOfAnyQuery) {
   Sweep sweep(9, "every query about every light, the scene scaled by a power of two",
               "2^-40 ... 2^40", "answers");
   const SceneDescription d = invariant_scene();
-  const Answers one = answers_of(d, 1);
+  const QueryAnswers one = query_answers(d, 1);
   EXPECT_EQ(one.size(), 7U);
   for (const int exponent : {-40, -20, -10, -1, 1, 10, 20, 40})
-    for (const auto& [query, values] : answers_of(d, std::ldexp(1.0, exponent))) {
+    for (const auto& [query, values] : query_answers(d, std::ldexp(1.0, exponent))) {
       const std::vector<double>& truth = one.at(query);
       ASSERT_EQ(values.size(), truth.size());
       for (std::size_t i = 0; i < truth.size(); ++i)
@@ -198,9 +198,9 @@ TEST(InvarianceQueriesExtremes, MillimetresAndKilometresKeepTheMeanOfAnyQuery) {
   Sweep sweep(9, "every query about every light, the scene in other units", "mm, km",
               "mean of answers");
   const SceneDescription d = invariant_scene();
-  const Answers metres = answers_of(d, 1);
+  const QueryAnswers metres = query_answers(d, 1);
   for (const double s : {1e3, 1e-3})
-    for (const auto& [query, values] : answers_of(d, s))
+    for (const auto& [query, values] : query_answers(d, s))
       sweep.compare(sum_of_sizes(values), sum_of_sizes(metres.at(query)),
                     query + " " + std::to_string(s));
   sweep.expect_within(1e-5);

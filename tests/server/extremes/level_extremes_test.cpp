@@ -12,7 +12,6 @@
 namespace lucerna::testing {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kWanted = 100;
 
 /// The factor that multiplies a light's level, all in float.  [Pharr23, A.4.4]

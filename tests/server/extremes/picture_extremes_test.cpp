@@ -5,7 +5,6 @@
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <numbers>
 
 #include "tests/reference_table.h"
 #include "tests/server/extremes/file_scenes.h"
@@ -15,7 +14,6 @@
 namespace lucerna::testing {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
@@ -112,7 +110,7 @@ void compare_even(Sweep& sweep, const std::string& name, const std::string& byte
 }
 
 /// The mean of the texels, in float.
-float textbook_mean(std::uint64_t count, float texel) {
+float textbook_mean_of_texels(std::uint64_t count, float texel) {
   float sum = 0;
   for (std::uint64_t i = 0; i < count; ++i) sum += texel;
   return sum / static_cast<float>(count);
@@ -129,8 +127,8 @@ void compare_sizes(Sweep& sweep, bool portals, const std::vector<float>& texels)
       compare_even(sweep, "even.pfm", even_pfm(width, height, texel),
                    static_cast<double>(width) / height, double{texel}, portals);
       sweep.compare_textbook(
-          textbook_mean(static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height),
-                        texel),
+          textbook_mean_of_texels(
+              static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height), texel),
           double{texel});
     }
 }

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -17,7 +16,6 @@
 namespace lucerna::testing {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 using Corners = std::vector<Vec3<double>>;
 
 /// A floor of 6 m and a lamp above it: a triangle, or a patch of four corners.

@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "tests/server/formats/photometric_texts.h"
 
@@ -17,8 +16,6 @@ using testing::Ldt;
 using testing::notes;
 using testing::planes;
 using ::testing::StartsWith;
-
-constexpr double kPi = std::numbers::pi;
 
 PhotometricFile ldt(const std::string& text) {
   auto file = parse_eulumdat(text, "lamp.ldt");

@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "tests/server/formats/photometric_texts.h"
 
@@ -16,8 +15,6 @@ using ::testing::HasSubstr;
 using testing::Ies;
 using testing::notes;
 using ::testing::StartsWith;
-
-constexpr double kPi = std::numbers::pi;
 
 PhotometricFile ies(const std::string& text) {
   auto file = parse_ies(text, "lamp.ies");

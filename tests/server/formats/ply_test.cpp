@@ -23,7 +23,7 @@ const std::string kQuadHeader =
 
 std::string ascii(const std::string& rest) { return "ply\nformat ascii 1.0\n" + rest; }
 
-std::string error_of(const std::string& bytes) { return message(parse_ply(bytes).status()); }
+std::string ply_error(const std::string& bytes) { return message(parse_ply(bytes).status()); }
 
 template <typename T>
 std::string raw(T value, bool big_endian) {
@@ -75,10 +75,10 @@ TEST(Ply, TextureCoordinatesHaveSeveralNames) {
                       "end_header\n0 0 0 1\n1 0 0 1\n0 1 0 1\n3 0 1 2\n"));
   ASSERT_TRUE(half.ok());
   EXPECT_TRUE(half->uv.empty());
-  EXPECT_THAT(error_of(ascii("element vertex 1\nproperty float x\nproperty float y\n"
-                             "property float z\nproperty float u\nproperty float v\n"
-                             "element face 0\nproperty list uchar int vertex_indices\n"
-                             "end_header\n0 0 0 1 nan\n")),
+  EXPECT_THAT(ply_error(ascii("element vertex 1\nproperty float x\nproperty float y\n"
+                              "property float z\nproperty float u\nproperty float v\n"
+                              "element face 0\nproperty list uchar int vertex_indices\n"
+                              "end_header\n0 0 0 1 nan\n")),
               HasSubstr("the u, v of vertex 0 are not finite"));
 }
 
@@ -104,40 +104,40 @@ TEST(Ply, FacesMayComeBeforeVertices) {
       "element face 1\nproperty list uchar int vertex_indices\n"
       "element vertex 3\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
   EXPECT_TRUE(parse_ply(ascii(header) + "3 0 1 2\n0 0 0 1 0 0 0 1 0").ok());
-  EXPECT_EQ(error_of(ascii(header) + "3 0 1 3\n0 0 0 1 0 0 0 1 0"),
+  EXPECT_EQ(ply_error(ascii(header) + "3 0 1 3\n0 0 0 1 0 0 0 1 0"),
             "PLY: a face uses vertex 3, but there are 3 vertices");
 }
 
 TEST(Ply, ErrorsNameTheElement) {
   const std::string four = "0 0 0 1 0 0 1 1 0 0 1 0 ";
-  EXPECT_EQ(error_of(ascii(kQuadHeader) + four + "5 0 1 2 3 0"),
+  EXPECT_EQ(ply_error(ascii(kQuadHeader) + four + "5 0 1 2 3 0"),
             "PLY: face 0 has 5 corners, allowed: 3 or 4");
-  EXPECT_EQ(error_of(ascii(kQuadHeader) + four + "3 0 1 4"),
+  EXPECT_EQ(ply_error(ascii(kQuadHeader) + four + "3 0 1 4"),
             "PLY: face 0 uses vertex 4, but there are 4 vertices");
-  EXPECT_EQ(error_of(ascii(kQuadHeader) + four + "3 0 1 -1"), "PLY: face 0 uses vertex -1");
-  EXPECT_EQ(error_of(ascii(kQuadHeader) + "0 0 0 1 0 nan 1 1 0 0 1 0 3 0 1 2"),
+  EXPECT_EQ(ply_error(ascii(kQuadHeader) + four + "3 0 1 -1"), "PLY: face 0 uses vertex -1");
+  EXPECT_EQ(ply_error(ascii(kQuadHeader) + "0 0 0 1 0 nan 1 1 0 0 1 0 3 0 1 2"),
             "PLY: vertex 1 is not finite");
-  EXPECT_EQ(error_of(ascii(kQuadHeader) + "0 0 0 1 0 0 1e999 1 0 0 1 0 3 0 1 2"),
+  EXPECT_EQ(ply_error(ascii(kQuadHeader) + "0 0 0 1 0 0 1e999 1 0 0 1 0 3 0 1 2"),
             "PLY: vertex 2 is not finite");
-  EXPECT_EQ(error_of(binary_quad(false, std::numeric_limits<float>::infinity())),
+  EXPECT_EQ(ply_error(binary_quad(false, std::numeric_limits<float>::infinity())),
             "PLY: vertex 3 is not finite");
-  EXPECT_EQ(error_of(ascii(kQuadHeader) + "0 0 0 1 zero 0 1 1 0 0 1 0 3 0 1 2"),
+  EXPECT_EQ(ply_error(ascii(kQuadHeader) + "0 0 0 1 zero 0 1 1 0 0 1 0 3 0 1 2"),
             "PLY: vertex 1: the data end or do not contain a number");
 }
 
 TEST(Ply, ErrorsNameTheHeaderLine) {
-  EXPECT_EQ(error_of(""), "PLY: header line 1: the file ends before \"end_header\"");
-  EXPECT_EQ(error_of("plyx\n"), "PLY: header line 1: expected \"ply\"");
-  EXPECT_THAT(error_of("ply\nformat utf8 1.0\n"), HasSubstr("line 2: format \"utf8\" is unknown"));
-  EXPECT_THAT(error_of(ascii("property float x\n")), HasSubstr("line 3: a property before any"));
-  EXPECT_THAT(error_of(ascii("element vertex -1\n")), HasSubstr("line 3: \"-1\" is not a count"));
-  EXPECT_THAT(error_of(ascii("element vertex 1\nproperty quad x\n")),
+  EXPECT_EQ(ply_error(""), "PLY: header line 1: the file ends before \"end_header\"");
+  EXPECT_EQ(ply_error("plyx\n"), "PLY: header line 1: expected \"ply\"");
+  EXPECT_THAT(ply_error("ply\nformat utf8 1.0\n"), HasSubstr("line 2: format \"utf8\" is unknown"));
+  EXPECT_THAT(ply_error(ascii("property float x\n")), HasSubstr("line 3: a property before any"));
+  EXPECT_THAT(ply_error(ascii("element vertex -1\n")), HasSubstr("line 3: \"-1\" is not a count"));
+  EXPECT_THAT(ply_error(ascii("element vertex 1\nproperty quad x\n")),
               HasSubstr("line 4: type \"quad\" is unknown"));
-  EXPECT_THAT(error_of(ascii("element face 1\nproperty list float int v\n")),
+  EXPECT_THAT(ply_error(ascii("element face 1\nproperty list float int v\n")),
               HasSubstr("\"float\" cannot count a list"));
-  EXPECT_EQ(error_of("ply\nend_header\n"),
+  EXPECT_EQ(ply_error("ply\nend_header\n"),
             "PLY: header line 2: no \"format\" before \"end_header\"");
-  EXPECT_EQ(error_of(ascii("end_header\n")), "PLY: no element \"vertex\"");
+  EXPECT_EQ(ply_error(ascii("end_header\n")), "PLY: no element \"vertex\"");
 }
 
 TEST(Ply, SizesInTheHeaderAreCheckedBeforeAnythingIsAllocated) {
@@ -145,16 +145,17 @@ TEST(Ply, SizesInTheHeaderAreCheckedBeforeAnythingIsAllocated) {
     const std::string start = std::string("ply\nformat ") + format + " 1.0\n";
     const std::string vertices =
         "property float x\nproperty float y\nproperty float z\nend_header\n0 0 0\n";
-    EXPECT_THAT(error_of(start + "element vertex 18446744073709551615\n" + vertices),
+    EXPECT_THAT(ply_error(start + "element vertex 18446744073709551615\n" + vertices),
                 HasSubstr("too short"));
-    EXPECT_THAT(error_of(start + "element vertex 1000000000\n" + vertices), HasSubstr("too short"));
-    EXPECT_THAT(error_of(start + "element dust 1000000000000\nend_header\n"),
+    EXPECT_THAT(ply_error(start + "element vertex 1000000000\n" + vertices),
+                HasSubstr("too short"));
+    EXPECT_THAT(ply_error(start + "element dust 1000000000000\nend_header\n"),
                 HasSubstr("has no properties"));
   }
   const std::string list =
       "ply\nformat binary_little_endian 1.0\nelement x 1\nproperty list uint double "
       "y\nend_header\n";
-  EXPECT_EQ(error_of(list + "\xff\xff\xff\xff"),
+  EXPECT_EQ(ply_error(list + "\xff\xff\xff\xff"),
             "PLY: x 0: the data end or do not contain a number");
 }
 

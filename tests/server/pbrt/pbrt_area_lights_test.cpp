@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "server/scene/scene.h"
 #include "tests/server/pbrt/pbrt_fixture.h"
@@ -13,14 +12,13 @@ namespace lucerna {
 namespace {
 
 using ::testing::HasSubstr;
+using testing::kPatch;
 using testing::message;
 using testing::remarks_of;
 using testing::SceneFiles;
 
-constexpr double kPi = std::numbers::pi;
-
 /// Two by two texels: 1 2 above, 3 4 below.
-std::string pfm() {
+std::string four_texels() {
   std::string bytes = "PF\n2 2\n-1.0\n";
   for (const float v : {3.F, 4.F, 1.F, 2.F})  // from the bottom
     for (int channel = 0; channel < 3; ++channel)
@@ -28,9 +26,9 @@ std::string pfm() {
   return bytes;
 }
 
-absl::StatusOr<SceneDescription> load(const std::string& world) {
+absl::StatusOr<SceneDescription> load_pictured(const std::string& world) {
   const SceneFiles files;
-  files.write("four.pfm", pfm());
+  files.write("four.pfm", four_texels());
   // A quad in the form of three programs, with its picture rotated by 180 degrees.
   files.write("quad.ply",
               "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
@@ -61,14 +59,12 @@ float shown(const Scene& scene, const Vec3<double>& world) {
 }
 
 std::shared_ptr<const Scene> scene_of(const std::string& world) {
-  auto description = load(world);
+  auto description = load_pictured(world);
   if (!description.ok()) throw std::runtime_error(message(description.status()));
   auto scene = Scene::build(*std::move(description));
   if (!scene.ok()) throw std::runtime_error(message(scene.status()));
   return *scene;
 }
-
-const std::string kPatch = "Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 0] ";
 
 TEST(PbrtAreaImages, LieOnPatchesByTheirCorners) {
   const auto scene = scene_of(kImage + "\"float scale\" 10 " + kPatch);
@@ -138,14 +134,14 @@ TEST(PbrtAreaImages, PowerIsThatOfTheWholeLikeInPbrt4) {
   };
   // At level 1: pi A times the mean of 2.5.
   EXPECT_NEAR(lumens(*scene_of(kImage + kPatch)), 2.5 * kPi, 1e-6);
-  const auto patch = load(kImage + "\"float power\" 50 \"bool twosided\" true " + kPatch);
+  const auto patch = load_pictured(kImage + "\"float power\" 50 \"bool twosided\" true " + kPatch);
   EXPECT_EQ(remarks_of(*patch), "");
   EXPECT_NEAR(lumens(*scene_of(kImage + "\"float power\" 50 \"bool twosided\" true " + kPatch)), 50,
               1e-4);
   // On a disk v < 1/2 (texels 3 and 4) has three quarters of the area.
   const std::string disk = kImage + "\"float power\" 50 Shape \"disk\"";
   EXPECT_NEAR(lumens(*scene_of(disk)), 50 * (3.5 * 0.75 + 1.5 * 0.25) / 2.5, 1e-4);
-  EXPECT_THAT(remarks_of(*load(disk)),
+  EXPECT_THAT(remarks_of(*load_pictured(disk)),
               HasSubstr("\"power\" of a picture on a shape that shows its texels on unequal areas "
                         "-> that of the picture's mean, the same as in pbrt-v4"));
 }
@@ -181,7 +177,7 @@ TEST(PbrtAreaImages, ErrorsHaveTheirPlace) {
        "the brightest texel of four.pfm times the light's level = (4e+38"},
   };
   for (const auto& [world, expected] : kCases) {
-    auto scene = load(world);
+    auto scene = load_pictured(world);
     absl::Status status = scene.status();
     if (scene.ok()) status = Scene::build(*std::move(scene)).status();
     EXPECT_THAT(message(status), HasSubstr(expected)) << world;
@@ -192,15 +188,15 @@ TEST(PbrtAreaImages, ErrorsHaveTheirPlace) {
 // ---- Profiles: the photometry of luminaires on flat shapes. ----
 
 /// A downlight that is brighter in plane C0 than in C90 and emits a little upwards.
-const std::string kIes =
+const std::string kPanelIes =
     "IESNA:LM-63-2002\n[TEST] none\n[TESTLAB] none\n[ISSUEDATE] 2024\n[MANUFAC] none\nTILT=NONE\n"
     "1 1000 1 5 3 1 2 0.6 0.6 0\n1 1 10\n0 45 90 135 180\n0 90 180\n"
     "100 90 0 0 10\n100 50 0 0 10\n100 30 0 0 10\n";
 
 absl::StatusOr<SceneDescription> load_panel(const std::string& world) {
   const SceneFiles files;
-  files.write("lamp.ies", kIes);
-  files.write("four.pfm", pfm());
+  files.write("lamp.ies", kPanelIes);
+  files.write("four.pfm", four_texels());
   files.write("scene.pbrt", "WorldBegin\n" + world);
   return files.load("scene.pbrt");
 }

@@ -25,7 +25,6 @@ using testing::SceneFiles;
 using ::testing::StartsWith;
 using testing::written;
 
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 struct PictureUser {
@@ -98,7 +97,7 @@ TEST(PbrtBadFiles, InvalidPicturesAreErrorsForEveryLight) {
   const std::pair<std::string, std::string> kFiles[] = {
       {"no.pfm", even_pfm(0, 0, 1)},
       {"claims.pfm", "PF\n4 0\n-1.0\n"},
-      {"nan.pfm", with(kNan)},
+      {"nan.pfm", with(std::numeric_limits<float>::quiet_NaN())},
       {"inf.pfm", with(kInfinity)},
       {"minus_inf.pfm", with(-kInfinity)},
       {"short.pfm", whole.substr(0, whole.size() / 2)},

@@ -14,14 +14,14 @@ using ::testing::HasSubstr;
 using testing::load_text;
 using testing::remarks_of;
 
-SceneDescription scene_of(const std::string& options) {
+SceneDescription description_of(const std::string& options) {
   const auto scene = load_text(options + " WorldBegin");
   EXPECT_TRUE(scene.ok()) << scene.status();
   return scene.ok() ? *scene : SceneDescription{};
 }
 
 TEST(PbrtCamera, DefaultsAreThoseOfPbrt) {
-  const SceneDescription scene = scene_of("");
+  const SceneDescription scene = description_of("");
   EXPECT_EQ(scene.film.width, 1280);
   EXPECT_EQ(scene.film.height, 720);
   EXPECT_EQ(scene.film.scale, 1);
@@ -36,25 +36,26 @@ TEST(PbrtCamera, DefaultsAreThoseOfPbrt) {
 TEST(PbrtCamera, FieldOfViewSpansTheShorterSide) {
   const std::string camera = "Camera \"perspective\" \"float fov\" 60 ";
   const double t = std::sqrt(1.0 / 3);  // tan 30 degrees
-  const auto wide =
-      scene_of(camera + "Film \"rgb\" \"integer xresolution\" 300 \"integer yresolution\" 100");
+  const auto wide = description_of(
+      camera + "Film \"rgb\" \"integer xresolution\" 300 \"integer yresolution\" 100");
   EXPECT_NEAR(wide.camera.screen_max.x, 3 * t, 1e-12);
   EXPECT_NEAR(wide.camera.screen_max.y, t, 1e-12);
-  const auto tall =
-      scene_of(camera + "Film \"rgb\" \"integer xresolution\" 100 \"integer yresolution\" 200");
+  const auto tall = description_of(
+      camera + "Film \"rgb\" \"integer xresolution\" 100 \"integer yresolution\" 200");
   EXPECT_NEAR(tall.camera.screen_min.x, -t, 1e-12);
   EXPECT_NEAR(tall.camera.screen_min.y, -2 * t, 1e-12);
   const auto aspect =
-      scene_of("Camera \"perspective\" \"float fov\" 60 \"float frameaspectratio\" 2");
+      description_of("Camera \"perspective\" \"float fov\" 60 \"float frameaspectratio\" 2");
   EXPECT_NEAR(aspect.camera.screen_max.x, 2 * t, 1e-12);
   const auto window =
-      scene_of("Camera \"perspective\" \"float fov\" 60 \"float screenwindow\" [-1 3 -.5 2]");
+      description_of("Camera \"perspective\" \"float fov\" 60 \"float screenwindow\" [-1 3 -.5 2]");
   EXPECT_NEAR(window.camera.screen_max.x, 3 * t, 1e-12);
   EXPECT_NEAR(window.camera.screen_min.y, -.5 * t, 1e-12);
 }
 
 TEST(PbrtCamera, LooksAlongLookAt) {
-  const auto scene = scene_of("Scale -1 1 1 LookAt 0 -6 2  0 0 2  0 0 1 Camera \"perspective\"");
+  const auto scene =
+      description_of("Scale -1 1 1 LookAt 0 -6 2  0 0 2  0 0 1 Camera \"perspective\"");
   const Transform& world_from_camera = scene.camera.world_from_camera;
   const auto eye = world_from_camera.point({0, 0, 0});
   EXPECT_NEAR(eye.y, -6, 1e-12);
@@ -63,7 +64,7 @@ TEST(PbrtCamera, LooksAlongLookAt) {
   EXPECT_NEAR(world_from_camera.vector({0, 1, 0}).z, 1, 1e-12);
   // Left-handed: right is -x of the world, since Scale -1 1 1 mirrors.
   EXPECT_NEAR(world_from_camera.vector({1, 0, 0}).x, 1, 1e-12);
-  EXPECT_NEAR(scene_of("LookAt 0 -6 2  0 0 2  0 0 1 Camera \"perspective\"")
+  EXPECT_NEAR(description_of("LookAt 0 -6 2  0 0 2  0 0 1 Camera \"perspective\"")
                   .camera.world_from_camera.vector({1, 0, 0})
                   .x,
               -1, 1e-12);
@@ -85,10 +86,10 @@ TEST(PbrtCamera, CoordinateSystemCameraIsWorldFromCamera) {
 }
 
 TEST(PbrtCamera, FilmScaleIsExposureTimesIsoOverAHundred) {
-  EXPECT_NEAR(
-      scene_of("Film \"rgb\" \"float iso\" 50 Camera \"perspective\" \"float shutterclose\" .25")
-          .film.scale,
-      0.125, 1e-15);
+  EXPECT_NEAR(description_of(
+                  "Film \"rgb\" \"float iso\" 50 Camera \"perspective\" \"float shutterclose\" .25")
+                  .film.scale,
+              0.125, 1e-15);
 }
 
 TEST(PbrtCamera, SettingsThatAreNotModelledGetRemarks) {
@@ -114,7 +115,7 @@ TEST(PbrtCamera, SettingsThatAreNotModelledGetRemarks) {
        "1:1 Integrator \"ambientocclusion\" is not modelled -> path\n"},
   };
   for (const auto& [text, expected] : kCases)
-    EXPECT_EQ(remarks_of(scene_of(text)), expected) << text;
+    EXPECT_EQ(remarks_of(description_of(text)), expected) << text;
 }
 
 TEST(PbrtCamera, WrongSettingsAreErrors) {

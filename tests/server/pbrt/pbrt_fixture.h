@@ -49,6 +49,9 @@ inline absl::StatusOr<SceneDescription> load_world(const std::string& text) {
   return load_text("WorldBegin " + text);
 }
 
+/// A square of 1 m with its corner at the origin, normal +z.
+inline const std::string kPatch = "Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 0] ";
+
 /// The error of loading; empty if there is none.
 inline std::string error_of(const std::string& text) { return message(load_text(text).status()); }
 inline std::string world_error_of(const std::string& text) {

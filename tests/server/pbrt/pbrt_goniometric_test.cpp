@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "server/scene/scene.h"
 #include "tests/server/pbrt/pbrt_fixture.h"
@@ -16,10 +15,8 @@ using testing::message;
 using testing::remarks_of;
 using testing::SceneFiles;
 
-constexpr double kPi = std::numbers::pi;
-
 /// Rows from the top, one number per texel; `blue` multiplies the third channel.
-std::string pfm(int width, int height, const std::vector<float>& values, float blue = 1) {
+std::string grey_pfm(int width, int height, const std::vector<float>& values, float blue = 1) {
   std::string bytes = "PF\n" + std::to_string(width) + " " + std::to_string(height) + "\n-1.0\n";
   for (int y = height; y-- > 0;)
     for (int x = 0; x < width; ++x)
@@ -30,8 +27,9 @@ std::string pfm(int width, int height, const std::vector<float>& values, float b
   return bytes;
 }
 
-absl::StatusOr<SceneDescription> load(const std::string& parameters, const std::string& image,
-                                      const std::string& transform = "") {
+absl::StatusOr<SceneDescription> load_goniometric(const std::string& parameters,
+                                                  const std::string& image,
+                                                  const std::string& transform = "") {
   const SceneFiles files;
   files.write("lamp.pfm", image);
   files.write("scene.pbrt", "WorldBegin " + transform +
@@ -40,9 +38,9 @@ absl::StatusOr<SceneDescription> load(const std::string& parameters, const std::
   return files.load("scene.pbrt");
 }
 
-GoniometricLight<double> light(const std::string& parameters, const std::string& image,
-                               const std::string& transform = "") {
-  auto scene = load(parameters, image, transform);
+GoniometricLight<double> goniometric_light(const std::string& parameters, const std::string& image,
+                                           const std::string& transform = "") {
+  auto scene = load_goniometric(parameters, image, transform);
   if (!scene.ok()) throw std::runtime_error(message(scene.status()));
   EXPECT_EQ(remarks_of(*scene), "");
   return *GoniometricLight<double>::create(
@@ -50,12 +48,12 @@ GoniometricLight<double> light(const std::string& parameters, const std::string&
 }
 
 /// The four quarters of a square picture.
-const std::string kQuarters = pfm(2, 2, {1, 2, 3, 4});
+const std::string kQuarters = grey_pfm(2, 2, {1, 2, 3, 4});
 
 // pbrt-v4 looks up the direction (x, z, y): the middle of the picture is light space's +y, its
 // right is +x, its lower side +z.
 TEST(PbrtGoniometric, ThePictureHasTheOrientationOfPbrt4) {
-  const auto l = light("", kQuarters);
+  const auto l = goniometric_light("", kQuarters);
   EXPECT_EQ(l.params().file, "lamp.pfm");
   EXPECT_EQ(l.params().map->sphere_map().mapping(), SphereMapping::kEqualArea);
   EXPECT_EQ(l.params().map->sphere_map().filter(), ImageFilter::kNearest);
@@ -64,7 +62,8 @@ TEST(PbrtGoniometric, ThePictureHasTheOrientationOfPbrt4) {
   EXPECT_EQ(l.intensity({-0.5, 0.2, 0.5}), Rgb<double>(3));
   EXPECT_EQ(l.intensity({0.5, -0.2, 0.5}), Rgb<double>(4));
   // Four texels around the middle, +y.
-  const auto middle = light("", pfm(4, 4, {0, 0, 0, 0, 0, 5, 5, 0, 0, 5, 5, 0, 0, 0, 0, 0}));
+  const auto middle =
+      goniometric_light("", grey_pfm(4, 4, {0, 0, 0, 0, 0, 5, 5, 0, 0, 5, 5, 0, 0, 0, 0, 0}));
   EXPECT_EQ(middle.intensity({0, 1, 0}), Rgb<double>(5));
   EXPECT_EQ(middle.intensity({0, 0, 1}), Rgb<double>(0));
   EXPECT_EQ(middle.intensity({0, -1, 0}), Rgb<double>(0));
@@ -72,44 +71,48 @@ TEST(PbrtGoniometric, ThePictureHasTheOrientationOfPbrt4) {
 
 // pbrt-v2: +y at the top, longitude from +x by +z.
 TEST(PbrtGoniometric, LatitudesAndLongitudesHaveTheOrientationOfPbrt2) {
-  const auto l = light("\"string mapping\" \"latlong\"", pfm(4, 2, {1, 2, 3, 4, 5, 6, 7, 8}));
+  const auto l =
+      goniometric_light("\"string mapping\" \"latlong\"", grey_pfm(4, 2, {1, 2, 3, 4, 5, 6, 7, 8}));
   EXPECT_EQ(l.intensity({1, 0.1, 1}), Rgb<double>(1));
   EXPECT_EQ(l.intensity({-1, 0.1, 1}), Rgb<double>(2));
   EXPECT_EQ(l.intensity({-1, 0.1, -1}), Rgb<double>(3));
   EXPECT_EQ(l.intensity({1, 0.1, -1}), Rgb<double>(4));
   EXPECT_EQ(l.intensity({1, -0.1, 1}), Rgb<double>(5));
-  const auto smooth = light("\"string mapping\" \"latlong\" \"string filter\" \"bilinear\"",
-                            pfm(4, 2, {1, 2, 3, 4, 5, 6, 7, 8}));
+  const auto smooth =
+      goniometric_light("\"string mapping\" \"latlong\" \"string filter\" \"bilinear\"",
+                        grey_pfm(4, 2, {1, 2, 3, 4, 5, 6, 7, 8}));
   // On the equator between the first two columns: the mean of 1, 2, 5 and 6.
   EXPECT_NEAR(smooth.intensity({0, 0, 1}).r, 3.5, 1e-12);
 }
 
 TEST(PbrtGoniometric, LevelsMultiplyAndPowerSetsTheTotal) {
-  EXPECT_EQ(light("\"rgb I\" [3 3 3] \"float scale\" 2", kQuarters).intensity({1, 1, 1}),
-            Rgb<double>(24));
+  EXPECT_EQ(
+      goniometric_light("\"rgb I\" [3 3 3] \"float scale\" 2", kQuarters).intensity({1, 1, 1}),
+      Rgb<double>(24));
   for (const char* mapping : {"equalarea", "latlong"}) {
     for (const char* filter : {"nearest", "bilinear"}) {
-      const auto l = light(std::string("\"float power\" 640 \"string mapping\" \"") + mapping +
-                               "\" \"string filter\" \"" + filter + "\"",
-                           kQuarters);
+      const auto l = goniometric_light(std::string("\"float power\" 640 \"string mapping\" \"") +
+                                           mapping + "\" \"string filter\" \"" + filter + "\"",
+                                       kQuarters);
       EXPECT_NEAR(luminance(l.power({}).lumens), 640, 1e-9);
     }
   }
   // pbrt-v4 gives 640 lm to 4 pi times the mean of the texels, 2.5.
-  EXPECT_NEAR(light("\"float power\" 640", kQuarters).intensity({1, 1, 1}).r,
+  EXPECT_NEAR(goniometric_light("\"float power\" 640", kQuarters).intensity({1, 1, 1}).r,
               4 * 640 / (4 * kPi * 2.5), 1e-9);
 }
 
 TEST(PbrtGoniometric, TransformsRotateAndMirrorButNeverStretch) {
-  const auto turned = light("", kQuarters, "Rotate 90 0 1 0 Scale 2 2 2");  // +z to +x
+  const auto turned = goniometric_light("", kQuarters, "Rotate 90 0 1 0 Scale 2 2 2");  // +z to +x
   EXPECT_EQ(turned.intensity({0.5, 0.2, 0.5}), Rgb<double>(3));
-  const auto mirrored = light("", kQuarters, "Scale -1 1 1");
+  const auto mirrored = goniometric_light("", kQuarters, "Scale -1 1 1");
   EXPECT_EQ(mirrored.intensity({0.5, 0.2, 0.5}), Rgb<double>(3));
-  EXPECT_THAT(message(load("", kQuarters, "Scale 1 2 1").status()), HasSubstr("unequal scale"));
+  EXPECT_THAT(message(load_goniometric("", kQuarters, "Scale 1 2 1").status()),
+              HasSubstr("unequal scale"));
 }
 
 TEST(PbrtGoniometric, ColoursBecomeTheirMeanWithARemark) {
-  const auto scene = load("", pfm(1, 1, {2}, 4));
+  const auto scene = load_goniometric("", grey_pfm(1, 1, {2}, 4));
   ASSERT_TRUE(scene.ok()) << scene.status();
   EXPECT_EQ(remarks_of(*scene),
             "2:27 lamp.pfm has colours, but a goniometric light has one intensity for each "
@@ -121,7 +124,7 @@ TEST(PbrtGoniometric, ColoursBecomeTheirMeanWithARemark) {
 
 TEST(PbrtGoniometric, LightsOfOnePictureShareItAndTheSceneCountsItOnce) {
   const SceneFiles files;
-  files.write("lamp.pfm", pfm(2, 2, {1, 2, 3, 4}, 2));
+  files.write("lamp.pfm", grey_pfm(2, 2, {1, 2, 3, 4}, 2));
   const std::string one = "LightSource \"goniometric\" \"string filename\" \"lamp.pfm\" ";
   files.write("scene.pbrt", "WorldBegin " + one + one + one + "\"string filter\" \"bilinear\"");
   auto description = files.load("scene.pbrt");
@@ -151,30 +154,30 @@ TEST(PbrtGoniometric, LightsOfOnePictureShareItAndTheSceneCountsItOnce) {
 // Row 32 of docs/extremes.md: unusual or invalid pictures.
 TEST(PbrtGoniometric, BadPicturesAreErrorsWithTheirPlace) {
   const auto error = [](const std::string& parameters, const std::string& image) {
-    return message(load(parameters, image).status());
+    return message(load_goniometric(parameters, image).status());
   };
-  EXPECT_THAT(error("", pfm(4, 2, std::vector<float>(8, 1))),
+  EXPECT_THAT(error("", grey_pfm(4, 2, std::vector<float>(8, 1))),
               HasSubstr("scene.pbrt:2:27: \"string filename\": lamp.pfm: an equal-area map of 4 x "
                         "2 texels, allowed: square"));
-  EXPECT_THAT(error("", pfm(1, 1, {NAN})), HasSubstr("scene.pbrt:2:27: \"string filename\": "
-                                                     "lamp.pfm: texel (0, 0)"));
-  EXPECT_THAT(error("", pfm(1, 1, {INFINITY})), HasSubstr("texel (0, 0)"));
-  EXPECT_THAT(error("", pfm(0, 0, {})), HasSubstr("scene.pbrt:2:27"));
+  EXPECT_THAT(error("", grey_pfm(1, 1, {NAN})), HasSubstr("scene.pbrt:2:27: \"string filename\": "
+                                                          "lamp.pfm: texel (0, 0)"));
+  EXPECT_THAT(error("", grey_pfm(1, 1, {INFINITY})), HasSubstr("texel (0, 0)"));
+  EXPECT_THAT(error("", grey_pfm(0, 0, {})), HasSubstr("scene.pbrt:2:27"));
   EXPECT_THAT(error("", "no picture"), HasSubstr("cannot be read as an image"));
   EXPECT_THAT(error("\"string mapping\" \"cube\"", kQuarters), HasSubstr("equalarea, latlong"));
   EXPECT_THAT(error("\"string filter\" \"cubic\"", kQuarters), HasSubstr("nearest, bilinear"));
-  EXPECT_THAT(error("\"float power\" 5", pfm(1, 1, {0})), HasSubstr("that illuminates nothing"));
+  EXPECT_THAT(error("\"float power\" 5", grey_pfm(1, 1, {0})), HasSubstr("that illuminates nothing"));
   // Beyond the range of the scene's floats.
   EXPECT_THAT(
-      error("\"rgb I\" [1e38 1e38 1e38]", pfm(1, 1, {1e3F})),
+      error("\"rgb I\" [1e38 1e38 1e38]", grey_pfm(1, 1, {1e3F})),
       HasSubstr("scene.pbrt:2:56: the largest intensity of lamp.pfm times the light's level "
                 "= (1e+41, 1e+41, 1e+41), allowed: each channel finite"));
   // Valid but unusual: one texel, a row of 1e5, values below 0 (as 0, with a remark).
-  EXPECT_EQ(light("", pfm(1, 1, {3})).intensity({0.3, -0.4, 0.5}), Rgb<double>(3));
-  const auto row =
-      light("\"string mapping\" \"latlong\"", pfm(100000, 1, std::vector<float>(100000, 2)));
+  EXPECT_EQ(goniometric_light("", grey_pfm(1, 1, {3})).intensity({0.3, -0.4, 0.5}), Rgb<double>(3));
+  const auto row = goniometric_light("\"string mapping\" \"latlong\"",
+                                     grey_pfm(100000, 1, std::vector<float>(100000, 2)));
   EXPECT_NEAR(row.power({}).lumens.r, 8 * kPi, 1e-9);
-  const auto negative = load("", pfm(2, 2, {-1, 2, 3, 4}));
+  const auto negative = load_goniometric("", grey_pfm(2, 2, {-1, 2, 3, 4}));
   ASSERT_TRUE(negative.ok()) << negative.status();
   EXPECT_THAT(remarks_of(*negative), HasSubstr("1 texel with a value below 0 -> counted as 0"));
 }

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "server/scene/scene.h"
 #include "tests/server/pbrt/pbrt_fixture.h"
@@ -16,10 +15,8 @@ using testing::message;
 using testing::remarks_of;
 using testing::SceneFiles;
 
-constexpr double kPi = std::numbers::pi;
-
 /// A .pfm file with `value` in the upper half of its rows and 0 below.
-std::string pfm(int width, int height, float value) {
+std::string half_pfm(int width, int height, float value) {
   std::string bytes = "PF\n" + std::to_string(width) + " " + std::to_string(height) + "\n-1.0\n";
   for (int y = 0; y < height; ++y)  // from the bottom
     for (int i = 0; i < 3 * width; ++i) {
@@ -29,25 +26,25 @@ std::string pfm(int width, int height, float value) {
   return bytes;
 }
 
-absl::StatusOr<SceneDescription> load(const std::string& parameters, int width, int height,
-                                      float value = 2, const std::string& transform = "") {
+absl::StatusOr<SceneDescription> load_infinite(const std::string& parameters, int width, int height,
+                                               float value = 2, const std::string& transform = "") {
   const SceneFiles files;
-  files.write("sky.pfm", pfm(width, height, value));
+  files.write("sky.pfm", half_pfm(width, height, value));
   files.write("scene.pbrt", "WorldBegin " + transform +
                                 "\nLightSource \"infinite\" \"string filename\" \"sky.pfm\" " +
                                 parameters);
   return files.load("scene.pbrt");
 }
 
-ImageInfiniteLightParams light(const std::string& parameters, int width, int height,
-                               const std::string& transform = "") {
-  auto scene = load(parameters, width, height, 2, transform);
+ImageInfiniteLightParams infinite_light(const std::string& parameters, int width, int height,
+                                        const std::string& transform = "") {
+  auto scene = load_infinite(parameters, width, height, 2, transform);
   if (!scene.ok()) throw std::runtime_error(message(scene.status()));
   return std::get<ImageInfiniteLightParams>(scene->lights.at(0).params);
 }
 
 TEST(PbrtImageLights, DefaultsArePbrt4s) {
-  const auto p = light("\"float scale\" 3", 4, 4);
+  const auto p = infinite_light("\"float scale\" 3", 4, 4);
   EXPECT_EQ(p.map->mapping(), SphereMapping::kEqualArea);
   EXPECT_EQ(p.map->filter(), ImageFilter::kNearest);
   EXPECT_EQ(p.radiance_cd_m2, Rgb<double>(3));
@@ -58,8 +55,8 @@ TEST(PbrtImageLights, DefaultsArePbrt4s) {
 }
 
 TEST(PbrtImageLights, MappingAndFilterAreApplied) {
-  const auto p = light("\"string mapping\" \"latlong\" \"string filter\" \"bilinear\"", 8, 4,
-                       "Rotate 90 1 0 0 Scale 2 2 2");
+  const auto p = infinite_light("\"string mapping\" \"latlong\" \"string filter\" \"bilinear\"", 8,
+                                4, "Rotate 90 1 0 0 Scale 2 2 2");
   EXPECT_EQ(p.map->mapping(), SphereMapping::kLatitudeLongitude);
   EXPECT_EQ(p.map->filter(), ImageFilter::kBilinear);
   const auto made = *ImageInfiniteLight<double>::create(p);
@@ -69,14 +66,14 @@ TEST(PbrtImageLights, MappingAndFilterAreApplied) {
 
 TEST(PbrtImageLights, IlluminanceComesFromAboveForLatitudeLongitude) {
   // The upper hemisphere has luminance 2, which gives 2 pi lx; 100 lx are wanted.
-  const auto p = light("\"string mapping\" \"latlong\" \"float illuminance\" 100", 8, 4);
+  const auto p = infinite_light("\"string mapping\" \"latlong\" \"float illuminance\" 100", 8, 4);
   EXPECT_NEAR(p.radiance_cd_m2.g, 100 / (2 * kPi), 1e-12);
 }
 
 TEST(PbrtImageLights, IlluminanceOfEqualAreaMapsEqualsThatOfPbrt4) {
   // A picture with 2 in its upper half covers half of +z's hemisphere (pi lx for luminance 1).
   // pbrt-v4's weights halve that, up to the sum over the centres of 64 x 64 texels.
-  auto scene = load("\"float illuminance\" 100", 64, 64);
+  auto scene = load_infinite("\"float illuminance\" 100", 64, 64);
   ASSERT_TRUE(scene.ok()) << scene.status();
   const auto p = std::get<ImageInfiniteLightParams>(scene->lights.at(0).params);
   EXPECT_NEAR(p.radiance_cd_m2.g * (2 * kPi / 4) / 100, 1, 1e-2);
@@ -86,7 +83,7 @@ TEST(PbrtImageLights, IlluminanceOfEqualAreaMapsEqualsThatOfPbrt4) {
 TEST(PbrtImageLights, InvalidInputIsAnErrorWithItsPlace) {
   const auto error = [](const std::string& parameters, int width, int height,
                         const std::string& transform = "") {
-    return message(load(parameters, width, height, 2, transform).status());
+    return message(load_infinite(parameters, width, height, 2, transform).status());
   };
   EXPECT_THAT(error("", 4, 2), HasSubstr("scene.pbrt:2:24: \"string filename\": sky.pfm: an "
                                          "equal-area map of 4 x 2 texels, allowed: square"));
@@ -95,16 +92,16 @@ TEST(PbrtImageLights, InvalidInputIsAnErrorWithItsPlace) {
   EXPECT_THAT(error("\"float scale\" -1", 4, 4), HasSubstr("\"float scale\" = -1"));
   EXPECT_THAT(error("\"rgb L\" [1 1 1]", 4, 4), HasSubstr("\"L\" and \"filename\" are both given"));
   EXPECT_THAT(error("", 4, 4, "Scale 1 2 1"), HasSubstr("unequal scale"));
-  EXPECT_THAT(message(load("\"float illuminance\" 5", 4, 4, 0).status()),
+  EXPECT_THAT(message(load_infinite("\"float illuminance\" 5", 4, 4, 0).status()),
               HasSubstr("is black above the horizon"));
-  EXPECT_THAT(message(load("", 4, 4, NAN).status()),
+  EXPECT_THAT(message(load_infinite("", 4, 4, NAN).status()),
               HasSubstr("scene.pbrt:2:24: \"string filename\": sky.pfm: texel (0, 0)"));
 }
 
-const std::string kPortal = "\"point3 portal\" [0 0 3  0 1 3  2 1 3  2 0 3] ";
+const std::string kOblongPortal = "\"point3 portal\" [0 0 3  0 1 3  2 1 3  2 0 3] ";
 
 PortalLightParams portal(const std::string& parameters, const std::string& transform = "") {
-  auto scene = load(kPortal + parameters, 4, 4, 2, transform);
+  auto scene = load_infinite(kOblongPortal + parameters, 4, 4, 2, transform);
   if (!scene.ok()) throw std::runtime_error(message(scene.status()));
   return std::get<PortalLightParams>(scene->lights.at(0).params);
 }
@@ -132,8 +129,8 @@ TEST(PbrtPortals, AnEqualAreaPictureIsResampledUnlessAFilterIsGiven) {
 
 TEST(PbrtPortals, WithoutAPictureTheSkyIsUniform) {
   const auto of = [](const std::string& parameters) {
-    auto scene = testing::load_text("WorldBegin Scale 1 2 3 LightSource \"infinite\" " + kPortal +
-                                    parameters);
+    auto scene = testing::load_text("WorldBegin Scale 1 2 3 LightSource \"infinite\" " +
+                                    kOblongPortal + parameters);
     if (!scene.ok()) throw std::runtime_error(message(scene.status()));
     return std::pair{std::get<PortalLightParams>(scene->lights.at(0).params), remarks_of(*scene)};
   };
@@ -169,7 +166,7 @@ TEST(PbrtPortals, BadPortalsAreErrorsWithTheirPlace) {
 
 TEST(PbrtImageLights, APictureThatLightsShareIsReadAndCountedOnce) {
   const SceneFiles files;
-  files.write("sky.pfm", pfm(16, 16, 1));
+  files.write("sky.pfm", half_pfm(16, 16, 1));
   const std::string one = "LightSource \"infinite\" \"string filename\" \"sky.pfm\" ";
   files.write("scene.pbrt", "WorldBegin " + one + one);
   auto description = files.load("scene.pbrt");

@@ -17,8 +17,6 @@ using ::testing::StartsWith;
 using testing::world_error_of;
 using testing::world_remarks_of;
 
-constexpr double kPi = std::numbers::pi;
-
 ShapeDescription::Emission emission(const std::string& text) {
   const auto scene = load_world(text);
   if (!scene.ok() || !scene->shapes.at(0).emission) {

@@ -2,8 +2,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <numbers>
-
 #include "pbrt_fixture.h"
 #include "server/scene/scene.h"
 
@@ -15,22 +13,21 @@ using testing::message;
 using testing::remarks_of;
 using testing::SceneFiles;
 
-constexpr double kPi = std::numbers::pi;
-
 /// 100 cd over the lower half: 200 pi lm.
 constexpr char kIes[] =
     "IESNA:LM-63-2002\nTILT=NONE\n1 -1 1 2 1 1 2 0 0 0\n1 1 10\n0 90\n0\n100 100\n";
 
-absl::StatusOr<SceneDescription> load(const std::string& text, const std::string& ies = kIes,
-                                      const std::string& name = "lamp.ies") {
+absl::StatusOr<SceneDescription> load_luminaire(const std::string& text,
+                                                const std::string& ies = kIes,
+                                                const std::string& name = "lamp.ies") {
   const SceneFiles files;
   files.write(name, ies);
   files.write("scene.pbrt", "WorldBegin " + text);
   return files.load("scene.pbrt");
 }
 
-GoniometricLightParams light(const std::string& text) {
-  const auto scene = load(text);
+GoniometricLightParams luminaire(const std::string& text) {
+  const auto scene = load_luminaire(text);
   if (!scene.ok() || scene->lights.size() != 1) {
     ADD_FAILURE() << text << ": " << scene.status();
     return {};
@@ -40,7 +37,7 @@ GoniometricLightParams light(const std::string& text) {
 }
 
 TEST(PbrtPhotometric, ALuminaireShinesAlongZ) {
-  const auto p = light("LightSource \"goniometric\" \"string filename\" \"lamp.ies\"");
+  const auto p = luminaire("LightSource \"goniometric\" \"string filename\" \"lamp.ies\"");
   EXPECT_EQ(p.file, "lamp.ies");
   EXPECT_EQ(p.format, "IES LM-63-2002, type C");
   const auto l = *GoniometricLight<double>::create(p);
@@ -51,36 +48,36 @@ TEST(PbrtPhotometric, ALuminaireShinesAlongZ) {
 
 TEST(PbrtPhotometric, ScaleMultipliesTheCandelaAndPowerSetsTheTotal) {
   const std::string source = "LightSource \"goniometric\" \"string filename\" \"lamp.ies\" ";
-  EXPECT_EQ(light(source + "\"float scale\" 3").intensity, Rgb<double>(3));
-  EXPECT_EQ(light(source + "\"rgb I\" [1 2 3]").intensity, Rgb<double>(1, 2, 3));
-  const auto l = *GoniometricLight<double>::create(light(source + "\"float power\" 5000"));
+  EXPECT_EQ(luminaire(source + "\"float scale\" 3").intensity, Rgb<double>(3));
+  EXPECT_EQ(luminaire(source + "\"rgb I\" [1 2 3]").intensity, Rgb<double>(1, 2, 3));
+  const auto l = *GoniometricLight<double>::create(luminaire(source + "\"float power\" 5000"));
   EXPECT_NEAR(luminance(l.power({}).lumens), 5000, 1e-8);
-  const auto black = load(source + "\"float power\" 5000",
+  const auto black = load_luminaire(source + "\"float power\" 5000",
                           "TILT=NONE\n1 -1 1 2 1 1 2 0 0 0\n1 1 10\n0 90\n0\n0 0\n");
   EXPECT_THAT(message(black.status()), HasSubstr("a light that illuminates nothing"));
 }
 
 TEST(PbrtPhotometric, TransformsMoveRotateAndMirrorButNeverStretch) {
   const std::string source = "LightSource \"goniometric\" \"string filename\" \"lamp.ies\"";
-  const auto p = light("Translate 1 2 3 Rotate 180 1 0 0 Scale 2 2 2 " + source);
+  const auto p = luminaire("Translate 1 2 3 Rotate 180 1 0 0 Scale 2 2 2 " + source);
   EXPECT_EQ(p.position_m, Vec3<double>(1, 2, 3));
   const auto l = *GoniometricLight<double>::create(p);
   EXPECT_EQ(l.intensity({0, 0, -1}), Rgb<double>(100));
   EXPECT_EQ(l.intensity({0, 0, 1}), Rgb<double>());
-  light("Scale 1 1 -1 " + source);
-  EXPECT_THAT(message(load("Scale 1 1 2 " + source).status()),
+  luminaire("Scale 1 1 -1 " + source);
+  EXPECT_THAT(message(load_luminaire("Scale 1 1 2 " + source).status()),
               HasSubstr("scene.pbrt:1:24: a goniometric light under a transform of unequal scale"));
 }
 
 TEST(PbrtPhotometric, WithoutAFileItIsAPointLight) {
-  const auto p = light("LightSource \"goniometric\" \"rgb I\" [1 1 1] \"float power\" 150");
+  const auto p = luminaire("LightSource \"goniometric\" \"rgb I\" [1 1 1] \"float power\" 150");
   EXPECT_EQ(p.web, nullptr);
   EXPECT_NEAR(p.intensity.g, 150 / (4 * kPi), 1e-12);
 }
 
 TEST(PbrtPhotometric, LightsOfOneFileShareItsWebAndTheSceneCountsItOnce) {
   const std::string source = "LightSource \"goniometric\" \"string filename\" \"lamp.ies\" ";
-  auto scene = load(source + source);
+  auto scene = load_luminaire(source + source);
   ASSERT_TRUE(scene.ok()) << scene.status();
   const auto& first = std::get<GoniometricLightParams>(scene->lights.at(0).params);
   EXPECT_EQ(first.web, std::get<GoniometricLightParams>(scene->lights.at(1).params).web);
@@ -98,15 +95,16 @@ TEST(PbrtPhotometric, LightsOfOneFileShareItsWebAndTheSceneCountsItOnce) {
 
 TEST(PbrtPhotometric, ErrorsAndNotesNameBothFiles) {
   const std::string source = "LightSource \"goniometric\" \"string filename\" \"lamp.ies\"";
-  EXPECT_EQ(message(load(source, "TILT=NONE\n1 -1 1 2 1 4").status()),
+  EXPECT_EQ(message(load_luminaire(source, "TILT=NONE\n1 -1 1 2 1 4").status()),
             "scene.pbrt:1:38: \"string filename\": lamp.ies:2: photometric type = 4, allowed: 1 "
             "(type C), 2 (type B), 3 (type A)");
-  const auto tilted = load(source, "TILT=x.tlt\n1 -1 1 2 1 1 2 0 0 0\n1 1 10\n0 90\n0\n100 100\n");
+  const auto tilted =
+      load_luminaire(source, "TILT=x.tlt\n1 -1 1 2 1 1 2 0 0 0\n1 1 10\n0 90\n0\n100 100\n");
   ASSERT_TRUE(tilted.ok()) << tilted.status();
   EXPECT_EQ(remarks_of(*tilted),
             "1:38 lamp.ies:1: tilt factors in \"x.tlt\" are not read -> the factor 1, for a "
             "luminaire without tilt\n");
-  EXPECT_THAT(message(load("LightSource \"goniometric\" \"string filename\" \"LAMP.LDT\"", "x\n",
+  EXPECT_THAT(message(load_luminaire("LightSource \"goniometric\" \"string filename\" \"LAMP.LDT\"", "x\n",
                            "LAMP.LDT")
                           .status()),
               HasSubstr("LAMP.LDT:1: the file ends before the symmetry Isym"));

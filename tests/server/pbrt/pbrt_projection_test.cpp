@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "server/scene/scene.h"
 #include "tests/server/pbrt/pbrt_fixture.h"
@@ -16,7 +15,6 @@ using testing::message;
 using testing::remarks_of;
 using testing::SceneFiles;
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kDegree = kPi / 180;
 
 /// A .pfm file, red in the upper half of its rows and blue below.
@@ -30,9 +28,9 @@ std::string slide_pfm(int width, int height, float value = 1) {
   return bytes;
 }
 
-absl::StatusOr<SceneDescription> load(const std::string& parameters,
-                                      const std::string& transform = "",
-                                      const std::string& bytes = slide_pfm(4, 2)) {
+absl::StatusOr<SceneDescription> load_projection(const std::string& parameters,
+                                                 const std::string& transform = "",
+                                                 const std::string& bytes = slide_pfm(4, 2)) {
   const SceneFiles files;
   files.write("slide.pfm", bytes);
   files.write("scene.pbrt",
@@ -41,8 +39,8 @@ absl::StatusOr<SceneDescription> load(const std::string& parameters,
 }
 
 template <typename Params>
-Params light(const std::string& parameters, const std::string& transform = "") {
-  auto scene = load(parameters, transform);
+Params projection_light(const std::string& parameters, const std::string& transform = "") {
+  auto scene = load_projection(parameters, transform);
   if (!scene.ok()) throw std::runtime_error(message(scene.status()));
   return std::get<Params>(scene->lights.at(0).params);
 }
@@ -51,7 +49,8 @@ const std::string kSlide = "\"string filename\" \"slide.pfm\" ";
 const double kHalfPurple = (0.2126390058715104 + 0.0721923153607337) / 2;  // mean luminance
 
 TEST(PbrtProjection, DefaultsArePbrt4s) {
-  const auto p = light<ProjectionLightParams>(kSlide + "\"float scale\" 3", "Translate 1 2 3");
+  const auto p =
+      projection_light<ProjectionLightParams>(kSlide + "\"float scale\" 3", "Translate 1 2 3");
   EXPECT_EQ(p.position_m, Vec3<double>(1, 2, 3));
   EXPECT_EQ(p.intensity_cd, Rgb<double>(3));
   EXPECT_EQ(p.image_name, "slide.pfm");
@@ -68,16 +67,16 @@ TEST(PbrtProjection, DefaultsArePbrt4s) {
 TEST(PbrtProjection, ScaleAlongTheLightsAxesChangesTheExtentOfThePicture) {
   // 3 times wider, 2 times higher and 2 times farther: half sides 2 * 3/2 and 1 * 2/2 at distance
   // 1.
-  const auto p = light<ProjectionLightParams>(kSlide, "Rotate 70 1 2 3 Scale 3 2 2");
+  const auto p = projection_light<ProjectionLightParams>(kSlide, "Rotate 70 1 2 3 Scale 3 2 2");
   EXPECT_NEAR(p.picture->half().x, 3, 1e-12);
   EXPECT_NEAR(p.picture->half().y, 1, 1e-12);
   EXPECT_NEAR(p.picture->params().fov_rad, 90 * kDegree, 1e-12);
   EXPECT_NEAR(p.picture->params().aspect, 3, 1e-12);
   // Equal scale changes nothing; a mirror changes only the side.
-  const auto q = light<ProjectionLightParams>(kSlide, "Scale -5 5 5");
+  const auto q = projection_light<ProjectionLightParams>(kSlide, "Scale -5 5 5");
   EXPECT_EQ(q.picture->params().fov_rad, 90 * kDegree);
   EXPECT_EQ(q.axes.s, Vec3<double>(-5, 0, 0));
-  const auto beam = light<BeamLightParams>(
+  const auto beam = projection_light<BeamLightParams>(
       kSlide + "\"string projection\" \"orthographic\" \"float extent\" 0.5", "Scale 3 2 7");
   EXPECT_EQ(beam.width_m, 3);  // 0.5 times the aspect of 2, times 3
   EXPECT_EQ(beam.height_m, 1);
@@ -88,7 +87,7 @@ TEST(PbrtProjection, PowerEqualsThatOfPbrt4) {
   // centres at x = +-1.5 and +-0.5, y = +-0.5.
   const double near = std::pow(1.5, -1.5), far = std::pow(3.5, -1.5);
   const double counted = kHalfPurple * 4 * (near + far);
-  auto scene = load(kSlide + "\"float power\" 100 \"float scale\" 2");
+  auto scene = load_projection(kSlide + "\"float power\" 100 \"float scale\" 2");
   ASSERT_TRUE(scene.ok()) << scene.status();
   const auto p = std::get<ProjectionLightParams>(scene->lights.at(0).params);
   EXPECT_NEAR(p.intensity_cd.g, 2 * 100 / counted, 1e-9);
@@ -100,29 +99,31 @@ TEST(PbrtProjection, PowerEqualsThatOfPbrt4) {
 }
 
 TEST(PbrtProjection, PowerIsExactForLightsThatPbrt4Lacks) {
-  const auto bilinear =
-      light<ProjectionLightParams>(kSlide + "\"string filter\" \"bilinear\" \"float power\" 100");
+  const auto bilinear = projection_light<ProjectionLightParams>(
+      kSlide + "\"string filter\" \"bilinear\" \"float power\" 100");
   EXPECT_NEAR(luminance(ProjectionLight<double>::create(bilinear)->power({}).lumens), 100, 1e-9);
-  const auto even = light<ProjectionLightParams>("\"float power\" 100 \"float fov\" 40");
+  const auto even = projection_light<ProjectionLightParams>("\"float power\" 100 \"float fov\" 40");
   EXPECT_EQ(even.picture->params().image, nullptr);
   EXPECT_NEAR(luminance(ProjectionLight<double>::create(even)->power({}).lumens), 100, 1e-9);
   const std::string beam = "\"string projection\" \"orthographic\" \"float power\" 100 ";
-  const auto with_picture = light<BeamLightParams>(kSlide + beam);
+  const auto with_picture = projection_light<BeamLightParams>(kSlide + beam);
   EXPECT_EQ(with_picture.width_m, 2);
   EXPECT_EQ(with_picture.height_m, 1);
   EXPECT_NEAR(luminance(BeamLight<double>::create(with_picture)->power({}).lumens), 100, 1e-9);
-  EXPECT_NEAR(light<BeamLightParams>(beam + "\"float extent\" 2").illuminance_lx.g, 25, 1e-12);
+  EXPECT_NEAR(projection_light<BeamLightParams>(beam + "\"float extent\" 2").illuminance_lx.g, 25,
+              1e-12);
 }
 
 TEST(PbrtProjection, ColourMultipliesThePicture) {
-  const auto p = light<ProjectionLightParams>(kSlide + "\"rgb I\" [1 2 3] \"float scale\" 2");
+  const auto p =
+      projection_light<ProjectionLightParams>(kSlide + "\"rgb I\" [1 2 3] \"float scale\" 2");
   EXPECT_EQ(p.intensity_cd, Rgb<double>(2, 4, 6));
 }
 
 // The texels of the picture are RGB, so there is no spectrum to multiply.
 TEST(PbrtProjection, ASpectrumBesideAPictureBecomesRgbWithARemark) {
   for (const std::string kind : {"", "\"string projection\" \"orthographic\" "}) {
-    const auto scene = load(kind + kSlide + "\n\"blackbody I\" 2700");
+    const auto scene = load_projection(kind + kSlide + "\n\"blackbody I\" 2700");
     ASSERT_TRUE(scene.ok()) << scene.status();
     EXPECT_EQ(scene->lights[0].spectrum, nullptr);
     EXPECT_THAT(
@@ -132,13 +133,13 @@ TEST(PbrtProjection, ASpectrumBesideAPictureBecomesRgbWithARemark) {
             "becomes RGB \\[1\\.[0-9]+ 0\\.[0-9]+ 0\\.[0-9]+\\] of luminance 1, also for "
             "queries by wavelength\n"));
     // Outside of the RGB gamut: no remark that wavelengths are exact.
-    const auto red = load(kind + kSlide + "\"spectrum I\" [699 0 700 1 701 0]");
+    const auto red = load_projection(kind + kSlide + "\"spectrum I\" [699 0 700 1 701 0]");
     ASSERT_TRUE(red.ok()) << red.status();
     EXPECT_THAT(remarks_of(*red), HasSubstr("2:"));
     EXPECT_THAT(remarks_of(*red), HasSubstr("spectrum \"I\" of a light with a picture"));
     EXPECT_THAT(remarks_of(*red), ::testing::Not(HasSubstr("exact")));
-    EXPECT_EQ(remarks_of(*load(kind + kSlide + "\"rgb I\" [1 .5 .2]")), "");
-    const auto without = load(kind + "\"blackbody I\" 2700");
+    EXPECT_EQ(remarks_of(*load_projection(kind + kSlide + "\"rgb I\" [1 .5 .2]")), "");
+    const auto without = load_projection(kind + "\"blackbody I\" 2700");
     ASSERT_TRUE(without.ok()) << without.status();
     EXPECT_NE(without->lights[0].spectrum, nullptr);
     EXPECT_EQ(remarks_of(*without), "");
@@ -147,7 +148,7 @@ TEST(PbrtProjection, ASpectrumBesideAPictureBecomesRgbWithARemark) {
 
 TEST(PbrtProjection, InvalidInputIsAnErrorWithItsPlace) {
   const auto error = [](const std::string& parameters, const std::string& transform = "") {
-    return message(load(parameters, transform).status());
+    return message(load_projection(parameters, transform).status());
   };
   EXPECT_THAT(error("\"float fov\" 180"),
               HasSubstr("scene.pbrt:2:26: \"float fov\" = 180 degrees, allowed (0, 180)"));
@@ -164,7 +165,7 @@ TEST(PbrtProjection, InvalidInputIsAnErrorWithItsPlace) {
   EXPECT_THAT(error("\"float fov\" 1e-150"),
               HasSubstr("scene.pbrt:2:26: \"float fov\" = 1e-150 degrees: projection.fov"));
   const auto with_bytes = [](const std::string& bytes, const std::string& parameters = "") {
-    return message(load(kSlide + parameters, "", bytes).status());
+    return message(load_projection(kSlide + parameters, "", bytes).status());
   };
   EXPECT_THAT(with_bytes(slide_pfm(2, 2, 0), "\"float power\" 5"),
               HasSubstr("for a light that illuminates nothing"));
@@ -178,7 +179,7 @@ TEST(PbrtProjection, InvalidInputIsAnErrorWithItsPlace) {
 
 // Row 32 of docs/extremes.md: a picture of one row.
 TEST(PbrtProjection, PicturesOfOneTexelOrOneRowAreExact) {
-  auto scene = load(kSlide + "\"float fov\" 1", "", slide_pfm(100000, 1));
+  auto scene = load_projection(kSlide + "\"float fov\" 1", "", slide_pfm(100000, 1));
   ASSERT_TRUE(scene.ok()) << scene.status();
   const auto p = std::get<ProjectionLightParams>(scene->lights.at(0).params);
   EXPECT_EQ(p.picture->params().aspect, 1e5);
@@ -210,7 +211,7 @@ TEST(PbrtProjection, APictureThatLightsShareIsReadAndCountedOnce) {
 }
 
 TEST(PbrtProjection, TheScenesSphereHoldsABeamsRectangle) {
-  auto description = load("\"string projection\" \"orthographic\" \"float extent\" 8");
+  auto description = load_projection("\"string projection\" \"orthographic\" \"float extent\" 8");
   ASSERT_TRUE(description.ok()) << description.status();
   const auto scene = Scene::build(*std::move(description));
   ASSERT_TRUE(scene.ok()) << scene.status();

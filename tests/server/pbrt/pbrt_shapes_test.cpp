@@ -11,6 +11,7 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using testing::kPatch;
 using testing::load_world;
 using testing::message;
 using testing::remarks_of;
@@ -18,7 +19,6 @@ using testing::SceneFiles;
 using testing::world_error_of;
 
 const std::string kTriangle = "Shape \"trianglemesh\" \"point3 P\" [0 0 0  1 0 0  0 1 0] ";
-const std::string kPatch = "Shape \"bilinearmesh\" \"point3 P\" [0 0 0  1 0 0  0 1 0  1 1 0] ";
 const std::string kUp = "\"normal N\" [0 0 2  0 0 2  0 0 2] ";
 const std::string kUp4 = "\"normal N\" [0 0 2  0 0 2  0 0 2  0 0 2] ";
 

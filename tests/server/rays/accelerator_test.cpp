@@ -12,8 +12,9 @@ namespace {
 
 using ::testing::HasSubstr;
 
-std::unique_ptr<Accelerator> build(GeometrySet set, std::vector<GeometrySet> objects = {},
-                                   std::vector<GeometryInstance> instances = {}) {
+std::unique_ptr<Accelerator> build_accelerator(GeometrySet set,
+                                               std::vector<GeometrySet> objects = {},
+                                               std::vector<GeometryInstance> instances = {}) {
   auto a = Accelerator::build(std::move(set), std::move(objects), std::move(instances), "", {});
   EXPECT_TRUE(a.ok()) << a.status();
   return *std::move(a);
@@ -29,7 +30,7 @@ Sphere<double> sphere(double radius, const Vec3<double>& centre) {
 }
 
 TEST(Accelerator, FindsATriangleAndItsBarycentrics) {
-  const auto a = build(triangle(2));
+  const auto a = build_accelerator(triangle(2));
   const auto hit = a->closest_hit({{0.25f, 0.5f, 0}, {0, 0, 1}});
   ASSERT_TRUE(hit);
   EXPECT_EQ(hit->kind, HitKind::kTriangle);
@@ -52,7 +53,7 @@ TEST(Accelerator, AnswersTheNearestOfAllKindsOfGeometry) {
       *Cylinder<double>::create({.radius_m = 0.5,
                                  .world_from_object = Transform::translate({0.25, 0, 7}) *
                                                       *Transform::rotate(M_PI / 2, {1, 0, 0})})};
-  const auto a = build(std::move(set));
+  const auto a = build_accelerator(std::move(set));
   const Ray ray{{0.25f, 0.25f, 0}, {0, 0, 1}};
   struct Expected {
     float from, t;
@@ -86,7 +87,7 @@ TEST(Accelerator, AnswersTheNearestOfAllKindsOfGeometry) {
 TEST(Accelerator, TakesRaysOfAnyLengthInTheirOwnUnits) {
   GeometrySet set;
   set.of<Sphere<double>>() = {sphere(1, {0, 0, 10})};
-  const auto a = build(std::move(set));
+  const auto a = build_accelerator(std::move(set));
   const auto hit = a->closest_hit({{0, 0, 0}, {0, 0, 4}});
   ASSERT_TRUE(hit);
   EXPECT_FLOAT_EQ(hit->t, 9 / 4.0f);
@@ -94,7 +95,7 @@ TEST(Accelerator, TakesRaysOfAnyLengthInTheirOwnUnits) {
 }
 
 TEST(Accelerator, PutsOcclusionOfRayIIntoBitI) {
-  const auto a = build(triangle(1));
+  const auto a = build_accelerator(triangle(1));
   std::vector<Ray> rays;
   for (int i = 0; i < 19; ++i) rays.push_back({{i % 3 == 0 ? 0.2f : 2.0f, 0.2f, 0}, {0, 0, 1}});
   std::vector<std::uint8_t> bits(3, 0xff);
@@ -106,9 +107,9 @@ TEST(Accelerator, ReportsTheInstanceThatWasHit) {
   GeometrySet object = triangle(0);
   object.of<Sphere<double>>() = {sphere(1, {0, 0, 8})};
   const Transform twice = *Transform::scale({2, 2, 2});
-  const auto a =
-      build({}, {std::move(object)},
-            {{0, Transform::translate({10, 0, 1})}, {0, Transform::translate({20, 0, 2}) * twice}});
+  const auto a = build_accelerator(
+      {}, {std::move(object)},
+      {{0, Transform::translate({10, 0, 1})}, {0, Transform::translate({20, 0, 2}) * twice}});
   auto hit = a->closest_hit({{20.5f, 0.5f, 0}, {0, 0, 1}});
   ASSERT_TRUE(hit);
   EXPECT_EQ(hit->instance, 1);
@@ -137,7 +138,7 @@ TEST(Accelerator, AgreesWithTryingEveryTriangle) {
     }
     all.push_back({Vec3<double>(a), Vec3<double>(b), Vec3<double>(c)});
   }
-  const auto accelerator = build(std::move(set));
+  const auto accelerator = build_accelerator(std::move(set));
   int hits = 0, mismatches = 0;
   for (int i = 0; i < 5000; ++i) {
     const Ray ray{{u(random) * 2, u(random) * 2, u(random) * 2}, {u(random), u(random), u(random)}};
@@ -159,14 +160,14 @@ TEST(Accelerator, AgreesWithTryingEveryTriangle) {
 }
 
 TEST(Accelerator, IsEmptyWithoutGeometry) {
-  const auto a = build({});
+  const auto a = build_accelerator({});
   EXPECT_TRUE(a->empty());
   EXPECT_FALSE(a->closest_hit({{0, 0, 0}, {0, 0, 1}}));
   EXPECT_FALSE(a->occluded(Ray{{0, 0, 0}, {0, 0, 1}}));
 }
 
 TEST(Accelerator, TakesDirectionsOfAnyLengthAndRefusesInvalidRays) {
-  const auto a = build(triangle(1));
+  const auto a = build_accelerator(triangle(1));
   for (const float length : {1e-30f, 1e-10f, 1e10f, 1e30f}) {
     const auto hit = a->closest_hit({{0.2f, 0.2f, 0}, {0, 0, length}});
     ASSERT_TRUE(hit) << length;
@@ -180,7 +181,7 @@ TEST(Accelerator, TakesDirectionsOfAnyLengthAndRefusesInvalidRays) {
 }
 
 TEST(Accelerator, TakesRaysFromAnyDistance) {
-  const auto a = build(triangle(1));
+  const auto a = build_accelerator(triangle(1));
   for (const float z : {-1e3F, -1e10F, -1e20F, -1e30F}) {
     const auto hit = a->closest_hit({{0.25F, 0.5F, z}, {0, 0, 2}});
     ASSERT_TRUE(hit) << z;
@@ -200,7 +201,8 @@ TEST(Accelerator, TakesRaysFromAnyDistance) {
 
 TEST(Accelerator, TakesGeometryOfAnySize) {
   for (const float s : {1e-30F, 1e-20F, 1e-10F, 1e10F, 1e18F, 1e30F}) {
-    const auto a = build({.vertices = {{0, 0, s}, {s, 0, s}, {0, s, s}}, .triangles = {0, 1, 2}});
+    const auto a =
+        build_accelerator({.vertices = {{0, 0, s}, {s, 0, s}, {0, s, s}}, .triangles = {0, 1, 2}});
     const auto hit = a->closest_hit({{0.25F * s, 0.5F * s, 0}, {0, 0, 1}});
     ASSERT_TRUE(hit) << s;
     EXPECT_FLOAT_EQ(hit->t, s);
@@ -237,7 +239,8 @@ TEST(Accelerator, CountsEmbreesMemoryAndItsOwn) {
     }
   }
   const std::size_t own = 30000 * (12 + 4);
-  EXPECT_GT(build(std::move(many))->bytes(), own + 10000 * 16);  // at least 16 bytes a triangle
+  EXPECT_GT(build_accelerator(std::move(many))->bytes(),
+            own + 10000 * 16);  // at least 16 bytes a triangle
 }
 
 }  // namespace

@@ -64,7 +64,7 @@ struct Mean {
 };
 
 /// Number of items.  A mean is off by 7 of its standard errors once in 5e8 (Student's t).
-constexpr int kItems = 64;
+constexpr int kSampledItems = 64;
 
 class AreaSamplingTest : public ::testing::Test {
  protected:
@@ -74,7 +74,7 @@ class AreaSamplingTest : public ::testing::Test {
     q.set_scene_id(service_.load(p.scene));
     q.mutable_accuracy()->set_area_sampling(way);
     q.mutable_accuracy()->set_closed_forms(v1::CLOSED_FORMS_OFF);
-    for (int i = 0; i < kItems; ++i)
+    for (int i = 0; i < kSampledItems; ++i)
       for (int c = 0; c < 3; ++c) {
         q.mutable_receivers()->add_offsets_m(static_cast<float>(p.receiver[c]));
         if (normals) q.add_normals(static_cast<float>(p.normal[c]));
@@ -97,7 +97,7 @@ class AreaSamplingTest : public ::testing::Test {
   float pdf(const Place& p, v1::AreaSampling way, const Vec3<float>& w, bool normals = true) {
     auto q = request<v1::PdfLiRequest>(p, way, normals);
     q.set_light_id(1);
-    for (int i = 0; i < kItems; ++i)
+    for (int i = 0; i < kSampledItems; ++i)
       for (int c = 0; c < 3; ++c) q.add_wi(w[c]);
     v1::PdfLiResponse r;
     EXPECT_TRUE(status_of([&](auto* c) { return service_.lighting.PdfLi(c, q, &r); }).ok());
@@ -138,8 +138,8 @@ TEST_F(AreaSamplingTest, MeanOfSamplesEqualsTheClosedFormForEachMethod) {
       auto q = sample_request(p, way);
       q.mutable_accuracy()->set_samples(1024);
       const v1::SampleLiResponse r = sample(q);
-      ASSERT_EQ(r.pdf_per_sr_size(), kItems * 1024);
-      std::vector<double> means(kItems);
+      ASSERT_EQ(r.pdf_per_sr_size(), kSampledItems * 1024);
+      std::vector<double> means(kSampledItems);
       for (int i = 0; i < r.pdf_per_sr_size(); ++i) {
         const Vec3<double> wi(r.wi(3 * i), r.wi(3 * i + 1), r.wi(3 * i + 2));
         means[i / 1024] +=
@@ -162,7 +162,7 @@ TEST_F(AreaSamplingTest, DensityOfASampleIsThatOfItsDirectionForTheSameMethodAnd
         *q.mutable_wi() = samples.wi();
         v1::PdfLiResponse r;
         ASSERT_TRUE(status_of([&](auto* c) { return service_.lighting.PdfLi(c, q, &r); }).ok());
-        for (int i = 0; i < kItems; ++i) {
+        for (int i = 0; i < kSampledItems; ++i) {
           if (samples.status_size() > 0 && samples.status(i) != v1::ITEM_STATUS_OK) continue;
           const float reported = samples.pdf_per_sr(i);
           const auto& n = samples.light_normals();
@@ -249,7 +249,7 @@ TEST_F(AreaSamplingTest, AnUnknownMethodIsNamedByEveryCall) {
                    "accuracy.area_sampling");
   auto pdf = request<v1::PdfLiRequest>(p, bad);
   pdf.set_light_id(1);
-  pdf.mutable_wi()->Resize(3 * kItems, 1);
+  pdf.mutable_wi()->Resize(3 * kSampledItems, 1);
   v1::PdfLiResponse d;
   expect_bad_field(status_of([&](auto* c) { return service_.lighting.PdfLi(c, pdf, &d); }),
                    "accuracy.area_sampling");

@@ -6,8 +6,6 @@
 namespace lucerna::testing {
 namespace {
 
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-
 class EmissionServiceTest : public ::testing::Test {
  protected:
   grpc::Status le(const v1::LeRequest& q, v1::LeResponse* r) {

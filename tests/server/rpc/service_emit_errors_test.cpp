@@ -6,7 +6,6 @@
 namespace lucerna::testing {
 namespace {
 
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInf = std::numeric_limits<float>::infinity();
 
 class EmitErrors : public EveryLightTest {

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <future>
+#include <limits>
 #include <memory>
 #include <string>
 
@@ -27,6 +28,15 @@ inline rpc::ServerOptions service_options() {
   options.lanes.threads = 2;
   return options;
 }
+
+/// The same with the scenes in tests/data/pbrt.
+inline rpc::ServerOptions pbrt_options() {
+  rpc::ServerOptions options = service_options();
+  options.scenes.root = std::string(LUCERNA_TEST_DATA) + "/pbrt";
+  return options;
+}
+
+inline constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
 /// One running server with all stubs.
 struct Service {

@@ -1,15 +1,12 @@
 // ListLights for goniometric lights: with a picture, with a photometric file, without either.
 #include <filesystem>
 #include <fstream>
-#include <numbers>
 
 #include "service_fixture.h"
 #include "tests/server/pbrt/pbrt_fixture.h"
 
 namespace lucerna::testing {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 TEST(GoniometricService, ListLightsReportsTheDistribution) {
   const SceneFiles files;

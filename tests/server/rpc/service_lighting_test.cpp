@@ -6,8 +6,6 @@
 namespace lucerna::testing {
 namespace {
 
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-
 class LightingServiceTest : public ::testing::Test {
  protected:
   grpc::Status sample(const v1::SampleLiRequest& q, v1::SampleLiResponse* r) {

@@ -7,8 +7,6 @@
 namespace lucerna::testing {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 /// The lights of a scene of one file.  Beside it are a picture, slide.pfm, with 4 x 2 texels of 1,
 /// and a luminaire, lamp.ies.
 std::vector<v1::Light> lights_of(const std::string& text) {

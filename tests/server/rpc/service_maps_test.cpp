@@ -6,7 +6,7 @@ namespace lucerna::testing {
 namespace {
 
 /// A .pfm file with 2 everywhere.
-std::string pfm(int width, int height) {
+std::string sky_pfm(int width, int height) {
   std::string bytes = "PF\n" + std::to_string(width) + " " + std::to_string(height) + "\n-1.0\n";
   const float v = 2;
   for (int i = 0; i < 3 * width * height; ++i)
@@ -17,8 +17,8 @@ std::string pfm(int width, int height) {
 /// The only light of a scene with a sky of 4 x 4 and one of 8 x 2 texels.
 v1::Light light_of(const std::string& parameters) {
   const SceneFiles files;
-  files.write("square.pfm", pfm(4, 4));
-  files.write("wide.pfm", pfm(8, 2));
+  files.write("square.pfm", sky_pfm(4, 4));
+  files.write("wide.pfm", sky_pfm(8, 2));
   files.write("scene.pbrt", "WorldBegin LightSource \"infinite\" " + parameters +
                                 " Shape \"sphere\" \"float radius\" 1");
   rpc::ServerOptions options = service_options();
@@ -34,7 +34,6 @@ v1::Light light_of(const std::string& parameters) {
   return response.lights_size() == 1 ? response.lights(0) : v1::Light();
 }
 
-constexpr double kPi = 3.14159265358979;
 const std::string kPortal = "\"point3 portal\" [0 0 3  0 1 3  2 1 3  2 0 3] ";
 
 TEST(ImageInfiniteOnTheWire, APictureWithItsMappingAndFilter) {

@@ -2,20 +2,11 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <numbers>
 
 #include "service_fixture.h"
 
 namespace lucerna::testing {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
-
-rpc::ServerOptions options() {
-  rpc::ServerOptions o = service_options();
-  o.scenes.root = std::string(LUCERNA_TEST_DATA) + "/pbrt";
-  return o;
-}
 
 class MotionServiceTest : public ::testing::Test {
  protected:
@@ -43,7 +34,7 @@ class MotionServiceTest : public ::testing::Test {
   /// Illuminance below the start of the light, while 18 cd are at (2 t, 0, 3): I h / d^3.
   static double illuminance(double t) { return 18 * 3 / std::pow(4 * t * t + 9, 1.5); }
 
-  Service service_{options()};
+  Service service_{pbrt_options()};
   std::string point_ = service_.load("moving_point.pbrt");
   std::string sun_ = service_.load("moving_sun.pbrt");
 };

@@ -2,20 +2,11 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <numbers>
 
 #include "service_fixture.h"
 
 namespace lucerna::testing {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
-
-rpc::ServerOptions options() {
-  rpc::ServerOptions o = service_options();
-  o.scenes.root = std::string(LUCERNA_TEST_DATA) + "/pbrt";
-  return o;
-}
 
 class MovingCameraServiceTest : public ::testing::Test {
  protected:
@@ -69,7 +60,7 @@ class MovingCameraServiceTest : public ::testing::Test {
     EXPECT_NEAR(mean(tile), expected, tolerance);
   }
 
-  Service service_{options()};
+  Service service_{pbrt_options()};
   std::string scene_ = service_.load("moving_camera.pbrt");
   v1::RenderTileRequest tile_;
   v1::RenderImageRequest image_;

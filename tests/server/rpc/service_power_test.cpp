@@ -6,8 +6,6 @@
 namespace lucerna::testing {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 double luminance_of(const v1::Rgb& c) { return testing::luminance_of(c.r(), c.g(), c.b()); }
 
 /// Luminous flux by hand, from the answer of ListLights and the radius of the scene's sphere; 0

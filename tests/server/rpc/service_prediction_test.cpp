@@ -9,7 +9,7 @@
 namespace lucerna::rpc {
 namespace {
 
-constexpr int kItems = 1000, kWavelengths = 128;
+constexpr int kPredictedItems = 1000, kWavelengths = 128;
 
 class Prediction : public ::testing::Test {
  protected:
@@ -43,22 +43,22 @@ class Prediction : public ::testing::Test {
 
 TEST_F(Prediction, CountsWavelengthsOfEachCall) {
   v1::SampleLiRequest li;
-  li.mutable_receivers()->mutable_offsets_m()->Resize(3 * kItems, 1);
+  li.mutable_receivers()->mutable_offsets_m()->Resize(3 * kPredictedItems, 1);
   li.mutable_seed();
-  expect_counted(sample_li, li, kItems);
+  expect_counted(sample_li, li, kPredictedItems);
   v1::LeRequest looking;
-  looking.mutable_points()->mutable_offsets_m()->Resize(3 * kItems, 1);
-  looking.mutable_directions()->Resize(3 * kItems, 1);
-  expect_counted(le, looking, kItems);
+  looking.mutable_points()->mutable_offsets_m()->Resize(3 * kPredictedItems, 1);
+  looking.mutable_directions()->Resize(3 * kPredictedItems, 1);
+  expect_counted(le, looking, kPredictedItems);
   v1::SampleLeRequest rays;
-  rays.set_count(kItems);
+  rays.set_count(kPredictedItems);
   rays.mutable_seed();
-  expect_counted(sample_le, rays, kItems);
+  expect_counted(sample_le, rays, kPredictedItems);
   v1::EstimateIrradianceRequest meter;
-  meter.mutable_receivers()->mutable_offsets_m()->Resize(3 * kItems, 1);
-  meter.mutable_normals()->Resize(3 * kItems, 1);
+  meter.mutable_receivers()->mutable_offsets_m()->Resize(3 * kPredictedItems, 1);
+  meter.mutable_normals()->Resize(3 * kPredictedItems, 1);
   meter.set_bounces(0);
-  expect_counted(estimate_irradiance, meter, kItems);
+  expect_counted(estimate_irradiance, meter, kPredictedItems);
 }
 
 TEST(SampleBlocks, AreLimitedByTheNumberingOfSamples) {

@@ -12,8 +12,6 @@
 
 namespace lucerna::testing {
 
-inline constexpr double kPi = 3.14159265358979323846;
-
 // Lights 1 to 6; the last two have a surface.  A receiver at the origin sees them all, except for
 // the sphere's back.
 inline constexpr char kLamps[] = R"(WorldBegin

@@ -11,8 +11,8 @@
 namespace lucerna {
 namespace {
 
-constexpr LightSelection kWays[] = {LightSelection::kUniform, LightSelection::kPower,
-                                    LightSelection::kBvh};
+constexpr LightSelection kLightSelections[] = {LightSelection::kUniform, LightSelection::kPower,
+                                               LightSelection::kBvh};
 
 LightSelector::Item lamp(double x, double lumens) {
   const Vec3<double> at{x, 0, 3};
@@ -49,7 +49,7 @@ Receiver<double> floor_at(double x) {
 TEST(LightSelector, ChoosesWithItsReportedProbability) {
   constexpr std::uint32_t kLights = 22, kChoices = 1 << 16;
   const LightSelector selector = row_of_lamps(kLights - 2);
-  for (const LightSelection how : kWays) {
+  for (const LightSelection how : kLightSelections) {
     const Receiver<double> receiver = floor_at(3);
     std::vector<double> chosen(kLights);
     for (std::uint32_t i = 0; i < kChoices; ++i) {
@@ -89,7 +89,7 @@ TEST(LightSelector, GivesAllToTheOnlyKindOfLight) {
   for (auto* items : {&far, &near}) {
     const LightSelector selector(numbered(*items));
     // The tree's boxes are wider than the lights by a few roundings of floats.
-    for (const LightSelection how : kWays)
+    for (const LightSelection how : kLightSelections)
       EXPECT_NEAR(selector.probability(how, floor_at(0.5), 0), 0.5, 1e-8);
   }
 }
@@ -124,7 +124,7 @@ TEST(LightSelector, ReturnsIndicesOfTheScene) {
   std::vector<LightSelector::Item> items = {lamp(0, 1), sky(1, 1), lamp(1, 3)};
   items[0].light = 4, items[1].light = 7, items[2].light = 9;
   const LightSelector selector(std::move(items));
-  for (const LightSelection how : kWays) {
+  for (const LightSelection how : kLightSelections) {
     double sum = 0;
     for (const std::uint32_t light : {4U, 7U, 9U})
       sum += selector.probability(how, floor_at(0), light);

@@ -19,12 +19,7 @@ namespace {
 using ::testing::Contains;
 using ::testing::IsEmpty;
 using ::testing::Not;
-
-std::vector<std::string> part_names(const Scene& scene) {
-  std::vector<std::string> names;
-  for (const ScenePart& p : scene.parts()) names.push_back(p.name);
-  return names;
-}
+using testing::part_names;
 
 std::shared_ptr<const Image> grey(int width, int height) {
   std::vector<Rgb<float>> texels;
@@ -44,7 +39,7 @@ SceneDescription plain() {
 using Change = std::function<void(SceneDescription&)>;
 using Query = std::function<void(const Scene&)>;
 
-LightDescription light(auto params) { return {std::move(params), {}}; }
+LightDescription light_with(auto params) { return {std::move(params), {}}; }
 
 void query_irradiance(const Scene& scene, VisibilityMethod visibility) {
   const IrradiancePoint point{{0.5, 0.25, 0}, {1e-6f, 1e-6f, 1e-6f}, {0, 0, 1}};
@@ -63,16 +58,16 @@ struct Case {
 
 std::vector<Case> cases() {
   const auto add_light = [](auto params) -> Change {
-    return [params](SceneDescription& d) { d.lights.push_back(light(params)); };
+    return [params](SceneDescription& d) { d.lights.push_back(light_with(params)); };
   };
   const auto none = [](SceneDescription& d) { d.shapes.clear(); };
   const auto unchanged = [](SceneDescription&) {};
   const std::vector<KeyTransform> keys{{0, Transform()}, {1, Transform::translate({1, 0, 0})}};
   const auto as_spot = [](SceneDescription& d) {  // its map has one face
-    d.lights = {light(SpotLightParams{.position_m = {0, 0, 2},
-                                      .axis = {0, 0, -1},
-                                      .intensity_cd = Rgb<double>(1),
-                                      .cone_half_angle_rad = 0.5})};
+    d.lights = {light_with(SpotLightParams{.position_m = {0, 0, 2},
+                                           .axis = {0, 0, -1},
+                                           .intensity_cd = Rgb<double>(1),
+                                           .cone_half_angle_rad = 0.5})};
   };
   const auto motion = std::make_shared<const Motion>(*Motion::create(keys));
   const auto sky = [](const std::shared_ptr<const Image>& image) {
@@ -120,7 +115,7 @@ std::vector<Case> cases() {
        .needs = as_spot,
        .needs_not =
            [](SceneDescription& d) {
-             d.lights = {light(UniformInfiniteLightParams{Rgb<double>(1)})};
+             d.lights = {light_with(UniformInfiniteLightParams{Rgb<double>(1)})};
              d.shapes.push_back(testing::emissive(testing::floor(0.1, 2), 1));
            },
        .query = [](const Scene& s) { query_irradiance(s, VisibilityMethod::kShadowMaps); },

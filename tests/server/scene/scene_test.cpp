@@ -14,13 +14,8 @@ namespace {
 using testing::build;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using testing::part_names;
 using ::testing::StartsWith;
-
-std::vector<std::string> part_names(const Scene& scene) {
-  std::vector<std::string> names;
-  for (const ScenePart& p : scene.parts()) names.push_back(p.name);
-  return names;
-}
 
 SurfaceHit hit_below(const Scene& scene, float x, float y, float z) {
   const auto hit = scene.closest_hit({{x, y, z}, {0, 0, -1}});

@@ -7,6 +7,7 @@
 #include <memory>
 #include <numbers>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "server/scene/scene.h"
@@ -97,6 +98,12 @@ inline TriangleMeshData room(const Vec3<double>& centre = {}) {
 
 inline LightDescription point_light(const Vec3<double>& position, double candela) {
   return {PointLightParams{position, Rgb<double>(candela)}, {"test.pbrt", 5, 1}};
+}
+
+inline std::vector<std::string> part_names(const Scene& scene) {
+  std::vector<std::string> names;
+  for (const ScenePart& p : scene.parts()) names.push_back(p.name);
+  return names;
 }
 
 }  // namespace lucerna::testing

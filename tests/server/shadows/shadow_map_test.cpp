@@ -41,7 +41,7 @@ LightDescription distant() {
   return {DistantLightParams{.to_light = {0, 0, 1}, .illuminance_lx = Rgb<double>(10)}, {}};
 }
 
-SurfaceHit floor_at(double x, double y) {
+SurfaceHit floor_hit_at(double x, double y) {
   SurfaceHit hit;
   hit.position = {x, y, 0};
   hit.position_error = {1e-6f, 1e-6f, 1e-6f};
@@ -67,7 +67,7 @@ void for_each_on_floor(int n, F&& f) {
       const double turns = 0.5 + step * i;
       return kHalfFloor * (2 * (turns - std::floor(turns)) - 1);
     };
-    f(floor_at(at(0.7548776662466927), at(0.5698402909980532)));
+    f(floor_hit_at(at(0.7548776662466927), at(0.5698402909980532)));
   }
 }
 

@@ -18,7 +18,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-std::shared_ptr<const Scene> scene_of(const std::string& text) {
+std::shared_ptr<const Scene> scene_of_text(const std::string& text) {
   auto description = load_text(text);
   if (!description.ok()) throw std::runtime_error(message(description.status()));
   EXPECT_EQ(remarks_of(*description), "");
@@ -36,7 +36,7 @@ constexpr char kCamera[] = "Camera \"perspective\" \"float fov\" 90 WorldBegin "
 TEST(MovingCamera, TurnsHalfwayInHalfTheTime) {
   // The camera looks along +z, +x right, +y up.  The world turns about +z by 90 degrees, from +x to
   // +y, so the camera turns the other way.
-  const auto scene = scene_of(std::string(kFilm) +
+  const auto scene = scene_of_text(std::string(kFilm) +
                               "TransformTimes 1 3 ActiveTransform EndTime Rotate 90 0 0 1 "
                               "ActiveTransform All " +
                               kCamera);
@@ -59,7 +59,7 @@ TEST(MovingCamera, MovesAlongAStraightLine) {
   // The world turns by 90 degrees before a camera 6 m from its zero.  The camera moves from (0, -6,
   // 0) to (-6, 0, 0) along the chord, like in pbrt-v4: 6 / sqrt 2 from zero in the middle.  A
   // turning world would keep it on the circle.
-  const auto scene = scene_of(std::string(kFilm) +
+  const auto scene = scene_of_text(std::string(kFilm) +
                               "LookAt 0 -6 0  0 0 0  0 0 1 ActiveTransform EndTime "
                               "Rotate 90 0 0 1 ActiveTransform All " +
                               kCamera);
@@ -218,7 +218,7 @@ TEST(MovingCamera, GivesTheSameBitsForAnyTiling) {
 TEST(MovingCamera, MovesObjectsInItsCoordinates) {
   // The camera moves and turns.  Its coordinate system places two plates in front of it.  (An
   // object with a zero of its own would move straight from end to end, as in pbrt-v4.)
-  const auto scene = scene_of(
+  const auto scene = scene_of_text(
       std::string(kFilm) +
       "ActiveTransform StartTime LookAt 1 -6 2  0 0 1  0 0 1 ActiveTransform EndTime "
       "LookAt -7 3 4  0 1 0  0.2 0 1 ActiveTransform All " +
@@ -253,11 +253,11 @@ TEST(MovingCamera, KeepsItsPathFarFromTheWorldsZero) {
     const auto at = [&](double x, double y, double z) {
       return fmt::format("{} {} {} ", o.x + x, o.y + y, o.z + z);
     };
-    return scene_of(std::string(kFilm) + "ActiveTransform StartTime LookAt " + at(0.25, -6.5, 2) +
-                    at(0, 0, 1) + "0 0 1 ActiveTransform EndTime LookAt " + at(-5, 3.125, 2) +
-                    at(0, 1, 1) + "0 0 1 ActiveTransform All " + kCamera +
-                    "Shape \"bilinearmesh\" \"point3 P\" [" + at(-4, -4, 0) + at(4, -4, 0) +
-                    at(-4, 4, 0) + at(4, 4, 0) + "]");
+    return scene_of_text(std::string(kFilm) + "ActiveTransform StartTime LookAt " +
+                         at(0.25, -6.5, 2) + at(0, 0, 1) + "0 0 1 ActiveTransform EndTime LookAt " +
+                         at(-5, 3.125, 2) + at(0, 1, 1) + "0 0 1 ActiveTransform All " + kCamera +
+                         "Shape \"bilinearmesh\" \"point3 P\" [" + at(-4, -4, 0) + at(4, -4, 0) +
+                         at(-4, 4, 0) + at(4, 4, 0) + "]");
   };
   const auto near = about({}), far = about({1e7, -2e7, 3e6});
   EXPECT_EQ(far->origin(), Vec3<double>(1e7, -2e7, 3e6));

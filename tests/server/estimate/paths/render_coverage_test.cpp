@@ -17,7 +17,7 @@ namespace {
 using std::numbers::pi;
 
 /// A query for one pixel.
-struct Question {
+struct PixelQuestion {
   std::string name;
   std::shared_ptr<const Scene> scene;
   double truth;  // [cd/m2]
@@ -35,7 +35,7 @@ void look(SceneDescription& d, const Vec3<double>& from, const Vec3<double>& at,
 // So small a part of the floor that its light is uniform.
 constexpr double kSpot = 1e-3;
 
-Question lamp() {
+PixelQuestion lamp_pixel() {
   SceneDescription d = below_a_lamp(0.5);
   look(d, {0, 0, 1}, {}, kSpot);
   return {"lamp", build(std::move(d)), 0.5 * lux_below_a_lamp() / pi};
@@ -43,7 +43,7 @@ Question lamp() {
 
 /// The floor ends within the pixel and fills 0.3 of it.  Its light needs no sample.  The pixel is
 /// large: points cover it so evenly that the rounding of floats would be noticeable.
-Question edge() {
+PixelQuestion edge_pixel() {
   SceneDescription d = description(0.5);
   const double end = 0.3 - 0.5;
   d.shapes = {patch({-9, -9, 0}, {end, -9, 0}, {-9, 9, 0}, {end, 9, 0})};
@@ -53,20 +53,20 @@ Question edge() {
   return {"edge", build(std::move(d)), 0.3 * 0.5 * 10 / pi};
 }
 
-Question furnace() {
+PixelQuestion furnace_pixel() {
   SceneDescription d = in_a_furnace();
   look(d, {0.1, 0.2, -0.3}, {1, 0.3, 0.4}, 1);
   return {"furnace", build(std::move(d)), kFurnaceRadiance, std::nullopt};
 }
 
-Question pinhole() {
+PixelQuestion pinhole_pixel() {
   SceneDescription d = below_a_pinhole(0.5);
   look(d, {0, 0, 1}, {}, kSpot);
   return {"pinhole", build(std::move(d)), 0.5 * lux_below_a_pinhole() / pi};
 }
 
 /// One repeat.
-Answer answer(const Question& q, TileSettings settings, std::uint64_t seed) {
+Answer answer(const PixelQuestion& q, TileSettings settings, std::uint64_t seed) {
   settings.rect = {0, 0, 1, 1};
   settings.bounces = q.bounces;
   settings.seed = seed;
@@ -82,7 +82,7 @@ Answer answer(const Question& q, TileSettings settings, std::uint64_t seed) {
 }
 
 /// `widened`: factor of the intervals' width about their estimates.
-Coverage coverage_of(const Question& q, const TileSettings& settings, double widened = 1) {
+Coverage coverage_of(const PixelQuestion& q, const TileSettings& settings, double widened = 1) {
   return repeated(q.truth, widened, [&](std::uint64_t i) { return answer(q, settings, i); });
 }
 
@@ -92,27 +92,27 @@ TileSettings within(double relative) {
 
 TEST(RenderCoverage, OfSmoothLightByACount) {
   // The means of 8 blocks take few values here, as beside an edge.  All are often equal.
-  for (const Question& q : {lamp(), furnace()})
+  for (const PixelQuestion& q : {lamp_pixel(), furnace_pixel()})
     for (const std::uint32_t each : {32U, 64U})
       expect_covered(coverage_of(q, {.samples_per_block = each, .block_count = 8}),
                      q.name + ", " + std::to_string(each) + " samples a block");
   for (const std::uint32_t each : {4U, 8U, 16U})
-    expect_covered(coverage_of(edge(), {.samples_per_block = each, .block_count = 32}),
+    expect_covered(coverage_of(edge_pixel(), {.samples_per_block = each, .block_count = 32}),
                    "edge, " + std::to_string(each) + " samples a block");
 }
 
 TEST(RenderCoverage, OfSmoothLightByATarget) {
-  for (const Question& q : {lamp(), edge(), furnace()})
+  for (const PixelQuestion& q : {lamp_pixel(), edge_pixel(), furnace_pixel()})
     for (const double relative : {0.1, 0.02})
       expect_covered(coverage_of(q, within(relative)),
                      q.name + " within " + std::to_string(relative));
   // With 64 samples, so few find the edge's light that intervals may hold it too often.
-  for (const Question& q : {lamp(), edge()})
+  for (const PixelQuestion& q : {lamp_pixel(), edge_pixel()})
     expect_covered_at_least(coverage_of(q, within(1)), q.name + " within 1");
 }
 
 TEST(RenderCoverage, OfLightThroughAPinhole) {
-  const Question q = pinhole();
+  const PixelQuestion q = pinhole_pixel();
   expect_covered_at_least(coverage_of(q, within(1)), "within 1");
   // The largest allowed sample count, which is too small.
   for (const std::uint64_t most : {64U, 256U, 1024U}) {
@@ -129,11 +129,11 @@ TEST(RenderCoverage, NoticesIntervalsThatAreTooNarrowOrTooWide) {
   for (const TileSettings& settings :
        {within(0.1), TileSettings{.samples_per_block = 8, .block_count = 8}})
     expect_sees_wrong_widths(
-        [&](double widened) { return coverage_of(lamp(), settings, widened); });
+        [&](double widened) { return coverage_of(lamp_pixel(), settings, widened); });
 }
 
 TEST(RenderTarget, IsReached) {
-  for (const Question& q : {lamp(), edge(), furnace()}) {
+  for (const PixelQuestion& q : {lamp_pixel(), edge_pixel(), furnace_pixel()}) {
     std::vector<Answer> answers(kTargetQuestions);
     tbb::parallel_for(std::size_t{0}, answers.size(),
                       [&](std::size_t i) { answers[i] = answer(q, within(0.02), 5000 + i); });

@@ -14,10 +14,10 @@ using std::numbers::pi;
 using testing::build;
 using testing::polygon_irradiance;
 
-constexpr AreaSampling kWays[] = {AreaSampling::kAutomatic,  AreaSampling::kSquareRoot,
-                                  AreaSampling::kKraemer,    AreaSampling::kParallelogram,
-                                  AreaSampling::kRejection,  AreaSampling::kLowDistortion,
-                                  AreaSampling::kSolidAngle, AreaSampling::kCosineSolidAngle};
+constexpr AreaSampling kAreaSamplings[] = {
+    AreaSampling::kAutomatic,     AreaSampling::kSquareRoot,      AreaSampling::kKraemer,
+    AreaSampling::kParallelogram, AreaSampling::kRejection,       AreaSampling::kLowDistortion,
+    AreaSampling::kSolidAngle,    AreaSampling::kCosineSolidAngle};
 
 /// Expects direct light at `receiver` to be `expected` [lx] for each method, within 7 standard
 /// errors of 64 blocks.  They are exceeded by chance once in 5e8 (Student's t).  The standard
@@ -27,7 +27,7 @@ void expect_irradiance(const Scene& scene, const Vec3<double>& receiver, const V
   const IrradiancePoint point{receiver - scene.origin(), {1e-6F, 1e-6F, 1e-6F}, Vec3<float>(n)};
   IrradianceSettings settings{
       .seed = 11, .samples_per_block = 256, .block_count = 64, .bounces = 0};
-  for (const AreaSampling way : kWays) {
+  for (const AreaSampling way : kAreaSamplings) {
     settings.methods.area_sampling = way;
     const auto e = estimate_irradiance(scene, std::span(&point, 1), settings, {}).points[0];
     EXPECT_NEAR(e.irradiance_lx.g, expected, 7 * e.standard_error_lx.g + 1e-6 * expected)

@@ -10,7 +10,7 @@ namespace {
 
 using testing::build;
 
-const Vec3<float> kError{1e-6F, 1e-6F, 1e-6F};
+const Vec3<float> kPositionError{1e-6F, 1e-6F, 1e-6F};
 const IrradianceSettings kDirect{.block_count = 16, .bounces = 0};
 
 // Delta lights are computed light by light.  The result equals that of point by point.
@@ -28,7 +28,8 @@ TEST(DeltaIrradiance, IsTheSameByEveryPathOfTheCode) {
   const auto scene = build(std::move(d));
   std::vector<IrradiancePoint> points;
   for (int i = 0; i < 150; ++i)
-    points.push_back({{i % 13 - 6.0, i % 11 - 5.0, 0}, kError, {0, 0, i % 5 == 0 ? -1.0F : 1.0F}});
+    points.push_back(
+        {{i % 13 - 6.0, i % 11 - 5.0, 0}, kPositionError, {0, 0, i % 5 == 0 ? -1.0F : 1.0F}});
   IrradianceSettings settings = kDirect;
   settings.per_light = true;
   const IrradianceResult by_light = estimate_irradiance(*scene, points, settings, {});
@@ -66,7 +67,7 @@ TEST(DeltaIrradiance, OfAPointLightIsTheSameByEveryPathAtAnyDistance) {
     for (double size = 1e-200; size < 1e200; size *= 1e5)
       for (const Vec3<double>& way : {Vec3<double>{1, 2, -3}, {-1, 0, 0}, {0, 0.3, 1}})
         for (const float up : {-1.0F, 1.0F})
-          points.push_back({light + way * size, kError, {0, 0, up}});
+          points.push_back({light + way * size, kPositionError, {0, 0, up}});
     IrradianceSettings settings = kDirect;
     const IrradianceResult by_light = estimate_irradiance(*scene, points, settings, {});
     const std::vector<double> wavelengths{555};

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <fstream>
 #include <iterator>
-#include <numbers>
 
 #include "server/scene/scene.h"
 #include "server/scene/scene_lights.h"
@@ -21,10 +20,8 @@ using testing::message;
 using testing::remarks_of;
 using testing::SceneFiles;
 
-constexpr double kPi = std::numbers::pi;
-
 /// A grey .pfm file: `value` at (x, 0), `other` everywhere else.
-std::string pfm(int width, int height, float other, float value, int x = 0) {
+std::string odd_texel_pfm(int width, int height, float other, float value, int x = 0) {
   std::string bytes = "PF\n" + std::to_string(width) + " " + std::to_string(height) + "\n-1.0\n";
   for (int row = height; row-- > 0;)
     for (int column = 0; column < width; ++column)
@@ -39,8 +36,8 @@ const std::string kLatLong = "\"string mapping\" \"latlong\" ";
 const std::string kBilinear = "\"string filter\" \"bilinear\" ";
 const std::string kPortal = "\"point3 portal\" [-1 -1 1  -1 1 1  1 1 1  1 -1 1] ";
 
-absl::StatusOr<SceneDescription> load(const std::string& name, const std::string& bytes,
-                                      const std::string& parameters) {
+absl::StatusOr<SceneDescription> load_sky(const std::string& name, const std::string& bytes,
+                                          const std::string& parameters) {
   const SceneFiles files;
   files.write(name, bytes);
   files.write("scene.pbrt", "WorldBegin\nLightSource \"infinite\" \"string filename\" \"" + name +
@@ -51,7 +48,7 @@ absl::StatusOr<SceneDescription> load(const std::string& name, const std::string
 /// The irradiance at the origin without a cosine, as the mean of samples.  Checks that all numbers
 /// are valid, also for the corners of the unit square.
 template <typename Params>
-double sampled(const Params& params, bool incomplete = false) {
+double sampled_irradiance(const Params& params, bool incomplete = false) {
   double sum = 0;
   constexpr int kSide = 64;
   const auto light = create_light({.params = params, .where = {}}, {});
@@ -85,23 +82,23 @@ double sampled(const Params& params, bool incomplete = false) {
 /// Checks every mapping, filter and portal that takes the picture.
 void expect_answers(int width, int height, float other, float value, int x, double expected,
                     double tolerance) {
-  const std::string bytes = pfm(width, height, other, value, x);
+  const std::string bytes = odd_texel_pfm(width, height, other, value, x);
   for (const std::string& filter : {std::string(), kBilinear})
     for (const std::string& mapping : {std::string(), kLatLong}) {
       if (mapping.empty() && width != height) continue;
       SCOPED_TRACE(filter + mapping);
-      const auto scene = load("sky.pfm", bytes, filter + mapping);
+      const auto scene = load_sky("sky.pfm", bytes, filter + mapping);
       ASSERT_TRUE(scene.ok()) << scene.status();
       const auto p = std::get<ImageInfiniteLightParams>(scene->lights.at(0).params);
       const double sr = p.map->integral().g;
       if (mapping.empty()) {
         EXPECT_NEAR(sr, expected, tolerance * expected);
       }
-      EXPECT_NEAR(sampled(p), sr, 0.02 * sr);
-      sampled(p, true);
-      const auto through = load("sky.pfm", bytes, filter + mapping + kPortal);
+      EXPECT_NEAR(sampled_irradiance(p), sr, 0.02 * sr);
+      sampled_irradiance(p, true);
+      const auto through = load_sky("sky.pfm", bytes, filter + mapping + kPortal);
       ASSERT_TRUE(through.ok()) << through.status();
-      sampled(std::get<PortalLightParams>(through->lights.at(0).params));
+      sampled_irradiance(std::get<PortalLightParams>(through->lights.at(0).params));
     }
 }
 
@@ -109,7 +106,7 @@ TEST(SkyExtremes, OneTexel) { expect_answers(1, 1, 0, 3, 0, 3 * 4 * kPi, 1e-12);
 
 TEST(SkyExtremes, AStripOfAHundredThousand) {
   expect_answers(100000, 1, 1, 1, 0, 0, 0);
-  const auto scene = load("sky.pfm", pfm(100000, 1, 1, 1), kLatLong);
+  const auto scene = load_sky("sky.pfm", odd_texel_pfm(100000, 1, 1, 1), kLatLong);
   ASSERT_TRUE(scene.ok());
   EXPECT_NEAR(std::get<ImageInfiniteLightParams>(scene->lights.at(0).params).map->integral().g,
               4 * kPi, 1e-9);
@@ -123,7 +120,7 @@ TEST(SkyExtremes, OneBrightTexelAmongOnesAndAmongBlack) {
 
 TEST(SkyExtremes, ABlackPictureIsReportedAsBlack) {
   for (const std::string& parameters : {std::string(), kLatLong, kBilinear, kPortal}) {
-    const auto scene = load("sky.pfm", pfm(8, 8, 0, 0), parameters);
+    const auto scene = load_sky("sky.pfm", odd_texel_pfm(8, 8, 0, 0), parameters);
     ASSERT_TRUE(scene.ok()) << scene.status();
     const auto light = create_light(scene->lights.at(0), {});
     ASSERT_TRUE(light.ok());
@@ -139,7 +136,8 @@ TEST(SkyExtremes, ABlackPictureIsReportedAsBlack) {
 TEST(SkyExtremes, TexelsThatAreNotNumbersAreRefusedWithTheirPlace) {
   for (const float bad : {NAN, INFINITY, -INFINITY}) {
     for (const std::string& parameters : {std::string(), kPortal}) {
-      const std::string error = message(load("sky.pfm", pfm(4, 4, 1, bad, 2), parameters).status());
+      const std::string error =
+          message(load_sky("sky.pfm", odd_texel_pfm(4, 4, 1, bad, 2), parameters).status());
       EXPECT_THAT(error, HasSubstr("scene.pbrt:2:24: \"string filename\": sky.pfm: texel (2, 0)"));
       EXPECT_THAT(error, HasSubstr("allowed: finite"));
     }
@@ -147,7 +145,7 @@ TEST(SkyExtremes, TexelsThatAreNotNumbersAreRefusedWithTheirPlace) {
 }
 
 TEST(SkyExtremes, NegativeTexelsCountAsBlackAndAreRemarkedOn) {
-  const auto scene = load("sky.pfm", pfm(4, 4, 1, -2, 2), "");
+  const auto scene = load_sky("sky.pfm", odd_texel_pfm(4, 4, 1, -2, 2), "");
   ASSERT_TRUE(scene.ok()) << scene.status();
   EXPECT_THAT(remarks_of(*scene), HasSubstr("1 texel"));
   EXPECT_NEAR(std::get<ImageInfiniteLightParams>(scene->lights.at(0).params).map->integral().g,
@@ -171,16 +169,19 @@ TEST(SkyExtremes, AlphaIsIgnoredAndRemarkedOn) {
 }
 
 TEST(SkyExtremes, PicturesWithoutTexelsAreRefused) {
-  EXPECT_THAT(message(load("sky.pfm", pfm(0, 0, 1, 1), "").status()), HasSubstr("sky.pfm"));
-  EXPECT_THAT(message(load("sky.pfm", pfm(100000, 1, 1, 1), "").status()),
+  EXPECT_THAT(message(load_sky("sky.pfm", odd_texel_pfm(0, 0, 1, 1), "").status()),
+              HasSubstr("sky.pfm"));
+  EXPECT_THAT(message(load_sky("sky.pfm", odd_texel_pfm(100000, 1, 1, 1), "").status()),
               HasSubstr("an equal-area map of 100000 x 1 texels, allowed: square"));
 }
 
 TEST(SkyExtremes, ALevelThatOverflowsIsRefused) {
-  EXPECT_THAT(message(load("sky.pfm", pfm(4, 4, 1, 1e30F), "\"float scale\" 1e10").status()),
-              HasSubstr("brightest texel"));
   EXPECT_THAT(
-      message(load("sky.pfm", pfm(4, 4, 1, 1e30F), "\"float scale\" 1e10 " + kPortal).status()),
+      message(load_sky("sky.pfm", odd_texel_pfm(4, 4, 1, 1e30F), "\"float scale\" 1e10").status()),
+      HasSubstr("brightest texel"));
+  EXPECT_THAT(
+      message(load_sky("sky.pfm", odd_texel_pfm(4, 4, 1, 1e30F), "\"float scale\" 1e10 " + kPortal)
+                  .status()),
       HasSubstr("brightest texel"));
 }
 

@@ -9,6 +9,7 @@
 #include "server/estimate/queries/irradiance.h"
 #include "server/estimate/queries/queries.h"
 #include "server/estimate/queries/visibility.h"
+#include "tests/server/estimate/moving_shapes.h"
 #include "tests/server/pbrt/pbrt_fixture.h"
 #include "tests/server/scene/scenes.h"
 
@@ -17,11 +18,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-std::shared_ptr<const Motion> moving(const std::vector<KeyTransform>& keys) {
-  return std::make_shared<const Motion>(*Motion::create(keys));
-}
-
-std::vector<KeyTransform> keys() {
+std::vector<KeyTransform> lamp_keys() {
   return {{0, Transform::translate({0, 0, 3})},
           {2, Transform::translate({4, 0, 3}) * *Transform::rotate(1.5, {0, 1, 0})}};
 }
@@ -32,7 +29,7 @@ SceneDescription moving_point(bool moves = true) {
   d.shapes.push_back(floor(10));
   d.shapes.push_back(patch({2, -5, 0}, {2, 5, 0}, {2, -5, 1}, {2, 5, 1}));
   d.lights.push_back(point_light({0, 0, 3}, 18));
-  if (moves) d.lights[0].motion = moving(keys());
+  if (moves) d.lights[0].motion = moving(lamp_keys());
   d.hints.shutter_close_s = 2;
   return d;
 }
