@@ -9,8 +9,8 @@
 #include <numbers>
 #include <utility>
 
-#include "lights/models/emission.h"
 #include "lights/models/irradiance.h"
+#include "lights/sampling/emission.h"
 #include "lights/sampling/sampling.h"
 #include "lights/spectra/level_validation.h"
 

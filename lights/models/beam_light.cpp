@@ -6,7 +6,7 @@
 
 #include "lights/maths/axes.h"
 #include "lights/maths/validation.h"
-#include "lights/models/emission.h"
+#include "lights/sampling/emission.h"
 #include "lights/shapes/shape.h"
 #include "lights/spectra/level_validation.h"
 

@@ -4,7 +4,7 @@
 #include <numbers>
 
 #include "lights/maths/validation.h"
-#include "lights/models/emission.h"
+#include "lights/sampling/emission.h"
 #include "lights/spectra/level_validation.h"
 
 namespace lucerna {

@@ -2,7 +2,7 @@
 
 #include <limits>
 
-#include "lights/models/emission.h"
+#include "lights/sampling/emission.h"
 #include "lights/spectra/level_validation.h"
 
 namespace lucerna {

@@ -3,8 +3,8 @@
 #include <limits>
 #include <numbers>
 
-#include "lights/models/emission.h"
 #include "lights/models/irradiance.h"
+#include "lights/sampling/emission.h"
 #include "lights/sampling/sampling.h"
 #include "lights/spectra/level_validation.h"
 

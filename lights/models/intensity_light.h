@@ -7,9 +7,9 @@
 #include <optional>
 
 #include "lights/maths/emission_cone.h"
-#include "lights/models/inverse_square.h"
 #include "lights/models/light_bounds.h"
 #include "lights/models/light_model.h"
+#include "lights/sampling/inverse_square.h"
 #include "lights/sampling/light_sample.h"
 
 namespace lucerna {
@@ -52,9 +52,8 @@ class IntensityLight {
  public:
   using Params = typename Profile<Real>::Params;
   static constexpr bool kDelta = true;
-  static constexpr bool kSameForAllRays = !requires(const Profile<Real>& p, const Vec3<Real>& w) {
-    p.intensity(w);
-  };
+  /// Profiles that depend on direction have `intensity(w)`; the others have `intensity_cd()`.
+  static constexpr bool kSameForAllRays = requires(const Profile<Real>& p) { p.intensity_cd(); };
 
   /// Positions are kept relative to `origin_m`.  Errors: a field out of its domain.
   static absl::StatusOr<IntensityLight> create(const Params& params,

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "lights/maths/validation.h"
-#include "lights/models/emission.h"
 #include "lights/models/irradiance.h"
 #include "lights/pictures/rectified_map.h"
+#include "lights/sampling/emission.h"
 #include "lights/sampling/projected_solid_angle.h"
 #include "lights/spectra/level_validation.h"
 

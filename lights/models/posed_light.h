@@ -8,8 +8,8 @@
 #include <tuple>
 
 #include "lights/maths/motion.h"
-#include "lights/models/inverse_square.h"
 #include "lights/models/light_bounds.h"
+#include "lights/sampling/inverse_square.h"
 #include "lights/sampling/light_sample.h"
 #include "lights/shapes/shape.h"
 

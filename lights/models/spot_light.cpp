@@ -5,8 +5,8 @@
 #include <numbers>
 
 #include "lights/maths/validation.h"
-#include "lights/models/emission.h"
-#include "lights/models/inverse_square.h"
+#include "lights/sampling/emission.h"
+#include "lights/sampling/inverse_square.h"
 #include "lights/spectra/level_validation.h"
 
 namespace lucerna {

@@ -4,8 +4,8 @@
 #include <numbers>
 
 #include "lights/maths/validation.h"
-#include "lights/models/emission.h"
 #include "lights/models/irradiance.h"
+#include "lights/sampling/emission.h"
 #include "lights/sampling/projected_solid_angle.h"
 #include "lights/sampling/sampling.h"
 #include "lights/spectra/level_validation.h"

@@ -91,6 +91,18 @@ concept QuadricShape = AreaShape<Shape, double> &&
 LUCERNA_QUADRICS(LUCERNA_QUADRIC)
 #undef LUCERNA_QUADRIC
 
+/// Quadrics that lie in a plane.
+template <typename Shape>
+concept IsFlat = requires(const Shape& shape, const Vec3<double>& p) {
+  shape.height_of(p);
+};
+#define LUCERNA_FLAT(Shape) static_assert(IsFlat<Shape<double>>);
+#define LUCERNA_CURVED(Shape) static_assert(!IsFlat<Shape<double>>);
+LUCERNA_FLAT_QUADRICS(LUCERNA_FLAT)
+LUCERNA_CURVED_QUADRICS(LUCERNA_CURVED)
+#undef LUCERNA_FLAT
+#undef LUCERNA_CURVED
+
 template <typename Params>
 struct QuadricOfParams;
 #define LUCERNA_QUADRIC(Shape)            \

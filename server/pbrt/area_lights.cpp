@@ -51,8 +51,11 @@ Vec3<double> tangent_of(const Geometry& geometry, const Place& shape_place) {
     return tangent_of<4>(*mesh, [](const auto& p) {
       return BilinearPatch<double>{p[0], p[1], p[2], p[3]}.normal({0.5, 0.5});
     });
-  if (const auto* disk = std::get_if<DiskParams>(&geometry))
-    return disk->world_from_object.vector({1, 0, 0});
+#define LUCERNA_TANGENT(Shape)                                  \
+  if (const auto* flat = std::get_if<Shape##Params>(&geometry)) \
+    return flat->world_from_object.vector({1, 0, 0});
+  LUCERNA_FLAT_QUADRICS(LUCERNA_TANGENT)
+#undef LUCERNA_TANGENT
   const std::string_view name = std::visit(
       []<typename Params>(const Params&) -> std::string_view {
         if constexpr (requires { QuadricOf<Params>::kName; })
@@ -61,9 +64,12 @@ Vec3<double> tangent_of(const Geometry& geometry, const Place& shape_place) {
           return "mesh";
       },
       geometry);
-  fail(shape_place, fmt::format("a light with \"profile\" on a {}, allowed: flat shapes "
-                                "(bilinearmesh, trianglemesh, plymesh, disk)",
-                                name));
+  std::string flat_names = "bilinearmesh, trianglemesh, plymesh";
+#define LUCERNA_ADD_NAME(Shape) flat_names += fmt::format(", {}", Shape<double>::kName);
+  LUCERNA_FLAT_QUADRICS(LUCERNA_ADD_NAME)
+#undef LUCERNA_ADD_NAME
+  fail(shape_place, fmt::format("a light with \"profile\" on a {}, allowed: flat shapes ({})", name,
+                                flat_names));
 }
 
 /// The error if the shape cannot have the profile.
@@ -88,7 +94,12 @@ absl::Status check_panel(const Geometry& geometry, const PanelProfile& profile) 
                          mesh->positions[mesh->indices[i + 3]]});
     return made.template operator()<PatchMesh>(PatchMesh<double>::create(std::move(patches)));
   }
-  return made.template operator()<Disk>(Disk<double>::create(std::get<DiskParams>(geometry)));
+#define LUCERNA_MADE(Shape)                                     \
+  if (const auto* flat = std::get_if<Shape##Params>(&geometry)) \
+    return made.template operator()<Shape>(Shape<double>::create(*flat));
+  LUCERNA_FLAT_QUADRICS(LUCERNA_MADE)
+#undef LUCERNA_MADE
+  return absl::InternalError("a panel on a curved shape");  // tangent_of refuses it before
 }
 
 /// The emission image of "string filename"; nothing if there is none.  Fails if "L" is given too.

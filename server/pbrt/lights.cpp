@@ -181,22 +181,21 @@ struct LightType {
   LightParams (*make)(const LightSource&);
 };
 
-constexpr std::array<LightType, 6> kLightTypes{{
+constexpr auto kLightTypes = std::to_array<LightType>({
     {"point", "I", false, point_light},
     {"spot", "I", false, spot_light},
     {"distant", "L", false, distant_light},
     {"infinite", "L", true, infinite_light},
     {"goniometric", "I", false, goniometric_light},
     {"projection", "I", true, projection_light},
-}};
+});
 
 const LightType& light_type(const std::string& name, const Place& place) {
   const auto* known = std::ranges::find(kLightTypes, std::string_view(name), &LightType::name);
-  if (known == kLightTypes.end())
-    fail(place, fmt::format("unknown light \"{}\", expected one of point spot distant infinite "
-                            "goniometric projection",
-                            printable(name)));
-  return *known;
+  if (known != kLightTypes.end()) return *known;
+  std::string names;
+  for (const LightType& type : kLightTypes) names += fmt::format(" {}", type.name);
+  fail(place, fmt::format("unknown light \"{}\", expected one of{}", printable(name), names));
 }
 
 }  // namespace

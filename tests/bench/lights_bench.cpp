@@ -6,8 +6,8 @@
 #include <cmath>
 #include <vector>
 
-#include "lights/models/inverse_square.h"
 #include "lights/models/light.h"
+#include "lights/sampling/inverse_square.h"
 #include "lights/sampling/sobol.h"
 
 namespace lucerna {

@@ -44,6 +44,11 @@ Light<float> in_float(const L<double>& light, const Vec3<double>& origin) {
   return value_of(L<float>::create(light.params(), origin));
 }
 
+template <template <typename> typename Profile>
+Light<float> in_float(const IntensityLight<double, Profile>& light, const Vec3<double>& origin) {
+  return value_of(IntensityLight<float, Profile>::create(light.params(), origin));
+}
+
 Vec3<float> rounded(const Vec3<double>& v) { return Vec3<float>(v); }
 Triangle<float> rounded(const Triangle<double>& t) {
   return {rounded(t.a), rounded(t.b), rounded(t.c)};

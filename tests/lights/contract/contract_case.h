@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "lights/models/emission.h"
 #include "lights/models/light_bounds.h"
+#include "lights/sampling/emission.h"
 #include "tests/lights/contract/contract_checks.h"
 
 namespace lucerna::testing {
