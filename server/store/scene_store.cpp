@@ -105,10 +105,10 @@ std::string path_under(const fs::path& root, const std::string& path) {
 }
 
 absl::Status not_found(const std::string& path, const std::string& root) {
-  return absl::NotFoundError(
-      fmt::format("file \"{}\" does not exist under the scene root \"{}\", and no uploaded scene "
-                  "has this name; to use a file of another machine, upload it (lucerna load --upload FILE)",
-                  path, root));
+  return absl::NotFoundError(fmt::format(
+      "file \"{}\" does not exist under the scene root \"{}\", and no uploaded scene "
+      "has this name; to use a file of another machine, upload it (lucerna load --upload FILE)",
+      path, root));
 }
 
 absl::Status not_loaded() { return absl::NotFoundError("the scene is not loaded"); }
