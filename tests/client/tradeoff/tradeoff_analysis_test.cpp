@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "client/terminal/luminance.h"
 #include "client/tradeoff/record.h"
 
 namespace lucerna::tradeoff {
@@ -266,14 +267,14 @@ TEST(TradeoffCommands, AreQuotedForAShell) {
             "lucerna power a.pbrt --server far:50052");
 }
 
-TEST(TradeoffQuestion, LuminanceIsTheServers) {
+TEST(Luminance, IsThatOfTheServer) {
   // Rec. 709 primaries (0.64, 0.33), (0.30, 0.60), (0.15, 0.06) and the white (0.3127, 0.3290).
   // Cramer's rule for x, y and z of their sum gives the luminances of the primaries.
   const double red = 0.2126390058715104, green = 0.7151686787677559;
   const float colours[] = {1, 0, 0, 0, 1, 0, 1, 1, 1};
-  EXPECT_DOUBLE_EQ(luminance(colours), red);
-  EXPECT_DOUBLE_EQ(luminance(colours + 3), green);
-  EXPECT_NEAR(luminance(colours + 6), 1, 1e-15);
+  EXPECT_DOUBLE_EQ(cli::luminance(colours), red);
+  EXPECT_DOUBLE_EQ(cli::luminance(colours + 3), green);
+  EXPECT_NEAR(cli::luminance(colours + 6), 1, 1e-15);
   const double blue = 1 - red - green;
   const auto sum = [&](double r, double g, double b) {
     return red * r / 0.33 + green * g / 0.60 + blue * b / 0.06;
