@@ -178,7 +178,7 @@ TEST(SpotExtremes, HardEdges) {
       return std::string(std::fabs(s.value.g - 1) < 1e-15 ? "full" : "neither");
     };
     const bool everywhere = cone >= std::numbers::pi;
-    sweep.answer(at(0) + " " + at(cone * 0.5) + " " + at(cone * (1 - 1e-9)) + " " +
+    sweep.answer(at(0) + ", " + at(cone * 0.5) + ", " + at(cone * (1 - 1e-9)) + ", " +
                  (everywhere ? "dark" : at(cone * (1 + 1e-9))));
     const float cos_cone = std::cos(static_cast<float>(cone));
     const float delta = std::cos(static_cast<float>(row["start_rad"])) - cos_cone;

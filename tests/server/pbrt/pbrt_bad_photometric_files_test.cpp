@@ -103,7 +103,7 @@ TEST(PbrtBadFiles, BrokenPhotometricFilesAreErrorsForEveryParameter) {
       {"none.ldt", ldt([](Ldt& f) { f.mc = 0; }),
        "none.ldt:4: the number Mc of C-planes = 0, allowed: a positive whole number"},
       {"more.ldt", ldt([](Ldt& f) { f.ng = 30; }),
-       "more.ldt:6: 1 angles and 1 planes of 30 intensities announced, allowed"},
+       "more.ldt:6: 1 angles and 1 planes of 30 intensities are announced, allowed"},
       {"huge.ldt", ldt([](Ldt& f) { f.mc = f.ng = 1000000000; }), "announced, allowed: as many as"},
       {"symmetry.ldt", ldt([](Ldt& f) { f.symmetry = 5; }),
        "symmetry.ldt:3: the symmetry Isym = 5, allowed: 0, 1, 2, 3 or 4"},

@@ -166,7 +166,8 @@ TEST(PbrtGoniometric, BadPicturesAreErrorsWithTheirPlace) {
   EXPECT_THAT(error("", "no picture"), HasSubstr("cannot be read as an image"));
   EXPECT_THAT(error("\"string mapping\" \"cube\"", kQuarters), HasSubstr("equalarea, latlong"));
   EXPECT_THAT(error("\"string filter\" \"cubic\"", kQuarters), HasSubstr("nearest, bilinear"));
-  EXPECT_THAT(error("\"float power\" 5", grey_pfm(1, 1, {0})), HasSubstr("that illuminates nothing"));
+  EXPECT_THAT(error("\"float power\" 5", grey_pfm(1, 1, {0})),
+              HasSubstr("that illuminates nothing"));
   // Beyond the range of the scene's floats.
   EXPECT_THAT(
       error("\"rgb I\" [1e38 1e38 1e38]", grey_pfm(1, 1, {1e3F})),

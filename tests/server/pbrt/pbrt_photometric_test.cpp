@@ -53,7 +53,7 @@ TEST(PbrtPhotometric, ScaleMultipliesTheCandelaAndPowerSetsTheTotal) {
   const auto l = *GoniometricLight<double>::create(luminaire(source + "\"float power\" 5000"));
   EXPECT_NEAR(luminance(l.power({}).lumens), 5000, 1e-8);
   const auto black = load_luminaire(source + "\"float power\" 5000",
-                          "TILT=NONE\n1 -1 1 2 1 1 2 0 0 0\n1 1 10\n0 90\n0\n0 0\n");
+                                    "TILT=NONE\n1 -1 1 2 1 1 2 0 0 0\n1 1 10\n0 90\n0\n0 0\n");
   EXPECT_THAT(message(black.status()), HasSubstr("a light that illuminates nothing"));
 }
 
@@ -104,8 +104,8 @@ TEST(PbrtPhotometric, ErrorsAndNotesNameBothFiles) {
   EXPECT_EQ(remarks_of(*tilted),
             "1:38 lamp.ies:1: tilt factors in \"x.tlt\" are not read -> the factor 1, for a "
             "luminaire without tilt\n");
-  EXPECT_THAT(message(load_luminaire("LightSource \"goniometric\" \"string filename\" \"LAMP.LDT\"", "x\n",
-                           "LAMP.LDT")
+  EXPECT_THAT(message(load_luminaire("LightSource \"goniometric\" \"string filename\" \"LAMP.LDT\"",
+                                     "x\n", "LAMP.LDT")
                           .status()),
               HasSubstr("LAMP.LDT:1: the file ends before the symmetry Isym"));
 }

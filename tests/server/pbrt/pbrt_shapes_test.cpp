@@ -191,7 +191,8 @@ TEST(PbrtShapes, InvalidParametersAreNamedLikeInTheFile) {
        "27: \"float zmin\" = 3 m and \"float zmax\" = 2 m, allowed: two heights that have a part "
        "of [-1, 1] between them"},
       {"Shape \"sphere\" \"float zmax\" -1",
-       "27: \"float zmin\" = -1 m and \"float zmax\" = -1 m, allowed: two heights that leave"},
+       "27: \"float zmin\" = -1 m and \"float zmax\" = -1 m, allowed: two heights that have a part "
+       "of"},
       {"Shape \"cylinder\" \"float zmin\" 1",
        "29: \"float zmin\" = 1 m and \"float zmax\" = 1 m, allowed: two heights that differ"},
       {"Shape \"sphere\" \"float radius\" 1e400",
