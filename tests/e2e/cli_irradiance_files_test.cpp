@@ -330,8 +330,8 @@ TEST_F(CliIrradianceFiles, WrongUseIsRefusedBeforeAnyCall) {
   expect_wrong_use(lucerna({"irradiance", "plane.pbrt", "--points", path("map.exr")}),
                    "map.exr: a table accepts only CSV; for other files use irradiance -o");
   expect_wrong_use(irradiance({"--points", path("map.exr"), "-o", out, "--normals", path("map.exr"),
-                               "--servers", "x"}),
-                   "--servers: server \"x\"");
+                               "--servers", "x:y"}),
+                   "--servers: server \"x:y\"");
   EXPECT_THAT(files(), ::testing::UnorderedElementsAreArray(before));
 }
 

@@ -277,7 +277,7 @@ TEST_F(RenderJob, TheCommandLineUploadsAndRendersEverywhere) {
   EXPECT_EQ(letter.status, 1);
   EXPECT_THAT(letter.err, HasSubstr("is the journal of another job, or not a journal"));
   EXPECT_THAT(letter.err, Not(HasSubstr("the server reported")));
-  EXPECT_EQ(lucerna({"point.pbrt", "-o", here, "--servers", "nowhere"}).status, 2);
+  EXPECT_EQ(lucerna({"point.pbrt", "-o", here, "--servers", "nowhere:0"}).status, 2);
 }
 
 }  // namespace
