@@ -175,7 +175,7 @@ TEST_F(Cli, DensityFollowsTheAreaSamplingMethod) {
   expect_wrong_use(lucerna({"pdf", "sphere.pbrt", "--light", "1", "--point", "0,0,0", "--direction",
                             "0,0,1", "--area-sampling", "sideways"}),
                    "--area-sampling: sideways is not one of automatic, square-root, kraemer, "
-                   "parallelogram, rejection, low-distortion, solid-angle, cosine-solid-angle\n");
+                   "parallelogram, rejection, low-distortion, solid-angle, cosine-solid-angle; ");
 }
 
 TEST_F(Cli, SamplesFollowTheNormalWithoutVisibility) {
