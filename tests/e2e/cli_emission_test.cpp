@@ -172,7 +172,7 @@ TEST_F(CliEmission, ApproximatePowerHasItsError) {
   EXPECT_THAT(said({"power", kScene, "--light", "3", "--method", "approximate", "--json"}),
               ContainsRegex("\"powerLm\":22\\.98.*\"errorLm\":6\\.41"));
   expect_wrong_use(lucerna({"power", kScene, "--method", "best"}),
-                   "--method: best is not one of exact, approximate, sampled\n");
+                   "--method: best is not one of exact, approximate, sampled; ");
 }
 
 TEST_F(CliEmission, LightsOfEachKindHaveTheirUnits) {

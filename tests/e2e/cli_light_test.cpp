@@ -70,7 +70,7 @@ TEST_F(Cli, WrongNumbersOfPointsAndDirectionsAreRefused) {
   expect_wrong_use(lucerna({"sample", "sphere.pbrt", "--point", "0,0,0", "--u", "0,0,1"}),
                    "--u \"0,0,1\": u_light = 1, allowed: [0, 1)");
   expect_wrong_use(lucerna({"visible", "sphere.pbrt", "--point", "0,0,0", "--to", "0,nan,0"}),
-                   "--to \"0,nan,0\", must be three finite numbers, as");
+                   "--to \"0,nan,0\", must be three finite numbers, such as");
   // The world's origin is a valid point.
   EXPECT_EQ(lucerna({"visible", "sphere.pbrt", "--point", "0,0,1", "--to", "0,0,0"}).status, 0);
 }

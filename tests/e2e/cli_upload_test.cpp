@@ -109,8 +109,8 @@ TEST_F(CliUpload, LeasesArePrintedRenewedAndEnded) {
   // The time that is left, in the column before the path.
   const std::string scenes = lucerna({"scenes"}).out;
   EXPECT_THAT(scenes, ContainsRegex(id + ".* [1-9][0-9]* +point.pbrt"));
-  EXPECT_THAT(lucerna({"lease", id, "--for", "172800", "--id", lease}).out,
-              HasSubstr(lease + " for 172800 s"));
+  EXPECT_THAT(lucerna({"lease", id, "--for", "72000", "--id", lease}).out,
+              HasSubstr(lease + " for 72000 s"));
   const Outcome refused = lucerna({"release", id});
   EXPECT_EQ(refused.status, 1);
   EXPECT_THAT(refused.err, HasSubstr("leased for another"));
