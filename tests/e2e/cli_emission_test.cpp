@@ -139,10 +139,10 @@ TEST_F(CliEmission, DensitiesAreThoseOfTheLight) {
   EXPECT_THAT(out, ContainsRegex(" 0 1\\.73205 -1 +0\\.666667 +0\\.159155\n"));  // cos 60 / pi
   EXPECT_THAT(out, ContainsRegex(" 3  0 0 1 +[0-9.]+ +0\n"));
   EXPECT_THAT(out, ContainsRegex(" 2  0 0 -1 +0 +0\n"));
-  EXPECT_THAT(said({"emit-pdf", kScene, "--light", "1", "--point", "101.2,-51.5,3.2", "--direction",
-                    "0,0,1", "--json"}),
-              AllOf(StartsWith("{\"pdfPositionPerM2\":[0]"),
-                    HasSubstr("\"pdfDirectionPerSr\":[0.07957")));
+  EXPECT_THAT(
+      said({"emit-pdf", kScene, "--light", "1", "--point", "101.2,-51.5,3.2", "--direction",
+            "0,0,1", "--json"}),
+      AllOf(StartsWith("{\"pdfPositionPerM2\":[0]"), HasSubstr("\"pdfDirectionPerSr\":[0.07957")));
   // Points of a file, one with no answer.
   const Outcome bad = lucerna({"emit-pdf", kScene, "--light", rectangle, "--points", "-"},
                               "101.5,-48.5,3,0,0,0\n101.5,-48.5,3,0,0,-1\n");
