@@ -95,9 +95,11 @@ class Impostor : public ::testing::Test {
   std::vector<std::string> processes() const {
     std::vector<std::string> found;
     for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
-      std::ifstream file(entry.path() / "cmdline", std::ios::binary);
-      const std::string line{std::istreambuf_iterator<char>(file), {}};
-      if (line.find(directory_.string()) != std::string::npos)
+      // A process may end while its file is read.  The stream operator then stops without an
+      // exception.
+      std::ostringstream line;
+      line << std::ifstream(entry.path() / "cmdline", std::ios::binary).rdbuf();
+      if (line.str().find(directory_.string()) != std::string::npos)
         found.push_back(entry.path().filename());
     }
     return found;
