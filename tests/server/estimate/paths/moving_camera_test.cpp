@@ -37,9 +37,9 @@ TEST(MovingCamera, TurnsHalfwayInHalfTheTime) {
   // The camera looks along +z, +x right, +y up.  The world turns about +z by 90 degrees, from +x to
   // +y, so the camera turns the other way.
   const auto scene = scene_of_text(std::string(kFilm) +
-                              "TransformTimes 1 3 ActiveTransform EndTime Rotate 90 0 0 1 "
-                              "ActiveTransform All " +
-                              kCamera);
+                                   "TransformTimes 1 3 ActiveTransform EndTime Rotate 90 0 0 1 "
+                                   "ActiveTransform All " +
+                                   kCamera);
   const Camera& camera = scene->camera();
   const double s = std::sqrt(0.5);
   // The middle of the right edge: 45 degrees from the axis.
@@ -60,9 +60,9 @@ TEST(MovingCamera, MovesAlongAStraightLine) {
   // 0) to (-6, 0, 0) along the chord, like in pbrt-v4: 6 / sqrt 2 from zero in the middle.  A
   // turning world would keep it on the circle.
   const auto scene = scene_of_text(std::string(kFilm) +
-                              "LookAt 0 -6 0  0 0 0  0 0 1 ActiveTransform EndTime "
-                              "Rotate 90 0 0 1 ActiveTransform All " +
-                              kCamera);
+                                   "LookAt 0 -6 0  0 0 0  0 0 1 ActiveTransform EndTime "
+                                   "Rotate 90 0 0 1 ActiveTransform All " +
+                                   kCamera);
   const Camera& camera = scene->camera();
   expect_near(camera.ray(10, 10, 0).origin, {0, -6, 0}, 0);
   expect_near(camera.ray(10, 10, 0.5).origin, {-3, -3, 0}, 1e-6);
