@@ -24,17 +24,12 @@
 
 namespace lucerna {
 
-namespace internal {
-template <typename None, typename... Shapes>
-struct QuadricLists {
-  using Vectors = std::tuple<std::vector<Shapes>...>;
-};
+/// A vector for each kind of quadric.  The list begins with a comma, so the first type is ignored.
+template <typename, typename... Shapes>
+using VectorsOf = std::tuple<std::vector<Shapes>...>;
 #define LUCERNA_SHAPE(Shape) , Shape<double>
-using Lists = QuadricLists<void LUCERNA_QUADRICS(LUCERNA_SHAPE)>;
+using Quadrics = VectorsOf<void LUCERNA_QUADRICS(LUCERNA_SHAPE)>;
 #undef LUCERNA_SHAPE
-}  // namespace internal
-/// A vector for each kind of quadric.
-using Quadrics = internal::Lists::Vectors;
 
 /// Kinds of primitives: triangles, patches, then kSphere and the other quadrics.
 #define LUCERNA_KIND(Shape) , k##Shape
