@@ -1,12 +1,26 @@
 #include "client/files/map_file.h"
 
-#include <OpenImageIO/imagecache.h>
-#include <OpenImageIO/imageio.h>
+#include <ImfChannelList.h>
+#include <ImfCompression.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfInputPart.h>
+#include <ImfMultiPartInputFile.h>
+#include <ImfOutputFile.h>
+#include <ImfPartType.h>
+#include <ImfStandardAttributes.h>
+#include <ImfStdIO.h>
+#include <ImfTestFile.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cerrno>
+#include <cstring>
+#include <exception>
+#include <filesystem>
+#include <fstream>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -16,8 +30,8 @@
 namespace lucerna::client {
 namespace {
 
-constexpr float kCacheMegabytes = 32;
-constexpr int kRowsPerRead = 32;  // OpenEXR compresses 16 or 32 scan lines together
+constexpr std::size_t kMaxBufferFloats = std::size_t{8} << 20;  // 32 MiB
+constexpr int kRowsPerRead = 32;  // OpenEXR compresses up to 32 scan lines together
 
 std::string lower(std::string text) {
   std::transform(text.begin(), text.end(), text.begin(),
@@ -25,16 +39,24 @@ std::string lower(std::string text) {
   return text;
 }
 
+struct NamedChannel {
+  std::string name;
+  Imf::Channel channel;
+};
+
 /// Three channels of one part.
 struct Triple {
   int part = 0;
-  std::array<int, 3> channels{};
+  std::array<NamedChannel, 3> channels{};
 };
 
 /// The channels of the parts of a file.
 class Channels {
  public:
-  explicit Channels(std::vector<OIIO::ImageSpec> parts) : parts_(std::move(parts)) {}
+  void add_part(const Imf::ChannelList& list) {
+    auto& part = parts_.emplace_back();
+    for (auto i = list.begin(); i != list.end(); ++i) part.push_back({i.name(), i.channel()});
+  }
 
   /// The channels x, y and z of the layer.  If its name is empty, the channels without a layer.
   std::optional<Triple> find(const std::string& layer) const {
@@ -42,9 +64,10 @@ class Channels {
       for (std::size_t part = 0; part < parts_.size(); ++part) {
         Triple found{static_cast<int>(part), {}};
         const bool all = std::equal(names.begin(), names.end(), found.channels.begin(),
-                                    [&](char name, int& channel) {
-                                      channel = index(parts_[part], layer, name);
-                                      return channel >= 0;
+                                    [&](char name, NamedChannel& channel) {
+                                      const auto* const there = find(parts_[part], layer, name);
+                                      if (there != nullptr) channel = *there;
+                                      return there != nullptr;
                                     });
         if (all) return found;
       }
@@ -52,89 +75,61 @@ class Channels {
     return {};
   }
 
-  OIIO::TypeDesc type(const Triple& triple, int i) const {
-    return parts_[triple.part].channelformat(triple.channels[i]);
-  }
-  std::string name(const Triple& triple, int i) const {
-    return parts_[triple.part].channelnames[triple.channels[i]];
-  }
   std::string names() const {
     std::string all;
-    for (const OIIO::ImageSpec& part : parts_) {
-      for (const std::string& name : part.channelnames) all += (all.empty() ? "" : ", ") + name;
+    for (const auto& part : parts_) {
+      for (const NamedChannel& channel : part) all += (all.empty() ? "" : ", ") + channel.name;
     }
     return all;
   }
-  const OIIO::ImageSpec& part(const Triple& triple) const { return parts_[triple.part]; }
 
  private:
-  /// -1 if there is none.
-  static int index(const OIIO::ImageSpec& part, const std::string& layer, char name) {
+  /// Null if there is none.
+  static const NamedChannel* find(const std::vector<NamedChannel>& part, const std::string& layer,
+                                  char name) {
     const std::string wanted = layer.empty() ? std::string(1, name) : layer + "." + name;
     const std::string within = '.' + wanted;
-    for (int i = 0; i < part.nchannels; ++i) {
-      const std::string there = lower(part.channelnames[i]);
-      if (there == wanted || (!layer.empty() && there.ends_with(within))) return i;
-    }
-    return -1;
+    const auto found = std::ranges::find_if(part, [&](const NamedChannel& channel) {
+      const std::string there = lower(channel.name);
+      return there == wanted || (!layer.empty() && there.ends_with(within));
+    });
+    return found == part.end() ? nullptr : &*found;
   }
 
-  std::vector<OIIO::ImageSpec> parts_;
+  std::vector<std::vector<NamedChannel>> parts_;
+};
+
+std::string_view type_name(Imf::PixelType type) {
+  switch (type) {
+    case Imf::UINT:
+      return "uint";
+    case Imf::HALF:
+      return "half";
+    default:
+      return "float";
+  }
+}
+
+/// Rows of one triple that were read: `channels` of each texel side by side.
+struct RowBuffer {
+  int first = 0;
+  int end = 0;
+  std::vector<float> values{};
 };
 
 class MapFile final : public VectorFile {
  public:
-  explicit MapFile(std::string path)
-      : path_(std::move(path)),
-        cache_(OIIO::ImageCache::create(false), [](auto* c) { OIIO::ImageCache::destroy(c); }) {
-    cache_->attribute("max_memory_MB", kCacheMegabytes);
-    cache_->attribute("autotile", kRowsPerRead);
-    cache_->attribute("autoscanline", 1);
-  }
+  explicit MapFile(std::string path) : path_(std::move(path)) {}
 
   absl::Status open(VectorKind kind) {
-    const auto file = OIIO::ImageInput::open(path_);
-    if (!file) return bad(OIIO::geterror());
-    if (std::string_view(file->format_name()) != "openexr") return bad("is not an OpenEXR file");
-    std::vector<OIIO::ImageSpec> parts;
-    while (file->seek_subimage(static_cast<int>(parts.size()), 0)) {
-      parts.push_back(file->spec());
-      if (parts.back().deep) return bad("has deep pixels, must be flat");
+    if (std::filesystem::exists(path_) && !Imf::isOpenExrFile(path_.c_str()))
+      return bad("is not an OpenEXR file");
+    try {
+      file_ = std::make_unique<Imf::MultiPartInputFile>(path_.c_str());
+      return choose_channels(kind);
+    } catch (const std::exception& error) {
+      return bad(error.what());
     }
-    const Channels channels(std::move(parts));
-    const auto layer = [&](const char* brief, const char* full) {
-      const auto found = channels.find(brief);
-      return found ? found : channels.find(full);
-    };
-    const auto points = kind == VectorKind::kPoints ? layer("p", "position") : std::nullopt;
-    const auto normals = layer("n", "normal");
-    std::optional<Triple> first = kind == VectorKind::kPoints ? points : normals;
-    if (!first) first = channels.find("");
-    if (!first)
-      return bad(fmt::format("has channels {}; must have {}.X, {}.Y, {}.Z, or X, Y, Z, or R, G, B",
-                             channels.names(), kind == VectorKind::kPoints ? 'P' : 'N',
-                             kind == VectorKind::kPoints ? 'P' : 'N',
-                             kind == VectorKind::kPoints ? 'P' : 'N'));
-    triples_ = {*first};
-    if (points && normals) triples_.push_back(*normals);
-    for (std::size_t t = 0; t < triples_.size(); ++t) {
-      const bool is_point = kind == VectorKind::kPoints && t == 0;
-      for (int i = 0; i < 3; ++i) {
-        const OIIO::TypeDesc type = channels.type(triples_[t], i);
-        if (type == OIIO::TypeDesc::FLOAT || (type == OIIO::TypeDesc::HALF && !is_point)) continue;
-        return bad(fmt::format("channel {} is of type {}, must be {}",
-                               channels.name(triples_[t], i), type.c_str(),
-                               is_point ? "float" : "float or half"));
-      }
-    }
-    const OIIO::ImageSpec& spec = channels.part(triples_.front());
-    window_ = {spec.x,      spec.y,      spec.width,      spec.height,
-               spec.full_x, spec.full_y, spec.full_width, spec.full_height};
-    const OIIO::ImageSpec& other = channels.part(triples_.back());
-    if (other.x != spec.x || other.y != spec.y || other.width != spec.width ||
-        other.height != spec.height)
-      return bad("has points and normals of different windows");
-    return absl::OkStatus();
   }
 
   std::uint64_t rows() const override {
@@ -151,7 +146,7 @@ class MapFile final : public VectorFile {
       const std::uint64_t stop = std::min(end, (texel / width + 1) * width);
       const std::size_t count = stop - texel;
       for (std::size_t t = 0; t < triples_.size(); ++t) {
-        LUCERNA_RETURN_IF_ERROR(read(triples_[t], texel, count, to + 3 * t));
+        LUCERNA_RETURN_IF_ERROR(read(t, texel, count, to + 3 * t));
       }
       to += count * columns();
       texel = stop;
@@ -164,48 +159,174 @@ class MapFile final : public VectorFile {
     return absl::InvalidArgumentError(path_ + ": " + what);
   }
 
-  /// Texels of one row.
-  absl::Status read(const Triple& triple, std::uint64_t texel, std::size_t count, double* to) {
-    const auto [least, most] = std::minmax_element(triple.channels.begin(), triple.channels.end());
-    const std::size_t channels = *most - *least + 1;
-    buffer_.resize(count * channels);
-    const int x = window_.x + static_cast<int>(texel % window_.width);
-    const int y = window_.y + static_cast<int>(texel / window_.width);
-    if (!cache_->get_pixels(OIIO::ustring(path_), triple.part, 0, x, x + static_cast<int>(count), y,
-                            y + 1, 0, 1, *least, *most + 1, OIIO::TypeDesc::FLOAT, buffer_.data()))
-      return bad(cache_->geterror());
-    for (std::size_t i = 0; i < count; ++i) {
-      for (int c = 0; c < 3; ++c)
-        to[i * columns() + c] = buffer_[i * channels + (triple.channels[c] - *least)];
+  absl::Status choose_channels(VectorKind kind) {
+    Channels channels;
+    for (int part = 0; part < file_->parts(); ++part) {
+      const Imf::Header& header = file_->header(part);
+      if (header.hasType() && Imf::isDeepData(header.type()))
+        return bad("has deep pixels, must be flat");
+      channels.add_part(header.channels());
+    }
+    const auto layer = [&](const char* brief, const char* full) {
+      const auto found = channels.find(brief);
+      return found ? found : channels.find(full);
+    };
+    const auto points = kind == VectorKind::kPoints ? layer("p", "position") : std::nullopt;
+    const auto normals = layer("n", "normal");
+    std::optional<Triple> first = kind == VectorKind::kPoints ? points : normals;
+    if (!first) first = channels.find("");
+    const char letter = kind == VectorKind::kPoints ? 'P' : 'N';
+    if (!first)
+      return bad(fmt::format("has channels {}; must have {}.X, {}.Y, {}.Z, or X, Y, Z, or R, G, B",
+                             channels.names(), letter, letter, letter));
+    triples_ = {*first};
+    if (points && normals) triples_.push_back(*normals);
+    for (std::size_t t = 0; t < triples_.size(); ++t)
+      LUCERNA_RETURN_IF_ERROR(check_types(triples_[t], kind == VectorKind::kPoints && t == 0));
+    return find_window();
+  }
+
+  absl::Status check_types(const Triple& triple, bool is_point) const {
+    for (const auto& [name, channel] : triple.channels) {
+      if (channel.type != Imf::FLOAT && (channel.type != Imf::HALF || is_point))
+        return bad(fmt::format("channel {} is of type {}, must be {}", name,
+                               type_name(channel.type), is_point ? "float" : "float or half"));
+      if (channel.xSampling != 1 || channel.ySampling != 1)
+        return bad(fmt::format("channel {} is subsampled by {} x {}, must have every texel", name,
+                               channel.xSampling, channel.ySampling));
     }
     return absl::OkStatus();
   }
 
+  absl::Status find_window() {
+    const Imf::Header& header = file_->header(triples_.front().part);
+    const Imath::Box2i& data = header.dataWindow();
+    const Imath::Box2i& shown = header.displayWindow();
+    window_ = {
+        data.min.x,  data.min.y,  data.max.x - data.min.x + 1,   data.max.y - data.min.y + 1,
+        shown.min.x, shown.min.y, shown.max.x - shown.min.x + 1, shown.max.y - shown.min.y + 1};
+    if (file_->header(triples_.back().part).dataWindow() != data)
+      return bad("has points and normals of different windows");
+    buffers_.resize(triples_.size());
+    return absl::OkStatus();
+  }
+
+  /// Texels of one row.
+  absl::Status read(std::size_t t, std::uint64_t texel, std::size_t count, double* to) {
+    const int y = window_.y + static_cast<int>(texel / window_.width);
+    RowBuffer& buffer = buffers_[t];
+    if (y < buffer.first || y >= buffer.end) LUCERNA_RETURN_IF_ERROR(read_rows(t, y));
+    const float* from =
+        buffer.values.data() +
+        3 * (static_cast<std::size_t>(y - buffer.first) * window_.width + texel % window_.width);
+    for (std::size_t i = 0; i < count; ++i, from += 3) std::copy_n(from, 3, to + i * columns());
+    return absl::OkStatus();
+  }
+
+  /// Fills the triple's buffer with rows from `y` on.
+  absl::Status read_rows(std::size_t t, int y) {
+    RowBuffer& buffer = buffers_[t];
+    const auto row = 3 * static_cast<std::size_t>(window_.width);
+    const int most = static_cast<int>(
+        std::clamp<std::size_t>(kMaxBufferFloats / row / triples_.size(), 1, kRowsPerRead));
+    // Starts at a multiple of the rows, where groups of compressed scan lines start.
+    const int first = y - (y - window_.y) % most;
+    const int end = std::min(first + most, window_.y + window_.height);
+    buffer = {.first = y, .end = y, .values = std::move(buffer.values)};
+    try {
+      buffer.values.resize(row * static_cast<std::size_t>(end - first));
+      Imf::InputPart part(*file_, triples_[t].part);
+      Imf::FrameBuffer slices;
+      const std::size_t texel = 3 * sizeof(float);
+      for (std::size_t c = 0; c < 3; ++c) {
+        slices.insert(triples_[t].channels[c].name,
+                      Imf::Slice::Make(Imf::FLOAT, buffer.values.data() + c,
+                                       Imath::Box2i({window_.x, first},
+                                                    {window_.x + window_.width - 1, end - 1}),
+                                       texel, row * sizeof(float)));
+      }
+      part.setFrameBuffer(slices);
+      part.readPixels(first, end - 1);
+    } catch (const std::exception& error) {
+      return bad(error.what());
+    }
+    buffer.first = first;
+    buffer.end = end;
+    return absl::OkStatus();
+  }
+
   std::string path_;
-  std::unique_ptr<OIIO::ImageCache, void (*)(OIIO::ImageCache*)> cache_;
+  std::unique_ptr<Imf::MultiPartInputFile> file_;
   MapWindow window_;
   std::vector<Triple> triples_;
-  std::vector<float> buffer_;
+  std::vector<RowBuffer> buffers_;  ///< one per triple
 };
 
 class Writer final : public MapWriter {
  public:
-  Writer(std::string path, std::unique_ptr<OIIO::ImageOutput> file, const MapWindow& window)
-      : path_(std::move(path)), file_(std::move(file)), y_(window.y) {}
+  Writer(std::string path, const MapWindow& window, std::vector<std::string> channels)
+      : path_(std::move(path)), window_(window), channels_(std::move(channels)) {}
 
-  absl::Status write_row(std::span<const float> values) override {
-    if (!file_->write_scanline(y_, 0, OIIO::TypeDesc::FLOAT, values.data())) return failed();
-    ++y_;
+  absl::Status open(const std::string& description) {
+    bytes_.open(path_, std::ios::binary);
+    if (!bytes_) return failed(std::strerror(errno));
+    const auto box = [](int x, int y, int width, int height) {
+      return Imath::Box2i({x, y}, {x + width - 1, y + height - 1});
+    };
+    Imf::Header header(box(window_.full_x, window_.full_y, window_.full_width, window_.full_height),
+                       box(window_.x, window_.y, window_.width, window_.height));
+    header.compression() = Imf::ZIP_COMPRESSION;
+    for (const std::string& channel : channels_)
+      header.channels().insert(channel, Imf::Channel(Imf::FLOAT));
+    if (!description.empty()) Imf::addComments(header, description);
+    try {
+      stream_ = std::make_unique<Imf::StdOFStream>(bytes_, path_.c_str());
+      file_ = std::make_unique<Imf::OutputFile>(*stream_, header);
+    } catch (const std::exception& error) {
+      return failed(error.what());
+    }
     return absl::OkStatus();
   }
-  absl::Status close() override { return file_->close() ? absl::OkStatus() : failed(); }
+
+  absl::Status write_row(std::span<const float> values) override {
+    const std::size_t texel = channels_.size() * sizeof(float);
+    const int y = window_.y + rows_++;
+    try {
+      Imf::FrameBuffer slices;
+      for (std::size_t c = 0; c < channels_.size(); ++c) {
+        slices.insert(channels_[c],
+                      Imf::Slice::Make(
+                          Imf::FLOAT, values.data() + c,
+                          Imath::Box2i({window_.x, y}, {window_.x + window_.width - 1, y}), texel));
+      }
+      file_->setFrameBuffer(slices);
+      file_->writePixels(1);
+    } catch (const std::exception& error) {
+      return failed(error.what());
+    }
+    return absl::OkStatus();
+  }
+
+  // OpenEXR writes the table of rows when its file object is destroyed, and ignores errors there.
+  // The stream keeps them.
+  absl::Status close() override {
+    file_.reset();
+    bytes_.close();
+    return bytes_ ? absl::OkStatus() : failed("cannot be written in full");
+  }
 
  private:
-  absl::Status failed() const { return absl::UnknownError(path_ + ": " + file_->geterror()); }
+  absl::Status failed(const std::string& why) const {
+    return absl::UnknownError(path_ + ": " + why);
+  }
 
   std::string path_;
-  std::unique_ptr<OIIO::ImageOutput> file_;
-  int y_;
+  MapWindow window_;
+  std::vector<std::string> channels_;
+  int rows_ = 0;
+  std::ofstream bytes_;
+  std::unique_ptr<Imf::StdOFStream> stream_;
+  std::unique_ptr<Imf::OutputFile> file_;  ///< last member: destroyed first
 };
 
 }  // namespace
@@ -219,22 +340,9 @@ absl::StatusOr<std::unique_ptr<VectorFile>> open_map(const std::string& path, Ve
 absl::StatusOr<std::unique_ptr<MapWriter>> MapWriter::create(
     const std::string& path, const MapWindow& window, const std::vector<std::string>& channels,
     const std::string& description) {
-  auto file = OIIO::ImageOutput::create("openexr");
-  if (!file) return absl::UnknownError(path + ": " + OIIO::geterror());
-  OIIO::ImageSpec spec(window.width, window.height, static_cast<int>(channels.size()),
-                       OIIO::TypeDesc::FLOAT);
-  spec.x = window.x;
-  spec.y = window.y;
-  spec.full_x = window.full_x;
-  spec.full_y = window.full_y;
-  spec.full_width = window.full_width;
-  spec.full_height = window.full_height;
-  spec.channelnames = channels;
-  spec.attribute("oiio:ColorSpace", "Linear");
-  spec.attribute("compression", "zip");
-  if (!description.empty()) spec.attribute("ImageDescription", description);
-  if (!file->open(path, spec)) return absl::UnknownError(path + ": " + file->geterror());
-  return std::make_unique<Writer>(path, std::move(file), window);
+  auto writer = std::make_unique<Writer>(path, window, channels);
+  LUCERNA_RETURN_IF_ERROR(writer->open(description));
+  return writer;
 }
 
 }  // namespace lucerna::client

@@ -1,13 +1,15 @@
 #include "client/files/write_picture.h"
 
-#include <OpenImageIO/imageio.h>
 #include <fcntl.h>
+#include <png.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <bit>
 #include <cerrno>
 #include <cmath>
+#include <csetjmp>
+#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -15,6 +17,7 @@
 #include <utility>
 #include <vector>
 
+#include "client/files/map_file.h"
 #include "proto/common/status_macros.h"
 
 namespace lucerna::client {
@@ -31,25 +34,69 @@ absl::Status cannot_write(const std::string& path, const std::string& why) {
   return absl::InvalidArgumentError("cannot write " + path + ": " + why);
 }
 
-template <class T>
-bool write_with_openimageio(const std::string& path, const PictureView& picture,
-                            const OIIO::TypeDesc& type, const T* data, std::string* error) {
-  const std::unique_ptr<OIIO::ImageOutput> file = OIIO::ImageOutput::create(path);
-  if (!file) {
-    *error = OIIO::geterror();
-    return false;
-  }
-  OIIO::ImageSpec spec(static_cast<int>(picture.width), static_cast<int>(picture.height), 3, type);
-  spec.attribute("oiio:ColorSpace", type == OIIO::TypeDesc::UINT8 ? "sRGB" : "Linear");
-  if (!picture.description.empty()) spec.attribute("ImageDescription", picture.description);
-  const bool ok = file->open(path, spec) && file->write_image(type, data) && file->close();
-  if (!ok) *error = file->geterror();
-  return ok;
+absl::Status write_exr(const std::string& path, const PictureView& picture) {
+  const int width = static_cast<int>(picture.width);
+  const int height = static_cast<int>(picture.height);
+  LUCERNA_ASSIGN_OR_RETURN(const auto file,
+                           MapWriter::create(path, {0, 0, width, height, 0, 0, width, height},
+                                             {"R", "G", "B"}, picture.description));
+  const std::size_t row = std::size_t{picture.width} * 3;
+  for (std::size_t y = 0; y < picture.height; ++y)
+    LUCERNA_RETURN_IF_ERROR(file->write_row(picture.rgb.subspan(y * row, row)));
+  return file->close();
 }
 
-// OpenImageIO 2.4 reads PFM but does not write it.  Rows start at the bottom; a negative scale
-// marks little-endian data.
-bool write_pfm(const std::string& path, const PictureView& picture, std::string* error) {
+/// The reason of libpng's last error.
+void keep_message(png_structp png, png_const_charp message) {
+  *static_cast<std::string*>(png_get_error_ptr(png)) = message;
+  png_longjmp(png, 1);
+}
+
+/// Calls libpng, whose errors jump back to here.  Nothing with a destructor is created after
+/// setjmp().
+bool write_png(std::FILE* file, png_structp png, png_infop info, const PictureView& picture,
+               std::span<const std::uint8_t> codes) {
+  // NOLINTNEXTLINE(cert-err52-cpp): libpng reports errors so
+  if (setjmp(png_jmpbuf(png))) return false;
+  png_init_io(png, file);
+  png_set_IHDR(png, info, picture.width, picture.height, 8, PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
+               PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  png_set_sRGB(png, info, PNG_sRGB_INTENT_ABSOLUTE);
+  if (!picture.description.empty()) {
+    char key[] = "Description";
+    png_text text{};
+    text.compression = PNG_TEXT_COMPRESSION_NONE;
+    text.key = key;
+    // libpng only reads the text.
+    text.text = const_cast<char*>(picture.description.c_str());  // NOLINT(*-const-cast)
+    text.text_length = picture.description.size();
+    png_set_text(png, info, &text, 1);
+  }
+  png_write_info(png, info);
+  const std::size_t row = std::size_t{picture.width} * 3;
+  for (std::size_t y = 0; y < picture.height; ++y) png_write_row(png, codes.data() + y * row);
+  png_write_end(png, info);
+  return true;
+}
+
+absl::Status write_png(const std::string& path, const PictureView& picture,
+                       std::span<const std::uint8_t> codes) {
+  std::FILE* const file = std::fopen(path.c_str(), "wb");
+  if (file == nullptr) return absl::UnknownError(std::strerror(errno));
+  std::string why;
+  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &why, keep_message, nullptr);
+  png_infop info = png == nullptr ? nullptr : png_create_info_struct(png);
+  bool ok = info != nullptr && write_png(file, png, info, picture, codes);
+  png_destroy_write_struct(&png, &info);
+  if (std::fclose(file) != 0 && ok) {
+    ok = false;
+    why = std::strerror(errno);
+  }
+  return ok ? absl::OkStatus() : absl::UnknownError(why);
+}
+
+// Rows start at the bottom; a negative scale marks little-endian data.
+absl::Status write_pfm(const std::string& path, const PictureView& picture) {
   static_assert(std::endian::native == std::endian::little);
   std::ofstream file(path, std::ios::binary);
   file << "PF\n" << picture.width << ' ' << picture.height << "\n-1.0\n";
@@ -59,8 +106,18 @@ bool write_pfm(const std::string& path, const PictureView& picture, std::string*
                static_cast<std::streamsize>(row * sizeof(float)));
   }
   file.close();
-  if (!file) *error = std::strerror(errno);
-  return static_cast<bool>(file);
+  return file ? absl::OkStatus() : absl::UnknownError(std::strerror(errno));
+}
+
+absl::Status write_as(PictureFormat format, const std::string& path, const PictureView& picture,
+                      double exposure_ev) {
+  if (format == PictureFormat::kExr) return write_exr(path, picture);
+  if (format == PictureFormat::kPfm) return write_pfm(path, picture);
+  const double exposure = std::exp2(exposure_ev);
+  std::vector<std::uint8_t> codes(picture.rgb.size());
+  std::transform(picture.rgb.begin(), picture.rgb.end(), codes.begin(),
+                 [&](float value) { return srgb8(static_cast<float>(value * exposure)); });
+  return write_png(path, picture, codes);
 }
 
 }  // namespace
@@ -112,7 +169,7 @@ absl::StatusOr<PictureFile> PictureFile::create(const std::string& path) {
   std::error_code error;
   if (std::filesystem::is_directory(path, error)) return cannot_write(path, "it is a directory");
   const std::filesystem::path target(path);
-  // OpenImageIO chooses the format by the extension, so the temporary name has the same extension.
+  // The temporary name keeps the extension, so a crash leaves a file that viewers know.
   std::string temporary = (target.parent_path() / ("." + target.stem().string() + "." +
                                                    std::to_string(::getpid()) + extension(path)))
                               .string();
@@ -129,26 +186,8 @@ absl::Status PictureFile::write(const PictureView& picture, double exposure_ev) 
 }
 
 absl::Status PictureFile::write_preview(const PictureView& picture, double exposure_ev) {
-  std::string why;
-  bool ok = false;
-  switch (format_) {
-    case PictureFormat::kExr:
-      ok = write_with_openimageio(temporary_, picture, OIIO::TypeDesc::FLOAT, picture.rgb.data(),
-                                  &why);
-      break;
-    case PictureFormat::kPfm:
-      ok = write_pfm(temporary_, picture, &why);
-      break;
-    case PictureFormat::kPng: {
-      const double exposure = std::exp2(exposure_ev);
-      std::vector<std::uint8_t> codes(picture.rgb.size());
-      std::transform(picture.rgb.begin(), picture.rgb.end(), codes.begin(),
-                     [&](float value) { return srgb8(static_cast<float>(value * exposure)); });
-      ok = write_with_openimageio(temporary_, picture, OIIO::TypeDesc::UINT8, codes.data(), &why);
-      break;
-    }
-  }
-  if (!ok) return cannot_write(path_, why);
+  const absl::Status written = write_as(format_, temporary_, picture, exposure_ev);
+  if (!written.ok()) return cannot_write(path_, std::string(written.message()));
   if (::rename(temporary_.c_str(), path_.c_str()) != 0) {
     return cannot_write(path_, std::strerror(errno));
   }

@@ -301,8 +301,8 @@ TEST_F(VectorFileTest, MapsOfSeveralParts) {
 }
 
 TEST_F(VectorFileTest, InvalidMapsAreRefused) {
-  EXPECT_FALSE(refusal(write("a.exr", "x,y,z\n1,2,3\n")).empty());
-  EXPECT_FALSE(refusal(path("none.exr")).empty());
+  EXPECT_THAT(refusal(write("a.exr", "x,y,z\n1,2,3\n")), HasSubstr("is not an OpenEXR file"));
+  EXPECT_THAT(refusal(path("none.exr")), HasSubstr("No such file"));
   const std::string good = ChannelPicture{.channels = {"R", "G", "B"}}.write(path("a.exr"));
   fs::resize_file(good, fs::file_size(good) / 2);
   auto file = open_vectors(good, VectorKind::kPoints);

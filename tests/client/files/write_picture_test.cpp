@@ -97,6 +97,29 @@ TEST_F(WritePicture, PngHasRowsFromTheTop) {
   }
 }
 
+TEST_F(WritePicture, FilesStoreTheDescription) {
+  for (const char* name : {"a.exr", "a.png"}) {
+    auto file = *PictureFile::create(path(name));
+    const PictureView picture{.width = 3, .height = 2, .rgb = kPixels, .description = "a room"};
+    ASSERT_TRUE(file.write(picture, 0).ok());
+    const auto in = OIIO::ImageInput::open(path(name));
+    ASSERT_TRUE(in) << OIIO::geterror();
+    EXPECT_EQ(in->spec().get_string_attribute("ImageDescription"), "a room") << name;
+  }
+}
+
+TEST_F(WritePicture, AFullDiskIsAnError) {
+  for (const char* name : {"a.exr", "a.png", "a.pfm"}) {
+    auto file = *PictureFile::create(path(name));
+    for (const auto& entry : fs::directory_iterator(directory_)) {
+      fs::remove(entry.path());
+      fs::create_symlink("/dev/full", entry.path());
+    }
+    const absl::Status status = file.write({.width = 3, .height = 2, .rgb = kPixels}, 0);
+    EXPECT_THAT(std::string(status.message()), HasSubstr("cannot write " + path(name))) << name;
+  }
+}
+
 TEST_F(WritePicture, AnUnwrittenPictureLeavesNoFile) {
   {
     const auto file = PictureFile::create(path("a.exr"));
