@@ -12,6 +12,7 @@
 #include "client/files/csv_file.h"
 #include "client/files/open_vectors.h"
 #include "client/terminal/session.h"
+#include "proto/common/status_macros.h"
 
 namespace lucerna::cli {
 namespace {
@@ -80,10 +81,9 @@ absl::StatusOr<PointSet> read_csv(std::istream& input, const std::string& name) 
   PointSet result;
   client::CsvReader reader(input, name);
   for (;;) {
-    const auto next = reader.next();
-    if (!next.ok()) return next.status();
-    if (*next == nullptr) return result;
-    const std::vector<double>& row = **next;
+    LUCERNA_ASSIGN_OR_RETURN(const auto next, reader.next());
+    if (next == nullptr) return result;
+    const std::vector<double>& row = *next;
     result.points.push_back({row[0], row[1], row[2]});
     if (row.size() == 6) result.seconds.push_back({row[3], row[4], row[5]});
   }

@@ -16,6 +16,8 @@
 #include <thread>
 #include <utility>
 
+#include "proto/common/status_macros.h"
+
 namespace lucerna::testing {
 namespace {
 
@@ -114,9 +116,8 @@ class LocalServer::Process {
       const std::size_t begin = at + sizeof(kListening) - 1;
       target_ = text.substr(begin, line_end - begin);
     }
-    auto client = client::Client::connect({.target = target_});
-    if (!client.ok()) return client.status();
-    client_.emplace(*std::move(client));
+    LUCERNA_ASSIGN_OR_RETURN(auto client, client::Client::connect({.target = target_}));
+    client_.emplace(std::move(client));
     for (;;) {
       const absl::Status health = client_->check_health(client::CallOptions::within(patience_));
       if (health.ok()) return absl::OkStatus();
@@ -175,9 +176,8 @@ LocalServer& LocalServer::operator=(LocalServer&&) noexcept = default;
 LocalServer::~LocalServer() = default;
 
 absl::StatusOr<LocalServer> LocalServer::start(const LocalServerOptions& options) {
-  const auto program = find_program(options);
-  if (!program.ok()) return program.status();
-  std::vector<std::string> arguments = {*program, "--listen",
+  LUCERNA_ASSIGN_OR_RETURN(const auto program, find_program(options));
+  std::vector<std::string> arguments = {program, "--listen",
                                         "127.0.0.1:" + std::to_string(options.port), "--scene-root",
                                         options.scene_root};
   if (options.threads > 0) {

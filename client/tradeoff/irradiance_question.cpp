@@ -7,6 +7,7 @@
 #include "client/tradeoff/estimate_question.h"
 #include "client/tradeoff/stopwatch.h"
 #include "lucerna/client/batches.h"
+#include "proto/common/status_macros.h"
 
 namespace lucerna::tradeoff {
 namespace {
@@ -33,14 +34,13 @@ class IrradianceQuestion : public EstimateQuestion {
       std::uint64_t seed) const override {
     v1::Accuracy accuracy;
     accuracy.set_samples(kClosedFormPointSamples);
-    const auto response = respond(accuracy, seed);
-    if (!response.ok()) return response.status();
-    std::optional<std::vector<double>> result = values(*response);
-    for (int i = 0; i < response->illuminance_lx_size(); ++i) {
-      const float value = response->illuminance_lx(i);
-      const bool exact = response->standard_error_lx(i) == 0 && response->zero_bound_lx(i) == 0 &&
-                         response->lower_lx(i) == value && response->upper_lx(i) == value;
-      if (has(*response, i) && !exact) return std::nullopt;
+    LUCERNA_ASSIGN_OR_RETURN(const auto response, respond(accuracy, seed));
+    std::optional<std::vector<double>> result = values(response);
+    for (int i = 0; i < response.illuminance_lx_size(); ++i) {
+      const float value = response.illuminance_lx(i);
+      const bool exact = response.standard_error_lx(i) == 0 && response.zero_bound_lx(i) == 0 &&
+                         response.lower_lx(i) == value && response.upper_lx(i) == value;
+      if (has(response, i) && !exact) return std::nullopt;
     }
     return result;
   }
@@ -92,9 +92,8 @@ absl::StatusOr<std::unique_ptr<Question>> make_irradiance_question(const client:
                                                                    const QuestionOptions& options) {
   v1::GetSceneRequest request;
   request.set_scene_id(options.scene_id);
-  const auto scene = client.get_scene(request, options.call);
-  if (!scene.ok()) return scene.status();
-  return std::make_unique<IrradianceQuestion>(client, options, scene->summary().lights());
+  LUCERNA_ASSIGN_OR_RETURN(const auto scene, client.get_scene(request, options.call));
+  return std::make_unique<IrradianceQuestion>(client, options, scene.summary().lights());
 }
 
 }  // namespace lucerna::tradeoff

@@ -11,6 +11,7 @@
 #include "client/tradeoff/flip.h"
 #include "client/tradeoff/stopwatch.h"
 #include "lucerna/client/picture.h"
+#include "proto/common/status_macros.h"
 
 namespace lucerna::tradeoff {
 namespace {
@@ -109,24 +110,22 @@ class PictureQuestion : public EstimateQuestion {
     // each pixel is exact if no block scatters.
     v1::Accuracy accuracy;
     accuracy.set_samples(kClosedFormPixelSamples);
-    auto responses = respond(accuracy, seed);
-    if (!responses.ok()) return responses.status();
+    LUCERNA_ASSIGN_OR_RETURN(auto responses, respond(accuracy, seed));
     const auto scatters = [](const v1::RenderTileResponse& response) {
       const std::string& deviation = response.tile().deviation();
       return std::any_of(deviation.begin(), deviation.end(), [](char c) { return c != 0; });
     };
-    if (std::any_of(responses->begin(), responses->end(), scatters)) return std::nullopt;
+    if (std::any_of(responses.begin(), responses.end(), scatters)) return std::nullopt;
     accuracy.mutable_target_error()->set_relative(kClosedFormError);
     accuracy.mutable_target_error()->set_max_samples(kClosedFormPixelSamples);
     responses = respond(accuracy, seed);
     if (!responses.ok()) return responses.status();
-    for (const v1::RenderTileResponse& response : *responses) {
+    for (const v1::RenderTileResponse& response : responses) {
       const v1::Tile& tile = response.tile();
       if (scatters(response) || !are_points(tile)) return std::nullopt;
     }
-    auto known = values(*responses);
-    if (!known.ok()) return known.status();
-    return std::optional(*std::move(known));
+    LUCERNA_ASSIGN_OR_RETURN(auto known, values(responses));
+    return std::optional(std::move(known));
   }
   std::string command(const Setting& setting, const Amount& amount) const override {
     return command_line(options_, "render", " -o picture.exr" + flags(setting, amount)) +
@@ -142,9 +141,8 @@ class PictureQuestion : public EstimateQuestion {
     std::vector<v1::RenderTileResponse> responses;
     for (const v1::PixelRect& tile : layout_.tiles) {
       *request.mutable_rect() = tile;
-      auto response = client_.render_tile(request, call());
-      if (!response.ok()) return response.status();
-      responses.push_back(*std::move(response));
+      LUCERNA_ASSIGN_OR_RETURN(auto response, client_.render_tile(request, call()));
+      responses.push_back(std::move(response));
     }
     return responses;
   }
@@ -156,9 +154,8 @@ class PictureQuestion : public EstimateQuestion {
       client::PictureAssembler assembler;
       const absl::Status added = assembler.add(response.tile());
       if (!added.ok()) return added;
-      const auto pixels = assembler.pixels(response.tile().rect());
-      if (!pixels.ok()) return pixels.status();
-      result.insert(result.end(), pixels->begin(), pixels->end());
+      LUCERNA_ASSIGN_OR_RETURN(const auto pixels, assembler.pixels(response.tile().rect()));
+      result.insert(result.end(), pixels.begin(), pixels.end());
     }
     return result;
   }
@@ -168,9 +165,8 @@ class PictureQuestion : public EstimateQuestion {
     const auto responses = respond(accuracy, seed);
     const double seconds = watch.seconds();
     if (!responses.ok()) return responses.status();
-    auto pixels = values(*responses);
-    if (!pixels.ok()) return pixels.status();
-    Answer answer{.values = *std::move(pixels), .seconds = seconds};
+    LUCERNA_ASSIGN_OR_RETURN(auto pixels, values(*responses));
+    Answer answer{.values = std::move(pixels), .seconds = seconds};
     for (const v1::RenderTileResponse& response : *responses) {
       answer.samples += static_cast<double>(response.cost().samples());
       answer.rays += rays_of(response.cost());
@@ -187,12 +183,11 @@ absl::StatusOr<std::unique_ptr<Question>> make_picture_question(const client::Cl
                                                                 const QuestionOptions& options) {
   v1::GetSceneRequest request;
   request.set_scene_id(options.scene_id);
-  const auto scene = client.get_scene(request, options.call);
-  if (!scene.ok()) return scene.status();
-  if (scene->summary().image_width() == 0) {
+  LUCERNA_ASSIGN_OR_RETURN(const auto scene, client.get_scene(request, options.call));
+  if (scene.summary().image_width() == 0) {
     return absl::InvalidArgumentError("--query render: the scene has no camera");
   }
-  return std::make_unique<PictureQuestion>(client, options, scene->summary());
+  return std::make_unique<PictureQuestion>(client, options, scene.summary());
 }
 
 }  // namespace lucerna::tradeoff

@@ -10,6 +10,7 @@
 #include "client/tradeoff/question.h"
 #include "client/tradeoff/stopwatch.h"
 #include "lucerna/client/batches.h"
+#include "proto/common/status_macros.h"
 
 namespace lucerna::tradeoff {
 namespace {
@@ -116,10 +117,9 @@ class PowerQuestion : public Question {
     request.set_scene_id(options_.scene_id);
     request.mutable_light_ids()->Add(lights_.begin(), lights_.end());
     const Stopwatch watch;
-    const auto response = client_.estimate_power(request, call());
-    if (!response.ok()) return response.status();
+    LUCERNA_ASSIGN_OR_RETURN(const auto response, client_.estimate_power(request, call()));
     Answer answer{.values = {}, .seconds = watch.seconds()};
-    for (const v1::LightPower& light : response->lights()) {
+    for (const v1::LightPower& light : response.lights()) {
       answer.values.push_back(light.power_lm());
       answer.samples += static_cast<double>(light.samples());
     }
@@ -135,22 +135,21 @@ class PowerQuestion : public Question {
       request.set_light_id(light);
       request.set_count(count);
       request.mutable_seed()->set_seed(seed);
-      const auto rays =
-          client::sample_le_in_batches(client_, request, {.max_items = 0, .call = call()});
-      if (!rays.ok()) return rays.status();
+      LUCERNA_ASSIGN_OR_RETURN(
+          const auto rays,
+          client::sample_le_in_batches(client_, request, {.max_items = 0, .call = call()}));
       double sum = 0;
-      for (int i = 0; i < rays->directions_size() / 3; ++i) {
-        if (!rays->status().empty() && rays->status(i) != v1::ITEM_STATUS_OK) continue;
+      for (int i = 0; i < rays.directions_size() / 3; ++i) {
+        if (!rays.status().empty() && rays.status(i) != v1::ITEM_STATUS_OK) continue;
         const auto dot = [&](int k) {
-          return rays->light_normals(3 * i + k) * rays->directions(3 * i + k);
+          return rays.light_normals(3 * i + k) * rays.directions(3 * i + k);
         };
-        const bool surface = rays->light_normals(3 * i) != 0 ||
-                             rays->light_normals(3 * i + 1) != 0 ||
-                             rays->light_normals(3 * i + 2) != 0;
+        const bool surface = rays.light_normals(3 * i) != 0 || rays.light_normals(3 * i + 1) != 0 ||
+                             rays.light_normals(3 * i + 2) != 0;
         double weight = surface ? std::fabs(dot(0) + dot(1) + dot(2)) : 1;
-        if (rays->pdf_position_per_m2(i) > 0) weight /= rays->pdf_position_per_m2(i);
-        if (rays->pdf_direction_per_sr(i) > 0) weight /= rays->pdf_direction_per_sr(i);
-        sum += cli::luminance(rays->value().data() + 3 * static_cast<std::ptrdiff_t>(i)) * weight;
+        if (rays.pdf_position_per_m2(i) > 0) weight /= rays.pdf_position_per_m2(i);
+        if (rays.pdf_direction_per_sr(i) > 0) weight /= rays.pdf_direction_per_sr(i);
+        sum += cli::luminance(rays.value().data() + 3 * static_cast<std::ptrdiff_t>(i)) * weight;
       }
       answer.values.push_back(sum / count);
       answer.samples += count;
@@ -174,10 +173,9 @@ absl::StatusOr<std::unique_ptr<Question>> make_power_question(const client::Clie
   v1::ListLightsRequest list;
   list.set_scene_id(options.scene_id);
   do {
-    const auto page = client.list_lights(list, options.call);
-    if (!page.ok()) return page.status();
-    for (const v1::Light& light : page->lights()) all.push_back(light.id());
-    list.set_page_token(page->next_page_token());
+    LUCERNA_ASSIGN_OR_RETURN(const auto page, client.list_lights(list, options.call));
+    for (const v1::Light& light : page.lights()) all.push_back(light.id());
+    list.set_page_token(page.next_page_token());
   } while (!list.page_token().empty());
   if (all.empty()) {
     return absl::InvalidArgumentError("--query power: the scene has no lights");
@@ -191,9 +189,8 @@ absl::StatusOr<std::unique_ptr<Question>> make_power_question(const client::Clie
   std::vector<std::uint64_t> some;
   for (std::uint64_t i = 0; i < count; ++i) some.push_back(all[i * all.size() / count]);
   request.mutable_light_ids()->Add(some.begin(), some.end());
-  const auto exact = client.estimate_power(request, options.call);
-  if (!exact.ok()) return exact.status();
-  return std::make_unique<PowerQuestion>(client, options, std::move(some), *exact);
+  LUCERNA_ASSIGN_OR_RETURN(const auto exact, client.estimate_power(request, options.call));
+  return std::make_unique<PowerQuestion>(client, options, std::move(some), exact);
 }
 
 }  // namespace lucerna::tradeoff

@@ -13,6 +13,7 @@
 #include "client/tradeoff/question.h"
 #include "client/tradeoff/stopwatch.h"
 #include "lucerna/client/batches.h"
+#include "proto/common/status_macros.h"
 
 namespace lucerna::tradeoff {
 namespace {
@@ -125,27 +126,26 @@ class SampleQuestion : public Question {
 
   absl::StatusOr<Answer> sampled(const v1::Accuracy& accuracy, std::uint64_t seed) const {
     const Stopwatch watch;
-    const auto response = samples_of_light(accuracy, seed, true);
-    if (!response.ok()) return response.status();
+    LUCERNA_ASSIGN_OR_RETURN(const auto response, samples_of_light(accuracy, seed, true));
     const std::size_t points = layout_.points.size();
     Answer answer{.values = std::vector<double>(points)};
-    if (response->has_estimates()) {
-      const v1::ReceiverEstimates& e = response->estimates();
+    if (response.has_estimates()) {
+      const v1::ReceiverEstimates& e = response.estimates();
       for (int i = 0; i < e.illuminance_lx_size(); ++i) {
         const bool has = e.status().empty() || e.status(i) == v1::ITEM_STATUS_OK;
         answer.values[static_cast<std::size_t>(i)] =
             has ? double{e.illuminance_lx(i)} : std::numeric_limits<double>::quiet_NaN();
       }
     } else {
-      const std::size_t each = static_cast<std::size_t>(response->pdf_per_sr_size()) / points;
+      const std::size_t each = static_cast<std::size_t>(response.pdf_per_sr_size()) / points;
       for (std::size_t k = 0; k < points * each; ++k) {
-        answer.values[k / each] += value(*response, static_cast<int>(k), k / each) /
+        answer.values[k / each] += value(response, static_cast<int>(k), k / each) /
                                    static_cast<double>(accuracy.samples());
       }
     }
     answer.seconds = watch.seconds();  // includes the caller's sum
-    answer.samples = static_cast<double>(response->cost().samples());
-    answer.rays = rays_of(response->cost());
+    answer.samples = static_cast<double>(response.cost().samples());
+    answer.rays = rays_of(response.cost());
     return answer;
   }
 
@@ -160,13 +160,13 @@ class SampleQuestion : public Question {
     request.mutable_accuracy()->set_samples(samples);
     request.mutable_seed()->set_seed(seed);
     const Stopwatch watch;
-    const auto response =
-        client::estimate_irradiance_in_batches(client_, request, {.max_items = 0, .call = call()});
-    if (!response.ok()) return response.status();
+    LUCERNA_ASSIGN_OR_RETURN(
+        const auto response,
+        client::estimate_irradiance_in_batches(client_, request, {.max_items = 0, .call = call()}));
     Answer answer{.values = {}, .seconds = watch.seconds()};
-    for (int i = 0; i < response->illuminance_lx_size(); ++i) {
-      const bool has = response->status().empty() || response->status(i) == v1::ITEM_STATUS_OK;
-      answer.values.push_back(has ? static_cast<double>(response->illuminance_lx(i))
+    for (int i = 0; i < response.illuminance_lx_size(); ++i) {
+      const bool has = response.status().empty() || response.status(i) == v1::ITEM_STATUS_OK;
+      answer.values.push_back(has ? static_cast<double>(response.illuminance_lx(i))
                                   : std::numeric_limits<double>::quiet_NaN());
     }
     return answer;
@@ -179,28 +179,27 @@ class SampleQuestion : public Question {
     accuracy.set_area_sampling(v1::AREA_SAMPLING_PARALLELOGRAM);
     accuracy.set_sampler(v1::SAMPLER_INDEPENDENT);
     const Stopwatch watch;
-    const auto response = samples_of_light(accuracy, seed, false);
-    if (!response.ok()) return response.status();
+    LUCERNA_ASSIGN_OR_RETURN(const auto response, samples_of_light(accuracy, seed, false));
     const std::size_t points = layout_.points.size();
-    const std::size_t each = static_cast<std::size_t>(response->pdf_per_sr_size()) / points;
+    const std::size_t each = static_cast<std::size_t>(response.pdf_per_sr_size()) / points;
     std::vector<client::Double3> from, to, start, along, from_normals, start_normals;
     std::vector<int> segments, rays;
     const v1::Vector3& o = request_.receivers().origin_m();
-    for (int i = 0; i < response->pdf_per_sr_size(); ++i) {
-      if (!ok(*response, i)) continue;
+    for (int i = 0; i < response.pdf_per_sr_size(); ++i) {
+      if (!ok(response, i)) continue;
       const std::size_t point = static_cast<std::size_t>(i) / each;
       const auto three = [i](const google::protobuf::RepeatedField<float>& v) {
         return client::Double3{v[3 * i], v[3 * i + 1], v[3 * i + 2]};
       };
-      if (response->distance_m(i) > 0) {
-        const client::Double3 offset = three(response->light_offsets_m());
+      if (response.distance_m(i) > 0) {
+        const client::Double3 offset = three(response.light_offsets_m());
         from.push_back(layout_.points[point]);
         to.push_back({o.x() + offset[0], o.y() + offset[1], o.z() + offset[2]});
         from_normals.push_back(unit_normals_[point]);
         segments.push_back(i);
       } else {
         start.push_back(layout_.points[point]);
-        along.push_back(three(response->wi()));
+        along.push_back(three(response.wi()));
         start_normals.push_back(unit_normals_[point]);
         rays.push_back(i);
       }
@@ -212,13 +211,13 @@ class SampleQuestion : public Question {
       if (items.empty()) return absl::OkStatus();
       request.set_scene_id(options_.scene_id);
       client::fill(normals, request.mutable_normals());
-      const auto visible =
-          client::test_visibility_in_batches(client_, request, {.max_items = 0, .call = call()});
-      if (!visible.ok()) return visible.status();
+      LUCERNA_ASSIGN_OR_RETURN(
+          const auto visible,
+          client::test_visibility_in_batches(client_, request, {.max_items = 0, .call = call()}));
       for (std::size_t k = 0; k < items.size(); ++k) {
-        if (!client::bit(visible->visible(), k)) continue;
+        if (!client::bit(visible.visible(), k)) continue;
         answer.values[static_cast<std::size_t>(items[k]) / each] +=
-            1 / (chosen_with(*response, items[k]) * static_cast<double>(lights_) * samples);
+            1 / (chosen_with(response, items[k]) * static_cast<double>(lights_) * samples);
       }
       return absl::OkStatus();
     };
@@ -246,12 +245,11 @@ absl::StatusOr<std::unique_ptr<Question>> make(const client::Client& client,
                                                const QuestionOptions& options, bool visibility) {
   v1::GetSceneRequest request;
   request.set_scene_id(options.scene_id);
-  const auto scene = client.get_scene(request, options.call);
-  if (!scene.ok()) return scene.status();
-  if (scene->summary().lights() == 0) {
+  LUCERNA_ASSIGN_OR_RETURN(const auto scene, client.get_scene(request, options.call));
+  if (scene.summary().lights() == 0) {
     return absl::InvalidArgumentError("--query: the scene has no lights to sample");
   }
-  return std::make_unique<SampleQuestion>(client, options, scene->summary().lights(), visibility);
+  return std::make_unique<SampleQuestion>(client, options, scene.summary().lights(), visibility);
 }
 
 }  // namespace

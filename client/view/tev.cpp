@@ -23,6 +23,7 @@
 #include <vector>
 
 #include "client/view/tev_packet.h"
+#include "proto/common/status_macros.h"
 
 // One connected socket that is only written to.  A networking library would need more code than
 // these calls, and would need its own event loop.
@@ -315,10 +316,9 @@ TevSender::~TevSender() = default;
 
 absl::StatusOr<std::unique_ptr<TevSender>> TevSender::create(
     const std::string& address, std::function<void(const std::string&)> on_event) {
-  auto resolved = resolve(address);
-  if (!resolved.ok()) return resolved.status();
+  LUCERNA_ASSIGN_OR_RETURN(auto resolved, resolve(address));
   return std::unique_ptr<TevSender>(
-      new TevSender(std::make_unique<Impl>(address, *std::move(resolved), std::move(on_event))));
+      new TevSender(std::make_unique<Impl>(address, std::move(resolved), std::move(on_event))));
 }
 
 absl::Status TevSender::begin(const std::string& name, std::uint32_t width, std::uint32_t height) {
