@@ -118,8 +118,7 @@ class PictureQuestion : public EstimateQuestion {
     if (std::any_of(responses.begin(), responses.end(), scatters)) return std::nullopt;
     accuracy.mutable_target_error()->set_relative(kClosedFormError);
     accuracy.mutable_target_error()->set_max_samples(kClosedFormPixelSamples);
-    responses = respond(accuracy, seed);
-    if (!responses.ok()) return responses.status();
+    LUCERNA_ASSIGN_OR_RETURN(responses, respond(accuracy, seed));
     for (const v1::RenderTileResponse& response : responses) {
       const v1::Tile& tile = response.tile();
       if (scatters(response) || !are_points(tile)) return std::nullopt;
@@ -152,8 +151,7 @@ class PictureQuestion : public EstimateQuestion {
     std::vector<double> result;
     for (const v1::RenderTileResponse& response : responses) {
       client::PictureAssembler assembler;
-      const absl::Status added = assembler.add(response.tile());
-      if (!added.ok()) return added;
+      LUCERNA_RETURN_IF_ERROR(assembler.add(response.tile()));
       LUCERNA_ASSIGN_OR_RETURN(const auto pixels, assembler.pixels(response.tile().rect()));
       result.insert(result.end(), pixels.begin(), pixels.end());
     }
