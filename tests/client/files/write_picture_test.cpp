@@ -100,7 +100,8 @@ TEST_F(WritePicture, PngHasRowsFromTheTop) {
 TEST_F(WritePicture, FilesStoreTheDescription) {
   for (const char* name : {"a.exr", "a.png"}) {
     auto file = *PictureFile::create(path(name));
-    const PictureView picture{.width = 3, .height = 2, .rgb = kPixels, .description = "a room"};
+    const client::PictureView picture{
+        .width = 3, .height = 2, .rgb = kPixels, .description = "a room"};
     ASSERT_TRUE(file.write(picture, 0).ok());
     const auto in = OIIO::ImageInput::open(path(name));
     ASSERT_TRUE(in) << OIIO::geterror();
