@@ -10,8 +10,7 @@ std::string numbers(const Vec& v) { return number(v.x) + " " + number(v.y) + " "
 
 /// A frame whose third axis is `w`.
 std::array<Vec, 3> frame(const Vec& w) {
-  const Vec other = std::fabs(w.x) < 0.6L ? Vec{1, 0, 0} : Vec{0, 1, 0};
-  const Vec u = unit(cross(other, w));
+  const Vec u = across(w);
   return {u, cross(w, u), w};
 }
 

@@ -51,8 +51,7 @@ class Maker {
     if (random_.chance(0.25)) {
       axis_ = random_.direction();
     }
-    const Vec other = std::fabs(axis_.x) < 0.6L ? Vec{1, 0, 0} : Vec{0, 1, 0};
-    across_ = unit(cross(other, axis_));
+    across_ = across(axis_);
     along_ = cross(axis_, across_);
     if (random_.chance(0.8)) add_ground();
     const int shapes = 1 + random_.below(4);
@@ -97,8 +96,7 @@ class Maker {
     Vec u = across_, v = along_;
     if (!low) {
       const Vec w = random_.direction();
-      const Vec other = std::fabs(w.x) < 0.6L ? Vec{1, 0, 0} : Vec{0, 1, 0};
-      u = unit(cross(other, w));
+      u = across(w);
       v = cross(w, u);
     }
     const Real slim = random_.chance(0.2) ? random_.power(-3, 0) : 1;
@@ -158,8 +156,7 @@ class Maker {
         return {a + (b - a) * s + (c - a) * t, unit(cross(b - a, c - a))};
       case ShapeKind::kDisk: {
         const Vec n = unit(b - a);
-        const Vec other = std::fabs(n.x) < 0.6L ? Vec{1, 0, 0} : Vec{0, 1, 0};
-        const Vec u = unit(cross(other, n));
+        const Vec u = across(n);
         const double angle = 2 * std::numbers::pi * t;
         return {a + (u * std::cos(angle) + cross(n, u) * std::sin(angle)) *
                         (shape.radius * std::sqrt(s)),

@@ -26,8 +26,9 @@ inline Vec cross(const Vec& a, const Vec& b) {
 inline Real length(const Vec& a) { return std::sqrt(dot(a, a)); }
 inline Vec unit(const Vec& a) { return a * (1 / length(a)); }
 inline Vec absolute(const Vec& a) { return {std::fabs(a.x), std::fabs(a.y), std::fabs(a.z)}; }
-inline Real largest(const Vec& a) {
-  return std::fmax(std::fabs(a.x), std::fmax(std::fabs(a.y), std::fabs(a.z)));
+/// A unit vector across the unit vector `n`.
+inline Vec across(const Vec& n) {
+  return unit(cross(std::fabs(n.x) < 0.6L ? Vec{1, 0, 0} : Vec{0, 1, 0}, n));
 }
 
 enum class ShapeKind : std::uint8_t { kTriangle, kParallelogram, kDisk, kSphere };
