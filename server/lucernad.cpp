@@ -35,7 +35,7 @@ class Signals {
       int signal = 0;
       sigwait(&set_, &signal);
       if (signal != kWake) {
-        spdlog::info("got {}", signal == SIGTERM ? "SIGTERM" : "SIGINT");
+        spdlog::info(signal == SIGTERM ? "got SIGTERM" : "got SIGINT");
       }
       stop_.request_stop();
       signalled_.set_value();
@@ -72,12 +72,12 @@ std::string describe_bytes(std::uint64_t bytes) {
 void log_start(const lucerna::rpc::ServerOptions& options, const lucerna::rpc::Server& server) {
   const lucerna::rpc::ServerSummary serves = server.summary();
   const std::uint64_t budget = options.scenes.memory_budget_bytes;
-  spdlog::info("lucernad {} listens on {}", options.version, server.address());
-  spdlog::info("scene root {}: {} scene files{}, {} scenes loaded", serves.root,
-               serves.available_scenes, serves.listing_is_incomplete ? " or more" : "",
-               serves.loaded_scenes);
-  spdlog::info("{} threads, memory budget {}", serves.threads,
-               budget > 0 ? describe_bytes(budget) : "unlimited");
+  spdlog::info(fmt::format("lucernad {} listens on {}", options.version, server.address()));
+  spdlog::info(fmt::format("scene root {}: {} scene files{}, {} scenes loaded", serves.root,
+                           serves.available_scenes, serves.listing_is_incomplete ? " or more" : "",
+                           serves.loaded_scenes));
+  spdlog::info(fmt::format("{} threads, memory budget {}", serves.threads,
+                           budget > 0 ? describe_bytes(budget) : "unlimited"));
 }
 
 int serve(const lucerna::rpc::ServerOptions& options, std::chrono::seconds drain_time) {
@@ -93,7 +93,7 @@ int serve(const lucerna::rpc::ServerOptions& options, std::chrono::seconds drain
   fmt::print("listening on {}\n", (*server)->address());
   std::fflush(stdout);
   signals.wait();
-  spdlog::info("draining for at most {} s", drain_time.count());
+  spdlog::info(fmt::format("draining for at most {} s", drain_time.count()));
   (*server)->drain(drain_time);
   spdlog::info("ended");
   return 0;

@@ -1,8 +1,10 @@
 // The commands emit, emit-pdf and le.
 #include <fmt/core.h>
 
+#include <CLI/CLI.hpp>
 #include <memory>
 
+#include "client/cli/commands.h"
 #include "client/terminal/answer.h"
 #include "client/terminal/output.h"
 #include "client/terminal/point_options.h"

@@ -1,7 +1,6 @@
 // render --frames: the pictures of an animation, one after the other.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -12,6 +11,10 @@
 #include "client/jobs/held_scene.h"
 #include "client/terminal/session.h"
 #include "lucerna/v1/render.pb.h"
+
+namespace CLI {
+class App;
+}
 
 namespace lucerna::cli {
 

@@ -1,7 +1,6 @@
 // irradiance -o: reads points from files of any length and writes the results to a file.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <string>
 #include <vector>
 
@@ -9,6 +8,10 @@
 #include "client/terminal/point_options.h"
 #include "client/terminal/session.h"
 #include "lucerna/v1/lighting.pb.h"
+
+namespace CLI {
+class App;
+}
 
 namespace lucerna::cli {
 

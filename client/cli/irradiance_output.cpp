@@ -35,17 +35,15 @@ bool add_row(const float* row, TargetCheck& check) {
 absl::Status write_csv(const std::string& path, const client::ResultFile& results,
                        const IrradianceOutput& options, client::ReceiverSource& receivers) {
   std::ofstream file(path, std::ios::binary);
-  fmt::memory_buffer text;
-  const auto to = std::back_inserter(text);
-  fmt::format_to(to,
-                 "x,y,z,illuminance_lx,red_lx,green_lx,blue_lx,standard_error_lx,"
-                 "zero_bound_lx,status,lower_lx,upper_lx,approximate");
+  std::string text =
+      "x,y,z,illuminance_lx,red_lx,green_lx,blue_lx,standard_error_lx,"
+      "zero_bound_lx,status,lower_lx,upper_lx,approximate";
   const v1::Accuracy& accuracy = options.request.accuracy();
   const bool approximate = is_approximate(accuracy);
   TargetCheck check(accuracy.target_error());
-  if (accuracy.has_target_error()) fmt::format_to(to, ",samples,reached");
+  if (accuracy.has_target_error()) text += ",samples,reached";
   for (const double nm : options.request.wavelengths_nm())
-    fmt::format_to(to, ",irradiance_{}nm_w_m2_nm", nm);
+    text += fmt::format(",irradiance_{}nm_w_m2_nm", nm);
   std::vector<client::Double3> points;
   std::vector<float> normals, rows;
   const std::size_t columns = results.columns();
@@ -55,17 +53,17 @@ absl::Status write_csv(const std::string& path, const client::ResultFile& result
     rows.resize(count * columns);
     LUCERNA_RETURN_IF_ERROR(results.read(first, rows));
     for (std::size_t i = 0; i < count; ++i) {
-      fmt::format_to(to, "\n{},{},{}", points[i][0], points[i][1], points[i][2]);
+      text += fmt::format("\n{},{},{}", points[i][0], points[i][1], points[i][2]);
       const float* row = rows.data() + i * columns;
       for (std::size_t c = 0; c < columns; ++c) {
         if (c == client::kStatusColumn) {
-          fmt::format_to(to, ",{}", status_name(row[c]));
+          text += fmt::format(",{}", status_name(row[c]));
         } else {
-          fmt::format_to(to, ",{}", row[c]);
+          text += fmt::format(",{}", row[c]);
         }
-        if (c == client::kUpperColumn) fmt::format_to(to, ",{}", approximate);
+        if (c == client::kUpperColumn) text += fmt::format(",{}", approximate);
         if (c == client::kSamplesColumn && accuracy.has_target_error())
-          fmt::format_to(to, ",{}", add_row(row, check));
+          text += fmt::format(",{}", add_row(row, check));
       }
     }
     file.write(text.data(), static_cast<std::streamsize>(text.size()));

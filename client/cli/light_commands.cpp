@@ -1,9 +1,11 @@
 // The commands sample and pdf.
 #include <fmt/core.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <memory>
 
+#include "client/cli/commands.h"
 #include "client/rpc/batch_parts.h"
 #include "client/terminal/answer.h"
 #include "client/terminal/certainty.h"

@@ -1,10 +1,12 @@
 // The command power.
 #include <fmt/core.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <map>
 #include <memory>
 
+#include "client/cli/commands.h"
 #include "client/cli/light_table.h"
 #include "client/terminal/certainty.h"
 #include "client/terminal/output.h"

@@ -4,7 +4,6 @@
 // draws the files.  Both keep only the newest pixels.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <string>
 #include <vector>
@@ -12,6 +11,10 @@
 #include "client/files/write_picture.h"
 #include "client/jobs/picture.h"
 #include "client/view/tev.h"
+
+namespace CLI {
+class App;
+}
 
 namespace lucerna::cli {
 

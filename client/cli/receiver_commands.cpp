@@ -1,8 +1,10 @@
 // The commands visible and irradiance.
 #include <fmt/core.h>
 
+#include <CLI/CLI.hpp>
 #include <memory>
 
+#include "client/cli/commands.h"
 #include "client/cli/irradiance_files.h"
 #include "client/rpc/batch_parts.h"
 #include "client/terminal/answer.h"

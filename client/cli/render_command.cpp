@@ -1,6 +1,7 @@
 // The command render.
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -11,6 +12,7 @@
 #include <utility>
 
 #include "absl/cleanup/cleanup.h"
+#include "client/cli/commands.h"
 #include "client/cli/frames.h"
 #include "client/cli/preview.h"
 #include "client/cli/render_servers.h"

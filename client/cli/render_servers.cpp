@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
+
 #include "client/rpc/server_list.h"
 #include "client/rpc/upload.h"
 #include "client/terminal/progress.h"

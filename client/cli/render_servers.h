@@ -1,7 +1,6 @@
 // The option --servers: one picture, or the light at many points, on many servers.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <string>
 
 #include "client/cli/preview.h"
@@ -9,6 +8,10 @@
 #include "client/jobs/render_job.h"
 #include "client/terminal/progress.h"
 #include "client/terminal/session.h"
+
+namespace CLI {
+class App;
+}
 
 namespace lucerna::cli {
 

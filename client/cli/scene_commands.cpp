@@ -2,10 +2,12 @@
 #include <fmt/core.h>
 #include <unistd.h>
 
+#include <CLI/CLI.hpp>
 #include <cmath>
 #include <memory>
 #include <utility>
 
+#include "client/cli/commands.h"
 #include "client/cli/light_table.h"
 #include "client/terminal/output.h"
 #include "client/terminal/session.h"

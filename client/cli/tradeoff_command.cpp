@@ -3,12 +3,14 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <CLI/CLI.hpp>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
 #include <string_view>
 #include <vector>
 
+#include "client/cli/commands.h"
 #include "client/terminal/session.h"
 
 namespace lucerna::cli {

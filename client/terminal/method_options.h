@@ -1,52 +1,56 @@
 // Options for the methods of a computation.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "client/terminal/validators.h"
 #include "lucerna/v1/accuracy.pb.h"
-#include "proto/common/defaults.h"
+
+namespace CLI {
+class App;
+}
 
 namespace lucerna::cli {
 
 /// One of several methods, by name.  The default "automatic" leaves the choice to the server.
-template <typename Way>
-class WayOption {
+class MethodOption {
  public:
-  WayOption(const char* flag, const char* help, std::vector<std::pair<const char*, Way>> ways)
-      : flag_(flag), help_(help), ways_(std::move(ways)) {}
+  /// `methods`: names, and numbers of enumerators in the contract.
+  MethodOption(const char* flag, const char* help, std::vector<std::pair<const char*, int>> methods)
+      : flag_(flag), help_(help), methods_(std::move(methods)) {}
 
-  void add(CLI::App& command) {
-    std::vector<std::string> names = {"automatic"};
-    for (const auto& [name, way] : ways_) names.emplace_back(name);
-    command.add_option(flag_, name_, std::string(help_) + "; default: automatic")
-        ->check(one_of(names));
-  }
+  void add(CLI::App& command);
 
+ protected:
   /// Nothing if the server chooses.
-  std::optional<Way> way() const {
-    for (const auto& [name, way] : ways_)
-      if (name_ == name) return way;
-    return std::nullopt;
-  }
+  std::optional<int> number() const;
 
  private:
   const char* flag_;
   const char* help_;
-  std::vector<std::pair<const char*, Way>> ways_;
+  std::vector<std::pair<const char*, int>> methods_;
   std::string name_ = "automatic";
+};
+
+/// The same with the enumerators' type.
+template <typename Way>
+struct WayOption : MethodOption {
+  using MethodOption::MethodOption;
+
+  /// Nothing if the server chooses.
+  std::optional<Way> way() const {
+    if (const auto way = number()) return static_cast<Way>(*way);
+    return std::nullopt;
+  }
 };
 
 /// A method option that a command may have without the others.  `kSet` sets the method in a
 /// request.
 template <typename Way, void (v1::Accuracy::*kSet)(Way)>
-class LoneWayOption : public WayOption<Way> {
- public:
+struct LoneWayOption : WayOption<Way> {
   using WayOption<Way>::WayOption;
 
   /// Sets the methods that are given; the others leave the request unchanged.
@@ -83,12 +87,7 @@ struct LightSelectionOption
 /// The methods of single samples of light.
 class SampleMethodOptions {
  public:
-  void add(CLI::App& command) {
-    area_sampling_.add(command);
-    light_selection_.add(command);
-    sampler_.add(command);
-    visibility_.add(command);
-  }
+  void add(CLI::App& command);
 
   /// Sets the methods that are given; the others leave the request unchanged.
   template <typename Request>
@@ -115,20 +114,7 @@ class SampleMethodOptions {
 /// All methods, for estimates.
 class MethodOptions {
  public:
-  void add(CLI::App& command) {
-    samples_.add(command);
-    command
-        .add_option("--samples-per-light", samples_per_light_,
-                    "Points that each sample takes on a light; default: as in the scene file, or 1")
-        ->check(whole(1, kMostSamplesPerLight));
-    command
-        .add_option("--far-light", far_light_radii_,
-                    "Treat area lights farther away than this many radii as points; a radius is "
-                    "half the diagonal of the light's bounding box; default: never")
-        ->check(positive());
-    combination_.add(command);
-    closed_forms_.add(command);
-  }
+  void add(CLI::App& command);
 
   /// Sets the methods that are given; the others leave the request unchanged.
   template <typename Request>
@@ -156,5 +142,8 @@ class MethodOptions {
       "Where to use closed forms of unoccluded light instead of samples",
       {{"off", v1::CLOSED_FORMS_OFF}, {"empty-shafts", v1::CLOSED_FORMS_EMPTY_SHAFTS}}};
 };
+
+/// The methods that options such as {"--sampler", "sobol"} choose.  Throws CLI::ParseError.
+v1::Accuracy methods_of(const std::vector<std::string>& flags);
 
 }  // namespace lucerna::cli

@@ -1,13 +1,16 @@
 // Points and vectors from arguments, CSV files and standard input.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <istream>
 #include <string>
 #include <vector>
 
 #include "absl/status/statusor.h"
 #include "lucerna/client/points.h"
+
+namespace CLI {
+class App;
+}
 
 namespace lucerna::cli {
 

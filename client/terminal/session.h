@@ -2,7 +2,6 @@
 // program.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <atomic>
 #include <mutex>
 #include <optional>
@@ -13,6 +12,10 @@
 #include "client/terminal/remarks.h"
 #include "lucerna/client/client.h"
 #include "lucerna/client/query_servers.h"
+
+namespace CLI {
+class App;
+}
 
 namespace lucerna::cli {
 
@@ -115,18 +118,5 @@ v1::ListLightsResponse list_lights(Session& session, const std::string& scene_id
 inline constexpr char kSceneHelp[] =
     "A path under the scene root, the name of an uploaded scene, an id, or the first digits of an "
     "id";
-
-// One function for each group of commands.
-void add_scene_commands(CLI::App& app, Session& session);  // load scenes scene lights ...
-void add_light_commands(CLI::App& app, Session& session);  // sample pdf
-void add_power_command(CLI::App& app, Session& session);
-void add_emission_commands(CLI::App& app, Session& session);  // emit emit-pdf le
-void add_receiver_commands(CLI::App& app, Session& session);  // visible irradiance
-void add_render_command(CLI::App& app, Session& session);     // render
-/// Adds tradeoff to the list of commands.
-void add_tradeoff_command(CLI::App& app);
-/// If the command is tradeoff, replaces this process by lucerna-tradeoff, with all other arguments.
-/// Ends the program with a message if lucerna-tradeoff is not in the folder of this program.
-void start_tradeoff(const CLI::App& app, int argc, char** argv);
 
 }  // namespace lucerna::cli

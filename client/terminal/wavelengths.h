@@ -1,29 +1,20 @@
 // --wavelength: values at single wavelengths, beside RGB.
 #pragma once
 
-#include <fmt/core.h>
-
-#include <CLI/CLI.hpp>
 #include <string>
 #include <vector>
 
 #include "client/terminal/output.h"
-#include "client/terminal/validators.h"
+
+namespace CLI {
+class App;
+}
 
 namespace lucerna::cli {
 
 class WavelengthOption {
  public:
-  void add(CLI::App& command) {
-    command
-        .add_option(
-            "--wavelength", nm_,
-            "Also print the value at this wavelength [nm]; may be repeated, or a list with commas")
-        ->delimiter(',')
-        ->allow_extra_args(false)
-        ->check(checked_number("a wavelength from 100 to 1000000 nm",
-                               [](double nm) { return nm >= 100 && nm <= 1e6; }));
-  }
+  void add(CLI::App& command);
 
   bool given() const { return !nm_.empty(); }
 
@@ -33,11 +24,7 @@ class WavelengthOption {
   }
 
   /// The header of the values' column: "at 450 555 nm", or with a unit "at 450 555 nm [W/nm]".
-  std::string header(const std::string& unit = {}) const {
-    std::string text = "at";
-    for (const double nm : nm_) text += " " + number(nm);
-    return text + (unit.empty() ? " nm" : fmt::format(" nm [{}]", unit));
-  }
+  std::string header(const std::string& unit = {}) const;
 
   /// The values of item `i`, with spaces between them.
   template <typename T>

@@ -14,7 +14,6 @@
 #include <vector>
 
 #include "absl/strings/str_replace.h"
-#include "client/tradeoff/report_files.h"
 
 namespace lucerna::tradeoff {
 namespace {

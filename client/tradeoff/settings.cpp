@@ -2,11 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 
 #include "client/terminal/method_options.h"
-#include "lucerna/v1/lighting.pb.h"
 
 namespace lucerna::tradeoff {
 namespace {
@@ -85,14 +83,8 @@ std::string Amount::flags() const {
 }
 
 Setting make_setting(std::vector<std::string> flags, bool by_target) {
-  CLI::App app;
-  cli::MethodOptions options;
-  options.add(app);
-  // CLI11 needs the arguments in reverse order.
-  app.parse(std::vector<std::string>(flags.rbegin(), flags.rend()));
-  v1::EstimateIrradianceRequest request;
-  options.put(request);
-  return {.flags = std::move(flags), .accuracy = request.accuracy(), .by_target = by_target};
+  v1::Accuracy accuracy = cli::methods_of(flags);
+  return {.flags = std::move(flags), .accuracy = std::move(accuracy), .by_target = by_target};
 }
 
 std::vector<Setting> settings(Query query, const SceneFacts& facts) {

@@ -17,7 +17,7 @@ constexpr double kBulkSeconds = 0.1;
 grpc::Status to_grpc(const absl::Status& status, grpc::ServerContextBase& context) {
   if (status.ok()) return grpc::Status::OK;
   const WireError error = to_wire(status);
-  if (error.code == grpc::StatusCode::INTERNAL) spdlog::error("{}", status.ToString());
+  if (error.code == grpc::StatusCode::INTERNAL) spdlog::error(status.ToString());
   if (error.pushback) {
     context.AddTrailingMetadata("grpc-retry-pushback-ms",
                                 fmt::format("{}", error.pushback->count()));

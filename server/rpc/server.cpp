@@ -66,7 +66,8 @@ void set_info(const ServerOptions& options, const Fingerprint& fingerprint, int 
 void set_up_grpc() {
   static const bool done = [] {
     // gRPC's messages repeat our errors and report each client that connects or disconnects.
-    gpr_set_log_function([](gpr_log_func_args* args) { spdlog::debug("grpc: {}", args->message); });
+    gpr_set_log_function(
+        [](gpr_log_func_args* args) { spdlog::debug(fmt::format("grpc: {}", args->message)); });
     grpc::EnableDefaultHealthCheckService(true);
     grpc::reflection::InitProtoReflectionServerBuilderPlugin();
     // Reflection needs the description of this message.  Using it here makes the linker include it.

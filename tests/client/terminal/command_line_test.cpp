@@ -2,13 +2,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "client/terminal/error.h"
 #include "client/terminal/remarks.h"
 #include "client/terminal/server_address.h"
-#include "client/terminal/stop_option.h"
 #include "client/terminal/suggestion.h"
+#include "client/terminal/validators.h"
 #include "google/rpc/error_details.pb.h"
 #include "google/rpc/status.pb.h"
 #include "lucerna/client/client.h"
