@@ -3,8 +3,8 @@
 //
 //     ninja -C build/release area_sampling_bench && build/release/tests/bench/area_sampling_bench
 //
-// For each light, place and way it prints n times the variance of the irradiance with n samples
-// (Owen-scrambled Sobol points, like in queries), over the square of the irradiance.  `lit` is the
+// For each light, place and way it prints n times the variance of the irradiance with n samples,
+// over the square of the irradiance.  Samples are Owen-scrambled Sobol points.  `lit` is the
 // whole light.  `edge` hides one side of a straight edge through its middle, in the mean of eight
 // edges.  It also prints the time of a sample [ns] and `cost`, variance times time relative to the
 // first way.  For `cost` the variance is the mean of n = 1 and n = 16, with one place in ten on an

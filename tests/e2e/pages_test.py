@@ -30,7 +30,10 @@ HOLDS = ("deploy", "docs", "proto", "scenes", "tests/data", "README.md", "LICENS
 
 
 def commands(text):
-    """Yields (command, must it succeed, line number) for each command of the page."""
+    """Yields (command, must it succeed, line number) for each command of the page.
+
+    A block of `sh` ends at its first command that fails, and so does the page.
+    """
     language, block, begins = None, [], 0
     for number, line in enumerate(text.splitlines(), 1):
         if language is None:
@@ -38,7 +41,7 @@ def commands(text):
                 language, block, begins = opening[1].strip(), [], number + 1
         elif line.startswith("```"):
             if language == "sh":
-                yield "\n".join(block), True, begins
+                yield "set -e\n" + "\n".join(block) + "\nset +e", True, begins
             elif language in ("console", "console fails"):
                 yield from prompts(block, language == "console", begins)
             language = None
@@ -103,7 +106,8 @@ def run(page, build):
 
 def check_that_wrong_pages_fail(build):
     """Checks commands that fail where they must succeed, and that succeed where they must fail."""
-    for wrong in ("```console\n$ false\n```\n", "```console fails\n$ true\n```\n", "```sh\ntrue\nfalse\n```\n"):
+    for wrong in ("```console\n$ false\n```\n", "```console fails\n$ true\n```\n", "```sh\ntrue\nfalse\n```\n",
+                  "```sh\nfalse\ntrue\n```\n"):
         with tempfile.NamedTemporaryFile("w", suffix=".md") as page:
             page.write(wrong)
             page.flush()

@@ -17,7 +17,7 @@ namespace lucerna {
 /// -1 from front to back.  Normals point to the front.  A shape encloses the point if
 /// - the count is positive along 4 rays or more, and negative along none;
 /// - each ray with the count 0 meets a surface, and the place just before it is inside of the
-///   shape, by most rays with positive counts that lead away from there.  So furniture that touches
+///   shape.  Most rays that lead away from there have positive counts.  So furniture that touches
 ///   the floor is closed, although a ray finds only one of two surfaces at one place;
 /// - of the first 64 lights that have a place, none is inside of the shape, except the shape's own
 ///   light.  So a closed room around its lamps is not a solid.

@@ -74,15 +74,15 @@ struct LightCase {
   std::function<std::vector<Vec3<double>>()> receivers;
   std::function<CaseLight<float>(const Placement&)> make_float;
   std::function<CaseLight<double>(const Placement&)> make_double;
-  std::function<Rgb<double>(const Vec3<double>&, const Vec3<double>&)> value, emitted;
-  std::function<CaseRegion(const Vec3<double>&)> region;
-  std::function<double(const Vec3<double>&)> distance_to_surface;
-  std::function<Rgb<double>()> power_by_quadrature;
-  std::function<Vec3<double>(const Vec3<double>&, double, double)> emission_position;
-  std::function<Vec2<double>(const Vec3<double>&, const Vec3<double>&)> emission_where;
-  std::function<double()> emission_area_m2;
-  std::function<Vec3<double>(const Vec3<double>&)> emission_direction;
-  std::function<Region(const Vec3<double>&)> emission_region;
+  std::function<Rgb<double>(const Vec3<double>&, const Vec3<double>&)> value{}, emitted{};
+  std::function<CaseRegion(const Vec3<double>&)> region{};
+  std::function<double(const Vec3<double>&)> distance_to_surface{};
+  std::function<Rgb<double>()> power_by_quadrature{};
+  std::function<Vec3<double>(const Vec3<double>&, double, double)> emission_position{};
+  std::function<Vec2<double>(const Vec3<double>&, const Vec3<double>&)> emission_where{};
+  std::function<double()> emission_area_m2{};
+  std::function<Vec3<double>(const Vec3<double>&)> emission_direction{};
+  std::function<Region(const Vec3<double>&)> emission_region{};
 
   template <typename Real>
   CaseLight<Real> make(const Placement& at) const {
