@@ -17,12 +17,7 @@ void ServersOption::add(CLI::App& command, bool pictures) {
       .add_option("--servers", servers,
                   "Share the work among servers: A:PORT,B:PORT; dns:///NAME:PORT; @FILE with one "
                   "in each line; slurm:PORT for the nodes of this Slurm job")
-      ->transform(CLI::Validator(
-          [](std::string& list) {
-            list = with_default_port(list);
-            return std::string();
-          },
-          ""))
+      ->transform(server_addresses())
       ->type_name("LIST");
   // Points of a file are always a job, even on one server.
   const std::string with = pictures ? "With --servers: " : "With -o: ";

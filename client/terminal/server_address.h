@@ -3,11 +3,19 @@
 
 #include <string>
 
+namespace CLI {
+class Validator;
+}
+
 namespace lucerna::cli {
 
 /// `servers` with ":50051" after each host that has no port: "localhost", "10.0.0.7", "::1",
 /// "[::1]", "a,b:50052", "dns:///name".  An IPv6 address without brackets gets brackets.  Other
 /// texts stay unchanged: "@FILE", "slurm:PORT", "unix:PATH" and other schemes of gRPC.
 std::string with_default_port(const std::string& servers);
+
+/// Adds default ports to the text.  The message names a server without a host, or with a port
+/// outside of 1 to 65535.
+CLI::Validator server_addresses();
 
 }  // namespace lucerna::cli

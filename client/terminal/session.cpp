@@ -124,12 +124,7 @@ void Session::add_options(CLI::App& app) {
   app.add_option(
          "--server", server_,
          "Address of lucernad, HOST or HOST:PORT; several, separated by commas, answer in turn")
-      ->transform(CLI::Validator(
-          [](std::string& servers) {
-            servers = with_default_port(servers);
-            return std::string();
-          },
-          ""))
+      ->transform(server_addresses())
       ->envname("LUCERNA_SERVER")
       ->capture_default_str();
   app.add_flag("--allow-mixed", allow_mixed_,

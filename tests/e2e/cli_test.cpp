@@ -119,7 +119,7 @@ TEST_F(Cli, ErrorsAreJsonUnderJson) {
 TEST_F(Cli, HostsWithoutAPortHaveTheDefaultPort) {
   expect_wrong_use(lucerna({"irradiance", "point.pbrt", "--point", "0,0,0", "--normal", "0,0,1",
                             "--server", "localhost,[::1],x:y"}),
-                   "server \"x:y\", must be HOST:PORT");
+                   "server \"x:y\": port \"y\", allowed: 1 to 65535");
 }
 
 TEST_F(Cli, SizesAndNumbersBelowTheirLeastAreRefused) {

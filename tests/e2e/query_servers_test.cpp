@@ -144,7 +144,7 @@ TEST_F(QueryServers, CommandsForOneServerRefuseSeveral) {
   }
   const Outcome outcome = lucerna(irradiance("point.pbrt"), "a:1,b:x");
   EXPECT_EQ(outcome.status, 2);
-  EXPECT_THAT(outcome.err, HasSubstr("--server: server \"b:x\", must be HOST:PORT"));
+  EXPECT_THAT(outcome.err, HasSubstr("--server: server \"b:x\": port \"x\", allowed: 1 to 65535"));
   const Outcome unknown = lucerna(irradiance("no_such.pbrt"), both());
   EXPECT_EQ(unknown.status, 1);
   EXPECT_THAT(unknown.err, HasSubstr("no_such.pbrt"));

@@ -60,6 +60,26 @@ TEST(ServerAddress, HostsWithoutAPortGetTheDefaultPort) {
   }
 }
 
+TEST(ServerAddresses, NeedAHostAndAPort) {
+  const auto read = [](std::string text) {
+    const std::string error = cli::server_addresses()(text);
+    return error.empty() ? text : error;
+  };
+  EXPECT_EQ(read("localhost"), "localhost:50051");
+  EXPECT_EQ(read("a,b:65535"), "a:50051,b:65535");
+  EXPECT_EQ(read("[::1]:1"), "[::1]:1");
+  EXPECT_EQ(read("dns:///name"), "dns:///name:50051");
+  EXPECT_EQ(read("slurm:50051"), "slurm:50051");
+  EXPECT_EQ(read("unix:/run/lucernad"), "unix:/run/lucernad");
+  EXPECT_EQ(read("x:y"), "server \"x:y\": port \"y\", allowed: 1 to 65535");
+  EXPECT_EQ(read("a:"), "server \"a:\": port \"\", allowed: 1 to 65535");
+  EXPECT_EQ(read("a:65536"), "server \"a:65536\": port \"65536\", allowed: 1 to 65535");
+  EXPECT_EQ(read("a:0"), "server \"a:0\": port \"0\", allowed: 1 to 65535");
+  EXPECT_EQ(read("dns:///a:-1"), "server \"a:-1\": port \"-1\", allowed: 1 to 65535");
+  EXPECT_EQ(read("a,,b"), "server \"\": no host, allowed: HOST or HOST:PORT");
+  EXPECT_EQ(read(":50051"), "server \":50051\": no host, allowed: HOST or HOST:PORT");
+}
+
 TEST(Duration, IsReadWithUnitsInDescendingOrder) {
   const std::pair<const char*, double> cases[] = {
       {"60", 60},      {"60s", 60},       {"2m", 120},       {"500ms", 0.5}, {"1h", 3600},
